@@ -1,0 +1,51 @@
+# Fails where a file of a room includes a header of a room that its own may not look into:
+#   cmake -D RULES="base=base;shape=shape,base;..." -D SOURCE_DIR=.../src -P check_rooms.cmake
+# A header of the project is included by its room and name, "room/file.h", never by a relative path, so that
+# what an #include names can be held against the list. Files in no room (src/main.cpp) may look everywhere.
+cmake_minimum_required(VERSION 3.25)
+
+foreach(rule IN LISTS RULES)
+  string(REGEX MATCH "^([^=]+)=(.*)$" rule "${rule}")
+  list(APPEND rooms ${CMAKE_MATCH_1})
+  string(REPLACE "," ";" looks_into_${CMAKE_MATCH_1} "${CMAKE_MATCH_2}")
+endforeach()
+
+# Prints the violation with the number of the line in `text` on which `include` stands.
+function(report file text include rule)
+  string(FIND "${text}" "${include}" start)
+  string(SUBSTRING "${text}" 0 ${start} before)
+  string(REGEX MATCHALL "\n" lines "${before}")
+  list(LENGTH lines line)
+  math(EXPR line "${line} + 1")
+  message(NOTICE "src/${file}:${line}: error: ${include}: ${rule}")
+  set(failed TRUE PARENT_SCOPE)
+endfunction()
+
+file(GLOB_RECURSE files RELATIVE ${SOURCE_DIR} ${SOURCE_DIR}/*.h ${SOURCE_DIR}/*.cpp)
+foreach(file IN LISTS files)
+  string(REGEX MATCH "^[^/]+" room ${file})
+  set(allowed ${rooms})
+  if(room IN_LIST rooms)
+    set(allowed ${looks_into_${room}})
+  endif()
+  list(JOIN allowed " " allowed_text)
+  file(READ ${SOURCE_DIR}/${file} text)
+  string(REPLACE ";" "," text "${text}")
+  string(REGEX MATCHALL "#[ \t]*include[ \t]*[<\"][^>\"\n]*[>\"]" includes "${text}")
+  foreach(include IN LISTS includes)
+    string(REGEX MATCH "([<\"])([^/>\"]*)/?" _ "${include}")
+    set(kind "${CMAKE_MATCH_1}")
+    set(looked_into "${CMAKE_MATCH_2}")
+    if(looked_into IN_LIST rooms)
+      if(NOT looked_into IN_LIST allowed)
+        report(${file} "${text}" "${include}"
+               "room ${room} may look into ${allowed_text}, not ${looked_into} (raio_room in CMakeLists.txt)")
+      endif()
+    elseif(kind STREQUAL "\"")
+      report(${file} "${text}" "${include}" "write a header of the project as \"room/file.h\"")
+    endif()
+  endforeach()
+endforeach()
+if(failed)
+  message(FATAL_ERROR "The rooms look where they may not.")
+endif()

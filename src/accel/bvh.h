@@ -1,0 +1,85 @@
+// Raio's own fastest structure: a tree of boxes, eight children a node, eight primitives a leaf,
+// both laid out so that one SIMD instruction meets all eight. Built by bvh_build.cpp, walked by
+// bvh_trace.cpp.
+//
+// Wald, Benthin and Boulos 2008, "Getting Rid of Packets: Efficient SIMD Single-Ray Traversal using
+// Multi-branching BVHs", IRT; Dammertz, Hanika and Keller 2008, "Shallow Bounding Volume
+// Hierarchies for Fast SIMD Ray Tracing of Incoherent Rays", EGSR.
+#pragma once
+
+#include <algorithm>
+#include <limits>
+#include <vector>
+
+#include "accel/accel.h"
+
+namespace raio {
+
+inline constexpr int kBvhWidth = 8;
+
+/// Levels of nodes: so many are split by cost; from there on ranges are halved, at most 30 times,
+/// and then parted by kind.
+inline constexpr int kBvhCostLevels = 48;
+inline constexpr int kBvhMaxLevels = kBvhCostLevels + 30 + 3;
+
+/// What a child of a node is: 2 bits of this, 30 bits of index into the pool of its kind.
+enum class BvhChild : uint32_t { node, spheres, triangles, cones };
+inline constexpr uint32_t kNoChild = 0xffffffffu;
+constexpr uint32_t bvh_ref(BvhChild kind, uint32_t index) { return uint32_t(kind) << 30 | index; }
+constexpr BvhChild bvh_kind(uint32_t ref) { return BvhChild(ref >> 30); }
+constexpr uint32_t bvh_index(uint32_t ref) { return ref & 0x3fffffffu; }
+
+/// Eight boxes: planes[0] the lower ones, planes[1] the upper, per axis. Empty until set: no ray
+/// meets it.
+struct alignas(32) EightBoxes {
+  float planes[2][3][kBvhWidth];
+
+  EightBoxes() {
+    std::fill_n(&planes[0][0][0], 3 * kBvhWidth, std::numeric_limits<float>::infinity());
+    std::fill_n(&planes[1][0][0], 3 * kBvhWidth, -std::numeric_limits<float>::infinity());
+  }
+  void set(size_t i, const Box3f& box) {
+    for (int a = 0; a < 3; ++a) planes[0][a][i] = box.lo[a], planes[1][a][i] = box.hi[a];
+  }
+};
+
+struct BvhNode {
+  EightBoxes boxes;
+  uint32_t child[kBvhWidth];
+};
+
+/// Up to eight primitives of one kind. Lanes without one hold something that no ray meets.
+struct alignas(32) SphereBlock {
+  float x[kBvhWidth], y[kBvhWidth], z[kBvhWidth], radius[kBvhWidth];
+  ItemId item[kBvhWidth];
+};
+struct alignas(32) TriangleBlock {
+  float corner[3][3][kBvhWidth];  // [corner][axis]
+  ItemId item[kBvhWidth];
+};
+struct ConeBlock {  // the boxes tell which of them are worth a test in double
+  EightBoxes boxes;
+  ItemId item[kBvhWidth];
+};
+
+struct Bvh {
+  std::vector<BvhNode> nodes;  // the root first; empty for a scene without bounded primitives
+  std::vector<SphereBlock> spheres;
+  std::vector<TriangleBlock> triangles;
+  std::vector<ConeBlock> cones;
+  float reach = 0;  // the largest coordinate in the tree
+
+  size_t bytes() const;
+};
+
+/// The tree over all items but planes, the same for any number of threads.
+Bvh build_bvh(const Geometry& geometry);
+
+/// The walks, for the best instruction set that this machine has. Hits are those of brute force, to
+/// the last bit. With `context.coherent`, neighbouring rays travel together.
+void bvh_closest(const Geometry& geometry, const Bvh& bvh, const RayBatch& rays, Hit* hits,
+                 TraceContext& context);
+void bvh_occluded(const Geometry& geometry, const Bvh& bvh, const RayBatch& rays, uint8_t* hit,
+                  TraceContext& context);
+
+}  // namespace raio

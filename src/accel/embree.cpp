@@ -1,0 +1,311 @@
+// Embree 3 behind the interface of the other structures: a yardstick for speed and a third opinion
+// on hits.
+//
+// Used as its documentation advises: a high-quality build; robust mode, which closes the edges
+// between triangles; packets of eight, told when they are coherent; denormals
+// flushed while it runs. Embree has no open cones: those are user geometry with Raio's own test,
+// and infinite planes are tested before it. Which primitive is hit is Embree's word; where on it is
+// then found by Raio's own test, since mirrors make a picture's difference of the last bits of a
+// distance.
+#include <embree3/rtcore.h>
+#include <fmt/core.h>
+
+#if defined(__SSE__)
+#include <pmmintrin.h>
+#include <xmmintrin.h>
+#endif
+
+#include <bit>
+
+#include "accel/intersect.h"
+#include "accel/structures.h"
+
+namespace raio {
+namespace {
+
+// Flushes denormals while it lives, where the machine has such a switch.
+class FlushDenormals {
+ public:
+#if defined(__SSE__)
+  FlushDenormals() {
+    _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
+    _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
+  }
+  ~FlushDenormals() { _mm_setcsr(saved_); }
+
+ private:
+  unsigned saved_ = _mm_getcsr();
+#endif
+};
+
+constexpr unsigned kWidth = 8;
+
+class Embree final : public Accel {
+ public:
+  explicit Embree(Geometry geometry) : Accel(std::move(geometry)) {}
+
+  ~Embree() override {
+    if (scene_) rtcReleaseScene(scene_);
+    if (device_) rtcReleaseDevice(device_);
+  }
+
+  std::optional<std::string> build() {
+    device_ = rtcNewDevice(nullptr);
+    if (!device_)
+      return fmt::format("Embree does not start (error {})", int(rtcGetDeviceError(nullptr)));
+    rtcSetDeviceMemoryMonitorFunction(device_, count_bytes, this);
+    scene_ = rtcNewScene(device_);
+    rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
+    rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
+    add_spheres();
+    add_triangles();
+    add_cones();
+    rtcCommitScene(scene_);
+    const RTCError error = rtcGetDeviceError(device_);
+    if (error != RTC_ERROR_NONE)
+      return fmt::format("Embree could not build its structure (error {}{})", int(error),
+                         error == RTC_ERROR_OUT_OF_MEMORY ? ": out of memory" : "");
+    return std::nullopt;
+  }
+
+  void closest(const RayBatch& rays, Hit* hits, TraceContext& context) const override {
+    const FlushDenormals flush;
+    RTCIntersectContext embree = make_context(context);
+    size_t i = 0;
+    for (; i + 1 < rays.size() && !context.stopped(); i += kWidth) closest8(rays, i, hits, embree);
+    for (; i < rays.size() && !context.stopped(); ++i) {
+      hits[i] = nearest_plane(rays[i]).best;
+      RTCRayHit query;
+      query.ray = single(rays[i], hits[i].t);
+      query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+      rtcIntersect1(scene_, &embree, &query);
+      if (query.hit.geomID != RTC_INVALID_GEOMETRY_ID)
+        hits[i] =
+            refined(rays[i], {query.ray.tfar, item_id(ItemKind(query.hit.geomID), query.hit.primID),
+                              query.hit.u, query.hit.v});
+    }
+  }
+
+  void occluded(const RayBatch& rays, uint8_t* hit, TraceContext& context) const override {
+    const FlushDenormals flush;
+    RTCIntersectContext embree = make_context(context);
+    size_t i = 0;
+    for (; i + 1 < rays.size() && !context.stopped(); i += kWidth) occluded8(rays, i, hit, embree);
+    for (; i < rays.size() && !context.stopped(); ++i) {
+      hit[i] = nearest_plane(rays[i]).best.found();
+      if (hit[i]) continue;
+      RTCRay query = single(rays[i], rays.tmax[i]);
+      rtcOccluded1(scene_, &embree, &query);
+      hit[i] = query.tfar < 0;
+    }
+  }
+
+  AccelInfo info() const override {
+    return {.name = "embree",
+            .bytes = geometry_.bytes() + size_t(bytes_.load()),
+            .giants = geometry_.planes.size()};
+  }
+
+ private:
+  // The geometry's number in the Embree scene is its ItemKind.
+  void attach(RTCGeometry geometry, ItemKind kind) {
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(scene_, geometry, unsigned(kind));
+    rtcReleaseGeometry(geometry);
+  }
+
+  void add_spheres() {
+    const size_t n = geometry_.count(ItemKind::sphere);
+    if (n == 0) return;
+    RTCGeometry g = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_SPHERE_POINT);
+    auto* out = static_cast<float*>(
+        rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, 16, n));
+    if (!out) return rtcReleaseGeometry(g);
+    const auto& s = geometry_.spheres;
+    for (size_t i = 0; i < n; ++i) {
+      *out++ = s.x[i], *out++ = s.y[i], *out++ = s.z[i], *out++ = s.radius[i];
+    }
+    filter_sides(g, ItemKind::sphere);
+    attach(g, ItemKind::sphere);
+  }
+
+  void add_triangles() {
+    const size_t n = geometry_.count(ItemKind::triangle);
+    if (n == 0) return;
+    RTCGeometry g = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+    auto* out = static_cast<float*>(
+        rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, 3 * n));
+    auto* index = static_cast<uint32_t*>(
+        rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, n));
+    if (!out || !index) return rtcReleaseGeometry(g);
+    for (uint32_t i = 0; i < n; ++i) {
+      const Triangle t = geometry_.triangle(i);
+      for (const Vec3f& corner : {t.a, t.b, t.c})
+        *out++ = corner.x, *out++ = corner.y, *out++ = corner.z;
+      for (uint32_t k = 0; k < 3; ++k) *index++ = 3 * i + k;
+    }
+    filter_sides(g, ItemKind::triangle);
+    attach(g, ItemKind::triangle);
+  }
+
+  void add_cones() {
+    if (geometry_.cones.empty()) return;
+    RTCGeometry g = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_USER);
+    rtcSetGeometryUserPrimitiveCount(g, unsigned(geometry_.cones.size()));
+    rtcSetGeometryUserData(g, this);
+    rtcSetGeometryBoundsFunction(g, cone_bounds, nullptr);
+    rtcSetGeometryIntersectFunction(g, cone_closest);
+    rtcSetGeometryOccludedFunction(g, cone_occluded);
+    attach(g, ItemKind::cone);
+  }
+
+  // One-sided surfaces: Embree asks before it accepts a hit.
+  void filter_sides(RTCGeometry g, ItemKind kind) {
+    if (geometry_.sides[size_t(kind)].empty()) return;
+    rtcSetGeometryUserData(g, this);
+    rtcSetGeometryIntersectFilterFunction(g, reject_unseen);
+    rtcSetGeometryOccludedFilterFunction(g, reject_unseen);
+  }
+
+  static void reject_unseen(const RTCFilterFunctionNArguments* args) {
+    const auto& self = *static_cast<const Embree*>(args->geometryUserPtr);
+    const unsigned n = args->N;
+    for (unsigned i = 0; i < n; ++i) {
+      if (args->valid[i] != -1) continue;
+      const ItemId id =
+          item_id(ItemKind(RTCHitN_geomID(args->hit, n, i)), RTCHitN_primID(args->hit, n, i));
+      const float cosine = RTCHitN_Ng_x(args->hit, n, i) * RTCRayN_dir_x(args->ray, n, i) +
+                           RTCHitN_Ng_y(args->hit, n, i) * RTCRayN_dir_y(args->ray, n, i) +
+                           RTCHitN_Ng_z(args->hit, n, i) * RTCRayN_dir_z(args->ray, n, i);
+      if (!visible(self.geometry_.sides_of(id), cosine)) args->valid[i] = 0;
+    }
+  }
+
+  static void cone_bounds(const RTCBoundsFunctionArguments* args) {
+    const auto& self = *static_cast<const Embree*>(args->geometryUserPtr);
+    const Box3f b = bounds(self.geometry_.cones[args->primID]);
+    *args->bounds_o = {b.lo.x, b.lo.y, b.lo.z, 0, b.hi.x, b.hi.y, b.hi.z, 0};
+  }
+
+  static RayQuery cone_query(RTCRayN* r, unsigned n, unsigned i) {
+    return RayQuery({{RTCRayN_org_x(r, n, i), RTCRayN_org_y(r, n, i), RTCRayN_org_z(r, n, i)},
+                     {RTCRayN_dir_x(r, n, i), RTCRayN_dir_y(r, n, i), RTCRayN_dir_z(r, n, i)},
+                     RTCRayN_tfar(r, n, i)});
+  }
+
+  static void cone_closest(const RTCIntersectFunctionNArguments* args) {
+    const auto& self = *static_cast<const Embree*>(args->geometryUserPtr);
+    const unsigned n = args->N;
+    RTCRayN* rays = RTCRayHitN_RayN(args->rayhit, n);
+    RTCHitN* hits = RTCRayHitN_HitN(args->rayhit, n);
+    for (unsigned i = 0; i < n; ++i) {
+      if (args->valid[i] != -1) continue;
+      RayQuery query = cone_query(rays, n, i);
+      if (!test_cone(self.geometry_, args->primID, query)) continue;
+      RTCRayN_tfar(rays, n, i) = query.best.t;
+      RTCHitN_geomID(hits, n, i) = args->geomID;
+      RTCHitN_primID(hits, n, i) = args->primID;
+    }
+  }
+
+  static void cone_occluded(const RTCOccludedFunctionNArguments* args) {
+    const auto& self = *static_cast<const Embree*>(args->geometryUserPtr);
+    for (unsigned i = 0; i < args->N; ++i) {
+      if (args->valid[i] != -1) continue;
+      RayQuery query = cone_query(args->ray, args->N, i);
+      if (test_cone(self.geometry_, args->primID, query))
+        RTCRayN_tfar(args->ray, args->N, i) = -std::numeric_limits<float>::infinity();
+    }
+  }
+
+  static bool count_bytes(void* self, ssize_t bytes, bool) {
+    static_cast<Embree*>(self)->bytes_ += bytes;
+    return true;
+  }
+
+  static RTCIntersectContext make_context(const TraceContext& context) {
+    RTCIntersectContext c;
+    rtcInitIntersectContext(&c);
+    c.flags = context.coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT
+                               : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    return c;
+  }
+
+  static RTCRay single(const Ray& r, float tfar) {
+    return {r.origin.x, r.origin.y, r.origin.z, 0, r.dir.x, r.dir.y, r.dir.z, 0, tfar, ~0u, 0, 0};
+  }
+
+  RayQuery nearest_plane(const Ray& ray) const {
+    RayQuery query(ray);
+    for (uint32_t i = 0; i < geometry_.planes.size(); ++i) test_plane(geometry_, i, query);
+    return query;
+  }
+
+  // A grazing hit that Raio's test does not see stays as it is.
+  Hit refined(const Ray& ray, const Hit& hit) const {
+    RayQuery query(ray);
+    return test_item(geometry_, hit.item, query) ? query.best : hit;
+  }
+
+  // Lanes first .. first + 7 of the batch; `tfar` and `valid` are set by the caller.
+  static void fill(RTCRay8& out, const RayBatch& rays, size_t first, unsigned lanes) {
+    for (unsigned k = 0; k < lanes; ++k) {
+      const size_t i = first + k;
+      out.org_x[k] = rays.ox[i], out.org_y[k] = rays.oy[i], out.org_z[k] = rays.oz[i];
+      out.dir_x[k] = rays.dx[i], out.dir_y[k] = rays.dy[i], out.dir_z[k] = rays.dz[i];
+      out.tnear[k] = 0, out.time[k] = 0, out.mask[k] = ~0u, out.id[k] = k, out.flags[k] = 0;
+    }
+  }
+
+  void closest8(const RayBatch& rays, size_t first, Hit* hits, RTCIntersectContext& embree) const {
+    const unsigned lanes = unsigned(std::min<size_t>(kWidth, rays.size() - first));
+    alignas(32) int valid[kWidth] = {};
+    RTCRayHit8 query;
+    fill(query.ray, rays, first, lanes);
+    for (unsigned k = 0; k < lanes; ++k) {
+      hits[first + k] = nearest_plane(rays[first + k]).best;
+      query.ray.tfar[k] = hits[first + k].t;
+      query.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
+      valid[k] = -1;
+    }
+    rtcIntersect8(valid, scene_, &embree, &query);
+    for (unsigned k = 0; k < lanes; ++k)
+      if (query.hit.geomID[k] != RTC_INVALID_GEOMETRY_ID)
+        hits[first + k] =
+            refined(rays[first + k],
+                    {query.ray.tfar[k], item_id(ItemKind(query.hit.geomID[k]), query.hit.primID[k]),
+                     query.hit.u[k], query.hit.v[k]});
+  }
+
+  void occluded8(const RayBatch& rays, size_t first, uint8_t* hit,
+                 RTCIntersectContext& embree) const {
+    const unsigned lanes = unsigned(std::min<size_t>(kWidth, rays.size() - first));
+    alignas(32) int valid[kWidth] = {};
+    RTCRay8 query;
+    fill(query, rays, first, lanes);
+    for (unsigned k = 0; k < lanes; ++k) {
+      hit[first + k] = nearest_plane(rays[first + k]).best.found();
+      query.tfar[k] = rays.tmax[first + k];
+      valid[k] = hit[first + k] ? 0 : -1;
+    }
+    rtcOccluded8(valid, scene_, &embree, &query);
+    for (unsigned k = 0; k < lanes; ++k)
+      if (valid[k]) hit[first + k] = query.tfar[k] < 0;
+  }
+
+  RTCDevice device_ = nullptr;
+  RTCScene scene_ = nullptr;
+  std::atomic<ssize_t> bytes_{0};
+};
+
+}  // namespace
+
+AccelResult make_embree(Geometry geometry, const AccelOptions& options) {
+  if (options.counters)
+    return std::unexpected("Embree does not count its tests and steps; leave out --counters");
+  auto embree = std::make_unique<Embree>(std::move(geometry));
+  if (auto error = embree->build()) return std::unexpected(std::move(*error));
+  return embree;
+}
+
+}  // namespace raio

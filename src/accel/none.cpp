@@ -1,0 +1,53 @@
+#include "accel/intersect.h"
+#include "accel/structures.h"
+
+namespace raio {
+namespace {
+
+class None final : public Accel {
+ public:
+  None(Geometry geometry, bool counters) : Accel(std::move(geometry)), counters_(counters) {}
+
+  void closest(const RayBatch& rays, Hit* hits, TraceContext& context) const override {
+    for (size_t i = 0; i < rays.size() && !context.stopped(); ++i)
+      hits[i] = trace<false>(rays[i], context).best;
+  }
+
+  void occluded(const RayBatch& rays, uint8_t* hit, TraceContext& context) const override {
+    for (size_t i = 0; i < rays.size() && !context.stopped(); ++i)
+      hit[i] = trace<true>(rays[i], context).best.found();
+  }
+
+  AccelInfo info() const override { return {.name = "none", .bytes = geometry_.bytes()}; }
+
+ private:
+  // Kind by kind, so that each loop runs one test over arrays. With `any`, up to the first hit.
+  template <bool any>
+  RayQuery trace(const Ray& ray, TraceContext& context) const {
+    RayQuery query(ray);
+    all_of<any, ItemKind::plane, test_plane>(query, context) ||
+        all_of<any, ItemKind::sphere, test_sphere>(query, context) ||
+        all_of<any, ItemKind::triangle, test_triangle>(query, context) ||
+        all_of<any, ItemKind::cone, test_cone>(query, context);
+    return query;
+  }
+
+  template <bool any, ItemKind kind, auto test>
+  bool all_of(RayQuery& query, TraceContext& context) const {
+    const uint32_t n = uint32_t(geometry_.count(kind));
+    uint32_t i = 0;
+    while (i < n && !(test(geometry_, i, query) && any)) ++i;
+    if (counters_) context.tests += std::min(i + 1, n);
+    return any && i < n;
+  }
+
+  bool counters_;
+};
+
+}  // namespace
+
+std::unique_ptr<Accel> make_none(Geometry geometry, const AccelOptions& options) {
+  return std::make_unique<None>(std::move(geometry), options.counters);
+}
+
+}  // namespace raio

@@ -1,0 +1,244 @@
+#include "app/command_line.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <exception>
+#include <new>
+#include <vector>
+
+#include "app/commands.h"
+#include "app/help.h"
+#include "app/output.h"
+#include "app/terminal.h"
+#include "io/generate.h"
+
+namespace raio::app {
+namespace {
+
+// `wanted`: the names to add, or all when empty.
+void add_render_options(CLI::App& app, RenderOptions& options,
+                        std::initializer_list<std::string_view> wanted = {}) {
+  for (const OptionSpec& spec : render_option_table()) {
+    if (wanted.size() > 0 && std::ranges::find(wanted, spec.name) == wanted.end()) continue;
+    const std::string name = "--" + std::string(spec.name);
+    const auto set = [&options, &spec, name](const std::string& text) {
+      if (auto done = set_option(options, spec, text); !done)
+        throw CLI::ValidationError(name, done.error());
+    };
+    if (!spec.is_switch()) {
+      app.add_option_function<std::string>(name, set, std::string(spec.help))
+          ->type_name(std::string(spec.value_name))
+          ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+      continue;
+    }
+    // A switch that the scene can set has a way to say no.
+    const bool optional =
+        std::holds_alternative<std::optional<bool>& (*)(RenderOptions&)>(spec.value);
+    app.add_flag_function(
+        name + (optional ? ",!--no-" + std::string(spec.name) : ""),
+        [set](int64_t count) { set(count > 0 ? "true" : "false"); }, std::string(spec.help));
+  }
+}
+
+// The checks of values that are not of the table; of an option given twice the last one counts.
+
+void add_file(CLI::App& app, const std::string& name, std::string& path, const std::string& help,
+              const std::string& value_name = "FILE") {
+  const auto check = [](const std::string& text) -> std::string {
+    if (text.empty()) return "expected the name of a file, found nothing";
+    if (text.size() > 1 && text[0] == '-')
+      return fmt::format("expected the name of a file, found '{0}'; if that is one, write ./{0}",
+                         text);
+    return {};
+  };
+  app.add_option(name, path, help)
+      ->check(CLI::Validator(check, ""))
+      ->type_name(value_name)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+}
+
+template <class T>
+void add_number(CLI::App& app, const std::string& name, T& value, T least, T most,
+                const std::string& help, const std::string& value_name) {
+  const auto check = [=](const std::string& text) -> std::string {
+    T number{};
+    const char* const text_end = text.data() + text.size();
+    const auto [end, error] = std::from_chars(text.data(), text_end, number);
+    if (error == std::errc() && end == text_end && number >= least && number <= most) return {};
+    return fmt::format("expected a {} from {} to {}, found '{}'",
+                       std::is_integral_v<T> ? "whole number" : "number", least, most, text);
+  };
+  app.add_option(name, value, help)
+      ->check(CLI::Validator(check, ""))
+      ->type_name(value_name)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+}
+
+void add_progress(CLI::App& app, std::string& mode) {
+  const auto check = [](const std::string& text) -> std::string {
+    if (text == "auto" || text == "on" || text == "off") return {};
+    return fmt::format("expected auto, on or off, found '{}'", text);
+  };
+  app.add_option("--progress", mode,
+                 "Progress line: auto (on a terminal), on or off (default: auto)")
+      ->check(CLI::Validator(check, ""))
+      ->type_name("MODE")
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+}
+
+void add_scene(CLI::App& app, std::string& path) {
+  add_file(app, "scene", path, "Scene file in the format NFF or P3F", "SCENE");
+  app.get_option("scene")->required();
+}
+
+std::string recipe_list() {
+  std::vector<std::pair<std::string, std::string>> rows;
+  for (const SceneRecipe& recipe : scene_recipes()) {
+    std::string text(recipe.summary);
+    if (recipe.max_size > 0)
+      text += fmt::format(" (N from 1 to {}, default {})", recipe.max_size, recipe.default_size);
+    rows.emplace_back(recipe.name, text);
+  }
+  return "Scenes:\n" + two_columns(rows);
+}
+
+std::string examples(std::initializer_list<std::string_view> lines) {
+  std::string text = lines.size() == 1 ? "Example:\n" : "Examples:\n";
+  for (const std::string_view line : lines) text += fmt::format("  {}\n", line);
+  return text;
+}
+
+int usage_error(const CLI::App* command, const std::string& message) {
+  return bad_input(
+      fmt::format("{}; see raio{} --help", message, command ? " " + command->get_name() : ""));
+}
+
+// What CLI11 throws: also the wish for help or the version, which is no error.
+int report(const CLI::App& app, const CLI::ParseError& error) {
+  const auto chosen = app.get_subcommands();
+  const CLI::App* command = chosen.empty() ? nullptr : chosen.front();
+  if (dynamic_cast<const CLI::CallForVersion*>(&error))
+    return deliver("-", error.what() + std::string("\n"));
+  if (error.get_exit_code() == 0) return deliver("-", (command ? command : &app)->help());
+  return usage_error(command, error.what());
+}
+
+void add_render(CLI::App& app, RenderCommand& render, int& status) {
+  auto* sub = app.add_subcommand("render", "Render a scene to a picture");
+  sub->footer(
+      examples({"raio render balls.nff --size 1024x768 --aa 4 --soft-shadows -o balls.png",
+                "raio generate tree | raio render /dev/stdin -o - --stats tree.json > tree.png"}));
+  add_scene(*sub, render.scene);
+  add_file(*sub, "-o,--output", render.output,
+           "Picture: .png .exr .ppm .pfm by suffix; - writes PNG to standard output "
+           "(default: the scene's name, .png, here)",
+           "IMAGE");
+  add_render_options(*sub, render.options);
+  add_file(*sub, "--stats", render.stats, "Write statistics as JSON; - for standard output");
+  sub->add_flag("--quiet", render.quiet, "Print nothing but errors");
+  add_progress(*sub, render.progress);
+  sub->callback([&] {
+    if (const auto why = option_conflict(render.options); !why.empty())
+      throw CLI::ParseError(why, kBadInput);
+    status = run(render);
+  });
+}
+
+void add_bench(CLI::App& app, BenchCommand& bench, int& status) {
+  auto* sub = app.add_subcommand("bench", "Time all sixteen combinations of effects and grid");
+  sub->footer(
+      examples({"raio bench balls_medium.nff --repeat 3 --csv balls.csv --plot balls.svg"}));
+  add_scene(*sub, bench.scene);
+  add_file(*sub, "--json", bench.json, "Write the table as JSON; - for standard output");
+  add_file(*sub, "--csv", bench.csv, "Write the table as CSV; - for standard output");
+  add_file(*sub, "--plot", bench.plot, "Draw the table: .png .svg .pdf by suffix");
+  add_number(*sub, "--repeat", bench.repeat, 1, 1000,
+             "Renders of each combination; the median counts (default: 1)", "N");
+  add_render_options(*sub, bench.options,
+                     {"size", "grid-factor", "light-size", "aperture", "focus", "depth",
+                      "one-sided", "threads", "seed"});
+  add_progress(*sub, bench.progress);
+  sub->callback([&] { status = run(bench); });
+}
+
+void add_info(CLI::App& app, InfoCommand& info, int& status) {
+  auto* sub = app.add_subcommand("info", "Say what is in a scene");
+  sub->footer(examples({"raio info balls.nff --json"}));
+  add_scene(*sub, info.scene);
+  sub->add_flag("--json", info.json, "As one JSON object");
+  sub->callback([&] { status = run(info); });
+}
+
+void add_generate(CLI::App& app, GenerateCommand& generate, int& status) {
+  auto* sub = app.add_subcommand("generate", "Write one of the standard procedural scenes as NFF");
+  sub->footer(recipe_list() + "\n" + examples({"raio generate balls --size 3 -o balls.nff"}));
+  sub->add_option("name", generate.name, "Which scene, from the list below")
+      ->required()
+      ->type_name("NAME");
+  add_number(*sub, "--size", generate.size, 1, 1000000, "Size factor (default: the scene's own)",
+             "N");
+  add_file(*sub, "-o,--output", generate.output, "File (default: standard output)");
+  sub->callback([&] { status = run(generate); });
+}
+
+void add_compare(CLI::App& app, CompareCommand& compare, int& status) {
+  auto* sub = app.add_subcommand("compare", "Measure how far two pictures are apart");
+  sub->footer(examples({"raio compare before.png after.exr --min-psnr 40 --diff apart.png"}));
+  add_file(*sub, "a", compare.a, "First picture: PNG, EXR, PPM or PFM", "A");
+  add_file(*sub, "b", compare.b, "Second picture, of the same size", "B");
+  for (const char* picture : {"a", "b"}) sub->get_option(picture)->required();
+  add_number(*sub, "--min-psnr", compare.min_psnr_db, 0.0, 1000.0,
+             "Exit with 1 when the PSNR is below this, in dB", "X");
+  add_file(*sub, "--diff", compare.diff, "Write a picture of the differences");
+  sub->callback([&] { status = run(compare); });
+}
+
+int parse_and_run(std::vector<std::string> arguments) {
+  CLI::App app("Raio: a fast, reproducible ray tracer for NFF scenes");
+  app.name("raio");
+  app.formatter(std::make_shared<HelpFormatter>());
+  app.set_help_flag("-h,--help", "Print this help");
+  app.set_version_flag("--version", "raio " RAIO_VERSION, "Print the version");
+  app.footer(examples({"raio generate balls -o balls.nff",
+                       "raio render balls.nff --size 1024x768 --aa 4 --soft-shadows"}));
+  app.require_subcommand(1);
+
+  int status = kDone;
+  RenderCommand render;
+  BenchCommand bench;
+  InfoCommand info;
+  GenerateCommand generate;
+  CompareCommand compare;
+  add_render(app, render, status);
+  add_bench(app, bench, status);
+  add_info(app, info, status);
+  add_generate(app, generate, status);
+  add_compare(app, compare, status);
+
+  if (const std::string why = usage_problem(app, arguments); !why.empty())
+    return usage_error(arguments.empty() ? nullptr : find_command(app, arguments.front()), why);
+  try {
+    std::ranges::reverse(arguments);  // the order that CLI11 takes
+    app.parse(std::move(arguments));
+  } catch (const CLI::ParseError& error) {
+    return report(app, error);
+  }
+  return status;
+}
+
+}  // namespace
+
+int run_command_line(int argc, char** argv) {
+  try {
+    return parse_and_run({argv + std::min(argc, 1), argv + argc});
+  } catch (const std::bad_alloc&) {
+    return no_resource("out of memory");
+  } catch (const std::exception& error) {
+    return no_resource(error.what());
+  }
+}
+
+}  // namespace raio::app

@@ -1,0 +1,57 @@
+// The subcommands of the program. Each does what its help says, prints, and returns the exit
+// status. This room is the only one that prints.
+#pragma once
+
+#include <string>
+
+#include "render/options.h"
+
+namespace raio::app {
+
+/// Exit statuses, the same for every command.
+enum Exit : int {
+  kDone = 0,
+  kCheckFailed = 1,    // a check that the user asked for failed
+  kBadInput = 2,       // bad usage or bad input
+  kNoResource = 3,     // could not write, or ran out of something
+  kInterrupted = 130,  // Ctrl-C
+};
+
+struct RenderCommand {
+  std::string scene, output;  // output empty: <scene>.png here
+  std::string stats;          // file for the statistics; empty: none
+  std::string progress = "auto";
+  bool quiet = false;
+  RenderOptions options;
+};
+int run(const RenderCommand& command);
+
+struct BenchCommand {
+  std::string scene;
+  std::string json, csv, plot;  // files; empty: none. "-" as json or csv: instead of the table
+  std::string progress = "auto";
+  int repeat = 1;         // of each combination; the median counts
+  RenderOptions options;  // size, threads, depth, seed, light size, lens
+};
+int run(const BenchCommand& command);
+
+struct InfoCommand {
+  std::string scene;
+  bool json = false;
+};
+int run(const InfoCommand& command);
+
+struct GenerateCommand {
+  std::string name;
+  int size = 0;
+  std::string output;  // empty or "-": standard output
+};
+int run(const GenerateCommand& command);
+
+struct CompareCommand {
+  std::string a, b, diff;
+  double min_psnr_db = -1;  // negative: no check
+};
+int run(const CompareCommand& command);
+
+}  // namespace raio::app

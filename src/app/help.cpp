@@ -1,0 +1,177 @@
+#include "app/help.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+
+#include "base/spelling.h"
+
+namespace raio::app {
+namespace {
+
+using Rows = std::vector<std::pair<std::string, std::string>>;
+
+constexpr size_t kColumns = 100;
+constexpr size_t kWidestName = 26;  // a longer one has its text on the next line
+
+// Breaks between words; every line but the first is indented.
+std::string wrapped(std::string_view text, size_t indent, size_t first_column) {
+  std::string out;
+  size_t column = first_column;
+  while (!text.empty()) {
+    const std::string_view word = text.substr(0, text.find(' '));
+    text.remove_prefix(std::min(text.size(), word.size() + 1));
+    const bool first = out.empty();
+    if (!first && column + 1 + word.size() > kColumns) {
+      out += "\n" + std::string(indent, ' ');
+      column = indent;
+    } else if (!first) {
+      out += ' ', ++column;
+    }
+    out += word;
+    column += word.size();
+  }
+  return out;
+}
+
+bool takes_value(const CLI::Option& option) { return option.get_items_expected_min() > 0; }
+
+std::vector<const CLI::Option*> positionals(const CLI::App& app) {
+  return app.get_options([](const CLI::Option* o) { return o->get_positional(); });
+}
+
+std::vector<const CLI::App*> commands(const CLI::App& app) {
+  return app.get_subcommands([](const CLI::App*) { return true; });
+}
+
+// "-o, --output IMAGE"
+std::string option_name(const CLI::Option& option) {
+  std::string out;
+  const auto add = [&](const std::string& dashes, const std::vector<std::string>& names) {
+    for (const std::string& name : names)
+      out += fmt::format("{}{}{}", out.empty() ? "" : ", ", dashes, name);
+  };
+  add("-", option.get_snames());
+  add("--", option.get_lnames());
+  return takes_value(option) ? out + " " + option.get_type_name() : out;
+}
+
+std::string usage_line(const CLI::App& app) {
+  const CLI::App* parent = app.get_parent();
+  if (!parent) return app.get_name() + " COMMAND [ARGUMENT ...]";
+  std::string out = parent->get_name() + " " + app.get_name();
+  for (const CLI::Option* o : positionals(app)) out += " " + o->get_type_name();
+  return out + " [OPTION ...]";
+}
+
+std::string with_suggestion(std::string message, std::string_view word,
+                            const std::vector<std::string>& names) {
+  const std::vector<std::string_view> views(names.begin(), names.end());
+  const std::string_view nearest = nearest_word(word, views);
+  return nearest.empty() ? message : fmt::format("{}; did you mean {}?", message, nearest);
+}
+
+std::string unknown_option(const CLI::App& app, std::string_view name) {
+  std::vector<std::string> names;
+  for (const CLI::Option* o : app.get_options())
+    for (const std::string& known : o->get_lnames()) names.push_back("--" + known);
+  return with_suggestion(fmt::format("there is no option {}", name), name, names);
+}
+
+std::string unknown_command(const CLI::App& app, std::string_view name) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : commands(app)) names.push_back(command->get_name());
+  return with_suggestion(fmt::format("there is no command '{}'", name), name, names);
+}
+
+bool is_option(const CLI::App& command, const std::string& argument) {
+  return argument.size() > 1 && argument[0] == '-' && command.get_option_no_throw(argument);
+}
+
+// After the command's name.
+std::string arguments_problem(const CLI::App& command, std::span<const std::string> arguments) {
+  const auto wanted = positionals(command);
+  size_t given = 0;
+  bool only_positionals = false;
+  for (size_t i = 0; i < arguments.size(); ++i) {
+    const std::string& argument = arguments[i];
+    if (!only_positionals && argument == "--") {
+      only_positionals = true;
+    } else if (only_positionals || argument.size() < 2 || argument[0] != '-') {
+      if (++given > wanted.size()) return fmt::format("one argument too many: '{}'", argument);
+    } else {
+      const bool is_long = argument[1] == '-';
+      const std::string name = argument.substr(0, is_long ? argument.find('=') : 2);
+      const CLI::Option* option = command.get_option_no_throw(name);
+      if (!option) return unknown_option(command, name);
+      if (option == command.get_help_ptr()) return {};
+      if (!takes_value(*option)) continue;
+      const bool apart = argument == name;
+      if (apart) ++i;
+      const bool nothing = apart ? i == arguments.size() || is_option(command, arguments[i])
+                                 : argument == name + "=";
+      if (nothing) return fmt::format("{} wants a value: {}", name, option_name(*option));
+    }
+  }
+  if (given < wanted.size())
+    return fmt::format("{} is missing: {}", wanted[given]->get_type_name(),
+                       wanted[given]->get_description());
+  return {};
+}
+
+}  // namespace
+
+std::string two_columns(std::span<const std::pair<std::string, std::string>> rows) {
+  size_t width = 0;
+  for (const auto& [name, text] : rows)
+    if (name.size() <= kWidestName) width = std::max(width, name.size());
+  const size_t indent = width + 4;
+  std::string out;
+  for (const auto& [name, text] : rows) {
+    out += fmt::format("  {:<{}}  ", name, width);
+    if (name.size() > width) out += "\n" + std::string(indent, ' ');
+    out += wrapped(text, indent, indent) + "\n";
+  }
+  return out;
+}
+
+std::string HelpFormatter::make_help(const CLI::App* app, std::string, CLI::AppFormatMode) const {
+  Rows arguments, options, names;
+  for (const CLI::Option* o : app->get_options()) {
+    if (o->get_positional())
+      arguments.emplace_back(o->get_type_name(), o->get_description());
+    else
+      options.emplace_back(option_name(*o), o->get_description());
+  }
+  for (const CLI::App* command : commands(*app))
+    names.emplace_back(command->get_name(), command->get_description());
+
+  std::string out = wrapped(app->get_description(), 0, 0) + "\n\n";
+  out += "Usage: " + usage_line(*app) + "\n";
+  const auto section = [&](std::string_view title, const Rows& rows) {
+    if (!rows.empty()) out += fmt::format("\n{}:\n{}", title, two_columns(rows));
+  };
+  section("Arguments", arguments);
+  section("Commands", names);
+  section("Options", options);
+  if (!app->get_footer().empty()) out += "\n" + app->get_footer();
+  return out;
+}
+
+const CLI::App* find_command(const CLI::App& app, std::string_view name) {
+  const auto all = commands(app);
+  const auto found = std::ranges::find(all, name, [](const CLI::App* c) { return c->get_name(); });
+  return found == all.end() ? nullptr : *found;
+}
+
+std::string usage_problem(const CLI::App& app, std::span<const std::string> arguments) {
+  if (arguments.empty()) return "a command is missing";
+  const std::string& first = arguments.front();
+  if (const CLI::App* command = find_command(app, first))
+    return arguments_problem(*command, arguments.subspan(1));
+  if (!first.starts_with('-')) return unknown_command(app, first);
+  return app.get_option_no_throw(first) ? "" : unknown_option(app, first);
+}
+
+}  // namespace raio::app

@@ -1,0 +1,31 @@
+// What the command line says of itself: the help texts, and what is wrong with arguments that name
+// what there is not. Values are checked by the options themselves.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace raio::app {
+
+/// Names and what they mean in two columns, wrapped at 100, each line indented by two.
+std::string two_columns(std::span<const std::pair<std::string, std::string>> rows);
+
+/// Gives the program and its commands their help texts.
+class HelpFormatter final : public CLI::FormatterBase {
+ public:
+  std::string make_help(const CLI::App* app, std::string, CLI::AppFormatMode) const override;
+};
+
+/// The command of that name, or null.
+const CLI::App* find_command(const CLI::App& app, std::string_view name);
+
+/// The first thing in the arguments (without the program's name) that `app` has no use for, or
+/// that is missing: the command, an option that is none, an argument too many or too few. One line,
+/// with the name that may have been meant; empty when there is nothing.
+std::string usage_problem(const CLI::App& app, std::span<const std::string> arguments);
+
+}  // namespace raio::app

@@ -1,0 +1,153 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <ranges>
+
+#include "app/commands.h"
+#include "app/json.h"
+#include "app/output.h"
+#include "app/terminal.h"
+#include "io/nff.h"
+
+namespace raio::app {
+
+namespace {
+
+// The double that has the float's shortest digits, so that 0.1f is shown as 0.1.
+double plain(float value) {
+  std::array<char, 32> text;
+  double result = value;
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+  std::from_chars(text.data(), end, result);
+  return result;
+}
+
+Vec3d plain(Vec3f v) { return {plain(v.x), plain(v.y), plain(v.z)}; }
+
+Json json_of(Vec3d v) { return Json::array({v.x, v.y, v.z}); }
+
+// Six digits tell people where things are; --json gives all of them.
+std::string text_of(Vec3d v) { return fmt::format("{:.6g} {:.6g} {:.6g}", v.x, v.y, v.z); }
+
+struct MaterialCounts {
+  size_t reflecting = 0, refracting = 0;
+};
+
+MaterialCounts count_materials(const Scene& scene) {
+  return {
+      size_t(std::ranges::count_if(scene.materials, [](auto& m) { return m.ks > 0; })),
+      size_t(std::ranges::count_if(scene.materials, [](auto& m) { return m.transmission > 0; }))};
+}
+
+std::string info_json(const ReadScene& read) {
+  const Scene& scene = read.scene;
+  const Camera& camera = scene.camera;
+  const auto optional = [](std::optional<float> v) { return v ? Json(plain(*v)) : Json(nullptr); };
+
+  Json json{{"version", RAIO_VERSION}, {"scene", scene.name}};
+  json["resolution"] = camera.width > 0 ? Json{camera.width, camera.height} : Json(nullptr);
+  json["samples_per_pixel"] =
+      scene.samples_per_pixel > 0 ? Json(scene.samples_per_pixel) : Json(nullptr);
+  const auto counts = count_primitives(scene);
+  for (size_t i = 0; i < counts.size(); ++i) json["primitives"][kShapeKindNames[i]] = counts[i];
+  json["primitive_count"] = scene.primitive_count();
+
+  const Box3f box = bounds(scene);
+  json["bounds"] = nullptr;
+  if (!box.empty()) {
+    json["bounds"] = {{"lo", json_of(scene.origin + plain(box.lo))},
+                      {"hi", json_of(scene.origin + plain(box.hi))}};
+  }
+  json["camera"] = {{"from", json_of(scene.origin + plain(camera.from))},
+                    {"at", json_of(scene.origin + plain(camera.at))},
+                    {"up", json_of(plain(camera.up))},
+                    {"fov_deg", plain(camera.fov_deg)},
+                    {"lens_radius", optional(camera.lens_radius)},
+                    {"focus_distance", optional(camera.focus_distance)}};
+  json["background"] = json_of(plain(scene.background));
+
+  json["lights"] = Json::array();
+  for (const Light& light : scene.lights) {
+    json["lights"].push_back(
+        {{"position", json_of(scene.origin + plain(light.position))},
+         {"color", light.color ? json_of(plain(*light.color)) : Json(nullptr)}});
+  }
+  const MaterialCounts materials = count_materials(scene);
+  json["materials"] = {{"count", scene.materials.size()},
+                       {"reflecting", materials.reflecting},
+                       {"refracting", materials.refracting}};
+  json["memory_bytes"] = memory_bytes(scene);
+
+  json["warnings"] = Json::array();
+  for (const Diagnostic& d : read.warnings) {
+    json["warnings"].push_back(
+        {{"file", d.file}, {"line", d.line}, {"column", d.column}, {"message", d.message}});
+  }
+  return json_text(json);
+}
+
+std::string info_text(const ReadScene& read) {
+  const Scene& scene = read.scene;
+  const Camera& camera = scene.camera;
+  std::string out;
+  const auto line = [&](std::string_view name, const std::string& value) {
+    out += fmt::format("{:<12}{}\n", name, value);
+  };
+
+  line("scene", scene.name);
+  line("primitives", fmt::format("{}", scene.primitive_count()));
+  const auto counts = count_primitives(scene);
+  for (size_t i = 0; i < counts.size(); ++i)
+    if (counts[i] > 0) line("", fmt::format("{:<9} {:>10}", kShapeKindNames[i], counts[i]));
+
+  const Box3f box = bounds(scene);
+  if (box.empty()) {
+    line("bounds", "none: nothing in it has an end");
+  } else {
+    line("bounds", fmt::format("{}  to  {}", text_of(scene.origin + plain(box.lo)),
+                               text_of(scene.origin + plain(box.hi))));
+  }
+  line("camera", fmt::format("from {}  at {}  up {}", text_of(scene.origin + plain(camera.from)),
+                             text_of(scene.origin + plain(camera.at)), text_of(plain(camera.up))));
+  std::string view = fmt::format("angle {:g} degrees", camera.fov_deg);
+  if (camera.lens_radius) view += fmt::format(", lens radius {:g}", *camera.lens_radius);
+  if (camera.focus_distance) view += fmt::format(", in focus at {:g}", *camera.focus_distance);
+  line("", view);
+  line("resolution", camera.width > 0 ? fmt::format("{}x{}", camera.width, camera.height)
+                                      : std::string("not given"));
+  if (scene.samples_per_pixel > 0)
+    line("samples", fmt::format("{} a pixel", scene.samples_per_pixel));
+  line("background", text_of(plain(scene.background)));
+
+  line("lights", fmt::format("{}", scene.lights.size()));
+  constexpr size_t kShown = 10;
+  for (const Light& light : scene.lights | std::views::take(kShown)) {
+    std::string text = fmt::format("at {}", text_of(scene.origin + plain(light.position)));
+    if (light.color) text += "  colour " + text_of(plain(*light.color));
+    line("", text);
+  }
+  if (scene.lights.size() > kShown)
+    line("", fmt::format("and {} more", scene.lights.size() - kShown));
+
+  const MaterialCounts materials = count_materials(scene);
+  line("materials", fmt::format("{}, of which {} reflect and {} refract", scene.materials.size(),
+                                materials.reflecting, materials.refracting));
+  line("memory", human_bytes(double(memory_bytes(scene))));
+  line("warnings", read.warnings.empty() ? "none" : fmt::format("{}", read.warnings.size()));
+  return out;
+}
+
+}  // namespace
+
+int run(const InfoCommand& command) {
+  const StopOnSignal stop;
+  // Not load_scene: the warnings are part of what is asked for.
+  const auto read = read_nff(command.scene);
+  for (const Diagnostic& d : read ? read->warnings : read.error()) print_line(d.text());
+  if (!read) return kBadInput;
+  return deliver("-", command.json ? info_json(*read) : info_text(*read));
+}
+
+}  // namespace raio::app

@@ -1,0 +1,69 @@
+// What all commands share: messages on standard error, interruption, the progress line.
+#pragma once
+
+#include <signal.h>
+
+#include <array>
+#include <expected>
+#include <string>
+#include <string_view>
+#include <thread>
+
+#include "render/render.h"
+#include "scene/scene.h"
+
+namespace raio::app {
+
+/// A line on standard error, in place of the progress line if there is one. Always one line,
+/// without control characters, whatever names it contains; where it cannot be written it is lost.
+void print_line(std::string_view line);
+
+/// "raio: error: ...".
+void print_error(std::string_view message);
+
+/// "raio: interrupted; nothing was written", and the exit status for it.
+int interrupted();
+
+/// Reads a scene file and prints its diagnostics; on failure the exit status.
+std::expected<Scene, int> load_scene(const std::string& path, bool quiet = false);
+
+/// While it lives, Ctrl-C (also SIGTERM, and SIGHUP of a closed terminal) asks the command to end,
+/// by `stop` of the control if there is one. If it does not soon, or at the second Ctrl-C, the
+/// program ends from within, with status 130 and without half-written files. Signals that were
+/// ignored stay ignored. One at a time.
+class StopOnSignal {
+ public:
+  explicit StopOnSignal(RenderControl* control = nullptr);
+  ~StopOnSignal();
+  StopOnSignal(const StopOnSignal&) = delete;
+  StopOnSignal& operator=(const StopOnSignal&) = delete;
+
+ private:
+  int wake_[2] = {-1, -1};  // a pipe: a byte from the signal handler, closed from the destructor
+  std::array<struct sigaction, 3> before_{};
+  std::thread thread_;
+};
+
+/// A line on standard error with per cent, rays per second and time left, four times a second while
+/// it lives; wiped at the end, never wider than the terminal. `mode`: "on", "off", or "auto", which
+/// is on when standard error is a terminal.
+class ProgressLine {
+ public:
+  ProgressLine(const RenderControl& control, std::string_view mode, std::string label = {});
+  ~ProgressLine();
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
+
+ private:
+  std::jthread thread_;
+};
+
+/// Seconds, bytes and counts as people read them: "12.3 ms", "4.5 MB", "1.25 M".
+std::string human_seconds(double seconds);
+std::string human_bytes(double bytes);
+std::string human_count(double count);
+
+/// The largest resident size of this process so far.
+size_t peak_memory_bytes();
+
+}  // namespace raio::app

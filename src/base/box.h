@@ -1,0 +1,48 @@
+// Axis-aligned boxes. Everyone may use it.
+#pragma once
+
+#include <cmath>
+#include <limits>
+
+#include "base/vec.h"
+
+namespace raio {
+
+template <class T>
+struct Box3 {
+  Vec3<T> lo{std::numeric_limits<T>::infinity()};
+  Vec3<T> hi{-std::numeric_limits<T>::infinity()};
+
+  constexpr bool empty() const { return !(lo.x <= hi.x && lo.y <= hi.y && lo.z <= hi.z); }
+  constexpr Vec3<T> size() const { return hi - lo; }
+  constexpr Vec3<T> center() const { return lo * T(0.5) + hi * T(0.5); }
+
+  /// Half the surface: the measure of how likely a random ray is to meet the box. 0 when empty.
+  constexpr T half_area() const {
+    if (empty()) return 0;
+    const Vec3<T> s = size();
+    return s.x * s.y + s.y * s.z + s.z * s.x;
+  }
+
+  constexpr void extend(Vec3<T> p) { lo = min(lo, p), hi = max(hi, p); }
+  constexpr void extend(const Box3& b) { lo = min(lo, b.lo), hi = max(hi, b.hi); }
+  constexpr void pad(T by) { lo = lo - Vec3<T>(by), hi = hi + Vec3<T>(by); }
+};
+
+using Box3f = Box3<float>;
+using Box3d = Box3<double>;
+
+/// The smallest box of floats around `box`.
+inline Box3f rounded_out(const Box3d& box) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  Box3f out;
+  for (int a = 0; a < 3; ++a) {
+    out.lo[a] = float(box.lo[a]);
+    out.hi[a] = float(box.hi[a]);
+    if (out.lo[a] > box.lo[a]) out.lo[a] = std::nextafter(out.lo[a], -kInfinity);
+    if (out.hi[a] < box.hi[a]) out.hi[a] = std::nextafter(out.hi[a], kInfinity);
+  }
+  return out;
+}
+
+}  // namespace raio

@@ -1,0 +1,63 @@
+// Counter-based random numbers: every number is a pure function of (seed, pixel, sample, purpose),
+// so a picture depends on nothing else: not on threads, tiles, resumes or machines. Everyone may
+// use it.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+
+namespace raio {
+
+struct Uint4 {
+  uint32_t x, y, z, w;
+};
+
+/// Four independent 32-bit words for a four-word key.
+/// pcg4d: Jarzynski and Olano 2020, "Hash Functions for GPU Rendering", JCGT 9(3).
+constexpr Uint4 hash4(Uint4 v) {
+  auto step = [](uint32_t a) { return a * 1664525u + 1013904223u; };
+  v = {step(v.x), step(v.y), step(v.z), step(v.w)};
+  auto mix = [](Uint4& a) {
+    a.x += a.y * a.w;
+    a.y += a.z * a.x;
+    a.z += a.x * a.y;
+    a.w += a.y * a.z;
+  };
+  mix(v);
+  v = {v.x ^ (v.x >> 16), v.y ^ (v.y >> 16), v.z ^ (v.z >> 16), v.w ^ (v.w >> 16)};
+  mix(v);
+  return v;
+}
+
+/// Uniform in [0, 1): the 24 high bits, all of which a float holds exactly.
+constexpr float to_unit(uint32_t bits) { return float(bits >> 8) * 0x1p-24f; }
+
+/// One independent word for a one-word key: `pcg` of the same paper, after O'Neill 2014.
+constexpr uint32_t scramble(uint32_t v) {
+  v = v * 747796405u + 2891336453u;
+  v = ((v >> ((v >> 28) + 4)) ^ v) * 277803737u;
+  return v ^ (v >> 22);
+}
+
+/// Element `i` of a pseudo-random permutation of 0..n-1 chosen by `key`, computed without storing
+/// it. Rounds of "multiply by an odd number, fold the high half onto the low" are bijections on the
+/// next power of two; results outside 0..n-1 are sent round again (cycle walking), which keeps a
+/// bijection. Six rounds are the fewest at which small permutations pass for random. The idea is of
+/// Kensler 2013, "Correlated Multi-Jittered Sampling", Pixar technical memo 13-01.
+constexpr uint32_t permute(uint32_t i, uint32_t n, uint32_t key) {
+  if (n <= 1) return 0;
+  const int bits = std::bit_width(n - 1);
+  const uint32_t mask = uint32_t((uint64_t(1) << bits) - 1);
+  const int fold = (bits + 1) / 2;
+  do {
+    for (uint32_t round = 0; round < 6; ++round) {
+      const uint32_t word = scramble(key + round * 0x9e3779b9u);
+      i = (i + word) & mask;
+      i = (i * (std::rotr(word, 16) | 1u)) & mask;
+      i ^= i >> fold;
+    }
+  } while (i >= n);
+  return i;
+}
+
+}  // namespace raio

@@ -1,0 +1,46 @@
+// The word that was meant, for messages about one that is not known.
+#pragma once
+
+#include <algorithm>
+#include <cctype>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace raio {
+
+/// Insertions, deletions and replacements between two words (Levenshtein 1966), one row at a time.
+inline size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<size_t> row(b.size() + 1);
+  for (size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (size_t i = 1; i <= a.size(); ++i) {
+    size_t diagonal = std::exchange(row[0], i);
+    for (size_t j = 1; j <= b.size(); ++j) {
+      const size_t replaced = diagonal + (a[i - 1] != b[j - 1]);
+      diagonal = row[j];
+      row[j] = std::min({replaced, row[j] + 1, row[j - 1] + 1});
+    }
+  }
+  return row[b.size()];
+}
+
+/// The nearest of the lower-case `candidates`, or nothing where none is near: of long words two
+/// letters may be wrong, of words of one letter none but its case.
+inline std::string_view nearest_word(std::string_view word,
+                                     std::span<const std::string_view> candidates) {
+  constexpr size_t kLongest = 24;
+  if (word.size() > kLongest) return {};
+  std::string wanted(word);
+  for (char& c : wanted) c = char(std::tolower(static_cast<unsigned char>(c)));
+  std::string_view best;
+  size_t best_distance = std::min<size_t>(wanted.size() / 2, 2) + 1;
+  for (const std::string_view candidate : candidates) {
+    const size_t distance = edit_distance(wanted, candidate);
+    if (distance < best_distance) best = candidate, best_distance = distance;
+  }
+  return best;
+}
+
+}  // namespace raio

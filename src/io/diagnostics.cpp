@@ -1,0 +1,81 @@
+#include "io/diagnostics.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+
+#include "io/text_report.h"
+
+namespace raio {
+namespace {
+
+bool ends_line(char c) { return c == '\n' || c == '\r'; }
+
+/// The line [begin, end) on one line of plain ASCII, at most about 80 characters around `at`.
+std::string excerpt_around(std::string_view text, size_t begin, size_t end, size_t at) {
+  constexpr size_t kWhole = 80, kBefore = 40, kAfter = 40;
+  size_t from = begin, to = end;
+  if (end - begin > kWhole) {
+    if (at - begin > kBefore) from = at - kBefore;
+    if (end - at > kAfter) to = at + kAfter;
+  }
+  std::string out = from > begin ? "..." : "";
+  for (const char c : text.substr(from, to - from))
+    out += c == '\t' ? ' ' : uint8_t(c) < 32 || uint8_t(c) >= 127 ? '?' : c;
+  if (to < end) out += "...";
+  const size_t first = out.find_first_not_of(' '), last = out.find_last_not_of(' ');
+  return first == std::string::npos ? "" : out.substr(first, last - first + 1);
+}
+
+}  // namespace
+
+std::string Diagnostic::text() const {
+  std::string out = file;
+  if (line > 0) out += fmt::format(":{}:{}", line, column);
+  out += fmt::format(": {}: {}", severity == Severity::error ? "error" : "warning", message);
+  if (!excerpt.empty()) out += "  | " + excerpt;
+  return out;
+}
+
+void TextReport::add(Findings& findings, size_t offset, std::string message) const {
+  if (++findings.count > most_) return;
+  const auto later = std::upper_bound(findings.kept.begin(), findings.kept.end(), offset,
+                                      [](size_t at, const Finding& f) { return at < f.offset; });
+  findings.kept.insert(later, {offset, std::move(message)});
+}
+
+int TextReport::line_of(size_t offset) {
+  if (offset < counted_) counted_ = 0, line_ = 1;
+  for (; counted_ < offset; ++counted_) {
+    const char c = text_[counted_];
+    // A line ends with LF, CR or CR LF; of the pair the LF counts.
+    const bool pair = c == '\r' && counted_ + 1 < text_.size() && text_[counted_ + 1] == '\n';
+    line_ += ends_line(c) && !pair;
+  }
+  return line_;
+}
+
+Diagnostics TextReport::placed(Findings& findings, Severity severity) {
+  Diagnostics out;
+  for (const Finding& finding : findings.kept) {
+    Diagnostic& d = out.emplace_back(Diagnostic{severity, file_, 0, 0, finding.message, ""});
+    if (finding.offset == kWholeFile) continue;
+    size_t begin = finding.offset, end = finding.offset;
+    while (begin > 0 && !ends_line(text_[begin - 1])) --begin;
+    while (end < text_.size() && !ends_line(text_[end])) ++end;
+    d.line = line_of(finding.offset);
+    d.column = 1 + int(std::count_if(text_.begin() + begin, text_.begin() + finding.offset,
+                                     [](char c) { return (uint8_t(c) & 0xc0) != 0x80; }));
+    d.excerpt = excerpt_around(text_, begin, end, finding.offset);
+  }
+  if (const size_t more = findings.count - findings.kept.size(); more > 0)
+    out.push_back(
+        {severity, file_, 0, 0,
+         fmt::format("{} more {}{} not shown", more,
+                     severity == Severity::error ? "error" : "warning", more == 1 ? "" : "s"),
+         ""});
+  return out;
+}
+
+}  // namespace raio

@@ -1,0 +1,26 @@
+// What readers say of their input. The library never prints; whoever called does.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace raio {
+
+enum class Severity { warning, error };
+
+/// One finding, with its place.
+struct Diagnostic {
+  Severity severity = Severity::error;
+  std::string file;
+  int line = 0, column = 0;  // from 1; 0: about the file as a whole
+  std::string message;       // what was found, what was expected, what to do
+  std::string excerpt;       // the line, shortened around the column; empty for the whole file
+
+  /// One line: "scene.nff:3:7: error: expected a number for the radius, found \"abc\"  | s 0 0 0
+  /// abc"
+  std::string text() const;
+};
+
+using Diagnostics = std::vector<Diagnostic>;
+
+}  // namespace raio

@@ -1,0 +1,69 @@
+// Pictures in memory and in files.
+#pragma once
+
+#include <cstdint>
+#include <expected>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/vec.h"
+#include "io/file.h"
+
+namespace raio {
+
+/// Rows from top to bottom, pixels from left to right, linear display values: 1 is white. Not
+/// clamped.
+struct Image {
+  int width = 0, height = 0;
+  std::vector<Rgb> pixels;  // width * height
+
+  Image() = default;
+  Image(int w, int h) : width(w), height(h), pixels(size_t(w) * h) {}
+  Rgb& at(int x, int y) { return pixels[size_t(y) * width + x]; }
+  const Rgb& at(int x, int y) const { return pixels[size_t(y) * width + x]; }
+};
+
+/// 0..1 to 0..255, clamped and rounded to nearest; NaN gives 0.
+uint8_t to_byte(float value);
+
+enum class ImageFormat { png, exr, pfm, ppm };
+
+/// By suffix, in any case; an error that lists the suffixes otherwise. "-" and targets that exist
+/// and are no regular files (devices, pipes) are PNG when they have no suffix.
+std::expected<ImageFormat, FileError> image_format(const std::filesystem::path& path);
+
+/// Settings kept with the picture where the format can, key KEY under the name raio.KEY: string
+/// attributes of EXR, texts of PNG (tEXt, iTXt if not ASCII). Keys are plain words of at most 74
+/// characters.
+using Metadata = std::vector<std::pair<std::string, std::string>>;
+
+/// Writes a picture whole or not at all (see write_file), PNG and PPM as to_byte gives it, EXR and
+/// PFM as it is. "-" is standard output. A picture without pixels and an unknown suffix are
+/// bad_input.
+std::expected<void, FileError> write_image(const Image& image, const std::filesystem::path& path,
+                                           const Metadata& metadata = {});
+
+/// Reads PNG (alpha dropped, grey widened), EXR (R, G, B or Y; the data window of the first part),
+/// PFM (PF and Pf) and PPM (P2, P3, P5, P6), up to 2^28 pixels. The format is told by the file's
+/// first bytes, not by its suffix; 0 to the format's largest integer is read as 0 to 1. The file
+/// need not be trusted.
+std::expected<Image, FileError> read_image(const std::filesystem::path& path);
+
+/// How far apart two pictures are, over all channels of all pixels as they would be displayed (8
+/// bits).
+struct ImageDifference {
+  double rmse = 0;     // of 0..255 values
+  double psnr_db = 0;  // infinity for equal pictures
+  int largest = 0;     // 0..255
+  double above_8 = 0;  // share of pixels with a channel more than 8 apart
+};
+
+/// The pictures must have the same size; std::invalid_argument is thrown otherwise, here and below.
+ImageDifference compare(const Image& a, const Image& b);
+
+/// A picture of where two pictures differ: |a - b| times eight over a faint grey of `a`.
+Image difference_image(const Image& a, const Image& b);
+
+}  // namespace raio

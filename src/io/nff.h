@@ -1,0 +1,32 @@
+// The Neutral File Format (docs/nff.md): text to Scene and back.
+#pragma once
+
+#include <expected>
+#include <filesystem>
+#include <string_view>
+
+#include "io/diagnostics.h"
+#include "scene/scene.h"
+
+namespace raio {
+
+struct ReadScene {
+  Scene scene;
+  Diagnostics warnings;
+};
+
+/// Reads a whole file: all of NFF 3.9, `pl`, coloured lights and the P3F additions listed in
+/// docs/nff.md. Returns every error of the file, not only the first (at most kMaxDiagnostics, then
+/// a line that says how many more), or a scene that passes validate() with the warnings it raised.
+std::expected<ReadScene, Diagnostics> read_nff(const std::filesystem::path& path);
+
+/// The same for text in memory; `file` is the name in messages.
+std::expected<ReadScene, Diagnostics> parse_nff(std::string_view text, std::string_view file);
+
+inline constexpr size_t kMaxDiagnostics = 20;
+
+/// The scene as NFF, every number with the fewest digits that read back to the same float. Pools
+/// are written kind by kind; smooth triangles as `pp`, P3F's lens after `resolution`.
+std::string write_nff(const Scene& scene, std::string_view comment = {});
+
+}  // namespace raio

@@ -1,0 +1,77 @@
+// Everything that a picture depends on besides the scene, and the one table of it from which the
+// command line and its help are made.
+#pragma once
+
+#include <cstdint>
+#include <expected>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "accel/accel.h"
+#include "scene/scene.h"
+
+namespace raio {
+
+/// Zero, or nothing, where the scene or a rule decides: resolve_options() fills it in.
+struct RenderOptions {
+  AccelOptions accel;
+  int width = 0, height = 0;
+  int aa = 0;
+  bool soft_shadows = false;
+  float light_size = 0;
+  std::optional<bool> dof;
+  float aperture = 0;
+  float focus = 0;
+  int lens_samples = 0;
+  int depth = 5;
+  bool one_sided = false;
+  int threads = 0;
+  uint32_t seed = 0;
+
+  int samples_per_pixel() const { return aa * aa * lens_samples; }
+};
+
+inline constexpr int kMaxDepth =
+    32;  // a place in the ray tree is a 32-bit number (render/sampler.h)
+
+inline constexpr int kMaxSamples = 1 << 24;  // of a pixel; the sampler numbers them in 32 bits
+
+/// Why the options do not go together: one that was given and would have no effect beside the
+/// others, or more samples than there can be. One line that says what to do; empty when all is
+/// well. Without a scene, what depends on it passes.
+std::string option_conflict(const RenderOptions& options, const Scene* scene = nullptr);
+
+/// `options` with every open value replaced by what it means for `scene`: the scene's own wishes
+/// (resolution, samples, lens), else the default that the table states.
+RenderOptions resolve_options(const RenderOptions& options, const Scene& scene);
+
+/// One option. The value is reached through `value`, or parsed by it where it is not one number.
+struct OptionSpec {
+  using Parse = std::expected<void, std::string> (*)(RenderOptions&, std::string_view);
+
+  std::string_view name;        // --name on the command line
+  std::string_view value_name;  // "N"; empty for a switch
+  std::string_view help;        // with the default and the unit
+  std::variant<bool& (*)(RenderOptions&), std::optional<bool>& (*)(RenderOptions&),
+               int& (*)(RenderOptions&), float& (*)(RenderOptions&), Parse>
+      value;
+  double least = 0, most = 0;  // of a number
+
+  bool is_switch() const { return value_name.empty(); }
+};
+
+/// All options, in the order of the help.
+std::span<const OptionSpec> render_option_table();
+
+/// Sets one option from text ("true" or "false" for a switch). The error says what was found and
+/// what is accepted.
+std::expected<void, std::string> set_option(RenderOptions& options, const OptionSpec& spec,
+                                            std::string_view text);
+
+/// The name of a structure as on the command line.
+std::string_view accel_name(AccelKind kind);
+
+}  // namespace raio

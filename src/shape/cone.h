@@ -1,0 +1,147 @@
+// Cones, frusta and cylinders: one shape, the lateral surface between two circles, without caps.
+#pragma once
+
+#include "base/box.h"
+#include "base/ray.h"
+#include "shape/kinds.h"
+
+namespace raio {
+
+/// A cylinder is the cone of two equal radii. As NFF has it: with negative radii only the inside is
+/// seen.
+struct Cone {
+  Vec3f base;
+  float base_radius = 0;
+  Vec3f apex;
+  float apex_radius = 0;
+
+  bool is_cylinder() const { return base_radius == apex_radius; }
+};
+
+/// What an intersection wants of a cone; made once when a scene is baked.
+/// At height z above the base (0 <= z <= height) the radius is base_radius + slope * z.
+struct BakedCone {
+  Vec3f base, axis;  // axis: unit, from base to apex
+  float height = 0, base_radius = 0, slope = 0;
+
+  BakedCone() = default;
+  explicit BakedCone(const Cone& c) {
+    const Vec3d along = Vec3d(c.apex) - Vec3d(c.base);
+    const double h = length(along);
+    base = c.base;
+    axis = Vec3f(along / h);
+    height = float(h);
+    base_radius = std::abs(c.base_radius);
+    slope = float((std::abs(double(c.apex_radius)) - std::abs(double(c.base_radius))) / h);
+  }
+};
+
+/// Around the baked surface, which is where rays meet it: the ulps by which baking moves it are
+/// inside.
+inline Box3f bounds(const BakedCone& c) {
+  const Vec3d base(c.base), axis = normalize(Vec3d(c.axis));
+  // A circle of normal n reaches r * sqrt(1 - n_x^2) along x; in this form nothing cancels.
+  const Vec3d reach(std::hypot(axis.y, axis.z), std::hypot(axis.z, axis.x),
+                    std::hypot(axis.x, axis.y));
+  Box3d box;
+  for (const double z : {0.0, double(c.height)}) {
+    const Vec3d center = base + axis * z, extent = reach * (c.base_radius + c.slope * z);
+    box.extend(center - extent);
+    box.extend(center + extent);
+  }
+  return rounded_out(box);
+}
+
+inline Box3f bounds(const Cone& c) { return bounds(BakedCone(c)); }
+
+/// Up to two hits in order of distance; `cosine` has the sign of dot(outward normal, ray
+/// direction).
+struct ConeRoots {
+  int count = 0;
+  float t[2] = {};
+  float cosine[2] = {};
+};
+
+/// Solves |x|^2 - z^2 = (r + k z)^2 along the ray, with the origin moved to the ray's point nearest
+/// to the middle of the axis. In double: the terms of a thin cone seen from afar cancel by the
+/// square of distance over radius, which is more than a float can lose.
+inline ConeRoots cone_roots(const BakedCone& c, const Ray& ray) {
+  const Vec3d d(ray.dir), axis(c.axis);
+  const double r = c.base_radius, k = c.slope, h = c.height;
+  const Vec3d from_base = Vec3d(ray.origin) - Vec3d(c.base);
+  const double shift = -dot(from_base - axis * (0.5 * h), d) / dot(d, d);
+  const Vec3d o = from_base + d * shift;
+  const double oz = dot(o, axis), dz = dot(d, axis);
+  // Components across the axis, by subtraction of vectors: no difference of large squares.
+  const Vec3d o_across = o - axis * oz, d_across = d - axis * dz;
+  const double o_r = r + k * oz, d_r = k * dz;
+  const double a = dot(d_across, d_across) - d_r * d_r;
+  const double b = dot(o_across, d_across) - o_r * d_r;
+  const double q = dot(o_across, o_across) - o_r * o_r;
+  ConeRoots out;
+  const auto add = [&](double s) {
+    const double z = oz + s * dz;
+    if (!(z >= 0 && z <= h) || r + k * z < 0) return;
+    const double slope_term = (r + k * z) * k;
+    const double cosine = dot(o_across + d_across * s, d) - slope_term * dz;
+    out.t[out.count] = float(s + shift);
+    out.cosine[out.count++] = float(cosine);
+  };
+  if (a == 0) {  // parallel to the slope: one root
+    if (b != 0) add(-0.5 * q / b);
+    return out;
+  }
+  const double disc = b * b - a * q;
+  if (!(disc >= 0)) return out;
+  // The root of larger magnitude first, the other from the product: neither cancels.
+  const double big = b >= 0 ? -b - std::sqrt(disc) : -b + std::sqrt(disc);
+  double s0 = big / a, s1 = big != 0 ? q / big : s0;
+  if (s0 > s1) std::swap(s0, s1);
+  add(s0);
+  if (s1 != s0) add(s1);
+  return out;
+}
+
+/// The outward unit normal at `p`, a point of the surface.
+inline Vec3f cone_normal(const BakedCone& c, Vec3f p) {
+  const Vec3d axis(c.axis), x = Vec3d(p) - Vec3d(c.base);
+  const double z = dot(x, axis);
+  const Vec3d across = x - axis * z;
+  const double rho = length(across);
+  // A point on the axis is the tip, where no normal is right; any across the axis will do.
+  const Vec3d out = rho > 0 ? across / rho : Frame<double>(axis).u;
+  return Vec3f(normalize(out - axis * double(c.slope)));
+}
+
+/// The distance of a point to the surface: exact, in the half plane of the axis and the point.
+inline double cone_distance(const BakedCone& c, Vec3d p) {
+  const Vec3d axis(c.axis), x = p - Vec3d(c.base);
+  const double z = dot(x, axis), rho = length(x - axis * z);
+  const double h = c.height, dr = double(c.slope) * h;
+  const double along = ((rho - c.base_radius) * dr + z * h) / (dr * dr + h * h);
+  const double s = std::clamp(along, 0.0, 1.0);
+  return std::hypot(rho - (c.base_radius + s * dr), z - s * h);
+}
+
+/// May the surface touch the box? Never wrong with "no". A box is split in eight while it may:
+/// after two splits a "yes" is at most an eighth of the box's diagonal too generous.
+inline bool overlaps(const BakedCone& c, const Box3d& box, int splits = 2) {
+  const Vec3d center = box.center();
+  // The axis is of unit length to a float's precision, and so are the distances measured with it.
+  const double slack =
+      std::numeric_limits<float>::epsilon() * (length(center - Vec3d(c.base)) + c.height);
+  if (cone_distance(c, center) > 0.5 * length(box.size()) + slack) return false;
+  if (splits == 0) return true;
+  for (int octant = 0; octant < 8; ++octant) {
+    Box3d part;
+    for (int a = 0; a < 3; ++a) {
+      const bool upper = octant >> a & 1;
+      part.lo[a] = upper ? center[a] : box.lo[a];
+      part.hi[a] = upper ? box.hi[a] : center[a];
+    }
+    if (overlaps(c, part, splits - 1)) return true;
+  }
+  return false;
+}
+
+}  // namespace raio

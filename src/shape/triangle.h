@@ -1,0 +1,78 @@
+// Triangles.
+#pragma once
+
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "base/box.h"
+#include "base/ray.h"
+#include "shape/kinds.h"
+
+namespace raio {
+
+struct Triangle {
+  Vec3f a, b, c;
+};
+
+inline Box3f bounds(const Triangle& t) {
+  return {min(t.a, min(t.b, t.c)), max(t.a, max(t.b, t.c))};
+}
+
+/// The unit normal of the side from which the corners run counter-clockwise; zero for a triangle
+/// without area. In double, so that slivers far from the origin keep their direction.
+inline Vec3f triangle_normal(const Triangle& t) {
+  const Vec3d a(t.a), n = cross(Vec3d(t.b) - a, Vec3d(t.c) - a);
+  const double len = length(n);
+  return len > 0 ? Vec3f(n / len) : Vec3f();
+}
+
+/// A ray prepared for triangles: the axis permutation and shear that make it (0, 0, 1).
+struct ShearedRay {
+  int kx = 0, ky = 1, kz = 2;
+  float sx = 0, sy = 0, sz = 1;
+
+  explicit ShearedRay(Vec3f dir) {
+    kz = max_axis(abs(dir));
+    kx = (kz + 1) % 3;
+    ky = (kx + 1) % 3;
+    if (dir[kz] < 0) std::swap(kx, ky);  // keeps the winding
+    sx = dir[kx] / dir[kz];
+    sy = dir[ky] / dir[kz];
+    sz = 1 / dir[kz];
+  }
+};
+
+struct TriangleHit {
+  float t = 0, u = 0, v = 0;
+  float cosine = 0;  // sign of dot(normal, direction)
+};
+
+/// Watertight: two triangles compute a shared edge from the same rounded products, so that their
+/// edge functions are exact negatives of each other and no ray can pass between them. Woop, Benthin
+/// and Wald 2013, "Watertight Ray/Triangle Intersection", JCGT 2(1). We need no second pass in
+/// double: an edge function that rounds to zero counts as inside for both triangles. Relies on
+/// contraction being off.
+inline std::optional<TriangleHit> intersect(Vec3f a, Vec3f b, Vec3f c, const Ray& ray,
+                                            const ShearedRay& s) {
+  a = a - ray.origin, b = b - ray.origin, c = c - ray.origin;
+  const float ax = a[s.kx] - s.sx * a[s.kz], ay = a[s.ky] - s.sy * a[s.kz];
+  const float bx = b[s.kx] - s.sx * b[s.kz], by = b[s.ky] - s.sy * b[s.kz];
+  const float cx = c[s.kx] - s.sx * c[s.kz], cy = c[s.ky] - s.sy * c[s.kz];
+  const float u = cx * by - cy * bx;
+  const float v = ax * cy - ay * cx;
+  const float w = bx * ay - by * ax;
+  if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return std::nullopt;
+  const float det = u + v + w;
+  if (det == 0) return std::nullopt;
+  const float t = (u * (s.sz * a[s.kz]) + v * (s.sz * b[s.kz]) + w * (s.sz * c[s.kz])) / det;
+  // Divisions, since 1 / det can be infinite. det is positive when the corners run clockwise as
+  // seen along the ray's (mirrored) frame.
+  return TriangleHit{t, v / det, w / det, -det};
+}
+
+/// Does the triangle touch the box? Separating axes of Akenine-Moeller 2001, "Fast 3D Triangle-Box
+/// Overlap Testing", JGT 6(1): exact but for rounding, in double.
+bool overlaps(const Triangle& triangle, const Box3d& box);
+
+}  // namespace raio

@@ -1,0 +1,558 @@
+// The program as its users meet it: run with arguments, judged by its exit status, by what it
+// prints, and by the files it leaves.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <thread>
+#include <vector>
+
+#include "io/generate.h"
+#include "io/image.h"
+#include "render/options.h"
+#include "temporary_folder.h"
+
+namespace raio {
+namespace {
+
+using nlohmann::json;
+using testing::EndsWith;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+constexpr std::string_view kScene =
+    "b 0.1 0.2 0.3\n"
+    "v\nfrom 0 -5 0\nat 0 0 0\nup 0 0 1\nangle 40\nhither 0\nresolution 24 16\n"
+    "l 3 -4 5\n"
+    "f 1 0 0 0.8 0.2 10 0 1\ns 0 0 0 1\ns 1.5 0 0.5 0.4\n"
+    "f 0 1 0 0.5 0 1 0.5 1.5\nc -2 0 0 0.3 -2 0 1 0.3\n"
+    "p 4\n-5 -5 -1\n5 -5 -1\n5 5 -1\n-5 5 -1\n";
+
+std::string replaced(std::string_view from, std::string_view to) {
+  std::string text(kScene);
+  return text.replace(text.find(from), from.size(), to);
+}
+
+struct Redirections {
+  std::string input = "/dev/null", output, errors;  // empty: a file whose contents are returned
+  bool close_output = false;
+};
+
+struct Outcome {
+  int status = -1;  // minus the signal that ended it
+  std::string out, err;
+  double seconds = 0;
+};
+
+class CommandLine : public TemporaryFolder {
+ protected:
+  CommandLine() { put(file("ok.nff"), kScene); }
+
+  // A running program; its two streams go to files beside the folder that it works in.
+  class Running {
+   public:
+    Running(const CommandLine& test, std::vector<std::string> arguments, const Redirections& to)
+        : out_(to.output.empty() ? test.file("../" + test.stream_name("out")).string() : to.output),
+          err_(to.errors.empty() ? test.file("../" + test.stream_name("err")).string() : to.errors),
+          to_(to) {
+      posix_spawn_file_actions_t actions;
+      posix_spawn_file_actions_init(&actions);
+      constexpr int kMake = O_WRONLY | O_CREAT | O_TRUNC;
+      posix_spawn_file_actions_addopen(&actions, 0, to.input.c_str(), O_RDONLY, 0);
+      posix_spawn_file_actions_addopen(&actions, 1, out_.c_str(), kMake, 0600);
+      posix_spawn_file_actions_addopen(&actions, 2, err_.c_str(), kMake, 0600);
+      if (to.close_output) posix_spawn_file_actions_addclose(&actions, 1);
+      posix_spawn_file_actions_addchdir_np(&actions, test.folder().c_str());
+      // Whoever runs the tests may ignore signals.
+      posix_spawnattr_t attributes;
+      posix_spawnattr_init(&attributes);
+      sigset_t signals;
+      sigfillset(&signals);
+      posix_spawnattr_setsigdefault(&attributes, &signals);
+      posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
+
+      arguments.insert(arguments.begin(), RAIO_PROGRAM);
+      std::vector<char*> argv;
+      for (std::string& argument : arguments) argv.push_back(argument.data());
+      argv.push_back(nullptr);
+      EXPECT_EQ(posix_spawn(&id_, RAIO_PROGRAM, &actions, &attributes, argv.data(), environ), 0);
+      posix_spawn_file_actions_destroy(&actions);
+      posix_spawnattr_destroy(&attributes);
+    }
+
+    void send(int signal) const { ::kill(id_, signal); }
+
+    Outcome wait() const {
+      Outcome outcome;
+      int status = 0;
+      ::waitpid(id_, &status, 0);
+      outcome.status = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+      outcome.seconds =
+          std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+      if (to_.output.empty()) outcome.out = get(out_), std::filesystem::remove(out_);
+      if (to_.errors.empty()) outcome.err = get(err_), std::filesystem::remove(err_);
+      return outcome;
+    }
+
+   private:
+    std::string out_, err_;
+    Redirections to_;
+    pid_t id_ = 0;
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  };
+
+  Outcome raio(std::vector<std::string> arguments, const Redirections& to = {}) const {
+    return Running(*this, std::move(arguments), to).wait();
+  }
+
+  // One line on standard error, nothing elsewhere, at once, and no file more than before.
+  void expect_refusal(std::vector<std::string> arguments, int status, std::string_view message,
+                      const Redirections& to = {}) const {
+    std::string shown;
+    for (const std::string& a : arguments) shown += a + " ";
+    const testing::Message where = testing::Message() << shown;
+    const long before = entries();
+    const Outcome o = raio(std::move(arguments), to);
+    EXPECT_EQ(o.status, status) << where;
+    EXPECT_EQ(o.out, "") << where;
+    EXPECT_THAT(o.err, HasSubstr(message)) << where;
+    EXPECT_THAT(o.err, HasSubstr("error: ")) << where;
+    EXPECT_EQ(std::ranges::count(o.err, '\n'), 1) << where << o.err;
+    EXPECT_THAT(o.err, EndsWith("\n")) << where;
+    EXPECT_LT(o.seconds, 1) << where;
+    EXPECT_EQ(entries(), before) << where;
+  }
+
+  // With where help is.
+  void expect_usage_error(std::vector<std::string> arguments, std::string_view message) const {
+    const bool has_command = !arguments.empty() && arguments[0] == "render";
+    const std::string help = has_command ? "; see raio render --help\n" : "; see raio --help\n";
+    const Outcome o = raio(arguments);
+    EXPECT_THAT(o.err, StartsWith("raio: error: "));
+    EXPECT_THAT(o.err, EndsWith(help));
+    expect_refusal(std::move(arguments), 2, message);
+  }
+
+  std::vector<std::string> names() const {
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(folder()))
+      names.push_back(entry.path().filename().string());
+    std::ranges::sort(names);
+    return names;
+  }
+
+ private:
+  std::string stream_name(std::string_view stream) const {
+    return folder().filename().string() + "." + std::string(stream);
+  }
+};
+
+TEST_F(CommandLine, RefusesWhatIsNoScene) {
+  std::filesystem::create_directory(file("folder.nff"));
+  std::string noise;
+  for (unsigned i = 0, x = 1; i < 20000; ++i) noise += char((x = x * 1664525 + 1013904223) >> 24);
+  for (const auto& [name, bytes, message] :
+       {std::tuple("truncated", std::string(kScene.substr(0, 150)), "the file ends"),
+        {"noise", noise, "not a text file"},
+        {"empty", std::string(), "the file is empty"},
+        {"count", replaced("p 4", "p 4000000000"), "4000000000"},
+        {"nan", replaced("s 0 0 0 1", "s nan 0 0 1"), "not finite"},
+        {"huge", replaced("s 0 0 0 1", "s 1e39 0 0 1"), "range"}}) {
+    put(file("bad.nff"), bytes);
+    expect_refusal({"render", "bad.nff", "-o", "x.png"}, 2, message);
+    expect_refusal({"info", "bad.nff"}, 2, message);
+  }
+  expect_refusal({"render", "folder.nff", "-o", "x.png"}, 2, "folder");
+  expect_refusal({"render", "missing.nff", "-o", "x.png"}, 2, "No such file");
+  expect_refusal({"render", "/dev/zero", "-o", "x.png"}, 2, "device");
+  // A name is shown without its control characters.
+  expect_refusal({"render", "a\nb\x1b[31m.nff", "-o", "x.png"}, 2, "a?b?[31m.nff");
+}
+
+TEST_F(CommandLine, RefusesTargetsThatCannotBeWritten) {
+  std::filesystem::create_directory(file("folder.png"));
+  const auto render = [](std::string output) {
+    return std::vector<std::string>{"render", "ok.nff", "--quiet", "-o", output};
+  };
+  for (const char* target : {"no/x.png", "folder.png", "/proc/x.png", "/sys/x.png", "/dev/full"})
+    expect_refusal(render(target), 3, target);
+  for (const char* target : {"no/x.json", "folder.png", "/proc/x.json"})
+    expect_refusal({"render", "ok.nff", "--quiet", "-o", "/dev/null", "--stats", target}, 3,
+                   target);
+  expect_refusal({"render", "ok.nff", "--quiet", "-o", "/dev/null", "--stats", "/dev/full"}, 3,
+                 "/dev/full");
+  expect_refusal(render("-"), 3, "standard output",
+                 {.output = {}, .errors = {}, .close_output = true});
+  expect_refusal(render("-"), 3, "standard output", {.output = "/dev/full", .errors = {}});
+  expect_refusal({"info", "ok.nff"}, 3, "standard output", {.output = "/dev/full", .errors = {}});
+  expect_refusal({"render", "--help"}, 3, "standard output", {.output = "/dev/full", .errors = {}});
+  for (const char* target : {"x.gif", "x"}) expect_refusal(render(target), 2, ".png");
+  expect_refusal({"render", "ok.nff", "-o", "-", "--stats", "-"}, 2, "standard output");
+  expect_refusal({"render", "ok.nff", "-o", "x.png", "--stats", "x.png"}, 2, "x.png");
+}
+
+TEST_F(CommandLine, DoesItsWorkWhenStandardErrorIsFull) {
+  const Redirections full{.output = {}, .errors = "/dev/full"};
+  EXPECT_EQ(raio({"render", "missing.nff"}, full).status, 2);
+  EXPECT_EQ(raio({"render", "ok.nff", "--progress", "on"}, full).status, 0);
+  EXPECT_TRUE(std::filesystem::exists(file("ok.png")));
+}
+
+TEST_F(CommandLine, RefusesWrongUsage) {
+  expect_usage_error({}, "command is missing");
+  expect_usage_error({"rendr", "ok.nff"}, "did you mean render?");
+  expect_usage_error({"frobnicate"}, "'frobnicate'");
+  expect_usage_error({"--frob"}, "--frob");
+  expect_usage_error({"render"}, "SCENE is missing");
+  expect_usage_error({"render", "ok.nff", "b.nff"}, "'b.nff'");
+  expect_usage_error({"render", "ok.nff", "--siz", "3x3"}, "did you mean --size?");
+  expect_usage_error({"render", "ok.nff", "--soft-shadow"}, "did you mean --soft-shadows?");
+  expect_usage_error({"render", "ok.nff", "-x"}, "no option -x");
+  expect_usage_error({"render", "ok.nff", "--size"}, "--size wants a value");
+  expect_usage_error({"render", "ok.nff", "--stats", "-o", "x.png"}, "--stats wants a value");
+  expect_usage_error({"render", "ok.nff", "--aa="}, "--aa wants a value");
+  expect_usage_error({"render", ""}, "name of a file");
+  expect_usage_error({"render", "ok.nff", "-o", ""}, "name of a file");
+  expect_refusal({"compare", "a.png"}, 2, "B is missing");
+  expect_refusal({"generate", "bals"}, 2, "balls");
+  expect_refusal({"generate", "balls", "--size", "x"}, 2, "1 to 1000000");
+}
+
+TEST_F(CommandLine, RefusesValuesOutOfRange) {
+  for (const auto& [option, value, expected] : {std::tuple("--aa", "0", "from 1 to 256"),
+                                                {"--aa", "257", "from 1 to 256"},
+                                                {"--aa", "1.5", "whole number"},
+                                                {"--size", "3", "640x480"},
+                                                {"--size", "0x3", "640x480"},
+                                                {"--accel", "grd", "embree"},
+                                                {"--grid-factor", "0", "0.01 to 100"},
+                                                {"--grid-resolution", "3x3", "64x64x16"},
+                                                {"--light-size", "nan", "number"},
+                                                {"--aperture", "-1", "number"},
+                                                {"--focus", "inf", "number"},
+                                                {"--depth", "33", "1 to 32"},
+                                                {"--threads", "0", "1 to 4096"},
+                                                {"--seed", "-5", "0 to 4294967295"},
+                                                {"--progress", "maybe", "auto, on or off"}}) {
+    expect_usage_error({"render", "ok.nff", option, value}, expected);
+    expect_usage_error({"render", "ok.nff", option, value}, "found '" + std::string(value) + "'");
+  }
+  EXPECT_EQ(raio({"render", "ok.nff", "--dof", "--aperture", "1e30"}).status, 0);
+}
+
+TEST_F(CommandLine, SaysWhichOptionWouldHaveNoEffect) {
+  const auto refused = [&](std::vector<std::string> options, std::string_view message) {
+    options.insert(options.begin(), {"render", "ok.nff", "-o", "x.png"});
+    expect_refusal(options, 2, message);
+  };
+  for (const char* other : {"none", "embree"}) {
+    refused({"--grid-factor", "2", "--accel", other}, "--grid-factor");
+    refused({"--accel", other, "--grid-factor", "2"}, "--grid-factor");
+    refused({"--grid-resolution", "3x3x3", "--accel", other}, "--grid-resolution");
+    refused({"--accel", other, "--grid-resolution", "3x3x3"}, "--grid-resolution");
+  }
+  refused({"--grid-factor", "3", "--grid-resolution", "3x3x3"}, "--grid-factor");
+  refused({"--counters", "--accel", "embree"}, "--counters");
+  refused({"--light-size", "1"}, "add --soft-shadows");
+  refused({"--aperture", "1"}, "add --dof");
+  refused({"--focus", "1", "--no-dof"}, "add --dof");
+  refused({"--lens-samples", "4"}, "--dof");
+  refused({"--aa", "256", "--lens-samples", "65536"}, "4294967296 samples");
+
+  const auto accepted = [&](std::vector<std::string> options) {
+    options.insert(options.begin(), {"render", "ok.nff", "-o", "x.png"});
+    const Outcome o = raio(options);
+    EXPECT_EQ(o.status, 0) << o.err;
+  };
+  accepted({"--grid-factor", "3"});
+  accepted({"--accel", "grid", "--grid-resolution", "3x3x3"});
+  accepted({"--soft-shadows", "--light-size", "1"});
+  accepted({"--dof", "--aperture", "1", "--focus", "4", "--lens-samples", "2"});
+  accepted({"--soft-shadows", "--lens-samples", "2"});
+  accepted({"--aa", "2", "--aa", "3"});
+  // A lens of the scene's own is enough.
+  put(file("ok.nff"), replaced("resolution 24 16", "resolution 24 16\naperture 2 focal 1"));
+  accepted({"--aperture", "1", "--focus", "4", "--lens-samples", "2"});
+  refused({"--aperture", "1", "--no-dof"}, "add --dof");
+}
+
+TEST_F(CommandLine, RefusesWhatMemoryCannotHold) {
+  expect_refusal({"render", "ok.nff", "--size", "1000000x1000000"}, 3, "--size");
+  expect_refusal({"render", "ok.nff", "--grid-resolution", "1000000x1000000x1000000"}, 3,
+                 "fewer cells");
+}
+
+TEST_F(CommandLine, HelpIsNarrowAndComplete) {
+  for (const char* command : {"", "render", "bench", "info", "generate", "compare"}) {
+    const Outcome o = *command ? raio({command, "--help"}) : raio({"-h"});
+    EXPECT_EQ(o.status, 0);
+    EXPECT_EQ(o.err, "");
+    EXPECT_THAT(o.out, HasSubstr("Usage: raio "));
+    EXPECT_THAT(o.out, HasSubstr("Example"));
+    for (size_t at = 0, end = 0; (end = o.out.find('\n', at)) != o.out.npos; at = end + 1) {
+      EXPECT_LE(end - at, 100u) << o.out.substr(at, end - at);
+      EXPECT_FALSE(end > at && o.out[end - 1] == ' ') << o.out.substr(at, end - at);
+    }
+  }
+  for (const char* command : {"  render ", "  bench ", "  info ", "  generate ", "  compare "})
+    EXPECT_THAT(raio({"--help"}).out, HasSubstr(command));
+  const std::string help = raio({"render", "--help"}).out;
+  for (const OptionSpec& option : render_option_table())
+    EXPECT_THAT(help, HasSubstr("--" + std::string(option.name)));
+  EXPECT_THAT(help, HasSubstr("--dof, --no-dof "));
+  EXPECT_THAT(raio({"--version"}).out, testing::MatchesRegex("raio [0-9.]+\n"));
+}
+
+TEST_F(CommandLine, EveryStructureWithEveryEffect) {
+  for (const char* accel : {"none", "grid", "embree", "auto"})
+    for (unsigned effects = 0; effects < 8; ++effects) {
+      std::vector<std::string> arguments = {"render",  "ok.nff", "-o",      "x.png",
+                                            "--stats", "x.json", "--accel", accel};
+      if (effects & 1) arguments.insert(arguments.end(), {"--aa", "2"});
+      if (effects & 2) arguments.emplace_back("--soft-shadows");
+      if (effects & 4) arguments.insert(arguments.end(), {"--dof", "--lens-samples", "3"});
+      ASSERT_EQ(raio(arguments).status, 0) << accel << effects;
+      const json stats = json::parse(get(file("x.json")));
+      const uint64_t samples = (effects & 1 ? 4 : 1) * (effects & 4 ? 3 : 1);
+      EXPECT_EQ(stats["samples_per_pixel"], samples);
+      EXPECT_EQ(stats["rays"]["eye"], 24 * 16 * samples) << accel << effects;
+    }
+}
+
+TEST_F(CommandLine, StatisticsFollowTheirSchema) {
+  const auto statistics = [&](std::vector<std::string> options) {
+    options.insert(options.begin(), {"render", "ok.nff", "--stats", "x.json"});
+    EXPECT_EQ(raio(options).status, 0);
+    return json::parse(get(file("x.json")));
+  };
+  const json s = statistics({"--accel", "grid", "--counters", "--aa", "2", "--seed", "9",
+                             "--threads", "2", "--size", "30x20"});
+  const std::vector<std::pair<std::string, std::vector<std::string>>> whole_numbers = {
+      {"",
+       {"samples_per_pixel", "seed", "threads", "depth", "lights", "materials",
+        "peak_memory_bytes"}},
+      {"/primitives", {"sphere", "triangle", "polygon", "cone", "cylinder", "plane"}},
+      {"/accelerator", {"bytes", "cells", "references"}},
+      {"/effects", {"aa"}},
+      {"/rays", {"eye", "eye_hits", "reflection", "refraction", "shadow", "shadow_hits", "total"}}};
+  for (const auto& [path, keys] : whole_numbers)
+    for (const std::string& key : keys)
+      EXPECT_TRUE(s.at(json::json_pointer(path + "/" + key)).is_number_unsigned() ||
+                  s.at(json::json_pointer(path + "/" + key)) >= 0)
+          << path << key;
+  for (const char* key : {"load", "build", "render", "write", "total"})
+    EXPECT_TRUE(s.at("time_s").at(key).is_number_float()) << key;
+  EXPECT_TRUE(s.at("rays_per_s").is_number_float());
+  EXPECT_TRUE(s.at("version").is_string());
+  EXPECT_EQ(s.at("scene"), "ok");
+  EXPECT_EQ(s.at("resolution"), (json{30, 20}));
+  EXPECT_EQ(s.at("effects"), (json{{"aa", 2}, {"soft_shadows", false}, {"dof", false}}));
+  EXPECT_EQ(s.at("seed"), 9);
+  EXPECT_EQ(s.at("threads"), 2);
+  EXPECT_EQ(s.at("primitives").at("sphere"), 2);
+  EXPECT_EQ(s.at("accelerator").at("name"), "grid");
+  EXPECT_GT(s.at("accelerator").at("cells"), 0);
+  EXPECT_GT(s.at("per_ray").at("tests"), 0);
+  EXPECT_GT(s.at("per_ray").at("steps"), 0);
+
+  const json& rays = s.at("rays");
+  EXPECT_EQ(rays.at("eye"), 30 * 20 * 4);
+  EXPECT_EQ(rays.at("total"), rays["eye"].get<int>() + rays["reflection"].get<int>() +
+                                  rays["refraction"].get<int>() + rays["shadow"].get<int>());
+  EXPECT_LE(rays.at("eye_hits"), rays.at("eye"));
+  EXPECT_LE(rays.at("shadow_hits"), rays.at("shadow"));
+  EXPECT_GT(rays.at("refraction"), 0);
+  const json& time = s.at("time_s");
+  EXPECT_GE(time["total"].get<double>(), time["load"].get<double>() + time["build"].get<double>() +
+                                             time["render"].get<double>() +
+                                             time["write"].get<double>());
+  EXPECT_FALSE(statistics({}).contains("per_ray"));
+}
+
+TEST_F(CommandLine, StandardOutputHasThePictureAlone) {
+  const Outcome o = raio({"render", "ok.nff", "-o", "-", "--progress", "on"});
+  EXPECT_EQ(o.status, 0);
+  EXPECT_THAT(o.err, HasSubstr("\r"));
+  EXPECT_THAT(o.err, HasSubstr(" %"));
+  put(file("o.png"), o.out);
+  const auto picture = read_image(file("o.png"));
+  ASSERT_TRUE(picture);
+  EXPECT_EQ(picture->width, 24);
+  // The last chunk of a PNG.
+  EXPECT_THAT(o.out, EndsWith(std::string_view("\0\0\0\0IEND\xae\x42\x60\x82", 12)));
+
+  const Outcome piped = raio({"render", "ok.nff", "-o", "-"});
+  EXPECT_EQ(piped.out, o.out);
+  EXPECT_EQ(std::ranges::count(piped.err, '\n'), 1);
+  EXPECT_EQ(piped.err.find_first_of("\r\x1b"), piped.err.npos);
+  EXPECT_EQ(raio({"render", "ok.nff", "-o", "-", "--quiet", "--progress", "on"}).err, "");
+}
+
+TEST_F(CommandLine, ThreadsDoNotChangeTheBytes) {
+  std::vector<std::string> pictures;
+  for (const char* threads : {"1", "2", "5"}) {
+    EXPECT_EQ(raio({"render", "ok.nff", "-o", "x.png", "--size", "100x70", "--aa", "2", "--dof",
+                    "--soft-shadows", "--threads", threads})
+                  .status,
+              0);
+    pictures.push_back(get(file("x.png")));
+  }
+  EXPECT_EQ(pictures[0], pictures[1]);
+  EXPECT_EQ(pictures[0], pictures[2]);
+  for (const char* setting : {"raio.scene", "raio.seed", "raio.aa", "raio.aperture", "raio.depth"})
+    EXPECT_THAT(pictures[0], HasSubstr(setting));
+}
+
+TEST_F(CommandLine, FormatsOfFloatsHoldTheSameValues) {
+  for (const char* picture : {"x.exr", "x.pfm", "x.ppm", "x.PNG"})
+    ASSERT_EQ(raio({"render", "ok.nff", "-o", picture}).status, 0);
+  const auto exr = read_image(file("x.exr")), pfm = read_image(file("x.pfm"));
+  ASSERT_TRUE(exr && pfm);
+  for (size_t i = 0; i < exr->pixels.size(); ++i)
+    for (int c = 0; c < 3; ++c) ASSERT_EQ(exr->pixels[i][c], pfm->pixels[i][c]) << i;
+  EXPECT_EQ(raio({"compare", "x.PNG", "x.ppm", "--min-psnr", "100"}).status, 0);
+}
+
+TEST_F(CommandLine, NamesThePictureAfterTheScene) {
+  std::filesystem::create_directory(file("deep down"));
+  // The last is no valid UTF-8.
+  for (const std::string name :
+       {"deep down/two words.nff", "\u00fcber.nff", "a.b.p3f", "plain", ".nff", "caf\xe9.nff"}) {
+    put(file(name), kScene);
+    const Outcome o = raio({"render", name, "--stats", "x.json"});
+    EXPECT_EQ(o.status, 0) << o.err;
+    const std::string stem = std::filesystem::path(name).stem();
+    EXPECT_TRUE(read_image(file(stem + ".png"))) << stem;
+    EXPECT_TRUE(json::accept(get(file("x.json"))));
+  }
+}
+
+TEST_F(CommandLine, ReadsP3fWithItsLens) {
+  put(file("lens.p3f"),
+      replaced("resolution 24 16", "resolution 24 16\naperture 2 focal 1") + "spp 9\n");
+  EXPECT_EQ(raio({"render", "lens.p3f", "--stats", "x.json"}).status, 0);
+  const json stats = json::parse(get(file("x.json")));
+  EXPECT_EQ(stats["effects"], (json{{"aa", 3}, {"soft_shadows", false}, {"dof", true}}));
+  EXPECT_EQ(raio({"render", "lens.p3f", "--stats", "x.json", "--no-dof", "--aa", "1"}).status, 0);
+  EXPECT_EQ(json::parse(get(file("x.json")))["effects"]["dof"], false);
+}
+
+TEST_F(CommandLine, GeneratedScenesGoThroughPipes) {
+  ASSERT_EQ(::mkfifo(file("pipe").c_str(), 0600), 0);
+  // Held open until the reader runs; the writer is done by then, as a quick one may be.
+  const int both = ::open(file("pipe").c_str(), O_RDWR | O_CLOEXEC);
+  EXPECT_EQ(raio({"generate", "balls_low"}, {.output = file("pipe"), .errors = {}}).status, 0);
+  const Running reader(*this, {"render", "/dev/stdin", "-o", "x.png", "--size", "32x32"},
+                       {.input = file("pipe"), .output = {}, .errors = {}});
+  ::close(both);
+  const Outcome o = reader.wait();
+  EXPECT_EQ(o.status, 0) << o.err;
+  EXPECT_TRUE(read_image(file("x.png")));
+
+  for (const SceneRecipe& recipe : scene_recipes()) {
+    std::vector<std::string> generate = {"generate", std::string(recipe.name), "-o", "g.nff"};
+    if (recipe.max_size > 0) generate.insert(generate.end(), {"--size", "2"});
+    EXPECT_EQ(raio(generate).status, 0);
+    const Outcome info = raio({"info", "g.nff", "--json"});
+    EXPECT_EQ(info.status, 0) << recipe.name;
+    EXPECT_EQ(info.err, "") << recipe.name;
+    EXPECT_GT(json::parse(info.out).at("primitive_count"), 0);
+  }
+}
+
+class Interrupted : public CommandLine {
+ protected:
+  // It takes half a second; this only tells ending from going on, on the busiest machine.
+  static constexpr double kSoon = 20;
+
+  void expect_soon(const Running& running, int signal) {
+    const auto sent = std::chrono::steady_clock::now();
+    running.send(signal);
+    const Outcome o = running.wait();
+    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - sent;
+    EXPECT_EQ(o.status, 130) << o.err;
+    EXPECT_LT(taken.count(), kSoon);
+    EXPECT_EQ(o.out, "");
+    EXPECT_THAT(o.err, StartsWith("raio: interrupted"));
+    EXPECT_EQ(std::ranges::count(o.err, '\n'), 1) << o.err;
+  }
+
+  static void pause() { std::this_thread::sleep_for(std::chrono::milliseconds(400)); }
+};
+
+TEST_F(Interrupted, RenderLeavesNothing) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const Running running(*this,
+                          {"render", "ok.nff", "--size", "2000x2000", "--aa", "64", "-o", "x.png",
+                           "--stats", "x.json"},
+                          {});
+    pause();
+    expect_soon(running, signal);
+    EXPECT_EQ(names(), std::vector<std::string>{"ok.nff"});
+  }
+}
+
+TEST_F(Interrupted, LoadingLeavesNothing) {
+#ifdef __SANITIZE_THREAD__
+  GTEST_SKIP() << "the thread sanitizer holds signals back while a read waits";
+#endif
+  // A pipe that nobody writes to: it waits for the scene.
+  ASSERT_EQ(::mkfifo(file("pipe").c_str(), 0600), 0);
+  const int writer = ::open(file("pipe").c_str(), O_RDWR | O_CLOEXEC);
+  const Running running(*this, {"render", "pipe", "-o", "x.png"}, {});
+  pause();
+  expect_soon(running, SIGINT);
+  ::close(writer);
+  EXPECT_EQ(names(), (std::vector<std::string>{"ok.nff", "pipe"}));
+}
+
+TEST_F(Interrupted, BuildingLeavesNothing) {
+  // Forty spheres in the same place, each in all of thirty million cells.
+  std::string many;
+  for (int i = 0; i < 40; ++i) many += "s 0 0 0 1\n";
+  put(file("ok.nff"), std::string(kScene) + many);
+  const Running running(
+      *this, {"render", "ok.nff", "--grid-resolution", "300x300x300", "-o", "x.png"}, {});
+  pause();
+  expect_soon(running, SIGINT);
+  EXPECT_EQ(names(), std::vector<std::string>{"ok.nff"});
+}
+
+TEST_F(Interrupted, GeneratingLeavesNothing) {
+  const Running running(*this, {"generate", "balls", "--size", "7", "-o", "x.nff"}, {});
+  pause();
+  expect_soon(running, SIGTERM);
+  EXPECT_EQ(names(), std::vector<std::string>{"ok.nff"});
+}
+
+TEST_F(Interrupted, WritingLeavesNoTemporaryFile) {
+  namespace fs = std::filesystem;
+  const Running running(*this, {"generate", "balls", "--size", "6", "-o", "x.nff"}, {});
+  const auto half_written = [&] {
+    for (const auto& entry : fs::directory_iterator(folder())) {
+      std::error_code gone;
+      if (entry.path().extension() == ".tmp" && entry.file_size(gone) > 0 && !gone) return true;
+    }
+    return false;
+  };
+  // At the latest it is written whole.
+  while (!half_written() && !fs::exists(file("x.nff"))) std::this_thread::yield();
+  running.send(SIGINT);
+  running.send(SIGTERM);
+  const Outcome o = running.wait();
+  if (o.status == 0)
+    EXPECT_EQ(names(), (std::vector<std::string>{"ok.nff", "x.nff"}));
+  else
+    EXPECT_EQ(o.status, 130);
+  for (const std::string& name : names()) EXPECT_FALSE(name.ends_with(".tmp")) << name;
+}
+
+}  // namespace
+}  // namespace raio

@@ -1,0 +1,645 @@
+#include "io/nff.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <charconv>
+#include <fstream>
+#include <random>
+#include <sstream>
+
+#include "io/nff_geometry.h"
+#include "io/text_cursor.h"
+#include "shape/polygon.h"
+#include "shape/triangle.h"
+
+namespace raio {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+const std::string kCamera =
+    "v\nfrom 2 1 1\nat 0 0 0\nup 0 0 1\nangle 45\nhither 1\nresolution 64 48\n";
+const std::string kMaterial = "f 1 0.5 0.25 0.5 0.5 3 0 0\n";
+
+std::string texts(const Diagnostics& diagnostics) {
+  std::string out;
+  for (const Diagnostic& d : diagnostics) out += d.text() + "\n";
+  return out;
+}
+
+/// The scene of a text that must read without a word.
+Scene read(const std::string& text) {
+  auto result = parse_nff(text, "t.nff");
+  if (!result) {
+    ADD_FAILURE() << texts(result.error());
+    return {};
+  }
+  EXPECT_EQ(texts(result->warnings), "");
+  EXPECT_THAT(validate(result->scene), IsEmpty());
+  return std::move(result->scene);
+}
+
+Scene read_objects(const std::string& objects) { return read(kCamera + kMaterial + objects); }
+
+std::string file_text(const std::filesystem::path& path) {
+  std::ostringstream out;
+  out << std::ifstream(path, std::ios::binary).rdbuf();
+  return out.str();
+}
+
+bool same(const Sphere& a, const Sphere& b) { return a.center == b.center && a.radius == b.radius; }
+bool same(const Plane& a, const Plane& b) { return a.point == b.point && a.normal == b.normal; }
+bool same(const Cone& a, const Cone& b) {
+  return a.base == b.base && a.base_radius == b.base_radius && a.apex == b.apex &&
+         a.apex_radius == b.apex_radius;
+}
+bool same(const Light& a, const Light& b) { return a.position == b.position && a.color == b.color; }
+
+template <class T>
+void expect_same(const std::vector<T>& a, const std::vector<T>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (size_t i = 0; i < a.size(); ++i) ASSERT_TRUE(same(a[i], b[i])) << i;
+}
+
+/// Position and normal of each corner of each triangle, polygons behind: what indices stand for.
+std::vector<Vec3f> corners(const Scene& scene) {
+  std::vector<Vec3f> out;
+  for (size_t i = 0; i < scene.triangles.size(); ++i)
+    for (int k = 0; k < 3; ++k) {
+      out.push_back(scene.positions[scene.triangles[i][k]]);
+      const uint32_t n = scene.triangle_normals.empty() ? kNoNormal : scene.triangle_normals[i][k];
+      out.push_back(n == kNoNormal ? Vec3f() : scene.normals[n]);
+    }
+  for (const Polygon& p : scene.polygons)
+    for (uint32_t k = 0; k < p.count; ++k) out.push_back(scene.positions[p.first + k]);
+  return out;
+}
+
+void expect_same(const Scene& a, const Scene& b) {
+  EXPECT_EQ(a.origin, b.origin);
+  EXPECT_EQ(a.camera.from, b.camera.from);
+  EXPECT_EQ(a.camera.at, b.camera.at);
+  EXPECT_EQ(a.camera.up, b.camera.up);
+  EXPECT_EQ(a.camera.fov_deg, b.camera.fov_deg);
+  EXPECT_EQ(a.camera.hither, b.camera.hither);
+  EXPECT_EQ(a.camera.width, b.camera.width);
+  EXPECT_EQ(a.camera.height, b.camera.height);
+  EXPECT_EQ(a.camera.lens_radius, b.camera.lens_radius);
+  EXPECT_EQ(a.camera.focus_distance, b.camera.focus_distance);
+  EXPECT_EQ(a.background, b.background);
+  EXPECT_EQ(a.samples_per_pixel, b.samples_per_pixel);
+  EXPECT_EQ(a.materials, b.materials);
+  expect_same(a.lights, b.lights);
+  expect_same(a.planes, b.planes);
+  expect_same(a.spheres, b.spheres);
+  expect_same(a.cones, b.cones);
+  EXPECT_EQ(a.plane_materials, b.plane_materials);
+  EXPECT_EQ(a.sphere_materials, b.sphere_materials);
+  EXPECT_EQ(a.cone_materials, b.cone_materials);
+  EXPECT_EQ(a.triangle_materials, b.triangle_materials);
+  EXPECT_EQ(a.polygon_materials, b.polygon_materials);
+  ASSERT_EQ(a.polygons.size(), b.polygons.size());
+  for (size_t i = 0; i < a.polygons.size(); ++i)
+    ASSERT_EQ(a.polygons[i].count, b.polygons[i].count);
+  EXPECT_TRUE(corners(a) == corners(b));
+}
+
+// Numbers.
+
+TEST(NffNumber, FormsThatPeopleWrite) {
+  const std::pair<const char*, double> cases[] = {{"0", 0},
+                                                  {"-0", 0},
+                                                  {"+1", 1},
+                                                  {".5", 0.5},
+                                                  {"-.5", -0.5},
+                                                  {"5.", 5},
+                                                  {"1e-3", 1e-3},
+                                                  {"1E+3", 1e3},
+                                                  {"1.11022e-16", 1.11022e-16},
+                                                  {"00012.50", 12.5},
+                                                  {"12345678", 12345678},
+                                                  {"123456789.123456789", 123456789.123456789},
+                                                  {"1e-400", 0},
+                                                  {"0e999999999999999", 0},
+                                                  {"0.1e1", 1},
+                                                  {"9007199254740993", 9007199254740992},
+                                                  {"1e999999", INFINITY},
+                                                  {"-1e999999", -INFINITY}};
+  for (const auto& [text, expected] : cases) {
+    const TextBuffer buffer(text);
+    double value = 77;
+    EXPECT_EQ(parse_number(buffer.begin(), value), buffer.end()) << text;
+    EXPECT_EQ(value, expected) << text;
+  }
+  const std::string tiny = "0." + std::string(400, '0') + "1", huge = std::string(400, '9');
+  double value = 77;
+  EXPECT_NE(parse_number(TextBuffer(tiny).begin(), value), nullptr);
+  EXPECT_EQ(value, 0);
+  EXPECT_NE(parse_number(TextBuffer(huge + "e-380").begin(), value), nullptr);
+  EXPECT_EQ(value, 1e20);
+}
+
+TEST(NffNumber, WordsThatAreNone) {
+  for (const char* text : {"", "-", "+", ".", "-.", "e5", "1e", "1e+", "nan", "inf", "12abc",
+                           "1.2.3", "1-2", "--1", "+-1", "0x10", "1,5", "1e5.5", "\xc2\xbd"}) {
+    double value;
+    EXPECT_EQ(parse_number(TextBuffer(text).begin(), value), nullptr) << text;
+  }
+}
+
+TEST(NffNumber, NearestDoubleOfRandomDigits) {
+  std::mt19937_64 random(1);
+  for (int i = 0; i < 200'000; ++i) {
+    std::string text = random() % 2 ? "-" : "";
+    const size_t whole = random() % 12, fraction = random() % 12 + (whole == 0);
+    for (size_t k = 0; k < whole; ++k) text += char('0' + random() % 10);
+    if (fraction) text += '.';
+    for (size_t k = 0; k < fraction; ++k) text += char('0' + random() % 10);
+    if (random() % 3 == 0) text += fmt::format("e{}", int(random() % 80) - 40);
+    double expected = 0, value = 1;
+    std::from_chars(text.data(), text.data() + text.size(), expected);
+    const TextBuffer buffer(text);
+    ASSERT_EQ(parse_number(buffer.begin(), value), buffer.end()) << text;
+    ASSERT_EQ(std::bit_cast<uint64_t>(value), std::bit_cast<uint64_t>(expected)) << text;
+  }
+}
+
+// Entities.
+
+TEST(NffRead, CameraBackgroundLightsAndMaterial) {
+  const Scene scene = read("b 0.078 0.361 0.753\n" + kCamera +
+                           "l 1 2 3\nl 4 5 6 1 0.5 2 # a bright one\n" + kMaterial + "s 1 2 3 4\n");
+  EXPECT_EQ(scene.name, "t");
+  EXPECT_EQ(scene.background, Rgb(0.078f, 0.361f, 0.753f));
+  EXPECT_EQ(scene.camera.from, Vec3f(2, 1, 1));
+  EXPECT_EQ(scene.camera.at, Vec3f(0, 0, 0));
+  EXPECT_EQ(scene.camera.up, Vec3f(0, 0, 1));
+  EXPECT_EQ(scene.camera.fov_deg, 45);
+  EXPECT_EQ(scene.camera.hither, 1);
+  EXPECT_EQ(scene.camera.width, 64);
+  EXPECT_EQ(scene.camera.height, 48);
+  EXPECT_FALSE(scene.camera.lens_radius || scene.camera.focus_distance);
+  ASSERT_EQ(scene.lights.size(), 2u);
+  EXPECT_EQ(scene.lights[0].position, Vec3f(1, 2, 3));
+  EXPECT_FALSE(scene.lights[0].color);
+  EXPECT_EQ(scene.lights[1].color, Rgb(1, 0.5f, 2));
+  ASSERT_EQ(scene.materials.size(), 1u);
+  EXPECT_EQ(scene.materials[0], (Material{{1, 0.5f, 0.25f}, 0.5f, 0.5f, 3, 0, 0}));
+  ASSERT_EQ(scene.spheres.size(), 1u);
+  EXPECT_TRUE(same(scene.spheres[0], Sphere{{1, 2, 3}, 4}));
+}
+
+TEST(NffRead, LineEndsCommentsAndBlanksDoNotMatter) {
+  const std::string text =
+      kCamera + kMaterial + "c 0 0 0 1 0 0 1 0.5\ns 0 0 0 -1\np 3\n0 0 0\n1 0 0\n0 1 0\n";
+  const Scene scene = read(text);
+  const auto with = [&](std::string_view line_end) {
+    std::string out;
+    for (const char c : text) c == '\n' ? out += line_end : out += c;
+    return out;
+  };
+  for (const char* line_end : {"\r", "\r\n", "\n\n", " # 7 8 9\n", "#\r", "\t \v\f\n"})
+    expect_same(scene, read(with(line_end)));
+  expect_same(scene, read("\xef\xbb\xbf" + text));
+  std::string tokens = text;
+  std::replace(tokens.begin(), tokens.end(), '\n', ' ');
+  expect_same(scene, read(tokens));
+  std::replace(tokens.begin(), tokens.end(), ' ', '\n');
+  expect_same(scene, read(tokens));
+  expect_same(scene, read(text.substr(0, text.size() - 1)));
+}
+
+TEST(NffRead, ConesCylindersAndInsides) {
+  const Scene scene = read_objects(
+      "c 0 0 0 1 0 0 1 1\nc\n0 0 0 1\n0 0 1 0\nc 0 0 0 -1 0 0 1 -2\ns 0 0 0 -3\nc 0 0 0 0 0 0 1 "
+      "1\n");
+  const auto counts = count_primitives(scene);
+  EXPECT_EQ(counts[size_t(ShapeKind::cylinder)], 1u);
+  EXPECT_EQ(counts[size_t(ShapeKind::cone)], 3u);
+  EXPECT_TRUE(same(scene.cones[1], Cone{{0, 0, 0}, 1, {0, 0, 1}, 0}));
+  EXPECT_TRUE(same(scene.cones[2], Cone{{0, 0, 0}, -1, {0, 0, 1}, -2}));
+  EXPECT_EQ(scene.spheres[0].radius, -3);
+}
+
+TEST(NffRead, PolygonsByTheirNumberOfCorners) {
+  const Scene scene = read_objects(
+      "p 3 0 0 0 1 0 0 0 1 0\np 4 0 0 0 1 0 0 1 1 0 0 1 0\n"
+      "p 6 0 0 0 2 0 0 2 1 0 1 1 0 1 2 0 0 2 0\np 4 0 0 0 0 0 0 1 0 0 1 1 0\n");
+  EXPECT_EQ(scene.triangles.size(), 1u);
+  EXPECT_TRUE(scene.triangle_normals.empty());
+  ASSERT_EQ(scene.polygons.size(), 3u);
+  EXPECT_EQ(scene.polygons[1].count, 6u);
+  EXPECT_EQ(scene.positions[scene.polygons[1].first + 3], Vec3f(1, 1, 0));
+}
+
+TEST(NffRead, SmoothTrianglesAmongFlatOnes) {
+  const Scene scene = read_objects(
+      "p 3 0 0 0 1 0 0 0 1 0\npp 3\n0 0 0 0 0 2\n1 0 0 0 3 4\n0 1 0 1 0 0\np 3 0 0 1 1 0 1 0 1 "
+      "1\n");
+  ASSERT_EQ(scene.triangle_normals.size(), 3u);
+  EXPECT_EQ(scene.triangle_normals[0][0], kNoNormal);
+  EXPECT_EQ(scene.triangle_normals[2][0], kNoNormal);
+  EXPECT_EQ(scene.normals[scene.triangle_normals[1][0]], Vec3f(0, 0, 1));
+  EXPECT_EQ(scene.normals[scene.triangle_normals[1][1]], Vec3f(0, 0.6f, 0.8f));
+}
+
+TEST(NffRead, SmoothPolygonsAreCut) {
+  // An L of six corners whose normals tell the corners apart.
+  const Vec3f l[6] = {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}};
+  std::string text = "pp 6\n";
+  for (int i = 0; i < 6; ++i) text += fmt::format("{} {} 0 {} 1 1\n", l[i].x, l[i].y, i);
+  const Scene scene = read_objects(text);
+  EXPECT_TRUE(scene.polygons.empty());
+  ASSERT_EQ(scene.triangles.size(), 4u);
+  double area = 0;
+  for (size_t t = 0; t < 4; ++t) {
+    Vec3f p[3];
+    for (int k = 0; k < 3; ++k) {
+      p[k] = scene.positions[scene.triangles[t][k]];
+      const auto corner = std::find(l, l + 6, p[k]) - l;
+      const Vec3f n = scene.normals[scene.triangle_normals[t][k]];
+      EXPECT_NEAR(n.x / n.y, double(corner), 1e-5);
+    }
+    area += 0.5 * cross(p[1] - p[0], p[2] - p[0]).z;
+  }
+  EXPECT_NEAR(area, 3, 1e-6);
+}
+
+TEST(NffRead, PlaneOfThreePoints) {
+  const Scene scene =
+      read_objects("pl 12 12 -0.5 -12 12 -0.5 -12 -12 -0.5\npl 0 0 0 0 0 1 0 1 0\n");
+  ASSERT_EQ(scene.planes.size(), 2u);
+  EXPECT_EQ(scene.planes[0].normal, Vec3f(0, 0, 1));
+  EXPECT_EQ(scene.planes[0].point.z, -0.5f);
+  EXPECT_EQ(scene.planes[1].normal, Vec3f(-1, 0, 0));
+}
+
+TEST(NffRead, BoxIsSixQuadsThatFaceOutwards) {
+  const Scene scene = read_objects("box -1 -2 -3 4 5 6\n");
+  ASSERT_EQ(scene.polygons.size(), 6u);
+  const Vec3f center(1.5f, 1.5f, 1.5f);
+  Vec3f sum;
+  for (const Polygon& side : scene.polygons) {
+    ASSERT_EQ(side.count, 4u);
+    const Vec3f* c = &scene.positions[side.first];
+    const Vec3f area = cross(c[2] - c[0], c[3] - c[1]) * 0.5f;
+    EXPECT_GT(dot(area, c[0] - center), 0);
+    sum += abs(area);
+  }
+  EXPECT_EQ(sum, Vec3f(2 * 7 * 9, 2 * 5 * 9, 2 * 5 * 7));
+  const Box3f box = bounds(scene);
+  EXPECT_EQ(box.lo, Vec3f(-1, -2, -3));
+  EXPECT_EQ(box.hi, Vec3f(4, 5, 6));
+}
+
+TEST(NffRead, MeshSharesItsVertices) {
+  const Scene scene = read_objects(
+      "s 0 0 0 1\np 3 9 9 9 8 9 9 9 8 9\nmesh 4 3\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 2 3\n-4 -3 -1\n2 "
+      "3 4\n");
+  EXPECT_EQ(scene.positions.size(), 7u);
+  ASSERT_EQ(scene.triangles.size(), 4u);
+  EXPECT_EQ(scene.triangles[1], (TriangleIndices{3, 4, 5}));
+  EXPECT_EQ(scene.triangles[2], (TriangleIndices{3, 4, 6}));
+  EXPECT_EQ(scene.triangles[3], (TriangleIndices{4, 5, 6}));
+}
+
+TEST(NffRead, LensOfP3f) {
+  const Scene scene = read(
+      "spp 16\nbclr 0.1 0.2 0.3\nv\nfrom 0 0 4\nat 0 0 0\nup 0 1 0\nangle 90\nhither 0\n"
+      "resolution 200 100\naperture 5\nfocal 1.5\n" +
+      kMaterial + "s 0 0 0 1\n");
+  EXPECT_EQ(scene.samples_per_pixel, 16);
+  EXPECT_EQ(scene.background, Rgb(0.1f, 0.2f, 0.3f));
+  // 8 units high in 100 rows: pixels of 0.08.
+  EXPECT_FLOAT_EQ(scene.camera.lens_radius.value(), 0.4f);
+  EXPECT_FLOAT_EQ(scene.camera.focus_distance.value(), 6);
+}
+
+TEST(NffRead, EqualMaterialsAreOne) {
+  const Scene scene = read(kCamera + kMaterial + "s 0 0 0 1\nf 1 1 1 1 0 1 0 1\ns 0 0 0 2\n" +
+                           kMaterial + "s 0 0 0 3\n");
+  EXPECT_EQ(scene.materials.size(), 2u);
+  EXPECT_EQ(scene.sphere_materials, (std::vector<MaterialId>{0, 1, 0}));
+}
+
+TEST(NffRead, SceneFarFromZeroKeepsItsDigits) {
+  const std::string text =
+      "v\nfrom 1000010 5000000 3\nat 1000000 5000000 3\nup 0 0 1\nangle 45\nhither 0\n"
+      "l 1000000.125 5000000 9\nf 1 1 1 1 0 1 0 1\ns 1000000.001 5000000.002 3 0.5\n"
+      "p 3 1000000.1 5000000 0 1000001 5000000 0 1000000 5000001 0\n"
+      "pl 1000000 5000000 0 1000001 5000000 0 1000000 5000001 0\n";
+  const Scene scene = read(text);
+  EXPECT_NE(scene.origin, Vec3d());
+  const auto world = [&](Vec3f p) { return scene.origin + Vec3d(p); };
+  EXPECT_NEAR(world(scene.spheres[0].center).x, 1000000.001, 1e-6);
+  EXPECT_NEAR(world(scene.spheres[0].center).y, 5000000.002, 1e-6);
+  EXPECT_NEAR(world(scene.positions[0]).x, 1000000.1, 1e-6);
+  EXPECT_NEAR(world(scene.camera.from).x, 1000010, 1e-6);
+  EXPECT_NEAR(world(scene.lights[0].position).x, 1000000.125, 1e-6);
+  EXPECT_EQ(scene.planes[0].normal, Vec3f(0, 0, 1));
+  expect_same(scene, read(write_nff(scene)));
+  EXPECT_EQ(read_objects("s 0 0 0 1\n").origin, Vec3d());
+}
+
+TEST(NffRead, FilesThatCannotBeRead) {
+  const auto message = [](const char* path) {
+    const auto result = read_nff(path);
+    return result ? std::string("read") : texts(result.error());
+  };
+  EXPECT_EQ(message("/nonexistent/a.nff"),
+            "/nonexistent/a.nff: error: cannot open the file: No such file or directory\n");
+  EXPECT_EQ(message("/tmp"), "/tmp: error: this is a folder, expected a file\n");
+  EXPECT_EQ(message("/dev/null"), "/dev/null: error: this is a device, expected a file\n");
+}
+
+// Each file of tests/broken, and what is said of it, in expected.txt in the order of names.
+TEST(NffRead, BrokenFiles) {
+  const std::filesystem::path folder = RAIO_SOURCE_DIR "/tests/broken";
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    if (entry.path().extension() == ".nff") files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  ASSERT_GT(files.size(), 40u);
+  const std::string expected = file_text(folder / "expected.txt");
+  std::string said;
+  for (const std::filesystem::path& file : files) {
+    const std::string name = file.filename().string();
+    const auto result = parse_nff(file_text(file), name);
+    const std::string text = texts(result ? result->warnings : result.error());
+    EXPECT_NE(text, "") << name << " is not broken";
+    EXPECT_THAT(expected, HasSubstr(text)) << name;
+    said += text;
+    if (result) {
+      EXPECT_THAT(validate(result->scene), IsEmpty()) << name;
+    }
+  }
+  EXPECT_EQ(said, expected);
+}
+
+// Writing.
+
+class RandomScene {
+ public:
+  explicit RandomScene(uint64_t seed) : random_(seed) {}
+
+  Scene make() {
+    Scene scene;
+    scene.camera.from = point();
+    scene.camera.at = scene.camera.from + Vec3f(3, number(), number());
+    scene.camera.up = {number() / 1000, number() / 1000, 5};
+    scene.camera.fov_deg = float(1 + random_() % 170) + 0.1f;
+    if (random_() % 2) scene.camera.width = 640, scene.camera.height = 480;
+    if (random_() % 2) scene.camera.lens_radius = std::abs(number());
+    if (random_() % 2) scene.camera.focus_distance = std::abs(number());
+    scene.background = color();
+    scene.samples_per_pixel = int(random_() % 5);
+    for (size_t i = random_() % 4; i > 0; --i)
+      scene.lights.push_back({point(), random_() % 2 ? std::optional(color()) : std::nullopt});
+    for (int i = 0; i < 5; ++i)
+      scene.materials.push_back({color(), std::abs(number()), 0.5f, float(i), 0.1f, 1.5f});
+    const auto material = [&] { return MaterialId(random_() % 5); };
+    for (int i = 0; i < 20; ++i) {
+      scene.planes.push_back({point(), unit()});
+      scene.plane_materials.push_back(material());
+      scene.spheres.push_back({point(), number()});
+      scene.sphere_materials.push_back(material());
+      const float r = number();
+      scene.cones.push_back({point(), r, point(), random_() % 2 ? r : r / 3});
+      scene.cone_materials.push_back(material());
+      triangle(scene, material());
+      scene.polygons.push_back({uint32_t(scene.positions.size()), 4});
+      scene.polygon_materials.push_back(material());
+      const Vec3f corner = point(), u = point(), v = point();
+      for (const Vec3f p : {corner, corner + u, corner + u + v, corner + v})
+        scene.positions.push_back(p);
+    }
+    return scene;
+  }
+
+ private:
+  float number() {
+    const int exponent = int(random_() % 12) - 6;
+    float x = 0;
+    while (x == 0) x = std::ldexp(float(int(random_() % 20001) - 10000) * 1.1e-4f, exponent);
+    return x;
+  }
+  Vec3f point() { return {number(), number(), number()}; }
+  Rgb color() { return abs(point()); }
+  Vec3f unit() {
+    Vec3d n(point());
+    if (random_() % 4 == 0) n[int(random_() % 3)] = 0;
+    if (random_() % 8 == 0) n[int(random_() % 3)] *= 1e-12;
+    if (random_() % 8 == 0) n = {0, 0, random_() % 2 ? 1.0 : -1.0};
+    return Vec3f(normalize(n));
+  }
+  void triangle(Scene& scene, MaterialId material) {
+    const bool smooth = random_() % 2;
+    TriangleIndices at, normals{kNoNormal, kNoNormal, kNoNormal};
+    for (int k = 0; k < 3; ++k) {
+      at[k] = uint32_t(scene.positions.size());
+      scene.positions.push_back(point());
+      if (!smooth) continue;
+      normals[k] = uint32_t(scene.normals.size());
+      scene.normals.push_back(unit());
+    }
+    scene.triangles.push_back(at);
+    scene.triangle_normals.push_back(normals);
+    scene.triangle_materials.push_back(material);
+  }
+
+  std::mt19937_64 random_;
+};
+
+TEST(NffWrite, RandomScenesReadBackTheSame) {
+  for (uint64_t seed = 0; seed < 200; ++seed) {
+    SCOPED_TRACE(seed);
+    const Scene scene = RandomScene(seed).make();
+    ASSERT_THAT(validate(scene), IsEmpty());
+    const std::string text = write_nff(scene, "made\nby chance");
+    expect_same(scene, read(text));
+    if (HasFailure()) return;
+  }
+}
+
+TEST(NffWrite, EveryPlaneOfUnitNormalReadsBack) {
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  Scene scene;
+  scene.materials.emplace_back();
+  for (int i = 0; i < 20'000; ++i) {
+    const double far = std::pow(10, double(random() % 12) - 4);
+    const Vec3d p(normal(random), normal(random), normal(random));
+    const Vec3d n(normal(random), normal(random), normal(random) * std::pow(0.1, random() % 30));
+    scene.planes.push_back({Vec3f(p * far), Vec3f(normalize(n))});
+    scene.plane_materials.push_back(0);
+  }
+  expect_same(scene, read(write_nff(scene)));
+}
+
+TEST(NffWrite, TheFloatThatRoundsTwice) {
+  // The shortest digits of this float lie nearest to a double that is half way to the next float.
+  Scene scene;
+  scene.materials.emplace_back();
+  scene.spheres.push_back({{0x1.5c87fap-84f, 0, 0}, 1});
+  scene.sphere_materials.push_back(0);
+  EXPECT_EQ(read(write_nff(scene)).spheres[0].center.x, 0x1.5c87fap-84f);
+}
+
+TEST(NffWrite, FewDigitsAndKindByKind) {
+  const std::string text = write_nff(
+      read_objects("p 3 0 0 0 1 0 0 0 1 0\ns 0.1 0.2 0.3 1\npl 0 0 0.7 1 0 0.7 0 1 0.7\n"),
+      "two\nlines");
+  EXPECT_EQ(text, "# two\n# lines\n" + kCamera + "b 0 0 0\n" + kMaterial +
+                      "pl 0 0 0.7 1 0 0.7 0 1 0.7\ns 0.1 0.2 0.3 1\np 3\n0 0 0\n1 0 0\n0 1 0\n");
+}
+
+// Real files.
+
+struct Shared {
+  const char* file;
+  std::array<size_t, kShapeKinds> counts;  // plane, sphere, triangle, polygon, cone, cylinder
+  size_t lights;
+};
+
+constexpr Shared kShared[] = {
+    {"p3d/balls_high.nff", {0, 7381, 2, 0, 0, 0}, 3},
+    {"p3d/balls_low.nff", {0, 10, 2, 0, 0, 0}, 3},
+    {"p3d/balls_medium.nff", {0, 91, 2, 0, 0, 0}, 3},
+    {"p3d/mount_high.nff", {0, 4, 2048, 0, 0, 0}, 1},
+    {"p3d/mount_low.nff", {0, 4, 8, 0, 0, 0}, 1},
+    {"p3d/mount_very_high.nff", {0, 4, 32768, 0, 0, 0}, 1},
+    {"p3d/plane.nff", {1, 10, 0, 0, 0, 0}, 3},
+    {"spd/balls.nff", {0, 7381, 0, 1, 0, 0}, 3},
+    {"spd/gears.nff", {0, 0, 0, 9345, 0, 0}, 5},
+    {"spd/lattice.nff", {0, 2197, 0, 0, 0, 6084}, 6},
+    {"spd/mount.nff", {0, 4, 8192, 0, 0, 0}, 1},
+    {"spd/rings.nff", {0, 4200, 0, 1, 0, 4200}, 3},
+    {"spd/teapot.nff", {0, 0, 9120, 144, 0, 0}, 2},
+    {"spd/tetra.nff", {0, 0, 4096, 0, 0, 0}, 1},
+    {"spd/tree.nff", {0, 4095, 0, 1, 4095, 0}, 7},
+};
+const std::filesystem::path kSharedFolder = RAIO_SOURCE_DIR "/../shared/scenes";
+
+TEST(NffShared, ReadWithoutWarningAndWriteBackTheSame) {
+  if (!std::filesystem::exists(kSharedFolder)) GTEST_SKIP() << "no " << kSharedFolder;
+  for (const Shared& shared : kShared) {
+    SCOPED_TRACE(shared.file);
+    const auto result = read_nff(kSharedFolder / shared.file);
+    ASSERT_TRUE(result) << texts(result.error());
+    EXPECT_EQ(texts(result->warnings), "");
+    EXPECT_EQ(count_primitives(result->scene), shared.counts);
+    EXPECT_EQ(result->scene.lights.size(), shared.lights);
+    EXPECT_THAT(validate(result->scene), IsEmpty());
+    EXPECT_EQ(result->scene.origin, Vec3d());
+    expect_same(result->scene, read(write_nff(result->scene)));
+  }
+}
+
+// Damage: whatever the bytes, a sound scene or an error with a place.
+
+std::string damaged(std::string text, std::mt19937_64& random) {
+  static const std::string_view kPieces[] = {"p 4 ",
+                                             "pp 5 ",
+                                             "mesh 4 2 ",
+                                             "nan",
+                                             "1e39",
+                                             "-",
+                                             "#",
+                                             "\n",
+                                             "\r",
+                                             "v\n",
+                                             "from 1 1 1\n",
+                                             "box ",
+                                             "l ",
+                                             " 0 ",
+                                             "4294967295",
+                                             "\xff",
+                                             "\xc2\xbd",
+                                             "angle 0\n",
+                                             "f ",
+                                             "s 0 0 0 ",
+                                             "-1",
+                                             "e",
+                                             ".",
+                                             "ms ",
+                                             "aperture 1 ",
+                                             "resolution 1 1 ",
+                                             "spp 1 ",
+                                             "pl ",
+                                             "c ",
+                                             std::string_view("\0", 1),
+                                             "1e30"};
+  for (size_t changes = 1 + random() % 4; changes > 0 && !text.empty(); --changes) {
+    const size_t at = random() % text.size(), length = random() % 40;
+    switch (random() % 5) {
+      case 0:
+        text.erase(at, length);
+        break;
+      case 1:
+        text.insert(at, kPieces[random() % std::size(kPieces)]);
+        break;
+      case 2:
+        text.replace(at, random() % 3, kPieces[random() % std::size(kPieces)]);
+        break;
+      case 3:
+        text[at] = char(random());
+        break;
+      default:
+        text.insert(random() % text.size(), text.substr(at, length));
+    }
+    if (random() % 16 == 0) text.resize(random() % (text.size() + 1));
+  }
+  return text;
+}
+
+TEST(NffDamage, GivesASoundSceneOrAnErrorWithAPlace) {
+  std::vector<std::string> sources = {
+      kCamera + "aperture 2\nfocal 1.5\nl 1 2 3\nl 1 2 3 1 1 1\n" + kMaterial +
+          "s 0 0 0 1\nc 0 0 0 1 0 0 1 0.5\npl 0 0 0 1 0 0 0 1 0\nbox 0 0 0 1 1 1\n"
+          "p 3 0 0 0 1 0 0 0 1 0\npp 4\n0 0 0 0 0 1\n1 0 0 0 0 1\n1 1 0 0 0 1\n0 1 0 0 0 1\n"
+          "mesh 4 2\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 2 3\n-1 -2 -3\np 5\n0 0 0\n2 0 0\n2 2 0\n1 1 "
+          "0\n0 2 0\n",
+      "v\nfrom 1000010 5e6 3\nat 1e6 5e6 3\nup 0 0 1\nangle 45\nl 1e6 5e6 9\ns 1e6 5e6 3 1\n"};
+  if (std::filesystem::exists(kSharedFolder))
+    for (const char* file : {"p3d/plane.nff", "p3d/balls_low.nff", "spd/teapot.nff",
+                             "spd/gears.nff", "spd/tree.nff", "spd/rings.nff"}) {
+      const std::string start = file_text(kSharedFolder / file).substr(0, 3000);
+      const auto last = [&](const char* keyword) { return start.rfind(keyword) + 1; };
+      sources.push_back(start.substr(0, std::max({last("\ns "), last("\nc "), last("\np")})));
+    }
+  std::mt19937_64 random(7);
+  int read_well = 0;
+  constexpr int kTries = 12'000;
+  for (int i = 0; i < kTries; ++i) {
+    const std::string text = damaged(sources[random() % sources.size()], random);
+    SCOPED_TRACE(text);
+    const auto result = parse_nff(text, "damaged.nff");
+    if (result) {
+      ++read_well;
+      ASSERT_THAT(validate(result->scene), IsEmpty());
+      continue;
+    }
+    ASSERT_FALSE(result.error().empty());
+    ASSERT_LE(result.error().size(), kMaxDiagnostics + 1);
+    const int lines = 1 + int(std::count_if(text.begin(), text.end(),
+                                            [](char c) { return c == '\n' || c == '\r'; }));
+    for (const Diagnostic& d : result.error()) {
+      ASSERT_EQ(d.severity, Severity::error);
+      ASSERT_FALSE(d.message.empty());
+      ASSERT_TRUE((d.line == 0 && d.column == 0) || (d.line > 0 && d.column > 0)) << d.text();
+      ASSERT_LE(d.line, lines);
+      const std::string line = d.text();
+      ASSERT_TRUE(std::all_of(line.begin(), line.end(), [](char c) { return c >= 32 && c < 127; }));
+    }
+  }
+  EXPECT_GT(read_well, kTries / 50);
+  EXPECT_LT(read_well, kTries / 2);
+}
+
+}  // namespace
+}  // namespace raio

@@ -1,0 +1,444 @@
+// Pictures: the classic shading against closed forms, and what must never change a picture.
+#include "render/render.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstring>
+#include <thread>
+
+#include "io/nff.h"
+#include "render/camera.h"
+#include "render/options.h"
+#include "scenes.h"
+
+namespace raio {
+namespace {
+
+using testing::random_scene;
+
+struct Picture {
+  Image image;
+  RayCounts rays;
+};
+
+Picture picture(const Scene& scene, RenderOptions options) {
+  options = resolve_options(options, scene);
+  const auto accel = build_accel(scene, options.accel, options.one_sided);
+  EXPECT_TRUE(accel.has_value());
+  RenderControl control;
+  const auto result = render(scene, **accel, options, control);
+  EXPECT_TRUE(result.has_value() && result->has_value());
+  return {(*result)->film.resolve(options.samples_per_pixel()), (*result)->rays};
+}
+
+RenderOptions small(AccelKind kind = AccelKind::grid, int side = 64) {
+  RenderOptions o;
+  o.accel.kind = kind;
+  o.width = o.height = side;
+  return o;
+}
+
+RenderOptions all_effects(AccelKind kind = AccelKind::grid, int side = 64) {
+  RenderOptions o = small(kind, side);
+  o.aa = 2, o.lens_samples = 2, o.soft_shadows = true, o.dof = true;
+  return o;
+}
+
+bool same_bytes(const Image& a, const Image& b) {
+  return a.pixels.size() == b.pixels.size() &&
+         std::memcmp(a.pixels.data(), b.pixels.data(), a.pixels.size() * sizeof(Rgb)) == 0;
+}
+
+Scene looking_down(float height = 5) {
+  Scene s;
+  s.camera.from = {0, 0, height};
+  s.camera.at = {0, 0, 0};
+  s.camera.up = {0, 1, 0};
+  s.camera.fov_deg = 60;
+  s.background = {0.2f, 0.3f, 0.5f};
+  return s;
+}
+
+void add_plane(Scene& s, Plane plane, const Material& material) {
+  s.planes.push_back(plane);
+  s.plane_materials.push_back(MaterialId(s.materials.size()));
+  s.materials.push_back(material);
+}
+
+// The point of the plane z = 0 that pixel (x, y) of `looking_down` sees, and the way there.
+struct View {
+  Vec3d point, dir;
+};
+View view(const Scene& s, int x, int y, int side) {
+  const double half = std::tan(s.camera.fov_deg * kPi / 360);
+  const Vec3d towards{(2 * (x + 0.5) / side - 1) * half, (1 - 2 * (y + 0.5) / side) * half, -1};
+  return {Vec3d(s.camera.from) + towards * double(s.camera.from.z), normalize(towards)};
+}
+
+TEST(Shading, PhongOnAPlaneIsTheFormula) {
+  Scene s = looking_down();
+  const Material m{{0.8f, 0.6f, 0.4f}, 0.7f, 0.3f, 12, 0, 1};
+  add_plane(s, {{0, 0, 0}, {0, 0, 1}}, m);
+  s.lights = {{{1, 2, 3}, std::nullopt}, {{-2, 1, 4}, std::nullopt}};
+  const Image image = picture(s, small()).image;
+  for (const auto& [x, y] : {std::pair(0, 0), {20, 31}, {40, 12}, {63, 63}}) {
+    const auto [p, d] = view(s, x, y, 64);
+    Vec3d expected = Vec3d(m.color) * 0.1;
+    for (const Light& light : s.lights) {
+      const Vec3d l = normalize(Vec3d(light.position) - p);
+      const Vec3d r{-l.x, -l.y, l.z};
+      const double highlight = std::pow(std::max(0.0, -dot(r, d)), double(m.shine));
+      expected += (Vec3d(m.color) * double(m.kd) * l.z + Vec3d(m.ks * highlight)) / std::sqrt(2.0);
+    }
+    expected += Vec3d(s.background) * double(m.ks);  // the mirror sees the sky
+    EXPECT_NEAR(image.at(x, y).x, expected.x, 2e-6);
+    EXPECT_NEAR(image.at(x, y).y, expected.y, 2e-6);
+    EXPECT_NEAR(image.at(x, y).z, expected.z, 2e-6);
+  }
+}
+
+TEST(Shading, ColouredLightsTakeTheAmbientAway) {
+  Scene s = looking_down();
+  add_plane(s, {{0, 0, 0}, {0, 0, 1}}, {{1, 1, 1}, 1, 0, 1, 0, 1});
+  s.lights = {{{0, 0, -1}, Rgb(1, 1, 1)}};  // behind the plane
+  EXPECT_EQ(picture(s, small()).image.at(9, 9), Rgb(0.0f));
+  s.lights[0].color.reset();
+  EXPECT_NEAR(picture(s, small()).image.at(9, 9).x, 0.1f, 1e-6);
+}
+
+TEST(Shading, LevelsBelowTheLastAreBackground) {
+  // Two facing mirrors: each level adds its weight in background only after the last.
+  Scene s = looking_down();
+  s.background = {1, 1, 1};
+  add_plane(s, {{0, 0, 0}, {0, 0, 1}}, {{0, 0, 0}, 0, 0.5f, 1, 0, 1});
+  add_plane(s, {{0, 0, 6}, {0, 0, -1}}, {{0, 0, 0}, 0, 0.5f, 1, 0, 1});
+  for (const int depth : {1, 2, 5, 20}) {
+    RenderOptions o = small(AccelKind::none, 16);
+    o.depth = depth;
+    const Picture p = picture(s, o);
+    EXPECT_NEAR(p.image.at(8, 8).x, std::pow(0.5, depth), 1e-6) << depth;
+    EXPECT_EQ(p.rays.reflection, 256u * unsigned(depth - 1));
+  }
+}
+
+// A slab of glass over a floor that a light between them shines on: where the ray comes out is told
+// by the floor's brightness there.
+TEST(Shading, RefractionThroughASlabFollowsSnell) {
+  Scene s = looking_down(4);
+  s.background = {};
+  const float ior = 1.5f, transmission = 0.9f;
+  const Material glass{{0, 0, 0}, 0, 0, 1, transmission, ior};
+  add_plane(s, {{0, 0, 2}, {0, 0, 1}}, glass);
+  add_plane(s, {{0, 0, 1}, {0, 0, -1}}, glass);
+  add_plane(s, {{0, 0, 0}, {0, 0, 1}}, {{1, 1, 1}, 1, 0, 1, 0, 1});
+  s.lights = {{{0.3f, 0.2f, 0.5f}, Rgb(1, 1, 1)}};
+  const Image image = picture(s, small()).image;
+  for (const auto& [x, y] : {std::pair(3, 5), {30, 20}, {60, 33}}) {
+    const Vec3d d = view(s, x, y, 64).dir;
+    const double sine = std::hypot(d.x, d.y), inside = sine / ior;
+    const double reach = 2 * sine / std::sqrt(1 - sine * sine) +
+                         1 * sine / std::sqrt(1 - sine * sine) +
+                         1 * inside / std::sqrt(1 - inside * inside);
+    const Vec3d p{d.x / sine * reach, d.y / sine * reach, 0};
+    const Vec3d l = normalize(Vec3d(s.lights[0].position) - p);
+    EXPECT_NEAR(image.at(x, y).x, transmission * transmission * l.z, 1e-5) << x << " " << y;
+  }
+}
+
+TEST(Shading, BeyondTheCriticalAngleNothingLeavesTheGlass) {
+  Scene s = looking_down(1);
+  s.background = {1, 1, 1};
+  add_plane(s, {{0, 0, 0}, {0, 0, -1}}, {{0, 0, 0}, 0, 0, 1, 1, 1.5f});  // we are in the glass
+  s.camera.fov_deg = 120;
+  const int side = 65;
+  const Image image = picture(s, small(AccelKind::none, side)).image;
+  const double critical = std::asin(1 / 1.5);
+  for (int x = 0; x < side; ++x) {
+    const Vec3d d = view(s, x, side / 2, side).dir;
+    const double angle = std::acos(-d.z);
+    if (std::abs(angle - critical) < 1e-3) continue;
+    EXPECT_EQ(image.at(x, side / 2).x, angle < critical ? 1.0f : 0.0f) << x;
+  }
+}
+
+TEST(Shading, SoftShadowsHavePenumbrasAsWideAsGeometrySays) {
+  // A square light of side 1 straight above an edge half way up: at x the share that is seen is
+  // linear from x = -0.5 to 0.5. The light faces the origin, so it lies flat.
+  Scene s = looking_down(3);
+  s.camera.from = {0.001f, 0, 3};  // beside the light's edge
+  s.camera.fov_deg = 45;
+  add_plane(s, {{0, 0, 0}, {0, 0, 1}}, {{1, 1, 1}, 1, 0, 1, 0, 1});
+  for (const Vec3f p : {Vec3f(0, -50, 1), {50, -50, 1}, {50, 50, 1}, {0, 50, 1}})
+    s.positions.push_back(p);
+  s.polygons = {{0, 4}};
+  s.polygon_materials = {0};
+  s.camera.from = {-3, 0, 0.9f};  // below the edge
+  s.camera.at = {0, 0, 0};
+  s.camera.up = {0, 0, 1};
+  s.lights = {{{0, 0, 2}, Rgb(1, 1, 1)}};
+  RenderOptions o = small(AccelKind::none, 32);
+  o.soft_shadows = true, o.light_size = 1, o.aa = 16;
+  const Image soft = picture(s, o).image;
+  o.soft_shadows = false;
+  const Image hard = picture(s, o).image;
+  // Along the middle column the floor passes from light (left of the edge) into shadow.
+  int between = 0;
+  for (int y = 0; y < 32; ++y) {
+    EXPECT_GE(soft.at(16, y).x, 0.0f);
+    between += soft.at(16, y).x > 0.02f && soft.at(16, y).x < 0.98f * hard.at(16, 31).x &&
+               std::abs(soft.at(16, y).x - hard.at(16, y).x) > 0.02f;
+  }
+  EXPECT_GE(between, 3);
+}
+
+TEST(Camera, RaysThroughTheLensMeetInTheFocusPlane) {
+  Camera camera;
+  camera.from = {1, 2, 3}, camera.at = {-2, 1, 0.5f}, camera.up = {0, 0.1f, 1};
+  const EyeRays eye(camera, 80, 60);
+  const Vec3f forward = normalize(camera.at - camera.from);
+  for (const Point2 p : {Point2{3, 50}, {40, 30}, {79.5f, 0.5f}}) {
+    const Ray centre = eye.pinhole(p.x, p.y);
+    const Vec3f focus = centre.at(7 / dot(centre.dir, forward));
+    for (const Point2 lens : {Point2{1, 0}, {-0.5f, 0.5f}, {0, -1}}) {
+      const Ray ray = eye.thin_lens(p.x, p.y, lens, 0.3f, 7);
+      const Vec3f met = ray.at(7 / dot(ray.dir, forward) -
+                               dot(ray.origin - camera.from, forward) / dot(ray.dir, forward));
+      EXPECT_LT(length(met - focus), 1e-5f);
+      EXPECT_NEAR(length(ray.origin - camera.from), 0.3f * std::hypot(lens.x, lens.y), 1e-6f);
+    }
+  }
+}
+
+TEST(Camera, TheAngleIsVerticalFromEdgeToEdge) {
+  Camera camera;
+  camera.from = {0, 0, 0}, camera.at = {0, 0, -1}, camera.up = {0, 1, 0}, camera.fov_deg = 50;
+  const EyeRays eye(camera, 200, 100);
+  const Vec3f top = eye.pinhole(100, 0).dir, left = eye.pinhole(0, 50).dir;
+  EXPECT_NEAR(std::atan2(top.y, -top.z) * 180 / kPi, 25, 1e-4);
+  EXPECT_NEAR(-left.x / -left.z, 2 * std::tan(25 * kPi / 180), 1e-5);
+  EXPECT_GT(eye.pinhole(199, 50).dir.x, 0);
+}
+
+TEST(Render, AnyNumberOfThreadsGivesTheSameBytes) {
+  const Scene s = random_scene(300, 5);
+  RenderOptions o = all_effects();
+  o.width = 100, o.height = 70;
+  o.threads = 1;
+  const Picture one = picture(s, o);
+  for (const int threads : {2, 3, 7, 16}) {
+    o.threads = threads;
+    const Picture many = picture(s, o);
+    EXPECT_TRUE(same_bytes(one.image, many.image)) << threads;
+    EXPECT_EQ(one.rays.total(), many.rays.total());
+  }
+  o.seed = 1;
+  EXPECT_FALSE(same_bytes(one.image, picture(s, o).image));
+}
+
+TEST(Render, StructuresGiveTheSamePicture) {
+  for (const bool one_sided : {false, true}) {
+    const Scene s = random_scene(300, 6);
+    RenderOptions o = all_effects(AccelKind::none);
+    o.one_sided = one_sided;
+    const Image none = picture(s, o).image;
+    o.accel.kind = AccelKind::grid;
+    EXPECT_TRUE(same_bytes(none, picture(s, o).image));
+    o.accel.kind = AccelKind::bvh;
+    EXPECT_TRUE(same_bytes(none, picture(s, o).image));
+    o.accel.kind = AccelKind::embree;
+    EXPECT_LE(compare(none, picture(s, o).image).above_8, 0.001);
+  }
+}
+
+// Nothing in the program is measured in units of its own: with all lengths doubled, again and
+// again, every float has another exponent and no other digits.
+TEST(Render, ScaleDoesNotMatterToTheLastBit) {
+  const Image image = picture(random_scene(300, 8), all_effects()).image;
+  for (const float scale : {0x1p-20f, 0x1p20f})
+    for (const AccelKind kind : {AccelKind::grid, AccelKind::bvh})
+      EXPECT_TRUE(same_bytes(image, picture(random_scene(300, 8, scale), all_effects(kind)).image))
+          << scale;
+}
+
+TEST(Render, AwayFromTheOriginThePictureHolds) {
+  const Image image = picture(random_scene(300, 8), small()).image;
+  const Image moved = picture(random_scene(300, 8, 1, {100, -200, 50}), small()).image;
+  // The scene itself moves by the rounding of its coordinates, 1e-5 of its size; readers do better,
+  // by keeping coordinates relative to Scene::origin.
+  EXPECT_LE(compare(image, moved).above_8, 0.02);
+}
+
+TEST(Render, P3dScenesAreTheSameWithEveryStructure) {
+  const auto paths = testing::shared_scenes();
+  if (paths.empty()) GTEST_SKIP() << "the shared scenes are not here";
+  for (const auto& path : paths) {
+    if (path.parent_path().filename() != "p3d") continue;
+    const auto read = read_nff(path);
+    ASSERT_TRUE(read.has_value());
+    const bool large = read->scene.primitive_count() > 5000;
+    RenderOptions o = large ? small(AccelKind::none, 48) : all_effects(AccelKind::none, 64);
+    const Image none = picture(read->scene, o).image;
+    o.accel.kind = AccelKind::grid;
+    const Image grid = picture(read->scene, o).image;
+    o.accel.kind = AccelKind::embree;
+    const Image embree = picture(read->scene, o).image;
+    o.accel.kind = AccelKind::bvh;
+    const Image tree = picture(read->scene, o).image;
+    EXPECT_EQ(compare(none, grid).largest, 0) << path;
+    EXPECT_EQ(compare(none, tree).largest, 0) << path;
+    EXPECT_LE(compare(none, embree).above_8, 0.001) << path;
+  }
+}
+
+TEST(Render, CountsOfBallsAreThePublishedOnes) {
+  const auto path = std::filesystem::path(RAIO_SOURCE_DIR) / "../shared/scenes/spd/balls.nff";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << "the shared scenes are not here";
+  const auto read = read_nff(path);
+  ASSERT_TRUE(read.has_value());
+  const RayCounts rays = picture(read->scene, small(AccelKind::grid, 512)).rays;
+  // Haines 1987 and Havran 1999; 513 x 513 rays there, 512 x 512 here.
+  EXPECT_NEAR(double(rays.eye_hits), 263169, 0.03 * 263169);
+  EXPECT_GT(double(rays.reflection), 0.97 * 175095);
+  EXPECT_LT(double(rays.reflection), 1.03 * 179884);
+  EXPECT_GT(double(rays.shadow), 0.97 * 954368);
+  EXPECT_LT(double(rays.shadow), 1.03 * 959244);
+}
+
+TEST(Render, StopsSoon) {
+  const Scene s = random_scene(20000, 5);
+  RenderOptions o = resolve_options(all_effects(AccelKind::none, 2000), s);
+  o.aa = 16;
+  const auto accel = build_accel(s, o.accel);
+  RenderControl control;
+  std::jthread stopper([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    control.stop = true;
+  });
+  const auto result = render(s, **accel, o, control);
+  ASSERT_TRUE(result.has_value());
+  EXPECT_FALSE(result->has_value());
+}
+
+TEST(Render, DeepTreesOfGlassStayInBounds) {
+  // Every hit has two children: 2^14 rays a pixel at the last level.
+  Scene s = looking_down();
+  const Material glass{{0.2f, 0.2f, 0.2f}, 0.1f, 0.5f, 10, 0.5f, 1.4f};
+  s.materials = {glass};
+  std::mt19937 rng(3);
+  for (int i = 0; i < 40; ++i) {
+    s.spheres.push_back(
+        {{float(rng() % 100) / 25 - 2, float(rng() % 100) / 25 - 2, float(i % 5) - 2}, 0.5f});
+    s.sphere_materials.push_back(0);
+  }
+  s.lights = {{{2, 3, 9}, std::nullopt}};
+  RenderOptions o = small(AccelKind::grid, 8);
+  o.depth = 15;
+  const Picture p = picture(s, o);
+  EXPECT_GT(p.rays.refraction, 10000u);
+  for (const Rgb& c : p.image.pixels) EXPECT_TRUE(is_finite(c));
+}
+
+TEST(Render, APictureBeyondMemoryIsRefused) {
+  const Scene s = random_scene(4, 1);
+  RenderOptions o = resolve_options(small(), s);
+  o.width = 60000, o.height = 60000;
+  const auto accel = build_accel(s, o.accel);
+  RenderControl control;
+  const auto result = render(s, **accel, o, control);
+  ASSERT_FALSE(result.has_value());
+  EXPECT_NE(result.error().find("60000x60000"), std::string::npos);
+}
+
+TEST(Film, SumsDoNotDependOnOrder) {
+  std::mt19937 rng(1);
+  std::vector<Rgb> values;
+  for (int i = 0; i < 1000; ++i) values.push_back({float(rng()) * 1e-9f, float(rng() % 7), 1e-7f});
+  Film forward(1, 1, 10, 1000), backward(1, 1, 10, 1000);
+  for (const Rgb& v : values) forward.add(0, v);
+  for (size_t i = values.size(); i-- > 0;) backward.add(0, values[i]);
+  EXPECT_TRUE(same_bytes(forward.resolve(1000), backward.resolve(1000)));
+}
+
+TEST(Film, HoldsBrightAndDimAndSurvivesTheImpossible) {
+  Film film(2, 1, 1e6, 4);
+  for (int i = 0; i < 4; ++i) film.add(0, {1e6f, 1, 1e-5f});
+  film.add(1, {std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN(), 0});
+  const Image image = film.resolve(4);
+  EXPECT_FLOAT_EQ(image.at(0, 0).x, 1e6f);
+  EXPECT_FLOAT_EQ(image.at(0, 0).y, 1);
+  EXPECT_NEAR(image.at(0, 0).z, 1e-5f, 1e-10f);
+  EXPECT_FLOAT_EQ(image.at(1, 0).x, 1e6f / 4);
+  EXPECT_TRUE(std::isfinite(image.at(1, 0).y));
+}
+
+TEST(Options, OpenValuesComeFromTheScene) {
+  Scene s;
+  s.camera.from = {0, 0, 10};
+  s.camera.at = {0, 0, 0};
+  RenderOptions o = resolve_options({}, s);
+  EXPECT_EQ(o.width, 512);
+  EXPECT_EQ(o.height, 512);
+  EXPECT_EQ(o.aa, 1);
+  EXPECT_FALSE(*o.dof);
+  EXPECT_FLOAT_EQ(o.focus, 10);
+  EXPECT_FLOAT_EQ(o.aperture, 0.2f);
+  EXPECT_GE(o.threads, 1);
+  s.camera.width = 30, s.camera.height = 20, s.samples_per_pixel = 16;
+  s.camera.lens_radius = 0.5f, s.camera.focus_distance = 3.0f;
+  o = resolve_options({}, s);
+  EXPECT_EQ(o.width, 30);
+  EXPECT_EQ(o.height, 20);
+  EXPECT_EQ(o.aa, 4);
+  EXPECT_TRUE(*o.dof);
+  EXPECT_FLOAT_EQ(o.focus, 3);
+  EXPECT_FLOAT_EQ(o.aperture, 0.5f);
+  RenderOptions own;
+  own.aa = 2, own.dof = false, own.width = 7, own.height = 9;
+  o = resolve_options(own, s);
+  EXPECT_EQ(o.aa, 2);
+  EXPECT_FALSE(*o.dof);
+  EXPECT_EQ(o.width, 7);
+}
+
+TEST(Options, SayWhatTheyAccept) {
+  const auto set = [](std::string_view name, std::string_view text) {
+    RenderOptions o;
+    for (const OptionSpec& spec : render_option_table())
+      if (spec.name == name) return set_option(o, spec, text);
+    return std::expected<void, std::string>(std::unexpected("no such option"));
+  };
+  for (const auto& [name, text] : {std::pair("size", "640x480"),
+                                   {"size", "1x1"},
+                                   {"accel", "embree"},
+                                   {"aa", "3"},
+                                   {"grid-resolution", "4x5x6"},
+                                   {"seed", "4294967295"},
+                                   {"light-size", "0.5"},
+                                   {"depth", "32"},
+                                   {"grid-factor", "1e1"}})
+    EXPECT_TRUE(set(name, text).has_value())
+        << name << " " << text << ": " << set(name, text).error();
+  for (const auto& [name, text] : {std::pair("size", "640"),
+                                   {"size", "0x5"},
+                                   {"size", "640x480x3"},
+                                   {"size", "-1x5"},
+                                   {"accel", "bvh9"},
+                                   {"aa", "0"},
+                                   {"aa", "1.5"},
+                                   {"aa", ""},
+                                   {"grid-resolution", "4x5"},
+                                   {"seed", "-1"},
+                                   {"light-size", "nan"},
+                                   {"light-size", "-1"},
+                                   {"depth", "33"},
+                                   {"focus", "inf"},
+                                   {"threads", "0"}}) {
+    const auto result = set(name, text);
+    ASSERT_FALSE(result.has_value()) << name << " " << text;
+    EXPECT_NE(result.error().find("expected"), std::string::npos) << result.error();
+  }
+}
+
+}  // namespace
+}  // namespace raio

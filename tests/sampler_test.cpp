@@ -1,0 +1,138 @@
+// The samplers against the distributions that they promise, and the arithmetic under them.
+#include "render/sampler.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+namespace raio {
+namespace {
+
+// Pearson's chi-square of counts that should be equal, as a number of standard deviations from its
+// mean.
+double chi_square_sigmas(const std::vector<int>& counts) {
+  double total = 0;
+  for (const int c : counts) total += c;
+  const double expected = total / double(counts.size());
+  double chi2 = 0;
+  for (const int c : counts) chi2 += (c - expected) * (c - expected) / expected;
+  const double freedom = double(counts.size()) - 1;
+  return (chi2 - freedom) / std::sqrt(2 * freedom);
+}
+
+constexpr int kBins = 16;
+int bin(float u) { return std::min(kBins - 1, int(u * kBins)); }
+
+// One sample of each pixel: with all samples of a pixel the strata make counts more equal than
+// chance.
+TEST(Sampler, SquaresAreUniformForEveryPurposeAndBranch) {
+  for (const uint32_t seed : {0u, 77u})
+    for (const auto& [aa, per_cell] : {std::pair(1, 1), {3, 1}, {3, 3}, {1, 7}})
+      for (const uint32_t branch : {1u, 2u, 21u})
+        for (const uint32_t purpose : {uint32_t(kLens), uint32_t(kLight), kLight + 5u}) {
+          const Sampler sampler(seed, aa, per_cell);
+          std::vector<int> counts(kBins * kBins);
+          for (uint32_t pixel = 0; pixel < 50000; ++pixel) {
+            const Point2 p = sampler.in_square(pixel, pixel % sampler.samples(), branch, purpose);
+            ASSERT_TRUE(p.x >= 0 && p.x < 1 && p.y >= 0 && p.y < 1);
+            ++counts[size_t(bin(p.y) * kBins + bin(p.x))];
+          }
+          EXPECT_LT(std::abs(chi_square_sigmas(counts)), 5)
+              << seed << " " << aa << " " << per_cell << " " << branch << " " << purpose;
+        }
+}
+
+TEST(Sampler, PixelCellsGetTheirSamplesAndFillThemEvenly) {
+  const Sampler sampler(3, 4, 2);
+  std::vector<int> counts(kBins * kBins);
+  for (uint32_t pixel = 0; pixel < 5000; ++pixel)
+    for (uint32_t s = 0; s < sampler.samples(); ++s) {
+      const Point2 p = sampler.in_pixel(pixel, s);
+      EXPECT_EQ(int(p.x * 4), int(s / 2 % 4));
+      EXPECT_EQ(int(p.y * 4), int(s / 2 / 4));
+      ++counts[size_t(bin(p.y) * kBins + bin(p.x))];
+    }
+  // 5000 x 2 samples fall in each cell, 16 bins a cell: the cells' totals are exact, the rest is
+  // chance.
+  EXPECT_LT(std::abs(chi_square_sigmas(counts)), 5);
+}
+
+TEST(Sampler, OneCellMeansThePixelsCentre) {
+  const Point2 p = Sampler(9, 1, 4).in_pixel(123, 2);
+  EXPECT_EQ(p.x, 0.5f);
+  EXPECT_EQ(p.y, 0.5f);
+}
+
+TEST(Sampler, EverySampleOfAPixelHasACellOfTheSquareOfItsOwn) {
+  for (const auto& [aa, per_cell] : {std::pair(3, 1), {3, 3}, {2, 2}, {1, 5}}) {
+    const Sampler sampler(1, aa, per_cell);
+    const uint32_t n = sampler.samples();
+    uint32_t columns = uint32_t(std::sqrt(double(n)));
+    while (n % columns) --columns;
+    for (uint32_t pixel = 0; pixel < 200; ++pixel) {
+      std::vector<int> cells(n);
+      for (uint32_t s = 0; s < n; ++s) {
+        const Point2 p = sampler.in_square(pixel, s, 1, kLight);
+        ++cells[uint32_t(p.y * float(n / columns)) * columns + uint32_t(p.x * float(columns))];
+      }
+      for (const int c : cells) EXPECT_EQ(c, 1);
+    }
+  }
+}
+
+TEST(Sampler, EffectsAreIndependentOfEachOther) {
+  const Sampler sampler(5, 3, 1);
+  std::vector<int> pixel_lens(kBins * kBins), lens_light(kBins * kBins), lights(kBins * kBins);
+  for (uint32_t pixel = 0; pixel < 50000; ++pixel) {
+    const uint32_t s = pixel % 9;
+    const float in_cell = sampler.in_pixel(pixel, s).x * 3;
+    const float lens = sampler.in_square(pixel, s, 1, kLens).x;
+    const float light = sampler.in_square(pixel, s, 1, kLight).x;
+    const float second = sampler.in_square(pixel, s, 1, kLight + 1).x;
+    ++pixel_lens[size_t(bin(in_cell - std::floor(in_cell)) * kBins + bin(lens))];
+    ++lens_light[size_t(bin(lens) * kBins + bin(light))];
+    ++lights[size_t(bin(light) * kBins + bin(second))];
+  }
+  EXPECT_LT(std::abs(chi_square_sigmas(pixel_lens)), 5);
+  EXPECT_LT(std::abs(chi_square_sigmas(lens_light)), 5);
+  EXPECT_LT(std::abs(chi_square_sigmas(lights)), 5);
+}
+
+TEST(Math, DiscIsUniform) {
+  const Sampler sampler(0, 1, 1);
+  std::vector<int> counts(8 * 8);
+  for (uint32_t pixel = 0; pixel < 100000; ++pixel) {
+    const Point2 square = sampler.in_square(pixel, 0, 1, kLens);
+    const Point2 p = square_to_disc(square.x, square.y);
+    const double r2 = double(p.x) * p.x + double(p.y) * p.y;
+    ASSERT_LE(r2, 1.000001);
+    const double turn = std::atan2(p.y, p.x) / (2 * kPi) + 0.5;
+    ++counts[size_t(std::min(7, int(r2 * 8)) * 8 + std::min(7, int(turn * 8)))];
+  }
+  EXPECT_LT(std::abs(chi_square_sigmas(counts)), 5);
+}
+
+TEST(Math, PowUnitIsPow) {
+  for (const float y : {0.0f, 0.5f, 1.0f, 3.0827f, 30.0827f, 101.148f, 1000.0f, 100000.0f})
+    for (float x = 0; x <= 1; x += 0.0009765f) {
+      const double expected = std::pow(double(x), double(y));
+      EXPECT_NEAR(pow_unit(x, y), expected, 1e-6 * expected + 1e-37) << x << "^" << y;
+    }
+  EXPECT_EQ(pow_unit(1, 100000), 1);
+  EXPECT_EQ(pow_unit(0, 0), 1);
+  EXPECT_EQ(pow_unit(0, 2), 0);
+  EXPECT_GT(pow_unit(0.99999f, 100000), 0);
+}
+
+TEST(Math, SinCosOctant) {
+  for (double x = -kPi / 4; x <= kPi / 4; x += 0.001) {
+    double sine = 0, cosine = 0;
+    sin_cos_octant(x, sine, cosine);
+    EXPECT_NEAR(sine, std::sin(x), 1e-8);
+    EXPECT_NEAR(cosine, std::cos(x), 1e-8);
+  }
+}
+
+}  // namespace
+}  // namespace raio

@@ -1,0 +1,154 @@
+#include "scene/scene.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace raio {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInf = std::numeric_limits<float>::infinity();
+
+/// One of each kind, all sound.
+Scene sample() {
+  Scene scene;
+  scene.materials.emplace_back();
+  scene.lights.push_back({{1, 2, 3}, {}});
+  scene.planes.push_back({{0, 0, -100}, {0, 0, 1}});
+  scene.plane_materials.push_back(0);
+  scene.spheres.push_back({{1, 0, 0}, -2});
+  scene.sphere_materials.push_back(0);
+  scene.cones.push_back({{0, 0, 0}, 1, {0, 0, 5}, 1});
+  scene.cones.push_back({{0, 0, 0}, 1, {0, 0, 5}, 0.5f});
+  scene.cone_materials.assign(2, 0);
+  scene.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {9, 0, 0}, {9, 1, 0}, {0, 1, 0}};
+  scene.positions.push_back({50, 50, 50});  // of nothing
+  scene.normals = {{0, 0, 1}};
+  scene.triangles = {{0, 1, 2}, {2, 1, 0}};
+  scene.triangle_normals = {{0, 0, 0}, {kNoNormal, kNoNormal, kNoNormal}};
+  scene.triangle_materials.assign(2, 0);
+  scene.polygons = {{3, 4}};
+  scene.polygon_materials.push_back(0);
+  return scene;
+}
+
+TEST(Scene, CountsByKind) {
+  EXPECT_THAT(count_primitives(sample()), ElementsAre(1, 1, 2, 1, 1, 1));
+  EXPECT_EQ(sample().primitive_count(), 7u);
+}
+
+TEST(Scene, BoundsAreOfWhatIsFinite) {
+  const Box3f box = bounds(sample());
+  // Of the sphere, the polygon and the cones, whose box is rounded outwards.
+  EXPECT_NEAR(box.lo.x, -1, 1e-6);
+  EXPECT_EQ(box.lo.y, -2);
+  EXPECT_EQ(box.lo.z, -2);
+  EXPECT_EQ(box.hi.x, 9);
+  EXPECT_EQ(box.hi.y, 2);
+  EXPECT_NEAR(box.hi.z, 5, 1e-5);
+  Scene planes;
+  planes.planes.push_back({{0, 0, 0}, {0, 0, 1}});
+  EXPECT_TRUE(bounds(planes).empty());
+}
+
+TEST(Scene, MemoryIsTheSumOfThePools) {
+  Scene scene;
+  EXPECT_EQ(memory_bytes(scene), 0u);
+  scene.spheres.resize(10);
+  scene.sphere_materials.resize(10);
+  EXPECT_EQ(memory_bytes(scene), 10 * sizeof(Sphere) + 10 * sizeof(MaterialId));
+  scene.positions.resize(3);
+  EXPECT_EQ(memory_bytes(scene), 10 * sizeof(Sphere) + 10 * sizeof(MaterialId) + 3 * sizeof(Vec3f));
+}
+
+TEST(Scene, ASoundSceneHasNoProblem) { EXPECT_THAT(validate(sample()), IsEmpty()); }
+
+struct Fault {
+  void (*make)(Scene&);
+  const char* sentence;
+};
+
+TEST(Scene, EachFaultIsNamed) {
+  const Fault faults[] = {
+      {[](Scene& s) { s.origin.x = kInf; }, "the origin must be finite"},
+      {[](Scene& s) { s.samples_per_pixel = -1; }, "the samples per pixel must not be negative"},
+      {[](Scene& s) { s.camera.from.x = kNan; }, "camera: from, at and up must be finite"},
+      {[](Scene& s) { s.camera.at = s.camera.from; }, "camera: from and at are the same point"},
+      {[](Scene& s) { s.camera.up = {}; }, "camera: up is zero"},
+      {[](Scene& s) { s.camera.up = {0, 0, 2}; }, "camera: up is parallel to the line of sight"},
+      {[](Scene& s) { s.camera.fov_deg = 180; },
+       "camera: the angle must lie between 0 and 180 degrees"},
+      {[](Scene& s) { s.camera.fov_deg = kNan; },
+       "camera: the angle must lie between 0 and 180 degrees"},
+      {[](Scene& s) { s.camera.hither = kInf; }, "camera: hither must be finite"},
+      {[](Scene& s) { s.camera.width = 5; },
+       "camera: the resolution must be two positive numbers, or two zeros for none"},
+      {[](Scene& s) { s.camera.lens_radius = -1.0f; },
+       "camera: the lens radius must not be negative"},
+      {[](Scene& s) { s.camera.focus_distance = 0.0f; },
+       "camera: the focus distance must be positive"},
+      {[](Scene& s) { s.background.y = -1; },
+       "background: the colour must be finite and not negative"},
+      {[](Scene& s) { s.lights[0].position.z = kInf; }, "light 0: the position must be finite"},
+      {[](Scene& s) { s.lights[0].color = Rgb(0, 0, -1); },
+       "light 0: the colour must be finite and not negative"},
+      {[](Scene& s) { s.materials[0].color.x = kNan; },
+       "material 0: the colour must be finite and not negative"},
+      {[](Scene& s) { s.materials[0].shine = -1; },
+       "material 0: Kd, Ks, Shine, T and ior must be finite and not negative"},
+      {[](Scene& s) { s.materials[0].transmission = 0.5f, s.materials[0].ior = 0; },
+       "material 0: T is above 0, so ior must be too"},
+      {[](Scene& s) { s.plane_materials.clear(); }, "there are 1 planes but 0 materials for them"},
+      {[](Scene& s) { s.sphere_materials[0] = 1; }, "sphere 0: material 1 of 1"},
+      {[](Scene& s) { s.planes[0].point.x = kInf; }, "plane 0: the point must be finite"},
+      {[](Scene& s) { s.planes[0].normal = {0, 0, 2}; }, "plane 0: the normal must have length 1"},
+      {[](Scene& s) { s.spheres[0].center.x = kNan; }, "sphere 0: the centre must be finite"},
+      {[](Scene& s) { s.spheres[0].radius = 0; },
+       "sphere 0: the radius must be finite and not zero"},
+      {[](Scene& s) { s.cones[1].apex.x = kNan; }, "cone 1: base and apex must be finite"},
+      {[](Scene& s) { s.cones[1].apex = s.cones[1].base; },
+       "cone 1: base and apex are the same point"},
+      {[](Scene& s) { s.cones[1].base_radius = s.cones[1].apex_radius = 0; },
+       "cone 1: the radii must be finite and not both zero"},
+      {[](Scene& s) { s.cones[1].apex_radius = -1; },
+       "cone 1: one radius is negative and the other is not"},
+      {[](Scene& s) { s.positions[7].x = kInf; }, "position 7: must be finite"},
+      {[](Scene& s) { s.normals[0] = {}; }, "normal 0: must have length 1"},
+      {[](Scene& s) { s.triangles[1][2] = 8; }, "triangle 1: corner 8 of 8 positions"},
+      {[](Scene& s) { s.triangle_normals.pop_back(); },
+       "there are 2 triangles but 1 triples of normals"},
+      {[](Scene& s) { s.triangle_normals[0][1] = 1; }, "triangle 0: normal 1 of 1"},
+      {[](Scene& s) { s.polygons[0].count = 3; }, "polygon 0: 3 corners, fewer than 4"},
+      {[](Scene& s) { s.polygons[0].first = 5; }, "polygon 0: corners up to 9 of 8 positions"},
+      {[](Scene& s) { s.polygons[0].first = 0xffffffffu; },
+       "polygon 0: corners up to 4294967299 of 8 positions"},
+  };
+  for (const Fault& fault : faults) {
+    Scene scene = sample();
+    fault.make(scene);
+    EXPECT_THAT(validate(scene), ElementsAre(fault.sentence));
+  }
+}
+
+TEST(Scene, NoMaterialAtAll) {
+  Scene scene;
+  EXPECT_THAT(validate(scene), ElementsAre("there is no material"));
+}
+
+TEST(Scene, ManyProblemsAreCutShort) {
+  Scene scene = sample();
+  scene.spheres.assign(100, {});
+  scene.sphere_materials.assign(100, 0);
+  const std::vector<std::string> problems = validate(scene);
+  ASSERT_THAT(problems, SizeIs(21));
+  EXPECT_EQ(problems.back(), "80 more problems");
+}
+
+}  // namespace
+}  // namespace raio
