@@ -90,16 +90,16 @@ Disagreement disagreement(const Accel& oracle, const Accel& accel, const RayBatc
                           bool coherent = false) {
   TraceContext context;
   context.coherent = coherent;
-  std::vector<Hit> expected(rays.size()), found(rays.size());
-  std::vector<uint8_t> shadow_expected(rays.size()), shadow_found(rays.size());
-  oracle.closest(rays, expected.data(), context);
-  accel.closest(rays, found.data(), context);
+  HitBatch expected, found;
+  std::vector<uint8_t> shadow_expected(padded(rays.size())), shadow_found(padded(rays.size()));
+  oracle.closest(rays, expected, context);
+  accel.closest(rays, found, context);
   oracle.occluded(rays, shadow_expected.data(), context);
   accel.occluded(rays, shadow_found.data(), context);
   Disagreement out;
   out.total = rays.size();
   for (size_t i = 0; i < rays.size(); ++i) {
-    const Hit &a = expected[i], &b = found[i];
+    const Hit a = expected[i], b = found[i];
     if (!exact && i % 5 == 3) continue;  // along edges of boxes: in or out are both right
     EXPECT_EQ(shadow_expected[i] != 0, a.found()) << "the oracle disagrees with itself, ray " << i;
     const bool same =
@@ -160,7 +160,8 @@ TEST(Accel, TheTreeFindsTheVeryHitsOfBruteForce) {
 }
 
 TEST(Accel, TheTreeIsTheSameForAnyNumberOfThreads) {
-  const Geometry geometry = bake(random_scene(60000, 2));
+  const Scene scene = random_scene(60000, 2);
+  const Geometry geometry(scene);
   Bvh one, many;
   on_threads(1, [&] { one = build_bvh(geometry); });
   on_threads(7, [&] { many = build_bvh(geometry); });
@@ -242,10 +243,10 @@ TEST(Accel, EqualDistancesGiveTheLowestPrimitive) {
   RayBatch rays;
   rays.push({{0, 0, 0.9f}, {0, 0, -1}, 0.41f});
   for (const AccelKind kind : {AccelKind::none, AccelKind::grid, AccelKind::bvh}) {
-    Hit hit;
+    HitBatch hits;
     TraceContext context;
-    build(scene, {.kind = kind})->closest(rays, &hit, context);
-    EXPECT_EQ(hit.item, item_id(ItemKind::sphere, first)) << accel_name(kind);
+    build(scene, {.kind = kind})->closest(rays, hits, context);
+    EXPECT_EQ(hits.item[0], item_id(ItemKind::sphere, first)) << accel_name(kind);
   }
 }
 
@@ -258,7 +259,7 @@ TEST(Accel, RaysEndAtTmax) {
   for (const float tmax : {1.99f, 2.0f, 2.01f}) rays.push({{0, 0, 3}, {0, 0, -1}, tmax});
   for (const AccelKind kind :
        {AccelKind::none, AccelKind::grid, AccelKind::bvh, AccelKind::embree}) {
-    uint8_t hidden[3] = {9, 9, 9};
+    uint8_t hidden[kBatchPad] = {9, 9, 9};
     TraceContext context;
     build(scene, {.kind = kind})->occluded(rays, hidden, context);
     EXPECT_EQ(hidden[0], 0) << accel_name(kind);
@@ -288,7 +289,7 @@ TEST(Accel, SidesAreSeenAsAsked) {
   for (const AccelKind kind : {AccelKind::none, AccelKind::grid, AccelKind::bvh, AccelKind::embree})
     for (const bool one_sided : {false, true})
       for (const bool coherent : {false, true}) {
-        Hit hits[10];
+        HitBatch hits;
         TraceContext context;
         context.coherent = coherent;
         build(scene, {.kind = kind}, one_sided)->closest(rays, hits, context);
@@ -373,8 +374,9 @@ TEST(Grid, SurvivesFlatScenesAndHeapsOfLargePrimitives) {
 }
 
 TEST(Grid, RefusesWhatNoMemoryHolds) {
-  const auto grid = build_accel(
-      random_scene(40, 1), {.kind = AccelKind::grid, .grid_resolution = {100000, 100000, 100000}});
+  const Scene scene = random_scene(40, 1);
+  const auto grid =
+      build_accel(scene, {.kind = AccelKind::grid, .grid_resolution = {100000, 100000, 100000}});
   ASSERT_FALSE(grid.has_value());
   EXPECT_NE(grid.error().find("100000x100000x100000"), std::string::npos) << grid.error();
 }
@@ -382,15 +384,15 @@ TEST(Grid, RefusesWhatNoMemoryHolds) {
 TEST(Accel, CountersCountAndEmbreeSaysThatItDoesNot) {
   const Scene scene = random_scene(400, 3);
   const RayBatch rays = awkward_rays(scene, 100, 2);
-  std::vector<Hit> hits(rays.size());
+  HitBatch hits;
   TraceContext none, grid;
   const auto oracle = build(scene, {.kind = AccelKind::none, .counters = true});
-  oracle->closest(rays, hits.data(), none);
+  oracle->closest(rays, hits, none);
   const Geometry& g = oracle->geometry();
   const size_t items = g.count(ItemKind::plane) + g.count(ItemKind::sphere) +
                        g.count(ItemKind::triangle) + g.count(ItemKind::cone);
   EXPECT_EQ(none.tests, items * rays.size());
-  build(scene, {.kind = AccelKind::grid, .counters = true})->closest(rays, hits.data(), grid);
+  build(scene, {.kind = AccelKind::grid, .counters = true})->closest(rays, hits, grid);
   EXPECT_GT(grid.steps, rays.size());
   EXPECT_LT(grid.tests, none.tests / 5);
   EXPECT_GE(grid.tests, 3 * rays.size());  // giants
@@ -404,10 +406,10 @@ TEST(Accel, AnEmptySceneIsNeverHit) {
   rays.push({{0, 0, 0}, {0, 0, 1}});
   for (const AccelKind kind :
        {AccelKind::none, AccelKind::grid, AccelKind::bvh, AccelKind::embree}) {
-    Hit hit;
+    HitBatch hits;
     TraceContext context;
-    build(scene, {.kind = kind})->closest(rays, &hit, context);
-    EXPECT_FALSE(hit.found()) << accel_name(kind);
+    build(scene, {.kind = kind})->closest(rays, hits, context);
+    EXPECT_FALSE(hits[0].found()) << accel_name(kind);
   }
 }
 

@@ -7,7 +7,7 @@ namespace raio {
 std::expected<std::unique_ptr<Accel>, std::string> build_accel(const Scene& scene,
                                                                const AccelOptions& options,
                                                                bool one_sided) {
-  Geometry geometry = bake(scene, one_sided);
+  Geometry geometry(scene, one_sided);
   switch (options.kind) {
     case AccelKind::none:
       return make_none(std::move(geometry), options);

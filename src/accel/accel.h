@@ -10,6 +10,7 @@
 #include <string>
 
 #include "accel/geometry.h"
+#include "base/memory.h"
 #include "base/ray.h"
 
 namespace raio {
@@ -23,19 +24,30 @@ struct AccelOptions {
   bool counters = false;                        // count tests and steps; costs a few per cent
 };
 
+/// The capacity of batches is a multiple of this, so that wide loads and stores of the last
+/// elements stay inside.
+inline constexpr size_t kBatchPad = 16;
+constexpr size_t padded(size_t n) { return (n + kBatchPad - 1) / kBatchPad * kBatchPad; }
+
 /// Rays as the walks want them: one array per component, of which the first size() elements count.
-/// Adding a ray checks for room once and not once per component.
+/// A ray with tmax <= 0 meets nothing.
 class RayBatch {
  public:
-  std::vector<float> ox, oy, oz, dx, dy, dz, tmax;
+  Column<float> ox, oy, oz, dx, dy, dz, tmax;
 
   size_t size() const { return size_; }
   size_t capacity() const { return tmax.size(); }
   void clear() { size_ = 0; }
-  void drop_last(size_t count) { size_ -= count; }
+  /// Elements beyond the old size are unset.
+  void resize(size_t n) {
+    if (n > capacity()) grow(n);
+    size_ = n;
+  }
   void push(const Ray& r) {
-    if (size_ == capacity()) grow();
-    const size_t i = size_++;
+    resize(size_ + 1);
+    set(size_ - 1, r);
+  }
+  void set(size_t i, const Ray& r) {
     ox[i] = r.origin.x, oy[i] = r.origin.y, oz[i] = r.origin.z;
     dx[i] = r.dir.x, dy[i] = r.dir.y, dz[i] = r.dir.z;
     tmax[i] = r.tmax;
@@ -43,12 +55,29 @@ class RayBatch {
   Ray operator[](size_t i) const { return {{ox[i], oy[i], oz[i]}, {dx[i], dy[i], dz[i]}, tmax[i]}; }
 
  private:
-  void grow() {
-    const size_t n = std::max<size_t>(64, 2 * capacity());
+  void grow(size_t n) {
+    n = padded(std::max(n, 2 * capacity()));
     for (auto* v : {&ox, &oy, &oz, &dx, &dy, &dz, &tmax}) v->resize(n);
   }
 
   size_t size_ = 0;
+};
+
+/// What the rays of a batch hit, element by element; see Hit.
+class HitBatch {
+ public:
+  Column<float> t;
+  Column<ItemId> item;
+  Column<float> u, v;
+
+  /// Makes room for at least n hits, all unset.
+  void reset(size_t n) {
+    if (n <= t.size()) return;
+    n = padded(n);
+    t.resize(n), item.resize(n), u.resize(n), v.resize(n);
+  }
+  void set(size_t i, const Hit& h) { t[i] = h.t, item[i] = h.item, u[i] = h.u, v[i] = h.v; }
+  Hit operator[](size_t i) const { return {t[i], item[i], u[i], v[i]}; }
 };
 
 /// What tracing a batch may read and must count into; one per thread.
@@ -78,10 +107,10 @@ class Accel {
   Accel(const Accel&) = delete;
   Accel& operator=(const Accel&) = delete;
 
-  /// The nearest hit of each ray with 0 < t < tmax; `hits` has room for rays.size().
-  virtual void closest(const RayBatch& rays, Hit* hits, TraceContext& context) const = 0;
+  /// The nearest hit of each ray with 0 < t < tmax.
+  virtual void closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const = 0;
 
-  /// Is there any hit with 0 < t < tmax? 1 or 0 per ray.
+  /// Is there any hit with 0 < t < tmax? 1 or 0 per ray; `hit` has room for padded(rays.size()).
   virtual void occluded(const RayBatch& rays, uint8_t* hit, TraceContext& context) const = 0;
 
   virtual AccelInfo info() const = 0;
@@ -93,11 +122,12 @@ class Accel {
   Geometry geometry_;
 };
 
-/// Bakes the scene and builds the structure that `options` ask for (`automatic`: the best for the
-/// scene). `one_sided`: opaque surfaces are seen from outside only. The error is one line: memory
-/// that would not suffice, or options that do not fit together.
+/// Bakes the scene, which must outlive the result, and builds the structure that `options` ask for
+/// (`automatic`: the best for the scene). `one_sided`: opaque surfaces are seen from outside only.
+/// The error is one line: memory that would not suffice, or options that do not fit together.
 std::expected<std::unique_ptr<Accel>, std::string> build_accel(const Scene& scene,
                                                                const AccelOptions& options,
                                                                bool one_sided = false);
+void build_accel(Scene&&, const AccelOptions&, bool one_sided = false) = delete;
 
 }  // namespace raio

@@ -281,7 +281,8 @@ class BvhAccel final : public Accel {
  public:
   BvhAccel(Geometry geometry, Bvh bvh) : Accel(std::move(geometry)), bvh_(std::move(bvh)) {}
 
-  void closest(const RayBatch& rays, Hit* hits, TraceContext& context) const override {
+  void closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const override {
+    hits.reset(rays.size());
     bvh_closest(geometry_, bvh_, rays, hits, context);
   }
   void occluded(const RayBatch& rays, uint8_t* hit, TraceContext& context) const override {
@@ -295,7 +296,7 @@ class BvhAccel final : public Accel {
             .bytes = geometry_.bytes() + bvh_.bytes(),
             .cells = bvh_.nodes.size(),
             .references = references,
-            .giants = geometry_.planes.size()};
+            .giants = geometry_.count(ItemKind::plane)};
   }
 
  private:

@@ -36,8 +36,8 @@ class Walk {
   Walk(const Geometry& geometry, const Bvh& bvh)
       : g_(geometry),
         bvh_(bvh),
-        sided_spheres_(!g_.sides[size_t(ItemKind::sphere)].empty()),
-        sided_triangles_(!g_.sides[size_t(ItemKind::triangle)].empty()),
+        sided_spheres_(!g_.two_sided(ItemKind::sphere)),
+        sided_triangles_(!g_.two_sided(ItemKind::triangle)),
         packets_(!sided_spheres_ && !sided_triangles_ && !bvh_.nodes.empty()) {}
 
   // Calls `one(i)` for each ray that goes alone and `eight(first, packet)` for packets that were
@@ -62,7 +62,7 @@ class Walk {
   template <bool any>
   RayQuery single(const Ray& ray, TraceContext& context) const {
     RayQuery query(ray);
-    for (uint32_t i = 0; i < g_.planes.size(); ++i)
+    for (uint32_t i = 0; i < g_.count(ItemKind::plane); ++i)
       if (test_plane(g_, i, query) && any) return query;
     if (!bvh_.nodes.empty()) single_tree<any>(query, context);
     return query;
@@ -100,7 +100,7 @@ class Walk {
       const size_t k = std::min(first + size_t(i), end - 1);
       RayQuery query(rays[k]);
       const Ray& ray = query.ray;
-      for (uint32_t n = 0; n < g_.planes.size(); ++n) test_plane(g_, n, query);
+      for (uint32_t n = 0; n < g_.count(ItemKind::plane); ++n) test_plane(g_, n, query);
       for (int a = 0; a < 3; ++a) {
         p.o[a][i] = ray.origin[a], p.d[a][i] = ray.dir[a];
         p.inverse[a][i] = finite_inverse(ray.dir[a]);
@@ -243,14 +243,14 @@ class Walk {
   bool packets_;  // those surfaces go ray by ray
 };
 
-void closest(const Geometry& g, const Bvh& bvh, const RayBatch& rays, Hit* hits,
+void closest(const Geometry& g, const Bvh& bvh, const RayBatch& rays, HitBatch& hits,
              TraceContext& context) {
   const Walk walk(g, bvh);
   walk.each<false>(
-      rays, context, [&](size_t i) { hits[i] = walk.single<false>(rays[i], context).best; },
+      rays, context, [&](size_t i) { hits.set(i, walk.single<false>(rays[i], context).best); },
       [&](size_t first, size_t end, const Packet& p) {
         for (size_t k = 0; k < end - first; ++k)
-          hits[first + k] = {p.t[k], p.item[k], p.u[k], p.v[k]};
+          hits.set(first + k, {p.t[k], p.item[k], p.u[k], p.v[k]});
       });
 }
 
@@ -273,7 +273,7 @@ namespace raio {
 HWY_EXPORT(closest);
 HWY_EXPORT(occluded);
 
-void bvh_closest(const Geometry& geometry, const Bvh& bvh, const RayBatch& rays, Hit* hits,
+void bvh_closest(const Geometry& geometry, const Bvh& bvh, const RayBatch& rays, HitBatch& hits,
                  TraceContext& context) {
   HWY_DYNAMIC_DISPATCH(closest)(geometry, bvh, rays, hits, context);
 }

@@ -68,21 +68,22 @@ class Embree final : public Accel {
     return std::nullopt;
   }
 
-  void closest(const RayBatch& rays, Hit* hits, TraceContext& context) const override {
+  void closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const override {
+    hits.reset(rays.size());
     const FlushDenormals flush;
     RTCIntersectContext embree = make_context(context);
     size_t i = 0;
     for (; i + 1 < rays.size() && !context.stopped(); i += kWidth) closest8(rays, i, hits, embree);
     for (; i < rays.size() && !context.stopped(); ++i) {
-      hits[i] = nearest_plane(rays[i]).best;
+      hits.set(i, nearest_plane(rays[i]).best);
       RTCRayHit query;
-      query.ray = single(rays[i], hits[i].t);
+      query.ray = single(rays[i], hits.t[i]);
       query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
       rtcIntersect1(scene_, &embree, &query);
       if (query.hit.geomID != RTC_INVALID_GEOMETRY_ID)
-        hits[i] =
-            refined(rays[i], {query.ray.tfar, item_id(ItemKind(query.hit.geomID), query.hit.primID),
-                              query.hit.u, query.hit.v});
+        hits.set(i, refined(rays[i],
+                            {query.ray.tfar, item_id(ItemKind(query.hit.geomID), query.hit.primID),
+                             query.hit.u, query.hit.v}));
     }
   }
 
@@ -103,7 +104,7 @@ class Embree final : public Accel {
   AccelInfo info() const override {
     return {.name = "embree",
             .bytes = geometry_.bytes() + size_t(bytes_.load()),
-            .giants = geometry_.planes.size()};
+            .giants = geometry_.count(ItemKind::plane)};
   }
 
  private:
@@ -121,9 +122,9 @@ class Embree final : public Accel {
     auto* out = static_cast<float*>(
         rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, 16, n));
     if (!out) return rtcReleaseGeometry(g);
-    const auto& s = geometry_.spheres;
-    for (size_t i = 0; i < n; ++i) {
-      *out++ = s.x[i], *out++ = s.y[i], *out++ = s.z[i], *out++ = s.radius[i];
+    for (uint32_t i = 0; i < n; ++i) {
+      const Sphere s = geometry_.sphere(i);
+      *out++ = s.center.x, *out++ = s.center.y, *out++ = s.center.z, *out++ = s.radius;
     }
     filter_sides(g, ItemKind::sphere);
     attach(g, ItemKind::sphere);
@@ -149,9 +150,9 @@ class Embree final : public Accel {
   }
 
   void add_cones() {
-    if (geometry_.cones.empty()) return;
+    if (geometry_.count(ItemKind::cone) == 0) return;
     RTCGeometry g = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_USER);
-    rtcSetGeometryUserPrimitiveCount(g, unsigned(geometry_.cones.size()));
+    rtcSetGeometryUserPrimitiveCount(g, unsigned(geometry_.count(ItemKind::cone)));
     rtcSetGeometryUserData(g, this);
     rtcSetGeometryBoundsFunction(g, cone_bounds, nullptr);
     rtcSetGeometryIntersectFunction(g, cone_closest);
@@ -161,7 +162,7 @@ class Embree final : public Accel {
 
   // One-sided surfaces: Embree asks before it accepts a hit.
   void filter_sides(RTCGeometry g, ItemKind kind) {
-    if (geometry_.sides[size_t(kind)].empty()) return;
+    if (geometry_.two_sided(kind)) return;
     rtcSetGeometryUserData(g, this);
     rtcSetGeometryIntersectFilterFunction(g, reject_unseen);
     rtcSetGeometryOccludedFilterFunction(g, reject_unseen);
@@ -183,7 +184,7 @@ class Embree final : public Accel {
 
   static void cone_bounds(const RTCBoundsFunctionArguments* args) {
     const auto& self = *static_cast<const Embree*>(args->geometryUserPtr);
-    const Box3f b = bounds(self.geometry_.cones[args->primID]);
+    const Box3f b = bounds(self.geometry_.cone(args->primID));
     *args->bounds_o = {b.lo.x, b.lo.y, b.lo.z, 0, b.hi.x, b.hi.y, b.hi.z, 0};
   }
 
@@ -237,7 +238,7 @@ class Embree final : public Accel {
 
   RayQuery nearest_plane(const Ray& ray) const {
     RayQuery query(ray);
-    for (uint32_t i = 0; i < geometry_.planes.size(); ++i) test_plane(geometry_, i, query);
+    for (uint32_t i = 0; i < geometry_.count(ItemKind::plane); ++i) test_plane(geometry_, i, query);
     return query;
   }
 
@@ -257,24 +258,25 @@ class Embree final : public Accel {
     }
   }
 
-  void closest8(const RayBatch& rays, size_t first, Hit* hits, RTCIntersectContext& embree) const {
+  void closest8(const RayBatch& rays, size_t first, HitBatch& hits,
+                RTCIntersectContext& embree) const {
     const unsigned lanes = unsigned(std::min<size_t>(kWidth, rays.size() - first));
     alignas(32) int valid[kWidth] = {};
     RTCRayHit8 query;
     fill(query.ray, rays, first, lanes);
     for (unsigned k = 0; k < lanes; ++k) {
-      hits[first + k] = nearest_plane(rays[first + k]).best;
-      query.ray.tfar[k] = hits[first + k].t;
+      hits.set(first + k, nearest_plane(rays[first + k]).best);
+      query.ray.tfar[k] = hits.t[first + k];
       query.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
       valid[k] = -1;
     }
     rtcIntersect8(valid, scene_, &embree, &query);
     for (unsigned k = 0; k < lanes; ++k)
       if (query.hit.geomID[k] != RTC_INVALID_GEOMETRY_ID)
-        hits[first + k] =
-            refined(rays[first + k],
-                    {query.ray.tfar[k], item_id(ItemKind(query.hit.geomID[k]), query.hit.primID[k]),
-                     query.hit.u[k], query.hit.v[k]});
+        hits.set(first + k, refined(rays[first + k],
+                                    {query.ray.tfar[k],
+                                     item_id(ItemKind(query.hit.geomID[k]), query.hit.primID[k]),
+                                     query.hit.u[k], query.hit.v[k]}));
   }
 
   void occluded8(const RayBatch& rays, size_t first, uint8_t* hit,

@@ -1,5 +1,9 @@
 #include "accel/geometry.h"
 
+#include <tbb/parallel_for.h>
+
+#include <atomic>
+
 #include "shape/polygon.h"
 
 namespace raio {
@@ -10,94 +14,99 @@ size_t vector_bytes(const std::vector<T>& v) {
   return v.capacity() * sizeof(T);
 }
 
-// Which side of each primitive is seen; empty when it is both for all.
-class SideList {
- public:
-  SideList(const Scene& scene, bool one_sided) : scene_(scene), one_sided_(one_sided) {}
-
-  void push(MaterialId material, bool inside_only = false) {
-    const bool opaque = scene_.materials[material].transmission == 0;
-    list_.push_back(inside_only            ? Sides::inside
-                    : one_sided_ && opaque ? Sides::outside
-                                           : Sides::both);
-    restricted_ |= list_.back() != Sides::both;
-  }
-  std::vector<Sides> take() { return restricted_ ? std::move(list_) : std::vector<Sides>(); }
-
- private:
-  const Scene& scene_;
-  bool one_sided_;
-  bool restricted_ = false;
-  std::vector<Sides> list_;
-};
-
-class TriangleBaker {
- public:
-  TriangleBaker(const Scene& scene, Geometry& out, bool one_sided)
-      : scene_(scene), out_(out), sides_(scene, one_sided) {}
-
-  void bake() {
-    size_t count = scene_.triangles.size();
-    for (const Polygon& p : scene_.polygons) count += p.count - 2;
-    auto& t = out_.triangles;
-    for (auto* corner : {&t.a, &t.b, &t.c})
-      for (auto& axis : *corner) axis.reserve(count);
-    t.facets.reserve(count);
-    const bool smooth = !scene_.triangle_normals.empty();
-    constexpr TriangleIndices kFlat = {kNoNormal, kNoNormal, kNoNormal};
-
-    for (size_t i = 0; i < scene_.triangles.size(); ++i) {
-      const Triangle corners = at(scene_.triangles[i], 0);
-      push(corners, triangle_normal(corners), scene_.triangle_materials[i],
-           smooth ? scene_.triangle_normals[i] : kFlat);
-    }
-    for (size_t i = 0; i < scene_.polygons.size(); ++i) {
-      const Polygon& p = scene_.polygons[i];
-      const std::span corners(scene_.positions.data() + p.first, p.count);
-      const Vec3f normal = polygon_normal(corners);
-      for (const TriangleIndices& piece : triangulate(corners))
-        push(at(piece, p.first), normal, scene_.polygon_materials[i], kFlat);
-    }
-    if (smooth) out_.normals = scene_.normals;
-    out_.sides[size_t(ItemKind::triangle)] = sides_.take();
-  }
-
- private:
-  Triangle at(const TriangleIndices& i, uint32_t first) const {
-    const auto& p = scene_.positions;
-    return {p[first + i[0]], p[first + i[1]], p[first + i[2]]};
-  }
-
-  void push(const Triangle& t, Vec3f normal, MaterialId material, const TriangleIndices& normals) {
-    if (triangle_normal(t) == Vec3f()) return;  // no area: no ray can hit it
-    auto& soup = out_.triangles;
-    for (int axis = 0; axis < 3; ++axis) {
-      soup.a[axis].push_back(t.a[axis]);
-      soup.b[axis].push_back(t.b[axis]);
-      soup.c[axis].push_back(t.c[axis]);
-    }
-    soup.facets.push_back({normal, material});
-    if (!scene_.triangle_normals.empty()) out_.triangle_normals.push_back(normals);
-    sides_.push(material);
-  }
-
-  const Scene& scene_;
-  Geometry& out_;
-  SideList sides_;
-};
-
 }  // namespace
+
+Geometry::Geometry(const Scene& scene, bool one_sided) : scene_(&scene) {
+  bake_triangles();
+  cones_.reserve(scene.cones.size());
+  for (const Cone& cone : scene.cones) cones_.emplace_back(cone);
+  list_sides(one_sided);
+}
+
+// Triangles without area are left out, since no ray can hit one.
+void Geometry::bake_triangles() {
+  const Scene& s = *scene_;
+  const size_t n = s.triangles.size();
+  triangles_ = s.triangles;
+  triangle_normals_ = s.triangle_normals;
+  facets_.resize(n);
+  std::atomic<bool> any_flat = false;
+  tbb::parallel_for(size_t(0), n, [&](size_t i) {
+    facets_[i] = {triangle_normal(triangle(uint32_t(i))), s.triangle_materials[i]};
+    if (facets_[i].normal == Vec3f()) any_flat.store(true, std::memory_order_relaxed);
+  });
+  if (!any_flat && s.polygons.empty()) return;
+
+  const std::vector<Facet> all = std::move(facets_);
+  const bool smooth = any_smooth();
+  constexpr TriangleIndices kFlat = {kNoNormal, kNoNormal, kNoNormal};
+  size_t count = n;
+  for (const Polygon& p : s.polygons) count += p.count - 2;
+  own_triangles_.reserve(count);
+  facets_ = {};
+  facets_.reserve(count);
+  const auto push = [&](const TriangleIndices& corners, const TriangleIndices& normals,
+                        const Facet& facet) {
+    own_triangles_.push_back(corners);
+    if (smooth) own_normals_.push_back(normals);
+    facets_.push_back(facet);
+  };
+  for (size_t i = 0; i < n; ++i)
+    if (!(all[i].normal == Vec3f()))
+      push(s.triangles[i], smooth ? s.triangle_normals[i] : kFlat, all[i]);
+  for (size_t i = 0; i < s.polygons.size(); ++i) {
+    const Polygon& p = s.polygons[i];
+    const std::span corners(s.positions.data() + p.first, p.count);
+    const Facet facet{polygon_normal(corners), s.polygon_materials[i]};
+    for (const auto& [a, b, c] : triangulate(corners)) {
+      const TriangleIndices piece = {p.first + a, p.first + b, p.first + c};
+      if (triangle_normal({s.positions[piece[0]], s.positions[piece[1]], s.positions[piece[2]]}) !=
+          Vec3f())
+        push(piece, kFlat, facet);
+    }
+  }
+  triangles_ = own_triangles_;
+  triangle_normals_ = own_normals_;
+}
+
+// Which side of each item is seen, for the kinds that have one of which it is not both.
+void Geometry::list_sides(bool one_sided) {
+  const Scene& s = *scene_;
+  const auto list = [&](ItemKind kind, auto&& material, auto&& inside_only) {
+    std::vector<Sides> sides;
+    const size_t n = count(kind);
+    for (size_t i = 0; i < n; ++i) {
+      const bool opaque = s.materials[material(i)].transmission == 0;
+      const Sides side = inside_only(i)        ? Sides::inside
+                         : one_sided && opaque ? Sides::outside
+                                               : Sides::both;
+      if (side == Sides::both) continue;
+      if (sides.empty()) sides.assign(n, Sides::both);
+      sides[i] = side;
+    }
+    sides_[size_t(kind)] = std::move(sides);
+  };
+  const auto never = [](size_t) { return false; };
+  list(
+      ItemKind::sphere, [&](size_t i) { return s.sphere_materials[i]; },
+      [&](size_t i) { return s.spheres[i].radius < 0; });
+  list(
+      ItemKind::cone, [&](size_t i) { return s.cone_materials[i]; },
+      [&](size_t i) { return s.cones[i].base_radius < 0 || s.cones[i].apex_radius < 0; });
+  list(ItemKind::plane, [&](size_t i) { return s.plane_materials[i]; }, never);
+  if (one_sided) list(ItemKind::triangle, [&](size_t i) { return facets_[i].material; }, never);
+}
 
 size_t Geometry::count(ItemKind kind) const {
   switch (kind) {
     case ItemKind::plane:
-      return planes.size();
+      return scene_->planes.size();
     case ItemKind::sphere:
-      return spheres.radius.size();
+      return scene_->spheres.size();
     case ItemKind::triangle:
-      return triangles.facets.size();
+      return facets_.size();
     case ItemKind::cone:
-      return cones.size();
+      return cones_.size();
   }
   return 0;
 }
@@ -110,7 +119,7 @@ Box3f Geometry::bounds(ItemId id) const {
     case ItemKind::triangle:
       return raio::bounds(triangle(i));
     case ItemKind::cone:
-      return raio::bounds(cones[i]);
+      return raio::bounds(cone(i));
     case ItemKind::plane:
       break;
   }
@@ -118,51 +127,10 @@ Box3f Geometry::bounds(ItemId id) const {
 }
 
 size_t Geometry::bytes() const {
-  size_t sum = vector_bytes(planes) + vector_bytes(plane_materials) + vector_bytes(spheres.x) +
-               vector_bytes(spheres.y) + vector_bytes(spheres.z) + vector_bytes(spheres.radius) +
-               vector_bytes(spheres.material) + vector_bytes(triangles.facets) +
-               vector_bytes(triangle_normals) + vector_bytes(normals) + vector_bytes(cones) +
-               vector_bytes(cone_materials);
-  for (const auto* corner : {&triangles.a, &triangles.b, &triangles.c})
-    for (const auto& axis : *corner) sum += vector_bytes(axis);
-  for (const auto& s : sides) sum += vector_bytes(s);
+  size_t sum = vector_bytes(own_triangles_) + vector_bytes(own_normals_) + vector_bytes(facets_) +
+               vector_bytes(cones_);
+  for (const auto& s : sides_) sum += vector_bytes(s);
   return sum;
-}
-
-Geometry bake(const Scene& scene, bool one_sided) {
-  Geometry out;
-  out.planes = scene.planes;
-  out.plane_materials = scene.plane_materials;
-  SideList plane_sides(scene, one_sided);
-  for (const MaterialId m : scene.plane_materials) plane_sides.push(m);
-  out.sides[size_t(ItemKind::plane)] = plane_sides.take();
-
-  SideList sphere_sides(scene, one_sided);
-  auto& s = out.spheres;
-  for (auto* v : {&s.x, &s.y, &s.z, &s.radius}) v->reserve(scene.spheres.size());
-  for (size_t i = 0; i < scene.spheres.size(); ++i) {
-    const Sphere& sphere = scene.spheres[i];
-    s.x.push_back(sphere.center.x);
-    s.y.push_back(sphere.center.y);
-    s.z.push_back(sphere.center.z);
-    s.radius.push_back(std::abs(sphere.radius));
-    sphere_sides.push(scene.sphere_materials[i], sphere.radius < 0);
-  }
-  s.material = scene.sphere_materials;
-  out.sides[size_t(ItemKind::sphere)] = sphere_sides.take();
-
-  TriangleBaker(scene, out, one_sided).bake();
-
-  SideList cone_sides(scene, one_sided);
-  out.cones.reserve(scene.cones.size());
-  for (size_t i = 0; i < scene.cones.size(); ++i) {
-    const Cone& cone = scene.cones[i];
-    out.cones.emplace_back(cone);
-    cone_sides.push(scene.cone_materials[i], cone.base_radius < 0 || cone.apex_radius < 0);
-  }
-  out.cone_materials = scene.cone_materials;
-  out.sides[size_t(ItemKind::cone)] = cone_sides.take();
-  return out;
 }
 
 }  // namespace raio

@@ -1,8 +1,10 @@
-// A scene baked for tracing: one array per number, in pools of the kinds that rays meet. Polygons
-// are triangles here. Made once from a Scene, then only read.
+// A scene as structures and shading see it: the kinds that rays meet, polygons cut into triangles,
+// what a hit wants to know worked out beforehand. Made once from a Scene, whose own pools it reads
+// in place wherever it can: large scenes are not stored twice.
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include "base/box.h"
@@ -28,49 +30,59 @@ struct Facet {
   MaterialId material = 0;
 };
 
-struct Geometry {
-  std::vector<Plane> planes;
-  std::vector<MaterialId> plane_materials;
+class Geometry {
+ public:
+  /// `scene` must outlive the result. With `one_sided`, opaque surfaces are seen from outside only,
+  /// as the NFF text has it.
+  explicit Geometry(const Scene& scene, bool one_sided = false);
+  Geometry(Geometry&&) = default;
 
-  struct {
-    std::vector<float> x, y, z, radius;  // radius >= 0; what is seen is in `sides`
-    std::vector<MaterialId> material;
-  } spheres;
-
-  struct {
-    std::array<std::vector<float>, 3> a, b, c;  // corner[axis][triangle]
-    std::vector<Facet> facets;
-  } triangles;
-  /// Parallel to triangles, as in Scene; empty when none is smooth.
-  std::vector<TriangleIndices> triangle_normals;
-  std::vector<Vec3f> normals;
-
-  std::vector<BakedCone> cones;
-  std::vector<MaterialId> cone_materials;
-
-  /// Per item of a kind which side is seen; empty: both sides of all of them.
-  std::array<std::vector<Sides>, kItemKinds> sides;
+  const Scene& scene() const { return *scene_; }
 
   size_t count(ItemKind kind) const;
   Sides sides_of(ItemId id) const {
-    const auto& s = sides[size_t(item_kind(id))];
+    const auto& s = sides_[size_t(item_kind(id))];
     return s.empty() ? Sides::both : s[item_index(id)];
   }
-  Triangle triangle(uint32_t i) const {
-    const auto& t = triangles;
-    return {{t.a[0][i], t.a[1][i], t.a[2][i]},
-            {t.b[0][i], t.b[1][i], t.b[2][i]},
-            {t.c[0][i], t.c[1][i], t.c[2][i]}};
-  }
+  /// Are both sides of all items of the kind seen?
+  bool two_sided(ItemKind kind) const { return sides_[size_t(kind)].empty(); }
+
+  const Plane& plane(uint32_t i) const { return scene_->planes[i]; }
+  /// The radius is not negative: what is seen of the sphere is in sides_of().
   Sphere sphere(uint32_t i) const {
-    return {{spheres.x[i], spheres.y[i], spheres.z[i]}, spheres.radius[i]};
+    const Sphere& s = scene_->spheres[i];
+    return {s.center, std::abs(s.radius)};
   }
+  Triangle triangle(uint32_t i) const {
+    const auto& p = scene_->positions;
+    const TriangleIndices& t = triangles_[i];
+    return {p[t[0]], p[t[1]], p[t[2]]};
+  }
+  const BakedCone& cone(uint32_t i) const { return cones_[i]; }
+
+  const Facet& facet(uint32_t triangle) const { return facets_[triangle]; }
+  /// The normals at a triangle's corners, or null where it is flat.
+  const TriangleIndices* corner_normals(uint32_t triangle) const {
+    if (triangle >= triangle_normals_.size() || triangle_normals_[triangle][0] == kNoNormal)
+      return nullptr;
+    return &triangle_normals_[triangle];
+  }
+  bool any_smooth() const { return !triangle_normals_.empty(); }
 
   Box3f bounds(ItemId id) const;  // not for planes, which have none
-  size_t bytes() const;
-};
+  size_t bytes() const;           // besides the scene
 
-/// With `one_sided`, opaque surfaces are seen from outside only, as the NFF text has it.
-Geometry bake(const Scene& scene, bool one_sided = false);
+ private:
+  void bake_triangles();
+  void list_sides(bool one_sided);
+
+  const Scene* scene_;
+  // The scene's own where every primitive is a triangle with an area, else those below.
+  std::span<const TriangleIndices> triangles_, triangle_normals_;
+  std::vector<TriangleIndices> own_triangles_, own_normals_;
+  std::vector<Facet> facets_;
+  std::vector<BakedCone> cones_;
+  std::array<std::vector<Sides>, kItemKinds> sides_;  // empty: both sides of all
+};
 
 }  // namespace raio

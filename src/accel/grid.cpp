@@ -33,7 +33,7 @@ bool touches(const Geometry& g, ItemId id, const Box3d& box) {
     case ItemKind::triangle:
       return overlaps(g.triangle(i), box);
     case ItemKind::cone:
-      return overlaps(g.cones[i], box);
+      return overlaps(g.cone(i), box);
     case ItemKind::plane:
       break;
   }
@@ -270,11 +270,12 @@ class Grid final : public Accel {
         items_(std::move(built.items)),
         counters_(counters) {}
 
-  void closest(const RayBatch& rays, Hit* hits, TraceContext& context) const override {
+  void closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const override {
+    hits.reset(rays.size());
     for (size_t i = 0; i < rays.size() && !context.stopped(); ++i)
-      hits[i] =
-          (counters_ ? trace<false, true>(rays[i], context) : trace<false, false>(rays[i], context))
-              .best;
+      hits.set(i, (counters_ ? trace<false, true>(rays[i], context)
+                             : trace<false, false>(rays[i], context))
+                      .best);
   }
 
   void occluded(const RayBatch& rays, uint8_t* hit, TraceContext& context) const override {

@@ -24,14 +24,14 @@ struct RayQuery {
 
 inline bool test_plane(const Geometry& g, uint32_t i, RayQuery& q) {
   const ItemId id = item_id(ItemKind::plane, i);
-  const auto t = intersect(g.planes[i], q.ray);
-  if (!t || !visible(g.sides_of(id), dot(g.planes[i].normal, q.ray.dir))) return false;
+  const auto t = intersect(g.plane(i), q.ray);
+  if (!t || !visible(g.sides_of(id), dot(g.plane(i).normal, q.ray.dir))) return false;
   return q.offer(*t, id);
 }
 
 inline bool test_sphere(const Geometry& g, uint32_t i, RayQuery& q) {
-  const auto& s = g.spheres;
-  const SphereRoots roots = sphere_roots({s.x[i], s.y[i], s.z[i]}, s.radius[i], q.ray);
+  const Sphere s = g.sphere(i);
+  const SphereRoots roots = sphere_roots(s.center, s.radius, q.ray);
   if (!(roots.entry <= roots.exit)) return false;
   const ItemId id = item_id(ItemKind::sphere, i);
   const Sides sides = g.sides_of(id);
@@ -48,7 +48,7 @@ inline bool test_triangle(const Geometry& g, uint32_t i, RayQuery& q) {
 }
 
 inline bool test_cone(const Geometry& g, uint32_t i, RayQuery& q) {
-  const ConeRoots roots = cone_roots(g.cones[i], q.ray);
+  const ConeRoots roots = cone_roots(g.cone(i), q.ray);
   const ItemId id = item_id(ItemKind::cone, i);
   for (int k = 0; k < roots.count; ++k)
     if (roots.t[k] > 0 && visible(g.sides_of(id), roots.cosine[k])) return q.offer(roots.t[k], id);

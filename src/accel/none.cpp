@@ -8,9 +8,10 @@ class None final : public Accel {
  public:
   None(Geometry geometry, bool counters) : Accel(std::move(geometry)), counters_(counters) {}
 
-  void closest(const RayBatch& rays, Hit* hits, TraceContext& context) const override {
+  void closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const override {
+    hits.reset(rays.size());
     for (size_t i = 0; i < rays.size() && !context.stopped(); ++i)
-      hits[i] = trace<false>(rays[i], context).best;
+      hits.set(i, trace<false>(rays[i], context).best);
   }
 
   void occluded(const RayBatch& rays, uint8_t* hit, TraceContext& context) const override {

@@ -63,15 +63,15 @@ ClassicScene::ClassicScene(const Scene& s, const Accel& a, const RenderOptions& 
 void ClassicTracer::PathRays::take_last(size_t count, PathRays& from) {
   rays.clear();
   if (from.rays.size() <= count) return std::swap(*this, from);
-  for (size_t i = from.rays.size() - count; i < from.rays.size(); ++i)
+  const size_t left = from.rays.size() - count;
+  for (size_t i = left; i < from.rays.size(); ++i)
     push(from.rays[i], from.pixel[i], from.branch[i], from.weight[i]);
-  from.rays.drop_last(count);
+  from.rays.resize(left);
 }
 
 ClassicTracer::ClassicTracer(const ClassicScene& scene, const RenderControl& control)
     : scene_(scene),
       waiting_(size_t(scene.options.depth) + 1),
-      hits_(kChunk),
       shadows_(scene.emitters.size()),
       hidden_(kChunk) {
   context_.stop = &control.stop;
@@ -117,10 +117,10 @@ void ClassicTracer::trace_level(int level, Film& film) {
   current_.take_last(kChunk, waiting_[size_t(level)]);
   const size_t n = current_.rays.size();
   context_.coherent = level <= 3;  // eye rays and their first children mostly keep together
-  scene_.accel.closest(current_.rays, hits_.data(), context_);
+  scene_.accel.closest(current_.rays, hits_, context_);
   if (level == 1) counts_.eye += n;
   for (size_t i = 0; i < n && !context_.stopped(); ++i) {
-    if (hits_[i].found()) {
+    if (hits_.item[i] != kNoItem) {
       if (level == 1) ++counts_.eye_hits;
       shade(level, i, film);
     } else {

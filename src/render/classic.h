@@ -97,7 +97,7 @@ class ClassicTracer {
   uint32_t sample_ = 0;
   std::vector<PathRays> waiting_;  // by level
   PathRays current_;               // being traced, with their hits
-  std::vector<Hit> hits_;
+  HitBatch hits_;
   std::vector<ShadowRays> shadows_;  // by light
   std::vector<uint8_t> hidden_;
 };
