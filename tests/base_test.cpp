@@ -8,9 +8,26 @@
 #include "base/box.h"
 #include "base/random.h"
 #include "base/vec.h"
+#include "base/wide-inl.h"
 
 namespace raio {
 namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+namespace wide = raio::HWY_NAMESPACE;
+const hn::ScalableTag<float> d;
+const hn::ScalableTag<uint32_t> du;
+
+float to_unit(uint32_t bits) { return hn::GetLane(wide::to_unit(d, hn::Set(du, bits))); }
+
+struct Uint4 {
+  uint32_t x, y, z, w;
+};
+Uint4 hash4(Uint4 key) {
+  const auto h = wide::hash4(
+      du, {hn::Set(du, key.x), hn::Set(du, key.y), hn::Set(du, key.z), hn::Set(du, key.w)});
+  return {hn::GetLane(h.x), hn::GetLane(h.y), hn::GetLane(h.z), hn::GetLane(h.w)};
+}
 
 /// Pearson's statistic of equally likely cells, in standard deviations above its mean.
 double chi_square_sigmas(const std::vector<int>& cells) {

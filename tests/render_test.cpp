@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "io/nff.h"
-#include "render/camera.h"
+#include "render/camera-inl.h"
 #include "render/options.h"
 #include "scenes.h"
 
@@ -71,7 +71,7 @@ struct View {
   Vec3d point, dir;
 };
 View view(const Scene& s, int x, int y, int side) {
-  const double half = std::tan(s.camera.fov_deg * kPi / 360);
+  const double half = std::tan(s.camera.fov_deg * std::numbers::pi / 360);
   const Vec3d towards{(2 * (x + 0.5) / side - 1) * half, (1 - 2 * (y + 0.5) / side) * half, -1};
   return {Vec3d(s.camera.from) + towards * double(s.camera.from.z), normalize(towards)};
 }
@@ -197,15 +197,23 @@ TEST(Camera, RaysThroughTheLensMeetInTheFocusPlane) {
   camera.from = {1, 2, 3}, camera.at = {-2, 1, 0.5f}, camera.up = {0, 0.1f, 1};
   const EyeRays eye(camera, 80, 60);
   const Vec3f forward = normalize(camera.at - camera.from);
-  for (const Point2 p : {Point2{3, 50}, {40, 30}, {79.5f, 0.5f}}) {
-    const Ray centre = eye.pinhole(p.x, p.y);
+  namespace hn = hwy::HWY_NAMESPACE;
+  const hn::ScalableTag<float> d;
+  using Place = std::array<float, 2>;
+  for (const auto& [x, y] : {Place{3, 50}, {40, 30}, {79.5f, 0.5f}}) {
+    const Ray centre = eye.pinhole(x, y);
     const Vec3f focus = centre.at(7 / dot(centre.dir, forward));
-    for (const Point2 lens : {Point2{1, 0}, {-0.5f, 0.5f}, {0, -1}}) {
-      const Ray ray = eye.thin_lens(p.x, p.y, lens, 0.3f, 7);
+    for (const auto& [u, v] : {Place{1, 0}, {-0.5f, 0.5f}, {0, -1}}) {
+      const auto wide = HWY_NAMESPACE::thin_lens(d, eye, hn::Set(d, x), hn::Set(d, y),
+                                                 {hn::Set(d, u), hn::Set(d, v)}, 0.3f, 7);
+      const auto first = [](const auto& w) {
+        return Vec3f(hn::GetLane(w.x), hn::GetLane(w.y), hn::GetLane(w.z));
+      };
+      const Ray ray{first(wide.origin), first(wide.dir)};
       const Vec3f met = ray.at(7 / dot(ray.dir, forward) -
                                dot(ray.origin - camera.from, forward) / dot(ray.dir, forward));
       EXPECT_LT(length(met - focus), 1e-5f);
-      EXPECT_NEAR(length(ray.origin - camera.from), 0.3f * std::hypot(lens.x, lens.y), 1e-6f);
+      EXPECT_NEAR(length(ray.origin - camera.from), 0.3f * std::hypot(u, v), 1e-6f);
     }
   }
 }
@@ -215,8 +223,8 @@ TEST(Camera, TheAngleIsVerticalFromEdgeToEdge) {
   camera.from = {0, 0, 0}, camera.at = {0, 0, -1}, camera.up = {0, 1, 0}, camera.fov_deg = 50;
   const EyeRays eye(camera, 200, 100);
   const Vec3f top = eye.pinhole(100, 0).dir, left = eye.pinhole(0, 50).dir;
-  EXPECT_NEAR(std::atan2(top.y, -top.z) * 180 / kPi, 25, 1e-4);
-  EXPECT_NEAR(-left.x / -left.z, 2 * std::tan(25 * kPi / 180), 1e-5);
+  EXPECT_NEAR(std::atan2(top.y, -top.z) * 180 / std::numbers::pi, 25, 1e-4);
+  EXPECT_NEAR(-left.x / -left.z, 2 * std::tan(25 * std::numbers::pi / 180), 1e-5);
   EXPECT_GT(eye.pinhole(199, 50).dir.x, 0);
 }
 

@@ -8,31 +8,8 @@
 
 namespace raio {
 
-struct Uint4 {
-  uint32_t x, y, z, w;
-};
-
-/// Four independent 32-bit words for a four-word key.
-/// pcg4d: Jarzynski and Olano 2020, "Hash Functions for GPU Rendering", JCGT 9(3).
-constexpr Uint4 hash4(Uint4 v) {
-  auto step = [](uint32_t a) { return a * 1664525u + 1013904223u; };
-  v = {step(v.x), step(v.y), step(v.z), step(v.w)};
-  auto mix = [](Uint4& a) {
-    a.x += a.y * a.w;
-    a.y += a.z * a.x;
-    a.z += a.x * a.y;
-    a.w += a.y * a.z;
-  };
-  mix(v);
-  v = {v.x ^ (v.x >> 16), v.y ^ (v.y >> 16), v.z ^ (v.z >> 16), v.w ^ (v.w >> 16)};
-  mix(v);
-  return v;
-}
-
-/// Uniform in [0, 1): the 24 high bits, all of which a float holds exactly.
-constexpr float to_unit(uint32_t bits) { return float(bits >> 8) * 0x1p-24f; }
-
-/// One independent word for a one-word key: `pcg` of the same paper, after O'Neill 2014.
+/// One independent word for a one-word key: `pcg` of Jarzynski and Olano 2020, "Hash Functions
+/// for GPU Rendering", JCGT 9(3), after O'Neill 2014.
 constexpr uint32_t scramble(uint32_t v) {
   v = v * 747796405u + 2891336453u;
   v = ((v >> ((v >> 28) + 4)) ^ v) * 277803737u;

@@ -3,6 +3,8 @@
 // Shaded Display", CACM 23(6).
 #pragma once
 
+#include <memory>
+
 #include "accel/accel.h"
 #include "render/camera.h"
 #include "render/film.h"
@@ -31,75 +33,36 @@ struct ClassicScene {
   Sampler sampler;
   Rgb ambient;  // times the material's colour
   std::vector<Emitter> emitters;
+  bool any_mirror = false, any_transparent = false;  // among the materials
 
   ClassicScene(const Scene& scene, const Accel& accel, const RenderOptions& options);
 };
 
-/// A rectangle of pixels.
+/// A rectangle of pixels, at most kTileSide wide and high.
 struct Tile {
   int x0, y0, x1, y1;
+
+  friend bool operator==(const Tile&, const Tile&) = default;
 };
+inline constexpr int kTileSide = 32;
 
 /// Renders tiles, one after another; one per thread, whose buffers it keeps.
-///
-/// Rays go in batches, a level of the ray tree at a time: the eye rays of a tile, then the shadow
-/// rays of their hits light by light, then their reflections and refractions as the next level. A
-/// ray carries what it will bring to its pixel (a shadow ray its light, any other its weight), so
-/// none waits for another.
 class ClassicTracer {
  public:
-  explicit ClassicTracer(const ClassicScene& scene, const RenderControl& control);
+  virtual ~ClassicTracer() = default;
 
   /// Adds sample number `sample` of each pixel of the tile to the film, whose pixels no one else
   /// touches meanwhile. Returns early when told to stop.
-  void add_sample(const Tile& tile, uint32_t sample, Film& film);
+  virtual void add_sample(const Tile& tile, uint32_t sample, Film& film) = 0;
 
   const RayCounts& counts() const { return counts_; }
 
- private:
-  struct PathRays {
-    RayBatch rays;
-    std::vector<uint32_t> pixel, branch;  // branch: the place in the ray tree (render/sampler.h)
-    std::vector<float> weight;
-
-    void push(const Ray& ray, uint32_t p, uint32_t b, float w) {
-      const size_t i = rays.size();
-      rays.push(ray);
-      if (i >= pixel.size())
-        pixel.resize(rays.capacity()), branch.resize(rays.capacity()),
-            weight.resize(rays.capacity());
-      pixel[i] = p, branch[i] = b, weight[i] = w;
-    }
-    /// Moves the last rays of `from`, at most `count`, here in place of what was here.
-    void take_last(size_t count, PathRays& from);
-  };
-  struct ShadowRays {
-    RayBatch rays;
-    std::vector<uint32_t> pixel;
-    std::vector<Rgb> light;  // what arrives if nothing is in the way
-
-    void push(const Ray& ray, uint32_t p, Rgb l) {
-      const size_t i = rays.size();
-      rays.push(ray);
-      if (i >= pixel.size()) pixel.resize(rays.capacity()), light.resize(rays.capacity());
-      pixel[i] = p, light[i] = l;
-    }
-  };
-
-  void trace_level(int level, Film& film);
-  void shade(int level, size_t i, Film& film);
-  void spawn(int level, const Ray& ray, uint32_t pixel, uint32_t branch, float weight, Film& film);
-  void trace_shadows(Film& film);
-
-  const ClassicScene& scene_;
-  TraceContext context_;
+ protected:
   RayCounts counts_;
-  uint32_t sample_ = 0;
-  std::vector<PathRays> waiting_;  // by level
-  PathRays current_;               // being traced, with their hits
-  HitBatch hits_;
-  std::vector<ShadowRays> shadows_;  // by light
-  std::vector<uint8_t> hidden_;
 };
+
+/// For the best instruction set that this machine has.
+std::unique_ptr<ClassicTracer> make_classic_tracer(const ClassicScene& scene,
+                                                   const RenderControl& control);
 
 }  // namespace raio

@@ -22,6 +22,9 @@ class Film {
     s[0] += fixed(value.x), s[1] += fixed(value.y), s[2] += fixed(value.z);
   }
 
+  /// Values n of pixels[n].
+  void add(const uint32_t* pixels, const float* r, const float* g, const float* b, size_t count);
+
   int width() const { return width_; }
   int height() const { return height_; }
 

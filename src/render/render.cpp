@@ -13,12 +13,6 @@
 #include "render/classic.h"
 
 namespace raio {
-namespace {
-
-constexpr int kTileSide = 32;  // 1024 eye rays a batch
-
-}  // namespace
-
 RayCounts& RayCounts::operator+=(const RayCounts& b) {
   eye += b.eye, eye_hits += b.eye_hits;
   reflection += b.reflection, refraction += b.refraction;
@@ -55,7 +49,7 @@ std::expected<std::optional<RenderResult>, std::string> render(const Scene& scen
     return std::unexpected(std::move(why));
   const auto start = std::chrono::steady_clock::now();
   const ClassicScene classic(scene, accel, options);
-  const uint32_t samples = classic.sampler.samples();
+  const uint32_t samples = classic.sampler.samples;
   Film film(options.width, options.height, radiance_bound(scene, options.depth), samples);
 
   const int columns = (options.width + kTileSide - 1) / kTileSide;
@@ -64,14 +58,14 @@ std::expected<std::optional<RenderResult>, std::string> render(const Scene& scen
   control.rays_done = 0, control.work_done = 0;
   control.work_total = tiles * samples;
 
-  tbb::enumerable_thread_specific<ClassicTracer> tracers(
-      [&] { return ClassicTracer(classic, control); });
+  tbb::enumerable_thread_specific<std::unique_ptr<ClassicTracer>> tracers(
+      [&] { return make_classic_tracer(classic, control); });
   on_threads(options.threads, [&] {
     tbb::parallel_for(size_t(0), tiles, [&](size_t t) {
       const int x = int(t % size_t(columns)) * kTileSide, y = int(t / size_t(columns)) * kTileSide;
       const Tile tile{x, y, std::min(x + kTileSide, options.width),
                       std::min(y + kTileSide, options.height)};
-      ClassicTracer& tracer = tracers.local();
+      ClassicTracer& tracer = *tracers.local();
       for (uint32_t s = 0; s < samples && !control.stop; ++s) {
         const uint64_t before = tracer.counts().total();
         tracer.add_sample(tile, s, film);
@@ -83,7 +77,7 @@ std::expected<std::optional<RenderResult>, std::string> render(const Scene& scen
   if (control.stop) return std::nullopt;
 
   RenderResult result{std::move(film), {}, 0};
-  for (const ClassicTracer& tracer : tracers) result.rays += tracer.counts();
+  for (const auto& tracer : tracers) result.rays += tracer->counts();
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
 }

@@ -1,4 +1,5 @@
-// What shading wants to know of a hit. Looked up for the nearest hit only.
+// What shading wants to know of a hit on the kinds of surface that are rare in large numbers; those
+// on spheres and triangles it works out many at a time (classic_trace.cpp).
 #pragma once
 
 #include "accel/geometry.h"
@@ -7,13 +8,14 @@
 namespace raio {
 
 struct Surface {
-  Vec3f point;      // on the surface, nearer than origin + t * dir
-  Vec3f normal;     // unit, outward, for shading: interpolated on smooth triangles
-  Vec3f geometric;  // unit, outward, of the surface itself
-  float scale = 0;  // magnitude of the numbers the hit came from (shape/offset.h)
+  Vec3f point;       // on the surface, nearer than origin + t * dir
+  Vec3f normal;      // unit, outward
+  float extent = 0;  // what the surface adds to the scale of shape/offset.h
   MaterialId material = 0;
 };
 
-Surface surface_at(const Geometry& geometry, const Ray& ray, const Hit& hit);
+/// `p`: origin + t * dir of the ray that hit.
+Surface plane_surface(const Geometry& geometry, uint32_t plane, Vec3f p);
+Surface cone_surface(const Geometry& geometry, uint32_t cone, Vec3f p);
 
 }  // namespace raio

@@ -19,9 +19,12 @@ namespace raio {
 /// to a cosine of 1e-4, at sizes of 1e-6 to 1e6 and up to 1e5 sizes from the origin, k = 1 let
 /// spheres and triangles be met again, k = 2 a plane, k = 4 three triangles in six million, k = 8
 /// none. Four times that is used.
-inline Vec3f offset_origin(Vec3f point, Vec3f geometric_normal, float scale, bool along_normal) {
+inline float offset_length(float scale) {
   constexpr float k = 32;
-  const float by = k * std::numeric_limits<float>::epsilon() * scale;
+  return k * std::numeric_limits<float>::epsilon() * scale;
+}
+inline Vec3f offset_origin(Vec3f point, Vec3f geometric_normal, float scale, bool along_normal) {
+  const float by = offset_length(scale);
   return point + geometric_normal * (along_normal ? by : -by);
 }
 

@@ -1,0 +1,186 @@
+// Arithmetic on many lanes at once (Highway), and the few transcendental functions and random
+// numbers of the hot path. Everyone may include it, in a file that is compiled once for each
+// instruction set. All is made of +, -, *, / and square roots, which IEEE 754 defines to the last
+// bit: lanes have the same bits on every machine, which the system's own functions do not. Once for
+// each instruction set, as foreach_target.h passes again.
+#if defined(RAIO_BASE_WIDE_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef RAIO_BASE_WIDE_INL_H_
+#undef RAIO_BASE_WIDE_INL_H_
+#else
+#define RAIO_BASE_WIDE_INL_H_
+#endif
+
+#include <hwy/highway.h>
+
+#include <numbers>
+
+#include "base/vec.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace raio::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// Tags of as many unsigned or signed 32-bit lanes as a tag of floats has.
+template <class D>
+using Unsigned = hn::RebindToUnsigned<D>;
+template <class D>
+using Signed = hn::RebindToSigned<D>;
+
+template <class D>
+struct Wide3 {
+  hn::Vec<D> x, y, z;
+};
+
+template <class D>
+HWY_INLINE Wide3<D> set3(D d, Vec3f v) {
+  return {hn::Set(d, v.x), hn::Set(d, v.y), hn::Set(d, v.z)};
+}
+template <class D>
+HWY_INLINE Wide3<D> operator+(const Wide3<D>& a, const Wide3<D>& b) {
+  return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
+}
+template <class D>
+HWY_INLINE Wide3<D> operator-(const Wide3<D>& a, const Wide3<D>& b) {
+  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
+}
+template <class D>
+HWY_INLINE Wide3<D> operator-(const Wide3<D>& a) {
+  return {hn::Neg(a.x), hn::Neg(a.y), hn::Neg(a.z)};
+}
+template <class D>
+HWY_INLINE Wide3<D> operator*(const Wide3<D>& a, const Wide3<D>& b) {
+  return {hn::Mul(a.x, b.x), hn::Mul(a.y, b.y), hn::Mul(a.z, b.z)};
+}
+template <class D>
+HWY_INLINE Wide3<D> operator*(const Wide3<D>& a, hn::Vec<D> s) {
+  return {hn::Mul(a.x, s), hn::Mul(a.y, s), hn::Mul(a.z, s)};
+}
+template <class D>
+HWY_INLINE hn::Vec<D> dot(const Wide3<D>& a, const Wide3<D>& b) {
+  return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
+}
+template <class D>
+HWY_INLINE hn::Vec<D> length(const Wide3<D>& a) {
+  return hn::Sqrt(dot(a, a));
+}
+/// The largest magnitude of a component.
+template <class D>
+HWY_INLINE hn::Vec<D> largest(const Wide3<D>& a) {
+  return hn::Max(hn::Max(hn::Abs(a.x), hn::Abs(a.y)), hn::Abs(a.z));
+}
+template <class D>
+HWY_INLINE Wide3<D> normalize(D d, const Wide3<D>& a) {
+  return a * hn::Div(hn::Set(d, 1), length(a));
+}
+/// As base/vec.h has it: for vectors that are of unit length but for rounding.
+template <class D>
+HWY_INLINE Wide3<D> renormalize(D d, const Wide3<D>& a) {
+  return a * hn::Sub(hn::Set(d, 1.5f), hn::Mul(hn::Set(d, 0.5f), dot(a, a)));
+}
+template <class M, class D>
+HWY_INLINE Wide3<D> select(M mask, const Wide3<D>& yes, const Wide3<D>& no) {
+  return {hn::IfThenElse(mask, yes.x, no.x), hn::IfThenElse(mask, yes.y, no.y),
+          hn::IfThenElse(mask, yes.z, no.z)};
+}
+
+/// Horner's rule, the last coefficient first.
+template <class V>
+HWY_INLINE V polynomial(V, V highest) {
+  return highest;
+}
+template <class V, class... Rest>
+HWY_INLINE V polynomial(V x, V highest, V next, Rest... rest) {
+  return polynomial(x, hn::Add(hn::Mul(highest, x), next), rest...);
+}
+
+/// x^y for 0 <= x <= 1 and y >= 0, to an absolute error below 2e-7: what is lost in the exponent
+/// counts little where the power is small. log2 by the series of atanh about sqrt(1/2)..sqrt(2),
+/// exp2 by the Taylor series on -1/2..1/2.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V pow_unit(D d, V x, V y) {
+  const Unsigned<D> du;
+  const Signed<D> di;
+  const V one = hn::Set(d, 1);
+  const auto bits = hn::BitCast(du, x);
+  V exponent =
+      hn::ConvertTo(d, hn::Sub(hn::BitCast(di, hn::ShiftRight<23>(bits)), hn::Set(di, 127)));
+  V m = hn::BitCast(d, hn::Or(hn::And(bits, hn::Set(du, 0x007fffffu)), hn::Set(du, 0x3f800000u)));
+  const auto upper = hn::Gt(m, hn::Set(d, float(std::numbers::sqrt2)));
+  m = hn::IfThenElse(upper, hn::Mul(m, hn::Set(d, 0.5f)), m);
+  exponent = hn::IfThenElse(upper, hn::Add(exponent, one), exponent);
+  const V z = hn::Div(hn::Sub(m, one), hn::Add(m, one)), z2 = hn::Mul(z, z);
+  const V series = polynomial(z2, hn::Set(d, 1.0f / 11), hn::Set(d, 1.0f / 9), hn::Set(d, 1.0f / 7),
+                              hn::Set(d, 1.0f / 5), hn::Set(d, 1.0f / 3), one);
+  const V log2_x =
+      hn::Add(exponent, hn::Mul(hn::Mul(hn::Set(d, 2.88539008f), z), series));  // 2 / ln 2
+  const V p = hn::Mul(y, log2_x);
+  // Powers below 2^-126 are zero, as is that of zero, but to the power of zero.
+  const V whole = hn::Round(hn::Max(p, hn::Set(d, -126)));
+  const V f = hn::Mul(hn::Sub(p, whole), hn::Set(d, float(std::numbers::ln2)));
+  const V e = polynomial(f, hn::Set(d, 1.0f / 5040), hn::Set(d, 1.0f / 720), hn::Set(d, 1.0f / 120),
+                         hn::Set(d, 1.0f / 24), hn::Set(d, 1.0f / 6), hn::Set(d, 0.5f), one, one);
+  const V two_to_whole =
+      hn::BitCast(d, hn::ShiftLeft<23>(hn::Add(hn::ConvertTo(di, whole), hn::Set(di, 127))));
+  const V power = hn::IfThenElseZero(hn::Ge(p, hn::Set(d, -126)), hn::Mul(e, two_to_whole));
+  const auto sure = hn::Or(hn::Ge(x, one), hn::Eq(y, hn::Zero(d)));
+  return hn::IfThenElse(sure, one, hn::IfThenElseZero(hn::Gt(x, hn::Zero(d)), power));
+}
+
+template <class D>
+struct Wide2 {
+  hn::Vec<D> x, y;
+};
+
+/// The unit square onto the unit disc, keeping areas (uniform in, uniform out) and neighbourhoods.
+/// Shirley and Chiu 1997, "A Low Distortion Map Between Disk and Square", JGT 2(3). Sine and cosine
+/// of at most pi/4 by their Taylor series.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE Wide2<D> square_to_disc(D d, V u, V v) {
+  const V one = hn::Set(d, 1), two = hn::Set(d, 2);
+  const V a = hn::Sub(hn::Mul(two, u), one), b = hn::Sub(hn::Mul(two, v), one);
+  const auto wide = hn::Gt(hn::Abs(a), hn::Abs(b));
+  const V r = hn::IfThenElse(wide, a, b), other = hn::IfThenElse(wide, b, a);
+  const V ratio = hn::IfThenElse(hn::Eq(r, hn::Zero(d)), r, hn::Div(other, r));
+  const V x = hn::Mul(hn::Set(d, float(std::numbers::pi / 4)), ratio), x2 = hn::Mul(x, x);
+  const V sine = hn::Mul(x, polynomial(x2, hn::Set(d, 1.0f / 362880), hn::Set(d, -1.0f / 5040),
+                                       hn::Set(d, 1.0f / 120), hn::Set(d, -1.0f / 6), one));
+  const V cosine = polynomial(x2, hn::Set(d, 1.0f / 40320), hn::Set(d, -1.0f / 720),
+                              hn::Set(d, 1.0f / 24), hn::Set(d, -0.5f), one);
+  const V rc = hn::Mul(r, cosine), rs = hn::Mul(r, sine);
+  return {hn::IfThenElse(wide, rc, rs), hn::IfThenElse(wide, rs, rc)};
+}
+
+template <class DU>
+struct Wide4 {
+  hn::Vec<DU> x, y, z, w;
+};
+
+/// Four independent 32-bit words for a four-word key.
+/// pcg4d: Jarzynski and Olano 2020, "Hash Functions for GPU Rendering", JCGT 9(3).
+template <class DU>
+HWY_INLINE Wide4<DU> hash4(DU du, Wide4<DU> v) {
+  const auto times = hn::Set(du, 1664525u), plus = hn::Set(du, 1013904223u);
+  for (auto* word : {&v.x, &v.y, &v.z, &v.w}) *word = hn::Add(hn::Mul(*word, times), plus);
+  const auto mix = [&] {
+    v.x = hn::Add(v.x, hn::Mul(v.y, v.w));
+    v.y = hn::Add(v.y, hn::Mul(v.z, v.x));
+    v.z = hn::Add(v.z, hn::Mul(v.x, v.y));
+    v.w = hn::Add(v.w, hn::Mul(v.y, v.z));
+  };
+  mix();
+  for (auto* word : {&v.x, &v.y, &v.z, &v.w}) *word = hn::Xor(*word, hn::ShiftRight<16>(*word));
+  mix();
+  return v;
+}
+
+/// Uniform in [0, 1): the 24 high bits, all of which a float holds exactly.
+template <class D>
+HWY_INLINE hn::Vec<D> to_unit(D d, hn::Vec<Unsigned<D>> bits) {
+  return hn::Mul(hn::ConvertTo(d, hn::BitCast(Signed<D>(), hn::ShiftRight<8>(bits))),
+                 hn::Set(d, 0x1p-24f));
+}
+
+}  // namespace raio::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

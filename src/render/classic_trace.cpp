@@ -1,0 +1,542 @@
+// The classic shading, as wide as the machine's registers: compiled once for each instruction set
+// (Highway's foreach_target) and chosen when the program runs.
+//
+// Rays go in batches, a level of the ray tree at a time: the eye rays of a tile, then the shadow
+// rays of their hits light by light, then their reflections and refractions as the next level. A
+// ray carries the weight with which it counts in its pixel, so none waits for another.
+#include "render/classic.h"
+#include "render/surface.h"
+#include "shape/offset.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "render/classic_trace.cpp"
+#include <hwy/foreach_target.h>
+// After foreach_target.h.
+#include "render/camera-inl.h"
+#include "render/sampler-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace raio::HWY_NAMESPACE {
+namespace {
+
+using D = hn::CappedTag<float, kBatchPad>;
+using DU = Unsigned<D>;
+const D d;
+const DU du;
+using V = hn::Vec<D>;
+using U = hn::Vec<DU>;
+using M = hn::Mask<D>;
+using V3 = Wide3<D>;
+constexpr size_t kWidth = hn::MaxLanes(D());
+
+// Rays traced at a time. Bounds the memory of a ray tree: the deepest level goes first, so that no
+// level ever holds more than the children of one such chunk.
+constexpr size_t kChunk = size_t(kTileSide) * kTileSide;
+
+// A cache line more than needed: columns that lie a multiple of 4096 bytes apart would share the
+// same few lines of the cache.
+struct alignas(64) Floats {
+  float at[kChunk + 16];
+};
+struct Floats3 {
+  Floats x, y, z;
+
+  void set(size_t i, Vec3f v) { x.at[i] = v.x, y.at[i] = v.y, z.at[i] = v.z; }
+};
+HWY_INLINE V load(const Floats& f, size_t i) { return hn::Load(d, f.at + i); }
+HWY_INLINE V3 load(const Floats3& f, size_t i) {
+  return {load(f.x, i), load(f.y, i), load(f.z, i)};
+}
+HWY_INLINE void store(V v, Floats& f, size_t i) { hn::Store(v, d, f.at + i); }
+HWY_INLINE void store(const V3& v, Floats3& f, size_t i) {
+  store(v.x, f.x, i), store(v.y, f.y, i), store(v.z, f.z, i);
+}
+
+HWY_INLINE V load(const Column<float>& c, size_t i) { return hn::LoadU(d, &c[i]); }
+HWY_INLINE U load(const Column<uint32_t>& c, size_t i) { return hn::LoadU(du, &c[i]); }
+
+// The lanes of `v` in `mask`, one after another from element i on; what follows them is
+// overwritten. (Compressing while storing is slow on some machines.)
+template <class T>
+HWY_INLINE void put(hn::Vec<hn::Rebind<T, D>> v, M mask, Column<T>& c, size_t i) {
+  const hn::Rebind<T, D> tag;
+  hn::StoreU(hn::Compress(v, hn::RebindMask(tag, mask)), tag, &c[i]);
+}
+
+HWY_INLINE V3 origins(const RayBatch& rays, size_t i) {
+  return {load(rays.ox, i), load(rays.oy, i), load(rays.oz, i)};
+}
+HWY_INLINE V3 directions(const RayBatch& rays, size_t i) {
+  return {load(rays.dx, i), load(rays.dy, i), load(rays.dz, i)};
+}
+HWY_INLINE void put(const V3& origin, const V3& dir, V tmax, M mask, RayBatch& rays, size_t i) {
+  put(origin.x, mask, rays.ox, i), put(origin.y, mask, rays.oy, i), put(origin.z, mask, rays.oz, i);
+  put(dir.x, mask, rays.dx, i), put(dir.y, mask, rays.dy, i), put(dir.z, mask, rays.dz, i);
+  put(tmax, mask, rays.tmax, i);
+}
+
+HWY_INLINE V3 reflect(const V3& dir, const V3& n) {
+  return dir - n * hn::Mul(hn::Set(d, 2), dot(dir, n));
+}
+
+// Snell's law, for n on the side that `dir` comes from; `in` loses the lanes of total internal
+// reflection.
+HWY_INLINE V3 refract(const V3& dir, const V3& n, V eta, M& in) {
+  const V one = hn::Set(d, 1), cosine = hn::Neg(dot(dir, n));
+  const V k = hn::Sub(one, hn::Mul(hn::Mul(eta, eta), hn::Sub(one, hn::Mul(cosine, cosine))));
+  in = hn::And(in, hn::Ge(k, hn::Zero(d)));
+  const V root = hn::Sqrt(hn::Max(k, hn::Zero(d)));
+  return renormalize(d, dir * eta + n * hn::Sub(hn::Mul(eta, cosine), root));
+}
+
+// shape/offset.h.
+HWY_INLINE V3 offset_point(const V3& point, const V3& geometric, V scale, bool along_normal) {
+  const float k = offset_length(1);
+  return point + geometric * hn::Mul(hn::Set(d, along_normal ? k : -k), scale);
+}
+
+// Rays on their way, with the place in the ray tree (render/sampler.h) and the weight in the pixel.
+struct PathRays {
+  RayBatch rays;
+  Column<uint32_t> pixel, branch;
+  Column<float> weight;
+
+  // Room for n rays and what `put` overwrites after them.
+  void resize(size_t n) {
+    rays.resize(n + kBatchPad);
+    rays.resize(n);
+    if (const size_t room = rays.capacity(); pixel.size() < room)
+      pixel.resize(room), branch.resize(room), weight.resize(room);
+  }
+  void put(const V3& origin, const V3& dir, V tmax, U p, U b, V w, M mask, size_t i) {
+    HWY_NAMESPACE::put(origin, dir, tmax, mask, rays, i);
+    HWY_NAMESPACE::put(p, mask, pixel, i), HWY_NAMESPACE::put(b, mask, branch, i);
+    HWY_NAMESPACE::put(w, mask, weight, i);
+  }
+  // Moves the last rays of `from`, at most `count`, here in place of what was here.
+  void take_last(size_t count, PathRays& from) {
+    rays.clear();
+    if (from.rays.size() <= count) return std::swap(*this, from);
+    const size_t left = from.rays.size() - count;
+    resize(count);
+    const auto take = [&](auto& to, const auto& column) {
+      std::copy_n(column.begin() + ptrdiff_t(left), count, to.begin());
+    };
+    RayBatch& a = rays;
+    const RayBatch& b = from.rays;
+    take(a.ox, b.ox), take(a.oy, b.oy), take(a.oz, b.oz);
+    take(a.dx, b.dx), take(a.dy, b.dy), take(a.dz, b.dz), take(a.tmax, b.tmax);
+    take(pixel, from.pixel), take(branch, from.branch), take(weight, from.weight);
+    from.rays.resize(left);
+  }
+};
+
+// What was hit and is being shaded.
+struct Vertices {
+  Floats3 corner[3];                          // of a triangle; the first is the centre of a sphere
+  Floats extent;                              // what the surface adds to `scale`
+  Floats3 point, outside, normal, geometric;  // normals towards the ray; `outside`: off the surface
+  Floats scale;                               // of shape/offset.h
+  Floats3 color;
+  Floats kd, ks, shine, transmission, ior;
+  Floats eta;        // for refraction
+  Floats3 radiance;  // towards the ray, so far
+};
+
+class WideTracer final : public ClassicTracer {
+ public:
+  WideTracer(const ClassicScene& scene, const RenderControl& control)
+      : scene_(scene),
+        waiting_(size_t(scene.options.depth) + 1),
+        vertices_(std::make_unique<Vertices>()),
+        hidden_(padded(kChunk)) {
+    context_.stop = &control.stop;
+  }
+
+  void add_sample(const Tile& tile, uint32_t sample, Film& film) override {
+    for (PathRays& w : waiting_) w.rays.clear();  // left over where a render was stopped
+    const WideSampler<D> sampler(scene_.sampler, sample);
+    if (!(tile == tile_)) list_pixels(tile);
+    make_eye_rays(sampler);
+    for (int level = 1; level > 0 && !context_.stopped();) {
+      if (waiting_[size_t(level)].rays.size() == 0) {
+        --level;
+        continue;
+      }
+      trace_level(level, sampler, film);
+      if (level < scene_.options.depth) ++level;
+    }
+    counts_.tests = context_.tests, counts_.steps = context_.steps;
+  }
+
+ private:
+  // In blocks of 4 x 2, two of which make 4 x 4, four of which make 8 x 8: structures take
+  // neighbours of the batch together.
+  void list_pixels(const Tile& tile) {
+    tile_ = tile;
+    pixels_ = 0;
+    const auto bit = [](size_t i, int from, int to) { return int(i >> from & 1) << to; };
+    for (size_t i = 0; i < kChunk; ++i) {
+      const int x = tile.x0 + int(i & 3) + bit(i, 4, 2) + bit(i, 6, 3) + bit(i, 7, 4);
+      const int y =
+          tile.y0 + bit(i, 2, 0) + bit(i, 3, 1) + bit(i, 5, 2) + bit(i, 8, 3) + bit(i, 9, 4);
+      if (x >= tile.x1 || y >= tile.y1) continue;
+      pixel_x_.at[pixels_] = float(x), pixel_y_.at[pixels_] = float(y);
+      pixel_[pixels_++] = uint32_t(y) * uint32_t(scene_.options.width) + uint32_t(x);
+    }
+  }
+
+  void make_eye_rays(const WideSampler<D>& sampler) {
+    const RenderOptions& o = scene_.options;
+    const EyeRays& eye = scene_.eye;
+    PathRays& out = waiting_[1];
+    out.resize(pixels_);
+    const M all = hn::FirstN(d, kWidth);
+    const U branch = hn::Set(du, kEyeBranch);
+    for (size_t i = 0; i < pixels_; i += kWidth) {
+      const U pixel = hn::Load(du, pixel_ + i);
+      const Wide2<D> place = sampler.in_pixel(pixel);
+      const V x = hn::Add(load(pixel_x_, i), place.x), y = hn::Add(load(pixel_y_, i), place.y);
+      WideRay<D> ray = pinhole(d, eye, x, y);
+      if (*o.dof) {
+        const Wide2<D> square = sampler.in_square(pixel, branch, kLens);
+        const Wide2<D> lens = square_to_disc(d, square.x, square.y);
+        ray = thin_lens(d, eye, x, y, lens, o.aperture, o.focus);
+      }
+      const V inf = hn::Set(d, std::numeric_limits<float>::infinity());
+      out.put(ray.origin, ray.dir, inf, pixel, branch, hn::Set(d, 1), all, i);
+    }
+    counts_.eye += pixels_;
+  }
+
+  // The last rays that wait at `level`: what they bring goes to the film, their children wait one
+  // further.
+  void trace_level(int level, const WideSampler<D>& sampler, Film& film) {
+    current_.take_last(kChunk, waiting_[size_t(level)]);
+    context_.coherent = level <= 3;  // eye rays and their first children mostly keep together
+    scene_.accel.closest(current_.rays, hits_, context_);
+    if (context_.stopped()) return;
+    drop_misses(film);
+    const size_t n = current_.rays.size();
+    if (level == 1) counts_.eye_hits += n;
+    if (n == 0) return;
+    find_surfaces(n);
+    for (size_t l = 0; l < scene_.emitters.size(); ++l) add_light(l, n, sampler);
+    if (context_.stopped()) return;
+    for (size_t i = 0; i < n; i += kWidth) {
+      const V3 r = load(vertices_->radiance, i) * load(current_.weight, i);
+      store(r, vertices_->radiance, i);
+    }
+    const Floats3& r = vertices_->radiance;
+    for (size_t i = 0; i < n; ++i) film.add(current_.pixel[i], {r.x.at[i], r.y.at[i], r.z.at[i]});
+    if (scene_.any_mirror) reflect_rays(level, n, film);
+    if (scene_.any_transparent) refract_rays(level, n, film);
+  }
+
+  // Gives the background to the rays that hit nothing and moves the others together. The lanes
+  // after the last of them repeat it, so that they hold something sensible.
+  void drop_misses(Film& film) {
+    RayBatch& rays = current_.rays;
+    const size_t n = rays.size();
+    const bool black = scene_.scene.background == Rgb();
+    size_t kept = 0;
+    for (size_t i = 0; i < n; i += kWidth) {
+      const U item = load(hits_.item, i);
+      const M in = hn::FirstN(d, n - i);
+      const M found = hn::And(in, hn::RebindMask(d, hn::Ne(item, hn::Set(du, kNoItem))));
+      const size_t count = hn::CountTrue(d, found);
+      if (!black && count < std::min(n - i, kWidth))
+        for (size_t k = i; k < std::min(n, i + kWidth); ++k)
+          if (hits_.item[k] == kNoItem)
+            film.add(current_.pixel[k], scene_.scene.background * current_.weight[k]);
+      if (kept < i || count < kWidth) {
+        put(load(hits_.t, i), found, hits_.t, kept), put(item, found, hits_.item, kept);
+        put(load(hits_.u, i), found, hits_.u, kept), put(load(hits_.v, i), found, hits_.v, kept);
+        current_.put(origins(rays, i), directions(rays, i), load(rays.tmax, i),
+                     load(current_.pixel, i), load(current_.branch, i), load(current_.weight, i),
+                     found, kept);
+      }
+      kept += count;
+    }
+    rays.resize(kept);
+  }
+
+  // What the surfaces are made of: looked up one by one, worked out together by find_surfaces().
+  void look_up(size_t n) {
+    const Geometry& geometry = scene_.accel.geometry();
+    const Scene& scene = scene_.scene;
+    Vertices& v = *vertices_;
+    const size_t end = (n + kWidth - 1) / kWidth * kWidth;
+    for (size_t k = 0; k < end; ++k) {
+      const size_t i = std::min(k, n - 1);
+      const ItemId item = hits_.item[i];
+      const uint32_t index = item_index(item);
+      MaterialId material = 0;
+      switch (item_kind(item)) {
+        case ItemKind::sphere: {
+          const Sphere s = geometry.sphere(index);
+          v.corner[0].set(k, s.center);
+          v.extent.at[k] = s.radius;
+          material = scene.sphere_materials[index];
+          break;
+        }
+        case ItemKind::triangle: {
+          const Triangle t = geometry.triangle(index);
+          const Facet& facet = geometry.facet(index);
+          v.corner[0].set(k, t.a), v.corner[1].set(k, t.b), v.corner[2].set(k, t.c);
+          v.extent.at[k] = 0;
+          v.geometric.set(k, facet.normal);
+          v.normal.set(k, facet.normal);
+          if (const TriangleIndices* corners = geometry.corner_normals(index)) {
+            const auto weighted = [&](size_t corner, float w) {
+              return scene.normals[(*corners)[corner]] * w;
+            };
+            const float b1 = hits_.u[i], b2 = hits_.v[i];
+            v.normal.set(k, weighted(0, 1 - b1 - b2) + weighted(1, b1) + weighted(2, b2));
+          }
+          material = facet.material;
+          break;
+        }
+        case ItemKind::plane:
+        case ItemKind::cone: {
+          const Vec3f p = current_.rays[i].at(hits_.t[i]);
+          const Surface s = item_kind(item) == ItemKind::plane ? plane_surface(geometry, index, p)
+                                                               : cone_surface(geometry, index, p);
+          for (Floats3& corner : v.corner) corner.set(k, s.point);
+          v.extent.at[k] = s.extent;
+          v.geometric.set(k, s.normal), v.normal.set(k, s.normal);
+          material = s.material;
+          break;
+        }
+      }
+      const Material& m = scene.materials[material];
+      v.color.set(k, m.color);
+      v.kd.at[k] = m.kd, v.ks.at[k] = m.ks, v.shine.at[k] = m.shine;
+      v.transmission.at[k] = m.transmission, v.ior.at[k] = m.ior;
+    }
+  }
+
+  // Points, normals towards the ray, and all that is the same for every light.
+  void find_surfaces(size_t n) {
+    look_up(n);
+    Vertices& v = *vertices_;
+    const bool smooth = scene_.accel.geometry().any_smooth();
+    const V zero = hn::Zero(d);
+    const V3 ambient = set3(d, scene_.ambient);
+    for (size_t i = 0; i < n; i += kWidth) {
+      const V3 dir = directions(current_.rays, i);
+      // Triangles, by their corners' weights; points of other kinds are three corners of their own.
+      const V3 a = load(v.corner[0], i);
+      const V3 ab = load(v.corner[1], i) - a, ac = load(v.corner[2], i) - a;
+      V3 point = a + ab * load(hits_.u, i) + ac * load(hits_.v, i);
+      V extent = load(v.extent, i);
+      V3 geometric = load(v.geometric, i), normal = load(v.normal, i);
+      const V longest = hn::Max(largest(ab), largest(ac));
+      if (smooth) {
+        // Files wind some patches the other way round than their normals point.
+        const V side = dot(normal, geometric);
+        const V3 unit = normalize(d, normal);
+        normal = select(hn::Gt(side, zero), unit, -unit);
+        normal = select(hn::Eq(side, zero), geometric, normal);
+      }
+      const auto kind = hn::ShiftRight<kItemIndexBits>(load(hits_.item, i));
+      const M sphere = hn::RebindMask(d, hn::Eq(kind, hn::Set(du, uint32_t(ItemKind::sphere))));
+      // Spheres: the point is put back on the surface along the radius, for which it must be `a`.
+      const V3 at = origins(current_.rays, i) + dir * load(hits_.t, i);
+      const V3 outward = normalize(d, at - a);
+      point = select(sphere, a + outward * extent, point);
+      geometric = select(sphere, outward, geometric);
+      normal = select(sphere, outward, normal);
+      extent = hn::IfThenElse(sphere, extent, hn::Add(extent, hn::Add(longest, longest)));
+
+      const M entering = hn::Lt(dot(geometric, dir), zero);
+      normal = select(entering, normal, -normal);
+      geometric = select(entering, geometric, -geometric);
+      const V scale = hn::Add(largest(point), extent);
+      store(point, v.point, i), store(scale, v.scale, i);
+      store(normal, v.normal, i), store(geometric, v.geometric, i);
+      store(offset_point(point, geometric, scale, true), v.outside, i);
+      const V ior = load(v.ior, i);
+      store(hn::IfThenElse(entering, hn::Div(hn::Set(d, 1), ior), ior), v.eta, i);
+      store(ambient * load(v.color, i), v.radiance, i);
+    }
+  }
+
+  // What light l brings to the vertices that it sees.
+  void add_light(size_t l, size_t n, const WideSampler<D>& sampler) {
+    const ClassicScene::Emitter& emitter = scene_.emitters[l];
+    Vertices& v = *vertices_;
+    const V zero = hn::Zero(d);
+    RayBatch& rays = shadow_;
+    rays.resize(n);
+    size_t lit = 0;
+    for (size_t i = 0; i < n; i += kWidth) {
+      V3 target = set3(d, emitter.position);
+      if (scene_.options.soft_shadows) {
+        const Wide2<D> p = sampler.in_square(load(current_.pixel, i), load(current_.branch, i),
+                                             kLight + uint32_t(l));
+        const V half = hn::Set(d, 0.5f);
+        target = target + (set3(d, emitter.edge_u) * hn::Sub(p.x, half) +
+                           set3(d, emitter.edge_v) * hn::Sub(p.y, half));
+      }
+      const V3 outside = load(v.outside, i), to_light = target - outside;
+      const V distance = length(to_light);
+      const M apart = hn::Gt(distance, zero);
+      const V3 dir = to_light * hn::IfThenElseZero(apart, hn::Div(hn::Set(d, 1), distance));
+      // Nothing from behind the surface, even where a smooth triangle's normal leans that way.
+      const M facing =
+          hn::And(hn::FirstN(d, n - i), hn::And(hn::Gt(dot(load(v.normal, i), dir), zero),
+                                                hn::Gt(dot(load(v.geometric, i), dir), zero)));
+      // Ends at the light: short of it by what the division above may have rounded.
+      const V tmax = hn::Mul(distance, hn::Set(d, 1 - 4 * std::numeric_limits<float>::epsilon()));
+      hn::Store(outside.x, d, &rays.ox[i]), hn::Store(outside.y, d, &rays.oy[i]);
+      hn::Store(outside.z, d, &rays.oz[i]);
+      hn::Store(dir.x, d, &rays.dx[i]), hn::Store(dir.y, d, &rays.dy[i]);
+      hn::Store(dir.z, d, &rays.dz[i]);
+      hn::Store(hn::IfThenElse(facing, tmax, hn::Set(d, -1)), d, &rays.tmax[i]);
+      lit += hn::CountTrue(d, facing);
+    }
+    if (lit == 0) return;
+    counts_.shadow += lit;
+    scene_.accel.occluded(rays, hidden_.data(), context_);
+    const V3 intensity = set3(d, emitter.intensity);
+    for (size_t i = 0; i < n; i += kWidth) {
+      const M facing = hn::And(hn::FirstN(d, n - i), hn::Gt(load(rays.tmax, i), zero));
+      const auto hidden = hn::PromoteTo(du, hn::LoadU(hn::Rebind<uint8_t, DU>(), &hidden_[i]));
+      const M seen = hn::And(facing, hn::RebindMask(d, hn::Eq(hidden, hn::Zero(du))));
+      counts_.shadow_hits += hn::CountTrue(d, hn::AndNot(seen, facing));
+      if (hn::AllFalse(d, seen)) continue;
+      const V3 dir = directions(rays, i), normal = load(v.normal, i);
+      V3 light = load(v.color, i) * hn::Mul(load(v.kd, i), dot(normal, dir));
+      const V ks = load(v.ks, i);
+      if (!hn::AllFalse(d, hn::Gt(ks, zero))) {
+        const V mirror = hn::Neg(dot(reflect(-dir, normal), directions(current_.rays, i)));
+        const V highlight = hn::Mul(
+            ks, pow_unit(d, hn::Min(hn::Max(mirror, zero), hn::Set(d, 1)), load(v.shine, i)));
+        light = light + V3{highlight, highlight, highlight};
+      }
+      const V3 sum = load(v.radiance, i);
+      store(select(seen, sum + intensity * light, sum), v.radiance, i);
+    }
+  }
+
+  // A smooth triangle's normal can send a ray through the surface that it should leave; then the
+  // geometric one decides.
+  void reflect_rays(int level, size_t n, Film& film) {
+    const Vertices& v = *vertices_;
+    Children children(*this, level, n, film);
+    for (size_t i = 0; i < n; i += kWidth) {
+      const V ks = load(v.ks, i);
+      const M mirrors = hn::And(hn::FirstN(d, n - i), hn::Gt(ks, hn::Zero(d)));
+      if (hn::AllFalse(d, mirrors)) continue;
+      const V3 in = directions(current_.rays, i), geometric = load(v.geometric, i);
+      V3 dir = renormalize(d, reflect(in, load(v.normal, i)));
+      dir = select(hn::Gt(dot(dir, geometric), hn::Zero(d)), dir,
+                   renormalize(d, reflect(in, geometric)));
+      counts_.reflection += children.add(i, load(v.outside, i), dir, ks, 0, mirrors);
+    }
+    children.done();
+  }
+
+  void refract_rays(int level, size_t n, Film& film) {
+    const Vertices& v = *vertices_;
+    Children children(*this, level, n, film);
+    for (size_t i = 0; i < n; i += kWidth) {
+      const V transmission = load(v.transmission, i);
+      const M clear = hn::And(hn::FirstN(d, n - i), hn::Gt(transmission, hn::Zero(d)));
+      if (hn::AllFalse(d, clear)) continue;
+      const V3 in = directions(current_.rays, i), geometric = load(v.geometric, i);
+      M passes = clear, passes_geometric = clear;
+      V3 dir = refract(in, load(v.normal, i), load(v.eta, i), passes);
+      const V3 other = refract(in, geometric, load(v.eta, i), passes_geometric);
+      const M through = hn::Lt(dot(dir, geometric), hn::Zero(d));
+      dir = select(through, dir, other);
+      passes = hn::And(passes, hn::Or(through, passes_geometric));
+      const V3 inside = offset_point(load(v.point, i), geometric, load(v.scale, i), false);
+      counts_.refraction += children.add(i, inside, dir, transmission, 1, passes);
+    }
+    children.done();
+  }
+
+  // The children that the current rays send to the next level; after the last level they bring the
+  // background.
+  class Children {
+   public:
+    Children(WideTracer& tracer, int level, size_t n, Film& film)
+        : t_(tracer), film_(film), last_(level == tracer.scene_.options.depth) {
+      if (last_) return;
+      out_ = &t_.waiting_[size_t(level) + 1];
+      size_ = out_->rays.size();
+      out_->resize(size_ + n);
+    }
+    // The number of rays to be traced.
+    size_t add(size_t i, const V3& origin, const V3& dir, V part, uint32_t side, M mask) {
+      const V weight = hn::Mul(load(t_.current_.weight, i), part);
+      if (last_) {
+        add_background(i, weight, mask);
+        return 0;
+      }
+      const U branch = load(t_.current_.branch, i);
+      const V inf = hn::Set(d, std::numeric_limits<float>::infinity());
+      out_->put(origin, dir, inf, load(t_.current_.pixel, i),
+                hn::Add(hn::Add(branch, branch), hn::Set(du, side)), weight, mask, size_);
+      const size_t count = hn::CountTrue(d, mask);
+      size_ += count;
+      return count;
+    }
+    void done() {
+      if (!last_) out_->rays.resize(size_);
+    }
+
+   private:
+    void add_background(size_t i, V weight, M mask) {
+      const Rgb background = t_.scene_.scene.background;
+      if (background == Rgb()) return;
+      HWY_ALIGN float weights[kWidth];
+      hn::Store(hn::IfThenElseZero(mask, weight), d, weights);
+      for (size_t k = 0; k < kWidth; ++k)
+        if (weights[k] > 0) film_.add(t_.current_.pixel[i + k], background * weights[k]);
+    }
+
+    WideTracer& t_;
+    Film& film_;
+    bool last_;
+    PathRays* out_ = nullptr;
+    size_t size_ = 0;
+  };
+
+  const ClassicScene& scene_;
+  TraceContext context_;
+  Tile tile_{0, 0, 0, 0};  // whose pixels are listed:
+  size_t pixels_ = 0;
+  Floats pixel_x_, pixel_y_;
+  alignas(64) uint32_t pixel_[kChunk];
+  std::vector<PathRays> waiting_;  // by level
+  PathRays current_;               // being traced, with their hits
+  HitBatch hits_;
+  std::unique_ptr<Vertices> vertices_;
+  RayBatch shadow_;
+  std::vector<uint8_t> hidden_;
+};
+
+std::unique_ptr<ClassicTracer> make_tracer(const ClassicScene& scene,
+                                           const RenderControl& control) {
+  return std::make_unique<WideTracer>(scene, control);
+}
+
+}  // namespace
+}  // namespace raio::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace raio {
+
+HWY_EXPORT(make_tracer);
+
+std::unique_ptr<ClassicTracer> make_classic_tracer(const ClassicScene& scene,
+                                                   const RenderControl& control) {
+  return HWY_DYNAMIC_DISPATCH(make_tracer)(scene, control);
+}
+
+}  // namespace raio
+#endif
