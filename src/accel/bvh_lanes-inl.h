@@ -65,6 +65,19 @@ struct BoxLanes {
           planes[side][a][p] = hn::Load(kEight, &boxes.planes[side][a][p * kLanes8]);
     exist = named(names);
   }
+  // The boxes of triangles.
+  HWY_INLINE explicit BoxLanes(const TriangleBlock& block) {
+    for (int a = 0; a < 3; ++a)
+      for (int p = 0; p < kParts; ++p) {
+        const auto corner = [&](int c) {
+          return hn::Load(kEight, &block.corner[c][a][p * kLanes8]);
+        };
+        planes[0][a][p] = hn::Min(hn::Min(corner(0), corner(1)), corner(2));
+        planes[1][a][p] = hn::Max(hn::Max(corner(0), corner(1)), corner(2));
+      }
+    exist = named(block.item);
+  }
+
   // Those of lanes 0-7 that have a name; kNoChild and kNoItem are all bits set.
   static HWY_INLINE unsigned named(const uint32_t* names) {
     const hn::RebindToUnsigned<decltype(kEight)> tag;

@@ -6,7 +6,7 @@
 #define HWY_TARGET_INCLUDE "accel/bvh_trace.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h.
-#include "accel/bvh_rays-inl.h"
+#include "accel/bvh_beams-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
@@ -17,6 +17,7 @@ struct Room {
   alignas(64) float t[kChunk];
   alignas(64) float shear[4][kChunk];
   RayRoom rays;
+  Beam beams[kChunk / kPacket];
   Lists lists;
 };
 
@@ -24,7 +25,12 @@ template <bool any>
 class Tracer {
  public:
   Tracer(const Geometry& geometry, const Bvh& bvh, Room& room, TraceContext& context)
-      : g_(geometry), bvh_(bvh), room_(room), context_(context) {}
+      : g_(geometry),
+        bvh_(bvh),
+        room_(room),
+        context_(context),
+        beams_(g_.two_sided(ItemKind::sphere) && g_.two_sided(ItemKind::triangle) &&
+               g_.two_sided(ItemKind::cone)) {}
 
   // Rays first, first + 1, ... of the batch, at most kChunk; hits go to `hits` or `hit`.
   void trace(const RayBatch& rays, size_t first, HitBatch* hits, uint8_t* hit) {
@@ -40,14 +46,28 @@ class Tracer {
     start(b, &rays.tmax[first]);
     for (uint32_t i = 0; i < g_.count(ItemKind::plane); ++i) meet_plane(b, i);
     if (!bvh_.nodes.empty()) {
-      Rays<any> stream(g_, bvh_, b, room_.rays, context_);
-      room_.lists.reserve(kChunk);
-      size_t n = 0;
-      for (size_t i = 0; i < b.count; i += kPacket) {
-        if (!bvh_.triangles.empty()) b.shear_packet(i);
-        n = stream.add_packet(i, room_.lists.ids.data(), n);
+      Rays<any> rays_alone(g_, bvh_, b, room_.rays, context_);
+      Beams<any> beams(g_, bvh_, b, room_.beams, context_);
+      Lists& lists = room_.lists;
+      lists.reserve(kChunk + kPacket);
+      const uint32_t packets = uint32_t(padded(b.count) / kPacket);
+      uint32_t alone[kChunk / kPacket];
+      size_t n = 0, n_alone = 0;
+      for (uint32_t p = 0; p < packets; ++p) {
+        if (!bvh_.triangles.empty()) b.shear_packet(p * kPacket);
+        if (!beams_ || !beams.form(p))
+          alone[n_alone++] = p;
+        else if (beams.alive(p))
+          lists.ids[n++] = p;
       }
-      walk(bvh_, n, room_.lists, stream);
+      if (n > 0) walk(bvh_, n, lists, beams);
+      if (beams_)
+        for (uint32_t p = 0; p < packets; ++p)
+          if (beams.gave_up(p)) alone[n_alone++] = p;
+      n = 0;
+      for (size_t i = 0; i < n_alone; ++i)
+        n = rays_alone.add_packet(size_t(alone[i]) * kPacket, lists.ids.data(), n);
+      if (n > 0) walk(bvh_, n, lists, rays_alone);
     }
     if (any)
       for (size_t i = 0; i < b.count; ++i) hit[first + i] = b.t[i] == kHidden;
@@ -83,6 +103,7 @@ class Tracer {
   const Bvh& bvh_;
   Room& room_;
   TraceContext& context_;
+  bool beams_;  // surfaces seen from one side only go ray by ray
 };
 
 template <bool any>
