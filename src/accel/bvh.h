@@ -57,8 +57,11 @@ struct alignas(32) TriangleBlock {
   float corner[3][3][kBvhWidth];  // [corner][axis]
   ItemId item[kBvhWidth];
 };
-struct ConeBlock {  // the boxes tell which of them are worth a test in double
+struct alignas(32) ConeBlock {  // the boxes tell which of them are worth a test in double
   EightBoxes boxes;
+  // As BakedCone, which explains them.
+  float base[3][kBvhWidth], axis[3][kBvhWidth];
+  float height[kBvhWidth], radius[kBvhWidth], slope[kBvhWidth];
   ItemId item[kBvhWidth];
 };
 

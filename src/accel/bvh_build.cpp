@@ -264,10 +264,13 @@ class Builder {
   }
 
   uint32_t make_cones(Range range) {
-    ConeBlock block;
+    ConeBlock block{};
     std::fill(std::begin(block.item), std::end(block.item), kNoItem);
     for (size_t i = 0; i < range.size(); ++i) {
+      const BakedCone& c = g_.cone(item_index(range[i].item));
       block.boxes.set(i, range[i].box);
+      for (int a = 0; a < 3; ++a) block.base[a][i] = c.base[a], block.axis[a][i] = c.axis[a];
+      block.height[i] = c.height, block.radius[i] = c.base_radius, block.slope[i] = c.slope;
       block.item[i] = range[i].item;
     }
     out.cones.push_back(block);

@@ -1,6 +1,7 @@
-// What the walks of the eight-wide tree test: one ray against eight boxes or primitives. Included
-// by bvh_trace.cpp only, once for each instruction set. Lane by lane the arithmetic is that of the
-// scalar tests in shape/, so that hits are those of brute force to the last bit, on every machine.
+// The arithmetic of the walks of the eight-wide tree, in SIMD lanes: one ray against eight boxes or
+// primitives, or one primitive against sixteen rays. Included by bvh_trace.cpp only, once for each
+// instruction set. Lane by lane the arithmetic of primitives is that of the scalar tests in shape/,
+// so that hits are those of brute force to the last bit, on every machine.
 // Once for each instruction set, as foreach_target.h passes again.
 #if defined(RAIO_ACCEL_BVH_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAIO_ACCEL_BVH_LANES_INL_H_
@@ -18,22 +19,33 @@ HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-const hn::CappedTag<float, kBvhWidth> kFloats;
-using V = hn::Vec<decltype(kFloats)>;
-using M = hn::Mask<decltype(kFloats)>;
-// Where the machine has four lanes, everything below is done twice.
-constexpr int kLanes = int(hn::MaxLanes(decltype(kFloats)()));
+// Where the machine has fewer lanes, everything is done in several steps.
+constexpr int kPacket = 16;  // rays that are neighbours in the batch
+const hn::CappedTag<float, kBvhWidth> kEight;
+const hn::CappedTag<float, kPacket> kSixteen;
+const hn::CappedTag<double, 8> kDoubles;
+using V8 = hn::Vec<decltype(kEight)>;
+using M8 = hn::Mask<decltype(kEight)>;
+using V16 = hn::Vec<decltype(kSixteen)>;
+using M16 = hn::Mask<decltype(kSixteen)>;
+using VD = hn::Vec<decltype(kDoubles)>;
+using MD = hn::Mask<decltype(kDoubles)>;
+constexpr int kLanes8 = int(hn::MaxLanes(decltype(kEight)()));
+constexpr int kLanes16 = int(hn::MaxLanes(decltype(kSixteen)()));
+constexpr int kLanesD = int(hn::MaxLanes(decltype(kDoubles)()));
+constexpr int kParts = kBvhWidth / kLanes8;
 constexpr float kEpsilon = std::numeric_limits<float>::epsilon();
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-HWY_INLINE V set(float x) { return hn::Set(kFloats, x); }
-HWY_INLINE V load(const float* p) { return hn::LoadU(kFloats, p); }
-HWY_INLINE V dot(V ax, V ay, V az, V bx, V by, V bz) {
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V dot(D, V ax, V ay, V az, V bx, V by, V bz) {
   return hn::Add(hn::Add(hn::Mul(ax, bx), hn::Mul(ay, by)), hn::Mul(az, bz));
 }
-HWY_INLINE unsigned bits(M mask) {
+template <class D, class M = hn::Mask<D>>
+HWY_INLINE unsigned bits(D d, M mask) {
   uint8_t bytes[8] = {};
-  hn::StoreMaskBits(kFloats, mask, bytes);
-  return bytes[0];
+  hn::StoreMaskBits(d, mask, bytes);
+  return unsigned(bytes[0] | bytes[1] << 8);
 }
 
 template <class F>
@@ -41,158 +53,192 @@ HWY_INLINE void for_bits(unsigned mask, F&& f) {
   for (; mask; mask &= mask - 1) f(int(hwy::Num0BitsBelowLS1Bit_Nonzero32(mask)));
 }
 
-// Finite, so that no product is infinity times zero.
-HWY_INLINE float finite_inverse(float d) {
-  return std::abs(d) < 1e-30f ? std::copysign(1e30f, d) : 1 / d;
-}
+// Eight boxes ready to be met by ray after ray.
+struct BoxLanes {
+  V8 planes[2][3][kParts];
+  unsigned exist;
 
-// Boxes are widened by what a float hit may be off by (shape/sphere.h, triangle.h: a few epsilons
-// of the numbers at hand), in the place where it is free: the ray has one origin for near planes,
-// one for far.
-struct SlabRay {
-  int near[3];  // which of planes[2] the ray meets first
-  float near_origin[3], far_origin[3], inverse[3];
+  HWY_INLINE BoxLanes(const EightBoxes& boxes, const uint32_t* names) {
+    for (int side = 0; side < 2; ++side)
+      for (int a = 0; a < 3; ++a)
+        for (int p = 0; p < kParts; ++p)
+          planes[side][a][p] = hn::Load(kEight, &boxes.planes[side][a][p * kLanes8]);
+    exist = named(names);
+  }
+  // The boxes of triangles.
+  HWY_INLINE explicit BoxLanes(const TriangleBlock& block) {
+    for (int a = 0; a < 3; ++a)
+      for (int p = 0; p < kParts; ++p) {
+        const auto corner = [&](int c) {
+          return hn::Load(kEight, &block.corner[c][a][p * kLanes8]);
+        };
+        planes[0][a][p] = hn::Min(hn::Min(corner(0), corner(1)), corner(2));
+        planes[1][a][p] = hn::Max(hn::Max(corner(0), corner(1)), corner(2));
+      }
+    exist = named(block.item);
+  }
 
-  SlabRay(const Ray& ray, float reach) {
-    const float slack = 8 * kEpsilon * (reach + max_component(abs(ray.origin)));
-    for (int a = 0; a < 3; ++a) {
-      const float d = ray.dir[a];
-      near[a] = std::signbit(d);
-      const float towards = near[a] ? -slack : slack;
-      near_origin[a] = ray.origin[a] + towards;
-      far_origin[a] = ray.origin[a] - towards;
-      inverse[a] = finite_inverse(d);
+  // Those of lanes 0-7 that have a name; kNoChild and kNoItem are all bits set.
+  static HWY_INLINE unsigned named(const uint32_t* names) {
+    const hn::RebindToUnsigned<decltype(kEight)> tag;
+    unsigned mask = 0;
+    for (int i = 0; i < kBvhWidth; i += kLanes8)
+      mask |= bits(tag, hn::Ne(hn::LoadU(tag, names + i), hn::Set(tag, kNoItem))) << i;
+    return mask;
+  }
+
+  // A lower plane at x is met at x * inverse[0] - offset[0], an upper one by [1]. Which of the
+  // boxes are met before `tmax`; where they are entered goes to `nearest` if that is nearer.
+  HWY_INLINE unsigned meet(const float* lower_inverse, const float* upper_inverse,
+                           const float* lower_offset, const float* upper_offset, float tmax,
+                           V8* nearest) const {
+    unsigned mask = 0;
+    for (int p = 0; p < kParts; ++p) {
+      V8 from = hn::Zero(kEight), to = hn::Set(kEight, tmax);
+      for (int a = 0; a < 3; ++a) {
+        const V8 x = hn::MulSub(planes[0][a][p], hn::Set(kEight, lower_inverse[a]),
+                                hn::Set(kEight, lower_offset[a]));
+        const V8 y = hn::MulSub(planes[1][a][p], hn::Set(kEight, upper_inverse[a]),
+                                hn::Set(kEight, upper_offset[a]));
+        from = hn::Max(from, hn::Min(x, y));
+        to = hn::Min(to, hn::Max(x, y));
+      }
+      const M8 met = hn::Le(from, to);
+      nearest[p] = hn::IfThenElse(met, hn::Min(from, nearest[p]), nearest[p]);
+      mask |= bits(kEight, met) << (p * kLanes8);
     }
+    return mask & exist;
   }
 };
 
-// Which of the boxes the ray meets before `tmax`, and where it enters them.
-HWY_INLINE unsigned meet_boxes(const EightBoxes& boxes, const SlabRay& ray, float tmax,
-                               float* enter) {
-  unsigned mask = 0;
-  for (int i = 0; i < kBvhWidth; i += kLanes) {
-    V from = hn::Zero(kFloats), to = set(tmax);
-    for (int a = 0; a < 3; ++a) {
-      const V inverse = set(ray.inverse[a]);
-      const V lo = load(&boxes.planes[ray.near[a]][a][i]);
-      const V hi = load(&boxes.planes[1 - ray.near[a]][a][i]);
-      from = hn::Max(from, hn::Mul(hn::Sub(lo, set(ray.near_origin[a])), inverse));
-      to = hn::Min(to, hn::Mul(hn::Sub(hi, set(ray.far_origin[a])), inverse));
-    }
-    // Four roundings: Ize 2013, "Robust BVH Ray Traversal", JCGT 2(2).
-    mask |= bits(hn::Le(from, hn::Mul(to, set(1 + 4 * kEpsilon)))) << i;
-    hn::StoreU(from, kFloats, enter + i);
-  }
-  return mask;
-}
+// Boxes are widened by what a float hit, and the reckoning above, may be off by: a few epsilons of
+// the numbers at hand (shape/sphere.h, triangle.h). Ize 2013, "Robust BVH Ray Traversal", JCGT
+// 2(2). It is done where it is free: lower planes are met from an origin this much further up,
+// upper planes from one further down.
+constexpr float kSlack = 16 * kEpsilon;
 
-// Offers every lane whose distance can be the nearest; true if one was taken.
-HWY_INLINE bool offer_lanes(RayQuery& query, const ItemId* items, unsigned mask, const float* t,
-                            const float* u = nullptr, const float* v = nullptr) {
-  bool taken = false;
-  for_bits(mask, [&](int i) { taken |= query.offer(t[i], items[i], u ? u[i] : 0, v ? v[i] : 0); });
-  return taken;
+// Not so large that a product with a coordinate could overflow. Over the length of a scene,
+// directions that are nearer to zero leave the slack no more than zero itself.
+constexpr float kLargestInverse = 1e18f;
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V finite_inverse(D d, V x) {
+  const V limit = hn::Set(d, 1 / kLargestInverse);
+  return hn::IfThenElse(hn::Lt(hn::Abs(x), limit), hn::CopySign(hn::Set(d, kLargestInverse), x),
+                        hn::Div(hn::Set(d, 1), x));
 }
 
 // Distances to the spheres whose centres lie at (x, y, z) from the rays' origins, and which of them
 // are hit in front of the ray. shape/sphere.h explains.
+template <class D>
 struct SphereLanes {
-  M in;
-  V t;
+  hn::Mask<D> in;
+  hn::Vec<D> t;
 };
-HWY_INLINE SphereLanes sphere_test(V x, V y, V z, V radius, V dx, V dy, V dz) {
-  const V zero = hn::Zero(kFloats);
-  const V middle = dot(x, y, z, dx, dy, dz);
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE SphereLanes<D> sphere_test(D d, V x, V y, V z, V radius, V dx, V dy, V dz) {
+  const V zero = hn::Zero(d);
+  const V middle = dot(d, x, y, z, dx, dy, dz);
   const V px = hn::Sub(x, hn::Mul(dx, middle));
   const V py = hn::Sub(y, hn::Mul(dy, middle));
   const V pz = hn::Sub(z, hn::Mul(dz, middle));
-  const V d2 = hn::Sub(hn::Mul(radius, radius), dot(px, py, pz, px, py, pz));
-  const M hit = hn::Ge(d2, zero);
-  if (hn::AllFalse(kFloats, hit)) return {hit, zero};
+  const V d2 = hn::Sub(hn::Mul(radius, radius), dot(d, px, py, pz, px, py, pz));
+  const auto hit = hn::Ge(d2, zero);
+  if (hn::AllFalse(d, hit)) return {hit, zero};
   const V half = hn::Sqrt(hn::Max(d2, zero));
   const V entry = hn::Sub(middle, half);
   const V t = hn::IfThenElse(hn::Gt(entry, zero), entry, hn::Add(middle, half));
   return {hn::And(hit, hn::Gt(t, zero)), t};
 }
 
-HWY_INLINE bool meet_spheres(const SphereBlock& block, RayQuery& query) {
-  const Ray& ray = query.ray;
-  alignas(32) float t[kBvhWidth];
-  unsigned mask = 0;
-  for (int i = 0; i < kBvhWidth; i += kLanes) {
-    const SphereLanes hit =
-        sphere_test(hn::Sub(load(block.x + i), set(ray.origin.x)),
-                    hn::Sub(load(block.y + i), set(ray.origin.y)),
-                    hn::Sub(load(block.z + i), set(ray.origin.z)), load(block.radius + i),
-                    set(ray.dir.x), set(ray.dir.y), set(ray.dir.z));
-    if (hn::AllFalse(kFloats, hit.in)) continue;
-    hn::StoreU(hit.t, kFloats, t + i);
-    mask |= bits(hn::And(hit.in, hn::Le(hit.t, set(query.best.t)))) << i;
-  }
-  return mask && offer_lanes(query, block.item, mask, t);
-}
-
 // Distances and weights of the triangles with sheared corners (x, y, z), and which of them are hit
 // in front of the ray. shape/triangle.h explains.
+template <class D>
 struct TriangleLanes {
-  M in;
-  V t, u, v;
+  hn::Mask<D> in;
+  hn::Vec<D> t, u, v;
 };
-HWY_INLINE TriangleLanes edge_test(const V* x, const V* y, const V* z) {
-  const V zero = hn::Zero(kFloats);
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE TriangleLanes<D> edge_test(D d, const V* x, const V* y, const V* z) {
+  const V zero = hn::Zero(d);
   const V u = hn::Sub(hn::Mul(x[2], y[1]), hn::Mul(y[2], x[1]));
   const V v = hn::Sub(hn::Mul(x[0], y[2]), hn::Mul(y[0], x[2]));
   const V w = hn::Sub(hn::Mul(x[1], y[0]), hn::Mul(y[1], x[0]));
-  const M minus = hn::Or(hn::Or(hn::Lt(u, zero), hn::Lt(v, zero)), hn::Lt(w, zero));
-  const M plus = hn::Or(hn::Or(hn::Gt(u, zero), hn::Gt(v, zero)), hn::Gt(w, zero));
-  const M out = hn::And(minus, plus);
-  if (hn::AllTrue(kFloats, out)) return {hn::Not(out), zero, zero, zero};
+  const auto minus = hn::Or(hn::Or(hn::Lt(u, zero), hn::Lt(v, zero)), hn::Lt(w, zero));
+  const auto plus = hn::Or(hn::Or(hn::Gt(u, zero), hn::Gt(v, zero)), hn::Gt(w, zero));
+  const auto out = hn::And(minus, plus);
+  if (hn::AllTrue(d, out)) return {hn::Not(out), zero, zero, zero};
   const V det = hn::Add(hn::Add(u, v), w);
   const V t = hn::Div(hn::Add(hn::Add(hn::Mul(u, z[0]), hn::Mul(v, z[1])), hn::Mul(w, z[2])), det);
   return {hn::AndNot(out, hn::And(hn::Ne(det, zero), hn::Gt(t, zero))), t, hn::Div(v, det),
           hn::Div(w, det)};
 }
 
-HWY_INLINE bool meet_triangles(const TriangleBlock& block, RayQuery& query) {
-  const ShearedRay& s = query.sheared;
-  const Vec3f o = query.ray.origin;
-  const V ox = set(o[s.kx]), oy = set(o[s.ky]), oz = set(o[s.kz]);
-  const V sx = set(s.sx), sy = set(s.sy), sz = set(s.sz);
-  alignas(32) float t[kBvhWidth], b1[kBvhWidth], b2[kBvhWidth];
-  unsigned mask = 0;
-  for (int i = 0; i < kBvhWidth; i += kLanes) {
-    V x[3], y[3], z[3];
-    for (int k = 0; k < 3; ++k) {
-      const V depth = hn::Sub(load(&block.corner[k][s.kz][i]), oz);
-      x[k] = hn::Sub(hn::Sub(load(&block.corner[k][s.kx][i]), ox), hn::Mul(sx, depth));
-      y[k] = hn::Sub(hn::Sub(load(&block.corner[k][s.ky][i]), oy), hn::Mul(sy, depth));
-      z[k] = hn::Mul(sz, depth);
-    }
-    const TriangleLanes hit = edge_test(x, y, z);
-    hn::StoreU(hit.t, kFloats, t + i);
-    hn::StoreU(hit.u, kFloats, b1 + i);
-    hn::StoreU(hit.v, kFloats, b2 + i);
-    mask |= bits(hn::And(hit.in, hn::Le(hit.t, set(query.best.t)))) << i;
+// The axes of ShearedRay by one number: its kz, plus 3 where the ray goes down that axis.
+constexpr uint8_t kShearAxes[6][3] = {{1, 2, 0}, {2, 0, 1}, {0, 1, 2},
+                                      {2, 1, 0}, {0, 2, 1}, {1, 0, 2}};
+
+// The first hits in front of the rays with cones. shape/cone.h explains; the order of operations is
+// its.
+struct ConeInput {
+  VD base[3], axis[3], height, radius, slope, origin[3], dir[3];
+};
+using DemotedTag = hn::Rebind<float, decltype(kDoubles)>;
+struct ConeLanes {
+  hn::Mask<DemotedTag> in;
+  hn::Vec<DemotedTag> t;
+};
+HWY_INLINE ConeLanes cone_test(const ConeInput& c) {
+  const auto dot3 = [](const VD* x, const VD* y) {
+    return dot(kDoubles, x[0], x[1], x[2], y[0], y[1], y[2]);
+  };
+  const VD zero = hn::Zero(kDoubles), half = hn::Set(kDoubles, 0.5);
+  VD from_base[3], from_middle[3], o[3], o_across[3], d_across[3];
+  for (int a = 0; a < 3; ++a) {
+    from_base[a] = hn::Sub(c.origin[a], c.base[a]);
+    from_middle[a] = hn::Sub(from_base[a], hn::Mul(c.axis[a], hn::Mul(half, c.height)));
   }
-  return mask && offer_lanes(query, block.item, mask, t, b1, b2);
-}
-
-// Cones need double, and so go one after another; but most are missed by their box already.
-HWY_INLINE bool meet_cones(const Geometry& g, const ConeBlock& block, const SlabRay& slabs,
-                           RayQuery& query) {
-  float enter[kBvhWidth];
-  bool taken = false;
-  for_bits(meet_boxes(block.boxes, slabs, query.best.t, enter), [&](int i) {
-    if (enter[i] <= query.best.t) taken |= test_cone(g, item_index(block.item[i]), query);
-  });
-  return taken;
-}
-
-// One after another, for the rare surfaces that are seen from one side only.
-HWY_INLINE bool meet_items(const Geometry& g, const ItemId* items, RayQuery& query) {
-  bool taken = false;
-  for (int i = 0; i < kBvhWidth && items[i] != kNoItem; ++i) taken |= test_item(g, items[i], query);
-  return taken;
+  const VD shift = hn::Div(hn::Neg(dot3(from_middle, c.dir)), dot3(c.dir, c.dir));
+  for (int a = 0; a < 3; ++a) o[a] = hn::Add(from_base[a], hn::Mul(c.dir[a], shift));
+  const VD oz = dot3(o, c.axis), dz = dot3(c.dir, c.axis);
+  for (int a = 0; a < 3; ++a) {
+    o_across[a] = hn::Sub(o[a], hn::Mul(c.axis[a], oz));
+    d_across[a] = hn::Sub(c.dir[a], hn::Mul(c.axis[a], dz));
+  }
+  const VD o_r = hn::Add(c.radius, hn::Mul(c.slope, oz)), d_r = hn::Mul(c.slope, dz);
+  const VD qa = hn::Sub(dot3(d_across, d_across), hn::Mul(d_r, d_r));
+  const VD qb = hn::Sub(dot3(o_across, d_across), hn::Mul(o_r, d_r));
+  const VD qc = hn::Sub(dot3(o_across, o_across), hn::Mul(o_r, o_r));
+  const VD disc = hn::Sub(hn::Mul(qb, qb), hn::Mul(qa, qc));
+  const MD parallel = hn::Eq(qa, zero);
+  const MD real = hn::Or(hn::Ge(disc, zero), parallel);
+  const DemotedTag demoted;
+  const auto narrow = [&](MD m) {
+    return hn::DemoteTo(demoted, hn::IfThenElseZero(m, hn::Set(kDoubles, 1.0)));
+  };
+  const auto none = hn::Zero(demoted);
+  if (hn::AllFalse(kDoubles, real)) return {hn::Ne(none, none), none};
+  const VD root = hn::Sqrt(hn::Max(disc, zero));
+  const VD big =
+      hn::IfThenElse(hn::Ge(qb, zero), hn::Sub(hn::Neg(qb), root), hn::Add(hn::Neg(qb), root));
+  VD s0 = hn::Div(big, qa);
+  VD s1 = hn::IfThenElse(hn::Ne(big, zero), hn::Div(qc, big), s0);
+  const MD swap = hn::Gt(s0, s1);
+  const VD first = hn::IfThenElse(swap, s1, s0);
+  s1 = hn::IfThenElse(swap, s0, s1);
+  s0 = hn::IfThenElse(parallel, hn::Div(hn::Mul(hn::Set(kDoubles, -0.5), qc), qb), first);
+  const auto on_surface = [&](VD s) {
+    const VD z = hn::Add(oz, hn::Mul(s, dz));
+    const MD within = hn::And(hn::Ge(z, zero), hn::Le(z, c.height));
+    return hn::AndNot(hn::Lt(hn::Add(c.radius, hn::Mul(c.slope, z)), zero), within);
+  };
+  const MD in0 =
+      hn::And(hn::And(on_surface(s0), real), hn::Or(hn::Not(parallel), hn::Ne(qb, zero)));
+  const MD in1 = hn::And(hn::And(on_surface(s1), real), hn::Not(parallel));
+  const auto t0 = hn::DemoteTo(demoted, hn::Add(s0, shift));
+  const auto t1 = hn::DemoteTo(demoted, hn::Add(s1, shift));
+  const auto hit0 = hn::And(hn::Ne(narrow(in0), none), hn::Gt(t0, none));
+  const auto hit1 = hn::And(hn::Ne(narrow(in1), none), hn::Gt(t1, none));
+  return {hn::Or(hit0, hit1), hn::IfThenElse(hit0, t0, t1)};
 }
 
 }  // namespace raio::HWY_NAMESPACE

@@ -6,262 +6,123 @@
 #define HWY_TARGET_INCLUDE "accel/bvh_trace.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h.
-#include "accel/bvh_packet-inl.h"
+#include "accel/bvh_beams-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
 
-// Children that wait, farthest first; those that an ever nearer hit has overtaken are dropped on
-// the way.
-struct Waiting {
-  uint32_t ref;
-  float t;
+// What a thread keeps for all its batches.
+struct Room {
+  // Columns of a batch that its rays do not bring along.
+  alignas(64) float t[kChunk];
+  alignas(64) float shear[4][kChunk];
+  RayRoom rays;
+  Beam beams[kChunk / kPacket];
+  Lists lists;
 };
-constexpr int kStack = (kBvhWidth - 1) * kBvhMaxLevels + 1;
 
-// Pushes the hit children so that the nearest is taken first.
-HWY_INLINE int push_sorted(const BvhNode& node, unsigned mask, const float* t, Waiting* stack,
-                           int top) {
-  const int first = top;
-  for_bits(mask, [&](int i) {
-    int at = top++;
-    for (; at > first && stack[at - 1].t < t[i]; --at) stack[at] = stack[at - 1];
-    stack[at] = {node.child[i], t[i]};
-  });
-  return top;
-}
-
-class Walk {
+template <bool any>
+class Tracer {
  public:
-  Walk(const Geometry& geometry, const Bvh& bvh)
+  Tracer(const Geometry& geometry, const Bvh& bvh, Room& room, TraceContext& context)
       : g_(geometry),
         bvh_(bvh),
-        sided_spheres_(!g_.two_sided(ItemKind::sphere)),
-        sided_triangles_(!g_.two_sided(ItemKind::triangle)),
-        packets_(!sided_spheres_ && !sided_triangles_ && !bvh_.nodes.empty()) {}
+        room_(room),
+        context_(context),
+        beams_(g_.two_sided(ItemKind::sphere) && g_.two_sided(ItemKind::triangle) &&
+               g_.two_sided(ItemKind::cone)) {}
 
-  // Calls `one(i)` for each ray that goes alone and `eight(first, packet)` for packets that were
-  // traced.
-  template <bool any, class One, class Eight>
-  void each(const RayBatch& rays, TraceContext& context, One&& one, Eight&& eight) const {
-    const size_t step = context.coherent && packets_ ? size_t(kBvhWidth) : 1;
-    Packet packet;
-    for (size_t i = 0; i < rays.size() && !context.stopped(); i += step) {
-      const size_t end = std::min(rays.size(), i + step);
-      if (step > 1 && end - i > 2 && gather(rays, i, end, packet)) {
-        if (packet_tree<any>(packet, context)) {
-          eight(i, end, packet);
-          continue;
-        }
+  // Rays first, first + 1, ... of the batch, at most kChunk; hits go to `hits` or `hit`.
+  void trace(const RayBatch& rays, size_t first, HitBatch* hits, uint8_t* hit) {
+    Batch b = {.count = std::min(rays.size() - first, kChunk),
+               .o = {&rays.ox[first], &rays.oy[first], &rays.oz[first]},
+               .d = {&rays.dx[first], &rays.dy[first], &rays.dz[first]},
+               .t = any ? room_.t : &hits->t[first],
+               .item = any ? nullptr : &hits->item[first],
+               .u = any ? nullptr : &hits->u[first],
+               .v = any ? nullptr : &hits->v[first],
+               .shear = {room_.shear[0], room_.shear[1], room_.shear[2]},
+               .axes = room_.shear[3]};
+    start(b, &rays.tmax[first]);
+    for (uint32_t i = 0; i < g_.count(ItemKind::plane); ++i) meet_plane(b, i);
+    if (!bvh_.nodes.empty()) {
+      Rays<any> rays_alone(g_, bvh_, b, room_.rays, context_);
+      Beams<any> beams(g_, bvh_, b, room_.beams, context_);
+      Lists& lists = room_.lists;
+      lists.reserve(kChunk + kPacket);
+      const uint32_t packets = uint32_t(padded(b.count) / kPacket);
+      uint32_t alone[kChunk / kPacket];
+      size_t n = 0, n_alone = 0;
+      for (uint32_t p = 0; p < packets; ++p) {
+        if (!bvh_.triangles.empty()) b.shear_packet(p * kPacket);
+        if (!beams_ || !beams.form(p))
+          alone[n_alone++] = p;
+        else if (beams.alive(p))
+          lists.ids[n++] = p;
       }
-      for (size_t k = i; k < end; ++k) one(k);
+      if (n > 0) walk(bvh_, n, lists, beams);
+      if (beams_)
+        for (uint32_t p = 0; p < packets; ++p)
+          if (beams.gave_up(p)) alone[n_alone++] = p;
+      n = 0;
+      for (size_t i = 0; i < n_alone; ++i)
+        n = rays_alone.add_packet(size_t(alone[i]) * kPacket, lists.ids.data(), n);
+      if (n > 0) walk(bvh_, n, lists, rays_alone);
     }
-  }
-
-  // The nearest hit; with `any`, the first that turns up.
-  template <bool any>
-  RayQuery single(const Ray& ray, TraceContext& context) const {
-    RayQuery query(ray);
-    for (uint32_t i = 0; i < g_.count(ItemKind::plane); ++i)
-      if (test_plane(g_, i, query) && any) return query;
-    if (!bvh_.nodes.empty()) single_tree<any>(query, context);
-    return query;
+    if (any)
+      for (size_t i = 0; i < b.count; ++i) hit[first + i] = b.t[i] == kHidden;
   }
 
  private:
-  template <bool any>
-  void single_tree(RayQuery& query, TraceContext& context) const {
-    const SlabRay slabs(query.ray, bvh_.reach);
-    Waiting stack[kStack];
-    stack[0] = {bvh_ref(BvhChild::node, 0), 0};
-    for (int top = 1; top > 0;) {
-      const Waiting next = stack[--top];
-      if (next.t > query.best.t) continue;
-      if (bvh_kind(next.ref) == BvhChild::node) {
-        const BvhNode& node = bvh_.nodes[bvh_index(next.ref)];
-        float enter[kBvhWidth];
-        const unsigned mask = meet_boxes(node.boxes, slabs, query.best.t, enter);
-        top = push_sorted(node, mask, enter, stack, top);
-        ++context.steps;
-      } else {
-        context.tests += kBvhWidth;
-        if (leaf(next.ref, slabs, query) && any) return;
-      }
+  void start(Batch& b, const float* tmax) {
+    const auto& f = kSixteen;
+    const hn::RebindToUnsigned<decltype(kSixteen)> ids;
+    for (size_t i = 0; i < b.count; i += kLanes16) {
+      const V16 t = hn::Load(f, tmax + i), done = hn::Set(f, -1);
+      hn::Store(hn::IfThenElse(hn::Gt(t, hn::Zero(f)), t, done), f, b.t + i);
+      if (any) continue;
+      hn::Store(hn::Set(ids, kNoItem), ids, b.item + i);
+      hn::Store(hn::Zero(f), f, b.u + i), hn::Store(hn::Zero(f), f, b.v + i);
     }
+    for (size_t i = b.count; i < padded(b.count); ++i) b.t[i] = -1;
   }
 
-  // Rays first .. end - 1 as a packet with what single() does before the tree, if they are alike
-  // enough to gain from it.
-  bool gather(const RayBatch& rays, size_t first, size_t end, Packet& p) const {
-    constexpr float kMaxSpread = 0.06f;  // of the directions, over the three axes; measured
-    Box3f dirs;
-    int axis = -1;
-    for (int i = 0; i < kBvhWidth; ++i) {
-      const size_t k = std::min(first + size_t(i), end - 1);
-      RayQuery query(rays[k]);
-      const Ray& ray = query.ray;
-      for (uint32_t n = 0; n < g_.count(ItemKind::plane); ++n) test_plane(g_, n, query);
-      for (int a = 0; a < 3; ++a) {
-        p.o[a][i] = ray.origin[a], p.d[a][i] = ray.dir[a];
-        p.inverse[a][i] = finite_inverse(ray.dir[a]);
-      }
-      dirs.extend(ray.dir);
-      if (i == 0) axis = query.sheared.kz;
-      if (query.sheared.kz != axis) return false;
-      p.kx = query.sheared.kx, p.ky = query.sheared.ky, p.kz = query.sheared.kz;
-      p.shear[0][i] = query.sheared.sx;
-      p.shear[1][i] = query.sheared.sy;
-      p.shear[2][i] = query.sheared.sz;
-      p.t[i] = first + size_t(i) < end ? query.best.t : -1;
-      p.item[i] = query.best.item;
-      p.u[i] = p.v[i] = 0;
+  // All rays against one plane, in double as shape/plane.h has it.
+  void meet_plane(Batch& b, uint32_t index) {
+    for (size_t i = 0; i < b.count; ++i) {
+      RayQuery query(b.ray(i));
+      if (!any) query.best.item = b.item[i];
+      if (!test_plane(g_, index, query)) continue;
+      b.t[i] = any ? kHidden : query.best.t;
+      if (!any) b.item[i] = query.best.item;
     }
-    const Vec3f spread = dirs.size();
-    if (!(spread.x + spread.y + spread.z < kMaxSpread)) return false;
-    for (int a = 0; a < 3; ++a)
-      if (std::signbit(dirs.lo[a]) != std::signbit(dirs.hi[a])) return false;
-    return true;
-  }
-
-  // The packet as an interval. Shadow rays that end in one point (a light) are taken from there:
-  // their origins lie apart, and as an interval of origins they would meet much that none of them
-  // meets. (The order of what they meet is then from the light, which is as good for any hit.)
-  template <bool any>
-  RayInterval interval(Packet& p) const {
-    Box3f origins, ends, dirs;
-    for (int i = 0; i < kBvhWidth; ++i) {
-      if (p.t[i] < 0) continue;
-      const Vec3f o(p.o[0][i], p.o[1][i], p.o[2][i]), d(p.d[0][i], p.d[1][i], p.d[2][i]);
-      origins.extend(o);
-      ends.extend(o + d * p.t[i]);
-      dirs.extend(d);
-    }
-    const float size = std::max(max_component(abs(origins.lo)), max_component(abs(origins.hi)));
-    p.slack = 8 * kEpsilon * (bvh_.reach + size);
-    const float far = p.farthest();
-    const Vec3f apart = ends.size(), starts = origins.size();
-    if (any && apart.x + apart.y + apart.z < starts.x + starts.y + starts.z) {
-      const float reach = std::max(max_component(abs(ends.lo)), max_component(abs(ends.hi)));
-      return RayInterval(ends, {-dirs.hi, -dirs.lo}, p.slack + 8 * kEpsilon * (reach + far));
-    }
-    return RayInterval(origins, dirs, p.slack);
-  }
-
-  // False when it has given up: where primitives are smaller than the rays are apart, the interval
-  // meets most that no ray does, and each ray alone is faster.
-  template <bool any>
-  bool packet_tree(Packet& p, TraceContext& context) const {
-    constexpr int kMostTests = 32;  // measured
-    int tests_left = kMostTests;
-    if (any && finish_hit_lanes(p)) return true;
-    const RayInterval rays = interval<any>(p);
-    float farthest = p.farthest();
-    Waiting stack[kStack];
-    stack[0] = {bvh_ref(BvhChild::node, 0), 0};
-    for (int top = 1; top > 0;) {
-      const Waiting next = stack[--top];
-      if (next.t > farthest) continue;
-      const uint32_t i = bvh_index(next.ref);
-      const int tests_before = tests_left;
-      float enter[kBvhWidth];
-      const auto boxes = [&](const EightBoxes& b) {
-        return rays.meet([&](int side, int a, int k) { return load(&b.planes[side][a][k]); },
-                         farthest, enter);
-      };
-      switch (bvh_kind(next.ref)) {
-        case BvhChild::node: {
-          const BvhNode& node = bvh_.nodes[i];
-          top = push_sorted(node, boxes(node.boxes), enter, stack, top);
-          ++context.steps;
-          continue;
-        }
-        case BvhChild::spheres: {
-          const SphereBlock& block = bvh_.spheres[i];
-          const float* centers[] = {block.x, block.y, block.z};
-          for_bits(rays.meet(
-                       [&](int side, int a, int k) {
-                         const V c = load(centers[a] + k), r = load(block.radius + k);
-                         return side ? hn::Add(c, r) : hn::Sub(c, r);
-                       },
-                       farthest, enter),
-                   [&](int k) { meet_sphere(block, k, p), --tests_left; });
-          break;
-        }
-        case BvhChild::triangles: {
-          const TriangleBlock& block = bvh_.triangles[i];
-          for_bits(rays.meet(
-                       [&](int side, int a, int k) {
-                         const V x = load(&block.corner[0][a][k]), y = load(&block.corner[1][a][k]);
-                         const V z = load(&block.corner[2][a][k]);
-                         return side ? hn::Max(hn::Max(x, y), z) : hn::Min(hn::Min(x, y), z);
-                       },
-                       farthest, enter),
-                   [&](int k) { meet_triangle(block, k, p), --tests_left; });
-          break;
-        }
-        case BvhChild::cones: {
-          const ConeBlock& block = bvh_.cones[i];
-          for_bits(boxes(block.boxes), [&](int k) { meet_cone(g_, block, k, p), --tests_left; });
-          break;
-        }
-      }
-      context.tests += uint64_t(tests_before - tests_left) * kBvhWidth;
-      if (any && finish_hit_lanes(p)) return true;
-      if (tests_left < 0) return false;
-      farthest = p.farthest();
-    }
-    return true;
-  }
-
-  // True when every lane is done.
-  static bool finish_hit_lanes(Packet& p) {
-    bool all = true;
-    for (int i = 0; i < kBvhWidth; ++i) {
-      if (p.item[i] != kNoItem) p.t[i] = -1;
-      all &= p.t[i] < 0;
-    }
-    return all;
-  }
-
-  HWY_INLINE bool leaf(uint32_t ref, const SlabRay& slabs, RayQuery& query) const {
-    const uint32_t i = bvh_index(ref);
-    switch (bvh_kind(ref)) {
-      case BvhChild::spheres:
-        return sided_spheres_ ? meet_items(g_, bvh_.spheres[i].item, query)
-                              : meet_spheres(bvh_.spheres[i], query);
-      case BvhChild::triangles:
-        return sided_triangles_ ? meet_items(g_, bvh_.triangles[i].item, query)
-                                : meet_triangles(bvh_.triangles[i], query);
-      default:
-        return meet_cones(g_, bvh_.cones[i], slabs, query);
-    }
+    context_.tests += b.count;
   }
 
   const Geometry& g_;
   const Bvh& bvh_;
-  bool sided_spheres_, sided_triangles_;
-  bool packets_;  // those surfaces go ray by ray
+  Room& room_;
+  TraceContext& context_;
+  bool beams_;  // surfaces seen from one side only go ray by ray
 };
+
+template <bool any>
+void trace_all(const Geometry& g, const Bvh& bvh, const RayBatch& rays, HitBatch* hits,
+               uint8_t* hit, TraceContext& context) {
+  static thread_local const auto room = std::make_unique<Room>();
+  Tracer<any> tracer(g, bvh, *room, context);
+  for (size_t i = 0; i < rays.size() && !context.stopped(); i += kChunk)
+    tracer.trace(rays, i, hits, hit);
+}
 
 void closest(const Geometry& g, const Bvh& bvh, const RayBatch& rays, HitBatch& hits,
              TraceContext& context) {
-  const Walk walk(g, bvh);
-  walk.each<false>(
-      rays, context, [&](size_t i) { hits.set(i, walk.single<false>(rays[i], context).best); },
-      [&](size_t first, size_t end, const Packet& p) {
-        for (size_t k = 0; k < end - first; ++k)
-          hits.set(first + k, {p.t[k], p.item[k], p.u[k], p.v[k]});
-      });
+  trace_all<false>(g, bvh, rays, &hits, nullptr, context);
 }
 
 void occluded(const Geometry& g, const Bvh& bvh, const RayBatch& rays, uint8_t* hit,
               TraceContext& context) {
-  const Walk walk(g, bvh);
-  walk.each<true>(
-      rays, context, [&](size_t i) { hit[i] = walk.single<true>(rays[i], context).best.found(); },
-      [&](size_t first, size_t end, const Packet& p) {
-        for (size_t k = 0; k < end - first; ++k) hit[first + k] = p.item[k] != kNoItem;
-      });
+  trace_all<true>(g, bvh, rays, nullptr, hit, context);
 }
 
 }  // namespace raio::HWY_NAMESPACE

@@ -1,0 +1,290 @@
+// Rays as a stream through the eight-wide tree, each on its own: one ray against the eight
+// primitives of a leaf. Included by bvh_trace.cpp only, once for each instruction set.
+// Once for each instruction set, as foreach_target.h passes again.
+#if defined(RAIO_ACCEL_BVH_RAYS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef RAIO_ACCEL_BVH_RAYS_INL_H_
+#undef RAIO_ACCEL_BVH_RAYS_INL_H_
+#else
+#define RAIO_ACCEL_BVH_RAYS_INL_H_
+#endif
+
+#include "accel/bvh_stream-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace raio::HWY_NAMESPACE {
+
+constexpr float kHidden = -kInfinity;  // the distance of an any-hit ray that has hit
+
+// The part of a batch that travels together, at most kChunk rays, with the nearest hits so far.
+// Columns have room for whole packets, where rays past the end are done. A ray is done when its
+// distance is not positive: nothing is nearer.
+struct Batch {
+  size_t count;
+  const float *o[3], *d[3];
+  float* t;
+  ItemId* item;  // this and the next only where the nearest hit is wanted
+  float *u, *v;
+  // As ShearedRay, where the scene has triangles; the axes by their number in kShearAxes.
+  float* shear[3];
+  float* axes;
+
+  Ray ray(size_t i) const {
+    return {{o[0][i], o[1][i], o[2][i]}, {d[0][i], d[1][i], d[2][i]}, t[i]};
+  }
+
+  HWY_INLINE void shear_packet(size_t first) const {
+    const auto& f = kSixteen;
+    for (size_t i = first; i < first + kPacket; i += kLanes16) {
+      const V16 x = hn::Load(f, d[0] + i), y = hn::Load(f, d[1] + i), z = hn::Load(f, d[2] + i);
+      const V16 ax = hn::Abs(x), ay = hn::Abs(y), az = hn::Abs(z);
+      const M16 y_less = hn::Ge(ax, ay);
+      const M16 along_x = hn::And(y_less, hn::Ge(ax, az));
+      const M16 along_y = hn::AndNot(y_less, hn::Ge(ay, az));
+      const auto choose = [&](V16 if_x, V16 if_y, V16 if_z) {
+        return hn::IfThenElse(along_x, if_x, hn::IfThenElse(along_y, if_y, if_z));
+      };
+      const V16 depth = choose(x, y, z), next = choose(y, z, x), last = choose(z, x, y);
+      const M16 down = hn::Lt(depth, hn::Zero(f));
+      hn::Store(hn::Div(hn::IfThenElse(down, last, next), depth), f, shear[0] + i);
+      hn::Store(hn::Div(hn::IfThenElse(down, next, last), depth), f, shear[1] + i);
+      hn::Store(hn::Div(hn::Set(f, 1), depth), f, shear[2] + i);
+      const V16 axis = choose(hn::Zero(f), hn::Set(f, 1), hn::Set(f, 2));
+      hn::Store(hn::IfThenElse(down, hn::Add(axis, hn::Set(f, 3)), axis), f, axes + i);
+    }
+  }
+};
+
+// Can a hit at `t` count? Where only the nearest does, one of lower id may be equally near.
+template <bool any, class D, class V = hn::Vec<D>>
+HWY_INLINE hn::Mask<D> nearer(D, V t, V best) {
+  if constexpr (any) return hn::Lt(t, best);
+  return hn::Le(t, best);
+}
+
+// What boxes and spheres want of a ray: one cache line.
+struct alignas(64) StreamRay {
+  float inverse[3], lower[3], upper[3];  // see BoxLanes::meet
+  float t;
+  float o[3], d[3];
+};
+// What triangles want besides.
+struct alignas(16) StreamShear {
+  float x, y, z, axes;
+};
+
+// Four columns of four into four rows.
+HWY_INLINE void transpose(const float* column, size_t step, float* row, size_t row_step) {
+#if HWY_TARGET == HWY_SCALAR
+  for (size_t i = 0; i < 4; ++i)
+    for (size_t k = 0; k < 4; ++k) row[i * row_step + k] = column[k * step + i];
+#else
+  const hn::CappedTag<float, 4> four;
+  using V4 = hn::Vec<decltype(four)>;
+  const V4 a = hn::LoadU(four, column), b = hn::LoadU(four, column + step);
+  const V4 c = hn::LoadU(four, column + 2 * step), d = hn::LoadU(four, column + 3 * step);
+  const V4 ab_low = hn::InterleaveLower(four, a, b), ab_high = hn::InterleaveUpper(four, a, b);
+  const V4 cd_low = hn::InterleaveLower(four, c, d), cd_high = hn::InterleaveUpper(four, c, d);
+  hn::Store(hn::ConcatLowerLower(four, cd_low, ab_low), four, row);
+  hn::Store(hn::ConcatUpperUpper(four, cd_low, ab_low), four, row + row_step);
+  hn::Store(hn::ConcatLowerLower(four, cd_high, ab_high), four, row + 2 * row_step);
+  hn::Store(hn::ConcatUpperUpper(four, cd_high, ab_high), four, row + 3 * row_step);
+#endif
+}
+
+struct RayRoom {
+  StreamRay rays[kChunk];
+  StreamShear shears[kChunk];
+};
+
+template <bool any>
+class Rays {
+ public:
+  Rays(const Geometry& geometry, const Bvh& bvh, const Batch& batch, RayRoom& room,
+       TraceContext& context)
+      : g_(geometry),
+        bvh_(bvh),
+        batch_(batch),
+        rays_(room.rays),
+        shears_(room.shears),
+        context_(context) {}
+
+  // Makes the rays of a packet ready and adds to the list those that are not done.
+  HWY_INLINE size_t add_packet(size_t first, uint32_t* ids, size_t n) {
+    alignas(64) float columns[16][kPacket];
+    const auto& f = kSixteen;
+    for (int i = 0; i < kPacket; i += kLanes16) {
+      V16 size = hn::Set(f, bvh_.reach);
+      V16 o[3];
+      for (int a = 0; a < 3; ++a) {
+        o[a] = hn::Load(f, batch_.o[a] + first + i);
+        size = hn::Max(size, hn::Abs(o[a]));
+      }
+      const V16 slack = hn::Mul(size, hn::Set(f, 2 * kSlack));
+      for (int a = 0; a < 3; ++a) {
+        const V16 d = hn::Load(f, batch_.d[a] + first + i);
+        const V16 inverse = finite_inverse(f, d);
+        hn::Store(inverse, f, columns[a] + i);
+        hn::Store(hn::Mul(hn::Add(o[a], slack), inverse), f, columns[3 + a] + i);
+        hn::Store(hn::Mul(hn::Sub(o[a], slack), inverse), f, columns[6 + a] + i);
+        hn::Store(o[a], f, columns[10 + a] + i);
+        hn::Store(d, f, columns[13 + a] + i);
+      }
+      hn::Store(hn::Load(f, batch_.t + first + i), f, columns[9] + i);
+    }
+    float* const rows = rays_[first].inverse;
+    for (size_t i = 0; i < kPacket; i += 4)
+      for (size_t c = 0; c < 16; c += 4) transpose(&columns[c][i], kPacket, rows + 16 * i + c, 16);
+    if (!bvh_.triangles.empty())
+      for (size_t i = first; i < first + kPacket; i += 4)
+        transpose(batch_.shear[0] + i, size_t(batch_.shear[1] - batch_.shear[0]), &shears_[i].x, 4);
+    for (size_t i = first; i < first + kPacket; ++i) {
+      ids[n] = uint32_t(i);
+      n += batch_.t[i] > 0;
+    }
+    return n;
+  }
+
+  void visits(size_t n) { context_.steps += n; }
+
+  HWY_INLINE unsigned meet(uint32_t id, const BoxLanes& boxes, V8* nearest) const {
+    const StreamRay& r = rays_[id];
+    return boxes.meet(r.inverse, r.inverse, r.lower, r.upper, r.t, nearest);
+  }
+
+  HWY_INLINE void leaf(uint32_t ref, float nearest, const uint32_t* ids, size_t n) {
+    const uint32_t block = bvh_index(ref);
+    const auto each = [&](const ItemId* items, ItemKind kind, auto&& test) {
+      if (!g_.two_sided(kind)) {
+        for (size_t i = 0; i < n; ++i) meet_items(items, ids[i]);
+      } else {
+        for (size_t i = 0; i < n; ++i)
+          if (rays_[ids[i]].t >= nearest) test(ids[i]);
+      }
+    };
+    context_.tests += kBvhWidth * n;
+    switch (bvh_kind(ref)) {
+      case BvhChild::spheres:
+        return each(bvh_.spheres[block].item, ItemKind::sphere,
+                    [&](uint32_t id) { meet_spheres(bvh_.spheres[block], id); });
+      case BvhChild::triangles:
+        return each(bvh_.triangles[block].item, ItemKind::triangle,
+                    [&](uint32_t id) { meet_triangles(bvh_.triangles[block], id); });
+      default:
+        return each(bvh_.cones[block].item, ItemKind::cone,
+                    [&](uint32_t id) { meet_cones(bvh_.cones[block], id); });
+    }
+  }
+
+ private:
+  // The nearest of the lanes in `mask`, if nothing nearer is known; of equally near ones the lowest
+  // id.
+  HWY_INLINE void offer(uint32_t id, const ItemId* items, unsigned mask, const float* t,
+                        const float* u = nullptr, const float* v = nullptr) {
+    if (any) {
+      rays_[id].t = batch_.t[id] = kHidden;
+      return;
+    }
+    for_bits(mask, [&](int i) {
+      float& best = rays_[id].t;
+      ItemId& item = batch_.item[id];
+      if (!(t[i] < best || (t[i] == best && item != kNoItem && items[i] < item))) return;
+      best = batch_.t[id] = t[i], item = items[i];
+      batch_.u[id] = u ? u[i] : 0, batch_.v[id] = v ? v[i] : 0;
+    });
+  }
+
+  HWY_INLINE void meet_spheres(const SphereBlock& block, uint32_t id) {
+    const auto& f = kEight;
+    const StreamRay& r = rays_[id];
+    alignas(32) float t[kBvhWidth];
+    unsigned mask = 0;
+    for (int i = 0; i < kBvhWidth; i += kLanes8) {
+      const auto hit = sphere_test(f, hn::Sub(hn::Load(f, block.x + i), hn::Set(f, r.o[0])),
+                                   hn::Sub(hn::Load(f, block.y + i), hn::Set(f, r.o[1])),
+                                   hn::Sub(hn::Load(f, block.z + i), hn::Set(f, r.o[2])),
+                                   hn::Load(f, block.radius + i), hn::Set(f, r.d[0]),
+                                   hn::Set(f, r.d[1]), hn::Set(f, r.d[2]));
+      mask |= bits(f, hn::And(hit.in, nearer<any>(f, hit.t, hn::Set(f, r.t)))) << i;
+      hn::Store(hit.t, f, t + i);
+    }
+    if (mask) offer(id, block.item, mask, t);
+  }
+
+  HWY_INLINE void meet_triangles(const TriangleBlock& block, uint32_t id) {
+    const auto& f = kEight;
+    const StreamRay& r = rays_[id];
+    const StreamShear& s = shears_[id];
+    const uint8_t* const k = kShearAxes[int(s.axes)];
+    const V8 ox = hn::Set(f, r.o[k[0]]), oy = hn::Set(f, r.o[k[1]]), oz = hn::Set(f, r.o[k[2]]);
+    const V8 sx = hn::Set(f, s.x), sy = hn::Set(f, s.y), sz = hn::Set(f, s.z);
+    alignas(32) float t[kBvhWidth], u[kBvhWidth], v[kBvhWidth];
+    unsigned mask = 0;
+    for (int i = 0; i < kBvhWidth; i += kLanes8) {
+      V8 x[3], y[3], z[3];
+      for (int c = 0; c < 3; ++c) {
+        const V8 depth = hn::Sub(hn::Load(f, &block.corner[c][k[2]][i]), oz);
+        x[c] = hn::Sub(hn::Sub(hn::Load(f, &block.corner[c][k[0]][i]), ox), hn::Mul(sx, depth));
+        y[c] = hn::Sub(hn::Sub(hn::Load(f, &block.corner[c][k[1]][i]), oy), hn::Mul(sy, depth));
+        z[c] = hn::Mul(sz, depth);
+      }
+      const auto hit = edge_test(f, x, y, z);
+      mask |= bits(f, hn::And(hit.in, nearer<any>(f, hit.t, hn::Set(f, r.t)))) << i;
+      hn::Store(hit.t, f, t + i), hn::Store(hit.u, f, u + i), hn::Store(hit.v, f, v + i);
+    }
+    if (mask) offer(id, block.item, mask, t, u, v);
+  }
+
+  // Double is dear, and most cones are missed by their boxes already.
+  HWY_INLINE void meet_cones(const ConeBlock& block, uint32_t id) {
+    const BoxLanes boxes(block.boxes, block.item);
+    V8 nearest[kParts];
+    for (V8& x : nearest) x = hn::Set(kEight, kInfinity);
+    const unsigned near = meet(id, boxes, nearest);
+    if (near == 0) return;
+    const StreamRay& r = rays_[id];
+    const DemotedTag f;
+    const auto wide = [&](const float* x, int i) {
+      return hn::PromoteTo(kDoubles, hn::Load(f, x + i));
+    };
+    alignas(32) float t[kBvhWidth];
+    unsigned mask = 0;
+    for (int i = 0; i < kBvhWidth; i += kLanesD) {
+      ConeInput c;
+      for (int a = 0; a < 3; ++a) {
+        c.base[a] = wide(block.base[a], i), c.axis[a] = wide(block.axis[a], i);
+        c.origin[a] = hn::Set(kDoubles, double(r.o[a])),
+        c.dir[a] = hn::Set(kDoubles, double(r.d[a]));
+      }
+      c.height = wide(block.height, i), c.radius = wide(block.radius, i);
+      c.slope = wide(block.slope, i);
+      const ConeLanes hit = cone_test(c);
+      mask |= bits(f, hn::And(hit.in, nearer<any>(f, hit.t, hn::Set(f, r.t)))) << i;
+      hn::Store(hit.t, f, t + i);
+    }
+    mask &= near;
+    if (mask) offer(id, block.item, mask, t);
+  }
+
+  // One after another, for the rare surfaces that are seen from one side only.
+  void meet_items(const ItemId* items, uint32_t id) {
+    for (int i = 0; i < kBvhWidth && items[i] != kNoItem; ++i) {
+      if (!(rays_[id].t > 0)) return;
+      RayQuery query(batch_.ray(id));
+      if (!any) query.best.item = batch_.item[id];
+      if (test_item(g_, items[i], query))
+        offer(id, &query.best.item, 1, &query.best.t, &query.best.u, &query.best.v);
+    }
+  }
+
+  const Geometry& g_;
+  const Bvh& bvh_;
+  const Batch& batch_;
+  StreamRay* rays_;
+  StreamShear* shears_;
+  TraceContext& context_;
+};
+
+}  // namespace raio::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
