@@ -12,6 +12,7 @@
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <zlib.h>
 
 #include <array>
 #include <bit>
@@ -21,6 +22,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "render/render.h"
 #include "temporary_folder.h"
 
 namespace raio {
@@ -284,6 +286,40 @@ TEST_F(ImageTest, TargetsThatCannotBeWritten) {
     ASSERT_FALSE(done) << path;
     EXPECT_EQ(done.error().kind, FileError::cannot_write);
     EXPECT_THAT(done.error().message, HasSubstr(path.string()));
+  }
+}
+
+/// The contents of all IDAT chunks of a PNG in a row.
+std::string idat_of(std::string_view png) {
+  std::string out;
+  for (size_t at = 8; at + 12 <= png.size();) {
+    size_t size = 0;
+    for (size_t i = 0; i < 4; ++i) size = size << 8 | uint8_t(png[at + i]);
+    if (png.substr(at + 4, 4) == "IDAT") out += png.substr(at + 8, size);
+    at += size + 12;
+  }
+  return out;
+}
+
+TEST_F(ImageTest, PngOfManyBandsIsOneStream) {
+  // Bands of many rows and of one, the last shorter and not.
+  const std::pair<int, int> sizes[] = {{700, 310}, {700, 311}, {30000, 3}, {1, 40000}, {21845, 2}};
+  for (const auto& [width, height] : sizes) {
+    SCOPED_TRACE(width);
+    const Image image = noise(width, height);
+    const std::string bytes = written(image, "a.png");
+    EXPECT_EQ(compare(image, read_good(bytes)).largest, 0);
+    const std::string deflated = idat_of(bytes);
+    std::vector<Bytef> rows(size_t(3 * width + 1) * size_t(height) + 1);
+    uLongf size = uLongf(rows.size());
+    uLong taken = uLong(deflated.size());
+    // Z_OK means that the check sum is right, too.
+    EXPECT_EQ(
+        uncompress2(rows.data(), &size, reinterpret_cast<const Bytef*>(deflated.data()), &taken),
+        Z_OK);
+    EXPECT_EQ(size, rows.size() - 1);
+    EXPECT_EQ(taken, deflated.size());
+    on_threads(1, [&] { EXPECT_EQ(written(image, "b.png"), bytes); });
   }
 }
 

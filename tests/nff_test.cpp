@@ -381,6 +381,126 @@ TEST(NffRead, BrokenFiles) {
   EXPECT_EQ(said, expected);
 }
 
+// Long texts, which are read in pieces.
+
+/// Longer than two pieces.
+std::string many_spheres() {
+  std::string text;
+  while (text.size() < 300'000) text += "s 0 0 0 1\n";
+  return text;
+}
+
+/// Some of everything that a piece can hold, with few materials and without for long stretches.
+std::string random_objects(std::mt19937_64& random, size_t bytes) {
+  const auto n = [&] { return fmt::format("{} ", double(random() % 20001) / 1000 - 10); };
+  const auto repeat = [](size_t count, const auto& make) {
+    std::string out;
+    for (size_t i = 0; i < count; ++i) out += make();
+    return out;
+  };
+  const auto corners = [&](size_t count, std::string_view more) {
+    return repeat(count, [&] { return "\n" + n() + n() + n() + std::string(more); });
+  };
+  std::string text;
+  // The first smooth triangle comes late, the last stretch has none.
+  while (text.size() < bytes) {
+    const bool may_be_smooth = text.size() > bytes / 2 && text.size() < bytes * 3 / 4;
+    switch (random() % 8) {
+      case 0:
+        text += "c " + n() + n() + n() + " 1 " + n() + n() + n() + "0.5";
+        break;
+      case 1:
+        text += "pl 0 0 " + n() + "1 0 1 0 1 " + n();
+        break;
+      case 2:
+        text += "box -11 -12 -13 " + n() + n() + n();
+        break;
+      case 3:
+        text += "mesh 4 2" + corners(4, "") + "\n1 2 3\n-1 -2 -3";
+        break;
+      case 4:
+        text += "p 5" + corners(5, "");
+        break;
+      case 5:
+        text += may_be_smooth ? "pp 4" + corners(4, "0 0.6 0.8") : "p 3" + corners(3, "");
+        break;
+      case 6:
+        if (random() % 200 == 0) text += fmt::format("f 1 1 1 0.{} 0 3 0 0\n", 1 + random() % 4);
+        [[fallthrough]];
+      default:
+        text += "s " + n() + n() + n() + "1";
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+TEST(NffPieces, GiveTheSceneOfATextThatCannotBeCut) {
+  std::mt19937_64 random(3);
+  for (const size_t bytes : {150'000, 1'000'000, 12'000'000}) {
+    std::string text = kCamera + kMaterial + random_objects(random, bytes);
+    const Scene scene = read(text);
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    const Scene whole = read(text);
+    expect_same(whole, scene);
+    EXPECT_EQ(whole.triangles, scene.triangles);
+    EXPECT_EQ(whole.triangle_normals, scene.triangle_normals);
+    EXPECT_FALSE(scene.triangle_normals.empty());
+  }
+}
+
+TEST(NffPieces, BeginWithTheMaterialBefore) {
+  const Scene scene = read(kCamera + kMaterial + many_spheres() + "f 1 1 1 1 0 1 0 1\n" +
+                           many_spheres() + kMaterial + many_spheres());
+  EXPECT_EQ(scene.materials.size(), 2u);
+  const size_t third = scene.spheres.size() / 3;
+  for (size_t i = 0; i < scene.spheres.size(); ++i)
+    ASSERT_EQ(scene.sphere_materials[i], MaterialId(i / third == 1)) << i;
+}
+
+TEST(NffPieces, WarningsComeInOrderAndAreCounted) {
+  std::string text = kCamera + kMaterial;
+  const std::string spheres = many_spheres();
+  const size_t lines = size_t(std::count(spheres.begin(), spheres.end(), '\n')) + 1;
+  for (int i = 0; i < 30; ++i) text += spheres + "p 3 0 0 0 1 1 1 2 2 2\n";
+  const auto result = parse_nff(text, "t.nff");
+  ASSERT_TRUE(result);
+  ASSERT_EQ(result->warnings.size(), kMaxDiagnostics + 1);
+  for (size_t i = 0; i < kMaxDiagnostics; ++i) {
+    EXPECT_EQ(size_t(result->warnings[i].line), 8 + (i + 1) * lines);
+    EXPECT_EQ(result->warnings[i].excerpt, "p 3 0 0 0 1 1 1 2 2 2");
+  }
+  EXPECT_EQ(result->warnings.back().message, "10 more warnings not shown");
+}
+
+TEST(NffPieces, TheHeadMayBeAnywhere) {
+  // Nothing can be read in pieces before there is an object with a material; here none is.
+  const std::string spheres = many_spheres();
+  const auto result = parse_nff(spheres + kCamera + "l 1 2 3\n" + kMaterial + spheres, "t.nff");
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->scene.materials.size(), 2u);
+  EXPECT_EQ(result->scene.sphere_materials.front(), 0u);
+  EXPECT_EQ(result->scene.sphere_materials.back(), 1u);
+  EXPECT_EQ(result->scene.camera.width, 64);
+  EXPECT_EQ(result->scene.lights.size(), 1u);
+  ASSERT_EQ(result->warnings.size(), 3u);
+  EXPECT_THAT(result->warnings[0].message, HasSubstr("an object before any f"));
+  EXPECT_THAT(result->warnings[1].message, HasSubstr("v after objects"));
+  EXPECT_THAT(result->warnings[2].message, HasSubstr("a light after objects"));
+}
+
+TEST(NffPieces, LargeFilesAreReadAsTheyAre) {
+  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "large.nff";
+  std::string text = kCamera + kMaterial;
+  for (int i = 0; text.size() < 9'000'000; ++i) text += fmt::format("s {} 0 0 1\n", i);
+  std::ofstream(path, std::ios::binary) << text;
+  const auto buffer = TextBuffer::read_file(path);
+  ASSERT_TRUE(buffer);
+  EXPECT_TRUE(buffer->view() == text);
+  EXPECT_EQ(*buffer->end(), '\0');
+  std::filesystem::remove(path);
+}
+
 // Writing.
 
 class RandomScene {
@@ -597,13 +717,15 @@ std::string damaged(std::string text, std::mt19937_64& random) {
   return text;
 }
 
+const std::string kObjects =
+    "s 0 0 0 1\nc 0 0 0 1 0 0 1 0.5\npl 0 0 0 1 0 0 0 1 0\nbox 0 0 0 1 1 1\n"
+    "p 3 0 0 0 1 0 0 0 1 0\npp 4\n0 0 0 0 0 1\n1 0 0 0 0 1\n1 1 0 0 0 1\n0 1 0 0 0 1\n"
+    "mesh 4 2\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 2 3\n-1 -2 -3\n"
+    "p 5\n0 0 0\n2 0 0\n2 2 0\n1 1 0\n0 2 0\n";
+
 TEST(NffDamage, GivesASoundSceneOrAnErrorWithAPlace) {
   std::vector<std::string> sources = {
-      kCamera + "aperture 2\nfocal 1.5\nl 1 2 3\nl 1 2 3 1 1 1\n" + kMaterial +
-          "s 0 0 0 1\nc 0 0 0 1 0 0 1 0.5\npl 0 0 0 1 0 0 0 1 0\nbox 0 0 0 1 1 1\n"
-          "p 3 0 0 0 1 0 0 0 1 0\npp 4\n0 0 0 0 0 1\n1 0 0 0 0 1\n1 1 0 0 0 1\n0 1 0 0 0 1\n"
-          "mesh 4 2\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 2 3\n-1 -2 -3\np 5\n0 0 0\n2 0 0\n2 2 0\n1 1 "
-          "0\n0 2 0\n",
+      kCamera + "aperture 2\nfocal 1.5\nl 1 2 3\nl 1 2 3 1 1 1\n" + kMaterial + kObjects,
       "v\nfrom 1000010 5e6 3\nat 1e6 5e6 3\nup 0 0 1\nangle 45\nl 1e6 5e6 9\ns 1e6 5e6 3 1\n"};
   if (std::filesystem::exists(kSharedFolder))
     for (const char* file : {"p3d/plane.nff", "p3d/balls_low.nff", "spd/teapot.nff",
@@ -639,6 +761,43 @@ TEST(NffDamage, GivesASoundSceneOrAnErrorWithAPlace) {
   }
   EXPECT_GT(read_well, kTries / 50);
   EXPECT_LT(read_well, kTries / 2);
+}
+
+TEST(NffDamage, SaysTheSameInTheMiddleOfALongText) {
+  const std::string head = kCamera + kMaterial, sphere = "s 0 0 0 1\n", spheres = many_spheres();
+  const int more_lines = int(std::count(spheres.begin(), spheres.end(), '\n')) - 1;
+  const size_t more = spheres.size() / sphere.size() - 1;
+  std::mt19937_64 random(11);
+  int read_well = 0;
+  constexpr int kTries = 200;
+  for (int i = 0; i < kTries; ++i) {
+    const std::string broken = damaged(kObjects + "l 1 2 3\nb 0 0 0\n" + kObjects, random) + "\n";
+    SCOPED_TRACE(broken);
+    auto small = parse_nff(head + sphere + broken + sphere, "t.nff");
+    const auto large = parse_nff(head + spheres + broken + spheres, "t.nff");
+    ASSERT_EQ(bool(small), bool(large));
+    Diagnostics expected = small ? small->warnings : small.error();
+    const Diagnostics& found = large ? large->warnings : large.error();
+    if (texts(expected).find("bytes left in the file") != std::string::npos ||
+        texts(expected).find("not a text file") != std::string::npos)
+      continue;  // these name sizes and offsets
+    for (Diagnostic& d : expected)
+      if (d.line > 9) d.line += more_lines;
+    ASSERT_EQ(texts(expected), texts(found));
+    if (!small) continue;
+    ++read_well;
+    Scene& scene = small->scene;
+    for (const bool front : {true, false}) {
+      const auto at = [&](const auto& pool) { return front ? pool.begin() : pool.end(); };
+      const Sphere unit = scene.spheres.front();
+      const MaterialId id = front ? 0 : scene.sphere_materials.back();
+      scene.spheres.insert(at(scene.spheres), more, unit);
+      scene.sphere_materials.insert(at(scene.sphere_materials), more, id);
+    }
+    expect_same(scene, large->scene);
+    ASSERT_FALSE(HasFailure());
+  }
+  EXPECT_GT(read_well, 0);
 }
 
 }  // namespace

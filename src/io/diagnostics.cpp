@@ -45,6 +45,14 @@ void TextReport::add(Findings& findings, size_t offset, std::string message) con
   findings.kept.insert(later, {offset, std::move(message)});
 }
 
+void TextReport::append(TextReport part) {
+  for (const auto& [to, from] :
+       {std::pair{&errors_, &part.errors_}, {&warnings_, &part.warnings_}}) {
+    for (Finding& finding : from->kept) add(*to, finding.offset, std::move(finding.message));
+    to->count += from->count - from->kept.size();
+  }
+}
+
 int TextReport::line_of(size_t offset) {
   if (offset < counted_) counted_ = 0, line_ = 1;
   for (; counted_ < offset; ++counted_) {

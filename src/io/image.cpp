@@ -80,11 +80,6 @@ std::string size_problem(long long width, long long height) {
   return {};
 }
 
-uint8_t to_byte(float value) {
-  if (!(value > 0)) return 0;
-  return value >= 1 ? 255 : uint8_t(double(value) * 255 + 0.5);
-}
-
 std::expected<ImageFormat, FileError> image_format(const fs::path& path) {
   std::string suffix = path.extension().string();
   for (char& c : suffix)

@@ -1,6 +1,7 @@
 // Pictures in memory and in files.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <expected>
 #include <filesystem>
@@ -26,7 +27,10 @@ struct Image {
 };
 
 /// 0..1 to 0..255, clamped and rounded to nearest; NaN gives 0.
-uint8_t to_byte(float value);
+inline uint8_t to_byte(float value) {
+  const float clamped = value > 0 ? std::min(value, 1.0f) : 0;
+  return uint8_t(int(double(clamped) * 255 + 0.5));
+}
 
 enum class ImageFormat { png, exr, pfm, ppm };
 

@@ -1,5 +1,6 @@
 // One pass over an NFF text. Internal to the reader: nff_read.cpp walks from entity to entity and
-// recovers from errors, nff_camera.cpp reads `v`, nff_objects.cpp the rest.
+// recovers from errors, nff_camera.cpp reads `v`, nff_objects.cpp the rest; nff_pieces.cpp has long
+// texts read in pieces, on all threads.
 #pragma once
 
 #include <optional>
@@ -33,8 +34,19 @@ class Parser {
     size_t number = 0;
   };
 
+  // Pieces (nff_pieces.cpp).
+  struct Piece;
+  Parser(const Parser& whole, const char* begin, TextReport& report);
+  const char* next_cut(const char* begin) const;
+  void read_pieces(const char* cut);
+  std::vector<Piece> some_pieces(const char* cut) const;
+  void read(Piece& piece) const;
+  void append(Piece& piece);
+
   // Walking (nff_read.cpp). `p_` is behind what has been read.
-  void entity(Keyword keyword);
+  void walk(const char* end);
+  Keyword entity();
+  void read_entity(Keyword keyword);
   void unknown(std::string_view word);
   void refuse(const RefusedWord& word, bool in_camera);
   void finish();

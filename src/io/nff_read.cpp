@@ -57,26 +57,38 @@ Parser::Parser(const TextBuffer& text, std::string_view file, TextReport& report
 }
 
 Scene Parser::run() {
-  for (;;) {
-    p_ = skip_blanks(p_);
-    if (*p_ == '\0') break;
-    begin_ = p_;
-    const std::string_view word = word_at(p_);
-    const Keyword keyword = find_keyword(word);
-    if (keyword == Keyword::none) {
-      unknown(word);
-      continue;
-    }
-    p_ += word.size();
-    keyword_ = keyword;
-    noun_ = noun_of(keyword);
-    entity(keyword);
-  }
+  // What pieces rely on must be known before them: the origin, which may change up to the first
+  // object, and that there is a material.
+  const char* cut = p_;
+  do walk(cut = next_cut(cut));
+  while (cut < text_.end() && !(object_seen_ && material_));
+  read_pieces(cut);
   finish();
   return std::move(scene_);
 }
 
-void Parser::entity(Keyword keyword) {
+/// Reads the entities up to `end`, a cut or the end of the text.
+void Parser::walk(const char* end) {
+  while ((p_ = skip_blanks(p_)) < end) entity();
+}
+
+/// Reads what begins at `p_`, and says what it was.
+Keyword Parser::entity() {
+  begin_ = p_;
+  const std::string_view word = word_at(p_);
+  const Keyword keyword = find_keyword(word);
+  if (keyword == Keyword::none) {
+    unknown(word);
+    return keyword;
+  }
+  p_ += word.size();
+  keyword_ = keyword;
+  noun_ = noun_of(keyword);
+  read_entity(keyword);
+  return keyword;
+}
+
+void Parser::read_entity(Keyword keyword) {
   switch (keyword) {
     case Keyword::v:
       return camera();

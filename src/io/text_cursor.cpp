@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <sys/stat.h>
+#include <tbb/parallel_for.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -10,6 +11,7 @@
 #include <limits>
 #include <new>
 #include <system_error>
+#include <vector>
 
 #include "base/memory.h"
 #include "io/file.h"
@@ -35,9 +37,34 @@ std::string system_message(int code) { return std::generic_category().message(co
 void TextBuffer::reserve(size_t size) {
   if (size <= capacity_ && bytes_) return;
   auto grown = std::make_unique_for_overwrite<char[]>(size + kPadding);
+  use_large_pages(grown.get(), size);
   if (size_ > 0) std::memcpy(grown.get(), bytes_.get(), size_);
   bytes_ = std::move(grown);
   capacity_ = size;
+}
+
+/// Reads from where the file stands, usually its beginning, as much as it has at most, on all
+/// threads. Where a read fails or ends early (the file was cut meanwhile), it stops without an
+/// error: the next read tells. A mapping of the file would save the copy, a few per cent of reading
+/// a scene, but a file that is cut while it is mapped ends the program by SIGBUS.
+void TextBuffer::read_known(int file, size_t file_size) {
+  constexpr size_t kChunk = size_t(1) << 21;
+  const off_t start = ::lseek(file, 0, SEEK_CUR);
+  if (start < 0 || size_t(start) > file_size) return;
+  const size_t size = file_size - size_t(start);
+  reserve(size + 1);                    // so that the end is seen without growing
+  const size_t chunks = size / kChunk;  // the rest is not worth it
+  std::vector<size_t> read(chunks, 0);
+  tbb::parallel_for(size_t(0), chunks, [&](size_t i) {
+    while (read[i] < kChunk) {
+      const size_t at = i * kChunk + read[i];
+      const ssize_t got = ::pread(file, bytes_.get() + at, kChunk - read[i], start + off_t(at));
+      if (got <= 0) break;
+      read[i] += size_t(got);
+    }
+  });
+  for (size_t i = 0; i < chunks && size_ == i * kChunk; ++i) size_ += read[i];
+  ::lseek(file, start + off_t(size_), SEEK_SET);
 }
 
 TextBuffer::TextBuffer(std::string_view text) {
@@ -65,9 +92,9 @@ std::expected<TextBuffer, std::string> TextBuffer::read_file(const std::filesyst
   if (S_ISREG(status.st_mode) && size_t(status.st_size) > most) return too_large();
   TextBuffer text;
   try {
-    // One byte more than the size, so that the end is seen without growing. Pipes have no size and
-    // grow.
-    text.reserve(S_ISREG(status.st_mode) ? size_t(status.st_size) + 1 : 0);
+    if (S_ISREG(status.st_mode)) text.read_known(file.id, size_t(status.st_size));
+    // What is left: pipes, whose size is not known, a file that grows, and in most cases only the
+    // end.
     text.reserve(std::max<size_t>(text.capacity_, 4096));
     for (;;) {
       if (text.size_ == text.capacity_) text.reserve(2 * text.capacity_);

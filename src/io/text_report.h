@@ -27,6 +27,11 @@ class TextReport {
 
   bool failed() const { return errors_.count > 0; }
 
+  /// An empty report of the same text, for a later part of it that is read on another thread, and
+  /// the taking of what it found in the end, as if it had been reported here.
+  TextReport of_part() const { return {text_, file_, most_}; }
+  void append(TextReport part);
+
   /// The line of an offset, from 1. Ascending offsets cost one pass over the text in all.
   int line_of(size_t offset);
 

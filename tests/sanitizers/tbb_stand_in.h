@@ -77,6 +77,11 @@ void parallel_for(Index first, Index last, const Body& body) {
   threads.join();
 }
 
+template <class First, class Second>
+void parallel_invoke(const First& first, const Second& second) {
+  parallel_for(0, 2, [&](int i) { i == 0 ? first() : second(); });
+}
+
 template <class Index>
 class blocked_range {
  public:

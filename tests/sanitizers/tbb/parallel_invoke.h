@@ -1,0 +1,1 @@
+#include "../tbb_stand_in.h"
