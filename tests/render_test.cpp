@@ -358,26 +358,36 @@ TEST(Render, APictureBeyondMemoryIsRefused) {
   EXPECT_NE(result.error().find("60000x60000"), std::string::npos);
 }
 
+std::array<int64_t, 3> fixed(const Film& film, Rgb rgb) {
+  const Vec3d v = Vec3d(rgb) * film.scale();
+  return {std::llrint(v.x), std::llrint(v.y), std::llrint(v.z)};
+}
+
 TEST(Film, SumsDoNotDependOnOrder) {
   std::mt19937 rng(1);
   std::vector<Rgb> values;
   for (int i = 0; i < 1000; ++i) values.push_back({float(rng()) * 1e-9f, float(rng() % 7), 1e-7f});
   Film forward(1, 1, 10, 1000), backward(1, 1, 10, 1000);
-  for (const Rgb& v : values) forward.add(0, v);
-  for (size_t i = values.size(); i-- > 0;) backward.add(0, values[i]);
+  for (const Rgb& v : values) forward.add(0, fixed(forward, v));
+  for (size_t i = values.size(); i-- > 0;) backward.add(0, fixed(backward, values[i]));
   EXPECT_TRUE(same_bytes(forward.resolve(1000), backward.resolve(1000)));
 }
 
-TEST(Film, HoldsBrightAndDimAndSurvivesTheImpossible) {
-  Film film(2, 1, 1e6, 4);
-  for (int i = 0; i < 4; ++i) film.add(0, {1e6f, 1, 1e-5f});
-  film.add(1, {std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN(), 0});
+TEST(Film, HoldsBrightAndDim) {
+  Film film(1, 1, 1e6, 4);
+  for (int i = 0; i < 4; ++i) film.add(0, fixed(film, Rgb(1e6f, 1, 1e-5f)));
   const Image image = film.resolve(4);
   EXPECT_FLOAT_EQ(image.at(0, 0).x, 1e6f);
   EXPECT_FLOAT_EQ(image.at(0, 0).y, 1);
   EXPECT_NEAR(image.at(0, 0).z, 1e-5f, 1e-10f);
-  EXPECT_FLOAT_EQ(image.at(1, 0).x, 1e6f / 4);
-  EXPECT_TRUE(std::isfinite(image.at(1, 0).y));
+}
+
+TEST(Render, SurvivesLightBeyondWhatFloatsHold) {
+  Scene s = looking_down();
+  add_plane(s, {{0, 0, 0}, {0, 0, 1}}, {{1e30f, 1e30f, 1}, 1e30f, 0, 1, 0, 1});
+  const Image image = picture(s, small(AccelKind::automatic, 8)).image;
+  for (const Rgb& p : image.pixels) EXPECT_TRUE(is_finite(p));
+  EXPECT_GT(image.at(4, 4).x, 1e30f);
 }
 
 TEST(Options, OpenValuesComeFromTheScene) {

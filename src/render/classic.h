@@ -41,8 +41,6 @@ struct ClassicScene {
 /// A rectangle of pixels, at most kTileSide wide and high.
 struct Tile {
   int x0, y0, x1, y1;
-
-  friend bool operator==(const Tile&, const Tile&) = default;
 };
 inline constexpr int kTileSide = 32;
 
@@ -51,9 +49,9 @@ class ClassicTracer {
  public:
   virtual ~ClassicTracer() = default;
 
-  /// Adds sample number `sample` of each pixel of the tile to the film, whose pixels no one else
-  /// touches meanwhile. Returns early when told to stop.
-  virtual void add_sample(const Tile& tile, uint32_t sample, Film& film) = 0;
+  /// Adds all samples of the tile's pixels, which no one else touches meanwhile, to the film;
+  /// unless told to stop.
+  virtual void render(const Tile& tile, Film& film) = 0;
 
   const RayCounts& counts() const { return counts_; }
 
@@ -63,6 +61,6 @@ class ClassicTracer {
 
 /// For the best instruction set that this machine has.
 std::unique_ptr<ClassicTracer> make_classic_tracer(const ClassicScene& scene,
-                                                   const RenderControl& control);
+                                                   RenderControl& control);
 
 }  // namespace raio

@@ -95,7 +95,8 @@ HWY_INLINE V3 offset_point(const V3& point, const V3& geometric, V scale, bool a
   return point + geometric * hn::Mul(hn::Set(d, along_normal ? k : -k), scale);
 }
 
-// Rays on their way, with the place in the ray tree (render/sampler.h) and the weight in the pixel.
+// Rays on their way, with the number of the pixel in the tile, the place in the ray tree
+// (render/sampler.h) and the weight in the pixel.
 struct PathRays {
   RayBatch rays;
   Column<uint32_t> pixel, branch;
@@ -131,6 +132,51 @@ struct PathRays {
   }
 };
 
+// The pixels' sums in the tile that is being rendered, in the film's fixed point: a part of the
+// film that stays in the nearest cache.
+class TileSums {
+ public:
+  void clear(const Film& film) {
+    bound_ = film.bound(), scale_ = film.scale();
+    for (auto& channel : sums_) std::fill_n(channel, kChunk, 0);
+  }
+
+  // The values in `mask`, one for each of `pixels`.
+  HWY_INLINE void add(const V3& values, const uint32_t* pixels, M mask) {
+    HWY_ALIGN int64_t fixed[3][kWidth];
+    to_fixed(values.x, fixed[0]), to_fixed(values.y, fixed[1]), to_fixed(values.z, fixed[2]);
+    uint8_t bits[8] = {};
+    hn::StoreMaskBits(d, mask, bits);
+    for (unsigned lanes = bits[0] | unsigned(bits[1]) << 8; lanes; lanes &= lanes - 1) {
+      const size_t k = hwy::Num0BitsBelowLS1Bit_Nonzero32(lanes);
+      for (int c = 0; c < 3; ++c) sums_[c][pixels[k]] += fixed[c][k];
+    }
+  }
+
+  void add_to(Film& film, const uint32_t* pixels, size_t count) const {
+    for (size_t i = 0; i < count; ++i) film.add(pixels[i], {sums_[0][i], sums_[1][i], sums_[2][i]});
+  }
+
+ private:
+  // A value beyond what floats hold counts as the bound.
+  HWY_INLINE void to_fixed(V value, int64_t* out) const {
+    const hn::CappedTag<double, kWidth> doubles;
+    const hn::Rebind<float, decltype(doubles)> floats;
+    const hn::Rebind<int64_t, decltype(doubles)> integers;
+    const auto bound = hn::Set(doubles, bound_), scale = hn::Set(doubles, scale_);
+    HWY_ALIGN float values[kWidth];
+    hn::Store(value, d, values);
+    for (size_t k = 0; k < kWidth; k += hn::Lanes(doubles)) {
+      const auto v = hn::PromoteTo(doubles, hn::Load(floats, values + k));
+      const auto clamped = hn::IfThenElse(hn::Lt(v, bound), v, bound);
+      hn::Store(hn::ConvertTo(integers, hn::Round(hn::Mul(clamped, scale))), integers, out + k);
+    }
+  }
+
+  double bound_ = 1, scale_ = 1;
+  int64_t sums_[3][kChunk + 8];  // as Floats
+};
+
 // What was hit and is being shaded.
 struct Vertices {
   Floats3 corner[3];                          // of a triangle; the first is the centre of a sphere
@@ -145,35 +191,34 @@ struct Vertices {
 
 class WideTracer final : public ClassicTracer {
  public:
-  WideTracer(const ClassicScene& scene, const RenderControl& control)
+  WideTracer(const ClassicScene& scene, RenderControl& control)
       : scene_(scene),
+        control_(control),
         waiting_(size_t(scene.options.depth) + 1),
         vertices_(std::make_unique<Vertices>()),
         hidden_(padded(kChunk)) {
     context_.stop = &control.stop;
   }
 
-  void add_sample(const Tile& tile, uint32_t sample, Film& film) override {
+  void render(const Tile& tile, Film& film) override {
+    list_pixels(tile);
+    sums_.clear(film);
     for (PathRays& w : waiting_) w.rays.clear();  // left over where a render was stopped
-    const WideSampler<D> sampler(scene_.sampler, sample);
-    if (!(tile == tile_)) list_pixels(tile);
-    make_eye_rays(sampler);
-    for (int level = 1; level > 0 && !context_.stopped();) {
-      if (waiting_[size_t(level)].rays.size() == 0) {
-        --level;
-        continue;
-      }
-      trace_level(level, sampler, film);
-      if (level < scene_.options.depth) ++level;
+    for (uint32_t s = 0; s < scene_.sampler.samples; ++s) {
+      const uint64_t before = counts_.total();
+      add_sample(WideSampler<D>(scene_.sampler, s));
+      if (context_.stopped()) return;
+      control_.rays_done += counts_.total() - before;
+      ++control_.work_done;
     }
     counts_.tests = context_.tests, counts_.steps = context_.steps;
+    sums_.add_to(film, pixel_, pixels_);
   }
 
  private:
   // In blocks of 4 x 2, two of which make 4 x 4, four of which make 8 x 8: structures take
   // neighbours of the batch together.
   void list_pixels(const Tile& tile) {
-    tile_ = tile;
     pixels_ = 0;
     const auto bit = [](size_t i, int from, int to) { return int(i >> from & 1) << to; };
     for (size_t i = 0; i < kChunk; ++i) {
@@ -183,6 +228,19 @@ class WideTracer final : public ClassicTracer {
       if (x >= tile.x1 || y >= tile.y1) continue;
       pixel_x_.at[pixels_] = float(x), pixel_y_.at[pixels_] = float(y);
       pixel_[pixels_++] = uint32_t(y) * uint32_t(scene_.options.width) + uint32_t(x);
+    }
+  }
+
+  void add_sample(const WideSampler<D>& sampler) {
+    make_eye_rays(sampler);
+    for (int level = 1; level > 0;) {
+      if (waiting_[size_t(level)].rays.size() == 0) {
+        --level;
+        continue;
+      }
+      trace_level(level, sampler);
+      if (context_.stopped()) return;
+      if (level < scene_.options.depth) ++level;
     }
   }
 
@@ -204,51 +262,44 @@ class WideTracer final : public ClassicTracer {
         ray = thin_lens(d, eye, x, y, lens, o.aperture, o.focus);
       }
       const V inf = hn::Set(d, std::numeric_limits<float>::infinity());
-      out.put(ray.origin, ray.dir, inf, pixel, branch, hn::Set(d, 1), all, i);
+      out.put(ray.origin, ray.dir, inf, hn::Iota(du, uint32_t(i)), branch, hn::Set(d, 1), all, i);
     }
     counts_.eye += pixels_;
   }
 
   // The last rays that wait at `level`: what they bring goes to the film, their children wait one
   // further.
-  void trace_level(int level, const WideSampler<D>& sampler, Film& film) {
+  void trace_level(int level, const WideSampler<D>& sampler) {
     current_.take_last(kChunk, waiting_[size_t(level)]);
     context_.coherent = level <= 3;  // eye rays and their first children mostly keep together
     scene_.accel.closest(current_.rays, hits_, context_);
     if (context_.stopped()) return;
-    drop_misses(film);
+    drop_misses();
     const size_t n = current_.rays.size();
     if (level == 1) counts_.eye_hits += n;
     if (n == 0) return;
     find_surfaces(n);
     for (size_t l = 0; l < scene_.emitters.size(); ++l) add_light(l, n, sampler);
     if (context_.stopped()) return;
-    for (size_t i = 0; i < n; i += kWidth) {
-      const V3 r = load(vertices_->radiance, i) * load(current_.weight, i);
-      store(r, vertices_->radiance, i);
-    }
-    const Floats3& r = vertices_->radiance;
-    for (size_t i = 0; i < n; ++i) film.add(current_.pixel[i], {r.x.at[i], r.y.at[i], r.z.at[i]});
-    if (scene_.any_mirror) reflect_rays(level, n, film);
-    if (scene_.any_transparent) refract_rays(level, n, film);
+    for (size_t i = 0; i < n; i += kWidth)
+      sums_.add(load(vertices_->radiance, i) * load(current_.weight, i), &current_.pixel[i],
+                hn::FirstN(d, n - i));
+    if (scene_.any_mirror) reflect_rays(level, n);
+    if (scene_.any_transparent) refract_rays(level, n);
   }
 
   // Gives the background to the rays that hit nothing and moves the others together. The lanes
   // after the last of them repeat it, so that they hold something sensible.
-  void drop_misses(Film& film) {
+  void drop_misses() {
     RayBatch& rays = current_.rays;
     const size_t n = rays.size();
-    const bool black = scene_.scene.background == Rgb();
     size_t kept = 0;
     for (size_t i = 0; i < n; i += kWidth) {
       const U item = load(hits_.item, i);
       const M in = hn::FirstN(d, n - i);
       const M found = hn::And(in, hn::RebindMask(d, hn::Ne(item, hn::Set(du, kNoItem))));
       const size_t count = hn::CountTrue(d, found);
-      if (!black && count < std::min(n - i, kWidth))
-        for (size_t k = i; k < std::min(n, i + kWidth); ++k)
-          if (hits_.item[k] == kNoItem)
-            film.add(current_.pixel[k], scene_.scene.background * current_.weight[k]);
+      add_background(load(current_.weight, i), &current_.pixel[i], hn::AndNot(found, in));
       if (kept < i || count < kWidth) {
         put(load(hits_.t, i), found, hits_.t, kept), put(item, found, hits_.item, kept);
         put(load(hits_.u, i), found, hits_.u, kept), put(load(hits_.v, i), found, hits_.v, kept);
@@ -373,8 +424,9 @@ class WideTracer final : public ClassicTracer {
     for (size_t i = 0; i < n; i += kWidth) {
       V3 target = set3(d, emitter.position);
       if (scene_.options.soft_shadows) {
-        const Wide2<D> p = sampler.in_square(load(current_.pixel, i), load(current_.branch, i),
-                                             kLight + uint32_t(l));
+        const U pixel =
+            hn::GatherIndex(du, pixel_, hn::BitCast(Signed<D>(), load(current_.pixel, i)));
+        const Wide2<D> p = sampler.in_square(pixel, load(current_.branch, i), kLight + uint32_t(l));
         const V half = hn::Set(d, 0.5f);
         target = target + (set3(d, emitter.edge_u) * hn::Sub(p.x, half) +
                            set3(d, emitter.edge_v) * hn::Sub(p.y, half));
@@ -422,9 +474,9 @@ class WideTracer final : public ClassicTracer {
 
   // A smooth triangle's normal can send a ray through the surface that it should leave; then the
   // geometric one decides.
-  void reflect_rays(int level, size_t n, Film& film) {
+  void reflect_rays(int level, size_t n) {
     const Vertices& v = *vertices_;
-    Children children(*this, level, n, film);
+    Children children(*this, level, n);
     for (size_t i = 0; i < n; i += kWidth) {
       const V ks = load(v.ks, i);
       const M mirrors = hn::And(hn::FirstN(d, n - i), hn::Gt(ks, hn::Zero(d)));
@@ -438,9 +490,9 @@ class WideTracer final : public ClassicTracer {
     children.done();
   }
 
-  void refract_rays(int level, size_t n, Film& film) {
+  void refract_rays(int level, size_t n) {
     const Vertices& v = *vertices_;
-    Children children(*this, level, n, film);
+    Children children(*this, level, n);
     for (size_t i = 0; i < n; i += kWidth) {
       const V transmission = load(v.transmission, i);
       const M clear = hn::And(hn::FirstN(d, n - i), hn::Gt(transmission, hn::Zero(d)));
@@ -462,8 +514,8 @@ class WideTracer final : public ClassicTracer {
   // background.
   class Children {
    public:
-    Children(WideTracer& tracer, int level, size_t n, Film& film)
-        : t_(tracer), film_(film), last_(level == tracer.scene_.options.depth) {
+    Children(WideTracer& tracer, int level, size_t n)
+        : t_(tracer), last_(level == tracer.scene_.options.depth) {
       if (last_) return;
       out_ = &t_.waiting_[size_t(level) + 1];
       size_ = out_->rays.size();
@@ -473,7 +525,7 @@ class WideTracer final : public ClassicTracer {
     size_t add(size_t i, const V3& origin, const V3& dir, V part, uint32_t side, M mask) {
       const V weight = hn::Mul(load(t_.current_.weight, i), part);
       if (last_) {
-        add_background(i, weight, mask);
+        t_.add_background(weight, &t_.current_.pixel[i], mask);
         return 0;
       }
       const U branch = load(t_.current_.branch, i);
@@ -489,26 +541,23 @@ class WideTracer final : public ClassicTracer {
     }
 
    private:
-    void add_background(size_t i, V weight, M mask) {
-      const Rgb background = t_.scene_.scene.background;
-      if (background == Rgb()) return;
-      HWY_ALIGN float weights[kWidth];
-      hn::Store(hn::IfThenElseZero(mask, weight), d, weights);
-      for (size_t k = 0; k < kWidth; ++k)
-        if (weights[k] > 0) film_.add(t_.current_.pixel[i + k], background * weights[k]);
-    }
-
     WideTracer& t_;
-    Film& film_;
     bool last_;
     PathRays* out_ = nullptr;
     size_t size_ = 0;
   };
 
+  void add_background(V weight, const uint32_t* pixels, M mask) {
+    const Rgb background = scene_.scene.background;
+    if (background == Rgb() || hn::AllFalse(d, mask)) return;
+    sums_.add(set3(d, background) * weight, pixels, mask);
+  }
+
   const ClassicScene& scene_;
+  RenderControl& control_;
   TraceContext context_;
-  Tile tile_{0, 0, 0, 0};  // whose pixels are listed:
-  size_t pixels_ = 0;
+  TileSums sums_;
+  size_t pixels_ = 0;  // of the tile:
   Floats pixel_x_, pixel_y_;
   alignas(64) uint32_t pixel_[kChunk];
   std::vector<PathRays> waiting_;  // by level
@@ -519,8 +568,7 @@ class WideTracer final : public ClassicTracer {
   std::vector<uint8_t> hidden_;
 };
 
-std::unique_ptr<ClassicTracer> make_tracer(const ClassicScene& scene,
-                                           const RenderControl& control) {
+std::unique_ptr<ClassicTracer> make_tracer(const ClassicScene& scene, RenderControl& control) {
   return std::make_unique<WideTracer>(scene, control);
 }
 
@@ -534,7 +582,7 @@ namespace raio {
 HWY_EXPORT(make_tracer);
 
 std::unique_ptr<ClassicTracer> make_classic_tracer(const ClassicScene& scene,
-                                                   const RenderControl& control) {
+                                                   RenderControl& control) {
   return HWY_DYNAMIC_DISPATCH(make_tracer)(scene, control);
 }
 

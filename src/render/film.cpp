@@ -17,11 +17,6 @@ Film::Film(int width, int height, double bound, uint64_t samples)
   scale_ = std::ldexp(1.0, std::min(62 - exponent, 40));
 }
 
-void Film::add(const uint32_t* pixels, const float* r, const float* g, const float* b,
-               size_t count) {
-  for (size_t i = 0; i < count; ++i) add(pixels[i], {r[i], g[i], b[i]});
-}
-
 Image Film::resolve(int samples_per_pixel) const {
   Image image(width_, height_);
   const double unit = 1 / (scale_ * samples_per_pixel);

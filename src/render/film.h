@@ -1,7 +1,7 @@
 // Where samples are added up.
 #pragma once
 
-#include <cmath>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -17,13 +17,13 @@ class Film {
   /// `bound`: no sample of a pixel brings more than this; `samples`: at most so many are added.
   Film(int width, int height, double bound, uint64_t samples);
 
-  void add(size_t pixel, Rgb value) {
-    int64_t* s = &sums_[pixel * 3];
-    s[0] += fixed(value.x), s[1] += fixed(value.y), s[2] += fixed(value.z);
-  }
+  /// A value v counts as the integer nearest to min(v, bound) * scale.
+  double bound() const { return bound_; }
+  double scale() const { return scale_; }
 
-  /// Values n of pixels[n].
-  void add(const uint32_t* pixels, const float* r, const float* g, const float* b, size_t count);
+  void add(size_t pixel, std::array<int64_t, 3> rgb) {
+    for (size_t c = 0; c < 3; ++c) sums_[pixel * 3 + c] += rgb[c];
+  }
 
   int width() const { return width_; }
   int height() const { return height_; }
@@ -32,11 +32,6 @@ class Film {
   Image resolve(int samples_per_pixel) const;
 
  private:
-  // A value beyond what floats hold counts as the bound.
-  int64_t fixed(float value) const {
-    return std::llrint((double(value) < bound_ ? double(value) : bound_) * scale_);
-  }
-
   int width_, height_;
   double bound_, scale_;
   std::vector<int64_t> sums_;  // r, g, b per pixel

@@ -65,13 +65,7 @@ std::expected<std::optional<RenderResult>, std::string> render(const Scene& scen
       const int x = int(t % size_t(columns)) * kTileSide, y = int(t / size_t(columns)) * kTileSide;
       const Tile tile{x, y, std::min(x + kTileSide, options.width),
                       std::min(y + kTileSide, options.height)};
-      ClassicTracer& tracer = *tracers.local();
-      for (uint32_t s = 0; s < samples && !control.stop; ++s) {
-        const uint64_t before = tracer.counts().total();
-        tracer.add_sample(tile, s, film);
-        control.rays_done += tracer.counts().total() - before;
-        ++control.work_done;
-      }
+      if (!control.stop) tracers.local()->render(tile, film);
     });
   });
   if (control.stop) return std::nullopt;
