@@ -53,7 +53,7 @@ void walk(const Bvh& bvh, size_t count, Lists& lists, Crowd& crowd) {
     const Waiting w = stack[--top];
     const size_t n = w.end - w.begin;
     if (bvh_kind(w.ref) != BvhChild::node) {
-      crowd.leaf(w.ref, w.nearest, lists.ids.data() + w.begin, n);
+      crowd.leaf(w.ref, lists.ids.data() + w.begin, n);
       continue;
     }
     lists.reserve(w.used + kBvhWidth * n + kIdLanes);

@@ -30,7 +30,10 @@ class Tracer {
         room_(room),
         context_(context),
         beams_(g_.two_sided(ItemKind::sphere) && g_.two_sided(ItemKind::triangle) &&
-               g_.two_sided(ItemKind::cone)) {}
+               g_.two_sided(ItemKind::cone)),
+        few_(g_.count(ItemKind::sphere) + 2 * g_.count(ItemKind::triangle) +
+                 4 * g_.count(ItemKind::cone) <=
+             kFew) {}
 
   // Rays first, first + 1, ... of the batch, at most kChunk; hits go to `hits` or `hit`.
   void trace(const RayBatch& rays, size_t first, HitBatch* hits, uint8_t* hit) {
@@ -45,35 +48,41 @@ class Tracer {
                .axes = room_.shear[3]};
     start(b, &rays.tmax[first]);
     for (uint32_t i = 0; i < g_.count(ItemKind::plane); ++i) meet_plane(b, i);
-    if (!bvh_.nodes.empty()) {
-      Rays<any> rays_alone(g_, bvh_, b, room_.rays, context_);
-      Beams<any> beams(g_, bvh_, b, room_.beams, context_);
-      Lists& lists = room_.lists;
-      lists.reserve(kChunk + kPacket);
-      const uint32_t packets = uint32_t(padded(b.count) / kPacket);
-      uint32_t alone[kChunk / kPacket];
-      size_t n = 0, n_alone = 0;
-      for (uint32_t p = 0; p < packets; ++p) {
-        if (!bvh_.triangles.empty()) b.shear_packet(p * kPacket);
-        if (!beams_ || !beams.form(p))
-          alone[n_alone++] = p;
-        else if (beams.alive(p))
-          lists.ids[n++] = p;
-      }
-      if (n > 0) walk(bvh_, n, lists, beams);
-      if (beams_)
-        for (uint32_t p = 0; p < packets; ++p)
-          if (beams.gave_up(p)) alone[n_alone++] = p;
-      n = 0;
-      for (size_t i = 0; i < n_alone; ++i)
-        n = rays_alone.add_packet(size_t(alone[i]) * kPacket, lists.ids.data(), n);
-      if (n > 0) walk(bvh_, n, lists, rays_alone);
-    }
+    if (!bvh_.nodes.empty()) trace_tree(b);
     if (any)
       for (size_t i = 0; i < b.count; ++i) hit[first + i] = b.t[i] == kHidden;
   }
 
  private:
+  // Rays that keep together as beams, then all others each on its own.
+  void trace_tree(Batch& b) {
+    Rays<any> rays(g_, bvh_, b, room_.rays, context_);
+    Beams<any> beams(g_, bvh_, b, room_.beams, context_);
+    Lists& lists = room_.lists;
+    lists.reserve(kChunk + kPacket);
+    const uint32_t packets = uint32_t(padded(b.count) / kPacket);
+    uint32_t alone[kChunk / kPacket];
+    size_t n = 0, n_alone = 0;
+    for (uint32_t p = 0; p < packets; ++p) {
+      if (!bvh_.triangles.empty()) b.shear_packet(p * kPacket);
+      if (beams_ && beams.form(p)) {
+        if (beams.alive(p)) lists.ids[n++] = p;
+      } else if (beams_ && few_) {
+        beams.meet_all(p);
+      } else {
+        alone[n_alone++] = p;
+      }
+    }
+    if (n > 0) walk(bvh_, n, lists, beams);
+    if (beams_)
+      for (uint32_t p = 0; p < packets; ++p)
+        if (beams.gave_up(p)) alone[n_alone++] = p;
+    n = 0;
+    for (size_t i = 0; i < n_alone; ++i)
+      n = rays.add_packet(size_t(alone[i]) * kPacket, lists.ids.data(), n);
+    if (n > 0) walk(bvh_, n, lists, rays);
+  }
+
   void start(Batch& b, const float* tmax) {
     const auto& f = kSixteen;
     const hn::RebindToUnsigned<decltype(kSixteen)> ids;
@@ -103,7 +112,10 @@ class Tracer {
   const Bvh& bvh_;
   Room& room_;
   TraceContext& context_;
+  static constexpr size_t kFew = 32;  // measured
+
   bool beams_;  // surfaces seen from one side only go ray by ray
+  bool few_;    // so few primitives that every ray is tested against all
 };
 
 template <bool any>
