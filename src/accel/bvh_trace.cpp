@@ -1,5 +1,7 @@
 // The walks of the eight-wide tree, compiled once for each instruction set (Highway's
 // foreach_target) and chosen when the program runs.
+#include <memory>
+
 #include "accel/bvh.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -20,6 +22,11 @@ struct Room {
   Beam beams[kChunk / kPacket];
   Lists lists;
 };
+
+Room& own_room() {
+  static thread_local const auto room = std::make_unique<Room>();
+  return *room;
+}
 
 template <bool any>
 class Tracer {
@@ -96,8 +103,42 @@ class Tracer {
     for (size_t i = b.count; i < padded(b.count); ++i) b.t[i] = -1;
   }
 
-  // All rays against one plane, in double as shape/plane.h has it.
+  // All rays against one plane, in double and in the order of shape/plane.h.
   void meet_plane(Batch& b, uint32_t index) {
+    context_.tests += b.count;
+    if (!g_.two_sided(ItemKind::plane)) return meet_plane_one_by_one(b, index);
+    const Plane& plane = g_.plane(index);
+    const ItemId item = item_id(ItemKind::plane, index);
+    const DemotedTag f;
+    const auto& wide = kDoubles;
+    const VD normal[3] = {hn::Set(wide, double(plane.normal.x)),
+                          hn::Set(wide, double(plane.normal.y)),
+                          hn::Set(wide, double(plane.normal.z))};
+    for (size_t i = 0; i < b.count; i += kLanesD) {
+      const auto load = [&](const float* x)
+                            HWY_ATTR { return hn::PromoteTo(wide, hn::Load(f, x + i)); };
+      VD d[3], to_plane[3];
+      for (int a = 0; a < 3; ++a) {
+        d[a] = load(b.d[a]);
+        to_plane[a] = hn::Sub(hn::Set(wide, double(plane.point[a])), load(b.o[a]));
+      }
+      const VD along = dot(wide, normal[0], normal[1], normal[2], d[0], d[1], d[2]);
+      const VD height =
+          dot(wide, normal[0], normal[1], normal[2], to_plane[0], to_plane[1], to_plane[2]);
+      // For a parallel ray infinite or not a number, neither of which is nearer than anything.
+      const auto t = hn::DemoteTo(f, hn::Div(height, along));
+      const auto best = hn::Load(f, b.t + i);
+      // Planes have the lowest ids of all, and come in their order: the first stays.
+      const auto taken = hn::And(hn::Gt(t, hn::Zero(f)), hn::Lt(t, best));
+      if (hn::AllFalse(f, taken)) continue;
+      hn::BlendedStore(any ? hn::Set(f, kHidden) : t, taken, f, b.t + i);
+      if (any) continue;
+      const hn::RebindToUnsigned<DemotedTag> ids;
+      hn::BlendedStore(hn::Set(ids, item), hn::RebindMask(ids, taken), ids, b.item + i);
+    }
+  }
+
+  void meet_plane_one_by_one(Batch& b, uint32_t index) {
     for (size_t i = 0; i < b.count; ++i) {
       RayQuery query(b.ray(i));
       if (!any) query.best.item = b.item[i];
@@ -105,7 +146,6 @@ class Tracer {
       b.t[i] = any ? kHidden : query.best.t;
       if (!any) b.item[i] = query.best.item;
     }
-    context_.tests += b.count;
   }
 
   const Geometry& g_;
@@ -121,8 +161,7 @@ class Tracer {
 template <bool any>
 void trace_all(const Geometry& g, const Bvh& bvh, const RayBatch& rays, HitBatch* hits,
                uint8_t* hit, TraceContext& context) {
-  static thread_local const auto room = std::make_unique<Room>();
-  Tracer<any> tracer(g, bvh, *room, context);
+  Tracer<any> tracer(g, bvh, own_room(), context);
   for (size_t i = 0; i < rays.size() && !context.stopped(); i += kChunk)
     tracer.trace(rays, i, hits, hit);
 }
