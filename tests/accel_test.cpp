@@ -70,12 +70,37 @@ RayBatch awkward_rays(const Scene& scene, int count, uint32_t seed) {
   return rays;
 }
 
-// What travels in packets: pixel by pixel.
+// The scene with both sides of everything to be seen, as rays that travel together want it.
+Scene two_sided(Scene scene) {
+  for (Sphere& s : scene.spheres) s.radius = std::abs(s.radius);
+  for (Cone& c : scene.cones)
+    c.base_radius = std::abs(c.base_radius), c.apex_radius = std::abs(c.apex_radius);
+  return scene;
+}
+
+// As renderers have them: towards a light from where eye rays hit, in their order, and with rays
+// that need no test among them.
+RayBatch shadow_rays(const Accel& accel, const RayBatch& eye, Vec3f light) {
+  HitBatch hits;
+  TraceContext context;
+  accel.closest(eye, hits, context);
+  RayBatch rays;
+  for (size_t i = 0; i < eye.size(); ++i) {
+    const Vec3f point = eye[i].at(hits[i].found() ? 0.999f * hits[i].t : 1.0f);
+    const Vec3f to_light = light - point;
+    const float distance = length(to_light);
+    rays.push({point, to_light / distance, hits[i].found() && i % 5 ? distance : -1.0f});
+  }
+  return rays;
+}
+
+// What travels in packets: blocks of pixels.
 RayBatch eye_rays(const Scene& scene, int side) {
   RayBatch rays;
   const EyeRays eye(scene.camera, side, side);
-  for (int y = 0; y < side; ++y)
-    for (int x = 0; x < side; ++x) rays.push(eye.pinhole(float(x), float(y)));
+  for (int y = 0; y < side; y += 4)
+    for (int x = 0; x < side; x += 4)
+      for (int k = 0; k < 16; ++k) rays.push(eye.pinhole(float(x + k % 4), float(y + k / 4)));
   return rays;
 }
 
@@ -157,6 +182,91 @@ TEST(Accel, TheTreeFindsTheVeryHitsOfBruteForce) {
         }
   }
   hwy::SetSupportedTargetsForTest(0);
+}
+
+// Long batches of all sorts of rays by every way through the tree: as beams of sixteen, each in the
+// stream, against all of a few primitives.
+TEST(Accel, RaysThatTravelTogetherFindTheVeryHitsOfBruteForce) {
+  for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    hwy::SetSupportedTargetsForTest(target);
+    for (const Placement& place : kPlacements)
+      for (const int count : {3, 12, 1000}) {
+        const Scene scene = two_sided(random_scene(count, 11, place.scale, place.shift));
+        const auto oracle = build(scene, {.kind = AccelKind::none});
+        const auto tree = build(scene, {.kind = AccelKind::bvh});
+        RayBatch rays = eye_rays(scene, 40);
+        for (const Light& light : scene.lights) {
+          const RayBatch shadow = shadow_rays(*oracle, eye_rays(scene, 28), light.position);
+          for (size_t i = 0; i < shadow.size(); ++i) rays.push(shadow[i]);
+        }
+        const RayBatch awkward = awkward_rays(scene, 500, 6);
+        for (size_t i = 0; i < awkward.size(); ++i) rays.push(awkward[i]);
+        const Disagreement d = disagreement(*oracle, *tree, rays, true, true);
+        EXPECT_EQ(d.closest, 0u) << hwy::TargetName(target) << " " << place.scale << " " << count;
+        EXPECT_EQ(d.occluded, 0u) << hwy::TargetName(target) << " " << place.scale << " " << count;
+      }
+  }
+  hwy::SetSupportedTargetsForTest(0);
+}
+
+TEST(Accel, BatchesOfAnyLengthAreTracedToTheLast) {
+  const Scene scene = two_sided(random_scene(300, 8));
+  const auto oracle = build(scene, {.kind = AccelKind::none});
+  const auto tree = build(scene, {.kind = AccelKind::bvh});
+  const RayBatch eye = eye_rays(scene, 48);
+  for (const size_t length : {0, 1, 2, 15, 16, 17, 63, 1023, 1024, 1025, 2049}) {
+    RayBatch rays;
+    for (size_t i = 0; i < length; ++i) rays.push(eye[i]);
+    const Disagreement d = disagreement(*oracle, *tree, rays, true);
+    EXPECT_EQ(d.closest, 0u) << length;
+    EXPECT_EQ(d.occluded, 0u) << length;
+  }
+}
+
+// A million rays from inside a closed mesh through the edges that its triangles share: none leaks,
+// be it in a beam or on its own.
+TEST(Accel, MeshesAreWatertightForRaysThatTravelTogether) {
+  for (const int side : {1, 24}) {  // a few triangles, and a tree
+    Scene scene;
+    scene.materials = {{}};
+    for (int face = 0; face < 6; ++face)
+      for (int y = 0; y <= side; ++y)
+        for (int x = 0; x <= side; ++x) {
+          Vec3f p;
+          const float u = 2 * float(x) / float(side) - 1, v = 2 * float(y) / float(side) - 1;
+          p[face % 3] = face < 3 ? -1.0f : 1.0f;
+          p[(face + 1) % 3] = u, p[(face + 2) % 3] = v;
+          scene.positions.push_back(p * (1 + 0.2f * std::sin(7 * p.x) * std::cos(5 * p.y - p.z)));
+          if (x == side || y == side) continue;
+          const uint32_t i = uint32_t(scene.positions.size()) - 1, up = i + uint32_t(side) + 1;
+          scene.triangles.push_back({i, i + 1, up + 1});
+          scene.triangles.push_back({i, up + 1, up});
+        }
+    scene.triangle_materials.assign(scene.triangles.size(), 0);
+    const auto tree = build(scene, {.kind = AccelKind::bvh});
+    std::mt19937 rng(5);
+    std::uniform_real_distribution<float> unit(0, 1);
+    size_t leaks = 0, total = 0;
+    for (int round = 0; round < 500; ++round) {
+      RayBatch rays;
+      HitBatch hits;
+      TraceContext context;
+      while (rays.size() < 1024) {
+        const Vec3f from = Vec3f(unit(rng), unit(rng), unit(rng)) * 0.5f - Vec3f(0.25f);
+        const TriangleIndices& t = scene.triangles[rng() % scene.triangles.size()];
+        const Vec3f a = scene.positions[t[0]], b = scene.positions[t[rng() % 2 + 1]];
+        for (int i = 0; i < (round % 2 ? 16 : 1); ++i)  // a beam along the edge, or one alone
+          rays.push({from, normalize(a + (b - a) * unit(rng) - from)});
+      }
+      tree->closest(rays, hits, context);
+      for (size_t i = 0; i < rays.size(); ++i) leaks += !hits[i].found();
+      std::vector<uint8_t> hidden(padded(rays.size()));
+      tree->occluded(rays, hidden.data(), context);
+      for (size_t i = 0; i < rays.size(); ++i) leaks += !hidden[i];
+      total += 2 * rays.size();
+    }
+    EXPECT_EQ(leaks, 0u) << "of " << total << ", side " << side;
+  }
 }
 
 TEST(Accel, TheTreeIsTheSameForAnyNumberOfThreads) {

@@ -79,7 +79,7 @@ struct Bvh {
 Bvh build_bvh(const Geometry& geometry);
 
 /// The walks, for the best instruction set that this machine has. Hits are those of brute force, to
-/// the last bit. With `context.coherent`, neighbouring rays travel together.
+/// the last bit. Sixteen neighbours of a batch that keep together travel as one.
 void bvh_closest(const Geometry& geometry, const Bvh& bvh, const RayBatch& rays, HitBatch& hits,
                  TraceContext& context);
 void bvh_occluded(const Geometry& geometry, const Bvh& bvh, const RayBatch& rays, uint8_t* hit,

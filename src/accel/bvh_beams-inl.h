@@ -138,6 +138,19 @@ class Beams {
     return true;
   }
 
+  // The sixteen rays from 16 * id against everything, for trees that are but a few blocks.
+  HWY_INLINE void meet_all(uint32_t id) {
+    const auto all = [&](const auto& blocks, auto&& test) {
+      for (const auto& block : blocks) {
+        for_bits(BoxLanes::named(block.item), [&](int k) { test(block, k); });
+        context_.tests += kBvhWidth * kPacket;
+      }
+    };
+    all(bvh_.spheres, [&](const SphereBlock& b, int k) { meet_sphere(b, k, id); });
+    all(bvh_.triangles, [&](const TriangleBlock& b, int k) { meet_triangle<false>(b, k, id); });
+    all(bvh_.cones, [&](const ConeBlock& b, int k) { meet_cone(b, k, id); });
+  }
+
   bool gave_up(uint32_t id) const { return beams_[id].formed && beams_[id].tests_left < 0; }
   bool alive(uint32_t id) const { return beams_[id].t > 0; }
 
@@ -148,14 +161,14 @@ class Beams {
     return boxes.meet(b.inverse[0], b.inverse[1], b.offset[0], b.offset[1], b.t, nearest);
   }
 
-  HWY_INLINE void leaf(uint32_t ref, float nearest, const uint32_t* ids, size_t n) {
+  HWY_INLINE void leaf(uint32_t ref, const uint32_t* ids, size_t n) {
     const uint32_t block = bvh_index(ref);
     V8 unused[kParts];
     for (V8& x : unused) x = hn::Zero(kEight);
     const auto each = [&](auto&& which, auto&& test) {
       for (size_t i = 0; i < n; ++i) {
         Beam& b = beams_[ids[i]];
-        if (!(b.t >= nearest)) continue;
+        if (!(b.t > 0)) continue;
         const unsigned mask = which(ids[i]);
         if (mask == 0) continue;
         const int tests = int(hwy::PopCount(mask));
@@ -180,7 +193,7 @@ class Beams {
         const TriangleBlock& triangles = bvh_.triangles[block];
         const BoxLanes boxes(triangles);
         return each([&](uint32_t id) { return meet(id, boxes, unused); },
-                    [&](int k, uint32_t id) { meet_triangle(triangles, k, id); });
+                    [&](int k, uint32_t id) { meet_triangle<true>(triangles, k, id); });
       }
       default: {
         const ConeBlock& cones = bvh_.cones[block];
@@ -288,31 +301,56 @@ class Beams {
     const V16 x = hn::Set(f, block.x[k]), y = hn::Set(f, block.y[k]), z = hn::Set(f, block.z[k]);
     const V16 radius = hn::Set(f, block.radius[k]);
     for (size_t i = id * kPacket; i < (id + 1) * kPacket; i += kLanes16) {
-      const auto hit = sphere_test(
+      const auto hit = chord_test(
           f, hn::Sub(x, hn::Load(f, batch_.o[0] + i)), hn::Sub(y, hn::Load(f, batch_.o[1] + i)),
           hn::Sub(z, hn::Load(f, batch_.o[2] + i)), radius, hn::Load(f, batch_.d[0] + i),
           hn::Load(f, batch_.d[1] + i), hn::Load(f, batch_.d[2] + i));
-      offer(i, hit.in, hit.t, block.item[k], hn::Zero(f), hn::Zero(f));
+      if (hn::AllFalse(f, hit.in)) continue;
+      const V16 t = chord_distance(f, hit.middle, hit.d2);
+      offer(i, hn::And(hit.in, hn::Gt(t, hn::Zero(f))), t, block.item[k], hn::Zero(f), hn::Zero(f));
     }
   }
 
+  // Components along the axes of kShearAxes, lane by lane.
+  static HWY_INLINE void permute(V16 axes, V16 x, V16 y, V16 z, V16& across, V16& along,
+                                 V16& depth) {
+    const auto& f = kSixteen;
+    const M16 down = hn::Ge(axes, hn::Set(f, 3));
+    const V16 axis = hn::IfThenElse(down, hn::Sub(axes, hn::Set(f, 3)), axes);
+    const M16 first = hn::Lt(axis, hn::Set(f, 1)), last = hn::Gt(axis, hn::Set(f, 1));
+    depth = hn::IfThenElse(first, x, hn::IfThenElse(last, z, y));
+    const V16 next = hn::IfThenElse(first, y, hn::IfThenElse(last, x, z));
+    const V16 after = hn::IfThenElse(first, z, hn::IfThenElse(last, y, x));
+    across = hn::IfThenElse(down, after, next), along = hn::IfThenElse(down, next, after);
+  }
+
+  // `alike`: the rays are those of a beam, whose axes are the same.
+  template <bool alike>
   HWY_INLINE void meet_triangle(const TriangleBlock& block, int k, uint32_t id) {
     const auto& f = kSixteen;
-    const uint8_t* const axes = beams_[id].axes;
     for (size_t i = id * kPacket; i < (id + 1) * kPacket; i += kLanes16) {
+      const V16 axes = hn::Load(f, batch_.axes + i);
       V16 x[3], y[3], z[3];
       for (int c = 0; c < 3; ++c) {
-        const auto corner = [&](int a) {
-          return hn::Sub(hn::Set(f, block.corner[c][axes[a]][k]),
-                         hn::Load(f, batch_.o[axes[a]] + i));
+        const auto corner = [&](int a) HWY_ATTR {
+          return hn::Sub(hn::Set(f, block.corner[c][a][k]), hn::Load(f, batch_.o[a] + i));
         };
-        const V16 depth = corner(2);
-        x[c] = hn::Sub(corner(0), hn::Mul(hn::Load(f, batch_.shear[0] + i), depth));
-        y[c] = hn::Sub(corner(1), hn::Mul(hn::Load(f, batch_.shear[1] + i), depth));
+        V16 across, along, depth;
+        if (alike) {
+          const uint8_t* const order = beams_[id].axes;
+          across = corner(order[0]), along = corner(order[1]), depth = corner(order[2]);
+        } else {
+          permute(axes, corner(0), corner(1), corner(2), across, along, depth);
+        }
+        x[c] = hn::Sub(across, hn::Mul(hn::Load(f, batch_.shear[0] + i), depth));
+        y[c] = hn::Sub(along, hn::Mul(hn::Load(f, batch_.shear[1] + i), depth));
         z[c] = hn::Mul(hn::Load(f, batch_.shear[2] + i), depth);
       }
       const auto hit = edge_test(f, x, y, z);
-      offer(i, hit.in, hit.t, block.item[k], hit.u, hit.v);
+      if (hn::AllFalse(f, hit.in)) continue;
+      const V16 t = hn::Div(hit.t, hit.det);
+      offer(i, hn::And(hit.in, hn::Gt(t, hn::Zero(f))), t, block.item[k], hn::Div(hit.u, hit.det),
+            hn::Div(hit.v, hit.det));
     }
   }
 

@@ -127,35 +127,36 @@ HWY_INLINE V finite_inverse(D d, V x) {
                         hn::Div(hn::Set(d, 1), x));
 }
 
-// Distances to the spheres whose centres lie at (x, y, z) from the rays' origins, and which of them
-// are hit in front of the ray. shape/sphere.h explains.
+// Which lines of rays hit the spheres whose centres lie at (x, y, z) from their origins, and by
+// middle and square of half of the chord where. shape/sphere.h explains.
 template <class D>
 struct SphereLanes {
   hn::Mask<D> in;
-  hn::Vec<D> t;
+  hn::Vec<D> middle, d2;
 };
 template <class D, class V = hn::Vec<D>>
-HWY_INLINE SphereLanes<D> sphere_test(D d, V x, V y, V z, V radius, V dx, V dy, V dz) {
-  const V zero = hn::Zero(d);
+HWY_INLINE SphereLanes<D> chord_test(D d, V x, V y, V z, V radius, V dx, V dy, V dz) {
   const V middle = dot(d, x, y, z, dx, dy, dz);
   const V px = hn::Sub(x, hn::Mul(dx, middle));
   const V py = hn::Sub(y, hn::Mul(dy, middle));
   const V pz = hn::Sub(z, hn::Mul(dz, middle));
   const V d2 = hn::Sub(hn::Mul(radius, radius), dot(d, px, py, pz, px, py, pz));
-  const auto hit = hn::Ge(d2, zero);
-  if (hn::AllFalse(d, hit)) return {hit, zero};
-  const V half = hn::Sqrt(hn::Max(d2, zero));
+  return {hn::Ge(d2, hn::Zero(d)), middle, d2};
+}
+// The distance; not positive for spheres behind the ray.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V chord_distance(D d, V middle, V d2) {
+  const V half = hn::Sqrt(d2);
   const V entry = hn::Sub(middle, half);
-  const V t = hn::IfThenElse(hn::Gt(entry, zero), entry, hn::Add(middle, half));
-  return {hn::And(hit, hn::Gt(t, zero)), t};
+  return hn::IfThenElse(hn::Gt(entry, hn::Zero(d)), entry, hn::Add(middle, half));
 }
 
-// Distances and weights of the triangles with sheared corners (x, y, z), and which of them are hit
-// in front of the ray. shape/triangle.h explains.
+// Distances and weights of the triangles with sheared corners (x, y, z), all still to be divided by
+// `det`, and which of them the lines of the rays hit. shape/triangle.h explains.
 template <class D>
 struct TriangleLanes {
   hn::Mask<D> in;
-  hn::Vec<D> t, u, v;
+  hn::Vec<D> det, t, u, v;
 };
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE TriangleLanes<D> edge_test(D d, const V* x, const V* y, const V* z) {
@@ -163,14 +164,11 @@ HWY_INLINE TriangleLanes<D> edge_test(D d, const V* x, const V* y, const V* z) {
   const V u = hn::Sub(hn::Mul(x[2], y[1]), hn::Mul(y[2], x[1]));
   const V v = hn::Sub(hn::Mul(x[0], y[2]), hn::Mul(y[0], x[2]));
   const V w = hn::Sub(hn::Mul(x[1], y[0]), hn::Mul(y[1], x[0]));
-  const auto minus = hn::Or(hn::Or(hn::Lt(u, zero), hn::Lt(v, zero)), hn::Lt(w, zero));
-  const auto plus = hn::Or(hn::Or(hn::Gt(u, zero), hn::Gt(v, zero)), hn::Gt(w, zero));
-  const auto out = hn::And(minus, plus);
-  if (hn::AllTrue(d, out)) return {hn::Not(out), zero, zero, zero};
+  const V smallest = hn::Min(hn::Min(u, v), w), largest = hn::Max(hn::Max(u, v), w);
   const V det = hn::Add(hn::Add(u, v), w);
-  const V t = hn::Div(hn::Add(hn::Add(hn::Mul(u, z[0]), hn::Mul(v, z[1])), hn::Mul(w, z[2])), det);
-  return {hn::AndNot(out, hn::And(hn::Ne(det, zero), hn::Gt(t, zero))), t, hn::Div(v, det),
-          hn::Div(w, det)};
+  const V t = hn::Add(hn::Add(hn::Mul(u, z[0]), hn::Mul(v, z[1])), hn::Mul(w, z[2]));
+  const auto out = hn::And(hn::Lt(smallest, zero), hn::Gt(largest, zero));
+  return {hn::AndNot(out, hn::Ne(det, zero)), det, t, v, w};
 }
 
 // The axes of ShearedRay by one number: its kz, plus 3 where the ray goes down that axis.

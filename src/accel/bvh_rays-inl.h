@@ -91,9 +91,20 @@ HWY_INLINE void transpose(const float* column, size_t step, float* row, size_t r
 #endif
 }
 
+// A ray that may hit some of a leaf's eight primitives: which, and what tells where.
+struct alignas(64) Candidate {
+  float t[kBvhWidth];    // the distance; of spheres the middle of the chord, of triangles t * det
+  float det[kBvhWidth];  // of spheres the square of half of the chord
+  float u[kBvhWidth], v[kBvhWidth];  // times det
+  uint32_t id;
+  unsigned mask;
+};
+constexpr size_t kCandidates = 64;
+
 struct RayRoom {
   StreamRay rays[kChunk];
   StreamShear shears[kChunk];
+  Candidate candidates[kCandidates];
 };
 
 template <bool any>
@@ -106,6 +117,7 @@ class Rays {
         batch_(batch),
         rays_(room.rays),
         shears_(room.shears),
+        candidates_(room.candidates),
         context_(context) {}
 
   // Makes the rays of a packet ready and adds to the list those that are not done.
@@ -151,128 +163,149 @@ class Rays {
     return boxes.meet(r.inverse, r.inverse, r.lower, r.upper, r.t, nearest);
   }
 
-  HWY_INLINE void leaf(uint32_t ref, float nearest, const uint32_t* ids, size_t n) {
+  HWY_INLINE void leaf(uint32_t ref, const uint32_t* ids, size_t n) {
     const uint32_t block = bvh_index(ref);
-    const auto each = [&](const ItemId* items, ItemKind kind, auto&& test) {
-      if (!g_.two_sided(kind)) {
-        for (size_t i = 0; i < n; ++i) meet_items(items, ids[i]);
-      } else {
-        for (size_t i = 0; i < n; ++i)
-          if (rays_[ids[i]].t >= nearest) test(ids[i]);
-      }
-    };
     context_.tests += kBvhWidth * n;
     switch (bvh_kind(ref)) {
       case BvhChild::spheres:
-        return each(bvh_.spheres[block].item, ItemKind::sphere,
-                    [&](uint32_t id) { meet_spheres(bvh_.spheres[block], id); });
+        return leaf<ItemKind::sphere>(bvh_.spheres[block], ids, n);
       case BvhChild::triangles:
-        return each(bvh_.triangles[block].item, ItemKind::triangle,
-                    [&](uint32_t id) { meet_triangles(bvh_.triangles[block], id); });
+        return leaf<ItemKind::triangle>(bvh_.triangles[block], ids, n);
       default:
-        return each(bvh_.cones[block].item, ItemKind::cone,
-                    [&](uint32_t id) { meet_cones(bvh_.cones[block], id); });
+        return leaf<ItemKind::cone>(bvh_.cones[block], ids, n);
     }
   }
 
  private:
-  // The nearest of the lanes in `mask`, if nothing nearer is known; of equally near ones the lowest
-  // id.
-  HWY_INLINE void offer(uint32_t id, const ItemId* items, unsigned mask, const float* t,
-                        const float* u = nullptr, const float* v = nullptr) {
-    if (any) {
-      rays_[id].t = batch_.t[id] = kHidden;
+  // First all rays, without a branch that depends on what they meet, since half of those would be
+  // foreseen wrongly; then those that met something.
+  template <ItemKind kind, class Block>
+  HWY_INLINE void leaf(const Block& block, const uint32_t* ids, size_t n) {
+    if (!g_.two_sided(kind)) {
+      for (size_t i = 0; i < n; ++i) meet_items(block.item, ids[i]);
       return;
     }
-    for_bits(mask, [&](int i) {
-      float& best = rays_[id].t;
-      ItemId& item = batch_.item[id];
-      if (!(t[i] < best || (t[i] == best && item != kNoItem && items[i] < item))) return;
-      best = batch_.t[id] = t[i], item = items[i];
-      batch_.u[id] = u ? u[i] : 0, batch_.v[id] = v ? v[i] : 0;
-    });
+    for (size_t first = 0; first < n; first += kCandidates) {
+      const size_t end = std::min(n, first + kCandidates);
+      size_t found = 0;
+      for (size_t i = first; i < end; ++i) {
+        Candidate& c = candidates_[found];
+        c.id = ids[i];
+        c.mask = meet(block, ids[i], c);
+        found += c.mask != 0;
+      }
+      for (size_t i = 0; i < found; ++i) {
+        const Candidate& c = candidates_[i];
+        for_bits(c.mask, [&](int k) { offer<kind>(c, k, block.item[k]); });
+      }
+    }
   }
 
-  HWY_INLINE void meet_spheres(const SphereBlock& block, uint32_t id) {
+  // Takes the hit in lane `k` if it is the nearest; of equally near ones that of the lowest id.
+  template <ItemKind kind>
+  HWY_INLINE void offer(const Candidate& c, int k, ItemId item) {
+    float t = c.t[k];
+    if (kind == ItemKind::triangle) t /= c.det[k];
+    if (kind == ItemKind::sphere) {
+      const float half = std::sqrt(c.det[k]);
+      t = c.t[k] - half > 0 ? c.t[k] - half : c.t[k] + half;
+    }
+    float& best = rays_[c.id].t;
+    if (!(t > 0 && t <= best)) return;
+    if (any) {
+      if (t < best) best = batch_.t[c.id] = kHidden;
+      return;
+    }
+    ItemId& old = batch_.item[c.id];
+    if (t == best && (old == kNoItem || old <= item)) return;
+    best = batch_.t[c.id] = t, old = item;
+    batch_.u[c.id] = kind == ItemKind::triangle ? c.u[k] / c.det[k] : 0;
+    batch_.v[c.id] = kind == ItemKind::triangle ? c.v[k] / c.det[k] : 0;
+  }
+
+  HWY_INLINE unsigned meet(const SphereBlock& block, uint32_t id, Candidate& c) const {
     const auto& f = kEight;
     const StreamRay& r = rays_[id];
-    alignas(32) float t[kBvhWidth];
     unsigned mask = 0;
     for (int i = 0; i < kBvhWidth; i += kLanes8) {
-      const auto hit = sphere_test(f, hn::Sub(hn::Load(f, block.x + i), hn::Set(f, r.o[0])),
-                                   hn::Sub(hn::Load(f, block.y + i), hn::Set(f, r.o[1])),
-                                   hn::Sub(hn::Load(f, block.z + i), hn::Set(f, r.o[2])),
-                                   hn::Load(f, block.radius + i), hn::Set(f, r.d[0]),
-                                   hn::Set(f, r.d[1]), hn::Set(f, r.d[2]));
-      mask |= bits(f, hn::And(hit.in, nearer<any>(f, hit.t, hn::Set(f, r.t)))) << i;
-      hn::Store(hit.t, f, t + i);
+      const V8 radius = hn::Load(f, block.radius + i);
+      const auto hit = chord_test(f, hn::Sub(hn::Load(f, block.x + i), hn::Set(f, r.o[0])),
+                                  hn::Sub(hn::Load(f, block.y + i), hn::Set(f, r.o[1])),
+                                  hn::Sub(hn::Load(f, block.z + i), hn::Set(f, r.o[2])), radius,
+                                  hn::Set(f, r.d[0]), hn::Set(f, r.d[1]), hn::Set(f, r.d[2]));
+      // Neither behind the ray nor beyond what it has hit; the root is for later.
+      const V8 half = hn::Mul(radius, hn::Set(f, 1 + 4 * kEpsilon));
+      const M8 near = hn::And(hn::Ge(hn::Add(hit.middle, half), hn::Zero(f)),
+                              hn::Le(hn::Sub(hit.middle, half), hn::Set(f, r.t)));
+      mask |= bits(f, hn::And(hit.in, near)) << i;
+      hn::Store(hit.middle, f, c.t + i), hn::Store(hit.d2, f, c.det + i);
     }
-    if (mask) offer(id, block.item, mask, t);
+    return mask;
   }
 
-  HWY_INLINE void meet_triangles(const TriangleBlock& block, uint32_t id) {
+  HWY_INLINE unsigned meet(const TriangleBlock& block, uint32_t id, Candidate& c) const {
     const auto& f = kEight;
     const StreamRay& r = rays_[id];
     const StreamShear& s = shears_[id];
     const uint8_t* const k = kShearAxes[int(s.axes)];
     const V8 ox = hn::Set(f, r.o[k[0]]), oy = hn::Set(f, r.o[k[1]]), oz = hn::Set(f, r.o[k[2]]);
     const V8 sx = hn::Set(f, s.x), sy = hn::Set(f, s.y), sz = hn::Set(f, s.z);
-    alignas(32) float t[kBvhWidth], u[kBvhWidth], v[kBvhWidth];
     unsigned mask = 0;
     for (int i = 0; i < kBvhWidth; i += kLanes8) {
       V8 x[3], y[3], z[3];
-      for (int c = 0; c < 3; ++c) {
-        const V8 depth = hn::Sub(hn::Load(f, &block.corner[c][k[2]][i]), oz);
-        x[c] = hn::Sub(hn::Sub(hn::Load(f, &block.corner[c][k[0]][i]), ox), hn::Mul(sx, depth));
-        y[c] = hn::Sub(hn::Sub(hn::Load(f, &block.corner[c][k[1]][i]), oy), hn::Mul(sy, depth));
-        z[c] = hn::Mul(sz, depth);
+      for (int p = 0; p < 3; ++p) {
+        const V8 depth = hn::Sub(hn::Load(f, &block.corner[p][k[2]][i]), oz);
+        x[p] = hn::Sub(hn::Sub(hn::Load(f, &block.corner[p][k[0]][i]), ox), hn::Mul(sx, depth));
+        y[p] = hn::Sub(hn::Sub(hn::Load(f, &block.corner[p][k[1]][i]), oy), hn::Mul(sy, depth));
+        z[p] = hn::Mul(sz, depth);
       }
       const auto hit = edge_test(f, x, y, z);
-      mask |= bits(f, hn::And(hit.in, nearer<any>(f, hit.t, hn::Set(f, r.t)))) << i;
-      hn::Store(hit.t, f, t + i), hn::Store(hit.u, f, u + i), hn::Store(hit.v, f, v + i);
+      mask |= bits(f, hit.in) << i;
+      hn::Store(hit.t, f, c.t + i), hn::Store(hit.det, f, c.det + i);
+      hn::Store(hit.u, f, c.u + i), hn::Store(hit.v, f, c.v + i);
     }
-    if (mask) offer(id, block.item, mask, t, u, v);
+    return mask;
   }
 
   // Double is dear, and most cones are missed by their boxes already.
-  HWY_INLINE void meet_cones(const ConeBlock& block, uint32_t id) {
+  HWY_INLINE unsigned meet(const ConeBlock& block, uint32_t id, Candidate& c) const {
     const BoxLanes boxes(block.boxes, block.item);
     V8 nearest[kParts];
     for (V8& x : nearest) x = hn::Set(kEight, kInfinity);
     const unsigned near = meet(id, boxes, nearest);
-    if (near == 0) return;
+    if (near == 0) return 0;
     const StreamRay& r = rays_[id];
     const DemotedTag f;
     const auto wide = [&](const float* x, int i) {
       return hn::PromoteTo(kDoubles, hn::Load(f, x + i));
     };
-    alignas(32) float t[kBvhWidth];
     unsigned mask = 0;
     for (int i = 0; i < kBvhWidth; i += kLanesD) {
-      ConeInput c;
+      ConeInput in;
       for (int a = 0; a < 3; ++a) {
-        c.base[a] = wide(block.base[a], i), c.axis[a] = wide(block.axis[a], i);
-        c.origin[a] = hn::Set(kDoubles, double(r.o[a])),
-        c.dir[a] = hn::Set(kDoubles, double(r.d[a]));
+        in.base[a] = wide(block.base[a], i), in.axis[a] = wide(block.axis[a], i);
+        in.origin[a] = hn::Set(kDoubles, double(r.o[a])),
+        in.dir[a] = hn::Set(kDoubles, double(r.d[a]));
       }
-      c.height = wide(block.height, i), c.radius = wide(block.radius, i);
-      c.slope = wide(block.slope, i);
-      const ConeLanes hit = cone_test(c);
-      mask |= bits(f, hn::And(hit.in, nearer<any>(f, hit.t, hn::Set(f, r.t)))) << i;
-      hn::Store(hit.t, f, t + i);
+      in.height = wide(block.height, i), in.radius = wide(block.radius, i);
+      in.slope = wide(block.slope, i);
+      const ConeLanes hit = cone_test(in);
+      mask |= bits(f, hn::And(hit.in, hn::Le(hit.t, hn::Set(f, r.t)))) << i;
+      hn::Store(hit.t, f, c.t + i);
     }
-    mask &= near;
-    if (mask) offer(id, block.item, mask, t);
+    return mask;
   }
 
   // One after another, for the rare surfaces that are seen from one side only.
   void meet_items(const ItemId* items, uint32_t id) {
     for (int i = 0; i < kBvhWidth && items[i] != kNoItem; ++i) {
-      if (!(rays_[id].t > 0)) return;
       RayQuery query(batch_.ray(id));
       if (!any) query.best.item = batch_.item[id];
-      if (test_item(g_, items[i], query))
-        offer(id, &query.best.item, 1, &query.best.t, &query.best.u, &query.best.v);
+      if (!test_item(g_, items[i], query)) continue;
+      rays_[id].t = batch_.t[id] = any ? kHidden : query.best.t;
+      if (any) return;
+      batch_.item[id] = query.best.item;
+      batch_.u[id] = query.best.u, batch_.v[id] = query.best.v;
     }
   }
 
@@ -281,6 +314,7 @@ class Rays {
   const Batch& batch_;
   StreamRay* rays_;
   StreamShear* shears_;
+  Candidate* candidates_;
   TraceContext& context_;
 };
 

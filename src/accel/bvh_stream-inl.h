@@ -13,6 +13,8 @@
 #define RAIO_ACCEL_BVH_STREAM_INL_H_
 #endif
 
+#include <hwy/cache_control.h>
+
 #include "accel/bvh_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -42,6 +44,24 @@ struct Lists {
   }
 };
 
+HWY_INLINE void prefetch(const Bvh& bvh, uint32_t ref) {
+  const uint32_t i = bvh_index(ref);
+  const auto lines = [](const auto* p) HWY_ATTR {
+    for (size_t b = 0; b < sizeof(*p); b += 64)
+      hwy::Prefetch(reinterpret_cast<const uint8_t*>(p) + b);
+  };
+  switch (bvh_kind(ref)) {
+    case BvhChild::node:
+      return lines(bvh.nodes.data() + i);
+    case BvhChild::spheres:
+      return lines(bvh.spheres.data() + i);
+    case BvhChild::triangles:
+      return lines(bvh.triangles.data() + i);
+    case BvhChild::cones:
+      return lines(bvh.cones.data() + i);
+  }
+}
+
 // Walks the tree with those in `lists.ids[0 .. count)`. A Crowd knows what they are:
 // `meet(id, boxes, nearest)` says which boxes one meets, `leaf(ref, ids, n)` tests a leaf's
 // primitives, `worthwhile(waiting, id)` drops a lone one that has found something nearer.
@@ -53,7 +73,7 @@ void walk(const Bvh& bvh, size_t count, Lists& lists, Crowd& crowd) {
     const Waiting w = stack[--top];
     const size_t n = w.end - w.begin;
     if (bvh_kind(w.ref) != BvhChild::node) {
-      crowd.leaf(w.ref, w.nearest, lists.ids.data() + w.begin, n);
+      crowd.leaf(w.ref, lists.ids.data() + w.begin, n);
       continue;
     }
     lists.reserve(w.used + kBvhWidth * n + kIdLanes);
@@ -88,6 +108,7 @@ void walk(const Bvh& bvh, size_t count, Lists& lists, Crowd& crowd) {
       int at = top++;
       for (; at > first && stack[at - 1].nearest < enter[c]; --at) stack[at] = stack[at - 1];
       stack[at] = {node.child[c], enter[c], begin, used, 0};
+      prefetch(bvh, node.child[c]);
     });
     for (int i = first; i < top; ++i) stack[i].used = used;
   }
