@@ -53,6 +53,8 @@ class Geometry {
     const Sphere& s = scene_->spheres[i];
     return {s.center, std::abs(s.radius)};
   }
+  /// Indices into the scene's positions.
+  const TriangleIndices& corners(uint32_t triangle) const { return triangles_[triangle]; }
   Triangle triangle(uint32_t i) const {
     const auto& p = scene_->positions;
     const TriangleIndices& t = triangles_[i];

@@ -58,9 +58,13 @@ HWY_INLINE U load(const Column<uint32_t>& c, size_t i) { return hn::LoadU(du, &c
 // The lanes of `v` in `mask`, one after another from element i on; what follows them is
 // overwritten. (Compressing while storing is slow on some machines.)
 template <class T>
-HWY_INLINE void put(hn::Vec<hn::Rebind<T, D>> v, M mask, Column<T>& c, size_t i) {
+HWY_INLINE void put(hn::Vec<hn::Rebind<T, D>> v, M mask, T* column, size_t i) {
   const hn::Rebind<T, D> tag;
-  hn::StoreU(hn::Compress(v, hn::RebindMask(tag, mask)), tag, &c[i]);
+  hn::StoreU(hn::Compress(v, hn::RebindMask(tag, mask)), tag, column + i);
+}
+template <class T>
+HWY_INLINE void put(hn::Vec<hn::Rebind<T, D>> v, M mask, Column<T>& column, size_t i) {
+  put(v, mask, column.data(), i);
 }
 
 HWY_INLINE V3 origins(const RayBatch& rays, size_t i) {
@@ -145,6 +149,12 @@ class TileSums {
   HWY_INLINE void add(const V3& values, const uint32_t* pixels, M mask) {
     HWY_ALIGN int64_t fixed[3][kWidth];
     to_fixed(values.x, fixed[0]), to_fixed(values.y, fixed[1]), to_fixed(values.z, fixed[2]);
+    const U at = hn::LoadU(du, pixels);
+    if (hn::AllTrue(d, mask) && hn::AllTrue(du, hn::Eq(at, hn::Iota(du, pixels[0])))) {
+      for (int c = 0; c < 3; ++c)
+        for (size_t k = 0; k < kWidth; ++k) sums_[c][pixels[0] + k] += fixed[c][k];
+      return;
+    }
     uint8_t bits[8] = {};
     hn::StoreMaskBits(d, mask, bits);
     for (unsigned lanes = bits[0] | unsigned(bits[1]) << 8; lanes; lanes &= lanes - 1) {
@@ -183,6 +193,7 @@ struct Vertices {
   Floats extent;                              // what the surface adds to `scale`
   Floats3 point, outside, normal, geometric;  // normals towards the ray; `outside`: off the surface
   Floats scale;                               // of shape/offset.h
+  alignas(64) MaterialId material[kChunk + 16];
   Floats3 color;
   Floats kd, ks, shine, transmission, ior;
   Floats eta;        // for refraction
@@ -219,15 +230,24 @@ class WideTracer final : public ClassicTracer {
   // In blocks of 4 x 2, two of which make 4 x 4, four of which make 8 x 8: structures take
   // neighbours of the batch together.
   void list_pixels(const Tile& tile) {
+    const U width = hn::Set(du, uint32_t(scene_.options.width));
     pixels_ = 0;
-    const auto bit = [](size_t i, int from, int to) { return int(i >> from & 1) << to; };
-    for (size_t i = 0; i < kChunk; ++i) {
-      const int x = tile.x0 + int(i & 3) + bit(i, 4, 2) + bit(i, 6, 3) + bit(i, 7, 4);
-      const int y =
-          tile.y0 + bit(i, 2, 0) + bit(i, 3, 1) + bit(i, 5, 2) + bit(i, 8, 3) + bit(i, 9, 4);
-      if (x >= tile.x1 || y >= tile.y1) continue;
-      pixel_x_.at[pixels_] = float(x), pixel_y_.at[pixels_] = float(y);
-      pixel_[pixels_++] = uint32_t(y) * uint32_t(scene_.options.width) + uint32_t(x);
+    for (size_t i = 0; i < kChunk; i += kWidth) {
+      const U n = hn::Iota(du, uint32_t(i));
+      const auto bits = [&](uint32_t mask, int down) {
+        return hn::ShiftRightSame(hn::And(n, hn::Set(du, mask)), down);
+      };
+      const U x = hn::Add(hn::Or(bits(3, 0), hn::Or(bits(16, 2), bits(3 << 6, 3))),
+                          hn::Set(du, uint32_t(tile.x0)));
+      const U y = hn::Add(hn::Or(bits(3 << 2, 2), hn::Or(bits(32, 3), bits(3 << 8, 5))),
+                          hn::Set(du, uint32_t(tile.y0)));
+      const M in = hn::RebindMask(d, hn::And(hn::Lt(x, hn::Set(du, uint32_t(tile.x1))),
+                                             hn::Lt(y, hn::Set(du, uint32_t(tile.y1)))));
+      const Signed<D> di;
+      put(hn::ConvertTo(d, hn::BitCast(di, x)), in, pixel_x_.at, pixels_);
+      put(hn::ConvertTo(d, hn::BitCast(di, y)), in, pixel_y_.at, pixels_);
+      put(hn::Add(hn::Mul(y, width), x), in, pixel_, pixels_);
+      pixels_ += hn::CountTrue(d, in);
     }
   }
 
@@ -332,9 +352,9 @@ class WideTracer final : public ClassicTracer {
           break;
         }
         case ItemKind::triangle: {
-          const Triangle t = geometry.triangle(index);
+          const TriangleIndices& at = geometry.corners(index);
           const Facet& facet = geometry.facet(index);
-          v.corner[0].set(k, t.a), v.corner[1].set(k, t.b), v.corner[2].set(k, t.c);
+          for (size_t c = 0; c < 3; ++c) v.corner[c].set(k, scene.positions[at[c]]);
           v.extent.at[k] = 0;
           v.geometric.set(k, facet.normal);
           v.normal.set(k, facet.normal);
@@ -360,10 +380,25 @@ class WideTracer final : public ClassicTracer {
           break;
         }
       }
-      const Material& m = scene.materials[material];
-      v.color.set(k, m.color);
-      v.kd.at[k] = m.kd, v.ks.at[k] = m.ks, v.shine.at[k] = m.shine;
-      v.transmission.at[k] = m.transmission, v.ior.at[k] = m.ior;
+      v.material[k] = material;
+    }
+  }
+
+  // Neighbours are mostly of one material.
+  void look_up_materials(size_t i) {
+    static_assert(sizeof(Material) == 8 * sizeof(float));
+    const Material* materials = scene_.scene.materials.data();
+    Vertices& v = *vertices_;
+    Floats* const columns[] = {&v.color.x, &v.color.y, &v.color.z,      &v.kd,
+                               &v.ks,      &v.shine,   &v.transmission, &v.ior};
+    const U material = hn::Load(du, v.material + i);
+    if (hn::AllTrue(du, hn::Eq(material, hn::Set(du, v.material[i])))) {
+      const float* first = &materials[v.material[i]].color.x;
+      for (size_t c = 0; c < 8; ++c) store(hn::Set(d, first[c]), *columns[c], i);
+    } else {
+      const auto index = hn::BitCast(Signed<D>(), hn::ShiftLeft<3>(material));
+      const float* base = &materials->color.x;
+      for (size_t c = 0; c < 8; ++c) store(hn::GatherIndex(d, base + c, index), *columns[c], i);
     }
   }
 
@@ -375,6 +410,7 @@ class WideTracer final : public ClassicTracer {
     const V zero = hn::Zero(d);
     const V3 ambient = set3(d, scene_.ambient);
     for (size_t i = 0; i < n; i += kWidth) {
+      look_up_materials(i);
       const V3 dir = directions(current_.rays, i);
       // Triangles, by their corners' weights; points of other kinds are three corners of their own.
       const V3 a = load(v.corner[0], i);
@@ -559,7 +595,7 @@ class WideTracer final : public ClassicTracer {
   TileSums sums_;
   size_t pixels_ = 0;  // of the tile:
   Floats pixel_x_, pixel_y_;
-  alignas(64) uint32_t pixel_[kChunk];
+  alignas(64) uint32_t pixel_[kChunk + 16];
   std::vector<PathRays> waiting_;  // by level
   PathRays current_;               // being traced, with their hits
   HitBatch hits_;

@@ -8,7 +8,7 @@ namespace raio {
 Film::Film(int width, int height, double bound, uint64_t samples)
     : width_(width),
       height_(height),
-      bound_(std::clamp(bound, 1e-30, 1e200)),
+      bound_(std::clamp(bound, 1e-30, 1e38)),
       sums_(size_t(width) * height * 3) {
   // The sum of all samples stays below 2^62; and no finer than 2^-40, where a picture has no more
   // to say.
