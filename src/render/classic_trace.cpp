@@ -330,6 +330,11 @@ class WideTracer final : public ClassicTracer {
       kept += count;
     }
     rays.resize(kept);
+    for (size_t i = kept; kept > 0 && i % kWidth != 0; ++i) {
+      rays.set(i, rays[kept - 1]), hits_.set(i, hits_[kept - 1]);
+      current_.pixel[i] = current_.pixel[kept - 1], current_.branch[i] = current_.branch[kept - 1];
+      current_.weight[i] = current_.weight[kept - 1];
+    }
   }
 
   // What the surfaces are made of: looked up one by one, worked out together by find_surfaces().
@@ -337,33 +342,31 @@ class WideTracer final : public ClassicTracer {
     const Geometry& geometry = scene_.accel.geometry();
     const Scene& scene = scene_.scene;
     Vertices& v = *vertices_;
-    const size_t end = (n + kWidth - 1) / kWidth * kWidth;
-    for (size_t k = 0; k < end; ++k) {
-      const size_t i = std::min(k, n - 1);
+    for (size_t i = 0; i < n || i % kWidth != 0; ++i) {
       const ItemId item = hits_.item[i];
       const uint32_t index = item_index(item);
       MaterialId material = 0;
       switch (item_kind(item)) {
         case ItemKind::sphere: {
           const Sphere s = geometry.sphere(index);
-          v.corner[0].set(k, s.center);
-          v.extent.at[k] = s.radius;
+          v.corner[0].set(i, s.center);
+          v.extent.at[i] = s.radius;
           material = scene.sphere_materials[index];
           break;
         }
         case ItemKind::triangle: {
           const TriangleIndices& at = geometry.corners(index);
           const Facet& facet = geometry.facet(index);
-          for (size_t c = 0; c < 3; ++c) v.corner[c].set(k, scene.positions[at[c]]);
-          v.extent.at[k] = 0;
-          v.geometric.set(k, facet.normal);
-          v.normal.set(k, facet.normal);
+          for (size_t c = 0; c < 3; ++c) v.corner[c].set(i, scene.positions[at[c]]);
+          v.extent.at[i] = 0;
+          v.geometric.set(i, facet.normal);
+          v.normal.set(i, facet.normal);
           if (const TriangleIndices* corners = geometry.corner_normals(index)) {
             const auto weighted = [&](size_t corner, float w) {
               return scene.normals[(*corners)[corner]] * w;
             };
             const float b1 = hits_.u[i], b2 = hits_.v[i];
-            v.normal.set(k, weighted(0, 1 - b1 - b2) + weighted(1, b1) + weighted(2, b2));
+            v.normal.set(i, weighted(0, 1 - b1 - b2) + weighted(1, b1) + weighted(2, b2));
           }
           material = facet.material;
           break;
@@ -373,14 +376,14 @@ class WideTracer final : public ClassicTracer {
           const Vec3f p = current_.rays[i].at(hits_.t[i]);
           const Surface s = item_kind(item) == ItemKind::plane ? plane_surface(geometry, index, p)
                                                                : cone_surface(geometry, index, p);
-          for (Floats3& corner : v.corner) corner.set(k, s.point);
-          v.extent.at[k] = s.extent;
-          v.geometric.set(k, s.normal), v.normal.set(k, s.normal);
+          for (Floats3& corner : v.corner) corner.set(i, s.point);
+          v.extent.at[i] = s.extent;
+          v.geometric.set(i, s.normal), v.normal.set(i, s.normal);
           material = s.material;
           break;
         }
       }
-      v.material[k] = material;
+      v.material[i] = material;
     }
   }
 
