@@ -27,8 +27,9 @@ Point2 in_pixel(const Sampler& sampler, uint32_t pixel, uint32_t sample) {
 }
 Point2 in_square(const Sampler& sampler, uint32_t pixel, uint32_t sample, uint32_t branch,
                  uint32_t purpose) {
-  return first(wide::WideSampler<D>(sampler, sample)
-                   .in_square(hn::Set(du, pixel), hn::Set(du, branch), purpose));
+  return first(
+      wide::WideSampler<D>(sampler, sample)
+          .in_square(hn::Set(du, pixel), hn::Set(du, pixel), hn::Set(du, branch), purpose));
 }
 Point2 square_to_disc(float u, float v) {
   return first(wide::square_to_disc(d, hn::Set(d, u), hn::Set(d, v)));
@@ -74,13 +75,15 @@ TEST(Sampler, SquaresAreUniformForEveryPurposeAndBranch) {
 TEST(Sampler, PixelCellsGetTheirSamplesAndFillThemEvenly) {
   const Sampler sampler(3, 4, 2);
   std::vector<int> counts(kBins * kBins);
-  for (uint32_t pixel = 0; pixel < 5000; ++pixel)
+  for (uint32_t pixel = 0; pixel < 5000; ++pixel) {
+    std::vector<int> cells(16);
     for (uint32_t s = 0; s < sampler.samples; ++s) {
       const Point2 p = in_pixel(sampler, pixel, s);
-      EXPECT_EQ(int(p.x * 4), int(s / 2 % 4));
-      EXPECT_EQ(int(p.y * 4), int(s / 2 / 4));
+      ++cells[size_t(int(p.y * 4) * 4 + int(p.x * 4))];
       ++counts[size_t(bin(p.y) * kBins + bin(p.x))];
     }
+    for (const int c : cells) EXPECT_EQ(c, 2);
+  }
   // 5000 x 2 samples fall in each cell, 16 bins a cell: the cells' totals are exact, the rest is
   // chance.
   EXPECT_LT(std::abs(chi_square_sigmas(counts)), 5);

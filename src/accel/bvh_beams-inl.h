@@ -106,8 +106,8 @@ class Beams {
       dir_axes[3][p] = bvh_.triangles.empty() ? hn::Zero(f) : column(batch_.axes);
     }
     Extents dirs(dir_axes);
-    if (!(dirs.hi[0] - dirs.lo[0] + dirs.hi[1] - dirs.lo[1] + dirs.hi[2] - dirs.lo[2] < kMaxSpread))
-      return false;
+    const float spread = extent(dirs);
+    if (!(spread < kMaxSpread)) return false;
     for (int a = 0; a < 3; ++a)
       if (std::signbit(dirs.lo[a]) != std::signbit(dirs.hi[a])) return false;
     if (dirs.lo[3] != dirs.hi[3]) return false;
@@ -123,6 +123,8 @@ class Beams {
         for (int a = 0; a < 3; ++a)
           origin_t[a][p] = hn::MulAdd(dir_axes[a][p], origin_t[3][p], origin_t[a][p]);
       const Extents ends(origin_t);
+      // Directions to a light that has a size differ by its own, which counts less.
+      if (!(spread - extent(ends) / beam.t < kMaxSpreadToPoint)) return false;
       if (extent(ends) < extent(origins)) {
         size = std::max(size, largest(ends));
         origins = ends;
@@ -206,8 +208,9 @@ class Beams {
 
  private:
   // Measured.
-  static constexpr int kFewest = any ? 8 : 3;               // rays that count
-  static constexpr float kMaxSpread = any ? 0.05f : 0.15f;  // of the directions, over three axes
+  static constexpr int kFewest = any ? 8 : 3;  // rays that count
+  static constexpr float kMaxSpread = 0.15f;   // of the directions, over three axes; measured
+  static constexpr float kMaxSpreadToPoint = 0.05f;
   // Primitives tested, per ray. Where they are smaller than the rays are apart, the beam meets most
   // that no ray does, and each ray on its own is faster.
   static constexpr int kMostTests = 4;

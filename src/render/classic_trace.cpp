@@ -247,6 +247,8 @@ class WideTracer final : public ClassicTracer {
       put(hn::ConvertTo(d, hn::BitCast(di, x)), in, pixel_x_.at, pixels_);
       put(hn::ConvertTo(d, hn::BitCast(di, y)), in, pixel_y_.at, pixels_);
       put(hn::Add(hn::Mul(y, width), x), in, pixel_, pixels_);
+      put(hn::Add(hn::Mul(hn::ShiftRight<kBlockShift>(y), width), hn::ShiftRight<kBlockShift>(x)),
+          in, block_, pixels_);
       pixels_ += hn::CountTrue(d, in);
     }
   }
@@ -277,7 +279,7 @@ class WideTracer final : public ClassicTracer {
       const V x = hn::Add(load(pixel_x_, i), place.x), y = hn::Add(load(pixel_y_, i), place.y);
       WideRay<D> ray = pinhole(d, eye, x, y);
       if (*o.dof) {
-        const Wide2<D> square = sampler.in_square(pixel, branch, kLens);
+        const Wide2<D> square = sampler.in_square(pixel, hn::Load(du, block_ + i), branch, kLens);
         const Wide2<D> lens = square_to_disc(d, square.x, square.y);
         ray = thin_lens(d, eye, x, y, lens, o.aperture, o.focus);
       }
@@ -463,9 +465,10 @@ class WideTracer final : public ClassicTracer {
     for (size_t i = 0; i < n; i += kWidth) {
       V3 target = set3(d, emitter.position);
       if (scene_.options.soft_shadows) {
-        const U pixel =
-            hn::GatherIndex(du, pixel_, hn::BitCast(Signed<D>(), load(current_.pixel, i)));
-        const Wide2<D> p = sampler.in_square(pixel, load(current_.branch, i), kLight + uint32_t(l));
+        const auto place = hn::BitCast(Signed<D>(), load(current_.pixel, i));
+        const Wide2<D> p = sampler.in_square(hn::GatherIndex(du, pixel_, place),
+                                             hn::GatherIndex(du, block_, place),
+                                             load(current_.branch, i), kLight + uint32_t(l));
         const V half = hn::Set(d, 0.5f);
         target = target + (set3(d, emitter.edge_u) * hn::Sub(p.x, half) +
                            set3(d, emitter.edge_v) * hn::Sub(p.y, half));
@@ -598,9 +601,9 @@ class WideTracer final : public ClassicTracer {
   TileSums sums_;
   size_t pixels_ = 0;  // of the tile:
   Floats pixel_x_, pixel_y_;
-  alignas(64) uint32_t pixel_[kChunk + 16];
-  std::vector<PathRays> waiting_;  // by level
-  PathRays current_;               // being traced, with their hits
+  alignas(64) uint32_t pixel_[kChunk + 16], block_[kChunk + 16];  // render/sampler.h
+  std::vector<PathRays> waiting_;                                 // by level
+  PathRays current_;                                              // being traced, with their hits
   HitBatch hits_;
   std::unique_ptr<Vertices> vertices_;
   RayBatch shadow_;

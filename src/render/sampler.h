@@ -24,6 +24,9 @@ enum Purpose : uint32_t { kPixel, kLens, kLight };
 
 inline constexpr uint32_t kEyeBranch = 1;
 
+/// Blocks of pixels are 4 x 4 of them; the rays of a block are traced together.
+inline constexpr int kBlockShift = 2;
+
 struct Sampler {
   uint32_t seed, aa, per_cell;      // aa x aa cells a pixel, per_cell samples in each
   uint32_t samples, columns, rows;  // the unit square in `samples` equal cells
@@ -35,8 +38,8 @@ struct Sampler {
     rows = samples / columns;
   }
 
-  /// Where one sample of every pixel stands in some permutations of 0 .. samples - 1, of which each
-  /// pixel takes one, turned round by an amount of its own.
+  /// Where one sample stands in some permutations of 0 .. samples - 1, of which each pixel or block
+  /// of pixels takes one, turned round by an amount of its own.
   static constexpr uint32_t kPermutations = 16;
   using Deal = std::array<uint32_t, kPermutations>;
   Deal deal(uint32_t sample) const {
