@@ -90,6 +90,7 @@ class Bins {
 /// outside go to the outermost bins.
 struct Binning {
   Float4 origin, per_unit{}, last{};
+  Int4 mask{};
 
   /// An axis on which the points are one, or too near to divide, has one bin.
   Binning(Float4 from, Float4 to, const std::array<int, 3>& counts) : origin(from) {
@@ -97,12 +98,18 @@ struct Binning {
       const float scale = float(counts[a]) * (1 - 1e-6f) / (to[a] - from[a]);
       per_unit[a] = std::isfinite(scale) ? scale : 0;
       last[a] = float(counts[a] - 1);
+      mask[a] = counts[a] - 1;
     }
   }
   /// The bins along the axes; also of numbers that are none, which are in the first.
   Int4 of(Float4 center2) const {
     const Float4 x = (center2 - origin) * per_unit;
-    return __builtin_convertvector(min(x > 0 ? x : Float4{}, last), Int4);
+    return __builtin_convertvector(min(last, x > 0 ? x : Float4{}), Int4);
+  }
+  /// The same for centres between the points, with a power of two of bins.
+  Int4 of_inner(Float4 center2) const {
+    const Float4 x = (center2 - origin) * per_unit;
+    return __builtin_convertvector(x, Int4) & mask;
   }
 };
 

@@ -32,6 +32,7 @@ struct BuildBox {
 
   void extend(const BuildBox& b) { lo = min(lo, b.lo), minus_hi = min(minus_hi, b.minus_hi); }
   Float4 center2() const { return lo - minus_hi; }
+  float center2(int axis) const { return lo[axis] - minus_hi[axis]; }
   Box3f box() const { return {{lo[0], lo[1], lo[2]}, {-minus_hi[0], -minus_hi[1], -minus_hi[2]}}; }
 };
 

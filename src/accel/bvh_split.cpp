@@ -7,6 +7,9 @@ namespace raio {
 namespace {
 
 constexpr int kBins = 16;
+// Of more items than twice this, some tell as well where to split: measured, costs of trees are the
+// same to 0.5 %.
+constexpr size_t kSamples = 512;
 
 // Keeps the order of both parts. Without a branch that could be mispredicted, since half of them
 // would be: each item is written to both places and one of them then counts.
@@ -14,8 +17,9 @@ template <class Below>
 size_t partition(BuildRange range, Column<BuildItem>& scratch, Below&& below) {
   if (scratch.size() < range.size()) scratch.resize(range.size());
   size_t kept = 0, moved = 0;
-  for (const BuildItem item : range) {
-    const bool stays = below(item);
+  for (const BuildItem& from : range) {
+    const bool stays = below(from);
+    const BuildItem item = from;
     scratch[moved] = item;
     range[kept] = item;
     kept += stays, moved += !stays;
@@ -40,15 +44,19 @@ BuildSplit split_by_cost(BuildRange range, Column<BuildItem>& scratch) {
   }
   const Binning binning(from, to, {kBins, kBins, kBins});
   Bins<kBins> bins;
-  for (const BuildItem& item : range) bins.add(item, binning.of(item.center2()));
-  const BinSplit split = bins.best(int32_t(range.size()));
+  const size_t step = std::max<size_t>(1, range.size() / kSamples);
+  int32_t samples = 0;
+  for (size_t i = 0; i < range.size(); i += step, ++samples)
+    bins.add(range[i], binning.of_inner(range[i].center2()));
+  const BinSplit split = bins.best(samples);
   if (split.axis < 0) return {};
   const int axis = split.axis;
   const float origin = binning.origin[axis], scale = binning.per_unit[axis];
   const float plane = float(split.bin);
   const size_t middle = partition(range, scratch, [&](const BuildItem& item) {
-    return !((item.lo[axis] - item.minus_hi[axis] - origin) * scale >= plane);
+    return !((item.center2(axis) - origin) * scale >= plane);
   });
+  if (step > 1) return {middle, box_of(range.first(middle)), box_of(range.subspan(middle))};
   return {middle, bins.box(axis, 0, split.bin), bins.box(axis, split.bin, kBins)};
 }
 
