@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
+#include <algorithm>
 #include <cstring>
 #include <map>
 
@@ -270,6 +271,25 @@ TEST(Accel, TheTreeHoldsEveryItemOnceInsideItsBoxes) {
     EXPECT_EQ(check.seen.size(), items);
     for (const auto& [item, times] : check.seen) ASSERT_EQ(times, 1) << item;
   }
+}
+
+TEST(Accel, BakingRefusesWhatNoMemoryHolds) {
+  Scene scene = random_scene(40, 1);
+  scene.polygons.assign(100, {0, 4000000000u});
+  scene.polygon_materials.assign(100, 0);
+  const auto accel = build_accel(scene, {.kind = AccelKind::bvh});
+  ASSERT_FALSE(accel.has_value());
+  EXPECT_NE(accel.error().find("GB are free"), std::string::npos) << accel.error();
+}
+
+TEST(Accel, FewOfAKindAreALeafBelowTheRoot) {
+  Scene scene = random_scene(4000, 2);
+  scene.cones.resize(3);
+  scene.cone_materials.resize(3);
+  const Geometry g(scene);
+  const Bvh bvh = *build_bvh(g);
+  EXPECT_EQ(bvh.cones.size(), 1u);
+  EXPECT_EQ(std::ranges::count(bvh.nodes[0].child, bvh_ref(BvhChild::cones, 0)), 1);
 }
 
 TEST(Accel, TheTreeRefusesWhatNoMemoryHolds) {

@@ -13,7 +13,6 @@
 
 #include "accel/bvh.h"
 #include "accel/parallel.h"
-#include "accel/structures.h"
 
 namespace raio {
 namespace {
@@ -35,6 +34,21 @@ BvhChild leaf_kind(BuildRange range) {
     default:
       return BvhChild::cones;
   }
+}
+
+// Where kinds part a range: in the last splits, since leaves do not mix them; and at the root,
+// where few of a kind are a leaf of their own, which rays meet early and are the shorter for. Else
+// 0.
+size_t part_kinds(BuildRange range, int depth) {
+  constexpr size_t kFew = kBvhWidth;
+  if (range.size() > kFew && depth > 0) return 0;
+  const auto kind = [&](size_t i) { return item_kind(range[i].item()); };
+  size_t first = 1, last = 1;
+  while (first <= kFew && first < range.size() && kind(first) == kind(0)) ++first;
+  if (first <= kFew) return first;
+  const size_t n = range.size();
+  while (last <= kFew && kind(n - 1 - last) == kind(n - 1)) ++last;
+  return last <= kFew ? n - last : 0;
 }
 
 float half_area(const BuildBox& box) { return box.box().half_area(); }
@@ -113,7 +127,7 @@ class Builder {
       count += g_.count(kind);
     if (count == 0) return std::nullopt;
     const double item_bytes = double(count * sizeof(BuildItem));
-    if (auto error = refusal(item_bytes, available)) return error;
+    if (auto error = refusal(item_bytes + least_bytes(), available)) return error;
     items_.resize(count);
     Child all;
     all.range = items_;
@@ -134,7 +148,7 @@ class Builder {
     std::array<uint32_t, kPools> total{};
     place(root, parts, total);
     const double bytes =
-        double(total[0]) * sizeof(BvhNode) + double(total[1]) * sizeof(SphereBlock) +
+        double(total[0]) * 2 * sizeof(BvhNode) + double(total[1]) * sizeof(SphereBlock) +
         double(total[2]) * sizeof(TriangleBlock) + double(total[3]) * sizeof(ConeBlock);
     if (auto error = refusal(item_bytes + bytes, available)) return error;
     out.nodes.resize(total[0]);
@@ -152,6 +166,13 @@ class Builder {
   }
 
  private:
+  // Of blocks that are all full.
+  double least_bytes() const {
+    return (double(g_.count(ItemKind::sphere)) * sizeof(SphereBlock) +
+            double(g_.count(ItemKind::triangle)) * sizeof(TriangleBlock) +
+            double(g_.count(ItemKind::cone)) * sizeof(ConeBlock)) /
+           kBvhWidth;
+  }
   static std::optional<std::string> refusal(double bytes, size_t available) {
     if (bytes <= 0.9 * double(available)) return std::nullopt;
     return fmt::format("a tree over the scene would take {:.1f} GB and {:.1f} GB are free",
@@ -227,8 +248,8 @@ class Builder {
     return count;
   }
 
-  void split(Child child, int depth, Child& below, Child& above, Column<BuildItem>& scratch,
-             std::vector<std::unique_ptr<BuildPlan>>* plans) {
+  static void split(Child child, int depth, Child& below, Child& above, Column<BuildItem>& scratch,
+                    std::vector<std::unique_ptr<BuildPlan>>* plans) {
     const BuildRange range = child.range;
     if (!child.plan && range.size() > kPlanAbove && depth + kPlanDepth <= kBvhCostLevels) {
       plans->push_back(std::make_unique<BuildPlan>(plan_again(range)));
@@ -241,13 +262,8 @@ class Builder {
       above = Child(all, *child.plan, node.above);
       return;
     }
-    BuildSplit parts;
-    if (range.size() <= size_t(kBvhWidth)) {  // of several kinds, which leaves do not mix
-      while (item_kind(range[parts.middle].item()) == item_kind(range.front().item()))
-        ++parts.middle;
-    } else if (depth < kBvhCostLevels) {
-      parts = split_by_cost(range, scratch);
-    }
+    BuildSplit parts{.middle = part_kinds(range, depth)};
+    if (parts.middle == 0 && depth < kBvhCostLevels) parts = split_by_cost(range, scratch);
     if (parts.above.box().empty()) {
       if (parts.middle == 0) parts.middle = range.size() / 2;
       parts.below = box_of(range.first(parts.middle));
@@ -342,49 +358,12 @@ class Builder {
   tbb::enumerable_thread_specific<Column<BuildItem>> scratches_{[] { return Column<BuildItem>(); }};
 };
 
-class BvhAccel final : public Accel {
- public:
-  BvhAccel(Geometry geometry, Bvh bvh) : Accel(std::move(geometry)), bvh_(std::move(bvh)) {}
-
-  void closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const override {
-    hits.reset(rays.size());
-    bvh_closest(geometry_, bvh_, rays, hits, context);
-  }
-  void occluded(const RayBatch& rays, uint8_t* hit, TraceContext& context) const override {
-    bvh_occluded(geometry_, bvh_, rays, hit, context);
-  }
-  AccelInfo info() const override {
-    size_t references = 0;
-    for (const ItemKind kind : {ItemKind::sphere, ItemKind::triangle, ItemKind::cone})
-      references += geometry_.count(kind);
-    return {.name = "bvh",
-            .bytes = geometry_.bytes() + bvh_.bytes(),
-            .cells = bvh_.nodes.size(),
-            .references = references,
-            .giants = geometry_.count(ItemKind::plane)};
-  }
-
- private:
-  Bvh bvh_;
-};
-
 }  // namespace
-
-size_t Bvh::bytes() const {
-  return nodes.size() * sizeof(BvhNode) + spheres.size() * sizeof(SphereBlock) +
-         triangles.size() * sizeof(TriangleBlock) + cones.size() * sizeof(ConeBlock);
-}
 
 std::expected<Bvh, std::string> build_bvh(const Geometry& geometry, size_t available) {
   Bvh out;
   if (auto error = Builder(geometry).build(available, out)) return std::unexpected(*error);
   return out;
-}
-
-AccelResult make_bvh(Geometry geometry) {
-  auto bvh = build_bvh(geometry);
-  if (!bvh) return std::unexpected(std::move(bvh.error()));
-  return std::make_unique<BvhAccel>(std::move(geometry), std::move(*bvh));
 }
 
 }  // namespace raio

@@ -53,7 +53,7 @@ BuildBox box_of(BuildRange range);
 /// A range in two, with the box of each part; `middle` is 0 when no plane parts the centres.
 struct BuildSplit {
   size_t middle = 0;
-  BuildBox below, above;
+  BuildBox below{}, above{};
 };
 
 /// The best of the splits between bins of all axes. `scratch` grows to the size of the range.

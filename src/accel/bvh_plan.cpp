@@ -108,7 +108,7 @@ class Planner {
 
   size_t begin(size_t chunk) const { return out_.size() * chunk / chunks_; }
 
-  size_t cell(int x, int y, int z) const { return size_t((z * n_[1] + y) * n_[0] + x); }
+  size_t cell(int x, int y, int z) const { return (size_t(z) * n_[1] + y) * n_[0] + x; }
   size_t cell_of(const BuildItem& item) const {
     const Int4 at = binning_.of(item.center2());
     return cell(at[0], at[1], at[2]);

@@ -51,6 +51,15 @@ Geometry::Geometry(const Scene& scene, bool one_sided) : scene_(&scene) {
   list_sides(one_sided);
 }
 
+double Geometry::bytes_to_bake(const Scene& s) {
+  double pieces = 0;  // are listed twice
+  for (const Polygon& p : s.polygons) pieces += p.count;
+  if (pieces > 0) pieces += double(s.triangles.size());
+  const double piece = sizeof(Facet) + 2 * sizeof(TriangleIndices);
+  return double(s.triangles.size()) * sizeof(Facet) + double(s.cones.size()) * sizeof(BakedCone) +
+         2 * piece * pieces + double(s.primitive_count()) * sizeof(Sides);
+}
+
 // Triangles without area are left out, since no ray can hit one.
 void Geometry::bake_triangles() {
   const Scene& s = *scene_;

@@ -70,6 +70,9 @@ class Geometry {
   }
   bool any_smooth() const { return !triangle_normals_.empty(); }
 
+  /// About how many bytes baking `scene` takes, those that it frees again included.
+  static double bytes_to_bake(const Scene& scene);
+
   Box3f bounds(ItemId id) const;  // not for planes, which have none
   size_t bytes() const;           // besides the scene
 
