@@ -229,8 +229,8 @@ class Builder {
   }
 
   // The children of a node, in the order of their items; how many there are.
-  size_t open(const Child& child, int depth, std::array<Child, kBvhWidth>& out,
-              Column<BuildItem>& scratch, std::vector<std::unique_ptr<BuildPlan>>* plans) {
+  static size_t open(const Child& child, int depth, std::array<Child, kBvhWidth>& out,
+                     Column<BuildItem>& scratch, std::vector<std::unique_ptr<BuildPlan>>* plans) {
     std::array<float, kBvhWidth> areas;  // of those that can be opened
     const auto area = [](const Child& c) { return is_leaf(c.range) ? -1 : half_area(c.box); };
     out[0] = child;
