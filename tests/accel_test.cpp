@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
+#include <algorithm>
 #include <cstring>
+#include <map>
 
 #include "accel/bvh.h"
 #include "accel/structures.h"
@@ -269,19 +271,144 @@ TEST(Accel, MeshesAreWatertightForRaysThatTravelTogether) {
   }
 }
 
+template <class T>
+bool same_bytes(const Column<T>& a, const Column<T>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
+}
+
+// Spheres of radii from 1e-4 to 1, in a few dense heaps, one of them in a single point, and one
+// sphere around all: so many that a plan is made, and again in the heaps.
+Scene heaps(int count) {
+  std::mt19937 rng(11);
+  std::normal_distribution<float> normal;
+  Scene scene;
+  scene.materials = {{}};
+  scene.spheres.push_back({{0, 0, 0}, 500});
+  for (int i = 1; i < count; ++i) {
+    const int heap = int(rng() % 4);
+    const Vec3f around(normal(rng), normal(rng), normal(rng));
+    const float size = heap == 0 ? 0 : std::pow(0.01f, float(heap));
+    scene.spheres.push_back({Vec3f(float(heap * heap * 50)) + around * size, size / 100 + 1e-4f});
+  }
+  scene.sphere_materials.assign(scene.spheres.size(), 0);
+  return scene;
+}
+
 TEST(Accel, TheTreeIsTheSameForAnyNumberOfThreads) {
-  const Scene scene = random_scene(60000, 2);
+  for (const Scene& scene : {random_scene(60000, 2), heaps(600000)}) {
+    const Geometry geometry(scene);
+    Bvh one;
+    on_threads(1, [&] { one = *build_bvh(geometry); });
+    for (const int threads : {2, 7}) {
+      Bvh many;
+      on_threads(threads, [&] { many = *build_bvh(geometry); });
+      EXPECT_EQ(one.reach, many.reach);
+      EXPECT_TRUE(same_bytes(one.nodes, many.nodes)) << threads;
+      EXPECT_TRUE(same_bytes(one.spheres, many.spheres)) << threads;
+      EXPECT_TRUE(same_bytes(one.triangles, many.triangles)) << threads;
+      EXPECT_TRUE(same_bytes(one.cones, many.cones)) << threads;
+    }
+  }
+}
+
+// Walks down the tree, counts the leaf lanes that hold each item, and asks that every box holds
+// what is below it.
+class TreeCheck {
+ public:
+  TreeCheck(const Geometry& geometry, const Bvh& bvh) : g_(geometry), b_(bvh) {
+    if (!b_.nodes.empty()) check(bvh_ref(BvhChild::node, 0), Box3f{Vec3f(-kMost), Vec3f(kMost)}, 0);
+  }
+
+  std::map<ItemId, int> seen;
+  size_t nodes = 0, blocks = 0, outside = 0;
+  int levels = 0;
+
+ private:
+  static constexpr float kMost = std::numeric_limits<float>::max();
+
+  void check(uint32_t ref, const Box3f& around, int depth) {
+    const uint32_t i = bvh_index(ref);
+    levels = std::max(levels, depth);
+    if (bvh_kind(ref) != BvhChild::node) {
+      ++blocks;
+      const ItemId* items = bvh_kind(ref) == BvhChild::spheres     ? b_.spheres[i].item
+                            : bvh_kind(ref) == BvhChild::triangles ? b_.triangles[i].item
+                                                                   : b_.cones[i].item;
+      for (int k = 0; k < kBvhWidth; ++k) {
+        if (items[k] == kNoItem) continue;
+        ++seen[items[k]];
+        outside += !holds(around, g_.bounds(items[k]));
+        EXPECT_TRUE(k == 0 || items[k - 1] < items[k]);
+      }
+      return;
+    }
+    ++nodes;
+    const BvhNode& node = b_.nodes[i];
+    for (int k = 0; k < kBvhWidth; ++k) {
+      if (node.child[k] == kNoChild) continue;
+      Box3f box;
+      for (int a = 0; a < 3; ++a)
+        box.lo[a] = node.boxes.planes[0][a][k], box.hi[a] = node.boxes.planes[1][a][k];
+      outside += !holds(around, box);
+      check(node.child[k], box, depth + 1);
+    }
+  }
+  static bool holds(const Box3f& a, const Box3f& b) {
+    return min(a.lo, b.lo) == a.lo && max(a.hi, b.hi) == a.hi;
+  }
+
+  const Geometry& g_;
+  const Bvh& b_;
+};
+
+TEST(Accel, TheTreeHoldsEveryItemOnceInsideItsBoxes) {
+  Scene same;  // that no plane can part, and more than a plan needs
+  same.materials = {{}};
+  same.spheres.assign(300000, {{0.1f, 0.2f, 0.3f}, 0.25f});
+  same.sphere_materials.assign(same.spheres.size(), 0);
+  for (const Scene& scene : {random_scene(20000, 2), random_scene(20000, 2, 1e-6f),
+                             random_scene(5, 1), heaps(300000), heaps(3), same}) {
+    const Geometry g(scene);
+    const Bvh bvh = *build_bvh(g);
+    const TreeCheck check(g, bvh);
+    EXPECT_EQ(check.outside, 0u);
+    EXPECT_EQ(check.nodes, bvh.nodes.size());
+    EXPECT_EQ(check.blocks, bvh.spheres.size() + bvh.triangles.size() + bvh.cones.size());
+    EXPECT_LE(check.levels, kBvhMaxLevels);
+    size_t items = 0;
+    for (const ItemKind kind : {ItemKind::sphere, ItemKind::triangle, ItemKind::cone})
+      items += g.count(kind);
+    EXPECT_EQ(check.seen.size(), items);
+    for (const auto& [item, times] : check.seen) ASSERT_EQ(times, 1) << item;
+  }
+}
+
+TEST(Accel, BakingRefusesWhatNoMemoryHolds) {
+  Scene scene = random_scene(40, 1);
+  scene.polygons.assign(100, {0, 4000000000u});
+  scene.polygon_materials.assign(100, 0);
+  const auto accel = build_accel(scene, {.kind = AccelKind::bvh});
+  ASSERT_FALSE(accel.has_value());
+  EXPECT_NE(accel.error().find("GB are free"), std::string::npos) << accel.error();
+}
+
+TEST(Accel, FewOfAKindAreALeafBelowTheRoot) {
+  Scene scene = random_scene(4000, 2);
+  scene.cones.resize(3);
+  scene.cone_materials.resize(3);
+  const Geometry g(scene);
+  const Bvh bvh = *build_bvh(g);
+  EXPECT_EQ(bvh.cones.size(), 1u);
+  EXPECT_EQ(std::ranges::count(bvh.nodes[0].child, bvh_ref(BvhChild::cones, 0)), 1);
+}
+
+TEST(Accel, TheTreeRefusesWhatNoMemoryHolds) {
+  const Scene scene = random_scene(4000, 2);
   const Geometry geometry(scene);
-  Bvh one, many;
-  on_threads(1, [&] { one = build_bvh(geometry); });
-  on_threads(7, [&] { many = build_bvh(geometry); });
-  ASSERT_EQ(one.nodes.size(), many.nodes.size());
-  EXPECT_EQ(std::memcmp(one.nodes.data(), many.nodes.data(), one.nodes.size() * sizeof(BvhNode)),
-            0);
-  ASSERT_EQ(one.triangles.size(), many.triangles.size());
-  for (size_t i = 0; i < one.triangles.size(); ++i)
-    for (int k = 0; k < kBvhWidth; ++k)
-      ASSERT_EQ(one.triangles[i].item[k], many.triangles[i].item[k]);
+  const auto bvh = build_bvh(geometry, 1000);
+  ASSERT_FALSE(bvh.has_value());
+  EXPECT_NE(bvh.error().find("0.0 GB are free"), std::string::npos) << bvh.error();
+  EXPECT_EQ(bvh.error().find('\n'), std::string::npos);
 }
 
 // Triangles, cones and spheres that no plane can part.

@@ -384,6 +384,7 @@ TEST(Film, HoldsBrightAndDim) {
 
 TEST(Render, SurvivesLightBeyondWhatFloatsHold) {
   Scene s = looking_down();
+  s.lights = {{{0, 0, 4}, std::nullopt}};
   add_plane(s, {{0, 0, 0}, {0, 0, 1}}, {{1e30f, 1e30f, 1}, 1e30f, 0, 1, 0, 1});
   const Image image = picture(s, small(AccelKind::automatic, 8)).image;
   for (const Rgb& p : image.pixels) EXPECT_TRUE(is_finite(p));

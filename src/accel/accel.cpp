@@ -1,5 +1,7 @@
 #include "accel/accel.h"
 
+#include <fmt/core.h>
+
 #include "accel/structures.h"
 
 namespace raio {
@@ -7,6 +9,11 @@ namespace raio {
 std::expected<std::unique_ptr<Accel>, std::string> build_accel(const Scene& scene,
                                                                const AccelOptions& options,
                                                                bool one_sided) {
+  const double bytes = Geometry::bytes_to_bake(scene), available = double(available_memory_bytes());
+  if (bytes > 0.9 * available)
+    return std::unexpected(
+        fmt::format("to prepare the scene for tracing would take {:.1f} GB and {:.1f} GB are free",
+                    bytes * 1e-9, available * 1e-9));
   Geometry geometry(scene, one_sided);
   switch (options.kind) {
     case AccelKind::none:

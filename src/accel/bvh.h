@@ -8,8 +8,9 @@
 #pragma once
 
 #include <algorithm>
+#include <expected>
 #include <limits>
-#include <vector>
+#include <string>
 
 #include "accel/accel.h"
 
@@ -29,12 +30,12 @@ constexpr uint32_t bvh_ref(BvhChild kind, uint32_t index) { return uint32_t(kind
 constexpr BvhChild bvh_kind(uint32_t ref) { return BvhChild(ref >> 30); }
 constexpr uint32_t bvh_index(uint32_t ref) { return ref & 0x3fffffffu; }
 
-/// Eight boxes: planes[0] the lower ones, planes[1] the upper, per axis. Empty until set: no ray
-/// meets it.
+/// Eight boxes: planes[0] the lower ones, planes[1] the upper, per axis.
 struct alignas(32) EightBoxes {
   float planes[2][3][kBvhWidth];
 
-  EightBoxes() {
+  /// No ray meets an empty one.
+  void set_empty() {
     std::fill_n(&planes[0][0][0], 3 * kBvhWidth, std::numeric_limits<float>::infinity());
     std::fill_n(&planes[1][0][0], 3 * kBvhWidth, -std::numeric_limits<float>::infinity());
   }
@@ -66,17 +67,19 @@ struct alignas(32) ConeBlock {  // the boxes tell which of them are worth a test
 };
 
 struct Bvh {
-  std::vector<BvhNode> nodes;  // the root first; empty for a scene without bounded primitives
-  std::vector<SphereBlock> spheres;
-  std::vector<TriangleBlock> triangles;
-  std::vector<ConeBlock> cones;
+  Column<BvhNode> nodes;  // the root first; empty for a scene without bounded primitives
+  Column<SphereBlock> spheres;
+  Column<TriangleBlock> triangles;
+  Column<ConeBlock> cones;
   float reach = 0;  // the largest coordinate in the tree
 
   size_t bytes() const;
 };
 
-/// The tree over all items but planes, the same for any number of threads.
-Bvh build_bvh(const Geometry& geometry);
+/// The tree over all items but planes, the same for any number of threads. The error is one line:
+/// more than `available` bytes would be needed.
+std::expected<Bvh, std::string> build_bvh(const Geometry& geometry,
+                                          size_t available = available_memory_bytes());
 
 /// The walks, for the best instruction set that this machine has. Hits are those of brute force, to
 /// the last bit. Sixteen neighbours of a batch that keep together travel as one.

@@ -1,336 +1,375 @@
-// Top down by the surface area heuristic over bins (Wald 2007, "On fast Construction of SAH-based
-// Bounding Volume Hierarchies", IRT): a node's range is split, and the child of largest surface
-// again, until there are eight. Large children are built in parallel, each into pools of its own
-// that are then joined in order, so that the tree is the same for any number of threads.
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
+// Top down by the surface area heuristic: a node's range is split in two, and the child of largest
+// surface again, until there are eight. First the nodes are made, in parts, each by one task, and
+// items brought into the order of the leaves; then all sizes are known, and the parts go to their
+// places in the tree's pools, in parallel again. The tree is the same for any number of threads.
+#include "accel/bvh_build.h"
+
+#include <fmt/core.h>
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/task_group.h>
 
-#include <algorithm>
-#include <span>
+#include <memory>
+#include <optional>
 
 #include "accel/bvh.h"
-#include "accel/structures.h"
+#include "accel/parallel.h"
 
 namespace raio {
 namespace {
 
-constexpr int kBins = 16;
-constexpr size_t kParallel = 8192;  // primitives worth a task
+constexpr size_t kTask = 4096;  // items worth a task
+constexpr int kPools = 4;       // one for each BvhChild
 
-struct Primitive {
-  Box3f box;
-  ItemId item;
-
-  float center2(int axis) const { return box.lo[axis] + box.hi[axis]; }
-};
-using Range = std::span<Primitive>;
-
-bool one_kind(Range range) {
-  return std::all_of(range.begin(), range.end(), [&](const Primitive& p) {
-    return item_kind(p.item) == item_kind(range.front().item);
-  });
+bool is_leaf(BuildRange range) {  // in ascending order, so kinds do not mix between equal ends
+  return range.size() <= size_t(kBvhWidth) &&
+         item_kind(range.front().item()) == item_kind(range.back().item());
 }
 
-// Each of the eight lanes of a block costs about the same as all eight.
-float blocks(size_t count) { return float((count + kBvhWidth - 1) / kBvhWidth); }
+BvhChild leaf_kind(BuildRange range) {
+  switch (item_kind(range.front().item())) {
+    case ItemKind::sphere:
+      return BvhChild::spheres;
+    case ItemKind::triangle:
+      return BvhChild::triangles;
+    default:
+      return BvhChild::cones;
+  }
+}
 
-struct Split {
-  int axis = -1;
-  int bin = 0;
+// Where kinds part a range: in the last splits, since leaves do not mix them; and at the root,
+// where few of a kind are a leaf of their own, which rays meet early and are the shorter for. Else
+// 0.
+size_t part_kinds(BuildRange range, int depth) {
+  constexpr size_t kFew = kBvhWidth;
+  if (range.size() > kFew && depth > 0) return 0;
+  const auto kind = [&](size_t i) { return item_kind(range[i].item()); };
+  size_t first = 1, last = 1;
+  while (first <= kFew && first < range.size() && kind(first) == kind(0)) ++first;
+  if (first <= kFew) return first;
+  const size_t n = range.size();
+  while (last <= kFew && kind(n - 1 - last) == kind(n - 1)) ++last;
+  return last <= kFew ? n - last : 0;
+}
+
+float half_area(const BuildBox& box) { return box.box().half_area(); }
+
+// A child to be. Where a plan has its splits, `node` is its node there.
+struct Child {
+  BuildRange range;
+  BuildBox box;
+  const BuildPlan* plan = nullptr;
+  uint32_t node = 0;
+
+  Child() = default;
+  Child(BuildRange r, const BuildBox& b) : range(r), box(b) {}
+  Child(BuildRange all, const BuildPlan& p, uint32_t n)
+      : range(all.subspan(p.nodes[n].begin, p.nodes[n].end - p.nodes[n].begin)),
+        box(p.nodes[n].box),
+        plan(p.nodes[n].below ? &p : nullptr),
+        node(n) {}
 };
 
-// Bins over the centres of a range, all three axes at once.
-struct Bins {
-  Vec3f lo, scale;
-  Box3f boxes[3][kBins];
-  size_t counts[3][kBins] = {};
+// What one task makes: the nodes over a range, children named by their place in this part; or one
+// node whose children are parts of their own.
+struct Part {
+  BuildRange items;
+  std::vector<BvhNode> nodes;
+  std::vector<uint8_t> leaf_sizes;                 // in the order of the items
+  std::array<uint32_t, kPools> counts{}, begin{};  // in and before this part, per BvhChild
+  std::vector<Part> parts;
 
-  explicit Bins(const Box3f& centers) : lo(centers.lo) {
-    // An axis on which all centres are one, or too near to divide, has no bins.
-    for (int a = 0; a < 3; ++a) {
-      scale[a] = kBins * (1 - 1e-6f) / centers.size()[a];
-      if (!std::isfinite(scale[a])) scale[a] = 0;
-    }
+  uint32_t add_leaf(BuildRange range) {
+    const BvhChild kind = leaf_kind(range);
+    leaf_sizes.push_back(uint8_t(range.size()));
+    return bvh_ref(kind, counts[size_t(kind)]++);
   }
-  int bin_of(const Primitive& p, int axis) const {
-    return std::clamp(int((p.center2(axis) - lo[axis]) * scale[axis]), 0, kBins - 1);
-  }
-  void add(const Primitive& p) {
-    for (int a = 0; a < 3; ++a) {
-      const int b = bin_of(p, a);
-      boxes[a][b].extend(p.box);
-      ++counts[a][b];
-    }
-  }
-  void add(const Bins& other) {
-    for (int a = 0; a < 3; ++a)
-      for (int b = 0; b < kBins; ++b) {
-        boxes[a][b].extend(other.boxes[a][b]);
-        counts[a][b] += other.counts[a][b];
-      }
-  }
-
-  // The best of all splits between bins of all axes; axis -1 when there is none.
-  Split best(size_t total) const {
-    Split out;
-    float best_cost = std::numeric_limits<float>::infinity();
-    for (int axis = 0; axis < 3; ++axis) {
-      float above_cost[kBins];
-      Box3f box;
-      size_t count = 0;
-      for (int b = kBins - 1; b > 0; --b) {
-        box.extend(boxes[axis][b]);
-        count += counts[axis][b];
-        above_cost[b] = box.half_area() * blocks(count);
-      }
-      box = {}, count = 0;
-      for (int b = 1; b < kBins; ++b) {
-        box.extend(boxes[axis][b - 1]);
-        count += counts[axis][b - 1];
-        const float cost = box.half_area() * blocks(count) + above_cost[b];
-        if (count > 0 && count < total && cost < best_cost) best_cost = cost, out = {axis, b};
-      }
-    }
-    return out;
+  uint32_t moved(uint32_t ref) const { return ref == kNoChild ? ref : ref + begin[ref >> 30]; }
+  uint32_t root() const {
+    if (counts[0] > 0) return moved(bvh_ref(BvhChild::node, 0));
+    return moved(bvh_ref(leaf_kind(items), 0));
   }
 };
 
-// Folds the range into copies of `zero`, in parallel where that pays. Boxes and counts join in any
-// order to the same result.
-template <class T, class Add, class Join>
-T fold(Range range, const T& zero, Add&& add, Join&& join) {
-  const auto part = [&](const tbb::blocked_range<size_t>& r, T sum) {
-    for (size_t i = r.begin(); i < r.end(); ++i) add(sum, range[i]);
-    return sum;
-  };
-  const tbb::blocked_range<size_t> all(0, range.size(), kParallel);
-  if (range.size() <= 2 * kParallel) return part(all, zero);
-  return tbb::parallel_reduce(all, zero, part, [&](T x, const T& y) { return join(x, y), x; });
-}
-
-// Reorders the range and says where its second part begins.
-size_t partition(Range range, int depth) {
-  if (range.size() <= size_t(kBvhWidth)) {  // of several kinds, which leaves do not mix
-    const ItemKind first = item_kind(range.front().item);
-    const auto middle = std::stable_partition(
-        range.begin(), range.end(), [&](const Primitive& p) { return item_kind(p.item) == first; });
-    return size_t(middle - range.begin());
+void fill_items(const Geometry& g, size_t first, BuildRange out) {
+  const size_t spheres = g.count(ItemKind::sphere), triangles = g.count(ItemKind::triangle);
+  for (size_t k = 0; k < out.size(); ++k) {
+    size_t i = first + k;
+    if (i < spheres) {
+      const Sphere& s = g.scene().spheres[i];
+      const Float4 center = {s.center.x, s.center.y, s.center.z, 0};
+      const Float4 r = splat(std::abs(s.radius));
+      BuildBox box{center - r, -center - r};
+      // Away by an ulp or two, since the subtraction may have been rounded up by half an ulp.
+      constexpr float kUlp = std::numeric_limits<float>::epsilon();
+      box.lo -= abs(box.lo) * kUlp;
+      box.minus_hi -= abs(box.minus_hi) * kUlp;
+      out[k].set(box, item_id(ItemKind::sphere, uint32_t(i)));
+    } else {
+      i -= spheres;
+      const ItemId id = i < triangles ? item_id(ItemKind::triangle, uint32_t(i))
+                                      : item_id(ItemKind::cone, uint32_t(i - triangles));
+      const Box3f box = g.bounds(id);
+      const Float4 lo = {box.lo.x, box.lo.y, box.lo.z, 0};
+      const Float4 hi = {box.hi.x, box.hi.y, box.hi.z, 0};
+      out[k].set({lo, -hi}, id);
+    }
   }
-  if (depth >= kBvhCostLevels) return range.size() / 2;
-  const Box3f centers = fold(
-      range, Box3f(),
-      [](Box3f& box, const Primitive& p) {
-        box.extend({p.center2(0), p.center2(1), p.center2(2)});
-      },
-      [](Box3f& x, const Box3f& y) { x.extend(y); });
-  const Bins bins = fold(
-      range, Bins(centers), [](Bins& b, const Primitive& p) { b.add(p); },
-      [](Bins& x, const Bins& y) { x.add(y); });
-  const Split split = bins.best(range.size());
-  if (split.axis < 0) return range.size() / 2;
-  const auto middle = std::partition(range.begin(), range.end(), [&](const Primitive& p) {
-    return bins.bin_of(p, split.axis) < split.bin;
-  });
-  return size_t(middle - range.begin());
-}
-
-Box3f box_of(Range range) {
-  return fold(
-      range, Box3f(), [](Box3f& box, const Primitive& p) { box.extend(p.box); },
-      [](Box3f& x, const Box3f& y) { x.extend(y); });
 }
 
 class Builder {
  public:
   explicit Builder(const Geometry& geometry) : g_(geometry) {}
 
-  Bvh out;
-
-  // The range as a child of a node: a leaf, or a node with all below it.
-  uint32_t build(Range range, int depth) {
-    if (range.size() <= size_t(kBvhWidth) && one_kind(range)) return make_leaf(range);
-    return make_node(range, depth);
-  }
-
-  uint32_t make_node(Range range, int depth) {
-    struct Child {
-      Range range;
-      Box3f box;
-      bool is_leaf;
-    };
-    const auto child_of = [](Range r) {
-      return Child{r, box_of(r), r.size() <= size_t(kBvhWidth) && one_kind(r)};
-    };
-    std::vector<Child> children = {child_of(range)};
-    while (children.size() < size_t(kBvhWidth)) {
-      Child* widest = nullptr;
-      for (Child& c : children)
-        if (!c.is_leaf && (!widest || c.box.half_area() > widest->box.half_area())) widest = &c;
-      if (!widest) break;
-      const Range all = widest->range;
-      const size_t middle = partition(all, depth);
-      *widest = child_of(all.first(middle));
-      children.push_back(child_of(all.subspan(middle)));
-    }
-    const uint32_t index = uint32_t(out.nodes.size());
-    out.nodes.emplace_back();
-    std::fill(std::begin(out.nodes[index].child), std::end(out.nodes[index].child), kNoChild);
-    uint32_t refs[kBvhWidth];
-    if (range.size() > kParallel) {
-      build_parallel(children, depth, refs);
+  // The error, or nothing.
+  std::optional<std::string> build(size_t available, Bvh& out) {
+    size_t count = 0;
+    for (const ItemKind kind : {ItemKind::sphere, ItemKind::triangle, ItemKind::cone})
+      count += g_.count(kind);
+    if (count == 0) return std::nullopt;
+    const double item_bytes = double(count * sizeof(BuildItem));
+    if (auto error = refusal(item_bytes + least_bytes(), available)) return error;
+    items_.resize(count);
+    Child all;
+    all.range = items_;
+    BuildPlan plan;
+    if (count > kPlanAbove) {
+      plan = make_plan(items_, [&](size_t first, BuildRange some) { fill_items(g_, first, some); });
+      all = Child(items_, plan, 0);
     } else {
-      for (size_t i = 0; i < children.size(); ++i) refs[i] = build(children[i].range, depth + 1);
+      for_chunks(count, [&](size_t, size_t first, size_t end) {
+        fill_items(g_, first, all.range.subspan(first, end - first));
+      });
+      all.box = box_of(items_);
     }
-    BvhNode& node = out.nodes[index];
-    for (size_t i = 0; i < children.size(); ++i) {
-      node.boxes.set(i, children[i].box);
-      node.child[i] = refs[i];
-    }
-    return bvh_ref(BvhChild::node, index);
+    Part root;
+    make_part(all, 0, root, true);
+
+    std::vector<Part*> parts;
+    std::array<uint32_t, kPools> total{};
+    place(root, parts, total);
+    const double bytes =
+        double(total[0]) * 2 * sizeof(BvhNode) + double(total[1]) * sizeof(SphereBlock) +
+        double(total[2]) * sizeof(TriangleBlock) + double(total[3]) * sizeof(ConeBlock);
+    if (auto error = refusal(item_bytes + bytes, available)) return error;
+    out.nodes.resize(total[0]);
+    out.spheres.resize(total[1]);
+    out.triangles.resize(total[2]);
+    out.cones.resize(total[3]);
+    const auto fill = [&](size_t i) { fill_part(*parts[i], out); };
+    if (parts.size() == 1)
+      fill(0);
+    else
+      tbb::parallel_for(size_t(0), parts.size(), fill);
+    const Box3f box = all.box.box();
+    out.reach = max_component(max(abs(box.lo), abs(box.hi)));
+    return std::nullopt;
   }
 
  private:
-  template <class Children>
-  void build_parallel(const Children& children, int depth, uint32_t* refs) {
-    std::vector<Builder> parts(children.size(), Builder(g_));
+  // Of blocks that are all full.
+  double least_bytes() const {
+    return (double(g_.count(ItemKind::sphere)) * sizeof(SphereBlock) +
+            double(g_.count(ItemKind::triangle)) * sizeof(TriangleBlock) +
+            double(g_.count(ItemKind::cone)) * sizeof(ConeBlock)) /
+           kBvhWidth;
+  }
+  static std::optional<std::string> refusal(double bytes, size_t available) {
+    if (bytes <= 0.9 * double(available)) return std::nullopt;
+    return fmt::format("a tree over the scene would take {:.1f} GB and {:.1f} GB are free",
+                       bytes * 1e-9, double(available) * 1e-9);
+  }
+
+  // The range as a part of its own: with a node, be it needed or not, for the root.
+  void make_part(const Child& child, int depth, Part& part, bool is_root = false) {
+    part.items = child.range;
+    if (child.range.size() > kTask) {
+      make_parts(child, depth, part);
+    } else if (!is_root && is_leaf(child.range)) {
+      part.add_leaf(child.range);
+    } else {
+      make_node(child, depth, part, scratches_.local());
+      part.counts[0] = uint32_t(part.nodes.size());
+    }
+  }
+
+  // The node, and each child as a part of its own.
+  void make_parts(const Child& child, int depth, Part& part) {
+    std::vector<std::unique_ptr<BuildPlan>> plans;
+    std::array<Child, kBvhWidth> children;
+    const size_t count = open(child, depth, children, scratches_.local(), &plans);
+    part.nodes.resize(1);
+    part.counts[0] = 1;
+    set_boxes(part.nodes[0], {children.data(), count});
+    part.parts.resize(count);
     tbb::task_group tasks;
-    for (size_t i = 0; i < children.size(); ++i)
-      tasks.run([&, i] { refs[i] = parts[i].build(children[i].range, depth + 1); });
+    for (size_t i = 0; i < count; ++i)
+      tasks.run([&, i] { make_part(children[i], depth + 1, part.parts[i]); });
     tasks.wait();
-    for (size_t i = 0; i < children.size(); ++i) refs[i] = append(parts[i].out, refs[i]);
   }
 
-  // Takes over the pools of `part`; the new name of its child `ref`.
-  uint32_t append(const Bvh& part, uint32_t ref) {
-    const uint32_t base[4] = {uint32_t(out.nodes.size()), uint32_t(out.spheres.size()),
-                              uint32_t(out.triangles.size()), uint32_t(out.cones.size())};
-    const auto moved = [&](uint32_t r) { return r == kNoChild ? r : r + base[r >> 30]; };
-    for (BvhNode node : part.nodes) {
-      for (uint32_t& child : node.child) child = moved(child);
-      out.nodes.push_back(node);
+  uint32_t make_node(const Child& child, int depth, Part& part, Column<BuildItem>& scratch) {
+    std::array<Child, kBvhWidth> children;
+    const size_t count = open(child, depth, children, scratch, nullptr);
+    const size_t index = part.nodes.size();
+    part.nodes.emplace_back();
+    set_boxes(part.nodes[index], {children.data(), count});
+    for (size_t i = 0; i < count; ++i) {
+      const uint32_t ref = is_leaf(children[i].range)
+                               ? part.add_leaf(children[i].range)
+                               : make_node(children[i], depth + 1, part, scratch);
+      part.nodes[index].child[i] = ref;
     }
-    const auto join = [](auto& to, const auto& from) {
-      to.insert(to.end(), from.begin(), from.end());
-    };
-    join(out.spheres, part.spheres);
-    join(out.triangles, part.triangles);
-    join(out.cones, part.cones);
-    return moved(ref);
+    return bvh_ref(BvhChild::node, uint32_t(index));
   }
 
-  uint32_t make_leaf(Range range) {
-    std::sort(range.begin(), range.end(),
-              [](const Primitive& a, const Primitive& b) { return a.item < b.item; });
-    switch (item_kind(range.front().item)) {
-      case ItemKind::sphere:
-        return make_spheres(range);
-      case ItemKind::triangle:
-        return make_triangles(range);
-      default:
-        return make_cones(range);
+  static void set_boxes(BvhNode& node, std::span<const Child> children) {
+    node.boxes.set_empty();
+    std::fill(std::begin(node.child), std::end(node.child), kNoChild);
+    for (size_t i = 0; i < children.size(); ++i) node.boxes.set(i, children[i].box.box());
+  }
+
+  // The children of a node, in the order of their items; how many there are.
+  static size_t open(const Child& child, int depth, std::array<Child, kBvhWidth>& out,
+                     Column<BuildItem>& scratch, std::vector<std::unique_ptr<BuildPlan>>* plans) {
+    std::array<float, kBvhWidth> areas;  // of those that can be opened
+    const auto area = [](const Child& c) { return is_leaf(c.range) ? -1 : half_area(c.box); };
+    out[0] = child;
+    areas[0] = area(child);
+    size_t count = 1;
+    for (; count < size_t(kBvhWidth); ++count) {
+      const size_t i =
+          size_t(std::max_element(areas.begin(), areas.begin() + count) - areas.begin());
+      if (areas[i] < 0) break;
+      std::move_backward(out.begin() + i + 1, out.begin() + count, out.begin() + count + 1);
+      std::move_backward(areas.begin() + i + 1, areas.begin() + count, areas.begin() + count + 1);
+      split(Child(out[i]), depth, out[i], out[i + 1], scratch, plans);
+      areas[i] = area(out[i]), areas[i + 1] = area(out[i + 1]);
+    }
+    return count;
+  }
+
+  static void split(Child child, int depth, Child& below, Child& above, Column<BuildItem>& scratch,
+                    std::vector<std::unique_ptr<BuildPlan>>* plans) {
+    const BuildRange range = child.range;
+    if (!child.plan && range.size() > kPlanAbove && depth + kPlanDepth <= kBvhCostLevels) {
+      plans->push_back(std::make_unique<BuildPlan>(plan_again(range)));
+      child = Child(range, *plans->back(), 0);
+    }
+    if (child.plan) {
+      const BuildPlan::Node& node = child.plan->nodes[child.node];
+      const BuildRange all(range.data() - node.begin, child.plan->nodes[0].end);
+      below = Child(all, *child.plan, node.below);
+      above = Child(all, *child.plan, node.above);
+      return;
+    }
+    BuildSplit parts{.middle = part_kinds(range, depth)};
+    if (parts.middle == 0 && depth < kBvhCostLevels) parts = split_by_cost(range, scratch);
+    if (parts.above.box().empty()) {
+      if (parts.middle == 0) parts.middle = range.size() / 2;
+      parts.below = box_of(range.first(parts.middle));
+      parts.above = box_of(range.subspan(parts.middle));
+    }
+    below = Child(range.first(parts.middle), parts.below);
+    above = Child(range.subspan(parts.middle), parts.above);
+  }
+
+  // A plan for items that another plan, or none, has already brought together.
+  static BuildPlan plan_again(BuildRange range) {
+    Column<BuildItem> copy(range.size());
+    for_chunks(range.size(), [&](size_t, size_t first, size_t end) {
+      std::copy(range.begin() + first, range.begin() + end, copy.begin() + first);
+    });
+    return make_plan(range, [&](size_t first, BuildRange out) {
+      std::copy_n(copy.begin() + first, out.size(), out.begin());
+    });
+  }
+
+  // Lists the parts in the order of their items, and finds their places in the pools.
+  void place(Part& part, std::vector<Part*>& parts, std::array<uint32_t, kPools>& total) const {
+    part.begin = total;
+    for (int k = 0; k < kPools; ++k) total[k] += part.counts[k];
+    parts.push_back(&part);
+    for (Part& p : part.parts) place(p, parts, total);
+  }
+
+  void fill_part(Part& part, Bvh& out) const {
+    for (size_t i = 0; i < part.nodes.size(); ++i) {
+      BvhNode& node = out.nodes[part.begin[0] + i];
+      node = part.nodes[i];
+      for (uint32_t& child : node.child) child = part.moved(child);
+    }
+    for (size_t i = 0; i < part.parts.size(); ++i)
+      out.nodes[part.begin[0]].child[i] = part.parts[i].root();
+    part.nodes = {};
+    std::array<uint32_t, kPools> next = part.begin;
+    BuildRange rest = part.items;
+    for (const uint8_t size : part.leaf_sizes) {
+      const BuildRange range = rest.first(size);
+      rest = rest.subspan(size);
+      const BvhChild kind = leaf_kind(range);
+      const uint32_t index = next[size_t(kind)]++;
+      if (kind == BvhChild::spheres)
+        fill_block(range, out.spheres[index]);
+      else if (kind == BvhChild::triangles)
+        fill_block(range, out.triangles[index]);
+      else
+        fill_block(range, out.cones[index]);
     }
   }
 
-  uint32_t make_spheres(Range range) {
-    SphereBlock block{};
-    std::fill(std::begin(block.radius), std::end(block.radius),
-              std::numeric_limits<float>::quiet_NaN());
-    std::fill(std::begin(block.item), std::end(block.item), kNoItem);
-    for (size_t i = 0; i < range.size(); ++i) {
-      const Sphere s = g_.sphere(item_index(range[i].item));
+  template <class Block>
+  static void set_items(BuildRange range, Block& block) {
+    for (size_t i = 0; i < size_t(kBvhWidth); ++i)
+      block.item[i] = i < range.size() ? range[i].item() : kNoItem;
+  }
+
+  void fill_block(BuildRange range, SphereBlock& block) const {
+    set_items(range, block);
+    for (size_t i = 0; i < size_t(kBvhWidth); ++i) {
+      constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+      const Sphere s =
+          i < range.size() ? g_.sphere(item_index(range[i].item())) : Sphere{{0, 0, 0}, kNone};
       block.x[i] = s.center.x, block.y[i] = s.center.y, block.z[i] = s.center.z;
       block.radius[i] = s.radius;
-      block.item[i] = range[i].item;
     }
-    out.spheres.push_back(block);
-    return bvh_ref(BvhChild::spheres, uint32_t(out.spheres.size() - 1));
   }
 
-  uint32_t make_triangles(Range range) {
-    TriangleBlock block{};  // three equal corners have no area
-    std::fill(std::begin(block.item), std::end(block.item), kNoItem);
-    for (size_t i = 0; i < range.size(); ++i) {
-      const Triangle t = g_.triangle(item_index(range[i].item));
+  void fill_block(BuildRange range, TriangleBlock& block) const {
+    set_items(range, block);
+    for (size_t i = 0; i < size_t(kBvhWidth); ++i) {  // three equal corners have no area
+      const Triangle t =
+          i < range.size() ? g_.triangle(item_index(range[i].item())) : Triangle{{}, {}, {}};
       for (int a = 0; a < 3; ++a) {
         block.corner[0][a][i] = t.a[a];
         block.corner[1][a][i] = t.b[a];
         block.corner[2][a][i] = t.c[a];
       }
-      block.item[i] = range[i].item;
     }
-    out.triangles.push_back(block);
-    return bvh_ref(BvhChild::triangles, uint32_t(out.triangles.size() - 1));
   }
 
-  uint32_t make_cones(Range range) {
-    ConeBlock block{};
-    std::fill(std::begin(block.item), std::end(block.item), kNoItem);
+  void fill_block(BuildRange range, ConeBlock& block) const {
+    block = {};
+    set_items(range, block);
+    block.boxes.set_empty();
     for (size_t i = 0; i < range.size(); ++i) {
-      const BakedCone& c = g_.cone(item_index(range[i].item));
-      block.boxes.set(i, range[i].box);
+      const BakedCone& c = g_.cone(item_index(range[i].item()));
+      block.boxes.set(i, bounds(c));
       for (int a = 0; a < 3; ++a) block.base[a][i] = c.base[a], block.axis[a][i] = c.axis[a];
       block.height[i] = c.height, block.radius[i] = c.base_radius, block.slope[i] = c.slope;
-      block.item[i] = range[i].item;
     }
-    out.cones.push_back(block);
-    return bvh_ref(BvhChild::cones, uint32_t(out.cones.size() - 1));
   }
 
   const Geometry& g_;
-};
-
-class BvhAccel final : public Accel {
- public:
-  BvhAccel(Geometry geometry, Bvh bvh) : Accel(std::move(geometry)), bvh_(std::move(bvh)) {}
-
-  void closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const override {
-    hits.reset(rays.size());
-    bvh_closest(geometry_, bvh_, rays, hits, context);
-  }
-  void occluded(const RayBatch& rays, uint8_t* hit, TraceContext& context) const override {
-    bvh_occluded(geometry_, bvh_, rays, hit, context);
-  }
-  AccelInfo info() const override {
-    size_t references = 0;
-    for (const ItemKind kind : {ItemKind::sphere, ItemKind::triangle, ItemKind::cone})
-      references += geometry_.count(kind);
-    return {.name = "bvh",
-            .bytes = geometry_.bytes() + bvh_.bytes(),
-            .cells = bvh_.nodes.size(),
-            .references = references,
-            .giants = geometry_.count(ItemKind::plane)};
-  }
-
- private:
-  Bvh bvh_;
+  Column<BuildItem> items_;
+  tbb::enumerable_thread_specific<Column<BuildItem>> scratches_{[] { return Column<BuildItem>(); }};
 };
 
 }  // namespace
 
-size_t Bvh::bytes() const {
-  return nodes.size() * sizeof(BvhNode) + spheres.size() * sizeof(SphereBlock) +
-         triangles.size() * sizeof(TriangleBlock) + cones.size() * sizeof(ConeBlock);
-}
-
-Bvh build_bvh(const Geometry& geometry) {
-  std::vector<Primitive> primitives;
-  for (const ItemKind kind : {ItemKind::sphere, ItemKind::triangle, ItemKind::cone})
-    for (uint32_t i = 0; i < geometry.count(kind); ++i)
-      primitives.push_back({{}, item_id(kind, i)});
-  if (primitives.empty()) return {};
-  tbb::parallel_for(size_t(0), primitives.size(),
-                    [&](size_t i) { primitives[i].box = geometry.bounds(primitives[i].item); });
-  const Box3f all = box_of(primitives);
-  Builder builder(geometry);
-  builder.make_node(primitives, 0);
-  builder.out.reach = max_component(max(abs(all.lo), abs(all.hi)));
-  return std::move(builder.out);
-}
-
-std::unique_ptr<Accel> make_bvh(Geometry geometry) {
-  Bvh bvh = build_bvh(geometry);
-  return std::make_unique<BvhAccel>(std::move(geometry), std::move(bvh));
+std::expected<Bvh, std::string> build_bvh(const Geometry& geometry, size_t available) {
+  Bvh out;
+  if (auto error = Builder(geometry).build(available, out)) return std::unexpected(*error);
+  return out;
 }
 
 }  // namespace raio

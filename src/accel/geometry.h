@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/box.h"
+#include "base/memory.h"
 #include "base/ray.h"
 #include "scene/scene.h"
 #include "shape/triangle.h"
@@ -71,20 +72,24 @@ class Geometry {
   }
   bool any_smooth() const { return !triangle_normals_.empty(); }
 
+  /// About how many bytes baking `scene` takes, those that it frees again included.
+  static double bytes_to_bake(const Scene& scene);
+
   Box3f bounds(ItemId id) const;  // not for planes, which have none
   size_t bytes() const;           // besides the scene
 
  private:
   void bake_triangles();
+  void bake_polygons();
   void list_sides(bool one_sided);
 
   const Scene* scene_;
   // The scene's own where every primitive is a triangle with an area, else those below.
   std::span<const TriangleIndices> triangles_, triangle_normals_;
-  std::vector<TriangleIndices> own_triangles_, own_normals_;
-  std::vector<Facet> facets_;
-  std::vector<BakedCone> cones_;
-  std::array<std::vector<Sides>, kItemKinds> sides_;  // empty: both sides of all
+  Column<TriangleIndices> own_triangles_, own_normals_;
+  Column<Facet> facets_;
+  Column<BakedCone> cones_;
+  std::array<Column<Sides>, kItemKinds> sides_;  // empty: both sides of all
 };
 
 }  // namespace raio

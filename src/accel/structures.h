@@ -15,7 +15,7 @@ std::unique_ptr<Accel> make_none(Geometry geometry, const AccelOptions& options)
 AccelResult make_grid(Geometry geometry, const AccelOptions& options);
 
 /// The eight-wide tree of boxes: bvh.h.
-std::unique_ptr<Accel> make_bvh(Geometry geometry);
+AccelResult make_bvh(Geometry geometry);
 
 /// Embree 3, as its documentation advises.
 AccelResult make_embree(Geometry geometry, const AccelOptions& options);

@@ -5,27 +5,33 @@
 
 #include <cstddef>
 #include <new>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 namespace raio {
 
-/// For std::vector: elements start at a cache line, and new ones are left unset.
+/// Memory for `bytes`, at a cache line; large ones in huge pages where the system has them, which
+/// it hands out faster and finds faster at random places.
+void* allocate_lines(size_t bytes);
+void free_lines(void* p, size_t bytes);
+
+/// For std::vector: elements start at a cache line, and new ones are left unset, also those of
+/// types with initial values.
 template <class T>
 struct CacheLineAllocator {
+  static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
   using value_type = T;
-  static constexpr std::align_val_t kAlignment{64};
 
   CacheLineAllocator() = default;
   template <class U>
   CacheLineAllocator(const CacheLineAllocator<U>&) {}
-  T* allocate(size_t n) { return static_cast<T*>(::operator new(n * sizeof(T), kAlignment)); }
-  void deallocate(T* p, size_t) { ::operator delete(p, kAlignment); }
+  T* allocate(size_t n) { return static_cast<T*>(allocate_lines(n * sizeof(T))); }
+  void deallocate(T* p, size_t n) { free_lines(p, n * sizeof(T)); }
   template <class U>
-  void construct(U* p) {
-    ::new (static_cast<void*>(p)) U;
-  }
+  void construct(U*) {}
   template <class U, class... Args>
+    requires(sizeof...(Args) > 0)
   void construct(U* p, Args&&... args) {
     ::new (static_cast<void*>(p)) U(std::forward<Args>(args)...);
   }
