@@ -493,7 +493,8 @@ TEST(Accel, RaysEndAtTmax) {
   scene.spheres = {{{0, 0, 0}, 1}};
   scene.sphere_materials = {0};
   RayBatch rays;
-  for (const float tmax : {1.99f, 2.0f, 2.01f}) rays.push({{0, 0, 3}, {0, 0, -1}, tmax});
+  for (const float tmax : {1.99f, 2.0f, 2.01f, 0.0f, -1.0f})
+    rays.push({{0, 0, 3}, {0, 0, -1}, tmax});
   for (const AccelKind kind :
        {AccelKind::none, AccelKind::grid, AccelKind::bvh, AccelKind::embree}) {
     uint8_t hidden[kBatchPad] = {9, 9, 9};
@@ -501,6 +502,8 @@ TEST(Accel, RaysEndAtTmax) {
     build(scene, {.kind = kind})->occluded(rays, hidden, context);
     EXPECT_EQ(hidden[0], 0) << accel_name(kind);
     EXPECT_EQ(hidden[2], 1) << accel_name(kind);
+    EXPECT_EQ(hidden[3], 0) << accel_name(kind);
+    EXPECT_EQ(hidden[4], 0) << accel_name(kind);
     // Half-open: Embree counts the end itself.
     if (kind != AccelKind::embree) {
       EXPECT_EQ(hidden[1], 0) << accel_name(kind);

@@ -94,7 +94,7 @@ class Embree final : public Accel {
     for (; i + 1 < rays.size() && !context.stopped(); i += kWidth) occluded8(rays, i, hit, embree);
     for (; i < rays.size() && !context.stopped(); ++i) {
       hit[i] = nearest_plane(rays[i]).best.found();
-      if (hit[i]) continue;
+      if (hit[i] || !(rays.tmax[i] > 0)) continue;
       RTCRay query = single(rays[i], rays.tmax[i]);
       rtcOccluded1(scene_, &embree, &query);
       hit[i] = query.tfar < 0;
@@ -268,7 +268,7 @@ class Embree final : public Accel {
       hits.set(first + k, nearest_plane(rays[first + k]).best);
       query.ray.tfar[k] = hits.t[first + k];
       query.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
-      valid[k] = -1;
+      valid[k] = rays.tmax[first + k] > 0 ? -1 : 0;
     }
     rtcIntersect8(valid, scene_, &embree, &query);
     for (unsigned k = 0; k < lanes; ++k)
@@ -288,7 +288,7 @@ class Embree final : public Accel {
     for (unsigned k = 0; k < lanes; ++k) {
       hit[first + k] = nearest_plane(rays[first + k]).best.found();
       query.tfar[k] = rays.tmax[first + k];
-      valid[k] = hit[first + k] ? 0 : -1;
+      valid[k] = !hit[first + k] && rays.tmax[first + k] > 0 ? -1 : 0;
     }
     rtcOccluded8(valid, scene_, &embree, &query);
     for (unsigned k = 0; k < lanes; ++k)

@@ -299,6 +299,7 @@ class Grid final : public Accel {
   template <bool any, bool count>
   RayQuery trace(const Ray& ray, TraceContext& context) const {
     RayQuery query(ray);
+    if (!(ray.tmax > 0)) return query;
     for (const ItemId id : giants_) {
       if (count) ++context.tests;
       if (test_item(geometry_, id, query) && any) return query;

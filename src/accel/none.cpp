@@ -26,6 +26,7 @@ class None final : public Accel {
   template <bool any>
   RayQuery trace(const Ray& ray, TraceContext& context) const {
     RayQuery query(ray);
+    if (!(ray.tmax > 0)) return query;
     all_of<any, ItemKind::plane, test_plane>(query, context) ||
         all_of<any, ItemKind::sphere, test_sphere>(query, context) ||
         all_of<any, ItemKind::triangle, test_triangle>(query, context) ||
