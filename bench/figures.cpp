@@ -9,6 +9,7 @@
 
 #include "app/bench.h"
 #include "io/file.h"
+#include "render/render.h"
 
 namespace raio::bench {
 
@@ -18,6 +19,12 @@ double seconds_of(const std::function<void()>& work) {
   const auto start = std::chrono::steady_clock::now();
   work();
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+double seconds_on(int threads, const std::function<void()>& work) {
+  double seconds = 0;
+  on_threads(threads, [&] { seconds = seconds_of(work); });
+  return seconds;
 }
 
 std::vector<std::vector<double>> alternate(std::span<const Contender> contenders, int rounds) {

@@ -26,8 +26,9 @@ struct Failure {
 /// One line on standard error: what is going on.
 void tell(std::string_view message);
 
-/// Wall time.
+/// Wall time; with all that the work runs in parallel on so many threads.
 double seconds_of(const std::function<void()>& work);
+double seconds_on(int threads, const std::function<void()>& work);
 
 /// One of those that are compared: does its work once and says how many seconds it took.
 using Contender = std::function<double()>;

@@ -24,8 +24,8 @@ std::vector<Built> build_and_check(const Scene& scene, const Settings& s) {
   std::vector<Built> all;
   for (const AccelKind kind : s.structures) {
     std::unique_ptr<Accel> accel;
-    const double seconds = seconds_of(
-        [&] { on_threads(s.options.threads, [&] { accel = build_structure(scene, kind, s); }); });
+    const double seconds =
+        seconds_on(s.options.threads, [&] { accel = build_structure(scene, kind, s); });
     all.push_back({kind, std::move(accel), seconds});
   }
   if (!s.check || all.empty()) return all;

@@ -62,7 +62,7 @@ void add_suite(CLI::App& app, const Suite& suite, Settings& s, std::string& json
       ->delimiter(',');
   sub->add_option("--repeat", s.repeat, "Runs of each; the median counts")
       ->check(CLI::Range(1, 100000));
-  sub->add_flag("!--no-check", s.check, "Do not compare with none first");
+  sub->add_flag_callback("--no-check", [&s] { s.check = false; }, "Do not compare with none first");
   sub->add_option("--json", json, "Write a line of JSON for each row of the table");
   sub->add_option("--plot", s.plot, "growth: draw it, .png .svg .pdf by suffix");
   sub->add_option("--raio", s.raio, "process: the program (default: the one built beside this)");

@@ -9,7 +9,6 @@
 #include "bench/embree_direct.h"
 #include "bench/rays.h"
 #include "bench/suites.h"
-#include "render/render.h"
 
 namespace raio::bench {
 namespace {
@@ -26,13 +25,9 @@ std::vector<Contender> contenders_of(const std::vector<Tracer>& tracers,
   contenders.reserve(tracers.size());
   for (const Tracer& tracer : tracers)
     contenders.push_back([&, threads] {
-      double seconds = 0;
-      on_threads(threads, [&] {
-        seconds = seconds_of([&] {
-          tbb::parallel_for(size_t(0), batches.size(), [&](size_t i) { tracer.trace(batches[i]); });
-        });
+      return seconds_on(threads, [&] {
+        tbb::parallel_for(size_t(0), batches.size(), [&](size_t i) { tracer.trace(batches[i]); });
       });
-      return seconds;
     });
   return contenders;
 }
@@ -81,8 +76,8 @@ Json measure_kind(const TraceSubject& subject, RayKind kind, int threads, const 
                       }});
     const auto seconds = alternate(contenders_of(ways, batches, threads), 3);
     const auto fastest = std::ranges::min_element(seconds, {}, median) - seconds.begin();
-    row["embree_way"] = ways[size_t(fastest)].name;
-    tracers.push_back({"embree", ways[size_t(fastest)].trace});
+    row["Embree_way"] = ways[size_t(fastest)].name;
+    tracers.push_back({"Embree", ways[size_t(fastest)].trace});
   }
   if (s.check) check_hits(tracers, batches, subject.scene.name);
   const auto seconds = alternate(contenders_of(tracers, batches, threads), s.repeat);
@@ -90,21 +85,13 @@ Json measure_kind(const TraceSubject& subject, RayKind kind, int threads, const 
     const std::string& name = tracers[i].name;
     row[name + "_mrays_s"] = double(subject.rays.count(kind)) / median(seconds[i]) * 1e-6;
     if (subject.embree && i + 1 < tracers.size())
-      row[name + "_to_embree"] = median(seconds[i]) / median(seconds.back());
+      row[name + "_to_Embree"] = median(seconds[i]) / median(seconds.back());
     row["runs_s"][name] = seconds[i];
   }
   return row;
 }
 
-// On so many threads, and without the time to take it down again.
-template <class Build>
-double seconds_to(const Build& build, int threads) {
-  double seconds = 0;
-  on_threads(threads, [&] { seconds = seconds_of(build); });
-  return seconds;
-}
-
-// With its bytes after each run.
+// With their bytes after each run; taking a structure down again is not timed.
 std::vector<std::pair<std::string, Contender>> builders(const Scene& scene,
                                                         const Geometry& geometry, const Settings& s,
                                                         std::vector<size_t>& bytes) {
@@ -115,14 +102,14 @@ std::vector<std::pair<std::string, Contender>> builders(const Scene& scene,
     all.emplace_back(accel_name(kind), [&, kind, &size = bytes[all.size()]] {
       std::unique_ptr<Accel> accel;
       const double seconds =
-          seconds_to([&] { accel = build_structure(scene, kind, s); }, s.options.threads);
+          seconds_on(s.options.threads, [&] { accel = build_structure(scene, kind, s); });
       size = accel->info().bytes;
       return seconds;
     });
   if (EmbreeScene::can_hold(geometry))
-    all.emplace_back("embree", [&, &size = bytes[all.size()]] {
+    all.emplace_back("Embree", [&, &size = bytes[all.size()]] {
       std::optional<EmbreeScene> embree;
-      const double seconds = seconds_to([&] { embree.emplace(geometry); }, s.options.threads);
+      const double seconds = seconds_on(s.options.threads, [&] { embree.emplace(geometry); });
       size = embree->bytes();
       return seconds;
     });
@@ -156,16 +143,16 @@ std::vector<Json> trace_suite(const Settings& wish) {
                      {"rays", "M", 1e-6},
                      {"bvh_mrays_s", "bvh Mrays/s"},
                      {"grid_mrays_s", "grid"},
-                     {"embree_mrays_s", "Embree"},
-                     {"embree_way", "its way"},
-                     {"bvh_to_embree", "bvh/Embree"},
-                     {"grid_to_embree", "grid/Embree"}});
+                     {"Embree_mrays_s", "Embree"},
+                     {"Embree_way", "its way"},
+                     {"bvh_to_Embree", "bvh/Embree"},
+                     {"grid_to_Embree", "grid/Embree"}});
   fmt::print(
       "\nx/Embree: ratio of times on the same rays, medians of {} runs; -: the scene has cones "
       "or planes, which Embree has not\n",
       s.repeat);
   for (const char* group : {"kind", "group"})
-    for (const char* ratio : {"bvh_to_embree", "grid_to_embree"}) print_means(rows, group, ratio);
+    for (const char* ratio : {"bvh_to_Embree", "grid_to_Embree"}) print_means(rows, group, ratio);
   return rows;
 }
 
