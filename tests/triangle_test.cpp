@@ -245,5 +245,20 @@ TEST(Triangle, DegenerateOnesGiveNoNumbersThatAreNone) {
   EXPECT_GT(hits, 0);
 }
 
+// Small and exactly edge-on, so that edge functions are but rounding: a ray that passes by at many
+// times their size does not hit them.
+TEST(Triangle, EdgeOnAndFarAsideIsMissed) {
+  std::mt19937 rng(8);
+  int hits = 0;
+  for (int k = 0; k < 1000000; ++k) {
+    const Vec3d dir = random_unit(rng), aside = normalize(cross(dir, random_unit(rng)));
+    const auto corner = [&] {  // in the plane of the ray and `aside`
+      return Vec3f(dir * (5 + uniform(rng, 0, 1e-3)) + aside * (1 + uniform(rng, 0, 1e-3)));
+    };
+    hits += hit({corner(), corner(), corner()}, {{0, 0, 0}, Vec3f(dir)}).has_value();
+  }
+  EXPECT_EQ(hits, 0);
+}
+
 }  // namespace
 }  // namespace raio

@@ -18,31 +18,6 @@
 namespace raio::app {
 namespace {
 
-// `wanted`: the names to add, or all when empty.
-void add_render_options(CLI::App& app, RenderOptions& options,
-                        std::initializer_list<std::string_view> wanted = {}) {
-  for (const OptionSpec& spec : render_option_table()) {
-    if (wanted.size() > 0 && std::ranges::find(wanted, spec.name) == wanted.end()) continue;
-    const std::string name = "--" + std::string(spec.name);
-    const auto set = [&options, &spec, name](const std::string& text) {
-      if (auto done = set_option(options, spec, text); !done)
-        throw CLI::ValidationError(name, done.error());
-    };
-    if (!spec.is_switch()) {
-      app.add_option_function<std::string>(name, set, std::string(spec.help))
-          ->type_name(std::string(spec.value_name))
-          ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-      continue;
-    }
-    // A switch that the scene can set has a way to say no.
-    const bool optional =
-        std::holds_alternative<std::optional<bool>& (*)(RenderOptions&)>(spec.value);
-    app.add_flag_function(
-        name + (optional ? ",!--no-" + std::string(spec.name) : ""),
-        [set](int64_t count) { set(count > 0 ? "true" : "false"); }, std::string(spec.help));
-  }
-}
-
 // The checks of values that are not of the table; of an option given twice the last one counts.
 
 void add_file(CLI::App& app, const std::string& name, std::string& path, const std::string& help,
@@ -230,6 +205,30 @@ int parse_and_run(std::vector<std::string> arguments) {
 }
 
 }  // namespace
+
+void add_render_options(CLI::App& app, RenderOptions& options,
+                        std::initializer_list<std::string_view> wanted) {
+  for (const OptionSpec& spec : render_option_table()) {
+    if (wanted.size() > 0 && std::ranges::find(wanted, spec.name) == wanted.end()) continue;
+    const std::string name = "--" + std::string(spec.name);
+    const auto set = [&options, &spec, name](const std::string& text) {
+      if (auto done = set_option(options, spec, text); !done)
+        throw CLI::ValidationError(name, done.error());
+    };
+    if (!spec.is_switch()) {
+      app.add_option_function<std::string>(name, set, std::string(spec.help))
+          ->type_name(std::string(spec.value_name))
+          ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+      continue;
+    }
+    // A switch that the scene can set has a way to say no.
+    const bool optional =
+        std::holds_alternative<std::optional<bool>& (*)(RenderOptions&)>(spec.value);
+    app.add_flag_function(
+        name + (optional ? ",!--no-" + std::string(spec.name) : ""),
+        [set](int64_t count) { set(count > 0 ? "true" : "false"); }, std::string(spec.help));
+  }
+}
 
 int run_command_line(int argc, char** argv) {
   try {

@@ -1,148 +1,21 @@
 #include "app/plot.h"
 
-#include <cairo-pdf.h>
-#include <cairo-svg.h>
-#include <cairo.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
-#include <memory>
-#include <nlohmann/json.hpp>
-#include <numbers>
 
 namespace raio::app {
 
 namespace {
 
-constexpr double kWidth = 1600, kHeight = 1000;
 constexpr double kBarsLeft = 500, kBarsRight = 1540, kBarsTop = 222, kBarsBottom = 880;
 constexpr double kGroupGap = 26;  // between the bars of the two structures
-constexpr double kText = 19;      // size of most text
-constexpr double kLabelGap = 10, kMarkerRadius = 10;
+constexpr double kLabelGap = 10;
 
-struct Ink {
-  int r, g, b;  // 0..255
-};
-
-// Okabe and Ito's palette, whose colours remain distinct to colour-blind eyes; the two blues also
-// differ in lightness, so that a print in grey works.
-constexpr Ink kBlack{26, 26, 31}, kGrey{107, 107, 115}, kFaint{224, 224, 230};
-constexpr Ink kWithout{86, 180, 233}, kGrid{0, 114, 178}, kReport{213, 94, 0};
-constexpr Ink kWhite{255, 255, 255};
-
-enum class Align { left, center, right };
-
-std::string seconds_label(double s) {
-  return s < 1 ? three_digits(s * 1000) + " ms" : three_digits(s) + " s";
-}
-
-std::string tick_label(double s) {
-  return s < 0.999e-3 ? fmt::format("{:g} µs", s * 1e6)
-         : s < 0.999  ? fmt::format("{:g} ms", s * 1000)
-                      : fmt::format("{:g} s", s);
-}
-
-// Cairo refuses text that is no UTF-8, which a file's name need not be.
-std::string valid_utf8(const std::string& text) {
-  using nlohmann::json;
-  const auto replace = json::error_handler_t::replace;
-  return json::parse(json(text).dump(-1, ' ', false, replace)).get<std::string>();
-}
-
-// Cairo with the few strokes that the plot is made of.
-class Canvas {
- public:
-  explicit Canvas(cairo_t* cairo) : cairo_(cairo) {
-    // Unhinted widths grow in step with the size, in the picture as in the vector formats.
-    const std::unique_ptr<cairo_font_options_t, void (*)(cairo_font_options_t*)> options(
-        cairo_font_options_create(), cairo_font_options_destroy);
-    cairo_font_options_set_hint_metrics(options.get(), CAIRO_HINT_METRICS_OFF);
-    cairo_font_options_set_hint_style(options.get(), CAIRO_HINT_STYLE_NONE);
-    cairo_set_font_options(cairo_, options.get());
-  }
-
-  double text_width(const std::string& text, double size, bool bold = false) const {
-    set_font(size, bold);
-    cairo_text_extents_t extents;
-    cairo_text_extents(cairo_, text.c_str(), &extents);
-    return extents.x_advance;
-  }
-
-  // `y` is the middle of the small letters' height. Text wider than `max_width` is set smaller.
-  void text(double x, double y, const std::string& text, Ink ink, Align align = Align::left,
-            double size = kText, bool bold = false, double max_width = kWidth) const {
-    const double width = text_width(text, size, bold);
-    if (width > max_width) size *= max_width / width;
-    const double shown = std::min(width, max_width);
-    const double shift = align == Align::left ? 0 : align == Align::center ? shown / 2 : shown;
-    set_font(size, bold);
-    set(ink);
-    cairo_move_to(cairo_, x - shift, y + 0.36 * size);
-    cairo_show_text(cairo_, text.c_str());
-  }
-
-  void upright_text(double x, double y, const std::string& words, Ink ink) const {
-    cairo_save(cairo_);
-    cairo_translate(cairo_, x, y);
-    cairo_rotate(cairo_, -std::numbers::pi / 2);
-    text(0, 0, words, ink, Align::center, 24, true);
-    cairo_restore(cairo_);
-  }
-
-  void box(double x, double y, double w, double h, Ink ink) const {
-    set(ink);
-    cairo_rectangle(cairo_, x, y, w, h);
-    cairo_fill(cairo_);
-  }
-
-  void line(double x0, double y0, double x1, double y1, Ink ink, double width,
-            bool dotted = false) const {
-    set(ink);
-    cairo_set_line_width(cairo_, width);
-    const double dash[] = {1, 6};
-    cairo_set_line_cap(cairo_, dotted ? CAIRO_LINE_CAP_ROUND : CAIRO_LINE_CAP_BUTT);
-    cairo_set_dash(cairo_, dash, dotted ? 2 : 0, 0);
-    cairo_move_to(cairo_, x0, y0);
-    cairo_line_to(cairo_, x1, y1);
-    cairo_stroke(cairo_);
-  }
-
-  void disc(double x, double y, double radius, Ink ink) const {
-    set(ink);
-    cairo_new_sub_path(cairo_);
-    cairo_arc(cairo_, x, y, radius, 0, 2 * std::numbers::pi);
-    cairo_fill(cairo_);
-  }
-
-  // A diamond with a white rim, which keeps it apart from a bar below it.
-  void diamond(double x, double y, Ink ink) const {
-    for (const auto& [radius, fill] :
-         {std::pair(kMarkerRadius + 3, kWhite), std::pair(kMarkerRadius, ink)}) {
-      set(fill);
-      cairo_move_to(cairo_, x - radius, y);
-      cairo_line_to(cairo_, x, y - radius);
-      cairo_line_to(cairo_, x + radius, y);
-      cairo_line_to(cairo_, x, y + radius);
-      cairo_close_path(cairo_);
-      cairo_fill(cairo_);
-    }
-  }
-
- private:
-  void set(Ink ink) const {
-    cairo_set_source_rgb(cairo_, ink.r / 255.0, ink.g / 255.0, ink.b / 255.0);
-  }
-  void set_font(double size, bool bold) const {
-    cairo_select_font_face(cairo_, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
-                           bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
-    cairo_set_font_size(cairo_, size);
-  }
-
-  cairo_t* cairo_;
-};
+constexpr Ink kWithout = kSkyBlue, kGrid = kBlue, kReport = kVermilion;
 
 // Seconds to pixels, logarithmic.
 struct Axis {
@@ -299,7 +172,6 @@ void draw_legend(const Canvas& canvas, const BenchTable& table) {
 }
 
 void draw(const Canvas& canvas, const BenchTable& table) {
-  canvas.box(0, 0, kWidth, kHeight, kWhite);
   const double room = kBarsRight - 40;
   canvas.text(40, 52,
               fmt::format("{}, {} × {} pixels", valid_utf8(table.scene), table.width, table.height),
@@ -322,57 +194,10 @@ void draw(const Canvas& canvas, const BenchTable& table) {
       kGrey, Align::left, 17, false, room);
 }
 
-cairo_status_t append(void* bytes, const unsigned char* data, unsigned int size) {
-  try {
-    static_cast<std::string*>(bytes)->append(reinterpret_cast<const char*>(data), size);
-    return CAIRO_STATUS_SUCCESS;
-  } catch (const std::bad_alloc&) {
-    return CAIRO_STATUS_NO_MEMORY;
-  }
-}
-
-cairo_surface_t* make_surface(PlotFormat format, std::string& bytes) {
-  switch (format) {
-    case PlotFormat::png:
-      return cairo_image_surface_create(CAIRO_FORMAT_RGB24, int(kWidth), int(kHeight));
-    case PlotFormat::svg: {
-      auto* surface = cairo_svg_surface_create_for_stream(append, &bytes, kWidth, kHeight);
-      cairo_svg_surface_set_document_unit(surface, CAIRO_SVG_UNIT_PX);
-      return surface;
-    }
-    case PlotFormat::pdf:
-      return cairo_pdf_surface_create_for_stream(append, &bytes, kWidth, kHeight);
-  }
-  return nullptr;
-}
-
 }  // namespace
 
-std::expected<PlotFormat, std::string> plot_format(const std::filesystem::path& path) {
-  std::string suffix = path.extension().string();
-  for (char& c : suffix)
-    if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
-  if (suffix == ".png") return PlotFormat::png;
-  if (suffix == ".svg") return PlotFormat::svg;
-  if (suffix == ".pdf") return PlotFormat::pdf;
-  return std::unexpected(
-      fmt::format("{}: a plot's file ends in .png, .svg or .pdf", path.string()));
-}
-
 std::expected<std::string, std::string> draw_plot(const BenchTable& table, PlotFormat format) {
-  std::string bytes;  // outlives the surface, which may write to it until it is finished
-  const std::unique_ptr<cairo_surface_t, void (*)(cairo_surface_t*)> surface(
-      make_surface(format, bytes), cairo_surface_destroy);
-  const std::unique_ptr<cairo_t, void (*)(cairo_t*)> cairo(cairo_create(surface.get()),
-                                                           cairo_destroy);
-  draw(Canvas(cairo.get()), table);
-  cairo_status_t status = cairo_status(cairo.get());
-  if (status == CAIRO_STATUS_SUCCESS && format == PlotFormat::png)
-    status = cairo_surface_write_to_png_stream(surface.get(), append, &bytes);
-  cairo_surface_finish(surface.get());
-  if (status == CAIRO_STATUS_SUCCESS) status = cairo_surface_status(surface.get());
-  if (status == CAIRO_STATUS_SUCCESS) return bytes;
-  return std::unexpected(fmt::format("cannot draw the plot: {}", cairo_status_to_string(status)));
+  return draw_page(format, [&](const Canvas& canvas) { draw(canvas, table); });
 }
 
 }  // namespace raio::app

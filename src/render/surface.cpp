@@ -2,15 +2,15 @@
 
 namespace raio {
 
-Surface plane_surface(const Geometry& geometry, uint32_t i, Vec3f p) {
-  const Plane& plane = geometry.plane(i);
+Surface plane_surface(const Geometry& geometry, uint32_t index, Vec3f p) {
+  const Plane& plane = geometry.plane(index);
   const double height = dot(Vec3d(plane.normal), Vec3d(p) - Vec3d(plane.point));
   p = p - plane.normal * float(height);
-  return {p, plane.normal, 0, geometry.scene().plane_materials[i]};
+  return {p, plane.normal, 0, geometry.scene().plane_materials[index]};
 }
 
-Surface cone_surface(const Geometry& geometry, uint32_t i, Vec3f p) {
-  const BakedCone& c = geometry.cone(i);
+Surface cone_surface(const Geometry& geometry, uint32_t index, Vec3f p) {
+  const BakedCone& c = geometry.cone(index);
   const Vec3f normal = cone_normal(c, p);
   const Vec3d axis(c.axis), x = Vec3d(p) - Vec3d(c.base);
   const double z = dot(x, axis), rho = length(x - axis * z);
@@ -18,7 +18,7 @@ Surface cone_surface(const Geometry& geometry, uint32_t i, Vec3f p) {
   const double error = rho - (c.base_radius + c.slope * z);
   p = Vec3f(Vec3d(p) - Vec3d(normal) * (error / std::sqrt(1 + double(c.slope) * c.slope)));
   const float extent = c.height + std::max(c.base_radius, c.base_radius + c.slope * c.height);
-  return {p, normal, extent, geometry.scene().cone_materials[i]};
+  return {p, normal, extent, geometry.scene().cone_materials[index]};
 }
 
 }  // namespace raio

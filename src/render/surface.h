@@ -14,8 +14,8 @@ struct Surface {
   MaterialId material = 0;
 };
 
-/// `p`: origin + t * dir of the ray that hit.
-Surface plane_surface(const Geometry& geometry, uint32_t plane, Vec3f p);
-Surface cone_surface(const Geometry& geometry, uint32_t cone, Vec3f p);
+/// Of plane or cone number `index`; `p`: origin + t * dir of the ray that hit.
+Surface plane_surface(const Geometry& geometry, uint32_t index, Vec3f p);
+Surface cone_surface(const Geometry& geometry, uint32_t index, Vec3f p);
 
 }  // namespace raio

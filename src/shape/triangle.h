@@ -1,7 +1,9 @@
 // Triangles.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -43,6 +45,9 @@ struct ShearedRay {
   }
 };
 
+/// Of how far the corners are from the ray, across it.
+inline constexpr float kEdgeSlack = 8 * std::numeric_limits<float>::epsilon();
+
 struct TriangleHit {
   float t = 0, u = 0, v = 0;
   float cosine = 0;  // sign of dot(normal, direction)
@@ -51,8 +56,10 @@ struct TriangleHit {
 /// Watertight: two triangles compute a shared edge from the same rounded products, so that their
 /// edge functions are exact negatives of each other and no ray can pass between them. Woop, Benthin
 /// and Wald 2013, "Watertight Ray/Triangle Intersection", JCGT 2(1). We need no second pass in
-/// double: an edge function that rounds to zero counts as inside for both triangles. Relies on
-/// contraction being off.
+/// double: an edge function that rounds to zero counts as inside for both triangles. Of a triangle
+/// seen edge-on all three may be nothing but rounding, wherever in its plane the ray passes; so the
+/// ray must also pass through the corners' bounds, but for a few epsilons of their distance, by
+/// which an edge function may be wrong. Relies on contraction being off.
 inline std::optional<TriangleHit> intersect(Vec3f a, Vec3f b, Vec3f c, const Ray& ray,
                                             const ShearedRay& s) {
   a = a - ray.origin, b = b - ray.origin, c = c - ray.origin;
@@ -65,6 +72,10 @@ inline std::optional<TriangleHit> intersect(Vec3f a, Vec3f b, Vec3f c, const Ray
   if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return std::nullopt;
   const float det = u + v + w;
   if (det == 0) return std::nullopt;
+  const float x0 = std::min({ax, bx, cx}), x1 = std::max({ax, bx, cx});
+  const float y0 = std::min({ay, by, cy}), y1 = std::max({ay, by, cy});
+  const float slack = kEdgeSlack * std::max(std::max(-x0, x1), std::max(-y0, y1));
+  if (x0 > slack || -x1 > slack || y0 > slack || -y1 > slack) return std::nullopt;
   const float t = (u * (s.sz * a[s.kz]) + v * (s.sz * b[s.kz]) + w * (s.sz * c[s.kz])) / det;
   // Divisions, since 1 / det can be infinite. det is positive when the corners run clockwise as
   // seen along the ray's (mirrored) frame.

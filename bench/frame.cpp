@@ -1,0 +1,154 @@
+// The suites that render pictures: frame, threads, growth.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "bench/rays.h"
+#include "bench/suites.h"
+#include "io/file.h"
+#include "io/nff.h"
+#include "render/render.h"
+
+namespace raio::bench {
+namespace {
+
+struct Built {
+  AccelKind kind;
+  std::unique_ptr<Accel> accel;
+  double seconds;
+};
+
+std::vector<Built> build_and_check(const Scene& scene, const Settings& s) {
+  std::vector<Built> all;
+  for (const AccelKind kind : s.structures) {
+    std::unique_ptr<Accel> accel;
+    const double seconds =
+        seconds_on(s.options.threads, [&] { accel = build_structure(scene, kind, s); });
+    all.push_back({kind, std::move(accel), seconds});
+  }
+  if (!s.check || all.empty()) return all;
+  const Recording rays = record_rays(scene, *all.front().accel, s.options);
+  for (const Built& b : all) check_structure(scene, *b.accel, rays, s.options.threads);
+  return all;
+}
+
+RenderResult render_once(const Scene& scene, const Accel& accel, const RenderOptions& options) {
+  RenderControl control;
+  auto result = render(scene, accel, options, control);
+  if (!result) give_up(3, result.error());
+  return std::move(**result);
+}
+
+RenderOptions with_effects(const Settings& s, const Scene& scene, const Effects& effects,
+                           int threads) {
+  RenderOptions wish = s.options;
+  wish.soft_shadows = true, wish.dof = true;  // so that lens and light are settled
+  RenderOptions options = resolve_options(wish, scene);
+  options.aa = effects.aa, options.lens_samples = 1, options.threads = threads;
+  options.soft_shadows = effects.soft_and_dof, options.dof = effects.soft_and_dof;
+  return options;
+}
+
+// Every structure with all effects on all numbers of threads; `ratio` is the time of the first over
+// that of the row.
+std::vector<Json> measure_frames(const Scene& scene, const Settings& s,
+                                 const std::vector<int>& threads) {
+  const std::vector<Built> built = build_and_check(scene, s);
+  std::vector<Json> rows;
+  std::vector<Contender> contenders;
+  for (const Built& b : built)
+    for (const Effects& effects : s.effects)
+      for (const int n : threads) {
+        const RenderOptions options = with_effects(s, scene, effects, n);
+        const Accel* accel = b.accel.get();
+        contenders.push_back(
+            [&scene, accel, options] { return render_once(scene, *accel, options).seconds; });
+        Json row;
+        row["scene"] = scene.name, row["primitives"] = scene.primitive_count();
+        row["structure"] = accel_name(b.kind), row["effects"] = effects.name, row["threads"] = n;
+        row["what"] = fmt::format("{} {}, {} threads", accel_name(b.kind), effects.name, n);
+        row["rays"] = render_once(scene, *accel, options).rays.total();
+        row["build_s"] = b.seconds;
+        rows.push_back(std::move(row));
+      }
+  const auto seconds = alternate(contenders, s.repeat);
+  for (size_t i = 0; i < rows.size(); ++i) {
+    add_times(rows[i], seconds[i], seconds[0]);
+    rows[i]["mrays_s"] = double(rows[i]["rays"]) / median(seconds[i]) * 1e-6;
+  }
+  return rows;
+}
+
+std::vector<Json> frames(const Settings& wish, const std::vector<AccelKind>& structures,
+                         const std::vector<int>& threads) {
+  const Settings s = wish.with_defaults(kP3dScenes, structures, 11);
+  std::vector<Json> rows;
+  for (const std::string& name : s.scenes) {
+    tell(name);
+    std::ranges::move(measure_frames(get_scene(name), s, threads), std::back_inserter(rows));
+  }
+  print_table(rows, {{"scene", "scene"},
+                     {"what", "what"},
+                     {"median_s", "ms", 1e3},
+                     {"least_s", "least ms", 1e3},
+                     {"mrays_s", "Mrays/s"},
+                     {"ratio", "ratio"}});
+  fmt::print("\nmedians of {} runs; {}\n", s.repeat, kRatioNote);
+  print_means(rows, "what", "ratio");
+  return rows;
+}
+
+// The scene's text, written to a file and read again: MB/s. The file is in the system's cache.
+double reading_speed(const Scene& scene) {
+  const auto path =
+      std::filesystem::temp_directory_path() / fmt::format("raio_bench_{}.nff", getpid());
+  const std::string text = write_nff(scene);
+  if (const auto written = write_file(path, text); !written) give_up(3, written.error().message);
+  double best = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 3; ++i)
+    best = std::min(best, seconds_of([&] {
+                      if (!read_nff(path)) give_up(1, scene.name + ": cannot be read again");
+                    }));
+  std::filesystem::remove(path);
+  return double(text.size()) / best * 1e-6;
+}
+
+}  // namespace
+
+std::vector<Json> frame_suite(const Settings& wish) {
+  return frames(wish, {AccelKind::automatic, AccelKind::embree}, {wish.options.threads});
+}
+
+std::vector<Json> threads_suite(const Settings& wish) {
+  return frames(wish, {AccelKind::automatic}, {wish.options.threads, 1});
+}
+
+std::vector<Json> growth_suite(const Settings& wish) {
+  std::vector<std::string> flakes;
+  for (int level = 2; level <= 7; ++level) flakes.push_back(fmt::format("sphereflake:{}", level));
+  const Settings s =
+      wish.with_defaults(flakes, {AccelKind::automatic, AccelKind::grid, AccelKind::embree}, 5);
+  std::vector<Json> rows;
+  for (const std::string& name : s.scenes) {
+    tell(name);
+    const Scene scene = get_scene(name);
+    const double mb_s = reading_speed(scene);
+    for (Json& row : measure_frames(scene, s, {s.options.threads})) {
+      row["read_mb_s"] = mb_s;
+      rows.push_back(std::move(row));
+    }
+  }
+  print_table(rows, {{"scene", "scene"},
+                     {"primitives", "primitives"},
+                     {"structure", "structure"},
+                     {"read_mb_s", "read MB/s"},
+                     {"build_s", "build ms", 1e3},
+                     {"median_s", "render ms", 1e3},
+                     {"ratio", "ratio"}});
+  if (!s.plot.empty()) plot_growth(rows, s.plot);
+  return rows;
+}
+
+}  // namespace raio::bench

@@ -1,0 +1,67 @@
+// The suites of the benchmark, and the parts that they share. Each suite checks what it compares,
+// measures, prints a table, and returns its rows for --json.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "accel/accel.h"
+#include "bench/figures.h"
+#include "render/options.h"
+
+namespace raio::bench {
+
+/// What a picture is rendered with: one sample a pixel, or nine, alone or shared by all effects.
+struct Effects {
+  std::string_view name;
+  int aa;
+  bool soft_and_dof;
+};
+inline constexpr Effects kEffects[] = {{"plain", 1, false}, {"aa", 3, false}, {"all", 3, true}};
+
+struct Settings {
+  std::vector<std::string> scenes;
+  std::vector<AccelKind> structures;  // the first is what the others are compared with
+  std::vector<Effects> effects;
+  int repeat = 0;
+  bool check = true;
+  std::string plot, raio, pov_converter;
+  RenderOptions options;  // size and threads are resolved
+
+  /// With these where nothing was wished for.
+  Settings with_defaults(const std::vector<std::string>& scenes,
+                         const std::vector<AccelKind>& structures, int repeat) const;
+};
+
+inline const std::vector<std::string> kP3dScenes = {"balls_low", "balls_medium", "balls_high",
+                                                    "mount_low", "mount_high",   "mount_very_high"};
+inline constexpr std::string_view kRatioNote =
+    "ratio: time of the scene's first line over this one";
+
+/// `wish` is a file, or a name with a size behind a colon: a procedural scene (sphereflake:6), or
+/// with the number of primitives spheres:N (equal radii), mixed:N (radii of 1 to 100) or
+/// terrain:N (triangles). Like all here it ends the program when it cannot.
+Scene get_scene(const std::string& wish);
+
+/// With the settings' options of the grid.
+std::unique_ptr<Accel> build_structure(const Scene& scene, AccelKind kind,
+                                       const Settings& settings);
+
+/// Time against the number of primitives from the rows of growth_suite: .png, .svg or .pdf.
+void plot_growth(const std::vector<Json>& rows, const std::string& path);
+
+/// Pictures, rendering alone: each structure with each of the effects.
+std::vector<Json> frame_suite(const Settings& wish);
+/// The same on all threads and on one.
+std::vector<Json> threads_suite(const Settings& wish);
+/// Reading, building and rendering as scenes grow.
+std::vector<Json> growth_suite(const Settings& wish);
+/// Bare tracing of recorded rays by kind, beside Embree as an expert uses it.
+std::vector<Json> trace_suite(const Settings& wish);
+/// Seconds and bytes of building, beside Embree with its buffers.
+std::vector<Json> build_suite(const Settings& wish);
+/// The whole program from its start to its end, beside Tachyon and POV-Ray.
+std::vector<Json> process_suite(const Settings& wish);
+
+}  // namespace raio::bench

@@ -1,0 +1,72 @@
+// A page that plots are drawn on: Cairo with the few strokes that they are made of, their colours,
+// and the formats that a page can be kept in.
+#pragma once
+
+#include <expected>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+struct _cairo;  // cairo_t; NOLINT(bugprone-reserved-identifier)
+
+namespace raio::app {
+
+inline constexpr double kWidth = 1600, kHeight = 1000;
+inline constexpr double kText = 19;  // size of most text
+inline constexpr double kMarkerRadius = 10;
+
+struct Ink {
+  int r, g, b;  // 0..255
+};
+
+// Okabe and Ito's palette, whose colours remain distinct to colour-blind eyes; the two blues also
+// differ in lightness, so that a print in grey works.
+inline constexpr Ink kBlack{26, 26, 31}, kGrey{107, 107, 115}, kFaint{224, 224, 230};
+inline constexpr Ink kSkyBlue{86, 180, 233}, kBlue{0, 114, 178}, kVermilion{213, 94, 0};
+inline constexpr Ink kWhite{255, 255, 255};
+
+enum class Align { left, center, right };
+
+class Canvas {
+ public:
+  explicit Canvas(_cairo* cairo);
+
+  double text_width(const std::string& text, double size, bool bold = false) const;
+
+  /// `y` is the middle of the small letters' height. Text wider than `max_width` is set smaller.
+  void text(double x, double y, const std::string& text, Ink ink, Align align = Align::left,
+            double size = kText, bool bold = false, double max_width = kWidth) const;
+  void upright_text(double x, double y, const std::string& words, Ink ink) const;
+
+  void box(double x, double y, double w, double h, Ink ink) const;
+  void line(double x0, double y0, double x1, double y1, Ink ink, double width,
+            bool dotted = false) const;
+  void disc(double x, double y, double radius, Ink ink) const;
+  /// With a white rim, which keeps it apart from a bar below it.
+  void diamond(double x, double y, Ink ink) const;
+
+ private:
+  void set(Ink ink) const;
+  void set_font(double size, bool bold) const;
+
+  _cairo* cairo_;
+};
+
+/// "12.3 ms" beside a bar, "10 ms" at an axis.
+std::string seconds_label(double seconds);
+std::string tick_label(double seconds);
+
+/// Cairo refuses text that is no UTF-8, which a file's name need not be.
+std::string valid_utf8(const std::string& text);
+
+enum class PlotFormat { png, svg, pdf };
+
+/// By suffix, in any case; the error lists the suffixes.
+std::expected<PlotFormat, std::string> plot_format(const std::filesystem::path& path);
+
+/// The file's bytes: a white page of 1600 x 1000 pixels, or the same in vectors, with what `draw`
+/// puts on it. The error is one line.
+std::expected<std::string, std::string> draw_page(PlotFormat format,
+                                                  const std::function<void(const Canvas&)>& draw);
+
+}  // namespace raio::app
