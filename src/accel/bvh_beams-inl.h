@@ -13,132 +13,17 @@
 #define RAIO_ACCEL_BVH_BEAMS_INL_H_
 #endif
 
-#include "accel/bvh_rays-inl.h"
+#include "accel/bvh_form-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
 
-struct alignas(64) Beam {
-  float inverse[2][4], offset[2][4];  // see BoxLanes::meet
-  // The cone around all rays: at a distance of s its radius is start + s * widening.
-  float o[4], d[4], start, widening;
-  float t;              // of the farthest ray; negative: all are done
-  const uint8_t* axes;  // kShearAxes of all rays
-  int tests_left;
-  bool formed;
-};
-
-// Of four numbers of sixteen rays, the smallest and largest each.
-constexpr int kParts16 = kPacket / kLanes16;
-const hn::CappedTag<float, 4> kFour;
-using V4 = hn::Vec<decltype(kFour)>;
-constexpr int kLanes4 = int(hn::MaxLanes(decltype(kFour)()));
-struct alignas(16) Extents {
-  float lo[4], hi[4];
-
-  HWY_INLINE explicit Extents(const V16 (*x)[kParts16]) {
-    reduce(x, lo, [](auto a, auto b) HWY_ATTR { return hn::Min(a, b); });
-    reduce(x, hi, [](auto a, auto b) HWY_ATTR { return hn::Max(a, b); });
-  }
-
- private:
-  template <class Op>
-  static HWY_INLINE void reduce(const V16 (*x)[kParts16], float* out, Op&& op) {
-    V16 y[4];
-    for (int k = 0; k < 4; ++k) {
-      y[k] = x[k][0];
-      for (int p = 1; p < kParts16; ++p) y[k] = op(y[k], x[k][p]);
-    }
-#if HWY_TARGET == HWY_SCALAR
-    for (int k = 0; k < 4; ++k) out[k] = hn::GetLane(y[k]);
-#else
-    const auto& f = kSixteen;
-    const hn::Repartition<double, decltype(kSixteen)> pairs;
-    // Per block of four lanes: 0 1 0 1, then 0 1 2 3.
-    const V16 y01 = op(hn::InterleaveLower(f, y[0], y[1]), hn::InterleaveUpper(f, y[0], y[1]));
-    const V16 y23 = op(hn::InterleaveLower(f, y[2], y[3]), hn::InterleaveUpper(f, y[2], y[3]));
-    const auto u = hn::BitCast(pairs, y01), v = hn::BitCast(pairs, y23);
-    const V16 all = op(hn::BitCast(f, hn::InterleaveLower(pairs, u, v)),
-                       hn::BitCast(f, hn::InterleaveUpper(pairs, u, v)));
-    alignas(64) float blocks[kLanes16];
-    hn::Store(all, f, blocks);
-    V4 block = hn::Load(kFour, blocks);
-    for (int i = 4; i < kLanes16; i += 4) block = op(block, hn::Load(kFour, blocks + i));
-    hn::Store(block, kFour, out);
-#endif
-  }
-};
-
 template <bool any>
 class Beams {
  public:
-  Beams(const Geometry& geometry, const Bvh& bvh, const Batch& batch, Beam* room,
+  Beams(const Geometry& geometry, const Bvh& bvh, const Batch& batch, BeamRoom& room,
         TraceContext& context)
-      : g_(geometry), bvh_(bvh), batch_(batch), beams_(room), context_(context) {}
-
-  // Beam number `id`, of the rays from 16 * id; false if they do not keep together.
-  HWY_INLINE bool form(uint32_t id) {
-    const size_t first = size_t(id) * kPacket;
-    const auto& f = kSixteen;
-    Beam& beam = beams_[id];
-    beam.formed = false;
-    beam.t = -1;
-    unsigned alive = 0;
-    for (int i = 0; i < kPacket; i += kLanes16)
-      alive |= bits(f, hn::Gt(hn::Load(f, batch_.t + first + i), hn::Zero(f))) << i;
-    if (alive == 0) return true;  // nothing to do
-    const int n_alive = int(hwy::PopCount(alive));
-    if (n_alive < kFewest) return false;
-    // Those that are done stand aside: in the place of one that is not.
-    const size_t one = first + hwy::Num0BitsBelowLS1Bit_Nonzero32(alive);
-    V16 origin_t[4][kParts16], dir_axes[4][kParts16];
-    for (int p = 0; p < kParts16; ++p) {
-      const size_t i = first + size_t(p * kLanes16);
-      const M16 counts = hn::Gt(hn::Load(f, batch_.t + i), hn::Zero(f));
-      const auto column = [&](const float* c) HWY_ATTR {
-        return hn::IfThenElse(counts, hn::Load(f, c + i), hn::Set(f, c[one]));
-      };
-      for (int a = 0; a < 3; ++a) {
-        origin_t[a][p] = column(batch_.o[a]);
-        dir_axes[a][p] = column(batch_.d[a]);
-      }
-      origin_t[3][p] = column(batch_.t);
-      dir_axes[3][p] = bvh_.triangles.empty() ? hn::Zero(f) : column(batch_.axes);
-    }
-    Extents dirs(dir_axes);
-    const float spread = extent(dirs);
-    if (!(spread < kMaxSpread)) return false;
-    for (int a = 0; a < 3; ++a)
-      if (std::signbit(dirs.lo[a]) != std::signbit(dirs.hi[a])) return false;
-    if (dirs.lo[3] != dirs.hi[3]) return false;
-    beam.axes = kShearAxes[int(dirs.lo[3])];
-    Extents origins(origin_t);
-    beam.t = origins.hi[3];
-    float size = std::max(bvh_.reach, largest(origins));
-    // Shadow rays that end in one point (a light) are taken from there: their origins lie apart,
-    // and as an interval of origins they would meet much that none of them meets. (The order of
-    // what they meet is then from the light, which is as good for any hit.)
-    if (any && beam.t < kInfinity) {
-      for (int p = 0; p < kParts16; ++p)
-        for (int a = 0; a < 3; ++a)
-          origin_t[a][p] = hn::MulAdd(dir_axes[a][p], origin_t[3][p], origin_t[a][p]);
-      const Extents ends(origin_t);
-      // Directions to a light that has a size differ by its own, which counts less.
-      if (!(spread - extent(ends) / beam.t < kMaxSpreadToPoint)) return false;
-      if (extent(ends) < extent(origins)) {
-        size = std::max(size, largest(ends));
-        origins = ends;
-        for (int a = 0; a < 3; ++a) {
-          const float lo = dirs.lo[a];
-          dirs.lo[a] = -dirs.hi[a], dirs.hi[a] = -lo;
-        }
-      }
-    }
-    enclose(beam, origins, dirs, 2 * kSlack * size);
-    beam.tests_left = kMostTests * n_alive;
-    beam.formed = true;
-    return true;
-  }
+      : g_(geometry), bvh_(bvh), batch_(batch), beams_(room.beams), context_(context) {}
 
   // The sixteen rays from 16 * id against everything, for trees that are but a few blocks.
   HWY_INLINE void meet_all(uint32_t id) {
@@ -153,7 +38,7 @@ class Beams {
     all(bvh_.cones, [&](const ConeBlock& b, int k) { meet_cone(b, k, id); });
   }
 
-  bool gave_up(uint32_t id) const { return beams_[id].formed && beams_[id].tests_left < 0; }
+  bool gave_up(uint32_t id) const { return beams_[id].tests_left < 0; }
   bool alive(uint32_t id) const { return beams_[id].t > 0; }
 
   void visits(size_t n) { context_.steps += n; }
@@ -207,53 +92,6 @@ class Beams {
   }
 
  private:
-  // Measured.
-  static constexpr int kFewest = any ? 8 : 3;  // rays that count
-  static constexpr float kMaxSpread = 0.15f;   // of the directions, over three axes; measured
-  static constexpr float kMaxSpreadToPoint = 0.05f;
-  // Primitives tested, per ray. Where they are smaller than the rays are apart, the beam meets most
-  // that no ray does, and each ray on its own is faster.
-  static constexpr int kMostTests = 4;
-
-  static float largest(const Extents& x) {
-    return max_component(
-        max(abs(Vec3f(x.lo[0], x.lo[1], x.lo[2])), abs(Vec3f(x.hi[0], x.hi[1], x.hi[2]))));
-  }
-  static float extent(const Extents& x) {
-    return x.hi[0] - x.lo[0] + x.hi[1] - x.lo[1] + x.hi[2] - x.lo[2];
-  }
-
-  static HWY_INLINE void enclose(Beam& beam, const Extents& origins, const Extents& dirs,
-                                 float slack) {
-    const auto& f = kFour;
-    const V4 half = hn::Set(f, 0.5f), away = hn::Set(f, slack);
-    alignas(16) float width[4], breadth[4];
-    for (int i = 0; i < 4; i += kLanes4) {
-      const V4 lo = hn::Load(f, dirs.lo + i), hi = hn::Load(f, dirs.hi + i);
-      const V4 origin_lo = hn::Load(f, origins.lo + i), origin_hi = hn::Load(f, origins.hi + i);
-      // The sign of a direction is that of all, so that these are the earliest and latest.
-      const V4 lower = finite_inverse(f, hi), upper = finite_inverse(f, lo);
-      hn::Store(lower, f, beam.inverse[0] + i);
-      hn::Store(upper, f, beam.inverse[1] + i);
-      hn::Store(hn::Mul(hn::Add(origin_hi, away), lower), f, beam.offset[0] + i);
-      hn::Store(hn::Mul(hn::Sub(origin_lo, away), upper), f, beam.offset[1] + i);
-      hn::Store(hn::Mul(hn::Add(lo, hi), half), f, beam.d + i);
-      hn::Store(hn::Add(hn::Mul(origin_lo, half), hn::Mul(origin_hi, half)), f, beam.o + i);
-      hn::Store(hn::Sub(hi, lo), f, width + i);
-      hn::Store(hn::Sub(origin_hi, origin_lo), f, breadth + i);
-    }
-    // The middle is not far from unit length: one step of Newton's method, squared error.
-    const float* const d = beam.d;
-    const float error = 1 - (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-    for (int a = 0; a < 3; ++a) beam.d[a] *= 1 + 0.5f * error;
-    const auto diagonal = [](const float* x) { return length(Vec3f(x[0], x[1], x[2])); };
-    const float spread = 0.5f * diagonal(width) + error + 8 * kEpsilon;
-    // |o_i + s d_i - (o + s d)| <= start + s spread, and s <= (along + radius + start) / (1 -
-    // spread) where a sphere is met whose centre lies `along` the axis.
-    beam.widening = spread / (1 - spread);
-    beam.start = 0.5f * diagonal(breadth) + slack;
-  }
-
   // Which of the spheres reach into the cone around the beam.
   static HWY_INLINE unsigned near_spheres(const SphereBlock& block, const Beam& b) {
     const auto& f = kEight;
@@ -340,7 +178,7 @@ class Beams {
         };
         V16 across, along, depth;
         if (alike) {
-          const uint8_t* const order = beams_[id].axes;
+          const uint8_t* const order = kShearAxes[beams_[id].axes];
           across = corner(order[0]), along = corner(order[1]), depth = corner(order[2]);
         } else {
           permute(axes, corner(0), corner(1), corner(2), across, along, depth);

@@ -19,7 +19,7 @@ struct Room {
   alignas(64) float t[kChunk];
   alignas(64) float shear[4][kChunk];
   RayRoom rays;
-  Beam beams[kChunk / kPacket];
+  BeamRoom beams;
   Lists lists;
 };
 
@@ -68,16 +68,22 @@ class Tracer {
     Lists& lists = room_.lists;
     lists.reserve(kChunk + kPacket);
     const uint32_t packets = uint32_t(padded(b.count) / kPacket);
-    uint32_t alone[kChunk / kPacket];
+    uint32_t alone[kPackets];
     size_t n = 0, n_alone = 0;
-    for (uint32_t p = 0; p < packets; ++p) {
-      if (!bvh_.triangles.empty()) b.shear_packet(p * kPacket);
-      if (beams_ && beams.form(p)) {
-        if (beams.alive(p)) lists.ids[n++] = p;
-      } else if (beams_ && few_) {
-        beams.meet_all(p);
-      } else {
-        alone[n_alone++] = p;
+    if (!bvh_.triangles.empty())
+      for (size_t p = 0; p < packets; ++p) b.shear_packet(p * kPacket);
+    BeamMaker<any> maker(bvh_, b, room_.beams);
+    if (beams_) maker.measure(packets);
+    for (uint32_t first = 0; first < packets; first += kPacket) {
+      const unsigned formed = beams_ ? maker.form(first) : 0;
+      for (uint32_t p = first; p < std::min(first + kPacket, packets); ++p) {
+        if (formed >> (p - first) & 1) {
+          if (beams.alive(p)) lists.ids[n++] = p;
+        } else if (beams_ && few_) {
+          beams.meet_all(p);
+        } else {
+          alone[n_alone++] = p;
+        }
       }
     }
     if (n > 0) walk(bvh_, n, lists, beams);
