@@ -273,7 +273,8 @@ TEST(Accel, MeshesAreWatertightForRaysThatTravelTogether) {
 
 template <class T>
 bool same_bytes(const Column<T>& a, const Column<T>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
+  return a.size() == b.size() &&
+         (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
 // Spheres of radii from 1e-4 to 1, in a few dense heaps, one of them in a single point, and one
