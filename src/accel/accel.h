@@ -93,7 +93,7 @@ struct TraceContext {
 /// What a structure is made of, for people and statistics.
 struct AccelInfo {
   std::string name;
-  size_t bytes = 0;       // the structure with its copy of the geometry
+  size_t bytes = 0;       // with what it has of the geometry besides the scene
   size_t cells = 0;       // of a grid, nodes of a tree
   size_t references = 0;  // primitives listed in all cells together
   std::array<int, 3> resolution{0, 0, 0};
