@@ -74,7 +74,7 @@ inline std::optional<TriangleHit> intersect(Vec3f a, Vec3f b, Vec3f c, const Ray
   if (det == 0) return std::nullopt;
   const float x0 = std::min({ax, bx, cx}), x1 = std::max({ax, bx, cx});
   const float y0 = std::min({ay, by, cy}), y1 = std::max({ay, by, cy});
-  const float slack = kEdgeSlack * std::max(std::max(-x0, x1), std::max(-y0, y1));
+  const float slack = kEdgeSlack * std::max({-x0, x1, -y0, y1});
   if (x0 > slack || -x1 > slack || y0 > slack || -y1 > slack) return std::nullopt;
   const float t = (u * (s.sz * a[s.kz]) + v * (s.sz * b[s.kz]) + w * (s.sz * c[s.kz])) / det;
   // Divisions, since 1 / det can be infinite. det is positive when the corners run clockwise as
