@@ -34,11 +34,16 @@ std::vector<Built> build_and_check(const Scene& scene, const Settings& s) {
   return all;
 }
 
-RenderResult render_once(const Scene& scene, const Accel& accel, const RenderOptions& options) {
+struct Rendered {
+  double seconds;
+  RayCounts rays;
+};
+Rendered render_once(const Scene& scene, const Accel& accel, const RenderOptions& options) {
+  const auto film = make_film(scene, options);
+  if (!film) give_up(3, film.error());
   RenderControl control;
-  auto result = render(scene, accel, options, control);
-  if (!result) give_up(3, result.error());
-  return std::move(**result);
+  const double seconds = render(scene, accel, options, **film, control).seconds;
+  return {seconds, (*film)->rays()};
 }
 
 RenderOptions with_effects(const Settings& s, const Scene& scene, const Effects& effects,

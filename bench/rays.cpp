@@ -130,10 +130,12 @@ double differing_rays(const Accel& accel, const Accel& none, const Recording& ra
 Image small_picture(const Scene& scene, const Accel& accel, int side, int threads) {
   RenderOptions wish;
   wish.width = wish.height = side, wish.threads = threads;
+  const RenderOptions options = resolve_options(wish, scene);
+  const auto film = make_film(scene, options);
+  if (!film) give_up(3, film.error());
   RenderControl control;
-  auto result = render(scene, accel, resolve_options(wish, scene), control);
-  if (!result) give_up(3, result.error());
-  return (*result)->film.resolve(1);
+  render(scene, accel, options, **film, control);
+  return (*film)->resolve();
 }
 
 }  // namespace

@@ -66,11 +66,12 @@ TEST(Scenes, AllReadWithoutAWordAndShowSomething) {
     const auto accel = build_accel(scene, options.accel);
     ASSERT_TRUE(accel) << accel.error();
     RenderControl control;
-    const auto result = render(scene, **accel, options, control);
-    ASSERT_TRUE(result && *result);
-    EXPECT_GT((*result)->rays.eye_hits, 48u * 48u / 20);
+    const auto film = make_film(scene, options);
+    ASSERT_TRUE(film.has_value()) << film.error();
+    ASSERT_TRUE(render(scene, **accel, options, **film, control).finished);
+    EXPECT_GT((*film)->rays().eye_hits, 48u * 48u / 20);
     std::set<std::tuple<int, int, int>> colors;
-    for (const Rgb& c : (*result)->film.resolve(1).pixels)
+    for (const Rgb& c : (*film)->resolve().pixels)
       colors.emplace(to_byte(c.x), to_byte(c.y), to_byte(c.z));
     EXPECT_GT(colors.size(), 20u);
   }

@@ -22,6 +22,12 @@ struct Point2 {
 };
 Point2 first(const wide::Wide2<D>& p) { return {hn::GetLane(p.x), hn::GetLane(p.y)}; }
 
+Sampler jitter(uint32_t seed, int aa, int per_cell) {
+  RenderOptions o;
+  o.seed = seed, o.aa = aa, o.lens_samples = per_cell, o.sampler = SamplerKind::jitter;
+  return Sampler(o);
+}
+
 Point2 in_pixel(const Sampler& sampler, uint32_t pixel, uint32_t sample) {
   return first(wide::WideSampler<D>(sampler, sample).in_pixel(hn::Set(du, pixel)));
 }
@@ -60,7 +66,7 @@ TEST(Sampler, SquaresAreUniformForEveryPurposeAndBranch) {
     for (const auto& [aa, per_cell] : {std::pair(1, 1), {3, 1}, {3, 3}, {1, 7}})
       for (const uint32_t branch : {1u, 2u, 21u})
         for (const uint32_t purpose : {uint32_t(kLens), uint32_t(kLight), kLight + 5u}) {
-          const Sampler sampler(seed, aa, per_cell);
+          const Sampler sampler = jitter(seed, aa, per_cell);
           std::vector<int> counts(kBins * kBins);
           for (uint32_t pixel = 0; pixel < 50000; ++pixel) {
             const Point2 p = in_square(sampler, pixel, pixel % sampler.samples, branch, purpose);
@@ -73,7 +79,7 @@ TEST(Sampler, SquaresAreUniformForEveryPurposeAndBranch) {
 }
 
 TEST(Sampler, PixelCellsGetTheirSamplesAndFillThemEvenly) {
-  const Sampler sampler(3, 4, 2);
+  const Sampler sampler = jitter(3, 4, 2);
   std::vector<int> counts(kBins * kBins);
   for (uint32_t pixel = 0; pixel < 5000; ++pixel) {
     std::vector<int> cells(16);
@@ -90,14 +96,14 @@ TEST(Sampler, PixelCellsGetTheirSamplesAndFillThemEvenly) {
 }
 
 TEST(Sampler, OneCellMeansThePixelsCentre) {
-  const Point2 p = in_pixel(Sampler(9, 1, 4), 123, 2);
+  const Point2 p = in_pixel(jitter(9, 1, 4), 123, 2);
   EXPECT_EQ(p.x, 0.5f);
   EXPECT_EQ(p.y, 0.5f);
 }
 
 TEST(Sampler, EverySampleOfAPixelHasACellOfTheSquareOfItsOwn) {
   for (const auto& [aa, per_cell] : {std::pair(3, 1), {3, 3}, {2, 2}, {1, 5}}) {
-    const Sampler sampler(1, aa, per_cell);
+    const Sampler sampler = jitter(1, aa, per_cell);
     const uint32_t n = sampler.samples;
     uint32_t columns = uint32_t(std::sqrt(double(n)));
     while (n % columns) --columns;
@@ -112,8 +118,51 @@ TEST(Sampler, EverySampleOfAPixelHasACellOfTheSquareOfItsOwn) {
   }
 }
 
+Sampler sobol(uint32_t seed, int samples) {
+  RenderOptions o;
+  o.seed = seed, o.samples = samples, o.sampler = SamplerKind::sobol;
+  return Sampler(o);
+}
+
+// The first 2^k points of a (0,2)-sequence: one in each of the 2^k boxes of every shape, however it
+// is scrambled.
+TEST(Sampler, SobolFillsEveryElementaryBoxOnce) {
+  const Sampler sampler = sobol(2, 64);
+  for (uint32_t pixel = 0; pixel < 50; ++pixel)
+    for (const int log_n : {1, 3, 6})
+      for (int log_columns = 0; log_columns <= log_n; ++log_columns) {
+        const uint32_t n = 1u << log_n, columns = 1u << log_columns, rows = n / columns;
+        std::vector<int> in_lens(n), in_pixels(n);
+        for (uint32_t s = 0; s < n; ++s) {
+          const auto box = [&](Point2 p) {
+            return uint32_t(p.y * float(rows)) * columns + uint32_t(p.x * float(columns));
+          };
+          ++in_lens[box(in_square(sampler, pixel, s, 1, kLens))];
+          ++in_pixels[box(in_pixel(sampler, pixel, s))];
+        }
+        for (const int c : in_lens) ASSERT_EQ(c, 1) << n << " " << columns;
+        for (const int c : in_pixels) ASSERT_EQ(c, 1) << n << " " << columns;
+      }
+}
+
+TEST(Sampler, SobolIsUniformAndItsPurposesAreIndependent) {
+  const Sampler sampler = sobol(5, 7);
+  std::vector<int> square(kBins * kBins), pixel_lens(kBins * kBins), lights(kBins * kBins);
+  for (uint32_t pixel = 0; pixel < 50000; ++pixel) {
+    const uint32_t s = pixel % 7;
+    const Point2 lens = in_square(sampler, pixel, s, 1, kLens);
+    ASSERT_TRUE(lens.x >= 0 && lens.x < 1 && lens.y >= 0 && lens.y < 1);
+    const float light = in_square(sampler, pixel, s, 3, kLight).x;
+    ++square[size_t(bin(lens.y) * kBins + bin(lens.x))];
+    ++pixel_lens[size_t(bin(in_pixel(sampler, pixel, s).x) * kBins + bin(lens.x))];
+    ++lights[size_t(bin(light) * kBins + bin(in_square(sampler, pixel, s, 3, kLight + 1).x))];
+  }
+  for (const auto& counts : {square, pixel_lens, lights})
+    EXPECT_LT(std::abs(chi_square_sigmas(counts)), 5);
+}
+
 TEST(Sampler, EffectsAreIndependentOfEachOther) {
-  const Sampler sampler(5, 3, 1);
+  const Sampler sampler = jitter(5, 3, 1);
   std::vector<int> pixel_lens(kBins * kBins), lens_light(kBins * kBins), lights(kBins * kBins);
   for (uint32_t pixel = 0; pixel < 50000; ++pixel) {
     const uint32_t s = pixel % 9;
@@ -131,7 +180,7 @@ TEST(Sampler, EffectsAreIndependentOfEachOther) {
 }
 
 TEST(Math, DiscIsUniform) {
-  const Sampler sampler(0, 1, 1);
+  const Sampler sampler = jitter(0, 1, 1);
   std::vector<int> counts(8 * 8);
   for (uint32_t pixel = 0; pixel < 100000; ++pixel) {
     const Point2 square = in_square(sampler, pixel, 0, 1, kLens);

@@ -121,16 +121,22 @@ class Measurement {
     return BenchStructure{slot->info(), elapsed.count()};
   }
 
-  std::expected<RenderResult, Failure> render_once(const Combination& c, const std::string& label) {
+  struct Rendered {
+    double seconds;
+    std::unique_ptr<Film> film;
+  };
+  std::expected<Rendered, Failure> render_once(const Combination& c, const std::string& label) {
     RenderOptions options = options_;
     options.aa = aa_cells(c), options.lens_samples = lens_samples(c);
     options.soft_shadows = c.soft_shadows, options.dof = c.dof;
     control_.rays_done = control_.work_done = control_.work_total = 0;
     const ProgressLine progress(control_, command_.progress, label);
-    auto result = render(scene_, c.accel == AccelKind::grid ? *grid_ : *none_, options, control_);
-    if (!result) return std::unexpected(Failure{kNoResource, result.error()});
-    if (!*result) return std::unexpected(Failure{kInterrupted, {}});
-    return std::move(**result);
+    auto film = make_film(scene_, options);
+    if (!film) return std::unexpected(Failure{kNoResource, film.error()});
+    const RenderResult result =
+        render(scene_, c.accel == AccelKind::grid ? *grid_ : *none_, options, **film, control_);
+    if (!result.finished) return std::unexpected(Failure{kInterrupted, {}});
+    return Rendered{result.seconds, std::move(*film)};
   }
 
   // Do the structures see the same picture? Also warms the machine up.
@@ -140,7 +146,7 @@ class Measurement {
       const Combination plain{kind};
       const auto result = render_once(plain, fmt::format("comparing {}", short_label(plain)));
       if (!result) return std::unexpected(result.error());
-      pictures[kind == AccelKind::grid] = result->film.resolve(1);
+      pictures[kind == AccelKind::grid] = result->film->resolve();
     }
     const auto differing = check_agreement(pictures[0], pictures[1]);
     if (!differing) return std::unexpected(Failure{kCheckFailed, differing.error()});
@@ -155,7 +161,7 @@ class Measurement {
       const auto result = render_once(c, label);
       if (!result) return std::unexpected(result.error());
       row.runs_s.push_back(std::max(result->seconds, 1e-9));
-      row.rays = result->rays.total();
+      row.rays = result->film->rays().total();
     }
     return row;
   }

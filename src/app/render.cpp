@@ -32,6 +32,7 @@ Metadata settings(const Scene& scene, const RenderOptions& o, const AccelInfo& a
                 {"scene", scene.name},
                 {"accel", accel.name},
                 {"samples_per_pixel", fmt::format("{}", o.samples_per_pixel())},
+                {"sampler", std::string(sampler_name(*o.sampler))},
                 {"aa", fmt::format("{}", o.aa)},
                 {"lens_samples", fmt::format("{}", o.lens_samples)},
                 {"soft_shadows", o.soft_shadows ? "true" : "false"},
@@ -154,29 +155,29 @@ int run(const RenderCommand& command) {
   times.build = seconds_since(build_start);
   if (control.stop) return interrupted();
 
-  std::expected<std::optional<RenderResult>, std::string> result;
+  const auto film = make_film(*scene, options);
+  if (!film) return no_resource(film.error());
+  RenderResult done;
   {
     const ProgressLine progress(control, command.quiet ? "off" : command.progress);
-    result = render(*scene, **accel, options, control);
+    done = render(*scene, **accel, options, **film, control);
   }
-  if (!result) return no_resource(result.error());
-  if (!*result) return interrupted();
-  const RenderResult& done = **result;
+  if (!done.finished) return interrupted();
   times.render = done.seconds;
 
   const AccelInfo info = (*accel)->info();
   const auto write_start = std::chrono::steady_clock::now();
-  const Image image = done.film.resolve(options.samples_per_pixel());
+  const Image image = (*film)->resolve();
   if (auto written = write_image(image, output, settings(*scene, options, info)); !written)
     return fail(written.error());
   times.write = seconds_since(write_start);
   times.total = seconds_since(start);
 
   if (!command.stats.empty()) {
-    const Json json = statistics(*scene, options, info, times, done.rays);
+    const Json json = statistics(*scene, options, info, times, (*film)->rays());
     if (const int status = deliver(command.stats, json_text(json))) return status;
   }
-  if (!command.quiet) print_line(summary(output, options, info, times, done.rays));
+  if (!command.quiet) print_line(summary(output, options, info, times, (*film)->rays()));
   return kDone;
 }
 

@@ -17,11 +17,7 @@ double radiance_bound(const Scene& scene, int depth) {
 }
 
 ClassicScene::ClassicScene(const Scene& s, const Accel& a, const RenderOptions& o)
-    : scene(s),
-      accel(a),
-      options(o),
-      eye(s.camera, o.width, o.height),
-      sampler(o.seed, o.aa, o.lens_samples) {
+    : scene(s), accel(a), options(o), eye(s.camera, o.width, o.height), sampler(o) {
   const bool any_color =
       std::ranges::any_of(s.lights, [](const Light& l) { return l.color.has_value(); });
   ambient = any_color ? Rgb() : Rgb(0.1f);

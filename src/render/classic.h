@@ -38,25 +38,14 @@ struct ClassicScene {
   ClassicScene(const Scene& scene, const Accel& accel, const RenderOptions& options);
 };
 
-/// A rectangle of pixels, at most kTileSide wide and high.
-struct Tile {
-  int x0, y0, x1, y1;
-};
-inline constexpr int kTileSide = 32;
-
 /// Renders tiles, one after another; one per thread, whose buffers it keeps.
 class ClassicTracer {
  public:
   virtual ~ClassicTracer() = default;
 
-  /// Adds all samples of the tile's pixels, which no one else touches meanwhile, to the film;
-  /// unless told to stop.
-  virtual void render(const Tile& tile, Film& film) = 0;
-
-  const RayCounts& counts() const { return counts_; }
-
- protected:
-  RayCounts counts_;
+  /// Adds what a tile of the film, which no one else adds to meanwhile, lacks of `samples` samples;
+  /// nothing when told to stop.
+  virtual void render(size_t tile, uint32_t samples, Film& film) = 0;
 };
 
 /// For the best instruction set that this machine has.

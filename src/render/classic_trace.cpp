@@ -163,9 +163,7 @@ class TileSums {
     }
   }
 
-  void add_to(Film& film, const uint32_t* pixels, size_t count) const {
-    for (size_t i = 0; i < count; ++i) film.add(pixels[i], {sums_[0][i], sums_[1][i], sums_[2][i]});
-  }
+  std::array<const int64_t*, 3> channels() const { return {sums_[0], sums_[1], sums_[2]}; }
 
  private:
   // A value beyond what floats hold counts as the bound.
@@ -211,11 +209,14 @@ class WideTracer final : public ClassicTracer {
     context_.stop = &control.stop;
   }
 
-  void render(const Tile& tile, Film& film) override {
-    list_pixels(tile);
+  void render(size_t tile, uint32_t samples, Film& film) override {
+    list_pixels(film.tile(tile));
     sums_.clear(film);
     for (PathRays& w : waiting_) w.rays.clear();  // left over where a render was stopped
-    for (uint32_t s = 0; s < scene_.sampler.samples; ++s) {
+    counts_ = {};
+    context_.tests = context_.steps = 0;
+    const uint32_t first = film.samples(tile);
+    for (uint32_t s = first; s < samples; ++s) {
       const uint64_t before = counts_.total();
       add_sample(WideSampler<D>(scene_.sampler, s));
       if (context_.stopped()) return;
@@ -223,7 +224,7 @@ class WideTracer final : public ClassicTracer {
       ++control_.work_done;
     }
     counts_.tests = context_.tests, counts_.steps = context_.steps;
-    sums_.add_to(film, pixel_, pixels_);
+    film.add(tile, samples - first, {pixel_, pixels_}, sums_.channels(), counts_);
   }
 
  private:
@@ -599,6 +600,7 @@ class WideTracer final : public ClassicTracer {
   RenderControl& control_;
   TraceContext context_;
   TileSums sums_;
+  RayCounts counts_;   // of the tile
   size_t pixels_ = 0;  // of the tile:
   Floats pixel_x_, pixel_y_;
   alignas(64) uint32_t pixel_[kChunk + 16], block_[kChunk + 16];  // render/sampler.h

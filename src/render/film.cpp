@@ -2,28 +2,75 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
+
+#include "render/options.h"
 
 namespace raio {
 
-Film::Film(int width, int height, double bound, uint64_t samples)
+RayCounts& RayCounts::operator+=(const RayCounts& b) {
+  eye += b.eye, eye_hits += b.eye_hits;
+  reflection += b.reflection, refraction += b.refraction;
+  shadow += b.shadow, shadow_hits += b.shadow_hits;
+  tests += b.tests, steps += b.steps;
+  return *this;
+}
+
+Film::Film(int width, int height, double bound)
     : width_(width),
       height_(height),
+      columns_((width + kTileSide - 1) / kTileSide),
       bound_(std::clamp(bound, 1e-30, 1e38)),
-      sums_(size_t(width) * height * 3) {
-  // The sum of all samples stays below 2^62; and no finer than 2^-40, where a picture has no more
-  // to say.
+      samples_(size_t(columns_) * size_t((height + kTileSide - 1) / kTileSide)) {
+  // The system's zeroed pages: whoever adds to a tile first pays for it, in parallel.
+  sums_.reset(
+      static_cast<int64_t*>(std::calloc(size_t(width) * size_t(height), 3 * sizeof(int64_t))));
+  if (!sums_) throw std::bad_alloc();
+  // The sum of the most samples that there can be stays below 2^62; and no finer than 2^-40, where
+  // a picture has no more to say.
   int exponent = 0;
-  std::frexp(bound_ * double(samples), &exponent);
+  std::frexp(bound_ * kMaxSamples, &exponent);
   scale_ = std::ldexp(1.0, std::min(62 - exponent, 40));
 }
 
-Image Film::resolve(int samples_per_pixel) const {
+Tile Film::tile(size_t index) const {
+  const int x = int(index % size_t(columns_)) * kTileSide;
+  const int y = int(index / size_t(columns_)) * kTileSide;
+  return {x, y, std::min(x + kTileSide, width_), std::min(y + kTileSide, height_)};
+}
+
+uint32_t Film::samples(size_t tile) const {
+  const std::lock_guard lock(mutex_);
+  return samples_[tile];
+}
+
+RayCounts Film::rays() const {
+  const std::lock_guard lock(mutex_);
+  return rays_;
+}
+
+void Film::add(size_t tile, uint32_t samples, std::span<const uint32_t> pixels,
+               std::array<const int64_t*, 3> sums, const RayCounts& rays) {
+  const std::lock_guard lock(mutex_);
+  for (size_t i = 0; i < pixels.size(); ++i)
+    for (size_t c = 0; c < 3; ++c) sums_[size_t(pixels[i]) * 3 + c] += sums[c][i];
+  samples_[tile] += samples;
+  rays_ += rays;
+}
+
+Image Film::resolve() const {
   Image image(width_, height_);
-  const double unit = 1 / (scale_ * samples_per_pixel);
-  for (size_t i = 0; i < image.pixels.size(); ++i) {
-    const int64_t* s = &sums_[i * 3];
-    image.pixels[i] = {float(double(s[0]) * unit), float(double(s[1]) * unit),
-                       float(double(s[2]) * unit)};
+  const std::lock_guard lock(mutex_);
+  for (size_t t = 0; t < tiles(); ++t) {
+    if (samples_[t] == 0) continue;
+    const Tile tile = this->tile(t);
+    const double unit = 1 / (scale_ * samples_[t]);
+    for (int y = tile.y0; y < tile.y1; ++y)
+      for (int x = tile.x0; x < tile.x1; ++x) {
+        const int64_t* s = &sums_[(size_t(y) * size_t(width_) + size_t(x)) * 3];
+        image.at(x, y) = {float(double(s[0]) * unit), float(double(s[1]) * unit),
+                          float(double(s[2]) * unit)};
+      }
   }
   return image;
 }

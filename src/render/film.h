@@ -3,38 +3,78 @@
 
 #include <array>
 #include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <mutex>
+#include <span>
 #include <vector>
 
 #include "io/image.h"
 
 namespace raio {
 
+/// How many rays of each kind were traced. A hit is counted where the ray met something.
+struct RayCounts {
+  uint64_t eye = 0, eye_hits = 0;
+  uint64_t reflection = 0, refraction = 0;
+  uint64_t shadow = 0, shadow_hits = 0;
+  uint64_t tests = 0, steps = 0;  // with AccelOptions::counters
+
+  uint64_t total() const { return eye + reflection + refraction + shadow; }
+  RayCounts& operator+=(const RayCounts& b);
+};
+
+/// A rectangle of pixels, at most kTileSide wide and high.
+struct Tile {
+  int x0, y0, x1, y1;
+};
+inline constexpr int kTileSide = 32;
+
+/// The sums of a picture's samples and, for each tile, how many there are: a tile holds samples
+/// 0 .. n - 1 of all its pixels or it would not be here, so that a film is a sound picture at any
+/// moment, and all that is needed to go on with it.
+///
 /// Sums are integers (fixed point): adding integers is associative, so that the same samples give
 /// the same bytes in whatever order, tiles, threads, shards or resumes they are added. The unit is
 /// a power of two chosen from an upper bound of what a sample can bring, so that no sum overflows.
+///
+/// Safe to read and to copy from while others add to it.
 class Film {
  public:
-  /// `bound`: no sample of a pixel brings more than this; `samples`: at most so many are added.
-  Film(int width, int height, double bound, uint64_t samples);
+  /// No sample of a pixel brings more than `bound`.
+  Film(int width, int height, double bound);
 
+  int width() const { return width_; }
+  int height() const { return height_; }
   /// A value v counts as the integer nearest to min(v, bound) * scale.
   double bound() const { return bound_; }
   double scale() const { return scale_; }
 
-  void add(size_t pixel, std::array<int64_t, 3> rgb) {
-    for (size_t c = 0; c < 3; ++c) sums_[pixel * 3 + c] += rgb[c];
-  }
+  size_t tiles() const { return samples_.size(); }
+  Tile tile(size_t index) const;
+  uint32_t samples(size_t tile) const;
 
-  int width() const { return width_; }
-  int height() const { return height_; }
+  /// Adds `samples` samples of a tile: for each of its pixels the sums of red, of green and of
+  /// blue, and what they have cost.
+  void add(size_t tile, uint32_t samples, std::span<const uint32_t> pixels,
+           std::array<const int64_t*, 3> sums, const RayCounts& rays);
 
-  /// The mean of `samples_per_pixel` samples.
-  Image resolve(int samples_per_pixel) const;
+  /// The mean of each pixel's samples; black where there are none.
+  Image resolve() const;
+
+  RayCounts rays() const;
 
  private:
-  int width_, height_;
+  struct Free {
+    void operator()(void* memory) const { std::free(memory); }
+  };
+
+  int width_, height_, columns_;
   double bound_, scale_;
-  std::vector<int64_t> sums_;  // r, g, b per pixel
+  mutable std::mutex mutex_;               // guards what follows
+  std::unique_ptr<int64_t[], Free> sums_;  // r, g, b per pixel
+  std::vector<uint32_t> samples_;          // per tile
+  RayCounts rays_;
 };
 
 }  // namespace raio

@@ -11,6 +11,7 @@ namespace raio {
 namespace {
 
 constexpr std::array<std::string_view, 5> kAccelNames = {"auto", "none", "grid", "bvh", "embree"};
+constexpr std::array<std::string_view, 2> kSamplerNames = {"jitter", "sobol"};
 constexpr int kMaxSide = 1 << 20;
 
 template <class T>
@@ -49,6 +50,13 @@ std::expected<void, std::string> parse_accel(RenderOptions& o, std::string_view 
     if (kAccelNames[i] == text)
       return o.accel.kind = AccelKind(i), std::expected<void, std::string>();
   return std::unexpected(fmt::format("expected auto, none, grid, bvh or embree, found '{}'", text));
+}
+
+std::expected<void, std::string> parse_sampler(RenderOptions& o, std::string_view text) {
+  for (size_t i = 0; i < kSamplerNames.size(); ++i)
+    if (kSamplerNames[i] == text)
+      return o.sampler = SamplerKind(i), std::expected<void, std::string>();
+  return std::unexpected(fmt::format("expected jitter or sobol, found '{}'", text));
 }
 
 std::expected<void, std::string> parse_resolution(RenderOptions& o, std::string_view text) {
@@ -105,6 +113,15 @@ constexpr auto kTable = std::to_array<OptionSpec>({
     {"lens-samples", "K",
      "Rays for each cell of a pixel, which share out the lens and the lights (default: 1)",
      +[](Options& o) -> int& { return o.lens_samples; }, 1, 65536},
+    {"samples", "N",
+     "Samples a pixel, any number, over all of it (or its centre with --aa 1); with --sampler "
+     "sobol, "
+     "instead of --aa and --lens-samples",
+     +[](Options& o) -> int& { return o.samples; }, 1, kMaxSamples},
+    {"sampler", "NAME",
+     "Where the samples go: jitter, random points in equal cells, or sobol, a scrambled Sobol "
+     "sequence, even after any number of samples (default: jitter; sobol with --samples)",
+     parse_sampler},
     {"depth", "N", "Levels of rays; the eye ray is level 1 (default: 5)",
      +[](Options& o) -> int& { return o.depth; }, 1, kMaxDepth},
     {"one-sided", "", "Opaque surfaces are seen from outside only, as the NFF text has it",
@@ -132,6 +149,7 @@ std::expected<void, std::string> set_number(T& out, const OptionSpec& spec, std:
 std::span<const OptionSpec> render_option_table() { return kTable; }
 
 std::string_view accel_name(AccelKind kind) { return kAccelNames[size_t(kind)]; }
+std::string_view sampler_name(SamplerKind kind) { return kSamplerNames[size_t(kind)]; }
 
 std::expected<void, std::string> set_option(RenderOptions& options, const OptionSpec& spec,
                                             std::string_view text) {
@@ -173,6 +191,16 @@ std::string option_conflict(const RenderOptions& options, const Scene* scene) {
   const auto without = [](std::string_view option, std::string_view other) {
     return fmt::format("{0} has no effect without {1}; add {1} or leave {0} out", option, other);
   };
+  if (options.samples > 0) {
+    const std::string_view beside = options.aa > 1             ? "aa"
+                                    : options.lens_samples > 0 ? "lens-samples"
+                                                               : "";
+    if (!beside.empty())
+      return fmt::format("--{} has no effect beside --samples; give one of them", beside);
+    if (options.sampler == SamplerKind::jitter)
+      return "--sampler jitter takes --aa and --lens-samples, which say its cells; leave out "
+             "--samples or --sampler jitter";
+  }
   if (options.light_size > 0 && !options.soft_shadows)
     return without("--light-size", "--soft-shadows");
   if (!scene && !options.dof) return {};
@@ -180,6 +208,10 @@ std::string option_conflict(const RenderOptions& options, const Scene* scene) {
   if (!*o.dof && options.aperture > 0) return without("--aperture", "--dof");
   if (!*o.dof && options.focus > 0) return without("--focus", "--dof");
   if (!scene) return {};
+  if (o.samples > 1 && !*o.dof && !o.soft_shadows && o.aa == 1)
+    return "--samples has no effect with --aa 1 alone; add --dof or --soft-shadows, or leave one "
+           "of "
+           "them out";
   if (o.lens_samples > 1 && !*o.dof && !o.soft_shadows && o.aa == 1)
     return "--lens-samples has no effect without --dof, --soft-shadows or --aa; add one of them or "
            "leave --lens-samples out";
@@ -198,8 +230,11 @@ RenderOptions resolve_options(const RenderOptions& options, const Scene& scene) 
     o.width = camera.width > 0 ? camera.width : 512;
     o.height = camera.height > 0 ? camera.height : 512;
   }
-  if (o.aa == 0) o.aa = std::max(1, int(std::lround(std::sqrt(double(scene.samples_per_pixel)))));
-  if (o.lens_samples == 0) o.lens_samples = 1;
+  if (o.samples > 0) o.sampler = SamplerKind::sobol;
+  if (!o.sampler) o.sampler = SamplerKind::jitter;
+  if (o.aa == 0 && o.samples == 0)
+    o.aa = std::max(1, int(std::lround(std::sqrt(double(scene.samples_per_pixel)))));
+  if (o.lens_samples == 0 && o.samples == 0) o.lens_samples = 1;
   if (!o.dof) o.dof = camera.lens_radius.value_or(0) > 0;
   if (o.focus == 0) o.focus = camera.focus_distance.value_or(length(camera.at - camera.from));
   if (o.aperture == 0) o.aperture = camera.lens_radius.value_or(o.focus / 50);

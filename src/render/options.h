@@ -15,23 +15,30 @@
 
 namespace raio {
 
+/// Where samples go in the pixel, on the lens and on the lights (render/sampler.h): at random in
+/// equal cells, as many as there are samples; or by Sobol's sequence, which is even after any
+/// number.
+enum class SamplerKind { jitter, sobol };
+
 /// Zero, or nothing, where the scene or a rule decides: resolve_options() fills it in.
 struct RenderOptions {
   AccelOptions accel;
   int width = 0, height = 0;
-  int aa = 0;
+  int aa = 0;  // cells along a side of the pixel; 1: its centre; resolved to 0: all of it
   bool soft_shadows = false;
   float light_size = 0;
   std::optional<bool> dof;
   float aperture = 0;
   float focus = 0;
   int lens_samples = 0;
+  int samples = 0;  // of a pixel in all, instead of aa x aa x lens_samples
+  std::optional<SamplerKind> sampler;
   int depth = 5;
   bool one_sided = false;
   int threads = 0;
   uint32_t seed = 0;
 
-  int samples_per_pixel() const { return aa * aa * lens_samples; }
+  int samples_per_pixel() const { return samples > 0 ? samples : aa * aa * lens_samples; }
 };
 
 inline constexpr int kMaxDepth =
@@ -71,7 +78,8 @@ std::span<const OptionSpec> render_option_table();
 std::expected<void, std::string> set_option(RenderOptions& options, const OptionSpec& spec,
                                             std::string_view text);
 
-/// The name of a structure as on the command line.
+/// The names of a structure and of a sampler as on the command line.
 std::string_view accel_name(AccelKind kind);
+std::string_view sampler_name(SamplerKind kind);
 
 }  // namespace raio

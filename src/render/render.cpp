@@ -8,19 +8,12 @@
 
 #include <chrono>
 #include <limits>
+#include <vector>
 
 #include "base/memory.h"
 #include "render/classic.h"
 
 namespace raio {
-RayCounts& RayCounts::operator+=(const RayCounts& b) {
-  eye += b.eye, eye_hits += b.eye_hits;
-  reflection += b.reflection, refraction += b.refraction;
-  shadow += b.shadow, shadow_hits += b.shadow_hits;
-  tests += b.tests, steps += b.steps;
-  return *this;
-}
-
 void on_threads(int threads, const std::function<void()>& work) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, size_t(threads));
   tbb::task_arena(threads).execute(work);
@@ -41,39 +34,37 @@ std::string picture_problem(int width, int height) {
   return {};
 }
 
-std::expected<std::optional<RenderResult>, std::string> render(const Scene& scene,
-                                                               const Accel& accel,
-                                                               const RenderOptions& options,
-                                                               RenderControl& control) {
+std::expected<std::unique_ptr<Film>, std::string> make_film(const Scene& scene,
+                                                            const RenderOptions& options) {
   if (std::string why = picture_problem(options.width, options.height); !why.empty())
     return std::unexpected(std::move(why));
+  return std::make_unique<Film>(options.width, options.height,
+                                radiance_bound(scene, options.depth));
+}
+
+RenderResult render(const Scene& scene, const Accel& accel, const RenderOptions& options,
+                    Film& film, RenderControl& control, const RenderTask& task) {
   const auto start = std::chrono::steady_clock::now();
   const ClassicScene classic(scene, accel, options);
-  const uint32_t samples = classic.sampler.samples;
-  Film film(options.width, options.height, radiance_bound(scene, options.depth), samples);
+  const uint32_t target = task.samples > 0 ? task.samples : classic.sampler.samples;
 
-  const int columns = (options.width + kTileSide - 1) / kTileSide;
-  const int rows = (options.height + kTileSide - 1) / kTileSide;
-  const size_t tiles = size_t(columns) * size_t(rows);
+  std::vector<size_t> tiles;
+  uint64_t work = 0;
+  for (size_t t = task.shard; t < film.tiles(); t += task.shards)
+    if (const uint32_t done = film.samples(t); done < target)
+      tiles.push_back(t), work += target - done;
   control.rays_done = 0, control.work_done = 0;
-  control.work_total = tiles * samples;
+  control.work_total = work;
 
   tbb::enumerable_thread_specific<std::unique_ptr<ClassicTracer>> tracers(
       [&] { return make_classic_tracer(classic, control); });
   on_threads(options.threads, [&] {
-    tbb::parallel_for(size_t(0), tiles, [&](size_t t) {
-      const int x = int(t % size_t(columns)) * kTileSide, y = int(t / size_t(columns)) * kTileSide;
-      const Tile tile{x, y, std::min(x + kTileSide, options.width),
-                      std::min(y + kTileSide, options.height)};
-      if (!control.stop) tracers.local()->render(tile, film);
+    tbb::parallel_for(size_t(0), tiles.size(), [&](size_t i) {
+      if (!control.stop) tracers.local()->render(tiles[i], target, film);
     });
   });
-  if (control.stop) return std::nullopt;
-
-  RenderResult result{std::move(film), {}, 0};
-  for (const auto& tracer : tracers) result.rays += tracer->counts();
-  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  return result;
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+  return {!control.stop, elapsed.count()};
 }
 
 }  // namespace raio

@@ -4,7 +4,7 @@
 #include <atomic>
 #include <expected>
 #include <functional>
-#include <optional>
+#include <memory>
 #include <string>
 
 #include "accel/accel.h"
@@ -14,17 +14,6 @@
 
 namespace raio {
 
-/// How many rays of each kind were traced. A hit is counted where the ray met something.
-struct RayCounts {
-  uint64_t eye = 0, eye_hits = 0;
-  uint64_t reflection = 0, refraction = 0;
-  uint64_t shadow = 0, shadow_hits = 0;
-  uint64_t tests = 0, steps = 0;  // with AccelOptions::counters
-
-  uint64_t total() const { return eye + reflection + refraction + shadow; }
-  RayCounts& operator+=(const RayCounts& b);
-};
-
 /// Shared with whoever watches a render from another thread.
 struct RenderControl {
   std::atomic<bool> stop{false};  // set it to end the render soon
@@ -33,9 +22,14 @@ struct RenderControl {
   std::atomic<uint64_t> work_total{0};
 };
 
+/// What to do to a film.
+struct RenderTask {
+  uint32_t samples = 0;            // each pixel shall have so many; 0: all that the options say
+  uint32_t shard = 0, shards = 1;  // only the tiles whose number is `shard` modulo `shards`
+};
+
 struct RenderResult {
-  Film film;
-  RayCounts rays;
+  bool finished = false;  // all of the task is done: nobody said stop
   double seconds = 0;
 };
 
@@ -46,11 +40,15 @@ void on_threads(int threads, const std::function<void()>& work);
 /// not suffice. For callers that want to know it before they build a structure.
 std::string picture_problem(int width, int height);
 
-/// Renders with resolved options. Nothing when stopped. The error is one line: memory that would
-/// not suffice for the picture.
-std::expected<std::optional<RenderResult>, std::string> render(const Scene& scene,
-                                                               const Accel& accel,
-                                                               const RenderOptions& options,
-                                                               RenderControl& control);
+/// An empty film for a picture with resolved options. The error is one line: memory that would
+/// not suffice.
+std::expected<std::unique_ptr<Film>, std::string> make_film(const Scene& scene,
+                                                            const RenderOptions& options);
+
+/// Adds what the film lacks. Told to stop it ends soon, and what it has done by then is in the
+/// film: the same call goes on from there, to the same bytes. More samples than a film has can be
+/// added where the sampler deals them without regard to their number (SamplerKind::sobol).
+RenderResult render(const Scene& scene, const Accel& accel, const RenderOptions& options,
+                    Film& film, RenderControl& control, const RenderTask& task = {});
 
 }  // namespace raio

@@ -20,13 +20,16 @@ class WideSampler {
   using U = hn::Vec<Unsigned<D>>;
 
   WideSampler(const Sampler& sampler, uint32_t sample)
-      : s_(sampler), sample_(sample), deal_(sampler.deal(sample)) {}
+      : s_(sampler),
+        sample_(sample),
+        deal_(sampler.kind == SamplerKind::jitter ? sampler.deal(sample) : Sampler::Deal()) {}
 
   /// In the unit pixel: its centre for one cell, else a random point of one of its cells. The cells
   /// are taken in an order of the pixel's own.
   HWY_INLINE Wide2<D> in_pixel(U pixel) const {
     if (s_.aa == 1) return {hn::Set(d, 0.5f), hn::Set(d, 0.5f)};
     const U branch = hn::Set(du, kEyeBranch);
+    if (s_.kind == SamplerKind::sobol) return sobol(pixel, branch, kPixel);
     const V aa = hn::Set(d, float(s_.aa));
     const V turn = hn::Floor(hn::Div(dealt(pixel, branch, kPixel), hn::Set(d, float(s_.per_cell))));
     const V row = hn::Floor(hn::Div(turn, aa));
@@ -39,6 +42,7 @@ class WideSampler {
   /// pixel's block: rays of neighbours then keep together, and which cell of the pixel goes with
   /// which cell of a light is random still, by the order in which the pixel takes its own.
   HWY_INLINE Wide2<D> in_square(U pixel, U block, U branch, uint32_t purpose) const {
+    if (s_.kind == SamplerKind::sobol) return sobol(pixel, branch, purpose);
     const V cell = dealt(block, branch, purpose), columns = hn::Set(d, float(s_.columns));
     const V row = hn::Floor(hn::Div(cell, columns));
     const auto r = random(pixel, sample_, branch, purpose);
@@ -64,6 +68,48 @@ class WideSampler {
     const V sum = hn::Add(hn::ConvertTo(d, hn::BitCast(di, place)), turn);
     return hn::IfThenElse(hn::Ge(sum, samples), hn::Sub(sum, samples), sum);
   }
+
+  // The sample's point of Sobol's two-dimensional sequence, shuffled and scrambled for each pixel,
+  // branch and purpose after Owen 1995; by hashing, as Burley 2020, "Practical Hash-based Owen
+  // Scrambling", JCGT 9(4). After any number of samples they are about as even as can be, and those
+  // of different purposes know nothing of each other.
+  HWY_INLINE Wide2<D> sobol(U pixel, U branch, uint32_t purpose) const {
+    const auto key = random(pixel, ~0u, branch, purpose);
+    // The index, shuffled, with its bits reversed: that is the first coordinate.
+    const U x = scramble_below(reverse_bits(hn::Set(du, sample_)), key.x);
+    // Bit j of the second, from the top, is the sum of the index's bits k for which the binomial of
+    // k over j is odd, those whose number k has all bits of j.
+    U y = hn::Xor(x, hn::And(hn::ShiftLeft<1>(x), hn::Set(du, 0xaaaaaaaau)));
+    y = hn::Xor(y, hn::And(hn::ShiftLeft<2>(y), hn::Set(du, 0xccccccccu)));
+    y = hn::Xor(y, hn::And(hn::ShiftLeft<4>(y), hn::Set(du, 0xf0f0f0f0u)));
+    y = hn::Xor(y, hn::And(hn::ShiftLeft<8>(y), hn::Set(du, 0xff00ff00u)));
+    y = hn::Xor(y, hn::ShiftLeft<16>(y));
+    const auto owen = [&](U bits, U seed) {
+      return to_unit(d, reverse_bits(scramble_below(reverse_bits(bits), seed)));
+    };
+    return {owen(x, key.y), owen(y, key.z)};
+  }
+  // Each bit is flipped or not by a hash of the bits below it (Laine and Karras 2011; the constants
+  // are of Vegdahl 2021, "Building a Better LK Hash").
+  HWY_INLINE U scramble_below(U v, U seed) const {
+    v = hn::Xor(v, hn::Mul(v, hn::Set(du, 0x3d20adeau)));
+    v = hn::Add(v, seed);
+    v = hn::Mul(v, hn::Or(hn::ShiftRight<16>(seed), hn::Set(du, 1)));
+    v = hn::Xor(v, hn::Mul(v, hn::Set(du, 0x05526c56u)));
+    return hn::Xor(v, hn::Mul(v, hn::Set(du, 0x53a22864u)));
+  }
+  HWY_INLINE U reverse_bits(U v) const {
+    const auto swap = [&]<int kBy>(U a, uint32_t low) {
+      const U mask = hn::Set(du, low);
+      return hn::Or(hn::ShiftLeft<kBy>(hn::And(a, mask)), hn::And(hn::ShiftRight<kBy>(a), mask));
+    };
+    v = swap.template operator()<1>(v, 0x55555555u);
+    v = swap.template operator()<2>(v, 0x33333333u);
+    v = swap.template operator()<4>(v, 0x0f0f0f0fu);
+    v = swap.template operator()<8>(v, 0x00ff00ffu);
+    return hn::Or(hn::ShiftLeft<16>(v), hn::ShiftRight<16>(v));
+  }
+
   HWY_INLINE V in_cell(V cell, U bits, uint32_t cells) const {
     return hn::Div(hn::Add(cell, to_unit(d, bits)), hn::Set(d, float(cells)));
   }

@@ -17,6 +17,7 @@
 #include <cmath>
 
 #include "base/random.h"
+#include "render/options.h"
 
 namespace raio {
 
@@ -28,12 +29,16 @@ inline constexpr uint32_t kEyeBranch = 1;
 inline constexpr int kBlockShift = 2;
 
 struct Sampler {
-  uint32_t seed, aa, per_cell;      // aa x aa cells a pixel, per_cell samples in each
-  uint32_t samples, columns, rows;  // the unit square in `samples` equal cells
+  SamplerKind kind;
+  uint32_t seed, aa, per_cell;      // jitter: aa x aa cells a pixel, per_cell samples in each
+  uint32_t samples, columns, rows;  // jitter: the unit square in `samples` equal cells
 
-  Sampler(uint32_t seed_, int aa_, int per_cell_)
-      : seed(seed_ * 0x9e3779b9u), aa(uint32_t(aa_)), per_cell(uint32_t(per_cell_)) {
-    samples = aa * aa * per_cell;
+  explicit Sampler(const RenderOptions& o)  // resolved
+      : kind(*o.sampler),
+        seed(o.seed * 0x9e3779b9u),
+        aa(uint32_t(o.aa)),
+        per_cell(uint32_t(o.lens_samples)),
+        samples(uint32_t(o.samples_per_pixel())) {
     for (columns = uint32_t(std::sqrt(double(samples))); samples % columns;) --columns;
     rows = samples / columns;
   }
