@@ -5,15 +5,13 @@
 // rays of their hits light by light, then their reflections and refractions as the next level. A
 // ray carries the weight with which it counts in its pixel, so none waits for another.
 #include "render/classic.h"
-#include "render/surface.h"
-#include "shape/offset.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "render/classic_trace.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h.
 #include "render/camera-inl.h"
-#include "render/classic_tile-inl.h"
+#include "render/classic_surfaces-inl.h"
 #include "render/sampler-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -33,25 +31,6 @@ HWY_INLINE V3 refract(const V3& dir, const V3& n, V eta, M& in) {
   const V root = hn::Sqrt(hn::Max(k, hn::Zero(d)));
   return renormalize(d, dir * eta + n * hn::Sub(hn::Mul(eta, cosine), root));
 }
-
-// shape/offset.h.
-HWY_INLINE V3 offset_point(const V3& point, const V3& geometric, V scale, bool along_normal) {
-  const float k = offset_length(1);
-  return point + geometric * hn::Mul(hn::Set(d, along_normal ? k : -k), scale);
-}
-
-// What was hit and is being shaded.
-struct Vertices {
-  Floats3 corner[3];                          // of a triangle; the first is the centre of a sphere
-  Floats extent;                              // what the surface adds to `scale`
-  Floats3 point, outside, normal, geometric;  // normals towards the ray; `outside`: off the surface
-  Floats scale;                               // of shape/offset.h
-  alignas(64) MaterialId material[kChunk + 16];
-  Floats3 color;
-  Floats kd, ks, shine, transmission, ior;
-  Floats eta;        // for refraction
-  Floats3 radiance;  // towards the ray, so far
-};
 
 class WideTracer final : public ClassicTracer {
  public:
@@ -156,7 +135,7 @@ class WideTracer final : public ClassicTracer {
     const size_t n = current_.rays.size();
     if (level == 1) counts_.eye_hits += n;
     if (n == 0) return;
-    find_surfaces(n);
+    find_surfaces(scene_, current_.rays, hits_, n, *vertices_);
     for (size_t l = 0; l < scene_.emitters.size(); ++l) add_light(l, n, sampler);
     if (context_.stopped()) return;
     for (size_t i = 0; i < n; i += kWidth)
@@ -192,121 +171,6 @@ class WideTracer final : public ClassicTracer {
       rays.set(i, rays[kept - 1]), hits_.set(i, hits_[kept - 1]);
       current_.pixel[i] = current_.pixel[kept - 1], current_.branch[i] = current_.branch[kept - 1];
       current_.weight[i] = current_.weight[kept - 1];
-    }
-  }
-
-  // What the surfaces are made of: looked up one by one, worked out together by find_surfaces().
-  void look_up(size_t n) {
-    const Geometry& geometry = scene_.accel.geometry();
-    const Scene& scene = scene_.scene;
-    Vertices& v = *vertices_;
-    for (size_t i = 0; i < n || i % kWidth != 0; ++i) {
-      const ItemId item = hits_.item[i];
-      const uint32_t index = item_index(item);
-      MaterialId material = 0;
-      switch (item_kind(item)) {
-        case ItemKind::sphere: {
-          const Sphere s = geometry.sphere(index);
-          v.corner[0].set(i, s.center);
-          v.extent.at[i] = s.radius;
-          material = scene.sphere_materials[index];
-          break;
-        }
-        case ItemKind::triangle: {
-          const TriangleIndices& at = geometry.corners(index);
-          const Facet& facet = geometry.facet(index);
-          for (size_t c = 0; c < 3; ++c) v.corner[c].set(i, scene.positions[at[c]]);
-          v.extent.at[i] = 0;
-          v.geometric.set(i, facet.normal);
-          v.normal.set(i, facet.normal);
-          if (const TriangleIndices* corners = geometry.corner_normals(index)) {
-            const auto weighted = [&](size_t corner, float w) {
-              return scene.normals[(*corners)[corner]] * w;
-            };
-            const float b1 = hits_.u[i], b2 = hits_.v[i];
-            v.normal.set(i, weighted(0, 1 - b1 - b2) + weighted(1, b1) + weighted(2, b2));
-          }
-          material = facet.material;
-          break;
-        }
-        case ItemKind::plane:
-        case ItemKind::cone: {
-          const Vec3f p = current_.rays[i].at(hits_.t[i]);
-          const Surface s = item_kind(item) == ItemKind::plane ? plane_surface(geometry, index, p)
-                                                               : cone_surface(geometry, index, p);
-          for (Floats3& corner : v.corner) corner.set(i, s.point);
-          v.extent.at[i] = s.extent;
-          v.geometric.set(i, s.normal), v.normal.set(i, s.normal);
-          material = s.material;
-          break;
-        }
-      }
-      v.material[i] = material;
-    }
-  }
-
-  // Neighbours are mostly of one material.
-  void look_up_materials(size_t i) {
-    static_assert(sizeof(Material) == 8 * sizeof(float));
-    const Material* materials = scene_.scene.materials.data();
-    Vertices& v = *vertices_;
-    Floats* const columns[] = {&v.color.x, &v.color.y, &v.color.z,      &v.kd,
-                               &v.ks,      &v.shine,   &v.transmission, &v.ior};
-    const U material = hn::Load(du, v.material + i);
-    if (hn::AllTrue(du, hn::Eq(material, hn::Set(du, v.material[i])))) {
-      const float* first = &materials[v.material[i]].color.x;
-      for (size_t c = 0; c < 8; ++c) store(hn::Set(d, first[c]), *columns[c], i);
-    } else {
-      const auto index = hn::BitCast(Signed<D>(), hn::ShiftLeft<3>(material));
-      const float* base = &materials->color.x;
-      for (size_t c = 0; c < 8; ++c) store(hn::GatherIndex(d, base + c, index), *columns[c], i);
-    }
-  }
-
-  // Points, normals towards the ray, and all that is the same for every light.
-  void find_surfaces(size_t n) {
-    look_up(n);
-    Vertices& v = *vertices_;
-    const bool smooth = scene_.accel.geometry().any_smooth();
-    const V zero = hn::Zero(d);
-    const V3 ambient = set3(d, scene_.ambient);
-    for (size_t i = 0; i < n; i += kWidth) {
-      look_up_materials(i);
-      const V3 dir = directions(current_.rays, i);
-      // Triangles, by their corners' weights; points of other kinds are three corners of their own.
-      const V3 a = load(v.corner[0], i);
-      const V3 ab = load(v.corner[1], i) - a, ac = load(v.corner[2], i) - a;
-      V3 point = a + ab * load(hits_.u, i) + ac * load(hits_.v, i);
-      V extent = load(v.extent, i);
-      V3 geometric = load(v.geometric, i), normal = load(v.normal, i);
-      const V longest = hn::Max(largest(ab), largest(ac));
-      if (smooth) {
-        // Files wind some patches the other way round than their normals point.
-        const V side = dot(normal, geometric);
-        const V3 unit = normalize(d, normal);
-        normal = select(hn::Gt(side, zero), unit, -unit);
-        normal = select(hn::Eq(side, zero), geometric, normal);
-      }
-      const auto kind = hn::ShiftRight<kItemIndexBits>(load(hits_.item, i));
-      const M sphere = hn::RebindMask(d, hn::Eq(kind, hn::Set(du, uint32_t(ItemKind::sphere))));
-      // Spheres: the point is put back on the surface along the radius, for which it must be `a`.
-      const V3 at = origins(current_.rays, i) + dir * load(hits_.t, i);
-      const V3 outward = normalize(d, at - a);
-      point = select(sphere, a + outward * extent, point);
-      geometric = select(sphere, outward, geometric);
-      normal = select(sphere, outward, normal);
-      extent = hn::IfThenElse(sphere, extent, hn::Add(extent, hn::Add(longest, longest)));
-
-      const M entering = hn::Lt(dot(geometric, dir), zero);
-      normal = select(entering, normal, -normal);
-      geometric = select(entering, geometric, -geometric);
-      const V scale = hn::Add(largest(point), extent);
-      store(point, v.point, i), store(scale, v.scale, i);
-      store(normal, v.normal, i), store(geometric, v.geometric, i);
-      store(offset_point(point, geometric, scale, true), v.outside, i);
-      const V ior = load(v.ior, i);
-      store(hn::IfThenElse(entering, hn::Div(hn::Set(d, 1), ior), ior), v.eta, i);
-      store(ambient * load(v.color, i), v.radiance, i);
     }
   }
 
