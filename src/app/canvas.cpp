@@ -11,6 +11,7 @@
 #include <numbers>
 
 #include "app/bench.h"
+#include "io/file.h"
 
 namespace raio::app {
 
@@ -143,9 +144,7 @@ std::string valid_utf8(const std::string& text) {
 }
 
 std::expected<PlotFormat, std::string> plot_format(const std::filesystem::path& path) {
-  std::string suffix = path.extension().string();
-  for (char& c : suffix)
-    if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
+  const std::string suffix = lower_suffix(path);
   if (suffix == ".png") return PlotFormat::png;
   if (suffix == ".svg") return PlotFormat::svg;
   if (suffix == ".pdf") return PlotFormat::pdf;

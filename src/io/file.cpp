@@ -246,6 +246,13 @@ FileError write_error(const fs::path& path, std::string_view why) {
           one_line(fmt::format("cannot write {}: {}", shown(path).string(), why))};
 }
 
+std::string lower_suffix(const fs::path& path) {
+  std::string suffix = path.extension().string();
+  for (char& c : suffix)
+    if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
+  return suffix;
+}
+
 bool is_standard_output(const fs::path& path) { return path == "-" || path == "/dev/stdout"; }
 
 std::expected<void, FileError> write_file(const fs::path& path, std::string_view bytes) {

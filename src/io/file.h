@@ -20,6 +20,9 @@ struct FileError {
 FileError read_error(const std::filesystem::path& path, std::string_view why);
 FileError write_error(const std::filesystem::path& path, std::string_view why);
 
+/// A name's ending, ".png", in small letters.
+std::string lower_suffix(const std::filesystem::path& path);
+
 /// "-" and "/dev/stdout".
 bool is_standard_output(const std::filesystem::path& path);
 

@@ -81,9 +81,7 @@ std::string size_problem(long long width, long long height) {
 }
 
 std::expected<ImageFormat, FileError> image_format(const fs::path& path) {
-  std::string suffix = path.extension().string();
-  for (char& c : suffix)
-    if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
+  const std::string suffix = lower_suffix(path);
   if (suffix == ".png") return ImageFormat::png;
   if (suffix == ".exr") return ImageFormat::exr;
   if (suffix == ".pfm") return ImageFormat::pfm;

@@ -1,5 +1,5 @@
 // What shading wants to know of a hit on the kinds of surface that are rare in large numbers; those
-// on spheres and triangles it works out many at a time (classic_trace.cpp).
+// on spheres and triangles it works out many at a time (classic_surfaces-inl.h).
 #pragma once
 
 #include "accel/geometry.h"
