@@ -22,6 +22,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "noise.h"
 #include "render/render.h"
 #include "temporary_folder.h"
 
@@ -29,25 +30,10 @@ namespace raio {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::HasSubstr;
-using testing::Not;
-
-uint64_t next_random(uint64_t& state) {
-  // SplitMix64: Steele, Lea and Flood 2014, "Fast Splittable Pseudorandom Number Generators".
-  uint64_t z = state += 0x9e3779b97f4a7c15u;
-  z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-  return z ^ z >> 31;
-}
-
-/// Values from a little below 0 to a little above 1, different in every channel.
-Image noise(int width, int height, uint64_t seed = 1) {
-  Image image(width, height);
-  for (Rgb& pixel : image.pixels)
-    for (int channel = 0; channel < 3; ++channel)
-      pixel[channel] = float(next_random(seed) >> 40) * 0x1p-24f * 1.5f - 0.25f;
-  return image;
-}
+using ::testing::HasSubstr;
+using testing::next_random;
+using testing::noise;
+using ::testing::Not;
 
 void expect_equal_bits(const Image& a, const Image& b) {
   ASSERT_EQ(a.width, b.width);
@@ -342,9 +328,9 @@ TEST_F(ImageTest, PngKeepsMetadata) {
   for (int i = 0; i < count; ++i) found[texts[i].key] = texts[i].text;
   png_destroy_read_struct(&png, &info, nullptr);
   std::fclose(stream);
-  EXPECT_THAT(found, testing::UnorderedElementsAre(std::pair("raio.seed", "42"),
-                                                   std::pair("raio.scene", "b\xc3\xa4lle 4"),
-                                                   std::pair("raio.note", "")));
+  EXPECT_THAT(found, ::testing::UnorderedElementsAre(std::pair("raio.seed", "42"),
+                                                     std::pair("raio.scene", "b\xc3\xa4lle 4"),
+                                                     std::pair("raio.note", "")));
 }
 
 TEST_F(ImageTest, ExrKeepsMetadata) {
@@ -607,52 +593,6 @@ TEST_F(ImageTest, ChangedFilesNeverDoMoreThanFail) {
     EXPECT_GT(good, 0) << "kind " << kind;
     EXPECT_GT(bad, 100) << "kind " << kind;
   }
-}
-
-TEST(Compare, EqualPictures) {
-  const Image a = noise(5, 5);
-  const ImageDifference d = compare(a, a);
-  EXPECT_EQ(d.rmse, 0);
-  EXPECT_TRUE(std::isinf(d.psnr_db) && d.psnr_db > 0);
-  EXPECT_EQ(d.largest, 0);
-  EXPECT_EQ(d.above_8, 0);
-  EXPECT_TRUE(std::isinf(compare(Image(), Image()).psnr_db));
-}
-
-TEST(Compare, FiguresByHand) {
-  Image a(2, 2), b(2, 2);
-  b.at(0, 0).x = 8 / 255.f;
-  b.at(1, 0).y = 9 / 255.f;
-  b.at(1, 1).z = 5;  // displayed as 255
-  const ImageDifference d = compare(a, b);
-  EXPECT_EQ(d.largest, 255);
-  EXPECT_EQ(d.above_8, 0.5);
-  const double mean_square = (8 * 8 + 9 * 9 + 255 * 255) / 12.0;
-  EXPECT_DOUBLE_EQ(d.rmse, std::sqrt(mean_square));
-  EXPECT_DOUBLE_EQ(d.psnr_db, 10 * std::log10(255 * 255 / mean_square));
-  // What is displayed alike is alike.
-  Image above(1, 1), far_above(1, 1);
-  above.at(0, 0) = Rgb(1);
-  far_above.at(0, 0) = Rgb(1000);
-  EXPECT_EQ(compare(above, far_above).rmse, 0);
-}
-
-TEST(Compare, DifferentSizesAreRefused) {
-  EXPECT_THROW(compare(Image(2, 3), Image(3, 2)), std::invalid_argument);
-  EXPECT_THROW(difference_image(Image(2, 3), Image(3, 2)), std::invalid_argument);
-}
-
-TEST(DifferenceImage, ShowsDifferencesOverFaintGrey) {
-  Image a(2, 1), b(2, 1);
-  a.at(0, 0) = b.at(0, 0) = Rgb(1, 1, 1);
-  a.at(1, 0) = Rgb(0, 10 / 255.f, 0);
-  b.at(1, 0) = Rgb(20 / 255.f, 10 / 255.f, std::numeric_limits<float>::quiet_NaN());
-  const Image d = difference_image(a, b);
-  EXPECT_NEAR(d.at(0, 0).x, d.at(0, 0).z, 1e-6);
-  EXPECT_GT(d.at(0, 0).x, 0.1f);
-  EXPECT_LT(d.at(0, 0).x, 0.4f);
-  EXPECT_NEAR(d.at(1, 0).x - d.at(1, 0).y, 160 / 255.f, 1e-6);
-  EXPECT_EQ(d.at(1, 0).z, d.at(1, 0).y);
 }
 
 }  // namespace
