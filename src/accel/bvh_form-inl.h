@@ -106,9 +106,11 @@ class BeamMaker {
     alignas(64) float rows[kBeamFloats][kPacket];
     unsigned formed = 0;
     for (int i = 0; i < kPacket; i += kLanes16) formed |= form_lanes(first + i, rows, i) << i;
-    for (size_t i = 0; i < kPacket; i += 4)
+    for (size_t i = 0; i < kPacket; i += 4) {
+      auto* const beams = reinterpret_cast<float*>(&room_.beams[first + i]);
       for (size_t c = 0; c < kBeamFloats; c += 4)
-        transpose(&rows[c][i], kPacket, room_.beams[first + i].inverse[0] + c, kBeamFloats);
+        transpose(&rows[c][i], kPacket, beams + c, kBeamFloats);
+    }
     return formed;
   }
 

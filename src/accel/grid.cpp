@@ -25,6 +25,17 @@ constexpr float kGiantShare = 0.5f;  // of the surface of the box of all that is
 
 constexpr double kReportFactor = 2;  // the report's mFactor
 
+// A hit is computed in floats: from where it belongs it may lie a few roundings of the largest
+// number away, that of the ray's origin or of the scene.
+double hit_error(double largest) {
+  return 16 * double(std::numeric_limits<float>::epsilon()) * largest;
+}
+
+// Rays that come from beyond the camera, and from that many times as far as the primitives reach,
+// are no longer walked through cells but tested against everything: what they meet is a matter of
+// rounding.
+constexpr double kNear = 16;
+
 bool touches(const Geometry& g, ItemId id, const Box3d& box) {
   const uint32_t i = item_index(id);
   switch (item_kind(id)) {
@@ -98,6 +109,8 @@ class GridBuilder {
   Lattice lattice;
   std::vector<uint32_t> begin;  // per cell, and one more: where its list starts
   std::vector<ItemId> items;    // ascending in each cell
+  double reach = 0;             // the largest coordinate of what is listed
+  double near = 0;              // rays that start with coordinates up to this find it in its cells
 
   // An error in one line, or nothing.
   std::optional<std::string> build(const AccelOptions& options) {
@@ -148,13 +161,13 @@ class GridBuilder {
 
   std::optional<std::string> choose_resolution(const AccelOptions& options) {
     const Box3f tight = bounds_of_rest();
-    const Vec3d reach = Vec3d(max(abs(tight.lo), abs(tight.hi)));
-    // A hit is computed in floats: it may lie this far from where it belongs, and cells are as much
-    // wider than they seem. Also gives a flat scene's box a thickness.
-    pad_ = 8 * double(std::numeric_limits<float>::epsilon()) *
-           std::max(max_component(reach), double(std::numeric_limits<float>::min()));
+    reach = max_component(max(abs(Vec3d(tight.lo)), abs(Vec3d(tight.hi))));
     Box3d box{Vec3d(tight.lo), Vec3d(tight.hi)};
-    box.pad(pad_);
+    // Gives a flat scene's box a thickness.
+    box.pad(hit_error(std::max(reach, double(std::numeric_limits<float>::min()))));
+    // Cells are so much wider than they seem.
+    near = std::max(kNear * reach, 2 * double(max_component(abs(g_.scene().camera.from))));
+    pad_ = hit_error(near);
 
     const bool forced = options.grid_resolution[0] > 0;
     double factor = options.grid_factor > 0 ? options.grid_factor : kReportFactor;
@@ -265,6 +278,8 @@ class Grid final : public Accel {
   Grid(Geometry geometry, GridBuilder&& built, bool counters)
       : Accel(std::move(geometry)),
         lattice_(built.lattice),
+        reach_(built.reach),
+        near_(built.near),
         giants_(std::move(built.giants)),
         begin_(std::move(built.begin)),
         items_(std::move(built.items)),
@@ -308,29 +323,42 @@ class Grid final : public Accel {
     return query;
   }
 
+  template <bool any, bool count>
+  void all(RayQuery& query, TraceContext& context) const {
+    for (const ItemKind kind : {ItemKind::sphere, ItemKind::triangle, ItemKind::cone})
+      for (uint32_t i = 0; i < geometry_.count(kind); ++i) {
+        if (count) ++context.tests;
+        if (test_item(geometry_, item_id(kind, i), query) && any) return;
+      }
+  }
+
   // In double throughout: in scalar code it costs the same, and the cell that the ray is in is then
   // never in doubt, however far the ray comes from.
   template <bool any, bool count>
   void walk(RayQuery& query, TraceContext& context) const {
     const Vec3d o(query.ray.origin), d(query.ray.dir);
+    const double size = max_component(abs(o)), slack = hit_error(std::max(size, reach_));
+    Box3d box = lattice_.box;
+    box.pad(slack);
     Vec3d inverse;
-    double enter = 0, leave = query.best.t;
+    double enter = 0, leave = query.best.t + slack;
     for (int a = 0; a < 3; ++a) {
       inverse[a] = 1 / d[a];
       if (d[a] == 0) {
-        if (o[a] < lattice_.box.lo[a] || o[a] > lattice_.box.hi[a]) return;
+        if (o[a] < box.lo[a] || o[a] > box.hi[a]) return;
         continue;
       }
-      const double t0 = (lattice_.box.lo[a] - o[a]) * inverse[a];
-      const double t1 = (lattice_.box.hi[a] - o[a]) * inverse[a];
+      const double t0 = (box.lo[a] - o[a]) * inverse[a];
+      const double t1 = (box.hi[a] - o[a]) * inverse[a];
       enter = std::max(enter, std::min(t0, t1));
       leave = std::min(leave, std::max(t0, t1));
     }
     if (!(enter <= leave)) return;
+    if (size > near_) return all<any, count>(query, context);
 
     // Per axis: cells left before the ray leaves the grid, the step through the lists, and the
     // parameter of the next plane as start + i * stride, which does not drift as a running sum
-    // would.
+    // would. Taken earlier by the error of a hit, so that one near it does not end the walk.
     struct Axis {
       int left = 0;
       ptrdiff_t step = 0;
@@ -346,7 +374,7 @@ class Grid final : public Accel {
         Axis& axis = axes[a];
         axis.left = up ? lattice_.n[a] - 1 - c : c;
         axis.step = up ? ptrdiff_t(pitch) : -ptrdiff_t(pitch);
-        axis.start = (lattice_.plane(c + up, a) - o[a]) * inverse[a];
+        axis.start = (lattice_.plane(c + up, a) - o[a]) * inverse[a] - slack;
         axis.stride = lattice_.cell[a] * std::abs(inverse[a]);
         axis.next = axis.start;
       }
@@ -374,6 +402,7 @@ class Grid final : public Accel {
   }
 
   Lattice lattice_;
+  double reach_, near_;
   std::vector<ItemId> giants_;
   std::vector<uint32_t> begin_;
   std::vector<ItemId> items_;

@@ -1,7 +1,9 @@
-// The four functions of Highway's library that its dispatch calls, defined here instead of linked:
+// The five functions of Highway's library that its headers call, defined here instead of linked:
 // loading the library measures the speed of a timer (its benchmarks want it), which takes several
 // milliseconds of every start.
 #include <hwy/targets.h>
+
+#include <cstdlib>
 
 namespace hwy {
 namespace {
@@ -55,6 +57,9 @@ void SetSupportedTargetsForTest(int64_t targets) {
   for_test = targets;
   GetChosenTarget().DeInit();
 }
+
+// Called where Highway is used against its rules.
+void Abort(const char*, int, const char*, ...) { std::abort(); }
 
 ChosenTarget& GetChosenTarget() {
   static ChosenTarget chosen;

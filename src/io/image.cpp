@@ -36,16 +36,6 @@ std::expected<std::string, std::string> encode(const Image& image, ImageFormat f
   std::abort();
 }
 
-std::expected<Image, std::string> decode(std::string_view bytes) {
-  if (bytes.starts_with("\x89PNG\r\n\x1a\n")) return decode_png(bytes);
-  if (bytes.starts_with("\x76\x2f\x31\x01")) return decode_exr(bytes);
-  if (bytes.starts_with("PF") || bytes.starts_with("Pf")) return decode_pfm(bytes);
-  for (const std::string_view magic : {"P2", "P3", "P5", "P6"})
-    if (bytes.starts_with(magic)) return decode_ppm(bytes);
-  return std::unexpected(bytes.empty() ? "the file is empty"
-                                       : "it is no picture in PNG, EXR, PFM or PPM format");
-}
-
 /// Why the picture cannot be written in any format, or nothing.
 std::string problem(const Image& image, const Metadata& metadata) {
   if (image.width < 1 || image.height < 1 ||
@@ -72,6 +62,16 @@ void require_same_size(const Image& a, const Image& b) {
 }
 
 }  // namespace
+
+Decoded<Image> decode_image(std::string_view bytes) {
+  if (bytes.starts_with("\x89PNG\r\n\x1a\n")) return decode_png(bytes);
+  if (bytes.starts_with("\x76\x2f\x31\x01")) return decode_exr(bytes);
+  if (bytes.starts_with("PF") || bytes.starts_with("Pf")) return decode_pfm(bytes);
+  for (const std::string_view magic : {"P2", "P3", "P5", "P6"})
+    if (bytes.starts_with(magic)) return decode_ppm(bytes);
+  return std::unexpected(bytes.empty() ? "the file is empty"
+                                       : "it is no picture in PNG, EXR, PFM or PPM format");
+}
 
 std::string size_problem(long long width, long long height) {
   if (width < 1 || height < 1) return fmt::format("a size of {} x {} pixels", width, height);
@@ -111,7 +111,7 @@ std::expected<void, FileError> write_image(const Image& image, const fs::path& p
 std::expected<Image, FileError> read_image(const fs::path& path) try {
   const auto bytes = read_file(path, kMaxFileBytes);
   if (!bytes) return std::unexpected(bytes.error());
-  auto image = decode(*bytes);
+  auto image = decode_image(*bytes);
   if (!image) return std::unexpected(read_error(path, image.error()));
   return std::move(*image);
 } catch (const std::bad_alloc&) {

@@ -23,6 +23,9 @@ inline std::string metadata_name(const std::string& key) { return "raio." + key;
 inline constexpr long long kMaxPixels = 1LL << 28;
 std::string size_problem(long long width, long long height);
 
+/// Whatever format the first bytes tell.
+Decoded<Image> decode_image(std::string_view bytes);
+
 /// 8 bit RGB, little compressed but quickly.
 Decoded<std::string> encode_png(const Image& image, const Metadata& metadata);
 Decoded<Image> decode_png(std::string_view bytes);

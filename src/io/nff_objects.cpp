@@ -21,19 +21,23 @@ bool negative(std::span<const double> numbers) {
   return std::ranges::any_of(numbers, [](double n) { return n < 0; });
 }
 
-/// Have the corners an area of more than `tolerance` times what their distances allow? By Newell's
-/// sum, twice the area along the normal.
+/// Have the corners an area, but for the last digits of decimal fractions, which are not exact: are
+/// they neither all in line nor in loops that cancel? By Newell's sum, twice the area along the
+/// normal. What is kept is asked as floats, too, so that it is kept again when written and read.
 template <class T>
-bool has_area(std::span<const Vec3<T>> corners, double tolerance) {
+bool has_area(std::span<const Vec3<T>> corners) {
   Vec3d sum;
-  double scale = 0;
+  double parts = 0;
+  bool all_in_line = true;
   const Vec3d first(corners[0]);
   for (size_t i = 1; i + 1 < corners.size(); ++i) {
     const Vec3d u = Vec3d(corners[i]) - first, v = Vec3d(corners[i + 1]) - first;
-    sum += cross(u, v);
-    scale += length(u) * length(v);
+    const Vec3d part = cross(u, v);
+    sum += part;
+    parts += length(part);
+    all_in_line &= in_line(u, v);
   }
-  return length(sum) > tolerance * scale;
+  return !all_in_line && length(sum) > 1e-12 * parts;
 }
 
 }  // namespace
@@ -148,8 +152,7 @@ void Parser::polygon(bool smooth) {
   if (!n) return;
   material_here();
   if (!corners(*n, smooth)) return;
-  // As written, where the last digits of decimal fractions are not exact; and as floats.
-  if (!has_area<double>(corners_, 1e-12) || !has_area<float>(placed_, 0))
+  if (!has_area<double>(corners_) || !has_area<float>(placed_))
     return warn("left out: a polygon without area (its corners repeat, are in line or cross)");
   smooth ? add_smooth() : add_flat(placed_);
 }
@@ -201,7 +204,7 @@ void Parser::add_smooth() {
   if (placed_.size() == 3) return add({0, 1, 2});
   for (const std::array<uint32_t, 3>& t : triangulate(placed_))
     // Corners in line leave pieces without area, which cover nothing.
-    if (!(triangle_normal({placed_[t[0]], placed_[t[1]], placed_[t[2]]}) == Vec3f())) add(t);
+    if (has_area<float>(std::array{placed_[t[0]], placed_[t[1]], placed_[t[2]]})) add(t);
 }
 
 /// Normals are kept from the first smooth triangle on.
@@ -285,7 +288,7 @@ void Parser::mesh_faces(size_t first, size_t vertices, size_t faces) {
     }
     if (!sound) continue;
     const auto& at = scene_.positions;
-    if (triangle_normal({at[face[0]], at[face[1]], at[face[2]]}) == Vec3f())
+    if (!has_area<float>(std::array{at[face[0]], at[face[1]], at[face[2]]}))
       warn(fmt::format("left out: face {} has no area", i));
     else
       add_triangle(face, {kNoNormal, kNoNormal, kNoNormal});

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <new>
 
 #include "render/options.h"
@@ -65,11 +66,15 @@ Image Film::resolve() const {
     if (samples_[t] == 0) continue;
     const Tile tile = this->tile(t);
     const double unit = 1 / (scale_ * samples_[t]);
+    // What the rays of one sample bring is clamped for each, and may add up to more than floats
+    // hold.
+    const auto light = [&](int64_t sum) {
+      return float(std::min(double(sum) * unit, double(std::numeric_limits<float>::max())));
+    };
     for (int y = tile.y0; y < tile.y1; ++y)
       for (int x = tile.x0; x < tile.x1; ++x) {
         const int64_t* s = &sums_[(size_t(y) * size_t(width_) + size_t(x)) * 3];
-        image.at(x, y) = {float(double(s[0]) * unit), float(double(s[1]) * unit),
-                          float(double(s[2]) * unit)};
+        image.at(x, y) = {light(s[0]), light(s[1]), light(s[2])};
       }
   }
   return image;

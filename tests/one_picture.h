@@ -1,0 +1,46 @@
+// What every scene must hold to: all structures, and any number of threads, give the same picture.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "render/render.h"
+
+namespace raio::testing {
+
+inline Image picture_of(const Scene& scene, RenderOptions options) {
+  options = resolve_options(options, scene);
+  const auto accel = build_accel(scene, options.accel, options.one_sided);
+  EXPECT_TRUE(accel) << accel.error();
+  RenderControl control;
+  const auto film = make_film(scene, options);
+  EXPECT_TRUE(film) << film.error();
+  EXPECT_TRUE(render(scene, **accel, options, **film, control).finished);
+  return (*film)->resolve();
+}
+
+inline bool same_bytes(const Image& a, const Image& b) {
+  return a.pixels.size() == b.pixels.size() &&
+         std::memcmp(a.pixels.data(), b.pixels.data(), a.pixels.size() * sizeof(Rgb)) == 0;
+}
+
+/// The picture, of finite light only, after it was seen by every structure, on one thread and on
+/// three.
+inline Image expect_one_picture(const Scene& scene, RenderOptions options) {
+  options.accel.kind = AccelKind::none;
+  const Image none = picture_of(scene, options);
+  EXPECT_TRUE(std::ranges::all_of(none.pixels, [](const Rgb& c) { return is_finite(c); }));
+  for (const AccelKind kind : {AccelKind::grid, AccelKind::bvh}) {
+    options.accel.kind = kind;
+    for (const int threads : {1, 3}) {
+      options.threads = threads;
+      EXPECT_TRUE(same_bytes(none, picture_of(scene, options)))
+          << accel_name(kind) << " on " << threads << " threads";
+    }
+  }
+  return none;
+}
+
+}  // namespace raio::testing
