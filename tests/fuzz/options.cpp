@@ -1,0 +1,51 @@
+// The values of the command line: lines "NAME VALUE", as --NAME VALUE. What is taken lies within
+// what the table says, and what goes together can be resolved.
+#include "render/options.h"
+
+#include <string_view>
+
+#include "require.h"
+
+namespace raio::fuzz {
+namespace {
+
+void set(RenderOptions& options, std::string_view line) {
+  const size_t space = std::min(line.find(' '), line.size());
+  const std::string_view name = line.substr(0, space);
+  line.remove_prefix(std::min(space + 1, line.size()));
+  for (const OptionSpec& spec : render_option_table())
+    if (spec.name == name) {
+      const auto done = set_option(options, spec, spec.is_switch() ? "true" : line);
+      require(done || !done.error().empty(), "an error has a reason");
+    }
+}
+
+bool within(double value, double least, double most) {
+  return value == 0 || (value >= least && value <= most);
+}
+
+}  // namespace
+}  // namespace raio::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  using namespace raio;
+  using fuzz::within;
+  std::string_view text(reinterpret_cast<const char*>(data), size);
+  RenderOptions options;
+  while (!text.empty()) {
+    const size_t end = std::min(text.find('\n'), text.size());
+    fuzz::set(options, text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  const Scene scene;
+  (void)option_conflict(options);
+  if (!option_conflict(options, &scene).empty()) return 0;
+  const RenderOptions o = resolve_options(options, scene);
+  fuzz::require(o.width > 0 && o.height > 0 && o.aa > 0 && o.lens_samples > 0 && o.threads > 0 &&
+                    o.focus > 0 && o.aperture > 0 && o.depth > 0 && o.depth <= kMaxDepth,
+                "what is resolved can be rendered");
+  fuzz::require(double(o.aa) * o.aa * o.lens_samples <= kMaxSamples, "the samples can be numbered");
+  fuzz::require(within(o.accel.grid_factor, 0.01, 100) && within(o.light_size, 1e-31, 1e31),
+                "numbers lie where the table says");
+  return 0;
+}

@@ -1,0 +1,67 @@
+// Scene files: whatever the bytes, errors with a place, or a sound scene that reads back the same
+// when written, and of which every structure sees the same picture.
+#include <cstring>
+
+#include "io/nff.h"
+#include "render/render.h"
+#include "require.h"
+
+namespace raio::fuzz {
+namespace {
+
+constexpr size_t kMostPrimitives = 100, kMostLights = 10;
+
+Image picture(const Scene& scene, AccelKind kind) {
+  RenderOptions options;
+  options.accel.kind = kind;
+  options.width = options.height = 8;
+  options.aa = options.threads = 1;
+  options.depth = 4;
+  options.soft_shadows = scene.lights.size() % 2 == 0;
+  options = resolve_options(options, scene);
+  const auto accel = build_accel(scene, options.accel);
+  require(accel.has_value(), "a few primitives can be built");
+  RenderControl control;
+  const auto film = make_film(scene, options);
+  require(film.has_value(), "there is memory for a small picture");
+  require(render(scene, **accel, options, **film, control).finished, "a picture is finished");
+  return (*film)->resolve();
+}
+
+void check_errors(const Diagnostics& errors) {
+  require(!errors.empty() && errors.size() <= kMaxDiagnostics + 1, "the number of errors");
+  for (const Diagnostic& d : errors) {
+    require(!d.message.empty() && (d.line > 0) == (d.column > 0), "an error has a place");
+    for (const char c : d.text()) require(c >= 32 && c < 127, "an error is one line of ASCII");
+  }
+}
+
+void check_pictures(const Scene& scene) {
+  const Image none = picture(scene, AccelKind::none);
+  for (const Rgb& pixel : none.pixels) require(is_finite(pixel), "a pixel is finite");
+  for (const AccelKind kind : {AccelKind::grid, AccelKind::bvh}) {
+    const Image other = picture(scene, kind);
+    require(
+        std::memcmp(none.pixels.data(), other.pixels.data(), 64 * sizeof(Rgb)) == 0,
+        kind == AccelKind::grid ? "the grid sees what there is" : "the tree sees what there is");
+  }
+}
+
+}  // namespace
+}  // namespace raio::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  using namespace raio;
+  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  const auto read = parse_nff(text, "fuzz.nff");
+  if (!read) return fuzz::check_errors(read.error()), 0;
+  const Scene& scene = read->scene;
+  fuzz::require(validate(scene).empty(), "what is read is sound");
+  const std::string written = write_nff(scene);
+  const auto again = parse_nff(written, "fuzz.nff");
+  fuzz::require(again.has_value(), "what is written can be read");
+  fuzz::require(write_nff(again->scene) == written, "what is read back is the same");
+  if (scene.primitive_count() <= fuzz::kMostPrimitives && scene.lights.size() <= fuzz::kMostLights)
+    fuzz::check_pictures(scene);
+  return 0;
+}

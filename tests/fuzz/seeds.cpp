@@ -1,0 +1,102 @@
+// Writes what the fuzzers of the readers of pictures begin with: small pictures of many kinds, a
+// folder per format. Usage: raio_fuzz_seeds FOLDER
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfTileDescription.h>
+#include <OpenEXR/ImfTiledOutputFile.h>
+#include <fmt/format.h>
+#include <png.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <vector>
+
+#include "io/image_codecs.h"
+
+namespace raio::fuzz {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kSide = 5;
+
+Image sample() {
+  Image image(kSide, kSide);
+  for (int i = 0; i < kSide * kSide; ++i)
+    image.pixels[i] = Rgb(float(i % 7) / 6, float(i % 3) / 2, float(i) / 24);
+  return image;
+}
+
+void put(const fs::path& path, std::string_view bytes) {
+  if (!write_file(path, bytes)) throw std::runtime_error("cannot write " + path.string());
+}
+
+void write_png(const fs::path& folder) {
+  put(folder / "own.png", encode_png(sample(), {{"key", "value"}}).value());
+  const std::vector<uint16_t> pixels(4 * kSide * kSide, 0x4567);  // enough for all kinds
+  for (const png_uint_32 format :
+       {png_uint_32(PNG_FORMAT_GRAY), png_uint_32(PNG_FORMAT_GA), png_uint_32(PNG_FORMAT_RGBA),
+        png_uint_32(PNG_FORMAT_LINEAR_RGB), png_uint_32(PNG_FORMAT_LINEAR_Y_ALPHA),
+        png_uint_32(PNG_FORMAT_RGBA_COLORMAP)}) {
+    png_image image{};
+    image.version = PNG_IMAGE_VERSION;
+    image.width = image.height = kSide;
+    image.format = format;
+    image.colormap_entries = 128;
+    const std::vector<uint16_t> colors(size_t(4) * 128, 0x1234);
+    png_image_write_to_file(&image, (folder / fmt::format("{}.png", format)).c_str(), 0,
+                            pixels.data(), 0, colors.data());
+  }
+}
+
+void write_exr(const fs::path& folder) {
+  put(folder / "own.exr", encode_exr(sample(), {{"key", "value"}}).value());
+  const Image image = sample();
+  for (int compression = 0; compression < Imf::NUM_COMPRESSION_METHODS; ++compression)
+    for (const bool tiled : {false, true}) {
+      Imf::Header header(kSide, kSide);
+      header.compression() = Imf::Compression(compression);
+      Imf::FrameBuffer frame;
+      const float* first = &image.pixels[0].x;
+      for (const char* name : {"R", "G", "B"}) {
+        header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+        frame.insert(name, Imf::Slice::Make(Imf::FLOAT, first++, header.dataWindow(), sizeof(Rgb)));
+      }
+      const auto path = folder / fmt::format("{}{}.exr", compression, tiled ? "-tiled" : "");
+      if (tiled) {
+        header.setTileDescription(Imf::TileDescription(4, 4, Imf::MIPMAP_LEVELS));
+        Imf::TiledOutputFile file(path.c_str(), header);
+        file.setFrameBuffer(frame);
+        file.writeTiles(0, file.numXTiles() - 1, 0, file.numYTiles() - 1);
+      } else {
+        Imf::OutputFile file(path.c_str(), header);
+        file.setFrameBuffer(frame);
+        file.writePixels(kSide);
+      }
+    }
+}
+
+void write_all(const fs::path& folder) {
+  for (const char* format : {"png", "exr", "pfm", "ppm"}) fs::create_directories(folder / format);
+  write_png(folder / "png");
+  write_exr(folder / "exr");
+  put(folder / "pfm/own.pfm", encode_pfm(sample()));
+  put(folder / "pfm/grey.pfm", std::string("Pf\n1 2\n2.5\n\0\0\x80\x3e\0\0\x80\x3f", 19));
+  put(folder / "ppm/own.ppm", encode_ppm(sample()));
+  put(folder / "ppm/2.ppm", "P2\n2 1 # grey\n4\n1 4");
+  put(folder / "ppm/3.ppm", "P3 1 2 255 4 0 255\n1 1 1");
+  put(folder / "ppm/5.ppm", "P5 1 1 65535\n\xff\xff");
+}
+
+}  // namespace
+}  // namespace raio::fuzz
+
+int main(int argc, char** argv) try {
+  if (argc != 2) throw std::runtime_error("usage: raio_fuzz_seeds FOLDER");
+  raio::fuzz::write_all(argv[1]);
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "%s\n", error.what());
+  return 1;
+}
