@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -33,9 +34,8 @@ Point2 in_pixel(const Sampler& sampler, uint32_t pixel, uint32_t sample) {
 }
 Point2 in_square(const Sampler& sampler, uint32_t pixel, uint32_t sample, uint32_t branch,
                  uint32_t purpose) {
-  return first(
-      wide::WideSampler<D>(sampler, sample)
-          .in_square(hn::Set(du, pixel), hn::Set(du, pixel), hn::Set(du, branch), purpose));
+  return first(wide::WideSampler<D>(sampler, sample)
+                   .in_square(hn::Set(du, pixel), hn::Set(du, branch), purpose));
 }
 Point2 square_to_disc(float u, float v) {
   return first(wide::square_to_disc(d, hn::Set(d, u), hn::Set(d, v)));
@@ -118,6 +118,29 @@ TEST(Sampler, EverySampleOfAPixelHasACellOfTheSquareOfItsOwn) {
   }
 }
 
+// Were the cells of two effects taken in the same order, but for the turn, each cell of the one
+// would see one cell of the other only: the mean would go to a wrong value as samples grow in
+// number.
+TEST(Sampler, CellsOfDifferentEffectsMeetInAnyCombination) {
+  constexpr uint32_t kSide = 8, kCells = kSide * kSide;
+  const Sampler sampler = jitter(4, kSide, 1);
+  const auto cell = [](Point2 p) {
+    return uint32_t(p.y * float(kSide)) * kSide + uint32_t(p.x * float(kSide));
+  };
+  for (uint32_t pixel = 0; pixel < 500; ++pixel) {
+    std::vector<int> pixel_lens(kCells), pixel_light(kCells), lens_light(kCells);
+    for (uint32_t s = 0; s < kCells; ++s) {
+      const uint32_t place = cell(in_pixel(sampler, pixel, s));
+      const uint32_t lens = cell(in_square(sampler, pixel, s, 1, kLens));
+      const uint32_t light = cell(in_square(sampler, pixel, s, 3, kLight + 2));
+      ++pixel_lens[(lens - place) % kCells], ++pixel_light[(light - place) % kCells];
+      ++lens_light[(light - lens) % kCells];
+    }
+    for (const auto& counts : {pixel_lens, pixel_light, lens_light})
+      EXPECT_LT(std::ranges::max(counts), 12) << pixel;
+  }
+}
+
 Sampler sobol(uint32_t seed, int samples) {
   RenderOptions o;
   o.seed = seed, o.samples = samples, o.sampler = SamplerKind::sobol;
@@ -143,6 +166,114 @@ TEST(Sampler, SobolFillsEveryElementaryBoxOnce) {
         for (const int c : in_lens) ASSERT_EQ(c, 1) << n << " " << columns;
         for (const int c : in_pixels) ASSERT_EQ(c, 1) << n << " " << columns;
       }
+}
+
+// In every box of every shape that is a 2^-n-th of the square, one of 2^n points.
+void expect_net(const std::vector<Point2>& points) {
+  const uint32_t n = uint32_t(points.size());
+  for (uint32_t columns = 1; columns <= n; columns *= 2) {
+    std::vector<int> boxes(n);
+    for (const Point2 p : points)
+      ++boxes[uint32_t(p.y * float(n / columns)) * columns + uint32_t(p.x * float(columns))];
+    EXPECT_EQ(std::ranges::max(boxes), 1) << n << " points, " << columns << " columns";
+  }
+}
+
+TEST(Sampler, SobolSamplesOfAGroupOfPixelsAreANet) {
+  const Sampler sampler = sobol(6, 64);
+  for (const uint32_t samples : {1u, 2u, 4u, 8u}) {
+    std::vector<Point2> points;
+    for (uint32_t y = kGroup; y < 2 * kGroup; ++y)
+      for (uint32_t x = 0; x < kGroup; ++x)
+        for (uint32_t s = 0; s < samples; ++s)
+          points.push_back(in_square(sampler, y << 16 | x, s, 5, kLight));
+    expect_net(points);
+  }
+}
+
+TEST(Sampler, ScreenKeysOfEveryBlockAreANet) {
+  const auto coordinate = [](uint32_t digits) {
+    float sum = 0;
+    for (int i = 0; i < 16; ++i) sum += float(digits >> i & 1) * std::ldexp(1.0f, -1 - i);
+    return sum;
+  };
+  for (uint32_t side = 2; side <= kGroup; side *= 2)
+    for (uint32_t y0 = 0; y0 < kGroup; y0 += side)
+      for (uint32_t x0 = 0; x0 < kGroup; x0 += side) {
+        std::vector<Point2> points;
+        for (uint32_t i = 0; i < side * side; ++i) {
+          const uint32_t key = kScreenKeys[(y0 + i / side) * kGroup + x0 + i % side];
+          points.push_back({coordinate(key & 0xffff), coordinate(key >> 16)});
+        }
+        expect_net(points);
+      }
+}
+
+// The errors of a picture, 64 x 64 pixels, whose value at (x, y) is the integral of a function of a
+// point of the square, and what is left of them after a blur over 5 x 5 pixels.
+struct Errors {
+  double plain, blurred;
+};
+template <class Function, class Integral>
+Errors errors(const Sampler& sampler, const Function& function, const Integral& integral) {
+  constexpr int kSide = 64, kReach = 2;
+  std::vector<double> e(kSide * kSide);
+  Errors squares{0, 0};
+  for (int i = 0; i < kSide * kSide; ++i) {
+    const double t = (i / kSide + i % kSide) / double(2 * kSide);
+    double sum = 0;
+    for (uint32_t s = 0; s < sampler.samples; ++s) {
+      const uint32_t place = uint32_t(i / kSide) << 16 | uint32_t(i % kSide);
+      sum += function(in_square(sampler, place, s, 1, kLens), t);
+    }
+    e[size_t(i)] = sum / sampler.samples - integral(t);
+    squares.plain += e[size_t(i)] * e[size_t(i)] / (kSide * kSide);
+  }
+  constexpr int kInner = kSide - 2 * kReach;
+  for (int y = kReach; y < kSide - kReach; ++y)
+    for (int x = kReach; x < kSide - kReach; ++x) {
+      double sum = 0;
+      for (int dy = -kReach; dy <= kReach; ++dy)
+        for (int dx = -kReach; dx <= kReach; ++dx) sum += e[size_t((y + dy) * kSide + x + dx)];
+      sum /= (2 * kReach + 1) * (2 * kReach + 1);
+      squares.blurred += sum * sum / (kInner * kInner);
+    }
+  return {std::sqrt(squares.plain), std::sqrt(squares.blurred)};
+}
+// As in a penumbra: an edge across the light hides a part of it.
+Errors edge_errors(const Sampler& sampler) {
+  return errors(
+      sampler, [](Point2 p, double t) { return p.x + p.y < 2 * t ? 1.0 : 0.0; },
+      [](double t) { return t < 0.5 ? 2 * t * t : 1 - 2 * (1 - t) * (1 - t); });
+}
+Errors smooth_errors(const Sampler& sampler) {
+  return errors(
+      sampler, [](Point2 p, double t) { return double(p.x) * double(p.y) + t * double(p.x); },
+      [](double t) { return 0.25 + 0.5 * t; });
+}
+
+TEST(Convergence, ErrorsFallAsTheSamplersPromise) {
+  // A quarter of the error at four times the samples is order 1; chance alone has order 1/2.
+  const auto order = [](double with_4, double with_64) { return std::log2(with_4 / with_64) / 4; };
+  EXPECT_GT(order(edge_errors(jitter(1, 2, 1)).plain, edge_errors(jitter(1, 8, 1)).plain), 0.7);
+  EXPECT_GT(order(edge_errors(sobol(1, 4)).plain, edge_errors(sobol(1, 64)).plain), 0.7);
+  EXPECT_GT(order(smooth_errors(jitter(1, 2, 1)).plain, smooth_errors(jitter(1, 8, 1)).plain), 0.9);
+  EXPECT_GT(order(smooth_errors(sobol(1, 4)).plain, smooth_errors(sobol(1, 64)).plain), 1.2);
+}
+
+// A diagonal edge is the one where it has no advantage.
+TEST(Convergence, SobolErrsLessThanJitter) {
+  EXPECT_LT(edge_errors(sobol(1, 64)).plain, 1.05 * edge_errors(jitter(1, 8, 1)).plain);
+  EXPECT_LT(smooth_errors(sobol(1, 64)).plain, 0.5 * smooth_errors(jitter(1, 8, 1)).plain);
+}
+
+// Of errors that know nothing of each other, a fifth is left.
+TEST(Convergence, SobolErrorsOfNeighboursMakeUpForEachOther) {
+  for (const int samples : {1, 2, 3, 4, 8, 16}) {
+    const Errors edge = edge_errors(sobol(1, samples)), smooth = smooth_errors(sobol(1, samples));
+    EXPECT_LT(edge.blurred, 0.165 * edge.plain) << samples;
+    EXPECT_LT(smooth.blurred, 0.12 * smooth.plain) << samples;
+  }
 }
 
 TEST(Sampler, SobolIsUniformAndItsPurposesAreIndependent) {

@@ -82,8 +82,7 @@ class WideTracer final : public ClassicTracer {
       put(hn::ConvertTo(d, hn::BitCast(di, x)), in, pixel_x_.at, pixels_);
       put(hn::ConvertTo(d, hn::BitCast(di, y)), in, pixel_y_.at, pixels_);
       put(hn::Add(hn::Mul(y, width), x), in, pixel_, pixels_);
-      put(hn::Add(hn::Mul(hn::ShiftRight<kBlockShift>(y), width), hn::ShiftRight<kBlockShift>(x)),
-          in, block_, pixels_);
+      put(hn::Add(hn::ShiftLeft<16>(y), x), in, place_, pixels_);
       pixels_ += hn::CountTrue(d, in);
     }
   }
@@ -109,12 +108,12 @@ class WideTracer final : public ClassicTracer {
     const M all = hn::FirstN(d, kWidth);
     const U branch = hn::Set(du, kEyeBranch);
     for (size_t i = 0; i < pixels_; i += kWidth) {
-      const U pixel = hn::Load(du, pixel_ + i);
-      const Wide2<D> place = sampler.in_pixel(pixel);
-      const V x = hn::Add(load(pixel_x_, i), place.x), y = hn::Add(load(pixel_y_, i), place.y);
+      const U place = hn::Load(du, place_ + i);
+      const Wide2<D> within = sampler.in_pixel(place);
+      const V x = hn::Add(load(pixel_x_, i), within.x), y = hn::Add(load(pixel_y_, i), within.y);
       WideRay<D> ray = pinhole(d, eye, x, y);
       if (*o.dof) {
-        const Wide2<D> square = sampler.in_square(pixel, hn::Load(du, block_ + i), branch, kLens);
+        const Wide2<D> square = sampler.in_square(place, branch, kLens);
         const Wide2<D> lens = square_to_disc(d, square.x, square.y);
         ray = thin_lens(d, eye, x, y, lens, o.aperture, o.focus);
       }
@@ -185,9 +184,8 @@ class WideTracer final : public ClassicTracer {
     for (size_t i = 0; i < n; i += kWidth) {
       V3 target = set3(d, emitter.position);
       if (scene_.options.soft_shadows) {
-        const auto place = hn::BitCast(Signed<D>(), load(current_.pixel, i));
-        const Wide2<D> p = sampler.in_square(hn::GatherIndex(du, pixel_, place),
-                                             hn::GatherIndex(du, block_, place),
+        const auto pixel = hn::BitCast(Signed<D>(), load(current_.pixel, i));
+        const Wide2<D> p = sampler.in_square(hn::GatherIndex(du, place_, pixel),
                                              load(current_.branch, i), kLight + uint32_t(l));
         const V half = hn::Set(d, 0.5f);
         target = target + (set3(d, emitter.edge_u) * hn::Sub(p.x, half) +
@@ -322,7 +320,7 @@ class WideTracer final : public ClassicTracer {
   RayCounts counts_;   // of the tile
   size_t pixels_ = 0;  // of the tile:
   Floats pixel_x_, pixel_y_;
-  alignas(64) uint32_t pixel_[kChunk + 16], block_[kChunk + 16];  // render/sampler.h
+  alignas(64) uint32_t pixel_[kChunk + 16], place_[kChunk + 16];  // place: render/sampler.h
   std::vector<PathRays> waiting_;                                 // by level
   PathRays current_;                                              // being traced, with their hits
   HitBatch hits_;

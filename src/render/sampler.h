@@ -10,6 +10,7 @@
 //   kLens        1                     the eye ray on the lens
 //   kLight + i   place in ray tree     the shadow ray on light i
 //
+// A pixel goes by its place in the picture: its column, plus its row times 65536.
 // Branch 1 is the eye ray; the reflected child of branch b is 2b, the refracted one 2b + 1.
 #pragma once
 
@@ -44,8 +45,16 @@ struct Sampler {
   }
 
   /// Where one sample stands in some permutations of 0 .. samples - 1, of which each pixel or block
-  /// of pixels takes one, turned round by an amount of its own.
+  /// of pixels takes one, turned round by an amount of its own. Those for the places in the pixel,
+  /// for the lens and for the lights are different ones: with the same for two of them, a cell of
+  /// the one would always go with the same cell of the other, and no number of samples would help.
   static constexpr uint32_t kPermutations = 16;
+  struct Share {
+    uint32_t first, count;  // a power of two
+  };
+  static constexpr Share share(uint32_t purpose) {
+    return purpose == kPixel ? Share{0, 4} : purpose == kLens ? Share{4, 4} : Share{8, 8};
+  }
   using Deal = std::array<uint32_t, kPermutations>;
   Deal deal(uint32_t sample) const {
     Deal out;
