@@ -23,6 +23,7 @@ constexpr Suite kSuites[] = {
     {"build", "Building, seconds and bytes, beside Embree", build_suite},
     {"growth", "Reading, building and rendering of growing scenes", growth_suite},
     {"threads", "Rendering on all threads and on one", threads_suite},
+    {"converge", "Errors of the samplers against the number of samples", converge_suite},
     {"process", "The whole program, beside Tachyon and POV-Ray", process_suite},
 };
 
@@ -64,7 +65,9 @@ void add_suite(CLI::App& app, const Suite& suite, Settings& s, std::string& json
       ->check(CLI::Range(1, 100000));
   sub->add_flag_callback("--no-check", [&s] { s.check = false; }, "Do not compare with none first");
   sub->add_option("--json", json, "Write a line of JSON for each row of the table");
-  sub->add_option("--plot", s.plot, "growth: draw it, .png .svg .pdf by suffix");
+  sub->add_option("--plot", s.plot, "growth, converge: draw it, .png .svg .pdf by suffix");
+  sub->add_option("--crops", s.crops,
+                  "converge: write a part of a soft shadow by jitter and sobol, enlarged");
   sub->add_option("--raio", s.raio, "process: the program (default: the one built beside this)");
   sub->add_option("--pov-converter", s.pov_converter,
                   "process: a Python script IN.nff OUT.pov, without which POV-Ray is left out");

@@ -26,7 +26,7 @@ struct Settings {
   std::vector<Effects> effects;
   int repeat = 0;
   bool check = true;
-  std::string plot, raio, pov_converter;
+  std::string plot, crops, raio, pov_converter;
   RenderOptions options;  // size and threads are resolved
 
   /// With these where nothing was wished for.
@@ -61,6 +61,8 @@ std::vector<Json> growth_suite(const Settings& wish);
 std::vector<Json> trace_suite(const Settings& wish);
 /// Seconds and bytes of building, beside Embree with its buffers.
 std::vector<Json> build_suite(const Settings& wish);
+/// The error of each sampler as samples grow in number.
+std::vector<Json> converge_suite(const Settings& wish);
 /// The whole program from its start to its end, beside Tachyon and POV-Ray.
 std::vector<Json> process_suite(const Settings& wish);
 
