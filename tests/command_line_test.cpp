@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
+#include <ranges>
 #include <thread>
 #include <vector>
 
@@ -208,6 +209,9 @@ TEST_F(CommandLine, DoesItsWorkWhenStandardErrorIsFull) {
 TEST_F(CommandLine, RefusesWrongUsage) {
   expect_usage_error({}, "command is missing");
   expect_usage_error({"rendr", "ok.nff"}, "did you mean render?");
+  expect_refusal({"spd"}, 2, "a command is missing; see raio spd --help");
+  expect_refusal({"spd", "verfy"}, 2, "did you mean verify?; see raio spd --help");
+  expect_refusal({"spd", "verify", "--jso"}, 2, "--json?; see raio spd verify --help");
   expect_usage_error({"frobnicate"}, "'frobnicate'");
   expect_usage_error({"--frob"}, "--frob");
   expect_usage_error({"render"}, "SCENE is missing");
@@ -290,8 +294,13 @@ TEST_F(CommandLine, RefusesWhatMemoryCannotHold) {
 }
 
 TEST_F(CommandLine, HelpIsNarrowAndComplete) {
-  for (const char* command : {"", "render", "bench", "info", "generate", "compare"}) {
-    const Outcome o = *command ? raio({command, "--help"}) : raio({"-h"});
+  for (const char* command :
+       {"", "render", "bench", "info", "generate", "compare", "export", "spd", "spd verify"}) {
+    std::vector<std::string> arguments;
+    for (const auto word : std::views::split(std::string_view(command), ' '))
+      if (!word.empty()) arguments.emplace_back(word.begin(), word.end());
+    arguments.emplace_back(*command ? "--help" : "-h");
+    const Outcome o = raio(arguments);
     EXPECT_EQ(o.status, 0);
     EXPECT_EQ(o.err, "");
     EXPECT_THAT(o.out, HasSubstr("Usage: raio "));
@@ -301,7 +310,8 @@ TEST_F(CommandLine, HelpIsNarrowAndComplete) {
       EXPECT_FALSE(end > at && o.out[end - 1] == ' ') << o.out.substr(at, end - at);
     }
   }
-  for (const char* command : {"  render ", "  bench ", "  info ", "  generate ", "  compare "})
+  for (const char* command :
+       {"  render ", "  bench ", "  info ", "  generate ", "  compare ", "  export ", "  spd "})
     EXPECT_THAT(raio({"--help"}).out, HasSubstr(command));
   const std::string help = raio({"render", "--help"}).out;
   for (const OptionSpec& option : render_option_table())

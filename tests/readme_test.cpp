@@ -157,7 +157,8 @@ TEST_P(Page, CommandsAreTheProgramsOwn) {
   for (const std::string& command : commands_of(path())) {
     SCOPED_TRACE(command);
     const auto w = words(command);
-    const std::string subcommand = w.size() > 1 && !w[1].starts_with('-') ? w[1] : "";
+    std::string subcommand = w.size() > 1 && !w[1].starts_with('-') ? w[1] : "";
+    if (subcommand == "spd" && w.size() > 2) subcommand += " " + w[2];
     const std::string& help = help_of(subcommand);
     EXPECT_FALSE(help.empty()) << "no such subcommand";
     for (size_t i = 1; i < w.size(); ++i) {
@@ -185,7 +186,7 @@ TEST_P(Page, LinksLeadToFiles) {
 
 INSTANTIATE_TEST_SUITE_P(Pages, Page,
                          testing::Values("README.md", "ARCHITECTURE.md", "docs/nff.md",
-                                         "docs/shading.md", "docs/statistics.md"),
+                                         "docs/shading.md", "docs/statistics.md", "docs/verify.md"),
                          [](const auto& page) {
                            std::string name = fs::path(page.param).stem().string();
                            return name;
@@ -195,7 +196,7 @@ TEST(Readme, ShowsCommandsOfEveryKind) {
   std::set<std::string> subcommands;
   for (const std::string& command : commands_of(kRoot / "README.md"))
     subcommands.insert(words(command).at(1));
-  for (const char* name : {"render", "bench", "info", "generate", "compare"})
+  for (const char* name : {"render", "bench", "info", "generate", "compare", "export", "spd"})
     EXPECT_TRUE(subcommands.contains(name)) << name;
 }
 

@@ -21,7 +21,10 @@ struct AccelOptions {
   AccelKind kind = AccelKind::automatic;
   float grid_factor = 0;  // cells a side per cube root of the number of primitives; 0: 2
   std::array<int, 3> grid_resolution{0, 0, 0};  // cells along x, y, z; 0 0 0: by grid_factor
-  bool counters = false;                        // count tests and steps; costs a few per cent
+  // To be held against published counts: all primitives in the grid, each in the cells that its box
+  // touches, and none remembered from one cell to the next.
+  bool grid_plain = false;
+  bool counters = false;  // count tests and steps; costs a few per cent
 };
 
 /// The capacity of batches is a multiple of this, so that wide loads and stores of the last

@@ -114,8 +114,9 @@ class GridBuilder {
 
   // An error in one line, or nothing.
   std::optional<std::string> build(const AccelOptions& options) {
+    by_boxes_ = options.grid_plain;
     collect_items();
-    pull_giants();
+    if (!options.grid_plain) pull_giants();
     if (rest_.empty()) {
       begin.assign(2, 0);
       lattice = Lattice(Box3d{Vec3d(0.0), Vec3d(1.0)}, {1, 1, 1});
@@ -211,17 +212,22 @@ class GridBuilder {
     return sum;
   }
 
+  // Of a polygon.
+  bool is_piece(ItemId id) const {
+    return item_kind(id) == ItemKind::triangle && item_index(id) >= g_.scene().triangles.size();
+  }
+
   template <class F>
   void for_each_cell(size_t i, F&& f) const {
     const Range r = range(boxes_[i]);
-    const bool one = r.count() == 1;
+    const bool all = r.count() == 1 || (by_boxes_ && !is_piece(rest_[i]));
     for (int z = r.lo[2]; z <= r.hi[2]; ++z)
       for (int y = r.lo[1]; y <= r.hi[1]; ++y)
         for (int x = r.lo[0]; x <= r.hi[0]; ++x) {
           Box3d cell{{lattice.plane(x, 0), lattice.plane(y, 1), lattice.plane(z, 2)},
                      {lattice.plane(x + 1, 0), lattice.plane(y + 1, 1), lattice.plane(z + 1, 2)}};
           cell.pad(pad_);
-          if (one || touches(g_, rest_[i], cell)) f(lattice.index(x, y, z));
+          if (all || touches(g_, rest_[i], cell)) f(lattice.index(x, y, z));
         }
   }
 
@@ -254,6 +260,7 @@ class GridBuilder {
   std::vector<ItemId> rest_;  // all but giants
   std::vector<Box3f> boxes_;  // theirs
   double pad_ = 0;
+  bool by_boxes_ = false;  // list what is no piece in all cells that its box touches
 };
 
 // The primitives that a ray met last, so that one listed in several cells is mostly tested once: a
@@ -275,7 +282,7 @@ class Mailbox {
 
 class Grid final : public Accel {
  public:
-  Grid(Geometry geometry, GridBuilder&& built, bool counters)
+  Grid(Geometry geometry, GridBuilder&& built, const AccelOptions& options)
       : Accel(std::move(geometry)),
         lattice_(built.lattice),
         reach_(built.reach),
@@ -283,7 +290,8 @@ class Grid final : public Accel {
         giants_(std::move(built.giants)),
         begin_(std::move(built.begin)),
         items_(std::move(built.items)),
-        counters_(counters) {}
+        counters_(options.counters),
+        plain_(options.grid_plain) {}
 
   void closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const override {
     hits.reset(rays.size());
@@ -385,7 +393,7 @@ class Grid final : public Accel {
       if (count) ++context.steps;
       for (uint32_t r = begin_[cell]; r < begin_[cell + 1]; ++r) {
         const ItemId id = items_[r];
-        if (!mailbox.first_time(id)) continue;
+        if (!mailbox.first_time(id) && !(count && plain_)) continue;
         if (count) ++context.tests;
         if (test_item(geometry_, id, query) && any) return;
       }
@@ -406,7 +414,7 @@ class Grid final : public Accel {
   std::vector<ItemId> giants_;
   std::vector<uint32_t> begin_;
   std::vector<ItemId> items_;
-  bool counters_;
+  bool counters_, plain_;
 };
 
 }  // namespace
@@ -414,7 +422,7 @@ class Grid final : public Accel {
 AccelResult make_grid(Geometry geometry, const AccelOptions& options) {
   GridBuilder builder(geometry);
   if (auto error = builder.build(options)) return std::unexpected(std::move(*error));
-  return std::make_unique<Grid>(std::move(geometry), std::move(builder), options.counters);
+  return std::make_unique<Grid>(std::move(geometry), std::move(builder), options);
 }
 
 }  // namespace raio

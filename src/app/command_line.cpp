@@ -86,19 +86,19 @@ std::string examples(std::initializer_list<std::string_view> lines) {
   return text;
 }
 
-int usage_error(const CLI::App* command, const std::string& message) {
-  return bad_input(
-      fmt::format("{}; see raio{} --help", message, command ? " " + command->get_name() : ""));
+int usage_error(const CLI::App& command, const std::string& message) {
+  return bad_input(fmt::format("{}; see {} --help", message, full_name(command)));
 }
 
 // What CLI11 throws: also the wish for help or the version, which is no error.
 int report(const CLI::App& app, const CLI::ParseError& error) {
-  const auto chosen = app.get_subcommands();
-  const CLI::App* command = chosen.empty() ? nullptr : chosen.front();
+  const CLI::App* command = &app;
+  for (auto chosen = app.get_subcommands(); !chosen.empty(); chosen = command->get_subcommands())
+    command = chosen.front();
   if (dynamic_cast<const CLI::CallForVersion*>(&error))
     return deliver("-", error.what() + std::string("\n"));
-  if (error.get_exit_code() == 0) return deliver("-", (command ? command : &app)->help());
-  return usage_error(command, error.what());
+  if (error.get_exit_code() == 0) return deliver("-", command->help());
+  return usage_error(*command, error.what());
 }
 
 void add_render(CLI::App& app, RenderCommand& render, int& status) {
@@ -159,6 +159,16 @@ void add_generate(CLI::App& app, GenerateCommand& generate, int& status) {
   sub->callback([&] { status = run(generate); });
 }
 
+void add_export(CLI::App& app, ExportCommand& command, int& status) {
+  auto* sub = app.add_subcommand("export", "Write a scene for POV-Ray, which renders it likewise");
+  sub->footer(examples({"raio export balls.nff -o balls.pov"}));
+  add_scene(*sub, command.scene);
+  add_file(*sub, "-o,--output", command.output,
+           "File, .pov; - for standard output (default: the scene's name, .pov, here)");
+  add_render_options(*sub, command.options, {"size", "depth"});
+  sub->callback([&] { status = run(command); });
+}
+
 void add_compare(CLI::App& app, CompareCommand& compare, int& status) {
   auto* sub = app.add_subcommand("compare", "Measure how far two pictures are apart");
   sub->footer(examples({"raio compare before.png after.exr --min-psnr 40 --diff apart.png"}));
@@ -169,6 +179,23 @@ void add_compare(CLI::App& app, CompareCommand& compare, int& status) {
              "Exit with 1 when the PSNR is below this, in dB", "X");
   add_file(*sub, "--diff", compare.diff, "Write a picture of the differences");
   sub->callback([&] { status = run(compare); });
+}
+
+void add_spd(CLI::App& app, SpdVerifyCommand& verify, int& status) {
+  auto* spd = app.add_subcommand("spd", "The Standard Procedural Databases");
+  spd->footer(examples({"raio spd verify balls tree"}));
+  spd->require_subcommand(1);
+  auto* sub = spd->add_subcommand(
+      "verify", "Hold the counts of rays, cells and tests against those that were published");
+  sub->footer(examples({"raio spd verify", "raio spd verify balls tree old/gears.nff --json"}));
+  sub->add_option("scenes", verify.scenes,
+                  "Names of standard scenes, which are then generated, or files of these names "
+                  "(default: all)")
+      ->type_name("SCENE");
+  sub->add_flag("--json", verify.json, "As one JSON object");
+  add_render_options(*sub, verify.options, {"threads"});
+  add_progress(*sub, verify.progress);
+  sub->callback([&] { status = run(verify); });
 }
 
 int parse_and_run(std::vector<std::string> arguments) {
@@ -186,15 +213,19 @@ int parse_and_run(std::vector<std::string> arguments) {
   BenchCommand bench;
   InfoCommand info;
   GenerateCommand generate;
+  ExportCommand exporting;
   CompareCommand compare;
+  SpdVerifyCommand verify;
   add_render(app, render, status);
   add_bench(app, bench, status);
   add_info(app, info, status);
   add_generate(app, generate, status);
+  add_export(app, exporting, status);
   add_compare(app, compare, status);
+  add_spd(app, verify, status);
 
   if (const std::string why = usage_problem(app, arguments); !why.empty())
-    return usage_error(arguments.empty() ? nullptr : find_command(app, arguments.front()), why);
+    return usage_error(chosen_command(app, arguments), why);
   try {
     std::ranges::reverse(arguments);  // the order that CLI11 takes
     app.parse(std::move(arguments));

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "render/options.h"
 
@@ -47,6 +48,20 @@ struct GenerateCommand {
   std::string output;  // empty or "-": standard output
 };
 int run(const GenerateCommand& command);
+
+struct ExportCommand {
+  std::string scene, output;  // output empty: <scene>.pov here
+  RenderOptions options;      // size, depth
+};
+int run(const ExportCommand& command);
+
+struct SpdVerifyCommand {
+  std::vector<std::string> scenes;  // files, or names of standard scenes; empty: all of these
+  std::string progress = "auto";
+  bool json = false;
+  RenderOptions options;  // threads
+};
+int run(const SpdVerifyCommand& command);
 
 struct CompareCommand {
   std::string a, b, diff;

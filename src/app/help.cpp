@@ -57,12 +57,20 @@ std::string option_name(const CLI::Option& option) {
   return takes_value(option) ? out + " " + option.get_type_name() : out;
 }
 
+bool is_list(const CLI::Option& option) { return option.get_items_expected_max() > 1; }
+
 std::string usage_line(const CLI::App& app) {
-  const CLI::App* parent = app.get_parent();
-  if (!parent) return app.get_name() + " COMMAND [ARGUMENT ...]";
-  std::string out = parent->get_name() + " " + app.get_name();
-  for (const CLI::Option* o : positionals(app)) out += " " + o->get_type_name();
+  std::string out = full_name(app);
+  if (!commands(app).empty()) return out + " COMMAND [ARGUMENT ...]";
+  for (const CLI::Option* o : positionals(app))
+    out += is_list(*o) ? fmt::format(" [{} ...]", o->get_type_name()) : " " + o->get_type_name();
   return out + " [OPTION ...]";
+}
+
+const CLI::App* find_command(const CLI::App& app, std::string_view name) {
+  const auto all = commands(app);
+  const auto found = std::ranges::find(all, name, [](const CLI::App* c) { return c->get_name(); });
+  return found == all.end() ? nullptr : *found;
 }
 
 std::string with_suggestion(std::string message, std::string_view word,
@@ -89,9 +97,10 @@ bool is_option(const CLI::App& command, const std::string& argument) {
   return argument.size() > 1 && argument[0] == '-' && command.get_option_no_throw(argument);
 }
 
-// After the command's name.
+// After the command's name. A list may be empty and comes last.
 std::string arguments_problem(const CLI::App& command, std::span<const std::string> arguments) {
   const auto wanted = positionals(command);
+  const bool list = !wanted.empty() && is_list(*wanted.back());
   size_t given = 0;
   bool only_positionals = false;
   for (size_t i = 0; i < arguments.size(); ++i) {
@@ -99,7 +108,8 @@ std::string arguments_problem(const CLI::App& command, std::span<const std::stri
     if (!only_positionals && argument == "--") {
       only_positionals = true;
     } else if (only_positionals || argument.size() < 2 || argument[0] != '-') {
-      if (++given > wanted.size()) return fmt::format("one argument too many: '{}'", argument);
+      if (++given > wanted.size() && !list)
+        return fmt::format("one argument too many: '{}'", argument);
     } else {
       const bool is_long = argument[1] == '-';
       const std::string name = argument.substr(0, is_long ? argument.find('=') : 2);
@@ -114,7 +124,7 @@ std::string arguments_problem(const CLI::App& command, std::span<const std::stri
       if (nothing) return fmt::format("{} wants a value: {}", name, option_name(*option));
     }
   }
-  if (given < wanted.size())
+  if (given + list < wanted.size())
     return fmt::format("{} is missing: {}", wanted[given]->get_type_name(),
                        wanted[given]->get_description());
   return {};
@@ -159,17 +169,24 @@ std::string HelpFormatter::make_help(const CLI::App* app, std::string, CLI::AppF
   return out;
 }
 
-const CLI::App* find_command(const CLI::App& app, std::string_view name) {
-  const auto all = commands(app);
-  const auto found = std::ranges::find(all, name, [](const CLI::App* c) { return c->get_name(); });
-  return found == all.end() ? nullptr : *found;
+const CLI::App& chosen_command(const CLI::App& app, std::span<const std::string> arguments) {
+  const CLI::App* command = arguments.empty() ? nullptr : find_command(app, arguments.front());
+  return command ? chosen_command(*command, arguments.subspan(1)) : app;
+}
+
+std::string full_name(const CLI::App& command) {
+  const CLI::App* parent = command.get_parent();
+  return (parent ? full_name(*parent) + " " : "") + command.get_name();
 }
 
 std::string usage_problem(const CLI::App& app, std::span<const std::string> arguments) {
   if (arguments.empty()) return "a command is missing";
   const std::string& first = arguments.front();
-  if (const CLI::App* command = find_command(app, first))
-    return arguments_problem(*command, arguments.subspan(1));
+  if (const CLI::App* command = find_command(app, first)) {
+    const auto rest = arguments.subspan(1);
+    return commands(*command).empty() ? arguments_problem(*command, rest)
+                                      : usage_problem(*command, rest);
+  }
   if (!first.starts_with('-')) return unknown_command(app, first);
   return app.get_option_no_throw(first) ? "" : unknown_option(app, first);
 }

@@ -20,8 +20,11 @@ class HelpFormatter final : public CLI::FormatterBase {
   std::string make_help(const CLI::App* app, std::string, CLI::AppFormatMode) const override;
 };
 
-/// The command of that name, or null.
-const CLI::App* find_command(const CLI::App& app, std::string_view name);
+/// The command that the first arguments name: `app`, one of its commands, one of theirs.
+const CLI::App& chosen_command(const CLI::App& app, std::span<const std::string> arguments);
+
+/// "raio spd verify".
+std::string full_name(const CLI::App& command);
 
 /// The first thing in the arguments (without the program's name) that `app` has no use for, or
 /// that is missing: the command, an option that is none, an argument too many or too few. One line,

@@ -40,6 +40,7 @@ Metadata settings(const Scene& scene, const RenderOptions& o, const AccelInfo& a
                 {"depth", fmt::format("{}", o.depth)},
                 {"one_sided", o.one_sided ? "true" : "false"},
                 {"seed", fmt::format("{}", o.seed)}};
+  if (o.angle_to_centers) m.emplace_back("angle_to_centers", "true");
   if (o.soft_shadows && o.light_size > 0)
     m.emplace_back("light_size", fmt::format("{}", o.light_size));
   if (*o.dof) {

@@ -10,18 +10,22 @@
 
 namespace raio {
 
-/// The angle is vertical, from edge to edge; pixels are square; right is view x up.
+/// The angle is vertical, from edge to edge, or from centre to centre of the outermost pixels: then
+/// a picture of n + 1 by n + 1 pixels has its rays in the corners of one of n by n from edge to
+/// edge. Pixels are square; right is view x up.
 struct EyeRays {
   Vec3f from;
   Vec3f right, up;             // unit
   Vec3f corner, per_x, per_y;  // corner + per_x * x + per_y * y has length 1 along the view
 
-  EyeRays(const Camera& camera, int width, int height) : from(camera.from) {
+  EyeRays(const Camera& camera, int width, int height, bool angle_to_centers = false)
+      : from(camera.from) {
     const Vec3d forward = normalize(Vec3d(camera.at) - Vec3d(camera.from));
     const Vec3d to_right = normalize(cross(forward, Vec3d(camera.up)));
     const Vec3d to_up = cross(to_right, forward);
     // Rounded to float, so that the last bit of the system's tangent does not matter.
-    const float half_height = float(std::tan(double(camera.fov_deg) * std::numbers::pi / 360));
+    float half_height = float(std::tan(double(camera.fov_deg) * std::numbers::pi / 360));
+    if (angle_to_centers && height > 1) half_height *= float(height) / float(height - 1);
     const double half_width = double(half_height) * width / height;
     right = Vec3f(to_right), up = Vec3f(to_up);
     corner = Vec3f(forward - to_right * half_width + to_up * double(half_height));

@@ -17,7 +17,11 @@ double radiance_bound(const Scene& scene, int depth) {
 }
 
 ClassicScene::ClassicScene(const Scene& s, const Accel& a, const RenderOptions& o)
-    : scene(s), accel(a), options(o), eye(s.camera, o.width, o.height), sampler(o) {
+    : scene(s),
+      accel(a),
+      options(o),
+      eye(s.camera, o.width, o.height, o.angle_to_centers),
+      sampler(o) {
   const bool any_color =
       std::ranges::any_of(s.lights, [](const Light& l) { return l.color.has_value(); });
   ambient = any_color ? Rgb() : Rgb(0.1f);

@@ -126,6 +126,10 @@ constexpr auto kTable = std::to_array<OptionSpec>({
      +[](Options& o) -> int& { return o.depth; }, 1, kMaxDepth},
     {"one-sided", "", "Opaque surfaces are seen from outside only, as the NFF text has it",
      +[](Options& o) -> bool& { return o.one_sided; }},
+    {"angle-to-centers", "",
+     "The angle of view lies between the centres of the outermost pixels, as the NFF text has it, "
+     "not between their edges",
+     +[](Options& o) -> bool& { return o.angle_to_centers; }},
     {"threads", "N", "Threads; the picture is the same for any number (default: one a core)",
      +[](Options& o) -> int& { return o.threads; }, 1, 4096},
     {"seed", "N", "Chooses the random points of all effects (default: 0)", parse_seed},

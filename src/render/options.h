@@ -35,6 +35,7 @@ struct RenderOptions {
   std::optional<SamplerKind> sampler;
   int depth = 5;
   bool one_sided = false;
+  bool angle_to_centers = false;  // of view: see EyeRays
   int threads = 0;
   uint32_t seed = 0;
 

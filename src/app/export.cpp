@@ -1,0 +1,34 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "app/commands.h"
+#include "app/output.h"
+#include "app/terminal.h"
+#include "io/pov_write.h"
+
+namespace raio::app {
+
+int run(const ExportCommand& command) {
+  const StopOnSignal stop;
+  const std::filesystem::path scene_path(command.scene);
+  const std::string output =
+      command.output.empty() ? scene_path.stem().string() + ".pov" : command.output;
+  if (output != "-" && std::filesystem::path(output).extension() != ".pov")
+    return bad_input(fmt::format("expected a file that ends with .pov, found '{}'", output));
+  if (const auto writable = check_writable(output); !writable) return fail(writable.error());
+  const auto scene = load_scene(command.scene);
+  if (!scene) return scene.error();
+
+  const RenderOptions options = resolve_options(command.options, *scene);
+  const PovPicture picture{
+      .name = output == "-" ? scene->name : std::filesystem::path(output).stem().string(),
+      .width = options.width,
+      .height = options.height,
+      .depth = options.depth};
+  return deliver(output,
+                 write_pov(*scene, picture,
+                           fmt::format("{}, exported by raio {}", scene->name, RAIO_VERSION)));
+}
+
+}  // namespace raio::app

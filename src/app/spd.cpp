@@ -1,0 +1,112 @@
+#include "app/spd.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "app/commands.h"
+#include "app/output.h"
+#include "app/terminal.h"
+#include "io/generate.h"
+
+namespace raio::app {
+namespace {
+
+std::string known_names() {
+  std::string names;
+  for (const PublishedScene& scene : kPublished)
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", scene.name);
+  return names;
+}
+
+// What is transparent sends a reflected ray too, whatever its Ks: so little that nobody sees it.
+void mirror_what_is_transparent(Scene& scene) {
+  for (Material& m : scene.materials)
+    if (m.transmission > 0 && m.ks == 0) m.ks = 1e-20f;
+}
+
+// As the databases' author wants them to be counted.
+RenderOptions prescribed(const SpdVerifyCommand& command, const Scene& scene) {
+  RenderOptions o;
+  o.width = o.height = 513, o.angle_to_centers = true;
+  o.aa = 1, o.dof = false, o.depth = 5;
+  o.threads = command.options.threads;
+  return resolve_options(o, scene);
+}
+
+struct Counted {
+  RayCounts rays;
+  AccelInfo accel;
+};
+
+// The error is the exit status; what is to be said is said.
+std::expected<Counted, int> count(const Scene& scene, const RenderOptions& options,
+                                  RenderControl& control, const SpdVerifyCommand& command,
+                                  const std::string& label) {
+  std::expected<std::unique_ptr<Accel>, std::string> accel;
+  on_threads(options.threads, [&] { accel = build_accel(scene, options.accel); });
+  if (!accel) return std::unexpected(no_resource(accel.error()));
+  const auto film = make_film(scene, options);
+  if (!film) return std::unexpected(no_resource(film.error()));
+  control.rays_done = control.work_done = control.work_total = 0;
+  const ProgressLine progress(control, command.progress, label);
+  if (!render(scene, **accel, options, **film, control).finished)
+    return std::unexpected(int(kInterrupted));
+  return Counted{(*film)->rays(), (*accel)->info()};
+}
+
+std::expected<SpdScene, int> verify(const PublishedScene& published, const Scene& scene,
+                                    RenderControl& control, const SpdVerifyCommand& command) {
+  RenderOptions options = prescribed(command, scene);
+  const std::string name(published.name);
+  const auto counted = count(scene, options, control, command, name);
+  if (!counted) return std::unexpected(counted.error());
+  std::vector<SpdGridCounts> grids;
+  options.accel = {.kind = AccelKind::grid, .grid_plain = true, .counters = true};
+  for (const HavranGrid& grid : published.grids) {
+    options.accel.grid_resolution = grid.resolution;
+    const auto [x, y, z] = grid.resolution;
+    const auto walked =
+        count(scene, options, control, command, fmt::format("{}, {}x{}x{} cells", name, x, y, z));
+    if (!walked) return std::unexpected(walked.error());
+    const double rays = double(walked->rays.total());
+    grids.push_back({walked->accel.references, double(walked->rays.tests) / rays,
+                     double(walked->rays.steps) / rays});
+  }
+  return beside_published(published, counted->rays, grids);
+}
+
+}  // namespace
+
+int run(const SpdVerifyCommand& command) {
+  RenderControl control;
+  const StopOnSignal stop(&control);
+  std::vector<std::string> wanted = command.scenes;
+  if (wanted.empty())
+    for (const PublishedScene& scene : kPublished) wanted.emplace_back(scene.name);
+  // All of them before the work on the first.
+  for (const std::string& path : wanted)
+    if (!find_published(std::filesystem::path(path).stem().string()))
+      return bad_input(
+          fmt::format("nothing was published about '{}'; there are {}, and files of "
+                      "these names",
+                      path, known_names()));
+  std::vector<SpdScene> scenes;
+  for (const std::string& path : wanted) {
+    const PublishedScene& published = *find_published(std::filesystem::path(path).stem().string());
+    std::expected<Scene, int> scene;
+    if (path == published.name)
+      scene = *generate_scene(published.name);
+    else
+      scene = load_scene(path);
+    if (!scene) return scene.error();
+    mirror_what_is_transparent(*scene);
+    auto verified = verify(published, *scene, control, command);
+    if (!verified) return verified.error() == kInterrupted ? interrupted() : verified.error();
+    scenes.push_back(std::move(*verified));
+  }
+  const int status = deliver("-", command.json ? spd_json(scenes) : spd_text(scenes));
+  return status == kDone && any_off(scenes) ? int(kCheckFailed) : status;
+}
+
+}  // namespace raio::app

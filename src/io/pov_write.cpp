@@ -1,0 +1,215 @@
+#include "io/pov_write.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <span>
+#include <unordered_map>
+
+namespace raio {
+namespace {
+
+template <class T>
+std::string text(Vec3<T> v) {
+  return fmt::format("<{}, {}, {}>", v.x, v.y, v.z);
+}
+
+// A primitive of one of the pools.
+struct Item {
+  MaterialId material;
+  ShapeKind kind;
+  uint32_t index;
+};
+
+class PovWriter {
+ public:
+  explicit PovWriter(const Scene& scene) : scene_(scene) {}
+
+  std::string write(const PovPicture& picture, std::string_view comment) {
+    header(picture, comment);
+    camera(picture);
+    lights();
+    for (MaterialId i = 0; i < scene_.materials.size(); ++i) material(i);
+    const std::vector<Item> items = by_material();
+    for (auto first = items.begin(); first != items.end();) {
+      const auto last = std::find_if(first, items.end(),
+                                     [&](const Item& i) { return i.material != first->material; });
+      objects({first, last});
+      first = last;
+    }
+    return std::move(out_);
+  }
+
+ private:
+  template <class... Args>
+  void line(fmt::format_string<Args...> format, Args&&... args) {
+    fmt::format_to(std::back_inserter(out_), format, std::forward<Args>(args)...);
+    out_ += '\n';
+  }
+
+  // Without attenuation of the depth of the ray tree, and with numbers stored as they are.
+  void header(const PovPicture& p, std::string_view comment) {
+    if (!comment.empty()) line("// {}", comment);
+    line("// povray +I{0}.pov +O{0}.png +W{1} +H{2} File_Gamma=1.0 -A -D", p.name, p.width,
+         p.height);
+    line("#version 3.7;");
+    line(
+        "global_settings {{ assumed_gamma 1 ambient_light rgb 1 max_trace_level {} adc_bailout 0 "
+        "}}",
+        p.depth);
+    line("background {{ rgb {} }}", text(scene_.background));
+  }
+
+  // By its vectors, whose lengths are those of the picture at distance 1: nothing is left for
+  // POV-Ray's own handedness to decide.
+  void camera(const PovPicture& p) {
+    const Camera& c = scene_.camera;
+    const Vec3d forward = normalize(Vec3d(c.at) - Vec3d(c.from));
+    const Vec3d right = normalize(cross(forward, Vec3d(c.up))), up = cross(right, forward);
+    const double height = 2 * std::tan(double(c.fov_deg) * std::numbers::pi / 360);
+    line("camera {{ perspective location {}\n  direction {}\n  right {}\n  up {} }}", text(c.from),
+         text(forward), text(right * (height * p.width / p.height)), text(up * height));
+  }
+
+  void lights() {
+    const auto& all = scene_.lights;
+    colored_ = std::ranges::any_of(all, [](const Light& l) { return l.color.has_value(); });
+    const Rgb uncolored(float(1 / std::sqrt(double(std::max<size_t>(1, all.size())))));
+    for (const Light& l : all)
+      line("light_source {{ {} rgb {} }}", text(l.position), text(l.color.value_or(uncolored)));
+  }
+
+  // POV-Ray takes ambient and diffuse light down by what the pigment lets through; the classic
+  // shading does not, so they are brought up before.
+  void material(MaterialId id) {
+    const Material& m = scene_.materials[id];
+    const double transmit = std::min(double(m.transmission), 0.999999), part = 1 / (1 - transmit);
+    line("#declare M{} = texture {{ pigment {{ rgb {} transmit {} }}", id, text(m.color),
+         float(transmit));
+    line("  finish {{ ambient {} diffuse {} phong {} phong_size {} reflection {{ {} }} }} }}",
+         float((colored_ ? 0 : 0.1) * part), float(double(m.kd) * part), m.ks, m.shine, m.ks);
+  }
+
+  std::vector<Item> by_material() const {
+    std::vector<Item> items;
+    const auto add = [&](ShapeKind kind, const std::vector<MaterialId>& materials) {
+      for (uint32_t i = 0; i < materials.size(); ++i) items.push_back({materials[i], kind, i});
+    };
+    add(ShapeKind::plane, scene_.plane_materials);
+    add(ShapeKind::sphere, scene_.sphere_materials);
+    add(ShapeKind::cone, scene_.cone_materials);
+    add(ShapeKind::polygon, scene_.polygon_materials);
+    add(ShapeKind::triangle, scene_.triangle_materials);
+    std::ranges::stable_sort(items, {}, &Item::material);
+    return items;
+  }
+
+  // What is of one material. Glass is one object, so that POV-Ray knows of each surface that it
+  // leads out of what another one leads into. Its shadow is that of an opaque one, since in the
+  // classic shading all that is in the way of a light hides it.
+  void objects(std::span<const Item> items) {
+    const MaterialId id = items.front().material;
+    const Material& m = scene_.materials[id];
+    if (m.transmission == 0) return shapes(items, fmt::format(" texture {{ M{} }}", id));
+    line("#declare Glass{} = union {{", id);
+    shapes(items, "");
+    line("}}");
+    line("object {{ Glass{0} texture {{ M{0} }} interior {{ ior {1} }} no_shadow }}", id, m.ior);
+    line("object {{ Glass{} pigment {{ rgb 0 }} no_image no_reflection }}", id);
+  }
+
+  // `texture`: what each object has behind its shape.
+  void shapes(std::span<const Item> items, const std::string& texture) {
+    std::vector<uint32_t> flat, smooth;
+    for (const Item& item : items) {
+      switch (item.kind) {
+        case ShapeKind::plane: {
+          const Plane& p = scene_.planes[item.index];
+          const double distance = dot(Vec3d(p.normal), Vec3d(p.point));
+          line("plane {{ {}, {}{} }}", text(p.normal), distance, texture);
+          break;
+        }
+        case ShapeKind::sphere: {
+          const Sphere& s = scene_.spheres[item.index];
+          line("sphere {{ {}, {}{} }}", text(s.center), std::abs(s.radius), texture);
+          break;
+        }
+        case ShapeKind::cone:
+        case ShapeKind::cylinder:
+          cone(scene_.cones[item.index], texture);
+          break;
+        case ShapeKind::polygon:
+          polygon(scene_.polygons[item.index], texture);
+          break;
+        case ShapeKind::triangle:
+          (is_smooth(item.index) ? smooth : flat).push_back(item.index);
+          break;
+      }
+    }
+    mesh(flat, false, texture);
+    mesh(smooth, true, texture);
+  }
+
+  void cone(const Cone& c, const std::string& texture) {
+    const float base = std::abs(c.base_radius), apex = std::abs(c.apex_radius);
+    if (base == apex)
+      line("cylinder {{ {}, {}, {} open{} }}", text(c.base), text(c.apex), base, texture);
+    else
+      line("cone {{ {}, {}, {}, {} open{} }}", text(c.base), base, text(c.apex), apex, texture);
+  }
+
+  void polygon(const Polygon& p, const std::string& texture) {
+    fmt::format_to(std::back_inserter(out_), "polygon {{ {}", p.count + 1);
+    for (uint32_t k = 0; k <= p.count; ++k)
+      out_ += ", " + text(scene_.positions[p.first + k % p.count]);
+    line("{} }}", texture);
+  }
+
+  bool is_smooth(uint32_t triangle) const {
+    return !scene_.triangle_normals.empty() && scene_.triangle_normals[triangle][0] != kNoNormal;
+  }
+
+  void mesh(const std::vector<uint32_t>& triangles, bool smooth, const std::string& texture) {
+    if (triangles.empty()) return;
+    const Lists corners = lists(triangles, scene_.triangles, scene_.positions);
+    Lists normals;
+    if (smooth) normals = lists(triangles, scene_.triangle_normals, scene_.normals);
+    line("mesh2 {{");
+    line(" vertex_vectors {{ {} }}", corners.vectors);
+    if (smooth) line(" normal_vectors {{ {} }}", normals.vectors);
+    line(" face_indices {{ {} }}", corners.indices);
+    if (smooth) line(" normal_indices {{ {} }}", normals.indices);
+    line("{} }}", texture);
+  }
+
+  // Of a pool of vectors those that the triangles name, under new numbers, and these.
+  struct Lists {
+    std::string vectors, indices;
+  };
+  static Lists lists(const std::vector<uint32_t>& triangles,
+                     const std::vector<TriangleIndices>& corners, const std::vector<Vec3f>& pool) {
+    std::unordered_map<uint32_t, size_t> number;
+    std::string named, faces;
+    for (const uint32_t t : triangles) {
+      for (const uint32_t corner : corners[t])
+        if (number.try_emplace(corner, number.size()).second) named += ",\n " + text(pool[corner]);
+      fmt::format_to(std::back_inserter(faces), ",\n <{}, {}, {}>", number[corners[t][0]],
+                     number[corners[t][1]], number[corners[t][2]]);
+    }
+    return {std::to_string(number.size()) + named, std::to_string(triangles.size()) + faces};
+  }
+
+  const Scene& scene_;
+  bool colored_ = false;
+  std::string out_;
+};
+
+}  // namespace
+
+std::string write_pov(const Scene& scene, const PovPicture& picture, std::string_view comment) {
+  return PovWriter(scene).write(picture, comment);
+}
+
+}  // namespace raio
