@@ -185,10 +185,12 @@ TEST_P(Page, LinksLeadToFiles) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Pages, Page,
-                         testing::Values("README.md", "ARCHITECTURE.md", "docs/nff.md",
-                                         "docs/shading.md", "docs/statistics.md", "docs/verify.md"),
+                         testing::Values("README.md", "ARCHITECTURE.md", "docs/long-renders.md",
+                                         "docs/nff.md", "docs/sampling.md", "docs/shading.md",
+                                         "docs/statistics.md", "docs/verify.md"),
                          [](const auto& page) {
                            std::string name = fs::path(page.param).stem().string();
+                           std::erase(name, '-');
                            return name;
                          });
 

@@ -1,22 +1,28 @@
 #include "app/command_line.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <exception>
 #include <new>
 #include <vector>
 
 #include "app/commands.h"
 #include "app/help.h"
+#include "app/long_render.h"
 #include "app/output.h"
 #include "app/terminal.h"
+#include "base/memory.h"
 #include "io/generate.h"
 
 namespace raio::app {
 namespace {
+
+constexpr double kLeastMemory = 64 << 20;  // for threads and what libraries need
 
 // The checks of values that are not of the table; of an option given twice the last one counts.
 
@@ -101,25 +107,116 @@ int report(const CLI::App& app, const CLI::ParseError& error) {
   return usage_error(*command, error.what());
 }
 
+// "2/5", the second of five.
+void add_shard(CLI::App& app, RenderCommand& render) {
+  const auto set = [&render](const std::string& text) {
+    const char* const end = text.data() + text.size();
+    uint32_t number = 0, count = 0;
+    const auto first = std::from_chars(text.data(), end, number);
+    const bool slash = first.ec == std::errc() && first.ptr != end && *first.ptr == '/';
+    const auto second = slash ? std::from_chars(first.ptr + 1, end, count) : first;
+    if (!slash || second.ec != std::errc() || second.ptr != end || number < 1 || number > count)
+      throw CLI::ValidationError(
+          "--shard", fmt::format("expected which of how many, as in 2/5, found '{}'", text));
+    render.shard = number - 1, render.shards = count;
+  };
+  app.add_option_function<std::string>(
+         "--shard", set,
+         "Render the I-th of N parts of the picture, into a part file for raio merge")
+      ->type_name("I/N")
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+}
+
+// Libraries end the program where they cannot have a thread or memory; then it is said so.
+[[noreturn]] void end_without_memory() {
+  remove_unfinished_files();
+  print_error("out of memory; a larger --memory-limit or fewer --threads may do");
+  ::_exit(kNoResource);
+}
+
+// "4G": bytes, or with a letter KiB, MiB, GiB, TiB. Counts from the moment it is read.
+void add_memory_limit(CLI::App& app) {
+  const auto set = [](const std::string& text) {
+    double value = 0;
+    const char* const text_end = text.data() + text.size();
+    const auto [end, error] = std::from_chars(text.data(), text_end, value);
+    const size_t unit = end < text_end ? std::string_view("KMGT").find(*end) : 0;
+    const double bytes = value * std::exp2(end < text_end ? 10.0 * double(unit + 1) : 0);
+    if (error != std::errc() || text_end - end > 1 || unit == std::string_view::npos ||
+        !(bytes >= kLeastMemory && bytes <= 1e18))
+      throw CLI::ValidationError(
+          "--memory-limit",
+          fmt::format("expected a size of 64M or more, as in 900M or 4G, found '{}'", text));
+    limit_memory(size_t(bytes));
+    std::set_terminate(end_without_memory);
+  };
+  app.add_option_function<std::string>(
+         "--memory-limit", set,
+         "End rather than take more memory than this; letters K, M, G and T are powers of 1024")
+      ->type_name("SIZE")
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+}
+
+void add_long_render(CLI::App& app, RenderCommand& render) {
+  add_file(app, "--checkpoint", render.checkpoint,
+           "Keep what is rendered in this part file, from time to time, when interrupted and at "
+           "the end");
+  add_number(app, "--checkpoint-interval", render.checkpoint_interval_s, 0.01, 1e6,
+             "Seconds from one writing of --checkpoint to the next (default: 60)", "SECONDS");
+  app.add_flag("--resume", render.resume, "Go on with the file of --checkpoint, if it is there");
+  add_number(app, "--add-samples", render.add_samples, 1, kMaxSamples,
+             "Add so many samples a pixel to the picture in --checkpoint, whose options count",
+             "N");
+  add_number(app, "--time-limit", render.time_limit_s, 0.001, 1e9,
+             "End in about this time with the samples that all pixels have by then", "SECONDS");
+  add_memory_limit(app);
+  add_shard(app, render);
+  add_file(app, "--repeat", render.repeat,
+           "Make this picture (PNG or EXR) again, with the settings kept in it; without SCENE from "
+           "the file of its name beside it",
+           "IMAGE");
+}
+
 void add_render(CLI::App& app, RenderCommand& render, int& status) {
   auto* sub = app.add_subcommand("render", "Render a scene to a picture");
   sub->footer(
       examples({"raio render balls.nff --size 1024x768 --aa 4 --soft-shadows -o balls.png",
-                "raio generate tree | raio render /dev/stdin -o - --stats tree.json > tree.png"}));
-  add_scene(*sub, render.scene);
+                "raio generate tree | raio render /dev/stdin -o - --stats tree.json > tree.png",
+                "raio render balls.nff --samples 4096 --dof --checkpoint balls.raio --resume",
+                "raio render balls.nff --aa 16 --shard 1/4 -o part1.raio",
+                "raio render --repeat balls.png balls.nff -o again.png"}));
+  add_file(*sub, "scene", render.scene, "Scene file in the format NFF or P3F", "SCENE");
   add_file(*sub, "-o,--output", render.output,
-           "Picture: .png .exr .ppm .pfm by suffix; - writes PNG to standard output "
-           "(default: the scene's name, .png, here)",
+           "Picture: .png .exr .ppm .pfm by suffix, or .raio for a part file; - writes PNG to "
+           "standard output (default: the scene's name, .png, here)",
            "IMAGE");
   add_render_options(*sub, render.options);
   add_file(*sub, "--stats", render.stats, "Write statistics as JSON; - for standard output");
   sub->add_flag("--quiet", render.quiet, "Print nothing but errors");
   add_progress(*sub, render.progress);
-  sub->callback([&] {
-    if (const auto why = option_conflict(render.options); !why.empty())
-      throw CLI::ParseError(why, kBadInput);
+  add_long_render(*sub, render);
+  sub->callback([&, sub] {
+    for (const OptionSpec& spec : render_option_table())
+      if (const std::string name = "--" + std::string(spec.name);
+          spec.of_picture && sub->get_option(name)->count() > 0)
+        render.of_picture.push_back(name);
+    for (const auto& why : {option_conflict(render.options), long_render_conflict(render)})
+      if (!why.empty()) throw CLI::ParseError(why, kBadInput);
     status = run(render);
   });
+}
+
+void add_merge(CLI::App& app, MergeCommand& merge, int& status) {
+  auto* sub = app.add_subcommand("merge", "Join the parts of a picture that --shard made");
+  sub->footer(examples({"raio merge part1.raio part2.raio part3.raio -o balls.png"}));
+  sub->add_option("parts", merge.parts, "Part files of one picture")->required()->type_name("PART");
+  add_file(*sub, "-o,--output", merge.output,
+           "Picture: .png .exr .ppm .pfm by suffix, or .raio for a part file; - writes PNG to "
+           "standard output",
+           "IMAGE");
+  sub->get_option("--output")->required();
+  sub->add_flag("--quiet", merge.quiet, "Print nothing but errors");
+  sub->callback([&] { status = run(merge); });
 }
 
 void add_bench(CLI::App& app, BenchCommand& bench, int& status) {
@@ -210,6 +307,7 @@ int parse_and_run(std::vector<std::string> arguments) {
 
   int status = kDone;
   RenderCommand render;
+  MergeCommand merge;
   BenchCommand bench;
   InfoCommand info;
   GenerateCommand generate;
@@ -217,6 +315,7 @@ int parse_and_run(std::vector<std::string> arguments) {
   CompareCommand compare;
   SpdVerifyCommand verify;
   add_render(app, render, status);
+  add_merge(app, merge, status);
   add_bench(app, bench, status);
   add_info(app, info, status);
   add_generate(app, generate, status);

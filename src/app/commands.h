@@ -2,6 +2,7 @@
 // status. This room is the only one that prints.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -20,12 +21,27 @@ enum Exit : int {
 
 struct RenderCommand {
   std::string scene, output;  // output empty: <scene>.png here
-  std::string stats;          // file for the statistics; empty: none
+  std::string repeat;         // picture whose settings are taken; empty: none
+  std::string checkpoint;     // part file; empty: none
+  double checkpoint_interval_s = 60;
+  bool resume = false;
+  int add_samples = 0;                  // to those of the checkpoint
+  double time_limit_s = 0;              // of all the command; 0: none
+  uint32_t shard = 0, shards = 1;       // as in RenderTask
+  std::vector<std::string> of_picture;  // the options given on which the picture depends: "--aa"
+  std::string stats;                    // file for the statistics; empty: none
   std::string progress = "auto";
   bool quiet = false;
   RenderOptions options;
 };
-int run(const RenderCommand& command);
+int run(const RenderCommand& given);
+
+struct MergeCommand {
+  std::vector<std::string> parts;
+  std::string output;
+  bool quiet = false;
+};
+int run(const MergeCommand& command);
 
 struct BenchCommand {
   std::string scene;

@@ -62,8 +62,10 @@ bool is_list(const CLI::Option& option) { return option.get_items_expected_max()
 std::string usage_line(const CLI::App& app) {
   std::string out = full_name(app);
   if (!commands(app).empty()) return out + " COMMAND [ARGUMENT ...]";
-  for (const CLI::Option* o : positionals(app))
-    out += is_list(*o) ? fmt::format(" [{} ...]", o->get_type_name()) : " " + o->get_type_name();
+  for (const CLI::Option* o : positionals(app)) {
+    const std::string name = o->get_type_name() + (is_list(*o) ? " ..." : "");
+    out += o->get_required() ? " " + name : " [" + name + "]";
+  }
   return out + " [OPTION ...]";
 }
 
@@ -97,7 +99,7 @@ bool is_option(const CLI::App& command, const std::string& argument) {
   return argument.size() > 1 && argument[0] == '-' && command.get_option_no_throw(argument);
 }
 
-// After the command's name. A list may be empty and comes last.
+// After the command's name. A list comes last.
 std::string arguments_problem(const CLI::App& command, std::span<const std::string> arguments) {
   const auto wanted = positionals(command);
   const bool list = !wanted.empty() && is_list(*wanted.back());
@@ -124,7 +126,7 @@ std::string arguments_problem(const CLI::App& command, std::span<const std::stri
       if (nothing) return fmt::format("{} wants a value: {}", name, option_name(*option));
     }
   }
-  if (given + list < wanted.size())
+  if (given < wanted.size() && wanted[given]->get_required())
     return fmt::format("{} is missing: {}", wanted[given]->get_type_name(),
                        wanted[given]->get_description());
   return {};
@@ -139,8 +141,8 @@ std::string two_columns(std::span<const std::pair<std::string, std::string>> row
   const size_t indent = width + 4;
   std::string out;
   for (const auto& [name, text] : rows) {
-    out += fmt::format("  {:<{}}  ", name, width);
-    if (name.size() > width) out += "\n" + std::string(indent, ' ');
+    out += name.size() <= width ? fmt::format("  {:<{}}  ", name, width)
+                                : fmt::format("  {}\n{:{}}", name, "", indent);
     out += wrapped(text, indent, indent) + "\n";
   }
   return out;

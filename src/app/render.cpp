@@ -1,113 +1,43 @@
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <chrono>
 #include <filesystem>
 
 #include "app/commands.h"
-#include "app/json.h"
+#include "app/long_render.h"
 #include "app/output.h"
+#include "app/statistics.h"
 #include "app/terminal.h"
 #include "io/image.h"
+#include "render/part.h"
 
 namespace raio::app {
 namespace {
 
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
+using Clock = std::chrono::steady_clock;
 
-struct Times {
-  double load = 0, build = 0, render = 0, write = 0, total = 0;
-};
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
 
 std::string picture_path(const RenderCommand& command) {
   if (!command.output.empty()) return command.output;
-  return std::filesystem::path(command.scene).stem().string() + ".png";
-}
-
-// What another run needs to make the same picture.
-Metadata settings(const Scene& scene, const RenderOptions& o, const AccelInfo& accel) {
-  Metadata m = {{"version", RAIO_VERSION},
-                {"scene", scene.name},
-                {"accel", accel.name},
-                {"samples_per_pixel", fmt::format("{}", o.samples_per_pixel())},
-                {"sampler", std::string(sampler_name(*o.sampler))},
-                {"aa", fmt::format("{}", o.aa)},
-                {"lens_samples", fmt::format("{}", o.lens_samples)},
-                {"soft_shadows", o.soft_shadows ? "true" : "false"},
-                {"dof", *o.dof ? "true" : "false"},
-                {"depth", fmt::format("{}", o.depth)},
-                {"one_sided", o.one_sided ? "true" : "false"},
-                {"seed", fmt::format("{}", o.seed)}};
-  if (o.angle_to_centers) m.emplace_back("angle_to_centers", "true");
-  if (o.soft_shadows && o.light_size > 0)
-    m.emplace_back("light_size", fmt::format("{}", o.light_size));
-  if (*o.dof) {
-    m.emplace_back("aperture", fmt::format("{}", o.aperture));
-    m.emplace_back("focus", fmt::format("{}", o.focus));
-  }
-  return m;
-}
-
-double rays_per_s(const RayCounts& rays, const Times& times) {
-  return double(rays.total()) / std::max(times.render, 1e-9);
-}
-
-// docs/statistics.md describes it.
-Json statistics(const Scene& scene, const RenderOptions& o, const AccelInfo& accel,
-                const Times& times, const RayCounts& rays) {
-  Json primitives;
-  const auto counts = count_primitives(scene);
-  for (const ShapeKind kind : {ShapeKind::sphere, ShapeKind::triangle, ShapeKind::polygon,
-                               ShapeKind::cone, ShapeKind::cylinder, ShapeKind::plane})
-    primitives[std::string(kShapeKindNames[size_t(kind)])] = counts[size_t(kind)];
-  Json json = {
-      {"version", RAIO_VERSION},
-      {"scene", scene.name},
-      {"resolution", {o.width, o.height}},
-      {"samples_per_pixel", o.samples_per_pixel()},
-      {"seed", o.seed},
-      {"threads", o.threads},
-      {"depth", o.depth},
-      {"effects", {{"aa", o.aa}, {"soft_shadows", o.soft_shadows}, {"dof", *o.dof}}},
-      {"primitives", primitives},
-      {"lights", scene.lights.size()},
-      {"materials", scene.materials.size()},
-      {"accelerator",
-       {{"name", accel.name},
-        {"bytes", accel.bytes},
-        {"cells", accel.cells},
-        {"references", accel.references}}},
-      {"time_s",
-       {{"load", times.load},
-        {"build", times.build},
-        {"render", times.render},
-        {"write", times.write},
-        {"total", times.total}}},
-      {"peak_memory_bytes", peak_memory_bytes()},
-      {"rays",
-       {{"eye", rays.eye},
-        {"eye_hits", rays.eye_hits},
-        {"reflection", rays.reflection},
-        {"refraction", rays.refraction},
-        {"shadow", rays.shadow},
-        {"shadow_hits", rays.shadow_hits},
-        {"total", rays.total()}}},
-      {"rays_per_s", rays_per_s(rays, times)},
-  };
-  if (o.accel.counters) {
-    const double total = double(std::max<uint64_t>(1, rays.total()));
-    json["per_ray"] = {{"tests", double(rays.tests) / total},
-                       {"steps", double(rays.steps) / total}};
-  }
-  return json;
+  const std::string& named = command.scene.empty() ? command.repeat : command.scene;
+  return std::filesystem::path(named).stem().string() + ".png";
 }
 
 // What cannot be written is better known before the work than after it; the exit status.
-int check_targets(const std::string& output, const std::string& stats) {
-  if (const auto format = image_format(output); !format) return fail(format.error());
+int check_targets(const RenderCommand& command, const std::string& output) {
+  const std::string& stats = command.stats;
+  if (const auto format = image_format(output); !is_part_path(output) && !format)
+    return fail(format.error());
   if (const auto writable = check_writable(output); !writable) return fail(writable.error());
+  if (const std::string& kept = command.checkpoint; !kept.empty()) {
+    if (const auto writable = check_writable(kept); !writable) return fail(writable.error());
+    if (kept == stats || (kept == output && !is_part_path(output)))
+      return bad_input(fmt::format("--checkpoint and {} cannot both be {}; give one another name",
+                                   kept == stats ? "--stats" : "the picture", kept));
+  }
   if (stats.empty()) return kDone;
   if (const auto writable = check_writable(stats); !writable) return fail(writable.error());
   if (stats == output || (is_standard_output(stats) && is_standard_output(output)))
@@ -117,69 +47,127 @@ int check_targets(const std::string& output, const std::string& stats) {
   return kDone;
 }
 
-std::string summary(const std::string& output, const RenderOptions& o, const AccelInfo& accel,
-                    const Times& times, const RayCounts& rays) {
-  const int samples = o.samples_per_pixel();
-  return fmt::format(
-      "{}: {}x{}, {} {} a pixel, {}: load {}, build {}, render {} ({}rays/s), write {}",
-      is_standard_output(output) ? "picture" : output, o.width, o.height, samples,
-      samples == 1 ? "sample" : "samples", accel.name, human_seconds(times.load),
-      human_seconds(times.build), human_seconds(times.render), human_count(rays_per_s(rays, times)),
-      human_seconds(times.write));
+// What is kept of a render that ended before its time; the exit status.
+int put_away(const RenderCommand& command, Checkpoint& checkpoint) {
+  if (command.checkpoint.empty()) return interrupted();
+  if (const auto kept = checkpoint.finish(); !kept) return fail(kept.error());
+  print_line(fmt::format("raio: interrupted; what was rendered is kept in {}, and --resume goes on",
+                         command.checkpoint));
+  return kInterrupted;
+}
+
+/// All that a render works on.
+struct Job {
+  Scene scene;
+  RenderOptions options;  // resolved
+  std::unique_ptr<Accel> accel;
+  Part part;
+  uint64_t rays_before = 0;
+  Times times;
+};
+
+// Loads and builds; the exit status.
+int prepare(RenderStart& start, const RenderControl& control, Job& job) {
+  const RenderCommand& command = start.command;
+  const auto load_start = Clock::now();
+  auto scene = load_scene(command.scene, command.quiet);
+  if (!scene) return scene.error();
+  job.scene = std::move(*scene);
+  job.times.load = seconds_since(load_start);
+  if (control.stop) return interrupted();
+
+  if (const auto why = option_conflict(command.options, &job.scene); !why.empty())
+    return bad_input(why);
+  job.options = resolve_options(command.options, job.scene);
+  const RenderOptions& options = job.options;
+  if (const auto why = picture_problem(options.width, options.height); !why.empty())
+    return no_resource(why);
+  job.part.header = {settings_of(job.scene, options), command.shard, command.shards};
+  auto film = film_of(start, job.scene, options, job.part.header.settings);
+  if (!film) return film.error();
+  job.part.film = std::move(*film);
+  job.rays_before = job.part.film->rays().total();
+
+  const auto build_start = Clock::now();
+  std::expected<std::unique_ptr<Accel>, std::string> accel;
+  on_threads(options.threads,
+             [&] { accel = build_accel(job.scene, options.accel, options.one_sided); });
+  if (!accel) return no_resource(accel.error());
+  job.accel = std::move(*accel);
+  job.times.build = seconds_since(build_start);
+  return control.stop ? interrupted() : kDone;
+}
+
+// The time may have sufficed for some samples only. Of samples by Sobol's sequence the first are a
+// picture of their own, and the settings say so; of others they say how many there are.
+void describe(Job& job, const SampleRange& samples) {
+  const auto wanted = uint32_t(job.options.samples_per_pixel());
+  if (samples.fewest == wanted || samples.most == 0) return;
+  const bool even = samples.fewest == samples.most;
+  if (even && job.options.samples > 0) job.options.samples = int(samples.fewest);
+  Metadata& settings = job.part.header.settings;
+  settings = settings_of(job.scene, job.options);
+  if (!even)
+    settings.emplace_back("samples_done", fmt::format("{} to {}", samples.fewest, samples.most));
+  else if (job.options.samples == 0)
+    settings.emplace_back("samples_done", fmt::format("{}", samples.fewest));
+}
+
+// The picture or part, the statistics, the line that says so; the exit status.
+int write_results(Job& job, const RenderCommand& command, const std::string& output,
+                  Clock::time_point begin) {
+  const SampleRange samples = samples_of(job.part);
+  describe(job, samples);
+  const auto write_start = Clock::now();
+  const Part& part = job.part;
+  const auto written = is_part_path(output)
+                           ? write_part(output, part.header, *part.film)
+                           : write_image(part.film->resolve(), output, part.header.settings);
+  if (!written) return fail(written.error());
+  job.times.write = seconds_since(write_start);
+  job.times.total = seconds_since(begin);
+  const Made made{job.scene,         job.options,     job.accel->info(), job.times,
+                  part.film->rays(), job.rays_before, samples.fewest};
+  if (!command.stats.empty())
+    if (const int status = deliver(command.stats, json_text(statistics(made)))) return status;
+  if (!command.quiet) print_line(summary(output, made));
+  return kDone;
 }
 
 }  // namespace
 
-int run(const RenderCommand& command) {
-  const auto start = std::chrono::steady_clock::now();
-  Times times;
+int run(const RenderCommand& given) {
+  const auto begin = Clock::now();
   RenderControl control;
-  const StopOnSignal stop(&control);
-  const std::string output = picture_path(command);
-  if (const int status = check_targets(output, command.stats)) return status;
+  StopOnSignal stop(&control);
+  const std::string output = picture_path(given);
+  if (const int status = check_targets(given, output)) return status;
+  auto start = find_start(given);
+  if (!start) return start.error();
+  const RenderCommand& command = start->command;
+  Job job;
+  if (const int status = prepare(*start, control, job)) return status;
 
-  const auto scene = load_scene(command.scene, command.quiet);
-  if (!scene) return scene.error();
-  times.load = seconds_since(start);
-  if (control.stop) return interrupted();
-
-  if (const auto why = option_conflict(command.options, &*scene); !why.empty())
-    return bad_input(why);
-  const RenderOptions options = resolve_options(command.options, *scene);
-  if (const auto why = picture_problem(options.width, options.height); !why.empty())
-    return no_resource(why);
-  const auto build_start = std::chrono::steady_clock::now();
-  std::expected<std::unique_ptr<Accel>, std::string> accel;
-  on_threads(options.threads,
-             [&] { accel = build_accel(*scene, options.accel, options.one_sided); });
-  if (!accel) return no_resource(accel.error());
-  times.build = seconds_since(build_start);
-  if (control.stop) return interrupted();
-
-  const auto film = make_film(*scene, options);
-  if (!film) return no_resource(film.error());
+  RenderTask task{start->samples, command.shard, command.shards, 0};
+  if (command.time_limit_s > 0)
+    task.seconds = std::max(command.time_limit_s - seconds_since(begin), 1e-3);
+  Checkpoint checkpoint(command, job.part.header, *job.part.film);
+  if (!command.checkpoint.empty()) stop.be_patient();
   RenderResult done;
   {
     const ProgressLine progress(control, command.quiet ? "off" : command.progress);
-    done = render(*scene, **accel, options, **film, control);
+    done = render(job.scene, *job.accel, job.options, *job.part.film, control, task);
   }
-  if (!done.finished) return interrupted();
-  times.render = done.seconds;
-
-  const AccelInfo info = (*accel)->info();
-  const auto write_start = std::chrono::steady_clock::now();
-  const Image image = (*film)->resolve();
-  if (auto written = write_image(image, output, settings(*scene, options, info)); !written)
-    return fail(written.error());
-  times.write = seconds_since(write_start);
-  times.total = seconds_since(start);
-
-  if (!command.stats.empty()) {
-    const Json json = statistics(*scene, options, info, times, (*film)->rays());
-    if (const int status = deliver(command.stats, json_text(json))) return status;
-  }
-  if (!command.quiet) print_line(summary(output, options, info, times, (*film)->rays()));
-  return kDone;
+  if (!done.finished && control.stop) return put_away(command, checkpoint);
+  job.times.render = done.seconds;
+  const auto kept = checkpoint.finish();
+  if (!done.finished && samples_of(job.part).fewest == 0)
+    return no_resource(fmt::format(
+        "{} s were too short for one sample of every pixel; {}", command.time_limit_s,
+        command.checkpoint.empty() || !kept ? "nothing was written"
+                                            : "what there is is kept in " + command.checkpoint));
+  const int status = write_results(job, command, output, begin);
+  return kept ? status : fail(kept.error());
 }
 
 }  // namespace raio::app

@@ -107,7 +107,8 @@ std::expected<Scene, int> load_scene(const std::string& path, bool quiet) {
   auto result = read_nff(path);
   if (!result) {
     for (const Diagnostic& d : result.error()) print_line(d.text());
-    return std::unexpected(int(kBadInput));
+    const bool machine = result.error().front().message == kNoMemory;
+    return std::unexpected(int(machine ? kNoResource : kBadInput));
   }
   if (!quiet)
     for (const Diagnostic& d : result->warnings) print_line(d.text());
@@ -124,7 +125,7 @@ StopOnSignal::StopOnSignal(RenderControl* control) {
     ::sigaction(kStopSignals[i], nullptr, &before_[i]);
     if (before_[i].sa_handler != SIG_IGN) ::sigaction(kStopSignals[i], &action, nullptr);
   }
-  thread_ = std::thread([control, wake = wake_[0]] {
+  thread_ = std::thread([this, control, wake = wake_[0]] {
     char byte = 0;
     const auto signalled = [&] {
       ssize_t count = 0;
@@ -135,7 +136,8 @@ StopOnSignal::StopOnSignal(RenderControl* control) {
     if (!signalled()) return;
     if (control) control->stop = true;
     pollfd next{wake, POLLIN, 0};
-    if (::poll(&next, 1, kPatienceMs) != 0 && !signalled()) return;
+    const bool more = ::poll(&next, 1, patient_ ? -1 : kPatienceMs) != 0;
+    if (more && !signalled()) return;
     remove_unfinished_files();
     print_line("raio: interrupted");
     ::_exit(kInterrupted);

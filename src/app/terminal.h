@@ -4,6 +4,7 @@
 #include <signal.h>
 
 #include <array>
+#include <atomic>
 #include <expected>
 #include <string>
 #include <string_view>
@@ -34,6 +35,10 @@ std::expected<Scene, int> load_scene(const std::string& path, bool quiet = false
 class StopOnSignal {
  public:
   explicit StopOnSignal(RenderControl* control = nullptr);
+
+  /// The command will end by itself, but has something to put away before, which may take longer.
+  void be_patient() { patient_ = true; }
+
   ~StopOnSignal();
   StopOnSignal(const StopOnSignal&) = delete;
   StopOnSignal& operator=(const StopOnSignal&) = delete;
@@ -41,6 +46,7 @@ class StopOnSignal {
  private:
   int wake_[2] = {-1, -1};  // a pipe: a byte from the signal handler, closed from the destructor
   std::array<struct sigaction, 3> before_{};
+  std::atomic<bool> patient_{false};
   std::thread thread_;
 };
 

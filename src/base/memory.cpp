@@ -2,8 +2,11 @@
 
 #include <fcntl.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
@@ -19,6 +22,34 @@ std::align_val_t alignment(size_t bytes) {
   return bytes < 2 * size_t(kLargePage) ? kLine : kLargePage;
 }
 
+// The beginning of a file of /proc. A stream's first use would cost 0.1 ms, more than reading a
+// small scene.
+std::array<char, 512> read_start(const char* path) {
+  std::array<char, 512> text{};
+  if (const int file = ::open(path, O_RDONLY | O_CLOEXEC); file >= 0) {
+    if (::read(file, text.data(), text.size() - 1) < 0) text[0] = 0;
+    ::close(file);
+  }
+  return text;
+}
+
+size_t free_memory_bytes() {
+  const auto text = read_start("/proc/meminfo");  // the third line tells
+  constexpr std::string_view kKey = "MemAvailable:";
+  if (const char* line = std::strstr(text.data(), kKey.data()))
+    return std::strtoull(line + kKey.size(), nullptr, 10) * 1024;
+  return size_t(sysconf(_SC_PHYS_PAGES)) * size_t(sysconf(_SC_PAGESIZE));
+}
+
+// What RLIMIT_DATA counts.
+size_t data_bytes() {
+  auto text = read_start("/proc/self/statm");
+  char* at = text.data();
+  unsigned long long pages = 0;
+  for (int field = 0; field < 6; ++field) pages = std::strtoull(at, &at, 10);
+  return size_t(pages) * size_t(sysconf(_SC_PAGESIZE));
+}
+
 }  // namespace
 
 void* allocate_lines(size_t bytes) {
@@ -30,16 +61,18 @@ void* allocate_lines(size_t bytes) {
 void free_lines(void* p, size_t bytes) { ::operator delete(p, alignment(bytes)); }
 
 size_t available_memory_bytes() {
-  // A stream's first use would cost 0.1 ms, more than reading a small scene.
-  char text[512] = {};  // the third line tells
-  if (const int info = ::open("/proc/meminfo", O_RDONLY | O_CLOEXEC); info >= 0) {
-    const bool is_read = ::read(info, text, sizeof text - 1) > 0;
-    ::close(info);
-    constexpr std::string_view kKey = "MemAvailable:";
-    if (const char* line = is_read ? std::strstr(text, kKey.data()) : nullptr)
-      return std::strtoull(line + kKey.size(), nullptr, 10) * 1024;
-  }
-  return size_t(sysconf(_SC_PHYS_PAGES)) * size_t(sysconf(_SC_PAGESIZE));
+  const size_t free = free_memory_bytes();
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_DATA, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return free;
+  const size_t used = data_bytes();
+  return std::min(free, limit.rlim_cur > used ? size_t(limit.rlim_cur) - used : 0);
+}
+
+void limit_memory(size_t bytes) {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_DATA, &limit) != 0) return;
+  limit.rlim_cur = std::min<rlim_t>(bytes, limit.rlim_max);
+  ::setrlimit(RLIMIT_DATA, &limit);
 }
 
 void use_large_pages(void* begin, size_t bytes) {

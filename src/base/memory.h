@@ -42,8 +42,14 @@ struct CacheLineAllocator {
 template <class T>
 using Column = std::vector<T, CacheLineAllocator<T>>;
 
-/// Bytes that can be taken without pushing anything else out, by the system's own estimate.
+/// Bytes that can be taken without pushing anything else out, by the system's own estimate, and
+/// within the limits that this process has.
 size_t available_memory_bytes();
+
+/// The process gets no more memory than this from now on: what would take it beyond fails with
+/// std::bad_alloc. Counted is what it asked for, also where it was never used, without the program
+/// itself and its libraries.
+void limit_memory(size_t bytes);
 
 /// To be called for much memory that is about to be filled: asks the system for large pages there
 /// (Linux: 2 MB, not 4 kB), which come several times faster than small ones.

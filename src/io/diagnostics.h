@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace raio {
@@ -22,5 +23,8 @@ struct Diagnostic {
 };
 
 using Diagnostics = std::vector<Diagnostic>;
+
+/// The one message that is not about the input but about the machine.
+inline constexpr std::string_view kNoMemory = "there is not enough memory for the scene";
 
 }  // namespace raio

@@ -202,13 +202,14 @@ Outcome write_directly(const Target& target, std::string_view bytes) {
   return file.close();
 }
 
-Outcome replace(const Target& target, std::string_view bytes) {
+Outcome replace(const Target& target, std::string_view bytes, Until until) {
   // What others may not read of the old file they must not read of the new one at any time.
   const auto temporary = TemporaryFile::create(target.folder, target.exists ? 0600 : 0666);
   if (!temporary) return std::unexpected(temporary.error());
   OpenFile& file = (*temporary)->file();
   if (target.exists && ::fchmod(file.id(), target.status.st_mode & 0777) != 0) return failed(errno);
   if (const auto written = write_all(file.id(), bytes); !written) return written;
+  if (until == Until::on_disk && ::fsync(file.id()) != 0) return failed(errno);
   if (const auto closed = file.close(); !closed) return closed;
   return (*temporary)->move_to(target.path);
 }
@@ -255,12 +256,13 @@ std::string lower_suffix(const fs::path& path) {
 
 bool is_standard_output(const fs::path& path) { return path == "-" || path == "/dev/stdout"; }
 
-std::expected<void, FileError> write_file(const fs::path& path, std::string_view bytes) {
+std::expected<void, FileError> write_file(const fs::path& path, std::string_view bytes,
+                                          Until until) {
   Outcome outcome;
   if (is_standard_output(path)) {
     outcome = write_all(STDOUT_FILENO, bytes);
   } else if (const auto target = find_target(path); target) {
-    outcome = target->direct ? write_directly(*target, bytes) : replace(*target, bytes);
+    outcome = target->direct ? write_directly(*target, bytes) : replace(*target, bytes, until);
   } else {
     outcome = std::unexpected(target.error());
   }

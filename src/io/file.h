@@ -26,13 +26,17 @@ std::string lower_suffix(const std::filesystem::path& path);
 /// "-" and "/dev/stdout".
 bool is_standard_output(const std::filesystem::path& path);
 
+/// When write_file is done: with the bytes in the system's hands, which end on the disk in time, or
+/// on the disk, so that the machine itself may fail.
+enum class Until { written, on_disk };
+
 /// `bytes` under `path`: into a file beside it, which is then moved into place, so that nobody ever
 /// sees half a file and a failure keeps what was there; on failure the other file is removed. Links
 /// stay links and files keep their permissions. Targets that are not regular files (devices, pipes)
 /// are written directly. "-" is standard output. Errors are cannot_write; a pipe that nobody reads
 /// is one, too.
-std::expected<void, FileError> write_file(const std::filesystem::path& path,
-                                          std::string_view bytes);
+std::expected<void, FileError> write_file(const std::filesystem::path& path, std::string_view bytes,
+                                          Until until = Until::written);
 
 /// Could write_file succeed, as far as can be told now? Asked before long work. Leaves nothing
 /// behind.

@@ -36,6 +36,14 @@ std::expected<std::string, std::string> encode(const Image& image, ImageFormat f
   std::abort();
 }
 
+constexpr std::string_view kPngBegin = "\x89PNG\r\n\x1a\n", kExrBegin = "\x76\x2f\x31\x01";
+
+std::expected<Metadata, std::string> settings(std::string_view bytes) {
+  if (bytes.starts_with(kPngBegin)) return png_metadata(bytes);
+  if (bytes.starts_with(kExrBegin)) return exr_metadata(bytes);
+  return std::unexpected("only pictures in PNG and EXR format keep settings");
+}
+
 /// Why the picture cannot be written in any format, or nothing.
 std::string problem(const Image& image, const Metadata& metadata) {
   if (image.width < 1 || image.height < 1 ||
@@ -64,8 +72,8 @@ void require_same_size(const Image& a, const Image& b) {
 }  // namespace
 
 Decoded<Image> decode_image(std::string_view bytes) {
-  if (bytes.starts_with("\x89PNG\r\n\x1a\n")) return decode_png(bytes);
-  if (bytes.starts_with("\x76\x2f\x31\x01")) return decode_exr(bytes);
+  if (bytes.starts_with(kPngBegin)) return decode_png(bytes);
+  if (bytes.starts_with(kExrBegin)) return decode_exr(bytes);
   if (bytes.starts_with("PF") || bytes.starts_with("Pf")) return decode_pfm(bytes);
   for (const std::string_view magic : {"P2", "P3", "P5", "P6"})
     if (bytes.starts_with(magic)) return decode_ppm(bytes);
@@ -114,6 +122,16 @@ std::expected<Image, FileError> read_image(const fs::path& path) try {
   auto image = decode_image(*bytes);
   if (!image) return std::unexpected(read_error(path, image.error()));
   return std::move(*image);
+} catch (const std::bad_alloc&) {
+  return std::unexpected(read_error(path, "not enough memory"));
+}
+
+std::expected<Metadata, FileError> read_metadata(const fs::path& path) try {
+  const auto bytes = read_file(path, kMaxFileBytes);
+  if (!bytes) return std::unexpected(bytes.error());
+  auto metadata = settings(*bytes);
+  if (!metadata) return std::unexpected(read_error(path, metadata.error()));
+  return std::move(*metadata);
 } catch (const std::bad_alloc&) {
   return std::unexpected(read_error(path, "not enough memory"));
 }

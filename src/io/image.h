@@ -55,6 +55,10 @@ std::expected<void, FileError> write_image(const Image& image, const std::filesy
 /// need not be trusted.
 std::expected<Image, FileError> read_image(const std::filesystem::path& path);
 
+/// The settings that write_image put into a PNG or EXR, in no particular order; none from other
+/// pictures. The file need not be trusted.
+std::expected<Metadata, FileError> read_metadata(const std::filesystem::path& path);
+
 /// How far apart two pictures are, over all channels of all pixels as they would be displayed (8
 /// bits).
 struct ImageDifference {

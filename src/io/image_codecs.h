@@ -17,6 +17,11 @@ using Decoded = std::expected<T, std::string>;
 
 /// Under which name a setting is kept, in all formats, so that none collides with the format's own.
 inline std::string metadata_name(const std::string& key) { return "raio." + key; }
+/// The setting of that name, if the name is one of a setting.
+inline void add_metadata(Metadata& metadata, std::string_view name, std::string_view value) {
+  constexpr std::string_view kPrefix = "raio.";
+  if (name.starts_with(kPrefix)) metadata.emplace_back(name.substr(kPrefix.size()), value);
+}
 
 /// Why a picture of that size is not read, or nothing. Larger than kMaxPixels is taken for a broken
 /// file.
@@ -29,11 +34,13 @@ Decoded<Image> decode_image(std::string_view bytes);
 /// 8 bit RGB, little compressed but quickly.
 Decoded<std::string> encode_png(const Image& image, const Metadata& metadata);
 Decoded<Image> decode_png(std::string_view bytes);
+Decoded<Metadata> png_metadata(std::string_view bytes);
 
 /// 32 bit floating point R, G, B, losslessly compressed.
 Decoded<std::string> encode_exr(const Image& image, const Metadata& metadata);
 /// The data window of the first part.
 Decoded<Image> decode_exr(std::string_view bytes);
+Decoded<Metadata> exr_metadata(std::string_view bytes);
 
 /// P6 with 8 bits a channel.
 std::string encode_ppm(const Image& image);

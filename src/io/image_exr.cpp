@@ -201,4 +201,18 @@ Decoded<Image> decode_exr(std::string_view bytes) try {
   return std::unexpected(fmt::format("broken EXR: {}", error.what()));
 }
 
+Decoded<Metadata> exr_metadata(std::string_view bytes) try {
+  if (const std::string problem = HeaderCheck(bytes).problem(); !problem.empty())
+    return std::unexpected("broken EXR: " + problem);
+  MemoryReader memory(bytes);
+  const Imf::InputFile file(memory);
+  Metadata metadata;
+  for (auto i = file.header().begin(); i != file.header().end(); ++i)
+    if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&i.attribute()))
+      add_metadata(metadata, i.name(), text->value());
+  return metadata;
+} catch (const std::exception& error) {
+  return std::unexpected(fmt::format("broken EXR: {}", error.what()));
+}
+
 }  // namespace raio

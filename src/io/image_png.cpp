@@ -266,4 +266,25 @@ Decoded<Image> decode_png(std::string_view bytes) {
   return from_rows(rows, int(width), int(height), bit_depth);
 }
 
+Decoded<Metadata> png_metadata(std::string_view bytes) {
+  Reader reader;
+  png_structp png = reader.png;
+  if (!png || !reader.info) return std::unexpected(reader.error.text);
+  std::string_view left = bytes;
+  png_textp texts = nullptr;
+  int count = 0;
+  const bool done = guarded(png, [&] {
+    png_set_read_fn(png, &left, take_bytes);
+    png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
+    png_set_chunk_malloc_max(png, 1 << 20);
+    png_read_info(png, reader.info);  // up to the pixels, where write_image has the texts
+    count = png_get_text(png, reader.info, &texts, nullptr);
+  });
+  if (!done) return std::unexpected(fmt::format("broken PNG: {}", reader.error.text));
+  Metadata metadata;
+  for (int i = 0; i < count; ++i)
+    if (texts[i].key && texts[i].text) add_metadata(metadata, texts[i].key, texts[i].text);
+  return metadata;
+}
+
 }  // namespace raio

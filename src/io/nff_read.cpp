@@ -307,7 +307,7 @@ template <class Text>
 std::expected<ReadScene, Diagnostics> in_memory(std::string_view file, Text&& make_text) try {
   return make_text();
 } catch (const std::bad_alloc&) {
-  return std::unexpected(about_file(file, "no memory for the scene"));
+  return std::unexpected(about_file(file, std::string(kNoMemory)));
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "base/memory.h"
+#include "io/diagnostics.h"
 #include "io/file.h"
 
 namespace raio {
@@ -86,9 +87,7 @@ std::expected<TextBuffer, std::string> TextBuffer::read_file(const std::filesyst
     return std::unexpected("this is a device, expected a file");
   // A scene takes about as much again as its text; and a pipe may never end.
   const size_t most = available_memory_bytes() / 2;
-  const auto too_large = [] {
-    return std::unexpected("there is not enough memory for a file of this size");
-  };
+  const auto too_large = [] { return std::unexpected(std::string(kNoMemory)); };
   if (S_ISREG(status.st_mode) && size_t(status.st_size) > most) return too_large();
   TextBuffer text;
   try {

@@ -17,12 +17,14 @@ RayCounts& RayCounts::operator+=(const RayCounts& b) {
   return *this;
 }
 
-Film::Film(int width, int height, double bound)
+Film::Film(int width, int height, double bound, int tile_side)
     : width_(width),
       height_(height),
-      columns_((width + kTileSide - 1) / kTileSide),
+      tile_side_(tile_side),
+      columns_((width + tile_side - 1) / tile_side),
       bound_(std::clamp(bound, 1e-30, 1e38)),
-      samples_(size_t(columns_) * size_t((height + kTileSide - 1) / kTileSide)) {
+      samples_(size_t(columns_) * size_t((height + tile_side - 1) / tile_side)),
+      rays_(samples_.size()) {
   // The system's zeroed pages: whoever adds to a tile first pays for it, in parallel.
   sums_.reset(
       static_cast<int64_t*>(std::calloc(size_t(width) * size_t(height), 3 * sizeof(int64_t))));
@@ -35,9 +37,9 @@ Film::Film(int width, int height, double bound)
 }
 
 Tile Film::tile(size_t index) const {
-  const int x = int(index % size_t(columns_)) * kTileSide;
-  const int y = int(index / size_t(columns_)) * kTileSide;
-  return {x, y, std::min(x + kTileSide, width_), std::min(y + kTileSide, height_)};
+  const int x = int(index % size_t(columns_)) * tile_side_;
+  const int y = int(index / size_t(columns_)) * tile_side_;
+  return {x, y, std::min(x + tile_side_, width_), std::min(y + tile_side_, height_)};
 }
 
 uint32_t Film::samples(size_t tile) const {
@@ -46,8 +48,10 @@ uint32_t Film::samples(size_t tile) const {
 }
 
 RayCounts Film::rays() const {
+  RayCounts all;
   const std::lock_guard lock(mutex_);
-  return rays_;
+  for (const RayCounts& rays : rays_) all += rays;
+  return all;
 }
 
 void Film::add(size_t tile, uint32_t samples, std::span<const uint32_t> pixels,
@@ -56,7 +60,31 @@ void Film::add(size_t tile, uint32_t samples, std::span<const uint32_t> pixels,
   for (size_t i = 0; i < pixels.size(); ++i)
     for (size_t c = 0; c < 3; ++c) sums_[size_t(pixels[i]) * 3 + c] += sums[c][i];
   samples_[tile] += samples;
-  rays_ += rays;
+  rays_[tile] += rays;
+}
+
+TileSamples Film::copy(size_t tile) const {
+  const Tile t = this->tile(tile);
+  TileSamples out;
+  const std::lock_guard lock(mutex_);
+  out.samples = samples_[tile], out.rays = rays_[tile];
+  if (out.samples > 0)
+    for (int y = t.y0; y < t.y1; ++y)
+      out.sums.insert(out.sums.end(), pixel(t.x0, y), pixel(t.x1, y));
+  return out;
+}
+
+void Film::replace(size_t tile, const TileSamples& by) {
+  const Tile t = this->tile(tile);
+  const size_t row = size_t(t.x1 - t.x0) * 3;
+  const std::lock_guard lock(mutex_);
+  samples_[tile] = by.samples, rays_[tile] = by.rays;
+  for (int y = t.y0; y < t.y1; ++y) {
+    if (by.samples > 0)
+      std::copy_n(by.sums.begin() + ptrdiff_t(size_t(y - t.y0) * row), row, pixel(t.x0, y));
+    else
+      std::fill_n(pixel(t.x0, y), row, 0);
+  }
 }
 
 Image Film::resolve() const {
@@ -73,7 +101,7 @@ Image Film::resolve() const {
     };
     for (int y = tile.y0; y < tile.y1; ++y)
       for (int x = tile.x0; x < tile.x1; ++x) {
-        const int64_t* s = &sums_[(size_t(y) * size_t(width_) + size_t(x)) * 3];
+        const int64_t* s = pixel(x, y);
         image.at(x, y) = {light(s[0]), light(s[1]), light(s[2])};
       }
   }

@@ -22,6 +22,7 @@ struct RayCounts {
 
   uint64_t total() const { return eye + reflection + refraction + shadow; }
   RayCounts& operator+=(const RayCounts& b);
+  friend bool operator==(const RayCounts&, const RayCounts&) = default;
 };
 
 /// A rectangle of pixels, at most kTileSide wide and high.
@@ -29,6 +30,15 @@ struct Tile {
   int x0, y0, x1, y1;
 };
 inline constexpr int kTileSide = 32;
+
+/// What a film holds of a tile.
+struct TileSamples {
+  uint32_t samples = 0;  // 0 .. samples - 1 of all its pixels
+  RayCounts rays;
+  std::vector<int64_t> sums;  // r, g, b for each pixel, row by row; empty without samples
+
+  friend bool operator==(const TileSamples&, const TileSamples&) = default;
+};
 
 /// The sums of a picture's samples and, for each tile, how many there are: a tile holds samples
 /// 0 .. n - 1 of all its pixels or it would not be here, so that a film is a sound picture at any
@@ -41,14 +51,16 @@ inline constexpr int kTileSide = 32;
 /// Safe to read and to copy from while others add to it.
 class Film {
  public:
-  /// No sample of a pixel brings more than `bound`.
-  Film(int width, int height, double bound);
+  /// No sample of a pixel brings more than `bound`. The tiles' side is a multiple of 8, at most
+  /// kTileSide; the picture is the same with any.
+  Film(int width, int height, double bound, int tile_side = kTileSide);
 
   int width() const { return width_; }
   int height() const { return height_; }
   /// A value v counts as the integer nearest to min(v, bound) * scale.
   double bound() const { return bound_; }
   double scale() const { return scale_; }
+  int tile_side() const { return tile_side_; }
 
   size_t tiles() const { return samples_.size(); }
   Tile tile(size_t index) const;
@@ -58,6 +70,10 @@ class Film {
   /// blue, and what they have cost.
   void add(size_t tile, uint32_t samples, std::span<const uint32_t> pixels,
            std::array<const int64_t*, 3> sums, const RayCounts& rays);
+
+  /// A tile as it is, to be kept elsewhere, and a tile as it shall be.
+  TileSamples copy(size_t tile) const;
+  void replace(size_t tile, const TileSamples& by);
 
   /// The mean of each pixel's samples; black where there are none.
   Image resolve() const;
@@ -69,12 +85,16 @@ class Film {
     void operator()(void* memory) const { std::free(memory); }
   };
 
-  int width_, height_, columns_;
+  int64_t* pixel(int x, int y) const {
+    return &sums_[(size_t(y) * size_t(width_) + size_t(x)) * 3];
+  }
+
+  int width_, height_, tile_side_, columns_;
   double bound_, scale_;
   mutable std::mutex mutex_;               // guards what follows
   std::unique_ptr<int64_t[], Free> sums_;  // r, g, b per pixel
   std::vector<uint32_t> samples_;          // per tile
-  RayCounts rays_;
+  std::vector<RayCounts> rays_;            // per tile
 };
 
 }  // namespace raio

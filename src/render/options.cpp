@@ -77,18 +77,34 @@ std::expected<void, std::string> parse_seed(RenderOptions& o, std::string_view t
   return {};
 }
 
+// The texts of what the functions above parse.
+std::string size_text(const RenderOptions& o) {
+  return o.width > 0 ? fmt::format("{}x{}", o.width, o.height) : "";
+}
+std::string accel_text(const RenderOptions& o) { return std::string(accel_name(o.accel.kind)); }
+std::string sampler_text(const RenderOptions& o) {
+  return o.sampler ? std::string(sampler_name(*o.sampler)) : "";
+}
+std::string resolution_text(const RenderOptions& o) {
+  const auto& n = o.accel.grid_resolution;
+  return n[0] > 0 ? fmt::format("{}x{}x{}", n[0], n[1], n[2]) : "";
+}
+std::string seed_text(const RenderOptions& o) { return fmt::format("{}", o.seed); }
+
 using Options = RenderOptions;
 constexpr auto kTable = std::to_array<OptionSpec>({
     {"size", "WxH", "Pixels of the picture (default: the scene's resolution, else 512x512)",
-     parse_size},
+     parse_size, 0, 0, size_text},
     {"accel", "NAME",
-     "Structure that finds the hits: auto, none, grid, bvh or embree (default: auto)", parse_accel},
+     "Structure that finds the hits: auto, none, grid, bvh or embree (default: auto)", parse_accel,
+     0, 0, accel_text},
     {"grid-factor", "M",
      "Fineness of the uniform grid: its cells a side are M times the cube root of the number of "
      "primitives (default: 2)",
      +[](Options& o) -> float& { return o.accel.grid_factor; }, 0.01, 100},
     {"grid-resolution", "XxYxZ",
-     "Exact number of cells of the uniform grid, instead of --grid-factor", parse_resolution},
+     "Exact number of cells of the uniform grid, instead of --grid-factor", parse_resolution, 0, 0,
+     resolution_text},
     {"aa", "N",
      "Antialiasing: N x N jittered cells a pixel; 1 is one ray through the centre "
      "(default: the scene's wish, else 1)",
@@ -115,13 +131,12 @@ constexpr auto kTable = std::to_array<OptionSpec>({
      +[](Options& o) -> int& { return o.lens_samples; }, 1, 65536},
     {"samples", "N",
      "Samples a pixel, any number, over all of it (or its centre with --aa 1); with --sampler "
-     "sobol, "
-     "instead of --aa and --lens-samples",
+     "sobol, instead of --aa and --lens-samples",
      +[](Options& o) -> int& { return o.samples; }, 1, kMaxSamples},
     {"sampler", "NAME",
      "Where the samples go: jitter, random points in equal cells, or sobol, a scrambled Sobol "
      "sequence, even after any number of samples (default: jitter; sobol with --samples)",
-     parse_sampler},
+     parse_sampler, 0, 0, sampler_text},
     {"depth", "N", "Levels of rays; the eye ray is level 1 (default: 5)",
      +[](Options& o) -> int& { return o.depth; }, 1, kMaxDepth},
     {"one-sided", "", "Opaque surfaces are seen from outside only, as the NFF text has it",
@@ -131,10 +146,11 @@ constexpr auto kTable = std::to_array<OptionSpec>({
      "not between their edges",
      +[](Options& o) -> bool& { return o.angle_to_centers; }},
     {"threads", "N", "Threads; the picture is the same for any number (default: one a core)",
-     +[](Options& o) -> int& { return o.threads; }, 1, 4096},
-    {"seed", "N", "Chooses the random points of all effects (default: 0)", parse_seed},
+     +[](Options& o) -> int& { return o.threads; }, 1, 4096, nullptr, false},
+    {"seed", "N", "Chooses the random points of all effects (default: 0)", parse_seed, 0, 0,
+     seed_text},
     {"counters", "", "Count tests and steps for --stats; costs some time",
-     +[](Options& o) -> bool& { return o.accel.counters; }},
+     +[](Options& o) -> bool& { return o.accel.counters; }, 0, 0, nullptr, false},
 });
 
 template <class T>
@@ -180,6 +196,28 @@ std::expected<void, std::string> set_option(RenderOptions& options, const Option
   return std::visit(Set{options, spec, text}, spec.value);
 }
 
+std::string option_text(const RenderOptions& options, const OptionSpec& spec) {
+  RenderOptions o = options;  // which the table's functions may change
+  struct Text {
+    RenderOptions& o;
+    const OptionSpec& spec;
+
+    std::string operator()(bool& (*value)(RenderOptions&)) { return value(o) ? "true" : ""; }
+    std::string operator()(std::optional<bool>& (*value)(RenderOptions&)) {
+      return value(o) ? *value(o) ? "true" : "false" : "";
+    }
+    std::string operator()(int& (*value)(RenderOptions&)) {
+      return value(o) == 0 ? "" : fmt::format("{}", value(o));
+    }
+    // With as many digits as read back to the same number.
+    std::string operator()(float& (*value)(RenderOptions&)) {
+      return value(o) == 0 ? "" : fmt::format("{}", value(o));
+    }
+    std::string operator()(OptionSpec::Parse) const { return spec.text(o); }
+  };
+  return std::visit(Text{o, spec}, spec.value);
+}
+
 std::string option_conflict(const RenderOptions& options, const Scene* scene) {
   const AccelOptions& accel = options.accel;
   const bool resolution = accel.grid_resolution[0] > 0, factor = accel.grid_factor > 0;
@@ -214,8 +252,7 @@ std::string option_conflict(const RenderOptions& options, const Scene* scene) {
   if (!scene) return {};
   if (o.samples > 1 && !*o.dof && !o.soft_shadows && o.aa == 1)
     return "--samples has no effect with --aa 1 alone; add --dof or --soft-shadows, or leave one "
-           "of "
-           "them out";
+           "of them out";
   if (o.lens_samples > 1 && !*o.dof && !o.soft_shadows && o.aa == 1)
     return "--lens-samples has no effect without --dof, --soft-shadows or --aa; add one of them or "
            "leave --lens-samples out";

@@ -42,9 +42,7 @@ struct RenderOptions {
   int samples_per_pixel() const { return samples > 0 ? samples : aa * aa * lens_samples; }
 };
 
-inline constexpr int kMaxDepth =
-    32;  // a place in the ray tree is a 32-bit number (render/sampler.h)
-
+inline constexpr int kMaxDepth = 32;  // a place in the ray tree has 32 bits (render/sampler.h)
 inline constexpr int kMaxSamples = 1 << 24;  // of a pixel; the sampler numbers them in 32 bits
 
 /// Why the options do not go together: one that was given and would have no effect beside the
@@ -68,6 +66,11 @@ struct OptionSpec {
       value;
   double least = 0, most = 0;  // of a number
 
+  /// For a value that is parsed: its text, empty where none is given.
+  std::string (*text)(const RenderOptions&) = nullptr;
+
+  bool of_picture = true;  // a picture depends on it
+
   bool is_switch() const { return value_name.empty(); }
 };
 
@@ -78,6 +81,9 @@ std::span<const OptionSpec> render_option_table();
 /// what is accepted.
 std::expected<void, std::string> set_option(RenderOptions& options, const OptionSpec& spec,
                                             std::string_view text);
+
+/// The value of an option as set_option() takes it; empty where it is not given.
+std::string option_text(const RenderOptions& options, const OptionSpec& spec);
 
 /// The names of a structure and of a sampler as on the command line.
 std::string_view accel_name(AccelKind kind);

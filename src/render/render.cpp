@@ -6,14 +6,17 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <chrono>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "base/memory.h"
 #include "render/classic.h"
 
 namespace raio {
+
 void on_threads(int threads, const std::function<void()>& work) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, size_t(threads));
   tbb::task_arena(threads).execute(work);
@@ -42,29 +45,106 @@ std::expected<std::unique_ptr<Film>, std::string> make_film(const Scene& scene,
                                 radiance_bound(scene, options.depth));
 }
 
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// One call of render().
+class Work {
+ public:
+  Work(const ClassicScene& scene, Film& film, RenderControl& control, const RenderTask& task)
+      : film_(film),
+        control_(control),
+        threads_(scene.options.threads),
+        target_(task.samples > 0 ? task.samples : scene.sampler.samples),
+        seconds_(task.seconds),
+        tracers_([&scene, &control] { return make_classic_tracer(scene, control); }) {
+    uint64_t total = 0;
+    for (size_t t = task.shard; t < film.tiles(); t += task.shards)
+      if (const uint32_t done = film.samples(t); done < target_)
+        tiles_.push_back(t), total += target_ - done;
+    control.rays_done = 0, control.work_done = 0;
+    control.work_total = total;
+  }
+
+  /// Whether all is done.
+  bool run() { return seconds_ > 0 ? run_in_time() : add_up_to(target_); }
+
+ private:
+  bool late() const { return seconds_ > 0 && seconds_since(start_) >= seconds_; }
+  bool ended() const { return control_.stop || late(); }
+
+  // Whether all tiles have so many samples now. A tile gets its samples in portions, so that what
+  // is in the film is never far behind.
+  bool add_up_to(uint32_t samples) {
+    constexpr uint32_t kPortion = 64;
+    on_threads(threads_, [&] {
+      tbb::parallel_for(size_t(0), tiles_.size(), [&](size_t i) {
+        const size_t tile = tiles_[i];
+        for (uint32_t n; (n = film_.samples(tile)) < samples && !ended();)
+          tracers_.local()->render(tile, std::min(n + kPortion, samples), film_);
+      });
+    });
+    return samples_of_all().first >= samples;
+  }
+
+  // Pass by pass, each half as large as all before it, and the last as large as there is time for.
+  bool run_in_time() {
+    auto [whole, most] = samples_of_all();
+    uint32_t next = std::max(most, whole + 1);  // evens out what was begun
+    std::vector<TileSamples> before;
+    for (double a_sample = 0; whole < target_;) {
+      before.clear();
+      for (const size_t t : tiles_) before.push_back(film_.copy(t));
+      const auto pass_start = Clock::now();
+      if (!add_up_to(next)) {
+        // A tile that is ahead of others has samples that not all of them have.
+        if (!control_.stop && whole > 0)
+          for (size_t i = 0; i < tiles_.size(); ++i) film_.replace(tiles_[i], before[i]);
+        return false;
+      }
+      a_sample = seconds_since(pass_start) / (next - whole);
+      whole = next;
+      const double fit = 0.9 * (seconds_ - seconds_since(start_)) / std::max(a_sample, 1e-9);
+      if (fit < 1) break;
+      const uint32_t grown = std::min(target_ - whole, std::max(1u, whole / 2));
+      next = whole + uint32_t(std::min(double(grown), fit));
+    }
+    return whole >= target_;
+  }
+
+  // Of the task's tiles: the fewest samples that one has, and the most.
+  std::pair<uint32_t, uint32_t> samples_of_all() const {
+    uint32_t fewest = target_, most = 0;
+    for (const size_t t : tiles_) {
+      fewest = std::min(fewest, film_.samples(t));
+      most = std::max(most, film_.samples(t));
+    }
+    return {fewest, most};
+  }
+
+  Film& film_;
+  RenderControl& control_;
+  int threads_;
+  uint32_t target_;
+  double seconds_;
+  Clock::time_point start_ = Clock::now();
+  std::vector<size_t> tiles_;  // that lack samples
+  tbb::enumerable_thread_specific<std::unique_ptr<ClassicTracer>> tracers_;
+};
+
+}  // namespace
+
 RenderResult render(const Scene& scene, const Accel& accel, const RenderOptions& options,
                     Film& film, RenderControl& control, const RenderTask& task) {
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   const ClassicScene classic(scene, accel, options);
-  const uint32_t target = task.samples > 0 ? task.samples : classic.sampler.samples;
-
-  std::vector<size_t> tiles;
-  uint64_t work = 0;
-  for (size_t t = task.shard; t < film.tiles(); t += task.shards)
-    if (const uint32_t done = film.samples(t); done < target)
-      tiles.push_back(t), work += target - done;
-  control.rays_done = 0, control.work_done = 0;
-  control.work_total = work;
-
-  tbb::enumerable_thread_specific<std::unique_ptr<ClassicTracer>> tracers(
-      [&] { return make_classic_tracer(classic, control); });
-  on_threads(options.threads, [&] {
-    tbb::parallel_for(size_t(0), tiles.size(), [&](size_t i) {
-      if (!control.stop) tracers.local()->render(tiles[i], target, film);
-    });
-  });
-  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-  return {!control.stop, elapsed.count()};
+  const bool finished = Work(classic, film, control, task).run();
+  return {finished, seconds_since(start)};
 }
 
 }  // namespace raio

@@ -26,10 +26,11 @@ struct RenderControl {
 struct RenderTask {
   uint32_t samples = 0;            // each pixel shall have so many; 0: all that the options say
   uint32_t shard = 0, shards = 1;  // only the tiles whose number is `shard` modulo `shards`
+  double seconds = 0;              // not much longer than this; 0: as long as it takes
 };
 
 struct RenderResult {
-  bool finished = false;  // all of the task is done: nobody said stop
+  bool finished = false;  // all of the task is done: nobody said stop, and the time sufficed
   double seconds = 0;
 };
 
@@ -48,6 +49,10 @@ std::expected<std::unique_ptr<Film>, std::string> make_film(const Scene& scene,
 /// Adds what the film lacks. Told to stop it ends soon, and what it has done by then is in the
 /// film: the same call goes on from there, to the same bytes. More samples than a film has can be
 /// added where the sampler deals them without regard to their number (SamplerKind::sobol).
+///
+/// With a limit of time it goes over all tiles pass by pass, and what is in the film at the end is
+/// whole passes: all tiles have the same number of samples, unless not even the first of them, or
+/// what the film had begun before, could be finished.
 RenderResult render(const Scene& scene, const Accel& accel, const RenderOptions& options,
                     Film& film, RenderControl& control, const RenderTask& task = {});
 

@@ -110,6 +110,10 @@ Box3f bounds(const Scene& scene);
 /// The sum of the sizes of the pools, in bytes.
 size_t memory_bytes(const Scene& scene);
 
+/// A name of all that a picture can depend on, 32 hexadecimal digits: the same for two files that
+/// differ in comments, spelling or name only. `hither` does not count.
+std::string content_hash(const Scene& scene);
+
 /// What makes a scene unfit for rendering, one sentence each, naming the element by its index;
 /// empty for a sound scene. Readers report the same with line and column before it comes to this;
 /// scenes made in code meet it first. Checks that all numbers are finite, sizes positive, indices

@@ -1,0 +1,45 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "app/commands.h"
+#include "app/output.h"
+#include "app/terminal.h"
+#include "render/part.h"
+
+namespace raio::app {
+
+int run(const MergeCommand& command) {
+  const StopOnSignal stop;
+  const std::string& output = command.output;
+  const bool to_part = is_part_path(output);
+  if (const auto format = image_format(output); !to_part && !format) return fail(format.error());
+  if (const auto writable = check_writable(output); !writable) return fail(writable.error());
+
+  std::vector<NamedPart> parts;
+  uint32_t shards = 1;
+  for (const std::string& path : command.parts) {
+    auto part = read_part(path);
+    if (!part) return fail(part.error());
+    shards = std::max(shards, part->header.shards);
+    parts.push_back({path, std::move(*part)});
+  }
+  const auto merged = merge_parts(parts);
+  if (!merged) return bad_input(merged.error());
+  const std::string missing = missing_tiles(*merged, shards);
+  if (!missing.empty() && !to_part)
+    return bad_input(missing + "; add the parts that have them, or merge to a part (-o NAME.raio)");
+
+  const auto written = to_part
+                           ? write_part(output, merged->header, *merged->film)
+                           : write_image(merged->film->resolve(), output, merged->header.settings);
+  if (!written) return fail(written.error());
+  if (!command.quiet)
+    print_line(fmt::format("{}: {}x{}, {} part{}{}",
+                           is_standard_output(output) ? "picture" : output, merged->film->width(),
+                           merged->film->height(), parts.size(), parts.size() == 1 ? "" : "s",
+                           missing.empty() ? "" : ", " + missing));
+  return kDone;
+}
+
+}  // namespace raio::app

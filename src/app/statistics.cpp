@@ -1,0 +1,83 @@
+#include "app/statistics.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "app/terminal.h"
+#include "io/file.h"
+
+namespace raio::app {
+namespace {
+
+double rays_per_s(const Made& made) {
+  return double(made.rays.total() - made.rays_before) / std::max(made.times.render, 1e-9);
+}
+
+}  // namespace
+
+Json statistics(const Made& made) {
+  const auto& [scene, o, accel, times, rays, rays_before, samples] = made;
+  Json primitives;
+  const auto counts = count_primitives(scene);
+  for (const ShapeKind kind : {ShapeKind::sphere, ShapeKind::triangle, ShapeKind::polygon,
+                               ShapeKind::cone, ShapeKind::cylinder, ShapeKind::plane})
+    primitives[std::string(kShapeKindNames[size_t(kind)])] = counts[size_t(kind)];
+  Json json = {
+      {"version", RAIO_VERSION},
+      {"scene", scene.name},
+      {"resolution", {o.width, o.height}},
+      {"samples_per_pixel", samples},
+      {"seed", o.seed},
+      {"threads", o.threads},
+      {"depth", o.depth},
+      {"effects", {{"aa", o.aa}, {"soft_shadows", o.soft_shadows}, {"dof", *o.dof}}},
+      {"primitives", primitives},
+      {"lights", scene.lights.size()},
+      {"materials", scene.materials.size()},
+      {"accelerator",
+       {{"name", accel.name},
+        {"bytes", accel.bytes},
+        {"cells", accel.cells},
+        {"references", accel.references}}},
+      {"time_s",
+       {{"load", times.load},
+        {"build", times.build},
+        {"render", times.render},
+        {"write", times.write},
+        {"total", times.total}}},
+      {"peak_memory_bytes", peak_memory_bytes()},
+      {"rays",
+       {{"eye", rays.eye},
+        {"eye_hits", rays.eye_hits},
+        {"reflection", rays.reflection},
+        {"refraction", rays.refraction},
+        {"shadow", rays.shadow},
+        {"shadow_hits", rays.shadow_hits},
+        {"total", rays.total()}}},
+      {"rays_per_s", rays_per_s(made)},
+  };
+  if (o.accel.counters) {
+    const double total = double(std::max<uint64_t>(1, rays.total()));
+    json["per_ray"] = {{"tests", double(rays.tests) / total},
+                       {"steps", double(rays.steps) / total}};
+  }
+  return json;
+}
+
+std::string summary(const std::string& output, const Made& made) {
+  const RenderOptions& o = made.options;
+  const Times& times = made.times;
+  const auto wanted = uint32_t(o.samples_per_pixel());
+  const std::string samples = made.samples == wanted
+                                  ? fmt::format("{}", wanted)
+                                  : fmt::format("{} of {}", made.samples, wanted);
+  return fmt::format(
+      "{}: {}x{}, {} {} a pixel, {}: load {}, build {}, render {} ({}rays/s), write {}",
+      is_standard_output(output) ? "picture" : output, o.width, o.height, samples,
+      wanted == 1 ? "sample" : "samples", made.accel.name, human_seconds(times.load),
+      human_seconds(times.build), human_seconds(times.render), human_count(rays_per_s(made)),
+      human_seconds(times.write));
+}
+
+}  // namespace raio::app

@@ -1,0 +1,227 @@
+#include "render/part.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+#include <zlib.h>
+
+#include <bit>
+#include <cmath>
+#include <new>
+#include <vector>
+
+#include "base/hash.h"
+#include "render/render.h"
+
+namespace raio {
+namespace {
+
+constexpr std::string_view kMagic = "RAIOPART";
+constexpr uint32_t kFormat = 1;
+constexpr size_t kHashBytes = 16;
+
+// Numbers have the lowest byte first.
+template <class T>
+void put(std::string& out, T value) {
+  for (size_t i = 0; i < sizeof value; ++i) out += char(uint64_t(value) >> 8 * i & 255);
+}
+
+void put_text(std::string& out, std::string_view text) {
+  put(out, uint32_t(text.size()));
+  out += text;
+}
+
+void put_hash(std::string& out, const Hash128& hash) {
+  put(out, hash.first);
+  put(out, hash.second);
+}
+
+constexpr std::array kRayCounts = {
+    &RayCounts::eye,    &RayCounts::eye_hits,    &RayCounts::reflection, &RayCounts::refraction,
+    &RayCounts::shadow, &RayCounts::shadow_hits, &RayCounts::tests,      &RayCounts::steps};
+
+// All lowest bytes, then all second ones, and so on: the upper ones are alike, as deflate likes it.
+std::string to_planes(std::span<const int64_t> sums) {
+  std::string planes(sums.size() * 8, '\0');
+  for (size_t plane = 0; plane < 8; ++plane)
+    for (size_t i = 0; i < sums.size(); ++i)
+      planes[plane * sums.size() + i] = char(uint64_t(sums[i]) >> 8 * plane & 255);
+  return planes;
+}
+
+std::vector<int64_t> from_planes(std::string_view planes) {
+  std::vector<int64_t> sums(planes.size() / 8);
+  for (size_t plane = 0; plane < 8; ++plane)
+    for (size_t i = 0; i < sums.size(); ++i)
+      sums[i] |= int64_t(uint64_t(uint8_t(planes[plane * sums.size() + i])) << 8 * plane);
+  return sums;
+}
+
+// Without its samples a tile is its zero alone. What deflate cannot make smaller stays as it is.
+std::string encode_tile(const TileSamples& tile) {
+  std::string out;
+  put(out, tile.samples);
+  if (tile.samples == 0) return out;
+  for (const auto count : kRayCounts) put(out, tile.rays.*count);
+  const std::string planes = to_planes(tile.sums);
+  std::string packed(compressBound(planes.size()), '\0');
+  uLongf size = packed.size();
+  const int done = compress2(reinterpret_cast<Bytef*>(packed.data()), &size,
+                             reinterpret_cast<const Bytef*>(planes.data()), planes.size(), 1);
+  packed.resize(size);
+  put_text(out, done == Z_OK && size < planes.size() ? packed : planes);
+  return out;
+}
+
+/// Takes from the front; after the end all is zero and `ended` is set.
+class Taker {
+ public:
+  explicit Taker(std::string_view bytes) : left_(bytes) {}
+
+  template <class T>
+  T number() {
+    const std::string_view bytes = take(sizeof(T));
+    uint64_t value = 0;
+    for (size_t i = bytes.size(); i-- > 0;) value = value << 8 | uint8_t(bytes[i]);
+    return T(value);
+  }
+  std::string_view text() { return take(number<uint32_t>()); }
+  std::string_view take(size_t count) {
+    if (count > left_.size()) {
+      ended = true;
+      left_ = {};
+      return {};
+    }
+    const std::string_view taken = left_.substr(0, count);
+    left_.remove_prefix(count);
+    return taken;
+  }
+  size_t left() const { return left_.size(); }
+
+  bool ended = false;
+
+ private:
+  std::string_view left_;
+};
+
+// The sums of a tile with so many values; nothing when the bytes do not hold them.
+std::vector<int64_t> decode_sums(std::string_view bytes, size_t count) {
+  if (bytes.size() == count * 8) return from_planes(bytes);
+  std::string planes(count * 8, '\0');
+  uLongf size = planes.size();
+  const int done = uncompress(reinterpret_cast<Bytef*>(planes.data()), &size,
+                              reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
+  if (done != Z_OK || size != planes.size()) return {};
+  return from_planes(planes);
+}
+
+// What is wrong with the tile, or nothing.
+std::string take_tile(Taker& bytes, size_t index, const PartHeader& header, Film& film) {
+  TileSamples tile;
+  tile.samples = bytes.number<uint32_t>();
+  if (tile.samples == 0) return {};
+  if (tile.samples > uint32_t(kMaxSamples)) return fmt::format("{} samples", tile.samples);
+  if (index % header.shards != header.shard) return "not of the shard";
+  for (const auto count : kRayCounts) tile.rays.*count = bytes.number<uint64_t>();
+  const Tile place = film.tile(index);
+  tile.sums =
+      decode_sums(bytes.text(), size_t(place.x1 - place.x0) * size_t(place.y1 - place.y0) * 3);
+  if (tile.sums.empty()) return "not as many sums as it has pixels";
+  const double most = tile.samples * (film.bound() * film.scale() + 1);
+  for (const int64_t sum : tile.sums)
+    if (!(std::abs(double(sum)) <= most)) return "a sum beyond what its samples can bring";
+  film.replace(index, tile);
+  return {};
+}
+
+}  // namespace
+
+bool is_part_path(const std::filesystem::path& path) { return path.extension() == ".raio"; }
+
+std::string encode_part(const PartHeader& header, const Film& film) {
+  std::string out(kMagic);
+  put(out, kFormat);
+  for (const int side : {film.width(), film.height(), film.tile_side()}) put(out, uint32_t(side));
+  put(out, std::bit_cast<uint64_t>(film.bound()));
+  put(out, header.shard);
+  put(out, header.shards);
+  put(out, uint32_t(header.settings.size()));
+  for (const auto& [key, value] : header.settings) put_text(out, key), put_text(out, value);
+
+  std::vector<std::string> tiles(film.tiles());
+  tbb::parallel_for(size_t(0), tiles.size(),
+                    [&](size_t t) { tiles[t] = encode_tile(film.copy(t)); });
+  size_t bytes = out.size() + kHashBytes;
+  for (const std::string& tile : tiles) bytes += tile.size();
+  out.reserve(bytes);
+  for (std::string& tile : tiles) out += std::exchange(tile, {});
+  put_hash(out, hash128(out));
+  return out;
+}
+
+std::expected<void, FileError> write_part(const std::filesystem::path& path,
+                                          const PartHeader& header, const Film& film) try {
+  return write_file(path, encode_part(header, film), Until::on_disk);
+} catch (const std::bad_alloc&) {
+  return std::unexpected(write_error(path, "not enough memory"));
+}
+
+std::expected<Part, std::string> decode_part(std::string_view file) {
+  const auto broken = [](std::string why) {
+    return std::unexpected("broken part file: " + std::move(why));
+  };
+  if (!file.starts_with(kMagic)) return std::unexpected("it is no part file of Raio's");
+  Taker bytes(file);
+  bytes.take(kMagic.size());
+  if (const auto format = bytes.number<uint32_t>(); format != kFormat)
+    return std::unexpected(fmt::format("a part file of format {}, not {}", format, kFormat));
+  if (bytes.left() < kHashBytes) return broken("it ends early");
+  std::string hash;
+  put_hash(hash, hash128(file.substr(0, file.size() - kHashBytes)));
+  if (!file.ends_with(hash)) return broken("its bytes are not those that were written");
+  bytes = Taker(file.substr(0, file.size() - kHashBytes));
+  bytes.take(kMagic.size() + sizeof kFormat);
+
+  Part part;
+  PartHeader& header = part.header;
+  const auto width = bytes.number<uint32_t>(), height = bytes.number<uint32_t>();
+  const auto tile_side = bytes.number<uint32_t>();
+  const auto bound = std::bit_cast<double>(bytes.number<uint64_t>());
+  header.shard = bytes.number<uint32_t>(), header.shards = bytes.number<uint32_t>();
+  for (auto count = bytes.number<uint32_t>(); count > 0 && !bytes.ended; --count) {
+    const std::string_view key = bytes.text();
+    header.settings.emplace_back(key, bytes.text());
+  }
+  if (bytes.ended) return broken("it ends early");
+  const auto options = options_from(header.settings);
+  if (!options) return broken(options.error());
+  if (width != uint32_t(options->width) || height != uint32_t(options->height) || width == 0)
+    return broken("its size is not that of its settings");
+  if (tile_side == 0 || tile_side % 8 != 0 || tile_side > uint32_t(kTileSide))
+    return broken(fmt::format("tiles of {} pixels", tile_side));
+  if (!(bound >= 1e-30 && bound <= 1e38)) return broken("no bound of its samples");
+  if (header.shard >= header.shards) return broken("no such shard");
+  // Each tile takes four bytes at least, so that no short file asks for the memory of a large film.
+  const uint64_t tiles = uint64_t((width - 1) / tile_side + 1) * ((height - 1) / tile_side + 1);
+  if (tiles > bytes.left() / 4) return broken("it ends early");
+  if (std::string why = picture_problem(int(width), int(height)); !why.empty())
+    return std::unexpected(std::move(why));
+
+  part.film = std::make_unique<Film>(int(width), int(height), bound, int(tile_side));
+  for (size_t t = 0; t < tiles; ++t)
+    if (const std::string wrong = take_tile(bytes, t, header, *part.film); !wrong.empty())
+      return broken(fmt::format("tile {}: {}", t, wrong));
+  if (bytes.ended || bytes.left() > 0) return broken("it does not end where its tiles do");
+  return part;
+}
+
+std::expected<Part, FileError> read_part(const std::filesystem::path& path) try {
+  const auto bytes = read_file(path, size_t(1) << 38);
+  if (!bytes) return std::unexpected(bytes.error());
+  auto part = decode_part(*bytes);
+  if (!part) return std::unexpected(read_error(path, part.error()));
+  return std::move(*part);
+} catch (const std::bad_alloc&) {
+  return std::unexpected(read_error(path, "not enough memory"));
+}
+
+}  // namespace raio

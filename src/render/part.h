@@ -1,0 +1,63 @@
+// Part files (.raio): a film, whole or not, with all that decides its picture, so that it can be
+// gone on with elsewhere and later. A checkpoint is one, a shard, a picture to which samples may be
+// added. docs/long-renders.md has their layout.
+#pragma once
+
+#include <expected>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "io/file.h"
+#include "render/film.h"
+#include "render/provenance.h"
+
+namespace raio {
+
+struct PartHeader {
+  Metadata settings;               // settings_of() the picture
+  uint32_t shard = 0, shards = 1;  // which tiles are here, as in RenderTask
+};
+
+struct Part {
+  PartHeader header;
+  std::unique_ptr<Film> film;
+};
+
+/// Whether the name says that the file is one.
+bool is_part_path(const std::filesystem::path& path);
+
+/// The film as it is at some moment while others may add to it: each tile is whole.
+std::string encode_part(const PartHeader& header, const Film& film);
+std::expected<void, FileError> write_part(const std::filesystem::path& path,
+                                          const PartHeader& header, const Film& film);
+
+/// The file need not be trusted: what comes back is a sound film of the size that its settings say.
+/// The error of decode_part is the reason alone.
+std::expected<Part, std::string> decode_part(std::string_view file);
+std::expected<Part, FileError> read_part(const std::filesystem::path& path);
+
+/// How many samples the tiles of a part have, of those that its shard is about.
+struct SampleRange {
+  uint32_t fewest = 0, most = 0;
+};
+SampleRange samples_of(const Part& part);
+
+/// A part with its name, for messages.
+struct NamedPart {
+  std::string name;
+  Part part;
+};
+
+/// All of them in the film of the first, to the same bytes as if one render had made them. The
+/// error says what does not fit together: settings that differ, parts that are not finished, tiles
+/// that two have.
+std::expected<Part, std::string> merge_parts(std::span<NamedPart> parts);
+
+/// Which tiles a part lacks, in the words of the shards that it was made of; nothing when it has
+/// all. `shards`: into how many the picture was split.
+std::string missing_tiles(const Part& part, uint32_t shards);
+
+}  // namespace raio

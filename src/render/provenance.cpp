@@ -1,0 +1,77 @@
+#include "render/provenance.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace raio {
+namespace {
+
+// Names of settings have no dashes.
+std::string key_of(const OptionSpec& spec) {
+  std::string key(spec.name);
+  std::ranges::replace(key, '-', '_');
+  return key;
+}
+
+}  // namespace
+
+Metadata settings_of(const Scene& scene, const RenderOptions& options) {
+  RenderOptions o = options;
+  if (!*o.dof) o.aperture = o.focus = 0;  // resolved, and without effect
+  Metadata settings = {
+      {"version", RAIO_VERSION}, {"scene", scene.name}, {"scene_hash", content_hash(scene)}};
+  for (const OptionSpec& spec : render_option_table()) {
+    if (!spec.of_picture) continue;
+    if (std::string text = option_text(o, spec); !text.empty())
+      settings.emplace_back(key_of(spec), std::move(text));
+  }
+  return settings;
+}
+
+std::string_view setting(const Metadata& settings, std::string_view key) {
+  const auto found = std::ranges::find(settings, key, &Metadata::value_type::first);
+  return found == settings.end() ? std::string_view() : found->second;
+}
+
+std::expected<RenderOptions, std::string> options_from(const Metadata& settings) {
+  if (setting(settings, "version").empty() || setting(settings, "scene_hash").empty())
+    return std::unexpected("it has no settings of Raio's");
+  const auto table = render_option_table();
+  RenderOptions options;
+  for (const auto& [key, text] : settings) {
+    if (key == "version" || key == "scene" || key == "scene_hash" || key == "samples_done")
+      continue;
+    const auto spec = std::ranges::find(table, key, key_of);
+    if (spec == table.end() || !spec->of_picture)
+      return std::unexpected(fmt::format("its setting {} is unknown here", key));
+    if (const auto set = set_option(options, *spec, text); !set)
+      return std::unexpected(fmt::format("its setting {}: {}", key, set.error()));
+  }
+  if (std::string why = option_conflict(options); !why.empty())
+    return std::unexpected("its settings do not go together: " + why);
+  return options;
+}
+
+std::string difference(const Metadata& a, const Metadata& b) {
+  // What comes from the scene then differs, too.
+  if (setting(a, "scene_hash") != setting(b, "scene_hash")) return "the scene is another";
+  std::string out;
+  const auto add = [&](const std::string& what) { out += (out.empty() ? "" : "; ") + what; };
+  if (const auto in_a = setting(a, "version"), in_b = setting(b, "version"); in_a != in_b)
+    add(fmt::format("made by Raio {}, not {}", in_a, in_b));
+  for (const OptionSpec& spec : render_option_table()) {
+    const std::string key = key_of(spec);
+    const std::string_view in_a = setting(a, key), in_b = setting(b, key);
+    const auto given = [&](std::string_view text) { return !text.empty() && text != "false"; };
+    if (in_a == in_b || (!given(in_a) && !given(in_b))) continue;
+    const std::string value = spec.is_switch() ? "" : " " + std::string(in_a);
+    if (given(in_a))
+      add(fmt::format("--{}{}, not {}", spec.name, value, given(in_b) ? in_b : "without it"));
+    else
+      add(fmt::format("without --{}, not {}", spec.name, spec.is_switch() ? "with it" : in_b));
+  }
+  return out;
+}
+
+}  // namespace raio

@@ -1,0 +1,31 @@
+// What a picture was made of, as the names and texts that pictures and part files keep: the version
+// of Raio, the scene's name and hash, and every option that the picture depends on. Nothing that
+// may differ between equal pictures (time, machine, threads).
+#pragma once
+
+#include <expected>
+#include <string>
+#include <string_view>
+
+#include "io/image.h"
+#include "render/options.h"
+
+namespace raio {
+
+/// The settings of a picture, for pictures (write_image) and part files (render/part.h); the
+/// options are resolved. Switches that are off and numbers that played no part are left out.
+Metadata settings_of(const Scene& scene, const RenderOptions& options);
+
+/// The value of a setting; empty when it is not there.
+std::string_view setting(const Metadata& settings, std::string_view key);
+
+/// The options in the settings that a picture or a part file brought. They need not be trusted; the
+/// error is a sentence about them. That they are resolved does not harm: resolving them again for
+/// the same scene changes nothing.
+std::expected<RenderOptions, std::string> options_from(const Metadata& settings);
+
+/// How the settings differ that decide a picture, as in "--aa 2, not 3; without --samples, not 7"
+/// with the values of `a` and `b`; empty when they do not. The scene's name does not count.
+std::string difference(const Metadata& a, const Metadata& b);
+
+}  // namespace raio

@@ -1,0 +1,381 @@
+// Part files, merging, and what must never change a picture that is made in several goes.
+#include "render/part.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <random>
+
+#include "base/hash.h"
+#include "io/nff.h"
+#include "render/classic.h"
+#include "render/render.h"
+#include "scenes.h"
+#include "temporary_folder.h"
+
+namespace raio {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::random_scene;
+
+bool same_bytes(const Image& a, const Image& b) {
+  return a.pixels.size() == b.pixels.size() &&
+         std::memcmp(a.pixels.data(), b.pixels.data(), a.pixels.size() * sizeof(Rgb)) == 0;
+}
+
+bool same_film(const Film& a, const Film& b) {
+  if (a.tiles() != b.tiles()) return false;
+  for (size_t t = 0; t < a.tiles(); ++t)
+    if (a.copy(t) != b.copy(t)) return false;
+  return true;
+}
+
+/// A scene with its structure, to render parts of.
+struct Studio {
+  Scene scene;
+  RenderOptions options;  // resolved
+  std::unique_ptr<Accel> accel;
+
+  explicit Studio(RenderOptions wish, Scene of = random_scene(60, 5)) : scene(std::move(of)) {
+    wish.width = 100, wish.height = 70;
+    wish.soft_shadows = true, wish.dof = true;
+    if (wish.threads == 0) wish.threads = 2;
+    options = resolve_options(wish, scene);
+    accel = *build_accel(scene, options.accel);
+  }
+
+  void add_to(Film& film, const RenderTask& task = {}) const {
+    RenderControl control;
+    EXPECT_TRUE(render(scene, *accel, options, film, control, task).finished);
+  }
+  Part part(const RenderTask& task = {}, int tile_side = kTileSide) const {
+    Part out{{settings_of(scene, options), task.shard, task.shards},
+             std::make_unique<Film>(options.width, options.height,
+                                    radiance_bound(scene, options.depth), tile_side)};
+    add_to(*out.film, task);
+    return out;
+  }
+};
+
+RenderOptions jittered() {
+  RenderOptions o;
+  o.aa = 2, o.lens_samples = 2;
+  return o;
+}
+
+RenderOptions sobol(int samples) {
+  RenderOptions o;
+  o.samples = samples;
+  return o;
+}
+
+TEST(Hash, IsTheKnownOne) {
+  EXPECT_EQ(hex(hash128("")), "00000000000000000000000000000000");
+  // By the author's own program, with seed 0.
+  EXPECT_EQ(hex(hash128("hello")), "cbd8a7b341bd9b025b1e906a48ae1d19");
+  EXPECT_EQ(hex(hash128("The quick brown fox jumps over the lazy dog")),
+            "e34bbc7bbc071b6c7a433ca9c49a9347");
+}
+
+TEST(ContentHash, FollowsWhatThePictureDependsOn) {
+  const Scene scene = random_scene(40, 1);
+  const std::string hash = content_hash(scene);
+  Scene same = scene;
+  same.name = "other", same.camera.hither = 3;
+  EXPECT_EQ(content_hash(same), hash);
+  const auto changed = [&](auto change) {
+    Scene s = scene;
+    change(s);
+    return content_hash(s);
+  };
+  std::vector<std::string> hashes = {
+      hash,
+      changed([](Scene& s) { s.camera.up.x += 1; }),
+      changed([](Scene& s) { s.camera.lens_radius = 0.0f; }),
+      changed([](Scene& s) { s.camera.focus_distance = 0.0f; }),
+      changed([](Scene& s) { s.lights[1].color = Rgb(); }),
+      changed([](Scene& s) { s.materials[2].ior += 1e-6f; }),
+      changed([](Scene& s) { s.sphere_materials.back() ^= 1; }),
+      changed([](Scene& s) { std::swap(s.triangles[0][0], s.triangles[0][1]); }),
+      changed([](Scene& s) { s.polygons.pop_back(), s.polygon_materials.pop_back(); }),
+      changed([](Scene& s) { s.origin.y = 1; }),
+  };
+  std::ranges::sort(hashes);
+  EXPECT_EQ(std::ranges::adjacent_find(hashes), hashes.end());
+}
+
+TEST(Provenance, OptionsComeBack) {
+  const Scene scene = random_scene(10, 2);
+  RenderOptions wish;
+  wish.width = 31, wish.height = 17;
+  wish.accel.grid_factor = 2.25f;
+  wish.aa = 3, wish.soft_shadows = true, wish.light_size = 0.1f;
+  wish.dof = true, wish.focus = 3.3333333f, wish.depth = 7, wish.one_sided = true, wish.seed = 12;
+  for (const RenderOptions& o : {wish, RenderOptions(), sobol(7)}) {
+    const RenderOptions resolved = resolve_options(o, scene);
+    const Metadata settings = settings_of(scene, resolved);
+    const auto back = options_from(settings);
+    ASSERT_TRUE(back.has_value()) << back.error();
+    EXPECT_EQ(settings_of(scene, resolve_options(*back, scene)), settings);
+    EXPECT_EQ(back->aa, resolved.aa);
+    EXPECT_EQ(back->focus, *resolved.dof ? resolved.focus : 0);
+    EXPECT_EQ(back->seed, resolved.seed);
+  }
+  // What has a default of the program's is kept all the same: another version's may be another.
+  const Metadata plain = settings_of(scene, resolve_options({}, scene));
+  for (const char* key : {"version", "scene_hash", "size", "accel", "aa", "depth", "seed"})
+    EXPECT_NE(setting(plain, key), "") << key;
+  // Every option that a picture depends on can be kept.
+  for (const OptionSpec& spec : render_option_table())
+    EXPECT_TRUE(spec.text || !std::holds_alternative<OptionSpec::Parse>(spec.value)) << spec.name;
+}
+
+TEST(Provenance, RefusesWhatItDoesNotKnow) {
+  const auto error = [](Metadata settings) {
+    const auto options = options_from(settings);
+    return options ? "" : options.error();
+  };
+  const Metadata sound = {{"version", "1"}, {"scene_hash", "x"}};
+  const auto with = [&](std::string key, std::string text) {
+    Metadata m = sound;
+    m.emplace_back(std::move(key), std::move(text));
+    return m;
+  };
+  EXPECT_EQ(error(sound), "");
+  EXPECT_THAT(error({}), HasSubstr("no settings"));
+  EXPECT_THAT(error({{"version", "1"}}), HasSubstr("no settings"));
+  EXPECT_THAT(error(with("aa", "0")), HasSubstr("aa: expected"));
+  EXPECT_THAT(error(with("frobnicate", "1")), HasSubstr("frobnicate is unknown"));
+  EXPECT_THAT(error(with("threads", "1")), HasSubstr("threads is unknown"));
+  EXPECT_THAT(error(with("light_size", "1")), HasSubstr("do not go together"));
+}
+
+TEST(Provenance, DifferencesAreNamed) {
+  const Scene scene = random_scene(10, 2);
+  const auto with = [&](auto change) {
+    RenderOptions o;
+    change(o);
+    return settings_of(scene, resolve_options(o, scene));
+  };
+  const Metadata plain = with([](RenderOptions&) {});
+  EXPECT_EQ(difference(plain, plain), "");
+  const Metadata two = with([](RenderOptions& o) { o.aa = 2, o.depth = 7; });
+  EXPECT_EQ(difference(plain, two), "--aa 1, not 2; --depth 5, not 7");
+  EXPECT_EQ(difference(two, plain), "--aa 2, not 1; --depth 7, not 5");
+  const Metadata soft = with([](RenderOptions& o) { o.soft_shadows = true; });
+  EXPECT_EQ(difference(plain, soft), "without --soft-shadows, not with it");
+  EXPECT_EQ(difference(soft, plain), "--soft-shadows, not without it");
+  EXPECT_EQ(difference(plain, settings_of(random_scene(10, 3), resolve_options({}, scene))),
+            "the scene is another");
+}
+
+TEST(PartFile, ComesBack) {
+  for (const int samples : {1, 9}) {
+    const Studio studio(sobol(samples));
+    for (const RenderTask& task : {RenderTask{}, {.shard = 2, .shards = 5}}) {
+      Part part = studio.part(task);
+      const std::string bytes = encode_part(part.header, *part.film);
+      const auto back = decode_part(bytes);
+      ASSERT_TRUE(back.has_value()) << back.error();
+      EXPECT_EQ(back->header.settings, part.header.settings);
+      EXPECT_EQ(back->header.shard, task.shard);
+      EXPECT_EQ(back->header.shards, task.shards);
+      EXPECT_TRUE(same_film(*back->film, *part.film));
+      EXPECT_TRUE(same_bytes(back->film->resolve(), part.film->resolve()));
+      EXPECT_EQ(encode_part(back->header, *back->film), bytes);
+    }
+  }
+}
+
+TEST(PartFile, TilesWithoutSamplesCostFourBytes) {
+  const Studio studio(jittered());
+  const Part few = studio.part({.shard = 0, .shards = 1000});
+  Part none{few.header, std::make_unique<Film>(100, 70, 1.0)};
+  const std::string empty = encode_part(none.header, *none.film);
+  Part more{few.header, std::make_unique<Film>(100, 70, 1.0, 8)};
+  const size_t tiles = more.film->tiles() - none.film->tiles();
+  EXPECT_EQ(encode_part(more.header, *more.film).size(), empty.size() + 4 * tiles);
+}
+
+/// With a sound check sum, whatever became of it.
+std::string sealed(std::string bytes) {
+  const Hash128 hash = hash128(bytes);
+  for (const uint64_t half : {hash.first, hash.second})
+    for (int i = 0; i < 8; ++i) bytes += char(half >> 8 * i & 255);
+  return bytes;
+}
+
+TEST(PartFile, IsNotTrusted) {
+  const Studio studio(sobol(2));
+  const Part part = studio.part();
+  const std::string bytes = encode_part(part.header, *part.film);
+  const auto error = [](std::string_view b) {
+    const auto decoded = decode_part(b);
+    return decoded ? "" : decoded.error();
+  };
+  EXPECT_THAT(error(""), HasSubstr("no part file"));
+  EXPECT_THAT(error("RAIOPART"), HasSubstr("format 0"));
+  EXPECT_THAT(error(bytes + "x"), HasSubstr("not those that were written"));
+  std::string changed = bytes;
+  changed[bytes.size() / 2] ^= 1;
+  EXPECT_THAT(error(changed), HasSubstr("not those that were written"));
+  for (size_t size = 0; size < bytes.size(); size += 97)
+    EXPECT_NE(error(std::string_view(bytes).substr(0, size)), "");
+
+  // Whoever seals it again gets no further than an error or a sound film.
+  const std::string body = bytes.substr(0, bytes.size() - 16);
+  EXPECT_EQ(error(sealed(body)), "");
+  EXPECT_THAT(error(sealed(body + "x")), HasSubstr("does not end where"));
+  for (size_t size = 12; size < body.size(); size += 61)
+    EXPECT_NE(error(sealed(body.substr(0, size))), "") << size;
+  std::mt19937 rng(1);
+  for (int i = 0; i < 3000; ++i) {
+    std::string b = body;
+    const size_t most = i % 2 == 0 ? 400 : b.size();
+    for (size_t k = 1 + rng() % 3; k > 0; --k) b[rng() % most] = char(rng());
+    if (const auto decoded = decode_part(sealed(b))) decoded->film->resolve();
+  }
+}
+
+TEST(PartFile, HugeSizesInSmallFilesAreRefused) {
+  const Scene scene = random_scene(10, 1);
+  RenderOptions o = resolve_options({}, scene);
+  const Film film(o.width, o.height, 1.0);
+  Metadata settings = settings_of(scene, o);
+  const std::string bytes = encode_part({settings, 0, 1}, film);
+  ASSERT_TRUE(decode_part(bytes).has_value());
+  for (auto& [key, text] : settings)
+    if (key == "size") text = "1048576x1048576";
+  std::string huge = encode_part({settings, 0, 1}, film);
+  huge.resize(huge.size() - 16);
+  for (const size_t at : {12u, 16u}) huge.replace(at, 4, std::string("\0\0\x10\0", 4));
+  const auto decoded = decode_part(sealed(huge));
+  ASSERT_FALSE(decoded.has_value());
+  EXPECT_THAT(decoded.error(), HasSubstr("ends early"));
+}
+
+TEST(Merge, ShardsMakeTheWholePicture) {
+  for (const RenderOptions& wish : {jittered(), sobol(5)}) {
+    const Studio studio(wish);
+    const Part whole = studio.part();
+    for (const uint32_t shards : {1u, 2u, 3u, 12u, 20u}) {
+      std::vector<NamedPart> parts;
+      for (uint32_t i = shards; i-- > 0;)
+        parts.push_back({std::to_string(i), studio.part({.shard = i, .shards = shards})});
+      const auto merged = merge_parts(parts);
+      ASSERT_TRUE(merged.has_value()) << merged.error();
+      EXPECT_EQ(missing_tiles(*merged, shards), "");
+      EXPECT_EQ(encode_part(merged->header, *merged->film), encode_part(whole.header, *whole.film));
+    }
+  }
+}
+
+std::string merge_error(std::vector<NamedPart> parts) {
+  const auto merged = merge_parts(parts);
+  return merged ? "" : merged.error();
+}
+
+TEST(Merge, SaysWhatDoesNotFit) {
+  const Studio studio(sobol(5)), longer(sobol(6)), jitter(jittered());
+  const auto shard = [](const Studio& s, uint32_t i, uint32_t n) {
+    return NamedPart{"s" + std::to_string(i), s.part({.shard = i, .shards = n})};
+  };
+  const auto two = [](NamedPart a, NamedPart b) {
+    std::vector<NamedPart> parts;
+    parts.push_back(std::move(a)), parts.push_back(std::move(b));
+    return merge_error(std::move(parts));
+  };
+  EXPECT_THAT(two(shard(studio, 0, 3), shard(longer, 1, 3)),
+              HasSubstr("s1 does not go with s0: --samples 6, not 5; --add-samples"));
+  EXPECT_THAT(two(shard(studio, 0, 3), shard(jitter, 1, 3)), HasSubstr("without --samples, not 5"));
+  EXPECT_THAT(two(shard(studio, 0, 3), shard(studio, 0, 3)), HasSubstr("both have 4 of the 12"));
+  EXPECT_THAT(two(shard(studio, 0, 3), shard(studio, 1, 2)), HasSubstr("both have 2 of the 12"));
+  NamedPart begun = shard(studio, 1, 3);
+  begun.part.film->replace(4, {});
+  EXPECT_THAT(two(shard(studio, 0, 3), std::move(begun)),
+              HasSubstr("s1 is not finished: 1 of its 4 tiles"));
+  NamedPart sides{"side", studio.part({}, 16)};
+  EXPECT_THAT(two(shard(studio, 0, 3), std::move(sides)), HasSubstr("not made alike"));
+
+  std::vector<NamedPart> some;
+  some.push_back(shard(studio, 0, 3)), some.push_back(shard(studio, 2, 3));
+  const auto merged = merge_parts(some);
+  ASSERT_TRUE(merged.has_value()) << merged.error();
+  EXPECT_EQ(missing_tiles(*merged, 3), "4 of 12 tiles are missing: shard 2/3");
+}
+
+TEST(SameBytes, AnyThreadsTilesShardsAndPasses) {
+  for (const RenderOptions& wish : {jittered(), sobol(5)}) {
+    const Image picture = Studio(wish).part().film->resolve();
+    for (const int threads : {1, 2, 3, 7, 16}) {
+      RenderOptions o = wish;
+      o.threads = threads;
+      const Studio studio(o);
+      for (const int side : {8, 16, 32}) {
+        const Part part = studio.part({.samples = 2, .shard = 1, .shards = 3}, side);
+        // Kept and read again, gone on with, in time and without limit.
+        const auto back = decode_part(encode_part(part.header, *part.film));
+        ASSERT_TRUE(back.has_value());
+        studio.add_to(*back->film, {.samples = 3, .shard = 0, .shards = 2});
+        studio.add_to(*back->film, {.seconds = 1000});
+        EXPECT_TRUE(same_bytes(picture, back->film->resolve())) << threads << " " << side;
+      }
+    }
+  }
+}
+
+// Who changes what is computed changes these numbers; compilers, levels of optimisation and
+// instruction sets must not.
+TEST(SameBytes, FromAllBuilds) {
+  const auto file = read_nff(RAIO_SOURCE_DIR "/scenes/shapes.nff");
+  ASSERT_TRUE(file.has_value());
+  EXPECT_EQ(content_hash(file->scene), "7d190ddae635c66dfc3813176e6fac8d");
+  for (const auto& [wish, hash] : {std::pair(jittered(), "19766c0c5bde4a2bafd54054cf6cafc2"),
+                                   std::pair(sobol(5), "06ff4212f63931b4b3b0d928e4304b24")}) {
+    const Image picture = Studio(wish, file->scene).part().film->resolve();
+    const auto* bytes = reinterpret_cast<const char*>(picture.pixels.data());
+    EXPECT_EQ(hex(hash128({bytes, picture.pixels.size() * sizeof(Rgb)})), hash);
+  }
+}
+
+TEST(TimeLimit, LeavesWholePasses) {
+  const Studio studio(sobol(kMaxSamples));
+  for (const double seconds : {1e-9, 0.02, 0.2}) {
+    Part part{{settings_of(studio.scene, studio.options), 0, 1},
+              std::move(*make_film(studio.scene, studio.options))};
+    RenderControl control;
+    const auto done = render(studio.scene, *studio.accel, studio.options, *part.film, control,
+                             {.seconds = seconds});
+    EXPECT_FALSE(done.finished);
+    const SampleRange samples = samples_of(part);
+    if (seconds < 1e-3) {
+      EXPECT_EQ(samples.most, 0u);
+      continue;
+    }
+    if (samples.fewest == 0) continue;  // a machine too busy for one
+    EXPECT_EQ(samples.fewest, samples.most);
+    const Studio fewer(sobol(int(samples.fewest)));
+    EXPECT_TRUE(same_film(*part.film, *fewer.part().film));
+  }
+}
+
+class PartOnDisk : public TemporaryFolder {};
+
+TEST_F(PartOnDisk, IsWrittenWholeOrNotAtAll) {
+  const Studio studio(sobol(2));
+  const Part part = studio.part();
+  ASSERT_TRUE(write_part(file("a.raio"), part.header, *part.film).has_value());
+  const auto back = read_part(file("a.raio"));
+  ASSERT_TRUE(back.has_value());
+  EXPECT_TRUE(same_film(*back->film, *part.film));
+  EXPECT_FALSE(write_part(file("no/a.raio"), part.header, *part.film).has_value());
+  EXPECT_EQ(read_part(file("missing.raio")).error().kind, FileError::bad_input);
+  put(file("b.raio"), "RAIOPART nonsense");
+  EXPECT_THAT(read_part(file("b.raio")).error().message, HasSubstr("b.raio"));
+  EXPECT_EQ(entries(), 2);
+}
+
+}  // namespace
+}  // namespace raio
