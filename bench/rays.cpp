@@ -21,7 +21,7 @@ constexpr double kTestsToSpend = 4e9;       // of pairs of ray and primitive, to
 constexpr double kGrazingOfEmbree = 0.005;  // share of rays, or of pixels
 
 // Without the smoothing of triangles' normals.
-Surface surface_at(const Geometry& geometry, const Ray& ray, const Hit& hit) {
+Surface flat_surface(const Geometry& geometry, const Ray& ray, const Hit& hit) {
   const uint32_t i = item_index(hit.item);
   switch (item_kind(hit.item)) {
     case ItemKind::plane:
@@ -72,7 +72,7 @@ class Recorder {
   }
 
   void leave_surface(const Ray& ray, const Hit& hit) {
-    const Surface surface = surface_at(accel_.geometry(), ray, hit);
+    const Surface surface = flat_surface(accel_.geometry(), ray, hit);
     const Vec3f normal = dot(surface.normal, ray.dir) < 0 ? surface.normal : -surface.normal;
     const float scale = max_component(abs(surface.point)) + surface.extent;
     const Vec3f origin = offset_origin(surface.point, normal, scale, true);

@@ -25,6 +25,8 @@ struct AccelOptions {
   // touches, and none remembered from one cell to the next.
   bool grid_plain = false;
   bool counters = false;  // count tests and steps; costs a few per cent
+
+  friend bool operator==(const AccelOptions&, const AccelOptions&) = default;
 };
 
 /// The capacity of batches is a multiple of this, so that wide loads and stores of the last

@@ -5,6 +5,7 @@
 #include "app/commands.h"
 #include "app/output.h"
 #include "app/terminal.h"
+#include "render/debug_view.h"
 #include "render/part.h"
 
 namespace raio::app {
@@ -30,9 +31,10 @@ int run(const MergeCommand& command) {
   if (!missing.empty() && !to_part)
     return bad_input(missing + "; add the parts that have them, or merge to a part (-o NAME.raio)");
 
-  const auto written = to_part
-                           ? write_part(output, merged->header, *merged->film)
-                           : write_image(merged->film->resolve(), output, merged->header.settings);
+  const Metadata& settings = merged->header.settings;
+  const auto written =
+      to_part ? write_part(output, merged->header, *merged->film)
+              : write_image(picture_of(*merged->film, *options_from(settings)), output, settings);
   if (!written) return fail(written.error());
   if (!command.quiet)
     print_line(fmt::format("{}: {}x{}, {} part{}{}",

@@ -9,6 +9,7 @@
 #include "app/statistics.h"
 #include "app/terminal.h"
 #include "io/image.h"
+#include "render/debug_view.h"
 #include "render/part.h"
 
 namespace raio::app {
@@ -120,9 +121,9 @@ int write_results(Job& job, const RenderCommand& command, const std::string& out
   describe(job, samples);
   const auto write_start = Clock::now();
   const Part& part = job.part;
-  const auto written = is_part_path(output)
-                           ? write_part(output, part.header, *part.film)
-                           : write_image(part.film->resolve(), output, part.header.settings);
+  const auto written = is_part_path(output) ? write_part(output, part.header, *part.film)
+                                            : write_image(picture_of(*part.film, job.options),
+                                                          output, part.header.settings);
   if (!written) return fail(written.error());
   job.times.write = seconds_since(write_start);
   job.times.total = seconds_since(begin);
@@ -132,6 +133,31 @@ int write_results(Job& job, const RenderCommand& command, const std::string& out
     if (const int status = deliver(command.stats, json_text(statistics(made)))) return status;
   if (!command.quiet) print_line(summary(output, made));
   return kDone;
+}
+
+// Views of what is behind the picture are made at once and without a film. One line.
+std::string debug_view_conflict(const RenderCommand& c, const std::string& output) {
+  const std::string_view option = !c.checkpoint.empty()  ? "--checkpoint"
+                                  : c.shards > 1         ? "--shard"
+                                  : c.time_limit_s > 0   ? "--time-limit"
+                                  : !c.stats.empty()     ? "--stats"
+                                  : is_part_path(output) ? "a part file"
+                                                         : "";
+  if (option.empty()) return {};
+  return fmt::format("{} is for pictures of samples; leave out that or --view", option);
+}
+
+// The exit status.
+int write_debug_view(const Job& job, const RenderCommand& command, const std::string& output,
+                     RenderControl& control) {
+  std::optional<Image> image;
+  {
+    const ProgressLine progress(control, command.quiet ? "off" : command.progress);
+    image = render_debug_view(job.scene, *job.accel, job.options, control);
+  }
+  if (!image) return interrupted();
+  const auto written = write_image(*image, output, job.part.header.settings);
+  return written ? kDone : fail(written.error());
 }
 
 }  // namespace
@@ -147,6 +173,10 @@ int run(const RenderCommand& given) {
   const RenderCommand& command = start->command;
   Job job;
   if (const int status = prepare(*start, control, job)) return status;
+  if (is_debug_view(job.options.view)) {
+    if (const auto why = debug_view_conflict(command, output); !why.empty()) return bad_input(why);
+    return write_debug_view(job, command, output, control);
+  }
 
   RenderTask task{start->samples, command.shard, command.shards, 0};
   if (command.time_limit_s > 0)

@@ -20,16 +20,17 @@ ClassicScene::ClassicScene(const Scene& s, const Accel& a, const RenderOptions& 
     : scene(s),
       accel(a),
       options(o),
-      eye(s.camera, o.width, o.height, o.angle_to_centers),
+      eye(camera_of(s, o), o.width, o.height, o.angle_to_centers),
       sampler(o) {
   const bool any_color =
       std::ranges::any_of(s.lights, [](const Light& l) { return l.color.has_value(); });
   ambient = any_color ? Rgb() : Rgb(0.1f);
   const Rgb uncolored(float(1 / std::sqrt(double(std::max<size_t>(1, s.lights.size())))));
+  const Vec3f looked_at = camera_of(s, o).at;
   for (const Light& l : s.lights) {
     Emitter e{l.position, l.color.value_or(uncolored), {}, {}};
     if (o.soft_shadows) {
-      const Vec3f to_at = s.camera.at - l.position;
+      const Vec3f to_at = looked_at - l.position;
       const float distance = length(to_at);
       const Frame<float> frame(distance > 0 ? to_at / distance : Vec3f(0, 0, 1));
       const float size = o.light_size > 0 ? o.light_size : 0.1f * distance;
@@ -37,8 +38,10 @@ ClassicScene::ClassicScene(const Scene& s, const Accel& a, const RenderOptions& 
     }
     emitters.push_back(e);
   }
-  for (const Material& m : s.materials)
-    any_mirror |= m.ks > 0, any_transparent |= m.transmission > 0;
+  for (const Material& m : s.materials) {
+    any_mirror |= m.ks > 0 && !o.no_reflection;
+    any_transparent |= m.transmission > 0 && !o.no_refraction;
+  }
 }
 
 }  // namespace raio

@@ -20,10 +20,17 @@ namespace raio {
 /// number.
 enum class SamplerKind { jitter, sobol };
 
+/// What the picture shows: the shading, or what is behind it (render/debug_view.h).
+enum class View { picture, normals, depth, ids, materials, steps, tests, focus, samples };
+inline constexpr int kViews = 9;
+
 /// Zero, or nothing, where the scene or a rule decides: resolve_options() fills it in.
 struct RenderOptions {
   AccelOptions accel;
   int width = 0, height = 0;
+  std::optional<Vec3d> from, at, up;  // of the camera, in the coordinates of the file
+  float fov_deg = 0;
+  View view = View::picture;
   int aa = 0;  // cells along a side of the pixel; 1: its centre; resolved to 0: all of it
   bool soft_shadows = false;
   float light_size = 0;
@@ -34,6 +41,7 @@ struct RenderOptions {
   int samples = 0;  // of a pixel in all, instead of aa x aa x lens_samples
   std::optional<SamplerKind> sampler;
   int depth = 5;
+  bool no_reflection = false, no_refraction = false;
   bool one_sided = false;
   bool angle_to_centers = false;  // of view: see EyeRays
   int threads = 0;
@@ -44,6 +52,12 @@ struct RenderOptions {
 
 inline constexpr int kMaxDepth = 32;  // a place in the ray tree has 32 bits (render/sampler.h)
 inline constexpr int kMaxSamples = 1 << 24;  // of a pixel; the sampler numbers them in 32 bits
+
+/// The scene's camera with what the options say of it.
+Camera camera_of(const Scene& scene, const RenderOptions& options);
+
+/// The options that make a camera of the scene that of a picture: what differs from the scene's.
+void set_camera(RenderOptions& options, const Camera& camera, const Scene& scene);
 
 /// Why the options do not go together: one that was given and would have no effect beside the
 /// others, or more samples than there can be. One line that says what to do; empty when all is
@@ -66,8 +80,9 @@ struct OptionSpec {
       value;
   double least = 0, most = 0;  // of a number
 
-  /// For a value that is parsed: its text, empty where none is given.
+  /// For a value that is parsed: its text, empty where none is given, and the words that it may be.
   std::string (*text)(const RenderOptions&) = nullptr;
+  std::span<const std::string_view> words = {};  // NOLINT(readability-redundant-member-init)
 
   bool of_picture = true;  // a picture depends on it
 
@@ -85,8 +100,13 @@ std::expected<void, std::string> set_option(RenderOptions& options, const Option
 /// The value of an option as set_option() takes it; empty where it is not given.
 std::string option_text(const RenderOptions& options, const OptionSpec& spec);
 
-/// The names of a structure and of a sampler as on the command line.
+/// What the command line needs to have these options: " --aa 4 --soft-shadows", without those that
+/// are as always.
+std::string option_arguments(const RenderOptions& options);
+
+/// The names of a structure, of a sampler and of a view as on the command line.
 std::string_view accel_name(AccelKind kind);
 std::string_view sampler_name(SamplerKind kind);
+std::string_view view_name(View view);
 
 }  // namespace raio

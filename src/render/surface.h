@@ -18,4 +18,7 @@ struct Surface {
 Surface plane_surface(const Geometry& geometry, uint32_t index, Vec3f p);
 Surface cone_surface(const Geometry& geometry, uint32_t index, Vec3f p);
 
+/// Of any kind, one at a time: for views of a scene's parts and for what was clicked.
+Surface surface_at(const Geometry& geometry, const Ray& ray, const Hit& hit);
+
 }  // namespace raio

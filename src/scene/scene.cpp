@@ -45,14 +45,8 @@ bool is_unit(Vec3f n) { return std::abs(length(Vec3d(n)) - 1) < 1e-4; }
 void check_camera(const Camera& camera, Problems& problems) {
   const bool finite = is_finite(camera.from) && is_finite(camera.at) && is_finite(camera.up);
   problems.check(finite, "camera: from, at and up must be finite");
-  if (finite) {
-    const Vec3d view = Vec3d(camera.at) - Vec3d(camera.from), up(camera.up);
-    problems.check(length(view) > 0, "camera: from and at are the same point");
-    problems.check(length(up) > 0, "camera: up is zero");
-    if (length(view) > 0 && length(up) > 0)
-      problems.check(length(cross(view, up)) > 1e-7 * length(view) * length(up),
-                     "camera: up is parallel to the line of sight");
-  }
+  const std::string why = finite ? camera_problem(camera) : "";
+  problems.check(why.empty(), "camera: ", why);
   problems.check(camera.fov_deg > 0 && camera.fov_deg < 180,
                  "camera: the angle must lie between 0 and 180 degrees");
   problems.check(std::isfinite(camera.hither), "camera: hither must be finite");
@@ -189,6 +183,15 @@ size_t memory_bytes(const Scene& scene) {
                scene.sphere_materials, scene.cones, scene.cone_materials, scene.positions,
                scene.normals, scene.triangles, scene.triangle_materials, scene.triangle_normals,
                scene.polygons, scene.polygon_materials);
+}
+
+std::string camera_problem(const Camera& camera) {
+  const Vec3d view = Vec3d(camera.at) - Vec3d(camera.from), up(camera.up);
+  if (!(length(view) > 0)) return "from and at are the same point";
+  if (!(length(up) > 0)) return "up is zero";
+  if (!(length(cross(view, up)) > 1e-7 * length(view) * length(up)))
+    return "up is parallel to the line of sight";
+  return {};
 }
 
 std::vector<std::string> validate(const Scene& scene) {

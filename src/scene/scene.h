@@ -110,6 +110,9 @@ Box3f bounds(const Scene& scene);
 /// The sum of the sizes of the pools, in bytes.
 size_t memory_bytes(const Scene& scene);
 
+/// Why a camera with finite numbers looks nowhere, or nothing.
+std::string camera_problem(const Camera& camera);
+
 /// A name of all that a picture can depend on, 32 hexadecimal digits: the same for two files that
 /// differ in comments, spelling or name only. `hither` does not count.
 std::string content_hash(const Scene& scene);

@@ -1,0 +1,109 @@
+// Rendering for someone who watches and keeps changing their mind: a thread that always works on
+// the newest wish. No window in it: a window says what it wants and looks at what there is.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "accel/accel.h"
+#include "io/image.h"
+#include "render/film.h"
+#include "render/options.h"
+#include "render/render.h"
+#include "scene/scene.h"
+
+namespace raio {
+
+/// A scene with its structure.
+struct BakedScene {
+  std::shared_ptr<const Scene> scene;
+  AccelOptions options;
+  bool one_sided = false;
+  std::unique_ptr<Accel> accel;
+  AccelInfo info;
+  double build_s = 0;
+};
+
+struct SessionWish {
+  std::shared_ptr<const Scene> scene;
+  RenderOptions options;  // as the command line has them, with a size
+  /// While something moves: a picture in about so many seconds, as fine as that allows. 0: in full,
+  /// sample after sample until there are as many as the options say.
+  double frame_s = 0;
+};
+
+/// What there is to see. Immutable once handed out.
+struct SessionPicture {
+  uint64_t wish = 0;  // the number of the wish that it answers
+  std::shared_ptr<const Image> image;
+  int samples = 0;  // of every pixel; 0: a preview, coarse in part or whole
+  bool finished = false;
+  RenderOptions options;  // resolved; of the size in full
+  std::shared_ptr<const BakedScene> baked;
+  double pass_s = 0;    // what a sample of all pixels of the image took
+  double render_s = 0;  // all samples together
+  RayCounts rays;       // likewise
+  std::string error;    // one line: why the wish got no picture; the image is an older one
+};
+
+class Session {
+ public:
+  /// `on_picture` is called from the session's thread when there is a new picture.
+  explicit Session(std::function<void()> on_picture = [] {});
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  /// Replaces what was wished before, whose work ends at once; only a frame of a movement is left
+  /// to end by itself when the movement goes on, or there would never be any. Never waits for rays.
+  /// Returns the wish's number, 1 for the first.
+  uint64_t wish(SessionWish wish);
+
+  /// Nothing is wished any more. Does not wait either.
+  void rest();
+
+  /// Paused, a wish gets its first sample and no more.
+  void pause(bool paused);
+
+  /// The newest picture; null before the first.
+  std::shared_ptr<const SessionPicture> picture() const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void run();
+  void serve(const SessionWish& wish, SessionPicture& next);
+  bool bake(const SessionWish& wish, SessionPicture& next);
+  void refine(SessionPicture& next);
+  bool first_sample(Film& film, double expected_s, SessionPicture& next);
+  bool preview(double seconds, SessionPicture& next);
+  bool render_scaled(double scale, SessionPicture& next);
+  double expected_s(const SessionPicture& next) const;
+  bool may_go_on();
+  bool fail(std::string why, SessionPicture& next);
+  void publish(const SessionPicture& next);
+
+  std::function<void()> on_picture_;
+  mutable std::mutex mutex_;  // guards what follows
+  std::condition_variable news_;
+  std::optional<SessionWish> wish_;  // not yet taken up
+  uint64_t wishes_ = 0;
+  bool paused_ = false, ending_ = false;
+  std::optional<Clock::time_point> frame_must_end_;  // that of a movement, which is being rendered
+  std::shared_ptr<const SessionPicture> picture_;
+
+  RenderControl control_;
+  // The session thread's own.
+  std::shared_ptr<const BakedScene> baked_;
+  std::string like_;    // what besides the camera the last wish asked for
+  double pixel_s_ = 0;  // what a sample of a pixel takes with that; 0: unknown
+  std::thread thread_;
+};
+
+}  // namespace raio
