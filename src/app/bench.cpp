@@ -26,10 +26,7 @@ namespace {
 // graze an edge may fall on either side of it.
 constexpr double kAllowedDisagreement = 0.001;
 
-struct Failure {
-  Exit status;
-  std::string message;  // empty when interrupted
-};
+using Failure = BenchFailure;
 
 struct ReportTime {
   std::string_view scene;
@@ -54,8 +51,6 @@ std::string machine_name() {
   return "unknown processor";
 }
 
-// One benchmark: builds both structures, holds their pictures against each other, times the
-// combinations.
 class Measurement {
  public:
   Measurement(const Scene& scene, const BenchCommand& command, RenderControl& control)
@@ -256,6 +251,12 @@ double BenchTable::relative_cost(const BenchRow& row) const {
   return plain == rows.end() ? 1 : row.seconds() / plain->seconds();
 }
 
+std::expected<BenchTable, BenchFailure> measure_bench(const Scene& scene,
+                                                      const BenchCommand& command,
+                                                      RenderControl& control) {
+  return Measurement(scene, command, control).run();
+}
+
 int run(const BenchCommand& command) {
   if (const int status = check_targets(command)) return status;
   RenderControl control;
@@ -263,7 +264,7 @@ int run(const BenchCommand& command) {
   const auto scene = load_scene(command.scene);
   if (!scene) return scene.error();
 
-  const auto table = Measurement(*scene, command, control).run();
+  const auto table = measure_bench(*scene, command, control);
   if (!table) {
     if (table.error().status == kInterrupted) return interrupted();
     print_error(table.error().message);

@@ -11,7 +11,10 @@
 #include <vector>
 
 #include "accel/accel.h"
+#include "app/commands.h"
 #include "io/image.h"
+#include "render/render.h"
+#include "scene/scene.h"
 
 namespace raio::app {
 
@@ -76,6 +79,16 @@ struct BenchTable {
   /// Seconds of `row` over those of the same structure without effects, 1 for the latter itself.
   double relative_cost(const BenchRow& row) const;
 };
+
+struct BenchFailure {
+  Exit status;
+  std::string message;  // empty when interrupted
+};
+
+/// Builds both structures, holds their pictures against each other, times the combinations.
+std::expected<BenchTable, BenchFailure> measure_bench(const Scene& scene,
+                                                      const BenchCommand& command,
+                                                      RenderControl& control);
 
 /// The share of pixels in which the structures' pictures differ by more than 8 of 255. An error,
 /// one line, when it is more than 0.001: fast and wrong is no result.

@@ -5,10 +5,13 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <exception>
+#include <filesystem>
 #include <new>
+#include <system_error>
 #include <vector>
 
 #include "app/commands.h"
@@ -23,6 +26,12 @@ namespace raio::app {
 namespace {
 
 constexpr double kLeastMemory = 64 << 20;  // for threads and what libraries need
+
+// How the program was started.
+struct Invocation {
+  char** argv;
+  OpenWindow open_window;
+};
 
 // The checks of values that are not of the table; of an option given twice the last one counts.
 
@@ -206,6 +215,30 @@ void add_render(CLI::App& app, RenderCommand& render, int& status) {
   });
 }
 
+// What the arguments mean is found out here; the window itself is another program, beside this one.
+int run_view_program(char** argv) {
+  std::error_code error;
+  const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
+  const std::string program = (self.parent_path() / "raio_view").string();
+  if (!error) ::execv(program.c_str(), argv);
+  return bad_input(fmt::format("cannot start the window, {}: {}", program,
+                               std::generic_category().message(errno)));
+}
+
+void add_view(CLI::App& app, ViewCommand& view, const Invocation& invocation, int& status) {
+  auto* sub = app.add_subcommand("view", "Open a scene in a window and play with it");
+  sub->footer(examples({"raio view balls.nff --soft-shadows"}));
+  add_scene(*sub, view.scene);
+  add_render_options(*sub, view.options);
+  sub->add_flag("--log", view.log, "Say on standard error what happens, one line an event");
+  sub->callback([&] {
+    if (const auto why = option_conflict(view.options); !why.empty())
+      throw CLI::ParseError(why, kBadInput);
+    status =
+        invocation.open_window ? invocation.open_window(view) : run_view_program(invocation.argv);
+  });
+}
+
 void add_merge(CLI::App& app, MergeCommand& merge, int& status) {
   auto* sub = app.add_subcommand("merge", "Join the parts of a picture that --shard made");
   sub->footer(examples({"raio merge part1.raio part2.raio part3.raio -o balls.png"}));
@@ -295,7 +328,7 @@ void add_spd(CLI::App& app, SpdVerifyCommand& verify, int& status) {
   sub->callback([&] { status = run(verify); });
 }
 
-int parse_and_run(std::vector<std::string> arguments) {
+int parse_and_run(std::vector<std::string> arguments, const Invocation& invocation) {
   CLI::App app("Raio: a fast, reproducible ray tracer for NFF scenes");
   app.name("raio");
   app.formatter(std::make_shared<HelpFormatter>());
@@ -307,6 +340,7 @@ int parse_and_run(std::vector<std::string> arguments) {
 
   int status = kDone;
   RenderCommand render;
+  ViewCommand view;
   MergeCommand merge;
   BenchCommand bench;
   InfoCommand info;
@@ -315,6 +349,7 @@ int parse_and_run(std::vector<std::string> arguments) {
   CompareCommand compare;
   SpdVerifyCommand verify;
   add_render(app, render, status);
+  add_view(app, view, invocation, status);
   add_merge(app, merge, status);
   add_bench(app, bench, status);
   add_info(app, info, status);
@@ -360,9 +395,9 @@ void add_render_options(CLI::App& app, RenderOptions& options,
   }
 }
 
-int run_command_line(int argc, char** argv) {
+int run_command_line(int argc, char** argv, OpenWindow open_window) {
   try {
-    return parse_and_run({argv + std::min(argc, 1), argv + argc});
+    return parse_and_run({argv + std::min(argc, 1), argv + argc}, {argv, open_window});
   } catch (const std::bad_alloc&) {
     return no_resource("out of memory");
   } catch (const std::exception& error) {

@@ -43,6 +43,15 @@ struct MergeCommand {
 };
 int run(const MergeCommand& command);
 
+struct ViewCommand {
+  std::string scene;
+  bool log = false;  // say on standard error what happens
+  RenderOptions options;
+};
+/// The window, which is a program of its own (ARCHITECTURE.md): what parsed the command line is
+/// told how to open it, or replaces itself by the program that is.
+using OpenWindow = int (*)(const ViewCommand&);
+
 struct BenchCommand {
   std::string scene;
   std::string json, csv, plot;  // files; empty: none. "-" as json or csv: instead of the table

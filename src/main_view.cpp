@@ -1,0 +1,6 @@
+#include "app/command_line.h"
+#include "view/viewer.h"
+
+int main(int argc, char** argv) {
+  return raio::app::run_command_line(argc, argv, raio::view::open_window);
+}

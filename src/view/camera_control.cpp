@@ -1,0 +1,95 @@
+#include "view/camera_control.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace raio::view {
+namespace {
+
+constexpr double kPoleMargin = 0.01;  // radians between the line of sight and `up`, at least
+
+// Rodrigues' formula.
+Vec3d rotated(Vec3d v, Vec3d axis, double angle) {
+  const double c = std::cos(angle), s = std::sin(angle);
+  return v * c + cross(axis, v) * s + axis * (dot(axis, v) * (1 - c));
+}
+
+// The angle by which the line of sight may really turn upwards: not over the poles.
+double short_of_poles(const Camera& camera, const CameraAxes& axes, double up_rad) {
+  const double pole =
+      std::acos(std::clamp(dot(axes.forward, normalize(Vec3d(camera.up))), -1.0, 1.0));
+  return std::clamp(up_rad, std::min(0.0, pole - (std::numbers::pi - kPoleMargin)),
+                    std::max(0.0, pole - kPoleMargin));
+}
+
+// What turning does to any vector.
+Vec3d turned(const Camera& camera, const CameraAxes& axes, Vec3d v, double right_rad,
+             double up_rad) {
+  v = rotated(v, axes.right, short_of_poles(camera, axes, up_rad));
+  return rotated(v, normalize(Vec3d(camera.up)), -right_rad);
+}
+
+// Unless it is beyond what floats hold.
+Camera placed(const Camera& before, Vec3d from, Vec3d at) {
+  Camera camera = before;
+  camera.from = Vec3f(from), camera.at = Vec3f(at);
+  const bool sound =
+      is_finite(camera.from) && is_finite(camera.at) && camera_problem(camera).empty();
+  return sound ? camera : before;
+}
+
+}  // namespace
+
+CameraAxes::CameraAxes(const Camera& camera)
+    : forward(normalize(Vec3d(camera.at) - Vec3d(camera.from))) {
+  right = normalize(cross(forward, Vec3d(camera.up)));
+  up = cross(right, forward);
+}
+
+Camera orbited(const Camera& camera, Vec3d pivot, double right_rad, double up_rad) {
+  const CameraAxes axes(camera);
+  const auto turn = [&](Vec3f p) {
+    return pivot + turned(camera, axes, Vec3d(p) - pivot, -right_rad, -up_rad);
+  };
+  return placed(camera, turn(camera.from), turn(camera.at));
+}
+
+Camera panned(const Camera& camera, double depth, double right, double up) {
+  const double height = 2 * depth * std::tan(double(camera.fov_deg) * std::numbers::pi / 360);
+  return walked(camera, -right * height, -up * height, 0);
+}
+
+Camera dollied(const Camera& camera, Vec3d target, double factor) {
+  const Vec3d move = (target - Vec3d(camera.from)) * (1 - factor);
+  const CameraAxes axes(camera);
+  // The point looked at comes along sideways and keeps its place in depth, as long as it is ahead.
+  const double distance = length(Vec3d(camera.at) - Vec3d(camera.from));
+  const double ahead = std::max(distance - dot(move, axes.forward), 0.05 * distance);
+  const Vec3d from = Vec3d(camera.from) + move;
+  return placed(camera, from, from + axes.forward * ahead);
+}
+
+Camera walked(const Camera& camera, double right, double up, double forward) {
+  const CameraAxes axes(camera);
+  const Vec3d move = axes.right * right + axes.up * up + axes.forward * forward;
+  return placed(camera, Vec3d(camera.from) + move, Vec3d(camera.at) + move);
+}
+
+Camera looked(const Camera& camera, double right_rad, double up_rad) {
+  const CameraAxes axes(camera);
+  const Vec3d from(camera.from);
+  return placed(camera, from,
+                from + turned(camera, axes, Vec3d(camera.at) - from, right_rad, up_rad));
+}
+
+Camera fitted(const Camera& camera, const Box3f& box, double width_per_height) {
+  if (box.empty()) return camera;
+  const Vec3d center = Vec3d(box.lo) * 0.5 + Vec3d(box.hi) * 0.5;
+  const double radius = std::max(length(Vec3d(box.hi) - center), 1e-6 * length(center) + 1e-12);
+  const double half = std::tan(double(camera.fov_deg) * std::numbers::pi / 360);
+  const double distance = radius / std::sin(std::atan(half * std::min(1.0, width_per_height)));
+  return placed(camera, center - CameraAxes(camera).forward * distance, center);
+}
+
+}  // namespace raio::view

@@ -1,0 +1,95 @@
+#include "view/files.h"
+
+#include <fmt/format.h>
+
+#include <system_error>
+
+#include "io/nff.h"
+
+namespace raio::view {
+namespace {
+
+constexpr std::chrono::milliseconds kLook(150);
+
+template <class T>
+bool is_ready(const std::future<T>& future) {
+  return future.valid() && future.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+}
+
+}  // namespace
+
+SceneFile::SceneFile(std::string path)
+    : path_(std::move(path)), read_(stamp(path_)), seen_(read_), next_look_(Clock::now() + kLook) {}
+
+SceneFile::Stamp SceneFile::stamp(const std::string& path) {
+  std::error_code error;
+  const auto time = std::filesystem::last_write_time(path, error);
+  if (error) return {};
+  const auto size = std::filesystem::file_size(path, error);
+  return {time, error ? 0 : size};
+}
+
+void SceneFile::open(std::string path) { waiting_ = std::move(path); }
+
+void SceneFile::start(std::string path) {
+  reading_ = std::async(std::launch::async, [path = std::move(path)] {
+    auto read = read_nff(path);
+    if (!read) return Read{path, std::unexpected(std::move(read.error()))};
+    return Read{path, std::make_shared<const Scene>(std::move(read->scene))};
+  });
+}
+
+std::optional<SceneFile::Read> SceneFile::poll() {
+  if (is_ready(reading_)) {
+    Read read = reading_.get();
+    if (read.scene && read.path != path_) path_ = read.path, read_ = seen_ = stamp(path_);
+    return read;
+  }
+  if (reading_.valid()) return std::nullopt;
+  if (waiting_) {
+    start(*std::exchange(waiting_, std::nullopt));
+    return std::nullopt;
+  }
+  const auto now = Clock::now();
+  if (now < next_look_) return std::nullopt;
+  next_look_ = now + kLook;
+  // A file that still changes, or is not there for a moment, is being written.
+  const Stamp before = std::exchange(seen_, stamp(path_));
+  if (seen_ != before || seen_ == read_ || seen_ == Stamp()) return std::nullopt;
+  read_ = seen_;
+  start(path_);
+  return std::nullopt;
+}
+
+PictureWriter::~PictureWriter() {
+  for (auto& one : writing_) one.wait();
+}
+
+void PictureWriter::write(std::shared_ptr<const Image> image, std::string path, Metadata metadata,
+                          std::string command) {
+  writing_.push_back(std::async(
+      std::launch::async, [image = std::move(image), path = std::move(path),
+                           metadata = std::move(metadata), command = std::move(command)] {
+        return Written{path, command, write_image(*image, path, metadata)};
+      }));
+}
+
+std::optional<PictureWriter::Written> PictureWriter::poll() {
+  for (auto one = writing_.begin(); one != writing_.end(); ++one) {
+    if (!is_ready(*one)) continue;
+    Written written = one->get();
+    writing_.erase(one);
+    return written;
+  }
+  return std::nullopt;
+}
+
+std::string free_name(const std::string& name, const std::string& suffix) {
+  std::error_code ignored;
+  std::string path = name + suffix;
+  for (int i = 2; std::filesystem::exists(path, ignored); ++i)
+    path = fmt::format("{}-{}{}", name, i, suffix);
+  return path;
+}
+
+}  // namespace raio::view

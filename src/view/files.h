@@ -1,0 +1,72 @@
+// Scene files that are read and pictures that are written while the window goes on.
+#pragma once
+
+#include <chrono>
+#include <expected>
+#include <filesystem>
+#include <future>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "io/diagnostics.h"
+#include "io/image.h"
+#include "scene/scene.h"
+
+namespace raio::view {
+
+/// Reads a scene's file again whenever it has changed, and other files when told to.
+class SceneFile {
+ public:
+  struct Read {
+    std::string path;
+    std::expected<std::shared_ptr<const Scene>, Diagnostics> scene;
+  };
+
+  /// `path` has just been read.
+  explicit SceneFile(std::string path);
+
+  /// Reads another file, and follows it from then on if it is a scene.
+  void open(std::string path);
+
+  /// What was read meanwhile, once. Looks at the disk a few times a second, however often called.
+  std::optional<Read> poll();
+
+ private:
+  using Stamp = std::pair<std::filesystem::file_time_type, uintmax_t>;
+  using Clock = std::chrono::steady_clock;
+  static Stamp stamp(const std::string& path);
+  void start(std::string path);
+
+  std::string path_;
+  Stamp read_, seen_;
+  Clock::time_point next_look_;
+  std::optional<std::string> waiting_;
+  std::future<Read> reading_;
+};
+
+/// Writes pictures.
+class PictureWriter {
+ public:
+  struct Written {
+    std::string path, command;
+    std::expected<void, FileError> result;
+  };
+
+  ~PictureWriter();
+
+  /// `command`: what `raio render` would be told for it.
+  void write(std::shared_ptr<const Image> image, std::string path, Metadata metadata,
+             std::string command);
+  std::optional<Written> poll();
+
+ private:
+  std::vector<std::future<Written>> writing_;
+};
+
+/// "NAME.png", or "NAME-2.png" and so on: the first that there is not.
+std::string free_name(const std::string& name, const std::string& suffix);
+
+}  // namespace raio::view

@@ -1,0 +1,97 @@
+#include "view/hands.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "view/camera_control.h"
+
+namespace raio::view {
+namespace {
+
+constexpr double kClickTravel = 4;      // window units that a click may move
+constexpr double kBarReach = 6;         // how near to the bar is on it
+constexpr double kWheelStep = 0.88;     // of the distance that remains
+constexpr double kWalkPerSecond = 0.7;  // of the distance to the point looked at
+
+double view_distance(const Camera& camera) { return length(Vec3d(camera.at) - Vec3d(camera.from)); }
+
+}  // namespace
+
+void Hands::press(Button button, bool shift) {
+  if (drag_ != Drag::none || !stage_.contains(x_, y_)) return;
+  button_ = button, travelled_ = 0;
+  const double bar = stage_.lo.x + split_at * (stage_.hi.x - stage_.lo.x);
+  if (button == Button::left && state_.split && std::abs(x_ - bar) <= kBarReach) {
+    drag_ = Drag::bar;
+    return;
+  }
+  const Pick under = pick_(x_, y_);
+  const double distance = view_distance(state_.camera);
+  pivot_ = under.hit.found() ? under.point : Vec3d(state_.camera.at);
+  // What is far behind the scene would make it fly away.
+  depth_ = under.hit.found() ? std::min(under.depth, 4 * distance) : distance;
+  if (under.hit.found() && under.depth > depth_) pivot_ = Vec3d(state_.camera.at);
+  drag_ = button == Button::right             ? Drag::look
+          : button == Button::middle || shift ? Drag::pan
+                                              : Drag::orbit;
+}
+
+bool Hands::release(Button button) {
+  if (drag_ == Drag::none || button != button_) return false;
+  const bool click = drag_ == Drag::orbit && travelled_ <= kClickTravel;
+  drag_ = Drag::none;
+  return click;
+}
+
+bool Hands::move(double x, double y) {
+  const double height = std::max(1.0f, stage_.hi.y - stage_.lo.y);
+  const double dx = (x - x_) / height, dy = (y - y_) / height;
+  travelled_ += std::hypot(x - x_, y - y_);
+  x_ = x, y_ = y;
+  if (drag_ == Drag::none || travelled_ <= kClickTravel) return false;
+  Camera& camera = state_.camera;
+  const double view_rad = double(camera.fov_deg) * std::numbers::pi / 180;
+  switch (drag_) {
+    case Drag::orbit:
+      camera = orbited(camera, pivot_, -dx * std::numbers::pi, dy * std::numbers::pi);
+      return true;
+    case Drag::pan:
+      camera = panned(camera, depth_, dx, -dy);
+      return true;
+    case Drag::look:
+      camera = looked(camera, dx * view_rad, -dy * view_rad);
+      return true;
+    case Drag::bar:
+      split_at = std::clamp(stage_.across(x), 0.0, 1.0);
+      return false;
+    case Drag::none:
+      break;
+  }
+  return false;
+}
+
+bool Hands::dolly(double steps) {
+  if (!stage_.contains(x_, y_) || steps == 0) return false;
+  const Pick under = pick_(x_, y_);
+  const Camera& camera = state_.camera;
+  // Where there is nothing: to a point of the line of sight as far as the one looked at.
+  const CameraAxes axes(camera);
+  const double distance = view_distance(camera);
+  const double tangent = std::tan(double(camera.fov_deg) * std::numbers::pi / 360);
+  const Vec3d direction = axes.forward +
+                          axes.right * ((2 * stage_.across(x_) - 1) * tangent * stage_.aspect()) +
+                          axes.up * ((1 - 2 * stage_.down(y_)) * tangent);
+  const Vec3d target = under.hit.found() ? under.point : Vec3d(camera.from) + direction * distance;
+  state_.camera = dollied(camera, target, std::pow(kWheelStep, steps));
+  return true;
+}
+
+bool Hands::walk(const Steps& steps, double seconds) {
+  if (!steps.any()) return false;
+  const double far = view_distance(state_.camera) * kWalkPerSecond * std::min(seconds, 0.1);
+  state_.camera = walked(state_.camera, steps.right * far, steps.up * far, steps.forward * far);
+  return true;
+}
+
+}  // namespace raio::view

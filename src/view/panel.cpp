@@ -1,0 +1,276 @@
+#include "view/panel.h"
+
+#include <fmt/format.h>
+#include <imgui.h>
+#include <imgui_stdlib.h>
+
+#include <algorithm>
+#include <array>
+
+#include "app/terminal.h"
+#include "base/memory.h"
+
+namespace raio::view {
+namespace {
+
+using app::human_bytes;
+using app::human_count;
+using app::human_seconds;
+
+void text(const std::string& line) {
+  ImGui::TextUnformatted(line.data(), line.data() + line.size());
+}
+
+void faint_text(const std::string& line) {
+  ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+  text(line);
+  ImGui::PopStyleColor();
+}
+
+bool is_effect(Command command) { return command <= Command::refraction; }
+
+// The keys of the effects, with what is on; a click does what the key does.
+void draw_effects(const ViewState& state, PanelResult& result) {
+  for (const KeySpec& key : key_table()) {
+    if (!is_effect(key.command)) continue;
+    const std::string label = fmt::format("{}   {}", key.name, key.help);
+    if (key.command == Command::structure) {
+      const std::string name = fmt::format("{}   structure: {}###structure", key.name,
+                                           accel_name(state.options.accel.kind));
+      if (ImGui::Selectable(name.c_str())) result.pressed.push_back(&key);
+      continue;
+    }
+    bool on = state.is_on(key.command);
+    if (ImGui::Checkbox(label.c_str(), &on)) result.pressed.push_back(&key);
+  }
+}
+
+// All other keys, as buttons in as many rows as they need.
+void draw_keys(PanelResult& result) {
+  const ImGuiStyle& style = ImGui::GetStyle();
+  const float right = ImGui::GetCursorScreenPos().x + ImGui::GetContentRegionAvail().x;
+  ImGui::Spacing();
+  for (bool first = true; const KeySpec& key : key_table()) {
+    if (is_effect(key.command) || key.name.empty()) continue;
+    const std::string label = fmt::format("{} {}", key.name, key.help);
+    const float width = ImGui::CalcTextSize(label.c_str()).x + 2 * style.FramePadding.x;
+    const float next = ImGui::GetItemRectMax().x + style.ItemSpacing.x + width;
+    if (!first && next < right) ImGui::SameLine();
+    first = false;
+    if (ImGui::SmallButton(label.c_str())) result.pressed.push_back(&key);
+  }
+  ImGui::Spacing();
+}
+
+void draw_hands() {
+  for (const HandSpec& hand : hand_table()) {
+    text(std::string(hand.name));
+    ImGui::SameLine(7.5f * ImGui::GetFontSize());
+    text(std::string(hand.help));
+  }
+}
+
+void draw_statistics(const SessionPicture& picture, const PanelFacts& facts) {
+  const BakedScene& baked = *picture.baked;
+  const Image& image = *picture.image;
+  text(fmt::format("{} x {} pixels{}", facts.picture_width, facts.picture_height,
+                   image.width == facts.picture_width
+                       ? ""
+                       : fmt::format(", now {} x {}", image.width, image.height)));
+  text(picture.samples == 0 ? "preview"
+                            : fmt::format("{} {} a pixel{}", picture.samples,
+                                          picture.samples == 1 ? "sample" : "samples",
+                                          picture.finished ? ", done" : ""));
+  text(fmt::format("{} a sample of all pixels", human_seconds(picture.pass_s)));
+  const RayCounts& rays = picture.rays;
+  const double seconds = std::max(picture.render_s, 1e-9);
+  if (rays.total() > 0) {
+    text(fmt::format("{}rays/s", human_count(double(rays.total()) / seconds)));
+    for (const auto& [name, count] : {std::pair("eye", rays.eye),
+                                      {"reflected", rays.reflection},
+                                      {"refracted", rays.refraction},
+                                      {"shadow", rays.shadow}})
+      if (count > 0)
+        text(fmt::format("    {}: {}/s, {:.2f} a pixel", name, human_count(double(count) / seconds),
+                         double(count) / double(std::max<uint64_t>(1, rays.eye))));
+  }
+  text(fmt::format("{}: {}, built in {}", baked.info.name, human_bytes(double(baked.info.bytes)),
+                   human_seconds(baked.build_s)));
+  text(fmt::format("scene {}, program {}", human_bytes(double(memory_bytes(*baked.scene))),
+                   human_bytes(double(app::peak_memory_bytes()))));
+}
+
+// A bar for each effect: what a picture takes with it, in white what it takes without.
+void draw_costs(const PanelFacts& facts) {
+  if (facts.measuring == Measuring::Work::costs && facts.costs.empty())
+    return faint_text("measuring ...");
+  if (facts.costs.empty()) return faint_text("measured when the picture rests");
+  // One scale for all effects; without a structure a picture takes so long that it has its own.
+  const auto most = [&](bool is_structure) {
+    double seconds = 0;
+    for (const EffectCost& c : facts.costs)
+      if ((c.effect == Command::structure) == is_structure)
+        seconds = std::max({seconds, c.with_s, c.without_s});
+    return seconds;
+  };
+  const float height = ImGui::GetFontSize(), width = ImGui::GetContentRegionAvail().x;
+  ImDrawList& draw = *ImGui::GetWindowDrawList();
+  for (const EffectCost& c : facts.costs) {
+    const auto keys = key_table();
+    const KeySpec& key = *std::ranges::find(keys, c.effect, &KeySpec::command);
+    const double factor = c.with_s / std::max(c.without_s, 1e-9);
+    text(fmt::format("{}   {}: {} {}", key.name, key.help, human_seconds(c.with_s),
+                     c.effect == Command::structure ? fmt::format("({:.3g} x faster)", 1 / factor)
+                                                    : fmt::format("({:.2f} x)", factor)));
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const double scale = width / most(c.effect == Command::structure);
+    const auto length = [&](double seconds) { return float(seconds * scale); };
+    draw.AddRectFilled(at, {at.x + length(c.with_s), at.y + height * 0.5f},
+                       c.on ? IM_COL32(240, 150, 50, 255) : IM_COL32(240, 150, 50, 110));
+    draw.AddRectFilled({at.x, at.y + height * 0.5f},
+                       {at.x + length(c.without_s), at.y + height * 0.75f},
+                       IM_COL32(220, 220, 220, 255));
+    ImGui::Dummy({width, height});
+  }
+  faint_text("orange with it, white without; samples\nas the report has them: 9, 3, 27 a pixel");
+}
+
+void draw_table(const PanelFacts& facts, PanelResult& result) {
+  const KeySpec* key = find_key('M', false);
+  if (facts.measuring == Measuring::Work::table)
+    text("measuring ...");
+  else if (ImGui::Button("Measure (m)"))
+    result.pressed.push_back(key);
+  if (!facts.table || !ImGui::BeginTable("sixteen", 4, ImGuiTableFlags_RowBg)) return;
+  for (const char* name : {"", "s", "Mrays/s", "cost"}) ImGui::TableSetupColumn(name);
+  ImGui::TableHeadersRow();
+  for (const app::BenchRow& row : facts.table->rows) {
+    const auto cell = [](const std::string& value) { ImGui::TableNextColumn(), text(value); };
+    cell(app::short_label(row.combination));
+    cell(app::three_digits(row.seconds()));
+    cell(app::three_digits(row.rays_per_s() * 1e-6));
+    cell(app::three_digits(facts.table->relative_cost(row)) + " x");
+  }
+  ImGui::EndTable();
+}
+
+// One row of the table of options. The text of a new value, or nothing.
+std::optional<std::string> draw_option(const RenderOptions& options, const RenderOptions& resolved,
+                                       const OptionSpec& spec) {
+  const std::string label(spec.name);
+  struct Widget {
+    RenderOptions given, used;
+    const OptionSpec& spec;
+    const char* label;
+    using New = std::optional<std::string>;
+
+    static New checkbox(const char* label, bool on) {
+      if (!ImGui::Checkbox(label, &on)) return std::nullopt;
+      return on ? "true" : "false";
+    }
+    New operator()(bool& (*value)(RenderOptions&)) { return checkbox(label, value(given)); }
+    New operator()(std::optional<bool>& (*value)(RenderOptions&)) {
+      return checkbox(label, value(used).value_or(false));
+    }
+    New operator()(int& (*value)(RenderOptions&)) {
+      int number = value(used);
+      if (!ImGui::InputInt(label, &number, 1, 10)) return std::nullopt;
+      return fmt::format("{}", std::clamp(number, int(spec.least), int(spec.most)));
+    }
+    New operator()(float& (*value)(RenderOptions&)) {
+      float number = value(used);
+      const float speed = std::max(0.005f * std::abs(number), 1e-6f);
+      const auto [least, most] = std::pair(float(spec.least), float(spec.most));
+      if (!ImGui::DragFloat(label, &number, speed, least, most, "%.6g")) return std::nullopt;
+      return fmt::format("{}", std::clamp(number, least, most));
+    }
+    New operator()(OptionSpec::Parse) {
+      std::string value = spec.text(given);
+      if (spec.words.empty()) {
+        if (value.empty()) value = spec.text(used);
+        const bool entered = ImGui::InputText(label, &value, ImGuiInputTextFlags_EnterReturnsTrue);
+        return entered ? std::optional(value) : std::nullopt;
+      }
+      New chosen;
+      if (value.empty()) value = spec.words.front();
+      if (!ImGui::BeginCombo(label, value.c_str())) return chosen;
+      for (const std::string_view word : spec.words)
+        if (ImGui::Selectable(std::string(word).c_str(), word == value)) chosen = word;
+      ImGui::EndCombo();
+      return chosen;
+    }
+  };
+  return std::visit(Widget{options, resolved, spec, label.c_str()}, spec.value);
+}
+
+void draw_options(ViewState& state, PanelResult& result) {
+  ImGui::PushItemWidth(10 * ImGui::GetFontSize());
+  for (const OptionSpec& spec : render_option_table()) {
+    RenderOptions options = state.options;
+    set_camera(options, state.camera, *state.scene);
+    const auto entered = draw_option(options, resolve_options(options, *state.scene), spec);
+    if (ImGui::IsItemHovered())
+      ImGui::SetTooltip("%s",
+                        fmt::format("--{} {}\n{}", spec.name, spec.value_name, spec.help).c_str());
+    if (!entered) continue;
+    if (const auto set = set_option(options, spec, *entered); !set) {
+      result.problem = fmt::format("--{}: {}", spec.name, set.error());
+      continue;
+    }
+    const Camera camera = camera_of(*state.scene, options);
+    if (const auto why = camera_problem(camera); !why.empty()) {
+      result.problem = why;
+      continue;
+    }
+    state.camera = camera;
+    options.from = options.at = options.up = std::nullopt, options.fov_deg = 0;
+    state.options = options;
+    result.changed = true;
+  }
+  ImGui::PopItemWidth();
+}
+
+void draw_errors(const Diagnostics& errors) {
+  if (errors.empty()) return;
+  ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(1, 0.5f, 0.4f, 1));
+  ImGui::PushTextWrapPos(0);
+  text("The file has an error; this is the scene from before:");
+  for (const Diagnostic& d : errors) text(d.text());
+  ImGui::PopTextWrapPos();
+  ImGui::PopStyleColor();
+  ImGui::Separator();
+}
+
+}  // namespace
+
+PanelResult draw_panel(ViewState& state, const PanelFacts& facts, float width) {
+  PanelResult result;
+  const ImVec2 window = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({window.x - width, 0});
+  ImGui::SetNextWindowSize({width, window.y});
+  ImGui::Begin("panel", nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
+                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus);
+  text(fmt::format("{}, {} primitives", state.scene->name,
+                   human_count(double(state.scene->primitive_count()))));
+  ImGui::Separator();
+  draw_errors(facts.errors);
+  draw_effects(state, result);
+  draw_keys(result);
+  const auto open = [](const char* name, bool at_first) {
+    return ImGui::CollapsingHeader(name, at_first ? ImGuiTreeNodeFlags_DefaultOpen : 0);
+  };
+  if (open("Statistics", true) && facts.picture && facts.picture->baked)
+    draw_statistics(*facts.picture, facts);
+  result.wants_costs = open("What each effect costs", true);
+  if (result.wants_costs) draw_costs(facts);
+  if (facts.measuring == Measuring::Work::table) ImGui::SetNextItemOpen(true);
+  if (open("The report's sixteen", false)) draw_table(facts, result);
+  if (open("Mouse", false)) draw_hands();
+  if (open("All options", false)) draw_options(state, result);
+  ImGui::End();
+  result.dragging = ImGui::IsAnyItemActive() && ImGui::IsMouseDown(ImGuiMouseButton_Left);
+  return result;
+}
+
+}  // namespace raio::view

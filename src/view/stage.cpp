@@ -1,0 +1,77 @@
+#include "view/stage.h"
+
+#include <epoxy/gl.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace raio::view {
+
+Texture::~Texture() {
+  if (name_) glDeleteTextures(1, &name_);
+}
+
+void Texture::set(const Image& image) {
+  if (!name_) {
+    glGenTextures(1, &name_);
+    glBindTexture(GL_TEXTURE_2D, name_);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  }
+  // Four bytes a pixel: what graphics cards store, so that nothing is converted on the way.
+  bytes_.resize(image.pixels.size() * 4);
+  uint8_t* out = bytes_.data();
+  for (const Rgb& c : image.pixels) {
+    *out++ = to_byte(c.x), *out++ = to_byte(c.y), *out++ = to_byte(c.z);
+    *out++ = 255;
+  }
+  glBindTexture(GL_TEXTURE_2D, name_);
+  if (width_ == image.width && height_ == image.height) {
+    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, width_, height_, GL_RGBA, GL_UNSIGNED_BYTE,
+                    bytes_.data());
+    return;
+  }
+  width_ = image.width, height_ = image.height;
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, width_, height_, 0, GL_RGBA, GL_UNSIGNED_BYTE,
+               bytes_.data());
+}
+
+uint64_t Texture::checksum() const {
+  uint64_t sum = 14695981039346656037u;  // FNV-1a
+  for (const uint8_t byte : bytes_) sum = (sum ^ byte) * 1099511628211u;
+  return sum;
+}
+
+void Texture::draw(ImVec2 lo, ImVec2 hi, float left, float right, float alpha, bool sharp) const {
+  if (empty()) return;
+  glBindTexture(GL_TEXTURE_2D, name_);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, sharp ? GL_NEAREST : GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, sharp ? GL_NEAREST : GL_LINEAR);
+  const float width = hi.x - lo.x;
+  ImGui::GetBackgroundDrawList()->AddImage(id(), {lo.x + width * left, lo.y},
+                                           {lo.x + width * right, hi.y}, {left, 0}, {right, 1},
+                                           ImGui::ColorConvertFloat4ToU32({1, 1, 1, alpha}));
+}
+
+Stage::Stage(ImVec2 window, float panel, float pixels_per_unit, int width, int height) {
+  area_hi = {std::max(1.0f, window.x - panel), std::max(1.0f, window.y)};
+  const ImVec2 area = area_hi;
+  const auto pixels = [&](float units) {
+    return std::max(1, int(std::lround(units * pixels_per_unit)));
+  };
+  if (width <= 0) {
+    lo = area_lo, hi = area_hi;
+    picture_width = pixels(area.x), picture_height = pixels(area.y);
+    return;
+  }
+  picture_width = width, picture_height = height;
+  const float fit = std::min(area.x / float(width), area.y / float(height));
+  const float unit = 1 / pixels_per_unit;
+  sharp = std::abs(fit - unit) <= 1e-3f * unit;
+  const float scale = sharp ? unit : fit;
+  const ImVec2 size = {float(width) * scale, float(height) * scale};
+  lo = {std::floor((area.x - size.x) / 2), std::floor((area.y - size.y) / 2)};
+  hi = {lo.x + size.x, lo.y + size.y};
+}
+
+}  // namespace raio::view

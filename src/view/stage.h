@@ -1,0 +1,61 @@
+// Where pictures appear: textures on the graphics card, and the rectangle of the window in which
+// they are drawn.
+#pragma once
+
+#include <imgui.h>
+
+#include <cstdint>
+#include <vector>
+
+#include "io/image.h"
+
+namespace raio::view {
+
+/// A picture on the graphics card, with the bytes that `raio render` would write.
+class Texture {
+ public:
+  Texture() = default;
+  ~Texture();
+  Texture(const Texture&) = delete;
+  Texture& operator=(const Texture&) = delete;
+
+  void set(const Image& image);
+  bool empty() const { return width_ == 0; }
+  ImTextureID id() const {
+    return reinterpret_cast<ImTextureID>(uintptr_t(name_));  // NOLINT(performance-no-int-to-ptr)
+  }
+  /// Of the bytes; what tests tell pictures by.
+  uint64_t checksum() const;
+
+  /// Draws the part of the picture between `left` and `right` (0 to 1) there; `sharp`: pixel by
+  /// pixel, without smoothing.
+  void draw(ImVec2 lo, ImVec2 hi, float left, float right, float alpha, bool sharp) const;
+
+ private:
+  unsigned name_ = 0;
+  int width_ = 0, height_ = 0;
+  std::vector<uint8_t> bytes_;
+};
+
+/// The part of the window that is the picture's, and the picture in it, in window coordinates.
+struct Stage {
+  ImVec2 area_lo{0, 0}, area_hi{1, 1};
+  ImVec2 lo{0, 0}, hi{1, 1};                  // of the picture
+  int picture_width = 1, picture_height = 1;  // pixels
+  bool sharp = true;                          // a pixel of the picture is one of the screen
+
+  /// The area beside a panel of that width, and a picture that fills it; one of a given size (not
+  /// 0x0) is shown whole and in the middle.
+  Stage(ImVec2 window, float panel, float pixels_per_unit, int width, int height);
+  Stage() = default;
+
+  bool contains(double x, double y) const {
+    return x >= area_lo.x && x < area_hi.x && y >= area_lo.y && y < area_hi.y;
+  }
+  /// In the picture, 0 to 1.
+  double across(double x) const { return (x - lo.x) / (hi.x - lo.x); }
+  double down(double y) const { return (y - lo.y) / (hi.y - lo.y); }
+  double aspect() const { return double(picture_width) / picture_height; }
+};
+
+}  // namespace raio::view

@@ -1,0 +1,197 @@
+#include "view/state.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "render/camera.h"
+
+namespace raio::view {
+namespace {
+
+constexpr std::array kStructures = {AccelKind::bvh, AccelKind::grid, AccelKind::embree,
+                                    AccelKind::none};
+
+bool same_camera(const Camera& a, const Camera& b) {
+  return a.from == b.from && a.at == b.at && a.up == b.up && a.fov_deg == b.fov_deg;
+}
+
+std::string_view effect_name(Command effect) {
+  const auto keys = key_table();
+  return std::ranges::find(keys, effect, &KeySpec::command)->help;
+}
+
+}  // namespace
+
+ViewState::ViewState(std::string p, std::shared_ptr<const Scene> s, const RenderOptions& o)
+    : path(std::move(p)), scene(std::move(s)), options(o), camera(camera_of(*scene, o)) {
+  options.from = options.at = options.up = std::nullopt;
+  options.fov_deg = 0;
+  // What the command line leaves open and the keys walk through.
+  const RenderOptions plain = resolve_options(o, *scene);
+  options.accel.kind = plain.accel.kind == AccelKind::automatic ? AccelKind::bvh : plain.accel.kind;
+  if (o.aa == 0 && o.samples == 0 && o.sampler != SamplerKind::jitter && plain.aa == 1)
+    options.aa = 1;
+}
+
+void ViewState::open(std::string new_path, std::shared_ptr<const Scene> new_scene) {
+  const bool same_file = new_path == path;
+  const bool own = same_camera(camera, scene->camera);
+  path = std::move(new_path), scene = std::move(new_scene);
+  if (!same_file || own) camera = scene->camera;
+}
+
+RenderOptions ViewState::resolved() const { return resolve_options(options, *scene); }
+
+bool ViewState::endless() const {
+  return options.sampler != SamplerKind::jitter && options.aa <= 1 && options.lens_samples <= 1;
+}
+
+bool ViewState::is_on(Command effect) const {
+  switch (effect) {
+    case Command::antialiasing:
+      return options.aa != 1;
+    case Command::soft_shadows:
+      return options.soft_shadows;
+    case Command::depth_of_field:
+      return *resolved().dof;
+    case Command::structure:
+      return options.accel.kind != AccelKind::none;
+    case Command::reflection:
+      return !options.no_reflection;
+    case Command::refraction:
+      return !options.no_refraction;
+    default:
+      return false;
+  }
+}
+
+std::string ViewState::toggle(Command effect) {
+  const bool on = !is_on(effect);
+  switch (effect) {
+    case Command::antialiasing:
+      options.aa = on ? 0 : 1;
+      break;
+    case Command::soft_shadows:
+      options.soft_shadows = on;
+      break;
+    case Command::depth_of_field:
+      options.dof = on;
+      break;
+    case Command::structure: {
+      const auto now = std::ranges::find(kStructures, options.accel.kind);
+      const size_t next = now == kStructures.end() ? 0 : size_t(now - kStructures.begin()) + 1;
+      options.accel.kind = kStructures[next % kStructures.size()];
+      return fmt::format("structure {}", accel_name(options.accel.kind));
+    }
+    case Command::reflection:
+      options.no_reflection = !on;
+      break;
+    case Command::refraction:
+      options.no_refraction = !on;
+      break;
+    default:
+      return {};
+  }
+  split_effect = effect;
+  return fmt::format("{} {}", effect_name(effect), on ? "on" : "off");
+}
+
+std::pair<std::string, std::string> ViewState::split_labels() const {
+  const std::string with = fmt::format("with {}", effect_name(split_effect));
+  const std::string without = fmt::format("without {}", effect_name(split_effect));
+  return is_on(split_effect) ? std::pair(with, without) : std::pair(without, with);
+}
+
+std::string ViewState::title() const {
+  std::string title = fmt::format("{} - {}", scene->name, accel_name(options.accel.kind));
+  for (const KeySpec& key : key_table()) {
+    if (key.command >= Command::structure) continue;
+    if (is_on(key.command)) title += fmt::format(", {}", key.help);
+  }
+  if (options.view != View::picture) title += fmt::format(" - {}", view_name(options.view));
+  return title + " - Raio";
+}
+
+RenderOptions ViewState::wish(int width, int height, int samples) const {
+  RenderOptions o = options;
+  set_camera(o, camera, *scene);
+  o.width = width, o.height = height;
+  // What would be refused as having no effect.
+  const bool dof = *resolved().dof;
+  if (!dof) o.aperture = o.focus = 0;
+  if (!o.soft_shadows) o.light_size = 0;
+  if (o.accel.kind != AccelKind::grid) o.accel.grid_factor = 0, o.accel.grid_resolution = {0, 0, 0};
+  if (o.accel.grid_resolution[0] > 0) o.accel.grid_factor = 0;
+  if (o.accel.kind == AccelKind::embree) o.accel.counters = false;
+
+  const bool varies = dof || o.soft_shadows || o.aa != 1;
+  if (!endless() || !varies) {
+    o.samples = 0;
+    if (!varies) o.lens_samples = 0, o.sampler = std::nullopt;
+    return o;
+  }
+  const int most = o.samples > 0 ? o.samples : kMaxSamples;
+  o.samples = samples > 0 ? samples : most;
+  o.lens_samples = 0, o.sampler = std::nullopt;
+  return o;
+}
+
+RenderOptions ViewState::other_wish(int width, int height) const {
+  ViewState other = *this;
+  (void)other.toggle(split_effect);
+  return other.wish(width, height);
+}
+
+std::string ViewState::command_line(int width, int height, int samples,
+                                    const std::string& output) const {
+  return fmt::format("raio render {}{} -o {}", quoted(path),
+                     option_arguments(wish(width, height, samples)), quoted(output));
+}
+
+void ViewState::focus_at(float depth) {
+  options.dof = true;
+  options.focus = std::clamp(depth, 1e-30f, 1e30f);
+}
+
+void ViewState::scale_aperture(float factor) {
+  options.aperture = std::clamp(resolved().aperture * factor, 1e-30f, 1e30f);
+}
+
+Pick pick(const Accel& accel, const Camera& camera, double x, double y, double width_per_height) {
+  // As if the picture had unit height.
+  constexpr int kHeight = 1 << 16;
+  const int width = std::max(1, int(std::lround(kHeight * width_per_height)));
+  const EyeRays eye(camera, width, kHeight);
+  const Ray ray = eye.pinhole(float(x * width), float(y * kHeight));
+  RayBatch rays;
+  HitBatch hits;
+  rays.push(ray);
+  hits.reset(1);
+  TraceContext context;
+  accel.closest(rays, hits, context);
+  Pick out;
+  out.hit = hits[0];
+  if (!out.hit.found()) return out;
+  static constexpr std::array<std::string_view, kItemKinds> kNames = {"plane", "sphere", "triangle",
+                                                                      "cone"};
+  out.point = Vec3d(ray.origin) + Vec3d(ray.dir) * double(out.hit.t);
+  out.depth =
+      double(out.hit.t) * dot(Vec3d(ray.dir), normalize(Vec3d(camera.at) - Vec3d(camera.from)));
+  out.what =
+      fmt::format("{} {}", kNames[size_t(item_kind(out.hit.item))], item_index(out.hit.item));
+  return out;
+}
+
+std::string quoted(const std::string& word) {
+  constexpr std::string_view kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./-+,=:@%";
+  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
+  std::string out = "'";
+  for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
+}
+
+}  // namespace raio::view

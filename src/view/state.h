@@ -1,0 +1,75 @@
+// What the window shows, and what keys and clicks make of it: the scene, the options as the panel
+// and the keys set them, the camera. No window and no thread in it.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "accel/accel.h"
+#include "render/options.h"
+#include "scene/scene.h"
+#include "view/keys.h"
+
+namespace raio::view {
+
+class ViewState {
+ public:
+  ViewState(std::string path, std::shared_ptr<const Scene> scene, const RenderOptions& options);
+
+  std::string path;  // of the scene's file
+  std::shared_ptr<const Scene> scene;
+  RenderOptions options;  // also those that wait for an effect to be switched on; not the camera
+  Camera camera;
+  bool split = false;  // the picture beside that without `split_effect`
+  Command split_effect = Command::antialiasing;
+  bool paused = false, panel = true;
+
+  /// Another scene. Of the same file the camera stays, unless it was the scene's and that changed.
+  void open(std::string new_path, std::shared_ptr<const Scene> new_scene);
+
+  bool is_on(Command effect) const;
+  /// Switches an effect, or takes the next structure. Returns what is so now: "soft shadows on".
+  std::string toggle(Command effect);
+
+  /// What stands beside the bar of the split view, at its left and at its right.
+  std::pair<std::string, std::string> split_labels() const;
+  /// Of the window.
+  std::string title() const;
+
+  void show(View view) { options.view = view; }
+
+  /// What `raio render` would be told for this picture of so many pixels: what has an effect, no
+  /// more. `samples`: of a pixel, where their number is open; 0: without end.
+  RenderOptions wish(int width, int height, int samples = 0) const;
+  /// The same without `split_effect`, or with it where it is off.
+  RenderOptions other_wish(int width, int height) const;
+
+  /// May a pixel have any number of samples? Not with cells, whose number says it.
+  bool endless() const;
+
+  /// "raio render SCENE --size ... -o OUTPUT".
+  std::string command_line(int width, int height, int samples, const std::string& output) const;
+
+  /// Puts in focus what is at `depth`, along the line of sight; switches the lens on.
+  void focus_at(float depth);
+  /// The aperture times `factor`.
+  void scale_aperture(float factor);
+
+ private:
+  RenderOptions resolved() const;
+};
+
+/// What the ray through a place of the picture (0 to 1 from the upper left) hits.
+struct Pick {
+  Hit hit;
+  Vec3d point;
+  double depth = 0;  // along the line of sight
+  std::string what;  // "sphere 12"
+};
+Pick pick(const Accel& accel, const Camera& camera, double x, double y, double width_per_height);
+
+/// `word` as a shell wants it.
+std::string quoted(const std::string& word);
+
+}  // namespace raio::view

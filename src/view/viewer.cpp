@@ -1,0 +1,462 @@
+#include "view/viewer.h"
+
+#include <GLFW/glfw3.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/output.h"
+#include "app/terminal.h"
+#include "render/provenance.h"
+#include "render/session.h"
+#include "view/camera_control.h"
+#include "view/files.h"
+#include "view/hands.h"
+#include "view/measure.h"
+#include "view/panel.h"
+#include "view/side.h"
+#include "view/window.h"
+
+namespace raio::view {
+namespace {
+
+constexpr double kFrameSeconds = 0.024;   // of rendering; drawing takes the rest of a 30th
+constexpr double kDrawGapSeconds = 0.03;  // between drawings that show no new picture
+constexpr double kRestSeconds = 0.15;     // after the last movement
+constexpr double kBeforeCosts = 0.8;      // of rest, until costs are measured
+constexpr double kMessageSeconds = 4;
+constexpr double kFocusSeconds = 2.5;  // that the plane in focus is shown
+constexpr double kIdleSeconds = 0.1;   // between looks at the disk
+
+std::string text_of(Vec3f v) { return fmt::format("{:.6g},{:.6g},{:.6g}", v.x, v.y, v.z); }
+
+class Viewer final : public WindowEvents {
+ public:
+  /// `session` has got `first_wish` already, whose rays need no window.
+  Viewer(Window& window, ViewState state, bool logs, std::unique_ptr<Session> session,
+         const RenderOptions& first_wish)
+      : window_(window),
+        logs_(logs),
+        opened_(float(window.width()), float(window.height())),
+        first_width_(first_wish.width),
+        first_height_(first_wish.height),
+        state_(std::move(state)),
+        file_(state_.path),
+        hands_(state_, stage_, [this](double x, double y) { return pick_at(x, y); }) {
+    window_.listen(this);
+    main_.session = std::move(session);
+    main_.wish = 1;
+    other_.session = std::make_unique<Session>(Window::wake);
+    log("wish: 1");
+    stage_.picture_width = first_wish.width, stage_.picture_height = first_wish.height;
+    // A screen that is too small for the picture has made the window so.
+    const float unit = 1 / window_.pixels_per_unit();
+    follows_window_ = opened_.x - window_.panel_width() < std::floor(float(first_width_) * unit) ||
+                      opened_.y < std::floor(float(first_height_) * unit);
+    lay_out();
+    log(fmt::format("place: {},{}", stage_.lo.x, stage_.lo.y));
+  }
+  ~Viewer() override { window_.listen(nullptr); }
+
+  void run() {
+    while (!window_.should_close()) {
+      Window::wait_events(drawings_ > 0 ? 0.004 : kIdleSeconds);
+      step();
+    }
+    log("closed");
+  }
+
+  void key_pressed(int key, bool shift) override {
+    if (hands_.is_looking() && steps_held().any()) return;
+    if (const KeySpec* spec = find_key(key, shift)) obey(*spec);
+  }
+  void button(int number, bool down, bool shift) override {
+    needs_drawing();
+    const auto which = number == GLFW_MOUSE_BUTTON_LEFT    ? Hands::Button::left
+                       : number == GLFW_MOUSE_BUTTON_RIGHT ? Hands::Button::right
+                                                           : Hands::Button::middle;
+    if (down)
+      hands_.press(which, shift);
+    else if (hands_.release(which))
+      focus_on(pick_at(hands_.x(), hands_.y()));
+  }
+  void cursor_moved(double x, double y) override {
+    needs_drawing();
+    if (hands_.move(x, y)) camera_moved();
+  }
+  void scrolled(double steps, bool ctrl) override {
+    needs_drawing();
+    if (!stage_.contains(hands_.x(), hands_.y())) return;
+    if (ctrl || shows_focus()) {
+      state_.scale_aperture(float(std::pow(1.1, steps)));
+      if (!state_.is_on(Command::depth_of_field)) (void)state_.toggle(Command::depth_of_field);
+      focus_until_ = now() + kFocusSeconds;
+      say(fmt::format("aperture {:.4g}", state_.options.aperture));
+      renew();
+    } else if (hands_.dolly(steps)) {
+      camera_moved();
+    }
+  }
+  void file_dropped(const std::string& path) override { file_.open(path); }
+  void needs_drawing() override { drawings_ = 3; }  // the panel takes some to settle
+
+ private:
+  static double now() { return Window::seconds(); }
+
+  void log(std::string_view event) const {
+    if (logs_) app::print_line(fmt::format("{:.1f} {}", now() * 1e3, event));
+  }
+  void say(std::string message) {
+    log(message);
+    message_ = std::move(message);
+    message_until_ = now() + kMessageSeconds;
+    needs_drawing();
+  }
+
+  bool is_moving() const { return now() < moving_until_; }
+  bool shows_focus() const { return now() < focus_until_; }
+
+  Pick pick_at(double x, double y) const {
+    const auto& picture = main_.picture;
+    if (!picture || !picture->baked || picture->baked->scene != state_.scene) return {};
+    return pick(*picture->baked->accel, state_.camera, stage_.across(x), stage_.down(y),
+                stage_.aspect());
+  }
+
+  void camera_moved() {
+    moving_until_ = now() + kRestSeconds;
+    renew();
+  }
+
+  // Where things are in the window. The picture has the size that it was opened with until the
+  // window gets another, or the panel makes room.
+  void lay_out() {
+    const ImVec2 window{float(window_.width()), float(window_.height())};
+    const float panel = state_.panel ? window_.panel_width() : 0;
+    follows_window_ |= panel == 0 || window.x != opened_.x || window.y != opened_.y;
+    const RenderOptions& o = state_.options;
+    const auto wanted = [&](int given, int first) {
+      return given > 0 ? given : follows_window_ ? 0 : first;
+    };
+    const Stage before = std::exchange(
+        stage_, Stage(window, panel, window_.pixels_per_unit(), wanted(o.width, first_width_),
+                      wanted(o.height, first_height_)));
+    if (stage_.picture_width == before.picture_width &&
+        stage_.picture_height == before.picture_height)
+      return;
+    log(fmt::format("size: {}x{}", stage_.picture_width, stage_.picture_height));
+    renew();
+  }
+
+  // Tells the sessions what is wanted now.
+  void renew() {
+    const RenderOptions o = state_.wish(stage_.picture_width, stage_.picture_height);
+    if (const auto why = option_conflict(o, state_.scene.get()); !why.empty()) return say(why);
+    const double frame_s = is_moving() ? kFrameSeconds : 0;
+    moved_ = frame_s > 0;
+    main_.wish = main_.session->wish({state_.scene, o, frame_s});
+    if (!moved_) log(fmt::format("wish: {}", main_.wish));
+    measuring_.cancel();
+    costs_are_old_ = true;
+    renew_other(frame_s);
+  }
+
+  void renew_other(double frame_s) {
+    const Other wanted = shows_focus() ? Other::focus : state_.split ? Other::without : Other::none;
+    const bool is_new = wanted != other_is_;
+    other_is_ = wanted;
+    if (wanted == Other::none) return other_.session->rest();
+    RenderOptions o = state_.other_wish(stage_.picture_width, stage_.picture_height);
+    if (wanted == Other::focus) {
+      o = state_.wish(stage_.picture_width, stage_.picture_height);
+      o.view = View::focus;
+    }
+    if (!option_conflict(o, state_.scene.get()).empty()) return;
+    other_.wish = other_.session->wish({state_.scene, o, frame_s});
+    if (is_new) other_.first_wish = other_.wish;
+  }
+
+  void obey(const KeySpec& key) {
+    switch (key.command) {
+      case Command::antialiasing:
+      case Command::soft_shadows:
+      case Command::depth_of_field:
+      case Command::structure:
+      case Command::reflection:
+      case Command::refraction:
+        before_s_ = main_.picture ? main_.picture->pass_s : 0;
+        say(state_.toggle(key.command));
+        switched_ = message_;
+        return renew();
+      case Command::split:
+        state_.split = !state_.split;
+        say(state_.split ? "side by side with the last effect switched" : "one picture");
+        return renew();
+      case Command::pause:
+        state_.paused = !state_.paused;
+        main_.session->pause(state_.paused), other_.session->pause(state_.paused);
+        return say(state_.paused ? "paused" : "goes on");
+      case Command::panel:
+        state_.panel = !state_.panel;
+        say(state_.panel ? "panel shown" : "panel hidden; h shows it");
+        return lay_out();
+      case Command::fit:
+        state_.camera = fitted(state_.camera, bounds(*state_.scene), stage_.aspect());
+        say("the scene fits");
+        return renew();
+      case Command::home:
+        state_.camera = state_.scene->camera;
+        moving_until_ = 0;
+        say("the scene's own camera");
+        return renew();
+      case Command::save_png:
+      case Command::save_exr:
+        to_save_ = key.command == Command::save_png ? ".png" : ".exr";
+        return save_when_whole();
+      case Command::copy: {
+        const std::string command = command_line(state_.scene->name + ".png");
+        window_.set_clipboard(command);
+        log("command: " + command);
+        return say("copied: " + command);
+      }
+      case Command::show_view:
+        state_.show(View(key.key - '1'));
+        say(fmt::format("view: {}", view_name(state_.options.view)));
+        return renew();
+      case Command::measure:
+        return switch_table();
+      case Command::quit:
+        return window_.close();
+    }
+  }
+
+  void focus_on(const Pick& pick) {
+    if (!pick.hit.found()) return say("nothing there to focus on");
+    state_.focus_at(float(pick.depth));
+    focus_until_ = now() + kFocusSeconds;
+    say(fmt::format("focus on {}, distance {:.6g}", pick.what, state_.options.focus));
+    renew();
+  }
+
+  int samples() const { return main_.picture ? std::max(1, main_.picture->samples) : 1; }
+  std::string command_line(const std::string& output) const {
+    return state_.command_line(stage_.picture_width, stage_.picture_height, samples(), output);
+  }
+
+  // What is saved is a picture that `raio render` makes: of the newest wish, at rest, with as many
+  // samples in every pixel.
+  void save_when_whole() {
+    if (to_save_.empty()) return;
+    const auto& picture = main_.picture;
+    const bool is_whole = picture && picture->wish == main_.wish && picture->samples > 0 &&
+                          (state_.endless() || picture->finished);
+    if (!is_whole) return;
+    const std::string path = free_name(state_.scene->name, std::exchange(to_save_, {}));
+    const RenderOptions o = resolve_options(
+        state_.wish(stage_.picture_width, stage_.picture_height, picture->samples), *state_.scene);
+    writer_.write(picture->image, path, settings_of(*state_.scene, o), command_line(path));
+  }
+
+  // The costs, which are measured unasked, make way for the table.
+  void switch_table() {
+    if (measuring_.work() == Measuring::Work::table) return measuring_.cancel();
+    costs_are_old_ |= measuring_.busy();
+    measuring_.cancel();
+    wants_table_ = true;
+    say("measuring the sixteen; m stops");
+  }
+  void start_table() {
+    wants_table_ = false;
+    hold_back(true);
+    measuring_.start_table(state_, stage_.picture_width, stage_.picture_height);
+  }
+
+  // Whoever measures wants the machine for himself.
+  void hold_back(bool hold) const {
+    main_.session->pause(hold || state_.paused);
+    other_.session->pause(hold || state_.paused);
+  }
+
+  void step() {
+    const double time = now(), passed = time - std::exchange(last_step_, time);
+    if (hands_.walk(steps_held(), passed)) camera_moved();
+    lay_out();
+    if (moved_ && !is_moving()) {
+      log(fmt::format("camera: from {} at {}", text_of(state_.camera.from),
+                      text_of(state_.camera.at)));
+      renew();
+    }
+    if (other_is_ == Other::focus && !shows_focus()) renew_other(0), needs_drawing();
+    if (message_until_ > 0 && time > message_until_)
+      message_.clear(), message_until_ = 0, needs_drawing();
+    take_results();
+    const bool is_new = take_picture(main_) | take_picture(other_);
+    save_when_whole();
+    measure_costs();
+    if (window_.is_hidden()) {
+      drawings_ = 0;
+    } else if (is_new || (drawings_ > 0 && (!is_moving() || time > last_draw_ + kDrawGapSeconds))) {
+      drawings_ = is_new ? std::max(drawings_, 1) : drawings_;
+      draw();
+      --drawings_;
+    }
+  }
+
+  Steps steps_held() const {
+    if (Window::is_typing()) return {};
+    return walking_steps([this](int key) { return window_.is_held(key); }, hands_.is_looking());
+  }
+
+  bool take_picture(Side& side) {
+    if (!side.take()) return false;
+    const SessionPicture& p = *side.picture;
+    if (!p.error.empty()) say(p.error);
+    if (&side == &main_ && !switched_.empty() && p.wish == main_.wish && p.samples > 0) {
+      say(fmt::format("{}: {} a sample, before {}", std::exchange(switched_, {}),
+                      app::human_seconds(p.pass_s), app::human_seconds(before_s_)));
+    }
+    return true;
+  }
+
+  void take_results() {
+    if (auto read = file_.poll()) take_scene(*read);
+    while (auto written = writer_.poll()) {
+      if (!written->result) {
+        say(written->result.error().message);
+        continue;
+      }
+      say("saved " + written->path);
+      log("command: " + written->command);
+    }
+    if (const auto done = measuring_.poll()) {
+      hold_back(false);
+      done->empty() ? log("measured the costs") : say(*done);
+    }
+    if (wants_table_ && !measuring_.busy()) start_table();
+  }
+
+  void take_scene(const SceneFile::Read& read) {
+    if (!read.scene) {
+      errors_ = read.scene.error();
+      return say(errors_.front().text());
+    }
+    errors_.clear();
+    state_.open(read.path, *read.scene);
+    measuring_.forget();
+    say("opened " + read.path);
+    renew();
+  }
+
+  void measure_costs() {
+    const auto& picture = main_.picture;
+    if (!costs_are_old_ || !wants_costs_ || measuring_.busy() || is_moving() || state_.paused)
+      return;
+    if (!picture || picture->wish != main_.wish || picture->samples == 0) return;
+    if (now() < moving_until_ + kBeforeCosts ||
+        now() < message_until_ - kMessageSeconds + kBeforeCosts)
+      return;
+    costs_are_old_ = false;
+    hold_back(true);
+    log("measures the costs");
+    measuring_.start_costs(state_, picture->baked, stage_.picture_width, stage_.picture_height);
+  }
+
+  void draw() {
+    last_draw_ = now();
+    Window::begin_frame();
+    draw_pictures();
+    if (state_.panel) draw_panel_and_obey();
+    draw_message();
+    window_.end_frame();
+    window_.set_title(state_.title());
+    log_picture(main_, "picture");
+    log_picture(other_, "other");
+  }
+
+  void log_picture(Side& side, std::string_view name) {
+    if (!logs_) return;
+    if (const auto news = side.news()) log(fmt::format("{}: {}", name, *news));
+  }
+
+  void draw_pictures() {
+    main_.draw(stage_, 0, 1, 1);
+    if (!other_.has_picture()) return;
+    if (other_is_ == Other::focus) other_.draw(stage_, 0, 1, 0.6f);
+    if (other_is_ != Other::without) return;
+    const float at = float(hands_.split_at);
+    other_.draw(stage_, at, 1, 1);
+    const auto [left, right] = state_.split_labels();
+    draw_split_bar(stage_, at, left, right);
+  }
+
+  void draw_message() const {
+    const std::string& text =
+        message_.empty() && !errors_.empty() ? errors_.front().text() : message_;
+    if (text.empty()) return;
+    const float line = ImGui::GetFontSize();
+    draw_label({stage_.area_lo.x + line, stage_.area_hi.y - 2 * line}, text, Beside::right);
+  }
+
+  void draw_panel_and_obey() {
+    PanelFacts facts;
+    facts.picture = main_.picture;
+    facts.picture_width = stage_.picture_width, facts.picture_height = stage_.picture_height;
+    facts.costs = measuring_.costs(), facts.table = measuring_.table();
+    facts.measuring = measuring_.work();
+    facts.errors = errors_;
+    const PanelResult result = draw_panel(state_, facts, window_.panel_width());
+    wants_costs_ = result.wants_costs;
+    for (const KeySpec* key : result.pressed) obey(*key);
+    if (!result.problem.empty()) say(result.problem);
+    if (!result.changed) return;
+    if (result.dragging) moving_until_ = now() + kRestSeconds;
+    renew();
+  }
+
+  enum class Other { none, without, focus };
+
+  Window& window_;
+  const bool logs_;
+  const ImVec2 opened_;                   // the window's size
+  const int first_width_, first_height_;  // the picture's
+  bool follows_window_ = false;
+  Stage stage_;
+  ViewState state_;
+  SceneFile file_;
+  PictureWriter writer_;
+  Hands hands_;
+  Side main_, other_;
+  Other other_is_ = Other::none;
+  Measuring measuring_{[] { Window::wake(); }};
+  bool costs_are_old_ = true, wants_costs_ = false, wants_table_ = false;
+  Diagnostics errors_;
+
+  int drawings_ = 3;  // still to do, even if no new picture comes
+  double last_step_ = 0, last_draw_ = 0, moving_until_ = 0, focus_until_ = 0;
+  bool moved_ = false;  // the newest wish is one of a movement
+  std::string message_, switched_, to_save_;
+  double message_until_ = 0, before_s_ = 0;
+};
+
+}  // namespace
+
+int open_window(const app::ViewCommand& command) {
+  auto scene = app::load_scene(command.scene);
+  if (!scene) return scene.error();
+  if (const auto why = option_conflict(command.options, &*scene); !why.empty())
+    return app::bad_input(why);
+  const RenderOptions resolved = resolve_options(command.options, *scene);
+  ViewState state(command.scene, std::make_shared<const Scene>(std::move(*scene)), command.options);
+  const RenderOptions first_wish = state.wish(resolved.width, resolved.height);
+  auto session = std::make_unique<Session>(Window::wake);
+  session->wish({state.scene, first_wish});
+
+  const auto window = Window::open(resolved.width, resolved.height);
+  if (!window) return app::no_resource(window.error());
+  Viewer viewer(**window, std::move(state), command.log, std::move(session), first_wish);
+  viewer.run();
+  return app::kDone;
+}
+
+}  // namespace raio::view

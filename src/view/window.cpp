@@ -1,0 +1,214 @@
+#include "view/window.h"
+
+#include <epoxy/gl.h>
+// After epoxy's.
+#include <GLFW/glfw3.h>
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+
+namespace raio::view {
+namespace {
+
+const auto g_start = std::chrono::steady_clock::now();
+
+std::string g_glfw_problem;
+std::atomic<bool> g_open = false;
+
+constexpr float kFontSize = 14, kPanelWidth = 300, kPanelHeight = 770;
+
+// Of the usual places; without one there is ImGui's own, of pixels.
+constexpr std::array kFonts = {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
+                               "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
+                               "/usr/share/fonts/TTF/DejaVuSans.ttf"};
+
+void set_up_imgui(GLFWwindow* window, float scale) {
+  IMGUI_CHECKVERSION();
+  ImGui::CreateContext();
+  ImGuiIO& io = ImGui::GetIO();
+  io.IniFilename = nullptr;  // nothing is left behind
+  std::error_code ignored;
+  for (const char* font : kFonts)
+    if (io.Fonts->Fonts.empty() && std::filesystem::exists(font, ignored))
+      io.Fonts->AddFontFromFileTTF(font, std::round(kFontSize * scale));
+  if (io.Fonts->Fonts.empty()) io.FontGlobalScale = scale;
+  ImGui::StyleColorsDark();
+  ImGuiStyle& style = ImGui::GetStyle();
+  style.WindowRounding = style.WindowBorderSize = 0;
+  style.FramePadding = {4, 1}, style.ItemSpacing = {6, 3};
+  style.ScaleAllSizes(scale);
+  // It hands all events on to the callbacks that are there already.
+  ImGui_ImplGlfw_InitForOpenGL(window, true);
+  ImGui_ImplOpenGL3_Init("#version 330 core");
+}
+
+std::string no_window(std::string_view why) {
+  return fmt::format("cannot open a window: {}{}; without one there is raio render", why,
+                     g_glfw_problem.empty() ? "" : " (" + g_glfw_problem + ")");
+}
+
+}  // namespace
+
+std::expected<std::unique_ptr<Window>, std::string> Window::open(int picture_width,
+                                                                 int picture_height) {
+  glfwSetErrorCallback([](int, const char* text) { g_glfw_problem = text; });
+  if (!glfwInit()) return std::unexpected(no_window("there is no display"));
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+  glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+  glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
+  glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
+  GLFWwindow* handle =
+      glfwCreateWindow(picture_width + int(kPanelWidth), picture_height, "Raio", nullptr, nullptr);
+  if (!handle) {
+    glfwTerminate();
+    return std::unexpected(no_window("the display has no OpenGL 3.3"));
+  }
+  std::unique_ptr<Window> window(new Window(handle));
+  int x = 0, y = 0, most_width = 1 << 14, most_height = 1 << 14;
+  if (GLFWmonitor* monitor = glfwGetPrimaryMonitor())
+    glfwGetMonitorWorkarea(monitor, &x, &y, &most_width, &most_height);
+  const float unit = 1 / window->pixels_per_unit();
+  glfwSetWindowSizeLimits(handle, 64, 64, GLFW_DONT_CARE, GLFW_DONT_CARE);
+  glfwSetWindowSize(
+      handle, std::min(int(float(picture_width) * unit + window->panel_width()), most_width),
+      std::min(std::max(int(float(picture_height) * unit), int(kPanelHeight * window->text_scale_)),
+               most_height));
+  glfwShowWindow(handle);
+  return window;
+}
+
+Window::Window(GLFWwindow* window) : window_(window) {
+  glfwMakeContextCurrent(window);
+  glfwSwapInterval(1);
+  glfwSetWindowUserPointer(window, this);
+  // On some systems a window's coordinates are pixels, on others they are scaled by themselves.
+  float scale_x = 1, scale_y = 1;
+  glfwGetWindowContentScale(window, &scale_x, &scale_y);
+  text_scale_ = std::clamp(scale_y / pixels_per_unit(), 0.5f, 8.0f);
+  set_callbacks();
+  set_up_imgui(window, text_scale_);
+  g_open = true;
+}
+
+Window::~Window() {
+  g_open = false;
+  ImGui_ImplOpenGL3_Shutdown();
+  ImGui_ImplGlfw_Shutdown();
+  ImGui::DestroyContext();
+  glfwDestroyWindow(window_);
+  glfwTerminate();
+}
+
+Window& Window::of(GLFWwindow* window) {
+  return *static_cast<Window*>(glfwGetWindowUserPointer(window));
+}
+
+void Window::set_callbacks() {
+  glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int, int action, int mods) {
+    WindowEvents* events = of(w).events_;
+    if (!events) return;
+    events->needs_drawing();
+    if (action == GLFW_PRESS && !is_typing()) events->key_pressed(key, mods & GLFW_MOD_SHIFT);
+  });
+  glfwSetMouseButtonCallback(window_, [](GLFWwindow* w, int button, int action, int mods) {
+    if (WindowEvents* events = of(w).events_)
+      events->button(button, action == GLFW_PRESS, mods & GLFW_MOD_SHIFT);
+  });
+  glfwSetCursorPosCallback(window_, [](GLFWwindow* w, double x, double y) {
+    if (WindowEvents* events = of(w).events_) events->cursor_moved(x, y);
+  });
+  glfwSetScrollCallback(window_, [](GLFWwindow* w, double, double steps) {
+    const bool ctrl = of(w).is_held(GLFW_KEY_LEFT_CONTROL) || of(w).is_held(GLFW_KEY_RIGHT_CONTROL);
+    if (WindowEvents* events = of(w).events_) events->scrolled(steps, ctrl);
+  });
+  glfwSetDropCallback(window_, [](GLFWwindow* w, int count, const char** paths) {
+    WindowEvents* events = of(w).events_;
+    if (events && count > 0) events->file_dropped(paths[0]);
+  });
+  const auto redraw = [](GLFWwindow* w) {
+    if (WindowEvents* events = of(w).events_) events->needs_drawing();
+  };
+  static const auto kRedraw = redraw;
+  glfwSetWindowRefreshCallback(window_, [](GLFWwindow* w) { kRedraw(w); });
+  glfwSetFramebufferSizeCallback(window_, [](GLFWwindow* w, int, int) { kRedraw(w); });
+  glfwSetWindowIconifyCallback(window_, [](GLFWwindow* w, int) { kRedraw(w); });
+}
+
+void Window::wait_events(double seconds) {
+  if (seconds > 0)
+    glfwWaitEventsTimeout(seconds);
+  else
+    glfwPollEvents();
+}
+void Window::wake() {
+  if (g_open) glfwPostEmptyEvent();
+}
+
+bool Window::should_close() const { return glfwWindowShouldClose(window_); }
+void Window::close() { glfwSetWindowShouldClose(window_, GLFW_TRUE); }
+bool Window::is_held(int key) const { return glfwGetKey(window_, key) == GLFW_PRESS; }
+bool Window::is_typing() { return ImGui::GetIO().WantTextInput; }
+
+bool Window::is_hidden() const {
+  int width = 0, height = 0;
+  glfwGetFramebufferSize(window_, &width, &height);
+  return glfwGetWindowAttrib(window_, GLFW_ICONIFIED) || width == 0 || height == 0;
+}
+
+double Window::width() const {
+  int width = 0, height = 0;
+  glfwGetWindowSize(window_, &width, &height);
+  return width;
+}
+double Window::height() const {
+  int width = 0, height = 0;
+  glfwGetWindowSize(window_, &width, &height);
+  return height;
+}
+float Window::pixels_per_unit() const {
+  int pixels = 0, pixels_down = 0;
+  glfwGetFramebufferSize(window_, &pixels, &pixels_down);
+  return pixels > 0 && width() > 0 ? float(pixels / width()) : 1.0f;
+}
+float Window::panel_width() const { return std::round(kPanelWidth * text_scale_); }
+
+void Window::set_title(const std::string& title) {
+  if (title == title_) return;
+  title_ = title;
+  glfwSetWindowTitle(window_, title.c_str());
+}
+void Window::set_clipboard(const std::string& text) {
+  glfwSetClipboardString(window_, text.c_str());
+}
+
+void Window::begin_frame() {
+  ImGui_ImplOpenGL3_NewFrame();
+  ImGui_ImplGlfw_NewFrame();
+  ImGui::NewFrame();
+}
+
+void Window::end_frame() {
+  ImGui::Render();
+  int width = 0, height = 0;
+  glfwGetFramebufferSize(window_, &width, &height);
+  glViewport(0, 0, width, height);
+  glClearColor(0.09f, 0.09f, 0.1f, 1);
+  glClear(GL_COLOR_BUFFER_BIT);
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  glfwSwapBuffers(window_);
+}
+
+double Window::seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - g_start).count();
+}
+
+}  // namespace raio::view

@@ -1,0 +1,72 @@
+// A window with OpenGL and Dear ImGui in it, and what comes in by it. Of all that is Raio's, only
+// this, stage.cpp and panel.cpp know these libraries.
+#pragma once
+
+#include <expected>
+#include <memory>
+#include <string>
+
+struct GLFWwindow;
+
+namespace raio::view {
+
+/// Who wants to know what hands do. Places are in window coordinates.
+class WindowEvents {
+ public:
+  virtual ~WindowEvents() = default;
+  virtual void key_pressed(int key, bool shift) = 0;
+  virtual void button(int button, bool down, bool shift) = 0;
+  virtual void cursor_moved(double x, double y) = 0;
+  virtual void scrolled(double steps, bool ctrl) = 0;
+  virtual void file_dropped(const std::string& path) = 0;
+  virtual void needs_drawing() = 0;
+};
+
+class Window {
+ public:
+  /// With room for a picture of so many pixels and for the panel beside it. The error is one line
+  /// that says what to do instead.
+  static std::expected<std::unique_ptr<Window>, std::string> open(int picture_width,
+                                                                  int picture_height);
+  ~Window();
+  Window(const Window&) = delete;
+  Window& operator=(const Window&) = delete;
+
+  void listen(WindowEvents* events) { events_ = events; }
+
+  /// Handles what has come in; waits for it up to so many seconds.
+  static void wait_events(double seconds);
+  /// Ends a wait, from any thread that ends before the window does; without one does nothing.
+  static void wake();
+
+  bool should_close() const;
+  void close();
+  bool is_hidden() const;  // minimised, or without a pixel
+  bool is_held(int key) const;
+  static bool is_typing();  // into a field of the panel
+
+  double width() const;
+  double height() const;
+  float pixels_per_unit() const;  // of the window's coordinates
+  float panel_width() const;
+
+  void set_title(const std::string& title);
+  void set_clipboard(const std::string& text);
+
+  static void begin_frame();
+  void end_frame();
+
+  static double seconds();  // since the program began
+
+ private:
+  explicit Window(GLFWwindow* window);
+  void set_callbacks();
+  static Window& of(GLFWwindow* window);
+
+  GLFWwindow* window_;
+  WindowEvents* events_ = nullptr;
+  float text_scale_ = 1;
+  std::string title_;
+};
+
+}  // namespace raio::view

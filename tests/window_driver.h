@@ -1,0 +1,91 @@
+// A display of its own (Xvfb), raio view on it, and hands: keys and the mouse by XTest, as a person
+// would use them. What the program did is read from its log; nothing is told by time.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <regex>
+#include <string>
+#include <thread>
+#include <vector>
+
+struct _XDisplay;
+
+namespace raio {
+
+/// An X server without a screen.
+class Display {
+ public:
+  Display();
+  ~Display();
+  Display(const Display&) = delete;
+  Display& operator=(const Display&) = delete;
+
+  const std::string& name() const { return name_; }  // ":42"; empty where Xvfb did not start
+
+ private:
+  std::string name_;
+  int process_ = -1;
+};
+
+class WindowDriver {
+ public:
+  /// Starts `raio view ARGUMENTS --log` in `folder` and waits for its first whole picture.
+  WindowDriver(const Display& display, const std::vector<std::string>& arguments,
+               const std::string& folder);
+  ~WindowDriver();
+  WindowDriver(const WindowDriver&) = delete;
+  WindowDriver& operator=(const WindowDriver&) = delete;
+
+  /// What follows is looked for after this place in the log.
+  size_t mark() const;
+  /// The first line since `from` that has a match, with its groups; waits for it. Nothing when the
+  /// program has ended, or after minutes.
+  struct Line {
+    std::vector<std::string> groups;  // the whole match first
+    size_t next = 0;                  // the place after the line
+    std::chrono::steady_clock::time_point time;
+  };
+  std::optional<Line> wait_for(const std::string& pattern, size_t from);
+
+  /// The picture in full, of at least so many samples, of a wish made since `from`.
+  struct Picture {
+    int samples = 0;
+    std::string sum;
+  };
+  std::optional<Picture> picture(size_t from, int samples = 1);
+
+  // Places are those in the picture with which the window opens.
+  void key(unsigned long keysym, bool shift = false);
+  void hold(unsigned long keysym, bool down);
+  void move(int x, int y);
+  void button(int number, bool down);
+  void click(int x, int y);
+  void drag(int x0, int y0, int x1, int y1, int number = 1);
+  void wheel(int x, int y, int steps);
+  void resize(int width, int height);
+  void minimise(bool on);
+  std::string title() const;
+
+  bool is_running();
+  /// Waits for the end; the exit status, -1 for a signal.
+  int end();
+  std::string log() const;
+
+ private:
+  void read_log();
+
+  _XDisplay* x_ = nullptr;
+  unsigned long window_ = 0;
+  int left_ = 0, top_ = 0;
+  int process_ = -1, status_ = 0, log_end_ = -1;
+  mutable std::mutex mutex_;
+  std::condition_variable news_;
+  std::vector<std::pair<std::string, std::chrono::steady_clock::time_point>> lines_;
+  bool log_is_closed_ = false;
+  std::thread reader_;
+};
+
+}  // namespace raio
