@@ -22,8 +22,10 @@ using testing::same_bytes;
 
 #ifdef RAIO_SANITIZED
 constexpr uint32_t kRounds = 4;
+constexpr int kSide = 40;
 #else
 constexpr uint32_t kRounds = 24;
+constexpr int kSide = 200;
 #endif
 
 RenderOptions random_options(std::mt19937& random) {
@@ -49,6 +51,17 @@ TEST(Property, EveryStructureAndNumberOfThreadsGivesThePicture) {
     const RenderOptions options = random_options(random);
     expect_one_picture(scene, options);
     ASSERT_FALSE(HasFailure());
+  }
+}
+
+TEST(Property, EveryStructureGivesThePictureOfAScene) {
+  for (const char* name : {"sphereflake", "shapes", "tree"}) {
+    SCOPED_TRACE(name);
+    const auto read = read_nff(std::string(RAIO_SOURCE_DIR "/scenes/") + name + ".nff");
+    ASSERT_TRUE(read);
+    RenderOptions options;
+    options.width = options.height = kSide;
+    expect_one_picture(read->scene, options);
   }
 }
 

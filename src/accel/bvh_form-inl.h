@@ -239,8 +239,10 @@ class BeamMaker {
     const V16 to_unit = hn::MulAdd(half, error, one);
     for (size_t a = 0; a < 3; ++a) put(15 + a, hn::Mul(d[a], to_unit));
     // |o_i + s d_i - (o + s d)| <= start + s spread, and s <= (along + radius + start) / (1 -
-    // spread) where a sphere is met whose centre lies `along` the axis.
-    const V16 spread = hn::Add(hn::MulAdd(half, dirs.diagonal(), error), hn::Set(f, 8 * kEpsilon));
+    // spread) where a sphere is met whose centre lies `along` the axis. The middle of unit vectors'
+    // box may be longer than they are.
+    const V16 spread =
+        hn::Add(hn::MulAdd(half, dirs.diagonal(), hn::Abs(error)), hn::Set(f, 8 * kEpsilon));
     put(18, hn::MulAdd(half, origins.diagonal(), slack));
     put(19, hn::Div(spread, hn::Sub(one, spread)));
 
