@@ -211,8 +211,15 @@ constexpr auto kTable = std::to_array<OptionSpec>({
      false},
     {"seed", "N", "Chooses the random points of all effects (default: 0)", parse_seed, 0, 0,
      seed_text},
-    {"counters", "", "Count tests and steps for --stats; costs some time",
-     +[](Options& o) -> bool& { return o.accel.counters; }, 0, 0, nullptr, {}, false},
+    {"counters",
+     "",
+     "Count tests and steps for --stats; costs some time",
+     +[](Options& o) -> bool& { return o.accel.counters; },
+     0,
+     0,
+     nullptr,
+     {},
+     false},
 });
 
 template <class T>

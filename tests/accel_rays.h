@@ -1,0 +1,148 @@
+// Rays of all sorts through a scene, and how far two structures disagree about what they meet.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <random>
+#include <vector>
+
+#include "accel/accel.h"
+#include "render/camera.h"
+#include "scenes.h"
+
+namespace raio::testing {
+
+inline Vec3f random_direction(std::mt19937& rng) {
+  std::normal_distribution<float> normal;
+  while (true) {
+    const Vec3f d(normal(rng), normal(rng), normal(rng));
+    if (dot(d, d) > 1e-6f) return normalize(d);
+  }
+}
+
+// Rays as pictures have them and as they hurt: through the scene from outside and inside, along the
+// axes and in the planes of cells, towards the boxes' corners, and of limited length.
+inline RayBatch awkward_rays(const Scene& scene, int count, uint32_t seed) {
+  std::mt19937 rng(seed);
+  std::uniform_real_distribution<float> unit(0, 1);
+  Box3f box = bounds(scene);
+  if (box.empty()) box = {scene.camera.at - Vec3f(1), scene.camera.at + Vec3f(1)};
+  const auto inside = [&] { return box.lo + box.size() * Vec3f(unit(rng), unit(rng), unit(rng)); };
+  RayBatch rays;
+  const EyeRays eye(scene.camera, 64, 64);
+  const float extent = max_component(box.size());
+  for (int i = 0; i < count; ++i) {
+    Ray ray;
+    switch (i % 5) {
+      case 0:
+        ray = eye.pinhole(64 * unit(rng), 64 * unit(rng));
+        break;
+      case 1:
+        ray = {inside(), random_direction(rng)};
+        break;
+      case 2: {
+        const Vec3f origin = inside() + random_direction(rng) * (2 * extent);
+        ray = {origin, normalize(inside() - origin)};
+        break;
+      }
+      case 3: {  // along an axis, from a point on a face of the box or of a cell of a grid
+        const int axis = int(rng() % 3);
+        Vec3f origin = inside(), dir;
+        dir[axis] = rng() % 2 ? 1.0f : -1.0f;
+        origin[(axis + 1) % 3] =
+            box.lo[(axis + 1) % 3] + box.size()[(axis + 1) % 3] * float(rng() % 9) / 8;
+        ray = {origin - dir * extent, dir};
+        break;
+      }
+      case 4:
+        ray = {inside(), random_direction(rng), extent * 0.2f * unit(rng)};
+        break;
+    }
+    rays.push(ray);
+  }
+  return rays;
+}
+
+// The scene with both sides of everything to be seen, as rays that travel together want it.
+inline Scene two_sided(Scene scene) {
+  for (Sphere& s : scene.spheres) s.radius = std::abs(s.radius);
+  for (Cone& c : scene.cones)
+    c.base_radius = std::abs(c.base_radius), c.apex_radius = std::abs(c.apex_radius);
+  return scene;
+}
+
+// As renderers have them: towards a light from where eye rays hit, in their order, and with rays
+// that need no test among them.
+inline RayBatch shadow_rays(const Accel& accel, const RayBatch& eye, Vec3f light) {
+  HitBatch hits;
+  TraceContext context;
+  accel.closest(eye, hits, context);
+  RayBatch rays;
+  for (size_t i = 0; i < eye.size(); ++i) {
+    const Vec3f point = eye[i].at(hits[i].found() ? 0.999f * hits[i].t : 1.0f);
+    const Vec3f to_light = light - point;
+    const float distance = length(to_light);
+    rays.push({point, to_light / distance, hits[i].found() && i % 5 ? distance : -1.0f});
+  }
+  return rays;
+}
+
+// What travels in packets: blocks of pixels.
+inline RayBatch eye_rays(const Scene& scene, int side) {
+  RayBatch rays;
+  const EyeRays eye(scene.camera, side, side);
+  for (int y = 0; y < side; y += 4)
+    for (int x = 0; x < side; x += 4)
+      for (int k = 0; k < 16; ++k) rays.push(eye.pinhole(float(x + k % 4), float(y + k / 4)));
+  return rays;
+}
+
+struct Disagreement {
+  size_t closest = 0, occluded = 0, total = 0;
+};
+
+// `exact`: the same item at the same distance to the last bit; otherwise the distance to a
+// tolerance, which may belong to another of several primitives that touch (and not the rays along
+// the axes).
+inline Disagreement disagreement(const Accel& oracle, const Accel& accel, const RayBatch& rays,
+                                 bool exact, bool coherent = false) {
+  TraceContext context;
+  context.coherent = coherent;
+  HitBatch expected, found;
+  std::vector<uint8_t> shadow_expected(padded(rays.size())), shadow_found(padded(rays.size()));
+  oracle.closest(rays, expected, context);
+  accel.closest(rays, found, context);
+  oracle.occluded(rays, shadow_expected.data(), context);
+  accel.occluded(rays, shadow_found.data(), context);
+  Disagreement out;
+  out.total = rays.size();
+  for (size_t i = 0; i < rays.size(); ++i) {
+    const Hit a = expected[i], b = found[i];
+    if (!exact && i % 5 == 3) continue;  // along edges of boxes: in or out are both right
+    EXPECT_EQ(shadow_expected[i] != 0, a.found()) << "the oracle disagrees with itself, ray " << i;
+    const bool same =
+        exact ? a.item == b.item && (!a.found() || a.t == b.t)
+              : a.found() == b.found() && (!a.found() || std::abs(a.t - b.t) <= 1e-4f * a.t);
+    out.closest += !same;
+    out.occluded += shadow_expected[i] != shadow_found[i];
+  }
+  return out;
+}
+
+inline std::unique_ptr<Accel> build(const Scene& scene, AccelOptions options,
+                                    bool one_sided = false) {
+  auto accel = build_accel(scene, options, one_sided);
+  EXPECT_TRUE(accel.has_value()) << accel.error();
+  return std::move(*accel);
+}
+
+struct Placement {
+  float scale;
+  Vec3f shift;
+};
+inline const Placement kPlacements[] = {{1, {}}, {1e-6f, {}}, {1e6f, {}}, {1, {500, -300, 100}}};
+
+}  // namespace raio::testing

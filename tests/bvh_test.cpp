@@ -1,0 +1,273 @@
+// The eight-wide tree against every primitive, and what it is made of.
+#include "accel/bvh.h"
+
+#include <hwy/targets.h>
+
+#include <cstring>
+#include <map>
+
+#include "accel_rays.h"
+#include "render/render.h"
+
+namespace raio {
+namespace {
+
+using namespace testing;
+
+// Every instruction set that this machine has, down to none.
+TEST(Bvh, FindsTheVeryHitsOfBruteForce) {
+  for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    hwy::SetSupportedTargetsForTest(target);
+    for (const Placement& place : kPlacements)
+      for (const bool one_sided : {false, true})
+        for (const bool coherent : {false, true}) {
+          const Scene scene = random_scene(600, 7, place.scale, place.shift);
+          const auto oracle = build(scene, {.kind = AccelKind::none}, one_sided);
+          const auto tree = build(scene, {.kind = AccelKind::bvh}, one_sided);
+          RayBatch rays = awkward_rays(scene, 4000, 3);
+          const RayBatch eye = eye_rays(scene, 48);
+          for (size_t i = 0; i < eye.size(); ++i) rays.push(eye[i]);
+          const Disagreement d = disagreement(*oracle, *tree, rays, true, coherent);
+          EXPECT_EQ(d.closest, 0u) << hwy::TargetName(target) << " scale " << place.scale;
+          EXPECT_EQ(d.occluded, 0u) << hwy::TargetName(target) << " scale " << place.scale;
+        }
+  }
+  hwy::SetSupportedTargetsForTest(0);
+}
+
+// Long batches of all sorts of rays by every way through the tree: as beams of sixteen, each in the
+// stream, against all of a few primitives.
+TEST(Bvh, RaysThatTravelTogetherFindTheVeryHitsOfBruteForce) {
+  for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    hwy::SetSupportedTargetsForTest(target);
+    for (const Placement& place : kPlacements)
+      for (const int count : {3, 12, 1000}) {
+        const Scene scene = two_sided(random_scene(count, 11, place.scale, place.shift));
+        const auto oracle = build(scene, {.kind = AccelKind::none});
+        const auto tree = build(scene, {.kind = AccelKind::bvh});
+        RayBatch rays = eye_rays(scene, 40);
+        for (const Light& light : scene.lights) {
+          const RayBatch shadow = shadow_rays(*oracle, eye_rays(scene, 28), light.position);
+          for (size_t i = 0; i < shadow.size(); ++i) rays.push(shadow[i]);
+        }
+        const RayBatch awkward = awkward_rays(scene, 500, 6);
+        for (size_t i = 0; i < awkward.size(); ++i) rays.push(awkward[i]);
+        const Disagreement d = disagreement(*oracle, *tree, rays, true, true);
+        EXPECT_EQ(d.closest, 0u) << hwy::TargetName(target) << " " << place.scale << " " << count;
+        EXPECT_EQ(d.occluded, 0u) << hwy::TargetName(target) << " " << place.scale << " " << count;
+      }
+  }
+  hwy::SetSupportedTargetsForTest(0);
+}
+
+TEST(Bvh, BatchesOfAnyLengthAreTracedToTheLast) {
+  const Scene scene = two_sided(random_scene(300, 8));
+  const auto oracle = build(scene, {.kind = AccelKind::none});
+  const auto tree = build(scene, {.kind = AccelKind::bvh});
+  const RayBatch eye = eye_rays(scene, 48);
+  for (const size_t length : {0, 1, 2, 15, 16, 17, 63, 1023, 1024, 1025, 2049}) {
+    RayBatch rays;
+    for (size_t i = 0; i < length; ++i) rays.push(eye[i]);
+    const Disagreement d = disagreement(*oracle, *tree, rays, true);
+    EXPECT_EQ(d.closest, 0u) << length;
+    EXPECT_EQ(d.occluded, 0u) << length;
+  }
+}
+
+// A million rays from inside a closed mesh through the edges that its triangles share: none leaks,
+// be it in a beam or on its own.
+TEST(Bvh, MeshesAreWatertightForRaysThatTravelTogether) {
+  for (const int side : {1, 24}) {  // a few triangles, and a tree
+    Scene scene;
+    scene.materials = {{}};
+    for (int face = 0; face < 6; ++face)
+      for (int y = 0; y <= side; ++y)
+        for (int x = 0; x <= side; ++x) {
+          Vec3f p;
+          const float u = 2 * float(x) / float(side) - 1, v = 2 * float(y) / float(side) - 1;
+          p[face % 3] = face < 3 ? -1.0f : 1.0f;
+          p[(face + 1) % 3] = u, p[(face + 2) % 3] = v;
+          scene.positions.push_back(p * (1 + 0.2f * std::sin(7 * p.x) * std::cos(5 * p.y - p.z)));
+          if (x == side || y == side) continue;
+          const uint32_t i = uint32_t(scene.positions.size()) - 1, up = i + uint32_t(side) + 1;
+          scene.triangles.push_back({i, i + 1, up + 1});
+          scene.triangles.push_back({i, up + 1, up});
+        }
+    scene.triangle_materials.assign(scene.triangles.size(), 0);
+    const auto tree = build(scene, {.kind = AccelKind::bvh});
+    std::mt19937 rng(5);
+    std::uniform_real_distribution<float> unit(0, 1);
+    size_t leaks = 0, total = 0;
+    for (int round = 0; round < 500; ++round) {
+      RayBatch rays;
+      HitBatch hits;
+      TraceContext context;
+      while (rays.size() < 1024) {
+        const Vec3f from = Vec3f(unit(rng), unit(rng), unit(rng)) * 0.5f - Vec3f(0.25f);
+        const TriangleIndices& t = scene.triangles[rng() % scene.triangles.size()];
+        const Vec3f a = scene.positions[t[0]], b = scene.positions[t[rng() % 2 + 1]];
+        for (int i = 0; i < (round % 2 ? 16 : 1); ++i)  // a beam along the edge, or one alone
+          rays.push({from, normalize(a + (b - a) * unit(rng) - from)});
+      }
+      tree->closest(rays, hits, context);
+      for (size_t i = 0; i < rays.size(); ++i) leaks += !hits[i].found();
+      std::vector<uint8_t> hidden(padded(rays.size()));
+      tree->occluded(rays, hidden.data(), context);
+      for (size_t i = 0; i < rays.size(); ++i) leaks += !hidden[i];
+      total += 2 * rays.size();
+    }
+    EXPECT_EQ(leaks, 0u) << "of " << total << ", side " << side;
+  }
+}
+
+template <class T>
+bool same_bytes(const Column<T>& a, const Column<T>& b) {
+  return a.size() == b.size() &&
+         (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+
+// Spheres of radii from 1e-4 to 1, in a few dense heaps, one of them in a single point, and one
+// sphere around all: so many that a plan is made, and again in the heaps.
+Scene heaps(int count) {
+  std::mt19937 rng(11);
+  std::normal_distribution<float> normal;
+  Scene scene;
+  scene.materials = {{}};
+  scene.spheres.push_back({{0, 0, 0}, 500});
+  for (int i = 1; i < count; ++i) {
+    const int heap = int(rng() % 4);
+    const Vec3f around(normal(rng), normal(rng), normal(rng));
+    const float size = heap == 0 ? 0 : std::pow(0.01f, float(heap));
+    scene.spheres.push_back({Vec3f(float(heap * heap * 50)) + around * size, size / 100 + 1e-4f});
+  }
+  scene.sphere_materials.assign(scene.spheres.size(), 0);
+  return scene;
+}
+
+TEST(Bvh, IsTheSameForAnyNumberOfThreads) {
+  for (const Scene& scene : {random_scene(60000, 2), heaps(600000)}) {
+    const Geometry geometry(scene);
+    Bvh one;
+    on_threads(1, [&] { one = *build_bvh(geometry); });
+    for (const int threads : {2, 7}) {
+      Bvh many;
+      on_threads(threads, [&] { many = *build_bvh(geometry); });
+      EXPECT_EQ(one.reach, many.reach);
+      EXPECT_TRUE(same_bytes(one.nodes, many.nodes)) << threads;
+      EXPECT_TRUE(same_bytes(one.spheres, many.spheres)) << threads;
+      EXPECT_TRUE(same_bytes(one.triangles, many.triangles)) << threads;
+      EXPECT_TRUE(same_bytes(one.cones, many.cones)) << threads;
+    }
+  }
+}
+
+// Walks down the tree, counts the leaf lanes that hold each item, and asks that every box holds
+// what is below it.
+class TreeCheck {
+ public:
+  TreeCheck(const Geometry& geometry, const Bvh& bvh) : g_(geometry), b_(bvh) {
+    if (!b_.nodes.empty()) check(bvh_ref(BvhChild::node, 0), Box3f{Vec3f(-kMost), Vec3f(kMost)}, 0);
+  }
+
+  std::map<ItemId, int> seen;
+  size_t nodes = 0, blocks = 0, outside = 0;
+  int levels = 0;
+
+ private:
+  static constexpr float kMost = std::numeric_limits<float>::max();
+
+  void check(uint32_t ref, const Box3f& around, int depth) {
+    const uint32_t i = bvh_index(ref);
+    levels = std::max(levels, depth);
+    if (bvh_kind(ref) != BvhChild::node) {
+      ++blocks;
+      const ItemId* items = bvh_kind(ref) == BvhChild::spheres     ? b_.spheres[i].item
+                            : bvh_kind(ref) == BvhChild::triangles ? b_.triangles[i].item
+                                                                   : b_.cones[i].item;
+      for (int k = 0; k < kBvhWidth; ++k) {
+        if (items[k] == kNoItem) continue;
+        ++seen[items[k]];
+        outside += !holds(around, g_.bounds(items[k]));
+        EXPECT_TRUE(k == 0 || items[k - 1] < items[k]);
+      }
+      return;
+    }
+    ++nodes;
+    const BvhNode& node = b_.nodes[i];
+    for (int k = 0; k < kBvhWidth; ++k) {
+      if (node.child[k] == kNoChild) continue;
+      Box3f box;
+      for (int a = 0; a < 3; ++a)
+        box.lo[a] = node.boxes.planes[0][a][k], box.hi[a] = node.boxes.planes[1][a][k];
+      outside += !holds(around, box);
+      check(node.child[k], box, depth + 1);
+    }
+  }
+  static bool holds(const Box3f& a, const Box3f& b) {
+    return min(a.lo, b.lo) == a.lo && max(a.hi, b.hi) == a.hi;
+  }
+
+  const Geometry& g_;
+  const Bvh& b_;
+};
+
+TEST(Bvh, HoldsEveryItemOnceInsideItsBoxes) {
+  Scene same;  // that no plane can part, and more than a plan needs
+  same.materials = {{}};
+  same.spheres.assign(300000, {{0.1f, 0.2f, 0.3f}, 0.25f});
+  same.sphere_materials.assign(same.spheres.size(), 0);
+  for (const Scene& scene : {random_scene(20000, 2), random_scene(20000, 2, 1e-6f),
+                             random_scene(5, 1), heaps(300000), heaps(3), same}) {
+    const Geometry g(scene);
+    const Bvh bvh = *build_bvh(g);
+    const TreeCheck check(g, bvh);
+    EXPECT_EQ(check.outside, 0u);
+    EXPECT_EQ(check.nodes, bvh.nodes.size());
+    EXPECT_EQ(check.blocks, bvh.spheres.size() + bvh.triangles.size() + bvh.cones.size());
+    EXPECT_LE(check.levels, kBvhMaxLevels);
+    size_t items = 0;
+    for (const ItemKind kind : {ItemKind::sphere, ItemKind::triangle, ItemKind::cone})
+      items += g.count(kind);
+    EXPECT_EQ(check.seen.size(), items);
+    for (const auto& [item, times] : check.seen) ASSERT_EQ(times, 1) << item;
+  }
+}
+
+TEST(Bvh, FewOfAKindAreALeafBelowTheRoot) {
+  Scene scene = random_scene(4000, 2);
+  scene.cones.resize(3);
+  scene.cone_materials.resize(3);
+  const Geometry g(scene);
+  const Bvh bvh = *build_bvh(g);
+  EXPECT_EQ(bvh.cones.size(), 1u);
+  EXPECT_EQ(std::ranges::count(bvh.nodes[0].child, bvh_ref(BvhChild::cones, 0)), 1);
+}
+
+TEST(Bvh, RefusesWhatNoMemoryHolds) {
+  const Scene scene = random_scene(4000, 2);
+  const Geometry geometry(scene);
+  const auto bvh = build_bvh(geometry, 1000);
+  ASSERT_FALSE(bvh.has_value());
+  EXPECT_NE(bvh.error().find("0.0 GB are free"), std::string::npos) << bvh.error();
+  EXPECT_EQ(bvh.error().find('\n'), std::string::npos);
+}
+
+// Triangles, cones and spheres that no plane can part.
+TEST(Bvh, SurvivesHeapsOfTheSame) {
+  Scene scene = random_scene(40, 3);
+  for (int copy = 0; copy < 5000; ++copy) {
+    scene.spheres.push_back({{0.1f, 0.2f, 0.3f}, 0.25f});
+    scene.sphere_materials.push_back(0);
+    scene.cones.push_back({{0, 0, 0}, 0.1f, {0, 0, 1}, 0.1f});
+    scene.cone_materials.push_back(1);
+  }
+  const RayBatch rays = awkward_rays(scene, 300, 9);
+  for (const bool coherent : {false, true})
+    EXPECT_EQ(disagreement(*build(scene, {.kind = AccelKind::none}),
+                           *build(scene, {.kind = AccelKind::bvh}), rays, true, coherent)
+                  .closest,
+              0u);
+}
+
+}  // namespace
+}  // namespace raio
