@@ -1,0 +1,70 @@
+#!/usr/bin/env bash
+# Takes the pictures of the window that README.md and docs/view.md show, on a display of its own.
+# Needs ./raio built, and Debian's xvfb, xdotool and imagemagick.
+#   tools/window_pictures.sh
+set -euo pipefail
+cd "${BASH_SOURCE[0]%/*}/.."
+pictures=$PWD/docs/pictures
+frames=$(mktemp -d)
+export DISPLAY=:88 LIBGL_ALWAYS_SOFTWARE=1
+Xvfb "$DISPLAY" -screen 0 1280x900x24 -nolisten tcp >"$frames/display.log" 2>&1 &
+trap 'kill %1; rm -rf "$frames"' EXIT
+sleep 1
+
+# open SECONDS ARGUMENT...: the window, after so long.
+open() {
+  local seconds=$1
+  shift
+  "${RAIO-./raio}" view "$@" 2>"$frames/view.log" &
+  sleep "$seconds"
+  window=$(xdotool search --onlyvisible --name . | tail -1)
+}
+keys() { for key; do xdotool key "$key"; done; }
+shoot() { import -window "$window" -depth 8 -strip "$@"; }
+close() {
+  keys q
+  wait %%
+}
+
+lights=(--soft-shadows --light-size 5000)
+open 4 scenes/shapes.nff "${lights[@]}" --dof --aperture 0.06
+sleep 12
+shoot "$pictures/view.png"
+close
+
+open 2 scenes/shapes.nff --size 480x320 "${lights[@]}" --dof --aperture 0.06
+keys h d d x
+sleep 5
+shoot -gravity center -crop 3:2 +repage -resize 480x320 "$pictures/view-split.png"
+close
+
+open 2 scenes/sphereflake.nff --size 480x320 --accel grid
+keys h 6
+sleep 3
+shoot -gravity center -crop 3:2 +repage -resize 480x320 "$pictures/view-steps.png"
+close
+
+open 3 scenes/shapes.nff "${lights[@]}"
+xdotool mousemove 400 330 mousedown 1
+for i in {1..20}; do
+  xdotool mousemove $((400 + (i > 10 ? 20 - i : i) * 14)) $((330 - i))
+  sleep 0.1
+  shoot "$(printf '%s/turn%02d.png' "$frames" "$i")"
+done
+xdotool mouseup 1
+sleep 1.5
+shoot "$frames/still1.png"
+for key in d x; do
+  keys "$key"
+  sleep 3
+  shoot "$frames/still2$key.png"
+done
+keys x
+for key in 6 g; do
+  keys "$key"
+  sleep 2
+  shoot "$frames/still3$key.png"
+done
+close
+convert -delay 14 "$frames"/turn*.png -delay 130 "$frames"/still*.png -resize 600x +dither -colors 96 -loop 0 \
+  -layers optimize "$pictures/view.gif"
