@@ -38,12 +38,6 @@ std::expected<std::string, std::string> encode(const Image& image, ImageFormat f
 
 constexpr std::string_view kPngBegin = "\x89PNG\r\n\x1a\n", kExrBegin = "\x76\x2f\x31\x01";
 
-std::expected<Metadata, std::string> settings(std::string_view bytes) {
-  if (bytes.starts_with(kPngBegin)) return png_metadata(bytes);
-  if (bytes.starts_with(kExrBegin)) return exr_metadata(bytes);
-  return std::unexpected("only pictures in PNG and EXR format keep settings");
-}
-
 /// Why the picture cannot be written in any format, or nothing.
 std::string problem(const Image& image, const Metadata& metadata) {
   if (image.width < 1 || image.height < 1 ||
@@ -79,6 +73,12 @@ Decoded<Image> decode_image(std::string_view bytes) {
     if (bytes.starts_with(magic)) return decode_ppm(bytes);
   return std::unexpected(bytes.empty() ? "the file is empty"
                                        : "it is no picture in PNG, EXR, PFM or PPM format");
+}
+
+Decoded<Metadata> decode_metadata(std::string_view bytes) {
+  if (bytes.starts_with(kPngBegin)) return png_metadata(bytes);
+  if (bytes.starts_with(kExrBegin)) return exr_metadata(bytes);
+  return std::unexpected("only pictures in PNG and EXR format keep settings");
 }
 
 std::string size_problem(long long width, long long height) {
@@ -129,7 +129,7 @@ std::expected<Image, FileError> read_image(const fs::path& path) try {
 std::expected<Metadata, FileError> read_metadata(const fs::path& path) try {
   const auto bytes = read_file(path, kMaxFileBytes);
   if (!bytes) return std::unexpected(bytes.error());
-  auto metadata = settings(*bytes);
+  auto metadata = decode_metadata(*bytes);
   if (!metadata) return std::unexpected(read_error(path, metadata.error()));
   return std::move(*metadata);
 } catch (const std::bad_alloc&) {

@@ -30,6 +30,7 @@ std::string size_problem(long long width, long long height);
 
 /// Whatever format the first bytes tell.
 Decoded<Image> decode_image(std::string_view bytes);
+Decoded<Metadata> decode_metadata(std::string_view bytes);
 
 /// 8 bit RGB, little compressed but quickly.
 Decoded<std::string> encode_png(const Image& image, const Metadata& metadata);

@@ -1,11 +1,12 @@
-// Pictures, of the format that the seeds are of: whatever the bytes, a reason in one line, or a
-// picture that survives the way through a file to the last bit.
+// Pictures, of the format that the seeds are of, and their settings: whatever the bytes, a reason
+// in one line, or a picture that survives the way through a file to the last bit.
 #include <zlib.h>
 
 #include <cstring>
 #include <string>
 
 #include "io/image_codecs.h"
+#include "render/provenance.h"
 #include "require.h"
 
 extern "C" size_t LLVMFuzzerMutate(uint8_t* data, size_t size, size_t most);
@@ -42,7 +43,12 @@ extern "C" size_t LLVMFuzzerCustomMutator(uint8_t* data, size_t size, size_t mos
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace raio;
-  const auto image = decode_image({reinterpret_cast<const char*>(data), size});
+  const std::string_view bytes(reinterpret_cast<const char*>(data), size);
+  if (const auto settings = decode_metadata(bytes))
+    (void)options_from(*settings);
+  else
+    fuzz::require(!settings.error().empty(), "an error has a reason");
+  const auto image = decode_image(bytes);
   if (!image) return fuzz::require(!image.error().empty(), "an error has a reason"), 0;
   fuzz::require(image->width > 0 && image->height > 0 &&
                     image->pixels.size() == size_t(image->width) * size_t(image->height),

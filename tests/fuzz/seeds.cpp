@@ -1,5 +1,5 @@
-// Writes what the fuzzers of the readers of pictures begin with: small pictures of many kinds, a
-// folder per format. Usage: raio_fuzz_seeds FOLDER
+// Writes what the fuzzers of the readers of pictures and part files begin with: small ones of many
+// kinds, a folder per format. Usage: raio_fuzz_seeds FOLDER
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "io/image_codecs.h"
+#include "render/part.h"
 
 namespace raio::fuzz {
 namespace {
@@ -34,7 +35,7 @@ void put(const fs::path& path, std::string_view bytes) {
 }
 
 void write_png(const fs::path& folder) {
-  put(folder / "own.png", encode_png(sample(), {{"key", "value"}}).value());
+  put(folder / "own.png", encode_png(sample(), {{"accel", "bvh"}, {"size", "5x5"}}).value());
   const std::vector<uint16_t> pixels(4 * kSide * kSide, 0x4567);  // enough for all kinds
   for (const png_uint_32 format :
        {png_uint_32(PNG_FORMAT_GRAY), png_uint_32(PNG_FORMAT_GA), png_uint_32(PNG_FORMAT_RGBA),
@@ -52,7 +53,7 @@ void write_png(const fs::path& folder) {
 }
 
 void write_exr(const fs::path& folder) {
-  put(folder / "own.exr", encode_exr(sample(), {{"key", "value"}}).value());
+  put(folder / "own.exr", encode_exr(sample(), {{"accel", "bvh"}, {"size", "5x5"}}).value());
   const Image image = sample();
   for (int compression = 0; compression < Imf::NUM_COMPRESSION_METHODS; ++compression)
     for (const bool tiled : {false, true}) {
@@ -78,10 +79,30 @@ void write_exr(const fs::path& folder) {
     }
 }
 
+// Of 20 x 20 pixels: whole, and a shard.
+void write_parts(const fs::path& folder) {
+  const Scene scene;
+  RenderOptions wish;
+  wish.width = wish.height = 20, wish.samples = 3, wish.soft_shadows = true;
+  const RenderOptions options = resolve_options(wish, scene);
+  for (const uint32_t shards : {1u, 2u}) {
+    Film film(options.width, options.height, 1, 8);
+    for (size_t t = 0; t < film.tiles(); t += shards) {
+      const Tile tile = film.tile(t);
+      const auto pixels = size_t(tile.x1 - tile.x0) * size_t(tile.y1 - tile.y0);
+      film.replace(t, {3, {}, std::vector<int64_t>(3 * pixels, int64_t(t) * 1000)});
+    }
+    put(folder / fmt::format("{}.raio", shards),
+        encode_part({settings_of(scene, options), 0, shards}, film));
+  }
+}
+
 void write_all(const fs::path& folder) {
-  for (const char* format : {"png", "exr", "pfm", "ppm"}) fs::create_directories(folder / format);
+  for (const char* format : {"png", "exr", "pfm", "ppm", "part"})
+    fs::create_directories(folder / format);
   write_png(folder / "png");
   write_exr(folder / "exr");
+  write_parts(folder / "part");
   put(folder / "pfm/own.pfm", encode_pfm(sample()));
   put(folder / "pfm/grey.pfm", std::string("Pf\n1 2\n2.5\n\0\0\x80\x3e\0\0\x80\x3f", 19));
   put(folder / "ppm/own.ppm", encode_ppm(sample()));
