@@ -102,7 +102,8 @@ class PovWriter {
     add(ShapeKind::cone, scene_.cone_materials);
     add(ShapeKind::polygon, scene_.polygon_materials);
     add(ShapeKind::triangle, scene_.triangle_materials);
-    std::ranges::stable_sort(items, {}, &Item::material);
+    std::ranges::sort(items, {},
+                      [](const Item& i) { return std::tuple(i.material, i.kind, i.index); });
     return items;
   }
 
