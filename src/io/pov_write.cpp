@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 #include <span>
+#include <tuple>
 #include <unordered_map>
 
 namespace raio {

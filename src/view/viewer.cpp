@@ -291,7 +291,8 @@ class Viewer final : public WindowEvents {
     if (message_until_ > 0 && time > message_until_)
       message_.clear(), message_until_ = 0, needs_drawing();
     take_results();
-    const bool is_new = take_picture(main_) | take_picture(other_);
+    bool is_new = take_picture(main_);
+    is_new |= take_picture(other_);
     save_when_whole();
     measure_costs();
     if (window_.is_hidden()) {
