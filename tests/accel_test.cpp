@@ -43,8 +43,8 @@ TEST(Accel, AgreeOnTheStandardScenes) {
   for (const auto& path : paths) {
     const auto read = read_nff(path);
     ASSERT_TRUE(read.has_value()) << path;
-    // The thread sanitizer makes brute force, which has no threads, a hundred times as slow.
-#ifdef __SANITIZE_THREAD__
+    // Sanitizers make brute force up to a hundred times as slow.
+#ifdef RAIO_SANITIZED
     constexpr int kRays = 50, kSide = 8;
 #else
     constexpr int kRays = 1500, kSide = 40;

@@ -286,7 +286,12 @@ TEST(Render, P3dScenesAreTheSameWithEveryStructure) {
     const auto read = read_nff(path);
     ASSERT_TRUE(read.has_value());
     const bool large = read->scene.primitive_count() > 5000;
-    RenderOptions o = large ? small(AccelKind::none, 48) : all_effects(AccelKind::none, 64);
+#ifdef RAIO_SANITIZED
+    constexpr int kLarge = 12, kSmall = 24;
+#else
+    constexpr int kLarge = 48, kSmall = 64;
+#endif
+    RenderOptions o = large ? small(AccelKind::none, kLarge) : all_effects(AccelKind::none, kSmall);
     const Image none = picture(read->scene, o).image;
     o.accel.kind = AccelKind::grid;
     const Image grid = picture(read->scene, o).image;
