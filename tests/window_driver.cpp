@@ -99,6 +99,10 @@ WindowDriver::WindowDriver(const Display& display, const std::vector<std::string
 }
 
 WindowDriver::~WindowDriver() {
+  // Asked first: who is killed does not say what was counted or leaked.
+  if (x_ && is_running()) key('q');
+  for (int i = 0; i < 100 && x_ && is_running(); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
   if (is_running()) ::kill(process_, SIGKILL);
   (void)end();
   if (x_) XCloseDisplay(x_);
