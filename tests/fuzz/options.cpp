@@ -41,7 +41,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   (void)option_conflict(options);
   if (!option_conflict(options, &scene).empty()) return 0;
   const RenderOptions o = resolve_options(options, scene);
-  fuzz::require(o.width > 0 && o.height > 0 && o.aa > 0 && o.lens_samples > 0 && o.threads > 0 &&
+  fuzz::require(o.width > 0 && o.height > 0 && o.samples_per_pixel() > 0 && o.threads > 0 &&
                     o.focus > 0 && o.aperture > 0 && o.depth > 0 && o.depth <= kMaxDepth,
                 "what is resolved can be rendered");
   fuzz::require(double(o.aa) * o.aa * o.lens_samples <= kMaxSamples, "the samples can be numbered");
