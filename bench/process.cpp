@@ -91,8 +91,8 @@ std::vector<Json> process_suite(const Settings& wish) {
     const auto all = programs(file, folder, s);
     std::vector<Contender> contenders;
     contenders.reserve(all.size());
-    for (const auto& [program, command] : all)
-      contenders.push_back([&command = command] { return seconds_of([&] { run(command); }); });
+    for (const auto& [program, arguments] : all)
+      contenders.push_back([&command = arguments] { return seconds_of([&] { run(command); }); });
     const auto seconds = alternate(contenders, s.repeat);
     for (size_t i = 0; i < all.size(); ++i) {
       Json row;
