@@ -18,7 +18,7 @@ namespace {
 
 using testing::HasSubstr;
 
-// Seconds that are easy to check by eye: the samples a pixel, eight times that without the grid.
+// Seconds that are easy to check by eye: the samples a pixel, eight times that without structure.
 BenchTable sample_table(const std::string& scene = "balls_medium") {
   BenchTable table;
   table.version = "1.2.3";
@@ -27,10 +27,11 @@ BenchTable sample_table(const std::string& scene = "balls_medium") {
   table.width = table.height = 512;
   table.threads = 2, table.depth = 5, table.repeat = 3, table.seed = 7;
   table.structures = {{{.name = "none", .bytes = 4000}, 1e-5},
-                      {{.name = "grid", .bytes = 9000, .cells = 729, .references = 1931}, 2e-4}};
+                      {{.name = "grid", .bytes = 9000, .cells = 729, .references = 1931}, 2e-4},
+                      {{.name = "bvh", .bytes = 7000, .cells = 20, .references = 91}, 1e-4}};
   table.disagreement = 0.0005;
   for (const Combination& c : all_combinations()) {
-    const double s = samples_per_pixel(c) * (c.accel == AccelKind::grid ? 0.01 : 0.08);
+    const double s = samples_per_pixel(c) * (c.accel == AccelKind::none ? 0.08 : 0.01);
     BenchRow row;
     row.combination = c;
     row.runs_s = {s * 3, s, s / 3};
@@ -48,17 +49,18 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-TEST(Bench, HasTheSixteenCombinationsWithTheReportsSamples) {
+TEST(Bench, HasAllCombinationsWithTheReportsSamples) {
   std::multiset<int> samples;
   std::set<std::string> labels;
   for (const Combination& c : all_combinations()) {
     samples.insert(samples_per_pixel(c));
     labels.insert(short_label(c));
   }
-  EXPECT_EQ(labels.size(), 16u);
-  for (const int n : {1, 3, 9, 27}) EXPECT_EQ(samples.count(n), 4u) << n;
+  EXPECT_EQ(labels.size(), 24u);
+  for (const int n : {1, 3, 9, 27}) EXPECT_EQ(samples.count(n), 6u) << n;
   EXPECT_EQ(all_combinations().front(), Combination{AccelKind::none});
-  EXPECT_EQ(all_combinations().back(), (Combination{AccelKind::grid, true, true, true}));
+  EXPECT_EQ(all_combinations()[15], (Combination{AccelKind::grid, true, true, true}));
+  EXPECT_EQ(all_combinations().back(), (Combination{AccelKind::bvh, true, true, true}));
   EXPECT_EQ(short_label({AccelKind::grid, true, false, true}), "grid AA DOF");
 }
 
@@ -98,10 +100,11 @@ TEST(Bench, RefusesStructuresThatSeeDifferentPictures) {
   const Image a(100, 100);
   Image b = a;
   for (int i = 0; i < 10; ++i) b.at(i, 50) = Rgb(1);
-  EXPECT_EQ(check_agreement(a, b), 0.001);
+  EXPECT_EQ(check_agreement(AccelKind::grid, a, b), 0.001);
   b.at(10, 50) = Rgb(1);
-  const auto refused = check_agreement(a, b);
+  const auto refused = check_agreement(AccelKind::bvh, a, b);
   ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error(), HasSubstr("bvh and none"));
   EXPECT_THAT(refused.error(), HasSubstr("0.11 %"));
 }
 
@@ -125,18 +128,19 @@ TEST(Bench, TextIsAlignedAndShowsWhatIsKnown) {
   std::vector<std::string> rows;
   for (const std::string& line : lines)
     if (line.ends_with(" x")) rows.push_back(line);
-  ASSERT_EQ(rows.size(), 16u);
+  ASSERT_EQ(rows.size(), 24u);
   for (const std::string& row : rows) EXPECT_EQ(row.size(), rows[0].size()) << row;
   EXPECT_THAT(rows[0], HasSubstr("24.3"));
   EXPECT_THAT(rows[0], HasSubstr("304 x"));  // 24.3 s over 0.08 s
   EXPECT_THAT(rows[1], HasSubstr(" - "));
   EXPECT_THAT(rows[15], HasSubstr("98.4"));
   EXPECT_THAT(rows[15], HasSubstr("27.0 x"));
+  EXPECT_TRUE(rows[16].starts_with("bvh "));
 }
 
 TEST(Bench, CsvHasOneFieldForEachName) {
   const auto lines = lines_of(table_csv(sample_table("my \"best\"")));
-  ASSERT_EQ(lines.size(), 17u);
+  ASSERT_EQ(lines.size(), 25u);
   const auto commas = std::ranges::count(lines[0], ',');
   for (const std::string& line : lines) EXPECT_EQ(std::ranges::count(line, ','), commas) << line;
   EXPECT_TRUE(lines[1].starts_with("\"my \"\"best\"\"\",512,512,5,2,none,0,0,0,1,,0.08,"))
@@ -150,7 +154,7 @@ TEST(Bench, JsonHoldsTheWholeTable) {
   EXPECT_EQ(json["scene"], "balls_medium");
   EXPECT_EQ(json["resolution"], (nlohmann::json{512, 512}));
   EXPECT_EQ(json["accelerators"][1]["cells"], 729);
-  ASSERT_EQ(json["rows"].size(), 16u);
+  ASSERT_EQ(json["rows"].size(), 24u);
   EXPECT_EQ(json["rows"][0]["accelerator"], "none");
   EXPECT_EQ(json["rows"][0]["report_s"], 24.3);
   EXPECT_TRUE(json["rows"][1]["report_s"].is_null());
@@ -158,6 +162,7 @@ TEST(Bench, JsonHoldsTheWholeTable) {
   EXPECT_EQ(json["rows"][1]["effects"]["dof"], true);
   EXPECT_EQ(json["rows"][15]["runs_s"].size(), 3u);
   EXPECT_EQ(json["rows"][15]["samples_per_pixel"], 27);
+  EXPECT_EQ(json["rows"][23]["accelerator"], "bvh");
   EXPECT_TRUE(nlohmann::json::accept(table_json(sample_table("no\xff utf-8"))));
 }
 
@@ -210,12 +215,14 @@ bool has_bytes(Rgb p, int r, int g, int b) {
 TEST_F(PlotPicture, ShowsBarsAndWhereKnownTheReport) {
   const auto is_report = [](Rgb p) { return has_bytes(p, 213, 94, 0); };
   const auto is_grid = [](Rgb p) { return has_bytes(p, 0, 114, 178); };
+  const auto is_tree = [](Rgb p) { return has_bytes(p, 0, 158, 115); };
   const Image known = draw(sample_table());
   EXPECT_EQ(known.width, 1600);
   EXPECT_EQ(known.height, 1000);
   EXPECT_GT(std::ranges::count_if(known.pixels, is_report), 300);
   const auto bars = std::ranges::count_if(known.pixels, is_grid);
   EXPECT_GT(bars, 10000);
+  EXPECT_GT(std::ranges::count_if(known.pixels, is_tree), 10000);
 
   const Image unknown = draw(sample_table("unheard_of"));
   EXPECT_EQ(std::ranges::count_if(unknown.pixels, is_report), 0);

@@ -1,8 +1,11 @@
 // The commands around rendering, run as the command line runs them; what they print is captured.
 #include "app/commands.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <tbb/global_control.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -10,7 +13,9 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <thread>
 
+#include "app/command_line.h"
 #include "io/image.h"
 #include "io/nff.h"
 
@@ -64,6 +69,32 @@ class Commands : public testing::Test {
   std::filesystem::path folder_;
   std::string out_, err_;
 };
+
+// A scene that comes through a pipe is still being read while nobody has closed the pipe.
+TEST_F(Commands, ThreadsAreThoseOfReadingToo) {
+  const std::string scene = path("tetra.nff"), picture = path("a.png");
+  ASSERT_EQ(::mkfifo(scene.c_str(), 0600), 0);
+  for (std::vector<std::string> words :
+       {std::vector<std::string>{"raio", "render", scene, "-o", picture, "--size", "8x8"},
+        {"raio", "bench", scene, "--size", "8x8"},
+        {"raio", "spd", "verify", scene}}) {
+    words.insert(words.end(), {"--threads", "3"});
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    testing::internal::CaptureStdout();
+    testing::internal::CaptureStderr();
+    std::thread program([&] { run_command_line(int(arguments.size()), arguments.data()); });
+    const int pipe = ::open(scene.c_str(), O_WRONLY);  // waits for who reads
+    const size_t threads =
+        tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+    EXPECT_EQ(::write(pipe, kScene.data(), kScene.size()), ssize_t(kScene.size()));
+    ::close(pipe);
+    program.join();
+    testing::internal::GetCapturedStdout();
+    const std::string said = testing::internal::GetCapturedStderr();
+    EXPECT_EQ(threads, 3u) << words[1] << ": " << said;
+  }
+}
 
 TEST_F(Commands, InfoCountsWhatIsInTheScene) {
   const std::string scene = file("some.nff", kScene);
@@ -187,7 +218,7 @@ BenchCommand small_bench(const std::string& scene) {
   return command;
 }
 
-TEST_F(Commands, BenchMeasuresAllSixteen) {
+TEST_F(Commands, BenchMeasuresAllCombinations) {
   BenchCommand command = small_bench(file("balls_medium.nff", kScene));
   command.repeat = 3;
   command.json = path("b.json"), command.csv = path("b.csv"), command.plot = path("b.svg");
@@ -198,7 +229,7 @@ TEST_F(Commands, BenchMeasuresAllSixteen) {
   EXPECT_THAT(contents("b.svg"), HasSubstr("</svg>"));
 
   const json bench = json::parse(contents("b.json"));
-  ASSERT_EQ(bench["rows"].size(), 16u);
+  ASSERT_EQ(bench["rows"].size(), 24u);
   for (const json& row : bench["rows"]) {
     EXPECT_EQ(row["runs_s"].size(), 3u);
     EXPECT_GT(row["seconds"], 0);
@@ -207,8 +238,8 @@ TEST_F(Commands, BenchMeasuresAllSixteen) {
     EXPECT_TRUE(row["report_s"].is_null());
   }
   // With the same rays whatever the structure.
-  for (size_t i = 0; i < 8; ++i)
-    EXPECT_EQ(bench["rows"][i]["rays"], bench["rows"][i + 8]["rays"]) << i;
+  for (size_t i = 8; i < 24; ++i)
+    EXPECT_EQ(bench["rows"][i]["rays"], bench["rows"][i % 8]["rays"]) << i;
 }
 
 TEST_F(Commands, BenchOnStandardOutputIsWholeJson) {

@@ -189,6 +189,25 @@ TEST(PartFile, ComesBack) {
   }
 }
 
+/// Rays that meet mirror after mirror, each as bright as floats go: together they bring more than
+/// a sample may.
+TEST(PartFile, OfALightAtTheEndOfFloatsComesBack) {
+  for (const float light : {1e37f, 1e38f, 3e38f}) {
+    Scene scene = random_scene(60, 5);
+    for (Light& l : scene.lights) l.color = Rgb(light);
+    for (Material& m : scene.materials) m.kd = m.ks = 1;
+    const Studio studio(sobol(3), std::move(scene));
+    const Part part = studio.part();
+    const auto back = decode_part(encode_part(part.header, *part.film));
+    ASSERT_TRUE(back.has_value()) << light << ": " << back.error();
+    EXPECT_TRUE(same_film(*back->film, *part.film));
+
+    Part grown = studio.part({.samples = 1});
+    studio.add_to(*grown.film);
+    EXPECT_TRUE(same_film(*grown.film, *part.film));
+  }
+}
+
 TEST(PartFile, TilesWithoutSamplesCostFourBytes) {
   const Studio studio(jittered());
   const Part few = studio.part({.shard = 0, .shards = 1000});

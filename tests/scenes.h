@@ -28,7 +28,11 @@ inline std::vector<std::filesystem::path> shared_scenes() {
 inline Scene random_scene(int count, uint32_t seed, float scale = 1, Vec3f shift = {}) {
   std::mt19937 rng(seed);
   std::uniform_real_distribution<float> unit(-1, 1);
-  const auto point = [&] { return Vec3f(unit(rng), unit(rng), unit(rng)); };
+  // Drawn one after another: in a call compilers would choose the order.
+  const auto point = [&] {
+    const float x = unit(rng), y = unit(rng), z = unit(rng);
+    return Vec3f(x, y, z);
+  };
   const auto place = [&](Vec3f p) { return p * scale + shift; };
   const float size = 1.0f / std::cbrt(float(count));
   Scene scene;

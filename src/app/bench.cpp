@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <expected>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <ranges>
 #include <tuple>
@@ -71,7 +72,7 @@ class Measurement {
     table.threads = options_.threads, table.depth = options_.depth;
     table.repeat = std::max(1, command_.repeat), table.seed = options_.seed;
 
-    for (const AccelKind kind : {AccelKind::none, AccelKind::grid}) {
+    for (const AccelKind kind : kBenchStructures) {
       const auto built = build(kind);
       if (!built) return std::unexpected(built.error());
       table.structures.push_back(*built);
@@ -81,12 +82,12 @@ class Measurement {
     table.disagreement = *disagreement;
 
     // What costs little comes first, so that an interrupted or watched run has shown most by then:
-    // the grid before brute force, few samples before many.
+    // the structures before brute force, few samples before many.
     const auto combinations = all_combinations();
     std::vector<size_t> order(combinations.size());
     std::ranges::copy(std::views::iota(size_t(0), order.size()), order.begin());
     std::ranges::sort(order, {}, [&](size_t i) {
-      return std::tuple(combinations[i].accel != AccelKind::grid,
+      return std::tuple(combinations[i].accel == AccelKind::none,
                         samples_per_pixel(combinations[i]), i);
     });
     table.rows.resize(combinations.size());
@@ -103,7 +104,7 @@ class Measurement {
  private:
   std::expected<BenchStructure, Failure> build(AccelKind kind) {
     AccelOptions wish = command_.options.accel;
-    if (kind == AccelKind::none) wish = {};
+    if (kind != AccelKind::grid) wish = {};
     wish.kind = kind;
     const auto start = std::chrono::steady_clock::now();
     std::expected<std::unique_ptr<Accel>, std::string> accel;
@@ -111,9 +112,8 @@ class Measurement {
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
     if (!accel) return std::unexpected(Failure{kNoResource, accel.error()});
     if (control_.stop) return std::unexpected(Failure{kInterrupted, {}});
-    auto& slot = kind == AccelKind::grid ? grid_ : none_;
-    slot = std::move(*accel);
-    return BenchStructure{slot->info(), elapsed.count()};
+    accels_[kind] = std::move(*accel);
+    return BenchStructure{accels_[kind]->info(), elapsed.count()};
   }
 
   struct Rendered {
@@ -128,24 +128,29 @@ class Measurement {
     const ProgressLine progress(control_, command_.progress, label);
     auto film = make_film(scene_, options);
     if (!film) return std::unexpected(Failure{kNoResource, film.error()});
-    const RenderResult result =
-        render(scene_, c.accel == AccelKind::grid ? *grid_ : *none_, options, **film, control_);
+    const RenderResult result = render(scene_, *accels_.at(c.accel), options, **film, control_);
     if (!result.finished) return std::unexpected(Failure{kInterrupted, {}});
     return Rendered{result.seconds, std::move(*film)};
   }
 
   // Do the structures see the same picture? Also warms the machine up.
   std::expected<double, Failure> compare_plain() {
-    Image pictures[2];
-    for (const AccelKind kind : {AccelKind::grid, AccelKind::none}) {
+    Image of_none;
+    double most = 0;
+    for (const AccelKind kind : kBenchStructures) {
       const Combination plain{kind};
       const auto result = render_once(plain, fmt::format("comparing {}", short_label(plain)));
       if (!result) return std::unexpected(result.error());
-      pictures[kind == AccelKind::grid] = result->film->resolve();
+      Image picture = result->film->resolve();
+      if (kind == AccelKind::none) {
+        of_none = std::move(picture);
+        continue;
+      }
+      const auto differing = check_agreement(kind, picture, of_none);
+      if (!differing) return std::unexpected(Failure{kCheckFailed, differing.error()});
+      most = std::max(most, *differing);
     }
-    const auto differing = check_agreement(pictures[0], pictures[1]);
-    if (!differing) return std::unexpected(Failure{kCheckFailed, differing.error()});
-    return *differing;
+    return most;
   }
 
   std::expected<BenchRow, Failure> measure(const Combination& c, const std::string& label) {
@@ -165,7 +170,7 @@ class Measurement {
   const BenchCommand& command_;
   RenderControl& control_;
   RenderOptions options_;
-  std::unique_ptr<Accel> none_, grid_;
+  std::map<AccelKind, std::unique_ptr<Accel>> accels_;
 };
 
 // Usage and targets, before minutes of work are spent; the exit status.
@@ -201,15 +206,15 @@ int write_results(const BenchTable& table, const BenchCommand& command) {
 
 }  // namespace
 
-std::array<Combination, 16> all_combinations() {
-  std::array<Combination, 16> all;
+std::array<Combination, 8 * kBenchStructures.size()> all_combinations() {
+  std::array<Combination, 8 * kBenchStructures.size()> all;
   for (unsigned i = 0; i < all.size(); ++i)
-    all[i] = {i & 8 ? AccelKind::grid : AccelKind::none, bool(i & 4), bool(i & 2), bool(i & 1)};
+    all[i] = {kBenchStructures[i / 8], bool(i & 4), bool(i & 2), bool(i & 1)};
   return all;
 }
 
 std::string short_label(const Combination& c) {
-  std::string label = c.accel == AccelKind::grid ? "grid" : "none";
+  std::string label(accel_name(c.accel));
   if (c.aa) label += " AA";
   if (c.soft_shadows) label += " soft";
   if (c.dof) label += " DOF";
@@ -224,14 +229,14 @@ std::optional<double> report_seconds(std::string_view scene, int width, int heig
   return {};
 }
 
-std::expected<double, std::string> check_agreement(const Image& without_grid,
-                                                   const Image& with_grid) {
-  const double differing = compare(without_grid, with_grid).above_8;
+std::expected<double, std::string> check_agreement(AccelKind kind, const Image& picture,
+                                                   const Image& of_none) {
+  const double differing = compare(picture, of_none).above_8;
   if (differing <= kAllowedDisagreement) return differing;
-  return std::unexpected(
-      fmt::format("the pictures with and without grid differ in {:.3g} % of the pixels (allowed "
-                  "{:.3g} %), so their times mean nothing",
-                  100 * differing, 100 * kAllowedDisagreement));
+  return std::unexpected(fmt::format(
+      "the pictures of {} and none differ in {:.3g} % of the pixels (allowed {:.3g} %), "
+      "so their times mean nothing",
+      accel_name(kind), 100 * differing, 100 * kAllowedDisagreement));
 }
 
 double BenchRow::seconds() const {

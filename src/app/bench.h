@@ -18,9 +18,12 @@
 
 namespace raio::app {
 
-/// One of the report's sixteen combinations of structure and effects.
+/// What is timed: the report's two, and Raio's own tree.
+inline constexpr std::array kBenchStructures = {AccelKind::none, AccelKind::grid, AccelKind::bvh};
+
+/// One of the report's sixteen combinations of structure and effects, or one with the tree.
 struct Combination {
-  AccelKind accel = AccelKind::none;  // none or grid
+  AccelKind accel = AccelKind::none;  // of kBenchStructures
   bool aa = false, soft_shadows = false, dof = false;
 
   friend bool operator==(const Combination&, const Combination&) = default;
@@ -34,8 +37,8 @@ constexpr int samples_per_pixel(const Combination& c) {
   return aa_cells(c) * aa_cells(c) * lens_samples(c);
 }
 
-/// All sixteen in the order of the table: without the grid first, effects counted up in binary.
-std::array<Combination, 16> all_combinations();
+/// All of them in the order of the table: by structure, effects counted up in binary.
+std::array<Combination, 8 * kBenchStructures.size()> all_combinations();
 
 /// "grid AA DOF", for a progress line.
 std::string short_label(const Combination& combination);
@@ -73,7 +76,7 @@ struct BenchTable {
   int width = 0, height = 0, threads = 0, depth = 0, repeat = 1;
   uint32_t seed = 0;
   std::vector<BenchStructure> structures;
-  double disagreement = 0;     // share of pixels in which the two structures' plain pictures differ
+  double disagreement = 0;     // largest share of pixels in which two plain pictures differ
   std::vector<BenchRow> rows;  // in the order of all_combinations()
 
   /// Seconds of `row` over those of the same structure without effects, 1 for the latter itself.
@@ -85,15 +88,15 @@ struct BenchFailure {
   std::string message;  // empty when interrupted
 };
 
-/// Builds both structures, holds their pictures against each other, times the combinations.
+/// Builds the structures, holds their pictures against each other, times the combinations.
 std::expected<BenchTable, BenchFailure> measure_bench(const Scene& scene,
                                                       const BenchCommand& command,
                                                       RenderControl& control);
 
-/// The share of pixels in which the structures' pictures differ by more than 8 of 255. An error,
-/// one line, when it is more than 0.001: fast and wrong is no result.
-std::expected<double, std::string> check_agreement(const Image& without_grid,
-                                                   const Image& with_grid);
+/// The share of pixels in which the picture of a structure differs by more than 8 of 255 from that
+/// of none. An error, one line, when it is more than 0.001: fast and wrong is no result.
+std::expected<double, std::string> check_agreement(AccelKind kind, const Image& picture,
+                                                   const Image& of_none);
 
 /// Three digits that mean something, never an exponent: "0.0123", "4.56", "98.4", "1260".
 std::string three_digits(double value);

@@ -13,8 +13,9 @@ namespace {
 
 std::string times(double factor) { return three_digits(factor) + " x"; }
 
+// Brute force as the report calls it.
 std::string_view structure_name(AccelKind kind) {
-  return kind == AccelKind::grid ? "grid" : "without grid";
+  return kind == AccelKind::none ? "without grid" : accel_name(kind);
 }
 
 std::string structure_line(const BenchStructure& structure) {
@@ -22,7 +23,7 @@ std::string structure_line(const BenchStructure& structure) {
   std::string line = fmt::format("{}: {}", info.name, human_bytes(double(info.bytes)));
   if (info.cells > 0) {
     const auto& r = info.resolution;
-    line += fmt::format(", {} cells", human_count(double(info.cells)));
+    line += fmt::format(", {} {}", human_count(double(info.cells)), r[0] > 0 ? "cells" : "nodes");
     if (r[0] > 0) line += fmt::format(" ({}x{}x{})", r[0], r[1], r[2]);
     line += fmt::format(", {} references", human_count(double(info.references)));
   }
@@ -67,7 +68,7 @@ std::string table_text(const BenchTable& table) {
 
   out += "\n";
   for (const BenchStructure& structure : table.structures) out += structure_line(structure) + "\n";
-  out += fmt::format("The two structures' plain pictures differ in {:.3g} % of the pixels.\n",
+  out += fmt::format("The structures' plain pictures differ in {:.3g} % of the pixels.\n",
                      100 * table.disagreement);
   out += fmt::format("report: {}; - where unknown.\n", kReportSource);
   out += "speed-up: report over ours. cost: against the same structure without effects.\n";
@@ -86,10 +87,10 @@ std::string table_csv(const BenchTable& table) {
   for (const BenchRow& row : table.rows) {
     const Combination& c = row.combination;
     out += fmt::format("{},{},{},{},{},{},{:d},{:d},{:d},{},{},{},{},{},{},{}\n", scene,
-                       table.width, table.height, table.depth, table.threads,
-                       c.accel == AccelKind::grid ? "grid" : "none", c.aa, c.soft_shadows, c.dof,
-                       samples_per_pixel(c), optional(row.report_s), row.seconds(), row.rays,
-                       row.rays_per_s(), optional(row.speedup()), table.relative_cost(row));
+                       table.width, table.height, table.depth, table.threads, accel_name(c.accel),
+                       c.aa, c.soft_shadows, c.dof, samples_per_pixel(c), optional(row.report_s),
+                       row.seconds(), row.rays, row.rays_per_s(), optional(row.speedup()),
+                       table.relative_cost(row));
   }
   return out;
 }
@@ -118,7 +119,7 @@ std::string table_json(const BenchTable& table) {
   for (const BenchRow& row : table.rows) {
     const Combination& c = row.combination;
     const Json effects{{"aa", c.aa}, {"soft_shadows", c.soft_shadows}, {"dof", c.dof}};
-    json["rows"].push_back({{"accelerator", c.accel == AccelKind::grid ? "grid" : "none"},
+    json["rows"].push_back({{"accelerator", accel_name(c.accel)},
                             {"effects", effects},
                             {"samples_per_pixel", samples_per_pixel(c)},
                             {"report_s", optional(row.report_s)},

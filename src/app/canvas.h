@@ -23,6 +23,7 @@ struct Ink {
 // differ in lightness, so that a print in grey works.
 inline constexpr Ink kBlack{26, 26, 31}, kGrey{107, 107, 115}, kFaint{224, 224, 230};
 inline constexpr Ink kSkyBlue{86, 180, 233}, kBlue{0, 114, 178}, kVermilion{213, 94, 0};
+inline constexpr Ink kGreen{0, 158, 115};
 inline constexpr Ink kWhite{255, 255, 255};
 
 enum class Align { left, center, right };

@@ -21,6 +21,7 @@
 #include "app/terminal.h"
 #include "base/memory.h"
 #include "io/generate.h"
+#include "render/render.h"
 
 namespace raio::app {
 namespace {
@@ -114,6 +115,14 @@ int report(const CLI::App& app, const CLI::ParseError& error) {
     return deliver("-", error.what() + std::string("\n"));
   if (error.get_exit_code() == 0) return deliver("-", command->help());
   return usage_error(*command, error.what());
+}
+
+// All of it, from reading the scene to writing the picture, on the threads that it is given.
+template <class Command>
+int run_on_threads(const Command& command) {
+  int status = kDone;
+  on_threads(command.options.threads, [&] { status = run(command); });
+  return status;
 }
 
 // "2/5", the second of five.
@@ -211,7 +220,7 @@ void add_render(CLI::App& app, RenderCommand& render, int& status) {
         render.of_picture.push_back(name);
     for (const auto& why : {option_conflict(render.options), long_render_conflict(render)})
       if (!why.empty()) throw CLI::ParseError(why, kBadInput);
-    status = run(render);
+    status = run_on_threads(render);
   });
 }
 
@@ -253,7 +262,8 @@ void add_merge(CLI::App& app, MergeCommand& merge, int& status) {
 }
 
 void add_bench(CLI::App& app, BenchCommand& bench, int& status) {
-  auto* sub = app.add_subcommand("bench", "Time all sixteen combinations of effects and grid");
+  auto* sub = app.add_subcommand(
+      "bench", "Time all combinations of effects with brute force, grid and tree");
   sub->footer(
       examples({"raio bench balls_medium.nff --repeat 3 --csv balls.csv --plot balls.svg"}));
   add_scene(*sub, bench.scene);
@@ -266,7 +276,7 @@ void add_bench(CLI::App& app, BenchCommand& bench, int& status) {
                      {"size", "grid-factor", "light-size", "aperture", "focus", "depth",
                       "one-sided", "threads", "seed"});
   add_progress(*sub, bench.progress);
-  sub->callback([&] { status = run(bench); });
+  sub->callback([&] { status = run_on_threads(bench); });
 }
 
 void add_info(CLI::App& app, InfoCommand& info, int& status) {
@@ -325,7 +335,7 @@ void add_spd(CLI::App& app, SpdVerifyCommand& verify, int& status) {
   sub->add_flag("--json", verify.json, "As one JSON object");
   add_render_options(*sub, verify.options, {"threads"});
   add_progress(*sub, verify.progress);
-  sub->callback([&] { status = run(verify); });
+  sub->callback([&] { status = run_on_threads(verify); });
 }
 
 int parse_and_run(std::vector<std::string> arguments, const Invocation& invocation) {

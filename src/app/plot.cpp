@@ -12,10 +12,26 @@ namespace raio::app {
 namespace {
 
 constexpr double kBarsLeft = 500, kBarsRight = 1540, kBarsTop = 222, kBarsBottom = 880;
-constexpr double kGroupGap = 26;  // between the bars of the two structures
+constexpr double kGroupGap = 26;  // between the bars of two structures
 constexpr double kLabelGap = 10;
 
-constexpr Ink kWithout = kSkyBlue, kGrid = kBlue, kReport = kVermilion;
+constexpr Ink kReport = kVermilion;
+
+struct Structure {
+  std::string_view name;
+  Ink bar, on_bar;  // on_bar: of what is written there
+};
+
+Structure structure_of(AccelKind kind) {
+  switch (kind) {
+    case AccelKind::none:
+      return {"without grid", kSkyBlue, kBlack};
+    case AccelKind::grid:
+      return {"with grid", kBlue, kWhite};
+    default:
+      return {"Raio's tree", kGreen, kWhite};
+  }
+}
 
 // Seconds to pixels, logarithmic.
 struct Axis {
@@ -96,14 +112,14 @@ void draw_headings(const Canvas& canvas) {
 void draw_row(const Canvas& canvas, const Axis& axis, const BenchRow& row, double y,
               double height) {
   const Combination& c = row.combination;
-  const bool grid = c.accel == AccelKind::grid;
+  const Structure structure = structure_of(c.accel);
   const std::array<bool, 3> effects = {c.aa, c.soft_shadows, c.dof};
   for (size_t i = 0; i < effects.size(); ++i)
     canvas.disc(kColumns[i], y, effects[i] ? 8 : 3, effects[i] ? kBlack : kFaint);
   canvas.text(kColumns[3] + 14, y, fmt::format("{}", samples_per_pixel(c)), kBlack, Align::right);
 
   const double end = axis.x(row.seconds());
-  canvas.box(kBarsLeft, y - 0.36 * height, end - kBarsLeft, 0.72 * height, grid ? kGrid : kWithout);
+  canvas.box(kBarsLeft, y - 0.36 * height, end - kBarsLeft, 0.72 * height, structure.bar);
 
   // Labels stand on white, over the lines of the axis.
   const auto label = [&](double x, const std::string& text, Ink color, bool bold) {
@@ -126,7 +142,7 @@ void draw_row(const Canvas& canvas, const Axis& axis, const BenchRow& row, doubl
       canvas.line(ours_end + kLabelGap, y, marker - kMarkerRadius - 6, y, kReport, 2.5, true);
   } else if (marker > end + kMarkerRadius && end - kBarsLeft > ours_width + 2 * kLabelGap) {
     // The marker stands where the label would: the label goes into the bar.
-    canvas.text(end - kLabelGap, y, ours, grid ? kWhite : kBlack, Align::right);
+    canvas.text(end - kLabelGap, y, ours, structure.on_bar, Align::right);
   } else {
     // The marker is on the bar: both labels come after both.
     const double x = std::max(end, marker + kMarkerRadius) + kLabelGap;
@@ -137,17 +153,17 @@ void draw_row(const Canvas& canvas, const Axis& axis, const BenchRow& row, doubl
 }
 
 void draw_rows(const Canvas& canvas, const Axis& axis, const BenchTable& table) {
-  const double height = (kBarsBottom - kBarsTop - kGroupGap) / double(table.rows.size());
+  const double height = (kBarsBottom - kBarsTop - (kBenchStructures.size() - 1) * kGroupGap) /
+                        double(table.rows.size());
   double y = kBarsTop, group_top = kBarsTop;
   for (size_t i = 0; i < table.rows.size(); ++i) {
     const AccelKind accel = table.rows[i].combination.accel;
     draw_row(canvas, axis, table.rows[i], y + height / 2, height);
     y += height;
     if (i + 1 < table.rows.size() && table.rows[i + 1].combination.accel == accel) continue;
-    const bool grid = accel == AccelKind::grid;
-    const Ink ink = grid ? kGrid : kWithout;
-    canvas.box(64, group_top + 4, 4, y - group_top - 8, ink);
-    canvas.upright_text(40, (group_top + y) / 2, grid ? "with grid" : "without grid", kBlack);
+    const Structure structure = structure_of(accel);
+    canvas.box(64, group_top + 4, 4, y - group_top - 8, structure.bar);
+    canvas.upright_text(40, (group_top + y) / 2, std::string(structure.name), kBlack);
     y += kGroupGap;
     group_top = y;
   }
@@ -161,10 +177,11 @@ void draw_legend(const Canvas& canvas, const BenchTable& table) {
     canvas.text(x + 34, kY, text, kBlack);
     x += 34 + canvas.text_width(text, kText) + 44;
   };
-  canvas.box(x, kY - 10, 24, 20, kWithout);
-  entry("without grid");
-  canvas.box(x, kY - 10, 24, 20, kGrid);
-  entry("with grid");
+  for (const AccelKind kind : kBenchStructures) {
+    const Structure structure = structure_of(kind);
+    canvas.box(x, kY - 10, 24, 20, structure.bar);
+    entry(std::string(structure.name));
+  }
   if (std::ranges::none_of(table.rows, [](const BenchRow& r) { return r.report_s.has_value(); }))
     return;
   canvas.diamond(x + 12, kY, kReport);
@@ -176,11 +193,10 @@ void draw(const Canvas& canvas, const BenchTable& table) {
   canvas.text(40, 52,
               fmt::format("{}, {} × {} pixels", valid_utf8(table.scene), table.width, table.height),
               kBlack, Align::left, 38, true, room);
-  canvas.text(
-      40, 100,
-      fmt::format("Time of sixteen combinations of structure and effects, {} levels of rays",
-                  table.depth),
-      kGrey, Align::left, 22, false, room);
+  canvas.text(40, 100,
+              fmt::format("Time of all combinations of structure and effects, {} levels of rays",
+                          table.depth),
+              kGrey, Align::left, 22, false, room);
   const Axis axis = fit_axis(table, canvas);
   draw_legend(canvas, table);
   draw_headings(canvas);

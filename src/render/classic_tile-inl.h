@@ -12,6 +12,7 @@
 #include <array>
 #include <cstdint>
 #include <utility>
+#include <vector>
 
 #include "accel/accel.h"
 #include "base/wide-inl.h"
@@ -125,6 +126,21 @@ class TileSums {
   void clear(const Film& film) {
     bound_ = film.bound(), scale_ = film.scale();
     for (auto& channel : sums_) std::fill_n(channel, kChunk, 0);
+    before_.resize(bound_ == Film::kMostBound ? 3 * kChunk : 0);
+  }
+
+  // Around each sample. What its rays bring together is beyond the film's bound only where that is
+  // the most that there is, with lights near the end of floats: then no more than it counts.
+  void begin_sample() {
+    if (before_.empty()) return;
+    for (size_t c = 0; c < 3; ++c) std::copy_n(sums_[c], kChunk, &before_[c * kChunk]);
+  }
+  void end_sample() {
+    if (before_.empty()) return;
+    const auto most = int64_t(bound_ * scale_);
+    for (size_t c = 0; c < 3; ++c)
+      for (size_t i = 0; i < kChunk; ++i)
+        sums_[c][i] = std::min(sums_[c][i], before_[c * kChunk + i] + most);
   }
 
   // The values in `mask`, one for each of `pixels`.
@@ -165,6 +181,7 @@ class TileSums {
 
   double bound_ = 1, scale_ = 1;
   int64_t sums_[3][kChunk + 8];  // as Floats
+  std::vector<int64_t> before_;  // the sample
 };
 
 }  // namespace

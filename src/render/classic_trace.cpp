@@ -52,8 +52,10 @@ class WideTracer final : public ClassicTracer {
     const uint32_t first = film.samples(tile);
     for (uint32_t s = first; s < samples; ++s) {
       const uint64_t before = counts_.total();
+      sums_.begin_sample();
       add_sample(WideSampler<D>(scene_.sampler, s));
       if (context_.stopped()) return;
+      sums_.end_sample();
       control_.rays_done += counts_.total() - before;
       ++control_.work_done;
     }

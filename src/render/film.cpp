@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <new>
 
 #include "render/options.h"
@@ -22,7 +21,7 @@ Film::Film(int width, int height, double bound, int tile_side)
       height_(height),
       tile_side_(tile_side),
       columns_((width + tile_side - 1) / tile_side),
-      bound_(std::clamp(bound, 1e-30, 1e38)),
+      bound_(std::clamp(bound, kLeastBound, kMostBound)),
       samples_(size_t(columns_) * size_t((height + tile_side - 1) / tile_side)),
       rays_(samples_.size()) {
   // The system's zeroed pages: whoever adds to a tile first pays for it, in parallel.
@@ -94,11 +93,7 @@ Image Film::resolve() const {
     if (samples_[t] == 0) continue;
     const Tile tile = this->tile(t);
     const double unit = 1 / (scale_ * samples_[t]);
-    // What the rays of one sample bring is clamped for each, and may add up to more than floats
-    // hold.
-    const auto light = [&](int64_t sum) {
-      return float(std::min(double(sum) * unit, double(std::numeric_limits<float>::max())));
-    };
+    const auto light = [&](int64_t sum) { return float(double(sum) * unit); };
     for (int y = tile.y0; y < tile.y1; ++y)
       for (int x = tile.x0; x < tile.x1; ++x) {
         const int64_t* s = pixel(x, y);

@@ -51,8 +51,10 @@ struct TileSamples {
 /// Safe to read and to copy from while others add to it.
 class Film {
  public:
-  /// No sample of a pixel brings more than `bound`. The tiles' side is a multiple of 8, at most
-  /// kTileSide; the picture is the same with any.
+  static constexpr double kLeastBound = 1e-30, kMostBound = 1e38;
+
+  /// No sample of a pixel brings more than `bound`, which is moved between these two. The tiles'
+  /// side is a multiple of 8, at most kTileSide; the picture is the same with any.
   Film(int width, int height, double bound, int tile_side = kTileSide);
 
   int width() const { return width_; }

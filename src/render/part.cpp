@@ -198,7 +198,8 @@ std::expected<Part, std::string> decode_part(std::string_view file) {
     return broken("its size is not that of its settings");
   if (tile_side == 0 || tile_side % 8 != 0 || tile_side > uint32_t(kTileSide))
     return broken(fmt::format("tiles of {} pixels", tile_side));
-  if (!(bound >= 1e-30 && bound <= 1e38)) return broken("no bound of its samples");
+  if (!(bound >= Film::kLeastBound && bound <= Film::kMostBound))
+    return broken("no bound of its samples");
   if (header.shard >= header.shards) return broken("no such shard");
   // Each tile takes four bytes at least, so that no short file asks for the memory of a large film.
   const uint64_t tiles = uint64_t((width - 1) / tile_side + 1) * ((height - 1) / tile_side + 1);

@@ -18,6 +18,7 @@
 namespace raio {
 
 void on_threads(int threads, const std::function<void()>& work) {
+  if (threads == 0) return work();
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, size_t(threads));
   tbb::task_arena(threads).execute(work);
 }

@@ -34,7 +34,8 @@ struct RenderResult {
   double seconds = 0;
 };
 
-/// Runs `work`, and all that it runs in parallel (building, rendering), on so many threads.
+/// Runs `work`, and all that it runs in parallel (reading, building, rendering), on so many
+/// threads; 0: as many as there are.
 void on_threads(int threads, const std::function<void()>& work);
 
 /// Why there cannot be a picture of these many pixels, in one line, or nothing: memory that would

@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include "io/nff.h"
+#include "render/render.h"
 
 namespace raio::view {
 namespace {
@@ -31,15 +32,16 @@ SceneFile::Stamp SceneFile::stamp(const std::string& path) {
 
 void SceneFile::open(std::string path) { waiting_ = std::move(path); }
 
-void SceneFile::start(std::string path) {
-  reading_ = std::async(std::launch::async, [path = std::move(path)] {
-    auto read = read_nff(path);
+void SceneFile::start(std::string path, int threads) {
+  reading_ = std::async(std::launch::async, [path = std::move(path), threads] {
+    std::expected<ReadScene, Diagnostics> read;
+    on_threads(threads, [&] { read = read_nff(path); });
     if (!read) return Read{path, std::unexpected(std::move(read.error()))};
     return Read{path, std::make_shared<const Scene>(std::move(read->scene))};
   });
 }
 
-std::optional<SceneFile::Read> SceneFile::poll() {
+std::optional<SceneFile::Read> SceneFile::poll(int threads) {
   if (is_ready(reading_)) {
     Read read = reading_.get();
     if (read.scene && read.path != path_) path_ = read.path, read_ = seen_ = stamp(path_);
@@ -47,7 +49,7 @@ std::optional<SceneFile::Read> SceneFile::poll() {
   }
   if (reading_.valid()) return std::nullopt;
   if (waiting_) {
-    start(*std::exchange(waiting_, std::nullopt));
+    start(*std::exchange(waiting_, std::nullopt), threads);
     return std::nullopt;
   }
   const auto now = Clock::now();
@@ -57,7 +59,7 @@ std::optional<SceneFile::Read> SceneFile::poll() {
   const Stamp before = std::exchange(seen_, stamp(path_));
   if (seen_ != before || seen_ == read_ || seen_ == Stamp()) return std::nullopt;
   read_ = seen_;
-  start(path_);
+  start(path_, threads);
   return std::nullopt;
 }
 

@@ -31,14 +31,15 @@ class SceneFile {
   /// Reads another file, and follows it from then on if it is a scene.
   void open(std::string path);
 
-  /// What was read meanwhile, once. Looks at the disk a few times a second, however often called.
-  std::optional<Read> poll();
+  /// What was read meanwhile, once. Looks at the disk a few times a second, however often called;
+  /// what is there to be read is read on so many threads (0: as many as there are).
+  std::optional<Read> poll(int threads);
 
  private:
   using Stamp = std::pair<std::filesystem::file_time_type, uintmax_t>;
   using Clock = std::chrono::steady_clock;
   static Stamp stamp(const std::string& path);
-  void start(std::string path);
+  void start(std::string path, int threads);
 
   std::string path_;
   Stamp read_, seen_;

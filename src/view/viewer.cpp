@@ -5,17 +5,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <expected>
 
 #include "app/output.h"
 #include "app/terminal.h"
 #include "render/provenance.h"
+#include "render/render.h"
 #include "render/session.h"
 #include "view/camera_control.h"
 #include "view/files.h"
 #include "view/hands.h"
 #include "view/measure.h"
 #include "view/panel.h"
-#include "view/side.h"
+#include "view/pictures.h"
 #include "view/window.h"
 
 namespace raio::view {
@@ -25,9 +27,8 @@ constexpr double kFrameSeconds = 0.024;   // of rendering; drawing takes the res
 constexpr double kDrawGapSeconds = 0.03;  // between drawings that show no new picture
 constexpr double kRestSeconds = 0.15;     // after the last movement
 constexpr double kBeforeCosts = 0.8;      // of rest, until costs are measured
-constexpr double kMessageSeconds = 4;
-constexpr double kFocusSeconds = 2.5;  // that the plane in focus is shown
-constexpr double kIdleSeconds = 0.1;   // between looks at the disk
+constexpr double kFocusSeconds = 2.5;     // that the plane in focus is shown
+constexpr double kIdleSeconds = 0.1;      // between looks at the disk
 
 std::string text_of(Vec3f v) { return fmt::format("{:.6g},{:.6g},{:.6g}", v.x, v.y, v.z); }
 
@@ -43,11 +44,9 @@ class Viewer final : public WindowEvents {
         first_height_(first_wish.height),
         state_(std::move(state)),
         file_(state_.path),
+        pictures_(std::move(session)),
         hands_(state_, stage_, [this](double x, double y) { return pick_at(x, y); }) {
     window_.listen(this);
-    main_.session = std::move(session);
-    main_.wish = 1;
-    other_.session = std::make_unique<Session>(Window::wake);
     log("wish: 1");
     stage_.picture_width = first_wish.width, stage_.picture_height = first_wish.height;
     // A screen that is too small for the picture has made the window so.
@@ -109,8 +108,7 @@ class Viewer final : public WindowEvents {
   }
   void say(std::string message) {
     log(message);
-    message_ = std::move(message);
-    message_until_ = now() + kMessageSeconds;
+    message_.say(std::move(message), now());
     needs_drawing();
   }
 
@@ -118,7 +116,7 @@ class Viewer final : public WindowEvents {
   bool shows_focus() const { return now() < focus_until_; }
 
   Pick pick_at(double x, double y) const {
-    const auto& picture = main_.picture;
+    const auto& picture = pictures_.main.picture;
     if (!picture || !picture->baked || picture->baked->scene != state_.scene) return {};
     return pick(*picture->baked->accel, state_.camera, stage_.across(x), stage_.down(y),
                 stage_.aspect());
@@ -155,8 +153,8 @@ class Viewer final : public WindowEvents {
     if (const auto why = option_conflict(o, state_.scene.get()); !why.empty()) return say(why);
     const double frame_s = is_moving() ? kFrameSeconds : 0;
     moved_ = frame_s > 0;
-    main_.wish = main_.session->wish({state_.scene, o, frame_s});
-    if (!moved_) log(fmt::format("wish: {}", main_.wish));
+    pictures_.wish(state_, stage_, frame_s);
+    if (!moved_) log(fmt::format("wish: {}", pictures_.main.wish));
     measuring_.cancel();
     costs_are_old_ = true;
     renew_other(frame_s);
@@ -164,17 +162,7 @@ class Viewer final : public WindowEvents {
 
   void renew_other(double frame_s) {
     const Other wanted = shows_focus() ? Other::focus : state_.split ? Other::without : Other::none;
-    const bool is_new = wanted != other_is_;
-    other_is_ = wanted;
-    if (wanted == Other::none) return other_.session->rest();
-    RenderOptions o = state_.other_wish(stage_.picture_width, stage_.picture_height);
-    if (wanted == Other::focus) {
-      o = state_.wish(stage_.picture_width, stage_.picture_height);
-      o.view = View::focus;
-    }
-    if (!option_conflict(o, state_.scene.get()).empty()) return;
-    other_.wish = other_.session->wish({state_.scene, o, frame_s});
-    if (is_new) other_.first_wish = other_.wish;
+    pictures_.wish_other(wanted, state_, stage_, frame_s);
   }
 
   void obey(const KeySpec& key) {
@@ -185,9 +173,9 @@ class Viewer final : public WindowEvents {
       case Command::structure:
       case Command::reflection:
       case Command::refraction:
-        before_s_ = main_.picture ? main_.picture->pass_s : 0;
-        say(state_.toggle(key.command));
-        switched_ = message_;
+        before_s_ = pictures_.main.picture ? pictures_.main.picture->pass_s : 0;
+        switched_ = state_.toggle(key.command);
+        say(switched_);
         return renew();
       case Command::split:
         state_.split = !state_.split;
@@ -195,7 +183,7 @@ class Viewer final : public WindowEvents {
         return renew();
       case Command::pause:
         state_.paused = !state_.paused;
-        main_.session->pause(state_.paused), other_.session->pause(state_.paused);
+        pictures_.pause(state_.paused);
         return say(state_.paused ? "paused" : "goes on");
       case Command::panel:
         state_.panel = !state_.panel;
@@ -239,7 +227,9 @@ class Viewer final : public WindowEvents {
     renew();
   }
 
-  int samples() const { return main_.picture ? std::max(1, main_.picture->samples) : 1; }
+  int samples() const {
+    return pictures_.main.picture ? std::max(1, pictures_.main.picture->samples) : 1;
+  }
   std::string command_line(const std::string& output) const {
     return state_.command_line(stage_.picture_width, stage_.picture_height, samples(), output);
   }
@@ -248,10 +238,8 @@ class Viewer final : public WindowEvents {
   // samples in every pixel.
   void save_when_whole() {
     if (to_save_.empty()) return;
-    const auto& picture = main_.picture;
-    const bool is_whole = picture && picture->wish == main_.wish && picture->samples > 0 &&
-                          (state_.endless() || picture->finished);
-    if (!is_whole) return;
+    const auto picture = pictures_.whole(state_);
+    if (!picture) return;
     const std::string path = free_name(state_.scene->name, std::exchange(to_save_, {}));
     const RenderOptions o = resolve_options(
         state_.wish(stage_.picture_width, stage_.picture_height, picture->samples), *state_.scene);
@@ -273,10 +261,7 @@ class Viewer final : public WindowEvents {
   }
 
   // Whoever measures wants the machine for himself.
-  void hold_back(bool hold) const {
-    main_.session->pause(hold || state_.paused);
-    other_.session->pause(hold || state_.paused);
-  }
+  void hold_back(bool hold) const { pictures_.pause(hold || state_.paused); }
 
   void step() {
     const double time = now(), passed = time - std::exchange(last_step_, time);
@@ -287,12 +272,11 @@ class Viewer final : public WindowEvents {
                       text_of(state_.camera.at)));
       renew();
     }
-    if (other_is_ == Other::focus && !shows_focus()) renew_other(0), needs_drawing();
-    if (message_until_ > 0 && time > message_until_)
-      message_.clear(), message_until_ = 0, needs_drawing();
+    if (pictures_.wanted_other() == Other::focus && !shows_focus()) renew_other(0), needs_drawing();
+    if (message_.expire(time)) needs_drawing();
     take_results();
-    bool is_new = take_picture(main_);
-    is_new |= take_picture(other_);
+    bool is_new = take_picture(pictures_.main);
+    is_new |= take_picture(pictures_.other);
     save_when_whole();
     measure_costs();
     if (window_.is_hidden()) {
@@ -313,7 +297,7 @@ class Viewer final : public WindowEvents {
     if (!side.take()) return false;
     const SessionPicture& p = *side.picture;
     if (!p.error.empty()) say(p.error);
-    if (&side == &main_ && !switched_.empty() && p.wish == main_.wish && p.samples > 0) {
+    if (&side == &pictures_.main && !switched_.empty() && p.wish == side.wish && p.samples > 0) {
       say(fmt::format("{}: {} a sample, before {}", std::exchange(switched_, {}),
                       app::human_seconds(p.pass_s), app::human_seconds(before_s_)));
     }
@@ -321,7 +305,7 @@ class Viewer final : public WindowEvents {
   }
 
   void take_results() {
-    if (auto read = file_.poll()) take_scene(*read);
+    if (auto read = file_.poll(state_.options.threads)) take_scene(*read);
     while (auto written = writer_.poll()) {
       if (!written->result) {
         say(written->result.error().message);
@@ -350,13 +334,11 @@ class Viewer final : public WindowEvents {
   }
 
   void measure_costs() {
-    const auto& picture = main_.picture;
+    const auto& picture = pictures_.main.picture;
     if (!costs_are_old_ || !wants_costs_ || measuring_.busy() || is_moving() || state_.paused)
       return;
-    if (!picture || picture->wish != main_.wish || picture->samples == 0) return;
-    if (now() < moving_until_ + kBeforeCosts ||
-        now() < message_until_ - kMessageSeconds + kBeforeCosts)
-      return;
+    if (!picture || picture->wish != pictures_.main.wish || picture->samples == 0) return;
+    if (now() < moving_until_ + kBeforeCosts || message_.age(now()) < kBeforeCosts) return;
     costs_are_old_ = false;
     hold_back(true);
     log("measures the costs");
@@ -366,13 +348,13 @@ class Viewer final : public WindowEvents {
   void draw() {
     last_draw_ = now();
     Window::begin_frame();
-    draw_pictures();
+    pictures_.draw(state_, stage_, float(hands_.split_at));
     if (state_.panel) draw_panel_and_obey();
     draw_message();
     window_.end_frame();
     window_.set_title(state_.title());
-    log_picture(main_, "picture");
-    log_picture(other_, "other");
+    log_picture(pictures_.main, "picture");
+    log_picture(pictures_.other, "other");
   }
 
   void log_picture(Side& side, std::string_view name) {
@@ -380,20 +362,9 @@ class Viewer final : public WindowEvents {
     if (const auto news = side.news()) log(fmt::format("{}: {}", name, *news));
   }
 
-  void draw_pictures() {
-    main_.draw(stage_, 0, 1, 1);
-    if (!other_.has_picture()) return;
-    if (other_is_ == Other::focus) other_.draw(stage_, 0, 1, 0.6f);
-    if (other_is_ != Other::without) return;
-    const float at = float(hands_.split_at);
-    other_.draw(stage_, at, 1, 1);
-    const auto [left, right] = state_.split_labels();
-    draw_split_bar(stage_, at, left, right);
-  }
-
   void draw_message() const {
     const std::string& text =
-        message_.empty() && !errors_.empty() ? errors_.front().text() : message_;
+        message_.text().empty() && !errors_.empty() ? errors_.front().text() : message_.text();
     if (text.empty()) return;
     const float line = ImGui::GetFontSize();
     draw_label({stage_.area_lo.x + line, stage_.area_hi.y - 2 * line}, text, Beside::right);
@@ -401,7 +372,7 @@ class Viewer final : public WindowEvents {
 
   void draw_panel_and_obey() {
     PanelFacts facts;
-    facts.picture = main_.picture;
+    facts.picture = pictures_.main.picture;
     facts.picture_width = stage_.picture_width, facts.picture_height = stage_.picture_height;
     facts.costs = measuring_.costs(), facts.table = measuring_.table();
     facts.measuring = measuring_.work();
@@ -415,7 +386,7 @@ class Viewer final : public WindowEvents {
     renew();
   }
 
-  enum class Other { none, without, focus };
+  using Other = Pictures::Other;
 
   Window& window_;
   const bool logs_;
@@ -426,9 +397,8 @@ class Viewer final : public WindowEvents {
   ViewState state_;
   SceneFile file_;
   PictureWriter writer_;
+  Pictures pictures_;
   Hands hands_;
-  Side main_, other_;
-  Other other_is_ = Other::none;
   Measuring measuring_{[] { Window::wake(); }};
   bool costs_are_old_ = true, wants_costs_ = false, wants_table_ = false;
   Diagnostics errors_;
@@ -436,14 +406,16 @@ class Viewer final : public WindowEvents {
   int drawings_ = 3;  // still to do, even if no new picture comes
   double last_step_ = 0, last_draw_ = 0, moving_until_ = 0, focus_until_ = 0;
   bool moved_ = false;  // the newest wish is one of a movement
-  std::string message_, switched_, to_save_;
-  double message_until_ = 0, before_s_ = 0;
+  Message message_;
+  std::string switched_, to_save_;
+  double before_s_ = 0;
 };
 
 }  // namespace
 
 int open_window(const app::ViewCommand& command) {
-  auto scene = app::load_scene(command.scene);
+  std::expected<Scene, int> scene;
+  on_threads(command.options.threads, [&] { scene = app::load_scene(command.scene); });
   if (!scene) return scene.error();
   if (const auto why = option_conflict(command.options, &*scene); !why.empty())
     return app::bad_input(why);

@@ -144,8 +144,13 @@ inline int max_concurrency() { return stand_in::concurrency; }
 class global_control {
  public:
   enum parameter { max_allowed_parallelism };
-  global_control(parameter, size_t) {}
-  ~global_control() {}
+  global_control(parameter, size_t value) : before_(active_.exchange(value)) {}
+  ~global_control() { active_ = before_; }
+  static size_t active_value(parameter) { return active_; }
+
+ private:
+  static inline std::atomic<size_t> active_ = stand_in::kThreads;
+  size_t before_;
 };
 
 template <class T>

@@ -1,0 +1,53 @@
+// What is seen in the window's picture: the picture itself, and the same without the last effect
+// switched beside it, or the plane in focus over it.
+#pragma once
+
+#include "render/session.h"
+#include "view/side.h"
+#include "view/stage.h"
+#include "view/state.h"
+
+namespace raio::view {
+
+class Pictures {
+ public:
+  enum class Other { none, without, focus };
+
+  /// `session` has got its first wish already.
+  explicit Pictures(std::unique_ptr<Session> session);
+
+  Side main, other;
+
+  /// Tells the sessions what is wanted now; `frame_s` as in SessionWish.
+  void wish(const ViewState& state, const Stage& stage, double frame_s);
+  void wish_other(Other wanted, const ViewState& state, const Stage& stage, double frame_s);
+  Other wanted_other() const { return wanted_; }
+
+  void pause(bool pause) const;
+
+  /// `split_at`: where the bar between the two is, 0 to 1.
+  void draw(const ViewState& state, const Stage& stage, float split_at) const;
+
+  /// The main picture if it is whole and of the newest wish, else null.
+  std::shared_ptr<const SessionPicture> whole(const ViewState& state) const;
+
+ private:
+  Other wanted_ = Other::none;
+};
+
+/// One line at the foot of the picture, for a while.
+class Message {
+ public:
+  void say(std::string text, double now);
+  const std::string& text() const { return text_; }
+  /// How long it has been there.
+  double age(double now) const { return now - since_; }
+  /// Drops it when its time is over. Whether it was.
+  bool expire(double now);
+
+ private:
+  std::string text_;
+  double since_ = -1e9;
+};
+
+}  // namespace raio::view
