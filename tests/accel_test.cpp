@@ -153,7 +153,8 @@ TEST(Accel, CountersCountAndEmbreeSaysThatItDoesNot) {
   const size_t items = g.count(ItemKind::plane) + g.count(ItemKind::sphere) +
                        g.count(ItemKind::triangle) + g.count(ItemKind::cone);
   EXPECT_EQ(none.tests, items * rays.size());
-  build(scene, {.kind = AccelKind::grid, .counters = true})->closest(rays, hits, grid);
+  build(scene, {.kind = AccelKind::grid, .grid_factor = 2, .counters = true})
+      ->closest(rays, hits, grid);
   EXPECT_GT(grid.steps, rays.size());
   EXPECT_LT(grid.tests, none.tests / 5);
   EXPECT_GE(grid.tests, 3 * rays.size());  // giants

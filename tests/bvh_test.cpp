@@ -166,7 +166,7 @@ TEST(Bvh, IsTheSameForAnyNumberOfThreads) {
 class TreeCheck {
  public:
   TreeCheck(const Geometry& geometry, const Bvh& bvh) : g_(geometry), b_(bvh) {
-    if (!b_.nodes.empty()) check(bvh_ref(BvhChild::node, 0), Box3f{Vec3f(-kMost), Vec3f(kMost)}, 0);
+    if (!b_.nodes.empty()) check(pool_ref(Pool::nodes, 0), Box3f{Vec3f(-kMost), Vec3f(kMost)}, 0);
   }
 
   std::map<ItemId, int> seen;
@@ -177,14 +177,14 @@ class TreeCheck {
   static constexpr float kMost = std::numeric_limits<float>::max();
 
   void check(uint32_t ref, const Box3f& around, int depth) {
-    const uint32_t i = bvh_index(ref);
+    const uint32_t i = ref_index(ref);
     levels = std::max(levels, depth);
-    if (bvh_kind(ref) != BvhChild::node) {
+    if (ref_pool(ref) != Pool::nodes) {
       ++blocks;
-      const ItemId* items = bvh_kind(ref) == BvhChild::spheres     ? b_.spheres[i].item
-                            : bvh_kind(ref) == BvhChild::triangles ? b_.triangles[i].item
-                                                                   : b_.cones[i].item;
-      for (int k = 0; k < kBvhWidth; ++k) {
+      const ItemId* items = ref_pool(ref) == Pool::spheres     ? b_.spheres[i].item
+                            : ref_pool(ref) == Pool::triangles ? b_.triangles[i].item
+                                                               : b_.cones[i].item;
+      for (int k = 0; k < kBlockWidth; ++k) {
         if (items[k] == kNoItem) continue;
         ++seen[items[k]];
         outside += !holds(around, g_.bounds(items[k]));
@@ -194,7 +194,7 @@ class TreeCheck {
     }
     ++nodes;
     const BvhNode& node = b_.nodes[i];
-    for (int k = 0; k < kBvhWidth; ++k) {
+    for (int k = 0; k < kBlockWidth; ++k) {
       if (node.child[k] == kNoChild) continue;
       Box3f box;
       for (int a = 0; a < 3; ++a)
@@ -240,7 +240,49 @@ TEST(Bvh, FewOfAKindAreALeafBelowTheRoot) {
   const Geometry g(scene);
   const Bvh bvh = *build_bvh(g);
   EXPECT_EQ(bvh.cones.size(), 1u);
-  EXPECT_EQ(std::ranges::count(bvh.nodes[0].child, bvh_ref(BvhChild::cones, 0)), 1);
+  EXPECT_EQ(std::ranges::count(bvh.nodes[0].child, pool_ref(Pool::cones, 0)), 1);
+  EXPECT_EQ(std::ranges::count(bvh.shared, pool_ref(Pool::cones, 0)), 1);
+}
+
+// The test in float before that in double leaves none out: rays by the surface of cylinders and
+// cones, thick and thin, from near and far, a few roundings inside or outside.
+TEST(Bvh, RaysThatGrazeConesAreThoseOfBruteForce) {
+  Scene scene;
+  scene.materials = {{}};
+  std::mt19937 rng(11);
+  const auto in = [&](float lo, float hi) {
+    return std::uniform_real_distribution<float>(lo, hi)(rng);
+  };
+  const auto point = [&](float size) {
+    const float x = in(-size, size), y = in(-size, size), z = in(-size, size);
+    return Vec3f(x, y, z);
+  };
+  RayBatch rays;
+  for (int i = 0; i < 500; ++i) {
+    const Vec3f base = point(10), along = point(3);
+    const float radius = std::pow(10.0f, in(-4, 0.5f));
+    const float top = i % 2 ? radius : radius * in(0, 1);
+    scene.cones.push_back({base, radius, base + along, top});
+    scene.cone_materials.push_back(0);
+    for (int k = 0; k < 20; ++k) {
+      const Vec3f from = base + point(k % 2 ? 30.0f : 3000.0f);
+      const float height = in(0, 1);
+      const Vec3f on_axis = base + along * height;
+      const Vec3f aside = normalize(cross(along, on_axis - from));
+      const float reach = (radius + (top - radius) * height) * (1 + in(-4e-7f, 4e-7f));
+      const Vec3f dir = normalize(on_axis + aside * reach - from);
+      rays.push({from, dir, std::numeric_limits<float>::infinity()});
+    }
+  }
+  const auto oracle = build(scene, {.kind = AccelKind::none});
+  const auto bvh = build(scene, {.kind = AccelKind::bvh});
+  for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    hwy::SetSupportedTargetsForTest(target);
+    const Disagreement d = disagreement(*oracle, *bvh, rays, true, false);
+    EXPECT_EQ(d.closest, 0u) << hwy::TargetName(target);
+    EXPECT_EQ(d.occluded, 0u) << hwy::TargetName(target);
+  }
+  hwy::SetSupportedTargetsForTest(0);
 }
 
 TEST(Bvh, RefusesWhatNoMemoryHolds) {

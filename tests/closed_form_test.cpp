@@ -15,7 +15,7 @@ constexpr double kPi = std::numbers::pi;
 
 struct Picture {
   int width, height;
-  std::vector<Rgb> pixels;
+  Column<Rgb> pixels;
 
   double at(int x, int y) const { return double(pixels[size_t(y) * size_t(width) + size_t(x)].x); }
 };

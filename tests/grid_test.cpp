@@ -1,4 +1,8 @@
 // The uniform grid against every primitive, and its resolution and lists.
+#include "accel/grid.h"
+
+#include <hwy/targets.h>
+
 #include "accel_rays.h"
 
 namespace raio {
@@ -12,13 +16,123 @@ TEST(Grid, FindsTheVeryHitsOfBruteForce) {
       const Scene scene = random_scene(600, 7, place.scale, place.shift);
       const auto oracle = build(scene, {.kind = AccelKind::none}, one_sided);
       const RayBatch rays = awkward_rays(scene, 10000, 3);
-      for (const float factor : {0.5f, 2.0f, 6.0f}) {
-        const auto grid = build(scene, {.kind = AccelKind::grid, .grid_factor = factor}, one_sided);
-        const Disagreement d = disagreement(*oracle, *grid, rays, true);
-        EXPECT_EQ(d.closest, 0u) << "scale " << place.scale << " factor " << factor;
-        EXPECT_EQ(d.occluded, 0u) << "scale " << place.scale << " factor " << factor;
+      for (const float factor : {0.5f, 2.0f, 6.0f})
+        for (const bool counters : {false, true}) {
+          const AccelOptions o = {
+              .kind = AccelKind::grid, .grid_factor = factor, .counters = counters};
+          const Disagreement d = disagreement(*oracle, *build(scene, o, one_sided), rays, true);
+          EXPECT_EQ(d.closest, 0u) << "scale " << place.scale << " factor " << factor;
+          EXPECT_EQ(d.occluded, 0u) << "scale " << place.scale << " factor " << factor;
+        }
+    }
+}
+
+// Beams, and rays that go alone; every instruction set that this machine has.
+TEST(Grid, RaysThatTravelTogetherFindTheVeryHitsOfBruteForce) {
+  for (const Placement& place : kPlacements) {
+    const Scene scene = two_sided(random_scene(900, 5, place.scale, place.shift));
+    const auto oracle = build(scene, {.kind = AccelKind::none});
+    RayBatch rays = eye_rays(scene, 32);
+    const RayBatch shadow = shadow_rays(*oracle, rays, scene.camera.from);
+    const RayBatch awkward = awkward_rays(scene, 500, 6);
+    for (const RayBatch* more : {&shadow, &awkward})
+      for (size_t i = 0; i < more->size(); ++i) rays.push((*more)[i]);
+    for (const std::array<int, 3> n :
+         {std::array{0, 0, 0}, {1, 1, 1}, {7, 7, 7}, {40, 3, 1}, {2, 30, 90}}) {
+      const auto grid = build(scene, {.kind = AccelKind::grid, .grid_resolution = n});
+      for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
+        hwy::SetSupportedTargetsForTest(target);
+        const Disagreement d = disagreement(*oracle, *grid, rays, true, true);
+        EXPECT_EQ(d.closest, 0u) << hwy::TargetName(target) << ' ' << place.scale << ' ' << n[0];
+        EXPECT_EQ(d.occluded, 0u) << hwy::TargetName(target) << ' ' << place.scale << ' ' << n[0];
+      }
+      hwy::SetSupportedTargetsForTest(0);
+    }
+  }
+}
+
+// Two crowds far apart: rays of all sorts from one to the other, over cells that list nothing.
+TEST(Grid, EmptySpaceIsSkippedWithoutALoss) {
+  Scene scene;
+  scene.materials = {{}};
+  std::mt19937 rng(3);
+  std::uniform_real_distribution<float> unit(0, 1);
+  for (int i = 0; i < 200; ++i) {
+    const float far = i % 2 ? 100.0f : 0.0f;
+    scene.spheres.push_back({{far + unit(rng), far * 0.3f + unit(rng), unit(rng)}, 0.02f});
+    scene.sphere_materials.push_back(0);
+  }
+  const auto oracle = build(scene, {.kind = AccelKind::none});
+  RayBatch rays;
+  for (int i = 0; i < 4000; ++i) {
+    const Vec3f from = scene.spheres[rng() % 200].center;
+    const Vec3f offset = 0.02f * random_direction(rng);
+    rays.push({from, normalize(scene.spheres[rng() % 200].center + offset - from)});
+  }
+  for (const std::array<int, 3> n : {std::array{300, 100, 5}, {20, 7, 1}, {3, 200, 9}}) {
+    const auto grid = build(scene, {.kind = AccelKind::grid, .grid_resolution = n});
+    EXPECT_EQ(disagreement(*oracle, *grid, rays, true).closest, 0u) << n[0];
+  }
+}
+
+TEST(Grid, EmptyCellsKnowHowFarTheyAreFromOthers) {
+  const Scene scene = random_scene(60, 4);
+  const Geometry g(scene);
+  const auto cells = build_grid(g, {.kind = AccelKind::grid, .grid_resolution = {13, 9, 11}});
+  ASSERT_TRUE(cells);
+  const auto blocks = bake_grid(g, *cells);
+  ASSERT_TRUE(blocks);
+  const Lattice& l = cells->lattice;
+  const auto listed = [&](size_t c) { return cells->begin[c + 1] > cells->begin[c]; };
+  int farthest = 0;
+  const auto distance = [&](std::array<int, 3> from) {
+    int least = kFarthest;
+    for (int z = 0; z < l.n[2]; ++z)
+      for (int y = 0; y < l.n[1]; ++y)
+        for (int x = 0; x < l.n[0]; ++x)
+          if (listed(l.index(x, y, z)))
+            least = std::min(least, std::max({std::abs(x - from[0]), std::abs(y - from[1]),
+                                              std::abs(z - from[2])}));
+    return least;
+  };
+  for (int z = 0; z < l.n[2]; ++z)
+    for (int y = 0; y < l.n[1]; ++y)
+      for (int x = 0; x < l.n[0]; ++x) {
+        const int is = blocks->empty_around[l.index(x, y, z)];
+        ASSERT_EQ(is, distance({x, y, z})) << x << ' ' << y << ' ' << z;
+        farthest = std::max(farthest, is);
+      }
+  EXPECT_GT(farthest, 1);
+}
+
+TEST(Grid, BlocksHoldWhatCellsListAndTheirBoxesToo) {
+  const Scene scene = random_scene(900, 6);
+  const Geometry g(scene);
+  const auto cells = build_grid(g, {.kind = AccelKind::grid, .grid_resolution = {4, 5, 6}});
+  ASSERT_TRUE(cells);
+  const auto blocks = bake_grid(g, *cells);
+  ASSERT_TRUE(blocks);
+  for (size_t c = 0; c < cells->lattice.cells(); ++c) {
+    std::vector<ItemId> found;
+    for (uint32_t i = blocks->begin[c]; i < blocks->begin[c + 1]; ++i) {
+      const BlockGroup& group = blocks->groups[i];
+      for (size_t k = 0; k < kBlockWidth; ++k) {
+        const uint32_t ref = group.block[k];
+        if (ref == kNoItem) continue;
+        const ItemId* const items =
+            ref_pool(ref) == Pool::spheres     ? blocks->spheres[ref_index(ref)].item
+            : ref_pool(ref) == Pool::triangles ? blocks->triangles[ref_index(ref)].item
+                                               : blocks->cones[ref_index(ref)].item;
+        for (size_t n = 0; n < kBlockWidth && items[n] != kNoItem; ++n) found.push_back(items[n]);
+        for (int a = 0; a < 3; ++a)
+          EXPECT_LE(group.boxes.planes[0][a][k], group.boxes.planes[1][a][k]);
       }
     }
+    const std::vector<ItemId> listed(cells->items.begin() + cells->begin[c],
+                                     cells->items.begin() + cells->begin[c + 1]);
+    EXPECT_EQ(found, listed) << "cell " << c;
+  }
+  EXPECT_FALSE(bake_grid(g, *cells, 10'000));
 }
 
 TEST(Grid, HasTheResolutionOfTheReport) {
@@ -31,7 +145,7 @@ TEST(Grid, HasTheResolutionOfTheReport) {
         scene.sphere_materials.push_back(0);
       }
   // Box 15.5 x 7.5 x 1.5, 256 spheres: s = cbrt(174.4 / 256) = 0.88; 2 * side / s + 1.
-  const AccelInfo info = build(scene, {.kind = AccelKind::grid})->info();
+  const AccelInfo info = build(scene, {.kind = AccelKind::grid, .grid_factor = 2})->info();
   EXPECT_EQ(info.resolution, (std::array<int, 3>{36, 18, 4}));
   EXPECT_EQ(info.cells, 36u * 18 * 4);
   const AccelInfo forced =

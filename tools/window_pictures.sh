@@ -38,7 +38,7 @@ sleep 5
 shoot -gravity center -crop 3:2 +repage -resize 480x320 "$pictures/view-split.png"
 close
 
-open 2 scenes/sphereflake.nff --size 480x320 --accel grid
+open 2 scenes/sphereflake.nff --size 480x320 --accel grid --grid-factor 2
 keys h 6
 sleep 3
 shoot -gravity center -crop 3:2 +repage -resize 480x320 "$pictures/view-steps.png"

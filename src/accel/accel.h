@@ -19,12 +19,14 @@ enum class AccelKind { automatic, none, grid, bvh, embree };
 
 struct AccelOptions {
   AccelKind kind = AccelKind::automatic;
-  float grid_factor = 0;  // cells a side per cube root of the number of primitives; 0: 2
+  float grid_factor = 0;  // cells a side per cube root of the number of primitives; 0: best
   std::array<int, 3> grid_resolution{0, 0, 0};  // cells along x, y, z; 0 0 0: by grid_factor
   // To be held against published counts: all primitives in the grid, each in the cells that its box
   // touches, and none remembered from one cell to the next.
   bool grid_plain = false;
-  bool counters = false;  // count tests and steps; costs a few per cent
+  // Count tests and steps. Costs a few per cent; the grid then walks cell by cell, several times as
+  // long.
+  bool counters = false;
 
   friend bool operator==(const AccelOptions&, const AccelOptions&) = default;
 };

@@ -33,11 +33,6 @@ class BvhAccel final : public Accel {
 
 }  // namespace
 
-size_t Bvh::bytes() const {
-  return nodes.size() * sizeof(BvhNode) + spheres.size() * sizeof(SphereBlock) +
-         triangles.size() * sizeof(TriangleBlock) + cones.size() * sizeof(ConeBlock);
-}
-
 AccelResult make_bvh(Geometry geometry) {
   auto bvh = build_bvh(geometry);
   if (!bvh) return std::unexpected(std::move(bvh.error()));

@@ -50,7 +50,7 @@ class Bins {
   /// about the same as all eight.
   BinSplit best(int32_t total, int count = kCount) const {
     const auto cost = [&](const BuildBox* sums, Int4 n) {
-      const Int4 blocks = (n + (kBvhWidth - 1)) >> std::countr_zero(unsigned(kBvhWidth));
+      const Int4 blocks = (n + (kBlockWidth - 1)) >> std::countr_zero(unsigned(kBlockWidth));
       return half_areas(sums[0], sums[1], sums[2]) * __builtin_convertvector(blocks, Float4);
     };
     Float4 above[kCount];

@@ -18,29 +18,20 @@ namespace raio {
 namespace {
 
 constexpr size_t kTask = 4096;  // items worth a task
-constexpr int kPools = 4;       // one for each BvhChild
+constexpr int kPools = 4;       // one for each Pool
 
 bool is_leaf(BuildRange range) {  // in ascending order, so kinds do not mix between equal ends
-  return range.size() <= size_t(kBvhWidth) &&
+  return range.size() <= size_t(kBlockWidth) &&
          item_kind(range.front().item()) == item_kind(range.back().item());
 }
 
-BvhChild leaf_kind(BuildRange range) {
-  switch (item_kind(range.front().item())) {
-    case ItemKind::sphere:
-      return BvhChild::spheres;
-    case ItemKind::triangle:
-      return BvhChild::triangles;
-    default:
-      return BvhChild::cones;
-  }
-}
+Pool leaf_pool(BuildRange range) { return pool_of(item_kind(range.front().item())); }
 
 // Where kinds part a range: in the last splits, since leaves do not mix them; and at the root,
 // where few of a kind are a leaf of their own, which rays meet early and are the shorter for. Else
 // 0.
 size_t part_kinds(BuildRange range, int depth) {
-  constexpr size_t kFew = kBvhWidth;
+  constexpr size_t kFew = kBlockWidth;
   if (range.size() > kFew && depth > 0) return 0;
   const auto kind = [&](size_t i) { return item_kind(range[i].item()); };
   size_t first = 1, last = 1;
@@ -75,18 +66,18 @@ struct Part {
   BuildRange items;
   std::vector<BvhNode> nodes;
   std::vector<uint8_t> leaf_sizes;                 // in the order of the items
-  std::array<uint32_t, kPools> counts{}, begin{};  // in and before this part, per BvhChild
+  std::array<uint32_t, kPools> counts{}, begin{};  // in and before this part, per Pool
   std::vector<Part> parts;
 
   uint32_t add_leaf(BuildRange range) {
-    const BvhChild kind = leaf_kind(range);
+    const Pool pool = leaf_pool(range);
     leaf_sizes.push_back(uint8_t(range.size()));
-    return bvh_ref(kind, counts[size_t(kind)]++);
+    return pool_ref(pool, counts[size_t(pool)]++);
   }
   uint32_t moved(uint32_t ref) const { return ref == kNoChild ? ref : ref + begin[ref >> 30]; }
   uint32_t root() const {
-    if (counts[0] > 0) return moved(bvh_ref(BvhChild::node, 0));
-    return moved(bvh_ref(leaf_kind(items), 0));
+    if (counts[0] > 0) return moved(pool_ref(Pool::nodes, 0));
+    return moved(pool_ref(leaf_pool(items), 0));
   }
 };
 
@@ -171,7 +162,7 @@ class Builder {
     return (double(g_.count(ItemKind::sphere)) * sizeof(SphereBlock) +
             double(g_.count(ItemKind::triangle)) * sizeof(TriangleBlock) +
             double(g_.count(ItemKind::cone)) * sizeof(ConeBlock)) /
-           kBvhWidth;
+           kBlockWidth;
   }
   static std::optional<std::string> refusal(double bytes, size_t available) {
     if (bytes <= 0.9 * double(available)) return std::nullopt;
@@ -195,7 +186,7 @@ class Builder {
   // The node, and each child as a part of its own.
   void make_parts(const Child& child, int depth, Part& part) {
     std::vector<std::unique_ptr<BuildPlan>> plans;
-    std::array<Child, kBvhWidth> children;
+    std::array<Child, kBlockWidth> children;
     const size_t count = open(child, depth, children, scratches_.local(), &plans);
     part.nodes.resize(1);
     part.counts[0] = 1;
@@ -208,7 +199,7 @@ class Builder {
   }
 
   uint32_t make_node(const Child& child, int depth, Part& part, Column<BuildItem>& scratch) {
-    std::array<Child, kBvhWidth> children;
+    std::array<Child, kBlockWidth> children;
     const size_t count = open(child, depth, children, scratch, nullptr);
     const size_t index = part.nodes.size();
     part.nodes.emplace_back();
@@ -219,7 +210,7 @@ class Builder {
                                : make_node(children[i], depth + 1, part, scratch);
       part.nodes[index].child[i] = ref;
     }
-    return bvh_ref(BvhChild::node, uint32_t(index));
+    return pool_ref(Pool::nodes, uint32_t(index));
   }
 
   static void set_boxes(BvhNode& node, std::span<const Child> children) {
@@ -229,14 +220,14 @@ class Builder {
   }
 
   // The children of a node, in the order of their items; how many there are.
-  static size_t open(const Child& child, int depth, std::array<Child, kBvhWidth>& out,
+  static size_t open(const Child& child, int depth, std::array<Child, kBlockWidth>& out,
                      Column<BuildItem>& scratch, std::vector<std::unique_ptr<BuildPlan>>* plans) {
-    std::array<float, kBvhWidth> areas;  // of those that can be opened
+    std::array<float, kBlockWidth> areas;  // of those that can be opened
     const auto area = [](const Child& c) { return is_leaf(c.range) ? -1 : half_area(c.box); };
     out[0] = child;
     areas[0] = area(child);
     size_t count = 1;
-    for (; count < size_t(kBvhWidth); ++count) {
+    for (; count < size_t(kBlockWidth); ++count) {
       const size_t i =
           size_t(std::max_element(areas.begin(), areas.begin() + count) - areas.begin());
       if (areas[i] < 0) break;
@@ -306,56 +297,10 @@ class Builder {
     for (const uint8_t size : part.leaf_sizes) {
       const BuildRange range = rest.first(size);
       rest = rest.subspan(size);
-      const BvhChild kind = leaf_kind(range);
-      const uint32_t index = next[size_t(kind)]++;
-      if (kind == BvhChild::spheres)
-        fill_block(range, out.spheres[index]);
-      else if (kind == BvhChild::triangles)
-        fill_block(range, out.triangles[index]);
-      else
-        fill_block(range, out.cones[index]);
-    }
-  }
-
-  template <class Block>
-  static void set_items(BuildRange range, Block& block) {
-    for (size_t i = 0; i < size_t(kBvhWidth); ++i)
-      block.item[i] = i < range.size() ? range[i].item() : kNoItem;
-  }
-
-  void fill_block(BuildRange range, SphereBlock& block) const {
-    set_items(range, block);
-    for (size_t i = 0; i < size_t(kBvhWidth); ++i) {
-      constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-      const Sphere s =
-          i < range.size() ? g_.sphere(item_index(range[i].item())) : Sphere{{0, 0, 0}, kNone};
-      block.x[i] = s.center.x, block.y[i] = s.center.y, block.z[i] = s.center.z;
-      block.radius[i] = s.radius;
-    }
-  }
-
-  void fill_block(BuildRange range, TriangleBlock& block) const {
-    set_items(range, block);
-    for (size_t i = 0; i < size_t(kBvhWidth); ++i) {  // three equal corners have no area
-      const Triangle t =
-          i < range.size() ? g_.triangle(item_index(range[i].item())) : Triangle{{}, {}, {}};
-      for (int a = 0; a < 3; ++a) {
-        block.corner[0][a][i] = t.a[a];
-        block.corner[1][a][i] = t.b[a];
-        block.corner[2][a][i] = t.c[a];
-      }
-    }
-  }
-
-  void fill_block(BuildRange range, ConeBlock& block) const {
-    block = {};
-    set_items(range, block);
-    block.boxes.set_empty();
-    for (size_t i = 0; i < range.size(); ++i) {
-      const BakedCone& c = g_.cone(item_index(range[i].item()));
-      block.boxes.set(i, bounds(c));
-      for (int a = 0; a < 3; ++a) block.base[a][i] = c.base[a], block.axis[a][i] = c.axis[a];
-      block.height[i] = c.height, block.radius[i] = c.base_radius, block.slope[i] = c.slope;
+      const Pool pool = leaf_pool(range);
+      std::array<ItemId, kBlockWidth> ids;
+      for (size_t i = 0; i < size; ++i) ids[i] = range[i].item();
+      out.fill(g_, pool_ref(pool, next[size_t(pool)]++), {ids.data(), size});
     }
   }
 
@@ -369,6 +314,11 @@ class Builder {
 std::expected<Bvh, std::string> build_bvh(const Geometry& geometry, size_t available) {
   Bvh out;
   if (auto error = Builder(geometry).build(available, out)) return std::unexpected(*error);
+  if (out.empty()) return out;
+  constexpr int kFew = 4;  // measured
+  for (const uint32_t ref : out.nodes[0].child)
+    if (ref != kNoChild && ref_pool(ref) != Pool::nodes && out.items(ref)[kFew] == kNoItem)
+      out.shared.push_back(ref);
   return out;
 }
 

@@ -15,12 +15,11 @@
 
 #include <hwy/cache_control.h>
 
-#include "accel/bvh_lanes-inl.h"
+#include "accel/blocks_rays-inl.h"
+#include "accel/bvh.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
-
-constexpr size_t kChunk = 1024;  // rays that travel together
 
 // A child that waits, with the list of those that meet it.
 struct Waiting {
@@ -29,57 +28,60 @@ struct Waiting {
   uint32_t begin, end;  // of its list
   uint32_t used;        // where all lists of its node end
 };
-constexpr int kStack = (kBvhWidth - 1) * kBvhMaxLevels + 1;
+constexpr int kStack = (kBlockWidth - 1) * kBvhMaxLevels + 1;
 
 const hn::CappedTag<uint32_t, 16> kIds;
 constexpr size_t kIdLanes = hn::MaxLanes(decltype(kIds)());
 
-struct Lists {
-  std::vector<uint32_t> ids;
+struct StreamRoom : IdLists {
   uint8_t met[kChunk + 16];  // by place in a list: which of the eight boxes
   Waiting stack[kStack];
-
-  void reserve(size_t n) {
-    if (ids.size() < n) ids.resize(2 * n);
-  }
 };
 
 HWY_INLINE void prefetch(const Bvh& bvh, uint32_t ref) {
-  const uint32_t i = bvh_index(ref);
+  const uint32_t i = ref_index(ref);
   const auto lines = [](const auto* p) HWY_ATTR {
     for (size_t b = 0; b < sizeof(*p); b += 64)
       hwy::Prefetch(reinterpret_cast<const uint8_t*>(p) + b);
   };
-  switch (bvh_kind(ref)) {
-    case BvhChild::node:
+  switch (ref_pool(ref)) {
+    case Pool::nodes:
       return lines(bvh.nodes.data() + i);
-    case BvhChild::spheres:
+    case Pool::spheres:
       return lines(bvh.spheres.data() + i);
-    case BvhChild::triangles:
+    case Pool::triangles:
       return lines(bvh.triangles.data() + i);
-    case BvhChild::cones:
+    case Pool::cones:
       return lines(bvh.cones.data() + i);
   }
 }
 
-// Walks the tree with those in `lists.ids[0 .. count)`. A Crowd knows what they are:
-// `meet(id, boxes, nearest)` says which boxes one meets, `leaf(ref, ids, n)` tests a leaf's
-// primitives, `worthwhile(waiting, id)` drops a lone one that has found something nearer.
+// The root's, a bit each.
+HWY_INLINE unsigned shared_children(const Bvh& bvh) {
+  unsigned mask = 0;
+  for (const uint32_t block : bvh.shared)
+    for (int c = 0; c < kBlockWidth; ++c) mask |= unsigned(bvh.nodes[0].child[c] == block) << c;
+  return mask;
+}
+
+// Walks the tree with those in `lists.ids[0 .. count)`. A Crowd knows what they are: `meet(id,
+// boxes, nearest)` says which boxes one meets, `leaf(ref, ids, n)` tests a leaf's primitives;
+// `kAny`: for any hit, not the nearest.
 template <class Crowd>
-void walk(const Bvh& bvh, size_t count, Lists& lists, Crowd& crowd) {
+void walk(const Bvh& bvh, bool without_shared, size_t count, StreamRoom& lists, Crowd& crowd) {
   Waiting* const stack = lists.stack;
-  stack[0] = {bvh_ref(BvhChild::node, 0), 0, 0, uint32_t(count), uint32_t(count)};
+  stack[0] = {pool_ref(Pool::nodes, 0), 0, 0, uint32_t(count), uint32_t(count)};
   for (int top = 1; top > 0;) {
     const Waiting w = stack[--top];
     const size_t n = w.end - w.begin;
-    if (bvh_kind(w.ref) != BvhChild::node) {
+    if (ref_pool(w.ref) != Pool::nodes) {
       crowd.leaf(w.ref, lists.ids.data() + w.begin, n);
       continue;
     }
-    lists.reserve(w.used + kBvhWidth * n + kIdLanes);
+    lists.reserve(w.used + kBlockWidth * n + kIdLanes);
     crowd.visits(n);
     uint32_t* const ids = lists.ids.data();
-    const BvhNode& node = bvh.nodes[bvh_index(w.ref)];
+    const BvhNode& node = bvh.nodes[ref_index(w.ref)];
     const BoxLanes boxes(node.boxes, node.child);
     V8 nearest[kParts];
     for (V8& x : nearest) x = hn::Set(kEight, kInfinity);
@@ -89,10 +91,11 @@ void walk(const Bvh& bvh, size_t count, Lists& lists, Crowd& crowd) {
       lists.met[i] = uint8_t(mask);
       any |= mask;
     }
+    if (without_shared && w.used == count) any &= ~shared_children(bvh);  // the root
     if (any == 0) continue;
     const hn::Rebind<uint8_t, decltype(kIds)> bytes;
     hn::StoreU(hn::Zero(bytes), bytes, lists.met + n);
-    float enter[kBvhWidth];
+    float enter[kBlockWidth];
     for (int p = 0; p < kParts; ++p) hn::StoreU(nearest[p], kEight, enter + p * kLanes8);
     // The lists of the children, who then wait so that the nearest is taken first.
     uint32_t used = w.used;
@@ -105,6 +108,8 @@ void walk(const Bvh& bvh, size_t count, Lists& lists, Crowd& crowd) {
         hn::StoreU(hn::Compress(hn::LoadU(kIds, ids + w.begin + i), in), kIds, ids + used);
         used += uint32_t(hn::CountTrue(kIds, in));
       }
+      // Of shadow rays most are stopped soonest where most of them go.
+      if (Crowd::kAny) enter[c] = -float(used - begin);
       int at = top++;
       for (; at > first && stack[at - 1].nearest < enter[c]; --at) stack[at] = stack[at - 1];
       stack[at] = {node.child[c], enter[c], begin, used, 0};

@@ -145,10 +145,13 @@ void add_shard(CLI::App& app, RenderCommand& render) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
 }
 
-// Libraries end the program where they cannot have a thread or memory; then it is said so.
+// Libraries end the program where they cannot have a thread or memory; then it is said so, without
+// more of it.
 [[noreturn]] void end_without_memory() {
   remove_unfinished_files();
-  print_error("out of memory; a larger --memory-limit or fewer --threads may do");
+  constexpr std::string_view kError =
+      "raio: error: out of memory; a larger --memory-limit or fewer --threads may do\n";
+  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kError.data(), kError.size());
   ::_exit(kNoResource);
 }
 

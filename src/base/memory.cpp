@@ -19,7 +19,13 @@ namespace {
 constexpr std::align_val_t kLine{64}, kLargePage{size_t(1) << 21};
 
 std::align_val_t alignment(size_t bytes) {
-  return bytes < 2 * size_t(kLargePage) ? kLine : kLargePage;
+  return bytes < size_t(kLargePage) ? kLine : kLargePage;
+}
+
+size_t mapped_size(size_t bytes) {
+  const size_t page =
+      bytes < size_t(kLargePage) ? size_t(sysconf(_SC_PAGESIZE)) : size_t(kLargePage);
+  return (bytes + page - 1) / page * page;
 }
 
 // The beginning of a file of /proc. A stream's first use would cost 0.1 ms, more than reading a
@@ -59,6 +65,23 @@ void* allocate_lines(size_t bytes) {
 }
 
 void free_lines(void* p, size_t bytes) { ::operator delete(p, alignment(bytes)); }
+
+void* map_zeroes(size_t bytes) {
+  const size_t size = mapped_size(bytes), large = size_t(kLargePage);
+  const size_t spare = size < large ? 0 : large;  // to begin at a large page
+  void* const map =
+      ::mmap(nullptr, size + spare, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (map == MAP_FAILED) throw std::bad_alloc();
+  if (spare == 0) return map;
+  char* const before = static_cast<char*>(map);
+  char* const begin = before + -reinterpret_cast<uintptr_t>(map) % large;
+  if (begin > before) ::munmap(before, size_t(begin - before));
+  ::munmap(begin + size, spare - size_t(begin - before));
+  use_large_pages(begin, size);
+  return begin;
+}
+
+void unmap_zeroes(void* p, size_t bytes) { ::munmap(p, mapped_size(bytes)); }
 
 size_t available_memory_bytes() {
   const size_t free = free_memory_bytes();

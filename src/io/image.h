@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/memory.h"
 #include "base/vec.h"
 #include "io/file.h"
 
@@ -18,10 +19,10 @@ namespace raio {
 /// clamped.
 struct Image {
   int width = 0, height = 0;
-  std::vector<Rgb> pixels;  // width * height
+  Column<Rgb> pixels;  // width * height
 
   Image() = default;
-  Image(int w, int h) : width(w), height(h), pixels(size_t(w) * h) {}
+  Image(int w, int h) : width(w), height(h), pixels(size_t(w) * h, Rgb()) {}
   Rgb& at(int x, int y) { return pixels[size_t(y) * width + x]; }
   const Rgb& at(int x, int y) const { return pixels[size_t(y) * width + x]; }
 };

@@ -3,6 +3,7 @@
 // owns memory outside.
 #include <fmt/format.h>
 #include <png.h>
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 #include <zlib.h>
 
@@ -124,8 +125,9 @@ struct Deflater {
   Deflater& operator=(const Deflater&) = delete;
   ~Deflater() { deflateEnd(&stream); }
 
-  /// Appends all of `bytes` to `out`; more can follow there, unless this is the last.
+  /// Appends all of `bytes` to `out`, for itself; more can follow there, unless this is the last.
   void append(std::vector<png_byte>& bytes, bool last, std::string& out) {
+    deflateReset(&stream);
     constexpr size_t kFlushBytes = 16;
     const size_t before = out.size();
     out.resize(before + deflateBound(&stream, uLong(bytes.size())) + kFlushBytes);
@@ -163,6 +165,7 @@ std::vector<std::string> zlib_stream(const Image& image) {
   std::vector<std::string> bands(size_t(image.height - 1) / size_t(height) + 1);
   std::vector<uLong> check_sums(bands.size());
   std::vector<size_t> sizes(bands.size());
+  tbb::enumerable_thread_specific<Deflater> deflaters;  // a quarter of a megabyte each
   bands[0] = "\x78\x01";  // deflate with a window of 32 kB, fastest
   tbb::parallel_for(size_t(0), bands.size(), [&](size_t i) {
     const int first = int(i) * height;
@@ -170,7 +173,7 @@ std::vector<std::string> zlib_stream(const Image& image) {
         filtered_rows(image, first, std::min(image.height - first, height) + first);
     sizes[i] = rows.size();
     check_sums[i] = adler32_z(adler32_z(0, nullptr, 0), rows.data(), rows.size());
-    Deflater().append(rows, i + 1 == bands.size(), bands[i]);
+    deflaters.local().append(rows, i + 1 == bands.size(), bands[i]);
   });
   uLong check_sum = check_sums[0];
   for (size_t i = 1; i < bands.size(); ++i)

@@ -38,7 +38,7 @@ class WideTracer final : public ClassicTracer {
       : scene_(scene),
         control_(control),
         waiting_(size_t(scene.options.depth) + 1),
-        vertices_(std::make_unique<Vertices>()),
+        vertices_(std::make_unique_for_overwrite<Vertices>()),
         hidden_(padded(kChunk)) {
     context_.stop = &control.stop;
   }

@@ -1,8 +1,9 @@
 #include "render/film.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
-#include <new>
 
 #include "render/options.h"
 
@@ -22,12 +23,9 @@ Film::Film(int width, int height, double bound, int tile_side)
       tile_side_(tile_side),
       columns_((width + tile_side - 1) / tile_side),
       bound_(std::clamp(bound, kLeastBound, kMostBound)),
+      sums_(map_sums(size_t(width) * size_t(height))),
       samples_(size_t(columns_) * size_t((height + tile_side - 1) / tile_side)),
       rays_(samples_.size()) {
-  // The system's zeroed pages: whoever adds to a tile first pays for it, in parallel.
-  sums_.reset(
-      static_cast<int64_t*>(std::calloc(size_t(width) * size_t(height), 3 * sizeof(int64_t))));
-  if (!sums_) throw std::bad_alloc();
   // The sum of the most samples that there can be stays below 2^62; and no finer than 2^-40, where
   // a picture has no more to say.
   int exponent = 0;
@@ -42,20 +40,22 @@ Tile Film::tile(size_t index) const {
 }
 
 uint32_t Film::samples(size_t tile) const {
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(mutex(tile));
   return samples_[tile];
 }
 
 RayCounts Film::rays() const {
   RayCounts all;
-  const std::lock_guard lock(mutex_);
-  for (const RayCounts& rays : rays_) all += rays;
+  for (size_t t = 0; t < tiles(); ++t) {
+    const std::lock_guard lock(mutex(t));
+    all += rays_[t];
+  }
   return all;
 }
 
 void Film::add(size_t tile, uint32_t samples, std::span<const uint32_t> pixels,
                std::array<const int64_t*, 3> sums, const RayCounts& rays) {
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(mutex(tile));
   for (size_t i = 0; i < pixels.size(); ++i)
     for (size_t c = 0; c < 3; ++c) sums_[size_t(pixels[i]) * 3 + c] += sums[c][i];
   samples_[tile] += samples;
@@ -65,7 +65,7 @@ void Film::add(size_t tile, uint32_t samples, std::span<const uint32_t> pixels,
 TileSamples Film::copy(size_t tile) const {
   const Tile t = this->tile(tile);
   TileSamples out;
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(mutex(tile));
   out.samples = samples_[tile], out.rays = rays_[tile];
   if (out.samples > 0)
     for (int y = t.y0; y < t.y1; ++y)
@@ -76,7 +76,7 @@ TileSamples Film::copy(size_t tile) const {
 void Film::replace(size_t tile, const TileSamples& by) {
   const Tile t = this->tile(tile);
   const size_t row = size_t(t.x1 - t.x0) * 3;
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(mutex(tile));
   samples_[tile] = by.samples, rays_[tile] = by.rays;
   for (int y = t.y0; y < t.y1; ++y) {
     if (by.samples > 0)
@@ -88,9 +88,9 @@ void Film::replace(size_t tile, const TileSamples& by) {
 
 Image Film::resolve() const {
   Image image(width_, height_);
-  const std::lock_guard lock(mutex_);
-  for (size_t t = 0; t < tiles(); ++t) {
-    if (samples_[t] == 0) continue;
+  tbb::parallel_for(size_t(0), tiles(), [&](size_t t) {
+    const std::lock_guard lock(mutex(t));
+    if (samples_[t] == 0) return;
     const Tile tile = this->tile(t);
     const double unit = 1 / (scale_ * samples_[t]);
     const auto light = [&](int64_t sum) { return float(double(sum) * unit); };
@@ -99,7 +99,7 @@ Image Film::resolve() const {
         const int64_t* s = pixel(x, y);
         image.at(x, y) = {light(s[0]), light(s[1]), light(s[2])};
       }
-  }
+  });
   return image;
 }
 

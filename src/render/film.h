@@ -3,12 +3,12 @@
 
 #include <array>
 #include <cstdint>
-#include <cstdlib>
 #include <memory>
 #include <mutex>
 #include <span>
 #include <vector>
 
+#include "base/memory.h"
 #include "io/image.h"
 
 namespace raio {
@@ -83,20 +83,28 @@ class Film {
   RayCounts rays() const;
 
  private:
-  struct Free {
-    void operator()(void* memory) const { std::free(memory); }
+  struct Unmap {
+    size_t bytes;
+    void operator()(void* memory) const { unmap_zeroes(memory, bytes); }
   };
+  using Sums = std::unique_ptr<int64_t[], Unmap>;
 
+  static Sums map_sums(size_t pixels) {
+    const size_t bytes = pixels * 3 * sizeof(int64_t);
+    return {static_cast<int64_t*>(map_zeroes(bytes)), Unmap{bytes}};
+  }
+
+  std::mutex& mutex(size_t tile) const { return mutexes_[tile % mutexes_.size()]; }
   int64_t* pixel(int x, int y) const {
     return &sums_[(size_t(y) * size_t(width_) + size_t(x)) * 3];
   }
 
   int width_, height_, tile_side_, columns_;
   double bound_, scale_;
-  mutable std::mutex mutex_;               // guards what follows
-  std::unique_ptr<int64_t[], Free> sums_;  // r, g, b per pixel
-  std::vector<uint32_t> samples_;          // per tile
-  std::vector<RayCounts> rays_;            // per tile
+  mutable std::array<std::mutex, 16> mutexes_;  // of what follows, each for some of the tiles
+  Sums sums_;                                   // r, g, b per pixel
+  std::vector<uint32_t> samples_;               // per tile
+  std::vector<RayCounts> rays_;                 // per tile
 };
 
 }  // namespace raio

@@ -1,19 +1,19 @@
-// Rays that keep together as a stream through the eight-wide tree, sixteen at a time: a beam, the
+// Rays that keep together, as a crowd that walks tree or grid, sixteen at a time: a beam, the
 // intervals of their origins and directions, meets what any of them could meet, with one test for
-// all; in the leaves one primitive is tested against the sixteen rays. Included by bvh_trace.cpp
-// only, once for each instruction set.
+// all; in the leaves one primitive is tested against the sixteen rays. Included by
+// blocks_tracer-inl.h only, once for each instruction set.
 //
 // Wald, Boulos and Shirley 2007, "Ray Tracing Deformable Scenes Using Dynamic Bounding Volume
 // Hierarchies", ACM TOG 26(1).
 // Once for each instruction set, as foreach_target.h passes again.
-#if defined(RAIO_ACCEL_BVH_BEAMS_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef RAIO_ACCEL_BVH_BEAMS_INL_H_
-#undef RAIO_ACCEL_BVH_BEAMS_INL_H_
+#if defined(RAIO_ACCEL_BLOCKS_BEAMS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef RAIO_ACCEL_BLOCKS_BEAMS_INL_H_
+#undef RAIO_ACCEL_BLOCKS_BEAMS_INL_H_
 #else
-#define RAIO_ACCEL_BVH_BEAMS_INL_H_
+#define RAIO_ACCEL_BLOCKS_BEAMS_INL_H_
 #endif
 
-#include "accel/bvh_form-inl.h"
+#include "accel/blocks_form-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
@@ -21,27 +21,49 @@ namespace raio::HWY_NAMESPACE {
 template <bool any>
 class Beams {
  public:
-  Beams(const Geometry& geometry, const Bvh& bvh, const Batch& batch, BeamRoom& room,
+  static constexpr bool kAny = any;
+
+  Beams(const Geometry& geometry, const Blocks& blocks, const Batch& batch, BeamRoom& room,
         TraceContext& context)
-      : g_(geometry), bvh_(bvh), batch_(batch), beams_(room.beams), context_(context) {}
+      : g_(geometry), blocks_(blocks), batch_(batch), beams_(room.beams), context_(context) {}
 
   // The sixteen rays from 16 * id against everything, for trees that are but a few blocks.
   HWY_INLINE void meet_all(uint32_t id) {
     const auto all = [&](const auto& blocks, auto&& test) {
       for (const auto& block : blocks) {
         for_bits(BoxLanes::named(block.item), [&](int k) { test(block, k); });
-        context_.tests += kBvhWidth * kPacket;
+        context_.tests += kBlockWidth * kPacket;
       }
     };
-    all(bvh_.spheres, [&](const SphereBlock& b, int k) { meet_sphere(b, k, id); });
-    all(bvh_.triangles, [&](const TriangleBlock& b, int k) { meet_triangle<false>(b, k, id); });
-    all(bvh_.cones, [&](const ConeBlock& b, int k) { meet_cone(b, k, id); });
+    all(blocks_.spheres, [&](const SphereBlock& b, int k) { meet_sphere(b, k, id); });
+    all(blocks_.triangles, [&](const TriangleBlock& b, int k) { meet_triangle<false>(b, k, id); });
+    all(blocks_.cones, [&](const ConeBlock& b, int k) { meet_cone(b, k, id); });
+  }
+
+  // The sixteen rays against all primitives of a block.
+  HWY_INLINE void meet_block(uint32_t ref, uint32_t id) {
+    const ItemId* const items = blocks_.items(ref);
+    const uint32_t i = ref_index(ref);
+    for (int k = 0; k < kBlockWidth && items[k] != kNoItem; ++k) {
+      context_.tests += kPacket;
+      if (ref_pool(ref) == Pool::spheres)
+        meet_sphere(blocks_.spheres[i], k, id);
+      else if (ref_pool(ref) == Pool::triangles)
+        meet_triangle<false>(blocks_.triangles[i], k, id);
+      else
+        meet_cone(blocks_.cones[i], k, id);
+    }
   }
 
   bool gave_up(uint32_t id) const { return beams_[id].tests_left < 0; }
   bool alive(uint32_t id) const { return beams_[id].t > 0; }
 
   void visits(size_t n) { context_.steps += n; }
+  float end(uint32_t id) const { return beams_[id].t; }
+  Sweep sweep(uint32_t id) const {
+    const Beam& b = beams_[id];
+    return {b.o, b.d, b.start, b.widening};
+  }
 
   HWY_INLINE unsigned meet(uint32_t id, const BoxLanes& boxes, V8* nearest) const {
     const Beam& b = beams_[id];
@@ -49,7 +71,7 @@ class Beams {
   }
 
   HWY_INLINE void leaf(uint32_t ref, const uint32_t* ids, size_t n) {
-    const uint32_t block = bvh_index(ref);
+    const uint32_t block = ref_index(ref);
     V8 unused[kParts];
     for (V8& x : unused) x = hn::Zero(kEight);
     const auto each = [&](auto&& which, auto&& test) {
@@ -70,20 +92,20 @@ class Beams {
         if (b.tests_left < 0) b.t = -1;
       }
     };
-    switch (bvh_kind(ref)) {
-      case BvhChild::spheres: {
-        const SphereBlock& spheres = bvh_.spheres[block];
+    switch (ref_pool(ref)) {
+      case Pool::spheres: {
+        const SphereBlock& spheres = blocks_.spheres[block];
         return each([&](uint32_t id) { return near_spheres(spheres, beams_[id]); },
                     [&](int k, uint32_t id) { meet_sphere(spheres, k, id); });
       }
-      case BvhChild::triangles: {
-        const TriangleBlock& triangles = bvh_.triangles[block];
+      case Pool::triangles: {
+        const TriangleBlock& triangles = blocks_.triangles[block];
         const BoxLanes boxes(triangles);
         return each([&](uint32_t id) { return meet(id, boxes, unused); },
                     [&](int k, uint32_t id) { meet_triangle<true>(triangles, k, id); });
       }
       default: {
-        const ConeBlock& cones = bvh_.cones[block];
+        const ConeBlock& cones = blocks_.cones[block];
         const BoxLanes boxes(cones.boxes, cones.item);
         return each([&](uint32_t id) { return meet(id, boxes, unused); },
                     [&](int k, uint32_t id) { meet_cone(cones, k, id); });
@@ -96,7 +118,7 @@ class Beams {
   static HWY_INLINE unsigned near_spheres(const SphereBlock& block, const Beam& b) {
     const auto& f = kEight;
     unsigned mask = 0;
-    for (int i = 0; i < kBvhWidth; i += kLanes8) {
+    for (int i = 0; i < kBlockWidth; i += kLanes8) {
       const V8 dx = hn::Set(f, b.d[0]), dy = hn::Set(f, b.d[1]), dz = hn::Set(f, b.d[2]);
       const V8 x = hn::Sub(hn::Load(f, block.x + i), hn::Set(f, b.o[0]));
       const V8 y = hn::Sub(hn::Load(f, block.y + i), hn::Set(f, b.o[1]));
@@ -223,7 +245,7 @@ class Beams {
   }
 
   const Geometry& g_;
-  const Bvh& bvh_;
+  const Blocks& blocks_;
   const Batch& batch_;
   Beam* beams_;
   TraceContext& context_;

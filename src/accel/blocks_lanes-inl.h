@@ -1,18 +1,19 @@
-// The arithmetic of the walks of the eight-wide tree, in SIMD lanes: one ray against eight boxes or
-// primitives, or one primitive against sixteen rays. Included by bvh_trace.cpp only, once for each
-// instruction set. Lane by lane the arithmetic of primitives is that of the scalar tests in shape/,
-// so that hits are those of brute force to the last bit, on every machine.
-// Once for each instruction set, as foreach_target.h passes again.
-#if defined(RAIO_ACCEL_BVH_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef RAIO_ACCEL_BVH_LANES_INL_H_
-#undef RAIO_ACCEL_BVH_LANES_INL_H_
+// The arithmetic of rays and blocks in SIMD lanes: one ray against eight boxes or primitives, or
+// one primitive against sixteen rays. Included by blocks_rays-inl.h only, once for each instruction
+// set. Lane by lane the arithmetic of primitives is that of the scalar tests in shape/, so that
+// hits are those of brute force to the last bit, on every machine. Once for each instruction set,
+// as foreach_target.h passes again.
+#if defined(RAIO_ACCEL_BLOCKS_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef RAIO_ACCEL_BLOCKS_LANES_INL_H_
+#undef RAIO_ACCEL_BLOCKS_LANES_INL_H_
 #else
-#define RAIO_ACCEL_BVH_LANES_INL_H_
+#define RAIO_ACCEL_BLOCKS_LANES_INL_H_
 #endif
 
 #include <hwy/highway.h>
 
-#include "accel/bvh.h"
+#include "accel/accel.h"
+#include "accel/blocks.h"
 #include "accel/intersect.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -21,7 +22,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 // Where the machine has fewer lanes, everything is done in several steps.
 constexpr int kPacket = 16;  // rays that are neighbours in the batch
-const hn::CappedTag<float, kBvhWidth> kEight;
+const hn::CappedTag<float, kBlockWidth> kEight;
 const hn::CappedTag<float, kPacket> kSixteen;
 const hn::CappedTag<double, 8> kDoubles;
 using V8 = hn::Vec<decltype(kEight)>;
@@ -33,7 +34,7 @@ using MD = hn::Mask<decltype(kDoubles)>;
 constexpr int kLanes8 = int(hn::MaxLanes(decltype(kEight)()));
 constexpr int kLanes16 = int(hn::MaxLanes(decltype(kSixteen)()));
 constexpr int kLanesD = int(hn::MaxLanes(decltype(kDoubles)()));
-constexpr int kParts = kBvhWidth / kLanes8;
+constexpr int kParts = kBlockWidth / kLanes8;
 constexpr float kEpsilon = std::numeric_limits<float>::epsilon();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
@@ -82,7 +83,7 @@ struct BoxLanes {
   static HWY_INLINE unsigned named(const uint32_t* names) {
     const hn::RebindToUnsigned<decltype(kEight)> tag;
     unsigned mask = 0;
-    for (int i = 0; i < kBvhWidth; i += kLanes8)
+    for (int i = 0; i < kBlockWidth; i += kLanes8)
       mask |= bits(tag, hn::Ne(hn::LoadU(tag, names + i), hn::Set(tag, kNoItem))) << i;
     return mask;
   }

@@ -1,19 +1,29 @@
-// Rays as a stream through the eight-wide tree, each on its own: one ray against the eight
-// primitives of a leaf. Included by bvh_trace.cpp only, once for each instruction set.
+// Rays each on their own, as a crowd that walks tree or grid: one ray against the eight primitives
+// of a block. Included by blocks_tracer-inl.h and the walks only, once for each instruction set.
 // Once for each instruction set, as foreach_target.h passes again.
-#if defined(RAIO_ACCEL_BVH_RAYS_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef RAIO_ACCEL_BVH_RAYS_INL_H_
-#undef RAIO_ACCEL_BVH_RAYS_INL_H_
+#if defined(RAIO_ACCEL_BLOCKS_RAYS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef RAIO_ACCEL_BLOCKS_RAYS_INL_H_
+#undef RAIO_ACCEL_BLOCKS_RAYS_INL_H_
 #else
-#define RAIO_ACCEL_BVH_RAYS_INL_H_
+#define RAIO_ACCEL_BLOCKS_RAYS_INL_H_
 #endif
 
-#include "accel/bvh_stream-inl.h"
+#include "accel/blocks_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
 
+constexpr size_t kChunk = 1024;        // rays that travel together
 constexpr float kHidden = -kInfinity;  // the distance of an any-hit ray that has hit
+
+// Which rays or beams a walk takes along.
+struct IdLists {
+  std::vector<uint32_t> ids;
+
+  void reserve(size_t n) {
+    if (ids.size() < n) ids.resize(2 * n);
+  }
+};
 
 // The part of a batch that travels together, at most kChunk rays, with the nearest hits so far.
 // Columns have room for whole packets, where rays past the end are done. A ray is done when its
@@ -61,6 +71,13 @@ HWY_INLINE hn::Mask<D> nearer(D, V t, V best) {
   return hn::Le(t, best);
 }
 
+// What a ray or a beam sweeps: at a distance of t all of it lies around o + t d, within a radius of
+// start + t * widening.
+struct Sweep {
+  const float *o, *d;
+  float start, widening;
+};
+
 // What boxes and spheres want of a ray: one cache line.
 struct alignas(64) StreamRay {
   float inverse[3], lower[3], upper[3];  // see BoxLanes::meet
@@ -93,15 +110,21 @@ HWY_INLINE void transpose(const float* column, size_t step, float* row, size_t r
 
 // A ray that may hit some of a leaf's eight primitives: which, and what tells where.
 struct alignas(64) Candidate {
-  float t[kBvhWidth];    // the distance; of spheres the middle of the chord, of triangles t * det
-  float det[kBvhWidth];  // of spheres the square of half of the chord
-  float u[kBvhWidth], v[kBvhWidth];  // times det
+  float t[kBlockWidth];    // the distance; of spheres the middle of the chord, of triangles t * det
+  float det[kBlockWidth];  // of spheres the square of half of the chord
+  float u[kBlockWidth], v[kBlockWidth];  // times det
   uint32_t id;
   unsigned mask;
 };
 constexpr size_t kCandidates = 64;
 
+// Pairs of a ray and one of a block's cones that it may hit.
+struct alignas(64) Pairs {
+  int32_t id[kBlockWidth * kCandidates], lane[kBlockWidth * kCandidates];
+};
+
 struct RayRoom {
+  Pairs pairs;
   StreamRay rays[kChunk];
   StreamShear shears[kChunk];
   Candidate candidates[kCandidates];
@@ -110,14 +133,17 @@ struct RayRoom {
 template <bool any>
 class Rays {
  public:
-  Rays(const Geometry& geometry, const Bvh& bvh, const Batch& batch, RayRoom& room,
+  static constexpr bool kAny = any;
+
+  Rays(const Geometry& geometry, const Blocks& blocks, const Batch& batch, RayRoom& room,
        TraceContext& context)
       : g_(geometry),
-        bvh_(bvh),
+        blocks_(blocks),
         batch_(batch),
         rays_(room.rays),
         shears_(room.shears),
         candidates_(room.candidates),
+        pairs_(room.pairs),
         context_(context) {}
 
   // Makes the rays of a packet ready and adds to the list those that are not done.
@@ -125,7 +151,7 @@ class Rays {
     alignas(64) float columns[16][kPacket];
     const auto& f = kSixteen;
     for (int i = 0; i < kPacket; i += kLanes16) {
-      V16 size = hn::Set(f, bvh_.reach);
+      V16 size = hn::Set(f, blocks_.reach);
       V16 o[3];
       for (int a = 0; a < 3; ++a) {
         o[a] = hn::Load(f, batch_.o[a] + first + i);
@@ -146,7 +172,7 @@ class Rays {
     float* const rows = rays_[first].inverse;
     for (size_t i = 0; i < kPacket; i += 4)
       for (size_t c = 0; c < 16; c += 4) transpose(&columns[c][i], kPacket, rows + 16 * i + c, 16);
-    if (!bvh_.triangles.empty())
+    if (!blocks_.triangles.empty())
       for (size_t i = first; i < first + kPacket; i += 4)
         transpose(batch_.shear[0] + i, size_t(batch_.shear[1] - batch_.shear[0]), &shears_[i].x, 4);
     for (size_t i = first; i < first + kPacket; ++i) {
@@ -157,6 +183,8 @@ class Rays {
   }
 
   void visits(size_t n) { context_.steps += n; }
+  float end(uint32_t id) const { return rays_[id].t; }
+  Sweep sweep(uint32_t id) const { return {rays_[id].o, rays_[id].d, 0, 0}; }
 
   HWY_INLINE unsigned meet(uint32_t id, const BoxLanes& boxes, V8* nearest) const {
     const StreamRay& r = rays_[id];
@@ -164,15 +192,15 @@ class Rays {
   }
 
   HWY_INLINE void leaf(uint32_t ref, const uint32_t* ids, size_t n) {
-    const uint32_t block = bvh_index(ref);
-    context_.tests += kBvhWidth * n;
-    switch (bvh_kind(ref)) {
-      case BvhChild::spheres:
-        return leaf<ItemKind::sphere>(bvh_.spheres[block], ids, n);
-      case BvhChild::triangles:
-        return leaf<ItemKind::triangle>(bvh_.triangles[block], ids, n);
+    const uint32_t block = ref_index(ref);
+    context_.tests += kBlockWidth * n;
+    switch (ref_pool(ref)) {
+      case Pool::spheres:
+        return leaf<ItemKind::sphere>(blocks_.spheres[block], ids, n);
+      case Pool::triangles:
+        return leaf<ItemKind::triangle>(blocks_.triangles[block], ids, n);
       default:
-        return leaf<ItemKind::cone>(bvh_.cones[block], ids, n);
+        return leaf(blocks_.cones[block], ids, n);
     }
   }
 
@@ -201,33 +229,35 @@ class Rays {
     }
   }
 
-  // Takes the hit in lane `k` if it is the nearest; of equally near ones that of the lowest id.
   template <ItemKind kind>
   HWY_INLINE void offer(const Candidate& c, int k, ItemId item) {
-    float t = c.t[k];
-    if (kind == ItemKind::triangle) t /= c.det[k];
-    if (kind == ItemKind::sphere) {
-      const float half = std::sqrt(c.det[k]);
-      t = c.t[k] - half > 0 ? c.t[k] - half : c.t[k] + half;
+    if (kind == ItemKind::triangle) {
+      const float det = c.det[k];
+      return take(c.id, c.t[k] / det, item, c.u[k] / det, c.v[k] / det);
     }
-    float& best = rays_[c.id].t;
+    const float half = std::sqrt(c.det[k]);
+    take(c.id, c.t[k] - half > 0 ? c.t[k] - half : c.t[k] + half, item, 0, 0);
+  }
+
+  // Takes a hit if it is the nearest; of equally near ones that of the lowest id.
+  HWY_INLINE void take(uint32_t id, float t, ItemId item, float u, float v) {
+    float& best = rays_[id].t;
     if (!(t > 0 && t <= best)) return;
     if (any) {
-      if (t < best) best = batch_.t[c.id] = kHidden;
+      if (t < best) best = batch_.t[id] = kHidden;
       return;
     }
-    ItemId& old = batch_.item[c.id];
+    ItemId& old = batch_.item[id];
     if (t == best && (old == kNoItem || old <= item)) return;
-    best = batch_.t[c.id] = t, old = item;
-    batch_.u[c.id] = kind == ItemKind::triangle ? c.u[k] / c.det[k] : 0;
-    batch_.v[c.id] = kind == ItemKind::triangle ? c.v[k] / c.det[k] : 0;
+    best = batch_.t[id] = t, old = item;
+    batch_.u[id] = u, batch_.v[id] = v;
   }
 
   HWY_INLINE unsigned meet(const SphereBlock& block, uint32_t id, Candidate& c) const {
     const auto& f = kEight;
     const StreamRay& r = rays_[id];
     unsigned mask = 0;
-    for (int i = 0; i < kBvhWidth; i += kLanes8) {
+    for (int i = 0; i < kBlockWidth; i += kLanes8) {
       const V8 radius = hn::Load(f, block.radius + i);
       const auto hit = chord_test(f, hn::Sub(hn::Load(f, block.x + i), hn::Set(f, r.o[0])),
                                   hn::Sub(hn::Load(f, block.y + i), hn::Set(f, r.o[1])),
@@ -251,7 +281,7 @@ class Rays {
     const V8 ox = hn::Set(f, r.o[k[0]]), oy = hn::Set(f, r.o[k[1]]), oz = hn::Set(f, r.o[k[2]]);
     const V8 sx = hn::Set(f, s.x), sy = hn::Set(f, s.y), sz = hn::Set(f, s.z);
     unsigned mask = 0;
-    for (int i = 0; i < kBvhWidth; i += kLanes8) {
+    for (int i = 0; i < kBlockWidth; i += kLanes8) {
       V8 x[3], y[3], z[3];
       for (int p = 0; p < 3; ++p) {
         const V8 depth = hn::Sub(hn::Load(f, &block.corner[p][k[2]][i]), oz);
@@ -267,38 +297,86 @@ class Rays {
     return mask;
   }
 
-  // Double is dear, and most cones are missed by their boxes already.
-  HWY_INLINE unsigned meet(const ConeBlock& block, uint32_t id, Candidate& c) const {
-    const BoxLanes boxes(block.boxes, block.item);
-    V8 nearest[kParts];
-    for (V8& x : nearest) x = hn::Set(kEight, kInfinity);
-    const unsigned near = meet(id, boxes, nearest);
-    if (near == 0) return 0;
-    const StreamRay& r = rays_[id];
-    const DemotedTag f;
-    const auto wide = [&](const float* x, int i) {
-      return hn::PromoteTo(kDoubles, hn::Load(f, x + i));
-    };
-    unsigned mask = 0;
-    for (int i = 0; i < kBvhWidth; i += kLanesD) {
-      ConeInput in;
-      for (int a = 0; a < 3; ++a) {
-        in.base[a] = wide(block.base[a], i), in.axis[a] = wide(block.axis[a], i);
-        in.origin[a] = hn::Set(kDoubles, double(r.o[a])),
-        in.dir[a] = hn::Set(kDoubles, double(r.d[a]));
-      }
-      in.height = wide(block.height, i), in.radius = wide(block.radius, i);
-      in.slope = wide(block.slope, i);
-      const ConeLanes hit = cone_test(in);
-      mask |= bits(f, hn::And(hit.in, hn::Le(hit.t, hn::Set(f, r.t)))) << i;
-      hn::Store(hit.t, f, c.t + i);
+  // In double, which is dear: most cones are missed by their boxes or the lines of their axes, and
+  // those that are not are tested as many at a time as there are lanes, whosever they are.
+  HWY_INLINE void leaf(const ConeBlock& block, const uint32_t* ids, size_t n) {
+    if (!g_.two_sided(ItemKind::cone)) {
+      for (size_t i = 0; i < n; ++i) meet_items(block.item, ids[i]);
+      return;
     }
-    return mask;
+    const BoxLanes boxes(block.boxes, block.item);
+    for (size_t first = 0; first < n; first += kCandidates) {
+      size_t found = 0;
+      for (size_t i = first; i < std::min(n, first + kCandidates); ++i)
+        for_bits(near_axes(block, boxes, ids[i]), [&](int k) {
+          pairs_.id[found] = int32_t(ids[i]), pairs_.lane[found] = k;
+          ++found;
+        });
+      for (size_t i = found; i % kLanesD != 0; ++i) pairs_.id[i] = pairs_.lane[i] = 0;
+      for (size_t i = 0; i < found; i += kLanesD) meet_pairs(block, i, found);
+    }
+  }
+
+  // Which of the cones have a box that the ray meets, and an axis whose line it passes no further
+  // away than their largest radius: |(o - base) . (d x axis)| / |d x axis|, but for rounding.
+  HWY_INLINE unsigned near_axes(const ConeBlock& block, const BoxLanes& boxes, uint32_t id) const {
+    V8 unused[kParts];
+    for (V8& x : unused) x = hn::Zero(kEight);
+    const unsigned mask = meet(id, boxes, unused);
+    if (mask == 0) return 0;
+    const auto& f = kEight;
+    const StreamRay& r = rays_[id];
+    unsigned aside = 0;
+    for (int i = 0; i < kBlockWidth; i += kLanes8) {
+      V8 o[3], d[3], axis[3];
+      for (int a = 0; a < 3; ++a) {
+        o[a] = hn::Sub(hn::Set(f, r.o[a]), hn::Load(f, block.base[a] + i));
+        d[a] = hn::Set(f, r.d[a]), axis[a] = hn::Load(f, block.axis[a] + i);
+      }
+      const V8 x = hn::Sub(hn::Mul(d[1], axis[2]), hn::Mul(d[2], axis[1]));
+      const V8 y = hn::Sub(hn::Mul(d[2], axis[0]), hn::Mul(d[0], axis[2]));
+      const V8 z = hn::Sub(hn::Mul(d[0], axis[1]), hn::Mul(d[1], axis[0]));
+      const V8 rounding = hn::Mul(hn::Add(hn::Add(hn::Abs(o[0]), hn::Abs(o[1])), hn::Abs(o[2])),
+                                  hn::Set(f, kSlack));
+      const V8 apart = hn::Sub(hn::Abs(dot(f, x, y, z, o[0], o[1], o[2])), rounding);
+      const V8 base = hn::Load(f, block.radius + i);
+      const V8 apex = hn::MulAdd(hn::Load(f, block.slope + i), hn::Load(f, block.height + i), base);
+      const V8 reach = hn::Mul(hn::Max(base, apex), hn::Set(f, 1 + kSlack));
+      const V8 across = hn::Sqrt(dot(f, x, y, z, x, y, z));
+      aside |= bits(f, hn::Gt(apart, hn::Mul(reach, across))) << i;
+    }
+    return mask & ~aside;
+  }
+
+  // Pairs first, first + 1, ... in the lanes, but none from `end` on.
+  HWY_INLINE void meet_pairs(const ConeBlock& block, size_t first, size_t end) {
+    const DemotedTag f;
+    const hn::RebindToSigned<DemotedTag> ints;
+    const int32_t *const id = pairs_.id + first, *const lane = pairs_.lane + first;
+    constexpr int32_t kRow = sizeof(StreamRay) / sizeof(float);
+    const auto of_ray = hn::Mul(hn::Load(ints, id), hn::Set(ints, kRow));
+    const auto of_cone = hn::Load(ints, lane);
+    const auto gather = [&](const float* from, auto at) HWY_ATTR {
+      return hn::PromoteTo(kDoubles, hn::GatherIndex(f, from, at));
+    };
+    ConeInput in;
+    for (int a = 0; a < 3; ++a) {
+      in.base[a] = gather(block.base[a], of_cone), in.axis[a] = gather(block.axis[a], of_cone);
+      in.origin[a] = gather(rays_->o + a, of_ray), in.dir[a] = gather(rays_->d + a, of_ray);
+    }
+    in.height = gather(block.height, of_cone), in.radius = gather(block.radius, of_cone);
+    in.slope = gather(block.slope, of_cone);
+    const ConeLanes hit = cone_test(in);
+    alignas(64) float t[kLanesD];
+    hn::Store(hit.t, f, t);
+    const unsigned exist = (1u << std::min(end - first, size_t(kLanesD))) - 1;
+    for_bits(bits(f, hit.in) & exist,
+             [&](int i) { take(uint32_t(id[i]), t[i], block.item[lane[i]], 0, 0); });
   }
 
   // One after another, for the rare surfaces that are seen from one side only.
   void meet_items(const ItemId* items, uint32_t id) {
-    for (int i = 0; i < kBvhWidth && items[i] != kNoItem; ++i) {
+    for (int i = 0; i < kBlockWidth && items[i] != kNoItem; ++i) {
       RayQuery query(batch_.ray(id));
       if (!any) query.best.item = batch_.item[id];
       if (!test_item(g_, items[i], query)) continue;
@@ -310,11 +388,12 @@ class Rays {
   }
 
   const Geometry& g_;
-  const Bvh& bvh_;
+  const Blocks& blocks_;
   const Batch& batch_;
   StreamRay* rays_;
   StreamShear* shears_;
   Candidate* candidates_;
+  Pairs& pairs_;
   TraceContext& context_;
 };
 

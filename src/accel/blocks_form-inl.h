@@ -1,15 +1,15 @@
 // Makes beams of rays that keep together, sixteen rays each: first what a beam's rays have in
 // common, their extents; then, sixteen beams in the lanes, what the walk wants of them. Included by
-// bvh_trace.cpp only, once for each instruction set.
+// blocks_beams-inl.h only, once for each instruction set.
 // Once for each instruction set, as foreach_target.h passes again.
-#if defined(RAIO_ACCEL_BVH_FORM_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef RAIO_ACCEL_BVH_FORM_INL_H_
-#undef RAIO_ACCEL_BVH_FORM_INL_H_
+#if defined(RAIO_ACCEL_BLOCKS_FORM_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef RAIO_ACCEL_BLOCKS_FORM_INL_H_
+#undef RAIO_ACCEL_BLOCKS_FORM_INL_H_
 #else
-#define RAIO_ACCEL_BVH_FORM_INL_H_
+#define RAIO_ACCEL_BLOCKS_FORM_INL_H_
 #endif
 
-#include "accel/bvh_rays-inl.h"
+#include "accel/blocks_rays-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
@@ -86,8 +86,8 @@ struct BeamRoom {
 template <bool any>
 class BeamMaker {
  public:
-  BeamMaker(const Bvh& bvh, const Batch& batch, BeamRoom& room)
-      : bvh_(bvh), batch_(batch), room_(room) {}
+  BeamMaker(const Blocks& blocks, const Batch& batch, BeamRoom& room)
+      : blocks_(blocks), batch_(batch), room_(room) {}
 
   // To be called for all packets of the batch before beams are formed.
   HWY_INLINE void measure(size_t packets) {
@@ -145,7 +145,7 @@ class BeamMaker {
       };
       for (int a = 0; a < 3; ++a) o[a][s] = column(batch_.o[a]), d[a][s] = column(batch_.d[a]);
       o[3][s] = column(batch_.t);
-      d[3][s] = bvh_.triangles.empty() ? hn::Zero(f) : column(batch_.axes);
+      d[3][s] = blocks_.triangles.empty() ? hn::Zero(f) : column(batch_.axes);
     }
     origins.enclose(o);
     dirs.enclose(d);
@@ -203,7 +203,7 @@ class BeamMaker {
     const V16 first_axes = hn::Load(f, room_.lo_hi[BeamRoom::directions_and_axes][3] + p);
     formed = hn::And(formed, hn::Eq(first_axes, axes));
 
-    V16 size = hn::Max(hn::Set(f, bvh_.reach), origins.largest());
+    V16 size = hn::Max(hn::Set(f, blocks_.reach), origins.largest());
     // Shadow rays that end in one point (a light) are taken from there: their origins lie apart,
     // and as an interval of origins they would meet much that none of them meets. (The order of
     // what they meet is then from the light, which is as good for any hit.)
@@ -254,7 +254,7 @@ class BeamMaker {
     return bits(f, hn::Or(formed, done));
   }
 
-  const Bvh& bvh_;
+  const Blocks& blocks_;
   const Batch& batch_;
   BeamRoom& room_;
 };
