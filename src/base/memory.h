@@ -16,11 +16,6 @@ namespace raio {
 void* allocate_lines(size_t bytes);
 void free_lines(void* p, size_t bytes);
 
-/// Zeroes, at a page, in huge ones where the system has them: no work before they are used, by
-/// whoever uses them. Throws std::bad_alloc.
-void* map_zeroes(size_t bytes);
-void unmap_zeroes(void* p, size_t bytes);
-
 /// Zeroes, of which those who use them first pay for the parts that they use; large ones in huge
 /// pages, too. Throws std::bad_alloc.
 void* map_zeroes(size_t bytes);
