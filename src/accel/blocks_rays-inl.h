@@ -318,7 +318,8 @@ class Rays {
   }
 
   // Which of the cones have a box that the ray meets, and an axis whose line it passes no further
-  // away than their largest radius: |(o - base) . (d x axis)| / |d x axis|, but for rounding.
+  // away than their largest radius: |(o - base) . (d x axis)| / |d x axis|, but for rounding, here
+  // and in the test in double, which goes by the square of the height.
   HWY_INLINE unsigned near_axes(const ConeBlock& block, const BoxLanes& boxes, uint32_t id) const {
     V8 unused[kParts];
     for (V8& x : unused) x = hn::Zero(kEight);
@@ -336,11 +337,13 @@ class Rays {
       const V8 x = hn::Sub(hn::Mul(d[1], axis[2]), hn::Mul(d[2], axis[1]));
       const V8 y = hn::Sub(hn::Mul(d[2], axis[0]), hn::Mul(d[0], axis[2]));
       const V8 z = hn::Sub(hn::Mul(d[0], axis[1]), hn::Mul(d[1], axis[0]));
-      const V8 rounding = hn::Mul(hn::Add(hn::Add(hn::Abs(o[0]), hn::Abs(o[1])), hn::Abs(o[2])),
-                                  hn::Set(f, kSlack));
+      const V8 height = hn::Load(f, block.height + i);
+      const V8 size =
+          hn::Add(hn::Add(hn::Abs(o[0]), hn::Abs(o[1])), hn::Add(hn::Abs(o[2]), height));
+      const V8 rounding = hn::Mul(size, hn::Set(f, kSlack));
       const V8 apart = hn::Sub(hn::Abs(dot(f, x, y, z, o[0], o[1], o[2])), rounding);
       const V8 base = hn::Load(f, block.radius + i);
-      const V8 apex = hn::MulAdd(hn::Load(f, block.slope + i), hn::Load(f, block.height + i), base);
+      const V8 apex = hn::MulAdd(hn::Load(f, block.slope + i), height, base);
       const V8 reach = hn::Mul(hn::Max(base, apex), hn::Set(f, 1 + kSlack));
       const V8 across = hn::Sqrt(dot(f, x, y, z, x, y, z));
       aside |= bits(f, hn::Gt(apart, hn::Mul(reach, across))) << i;
