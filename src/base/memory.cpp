@@ -18,9 +18,7 @@ namespace {
 
 constexpr std::align_val_t kLine{64}, kLargePage{size_t(1) << 21};
 
-std::align_val_t alignment(size_t bytes) {
-  return bytes < size_t(kLargePage) ? kLine : kLargePage;
-}
+std::align_val_t alignment(size_t bytes) { return bytes < size_t(kLargePage) ? kLine : kLargePage; }
 
 size_t mapped_size(size_t bytes) {
   const size_t page =

@@ -166,7 +166,7 @@ std::vector<std::string> zlib_stream(const Image& image) {
   std::vector<uLong> check_sums(bands.size());
   std::vector<size_t> sizes(bands.size());
   tbb::enumerable_thread_specific<Deflater> deflaters;  // a quarter of a megabyte each
-  bands[0] = "\x78\x01";  // deflate with a window of 32 kB, fastest
+  bands[0] = "\x78\x01";                                // deflate with a window of 32 kB, fastest
   tbb::parallel_for(size_t(0), bands.size(), [&](size_t i) {
     const int first = int(i) * height;
     std::vector<png_byte> rows =
