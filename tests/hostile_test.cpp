@@ -261,7 +261,11 @@ TEST(Hostile, PolygonsOfManyCornersAreBuiltInBoundedTime) {
          return Vec3f(float(std::cos(angle)), 0, float(std::sin(angle)));
        }},
       {"a comb", [&](int i) { return Vec3f(float(i) / float(corners), 0, i % 2 ? 1.0f : 0.0f); }},
-      {"points anywhere", [&](int) { return Vec3f(unit(random), 0, unit(random)); }},
+      {"points anywhere",
+       [&](int) {
+         const float x = unit(random), z = unit(random);
+         return Vec3f(x, 0, z);
+       }},
       {"one point", [&](int) { return Vec3f(1, 2, 3); }},
       {"two points", [&](int i) { return Vec3f(float(i % 2), 0, 0); }},
       {"a line", [&](int i) { return Vec3f(float(i), 0, float(i)); }}};
@@ -274,7 +278,7 @@ TEST(Hostile, PolygonsOfManyCornersAreBuiltInBoundedTime) {
     for (const AccelKind kind : {AccelKind::grid, AccelKind::bvh}) {
       const auto accel = build_accel(scene, {.kind = kind});
       ASSERT_TRUE(accel) << accel.error();
-      EXPECT_LT((*accel)->info().bytes, 100 * memory_bytes(scene) + 1'000'000);
+      EXPECT_LT((*accel)->info().bytes, 150 * memory_bytes(scene) + 1'000'000);
     }
   }
 }

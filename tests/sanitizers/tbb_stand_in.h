@@ -156,19 +156,22 @@ class global_control {
 template <class T>
 class enumerable_thread_specific {
  public:
-  explicit enumerable_thread_specific(std::function<T()> make) : make_(std::move(make)) {}
+  enumerable_thread_specific() : add_([this]() -> T& { return all_.emplace_back(); }) {}
+  template <class Make>
+  explicit enumerable_thread_specific(Make make)
+      : add_([this, make]() -> T& { return all_.emplace_back(make()); }) {}
 
   T& local() {
     const std::lock_guard lock(mutex_);
     T*& mine = of_thread_[std::this_thread::get_id()];
-    if (!mine) mine = &all_.emplace_back(make_());
+    if (!mine) mine = &add_();
     return *mine;
   }
   auto begin() { return all_.begin(); }
   auto end() { return all_.end(); }
 
  private:
-  std::function<T()> make_;
+  std::function<T&()> add_;
   std::mutex mutex_;
   std::list<T> all_;
   std::map<std::thread::id, T*> of_thread_;
