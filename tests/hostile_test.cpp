@@ -278,7 +278,7 @@ TEST(Hostile, PolygonsOfManyCornersAreBuiltInBoundedTime) {
     for (const AccelKind kind : {AccelKind::grid, AccelKind::bvh}) {
       const auto accel = build_accel(scene, {.kind = kind});
       ASSERT_TRUE(accel) << accel.error();
-      EXPECT_LT((*accel)->info().bytes, 150 * memory_bytes(scene) + 1'000'000);
+      EXPECT_LT((*accel)->info().bytes, 100 * memory_bytes(scene) + 1'000'000);
     }
   }
 }

@@ -27,6 +27,13 @@ struct Room {
   WalkRoom walk;
 };
 
+// One for both kinds of rays: it fills most of the second cache.
+template <class WalkRoom>
+Room<WalkRoom>& own_room() {
+  static thread_local const auto room = std::make_unique_for_overwrite<Room<WalkRoom>>();
+  return *room;
+}
+
 // Things of a structure of blocks: `empty()`, and walk(structure, without_shared, n, walk_room,
 // crowd), which takes the first n of `walk_room.ids` through it. A crowd (Rays, Beams) knows what
 // they are; those that have met the shared blocks go without them.
@@ -175,8 +182,7 @@ class Tracer {
 template <bool any, class WalkRoom, class Structure>
 void trace_all(const Geometry& g, const Structure& structure, const RayBatch& rays, HitBatch* hits,
                uint8_t* hit, TraceContext& context) {
-  static thread_local const auto room = std::make_unique_for_overwrite<Room<WalkRoom>>();
-  Tracer<any, Structure, WalkRoom> tracer(g, structure, *room, context);
+  Tracer<any, Structure, WalkRoom> tracer(g, structure, own_room<WalkRoom>(), context);
   for (size_t i = 0; i < rays.size() && !context.stopped(); i += kChunk)
     tracer.trace(rays, i, hits, hit);
 }

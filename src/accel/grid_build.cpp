@@ -142,7 +142,7 @@ class GridBuilder : GridCells {
     // Many primitives that each span many cells would take a list beyond any memory; cells grow
     // until the lists are in proportion to the scene.
     const double most_visits = options.grid_factor > 0 ? 1e7 + 100.0 * double(rest_.size())
-                                                       : 1e6 + 16.0 * double(rest_.size());
+                                                       : 2.5e5 + 16.0 * double(rest_.size());
     while (!forced && (visits() > most_visits || double(lattice.cells()) > most_visits)) {
       factor *= 0.8;
       lattice = Lattice(box, report_resolution(box.size(), double(rest_.size()), factor));

@@ -151,7 +151,7 @@ constexpr auto kTable = std::to_array<OptionSpec>({
      0, 0, accel_text, kAccelNames},
     {"grid-factor", "M",
      "Fineness of the uniform grid: its cells a side are M times the cube root of the number of "
-     "primitives (default: 0.6, and one cell for up to 32 primitives)",
+     "primitives (default: 0.3, and one cell for up to 32 primitives)",
      +[](Options& o) -> float& { return o.accel.grid_factor; }, 0.01, 100},
     {"grid-resolution", "XxYxZ",
      "Exact number of cells of the uniform grid, instead of --grid-factor", parse_resolution, 0, 0,
