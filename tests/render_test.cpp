@@ -408,9 +408,9 @@ TEST(Render, APictureBeyondMemoryIsRefused) {
 
 void add(Film& film, Rgb rgb) {
   const Vec3d v = Vec3d(rgb) * film.scale();
-  const int64_t sums[3] = {std::llrint(v.x), std::llrint(v.y), std::llrint(v.z)};
+  const PixelSums sums{{std::llrint(v.x), std::llrint(v.y), std::llrint(v.z)}};
   const uint32_t pixel = 0;
-  film.add(0, 1, {&pixel, 1}, {&sums[0], &sums[1], &sums[2]}, {});
+  film.add(0, 1, {&pixel, 1}, &sums, {});
 }
 
 TEST(Film, SumsDoNotDependOnOrder) {

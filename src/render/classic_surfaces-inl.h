@@ -36,53 +36,75 @@ struct Vertices {
   Floats3 radiance;  // towards the ray, so far
 };
 
-// What the surfaces are made of: looked up one by one, worked out together by find_surfaces().
-void look_up(const ClassicScene& classic, const RayBatch& rays, const HitBatch& hits, size_t n,
-             Vertices& v) {
+// What the surface of ray i is made of, looked up; worked out many together by find_surfaces().
+HWY_INLINE void look_up(ItemKind kind, const ClassicScene& classic, const RayBatch& rays,
+                        const HitBatch& hits, size_t i, Vertices& v) {
   const Geometry& geometry = classic.accel.geometry();
   const Scene& scene = classic.scene;
-  for (size_t i = 0; i < n || i % kWidth != 0; ++i) {
-    const ItemId item = hits.item[i];
-    const uint32_t index = item_index(item);
-    MaterialId material = 0;
-    switch (item_kind(item)) {
-      case ItemKind::sphere: {
-        const Sphere s = geometry.sphere(index);
-        v.corner[0].set(i, s.center);
-        v.extent.at[i] = s.radius;
-        material = scene.sphere_materials[index];
-        break;
-      }
-      case ItemKind::triangle: {
-        const TriangleIndices& at = geometry.corners(index);
-        const Facet& facet = geometry.facet(index);
-        for (size_t c = 0; c < 3; ++c) v.corner[c].set(i, scene.positions[at[c]]);
-        v.extent.at[i] = 0;
-        v.geometric.set(i, facet.normal);
-        v.normal.set(i, facet.normal);
-        if (const TriangleIndices* corners = geometry.corner_normals(index)) {
-          const auto weighted = [&](size_t corner, float w) {
-            return scene.normals[(*corners)[corner]] * w;
-          };
-          const float b1 = hits.u[i], b2 = hits.v[i];
-          v.normal.set(i, weighted(0, 1 - b1 - b2) + weighted(1, b1) + weighted(2, b2));
-        }
-        material = facet.material;
-        break;
-      }
-      case ItemKind::plane:
-      case ItemKind::cone: {
-        const Vec3f p = rays[i].at(hits.t[i]);
-        const Surface s = item_kind(item) == ItemKind::plane ? plane_surface(geometry, index, p)
-                                                             : cone_surface(geometry, index, p);
-        for (Floats3& corner : v.corner) corner.set(i, s.point);
-        v.extent.at[i] = s.extent;
-        v.geometric.set(i, s.normal), v.normal.set(i, s.normal);
-        material = s.material;
-        break;
-      }
+  const uint32_t index = item_index(hits.item[i]);
+  switch (kind) {
+    case ItemKind::sphere: {
+      const Sphere s = geometry.sphere(index);
+      v.corner[0].set(i, s.center);
+      v.extent.at[i] = s.radius;
+      v.material[i] = scene.sphere_materials[index];
+      return;
     }
-    v.material[i] = material;
+    case ItemKind::triangle: {
+      const TriangleIndices& at = geometry.corners(index);
+      const Facet& facet = geometry.facet(index);
+      for (size_t c = 0; c < 3; ++c) v.corner[c].set(i, scene.positions[at[c]]);
+      v.extent.at[i] = 0;
+      v.geometric.set(i, facet.normal);
+      v.normal.set(i, facet.normal);
+      if (const TriangleIndices* corners = geometry.corner_normals(index)) {
+        const auto weighted = [&](size_t corner, float w) {
+          return scene.normals[(*corners)[corner]] * w;
+        };
+        const float b1 = hits.u[i], b2 = hits.v[i];
+        v.normal.set(i, weighted(0, 1 - b1 - b2) + weighted(1, b1) + weighted(2, b2));
+      }
+      v.material[i] = facet.material;
+      return;
+    }
+    case ItemKind::plane:
+    case ItemKind::cone: {
+      const Vec3f p = rays[i].at(hits.t[i]);
+      const Surface s = kind == ItemKind::plane ? plane_surface(geometry, index, p)
+                                                : cone_surface(geometry, index, p);
+      for (Floats3& corner : v.corner) corner.set(i, s.point);
+      v.extent.at[i] = s.extent;
+      v.geometric.set(i, s.normal), v.normal.set(i, s.normal);
+      v.material[i] = s.material;
+      return;
+    }
+  }
+}
+
+// Those of rays i, i + 1, ... in the lanes. Neighbours mostly hit the same kind of thing, and often
+// the same thing.
+HWY_INLINE void look_up(const ClassicScene& classic, const RayBatch& rays, const HitBatch& hits,
+                        size_t i, Vertices& v) {
+  const auto one = [&](ItemKind kind, size_t k)
+                       HWY_ATTR { look_up(kind, classic, rays, hits, k, v); };
+  const U items = load(hits.item, i);
+  const ItemId first = hits.item[i];
+  const ItemKind kind = item_kind(first);
+  const auto spread = [&](Floats& f) HWY_ATTR { store(hn::Set(d, f.at[i]), f, i); };
+  const auto spread3 = [&](Floats3& f) HWY_ATTR { spread(f.x), spread(f.y), spread(f.z); };
+  const bool same = hn::AllTrue(du, hn::Eq(items, hn::Set(du, first)));
+  if (same && kind == ItemKind::sphere) {
+    one(kind, i);
+    spread3(v.corner[0]), spread(v.extent);
+    hn::Store(hn::Set(du, v.material[i]), du, v.material + i);
+  } else if (same && kind == ItemKind::triangle &&
+             classic.accel.geometry().corner_normals(item_index(first)) == nullptr) {
+    one(kind, i);
+    for (Floats3& corner : v.corner) spread3(corner);
+    spread(v.extent), spread3(v.geometric), spread3(v.normal);
+    hn::Store(hn::Set(du, v.material[i]), du, v.material + i);
+  } else {
+    for (size_t k = i; k < i + kWidth; ++k) one(item_kind(hits.item[k]), k);
   }
 }
 
@@ -105,7 +127,7 @@ void look_up_materials(const Material* materials, size_t i, Vertices& v) {
 // Where n rays hit: points, normals towards the ray, and all that is the same for every light.
 void find_surfaces(const ClassicScene& classic, const RayBatch& rays, const HitBatch& hits,
                    size_t n, Vertices& v) {
-  look_up(classic, rays, hits, n, v);
+  for (size_t i = 0; i < n; i += kWidth) look_up(classic, rays, hits, i, v);
   const bool smooth = classic.accel.geometry().any_smooth();
   const V zero = hn::Zero(d);
   const V3 ambient = set3(d, classic.ambient);

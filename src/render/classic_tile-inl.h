@@ -125,63 +125,60 @@ class TileSums {
  public:
   void clear(const Film& film) {
     bound_ = film.bound(), scale_ = film.scale();
-    for (auto& channel : sums_) std::fill_n(channel, kChunk, 0);
-    before_.resize(bound_ == Film::kMostBound ? 3 * kChunk : 0);
+    std::ranges::fill(sums_, PixelSums());
+    before_.resize(bound_ == Film::kMostBound ? kChunk : 0);
   }
 
   // Around each sample. What its rays bring together is beyond the film's bound only where that is
   // the most that there is, with lights near the end of floats: then no more than it counts.
-  void begin_sample() {
-    if (before_.empty()) return;
-    for (size_t c = 0; c < 3; ++c) std::copy_n(sums_[c], kChunk, &before_[c * kChunk]);
-  }
+  void begin_sample() { std::copy_n(sums_, before_.size(), before_.begin()); }
   void end_sample() {
-    if (before_.empty()) return;
     const auto most = int64_t(bound_ * scale_);
-    for (size_t c = 0; c < 3; ++c)
-      for (size_t i = 0; i < kChunk; ++i)
-        sums_[c][i] = std::min(sums_[c][i], before_[c * kChunk + i] + most);
+    for (size_t i = 0; i < before_.size(); ++i)
+      for (size_t c = 0; c < 3; ++c) sums_[i][c] = std::min(sums_[i][c], before_[i][c] + most);
   }
 
   // The values in `mask`, one for each of `pixels`.
   HWY_INLINE void add(const V3& values, const uint32_t* pixels, M mask) {
-    HWY_ALIGN int64_t fixed[3][kWidth];
-    to_fixed(values.x, fixed[0]), to_fixed(values.y, fixed[1]), to_fixed(values.z, fixed[2]);
-    const U at = hn::LoadU(du, pixels);
-    if (hn::AllTrue(d, mask) && hn::AllTrue(du, hn::Eq(at, hn::Iota(du, pixels[0])))) {
-      for (int c = 0; c < 3; ++c)
-        for (size_t k = 0; k < kWidth; ++k) sums_[c][pixels[0] + k] += fixed[c][k];
-      return;
+    HWY_ALIGN PixelSums fixed[kWidth];
+    HWY_ALIGN float channels[3][kWidth];
+    hn::Store(values.x, d, channels[0]), hn::Store(values.y, d, channels[1]);
+    hn::Store(values.z, d, channels[2]);
+    for (size_t k = 0; k < kWidth; k += hn::MaxLanes(kDoubles)) {
+      const auto column = [&](size_t c) HWY_ATTR { return to_fixed(channels[c] + k); };
+      hn::StoreInterleaved4(column(0), column(1), column(2), hn::Zero(kIntegers), kIntegers,
+                            fixed[k].data());
     }
     uint8_t bits[8] = {};
     hn::StoreMaskBits(d, mask, bits);
     for (unsigned lanes = bits[0] | unsigned(bits[1]) << 8; lanes; lanes &= lanes - 1) {
       const size_t k = hwy::Num0BitsBelowLS1Bit_Nonzero32(lanes);
-      for (int c = 0; c < 3; ++c) sums_[c][pixels[k]] += fixed[c][k];
+      int64_t* const sums = sums_[pixels[k]].data();
+      for (size_t c = 0; c < 4; c += hn::MaxLanes(kFour))
+        hn::Store(hn::Add(hn::Load(kFour, sums + c), hn::Load(kFour, &fixed[k][c])), kFour,
+                  sums + c);
     }
   }
 
-  std::array<const int64_t*, 3> channels() const { return {sums_[0], sums_[1], sums_[2]}; }
+  const PixelSums* pixels() const { return sums_; }
 
  private:
+  static constexpr hn::CappedTag<double, kWidth> kDoubles{};
+  static constexpr hn::Rebind<int64_t, decltype(kDoubles)> kIntegers{};
+  static constexpr hn::CappedTag<int64_t, 4> kFour{};
+
   // A value beyond what floats hold counts as the bound.
-  HWY_INLINE void to_fixed(V value, int64_t* out) const {
-    const hn::CappedTag<double, kWidth> doubles;
-    const hn::Rebind<float, decltype(doubles)> floats;
-    const hn::Rebind<int64_t, decltype(doubles)> integers;
-    const auto bound = hn::Set(doubles, bound_), scale = hn::Set(doubles, scale_);
-    HWY_ALIGN float values[kWidth];
-    hn::Store(value, d, values);
-    for (size_t k = 0; k < kWidth; k += hn::Lanes(doubles)) {
-      const auto v = hn::PromoteTo(doubles, hn::Load(floats, values + k));
-      const auto clamped = hn::IfThenElse(hn::Lt(v, bound), v, bound);
-      hn::Store(hn::ConvertTo(integers, hn::Round(hn::Mul(clamped, scale))), integers, out + k);
-    }
+  HWY_INLINE hn::Vec<decltype(kIntegers)> to_fixed(const float* values) const {
+    const auto v =
+        hn::PromoteTo(kDoubles, hn::Load(hn::Rebind<float, decltype(kDoubles)>(), values));
+    const auto bound = hn::Set(kDoubles, bound_);
+    const auto clamped = hn::IfThenElse(hn::Lt(v, bound), v, bound);
+    return hn::ConvertTo(kIntegers, hn::Round(hn::Mul(clamped, hn::Set(kDoubles, scale_))));
   }
 
   double bound_ = 1, scale_ = 1;
-  int64_t sums_[3][kChunk + 8];  // as Floats
-  std::vector<int64_t> before_;  // the sample
+  PixelSums sums_[kChunk];
+  std::vector<PixelSums> before_;  // the sample
 };
 
 }  // namespace

@@ -60,7 +60,7 @@ class WideTracer final : public ClassicTracer {
       ++control_.work_done;
     }
     counts_.tests = context_.tests, counts_.steps = context_.steps;
-    film.add(tile, samples - first, {pixel_, pixels_}, sums_.channels(), counts_);
+    film.add(tile, samples - first, {pixel_, pixels_}, sums_.pixels(), counts_);
   }
 
  private:

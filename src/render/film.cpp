@@ -54,10 +54,10 @@ RayCounts Film::rays() const {
 }
 
 void Film::add(size_t tile, uint32_t samples, std::span<const uint32_t> pixels,
-               std::array<const int64_t*, 3> sums, const RayCounts& rays) {
+               const PixelSums* sums, const RayCounts& rays) {
   const std::lock_guard lock(mutex(tile));
   for (size_t i = 0; i < pixels.size(); ++i)
-    for (size_t c = 0; c < 3; ++c) sums_[size_t(pixels[i]) * 3 + c] += sums[c][i];
+    for (size_t c = 0; c < 3; ++c) sums_[size_t(pixels[i]) * 3 + c] += sums[i][c];
   samples_[tile] += samples;
   rays_[tile] += rays;
 }

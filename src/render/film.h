@@ -31,6 +31,9 @@ struct Tile {
 };
 inline constexpr int kTileSide = 32;
 
+/// Of a pixel's samples: red, green, blue, and nothing, so that one SIMD instruction adds to all.
+struct alignas(32) PixelSums : std::array<int64_t, 4> {};
+
 /// What a film holds of a tile.
 struct TileSamples {
   uint32_t samples = 0;  // 0 .. samples - 1 of all its pixels
@@ -68,10 +71,9 @@ class Film {
   Tile tile(size_t index) const;
   uint32_t samples(size_t tile) const;
 
-  /// Adds `samples` samples of a tile: for each of its pixels the sums of red, of green and of
-  /// blue, and what they have cost.
-  void add(size_t tile, uint32_t samples, std::span<const uint32_t> pixels,
-           std::array<const int64_t*, 3> sums, const RayCounts& rays);
+  /// Adds `samples` samples of a tile: for each of its `pixels` the sums, and what they have cost.
+  void add(size_t tile, uint32_t samples, std::span<const uint32_t> pixels, const PixelSums* sums,
+           const RayCounts& rays);
 
   /// A tile as it is, to be kept elsewhere, and a tile as it shall be.
   TileSamples copy(size_t tile) const;
