@@ -103,10 +103,12 @@ class Film {
 
   int width_, height_, tile_side_, columns_;
   double bound_, scale_;
-  mutable std::array<std::mutex, 16> mutexes_;  // of what follows, each for some of the tiles
-  Sums sums_;                                   // r, g, b per pixel
-  std::vector<uint32_t> samples_;               // per tile
-  std::vector<RayCounts> rays_;                 // per tile
+  // Of what follows, each for some of the tiles: a prime number, so that threads that work half or
+  // a third of the picture apart do not wait for each other.
+  mutable std::array<std::mutex, 61> mutexes_;
+  Sums sums_;                      // r, g, b per pixel
+  std::vector<uint32_t> samples_;  // per tile
+  std::vector<RayCounts> rays_;    // per tile
 };
 
 }  // namespace raio
