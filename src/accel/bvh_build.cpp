@@ -19,6 +19,10 @@ namespace {
 
 constexpr size_t kTask = 4096;  // items worth a task
 constexpr int kPools = 4;       // one for each Pool
+// Of many items some tell as well where to split. Measured: with the first trees cost the same to
+// 1 %; with the second to 2 %, some scenes take 5 % longer, and building a large one 8 % less.
+constexpr size_t kSamples = 512, kFewSamples = 64;
+constexpr size_t kLarge = size_t(1) << 20;
 
 bool is_leaf(BuildRange range) {  // in ascending order, so kinds do not mix between equal ends
   return range.size() <= size_t(kBlockWidth) &&
@@ -116,6 +120,7 @@ class Builder {
     size_t count = 0;
     for (const ItemKind kind : {ItemKind::sphere, ItemKind::triangle, ItemKind::cone})
       count += g_.count(kind);
+    if (count > kLarge) samples_ = kFewSamples;
     if (count == 0) return std::nullopt;
     const double item_bytes = double(count * sizeof(BuildItem));
     if (auto error = refusal(item_bytes + least_bytes(), available)) return error;
@@ -220,8 +225,8 @@ class Builder {
   }
 
   // The children of a node, in the order of their items; how many there are.
-  static size_t open(const Child& child, int depth, std::array<Child, kBlockWidth>& out,
-                     Column<BuildItem>& scratch, std::vector<std::unique_ptr<BuildPlan>>* plans) {
+  size_t open(const Child& child, int depth, std::array<Child, kBlockWidth>& out,
+              Column<BuildItem>& scratch, std::vector<std::unique_ptr<BuildPlan>>* plans) const {
     std::array<float, kBlockWidth> areas;  // of those that can be opened
     const auto area = [](const Child& c) { return is_leaf(c.range) ? -1 : half_area(c.box); };
     out[0] = child;
@@ -239,8 +244,8 @@ class Builder {
     return count;
   }
 
-  static void split(Child child, int depth, Child& below, Child& above, Column<BuildItem>& scratch,
-                    std::vector<std::unique_ptr<BuildPlan>>* plans) {
+  void split(Child child, int depth, Child& below, Child& above, Column<BuildItem>& scratch,
+             std::vector<std::unique_ptr<BuildPlan>>* plans) const {
     const BuildRange range = child.range;
     if (!child.plan && range.size() > kPlanAbove && depth + kPlanDepth <= kBvhCostLevels) {
       plans->push_back(std::make_unique<BuildPlan>(plan_again(range)));
@@ -254,7 +259,8 @@ class Builder {
       return;
     }
     BuildSplit parts{.middle = part_kinds(range, depth)};
-    if (parts.middle == 0 && depth < kBvhCostLevels) parts = split_by_cost(range, scratch);
+    if (parts.middle == 0 && depth < kBvhCostLevels)
+      parts = split_by_cost(range, samples_, scratch);
     if (parts.above.box().empty()) {
       if (parts.middle == 0) parts.middle = range.size() / 2;
       parts.below = box_of(range.first(parts.middle));
@@ -300,11 +306,15 @@ class Builder {
       const Pool pool = leaf_pool(range);
       std::array<ItemId, kBlockWidth> ids;
       for (size_t i = 0; i < size; ++i) ids[i] = range[i].item();
+      constexpr size_t kAhead = 32;
+      if (rest.size() > kAhead + size)
+        for (size_t i = 0; i < size; ++i) g_.prefetch(rest[kAhead + i].item());
       out.fill(g_, pool_ref(pool, next[size_t(pool)]++), {ids.data(), size});
     }
   }
 
   const Geometry& g_;
+  size_t samples_ = kSamples;
   Column<BuildItem> items_;
   tbb::enumerable_thread_specific<Column<BuildItem>> scratches_{[] { return Column<BuildItem>(); }};
 };

@@ -63,6 +63,13 @@ class Geometry {
   }
   const BakedCone& cone(uint32_t i) const { return cones_[i]; }
 
+  /// Tells the processor that the item will be asked for soon.
+  void prefetch(ItemId id) const {
+    const uint32_t i = item_index(id);
+    if (item_kind(id) == ItemKind::sphere) __builtin_prefetch(&scene_->spheres[i]);
+    if (item_kind(id) == ItemKind::triangle) __builtin_prefetch(&triangles_[i]);
+  }
+
   const Facet& facet(uint32_t triangle) const { return facets_[triangle]; }
   /// The normals at a triangle's corners, or null where it is flat.
   const TriangleIndices* corner_normals(uint32_t triangle) const {
