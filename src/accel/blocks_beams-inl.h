@@ -65,15 +65,13 @@ class Beams {
     return {b.o, b.d, b.start, b.widening};
   }
 
-  HWY_INLINE unsigned meet(uint32_t id, const BoxLanes& boxes, V8* nearest) const {
+  HWY_INLINE unsigned meet(uint32_t id, const BoxLanes& boxes, V8* nearest = nullptr) const {
     const Beam& b = beams_[id];
     return boxes.meet(b.inverse[0], b.inverse[1], b.offset[0], b.offset[1], b.t, nearest);
   }
 
   HWY_INLINE void leaf(uint32_t ref, const uint32_t* ids, size_t n) {
     const uint32_t block = ref_index(ref);
-    V8 unused[kParts];
-    for (V8& x : unused) x = hn::Zero(kEight);
     const auto each = [&](auto&& which, auto&& test) {
       for (size_t i = 0; i < n; ++i) {
         Beam& b = beams_[ids[i]];
@@ -101,13 +99,13 @@ class Beams {
       case Pool::triangles: {
         const TriangleBlock& triangles = blocks_.triangles[block];
         const BoxLanes boxes(triangles);
-        return each([&](uint32_t id) { return meet(id, boxes, unused); },
+        return each([&](uint32_t id) { return meet(id, boxes); },
                     [&](int k, uint32_t id) { meet_triangle<true>(triangles, k, id); });
       }
       default: {
         const ConeBlock& cones = blocks_.cones[block];
         const BoxLanes boxes(cones.boxes, cones.item);
-        return each([&](uint32_t id) { return meet(id, boxes, unused); },
+        return each([&](uint32_t id) { return meet(id, boxes); },
                     [&](int k, uint32_t id) { meet_cone(cones, k, id); });
       }
     }

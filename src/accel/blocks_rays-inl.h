@@ -186,7 +186,7 @@ class Rays {
   float end(uint32_t id) const { return rays_[id].t; }
   Sweep sweep(uint32_t id) const { return {rays_[id].o, rays_[id].d, 0, 0}; }
 
-  HWY_INLINE unsigned meet(uint32_t id, const BoxLanes& boxes, V8* nearest) const {
+  HWY_INLINE unsigned meet(uint32_t id, const BoxLanes& boxes, V8* nearest = nullptr) const {
     const StreamRay& r = rays_[id];
     return boxes.meet(r.inverse, r.inverse, r.lower, r.upper, r.t, nearest);
   }
@@ -321,9 +321,7 @@ class Rays {
   // away than their largest radius: |(o - base) . (d x axis)| / |d x axis|, but for rounding, here
   // and in the test in double, which goes by the square of the height.
   HWY_INLINE unsigned near_axes(const ConeBlock& block, const BoxLanes& boxes, uint32_t id) const {
-    V8 unused[kParts];
-    for (V8& x : unused) x = hn::Zero(kEight);
-    const unsigned mask = meet(id, boxes, unused);
+    const unsigned mask = meet(id, boxes);
     if (mask == 0) return 0;
     const auto& f = kEight;
     const StreamRay& r = rays_[id];
@@ -359,16 +357,23 @@ class Rays {
     constexpr int32_t kRow = sizeof(StreamRay) / sizeof(float);
     const auto of_ray = hn::Mul(hn::Load(ints, id), hn::Set(ints, kRow));
     const auto of_cone = hn::Load(ints, lane);
-    const auto gather = [&](const float* from, auto at) HWY_ATTR {
-      return hn::PromoteTo(kDoubles, hn::GatherIndex(f, from, at));
+    const auto ray = [&](const float* from) HWY_ATTR {
+      return hn::PromoteTo(kDoubles, hn::GatherIndex(f, from, of_ray));
+    };
+    const auto cone = [&](const float* column) HWY_ATTR {
+      // Out of one register where it holds the column, which is quicker than gathering.
+      if constexpr (kLanesD == kBlockWidth)
+        return hn::PromoteTo(
+            kDoubles, hn::TableLookupLanes(hn::Load(f, column), hn::IndicesFromVec(f, of_cone)));
+      else
+        return hn::PromoteTo(kDoubles, hn::GatherIndex(f, column, of_cone));
     };
     ConeInput in;
     for (int a = 0; a < 3; ++a) {
-      in.base[a] = gather(block.base[a], of_cone), in.axis[a] = gather(block.axis[a], of_cone);
-      in.origin[a] = gather(rays_->o + a, of_ray), in.dir[a] = gather(rays_->d + a, of_ray);
+      in.base[a] = cone(block.base[a]), in.axis[a] = cone(block.axis[a]);
+      in.origin[a] = ray(rays_->o + a), in.dir[a] = ray(rays_->d + a);
     }
-    in.height = gather(block.height, of_cone), in.radius = gather(block.radius, of_cone);
-    in.slope = gather(block.slope, of_cone);
+    in.height = cone(block.height), in.radius = cone(block.radius), in.slope = cone(block.slope);
     const ConeLanes hit = cone_test(in);
     alignas(64) float t[kLanesD];
     hn::Store(hit.t, f, t);

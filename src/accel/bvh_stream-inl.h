@@ -24,7 +24,6 @@ namespace raio::HWY_NAMESPACE {
 // A child that waits, with the list of those that meet it.
 struct Waiting {
   uint32_t ref;
-  float nearest;
   uint32_t begin, end;  // of its list
   uint32_t used;        // where all lists of its node end
 };
@@ -70,7 +69,7 @@ HWY_INLINE unsigned shared_children(const Bvh& bvh) {
 template <class Crowd>
 void walk(const Bvh& bvh, bool without_shared, size_t count, StreamRoom& lists, Crowd& crowd) {
   Waiting* const stack = lists.stack;
-  stack[0] = {pool_ref(Pool::nodes, 0), 0, 0, uint32_t(count), uint32_t(count)};
+  stack[0] = {pool_ref(Pool::nodes, 0), 0, uint32_t(count), uint32_t(count)};
   for (int top = 1; top > 0;) {
     const Waiting w = stack[--top];
     const size_t n = w.end - w.begin;
@@ -87,7 +86,7 @@ void walk(const Bvh& bvh, bool without_shared, size_t count, StreamRoom& lists, 
     for (V8& x : nearest) x = hn::Set(kEight, kInfinity);
     unsigned any = 0;
     for (size_t i = 0; i < n; ++i) {
-      const unsigned mask = crowd.meet(ids[w.begin + i], boxes, nearest);
+      const unsigned mask = crowd.meet(ids[w.begin + i], boxes, Crowd::kAny ? nullptr : nearest);
       lists.met[i] = uint8_t(mask);
       any |= mask;
     }
@@ -95,27 +94,35 @@ void walk(const Bvh& bvh, bool without_shared, size_t count, StreamRoom& lists, 
     if (any == 0) continue;
     const hn::Rebind<uint8_t, decltype(kIds)> bytes;
     hn::StoreU(hn::Zero(bytes), bytes, lists.met + n);
-    float enter[kBlockWidth];
-    for (int p = 0; p < kParts; ++p) hn::StoreU(nearest[p], kEight, enter + p * kLanes8);
+    alignas(32) float enter[kBlockWidth];
+    for (int p = 0; p < kParts; ++p) hn::Store(nearest[p], kEight, enter + p * kLanes8);
     // The lists of the children, who then wait so that the nearest is taken first.
     uint32_t used = w.used;
-    const int first = top;
+    uint32_t begin[kBlockWidth], end[kBlockWidth];
     for_bits(any, [&](int c) {
-      const uint32_t begin = used;
+      begin[c] = used;
       const auto bit = hn::Set(kIds, 1u << c);
       for (size_t i = 0; i < n; i += kIdLanes) {
         const auto in = hn::TestBit(hn::PromoteTo(kIds, hn::LoadU(bytes, lists.met + i)), bit);
         hn::StoreU(hn::Compress(hn::LoadU(kIds, ids + w.begin + i), in), kIds, ids + used);
         used += uint32_t(hn::CountTrue(kIds, in));
       }
+      end[c] = used;
       // Of shadow rays most are stopped soonest where most of them go.
-      if (Crowd::kAny) enter[c] = -float(used - begin);
-      int at = top++;
-      for (; at > first && stack[at - 1].nearest < enter[c]; --at) stack[at] = stack[at - 1];
-      stack[at] = {node.child[c], enter[c], begin, used, 0};
+      if (Crowd::kAny) enter[c] = -float(used - begin[c]);
       prefetch(bvh, node.child[c]);
     });
-    for (int i = first; i < top; ++i) stack[i].used = used;
+    for_bits(any, [&](int c) {
+      unsigned later = 0, same = 0;
+      for (int p = 0; p < kParts; ++p) {
+        const V8 others = hn::Load(kEight, enter + p * kLanes8), own = hn::Set(kEight, enter[c]);
+        later |= bits(kEight, hn::Gt(others, own)) << (p * kLanes8);
+        same |= bits(kEight, hn::Eq(others, own)) << (p * kLanes8);
+      }
+      const unsigned below = any & (later | (same & ((1u << c) - 1)));
+      stack[top + int(hwy::PopCount(below))] = {node.child[c], begin[c], end[c], used};
+    });
+    top += int(hwy::PopCount(any));
   }
 }
 
