@@ -409,8 +409,7 @@ TEST(Render, APictureBeyondMemoryIsRefused) {
 void add(Film& film, Rgb rgb) {
   const Vec3d v = Vec3d(rgb) * film.scale();
   const PixelSums sums{{std::llrint(v.x), std::llrint(v.y), std::llrint(v.z)}};
-  const uint32_t pixel = 0;
-  film.add(0, 1, {&pixel, 1}, &sums, {});
+  film.add(0, 1, &sums, {});
 }
 
 TEST(Film, SumsDoNotDependOnOrder) {

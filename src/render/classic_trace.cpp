@@ -32,6 +32,8 @@ HWY_INLINE V3 refract(const V3& dir, const V3& n, V eta, M& in) {
   return renormalize(d, dir * eta + n * hn::Sub(hn::Mul(eta, cosine), root));
 }
 
+constexpr int kRowBits = std::countr_zero(unsigned(kTileSide));
+
 class WideTracer final : public ClassicTracer {
  public:
   WideTracer(const ClassicScene& scene, RenderControl& control)
@@ -60,33 +62,40 @@ class WideTracer final : public ClassicTracer {
       ++control_.work_done;
     }
     counts_.tests = context_.tests, counts_.steps = context_.steps;
-    film.add(tile, samples - first, {pixel_, pixels_}, sums_.pixels(), counts_);
+    film.add(tile, samples - first, sums_.pixels(), counts_);
   }
 
  private:
-  // In blocks of 4 x 2, two of which make 4 x 4, four of which make 8 x 8: structures take
-  // neighbours of the batch together.
+  // The tile's pixels, numbered row by row as if it were a whole one, in blocks of 4 x 2, two of
+  // which make 4 x 4, four of which make 8 x 8: structures take neighbours of the batch together.
   void list_pixels(const Tile& tile) {
-    const U width = hn::Set(du, uint32_t(scene_.options.width));
+    const Tile before = std::exchange(tile_, tile);
+    const int width = tile.x1 - tile.x0, height = tile.y1 - tile.y0;
+    if (width == before.x1 - before.x0 && height == before.y1 - before.y0) return;
     pixels_ = 0;
     for (size_t i = 0; i < kChunk; i += kWidth) {
       const U n = hn::Iota(du, uint32_t(i));
       const auto bits = [&](uint32_t mask, int down) {
         return hn::ShiftRightSame(hn::And(n, hn::Set(du, mask)), down);
       };
-      const U x = hn::Add(hn::Or(bits(3, 0), hn::Or(bits(16, 2), bits(3 << 6, 3))),
-                          hn::Set(du, uint32_t(tile.x0)));
-      const U y = hn::Add(hn::Or(bits(3 << 2, 2), hn::Or(bits(32, 3), bits(3 << 8, 5))),
-                          hn::Set(du, uint32_t(tile.y0)));
-      const M in = hn::RebindMask(d, hn::And(hn::Lt(x, hn::Set(du, uint32_t(tile.x1))),
-                                             hn::Lt(y, hn::Set(du, uint32_t(tile.y1)))));
-      const Signed<D> di;
-      put(hn::ConvertTo(d, hn::BitCast(di, x)), in, pixel_x_.at, pixels_);
-      put(hn::ConvertTo(d, hn::BitCast(di, y)), in, pixel_y_.at, pixels_);
-      put(hn::Add(hn::Mul(y, width), x), in, pixel_, pixels_);
-      put(hn::Add(hn::ShiftLeft<16>(y), x), in, place_, pixels_);
-      pixels_ += hn::CountTrue(d, in);
+      const U x = hn::Or(bits(3, 0), hn::Or(bits(16, 2), bits(3 << 6, 3)));
+      const U y = hn::Or(bits(3 << 2, 2), hn::Or(bits(32, 3), bits(3 << 8, 5)));
+      const auto in = hn::And(hn::Lt(x, hn::Set(du, uint32_t(width))),
+                              hn::Lt(y, hn::Set(du, uint32_t(height))));
+      put(hn::Add(hn::ShiftLeft<kRowBits>(y), x), hn::RebindMask(d, in), pixel_, pixels_);
+      pixels_ += hn::CountTrue(du, in);
     }
+  }
+  // Where in the picture the tile's pixels are.
+  HWY_INLINE U column_of(U pixel) const {
+    return hn::Add(hn::And(pixel, hn::Set(du, kTileSide - 1)), hn::Set(du, uint32_t(tile_.x0)));
+  }
+  HWY_INLINE U row_of(U pixel) const {
+    return hn::Add(hn::ShiftRight<kRowBits>(pixel), hn::Set(du, uint32_t(tile_.y0)));
+  }
+  // As render/sampler.h has it.
+  HWY_INLINE U place_of(U pixel) const {
+    return hn::Add(hn::ShiftLeft<16>(row_of(pixel)), column_of(pixel));
   }
 
   void add_sample(const WideSampler<D>& sampler) {
@@ -110,9 +119,11 @@ class WideTracer final : public ClassicTracer {
     const M all = hn::FirstN(d, kWidth);
     const U branch = hn::Set(du, kEyeBranch);
     for (size_t i = 0; i < pixels_; i += kWidth) {
-      const U place = hn::Load(du, place_ + i);
+      const U pixel = hn::Load(du, pixel_ + i), place = place_of(pixel);
       const Wide2<D> within = sampler.in_pixel(place);
-      const V x = hn::Add(load(pixel_x_, i), within.x), y = hn::Add(load(pixel_y_, i), within.y);
+      const auto to_float = [](U n) { return hn::ConvertTo(d, hn::BitCast(Signed<D>(), n)); };
+      const V x = hn::Add(to_float(column_of(pixel)), within.x);
+      const V y = hn::Add(to_float(row_of(pixel)), within.y);
       WideRay<D> ray = pinhole(d, eye, x, y);
       if (*o.dof) {
         const Wide2<D> square = sampler.in_square(place, branch, kLens);
@@ -120,7 +131,7 @@ class WideTracer final : public ClassicTracer {
         ray = thin_lens(d, eye, x, y, lens, o.aperture, o.focus);
       }
       const V inf = hn::Set(d, std::numeric_limits<float>::infinity());
-      out.put(ray.origin, ray.dir, inf, hn::Iota(du, uint32_t(i)), branch, hn::Set(d, 1), all, i);
+      out.put(ray.origin, ray.dir, inf, pixel, branch, hn::Set(d, 1), all, i);
     }
     counts_.eye += pixels_;
   }
@@ -158,7 +169,7 @@ class WideTracer final : public ClassicTracer {
       const M found = hn::And(in, hn::RebindMask(d, hn::Ne(item, hn::Set(du, kNoItem))));
       const size_t count = hn::CountTrue(d, found);
       add_background(load(current_.weight, i), &current_.pixel[i], hn::AndNot(found, in));
-      if (kept < i || count < kWidth) {
+      if (count > 0 && (kept < i || count < kWidth)) {
         put(load(hits_.t, i), found, hits_.t, kept), put(item, found, hits_.item, kept);
         put(load(hits_.u, i), found, hits_.u, kept), put(load(hits_.v, i), found, hits_.v, kept);
         current_.put(origins(rays, i), directions(rays, i), load(rays.tmax, i),
@@ -186,8 +197,7 @@ class WideTracer final : public ClassicTracer {
     for (size_t i = 0; i < n; i += kWidth) {
       V3 target = set3(d, emitter.position);
       if (scene_.options.soft_shadows) {
-        const auto pixel = hn::BitCast(Signed<D>(), load(current_.pixel, i));
-        const Wide2<D> p = sampler.in_square(hn::GatherIndex(du, place_, pixel),
+        const Wide2<D> p = sampler.in_square(place_of(load(current_.pixel, i)),
                                              load(current_.branch, i), kLight + uint32_t(l));
         const V half = hn::Set(d, 0.5f);
         target = target + (set3(d, emitter.edge_u) * hn::Sub(p.x, half) +
@@ -319,12 +329,12 @@ class WideTracer final : public ClassicTracer {
   RenderControl& control_;
   TraceContext context_;
   TileSums sums_;
-  RayCounts counts_;   // of the tile
+  RayCounts counts_;  // of the tile
+  Tile tile_{};
   size_t pixels_ = 0;  // of the tile:
-  Floats pixel_x_, pixel_y_;
-  alignas(64) uint32_t pixel_[kChunk + 16], place_[kChunk + 16];  // place: render/sampler.h
-  std::vector<PathRays> waiting_;                                 // by level
-  PathRays current_;                                              // being traced, with their hits
+  alignas(64) uint32_t pixel_[kChunk + 16]{};
+  std::vector<PathRays> waiting_;  // by level
+  PathRays current_;               // being traced, with their hits
   HitBatch hits_;
   std::unique_ptr<Vertices> vertices_;
   RayBatch shadow_;

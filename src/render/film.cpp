@@ -53,11 +53,14 @@ RayCounts Film::rays() const {
   return all;
 }
 
-void Film::add(size_t tile, uint32_t samples, std::span<const uint32_t> pixels,
-               const PixelSums* sums, const RayCounts& rays) {
+void Film::add(size_t tile, uint32_t samples, const PixelSums* sums, const RayCounts& rays) {
+  const Tile t = this->tile(tile);
   const std::lock_guard lock(mutex(tile));
-  for (size_t i = 0; i < pixels.size(); ++i)
-    for (size_t c = 0; c < 3; ++c) sums_[size_t(pixels[i]) * 3 + c] += sums[i][c];
+  for (int y = t.y0; y < t.y1; ++y, sums += kTileSide) {
+    int64_t* const row = pixel(t.x0, y);
+    for (int x = 0; x < t.x1 - t.x0; ++x)
+      for (int c = 0; c < 3; ++c) row[3 * x + c] += sums[x][size_t(c)];
+  }
   samples_[tile] += samples;
   rays_[tile] += rays;
 }

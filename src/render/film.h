@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
-#include <span>
 #include <vector>
 
 #include "base/memory.h"
@@ -71,9 +70,9 @@ class Film {
   Tile tile(size_t index) const;
   uint32_t samples(size_t tile) const;
 
-  /// Adds `samples` samples of a tile: for each of its `pixels` the sums, and what they have cost.
-  void add(size_t tile, uint32_t samples, std::span<const uint32_t> pixels, const PixelSums* sums,
-           const RayCounts& rays);
+  /// Adds `samples` samples of a tile: the sums of its pixels, kTileSide apart from row to row, and
+  /// what they have cost.
+  void add(size_t tile, uint32_t samples, const PixelSums* sums, const RayCounts& rays);
 
   /// A tile as it is, to be kept elsewhere, and a tile as it shall be.
   TileSamples copy(size_t tile) const;
