@@ -3,9 +3,11 @@
 #include <array>
 #include <cmath>
 #include <random>
+#include <stdexcept>
 #include <vector>
 
 #include "base/box.h"
+#include "base/lazy_library.h"
 #include "base/random.h"
 #include "base/vec.h"
 #include "base/wide-inl.h"
@@ -187,6 +189,26 @@ TEST(Random, EveryElementGoesEverywhere) {
       }
     }
   }
+}
+
+// As zlib.h has it.
+extern "C" unsigned long crc32(unsigned long crc, const unsigned char* bytes, unsigned size);
+extern "C" void no_such_function();
+constexpr char kZlib[] = "libz.so.1", kNone[] = "libnone.so.0";
+
+TEST(LazyLibrary, CallsByTheNameOfTheFunction) {
+  EXPECT_EQ(function_name<crc32>(), "crc32");
+  ASSERT_TRUE(load_library(kZlib).has_value());
+  const auto* digits = reinterpret_cast<const unsigned char*>("123456789");
+  EXPECT_EQ((call<kZlib, crc32>(0, digits, 9)), 0xcbf43926u);  // the standard's check value
+  EXPECT_THROW((call<kZlib, no_such_function>()), std::runtime_error);
+}
+
+TEST(LazyLibrary, SaysWhatIsMissing) {
+  const auto loaded = load_library(kNone);
+  ASSERT_FALSE(loaded.has_value());
+  EXPECT_NE(loaded.error().find(kNone), std::string::npos);
+  EXPECT_THROW((call<kNone, crc32>(0, nullptr, 0)), std::runtime_error);
 }
 
 }  // namespace

@@ -19,9 +19,13 @@
 
 #include "accel/intersect.h"
 #include "accel/structures.h"
+#include "base/lazy_library.h"
 
 namespace raio {
 namespace {
+
+// Only who asks for it loads it.
+constexpr char kEmbree[] = "libembree3.so.3";
 
 // Flushes denormals while it lives, where the machine has such a switch.
 class FlushDenormals {
@@ -45,23 +49,25 @@ class Embree final : public Accel {
   explicit Embree(Geometry geometry) : Accel(std::move(geometry)) {}
 
   ~Embree() override {
-    if (scene_) rtcReleaseScene(scene_);
-    if (device_) rtcReleaseDevice(device_);
+    if (scene_) call<kEmbree, rtcReleaseScene>(scene_);
+    if (device_) call<kEmbree, rtcReleaseDevice>(device_);
   }
 
   std::optional<std::string> build() {
-    device_ = rtcNewDevice(nullptr);
+    if (auto loaded = load_library(kEmbree); !loaded) return loaded.error();
+    device_ = call<kEmbree, rtcNewDevice>(nullptr);
     if (!device_)
-      return fmt::format("Embree does not start (error {})", int(rtcGetDeviceError(nullptr)));
-    rtcSetDeviceMemoryMonitorFunction(device_, count_bytes, this);
-    scene_ = rtcNewScene(device_);
-    rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
-    rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
+      return fmt::format("Embree does not start (error {})",
+                         int(call<kEmbree, rtcGetDeviceError>(nullptr)));
+    call<kEmbree, rtcSetDeviceMemoryMonitorFunction>(device_, count_bytes, this);
+    scene_ = call<kEmbree, rtcNewScene>(device_);
+    call<kEmbree, rtcSetSceneBuildQuality>(scene_, RTC_BUILD_QUALITY_HIGH);
+    call<kEmbree, rtcSetSceneFlags>(scene_, RTC_SCENE_FLAG_ROBUST);
     add_spheres();
     add_triangles();
     add_cones();
-    rtcCommitScene(scene_);
-    const RTCError error = rtcGetDeviceError(device_);
+    call<kEmbree, rtcCommitScene>(scene_);
+    const RTCError error = call<kEmbree, rtcGetDeviceError>(device_);
     if (error != RTC_ERROR_NONE)
       return fmt::format("Embree could not build its structure (error {}{})", int(error),
                          error == RTC_ERROR_OUT_OF_MEMORY ? ": out of memory" : "");
@@ -79,7 +85,7 @@ class Embree final : public Accel {
       RTCRayHit query;
       query.ray = single(rays[i], hits.t[i]);
       query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-      rtcIntersect1(scene_, &embree, &query);
+      call<kEmbree, rtcIntersect1>(scene_, &embree, &query);
       if (query.hit.geomID != RTC_INVALID_GEOMETRY_ID)
         hits.set(i, refined(rays[i],
                             {query.ray.tfar, item_id(ItemKind(query.hit.geomID), query.hit.primID),
@@ -96,7 +102,7 @@ class Embree final : public Accel {
       hit[i] = nearest_plane(rays[i]).best.found();
       if (hit[i] || !(rays.tmax[i] > 0)) continue;
       RTCRay query = single(rays[i], rays.tmax[i]);
-      rtcOccluded1(scene_, &embree, &query);
+      call<kEmbree, rtcOccluded1>(scene_, &embree, &query);
       hit[i] = query.tfar < 0;
     }
   }
@@ -110,18 +116,18 @@ class Embree final : public Accel {
  private:
   // The geometry's number in the Embree scene is its ItemKind.
   void attach(RTCGeometry geometry, ItemKind kind) {
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometryByID(scene_, geometry, unsigned(kind));
-    rtcReleaseGeometry(geometry);
+    call<kEmbree, rtcCommitGeometry>(geometry);
+    call<kEmbree, rtcAttachGeometryByID>(scene_, geometry, unsigned(kind));
+    call<kEmbree, rtcReleaseGeometry>(geometry);
   }
 
   void add_spheres() {
     const size_t n = geometry_.count(ItemKind::sphere);
     if (n == 0) return;
-    RTCGeometry g = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_SPHERE_POINT);
-    auto* out = static_cast<float*>(
-        rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, 16, n));
-    if (!out) return rtcReleaseGeometry(g);
+    RTCGeometry g = call<kEmbree, rtcNewGeometry>(device_, RTC_GEOMETRY_TYPE_SPHERE_POINT);
+    auto* out = static_cast<float*>(call<kEmbree, rtcSetNewGeometryBuffer>(
+        g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, 16, n));
+    if (!out) return call<kEmbree, rtcReleaseGeometry>(g);
     for (uint32_t i = 0; i < n; ++i) {
       const Sphere s = geometry_.sphere(i);
       *out++ = s.center.x, *out++ = s.center.y, *out++ = s.center.z, *out++ = s.radius;
@@ -133,12 +139,12 @@ class Embree final : public Accel {
   void add_triangles() {
     const size_t n = geometry_.count(ItemKind::triangle);
     if (n == 0) return;
-    RTCGeometry g = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-    auto* out = static_cast<float*>(
-        rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, 3 * n));
-    auto* index = static_cast<uint32_t*>(
-        rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, n));
-    if (!out || !index) return rtcReleaseGeometry(g);
+    RTCGeometry g = call<kEmbree, rtcNewGeometry>(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+    auto* out = static_cast<float*>(call<kEmbree, rtcSetNewGeometryBuffer>(
+        g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, 3 * n));
+    auto* index = static_cast<uint32_t*>(call<kEmbree, rtcSetNewGeometryBuffer>(
+        g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, n));
+    if (!out || !index) return call<kEmbree, rtcReleaseGeometry>(g);
     for (uint32_t i = 0; i < n; ++i) {
       const Triangle t = geometry_.triangle(i);
       for (const Vec3f& corner : {t.a, t.b, t.c})
@@ -151,21 +157,21 @@ class Embree final : public Accel {
 
   void add_cones() {
     if (geometry_.count(ItemKind::cone) == 0) return;
-    RTCGeometry g = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_USER);
-    rtcSetGeometryUserPrimitiveCount(g, unsigned(geometry_.count(ItemKind::cone)));
-    rtcSetGeometryUserData(g, this);
-    rtcSetGeometryBoundsFunction(g, cone_bounds, nullptr);
-    rtcSetGeometryIntersectFunction(g, cone_closest);
-    rtcSetGeometryOccludedFunction(g, cone_occluded);
+    RTCGeometry g = call<kEmbree, rtcNewGeometry>(device_, RTC_GEOMETRY_TYPE_USER);
+    call<kEmbree, rtcSetGeometryUserPrimitiveCount>(g, unsigned(geometry_.count(ItemKind::cone)));
+    call<kEmbree, rtcSetGeometryUserData>(g, this);
+    call<kEmbree, rtcSetGeometryBoundsFunction>(g, cone_bounds, nullptr);
+    call<kEmbree, rtcSetGeometryIntersectFunction>(g, cone_closest);
+    call<kEmbree, rtcSetGeometryOccludedFunction>(g, cone_occluded);
     attach(g, ItemKind::cone);
   }
 
   // One-sided surfaces: Embree asks before it accepts a hit.
   void filter_sides(RTCGeometry g, ItemKind kind) {
     if (geometry_.two_sided(kind)) return;
-    rtcSetGeometryUserData(g, this);
-    rtcSetGeometryIntersectFilterFunction(g, reject_unseen);
-    rtcSetGeometryOccludedFilterFunction(g, reject_unseen);
+    call<kEmbree, rtcSetGeometryUserData>(g, this);
+    call<kEmbree, rtcSetGeometryIntersectFilterFunction>(g, reject_unseen);
+    call<kEmbree, rtcSetGeometryOccludedFilterFunction>(g, reject_unseen);
   }
 
   static void reject_unseen(const RTCFilterFunctionNArguments* args) {
@@ -270,7 +276,7 @@ class Embree final : public Accel {
       query.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
       valid[k] = rays.tmax[first + k] > 0 ? -1 : 0;
     }
-    rtcIntersect8(valid, scene_, &embree, &query);
+    call<kEmbree, rtcIntersect8>(valid, scene_, &embree, &query);
     for (unsigned k = 0; k < lanes; ++k)
       if (query.hit.geomID[k] != RTC_INVALID_GEOMETRY_ID)
         hits.set(first + k, refined(rays[first + k],
@@ -290,7 +296,7 @@ class Embree final : public Accel {
       query.tfar[k] = rays.tmax[first + k];
       valid[k] = !hit[first + k] && rays.tmax[first + k] > 0 ? -1 : 0;
     }
-    rtcOccluded8(valid, scene_, &embree, &query);
+    call<kEmbree, rtcOccluded8>(valid, scene_, &embree, &query);
     for (unsigned k = 0; k < lanes; ++k)
       if (valid[k]) hit[first + k] = query.tfar[k] < 0;
   }

@@ -11,11 +11,15 @@
 #include <numbers>
 
 #include "app/bench.h"
+#include "base/lazy_library.h"
 #include "io/file.h"
 
 namespace raio::app {
 
 namespace {
+
+// Only who draws a plot loads it, and the fifteen libraries that it wants.
+constexpr char kCairo[] = "libcairo.so.2";
 
 cairo_status_t append(void* bytes, const unsigned char* data, unsigned int size) {
   try {
@@ -29,14 +33,16 @@ cairo_status_t append(void* bytes, const unsigned char* data, unsigned int size)
 cairo_surface_t* make_surface(PlotFormat format, std::string& bytes) {
   switch (format) {
     case PlotFormat::png:
-      return cairo_image_surface_create(CAIRO_FORMAT_RGB24, int(kWidth), int(kHeight));
+      return call<kCairo, cairo_image_surface_create>(CAIRO_FORMAT_RGB24, int(kWidth),
+                                                      int(kHeight));
     case PlotFormat::svg: {
-      auto* surface = cairo_svg_surface_create_for_stream(append, &bytes, kWidth, kHeight);
-      cairo_svg_surface_set_document_unit(surface, CAIRO_SVG_UNIT_PX);
+      auto* surface =
+          call<kCairo, cairo_svg_surface_create_for_stream>(append, &bytes, kWidth, kHeight);
+      call<kCairo, cairo_svg_surface_set_document_unit>(surface, CAIRO_SVG_UNIT_PX);
       return surface;
     }
     case PlotFormat::pdf:
-      return cairo_pdf_surface_create_for_stream(append, &bytes, kWidth, kHeight);
+      return call<kCairo, cairo_pdf_surface_create_for_stream>(append, &bytes, kWidth, kHeight);
   }
   return nullptr;
 }
@@ -46,16 +52,17 @@ cairo_surface_t* make_surface(PlotFormat format, std::string& bytes) {
 Canvas::Canvas(cairo_t* cairo) : cairo_(cairo) {
   // Unhinted widths grow in step with the size, in the picture as in the vector formats.
   const std::unique_ptr<cairo_font_options_t, void (*)(cairo_font_options_t*)> options(
-      cairo_font_options_create(), cairo_font_options_destroy);
-  cairo_font_options_set_hint_metrics(options.get(), CAIRO_HINT_METRICS_OFF);
-  cairo_font_options_set_hint_style(options.get(), CAIRO_HINT_STYLE_NONE);
-  cairo_set_font_options(cairo_, options.get());
+      call<kCairo, cairo_font_options_create>(),
+      [](auto* o) { call<kCairo, cairo_font_options_destroy>(o); });
+  call<kCairo, cairo_font_options_set_hint_metrics>(options.get(), CAIRO_HINT_METRICS_OFF);
+  call<kCairo, cairo_font_options_set_hint_style>(options.get(), CAIRO_HINT_STYLE_NONE);
+  call<kCairo, cairo_set_font_options>(cairo_, options.get());
 }
 
 double Canvas::text_width(const std::string& text, double size, bool bold) const {
   set_font(size, bold);
   cairo_text_extents_t extents;
-  cairo_text_extents(cairo_, text.c_str(), &extents);
+  call<kCairo, cairo_text_extents>(cairo_, text.c_str(), &extents);
   return extents.x_advance;
 }
 
@@ -67,64 +74,64 @@ void Canvas::text(double x, double y, const std::string& text, Ink ink, Align al
   const double shift = align == Align::left ? 0 : align == Align::center ? shown / 2 : shown;
   set_font(size, bold);
   set(ink);
-  cairo_move_to(cairo_, x - shift, y + 0.36 * size);
-  cairo_show_text(cairo_, text.c_str());
+  call<kCairo, cairo_move_to>(cairo_, x - shift, y + 0.36 * size);
+  call<kCairo, cairo_show_text>(cairo_, text.c_str());
 }
 
 void Canvas::upright_text(double x, double y, const std::string& words, Ink ink) const {
-  cairo_save(cairo_);
-  cairo_translate(cairo_, x, y);
-  cairo_rotate(cairo_, -std::numbers::pi / 2);
+  call<kCairo, cairo_save>(cairo_);
+  call<kCairo, cairo_translate>(cairo_, x, y);
+  call<kCairo, cairo_rotate>(cairo_, -std::numbers::pi / 2);
   text(0, 0, words, ink, Align::center, 24, true);
-  cairo_restore(cairo_);
+  call<kCairo, cairo_restore>(cairo_);
 }
 
 void Canvas::box(double x, double y, double w, double h, Ink ink) const {
   set(ink);
-  cairo_rectangle(cairo_, x, y, w, h);
-  cairo_fill(cairo_);
+  call<kCairo, cairo_rectangle>(cairo_, x, y, w, h);
+  call<kCairo, cairo_fill>(cairo_);
 }
 
 void Canvas::line(double x0, double y0, double x1, double y1, Ink ink, double width,
                   bool dotted) const {
   set(ink);
-  cairo_set_line_width(cairo_, width);
+  call<kCairo, cairo_set_line_width>(cairo_, width);
   const double dash[] = {1, 6};
-  cairo_set_line_cap(cairo_, dotted ? CAIRO_LINE_CAP_ROUND : CAIRO_LINE_CAP_BUTT);
-  cairo_set_dash(cairo_, dash, dotted ? 2 : 0, 0);
-  cairo_move_to(cairo_, x0, y0);
-  cairo_line_to(cairo_, x1, y1);
-  cairo_stroke(cairo_);
+  call<kCairo, cairo_set_line_cap>(cairo_, dotted ? CAIRO_LINE_CAP_ROUND : CAIRO_LINE_CAP_BUTT);
+  call<kCairo, cairo_set_dash>(cairo_, dash, dotted ? 2 : 0, 0);
+  call<kCairo, cairo_move_to>(cairo_, x0, y0);
+  call<kCairo, cairo_line_to>(cairo_, x1, y1);
+  call<kCairo, cairo_stroke>(cairo_);
 }
 
 void Canvas::disc(double x, double y, double radius, Ink ink) const {
   set(ink);
-  cairo_new_sub_path(cairo_);
-  cairo_arc(cairo_, x, y, radius, 0, 2 * std::numbers::pi);
-  cairo_fill(cairo_);
+  call<kCairo, cairo_new_sub_path>(cairo_);
+  call<kCairo, cairo_arc>(cairo_, x, y, radius, 0, 2 * std::numbers::pi);
+  call<kCairo, cairo_fill>(cairo_);
 }
 
 void Canvas::diamond(double x, double y, Ink ink) const {
   for (const auto& [radius, fill] :
        {std::pair(kMarkerRadius + 3, kWhite), std::pair(kMarkerRadius, ink)}) {
     set(fill);
-    cairo_move_to(cairo_, x - radius, y);
-    cairo_line_to(cairo_, x, y - radius);
-    cairo_line_to(cairo_, x + radius, y);
-    cairo_line_to(cairo_, x, y + radius);
-    cairo_close_path(cairo_);
-    cairo_fill(cairo_);
+    call<kCairo, cairo_move_to>(cairo_, x - radius, y);
+    call<kCairo, cairo_line_to>(cairo_, x, y - radius);
+    call<kCairo, cairo_line_to>(cairo_, x + radius, y);
+    call<kCairo, cairo_line_to>(cairo_, x, y + radius);
+    call<kCairo, cairo_close_path>(cairo_);
+    call<kCairo, cairo_fill>(cairo_);
   }
 }
 
 void Canvas::set(Ink ink) const {
-  cairo_set_source_rgb(cairo_, ink.r / 255.0, ink.g / 255.0, ink.b / 255.0);
+  call<kCairo, cairo_set_source_rgb>(cairo_, ink.r / 255.0, ink.g / 255.0, ink.b / 255.0);
 }
 
 void Canvas::set_font(double size, bool bold) const {
-  cairo_select_font_face(cairo_, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
-                         bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
-  cairo_set_font_size(cairo_, size);
+  call<kCairo, cairo_select_font_face>(cairo_, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
+                                       bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+  call<kCairo, cairo_set_font_size>(cairo_, size);
 }
 
 std::string seconds_label(double s) {
@@ -154,21 +161,23 @@ std::expected<PlotFormat, std::string> plot_format(const std::filesystem::path& 
 
 std::expected<std::string, std::string> draw_page(PlotFormat format,
                                                   const std::function<void(const Canvas&)>& draw) {
+  if (auto loaded = load_library(kCairo); !loaded) return std::unexpected(loaded.error());
   std::string bytes;  // outlives the surface, which may write to it until it is finished
   const std::unique_ptr<cairo_surface_t, void (*)(cairo_surface_t*)> surface(
-      make_surface(format, bytes), cairo_surface_destroy);
-  const std::unique_ptr<cairo_t, void (*)(cairo_t*)> cairo(cairo_create(surface.get()),
-                                                           cairo_destroy);
+      make_surface(format, bytes), [](auto* s) { call<kCairo, cairo_surface_destroy>(s); });
+  const std::unique_ptr<cairo_t, void (*)(cairo_t*)> cairo(
+      call<kCairo, cairo_create>(surface.get()), [](auto* c) { call<kCairo, cairo_destroy>(c); });
   const Canvas canvas(cairo.get());
   canvas.box(0, 0, kWidth, kHeight, kWhite);
   draw(canvas);
-  cairo_status_t status = cairo_status(cairo.get());
+  cairo_status_t status = call<kCairo, cairo_status>(cairo.get());
   if (status == CAIRO_STATUS_SUCCESS && format == PlotFormat::png)
-    status = cairo_surface_write_to_png_stream(surface.get(), append, &bytes);
-  cairo_surface_finish(surface.get());
-  if (status == CAIRO_STATUS_SUCCESS) status = cairo_surface_status(surface.get());
+    status = call<kCairo, cairo_surface_write_to_png_stream>(surface.get(), append, &bytes);
+  call<kCairo, cairo_surface_finish>(surface.get());
+  if (status == CAIRO_STATUS_SUCCESS) status = call<kCairo, cairo_surface_status>(surface.get());
   if (status == CAIRO_STATUS_SUCCESS) return bytes;
-  return std::unexpected(fmt::format("cannot draw the plot: {}", cairo_status_to_string(status)));
+  return std::unexpected(
+      fmt::format("cannot draw the plot: {}", call<kCairo, cairo_status_to_string>(status)));
 }
 
 }  // namespace raio::app

@@ -1,0 +1,22 @@
+#include "base/lazy_library.h"
+
+#include <dlfcn.h>
+
+#include <stdexcept>
+
+namespace raio {
+
+std::expected<void, std::string> load_library(const char* file) {
+  if (::dlopen(file, RTLD_NOW)) return {};
+  // NOLINTNEXTLINE(concurrency-mt-unsafe): each thread has its own
+  return std::unexpected("cannot load the library " + std::string(::dlerror()));
+}
+
+void* library_function(const char* file, const std::string& name) {
+  void* const library = ::dlopen(file, RTLD_NOW | RTLD_NOLOAD);
+  void* const function = library ? ::dlsym(library, name.c_str()) : nullptr;
+  if (!function) throw std::runtime_error("no " + name + " in the library " + file);
+  return function;
+}
+
+}  // namespace raio
