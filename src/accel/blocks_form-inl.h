@@ -123,7 +123,7 @@ class BeamMaker {
   static constexpr float kMaxSpreadToPoint = 0.05f;  // besides that of what they end in
   // Primitives tested, per ray. Where they are smaller than the rays are apart, the beam meets most
   // that no ray does, and each ray on its own is faster.
-  static constexpr float kMostTests = 4;
+  static constexpr float kMostTests = any ? 2 : 4;
 
   // The number of rays that are not done, and, unless they are too few, their extents.
   HWY_INLINE float measure(size_t first, Extents& origins, Extents& dirs, Extents& ends) const {
