@@ -145,7 +145,7 @@ Scene heaps(int count) {
 }
 
 TEST(Bvh, IsTheSameForAnyNumberOfThreads) {
-  for (const Scene& scene : {random_scene(60000, 2), heaps(600000)}) {
+  for (const Scene& scene : {random_scene(60000, 2), heaps(600000), heaps(1100000)}) {
     const Geometry geometry(scene);
     Bvh one;
     on_threads(1, [&] { one = *build_bvh(geometry); });
@@ -212,12 +212,12 @@ class TreeCheck {
 };
 
 TEST(Bvh, HoldsEveryItemOnceInsideItsBoxes) {
-  Scene same;  // that no plane can part, and more than a plan needs
+  Scene same;  // that no plane can part, and so many that they are built in haste
   same.materials = {{}};
-  same.spheres.assign(300000, {{0.1f, 0.2f, 0.3f}, 0.25f});
+  same.spheres.assign(1100000, {{0.1f, 0.2f, 0.3f}, 0.25f});
   same.sphere_materials.assign(same.spheres.size(), 0);
   for (const Scene& scene : {random_scene(20000, 2), random_scene(20000, 2, 1e-6f),
-                             random_scene(5, 1), heaps(300000), heaps(3), same}) {
+                             random_scene(5, 1), heaps(300000), heaps(1100000), heaps(3), same}) {
     const Geometry g(scene);
     const Bvh bvh = *build_bvh(g);
     const TreeCheck check(g, bvh);

@@ -56,9 +56,9 @@ struct BuildSplit {
   BuildBox below{}, above{};
 };
 
-/// The best of the splits between bins of all axes, judged by as many of the items, or up to twice
-/// as many. `scratch` grows to the size of the range.
-BuildSplit split_by_cost(BuildRange range, size_t samples, Column<BuildItem>& scratch);
+/// The best of the splits between bins of all axes. In haste it is judged by fewer of many items,
+/// and few items are split along one axis. `scratch` grows to the size of the range.
+BuildSplit split_by_cost(BuildRange range, bool hasty, Column<BuildItem>& scratch);
 
 /// The splits at the top of a tree over many items, found on a lattice of cells and their boxes
 /// instead of the items, which then move to their places once instead of once for each split.

@@ -7,6 +7,9 @@ namespace raio {
 namespace {
 
 constexpr int kBins = 16;
+// Of more items than twice this, some tell as well where to split.
+constexpr size_t kSamples = 512, kFewSamples = 64;
+
 // Keeps the order of both parts. Without a branch that could be mispredicted, since half of them
 // would be: each item is written to both places and one of them then counts.
 template <class Below>
@@ -24,6 +27,44 @@ size_t partition(BuildRange range, Column<BuildItem>& scratch, Below&& below) {
   return kept;
 }
 
+// Of at most so many items as two blocks hold: the best split into two blocks along the axis on
+// which their centres lie furthest apart.
+BuildSplit split_in_two_blocks(BuildRange range, int axis, Column<BuildItem>& scratch) {
+  constexpr size_t kMost = 2 * kBlockWidth;
+  const size_t n = range.size();
+  // Centres as integers in the same order, the last bits exchanged for the item's number, so that
+  // no two are equal.
+  Int4 keys[kMost / 4] = {}, ranks[kMost / 4] = {};
+  for (size_t i = 0; i < n; ++i) {
+    const auto bits = std::bit_cast<int32_t>(range[i].center2(axis));
+    const int32_t ordered = bits ^ ((bits >> 31) & 0x7fffffff);
+    keys[i / 4][i % 4] = (ordered & ~int32_t(kMost - 1)) | int32_t(i);
+  }
+  for (size_t i = 0; i < n; ++i) {
+    const int32_t key = keys[i / 4][i % 4];
+    for (size_t v = 0; v < kMost / 4; ++v) ranks[v] -= (Int4{key, key, key, key} < keys[v]);
+  }
+  const auto rank = [&](size_t i) { return size_t(ranks[i / 4][i % 4]); };
+  uint8_t order[kMost];
+  for (size_t i = 0; i < n; ++i) order[rank(i)] = uint8_t(i);
+
+  BuildBox above[kMost + 1];
+  for (size_t k = n; k-- > 1;) (above[k] = above[k + 1]).extend(range[order[k]]);
+  BuildSplit best;
+  float least = std::numeric_limits<float>::infinity();
+  BuildBox below;
+  for (size_t k = 1; k <= std::min<size_t>(n - 1, kBlockWidth); ++k) {
+    below.extend(range[order[k - 1]]);
+    if (n - k > size_t(kBlockWidth)) continue;
+    const Float4 areas = half_areas(below, above[k], above[k]);
+    if (areas[0] + areas[1] < least || best.middle == 0)
+      least = areas[0] + areas[1], best = {k, below, above[k]};
+  }
+  size_t i = 0;
+  partition(range, scratch, [&](const BuildItem&) { return rank(i++) < best.middle; });
+  return best;
+}
+
 }  // namespace
 
 BuildBox box_of(BuildRange range) {
@@ -32,15 +73,20 @@ BuildBox box_of(BuildRange range) {
   return box;
 }
 
-BuildSplit split_by_cost(BuildRange range, size_t samples, Column<BuildItem>& scratch) {
+BuildSplit split_by_cost(BuildRange range, bool hasty, Column<BuildItem>& scratch) {
   Float4 from = range.front().center2(), to = from;
   for (const BuildItem& item : range) {
     from = min(from, item.center2());
     to = max(to, item.center2());
   }
+  if (hasty && range.size() <= 2 * kBlockWidth) {
+    const Float4 size = to - from;
+    const int axis = size[0] >= size[1] && size[0] >= size[2] ? 0 : size[1] >= size[2] ? 1 : 2;
+    return split_in_two_blocks(range, axis, scratch);
+  }
   const Binning binning(from, to, {kBins, kBins, kBins});
   Bins<kBins> bins;
-  const size_t step = std::max<size_t>(1, range.size() / samples);
+  const size_t step = std::max<size_t>(1, range.size() / (hasty ? kFewSamples : kSamples));
   int32_t binned = 0;
   for (size_t i = 0; i < range.size(); i += step, ++binned)
     bins.add(range[i], binning.of_inner(range[i].center2()));
