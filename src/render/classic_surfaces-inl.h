@@ -36,11 +36,13 @@ struct Vertices {
   Floats3 radiance;  // towards the ray, so far
 };
 
-// What the surface of ray i is made of, looked up; worked out many together by find_surfaces().
-HWY_INLINE void look_up(ItemKind kind, const ClassicScene& classic, const RayBatch& rays,
-                        const HitBatch& hits, size_t i, Vertices& v) {
+// What the surface that ray i hit is made of: looked up here, worked out many together by
+// find_surfaces().
+void look_up(const ClassicScene& classic, const RayBatch& rays, const HitBatch& hits, size_t i,
+             Vertices& v) {
   const Geometry& geometry = classic.accel.geometry();
   const Scene& scene = classic.scene;
+  const ItemKind kind = item_kind(hits.item[i]);
   const uint32_t index = item_index(hits.item[i]);
   switch (kind) {
     case ItemKind::sphere: {
@@ -81,31 +83,27 @@ HWY_INLINE void look_up(ItemKind kind, const ClassicScene& classic, const RayBat
   }
 }
 
-// Those of rays i, i + 1, ... in the lanes. Neighbours mostly hit the same kind of thing, and often
-// the same thing.
-HWY_INLINE void look_up(const ClassicScene& classic, const RayBatch& rays, const HitBatch& hits,
-                        size_t i, Vertices& v) {
-  const auto one = [&](ItemKind kind, size_t k)
-                       HWY_ATTR { look_up(kind, classic, rays, hits, k, v); };
-  const U items = load(hits.item, i);
+// Those of rays i, i + 1, ... in the lanes, which often hit the same thing.
+void look_up_lanes(const ClassicScene& classic, const RayBatch& rays, const HitBatch& hits,
+                   size_t i, Vertices& v) {
+  look_up(classic, rays, hits, i, v);
   const ItemId first = hits.item[i];
-  const ItemKind kind = item_kind(first);
+  const bool triangle = item_kind(first) == ItemKind::triangle;
+  // Of the others each point has a normal of its own.
+  const bool flat = triangle ? !classic.accel.geometry().corner_normals(item_index(first))
+                             : item_kind(first) == ItemKind::sphere;
+  if (!flat || !hn::AllTrue(du, hn::Eq(load(hits.item, i), hn::Set(du, first)))) {
+    for (size_t k = i + 1; k < i + kWidth; ++k) look_up(classic, rays, hits, k, v);
+    return;
+  }
   const auto spread = [&](Floats& f) HWY_ATTR { store(hn::Set(d, f.at[i]), f, i); };
   const auto spread3 = [&](Floats3& f) HWY_ATTR { spread(f.x), spread(f.y), spread(f.z); };
-  const bool same = hn::AllTrue(du, hn::Eq(items, hn::Set(du, first)));
-  if (same && kind == ItemKind::sphere) {
-    one(kind, i);
-    spread3(v.corner[0]), spread(v.extent);
-    hn::Store(hn::Set(du, v.material[i]), du, v.material + i);
-  } else if (same && kind == ItemKind::triangle &&
-             classic.accel.geometry().corner_normals(item_index(first)) == nullptr) {
-    one(kind, i);
-    for (Floats3& corner : v.corner) spread3(corner);
-    spread(v.extent), spread3(v.geometric), spread3(v.normal);
-    hn::Store(hn::Set(du, v.material[i]), du, v.material + i);
-  } else {
-    for (size_t k = i; k < i + kWidth; ++k) one(item_kind(hits.item[k]), k);
-  }
+  hn::Store(hn::Set(du, v.material[i]), du, v.material + i);
+  spread(v.extent);
+  spread3(v.corner[0]);
+  if (!triangle) return;
+  spread3(v.corner[1]), spread3(v.corner[2]);
+  spread3(v.geometric), spread3(v.normal);
 }
 
 // Neighbours are mostly of one material.
@@ -127,7 +125,7 @@ void look_up_materials(const Material* materials, size_t i, Vertices& v) {
 // Where n rays hit: points, normals towards the ray, and all that is the same for every light.
 void find_surfaces(const ClassicScene& classic, const RayBatch& rays, const HitBatch& hits,
                    size_t n, Vertices& v) {
-  for (size_t i = 0; i < n; i += kWidth) look_up(classic, rays, hits, i, v);
+  for (size_t i = 0; i < n; i += kWidth) look_up_lanes(classic, rays, hits, i, v);
   const bool smooth = classic.accel.geometry().any_smooth();
   const V zero = hn::Zero(d);
   const V3 ambient = set3(d, classic.ambient);

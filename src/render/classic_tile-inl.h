@@ -140,7 +140,7 @@ class TileSums {
 
   // The values in `mask`, one for each of `pixels`.
   HWY_INLINE void add(const V3& values, const uint32_t* pixels, M mask) {
-    HWY_ALIGN PixelSums fixed[kWidth];
+    PixelSums fixed[kWidth];
     HWY_ALIGN float channels[3][kWidth];
     hn::Store(values.x, d, channels[0]), hn::Store(values.y, d, channels[1]);
     hn::Store(values.z, d, channels[2]);
