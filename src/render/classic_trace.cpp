@@ -329,12 +329,12 @@ class WideTracer final : public ClassicTracer {
   RenderControl& control_;
   TraceContext context_;
   TileSums sums_;
-  RayCounts counts_;  // of the tile
-  Tile tile_{};
-  size_t pixels_ = 0;  // of the tile:
-  alignas(64) uint32_t pixel_[kChunk + 16]{};
-  std::vector<PathRays> waiting_;  // by level
-  PathRays current_;               // being traced, with their hits
+  Tile tile_{};  // of which these are:
+  RayCounts counts_;
+  size_t pixels_ = 0;
+  alignas(64) uint32_t pixel_[kChunk + 16]{};  // their numbers
+  std::vector<PathRays> waiting_;              // by level
+  PathRays current_;                           // being traced, with their hits
   HitBatch hits_;
   std::unique_ptr<Vertices> vertices_;
   RayBatch shadow_;
