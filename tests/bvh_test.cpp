@@ -212,12 +212,17 @@ class TreeCheck {
 };
 
 TEST(Bvh, HoldsEveryItemOnceInsideItsBoxes) {
-  Scene same;  // that no plane can part, and so many that they are built in haste
-  same.materials = {{}};
-  same.spheres.assign(1100000, {{0.1f, 0.2f, 0.3f}, 0.25f});
-  same.sphere_materials.assign(same.spheres.size(), 0);
-  for (const Scene& scene : {random_scene(20000, 2), random_scene(20000, 2, 1e-6f),
-                             random_scene(5, 1), heaps(300000), heaps(1100000), heaps(3), same}) {
+  // What no plane can part, more of it than a plan needs, and so many that they are built in haste.
+  const auto same = [](size_t count) {
+    Scene scene;
+    scene.materials = {{}};
+    scene.spheres.assign(count, {{0.1f, 0.2f, 0.3f}, 0.25f});
+    scene.sphere_materials.assign(count, 0);
+    return scene;
+  };
+  for (const Scene& scene :
+       {random_scene(20000, 2), random_scene(20000, 2, 1e-6f), random_scene(5, 1), heaps(300000),
+        heaps(1100000), heaps(3), same(300000), same(1100000)}) {
     const Geometry g(scene);
     const Bvh bvh = *build_bvh(g);
     const TreeCheck check(g, bvh);

@@ -112,6 +112,8 @@ void walk(const Bvh& bvh, bool without_shared, size_t count, StreamRoom& lists, 
       if (Crowd::kAny) enter[c] = -float(used - begin[c]);
       prefetch(bvh, node.child[c]);
     });
+    // The place of each by how many of the others are taken later: to sort them in would take
+    // branches that no processor foresees.
     for_bits(any, [&](int c) {
       unsigned later = 0, same = 0;
       for (int p = 0; p < kParts; ++p) {

@@ -9,7 +9,8 @@ namespace raio {
 std::expected<void, std::string> load_library(const char* file) {
   if (::dlopen(file, RTLD_NOW)) return {};
   // NOLINTNEXTLINE(concurrency-mt-unsafe): each thread has its own
-  return std::unexpected("cannot load the library " + std::string(::dlerror()));
+  return std::unexpected("cannot load a library, " + std::string(::dlerror()) +
+                         "; install what packages.txt lists");
 }
 
 void* library_function(const char* file, const std::string& name) {
