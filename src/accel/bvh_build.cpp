@@ -1,10 +1,12 @@
 // Top down by the surface area heuristic: a node's range is split in two, and the child of largest
 // surface again, until there are eight. First the nodes are made, in parts, each by one task, and
-// items brought into the order of the leaves; then all sizes are known, and the parts go to their
-// places in the tree's pools, in parallel again. The tree is the same for any number of threads.
+// ids brought into the order of the leaves; boxes of items exist only for those that a task works
+// on. Then all sizes are known, and the parts go to their places in the tree's pools, in parallel
+// again. The tree is the same for any number of threads.
 #include "accel/bvh_build.h"
 
 #include <fmt/core.h>
+#include <tbb/concurrent_queue.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/task_group.h>
 
@@ -23,92 +25,35 @@ constexpr int kPools = 4;       // one for each Pool
 // tests a ray; small scenes, which are built in no time, would be rendered up to 5 % slower.
 constexpr size_t kLarge = size_t(1) << 20;
 
-bool is_leaf(BuildRange range) {  // in ascending order, so kinds do not mix between equal ends
-  return range.size() <= size_t(kBlockWidth) &&
-         item_kind(range.front().item()) == item_kind(range.back().item());
-}
-
-Pool leaf_pool(BuildRange range) { return pool_of(item_kind(range.front().item())); }
-
-// Where kinds part a range: in the last splits, since leaves do not mix them; and at the root,
-// where few of a kind are a leaf of their own, which rays meet early and are the shorter for. Else
-// 0.
-size_t part_kinds(BuildRange range, int depth) {
-  constexpr size_t kFew = kBlockWidth;
-  if (range.size() > kFew && depth > 0) return 0;
-  const auto kind = [&](size_t i) { return item_kind(range[i].item()); };
-  size_t first = 1, last = 1;
-  while (first <= kFew && first < range.size() && kind(first) == kind(0)) ++first;
-  if (first <= kFew) return first;
-  const size_t n = range.size();
-  while (last <= kFew && kind(n - 1 - last) == kind(n - 1)) ++last;
-  return last <= kFew ? n - last : 0;
-}
-
-float half_area(const BuildBox& box) { return box.box().half_area(); }
-
-// A child to be. Where a plan has its splits, `node` is its node there.
+// A child to be: items begin .. end - 1 of the builder's order.
 struct Child {
-  BuildRange range;
+  size_t begin = 0, end = 0;
   BuildBox box;
-  const BuildPlan* plan = nullptr;
+  BuildItem* items = nullptr;       // once they have been made
+  const BuildPlan* plan = nullptr;  // has the splits, from its node `node` on
   uint32_t node = 0;
 
-  Child() = default;
-  Child(BuildRange r, const BuildBox& b) : range(r), box(b) {}
-  Child(BuildRange all, const BuildPlan& p, uint32_t n)
-      : range(all.subspan(p.nodes[n].begin, p.nodes[n].end - p.nodes[n].begin)),
-        box(p.nodes[n].box),
-        plan(p.nodes[n].below ? &p : nullptr),
-        node(n) {}
+  size_t size() const { return end - begin; }
+  BuildRange range() const { return {items, size()}; }
 };
 
 // What one task makes: the nodes over a range, children named by their place in this part; or one
 // node whose children are parts of their own.
 struct Part {
-  BuildRange items;
+  size_t first = 0;  // of its items
   std::vector<BvhNode> nodes;
   std::vector<uint8_t> leaf_sizes;                 // in the order of the items
   std::array<uint32_t, kPools> counts{}, begin{};  // in and before this part, per Pool
   std::vector<Part> parts;
 
-  uint32_t add_leaf(BuildRange range) {
-    const Pool pool = leaf_pool(range);
-    leaf_sizes.push_back(uint8_t(range.size()));
-    return pool_ref(pool, counts[size_t(pool)]++);
-  }
   uint32_t moved(uint32_t ref) const { return ref == kNoChild ? ref : ref + begin[ref >> 30]; }
+  // Its first node, or else its only leaf.
   uint32_t root() const {
-    if (counts[0] > 0) return moved(pool_ref(Pool::nodes, 0));
-    return moved(pool_ref(leaf_pool(items), 0));
+    size_t pool = 0;
+    while (counts[pool] == 0) ++pool;
+    return moved(pool_ref(Pool(pool), 0));
   }
 };
-
-void fill_items(const Geometry& g, size_t first, BuildRange out) {
-  const size_t spheres = g.count(ItemKind::sphere), triangles = g.count(ItemKind::triangle);
-  for (size_t k = 0; k < out.size(); ++k) {
-    size_t i = first + k;
-    if (i < spheres) {
-      const Sphere& s = g.scene().spheres[i];
-      const Float4 center = {s.center.x, s.center.y, s.center.z, 0};
-      const Float4 r = splat(std::abs(s.radius));
-      BuildBox box{center - r, -center - r};
-      // Away by an ulp or two, since the subtraction may have been rounded up by half an ulp.
-      constexpr float kUlp = std::numeric_limits<float>::epsilon();
-      box.lo -= abs(box.lo) * kUlp;
-      box.minus_hi -= abs(box.minus_hi) * kUlp;
-      out[k].set(box, item_id(ItemKind::sphere, uint32_t(i)));
-    } else {
-      i -= spheres;
-      const ItemId id = i < triangles ? item_id(ItemKind::triangle, uint32_t(i))
-                                      : item_id(ItemKind::cone, uint32_t(i - triangles));
-      const Box3f box = g.bounds(id);
-      const Float4 lo = {box.lo.x, box.lo.y, box.lo.z, 0};
-      const Float4 hi = {box.hi.x, box.hi.y, box.hi.z, 0};
-      out[k].set({lo, -hi}, id);
-    }
-  }
-}
 
 class Builder {
  public:
@@ -116,26 +61,25 @@ class Builder {
 
   // The error, or nothing.
   std::optional<std::string> build(size_t available, Bvh& out) {
-    size_t count = 0;
-    for (const ItemKind kind : {ItemKind::sphere, ItemKind::triangle, ItemKind::cone})
-      count += g_.count(kind);
+    const size_t spheres = g_.count(ItemKind::sphere), triangles = g_.count(ItemKind::triangle);
+    const size_t count = spheres + triangles + g_.count(ItemKind::cone);
     hasty_ = count > kLarge;
     if (count == 0) return std::nullopt;
-    const double item_bytes = double(count * sizeof(BuildItem));
-    if (auto error = refusal(item_bytes + least_bytes(), available)) return error;
-    items_.resize(count);
-    Child all;
-    all.range = items_;
-    BuildPlan plan;
-    if (count > kPlanAbove) {
-      plan = make_plan(items_, [&](size_t first, BuildRange some) { fill_items(g_, first, some); });
-      all = Child(items_, plan, 0);
-    } else {
-      for_chunks(count, [&](size_t, size_t first, size_t end) {
-        fill_items(g_, first, all.range.subspan(first, end - first));
-      });
-      all.box = box_of(items_);
-    }
+    const double order_bytes = double(count) * 2 * sizeof(ItemId);  // and once more while they move
+    if (auto error = refusal(order_bytes + least_bytes(), available)) return error;
+    order_.resize(count);
+    for_each_index(count, [&](size_t i) {
+      order_[i] = i < spheres ? item_id(ItemKind::sphere, uint32_t(i))
+                  : i < spheres + triangles
+                      ? item_id(ItemKind::triangle, uint32_t(i - spheres))
+                      : item_id(ItemKind::cone, uint32_t(i - spheres - triangles));
+    });
+    Child all{0, count, {}};
+    Room room(spare_);
+    if (count > kPlanAbove)
+      plan(all, room);
+    else
+      make_items(all, room);
     Part root;
     make_part(all, 0, root, true);
 
@@ -145,7 +89,7 @@ class Builder {
     const double bytes =
         double(total[0]) * 2 * sizeof(BvhNode) + double(total[1]) * sizeof(SphereBlock) +
         double(total[2]) * sizeof(TriangleBlock) + double(total[3]) * sizeof(ConeBlock);
-    if (auto error = refusal(item_bytes + bytes, available)) return error;
+    if (auto error = refusal(order_bytes + bytes, available)) return error;
     out.nodes.resize(total[0]);
     out.spheres.resize(total[1]);
     out.triangles.resize(total[2]);
@@ -161,6 +105,19 @@ class Builder {
   }
 
  private:
+  using Spare = tbb::concurrent_queue<Column<BuildItem>>;
+
+  // What the children of some nodes refer to.
+  struct Room {
+    explicit Room(Spare& s) : spare(s) {}
+    ~Room() {
+      for (Column<BuildItem>& some : items) spare.push(std::move(some));
+    }
+    Spare& spare;
+    std::vector<Column<BuildItem>> items;
+    std::vector<std::unique_ptr<BuildPlan>> plans;
+  };
+
   // Of blocks that are all full.
   double least_bytes() const {
     return (double(g_.count(ItemKind::sphere)) * sizeof(SphereBlock) +
@@ -174,13 +131,23 @@ class Builder {
                        bytes * 1e-9, double(available) * 1e-9);
   }
 
+  ItemId id(const Child& c, size_t i) const {
+    return c.items ? c.items[i].item() : order_[c.begin + i];
+  }
+
+  // In ascending order, so kinds do not mix between equal ends.
+  bool is_leaf(const Child& c) const {
+    return c.size() <= size_t(kBlockWidth) && item_kind(id(c, 0)) == item_kind(id(c, c.size() - 1));
+  }
+
   // The range as a part of its own: with a node, be it needed or not, for the root.
-  void make_part(const Child& child, int depth, Part& part, bool is_root = false) {
-    part.items = child.range;
-    if (child.range.size() > kTask) {
-      make_parts(child, depth, part);
-    } else if (!is_root && is_leaf(child.range)) {
-      part.add_leaf(child.range);
+  void make_part(Child child, int depth, Part& part, bool is_root = false) {
+    part.first = child.begin;
+    if (child.size() > kTask) return make_parts(child, depth, part);
+    Room room(spare_);
+    if (!child.items) make_items(child, room);
+    if (!is_root && is_leaf(child)) {
+      add_leaf(child, part);
     } else {
       make_node(child, depth, part, scratches_.local());
       part.counts[0] = uint32_t(part.nodes.size());
@@ -189,9 +156,9 @@ class Builder {
 
   // The node, and each child as a part of its own.
   void make_parts(const Child& child, int depth, Part& part) {
-    std::vector<std::unique_ptr<BuildPlan>> plans;
+    Room room(spare_);
     std::array<Child, kBlockWidth> children;
-    const size_t count = open(child, depth, children, scratches_.local(), &plans);
+    const size_t count = open(child, depth, children, scratches_.local(), &room);
     part.nodes.resize(1);
     part.counts[0] = 1;
     set_boxes(part.nodes[0], {children.data(), count});
@@ -202,6 +169,13 @@ class Builder {
     tasks.wait();
   }
 
+  uint32_t add_leaf(const Child& child, Part& part) {
+    for (size_t i = 0; i < child.size(); ++i) order_[child.begin + i] = child.items[i].item();
+    const Pool pool = pool_of(item_kind(order_[child.begin]));
+    part.leaf_sizes.push_back(uint8_t(child.size()));
+    return pool_ref(pool, part.counts[size_t(pool)]++);
+  }
+
   uint32_t make_node(const Child& child, int depth, Part& part, Column<BuildItem>& scratch) {
     std::array<Child, kBlockWidth> children;
     const size_t count = open(child, depth, children, scratch, nullptr);
@@ -209,9 +183,8 @@ class Builder {
     part.nodes.emplace_back();
     set_boxes(part.nodes[index], {children.data(), count});
     for (size_t i = 0; i < count; ++i) {
-      const uint32_t ref = is_leaf(children[i].range)
-                               ? part.add_leaf(children[i].range)
-                               : make_node(children[i], depth + 1, part, scratch);
+      const uint32_t ref = is_leaf(children[i]) ? add_leaf(children[i], part)
+                                                : make_node(children[i], depth + 1, part, scratch);
       part.nodes[index].child[i] = ref;
     }
     return pool_ref(Pool::nodes, uint32_t(index));
@@ -223,11 +196,12 @@ class Builder {
     for (size_t i = 0; i < children.size(); ++i) node.boxes.set(i, children[i].box.box());
   }
 
-  // The children of a node, in the order of their items; how many there are.
+  // The children of a node, in the order of their items; how many there are. Without `room` the
+  // child has its items.
   size_t open(const Child& child, int depth, std::array<Child, kBlockWidth>& out,
-              Column<BuildItem>& scratch, std::vector<std::unique_ptr<BuildPlan>>* plans) const {
+              Column<BuildItem>& scratch, Room* room) {
     std::array<float, kBlockWidth> areas;  // of those that can be opened
-    const auto area = [](const Child& c) { return is_leaf(c.range) ? -1 : half_area(c.box); };
+    const auto area = [&](const Child& c) { return is_leaf(c) ? -1 : c.box.box().half_area(); };
     out[0] = child;
     areas[0] = area(child);
     size_t count = 1;
@@ -237,46 +211,123 @@ class Builder {
       if (areas[i] < 0) break;
       std::move_backward(out.begin() + i + 1, out.begin() + count, out.begin() + count + 1);
       std::move_backward(areas.begin() + i + 1, areas.begin() + count, areas.begin() + count + 1);
-      split(Child(out[i]), depth, out[i], out[i + 1], scratch, plans);
+      split(Child(out[i]), depth, out[i], out[i + 1], scratch, room);
       areas[i] = area(out[i]), areas[i + 1] = area(out[i + 1]);
     }
     return count;
   }
 
   void split(Child child, int depth, Child& below, Child& above, Column<BuildItem>& scratch,
-             std::vector<std::unique_ptr<BuildPlan>>* plans) const {
-    const BuildRange range = child.range;
-    if (!child.plan && range.size() > kPlanAbove && depth + kPlanDepth <= kBvhCostLevels) {
-      plans->push_back(std::make_unique<BuildPlan>(plan_again(range)));
-      child = Child(range, *plans->back(), 0);
+             Room* room) {
+    if (room && !child.plan && !child.items) {
+      if (child.size() <= kPlanAbove)
+        make_items(child, *room);
+      else if (depth + kPlanDepth <= kBvhCostLevels)
+        plan(child, *room);
     }
     if (child.plan) {
       const BuildPlan::Node& node = child.plan->nodes[child.node];
-      const BuildRange all(range.data() - node.begin, child.plan->nodes[0].end);
-      below = Child(all, *child.plan, node.below);
-      above = Child(all, *child.plan, node.above);
+      below = planned(child, node.below);
+      above = planned(child, node.above);
       return;
     }
-    BuildSplit parts{.middle = part_kinds(range, depth)};
-    if (parts.middle == 0 && depth < kBvhCostLevels) parts = split_by_cost(range, hasty_, scratch);
-    if (parts.above.box().empty()) {
-      if (parts.middle == 0) parts.middle = range.size() / 2;
-      parts.below = box_of(range.first(parts.middle));
-      parts.above = box_of(range.subspan(parts.middle));
+    BuildSplit parts;
+    if (child.items) {
+      parts.middle = part_kinds(child, depth);
+      if (parts.middle == 0 && depth < kBvhCostLevels)
+        parts = split_by_cost(child.range(), hasty_, scratch);
+    } else {  // too many at one place for a plan
+      parts.below = parts.above = child.box;
     }
-    below = Child(range.first(parts.middle), parts.below);
-    above = Child(range.subspan(parts.middle), parts.above);
+    if (parts.middle == 0) parts.middle = child.size() / 2;
+    below = part_of(child, 0, parts.middle, parts.below);
+    above = part_of(child, parts.middle, child.size(), parts.above);
+    if (parts.above.box().empty())
+      below.box = box_of(below.range()), above.box = box_of(above.range());
   }
 
-  // A plan for items that another plan, or none, has already brought together.
-  static BuildPlan plan_again(BuildRange range) {
-    Column<BuildItem> copy(range.size());
-    for_chunks(range.size(), [&](size_t, size_t first, size_t end) {
-      std::copy(range.begin() + first, range.begin() + end, copy.begin() + first);
+  static Child part_of(const Child& whole, size_t first, size_t end, const BuildBox& box) {
+    return {whole.begin + first, whole.begin + end, box,
+            whole.items ? whole.items + first : nullptr};
+  }
+
+  // Node `node` of the plan of which `child` is a node.
+  static Child planned(const Child& child, uint32_t node) {
+    const BuildPlan::Node& from = child.plan->nodes[child.node];
+    const BuildPlan::Node& to = child.plan->nodes[node];
+    Child out = part_of(child, 0, 0, to.box);
+    out.begin = child.begin - from.begin + to.begin;
+    out.end = child.begin - from.begin + to.end;
+    if (child.items) out.items = child.items - from.begin + to.begin;
+    if (to.below != 0) out.plan = child.plan, out.node = node;
+    return out;
+  }
+
+  // Where kinds part a range: in the last splits, since leaves do not mix them; and at the root,
+  // where few of a kind are a leaf of their own, which rays meet early and are the shorter for.
+  // Else 0.
+  size_t part_kinds(const Child& child, int depth) const {
+    constexpr size_t kFew = kBlockWidth;
+    const size_t n = child.size();
+    if (n > kFew && depth > 0) return 0;
+    const auto kind = [&](size_t i) { return item_kind(child.items[i].item()); };
+    size_t first = 1, last = 1;
+    while (first <= kFew && first < n && kind(first) == kind(0)) ++first;
+    if (first <= kFew) return first;
+    while (last <= kFew && kind(n - 1 - last) == kind(n - 1)) ++last;
+    return last <= kFew ? n - last : 0;
+  }
+
+  void make_items(Child& child, Room& room) {
+    Column<BuildItem> items;
+    spare_.try_pop(items);
+    items.clear();  // so that a larger one copies nothing
+    items.resize(child.size());
+    room.items.push_back(std::move(items));
+    child.items = room.items.back().data();
+    const std::span<const ItemId> ids(&order_[child.begin], child.size());
+    for_chunks(child.size(), [&](size_t, size_t first, size_t end) {
+      fill_items(ids, first, child.range().subspan(first, end - first));
     });
-    return make_plan(range, [&](size_t first, BuildRange out) {
-      std::copy_n(copy.begin() + first, out.size(), out.begin());
+  }
+
+  // Brings the child's items into the order of a plan.
+  void plan(Child& child, Room& room) {
+    const std::span<ItemId> ids(&order_[child.begin], child.size());
+    Column<ItemId> from(ids.size());
+    for_chunks(ids.size(), [&](size_t, size_t first, size_t end) {
+      std::copy(ids.begin() + first, ids.begin() + end, from.begin() + first);
     });
+    room.plans.push_back(std::make_unique<BuildPlan>(
+        make_plan(ids, [&](size_t first, BuildRange out) { fill_items(from, first, out); })));
+    const BuildPlan& plan = *room.plans.back();
+    child.box = plan.nodes[0].box;
+    if (plan.nodes[0].below != 0) child.plan = &plan, child.node = 0;
+  }
+
+  // The items of ids[first] and of those that follow.
+  void fill_items(std::span<const ItemId> ids, size_t first, BuildRange out) const {
+    constexpr size_t kAhead = 16;
+    for (size_t k = 0; k < out.size(); ++k) {
+      const ItemId id = ids[first + k];
+      g_.prefetch(ids[std::min(first + k + kAhead, ids.size() - 1)]);
+      if (item_kind(id) == ItemKind::sphere) {
+        const Sphere& s = g_.scene().spheres[item_index(id)];
+        const Float4 center = {s.center.x, s.center.y, s.center.z, 0};
+        const Float4 r = splat(std::abs(s.radius));
+        BuildBox box{center - r, -center - r};
+        // Away by an ulp or two, since the subtraction may have been rounded up by half an ulp.
+        constexpr float kUlp = std::numeric_limits<float>::epsilon();
+        box.lo -= abs(box.lo) * kUlp;
+        box.minus_hi -= abs(box.minus_hi) * kUlp;
+        out[k].set(box, id);
+      } else {
+        const Box3f box = g_.bounds(id);
+        const Float4 lo = {box.lo.x, box.lo.y, box.lo.z, 0};
+        const Float4 hi = {box.hi.x, box.hi.y, box.hi.z, 0};
+        out[k].set({lo, -hi}, id);
+      }
+    }
   }
 
   // Lists the parts in the order of their items, and finds their places in the pools.
@@ -297,23 +348,23 @@ class Builder {
       out.nodes[part.begin[0]].child[i] = part.parts[i].root();
     part.nodes = {};
     std::array<uint32_t, kPools> next = part.begin;
-    BuildRange rest = part.items;
+    std::span<const ItemId> rest(order_);
+    rest = rest.subspan(part.first);
     for (const uint8_t size : part.leaf_sizes) {
-      const BuildRange range = rest.first(size);
+      const std::span<const ItemId> ids = rest.first(size);
       rest = rest.subspan(size);
-      const Pool pool = leaf_pool(range);
-      std::array<ItemId, kBlockWidth> ids;
-      for (size_t i = 0; i < size; ++i) ids[i] = range[i].item();
       constexpr size_t kAhead = 32;
       if (rest.size() > kAhead + size)
-        for (size_t i = 0; i < size; ++i) g_.prefetch(rest[kAhead + i].item());
-      out.fill(g_, pool_ref(pool, next[size_t(pool)]++), {ids.data(), size});
+        for (size_t i = 0; i < size; ++i) g_.prefetch(rest[kAhead + i]);
+      const Pool pool = pool_of(item_kind(ids[0]));
+      out.fill(g_, pool_ref(pool, next[size_t(pool)]++), ids);
     }
   }
 
   const Geometry& g_;
   bool hasty_ = false;
-  Column<BuildItem> items_;
+  Column<ItemId> order_;  // in the end that of the leaves
+  Spare spare_;
   tbb::enumerable_thread_specific<Column<BuildItem>> scratches_{[] { return Column<BuildItem>(); }};
 };
 

@@ -76,8 +76,9 @@ inline constexpr size_t kPlanAbove = size_t(1) << 17;
 /// The most splits on a way down through a plan.
 inline constexpr int kPlanDepth = 18;
 
-/// Makes the items 0 .. items.size() - 1 by `make`, twice each, and puts them in `items`, ordered
+/// Makes the items 0 .. out.size() - 1 by `make`, twice each, and puts their ids in `out`, ordered
 /// by the plan's leaves and by number within each.
-BuildPlan make_plan(BuildRange items, const std::function<void(size_t first, BuildRange)>& make);
+BuildPlan make_plan(std::span<ItemId> out,
+                    const std::function<void(size_t first, BuildRange)>& make);
 
 }  // namespace raio

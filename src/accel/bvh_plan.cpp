@@ -61,7 +61,7 @@ Binning sampled_binning(size_t count, const Make& make, std::array<int, 3>& n) {
 
 class Planner {
  public:
-  Planner(BuildRange out, const Make& make)
+  Planner(std::span<ItemId> out, const Make& make)
       : out_(out), make_(make), binning_(sampled_binning(out.size(), make, n_)) {
     chunks_ = std::clamp<size_t>(out.size() / kChunk, 1, kMostChunks);
   }
@@ -90,8 +90,9 @@ class Planner {
       for (size_t c = 0; c < chunks_; ++c) at += std::exchange(next[c][leaf], at);
     }
     tbb::parallel_for(size_t(0), chunks_, [&](size_t c) {
-      for_items(make_, begin(c), begin(c + 1),
-                [&](const BuildItem& item) { out_[next[c][leaf_of_[cell_of(item)]]++] = item; });
+      for_items(make_, begin(c), begin(c + 1), [&](const BuildItem& item) {
+        out_[next[c][leaf_of_[cell_of(item)]]++] = item.item();
+      });
     });
     return std::move(plan_);
   }
@@ -164,7 +165,7 @@ class Planner {
     split(kid + 1, above, depth + 1);
   }
 
-  BuildRange out_;
+  std::span<ItemId> out_;
   const Make& make_;
   std::array<int, 3> n_;
   Binning binning_;
@@ -177,6 +178,6 @@ class Planner {
 
 }  // namespace
 
-BuildPlan make_plan(BuildRange items, const Make& make) { return Planner(items, make).plan(); }
+BuildPlan make_plan(std::span<ItemId> out, const Make& make) { return Planner(out, make).plan(); }
 
 }  // namespace raio
