@@ -74,10 +74,11 @@ BuildBox box_of(BuildRange range) {
 }
 
 BuildSplit split_by_cost(BuildRange range, bool hasty, Column<BuildItem>& scratch) {
+  const size_t step = std::max<size_t>(1, range.size() / (hasty ? kFewSamples : kSamples));
   Float4 from = range.front().center2(), to = from;
-  for (const BuildItem& item : range) {
-    from = min(from, item.center2());
-    to = max(to, item.center2());
+  for (size_t i = 0; i < range.size(); i += hasty ? step : 1) {
+    from = min(from, range[i].center2());
+    to = max(to, range[i].center2());
   }
   if (hasty && range.size() <= 2 * kBlockWidth) {
     const Float4 size = to - from;
@@ -86,7 +87,6 @@ BuildSplit split_by_cost(BuildRange range, bool hasty, Column<BuildItem>& scratc
   }
   const Binning binning(from, to, {kBins, kBins, kBins});
   Bins<kBins> bins;
-  const size_t step = std::max<size_t>(1, range.size() / (hasty ? kFewSamples : kSamples));
   int32_t binned = 0;
   for (size_t i = 0; i < range.size(); i += step, ++binned)
     bins.add(range[i], binning.of_inner(range[i].center2()));
