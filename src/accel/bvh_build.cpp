@@ -68,18 +68,19 @@ class Builder {
     const double order_bytes = double(count) * 2 * sizeof(ItemId);  // and once more while they move
     if (auto error = refusal(order_bytes + least_bytes(), available)) return error;
     order_.resize(count);
-    for_each_index(count, [&](size_t i) {
-      order_[i] = i < spheres ? item_id(ItemKind::sphere, uint32_t(i))
-                  : i < spheres + triangles
-                      ? item_id(ItemKind::triangle, uint32_t(i - spheres))
-                      : item_id(ItemKind::cone, uint32_t(i - spheres - triangles));
-    });
+    const auto nth = [&](size_t i) {
+      return i < spheres               ? item_id(ItemKind::sphere, uint32_t(i))
+             : i < spheres + triangles ? item_id(ItemKind::triangle, uint32_t(i - spheres))
+                                       : item_id(ItemKind::cone, uint32_t(i - spheres - triangles));
+    };
     Child all{0, count, {}};
     Room room(spare_);
-    if (count > kPlanAbove)
-      plan(all, room);
-    else
-      make_items(all, room);
+    if (count > kPlanAbove) {
+      plan(all, nth, room);
+    } else {
+      make_items(all, nth, room);
+      all.box = box_of(all.range());
+    }
     Part root;
     make_part(all, 0, root, true);
 
@@ -135,6 +136,10 @@ class Builder {
     return c.items ? c.items[i].item() : order_[c.begin + i];
   }
 
+  auto ids_of(const Child& child) const {
+    return [ids = &order_[child.begin]](size_t i) { return ids[i]; };
+  }
+
   // In ascending order, so kinds do not mix between equal ends.
   bool is_leaf(const Child& c) const {
     return c.size() <= size_t(kBlockWidth) && item_kind(id(c, 0)) == item_kind(id(c, c.size() - 1));
@@ -145,10 +150,11 @@ class Builder {
     part.first = child.begin;
     if (child.size() > kTask) return make_parts(child, depth, part);
     Room room(spare_);
-    if (!child.items) make_items(child, room);
+    if (!child.items) make_items(child, ids_of(child), room);
     if (!is_root && is_leaf(child)) {
       add_leaf(child, part);
     } else {
+      part.nodes.reserve(child.size() / 24);
       make_node(child, depth, part, scratches_.local());
       part.counts[0] = uint32_t(part.nodes.size());
     }
@@ -221,9 +227,9 @@ class Builder {
              Room* room) {
     if (room && !child.plan && !child.items) {
       if (child.size() <= kPlanAbove)
-        make_items(child, *room);
+        make_items(child, ids_of(child), *room);
       else if (depth + kPlanDepth <= kBvhCostLevels)
-        plan(child, *room);
+        plan_again(child, *room);
     }
     if (child.plan) {
       const BuildPlan::Node& node = child.plan->nodes[child.node];
@@ -278,39 +284,42 @@ class Builder {
     return last <= kFew ? n - last : 0;
   }
 
-  void make_items(Child& child, Room& room) {
+  // Its items have the ids ids(0), ids(1) ...
+  void make_items(Child& child, const auto& ids, Room& room) {
     Column<BuildItem> items;
     spare_.try_pop(items);
     items.clear();  // so that a larger one copies nothing
     items.resize(child.size());
     room.items.push_back(std::move(items));
     child.items = room.items.back().data();
-    const std::span<const ItemId> ids(&order_[child.begin], child.size());
     for_chunks(child.size(), [&](size_t, size_t first, size_t end) {
-      fill_items(ids, first, child.range().subspan(first, end - first));
+      fill_items(ids, first, child.size(), child.range().subspan(first, end - first));
     });
   }
 
-  // Brings the child's items into the order of a plan.
-  void plan(Child& child, Room& room) {
-    const std::span<ItemId> ids(&order_[child.begin], child.size());
-    Column<ItemId> from(ids.size());
-    for_chunks(ids.size(), [&](size_t, size_t first, size_t end) {
-      std::copy(ids.begin() + first, ids.begin() + end, from.begin() + first);
-    });
-    room.plans.push_back(std::make_unique<BuildPlan>(
-        make_plan(ids, [&](size_t first, BuildRange out) { fill_items(from, first, out); })));
+  // Writes these ids in the order of a plan.
+  void plan(Child& child, const auto& ids, Room& room) {
+    const size_t count = child.size();
+    const auto make = [&](size_t first, BuildRange out) { fill_items(ids, first, count, out); };
+    room.plans.push_back(
+        std::make_unique<BuildPlan>(make_plan({&order_[child.begin], count}, make)));
     const BuildPlan& plan = *room.plans.back();
     child.box = plan.nodes[0].box;
-    if (plan.nodes[0].below != 0) child.plan = &plan, child.node = 0;
+    if (plan.nodes[0].below != 0) child.plan = &plan;
   }
 
-  // The items of ids[first] and of those that follow.
-  void fill_items(std::span<const ItemId> ids, size_t first, BuildRange out) const {
+  void plan_again(Child& child, Room& room) {
+    Column<ItemId> copy(child.size());
+    for_each_index(copy.size(), [&](size_t i) { copy[i] = order_[child.begin + i]; });
+    plan(child, [&](size_t i) { return copy[i]; }, room);
+  }
+
+  // The items of ids(first) and of those that follow, of `count` in all.
+  void fill_items(const auto& ids, size_t first, size_t count, BuildRange out) const {
     constexpr size_t kAhead = 16;
     for (size_t k = 0; k < out.size(); ++k) {
-      const ItemId id = ids[first + k];
-      g_.prefetch(ids[std::min(first + k + kAhead, ids.size() - 1)]);
+      const ItemId id = ids(first + k);
+      g_.prefetch(ids(std::min(first + k + kAhead, count - 1)));
       if (item_kind(id) == ItemKind::sphere) {
         const Sphere& s = g_.scene().spheres[item_index(id)];
         const Float4 center = {s.center.x, s.center.y, s.center.z, 0};

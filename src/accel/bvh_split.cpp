@@ -65,6 +65,40 @@ BuildSplit split_in_two_blocks(BuildRange range, int axis, Column<BuildItem>& sc
   return best;
 }
 
+// The best split between bins of one axis, with centres (times two) from `from` to `to`.
+BuildSplit split_between_bins(BuildRange range, int axis, float from, float to,
+                              Column<BuildItem>& scratch) {
+  const float scale = float(kBins) * (1 - 1e-6f) / (to - from);
+  if (!std::isfinite(scale)) return {};
+  BuildBox boxes[kBins];
+  int32_t counts[kBins] = {};
+  const auto bin_of = [&](const BuildItem& item) {
+    return size_t((item.center2(axis) - from) * scale) & (kBins - 1);
+  };
+  for (const BuildItem& item : range) {
+    const size_t bin = bin_of(item);
+    boxes[bin].extend(item);
+    ++counts[bin];
+  }
+  BuildBox above[kBins + 1];
+  for (size_t b = kBins; b-- > 1;) (above[b] = above[b + 1]).extend(boxes[b]);
+  const auto blocks = [](size_t n) { return float((n + (kBlockWidth - 1)) / kBlockWidth); };
+  float least = std::numeric_limits<float>::infinity();
+  size_t best = 0, n = 0;
+  BuildBox below, best_below;
+  for (size_t b = 1; b < kBins; ++b) {
+    below.extend(boxes[b - 1]);
+    n += counts[b - 1];
+    const Float4 areas = half_areas(below, above[b], above[b]);
+    const float cost = areas[0] * blocks(n) + areas[1] * blocks(range.size() - n);
+    if (cost < least) least = cost, best = b, best_below = below;
+  }
+  if (best == 0) return {};
+  const size_t middle =
+      partition(range, scratch, [&](const BuildItem& item) { return bin_of(item) < best; });
+  return {middle, best_below, above[best]};
+}
+
 }  // namespace
 
 BuildBox box_of(BuildRange range) {
@@ -80,10 +114,11 @@ BuildSplit split_by_cost(BuildRange range, bool hasty, Column<BuildItem>& scratc
     from = min(from, range[i].center2());
     to = max(to, range[i].center2());
   }
-  if (hasty && range.size() <= 2 * kBlockWidth) {
+  if (hasty && range.size() < 2 * kFewSamples) {
     const Float4 size = to - from;
     const int axis = size[0] >= size[1] && size[0] >= size[2] ? 0 : size[1] >= size[2] ? 1 : 2;
-    return split_in_two_blocks(range, axis, scratch);
+    if (range.size() <= 2 * kBlockWidth) return split_in_two_blocks(range, axis, scratch);
+    return split_between_bins(range, axis, from[axis], to[axis], scratch);
   }
   const Binning binning(from, to, {kBins, kBins, kBins});
   Bins<kBins> bins;
