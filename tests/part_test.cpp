@@ -332,7 +332,7 @@ TEST(SameBytes, AnyThreadsTilesShardsAndPasses) {
       RenderOptions o = wish;
       o.threads = threads;
       const Studio studio(o);
-      for (const int side : {8, 16, 32}) {
+      for (const int side : {8, 16, 32, 64}) {
         const Part part = studio.part({.samples = 2, .shard = 1, .shards = 3}, side);
         // Kept and read again, gone on with, in time and without limit.
         const auto back = decode_part(encode_part(part.header, *part.film));

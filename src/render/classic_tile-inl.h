@@ -32,9 +32,10 @@ using M = hn::Mask<D>;
 using V3 = Wide3<D>;
 constexpr size_t kWidth = hn::MaxLanes(D());
 
-// Rays traced at a time. Bounds the memory of a ray tree: the deepest level goes first, so that no
-// level ever holds more than the children of one such chunk.
-constexpr size_t kChunk = size_t(kTileSide) * kTileSide;
+// Rays traced at a time. Bounds the memory of a ray tree: a level that has so many goes before
+// others, so that none ever holds more than these and the children of another such chunk.
+constexpr size_t kChunk = 1024;
+constexpr size_t kTilePixels = size_t(kMostTileSide) * kMostTileSide;
 
 // A cache line more than needed: columns that lie a multiple of 4096 bytes apart would share the
 // same few lines of the cache.
@@ -123,10 +124,10 @@ struct PathRays {
 // film that stays in the nearest cache.
 class TileSums {
  public:
-  void clear(const Film& film) {
+  void clear(const Film& film, int rows) {
     bound_ = film.bound(), scale_ = film.scale();
-    std::ranges::fill(sums_, PixelSums());
-    before_.resize(bound_ == Film::kMostBound ? kChunk : 0);
+    std::fill_n(sums_, rows * kMostTileSide, PixelSums());
+    before_.resize(bound_ == Film::kMostBound ? size_t(rows * kMostTileSide) : 0);
   }
 
   // Around each sample. What its rays bring together is beyond the film's bound only where that is
@@ -177,7 +178,7 @@ class TileSums {
   }
 
   double bound_ = 1, scale_ = 1;
-  PixelSums sums_[kChunk];
+  PixelSums sums_[kTilePixels];
   std::vector<PixelSums> before_;  // the sample
 };
 

@@ -1,9 +1,10 @@
 // The classic shading, as wide as the machine's registers: compiled once for each instruction set
 // (Highway's foreach_target) and chosen when the program runs.
 //
-// Rays go in batches, a level of the ray tree at a time: the eye rays of a tile, then the shadow
-// rays of their hits light by light, then their reflections and refractions as the next level. A
-// ray carries the weight with which it counts in its pixel, so none waits for another.
+// Rays go in batches, each of one level of the ray tree: eye rays of a tile, then the shadow rays
+// of their hits light by light; their reflections and refractions wait as the next level until they
+// fill a batch. A ray carries the weight with which it counts in its pixel, so none waits for
+// another.
 #include "render/classic.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -32,7 +33,7 @@ HWY_INLINE V3 refract(const V3& dir, const V3& n, V eta, M& in) {
   return renormalize(d, dir * eta + n * hn::Sub(hn::Mul(eta, cosine), root));
 }
 
-constexpr int kRowBits = std::countr_zero(unsigned(kTileSide));
+constexpr int kRowBits = std::countr_zero(unsigned(kMostTileSide));
 
 class WideTracer final : public ClassicTracer {
  public:
@@ -47,7 +48,7 @@ class WideTracer final : public ClassicTracer {
 
   void render(size_t tile, uint32_t samples, Film& film) override {
     list_pixels(film.tile(tile));
-    sums_.clear(film);
+    sums_.clear(film, tile_.y1 - tile_.y0);
     for (PathRays& w : waiting_) w.rays.clear();  // left over where a render was stopped
     counts_ = {};
     context_.tests = context_.steps = 0;
@@ -67,19 +68,22 @@ class WideTracer final : public ClassicTracer {
 
  private:
   // The tile's pixels, numbered row by row as if it were a whole one, in blocks of 4 x 2, two of
-  // which make 4 x 4, four of which make 8 x 8: structures take neighbours of the batch together.
+  // which make 4 x 4, four of which make 8 x 8, and so on: structures take neighbours of the batch
+  // together.
   void list_pixels(const Tile& tile) {
     const Tile before = std::exchange(tile_, tile);
     const int width = tile.x1 - tile.x0, height = tile.y1 - tile.y0;
     if (width == before.x1 - before.x0 && height == before.y1 - before.y0) return;
     pixels_ = 0;
-    for (size_t i = 0; i < kChunk; i += kWidth) {
+    for (size_t i = 0; i < kTilePixels; i += kWidth) {
       const U n = hn::Iota(du, uint32_t(i));
       const auto bits = [&](uint32_t mask, int down) {
         return hn::ShiftRightSame(hn::And(n, hn::Set(du, mask)), down);
       };
-      const U x = hn::Or(bits(3, 0), hn::Or(bits(16, 2), bits(3 << 6, 3)));
-      const U y = hn::Or(bits(3 << 2, 2), hn::Or(bits(32, 3), bits(3 << 8, 5)));
+      const U x =
+          hn::Or(hn::Or(bits(3, 0), bits(1 << 4, 2)), hn::Or(bits(3 << 6, 3), bits(1 << 10, 5)));
+      const U y = hn::Or(hn::Or(bits(3 << 2, 2), bits(1 << 5, 3)),
+                         hn::Or(bits(3 << 8, 5), bits(1 << 11, 6)));
       const auto in = hn::And(hn::Lt(x, hn::Set(du, uint32_t(width))),
                               hn::Lt(y, hn::Set(du, uint32_t(height))));
       put(hn::Add(hn::ShiftLeft<kRowBits>(y), x), hn::RebindMask(d, in), pixel_, pixels_);
@@ -88,7 +92,7 @@ class WideTracer final : public ClassicTracer {
   }
   // Where in the picture the tile's pixels are.
   HWY_INLINE U column_of(U pixel) const {
-    return hn::Add(hn::And(pixel, hn::Set(du, kTileSide - 1)), hn::Set(du, uint32_t(tile_.x0)));
+    return hn::Add(hn::And(pixel, hn::Set(du, kMostTileSide - 1)), hn::Set(du, uint32_t(tile_.x0)));
   }
   HWY_INLINE U row_of(U pixel) const {
     return hn::Add(hn::ShiftRight<kRowBits>(pixel), hn::Set(du, uint32_t(tile_.y0)));
@@ -99,26 +103,35 @@ class WideTracer final : public ClassicTracer {
   }
 
   void add_sample(const WideSampler<D>& sampler) {
-    make_eye_rays(sampler);
-    for (int level = 1; level > 0;) {
-      if (waiting_[size_t(level)].rays.size() == 0) {
-        --level;
-        continue;
+    const size_t deepest = size_t(scene_.options.depth);
+    for (size_t eye = 0;;) {
+      // The deepest level that fills a batch, or else eye rays, or else, as long as children may
+      // come, the first that waits.
+      size_t level = deepest;
+      while (level > 0 && waiting_[level].rays.size() < kChunk) --level;
+      if (level == 0) {
+        level = 1;
+        if (eye < pixels_)
+          eye = make_eye_rays(eye, sampler);
+        else
+          while (level <= deepest && waiting_[level].rays.size() == 0) ++level;
+        if (level > deepest) return;
       }
-      trace_level(level, sampler);
+      trace_level(int(level), sampler);
       if (context_.stopped()) return;
-      if (level < scene_.options.depth) ++level;
     }
   }
 
-  void make_eye_rays(const WideSampler<D>& sampler) {
+  // Those of a chunk of the tile's pixels from `first` on; the end of the chunk.
+  size_t make_eye_rays(size_t first, const WideSampler<D>& sampler) {
     const RenderOptions& o = scene_.options;
     const EyeRays& eye = scene_.eye;
     PathRays& out = waiting_[1];
-    out.resize(pixels_);
+    const size_t end = std::min(first + kChunk, pixels_);
+    out.resize(end - first);
     const M all = hn::FirstN(d, kWidth);
     const U branch = hn::Set(du, kEyeBranch);
-    for (size_t i = 0; i < pixels_; i += kWidth) {
+    for (size_t i = first; i < end; i += kWidth) {
       const U pixel = hn::Load(du, pixel_ + i), place = place_of(pixel);
       const Wide2<D> within = sampler.in_pixel(place);
       const auto to_float = [](U n) { return hn::ConvertTo(d, hn::BitCast(Signed<D>(), n)); };
@@ -131,9 +144,10 @@ class WideTracer final : public ClassicTracer {
         ray = thin_lens(d, eye, x, y, lens, o.aperture, o.focus);
       }
       const V inf = hn::Set(d, std::numeric_limits<float>::infinity());
-      out.put(ray.origin, ray.dir, inf, pixel, branch, hn::Set(d, 1), all, i);
+      out.put(ray.origin, ray.dir, inf, pixel, branch, hn::Set(d, 1), all, i - first);
     }
-    counts_.eye += pixels_;
+    counts_.eye += end - first;
+    return end;
   }
 
   // The last rays that wait at `level`: what they bring goes to the film, their children wait one
@@ -332,9 +346,9 @@ class WideTracer final : public ClassicTracer {
   Tile tile_{};  // of which these are:
   RayCounts counts_;
   size_t pixels_ = 0;
-  alignas(64) uint32_t pixel_[kChunk + 16]{};  // their numbers
-  std::vector<PathRays> waiting_;              // by level
-  PathRays current_;                           // being traced, with their hits
+  alignas(64) uint32_t pixel_[kTilePixels + 16]{};  // their numbers
+  std::vector<PathRays> waiting_;                   // by level
+  PathRays current_;                                // being traced, with their hits
   HitBatch hits_;
   std::unique_ptr<Vertices> vertices_;
   RayBatch shadow_;

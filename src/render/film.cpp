@@ -56,7 +56,7 @@ RayCounts Film::rays() const {
 void Film::add(size_t tile, uint32_t samples, const PixelSums* sums, const RayCounts& rays) {
   const Tile t = this->tile(tile);
   const std::lock_guard lock(mutex(tile));
-  for (int y = t.y0; y < t.y1; ++y, sums += kTileSide) {
+  for (int y = t.y0; y < t.y1; ++y, sums += kMostTileSide) {
     int64_t* const row = pixel(t.x0, y);
     for (int x = 0; x < t.x1 - t.x0; ++x)
       for (int c = 0; c < 3; ++c) row[3 * x + c] += sums[x][size_t(c)];

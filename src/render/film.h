@@ -24,11 +24,11 @@ struct RayCounts {
   friend bool operator==(const RayCounts&, const RayCounts&) = default;
 };
 
-/// A rectangle of pixels, at most kTileSide wide and high.
+/// A rectangle of pixels, at most kMostTileSide wide and high.
 struct Tile {
   int x0, y0, x1, y1;
 };
-inline constexpr int kTileSide = 32;
+inline constexpr int kTileSide = 32, kMostTileSide = 64;
 
 /// Of a pixel's samples: red, green, blue, and nothing, so that one SIMD instruction adds to all.
 struct alignas(32) PixelSums : std::array<int64_t, 4> {};
@@ -56,7 +56,7 @@ class Film {
   static constexpr double kLeastBound = 1e-30, kMostBound = 1e38;
 
   /// No sample of a pixel brings more than `bound`, which is moved between these two. The tiles'
-  /// side is a multiple of 8, at most kTileSide; the picture is the same with any.
+  /// side is a multiple of 8, at most kMostTileSide; the picture is the same with any.
   Film(int width, int height, double bound, int tile_side = kTileSide);
 
   int width() const { return width_; }
@@ -70,8 +70,8 @@ class Film {
   Tile tile(size_t index) const;
   uint32_t samples(size_t tile) const;
 
-  /// Adds `samples` samples of a tile: the sums of its pixels, kTileSide apart from row to row, and
-  /// what they have cost.
+  /// Adds `samples` samples of a tile: the sums of its pixels, kMostTileSide apart from row to row,
+  /// and what they have cost.
   void add(size_t tile, uint32_t samples, const PixelSums* sums, const RayCounts& rays);
 
   /// A tile as it is, to be kept elsewhere, and a tile as it shall be.

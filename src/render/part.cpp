@@ -196,7 +196,7 @@ std::expected<Part, std::string> decode_part(std::string_view file) {
   if (!options) return broken(options.error());
   if (width != uint32_t(options->width) || height != uint32_t(options->height) || width == 0)
     return broken("its size is not that of its settings");
-  if (tile_side == 0 || tile_side % 8 != 0 || tile_side > uint32_t(kTileSide))
+  if (tile_side == 0 || tile_side % 8 != 0 || tile_side > uint32_t(kMostTileSide))
     return broken(fmt::format("tiles of {} pixels", tile_side));
   if (!(bound >= Film::kLeastBound && bound <= Film::kMostBound))
     return broken("no bound of its samples");

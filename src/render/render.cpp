@@ -42,8 +42,13 @@ std::expected<std::unique_ptr<Film>, std::string> make_film(const Scene& scene,
                                                             const RenderOptions& options) {
   if (std::string why = picture_problem(options.width, options.height); !why.empty())
     return std::unexpected(std::move(why));
-  return std::make_unique<Film>(options.width, options.height,
-                                radiance_bound(scene, options.depth));
+  // Large tiles fill more batches with the rays of later levels, as long as there are enough of
+  // them for all threads.
+  constexpr int kTiles = 64;
+  const auto across = [](int pixels) { return (pixels + kMostTileSide - 1) / kMostTileSide; };
+  const bool large = double(across(options.width)) * across(options.height) >= kTiles;
+  return std::make_unique<Film>(options.width, options.height, radiance_bound(scene, options.depth),
+                                large ? kMostTileSide : kTileSide);
 }
 
 namespace {
