@@ -25,7 +25,8 @@ HWY_INLINE V3 offset_point(const V3& point, const V3& geometric, V scale, bool a
 
 // What was hit and is being shaded.
 struct Vertices {
-  Floats3 corner[3];                          // of a triangle; the first is the centre of a sphere
+  // Of a triangle; the centre of a sphere; base, axis and (height, base radius, slope) of a cone.
+  Floats3 corner[3];
   Floats extent;                              // what the surface adds to `scale`
   Floats3 point, outside, normal, geometric;  // normals towards the ray; `outside`: off the surface
   Floats scale;                               // of shape/offset.h
@@ -34,6 +35,14 @@ struct Vertices {
   Floats kd, ks, shine, transmission, ior;
   Floats eta;        // for refraction
   Floats3 radiance;  // towards the ray, so far
+
+  // A point that is known, as three corners of its own.
+  void set(size_t i, const Surface& s) {
+    for (Floats3& c : corner) c.set(i, s.point);
+    extent.at[i] = s.extent;
+    geometric.set(i, s.normal), normal.set(i, s.normal);
+    material[i] = s.material;
+  }
 };
 
 // What the surface that ray i hit is made of: looked up here, worked out many together by
@@ -69,17 +78,16 @@ void look_up(const ClassicScene& classic, const RayBatch& rays, const HitBatch& 
       v.material[i] = facet.material;
       return;
     }
-    case ItemKind::plane:
     case ItemKind::cone: {
-      const Vec3f p = rays[i].at(hits.t[i]);
-      const Surface s = kind == ItemKind::plane ? plane_surface(geometry, index, p)
-                                                : cone_surface(geometry, index, p);
-      for (Floats3& corner : v.corner) corner.set(i, s.point);
-      v.extent.at[i] = s.extent;
-      v.geometric.set(i, s.normal), v.normal.set(i, s.normal);
-      v.material[i] = s.material;
+      const BakedCone& c = geometry.cone(index);
+      v.corner[0].set(i, c.base), v.corner[1].set(i, c.axis);
+      v.corner[2].set(i, {c.height, c.base_radius, c.slope});
+      v.material[i] = scene.cone_materials[index];
       return;
     }
+    case ItemKind::plane:
+      v.set(i, plane_surface(geometry, index, rays[i].at(hits.t[i])));
+      return;
   }
 }
 
@@ -122,6 +130,62 @@ void look_up_materials(const Material* materials, size_t i, Vertices& v) {
   }
 }
 
+// Puts the points that rays hit on cones in the place of what look_up() has told of the cones:
+// cone_surface(), in the lanes i, i + 1, ... of `cones`.
+void find_cones(const Geometry& geometry, const RayBatch& rays, const HitBatch& hits, size_t i,
+                M cones, Vertices& v) {
+  using Doubles = hn::CappedTag<double, kWidth>;
+  const Doubles wide;
+  const hn::Rebind<float, Doubles> narrow;
+  using W3 = Wide3<Doubles>;
+  const V3 shape = load(v.corner[2], i),
+           at = origins(rays, i) + directions(rays, i) * load(hits.t, i);
+  HWY_ALIGN float p[3][kWidth], n[3][kWidth];
+  hn::Store(at.x, d, p[0]), hn::Store(at.y, d, p[1]), hn::Store(at.z, d, p[2]);
+  bool any_on_axis = false;
+  for (size_t k = 0; k < kWidth; k += hn::MaxLanes(wide)) {
+    const auto one = [&](const float* x)
+                         HWY_ATTR { return hn::PromoteTo(wide, hn::Load(narrow, x + k)); };
+    const auto three = [&](const Floats3& f) HWY_ATTR {
+      return W3{one(f.x.at + i), one(f.y.at + i), one(f.z.at + i)};
+    };
+    const auto put = [&](const W3& from, float(*to)[kWidth]) HWY_ATTR {
+      hn::Store(hn::DemoteTo(narrow, from.x), narrow, to[0] + k);
+      hn::Store(hn::DemoteTo(narrow, from.y), narrow, to[1] + k);
+      hn::Store(hn::DemoteTo(narrow, from.z), narrow, to[2] + k);
+    };
+    const auto divided = [](const W3& a, hn::Vec<Doubles> by) HWY_ATTR {
+      return W3{hn::Div(a.x, by), hn::Div(a.y, by), hn::Div(a.z, by)};
+    };
+    const auto radius = one(v.corner[2].y.at + i), slope = one(v.corner[2].z.at + i);
+    const W3 axis = three(v.corner[1]), point = {one(p[0]), one(p[1]), one(p[2])};
+    const W3 x = point - three(v.corner[0]);
+    const auto z = dot(x, axis);
+    const W3 across = x - axis * z;
+    const auto rho = length(across);
+    any_on_axis |= !hn::AllTrue(wide, hn::Gt(rho, hn::Zero(wide)));
+    const W3 out = divided(across, rho) - axis * slope;
+    put(divided(out, length(out)), n);
+    const W3 normal = {one(n[0]), one(n[1]), one(n[2])};
+    const auto error = hn::Sub(rho, hn::Add(radius, hn::Mul(slope, z)));
+    const auto secant = hn::Sqrt(hn::Add(hn::Set(wide, 1.0), hn::Mul(slope, slope)));
+    put(point - normal * hn::Div(error, secant), p);
+  }
+  const auto put = [&](const V3& from, Floats3& to)
+                       HWY_ATTR { store(select(cones, from, load(to, i)), to, i); };
+  const V3 point = {hn::Load(d, p[0]), hn::Load(d, p[1]), hn::Load(d, p[2])};
+  const V3 normal = {hn::Load(d, n[0]), hn::Load(d, n[1]), hn::Load(d, n[2])};
+  for (Floats3& corner : v.corner) put(point, corner);
+  put(normal, v.geometric), put(normal, v.normal);
+  const V extent = hn::Add(shape.x, hn::Max(shape.y, hn::Add(shape.y, hn::Mul(shape.z, shape.x))));
+  store(hn::IfThenElse(cones, extent, load(v.extent, i)), v.extent, i);
+  if (!any_on_axis) return;
+  // Tips have no normal of their own.
+  for (size_t k = i; k < i + kWidth; ++k)
+    if (item_kind(hits.item[k]) == ItemKind::cone)
+      v.set(k, cone_surface(geometry, item_index(hits.item[k]), rays[k].at(hits.t[k])));
+}
+
 // Where n rays hit: points, normals towards the ray, and all that is the same for every light.
 void find_surfaces(const ClassicScene& classic, const RayBatch& rays, const HitBatch& hits,
                    size_t n, Vertices& v) {
@@ -132,6 +196,12 @@ void find_surfaces(const ClassicScene& classic, const RayBatch& rays, const HitB
   for (size_t i = 0; i < n; i += kWidth) {
     look_up_materials(classic.scene.materials.data(), i, v);
     const V3 dir = directions(rays, i);
+    const auto kind = hn::ShiftRight<kItemIndexBits>(load(hits.item, i));
+    const auto is = [&](ItemKind k) HWY_ATTR {
+      return hn::RebindMask(d, hn::Eq(kind, hn::Set(du, uint32_t(k))));
+    };
+    if (const M cones = is(ItemKind::cone); !hn::AllFalse(d, cones))
+      find_cones(classic.accel.geometry(), rays, hits, i, cones, v);
     // Triangles, by their corners' weights; points of other kinds are three corners of their own.
     const V3 a = load(v.corner[0], i);
     const V3 ab = load(v.corner[1], i) - a, ac = load(v.corner[2], i) - a;
@@ -146,8 +216,7 @@ void find_surfaces(const ClassicScene& classic, const RayBatch& rays, const HitB
       normal = select(hn::Gt(side, zero), unit, -unit);
       normal = select(hn::Eq(side, zero), geometric, normal);
     }
-    const auto kind = hn::ShiftRight<kItemIndexBits>(load(hits.item, i));
-    const M sphere = hn::RebindMask(d, hn::Eq(kind, hn::Set(du, uint32_t(ItemKind::sphere))));
+    const M sphere = is(ItemKind::sphere);
     // Spheres: the point is put back on the surface along the radius, for which it must be `a`.
     const V3 at = origins(rays, i) + dir * load(hits.t, i);
     const V3 outward = normalize(d, at - a);
