@@ -64,6 +64,8 @@ struct Blocks {
   Column<TriangleBlock> triangles;
   Column<ConeBlock> cones;
   float reach = 0;  // the largest coordinate in any of them
+  // Where rays start further apart than this, beams of any-hit rays do not pay.
+  float farthest_apart = std::numeric_limits<float>::infinity();
   // Those that most rays meet, or that hold so few primitives that most of eight lanes would be
   // wasted. Rays that travel alone meet them sixteen at a time, before they walk.
   std::vector<uint32_t> shared;

@@ -210,6 +210,7 @@ class BeamMaker {
     if (any) {
       const Box ends = box(BeamRoom::ends, p);
       const M16 end = hn::Lt(t, hn::Set(f, kInfinity));
+      formed = hn::And(formed, hn::Le(origins.extent(), hn::Set(f, blocks_.farthest_apart)));
       // Directions to a light that has a size differ by its own, which counts less.
       const V16 to_point = hn::Sub(apart, hn::Div(ends.extent(), t));
       formed = hn::AndNot(hn::AndNot(hn::Lt(to_point, hn::Set(f, kMaxSpreadToPoint)), end), formed);

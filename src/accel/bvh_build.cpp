@@ -377,6 +377,21 @@ class Builder {
   tbb::enumerable_thread_specific<Column<BuildItem>> scratches_{[] { return Column<BuildItem>(); }};
 };
 
+// How wide the median of some of the triangles is.
+float triangle_width(const Column<TriangleBlock>& blocks) {
+  constexpr size_t kSamples = 256;
+  std::vector<float> widths;
+  for (size_t i = 0; i < kSamples; ++i) {
+    const TriangleBlock& block = blocks[i * blocks.size() / kSamples];
+    Box3f box;
+    for (const auto& corner : block.corner) box.extend({corner[0][0], corner[1][0], corner[2][0]});
+    widths.push_back(max_component(box.size()));
+  }
+  const auto middle = widths.begin() + kSamples / 2;
+  std::nth_element(widths.begin(), middle, widths.end());
+  return *middle;
+}
+
 }  // namespace
 
 std::expected<Bvh, std::string> build_bvh(const Geometry& geometry, size_t available) {
@@ -387,6 +402,9 @@ std::expected<Bvh, std::string> build_bvh(const Geometry& geometry, size_t avail
   for (const uint32_t ref : out.nodes[0].child)
     if (ref != kNoChild && ref_pool(ref) != Pool::nodes && out.items(ref)[kFew] == kNoItem)
       out.shared.push_back(ref);
+  // A beam meets many triangles that none of its rays does where they are small. Measured.
+  if (!out.triangles.empty() && out.spheres.empty() && out.cones.empty())
+    out.farthest_apart = 8 * triangle_width(out.triangles);
   return out;
 }
 
