@@ -6,12 +6,13 @@
 #include "accel/bvh_build.h"
 
 #include <fmt/core.h>
-#include <tbb/concurrent_queue.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/task_group.h>
 
 #include <memory>
+#include <mutex>
 #include <optional>
+#include <utility>
 
 #include "accel/bvh.h"
 #include "accel/parallel.h"
@@ -53,6 +54,44 @@ struct Part {
     while (counts[pool] == 0) ++pool;
     return moved(pool_ref(Pool(pool), 0));
   }
+};
+
+// Columns that nobody uses just now, so that not each of them is new memory.
+class SpareItems {
+ public:
+  Column<BuildItem> take() {
+    const std::lock_guard lock(mutex_);
+    if (spare_.empty()) {
+      spare_.reserve(++made_);  // so that giving back cannot fail
+      return {};
+    }
+    Column<BuildItem> items = std::move(spare_.back());
+    spare_.pop_back();
+    return items;
+  }
+  void give_back(Column<BuildItem> items) {
+    const std::lock_guard lock(mutex_);
+    spare_.push_back(std::move(items));
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<Column<BuildItem>> spare_;
+  size_t made_ = 0;
+};
+
+// What the children of some nodes refer to.
+struct Room {
+  explicit Room(SpareItems& s) : spare(s) {}
+  ~Room() {
+    for (Column<BuildItem>& some : items) spare.give_back(std::move(some));
+  }
+  Room(const Room&) = delete;
+  Room& operator=(const Room&) = delete;
+
+  SpareItems& spare;
+  std::vector<Column<BuildItem>> items;
+  std::vector<std::unique_ptr<BuildPlan>> plans;
 };
 
 class Builder {
@@ -106,19 +145,6 @@ class Builder {
   }
 
  private:
-  using Spare = tbb::concurrent_queue<Column<BuildItem>>;
-
-  // What the children of some nodes refer to.
-  struct Room {
-    explicit Room(Spare& s) : spare(s) {}
-    ~Room() {
-      for (Column<BuildItem>& some : items) spare.push(std::move(some));
-    }
-    Spare& spare;
-    std::vector<Column<BuildItem>> items;
-    std::vector<std::unique_ptr<BuildPlan>> plans;
-  };
-
   // Of blocks that are all full.
   double least_bytes() const {
     return (double(g_.count(ItemKind::sphere)) * sizeof(SphereBlock) +
@@ -272,7 +298,7 @@ class Builder {
   // Where kinds part a range: in the last splits, since leaves do not mix them; and at the root,
   // where few of a kind are a leaf of their own, which rays meet early and are the shorter for.
   // Else 0.
-  size_t part_kinds(const Child& child, int depth) const {
+  static size_t part_kinds(const Child& child, int depth) {
     constexpr size_t kFew = kBlockWidth;
     const size_t n = child.size();
     if (n > kFew && depth > 0) return 0;
@@ -286,12 +312,10 @@ class Builder {
 
   // Its items have the ids ids(0), ids(1) ...
   void make_items(Child& child, const auto& ids, Room& room) {
-    Column<BuildItem> items;
-    spare_.try_pop(items);
+    Column<BuildItem>& items = room.items.emplace_back(room.spare.take());
     items.clear();  // so that a larger one copies nothing
     items.resize(child.size());
-    room.items.push_back(std::move(items));
-    child.items = room.items.back().data();
+    child.items = items.data();
     for_chunks(child.size(), [&](size_t, size_t first, size_t end) {
       fill_items(ids, first, child.size(), child.range().subspan(first, end - first));
     });
@@ -373,7 +397,7 @@ class Builder {
   const Geometry& g_;
   bool hasty_ = false;
   Column<ItemId> order_;  // in the end that of the leaves
-  Spare spare_;
+  SpareItems spare_;
   tbb::enumerable_thread_specific<Column<BuildItem>> scratches_{[] { return Column<BuildItem>(); }};
 };
 
