@@ -287,12 +287,12 @@ class Builder {
   static Child planned(const Child& child, uint32_t node) {
     const BuildPlan::Node& from = child.plan->nodes[child.node];
     const BuildPlan::Node& to = child.plan->nodes[node];
-    Child out = part_of(child, 0, 0, to.box);
-    out.begin = child.begin - from.begin + to.begin;
-    out.end = child.begin - from.begin + to.end;
-    if (child.items) out.items = child.items - from.begin + to.begin;
-    if (to.below != 0) out.plan = child.plan, out.node = node;
-    return out;
+    const size_t all = child.begin - from.begin;  // where the plan's items begin
+    return {.begin = all + to.begin,
+            .end = all + to.end,
+            .box = to.box,
+            .plan = to.below != 0 ? child.plan : nullptr,
+            .node = node};
   }
 
   // Where kinds part a range: in the last splits, since leaves do not mix them; and at the root,
@@ -329,7 +329,7 @@ class Builder {
         std::make_unique<BuildPlan>(make_plan({&order_[child.begin], count}, make)));
     const BuildPlan& plan = *room.plans.back();
     child.box = plan.nodes[0].box;
-    if (plan.nodes[0].below != 0) child.plan = &plan;
+    if (plan.nodes[0].below != 0) child.plan = &plan, child.node = 0;
   }
 
   void plan_again(Child& child, Room& room) {
