@@ -433,6 +433,49 @@ TEST(Film, HoldsBrightAndDim) {
   EXPECT_GT(image.at(0, 0).z, 0);
 }
 
+TEST(Film, TilesAreFilledWhereTheyAre) {
+  // Tiles whose side is no power of two, those at the edges smaller, and smaller than a tile.
+  for (const auto& [width, height] : {std::pair(61, 50), {5, 3}, {100, 2}}) {
+    Film film(width, height, 1000, 24);
+    const auto fill = [&](size_t t, PixelSums* sums, double sample) {
+      const Tile tile = film.tile(t);
+      for (int y = tile.y0; y < tile.y1; ++y)
+        for (int x = tile.x0; x < tile.x1; ++x)
+          sums[size_t(y - tile.y0) * film.row_stride() + size_t(x - tile.x0)] = {
+              {int64_t(x * film.scale()), int64_t(y * film.scale()), int64_t(sample)}};
+    };
+    for (size_t t = 0; t < film.tiles(); ++t) {
+      // Begun and left: nothing of it is in the film, now or later.
+      PixelSums* const left = film.begin(t);
+      ASSERT_NE(left, nullptr);
+      std::fill_n(left, film.tile_sums(), PixelSums{{1, 2, 3}});
+      EXPECT_EQ(film.samples(t), 0u);
+      EXPECT_EQ(film.copy(t), TileSamples());
+      PixelSums* const sums = film.begin(t);
+      for (size_t i = 0; i < film.tile_sums(); ++i) ASSERT_EQ(sums[i], PixelSums()) << i;
+      fill(t, sums, film.scale());
+      film.add(t, 1, sums, {.eye = t});
+      EXPECT_EQ(film.begin(t), nullptr);
+      std::vector<PixelSums> more(film.tile_sums());
+      fill(t, more.data(), 3 * film.scale());
+      film.add(t, 1, more.data(), {.eye = 1});
+    }
+    Film copied(width, height, 1000, 24);
+    for (size_t t = 0; t < film.tiles(); ++t) {
+      EXPECT_EQ(film.copy(t).rays.eye, t + 1);
+      copied.replace(t, film.copy(t));
+      EXPECT_EQ(copied.copy(t), film.copy(t));
+    }
+    const Image image = film.resolve();
+    EXPECT_TRUE(same_bytes(image, copied.resolve()));
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) EXPECT_EQ(image.at(x, y), Rgb(float(x), float(y), 2));
+    copied.replace(0, {});
+    EXPECT_NE(copied.begin(0), nullptr);
+    EXPECT_EQ(copied.resolve().at(0, 0), Rgb());
+  }
+}
+
 TEST(Render, SurvivesLightBeyondWhatFloatsHold) {
   Scene s = looking_down();
   s.lights = {{{0, 0, 4}, std::nullopt}};

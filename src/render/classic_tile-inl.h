@@ -8,6 +8,8 @@
 #define RAIO_RENDER_CLASSIC_TILE_INL_H_
 #endif
 
+#include <hwy/cache_control.h>
+
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -120,14 +122,18 @@ struct PathRays {
   }
 };
 
-// The pixels' sums in the tile that is being rendered, in the film's fixed point: a part of the
-// film that stays in the nearest cache.
+// The pixels' sums in the tile that is being rendered, in the film's fixed point: the film's own
+// where it has no samples of the tile yet, so that nothing is to be moved.
 class TileSums {
  public:
-  void clear(const Film& film, int rows) {
+  void begin(Film& film, size_t tile) {
     bound_ = film.bound(), scale_ = film.scale();
-    std::fill_n(sums_, rows * kMostTileSide, PixelSums());
-    before_.resize(bound_ == Film::kMostBound ? size_t(rows * kMostTileSide) : 0);
+    sums_ = film.begin(tile);
+    if (!sums_) {
+      own_.assign(film.tile_sums(), PixelSums());
+      sums_ = own_.data();
+    }
+    before_.resize(bound_ == Film::kMostBound ? film.tile_sums() : 0);
   }
 
   // Around each sample. What its rays bring together is beyond the film's bound only where that is
@@ -137,6 +143,11 @@ class TileSums {
     const auto most = int64_t(bound_ * scale_);
     for (size_t i = 0; i < before_.size(); ++i)
       for (size_t c = 0; c < 3; ++c) sums_[i][c] = std::min(sums_[i][c], before_[i][c] + most);
+  }
+
+  // Asks the memory for those of four pixels in a row.
+  HWY_INLINE void prefetch(uint32_t pixel) const {
+    hwy::Prefetch(sums_ + pixel), hwy::Prefetch(sums_ + pixel + 2);
   }
 
   // The values in `mask`, one for each of `pixels`.
@@ -178,7 +189,8 @@ class TileSums {
   }
 
   double bound_ = 1, scale_ = 1;
-  PixelSums sums_[kTilePixels];
+  PixelSums* sums_ = nullptr;
+  std::vector<PixelSums> own_;     // unless they are the film's
   std::vector<PixelSums> before_;  // the sample
 };
 

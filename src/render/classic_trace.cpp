@@ -33,8 +33,6 @@ HWY_INLINE V3 refract(const V3& dir, const V3& n, V eta, M& in) {
   return renormalize(d, dir * eta + n * hn::Sub(hn::Mul(eta, cosine), root));
 }
 
-constexpr int kRowBits = std::countr_zero(unsigned(kMostTileSide));
-
 class WideTracer final : public ClassicTracer {
  public:
   WideTracer(const ClassicScene& scene, RenderControl& control)
@@ -47,8 +45,8 @@ class WideTracer final : public ClassicTracer {
   }
 
   void render(size_t tile, uint32_t samples, Film& film) override {
-    list_pixels(film.tile(tile));
-    sums_.clear(film, tile_.y1 - tile_.y0);
+    list_pixels(film.tile(tile), std::countr_zero(film.row_stride()));
+    sums_.begin(film, tile);
     for (PathRays& w : waiting_) w.rays.clear();  // left over where a render was stopped
     counts_ = {};
     context_.tests = context_.steps = 0;
@@ -67,13 +65,16 @@ class WideTracer final : public ClassicTracer {
   }
 
  private:
-  // The tile's pixels, numbered row by row as if it were a whole one, in blocks of 4 x 2, two of
+  // The tile's pixels, numbered row by row as the film has them, in blocks of 4 x 2, two of
   // which make 4 x 4, four of which make 8 x 8, and so on: structures take neighbours of the batch
   // together.
-  void list_pixels(const Tile& tile) {
+  void list_pixels(const Tile& tile, int row_bits) {
     const Tile before = std::exchange(tile_, tile);
+    const int bits_before = std::exchange(row_bits_, row_bits);
     const int width = tile.x1 - tile.x0, height = tile.y1 - tile.y0;
-    if (width == before.x1 - before.x0 && height == before.y1 - before.y0) return;
+    if (width == before.x1 - before.x0 && height == before.y1 - before.y0 &&
+        row_bits == bits_before)
+      return;
     pixels_ = 0;
     for (size_t i = 0; i < kTilePixels; i += kWidth) {
       const U n = hn::Iota(du, uint32_t(i));
@@ -86,16 +87,17 @@ class WideTracer final : public ClassicTracer {
                          hn::Or(bits(3 << 8, 5), bits(1 << 11, 6)));
       const auto in = hn::And(hn::Lt(x, hn::Set(du, uint32_t(width))),
                               hn::Lt(y, hn::Set(du, uint32_t(height))));
-      put(hn::Add(hn::ShiftLeft<kRowBits>(y), x), hn::RebindMask(d, in), pixel_, pixels_);
+      put(hn::Add(hn::ShiftLeftSame(y, row_bits_), x), hn::RebindMask(d, in), pixel_, pixels_);
       pixels_ += hn::CountTrue(du, in);
     }
   }
   // Where in the picture the tile's pixels are.
   HWY_INLINE U column_of(U pixel) const {
-    return hn::Add(hn::And(pixel, hn::Set(du, kMostTileSide - 1)), hn::Set(du, uint32_t(tile_.x0)));
+    return hn::Add(hn::And(pixel, hn::Set(du, (1u << row_bits_) - 1)),
+                   hn::Set(du, uint32_t(tile_.x0)));
   }
   HWY_INLINE U row_of(U pixel) const {
-    return hn::Add(hn::ShiftRight<kRowBits>(pixel), hn::Set(du, uint32_t(tile_.y0)));
+    return hn::Add(hn::ShiftRightSame(pixel, row_bits_), hn::Set(du, uint32_t(tile_.y0)));
   }
   // As render/sampler.h has it.
   HWY_INLINE U place_of(U pixel) const {
@@ -146,6 +148,8 @@ class WideTracer final : public ClassicTracer {
       const V inf = hn::Set(d, std::numeric_limits<float>::infinity());
       out.put(ray.origin, ray.dir, inf, pixel, branch, hn::Set(d, 1), all, i - first);
     }
+    // Wanted when these rays have been traced.
+    for (size_t i = first; i < end; i += 4) sums_.prefetch(pixel_[i]);
     counts_.eye += end - first;
     return end;
   }
@@ -343,7 +347,8 @@ class WideTracer final : public ClassicTracer {
   RenderControl& control_;
   TraceContext context_;
   TileSums sums_;
-  Tile tile_{};  // of which these are:
+  Tile tile_{};       // of which these are:
+  int row_bits_ = 0;  // of a pixel's number, those that count within a row
   RayCounts counts_;
   size_t pixels_ = 0;
   alignas(64) uint32_t pixel_[kTilePixels + 16]{};  // their numbers

@@ -23,9 +23,8 @@ Film::Film(int width, int height, double bound, int tile_side)
       tile_side_(tile_side),
       columns_((width + tile_side - 1) / tile_side),
       bound_(std::clamp(bound, kLeastBound, kMostBound)),
-      sums_(map_sums(size_t(width) * size_t(height))),
-      samples_(size_t(columns_) * size_t((height + tile_side - 1) / tile_side)),
-      rays_(samples_.size()) {
+      states_(size_t(columns_) * size_t((height + tile_side - 1) / tile_side)),
+      sums_(map_sums()) {
   // The sum of the most samples that there can be stays below 2^62; and no finer than 2^-40, where
   // a picture has no more to say.
   int exponent = 0;
@@ -41,65 +40,70 @@ Tile Film::tile(size_t index) const {
 
 uint32_t Film::samples(size_t tile) const {
   const std::lock_guard lock(mutex(tile));
-  return samples_[tile];
+  return states_[tile].samples;
 }
 
 RayCounts Film::rays() const {
   RayCounts all;
   for (size_t t = 0; t < tiles(); ++t) {
     const std::lock_guard lock(mutex(t));
-    all += rays_[t];
+    all += states_[t].rays;
   }
   return all;
 }
 
-void Film::add(size_t tile, uint32_t samples, const PixelSums* sums, const RayCounts& rays) {
-  const Tile t = this->tile(tile);
+PixelSums* Film::begin(size_t tile) {
   const std::lock_guard lock(mutex(tile));
-  for (int y = t.y0; y < t.y1; ++y, sums += kMostTileSide) {
-    int64_t* const row = pixel(t.x0, y);
-    for (int x = 0; x < t.x1 - t.x0; ++x)
-      for (int c = 0; c < 3; ++c) row[3 * x + c] += sums[x][size_t(c)];
-  }
-  samples_[tile] += samples;
-  rays_[tile] += rays;
+  TileState& state = states_[tile];
+  if (state.samples > 0) return nullptr;
+  if (state.begun) std::fill_n(sums(tile), tile_sums(), PixelSums());
+  state.begun = true;
+  return sums(tile);
+}
+
+void Film::add(size_t tile, uint32_t samples, const PixelSums* sums, const RayCounts& rays) {
+  const std::lock_guard lock(mutex(tile));
+  if (PixelSums* const held = this->sums(tile); held != sums)
+    for (size_t i = 0; i < tile_sums(); ++i)
+      for (size_t c = 0; c < sums[i].size(); ++c) held[i][c] += sums[i][c];
+  states_[tile].samples += samples;
+  states_[tile].rays += rays;
 }
 
 TileSamples Film::copy(size_t tile) const {
   const Tile t = this->tile(tile);
-  TileSamples out;
   const std::lock_guard lock(mutex(tile));
-  out.samples = samples_[tile], out.rays = rays_[tile];
-  if (out.samples > 0)
-    for (int y = t.y0; y < t.y1; ++y)
-      out.sums.insert(out.sums.end(), pixel(t.x0, y), pixel(t.x1, y));
+  TileSamples out{states_[tile].samples, states_[tile].rays, {}};
+  if (out.samples == 0) return out;
+  for (int y = t.y0; y < t.y1; ++y)
+    for (int x = 0; x < t.x1 - t.x0; ++x) {
+      const PixelSums& s = row(tile, y)[x];
+      out.sums.insert(out.sums.end(), {s[0], s[1], s[2]});
+    }
   return out;
 }
 
 void Film::replace(size_t tile, const TileSamples& by) {
   const Tile t = this->tile(tile);
-  const size_t row = size_t(t.x1 - t.x0) * 3;
   const std::lock_guard lock(mutex(tile));
-  samples_[tile] = by.samples, rays_[tile] = by.rays;
-  for (int y = t.y0; y < t.y1; ++y) {
-    if (by.samples > 0)
-      std::copy_n(by.sums.begin() + ptrdiff_t(size_t(y - t.y0) * row), row, pixel(t.x0, y));
-    else
-      std::fill_n(pixel(t.x0, y), row, 0);
-  }
+  states_[tile] = {by.samples, false, by.rays};
+  std::fill_n(sums(tile), tile_sums(), PixelSums());
+  const int64_t* s = by.sums.data();
+  for (int y = t.y0; y < t.y1 && by.samples > 0; ++y)
+    for (int x = 0; x < t.x1 - t.x0; ++x, s += 3) row(tile, y)[x] = {{s[0], s[1], s[2]}};
 }
 
 Image Film::resolve() const {
   Image image(width_, height_);
   tbb::parallel_for(size_t(0), tiles(), [&](size_t t) {
     const std::lock_guard lock(mutex(t));
-    if (samples_[t] == 0) return;
+    if (states_[t].samples == 0) return;
     const Tile tile = this->tile(t);
-    const double unit = 1 / (scale_ * samples_[t]);
+    const double unit = 1 / (scale_ * states_[t].samples);
     const auto light = [&](int64_t sum) { return float(double(sum) * unit); };
     for (int y = tile.y0; y < tile.y1; ++y)
       for (int x = tile.x0; x < tile.x1; ++x) {
-        const int64_t* s = pixel(x, y);
+        const PixelSums& s = row(t, y)[x - tile.x0];
         image.at(x, y) = {light(s[0]), light(s[1]), light(s[2])};
       }
   });

@@ -1,7 +1,9 @@
 // Where samples are added up.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -66,12 +68,22 @@ class Film {
   double scale() const { return scale_; }
   int tile_side() const { return tile_side_; }
 
-  size_t tiles() const { return samples_.size(); }
+  size_t tiles() const { return states_.size(); }
   Tile tile(size_t index) const;
   uint32_t samples(size_t tile) const;
 
-  /// Adds `samples` samples of a tile: the sums of its pixels, kMostTileSide apart from row to row,
-  /// and what they have cost.
+  /// From row to row of a tile's sums: a power of two.
+  size_t row_stride() const { return std::bit_ceil(size_t(std::min(tile_side_, width_))); }
+  /// Of a tile, with those between its rows and, of tiles at the edge, beyond them.
+  size_t tile_sums() const { return row_stride() * size_t(std::min(tile_side_, height_)); }
+
+  /// The sums of a tile that has no samples yet, all zero, to be filled where they are; the film
+  /// has nothing of them before add(), and all is as it was if that never comes. Null where there
+  /// are samples.
+  PixelSums* begin(size_t tile);
+
+  /// Adds `samples` samples of a tile: the sums of its pixels, tile_sums() of them, which are those
+  /// of begin() unless it had samples; and what they have cost.
   void add(size_t tile, uint32_t samples, const PixelSums* sums, const RayCounts& rays);
 
   /// A tile as it is, to be kept elsewhere, and a tile as it shall be.
@@ -88,16 +100,24 @@ class Film {
     size_t bytes;
     void operator()(void* memory) const { unmap_zeroes(memory, bytes); }
   };
-  using Sums = std::unique_ptr<int64_t[], Unmap>;
+  using Sums = std::unique_ptr<PixelSums[], Unmap>;
 
-  static Sums map_sums(size_t pixels) {
-    const size_t bytes = pixels * 3 * sizeof(int64_t);
-    return {static_cast<int64_t*>(map_zeroes(bytes)), Unmap{bytes}};
+  struct TileState {
+    uint32_t samples = 0;
+    bool begun = false;  // without samples its sums may not be zero
+    RayCounts rays;
+  };
+
+  Sums map_sums() const {
+    const size_t bytes = tiles() * tile_sums() * sizeof(PixelSums);
+    return {static_cast<PixelSums*>(map_zeroes(bytes)), Unmap{bytes}};
   }
 
   std::mutex& mutex(size_t tile) const { return mutexes_[tile % mutexes_.size()]; }
-  int64_t* pixel(int x, int y) const {
-    return &sums_[(size_t(y) * size_t(width_) + size_t(x)) * 3];
+  PixelSums* sums(size_t tile) const { return &sums_[tile * tile_sums()]; }
+  // Of row `y` of the picture.
+  PixelSums* row(size_t tile, int y) const {
+    return sums(tile) + size_t(y % tile_side_) * row_stride();
   }
 
   int width_, height_, tile_side_, columns_;
@@ -105,9 +125,8 @@ class Film {
   // Of what follows, each for some of the tiles: a prime number, so that threads that work half or
   // a third of the picture apart do not wait for each other.
   mutable std::array<std::mutex, 61> mutexes_;
-  Sums sums_;                      // r, g, b per pixel
-  std::vector<uint32_t> samples_;  // per tile
-  std::vector<RayCounts> rays_;    // per tile
+  std::vector<TileState> states_;
+  Sums sums_;  // tile by tile
 };
 
 }  // namespace raio

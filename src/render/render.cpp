@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -25,8 +26,12 @@ void on_threads(int threads, const std::function<void()>& work) {
 
 std::string picture_problem(int width, int height) {
   const size_t pixels = size_t(width) * size_t(height);
-  // The film, and the pictures in float and in bytes that are made of it.
-  const double bytes = double(pixels) * (3 * sizeof(int64_t) + sizeof(Rgb) + 6);
+  // The film, of whole tiles, and the pictures in float and in bytes that are made of it.
+  const auto whole = [](int side) {
+    return std::min(2.0 * side, std::ceil(double(side) / kMostTileSide) * kMostTileSide);
+  };
+  const double bytes =
+      whole(width) * whole(height) * sizeof(PixelSums) + double(pixels) * (sizeof(Rgb) + 6);
   if (const double available = double(available_memory_bytes()); bytes > 0.9 * available)
     return fmt::format(
         "a picture of {}x{} pixels needs {:.1f} GB and {:.1f} GB are free; choose a smaller --size",
