@@ -23,98 +23,121 @@ class Beams {
  public:
   static constexpr bool kAny = any;
 
-  Beams(const Geometry& geometry, const Blocks& blocks, const Batch& batch, BeamRoom& room,
-        TraceContext& context)
-      : g_(geometry), blocks_(blocks), batch_(batch), beams_(room.beams), context_(context) {}
+  Beams(const Blocks& blocks, const Batch& batch, BeamRoom& room, TraceContext& context)
+      : blocks_(blocks), batch_(batch), room_(room), context_(context) {}
 
   // The sixteen rays from 16 * id against everything, for trees that are but a few blocks.
   HWY_INLINE void meet_all(uint32_t id) {
-    const auto all = [&](const auto& blocks, auto&& test) {
-      for (const auto& block : blocks) {
-        for_bits(BoxLanes::named(block.item), [&](int k) { test(block, k); });
-        context_.tests += kBlockWidth * kPacket;
-      }
+    const auto all = [&](const auto& blocks) {
+      for (const auto& block : blocks) meet_block(block, id);
     };
-    all(blocks_.spheres, [&](const SphereBlock& b, int k) { meet_sphere(b, k, id); });
-    all(blocks_.triangles, [&](const TriangleBlock& b, int k) { meet_triangle<false>(b, k, id); });
-    all(blocks_.cones, [&](const ConeBlock& b, int k) { meet_cone(b, k, id); });
+    all(blocks_.spheres), all(blocks_.triangles), all(blocks_.cones);
   }
 
   // The sixteen rays against all primitives of a block.
   HWY_INLINE void meet_block(uint32_t ref, uint32_t id) {
-    const ItemId* const items = blocks_.items(ref);
     const uint32_t i = ref_index(ref);
-    for (int k = 0; k < kBlockWidth && items[k] != kNoItem; ++k) {
-      context_.tests += kPacket;
-      if (ref_pool(ref) == Pool::spheres)
-        meet_sphere(blocks_.spheres[i], k, id);
-      else if (ref_pool(ref) == Pool::triangles)
-        meet_triangle<false>(blocks_.triangles[i], k, id);
-      else
-        meet_cone(blocks_.cones[i], k, id);
+    switch (ref_pool(ref)) {
+      case Pool::spheres:
+        return meet_block(blocks_.spheres[i], id);
+      case Pool::triangles:
+        return meet_block(blocks_.triangles[i], id);
+      default:
+        return meet_block(blocks_.cones[i], id);
     }
   }
 
-  bool gave_up(uint32_t id) const { return beams_[id].tests_left < 0; }
-  bool alive(uint32_t id) const { return beams_[id].t > 0; }
+  bool gave_up(uint32_t id) const { return room_.beams[id].tests_left < 0; }
+  bool alive(uint32_t id) const { return room_.beams[id].t > 0; }
 
   void visits(size_t n) { context_.steps += n; }
-  float end(uint32_t id) const { return beams_[id].t; }
+  float end(uint32_t id) const { return room_.beams[id].t; }
   Sweep sweep(uint32_t id) const {
-    const Beam& b = beams_[id];
+    const Beam& b = room_.beams[id];
     return {b.o, b.d, b.start, b.widening};
   }
 
   HWY_INLINE unsigned meet(uint32_t id, const BoxLanes& boxes, V8* nearest = nullptr) const {
-    const Beam& b = beams_[id];
+    const Beam& b = room_.beams[id];
     return boxes.meet(b.inverse[0], b.inverse[1], b.offset[0], b.offset[1], b.t, nearest);
   }
 
   HWY_INLINE void leaf(uint32_t ref, const uint32_t* ids, size_t n) {
     const uint32_t block = ref_index(ref);
-    const auto each = [&](auto&& which, auto&& test) {
-      for (size_t i = 0; i < n; ++i) {
-        Beam& b = beams_[ids[i]];
-        if (!(b.t > 0)) continue;
-        const unsigned mask = which(ids[i]);
-        if (mask == 0) continue;
-        const int tests = int(hwy::PopCount(mask));
-        for_bits(mask, [&](int k) { test(k, ids[i]); });
-        context_.tests += uint64_t(tests) * kPacket;
-        V16 farthest = hn::Zero(kSixteen);
-        for (int k = 0; k < kPacket; k += kLanes16)
-          farthest = hn::Max(farthest, hn::Load(kSixteen, batch_.t + ids[i] * kPacket + k));
-        b.t = hn::GetLane(hn::MaxOfLanes(kSixteen, farthest));
-        if (b.t == 0) b.t = -1;
-        b.tests_left -= tests;
-        if (b.tests_left < 0) b.t = -1;
-      }
-    };
     switch (ref_pool(ref)) {
       case Pool::spheres: {
         const SphereBlock& spheres = blocks_.spheres[block];
-        return each([&](uint32_t id) { return near_spheres(spheres, beams_[id]); },
-                    [&](int k, uint32_t id) { meet_sphere(spheres, k, id); });
+        return leaf(spheres, ids, n, [&](uint32_t id) { return near_spheres(spheres, id); });
       }
       case Pool::triangles: {
         const TriangleBlock& triangles = blocks_.triangles[block];
         const BoxLanes boxes(triangles);
-        return each([&](uint32_t id) { return meet(id, boxes); },
-                    [&](int k, uint32_t id) { meet_triangle<true>(triangles, k, id); });
+        return leaf(triangles, ids, n, [&](uint32_t id) { return meet(id, boxes); });
       }
       default: {
         const ConeBlock& cones = blocks_.cones[block];
         const BoxLanes boxes(cones.boxes, cones.item);
-        return each([&](uint32_t id) { return meet(id, boxes); },
-                    [&](int k, uint32_t id) { meet_cone(cones, k, id); });
+        return leaf(cones, ids, n, [&](uint32_t id) { return meet(id, boxes); });
       }
     }
   }
 
  private:
+  // First all beams, which say by `near` what they come near; then the rays of those, one primitive
+  // for sixteen; then the primitives that one of the rays may hit: each without a branch that
+  // depends on what is met, since half of those would be foreseen wrongly.
+  template <class Block, class Near>
+  HWY_INLINE void leaf(const Block& block, const uint32_t* ids, size_t n, Near&& near) {
+    const hn::RebindToUnsigned<decltype(kEight)> lanes;
+    for (size_t begin = 0, end; begin < n; begin = end) {
+      size_t pairs = 0;
+      for (end = begin; end < n && pairs + kBlockWidth <= BeamRoom::kPairs; ++end) {
+        const uint32_t id = ids[end];
+        if (!alive(id)) continue;
+        const unsigned mask = near(id);
+        room_.beams[id].tests_left -= int(hwy::PopCount(mask));
+        for (int i = 0; i < kBlockWidth; i += kLanes8) {
+          const uint8_t part[8] = {uint8_t(mask >> i)};
+          const auto in = hn::LoadMaskBits(lanes, part);
+          const auto pair = hn::Iota(lanes, id * kBlockWidth + uint32_t(i));
+          hn::StoreU(hn::Compress(pair, in), lanes, room_.pairs + pairs);
+          pairs += hn::CountTrue(lanes, in);
+        }
+      }
+      context_.tests += pairs * kPacket;
+      BeamCandidate* found = room_.candidates;
+      for (size_t p = 0; p < pairs; ++p) {
+        const uint32_t id = room_.pairs[p] / kBlockWidth;
+        found = meet<true>(block, int(room_.pairs[p] % kBlockWidth), id, found);
+      }
+      offer(block, found);
+      for (size_t i = begin; i < end; ++i)
+        if (alive(ids[i])) see_end(ids[i]);
+    }
+  }
+
+  template <class Block>
+  HWY_INLINE void meet_block(const Block& block, uint32_t id) {
+    BeamCandidate* found = room_.candidates;
+    for (int k = 0; k < kBlockWidth && block.item[k] != kNoItem; ++k)
+      context_.tests += kPacket, found = meet<false>(block, k, id, found);
+    offer(block, found);
+  }
+
+  // How far the beam's rays reach after a leaf.
+  HWY_INLINE void see_end(uint32_t id) {
+    V16 farthest = hn::Zero(kSixteen);
+    for (int k = 0; k < kPacket; k += kLanes16)
+      farthest = hn::Max(farthest, hn::Load(kSixteen, batch_.t + id * kPacket + k));
+    const float t = hn::GetLane(hn::MaxOfLanes(kSixteen, farthest));
+    Beam& b = room_.beams[id];
+    b.t = t == 0 || b.tests_left < 0 ? -1 : t;
+  }
+
   // Which of the spheres reach into the cone around the beam.
-  static HWY_INLINE unsigned near_spheres(const SphereBlock& block, const Beam& b) {
+  HWY_INLINE unsigned near_spheres(const SphereBlock& block, uint32_t id) const {
     const auto& f = kEight;
+    const Beam& b = room_.beams[id];
     unsigned mask = 0;
     for (int i = 0; i < kBlockWidth; i += kLanes8) {
       const V8 dx = hn::Set(f, b.d[0]), dy = hn::Set(f, b.d[1]), dz = hn::Set(f, b.d[2]);
@@ -135,29 +158,53 @@ class Beams {
     return mask;
   }
 
-  // Takes hits that are nearer, in lanes of `valid` among rays i, i + 1, ...; at equal distance the
-  // lower id.
-  HWY_INLINE void offer(size_t i, M16 valid, V16 t, ItemId item, V16 u, V16 v) {
+  // Hits at `t`, of any-hit rays i, i + 1, ... in lanes of `valid`.
+  HWY_INLINE void hide(size_t i, M16 valid, V16 t) const {
     const auto& f = kSixteen;
-    const V16 best = hn::Load(f, batch_.t + i);
-    M16 taken = hn::And(valid, nearer<any>(f, t, best));
-    if (hn::AllFalse(f, taken)) return;
-    if constexpr (any) {
-      hn::Store(hn::IfThenElse(taken, hn::Set(f, kHidden), best), f, batch_.t + i);
-    } else {
-      const hn::RebindToUnsigned<decltype(kSixteen)> id;
-      const auto old = hn::Load(id, batch_.item + i);
-      // No item is the highest id of all, but what ends there is not met.
-      const auto lower = hn::And(hn::Lt(hn::Set(id, item), old), hn::Ne(old, hn::Set(id, kNoItem)));
-      taken = hn::And(taken, hn::Or(hn::Lt(t, best), hn::RebindMask(f, lower)));
-      hn::BlendedStore(t, taken, f, batch_.t + i);
-      hn::BlendedStore(u, taken, f, batch_.u + i);
-      hn::BlendedStore(v, taken, f, batch_.v + i);
-      hn::BlendedStore(hn::Set(id, item), hn::RebindMask(id, taken), id, batch_.item + i);
-    }
+    const V16 end = hn::Load(f, batch_.t + i);
+    const M16 before = hn::And(hn::Gt(t, hn::Zero(f)), hn::Lt(t, end));
+    hn::Store(hn::IfThenElse(hn::And(valid, before), hn::Set(f, kHidden), end), f, batch_.t + i);
   }
 
-  HWY_INLINE void meet_sphere(const SphereBlock& block, int k, uint32_t id) {
+  // Takes hits of rays i, i + 1, ... that are nearer; at equal distance the lower id.
+  HWY_INLINE void offer(size_t i, V16 t, ItemId item, V16 u, V16 v) const {
+    const auto& f = kSixteen;
+    const hn::RebindToUnsigned<decltype(kSixteen)> id;
+    const V16 best = hn::Load(f, batch_.t + i);
+    const auto old = hn::Load(id, batch_.item + i);
+    // No item is the highest id of all, but what ends there is not met.
+    const auto lower = hn::And(hn::Lt(hn::Set(id, item), old), hn::Ne(old, hn::Set(id, kNoItem)));
+    const M16 nearer = hn::Or(hn::Lt(t, best), hn::And(hn::Eq(t, best), hn::RebindMask(f, lower)));
+    const M16 taken = hn::And(nearer, hn::Gt(t, hn::Zero(f)));
+    hn::BlendedStore(t, taken, f, batch_.t + i);
+    hn::BlendedStore(u, taken, f, batch_.u + i);
+    hn::BlendedStore(v, taken, f, batch_.v + i);
+    hn::BlendedStore(hn::Set(id, item), hn::RebindMask(id, taken), id, batch_.item + i);
+  }
+
+  HWY_INLINE void offer(const SphereBlock& block, const BeamCandidate* end) const {
+    const V16 none = hn::Zero(kSixteen);
+    for (const BeamCandidate* c = room_.candidates; c < end; ++c) {
+      const V16 middle = hn::Load(kSixteen, c->t), d2 = hn::Load(kSixteen, c->det);
+      offer(c->ray, chord_distance(kSixteen, middle, d2), block.item[c->lane], none, none);
+    }
+  }
+  HWY_INLINE void offer(const TriangleBlock& block, const BeamCandidate* end) const {
+    for (const BeamCandidate* c = room_.candidates; c < end; ++c) {
+      const V16 det = hn::Load(kSixteen, c->det);
+      const auto divided = [&](const float* x)
+                               HWY_ATTR { return hn::Div(hn::Load(kSixteen, x), det); };
+      offer(c->ray, divided(c->t), block.item[c->lane], divided(c->u), divided(c->v));
+    }
+  }
+  HWY_INLINE void offer(const ConeBlock&, const BeamCandidate*) const {}
+
+  // The sixteen rays of `id` against primitive k. What they may hit goes to `found`, whose new end
+  // is returned, or is settled here. `in_beam`: they are a beam, whose axes are the same, and come
+  // near; others mostly miss, and are left at once.
+  template <bool in_beam>
+  HWY_INLINE BeamCandidate* meet(const SphereBlock& block, int k, uint32_t id,
+                                 BeamCandidate* found) const {
     const auto& f = kSixteen;
     const V16 x = hn::Set(f, block.x[k]), y = hn::Set(f, block.y[k]), z = hn::Set(f, block.z[k]);
     const V16 radius = hn::Set(f, block.radius[k]);
@@ -166,10 +213,16 @@ class Beams {
           f, hn::Sub(x, hn::Load(f, batch_.o[0] + i)), hn::Sub(y, hn::Load(f, batch_.o[1] + i)),
           hn::Sub(z, hn::Load(f, batch_.o[2] + i)), radius, hn::Load(f, batch_.d[0] + i),
           hn::Load(f, batch_.d[1] + i), hn::Load(f, batch_.d[2] + i));
-      if (hn::AllFalse(f, hit.in)) continue;
-      const V16 t = chord_distance(f, hit.middle, hit.d2);
-      offer(i, hn::And(hit.in, hn::Gt(t, hn::Zero(f))), t, block.item[k], hn::Zero(f), hn::Zero(f));
+      if (!in_beam && hn::AllFalse(f, hit.in)) continue;
+      if (any) {
+        hide(i, hit.in, chord_distance(f, hit.middle, hit.d2));
+      } else {
+        hn::Store(hit.middle, f, found->t), hn::Store(hit.d2, f, found->det);
+        found->ray = uint32_t(i), found->lane = uint32_t(k);
+        found += !hn::AllFalse(f, hit.in);
+      }
     }
+    return found;
   }
 
   // Components along the axes of kShearAxes, lane by lane.
@@ -185,37 +238,48 @@ class Beams {
     across = hn::IfThenElse(down, after, next), along = hn::IfThenElse(down, next, after);
   }
 
-  // `alike`: the rays are those of a beam, whose axes are the same.
-  template <bool alike>
-  HWY_INLINE void meet_triangle(const TriangleBlock& block, int k, uint32_t id) {
+  template <bool in_beam>
+  HWY_INLINE BeamCandidate* meet(const TriangleBlock& block, int k, uint32_t id,
+                                 BeamCandidate* found) const {
     const auto& f = kSixteen;
     for (size_t i = id * kPacket; i < (id + 1) * kPacket; i += kLanes16) {
-      const V16 axes = hn::Load(f, batch_.axes + i);
       V16 x[3], y[3], z[3];
       for (int c = 0; c < 3; ++c) {
         const auto corner = [&](int a) HWY_ATTR {
           return hn::Sub(hn::Set(f, block.corner[c][a][k]), hn::Load(f, batch_.o[a] + i));
         };
         V16 across, along, depth;
-        if (alike) {
-          const uint8_t* const order = kShearAxes[beams_[id].axes];
+        if (in_beam) {
+          const uint8_t* const order = kShearAxes[room_.beams[id].axes];
           across = corner(order[0]), along = corner(order[1]), depth = corner(order[2]);
         } else {
-          permute(axes, corner(0), corner(1), corner(2), across, along, depth);
+          permute(hn::Load(f, batch_.axes + i), corner(0), corner(1), corner(2), across, along,
+                  depth);
         }
         x[c] = hn::Sub(across, hn::Mul(hn::Load(f, batch_.shear[0] + i), depth));
         y[c] = hn::Sub(along, hn::Mul(hn::Load(f, batch_.shear[1] + i), depth));
         z[c] = hn::Mul(hn::Load(f, batch_.shear[2] + i), depth);
       }
-      const auto hit = edge_test(f, x, y, z);
-      if (hn::AllFalse(f, hit.in)) continue;
-      const V16 t = hn::Div(hit.t, hit.det);
-      offer(i, hn::And(hit.in, hn::Gt(t, hn::Zero(f))), t, block.item[k], hn::Div(hit.u, hit.det),
-            hn::Div(hit.v, hit.det));
+      auto hit = edge_test(f, x, y, z);
+      if (!in_beam && hn::AllFalse(f, hit.in)) continue;
+      hit.in = hn::And(hit.in, within_reach(f, x, y));
+      if (any) {
+        hide(i, hit.in, hn::Div(hit.t, hit.det));
+      } else {
+        // Zero is in front of no ray.
+        hn::Store(hn::IfThenElseZero(hit.in, hit.t), f, found->t);
+        hn::Store(hit.det, f, found->det);
+        hn::Store(hit.u, f, found->u), hn::Store(hit.v, f, found->v);
+        found->ray = uint32_t(i), found->lane = uint32_t(k);
+        found += !hn::AllFalse(f, hit.in);
+      }
     }
+    return found;
   }
 
-  HWY_INLINE void meet_cone(const ConeBlock& block, int k, uint32_t id) {
+  template <bool in_beam>
+  HWY_INLINE BeamCandidate* meet(const ConeBlock& block, int k, uint32_t id,
+                                 BeamCandidate* found) const {
     const DemotedTag narrow;
     const auto one = [&](const float* x) { return hn::Set(kDoubles, double(x[k])); };
     ConeInput c;
@@ -234,18 +298,22 @@ class Beams {
       mask |= bits(narrow, hit.in) << i;
       hn::Store(hit.t, narrow, t + i);
     }
-    if (mask == 0) return;
+    if (mask == 0) return found;
     for (size_t i = 0; i < kPacket; i += kLanes16) {
       const uint8_t lanes[8] = {uint8_t(mask >> i), uint8_t(mask >> i >> 8)};
-      offer(first + i, hn::LoadMaskBits(f, lanes), hn::Load(f, t + i), block.item[k], hn::Zero(f),
-            hn::Zero(f));
+      const M16 in = hn::LoadMaskBits(f, lanes);
+      const V16 distance = hn::Load(f, t + i);
+      if (any)
+        hide(first + i, in, distance);
+      else
+        offer(first + i, hn::IfThenElseZero(in, distance), block.item[k], hn::Zero(f), hn::Zero(f));
     }
+    return found;
   }
 
-  const Geometry& g_;
   const Blocks& blocks_;
   const Batch& batch_;
-  Beam* beams_;
+  BeamRoom& room_;
   TraceContext& context_;
 };
 

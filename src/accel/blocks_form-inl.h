@@ -74,8 +74,20 @@ struct alignas(16) Extents {
   }
 };
 
+// Rays `ray`, `ray` + 1, ... of a beam, some of which may hit primitive `lane` of a leaf, and
+// where: columns as those of Candidate.
+struct alignas(64) BeamCandidate {
+  float t[kLanes16], det[kLanes16], u[kLanes16], v[kLanes16];
+  uint32_t ray, lane;
+};
+
 // What a thread keeps for its beams.
 struct BeamRoom {
+  // Of a beam and a primitive of a leaf: kBlockWidth * id + lane. What is stored beside the last is
+  // overwritten.
+  static constexpr size_t kPairs = 40;
+  uint32_t pairs[kPairs + kBlockWidth];
+  BeamCandidate candidates[kPairs * (kPacket / kLanes16) + 1];
   Beam beams[kPackets];
   // Of packet after packet: how many rays are not done, and the extents.
   alignas(64) float alive[kPackets];

@@ -169,15 +169,17 @@ HWY_INLINE TriangleLanes<D> edge_test(D d, const V* x, const V* y, const V* z) {
   const V smallest = hn::Min(hn::Min(u, v), w), largest = hn::Max(hn::Max(u, v), w);
   const V det = hn::Add(hn::Add(u, v), w);
   const V t = hn::Add(hn::Add(hn::Mul(u, z[0]), hn::Mul(v, z[1])), hn::Mul(w, z[2]));
-  auto in = hn::AndNot(hn::And(hn::Lt(smallest, zero), hn::Gt(largest, zero)), hn::Ne(det, zero));
-  if (!hn::AllFalse(d, in)) {
-    const V x0 = hn::Min(hn::Min(x[0], x[1]), x[2]), x1 = hn::Max(hn::Max(x[0], x[1]), x[2]);
-    const V y0 = hn::Min(hn::Min(y[0], y[1]), y[2]), y1 = hn::Max(hn::Max(y[0], y[1]), y[2]);
-    const V reach = hn::Max(hn::Max(hn::Neg(x0), x1), hn::Max(hn::Neg(y0), y1));
-    const V away = hn::Max(hn::Max(x0, hn::Neg(x1)), hn::Max(y0, hn::Neg(y1)));
-    in = hn::And(in, hn::Le(away, hn::Mul(hn::Set(d, kEdgeSlack), reach)));
-  }
-  return {in, det, t, v, w};
+  const auto both = hn::And(hn::Lt(smallest, zero), hn::Gt(largest, zero));
+  return {hn::AndNot(both, hn::Ne(det, zero)), det, t, v, w};
+}
+// And which of them are passed near enough, for those seen edge-on.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE hn::Mask<D> within_reach(D d, const V* x, const V* y) {
+  const V x0 = hn::Min(hn::Min(x[0], x[1]), x[2]), x1 = hn::Max(hn::Max(x[0], x[1]), x[2]);
+  const V y0 = hn::Min(hn::Min(y[0], y[1]), y[2]), y1 = hn::Max(hn::Max(y[0], y[1]), y[2]);
+  const V reach = hn::Max(hn::Max(hn::Neg(x0), x1), hn::Max(hn::Neg(y0), y1));
+  const V away = hn::Max(hn::Max(x0, hn::Neg(x1)), hn::Max(y0, hn::Neg(y1)));
+  return hn::Le(away, hn::Mul(hn::Set(d, kEdgeSlack), reach));
 }
 
 // The axes of ShearedRay by one number: its kz, plus 3 where the ray goes down that axis.

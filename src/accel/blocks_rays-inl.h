@@ -64,13 +64,6 @@ struct Batch {
   }
 };
 
-// Can a hit at `t` count? Where only the nearest does, one of lower id may be equally near.
-template <bool any, class D, class V = hn::Vec<D>>
-HWY_INLINE hn::Mask<D> nearer(D, V t, V best) {
-  if constexpr (any) return hn::Lt(t, best);
-  return hn::Le(t, best);
-}
-
 // What a ray or a beam sweeps: at a distance of t all of it lies around o + t d, within a radius of
 // start + t * widening.
 struct Sweep {
@@ -206,11 +199,15 @@ class Rays {
 
  private:
   // First all rays, without a branch that depends on what they meet, since half of those would be
-  // foreseen wrongly; then those that met something.
+  // foreseen wrongly; then those that met something. For any hit the first says it all.
   template <ItemKind kind, class Block>
   HWY_INLINE void leaf(const Block& block, const uint32_t* ids, size_t n) {
     if (!g_.two_sided(kind)) {
       for (size_t i = 0; i < n; ++i) meet_items(block.item, ids[i]);
+      return;
+    }
+    if (any) {
+      for (size_t i = 0; i < n; ++i) hide(block, ids[i]);
       return;
     }
     for (size_t first = 0; first < n; first += kCandidates) {
@@ -227,6 +224,28 @@ class Rays {
         for_bits(c.mask, [&](int k) { offer<kind>(c, k, block.item[k]); });
       }
     }
+  }
+
+  // An any-hit ray.
+  template <class Block>
+  HWY_INLINE void hide(const Block& block, uint32_t id) {
+    const auto& f = kEight;
+    Candidate c;
+    meet(block, id, c);
+    float& end = rays_[id].t;
+    unsigned hits = 0;
+    for (int i = 0; i < kBlockWidth; i += kLanes8) {
+      const V8 t = distance(block, c, i);
+      hits |= bits(f, hn::And(hn::Gt(t, hn::Zero(f)), hn::Lt(t, hn::Set(f, end))));
+    }
+    const float ends[] = {end, kHidden};
+    end = batch_.t[id] = ends[hits != 0];
+  }
+  static HWY_INLINE V8 distance(const TriangleBlock&, const Candidate& c, int i) {
+    return hn::Div(hn::Load(kEight, c.t + i), hn::Load(kEight, c.det + i));
+  }
+  static HWY_INLINE V8 distance(const SphereBlock&, const Candidate& c, int i) {
+    return chord_distance(kEight, hn::Load(kEight, c.t + i), hn::Load(kEight, c.det + i));
   }
 
   template <ItemKind kind>
@@ -289,9 +308,11 @@ class Rays {
         y[p] = hn::Sub(hn::Sub(hn::Load(f, &block.corner[p][k[1]][i]), oy), hn::Mul(sy, depth));
         z[p] = hn::Mul(sz, depth);
       }
-      const auto hit = edge_test(f, x, y, z);
+      auto hit = edge_test(f, x, y, z);
+      hit.in = hn::And(hit.in, within_reach(f, x, y));
       mask |= bits(f, hit.in) << i;
-      hn::Store(hit.t, f, c.t + i), hn::Store(hit.det, f, c.det + i);
+      // Zero is in front of no ray.
+      hn::Store(hn::IfThenElseZero(hit.in, hit.t), f, c.t + i), hn::Store(hit.det, f, c.det + i);
       hn::Store(hit.u, f, c.u + i), hn::Store(hit.v, f, c.v + i);
     }
     return mask;

@@ -76,7 +76,7 @@ class Tracer {
   // Rays that keep together as beams, then all others each on its own.
   void trace_blocks(Batch& b) {
     Rays<any> rays(g_, structure_, b, room_.rays, context_);
-    Beams<any> beams(g_, structure_, b, room_.beams, context_);
+    Beams<any> beams(structure_, b, room_.beams, context_);
     WalkRoom& lists = room_.walk;
     lists.reserve(kChunk + kPacket);
     const uint32_t packets = uint32_t(padded(b.count) / kPacket);
