@@ -131,7 +131,7 @@ class BeamMaker {
   static constexpr int kKinds = any ? 3 : 2;
   // Measured.
   static constexpr int kFewest = any ? 8 : 3;        // rays that count
-  static constexpr float kMaxSpread = 0.15f;         // of the directions, over three axes
+  static constexpr float kMaxSpread = 0.4f;          // of the directions, over three axes
   static constexpr float kMaxSpreadToPoint = 0.05f;  // besides that of what they end in
   // Primitives tested, per ray. Where they are smaller than the rays are apart, the beam meets most
   // that no ray does, and each ray on its own is faster.

@@ -161,15 +161,18 @@ class TileSums {
       hn::StoreInterleaved4(column(0), column(1), column(2), hn::Zero(kIntegers), kIntegers,
                             fixed[k].data());
     }
-    uint8_t bits[8] = {};
-    hn::StoreMaskBits(d, mask, bits);
-    for (unsigned lanes = bits[0] | unsigned(bits[1]) << 8; lanes; lanes &= lanes - 1) {
-      const size_t k = hwy::Num0BitsBelowLS1Bit_Nonzero32(lanes);
-      int64_t* const sums = sums_[pixels[k]].data();
-      for (size_t c = 0; c < 4; c += hn::MaxLanes(kFour))
-        hn::Store(hn::Add(hn::Load(kFour, sums + c), hn::Load(kFour, &fixed[k][c])), kFour,
-                  sums + c);
-    }
+    add_each(pixels, mask, [&](size_t k) { return fixed + k; });
+  }
+
+  // The same value, as fixed() has it, for all of them.
+  HWY_INLINE void add(const PixelSums& value, const uint32_t* pixels, M mask) {
+    add_each(pixels, mask, [&](size_t) { return &value; });
+  }
+  PixelSums fixed(Rgb value) const {
+    HWY_ALIGN float channels[3][kWidth] = {{value.x}, {value.y}, {value.z}};
+    PixelSums sums{};
+    for (size_t c = 0; c < 3; ++c) sums[c] = hn::GetLane(to_fixed(channels[c]));
+    return sums;
   }
 
   const PixelSums* pixels() const { return sums_; }
@@ -178,6 +181,19 @@ class TileSums {
   static constexpr hn::CappedTag<double, kWidth> kDoubles{};
   static constexpr hn::Rebind<int64_t, decltype(kDoubles)> kIntegers{};
   static constexpr hn::CappedTag<int64_t, 4> kFour{};
+
+  template <class Value>
+  HWY_INLINE void add_each(const uint32_t* pixels, M mask, Value&& value) {
+    uint8_t bits[8] = {};
+    hn::StoreMaskBits(d, mask, bits);
+    for (unsigned lanes = bits[0] | unsigned(bits[1]) << 8; lanes; lanes &= lanes - 1) {
+      const size_t k = hwy::Num0BitsBelowLS1Bit_Nonzero32(lanes);
+      int64_t* const sums = sums_[pixels[k]].data();
+      const int64_t* const by = value(k)->data();
+      for (size_t c = 0; c < 4; c += hn::MaxLanes(kFour))
+        hn::Store(hn::Add(hn::Load(kFour, sums + c), hn::Load(kFour, by + c)), kFour, sums + c);
+    }
+  }
 
   // A value beyond what floats hold counts as the bound.
   HWY_INLINE hn::Vec<decltype(kIntegers)> to_fixed(const float* values) const {

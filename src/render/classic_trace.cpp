@@ -47,6 +47,7 @@ class WideTracer final : public ClassicTracer {
   void render(size_t tile, uint32_t samples, Film& film) override {
     list_pixels(film.tile(tile), std::countr_zero(film.row_stride()));
     sums_.begin(film, tile);
+    background_ = sums_.fixed(scene_.scene.background);
     for (PathRays& w : waiting_) w.rays.clear();  // left over where a render was stopped
     counts_ = {};
     context_.tests = context_.steps = 0;
@@ -340,15 +341,19 @@ class WideTracer final : public ClassicTracer {
   void add_background(V weight, const uint32_t* pixels, M mask) {
     const Rgb background = scene_.scene.background;
     if (background == Rgb() || hn::AllFalse(d, mask)) return;
-    sums_.add(set3(d, background) * weight, pixels, mask);
+    if (hn::AllTrue(d, hn::Or(hn::Not(mask), hn::Eq(weight, hn::Set(d, 1)))))
+      sums_.add(background_, pixels, mask);
+    else
+      sums_.add(set3(d, background) * weight, pixels, mask);
   }
 
   const ClassicScene& scene_;
   RenderControl& control_;
   TraceContext context_;
   TileSums sums_;
-  Tile tile_{};       // of which these are:
-  int row_bits_ = 0;  // of a pixel's number, those that count within a row
+  PixelSums background_{};  // of weight 1
+  Tile tile_{};             // of which these are:
+  int row_bits_ = 0;        // of a pixel's number, those that count within a row
   RayCounts counts_;
   size_t pixels_ = 0;
   alignas(64) uint32_t pixel_[kTilePixels + 16]{};  // their numbers
