@@ -145,13 +145,17 @@ void add_shard(CLI::App& app, RenderCommand& render) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
 }
 
+// Where a thread is not to be had, memory for its stack may be what is missing.
+constexpr std::string_view kWhatMayDo = "a larger --memory-limit or fewer --threads may do";
+
 // Libraries end the program where they cannot have a thread or memory; then it is said so, without
 // more of it.
 [[noreturn]] void end_without_memory() {
   remove_unfinished_files();
-  constexpr std::string_view kError =
-      "raio: error: out of memory; a larger --memory-limit or fewer --threads may do\n";
-  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kError.data(), kError.size());
+  char error[128];
+  const size_t size =
+      fmt::format_to_n(error, sizeof(error), "raio: error: out of memory; {}\n", kWhatMayDo).size;
+  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, error, size);
   ::_exit(kNoResource);
 }
 
@@ -412,9 +416,9 @@ int run_command_line(int argc, char** argv, OpenWindow open_window) {
   try {
     return parse_and_run({argv + std::min(argc, 1), argv + argc}, {argv, open_window});
   } catch (const std::bad_alloc&) {
-    return no_resource("out of memory");
+    return no_resource(fmt::format("out of memory; {}", kWhatMayDo));
   } catch (const std::exception& error) {
-    return no_resource(error.what());
+    return no_resource(fmt::format("{}; {}", error.what(), kWhatMayDo));
   }
 }
 
