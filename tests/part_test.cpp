@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include <cstring>
 #include <random>
@@ -356,6 +357,22 @@ TEST(SameBytes, FromAllBuilds) {
     const Image picture = Studio(wish, file->scene).part().film->resolve();
     const auto* bytes = reinterpret_cast<const char*>(picture.pixels.data());
     EXPECT_EQ(hex(hash128({bytes, picture.pixels.size() * sizeof(Rgb)})), hash);
+  }
+}
+
+// Of this machine, whatever the cells of pixels, lens and lights.
+TEST(SameBytes, FromAllInstructionSets) {
+  for (const auto& [aa, lens_samples] : {std::pair(3, 1), {1, 7}, {2, 3}}) {
+    RenderOptions wish;
+    wish.aa = aa, wish.lens_samples = lens_samples;
+    const Studio studio(wish);
+    const Image picture = studio.part().film->resolve();
+    for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
+      hwy::SetSupportedTargetsForTest(target);
+      EXPECT_TRUE(same_bytes(picture, studio.part().film->resolve()))
+          << hwy::TargetName(target) << ", " << aa << " x " << aa << " x " << lens_samples;
+    }
+    hwy::SetSupportedTargetsForTest(0);
   }
 }
 

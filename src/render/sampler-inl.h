@@ -32,8 +32,8 @@ class WideSampler {
     const U branch = hn::Set(du, kEyeBranch);
     if (s_.kind == SamplerKind::sobol) return sobol(place, branch, kPixel);
     const V aa = hn::Set(d, float(s_.aa));
-    const V turn = hn::Floor(hn::Div(dealt(place, branch, kPixel), hn::Set(d, float(s_.per_cell))));
-    const V row = hn::Floor(hn::Div(turn, aa));
+    const V turn = hn::Floor(divide(d, dealt(place, branch, kPixel), s_.per_cell));
+    const V row = hn::Floor(divide(d, turn, s_.aa));
     const auto r = random(place, sample_, branch, kPixel);
     return {in_cell(hn::Sub(turn, hn::Mul(row, aa)), r.x, s_.aa), in_cell(row, r.y, s_.aa)};
   }
@@ -46,7 +46,7 @@ class WideSampler {
     if (s_.kind == SamplerKind::sobol) return sobol(place, branch, purpose);
     const U block = hn::And(hn::ShiftRight<kBlockShift>(place), hn::Set(du, 0x3fff3fffu));
     const V cell = dealt(block, branch, purpose), columns = hn::Set(d, float(s_.columns));
-    const V row = hn::Floor(hn::Div(cell, columns));
+    const V row = hn::Floor(divide(d, cell, s_.columns));
     const auto r = random(place, sample_, branch, purpose);
     return {in_cell(hn::Sub(cell, hn::Mul(row, columns)), r.x, s_.columns),
             in_cell(row, r.y, s_.rows)};
@@ -65,7 +65,11 @@ class WideSampler {
     const auto order = random(key, ~0u, branch, purpose);
     const auto [first, count] = Sampler::share(purpose);
     const U which = hn::Add(hn::And(order.x, hn::Set(du, count - 1)), hn::Set(du, first));
-    const U place = hn::GatherIndex(du, deal_.data(), hn::BitCast(di, which));
+    U place;
+    if constexpr (hn::MaxLanes(D()) == Sampler::kPermutations)  // all in one register
+      place = hn::TableLookupLanes(hn::LoadU(du, deal_.data()), hn::IndicesFromVec(du, which));
+    else
+      place = hn::GatherIndex(du, deal_.data(), hn::BitCast(di, which));
     const V samples = hn::Set(d, float(s_.samples));
     const V turn = hn::Floor(hn::Mul(to_unit(d, order.y), samples));
     const V sum = hn::Add(hn::ConvertTo(d, hn::BitCast(di, place)), turn);
@@ -122,7 +126,7 @@ class WideSampler {
   }
 
   HWY_INLINE V in_cell(V cell, U bits, uint32_t cells) const {
-    return hn::Div(hn::Add(cell, to_unit(d, bits)), hn::Set(d, float(cells)));
+    return divide(d, hn::Add(cell, to_unit(d, bits)), cells);
   }
 
   const Sampler& s_;
