@@ -60,6 +60,55 @@ TEST(Bvh, RaysThatTravelTogetherFindTheVeryHitsOfBruteForce) {
   hwy::SetSupportedTargetsForTest(0);
 }
 
+// Beams that pass close by corners and edges: of triangles of all shapes, down to those that are
+// all but a line or a point, in directions in which two or three coordinates are the largest at
+// once.
+TEST(Bvh, BeamsAtTheEdgesOfTrianglesFindTheVeryHitsOfBruteForce) {
+  std::mt19937 rng(9);
+  std::uniform_real_distribution<float> unit(0, 1);
+  const auto size = [&](float least) { return std::pow(least, unit(rng)); };
+  for (const Placement& place : kPlacements) {
+    Scene scene;
+    scene.materials = {{}};
+    for (uint32_t i = 0; i < 100; ++i) {
+      const Vec3f middle = random_direction(rng) * unit(rng);
+      const Vec3f along = random_direction(rng) * size(1e-4f);
+      const Vec3f aside = random_direction(rng) * (length(along) * size(1e-7f));
+      for (const Vec3f& corner : {middle - along, middle + along, middle + aside})
+        scene.positions.push_back(corner * place.scale + place.shift);
+      scene.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+      scene.triangle_materials.push_back(0);
+    }
+    RayBatch rays;
+    for (int beam = 0; beam < 1000; ++beam) {
+      const TriangleIndices& t = scene.triangles[rng() % scene.triangles.size()];
+      const Vec3f a = scene.positions[t[rng() % 3]], b = scene.positions[t[rng() % 3]];
+      const Vec3f at = a + (b - a) * unit(rng);
+      Vec3f dir = random_direction(rng);
+      if (beam % 2)
+        dir[int(rng() % 3)] = std::copysign(max_component(abs(dir)), rng() % 2 ? 1.f : -1.f);
+      const Vec3f from = at - dir * (place.scale * 3 * size(1e-3f));
+      const float width = size(1e-6f) * length(at - from);
+      for (int i = 0; i < 16; ++i) {  // from a point, to a point, side by side
+        const Vec3f off = random_direction(rng) * (width * unit(rng));
+        const Vec3f origin = beam % 3 ? from + off : from, end = beam % 3 == 1 ? at : at + off;
+        const float distance = length(end - origin);
+        if (distance > 0)
+          rays.push({origin, (end - origin) / distance, beam % 3 == 1 ? distance : 2 * distance});
+      }
+    }
+    const auto oracle = build(scene, {.kind = AccelKind::none});
+    const auto tree = build(scene, {.kind = AccelKind::bvh});
+    for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
+      hwy::SetSupportedTargetsForTest(target);
+      const Disagreement d = disagreement(*oracle, *tree, rays, true, true);
+      EXPECT_EQ(d.closest, 0u) << hwy::TargetName(target) << " scale " << place.scale;
+      EXPECT_EQ(d.occluded, 0u) << hwy::TargetName(target) << " scale " << place.scale;
+    }
+    hwy::SetSupportedTargetsForTest(0);
+  }
+}
+
 TEST(Bvh, BatchesOfAnyLengthAreTracedToTheLast) {
   const Scene scene = two_sided(random_scene(300, 8));
   const auto oracle = build(scene, {.kind = AccelKind::none});

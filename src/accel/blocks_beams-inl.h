@@ -72,7 +72,11 @@ class Beams {
       case Pool::triangles: {
         const TriangleBlock& triangles = blocks_.triangles[block];
         const BoxLanes boxes(triangles);
-        return leaf(triangles, ids, n, [&](uint32_t id) { return meet(id, boxes); });
+        const EdgeLanes edges(triangles);
+        return leaf(triangles, ids, n, [&](uint32_t id) HWY_ATTR {
+          const unsigned mask = meet(id, boxes);
+          return hwy::PopCount(mask) > 1 ? mask & near_triangles(triangles, edges, id) : mask;
+        });
       }
       default: {
         const ConeBlock& cones = blocks_.cones[block];
@@ -158,6 +162,38 @@ class Beams {
     return mask;
   }
 
+  // Which of the triangles a line of the beam may pass through: not those of which all lines pass
+  // one edge on the one side and another on the other. Of a line of origin o and direction d and an
+  // edge e from a corner x, d . ((x - o) x e) tells the side; where d differs by `turned` and o by
+  // `shifted`, that differs by no more than turned . |(x - o) x e| + shifted |e|.
+  HWY_INLINE unsigned near_triangles(const TriangleBlock& block, const EdgeLanes& edges,
+                                     uint32_t id) const {
+    const auto& f = kEight;
+    const Beam& b = room_.beams[id];
+    unsigned mask = 0;
+    for (int p = 0; p < kParts; ++p) {
+      V8 least = hn::Set(f, kInfinity), most = hn::Set(f, -kInfinity);
+      for (int c = 0; c < 3; ++c) {
+        V8 x[3];
+        for (int a = 0; a < 3; ++a)
+          x[a] = hn::Sub(hn::Load(f, &block.corner[c][a][p * kLanes8]), hn::Set(f, b.o[a]));
+        V8 side = hn::Zero(f), apart = hn::Mul(hn::Set(f, b.shifted), edges.size[c][p]);
+        for (int a = 0; a < 3; ++a) {
+          const int next = (a + 1) % 3, last = (a + 2) % 3;
+          const V8 normal =
+              hn::MulSub(x[next], edges.edge[c][last][p], hn::Mul(x[last], edges.edge[c][next][p]));
+          side = hn::MulAdd(hn::Set(f, b.d[a]), normal, side);
+          apart = hn::MulAdd(hn::Set(f, b.turned[a]), hn::Abs(normal), apart);
+        }
+        least = hn::Min(least, hn::Add(side, apart));
+        most = hn::Max(most, hn::Sub(side, apart));
+      }
+      const M8 missed = hn::And(hn::Lt(least, hn::Zero(f)), hn::Gt(most, hn::Zero(f)));
+      mask |= bits(f, hn::Not(missed)) << (p * kLanes8);
+    }
+    return mask;
+  }
+
   // Hits at `t`, of any-hit rays i, i + 1, ... in lanes of `valid`.
   HWY_INLINE void hide(size_t i, M16 valid, V16 t) const {
     const auto& f = kSixteen;
@@ -200,8 +236,8 @@ class Beams {
   HWY_INLINE void offer(const ConeBlock&, const BeamCandidate*) const {}
 
   // The sixteen rays of `id` against primitive k. What they may hit goes to `found`, whose new end
-  // is returned, or is settled here. `in_beam`: they are a beam, whose axes are the same, and come
-  // near; others mostly miss, and are left at once.
+  // is returned, or is settled here. `in_beam`: they are a beam that comes near; others mostly
+  // miss, and are left at once.
   template <bool in_beam>
   HWY_INLINE BeamCandidate* meet(const SphereBlock& block, int k, uint32_t id,
                                  BeamCandidate* found) const {
@@ -249,7 +285,7 @@ class Beams {
           return hn::Sub(hn::Set(f, block.corner[c][a][k]), hn::Load(f, batch_.o[a] + i));
         };
         V16 across, along, depth;
-        if (in_beam) {
+        if (in_beam && room_.beams[id].axes != Beam::kMixed) {
           const uint8_t* const order = kShearAxes[room_.beams[id].axes];
           across = corner(order[0]), along = corner(order[1]), depth = corner(order[2]);
         } else {

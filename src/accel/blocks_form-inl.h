@@ -16,13 +16,18 @@ namespace raio::HWY_NAMESPACE {
 
 constexpr size_t kPackets = kChunk / kPacket;
 
-struct alignas(32) Beam {
+struct alignas(16) Beam {
+  static constexpr uint32_t kMixed = std::size(kShearAxes);  // `axes` where those of rays differ
+
   float inverse[2][3], offset[2][3];  // see BoxLanes::meet
   // The cone around all rays: at a distance of s its radius is start + s * widening.
   float o[3], d[3], start, widening;
   float t;             // of the farthest ray; not positive: all are done
-  uint32_t axes;       // kShearAxes of all rays
+  uint32_t axes;       // of all rays in kShearAxes, or kMixed
   int32_t tests_left;  // negative: it has met too much, and its rays go on alone
+  // How far, with all that may be rounded, the rays' directions (times some number) are from d
+  // along each axis, and their origins (times the same) from o.
+  float turned[3], shifted;
   uint32_t unused;
 };
 static_assert(sizeof(Beam) % (4 * sizeof(float)) == 0);
@@ -200,6 +205,7 @@ class BeamMaker {
     const auto& f = kSixteen;
     const hn::RebindToSigned<decltype(kSixteen)> ints;
     const V16 zero = hn::Zero(f), one = hn::Set(f, 1), half = hn::Set(f, 0.5f);
+    const V16 rounding = hn::Set(f, 8 * kEpsilon);
     const auto put = [&](size_t c, V16 x) HWY_ATTR { hn::Store(x, f, columns[c] + i); };
     const V16 alive = hn::Load(f, room_.alive + p);
     const V16 t = hn::Load(f, room_.lo_hi[BeamRoom::origins_and_t][7] + p);
@@ -213,7 +219,8 @@ class BeamMaker {
       formed = hn::AndNot(hn::RebindMask(f, hn::Lt(signs, hn::Zero(ints))), formed);
     }
     const V16 first_axes = hn::Load(f, room_.lo_hi[BeamRoom::directions_and_axes][3] + p);
-    formed = hn::And(formed, hn::Eq(first_axes, axes));
+    const V16 common_axes =
+        hn::IfThenElse(hn::Eq(first_axes, axes), axes, hn::Set(f, float(Beam::kMixed)));
 
     V16 size = hn::Max(hn::Set(f, blocks_.reach), origins.largest());
     // Shadow rays that end in one point (a light) are taken from there: their origins lie apart,
@@ -250,20 +257,25 @@ class BeamMaker {
     // The middle is not far from unit length: one step of Newton's method, squared error.
     const V16 error = hn::Sub(one, dot(f, d[0], d[1], d[2], d[0], d[1], d[2]));
     const V16 to_unit = hn::MulAdd(half, error, one);
-    for (size_t a = 0; a < 3; ++a) put(15 + a, hn::Mul(d[a], to_unit));
+    for (size_t a = 0; a < 3; ++a) {
+      const V16 half_size = hn::MulAdd(half, hn::Sub(dirs.hi[a], dirs.lo[a]), rounding);
+      put(15 + a, hn::Mul(d[a], to_unit)), put(23 + a, hn::Mul(half_size, to_unit));
+    }
     // |o_i + s d_i - (o + s d)| <= start + s spread, and s <= (along + radius + start) / (1 -
     // spread) where a sphere is met whose centre lies `along` the axis. The middle of unit vectors'
     // box may be longer than they are.
-    const V16 spread =
-        hn::Add(hn::MulAdd(half, dirs.diagonal(), hn::Abs(error)), hn::Set(f, 8 * kEpsilon));
-    put(18, hn::MulAdd(half, origins.diagonal(), slack));
+    const V16 spread = hn::Add(hn::MulAdd(half, dirs.diagonal(), hn::Abs(error)), rounding);
+    const V16 start = hn::MulAdd(half, origins.diagonal(), slack);
+    put(18, start);
     put(19, hn::Div(spread, hn::Sub(one, spread)));
 
     const M16 done = hn::Eq(alive, zero);
     put(20, hn::IfThenElse(hn::AndNot(done, formed), t, hn::Set(f, -1)));
-    put(21, hn::BitCast(f, hn::ConvertTo(ints, axes)));
+    put(21, hn::BitCast(f, hn::ConvertTo(ints, common_axes)));
     put(22, hn::BitCast(f, hn::ConvertTo(ints, hn::Mul(alive, hn::Set(f, kMostTests)))));
-    put(23, zero);
+    // Of triangles more may be rounded: three products, and the test of each ray.
+    put(26, hn::Mul(hn::MulAdd(slack, hn::Set(f, 3), start), to_unit));
+    put(27, zero);
     return bits(f, hn::Or(formed, done));
   }
 

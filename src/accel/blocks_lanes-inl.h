@@ -113,6 +113,26 @@ struct BoxLanes {
   }
 };
 
+// The edges of eight triangles, each from its corner to the next.
+struct EdgeLanes {
+  V8 edge[3][3][kParts];  // [corner][axis]
+  V8 size[3][kParts];     // the sum of its parts along the axes, at least its length
+
+  HWY_INLINE explicit EdgeLanes(const TriangleBlock& block) {
+    for (int c = 0; c < 3; ++c)
+      for (int p = 0; p < kParts; ++p) {
+        size[c][p] = hn::Zero(kEight);
+        for (int a = 0; a < 3; ++a) {
+          const auto corner = [&](int i) HWY_ATTR {
+            return hn::Load(kEight, &block.corner[i][a][p * kLanes8]);
+          };
+          edge[c][a][p] = hn::Sub(corner((c + 1) % 3), corner(c));
+          size[c][p] = hn::Add(size[c][p], hn::Abs(edge[c][a][p]));
+        }
+      }
+  }
+};
+
 // Boxes are widened by what a float hit, and the reckoning above, may be off by: a few epsilons of
 // the numbers at hand (shape/sphere.h, triangle.h). Ize 2013, "Robust BVH Ray Traversal", JCGT
 // 2(2). It is done where it is free: lower planes are met from an origin this much further up,

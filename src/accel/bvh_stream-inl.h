@@ -35,6 +35,9 @@ constexpr size_t kIdLanes = hn::MaxLanes(decltype(kIds)());
 struct StreamRoom : IdLists {
   uint8_t met[kChunk + 16];  // by place in a list: which of the eight boxes
   Waiting stack[kStack];
+  // Of one that walks alone.
+  uint32_t waiting[kStack];
+  float enter[kStack];
 };
 
 HWY_INLINE void prefetch(const Bvh& bvh, uint32_t ref) {
@@ -63,6 +66,55 @@ HWY_INLINE unsigned shared_children(const Bvh& bvh) {
   return mask;
 }
 
+// Of the children in `mask`, how many are to be taken after child c, which is entered at enter[c]:
+// its place in a stack from which the nearest comes first. To sort them in would take branches that
+// no processor foresees.
+HWY_INLINE int later(const float* enter, unsigned mask, int c) {
+  unsigned farther = 0, same = 0;
+  for (int p = 0; p < kParts; ++p) {
+    const V8 others = hn::Load(kEight, enter + p * kLanes8), own = hn::Set(kEight, enter[c]);
+    farther |= bits(kEight, hn::Gt(others, own)) << (p * kLanes8);
+    same |= bits(kEight, hn::Eq(others, own)) << (p * kLanes8);
+  }
+  return int(hwy::PopCount(mask & (farther | (same & ((1u << c) - 1)))));
+}
+
+// The subtree at `ref` with one alone, which needs no lists, and leaves out what lies behind its
+// hit.
+template <class Crowd>
+HWY_INLINE void walk_alone(const Bvh& bvh, uint32_t ref, uint32_t id, StreamRoom& room,
+                           Crowd& crowd) {
+  int top = 0;
+  while (true) {
+    if (ref_pool(ref) == Pool::nodes) {
+      crowd.visits(1);
+      const BvhNode& node = bvh.nodes[ref_index(ref)];
+      V8 nearest[kParts];
+      for (V8& x : nearest) x = hn::Set(kEight, kInfinity);
+      const BoxLanes boxes(node.boxes, node.child);
+      const unsigned mask = crowd.meet(id, boxes, Crowd::kAny ? nullptr : nearest);
+      alignas(32) float enter[kBlockWidth];
+      if (!Crowd::kAny)
+        for (int p = 0; p < kParts; ++p) hn::Store(nearest[p], kEight, enter + p * kLanes8);
+      int kept = top;
+      for_bits(mask, [&](int c) {
+        const int place = Crowd::kAny ? kept++ : top + later(enter, mask, c);
+        room.waiting[place] = node.child[c];
+        if (!Crowd::kAny) room.enter[place] = enter[c];
+        prefetch(bvh, node.child[c]);
+      });
+      top += int(hwy::PopCount(mask));
+    } else {
+      crowd.leaf(ref, &id, 1);
+      if (!(crowd.end(id) > 0)) return;
+    }
+    do {
+      if (top == 0) return;
+      ref = room.waiting[--top];
+    } while (!Crowd::kAny && !(room.enter[top] <= crowd.end(id)));
+  }
+}
+
 // Walks the tree with those in `lists.ids[0 .. count)`. A Crowd knows what they are: `meet(id,
 // boxes, nearest)` says which boxes one meets, `leaf(ref, ids, n)` tests a leaf's primitives;
 // `kAny`: for any hit, not the nearest.
@@ -75,6 +127,10 @@ void walk(const Bvh& bvh, bool without_shared, size_t count, StreamRoom& lists, 
     const size_t n = w.end - w.begin;
     if (ref_pool(w.ref) != Pool::nodes) {
       crowd.leaf(w.ref, lists.ids.data() + w.begin, n);
+      continue;
+    }
+    if (n == 1 && w.used > count) {
+      walk_alone(bvh, w.ref, lists.ids[w.begin], lists, crowd);
       continue;
     }
     lists.reserve(w.used + kBlockWidth * n + kIdLanes);
@@ -112,17 +168,8 @@ void walk(const Bvh& bvh, bool without_shared, size_t count, StreamRoom& lists, 
       if (Crowd::kAny) enter[c] = -float(used - begin[c]);
       prefetch(bvh, node.child[c]);
     });
-    // The place of each by how many of the others are taken later: to sort them in would take
-    // branches that no processor foresees.
     for_bits(any, [&](int c) {
-      unsigned later = 0, same = 0;
-      for (int p = 0; p < kParts; ++p) {
-        const V8 others = hn::Load(kEight, enter + p * kLanes8), own = hn::Set(kEight, enter[c]);
-        later |= bits(kEight, hn::Gt(others, own)) << (p * kLanes8);
-        same |= bits(kEight, hn::Eq(others, own)) << (p * kLanes8);
-      }
-      const unsigned below = any & (later | (same & ((1u << c) - 1)));
-      stack[top + int(hwy::PopCount(below))] = {node.child[c], begin[c], end[c], used};
+      stack[top + later(enter, any, c)] = {node.child[c], begin[c], end[c], used};
     });
     top += int(hwy::PopCount(any));
   }
