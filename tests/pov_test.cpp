@@ -79,7 +79,7 @@ TEST(PovWriter, GlassIsOneObjectWithTheShadowOfAnOpaqueOne) {
 class Export : public TemporaryFolder {};
 
 TEST_F(Export, WritesWhatWasAskedFor) {
-  const std::string source = std::string(RAIO_SOURCE_DIR) + "/scenes/shapes.nff";
+  const std::string source = RAIO_SOURCE_DIR "/scenes/shapes.nff";
   app::ExportCommand command{.scene = source, .output = file("out.pov"), .options = {}};
   command.options.width = 40, command.options.height = 30;
   EXPECT_EQ(run(command), app::kDone);
