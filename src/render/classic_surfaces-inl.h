@@ -8,6 +8,9 @@
 #define RAIO_RENDER_CLASSIC_SURFACES_INL_H_
 #endif
 
+#include <algorithm>
+#include <cstddef>
+
 #include "render/classic.h"
 #include "render/classic_tile-inl.h"
 #include "render/surface.h"
@@ -91,19 +94,85 @@ void look_up(const ClassicScene& classic, const RayBatch& rays, const HitBatch& 
   }
 }
 
+#if HWY_TARGET != HWY_SCALAR
+const hn::CappedTag<float, 4> kRow;
+using Row = hn::Vec<decltype(kRow)>;
+
+// Three numbers, and not what follows them.
+HWY_INLINE Row load_row(const Vec3f& a) {
+#if HWY_MEM_OPS_MIGHT_FAULT
+  const hn::CappedTag<float, 2> two;
+  const hn::CappedTag<float, 1> one;
+  return hn::Combine(kRow, hn::ZeroExtendVector(two, hn::LoadU(one, &a.z)), hn::LoadU(two, &a.x));
+#else
+  return hn::MaskedLoad(hn::FirstN(kRow, 3), kRow, &a.x);
+#endif
+}
+
+// Rows as elements i .. i + 3 of three columns; the fourth is returned.
+HWY_INLINE Row store_rows(const Row (&rows)[4], Floats3& to, size_t i) {
+  const hn::Repartition<double, decltype(kRow)> pairs;
+  const auto pair = [&](Row a) HWY_ATTR { return hn::BitCast(pairs, a); };
+  const auto xy01 = pair(hn::InterleaveLower(kRow, rows[0], rows[1]));
+  const auto xy23 = pair(hn::InterleaveLower(kRow, rows[2], rows[3]));
+  const auto zw01 = pair(hn::InterleaveUpper(kRow, rows[0], rows[1]));
+  const auto zw23 = pair(hn::InterleaveUpper(kRow, rows[2], rows[3]));
+  hn::Store(hn::BitCast(kRow, hn::InterleaveLower(pairs, xy01, xy23)), kRow, to.x.at + i);
+  hn::Store(hn::BitCast(kRow, hn::InterleaveUpper(pairs, xy01, xy23)), kRow, to.y.at + i);
+  hn::Store(hn::BitCast(kRow, hn::InterleaveLower(pairs, zw01, zw23)), kRow, to.z.at + i);
+  return hn::BitCast(kRow, hn::InterleaveUpper(pairs, zw01, zw23));
+}
+
+// look_up() of rays i .. i + 3 if all of them hit triangles, else false: row by row, since storing
+// number by number is what takes the time.
+HWY_INLINE bool look_up_triangles(const ClassicScene& classic, const HitBatch& hits, size_t i,
+                                  Vertices& v) {
+  const auto is_triangle = [](ItemId id) { return item_kind(id) == ItemKind::triangle; };
+  if (!std::all_of(&hits.item[i], &hits.item[i] + 4, is_triangle)) return false;
+  const Geometry& geometry = classic.accel.geometry();
+  const Scene& scene = classic.scene;
+  Row corner[3][4], geometric[4], normal[4];
+  for (size_t k = 0; k < 4; ++k) {
+    const uint32_t index = item_index(hits.item[i + k]);
+    const TriangleIndices& at = geometry.corners(index);
+    for (size_t c = 0; c < 3; ++c) corner[c][k] = load_row(scene.positions[at[c]]);
+    static_assert(offsetof(Facet, material) == 3 * sizeof(float));
+    geometric[k] = normal[k] = hn::LoadU(kRow, &geometry.facet(index).normal.x);
+    if (const TriangleIndices* corners = geometry.corner_normals(index)) {
+      const auto weighted = [&](size_t c, float w) HWY_ATTR {
+        return hn::Mul(load_row(scene.normals[(*corners)[c]]), hn::Set(kRow, w));
+      };
+      const float b1 = hits.u[i + k], b2 = hits.v[i + k];
+      normal[k] = hn::Add(hn::Add(weighted(0, 1 - b1 - b2), weighted(1, b1)), weighted(2, b2));
+    }
+  }
+  for (size_t c = 0; c < 3; ++c) store_rows(corner[c], v.corner[c], i);
+  store_rows(normal, v.normal, i);
+  const hn::RebindToUnsigned<decltype(kRow)> ids;
+  hn::Store(hn::BitCast(ids, store_rows(geometric, v.geometric, i)), ids, v.material + i);
+  hn::Store(hn::Zero(kRow), kRow, v.extent.at + i);
+  return true;
+}
+#else
+bool look_up_triangles(const ClassicScene&, const HitBatch&, size_t, Vertices&) { return false; }
+#endif
+
 // Those of rays i, i + 1, ... in the lanes, which often hit the same thing.
 void look_up_lanes(const ClassicScene& classic, const RayBatch& rays, const HitBatch& hits,
                    size_t i, Vertices& v) {
-  look_up(classic, rays, hits, i, v);
   const ItemId first = hits.item[i];
   const bool triangle = item_kind(first) == ItemKind::triangle;
   // Of the others each point has a normal of its own.
   const bool flat = triangle ? !classic.accel.geometry().corner_normals(item_index(first))
                              : item_kind(first) == ItemKind::sphere;
   if (!flat || !hn::AllTrue(du, hn::Eq(load(hits.item, i), hn::Set(du, first)))) {
-    for (size_t k = i + 1; k < i + kWidth; ++k) look_up(classic, rays, hits, k, v);
+    for (size_t k = i; k < i + kWidth; k += 4) {
+      if (look_up_triangles(classic, hits, k, v)) continue;
+      for (size_t j = k; j < std::min(k + 4, i + kWidth); ++j) look_up(classic, rays, hits, j, v);
+    }
     return;
   }
+  look_up(classic, rays, hits, i, v);
   const auto spread = [&](Floats& f) HWY_ATTR { store(hn::Set(d, f.at[i]), f, i); };
   const auto spread3 = [&](Floats3& f) HWY_ATTR { spread(f.x), spread(f.y), spread(f.z); };
   hn::Store(hn::Set(du, v.material[i]), du, v.material + i);

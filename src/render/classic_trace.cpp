@@ -149,8 +149,6 @@ class WideTracer final : public ClassicTracer {
       const V inf = hn::Set(d, std::numeric_limits<float>::infinity());
       out.put(ray.origin, ray.dir, inf, pixel, branch, hn::Set(d, 1), all, i - first);
     }
-    // Wanted when these rays have been traced.
-    for (size_t i = first; i < end; i += 4) sums_.prefetch(pixel_[i]);
     counts_.eye += end - first;
     return end;
   }
@@ -183,6 +181,9 @@ class WideTracer final : public ClassicTracer {
     const size_t n = rays.size();
     size_t kept = 0;
     for (size_t i = 0; i < n; i += kWidth) {
+      const size_t soon = i + 64;  // measured
+      for (size_t k = soon; k < std::min(soon + kWidth, n); k += 4)
+        sums_.prefetch(current_.pixel[k]);
       const U item = load(hits_.item, i);
       const M in = hn::FirstN(d, n - i);
       const M found = hn::And(in, hn::RebindMask(d, hn::Ne(item, hn::Set(du, kNoItem))));
