@@ -30,9 +30,11 @@ HWY_INLINE V3 offset_point(const V3& point, const V3& geometric, V scale, bool a
 struct Vertices {
   // Of a triangle; the centre of a sphere; base, axis and (height, base radius, slope) of a cone.
   Floats3 corner[3];
-  Floats extent;                              // what the surface adds to `scale`
-  Floats3 point, outside, normal, geometric;  // normals towards the ray; `outside`: off the surface
-  Floats scale;                               // of shape/offset.h
+  Floats extent;  // what the surface adds to `scale`
+  // Normals towards the ray, of look_up() `normal` in scenes with smooth triangles only; `outside`:
+  // off the surface.
+  Floats3 point, outside, normal, geometric;
+  Floats scale;  // of shape/offset.h
   alignas(64) MaterialId material[kChunk + 16];
   Floats3 color;
   Floats kd, ks, shine, transmission, ior;
@@ -147,7 +149,7 @@ HWY_INLINE bool look_up_triangles(const ClassicScene& classic, const HitBatch& h
     }
   }
   for (size_t c = 0; c < 3; ++c) store_rows(corner[c], v.corner[c], i);
-  store_rows(normal, v.normal, i);
+  if (geometry.any_smooth()) store_rows(normal, v.normal, i);
   const hn::RebindToUnsigned<decltype(kRow)> ids;
   hn::Store(hn::BitCast(ids, store_rows(geometric, v.geometric, i)), ids, v.material + i);
   hn::Store(hn::Zero(kRow), kRow, v.extent.at + i);
@@ -276,7 +278,7 @@ void find_surfaces(const ClassicScene& classic, const RayBatch& rays, const HitB
     const V3 ab = load(v.corner[1], i) - a, ac = load(v.corner[2], i) - a;
     V3 point = a + ab * load(hits.u, i) + ac * load(hits.v, i);
     V extent = load(v.extent, i);
-    V3 geometric = load(v.geometric, i), normal = load(v.normal, i);
+    V3 geometric = load(v.geometric, i), normal = smooth ? load(v.normal, i) : geometric;
     const V longest = hn::Max(largest(ab), largest(ac));
     if (smooth) {
       // Files wind some patches the other way round than their normals point.
