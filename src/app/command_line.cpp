@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -148,9 +149,11 @@ void add_shard(CLI::App& app, RenderCommand& render) {
 // Where a thread is not to be had, memory for its stack may be what is missing.
 constexpr std::string_view kWhatMayDo = "a larger --memory-limit or fewer --threads may do";
 
-// Libraries end the program where they cannot have a thread or memory; then it is said so, without
-// more of it.
+// Libraries end the program where they cannot have a thread or memory; then it is said so, once and
+// without more of it.
 [[noreturn]] void end_without_memory() {
+  static std::atomic_flag ending;
+  while (ending.test_and_set()) ::pause();  // as another thread has it
   remove_unfinished_files();
   char error[128];
   const size_t size =
