@@ -156,9 +156,9 @@ constexpr std::string_view kWhatMayDo = "a larger --memory-limit or fewer --thre
   while (ending.test_and_set()) ::pause();  // as another thread has it
   remove_unfinished_files();
   char error[128];
-  const size_t size =
-      fmt::format_to_n(error, sizeof(error), "raio: error: out of memory; {}\n", kWhatMayDo).size;
-  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, error, size);
+  const char* const end =
+      fmt::format_to_n(error, sizeof(error), "raio: error: out of memory; {}\n", kWhatMayDo).out;
+  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, error, size_t(end - error));
   ::_exit(kNoResource);
 }
 

@@ -86,7 +86,8 @@ HWY_INLINE Wide3<D> select(M mask, const Wide3<D>& yes, const Wide3<D>& no) {
 /// x / n, for an x of 0 or from 2^-24 to n + 1. Rounded as division is, but quicker where the
 /// machine fuses products and sums: the error of a rounded quotient, exact, puts it right.
 /// Markstein 1990, "Computation of Elementary Functions on the IBM RISC System/6000 Processor", IBM
-/// JRD 34(1). All x have been tried with every n that goes this way.
+/// JRD 34(1). All mantissas have been tried with every n that goes this way, and some of these are
+/// in tests/wide_test.cpp.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V divide(D d, V x, uint32_t n) {
   const V by = hn::Set(d, float(n));

@@ -31,8 +31,8 @@ struct Vertices {
   // Of a triangle; the centre of a sphere; base, axis and (height, base radius, slope) of a cone.
   Floats3 corner[3];
   Floats extent;  // what the surface adds to `scale`
-  // Normals towards the ray, of look_up() `normal` in scenes with smooth triangles only; `outside`:
-  // off the surface.
+  // `outside`: off the surface. Normals towards the ray, when find_surfaces() is done; what
+  // look_up() leaves in `normal` counts only in scenes with smooth triangles.
   Floats3 point, outside, normal, geometric;
   Floats scale;  // of shape/offset.h
   alignas(64) MaterialId material[kChunk + 16];

@@ -181,6 +181,7 @@ class WideTracer final : public ClassicTracer {
     const size_t n = rays.size();
     size_t kept = 0;
     for (size_t i = 0; i < n; i += kWidth) {
+      // Sums that are asked for much earlier than they are wanted have left the cache by then.
       const size_t soon = i + 64;  // measured
       for (size_t k = soon; k < std::min(soon + kWidth, n); k += 4)
         sums_.prefetch(current_.pixel[k]);
