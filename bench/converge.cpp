@@ -9,7 +9,7 @@
 
 #include "bench/log_plot.h"
 #include "bench/suites.h"
-#include "io/image.h"
+#include "io/image/image.h"
 #include "render/render.h"
 
 namespace raio::bench {

@@ -8,7 +8,7 @@
 #include "bench/rays.h"
 #include "bench/suites.h"
 #include "io/file.h"
-#include "io/nff.h"
+#include "io/nff/nff.h"
 #include "render/render.h"
 
 namespace raio::bench {

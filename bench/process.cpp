@@ -9,7 +9,7 @@
 
 #include "bench/suites.h"
 #include "io/file.h"
-#include "io/nff.h"
+#include "io/nff/nff.h"
 
 namespace raio::bench {
 namespace {

@@ -8,7 +8,7 @@
 #include "app/terminal.h"
 #include "base/random.h"
 #include "bench/suites.h"
-#include "io/generate.h"
+#include "io/generate/generate.h"
 
 namespace raio::bench {
 namespace {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "accel/accel.h"
-#include "render/camera.h"
+#include "integrate/camera.h"
 #include "scenes.h"
 
 namespace raio::testing {

@@ -11,7 +11,7 @@
 #include <sstream>
 
 #include "app/plot.h"
-#include "io/image.h"
+#include "io/image/image.h"
 
 namespace raio::app {
 namespace {

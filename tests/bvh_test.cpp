@@ -1,5 +1,5 @@
 // The eight-wide tree against every primitive, and what it is made of.
-#include "accel/bvh.h"
+#include "accel/bvh/bvh.h"
 
 #include <hwy/targets.h>
 

@@ -16,8 +16,8 @@
 #include <thread>
 
 #include "app/command_line.h"
-#include "io/image.h"
-#include "io/nff.h"
+#include "io/image/image.h"
+#include "io/nff/nff.h"
 
 namespace raio::app {
 namespace {

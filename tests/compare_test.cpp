@@ -5,7 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "io/image.h"
+#include "io/image/image.h"
 #include "noise.h"
 
 namespace raio {

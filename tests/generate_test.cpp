@@ -1,6 +1,6 @@
 // The procedural scenes against the published counts and against files made by the public
 // generators.
-#include "io/generate.h"
+#include "io/generate/generate.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // The uniform grid against every primitive, and its resolution and lists.
-#include "accel/grid.h"
+#include "accel/grid/grid.h"
 
 #include <hwy/targets.h>
 

@@ -12,7 +12,7 @@
 #include <functional>
 #include <random>
 
-#include "io/nff.h"
+#include "io/nff/nff.h"
 #include "one_picture.h"
 #include "temporary_folder.h"
 

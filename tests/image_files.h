@@ -14,7 +14,7 @@
 
 #include <map>
 
-#include "io/image.h"
+#include "io/image/image.h"
 #include "temporary_folder.h"
 
 namespace raio::testing {

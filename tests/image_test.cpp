@@ -1,5 +1,5 @@
 // Pictures are written as the formats say, and nothing is lost that they can hold.
-#include "io/image.h"
+#include "io/image/image.h"
 
 #include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfStringAttribute.h>

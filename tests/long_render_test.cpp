@@ -3,7 +3,7 @@
 
 #include <thread>
 
-#include "io/image.h"
+#include "io/image/image.h"
 #include "program.h"
 #include "render/part.h"
 

@@ -1,4 +1,4 @@
-#include "io/nff.h"
+#include "io/nff/nff.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -11,8 +11,8 @@
 #include <random>
 #include <sstream>
 
-#include "io/nff_geometry.h"
-#include "io/text_cursor.h"
+#include "io/nff/geometry.h"
+#include "io/nff/text_cursor.h"
 #include "nff_text.h"
 #include "shape/polygon.h"
 #include "shape/triangle.h"

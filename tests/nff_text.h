@@ -10,7 +10,7 @@
 #include <random>
 #include <sstream>
 
-#include "io/nff.h"
+#include "io/nff/nff.h"
 
 namespace raio::testing {
 

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "io/image.h"
+#include "io/image/image.h"
 
 namespace raio::testing {
 

@@ -8,8 +8,8 @@
 #include <limits>
 #include <random>
 
-#include "io/generate.h"
-#include "io/nff.h"
+#include "io/generate/generate.h"
+#include "io/nff/nff.h"
 #include "render/render.h"
 
 namespace raio {

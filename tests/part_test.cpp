@@ -9,8 +9,8 @@
 #include <random>
 
 #include "base/hash.h"
-#include "io/nff.h"
-#include "render/classic.h"
+#include "integrate/classic.h"
+#include "io/nff/nff.h"
 #include "render/render.h"
 #include "scenes.h"
 #include "temporary_folder.h"

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <random>
 
-#include "io/image.h"
-#include "io/nff.h"
+#include "io/image/image.h"
+#include "io/nff/nff.h"
 #include "noise.h"
 #include "one_picture.h"
 #include "scenes.h"

@@ -13,9 +13,9 @@
 #include <sstream>
 #include <tuple>
 
-#include "io/generate.h"
-#include "io/nff.h"
-#include "render/options.h"
+#include "integrate/options.h"
+#include "io/generate/generate.h"
+#include "io/nff/nff.h"
 #include "render/render.h"
 
 namespace raio {

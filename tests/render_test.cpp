@@ -7,9 +7,9 @@
 #include <cstring>
 #include <thread>
 
-#include "io/nff.h"
-#include "render/camera-inl.h"
-#include "render/options.h"
+#include "integrate/camera-inl.h"
+#include "integrate/options.h"
+#include "io/nff/nff.h"
 #include "scenes.h"
 
 namespace raio {

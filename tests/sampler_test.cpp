@@ -1,5 +1,5 @@
 // The samplers against the distributions that they promise, and the arithmetic under them.
-#include "render/sampler.h"
+#include "integrate/sampler.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "render/sampler-inl.h"
+#include "integrate/sampler-inl.h"
 
 namespace raio {
 namespace {

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
-#include "io/generate.h"
-#include "render/camera.h"
+#include "integrate/camera.h"
+#include "io/generate/generate.h"
 #include "render/render.h"
 #include "temporary_folder.h"
 

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <set>
 
-#include "io/nff.h"
+#include "io/nff/nff.h"
 #include "render/debug_view.h"
 #include "scenes.h"
 #include "view/camera_control.h"

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <random>
 
-#include "io/nff.h"
+#include "io/nff/nff.h"
 #include "temporary_folder.h"
 #include "view/state.h"
 #include "window_driver.h"

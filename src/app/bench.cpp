@@ -16,7 +16,7 @@
 #include "app/output.h"
 #include "app/plot.h"
 #include "app/terminal.h"
-#include "io/image.h"
+#include "io/image/image.h"
 #include "render/render.h"
 
 namespace raio::app {

@@ -12,7 +12,7 @@
 
 #include "accel/accel.h"
 #include "app/commands.h"
-#include "io/image.h"
+#include "io/image/image.h"
 #include "render/render.h"
 #include "scene/scene.h"
 

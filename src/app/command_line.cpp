@@ -21,7 +21,7 @@
 #include "app/output.h"
 #include "app/terminal.h"
 #include "base/memory.h"
-#include "io/generate.h"
+#include "io/generate/generate.h"
 #include "render/render.h"
 
 namespace raio::app {

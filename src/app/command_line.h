@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "app/commands.h"
-#include "render/options.h"
+#include "integrate/options.h"
 
 namespace CLI {
 class App;

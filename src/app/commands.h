@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "render/options.h"
+#include "integrate/options.h"
 
 namespace raio::app {
 

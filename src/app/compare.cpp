@@ -7,7 +7,7 @@
 #include "app/commands.h"
 #include "app/output.h"
 #include "app/terminal.h"
-#include "io/image.h"
+#include "io/image/image.h"
 
 namespace raio::app {
 

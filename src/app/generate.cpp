@@ -1,4 +1,4 @@
-#include "io/generate.h"
+#include "io/generate/generate.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include "app/commands.h"
 #include "app/output.h"
 #include "app/terminal.h"
-#include "io/nff.h"
+#include "io/nff/nff.h"
 
 namespace raio::app {
 

@@ -9,7 +9,7 @@
 #include "app/json.h"
 #include "app/output.h"
 #include "app/terminal.h"
-#include "io/nff.h"
+#include "io/nff/nff.h"
 
 namespace raio::app {
 

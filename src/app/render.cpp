@@ -8,7 +8,7 @@
 #include "app/output.h"
 #include "app/statistics.h"
 #include "app/terminal.h"
-#include "io/image.h"
+#include "io/image/image.h"
 #include "render/debug_view.h"
 #include "render/part.h"
 

@@ -7,7 +7,7 @@
 #include "app/commands.h"
 #include "app/output.h"
 #include "app/terminal.h"
-#include "io/generate.h"
+#include "io/generate/generate.h"
 
 namespace raio::app {
 namespace {

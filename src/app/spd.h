@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "app/spd_published.h"
-#include "render/film.h"
+#include "integrate/film.h"
 
 namespace raio::app {
 

@@ -6,8 +6,8 @@
 
 #include "accel/accel.h"
 #include "app/json.h"
-#include "render/film.h"
-#include "render/options.h"
+#include "integrate/film.h"
+#include "integrate/options.h"
 #include "scene/scene.h"
 
 namespace raio::app {

@@ -19,7 +19,7 @@
 
 #include "app/commands.h"
 #include "io/file.h"
-#include "io/nff.h"
+#include "io/nff/nff.h"
 
 namespace raio::app {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "io/text_report.h"
+#include "io/nff/text_report.h"
 
 namespace raio {
 namespace {

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "base/random.h"
-#include "render/camera.h"
-#include "render/surface.h"
+#include "integrate/camera.h"
+#include "integrate/surface.h"
 
 namespace raio {
 namespace {

@@ -5,9 +5,9 @@
 #include <optional>
 
 #include "accel/accel.h"
-#include "io/image.h"
-#include "render/film.h"
-#include "render/options.h"
+#include "integrate/film.h"
+#include "integrate/options.h"
+#include "io/image/image.h"
 #include "render/render.h"
 #include "scene/scene.h"
 

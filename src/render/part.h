@@ -10,8 +10,8 @@
 #include <string>
 #include <string_view>
 
+#include "integrate/film.h"
 #include "io/file.h"
-#include "render/film.h"
 #include "render/provenance.h"
 
 namespace raio {

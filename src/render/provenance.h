@@ -7,8 +7,8 @@
 #include <string>
 #include <string_view>
 
-#include "io/image.h"
-#include "render/options.h"
+#include "integrate/options.h"
+#include "io/image/image.h"
 
 namespace raio {
 

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "base/memory.h"
-#include "render/classic.h"
+#include "integrate/classic.h"
 
 namespace raio {
 

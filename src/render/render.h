@@ -1,26 +1,18 @@
 // From a scene and its structure to a film: eye rays, shading, tiles on all cores.
 #pragma once
 
-#include <atomic>
 #include <expected>
 #include <functional>
 #include <memory>
 #include <string>
 
 #include "accel/accel.h"
-#include "render/film.h"
-#include "render/options.h"
+#include "integrate/control.h"
+#include "integrate/film.h"
+#include "integrate/options.h"
 #include "scene/scene.h"
 
 namespace raio {
-
-/// Shared with whoever watches a render from another thread.
-struct RenderControl {
-  std::atomic<bool> stop{false};  // set it to end the render soon
-  std::atomic<uint64_t> rays_done{0};
-  std::atomic<uint64_t> work_done{0};  // of work_total
-  std::atomic<uint64_t> work_total{0};
-};
 
 /// What to do to a film.
 struct RenderTask {

@@ -12,9 +12,9 @@
 #include <thread>
 
 #include "accel/accel.h"
-#include "io/image.h"
-#include "render/film.h"
-#include "render/options.h"
+#include "integrate/film.h"
+#include "integrate/options.h"
+#include "io/image/image.h"
 #include "render/render.h"
 #include "scene/scene.h"
 

@@ -2,7 +2,7 @@
 //
 // To add a kind: its struct, bounds, overlap test and intersection in a header of this room; a line
 // in ShapeKind and kShapeKindNames; a pool in scene/scene.h and, for tracing, in accel/geometry.h;
-// a case in accel/intersect.h and render/classic_surfaces-inl.h; a keyword in io/nff_keywords.cpp
+// a case in accel/intersect.h and integrate/surfaces-inl.h; a keyword in io/nff/keywords.cpp
 // with its reader and writer. ARCHITECTURE.md says more.
 #pragma once
 

@@ -4,7 +4,7 @@
 
 #include <system_error>
 
-#include "io/nff.h"
+#include "io/nff/nff.h"
 #include "render/render.h"
 
 namespace raio::view {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "io/diagnostics.h"
-#include "io/image.h"
+#include "io/image/image.h"
 #include "scene/scene.h"
 
 namespace raio::view {

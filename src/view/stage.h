@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "io/image.h"
+#include "io/image/image.h"
 
 namespace raio::view {
 

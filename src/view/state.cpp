@@ -6,7 +6,7 @@
 #include <array>
 #include <utility>
 
-#include "render/camera.h"
+#include "integrate/camera.h"
 
 namespace raio::view {
 namespace {

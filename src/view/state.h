@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "accel/accel.h"
-#include "render/options.h"
+#include "integrate/options.h"
 #include "scene/scene.h"
 #include "view/keys.h"
 

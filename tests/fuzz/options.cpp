@@ -1,6 +1,6 @@
 // The values of the command line: lines "NAME VALUE", as --NAME VALUE. What is taken lies within
 // what the table says, and what goes together can be resolved.
-#include "render/options.h"
+#include "integrate/options.h"
 
 #include <string_view>
 

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <string>
 
-#include "io/image_codecs.h"
+#include "io/image/codecs.h"
 #include "render/provenance.h"
 #include "require.h"
 

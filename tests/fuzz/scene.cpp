@@ -2,7 +2,7 @@
 // when written, and of which every structure sees the same picture.
 #include <cstring>
 
-#include "io/nff.h"
+#include "io/nff/nff.h"
 #include "render/render.h"
 #include "require.h"
 

@@ -13,7 +13,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "io/image_codecs.h"
+#include "io/image/codecs.h"
 #include "render/part.h"
 
 namespace raio::fuzz {

@@ -1,0 +1,359 @@
+// Rays that keep together, as a crowd that walks tree or grid, sixteen at a time: a beam, the
+// intervals of their origins and directions, meets what any of them could meet, with one test for
+// all; in the leaves one primitive is tested against the sixteen rays. Included by
+// blocks_tracer-inl.h only, once for each instruction set.
+//
+// Wald, Boulos and Shirley 2007, "Ray Tracing Deformable Scenes Using Dynamic Bounding Volume
+// Hierarchies", ACM TOG 26(1).
+// Once for each instruction set, as foreach_target.h passes again.
+#if defined(RAIO_ACCEL_BLOCKS_BEAMS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef RAIO_ACCEL_BLOCKS_BEAMS_INL_H_
+#undef RAIO_ACCEL_BLOCKS_BEAMS_INL_H_
+#else
+#define RAIO_ACCEL_BLOCKS_BEAMS_INL_H_
+#endif
+
+#include "accel/blocks/form-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace raio::HWY_NAMESPACE {
+
+template <bool any>
+class Beams {
+ public:
+  static constexpr bool kAny = any;
+
+  Beams(const Blocks& blocks, const Batch& batch, BeamRoom& room, TraceContext& context)
+      : blocks_(blocks), batch_(batch), room_(room), context_(context) {}
+
+  // The sixteen rays from 16 * id against everything, for trees that are but a few blocks.
+  HWY_INLINE void meet_all(uint32_t id) {
+    const auto all = [&](const auto& blocks) {
+      for (const auto& block : blocks) meet_block(block, id);
+    };
+    all(blocks_.spheres), all(blocks_.triangles), all(blocks_.cones);
+  }
+
+  // The sixteen rays against all primitives of a block.
+  HWY_INLINE void meet_block(uint32_t ref, uint32_t id) {
+    const uint32_t i = ref_index(ref);
+    switch (ref_pool(ref)) {
+      case Pool::spheres:
+        return meet_block(blocks_.spheres[i], id);
+      case Pool::triangles:
+        return meet_block(blocks_.triangles[i], id);
+      default:
+        return meet_block(blocks_.cones[i], id);
+    }
+  }
+
+  bool gave_up(uint32_t id) const { return room_.beams[id].tests_left < 0; }
+  bool alive(uint32_t id) const { return room_.beams[id].t > 0; }
+
+  void visits(size_t n) { context_.steps += n; }
+  float end(uint32_t id) const { return room_.beams[id].t; }
+  Sweep sweep(uint32_t id) const {
+    const Beam& b = room_.beams[id];
+    return {b.o, b.d, b.start, b.widening};
+  }
+
+  HWY_INLINE unsigned meet(uint32_t id, const BoxLanes& boxes, V8* nearest = nullptr) const {
+    const Beam& b = room_.beams[id];
+    return boxes.meet(b.inverse[0], b.inverse[1], b.offset[0], b.offset[1], b.t, nearest);
+  }
+
+  HWY_INLINE void leaf(uint32_t ref, const uint32_t* ids, size_t n) {
+    const uint32_t block = ref_index(ref);
+    switch (ref_pool(ref)) {
+      case Pool::spheres: {
+        const SphereBlock& spheres = blocks_.spheres[block];
+        return leaf(spheres, ids, n, [&](uint32_t id) { return near_spheres(spheres, id); });
+      }
+      case Pool::triangles: {
+        const TriangleBlock& triangles = blocks_.triangles[block];
+        const BoxLanes boxes(triangles);
+        const EdgeLanes edges(triangles);
+        return leaf(triangles, ids, n, [&](uint32_t id) HWY_ATTR {
+          const unsigned mask = meet(id, boxes);
+          return hwy::PopCount(mask) > 1 ? mask & near_triangles(triangles, edges, id) : mask;
+        });
+      }
+      default: {
+        const ConeBlock& cones = blocks_.cones[block];
+        const BoxLanes boxes(cones.boxes, cones.item);
+        return leaf(cones, ids, n, [&](uint32_t id) { return meet(id, boxes); });
+      }
+    }
+  }
+
+ private:
+  // First all beams, which say by `near` what they come near; then the rays of those, one primitive
+  // for sixteen; then the primitives that one of the rays may hit: each without a branch that
+  // depends on what is met, since half of those would be foreseen wrongly.
+  template <class Block, class Near>
+  HWY_INLINE void leaf(const Block& block, const uint32_t* ids, size_t n, Near&& near) {
+    const hn::RebindToUnsigned<decltype(kEight)> lanes;
+    for (size_t begin = 0, end; begin < n; begin = end) {
+      size_t pairs = 0;
+      for (end = begin; end < n && pairs + kBlockWidth <= BeamRoom::kPairs; ++end) {
+        const uint32_t id = ids[end];
+        if (!alive(id)) continue;
+        const unsigned mask = near(id);
+        room_.beams[id].tests_left -= int(hwy::PopCount(mask));
+        for (int i = 0; i < kBlockWidth; i += kLanes8) {
+          const uint8_t part[8] = {uint8_t(mask >> i)};
+          const auto in = hn::LoadMaskBits(lanes, part);
+          const auto pair = hn::Iota(lanes, id * kBlockWidth + uint32_t(i));
+          hn::StoreU(hn::Compress(pair, in), lanes, room_.pairs + pairs);
+          pairs += hn::CountTrue(lanes, in);
+        }
+      }
+      context_.tests += pairs * kPacket;
+      BeamCandidate* found = room_.candidates;
+      for (size_t p = 0; p < pairs; ++p) {
+        const uint32_t id = room_.pairs[p] / kBlockWidth;
+        found = meet<true>(block, int(room_.pairs[p] % kBlockWidth), id, found);
+      }
+      offer(block, found);
+      for (size_t i = begin; i < end; ++i)
+        if (alive(ids[i])) see_end(ids[i]);
+    }
+  }
+
+  template <class Block>
+  HWY_INLINE void meet_block(const Block& block, uint32_t id) {
+    BeamCandidate* found = room_.candidates;
+    for (int k = 0; k < kBlockWidth && block.item[k] != kNoItem; ++k)
+      context_.tests += kPacket, found = meet<false>(block, k, id, found);
+    offer(block, found);
+  }
+
+  // How far the beam's rays reach after a leaf.
+  HWY_INLINE void see_end(uint32_t id) {
+    V16 farthest = hn::Zero(kSixteen);
+    for (int k = 0; k < kPacket; k += kLanes16)
+      farthest = hn::Max(farthest, hn::Load(kSixteen, batch_.t + id * kPacket + k));
+    const float t = hn::GetLane(hn::MaxOfLanes(kSixteen, farthest));
+    Beam& b = room_.beams[id];
+    b.t = t == 0 || b.tests_left < 0 ? -1 : t;
+  }
+
+  // Which of the spheres reach into the cone around the beam.
+  HWY_INLINE unsigned near_spheres(const SphereBlock& block, uint32_t id) const {
+    const auto& f = kEight;
+    const Beam& b = room_.beams[id];
+    unsigned mask = 0;
+    for (int i = 0; i < kBlockWidth; i += kLanes8) {
+      const V8 dx = hn::Set(f, b.d[0]), dy = hn::Set(f, b.d[1]), dz = hn::Set(f, b.d[2]);
+      const V8 x = hn::Sub(hn::Load(f, block.x + i), hn::Set(f, b.o[0]));
+      const V8 y = hn::Sub(hn::Load(f, block.y + i), hn::Set(f, b.o[1]));
+      const V8 z = hn::Sub(hn::Load(f, block.z + i), hn::Set(f, b.o[2]));
+      const V8 along = dot(f, x, y, z, dx, dy, dz);
+      const V8 px = hn::NegMulAdd(dx, along, x), py = hn::NegMulAdd(dy, along, y);
+      const V8 pz = hn::NegMulAdd(dz, along, z);
+      const V8 off2 = dot(f, px, py, pz, px, py, pz);
+      const V8 thick = hn::Add(hn::Load(f, block.radius + i), hn::Set(f, b.start));
+      const V8 reach = hn::MulAdd(hn::Add(along, thick), hn::Set(f, b.widening), thick);
+      const M8 beside = hn::Le(off2, hn::Mul(reach, reach));
+      const M8 in_front = hn::Ge(hn::Min(reach, hn::Add(along, reach)), hn::Zero(f));
+      const M8 in_time = hn::Le(hn::Sub(along, reach), hn::Set(f, b.t));
+      mask |= bits(f, hn::And(hn::And(beside, in_front), in_time)) << i;
+    }
+    return mask;
+  }
+
+  // Which of the triangles a line of the beam may pass through: not those of which all lines pass
+  // one edge on the one side and another on the other. Of a line of origin o and direction d and an
+  // edge e from a corner x, d . ((x - o) x e) tells the side; where d differs by `turned` and o by
+  // `shifted`, that differs by no more than turned . |(x - o) x e| + shifted |e|.
+  HWY_INLINE unsigned near_triangles(const TriangleBlock& block, const EdgeLanes& edges,
+                                     uint32_t id) const {
+    const auto& f = kEight;
+    const Beam& b = room_.beams[id];
+    unsigned mask = 0;
+    for (int p = 0; p < kParts; ++p) {
+      V8 least = hn::Set(f, kInfinity), most = hn::Set(f, -kInfinity);
+      for (int c = 0; c < 3; ++c) {
+        V8 x[3];
+        for (int a = 0; a < 3; ++a)
+          x[a] = hn::Sub(hn::Load(f, &block.corner[c][a][p * kLanes8]), hn::Set(f, b.o[a]));
+        V8 side = hn::Zero(f), apart = hn::Mul(hn::Set(f, b.shifted), edges.size[c][p]);
+        for (int a = 0; a < 3; ++a) {
+          const int next = (a + 1) % 3, last = (a + 2) % 3;
+          const V8 normal =
+              hn::MulSub(x[next], edges.edge[c][last][p], hn::Mul(x[last], edges.edge[c][next][p]));
+          side = hn::MulAdd(hn::Set(f, b.d[a]), normal, side);
+          apart = hn::MulAdd(hn::Set(f, b.turned[a]), hn::Abs(normal), apart);
+        }
+        least = hn::Min(least, hn::Add(side, apart));
+        most = hn::Max(most, hn::Sub(side, apart));
+      }
+      const M8 missed = hn::And(hn::Lt(least, hn::Zero(f)), hn::Gt(most, hn::Zero(f)));
+      mask |= bits(f, hn::Not(missed)) << (p * kLanes8);
+    }
+    return mask;
+  }
+
+  // Hits at `t`, of any-hit rays i, i + 1, ... in lanes of `valid`.
+  HWY_INLINE void hide(size_t i, M16 valid, V16 t) const {
+    const auto& f = kSixteen;
+    const V16 end = hn::Load(f, batch_.t + i);
+    const M16 before = hn::And(hn::Gt(t, hn::Zero(f)), hn::Lt(t, end));
+    hn::Store(hn::IfThenElse(hn::And(valid, before), hn::Set(f, kHidden), end), f, batch_.t + i);
+  }
+
+  // Takes hits of rays i, i + 1, ... that are nearer; at equal distance the lower id.
+  HWY_INLINE void offer(size_t i, V16 t, ItemId item, V16 u, V16 v) const {
+    const auto& f = kSixteen;
+    const hn::RebindToUnsigned<decltype(kSixteen)> id;
+    const V16 best = hn::Load(f, batch_.t + i);
+    const auto old = hn::Load(id, batch_.item + i);
+    // No item is the highest id of all, but what ends there is not met.
+    const auto lower = hn::And(hn::Lt(hn::Set(id, item), old), hn::Ne(old, hn::Set(id, kNoItem)));
+    const M16 nearer = hn::Or(hn::Lt(t, best), hn::And(hn::Eq(t, best), hn::RebindMask(f, lower)));
+    const M16 taken = hn::And(nearer, hn::Gt(t, hn::Zero(f)));
+    hn::BlendedStore(t, taken, f, batch_.t + i);
+    hn::BlendedStore(u, taken, f, batch_.u + i);
+    hn::BlendedStore(v, taken, f, batch_.v + i);
+    hn::BlendedStore(hn::Set(id, item), hn::RebindMask(id, taken), id, batch_.item + i);
+  }
+
+  HWY_INLINE void offer(const SphereBlock& block, const BeamCandidate* end) const {
+    const V16 none = hn::Zero(kSixteen);
+    for (const BeamCandidate* c = room_.candidates; c < end; ++c) {
+      const V16 middle = hn::Load(kSixteen, c->t), d2 = hn::Load(kSixteen, c->det);
+      offer(c->ray, chord_distance(kSixteen, middle, d2), block.item[c->lane], none, none);
+    }
+  }
+  HWY_INLINE void offer(const TriangleBlock& block, const BeamCandidate* end) const {
+    for (const BeamCandidate* c = room_.candidates; c < end; ++c) {
+      const V16 det = hn::Load(kSixteen, c->det);
+      const auto divided = [&](const float* x)
+                               HWY_ATTR { return hn::Div(hn::Load(kSixteen, x), det); };
+      offer(c->ray, divided(c->t), block.item[c->lane], divided(c->u), divided(c->v));
+    }
+  }
+  HWY_INLINE void offer(const ConeBlock&, const BeamCandidate*) const {}
+
+  // The sixteen rays of `id` against primitive k. What they may hit goes to `found`, whose new end
+  // is returned, or is settled here. `in_beam`: they are a beam that comes near; others mostly
+  // miss, and are left at once.
+  template <bool in_beam>
+  HWY_INLINE BeamCandidate* meet(const SphereBlock& block, int k, uint32_t id,
+                                 BeamCandidate* found) const {
+    const auto& f = kSixteen;
+    const V16 x = hn::Set(f, block.x[k]), y = hn::Set(f, block.y[k]), z = hn::Set(f, block.z[k]);
+    const V16 radius = hn::Set(f, block.radius[k]);
+    for (size_t i = id * kPacket; i < (id + 1) * kPacket; i += kLanes16) {
+      const auto hit = chord_test(
+          f, hn::Sub(x, hn::Load(f, batch_.o[0] + i)), hn::Sub(y, hn::Load(f, batch_.o[1] + i)),
+          hn::Sub(z, hn::Load(f, batch_.o[2] + i)), radius, hn::Load(f, batch_.d[0] + i),
+          hn::Load(f, batch_.d[1] + i), hn::Load(f, batch_.d[2] + i));
+      if (!in_beam && hn::AllFalse(f, hit.in)) continue;
+      if (any) {
+        hide(i, hit.in, chord_distance(f, hit.middle, hit.d2));
+      } else {
+        hn::Store(hit.middle, f, found->t), hn::Store(hit.d2, f, found->det);
+        found->ray = uint32_t(i), found->lane = uint32_t(k);
+        found += !hn::AllFalse(f, hit.in);
+      }
+    }
+    return found;
+  }
+
+  // Components along the axes of kShearAxes, lane by lane.
+  static HWY_INLINE void permute(V16 axes, V16 x, V16 y, V16 z, V16& across, V16& along,
+                                 V16& depth) {
+    const auto& f = kSixteen;
+    const M16 down = hn::Ge(axes, hn::Set(f, 3));
+    const V16 axis = hn::IfThenElse(down, hn::Sub(axes, hn::Set(f, 3)), axes);
+    const M16 first = hn::Lt(axis, hn::Set(f, 1)), last = hn::Gt(axis, hn::Set(f, 1));
+    depth = hn::IfThenElse(first, x, hn::IfThenElse(last, z, y));
+    const V16 next = hn::IfThenElse(first, y, hn::IfThenElse(last, x, z));
+    const V16 after = hn::IfThenElse(first, z, hn::IfThenElse(last, y, x));
+    across = hn::IfThenElse(down, after, next), along = hn::IfThenElse(down, next, after);
+  }
+
+  template <bool in_beam>
+  HWY_INLINE BeamCandidate* meet(const TriangleBlock& block, int k, uint32_t id,
+                                 BeamCandidate* found) const {
+    const auto& f = kSixteen;
+    for (size_t i = id * kPacket; i < (id + 1) * kPacket; i += kLanes16) {
+      V16 x[3], y[3], z[3];
+      for (int c = 0; c < 3; ++c) {
+        const auto corner = [&](int a) HWY_ATTR {
+          return hn::Sub(hn::Set(f, block.corner[c][a][k]), hn::Load(f, batch_.o[a] + i));
+        };
+        V16 across, along, depth;
+        if (in_beam && room_.beams[id].axes != Beam::kMixed) {
+          const uint8_t* const order = kShearAxes[room_.beams[id].axes];
+          across = corner(order[0]), along = corner(order[1]), depth = corner(order[2]);
+        } else {
+          permute(hn::Load(f, batch_.axes + i), corner(0), corner(1), corner(2), across, along,
+                  depth);
+        }
+        x[c] = hn::Sub(across, hn::Mul(hn::Load(f, batch_.shear[0] + i), depth));
+        y[c] = hn::Sub(along, hn::Mul(hn::Load(f, batch_.shear[1] + i), depth));
+        z[c] = hn::Mul(hn::Load(f, batch_.shear[2] + i), depth);
+      }
+      auto hit = edge_test(f, x, y, z);
+      if (!in_beam && hn::AllFalse(f, hit.in)) continue;
+      hit.in = hn::And(hit.in, within_reach(f, x, y));
+      if (any) {
+        hide(i, hit.in, hn::Div(hit.t, hit.det));
+      } else {
+        // Zero is in front of no ray.
+        hn::Store(hn::IfThenElseZero(hit.in, hit.t), f, found->t);
+        hn::Store(hit.det, f, found->det);
+        hn::Store(hit.u, f, found->u), hn::Store(hit.v, f, found->v);
+        found->ray = uint32_t(i), found->lane = uint32_t(k);
+        found += !hn::AllFalse(f, hit.in);
+      }
+    }
+    return found;
+  }
+
+  template <bool in_beam>
+  HWY_INLINE BeamCandidate* meet(const ConeBlock& block, int k, uint32_t id,
+                                 BeamCandidate* found) const {
+    const DemotedTag narrow;
+    const auto one = [&](const float* x) { return hn::Set(kDoubles, double(x[k])); };
+    ConeInput c;
+    for (int a = 0; a < 3; ++a) c.base[a] = one(block.base[a]), c.axis[a] = one(block.axis[a]);
+    c.height = one(block.height), c.radius = one(block.radius), c.slope = one(block.slope);
+    const auto& f = kSixteen;
+    alignas(64) float t[kPacket];
+    unsigned mask = 0;
+    const size_t first = id * kPacket;
+    for (size_t i = 0; i < kPacket; i += kLanesD) {
+      for (int a = 0; a < 3; ++a) {
+        c.origin[a] = hn::PromoteTo(kDoubles, hn::Load(narrow, batch_.o[a] + first + i));
+        c.dir[a] = hn::PromoteTo(kDoubles, hn::Load(narrow, batch_.d[a] + first + i));
+      }
+      const ConeLanes hit = cone_test(c);
+      mask |= bits(narrow, hit.in) << i;
+      hn::Store(hit.t, narrow, t + i);
+    }
+    if (mask == 0) return found;
+    for (size_t i = 0; i < kPacket; i += kLanes16) {
+      const uint8_t lanes[8] = {uint8_t(mask >> i), uint8_t(mask >> i >> 8)};
+      const M16 in = hn::LoadMaskBits(f, lanes);
+      const V16 distance = hn::Load(f, t + i);
+      if (any)
+        hide(first + i, in, distance);
+      else
+        offer(first + i, hn::IfThenElseZero(in, distance), block.item[k], hn::Zero(f), hn::Zero(f));
+    }
+    return found;
+  }
+
+  const Blocks& blocks_;
+  const Batch& batch_;
+  BeamRoom& room_;
+  TraceContext& context_;
+};
+
+}  // namespace raio::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,432 @@
+// Rays each on their own, as a crowd that walks tree or grid: one ray against the eight primitives
+// of a block. Included by blocks_tracer-inl.h and the walks only, once for each instruction set.
+// Once for each instruction set, as foreach_target.h passes again.
+#if defined(RAIO_ACCEL_BLOCKS_RAYS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef RAIO_ACCEL_BLOCKS_RAYS_INL_H_
+#undef RAIO_ACCEL_BLOCKS_RAYS_INL_H_
+#else
+#define RAIO_ACCEL_BLOCKS_RAYS_INL_H_
+#endif
+
+#include "accel/blocks/lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace raio::HWY_NAMESPACE {
+
+constexpr size_t kChunk = 1024;        // rays that travel together
+constexpr float kHidden = -kInfinity;  // the distance of an any-hit ray that has hit
+
+// Which rays or beams a walk takes along.
+struct IdLists {
+  std::vector<uint32_t> ids;
+
+  void reserve(size_t n) {
+    if (ids.size() < n) ids.resize(2 * n);
+  }
+};
+
+// The part of a batch that travels together, at most kChunk rays, with the nearest hits so far.
+// Columns have room for whole packets, where rays past the end are done. A ray is done when its
+// distance is not positive: nothing is nearer.
+struct Batch {
+  size_t count;
+  const float *o[3], *d[3];
+  float* t;
+  ItemId* item;  // this and the next only where the nearest hit is wanted
+  float *u, *v;
+  // As ShearedRay, where the scene has triangles; the axes by their number in kShearAxes.
+  float* shear[3];
+  float* axes;
+
+  Ray ray(size_t i) const {
+    return {{o[0][i], o[1][i], o[2][i]}, {d[0][i], d[1][i], d[2][i]}, t[i]};
+  }
+
+  HWY_INLINE void shear_packet(size_t first) const {
+    const auto& f = kSixteen;
+    for (size_t i = first; i < first + kPacket; i += kLanes16) {
+      const V16 x = hn::Load(f, d[0] + i), y = hn::Load(f, d[1] + i), z = hn::Load(f, d[2] + i);
+      const V16 ax = hn::Abs(x), ay = hn::Abs(y), az = hn::Abs(z);
+      const M16 y_less = hn::Ge(ax, ay);
+      const M16 along_x = hn::And(y_less, hn::Ge(ax, az));
+      const M16 along_y = hn::AndNot(y_less, hn::Ge(ay, az));
+      const auto choose = [&](V16 if_x, V16 if_y, V16 if_z) {
+        return hn::IfThenElse(along_x, if_x, hn::IfThenElse(along_y, if_y, if_z));
+      };
+      const V16 depth = choose(x, y, z), next = choose(y, z, x), last = choose(z, x, y);
+      const M16 down = hn::Lt(depth, hn::Zero(f));
+      hn::Store(hn::Div(hn::IfThenElse(down, last, next), depth), f, shear[0] + i);
+      hn::Store(hn::Div(hn::IfThenElse(down, next, last), depth), f, shear[1] + i);
+      hn::Store(hn::Div(hn::Set(f, 1), depth), f, shear[2] + i);
+      const V16 axis = choose(hn::Zero(f), hn::Set(f, 1), hn::Set(f, 2));
+      hn::Store(hn::IfThenElse(down, hn::Add(axis, hn::Set(f, 3)), axis), f, axes + i);
+    }
+  }
+};
+
+// What a ray or a beam sweeps: at a distance of t all of it lies around o + t d, within a radius of
+// start + t * widening.
+struct Sweep {
+  const float *o, *d;
+  float start, widening;
+};
+
+// What boxes and spheres want of a ray: one cache line.
+struct alignas(64) StreamRay {
+  float inverse[3], lower[3], upper[3];  // see BoxLanes::meet
+  float t;
+  float o[3], d[3];
+};
+// What triangles want besides.
+struct alignas(16) StreamShear {
+  float x, y, z, axes;
+};
+
+// Four columns of four into four rows.
+HWY_INLINE void transpose(const float* column, size_t step, float* row, size_t row_step) {
+#if HWY_TARGET == HWY_SCALAR
+  for (size_t i = 0; i < 4; ++i)
+    for (size_t k = 0; k < 4; ++k) row[i * row_step + k] = column[k * step + i];
+#else
+  const hn::CappedTag<float, 4> four;
+  using V4 = hn::Vec<decltype(four)>;
+  const V4 a = hn::LoadU(four, column), b = hn::LoadU(four, column + step);
+  const V4 c = hn::LoadU(four, column + 2 * step), d = hn::LoadU(four, column + 3 * step);
+  const V4 ab_low = hn::InterleaveLower(four, a, b), ab_high = hn::InterleaveUpper(four, a, b);
+  const V4 cd_low = hn::InterleaveLower(four, c, d), cd_high = hn::InterleaveUpper(four, c, d);
+  hn::Store(hn::ConcatLowerLower(four, cd_low, ab_low), four, row);
+  hn::Store(hn::ConcatUpperUpper(four, cd_low, ab_low), four, row + row_step);
+  hn::Store(hn::ConcatLowerLower(four, cd_high, ab_high), four, row + 2 * row_step);
+  hn::Store(hn::ConcatUpperUpper(four, cd_high, ab_high), four, row + 3 * row_step);
+#endif
+}
+
+// A ray that may hit some of a leaf's eight primitives: which, and what tells where.
+struct alignas(64) Candidate {
+  float t[kBlockWidth];    // the distance; of spheres the middle of the chord, of triangles t * det
+  float det[kBlockWidth];  // of spheres the square of half of the chord
+  float u[kBlockWidth], v[kBlockWidth];  // times det
+  uint32_t id;
+  unsigned mask;
+};
+constexpr size_t kCandidates = 64;
+
+// Pairs of a ray and one of a block's cones that it may hit.
+struct alignas(64) Pairs {
+  int32_t id[kBlockWidth * kCandidates], lane[kBlockWidth * kCandidates];
+};
+
+struct RayRoom {
+  Pairs pairs;
+  StreamRay rays[kChunk];
+  StreamShear shears[kChunk];
+  Candidate candidates[kCandidates];
+};
+
+template <bool any>
+class Rays {
+ public:
+  static constexpr bool kAny = any;
+
+  Rays(const Geometry& geometry, const Blocks& blocks, const Batch& batch, RayRoom& room,
+       TraceContext& context)
+      : g_(geometry),
+        blocks_(blocks),
+        batch_(batch),
+        rays_(room.rays),
+        shears_(room.shears),
+        candidates_(room.candidates),
+        pairs_(room.pairs),
+        context_(context) {}
+
+  // Makes the rays of a packet ready and adds to the list those that are not done.
+  HWY_INLINE size_t add_packet(size_t first, uint32_t* ids, size_t n) {
+    alignas(64) float columns[16][kPacket];
+    const auto& f = kSixteen;
+    for (int i = 0; i < kPacket; i += kLanes16) {
+      V16 size = hn::Set(f, blocks_.reach);
+      V16 o[3];
+      for (int a = 0; a < 3; ++a) {
+        o[a] = hn::Load(f, batch_.o[a] + first + i);
+        size = hn::Max(size, hn::Abs(o[a]));
+      }
+      const V16 slack = hn::Mul(size, hn::Set(f, 2 * kSlack));
+      for (int a = 0; a < 3; ++a) {
+        const V16 d = hn::Load(f, batch_.d[a] + first + i);
+        const V16 inverse = finite_inverse(f, d);
+        hn::Store(inverse, f, columns[a] + i);
+        hn::Store(hn::Mul(hn::Add(o[a], slack), inverse), f, columns[3 + a] + i);
+        hn::Store(hn::Mul(hn::Sub(o[a], slack), inverse), f, columns[6 + a] + i);
+        hn::Store(o[a], f, columns[10 + a] + i);
+        hn::Store(d, f, columns[13 + a] + i);
+      }
+      hn::Store(hn::Load(f, batch_.t + first + i), f, columns[9] + i);
+    }
+    float* const rows = rays_[first].inverse;
+    for (size_t i = 0; i < kPacket; i += 4)
+      for (size_t c = 0; c < 16; c += 4) transpose(&columns[c][i], kPacket, rows + 16 * i + c, 16);
+    if (!blocks_.triangles.empty())
+      for (size_t i = first; i < first + kPacket; i += 4)
+        transpose(batch_.shear[0] + i, size_t(batch_.shear[1] - batch_.shear[0]), &shears_[i].x, 4);
+    for (size_t i = first; i < first + kPacket; ++i) {
+      ids[n] = uint32_t(i);
+      n += batch_.t[i] > 0;
+    }
+    return n;
+  }
+
+  void visits(size_t n) { context_.steps += n; }
+  float end(uint32_t id) const { return rays_[id].t; }
+  Sweep sweep(uint32_t id) const { return {rays_[id].o, rays_[id].d, 0, 0}; }
+
+  HWY_INLINE unsigned meet(uint32_t id, const BoxLanes& boxes, V8* nearest = nullptr) const {
+    const StreamRay& r = rays_[id];
+    return boxes.meet(r.inverse, r.inverse, r.lower, r.upper, r.t, nearest);
+  }
+
+  HWY_INLINE void leaf(uint32_t ref, const uint32_t* ids, size_t n) {
+    const uint32_t block = ref_index(ref);
+    context_.tests += kBlockWidth * n;
+    switch (ref_pool(ref)) {
+      case Pool::spheres:
+        return leaf<ItemKind::sphere>(blocks_.spheres[block], ids, n);
+      case Pool::triangles:
+        return leaf<ItemKind::triangle>(blocks_.triangles[block], ids, n);
+      default:
+        return leaf(blocks_.cones[block], ids, n);
+    }
+  }
+
+ private:
+  // First all rays, without a branch that depends on what they meet, since half of those would be
+  // foreseen wrongly; then those that met something. For any hit the first says it all.
+  template <ItemKind kind, class Block>
+  HWY_INLINE void leaf(const Block& block, const uint32_t* ids, size_t n) {
+    if (!g_.two_sided(kind)) {
+      for (size_t i = 0; i < n; ++i) meet_items(block.item, ids[i]);
+      return;
+    }
+    if (any) {
+      for (size_t i = 0; i < n; ++i) hide(block, ids[i]);
+      return;
+    }
+    for (size_t first = 0; first < n; first += kCandidates) {
+      const size_t end = std::min(n, first + kCandidates);
+      size_t found = 0;
+      for (size_t i = first; i < end; ++i) {
+        Candidate& c = candidates_[found];
+        c.id = ids[i];
+        c.mask = meet(block, ids[i], c);
+        found += c.mask != 0;
+      }
+      for (size_t i = 0; i < found; ++i) {
+        const Candidate& c = candidates_[i];
+        for_bits(c.mask, [&](int k) { offer<kind>(c, k, block.item[k]); });
+      }
+    }
+  }
+
+  // An any-hit ray.
+  template <class Block>
+  HWY_INLINE void hide(const Block& block, uint32_t id) {
+    const auto& f = kEight;
+    Candidate c;
+    meet(block, id, c);
+    float& end = rays_[id].t;
+    unsigned hits = 0;
+    for (int i = 0; i < kBlockWidth; i += kLanes8) {
+      const V8 t = distance(block, c, i);
+      hits |= bits(f, hn::And(hn::Gt(t, hn::Zero(f)), hn::Lt(t, hn::Set(f, end))));
+    }
+    const float ends[] = {end, kHidden};
+    end = batch_.t[id] = ends[hits != 0];
+  }
+  static HWY_INLINE V8 distance(const TriangleBlock&, const Candidate& c, int i) {
+    return hn::Div(hn::Load(kEight, c.t + i), hn::Load(kEight, c.det + i));
+  }
+  static HWY_INLINE V8 distance(const SphereBlock&, const Candidate& c, int i) {
+    return chord_distance(kEight, hn::Load(kEight, c.t + i), hn::Load(kEight, c.det + i));
+  }
+
+  template <ItemKind kind>
+  HWY_INLINE void offer(const Candidate& c, int k, ItemId item) {
+    if (kind == ItemKind::triangle) {
+      const float det = c.det[k];
+      return take(c.id, c.t[k] / det, item, c.u[k] / det, c.v[k] / det);
+    }
+    const float half = std::sqrt(c.det[k]);
+    take(c.id, c.t[k] - half > 0 ? c.t[k] - half : c.t[k] + half, item, 0, 0);
+  }
+
+  // Takes a hit if it is the nearest; of equally near ones that of the lowest id.
+  HWY_INLINE void take(uint32_t id, float t, ItemId item, float u, float v) {
+    float& best = rays_[id].t;
+    if (!(t > 0 && t <= best)) return;
+    if (any) {
+      if (t < best) best = batch_.t[id] = kHidden;
+      return;
+    }
+    ItemId& old = batch_.item[id];
+    if (t == best && (old == kNoItem || old <= item)) return;
+    best = batch_.t[id] = t, old = item;
+    batch_.u[id] = u, batch_.v[id] = v;
+  }
+
+  HWY_INLINE unsigned meet(const SphereBlock& block, uint32_t id, Candidate& c) const {
+    const auto& f = kEight;
+    const StreamRay& r = rays_[id];
+    unsigned mask = 0;
+    for (int i = 0; i < kBlockWidth; i += kLanes8) {
+      const V8 radius = hn::Load(f, block.radius + i);
+      const auto hit = chord_test(f, hn::Sub(hn::Load(f, block.x + i), hn::Set(f, r.o[0])),
+                                  hn::Sub(hn::Load(f, block.y + i), hn::Set(f, r.o[1])),
+                                  hn::Sub(hn::Load(f, block.z + i), hn::Set(f, r.o[2])), radius,
+                                  hn::Set(f, r.d[0]), hn::Set(f, r.d[1]), hn::Set(f, r.d[2]));
+      // Neither behind the ray nor beyond what it has hit; the root is for later.
+      const V8 half = hn::Mul(radius, hn::Set(f, 1 + 4 * kEpsilon));
+      const M8 near = hn::And(hn::Ge(hn::Add(hit.middle, half), hn::Zero(f)),
+                              hn::Le(hn::Sub(hit.middle, half), hn::Set(f, r.t)));
+      mask |= bits(f, hn::And(hit.in, near)) << i;
+      hn::Store(hit.middle, f, c.t + i), hn::Store(hit.d2, f, c.det + i);
+    }
+    return mask;
+  }
+
+  HWY_INLINE unsigned meet(const TriangleBlock& block, uint32_t id, Candidate& c) const {
+    const auto& f = kEight;
+    const StreamRay& r = rays_[id];
+    const StreamShear& s = shears_[id];
+    const uint8_t* const k = kShearAxes[int(s.axes)];
+    const V8 ox = hn::Set(f, r.o[k[0]]), oy = hn::Set(f, r.o[k[1]]), oz = hn::Set(f, r.o[k[2]]);
+    const V8 sx = hn::Set(f, s.x), sy = hn::Set(f, s.y), sz = hn::Set(f, s.z);
+    unsigned mask = 0;
+    for (int i = 0; i < kBlockWidth; i += kLanes8) {
+      V8 x[3], y[3], z[3];
+      for (int p = 0; p < 3; ++p) {
+        const V8 depth = hn::Sub(hn::Load(f, &block.corner[p][k[2]][i]), oz);
+        x[p] = hn::Sub(hn::Sub(hn::Load(f, &block.corner[p][k[0]][i]), ox), hn::Mul(sx, depth));
+        y[p] = hn::Sub(hn::Sub(hn::Load(f, &block.corner[p][k[1]][i]), oy), hn::Mul(sy, depth));
+        z[p] = hn::Mul(sz, depth);
+      }
+      auto hit = edge_test(f, x, y, z);
+      hit.in = hn::And(hit.in, within_reach(f, x, y));
+      mask |= bits(f, hit.in) << i;
+      // Zero is in front of no ray.
+      hn::Store(hn::IfThenElseZero(hit.in, hit.t), f, c.t + i), hn::Store(hit.det, f, c.det + i);
+      hn::Store(hit.u, f, c.u + i), hn::Store(hit.v, f, c.v + i);
+    }
+    return mask;
+  }
+
+  // In double, which is dear: most cones are missed by their boxes or the lines of their axes, and
+  // those that are not are tested as many at a time as there are lanes, whosever they are.
+  HWY_INLINE void leaf(const ConeBlock& block, const uint32_t* ids, size_t n) {
+    if (!g_.two_sided(ItemKind::cone)) {
+      for (size_t i = 0; i < n; ++i) meet_items(block.item, ids[i]);
+      return;
+    }
+    const BoxLanes boxes(block.boxes, block.item);
+    for (size_t first = 0; first < n; first += kCandidates) {
+      size_t found = 0;
+      for (size_t i = first; i < std::min(n, first + kCandidates); ++i)
+        for_bits(near_axes(block, boxes, ids[i]), [&](int k) {
+          pairs_.id[found] = int32_t(ids[i]), pairs_.lane[found] = k;
+          ++found;
+        });
+      for (size_t i = found; i % kLanesD != 0; ++i) pairs_.id[i] = pairs_.lane[i] = 0;
+      for (size_t i = 0; i < found; i += kLanesD) meet_pairs(block, i, found);
+    }
+  }
+
+  // Which of the cones have a box that the ray meets, and an axis whose line it passes no further
+  // away than their largest radius: |(o - base) . (d x axis)| / |d x axis|, but for rounding, here
+  // and in the test in double, which goes by the square of the height.
+  HWY_INLINE unsigned near_axes(const ConeBlock& block, const BoxLanes& boxes, uint32_t id) const {
+    const unsigned mask = meet(id, boxes);
+    if (mask == 0) return 0;
+    const auto& f = kEight;
+    const StreamRay& r = rays_[id];
+    unsigned aside = 0;
+    for (int i = 0; i < kBlockWidth; i += kLanes8) {
+      V8 o[3], d[3], axis[3];
+      for (int a = 0; a < 3; ++a) {
+        o[a] = hn::Sub(hn::Set(f, r.o[a]), hn::Load(f, block.base[a] + i));
+        d[a] = hn::Set(f, r.d[a]), axis[a] = hn::Load(f, block.axis[a] + i);
+      }
+      const V8 x = hn::Sub(hn::Mul(d[1], axis[2]), hn::Mul(d[2], axis[1]));
+      const V8 y = hn::Sub(hn::Mul(d[2], axis[0]), hn::Mul(d[0], axis[2]));
+      const V8 z = hn::Sub(hn::Mul(d[0], axis[1]), hn::Mul(d[1], axis[0]));
+      const V8 height = hn::Load(f, block.height + i);
+      const V8 size =
+          hn::Add(hn::Add(hn::Abs(o[0]), hn::Abs(o[1])), hn::Add(hn::Abs(o[2]), height));
+      const V8 rounding = hn::Mul(size, hn::Set(f, kSlack));
+      const V8 apart = hn::Sub(hn::Abs(dot(f, x, y, z, o[0], o[1], o[2])), rounding);
+      const V8 base = hn::Load(f, block.radius + i);
+      const V8 apex = hn::MulAdd(hn::Load(f, block.slope + i), height, base);
+      const V8 reach = hn::Mul(hn::Max(base, apex), hn::Set(f, 1 + kSlack));
+      const V8 across = hn::Sqrt(dot(f, x, y, z, x, y, z));
+      aside |= bits(f, hn::Gt(apart, hn::Mul(reach, across))) << i;
+    }
+    return mask & ~aside;
+  }
+
+  // Pairs first, first + 1, ... in the lanes, but none from `end` on.
+  HWY_INLINE void meet_pairs(const ConeBlock& block, size_t first, size_t end) {
+    const DemotedTag f;
+    const hn::RebindToSigned<DemotedTag> ints;
+    const int32_t *const id = pairs_.id + first, *const lane = pairs_.lane + first;
+    constexpr int32_t kRow = sizeof(StreamRay) / sizeof(float);
+    const auto of_ray = hn::Mul(hn::Load(ints, id), hn::Set(ints, kRow));
+    const auto of_cone = hn::Load(ints, lane);
+    const auto ray = [&](const float* from) HWY_ATTR {
+      return hn::PromoteTo(kDoubles, hn::GatherIndex(f, from, of_ray));
+    };
+    const auto cone = [&](const float* column) HWY_ATTR {
+      // Out of one register where it holds the column, which is quicker than gathering.
+      if constexpr (kLanesD == kBlockWidth)
+        return hn::PromoteTo(
+            kDoubles, hn::TableLookupLanes(hn::Load(f, column), hn::IndicesFromVec(f, of_cone)));
+      else
+        return hn::PromoteTo(kDoubles, hn::GatherIndex(f, column, of_cone));
+    };
+    ConeInput in;
+    for (int a = 0; a < 3; ++a) {
+      in.base[a] = cone(block.base[a]), in.axis[a] = cone(block.axis[a]);
+      in.origin[a] = ray(rays_->o + a), in.dir[a] = ray(rays_->d + a);
+    }
+    in.height = cone(block.height), in.radius = cone(block.radius), in.slope = cone(block.slope);
+    const ConeLanes hit = cone_test(in);
+    alignas(64) float t[kLanesD];
+    hn::Store(hit.t, f, t);
+    const unsigned exist = (1u << std::min(end - first, size_t(kLanesD))) - 1;
+    for_bits(bits(f, hit.in) & exist,
+             [&](int i) { take(uint32_t(id[i]), t[i], block.item[lane[i]], 0, 0); });
+  }
+
+  // One after another, for the rare surfaces that are seen from one side only.
+  void meet_items(const ItemId* items, uint32_t id) {
+    for (int i = 0; i < kBlockWidth && items[i] != kNoItem; ++i) {
+      RayQuery query(batch_.ray(id));
+      if (!any) query.best.item = batch_.item[id];
+      if (!test_item(g_, items[i], query)) continue;
+      rays_[id].t = batch_.t[id] = any ? kHidden : query.best.t;
+      if (any) return;
+      batch_.item[id] = query.best.item;
+      batch_.u[id] = query.best.u, batch_.v[id] = query.best.v;
+    }
+  }
+
+  const Geometry& g_;
+  const Blocks& blocks_;
+  const Batch& batch_;
+  StreamRay* rays_;
+  StreamShear* shears_;
+  Candidate* candidates_;
+  Pairs& pairs_;
+  TraceContext& context_;
+};
+
+}  // namespace raio::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

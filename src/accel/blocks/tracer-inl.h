@@ -1,0 +1,193 @@
+// A batch of rays through a structure of blocks, be it tree or grid: rays that keep together go as
+// beams, the others each on their own. Included by bvh_trace.cpp and grid_trace.cpp only, once for
+// each instruction set.
+// Once for each instruction set, as foreach_target.h passes again.
+#if defined(RAIO_ACCEL_BLOCKS_TRACER_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef RAIO_ACCEL_BLOCKS_TRACER_INL_H_
+#undef RAIO_ACCEL_BLOCKS_TRACER_INL_H_
+#else
+#define RAIO_ACCEL_BLOCKS_TRACER_INL_H_
+#endif
+
+#include <memory>
+
+#include "accel/blocks/beams-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace raio::HWY_NAMESPACE {
+
+// What a thread keeps for all its batches.
+template <class WalkRoom>
+struct Room {
+  // Columns of a batch that its rays do not bring along.
+  alignas(64) float t[kChunk + 16];  // not a multiple of 4096 bytes, see integrate/tile-inl.h
+  alignas(64) float shear[4][kChunk + 16];
+  RayRoom rays;
+  BeamRoom beams;
+  WalkRoom walk;
+};
+
+// One for both kinds of rays: it fills most of the second cache.
+template <class WalkRoom>
+Room<WalkRoom>& own_room() {
+  static thread_local const auto room = std::make_unique_for_overwrite<Room<WalkRoom>>();
+  return *room;
+}
+
+// Things of a structure of blocks: `empty()`, and walk(structure, without_shared, n, walk_room,
+// crowd), which takes the first n of `walk_room.ids` through it. A crowd (Rays, Beams) knows what
+// they are; those that have met the shared blocks go without them.
+template <bool any, class Structure, class WalkRoom>
+class Tracer {
+ public:
+  Tracer(const Geometry& geometry, const Structure& structure, Room<WalkRoom>& room,
+         TraceContext& context)
+      : g_(geometry),
+        structure_(structure),
+        room_(room),
+        context_(context),
+        beams_(g_.two_sided(ItemKind::sphere) && g_.two_sided(ItemKind::triangle) &&
+               g_.two_sided(ItemKind::cone)),
+        few_(g_.count(ItemKind::sphere) + 2 * g_.count(ItemKind::triangle) +
+                     4 * g_.count(ItemKind::cone) <=
+                 kFew &&
+             structure.spheres.size() + structure.triangles.size() + structure.cones.size() <=
+                 kFew) {}
+
+  // Rays first, first + 1, ... of the batch, at most kChunk; hits go to `hits` or `hit`.
+  void trace(const RayBatch& rays, size_t first, HitBatch* hits, uint8_t* hit) {
+    Batch b = {.count = std::min(rays.size() - first, kChunk),
+               .o = {&rays.ox[first], &rays.oy[first], &rays.oz[first]},
+               .d = {&rays.dx[first], &rays.dy[first], &rays.dz[first]},
+               .t = any ? room_.t : &hits->t[first],
+               .item = any ? nullptr : &hits->item[first],
+               .u = any ? nullptr : &hits->u[first],
+               .v = any ? nullptr : &hits->v[first],
+               .shear = {room_.shear[0], room_.shear[1], room_.shear[2]},
+               .axes = room_.shear[3]};
+    start(b, &rays.tmax[first]);
+    for (uint32_t i = 0; i < g_.count(ItemKind::plane); ++i) meet_plane(b, i);
+    if (!structure_.empty()) trace_blocks(b);
+    if (any)
+      for (size_t i = 0; i < b.count; ++i) hit[first + i] = b.t[i] == kHidden;
+  }
+
+ private:
+  // Rays that keep together as beams, then all others each on its own.
+  void trace_blocks(Batch& b) {
+    Rays<any> rays(g_, structure_, b, room_.rays, context_);
+    Beams<any> beams(structure_, b, room_.beams, context_);
+    WalkRoom& lists = room_.walk;
+    lists.reserve(kChunk + kPacket);
+    const uint32_t packets = uint32_t(padded(b.count) / kPacket);
+    uint32_t alone[kPackets];
+    size_t n = 0, n_alone = 0;
+    if (!structure_.triangles.empty())
+      for (size_t p = 0; p < packets; ++p) b.shear_packet(p * kPacket);
+    BeamMaker<any> maker(structure_, b, room_.beams);
+    if (beams_) maker.measure(packets);
+    for (uint32_t first = 0; first < packets; first += kPacket) {
+      const unsigned formed = beams_ ? maker.form(first) : 0;
+      for (uint32_t p = first; p < std::min(first + kPacket, packets); ++p) {
+        if (formed >> (p - first) & 1) {
+          if (beams.alive(p)) lists.ids[n++] = p;
+        } else if (beams_ && few_) {
+          beams.meet_all(p);
+        } else {
+          alone[n_alone++] = p;
+        }
+      }
+    }
+    if (n > 0) walk(structure_, false, n, lists, beams);
+    if (beams_)
+      for (uint32_t p = 0; p < packets; ++p)
+        if (beams.gave_up(p)) alone[n_alone++] = p;
+    if (beams_)
+      for (const uint32_t block : structure_.shared)
+        for (size_t i = 0; i < n_alone; ++i) beams.meet_block(block, alone[i]);
+    n = 0;
+    for (size_t i = 0; i < n_alone; ++i)
+      n = rays.add_packet(size_t(alone[i]) * kPacket, lists.ids.data(), n);
+    if (n > 0) walk(structure_, beams_, n, lists, rays);
+  }
+
+  void start(Batch& b, const float* tmax) {
+    const auto& f = kSixteen;
+    const hn::RebindToUnsigned<decltype(kSixteen)> ids;
+    for (size_t i = 0; i < b.count; i += kLanes16) {
+      const V16 t = hn::Load(f, tmax + i), done = hn::Set(f, -1);
+      hn::Store(hn::IfThenElse(hn::Gt(t, hn::Zero(f)), t, done), f, b.t + i);
+      if (any) continue;
+      hn::Store(hn::Set(ids, kNoItem), ids, b.item + i);
+      hn::Store(hn::Zero(f), f, b.u + i), hn::Store(hn::Zero(f), f, b.v + i);
+    }
+    for (size_t i = b.count; i < padded(b.count); ++i) b.t[i] = -1;
+  }
+
+  // All rays against one plane, in double and in the order of shape/plane.h.
+  void meet_plane(Batch& b, uint32_t index) {
+    context_.tests += b.count;
+    if (!g_.two_sided(ItemKind::plane)) return meet_plane_one_by_one(b, index);
+    const Plane& plane = g_.plane(index);
+    const ItemId item = item_id(ItemKind::plane, index);
+    const DemotedTag f;
+    const auto& wide = kDoubles;
+    const VD normal[3] = {hn::Set(wide, double(plane.normal.x)),
+                          hn::Set(wide, double(plane.normal.y)),
+                          hn::Set(wide, double(plane.normal.z))};
+    for (size_t i = 0; i < b.count; i += kLanesD) {
+      const auto load = [&](const float* x)
+                            HWY_ATTR { return hn::PromoteTo(wide, hn::Load(f, x + i)); };
+      VD d[3], to_plane[3];
+      for (int a = 0; a < 3; ++a) {
+        d[a] = load(b.d[a]);
+        to_plane[a] = hn::Sub(hn::Set(wide, double(plane.point[a])), load(b.o[a]));
+      }
+      const VD along = dot(wide, normal[0], normal[1], normal[2], d[0], d[1], d[2]);
+      const VD height =
+          dot(wide, normal[0], normal[1], normal[2], to_plane[0], to_plane[1], to_plane[2]);
+      // For a parallel ray infinite or not a number, neither of which is nearer than anything.
+      const auto t = hn::DemoteTo(f, hn::Div(height, along));
+      const auto best = hn::Load(f, b.t + i);
+      // Planes have the lowest ids of all, and come in their order: the first stays.
+      const auto taken = hn::And(hn::Gt(t, hn::Zero(f)), hn::Lt(t, best));
+      if (hn::AllFalse(f, taken)) continue;
+      hn::BlendedStore(any ? hn::Set(f, kHidden) : t, taken, f, b.t + i);
+      if (any) continue;
+      const hn::RebindToUnsigned<DemotedTag> ids;
+      hn::BlendedStore(hn::Set(ids, item), hn::RebindMask(ids, taken), ids, b.item + i);
+    }
+  }
+
+  void meet_plane_one_by_one(Batch& b, uint32_t index) {
+    for (size_t i = 0; i < b.count; ++i) {
+      RayQuery query(b.ray(i));
+      if (!any) query.best.item = b.item[i];
+      if (!test_plane(g_, index, query)) continue;
+      b.t[i] = any ? kHidden : query.best.t;
+      if (!any) b.item[i] = query.best.item;
+    }
+  }
+
+  const Geometry& g_;
+  const Structure& structure_;
+  Room<WalkRoom>& room_;
+  TraceContext& context_;
+  static constexpr size_t kFew = 32;  // measured
+
+  bool beams_;  // surfaces seen from one side only go ray by ray
+  bool few_;    // so few primitives that every ray is tested against all
+};
+
+template <bool any, class WalkRoom, class Structure>
+void trace_all(const Geometry& g, const Structure& structure, const RayBatch& rays, HitBatch* hits,
+               uint8_t* hit, TraceContext& context) {
+  Tracer<any, Structure, WalkRoom> tracer(g, structure, own_room<WalkRoom>(), context);
+  for (size_t i = 0; i < rays.size() && !context.stopped(); i += kChunk)
+    tracer.trace(rays, i, hits, hit);
+}
+
+}  // namespace raio::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

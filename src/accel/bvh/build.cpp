@@ -1,0 +1,435 @@
+// Top down by the surface area heuristic: a node's range is split in two, and the child of largest
+// surface again, until there are eight. First the nodes are made, in parts, each by one task, and
+// ids brought into the order of the leaves; boxes of items exist only for those that a task works
+// on. Then all sizes are known, and the parts go to their places in the tree's pools, in parallel
+// again. The tree is the same for any number of threads.
+#include "accel/bvh/build.h"
+
+#include <fmt/core.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/task_group.h>
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include "accel/bvh/bvh.h"
+#include "accel/parallel.h"
+
+namespace raio {
+namespace {
+
+constexpr size_t kTask = 4096;  // items worth a task
+constexpr int kPools = 4;       // one for each Pool
+// Above so many items the splits are found in haste. Measured: an eighth less time, and 2 % more
+// tests a ray; small scenes, which are built in no time, would be rendered up to 5 % slower.
+constexpr size_t kLarge = size_t(1) << 20;
+
+// A child to be: items begin .. end - 1 of the builder's order.
+struct Child {
+  size_t begin = 0, end = 0;
+  BuildBox box;
+  BuildItem* items = nullptr;       // once they have been made
+  const BuildPlan* plan = nullptr;  // has the splits, from its node `node` on
+  uint32_t node = 0;
+
+  size_t size() const { return end - begin; }
+  BuildRange range() const { return {items, size()}; }
+};
+
+// What one task makes: the nodes over a range, children named by their place in this part; or one
+// node whose children are parts of their own.
+struct Part {
+  size_t first = 0;  // of its items
+  std::vector<BvhNode> nodes;
+  std::vector<uint8_t> leaf_sizes;                 // in the order of the items
+  std::array<uint32_t, kPools> counts{}, begin{};  // in and before this part, per Pool
+  std::vector<Part> parts;
+
+  uint32_t moved(uint32_t ref) const { return ref == kNoChild ? ref : ref + begin[ref >> 30]; }
+  // Its first node, or else its only leaf.
+  uint32_t root() const {
+    size_t pool = 0;
+    while (counts[pool] == 0) ++pool;
+    return moved(pool_ref(Pool(pool), 0));
+  }
+};
+
+// Columns that nobody uses just now, so that not each of them is new memory.
+class SpareItems {
+ public:
+  Column<BuildItem> take() {
+    const std::lock_guard lock(mutex_);
+    if (spare_.empty()) {
+      spare_.reserve(++made_);  // so that giving back cannot fail
+      return {};
+    }
+    Column<BuildItem> items = std::move(spare_.back());
+    spare_.pop_back();
+    return items;
+  }
+  void give_back(Column<BuildItem> items) {
+    const std::lock_guard lock(mutex_);
+    spare_.push_back(std::move(items));
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<Column<BuildItem>> spare_;
+  size_t made_ = 0;
+};
+
+// What the children of some nodes refer to.
+struct Room {
+  explicit Room(SpareItems& s) : spare(s) {}
+  ~Room() {
+    for (Column<BuildItem>& some : items) spare.give_back(std::move(some));
+  }
+  Room(const Room&) = delete;
+  Room& operator=(const Room&) = delete;
+
+  SpareItems& spare;
+  std::vector<Column<BuildItem>> items;
+  std::vector<std::unique_ptr<BuildPlan>> plans;
+};
+
+class Builder {
+ public:
+  explicit Builder(const Geometry& geometry) : g_(geometry) {}
+
+  // The error, or nothing.
+  std::optional<std::string> build(size_t available, Bvh& out) {
+    const size_t spheres = g_.count(ItemKind::sphere), triangles = g_.count(ItemKind::triangle);
+    const size_t count = spheres + triangles + g_.count(ItemKind::cone);
+    hasty_ = count > kLarge;
+    if (count == 0) return std::nullopt;
+    const double order_bytes = double(count) * 2 * sizeof(ItemId);  // and once more while they move
+    if (auto error = refusal(order_bytes + least_bytes(), available)) return error;
+    order_.resize(count);
+    const auto nth = [&](size_t i) {
+      return i < spheres               ? item_id(ItemKind::sphere, uint32_t(i))
+             : i < spheres + triangles ? item_id(ItemKind::triangle, uint32_t(i - spheres))
+                                       : item_id(ItemKind::cone, uint32_t(i - spheres - triangles));
+    };
+    Child all{0, count, {}};
+    Room room(spare_);
+    if (count > kPlanAbove) {
+      plan(all, nth, room);
+    } else {
+      make_items(all, nth, room);
+      all.box = box_of(all.range());
+    }
+    Part root;
+    make_part(all, 0, root, true);
+
+    std::vector<Part*> parts;
+    std::array<uint32_t, kPools> total{};
+    place(root, parts, total);
+    const double bytes =
+        double(total[0]) * 2 * sizeof(BvhNode) + double(total[1]) * sizeof(SphereBlock) +
+        double(total[2]) * sizeof(TriangleBlock) + double(total[3]) * sizeof(ConeBlock);
+    if (auto error = refusal(order_bytes + bytes, available)) return error;
+    out.nodes.resize(total[0]);
+    out.spheres.resize(total[1]);
+    out.triangles.resize(total[2]);
+    out.cones.resize(total[3]);
+    const auto fill = [&](size_t i) { fill_part(*parts[i], out); };
+    if (parts.size() == 1)
+      fill(0);
+    else
+      tbb::parallel_for(size_t(0), parts.size(), fill);
+    const Box3f box = all.box.box();
+    out.reach = max_component(max(abs(box.lo), abs(box.hi)));
+    return std::nullopt;
+  }
+
+ private:
+  // Of blocks that are all full.
+  double least_bytes() const {
+    return (double(g_.count(ItemKind::sphere)) * sizeof(SphereBlock) +
+            double(g_.count(ItemKind::triangle)) * sizeof(TriangleBlock) +
+            double(g_.count(ItemKind::cone)) * sizeof(ConeBlock)) /
+           kBlockWidth;
+  }
+  static std::optional<std::string> refusal(double bytes, size_t available) {
+    if (bytes <= 0.9 * double(available)) return std::nullopt;
+    return fmt::format("a tree over the scene would take {:.1f} GB and {:.1f} GB are free",
+                       bytes * 1e-9, double(available) * 1e-9);
+  }
+
+  ItemId id(const Child& c, size_t i) const {
+    return c.items ? c.items[i].item() : order_[c.begin + i];
+  }
+
+  auto ids_of(const Child& child) const {
+    return [ids = &order_[child.begin]](size_t i) { return ids[i]; };
+  }
+
+  // In ascending order, so kinds do not mix between equal ends.
+  bool is_leaf(const Child& c) const {
+    return c.size() <= size_t(kBlockWidth) && item_kind(id(c, 0)) == item_kind(id(c, c.size() - 1));
+  }
+
+  // The range as a part of its own: with a node, be it needed or not, for the root.
+  void make_part(Child child, int depth, Part& part, bool is_root = false) {
+    part.first = child.begin;
+    if (child.size() > kTask) return make_parts(child, depth, part);
+    Room room(spare_);
+    if (!child.items) make_items(child, ids_of(child), room);
+    if (!is_root && is_leaf(child)) {
+      add_leaf(child, part);
+    } else {
+      part.nodes.reserve(child.size() / 24);
+      make_node(child, depth, part, scratches_.local());
+      part.counts[0] = uint32_t(part.nodes.size());
+    }
+  }
+
+  // The node, and each child as a part of its own.
+  void make_parts(const Child& child, int depth, Part& part) {
+    Room room(spare_);
+    std::array<Child, kBlockWidth> children;
+    const size_t count = open(child, depth, children, scratches_.local(), &room);
+    part.nodes.resize(1);
+    part.counts[0] = 1;
+    set_boxes(part.nodes[0], {children.data(), count});
+    part.parts.resize(count);
+    tbb::task_group tasks;
+    for (size_t i = 0; i < count; ++i)
+      tasks.run([&, i] { make_part(children[i], depth + 1, part.parts[i]); });
+    tasks.wait();
+  }
+
+  uint32_t add_leaf(const Child& child, Part& part) {
+    for (size_t i = 0; i < child.size(); ++i) order_[child.begin + i] = child.items[i].item();
+    const Pool pool = pool_of(item_kind(order_[child.begin]));
+    part.leaf_sizes.push_back(uint8_t(child.size()));
+    return pool_ref(pool, part.counts[size_t(pool)]++);
+  }
+
+  uint32_t make_node(const Child& child, int depth, Part& part, Column<BuildItem>& scratch) {
+    std::array<Child, kBlockWidth> children;
+    const size_t count = open(child, depth, children, scratch, nullptr);
+    const size_t index = part.nodes.size();
+    part.nodes.emplace_back();
+    set_boxes(part.nodes[index], {children.data(), count});
+    for (size_t i = 0; i < count; ++i) {
+      const uint32_t ref = is_leaf(children[i]) ? add_leaf(children[i], part)
+                                                : make_node(children[i], depth + 1, part, scratch);
+      part.nodes[index].child[i] = ref;
+    }
+    return pool_ref(Pool::nodes, uint32_t(index));
+  }
+
+  static void set_boxes(BvhNode& node, std::span<const Child> children) {
+    node.boxes.set_empty();
+    std::fill(std::begin(node.child), std::end(node.child), kNoChild);
+    for (size_t i = 0; i < children.size(); ++i) node.boxes.set(i, children[i].box.box());
+  }
+
+  // The children of a node, in the order of their items; how many there are. Without `room` the
+  // child has its items.
+  size_t open(const Child& child, int depth, std::array<Child, kBlockWidth>& out,
+              Column<BuildItem>& scratch, Room* room) {
+    std::array<float, kBlockWidth> areas;  // of those that can be opened
+    const auto area = [&](const Child& c) { return is_leaf(c) ? -1 : c.box.box().half_area(); };
+    out[0] = child;
+    areas[0] = area(child);
+    size_t count = 1;
+    for (; count < size_t(kBlockWidth); ++count) {
+      const size_t i =
+          size_t(std::max_element(areas.begin(), areas.begin() + count) - areas.begin());
+      if (areas[i] < 0) break;
+      std::move_backward(out.begin() + i + 1, out.begin() + count, out.begin() + count + 1);
+      std::move_backward(areas.begin() + i + 1, areas.begin() + count, areas.begin() + count + 1);
+      split(Child(out[i]), depth, out[i], out[i + 1], scratch, room);
+      areas[i] = area(out[i]), areas[i + 1] = area(out[i + 1]);
+    }
+    return count;
+  }
+
+  void split(Child child, int depth, Child& below, Child& above, Column<BuildItem>& scratch,
+             Room* room) {
+    if (room && !child.plan && !child.items) {
+      if (child.size() <= kPlanAbove)
+        make_items(child, ids_of(child), *room);
+      else if (depth + kPlanDepth <= kBvhCostLevels)
+        plan_again(child, *room);
+    }
+    if (child.plan) {
+      const BuildPlan::Node& node = child.plan->nodes[child.node];
+      below = planned(child, node.below);
+      above = planned(child, node.above);
+      return;
+    }
+    BuildSplit parts;
+    if (child.items) {
+      parts.middle = part_kinds(child, depth);
+      if (parts.middle == 0 && depth < kBvhCostLevels)
+        parts = split_by_cost(child.range(), hasty_, scratch);
+    } else {  // too many at one place for a plan
+      parts.below = parts.above = child.box;
+    }
+    if (parts.middle == 0) parts.middle = child.size() / 2;
+    below = part_of(child, 0, parts.middle, parts.below);
+    above = part_of(child, parts.middle, child.size(), parts.above);
+    if (parts.above.box().empty())
+      below.box = box_of(below.range()), above.box = box_of(above.range());
+  }
+
+  static Child part_of(const Child& whole, size_t first, size_t end, const BuildBox& box) {
+    return {whole.begin + first, whole.begin + end, box,
+            whole.items ? whole.items + first : nullptr};
+  }
+
+  // Node `node` of the plan of which `child` is a node.
+  static Child planned(const Child& child, uint32_t node) {
+    const BuildPlan::Node& from = child.plan->nodes[child.node];
+    const BuildPlan::Node& to = child.plan->nodes[node];
+    const size_t all = child.begin - from.begin;  // where the plan's items begin
+    return {.begin = all + to.begin,
+            .end = all + to.end,
+            .box = to.box,
+            .plan = to.below != 0 ? child.plan : nullptr,
+            .node = node};
+  }
+
+  // Where kinds part a range: in the last splits, since leaves do not mix them; and at the root,
+  // where few of a kind are a leaf of their own, which rays meet early and are the shorter for.
+  // Else 0.
+  static size_t part_kinds(const Child& child, int depth) {
+    constexpr size_t kFew = kBlockWidth;
+    const size_t n = child.size();
+    if (n > kFew && depth > 0) return 0;
+    const auto kind = [&](size_t i) { return item_kind(child.items[i].item()); };
+    size_t first = 1, last = 1;
+    while (first <= kFew && first < n && kind(first) == kind(0)) ++first;
+    if (first <= kFew) return first;
+    while (last <= kFew && kind(n - 1 - last) == kind(n - 1)) ++last;
+    return last <= kFew ? n - last : 0;
+  }
+
+  // Its items have the ids ids(0), ids(1) ...
+  void make_items(Child& child, const auto& ids, Room& room) {
+    Column<BuildItem>& items = room.items.emplace_back(room.spare.take());
+    items.clear();  // so that a larger one copies nothing
+    items.resize(child.size());
+    child.items = items.data();
+    for_chunks(child.size(), [&](size_t, size_t first, size_t end) {
+      fill_items(ids, first, child.size(), child.range().subspan(first, end - first));
+    });
+  }
+
+  // Writes these ids in the order of a plan.
+  void plan(Child& child, const auto& ids, Room& room) {
+    const size_t count = child.size();
+    const auto make = [&](size_t first, BuildRange out) { fill_items(ids, first, count, out); };
+    room.plans.push_back(
+        std::make_unique<BuildPlan>(make_plan({&order_[child.begin], count}, make)));
+    const BuildPlan& plan = *room.plans.back();
+    child.box = plan.nodes[0].box;
+    if (plan.nodes[0].below != 0) child.plan = &plan, child.node = 0;
+  }
+
+  void plan_again(Child& child, Room& room) {
+    Column<ItemId> copy(child.size());
+    for_each_index(copy.size(), [&](size_t i) { copy[i] = order_[child.begin + i]; });
+    plan(child, [&](size_t i) { return copy[i]; }, room);
+  }
+
+  // The items of ids(first) and of those that follow, of `count` in all.
+  void fill_items(const auto& ids, size_t first, size_t count, BuildRange out) const {
+    constexpr size_t kAhead = 16;
+    for (size_t k = 0; k < out.size(); ++k) {
+      const ItemId id = ids(first + k);
+      g_.prefetch(ids(std::min(first + k + kAhead, count - 1)));
+      if (item_kind(id) == ItemKind::sphere) {
+        const Sphere& s = g_.scene().spheres[item_index(id)];
+        const Float4 center = {s.center.x, s.center.y, s.center.z, 0};
+        const Float4 r = splat(std::abs(s.radius));
+        BuildBox box{center - r, -center - r};
+        // Away by an ulp or two, since the subtraction may have been rounded up by half an ulp.
+        constexpr float kUlp = std::numeric_limits<float>::epsilon();
+        box.lo -= abs(box.lo) * kUlp;
+        box.minus_hi -= abs(box.minus_hi) * kUlp;
+        out[k].set(box, id);
+      } else {
+        const Box3f box = g_.bounds(id);
+        const Float4 lo = {box.lo.x, box.lo.y, box.lo.z, 0};
+        const Float4 hi = {box.hi.x, box.hi.y, box.hi.z, 0};
+        out[k].set({lo, -hi}, id);
+      }
+    }
+  }
+
+  // Lists the parts in the order of their items, and finds their places in the pools.
+  void place(Part& part, std::vector<Part*>& parts, std::array<uint32_t, kPools>& total) const {
+    part.begin = total;
+    for (int k = 0; k < kPools; ++k) total[k] += part.counts[k];
+    parts.push_back(&part);
+    for (Part& p : part.parts) place(p, parts, total);
+  }
+
+  void fill_part(Part& part, Bvh& out) const {
+    for (size_t i = 0; i < part.nodes.size(); ++i) {
+      BvhNode& node = out.nodes[part.begin[0] + i];
+      node = part.nodes[i];
+      for (uint32_t& child : node.child) child = part.moved(child);
+    }
+    for (size_t i = 0; i < part.parts.size(); ++i)
+      out.nodes[part.begin[0]].child[i] = part.parts[i].root();
+    part.nodes = {};
+    std::array<uint32_t, kPools> next = part.begin;
+    std::span<const ItemId> rest(order_);
+    rest = rest.subspan(part.first);
+    for (const uint8_t size : part.leaf_sizes) {
+      const std::span<const ItemId> ids = rest.first(size);
+      rest = rest.subspan(size);
+      constexpr size_t kAhead = 32;
+      if (rest.size() > kAhead + size)
+        for (size_t i = 0; i < size; ++i) g_.prefetch(rest[kAhead + i]);
+      const Pool pool = pool_of(item_kind(ids[0]));
+      out.fill(g_, pool_ref(pool, next[size_t(pool)]++), ids);
+    }
+  }
+
+  const Geometry& g_;
+  bool hasty_ = false;
+  Column<ItemId> order_;  // in the end that of the leaves
+  SpareItems spare_;
+  tbb::enumerable_thread_specific<Column<BuildItem>> scratches_{[] { return Column<BuildItem>(); }};
+};
+
+// How wide the median of some of the triangles is.
+float triangle_width(const Column<TriangleBlock>& blocks) {
+  constexpr size_t kSamples = 256;
+  std::vector<float> widths;
+  for (size_t i = 0; i < kSamples; ++i) {
+    const TriangleBlock& block = blocks[i * blocks.size() / kSamples];
+    Box3f box;
+    for (const auto& corner : block.corner) box.extend({corner[0][0], corner[1][0], corner[2][0]});
+    widths.push_back(max_component(box.size()));
+  }
+  const auto middle = widths.begin() + kSamples / 2;
+  std::nth_element(widths.begin(), middle, widths.end());
+  return *middle;
+}
+
+}  // namespace
+
+std::expected<Bvh, std::string> build_bvh(const Geometry& geometry, size_t available) {
+  Bvh out;
+  if (auto error = Builder(geometry).build(available, out)) return std::unexpected(*error);
+  if (out.empty()) return out;
+  constexpr int kFew = 4;  // measured
+  for (const uint32_t ref : out.nodes[0].child)
+    if (ref != kNoChild && ref_pool(ref) != Pool::nodes && out.items(ref)[kFew] == kNoItem)
+      out.shared.push_back(ref);
+  // A beam meets many triangles that none of its rays does where they are small. Measured.
+  if (!out.triangles.empty() && out.spheres.empty() && out.cones.empty())
+    out.farthest_apart = 8 * triangle_width(out.triangles);
+  return out;
+}
+
+}  // namespace raio

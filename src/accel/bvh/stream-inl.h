@@ -1,0 +1,181 @@
+// The walk of the eight-wide tree that all rays of a batch make together: at each node a list of
+// those that meet it, each tested against the eight boxes. What one ray would wait for (the next
+// node, the outcome of a comparison) the processor finds in the work of the others. Included by
+// bvh_trace.cpp only, once for each instruction set.
+//
+// Tsakok 2009, "Faster Incoherent Rays: Multi-BVH Ray Stream Tracing", HPG; Barringer and
+// Akenine-Moeller 2014, "Dynamic Ray Stream Traversal", ACM TOG 33(4).
+// Once for each instruction set, as foreach_target.h passes again.
+#if defined(RAIO_ACCEL_BVH_STREAM_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef RAIO_ACCEL_BVH_STREAM_INL_H_
+#undef RAIO_ACCEL_BVH_STREAM_INL_H_
+#else
+#define RAIO_ACCEL_BVH_STREAM_INL_H_
+#endif
+
+#include <hwy/cache_control.h>
+
+#include "accel/blocks/rays-inl.h"
+#include "accel/bvh/bvh.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace raio::HWY_NAMESPACE {
+
+// A child that waits, with the list of those that meet it.
+struct Waiting {
+  uint32_t ref;
+  uint32_t begin, end;  // of its list
+  uint32_t used;        // where all lists of its node end
+};
+constexpr int kStack = (kBlockWidth - 1) * kBvhMaxLevels + 1;
+
+const hn::CappedTag<uint32_t, 16> kIds;
+constexpr size_t kIdLanes = hn::MaxLanes(decltype(kIds)());
+
+struct StreamRoom : IdLists {
+  uint8_t met[kChunk + 16];  // by place in a list: which of the eight boxes
+  Waiting stack[kStack];
+  // Of one that walks alone.
+  uint32_t waiting[kStack];
+  float enter[kStack];
+};
+
+HWY_INLINE void prefetch(const Bvh& bvh, uint32_t ref) {
+  const uint32_t i = ref_index(ref);
+  const auto lines = [](const auto* p) HWY_ATTR {
+    for (size_t b = 0; b < sizeof(*p); b += 64)
+      hwy::Prefetch(reinterpret_cast<const uint8_t*>(p) + b);
+  };
+  switch (ref_pool(ref)) {
+    case Pool::nodes:
+      return lines(bvh.nodes.data() + i);
+    case Pool::spheres:
+      return lines(bvh.spheres.data() + i);
+    case Pool::triangles:
+      return lines(bvh.triangles.data() + i);
+    case Pool::cones:
+      return lines(bvh.cones.data() + i);
+  }
+}
+
+// The root's, a bit each.
+HWY_INLINE unsigned shared_children(const Bvh& bvh) {
+  unsigned mask = 0;
+  for (const uint32_t block : bvh.shared)
+    for (int c = 0; c < kBlockWidth; ++c) mask |= unsigned(bvh.nodes[0].child[c] == block) << c;
+  return mask;
+}
+
+// Of the children in `mask`, how many are to be taken after child c, which is entered at enter[c]:
+// its place in a stack from which the nearest comes first. To sort them in would take branches that
+// no processor foresees.
+HWY_INLINE int later(const float* enter, unsigned mask, int c) {
+  unsigned farther = 0, same = 0;
+  for (int p = 0; p < kParts; ++p) {
+    const V8 others = hn::Load(kEight, enter + p * kLanes8), own = hn::Set(kEight, enter[c]);
+    farther |= bits(kEight, hn::Gt(others, own)) << (p * kLanes8);
+    same |= bits(kEight, hn::Eq(others, own)) << (p * kLanes8);
+  }
+  return int(hwy::PopCount(mask & (farther | (same & ((1u << c) - 1)))));
+}
+
+// The subtree at `ref` with one alone, which needs no lists, and leaves out what lies behind its
+// hit.
+template <class Crowd>
+HWY_INLINE void walk_alone(const Bvh& bvh, uint32_t ref, uint32_t id, StreamRoom& room,
+                           Crowd& crowd) {
+  int top = 0;
+  while (true) {
+    if (ref_pool(ref) == Pool::nodes) {
+      crowd.visits(1);
+      const BvhNode& node = bvh.nodes[ref_index(ref)];
+      V8 nearest[kParts];
+      for (V8& x : nearest) x = hn::Set(kEight, kInfinity);
+      const BoxLanes boxes(node.boxes, node.child);
+      const unsigned mask = crowd.meet(id, boxes, Crowd::kAny ? nullptr : nearest);
+      alignas(32) float enter[kBlockWidth];
+      if (!Crowd::kAny)
+        for (int p = 0; p < kParts; ++p) hn::Store(nearest[p], kEight, enter + p * kLanes8);
+      int kept = top;
+      for_bits(mask, [&](int c) {
+        const int place = Crowd::kAny ? kept++ : top + later(enter, mask, c);
+        room.waiting[place] = node.child[c];
+        if (!Crowd::kAny) room.enter[place] = enter[c];
+        prefetch(bvh, node.child[c]);
+      });
+      top += int(hwy::PopCount(mask));
+    } else {
+      crowd.leaf(ref, &id, 1);
+      if (!(crowd.end(id) > 0)) return;
+    }
+    do {
+      if (top == 0) return;
+      ref = room.waiting[--top];
+    } while (!Crowd::kAny && !(room.enter[top] <= crowd.end(id)));
+  }
+}
+
+// Walks the tree with those in `lists.ids[0 .. count)`. A Crowd knows what they are: `meet(id,
+// boxes, nearest)` says which boxes one meets, `leaf(ref, ids, n)` tests a leaf's primitives;
+// `kAny`: for any hit, not the nearest.
+template <class Crowd>
+void walk(const Bvh& bvh, bool without_shared, size_t count, StreamRoom& lists, Crowd& crowd) {
+  Waiting* const stack = lists.stack;
+  stack[0] = {pool_ref(Pool::nodes, 0), 0, uint32_t(count), uint32_t(count)};
+  for (int top = 1; top > 0;) {
+    const Waiting w = stack[--top];
+    const size_t n = w.end - w.begin;
+    if (ref_pool(w.ref) != Pool::nodes) {
+      crowd.leaf(w.ref, lists.ids.data() + w.begin, n);
+      continue;
+    }
+    if (n == 1 && w.used > count) {
+      walk_alone(bvh, w.ref, lists.ids[w.begin], lists, crowd);
+      continue;
+    }
+    lists.reserve(w.used + kBlockWidth * n + kIdLanes);
+    crowd.visits(n);
+    uint32_t* const ids = lists.ids.data();
+    const BvhNode& node = bvh.nodes[ref_index(w.ref)];
+    const BoxLanes boxes(node.boxes, node.child);
+    V8 nearest[kParts];
+    for (V8& x : nearest) x = hn::Set(kEight, kInfinity);
+    unsigned any = 0;
+    for (size_t i = 0; i < n; ++i) {
+      const unsigned mask = crowd.meet(ids[w.begin + i], boxes, Crowd::kAny ? nullptr : nearest);
+      lists.met[i] = uint8_t(mask);
+      any |= mask;
+    }
+    if (without_shared && w.used == count) any &= ~shared_children(bvh);  // the root
+    if (any == 0) continue;
+    const hn::Rebind<uint8_t, decltype(kIds)> bytes;
+    hn::StoreU(hn::Zero(bytes), bytes, lists.met + n);
+    alignas(32) float enter[kBlockWidth];
+    for (int p = 0; p < kParts; ++p) hn::Store(nearest[p], kEight, enter + p * kLanes8);
+    // The lists of the children, who then wait so that the nearest is taken first.
+    uint32_t used = w.used;
+    uint32_t begin[kBlockWidth], end[kBlockWidth];
+    for_bits(any, [&](int c) {
+      begin[c] = used;
+      const auto bit = hn::Set(kIds, 1u << c);
+      for (size_t i = 0; i < n; i += kIdLanes) {
+        const auto in = hn::TestBit(hn::PromoteTo(kIds, hn::LoadU(bytes, lists.met + i)), bit);
+        hn::StoreU(hn::Compress(hn::LoadU(kIds, ids + w.begin + i), in), kIds, ids + used);
+        used += uint32_t(hn::CountTrue(kIds, in));
+      }
+      end[c] = used;
+      // Of shadow rays most are stopped soonest where most of them go.
+      if (Crowd::kAny) enter[c] = -float(used - begin[c]);
+      prefetch(bvh, node.child[c]);
+    });
+    for_bits(any, [&](int c) {
+      stack[top + later(enter, any, c)] = {node.child[c], begin[c], end[c], used};
+    });
+    top += int(hwy::PopCount(any));
+  }
+}
+
+}  // namespace raio::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

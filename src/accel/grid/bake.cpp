@@ -1,0 +1,179 @@
+// Bakes what the cells of a grid list into blocks: chunks of cells in parallel, each into its own
+// part of the pools, so that threads do not matter.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "accel/grid/grid.h"
+#include "accel/parallel.h"
+
+namespace raio {
+namespace {
+
+using Counts = std::array<uint32_t, 4>;  // per Pool; the nodes are groups
+
+// Calls f(pool, items) for the blocks that ascending items make.
+template <class F>
+void for_blocks(std::span<const ItemId> items, F&& f) {
+  while (!items.empty()) {
+    const ItemKind kind = item_kind(items[0]);
+    size_t n = 1;
+    while (n < std::min(items.size(), size_t(kBlockWidth)) && item_kind(items[n]) == kind) ++n;
+    f(pool_of(kind), items.first(n));
+    items = items.subspan(n);
+  }
+}
+
+class Baker {
+ public:
+  Baker(const Geometry& geometry, const GridCells& cells) : g_(geometry), cells_(cells) {}
+
+  std::expected<GridBlocks, std::string> bake(size_t available) {
+    set_lattice();
+    const std::vector<ItemId> giants = bounded_giants();
+    const size_t count = cells_.lattice.cells();
+    std::vector<Counts> blocks(chunks_of(count));
+    for_chunks(count, [&](size_t c, size_t first, size_t end) {
+      for (size_t cell = first; cell < end; ++cell) count_blocks(list(cell), blocks[c]);
+    });
+    // Where those of each chunk begin in the pools, those of the giants first.
+    Counts next{};
+    for_blocks(giants, [&](Pool pool, auto) {
+      out_.shared.push_back(pool_ref(pool, next[size_t(pool)]++));
+    });
+    for (Counts& chunk : blocks)
+      for (size_t p = 0; p < next.size(); ++p) next[p] += std::exchange(chunk[p], next[p]);
+    const double bytes = double(next[0]) * sizeof(BlockGroup) +
+                         double(next[1]) * sizeof(SphereBlock) +
+                         double(next[2]) * sizeof(TriangleBlock) +
+                         double(next[3]) * sizeof(ConeBlock) + 5.0 * double(count);
+    if (bytes > 0.9 * double(available))
+      return std::unexpected(
+          fmt::format("the cells of the grid would take {:.1f} GB and {:.1f} GB are free; choose "
+                      "fewer cells",
+                      bytes * 1e-9, double(available) * 1e-9));
+    out_.groups.resize(next[0]);
+    out_.spheres.resize(next[1]), out_.triangles.resize(next[2]), out_.cones.resize(next[3]);
+    out_.begin.resize(count + 1);
+    out_.begin[count] = next[0];
+    size_t giant = 0;
+    for_blocks(giants, [&](Pool, auto items) { out_.fill(g_, out_.shared[giant++], items); });
+    for_chunks(count, [&](size_t c, size_t first, size_t end) {
+      for (size_t cell = first; cell < end; ++cell) fill(cell, blocks[c]);
+    });
+    measure_emptiness();
+    return std::move(out_);
+  }
+
+ private:
+  static void count_blocks(std::span<const ItemId> items, Counts& counts) {
+    uint32_t n = 0;
+    for_blocks(items, [&](Pool pool, auto) { ++counts[size_t(pool)], ++n; });
+    counts[0] += (n + kBlockWidth - 1) / kBlockWidth;
+  }
+
+  // The cell's groups and blocks, from `next` on, which it moves.
+  void fill(size_t cell, Counts& next) {
+    out_.begin[cell] = next[0];
+    const Box3f around = box_of(cell);
+    size_t n = 0;
+    for_blocks(list(cell), [&](Pool pool, auto items) {
+      const uint32_t ref = pool_ref(pool, next[size_t(pool)]++);
+      out_.fill(g_, ref, items);
+      Box3f box;
+      for (const ItemId id : items) box.extend(g_.bounds(id));
+      box.lo = max(box.lo, around.lo), box.hi = min(box.hi, around.hi);
+      const size_t lane = n++ % kBlockWidth;
+      if (lane == 0) {
+        BlockGroup& fresh = out_.groups[next[0]++];
+        fresh.boxes.set_empty();
+        std::ranges::fill(fresh.block, kNoItem);
+      }
+      BlockGroup& group = out_.groups[next[0] - 1];
+      group.boxes.set(lane, box), group.block[lane] = ref;
+    });
+  }
+
+  // With what hits of rays from afar may lie beside it.
+  Box3f box_of(size_t cell) const {
+    const Lattice& cells = cells_.lattice;
+    const double pad = 2 * hit_error(cells_.near);
+    Box3f box;
+    for (int a = 0; a < 3; ++a) {
+      const int i = int(cell % size_t(cells.n[a]));
+      cell /= size_t(cells.n[a]);
+      box.lo[a] = float(cells.plane(i, a) - pad), box.hi[a] = float(cells.plane(i + 1, a) + pad);
+    }
+    return box;
+  }
+
+  std::span<const ItemId> list(size_t cell) const {
+    return std::span(cells_.items)
+        .subspan(cells_.begin[cell], cells_.begin[cell + 1] - cells_.begin[cell]);
+  }
+
+  void set_lattice() {
+    const Lattice& cells = cells_.lattice;
+    out_.n = cells.n;
+    out_.reach = float(max_component(max(abs(cells.box.lo), abs(cells.box.hi))));
+    for (int a = 0; a < 3; ++a) {
+      out_.lo[a] = float(cells.box.lo[a]);
+      out_.per_unit[a] = float(cells.per_unit[a]);
+    }
+  }
+
+  // Rosenfeld and Pfaltz 1966, "Sequential Operations in Digital Picture Processing", JACM 13(4):
+  // neighbours that come before, and then, backwards, those that come after.
+  void measure_emptiness() {
+    const auto& n = out_.n;
+    const Lattice& cells = cells_.lattice;
+    auto& empty = out_.empty_around;
+    empty.resize(cells.cells());
+    for (size_t c = 0; c < empty.size(); ++c)
+      empty[c] = out_.begin[c] == out_.begin[c + 1] ? 255 : 0;
+    const auto pass = [&](int from_end) {
+      const auto at = [&](int i, int a) { return from_end ? n[a] - 1 - i : i; };
+      for (int z = 0; z < n[2]; ++z)
+        for (int y = 0; y < n[1]; ++y)
+          for (int x = 0; x < n[0]; ++x) {
+            uint8_t& here = empty[cells.index(at(x, 0), at(y, 1), at(z, 2))];
+            if (here == 0) continue;
+            int least = 254;
+            for (int dz = z > 0 ? -1 : 0; dz <= 0; ++dz)
+              for (int dy = y > 0 ? -1 : 0; dy <= (dz < 0 && y + 1 < n[1]); ++dy)
+                for (int dx = x > 0 ? -1 : 0; dx <= ((dz < 0 || dy < 0) && x + 1 < n[0]); ++dx)
+                  least = std::min<int>(
+                      least, empty[cells.index(at(x + dx, 0), at(y + dy, 1), at(z + dz, 2))]);
+            here = std::min<uint8_t>(here, uint8_t(least + 1));
+          }
+    };
+    pass(0), pass(1);
+  }
+
+  // In ascending order; planes are met by the tracer.
+  std::vector<ItemId> bounded_giants() {
+    std::vector<ItemId> giants;
+    for (const ItemId id : cells_.giants) {
+      if (item_kind(id) == ItemKind::plane) continue;
+      giants.push_back(id);
+      const Box3f box = g_.bounds(id);
+      out_.reach = std::max(out_.reach, max_component(max(abs(box.lo), abs(box.hi))));
+    }
+    std::ranges::sort(giants);
+    return giants;
+  }
+
+  const Geometry& g_;
+  const GridCells& cells_;
+  GridBlocks out_;
+};
+
+}  // namespace
+
+std::expected<GridBlocks, std::string> bake_grid(const Geometry& geometry, const GridCells& cells,
+                                                 size_t available) {
+  return Baker(geometry, cells).bake(available);
+}
+
+}  // namespace raio

@@ -1,0 +1,239 @@
+// Finds the cells of each primitive, in parallel, and sorts them by cell.
+#include <fmt/core.h>
+#include <tbb/parallel_for.h>
+
+#include "accel/grid/grid.h"
+#include "shape/cone.h"
+#include "shape/sphere.h"
+#include "shape/triangle.h"
+
+namespace raio {
+namespace {
+
+// A primitive as large as the scene would be listed in every cell that it passes, and one that is
+// larger than all the rest together would leave the rest a few cells (the "teapot in a stadium").
+// Such giants, and infinite planes, stay out; every ray tests them first, so only few are worth it.
+constexpr size_t kMaxGiants = 16;
+constexpr float kGiantShare = 0.5f;  // of the surface of the box of all that is left
+
+// The report's mFactor, 2, suits cells that list primitives one by one. Where eight blocks of eight
+// are met at once, cells that hold some dozens are best (docs/performance.md).
+constexpr double kFactor = 0.3;
+// So few primitives are one cell, unless asked otherwise.
+constexpr size_t kFew = 32;
+
+// Rays that come from beyond the camera, and from that many times as far as the primitives reach,
+// are no longer walked through cells but tested against everything: what they meet is a matter of
+// rounding.
+constexpr double kNear = 16;
+
+bool touches(const Geometry& g, ItemId id, const Box3d& box) {
+  const uint32_t i = item_index(id);
+  switch (item_kind(id)) {
+    case ItemKind::sphere:
+      return overlaps(g.sphere(i), box);
+    case ItemKind::triangle:
+      return overlaps(g.triangle(i), box);
+    case ItemKind::cone:
+      return overlaps(g.cone(i), box);
+    case ItemKind::plane:
+      break;
+  }
+  return true;
+}
+
+// M * side / s + 1 cells along each side, s = cbrt(volume / N): cells are cubes, M^3 * N of them.
+// An axis on which the box is thinner than a cell has one and leaves the formula, so that a flat
+// scene gets square cells and not a line of infinitely many.
+std::array<int, 3> report_resolution(Vec3d size, double count, double factor) {
+  constexpr int kMostPerAxis = 1 << 20;
+  std::array<int, 3> n{1, 1, 1};
+  std::array<bool, 3> thin{};
+  for (int pass = 0; pass < 3; ++pass) {
+    double measure = 1;
+    int axes = 0;
+    for (int a = 0; a < 3; ++a)
+      if (!thin[a]) measure *= size[a], ++axes;
+    if (axes == 0) break;
+    const double s = std::pow(measure / count, 1.0 / axes);
+    bool again = false;
+    for (int a = 0; a < 3; ++a) {
+      if (thin[a]) continue;
+      if (!(factor * size[a] > s)) {
+        thin[a] = again = true;
+        n[a] = 1;
+      } else {
+        n[a] = int(std::min(factor * size[a] / s + 1, double(kMostPerAxis)));
+      }
+    }
+    if (!again) break;
+  }
+  return n;
+}
+
+class GridBuilder : GridCells {
+ public:
+  explicit GridBuilder(const Geometry& geometry) : g_(geometry) {}
+
+  std::expected<GridCells, std::string> build(const AccelOptions& options) {
+    by_boxes_ = options.grid_plain;
+    collect_items();
+    if (!options.grid_plain) pull_giants();
+    if (rest_.empty()) {
+      begin.assign(2, 0);
+      lattice = Lattice(Box3d{Vec3d(0.0), Vec3d(1.0)}, {1, 1, 1});
+    } else {
+      if (auto error = choose_resolution(options)) return std::unexpected(std::move(*error));
+      list_references();
+    }
+    return std::move(static_cast<GridCells&>(*this));
+  }
+
+ private:
+  void collect_items() {
+    for (uint32_t i = 0; i < g_.count(ItemKind::plane); ++i)
+      giants.push_back(item_id(ItemKind::plane, i));
+    for (const ItemKind kind : {ItemKind::sphere, ItemKind::triangle, ItemKind::cone})
+      for (uint32_t i = 0; i < g_.count(kind); ++i) rest_.push_back(item_id(kind, i));
+    boxes_.resize(rest_.size());
+    tbb::parallel_for(size_t(0), rest_.size(), [&](size_t i) { boxes_[i] = g_.bounds(rest_[i]); });
+  }
+
+  Box3f bounds_of_rest() const {
+    Box3f all;
+    for (const Box3f& b : boxes_) all.extend(b);
+    return all;
+  }
+
+  // Again and again, since what is left without one giant may have its own.
+  void pull_giants() {
+    const size_t most = giants.size() + kMaxGiants;
+    while (!rest_.empty()) {
+      const float limit = kGiantShare * bounds_of_rest().half_area();
+      std::vector<uint32_t> large;
+      for (uint32_t i = 0; i < rest_.size() && large.size() <= kMaxGiants; ++i)
+        if (boxes_[i].half_area() >= limit) large.push_back(i);
+      if (large.empty() || giants.size() + large.size() > most) break;
+      for (const uint32_t i : large) giants.push_back(rest_[i]), rest_[i] = kNoItem;
+      size_t kept = 0;
+      for (size_t i = 0; i < rest_.size(); ++i)
+        if (rest_[i] != kNoItem) rest_[kept] = rest_[i], boxes_[kept++] = boxes_[i];
+      rest_.resize(kept), boxes_.resize(kept);
+    }
+  }
+
+  // An error in one line, or nothing.
+  std::optional<std::string> choose_resolution(const AccelOptions& options) {
+    const Box3f tight = bounds_of_rest();
+    reach = max_component(max(abs(Vec3d(tight.lo)), abs(Vec3d(tight.hi))));
+    Box3d box{Vec3d(tight.lo), Vec3d(tight.hi)};
+    // Gives a flat scene's box a thickness.
+    box.pad(hit_error(std::max(reach, double(std::numeric_limits<float>::min()))));
+    // Cells are so much wider than they seem.
+    near = std::max(kNear * reach, 2 * double(max_component(abs(g_.scene().camera.from))));
+    pad_ = hit_error(near);
+
+    const bool forced = options.grid_resolution[0] > 0;
+    double factor = options.grid_factor > 0 ? options.grid_factor
+                    : rest_.size() <= kFew  ? 0
+                                            : kFactor;
+    lattice = Lattice(box, forced ? options.grid_resolution
+                                  : report_resolution(box.size(), double(rest_.size()), factor));
+    // Many primitives that each span many cells would take a list beyond any memory; cells grow
+    // until the lists are in proportion to the scene.
+    const double most_visits = options.grid_factor > 0 ? 1e7 + 100.0 * double(rest_.size())
+                                                       : 2.5e5 + 16.0 * double(rest_.size());
+    while (!forced && (visits() > most_visits || double(lattice.cells()) > most_visits)) {
+      factor *= 0.8;
+      lattice = Lattice(box, report_resolution(box.size(), double(rest_.size()), factor));
+    }
+    const double bytes = 4.0 * double(lattice.cells()) + 16.0 * (forced ? visits() : 0);
+    const double available = double(available_memory_bytes());
+    if (bytes > 0.8 * available || double(lattice.cells()) >= 4e9)
+      return fmt::format(
+          "a grid of {}x{}x{} cells would take up to {:.1f} GB and {:.1f} GB are free; choose "
+          "fewer cells",
+          lattice.n[0], lattice.n[1], lattice.n[2], bytes * 1e-9, available * 1e-9);
+    return std::nullopt;
+  }
+
+  // The cells that a box touches: [lo, hi] per axis.
+  struct Range {
+    std::array<int, 3> lo, hi;
+    double count() const {
+      return double(hi[0] - lo[0] + 1) * (hi[1] - lo[1] + 1) * (hi[2] - lo[2] + 1);
+    }
+  };
+  Range range(const Box3f& b) const {
+    Range r;
+    for (int a = 0; a < 3; ++a) {
+      r.lo[a] = lattice.coordinate(double(b.lo[a]) - pad_, a);
+      r.hi[a] = lattice.coordinate(double(b.hi[a]) + pad_, a);
+    }
+    return r;
+  }
+  double visits() const {
+    double sum = 0;
+    for (const Box3f& b : boxes_) sum += range(b).count();
+    return sum;
+  }
+
+  // Of a polygon.
+  bool is_piece(ItemId id) const {
+    return item_kind(id) == ItemKind::triangle && item_index(id) >= g_.scene().triangles.size();
+  }
+
+  template <class F>
+  void for_each_cell(size_t i, F&& f) const {
+    const Range r = range(boxes_[i]);
+    const bool all = r.count() == 1 || (by_boxes_ && !is_piece(rest_[i]));
+    for (int z = r.lo[2]; z <= r.hi[2]; ++z)
+      for (int y = r.lo[1]; y <= r.hi[1]; ++y)
+        for (int x = r.lo[0]; x <= r.hi[0]; ++x) {
+          Box3d cell{{lattice.plane(x, 0), lattice.plane(y, 1), lattice.plane(z, 2)},
+                     {lattice.plane(x + 1, 0), lattice.plane(y + 1, 1), lattice.plane(z + 1, 2)}};
+          cell.pad(pad_);
+          if (all || touches(g_, rest_[i], cell)) f(lattice.index(x, y, z));
+        }
+  }
+
+  // Chunks of items find their cells in parallel; then one counting sort over the chunks in order,
+  // which leaves each list ascending whatever the number of threads.
+  void list_references() {
+    constexpr size_t kChunk = 1024;
+    struct Reference {
+      uint32_t cell;
+      ItemId item;
+    };
+    std::vector<std::vector<Reference>> chunks((rest_.size() + kChunk - 1) / kChunk);
+    tbb::parallel_for(size_t(0), chunks.size(), [&](size_t c) {
+      for (size_t i = c * kChunk; i < std::min(rest_.size(), (c + 1) * kChunk); ++i)
+        for_each_cell(i, [&](size_t cell) { chunks[c].push_back({uint32_t(cell), rest_[i]}); });
+    });
+    begin.assign(lattice.cells() + 1, 0);
+    for (const auto& chunk : chunks)
+      for (const Reference& r : chunk) ++begin[r.cell + 1];
+    for (size_t c = 0; c < lattice.cells(); ++c) begin[c + 1] += begin[c];
+    items.resize(begin.back());
+    std::vector<uint32_t> next(begin.begin(), begin.end() - 1);
+    for (auto& chunk : chunks) {
+      for (const Reference& r : chunk) items[next[r.cell]++] = r.item;
+      chunk = {};
+    }
+  }
+
+  const Geometry& g_;
+  std::vector<ItemId> rest_;  // all but giants
+  std::vector<Box3f> boxes_;  // theirs
+  double pad_ = 0;
+  bool by_boxes_ = false;  // list what is no piece in all cells that its box touches
+};
+
+}  // namespace
+
+std::expected<GridCells, std::string> build_grid(const Geometry& geometry,
+                                                 const AccelOptions& options) {
+  return GridBuilder(geometry).build(options);
+}
+
+}  // namespace raio

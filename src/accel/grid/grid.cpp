@@ -1,0 +1,186 @@
+// The grid's two faces: with counters the walk of Amanatides and Woo 1987, "A Fast Voxel Traversal
+// Algorithm for Ray Tracing", Eurographics, cell by cell, one ray at a time, so that tests and
+// steps are those of the textbook; else the fast one through the same cells.
+#include "accel/grid/grid.h"
+
+#include "accel/intersect.h"
+#include "accel/structures.h"
+
+namespace raio {
+namespace {
+
+AccelInfo info_of(const GridCells& cells, size_t bytes) {
+  return {.name = "grid",
+          .bytes = bytes,
+          .cells = cells.lattice.cells(),
+          .references = cells.items.size(),
+          .resolution = cells.lattice.n,
+          .giants = cells.giants.size()};
+}
+
+// The primitives that a ray met last, so that one listed in several cells is mostly tested once: a
+// table of a few entries, kept with the ray and not with the primitive, so that threads do not meet
+// in it.
+class Mailbox {
+ public:
+  Mailbox() { seen_.fill(kNoItem); }
+  bool first_time(ItemId id) {
+    ItemId& slot = seen_[id % seen_.size()];
+    if (slot == id) return false;
+    slot = id;
+    return true;
+  }
+
+ private:
+  std::array<ItemId, 8> seen_;
+};
+
+class CountingGrid final : public Accel {
+ public:
+  CountingGrid(Geometry geometry, GridCells cells, bool plain)
+      : Accel(std::move(geometry)), cells_(std::move(cells)), plain_(plain) {}
+
+  void closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const override {
+    hits.reset(rays.size());
+    for (size_t i = 0; i < rays.size() && !context.stopped(); ++i)
+      hits.set(i, trace<false>(rays[i], context).best);
+  }
+  void occluded(const RayBatch& rays, uint8_t* hit, TraceContext& context) const override {
+    for (size_t i = 0; i < rays.size() && !context.stopped(); ++i)
+      hit[i] = trace<true>(rays[i], context).best.found();
+  }
+  AccelInfo info() const override {
+    return info_of(cells_, geometry_.bytes() + cells_.begin.size() * sizeof(cells_.begin[0]) +
+                               cells_.items.size() * sizeof(cells_.items[0]));
+  }
+
+ private:
+  template <bool any>
+  RayQuery trace(const Ray& ray, TraceContext& context) const {
+    RayQuery query(ray);
+    if (!(ray.tmax > 0)) return query;
+    for (const ItemId id : cells_.giants) {
+      ++context.tests;
+      if (test_item(geometry_, id, query) && any) return query;
+    }
+    if (!cells_.items.empty()) walk<any>(query, context);
+    return query;
+  }
+
+  template <bool any>
+  void all(RayQuery& query, TraceContext& context) const {
+    for (const ItemKind kind : {ItemKind::sphere, ItemKind::triangle, ItemKind::cone})
+      for (uint32_t i = 0; i < geometry_.count(kind); ++i) {
+        ++context.tests;
+        if (test_item(geometry_, item_id(kind, i), query) && any) return;
+      }
+  }
+
+  // In double throughout: in scalar code it costs the same, and the cell that the ray is in is then
+  // never in doubt, however far the ray comes from.
+  template <bool any>
+  void walk(RayQuery& query, TraceContext& context) const {
+    const Vec3d o(query.ray.origin), d(query.ray.dir);
+    const double size = max_component(abs(o)), slack = hit_error(std::max(size, cells_.reach));
+    Box3d box = cells_.lattice.box;
+    box.pad(slack);
+    Vec3d inverse;
+    double enter = 0, leave = query.best.t + slack;
+    for (int a = 0; a < 3; ++a) {
+      inverse[a] = 1 / d[a];
+      if (d[a] == 0) {
+        if (o[a] < box.lo[a] || o[a] > box.hi[a]) return;
+        continue;
+      }
+      const double t0 = (box.lo[a] - o[a]) * inverse[a];
+      const double t1 = (box.hi[a] - o[a]) * inverse[a];
+      enter = std::max(enter, std::min(t0, t1));
+      leave = std::min(leave, std::max(t0, t1));
+    }
+    if (!(enter <= leave)) return;
+    if (size > cells_.near) return all<any>(query, context);
+
+    // Per axis: cells left before the ray leaves the grid, the step through the lists, and the
+    // parameter of the next plane as start + i * stride, which does not drift as a running sum
+    // would. Taken earlier by the error of a hit, so that one near it does not end the walk.
+    struct Axis {
+      int left = 0;
+      ptrdiff_t step = 0;
+      double next = std::numeric_limits<double>::infinity(), start = 0, stride = 0, i = 0;
+    };
+    Axis axes[3];
+    size_t cell = 0, pitch = 1;
+    for (int a = 0; a < 3; ++a) {
+      const int c = cells_.lattice.coordinate(o[a] + enter * d[a], a);
+      cell += size_t(c) * pitch;
+      if (d[a] != 0) {
+        const bool up = d[a] > 0;
+        Axis& axis = axes[a];
+        axis.left = up ? cells_.lattice.n[a] - 1 - c : c;
+        axis.step = up ? ptrdiff_t(pitch) : -ptrdiff_t(pitch);
+        axis.start = (cells_.lattice.plane(c + up, a) - o[a]) * inverse[a] - slack;
+        axis.stride = cells_.lattice.cell[a] * std::abs(inverse[a]);
+        axis.next = axis.start;
+      }
+      pitch *= size_t(cells_.lattice.n[a]);
+    }
+    Mailbox mailbox;
+    while (true) {
+      ++context.steps;
+      for (uint32_t r = cells_.begin[cell]; r < cells_.begin[cell + 1]; ++r) {
+        const ItemId id = cells_.items[r];
+        if (!mailbox.first_time(id) && !plain_) continue;
+        ++context.tests;
+        if (test_item(geometry_, id, query) && any) return;
+      }
+      const bool x = axes[0].next < axes[1].next;
+      Axis& axis = x ? (axes[0].next < axes[2].next ? axes[0] : axes[2])
+                     : (axes[1].next < axes[2].next ? axes[1] : axes[2]);
+      // A hit beyond this cell may be hidden by one in a cell between. Also the end of the ray.
+      if (query.best.t <= axis.next || axis.left == 0) return;
+      --axis.left;
+      cell = size_t(ptrdiff_t(cell) + axis.step);
+      axis.i += 1;
+      axis.next = axis.start + axis.i * axis.stride;
+    }
+  }
+
+  GridCells cells_;
+  bool plain_;
+};
+
+class Grid final : public Accel {
+ public:
+  Grid(Geometry geometry, const GridCells& cells, GridBlocks blocks)
+      : Accel(std::move(geometry)),
+        blocks_(std::move(blocks)),
+        info_(info_of(cells, geometry_.bytes() + blocks_.bytes())) {}
+
+  void closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const override {
+    hits.reset(rays.size());
+    grid_closest(geometry_, blocks_, rays, hits, context);
+  }
+  void occluded(const RayBatch& rays, uint8_t* hit, TraceContext& context) const override {
+    grid_occluded(geometry_, blocks_, rays, hit, context);
+  }
+  AccelInfo info() const override { return info_; }
+
+ private:
+  GridBlocks blocks_;
+  AccelInfo info_;
+};
+
+}  // namespace
+
+AccelResult make_grid(Geometry geometry, const AccelOptions& options) {
+  auto cells = build_grid(geometry, options);
+  if (!cells) return std::unexpected(std::move(cells.error()));
+  if (options.counters || options.grid_plain)
+    return std::make_unique<CountingGrid>(std::move(geometry), std::move(*cells),
+                                          options.grid_plain);
+  auto blocks = bake_grid(geometry, *cells);
+  if (!blocks) return std::unexpected(std::move(blocks.error()));
+  return std::make_unique<Grid>(std::move(geometry), *cells, std::move(*blocks));
+}
+
+}  // namespace raio

@@ -1,0 +1,45 @@
+// The walks through the cells of the grid, compiled once for each instruction set (Highway's
+// foreach_target) and chosen when the program runs.
+#include "accel/grid/grid.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "accel/grid/trace.cpp"
+#include <hwy/foreach_target.h>
+// After foreach_target.h.
+#include "accel/blocks/tracer-inl.h"
+#include "accel/grid/walk-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace raio::HWY_NAMESPACE {
+
+void closest(const Geometry& g, const GridBlocks& blocks, const RayBatch& rays, HitBatch& hits,
+             TraceContext& context) {
+  trace_all<false, IdLists>(g, blocks, rays, &hits, nullptr, context);
+}
+
+void occluded(const Geometry& g, const GridBlocks& blocks, const RayBatch& rays, uint8_t* hit,
+              TraceContext& context) {
+  trace_all<true, IdLists>(g, blocks, rays, nullptr, hit, context);
+}
+
+}  // namespace raio::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace raio {
+
+HWY_EXPORT(closest);
+HWY_EXPORT(occluded);
+
+void grid_closest(const Geometry& geometry, const GridBlocks& blocks, const RayBatch& rays,
+                  HitBatch& hits, TraceContext& context) {
+  HWY_DYNAMIC_DISPATCH(closest)(geometry, blocks, rays, hits, context);
+}
+
+void grid_occluded(const Geometry& geometry, const GridBlocks& blocks, const RayBatch& rays,
+                   uint8_t* hit, TraceContext& context) {
+  HWY_DYNAMIC_DISPATCH(occluded)(geometry, blocks, rays, hit, context);
+}
+
+}  // namespace raio
+#endif

@@ -1,0 +1,132 @@
+// Where samples are added up.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "base/memory.h"
+#include "io/image/image.h"
+
+namespace raio {
+
+/// How many rays of each kind were traced. A hit is counted where the ray met something.
+struct RayCounts {
+  uint64_t eye = 0, eye_hits = 0;
+  uint64_t reflection = 0, refraction = 0;
+  uint64_t shadow = 0, shadow_hits = 0;
+  uint64_t tests = 0, steps = 0;  // with AccelOptions::counters
+
+  uint64_t total() const { return eye + reflection + refraction + shadow; }
+  RayCounts& operator+=(const RayCounts& b);
+  friend bool operator==(const RayCounts&, const RayCounts&) = default;
+};
+
+/// A rectangle of pixels, at most kMostTileSide wide and high.
+struct Tile {
+  int x0, y0, x1, y1;
+};
+inline constexpr int kTileSide = 32, kMostTileSide = 64;
+
+/// Of a pixel's samples: red, green, blue, and nothing, so that one SIMD instruction adds to all.
+struct alignas(32) PixelSums : std::array<int64_t, 4> {};
+
+/// What a film holds of a tile.
+struct TileSamples {
+  uint32_t samples = 0;  // 0 .. samples - 1 of all its pixels
+  RayCounts rays;
+  std::vector<int64_t> sums;  // r, g, b for each pixel, row by row; empty without samples
+
+  friend bool operator==(const TileSamples&, const TileSamples&) = default;
+};
+
+/// The sums of a picture's samples and, for each tile, how many there are: a tile holds samples
+/// 0 .. n - 1 of all its pixels or it would not be here, so that a film is a sound picture at any
+/// moment, and all that is needed to go on with it.
+///
+/// Sums are integers (fixed point): adding integers is associative, so that the same samples give
+/// the same bytes in whatever order, tiles, threads, shards or resumes they are added. The unit is
+/// a power of two chosen from an upper bound of what a sample can bring, so that no sum overflows.
+///
+/// Safe to read and to copy from while others add to it.
+class Film {
+ public:
+  static constexpr double kLeastBound = 1e-30, kMostBound = 1e38;
+
+  /// No sample of a pixel brings more than `bound`, which is moved between these two. The tiles'
+  /// side is a multiple of 8, at most kMostTileSide; the picture is the same with any.
+  Film(int width, int height, double bound, int tile_side = kTileSide);
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+  /// A value v counts as the integer nearest to min(v, bound) * scale.
+  double bound() const { return bound_; }
+  double scale() const { return scale_; }
+  int tile_side() const { return tile_side_; }
+
+  size_t tiles() const { return states_.size(); }
+  Tile tile(size_t index) const;
+  uint32_t samples(size_t tile) const;
+
+  /// From row to row of a tile's sums: a power of two.
+  size_t row_stride() const { return std::bit_ceil(size_t(std::min(tile_side_, width_))); }
+  /// Of a tile, with those between its rows and, of tiles at the edge, beyond them.
+  size_t tile_sums() const { return row_stride() * size_t(std::min(tile_side_, height_)); }
+
+  /// The sums of a tile that has no samples yet, all zero, to be filled where they are; the film
+  /// has nothing of them before add(), and all is as it was if that never comes. Null where there
+  /// are samples.
+  PixelSums* begin(size_t tile);
+
+  /// Adds `samples` samples of a tile: the sums of its pixels, tile_sums() of them, which are those
+  /// of begin() unless it had samples; and what they have cost.
+  void add(size_t tile, uint32_t samples, const PixelSums* sums, const RayCounts& rays);
+
+  /// A tile as it is, to be kept elsewhere, and a tile as it shall be.
+  TileSamples copy(size_t tile) const;
+  void replace(size_t tile, const TileSamples& by);
+
+  /// The mean of each pixel's samples; black where there are none.
+  Image resolve() const;
+
+  RayCounts rays() const;
+
+ private:
+  struct Unmap {
+    size_t bytes;
+    void operator()(void* memory) const { unmap_zeroes(memory, bytes); }
+  };
+  using Sums = std::unique_ptr<PixelSums[], Unmap>;
+
+  struct TileState {
+    uint32_t samples = 0;
+    bool begun = false;  // without samples its sums may not be zero
+    RayCounts rays;
+  };
+
+  Sums map_sums() const {
+    const size_t bytes = tiles() * tile_sums() * sizeof(PixelSums);
+    return {static_cast<PixelSums*>(map_zeroes(bytes)), Unmap{bytes}};
+  }
+
+  std::mutex& mutex(size_t tile) const { return mutexes_[tile % mutexes_.size()]; }
+  PixelSums* sums(size_t tile) const { return &sums_[tile * tile_sums()]; }
+  // Of row `y` of the picture.
+  PixelSums* row(size_t tile, int y) const {
+    return sums(tile) + size_t(y % tile_side_) * row_stride();
+  }
+
+  int width_, height_, tile_side_, columns_;
+  double bound_, scale_;
+  // Of what follows, each for some of the tiles: a prime number, so that threads that work half or
+  // a third of the picture apart do not wait for each other.
+  mutable std::array<std::mutex, 61> mutexes_;
+  std::vector<TileState> states_;
+  Sums sums_;  // tile by tile
+};
+
+}  // namespace raio

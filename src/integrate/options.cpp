@@ -1,0 +1,415 @@
+#include "integrate/options.h"
+
+#include <fmt/core.h>
+#include <tbb/task_arena.h>
+
+#include <array>
+#include <charconv>
+#include <cmath>
+
+namespace raio {
+namespace {
+
+constexpr std::array<std::string_view, 5> kAccelNames = {"auto", "none", "grid", "bvh", "embree"};
+constexpr std::array<std::string_view, 2> kSamplerNames = {"jitter", "sobol"};
+constexpr std::array<std::string_view, kViews> kViewNames = {
+    "picture", "normals", "depth", "ids", "materials", "steps", "tests", "focus", "samples"};
+constexpr int kMaxSide = 1 << 20;
+
+template <class T>
+std::optional<T> parse_number(std::string_view text) {
+  T value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+// "512x512x8" into as many whole numbers as `out` holds.
+bool parse_extents(std::string_view text, std::span<int> out, int most) {
+  for (size_t i = 0; i < out.size(); ++i) {
+    const size_t end = i + 1 < out.size() ? text.find('x') : text.size();
+    if (end == std::string_view::npos) return false;
+    const auto value = parse_number<int>(text.substr(0, end));
+    if (!value || *value < 1 || *value > most) return false;
+    out[i] = *value;
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return text.empty();
+}
+
+std::expected<void, std::string> parse_size(RenderOptions& o, std::string_view text) {
+  std::array<int, 2> size{};
+  if (!parse_extents(text, size, kMaxSide))
+    return std::unexpected(fmt::format(
+        "expected a size as WIDTHxHEIGHT in pixels, each 1 to {}, as in 640x480, found '{}'",
+        kMaxSide, text));
+  o.width = size[0], o.height = size[1];
+  return {};
+}
+
+// One of `names`, whose place among them is the number of the value.
+template <class Enum, class Value>
+std::expected<void, std::string> parse_word(std::span<const std::string_view> names,
+                                            std::string_view text, Value& value) {
+  for (size_t i = 0; i < names.size(); ++i)
+    if (names[i] == text) return value = Enum(i), std::expected<void, std::string>();
+  std::string accepted(names.front());
+  for (size_t i = 1; i < names.size(); ++i)
+    accepted += fmt::format("{}{}", i + 1 < names.size() ? ", " : " or ", names[i]);
+  return std::unexpected(fmt::format("expected {}, found '{}'", accepted, text));
+}
+
+std::expected<void, std::string> parse_accel(RenderOptions& o, std::string_view text) {
+  return parse_word<AccelKind>(kAccelNames, text, o.accel.kind);
+}
+
+std::expected<void, std::string> parse_sampler(RenderOptions& o, std::string_view text) {
+  return parse_word<SamplerKind>(kSamplerNames, text, o.sampler);
+}
+
+std::expected<void, std::string> parse_view(RenderOptions& o, std::string_view text) {
+  return parse_word<View>(kViewNames, text, o.view);
+}
+
+// "1,2.5,-3"
+template <std::optional<Vec3d> RenderOptions::* kVector>
+std::expected<void, std::string> parse_vector(RenderOptions& o, std::string_view text) {
+  Vec3d v;
+  std::string_view rest = text;
+  for (int axis = 0; axis < 3; ++axis) {
+    const size_t end = axis < 2 ? rest.find(',') : rest.size();
+    const auto value = parse_number<double>(rest.substr(0, end));
+    if (end == std::string_view::npos || !value || !(std::abs(*value) <= 1e30))
+      return std::unexpected(
+          fmt::format("expected three numbers as X,Y,Z, as in 2.1,1.3,-1.7, found '{}'", text));
+    v[axis] = *value;
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  o.*kVector = v;
+  return {};
+}
+
+std::expected<void, std::string> parse_resolution(RenderOptions& o, std::string_view text) {
+  std::array<int, 3> n{};
+  if (!parse_extents(text, n, kMaxSide))
+    return std::unexpected(fmt::format(
+        "expected cells as XxYxZ, each 1 to {}, as in 64x64x16, found '{}'", kMaxSide, text));
+  o.accel.grid_resolution = n;
+  return {};
+}
+
+std::expected<void, std::string> parse_seed(RenderOptions& o, std::string_view text) {
+  const auto seed = parse_number<uint32_t>(text);
+  if (!seed)
+    return std::unexpected(
+        fmt::format("expected a whole number from 0 to 4294967295, found '{}'", text));
+  o.seed = *seed;
+  return {};
+}
+
+// The texts of what the functions above parse; numbers with as many digits as read back to the
+// same.
+std::string size_text(const RenderOptions& o) {
+  return o.width > 0 ? fmt::format("{}x{}", o.width, o.height) : "";
+}
+std::string accel_text(const RenderOptions& o) { return std::string(accel_name(o.accel.kind)); }
+std::string sampler_text(const RenderOptions& o) {
+  return o.sampler ? std::string(sampler_name(*o.sampler)) : "";
+}
+std::string view_text(const RenderOptions& o) {
+  return o.view == View::picture ? "" : std::string(view_name(o.view));
+}
+std::string resolution_text(const RenderOptions& o) {
+  const auto& n = o.accel.grid_resolution;
+  return n[0] > 0 ? fmt::format("{}x{}x{}", n[0], n[1], n[2]) : "";
+}
+std::string seed_text(const RenderOptions& o) { return fmt::format("{}", o.seed); }
+template <std::optional<Vec3d> RenderOptions::* kVector>
+std::string vector_text(const RenderOptions& o) {
+  const auto& v = o.*kVector;
+  return v ? fmt::format("{},{},{}", v->x, v->y, v->z) : "";
+}
+
+using Options = RenderOptions;
+constexpr auto kTable = std::to_array<OptionSpec>({
+    {"size", "WxH", "Pixels of the picture (default: the scene's resolution, else 512x512)",
+     parse_size, 0, 0, size_text},
+    {"from", "X,Y,Z", "Where the eye is, in the coordinates of the file (default: the scene's)",
+     parse_vector<&Options::from>, 0, 0, vector_text<&Options::from>},
+    {"at", "X,Y,Z", "The point looked at (default: the scene's)", parse_vector<&Options::at>, 0, 0,
+     vector_text<&Options::at>},
+    {"up", "X,Y,Z", "What is up (default: the scene's)", parse_vector<&Options::up>, 0, 0,
+     vector_text<&Options::up>},
+    {"fov", "DEG", "Vertical field of view in degrees (default: the scene's)",
+     +[](Options& o) -> float& { return o.fov_deg; }, 0.001, 179},
+    {"view", "NAME",
+     "What is shown: picture, or of what the pixel's centre sees normals, depth, ids, materials, "
+     "the structure's steps, its tests, the focus of a lens; or samples (default: picture)",
+     parse_view, 0, 0, view_text, kViewNames},
+    {"accel", "NAME",
+     "Structure that finds the hits: auto, none, grid, bvh or embree (default: auto)", parse_accel,
+     0, 0, accel_text, kAccelNames},
+    {"grid-factor", "M",
+     "Fineness of the uniform grid: its cells a side are M times the cube root of the number of "
+     "primitives (default: 0.3, and one cell for up to 32 primitives)",
+     +[](Options& o) -> float& { return o.accel.grid_factor; }, 0.01, 100},
+    {"grid-resolution", "XxYxZ",
+     "Exact number of cells of the uniform grid, instead of --grid-factor", parse_resolution, 0, 0,
+     resolution_text},
+    {"aa", "N",
+     "Antialiasing: N x N jittered cells a pixel; 1 is one ray through the centre "
+     "(default: the scene's wish, else 1)",
+     +[](Options& o) -> int& { return o.aa; }, 1, 256},
+    {"soft-shadows", "", "Lights are squares that face the point looked at, not points",
+     +[](Options& o) -> bool& { return o.soft_shadows; }},
+    {"light-size", "S",
+     "Side of the squares of --soft-shadows, in scene units (default: a tenth of the light's "
+     "distance to the point looked at)",
+     +[](Options& o) -> float& { return o.light_size; }, 1e-30, 1e30},
+    {"dof", "",
+     "Depth of field: a thin lens instead of a pinhole (default: if the scene has a lens)",
+     +[](Options& o) -> std::optional<bool>& { return o.dof; }},
+    {"aperture", "R",
+     "Radius of the lens of --dof, in scene units (default: the scene's, else a fiftieth of the "
+     "focus distance)",
+     +[](Options& o) -> float& { return o.aperture; }, 1e-30, 1e30},
+    {"focus", "D",
+     "Distance of the plane in focus with --dof, in scene units (default: the scene's, else that "
+     "of the point looked at)",
+     +[](Options& o) -> float& { return o.focus; }, 1e-30, 1e30},
+    {"lens-samples", "K",
+     "Rays for each cell of a pixel, which share out the lens and the lights (default: 1)",
+     +[](Options& o) -> int& { return o.lens_samples; }, 1, 65536},
+    {"samples", "N",
+     "Samples a pixel, any number, over all of it (or its centre with --aa 1); with --sampler "
+     "sobol, instead of --aa and --lens-samples",
+     +[](Options& o) -> int& { return o.samples; }, 1, kMaxSamples},
+    {"sampler", "NAME",
+     "Where the samples go: jitter, random points in equal cells, or sobol, a scrambled Sobol "
+     "sequence, even after any number of samples (default: jitter; sobol with --samples)",
+     parse_sampler, 0, 0, sampler_text, kSamplerNames},
+    {"depth", "N", "Levels of rays; the eye ray is level 1 (default: 5)",
+     +[](Options& o) -> int& { return o.depth; }, 1, kMaxDepth},
+    {"no-reflection", "", "Mirrors reflect nothing but lights",
+     +[](Options& o) -> bool& { return o.no_reflection; }},
+    {"no-refraction", "", "What is transparent lets nothing through",
+     +[](Options& o) -> bool& { return o.no_refraction; }},
+    {"one-sided", "", "Opaque surfaces are seen from outside only, as the NFF text has it",
+     +[](Options& o) -> bool& { return o.one_sided; }},
+    {"angle-to-centers", "",
+     "The angle of view lies between the centres of the outermost pixels, as the NFF text has it, "
+     "not between their edges",
+     +[](Options& o) -> bool& { return o.angle_to_centers; }},
+    {"threads",
+     "N",
+     "Threads; the picture is the same for any number (default: one a core)",
+     +[](Options& o) -> int& { return o.threads; },
+     1,
+     4096,
+     nullptr,
+     {},
+     false},
+    {"seed", "N", "Chooses the random points of all effects (default: 0)", parse_seed, 0, 0,
+     seed_text},
+    {"counters",
+     "",
+     "Count tests and steps for --stats; costs some time",
+     +[](Options& o) -> bool& { return o.accel.counters; },
+     0,
+     0,
+     nullptr,
+     {},
+     false},
+});
+
+template <class T>
+std::expected<void, std::string> set_number(T& out, const OptionSpec& spec, std::string_view text) {
+  const auto value = parse_number<T>(text);
+  if (!value || !(*value >= T(spec.least) && *value <= T(spec.most)))
+    return std::unexpected(fmt::format("expected a {} from {} to {}, found '{}'",
+                                       std::is_integral_v<T> ? "whole number" : "number",
+                                       spec.least, spec.most, text));
+  out = *value;
+  return {};
+}
+
+}  // namespace
+
+std::span<const OptionSpec> render_option_table() { return kTable; }
+
+std::string_view accel_name(AccelKind kind) { return kAccelNames[size_t(kind)]; }
+std::string_view sampler_name(SamplerKind kind) { return kSamplerNames[size_t(kind)]; }
+std::string_view view_name(View view) { return kViewNames[size_t(view)]; }
+
+std::expected<void, std::string> set_option(RenderOptions& options, const OptionSpec& spec,
+                                            std::string_view text) {
+  struct Set {
+    RenderOptions& options;
+    const OptionSpec& spec;
+    std::string_view text;
+    using Result = std::expected<void, std::string>;
+
+    Result operator()(bool& (*value)(RenderOptions&)) {
+      return value(options) = text == "true", Result();
+    }
+    Result operator()(std::optional<bool>& (*value)(RenderOptions&)) {
+      return value(options) = text == "true", Result();
+    }
+    Result operator()(int& (*value)(RenderOptions&)) {
+      return set_number(value(options), spec, text);
+    }
+    Result operator()(float& (*value)(RenderOptions&)) {
+      return set_number(value(options), spec, text);
+    }
+    Result operator()(OptionSpec::Parse parse) { return parse(options, text); }
+  };
+  return std::visit(Set{options, spec, text}, spec.value);
+}
+
+std::string option_text(const RenderOptions& options, const OptionSpec& spec) {
+  RenderOptions o = options;  // which the table's functions may change
+  struct Text {
+    RenderOptions& o;
+    const OptionSpec& spec;
+
+    std::string operator()(bool& (*value)(RenderOptions&)) { return value(o) ? "true" : ""; }
+    std::string operator()(std::optional<bool>& (*value)(RenderOptions&)) {
+      return value(o) ? *value(o) ? "true" : "false" : "";
+    }
+    std::string operator()(int& (*value)(RenderOptions&)) {
+      return value(o) == 0 ? "" : fmt::format("{}", value(o));
+    }
+    // With as many digits as read back to the same number.
+    std::string operator()(float& (*value)(RenderOptions&)) {
+      return value(o) == 0 ? "" : fmt::format("{}", value(o));
+    }
+    std::string operator()(OptionSpec::Parse) const { return spec.text(o); }
+  };
+  return std::visit(Text{o, spec}, spec.value);
+}
+
+std::string option_arguments(const RenderOptions& options) {
+  const RenderOptions usual;
+  std::string out;
+  for (const OptionSpec& spec : kTable) {
+    const std::string text = option_text(options, spec);
+    if (text == option_text(usual, spec)) continue;
+    if (spec.is_switch())
+      out += fmt::format(" --{}{}", text == "false" ? "no-" : "", spec.name);
+    else
+      out += fmt::format(" --{} {}", spec.name, text);
+  }
+  return out;
+}
+
+namespace {
+
+// What reads back to the same floats, with as few digits as that takes.
+Vec3d plain(Vec3f value) {
+  Vec3d out(value);
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto shorter = parse_number<double>(fmt::format("{}", value[axis]));
+    if (shorter && float(*shorter) == value[axis]) out[axis] = *shorter;
+  }
+  return out;
+}
+
+}  // namespace
+
+Camera camera_of(const Scene& scene, const RenderOptions& options) {
+  Camera camera = scene.camera;
+  if (options.from) camera.from = Vec3f(*options.from - scene.origin);
+  if (options.at) camera.at = Vec3f(*options.at - scene.origin);
+  if (options.up) camera.up = Vec3f(*options.up);
+  if (options.fov_deg > 0) camera.fov_deg = options.fov_deg;
+  return camera;
+}
+
+void set_camera(RenderOptions& options, const Camera& camera, const Scene& scene) {
+  const Camera& own = scene.camera;
+  const auto unless_own = [](Vec3f value, Vec3f scenes, Vec3d origin) -> std::optional<Vec3d> {
+    if (value == scenes) return std::nullopt;
+    if (origin == Vec3d()) return plain(value);
+    return origin + Vec3d(value);
+  };
+  options.from = unless_own(camera.from, own.from, scene.origin);
+  options.at = unless_own(camera.at, own.at, scene.origin);
+  options.up = unless_own(camera.up, own.up, {});
+  options.fov_deg = camera.fov_deg == own.fov_deg ? 0 : camera.fov_deg;
+}
+
+std::string option_conflict(const RenderOptions& options, const Scene* scene) {
+  const AccelOptions& accel = options.accel;
+  const bool resolution = accel.grid_resolution[0] > 0, factor = accel.grid_factor > 0;
+  const bool grid = accel.kind == AccelKind::automatic || accel.kind == AccelKind::grid;
+  if (resolution && factor)
+    return "--grid-factor has no effect beside --grid-resolution; give one of them";
+  if ((resolution || factor) && !grid)
+    return fmt::format("--{} has no effect with --accel {}; leave one of them out",
+                       resolution ? "grid-resolution" : "grid-factor", accel_name(accel.kind));
+  if (accel.counters && accel.kind == AccelKind::embree)
+    return "Embree does not count tests and steps; leave out --counters or --accel embree";
+
+  const auto without = [](std::string_view option, std::string_view other) {
+    return fmt::format("{0} has no effect without {1}; add {1} or leave {0} out", option, other);
+  };
+  if (options.samples > 0) {
+    const std::string_view beside = options.aa > 1             ? "aa"
+                                    : options.lens_samples > 0 ? "lens-samples"
+                                                               : "";
+    if (!beside.empty())
+      return fmt::format("--{} has no effect beside --samples; give one of them", beside);
+    if (options.sampler == SamplerKind::jitter)
+      return "--sampler jitter takes --aa and --lens-samples, which say its cells; leave out "
+             "--samples or --sampler jitter";
+  }
+  if (options.light_size > 0 && !options.soft_shadows)
+    return without("--light-size", "--soft-shadows");
+  if (options.view == View::steps || options.view == View::tests) {
+    if (accel.kind == AccelKind::embree)
+      return fmt::format("Embree does not count what --view {} shows; leave out --accel embree",
+                         view_name(options.view));
+  }
+  if (scene)
+    if (const auto why = camera_problem(camera_of(*scene, options)); !why.empty())
+      return fmt::format("--from, --at, --up: {}", why);
+  if (!scene && !options.dof) return {};
+  const RenderOptions o = scene ? resolve_options(options, *scene) : options;
+  if (!*o.dof && options.aperture > 0) return without("--aperture", "--dof");
+  if (!*o.dof && options.focus > 0) return without("--focus", "--dof");
+  if (!scene) return {};
+  if (o.samples > 1 && !*o.dof && !o.soft_shadows && o.aa == 1)
+    return "--samples has no effect with --aa 1 alone; add --dof or --soft-shadows, or leave one "
+           "of them out";
+  if (o.lens_samples > 1 && !*o.dof && !o.soft_shadows && o.aa == 1)
+    return "--lens-samples has no effect without --dof, --soft-shadows or --aa; add one of them or "
+           "leave --lens-samples out";
+  if (const double samples = double(o.aa) * o.aa * o.lens_samples; samples > kMaxSamples)
+    return fmt::format("{:.0f} samples a pixel are too many, {} the most; choose a smaller --aa{}",
+                       samples, kMaxSamples, o.lens_samples > 1 ? " or --lens-samples" : "");
+  return {};
+}
+
+RenderOptions resolve_options(const RenderOptions& options, const Scene& scene) {
+  const Camera camera = camera_of(scene, options);
+  RenderOptions o = options;
+  const bool asks_for_grid = o.accel.grid_factor > 0 || o.accel.grid_resolution[0] > 0;
+  if (o.accel.kind == AccelKind::automatic && asks_for_grid) o.accel.kind = AccelKind::grid;
+  if (o.width == 0) {
+    o.width = camera.width > 0 ? camera.width : 512;
+    o.height = camera.height > 0 ? camera.height : 512;
+  }
+  if (o.samples > 0) o.sampler = SamplerKind::sobol;
+  if (!o.sampler) o.sampler = SamplerKind::jitter;
+  if (o.aa == 0 && o.samples == 0)
+    o.aa = std::max(1, int(std::lround(std::sqrt(double(scene.samples_per_pixel)))));
+  if (o.lens_samples == 0 && o.samples == 0) o.lens_samples = 1;
+  if (!o.dof) o.dof = camera.lens_radius.value_or(0) > 0;
+  if (o.focus == 0) o.focus = camera.focus_distance.value_or(length(camera.at - camera.from));
+  if (o.aperture == 0) o.aperture = camera.lens_radius.value_or(o.focus / 50);
+  o.accel.counters |= o.view == View::steps || o.view == View::tests;
+  if (o.threads == 0) o.threads = tbb::this_task_arena::max_concurrency();
+  return o;
+}
+
+}  // namespace raio

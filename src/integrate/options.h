@@ -1,0 +1,112 @@
+// Everything that a picture depends on besides the scene, and the one table of it from which the
+// command line and its help are made.
+#pragma once
+
+#include <cstdint>
+#include <expected>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "accel/accel.h"
+#include "scene/scene.h"
+
+namespace raio {
+
+/// Where samples go in the pixel, on the lens and on the lights (integrate/sampler.h): at random in
+/// equal cells, as many as there are samples; or by Sobol's sequence, which is even after any
+/// number.
+enum class SamplerKind { jitter, sobol };
+
+/// What the picture shows: the shading, or what is behind it (render/debug_view.h).
+enum class View { picture, normals, depth, ids, materials, steps, tests, focus, samples };
+inline constexpr int kViews = 9;
+
+/// Zero, or nothing, where the scene or a rule decides: resolve_options() fills it in.
+struct RenderOptions {
+  AccelOptions accel;
+  int width = 0, height = 0;
+  std::optional<Vec3d> from, at, up;  // of the camera, in the coordinates of the file
+  float fov_deg = 0;
+  View view = View::picture;
+  int aa = 0;  // cells along a side of the pixel; 1: its centre; resolved to 0: all of it
+  bool soft_shadows = false;
+  float light_size = 0;
+  std::optional<bool> dof;
+  float aperture = 0;
+  float focus = 0;
+  int lens_samples = 0;
+  int samples = 0;  // of a pixel in all, instead of aa x aa x lens_samples
+  std::optional<SamplerKind> sampler;
+  int depth = 5;
+  bool no_reflection = false, no_refraction = false;
+  bool one_sided = false;
+  bool angle_to_centers = false;  // of view: see EyeRays
+  int threads = 0;
+  uint32_t seed = 0;
+
+  int samples_per_pixel() const { return samples > 0 ? samples : aa * aa * lens_samples; }
+};
+
+inline constexpr int kMaxDepth = 32;  // a place in the ray tree has 32 bits (integrate/sampler.h)
+inline constexpr int kMaxSamples = 1 << 24;  // of a pixel; the sampler numbers them in 32 bits
+
+/// The scene's camera with what the options say of it.
+Camera camera_of(const Scene& scene, const RenderOptions& options);
+
+/// The options that make a camera of the scene that of a picture: what differs from the scene's.
+void set_camera(RenderOptions& options, const Camera& camera, const Scene& scene);
+
+/// Why the options do not go together: one that was given and would have no effect beside the
+/// others, or more samples than there can be. One line that says what to do; empty when all is
+/// well. Without a scene, what depends on it passes.
+std::string option_conflict(const RenderOptions& options, const Scene* scene = nullptr);
+
+/// `options` with every open value replaced by what it means for `scene`: the scene's own wishes
+/// (resolution, samples, lens), else the default that the table states.
+RenderOptions resolve_options(const RenderOptions& options, const Scene& scene);
+
+/// One option. The value is reached through `value`, or parsed by it where it is not one number.
+struct OptionSpec {
+  using Parse = std::expected<void, std::string> (*)(RenderOptions&, std::string_view);
+
+  std::string_view name;        // --name on the command line
+  std::string_view value_name;  // "N"; empty for a switch
+  std::string_view help;        // with the default and the unit
+  std::variant<bool& (*)(RenderOptions&), std::optional<bool>& (*)(RenderOptions&),
+               int& (*)(RenderOptions&), float& (*)(RenderOptions&), Parse>
+      value;
+  double least = 0, most = 0;  // of a number
+
+  /// For a value that is parsed: its text, empty where none is given, and the words that it may be.
+  std::string (*text)(const RenderOptions&) = nullptr;
+  std::span<const std::string_view> words = {};  // NOLINT(readability-redundant-member-init)
+
+  bool of_picture = true;  // a picture depends on it
+
+  bool is_switch() const { return value_name.empty(); }
+};
+
+/// All options, in the order of the help.
+std::span<const OptionSpec> render_option_table();
+
+/// Sets one option from text ("true" or "false" for a switch). The error says what was found and
+/// what is accepted.
+std::expected<void, std::string> set_option(RenderOptions& options, const OptionSpec& spec,
+                                            std::string_view text);
+
+/// The value of an option as set_option() takes it; empty where it is not given.
+std::string option_text(const RenderOptions& options, const OptionSpec& spec);
+
+/// What the command line needs to have these options: " --aa 4 --soft-shadows", without those that
+/// are as always.
+std::string option_arguments(const RenderOptions& options);
+
+/// The names of a structure, of a sampler and of a view as on the command line.
+std::string_view accel_name(AccelKind kind);
+std::string_view sampler_name(SamplerKind kind);
+std::string_view view_name(View view);
+
+}  // namespace raio

@@ -1,0 +1,67 @@
+// Where the samples of a pixel go: its cells, the lens, the lights. Drawn for many pixels at once
+// by sampler-inl.h.
+//
+// The table of dimensions. Each row is a pair of numbers in the unit square, a function of
+// (seed, pixel, sample, branch, purpose), so that effects can be switched without moving the
+// others:
+//
+//   purpose      branch                what it places
+//   kPixel       1                     the eye ray in its cell of the pixel
+//   kLens        1                     the eye ray on the lens
+//   kLight + i   place in ray tree     the shadow ray on light i
+//
+// A pixel goes by its place in the picture: its column, plus its row times 65536.
+// Branch 1 is the eye ray; the reflected child of branch b is 2b, the refracted one 2b + 1.
+#pragma once
+
+#include <array>
+#include <cmath>
+
+#include "base/random.h"
+#include "integrate/options.h"
+
+namespace raio {
+
+enum Purpose : uint32_t { kPixel, kLens, kLight };
+
+inline constexpr uint32_t kEyeBranch = 1;
+
+/// Blocks of pixels are 4 x 4 of them; the rays of a block are traced together.
+inline constexpr int kBlockShift = 2;
+
+struct Sampler {
+  SamplerKind kind;
+  uint32_t seed, aa, per_cell;      // jitter: aa x aa cells a pixel, per_cell samples in each
+  uint32_t samples, columns, rows;  // jitter: the unit square in `samples` equal cells
+
+  explicit Sampler(const RenderOptions& o)  // resolved
+      : kind(*o.sampler),
+        seed(o.seed * 0x9e3779b9u),
+        aa(uint32_t(o.aa)),
+        per_cell(uint32_t(o.lens_samples)),
+        samples(uint32_t(o.samples_per_pixel())) {
+    for (columns = uint32_t(std::sqrt(double(samples))); samples % columns;) --columns;
+    rows = samples / columns;
+  }
+
+  /// Where one sample stands in some permutations of 0 .. samples - 1, of which each pixel or block
+  /// of pixels takes one, turned round by an amount of its own. Those for the places in the pixel,
+  /// for the lens and for the lights are different ones: with the same for two of them, a cell of
+  /// the one would always go with the same cell of the other, and no number of samples would help.
+  static constexpr uint32_t kPermutations = 16;
+  struct Share {
+    uint32_t first, count;  // a power of two
+  };
+  static constexpr Share share(uint32_t purpose) {
+    return purpose == kPixel ? Share{0, 4} : purpose == kLens ? Share{4, 4} : Share{8, 8};
+  }
+  using Deal = std::array<uint32_t, kPermutations>;
+  Deal deal(uint32_t sample) const {
+    Deal out;
+    for (uint32_t i = 0; i < kPermutations; ++i)
+      out[i] = permute(sample, samples, seed + scramble(i));
+    return out;
+  }
+};
+
+}  // namespace raio

@@ -1,0 +1,217 @@
+// What the classic shading (classic_trace.cpp) works on: columns of numbers for the rays of a tile,
+// and the tile's part of the film.
+// Once for each instruction set, as foreach_target.h passes again.
+#if defined(RAIO_INTEGRATE_TILE_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef RAIO_INTEGRATE_TILE_INL_H_
+#undef RAIO_INTEGRATE_TILE_INL_H_
+#else
+#define RAIO_INTEGRATE_TILE_INL_H_
+#endif
+
+#include <hwy/cache_control.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "accel/accel.h"
+#include "base/wide-inl.h"
+#include "integrate/film.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace raio::HWY_NAMESPACE {
+namespace {
+
+using D = hn::CappedTag<float, kBatchPad>;
+using DU = Unsigned<D>;
+const D d;
+const DU du;
+using V = hn::Vec<D>;
+using U = hn::Vec<DU>;
+using M = hn::Mask<D>;
+using V3 = Wide3<D>;
+constexpr size_t kWidth = hn::MaxLanes(D());
+
+// Rays traced at a time. Bounds the memory of a ray tree: a level that has so many goes before
+// others, so that none ever holds more than these and the children of another such chunk.
+constexpr size_t kChunk = 1024;
+constexpr size_t kTilePixels = size_t(kMostTileSide) * kMostTileSide;
+
+// A cache line more than needed: columns that lie a multiple of 4096 bytes apart would share the
+// same few lines of the cache.
+struct alignas(64) Floats {
+  float at[kChunk + 16];
+};
+struct Floats3 {
+  Floats x, y, z;
+
+  void set(size_t i, Vec3f v) { x.at[i] = v.x, y.at[i] = v.y, z.at[i] = v.z; }
+};
+HWY_INLINE V load(const Floats& f, size_t i) { return hn::Load(d, f.at + i); }
+HWY_INLINE V3 load(const Floats3& f, size_t i) {
+  return {load(f.x, i), load(f.y, i), load(f.z, i)};
+}
+HWY_INLINE void store(V v, Floats& f, size_t i) { hn::Store(v, d, f.at + i); }
+HWY_INLINE void store(const V3& v, Floats3& f, size_t i) {
+  store(v.x, f.x, i), store(v.y, f.y, i), store(v.z, f.z, i);
+}
+
+HWY_INLINE V load(const Column<float>& c, size_t i) { return hn::LoadU(d, &c[i]); }
+HWY_INLINE U load(const Column<uint32_t>& c, size_t i) { return hn::LoadU(du, &c[i]); }
+
+// The lanes of `v` in `mask`, one after another from element i on; what follows them is
+// overwritten. (Compressing while storing is slow on some machines.)
+template <class T>
+HWY_INLINE void put(hn::Vec<hn::Rebind<T, D>> v, M mask, T* column, size_t i) {
+  const hn::Rebind<T, D> tag;
+  hn::StoreU(hn::Compress(v, hn::RebindMask(tag, mask)), tag, column + i);
+}
+template <class T>
+HWY_INLINE void put(hn::Vec<hn::Rebind<T, D>> v, M mask, Column<T>& column, size_t i) {
+  put(v, mask, column.data(), i);
+}
+
+HWY_INLINE V3 origins(const RayBatch& rays, size_t i) {
+  return {load(rays.ox, i), load(rays.oy, i), load(rays.oz, i)};
+}
+HWY_INLINE V3 directions(const RayBatch& rays, size_t i) {
+  return {load(rays.dx, i), load(rays.dy, i), load(rays.dz, i)};
+}
+HWY_INLINE void put(const V3& origin, const V3& dir, V tmax, M mask, RayBatch& rays, size_t i) {
+  put(origin.x, mask, rays.ox, i), put(origin.y, mask, rays.oy, i), put(origin.z, mask, rays.oz, i);
+  put(dir.x, mask, rays.dx, i), put(dir.y, mask, rays.dy, i), put(dir.z, mask, rays.dz, i);
+  put(tmax, mask, rays.tmax, i);
+}
+
+// Rays on their way, with the number of the pixel in the tile, the place in the ray tree
+// (integrate/sampler.h) and the weight in the pixel.
+struct PathRays {
+  RayBatch rays;
+  Column<uint32_t> pixel, branch;
+  Column<float> weight;
+
+  // Room for n rays and what `put` overwrites after them.
+  void resize(size_t n) {
+    rays.resize(n + kBatchPad);
+    rays.resize(n);
+    if (const size_t room = rays.capacity(); pixel.size() < room)
+      pixel.resize(room), branch.resize(room), weight.resize(room);
+  }
+  void put(const V3& origin, const V3& dir, V tmax, U p, U b, V w, M mask, size_t i) {
+    HWY_NAMESPACE::put(origin, dir, tmax, mask, rays, i);
+    HWY_NAMESPACE::put(p, mask, pixel, i), HWY_NAMESPACE::put(b, mask, branch, i);
+    HWY_NAMESPACE::put(w, mask, weight, i);
+  }
+  // Moves the last rays of `from`, at most `count`, here in place of what was here.
+  void take_last(size_t count, PathRays& from) {
+    rays.clear();
+    if (from.rays.size() <= count) return std::swap(*this, from);
+    const size_t left = from.rays.size() - count;
+    resize(count);
+    const auto take = [&](auto& to, const auto& column) {
+      std::copy_n(column.begin() + ptrdiff_t(left), count, to.begin());
+    };
+    RayBatch& a = rays;
+    const RayBatch& b = from.rays;
+    take(a.ox, b.ox), take(a.oy, b.oy), take(a.oz, b.oz);
+    take(a.dx, b.dx), take(a.dy, b.dy), take(a.dz, b.dz), take(a.tmax, b.tmax);
+    take(pixel, from.pixel), take(branch, from.branch), take(weight, from.weight);
+    from.rays.resize(left);
+  }
+};
+
+// The pixels' sums in the tile that is being rendered, in the film's fixed point: the film's own
+// where it has no samples of the tile yet, so that nothing is to be moved.
+class TileSums {
+ public:
+  void begin(Film& film, size_t tile) {
+    bound_ = film.bound(), scale_ = film.scale();
+    sums_ = film.begin(tile);
+    if (!sums_) {
+      own_.assign(film.tile_sums(), PixelSums());
+      sums_ = own_.data();
+    }
+    before_.resize(bound_ == Film::kMostBound ? film.tile_sums() : 0);
+  }
+
+  // Around each sample. What its rays bring together is beyond the film's bound only where that is
+  // the most that there is, with lights near the end of floats: then no more than it counts.
+  void begin_sample() { std::copy_n(sums_, before_.size(), before_.begin()); }
+  void end_sample() {
+    const auto most = int64_t(bound_ * scale_);
+    for (size_t i = 0; i < before_.size(); ++i)
+      for (size_t c = 0; c < 3; ++c) sums_[i][c] = std::min(sums_[i][c], before_[i][c] + most);
+  }
+
+  // Asks the memory for those of four pixels in a row.
+  HWY_INLINE void prefetch(uint32_t pixel) const {
+    hwy::Prefetch(sums_ + pixel), hwy::Prefetch(sums_ + pixel + 2);
+  }
+
+  // The values in `mask`, one for each of `pixels`.
+  HWY_INLINE void add(const V3& values, const uint32_t* pixels, M mask) {
+    PixelSums fixed[kWidth];
+    HWY_ALIGN float channels[3][kWidth];
+    hn::Store(values.x, d, channels[0]), hn::Store(values.y, d, channels[1]);
+    hn::Store(values.z, d, channels[2]);
+    for (size_t k = 0; k < kWidth; k += hn::MaxLanes(kDoubles)) {
+      const auto column = [&](size_t c) HWY_ATTR { return to_fixed(channels[c] + k); };
+      hn::StoreInterleaved4(column(0), column(1), column(2), hn::Zero(kIntegers), kIntegers,
+                            fixed[k].data());
+    }
+    add_each(pixels, mask, [&](size_t k) { return fixed + k; });
+  }
+
+  // The same value, as fixed() has it, for all of them.
+  HWY_INLINE void add(const PixelSums& value, const uint32_t* pixels, M mask) {
+    add_each(pixels, mask, [&](size_t) { return &value; });
+  }
+  PixelSums fixed(Rgb value) const {
+    HWY_ALIGN float channels[3][kWidth] = {{value.x}, {value.y}, {value.z}};
+    PixelSums sums{};
+    for (size_t c = 0; c < 3; ++c) sums[c] = hn::GetLane(to_fixed(channels[c]));
+    return sums;
+  }
+
+  const PixelSums* pixels() const { return sums_; }
+
+ private:
+  static constexpr hn::CappedTag<double, kWidth> kDoubles{};
+  static constexpr hn::Rebind<int64_t, decltype(kDoubles)> kIntegers{};
+  static constexpr hn::CappedTag<int64_t, 4> kFour{};
+
+  template <class Value>
+  HWY_INLINE void add_each(const uint32_t* pixels, M mask, Value&& value) {
+    uint8_t bits[8] = {};
+    hn::StoreMaskBits(d, mask, bits);
+    for (unsigned lanes = bits[0] | unsigned(bits[1]) << 8; lanes; lanes &= lanes - 1) {
+      const size_t k = hwy::Num0BitsBelowLS1Bit_Nonzero32(lanes);
+      int64_t* const sums = sums_[pixels[k]].data();
+      const int64_t* const by = value(k)->data();
+      for (size_t c = 0; c < 4; c += hn::MaxLanes(kFour))
+        hn::Store(hn::Add(hn::Load(kFour, sums + c), hn::Load(kFour, by + c)), kFour, sums + c);
+    }
+  }
+
+  // A value beyond what floats hold counts as the bound.
+  HWY_INLINE hn::Vec<decltype(kIntegers)> to_fixed(const float* values) const {
+    const auto v =
+        hn::PromoteTo(kDoubles, hn::Load(hn::Rebind<float, decltype(kDoubles)>(), values));
+    const auto bound = hn::Set(kDoubles, bound_);
+    const auto clamped = hn::IfThenElse(hn::Lt(v, bound), v, bound);
+    return hn::ConvertTo(kIntegers, hn::Round(hn::Mul(clamped, hn::Set(kDoubles, scale_))));
+  }
+
+  double bound_ = 1, scale_ = 1;
+  PixelSums* sums_ = nullptr;
+  std::vector<PixelSums> own_;     // unless they are the film's
+  std::vector<PixelSums> before_;  // the sample
+};
+
+}  // namespace
+}  // namespace raio::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,153 @@
+// Long texts are read in pieces, on all threads, with the same scene and the same messages as in
+// one go. A piece begins with a keyword that is the first word of its line. There the reader always
+// begins an entity, whatever went wrong before: no entity takes a keyword for a part of itself, and
+// none skips one that begins a line. So pieces can be read each for itself, by the reader itself,
+// if they hold nothing but objects and materials, which are then joined in the order of the text. A
+// piece with anything else or with an error is read again in its turn, by the reader of the whole.
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
+
+#include "base/memory.h"
+#include "io/nff/parser.h"
+
+namespace raio::nff {
+namespace {
+
+constexpr size_t kPieceBytes = 128 * 1024;
+constexpr size_t kPiecesAtOnce = 64;  // bounds the memory that they take beside the scene
+
+/// Does the entity leave nothing behind but a material or objects?
+bool is_plain(Keyword keyword) {
+  switch (keyword) {
+    case Keyword::f:
+    case Keyword::s:
+    case Keyword::c:
+    case Keyword::p:
+    case Keyword::pp:
+    case Keyword::pl:
+    case Keyword::box:
+    case Keyword::mesh:
+      return true;
+    default:
+      return false;
+  }
+}
+
+/// Appends, and changes what it appends by `change` first. `whole` is how much longer the text is
+/// than the part read so far: what the pool will need if the rest is like that part. Memory that
+/// stays unused costs nothing, but moving a large pool does.
+template <class T, class Change>
+void append_changed(std::vector<T>& pool, std::vector<T>& more, double whole, Change change) {
+  const size_t size = pool.size() + more.size();
+  if (size > pool.capacity()) {
+    pool.reserve(std::max(2 * pool.capacity(), size_t(1.1 * whole * double(size))));
+    use_large_pages(pool.data() + pool.size(), (pool.capacity() - pool.size()) * sizeof(T));
+  }
+  for (T& item : more) change(item);
+  pool.insert(pool.end(), more.begin(), more.end());
+}
+
+}  // namespace
+
+struct Parser::Piece {
+  const char *begin, *end;
+  TextReport report;
+  bool plain = false;       // and so what follows holds
+  Scene scene = {};         // its material 0 stands for the one that the piece begins with
+  MaterialId material = 0;  // that it ends with
+};
+
+/// For a piece.
+Parser::Parser(const Parser& whole, const char* begin, TextReport& report)
+    : text_(whole.text_), report_(report), p_(begin), begin_(begin), material_(0) {
+  scene_.origin = whole.scene_.origin;
+  scene_.materials.emplace_back();
+}
+
+/// The end of the piece that starts at `begin`.
+const char* Parser::next_cut(const char* begin) const {
+  if (size_t(text_.end() - begin) <= kPieceBytes) return text_.end();
+  for (const char* p = begin + kPieceBytes;;) {
+    while (*p != '\0' && !is_char(*p, kLineEnd)) ++p;
+    while (is_char(*p, kBlank)) ++p;
+    if (*p == '\0') return text_.end();
+    if (find_keyword(word_at(p)) != Keyword::none) return p;
+  }
+}
+
+/// Reads from a cut to the end of the text. While some pieces are joined the next ones are read.
+void Parser::read_pieces(const char* cut) {
+  std::vector<Piece> pieces = some_pieces(cut), next;
+  while (!pieces.empty()) {
+    cut = pieces.back().end;
+    const auto join = [&] {
+      for (Piece& piece : pieces) piece.plain ? append(piece) : walk(piece.end);
+    };
+    tbb::parallel_invoke([&] { next = some_pieces(cut); }, join);
+    pieces.swap(next);
+  }
+}
+
+std::vector<Parser::Piece> Parser::some_pieces(const char* cut) const {
+  std::vector<Piece> pieces;
+  while (cut < text_.end() && pieces.size() < kPiecesAtOnce) {
+    const char* const end = next_cut(cut);
+    pieces.push_back({cut, end, report_.of_part()});
+    cut = end;
+  }
+  tbb::parallel_for(size_t(0), pieces.size(), [&](size_t i) { read(pieces[i]); });
+  return pieces;
+}
+
+void Parser::read(Piece& piece) const {
+  Parser parser(*this, piece.begin, piece.report);
+  piece.plain = true;
+  while (piece.plain && (parser.p_ = skip_blanks(parser.p_)) < piece.end)
+    piece.plain = is_plain(parser.entity()) && !piece.report.failed();
+  piece.scene = std::move(parser.scene_);
+  piece.material = *parser.material_;
+}
+
+void Parser::append(Piece& piece) {
+  Scene &from = piece.scene, &to = scene_;
+  p_ = piece.end;
+  report_.append(std::move(piece.report));
+
+  std::vector<MaterialId> ids = {*material_};
+  for (size_t i = 1; i < from.materials.size(); ++i) ids.push_back(material_id(from.materials[i]));
+  material_ = ids[piece.material];
+
+  const auto first = uint32_t(to.positions.size()), first_normal = uint32_t(to.normals.size());
+  if (!from.triangle_normals.empty() || !to.triangle_normals.empty()) {
+    // As add_triangle() does.
+    constexpr TriangleIndices kFlat = {kNoNormal, kNoNormal, kNoNormal};
+    to.triangle_normals.resize(to.triangles.size(), kFlat);
+    from.triangle_normals.resize(from.triangles.size(), kFlat);
+  }
+
+  const double whole = double(text_.view().size()) / double(offset(piece.end));
+  const auto join = [&](auto& pool, auto& more, auto change) {
+    append_changed(pool, more, whole, change);
+  };
+  const auto as_it_is = [](auto&) {};
+  const auto renumber = [&](MaterialId& id) { id = ids[id]; };
+  join(to.planes, from.planes, as_it_is);
+  join(to.plane_materials, from.plane_materials, renumber);
+  join(to.spheres, from.spheres, as_it_is);
+  join(to.sphere_materials, from.sphere_materials, renumber);
+  join(to.cones, from.cones, as_it_is);
+  join(to.cone_materials, from.cone_materials, renumber);
+  join(to.positions, from.positions, as_it_is);
+  join(to.normals, from.normals, as_it_is);
+  join(to.triangles, from.triangles, [&](TriangleIndices& t) {
+    for (uint32_t& corner : t) corner += first;
+  });
+  join(to.triangle_materials, from.triangle_materials, renumber);
+  join(to.triangle_normals, from.triangle_normals, [&](TriangleIndices& t) {
+    for (uint32_t& normal : t) normal += normal == kNoNormal ? 0 : first_normal;
+  });
+  join(to.polygons, from.polygons, [&](Polygon& p) { p.first += first; });
+  join(to.polygon_materials, from.polygon_materials, renumber);
+}
+
+}  // namespace raio::nff

@@ -1,0 +1,328 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <new>
+
+#include "io/nff/nff.h"
+#include "io/nff/parser.h"
+
+namespace raio {
+namespace nff {
+namespace {
+
+/// Numbers from here on round to infinity as a float.
+constexpr double kBeyondFloat = 0x1.ffffffp127;
+
+std::string_view noun_of(Keyword keyword) {
+  switch (keyword) {
+    case Keyword::v:
+      return "the camera";
+    case Keyword::b:
+      return "the background";
+    case Keyword::l:
+      return "the light";
+    case Keyword::f:
+      return "the material";
+    case Keyword::s:
+      return "the sphere";
+    case Keyword::c:
+      return "the cone";
+    case Keyword::p:
+      return "the polygon";
+    case Keyword::pp:
+      return "the smooth polygon";
+    case Keyword::pl:
+      return "the plane";
+    case Keyword::box:
+      return "the box";
+    case Keyword::mesh:
+      return "the mesh";
+    case Keyword::spp:
+      return "spp";
+    case Keyword::accel:
+      return "accel";
+    case Keyword::none:
+      break;
+  }
+  return {};
+}
+
+}  // namespace
+
+Parser::Parser(const TextBuffer& text, std::string_view file, TextReport& report)
+    : text_(text), report_(report), p_(text.begin()), begin_(text.begin()) {
+  if (text_.view().starts_with("\xef\xbb\xbf")) p_ += 3;  // the byte order mark of UTF-8
+  scene_.name = std::filesystem::path(file).stem().string();
+}
+
+Scene Parser::run() {
+  // What pieces rely on must be known before them: the origin, which may change up to the first
+  // object, and that there is a material.
+  const char* cut = p_;
+  do walk(cut = next_cut(cut));
+  while (cut < text_.end() && !(object_seen_ && material_));
+  read_pieces(cut);
+  finish();
+  return std::move(scene_);
+}
+
+/// Reads the entities up to `end`, a cut or the end of the text.
+void Parser::walk(const char* end) {
+  while ((p_ = skip_blanks(p_)) < end) entity();
+}
+
+/// Reads what begins at `p_`, and says what it was.
+Keyword Parser::entity() {
+  begin_ = p_;
+  const std::string_view word = word_at(p_);
+  const Keyword keyword = find_keyword(word);
+  if (keyword == Keyword::none) {
+    unknown(word);
+    return keyword;
+  }
+  p_ += word.size();
+  keyword_ = keyword;
+  noun_ = noun_of(keyword);
+  read_entity(keyword);
+  return keyword;
+}
+
+void Parser::read_entity(Keyword keyword) {
+  switch (keyword) {
+    case Keyword::v:
+      return camera();
+    case Keyword::b:
+      return background();
+    case Keyword::l:
+      return light();
+    case Keyword::f:
+      return material();
+    case Keyword::s:
+      return sphere();
+    case Keyword::c:
+      return cone();
+    case Keyword::p:
+      return polygon(false);
+    case Keyword::pp:
+      return polygon(true);
+    case Keyword::pl:
+      return plane();
+    case Keyword::box:
+      return box();
+    case Keyword::mesh:
+      return mesh();
+    case Keyword::accel:
+      return accel();
+    case Keyword::spp:
+      if (const auto samples = whole_number("the samples per pixel", 0, 1'000'000))
+        scene_.samples_per_pixel = int(*samples);
+      return;
+    case Keyword::none:
+      return;
+  }
+}
+
+void Parser::unknown(std::string_view word) {
+  if (const RefusedWord* refused = find_refused(word)) return refuse(*refused, false);
+  std::string message;
+  if (looks_like_number(word)) {
+    message = fmt::format("expected a keyword, found {}", quoted(word));
+    if (keyword_ != Keyword::none) message += fmt::format(": {}", usage(keyword_));
+    if (keyword_ == Keyword::s && numbers_left_in_line() == 2)
+      message += "; with 6 it is a highlight's light of the Graphics Gems V dialect: write \"l\"";
+  } else if (find_camera_word(word) != CameraWord::none) {
+    message = fmt::format("{} belongs to the camera: expected a line \"v\" before", quoted(word));
+    camera_lost_ = true;
+  } else if (const std::string_view nearest = nearest_word(word, false); !nearest.empty()) {
+    message = fmt::format("unknown keyword {}; did you mean \"{}\"?", quoted(word), nearest);
+    camera_lost_ |= find_keyword(nearest) == Keyword::v;
+  } else {
+    message = fmt::format("unknown keyword {}, expected one of: {}", quoted(word), keyword_list());
+  }
+  report_.error(offset(begin_), std::move(message));
+  p_ += word.size();
+  skip_to_entity(false);
+}
+
+void Parser::refuse(const RefusedWord& word, bool in_camera) {
+  const std::string_view found = word_at(p_);
+  if (refused_.insert(word.what).second)
+    report_.error(offset(p_), fmt::format("{} is {}", quoted(found), word.what));
+  p_ += found.size();
+  skip_to_entity(in_camera);
+}
+
+void Parser::skip_to_entity(bool in_camera) {
+  // A misspelt keyword begins an entity, too. Numbers begin none.
+  const auto begins = [&](std::string_view word) {
+    if (looks_like_number(word)) return false;
+    if (find_camera_word(word) != CameraWord::none) return in_camera;
+    return find_keyword(word) != Keyword::none || find_refused(word) ||
+           !nearest_word(word, false).empty();
+  };
+  for (;;) {
+    p_ = skip_blanks(p_);
+    if (*p_ == '\0') return;
+    const char* before = p_;
+    while (before > text_.begin() && is_char(before[-1], kBlank) && !is_char(before[-1], kLineEnd))
+      --before;
+    const bool first_in_line = before == text_.begin() || is_char(before[-1], kLineEnd);
+    const std::string_view word = word_at(p_);
+    if (first_in_line && begins(word)) return;
+    camera_lost_ |= word == "v";
+    p_ += word.size();
+  }
+}
+
+void Parser::finish() {
+  if (!camera_begin_ && !camera_lost_)
+    report_.error("there is no camera: expected v with from, at, up and angle");
+  if (!object_seen_) report_.warning("there is no object in the file");
+  constexpr size_t kMost = kMaxItemsPerKind;
+  if (std::max({scene_.spheres.size(), scene_.cones.size(), scene_.planes.size(),
+                scene_.triangles.size(), scene_.polygons.size()}) > kMost ||
+      std::max(scene_.positions.size(), scene_.normals.size()) >= kNoNormal)
+    report_.error(
+        fmt::format("the scene has more than {} objects of a kind, or too many corners", kMost));
+  if (scene_.materials.empty()) scene_.materials.emplace_back();
+}
+
+bool Parser::numbers(std::span<double> out, Names names, Item item) {
+  for (size_t i = 0; i < out.size(); ++i) {
+    p_ = skip_blanks(p_);
+    const char* const end = parse_number(p_, out[i]);
+    if (!end || !(std::abs(out[i]) < kBeyondFloat)) [[unlikely]] {
+      bad_number(names[i], item);
+      return false;
+    }
+    p_ = end;
+  }
+  return true;
+}
+
+void Parser::bad_number(std::string_view name, Item item) {
+  std::string expected(name);
+  if (item.number > 0) expected += fmt::format(" of {} {}", item.noun, item.number);
+  if (*p_ == '\0') {
+    const char* end = p_;
+    while (end > begin_ && is_char(end[-1], kBlank)) --end;
+    report_.error(offset(end), fmt::format("the file ends inside {} begun at line {}, expected {}",
+                                           noun_, report_.line_of(offset(begin_)), expected));
+    return;
+  }
+  const std::string_view word = word_at(p_);
+  report_.error(offset(p_), fmt::format("expected a number for {} of {}, found {}{}", expected,
+                                        noun_, quoted(word), number_fault(word)));
+  skip_to_entity(keyword_ == Keyword::v);
+}
+
+std::string Parser::number_fault(std::string_view word) const {
+  const bool letter = !word.empty() && (word[0] | 32) >= 'a' && (word[0] | 32) <= 'z';
+  if (letter && (keyword_ == Keyword::f || keyword_ == Keyword::b) && word.size() > 2 &&
+      find_keyword(word) == Keyword::none)
+    return ": names of colours are of the MTV dialect, write r g b as numbers";
+  const std::string_view unsigned_word =
+      word.substr(word.starts_with('-') || word.starts_with('+'));
+  for (const std::string_view name : {"nan", "inf", "NaN", "NAN", "Inf", "INF", "infinity"})
+    if (unsigned_word == name) return ", which is not finite";
+  if (!looks_like_number(word)) return "";
+  double value;
+  if (parse_number(word.data(), value)) return ", beyond the range of a float (3.4e38)";
+  const std::string_view mantissa = word.substr(0, word.find_first_of("eE"));
+  if (std::count(mantissa.begin(), mantissa.end(), '.') > 1)
+    return ", which has two decimal points";
+  if (word.find(',') != std::string_view::npos) return ": a comma is no part of a number";
+  return ": text sticks to the number";
+}
+
+/// Where the number starts that was just read.
+const char* Parser::last_word() const {
+  const char* word = p_;
+  while (word > begin_ && !is_char(word[-1], kWordEnd)) --word;
+  return word;
+}
+
+std::optional<long> Parser::whole_number(std::string_view name, long least, long most) {
+  double value;
+  const std::string_view names[] = {name};
+  if (!numbers({&value, 1}, names)) return std::nullopt;
+  if (value == std::floor(value) && value >= double(least) && value <= double(most))
+    return long(value);
+  const char* const word = last_word();
+  report_.error(offset(word),
+                fmt::format("expected {} of {} as a whole number from {} to {}, found {}", name,
+                            noun_, least, most, quoted(word_at(word))));
+  skip_to_entity(keyword_ == Keyword::v);
+  return std::nullopt;
+}
+
+std::optional<size_t> Parser::count(std::string_view name, size_t least, size_t least_bytes_each) {
+  const auto n = whole_number(name, long(least), 4'294'967'295);
+  if (!n) return std::nullopt;
+  const size_t left = size_t(text_.end() - p_);
+  if (size_t(*n) * least_bytes_each <= left) return size_t(*n);
+  const char* const word = last_word();
+  report_.error(offset(word),
+                fmt::format("{} of {} is {}, more than the {} bytes left in the file can hold",
+                            name, noun_, *n, left));
+  skip_to_entity(false);
+  return std::nullopt;
+}
+
+size_t Parser::numbers_left_in_line() const {
+  size_t count = 0;
+  const char* p = skip_blanks_in_line(p_);
+  while (looks_like_number(word_at(p))) {
+    ++count;
+    p = skip_blanks_in_line(p + word_at(p).size());
+  }
+  return count;
+}
+
+void Parser::warn_once(bool& warned, const std::string& message) {
+  if (!warned) warn(message);
+  warned = true;
+}
+
+}  // namespace nff
+
+namespace {
+
+Diagnostics about_file(std::string_view file, std::string message) {
+  return {{Severity::error, std::string(file), 0, 0, std::move(message), ""}};
+}
+
+std::expected<ReadScene, Diagnostics> parse(const TextBuffer& text, std::string_view file) {
+  if (text.view().empty()) return std::unexpected(about_file(file, "the file is empty"));
+  if (std::string fault = not_text(text.view()); !fault.empty())
+    return std::unexpected(about_file(file, std::move(fault)));
+  TextReport report(text.view(), file, kMaxDiagnostics);
+  Scene scene = nff::Parser(text, file, report).run();
+  if (report.failed()) return std::unexpected(report.errors());
+  return ReadScene{std::move(scene), report.warnings()};
+}
+
+template <class Text>
+std::expected<ReadScene, Diagnostics> in_memory(std::string_view file, Text&& make_text) try {
+  return make_text();
+} catch (const std::bad_alloc&) {
+  return std::unexpected(about_file(file, std::string(kNoMemory)));
+}
+
+}  // namespace
+
+std::expected<ReadScene, Diagnostics> parse_nff(std::string_view text, std::string_view file) {
+  return in_memory(file, [&] { return parse(TextBuffer(text), file); });
+}
+
+std::expected<ReadScene, Diagnostics> read_nff(const std::filesystem::path& path) {
+  const std::string file = path.string();
+  return in_memory(file, [&]() -> std::expected<ReadScene, Diagnostics> {
+    const auto text = TextBuffer::read_file(path);
+    if (!text) return std::unexpected(about_file(file, text.error()));
+    return parse(*text, file);
+  });
+}
+
+}  // namespace raio
