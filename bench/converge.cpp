@@ -10,6 +10,7 @@
 #include "bench/log_plot.h"
 #include "bench/suites.h"
 #include "io/image/image.h"
+#include "render/options.h"
 #include "render/render.h"
 
 namespace raio::bench {
@@ -39,7 +40,7 @@ struct Subject {
 };
 
 Image picture(const Subject& subject, const RenderOptions& wish) {
-  const RenderOptions o = resolve_options(wish, subject.scene);
+  const RenderSettings o = resolve_options(wish, subject.scene);
   const auto film = make_film(subject.scene, o);
   if (!film) give_up(3, film.error());
   RenderControl control;

@@ -9,6 +9,7 @@
 #include "bench/suites.h"
 #include "io/file.h"
 #include "io/nff/nff.h"
+#include "render/options.h"
 #include "render/render.h"
 
 namespace raio::bench {
@@ -52,7 +53,7 @@ RenderOptions with_effects(const Settings& s, const Scene& scene, const Effects&
                            int threads) {
   RenderOptions wish = s.options;
   wish.soft_shadows = true, wish.dof = true;  // so that lens and light are settled
-  RenderOptions options = resolve_options(wish, scene);
+  RenderSettings options = resolve_options(wish, scene);
   options.aa = effects.aa, options.lens_samples = 1, options.threads = threads;
   options.soft_shadows = effects.soft_and_dof, options.dof = effects.soft_and_dof;
   return options;

@@ -9,6 +9,7 @@
 
 #include "bench/figures.h"
 #include "integrate/camera.h"
+#include "render/options.h"
 #include "render/render.h"
 #include "integrate/surface.h"
 #include "shape/offset.h"
@@ -130,7 +131,7 @@ double differing_rays(const Accel& accel, const Accel& none, const Recording& ra
 Image small_picture(const Scene& scene, const Accel& accel, int side, int threads) {
   RenderOptions wish;
   wish.width = wish.height = side, wish.threads = threads;
-  const RenderOptions options = resolve_options(wish, scene);
+  const RenderSettings options = resolve_options(wish, scene);
   const auto film = make_film(scene, options);
   if (!film) give_up(3, film.error());
   RenderControl control;
@@ -147,7 +148,7 @@ size_t Recording::count(RayKind kind) const {
 }
 
 Recording record_rays(const Scene& scene, const Accel& accel, const RenderOptions& options) {
-  const RenderOptions o = resolve_options(options, scene);
+  const RenderSettings o = resolve_options(options, scene);
   const EyeRays eye(scene.camera, o.width, o.height);
   Recorder recorder(scene, accel);
   for (int y = 0; y < o.height; y += kTileSide)

@@ -8,7 +8,7 @@
 
 #include "accel/accel.h"
 #include "bench/figures.h"
-#include "integrate/options.h"
+#include "render/options.h"
 
 namespace raio::bench {
 

@@ -3,8 +3,8 @@
 
 #include "accel/structures.h"
 #include "accel_rays.h"
-#include "integrate/options.h"
 #include "io/nff/nff.h"
+#include "render/options.h"
 #include "render/render.h"
 
 namespace raio {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "render/options.h"
 #include "render/render.h"
 
 namespace raio {
@@ -22,13 +23,13 @@ struct Picture {
 
 Picture picture(const Scene& scene, RenderOptions options) {
   EXPECT_TRUE(validate(scene).empty()) << validate(scene).front();
-  options = resolve_options(options, scene);
-  const auto accel = build_accel(scene, options.accel);
-  const auto film = make_film(scene, options);
+  const RenderSettings settings = resolve_options(options, scene);
+  const auto accel = build_accel(scene, settings.accel);
+  const auto film = make_film(scene, settings);
   EXPECT_TRUE(accel && film);
   RenderControl control;
-  EXPECT_TRUE(render(scene, **accel, options, **film, control).finished);
-  return {options.width, options.height, (*film)->resolve().pixels};
+  EXPECT_TRUE(render(scene, **accel, settings, **film, control).finished);
+  return {settings.width, settings.height, (*film)->resolve().pixels};
 }
 
 // A line for the table, a property for machines, and the check.

@@ -13,10 +13,10 @@
 #include <thread>
 #include <vector>
 
-#include "integrate/options.h"
 #include "io/generate/generate.h"
 #include "io/image/image.h"
 #include "program.h"
+#include "render/options.h"
 
 namespace raio {
 namespace {

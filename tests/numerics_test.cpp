@@ -10,6 +10,7 @@
 
 #include "io/generate/generate.h"
 #include "io/nff/nff.h"
+#include "render/options.h"
 #include "render/render.h"
 
 namespace raio {
@@ -35,9 +36,9 @@ std::vector<Scene> scenes() {
 
 // One ray a pixel, with all that is mirrored and refracted.
 Image picture(const Scene& scene) {
-  RenderOptions o;
-  o.width = 240, o.height = 180, o.aa = 1, o.dof = false;
-  o = resolve_options(o, scene);
+  RenderOptions options;
+  options.width = 240, options.height = 180, options.aa = 1, options.dof = false;
+  const RenderSettings o = resolve_options(options, scene);
   const auto accel = build_accel(scene, o.accel);
   const auto film = make_film(scene, o);
   EXPECT_TRUE(accel && film);

@@ -6,18 +6,19 @@
 #include <algorithm>
 #include <cstring>
 
+#include "render/options.h"
 #include "render/render.h"
 
 namespace raio::testing {
 
 inline Image picture_of(const Scene& scene, RenderOptions options) {
-  options = resolve_options(options, scene);
-  const auto accel = build_accel(scene, options.accel, options.one_sided);
+  const RenderSettings settings = resolve_options(options, scene);
+  const auto accel = build_accel(scene, settings.accel, settings.one_sided);
   EXPECT_TRUE(accel) << accel.error();
   RenderControl control;
-  const auto film = make_film(scene, options);
+  const auto film = make_film(scene, settings);
   EXPECT_TRUE(film) << film.error();
-  EXPECT_TRUE(render(scene, **accel, options, **film, control).finished);
+  EXPECT_TRUE(render(scene, **accel, settings, **film, control).finished);
   return (*film)->resolve();
 }
 

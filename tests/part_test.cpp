@@ -9,8 +9,9 @@
 #include <random>
 
 #include "base/hash.h"
-#include "integrate/classic.h"
+#include "integrate/wavefront.h"
 #include "io/nff/nff.h"
+#include "render/options.h"
 #include "render/render.h"
 #include "scenes.h"
 #include "temporary_folder.h"
@@ -36,7 +37,7 @@ bool same_film(const Film& a, const Film& b) {
 /// A scene with its structure, to render parts of.
 struct Studio {
   Scene scene;
-  RenderOptions options;  // resolved
+  RenderSettings options;
   std::unique_ptr<Accel> accel;
 
   explicit Studio(RenderOptions wish, Scene of = random_scene(60, 5)) : scene(std::move(of)) {
@@ -52,9 +53,10 @@ struct Studio {
     EXPECT_TRUE(render(scene, *accel, options, film, control, task).finished);
   }
   Part part(const RenderTask& task = {}, int tile_side = kTileSide) const {
-    Part out{{settings_of(scene, options), task.shard, task.shards},
-             std::make_unique<Film>(options.width, options.height,
-                                    radiance_bound(scene, options.depth), tile_side)};
+    Part out{
+        {settings_of(scene, options), task.shard, task.shards},
+        std::make_unique<Film>(options.width, options.height,
+                               integrator(options.integrator).bound(scene, options), tile_side)};
     add_to(*out.film, task);
     return out;
   }
@@ -115,13 +117,13 @@ TEST(Provenance, OptionsComeBack) {
   wish.aa = 3, wish.soft_shadows = true, wish.light_size = 0.1f;
   wish.dof = true, wish.focus = 3.3333333f, wish.depth = 7, wish.one_sided = true, wish.seed = 12;
   for (const RenderOptions& o : {wish, RenderOptions(), sobol(7)}) {
-    const RenderOptions resolved = resolve_options(o, scene);
+    const RenderSettings resolved = resolve_options(o, scene);
     const Metadata settings = settings_of(scene, resolved);
     const auto back = options_from(settings);
     ASSERT_TRUE(back.has_value()) << back.error();
     EXPECT_EQ(settings_of(scene, resolve_options(*back, scene)), settings);
     EXPECT_EQ(back->aa, resolved.aa);
-    EXPECT_EQ(back->focus, *resolved.dof ? resolved.focus : 0);
+    EXPECT_EQ(back->focus, resolved.dof ? resolved.focus : 0);
     EXPECT_EQ(back->seed, resolved.seed);
   }
   // What has a default of the program's is kept all the same: another version's may be another.
@@ -261,7 +263,7 @@ TEST(PartFile, IsNotTrusted) {
 
 TEST(PartFile, HugeSizesInSmallFilesAreRefused) {
   const Scene scene = random_scene(10, 1);
-  RenderOptions o = resolve_options({}, scene);
+  RenderSettings o = resolve_options({}, scene);
   const Film film(o.width, o.height, 1.0);
   Metadata settings = settings_of(scene, o);
   const std::string bytes = encode_part({settings, 0, 1}, film);

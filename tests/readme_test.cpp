@@ -13,9 +13,9 @@
 #include <sstream>
 #include <tuple>
 
-#include "integrate/options.h"
 #include "io/generate/generate.h"
 #include "io/nff/nff.h"
+#include "render/options.h"
 #include "render/render.h"
 
 namespace raio {
@@ -62,13 +62,13 @@ TEST(Scenes, AllReadWithoutAWordAndShowSomething) {
     if (scene.primitive_count() == 0) continue;  // said above
     RenderOptions options;
     options.width = options.height = 48, options.aa = 1;
-    options = resolve_options(options, scene);
-    const auto accel = build_accel(scene, options.accel);
+    const RenderSettings settings = resolve_options(options, scene);
+    const auto accel = build_accel(scene, settings.accel);
     ASSERT_TRUE(accel) << accel.error();
     RenderControl control;
-    const auto film = make_film(scene, options);
+    const auto film = make_film(scene, settings);
     ASSERT_TRUE(film.has_value()) << film.error();
-    ASSERT_TRUE(render(scene, **accel, options, **film, control).finished);
+    ASSERT_TRUE(render(scene, **accel, settings, **film, control).finished);
     EXPECT_GT((*film)->rays().eye_hits, 48u * 48u / 20);
     std::set<std::tuple<int, int, int>> colors;
     for (const Rgb& c : (*film)->resolve().pixels)

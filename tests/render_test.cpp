@@ -8,8 +8,8 @@
 #include <thread>
 
 #include "integrate/camera-inl.h"
-#include "integrate/options.h"
 #include "io/nff/nff.h"
+#include "render/options.h"
 #include "scenes.h"
 
 namespace raio {
@@ -23,13 +23,13 @@ struct Picture {
 };
 
 Picture picture(const Scene& scene, RenderOptions options) {
-  options = resolve_options(options, scene);
-  const auto accel = build_accel(scene, options.accel, options.one_sided);
+  const RenderSettings settings = resolve_options(options, scene);
+  const auto accel = build_accel(scene, settings.accel, settings.one_sided);
   EXPECT_TRUE(accel.has_value());
   RenderControl control;
-  const auto film = make_film(scene, options);
+  const auto film = make_film(scene, settings);
   EXPECT_TRUE(film.has_value());
-  EXPECT_TRUE(render(scene, **accel, options, **film, control).finished);
+  EXPECT_TRUE(render(scene, **accel, settings, **film, control).finished);
   return {(*film)->resolve(), (*film)->rays()};
 }
 
@@ -321,7 +321,7 @@ TEST(Render, CountsOfBallsAreThePublishedOnes) {
 
 TEST(Render, StopsSoon) {
   const Scene s = random_scene(20000, 5);
-  RenderOptions o = resolve_options(all_effects(AccelKind::none, 2000), s);
+  RenderSettings o = resolve_options(all_effects(AccelKind::none, 2000), s);
   o.aa = 16;
   const auto accel = build_accel(s, o.accel);
   RenderControl control;
@@ -341,7 +341,7 @@ TEST(Render, AFilmIsGoneOnWithToTheSameBytes) {
   for (const bool sobol : {false, true}) {
     if (sobol) wish.aa = wish.lens_samples = 0, wish.samples = 11;
     const Picture whole = picture(s, wish);
-    const RenderOptions o = resolve_options(wish, s);
+    const RenderSettings o = resolve_options(wish, s);
     const auto accel = build_accel(s, o.accel);
     const auto film = make_film(s, o);
     RenderControl control;
@@ -369,7 +369,7 @@ TEST(Render, SobolSamplesAreTheFirstOfMore) {
   wish.soft_shadows = true, wish.dof = true;
   wish.samples = 5;
   const Picture few = picture(s, wish);
-  RenderOptions more = resolve_options(wish, s);
+  RenderSettings more = resolve_options(wish, s);
   more.samples = 50;
   const auto accel = build_accel(s, more.accel);
   const auto film = make_film(s, more);
@@ -399,7 +399,7 @@ TEST(Render, DeepTreesOfGlassStayInBounds) {
 
 TEST(Render, APictureBeyondMemoryIsRefused) {
   const Scene s = random_scene(4, 1);
-  RenderOptions o = resolve_options(small(), s);
+  RenderSettings o = resolve_options(small(), s);
   o.width = 60000, o.height = 60000;
   const auto film = make_film(s, o);
   ASSERT_FALSE(film.has_value());
@@ -409,7 +409,7 @@ TEST(Render, APictureBeyondMemoryIsRefused) {
 void add(Film& film, Rgb rgb) {
   const Vec3d v = Vec3d(rgb) * film.scale();
   const PixelSums sums{{std::llrint(v.x), std::llrint(v.y), std::llrint(v.z)}};
-  film.add(0, 1, &sums, {});
+  film.add(0, 1, &sums, nullptr, {});
 }
 
 TEST(Film, SumsDoNotDependOnOrder) {
@@ -454,11 +454,11 @@ TEST(Film, TilesAreFilledWhereTheyAre) {
       PixelSums* const sums = film.begin(t);
       for (size_t i = 0; i < film.tile_sums(); ++i) ASSERT_EQ(sums[i], PixelSums()) << i;
       fill(t, sums, film.scale());
-      film.add(t, 1, sums, {.eye = t});
+      film.add(t, 1, sums, nullptr, {.eye = t});
       EXPECT_EQ(film.begin(t), nullptr);
       std::vector<PixelSums> more(film.tile_sums());
       fill(t, more.data(), 3 * film.scale());
-      film.add(t, 1, more.data(), {.eye = 1});
+      film.add(t, 1, more.data(), nullptr, {.eye = 1});
     }
     Film copied(width, height, 1000, 24);
     for (size_t t = 0; t < film.tiles(); ++t) {
@@ -489,11 +489,11 @@ TEST(Options, OpenValuesComeFromTheScene) {
   Scene s;
   s.camera.from = {0, 0, 10};
   s.camera.at = {0, 0, 0};
-  RenderOptions o = resolve_options({}, s);
+  RenderSettings o = resolve_options({}, s);
   EXPECT_EQ(o.width, 512);
   EXPECT_EQ(o.height, 512);
   EXPECT_EQ(o.aa, 1);
-  EXPECT_FALSE(*o.dof);
+  EXPECT_FALSE(o.dof);
   EXPECT_FLOAT_EQ(o.focus, 10);
   EXPECT_FLOAT_EQ(o.aperture, 0.2f);
   EXPECT_GE(o.threads, 1);
@@ -503,14 +503,14 @@ TEST(Options, OpenValuesComeFromTheScene) {
   EXPECT_EQ(o.width, 30);
   EXPECT_EQ(o.height, 20);
   EXPECT_EQ(o.aa, 4);
-  EXPECT_TRUE(*o.dof);
+  EXPECT_TRUE(o.dof);
   EXPECT_FLOAT_EQ(o.focus, 3);
   EXPECT_FLOAT_EQ(o.aperture, 0.5f);
   RenderOptions own;
   own.aa = 2, own.dof = false, own.width = 7, own.height = 9;
   o = resolve_options(own, s);
   EXPECT_EQ(o.aa, 2);
-  EXPECT_FALSE(*o.dof);
+  EXPECT_FALSE(o.dof);
   EXPECT_EQ(o.width, 7);
 }
 

@@ -24,7 +24,7 @@ struct Point2 {
 Point2 first(const wide::Wide2<D>& p) { return {hn::GetLane(p.x), hn::GetLane(p.y)}; }
 
 Sampler jitter(uint32_t seed, int aa, int per_cell) {
-  RenderOptions o;
+  RenderSettings o;
   o.seed = seed, o.aa = aa, o.lens_samples = per_cell, o.sampler = SamplerKind::jitter;
   return Sampler(o);
 }
@@ -142,7 +142,7 @@ TEST(Sampler, CellsOfDifferentEffectsMeetInAnyCombination) {
 }
 
 Sampler sobol(uint32_t seed, int samples) {
-  RenderOptions o;
+  RenderSettings o;
   o.seed = seed, o.samples = samples, o.sampler = SamplerKind::sobol;
   return Sampler(o);
 }

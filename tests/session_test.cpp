@@ -5,7 +5,7 @@
 
 #include <cstring>
 
-#include "render/debug_view.h"
+#include "integrate/views.h"
 #include "scenes.h"
 
 namespace raio {
@@ -52,13 +52,12 @@ RenderOptions soft(int samples = kMaxSamples) {
 }
 
 Image rendered(const Scene& scene, const RenderOptions& wish) {
-  const RenderOptions o = resolve_options(wish, scene);
+  const RenderSettings o = resolve_options(wish, scene);
   const auto accel = build_accel(scene, o.accel, o.one_sided);
   RenderControl control;
-  if (is_debug_view(o.view)) return *render_debug_view(scene, **accel, o, control);
   const auto film = make_film(scene, o);
   EXPECT_TRUE(render(scene, **accel, o, **film, control).finished);
-  return picture_of(**film, o);
+  return picture_of(**film, o.view);
 }
 
 bool same_bits(const Image& a, const Image& b) {
@@ -126,7 +125,7 @@ TEST(Session, MovementIsShownCoarselyWhenTimeIsShort) {
   const auto picture = w.wait([&](auto& p) { return p.wish == wish; });
   EXPECT_EQ(picture->samples, 0);
   EXPECT_LT(picture->image->width, 512 / 8);
-  EXPECT_EQ(picture->options.width, 512);
+  EXPECT_EQ(picture->settings.width, 512);
   // And in full when there is time.
   const uint64_t slow = w.session.wish({s, options(40, 30), 1e9});
   EXPECT_EQ(w.wait([&](auto& p) { return p.wish == slow; })->image->width, 40);

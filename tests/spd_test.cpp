@@ -9,6 +9,7 @@
 #include "app/commands.h"
 #include "integrate/camera.h"
 #include "io/generate/generate.h"
+#include "render/options.h"
 #include "render/render.h"
 #include "temporary_folder.h"
 
@@ -83,9 +84,9 @@ TEST(Spd, AngleToCentersPutsRaysIntoTheCornersOfPixels) {
 TEST(Spd, PlainGridHasNoGiantsAndNoMailbox) {
   const auto scene = generate_scene("balls", 2);
   ASSERT_TRUE(scene);
-  RenderOptions o;
-  o.width = o.height = 40;
-  o = resolve_options(o, *scene);
+  RenderOptions options;
+  options.width = options.height = 40;
+  RenderSettings o = resolve_options(options, *scene);
   o.accel = {.kind = AccelKind::grid, .grid_resolution = {20, 20, 2}, .counters = true};
   const auto picture = [&](AccelInfo& info, RayCounts& rays) {
     const auto accel = build_accel(*scene, o.accel);

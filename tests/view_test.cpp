@@ -5,8 +5,9 @@
 #include <numbers>
 #include <set>
 
+#include "integrate/views.h"
 #include "io/nff/nff.h"
-#include "render/debug_view.h"
+#include "render/render.h"
 #include "scenes.h"
 #include "view/camera_control.h"
 #include "view/stage.h"
@@ -240,7 +241,7 @@ TEST(HeatColor, GrowsByFactorsOfFour) {
   EXPECT_GT(heat_color(8).y, heat_color(5).y - 1e-6f);
 }
 
-TEST(DebugView, ShowsWhatTheRayMeets) {
+TEST(Views, ShowsWhatTheRayMeets) {
   const auto read = parse_nff(
       "b 0 0 0\nv\nfrom 0 -4 0\nat 0 0 0\nup 0 0 1\nangle 40\nhither 0\nresolution 9 9\n"
       "f 1 0 0 1 0 1 0 1\ns 0 0 0 1\n",
@@ -252,13 +253,15 @@ TEST(DebugView, ShowsWhatTheRayMeets) {
     RenderOptions o;
     o.view = view;
     (change(o), ...);
-    o = resolve_options(o, s);
-    const auto accel = build_accel(s, o.accel);
-    const auto image = render_debug_view(s, **accel, o, control);
+    const RenderSettings settings = resolve_options(o, s);
+    const auto accel = build_accel(s, settings.accel);
+    const auto film = make_film(s, settings);
+    EXPECT_TRUE(render(s, **accel, settings, **film, control).finished);
+    const Image image = picture_of(**film, view);
     if (view != View::tests) {
-      EXPECT_EQ(image->at(0, 0), Rgb());
+      EXPECT_EQ(image.at(0, 0), Rgb());
     }
-    return image->at(4, 4);
+    return image.at(4, 4);
   };
   EXPECT_LE(length(middle(View::normals) - Rgb(0.5f, 0, 0.5f)), 1e-5f);
   EXPECT_NEAR(middle(View::depth).x, 4.0 / 7, 1e-5);

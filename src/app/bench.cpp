@@ -121,7 +121,7 @@ class Measurement {
     std::unique_ptr<Film> film;
   };
   std::expected<Rendered, Failure> render_once(const Combination& c, const std::string& label) {
-    RenderOptions options = options_;
+    RenderSettings options = options_;
     options.aa = aa_cells(c), options.lens_samples = lens_samples(c);
     options.soft_shadows = c.soft_shadows, options.dof = c.dof;
     control_.rays_done = control_.work_done = control_.work_total = 0;
@@ -169,7 +169,7 @@ class Measurement {
   const Scene& scene_;
   const BenchCommand& command_;
   RenderControl& control_;
-  RenderOptions options_;
+  RenderSettings options_;
   std::map<AccelKind, std::unique_ptr<Accel>> accels_;
 };
 

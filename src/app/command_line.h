@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "app/commands.h"
-#include "integrate/options.h"
+#include "render/options.h"
 
 namespace CLI {
 class App;

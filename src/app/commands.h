@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "integrate/options.h"
+#include "render/options.h"
 
 namespace raio::app {
 

@@ -20,12 +20,12 @@ int run(const ExportCommand& command) {
   const auto scene = load_scene(command.scene);
   if (!scene) return scene.error();
 
-  const RenderOptions options = resolve_options(command.options, *scene);
+  const RenderSettings settings = resolve_options(command.options, *scene);
   const PovPicture picture{
       .name = output == "-" ? scene->name : std::filesystem::path(output).stem().string(),
-      .width = options.width,
-      .height = options.height,
-      .depth = options.depth};
+      .width = settings.width,
+      .height = settings.height,
+      .depth = settings.depth};
   return deliver(output,
                  write_pov(*scene, picture,
                            fmt::format("{}, exported by raio {}", scene->name, RAIO_VERSION)));

@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Whole samples by Sobol's sequence, to which any number may be added.
-bool is_extensible(const RenderOptions& o) { return o.samples > 0; }
+bool is_extensible(int samples) { return samples > 0; }
 
 // Beside the picture, if the command does not name one.
 std::string scene_of(const RenderCommand& command, const Metadata& settings) {
@@ -54,7 +54,7 @@ std::expected<RenderStart, int> start_by_repeat(const RenderCommand& command) {
   start.command.scene = scene_of(command, start.settings);
   if (const auto done = setting(start.settings, "samples_done"); !done.empty()) {
     start.samples = samples_done(done);
-    if (start.samples == 0 || start.samples > uint32_t(options->samples_per_pixel()))
+    if (start.samples == 0 || start.samples > uint32_t(samples_per_pixel(*options)))
       return refused(fmt::format("it holds {} samples of its pixels, which do not repeat", done));
   }
   return start;
@@ -76,7 +76,7 @@ std::expected<RenderStart, int> start_by_part(const RenderCommand& command) {
   if (command.add_samples > 0) {
     RenderOptions options = *options_from(part->header.settings);
     const SampleRange has = samples_of(*part);
-    if (!is_extensible(options))
+    if (!is_extensible(options.samples))
       return refused(
           "its samples share out the cells of --aa and --lens-samples, so that none can be added; "
           "pictures made with --samples take more");
@@ -141,7 +141,7 @@ std::expected<RenderStart, int> find_start(const RenderCommand& command) {
 }
 
 std::expected<std::unique_ptr<Film>, int> film_of(RenderStart& start, const Scene& scene,
-                                                  const RenderOptions& options,
+                                                  const RenderSettings& used,
                                                   const Metadata& settings) {
   const RenderCommand& command = start.command;
   const std::string& file = command.repeat.empty() ? command.checkpoint : command.repeat;
@@ -151,7 +151,7 @@ std::expected<std::unique_ptr<Film>, int> film_of(RenderStart& start, const Scen
   if (!start.settings.empty()) {
     Metadata before = start.settings;
     // Of samples by Sobol's sequence any number is the beginning of more.
-    if (is_extensible(options) && command.repeat.empty())
+    if (is_extensible(used.samples) && command.repeat.empty())
       for (auto& [key, text] : before)
         if (key == "samples") text = setting(settings, "samples");
     const std::string version(setting(before, "version"));
@@ -164,12 +164,12 @@ std::expected<std::unique_ptr<Film>, int> film_of(RenderStart& start, const Scen
     }
     if (const std::string why = difference(before, settings); !why.empty()) return refused(why);
   }
-  auto film = make_film(scene, options);
+  auto film = make_film(scene, used);
   if (!film) return std::unexpected(no_resource(film.error()));
   if (!start.film) return std::move(*film);
   if (start.film->bound() != (*film)->bound()) return refused("its film is not made for the scene");
   for (size_t t = 0; t < start.film->tiles(); ++t)
-    if (const uint32_t has = start.film->samples(t); has > uint32_t(options.samples_per_pixel()))
+    if (const uint32_t has = start.film->samples(t); has > uint32_t(used.samples_per_pixel()))
       return refused(
           fmt::format("it has {} samples a pixel already; ask for at least as many", has));
   return std::move(start.film);

@@ -27,7 +27,7 @@ std::expected<RenderStart, int> find_start(const RenderCommand& command);
 
 /// The film to work on: the one that `start` brought, if it is of this picture, or an empty one.
 std::expected<std::unique_ptr<Film>, int> film_of(RenderStart& start, const Scene& scene,
-                                                  const RenderOptions& options,
+                                                  const RenderSettings& used,
                                                   const Metadata& settings);
 
 /// Keeps a film in a part file, at intervals while it lives. A failure is told once and does not

@@ -5,8 +5,8 @@
 #include "app/commands.h"
 #include "app/output.h"
 #include "app/terminal.h"
-#include "render/debug_view.h"
 #include "render/part.h"
+#include "render/render.h"
 
 namespace raio::app {
 
@@ -33,8 +33,9 @@ int run(const MergeCommand& command) {
 
   const Metadata& settings = merged->header.settings;
   const auto written =
-      to_part ? write_part(output, merged->header, *merged->film)
-              : write_image(picture_of(*merged->film, *options_from(settings)), output, settings);
+      to_part
+          ? write_part(output, merged->header, *merged->film)
+          : write_image(picture_of(*merged->film, options_from(settings)->view), output, settings);
   if (!written) return fail(written.error());
   if (!command.quiet)
     print_line(fmt::format("{}: {}x{}, {} part{}{}",

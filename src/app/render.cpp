@@ -9,7 +9,6 @@
 #include "app/statistics.h"
 #include "app/terminal.h"
 #include "io/image/image.h"
-#include "render/debug_view.h"
 #include "render/part.h"
 
 namespace raio::app {
@@ -60,7 +59,7 @@ int put_away(const RenderCommand& command, Checkpoint& checkpoint) {
 /// All that a render works on.
 struct Job {
   Scene scene;
-  RenderOptions options;  // resolved
+  RenderSettings settings;
   std::unique_ptr<Accel> accel;
   Part part;
   uint64_t rays_before = 0;
@@ -79,20 +78,21 @@ int prepare(RenderStart& start, const RenderControl& control, Job& job) {
 
   if (const auto why = option_conflict(command.options, &job.scene); !why.empty())
     return bad_input(why);
-  job.options = resolve_options(command.options, job.scene);
-  const RenderOptions& options = job.options;
-  if (const auto why = picture_problem(options.width, options.height); !why.empty())
+  job.settings = resolve_options(command.options, job.scene);
+  const RenderSettings& settings = job.settings;
+  if (const auto why = picture_problem(settings.width, settings.height, settings.channels);
+      !why.empty())
     return no_resource(why);
-  job.part.header = {settings_of(job.scene, options), command.shard, command.shards};
-  auto film = film_of(start, job.scene, options, job.part.header.settings);
+  job.part.header = {settings_of(job.scene, settings), command.shard, command.shards};
+  auto film = film_of(start, job.scene, settings, job.part.header.settings);
   if (!film) return film.error();
   job.part.film = std::move(*film);
   job.rays_before = job.part.film->rays().total();
 
   const auto build_start = Clock::now();
   std::expected<std::unique_ptr<Accel>, std::string> accel;
-  on_threads(options.threads,
-             [&] { accel = build_accel(job.scene, options.accel, options.one_sided); });
+  on_threads(settings.threads,
+             [&] { accel = build_accel(job.scene, settings.accel, settings.one_sided); });
   if (!accel) return no_resource(accel.error());
   job.accel = std::move(*accel);
   job.times.build = seconds_since(build_start);
@@ -102,15 +102,15 @@ int prepare(RenderStart& start, const RenderControl& control, Job& job) {
 // The time may have sufficed for some samples only. Of samples by Sobol's sequence the first are a
 // picture of their own, and the settings say so; of others they say how many there are.
 void describe(Job& job, const SampleRange& samples) {
-  const auto wanted = uint32_t(job.options.samples_per_pixel());
+  const auto wanted = uint32_t(job.settings.samples_per_pixel());
   if (samples.fewest == wanted || samples.most == 0) return;
   const bool even = samples.fewest == samples.most;
-  if (even && job.options.samples > 0) job.options.samples = int(samples.fewest);
+  if (even && job.settings.samples > 0) job.settings.samples = int(samples.fewest);
   Metadata& settings = job.part.header.settings;
-  settings = settings_of(job.scene, job.options);
+  settings = settings_of(job.scene, job.settings);
   if (!even)
     settings.emplace_back("samples_done", fmt::format("{} to {}", samples.fewest, samples.most));
-  else if (job.options.samples == 0)
+  else if (job.settings.samples == 0)
     settings.emplace_back("samples_done", fmt::format("{}", samples.fewest));
 }
 
@@ -122,42 +122,17 @@ int write_results(Job& job, const RenderCommand& command, const std::string& out
   const auto write_start = Clock::now();
   const Part& part = job.part;
   const auto written = is_part_path(output) ? write_part(output, part.header, *part.film)
-                                            : write_image(picture_of(*part.film, job.options),
+                                            : write_image(picture_of(*part.film, job.settings.view),
                                                           output, part.header.settings);
   if (!written) return fail(written.error());
   job.times.write = seconds_since(write_start);
   job.times.total = seconds_since(begin);
-  const Made made{job.scene,         job.options,     job.accel->info(), job.times,
+  const Made made{job.scene,         job.settings,    job.accel->info(), job.times,
                   part.film->rays(), job.rays_before, samples.fewest};
   if (!command.stats.empty())
     if (const int status = deliver(command.stats, json_text(statistics(made)))) return status;
   if (!command.quiet) print_line(summary(output, made));
   return kDone;
-}
-
-// Views of what is behind the picture are made at once and without a film. One line.
-std::string debug_view_conflict(const RenderCommand& c, const std::string& output) {
-  const std::string_view option = !c.checkpoint.empty()  ? "--checkpoint"
-                                  : c.shards > 1         ? "--shard"
-                                  : c.time_limit_s > 0   ? "--time-limit"
-                                  : !c.stats.empty()     ? "--stats"
-                                  : is_part_path(output) ? "a part file"
-                                                         : "";
-  if (option.empty()) return {};
-  return fmt::format("{} is for pictures of samples; leave out that or --view", option);
-}
-
-// The exit status.
-int write_debug_view(const Job& job, const RenderCommand& command, const std::string& output,
-                     RenderControl& control) {
-  std::optional<Image> image;
-  {
-    const ProgressLine progress(control, command.quiet ? "off" : command.progress);
-    image = render_debug_view(job.scene, *job.accel, job.options, control);
-  }
-  if (!image) return interrupted();
-  const auto written = write_image(*image, output, job.part.header.settings);
-  return written ? kDone : fail(written.error());
 }
 
 }  // namespace
@@ -173,10 +148,6 @@ int run(const RenderCommand& given) {
   const RenderCommand& command = start->command;
   Job job;
   if (const int status = prepare(*start, control, job)) return status;
-  if (is_debug_view(job.options.view)) {
-    if (const auto why = debug_view_conflict(command, output); !why.empty()) return bad_input(why);
-    return write_debug_view(job, command, output, control);
-  }
 
   RenderTask task{start->samples, command.shard, command.shards, 0};
   if (command.time_limit_s > 0)
@@ -186,7 +157,7 @@ int run(const RenderCommand& given) {
   RenderResult done;
   {
     const ProgressLine progress(control, command.quiet ? "off" : command.progress);
-    done = render(job.scene, *job.accel, job.options, *job.part.film, control, task);
+    done = render(job.scene, *job.accel, job.settings, *job.part.film, control, task);
   }
   if (!done.finished && control.stop) return put_away(command, checkpoint);
   job.times.render = done.seconds;

@@ -26,7 +26,7 @@ void mirror_what_is_transparent(Scene& scene) {
 }
 
 // As the databases' author wants them to be counted.
-RenderOptions prescribed(const SpdVerifyCommand& command, const Scene& scene) {
+RenderSettings prescribed(const SpdVerifyCommand& command, const Scene& scene) {
   RenderOptions o;
   o.width = o.height = 513, o.angle_to_centers = true;
   o.aa = 1, o.dof = false, o.depth = 5;
@@ -40,7 +40,7 @@ struct Counted {
 };
 
 // The error is the exit status; what is to be said is said.
-std::expected<Counted, int> count(const Scene& scene, const RenderOptions& options,
+std::expected<Counted, int> count(const Scene& scene, const RenderSettings& options,
                                   RenderControl& control, const SpdVerifyCommand& command,
                                   const std::string& label) {
   std::expected<std::unique_ptr<Accel>, std::string> accel;
@@ -57,7 +57,7 @@ std::expected<Counted, int> count(const Scene& scene, const RenderOptions& optio
 
 std::expected<SpdScene, int> verify(const PublishedScene& published, const Scene& scene,
                                     RenderControl& control, const SpdVerifyCommand& command) {
-  RenderOptions options = prescribed(command, scene);
+  RenderSettings options = prescribed(command, scene);
   const std::string name(published.name);
   const auto counted = count(scene, options, control, command, name);
   if (!counted) return std::unexpected(counted.error());

@@ -31,7 +31,7 @@ Json statistics(const Made& made) {
       {"seed", o.seed},
       {"threads", o.threads},
       {"depth", o.depth},
-      {"effects", {{"aa", o.aa}, {"soft_shadows", o.soft_shadows}, {"dof", *o.dof}}},
+      {"effects", {{"aa", o.aa}, {"soft_shadows", o.soft_shadows}, {"dof", o.dof}}},
       {"primitives", primitives},
       {"lights", scene.lights.size()},
       {"materials", scene.materials.size()},
@@ -66,7 +66,7 @@ Json statistics(const Made& made) {
 }
 
 std::string summary(const std::string& output, const Made& made) {
-  const RenderOptions& o = made.options;
+  const RenderSettings& o = made.settings;
   const Times& times = made.times;
   const auto wanted = uint32_t(o.samples_per_pixel());
   const std::string samples = made.samples == wanted

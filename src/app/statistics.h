@@ -7,7 +7,7 @@
 #include "accel/accel.h"
 #include "app/json.h"
 #include "integrate/film.h"
-#include "integrate/options.h"
+#include "integrate/settings.h"
 #include "scene/scene.h"
 
 namespace raio::app {
@@ -20,7 +20,7 @@ struct Times {
 /// had before, they are the work of this run.
 struct Made {
   const Scene& scene;
-  RenderOptions options;  // resolved
+  RenderSettings settings;
   AccelInfo accel;
   Times times;
   RayCounts rays;

@@ -3,9 +3,11 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <limits>
 
-#include "integrate/options.h"
+#include "integrate/settings.h"
 
 namespace raio {
 
@@ -17,20 +19,30 @@ RayCounts& RayCounts::operator+=(const RayCounts& b) {
   return *this;
 }
 
-Film::Film(int width, int height, double bound, int tile_side)
+namespace {
+
+// The sum of the most samples that there can be stays below 2^62; and no finer than 2^-40, where a
+// picture has no more to say.
+double scale_for(double bound) {
+  int exponent = 0;
+  std::frexp(bound * kMaxSamples, &exponent);
+  return std::ldexp(1.0, std::min(62 - exponent, 40));
+}
+
+}  // namespace
+
+Film::Film(int width, int height, double bound, int tile_side, ChannelSet channels)
     : width_(width),
       height_(height),
       tile_side_(tile_side),
       columns_((width + tile_side - 1) / tile_side),
       bound_(std::clamp(bound, kLeastBound, kMostBound)),
+      scale_(scale_for(bound_)),
+      square_scale_(scale_for(bound_ * bound_)),
+      layout_(channels),
       states_(size_t(columns_) * size_t((height + tile_side - 1) / tile_side)),
-      sums_(map_sums()) {
-  // The sum of the most samples that there can be stays below 2^62; and no finer than 2^-40, where
-  // a picture has no more to say.
-  int exponent = 0;
-  std::frexp(bound_ * kMaxSamples, &exponent);
-  scale_ = std::ldexp(1.0, std::min(62 - exponent, 40));
-}
+      sums_(map_sums()),
+      planes_(states_.size() * tile_planes()) {}
 
 Tile Film::tile(size_t index) const {
   const int x = int(index % size_t(columns_)) * tile_side_;
@@ -61,11 +73,13 @@ PixelSums* Film::begin(size_t tile) {
   return sums(tile);
 }
 
-void Film::add(size_t tile, uint32_t samples, const PixelSums* sums, const RayCounts& rays) {
+void Film::add(size_t tile, uint32_t samples, const PixelSums* sums, const int64_t* planes,
+               const RayCounts& rays) {
   const std::lock_guard lock(mutex(tile));
   if (PixelSums* const held = this->sums(tile); held != sums)
     for (size_t i = 0; i < tile_sums(); ++i)
       for (size_t c = 0; c < sums[i].size(); ++c) held[i][c] += sums[i][c];
+  for (size_t i = 0; i < tile_planes(); ++i) this->planes(tile)[i] += planes[i];
   states_[tile].samples += samples;
   states_[tile].rays += rays;
 }
@@ -73,12 +87,17 @@ void Film::add(size_t tile, uint32_t samples, const PixelSums* sums, const RayCo
 TileSamples Film::copy(size_t tile) const {
   const Tile t = this->tile(tile);
   const std::lock_guard lock(mutex(tile));
-  TileSamples out{states_[tile].samples, states_[tile].rays, {}};
+  TileSamples out{states_[tile].samples, states_[tile].rays, {}, {}};
   if (out.samples == 0) return out;
+  const size_t width = size_t(t.x1 - t.x0), pixels = width * size_t(t.y1 - t.y0);
+  out.sums.reserve(4 * pixels), out.planes.reserve(size_t(layout_.planes()) * pixels);
   for (int y = t.y0; y < t.y1; ++y)
-    for (int x = 0; x < t.x1 - t.x0; ++x) {
-      const PixelSums& s = row(tile, y)[x];
-      out.sums.insert(out.sums.end(), {s[0], s[1], s[2]});
+    for (size_t x = 0; x < width; ++x)
+      out.sums.insert(out.sums.end(), row(tile, y)[x].begin(), row(tile, y)[x].end());
+  for (size_t plane = 0; plane < size_t(layout_.planes()); ++plane)
+    for (int y = t.y0; y < t.y1; ++y) {
+      const int64_t* const from = planes(tile) + plane * tile_sums() + row_start(y);
+      out.planes.insert(out.planes.end(), from, from + width);
     }
   return out;
 }
@@ -88,17 +107,30 @@ void Film::replace(size_t tile, const TileSamples& by) {
   const std::lock_guard lock(mutex(tile));
   states_[tile] = {by.samples, false, by.rays};
   std::fill_n(sums(tile), tile_sums(), PixelSums());
+  std::fill_n(planes(tile), tile_planes(), 0);
+  if (by.samples == 0) return;
+  const size_t width = size_t(t.x1 - t.x0);
   const int64_t* s = by.sums.data();
-  for (int y = t.y0; y < t.y1 && by.samples > 0; ++y)
-    for (int x = 0; x < t.x1 - t.x0; ++x, s += 3) row(tile, y)[x] = {{s[0], s[1], s[2]}};
+  for (int y = t.y0; y < t.y1; ++y)
+    for (size_t x = 0; x < width; ++x, s += 4) std::copy_n(s, 4, row(tile, y)[x].begin());
+  const int64_t* p = by.planes.data();
+  for (size_t plane = 0; plane < size_t(layout_.planes()); ++plane)
+    for (int y = t.y0; y < t.y1; ++y, p += width)
+      std::copy_n(p, width, planes(tile) + plane * tile_sums() + row_start(y));
+}
+
+// Calls f(tile, its place) for all tiles that have samples.
+template <class F>
+void Film::for_tiles(F&& f) const {
+  tbb::parallel_for(size_t(0), tiles(), [&](size_t t) {
+    const std::lock_guard lock(mutex(t));
+    if (states_[t].samples > 0) f(t, tile(t));
+  });
 }
 
 Image Film::resolve() const {
   Image image(width_, height_);
-  tbb::parallel_for(size_t(0), tiles(), [&](size_t t) {
-    const std::lock_guard lock(mutex(t));
-    if (states_[t].samples == 0) return;
-    const Tile tile = this->tile(t);
+  for_tiles([&](size_t t, const Tile& tile) {
     const double unit = 1 / (scale_ * states_[t].samples);
     const auto light = [&](int64_t sum) { return float(double(sum) * unit); };
     for (int y = tile.y0; y < tile.y1; ++y)
@@ -108,6 +140,52 @@ Image Film::resolve() const {
       }
   });
   return image;
+}
+
+int64_t Film::held(Channel channel, size_t tile, int x, int y, size_t component) const {
+  const size_t at = row_start(y) + size_t(x % tile_side_);
+  if (channel == Channel::alpha) return sums(tile)[at][3];
+  const size_t plane = size_t(layout_.first(channel)) + component;
+  return planes(tile)[plane * tile_sums() + at];
+}
+
+float Film::value(Channel channel, size_t tile, int x, int y, size_t component) const {
+  const ChannelSpec& spec = spec_of(channel);
+  const int64_t held = this->held(channel, tile, x, y, component);
+  const double n = states_[tile].samples;
+  if (channel == Channel::variance) {
+    if (n < 2) return 0;
+    const double mean = double(row(tile, y)[x % tile_side_][component]) / (scale_ * n);
+    const double of_squares = double(held) / (square_scale_ * n);
+    return float(std::max(0.0, (of_squares - mean * mean) * n / (n - 1)));
+  }
+  if (spec.rule == ChannelRule::mean) return float(double(held) / (fixed_scale(spec) * n));
+  // No surface is at distance zero: nothing was found.
+  if (channel == Channel::depth && held == 0) return std::numeric_limits<float>::infinity();
+  return std::bit_cast<float>(uint32_t(held));
+}
+
+Film::Values Film::resolve(Channel channel) const {
+  const ChannelSpec& spec = spec_of(channel);
+  const size_t components = spec.components.size();
+  const auto fill = [&](auto column, auto&& value) -> Values {
+    column.assign(size_t(width_) * size_t(height_) * components, 0);
+    for_tiles([&](size_t t, const Tile& tile) {
+      for (int y = tile.y0; y < tile.y1; ++y)
+        for (int x = tile.x0; x < tile.x1; ++x)
+          for (size_t c = 0; c < components; ++c)
+            column[(size_t(y) * size_t(width_) + size_t(x)) * components + c] = value(t, x, y, c);
+    });
+    return column;
+  };
+  if (channel == Channel::samples)
+    return fill(Column<uint32_t>(), [&](size_t t, int, int, size_t) { return states_[t].samples; });
+  if (spec.integer)
+    return fill(Column<uint32_t>(), [&](size_t t, int x, int y, size_t c) {
+      return uint32_t(held(channel, t, x, y, c));
+    });
+  return fill(Column<float>(),
+              [&](size_t t, int x, int y, size_t c) { return value(channel, t, x, y, c); });
 }
 
 }  // namespace raio

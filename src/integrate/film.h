@@ -7,9 +7,11 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <variant>
 #include <vector>
 
 #include "base/memory.h"
+#include "integrate/channels.h"
 #include "io/image/image.h"
 
 namespace raio {
@@ -32,14 +34,49 @@ struct Tile {
 };
 inline constexpr int kTileSide = 32, kMostTileSide = 64;
 
-/// Of a pixel's samples: red, green, blue, and nothing, so that one SIMD instruction adds to all.
+/// Of a pixel's samples: red, green, blue and coverage, so that one SIMD instruction adds to all.
 struct alignas(32) PixelSums : std::array<int64_t, 4> {};
+
+/// What a sample that something covers adds to the coverage.
+inline constexpr int64_t kFullCoverage = int64_t(1) << 24;
+
+/// A value v of a channel whose rule is `mean` counts as the integer nearest to v * this, which
+/// leaves room for the sum of kMaxSamples of them.
+constexpr double fixed_scale(const ChannelSpec& spec) {
+  double scale = double(1 << 24);
+  while (scale * spec.bound > double(int64_t(1) << 38)) scale /= 2;
+  return scale;
+}
+
+/// Where the channels of a film are among its planes, each of which holds one number a pixel. Alpha
+/// is in PixelSums, the number of samples with the tile.
+class FilmLayout {
+ public:
+  explicit FilmLayout(ChannelSet channels) : channels_(channels) {
+    for (const ChannelSpec& spec : kChannels) {
+      first_[size_t(spec.channel)] = planes_;
+      const bool stored = spec.channel != Channel::alpha && spec.channel != Channel::samples;
+      if (channels.has(spec.channel) && stored) planes_ += int(spec.components.size());
+    }
+  }
+  ChannelSet channels() const { return channels_; }
+  bool has(Channel channel) const { return channels_.has(channel); }
+  int planes() const { return planes_; }
+  int first(Channel channel) const { return first_[size_t(channel)]; }
+
+ private:
+  ChannelSet channels_;
+  std::array<int, kChannels.size()> first_{};
+  int planes_ = 0;
+};
 
 /// What a film holds of a tile.
 struct TileSamples {
   uint32_t samples = 0;  // 0 .. samples - 1 of all its pixels
   RayCounts rays;
-  std::vector<int64_t> sums;  // r, g, b for each pixel, row by row; empty without samples
+  // Row by row, empty without samples: r, g, b and coverage for each pixel; and plane by plane what
+  // FilmLayout names.
+  std::vector<int64_t> sums, planes;
 
   friend bool operator==(const TileSamples&, const TileSamples&) = default;
 };
@@ -59,14 +96,17 @@ class Film {
 
   /// No sample of a pixel brings more than `bound`, which is moved between these two. The tiles'
   /// side is a multiple of 8, at most kMostTileSide; the picture is the same with any.
-  Film(int width, int height, double bound, int tile_side = kTileSide);
+  Film(int width, int height, double bound, int tile_side = kTileSide, ChannelSet channels = {});
 
   int width() const { return width_; }
   int height() const { return height_; }
   /// A value v counts as the integer nearest to min(v, bound) * scale.
   double bound() const { return bound_; }
   double scale() const { return scale_; }
+  /// Likewise for the square of a value, of which the channel `variance` is made.
+  double square_scale() const { return square_scale_; }
   int tile_side() const { return tile_side_; }
+  const FilmLayout& layout() const { return layout_; }
 
   size_t tiles() const { return states_.size(); }
   Tile tile(size_t index) const;
@@ -83,8 +123,10 @@ class Film {
   PixelSums* begin(size_t tile);
 
   /// Adds `samples` samples of a tile: the sums of its pixels, tile_sums() of them, which are those
-  /// of begin() unless it had samples; and what they have cost.
-  void add(size_t tile, uint32_t samples, const PixelSums* sums, const RayCounts& rays);
+  /// of begin() unless it had samples; its planes, tile_sums() numbers each, if the layout has any;
+  /// and what they have cost.
+  void add(size_t tile, uint32_t samples, const PixelSums* sums, const int64_t* planes,
+           const RayCounts& rays);
 
   /// A tile as it is, to be kept elsewhere, and a tile as it shall be.
   TileSamples copy(size_t tile) const;
@@ -92,6 +134,10 @@ class Film {
 
   /// The mean of each pixel's samples; black where there are none.
   Image resolve() const;
+
+  /// A channel that the film has, `components` numbers a pixel, row by row.
+  using Values = std::variant<Column<float>, Column<uint32_t>>;
+  Values resolve(Channel channel) const;
 
   RayCounts rays() const;
 
@@ -115,18 +161,28 @@ class Film {
 
   std::mutex& mutex(size_t tile) const { return mutexes_[tile % mutexes_.size()]; }
   PixelSums* sums(size_t tile) const { return &sums_[tile * tile_sums()]; }
+  int64_t* planes(size_t tile) { return planes_.data() + tile * tile_planes(); }
+  const int64_t* planes(size_t tile) const { return planes_.data() + tile * tile_planes(); }
+  size_t tile_planes() const { return size_t(layout_.planes()) * tile_sums(); }
+  // Of a pixel of the picture in a tile that has samples.
+  int64_t held(Channel channel, size_t tile, int x, int y, size_t component) const;
+  float value(Channel channel, size_t tile, int x, int y, size_t component) const;
   // Of row `y` of the picture.
-  PixelSums* row(size_t tile, int y) const {
-    return sums(tile) + size_t(y % tile_side_) * row_stride();
-  }
+  size_t row_start(int y) const { return size_t(y % tile_side_) * row_stride(); }
+  PixelSums* row(size_t tile, int y) const { return sums(tile) + row_start(y); }
+
+  template <class F>
+  void for_tiles(F&& f) const;
 
   int width_, height_, tile_side_, columns_;
-  double bound_, scale_;
+  double bound_, scale_, square_scale_;
+  FilmLayout layout_;
   // Of what follows, each for some of the tiles: a prime number, so that threads that work half or
   // a third of the picture apart do not wait for each other.
   mutable std::array<std::mutex, 61> mutexes_;
   std::vector<TileState> states_;
-  Sums sums_;  // tile by tile
+  Sums sums_;                    // tile by tile
+  std::vector<int64_t> planes_;  // tile by tile, plane by plane
 };
 
 }  // namespace raio

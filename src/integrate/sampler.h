@@ -18,7 +18,7 @@
 #include <cmath>
 
 #include "base/random.h"
-#include "integrate/options.h"
+#include "integrate/settings.h"
 
 namespace raio {
 
@@ -34,8 +34,8 @@ struct Sampler {
   uint32_t seed, aa, per_cell;      // jitter: aa x aa cells a pixel, per_cell samples in each
   uint32_t samples, columns, rows;  // jitter: the unit square in `samples` equal cells
 
-  explicit Sampler(const RenderOptions& o)  // resolved
-      : kind(*o.sampler),
+  explicit Sampler(const RenderSettings& o)
+      : kind(o.sampler),
         seed(o.seed * 0x9e3779b9u),
         aa(uint32_t(o.aa)),
         per_cell(uint32_t(o.lens_samples)),

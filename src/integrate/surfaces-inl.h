@@ -1,5 +1,4 @@
-// The surfaces that rays hit, for the classic shading (classic_trace.cpp): points, normals and
-// materials.
+// The surfaces that rays hit, as all shading sees them: points, normals and materials.
 // Once for each instruction set, as foreach_target.h passes again.
 #if defined(RAIO_INTEGRATE_SURFACES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAIO_INTEGRATE_SURFACES_INL_H_
@@ -11,7 +10,6 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "integrate/classic.h"
 #include "integrate/surface.h"
 #include "integrate/tile-inl.h"
 #include "shape/offset.h"
@@ -52,10 +50,10 @@ struct Vertices {
 
 // What the surface that ray i hit is made of: looked up here, worked out many together by
 // find_surfaces().
-void look_up(const ClassicScene& classic, const RayBatch& rays, const HitBatch& hits, size_t i,
+void look_up(const Accel& accel, const RayBatch& rays, const HitBatch& hits, size_t i,
              Vertices& v) {
-  const Geometry& geometry = classic.accel.geometry();
-  const Scene& scene = classic.scene;
+  const Geometry& geometry = accel.geometry();
+  const Scene& scene = accel.geometry().scene();
   const ItemKind kind = item_kind(hits.item[i]);
   const uint32_t index = item_index(hits.item[i]);
   switch (kind) {
@@ -127,12 +125,11 @@ HWY_INLINE Row store_rows(const Row (&rows)[4], Floats3& to, size_t i) {
 
 // look_up() of rays i .. i + 3 if all of them hit triangles, else false: row by row, since storing
 // number by number is what takes the time.
-HWY_INLINE bool look_up_triangles(const ClassicScene& classic, const HitBatch& hits, size_t i,
-                                  Vertices& v) {
+HWY_INLINE bool look_up_triangles(const Accel& accel, const HitBatch& hits, size_t i, Vertices& v) {
   const auto is_triangle = [](ItemId id) { return item_kind(id) == ItemKind::triangle; };
   if (!std::all_of(&hits.item[i], &hits.item[i] + 4, is_triangle)) return false;
-  const Geometry& geometry = classic.accel.geometry();
-  const Scene& scene = classic.scene;
+  const Geometry& geometry = accel.geometry();
+  const Scene& scene = accel.geometry().scene();
   Row corner[3][4], geometric[4], normal[4];
   for (size_t k = 0; k < 4; ++k) {
     const uint32_t index = item_index(hits.item[i + k]);
@@ -156,25 +153,25 @@ HWY_INLINE bool look_up_triangles(const ClassicScene& classic, const HitBatch& h
   return true;
 }
 #else
-bool look_up_triangles(const ClassicScene&, const HitBatch&, size_t, Vertices&) { return false; }
+bool look_up_triangles(const Accel&, const HitBatch&, size_t, Vertices&) { return false; }
 #endif
 
 // Those of rays i, i + 1, ... in the lanes, which often hit the same thing.
-void look_up_lanes(const ClassicScene& classic, const RayBatch& rays, const HitBatch& hits,
-                   size_t i, Vertices& v) {
+void look_up_lanes(const Accel& accel, const RayBatch& rays, const HitBatch& hits, size_t i,
+                   Vertices& v) {
   const ItemId first = hits.item[i];
   const bool triangle = item_kind(first) == ItemKind::triangle;
   // Of the others each point has a normal of its own.
-  const bool flat = triangle ? !classic.accel.geometry().corner_normals(item_index(first))
+  const bool flat = triangle ? !accel.geometry().corner_normals(item_index(first))
                              : item_kind(first) == ItemKind::sphere;
   if (!flat || !hn::AllTrue(du, hn::Eq(load(hits.item, i), hn::Set(du, first)))) {
     for (size_t k = i; k < i + kWidth; k += 4) {
-      if (look_up_triangles(classic, hits, k, v)) continue;
-      for (size_t j = k; j < std::min(k + 4, i + kWidth); ++j) look_up(classic, rays, hits, j, v);
+      if (look_up_triangles(accel, hits, k, v)) continue;
+      for (size_t j = k; j < std::min(k + 4, i + kWidth); ++j) look_up(accel, rays, hits, j, v);
     }
     return;
   }
-  look_up(classic, rays, hits, i, v);
+  look_up(accel, rays, hits, i, v);
   const auto spread = [&](Floats& f) HWY_ATTR { store(hn::Set(d, f.at[i]), f, i); };
   const auto spread3 = [&](Floats3& f) HWY_ATTR { spread(f.x), spread(f.y), spread(f.z); };
   hn::Store(hn::Set(du, v.material[i]), du, v.material + i);
@@ -258,21 +255,20 @@ void find_cones(const Geometry& geometry, const RayBatch& rays, const HitBatch& 
 }
 
 // Where n rays hit: points, normals towards the ray, and all that is the same for every light.
-void find_surfaces(const ClassicScene& classic, const RayBatch& rays, const HitBatch& hits,
-                   size_t n, Vertices& v) {
-  for (size_t i = 0; i < n; i += kWidth) look_up_lanes(classic, rays, hits, i, v);
-  const bool smooth = classic.accel.geometry().any_smooth();
+void find_surfaces(const Accel& accel, const RayBatch& rays, const HitBatch& hits, size_t n,
+                   Vertices& v) {
+  for (size_t i = 0; i < n; i += kWidth) look_up_lanes(accel, rays, hits, i, v);
+  const bool smooth = accel.geometry().any_smooth();
   const V zero = hn::Zero(d);
-  const V3 ambient = set3(d, classic.ambient);
   for (size_t i = 0; i < n; i += kWidth) {
-    look_up_materials(classic.scene.materials.data(), i, v);
+    look_up_materials(accel.geometry().scene().materials.data(), i, v);
     const V3 dir = directions(rays, i);
     const auto kind = hn::ShiftRight<kItemIndexBits>(load(hits.item, i));
     const auto is = [&](ItemKind k) HWY_ATTR {
       return hn::RebindMask(d, hn::Eq(kind, hn::Set(du, uint32_t(k))));
     };
     if (const M cones = is(ItemKind::cone); !hn::AllFalse(d, cones))
-      find_cones(classic.accel.geometry(), rays, hits, i, cones, v);
+      find_cones(accel.geometry(), rays, hits, i, cones, v);
     // Triangles, by their corners' weights; points of other kinds are three corners of their own.
     const V3 a = load(v.corner[0], i);
     const V3 ab = load(v.corner[1], i) - a, ac = load(v.corner[2], i) - a;
@@ -305,7 +301,6 @@ void find_surfaces(const ClassicScene& classic, const RayBatch& rays, const HitB
     store(offset_point(point, geometric, scale, true), v.outside, i);
     const V ior = load(v.ior, i);
     store(hn::IfThenElse(entering, hn::Div(hn::Set(d, 1), ior), ior), v.eta, i);
-    store(ambient * load(v.color, i), v.radiance, i);
   }
 }
 

@@ -1,6 +1,5 @@
-// What the classic shading (classic_trace.cpp) works on: columns of numbers for the rays of a tile,
-// and the tile's part of the film.
-// Once for each instruction set, as foreach_target.h passes again.
+// What the wavefront works on: columns of numbers for the rays of a tile, and the tile's part of
+// the film. Once for each instruction set, as foreach_target.h passes again.
 #if defined(RAIO_INTEGRATE_TILE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAIO_INTEGRATE_TILE_INL_H_
 #undef RAIO_INTEGRATE_TILE_INL_H_
@@ -12,6 +11,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -90,19 +90,31 @@ HWY_INLINE void put(const V3& origin, const V3& dir, V tmax, M mask, RayBatch& r
 struct PathRays {
   RayBatch rays;
   Column<uint32_t> pixel, branch;
-  Column<float> weight;
+  Column<float> weight[3];  // red, green, blue
 
   // Room for n rays and what `put` overwrites after them.
   void resize(size_t n) {
     rays.resize(n + kBatchPad);
     rays.resize(n);
-    if (const size_t room = rays.capacity(); pixel.size() < room)
-      pixel.resize(room), branch.resize(room), weight.resize(room);
+    const size_t room = rays.capacity();
+    if (pixel.size() >= room) return;
+    pixel.resize(room), branch.resize(room);
+    for (Column<float>& w : weight) w.resize(room);
   }
-  void put(const V3& origin, const V3& dir, V tmax, U p, U b, V w, M mask, size_t i) {
+  void put(const V3& origin, const V3& dir, V tmax, U p, U b, const V3& w, M mask, size_t i) {
     HWY_NAMESPACE::put(origin, dir, tmax, mask, rays, i);
     HWY_NAMESPACE::put(p, mask, pixel, i), HWY_NAMESPACE::put(b, mask, branch, i);
-    HWY_NAMESPACE::put(w, mask, weight, i);
+    HWY_NAMESPACE::put(w.x, mask, weight[0], i), HWY_NAMESPACE::put(w.y, mask, weight[1], i);
+    HWY_NAMESPACE::put(w.z, mask, weight[2], i);
+  }
+  HWY_INLINE V3 weights(size_t i) const {
+    return {load(weight[0], i), load(weight[1], i), load(weight[2], i)};
+  }
+  // Repeats element k as element i.
+  void repeat(size_t k, size_t i) {
+    rays.set(i, rays[k]);
+    pixel[i] = pixel[k], branch[i] = branch[k];
+    for (Column<float>& w : weight) w[i] = w[k];
   }
   // Moves the last rays of `from`, at most `count`, here in place of what was here.
   void take_last(size_t count, PathRays& from) {
@@ -117,7 +129,8 @@ struct PathRays {
     const RayBatch& b = from.rays;
     take(a.ox, b.ox), take(a.oy, b.oy), take(a.oz, b.oz);
     take(a.dx, b.dx), take(a.dy, b.dy), take(a.dz, b.dz), take(a.tmax, b.tmax);
-    take(pixel, from.pixel), take(branch, from.branch), take(weight, from.weight);
+    take(pixel, from.pixel), take(branch, from.branch);
+    for (size_t c = 0; c < 3; ++c) take(weight[c], from.weight[c]);
     from.rays.resize(left);
   }
 };
@@ -133,7 +146,13 @@ class TileSums {
       own_.assign(film.tile_sums(), PixelSums());
       sums_ = own_.data();
     }
-    before_.resize(bound_ == Film::kMostBound ? film.tile_sums() : 0);
+    is_clamped_ = bound_ == Film::kMostBound;
+    const FilmLayout& layout = film.layout();
+    planes_.assign(size_t(layout.planes()) * film.tile_sums(), 0);
+    plane_size_ = film.tile_sums();
+    squares_ = layout.has(Channel::variance) ? plane(layout.first(Channel::variance)) : nullptr;
+    square_scale_ = film.square_scale();
+    before_.resize(is_clamped_ || squares_ ? film.tile_sums() : 0);
   }
 
   // Around each sample. What its rays bring together is beyond the film's bound only where that is
@@ -142,24 +161,33 @@ class TileSums {
   void end_sample() {
     const auto most = int64_t(bound_ * scale_);
     for (size_t i = 0; i < before_.size(); ++i)
-      for (size_t c = 0; c < 3; ++c) sums_[i][c] = std::min(sums_[i][c], before_[i][c] + most);
+      for (size_t c = 0; c < 3; ++c) {
+        if (is_clamped_) sums_[i][c] = std::min(sums_[i][c], before_[i][c] + most);
+        if (!squares_) continue;
+        const double value = double(sums_[i][c] - before_[i][c]) / scale_;
+        squares_[c * plane_size_ + i] += std::llround(value * value * square_scale_);
+      }
   }
+
+  // A plane of the film's layout, a number for each pixel.
+  int64_t* plane(int index) { return planes_.data() + size_t(index) * plane_size_; }
+  const int64_t* planes() const { return planes_.data(); }
 
   // Asks the memory for those of four pixels in a row.
   HWY_INLINE void prefetch(uint32_t pixel) const {
     hwy::Prefetch(sums_ + pixel), hwy::Prefetch(sums_ + pixel + 2);
   }
 
-  // The values in `mask`, one for each of `pixels`.
-  HWY_INLINE void add(const V3& values, const uint32_t* pixels, M mask) {
+  // The values in `mask`, one for each of `pixels`, with as much coverage.
+  HWY_INLINE void add(const V3& values, const uint32_t* pixels, M mask, int64_t coverage = 0) {
     PixelSums fixed[kWidth];
     HWY_ALIGN float channels[3][kWidth];
     hn::Store(values.x, d, channels[0]), hn::Store(values.y, d, channels[1]);
     hn::Store(values.z, d, channels[2]);
     for (size_t k = 0; k < kWidth; k += hn::MaxLanes(kDoubles)) {
       const auto column = [&](size_t c) HWY_ATTR { return to_fixed(channels[c] + k); };
-      hn::StoreInterleaved4(column(0), column(1), column(2), hn::Zero(kIntegers), kIntegers,
-                            fixed[k].data());
+      hn::StoreInterleaved4(column(0), column(1), column(2), hn::Set(kIntegers, coverage),
+                            kIntegers, fixed[k].data());
     }
     add_each(pixels, mask, [&](size_t k) { return fixed + k; });
   }
@@ -208,6 +236,11 @@ class TileSums {
   PixelSums* sums_ = nullptr;
   std::vector<PixelSums> own_;     // unless they are the film's
   std::vector<PixelSums> before_;  // the sample
+  bool is_clamped_ = false;
+  std::vector<int64_t> planes_;
+  size_t plane_size_ = 0;
+  int64_t* squares_ = nullptr;  // the planes of the variance, if there are any
+  double square_scale_ = 1;
 };
 
 }  // namespace

@@ -16,7 +16,7 @@ namespace raio {
 namespace {
 
 constexpr std::string_view kMagic = "RAIOPART";
-constexpr uint32_t kFormat = 1;
+constexpr uint32_t kFormat = 2;
 constexpr size_t kHashBytes = 16;
 
 // Numbers have the lowest byte first.
@@ -56,19 +56,25 @@ std::vector<int64_t> from_planes(std::string_view planes) {
   return sums;
 }
 
-// Without its samples a tile is its zero alone. What deflate cannot make smaller stays as it is.
-std::string encode_tile(const TileSamples& tile) {
-  std::string out;
-  put(out, tile.samples);
-  if (tile.samples == 0) return out;
-  for (const auto count : kRayCounts) put(out, tile.rays.*count);
-  const std::string planes = to_planes(tile.sums);
+// What deflate cannot make smaller stays as it is.
+void put_numbers(std::string& out, std::span<const int64_t> numbers) {
+  const std::string planes = to_planes(numbers);
   std::string packed(compressBound(planes.size()), '\0');
   uLongf size = packed.size();
   const int done = compress2(reinterpret_cast<Bytef*>(packed.data()), &size,
                              reinterpret_cast<const Bytef*>(planes.data()), planes.size(), 1);
   packed.resize(size);
   put_text(out, done == Z_OK && size < planes.size() ? packed : planes);
+}
+
+// Without its samples a tile is its zero alone.
+std::string encode_tile(const TileSamples& tile) {
+  std::string out;
+  put(out, tile.samples);
+  if (tile.samples == 0) return out;
+  for (const auto count : kRayCounts) put(out, tile.rays.*count);
+  put_numbers(out, tile.sums);
+  if (!tile.planes.empty()) put_numbers(out, tile.planes);
   return out;
 }
 
@@ -103,8 +109,8 @@ class Taker {
   std::string_view left_;
 };
 
-// The sums of a tile with so many values; nothing when the bytes do not hold them.
-std::vector<int64_t> decode_sums(std::string_view bytes, size_t count) {
+// So many numbers; nothing when the bytes do not hold them.
+std::vector<int64_t> decode_numbers(std::string_view bytes, size_t count) {
   if (bytes.size() == count * 8) return from_planes(bytes);
   std::string planes(count * 8, '\0');
   uLongf size = planes.size();
@@ -123,12 +129,18 @@ std::string take_tile(Taker& bytes, size_t index, const PartHeader& header, Film
   if (index % header.shards != header.shard) return "not of the shard";
   for (const auto count : kRayCounts) tile.rays.*count = bytes.number<uint64_t>();
   const Tile place = film.tile(index);
-  tile.sums =
-      decode_sums(bytes.text(), size_t(place.x1 - place.x0) * size_t(place.y1 - place.y0) * 3);
+  const size_t pixels = size_t(place.x1 - place.x0) * size_t(place.y1 - place.y0);
+  tile.sums = decode_numbers(bytes.text(), 4 * pixels);
   if (tile.sums.empty()) return "not as many sums as it has pixels";
   const double most = tile.samples * (film.bound() * film.scale() + 1);
-  for (const int64_t sum : tile.sums)
-    if (!(std::abs(double(sum)) <= most)) return "a sum beyond what its samples can bring";
+  const auto most_coverage = double(tile.samples) * double(kFullCoverage);
+  for (size_t i = 0; i < tile.sums.size(); ++i)
+    if (!(std::abs(double(tile.sums[i])) <= (i % 4 < 3 ? most : most_coverage)))
+      return "a sum beyond what its samples can bring";
+  if (const int planes = film.layout().planes(); planes > 0) {
+    tile.planes = decode_numbers(bytes.text(), size_t(planes) * pixels);
+    if (tile.planes.empty()) return "not as many numbers of its channels as it has pixels";
+  }
   film.replace(index, tile);
   return {};
 }
@@ -169,11 +181,14 @@ std::expected<Part, std::string> decode_part(std::string_view file) {
   const auto broken = [](std::string why) {
     return std::unexpected("broken part file: " + std::move(why));
   };
-  if (!file.starts_with(kMagic)) return std::unexpected("it is no part file of Raio's");
+  if (!file.starts_with(kMagic)) return std::unexpected("it is not a Raio part file");
   Taker bytes(file);
   bytes.take(kMagic.size());
   if (const auto format = bytes.number<uint32_t>(); format != kFormat)
-    return std::unexpected(fmt::format("a part file of format {}, not {}", format, kFormat));
+    return std::unexpected(fmt::format(
+        "a part file of format {}, which this version does not read (it reads {}); go on "
+        "with it by the version of Raio that wrote it, or render anew",
+        format, kFormat));
   if (bytes.left() < kHashBytes) return broken("it ends early");
   std::string hash;
   put_hash(hash, hash128(file.substr(0, file.size() - kHashBytes)));
@@ -204,10 +219,11 @@ std::expected<Part, std::string> decode_part(std::string_view file) {
   // Each tile takes four bytes at least, so that no short file asks for the memory of a large film.
   const uint64_t tiles = uint64_t((width - 1) / tile_side + 1) * ((height - 1) / tile_side + 1);
   if (tiles > bytes.left() / 4) return broken("it ends early");
-  if (std::string why = picture_problem(int(width), int(height)); !why.empty())
+  if (std::string why = picture_problem(int(width), int(height), options->channels); !why.empty())
     return std::unexpected(std::move(why));
 
-  part.film = std::make_unique<Film>(int(width), int(height), bound, int(tile_side));
+  part.film =
+      std::make_unique<Film>(int(width), int(height), bound, int(tile_side), options->channels);
   for (size_t t = 0; t < tiles; ++t)
     if (const std::string wrong = take_tile(bytes, t, header, *part.film); !wrong.empty())
       return broken(fmt::format("tile {}: {}", t, wrong));

@@ -16,9 +16,9 @@ std::string key_of(const OptionSpec& spec) {
 
 }  // namespace
 
-Metadata settings_of(const Scene& scene, const RenderOptions& options) {
-  RenderOptions o = options;
-  if (!*o.dof) o.aperture = o.focus = 0;  // resolved, and without effect
+Metadata settings_of(const Scene& scene, const RenderSettings& used) {
+  RenderOptions o = options_of(used, scene);
+  if (!used.dof) o.aperture = o.focus = 0;  // without effect
   Metadata settings = {
       {"version", RAIO_VERSION}, {"scene", scene.name}, {"scene_hash", content_hash(scene)}};
   for (const OptionSpec& spec : render_option_table()) {

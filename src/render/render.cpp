@@ -14,7 +14,8 @@
 #include <vector>
 
 #include "base/memory.h"
-#include "integrate/classic.h"
+#include "integrate/views.h"
+#include "integrate/wavefront.h"
 
 namespace raio {
 
@@ -24,14 +25,16 @@ void on_threads(int threads, const std::function<void()>& work) {
   tbb::task_arena(threads).execute(work);
 }
 
-std::string picture_problem(int width, int height) {
+std::string picture_problem(int width, int height, ChannelSet channels) {
   const size_t pixels = size_t(width) * size_t(height);
   // The film, of whole tiles, and the pictures in float and in bytes that are made of it.
   const auto whole = [](int side) {
     return std::min(2.0 * side, std::ceil(double(side) / kMostTileSide) * kMostTileSide);
   };
+  const double planes = FilmLayout(channels).planes();
   const double bytes =
-      whole(width) * whole(height) * sizeof(PixelSums) + double(pixels) * (sizeof(Rgb) + 6);
+      whole(width) * whole(height) * (sizeof(PixelSums) + planes * sizeof(int64_t)) +
+      double(pixels) * (sizeof(Rgb) + 6 + planes * sizeof(float));
   if (const double available = double(available_memory_bytes()); bytes > 0.9 * available)
     return fmt::format(
         "a picture of {}x{} pixels needs {:.1f} GB and {:.1f} GB are free; choose a smaller --size",
@@ -44,16 +47,18 @@ std::string picture_problem(int width, int height) {
 }
 
 std::expected<std::unique_ptr<Film>, std::string> make_film(const Scene& scene,
-                                                            const RenderOptions& options) {
-  if (std::string why = picture_problem(options.width, options.height); !why.empty())
+                                                            const RenderSettings& settings) {
+  if (std::string why = picture_problem(settings.width, settings.height, settings.channels);
+      !why.empty())
     return std::unexpected(std::move(why));
   // Large tiles fill more batches with the rays of later levels, as long as there are enough of
   // them for all threads.
   constexpr int kTiles = 64;
   const auto across = [](int pixels) { return (pixels + kMostTileSide - 1) / kMostTileSide; };
-  const bool large = double(across(options.width)) * across(options.height) >= kTiles;
-  return std::make_unique<Film>(options.width, options.height, radiance_bound(scene, options.depth),
-                                large ? kMostTileSide : kTileSide);
+  const bool large = double(across(settings.width)) * across(settings.height) >= kTiles;
+  return std::make_unique<Film>(settings.width, settings.height,
+                                integrator(settings.integrator).bound(scene, settings),
+                                large ? kMostTileSide : kTileSide, settings.channels);
 }
 
 namespace {
@@ -67,13 +72,15 @@ double seconds_since(Clock::time_point start) {
 /// One call of render().
 class Work {
  public:
-  Work(const ClassicScene& scene, Film& film, RenderControl& control, const RenderTask& task)
+  Work(const PreparedScene& scene, Film& film, RenderControl& control, const RenderTask& task)
       : film_(film),
         control_(control),
-        threads_(scene.options.threads),
+        threads_(scene.settings.threads),
         target_(task.samples > 0 ? task.samples : scene.sampler.samples),
         seconds_(task.seconds),
-        tracers_([&scene, &control] { return make_classic_tracer(scene, control); }) {
+        renderers_([&scene, &control] {
+          return integrator(scene.settings.integrator).make(scene, control);
+        }) {
     uint64_t total = 0;
     for (size_t t = task.shard; t < film.tiles(); t += task.shards)
       if (const uint32_t done = film.samples(t); done < target_)
@@ -97,7 +104,7 @@ class Work {
       tbb::parallel_for(size_t(0), tiles_.size(), [&](size_t i) {
         const size_t tile = tiles_[i];
         for (uint32_t n; (n = film_.samples(tile)) < samples && !ended();)
-          tracers_.local()->render(tile, std::min(n + kPortion, samples), film_);
+          renderers_.local()->render(tile, std::min(n + kPortion, samples), film_);
       });
     });
     return samples_of_all().first >= samples;
@@ -145,17 +152,29 @@ class Work {
   double seconds_;
   Clock::time_point start_ = Clock::now();
   std::vector<size_t> tiles_;  // that lack samples
-  tbb::enumerable_thread_specific<std::unique_ptr<ClassicTracer>> tracers_;
+  tbb::enumerable_thread_specific<std::unique_ptr<TileRenderer>> renderers_;
 };
 
 }  // namespace
 
-RenderResult render(const Scene& scene, const Accel& accel, const RenderOptions& options,
+RenderResult render(const Scene& scene, const Accel& accel, const RenderSettings& settings,
                     Film& film, RenderControl& control, const RenderTask& task) {
   const auto start = Clock::now();
-  const ClassicScene classic(scene, accel, options);
-  const bool finished = Work(classic, film, control, task).run();
+  const PreparedScene prepared(scene, accel, settings);
+  const bool finished = Work(prepared, film, control, task).run();
   return {finished, seconds_since(start)};
+}
+
+Image picture_of(const Film& film, View view) {
+  if (view != View::samples) return film.resolve();
+  Image image(film.width(), film.height());
+  for (size_t t = 0; t < film.tiles(); ++t) {
+    const Rgb color = heat_color(film.samples(t));
+    const Tile tile = film.tile(t);
+    for (int y = tile.y0; y < tile.y1; ++y)
+      for (int x = tile.x0; x < tile.x1; ++x) image.at(x, y) = color;
+  }
+  return image;
 }
 
 }  // namespace raio

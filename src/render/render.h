@@ -9,7 +9,7 @@
 #include "accel/accel.h"
 #include "integrate/control.h"
 #include "integrate/film.h"
-#include "integrate/options.h"
+#include "integrate/settings.h"
 #include "scene/scene.h"
 
 namespace raio {
@@ -32,12 +32,11 @@ void on_threads(int threads, const std::function<void()>& work);
 
 /// Why there cannot be a picture of these many pixels, in one line, or nothing: memory that would
 /// not suffice. For callers that want to know it before they build a structure.
-std::string picture_problem(int width, int height);
+std::string picture_problem(int width, int height, ChannelSet channels = {});
 
-/// An empty film for a picture with resolved options. The error is one line: memory that would
-/// not suffice.
+/// An empty film for a picture. The error is one line: memory that would not suffice.
 std::expected<std::unique_ptr<Film>, std::string> make_film(const Scene& scene,
-                                                            const RenderOptions& options);
+                                                            const RenderSettings& settings);
 
 /// Adds what the film lacks. Told to stop it ends soon, and what it has done by then is in the
 /// film: the same call goes on from there, to the same bytes. More samples than a film has can be
@@ -46,7 +45,11 @@ std::expected<std::unique_ptr<Film>, std::string> make_film(const Scene& scene,
 /// With a limit of time it goes over all tiles pass by pass, and what is in the film at the end is
 /// whole passes: all tiles have the same number of samples, unless not even the first of them, or
 /// what the film had begun before, could be finished.
-RenderResult render(const Scene& scene, const Accel& accel, const RenderOptions& options,
+RenderResult render(const Scene& scene, const Accel& accel, const RenderSettings& settings,
                     Film& film, RenderControl& control, const RenderTask& task = {});
+
+/// What the film shows: its picture, or for View::samples heat_color() of the samples of each
+/// pixel.
+Image picture_of(const Film& film, View view = View::picture);
 
 }  // namespace raio

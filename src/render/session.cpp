@@ -5,8 +5,6 @@
 #include <new>
 #include <utility>
 
-#include "render/debug_view.h"
-
 namespace raio {
 namespace {
 
@@ -16,16 +14,15 @@ constexpr double kPreviewSeconds = 0.03;
 constexpr double kProbeScale = 0.125;  // of the sides: what costs so little that it may be unknown
 
 // What the cost of a pixel depends on, but for the camera.
-std::string cost_key(const SessionWish& wish) {
-  RenderOptions o = wish.options;
+RenderOptions without_camera(RenderOptions o) {
   o.from = o.at = o.up = std::nullopt;
   o.fov_deg = 0, o.width = o.height = 0, o.samples = std::min(o.samples, 1);
-  return std::to_string(reinterpret_cast<uintptr_t>(wish.scene.get())) + option_arguments(o);
+  return o;
 }
 
 // The tiles that the film has, over an enlarged preview.
-Image over_preview(const Film& film, const RenderOptions& options, const Image& preview) {
-  Image image = picture_of(film, options);
+Image over_preview(const Film& film, View view, const Image& preview) {
+  Image image = picture_of(film, view);
   for (size_t t = 0; t < film.tiles(); ++t) {
     if (film.samples(t) > 0) continue;
     const Tile tile = film.tile(t);
@@ -105,9 +102,9 @@ void Session::run() {
 }
 
 void Session::serve(const SessionWish& wish, SessionPicture& next) {
-  const std::string like = cost_key(wish);
+  const std::pair like(wish.scene, without_camera(wish.options));
   if (std::exchange(like_, like) != like) pixel_s_ = 0;
-  next.options = resolve_options(wish.options, *wish.scene);
+  next.settings = resolve_options(wish.options, *wish.scene);
   if (!bake(wish, next)) return;
   if (wish.frame_s > 0) {
     preview(wish.frame_s, next);
@@ -120,15 +117,15 @@ void Session::serve(const SessionWish& wish, SessionPicture& next) {
 
 // Makes sure that there is the structure of the wish.
 bool Session::bake(const SessionWish& wish, SessionPicture& next) {
-  const AccelOptions& o = next.options.accel;
+  const AccelOptions& o = next.settings.accel;
   if (!baked_ || baked_->scene != wish.scene || baked_->options != o ||
-      baked_->one_sided != next.options.one_sided) {
+      baked_->one_sided != next.settings.one_sided) {
     auto baked = std::make_shared<BakedScene>();
-    baked->scene = wish.scene, baked->options = o, baked->one_sided = next.options.one_sided;
+    baked->scene = wish.scene, baked->options = o, baked->one_sided = next.settings.one_sided;
     const auto start = Clock::now();
     std::expected<std::unique_ptr<Accel>, std::string> accel;
-    on_threads(next.options.threads,
-               [&] { accel = build_accel(*wish.scene, o, next.options.one_sided); });
+    on_threads(next.settings.threads,
+               [&] { accel = build_accel(*wish.scene, o, next.settings.one_sided); });
     if (!accel) return fail(accel.error(), next);
     baked->build_s = std::chrono::duration<double>(Clock::now() - start).count();
     baked->accel = std::move(*accel);
@@ -141,30 +138,24 @@ bool Session::bake(const SessionWish& wish, SessionPicture& next) {
 
 // What a sample of the whole picture takes, as far as is known.
 double Session::expected_s(const SessionPicture& next) const {
-  return pixel_s_ * next.options.width * next.options.height;
+  return pixel_s_ * next.settings.width * next.settings.height;
 }
 
 // The picture with sides of `scale` of the size in full.
 bool Session::render_scaled(double scale, SessionPicture& next) {
   const auto start = Clock::now();
-  RenderOptions options = next.options;
+  RenderSettings settings = next.settings;
   const auto scaled = [&](int side) { return std::max(1, int(std::lround(side * scale))); };
-  options.width = scaled(options.width), options.height = scaled(options.height);
+  settings.width = scaled(settings.width), settings.height = scaled(settings.height);
   const BakedScene& baked = *next.baked;
-  if (is_debug_view(options.view)) {
-    auto image = render_debug_view(*baked.scene, *baked.accel, options, control_);
-    if (!image) return false;
-    next.image = std::make_shared<Image>(std::move(*image));
-  } else {
-    const auto film = make_film(*baked.scene, options);
-    if (!film) return fail(film.error(), next);
-    if (!render(*baked.scene, *baked.accel, options, **film, control_, {.samples = 1}).finished)
-      return false;
-    next.image = std::make_shared<Image>(picture_of(**film, options));
-    next.rays = (*film)->rays();
-  }
+  const auto film = make_film(*baked.scene, settings);
+  if (!film) return fail(film.error(), next);
+  if (!render(*baked.scene, *baked.accel, settings, **film, control_, {.samples = 1}).finished)
+    return false;
+  next.image = std::make_shared<Image>(picture_of(**film, settings.view));
+  next.rays = (*film)->rays();
   next.pass_s = next.render_s = std::chrono::duration<double>(Clock::now() - start).count();
-  const double pixel_s = next.pass_s / (double(options.width) * options.height);
+  const double pixel_s = next.pass_s / (double(settings.width) * settings.height);
   // One number for all sizes: what small pictures cost more, tells against the next one's.
   pixel_s_ = pixel_s_ > 0 ? (pixel_s_ + pixel_s) / 2 : pixel_s;
   return true;
@@ -183,28 +174,22 @@ void Session::refine(SessionPicture& next) {
   if (pixel_s_ == 0 && !render_scaled(kProbeScale, next)) return;
   const double expected = expected_s(next);
   if (expected > kPatienceSeconds && !preview(kPreviewSeconds, next)) return;
-  if (is_debug_view(next.options.view)) {
-    if (!render_scaled(1, next)) return;
-    next.samples = 1, next.finished = true;
-    return publish(next);
-  }
-
   const BakedScene& baked = *next.baked;
-  auto film = make_film(*baked.scene, next.options);
+  auto film = make_film(*baked.scene, next.settings);
   if (!film) return void(fail(film.error(), next));
   next.render_s = 0;
   if (!first_sample(**film, expected, next)) return;
-  const int all = next.options.samples_per_pixel();
+  const int all = next.settings.samples_per_pixel();
   for (int samples = 1;;) {
     next.samples = samples, next.finished = samples == all;
     next.pass_s = next.render_s / samples;
     next.rays = (*film)->rays();
-    next.image = std::make_shared<Image>(picture_of(**film, next.options));
+    next.image = std::make_shared<Image>(picture_of(**film, next.settings.view));
     publish(next);
     if (next.finished || !may_go_on()) return;
     const int step = int(std::min(kPassSeconds / std::max(next.pass_s, 1e-6), double(samples)));
     samples += std::min(std::max(1, step), all - samples);
-    const RenderResult done = render(*baked.scene, *baked.accel, next.options, **film, control_,
+    const RenderResult done = render(*baked.scene, *baked.accel, next.settings, **film, control_,
                                      {.samples = uint32_t(samples)});
     if (!done.finished) return;
     next.render_s += done.seconds;
@@ -218,12 +203,12 @@ bool Session::first_sample(Film& film, double expected, SessionPicture& next) {
   const auto shards = long_wait ? uint32_t(std::clamp(expected / kPassSeconds, 1.0, 64.0)) : 1;
   const std::shared_ptr<const Image> preview = next.image;
   for (uint32_t shard = 0; shard < shards; ++shard) {
-    const RenderResult done = render(*baked.scene, *baked.accel, next.options, film, control_,
+    const RenderResult done = render(*baked.scene, *baked.accel, next.settings, film, control_,
                                      {.samples = 1, .shard = shard, .shards = shards});
     if (!done.finished) return false;
     next.render_s += done.seconds;
     if (!long_wait) continue;
-    next.image = std::make_shared<Image>(over_preview(film, next.options, *preview));
+    next.image = std::make_shared<Image>(over_preview(film, next.settings.view, *preview));
     publish(next);
   }
   pixel_s_ = next.render_s / (double(film.width()) * film.height());

@@ -13,8 +13,8 @@
 
 #include "accel/accel.h"
 #include "integrate/film.h"
-#include "integrate/options.h"
 #include "io/image/image.h"
+#include "render/options.h"
 #include "render/render.h"
 #include "scene/scene.h"
 
@@ -44,7 +44,7 @@ struct SessionPicture {
   std::shared_ptr<const Image> image;
   int samples = 0;  // of every pixel; 0: a preview, coarse in part or whole
   bool finished = false;
-  RenderOptions options;  // resolved; of the size in full
+  RenderSettings settings;  // of the size in full
   std::shared_ptr<const BakedScene> baked;
   double pass_s = 0;    // what a sample of all pixels of the image took
   double render_s = 0;  // all samples together
@@ -101,7 +101,8 @@ class Session {
   RenderControl control_;
   // The session thread's own.
   std::shared_ptr<const BakedScene> baked_;
-  std::string like_;    // what besides the camera the last wish asked for
+  // What besides the camera the last wish asked for.
+  std::pair<std::shared_ptr<const Scene>, RenderOptions> like_;
   double pixel_s_ = 0;  // what a sample of a pixel takes with that; 0: unknown
   std::thread thread_;
 };

@@ -31,6 +31,8 @@ struct Camera {
   // The thin lens, where the file gives one (P3F): radius and distance of the plane in focus, scene
   // units.
   std::optional<float> lens_radius, focus_distance;
+
+  friend bool operator==(const Camera&, const Camera&) = default;
 };
 
 /// The surface of `f` in NFF; see docs/shading.md for what it does with light.

@@ -18,11 +18,11 @@ constexpr uint32_t kShards = 32;
 constexpr double kEnoughSeconds = 0.08;
 
 // Nothing when told to stop.
-std::optional<double> picture_seconds(const Scene& scene, const Accel& accel, RenderOptions o,
+std::optional<double> picture_seconds(const Scene& scene, const Accel& accel, RenderSettings o,
                                       RenderControl& control) {
   o.sampler = SamplerKind::jitter, o.samples = 0;
   o.aa = o.aa == 1 ? 1 : 3;
-  o.lens_samples = *o.dof ? 3 : 1;
+  o.lens_samples = o.dof ? 3 : 1;
   const auto film = make_film(scene, o);
   if (!film) return std::nullopt;
   double seconds = 0;
@@ -80,10 +80,10 @@ void Measuring::start_costs(const ViewState& state, std::shared_ptr<const BakedS
     const Scene& scene = *state.scene;
     const auto resolved = [&](const ViewState& s) {
       RenderOptions o = s.wish(width, height);
-      o.view = View::picture;
+      o.view = View::picture, o.integrator = std::nullopt, o.channels = {};
       return resolve_options(o, scene);
     };
-    const RenderOptions now = resolved(state);
+    const RenderSettings now = resolved(state);
     const auto now_s = picture_seconds(scene, *baked->accel, now, control);
     for (const Command effect : kEffects) {
       if (!now_s || control.stop) return out;
@@ -91,7 +91,7 @@ void Measuring::start_costs(const ViewState& state, std::shared_ptr<const BakedS
       const bool on = state.is_on(effect);
       std::optional<double> other_s;
       if (effect == Command::structure) {
-        RenderOptions o = now;
+        RenderSettings o = now;
         o.accel = {};
         o.accel.kind = on ? AccelKind::none : AccelKind::bvh;
         const auto accel = build_accel(scene, o.accel, o.one_sided);
@@ -114,7 +114,8 @@ void Measuring::start_table(const ViewState& state, int width, int height) {
           app::BenchCommand command;
           command.options = options;
           command.options.samples = 0, command.options.sampler = std::nullopt;  // it has its own
-          command.options.view = View::picture;
+          command.options.view = View::picture, command.options.integrator = std::nullopt;
+          command.options.channels = {};
           command.progress = "off";
           auto table = app::measure_bench(*scene, command, control);
           if (table)

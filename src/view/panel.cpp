@@ -208,7 +208,8 @@ void draw_options(ViewState& state, PanelResult& result) {
   for (const OptionSpec& spec : render_option_table()) {
     RenderOptions options = state.options;
     set_camera(options, state.camera, *state.scene);
-    const auto entered = draw_option(options, resolve_options(options, *state.scene), spec);
+    const auto entered = draw_option(
+        options, options_of(resolve_options(options, *state.scene), *state.scene), spec);
     if (ImGui::IsItemHovered())
       ImGui::SetTooltip("%s",
                         fmt::format("--{} {}\n{}", spec.name, spec.value_name, spec.help).c_str());

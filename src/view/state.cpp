@@ -30,7 +30,7 @@ ViewState::ViewState(std::string p, std::shared_ptr<const Scene> s, const Render
   options.from = options.at = options.up = std::nullopt;
   options.fov_deg = 0;
   // What the command line leaves open and the keys walk through.
-  const RenderOptions plain = resolve_options(o, *scene);
+  const RenderSettings plain = resolve_options(o, *scene);
   options.accel.kind = plain.accel.kind == AccelKind::automatic ? AccelKind::bvh : plain.accel.kind;
   if (o.aa == 0 && o.samples == 0 && o.sampler != SamplerKind::jitter && plain.aa == 1)
     options.aa = 1;
@@ -43,7 +43,7 @@ void ViewState::open(std::string new_path, std::shared_ptr<const Scene> new_scen
   if (!same_file || own) camera = scene->camera;
 }
 
-RenderOptions ViewState::resolved() const { return resolve_options(options, *scene); }
+RenderSettings ViewState::resolved() const { return resolve_options(options, *scene); }
 
 bool ViewState::endless() const {
   return options.sampler != SamplerKind::jitter && options.aa <= 1 && options.lens_samples <= 1;
@@ -56,7 +56,7 @@ bool ViewState::is_on(Command effect) const {
     case Command::soft_shadows:
       return options.soft_shadows;
     case Command::depth_of_field:
-      return *resolved().dof;
+      return resolved().dof;
     case Command::structure:
       return options.accel.kind != AccelKind::none;
     case Command::reflection:
@@ -120,7 +120,7 @@ RenderOptions ViewState::wish(int width, int height, int samples) const {
   set_camera(o, camera, *scene);
   o.width = width, o.height = height;
   // What would be refused as having no effect.
-  const bool dof = *resolved().dof;
+  const bool dof = resolved().dof;
   if (!dof) o.aperture = o.focus = 0;
   if (!o.soft_shadows) o.light_size = 0;
   if (o.accel.kind != AccelKind::grid) o.accel.grid_factor = 0, o.accel.grid_resolution = {0, 0, 0};

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "accel/accel.h"
-#include "integrate/options.h"
+#include "render/options.h"
 #include "scene/scene.h"
 #include "view/keys.h"
 
@@ -57,7 +57,7 @@ class ViewState {
   void scale_aperture(float factor);
 
  private:
-  RenderOptions resolved() const;
+  RenderSettings resolved() const;
 };
 
 /// What the ray through a place of the picture (0 to 1 from the upper left) hits.

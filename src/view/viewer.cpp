@@ -241,9 +241,9 @@ class Viewer final : public WindowEvents {
     const auto picture = pictures_.whole(state_);
     if (!picture) return;
     const std::string path = free_name(state_.scene->name, std::exchange(to_save_, {}));
-    const RenderOptions o = resolve_options(
+    const RenderSettings s = resolve_options(
         state_.wish(stage_.picture_width, stage_.picture_height, picture->samples), *state_.scene);
-    writer_.write(picture->image, path, settings_of(*state_.scene, o), command_line(path));
+    writer_.write(picture->image, path, settings_of(*state_.scene, s), command_line(path));
   }
 
   // The costs, which are measured unasked, make way for the table.
@@ -419,7 +419,7 @@ int open_window(const app::ViewCommand& command) {
   if (!scene) return scene.error();
   if (const auto why = option_conflict(command.options, &*scene); !why.empty())
     return app::bad_input(why);
-  const RenderOptions resolved = resolve_options(command.options, *scene);
+  const RenderSettings resolved = resolve_options(command.options, *scene);
   ViewState state(command.scene, std::make_shared<const Scene>(std::move(*scene)), command.options);
   const RenderOptions first_wish = state.wish(resolved.width, resolved.height);
   auto session = std::make_unique<Session>(Window::wake);

@@ -1,6 +1,6 @@
 // The values of the command line: lines "NAME VALUE", as --NAME VALUE. What is taken lies within
 // what the table says, and what goes together can be resolved.
-#include "integrate/options.h"
+#include "render/options.h"
 
 #include <string_view>
 
@@ -40,7 +40,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const Scene scene;
   (void)option_conflict(options);
   if (!option_conflict(options, &scene).empty()) return 0;
-  const RenderOptions o = resolve_options(options, scene);
+  const RenderSettings o = resolve_options(options, scene);
   fuzz::require(o.width > 0 && o.height > 0 && o.samples_per_pixel() > 0 && o.threads > 0 &&
                     o.focus > 0 && o.aperture > 0 && o.depth > 0 && o.depth <= kMaxDepth,
                 "what is resolved can be rendered");

@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "io/nff/nff.h"
+#include "render/options.h"
 #include "render/render.h"
 #include "require.h"
 
@@ -18,7 +19,7 @@ Image picture(const Scene& scene, AccelKind kind) {
   options.aa = options.threads = 1;
   options.depth = 4;
   options.soft_shadows = scene.lights.size() % 2 == 0;
-  options = resolve_options(options, scene);
+  const RenderSettings settings = resolve_options(options, scene);
   const auto accel = build_accel(scene, options.accel);
   require(accel.has_value(), "a few primitives can be built");
   RenderControl control;

@@ -84,7 +84,7 @@ void write_parts(const fs::path& folder) {
   const Scene scene;
   RenderOptions wish;
   wish.width = wish.height = 20, wish.samples = 3, wish.soft_shadows = true;
-  const RenderOptions options = resolve_options(wish, scene);
+  const RenderSettings options = resolve_options(wish, scene);
   for (const uint32_t shards : {1u, 2u}) {
     Film film(options.width, options.height, 1, 8);
     for (size_t t = 0; t < film.tiles(); t += shards) {

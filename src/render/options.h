@@ -1,5 +1,5 @@
-// Everything that a picture depends on besides the scene, and the one table of it from which the
-// command line and its help are made.
+// What users may ask of a picture, and the one table of it from which the command line and its help
+// are made; what it comes to for a scene is integrate/settings.h.
 #pragma once
 
 #include <cstdint>
@@ -10,19 +10,9 @@
 #include <string_view>
 #include <variant>
 
-#include "accel/accel.h"
-#include "scene/scene.h"
+#include "integrate/settings.h"
 
 namespace raio {
-
-/// Where samples go in the pixel, on the lens and on the lights (integrate/sampler.h): at random in
-/// equal cells, as many as there are samples; or by Sobol's sequence, which is even after any
-/// number.
-enum class SamplerKind { jitter, sobol };
-
-/// What the picture shows: the shading, or what is behind it (render/debug_view.h).
-enum class View { picture, normals, depth, ids, materials, steps, tests, focus, samples };
-inline constexpr int kViews = 9;
 
 /// Zero, or nothing, where the scene or a rule decides: resolve_options() fills it in.
 struct RenderOptions {
@@ -30,7 +20,9 @@ struct RenderOptions {
   int width = 0, height = 0;
   std::optional<Vec3d> from, at, up;  // of the camera, in the coordinates of the file
   float fov_deg = 0;
+  std::optional<IntegratorKind> integrator;
   View view = View::picture;
+  ChannelSet channels;
   int aa = 0;  // cells along a side of the pixel; 1: its centre; resolved to 0: all of it
   bool soft_shadows = false;
   float light_size = 0;
@@ -47,11 +39,8 @@ struct RenderOptions {
   int threads = 0;
   uint32_t seed = 0;
 
-  int samples_per_pixel() const { return samples > 0 ? samples : aa * aa * lens_samples; }
+  friend bool operator==(const RenderOptions&, const RenderOptions&) = default;
 };
-
-inline constexpr int kMaxDepth = 32;  // a place in the ray tree has 32 bits (integrate/sampler.h)
-inline constexpr int kMaxSamples = 1 << 24;  // of a pixel; the sampler numbers them in 32 bits
 
 /// The scene's camera with what the options say of it.
 Camera camera_of(const Scene& scene, const RenderOptions& options);
@@ -64,9 +53,15 @@ void set_camera(RenderOptions& options, const Camera& camera, const Scene& scene
 /// well. Without a scene, what depends on it passes.
 std::string option_conflict(const RenderOptions& options, const Scene* scene = nullptr);
 
-/// `options` with every open value replaced by what it means for `scene`: the scene's own wishes
+/// What the options come to for `scene`: where they leave something open, the scene's own wishes
 /// (resolution, samples, lens), else the default that the table states.
-RenderOptions resolve_options(const RenderOptions& options, const Scene& scene);
+RenderSettings resolve_options(const RenderOptions& options, const Scene& scene);
+
+/// The options that resolve to these settings and leave nothing open but the scene's own camera.
+RenderOptions options_of(const RenderSettings& settings, const Scene& scene);
+
+/// Of options that leave nothing open about samples, such as those of options_of().
+int samples_per_pixel(const RenderOptions& options);
 
 /// One option. The value is reached through `value`, or parsed by it where it is not one number.
 struct OptionSpec {

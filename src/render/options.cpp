@@ -1,4 +1,4 @@
-#include "integrate/options.h"
+#include "render/options.h"
 
 #include <fmt/core.h>
 #include <tbb/task_arena.h>
@@ -67,6 +67,31 @@ std::expected<void, std::string> parse_sampler(RenderOptions& o, std::string_vie
   return parse_word<SamplerKind>(kSamplerNames, text, o.sampler);
 }
 
+std::expected<void, std::string> parse_integrator(RenderOptions& o, std::string_view text) {
+  return parse_word<IntegratorKind>(kIntegratorNames, text, o.integrator);
+}
+
+// "depth,normal"
+std::expected<void, std::string> parse_channels(RenderOptions& o, std::string_view text) {
+  ChannelSet channels;
+  while (true) {
+    const std::string_view name = text.substr(0, text.find(','));
+    const auto spec = std::ranges::find(kChannels, name, &ChannelSpec::name);
+    if (spec == kChannels.end()) {
+      std::string names;
+      for (const ChannelSpec& known : kChannels)
+        names += fmt::format("{}{}", names.empty() ? "" : ",", known.name);
+      return std::unexpected(
+          fmt::format("expected some of {}, with commas between them, found '{}'", names, name));
+    }
+    channels.add(spec->channel);
+    if (name.size() == text.size()) break;
+    text.remove_prefix(name.size() + 1);
+  }
+  o.channels = channels;
+  return {};
+}
+
 std::expected<void, std::string> parse_view(RenderOptions& o, std::string_view text) {
   return parse_word<View>(kViewNames, text, o.view);
 }
@@ -116,6 +141,16 @@ std::string accel_text(const RenderOptions& o) { return std::string(accel_name(o
 std::string sampler_text(const RenderOptions& o) {
   return o.sampler ? std::string(sampler_name(*o.sampler)) : "";
 }
+std::string integrator_text(const RenderOptions& o) {
+  return o.integrator ? std::string(kIntegratorNames[size_t(*o.integrator)]) : "";
+}
+std::string channels_text(const RenderOptions& o) {
+  std::string text;
+  for (const ChannelSpec& spec : kChannels)
+    if (o.channels.has(spec.channel))
+      text += fmt::format("{}{}", text.empty() ? "" : ",", spec.name);
+  return text;
+}
 std::string view_text(const RenderOptions& o) {
   return o.view == View::picture ? "" : std::string(view_name(o.view));
 }
@@ -142,10 +177,16 @@ constexpr auto kTable = std::to_array<OptionSpec>({
      vector_text<&Options::up>},
     {"fov", "DEG", "Vertical field of view in degrees (default: the scene's)",
      +[](Options& o) -> float& { return o.fov_deg; }, 0.001, 179},
+    {"integrator", "NAME", kIntegratorHelp, parse_integrator, 0, 0, integrator_text,
+     kIntegratorNames},
     {"view", "NAME",
-     "What is shown: picture, or of what the pixel's centre sees normals, depth, ids, materials, "
-     "the structure's steps, its tests, the focus of a lens; or samples (default: picture)",
+     "What the picture shows: the picture, normals, depth, ids, materials, the steps and tests of "
+     "the acceleration structure, the focus of a lens, or samples (default: picture)",
      parse_view, 0, 0, view_text, kViewNames},
+    {"channels", "LIST",
+     "Keep these beside the colours, as numbers: alpha, depth, position, normal, albedo, id, "
+     "object, samples, variance, steps, tests; .exr and .npz hold all of them, .png alpha alone",
+     parse_channels, 0, 0, channels_text},
     {"accel", "NAME",
      "Structure that finds the hits: auto, none, grid, bvh or embree (default: auto)", parse_accel,
      0, 0, accel_text, kAccelNames},
@@ -365,51 +406,102 @@ std::string option_conflict(const RenderOptions& options, const Scene* scene) {
   }
   if (options.light_size > 0 && !options.soft_shadows)
     return without("--light-size", "--soft-shadows");
-  if (options.view == View::steps || options.view == View::tests) {
-    if (accel.kind == AccelKind::embree)
+  if (accel.kind == AccelKind::embree) {
+    if (options.view == View::steps || options.view == View::tests)
       return fmt::format("Embree does not count what --view {} shows; leave out --accel embree",
                          view_name(options.view));
+    for (const Channel channel : {Channel::steps, Channel::tests})
+      if (options.channels.has(channel))
+        return fmt::format(
+            "Embree does not count {}; leave them out of --channels, or --accel embree",
+            spec_of(channel).name);
   }
+  const bool of_rays = options.view != View::picture && options.view != View::samples;
+  if (of_rays && options.integrator && *options.integrator != IntegratorKind::views)
+    return fmt::format("--view {} is one of --integrator views; leave one of them out",
+                       view_name(options.view));
   if (scene)
     if (const auto why = camera_problem(camera_of(*scene, options)); !why.empty())
       return fmt::format("--from, --at, --up: {}", why);
   if (!scene && !options.dof) return {};
-  const RenderOptions o = scene ? resolve_options(options, *scene) : options;
-  if (!*o.dof && options.aperture > 0) return without("--aperture", "--dof");
-  if (!*o.dof && options.focus > 0) return without("--focus", "--dof");
+  const bool dof = scene ? resolve_options(options, *scene).dof : *options.dof;
+  if (!dof && options.aperture > 0) return without("--aperture", "--dof");
+  if (!dof && options.focus > 0) return without("--focus", "--dof");
   if (!scene) return {};
-  if (o.samples > 1 && !*o.dof && !o.soft_shadows && o.aa == 1)
+  const RenderSettings s = resolve_options(options, *scene);
+  if (s.samples > 1 && !dof && !s.soft_shadows && s.aa == 1)
     return "--samples has no effect with --aa 1 alone; add --dof or --soft-shadows, or leave one "
            "of them out";
-  if (o.lens_samples > 1 && !*o.dof && !o.soft_shadows && o.aa == 1)
+  if (s.lens_samples > 1 && !dof && !s.soft_shadows && s.aa == 1)
     return "--lens-samples has no effect without --dof, --soft-shadows or --aa; add one of them or "
            "leave --lens-samples out";
-  if (const double samples = double(o.aa) * o.aa * o.lens_samples; samples > kMaxSamples)
+  if (const double samples = double(s.aa) * s.aa * s.lens_samples; samples > kMaxSamples)
     return fmt::format("{:.0f} samples a pixel are too many, {} the most; choose a smaller --aa{}",
-                       samples, kMaxSamples, o.lens_samples > 1 ? " or --lens-samples" : "");
+                       samples, kMaxSamples, s.lens_samples > 1 ? " or --lens-samples" : "");
   return {};
 }
 
-RenderOptions resolve_options(const RenderOptions& options, const Scene& scene) {
-  const Camera camera = camera_of(scene, options);
-  RenderOptions o = options;
+RenderSettings resolve_options(const RenderOptions& o, const Scene& scene) {
+  RenderSettings s;
+  s.accel = o.accel;
   const bool asks_for_grid = o.accel.grid_factor > 0 || o.accel.grid_resolution[0] > 0;
-  if (o.accel.kind == AccelKind::automatic && asks_for_grid) o.accel.kind = AccelKind::grid;
-  if (o.width == 0) {
-    o.width = camera.width > 0 ? camera.width : 512;
-    o.height = camera.height > 0 ? camera.height : 512;
-  }
-  if (o.samples > 0) o.sampler = SamplerKind::sobol;
-  if (!o.sampler) o.sampler = SamplerKind::jitter;
-  if (o.aa == 0 && o.samples == 0)
-    o.aa = std::max(1, int(std::lround(std::sqrt(double(scene.samples_per_pixel)))));
-  if (o.lens_samples == 0 && o.samples == 0) o.lens_samples = 1;
-  if (!o.dof) o.dof = camera.lens_radius.value_or(0) > 0;
-  if (o.focus == 0) o.focus = camera.focus_distance.value_or(length(camera.at - camera.from));
-  if (o.aperture == 0) o.aperture = camera.lens_radius.value_or(o.focus / 50);
-  o.accel.counters |= o.view == View::steps || o.view == View::tests;
-  if (o.threads == 0) o.threads = tbb::this_task_arena::max_concurrency();
+  if (o.accel.kind == AccelKind::automatic && asks_for_grid) s.accel.kind = AccelKind::grid;
+  const bool shows_rays = o.view != View::picture && o.view != View::samples;
+  s.integrator =
+      o.integrator.value_or(shows_rays ? IntegratorKind::views : IntegratorKind::classic);
+  s.view = o.view;
+  if (s.integrator == IntegratorKind::views && o.view == View::picture) s.view = View::normals;
+  s.channels = o.channels;
+  s.accel.counters |= s.view == View::steps || s.view == View::tests ||
+                      s.channels.has(Channel::steps) || s.channels.has(Channel::tests);
+
+  s.camera = camera_of(scene, o);
+  s.angle_to_centers = o.angle_to_centers;
+  s.width = o.width > 0 ? o.width : s.camera.width > 0 ? s.camera.width : 512;
+  s.height = o.height > 0 ? o.height : s.camera.height > 0 ? s.camera.height : 512;
+
+  s.seed = o.seed;
+  s.samples = o.samples;
+  s.sampler = o.samples > 0 ? SamplerKind::sobol : o.sampler.value_or(SamplerKind::jitter);
+  s.aa = o.aa, s.lens_samples = o.lens_samples;
+  if (o.samples == 0 && o.aa == 0)
+    s.aa = std::max(1, int(std::lround(std::sqrt(double(scene.samples_per_pixel)))));
+  if (o.samples == 0 && o.lens_samples == 0) s.lens_samples = 1;
+
+  s.depth = o.depth;
+  s.soft_shadows = o.soft_shadows, s.light_size = o.light_size;
+  s.dof = o.dof.value_or(s.camera.lens_radius.value_or(0) > 0);
+  s.focus =
+      o.focus > 0 ? o.focus : s.camera.focus_distance.value_or(length(s.camera.at - s.camera.from));
+  s.aperture = o.aperture > 0 ? o.aperture : s.camera.lens_radius.value_or(s.focus / 50);
+  s.reflection = !o.no_reflection, s.refraction = !o.no_refraction;
+  s.one_sided = o.one_sided;
+  s.threads = o.threads > 0 ? o.threads : tbb::this_task_arena::max_concurrency();
+  return s;
+}
+
+RenderOptions options_of(const RenderSettings& s, const Scene& scene) {
+  RenderOptions o;
+  o.accel = s.accel;
+  if (s.integrator != IntegratorKind::classic && s.view == View::picture)
+    o.integrator = s.integrator;
+  o.view = s.view, o.channels = s.channels;
+  o.width = s.width, o.height = s.height;
+  set_camera(o, s.camera, scene);
+  o.angle_to_centers = s.angle_to_centers;
+  o.sampler = s.sampler, o.seed = s.seed;
+  o.aa = s.aa, o.lens_samples = s.lens_samples, o.samples = s.samples;
+  o.depth = s.depth;
+  o.soft_shadows = s.soft_shadows, o.light_size = s.light_size;
+  o.dof = s.dof, o.aperture = s.aperture, o.focus = s.focus;
+  o.no_reflection = !s.reflection, o.no_refraction = !s.refraction;
+  o.one_sided = s.one_sided;
+  o.threads = s.threads;
   return o;
+}
+
+int samples_per_pixel(const RenderOptions& o) {
+  return o.samples > 0 ? o.samples : o.aa * o.aa * o.lens_samples;
 }
 
 }  // namespace raio

@@ -1,0 +1,57 @@
+// Everything that a picture depends on besides the scene, with nothing left open:
+// resolve_options() in render/options.h makes it of what a user asks for.
+#pragma once
+
+#include <cstdint>
+
+#include "accel/accel.h"
+#include "integrate/channels.h"
+#include "integrate/integrators.h"
+#include "scene/scene.h"
+
+namespace raio {
+
+/// Where samples go in the pixel, on the lens and on the lights (integrate/sampler.h): at random in
+/// equal cells, as many as there are samples; or by Sobol's sequence, which is even after any
+/// number.
+enum class SamplerKind { jitter, sobol };
+
+/// What the integrator `views` shows, and `samples`: how many samples the pixels have.
+enum class View { picture, normals, depth, ids, materials, steps, tests, focus, samples };
+inline constexpr int kViews = 9;
+
+inline constexpr int kMaxDepth = 32;  // a place in the ray tree has 32 bits (integrate/sampler.h)
+inline constexpr int kMaxSamples = 1 << 24;  // of a pixel; the sampler numbers them in 32 bits
+
+struct RenderSettings {
+  AccelOptions accel;
+  IntegratorKind integrator = IntegratorKind::classic;
+  View view = View::picture;
+  ChannelSet channels;
+
+  int width = 512, height = 512;
+  Camera camera;                  // its coordinates are relative to the scene's origin
+  bool angle_to_centers = false;  // of view: see EyeRays
+
+  SamplerKind sampler = SamplerKind::jitter;
+  uint32_t seed = 0;
+  int aa = 1;            // cells along a side of the pixel; 1: its centre; 0: all of it
+  int lens_samples = 1;  // of each cell
+  int samples = 0;       // of a pixel in all, instead of aa x aa x lens_samples; 0: those
+
+  int depth = 5;  // levels of rays
+  bool soft_shadows = false;
+  float light_size = 0;  // side of the square; 0: a tenth of the light's distance
+  bool dof = false;
+  float aperture = 0, focus = 0;  // the lens' radius and the distance in focus, also without dof
+  bool reflection = true, refraction = true;
+  bool one_sided = false;
+
+  int threads = 1;  // no picture depends on it
+
+  int samples_per_pixel() const { return samples > 0 ? samples : aa * aa * lens_samples; }
+
+  friend bool operator==(const RenderSettings&, const RenderSettings&) = default;
+};
+
+}  // namespace raio

@@ -1,0 +1,132 @@
+#include "integrate/views.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "integrate/views.cpp"
+#include <hwy/foreach_target.h>
+// After foreach_target.h.
+#include "base/random.h"
+#include "integrate/wavefront-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace raio::HWY_NAMESPACE {
+namespace {
+
+// A bright colour that has nothing to do with those of neighbouring ids.
+Rgb id_color(uint32_t id) {
+  const uint32_t bits = scramble(id);
+  const auto part = [&](int shift) { return 0.25f + 0.75f * float(bits >> shift & 255) / 255; };
+  return {part(0), part(8), part(16)};
+}
+
+class ViewsShading {
+ public:
+  explicit ViewsShading(const PreparedScene& scene)
+      : view_(scene.settings.view),
+        distance_(length(scene.settings.camera.at - scene.settings.camera.from)),
+        focus_(scene.settings.focus) {
+    // A lens of radius R in focus at F blurs what is at depth z over a circle of diameter
+    // 2 R |z - F| / z on the plane in focus.
+    blur_ = 2 * scene.settings.aperture / (length(scene.eye.per_y) * focus_);
+  }
+
+  static int levels() { return 1; }
+  static Rgb background() { return {}; }
+  bool counts_rays() const { return view_ == View::steps || view_ == View::tests; }
+
+  template <class W>
+  void begin(W& w, size_t n) const {
+    if (!counts_rays()) return;
+    for (size_t i = 0; i < n; i += kWidth)
+      w.add(colors(
+                [&](size_t k) {
+                  return heat_color(double(view_ == View::steps ? w.steps(i + k) : w.tests(i + k)));
+                },
+                std::min(n - i, kWidth)),
+            i, hn::FirstN(d, n - i));
+  }
+
+  template <class W>
+  void shade(W& w, int, size_t n, const WideSampler<D>&) const {
+    Vertices& v = w.vertices();
+    const V half = hn::Set(d, 0.5f);
+    for (size_t i = 0; i < n; i += kWidth) {
+      V3 radiance = set3(d, Rgb());
+      if (view_ == View::normals)
+        radiance = set3(d, Rgb(0.5f)) + load(v.normal, i) * half;
+      else if (!counts_rays())
+        radiance = colors([&](size_t k) { return color(w, i + k); }, std::min(n - i, kWidth));
+      store(radiance, v.radiance, i);
+    }
+  }
+
+  template <class W>
+  void spawn(W&, int, size_t) const {}
+
+ private:
+  // color(0), color(1) ... in the first `count` lanes.
+  template <class Color>
+  static V3 colors(Color&& color, size_t count) {
+    HWY_ALIGN float lanes[3][kWidth] = {};
+    for (size_t k = 0; k < count; ++k) {
+      const Rgb c = color(k);
+      lanes[0][k] = c.x, lanes[1][k] = c.y, lanes[2][k] = c.z;
+    }
+    return {hn::Load(d, lanes[0]), hn::Load(d, lanes[1]), hn::Load(d, lanes[2])};
+  }
+
+  template <class W>
+  Rgb color(W& w, size_t i) const {
+    const Vertices& v = w.vertices();
+    if (view_ == View::depth) return Rgb(distance_ / (distance_ + w.depth(i)));
+    const Vec3f normal = {v.normal.x.at[i], v.normal.y.at[i], v.normal.z.at[i]};
+    const float shade = 0.4f + 0.6f * std::abs(dot(normal, w.rays().rays[i].dir));
+    if (view_ == View::ids) return id_color(w.hits().item[i]) * shade;
+    if (view_ == View::materials) return id_color(v.material[i]) * shade;
+    return focus_color(w.depth(i)) * shade;
+  }
+
+  Rgb focus_color(float depth) const {
+    const float pixels = blur_ * std::abs(depth - focus_) / depth;
+    if (pixels < 1) return {0.2f, 0.9f, 0.3f};
+    const float much = std::min(1.0f, std::log2(pixels) / 5);  // 32 pixels and more
+    const Rgb grey(0.7f), full = depth < focus_ ? Rgb(0.9f, 0.2f, 0.1f) : Rgb(0.1f, 0.3f, 1);
+    return grey * (1 - much) + full * much;
+  }
+
+  View view_;
+  float distance_, focus_, blur_ = 0;
+};
+
+std::unique_ptr<TileRenderer> make_renderer(const PreparedScene& scene, RenderControl& control) {
+  return std::make_unique<Wavefront<ViewsShading>>(scene, control);
+}
+
+}  // namespace
+}  // namespace raio::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace raio {
+
+HWY_EXPORT(make_renderer);
+
+std::unique_ptr<TileRenderer> make_views_renderer(const PreparedScene& scene,
+                                                  RenderControl& control) {
+  return HWY_DYNAMIC_DISPATCH(make_renderer)(scene, control);
+}
+
+double views_bound(const Scene&, const RenderSettings&) { return 1; }
+
+Rgb heat_color(double count) {
+  static constexpr std::array<Rgb, 7> kScale = {Rgb(0, 0, 0), Rgb(0, 0, 1), Rgb(0, 1, 1),
+                                                Rgb(0, 1, 0), Rgb(1, 1, 0), Rgb(1, 0, 0),
+                                                Rgb(1, 1, 1)};
+  const double place = count < 1 ? count : 1 + std::log2(count) / 2;
+  if (place >= kScale.size() - 1) return kScale.back();
+  const auto step = size_t(place);
+  const float part = float(place - double(step));
+  return kScale[step] * (1 - part) + kScale[step + 1] * part;
+}
+
+}  // namespace raio
+#endif

@@ -1,0 +1,29 @@
+// Pictures of what is behind a picture, for those who look for a mistake or explain how it is done:
+// what eye rays intersect, and what it costs to find that. They go through pixels, lens and
+// antialiasing as those of any other picture do.
+#pragma once
+
+#include "integrate/wavefront.h"
+
+namespace raio {
+
+/// The integrator `views` shows, by RenderSettings::view:
+///
+///   normals    x, y and z of the normal towards the eye, -1 to 1 as red, green and blue 0 to 1
+///   depth      grey D / (D + z): z the surface's distance along the line of sight, D that of the
+///              point looked at
+///   ids        a colour of its own for every primitive that rays meet (polygons: their triangles)
+///   materials  a colour of its own for every material
+///   steps      heat_color() of the cells or nodes visited
+///   tests      heat_color() of the primitives tested
+///   focus      green where the lens blurs by less than a pixel; more and more red in front of the
+///              plane in focus, blue behind it
+double views_bound(const Scene& scene, const RenderSettings& settings);
+
+std::unique_ptr<TileRenderer> make_views_renderer(const PreparedScene& scene,
+                                                  RenderControl& control);
+
+/// 0 black, 1 blue, 4 cyan, 16 green, 64 yellow, 256 red, 1024 and more white.
+Rgb heat_color(double count);
+
+}  // namespace raio

@@ -1,0 +1,404 @@
+// The wavefront: what all ways of shading share. It owns the tile's pixels, the rays that wait by
+// level of the ray tree, what they weigh in their pixels, the intersections, and the sums that go
+// to the film; a way of shading, `Shading`, says what is seen at the surfaces and which rays go on.
+//
+// Rays go in batches, each of one level: eye rays of a tile, then the shadow rays of their hits
+// light by light; their children wait as the next level until they fill a batch. A ray carries the
+// weight with which it counts in its pixel, so none waits for another.
+//
+// A Shading has
+//   Shading(const PreparedScene&)
+//   int levels()                              of the ray tree
+//   Rgb background()                          what rays that hit nothing bring
+//   bool counts_rays()                        wants each eye ray's own steps and tests,
+//   void begin(wavefront, n)                  which it gets here, before misses are dropped
+//   void shade(wavefront, level, n, sampler)  sets vertices().radiance of the n current rays, which
+//                                             all hit something
+//   void spawn(wavefront, level, n)           adds their children
+// Once for each instruction set, as foreach_target.h passes again.
+#if defined(RAIO_INTEGRATE_WAVEFRONT_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef RAIO_INTEGRATE_WAVEFRONT_INL_H_
+#undef RAIO_INTEGRATE_WAVEFRONT_INL_H_
+#else
+#define RAIO_INTEGRATE_WAVEFRONT_INL_H_
+#endif
+
+#include <bit>
+#include <limits>
+
+#include "integrate/camera-inl.h"
+#include "integrate/sampler-inl.h"
+#include "integrate/surfaces-inl.h"
+#include "integrate/wavefront.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace raio::HWY_NAMESPACE {
+namespace {
+
+template <class Shading>
+class Wavefront final : public TileRenderer {
+ public:
+  Wavefront(const PreparedScene& scene, RenderControl& control)
+      : scene_(scene),
+        control_(control),
+        shading_(scene),
+        counts_rays_(scene.settings.channels.has(Channel::steps) ||
+                     scene.settings.channels.has(Channel::tests) || shading_.counts_rays()),
+        waiting_(size_t(shading_.levels()) + 1),
+        vertices_(std::make_unique_for_overwrite<Vertices>()),
+        hidden_(padded(kChunk)) {
+    context_.stop = &control.stop;
+    for (size_t k = 1; k < kItemKinds; ++k)
+      first_number_[k] =
+          first_number_[k - 1] + uint32_t(scene.accel.geometry().count(ItemKind(k - 1)));
+  }
+
+  void render(size_t tile, uint32_t samples, Film& film) override {
+    list_pixels(film.tile(tile), std::countr_zero(film.row_stride()));
+    sums_.begin(film, tile);
+    layout_ = &film.layout();
+    background_ = sums_.fixed(shading_.background());
+    for (PathRays& w : waiting_) w.rays.clear();  // left over where a render was stopped
+    counts_ = {};
+    context_.tests = context_.steps = 0;
+    const uint32_t first = film.samples(tile);
+    for (sample_ = first; sample_ < samples; ++sample_) {
+      const uint64_t before = counts_.total();
+      sums_.begin_sample();
+      add_sample(WideSampler<D>(scene_.sampler, sample_));
+      if (context_.stopped()) return;
+      sums_.end_sample();
+      control_.rays_done += counts_.total() - before;
+      ++control_.work_done;
+    }
+    counts_.tests = context_.tests, counts_.steps = context_.steps;
+    film.add(tile, samples - first, sums_.pixels(), sums_.planes(), counts_);
+  }
+
+  // What a Shading works on: the current rays with their hits and the surfaces there.
+  const PreparedScene& scene() const { return scene_; }
+  const PathRays& rays() const { return current_; }
+  const HitBatch& hits() const { return hits_; }
+  Vertices& vertices() { return *vertices_; }
+  RayCounts& counts() { return counts_; }
+  bool stopped() const { return context_.stopped(); }
+  // Of current ray i, in begin(), where rays are counted.
+  uint32_t steps(size_t i) const { return ray_steps_[i]; }
+  uint32_t tests(size_t i) const { return ray_tests_[i]; }
+
+  // Adds to the pixels of the current rays i, i + 1, ... in `mask`.
+  HWY_INLINE void add(const V3& radiance, size_t i, M mask) {
+    sums_.add(radiance * current_.weights(i), &current_.pixel[i], mask);
+  }
+
+  // As integrate/sampler.h has it.
+  HWY_INLINE U place_of(U pixel) const {
+    return hn::Add(hn::ShiftLeft<16>(row_of(pixel)), column_of(pixel));
+  }
+
+  // The batch for a Shading's own rays, and what stops them: 0 or 1 each. Those whose tmax is not
+  // positive count as not stopped.
+  RayBatch& shadow_rays() { return shadow_; }
+  const uint8_t* occluded() {
+    scene_.accel.occluded(shadow_, hidden_.data(), context_);
+    return hidden_.data();
+  }
+
+  // The children that the current rays send to the next level; after the last level they bring the
+  // background.
+  class Children {
+   public:
+    Children(Wavefront& wavefront, int level, size_t n)
+        : w_(wavefront), last_(level == w_.shading_.levels()) {
+      if (last_) return;
+      out_ = &w_.waiting_[size_t(level) + 1];
+      size_ = out_->rays.size();
+      out_->resize(size_ + n);
+    }
+    // Of current rays i, i + 1, ... in `mask`, with `part` of their weights. The number of rays to
+    // be traced. `side`: 0 for the reflected child, 1 for the refracted one.
+    size_t add(size_t i, const V3& origin, const V3& dir, V part, uint32_t side, M mask) {
+      const V3 weight = w_.current_.weights(i) * part;
+      if (last_) {
+        w_.add_background(weight, &w_.current_.pixel[i], mask);
+        return 0;
+      }
+      const U branch = load(w_.current_.branch, i);
+      const V inf = hn::Set(d, std::numeric_limits<float>::infinity());
+      out_->put(origin, dir, inf, load(w_.current_.pixel, i),
+                hn::Add(hn::Add(branch, branch), hn::Set(du, side)), weight, mask, size_);
+      const size_t count = hn::CountTrue(d, mask);
+      size_ += count;
+      return count;
+    }
+    void done() {
+      if (!last_) out_->rays.resize(size_);
+    }
+
+   private:
+    Wavefront& w_;
+    bool last_;
+    PathRays* out_ = nullptr;
+    size_t size_ = 0;
+  };
+
+ private:
+  // The tile's pixels, numbered row by row as the film has them, in blocks of 4 x 2, two of
+  // which make 4 x 4, four of which make 8 x 8, and so on: structures take neighbours of the batch
+  // together.
+  void list_pixels(const Tile& tile, int row_bits) {
+    const Tile before = std::exchange(tile_, tile);
+    const int bits_before = std::exchange(row_bits_, row_bits);
+    const int width = tile.x1 - tile.x0, height = tile.y1 - tile.y0;
+    if (width == before.x1 - before.x0 && height == before.y1 - before.y0 &&
+        row_bits == bits_before)
+      return;
+    pixels_ = 0;
+    for (size_t i = 0; i < kTilePixels; i += kWidth) {
+      const U n = hn::Iota(du, uint32_t(i));
+      const auto bits = [&](uint32_t mask, int down) {
+        return hn::ShiftRightSame(hn::And(n, hn::Set(du, mask)), down);
+      };
+      const U x =
+          hn::Or(hn::Or(bits(3, 0), bits(1 << 4, 2)), hn::Or(bits(3 << 6, 3), bits(1 << 10, 5)));
+      const U y = hn::Or(hn::Or(bits(3 << 2, 2), bits(1 << 5, 3)),
+                         hn::Or(bits(3 << 8, 5), bits(1 << 11, 6)));
+      const auto in = hn::And(hn::Lt(x, hn::Set(du, uint32_t(width))),
+                              hn::Lt(y, hn::Set(du, uint32_t(height))));
+      put(hn::Add(hn::ShiftLeftSame(y, row_bits_), x), hn::RebindMask(d, in), pixel_, pixels_);
+      pixels_ += hn::CountTrue(du, in);
+    }
+  }
+  // Where in the picture the tile's pixels are.
+  HWY_INLINE U column_of(U pixel) const {
+    return hn::Add(hn::And(pixel, hn::Set(du, (1u << row_bits_) - 1)),
+                   hn::Set(du, uint32_t(tile_.x0)));
+  }
+  HWY_INLINE U row_of(U pixel) const {
+    return hn::Add(hn::ShiftRightSame(pixel, row_bits_), hn::Set(du, uint32_t(tile_.y0)));
+  }
+  void add_sample(const WideSampler<D>& sampler) {
+    const size_t deepest = waiting_.size() - 1;
+    for (size_t eye = 0;;) {
+      // The deepest level that fills a batch, or else eye rays, or else, as long as children may
+      // come, the first that waits.
+      size_t level = deepest;
+      while (level > 0 && waiting_[level].rays.size() < kChunk) --level;
+      if (level == 0) {
+        level = 1;
+        if (eye < pixels_)
+          eye = make_eye_rays(eye, sampler);
+        else
+          while (level <= deepest && waiting_[level].rays.size() == 0) ++level;
+        if (level > deepest) return;
+      }
+      trace_level(int(level), sampler);
+      if (context_.stopped()) return;
+    }
+  }
+
+  // Those of a chunk of the tile's pixels from `first` on; the end of the chunk.
+  size_t make_eye_rays(size_t first, const WideSampler<D>& sampler) {
+    const RenderSettings& settings = scene_.settings;
+    const EyeRays& eye = scene_.eye;
+    PathRays& out = waiting_[1];
+    const size_t end = std::min(first + kChunk, pixels_);
+    out.resize(end - first);
+    const M all = hn::FirstN(d, kWidth);
+    const U branch = hn::Set(du, kEyeBranch);
+    const V one = hn::Set(d, 1);
+    for (size_t i = first; i < end; i += kWidth) {
+      const U pixel = hn::Load(du, pixel_ + i), place = place_of(pixel);
+      const Wide2<D> within = sampler.in_pixel(place);
+      const auto to_float = [](U n) { return hn::ConvertTo(d, hn::BitCast(Signed<D>(), n)); };
+      const V x = hn::Add(to_float(column_of(pixel)), within.x);
+      const V y = hn::Add(to_float(row_of(pixel)), within.y);
+      WideRay<D> ray = pinhole(d, eye, x, y);
+      if (settings.dof) {
+        const Wide2<D> square = sampler.in_square(place, branch, kLens);
+        const Wide2<D> lens = square_to_disc(d, square.x, square.y);
+        ray = thin_lens(d, eye, x, y, lens, settings.aperture, settings.focus);
+      }
+      const V inf = hn::Set(d, std::numeric_limits<float>::infinity());
+      out.put(ray.origin, ray.dir, inf, pixel, branch, {one, one, one}, all, i - first);
+    }
+    counts_.eye += end - first;
+    return end;
+  }
+
+  // The last rays that wait at `level`: what they bring goes to the film, their children wait one
+  // further.
+  void trace_level(int level, const WideSampler<D>& sampler) {
+    current_.take_last(kChunk, waiting_[size_t(level)]);
+    context_.coherent = level <= 3;  // eye rays and their first children mostly keep together
+    if (level == 1 && counts_rays_)
+      trace_one_by_one();
+    else
+      scene_.accel.closest(current_.rays, hits_, context_);
+    if (context_.stopped()) return;
+    if (level == 1 && counts_rays_) {
+      add_costs();
+      shading_.begin(*this, current_.rays.size());
+    }
+    drop_misses();
+    const size_t n = current_.rays.size();
+    if (level == 1) counts_.eye_hits += n;
+    if (n == 0) return;
+    find_surfaces(scene_.accel, current_.rays, hits_, n, *vertices_);
+    if (level == 1 && layout_->planes() > 0) add_features(n);
+    shading_.shade(*this, level, n, sampler);
+    if (context_.stopped()) return;
+    const int64_t coverage = level == 1 ? kFullCoverage : 0;
+    for (size_t i = 0; i < n; i += kWidth)
+      sums_.add(load(vertices_->radiance, i) * current_.weights(i), &current_.pixel[i],
+                hn::FirstN(d, n - i), coverage);
+    shading_.spawn(*this, level, n);
+  }
+
+  // Each ray by itself, so that what it costs can be told from what others cost.
+  void trace_one_by_one() {
+    const size_t n = current_.rays.size();
+    hits_.reset(n);
+    ray_steps_.resize(n), ray_tests_.resize(n);
+    for (size_t i = 0; i < n; ++i) {
+      const uint64_t steps = context_.steps, tests = context_.tests;
+      one_.clear();
+      one_.push(current_.rays[i]);
+      scene_.accel.closest(one_, one_hit_, context_);
+      hits_.set(i, one_hit_[0]);
+      ray_steps_[i] = uint32_t(context_.steps - steps);
+      ray_tests_[i] = uint32_t(context_.tests - tests);
+    }
+  }
+  void add_costs() {
+    const auto add = [&](Channel channel, const std::vector<uint32_t>& counts) {
+      if (!layout_->has(channel)) return;
+      int64_t* const plane = sums_.plane(layout_->first(channel));
+      const auto unit = int64_t(fixed_scale(spec_of(channel)));
+      for (size_t i = 0; i < counts.size(); ++i) plane[current_.pixel[i]] += unit * counts[i];
+    };
+    add(Channel::steps, ray_steps_);
+    add(Channel::tests, ray_tests_);
+  }
+
+  // What the film keeps of the surfaces that n eye rays hit.
+  void add_features(size_t n) {
+    const Vertices& v = *vertices_;
+    const auto add_mean = [&](Channel channel, auto&& value) {
+      if (!layout_->has(channel)) return;
+      const ChannelSpec& spec = spec_of(channel);
+      const double scale = fixed_scale(spec);
+      const auto most = float(spec.bound);
+      for (size_t c = 0; c < spec.components.size(); ++c) {
+        int64_t* const plane = sums_.plane(layout_->first(channel) + int(c));
+        for (size_t i = 0; i < n; ++i) {
+          const float x = std::min(std::max(value(i, c), -most), most);
+          plane[current_.pixel[i]] += int64_t(std::nearbyint(double(x) * scale));
+        }
+      }
+    };
+    const auto part = [](const Floats3& f, size_t i, size_t c) {
+      return c == 0 ? f.x.at[i] : c == 1 ? f.y.at[i] : f.z.at[i];
+    };
+    add_mean(Channel::normal, [&](size_t i, size_t c) { return part(v.normal, i, c); });
+    add_mean(Channel::albedo, [&](size_t i, size_t c) { return v.kd.at[i] * part(v.color, i, c); });
+    if (sample_ > 0) return;
+    const auto set_first = [&](Channel channel, auto&& bits) {
+      if (!layout_->has(channel)) return;
+      for (size_t c = 0; c < spec_of(channel).components.size(); ++c) {
+        int64_t* const plane = sums_.plane(layout_->first(channel) + int(c));
+        for (size_t i = 0; i < n; ++i) plane[current_.pixel[i]] = bits(i, c);
+      }
+    };
+    set_first(Channel::depth, [&](size_t i, size_t) { return std::bit_cast<uint32_t>(depth(i)); });
+    const Vec3d origin = scene_.scene.origin;
+    set_first(Channel::position, [&](size_t i, size_t c) {
+      return std::bit_cast<uint32_t>(float(origin[int(c)] + double(part(v.point, i, c))));
+    });
+    set_first(Channel::id, [&](size_t i, size_t) {
+      const ItemId id = hits_.item[i];
+      return first_number_[size_t(item_kind(id))] + item_index(id) + 1;
+    });
+  }
+
+ public:
+  // Of current ray i: from the camera along the line of sight, wherever on the lens it starts.
+  float depth(size_t i) const {
+    const Ray ray = current_.rays[i];
+    return dot(ray.at(hits_.t[i]) - scene_.eye.from, scene_.forward);
+  }
+
+ private:
+  // Gives the background to the rays that hit nothing and moves the others together. The lanes
+  // after the last of them repeat it, so that they hold something sensible.
+  void drop_misses() {
+    RayBatch& rays = current_.rays;
+    const size_t n = rays.size();
+    size_t kept = 0;
+    for (size_t i = 0; i < n; i += kWidth) {
+      // Sums that are asked for much earlier than they are wanted have left the cache by then.
+      const size_t soon = i + 64;  // measured
+      for (size_t k = soon; k < std::min(soon + kWidth, n); k += 4)
+        sums_.prefetch(current_.pixel[k]);
+      const U item = load(hits_.item, i);
+      const M in = hn::FirstN(d, n - i);
+      const M found = hn::And(in, hn::RebindMask(d, hn::Ne(item, hn::Set(du, kNoItem))));
+      const size_t count = hn::CountTrue(d, found);
+      add_background(current_.weights(i), &current_.pixel[i], hn::AndNot(found, in));
+      if (count > 0 && (kept < i || count < kWidth)) {
+        put(load(hits_.t, i), found, hits_.t, kept), put(item, found, hits_.item, kept);
+        put(load(hits_.u, i), found, hits_.u, kept), put(load(hits_.v, i), found, hits_.v, kept);
+        current_.put(origins(rays, i), directions(rays, i), load(rays.tmax, i),
+                     load(current_.pixel, i), load(current_.branch, i), current_.weights(i), found,
+                     kept);
+      }
+      kept += count;
+    }
+    rays.resize(kept);
+    for (size_t i = kept; kept > 0 && i % kWidth != 0; ++i)
+      current_.repeat(kept - 1, i), hits_.set(i, hits_[kept - 1]);
+  }
+
+  void add_background(const V3& weight, const uint32_t* pixels, M mask) {
+    const Rgb background = shading_.background();
+    if (background == Rgb() || hn::AllFalse(d, mask)) return;
+    const V one = hn::Set(d, 1);
+    const auto whole =
+        hn::And(hn::Eq(weight.x, one), hn::And(hn::Eq(weight.y, one), hn::Eq(weight.z, one)));
+    if (hn::AllTrue(d, hn::Or(hn::Not(mask), whole)))
+      sums_.add(background_, pixels, mask);
+    else
+      sums_.add(set3(d, background) * weight, pixels, mask);
+  }
+
+  const PreparedScene& scene_;
+  RenderControl& control_;
+  Shading shading_;
+  const bool counts_rays_;
+  TraceContext context_;
+  TileSums sums_;
+  const FilmLayout* layout_ = nullptr;
+  uint32_t sample_ = 0;
+  PixelSums background_{};  // of weight 1
+  Tile tile_{};             // of which these are:
+  int row_bits_ = 0;        // of a pixel's number, those that count within a row
+  RayCounts counts_;
+  size_t pixels_ = 0;
+  alignas(64) uint32_t pixel_[kTilePixels + 16]{};  // their numbers
+  std::vector<PathRays> waiting_;                   // by level
+  PathRays current_;                                // being traced, with their hits
+  HitBatch hits_;
+  std::unique_ptr<Vertices> vertices_;
+  RayBatch shadow_;
+  std::vector<uint8_t> hidden_;
+  std::array<uint32_t, kItemKinds> first_number_{};  // of each kind, in the channel `id`
+  RayBatch one_;
+  HitBatch one_hit_;
+  std::vector<uint32_t> ray_steps_, ray_tests_;  // of each current ray, where they are counted
+};
+
+}  // namespace
+}  // namespace raio::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,26 @@
+#include "integrate/wavefront.h"
+
+namespace raio {
+
+PreparedScene::PreparedScene(const Scene& s, const Accel& a, const RenderSettings& r)
+    : scene(s),
+      accel(a),
+      settings(r),
+      eye(r.camera, r.width, r.height, r.angle_to_centers),
+      forward(normalize(r.camera.at - r.camera.from)),
+      sampler(r) {
+  const Rgb uncolored(float(1 / std::sqrt(double(std::max<size_t>(1, s.lights.size())))));
+  for (const Light& l : s.lights) {
+    Emitter e{l.position, l.color.value_or(uncolored), {}, {}};
+    if (r.soft_shadows) {
+      const Vec3f to_at = r.camera.at - l.position;
+      const float distance = length(to_at);
+      const Frame<float> frame(distance > 0 ? to_at / distance : Vec3f(0, 0, 1));
+      const float size = r.light_size > 0 ? r.light_size : 0.1f * distance;
+      e.edge_u = frame.u * size, e.edge_v = frame.v * size;
+    }
+    emitters.push_back(e);
+  }
+}
+
+}  // namespace raio

@@ -1,0 +1,48 @@
+// A scene made ready for rendering, and what renders its tiles. The wavefront itself, which all
+// ways of shading share, is wavefront-inl.h.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "accel/accel.h"
+#include "integrate/camera.h"
+#include "integrate/control.h"
+#include "integrate/film.h"
+#include "integrate/sampler.h"
+#include "integrate/settings.h"
+
+namespace raio {
+
+/// What all tiles share. Immutable.
+struct PreparedScene {
+  /// A light with its intensity, and the square that it is for soft shadows.
+  struct Emitter {
+    Vec3f position;
+    Rgb intensity;
+    Vec3f edge_u, edge_v;  // zero for a point
+  };
+
+  const Scene& scene;
+  const Accel& accel;
+  RenderSettings settings;
+  EyeRays eye;
+  Vec3f forward;  // the unit vector along the line of sight
+  Sampler sampler;
+  std::vector<Emitter> emitters;
+
+  PreparedScene(const Scene& scene, const Accel& accel, const RenderSettings& settings);
+};
+
+/// Renders tiles, one after another; one per thread, whose buffers it keeps.
+class TileRenderer {
+ public:
+  virtual ~TileRenderer() = default;
+
+  /// Adds what a tile of the film, which no one else adds to meanwhile, lacks of `samples` samples;
+  /// nothing when told to stop.
+  virtual void render(size_t tile, uint32_t samples, Film& film) = 0;
+};
+
+}  // namespace raio
