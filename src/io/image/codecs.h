@@ -38,8 +38,8 @@ struct PictureView {
   std::span<const float> alpha;
   std::span<const Layer> layers;
 
-  PictureView(const Image& image) : color(image) {}  // NOLINT(google-explicit-constructor)
-  PictureView(const Picture& picture)                // NOLINT(google-explicit-constructor)
+  PictureView(const Image& image) : color(image) {}
+  PictureView(const Picture& picture)
       : color(picture.color), alpha(picture.alpha), layers(picture.layers) {}
 };
 
