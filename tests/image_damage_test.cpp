@@ -10,6 +10,7 @@ using testing::exr_of;
 using testing::ExrLayout;
 using ::testing::HasSubstr;
 using testing::ImageTest;
+using testing::layered;
 using testing::next_random;
 using testing::noise;
 using ::testing::Not;
@@ -90,16 +91,41 @@ TEST_F(ImageTest, HugeSizesInSmallFilesAreRefusedBeforeMemoryIsAsked) {
   expect_bad(exr, "longer than the file");
 }
 
+TEST_F(ImageTest, ChannelsCountBeforeMemoryIsAsked) {
+  std::string exr = written(layered(4, 4), "a.exr");
+  const std::string name("dataWindow\0box2i\0\x10\0\0\0", 21);
+  const size_t at = exr.find(name);
+  ASSERT_NE(at, exr.npos);
+  // Of 512 x 512 pixels the file could be, if they had only colours.
+  exr.replace(at + name.size() + 8, 8, std::string("\xff\x01\0\0\xff\x01\0\0", 8));
+  expect_bad(exr, "too short for 512 x 512");
+  exr.resize(1'000'000);  // long enough for these, but not in a good order
+  expect_bad(exr, "broken EXR");
+  // 19 channels of 2^28 pixels; a long enough file has 15 MB.
+  exr.resize(15'000'000);
+  exr.replace(at + name.size() + 8, 8, std::string("\xff\x3f\0\0\xff\x3f\0\0", 8));
+  EXPECT_THAT(read_whole(exr).error().message,
+              HasSubstr("19 channels of 268435456 pixels are more than 1073741824 numbers"));
+}
+
 TEST_F(ImageTest, EveryTruncationIsAnError) {
   const Image image = noise(5, 4);
-  for (const char* name : {"a.png", "a.exr", "a.pfm", "a.ppm"}) {
-    const std::string whole = written(image, name);
+  std::vector<std::string> originals;
+  for (const char* name : {"a.png", "a.exr", "a.pfm", "a.ppm"})
+    originals.push_back(written(image, name));
+  Picture picture = layered(5, 4);
+  originals.push_back(written(picture, "a.exr"));
+  picture.layers.clear();
+  originals.push_back(written(picture, "a.png"));
+  for (const std::string& whole : originals)
     for (size_t size = 0; size < whole.size(); ++size) {
       const auto read_back = read(std::string_view(whole).substr(0, size));
-      ASSERT_FALSE(read_back) << name << " cut to " << size;
+      ASSERT_FALSE(read_back) << whole.substr(0, 4) << " cut to " << size;
       ASSERT_EQ(read_back.error().kind, FileError::bad_input);
+      const auto with_layers = read_whole(std::string_view(whole).substr(0, size));
+      ASSERT_FALSE(with_layers) << whole.substr(0, 4) << " cut to " << size;
+      ASSERT_EQ(with_layers.error().kind, FileError::bad_input);
     }
-  }
 }
 
 void change(std::string& bytes, uint64_t& random) {
@@ -147,6 +173,7 @@ TEST_F(ImageTest, ChangedFilesNeverDoMoreThanFail) {
     layout.tiled = compression == Imf::RLE_COMPRESSION;
     originals.push_back(exr_of(file("a.exr"), layout));
   }
+  originals.push_back(written(layered(4, 4), "a.exr"));
   for (size_t kind = 0; kind < originals.size(); ++kind) {
     const bool png = originals[kind].starts_with("\x89PNG");
     int good = 0, bad = 0;
@@ -155,14 +182,25 @@ TEST_F(ImageTest, ChangedFilesNeverDoMoreThanFail) {
       std::string bytes = originals[kind];
       for (uint64_t n = 1 + next_random(random) % 3; n > 0; --n) change(bytes, random);
       if (png && round % 4 != 0) mend_check_sums(bytes);
-      const auto result = read(bytes);
-      if (result) {
+      const auto image_alone = read(bytes);
+      const auto result = read_whole(bytes);
+      if (image_alone) {
         ++good;
-        ASSERT_GT(result->width, 0);
-        ASSERT_EQ(result->pixels.size(), size_t(result->width) * size_t(result->height));
+        ASSERT_GT(image_alone->width, 0);
+        ASSERT_EQ(image_alone->pixels.size(),
+                  size_t(image_alone->width) * size_t(image_alone->height));
       } else {
         ++bad;
-        ASSERT_EQ(result.error().kind, FileError::bad_input);
+        ASSERT_EQ(image_alone.error().kind, FileError::bad_input);
+        ASSERT_THAT(image_alone.error().message, Not(HasSubstr("\n")));
+        ASSERT_FALSE(result);
+      }
+      if (result) {
+        ASSERT_EQ(result->color.width, image_alone->width);
+        for (const Layer& layer : result->layers)
+          ASSERT_EQ(std::visit([](const auto& values) { return values.size(); }, layer.values),
+                    layer.components.size() * result->color.pixels.size());
+      } else {
         ASSERT_THAT(result.error().message, Not(HasSubstr("\n")));
       }
     }

@@ -104,14 +104,20 @@ class ImageTest : public TemporaryFolder {
 
   /// By way of a file in memory: tests read thousands.
   std::expected<Image, FileError> read(std::string_view bytes) {
-    EXPECT_EQ(::ftruncate(memory_, 0), 0);
-    EXPECT_EQ(::pwrite(memory_, bytes.data(), bytes.size(), 0), ssize_t(bytes.size()));
-    return read_image(in_memory_);
+    return read_image(in_memory(bytes));
+  }
+  std::expected<Picture, FileError> read_whole(std::string_view bytes) {
+    return read_picture(in_memory(bytes));
   }
   Image read_good(std::string_view bytes) {
     auto image = read(bytes);
     EXPECT_TRUE(image) << image.error().message;
     return image ? *image : Image();
+  }
+  Picture read_whole_good(std::string_view bytes) {
+    auto picture = read_whole(bytes);
+    EXPECT_TRUE(picture) << picture.error().message;
+    return picture ? *picture : Picture();
   }
   void expect_bad(std::string_view bytes, std::string_view why) {
     const auto image = read(bytes);
@@ -121,13 +127,19 @@ class ImageTest : public TemporaryFolder {
     EXPECT_THAT(image.error().message, ::testing::HasSubstr(std::string(why)));
     EXPECT_THAT(image.error().message, ::testing::Not(::testing::HasSubstr("\n")));
   }
-  std::string written(const Image& image, std::string_view name) {
-    const auto done = write_image(image, file(name));
+  std::string written(const auto& picture, std::string_view name) {
+    const auto done = write_image(picture, file(name));
     EXPECT_TRUE(done) << done.error().message;
     return get(file(name));
   }
 
  private:
+  const fs::path& in_memory(std::string_view bytes) {
+    EXPECT_EQ(::ftruncate(memory_, 0), 0);
+    EXPECT_EQ(::pwrite(memory_, bytes.data(), bytes.size(), 0), ssize_t(bytes.size()));
+    return in_memory_;
+  }
+
   int memory_ = ::memfd_create("raio-test", 0);
   fs::path in_memory_ = "/proc/self/fd/" + std::to_string(memory_);
 };

@@ -51,6 +51,8 @@ TEST_F(ImageTest, FormatBySuffix) {
   EXPECT_EQ(image_format("a.b.ExR"), ImageFormat::exr);
   EXPECT_EQ(image_format("A.PFM"), ImageFormat::pfm);
   EXPECT_EQ(image_format("missing/a.ppm"), ImageFormat::ppm);
+  EXPECT_EQ(image_format("a.npz"), ImageFormat::npz);
+  EXPECT_EQ(image_format("a.NPY"), ImageFormat::npy);
   EXPECT_EQ(image_format("-"), ImageFormat::png);
   EXPECT_EQ(image_format("/dev/null"), ImageFormat::png);
   EXPECT_EQ(image_format("/dev/stdout"), ImageFormat::png);
@@ -63,7 +65,7 @@ TEST_F(ImageTest, FormatBySuffix) {
     const auto format = image_format(path);
     ASSERT_FALSE(format) << path;
     EXPECT_EQ(format.error().kind, FileError::bad_input);
-    for (const char* suffix : {".png", ".exr", ".pfm", ".ppm"})
+    for (const char* suffix : {".png", ".exr", ".pfm", ".ppm", ".npz", ".npy"})
       EXPECT_THAT(format.error().message, HasSubstr(suffix));
     EXPECT_EQ(write_image(noise(1, 1), path).error().message, format.error().message);
   }
@@ -131,7 +133,7 @@ TEST_F(ImageTest, PicturesThatAreNoneAreErrors) {
   Image negative;
   negative.width = negative.height = -1;
   for (const Image& image : {Image(), Image(0, 5), Image(5, 0), wrong, negative})
-    for (const char* name : {"a.png", "a.exr", "a.pfm", "a.ppm"}) {
+    for (const char* name : {"a.png", "a.exr", "a.pfm", "a.ppm", "a.npz", "a.npy"}) {
       const auto done = write_image(image, file(name));
       ASSERT_FALSE(done) << name;
       EXPECT_EQ(done.error().kind, FileError::bad_input);

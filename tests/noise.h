@@ -1,6 +1,7 @@
 // Pictures of noise, the same ones at every run.
 #pragma once
 
+#include <bit>
 #include <cstdint>
 
 #include "io/image/image.h"
@@ -22,6 +23,32 @@ inline Image noise(int width, int height, uint64_t seed = 1) {
     for (int channel = 0; channel < 3; ++channel)
       pixel[channel] = float(next_random(seed) >> 40) * 0x1p-24f * 1.5f - 0.25f;
   return image;
+}
+
+/// With alpha from 0 to 1, to which the colours are premultiplied, and layers of all kinds, in the
+/// order in which they are read.
+inline Picture layered(int width, int height) {
+  Picture picture;
+  picture.color = noise(width, height);
+  uint64_t seed = 2;
+  for (Rgb& pixel : picture.color.pixels) {
+    picture.alpha.push_back(float(next_random(seed) % 9) / 8);
+    pixel *= picture.alpha.back();
+  }
+  const auto layer = [&]<class T>(const char* name, std::vector<std::string> components, T) {
+    Column<T> values;
+    for (size_t i = 0; i < picture.alpha.size() * components.size(); ++i)
+      values.push_back(std::bit_cast<T>(uint32_t(next_random(seed))));
+    picture.layers.push_back({name, std::move(components), std::move(values)});
+  };
+  layer("albedo", {"R", "G", "B"}, 0.f);
+  layer("depth", {"Z"}, 0.f);
+  layer("id", {"I"}, 0u);
+  layer("light.key", {"R", "G", "B", "A"}, 0.f);
+  layer("normal", {"X", "Y", "Z"}, 0.f);
+  layer("pair", {"first", "second"}, 0u);
+  layer("samples", {""}, 0u);
+  return picture;
 }
 
 }  // namespace raio::testing

@@ -49,6 +49,17 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   else
     fuzz::require(!settings.error().empty(), "an error has a reason");
   const auto image = decode_image(bytes);
+  const auto picture = decode_picture(bytes);
+  if (picture) {
+    fuzz::require(image && image->pixels.size() == picture->color.pixels.size(),
+                  "what has a picture has an image");
+    for (const Layer& layer : picture->layers)
+      fuzz::require(std::visit([](const auto& values) { return values.size(); }, layer.values) ==
+                        layer.components.size() * image->pixels.size(),
+                    "a layer has its numbers");
+  } else {
+    fuzz::require(!picture.error().empty(), "an error has a reason");
+  }
   if (!image) return fuzz::require(!image.error().empty(), "an error has a reason"), 0;
   fuzz::require(image->width > 0 && image->height > 0 &&
                     image->pixels.size() == size_t(image->width) * size_t(image->height),

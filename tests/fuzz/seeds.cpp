@@ -30,12 +30,25 @@ Image sample() {
   return image;
 }
 
+Picture layered() {
+  constexpr size_t kPixels = size_t(kSide) * kSide;
+  return {sample(),
+          Column<float>(kPixels, 0.5f),
+          {{"depth", {"Z"}, Column<float>(kPixels, 7.25f)},
+           {"id", {"I"}, Column<uint32_t>(kPixels, 3u)},
+           {"normal", {"X", "Y", "Z"}, Column<float>(3 * kPixels, 0.6f)},
+           {"samples", {""}, Column<uint32_t>(kPixels, 16u)}}};
+}
+
 void put(const fs::path& path, std::string_view bytes) {
   if (!write_file(path, bytes)) throw std::runtime_error("cannot write " + path.string());
 }
 
 void write_png(const fs::path& folder) {
   put(folder / "own.png", encode_png(sample(), {{"accel", "bvh"}, {"size", "5x5"}}).value());
+  Picture picture = layered();
+  picture.layers.clear();
+  put(folder / "alpha.png", encode_png(picture, {}).value());
   const std::vector<uint16_t> pixels(4 * kSide * kSide, 0x4567);  // enough for all kinds
   for (const png_uint_32 format :
        {png_uint_32(PNG_FORMAT_GRAY), png_uint_32(PNG_FORMAT_GA), png_uint_32(PNG_FORMAT_RGBA),
@@ -54,6 +67,7 @@ void write_png(const fs::path& folder) {
 
 void write_exr(const fs::path& folder) {
   put(folder / "own.exr", encode_exr(sample(), {{"accel", "bvh"}, {"size", "5x5"}}).value());
+  put(folder / "layers.exr", encode_exr(layered(), {}).value());
   const Image image = sample();
   for (int compression = 0; compression < Imf::NUM_COMPRESSION_METHODS; ++compression)
     for (const bool tiled : {false, true}) {

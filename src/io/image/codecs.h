@@ -5,6 +5,7 @@
 #pragma once
 
 #include <expected>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -27,21 +28,43 @@ inline void add_metadata(Metadata& metadata, std::string_view name, std::string_
 /// file.
 inline constexpr long long kMaxPixels = 1LL << 28;
 std::string size_problem(long long width, long long height);
+/// Nor are more numbers, whatever the number of channels.
+inline constexpr size_t kMaxNumbers = size_t(1) << 30;
+
+/// What is to be written, of a picture with or without alpha and layers. Whoever writes has checked
+/// that their sizes are right.
+struct PictureView {
+  const Image& color;
+  std::span<const float> alpha;
+  std::span<const Layer> layers;
+
+  PictureView(const Image& image) : color(image) {}
+  PictureView(const Picture& picture)
+      : color(picture.color), alpha(picture.alpha), layers(picture.layers) {}
+};
 
 /// Whatever format the first bytes tell.
 Decoded<Image> decode_image(std::string_view bytes);
+Decoded<Picture> decode_picture(std::string_view bytes);
 Decoded<Metadata> decode_metadata(std::string_view bytes);
 
-/// 8 bit RGB, little compressed but quickly.
-Decoded<std::string> encode_png(const Image& image, const Metadata& metadata);
+/// 8 bit RGB, or RGBA with straight alpha, little compressed but quickly.
+Decoded<std::string> encode_png(const PictureView& picture, const Metadata& metadata);
 Decoded<Image> decode_png(std::string_view bytes);
+Decoded<Picture> decode_png_picture(std::string_view bytes);
 Decoded<Metadata> png_metadata(std::string_view bytes);
 
-/// 32 bit floating point R, G, B, losslessly compressed.
-Decoded<std::string> encode_exr(const Image& image, const Metadata& metadata);
+/// 32 bit floating point R, G, B, A and layers, losslessly compressed.
+Decoded<std::string> encode_exr(const PictureView& picture, const Metadata& metadata);
 /// The data window of the first part.
 Decoded<Image> decode_exr(std::string_view bytes);
+Decoded<Picture> decode_exr_picture(std::string_view bytes);
 Decoded<Metadata> exr_metadata(std::string_view bytes);
+
+/// A zip archive of arrays, each an NPY, little compressed but quickly.
+Decoded<std::string> encode_npz(const PictureView& picture);
+/// Version 1.0.
+std::string encode_npy(const PictureView& picture);
 
 /// P6 with 8 bits a channel.
 std::string encode_ppm(const Image& image);

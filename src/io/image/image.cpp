@@ -1,6 +1,7 @@
 #include "io/image/image.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -8,6 +9,7 @@
 #include <cstdlib>
 #include <limits>
 #include <new>
+#include <optional>
 #include <stdexcept>
 
 #include "io/image/codecs.h"
@@ -21,36 +23,115 @@ namespace fs = std::filesystem;
 /// Enough for the largest picture in the most spacious format, P3 with four characters a value.
 constexpr size_t kMaxFileBytes = size_t(1) << 32;
 
-std::expected<std::string, std::string> encode(const Image& image, ImageFormat format,
-                                               const Metadata& metadata) {
+Decoded<std::string> encode(const PictureView& picture, ImageFormat format,
+                            const Metadata& metadata) {
   switch (format) {
     case ImageFormat::png:
-      return encode_png(image, metadata);
+      return encode_png(picture, metadata);
     case ImageFormat::exr:
-      return encode_exr(image, metadata);
+      return encode_exr(picture, metadata);
     case ImageFormat::pfm:
-      return encode_pfm(image);
+      return encode_pfm(picture.color);
     case ImageFormat::ppm:
-      return encode_ppm(image);
+      return encode_ppm(picture.color);
+    case ImageFormat::npz:
+      return encode_npz(picture);
+    case ImageFormat::npy:
+      return encode_npy(picture);
   }
   std::abort();
 }
 
 constexpr std::string_view kPngBegin = "\x89PNG\r\n\x1a\n", kExrBegin = "\x76\x2f\x31\x01";
 
-/// Why the picture cannot be written in any format, or nothing.
-std::string problem(const Image& image, const Metadata& metadata) {
-  if (image.width < 1 || image.height < 1 ||
-      image.pixels.size() != size_t(image.width) * size_t(image.height))
-    return fmt::format("no picture has {} x {} pixels, {} of them there", image.width, image.height,
-                       image.pixels.size());
-  for (const auto& [key, value] : metadata) {
-    // PNG's names have at most 79 characters.
-    const bool plain = std::ranges::all_of(key, [](char c) { return c > ' ' && c <= '~'; });
-    if (!plain || key.empty() || metadata_name(key).size() > 79)
-      return fmt::format("\"{}\" cannot be the name of a setting", key);
-  }
+bool is_plain(std::string_view word) {
+  return std::ranges::all_of(word, [](char c) { return c > ' ' && c <= '~'; });
+}
+
+/// One of the names that is there twice.
+std::optional<std::string> doubled(std::vector<std::string> names) {
+  std::ranges::sort(names);
+  const auto found = std::ranges::adjacent_find(names);
+  return found == names.end() ? std::nullopt : std::optional(*found);
+}
+
+/// Whether a channel of EXR can have the layer's name alone, without a dot and a component.
+bool can_stand_alone(std::string_view name) {
+  return !name.contains('.') && name != "R" && name != "G" && name != "B" && name != "A";
+}
+
+/// Why the layer cannot be written beside a picture of `pixels` pixels, or nothing.
+std::string layer_problem(const Layer& layer, size_t pixels) {
+  constexpr size_t kLongest = 200;  // EXR's names of channels have at most 255 characters
+  if (layer.name.empty() || layer.name.size() > kLongest || !is_plain(layer.name) ||
+      layer.name.find_first_of("/\\") != std::string::npos)
+    return fmt::format("\"{}\" cannot be the name of a layer", layer.name);
+  for (const std::string& component : layer.components)
+    if (component.size() > 50 || !is_plain(component) || component.contains('.') ||
+        (component.empty() && !can_stand_alone(layer.name)))
+      return fmt::format("\"{}\" cannot be a component of the layer {}", component, layer.name);
+  if (const auto component = doubled(layer.components))
+    return fmt::format("the layer {} has two components \"{}\"", layer.name, *component);
+  const size_t numbers = std::visit([](const auto& v) { return v.size(); }, layer.values);
+  if (layer.components.empty() || numbers != pixels * layer.components.size())
+    return fmt::format("the layer {} has {} numbers, not {} components of {} pixels", layer.name,
+                       numbers, layer.components.size(), pixels);
   return {};
+}
+
+std::vector<std::string> names_of(std::span<const Layer> layers) {
+  std::vector<std::string> names;
+  for (const Layer& layer : layers) names.push_back(layer.name);
+  return names;
+}
+
+/// Why the picture cannot be written in any format, or nothing.
+std::string problem(const PictureView& picture, const Metadata& metadata) {
+  const Image& image = picture.color;
+  const size_t pixels = image.pixels.size();
+  if (image.width < 1 || image.height < 1 || pixels != size_t(image.width) * size_t(image.height))
+    return fmt::format("no picture has {} x {} pixels, {} of them there", image.width, image.height,
+                       pixels);
+  if (!picture.alpha.empty() && picture.alpha.size() != pixels)
+    return fmt::format("alpha of {} pixels does not fit {} pixels", picture.alpha.size(), pixels);
+  for (const Layer& layer : picture.layers)
+    if (std::string wrong = layer_problem(layer, pixels); !wrong.empty()) return wrong;
+  if (const auto name = doubled(names_of(picture.layers)))
+    return fmt::format("two layers are called {}", *name);
+  for (const auto& [key, value] : metadata)
+    // PNG's names have at most 79 characters.
+    if (key.empty() || !is_plain(key) || metadata_name(key).size() > 79)
+      return fmt::format("\"{}\" cannot be the name of a setting", key);
+  return {};
+}
+
+std::expected<void, FileError> write(const PictureView& picture, const fs::path& path,
+                                     const Metadata& metadata) try {
+  const auto refused = [&](std::string_view why) {
+    return std::unexpected(FileError{FileError::bad_input, write_error(path, why).message});
+  };
+  const auto format = image_format(path);
+  if (!format) return std::unexpected(format.error());
+  if (const std::string why = problem(picture, metadata); !why.empty()) return refused(why);
+  const std::string lost = unkept(*format, !picture.alpha.empty(), names_of(picture.layers));
+  if (!lost.empty()) return refused(lost);
+  const auto bytes = encode(picture, *format, metadata);
+  if (!bytes) return std::unexpected(write_error(path, bytes.error()));
+  return write_file(path, *bytes);
+} catch (const std::bad_alloc&) {
+  return std::unexpected(write_error(path, "not enough memory"));
+}
+
+/// What `decode` makes of the bytes of a file.
+template <class T>
+std::expected<T, FileError> read(const fs::path& path, Decoded<T> (*decode)(std::string_view)) try {
+  const auto bytes = read_file(path, kMaxFileBytes);
+  if (!bytes) return std::unexpected(bytes.error());
+  auto decoded = decode(*bytes);
+  if (!decoded) return std::unexpected(read_error(path, decoded.error()));
+  return std::move(*decoded);
+} catch (const std::bad_alloc&) {
+  return std::unexpected(read_error(path, "not enough memory"));
 }
 
 std::array<int, 3> display_bytes(const Rgb& c) {
@@ -75,6 +156,14 @@ Decoded<Image> decode_image(std::string_view bytes) {
                                        : "it is no picture in PNG, EXR, PFM or PPM format");
 }
 
+Decoded<Picture> decode_picture(std::string_view bytes) {
+  if (bytes.starts_with(kPngBegin)) return decode_png_picture(bytes);
+  if (bytes.starts_with(kExrBegin)) return decode_exr_picture(bytes);
+  auto image = decode_image(bytes);
+  if (!image) return std::unexpected(image.error());
+  return Picture{std::move(*image), {}, {}};
+}
+
 Decoded<Metadata> decode_metadata(std::string_view bytes) {
   if (bytes.starts_with(kPngBegin)) return png_metadata(bytes);
   if (bytes.starts_with(kExrBegin)) return exr_metadata(bytes);
@@ -94,46 +183,55 @@ std::expected<ImageFormat, FileError> image_format(const fs::path& path) {
   if (suffix == ".exr") return ImageFormat::exr;
   if (suffix == ".pfm") return ImageFormat::pfm;
   if (suffix == ".ppm") return ImageFormat::ppm;
+  if (suffix == ".npz") return ImageFormat::npz;
+  if (suffix == ".npy") return ImageFormat::npy;
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (is_standard_output(path) || (fs::exists(status) && !fs::is_regular_file(status)))
     return ImageFormat::png;
   return std::unexpected(FileError{
       FileError::bad_input,
-      write_error(path, "the name of a picture ends in .png, .exr, .pfm or .ppm").message});
+      write_error(path, "the name of a picture ends in .png, .exr, .pfm, .ppm, .npz or .npy")
+          .message});
+}
+
+std::string unkept(ImageFormat format, bool alpha, std::span<const std::string> layers) {
+  std::vector<std::string> lost(layers.begin(), layers.end());
+  if (format == ImageFormat::exr) return {};
+  if (format == ImageFormat::npz) {
+    if (std::ranges::find(lost, "rgba") == lost.end()) return {};
+    return "NPZ calls the colours rgba; give the layer another name";
+  }
+  const bool keeps_alpha = format == ImageFormat::png || format == ImageFormat::npy;
+  const bool layered = !lost.empty();
+  if (alpha && !keeps_alpha) lost.insert(lost.begin(), "alpha");
+  if (lost.empty()) return {};
+  constexpr std::array kNames = {"PNG", "EXR", "PFM", "PPM", "NPZ", "NPY"};
+  return fmt::format("{} keeps {} only, not {}; give the picture a name in {}", kNames[int(format)],
+                     keeps_alpha ? "colours and alpha" : "colours", fmt::join(lost, ", "),
+                     layered ? ".exr or .npz" : ".png, .exr, .npz or .npy");
 }
 
 std::expected<void, FileError> write_image(const Image& image, const fs::path& path,
-                                           const Metadata& metadata) try {
-  const auto format = image_format(path);
-  if (!format) return std::unexpected(format.error());
-  if (const std::string why = problem(image, metadata); !why.empty())
-    return std::unexpected(FileError{FileError::bad_input, write_error(path, why).message});
-  const auto bytes = encode(image, *format, metadata);
-  if (!bytes) return std::unexpected(write_error(path, bytes.error()));
-  return write_file(path, *bytes);
-} catch (const std::bad_alloc&) {
-  return std::unexpected(write_error(path, "not enough memory"));
+                                           const Metadata& metadata) {
+  return write(image, path, metadata);
 }
 
-std::expected<Image, FileError> read_image(const fs::path& path) try {
-  const auto bytes = read_file(path, kMaxFileBytes);
-  if (!bytes) return std::unexpected(bytes.error());
-  auto image = decode_image(*bytes);
-  if (!image) return std::unexpected(read_error(path, image.error()));
-  return std::move(*image);
-} catch (const std::bad_alloc&) {
-  return std::unexpected(read_error(path, "not enough memory"));
+std::expected<void, FileError> write_image(const Picture& picture, const fs::path& path,
+                                           const Metadata& metadata) {
+  return write(picture, path, metadata);
 }
 
-std::expected<Metadata, FileError> read_metadata(const fs::path& path) try {
-  const auto bytes = read_file(path, kMaxFileBytes);
-  if (!bytes) return std::unexpected(bytes.error());
-  auto metadata = decode_metadata(*bytes);
-  if (!metadata) return std::unexpected(read_error(path, metadata.error()));
-  return std::move(*metadata);
-} catch (const std::bad_alloc&) {
-  return std::unexpected(read_error(path, "not enough memory"));
+std::expected<Image, FileError> read_image(const fs::path& path) {
+  return read(path, decode_image);
+}
+
+std::expected<Picture, FileError> read_picture(const fs::path& path) {
+  return read(path, decode_picture);
+}
+
+std::expected<Metadata, FileError> read_metadata(const fs::path& path) {
+  return read(path, decode_metadata);
 }
 
 ImageDifference compare(const Image& a, const Image& b) {

@@ -3,18 +3,15 @@
 // owns memory outside.
 #include <fmt/format.h>
 #include <png.h>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <csetjmp>
 #include <cstdio>
 #include <cstring>
 #include <exception>
-#include <new>
 
 #include "io/image/codecs.h"
+#include "io/image/deflate.h"
 
 namespace raio {
 
@@ -91,133 +88,27 @@ png_text text_chunk(std::string& name, std::string& value) {
   return text;
 }
 
-Image from_rows(const std::vector<png_byte>& rows, int width, int height, int bit_depth) {
-  Image image(width, height);
+/// Of 3 or 4 channels; alpha remains straight.
+Picture from_rows(const std::vector<png_byte>& rows, int width, int height, int channels,
+                  int bit_depth) {
+  Picture picture;
+  picture.color = Image(width, height);
+  if (channels == 4) picture.alpha.resize(picture.color.pixels.size());
   const png_byte* p = rows.data();
-  for (Rgb& pixel : image.pixels)
-    for (int channel = 0; channel < 3; ++channel) {
-      if (bit_depth == 16) {
-        pixel[channel] = float(p[0] << 8 | p[1]) / 65535;
-        p += 2;
-      } else {
-        pixel[channel] = float(*p++) / 255;
-      }
-    }
-  return image;
-}
-
-// Writing: libpng cannot compress on several threads, so it is given the compressed pixels.
-
-/// So that zlib's lengths and PNG's can hold a row.
-constexpr size_t kWidest = size_t(1) << 28;
-
-/// A raw deflate stream. Level 1 on rows with no filter is several times faster than libpng's
-/// defaults on rendered pictures, and the files are hardly larger.
-struct Deflater {
-  z_stream stream{};
-
-  Deflater() {
-    constexpr int kRaw = -MAX_WBITS, kUsualMemory = 8;
-    if (deflateInit2(&stream, 1, Z_DEFLATED, kRaw, kUsualMemory, Z_DEFAULT_STRATEGY) != Z_OK)
-      throw std::bad_alloc();
+  const auto next = [&] {
+    if (bit_depth != 16) return float(*p++) / 255;
+    p += 2;
+    return float(p[-2] << 8 | p[-1]) / 65535;
+  };
+  for (size_t i = 0; i < picture.color.pixels.size(); ++i) {
+    for (int channel = 0; channel < 3; ++channel) picture.color.pixels[i][channel] = next();
+    if (channels == 4) picture.alpha[i] = next();
   }
-  Deflater(const Deflater&) = delete;
-  Deflater& operator=(const Deflater&) = delete;
-  ~Deflater() { deflateEnd(&stream); }
-
-  /// Appends all of `bytes` to `out`, for itself; more can follow there, unless this is the last.
-  void append(std::vector<png_byte>& bytes, bool last, std::string& out) {
-    deflateReset(&stream);
-    constexpr size_t kFlushBytes = 16;
-    const size_t before = out.size();
-    out.resize(before + deflateBound(&stream, uLong(bytes.size())) + kFlushBytes);
-    stream.next_in = bytes.data();
-    stream.avail_in = uInt(bytes.size());
-    stream.next_out = reinterpret_cast<Bytef*>(out.data() + before);
-    stream.avail_out = uInt(out.size() - before);
-    deflate(&stream, last ? Z_FINISH : Z_SYNC_FLUSH);
-    out.resize(out.size() - stream.avail_out);
-  }
-};
-
-/// Rows as PNG wants them, a byte for the filter before each.
-std::vector<png_byte> filtered_rows(const Image& image, int first, int end) {
-  std::vector<png_byte> rows((1 + 3 * size_t(image.width)) * size_t(end - first));
-  png_byte* out = rows.data();
-  for (int y = first; y < end; ++y) {
-    *out++ = PNG_FILTER_VALUE_NONE;
-    const Rgb* pixel = &image.at(0, y);
-    for (int x = 0; x < image.width; ++x, ++pixel) {
-      *out++ = to_byte(pixel->x);
-      *out++ = to_byte(pixel->y);
-      *out++ = to_byte(pixel->z);
-    }
-  }
-  return rows;
+  return picture;
 }
 
-/// The picture as one zlib stream (RFC 1950) in parts, bands of rows that are compressed each for
-/// itself, on all threads. Their height is a matter of the width alone, so that the number of
-/// threads does not show.
-std::vector<std::string> zlib_stream(const Image& image) {
-  constexpr size_t kBandBytes = 1 << 16;  // the file is 2 % larger than without bands
-  const int height = std::max(1, int(kBandBytes / (1 + 3 * size_t(image.width))));
-  std::vector<std::string> bands(size_t(image.height - 1) / size_t(height) + 1);
-  std::vector<uLong> check_sums(bands.size());
-  std::vector<size_t> sizes(bands.size());
-  tbb::enumerable_thread_specific<Deflater> deflaters;  // a quarter of a megabyte each
-  bands[0] = "\x78\x01";                                // deflate with a window of 32 kB, fastest
-  tbb::parallel_for(size_t(0), bands.size(), [&](size_t i) {
-    const int first = int(i) * height;
-    std::vector<png_byte> rows =
-        filtered_rows(image, first, std::min(image.height - first, height) + first);
-    sizes[i] = rows.size();
-    check_sums[i] = adler32_z(adler32_z(0, nullptr, 0), rows.data(), rows.size());
-    deflaters.local().append(rows, i + 1 == bands.size(), bands[i]);
-  });
-  uLong check_sum = check_sums[0];
-  for (size_t i = 1; i < bands.size(); ++i)
-    check_sum = adler32_combine(check_sum, check_sums[i], z_off_t(sizes[i]));
-  for (const int shift : {24, 16, 8, 0}) bands.back() += char(check_sum >> shift & 255);
-  return bands;
-}
-
-void write_chunk(png_structp png, const char* type, std::string_view bytes) {
-  png_write_chunk(png, reinterpret_cast<png_const_bytep>(type),
-                  reinterpret_cast<png_const_bytep>(bytes.data()), bytes.size());
-}
-
-}  // namespace
-
-Decoded<std::string> encode_png(const Image& image, const Metadata& metadata) {
-  if (size_t(image.width) > kWidest) return std::unexpected("it is too wide for a PNG");
-  const std::vector<std::string> bands = zlib_stream(image);
-  std::string bytes;
-  Metadata named = metadata;
-  std::vector<png_text> texts;
-  for (auto& [key, value] : named) {
-    key = metadata_name(key);
-    texts.push_back(text_chunk(key, value));
-  }
-  Writer writer;
-  if (!writer.png || !writer.info) return std::unexpected(writer.error.text);
-  const bool done = guarded(writer.png, [&] {
-    png_structp png = writer.png;
-    png_set_write_fn(png, &bytes, append_bytes, nullptr);
-    png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
-    png_set_IHDR(png, writer.info, png_uint_32(image.width), png_uint_32(image.height), 8,
-                 PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
-                 PNG_FILTER_TYPE_DEFAULT);
-    png_set_text(png, writer.info, texts.data(), int(texts.size()));
-    png_write_info(png, writer.info);
-    for (const std::string& band : bands) write_chunk(png, "IDAT", band);
-    write_chunk(png, "IEND", {});
-  });
-  if (!done) return std::unexpected(writer.error.text);
-  return bytes;
-}
-
-Decoded<Image> decode_png(std::string_view bytes) {
+/// Colours as they are stored.
+Decoded<Picture> read_png(std::string_view bytes, bool with_alpha) {
   Reader reader;
   png_structp png = reader.png;
   if (!png || !reader.info) return std::unexpected(reader.error.text);
@@ -246,18 +137,20 @@ Decoded<Image> decode_png(std::string_view bytes) {
 
   std::vector<png_byte> rows;
   size_t row_bytes = 0;
-  int passes = 0;
+  int passes = 0, channels = 0;
   const bool prepared = guarded(png, [&] {
     png_set_expand(png);
     png_set_gray_to_rgb(png);
-    png_set_strip_alpha(png);
+    if (!with_alpha) png_set_strip_alpha(png);
     passes = png_set_interlace_handling(png);
     png_read_update_info(png, reader.info);
     row_bytes = png_get_rowbytes(png, reader.info);
+    channels = png_get_channels(png, reader.info);
   });
   if (!prepared) return broken(reader.error.text);
   const int bit_depth = png_get_bit_depth(png, reader.info);
-  if (row_bytes != size_t(width) * 3 * size_t(bit_depth / 8))
+  const bool known = channels == 3 || (with_alpha && channels == 4);
+  if (!known || row_bytes != size_t(width) * size_t(channels) * size_t(bit_depth / 8))
     return broken("a layout of pixels that is not known");
   rows.resize(row_bytes * height);
   const bool done = guarded(png, [&] {
@@ -266,7 +159,115 @@ Decoded<Image> decode_png(std::string_view bytes) {
     png_read_end(png, nullptr);
   });
   if (!done) return broken(reader.error.text);
-  return from_rows(rows, int(width), int(height), bit_depth);
+  return from_rows(rows, int(width), int(height), channels, bit_depth);
+}
+
+// Writing: libpng cannot compress on several threads, so it is given the compressed pixels.
+
+/// So that zlib's lengths and PNG's can hold a row.
+constexpr size_t kWidest = size_t(1) << 28;
+
+/// A pixel with straight alpha. An opaque one has the bytes that it has without alpha.
+png_byte* put_straight(const Rgb& color, float alpha, png_byte* out) {
+  const uint8_t opacity = to_byte(alpha);
+  const float covered = std::min(alpha, 1.0f);
+  for (const float value : {color.x, color.y, color.z})
+    *out++ = opacity == 0 ? 0 : to_byte(value / covered);
+  *out++ = opacity;
+  return out;
+}
+
+size_t bytes_a_row(const PictureView& picture) {
+  return 1 + (picture.alpha.empty() ? 3 : 4) * size_t(picture.color.width);
+}
+
+/// Rows as PNG wants them, a byte for the filter before each.
+std::vector<png_byte> filtered_rows(const PictureView& picture, int first, int end) {
+  std::vector<png_byte> rows(bytes_a_row(picture) * size_t(end - first));
+  png_byte* out = rows.data();
+  const auto width = size_t(picture.color.width);
+  for (size_t y = size_t(first); y < size_t(end); ++y) {
+    *out++ = PNG_FILTER_VALUE_NONE;
+    const Rgb* pixel = &picture.color.pixels[y * width];
+    if (picture.alpha.empty()) {
+      for (size_t x = 0; x < width; ++x, ++pixel) {
+        *out++ = to_byte(pixel->x);
+        *out++ = to_byte(pixel->y);
+        *out++ = to_byte(pixel->z);
+      }
+    } else {
+      const float* alpha = &picture.alpha[y * width];
+      for (size_t x = 0; x < width; ++x) out = put_straight(pixel[x], alpha[x], out);
+    }
+  }
+  return rows;
+}
+
+/// The picture as one zlib stream (RFC 1950) in parts. The height of a band is a matter of the
+/// width and the channels alone.
+std::vector<std::string> zlib_stream(const PictureView& picture) {
+  constexpr size_t kBandBytes = 1 << 16;  // the file is 2 % larger than without bands
+  const int rows = picture.color.height;
+  const int height = std::max(1, int(kBandBytes / bytes_a_row(picture)));
+  Deflated deflated =
+      deflate_bands(size_t(rows - 1) / size_t(height) + 1, kAdler32, [&](size_t band) {
+        const int first = int(band) * height;
+        return filtered_rows(picture, first, std::min(rows - first, height) + first);
+      });
+  // Deflate with a window of 32 kB, fastest.
+  deflated.bands.front().insert(0, "\x78\x01");
+  for (const int shift : {24, 16, 8, 0})
+    deflated.bands.back() += char(deflated.check_sum >> shift & 255);
+  return std::move(deflated.bands);
+}
+
+void write_chunk(png_structp png, const char* type, std::string_view bytes) {
+  png_write_chunk(png, reinterpret_cast<png_const_bytep>(type),
+                  reinterpret_cast<png_const_bytep>(bytes.data()), bytes.size());
+}
+
+}  // namespace
+
+Decoded<std::string> encode_png(const PictureView& picture, const Metadata& metadata) {
+  const Image& image = picture.color;
+  if (size_t(image.width) > kWidest) return std::unexpected("it is too wide for a PNG");
+  const int colors = picture.alpha.empty() ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_RGB_ALPHA;
+  const std::vector<std::string> bands = zlib_stream(picture);
+  std::string bytes;
+  Metadata named = metadata;
+  std::vector<png_text> texts;
+  for (auto& [key, value] : named) {
+    key = metadata_name(key);
+    texts.push_back(text_chunk(key, value));
+  }
+  Writer writer;
+  if (!writer.png || !writer.info) return std::unexpected(writer.error.text);
+  const bool done = guarded(writer.png, [&] {
+    png_structp png = writer.png;
+    png_set_write_fn(png, &bytes, append_bytes, nullptr);
+    png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
+    png_set_IHDR(png, writer.info, png_uint_32(image.width), png_uint_32(image.height), 8, colors,
+                 PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_set_text(png, writer.info, texts.data(), int(texts.size()));
+    png_write_info(png, writer.info);
+    for (const std::string& band : bands) write_chunk(png, "IDAT", band);
+    write_chunk(png, "IEND", {});
+  });
+  if (!done) return std::unexpected(writer.error.text);
+  return bytes;
+}
+
+Decoded<Image> decode_png(std::string_view bytes) {
+  auto picture = read_png(bytes, false);
+  if (!picture) return std::unexpected(picture.error());
+  return std::move(picture->color);
+}
+
+Decoded<Picture> decode_png_picture(std::string_view bytes) {
+  auto picture = read_png(bytes, true);
+  if (!picture) return picture;
+  for (size_t i = 0; i < picture->alpha.size(); ++i) picture->color.pixels[i] *= picture->alpha[i];
+  return picture;
 }
 
 Decoded<Metadata> png_metadata(std::string_view bytes) {
