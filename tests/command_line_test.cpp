@@ -4,7 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <stdlib.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -75,7 +77,6 @@ TEST_F(CommandLine, DoesItsWorkWhenStandardErrorIsFull) {
 }
 
 TEST_F(CommandLine, RefusesWrongUsage) {
-  expect_usage_error({}, "command is missing");
   expect_usage_error({"rendr", "ok.nff"}, "did you mean render?");
   expect_refusal({"spd"}, 2, "a command is missing; see raio spd --help");
   expect_refusal({"spd", "verfy"}, 2, "did you mean verify?; see raio spd --help");
@@ -95,6 +96,34 @@ TEST_F(CommandLine, RefusesWrongUsage) {
   expect_refusal({"compare", "a.png"}, 2, "B is missing");
   expect_refusal({"generate", "bals"}, 2, "balls");
   expect_refusal({"generate", "balls", "--size", "x"}, 2, "1 to 1000000");
+}
+
+TEST_F(CommandLine, WithoutACommandListsThem) {
+  const Outcome o = raio({});
+  EXPECT_EQ(o.status, 2);
+  EXPECT_EQ(o.out, "");
+  EXPECT_THAT(o.err, StartsWith("Usage: raio COMMAND"));
+  for (const char* command : {"  render ", "  info ", "  spd ", "  help "})
+    EXPECT_THAT(o.err, HasSubstr(command));
+  EXPECT_THAT(o.err, Not(HasSubstr("--help")));
+}
+
+// A terminal of its own, whose other end is held open.
+TEST_F(CommandLine, NoPictureGoesToATerminal) {
+  const int other_end = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+  if (other_end < 0 || ::grantpt(other_end) != 0 || ::unlockpt(other_end) != 0)
+    GTEST_SKIP() << "there are no terminals here";
+  const Redirections to_terminal{.output = ::ptsname(other_end), .errors = {}};
+  ASSERT_EQ(raio({"render", "ok.nff", "-o", "a.raio"}).status, 0);
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"render", "ok.nff", "-o", "-"},
+        {"render", "ok.nff", "-o", "/dev/stdout"},
+        {"merge", "a.raio", "-o", "-"},
+        {"compare", "a.png", "b.png", "--diff", "-"}})
+    expect_refusal(command, 2, "terminal", to_terminal);
+  EXPECT_EQ(raio({"render", "ok.nff", "-o", "x.png"}, to_terminal).status, 0);
+  EXPECT_EQ(raio({"info", "ok.nff"}, to_terminal).status, 0);
+  ::close(other_end);
 }
 
 TEST_F(CommandLine, RefusesValuesOutOfRange) {
@@ -163,7 +192,8 @@ TEST_F(CommandLine, RefusesWhatMemoryCannotHold) {
 
 TEST_F(CommandLine, HelpIsNarrowAndComplete) {
   for (const char* command :
-       {"", "render", "bench", "info", "generate", "compare", "export", "spd", "spd verify"}) {
+       {"", "render", "view", "merge", "bench", "info", "generate", "compare", "export", "spd",
+        "spd verify", "help", "version", "manual", "completion"}) {
     std::vector<std::string> arguments;
     for (const auto word : std::views::split(std::string_view(command), ' '))
       if (!word.empty()) arguments.emplace_back(word.begin(), word.end());
@@ -185,7 +215,23 @@ TEST_F(CommandLine, HelpIsNarrowAndComplete) {
   for (const OptionSpec& option : render_option_table())
     EXPECT_THAT(help, HasSubstr("--" + std::string(option.name)));
   EXPECT_THAT(help, HasSubstr("--dof, --no-dof "));
-  EXPECT_THAT(raio({"--version"}).out, testing::MatchesRegex("raio [0-9.]+\n"));
+  EXPECT_EQ(raio({"help", "render"}).out, help);
+  EXPECT_EQ(raio({"help", "spd", "verify"}).out, raio({"spd", "verify", "--help"}).out);
+  EXPECT_EQ(raio({"help"}).out, raio({"--help"}).out);
+  expect_refusal({"help", "rendr"}, 2, "did you mean render?");
+  expect_refusal({"help", "render", "verify"}, 2, "no command 'verify'");
+}
+
+TEST_F(CommandLine, SaysWhichVersionItIs) {
+  const std::string version = raio({"--version"}).out;
+  EXPECT_THAT(version,
+              testing::MatchesRegex("raio [0-9.]+ \\((unknown commit|[0-9a-f]+( with changes)?, "
+                                    "[0-9]{4}-[0-9]{2}-[0-9]{2})\\)\n"));
+  EXPECT_EQ(raio({"version"}).out, version);
+  const std::string number = version.substr(5, version.find(' ', 5) - 5);
+  const std::filesystem::path root = RAIO_SOURCE_DIR;
+  EXPECT_THAT(get(root / "CITATION.cff"), HasSubstr("\nversion: " + number + "\n"));
+  EXPECT_THAT(get(root / "CHANGELOG.md"), HasSubstr("\n## [" + number + "] - "));
 }
 
 TEST_F(CommandLine, EveryStructureWithEveryEffect) {

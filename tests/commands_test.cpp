@@ -16,6 +16,7 @@
 #include <thread>
 
 #include "app/command_line.h"
+#include "app/terminal.h"
 #include "io/image/image.h"
 #include "io/nff/nff.h"
 
@@ -129,6 +130,26 @@ TEST_F(Commands, InfoOfASceneOfPlanesHasNoBounds) {
   EXPECT_THAT(out_, HasSubstr("bounds      none"));
 }
 
+TEST_F(Commands, InfoWarnsOfWhatWouldDisappoint) {
+  std::string dark(kScene);
+  dark.erase(dark.find("l 3 -4 5\n"), 9);
+  EXPECT_EQ(run_captured(InfoCommand{.scene = file("dark.nff", dark), .json = true}), kDone);
+  EXPECT_THAT(err_, HasSubstr("dark.nff: warning: the scene has no light"));
+  EXPECT_EQ(std::ranges::count(err_, '\n'), 1);
+  const json info = json::parse(out_);
+  ASSERT_EQ(info["warnings"].size(), 1u);
+  EXPECT_THAT(std::string(info["warnings"][0]["message"]), HasSubstr("no light"));
+
+  // A lens as wide as its focus is far (P3F: a quarter of the height at that distance).
+  std::string blurred(kScene);
+  const std::string_view size = "resolution 40 30";
+  blurred.replace(blurred.find(size), size.size(), "resolution 40 30\naperture 30 focal 0.2");
+  EXPECT_EQ(run_captured(InfoCommand{.scene = file("blurred.p3f", blurred)}), kDone);
+  EXPECT_THAT(err_, HasSubstr("the lens blurs nearly all of the picture"));
+  EXPECT_THAT(err_, HasSubstr("; try --aperture 0."));
+  EXPECT_THAT(out_, HasSubstr("warnings    1\n"));
+}
+
 TEST_F(Commands, InfoNamesEveryErrorAndFails) {
   EXPECT_EQ(run_captured(InfoCommand{.scene = file("bad.nff", "s 0 0 zero 1\n")}), kBadInput);
   EXPECT_EQ(out_, "");
@@ -208,6 +229,25 @@ TEST_F(Commands, CompareRefusesWhatCannotBeCompared) {
       run_captured(CompareCommand{.a = path("a.png"), .b = path("a.png"), .diff = path("d.gif")}),
       kBadInput);
   EXPECT_EQ(out_, "");
+}
+
+TEST(Terminal, NumbersReadAsPeopleWriteThem) {
+  EXPECT_EQ(human_count(0), "0");
+  EXPECT_EQ(human_count(778), "778");
+  EXPECT_EQ(human_count(999.6), "1.00 k");
+  EXPECT_EQ(human_count(12345678), "12.3 M");
+  EXPECT_EQ(human_count(9.996e6), "10.0 M");
+  EXPECT_EQ(human_count(123e18), "123000 P");
+  EXPECT_EQ(human_quantity(0, "rays/s"), "0 rays/s");
+  EXPECT_EQ(human_quantity(778, "rays/s"), "778 rays/s");
+  EXPECT_EQ(human_quantity(999.7, "rays/s"), "1.00 krays/s");
+  EXPECT_EQ(human_quantity(2.5e6, "rays/s"), "2.50 Mrays/s");
+  EXPECT_EQ(human_bytes(12), "12 B");
+  EXPECT_EQ(human_bytes(999.9), "1.00 kB");
+  EXPECT_EQ(human_bytes(4.5e6), "4.50 MB");
+  EXPECT_EQ(counted(1, "cell"), "1 cell");
+  EXPECT_EQ(counted(0, "cell"), "0 cells");
+  EXPECT_EQ(counted(1.25e6, "primitive"), "1.25 M primitives");
 }
 
 BenchCommand small_bench(const std::string& scene) {

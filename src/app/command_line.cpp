@@ -12,14 +12,18 @@
 #include <exception>
 #include <filesystem>
 #include <new>
+#include <ranges>
 #include <system_error>
 #include <vector>
 
 #include "app/commands.h"
 #include "app/help.h"
 #include "app/long_render.h"
+#include "app/manual.h"
+#include "app/outline.h"
 #include "app/output.h"
 #include "app/terminal.h"
+#include "app/version.h"
 #include "base/memory.h"
 #include "io/generate/generate.h"
 #include "render/render.h"
@@ -77,13 +81,19 @@ void add_progress(CLI::App& app, std::string& mode) {
   app.add_option("--progress", mode,
                  "Progress line: auto (on a terminal), on or off (default: auto)")
       ->check(CLI::Validator(check, ""))
-      ->type_name("MODE")
+      ->type_name("MODE:{auto,on,off}")
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
 }
 
 void add_scene(CLI::App& app, std::string& path) {
-  add_file(app, "scene", path, "Scene file in the format NFF or P3F", "SCENE");
+  add_file(app, "scene", path, "Scene file, NFF or P3F", "SCENE");
   app.get_option("scene")->required();
+}
+
+std::vector<std::string_view> recipe_names() {
+  std::vector<std::string_view> names;
+  for (const SceneRecipe& recipe : scene_recipes()) names.push_back(recipe.name);
+  return names;
 }
 
 std::string recipe_list() {
@@ -101,6 +111,16 @@ std::string examples(std::initializer_list<std::string_view> lines) {
   std::string text = lines.size() == 1 ? "Example:\n" : "Examples:\n";
   for (const std::string_view line : lines) text += fmt::format("  {}\n", line);
   return text;
+}
+
+// The bytes of a picture are no text.
+void refuse_terminal(const std::string& output, std::string_view option) {
+  if (is_standard_output(output) && standard_output_is_terminal())
+    throw CLI::ParseError(
+        fmt::format("{0} - would write the picture's bytes to the terminal; redirect standard "
+                    "output, as in {0} - > picture.png, or name a file, as in {0} picture.png",
+                    option),
+        kBadInput);
 }
 
 int usage_error(const CLI::App& command, const std::string& message) {
@@ -140,8 +160,7 @@ void add_shard(CLI::App& app, RenderCommand& render) {
     render.shard = number - 1, render.shards = count;
   };
   app.add_option_function<std::string>(
-         "--shard", set,
-         "Render the I-th of N parts of the picture, into a part file for raio merge")
+         "--shard", set, "Render part I of N of the picture into a part file for raio merge")
       ->type_name("I/N")
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
 }
@@ -180,29 +199,30 @@ void add_memory_limit(CLI::App& app) {
   };
   app.add_option_function<std::string>(
          "--memory-limit", set,
-         "End rather than take more memory than this; letters K, M, G and T are powers of 1024")
+         "Exit rather than use more memory than this; K, M, G and T are powers of 1024")
       ->type_name("SIZE")
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
 }
 
 void add_long_render(CLI::App& app, RenderCommand& render) {
   add_file(app, "--checkpoint", render.checkpoint,
-           "Keep what is rendered in this part file, from time to time, when interrupted and at "
-           "the end");
+           "Save progress to this part file at intervals, on interruption and at the end");
   add_number(app, "--checkpoint-interval", render.checkpoint_interval_s, 0.01, 1e6,
-             "Seconds from one writing of --checkpoint to the next (default: 60)", "SECONDS");
-  app.add_flag("--resume", render.resume, "Go on with the file of --checkpoint, if it is there");
+             "Seconds between writes of --checkpoint (default: 60)", "SECONDS");
+  app.add_flag("--resume", render.resume, "Continue from the file of --checkpoint if it exists");
   add_number(app, "--add-samples", render.add_samples, 1, kMaxSamples,
-             "Add so many samples a pixel to the picture in --checkpoint, whose options count",
+             "Add N samples per pixel to the picture in --checkpoint, with the options saved there",
              "N");
   add_number(app, "--time-limit", render.time_limit_s, 0.001, 1e9,
-             "End in about this time with the samples that all pixels have by then", "SECONDS");
+             "Stop after about this time, with as many samples as every pixel has by then",
+             "SECONDS");
   add_memory_limit(app);
   add_shard(app, render);
-  add_file(app, "--repeat", render.repeat,
-           "Make this picture (PNG or EXR) again, with the settings kept in it; without SCENE from "
-           "the file of its name beside it",
-           "IMAGE");
+  add_file(
+      app, "--repeat", render.repeat,
+      "Render this picture (PNG or EXR) again with the settings stored in it; without SCENE, from "
+      "the scene file of that name beside it",
+      "IMAGE");
 }
 
 void add_render(CLI::App& app, RenderCommand& render, int& status) {
@@ -213,14 +233,15 @@ void add_render(CLI::App& app, RenderCommand& render, int& status) {
                 "raio render balls.nff --samples 4096 --dof --checkpoint balls.raio --resume",
                 "raio render balls.nff --aa 16 --shard 1/4 -o part1.raio",
                 "raio render --repeat balls.png balls.nff -o again.png"}));
-  add_file(*sub, "scene", render.scene, "Scene file in the format NFF or P3F", "SCENE");
-  add_file(*sub, "-o,--output", render.output,
-           "Picture: .png .exr .ppm .pfm by suffix, or .raio for a part file; - writes PNG to "
-           "standard output (default: the scene's name, .png, here)",
-           "IMAGE");
+  add_file(*sub, "scene", render.scene, "Scene file, NFF or P3F", "SCENE");
+  add_file(
+      *sub, "-o,--output", render.output,
+      "Output picture: .png .exr .ppm .pfm by suffix, or .raio for a part file; - writes PNG to "
+      "standard output (default: the scene's name, .png, here)",
+      "IMAGE");
   add_render_options(*sub, render.options);
   add_file(*sub, "--stats", render.stats, "Write statistics as JSON; - for standard output");
-  sub->add_flag("--quiet", render.quiet, "Print nothing but errors");
+  sub->add_flag("--quiet", render.quiet, "Print errors only");
   add_progress(*sub, render.progress);
   add_long_render(*sub, render);
   sub->callback([&, sub] {
@@ -230,6 +251,7 @@ void add_render(CLI::App& app, RenderCommand& render, int& status) {
         render.of_picture.push_back(name);
     for (const auto& why : {option_conflict(render.options), long_render_conflict(render)})
       if (!why.empty()) throw CLI::ParseError(why, kBadInput);
+    refuse_terminal(render.output, "-o");
     status = run_on_threads(render);
   });
 }
@@ -245,11 +267,11 @@ int run_view_program(char** argv) {
 }
 
 void add_view(CLI::App& app, ViewCommand& view, const Invocation& invocation, int& status) {
-  auto* sub = app.add_subcommand("view", "Open a scene in a window and play with it");
+  auto* sub = app.add_subcommand("view", "Explore a scene in a window");
   sub->footer(examples({"raio view balls.nff --soft-shadows"}));
   add_scene(*sub, view.scene);
   add_render_options(*sub, view.options);
-  sub->add_flag("--log", view.log, "Say on standard error what happens, one line an event");
+  sub->add_flag("--log", view.log, "Log events to standard error, one per line");
   sub->callback([&] {
     if (const auto why = option_conflict(view.options); !why.empty())
       throw CLI::ParseError(why, kBadInput);
@@ -259,16 +281,20 @@ void add_view(CLI::App& app, ViewCommand& view, const Invocation& invocation, in
 }
 
 void add_merge(CLI::App& app, MergeCommand& merge, int& status) {
-  auto* sub = app.add_subcommand("merge", "Join the parts of a picture that --shard made");
+  auto* sub = app.add_subcommand("merge", "Merge the parts of a picture rendered with --shard");
   sub->footer(examples({"raio merge part1.raio part2.raio part3.raio -o balls.png"}));
   sub->add_option("parts", merge.parts, "Part files of one picture")->required()->type_name("PART");
-  add_file(*sub, "-o,--output", merge.output,
-           "Picture: .png .exr .ppm .pfm by suffix, or .raio for a part file; - writes PNG to "
-           "standard output",
-           "IMAGE");
+  add_file(
+      *sub, "-o,--output", merge.output,
+      "Output picture: .png .exr .ppm .pfm by suffix, or .raio for a part file; - writes PNG to "
+      "standard output",
+      "IMAGE");
   sub->get_option("--output")->required();
-  sub->add_flag("--quiet", merge.quiet, "Print nothing but errors");
-  sub->callback([&] { status = run(merge); });
+  sub->add_flag("--quiet", merge.quiet, "Print errors only");
+  sub->callback([&] {
+    refuse_terminal(merge.output, "-o");
+    status = run(merge);
+  });
 }
 
 void add_bench(CLI::App& app, BenchCommand& bench, int& status) {
@@ -290,45 +316,50 @@ void add_bench(CLI::App& app, BenchCommand& bench, int& status) {
 }
 
 void add_info(CLI::App& app, InfoCommand& info, int& status) {
-  auto* sub = app.add_subcommand("info", "Say what is in a scene");
+  auto* sub =
+      app.add_subcommand("info", "Describe a scene: primitives, bounds, camera, lights, warnings");
   sub->footer(examples({"raio info balls.nff --json"}));
   add_scene(*sub, info.scene);
-  sub->add_flag("--json", info.json, "As one JSON object");
+  sub->add_flag("--json", info.json, "Print one JSON object");
   sub->callback([&] { status = run(info); });
 }
 
 void add_generate(CLI::App& app, GenerateCommand& generate, int& status) {
-  auto* sub = app.add_subcommand("generate", "Write one of the standard procedural scenes as NFF");
+  auto* sub = app.add_subcommand("generate", "Write a standard procedural scene as NFF");
   sub->footer(recipe_list() + "\n" + examples({"raio generate balls --size 3 -o balls.nff"}));
-  sub->add_option("name", generate.name, "Which scene, from the list below")
+  sub->add_option("name", generate.name, "Name of the scene, from the list below")
       ->required()
-      ->type_name("NAME");
+      ->type_name(value_type("NAME", recipe_names()));
   add_number(*sub, "--size", generate.size, 1, 1000000, "Size factor (default: the scene's own)",
              "N");
-  add_file(*sub, "-o,--output", generate.output, "File (default: standard output)");
+  add_file(*sub, "-o,--output", generate.output, "Output file (default: standard output)");
   sub->callback([&] { status = run(generate); });
 }
 
 void add_export(CLI::App& app, ExportCommand& command, int& status) {
-  auto* sub = app.add_subcommand("export", "Write a scene for POV-Ray, which renders it likewise");
+  auto* sub = app.add_subcommand("export", "Convert a scene to POV-Ray, which renders it alike");
   sub->footer(examples({"raio export balls.nff -o balls.pov"}));
   add_scene(*sub, command.scene);
   add_file(*sub, "-o,--output", command.output,
-           "File, .pov; - for standard output (default: the scene's name, .pov, here)");
+           "Output file, .pov; - for standard output (default: the scene's name, .pov, here)");
   add_render_options(*sub, command.options, {"size", "depth"});
   sub->callback([&] { status = run(command); });
 }
 
 void add_compare(CLI::App& app, CompareCommand& compare, int& status) {
-  auto* sub = app.add_subcommand("compare", "Measure how far two pictures are apart");
+  auto* sub = app.add_subcommand("compare", "Measure the difference between two pictures");
   sub->footer(examples({"raio compare before.png after.exr --min-psnr 40 --diff apart.png"}));
   add_file(*sub, "a", compare.a, "First picture: PNG, EXR, PPM or PFM", "A");
   add_file(*sub, "b", compare.b, "Second picture, of the same size", "B");
   for (const char* picture : {"a", "b"}) sub->get_option(picture)->required();
   add_number(*sub, "--min-psnr", compare.min_psnr_db, 0.0, 1000.0,
-             "Exit with 1 when the PSNR is below this, in dB", "X");
-  add_file(*sub, "--diff", compare.diff, "Write a picture of the differences");
-  sub->callback([&] { status = run(compare); });
+             "Exit with status 1 if the PSNR is below X dB", "X");
+  add_file(*sub, "--diff", compare.diff,
+           "Write a picture of the differences; - writes PNG to standard output");
+  sub->callback([&] {
+    refuse_terminal(compare.diff, "--diff");
+    status = run(compare);
+  });
 }
 
 void add_spd(CLI::App& app, SpdVerifyCommand& verify, int& status) {
@@ -336,13 +367,13 @@ void add_spd(CLI::App& app, SpdVerifyCommand& verify, int& status) {
   spd->footer(examples({"raio spd verify balls tree"}));
   spd->require_subcommand(1);
   auto* sub = spd->add_subcommand(
-      "verify", "Hold the counts of rays, cells and tests against those that were published");
+      "verify", "Check counts of rays, cells and tests against the published ones");
   sub->footer(examples({"raio spd verify", "raio spd verify balls tree old/gears.nff --json"}));
   sub->add_option("scenes", verify.scenes,
-                  "Names of standard scenes, which are then generated, or files of these names "
+                  "Names of standard scenes, generated on the spot, or files with those names "
                   "(default: all)")
-      ->type_name("SCENE");
-  sub->add_flag("--json", verify.json, "As one JSON object");
+      ->type_name(value_type("SCENE", recipe_names()));
+  sub->add_flag("--json", verify.json, "Print one JSON object");
   add_render_options(*sub, verify.options, {"threads"});
   add_progress(*sub, verify.progress);
   sub->callback([&] { status = run_on_threads(verify); });
@@ -353,7 +384,8 @@ int parse_and_run(std::vector<std::string> arguments, const Invocation& invocati
   app.name("raio");
   app.formatter(std::make_shared<HelpFormatter>());
   app.set_help_flag("-h,--help", "Print this help");
-  app.set_version_flag("--version", "raio " RAIO_VERSION, "Print the version");
+  app.set_version_flag("--version", version_text(),
+                       "Print the version and the commit it was built from");
   app.footer(examples({"raio generate balls -o balls.nff",
                        "raio render balls.nff --size 1024x768 --aa 4 --soft-shadows"}));
   app.require_subcommand(1);
@@ -377,7 +409,13 @@ int parse_and_run(std::vector<std::string> arguments, const Invocation& invocati
   add_export(app, exporting, status);
   add_compare(app, compare, status);
   add_spd(app, verify, status);
+  add_manual_commands(app, status);
 
+  if (arguments.empty()) {
+    for (const auto line : std::views::split(short_help(app), '\n'))
+      print_line({line.begin(), line.end()});
+    return kBadInput;
+  }
   if (const std::string why = usage_problem(app, arguments); !why.empty())
     return usage_error(chosen_command(app, arguments), why);
   try {
@@ -402,7 +440,7 @@ void add_render_options(CLI::App& app, RenderOptions& options,
     };
     if (!spec.is_switch()) {
       app.add_option_function<std::string>(name, set, std::string(spec.help))
-          ->type_name(std::string(spec.value_name))
+          ->type_name(value_type(spec.value_name, spec.words))
           ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
       continue;
     }

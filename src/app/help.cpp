@@ -1,10 +1,11 @@
 #include "app/help.h"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
 
+#include "app/outline.h"
 #include "base/spelling.h"
 
 namespace raio::app {
@@ -35,44 +36,17 @@ std::string wrapped(std::string_view text, size_t indent, size_t first_column) {
   return out;
 }
 
-bool takes_value(const CLI::Option& option) { return option.get_items_expected_min() > 0; }
-
-std::vector<const CLI::Option*> positionals(const CLI::App& app) {
-  return app.get_options([](const CLI::Option* o) { return o->get_positional(); });
-}
-
-std::vector<const CLI::App*> commands(const CLI::App& app) {
-  return app.get_subcommands([](const CLI::App*) { return true; });
-}
-
 // "-o, --output IMAGE"
 std::string option_name(const CLI::Option& option) {
-  std::string out;
-  const auto add = [&](const std::string& dashes, const std::vector<std::string>& names) {
-    for (const std::string& name : names)
-      out += fmt::format("{}{}{}", out.empty() ? "" : ", ", dashes, name);
-  };
-  add("-", option.get_snames());
-  add("--", option.get_lnames());
-  return takes_value(option) ? out + " " + option.get_type_name() : out;
+  const std::string names = fmt::format("{}", fmt::join(option_names(option), ", "));
+  return takes_value(option) ? names + " " + value_name(option) : names;
 }
 
-bool is_list(const CLI::Option& option) { return option.get_items_expected_max() > 1; }
-
-std::string usage_line(const CLI::App& app) {
-  std::string out = full_name(app);
-  if (!commands(app).empty()) return out + " COMMAND [ARGUMENT ...]";
-  for (const CLI::Option* o : positionals(app)) {
-    const std::string name = o->get_type_name() + (is_list(*o) ? " ..." : "");
-    out += o->get_required() ? " " + name : " [" + name + "]";
-  }
-  return out + " [OPTION ...]";
-}
-
-const CLI::App* find_command(const CLI::App& app, std::string_view name) {
-  const auto all = commands(app);
-  const auto found = std::ranges::find(all, name, [](const CLI::App* c) { return c->get_name(); });
-  return found == all.end() ? nullptr : *found;
+Rows command_rows(const CLI::App& app) {
+  Rows rows;
+  for (const CLI::App* command : commands(app))
+    rows.emplace_back(command->get_name(), command->get_description());
+  return rows;
 }
 
 std::string with_suggestion(std::string message, std::string_view word,
@@ -87,12 +61,6 @@ std::string unknown_option(const CLI::App& app, std::string_view name) {
   for (const CLI::Option* o : app.get_options())
     for (const std::string& known : o->get_lnames()) names.push_back("--" + known);
   return with_suggestion(fmt::format("there is no option {}", name), name, names);
-}
-
-std::string unknown_command(const CLI::App& app, std::string_view name) {
-  std::vector<std::string> names;
-  for (const CLI::App* command : commands(app)) names.push_back(command->get_name());
-  return with_suggestion(fmt::format("there is no command '{}'", name), name, names);
 }
 
 bool is_option(const CLI::App& command, const std::string& argument) {
@@ -127,7 +95,7 @@ std::string arguments_problem(const CLI::App& command, std::span<const std::stri
     }
   }
   if (given < wanted.size() && wanted[given]->get_required())
-    return fmt::format("{} is missing: {}", wanted[given]->get_type_name(),
+    return fmt::format("{} is missing: {}", value_name(*wanted[given]),
                        wanted[given]->get_description());
   return {};
 }
@@ -149,36 +117,42 @@ std::string two_columns(std::span<const std::pair<std::string, std::string>> row
 }
 
 std::string HelpFormatter::make_help(const CLI::App* app, std::string, CLI::AppFormatMode) const {
-  Rows arguments, options, names;
-  for (const CLI::Option* o : app->get_options()) {
-    if (o->get_positional())
-      arguments.emplace_back(o->get_type_name(), o->get_description());
-    else
-      options.emplace_back(option_name(*o), o->get_description());
-  }
-  for (const CLI::App* command : commands(*app))
-    names.emplace_back(command->get_name(), command->get_description());
+  Rows arguments, options;
+  for (const CLI::Option* o : positionals(*app))
+    arguments.emplace_back(value_name(*o), o->get_description());
+  for (const CLI::Option* o : named_options(*app))
+    options.emplace_back(option_name(*o), o->get_description());
 
   std::string out = wrapped(app->get_description(), 0, 0) + "\n\n";
-  out += "Usage: " + usage_line(*app) + "\n";
+  out += "Usage: " + full_name(*app) + usage_of_arguments(*app) + "\n";
   const auto section = [&](std::string_view title, const Rows& rows) {
     if (!rows.empty()) out += fmt::format("\n{}:\n{}", title, two_columns(rows));
   };
   section("Arguments", arguments);
-  section("Commands", names);
+  section("Commands", command_rows(*app));
   section("Options", options);
   if (!app->get_footer().empty()) out += "\n" + app->get_footer();
   return out;
 }
 
+std::string unknown_command(const CLI::App& app, std::string_view name) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : commands(app)) names.push_back(command->get_name());
+  return with_suggestion(fmt::format("there is no command '{}'", name), name, names);
+}
+
+std::string help_text(const CLI::App& command) {
+  return HelpFormatter().make_help(&command, {}, CLI::AppFormatMode::Normal);
+}
+
+std::string short_help(const CLI::App& app) {
+  return fmt::format("Usage: {}{}\n\nCommands:\n{}\nMore by {} help COMMAND.", full_name(app),
+                     usage_of_arguments(app), two_columns(command_rows(app)), full_name(app));
+}
+
 const CLI::App& chosen_command(const CLI::App& app, std::span<const std::string> arguments) {
   const CLI::App* command = arguments.empty() ? nullptr : find_command(app, arguments.front());
   return command ? chosen_command(*command, arguments.subspan(1)) : app;
-}
-
-std::string full_name(const CLI::App& command) {
-  const CLI::App* parent = command.get_parent();
-  return (parent ? full_name(*parent) + " " : "") + command.get_name();
 }
 
 std::string usage_problem(const CLI::App& app, std::span<const std::string> arguments) {

@@ -20,11 +20,17 @@ class HelpFormatter final : public CLI::FormatterBase {
   std::string make_help(const CLI::App* app, std::string, CLI::AppFormatMode) const override;
 };
 
+/// The help of this command, also while another one runs; CLI11's own would then be of that.
+std::string help_text(const CLI::App& command);
+
+/// "there is no command 'rendr'; did you mean render?"
+std::string unknown_command(const CLI::App& app, std::string_view name);
+
+/// For who typed the program's name alone: how it is used, and its commands.
+std::string short_help(const CLI::App& app);
+
 /// The command that the first arguments name: `app`, one of its commands, one of theirs.
 const CLI::App& chosen_command(const CLI::App& app, std::span<const std::string> arguments);
-
-/// "raio spd verify".
-std::string full_name(const CLI::App& command);
 
 /// The first thing in the arguments (without the program's name) that `app` has no use for, or
 /// that is missing: the command, an option that is none, an argument too many or too few. One line,

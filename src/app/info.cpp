@@ -9,6 +9,7 @@
 #include "app/json.h"
 #include "app/output.h"
 #include "app/terminal.h"
+#include "app/warnings.h"
 #include "io/nff/nff.h"
 
 namespace raio::app {
@@ -139,12 +140,24 @@ std::string info_text(const ReadScene& read) {
   return out;
 }
 
+// What a picture without options would suffer from. Few scenes have a lens, and only those take a
+// structure to judge it.
+void add_warnings(const InfoCommand& command, ReadScene& read) {
+  const RenderOptions options = resolve_options({}, read.scene);
+  std::unique_ptr<Accel> accel;
+  if (*options.dof)
+    if (auto built = build_accel(read.scene, options.accel)) accel = std::move(*built);
+  for (const std::string& line : warning_lines(read.scene, options, accel.get()))
+    read.warnings.push_back({Severity::warning, command.scene, 0, 0, line, ""});
+}
+
 }  // namespace
 
 int run(const InfoCommand& command) {
   const StopOnSignal stop;
   // Not load_scene: the warnings are part of what is asked for.
-  const auto read = read_nff(command.scene);
+  auto read = read_nff(command.scene);
+  if (read) add_warnings(command, *read);
   for (const Diagnostic& d : read ? read->warnings : read.error()) print_line(d.text());
   if (!read) return kBadInput;
   return deliver("-", command.json ? info_json(*read) : info_text(*read));

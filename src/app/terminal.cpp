@@ -68,12 +68,16 @@ void show_progress(std::string text) {
   put(fmt::format("\r{:<{}}", text, before));
 }
 
-std::string scaled(double value, double step, std::string_view units, int decimals = 3) {
-  size_t unit = 0;
-  while (value >= step * 0.9995 && unit + 1 < units.size()) value /= step, ++unit;
-  const int digits = value < 10 ? decimals - 1 : value < 100 ? decimals - 2 : 0;
-  const std::string number = fmt::format("{:.{}f}", value, unit == 0 ? 0 : digits);
-  return units[unit] == ' ' ? number : number + " " + units[unit];
+// Three digits, with a letter for the power of a thousand before the unit.
+std::string scaled(double value, std::string_view unit) {
+  constexpr std::string_view kLetters = " kMGTP";
+  size_t power = 0;
+  while (value >= 999.5 && power + 1 < kLetters.size()) value /= 1000, ++power;
+  const int digits = power == 0 ? 0 : value < 9.995 ? 2 : value < 99.95 ? 1 : 0;
+  std::string out = fmt::format("{:.{}f}", value, digits);
+  if (power > 0 || !unit.empty()) out += ' ';
+  if (power > 0) out += kLetters[power];
+  return out += unit;
 }
 
 std::string progress_text(const RenderControl& control, double seconds, const std::string& label) {
@@ -83,8 +87,8 @@ std::string progress_text(const RenderControl& control, double seconds, const st
   std::string left = "...";
   if (share > 0.01 || seconds > 2)
     left = share > 0 ? human_seconds(seconds * (1 - share) / share) : "unknown";
-  return fmt::format("{}{:3.0f} %  {}rays/s  {} left", label.empty() ? "" : label + "  ",
-                     share * 100, human_count(rate) + (rate < 1000 ? " " : ""), left);
+  return fmt::format("{}{:3.0f} %  {}  {} left", label.empty() ? "" : label + "  ", share * 100,
+                     human_quantity(rate, "rays/s"), left);
 }
 
 }  // namespace
@@ -186,11 +190,17 @@ std::string human_seconds(double s) {
   return fmt::format("{:.1f} h", s / 3600);
 }
 
-std::string human_bytes(double bytes) {
-  return scaled(bytes, 1000, " kMGTP") + (bytes < 1000 ? " B" : "B");
+std::string human_bytes(double bytes) { return scaled(bytes, "B"); }
+
+std::string human_count(double count) { return scaled(count, ""); }
+
+std::string human_quantity(double value, std::string_view unit) { return scaled(value, unit); }
+
+std::string counted(double count, std::string_view thing) {
+  return fmt::format("{} {}{}", human_count(count), thing, count == 1 ? "" : "s");
 }
 
-std::string human_count(double count) { return scaled(count, 1000, " kMGTP"); }
+bool standard_output_is_terminal() { return ::isatty(STDOUT_FILENO) == 1; }
 
 size_t peak_memory_bytes() {
   rusage usage{};

@@ -69,6 +69,15 @@ std::string human_seconds(double seconds);
 std::string human_bytes(double bytes);
 std::string human_count(double count);
 
+/// "778 rays/s", "12.5 Mrays/s".
+std::string human_quantity(double value, std::string_view unit);
+
+/// "1 cell", "0 cells", "1.25 M cells".
+std::string counted(double count, std::string_view thing);
+
+/// Where the bytes of a picture are of no use, and may do harm.
+bool standard_output_is_terminal();
+
 /// The largest resident size of this process so far.
 size_t peak_memory_bytes();
 

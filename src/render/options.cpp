@@ -167,14 +167,14 @@ std::string vector_text(const RenderOptions& o) {
 
 using Options = RenderOptions;
 constexpr auto kTable = std::to_array<OptionSpec>({
-    {"size", "WxH", "Pixels of the picture (default: the scene's resolution, else 512x512)",
+    {"size", "WxH", "Width and height in pixels (default: the scene's resolution, else 512x512)",
      parse_size, 0, 0, size_text},
-    {"from", "X,Y,Z", "Where the eye is, in the coordinates of the file (default: the scene's)",
+    {"from", "X,Y,Z", "Position of the camera, in the file's coordinates (default: the scene's)",
      parse_vector<&Options::from>, 0, 0, vector_text<&Options::from>},
-    {"at", "X,Y,Z", "The point looked at (default: the scene's)", parse_vector<&Options::at>, 0, 0,
-     vector_text<&Options::at>},
-    {"up", "X,Y,Z", "What is up (default: the scene's)", parse_vector<&Options::up>, 0, 0,
-     vector_text<&Options::up>},
+    {"at", "X,Y,Z", "Point the camera looks at (default: the scene's)", parse_vector<&Options::at>,
+     0, 0, vector_text<&Options::at>},
+    {"up", "X,Y,Z", "Up direction of the camera (default: the scene's)", parse_vector<&Options::up>,
+     0, 0, vector_text<&Options::up>},
     {"fov", "DEG", "Vertical field of view in degrees (default: the scene's)",
      +[](Options& o) -> float& { return o.fov_deg; }, 0.001, 179},
     {"integrator", "NAME", kIntegratorHelp, parse_integrator, 0, 0, integrator_text,
@@ -187,74 +187,74 @@ constexpr auto kTable = std::to_array<OptionSpec>({
      "Keep these beside the colours, as numbers: alpha, depth, position, normal, albedo, id, "
      "object, samples, variance, steps, tests; .exr and .npz hold all of them, .png alpha alone",
      parse_channels, 0, 0, channels_text},
-    {"accel", "NAME",
-     "Structure that finds the hits: auto, none, grid, bvh or embree (default: auto)", parse_accel,
-     0, 0, accel_text, kAccelNames},
+    {"accel", "NAME", "Acceleration structure: auto, none, grid, bvh or embree (default: auto)",
+     parse_accel, 0, 0, accel_text, kAccelNames},
     {"grid-factor", "M",
-     "Fineness of the uniform grid: its cells a side are M times the cube root of the number of "
-     "primitives (default: 0.3, and one cell for up to 32 primitives)",
+     "Resolution of the uniform grid: cells per side are M times the cube root of the number of "
+     "primitives (default: 0.3; one cell for up to 32 primitives)",
      +[](Options& o) -> float& { return o.accel.grid_factor; }, 0.01, 100},
     {"grid-resolution", "XxYxZ",
      "Exact number of cells of the uniform grid, instead of --grid-factor", parse_resolution, 0, 0,
      resolution_text},
     {"aa", "N",
-     "Antialiasing: N x N jittered cells a pixel; 1 is one ray through the centre "
-     "(default: the scene's wish, else 1)",
+     "Antialiasing: N x N jittered cells per pixel; 1 is one ray through the centre "
+     "(default: as the scene says, else 1)",
      +[](Options& o) -> int& { return o.aa; }, 1, 256},
-    {"soft-shadows", "", "Lights are squares that face the point looked at, not points",
+    {"soft-shadows", "", "Render lights as squares facing the point looked at, not as points",
      +[](Options& o) -> bool& { return o.soft_shadows; }},
     {"light-size", "S",
-     "Side of the squares of --soft-shadows, in scene units (default: a tenth of the light's "
+     "Side of the square lights of --soft-shadows, in scene units (default: a tenth of the light's "
      "distance to the point looked at)",
      +[](Options& o) -> float& { return o.light_size; }, 1e-30, 1e30},
     {"dof", "",
      "Depth of field: a thin lens instead of a pinhole (default: if the scene has a lens)",
      +[](Options& o) -> std::optional<bool>& { return o.dof; }},
     {"aperture", "R",
-     "Radius of the lens of --dof, in scene units (default: the scene's, else a fiftieth of the "
-     "focus distance)",
+     "Lens radius for --dof, in scene units (default: the scene's, else a fiftieth of the focus "
+     "distance)",
      +[](Options& o) -> float& { return o.aperture; }, 1e-30, 1e30},
     {"focus", "D",
-     "Distance of the plane in focus with --dof, in scene units (default: the scene's, else that "
-     "of the point looked at)",
+     "Distance to the plane in focus for --dof, in scene units (default: the scene's, else the "
+     "distance to the point looked at)",
      +[](Options& o) -> float& { return o.focus; }, 1e-30, 1e30},
     {"lens-samples", "K",
-     "Rays for each cell of a pixel, which share out the lens and the lights (default: 1)",
+     "Rays per cell of a pixel, stratified over the lens and the lights (default: 1)",
      +[](Options& o) -> int& { return o.lens_samples; }, 1, 65536},
     {"samples", "N",
-     "Samples a pixel, any number, over all of it (or its centre with --aa 1); with --sampler "
-     "sobol, instead of --aa and --lens-samples",
+     "Samples per pixel, any number, over its whole area (its centre with --aa 1); implies "
+     "--sampler "
+     "sobol and replaces --aa and --lens-samples",
      +[](Options& o) -> int& { return o.samples; }, 1, kMaxSamples},
     {"sampler", "NAME",
-     "Where the samples go: jitter, random points in equal cells, or sobol, a scrambled Sobol "
-     "sequence, even after any number of samples (default: jitter; sobol with --samples)",
+     "Sampling pattern: jitter, random points in equal cells, or sobol, a scrambled Sobol "
+     "sequence, "
+     "well distributed after any number of samples (default: jitter; sobol with --samples)",
      parse_sampler, 0, 0, sampler_text, kSamplerNames},
-    {"depth", "N", "Levels of rays; the eye ray is level 1 (default: 5)",
+    {"depth", "N", "Maximum ray depth; the eye ray is level 1 (default: 5)",
      +[](Options& o) -> int& { return o.depth; }, 1, kMaxDepth},
-    {"no-reflection", "", "Mirrors reflect nothing but lights",
+    {"no-reflection", "", "Trace no reflected rays; highlights of the lights stay",
      +[](Options& o) -> bool& { return o.no_reflection; }},
-    {"no-refraction", "", "What is transparent lets nothing through",
+    {"no-refraction", "", "Trace no refracted rays; transparent surfaces become opaque",
      +[](Options& o) -> bool& { return o.no_refraction; }},
-    {"one-sided", "", "Opaque surfaces are seen from outside only, as the NFF text has it",
+    {"one-sided", "", "Cull back faces of opaque surfaces, as the NFF specification says",
      +[](Options& o) -> bool& { return o.one_sided; }},
     {"angle-to-centers", "",
-     "The angle of view lies between the centres of the outermost pixels, as the NFF text has it, "
-     "not between their edges",
+     "Measure the angle of view between the centres of the outermost pixels, as the NFF "
+     "specification says, not between their edges",
      +[](Options& o) -> bool& { return o.angle_to_centers; }},
     {"threads",
      "N",
-     "Threads; the picture is the same for any number (default: one a core)",
+     "Number of threads, on which the picture does not depend (default: one per core)",
      +[](Options& o) -> int& { return o.threads; },
      1,
      4096,
      nullptr,
      {},
      false},
-    {"seed", "N", "Chooses the random points of all effects (default: 0)", parse_seed, 0, 0,
-     seed_text},
+    {"seed", "N", "Seed of the random numbers (default: 0)", parse_seed, 0, 0, seed_text},
     {"counters",
      "",
-     "Count tests and steps for --stats; costs some time",
+     "Count intersection tests and traversal steps for --stats, at some cost in time",
      +[](Options& o) -> bool& { return o.accel.counters; },
      0,
      0,

@@ -1,0 +1,101 @@
+#include "integrate/tone.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+
+namespace raio {
+namespace {
+
+double exact_pow(double x, double y) { return x > 0 ? exact_exp2(y * exact_log2(x)) : 0; }
+
+// NaN gives 0.
+double unit(double x) { return x > 0 ? std::min(x, 1.0) : 0; }
+
+using Rows = std::array<Vec3d, 3>;
+
+Vec3d times(const Rows& m, Vec3d v) { return {dot(m[0], v), dot(m[1], v), dot(m[2], v)}; }
+
+// AgX by the fit of Benjamin Wrensch, "Minimal AgX Implementation" (2023,
+// https://iolite-engine.com/blog_posts/minimal_agx_implementation): the inset of the primaries,
+// which lets pure colours reach white, and its inverse; light in stops, of which the view shows
+// those from kDarkest to kBrightest; the contrast curve as a polynomial of degree six, whose mean
+// square error is 3.7e-6. What comes out is encoded for the display.
+constexpr Rows kInset = {{{0.842479062253094, 0.0784335999999992, 0.0792237451477643},
+                          {0.0423282422610123, 0.878468636469772, 0.0791661274605434},
+                          {0.0423756549057051, 0.0784336, 0.879142973793104}}};
+constexpr Rows kOutset = {{{1.19687900512017, -0.0980208811401368, -0.0990297440797205},
+                           {-0.0528968517574562, 1.15190312990417, -0.0989611768448433},
+                           {-0.0529716355144438, -0.0980434501171241, 1.15107367264116}}};
+constexpr double kDarkest = -12.47393, kBrightest = 4.026069;
+
+double agx_contrast(double linear) {
+  // The light of kDarkest, so that the logarithm has something to work on.
+  const double stops = exact_log2(std::max(linear, 0x1p-13));
+  const double x = unit((stops - kDarkest) / (kBrightest - kDarkest));
+  double y = 15.5;
+  for (const double next : {-40.14, 31.96, -6.868, 0.4298, 0.1191, -0.00232}) y = y * x + next;
+  return y;
+}
+
+Rgb agx(Rgb linear) {
+  Vec3d color;
+  // No colour is brighter than what becomes white, and infinity times zero is no number.
+  for (int c = 0; c < 3; ++c)
+    color[c] = linear[c] > 0 ? double(std::min(linear[c], std::numeric_limits<float>::max())) : 0;
+  color = times(kInset, color);
+  for (int c = 0; c < 3; ++c) color[c] = agx_contrast(color[c]);
+  color = times(kOutset, color);
+  return {float(unit(color.x)), float(unit(color.y)), float(unit(color.z))};
+}
+
+}  // namespace
+
+// The series of atanh about sqrt(1/2)..sqrt(2), where its argument is at most 0.172.
+double exact_log2(double x) {
+  const auto bits = std::bit_cast<uint64_t>(x);
+  int exponent = int(bits >> 52) - 1023;
+  double m = std::bit_cast<double>((bits & 0x000fffffffffffff) | 0x3ff0000000000000);
+  if (m > std::numbers::sqrt2) m *= 0.5, ++exponent;
+  const double z = (m - 1) / (m + 1), z2 = z * z;
+  double series = 0;
+  for (int n = 21; n >= 1; n -= 2) series = series * z2 + 1.0 / n;
+  return exponent + 2 / std::numbers::ln2 * z * series;
+}
+
+// Taylor's series of the exponential on half a power of two to either side.
+double exact_exp2(double x) {
+  const double whole = std::floor(x + 0.5), f = (x - whole) * std::numbers::ln2;
+  double series = 1;
+  for (int n = 14; n >= 1; --n) series = series * f / n + 1;
+  return series * std::bit_cast<double>(uint64_t(int64_t(whole) + 1023) << 52);
+}
+
+float srgb_from_linear(float linear) {
+  const double x = unit(linear);
+  return float(x <= 0.0031308 ? 12.92 * x : unit(1.055 * exact_pow(x, 1 / 2.4) - 0.055));
+}
+
+float linear_from_srgb(float encoded) {
+  const double x = unit(encoded);
+  return float(x <= 0.04045 ? x / 12.92 : unit(exact_pow((x + 0.055) / 1.055, 2.4)));
+}
+
+Rgb ToneMap::operator()(Rgb linear) const {
+  const Rgb light = linear * scale_;
+  switch (tone_) {
+    case Tone::none:
+      break;
+    case Tone::srgb:
+      return {srgb_from_linear(light.x), srgb_from_linear(light.y), srgb_from_linear(light.z)};
+    case Tone::agx:
+      return agx(light);
+  }
+  return light;
+}
+
+}  // namespace raio

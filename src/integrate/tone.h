@@ -1,0 +1,40 @@
+// How linear light becomes display values: exposure, then a curve. The arithmetic is this file's
+// own and not the C library's, so that a picture's bytes are the same on every machine.
+#pragma once
+
+#include "base/vec.h"
+
+namespace raio {
+
+/// `none`: values as they are, clipped by the display. `srgb`: the transfer curve of IEC 61966-2-1,
+/// clipped at white. `agx`: the AgX view of Troy Sobotka (https://github.com/sobotka/AgX), which
+/// compresses 16.5 stops into the display's range and lets bright colours fade to white instead of
+/// clipping channel by channel.
+enum class Tone { none, srgb, agx };
+
+/// 2^x, to about 1e-15 of the value; x from -1000 to 1000.
+double exact_exp2(double x);
+
+/// The logarithm of x to base 2, to about 1e-15; x is positive, finite and normal.
+double exact_log2(double x);
+
+/// The sRGB transfer curve and its inverse, from 0 to 1; negative values and NaN give 0, larger
+/// values 1.
+float srgb_from_linear(float linear);
+float linear_from_srgb(float encoded);
+
+/// From the linear colour of a pixel to its display values. With `none` and exposure 0 every colour
+/// stays the same to the last bit; `srgb` and `agx` give 0 to 1.
+class ToneMap {
+ public:
+  /// Light is multiplied by 2^exposure_ev first, exposure_ev from -100 to 100.
+  ToneMap(Tone tone, float exposure_ev) : tone_(tone), scale_(float(exact_exp2(exposure_ev))) {}
+
+  Rgb operator()(Rgb linear) const;
+
+ private:
+  Tone tone_;
+  float scale_;
+};
+
+}  // namespace raio

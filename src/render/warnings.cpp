@@ -1,0 +1,98 @@
+#include "render/warnings.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "integrate/camera.h"
+
+namespace raio {
+namespace {
+
+constexpr int kSide = 24;              // eye rays along each side of the picture
+constexpr float kMuch = 0.02f;         // spread of half of what is seen, in heights of the picture
+constexpr float kLittle = 0.01f;       // likewise, for what is proposed instead
+constexpr float kSharp = 0.005f;       // in heights of the picture; a pixel where that is more
+constexpr float kLeastSharp = 0.025f;  // of what is seen
+
+// How far along the view the things are that the picture's pixels show, nearest first.
+std::vector<float> depths_seen(const RenderOptions& options, const Camera& camera,
+                               const EyeRays& eye, const Accel& accel) {
+  RayBatch rays;
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x)
+      rays.push(eye.pinhole((float(x) + 0.5f) * float(options.width) / kSide,
+                            (float(y) + 0.5f) * float(options.height) / kSide));
+  HitBatch hits;
+  hits.reset(rays.size());
+  TraceContext context;
+  accel.closest(rays, hits, context);
+  const Vec3f forward = normalize(camera.at - camera.from);
+  std::vector<float> depths;
+  for (size_t i = 0; i < rays.size(); ++i)
+    if (hits[i].found()) depths.push_back(hits[i].t * dot(rays[i].dir, forward));
+  std::ranges::sort(depths);
+  return depths;
+}
+
+/// How a lens blurs what the picture shows.
+struct Blur {
+  float median = 0;       // in heights of the picture
+  float sharp_share = 0;  // of what is seen
+
+  bool is_too_much() const { return median > kMuch && sharp_share < kLeastSharp; }
+};
+
+// A lens of radius R in focus at F spreads what is at depth z over a circle of diameter
+// 2 R |z - F| / (z F) at depth 1, where the picture is `height` high.
+Blur blur_of(const std::vector<float>& depths, float aperture, float focus, float height,
+             float pixel) {
+  std::vector<float> spread;
+  for (const float z : depths)
+    spread.push_back(2 * aperture * std::abs(z - focus) / (z * focus * height));
+  std::ranges::sort(spread);
+  const float sharp = std::max(kSharp, pixel / height);
+  const auto first_blurred = std::ranges::upper_bound(spread, sharp);
+  return {spread[spread.size() / 2], float(first_blurred - spread.begin()) / float(spread.size())};
+}
+
+// Two digits of it, rounded down.
+float plain_number(float value) {
+  const float unit = std::pow(10.0f, std::floor(std::log10(value)) - 1);
+  return float(std::floor(double(value) / unit + 1e-6) * unit);
+}
+
+}  // namespace
+
+std::vector<SceneWarning> scene_warnings(const Scene& scene, const RenderOptions& options,
+                                         const Accel* accel) {
+  std::vector<SceneWarning> warnings;
+  if (scene.lights.empty())
+    warnings.push_back({SceneWarning::no_light,
+                        "the scene has no light, so that surfaces show the ambient light alone"});
+  if (!*options.dof || !accel) return warnings;
+  const Camera camera = camera_of(scene, options);
+  const EyeRays eye(camera, options.width, options.height, options.angle_to_centers);
+  const float pixel = length(eye.per_y), height = pixel * float(options.height);
+  const std::vector<float> depths = depths_seen(options, camera, eye, *accel);
+  if (depths.empty()) return warnings;
+  const auto blur = [&](float aperture, float focus) {
+    return blur_of(depths, aperture, focus, height, pixel);
+  };
+  const Blur now = blur(options.aperture, options.focus);
+  if (!now.is_too_much()) return warnings;
+
+  SceneWarning warning{SceneWarning::blurred,
+                       fmt::format("the lens blurs nearly all of the picture: half of what is seen "
+                                   "is spread over {:.0f} pixels or more",
+                                   now.median * float(options.height))};
+  // The spread grows with the radius of the lens.
+  warning.aperture = plain_number(options.aperture * kLittle / now.median);
+  const float focus = plain_number(depths[depths.size() / 2]);
+  if (blur(options.aperture, focus).median <= kLittle) warning.focus = focus;
+  warnings.push_back(std::move(warning));
+  return warnings;
+}
+
+}  // namespace raio

@@ -1,0 +1,106 @@
+#include "render/warnings.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "io/nff/nff.h"
+
+namespace raio {
+namespace {
+
+using testing::HasSubstr;
+
+std::vector<SceneWarning> warnings(const Scene& scene, const RenderOptions& options) {
+  const RenderOptions resolved = resolve_options(options, scene);
+  const auto accel = build_accel(scene, resolved.accel);
+  EXPECT_TRUE(accel);
+  return scene_warnings(scene, resolved, accel->get());
+}
+
+// A wall across the view at this depth, and nothing else.
+Scene wall(float depth) {
+  Scene scene;
+  scene.camera.fov_deg = 40;
+  scene.camera.width = scene.camera.height = 200;
+  scene.lights = {{{0, 0, 0}, std::nullopt}};
+  scene.materials = {{}};
+  scene.planes = {{{0, 0, -depth}, {0, 0, 1}}};
+  scene.plane_materials = {0};
+  return scene;
+}
+
+RenderOptions lens(float aperture, float focus) {
+  RenderOptions options;
+  options.dof = true;
+  options.aperture = aperture, options.focus = focus;
+  return options;
+}
+
+TEST(SceneWarnings, TellOfDarkness) {
+  Scene scene = wall(4);
+  EXPECT_TRUE(warnings(scene, {}).empty());
+  scene.lights.clear();
+  const auto found = warnings(scene, {});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].kind, SceneWarning::no_light);
+  EXPECT_THAT(found[0].sentence, HasSubstr("no light"));
+  EXPECT_EQ(scene_warnings(scene, resolve_options({}, scene), nullptr).size(), 1u);
+}
+
+TEST(SceneWarnings, TellHowFarALensSpreadsWhatIsSeen) {
+  const Scene scene = wall(4);
+  const auto found = warnings(scene, lens(0.2f, 1));
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].kind, SceneWarning::blurred);
+  // Through both edges of the lens to the point in focus and on to the wall: of diameter 2 R three
+  // times as far behind the focus as the lens is before it.
+  const double height = 2 * 4 * std::tan(20 * std::numbers::pi / 180);
+  EXPECT_THAT(found[0].sentence,
+              HasSubstr(fmt::format(" {:.0f} pixels", 200 * 2 * 0.2 * 3 / height)));
+  EXPECT_NEAR(found[0].focus, 4, 0.1);
+  EXPECT_TRUE(scene_warnings(scene, resolve_options(lens(0.2f, 1), scene), nullptr).empty());
+}
+
+TEST(SceneWarnings, ProposeWhatWouldDo) {
+  const Scene scene = wall(4);
+  const auto found = warnings(scene, lens(0.2f, 1));
+  ASSERT_EQ(found.size(), 1u);
+  ASSERT_GT(found[0].aperture, 0);
+  EXPECT_LT(found[0].aperture, 0.2f);
+  EXPECT_TRUE(warnings(scene, lens(found[0].aperture, 1)).empty());
+  EXPECT_TRUE(warnings(scene, lens(0.2f, found[0].focus)).empty());
+}
+
+TEST(SceneWarnings, LetPicturesBeThatHaveSomethingSharp) {
+  Scene scene = wall(40);
+  scene.spheres = {{{0, 0, -4}, 0.5f}};
+  scene.sphere_materials = {0};
+  EXPECT_TRUE(warnings(scene, lens(0.2f, 3.6f)).empty());
+  EXPECT_EQ(warnings(scene, lens(0.2f, 0.5f)).size(), 1u);
+  RenderOptions pinhole;
+  pinhole.dof = false;
+  EXPECT_TRUE(warnings(scene, pinhole).empty());
+  scene.planes.clear(), scene.plane_materials.clear(), scene.spheres[0].center.z = 4;
+  EXPECT_TRUE(warnings(scene, lens(0.2f, 0.5f)).empty()) << "nothing is in sight";
+}
+
+// The lens that pictures get by default: of the scenes here it blurs the two whose camera stands
+// among the objects, or looks at a point right before it.
+TEST(SceneWarnings, JudgeTheScenesHere) {
+  for (const char* name :
+       {"gears", "lattice", "mount", "rings", "shapes", "sphereflake", "teapot", "tetra", "tree"}) {
+    const auto read = read_nff(fmt::format("{}/scenes/{}.nff", RAIO_SOURCE_DIR, name));
+    ASSERT_TRUE(read) << name;
+    RenderOptions options;
+    options.dof = true;
+    const bool among = std::string_view(name) == "lattice" || std::string_view(name) == "rings";
+    EXPECT_EQ(warnings(read->scene, options).size(), among ? 1u : 0u) << name;
+  }
+}
+
+}  // namespace
+}  // namespace raio
