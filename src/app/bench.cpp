@@ -21,7 +21,7 @@ constexpr std::array kStructures = {AccelKind::none, AccelKind::grid, AccelKind:
                                     AccelKind::embree};
 
 // The places in `words` of the items of a list with commas; nothing when one is not among them or
-// comes twice.
+// comes twice, or when the list is empty.
 std::optional<std::vector<size_t>> places_of(std::string_view list,
                                              const std::vector<std::string>& words) {
   std::vector<size_t> places;
@@ -31,6 +31,7 @@ std::optional<std::vector<size_t>> places_of(std::string_view list,
     if (found == words.end() || std::ranges::count(places, place) > 0) return std::nullopt;
     places.push_back(place);
   }
+  if (places.empty()) return std::nullopt;
   return places;
 }
 
