@@ -10,6 +10,7 @@
 #include <set>
 #include <sstream>
 
+#include "app/bench_report.h"
 #include "app/plot.h"
 #include "io/image/image.h"
 
@@ -18,9 +19,19 @@ namespace {
 
 using testing::HasSubstr;
 
+constexpr EffectSet kAa = effect_named("aa"), kSoft = effect_named("soft_shadows"),
+                    kDof = effect_named("dof"), kAll = kAa | kSoft | kDof;
+
+BenchmarkRequest asking_for(std::vector<AccelKind> structures, EffectSet effects = kAll) {
+  BenchmarkRequest request;
+  request.structures = std::move(structures), request.effects = effects;
+  return request;
+}
+
 // Seconds that are easy to check by eye: the samples a pixel, eight times that without structure.
-BenchTable sample_table(const std::string& scene = "balls_medium") {
-  BenchTable table;
+BenchmarkTable sample_table(const std::string& scene = "balls_medium",
+                            const BenchmarkRequest& request = {}) {
+  BenchmarkTable table;
   table.version = "1.2.3";
   table.scene = scene;
   table.machine = "Some Processor 9000";
@@ -30,14 +41,21 @@ BenchTable sample_table(const std::string& scene = "balls_medium") {
                       {{.name = "grid", .bytes = 9000, .cells = 729, .references = 1931}, 2e-4},
                       {{.name = "bvh", .bytes = 7000, .cells = 20, .references = 91}, 1e-4}};
   table.disagreement = 0.0005;
-  for (const Combination& c : all_combinations()) {
-    const double s = samples_per_pixel(c) * (c.accel == AccelKind::none ? 0.08 : 0.01);
-    BenchRow row;
-    row.combination = c;
-    row.runs_s = {s * 3, s, s / 3};
-    row.rays = uint64_t(1'000'000) * uint64_t(samples_per_pixel(c));
-    row.report_s = report_seconds(scene, table.width, table.height, c);
-    table.rows.push_back(row);
+  table.effects = request.effects;
+  for (const Combination& c : combinations(request)) {
+    const int samples = samples_per_pixel(c.effects);
+    const double s = samples * (c.accel == AccelKind::none ? 0.08 : 0.01);
+    table.rows.push_back({c, {s * 3, s, s / 3}, uint64_t(1'000'000) * uint64_t(samples)});
+  }
+  return table;
+}
+
+// The report's own seconds as if they had been measured.
+BenchmarkTable report_as_table(const std::string& scene) {
+  BenchmarkTable table = sample_table(scene);
+  for (BenchmarkRow& row : table.rows) {
+    const auto time = report_time(scene, row.combination);
+    row.runs_s.assign(3, time ? time->seconds : 1);
   }
   return table;
 }
@@ -49,63 +67,300 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-TEST(Bench, HasAllCombinationsWithTheReportsSamples) {
+// Of UTF-8, all whose characters are one column wide.
+size_t columns(const std::string& line) {
+  return size_t(std::ranges::count_if(line, [](char c) { return (c & 0xc0) != 0x80; }));
+}
+
+TEST(Benchmark, HasAllCombinationsWithTheReportsSamples) {
+  const auto all = combinations({});
   std::multiset<int> samples;
   std::set<std::string> labels;
-  for (const Combination& c : all_combinations()) {
-    samples.insert(samples_per_pixel(c));
+  for (const Combination& c : all) {
+    samples.insert(samples_per_pixel(c.effects));
     labels.insert(short_label(c));
   }
   EXPECT_EQ(labels.size(), 24u);
   for (const int n : {1, 3, 9, 27}) EXPECT_EQ(samples.count(n), 6u) << n;
-  EXPECT_EQ(all_combinations().front(), Combination{AccelKind::none});
-  EXPECT_EQ(all_combinations()[15], (Combination{AccelKind::grid, true, true, true}));
-  EXPECT_EQ(all_combinations().back(), (Combination{AccelKind::bvh, true, true, true}));
-  EXPECT_EQ(short_label({AccelKind::grid, true, false, true}), "grid AA DOF");
+  EXPECT_EQ(all.front(), Combination{AccelKind::none});
+  EXPECT_EQ(all[1], (Combination{AccelKind::none, kDof}));
+  EXPECT_EQ(all[15], (Combination{AccelKind::grid, kAll}));
+  EXPECT_EQ(all.back(), (Combination{AccelKind::bvh, kAll}));
+  EXPECT_EQ(short_label({AccelKind::grid, kAa | kDof}), "grid AA DOF");
 }
 
-TEST(Bench, KnowsTheReportsSecondsAndNoOthers) {
-  const Combination plain{AccelKind::none}, grid{AccelKind::grid};
-  const Combination all{AccelKind::grid, true, true, true};
-  EXPECT_EQ(report_seconds("balls_medium", 512, 512, plain), 24.3);
-  EXPECT_EQ(report_seconds("balls_medium", 512, 512, grid), 4.5);
-  EXPECT_EQ(report_seconds("balls_medium", 512, 512, all), 98.4);
-  EXPECT_FALSE(report_seconds("balls_medium", 256, 256, plain));
-  EXPECT_FALSE(report_seconds("balls_high", 512, 512, plain));
-  const auto known = std::ranges::count_if(all_combinations(), [](const Combination& c) {
-    return report_seconds("balls_medium", 512, 512, c).has_value();
-  });
-  EXPECT_EQ(known, 3);
+TEST(Benchmark, CombinesTheChosenAndAlwaysHasThePlainRow) {
+  const auto chosen = combinations(asking_for({AccelKind::bvh, AccelKind::grid}, kAa | kSoft));
+  const std::vector<Combination> expected = {
+      {AccelKind::bvh, 0},           {AccelKind::bvh, kSoft},       {AccelKind::bvh, kAa},
+      {AccelKind::bvh, kAa | kSoft}, {AccelKind::grid, 0},          {AccelKind::grid, kSoft},
+      {AccelKind::grid, kAa},        {AccelKind::grid, kAa | kSoft}};
+  EXPECT_EQ(chosen, expected);
+  EXPECT_EQ(combinations(asking_for({AccelKind::embree}, 0)),
+            std::vector<Combination>{{AccelKind::embree}});
 }
 
-TEST(Bench, TakesTheMedianOfTheRuns) {
-  BenchRow row;
-  row.runs_s = {9, 1, 2}, row.rays = 100, row.report_s = 30;
-  EXPECT_EQ(row.seconds(), 2);
+// An effect's line says how many samples it takes; its function has to ask for as many.
+TEST(Benchmark, EffectsAskForTheSamplesThatTheySay) {
+  for (const BenchmarkEffect& effect : kBenchmarkEffects) {
+    RenderOptions options;
+    options.aa = options.lens_samples = 1;
+    effect.set(options, true);
+    EXPECT_EQ(options.samples_per_pixel(), effect.samples) << effect.name;
+    effect.set(options, false);
+    EXPECT_EQ(options.samples_per_pixel(), 1) << effect.name;
+  }
+}
+
+TEST(Benchmark, SpreadIsLeastMedianAndMost) {
+  BenchmarkRow row{{}, {9, 1, 2}, 100};
+  EXPECT_EQ(row.seconds().least, 1);
+  EXPECT_EQ(row.seconds().median, 2);
+  EXPECT_EQ(row.seconds().most, 9);
+  EXPECT_EQ(row.seconds().half_width(), 2);  // 4 either way, of 2
   EXPECT_EQ(row.rays_per_s(), 50);
-  EXPECT_EQ(row.speedup(), 15);
   row.runs_s.push_back(4);
-  EXPECT_EQ(row.seconds(), 3);
-  row.report_s.reset();
-  EXPECT_FALSE(row.speedup());
+  EXPECT_EQ(row.seconds().median, 3);
 }
 
-TEST(Bench, CostIsAgainstTheSameStructureWithoutEffects) {
-  const BenchTable table = sample_table();
-  for (const BenchRow& row : table.rows)
-    EXPECT_DOUBLE_EQ(table.relative_cost(row), samples_per_pixel(row.combination));
+// A machine that becomes ten times slower from round to round, all rows alike.
+TEST(Benchmark, CostIsWithinARoundSoThatADriftLeavesIt) {
+  BenchmarkTable table = sample_table();
+  for (BenchmarkRow& row : table.rows) {
+    const double s = row.runs_s[1];
+    row.runs_s = {s, 10 * s, 100 * s};
+    const Spread cost = table.relative_cost(row);
+    for (const double value : {cost.least, cost.median, cost.most})
+      EXPECT_DOUBLE_EQ(value, samples_per_pixel(row.combination.effects));
+    EXPECT_GT(row.seconds().half_width(), 4);
+  }
 }
 
-TEST(Bench, RefusesStructuresThatSeeDifferentPictures) {
+TEST(Benchmark, RefusesStructuresThatSeeDifferentPictures) {
   const Image a(100, 100);
   Image b = a;
   for (int i = 0; i < 10; ++i) b.at(i, 50) = Rgb(1);
-  EXPECT_EQ(check_agreement(AccelKind::grid, a, b), 0.001);
+  EXPECT_EQ(check_agreement(AccelKind::grid, a, AccelKind::none, b), 0.001);
   b.at(10, 50) = Rgb(1);
-  const auto refused = check_agreement(AccelKind::bvh, a, b);
+  const auto refused = check_agreement(AccelKind::bvh, a, AccelKind::grid, b);
   ASSERT_FALSE(refused);
-  EXPECT_THAT(refused.error(), HasSubstr("bvh and none"));
+  EXPECT_THAT(refused.error(), HasSubstr("bvh and grid"));
   EXPECT_THAT(refused.error(), HasSubstr("0.11 %"));
+}
+
+Scene one_ball() {
+  Scene scene;
+  scene.name = "ball";
+  scene.camera.from = {0, 0, 5}, scene.camera.up = {0, 1, 0};
+  scene.camera.width = scene.camera.height = 16;
+  scene.lights = {{{3, 3, 3}, std::nullopt}};
+  scene.materials = {{{1, 1, 1}, 0.9f, 0, 1, 0, 1}};
+  scene.spheres = {{{0, 0, 0}, 1}};
+  scene.sphere_materials = {0};
+  return scene;
+}
+
+TEST(Benchmark, RunsGoInRoundsWithBruteForceLast) {
+  const Scene scene = one_ball();
+  RenderControl control;
+  std::vector<std::string> steps;
+  BenchmarkRequest request = asking_for({AccelKind::none, AccelKind::bvh}, kAa);
+  request.repeat = 2;
+  const auto table = measure_benchmark(scene, request, control, [&](const BenchmarkStep& step) {
+    steps.push_back(std::to_string(step.number) + " " + short_label(step.combination));
+    EXPECT_EQ(step.count, step.number > 0 ? 8 : 0);
+  });
+  ASSERT_TRUE(table) << table.error().message;
+  EXPECT_THAT(steps,
+              testing::ElementsAre("0 none", "0 bvh", "1 bvh", "2 bvh AA", "3 bvh", "4 bvh AA",
+                                   "5 none", "6 none AA", "7 none", "8 none AA"));
+  EXPECT_EQ(table->disagreement, 0);
+  ASSERT_EQ(table->rows.size(), 4u);
+  EXPECT_EQ(table->rows[0].combination, Combination{AccelKind::none});
+  for (const BenchmarkRow& row : table->rows) {
+    EXPECT_EQ(row.runs_s.size(), 2u);
+    EXPECT_GE(row.rays, 16u * 16u * uint64_t(samples_per_pixel(row.combination.effects)));
+  }
+}
+
+TEST(Benchmark, AloneAStructureIsHeldAgainstNoOther) {
+  const Scene scene = one_ball();
+  RenderControl control;
+  const auto table = measure_benchmark(scene, asking_for({AccelKind::grid}, 0), control);
+  ASSERT_TRUE(table) << table.error().message;
+  EXPECT_FALSE(table->disagreement);
+  EXPECT_EQ(table->rows.size(), 1u);
+  EXPECT_THAT(table_text(*table), HasSubstr("held against no other"));
+  EXPECT_TRUE(nlohmann::json::parse(table_json(*table))["disagreement"].is_null());
+}
+
+// Sizes, samples and views of the request give way to the effects'; nothing else does.
+TEST(Benchmark, EffectsDecideOnSamples) {
+  const Scene scene = one_ball();
+  RenderControl control;
+  BenchmarkRequest request = asking_for({AccelKind::bvh}, 0);
+  request.options.samples = 64, request.options.dof = true, request.options.view = View::steps;
+  request.options.width = request.options.height = 8;
+  const auto table = measure_benchmark(scene, request, control);
+  ASSERT_TRUE(table) << table.error().message;
+  EXPECT_EQ(table->width, 8);
+  EXPECT_LT(table->rows[0].rays, 3u * 8u * 8u);  // an eye ray a pixel, and a shadow ray at most
+}
+
+TEST(Benchmark, EndsWhenTold) {
+  const Scene scene = one_ball();
+  RenderControl control;
+  const auto stopped = measure_benchmark(scene, {}, control, [&](const BenchmarkStep& step) {
+    if (step.number == 3) control.stop = true;
+  });
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().kind, BenchmarkFailure::stopped);
+  EXPECT_EQ(stopped.error().message, "");
+}
+
+TEST(BenchLists, StructuresAndEffects) {
+  EXPECT_EQ(parse_structures("grid,bvh"), (std::vector{AccelKind::grid, AccelKind::bvh}));
+  EXPECT_EQ(parse_structures("embree"), std::vector{AccelKind::embree});
+  for (const char* bad : {"", "grid,", "grid,grid", "auto", "grid bvh"}) {
+    const auto refused = parse_structures(bad);
+    ASSERT_FALSE(refused) << bad;
+    EXPECT_THAT(refused.error(), HasSubstr("found '" + std::string(bad) + "'"));
+    EXPECT_THAT(refused.error(), HasSubstr("none, grid, bvh, embree"));
+  }
+  EXPECT_EQ(parse_effects("none"), EffectSet(0));
+  EXPECT_EQ(parse_effects("dof,aa"), kAa | kDof);
+  EXPECT_EQ(parse_effects("soft-shadows"), kSoft);
+  for (const char* bad : {"", "none,aa", "soft_shadows", "aa,aa"}) {
+    const auto refused = parse_effects(bad);
+    ASSERT_FALSE(refused) << bad;
+    EXPECT_THAT(refused.error(), HasSubstr("aa, soft-shadows, dof"));
+  }
+}
+
+TEST(BenchLists, RefuseOptionsOfWhatIsNotTimed) {
+  BenchmarkRequest request;
+  request.options.accel.grid_factor = 2, request.options.light_size = 1;
+  request.options.aperture = 1, request.options.focus = 1;
+  EXPECT_EQ(bench_conflict(request), "");
+  request.structures = {AccelKind::bvh};
+  EXPECT_THAT(bench_conflict(request), HasSubstr("--grid-factor has no effect without grid"));
+  request.options.accel.grid_factor = 0, request.effects = kAa | kDof;
+  EXPECT_THAT(bench_conflict(request),
+              HasSubstr("--light-size has no effect without soft-shadows"));
+  request.options.light_size = 0, request.effects = kAa;
+  EXPECT_THAT(bench_conflict(request), HasSubstr("--aperture has no effect without dof"));
+  request.options.aperture = 0;
+  EXPECT_THAT(bench_conflict(request), HasSubstr("--focus has no effect without dof"));
+  request.options.focus = 0;
+  EXPECT_EQ(bench_conflict(request), "");
+}
+
+TEST(Report, KnowsItsSixteenTimesWithTheirDigits) {
+  const BenchmarkTable table = sample_table();
+  const auto text = [&](AccelKind accel, EffectSet effects) {
+    const auto time = report_time(table, *table.find({accel, effects}));
+    return time ? time->text() : "";
+  };
+  // One of each group of the report's table, and those whose effects are easily mixed up.
+  EXPECT_EQ(text(AccelKind::none, 0), "24.251");
+  EXPECT_EQ(text(AccelKind::none, kDof), "67.004");
+  EXPECT_EQ(text(AccelKind::none, kAa), "198.190");
+  EXPECT_EQ(text(AccelKind::none, kSoft), "26.352");
+  EXPECT_EQ(text(AccelKind::none, kSoft | kAa), "222.732");
+  EXPECT_EQ(text(AccelKind::grid, kAa | kDof), "95.047");
+  EXPECT_EQ(text(AccelKind::grid, kSoft | kDof), "12.335");
+  EXPECT_EQ(text(AccelKind::grid, kAll), "98.400");
+  for (const EffectSet effects : {EffectSet(0), kAa, kAll})
+    EXPECT_EQ(text(AccelKind::bvh, effects), "");
+  EXPECT_EQ(
+      std::ranges::count_if(table.rows, [&](auto& r) { return report_time(table, r).has_value(); }),
+      16);
+  BenchmarkTable other = table;
+  other.width = 256;
+  EXPECT_FALSE(report_knows(other));
+  EXPECT_FALSE(report_knows(sample_table("balls_low")));
+}
+
+TEST(Report, KnowsBallsHighRoughly) {
+  const auto none = report_time("balls_high", {AccelKind::none});
+  ASSERT_TRUE(none);
+  EXPECT_EQ(none->text(), ">3600");
+  EXPECT_EQ(report_time("balls_high", {AccelKind::grid})->text(), "12");
+  EXPECT_FALSE(report_time("balls_high", {AccelKind::grid, kAa}));
+}
+
+TEST(Report, CostAndSpeedupAreQuotients) {
+  const BenchmarkTable table = sample_table();
+  const BenchmarkRow& aa = *table.find({AccelKind::grid, kAa});
+  EXPECT_DOUBLE_EQ(*report_cost(table, aa), 32.634 / 4.507);
+  EXPECT_DOUBLE_EQ(*speedup(table, aa), 32.634 / 0.09);
+  EXPECT_EQ(report_cost(table, *table.find({AccelKind::none})), 1);
+  EXPECT_FALSE(report_cost(table, *table.find({AccelKind::bvh, kAa})));
+  EXPECT_FALSE(speedup(table, *table.find({AccelKind::bvh})));
+}
+
+std::vector<Verdict> verdicts(const BenchmarkTable& table) {
+  std::vector<Verdict> found;
+  for (const ReportClaim& claim : report_claims(table)) found.push_back(claim.verdict);
+  return found;
+}
+
+constexpr Verdict kYes = Verdict::confirmed, kNo = Verdict::corrected, kOpen = Verdict::unknown;
+
+// Whoever measured what the report measured would bear it out, but for its "six times".
+TEST(Report, JudgesItsOwnFigures) {
+  EXPECT_THAT(verdicts(report_as_table("balls_medium")),
+              testing::ElementsAre(kOpen, kYes, kYes, kNo, kYes));
+  EXPECT_THAT(verdicts(report_as_table("balls_high")),
+              testing::ElementsAre(kYes, kOpen, kOpen, kOpen, kOpen));
+  EXPECT_TRUE(verdicts(report_as_table("balls_low")).empty());
+  const auto claims = report_claims(report_as_table("balls_medium"));
+  EXPECT_EQ(claims[0].report, ">3600 s / 12 s = >300 x");
+  EXPECT_EQ(claims[0].ours, "");
+  EXPECT_EQ(
+      claims[1].report,
+      "no grid: AA 8.17 x, DOF 2.76 x, soft 1.09 x; grid: AA 7.24 x, DOF 2.64 x, soft 1.01 x");
+  EXPECT_EQ(claims[1].ours, claims[1].report);
+  EXPECT_EQ(claims[2].report, "no grid: 1.02 to 1.12 x; grid: 1.01 to 1.04 x");
+  EXPECT_EQ(claims[3].report, "24.251 s / 4.507 s = 5.38 x");
+  EXPECT_EQ(claims[3].ours, "24.3 s / 4.51 s = 5.38 x");
+  EXPECT_EQ(claims[4].report, "608.145 s / 98.400 s = 6.18 x, without effects 5.38 x");
+}
+
+void multiply(BenchmarkTable& table, const Combination& combination, double factor) {
+  for (BenchmarkRow& row : table.rows)
+    if (row.combination == combination)
+      for (double& s : row.runs_s) s *= factor;
+}
+
+// Each verdict turns with the figures that it is about.
+TEST(Report, VerdictsFollowTheFigures) {
+  const BenchmarkTable medium = report_as_table("balls_medium");
+  BenchmarkTable table = medium;
+  multiply(table, {AccelKind::grid, kDof}, 3);  // now dearer than antialiasing
+  EXPECT_EQ(verdicts(table)[1], kNo);
+  table = medium;
+  multiply(table, {AccelKind::grid, kAa | kSoft}, 1.2);
+  EXPECT_EQ(verdicts(table)[2], kNo);
+  table = medium;
+  for (BenchmarkRow& row : table.rows)
+    if (row.combination.accel == AccelKind::none) multiply(table, row.combination, 6 / 5.38);
+  EXPECT_EQ(verdicts(table)[3], kYes);
+  table = medium;
+  multiply(table, {AccelKind::grid, kAll}, 1.3);  // 4.75 of 5.38 are left
+  EXPECT_EQ(verdicts(table)[4], kNo);
+  table = report_as_table("balls_high");
+  multiply(table, {AccelKind::none}, 3);
+  EXPECT_EQ(verdicts(table)[0], kNo);
+}
+
+TEST(Report, SaysWhatMissingRowsLeaveOpen) {
+  BenchmarkTable grid_alone = sample_table("balls_medium", asking_for({AccelKind::grid}));
+  EXPECT_THAT(verdicts(grid_alone), testing::ElementsAre(kOpen, kYes, kYes, kOpen, kOpen));
+  EXPECT_THAT(
+      verdicts(sample_table("balls_medium", asking_for({AccelKind::none, AccelKind::grid}, kSoft))),
+      testing::ElementsAre(kOpen, kOpen, kYes, kNo, kOpen));
+  EXPECT_THAT(table_text(grid_alone), HasSubstr("cannot be told from these rows"));
 }
 
 TEST(Bench, ThreeDigits) {
@@ -118,24 +373,35 @@ TEST(Bench, ThreeDigits) {
 TEST(Bench, TextIsAlignedAndShowsWhatIsKnown) {
   const auto lines = lines_of(table_text(sample_table()));
   for (const std::string& line : lines) {
-    EXPECT_LE(line.size(), 100u) << line;
+    EXPECT_LE(columns(line), 100u) << line;
     EXPECT_FALSE(line.ends_with(' ')) << line;
   }
   for (const char* part : {"balls_medium", "512x512", "depth 5", "2 threads", "raio 1.2.3"})
     EXPECT_THAT(lines[0], HasSubstr(part));
   EXPECT_THAT(lines[1], HasSubstr("Some Processor 9000"));
 
-  std::vector<std::string> rows;
-  for (const std::string& line : lines)
-    if (line.ends_with(" x")) rows.push_back(line);
+  std::vector<std::string> rows(lines.begin() + 6, lines.begin() + 32);
+  std::erase(rows, "");
   ASSERT_EQ(rows.size(), 24u);
-  for (const std::string& row : rows) EXPECT_EQ(row.size(), rows[0].size()) << row;
-  EXPECT_THAT(rows[0], HasSubstr("24.3"));
-  EXPECT_THAT(rows[0], HasSubstr("304 x"));  // 24.3 s over 0.08 s
-  EXPECT_THAT(rows[1], HasSubstr(" - "));
-  EXPECT_THAT(rows[15], HasSubstr("98.4"));
-  EXPECT_THAT(rows[15], HasSubstr("27.0 x"));
+  for (const std::string& row : rows) EXPECT_EQ(columns(row), columns(rows[0])) << row;
+  for (const char* part : {"no grid ", " none ", " 24.251 ", " 303 x "})  // 24.251 s over 0.08 s
+    EXPECT_THAT(rows[0], HasSubstr(part));
+  for (const char* part : {"grid ", "AA soft DOF", " 27 ", " 98.400 ", " 0.270 ", " 21.8 x",
+                           " 27.0 x", "±133%", "±0.0%", " 364 x "})
+    EXPECT_THAT(rows[15], HasSubstr(part));
   EXPECT_TRUE(rows[16].starts_with("bvh "));
+  EXPECT_THAT(rows[16], HasSubstr(" - "));
+}
+
+TEST(Bench, TextHasNoColumnForWhatIsNotThere) {
+  BenchmarkTable table =
+      sample_table("unheard_of", asking_for({AccelKind::none, AccelKind::grid}, kAa));
+  table.repeat = 1;
+  for (BenchmarkRow& row : table.rows) row.runs_s.resize(1);
+  const std::string text = table_text(table);
+  for (const char* part : {"report", "±", "soft", "claims", "rounds"})
+    EXPECT_THAT(text, testing::Not(HasSubstr(part)));
+  EXPECT_THAT(text, HasSubstr("9.00 x"));
 }
 
 TEST(Bench, CsvHasOneFieldForEachName) {
@@ -143,10 +409,12 @@ TEST(Bench, CsvHasOneFieldForEachName) {
   ASSERT_EQ(lines.size(), 25u);
   const auto commas = std::ranges::count(lines[0], ',');
   for (const std::string& line : lines) EXPECT_EQ(std::ranges::count(line, ','), commas) << line;
-  EXPECT_TRUE(lines[1].starts_with("\"my \"\"best\"\"\",512,512,5,2,none,0,0,0,1,,0.08,"))
+  EXPECT_TRUE(lines[1].starts_with("\"my \"\"best\"\"\",512,512,5,2,none,0,0,0,1,,,3,0.08,"))
       << lines[1];
   const auto known = lines_of(table_csv(sample_table()));
-  EXPECT_THAT(known[16], HasSubstr(",grid,1,1,1,27,98.4,0.27,27000000,100000000,"));
+  EXPECT_THAT(known[16], HasSubstr(",grid,1,1,1,27,98.4,0,3,0.27,0.09"));
+  EXPECT_TRUE(known[16].ends_with(",27,27,27.000000000000004")) << known[16];
+  EXPECT_THAT(lines_of(table_csv(sample_table("balls_high")))[1], HasSubstr(",1,3600,1,3,"));
 }
 
 TEST(Bench, JsonHoldsTheWholeTable) {
@@ -155,14 +423,32 @@ TEST(Bench, JsonHoldsTheWholeTable) {
   EXPECT_EQ(json["resolution"], (nlohmann::json{512, 512}));
   EXPECT_EQ(json["accelerators"][1]["cells"], 729);
   ASSERT_EQ(json["rows"].size(), 24u);
-  EXPECT_EQ(json["rows"][0]["accelerator"], "none");
-  EXPECT_EQ(json["rows"][0]["report_s"], 24.3);
-  EXPECT_TRUE(json["rows"][1]["report_s"].is_null());
-  EXPECT_TRUE(json["rows"][1]["speedup"].is_null());
-  EXPECT_EQ(json["rows"][1]["effects"]["dof"], true);
-  EXPECT_EQ(json["rows"][15]["runs_s"].size(), 3u);
-  EXPECT_EQ(json["rows"][15]["samples_per_pixel"], 27);
-  EXPECT_EQ(json["rows"][23]["accelerator"], "bvh");
+  const auto& plain = json["rows"][0];
+  EXPECT_EQ(plain["accelerator"], "none");
+  EXPECT_EQ(plain["report_s"], 24.251);
+  EXPECT_EQ(plain["report_more_than"], false);
+  EXPECT_EQ(plain["report_cost"], 1);
+  EXPECT_EQ(json["rows"][1]["effects"],
+            (nlohmann::json{{"aa", false}, {"soft_shadows", false}, {"dof", true}}));
+  const auto& all = json["rows"][15];
+  EXPECT_EQ(all["runs_s"].size(), 3u);
+  EXPECT_EQ(all["runs"], 3);
+  EXPECT_EQ(all["samples_per_pixel"], 27);
+  EXPECT_DOUBLE_EQ(all["seconds_min"].get<double>(), 0.09);
+  EXPECT_DOUBLE_EQ(all["seconds"].get<double>(), 0.27);
+  EXPECT_DOUBLE_EQ(all["seconds_max"].get<double>(), 0.81);
+  EXPECT_DOUBLE_EQ(all["report_cost"].get<double>(), 98.4 / 4.507);
+  for (const char* cost : {"relative_cost", "relative_cost_min", "relative_cost_max"})
+    EXPECT_DOUBLE_EQ(all[cost].get<double>(), 27) << cost;
+  const auto& tree = json["rows"][23];
+  EXPECT_EQ(tree["accelerator"], "bvh");
+  for (const char* unknown : {"report_s", "report_more_than", "report_cost", "speedup"})
+    EXPECT_TRUE(tree[unknown].is_null()) << unknown;
+  ASSERT_EQ(json["claims"].size(), 5u);
+  EXPECT_EQ(json["claims"][0]["verdict"], "cannot be told from these rows");
+  EXPECT_TRUE(json["claims"][0]["ours"].is_null());
+  EXPECT_EQ(json["claims"][3]["ours"], "0.0800 s / 0.0100 s = 8.00 x");
+  EXPECT_EQ(json["claims"][3]["verdict"], "corrected");
   EXPECT_TRUE(nlohmann::json::accept(table_json(sample_table("no\xff utf-8"))));
 }
 
@@ -196,7 +482,7 @@ class PlotPicture : public testing::Test {
   }
   ~PlotPicture() override { std::filesystem::remove(path_); }
 
-  Image draw(const BenchTable& table) {
+  Image draw(const BenchmarkTable& table) {
     const auto png = draw_plot(table, PlotFormat::png);
     EXPECT_TRUE(png) << png.error();
     EXPECT_TRUE(write_file(path_, *png));
@@ -228,21 +514,49 @@ TEST_F(PlotPicture, ShowsBarsAndWhereKnownTheReport) {
   EXPECT_EQ(std::ranges::count_if(unknown.pixels, is_report), 0);
 }
 
-TEST_F(PlotPicture, KeepsItsMargins) {
-  BenchTable table = sample_table(std::string(200, 'W') + "\xff");
-  table.machine = std::string(300, 'M');
-  for (const double factor : {1e-4, 1.0, 300.0}) {
-    BenchTable scaled = table;
-    for (BenchRow& row : scaled.rows) {
-      for (double& s : row.runs_s) s *= factor;
-      row.report_s = row.combination.aa ? std::optional(24.3) : std::nullopt;
-    }
-    const Image image = draw(scaled);
-    for (int y = 0; y < image.height; ++y)
-      for (const int x : {2, image.width - 3}) {
-        EXPECT_TRUE(has_bytes(image.at(x, y), 255, 255, 255)) << factor << ": " << x << " " << y;
-      }
+// The report's diamonds are in both panels, among seconds and among costs.
+TEST_F(PlotPicture, ShowsCostsBesideTheReports) {
+  const auto count = [](const Image& image, int from, int to, int r, int g, int b) {
+    int found = 0;
+    for (int y = 200; y < 880; ++y)
+      for (int x = from; x < to; ++x) found += has_bytes(image.at(x, y), r, g, b);
+    return found;
+  };
+  const Image known = draw(sample_table()), unknown = draw(sample_table("unheard_of"));
+  for (const auto& [from, to] :
+       {std::pair(430, 1040), std::pair(1060, 1385), std::pair(1385, 1470)}) {
+    EXPECT_GT(count(known, from, to, 213, 94, 0), 300) << from;
+    EXPECT_EQ(count(unknown, from, to, 213, 94, 0), 0) << from;
   }
+  EXPECT_GT(count(unknown, 1060, 1385, 0, 114, 178), 300);
+}
+
+TEST_F(PlotPicture, HoldsFewRowsAndMany) {
+  const std::vector every = {AccelKind::none, AccelKind::grid, AccelKind::bvh, AccelKind::embree};
+  const auto is_embree = [](Rgb p) { return has_bytes(p, 204, 121, 167); };
+  for (const BenchmarkRequest& request : {asking_for(every), asking_for({AccelKind::embree}, 0)}) {
+    const Image image = draw(sample_table("balls_medium", request));
+    EXPECT_GT(std::ranges::count_if(image.pixels, is_embree), 300);
+    for (int x = 0; x < image.width; ++x)
+      EXPECT_TRUE(has_bytes(image.at(x, image.height - 3), 255, 255, 255)) << x;
+  }
+}
+
+TEST_F(PlotPicture, KeepsItsMargins) {
+  BenchmarkTable table = sample_table();
+  table.machine = std::string(300, 'M');
+  for (const char* scene : {"balls_medium", "balls_high", ""})
+    for (const double factor : {1e-4, 1.0, 300.0, 1e5}) {
+      BenchmarkTable scaled = table;
+      scaled.scene = *scene ? scene : std::string(200, 'W') + "\xff";
+      for (BenchmarkRow& row : scaled.rows)
+        for (double& s : row.runs_s) s *= factor;
+      const Image image = draw(scaled);
+      for (int y = 0; y < image.height; ++y)
+        for (const int x : {2, image.width - 3}) {
+          EXPECT_TRUE(has_bytes(image.at(x, y), 255, 255, 255)) << factor << ": " << x << " " << y;
+        }
+    }
 }
 
 }  // namespace

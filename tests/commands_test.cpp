@@ -254,13 +254,13 @@ BenchCommand small_bench(const std::string& scene) {
   BenchCommand command;
   command.scene = scene;
   command.progress = "off";
-  command.options.width = command.options.height = 16;
+  command.request.options.width = command.request.options.height = 16;
   return command;
 }
 
 TEST_F(Commands, BenchMeasuresAllCombinations) {
   BenchCommand command = small_bench(file("balls_medium.nff", kScene));
-  command.repeat = 3;
+  command.request.repeat = 3;
   command.json = path("b.json"), command.csv = path("b.csv"), command.plot = path("b.svg");
   EXPECT_EQ(run_captured(command), kDone);
   EXPECT_EQ(err_, "");

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "integrate/options.h"
+#include "render/options.h"
 #include "program.h"
 
 namespace raio {

@@ -1,177 +1,39 @@
 #include "app/bench.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <chrono>
-#include <cstdio>
-#include <expected>
-#include <fstream>
-#include <map>
-#include <memory>
+#include <array>
+#include <optional>
 #include <ranges>
-#include <tuple>
 
 #include "app/commands.h"
 #include "app/output.h"
 #include "app/plot.h"
 #include "app/terminal.h"
-#include "io/image/image.h"
-#include "render/render.h"
 
 namespace raio::app {
 
 namespace {
 
-// The share of pixels in which the structures' pictures may differ by more than 8 of 255: rays that
-// graze an edge may fall on either side of it.
-constexpr double kAllowedDisagreement = 0.001;
+constexpr std::array kStructures = {AccelKind::none, AccelKind::grid, AccelKind::bvh,
+                                    AccelKind::embree};
 
-using Failure = BenchFailure;
-
-struct ReportTime {
-  std::string_view scene;
-  Combination combination;
-  double seconds;
-};
-
-// What is known of the report's table (kReportSource); the rest is not, and stays out.
-constexpr ReportTime kReportTimes[] = {
-    {"balls_medium", {AccelKind::none, false, false, false}, 24.3},
-    {"balls_medium", {AccelKind::grid, false, false, false}, 4.5},
-    {"balls_medium", {AccelKind::grid, true, true, true}, 98.4},
-};
-
-// The model name of the first processor, where the system tells it.
-std::string machine_name() {
-  std::ifstream file("/proc/cpuinfo");
-  for (std::string line; std::getline(file, line);) {
-    const size_t colon = line.find(": ");
-    if (line.starts_with("model name") && colon != std::string::npos) return line.substr(colon + 2);
+// The places in `words` of the items of a list with commas; nothing when one is not among them or
+// comes twice, or when the list is empty.
+std::optional<std::vector<size_t>> places_of(std::string_view list,
+                                             const std::vector<std::string>& words) {
+  std::vector<size_t> places;
+  for (const auto item : std::views::split(list, ',')) {
+    const auto found = std::ranges::find(words, std::string_view(item.begin(), item.end()));
+    const size_t place = size_t(found - words.begin());
+    if (found == words.end() || std::ranges::count(places, place) > 0) return std::nullopt;
+    places.push_back(place);
   }
-  return "unknown processor";
+  if (places.empty()) return std::nullopt;
+  return places;
 }
-
-class Measurement {
- public:
-  Measurement(const Scene& scene, const BenchCommand& command, RenderControl& control)
-      : scene_(scene), command_(command), control_(control) {
-    // Resolved as if all effects were on, so that lens and light are settled for those that use
-    // them.
-    RenderOptions wish = command.options;
-    wish.soft_shadows = true, wish.dof = true;
-    options_ = resolve_options(wish, scene);
-  }
-
-  std::expected<BenchTable, Failure> run() {
-    BenchTable table;
-    table.version = RAIO_VERSION;
-    table.scene = scene_.name;
-    table.machine = machine_name();
-    table.width = options_.width, table.height = options_.height;
-    table.threads = options_.threads, table.depth = options_.depth;
-    table.repeat = std::max(1, command_.repeat), table.seed = options_.seed;
-
-    for (const AccelKind kind : kBenchStructures) {
-      const auto built = build(kind);
-      if (!built) return std::unexpected(built.error());
-      table.structures.push_back(*built);
-    }
-    const auto disagreement = compare_plain();
-    if (!disagreement) return std::unexpected(disagreement.error());
-    table.disagreement = *disagreement;
-
-    // What costs little comes first, so that an interrupted or watched run has shown most by then:
-    // the structures before brute force, few samples before many.
-    const auto combinations = all_combinations();
-    std::vector<size_t> order(combinations.size());
-    std::ranges::copy(std::views::iota(size_t(0), order.size()), order.begin());
-    std::ranges::sort(order, {}, [&](size_t i) {
-      return std::tuple(combinations[i].accel == AccelKind::none,
-                        samples_per_pixel(combinations[i]), i);
-    });
-    table.rows.resize(combinations.size());
-    for (size_t done = 0; const size_t i : order) {
-      const std::string label =
-          fmt::format("{}/{} {}", ++done, order.size(), short_label(combinations[i]));
-      auto row = measure(combinations[i], label);
-      if (!row) return std::unexpected(row.error());
-      table.rows[i] = std::move(*row);
-    }
-    return table;
-  }
-
- private:
-  std::expected<BenchStructure, Failure> build(AccelKind kind) {
-    AccelOptions wish = command_.options.accel;
-    if (kind != AccelKind::grid) wish = {};
-    wish.kind = kind;
-    const auto start = std::chrono::steady_clock::now();
-    std::expected<std::unique_ptr<Accel>, std::string> accel;
-    on_threads(options_.threads, [&] { accel = build_accel(scene_, wish, options_.one_sided); });
-    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-    if (!accel) return std::unexpected(Failure{kNoResource, accel.error()});
-    if (control_.stop) return std::unexpected(Failure{kInterrupted, {}});
-    accels_[kind] = std::move(*accel);
-    return BenchStructure{accels_[kind]->info(), elapsed.count()};
-  }
-
-  struct Rendered {
-    double seconds;
-    std::unique_ptr<Film> film;
-  };
-  std::expected<Rendered, Failure> render_once(const Combination& c, const std::string& label) {
-    RenderSettings options = options_;
-    options.aa = aa_cells(c), options.lens_samples = lens_samples(c);
-    options.soft_shadows = c.soft_shadows, options.dof = c.dof;
-    control_.rays_done = control_.work_done = control_.work_total = 0;
-    const ProgressLine progress(control_, command_.progress, label);
-    auto film = make_film(scene_, options);
-    if (!film) return std::unexpected(Failure{kNoResource, film.error()});
-    const RenderResult result = render(scene_, *accels_.at(c.accel), options, **film, control_);
-    if (!result.finished) return std::unexpected(Failure{kInterrupted, {}});
-    return Rendered{result.seconds, std::move(*film)};
-  }
-
-  // Do the structures see the same picture? Also warms the machine up.
-  std::expected<double, Failure> compare_plain() {
-    Image of_none;
-    double most = 0;
-    for (const AccelKind kind : kBenchStructures) {
-      const Combination plain{kind};
-      const auto result = render_once(plain, fmt::format("comparing {}", short_label(plain)));
-      if (!result) return std::unexpected(result.error());
-      Image picture = result->film->resolve();
-      if (kind == AccelKind::none) {
-        of_none = std::move(picture);
-        continue;
-      }
-      const auto differing = check_agreement(kind, picture, of_none);
-      if (!differing) return std::unexpected(Failure{kCheckFailed, differing.error()});
-      most = std::max(most, *differing);
-    }
-    return most;
-  }
-
-  std::expected<BenchRow, Failure> measure(const Combination& c, const std::string& label) {
-    BenchRow row;
-    row.combination = c;
-    row.report_s = report_seconds(scene_.name, options_.width, options_.height, c);
-    for (int i = 0; i < std::max(1, command_.repeat); ++i) {
-      const auto result = render_once(c, label);
-      if (!result) return std::unexpected(result.error());
-      row.runs_s.push_back(std::max(result->seconds, 1e-9));
-      row.rays = result->film->rays().total();
-    }
-    return row;
-  }
-
-  const Scene& scene_;
-  const BenchCommand& command_;
-  RenderControl& control_;
-  RenderSettings options_;
-  std::map<AccelKind, std::unique_ptr<Accel>> accels_;
-};
 
 // Usage and targets, before minutes of work are spent; the exit status.
 int check_targets(const BenchCommand& command) {
@@ -186,7 +48,7 @@ int check_targets(const BenchCommand& command) {
   return kDone;
 }
 
-int write_results(const BenchTable& table, const BenchCommand& command) {
+int write_results(const BenchmarkTable& table, const BenchCommand& command) {
   int status = kDone;
   const auto write = [&](const std::string& path, std::string_view bytes) {
     if (const int failed = deliver(path, bytes)) status = failed;
@@ -204,62 +66,60 @@ int write_results(const BenchTable& table, const BenchCommand& command) {
   return status;
 }
 
+int report(const BenchmarkFailure& failure) {
+  if (failure.kind == BenchmarkFailure::stopped) return interrupted();
+  print_error(failure.message);
+  return failure.kind == BenchmarkFailure::disagreement ? kCheckFailed : kNoResource;
+}
+
 }  // namespace
 
-std::array<Combination, 8 * kBenchStructures.size()> all_combinations() {
-  std::array<Combination, 8 * kBenchStructures.size()> all;
-  for (unsigned i = 0; i < all.size(); ++i)
-    all[i] = {kBenchStructures[i / 8], bool(i & 4), bool(i & 2), bool(i & 1)};
-  return all;
+std::expected<std::vector<AccelKind>, std::string> parse_structures(std::string_view list) {
+  std::vector<std::string> words;
+  for (const AccelKind kind : kStructures) words.emplace_back(accel_name(kind));
+  const auto places = places_of(list, words);
+  if (!places)
+    return std::unexpected(fmt::format("expected some of {}, each once, as in grid,bvh, found '{}'",
+                                       fmt::join(words, ", "), list));
+  std::vector<AccelKind> kinds;
+  for (const size_t place : *places) kinds.push_back(kStructures[place]);
+  return kinds;
 }
 
-std::string short_label(const Combination& c) {
-  std::string label(accel_name(c.accel));
-  if (c.aa) label += " AA";
-  if (c.soft_shadows) label += " soft";
-  if (c.dof) label += " DOF";
-  return label;
+std::expected<EffectSet, std::string> parse_effects(std::string_view list) {
+  if (list == "none") return 0;
+  std::vector<std::string> words;
+  for (const BenchmarkEffect& effect : kBenchmarkEffects) words.push_back(effect_word(effect));
+  const auto places = places_of(list, words);
+  if (!places)
+    return std::unexpected(
+        fmt::format("expected none, or some of {}, each once, as in {},{}, found '{}'",
+                    fmt::join(words, ", "), words[0], words[1], list));
+  EffectSet effects = 0;
+  for (const size_t place : *places) effects |= EffectSet(1) << place;
+  return effects;
 }
 
-std::optional<double> report_seconds(std::string_view scene, int width, int height,
-                                     const Combination& combination) {
-  if (width != 512 || height != 512) return {};
-  for (const ReportTime& known : kReportTimes)
-    if (known.scene == scene && known.combination == combination) return known.seconds;
+std::string effect_word(const BenchmarkEffect& effect) {
+  std::string word(effect.name);
+  std::ranges::replace(word, '_', '-');
+  return word;
+}
+
+std::string bench_conflict(const BenchmarkRequest& request) {
+  const RenderOptions& o = request.options;
+  const bool grid = std::ranges::count(request.structures, AccelKind::grid) > 0;
+  const bool soft = (request.effects & effect_named("soft_shadows")) != 0;
+  const bool dof = (request.effects & effect_named("dof")) != 0;
+  const auto without = [](std::string_view option, std::string_view word, std::string_view list) {
+    return fmt::format("{0} has no effect without {1} among {2}; add {1} there or leave {0} out",
+                       option, word, list);
+  };
+  if (o.accel.grid_factor > 0 && !grid) return without("--grid-factor", "grid", "--accel");
+  if (o.light_size > 0 && !soft) return without("--light-size", "soft-shadows", "--effects");
+  if (o.aperture > 0 && !dof) return without("--aperture", "dof", "--effects");
+  if (o.focus > 0 && !dof) return without("--focus", "dof", "--effects");
   return {};
-}
-
-std::expected<double, std::string> check_agreement(AccelKind kind, const Image& picture,
-                                                   const Image& of_none) {
-  const double differing = compare(picture, of_none).above_8;
-  if (differing <= kAllowedDisagreement) return differing;
-  return std::unexpected(fmt::format(
-      "the pictures of {} and none differ in {:.3g} % of the pixels (allowed {:.3g} %), "
-      "so their times mean nothing",
-      accel_name(kind), 100 * differing, 100 * kAllowedDisagreement));
-}
-
-double BenchRow::seconds() const {
-  std::vector<double> sorted = runs_s;
-  std::ranges::sort(sorted);
-  const size_t half = sorted.size() / 2;
-  return sorted.size() % 2 ? sorted[half] : (sorted[half - 1] + sorted[half]) / 2;
-}
-
-std::optional<double> BenchRow::speedup() const {
-  return report_s ? std::optional(*report_s / seconds()) : std::nullopt;
-}
-
-double BenchTable::relative_cost(const BenchRow& row) const {
-  const auto plain =
-      std::ranges::find(rows, Combination{row.combination.accel}, &BenchRow::combination);
-  return plain == rows.end() ? 1 : row.seconds() / plain->seconds();
-}
-
-std::expected<BenchTable, BenchFailure> measure_bench(const Scene& scene,
-                                                      const BenchCommand& command,
-                                                      RenderControl& control) {
-  return Measurement(scene, command, control).run();
 }
 
 int run(const BenchCommand& command) {
@@ -269,13 +129,17 @@ int run(const BenchCommand& command) {
   const auto scene = load_scene(command.scene);
   if (!scene) return scene.error();
 
-  const auto table = measure_bench(*scene, command, control);
-  if (!table) {
-    if (table.error().status == kInterrupted) return interrupted();
-    print_error(table.error().message);
-    return table.error().status;
-  }
-  return write_results(*table, command);
+  std::optional<ProgressLine> line;
+  const auto table =
+      measure_benchmark(*scene, command.request, control, [&](const BenchmarkStep& step) {
+        const std::string label = short_label(step.combination);
+        line.reset();  // wipes the one before
+        line.emplace(control, command.progress,
+                     step.number > 0 ? fmt::format("{}/{} {}", step.number, step.count, label)
+                                     : "comparing " + label);
+      });
+  line.reset();
+  return table ? write_results(*table, command) : report(table.error());
 }
 
 }  // namespace raio::app

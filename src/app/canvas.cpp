@@ -111,14 +111,13 @@ void Canvas::disc(double x, double y, double radius, Ink ink) const {
   call<kCairo, cairo_fill>(cairo_);
 }
 
-void Canvas::diamond(double x, double y, Ink ink) const {
-  for (const auto& [radius, fill] :
-       {std::pair(kMarkerRadius + 3, kWhite), std::pair(kMarkerRadius, ink)}) {
+void Canvas::diamond(double x, double y, Ink ink, double radius) const {
+  for (const auto& [r, fill] : {std::pair(1.3 * radius, kWhite), std::pair(radius, ink)}) {
     set(fill);
-    call<kCairo, cairo_move_to>(cairo_, x - radius, y);
-    call<kCairo, cairo_line_to>(cairo_, x, y - radius);
-    call<kCairo, cairo_line_to>(cairo_, x + radius, y);
-    call<kCairo, cairo_line_to>(cairo_, x, y + radius);
+    call<kCairo, cairo_move_to>(cairo_, x - r, y);
+    call<kCairo, cairo_line_to>(cairo_, x, y - r);
+    call<kCairo, cairo_line_to>(cairo_, x + r, y);
+    call<kCairo, cairo_line_to>(cairo_, x, y + r);
     call<kCairo, cairo_close_path>(cairo_);
     call<kCairo, cairo_fill>(cairo_);
   }

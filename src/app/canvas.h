@@ -23,7 +23,7 @@ struct Ink {
 // differ in lightness, so that a print in grey works.
 inline constexpr Ink kBlack{26, 26, 31}, kGrey{107, 107, 115}, kFaint{224, 224, 230};
 inline constexpr Ink kSkyBlue{86, 180, 233}, kBlue{0, 114, 178}, kVermilion{213, 94, 0};
-inline constexpr Ink kGreen{0, 158, 115};
+inline constexpr Ink kGreen{0, 158, 115}, kPurple{204, 121, 167};
 inline constexpr Ink kWhite{255, 255, 255};
 
 enum class Align { left, center, right };
@@ -44,7 +44,7 @@ class Canvas {
             bool dotted = false) const;
   void disc(double x, double y, double radius, Ink ink) const;
   /// With a white rim, which keeps it apart from a bar below it.
-  void diamond(double x, double y, Ink ink) const;
+  void diamond(double x, double y, Ink ink, double radius = kMarkerRadius) const;
 
  private:
   void set(Ink ink) const;

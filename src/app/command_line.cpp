@@ -16,6 +16,7 @@
 #include <system_error>
 #include <vector>
 
+#include "app/bench.h"
 #include "app/commands.h"
 #include "app/help.h"
 #include "app/long_render.h"
@@ -297,22 +298,51 @@ void add_merge(CLI::App& app, MergeCommand& merge, int& status) {
   });
 }
 
+// A list of words, which `parse` turns into a value.
+template <class T>
+void add_list(CLI::App& app, const std::string& name, T& value,
+              std::expected<T, std::string> (*parse)(std::string_view), const std::string& help) {
+  const auto set = [&value, parse, name](const std::string& text) {
+    auto parsed = parse(text);
+    if (!parsed) throw CLI::ValidationError(name, parsed.error());
+    value = std::move(*parsed);
+  };
+  app.add_option_function<std::string>(name, set, help)
+      ->type_name("LIST")
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+}
+
 void add_bench(CLI::App& app, BenchCommand& bench, int& status) {
   auto* sub = app.add_subcommand(
       "bench", "Time all combinations of effects with brute force, grid and tree");
   sub->footer(
-      examples({"raio bench balls_medium.nff --repeat 3 --csv balls.csv --plot balls.svg"}));
+      examples({"raio bench balls_medium.nff --repeat 3 --csv balls.csv --plot balls.svg",
+                "raio bench balls_high.nff --accel grid,bvh,embree --effects aa,soft-shadows"}));
   add_scene(*sub, bench.scene);
   add_file(*sub, "--json", bench.json, "Write the table as JSON; - for standard output");
   add_file(*sub, "--csv", bench.csv, "Write the table as CSV; - for standard output");
   add_file(*sub, "--plot", bench.plot, "Draw the table: .png .svg .pdf by suffix");
-  add_number(*sub, "--repeat", bench.repeat, 1, 1000,
+  BenchmarkRequest& request = bench.request;
+  add_list(*sub, "--accel", request.structures, parse_structures,
+           "Structures to be timed: none (brute force), grid, bvh, embree (default: "
+           "none,grid,bvh)");
+  std::string words;
+  for (const BenchmarkEffect& effect : kBenchmarkEffects)
+    words += (words.empty() ? "" : ", ") + effect_word(effect);
+  add_list(*sub, "--effects", request.effects, parse_effects,
+           "Effects of which all combinations are timed: " + words +
+               "; none for the plain picture alone (default: aa,soft-shadows,dof)");
+  add_number(*sub, "--repeat", request.repeat, 1, 1000,
              "Renders of each combination; the median counts (default: 1)", "N");
-  add_render_options(*sub, bench.options,
+  add_render_options(*sub, request.options,
                      {"size", "grid-factor", "light-size", "aperture", "focus", "depth",
                       "one-sided", "threads", "seed"});
   add_progress(*sub, bench.progress);
-  sub->callback([&] { status = run_on_threads(bench); });
+  sub->callback([&] {
+    if (const auto why = bench_conflict(bench.request); !why.empty())
+      throw CLI::ParseError(why, kBadInput);
+    on_threads(bench.request.options.threads, [&] { status = run(bench); });
+  });
 }
 
 void add_info(CLI::App& app, InfoCommand& info, int& status) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "render/benchmark.h"
 #include "render/options.h"
 
 namespace raio::app {
@@ -56,8 +57,7 @@ struct BenchCommand {
   std::string scene;
   std::string json, csv, plot;  // files; empty: none. "-" as json or csv: instead of the table
   std::string progress = "auto";
-  int repeat = 1;         // of each combination; the median counts
-  RenderOptions options;  // size, threads, depth, seed, light size, lens
+  BenchmarkRequest request;
 };
 int run(const BenchCommand& command);
 

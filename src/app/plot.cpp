@@ -3,17 +3,30 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "app/bench.h"
+#include "app/bench_report.h"
 
 namespace raio::app {
 
 namespace {
 
-constexpr double kBarsLeft = 500, kBarsRight = 1540, kBarsTop = 222, kBarsBottom = 880;
-constexpr double kGroupGap = 26;  // between the bars of two structures
+constexpr double kRowsTop = 222, kRowsBottom = 880;
+constexpr double kGroupGap = 26;    // between the rows of two structures
+constexpr double kMostHeight = 44;  // of a row, where there are few
 constexpr double kLabelGap = 10;
+
+// From left to right: dots for the effects, samples, bars of seconds, dots of costs, their numbers.
+constexpr double kEffectsLeft = 84, kEffectsRight = 318, kSamplesRight = 392;
+constexpr double kBarsLeft = 430, kBarsRight = 1020;
+constexpr double kCostsLeft = 1090, kCostsRight = 1370;
+constexpr double kReportCostRight = 1468, kOurCostRight = 1560;
 
 constexpr Ink kReport = kVermilion;
 
@@ -28,192 +41,294 @@ Structure structure_of(AccelKind kind) {
       return {"without grid", kSkyBlue, kBlack};
     case AccelKind::grid:
       return {"with grid", kBlue, kWhite};
+    case AccelKind::embree:
+      return {"Embree", kPurple, kBlack};
     default:
       return {"Raio's tree", kGreen, kWhite};
   }
 }
 
-// Seconds to pixels, logarithmic.
+// Values to pixels, logarithmic.
 struct Axis {
-  double lo = 1, decades = 1;  // lo: at kBarsLeft
+  double left, right;
+  double lo = 1, decades = 1;  // lo: at `left`
 
-  double pixels_per_decade() const { return (kBarsRight - kBarsLeft) / decades; }
-  double x(double seconds) const {
-    return kBarsLeft + std::log10(seconds / lo) * pixels_per_decade();
-  }
+  double pixels_per_decade() const { return (right - left) / decades; }
+  double x(double value) const { return left + std::log10(value / lo) * pixels_per_decade(); }
   double hi() const { return lo * std::pow(10, decades); }
+
+  /// Lines at all digits of all decades, from the top of the rows to their bottom; those that
+  /// `name` gives a text are longer.
+  template <class Name>
+  void draw(const Canvas& canvas, Name name) const {
+    for (double decade = std::pow(10, std::floor(std::log10(lo))); decade <= hi() * 1.001;
+         decade *= 10) {
+      for (int digit = 1; digit <= 9; ++digit) {
+        const double at = x(decade * digit);
+        if (at < left - 0.5 || at > right + 0.5) continue;
+        const std::string text = name(decade * digit, digit);
+        const bool named = !text.empty();
+        canvas.line(at, kRowsTop - 10, at, kRowsBottom + (named ? 8 : 0), kFaint, named ? 2 : 0.6);
+        canvas.text(at, kRowsBottom + 24, text, kGrey, Align::center);
+      }
+    }
+  }
 };
 
-std::string report_label(const BenchRow& row) {
-  // The report's seconds as it gives them, without digits of our own.
-  return fmt::format("{:g} s, Raio {}× as fast", *row.report_s, three_digits(*row.speedup()));
-}
-
-// Is the report's marker far enough right of the bar for our label to stand between them?
-bool marker_is_clear(const Canvas& canvas, const Axis& axis, const BenchRow& row) {
-  const double ours = canvas.text_width(seconds_label(row.seconds()), kText);
-  return axis.x(*row.report_s) - kMarkerRadius > axis.x(row.seconds()) + ours + 2 * kLabelGap;
-}
-
-// From the decade below the shortest time to where the widest label still fits beside its bar.
-Axis fit_axis(const BenchTable& table, const Canvas& canvas) {
-  double shortest = std::numeric_limits<double>::infinity();
-  for (const BenchRow& row : table.rows)
-    shortest = std::min({shortest, row.seconds(), row.report_s.value_or(row.seconds())});
-  Axis axis{.lo = std::pow(10, std::floor(std::log10(0.8 * shortest))),
-            .decades = std::numeric_limits<double>::infinity()};
-  // Where labels stand depends on the scale. The first round takes the worst case; the wider scale
-  // that the second finds only moves markers further from their bars.
-  for (int round = 0; round < 2; ++round) {
-    double decades = 1;
-    for (const BenchRow& row : table.rows) {
-      const double longest = std::max(row.seconds(), row.report_s.value_or(0));
-      double labels = kLabelGap;
-      if (!row.report_s || !marker_is_clear(canvas, axis, row))
-        labels += kLabelGap + canvas.text_width(seconds_label(row.seconds()), kText);
-      if (row.report_s)
-        labels += 3 * kLabelGap + kMarkerRadius + canvas.text_width(report_label(row), kText, true);
-      const double room = kBarsRight - kBarsLeft;
-      decades = std::max(decades, std::log10(longest / axis.lo) * room / (room - labels));
+class Plot {
+ public:
+  Plot(const Canvas& canvas, const BenchmarkTable& table) : canvas_(canvas), table_(table) {
+    for (const BenchmarkRow& row : table.rows) {
+      const bool another =
+          &row == &table.rows.front() || row.combination.accel != (&row)[-1].combination.accel;
+      if (another) groups_.push_back(row.combination.accel);
     }
-    axis.decades = decades;
+    const double gaps = double(groups_.size() - 1) * kGroupGap;
+    height_ = std::min(kMostHeight, (kRowsBottom - kRowsTop - gaps) / double(table.rows.size()));
+    text_ = std::min(kText, 0.8 * height_);
+    marker_ = std::min(kMarkerRadius, 0.42 * height_);
+    fit_seconds();
+    fit_costs();
   }
-  return axis;
-}
 
-void draw_axis(const Canvas& canvas, const Axis& axis) {
-  // With few decades there is room to name the 2s and 5s as well.
-  const bool name_all = axis.pixels_per_decade() > 420;
-  for (double decade = axis.lo; decade <= axis.hi() * 1.001; decade *= 10) {
-    for (int digit = 1; digit <= 9; ++digit) {
-      const double seconds = decade * digit, x = axis.x(seconds);
-      if (x > kBarsRight + 0.5) break;
+  void draw() const {
+    draw_titles();
+    draw_legend();
+    draw_headings();
+    draw_axes();
+    draw_rows();
+  }
+
+ private:
+  std::optional<ReportTime> report_of(const BenchmarkRow& row) const {
+    return report_time(table_, row);
+  }
+  std::string ours_label(const BenchmarkRow& row) const {
+    return seconds_label(row.seconds().median);
+  }
+  double width_of(const std::string& text, bool bold = false) const {
+    return canvas_.text_width(text, text_, bold);
+  }
+
+  // Is the report's marker far enough right of the bar for our label to stand between them?
+  bool marker_is_clear(const BenchmarkRow& row, const ReportTime& report) const {
+    return seconds_.x(report.seconds) - marker_ >
+           seconds_.x(row.seconds().median) + width_of(ours_label(row)) + 2 * kLabelGap;
+  }
+
+  // From the decade below the shortest time to where the widest label still fits beside its bar.
+  void fit_seconds() {
+    double shortest = std::numeric_limits<double>::infinity();
+    for (const BenchmarkRow& row : table_.rows) shortest = std::min(shortest, row.seconds().median);
+    seconds_.lo = std::pow(10, std::floor(std::log10(0.8 * shortest)));
+    seconds_.decades = std::numeric_limits<double>::infinity();
+    // Where labels stand depends on the scale. The first round takes the worst case; the wider
+    // scale that the second finds only moves markers further from their bars.
+    for (int round = 0; round < 2; ++round) {
+      double decades = 1;
+      for (const BenchmarkRow& row : table_.rows) {
+        const auto report = report_of(row);
+        const double longest = std::max(row.seconds().median, report ? report->seconds : 0);
+        double labels = kLabelGap;
+        if (!report || !marker_is_clear(row, *report))
+          labels += kLabelGap + width_of(ours_label(row));
+        if (report) labels += 3 * kLabelGap + marker_ + width_of(report->text() + " s", true);
+        const double room = kBarsRight - kBarsLeft;
+        decades = std::max(decades, std::log10(longest / seconds_.lo) * room / (room - labels));
+      }
+      seconds_.decades = decades;
+    }
+  }
+
+  void fit_costs() {
+    double least = 1, most = 1;
+    for (const BenchmarkRow& row : table_.rows) {
+      const Spread ours = table_.relative_cost(row);
+      least = std::min(least, ours.least);
+      most = std::max({most, ours.most, report_cost(table_, row).value_or(1)});
+    }
+    costs_.lo = 0.9 * least;
+    costs_.decades = std::log10(std::max(1.15 * most, 2.5) / costs_.lo);
+  }
+
+  void draw_titles() const {
+    const double room = kOurCostRight - 40;
+    canvas_.text(
+        40, 52,
+        fmt::format("{}, {} × {} pixels", valid_utf8(table_.scene), table_.width, table_.height),
+        kBlack, Align::left, 38, true, room);
+    canvas_.text(40, 100,
+                 fmt::format("Time of all combinations of structure and effects, and what the "
+                             "effects cost; {} levels of rays",
+                             table_.depth),
+                 kGrey, Align::left, 22, false, room);
+    const std::string runs = table_.repeat > 1 ? fmt::format("median of {} runs", table_.repeat)
+                                               : std::string("one run");
+    canvas_.text(
+        40, 972,
+        fmt::format("Raio {} · {} · {} thread{} · {}", table_.version, valid_utf8(table_.machine),
+                    table_.threads, table_.threads == 1 ? "" : "s", runs),
+        kGrey, Align::left, 17, false, room);
+  }
+
+  void draw_legend() const {
+    constexpr double kY = 148;
+    double x = kBarsLeft;
+    const auto entry = [&](const std::string& text) {
+      canvas_.text(x + 34, kY, text, kBlack);
+      x += 34 + canvas_.text_width(text, kText) + 40;
+    };
+    for (const AccelKind kind : groups_) {
+      const Structure structure = structure_of(kind);
+      canvas_.box(x, kY - 10, 24, 20, structure.bar);
+      entry(std::string(structure.name));
+    }
+    if (!report_knows(table_)) return;
+    canvas_.diamond(x + 12, kY, kReport);
+    entry("technical report of 2018, on its own machine");
+  }
+
+  // Where the n-th of the effects that were combined has its dots, and how wide its column is.
+  std::pair<double, double> effect_column(size_t n) const {
+    const double width = (kEffectsRight - kEffectsLeft) / std::popcount(table_.effects);
+    return {kEffectsLeft + (double(n) + 0.5) * width, width};
+  }
+
+  void draw_headings() const {
+    constexpr double kSize = 17, kTop = kRowsTop - 48, kLine = 22;
+    for (size_t i = 0, n = 0; i < kBenchmarkEffects.size(); ++i) {
+      if (!(table_.effects >> i & 1)) continue;
+      const auto [x, width] = effect_column(n++);
+      for (size_t line = 0; line < 2; ++line)
+        canvas_.text(x, kTop + kLine * double(line),
+                     std::string(kBenchmarkEffects[i].heading[line]), kGrey, Align::center, kSize,
+                     false, width - 6);
+    }
+    canvas_.text(kSamplesRight, kTop, "samples", kGrey, Align::right, kSize);
+    canvas_.text(kSamplesRight, kTop + kLine, "a pixel", kGrey, Align::right, kSize);
+    canvas_.text(kOurCostRight, kTop + kLine, "Raio", kGrey, Align::right, kSize);
+    if (report_knows(table_))
+      canvas_.text(kReportCostRight, kTop + kLine, "report", kReport, Align::right, kSize);
+  }
+
+  void draw_axes() const {
+    // With few decades there is room to name the 2s and 5s as well.
+    const bool name_all = seconds_.pixels_per_decade() > 420;
+    seconds_.draw(canvas_, [&](double value, int digit) {
       const bool named = digit == 1 || (name_all && (digit == 2 || digit == 5));
-      canvas.line(x, kBarsTop - 10, x, kBarsBottom + (named ? 8 : 0), kFaint, named ? 2 : 0.6);
-      if (named) canvas.text(x, kBarsBottom + 24, tick_label(seconds), kGrey, Align::center);
+      return named ? tick_label(value) : std::string();
+    });
+    costs_.draw(canvas_, [&](double value, int digit) {
+      const bool named = digit == 1 || digit == 2 || digit == 5;
+      return named ? fmt::format("{:g}", value) : std::string();
+    });
+    const auto caption = [&](const Axis& axis, const char* text) {
+      canvas_.text((axis.left + axis.right) / 2, kRowsBottom + 56, text, kGrey, Align::center);
+    };
+    caption(seconds_, "rendering time, logarithmic: shorter is better");
+    caption(costs_, "cost: times as long as without effects");
+  }
+
+  void draw_effects(const BenchmarkRow& row, double y) const {
+    const EffectSet on = row.combination.effects;
+    for (size_t i = 0, n = 0; i < kBenchmarkEffects.size(); ++i) {
+      if (!(table_.effects >> i & 1)) continue;
+      const bool is_on = on >> i & 1;
+      canvas_.disc(effect_column(n++).first, y, is_on ? 0.8 * marker_ : 3, is_on ? kBlack : kFaint);
     }
+    canvas_.text(kSamplesRight - 6, y, fmt::format("{}", samples_per_pixel(on)), kBlack,
+                 Align::right, text_);
   }
-  canvas.text((kBarsLeft + kBarsRight) / 2, kBarsBottom + 56,
-              "rendering time, logarithmic: shorter is better", kGrey, Align::center);
-}
 
-// The columns left of the bars, as wide as their headings.
-constexpr std::array<double, 4> kColumns = {130, 228, 326, 430};
-
-void draw_headings(const Canvas& canvas) {
-  constexpr std::array<std::array<const char*, 2>, 4> kHeadings = {
-      {{"anti-", "aliasing"}, {"soft", "shadows"}, {"depth", "of field"}, {"samples", "a pixel"}}};
-  for (size_t i = 0; i < kColumns.size(); ++i)
-    for (size_t line = 0; line < 2; ++line)
-      canvas.text(kColumns[i], kBarsTop - 48 + 22 * double(line), kHeadings[i][line], kGrey,
-                  Align::center, 17);
-}
-
-void draw_row(const Canvas& canvas, const Axis& axis, const BenchRow& row, double y,
-              double height) {
-  const Combination& c = row.combination;
-  const Structure structure = structure_of(c.accel);
-  const std::array<bool, 3> effects = {c.aa, c.soft_shadows, c.dof};
-  for (size_t i = 0; i < effects.size(); ++i)
-    canvas.disc(kColumns[i], y, effects[i] ? 8 : 3, effects[i] ? kBlack : kFaint);
-  canvas.text(kColumns[3] + 14, y, fmt::format("{}", samples_per_pixel(c)), kBlack, Align::right);
-
-  const double end = axis.x(row.seconds());
-  canvas.box(kBarsLeft, y - 0.36 * height, end - kBarsLeft, 0.72 * height, structure.bar);
-
-  // Labels stand on white, over the lines of the axis.
-  const auto label = [&](double x, const std::string& text, Ink color, bool bold) {
-    const double width = canvas.text_width(text, kText, bold);
-    canvas.box(x - 4, y - 0.6 * kText, width + 8, 1.2 * kText, kWhite);
-    canvas.text(x, y, text, color, Align::left, kText, bold);
+  // On white, over the lines of the axis; where it ends.
+  double label(double x, double y, const std::string& text, Ink color, bool bold) const {
+    const double width = width_of(text, bold);
+    canvas_.box(x - 4, y - 0.6 * text_, width + 8, 1.2 * text_, kWhite);
+    canvas_.text(x, y, text, color, Align::left, text_, bold);
     return x + width;
-  };
-  const std::string ours = seconds_label(row.seconds());
-  if (!row.report_s) {
-    label(end + kLabelGap, ours, kBlack, false);
-    return;
   }
-  const double marker = axis.x(*row.report_s);
-  const double ours_width = canvas.text_width(ours, kText), ours_end = end + kLabelGap + ours_width;
-  double report_at = marker + kMarkerRadius + kLabelGap;
-  if (marker_is_clear(canvas, axis, row)) {
-    label(end + kLabelGap, ours, kBlack, false);
-    if (marker - kMarkerRadius > ours_end + 3 * kLabelGap)
-      canvas.line(ours_end + kLabelGap, y, marker - kMarkerRadius - 6, y, kReport, 2.5, true);
-  } else if (marker > end + kMarkerRadius && end - kBarsLeft > ours_width + 2 * kLabelGap) {
-    // The marker stands where the label would: the label goes into the bar.
-    canvas.text(end - kLabelGap, y, ours, structure.on_bar, Align::right);
-  } else {
-    // The marker is on the bar: both labels come after both.
-    const double x = std::max(end, marker + kMarkerRadius) + kLabelGap;
-    report_at = label(x, ours, kBlack, false) + 2 * kLabelGap;
-  }
-  label(report_at, report_label(row), kReport, true);
-  canvas.diamond(marker, y, kReport);
-}
 
-void draw_rows(const Canvas& canvas, const Axis& axis, const BenchTable& table) {
-  const double height = (kBarsBottom - kBarsTop - (kBenchStructures.size() - 1) * kGroupGap) /
-                        double(table.rows.size());
-  double y = kBarsTop, group_top = kBarsTop;
-  for (size_t i = 0; i < table.rows.size(); ++i) {
-    const AccelKind accel = table.rows[i].combination.accel;
-    draw_row(canvas, axis, table.rows[i], y + height / 2, height);
-    y += height;
-    if (i + 1 < table.rows.size() && table.rows[i + 1].combination.accel == accel) continue;
-    const Structure structure = structure_of(accel);
-    canvas.box(64, group_top + 4, 4, y - group_top - 8, structure.bar);
-    canvas.upright_text(40, (group_top + y) / 2, std::string(structure.name), kBlack);
-    y += kGroupGap;
-    group_top = y;
+  void draw_seconds(const BenchmarkRow& row, double y) const {
+    const Structure structure = structure_of(row.combination.accel);
+    const double end = seconds_.x(row.seconds().median);
+    canvas_.box(kBarsLeft, y - 0.36 * height_, end - kBarsLeft, 0.72 * height_, structure.bar);
+    const std::string ours = ours_label(row);
+    const auto report = report_of(row);
+    if (!report) {
+      label(end + kLabelGap, y, ours, kBlack, false);
+      return;
+    }
+    const double marker = seconds_.x(report->seconds);
+    const double ours_end = end + kLabelGap + width_of(ours);
+    double report_at = marker + marker_ + kLabelGap;
+    if (marker_is_clear(row, *report)) {
+      label(end + kLabelGap, y, ours, kBlack, false);
+      if (marker - marker_ > ours_end + 3 * kLabelGap)
+        canvas_.line(ours_end + kLabelGap, y, marker - marker_ - 6, y, kReport, 2.5, true);
+    } else if (marker > end + marker_ && end - kBarsLeft > width_of(ours) + 2 * kLabelGap) {
+      // The marker stands where the label would: the label goes into the bar.
+      canvas_.text(end - kLabelGap, y, ours, structure.on_bar, Align::right, text_);
+    } else {
+      // The marker is on the bar: both labels come after both.
+      const double x = std::max(end, marker + marker_) + kLabelGap;
+      report_at = label(x, y, ours, kBlack, false) + 2 * kLabelGap;
+    }
+    label(report_at, y, report->text() + " s", kReport, true);
+    canvas_.diamond(marker, y, kReport, marker_);
   }
-  canvas.line(kBarsLeft, kBarsTop - 10, kBarsLeft, kBarsBottom, kGrey, 2);
-}
 
-void draw_legend(const Canvas& canvas, const BenchTable& table) {
-  constexpr double kY = 150;
-  double x = kBarsLeft;
-  const auto entry = [&](const std::string& text) {
-    canvas.text(x + 34, kY, text, kBlack);
-    x += 34 + canvas.text_width(text, kText) + 44;
-  };
-  for (const AccelKind kind : kBenchStructures) {
-    const Structure structure = structure_of(kind);
-    canvas.box(x, kY - 10, 24, 20, structure.bar);
-    entry(std::string(structure.name));
+  // Ours as a dot with its spread; the report's beside it, joined by a line.
+  void draw_cost(const BenchmarkRow& row, double y) const {
+    const Ink ink = structure_of(row.combination.accel).bar;
+    const Spread ours = table_.relative_cost(row);
+    const double x = costs_.x(ours.median);
+    const auto number = [&](double right, double cost, Ink color, bool bold) {
+      canvas_.text(right, y, three_digits(cost) + "×", color, Align::right, text_, bold);
+    };
+    number(kOurCostRight, ours.median, kBlack, false);
+    const auto report = report_cost(table_, row);
+    if (report) {
+      canvas_.line(x, y, costs_.x(*report), y, kReport, 2.5);
+      canvas_.diamond(costs_.x(*report), y, kReport, marker_);
+      number(kReportCostRight, *report, kReport, true);
+    }
+    canvas_.line(costs_.x(ours.least), y, costs_.x(ours.most), y, ink, 3);
+    canvas_.disc(x, y, 0.7 * marker_, ink);
   }
-  if (std::ranges::none_of(table.rows, [](const BenchRow& r) { return r.report_s.has_value(); }))
-    return;
-  canvas.diamond(x + 12, kY, kReport);
-  entry("technical report of 2018, on its own machine");
-}
 
-void draw(const Canvas& canvas, const BenchTable& table) {
-  const double room = kBarsRight - 40;
-  canvas.text(40, 52,
-              fmt::format("{}, {} × {} pixels", valid_utf8(table.scene), table.width, table.height),
-              kBlack, Align::left, 38, true, room);
-  canvas.text(40, 100,
-              fmt::format("Time of all combinations of structure and effects, {} levels of rays",
-                          table.depth),
-              kGrey, Align::left, 22, false, room);
-  const Axis axis = fit_axis(table, canvas);
-  draw_legend(canvas, table);
-  draw_headings(canvas);
-  draw_axis(canvas, axis);
-  draw_rows(canvas, axis, table);
-  canvas.text(
-      40, 972,
-      fmt::format("Raio {} · {} · {} thread{} · {}", table.version, valid_utf8(table.machine),
-                  table.threads, table.threads == 1 ? "" : "s",
-                  table.repeat > 1 ? fmt::format("median of {} runs", table.repeat) : "one run"),
-      kGrey, Align::left, 17, false, room);
-}
+  void draw_rows() const {
+    double y = kRowsTop, group_top = kRowsTop;
+    for (size_t i = 0; i < table_.rows.size(); ++i) {
+      const BenchmarkRow& row = table_.rows[i];
+      const double middle = y + height_ / 2;
+      draw_effects(row, middle);
+      draw_seconds(row, middle);
+      draw_cost(row, middle);
+      y += height_;
+      const AccelKind accel = row.combination.accel;
+      if (i + 1 < table_.rows.size() && table_.rows[i + 1].combination.accel == accel) continue;
+      const Structure structure = structure_of(accel);
+      canvas_.box(64, group_top + 4, 4, y - group_top - 8, structure.bar);
+      if (const double room = y - group_top; room > 150)
+        canvas_.upright_text(40, (group_top + y) / 2, std::string(structure.name), kBlack);
+      y += kGroupGap;
+      group_top = y;
+    }
+    canvas_.line(kBarsLeft, kRowsTop - 10, kBarsLeft, kRowsBottom, kGrey, 2);
+    canvas_.line(costs_.x(1), kRowsTop - 10, costs_.x(1), kRowsBottom, kGrey, 2);
+  }
+
+  const Canvas& canvas_;
+  const BenchmarkTable& table_;
+  std::vector<AccelKind> groups_;              // the structures
+  double height_ = 0, text_ = 0, marker_ = 0;  // of a row, its letters, its markers
+  Axis seconds_{kBarsLeft, kBarsRight}, costs_{kCostsLeft, kCostsRight};
+};
 
 }  // namespace
 
-std::expected<std::string, std::string> draw_plot(const BenchTable& table, PlotFormat format) {
-  return draw_page(format, [&](const Canvas& canvas) { draw(canvas, table); });
+std::expected<std::string, std::string> draw_plot(const BenchmarkTable& table, PlotFormat format) {
+  return draw_page(format, [&](const Canvas& canvas) { Plot(canvas, table).draw(); });
 }
 
 }  // namespace raio::app

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "accel/accel.h"
-#include "integrate/options.h"
+#include "render/options.h"
 #include "scene/scene.h"
 
 namespace raio::app {

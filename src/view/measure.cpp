@@ -111,13 +111,7 @@ void Measuring::start_table(const ViewState& state, int width, int height) {
   start(Work::table,
         [scene = state.scene, options = state.wish(width, height)](RenderControl& control) {
           Measured out;
-          app::BenchCommand command;
-          command.options = options;
-          command.options.samples = 0, command.options.sampler = std::nullopt;  // it has its own
-          command.options.view = View::picture, command.options.integrator = std::nullopt;
-          command.options.channels = {};
-          command.progress = "off";
-          auto table = app::measure_bench(*scene, command, control);
+          auto table = measure_benchmark(*scene, BenchmarkRequest{.options = options}, control);
           if (table)
             out.table = std::move(*table);
           else

@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "app/bench.h"
+#include "render/benchmark.h"
 #include "render/session.h"
 #include "view/state.h"
 
@@ -47,14 +47,14 @@ class Measuring {
 
   /// What was measured last.
   const std::vector<EffectCost>& costs() const { return result_.costs; }
-  const std::optional<app::BenchTable>& table() const { return result_.table; }
+  const std::optional<BenchmarkTable>& table() const { return result_.table; }
   /// Of another scene.
   void forget() { result_ = {}; }
 
  private:
   struct Measured {
     std::vector<EffectCost> costs;
-    std::optional<app::BenchTable> table;
+    std::optional<BenchmarkTable> table;
     std::string error;
   };
   void start(Work work, std::function<Measured(RenderControl&)> measure);

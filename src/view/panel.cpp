@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 
+#include "app/bench.h"
 #include "app/terminal.h"
 #include "base/memory.h"
 
@@ -144,12 +145,12 @@ void draw_table(const PanelFacts& facts, PanelResult& result) {
   if (!facts.table || !ImGui::BeginTable("sixteen", 4, ImGuiTableFlags_RowBg)) return;
   for (const char* name : {"", "s", "Mrays/s", "cost"}) ImGui::TableSetupColumn(name);
   ImGui::TableHeadersRow();
-  for (const app::BenchRow& row : facts.table->rows) {
+  for (const BenchmarkRow& row : facts.table->rows) {
     const auto cell = [](const std::string& value) { ImGui::TableNextColumn(), text(value); };
-    cell(app::short_label(row.combination));
-    cell(app::three_digits(row.seconds()));
+    cell(short_label(row.combination));
+    cell(app::three_digits(row.seconds().median));
     cell(app::three_digits(row.rays_per_s() * 1e-6));
-    cell(app::three_digits(facts.table->relative_cost(row)) + " x");
+    cell(app::three_digits(facts.table->relative_cost(row).median) + " x");
   }
   ImGui::EndTable();
 }

@@ -17,7 +17,7 @@ struct PanelFacts {
   std::shared_ptr<const SessionPicture> picture;  // may be null
   int picture_width = 0, picture_height = 0;      // pixels
   std::vector<EffectCost> costs;
-  std::optional<app::BenchTable> table;
+  std::optional<BenchmarkTable> table;
   Measuring::Work measuring = Measuring::Work::none;
   Diagnostics errors;  // of the file on the disk, when it is not that of the scene
 };
