@@ -120,7 +120,7 @@ TEST_F(LongRender, ShardsMergeToTheSameBytes) {
 
   render({"--size", "100x70", "--aa", "3", "--shard", "2/3", "-o", "other.raio"});
   expect_refusal({"merge", "1.raio", "other.raio", "3.raio", "-o", "y.png"}, 2, "--aa 3, not 2");
-  expect_refusal({"merge", "1.raio", "ok.nff", "-o", "z.png"}, 2, "ok.nff: it is no part file");
+  expect_refusal({"merge", "1.raio", "ok.nff", "-o", "z.png"}, 2, "ok.nff: it is not a Raio part file");
   for (const char* target : {"no/z.png", "/proc/z.raio"})
     expect_refusal({"merge", "1.raio", "-o", target}, 3, target);
   expect_refusal({"merge", "1.raio", "2.raio", "3.raio", "-o", "/dev/full"}, 3, "No space left");
@@ -186,7 +186,7 @@ TEST_F(LongRender, SaysWhatDoesNotGoTogether) {
   refused({"--shard", "1/2", "-o", "x.raio", "--time-limit", "3"}, "--time-limit");
   refused({"--checkpoint", "x.png", "-o", "x.png"}, "the picture cannot both be x.png");
   for (const char* kept : {"no/c.raio", "/proc/c.raio"}) refused({"--checkpoint", kept}, kept, 3);
-  refused({"--checkpoint", "ok.nff", "--resume"}, "no part file");
+  refused({"--checkpoint", "ok.nff", "--resume"}, "not a Raio part file");
 }
 
 TEST_F(LongRender, AFolderThatVanishesLosesTheCheckpointOnly) {

@@ -237,7 +237,7 @@ TEST(PartFile, IsNotTrusted) {
     const auto decoded = decode_part(b);
     return decoded ? "" : decoded.error();
   };
-  EXPECT_THAT(error(""), HasSubstr("no part file"));
+  EXPECT_THAT(error(""), HasSubstr("not a Raio part file"));
   EXPECT_THAT(error("RAIOPART"), HasSubstr("format 0"));
   EXPECT_THAT(error(bytes + "x"), HasSubstr("not those that were written"));
   std::string changed = bytes;

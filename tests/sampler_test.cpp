@@ -143,7 +143,7 @@ TEST(Sampler, CellsOfDifferentEffectsMeetInAnyCombination) {
 
 Sampler sobol(uint32_t seed, int samples) {
   RenderSettings o;
-  o.seed = seed, o.samples = samples, o.sampler = SamplerKind::sobol;
+  o.seed = seed, o.samples = samples, o.sampler = SamplerKind::sobol, o.aa = 0;
   return Sampler(o);
 }
 

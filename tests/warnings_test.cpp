@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "io/nff/nff.h"
+#include "render/options.h"
 
 namespace raio {
 namespace {
@@ -15,7 +16,7 @@ namespace {
 using testing::HasSubstr;
 
 std::vector<SceneWarning> warnings(const Scene& scene, const RenderOptions& options) {
-  const RenderOptions resolved = resolve_options(options, scene);
+  const RenderSettings resolved = resolve_options(options, scene);
   const auto accel = build_accel(scene, resolved.accel);
   EXPECT_TRUE(accel);
   return scene_warnings(scene, resolved, accel->get());

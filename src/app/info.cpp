@@ -10,6 +10,7 @@
 #include "app/output.h"
 #include "app/terminal.h"
 #include "app/warnings.h"
+#include "render/options.h"
 #include "io/nff/nff.h"
 
 namespace raio::app {
@@ -143,11 +144,11 @@ std::string info_text(const ReadScene& read) {
 // What a picture without options would suffer from. Few scenes have a lens, and only those take a
 // structure to judge it.
 void add_warnings(const InfoCommand& command, ReadScene& read) {
-  const RenderOptions options = resolve_options({}, read.scene);
+  const RenderSettings settings = resolve_options({}, read.scene);
   std::unique_ptr<Accel> accel;
-  if (*options.dof)
-    if (auto built = build_accel(read.scene, options.accel)) accel = std::move(*built);
-  for (const std::string& line : warning_lines(read.scene, options, accel.get()))
+  if (settings.dof)
+    if (auto built = build_accel(read.scene, settings.accel)) accel = std::move(*built);
+  for (const std::string& line : warning_lines(read.scene, settings, accel.get()))
     read.warnings.push_back({Severity::warning, command.scene, 0, 0, line, ""});
 }
 

@@ -6,10 +6,10 @@
 
 namespace raio::app {
 
-std::vector<std::string> warning_lines(const Scene& scene, const RenderOptions& options,
+std::vector<std::string> warning_lines(const Scene& scene, const RenderSettings& settings,
                                        const Accel* accel) {
   std::vector<std::string> lines;
-  for (const SceneWarning& warning : scene_warnings(scene, options, accel)) {
+  for (const SceneWarning& warning : scene_warnings(scene, settings, accel)) {
     std::string& line = lines.emplace_back(warning.sentence);
     if (warning.aperture > 0) line += fmt::format("; try --aperture {:g}", warning.aperture);
     if (warning.focus > 0)

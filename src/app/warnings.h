@@ -5,14 +5,14 @@
 #include <vector>
 
 #include "accel/accel.h"
-#include "render/options.h"
+#include "integrate/settings.h"
 #include "scene/scene.h"
 
 namespace raio::app {
 
-/// One line each, without a prefix. For resolved options; without a structure the lens is not
+/// One line each, without a prefix. Without a structure, the lens is not
 /// judged.
-std::vector<std::string> warning_lines(const Scene& scene, const RenderOptions& options,
+std::vector<std::string> warning_lines(const Scene& scene, const RenderSettings& settings,
                                        const Accel* accel);
 
 }  // namespace raio::app

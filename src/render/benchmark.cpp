@@ -33,7 +33,8 @@ std::string machine_name() {
 RenderOptions with_effects(RenderOptions options, EffectSet effects) {
   // The effects say how many samples there are, and in cells, as the report has them.
   options.samples = 0, options.sampler = SamplerKind::jitter;
-  options.view = View::picture;
+  options.view = View::picture, options.integrator = IntegratorKind::classic;
+  options.channels = {};
   for (size_t i = 0; i < kBenchmarkEffects.size(); ++i)
     kBenchmarkEffects[i].set(options, effects >> i & 1);
   return options;

@@ -17,13 +17,13 @@ constexpr float kSharp = 0.005f;       // in heights of the picture; a pixel whe
 constexpr float kLeastSharp = 0.025f;  // of what is seen
 
 // How far along the view the things are that the picture's pixels show, nearest first.
-std::vector<float> depths_seen(const RenderOptions& options, const Camera& camera,
+std::vector<float> depths_seen(const RenderSettings& settings, const Camera& camera,
                                const EyeRays& eye, const Accel& accel) {
   RayBatch rays;
   for (int y = 0; y < kSide; ++y)
     for (int x = 0; x < kSide; ++x)
-      rays.push(eye.pinhole((float(x) + 0.5f) * float(options.width) / kSide,
-                            (float(y) + 0.5f) * float(options.height) / kSide));
+      rays.push(eye.pinhole((float(x) + 0.5f) * float(settings.width) / kSide,
+                            (float(y) + 0.5f) * float(settings.height) / kSide));
   HitBatch hits;
   hits.reset(rays.size());
   TraceContext context;
@@ -65,32 +65,32 @@ float plain_number(float value) {
 
 }  // namespace
 
-std::vector<SceneWarning> scene_warnings(const Scene& scene, const RenderOptions& options,
+std::vector<SceneWarning> scene_warnings(const Scene& scene, const RenderSettings& settings,
                                          const Accel* accel) {
   std::vector<SceneWarning> warnings;
   if (scene.lights.empty())
     warnings.push_back({SceneWarning::no_light,
                         "the scene has no light, so that surfaces show the ambient light alone"});
-  if (!*options.dof || !accel) return warnings;
-  const Camera camera = camera_of(scene, options);
-  const EyeRays eye(camera, options.width, options.height, options.angle_to_centers);
-  const float pixel = length(eye.per_y), height = pixel * float(options.height);
-  const std::vector<float> depths = depths_seen(options, camera, eye, *accel);
+  if (!settings.dof || !accel) return warnings;
+  const Camera& camera = settings.camera;
+  const EyeRays eye(camera, settings.width, settings.height, settings.angle_to_centers);
+  const float pixel = length(eye.per_y), height = pixel * float(settings.height);
+  const std::vector<float> depths = depths_seen(settings, camera, eye, *accel);
   if (depths.empty()) return warnings;
   const auto blur = [&](float aperture, float focus) {
     return blur_of(depths, aperture, focus, height, pixel);
   };
-  const Blur now = blur(options.aperture, options.focus);
+  const Blur now = blur(settings.aperture, settings.focus);
   if (!now.is_too_much()) return warnings;
 
   SceneWarning warning{SceneWarning::blurred,
                        fmt::format("the lens blurs nearly all of the picture: half of what is seen "
                                    "is spread over {:.0f} pixels or more",
-                                   now.median * float(options.height))};
+                                   now.median * float(settings.height))};
   // The spread grows with the radius of the lens.
-  warning.aperture = plain_number(options.aperture * kLittle / now.median);
+  warning.aperture = plain_number(settings.aperture * kLittle / now.median);
   const float focus = plain_number(depths[depths.size() / 2]);
-  if (blur(options.aperture, focus).median <= kLittle) warning.focus = focus;
+  if (blur(settings.aperture, focus).median <= kLittle) warning.focus = focus;
   warnings.push_back(std::move(warning));
   return warnings;
 }

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "accel/accel.h"
-#include "render/options.h"
+#include "integrate/settings.h"
 #include "scene/scene.h"
 
 namespace raio {
@@ -23,11 +23,11 @@ struct SceneWarning {
   float aperture = 0, focus = 0;
 };
 
-/// What a picture with resolved options would suffer from. A lens is judged by a few hundred eye
+/// What a picture with these settings would suffer from. A lens is judged by a few hundred eye
 /// rays: it blurs too much when it spreads half of what they hit over more than 2 % of the
 /// picture's height and leaves less than a fortieth of it sharp (to half a per cent of the height,
 /// or a pixel). That takes an acceleration structure; without one a lens is not judged.
-std::vector<SceneWarning> scene_warnings(const Scene& scene, const RenderOptions& options,
+std::vector<SceneWarning> scene_warnings(const Scene& scene, const RenderSettings& settings,
                                          const Accel* accel);
 
 }  // namespace raio
