@@ -1,10 +1,9 @@
 #include "integrate/film.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
+#include "base/parallel.h"
 #include "integrate/options.h"
 
 namespace raio {
@@ -95,7 +94,7 @@ void Film::replace(size_t tile, const TileSamples& by) {
 
 Image Film::resolve() const {
   Image image(width_, height_);
-  tbb::parallel_for(size_t(0), tiles(), [&](size_t t) {
+  parallel_for(tiles(), [&](size_t t) {
     const std::lock_guard lock(mutex(t));
     if (states_[t].samples == 0) return;
     const Tile tile = this->tile(t);

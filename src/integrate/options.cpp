@@ -1,11 +1,12 @@
 #include "integrate/options.h"
 
 #include <fmt/core.h>
-#include <tbb/task_arena.h>
 
 #include <array>
 #include <charconv>
 #include <cmath>
+
+#include "base/parallel.h"
 
 namespace raio {
 namespace {
@@ -408,7 +409,7 @@ RenderOptions resolve_options(const RenderOptions& options, const Scene& scene) 
   if (o.focus == 0) o.focus = camera.focus_distance.value_or(length(camera.at - camera.from));
   if (o.aperture == 0) o.aperture = camera.lens_radius.value_or(o.focus / 50);
   o.accel.counters |= o.view == View::steps || o.view == View::tests;
-  if (o.threads == 0) o.threads = tbb::this_task_arena::max_concurrency();
+  if (o.threads == 0) o.threads = max_concurrency();
   return o;
 }
 

@@ -1,7 +1,5 @@
 #include "render/debug_view.h"
 
-#include <tbb/parallel_for.h>
-
 #include <array>
 #include <cmath>
 
@@ -110,7 +108,7 @@ std::optional<Image> render_debug_view(const Scene& scene, const Accel& accel,
   control.rays_done = control.work_done = 0;
   control.work_total = pixels * uint64_t(image.height);
   on_threads(options.threads, [&] {
-    tbb::parallel_for(0, image.height, [&](int y) {
+    parallel_for(image.height, [&](int y) {
       for (int x = 0; x < image.width && !control.stop; ++x)
         image.at(x, y) = tracer.color(x, y, control.stop);
       control.rays_done += pixels, control.work_done += pixels;

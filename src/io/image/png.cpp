@@ -3,8 +3,6 @@
 // owns memory outside.
 #include <fmt/format.h>
 #include <png.h>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -14,6 +12,7 @@
 #include <exception>
 #include <new>
 
+#include "base/parallel.h"
 #include "io/image/codecs.h"
 
 namespace raio {
@@ -165,9 +164,9 @@ std::vector<std::string> zlib_stream(const Image& image) {
   std::vector<std::string> bands(size_t(image.height - 1) / size_t(height) + 1);
   std::vector<uLong> check_sums(bands.size());
   std::vector<size_t> sizes(bands.size());
-  tbb::enumerable_thread_specific<Deflater> deflaters;  // a quarter of a megabyte each
-  bands[0] = "\x78\x01";                                // deflate with a window of 32 kB, fastest
-  tbb::parallel_for(size_t(0), bands.size(), [&](size_t i) {
+  PerThread<Deflater> deflaters;  // a quarter of a megabyte each
+  bands[0] = "\x78\x01";          // deflate with a window of 32 kB, fastest
+  parallel_for(bands.size(), [&](size_t i) {
     const int first = int(i) * height;
     std::vector<png_byte> rows =
         filtered_rows(image, first, std::min(image.height - first, height) + first);

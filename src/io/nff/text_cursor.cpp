@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <sys/stat.h>
-#include <tbb/parallel_for.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -14,6 +13,7 @@
 #include <vector>
 
 #include "base/memory.h"
+#include "base/parallel.h"
 #include "io/diagnostics.h"
 #include "io/file.h"
 
@@ -56,7 +56,7 @@ void TextBuffer::read_known(int file, size_t file_size) {
   reserve(size + 1);                    // so that the end is seen without growing
   const size_t chunks = size / kChunk;  // the rest is not worth it
   std::vector<size_t> read(chunks, 0);
-  tbb::parallel_for(size_t(0), chunks, [&](size_t i) {
+  parallel_for(chunks, [&](size_t i) {
     while (read[i] < kChunk) {
       const size_t at = i * kChunk + read[i];
       const ssize_t got = ::pread(file, bytes_.get() + at, kChunk - read[i], start + off_t(at));
