@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
-#include <numeric>
+#include <chrono>
+#include <memory>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 namespace raio {
@@ -81,16 +83,37 @@ TEST(Parallel, EachThreadHasItsOwn) {
   EXPECT_EQ(lists.local().size(), 1u);
 }
 
+TEST(Ticker, CallsWhileItLives) {
+  std::atomic<int> ticks = 0;
+  {
+    Ticker ticker(0.001, [&] { ++ticks; });
+    const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (kHasThreads && ticks < 3 && std::chrono::steady_clock::now() < patience) {
+    }
+    [[maybe_unused]] const Ticker moved = std::move(ticker);
+  }
+  const int before = ticks;
+  EXPECT_EQ(before >= 3, kHasThreads);
+  EXPECT_EQ(before == 0, !kHasThreads);
+  const auto later = std::chrono::steady_clock::now() + std::chrono::milliseconds(20);
+  while (std::chrono::steady_clock::now() < later) {
+  }
+  EXPECT_EQ(ticks, before);
+  // One that would wait for long ends at once.
+  const auto start = std::chrono::steady_clock::now();
+  {
+    const Ticker slow(1000, [&] { ++ticks; });
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20));
+  EXPECT_EQ(ticks, before);
+}
+
 TEST(Parallel, WorkHasAsManyThreadsAsWereAskedFor) {
   EXPECT_GE(max_concurrency(), 1);
   for (const int threads : {1, 3}) {
     int found = 0;
     on_threads(threads, [&] { found = max_concurrency(); });
-#ifdef RAIO_NO_THREADS
-    EXPECT_EQ(found, 1);
-#else
-    EXPECT_EQ(found, threads);
-#endif
+    EXPECT_EQ(found, kHasThreads ? threads : 1);
   }
 }
 

@@ -6,7 +6,6 @@
 #include <chrono>
 #include <cstdio>
 #include <expected>
-#include <fstream>
 #include <map>
 #include <memory>
 #include <ranges>
@@ -16,6 +15,7 @@
 #include "app/output.h"
 #include "app/plot.h"
 #include "app/terminal.h"
+#include "base/platform/processor.h"
 #include "io/image/image.h"
 #include "render/render.h"
 
@@ -42,16 +42,6 @@ constexpr ReportTime kReportTimes[] = {
     {"balls_medium", {AccelKind::grid, true, true, true}, 98.4},
 };
 
-// The model name of the first processor, where the system tells it.
-std::string machine_name() {
-  std::ifstream file("/proc/cpuinfo");
-  for (std::string line; std::getline(file, line);) {
-    const size_t colon = line.find(": ");
-    if (line.starts_with("model name") && colon != std::string::npos) return line.substr(colon + 2);
-  }
-  return "unknown processor";
-}
-
 class Measurement {
  public:
   Measurement(const Scene& scene, const BenchCommand& command, RenderControl& control)
@@ -67,7 +57,7 @@ class Measurement {
     BenchTable table;
     table.version = RAIO_VERSION;
     table.scene = scene_.name;
-    table.machine = machine_name();
+    table.machine = processor_name();
     table.width = options_.width, table.height = options_.height;
     table.threads = options_.threads, table.depth = options_.depth;
     table.repeat = std::max(1, command_.repeat), table.seed = options_.seed;

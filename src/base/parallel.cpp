@@ -3,6 +3,11 @@
 #ifndef RAIO_NO_THREADS
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <utility>
 #endif
 
 namespace raio {
@@ -13,6 +18,8 @@ int max_concurrency() { return 1; }
 
 void on_threads(int /*threads*/, const std::function<void()>& work) { work(); }
 
+Ticker::Ticker(double, std::function<void()>) {}
+
 #else
 
 int max_concurrency() { return tbb::this_task_arena::max_concurrency(); }
@@ -22,6 +29,15 @@ void on_threads(int threads, const std::function<void()>& work) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, size_t(threads));
   tbb::task_arena(threads).execute(work);
 }
+
+Ticker::Ticker(double interval_s, std::function<void()> work)
+    : thread_([interval_s, work = std::move(work)](const std::stop_token& done) {
+        const std::chrono::duration<double> interval(interval_s);
+        std::mutex mutex;
+        std::condition_variable_any wake;
+        std::unique_lock lock(mutex);
+        while (!wake.wait_for(lock, done, interval, [&] { return done.stop_requested(); })) work();
+      }) {}
 
 #endif
 

@@ -14,9 +14,18 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
 #include <tbb/task_group.h>
+
+#include <thread>
 #endif
 
 namespace raio {
+
+/// Whether this build has threads beside the one that main() runs on.
+#ifdef RAIO_NO_THREADS
+inline constexpr bool kHasThreads = false;
+#else
+inline constexpr bool kHasThreads = true;
+#endif
 
 /// How many threads the loops of the caller may use.
 int max_concurrency();
@@ -24,6 +33,19 @@ int max_concurrency();
 /// Runs `work`, and all that it runs in parallel (reading, building, rendering), on so many
 /// threads; 0: as many as there are. There is never more than one with RAIO_NO_THREADS.
 void on_threads(int threads, const std::function<void()>& work);
+
+/// Calls a function again and again while it lives, on a thread of its own, which the destructor
+/// waits for; never without threads.
+class Ticker {
+ public:
+  Ticker() = default;
+  Ticker(double interval_s, std::function<void()> work);
+
+#ifndef RAIO_NO_THREADS
+ private:
+  std::jthread thread_;
+#endif
+};
 
 #ifdef RAIO_NO_THREADS
 
