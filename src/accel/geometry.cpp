@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <atomic>
 
-#include "accel/parallel.h"
+#include "base/parallel.h"
 #include "shape/polygon.h"
 
 namespace raio {

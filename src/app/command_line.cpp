@@ -1,19 +1,17 @@
 #include "app/command_line.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <exception>
-#include <filesystem>
 #include <new>
 #include <ranges>
-#include <system_error>
 #include <vector>
 
 #include "app/bench.h"
@@ -76,6 +74,8 @@ void add_number(CLI::App& app, const std::string& name, T& value, T least, T mos
 
 void add_progress(CLI::App& app, std::string& mode) {
   const auto check = [](const std::string& text) -> std::string {
+    if (text == "on" && !kHasThreads)
+      return "this build has no threads, and so no progress line; leave it out";
     if (text == "auto" || text == "on" || text == "off") return {};
     return fmt::format("expected auto, on or off, found '{}'", text);
   };
@@ -142,6 +142,8 @@ int report(const CLI::App& app, const CLI::ParseError& error) {
 // All of it, from reading the scene to writing the picture, on the threads that it is given.
 template <class Command>
 int run_on_threads(const Command& command) {
+  if (command.options.threads > 1 && !kHasThreads)
+    return bad_input("this build has no threads; leave out --threads");
   int status = kDone;
   on_threads(command.options.threads, [&] { status = run(command); });
   return status;
@@ -173,13 +175,14 @@ constexpr std::string_view kWhatMayDo = "a larger --memory-limit or fewer --thre
 // without more of it.
 [[noreturn]] void end_without_memory() {
   static std::atomic_flag ending;
-  while (ending.test_and_set()) ::pause();  // as another thread has it
+  while (ending.test_and_set()) {  // another thread has it, and ends this one soon
+  }
   remove_unfinished_files();
   char error[128];
-  const char* const end =
-      fmt::format_to_n(error, sizeof(error), "raio: error: out of memory; {}\n", kWhatMayDo).out;
-  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, error, size_t(end - error));
-  ::_exit(kNoResource);
+  *fmt::format_to_n(error, sizeof(error) - 1, "raio: error: out of memory; {}\n", kWhatMayDo).out =
+      0;
+  std::fputs(error, stderr);  // which has no buffer
+  std::_Exit(kNoResource);
 }
 
 // "4G": bytes, or with a letter KiB, MiB, GiB, TiB. Counts from the moment it is read.
@@ -195,7 +198,8 @@ void add_memory_limit(CLI::App& app) {
       throw CLI::ValidationError(
           "--memory-limit",
           fmt::format("expected a size of 64M or more, as in 900M or 4G, found '{}'", text));
-    limit_memory(size_t(bytes));
+    if (const auto limited = limit_memory(size_t(bytes)); !limited)
+      throw CLI::ValidationError("--memory-limit", limited.error() + "; leave it out");
     std::set_terminate(end_without_memory);
   };
   app.add_option_function<std::string>(
@@ -250,21 +254,16 @@ void add_render(CLI::App& app, RenderCommand& render, int& status) {
       if (const std::string name = "--" + std::string(spec.name);
           spec.of_picture && sub->get_option(name)->count() > 0)
         render.of_picture.push_back(name);
+    if (!kHasThreads && sub->get_option("--checkpoint-interval")->count() > 0)
+      throw CLI::ParseError(
+          "this build has no threads, so that --checkpoint is written when the render ends; leave "
+          "out --checkpoint-interval",
+          kBadInput);
     for (const auto& why : {option_conflict(render.options), long_render_conflict(render)})
       if (!why.empty()) throw CLI::ParseError(why, kBadInput);
     refuse_terminal(render.output, "-o");
     status = run_on_threads(render);
   });
-}
-
-// What the arguments mean is found out here; the window itself is another program, beside this one.
-int run_view_program(char** argv) {
-  std::error_code error;
-  const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
-  const std::string program = (self.parent_path() / "raio_view").string();
-  if (!error) ::execv(program.c_str(), argv);
-  return bad_input(fmt::format("cannot start the window, {}: {}", program,
-                               std::generic_category().message(errno)));
 }
 
 void add_view(CLI::App& app, ViewCommand& view, const Invocation& invocation, int& status) {
@@ -276,8 +275,9 @@ void add_view(CLI::App& app, ViewCommand& view, const Invocation& invocation, in
   sub->callback([&] {
     if (const auto why = option_conflict(view.options); !why.empty())
       throw CLI::ParseError(why, kBadInput);
-    status =
-        invocation.open_window ? invocation.open_window(view) : run_view_program(invocation.argv);
+    // What the arguments mean is found out here; the window itself is another program.
+    status = invocation.open_window ? invocation.open_window(view)
+                                    : become_view_program(invocation.argv);
   });
 }
 

@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
-#include <condition_variable>
 #include <filesystem>
-#include <mutex>
 
 #include "app/output.h"
 #include "app/terminal.h"
@@ -178,27 +176,17 @@ std::expected<std::unique_ptr<Film>, int> film_of(RenderStart& start, const Scen
 Checkpoint::Checkpoint(const RenderCommand& command, PartHeader header, const Film& film)
     : path_(command.checkpoint), header_(std::move(header)), film_(film) {
   if (path_.empty()) return;
-  const std::chrono::duration<double> interval(command.checkpoint_interval_s);
-  thread_ = std::jthread([this, interval](std::stop_token done) {
-    bool told = false;
-    std::mutex mutex;
-    std::condition_variable_any wake;
-    std::unique_lock lock(mutex);
-    while (!wake.wait_for(lock, done, interval, [&] { return done.stop_requested(); })) {
-      const auto written = write_part(path_, header_, film_);
-      if (!written && !told)
-        print_line(fmt::format("raio: warning: {}; the work goes on", written.error().message));
-      told = !written;
-    }
+  ticker_ = Ticker(command.checkpoint_interval_s, [this] {
+    const auto written = write_part(path_, header_, film_);
+    if (!written && !told_)
+      print_line(fmt::format("raio: warning: {}; the work goes on", written.error().message));
+    told_ = !written;
   });
 }
 
-Checkpoint::~Checkpoint() = default;
-
 std::expected<void, FileError> Checkpoint::finish() {
   if (path_.empty()) return {};
-  thread_.request_stop();
-  thread_.join();
+  ticker_ = {};
   return write_part(path_, header_, film_);
 }
 

@@ -5,9 +5,9 @@
 #include <expected>
 #include <memory>
 #include <string>
-#include <thread>
 
 #include "app/commands.h"
+#include "base/parallel.h"
 #include "render/part.h"
 
 namespace raio::app {
@@ -35,7 +35,6 @@ std::expected<std::unique_ptr<Film>, int> film_of(RenderStart& start, const Scen
 class Checkpoint {
  public:
   Checkpoint(const RenderCommand& command, PartHeader header, const Film& film);
-  ~Checkpoint();
   Checkpoint(const Checkpoint&) = delete;
   Checkpoint& operator=(const Checkpoint&) = delete;
 
@@ -46,7 +45,8 @@ class Checkpoint {
   std::string path_;
   PartHeader header_;
   const Film& film_;
-  std::jthread thread_;
+  bool told_ = false;  // of a failure, to the user
+  Ticker ticker_;
 };
 
 }  // namespace raio::app

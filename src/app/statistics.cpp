@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "app/terminal.h"
+#include "base/platform/memory.h"
 #include "io/file.h"
 
 namespace raio::app {

@@ -1,19 +1,10 @@
 #include "app/terminal.h"
 
-#include <fcntl.h>
 #include <fmt/core.h>
-#include <poll.h>
-#include <sys/ioctl.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
-#include <cerrno>
 #include <chrono>
-#include <condition_variable>
 #include <cstdio>
-#include <limits>
 #include <mutex>
 #include <utility>
 
@@ -23,21 +14,6 @@
 
 namespace raio::app {
 namespace {
-
-constexpr std::array kStopSignals = {SIGINT, SIGTERM, SIGHUP};
-
-// How long a command that was asked to end may take for it.
-constexpr int kPatienceMs = 300;
-
-std::atomic<int> g_wake{-1};
-
-// Only what a signal handler may do.
-void on_signal(int) {
-  const int error = errno;
-  const char byte = 0;
-  [[maybe_unused]] const ssize_t written = ::write(g_wake, &byte, 1);
-  errno = error;
-}
 
 // What stands in the last line of the terminal and is to be wiped before the next.
 std::mutex g_terminal_mutex;
@@ -51,12 +27,6 @@ void put(std::string_view text) {
 std::string wiped_progress() {
   const size_t width = std::exchange(g_progress_width, 0);
   return width == 0 ? "" : "\r" + std::string(width, ' ') + "\r";
-}
-
-size_t terminal_columns() {
-  winsize size{};
-  const bool known = ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
-  return known ? size.ws_col : std::numeric_limits<size_t>::max();
 }
 
 void show_progress(std::string text) {
@@ -119,68 +89,22 @@ std::expected<Scene, int> load_scene(const std::string& path, bool quiet) {
   return std::move(result->scene);
 }
 
-StopOnSignal::StopOnSignal(RenderControl* control) {
-  if (::pipe2(wake_, O_CLOEXEC) != 0) return;  // signals then do what they do by themselves
-  g_wake = wake_[1];
-  for (size_t i = 0; i < kStopSignals.size(); ++i) {
-    struct sigaction action{};
-    action.sa_handler = on_signal;
-    action.sa_flags = SA_RESTART;
-    ::sigaction(kStopSignals[i], nullptr, &before_[i]);
-    if (before_[i].sa_handler != SIG_IGN) ::sigaction(kStopSignals[i], &action, nullptr);
-  }
-  thread_ = std::thread([this, control, wake = wake_[0]] {
-    char byte = 0;
-    const auto signalled = [&] {
-      ssize_t count = 0;
-      while ((count = ::read(wake, &byte, 1)) < 0 && errno == EINTR) {
-      }
-      return count == 1;
-    };
-    if (!signalled()) return;
-    if (control) control->stop = true;
-    pollfd next{wake, POLLIN, 0};
-    const bool more = ::poll(&next, 1, patient_ ? -1 : kPatienceMs) != 0;
-    if (more && !signalled()) return;
-    remove_unfinished_files();
-    print_line("raio: interrupted");
-    ::_exit(kInterrupted);
-  });
-}
-
-StopOnSignal::~StopOnSignal() {
-  if (!thread_.joinable()) return;
-  for (size_t i = 0; i < kStopSignals.size(); ++i)
-    ::sigaction(kStopSignals[i], &before_[i], nullptr);
-  g_wake = -1;
-  ::close(wake_[1]);
-  thread_.join();
-  ::close(wake_[0]);
-}
-
 ProgressLine::ProgressLine(const RenderControl& control, std::string_view mode, std::string label) {
-  if (mode == "off" || (mode == "auto" && !isatty(STDERR_FILENO))) return;
-  // Who asked for it sees it however short the work is.
-  const bool at_once = mode == "on";
-  thread_ = std::jthread([&control, at_once, label = std::move(label)](std::stop_token done) {
-    using namespace std::chrono;
-    const auto start = steady_clock::now();
-    const auto show = [&] {
-      show_progress(
-          progress_text(control, duration<double>(steady_clock::now() - start).count(), label));
-    };
-    if (at_once) show();
-    std::mutex mutex;
-    std::condition_variable_any wake;
-    std::unique_lock lock(mutex);
-    while (!wake.wait_for(lock, done, milliseconds(250), [&] { return done.stop_requested(); }))
-      show();
-    const std::lock_guard terminal_lock(g_terminal_mutex);
-    put(wiped_progress());
-  });
+  if (mode == "off" || (mode == "auto" && !is_terminal())) return;
+  using std::chrono::steady_clock;
+  const auto show = [&control, start = steady_clock::now(), label = std::move(label)] {
+    const std::chrono::duration<double> elapsed = steady_clock::now() - start;
+    show_progress(progress_text(control, elapsed.count(), label));
+  };
+  if (mode == "on") show();  // who asked for it sees it however short the work is
+  ticker_ = Ticker(0.25, show);
 }
 
-ProgressLine::~ProgressLine() = default;
+ProgressLine::~ProgressLine() {
+  ticker_ = {};
+  const std::lock_guard lock(g_terminal_mutex);
+  if (g_progress_width > 0) put(wiped_progress());
+}
 
 std::string human_seconds(double s) {
   if (s < 0.9995e-3) return fmt::format("{:.0f} us", s * 1e6);
@@ -201,11 +125,5 @@ std::string counted(double count, std::string_view thing) {
 }
 
 bool standard_output_is_terminal() { return ::isatty(STDOUT_FILENO) == 1; }
-
-size_t peak_memory_bytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return size_t(usage.ru_maxrss) * 1024;
-}
 
 }  // namespace raio::app

@@ -1,15 +1,12 @@
 // What all commands share: messages on standard error, interruption, the progress line.
 #pragma once
 
-#include <signal.h>
-
-#include <array>
-#include <atomic>
 #include <expected>
+#include <memory>
 #include <string>
 #include <string_view>
-#include <thread>
 
+#include "base/parallel.h"
 #include "render/render.h"
 #include "scene/scene.h"
 
@@ -31,28 +28,27 @@ std::expected<Scene, int> load_scene(const std::string& path, bool quiet = false
 /// While it lives, Ctrl-C (also SIGTERM, and SIGHUP of a closed terminal) asks the command to end,
 /// by `stop` of the control if there is one. If it does not soon, or at the second Ctrl-C, the
 /// program ends from within, with status 130 and without half-written files. Signals that were
-/// ignored stay ignored. One at a time.
+/// ignored stay ignored. One at a time. Without POSIX or threads the first Ctrl-C only asks, or
+/// ends a command without a control, and the second is the system's.
 class StopOnSignal {
  public:
   explicit StopOnSignal(RenderControl* control = nullptr);
 
   /// The command will end by itself, but has something to put away before, which may take longer.
-  void be_patient() { patient_ = true; }
+  void be_patient();
 
   ~StopOnSignal();
   StopOnSignal(const StopOnSignal&) = delete;
   StopOnSignal& operator=(const StopOnSignal&) = delete;
 
  private:
-  int wake_[2] = {-1, -1};  // a pipe: a byte from the signal handler, closed from the destructor
-  std::array<struct sigaction, 3> before_{};
-  std::atomic<bool> patient_{false};
-  std::thread thread_;
+  struct State;
+  std::unique_ptr<State> state_;
 };
 
 /// A line on standard error with per cent, rays per second and time left, four times a second while
 /// it lives; wiped at the end, never wider than the terminal. `mode`: "on", "off", or "auto", which
-/// is on when standard error is a terminal.
+/// is on when standard error is a terminal. Nothing without threads.
 class ProgressLine {
  public:
   ProgressLine(const RenderControl& control, std::string_view mode, std::string label = {});
@@ -61,7 +57,7 @@ class ProgressLine {
   ProgressLine& operator=(const ProgressLine&) = delete;
 
  private:
-  std::jthread thread_;
+  Ticker ticker_;
 };
 
 /// Seconds, bytes and counts as people read them: "12.3 ms", "4.5 MB", "1.25 M".
@@ -78,7 +74,11 @@ std::string counted(double count, std::string_view thing);
 /// Where the bytes of a picture are of no use, and may do harm.
 bool standard_output_is_terminal();
 
-/// The largest resident size of this process so far.
-size_t peak_memory_bytes();
+/// Is standard error a terminal, and how wide is it? Unknown is no terminal, and as wide as can be.
+bool is_terminal();
+size_t terminal_columns();
+
+/// Replaces this program by the one with the window, beside it; the exit status where it cannot.
+int become_view_program(char** argv);
 
 }  // namespace raio::app

@@ -3,20 +3,13 @@
 // Everyone may use it; headers of the library are compiled against as ever.
 #pragma once
 
-#include <expected>
 #include <source_location>
 #include <string>
 #include <string_view>
 
+#include "base/platform/library.h"
+
 namespace raio {
-
-/// Loads a shared library for good, by its name as the linker has it ("libcairo.so.2"). The error
-/// is one line.
-std::expected<void, std::string> load_library(const char* file);
-
-/// The address of a function of a library that has been loaded. Throws std::runtime_error if there
-/// is none: then it is not the version that was compiled against.
-void* library_function(const char* file, const std::string& name);
 
 /// The name of a C function: compilers write it where they name the template's arguments.
 template <auto* function>

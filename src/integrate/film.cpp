@@ -1,12 +1,11 @@
 #include "integrate/film.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
 
+#include "base/parallel.h"
 #include "integrate/settings.h"
 
 namespace raio {
@@ -122,7 +121,7 @@ void Film::replace(size_t tile, const TileSamples& by) {
 // Calls f(tile, its place) for all tiles that have samples.
 template <class F>
 void Film::for_tiles(F&& f) const {
-  tbb::parallel_for(size_t(0), tiles(), [&](size_t t) {
+  parallel_for(tiles(), [&](size_t t) {
     const std::lock_guard lock(mutex(t));
     if (states_[t].samples > 0) f(t, tile(t));
   });

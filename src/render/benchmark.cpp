@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <chrono>
-#include <fstream>
 #include <map>
 #include <memory>
 
+#include "base/platform/processor.h"
 #include "render/render.h"
 
 namespace raio {
@@ -19,16 +19,6 @@ namespace {
 constexpr double kAllowedDisagreement = 0.001;
 
 using Failure = BenchmarkFailure;
-
-// The model name of the first processor, where the system tells it.
-std::string machine_name() {
-  std::ifstream file("/proc/cpuinfo");
-  for (std::string line; std::getline(file, line);) {
-    const size_t colon = line.find(": ");
-    if (line.starts_with("model name") && colon != std::string::npos) return line.substr(colon + 2);
-  }
-  return "unknown processor";
-}
 
 RenderOptions with_effects(RenderOptions options, EffectSet effects) {
   // The effects say how many samples there are, and in cells, as the report has them.
@@ -50,7 +40,7 @@ class Measurement {
     const auto settings = resolve_options(with_effects(request_.options, 0), scene_);
     table_.version = RAIO_VERSION;
     table_.scene = scene_.name;
-    table_.machine = machine_name();
+    table_.machine = processor_name();
     table_.width = settings.width, table_.height = settings.height;
     table_.threads = settings.threads, table_.depth = settings.depth;
     table_.repeat = std::max(1, request_.repeat), table_.seed = settings.seed;

@@ -1,11 +1,12 @@
 #include "render/options.h"
 
 #include <fmt/core.h>
-#include <tbb/task_arena.h>
 
 #include <array>
 #include <charconv>
 #include <cmath>
+
+#include "base/parallel.h"
 
 namespace raio {
 namespace {
@@ -476,7 +477,7 @@ RenderSettings resolve_options(const RenderOptions& o, const Scene& scene) {
   s.aperture = o.aperture > 0 ? o.aperture : s.camera.lens_radius.value_or(s.focus / 50);
   s.reflection = !o.no_reflection, s.refraction = !o.no_refraction;
   s.one_sided = o.one_sided;
-  s.threads = o.threads > 0 ? o.threads : tbb::this_task_arena::max_concurrency();
+  s.threads = o.threads > 0 ? o.threads : max_concurrency();
   return s;
 }
 

@@ -1,7 +1,6 @@
 #include "render/part.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 #include <zlib.h>
 
 #include <bit>
@@ -160,8 +159,7 @@ std::string encode_part(const PartHeader& header, const Film& film) {
   for (const auto& [key, value] : header.settings) put_text(out, key), put_text(out, value);
 
   std::vector<std::string> tiles(film.tiles());
-  tbb::parallel_for(size_t(0), tiles.size(),
-                    [&](size_t t) { tiles[t] = encode_tile(film.copy(t)); });
+  parallel_for(tiles.size(), [&](size_t t) { tiles[t] = encode_tile(film.copy(t)); });
   size_t bytes = out.size() + kHashBytes;
   for (const std::string& tile : tiles) bytes += tile.size();
   out.reserve(bytes);

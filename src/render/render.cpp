@@ -1,10 +1,6 @@
 #include "render/render.h"
 
 #include <fmt/core.h>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/global_control.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <chrono>
@@ -18,12 +14,6 @@
 #include "integrate/wavefront.h"
 
 namespace raio {
-
-void on_threads(int threads, const std::function<void()>& work) {
-  if (threads == 0) return work();
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, size_t(threads));
-  tbb::task_arena(threads).execute(work);
-}
 
 std::string picture_problem(int width, int height, ChannelSet channels) {
   const size_t pixels = size_t(width) * size_t(height);
@@ -101,7 +91,7 @@ class Work {
   bool add_up_to(uint32_t samples) {
     constexpr uint32_t kPortion = 64;
     on_threads(threads_, [&] {
-      tbb::parallel_for(size_t(0), tiles_.size(), [&](size_t i) {
+      parallel_for(tiles_.size(), [&](size_t i) {
         const size_t tile = tiles_[i];
         for (uint32_t n; (n = film_.samples(tile)) < samples && !ended();)
           renderers_.local()->render(tile, std::min(n + kPortion, samples), film_);
@@ -152,7 +142,7 @@ class Work {
   double seconds_;
   Clock::time_point start_ = Clock::now();
   std::vector<size_t> tiles_;  // that lack samples
-  tbb::enumerable_thread_specific<std::unique_ptr<TileRenderer>> renderers_;
+  PerThread<std::unique_ptr<TileRenderer>> renderers_;
 };
 
 }  // namespace

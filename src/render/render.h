@@ -2,11 +2,11 @@
 #pragma once
 
 #include <expected>
-#include <functional>
 #include <memory>
 #include <string>
 
 #include "accel/accel.h"
+#include "base/parallel.h"
 #include "integrate/control.h"
 #include "integrate/film.h"
 #include "integrate/settings.h"
@@ -25,10 +25,6 @@ struct RenderResult {
   bool finished = false;  // all of the task is done: nobody said stop, and the time sufficed
   double seconds = 0;
 };
-
-/// Runs `work`, and all that it runs in parallel (reading, building, rendering), on so many
-/// threads; 0: as many as there are.
-void on_threads(int threads, const std::function<void()>& work);
 
 /// Why there cannot be a picture of these many pixels, in one line, or nothing: memory that would
 /// not suffice. For callers that want to know it before they build a structure.

@@ -98,7 +98,7 @@ void draw_statistics(const SessionPicture& picture, const PanelFacts& facts) {
   text(fmt::format("{}: {}, built in {}", baked.info.name, human_bytes(double(baked.info.bytes)),
                    human_seconds(baked.build_s)));
   text(fmt::format("scene {}, program {}", human_bytes(double(memory_bytes(*baked.scene))),
-                   human_bytes(double(app::peak_memory_bytes()))));
+                   human_bytes(double(peak_memory_bytes()))));
 }
 
 // A bar for each effect: what a picture takes with it, in white what it takes without.

@@ -6,8 +6,6 @@
 #include "accel/bvh/build.h"
 
 #include <fmt/core.h>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/task_group.h>
 
 #include <memory>
 #include <mutex>
@@ -15,7 +13,7 @@
 #include <utility>
 
 #include "accel/bvh/bvh.h"
-#include "accel/parallel.h"
+#include "base/parallel.h"
 
 namespace raio {
 namespace {
@@ -138,7 +136,7 @@ class Builder {
     if (parts.size() == 1)
       fill(0);
     else
-      tbb::parallel_for(size_t(0), parts.size(), fill);
+      parallel_for(parts.size(), fill);
     const Box3f box = all.box.box();
     out.reach = max_component(max(abs(box.lo), abs(box.hi)));
     return std::nullopt;
@@ -195,7 +193,7 @@ class Builder {
     part.counts[0] = 1;
     set_boxes(part.nodes[0], {children.data(), count});
     part.parts.resize(count);
-    tbb::task_group tasks;
+    TaskGroup tasks;
     for (size_t i = 0; i < count; ++i)
       tasks.run([&, i] { make_part(children[i], depth + 1, part.parts[i]); });
     tasks.wait();
@@ -398,7 +396,7 @@ class Builder {
   bool hasty_ = false;
   Column<ItemId> order_;  // in the end that of the leaves
   SpareItems spare_;
-  tbb::enumerable_thread_specific<Column<BuildItem>> scratches_{[] { return Column<BuildItem>(); }};
+  PerThread<Column<BuildItem>> scratches_{[] { return Column<BuildItem>(); }};
 };
 
 // How wide the median of some of the triangles is.

@@ -1,11 +1,10 @@
 // A lattice of cells over the centres takes the place of the items: one pass finds each cell's box
 // and count, the splits are between layers of cells, and a second pass moves the items.
-#include <tbb/parallel_for.h>
-
 #include <array>
 #include <utility>
 
 #include "accel/bvh/bins.h"
+#include "base/parallel.h"
 
 namespace raio {
 namespace {
@@ -68,7 +67,7 @@ class Planner {
 
   BuildPlan plan() {
     std::vector<Column<Cell>> tables(chunks_);
-    tbb::parallel_for(size_t(0), chunks_, [&](size_t c) { fill(c, tables[c]); });
+    parallel_for(chunks_, [&](size_t c) { fill(c, tables[c]); });
     cells_.assign(kCells, Cell());
     for (const Column<Cell>& table : tables)
       for (size_t i = 0; i < kCells; ++i) {
@@ -89,7 +88,7 @@ class Planner {
       size_t at = leaf_begin_[leaf];
       for (size_t c = 0; c < chunks_; ++c) at += std::exchange(next[c][leaf], at);
     }
-    tbb::parallel_for(size_t(0), chunks_, [&](size_t c) {
+    parallel_for(chunks_, [&](size_t c) {
       for_items(make_, begin(c), begin(c + 1), [&](const BuildItem& item) {
         out_[next[c][leaf_of_[cell_of(item)]]++] = item.item();
       });

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "accel/grid/grid.h"
-#include "accel/parallel.h"
+#include "base/parallel.h"
 
 namespace raio {
 namespace {

@@ -1,8 +1,8 @@
 // Finds the cells of each primitive, in parallel, and sorts them by cell.
 #include <fmt/core.h>
-#include <tbb/parallel_for.h>
 
 #include "accel/grid/grid.h"
+#include "base/parallel.h"
 #include "shape/cone.h"
 #include "shape/sphere.h"
 #include "shape/triangle.h"
@@ -96,7 +96,7 @@ class GridBuilder : GridCells {
     for (const ItemKind kind : {ItemKind::sphere, ItemKind::triangle, ItemKind::cone})
       for (uint32_t i = 0; i < g_.count(kind); ++i) rest_.push_back(item_id(kind, i));
     boxes_.resize(rest_.size());
-    tbb::parallel_for(size_t(0), rest_.size(), [&](size_t i) { boxes_[i] = g_.bounds(rest_[i]); });
+    parallel_for(rest_.size(), [&](size_t i) { boxes_[i] = g_.bounds(rest_[i]); });
   }
 
   Box3f bounds_of_rest() const {
@@ -206,7 +206,7 @@ class GridBuilder : GridCells {
       ItemId item;
     };
     std::vector<std::vector<Reference>> chunks((rest_.size() + kChunk - 1) / kChunk);
-    tbb::parallel_for(size_t(0), chunks.size(), [&](size_t c) {
+    parallel_for(chunks.size(), [&](size_t c) {
       for (size_t i = c * kChunk; i < std::min(rest_.size(), (c + 1) * kChunk); ++i)
         for_each_cell(i, [&](size_t cell) { chunks[c].push_back({uint32_t(cell), rest_[i]}); });
     });

@@ -1,9 +1,9 @@
 #include "io/image/deflate.h"
 
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <new>
+
+#include "base/parallel.h"
 
 namespace raio {
 
@@ -46,8 +46,8 @@ Deflated deflate_bands(size_t bands, const CheckSum& check_sum,
   deflated.bands.resize(bands);
   std::vector<uLong> check_sums(bands);
   std::vector<size_t> sizes(bands);
-  tbb::enumerable_thread_specific<Deflater> deflaters;  // a quarter of a megabyte each
-  tbb::parallel_for(size_t(0), bands, [&](size_t i) {
+  PerThread<Deflater> deflaters;  // a quarter of a megabyte each
+  parallel_for(bands, [&](size_t i) {
     std::vector<uint8_t> bytes = make(i);
     sizes[i] = bytes.size();
     check_sums[i] = check_sum.of(check_sum.of(0, nullptr, 0), bytes.data(), bytes.size());

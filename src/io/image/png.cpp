@@ -10,6 +10,7 @@
 #include <cstring>
 #include <exception>
 
+#include "base/parallel.h"
 #include "io/image/codecs.h"
 #include "io/image/deflate.h"
 

@@ -4,10 +4,8 @@
 // none skips one that begins a line. So pieces can be read each for itself, by the reader itself,
 // if they hold nothing but objects and materials, which are then joined in the order of the text. A
 // piece with anything else or with an error is read again in its turn, by the reader of the whole.
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_invoke.h>
-
 #include "base/memory.h"
+#include "base/parallel.h"
 #include "io/nff/parser.h"
 
 namespace raio::nff {
@@ -83,7 +81,7 @@ void Parser::read_pieces(const char* cut) {
     const auto join = [&] {
       for (Piece& piece : pieces) piece.plain ? append(piece) : walk(piece.end);
     };
-    tbb::parallel_invoke([&] { next = some_pieces(cut); }, join);
+    parallel_invoke([&] { next = some_pieces(cut); }, join);
     pieces.swap(next);
   }
 }
@@ -95,7 +93,7 @@ std::vector<Parser::Piece> Parser::some_pieces(const char* cut) const {
     pieces.push_back({cut, end, report_.of_part()});
     cut = end;
   }
-  tbb::parallel_for(size_t(0), pieces.size(), [&](size_t i) { read(pieces[i]); });
+  parallel_for(pieces.size(), [&](size_t i) { read(pieces[i]); });
   return pieces;
 }
 

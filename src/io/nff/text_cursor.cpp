@@ -1,39 +1,16 @@
 #include "io/nff/text_cursor.h"
 
 #include <fmt/format.h>
-#include <sys/stat.h>
-#include <tbb/parallel_for.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <limits>
 #include <new>
-#include <system_error>
-#include <vector>
 
-#include "base/memory.h"
+#include "base/platform/files.h"
 #include "io/diagnostics.h"
-#include "io/file.h"
 
 namespace raio {
-namespace {
-
-/// Closes on every way out.
-struct OpenFile {
-  int id = -1;
-  explicit OpenFile(int id_) : id(id_) {}
-  OpenFile(const OpenFile&) = delete;
-  OpenFile& operator=(const OpenFile&) = delete;
-  ~OpenFile() {
-    if (id >= 0) ::close(id);
-  }
-};
-
-std::string system_message(int code) { return std::generic_category().message(code); }
-
-}  // namespace
 
 void TextBuffer::reserve(size_t size) {
   if (size <= capacity_ && bytes_) return;
@@ -44,30 +21,6 @@ void TextBuffer::reserve(size_t size) {
   capacity_ = size;
 }
 
-/// Reads from where the file stands, usually its beginning, as much as it has at most, on all
-/// threads. Where a read fails or ends early (the file was cut meanwhile), it stops without an
-/// error: the next read tells. A mapping of the file would save the copy, a few per cent of reading
-/// a scene, but a file that is cut while it is mapped ends the program by SIGBUS.
-void TextBuffer::read_known(int file, size_t file_size) {
-  constexpr size_t kChunk = size_t(1) << 21;
-  const off_t start = ::lseek(file, 0, SEEK_CUR);
-  if (start < 0 || size_t(start) > file_size) return;
-  const size_t size = file_size - size_t(start);
-  reserve(size + 1);                    // so that the end is seen without growing
-  const size_t chunks = size / kChunk;  // the rest is not worth it
-  std::vector<size_t> read(chunks, 0);
-  tbb::parallel_for(size_t(0), chunks, [&](size_t i) {
-    while (read[i] < kChunk) {
-      const size_t at = i * kChunk + read[i];
-      const ssize_t got = ::pread(file, bytes_.get() + at, kChunk - read[i], start + off_t(at));
-      if (got <= 0) break;
-      read[i] += size_t(got);
-    }
-  });
-  for (size_t i = 0; i < chunks && size_ == i * kChunk; ++i) size_ += read[i];
-  ::lseek(file, start + off_t(size_), SEEK_SET);
-}
-
 TextBuffer::TextBuffer(std::string_view text) {
   reserve(text.size());
   if (!text.empty()) std::memcpy(bytes_.get(), text.data(), text.size());
@@ -75,35 +28,29 @@ TextBuffer::TextBuffer(std::string_view text) {
   std::memset(bytes_.get() + size_, 0, kPadding);
 }
 
+// A mapping of the file would save the copy, a few per cent of reading a scene, but a file that is
+// cut while it is mapped ends the program.
 std::expected<TextBuffer, std::string> TextBuffer::read_file(const std::filesystem::path& path) {
-  const OpenFile file(open_for_reading(path));
-  if (file.id < 0)
-    return std::unexpected(fmt::format("cannot open the file: {}", system_message(errno)));
-  struct stat status{};
-  if (::fstat(file.id, &status) != 0)
-    return std::unexpected(fmt::format("cannot read the file: {}", system_message(errno)));
-  if (S_ISDIR(status.st_mode)) return std::unexpected("this is a folder, expected a file");
-  if (S_ISBLK(status.st_mode) || (S_ISCHR(status.st_mode) && !::isatty(file.id)))
+  auto file = InputFile::open(path);
+  if (!file) return std::unexpected(fmt::format("cannot open the file: {}", file.error()));
+  if (file->kind() == InputFile::Kind::folder)
+    return std::unexpected("this is a folder, expected a file");
+  if (file->kind() == InputFile::Kind::device)
     return std::unexpected("this is a device, expected a file");
   // A scene takes about as much again as its text; and a pipe may never end.
   const size_t most = available_memory_bytes() / 2;
   const auto too_large = [] { return std::unexpected(std::string(kNoMemory)); };
-  if (S_ISREG(status.st_mode) && size_t(status.st_size) > most) return too_large();
+  if (file->rest() > most) return too_large();
   TextBuffer text;
   try {
-    if (S_ISREG(status.st_mode)) text.read_known(file.id, size_t(status.st_size));
-    // What is left: pipes, whose size is not known, a file that grows, and in most cases only the
-    // end.
-    text.reserve(std::max<size_t>(text.capacity_, 4096));
+    // By one more than what is known, so that the end is seen without growing.
+    text.reserve(std::max<size_t>(file->rest() + 1, 4096));
     for (;;) {
       if (text.size_ == text.capacity_) text.reserve(2 * text.capacity_);
-      const ssize_t got =
-          ::read(file.id, text.bytes_.get() + text.size_, text.capacity_ - text.size_);
-      if (got < 0 && errno == EINTR) continue;
-      if (got < 0)
-        return std::unexpected(fmt::format("cannot read the file: {}", system_message(errno)));
-      if (got == 0) break;
-      text.size_ += size_t(got);
+      const auto got = file->read(text.bytes_.get() + text.size_, text.capacity_ - text.size_);
+      if (!got) return std::unexpected(fmt::format("cannot read the file: {}", got.error()));
+      if (*got == 0) break;
+      text.size_ += *got;
       if (text.size_ > most) return too_large();
     }
   } catch (const std::bad_alloc&) {

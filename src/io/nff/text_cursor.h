@@ -31,7 +31,6 @@ class TextBuffer {
  private:
   TextBuffer() = default;
   void reserve(size_t size);
-  void read_known(int file, size_t file_size);
 
   std::unique_ptr<char[]> bytes_;
   size_t size_ = 0, capacity_ = 0;

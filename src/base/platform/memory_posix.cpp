@@ -1,5 +1,3 @@
-#include "base/memory.h"
-
 #include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
@@ -7,11 +5,15 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <new>
 #include <string_view>
+#include <system_error>
+
+#include "base/platform/memory.h"
 
 namespace raio {
 namespace {
@@ -89,11 +91,14 @@ size_t available_memory_bytes() {
   return std::min(free, limit.rlim_cur > used ? size_t(limit.rlim_cur) - used : 0);
 }
 
-void limit_memory(size_t bytes) {
+std::expected<void, std::string> limit_memory(size_t bytes) {
   rlimit limit{};
-  if (::getrlimit(RLIMIT_DATA, &limit) != 0) return;
+  bool done = ::getrlimit(RLIMIT_DATA, &limit) == 0;
   limit.rlim_cur = std::min<rlim_t>(bytes, limit.rlim_max);
-  ::setrlimit(RLIMIT_DATA, &limit);
+  done = done && ::setrlimit(RLIMIT_DATA, &limit) == 0;
+  if (done) return {};
+  return std::unexpected("the system does not limit memory: " +
+                         std::generic_category().message(errno));
 }
 
 void use_large_pages(void* begin, size_t bytes) {
@@ -102,6 +107,12 @@ void use_large_pages(void* begin, size_t bytes) {
   if (bytes < skip + kLarge) return;
   // Where it is refused, the memory works as before.
   ::madvise(static_cast<char*>(begin) + skip, (bytes - skip) / kLarge * kLarge, MADV_HUGEPAGE);
+}
+
+size_t peak_memory_bytes() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return size_t(usage.ru_maxrss) * 1024;
 }
 
 }  // namespace raio

@@ -1,8 +1,8 @@
-#include "base/lazy_library.h"
-
 #include <dlfcn.h>
 
 #include <stdexcept>
+
+#include "base/platform/library.h"
 
 namespace raio {
 

@@ -1,0 +1,11 @@
+// In place of embree.cpp in builds with RAIO_EMBREE=OFF.
+#include "accel/structures.h"
+
+namespace raio {
+
+AccelResult make_embree(Geometry, const AccelOptions&) {
+  return std::unexpected(
+      "this build has no Embree; choose another structure, or a build with RAIO_EMBREE=ON");
+}
+
+}  // namespace raio

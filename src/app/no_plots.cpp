@@ -1,0 +1,19 @@
+// In place of what draws (canvas.cpp, plot.cpp) in builds with RAIO_PLOTS=OFF.
+#include "app/plot.h"
+
+namespace raio::app {
+namespace {
+
+constexpr const char* kNoPlots = "this build draws no plots; use one with RAIO_PLOTS=ON";
+
+}  // namespace
+
+std::expected<PlotFormat, std::string> plot_format(const std::filesystem::path&) {
+  return std::unexpected(kNoPlots);
+}
+
+std::expected<std::string, std::string> draw_plot(const BenchTable&, PlotFormat) {
+  return std::unexpected(kNoPlots);
+}
+
+}  // namespace raio::app

@@ -1,0 +1,10 @@
+// In place of view_program.cpp in builds with RAIO_WINDOW=OFF.
+#include "app/output.h"
+
+namespace raio::app {
+
+int become_view_program(char**) {
+  return bad_input("this build has no window; use one with RAIO_WINDOW=ON");
+}
+
+}  // namespace raio::app
