@@ -12,6 +12,7 @@
 #include <cstddef>
 
 #include "integrate/classic.h"
+#include "integrate/colors-inl.h"
 #include "integrate/surface.h"
 #include "integrate/tile-inl.h"
 #include "shape/offset.h"
@@ -69,13 +70,13 @@ void look_up(const ClassicScene& classic, const RayBatch& rays, const HitBatch& 
     case ItemKind::triangle: {
       const TriangleIndices& at = geometry.corners(index);
       const Facet& facet = geometry.facet(index);
-      for (size_t c = 0; c < 3; ++c) v.corner[c].set(i, scene.positions[at[c]]);
+      for (size_t c = 0; c < 3; ++c) v.corner[c].set(i, geometry.positions()[at[c]]);
       v.extent.at[i] = 0;
       v.geometric.set(i, facet.normal);
       v.normal.set(i, facet.normal);
       if (const TriangleIndices* corners = geometry.corner_normals(index)) {
         const auto weighted = [&](size_t corner, float w) {
-          return scene.normals[(*corners)[corner]] * w;
+          return geometry.normals()[(*corners)[corner]] * w;
         };
         const float b1 = hits.u[i], b2 = hits.v[i];
         v.normal.set(i, weighted(0, 1 - b1 - b2) + weighted(1, b1) + weighted(2, b2));
@@ -132,17 +133,16 @@ HWY_INLINE bool look_up_triangles(const ClassicScene& classic, const HitBatch& h
   const auto is_triangle = [](ItemId id) { return item_kind(id) == ItemKind::triangle; };
   if (!std::all_of(&hits.item[i], &hits.item[i] + 4, is_triangle)) return false;
   const Geometry& geometry = classic.accel.geometry();
-  const Scene& scene = classic.scene;
   Row corner[3][4], geometric[4], normal[4];
   for (size_t k = 0; k < 4; ++k) {
     const uint32_t index = item_index(hits.item[i + k]);
     const TriangleIndices& at = geometry.corners(index);
-    for (size_t c = 0; c < 3; ++c) corner[c][k] = load_row(scene.positions[at[c]]);
+    for (size_t c = 0; c < 3; ++c) corner[c][k] = load_row(geometry.positions()[at[c]]);
     static_assert(offsetof(Facet, material) == 3 * sizeof(float));
     geometric[k] = normal[k] = hn::LoadU(kRow, &geometry.facet(index).normal.x);
     if (const TriangleIndices* corners = geometry.corner_normals(index)) {
       const auto weighted = [&](size_t c, float w) HWY_ATTR {
-        return hn::Mul(load_row(scene.normals[(*corners)[c]]), hn::Set(kRow, w));
+        return hn::Mul(load_row(geometry.normals()[(*corners)[c]]), hn::Set(kRow, w));
       };
       const float b1 = hits.u[i + k], b2 = hits.v[i + k];
       normal[k] = hn::Add(hn::Add(weighted(0, 1 - b1 - b2), weighted(1, b1)), weighted(2, b2));
@@ -262,10 +262,12 @@ void find_surfaces(const ClassicScene& classic, const RayBatch& rays, const HitB
                    size_t n, Vertices& v) {
   for (size_t i = 0; i < n; i += kWidth) look_up_lanes(classic, rays, hits, i, v);
   const bool smooth = classic.accel.geometry().any_smooth();
+  const bool colored = classic.accel.geometry().any_colors();
   const V zero = hn::Zero(d);
   const V3 ambient = set3(d, classic.ambient);
   for (size_t i = 0; i < n; i += kWidth) {
     look_up_materials(classic.scene.materials.data(), i, v);
+    if (colored) look_up_colors(classic.accel.geometry(), hits, i, v.color);
     const V3 dir = directions(rays, i);
     const auto kind = hn::ShiftRight<kItemIndexBits>(load(hits.item, i));
     const auto is = [&](ItemKind k) HWY_ATTR {
