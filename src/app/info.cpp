@@ -9,7 +9,7 @@
 #include "app/json.h"
 #include "app/output.h"
 #include "app/terminal.h"
-#include "io/nff/nff.h"
+#include "io/scene_file.h"
 
 namespace raio::app {
 
@@ -144,7 +144,7 @@ std::string info_text(const ReadScene& read) {
 int run(const InfoCommand& command) {
   const StopOnSignal stop;
   // Not load_scene: the warnings are part of what is asked for.
-  const auto read = read_nff(command.scene);
+  const auto read = read_scene(command.scene);
   for (const Diagnostic& d : read ? read->warnings : read.error()) print_line(d.text());
   if (!read) return kBadInput;
   return deliver("-", command.json ? info_json(*read) : info_text(*read));
