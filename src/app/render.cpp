@@ -23,7 +23,7 @@ double seconds_since(Clock::time_point start) {
 std::string picture_path(const RenderCommand& command) {
   if (!command.output.empty()) return command.output;
   const std::string& named = command.scene.empty() ? command.repeat : command.scene;
-  return std::filesystem::path(named).stem().string() + ".png";
+  return (named == "-" ? "stdin" : std::filesystem::path(named).stem().string()) + ".png";
 }
 
 // What cannot be written is better known before the work than after it; the exit status.
@@ -72,6 +72,8 @@ int prepare(RenderStart& start, const RenderControl& control, Job& job) {
   const auto load_start = Clock::now();
   auto scene = load_scene(command.scene, command.quiet);
   if (!scene) return scene.error();
+  if (const std::string what = unrendered(*scene); !what.empty() && !command.quiet)
+    print_line(fmt::format("{}: warning: not shown yet: {}", command.scene, what));
   job.scene = std::move(*scene);
   job.times.load = seconds_since(load_start);
   if (control.stop) return interrupted();

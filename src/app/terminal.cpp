@@ -10,7 +10,7 @@
 
 #include "app/commands.h"
 #include "io/file.h"
-#include "io/nff/nff.h"
+#include "io/scene_file.h"
 
 namespace raio::app {
 namespace {
@@ -78,7 +78,7 @@ int interrupted() {
 }
 
 std::expected<Scene, int> load_scene(const std::string& path, bool quiet) {
-  auto result = read_nff(path);
+  auto result = read_scene(path);
   if (!result) {
     for (const Diagnostic& d : result.error()) print_line(d.text());
     const bool machine = result.error().front().message == kNoMemory;
