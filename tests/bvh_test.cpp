@@ -218,7 +218,7 @@ class TreeCheck {
     if (!b_.nodes.empty()) check(pool_ref(Pool::nodes, 0), Box3f{Vec3f(-kMost), Vec3f(kMost)}, 0);
   }
 
-  std::map<ItemId, int> seen;
+  std::map<PrimitiveId, int> seen;
   size_t nodes = 0, blocks = 0, outside = 0;
   int levels = 0;
 
@@ -230,11 +230,11 @@ class TreeCheck {
     levels = std::max(levels, depth);
     if (ref_pool(ref) != Pool::nodes) {
       ++blocks;
-      const ItemId* items = ref_pool(ref) == Pool::spheres     ? b_.spheres[i].item
-                            : ref_pool(ref) == Pool::triangles ? b_.triangles[i].item
-                                                               : b_.cones[i].item;
+      const PrimitiveId* items = ref_pool(ref) == Pool::spheres     ? b_.spheres[i].item
+                                 : ref_pool(ref) == Pool::triangles ? b_.triangles[i].item
+                                                                    : b_.cones[i].item;
       for (int k = 0; k < kBlockWidth; ++k) {
-        if (items[k] == kNoItem) continue;
+        if (items[k] == kNoPrimitive) continue;
         ++seen[items[k]];
         outside += !holds(around, g_.bounds(items[k]));
         EXPECT_TRUE(k == 0 || items[k - 1] < items[k]);
@@ -280,7 +280,8 @@ TEST(Bvh, HoldsEveryItemOnceInsideItsBoxes) {
     EXPECT_EQ(check.blocks, bvh.spheres.size() + bvh.triangles.size() + bvh.cones.size());
     EXPECT_LE(check.levels, kBvhMaxLevels);
     size_t items = 0;
-    for (const ItemKind kind : {ItemKind::sphere, ItemKind::triangle, ItemKind::cone})
+    for (const PrimitiveKind kind :
+         {PrimitiveKind::sphere, PrimitiveKind::triangle, PrimitiveKind::cone})
       items += g.count(kind);
     EXPECT_EQ(check.seen.size(), items);
     for (const auto& [item, times] : check.seen) ASSERT_EQ(times, 1) << item;

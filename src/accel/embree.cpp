@@ -87,9 +87,10 @@ class Embree final : public Accel {
       query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
       call<kEmbree, rtcIntersect1>(scene_, &embree, &query);
       if (query.hit.geomID != RTC_INVALID_GEOMETRY_ID)
-        hits.set(i, refined(rays[i],
-                            {query.ray.tfar, item_id(ItemKind(query.hit.geomID), query.hit.primID),
-                             query.hit.u, query.hit.v}));
+        hits.set(i,
+                 refined(rays[i], {query.ray.tfar,
+                                   primitive_id(PrimitiveKind(query.hit.geomID), query.hit.primID),
+                                   query.hit.u, query.hit.v}));
     }
   }
 
@@ -110,19 +111,19 @@ class Embree final : public Accel {
   AccelInfo info() const override {
     return {.name = "embree",
             .bytes = geometry_.bytes() + size_t(bytes_.load()),
-            .giants = geometry_.count(ItemKind::plane)};
+            .giants = geometry_.count(PrimitiveKind::plane)};
   }
 
  private:
-  // The geometry's number in the Embree scene is its ItemKind.
-  void attach(RTCGeometry geometry, ItemKind kind) {
+  // The geometry's number in the Embree scene is its PrimitiveKind.
+  void attach(RTCGeometry geometry, PrimitiveKind kind) {
     call<kEmbree, rtcCommitGeometry>(geometry);
     call<kEmbree, rtcAttachGeometryByID>(scene_, geometry, unsigned(kind));
     call<kEmbree, rtcReleaseGeometry>(geometry);
   }
 
   void add_spheres() {
-    const size_t n = geometry_.count(ItemKind::sphere);
+    const size_t n = geometry_.count(PrimitiveKind::sphere);
     if (n == 0) return;
     RTCGeometry g = call<kEmbree, rtcNewGeometry>(device_, RTC_GEOMETRY_TYPE_SPHERE_POINT);
     auto* out = static_cast<float*>(call<kEmbree, rtcSetNewGeometryBuffer>(
@@ -132,12 +133,12 @@ class Embree final : public Accel {
       const Sphere s = geometry_.sphere(i);
       *out++ = s.center.x, *out++ = s.center.y, *out++ = s.center.z, *out++ = s.radius;
     }
-    filter_sides(g, ItemKind::sphere);
-    attach(g, ItemKind::sphere);
+    filter_sides(g, PrimitiveKind::sphere);
+    attach(g, PrimitiveKind::sphere);
   }
 
   void add_triangles() {
-    const size_t n = geometry_.count(ItemKind::triangle);
+    const size_t n = geometry_.count(PrimitiveKind::triangle);
     if (n == 0) return;
     RTCGeometry g = call<kEmbree, rtcNewGeometry>(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* out = static_cast<float*>(call<kEmbree, rtcSetNewGeometryBuffer>(
@@ -151,23 +152,24 @@ class Embree final : public Accel {
         *out++ = corner.x, *out++ = corner.y, *out++ = corner.z;
       for (uint32_t k = 0; k < 3; ++k) *index++ = 3 * i + k;
     }
-    filter_sides(g, ItemKind::triangle);
-    attach(g, ItemKind::triangle);
+    filter_sides(g, PrimitiveKind::triangle);
+    attach(g, PrimitiveKind::triangle);
   }
 
   void add_cones() {
-    if (geometry_.count(ItemKind::cone) == 0) return;
+    if (geometry_.count(PrimitiveKind::cone) == 0) return;
     RTCGeometry g = call<kEmbree, rtcNewGeometry>(device_, RTC_GEOMETRY_TYPE_USER);
-    call<kEmbree, rtcSetGeometryUserPrimitiveCount>(g, unsigned(geometry_.count(ItemKind::cone)));
+    call<kEmbree, rtcSetGeometryUserPrimitiveCount>(g,
+                                                    unsigned(geometry_.count(PrimitiveKind::cone)));
     call<kEmbree, rtcSetGeometryUserData>(g, this);
     call<kEmbree, rtcSetGeometryBoundsFunction>(g, cone_bounds, nullptr);
     call<kEmbree, rtcSetGeometryIntersectFunction>(g, cone_closest);
     call<kEmbree, rtcSetGeometryOccludedFunction>(g, cone_occluded);
-    attach(g, ItemKind::cone);
+    attach(g, PrimitiveKind::cone);
   }
 
   // One-sided surfaces: Embree asks before it accepts a hit.
-  void filter_sides(RTCGeometry g, ItemKind kind) {
+  void filter_sides(RTCGeometry g, PrimitiveKind kind) {
     if (geometry_.two_sided(kind)) return;
     call<kEmbree, rtcSetGeometryUserData>(g, this);
     call<kEmbree, rtcSetGeometryIntersectFilterFunction>(g, reject_unseen);
@@ -179,8 +181,8 @@ class Embree final : public Accel {
     const unsigned n = args->N;
     for (unsigned i = 0; i < n; ++i) {
       if (args->valid[i] != -1) continue;
-      const ItemId id =
-          item_id(ItemKind(RTCHitN_geomID(args->hit, n, i)), RTCHitN_primID(args->hit, n, i));
+      const PrimitiveId id = primitive_id(PrimitiveKind(RTCHitN_geomID(args->hit, n, i)),
+                                          RTCHitN_primID(args->hit, n, i));
       const float cosine = RTCHitN_Ng_x(args->hit, n, i) * RTCRayN_dir_x(args->ray, n, i) +
                            RTCHitN_Ng_y(args->hit, n, i) * RTCRayN_dir_y(args->ray, n, i) +
                            RTCHitN_Ng_z(args->hit, n, i) * RTCRayN_dir_z(args->ray, n, i);
@@ -244,14 +246,15 @@ class Embree final : public Accel {
 
   RayQuery nearest_plane(const Ray& ray) const {
     RayQuery query(ray);
-    for (uint32_t i = 0; i < geometry_.count(ItemKind::plane); ++i) test_plane(geometry_, i, query);
+    for (uint32_t i = 0; i < geometry_.count(PrimitiveKind::plane); ++i)
+      test_plane(geometry_, i, query);
     return query;
   }
 
   // A grazing hit that Raio's test does not see stays as it is.
   Hit refined(const Ray& ray, const Hit& hit) const {
     RayQuery query(ray);
-    return test_item(geometry_, hit.item, query) ? query.best : hit;
+    return test_primitive(geometry_, hit.item, query) ? query.best : hit;
   }
 
   // Lanes first .. first + 7 of the batch; `tfar` and `valid` are set by the caller.
@@ -279,10 +282,11 @@ class Embree final : public Accel {
     call<kEmbree, rtcIntersect8>(valid, scene_, &embree, &query);
     for (unsigned k = 0; k < lanes; ++k)
       if (query.hit.geomID[k] != RTC_INVALID_GEOMETRY_ID)
-        hits.set(first + k, refined(rays[first + k],
-                                    {query.ray.tfar[k],
-                                     item_id(ItemKind(query.hit.geomID[k]), query.hit.primID[k]),
-                                     query.hit.u[k], query.hit.v[k]}));
+        hits.set(first + k,
+                 refined(rays[first + k],
+                         {query.ray.tfar[k],
+                          primitive_id(PrimitiveKind(query.hit.geomID[k]), query.hit.primID[k]),
+                          query.hit.u[k], query.hit.v[k]}));
   }
 
   void occluded8(const RayBatch& rays, size_t first, uint8_t* hit,

@@ -106,7 +106,7 @@ void Geometry::bake_polygons() {
 // Which side of each item is seen, for the kinds that have one of which it is not both.
 void Geometry::list_sides(bool one_sided) {
   const Scene& s = *scene_;
-  const auto list = [&](ItemKind kind, auto&& material, auto&& inside_only) {
+  const auto list = [&](PrimitiveKind kind, auto&& material, auto&& inside_only) {
     const auto side = [&](size_t i) {
       const bool opaque = s.materials[material(i)].transmission == 0;
       return inside_only(i) ? Sides::inside : one_sided && opaque ? Sides::outside : Sides::both;
@@ -124,39 +124,40 @@ void Geometry::list_sides(bool one_sided) {
   };
   const auto never = [](size_t) { return false; };
   list(
-      ItemKind::sphere, [&](size_t i) { return s.sphere_materials[i]; },
+      PrimitiveKind::sphere, [&](size_t i) { return s.sphere_materials[i]; },
       [&](size_t i) { return s.spheres[i].radius < 0; });
   list(
-      ItemKind::cone, [&](size_t i) { return s.cone_materials[i]; },
+      PrimitiveKind::cone, [&](size_t i) { return s.cone_materials[i]; },
       [&](size_t i) { return s.cones[i].base_radius < 0 || s.cones[i].apex_radius < 0; });
-  list(ItemKind::plane, [&](size_t i) { return s.plane_materials[i]; }, never);
-  if (one_sided) list(ItemKind::triangle, [&](size_t i) { return facets_[i].material; }, never);
+  list(PrimitiveKind::plane, [&](size_t i) { return s.plane_materials[i]; }, never);
+  if (one_sided)
+    list(PrimitiveKind::triangle, [&](size_t i) { return facets_[i].material; }, never);
 }
 
-size_t Geometry::count(ItemKind kind) const {
+size_t Geometry::count(PrimitiveKind kind) const {
   switch (kind) {
-    case ItemKind::plane:
+    case PrimitiveKind::plane:
       return scene_->planes.size();
-    case ItemKind::sphere:
+    case PrimitiveKind::sphere:
       return scene_->spheres.size();
-    case ItemKind::triangle:
+    case PrimitiveKind::triangle:
       return facets_.size();
-    case ItemKind::cone:
+    case PrimitiveKind::cone:
       return cones_.size();
   }
   return 0;
 }
 
-Box3f Geometry::bounds(ItemId id) const {
-  const uint32_t i = item_index(id);
-  switch (item_kind(id)) {
-    case ItemKind::sphere:
+Box3f Geometry::bounds(PrimitiveId id) const {
+  const uint32_t i = primitive_index(id);
+  switch (primitive_kind(id)) {
+    case PrimitiveKind::sphere:
       return raio::bounds(sphere(i));
-    case ItemKind::triangle:
+    case PrimitiveKind::triangle:
       return raio::bounds(triangle(i));
-    case ItemKind::cone:
+    case PrimitiveKind::cone:
       return raio::bounds(cone(i));
-    case ItemKind::plane:
+    case PrimitiveKind::plane:
       break;
   }
   return {};

@@ -15,15 +15,17 @@
 
 namespace raio {
 
-/// The kinds that structures store; the upper bits of an ItemId.
-enum class ItemKind : uint32_t { plane, sphere, triangle, cone };
-inline constexpr int kItemKinds = 4;
+/// The kinds that structures store; the upper bits of an PrimitiveId.
+enum class PrimitiveKind : uint32_t { plane, sphere, triangle, cone };
+inline constexpr int kPrimitiveKinds = 4;
 
-constexpr ItemId item_id(ItemKind kind, uint32_t index) {
-  return uint32_t(kind) << kItemIndexBits | index;
+constexpr PrimitiveId primitive_id(PrimitiveKind kind, uint32_t index) {
+  return uint32_t(kind) << kPrimitiveIndexBits | index;
 }
-constexpr ItemKind item_kind(ItemId id) { return ItemKind(id >> kItemIndexBits); }
-constexpr uint32_t item_index(ItemId id) { return id & (kMaxItemsPerKind - 1); }
+constexpr PrimitiveKind primitive_kind(PrimitiveId id) {
+  return PrimitiveKind(id >> kPrimitiveIndexBits);
+}
+constexpr uint32_t primitive_index(PrimitiveId id) { return id & (kMaxPrimitivesPerKind - 1); }
 
 /// What shading wants of a triangle: 16 bytes.
 struct Facet {
@@ -40,13 +42,13 @@ class Geometry {
 
   const Scene& scene() const { return *scene_; }
 
-  size_t count(ItemKind kind) const;
-  Sides sides_of(ItemId id) const {
-    const auto& s = sides_[size_t(item_kind(id))];
-    return s.empty() ? Sides::both : s[item_index(id)];
+  size_t count(PrimitiveKind kind) const;
+  Sides sides_of(PrimitiveId id) const {
+    const auto& s = sides_[size_t(primitive_kind(id))];
+    return s.empty() ? Sides::both : s[primitive_index(id)];
   }
   /// Are both sides of all items of the kind seen?
-  bool two_sided(ItemKind kind) const { return sides_[size_t(kind)].empty(); }
+  bool two_sided(PrimitiveKind kind) const { return sides_[size_t(kind)].empty(); }
 
   const Plane& plane(uint32_t i) const { return scene_->planes[i]; }
   /// The radius is not negative: what is seen of the sphere is in sides_of().
@@ -64,10 +66,10 @@ class Geometry {
   const BakedCone& cone(uint32_t i) const { return cones_[i]; }
 
   /// Tells the processor that the item will be asked for soon.
-  void prefetch(ItemId id) const {
-    const uint32_t i = item_index(id);
-    if (item_kind(id) == ItemKind::sphere) __builtin_prefetch(&scene_->spheres[i]);
-    if (item_kind(id) == ItemKind::triangle) __builtin_prefetch(&triangles_[i]);
+  void prefetch(PrimitiveId id) const {
+    const uint32_t i = primitive_index(id);
+    if (primitive_kind(id) == PrimitiveKind::sphere) __builtin_prefetch(&scene_->spheres[i]);
+    if (primitive_kind(id) == PrimitiveKind::triangle) __builtin_prefetch(&triangles_[i]);
   }
 
   const Facet& facet(uint32_t triangle) const { return facets_[triangle]; }
@@ -82,8 +84,8 @@ class Geometry {
   /// About how many bytes baking `scene` takes, those that it frees again included.
   static double bytes_to_bake(const Scene& scene);
 
-  Box3f bounds(ItemId id) const;  // not for planes, which have none
-  size_t bytes() const;           // besides the scene
+  Box3f bounds(PrimitiveId id) const;  // not for planes, which have none
+  size_t bytes() const;                // besides the scene
 
  private:
   void bake_triangles();
@@ -96,7 +98,7 @@ class Geometry {
   Column<TriangleIndices> own_triangles_, own_normals_;
   Column<Facet> facets_;
   Column<BakedCone> cones_;
-  std::array<Column<Sides>, kItemKinds> sides_;  // empty: both sides of all
+  std::array<Column<Sides>, kPrimitiveKinds> sides_;  // empty: both sides of all
 };
 
 }  // namespace raio

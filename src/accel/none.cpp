@@ -27,14 +27,14 @@ class None final : public Accel {
   RayQuery trace(const Ray& ray, TraceContext& context) const {
     RayQuery query(ray);
     if (!(ray.tmax > 0)) return query;
-    all_of<any, ItemKind::plane, test_plane>(query, context) ||
-        all_of<any, ItemKind::sphere, test_sphere>(query, context) ||
-        all_of<any, ItemKind::triangle, test_triangle>(query, context) ||
-        all_of<any, ItemKind::cone, test_cone>(query, context);
+    all_of<any, PrimitiveKind::plane, test_plane>(query, context) ||
+        all_of<any, PrimitiveKind::sphere, test_sphere>(query, context) ||
+        all_of<any, PrimitiveKind::triangle, test_triangle>(query, context) ||
+        all_of<any, PrimitiveKind::cone, test_cone>(query, context);
     return query;
   }
 
-  template <bool any, ItemKind kind, auto test>
+  template <bool any, PrimitiveKind kind, auto test>
   bool all_of(RayQuery& query, TraceContext& context) const {
     const uint32_t n = uint32_t(geometry_.count(kind));
     uint32_t i = 0;

@@ -187,7 +187,7 @@ class WideTracer final : public ClassicTracer {
         sums_.prefetch(current_.pixel[k]);
       const U item = load(hits_.item, i);
       const M in = hn::FirstN(d, n - i);
-      const M found = hn::And(in, hn::RebindMask(d, hn::Ne(item, hn::Set(du, kNoItem))));
+      const M found = hn::And(in, hn::RebindMask(d, hn::Ne(item, hn::Set(du, kNoPrimitive))));
       const size_t count = hn::CountTrue(d, found);
       add_background(load(current_.weight, i), &current_.pixel[i], hn::AndNot(found, in));
       if (count > 0 && (kept < i || count < kWidth)) {

@@ -23,20 +23,20 @@ Surface cone_surface(const Geometry& geometry, uint32_t index, Vec3f p) {
 
 Surface surface_at(const Geometry& geometry, const Ray& ray, const Hit& hit) {
   const Scene& scene = geometry.scene();
-  const uint32_t index = item_index(hit.item);
+  const uint32_t index = primitive_index(hit.item);
   const Vec3f p = ray.at(hit.t);
-  switch (item_kind(hit.item)) {
-    case ItemKind::plane:
+  switch (primitive_kind(hit.item)) {
+    case PrimitiveKind::plane:
       return plane_surface(geometry, index, p);
-    case ItemKind::cone:
+    case PrimitiveKind::cone:
       return cone_surface(geometry, index, p);
-    case ItemKind::sphere: {
+    case PrimitiveKind::sphere: {
       const Sphere sphere = geometry.sphere(index);
       const Vec3f normal = normalize(p - sphere.center);
       return {sphere.center + normal * sphere.radius, normal, sphere.radius,
               scene.sphere_materials[index]};
     }
-    case ItemKind::triangle:
+    case PrimitiveKind::triangle:
       break;
   }
   const Facet& facet = geometry.facet(index);

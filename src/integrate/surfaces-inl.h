@@ -56,17 +56,17 @@ void look_up(const ClassicScene& classic, const RayBatch& rays, const HitBatch& 
              Vertices& v) {
   const Geometry& geometry = classic.accel.geometry();
   const Scene& scene = classic.scene;
-  const ItemKind kind = item_kind(hits.item[i]);
-  const uint32_t index = item_index(hits.item[i]);
+  const PrimitiveKind kind = primitive_kind(hits.item[i]);
+  const uint32_t index = primitive_index(hits.item[i]);
   switch (kind) {
-    case ItemKind::sphere: {
+    case PrimitiveKind::sphere: {
       const Sphere s = geometry.sphere(index);
       v.corner[0].set(i, s.center);
       v.extent.at[i] = s.radius;
       v.material[i] = scene.sphere_materials[index];
       return;
     }
-    case ItemKind::triangle: {
+    case PrimitiveKind::triangle: {
       const TriangleIndices& at = geometry.corners(index);
       const Facet& facet = geometry.facet(index);
       for (size_t c = 0; c < 3; ++c) v.corner[c].set(i, scene.positions[at[c]]);
@@ -83,14 +83,14 @@ void look_up(const ClassicScene& classic, const RayBatch& rays, const HitBatch& 
       v.material[i] = facet.material;
       return;
     }
-    case ItemKind::cone: {
+    case PrimitiveKind::cone: {
       const BakedCone& c = geometry.cone(index);
       v.corner[0].set(i, c.base), v.corner[1].set(i, c.axis);
       v.corner[2].set(i, {c.height, c.base_radius, c.slope});
       v.material[i] = scene.cone_materials[index];
       return;
     }
-    case ItemKind::plane:
+    case PrimitiveKind::plane:
       v.set(i, plane_surface(geometry, index, rays[i].at(hits.t[i])));
       return;
   }
@@ -129,13 +129,15 @@ HWY_INLINE Row store_rows(const Row (&rows)[4], Floats3& to, size_t i) {
 // number by number is what takes the time.
 HWY_INLINE bool look_up_triangles(const ClassicScene& classic, const HitBatch& hits, size_t i,
                                   Vertices& v) {
-  const auto is_triangle = [](ItemId id) { return item_kind(id) == ItemKind::triangle; };
+  const auto is_triangle = [](PrimitiveId id) {
+    return primitive_kind(id) == PrimitiveKind::triangle;
+  };
   if (!std::all_of(&hits.item[i], &hits.item[i] + 4, is_triangle)) return false;
   const Geometry& geometry = classic.accel.geometry();
   const Scene& scene = classic.scene;
   Row corner[3][4], geometric[4], normal[4];
   for (size_t k = 0; k < 4; ++k) {
-    const uint32_t index = item_index(hits.item[i + k]);
+    const uint32_t index = primitive_index(hits.item[i + k]);
     const TriangleIndices& at = geometry.corners(index);
     for (size_t c = 0; c < 3; ++c) corner[c][k] = load_row(scene.positions[at[c]]);
     static_assert(offsetof(Facet, material) == 3 * sizeof(float));
@@ -162,11 +164,11 @@ bool look_up_triangles(const ClassicScene&, const HitBatch&, size_t, Vertices&) 
 // Those of rays i, i + 1, ... in the lanes, which often hit the same thing.
 void look_up_lanes(const ClassicScene& classic, const RayBatch& rays, const HitBatch& hits,
                    size_t i, Vertices& v) {
-  const ItemId first = hits.item[i];
-  const bool triangle = item_kind(first) == ItemKind::triangle;
+  const PrimitiveId first = hits.item[i];
+  const bool triangle = primitive_kind(first) == PrimitiveKind::triangle;
   // Of the others each point has a normal of its own.
-  const bool flat = triangle ? !classic.accel.geometry().corner_normals(item_index(first))
-                             : item_kind(first) == ItemKind::sphere;
+  const bool flat = triangle ? !classic.accel.geometry().corner_normals(primitive_index(first))
+                             : primitive_kind(first) == PrimitiveKind::sphere;
   if (!flat || !hn::AllTrue(du, hn::Eq(load(hits.item, i), hn::Set(du, first)))) {
     for (size_t k = i; k < i + kWidth; k += 4) {
       if (look_up_triangles(classic, hits, k, v)) continue;
@@ -253,8 +255,8 @@ void find_cones(const Geometry& geometry, const RayBatch& rays, const HitBatch& 
   if (!any_on_axis) return;
   // Tips have no normal of their own.
   for (size_t k = i; k < i + kWidth; ++k)
-    if (item_kind(hits.item[k]) == ItemKind::cone)
-      v.set(k, cone_surface(geometry, item_index(hits.item[k]), rays[k].at(hits.t[k])));
+    if (primitive_kind(hits.item[k]) == PrimitiveKind::cone)
+      v.set(k, cone_surface(geometry, primitive_index(hits.item[k]), rays[k].at(hits.t[k])));
 }
 
 // Where n rays hit: points, normals towards the ray, and all that is the same for every light.
@@ -267,11 +269,11 @@ void find_surfaces(const ClassicScene& classic, const RayBatch& rays, const HitB
   for (size_t i = 0; i < n; i += kWidth) {
     look_up_materials(classic.scene.materials.data(), i, v);
     const V3 dir = directions(rays, i);
-    const auto kind = hn::ShiftRight<kItemIndexBits>(load(hits.item, i));
-    const auto is = [&](ItemKind k) HWY_ATTR {
+    const auto kind = hn::ShiftRight<kPrimitiveIndexBits>(load(hits.item, i));
+    const auto is = [&](PrimitiveKind k) HWY_ATTR {
       return hn::RebindMask(d, hn::Eq(kind, hn::Set(du, uint32_t(k))));
     };
-    if (const M cones = is(ItemKind::cone); !hn::AllFalse(d, cones))
+    if (const M cones = is(PrimitiveKind::cone); !hn::AllFalse(d, cones))
       find_cones(classic.accel.geometry(), rays, hits, i, cones, v);
     // Triangles, by their corners' weights; points of other kinds are three corners of their own.
     const V3 a = load(v.corner[0], i);
@@ -287,7 +289,7 @@ void find_surfaces(const ClassicScene& classic, const RayBatch& rays, const HitB
       normal = select(hn::Gt(side, zero), unit, -unit);
       normal = select(hn::Eq(side, zero), geometric, normal);
     }
-    const M sphere = is(ItemKind::sphere);
+    const M sphere = is(PrimitiveKind::sphere);
     // Spheres: the point is put back on the surface along the radius, for which it must be `a`.
     const V3 at = origins(rays, i) + dir * load(hits.t, i);
     const V3 outward = normalize(d, at - a);

@@ -84,8 +84,8 @@ void check_lights_and_materials(const Scene& scene, Problems& problems) {
 /// One kind's pool beside its materials.
 void check_pool(std::string_view kind, size_t count, const std::vector<MaterialId>& ids,
                 size_t materials, Problems& problems) {
-  problems.check(count <= kMaxItemsPerKind, "there are ", count, " ", kind, "s, more than ",
-                 size_t(kMaxItemsPerKind));
+  problems.check(count <= kMaxPrimitivesPerKind, "there are ", count, " ", kind, "s, more than ",
+                 size_t(kMaxPrimitivesPerKind));
   problems.check(ids.size() == count, "there are ", count, " ", kind, "s but ", ids.size(),
                  " materials for them");
   for (size_t i = 0; i < ids.size(); ++i)

@@ -123,7 +123,7 @@ class Beams {
   template <class Block>
   HWY_INLINE void meet_block(const Block& block, uint32_t id) {
     BeamCandidate* found = room_.candidates;
-    for (int k = 0; k < kBlockWidth && block.item[k] != kNoItem; ++k)
+    for (int k = 0; k < kBlockWidth && block.item[k] != kNoPrimitive; ++k)
       context_.tests += kPacket, found = meet<false>(block, k, id, found);
     offer(block, found);
   }
@@ -203,13 +203,14 @@ class Beams {
   }
 
   // Takes hits of rays i, i + 1, ... that are nearer; at equal distance the lower id.
-  HWY_INLINE void offer(size_t i, V16 t, ItemId item, V16 u, V16 v) const {
+  HWY_INLINE void offer(size_t i, V16 t, PrimitiveId item, V16 u, V16 v) const {
     const auto& f = kSixteen;
     const hn::RebindToUnsigned<decltype(kSixteen)> id;
     const V16 best = hn::Load(f, batch_.t + i);
     const auto old = hn::Load(id, batch_.item + i);
     // No item is the highest id of all, but what ends there is not met.
-    const auto lower = hn::And(hn::Lt(hn::Set(id, item), old), hn::Ne(old, hn::Set(id, kNoItem)));
+    const auto lower =
+        hn::And(hn::Lt(hn::Set(id, item), old), hn::Ne(old, hn::Set(id, kNoPrimitive)));
     const M16 nearer = hn::Or(hn::Lt(t, best), hn::And(hn::Eq(t, best), hn::RebindMask(f, lower)));
     const M16 taken = hn::And(nearer, hn::Gt(t, hn::Zero(f)));
     hn::BlendedStore(t, taken, f, batch_.t + i);

@@ -22,10 +22,10 @@ constexpr Pool ref_pool(uint32_t ref) { return Pool(ref >> 30); }
 constexpr uint32_t ref_index(uint32_t ref) { return ref & 0x3fffffffu; }
 
 /// Where blocks of a kind are; planes have none.
-constexpr Pool pool_of(ItemKind kind) {
-  return kind == ItemKind::sphere     ? Pool::spheres
-         : kind == ItemKind::triangle ? Pool::triangles
-                                      : Pool::cones;
+constexpr Pool pool_of(PrimitiveKind kind) {
+  return kind == PrimitiveKind::sphere     ? Pool::spheres
+         : kind == PrimitiveKind::triangle ? Pool::triangles
+                                           : Pool::cones;
 }
 
 /// Eight boxes: planes[0] the lower ones, planes[1] the upper, per axis.
@@ -45,18 +45,18 @@ struct alignas(32) EightBoxes {
 /// Up to eight primitives of one kind. Lanes without one hold something that no ray meets.
 struct alignas(32) SphereBlock {
   float x[kBlockWidth], y[kBlockWidth], z[kBlockWidth], radius[kBlockWidth];
-  ItemId item[kBlockWidth];
+  PrimitiveId item[kBlockWidth];
 };
 struct alignas(32) TriangleBlock {
   float corner[3][3][kBlockWidth];  // [corner][axis]
-  ItemId item[kBlockWidth];
+  PrimitiveId item[kBlockWidth];
 };
 struct alignas(32) ConeBlock {  // the boxes tell which of them are worth a test in double
   EightBoxes boxes;
   // As BakedCone, which explains them.
   float base[3][kBlockWidth], axis[3][kBlockWidth];
   float height[kBlockWidth], radius[kBlockWidth], slope[kBlockWidth];
-  ItemId item[kBlockWidth];
+  PrimitiveId item[kBlockWidth];
 };
 
 struct Blocks {
@@ -71,10 +71,10 @@ struct Blocks {
   std::vector<uint32_t> shared;
 
   /// The eight items of a block, those that it lacks last.
-  const ItemId* items(uint32_t ref) const;
+  const PrimitiveId* items(uint32_t ref) const;
 
   /// Bakes up to eight primitives of one kind into the block that `ref` names.
-  void fill(const Geometry& geometry, uint32_t ref, std::span<const ItemId> items);
+  void fill(const Geometry& geometry, uint32_t ref, std::span<const PrimitiveId> items);
 
   size_t bytes() const {
     return spheres.size() * sizeof(SphereBlock) + triangles.size() * sizeof(TriangleBlock) +

@@ -79,12 +79,12 @@ struct BoxLanes {
     exist = named(block.item);
   }
 
-  // Those of lanes 0-7 that have a name; kNoChild and kNoItem are all bits set.
+  // Those of lanes 0-7 that have a name; kNoChild and kNoPrimitive are all bits set.
   static HWY_INLINE unsigned named(const uint32_t* names) {
     const hn::RebindToUnsigned<decltype(kEight)> tag;
     unsigned mask = 0;
     for (int i = 0; i < kBlockWidth; i += kLanes8)
-      mask |= bits(tag, hn::Ne(hn::LoadU(tag, names + i), hn::Set(tag, kNoItem))) << i;
+      mask |= bits(tag, hn::Ne(hn::LoadU(tag, names + i), hn::Set(tag, kNoPrimitive))) << i;
     return mask;
   }
 

@@ -32,7 +32,7 @@ struct Batch {
   size_t count;
   const float *o[3], *d[3];
   float* t;
-  ItemId* item;  // this and the next only where the nearest hit is wanted
+  PrimitiveId* item;  // this and the next only where the nearest hit is wanted
   float *u, *v;
   // As ShearedRay, where the scene has triangles; the axes by their number in kShearAxes.
   float* shear[3];
@@ -189,9 +189,9 @@ class Rays {
     context_.tests += kBlockWidth * n;
     switch (ref_pool(ref)) {
       case Pool::spheres:
-        return leaf<ItemKind::sphere>(blocks_.spheres[block], ids, n);
+        return leaf<PrimitiveKind::sphere>(blocks_.spheres[block], ids, n);
       case Pool::triangles:
-        return leaf<ItemKind::triangle>(blocks_.triangles[block], ids, n);
+        return leaf<PrimitiveKind::triangle>(blocks_.triangles[block], ids, n);
       default:
         return leaf(blocks_.cones[block], ids, n);
     }
@@ -200,7 +200,7 @@ class Rays {
  private:
   // First all rays, without a branch that depends on what they meet, since half of those would be
   // foreseen wrongly; then those that met something. For any hit the first says it all.
-  template <ItemKind kind, class Block>
+  template <PrimitiveKind kind, class Block>
   HWY_INLINE void leaf(const Block& block, const uint32_t* ids, size_t n) {
     if (!g_.two_sided(kind)) {
       for (size_t i = 0; i < n; ++i) meet_items(block.item, ids[i]);
@@ -248,9 +248,9 @@ class Rays {
     return chord_distance(kEight, hn::Load(kEight, c.t + i), hn::Load(kEight, c.det + i));
   }
 
-  template <ItemKind kind>
-  HWY_INLINE void offer(const Candidate& c, int k, ItemId item) {
-    if (kind == ItemKind::triangle) {
+  template <PrimitiveKind kind>
+  HWY_INLINE void offer(const Candidate& c, int k, PrimitiveId item) {
+    if (kind == PrimitiveKind::triangle) {
       const float det = c.det[k];
       return take(c.id, c.t[k] / det, item, c.u[k] / det, c.v[k] / det);
     }
@@ -259,15 +259,15 @@ class Rays {
   }
 
   // Takes a hit if it is the nearest; of equally near ones that of the lowest id.
-  HWY_INLINE void take(uint32_t id, float t, ItemId item, float u, float v) {
+  HWY_INLINE void take(uint32_t id, float t, PrimitiveId item, float u, float v) {
     float& best = rays_[id].t;
     if (!(t > 0 && t <= best)) return;
     if (any) {
       if (t < best) best = batch_.t[id] = kHidden;
       return;
     }
-    ItemId& old = batch_.item[id];
-    if (t == best && (old == kNoItem || old <= item)) return;
+    PrimitiveId& old = batch_.item[id];
+    if (t == best && (old == kNoPrimitive || old <= item)) return;
     best = batch_.t[id] = t, old = item;
     batch_.u[id] = u, batch_.v[id] = v;
   }
@@ -321,7 +321,7 @@ class Rays {
   // In double, which is dear: most cones are missed by their boxes or the lines of their axes, and
   // those that are not are tested as many at a time as there are lanes, whosever they are.
   HWY_INLINE void leaf(const ConeBlock& block, const uint32_t* ids, size_t n) {
-    if (!g_.two_sided(ItemKind::cone)) {
+    if (!g_.two_sided(PrimitiveKind::cone)) {
       for (size_t i = 0; i < n; ++i) meet_items(block.item, ids[i]);
       return;
     }
@@ -404,11 +404,11 @@ class Rays {
   }
 
   // One after another, for the rare surfaces that are seen from one side only.
-  void meet_items(const ItemId* items, uint32_t id) {
-    for (int i = 0; i < kBlockWidth && items[i] != kNoItem; ++i) {
+  void meet_items(const PrimitiveId* items, uint32_t id) {
+    for (int i = 0; i < kBlockWidth && items[i] != kNoPrimitive; ++i) {
       RayQuery query(batch_.ray(id));
       if (!any) query.best.item = batch_.item[id];
-      if (!test_item(g_, items[i], query)) continue;
+      if (!test_primitive(g_, items[i], query)) continue;
       rays_[id].t = batch_.t[id] = any ? kHidden : query.best.t;
       if (any) return;
       batch_.item[id] = query.best.item;

@@ -46,10 +46,10 @@ class Tracer {
         structure_(structure),
         room_(room),
         context_(context),
-        beams_(g_.two_sided(ItemKind::sphere) && g_.two_sided(ItemKind::triangle) &&
-               g_.two_sided(ItemKind::cone)),
-        few_(g_.count(ItemKind::sphere) + 2 * g_.count(ItemKind::triangle) +
-                     4 * g_.count(ItemKind::cone) <=
+        beams_(g_.two_sided(PrimitiveKind::sphere) && g_.two_sided(PrimitiveKind::triangle) &&
+               g_.two_sided(PrimitiveKind::cone)),
+        few_(g_.count(PrimitiveKind::sphere) + 2 * g_.count(PrimitiveKind::triangle) +
+                     4 * g_.count(PrimitiveKind::cone) <=
                  kFew &&
              structure.spheres.size() + structure.triangles.size() + structure.cones.size() <=
                  kFew) {}
@@ -66,7 +66,7 @@ class Tracer {
                .shear = {room_.shear[0], room_.shear[1], room_.shear[2]},
                .axes = room_.shear[3]};
     start(b, &rays.tmax[first]);
-    for (uint32_t i = 0; i < g_.count(ItemKind::plane); ++i) meet_plane(b, i);
+    for (uint32_t i = 0; i < g_.count(PrimitiveKind::plane); ++i) meet_plane(b, i);
     if (!structure_.empty()) trace_blocks(b);
     if (any)
       for (size_t i = 0; i < b.count; ++i) hit[first + i] = b.t[i] == kHidden;
@@ -118,7 +118,7 @@ class Tracer {
       const V16 t = hn::Load(f, tmax + i), done = hn::Set(f, -1);
       hn::Store(hn::IfThenElse(hn::Gt(t, hn::Zero(f)), t, done), f, b.t + i);
       if (any) continue;
-      hn::Store(hn::Set(ids, kNoItem), ids, b.item + i);
+      hn::Store(hn::Set(ids, kNoPrimitive), ids, b.item + i);
       hn::Store(hn::Zero(f), f, b.u + i), hn::Store(hn::Zero(f), f, b.v + i);
     }
     for (size_t i = b.count; i < padded(b.count); ++i) b.t[i] = -1;
@@ -127,9 +127,9 @@ class Tracer {
   // All rays against one plane, in double and in the order of shape/plane.h.
   void meet_plane(Batch& b, uint32_t index) {
     context_.tests += b.count;
-    if (!g_.two_sided(ItemKind::plane)) return meet_plane_one_by_one(b, index);
+    if (!g_.two_sided(PrimitiveKind::plane)) return meet_plane_one_by_one(b, index);
     const Plane& plane = g_.plane(index);
-    const ItemId item = item_id(ItemKind::plane, index);
+    const PrimitiveId item = primitive_id(PrimitiveKind::plane, index);
     const DemotedTag f;
     const auto& wide = kDoubles;
     const VD normal[3] = {hn::Set(wide, double(plane.normal.x)),

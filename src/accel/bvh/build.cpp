@@ -100,17 +100,20 @@ class Builder {
 
   // The error, or nothing.
   std::optional<std::string> build(size_t available, Bvh& out) {
-    const size_t spheres = g_.count(ItemKind::sphere), triangles = g_.count(ItemKind::triangle);
-    const size_t count = spheres + triangles + g_.count(ItemKind::cone);
+    const size_t spheres = g_.count(PrimitiveKind::sphere),
+                 triangles = g_.count(PrimitiveKind::triangle);
+    const size_t count = spheres + triangles + g_.count(PrimitiveKind::cone);
     hasty_ = count > kLarge;
     if (count == 0) return std::nullopt;
-    const double order_bytes = double(count) * 2 * sizeof(ItemId);  // and once more while they move
+    const double order_bytes =
+        double(count) * 2 * sizeof(PrimitiveId);  // and once more while they move
     if (auto error = refusal(order_bytes + least_bytes(), available)) return error;
     order_.resize(count);
     const auto nth = [&](size_t i) {
-      return i < spheres               ? item_id(ItemKind::sphere, uint32_t(i))
-             : i < spheres + triangles ? item_id(ItemKind::triangle, uint32_t(i - spheres))
-                                       : item_id(ItemKind::cone, uint32_t(i - spheres - triangles));
+      return i < spheres ? primitive_id(PrimitiveKind::sphere, uint32_t(i))
+             : i < spheres + triangles
+                 ? primitive_id(PrimitiveKind::triangle, uint32_t(i - spheres))
+                 : primitive_id(PrimitiveKind::cone, uint32_t(i - spheres - triangles));
     };
     Child all{0, count, {}};
     Room room(spare_);
@@ -147,9 +150,9 @@ class Builder {
  private:
   // Of blocks that are all full.
   double least_bytes() const {
-    return (double(g_.count(ItemKind::sphere)) * sizeof(SphereBlock) +
-            double(g_.count(ItemKind::triangle)) * sizeof(TriangleBlock) +
-            double(g_.count(ItemKind::cone)) * sizeof(ConeBlock)) /
+    return (double(g_.count(PrimitiveKind::sphere)) * sizeof(SphereBlock) +
+            double(g_.count(PrimitiveKind::triangle)) * sizeof(TriangleBlock) +
+            double(g_.count(PrimitiveKind::cone)) * sizeof(ConeBlock)) /
            kBlockWidth;
   }
   static std::optional<std::string> refusal(double bytes, size_t available) {
@@ -158,7 +161,7 @@ class Builder {
                        bytes * 1e-9, double(available) * 1e-9);
   }
 
-  ItemId id(const Child& c, size_t i) const {
+  PrimitiveId id(const Child& c, size_t i) const {
     return c.items ? c.items[i].item() : order_[c.begin + i];
   }
 
@@ -168,7 +171,8 @@ class Builder {
 
   // In ascending order, so kinds do not mix between equal ends.
   bool is_leaf(const Child& c) const {
-    return c.size() <= size_t(kBlockWidth) && item_kind(id(c, 0)) == item_kind(id(c, c.size() - 1));
+    return c.size() <= size_t(kBlockWidth) &&
+           primitive_kind(id(c, 0)) == primitive_kind(id(c, c.size() - 1));
   }
 
   // The range as a part of its own: with a node, be it needed or not, for the root.
@@ -203,7 +207,7 @@ class Builder {
 
   uint32_t add_leaf(const Child& child, Part& part) {
     for (size_t i = 0; i < child.size(); ++i) order_[child.begin + i] = child.items[i].item();
-    const Pool pool = pool_of(item_kind(order_[child.begin]));
+    const Pool pool = pool_of(primitive_kind(order_[child.begin]));
     part.leaf_sizes.push_back(uint8_t(child.size()));
     return pool_ref(pool, part.counts[size_t(pool)]++);
   }
@@ -302,7 +306,7 @@ class Builder {
     constexpr size_t kFew = kBlockWidth;
     const size_t n = child.size();
     if (n > kFew && depth > 0) return 0;
-    const auto kind = [&](size_t i) { return item_kind(child.items[i].item()); };
+    const auto kind = [&](size_t i) { return primitive_kind(child.items[i].item()); };
     size_t first = 1, last = 1;
     while (first <= kFew && first < n && kind(first) == kind(0)) ++first;
     if (first <= kFew) return first;
@@ -333,7 +337,7 @@ class Builder {
   }
 
   void plan_again(Child& child, Room& room) {
-    Column<ItemId> copy(child.size());
+    Column<PrimitiveId> copy(child.size());
     for_each_index(copy.size(), [&](size_t i) { copy[i] = order_[child.begin + i]; });
     plan(child, [&](size_t i) { return copy[i]; }, room);
   }
@@ -342,10 +346,10 @@ class Builder {
   void fill_items(const auto& ids, size_t first, size_t count, BuildRange out) const {
     constexpr size_t kAhead = 16;
     for (size_t k = 0; k < out.size(); ++k) {
-      const ItemId id = ids(first + k);
+      const PrimitiveId id = ids(first + k);
       g_.prefetch(ids(std::min(first + k + kAhead, count - 1)));
-      if (item_kind(id) == ItemKind::sphere) {
-        const Sphere& s = g_.scene().spheres[item_index(id)];
+      if (primitive_kind(id) == PrimitiveKind::sphere) {
+        const Sphere& s = g_.scene().spheres[primitive_index(id)];
         const Float4 center = {s.center.x, s.center.y, s.center.z, 0};
         const Float4 r = splat(std::abs(s.radius));
         BuildBox box{center - r, -center - r};
@@ -381,22 +385,22 @@ class Builder {
       out.nodes[part.begin[0]].child[i] = part.parts[i].root();
     part.nodes = {};
     std::array<uint32_t, kPools> next = part.begin;
-    std::span<const ItemId> rest(order_);
+    std::span<const PrimitiveId> rest(order_);
     rest = rest.subspan(part.first);
     for (const uint8_t size : part.leaf_sizes) {
-      const std::span<const ItemId> ids = rest.first(size);
+      const std::span<const PrimitiveId> ids = rest.first(size);
       rest = rest.subspan(size);
       constexpr size_t kAhead = 32;
       if (rest.size() > kAhead + size)
         for (size_t i = 0; i < size; ++i) g_.prefetch(rest[kAhead + i]);
-      const Pool pool = pool_of(item_kind(ids[0]));
+      const Pool pool = pool_of(primitive_kind(ids[0]));
       out.fill(g_, pool_ref(pool, next[size_t(pool)]++), ids);
     }
   }
 
   const Geometry& g_;
   bool hasty_ = false;
-  Column<ItemId> order_;  // in the end that of the leaves
+  Column<PrimitiveId> order_;  // in the end that of the leaves
   SpareItems spare_;
   tbb::enumerable_thread_specific<Column<BuildItem>> scratches_{[] { return Column<BuildItem>(); }};
 };
@@ -424,7 +428,7 @@ std::expected<Bvh, std::string> build_bvh(const Geometry& geometry, size_t avail
   if (out.empty()) return out;
   constexpr int kFew = 4;  // measured
   for (const uint32_t ref : out.nodes[0].child)
-    if (ref != kNoChild && ref_pool(ref) != Pool::nodes && out.items(ref)[kFew] == kNoItem)
+    if (ref != kNoChild && ref_pool(ref) != Pool::nodes && out.items(ref)[kFew] == kNoPrimitive)
       out.shared.push_back(ref);
   // A beam meets many triangles that none of its rays does where they are small. Measured.
   if (!out.triangles.empty() && out.spheres.empty() && out.cones.empty())

@@ -179,7 +179,7 @@ void Parser::finish() {
   if (!camera_begin_ && !camera_lost_)
     report_.error("there is no camera: expected v with from, at, up and angle");
   if (!object_seen_) report_.warning("there is no object in the file");
-  constexpr size_t kMost = kMaxItemsPerKind;
+  constexpr size_t kMost = kMaxPrimitivesPerKind;
   if (std::max({scene_.spheres.size(), scene_.cones.size(), scene_.planes.size(),
                 scene_.triangles.size(), scene_.polygons.size()}) > kMost ||
       std::max(scene_.positions.size(), scene_.normals.size()) >= kNoNormal)
