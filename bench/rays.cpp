@@ -22,24 +22,12 @@ constexpr double kGrazingOfEmbree = 0.005;  // share of rays, or of pixels
 
 // Without the smoothing of triangles' normals.
 Surface flat_surface(const Geometry& geometry, const Ray& ray, const Hit& hit) {
+  if (primitive_kind(hit.item) != PrimitiveKind::triangle) return surface_at(geometry, ray, hit);
   const uint32_t i = primitive_index(hit.item);
-  switch (primitive_kind(hit.item)) {
-    case PrimitiveKind::plane:
-      return plane_surface(geometry, i, ray.at(hit.t));
-    case PrimitiveKind::cone:
-      return cone_surface(geometry, i, ray.at(hit.t));
-    case PrimitiveKind::sphere: {
-      const Sphere s = geometry.sphere(i);
-      const Vec3f normal = normalize(ray.at(hit.t) - s.center);
-      return {s.center + normal * s.radius, normal, s.radius, 0};
-    }
-    case PrimitiveKind::triangle:
-      break;
-  }
   const Triangle t = geometry.triangle(i);
   const Vec3f ab = t.b - t.a, ac = t.c - t.a;
   const float longest = std::max(max_component(abs(ab)), max_component(abs(ac)));
-  return {t.a + ab * hit.u + ac * hit.v, geometry.facet(i).normal, 2 * longest, 0};
+  return {{t.a + ab * hit.u + ac * hit.v, geometry.facet(i).normal, 2 * longest}, 0};
 }
 
 class Recorder {

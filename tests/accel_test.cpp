@@ -150,8 +150,8 @@ TEST(Accel, CountersCountAndEmbreeSaysThatItDoesNot) {
   const auto oracle = build(scene, {.kind = AccelKind::none, .counters = true});
   oracle->closest(rays, hits, none);
   const Geometry& g = oracle->geometry();
-  const size_t items = g.count(PrimitiveKind::plane) + g.count(PrimitiveKind::sphere) +
-                       g.count(PrimitiveKind::triangle) + g.count(PrimitiveKind::cone);
+  size_t items = 0;
+  for_each_kind([&]<PrimitiveKind kind> { items += g.count(kind); });
   EXPECT_EQ(none.tests, items * rays.size());
   build(scene, {.kind = AccelKind::grid, .grid_factor = 2, .counters = true})
       ->closest(rays, hits, grid);

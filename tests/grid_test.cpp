@@ -119,10 +119,7 @@ TEST(Grid, BlocksHoldWhatCellsListAndTheirBoxesToo) {
       for (size_t k = 0; k < kBlockWidth; ++k) {
         const uint32_t ref = group.block[k];
         if (ref == kNoPrimitive) continue;
-        const PrimitiveId* const items =
-            ref_pool(ref) == Pool::spheres     ? blocks->spheres[ref_index(ref)].item
-            : ref_pool(ref) == Pool::triangles ? blocks->triangles[ref_index(ref)].item
-                                               : blocks->cones[ref_index(ref)].item;
+        const PrimitiveId* const items = blocks->items(ref);
         for (size_t n = 0; n < kBlockWidth && items[n] != kNoPrimitive; ++n)
           found.push_back(items[n]);
         for (int a = 0; a < 3; ++a)

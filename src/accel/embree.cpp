@@ -3,10 +3,10 @@
 //
 // Used as its documentation advises: a high-quality build; robust mode, which closes the edges
 // between triangles; packets of eight, told when they are coherent; denormals
-// flushed while it runs. Embree has no open cones: those are user geometry with Raio's own test,
-// and infinite planes are tested before it. Which primitive is hit is Embree's word; where on it is
-// then found by Raio's own test, since mirrors make a picture's difference of the last bits of a
-// distance.
+// flushed while it runs. What Embree does not have, all but spheres and triangles, is user
+// geometry with Raio's own test, and infinite planes are tested before it. Which primitive is hit
+// is Embree's word; where on it is then found by Raio's own test, since mirrors make a picture's
+// difference of the last bits of a distance.
 #include <embree3/rtcore.h>
 #include <fmt/core.h>
 
@@ -63,9 +63,14 @@ class Embree final : public Accel {
     scene_ = call<kEmbree, rtcNewScene>(device_);
     call<kEmbree, rtcSetSceneBuildQuality>(scene_, RTC_BUILD_QUALITY_HIGH);
     call<kEmbree, rtcSetSceneFlags>(scene_, RTC_SCENE_FLAG_ROBUST);
-    add_spheres();
-    add_triangles();
-    add_cones();
+    for_each_bounded_kind([&]<PrimitiveKind kind> {
+      if constexpr (kind == PrimitiveKind::sphere)
+        add_spheres();
+      else if constexpr (kind == PrimitiveKind::triangle)
+        add_triangles();
+      else
+        add_own<kind>();
+    });
     call<kEmbree, rtcCommitScene>(scene_);
     const RTCError error = call<kEmbree, rtcGetDeviceError>(device_);
     if (error != RTC_ERROR_NONE)
@@ -156,16 +161,18 @@ class Embree final : public Accel {
     attach(g, PrimitiveKind::triangle);
   }
 
-  void add_cones() {
-    if (geometry_.count(PrimitiveKind::cone) == 0) return;
+  // A kind that Embree has not.
+  template <PrimitiveKind kind>
+  void add_own() {
+    const size_t n = geometry_.count(kind);
+    if (n == 0) return;
     RTCGeometry g = call<kEmbree, rtcNewGeometry>(device_, RTC_GEOMETRY_TYPE_USER);
-    call<kEmbree, rtcSetGeometryUserPrimitiveCount>(g,
-                                                    unsigned(geometry_.count(PrimitiveKind::cone)));
+    call<kEmbree, rtcSetGeometryUserPrimitiveCount>(g, unsigned(n));
     call<kEmbree, rtcSetGeometryUserData>(g, this);
-    call<kEmbree, rtcSetGeometryBoundsFunction>(g, cone_bounds, nullptr);
-    call<kEmbree, rtcSetGeometryIntersectFunction>(g, cone_closest);
-    call<kEmbree, rtcSetGeometryOccludedFunction>(g, cone_occluded);
-    attach(g, PrimitiveKind::cone);
+    call<kEmbree, rtcSetGeometryBoundsFunction>(g, own_bounds<kind>, nullptr);
+    call<kEmbree, rtcSetGeometryIntersectFunction>(g, own_closest<kind>);
+    call<kEmbree, rtcSetGeometryOccludedFunction>(g, own_occluded<kind>);
+    attach(g, kind);
   }
 
   // One-sided surfaces: Embree asks before it accepts a hit.
@@ -190,39 +197,42 @@ class Embree final : public Accel {
     }
   }
 
-  static void cone_bounds(const RTCBoundsFunctionArguments* args) {
+  template <PrimitiveKind kind>
+  static void own_bounds(const RTCBoundsFunctionArguments* args) {
     const auto& self = *static_cast<const Embree*>(args->geometryUserPtr);
-    const Box3f b = bounds(self.geometry_.cone(args->primID));
+    const Box3f b = bounds(self.geometry_.get<kind>(args->primID));
     *args->bounds_o = {b.lo.x, b.lo.y, b.lo.z, 0, b.hi.x, b.hi.y, b.hi.z, 0};
   }
 
-  static RayQuery cone_query(RTCRayN* r, unsigned n, unsigned i) {
+  static RayQuery own_query(RTCRayN* r, unsigned n, unsigned i) {
     return RayQuery({{RTCRayN_org_x(r, n, i), RTCRayN_org_y(r, n, i), RTCRayN_org_z(r, n, i)},
                      {RTCRayN_dir_x(r, n, i), RTCRayN_dir_y(r, n, i), RTCRayN_dir_z(r, n, i)},
                      RTCRayN_tfar(r, n, i)});
   }
 
-  static void cone_closest(const RTCIntersectFunctionNArguments* args) {
+  template <PrimitiveKind kind>
+  static void own_closest(const RTCIntersectFunctionNArguments* args) {
     const auto& self = *static_cast<const Embree*>(args->geometryUserPtr);
     const unsigned n = args->N;
     RTCRayN* rays = RTCRayHitN_RayN(args->rayhit, n);
     RTCHitN* hits = RTCRayHitN_HitN(args->rayhit, n);
     for (unsigned i = 0; i < n; ++i) {
       if (args->valid[i] != -1) continue;
-      RayQuery query = cone_query(rays, n, i);
-      if (!test_cone(self.geometry_, args->primID, query)) continue;
+      RayQuery query = own_query(rays, n, i);
+      if (!test<kind>(self.geometry_, args->primID, query)) continue;
       RTCRayN_tfar(rays, n, i) = query.best.t;
       RTCHitN_geomID(hits, n, i) = args->geomID;
       RTCHitN_primID(hits, n, i) = args->primID;
     }
   }
 
-  static void cone_occluded(const RTCOccludedFunctionNArguments* args) {
+  template <PrimitiveKind kind>
+  static void own_occluded(const RTCOccludedFunctionNArguments* args) {
     const auto& self = *static_cast<const Embree*>(args->geometryUserPtr);
     for (unsigned i = 0; i < args->N; ++i) {
       if (args->valid[i] != -1) continue;
-      RayQuery query = cone_query(args->ray, args->N, i);
-      if (test_cone(self.geometry_, args->primID, query))
+      RayQuery query = own_query(args->ray, args->N, i);
+      if (test<kind>(self.geometry_, args->primID, query))
         RTCRayN_tfar(args->ray, args->N, i) = -std::numeric_limits<float>::infinity();
     }
   }
@@ -247,7 +257,7 @@ class Embree final : public Accel {
   RayQuery nearest_plane(const Ray& ray) const {
     RayQuery query(ray);
     for (uint32_t i = 0; i < geometry_.count(PrimitiveKind::plane); ++i)
-      test_plane(geometry_, i, query);
+      test<PrimitiveKind::plane>(geometry_, i, query);
     return query;
   }
 

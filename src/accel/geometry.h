@@ -5,6 +5,9 @@
 
 #include <array>
 #include <span>
+#include <tuple>
+#include <type_traits>
+#include <variant>
 #include <vector>
 
 #include "base/box.h"
@@ -14,10 +17,6 @@
 #include "shape/triangle.h"
 
 namespace raio {
-
-/// The kinds that structures store; the upper bits of an PrimitiveId.
-enum class PrimitiveKind : uint32_t { plane, sphere, triangle, cone };
-inline constexpr int kPrimitiveKinds = 4;
 
 constexpr PrimitiveId primitive_id(PrimitiveKind kind, uint32_t index) {
   return uint32_t(kind) << kPrimitiveIndexBits | index;
@@ -31,6 +30,22 @@ constexpr uint32_t primitive_index(PrimitiveId id) { return id & (kMaxPrimitives
 struct Facet {
   Vec3f normal;  // of the polygon, for a piece of one
   MaterialId material = 0;
+};
+
+/// What tracing wants of a kind, as the kind's bake() returns it. Where that is a type of its own,
+/// it is worked out once and kept, else made of the scene's own pool each time.
+template <PrimitiveKind kind>
+using Baked = std::remove_cvref_t<decltype(bake(std::declval<const PrimitiveType<kind>&>()))>;
+template <PrimitiveKind kind>
+inline constexpr bool kKeepsBaked = !std::is_same_v<Baked<kind>, PrimitiveType<kind>>;
+
+/// By kind, for those that keep what is baked.
+template <class = std::make_index_sequence<kPrimitiveKinds>>
+struct BakedColumnsOf;
+template <size_t... k>
+struct BakedColumnsOf<std::index_sequence<k...>> {
+  using type = std::tuple<std::conditional_t<kKeepsBaked<PrimitiveKind(k)>,
+                                             Column<Baked<PrimitiveKind(k)>>, std::monostate>...>;
 };
 
 class Geometry {
@@ -50,21 +65,25 @@ class Geometry {
   /// Are both sides of all items of the kind seen?
   bool two_sided(PrimitiveKind kind) const { return sides_[size_t(kind)].empty(); }
 
-  const Plane& plane(uint32_t i) const { return scene_->planes[i]; }
-  /// The radius is not negative: what is seen of the sphere is in sides_of().
-  Sphere sphere(uint32_t i) const {
-    const Sphere& s = scene_->spheres[i];
-    return {s.center, std::abs(s.radius)};
+  /// Primitive i of a kind, baked: by value or by reference.
+  template <PrimitiveKind kind>
+  decltype(auto) get(uint32_t i) const {
+    if constexpr (kind == PrimitiveKind::triangle) {
+      const auto& p = scene_->positions;
+      const TriangleIndices& t = triangles_[i];
+      return Triangle{p[t[0]], p[t[1]], p[t[2]]};
+    } else if constexpr (kKeepsBaked<kind>) {
+      return (std::get<size_t(kind)>(baked_)[i]);
+    } else {
+      return bake((scene_->*kPoolOf<PrimitiveType<kind>>.shapes)[i]);
+    }
   }
+  const Plane& plane(uint32_t i) const { return get<PrimitiveKind::plane>(i); }
+  Sphere sphere(uint32_t i) const { return get<PrimitiveKind::sphere>(i); }
+  Triangle triangle(uint32_t i) const { return get<PrimitiveKind::triangle>(i); }
+
   /// Indices into the scene's positions.
   const TriangleIndices& corners(uint32_t triangle) const { return triangles_[triangle]; }
-  Triangle triangle(uint32_t i) const {
-    const auto& p = scene_->positions;
-    const TriangleIndices& t = triangles_[i];
-    return {p[t[0]], p[t[1]], p[t[2]]};
-  }
-  const BakedCone& cone(uint32_t i) const { return cones_[i]; }
-
   /// Tells the processor that the item will be asked for soon.
   void prefetch(PrimitiveId id) const {
     const uint32_t i = primitive_index(id);
@@ -81,6 +100,8 @@ class Geometry {
   }
   bool any_smooth() const { return !triangle_normals_.empty(); }
 
+  MaterialId material_of(PrimitiveId id) const;
+
   /// About how many bytes baking `scene` takes, those that it frees again included.
   static double bytes_to_bake(const Scene& scene);
 
@@ -90,6 +111,7 @@ class Geometry {
  private:
   void bake_triangles();
   void bake_polygons();
+  template <PrimitiveKind kind>
   void list_sides(bool one_sided);
 
   const Scene* scene_;
@@ -97,7 +119,7 @@ class Geometry {
   std::span<const TriangleIndices> triangles_, triangle_normals_;
   Column<TriangleIndices> own_triangles_, own_normals_;
   Column<Facet> facets_;
-  Column<BakedCone> cones_;
+  BakedColumnsOf<>::type baked_;
   std::array<Column<Sides>, kPrimitiveKinds> sides_;  // empty: both sides of all
 };
 

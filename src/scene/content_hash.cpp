@@ -24,6 +24,10 @@ class Gatherer {
     add(uint64_t(pool.size()),
         hash128({reinterpret_cast<const char*>(pool.data()), pool.size() * sizeof(T)}));
   }
+  void add_text(std::string_view text) {
+    add(uint64_t(text.size()));
+    bytes_ += text;
+  }
   template <class T>
   void add_optional(const std::optional<T>& value) {
     add(uint32_t(value.has_value()), value.value_or(T()));
@@ -63,6 +67,19 @@ std::string content_hash(const Scene& s) {
   all.add_pool<3>(s.triangle_normals);
   all.add_pool<2>(s.polygons);
   all.add_pool<1>(s.polygon_materials);
+  // Kinds that came later count only where a scene has them, so that scenes without them keep
+  // their names.
+  for_each_pool([&](auto pool) {
+    using Shape = std::remove_cvref_t<decltype((s.*pool.shapes)[0])>;
+    if constexpr (!std::is_same_v<Shape, Plane> && !std::is_same_v<Shape, Sphere> &&
+                  !std::is_same_v<Shape, Cone> && !std::is_same_v<Shape, TriangleIndices> &&
+                  !std::is_same_v<Shape, Polygon>) {
+      if ((s.*pool.shapes).empty()) return;
+      all.add_text(pool.name);
+      all.add_pool<sizeof(Shape) / 4>(s.*pool.shapes);
+      all.add_pool<1>(s.*pool.materials);
+    }
+  });
   return all.name();
 }
 

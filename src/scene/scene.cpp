@@ -40,8 +40,6 @@ bool at_least_zero(float x) { return std::isfinite(x) && x >= 0; }
 
 bool is_intensity(Rgb c) { return at_least_zero(c.x) && at_least_zero(c.y) && at_least_zero(c.z); }
 
-bool is_unit(Vec3f n) { return std::abs(length(Vec3d(n)) - 1) < 1e-4; }
-
 void check_camera(const Camera& camera, Problems& problems) {
   const bool finite = is_finite(camera.from) && is_finite(camera.at) && is_finite(camera.up);
   problems.check(finite, "camera: from, at and up must be finite");
@@ -93,29 +91,23 @@ void check_pool(std::string_view kind, size_t count, const std::vector<MaterialI
                    materials);
 }
 
-void check_round_shapes(const Scene& scene, Problems& problems) {
-  for (size_t i = 0; i < scene.planes.size(); ++i) {
-    const Plane& plane = scene.planes[i];
-    problems.check(is_finite(plane.point), "plane ", i, ": the point must be finite");
-    problems.check(is_finite(plane.normal) && is_unit(plane.normal), "plane ", i,
-                   ": the normal must have length 1");
-  }
-  for (size_t i = 0; i < scene.spheres.size(); ++i) {
-    const Sphere& sphere = scene.spheres[i];
-    problems.check(is_finite(sphere.center), "sphere ", i, ": the centre must be finite");
-    problems.check(std::isfinite(sphere.radius) && sphere.radius != 0, "sphere ", i,
-                   ": the radius must be finite and not zero");
-  }
-  for (size_t i = 0; i < scene.cones.size(); ++i) {
-    const Cone& cone = scene.cones[i];
-    const double base = cone.base_radius, apex = cone.apex_radius;
-    problems.check(is_finite(cone.base) && is_finite(cone.apex), "cone ", i,
-                   ": base and apex must be finite");
-    problems.check(!(cone.base == cone.apex), "cone ", i, ": base and apex are the same point");
-    problems.check(std::isfinite(base) && std::isfinite(apex) && (base != 0 || apex != 0), "cone ",
-                   i, ": the radii must be finite and not both zero");
-    problems.check(!(base * apex < 0), "cone ", i, ": one radius is negative and the other is not");
-  }
+void check_pools(const Scene& scene, Problems& problems) {
+  for_each_pool([&](auto pool) {
+    check_pool(pool.name, (scene.*pool.shapes).size(), scene.*pool.materials,
+               scene.materials.size(), problems);
+  });
+}
+
+void check_shapes(const Scene& scene, Problems& problems) {
+  for_each_kind([&]<PrimitiveKind kind> {
+    if constexpr (kind != PrimitiveKind::triangle) {
+      const auto& shapes = scene.*kPoolOf<PrimitiveType<kind>>.shapes;
+      for (size_t i = 0; i < shapes.size(); ++i)
+        check_shape(shapes[i], [&](bool sound, std::string_view expected) {
+          problems.check(sound, kPrimitiveKindNames[size_t(kind)], " ", i, ": ", expected);
+        });
+    }
+  });
 }
 
 void check_triangles(const Scene& scene, Problems& problems) {
@@ -153,19 +145,19 @@ void check_triangles(const Scene& scene, Problems& problems) {
 
 std::array<size_t, kShapeKinds> count_primitives(const Scene& scene) {
   std::array<size_t, kShapeKinds> counts{};
-  counts[size_t(ShapeKind::plane)] = scene.planes.size();
-  counts[size_t(ShapeKind::sphere)] = scene.spheres.size();
-  counts[size_t(ShapeKind::triangle)] = scene.triangles.size();
-  counts[size_t(ShapeKind::polygon)] = scene.polygons.size();
-  for (const Cone& cone : scene.cones)
-    ++counts[size_t(cone.is_cylinder() ? ShapeKind::cylinder : ShapeKind::cone)];
+  for_each_pool([&](auto pool) {
+    for (const auto& shape : scene.*pool.shapes) ++counts[size_t(shape_kind(shape))];
+  });
   return counts;
 }
 
 Box3f bounds(const Scene& scene) {
   Box3f box;
-  for (const Sphere& sphere : scene.spheres) box.extend(bounds(sphere));
-  for (const Cone& cone : scene.cones) box.extend(bounds(cone));
+  for_each_bounded_kind([&]<PrimitiveKind kind> {
+    if constexpr (kind != PrimitiveKind::triangle)
+      for (const auto& shape : scene.*kPoolOf<PrimitiveType<kind>>.shapes)
+        box.extend(bounds(bake(shape)));
+  });
   // By index, as a position may belong to nothing.
   for (const TriangleIndices& triangle : scene.triangles)
     for (const uint32_t corner : triangle) box.extend(scene.positions[corner]);
@@ -176,13 +168,12 @@ Box3f bounds(const Scene& scene) {
 }
 
 size_t memory_bytes(const Scene& scene) {
-  const auto bytes = [](const auto&... pools) {
-    return ((pools.size() * sizeof(*pools.data())) + ...);
-  };
-  return bytes(scene.lights, scene.materials, scene.planes, scene.plane_materials, scene.spheres,
-               scene.sphere_materials, scene.cones, scene.cone_materials, scene.positions,
-               scene.normals, scene.triangles, scene.triangle_materials, scene.triangle_normals,
-               scene.polygons, scene.polygon_materials);
+  const auto bytes = [](const auto& column) { return column.size() * sizeof(*column.data()); };
+  size_t sum = bytes(scene.lights) + bytes(scene.materials) + bytes(scene.positions) +
+               bytes(scene.normals) + bytes(scene.triangle_normals);
+  for_each_pool(
+      [&](auto pool) { sum += bytes(scene.*pool.shapes) + bytes(scene.*pool.materials); });
+  return sum;
 }
 
 std::string camera_problem(const Camera& camera) {
@@ -200,13 +191,8 @@ std::vector<std::string> validate(const Scene& scene) {
   problems.check(scene.samples_per_pixel >= 0, "the samples per pixel must not be negative");
   check_camera(scene.camera, problems);
   check_lights_and_materials(scene, problems);
-  const size_t materials = scene.materials.size();
-  check_pool("plane", scene.planes.size(), scene.plane_materials, materials, problems);
-  check_pool("sphere", scene.spheres.size(), scene.sphere_materials, materials, problems);
-  check_pool("cone", scene.cones.size(), scene.cone_materials, materials, problems);
-  check_pool("triangle", scene.triangles.size(), scene.triangle_materials, materials, problems);
-  check_pool("polygon", scene.polygons.size(), scene.polygon_materials, materials, problems);
-  check_round_shapes(scene, problems);
+  check_pools(scene, problems);
+  check_shapes(scene, problems);
   check_triangles(scene, problems);
   return problems.take();
 }

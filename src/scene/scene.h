@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <tuple>
 #include <vector>
 
 #include "base/box.h"
@@ -96,10 +98,42 @@ struct Scene {
   std::vector<Polygon> polygons;
   std::vector<MaterialId> polygon_materials;
 
-  size_t primitive_count() const {
-    return planes.size() + spheres.size() + cones.size() + triangles.size() + polygons.size();
-  }
+  size_t primitive_count() const;
 };
+
+/// A pool and its materials, as members of Scene, with the name of what is in it.
+template <class Shape>
+struct PoolMembers {
+  std::string_view name;
+  std::vector<Shape> Scene::* shapes;
+  std::vector<MaterialId> Scene::* materials;
+};
+
+/// All pools, named once: everything that treats them alike goes by this list.
+inline constexpr std::tuple kScenePools = {
+    PoolMembers{"plane", &Scene::planes, &Scene::plane_materials},
+    PoolMembers{"sphere", &Scene::spheres, &Scene::sphere_materials},
+    PoolMembers{"cone", &Scene::cones, &Scene::cone_materials},
+    PoolMembers{"triangle", &Scene::triangles, &Scene::triangle_materials},
+    PoolMembers{"polygon", &Scene::polygons, &Scene::polygon_materials},
+};
+template <class Shape>
+inline constexpr PoolMembers<Shape> kPoolOf = std::get<PoolMembers<Shape>>(kScenePools);
+
+/// Calls f(members) for each.
+template <class F>
+constexpr void for_each_pool(F&& f) {
+  std::apply([&](const auto&... members) { (f(members), ...); }, kScenePools);
+}
+
+inline size_t Scene::primitive_count() const {
+  size_t sum = 0;
+  for_each_pool([&](auto pool) { sum += (this->*pool.shapes).size(); });
+  return sum;
+}
+
+constexpr ShapeKind shape_kind(const TriangleIndices&) { return ShapeKind::triangle; }
+constexpr ShapeKind shape_kind(const Polygon&) { return ShapeKind::polygon; }
 
 /// How many primitives of each kind, indexed by ShapeKind.
 std::array<size_t, kShapeKinds> count_primitives(const Scene& scene);

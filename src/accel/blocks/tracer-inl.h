@@ -42,17 +42,14 @@ class Tracer {
  public:
   Tracer(const Geometry& geometry, const Structure& structure, Room<WalkRoom>& room,
          TraceContext& context)
-      : g_(geometry),
-        structure_(structure),
-        room_(room),
-        context_(context),
-        beams_(g_.two_sided(PrimitiveKind::sphere) && g_.two_sided(PrimitiveKind::triangle) &&
-               g_.two_sided(PrimitiveKind::cone)),
-        few_(g_.count(PrimitiveKind::sphere) + 2 * g_.count(PrimitiveKind::triangle) +
-                     4 * g_.count(PrimitiveKind::cone) <=
-                 kFew &&
-             structure.spheres.size() + structure.triangles.size() + structure.cones.size() <=
-                 kFew) {}
+      : g_(geometry), structure_(structure), room_(room), context_(context), beams_(true) {
+    size_t work = 0;
+    for_each_bounded_kind([&]<PrimitiveKind kind> {
+      beams_ = beams_ && g_.two_sided(kind);
+      work += kWork<kind> * g_.count(kind);
+    });
+    few_ = work <= kFew && structure.count() <= kFew;
+  }
 
   // Rays first, first + 1, ... of the batch, at most kChunk; hits go to `hits` or `hit`.
   void trace(const RayBatch& rays, size_t first, HitBatch* hits, uint8_t* hit) {
@@ -82,7 +79,7 @@ class Tracer {
     const uint32_t packets = uint32_t(padded(b.count) / kPacket);
     uint32_t alone[kPackets];
     size_t n = 0, n_alone = 0;
-    if (!structure_.triangles.empty())
+    if (!structure_.template of<PrimitiveKind::triangle>().empty())
       for (size_t p = 0; p < packets; ++p) b.shear_packet(p * kPacket);
     BeamMaker<any> maker(structure_, b, room_.beams);
     if (beams_) maker.measure(packets);
@@ -163,7 +160,7 @@ class Tracer {
     for (size_t i = 0; i < b.count; ++i) {
       RayQuery query(b.ray(i));
       if (!any) query.best.item = b.item[i];
-      if (!test_plane(g_, index, query)) continue;
+      if (!test<PrimitiveKind::plane>(g_, index, query)) continue;
       b.t[i] = any ? kHidden : query.best.t;
       if (!any) b.item[i] = query.best.item;
     }
@@ -174,6 +171,11 @@ class Tracer {
   Room<WalkRoom>& room_;
   TraceContext& context_;
   static constexpr size_t kFew = 32;  // measured
+  // Of a test, in that of a sphere: 2 of a triangle, 4 in double.
+  template <PrimitiveKind kind>
+  static constexpr size_t kWork = kind == PrimitiveKind::sphere     ? 1
+                                  : kind == PrimitiveKind::triangle ? 2
+                                                                    : 4;
 
   bool beams_;  // surfaces seen from one side only go ray by ray
   bool few_;    // so few primitives that every ray is tested against all

@@ -18,9 +18,7 @@ class BvhAccel final : public Accel {
   }
   AccelInfo info() const override {
     size_t references = 0;
-    for (const PrimitiveKind kind :
-         {PrimitiveKind::sphere, PrimitiveKind::triangle, PrimitiveKind::cone})
-      references += geometry_.count(kind);
+    for_each_bounded_kind([&]<PrimitiveKind kind> { references += geometry_.count(kind); });
     return {.name = "bvh",
             .bytes = geometry_.bytes() + bvh_.bytes(),
             .cells = bvh_.nodes.size(),

@@ -11,7 +11,7 @@
 namespace raio {
 namespace {
 
-using Counts = std::array<uint32_t, 4>;  // per Pool; the nodes are groups
+using Counts = std::array<uint32_t, kPools>;  // the nodes are groups
 
 // Calls f(pool, items) for the blocks that ascending items make.
 template <class F>
@@ -44,17 +44,15 @@ class Baker {
     });
     for (Counts& chunk : blocks)
       for (size_t p = 0; p < next.size(); ++p) next[p] += std::exchange(chunk[p], next[p]);
-    const double bytes = double(next[0]) * sizeof(BlockGroup) +
-                         double(next[1]) * sizeof(SphereBlock) +
-                         double(next[2]) * sizeof(TriangleBlock) +
-                         double(next[3]) * sizeof(ConeBlock) + 5.0 * double(count);
+    const double bytes =
+        double(next[0]) * sizeof(BlockGroup) + Blocks::bytes_of(next) + 5.0 * double(count);
     if (bytes > 0.9 * double(available))
       return std::unexpected(
           fmt::format("the cells of the grid would take {:.1f} GB and {:.1f} GB are free; choose "
                       "fewer cells",
                       bytes * 1e-9, double(available) * 1e-9));
     out_.groups.resize(next[0]);
-    out_.spheres.resize(next[1]), out_.triangles.resize(next[2]), out_.cones.resize(next[3]);
+    out_.resize(next);
     out_.begin.resize(count + 1);
     out_.begin[count] = next[0];
     size_t giant = 0;
@@ -155,7 +153,9 @@ class Baker {
   std::vector<PrimitiveId> bounded_giants() {
     std::vector<PrimitiveId> giants;
     for (const PrimitiveId id : cells_.giants) {
-      if (primitive_kind(id) == PrimitiveKind::plane) continue;
+      const bool bounded =
+          with_kind(primitive_kind(id), []<PrimitiveKind kind> { return kIsBounded<kind>; });
+      if (!bounded) continue;
       giants.push_back(id);
       const Box3f box = g_.bounds(id);
       out_.reach = std::max(out_.reach, max_component(max(abs(box.lo), abs(box.hi))));

@@ -3,9 +3,6 @@
 #include <tbb/parallel_for.h>
 
 #include "accel/grid/grid.h"
-#include "shape/cone.h"
-#include "shape/sphere.h"
-#include "shape/triangle.h"
 
 namespace raio {
 namespace {
@@ -28,18 +25,12 @@ constexpr size_t kFew = 32;
 constexpr double kNear = 16;
 
 bool touches(const Geometry& g, PrimitiveId id, const Box3d& box) {
-  const uint32_t i = primitive_index(id);
-  switch (primitive_kind(id)) {
-    case PrimitiveKind::sphere:
-      return overlaps(g.sphere(i), box);
-    case PrimitiveKind::triangle:
-      return overlaps(g.triangle(i), box);
-    case PrimitiveKind::cone:
-      return overlaps(g.cone(i), box);
-    case PrimitiveKind::plane:
-      break;
-  }
-  return true;
+  return with_kind(primitive_kind(id), [&]<PrimitiveKind kind> {
+    if constexpr (kIsBounded<kind>)
+      return overlaps(g.get<kind>(primitive_index(id)), box);
+    else
+      return true;
+  });
 }
 
 // M * side / s + 1 cells along each side, s = cbrt(volume / N): cells are cubes, M^3 * N of them.
@@ -91,11 +82,10 @@ class GridBuilder : GridCells {
 
  private:
   void collect_items() {
-    for (uint32_t i = 0; i < g_.count(PrimitiveKind::plane); ++i)
-      giants.push_back(primitive_id(PrimitiveKind::plane, i));
-    for (const PrimitiveKind kind :
-         {PrimitiveKind::sphere, PrimitiveKind::triangle, PrimitiveKind::cone})
-      for (uint32_t i = 0; i < g_.count(kind); ++i) rest_.push_back(primitive_id(kind, i));
+    for_each_kind([&]<PrimitiveKind kind> {
+      auto& to = kIsBounded<kind> ? rest_ : giants;
+      for (uint32_t i = 0; i < g_.count(kind); ++i) to.push_back(primitive_id(kind, i));
+    });
     boxes_.resize(rest_.size());
     tbb::parallel_for(size_t(0), rest_.size(), [&](size_t i) { boxes_[i] = g_.bounds(rest_[i]); });
   }

@@ -69,12 +69,13 @@ class CountingGrid final : public Accel {
 
   template <bool any>
   void all(RayQuery& query, TraceContext& context) const {
-    for (const PrimitiveKind kind :
-         {PrimitiveKind::sphere, PrimitiveKind::triangle, PrimitiveKind::cone})
-      for (uint32_t i = 0; i < geometry_.count(kind); ++i) {
+    bool done = false;
+    for_each_bounded_kind([&]<PrimitiveKind kind> {
+      for (uint32_t i = 0; !done && i < geometry_.count(kind); ++i) {
         ++context.tests;
-        if (test_primitive(geometry_, primitive_id(kind, i), query) && any) return;
+        done = test<kind>(geometry_, i, query) && any;
       }
+    });
   }
 
   // In double throughout: in scalar code it costs the same, and the cell that the ray is in is then
