@@ -156,6 +156,13 @@ class PovWriter {
       line("cone {{ {}, {}, {}, {} open{} }}", text(c.base), base, text(c.apex), apex, texture);
   }
 
+  // The unit sphere, under the matrix whose columns are the semi-axes; POV-Ray writes it column by
+  // column, with what it adds last.
+  void shape(const Ellipsoid& e, const std::string& texture) {
+    const auto numbers = [](Vec3f v) { return fmt::format("{}, {}, {}", v.x, v.y, v.z); };
+    line("sphere {{ 0, 1 matrix <{}, {}, {}, {}>{} }}", numbers(e.axes[0]), numbers(e.axes[1]),
+         numbers(e.axes[2]), numbers(e.center), texture);
+  }
   void shape(const Polygon& p, const std::string& texture) {
     fmt::format_to(std::back_inserter(out_), "polygon {{ {}", p.count + 1);
     for (uint32_t k = 0; k <= p.count; ++k)

@@ -13,6 +13,7 @@
 #include "base/box.h"
 #include "base/vec.h"
 #include "shape/cone.h"
+#include "shape/ellipsoid.h"
 #include "shape/kinds.h"
 #include "shape/plane.h"
 #include "shape/sphere.h"
@@ -86,6 +87,9 @@ struct Scene {
   std::vector<Cone> cones;  // and cylinders
   std::vector<MaterialId> cone_materials;
 
+  std::vector<Ellipsoid> ellipsoids;
+  std::vector<MaterialId> ellipsoid_materials;
+
   std::vector<Vec3f> positions;
   std::vector<Vec3f> normals;  // unit
 
@@ -116,6 +120,7 @@ inline constexpr std::tuple kScenePools = {
     PoolMembers{"cone", &Scene::cones, &Scene::cone_materials},
     PoolMembers{"triangle", &Scene::triangles, &Scene::triangle_materials},
     PoolMembers{"polygon", &Scene::polygons, &Scene::polygon_materials},
+    PoolMembers{"ellipsoid", &Scene::ellipsoids, &Scene::ellipsoid_materials},
 };
 template <class Shape>
 inline constexpr PoolMembers<Shape> kPoolOf = std::get<PoolMembers<Shape>>(kScenePools);

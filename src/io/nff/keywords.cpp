@@ -42,6 +42,8 @@ constexpr std::array kKeywords = {
     KeywordEntry{
         "mesh", Keyword::mesh, Leaves::objects, "the mesh",
         "mesh takes two counts, as many vertices of 3 numbers, as many faces of 3 indices"},
+    KeywordEntry{"ellipsoid", Keyword::ellipsoid, Leaves::objects, "the ellipsoid",
+                 "ellipsoid takes 12 numbers: x y z of the centre, then of each semi-axis"},
     KeywordEntry{"spp", Keyword::spp, Leaves::more, "spp", "spp takes 1 number"},
     KeywordEntry{"accel", Keyword::accel, Leaves::more, "accel", "accel takes 1 number"},
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numbers>
 
 #include "io/nff/geometry.h"
 #include "io/nff/parser.h"
@@ -145,6 +146,39 @@ void Parser::plane() {
   if (too_far(plane.point)) return;
   scene_.planes.push_back(plane);
   scene_.plane_materials.push_back(id);
+}
+
+void Parser::ellipsoid() {
+  Vec3d axes[3];
+  double n[3];
+  if (!numbers(n, kXyz)) return;
+  const Vec3d center(n[0], n[1], n[2]);
+  for (size_t i = 0; i < 3; ++i) {
+    if (!numbers(n, kXyz, {"semi-axis", i + 1})) return;
+    axes[i] = {n[0], n[1], n[2]};
+  }
+  const MaterialId id = material_here();
+  const Ellipsoid ellipsoid{place(center), {Vec3f(axes[0]), Vec3f(axes[1]), Vec3f(axes[2])}};
+  if (too_far(ellipsoid.center)) return;
+  for (size_t i = 0; i < 3; ++i)
+    if (!(length(axes[i]) > 0)) return reject(fmt::format("semi-axis {} is zero", i + 1));
+  for (size_t i = 0; i < 3; ++i) {
+    const size_t next = (i + 1) % 3;
+    const double cosine = dot(normalize(axes[i]), normalize(axes[next]));
+    if (std::abs(cosine) > kRightAngle)
+      return reject(fmt::format(
+          "semi-axes {} and {} are {:.4g} degrees apart, expected 90; make them perpendicular",
+          std::min(i, next) + 1, std::max(i, next) + 1,
+          std::acos(std::clamp(cosine, -1.0, 1.0)) * (180 / std::numbers::pi)));
+  }
+  bool sound = true;
+  check_shape(ellipsoid, [&](bool holds, std::string_view expected) {
+    if (sound && !holds) reject(std::string(expected));
+    sound = sound && holds;
+  });
+  if (!sound) return;
+  scene_.ellipsoids.push_back(ellipsoid);
+  scene_.ellipsoid_materials.push_back(id);
 }
 
 void Parser::polygon(bool smooth) {

@@ -83,6 +83,7 @@ class Parser {
   void sphere();
   void cone();
   void plane();
+  void ellipsoid();
   void polygon(bool smooth);
   void box();
   void mesh();

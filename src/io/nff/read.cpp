@@ -78,6 +78,8 @@ void Parser::read_entity(Keyword keyword) {
       return box();
     case Keyword::mesh:
       return mesh();
+    case Keyword::ellipsoid:
+      return ellipsoid();
     case Keyword::accel:
       return accel();
     case Keyword::spp:

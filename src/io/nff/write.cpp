@@ -121,6 +121,11 @@ class Writer {
     position("c", c.base).number(c.base_radius);
     position({}, c.apex).number(c.apex_radius).end_line();
   }
+  void shape(const Ellipsoid& e, size_t) {
+    position("ellipsoid", e.center);
+    for (const Vec3f& axis : e.axes) text_.vector(axis);
+    text_.end_line();
+  }
   void shape(const TriangleIndices& corners, size_t i) {
     const bool smooth =
         !scene_.triangle_normals.empty() && scene_.triangle_normals[i][0] != kNoNormal;
