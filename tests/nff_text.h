@@ -59,6 +59,9 @@ inline bool same(const Cone& a, const Cone& b) {
 inline bool same(const Ellipsoid& a, const Ellipsoid& b) {
   return a.center == b.center && std::ranges::equal(a.axes, b.axes);
 }
+inline bool same(const Disc& a, const Disc& b) {
+  return a.center == b.center && a.normal == b.normal && a.radius == b.radius && a.inner == b.inner;
+}
 inline bool same(const Light& a, const Light& b) {
   return a.position == b.position && a.color == b.color;
 }
@@ -102,6 +105,7 @@ inline void expect_same(const Scene& a, const Scene& b) {
   expect_same(a.spheres, b.spheres);
   expect_same(a.cones, b.cones);
   expect_same(a.ellipsoids, b.ellipsoids);
+  expect_same(a.discs, b.discs);
   for_each_pool([&](auto pool) { EXPECT_EQ(a.*pool.materials, b.*pool.materials) << pool.name; });
   ASSERT_EQ(a.polygons.size(), b.polygons.size());
   for (size_t i = 0; i < a.polygons.size(); ++i)
@@ -142,6 +146,9 @@ class RandomScene {
       const auto axis = [&](Vec3d along) { return Vec3f(along * double(number())); };
       scene.ellipsoids.push_back({point(), {axis(frame.u), axis(frame.v), axis(up)}});
       scene.ellipsoid_materials.push_back(material());
+      const float radius = std::abs(number());
+      scene.discs.push_back({point(), unit(), radius, random_() % 2 ? 0 : radius / 3});
+      scene.disc_materials.push_back(material());
       triangle(scene, material());
       scene.polygons.push_back({uint32_t(scene.positions.size()), 4});
       scene.polygon_materials.push_back(material());

@@ -35,6 +35,7 @@ TEST(PovWriter, ShapesAreExact) {
   s.cone_materials = {0, 0};
   s.ellipsoids = {{{1, 2, 3}, {{0, 2, 0}, {-1, 0, 0}, {0, 0, 0.5f}}}};
   s.ellipsoid_materials = {0};
+  s.discs = {{{1, 2, 3}, {0, 0, 1}, 2, 0.5f}}, s.disc_materials = {0};
   s.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {5, 5, 5}};
   s.polygons = {{0, 4}}, s.polygon_materials = {0};
   s.triangles = {{4, 1, 2}, {2, 1, 3}}, s.triangle_materials = {0, 0};
@@ -47,6 +48,7 @@ TEST(PovWriter, ShapesAreExact) {
         "cone { <0, 0, 0>, 1, <0, 0, 2>, 0.5 open texture",
         "cylinder { <0, 0, 0>, <0, 0, 2>, 1 open texture",
         "sphere { 0, 1 matrix <0, 2, 0, -1, 0, 0, 0, 0, 0.5, 1, 2, 3> texture",
+        "disc { <1, 2, 3>, <0, 0, 1>, 2, 0.5 texture",
         "polygon { 5, <0, 0, 0>, <1, 0, 0>, <1, 1, 0>, <0, 1, 0>, <0, 0, 0> texture",
         " vertex_vectors { 3,\n <5, 5, 5>,\n <1, 0, 0>,\n <1, 1, 0> }\n face_indices { 1,\n <0, 1, "
         "2> }",

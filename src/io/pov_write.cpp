@@ -163,6 +163,9 @@ class PovWriter {
     line("sphere {{ 0, 1 matrix <{}, {}, {}, {}>{} }}", numbers(e.axes[0]), numbers(e.axes[1]),
          numbers(e.axes[2]), numbers(e.center), texture);
   }
+  void shape(const Disc& d, const std::string& texture) {
+    line("disc {{ {}, {}, {}, {}{} }}", text(d.center), text(d.normal), d.radius, d.inner, texture);
+  }
   void shape(const Polygon& p, const std::string& texture) {
     fmt::format_to(std::back_inserter(out_), "polygon {{ {}", p.count + 1);
     for (uint32_t k = 0; k <= p.count; ++k)

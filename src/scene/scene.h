@@ -13,6 +13,7 @@
 #include "base/box.h"
 #include "base/vec.h"
 #include "shape/cone.h"
+#include "shape/disc.h"
 #include "shape/ellipsoid.h"
 #include "shape/kinds.h"
 #include "shape/plane.h"
@@ -90,6 +91,9 @@ struct Scene {
   std::vector<Ellipsoid> ellipsoids;
   std::vector<MaterialId> ellipsoid_materials;
 
+  std::vector<Disc> discs;
+  std::vector<MaterialId> disc_materials;
+
   std::vector<Vec3f> positions;
   std::vector<Vec3f> normals;  // unit
 
@@ -121,6 +125,7 @@ inline constexpr std::tuple kScenePools = {
     PoolMembers{"triangle", &Scene::triangles, &Scene::triangle_materials},
     PoolMembers{"polygon", &Scene::polygons, &Scene::polygon_materials},
     PoolMembers{"ellipsoid", &Scene::ellipsoids, &Scene::ellipsoid_materials},
+    PoolMembers{"disc", &Scene::discs, &Scene::disc_materials},
 };
 template <class Shape>
 inline constexpr PoolMembers<Shape> kPoolOf = std::get<PoolMembers<Shape>>(kScenePools);

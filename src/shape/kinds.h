@@ -29,13 +29,14 @@ struct Sphere;
 struct Triangle;
 struct Cone;
 struct Ellipsoid;
+struct Disc;
 
 /// The kinds that structures store and rays meet; the upper bits of a PrimitiveId. Ids order by
 /// kind, so a new kind goes to the end.
-enum class PrimitiveKind : uint32_t { plane, sphere, triangle, cone, ellipsoid };
-using PrimitiveTypes = std::tuple<Plane, Sphere, Triangle, Cone, Ellipsoid>;
+enum class PrimitiveKind : uint32_t { plane, sphere, triangle, cone, ellipsoid, disc };
+using PrimitiveTypes = std::tuple<Plane, Sphere, Triangle, Cone, Ellipsoid, Disc>;
 inline constexpr auto kPrimitiveKindNames =
-    std::to_array<std::string_view>({"plane", "sphere", "triangle", "cone", "ellipsoid"});
+    std::to_array<std::string_view>({"plane", "sphere", "triangle", "cone", "ellipsoid", "disc"});
 
 inline constexpr size_t kPrimitiveKinds = std::tuple_size_v<PrimitiveTypes>;
 static_assert(kPrimitiveKindNames.size() == kPrimitiveKinds);
@@ -71,10 +72,19 @@ constexpr decltype(auto) with_kind(PrimitiveKind kind, F&& f) {
 }
 
 /// What users count: a polygon is stored as triangles, a cylinder is a cone.
-enum class ShapeKind : uint8_t { plane, sphere, triangle, polygon, cone, cylinder, ellipsoid };
+enum class ShapeKind : uint8_t {
+  plane,
+  sphere,
+  triangle,
+  polygon,
+  cone,
+  cylinder,
+  ellipsoid,
+  disc
+};
 
 inline constexpr auto kShapeKindNames = std::to_array<std::string_view>(
-    {"plane", "sphere", "triangle", "polygon", "cone", "cylinder", "ellipsoid"});
+    {"plane", "sphere", "triangle", "polygon", "cone", "cylinder", "ellipsoid", "disc"});
 inline constexpr int kShapeKinds = int(kShapeKindNames.size());
 
 /// Which side of a surface can be seen. Of a polygon the outside is where its corners run

@@ -15,6 +15,7 @@
 #include "accel/blocks/blocks.h"
 #include "accel/intersect.h"
 #include "shape/cone-inl.h"
+#include "shape/disc-inl.h"
 #include "shape/ellipsoid-inl.h"
 #include "shape/sphere-inl.h"
 #include "shape/triangle-inl.h"

@@ -44,6 +44,10 @@ constexpr std::array kKeywords = {
         "mesh takes two counts, as many vertices of 3 numbers, as many faces of 3 indices"},
     KeywordEntry{"ellipsoid", Keyword::ellipsoid, Leaves::objects, "the ellipsoid",
                  "ellipsoid takes 12 numbers: x y z of the centre, then of each semi-axis"},
+    KeywordEntry{
+        "disc", Keyword::disc, Leaves::objects, "the disc",
+        "disc takes 7 or 8 numbers on its line: x y z, the normal's x y z, radius, then the "
+        "inner radius of a ring"},
     KeywordEntry{"spp", Keyword::spp, Leaves::more, "spp", "spp takes 1 number"},
     KeywordEntry{"accel", Keyword::accel, Leaves::more, "accel", "accel takes 1 number"},
 };

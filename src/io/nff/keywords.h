@@ -7,7 +7,7 @@
 namespace raio::nff {
 
 /// What begins an entity.
-enum class Keyword { none, v, b, l, f, s, c, p, pp, pl, box, mesh, ellipsoid, spp, accel };
+enum class Keyword { none, v, b, l, f, s, c, p, pp, pl, box, mesh, ellipsoid, disc, spp, accel };
 
 /// What begins a piece of `v`, in the usual order.
 enum class CameraWord { none, from, at, up, angle, hither, resolution, aperture, focal };

@@ -130,7 +130,9 @@ void Parser::cone() {
       (cone.base_radius > 0 && cone.apex_radius < 0))
     return reject("one radius is negative and the other is not; for the inside make both negative");
   if (too_far(cone.base) || too_far(cone.apex)) return;
-  if (cone.base == cone.apex) return reject("base and apex are the same point; NFF has no discs");
+  if (cone.base == cone.apex)
+    return reject(
+        "base and apex are the same point; for a flat one write disc x y z nx ny nz radius");
   scene_.cones.push_back(cone);
   scene_.cone_materials.push_back(id);
 }
@@ -179,6 +181,31 @@ void Parser::ellipsoid() {
   if (!sound) return;
   scene_.ellipsoids.push_back(ellipsoid);
   scene_.ellipsoid_materials.push_back(id);
+}
+
+void Parser::disc() {
+  static constexpr std::string_view kNames[] = {"x",
+                                                "y",
+                                                "z",
+                                                "the normal's x",
+                                                "the normal's y",
+                                                "the normal's z",
+                                                "the radius",
+                                                "the inner radius"};
+  double n[8] = {};
+  if (!numbers({n, 7}, kNames)) return;
+  if (numbers_left_in_line() > 0 && !numbers({n + 7, 1}, Names(kNames).subspan(7))) return;
+  const MaterialId id = material_here();
+  const auto normal = unit_normal({n[3], n[4], n[5]});
+  if (!normal) return reject("the normal of the disc is zero, expected the direction it faces");
+  const Disc disc{place({n[0], n[1], n[2]}), *normal, float(n[6]), float(n[7])};
+  if (too_far(disc.center)) return;
+  if (!(disc.radius > 0)) return reject(fmt::format("the radius must be above 0, found {}", n[6]));
+  if (!(disc.inner >= 0 && disc.inner < disc.radius))
+    return reject(fmt::format(
+        "the inner radius must be at least 0 and below the radius, {}, found {}", n[6], n[7]));
+  scene_.discs.push_back(disc);
+  scene_.disc_materials.push_back(id);
 }
 
 void Parser::polygon(bool smooth) {

@@ -84,6 +84,7 @@ class Parser {
   void cone();
   void plane();
   void ellipsoid();
+  void disc();
   void polygon(bool smooth);
   void box();
   void mesh();

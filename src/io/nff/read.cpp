@@ -80,6 +80,8 @@ void Parser::read_entity(Keyword keyword) {
       return mesh();
     case Keyword::ellipsoid:
       return ellipsoid();
+    case Keyword::disc:
+      return disc();
     case Keyword::accel:
       return accel();
     case Keyword::spp:

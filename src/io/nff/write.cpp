@@ -126,6 +126,11 @@ class Writer {
     for (const Vec3f& axis : e.axes) text_.vector(axis);
     text_.end_line();
   }
+  void shape(const Disc& d, size_t) {
+    position("disc", d.center).vector(d.normal).number(d.radius);
+    if (d.inner > 0) text_.number(d.inner);
+    text_.end_line();
+  }
   void shape(const TriangleIndices& corners, size_t i) {
     const bool smooth =
         !scene_.triangle_normals.empty() && scene_.triangle_normals[i][0] != kNoNormal;
