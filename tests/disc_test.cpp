@@ -150,7 +150,7 @@ TEST(Disc, SidesAreSeenAsAskedInEveryStructure) {
       testing::build(scene, {.kind = kind}, one_sided)->closest(rays, hits, context);
       for (int i = 0; i < 5; ++i) {
         const float expected = one_sided ? one[i] : both[i];
-        EXPECT_EQ(hits[i].found() ? hits[i].t : kMiss, expected) << accel_name(kind) << i;
+        EXPECT_EQ(hits[i].found() ? hits[i].t : kMiss, expected) << int(kind) << " ray " << i;
       }
     }
 }

@@ -90,6 +90,11 @@ HWY_INLINE hn::Mask<F> passes_by(F f, const ConeNumbers<float[n]>& c, int i, con
   return hn::Gt(apart, hn::Mul(reach, across));
 }
 
+// Who has no such function is tested whenever its box is met: that shall not happen to cones.
+static_assert(requires(ConeNumbers<float[8]> c, const float* ray) {
+  passes_by(hn::CappedTag<float, 8>(), c, 0, ray, ray, 0.0f);
+});
+
 }  // namespace raio::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
