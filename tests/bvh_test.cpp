@@ -288,6 +288,9 @@ TEST(Bvh, FewOfAKindAreALeafBelowTheRoot) {
   Scene scene = random_scene(4000, 2);
   scene.cones.resize(3);
   scene.cone_materials.resize(3);
+  // The first or the last kind.
+  scene.ellipsoids = {}, scene.ellipsoid_materials = {}, scene.discs = {},
+  scene.disc_materials = {};
   const Geometry g(scene);
   const Bvh bvh = *build_bvh(g);
   EXPECT_EQ(bvh.of<PrimitiveKind::cone>().size(), 1u);
