@@ -95,8 +95,8 @@ EmbreeScene::EmbreeScene(const Geometry& geometry) {
   rtcSetDeviceMemoryMonitorFunction(device_, count_bytes, &bytes_);
   scene_ = rtcNewScene(device_);
   rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
-  if (geometry.count(ItemKind::sphere) > 0) add_spheres(geometry);
-  if (geometry.count(ItemKind::triangle) > 0) add_triangles(geometry);
+  if (geometry.count(PrimitiveKind::sphere) > 0) add_spheres(geometry);
+  if (geometry.count(PrimitiveKind::triangle) > 0) add_triangles(geometry);
   rtcCommitScene(scene_);
   if (const RTCError error = rtcGetDeviceError(device_); error != RTC_ERROR_NONE)
     give_up(3, fmt::format("Embree could not build its structure (error {})", int(error)));
@@ -108,7 +108,7 @@ EmbreeScene::~EmbreeScene() {
 }
 
 void EmbreeScene::add_spheres(const Geometry& geometry) {
-  const uint32_t n = uint32_t(geometry.count(ItemKind::sphere));
+  const uint32_t n = uint32_t(geometry.count(PrimitiveKind::sphere));
   RTCGeometry g = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_SPHERE_POINT);
   auto* out = new_buffer<float>(g, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4, 16, n);
   for (uint32_t i = 0; i < n; ++i) {
@@ -131,7 +131,7 @@ void EmbreeScene::add_triangles(const Geometry& geometry) {
     std::ranges::copy(scene.positions, vertices(scene.positions.size()));
     std::ranges::copy(scene.triangles, indices(scene.triangles.size()));
   } else {
-    const uint32_t n = uint32_t(geometry.count(ItemKind::triangle));
+    const uint32_t n = uint32_t(geometry.count(PrimitiveKind::triangle));
     Vec3f* corner = vertices(3 * size_t(n));
     TriangleIndices* index = indices(n);
     for (uint32_t i = 0; i < n; ++i) {

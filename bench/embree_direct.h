@@ -30,7 +30,7 @@ class EmbreeScene {
  public:
   /// Embree has no open cones and no planes; to call back for them would do it no justice.
   static bool can_hold(const Geometry& geometry) {
-    return geometry.count(ItemKind::cone) + geometry.count(ItemKind::plane) == 0;
+    return geometry.count(PrimitiveKind::cone) + geometry.count(PrimitiveKind::plane) == 0;
   }
 
   explicit EmbreeScene(const Geometry& geometry);

@@ -10,8 +10,8 @@
 #include "bench/figures.h"
 #include "integrate/camera.h"
 #include "render/options.h"
-#include "render/render.h"
 #include "integrate/surface.h"
+#include "render/render.h"
 #include "shape/offset.h"
 
 namespace raio::bench {
@@ -23,24 +23,12 @@ constexpr double kGrazingOfEmbree = 0.005;  // share of rays, or of pixels
 
 // Without the smoothing of triangles' normals.
 Surface flat_surface(const Geometry& geometry, const Ray& ray, const Hit& hit) {
-  const uint32_t i = item_index(hit.item);
-  switch (item_kind(hit.item)) {
-    case ItemKind::plane:
-      return plane_surface(geometry, i, ray.at(hit.t));
-    case ItemKind::cone:
-      return cone_surface(geometry, i, ray.at(hit.t));
-    case ItemKind::sphere: {
-      const Sphere s = geometry.sphere(i);
-      const Vec3f normal = normalize(ray.at(hit.t) - s.center);
-      return {s.center + normal * s.radius, normal, s.radius, 0};
-    }
-    case ItemKind::triangle:
-      break;
-  }
+  if (primitive_kind(hit.item) != PrimitiveKind::triangle) return surface_at(geometry, ray, hit);
+  const uint32_t i = primitive_index(hit.item);
   const Triangle t = geometry.triangle(i);
   const Vec3f ab = t.b - t.a, ac = t.c - t.a;
   const float longest = std::max(max_component(abs(ab)), max_component(abs(ac)));
-  return {t.a + ab * hit.u + ac * hit.v, geometry.facet(i).normal, 2 * longest, 0};
+  return {{t.a + ab * hit.u + ac * hit.v, geometry.facet(i).normal, 2 * longest}, 0};
 }
 
 class Recorder {
@@ -50,7 +38,8 @@ class Recorder {
   void tile(const EyeRays& eye, int x0, int y0, int x1, int y1) {
     RayBatch rays;
     const auto bit = [](int i, int from, int to) { return (i >> from & 1) << to; };
-    for (int i = 0; i < kTileSide * kTileSide; ++i) {  // as the renderer: integrate/classic_trace.cpp
+    for (int i = 0; i < kTileSide * kTileSide;
+         ++i) {  // as the renderer: integrate/classic_trace.cpp
       const int x = x0 + (i & 3) + bit(i, 4, 2) + bit(i, 6, 3) + bit(i, 7, 4);
       const int y = y0 + bit(i, 2, 0) + bit(i, 3, 1) + bit(i, 5, 2) + bit(i, 8, 3) + bit(i, 9, 4);
       if (x < x1 && y < y1) rays.push(eye.pinhole(float(x) + 0.5f, float(y) + 0.5f));
@@ -165,11 +154,11 @@ size_t trace_batch(const Accel& accel, const RayBatch& rays, RayKind kind, HitBa
     hidden.resize(std::max(hidden.size(), padded(rays.size())));
     accel.occluded(rays, hidden.data(), context);
     hits.reset(rays.size());
-    for (size_t i = 0; i < rays.size(); ++i) hits.item[i] = hidden[i] ? 0 : kNoItem;
+    for (size_t i = 0; i < rays.size(); ++i) hits.item[i] = hidden[i] ? 0 : kNoPrimitive;
   } else {
     accel.closest(rays, hits, context);
   }
-  for (size_t i = 0; i < rays.size(); ++i) found += hits.item[i] != kNoItem;
+  for (size_t i = 0; i < rays.size(); ++i) found += hits.item[i] != kNoPrimitive;
   return found;
 }
 

@@ -36,7 +36,7 @@ Recording record_rays(const Scene& scene, const Accel& accel, const RenderOption
 inline bool is_coherent(RayKind kind) { return kind != RayKind::random; }
 
 /// Traces a batch as the renderer does and says how many of its rays hit. Of shadow rays only the
-/// item means something: kNoItem, or another.
+/// item means something: kNoPrimitive, or another.
 size_t trace_batch(const Accel& accel, const RayBatch& rays, RayKind kind, HitBatch& hits);
 
 /// Holds a structure against `none`: what a sample of the recorded rays hit, and a small picture.

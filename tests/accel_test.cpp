@@ -82,7 +82,7 @@ TEST(Accel, EqualDistancesGiveTheLowestPrimitive) {
     HitBatch hits;
     TraceContext context;
     build(scene, {.kind = kind})->closest(rays, hits, context);
-    EXPECT_EQ(hits.item[0], item_id(ItemKind::sphere, first)) << accel_name(kind);
+    EXPECT_EQ(hits.item[0], primitive_id(PrimitiveKind::sphere, first)) << accel_name(kind);
   }
 }
 
@@ -150,8 +150,8 @@ TEST(Accel, CountersCountAndEmbreeSaysThatItDoesNot) {
   const auto oracle = build(scene, {.kind = AccelKind::none, .counters = true});
   oracle->closest(rays, hits, none);
   const Geometry& g = oracle->geometry();
-  const size_t items = g.count(ItemKind::plane) + g.count(ItemKind::sphere) +
-                       g.count(ItemKind::triangle) + g.count(ItemKind::cone);
+  size_t items = 0;
+  for_each_kind([&]<PrimitiveKind kind> { items += g.count(kind); });
   EXPECT_EQ(none.tests, items * rays.size());
   build(scene, {.kind = AccelKind::grid, .grid_factor = 2, .counters = true})
       ->closest(rays, hits, grid);

@@ -203,9 +203,9 @@ TEST(Bvh, IsTheSameForAnyNumberOfThreads) {
       on_threads(threads, [&] { many = *build_bvh(geometry); });
       EXPECT_EQ(one.reach, many.reach);
       EXPECT_TRUE(same_bytes(one.nodes, many.nodes)) << threads;
-      EXPECT_TRUE(same_bytes(one.spheres, many.spheres)) << threads;
-      EXPECT_TRUE(same_bytes(one.triangles, many.triangles)) << threads;
-      EXPECT_TRUE(same_bytes(one.cones, many.cones)) << threads;
+      for_each_bounded_kind([&]<PrimitiveKind kind> {
+        EXPECT_TRUE(same_bytes(one.of<kind>(), many.of<kind>())) << threads;
+      });
     }
   }
 }
@@ -218,7 +218,7 @@ class TreeCheck {
     if (!b_.nodes.empty()) check(pool_ref(Pool::nodes, 0), Box3f{Vec3f(-kMost), Vec3f(kMost)}, 0);
   }
 
-  std::map<ItemId, int> seen;
+  std::map<PrimitiveId, int> seen;
   size_t nodes = 0, blocks = 0, outside = 0;
   int levels = 0;
 
@@ -230,11 +230,9 @@ class TreeCheck {
     levels = std::max(levels, depth);
     if (ref_pool(ref) != Pool::nodes) {
       ++blocks;
-      const ItemId* items = ref_pool(ref) == Pool::spheres     ? b_.spheres[i].item
-                            : ref_pool(ref) == Pool::triangles ? b_.triangles[i].item
-                                                               : b_.cones[i].item;
+      const PrimitiveId* items = b_.items(ref);
       for (int k = 0; k < kBlockWidth; ++k) {
-        if (items[k] == kNoItem) continue;
+        if (items[k] == kNoPrimitive) continue;
         ++seen[items[k]];
         outside += !holds(around, g_.bounds(items[k]));
         EXPECT_TRUE(k == 0 || items[k - 1] < items[k]);
@@ -277,11 +275,10 @@ TEST(Bvh, HoldsEveryItemOnceInsideItsBoxes) {
     const TreeCheck check(g, bvh);
     EXPECT_EQ(check.outside, 0u);
     EXPECT_EQ(check.nodes, bvh.nodes.size());
-    EXPECT_EQ(check.blocks, bvh.spheres.size() + bvh.triangles.size() + bvh.cones.size());
+    EXPECT_EQ(check.blocks, bvh.count());
     EXPECT_LE(check.levels, kBvhMaxLevels);
     size_t items = 0;
-    for (const ItemKind kind : {ItemKind::sphere, ItemKind::triangle, ItemKind::cone})
-      items += g.count(kind);
+    for_each_bounded_kind([&]<PrimitiveKind kind> { items += g.count(kind); });
     EXPECT_EQ(check.seen.size(), items);
     for (const auto& [item, times] : check.seen) ASSERT_EQ(times, 1) << item;
   }
@@ -291,11 +288,14 @@ TEST(Bvh, FewOfAKindAreALeafBelowTheRoot) {
   Scene scene = random_scene(4000, 2);
   scene.cones.resize(3);
   scene.cone_materials.resize(3);
+  // The first or the last kind.
+  scene.ellipsoids = {}, scene.ellipsoid_materials = {}, scene.discs = {},
+  scene.disc_materials = {};
   const Geometry g(scene);
   const Bvh bvh = *build_bvh(g);
-  EXPECT_EQ(bvh.cones.size(), 1u);
-  EXPECT_EQ(std::ranges::count(bvh.nodes[0].child, pool_ref(Pool::cones, 0)), 1);
-  EXPECT_EQ(std::ranges::count(bvh.shared, pool_ref(Pool::cones, 0)), 1);
+  EXPECT_EQ(bvh.of<PrimitiveKind::cone>().size(), 1u);
+  EXPECT_EQ(std::ranges::count(bvh.nodes[0].child, pool_ref(pool_of(PrimitiveKind::cone), 0)), 1);
+  EXPECT_EQ(std::ranges::count(bvh.shared, pool_ref(pool_of(PrimitiveKind::cone), 0)), 1);
 }
 
 // The test in float before that in double leaves none out: rays by the surface of cylinders and

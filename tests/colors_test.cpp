@@ -88,8 +88,8 @@ TEST(Meshes, AreTrianglesBehindThoseOfTheScene) {
   scene.polygons.clear(), scene.polygon_materials.clear();
   own.polygons.clear(), own.polygon_materials.clear();
   const Geometry with(scene), without(own);
-  const auto before = uint32_t(without.count(ItemKind::triangle));
-  ASSERT_EQ(with.count(ItemKind::triangle), before + 4u);  // one of five has no area
+  const auto before = uint32_t(without.count(PrimitiveKind::triangle));
+  ASSERT_EQ(with.count(PrimitiveKind::triangle), before + 4u);  // one of five has no area
   for (uint32_t i = 0; i < before; ++i)
     EXPECT_EQ(with.facet(i).normal, without.facet(i).normal) << i;
   const Mesh &pyramid = scene.meshes[0], &sheet = scene.meshes[1];
@@ -109,19 +109,19 @@ TEST(Meshes, NothingIsCopiedWithoutThem) {
   const Geometry geometry(scene);
   EXPECT_EQ(geometry.positions().data(), scene.positions.data());
   EXPECT_FALSE(geometry.any_colors());
-  EXPECT_EQ(geometry.object_of(item_id(ItemKind::triangle, 0)), 0u);
+  EXPECT_EQ(geometry.object_of(primitive_id(PrimitiveKind::triangle, 0)), 0u);
 }
 
 TEST(Objects, AreKnownOfWhatRaysHit) {
   const Scene s = rich_scene();
   const Geometry geometry(s);
-  EXPECT_EQ(geometry.object_of(item_id(ItemKind::sphere, 2)), 1u);
-  EXPECT_EQ(geometry.object_of(item_id(ItemKind::sphere, 6)), 3u);
-  EXPECT_EQ(geometry.object_of(item_id(ItemKind::plane, 0)), 0u);
-  EXPECT_EQ(geometry.object_of(item_id(ItemKind::cone, 0)), 0u);
+  EXPECT_EQ(geometry.object_of(primitive_id(PrimitiveKind::sphere, 2)), 1u);
+  EXPECT_EQ(geometry.object_of(primitive_id(PrimitiveKind::sphere, 6)), 3u);
+  EXPECT_EQ(geometry.object_of(primitive_id(PrimitiveKind::plane, 0)), 0u);
+  EXPECT_EQ(geometry.object_of(primitive_id(PrimitiveKind::cone, 0)), 0u);
   std::array<size_t, 4> triangles{};
-  for (uint32_t i = 0; i < geometry.count(ItemKind::triangle); ++i)
-    ++triangles.at(geometry.object_of(item_id(ItemKind::triangle, i)));
+  for (uint32_t i = 0; i < geometry.count(PrimitiveKind::triangle); ++i)
+    ++triangles.at(geometry.object_of(primitive_id(PrimitiveKind::triangle, i)));
   EXPECT_EQ(triangles[1], 0u);
   EXPECT_EQ(triangles[2], 3u) << "of the pyramid";
   EXPECT_EQ(triangles[3], 2u) << "of the floor, a polygon of four corners";

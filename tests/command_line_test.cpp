@@ -262,7 +262,8 @@ TEST_F(CommandLine, StatisticsFollowTheirSchema) {
       {"",
        {"samples_per_pixel", "seed", "threads", "depth", "lights", "materials",
         "peak_memory_bytes"}},
-      {"/primitives", {"sphere", "triangle", "polygon", "cone", "cylinder", "plane"}},
+      {"/primitives",
+       {"sphere", "triangle", "polygon", "cone", "cylinder", "ellipsoid", "disc", "plane"}},
       {"/accelerator", {"bytes", "cells", "references"}},
       {"/effects", {"aa"}},
       {"/rays", {"eye", "eye_hits", "reflection", "refraction", "shadow", "shadow_hits", "total"}}};

@@ -113,23 +113,21 @@ TEST(Grid, BlocksHoldWhatCellsListAndTheirBoxesToo) {
   const auto blocks = bake_grid(g, *cells);
   ASSERT_TRUE(blocks);
   for (size_t c = 0; c < cells->lattice.cells(); ++c) {
-    std::vector<ItemId> found;
+    std::vector<PrimitiveId> found;
     for (uint32_t i = blocks->begin[c]; i < blocks->begin[c + 1]; ++i) {
       const BlockGroup& group = blocks->groups[i];
       for (size_t k = 0; k < kBlockWidth; ++k) {
         const uint32_t ref = group.block[k];
-        if (ref == kNoItem) continue;
-        const ItemId* const items =
-            ref_pool(ref) == Pool::spheres     ? blocks->spheres[ref_index(ref)].item
-            : ref_pool(ref) == Pool::triangles ? blocks->triangles[ref_index(ref)].item
-                                               : blocks->cones[ref_index(ref)].item;
-        for (size_t n = 0; n < kBlockWidth && items[n] != kNoItem; ++n) found.push_back(items[n]);
+        if (ref == kNoPrimitive) continue;
+        const PrimitiveId* const items = blocks->items(ref);
+        for (size_t n = 0; n < kBlockWidth && items[n] != kNoPrimitive; ++n)
+          found.push_back(items[n]);
         for (int a = 0; a < 3; ++a)
           EXPECT_LE(group.boxes.planes[0][a][k], group.boxes.planes[1][a][k]);
       }
     }
-    const std::vector<ItemId> listed(cells->items.begin() + cells->begin[c],
-                                     cells->items.begin() + cells->begin[c + 1]);
+    const std::vector<PrimitiveId> listed(cells->items.begin() + cells->begin[c],
+                                          cells->items.begin() + cells->begin[c + 1]);
     EXPECT_EQ(found, listed) << "cell " << c;
   }
   EXPECT_FALSE(bake_grid(g, *cells, 10'000));

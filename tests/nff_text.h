@@ -56,6 +56,12 @@ inline bool same(const Cone& a, const Cone& b) {
   return a.base == b.base && a.base_radius == b.base_radius && a.apex == b.apex &&
          a.apex_radius == b.apex_radius;
 }
+inline bool same(const Ellipsoid& a, const Ellipsoid& b) {
+  return a.center == b.center && std::ranges::equal(a.axes, b.axes);
+}
+inline bool same(const Disc& a, const Disc& b) {
+  return a.center == b.center && a.normal == b.normal && a.radius == b.radius && a.inner == b.inner;
+}
 inline bool same(const Light& a, const Light& b) {
   return a.position == b.position && a.color == b.color;
 }
@@ -100,11 +106,9 @@ inline void expect_same(const Scene& a, const Scene& b) {
   expect_same(a.planes, b.planes);
   expect_same(a.spheres, b.spheres);
   expect_same(a.cones, b.cones);
-  EXPECT_EQ(a.plane_materials, b.plane_materials);
-  EXPECT_EQ(a.sphere_materials, b.sphere_materials);
-  EXPECT_EQ(a.cone_materials, b.cone_materials);
-  EXPECT_EQ(a.triangle_materials, b.triangle_materials);
-  EXPECT_EQ(a.polygon_materials, b.polygon_materials);
+  expect_same(a.ellipsoids, b.ellipsoids);
+  expect_same(a.discs, b.discs);
+  for_each_pool([&](auto pool) { EXPECT_EQ(a.*pool.materials, b.*pool.materials) << pool.name; });
   ASSERT_EQ(a.polygons.size(), b.polygons.size());
   for (size_t i = 0; i < a.polygons.size(); ++i)
     ASSERT_EQ(a.polygons[i].count, b.polygons[i].count);
@@ -139,6 +143,14 @@ class RandomScene {
       const float r = number();
       scene.cones.push_back({point(), r, point(), random_() % 2 ? r : r / 3});
       scene.cone_materials.push_back(material());
+      const Vec3d up(unit());
+      const Frame<double> frame(up);
+      const auto axis = [&](Vec3d along) { return Vec3f(along * double(number())); };
+      scene.ellipsoids.push_back({point(), {axis(frame.u), axis(frame.v), axis(up)}});
+      scene.ellipsoid_materials.push_back(material());
+      const float radius = std::abs(number());
+      scene.discs.push_back({point(), unit(), radius, random_() % 2 ? 0 : radius / 3});
+      scene.disc_materials.push_back(material());
       triangle(scene, material());
       scene.polygons.push_back({uint32_t(scene.positions.size()), 4});
       scene.polygon_materials.push_back(material());

@@ -33,6 +33,9 @@ TEST(PovWriter, ShapesAreExact) {
   s.spheres = {{{0.1f, 1e-7f, -3}, -0.7f}}, s.sphere_materials = {0};
   s.cones = {{{0, 0, 0}, 1, {0, 0, 2}, 0.5f}, {{0, 0, 0}, 1, {0, 0, 2}, 1}};
   s.cone_materials = {0, 0};
+  s.ellipsoids = {{{1, 2, 3}, {{0, 2, 0}, {-1, 0, 0}, {0, 0, 0.5f}}}};
+  s.ellipsoid_materials = {0};
+  s.discs = {{{1, 2, 3}, {0, 0, 1}, 2, 0.5f}}, s.disc_materials = {0};
   s.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {5, 5, 5}};
   s.polygons = {{0, 4}}, s.polygon_materials = {0};
   s.triangles = {{4, 1, 2}, {2, 1, 3}}, s.triangle_materials = {0, 0};
@@ -44,6 +47,8 @@ TEST(PovWriter, ShapesAreExact) {
        {"plane { <0, 0, 1>, -1.5 texture { M0 } }", "sphere { <0.1, 1e-07, -3>, 0.7 texture",
         "cone { <0, 0, 0>, 1, <0, 0, 2>, 0.5 open texture",
         "cylinder { <0, 0, 0>, <0, 0, 2>, 1 open texture",
+        "sphere { 0, 1 matrix <0, 2, 0, -1, 0, 0, 0, 0, 0.5, 1, 2, 3> texture",
+        "disc { <1, 2, 3>, <0, 0, 1>, 2, 0.5 texture",
         "polygon { 5, <0, 0, 0>, <1, 0, 0>, <1, 1, 0>, <0, 1, 0>, <0, 0, 0> texture",
         " vertex_vectors { 3,\n <5, 5, 5>,\n <1, 0, 0>,\n <1, 1, 0> }\n face_indices { 1,\n <0, 1, "
         "2> }",

@@ -48,7 +48,7 @@ Scene sample() {
 }
 
 TEST(Scene, CountsByKind) {
-  EXPECT_THAT(count_primitives(sample()), ElementsAre(1, 1, 2, 1, 1, 1));
+  EXPECT_THAT(count_primitives(sample()), ElementsAre(1, 1, 2, 1, 1, 1, 0, 0));
   EXPECT_EQ(sample().primitive_count(), 7u);
 }
 

@@ -82,6 +82,20 @@ inline Scene random_scene(int count, uint32_t seed, float scale = 1, Vec3f shift
       }
     }
   }
+  for (int i = 0; i < count; i += 4) {
+    // From a ball to a lens and a needle, in any orientation.
+    const Vec3d up = normalize(Vec3d(point()));
+    const Frame<double> frame(up);
+    const auto axis = [&](Vec3d along) {
+      const float part = std::abs(unit(rng));
+      return Vec3f(along) * (size * 0.5f * std::max(0.05f, part * part) * scale);
+    };
+    scene.ellipsoids.push_back({place(point()), {axis(frame.u), axis(frame.v), axis(up)}});
+    scene.ellipsoid_materials.push_back(material());
+    const float radius = size * (0.3f + 0.2f * unit(rng)) * scale;
+    scene.discs.push_back({place(point()), normalize(point()), radius, i % 8 ? 0 : radius / 3});
+    scene.disc_materials.push_back(material());
+  }
   const uint32_t first = uint32_t(scene.positions.size());
   for (const Vec3f corner : {Vec3f(-9, -9, -1.1f), {9, -9, -1.1f}, {9, 9, -1.1f}, {-9, 9, -1.1f}})
     scene.positions.push_back(place(corner));

@@ -74,7 +74,7 @@ class RayBatch {
 class HitBatch {
  public:
   Column<float> t;
-  Column<ItemId> item;
+  Column<PrimitiveId> item;
   Column<float> u, v;
 
   /// Makes room for at least n hits, all unset.

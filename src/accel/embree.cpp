@@ -3,10 +3,10 @@
 //
 // Used as its documentation advises: a high-quality build; robust mode, which closes the edges
 // between triangles; packets of eight, told when they are coherent; denormals
-// flushed while it runs. Embree has no open cones: those are user geometry with Raio's own test,
-// and infinite planes are tested before it. Which primitive is hit is Embree's word; where on it is
-// then found by Raio's own test, since mirrors make a picture's difference of the last bits of a
-// distance.
+// flushed while it runs. What Embree does not have, all but spheres and triangles, is user
+// geometry with Raio's own test, and infinite planes are tested before it. Which primitive is hit
+// is Embree's word; where on it is then found by Raio's own test, since mirrors make a picture's
+// difference of the last bits of a distance.
 #include <embree3/rtcore.h>
 #include <fmt/core.h>
 
@@ -63,9 +63,14 @@ class Embree final : public Accel {
     scene_ = call<kEmbree, rtcNewScene>(device_);
     call<kEmbree, rtcSetSceneBuildQuality>(scene_, RTC_BUILD_QUALITY_HIGH);
     call<kEmbree, rtcSetSceneFlags>(scene_, RTC_SCENE_FLAG_ROBUST);
-    add_spheres();
-    add_triangles();
-    add_cones();
+    for_each_bounded_kind([&]<PrimitiveKind kind> {
+      if constexpr (kind == PrimitiveKind::sphere)
+        add_spheres();
+      else if constexpr (kind == PrimitiveKind::triangle)
+        add_triangles();
+      else
+        add_own<kind>();
+    });
     call<kEmbree, rtcCommitScene>(scene_);
     const RTCError error = call<kEmbree, rtcGetDeviceError>(device_);
     if (error != RTC_ERROR_NONE)
@@ -87,9 +92,10 @@ class Embree final : public Accel {
       query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
       call<kEmbree, rtcIntersect1>(scene_, &embree, &query);
       if (query.hit.geomID != RTC_INVALID_GEOMETRY_ID)
-        hits.set(i, refined(rays[i],
-                            {query.ray.tfar, item_id(ItemKind(query.hit.geomID), query.hit.primID),
-                             query.hit.u, query.hit.v}));
+        hits.set(i,
+                 refined(rays[i], {query.ray.tfar,
+                                   primitive_id(PrimitiveKind(query.hit.geomID), query.hit.primID),
+                                   query.hit.u, query.hit.v}));
     }
   }
 
@@ -110,19 +116,19 @@ class Embree final : public Accel {
   AccelInfo info() const override {
     return {.name = "embree",
             .bytes = geometry_.bytes() + size_t(bytes_.load()),
-            .giants = geometry_.count(ItemKind::plane)};
+            .giants = geometry_.count(PrimitiveKind::plane)};
   }
 
  private:
-  // The geometry's number in the Embree scene is its ItemKind.
-  void attach(RTCGeometry geometry, ItemKind kind) {
+  // The geometry's number in the Embree scene is its PrimitiveKind.
+  void attach(RTCGeometry geometry, PrimitiveKind kind) {
     call<kEmbree, rtcCommitGeometry>(geometry);
     call<kEmbree, rtcAttachGeometryByID>(scene_, geometry, unsigned(kind));
     call<kEmbree, rtcReleaseGeometry>(geometry);
   }
 
   void add_spheres() {
-    const size_t n = geometry_.count(ItemKind::sphere);
+    const size_t n = geometry_.count(PrimitiveKind::sphere);
     if (n == 0) return;
     RTCGeometry g = call<kEmbree, rtcNewGeometry>(device_, RTC_GEOMETRY_TYPE_SPHERE_POINT);
     auto* out = static_cast<float*>(call<kEmbree, rtcSetNewGeometryBuffer>(
@@ -132,12 +138,12 @@ class Embree final : public Accel {
       const Sphere s = geometry_.sphere(i);
       *out++ = s.center.x, *out++ = s.center.y, *out++ = s.center.z, *out++ = s.radius;
     }
-    filter_sides(g, ItemKind::sphere);
-    attach(g, ItemKind::sphere);
+    filter_sides(g, PrimitiveKind::sphere);
+    attach(g, PrimitiveKind::sphere);
   }
 
   void add_triangles() {
-    const size_t n = geometry_.count(ItemKind::triangle);
+    const size_t n = geometry_.count(PrimitiveKind::triangle);
     if (n == 0) return;
     RTCGeometry g = call<kEmbree, rtcNewGeometry>(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* out = static_cast<float*>(call<kEmbree, rtcSetNewGeometryBuffer>(
@@ -151,23 +157,26 @@ class Embree final : public Accel {
         *out++ = corner.x, *out++ = corner.y, *out++ = corner.z;
       for (uint32_t k = 0; k < 3; ++k) *index++ = 3 * i + k;
     }
-    filter_sides(g, ItemKind::triangle);
-    attach(g, ItemKind::triangle);
+    filter_sides(g, PrimitiveKind::triangle);
+    attach(g, PrimitiveKind::triangle);
   }
 
-  void add_cones() {
-    if (geometry_.count(ItemKind::cone) == 0) return;
+  // A kind that Embree has not.
+  template <PrimitiveKind kind>
+  void add_own() {
+    const size_t n = geometry_.count(kind);
+    if (n == 0) return;
     RTCGeometry g = call<kEmbree, rtcNewGeometry>(device_, RTC_GEOMETRY_TYPE_USER);
-    call<kEmbree, rtcSetGeometryUserPrimitiveCount>(g, unsigned(geometry_.count(ItemKind::cone)));
+    call<kEmbree, rtcSetGeometryUserPrimitiveCount>(g, unsigned(n));
     call<kEmbree, rtcSetGeometryUserData>(g, this);
-    call<kEmbree, rtcSetGeometryBoundsFunction>(g, cone_bounds, nullptr);
-    call<kEmbree, rtcSetGeometryIntersectFunction>(g, cone_closest);
-    call<kEmbree, rtcSetGeometryOccludedFunction>(g, cone_occluded);
-    attach(g, ItemKind::cone);
+    call<kEmbree, rtcSetGeometryBoundsFunction>(g, own_bounds<kind>, nullptr);
+    call<kEmbree, rtcSetGeometryIntersectFunction>(g, own_closest<kind>);
+    call<kEmbree, rtcSetGeometryOccludedFunction>(g, own_occluded<kind>);
+    attach(g, kind);
   }
 
   // One-sided surfaces: Embree asks before it accepts a hit.
-  void filter_sides(RTCGeometry g, ItemKind kind) {
+  void filter_sides(RTCGeometry g, PrimitiveKind kind) {
     if (geometry_.two_sided(kind)) return;
     call<kEmbree, rtcSetGeometryUserData>(g, this);
     call<kEmbree, rtcSetGeometryIntersectFilterFunction>(g, reject_unseen);
@@ -179,8 +188,8 @@ class Embree final : public Accel {
     const unsigned n = args->N;
     for (unsigned i = 0; i < n; ++i) {
       if (args->valid[i] != -1) continue;
-      const ItemId id =
-          item_id(ItemKind(RTCHitN_geomID(args->hit, n, i)), RTCHitN_primID(args->hit, n, i));
+      const PrimitiveId id = primitive_id(PrimitiveKind(RTCHitN_geomID(args->hit, n, i)),
+                                          RTCHitN_primID(args->hit, n, i));
       const float cosine = RTCHitN_Ng_x(args->hit, n, i) * RTCRayN_dir_x(args->ray, n, i) +
                            RTCHitN_Ng_y(args->hit, n, i) * RTCRayN_dir_y(args->ray, n, i) +
                            RTCHitN_Ng_z(args->hit, n, i) * RTCRayN_dir_z(args->ray, n, i);
@@ -188,39 +197,42 @@ class Embree final : public Accel {
     }
   }
 
-  static void cone_bounds(const RTCBoundsFunctionArguments* args) {
+  template <PrimitiveKind kind>
+  static void own_bounds(const RTCBoundsFunctionArguments* args) {
     const auto& self = *static_cast<const Embree*>(args->geometryUserPtr);
-    const Box3f b = bounds(self.geometry_.cone(args->primID));
+    const Box3f b = bounds(self.geometry_.get<kind>(args->primID));
     *args->bounds_o = {b.lo.x, b.lo.y, b.lo.z, 0, b.hi.x, b.hi.y, b.hi.z, 0};
   }
 
-  static RayQuery cone_query(RTCRayN* r, unsigned n, unsigned i) {
+  static RayQuery own_query(RTCRayN* r, unsigned n, unsigned i) {
     return RayQuery({{RTCRayN_org_x(r, n, i), RTCRayN_org_y(r, n, i), RTCRayN_org_z(r, n, i)},
                      {RTCRayN_dir_x(r, n, i), RTCRayN_dir_y(r, n, i), RTCRayN_dir_z(r, n, i)},
                      RTCRayN_tfar(r, n, i)});
   }
 
-  static void cone_closest(const RTCIntersectFunctionNArguments* args) {
+  template <PrimitiveKind kind>
+  static void own_closest(const RTCIntersectFunctionNArguments* args) {
     const auto& self = *static_cast<const Embree*>(args->geometryUserPtr);
     const unsigned n = args->N;
     RTCRayN* rays = RTCRayHitN_RayN(args->rayhit, n);
     RTCHitN* hits = RTCRayHitN_HitN(args->rayhit, n);
     for (unsigned i = 0; i < n; ++i) {
       if (args->valid[i] != -1) continue;
-      RayQuery query = cone_query(rays, n, i);
-      if (!test_cone(self.geometry_, args->primID, query)) continue;
+      RayQuery query = own_query(rays, n, i);
+      if (!test<kind>(self.geometry_, args->primID, query)) continue;
       RTCRayN_tfar(rays, n, i) = query.best.t;
       RTCHitN_geomID(hits, n, i) = args->geomID;
       RTCHitN_primID(hits, n, i) = args->primID;
     }
   }
 
-  static void cone_occluded(const RTCOccludedFunctionNArguments* args) {
+  template <PrimitiveKind kind>
+  static void own_occluded(const RTCOccludedFunctionNArguments* args) {
     const auto& self = *static_cast<const Embree*>(args->geometryUserPtr);
     for (unsigned i = 0; i < args->N; ++i) {
       if (args->valid[i] != -1) continue;
-      RayQuery query = cone_query(args->ray, args->N, i);
-      if (test_cone(self.geometry_, args->primID, query))
+      RayQuery query = own_query(args->ray, args->N, i);
+      if (test<kind>(self.geometry_, args->primID, query))
         RTCRayN_tfar(args->ray, args->N, i) = -std::numeric_limits<float>::infinity();
     }
   }
@@ -244,14 +256,15 @@ class Embree final : public Accel {
 
   RayQuery nearest_plane(const Ray& ray) const {
     RayQuery query(ray);
-    for (uint32_t i = 0; i < geometry_.count(ItemKind::plane); ++i) test_plane(geometry_, i, query);
+    for (uint32_t i = 0; i < geometry_.count(PrimitiveKind::plane); ++i)
+      test<PrimitiveKind::plane>(geometry_, i, query);
     return query;
   }
 
   // A grazing hit that Raio's test does not see stays as it is.
   Hit refined(const Ray& ray, const Hit& hit) const {
     RayQuery query(ray);
-    return test_item(geometry_, hit.item, query) ? query.best : hit;
+    return test_primitive(geometry_, hit.item, query) ? query.best : hit;
   }
 
   // Lanes first .. first + 7 of the batch; `tfar` and `valid` are set by the caller.
@@ -279,10 +292,11 @@ class Embree final : public Accel {
     call<kEmbree, rtcIntersect8>(valid, scene_, &embree, &query);
     for (unsigned k = 0; k < lanes; ++k)
       if (query.hit.geomID[k] != RTC_INVALID_GEOMETRY_ID)
-        hits.set(first + k, refined(rays[first + k],
-                                    {query.ray.tfar[k],
-                                     item_id(ItemKind(query.hit.geomID[k]), query.hit.primID[k]),
-                                     query.hit.u[k], query.hit.v[k]}));
+        hits.set(first + k,
+                 refined(rays[first + k],
+                         {query.ray.tfar[k],
+                          primitive_id(PrimitiveKind(query.hit.geomID[k]), query.hit.primID[k]),
+                          query.hit.u[k], query.hit.v[k]}));
   }
 
   void occluded8(const RayBatch& rays, size_t first, uint8_t* hit,

@@ -51,9 +51,15 @@ Geometry::Geometry(const Scene& scene, bool one_sided)
     : scene_(&scene), any_colors_(raio::any_colors(scene)) {
   bake_triangles();
   bake_colors();
-  cones_.resize(scene.cones.size());
-  for_each_index(cones_.size(), [&](size_t i) { cones_[i] = BakedCone(scene.cones[i]); });
-  list_sides(one_sided);
+  for_each_kind([&]<PrimitiveKind kind> {
+    if constexpr (kKeepsBaked<kind>) {
+      const auto& shapes = scene.*kPoolOf<PrimitiveType<kind>>.shapes;
+      auto& baked = std::get<size_t(kind)>(baked_);
+      baked.resize(shapes.size());
+      for_each_index(baked.size(), [&](size_t i) { baked[i] = bake(shapes[i]); });
+    }
+  });
+  for_each_kind([&]<PrimitiveKind kind> { list_sides<kind>(one_sided); });
 }
 
 double Geometry::bytes_to_bake(const Scene& s) {
@@ -70,8 +76,13 @@ double Geometry::bytes_to_bake(const Scene& s) {
   if (pieces > 0) pieces += triangles;
   double piece = sizeof(Facet) + 2 * sizeof(TriangleIndices);
   if (raio::any_colors(s) || !s.object_ranges.empty()) piece += sizeof(uint32_t) + sizeof(Rgb);
-  return joined + triangles * sizeof(Facet) + double(s.cones.size()) * sizeof(BakedCone) +
-         2 * piece * pieces + double(s.primitive_count()) * sizeof(Sides);
+  double baked = 0;
+  for_each_kind([&]<PrimitiveKind kind> {
+    if constexpr (kKeepsBaked<kind>)
+      baked += double((s.*kPoolOf<PrimitiveType<kind>>.shapes).size()) * sizeof(Baked<kind>);
+  });
+  return joined + triangles * sizeof(Facet) + baked + 2 * piece * pieces +
+         double(s.primitive_count()) * sizeof(Sides);
 }
 
 // Triangles without area are left out, since no ray can hit one.
@@ -202,34 +213,26 @@ void Geometry::bake_colors() {
   triangle_colors_ = own_colors_;
 }
 
-std::span<const Rgb> Geometry::colors(ItemKind kind) const {
-  switch (kind) {
-    case ItemKind::plane:
-      return scene_->plane_colors;
-    case ItemKind::sphere:
-      return scene_->sphere_colors;
-    case ItemKind::triangle:
+std::span<const Rgb> Geometry::colors(PrimitiveKind kind) const {
+  return with_kind(kind, [&]<PrimitiveKind k>() -> std::span<const Rgb> {
+    if constexpr (k == PrimitiveKind::triangle)
       return triangle_colors_;
-    case ItemKind::cone:
-      return scene_->cone_colors;
-  }
-  return {};
+    else
+      return scene_->*kPoolOf<PrimitiveType<k>>.colors;
+  });
 }
 
-uint32_t Geometry::object_of(ItemId id) const {
+uint32_t Geometry::object_of(PrimitiveId id) const {
   const Scene& s = *scene_;
   if (s.object_ranges.empty()) return 0;
-  const uint32_t index = item_index(id);
-  switch (item_kind(id)) {
-    case ItemKind::plane:
-      return raio::object_of(s, PoolKind::plane, index);
-    case ItemKind::sphere:
-      return raio::object_of(s, PoolKind::sphere, index);
-    case ItemKind::cone:
-      return raio::object_of(s, PoolKind::cone, index);
-    case ItemKind::triangle:
-      break;
-  }
+  const uint32_t index = primitive_index(id);
+  if (primitive_kind(id) != PrimitiveKind::triangle)
+    return with_kind(primitive_kind(id), [&]<PrimitiveKind kind> {
+      if constexpr (kind == PrimitiveKind::triangle)
+        return uint32_t(0);
+      else
+        return raio::object_of(s, kPoolOf<PrimitiveType<kind>>.kind, index);
+    });
   const size_t source = sources_.empty() ? index : sources_[index];
   if (source < s.triangles.size()) return raio::object_of(s, PoolKind::triangle, source);
   if (source >= count_of_triangles())
@@ -237,70 +240,67 @@ uint32_t Geometry::object_of(ItemId id) const {
   return raio::object_of(s, PoolKind::mesh, mesh_of(source));
 }
 
-// Which side of each item is seen, for the kinds that have one of which it is not both.
+// Which side of each primitive is seen, for the kinds that have one of which it is not both.
+template <PrimitiveKind kind>
 void Geometry::list_sides(bool one_sided) {
+  constexpr bool kFlat = kind == PrimitiveKind::triangle;
+  if (kFlat && !one_sided) return;  // of large scenes most, and never seen from inside only
   const Scene& s = *scene_;
-  const auto list = [&](ItemKind kind, auto&& material, auto&& inside_only) {
-    const auto side = [&](size_t i) {
-      const bool opaque = s.materials[material(i)].transmission == 0;
-      return inside_only(i) ? Sides::inside : one_sided && opaque ? Sides::outside : Sides::both;
-    };
-    std::atomic<bool> any = false;
-    for_chunks(count(kind), [&](size_t, size_t first, size_t end) {
-      bool here = false;
-      for (size_t i = first; i < end; ++i) here |= side(i) != Sides::both;
-      if (here) any.store(true, std::memory_order_relaxed);
-    });
-    if (!any) return;
-    Column<Sides>& sides = sides_[size_t(kind)];
-    sides.resize(count(kind));
-    for_each_index(sides.size(), [&](size_t i) { sides[i] = side(i); });
+  const auto side = [&](size_t i) {
+    bool inside_only = false;
+    if constexpr (!kFlat)
+      inside_only = only_inside_seen((s.*kPoolOf<PrimitiveType<kind>>.shapes)[i]);
+    const MaterialId material = material_of(primitive_id(kind, uint32_t(i)));
+    const bool opaque = s.materials[material].transmission == 0;
+    return inside_only ? Sides::inside : one_sided && opaque ? Sides::outside : Sides::both;
   };
-  const auto never = [](size_t) { return false; };
-  list(
-      ItemKind::sphere, [&](size_t i) { return s.sphere_materials[i]; },
-      [&](size_t i) { return s.spheres[i].radius < 0; });
-  list(
-      ItemKind::cone, [&](size_t i) { return s.cone_materials[i]; },
-      [&](size_t i) { return s.cones[i].base_radius < 0 || s.cones[i].apex_radius < 0; });
-  list(ItemKind::plane, [&](size_t i) { return s.plane_materials[i]; }, never);
-  if (one_sided) list(ItemKind::triangle, [&](size_t i) { return facets_[i].material; }, never);
+  std::atomic<bool> any = false;
+  for_chunks(count(kind), [&](size_t, size_t first, size_t end) {
+    bool here = false;
+    for (size_t i = first; i < end; ++i) here |= side(i) != Sides::both;
+    if (here) any.store(true, std::memory_order_relaxed);
+  });
+  if (!any) return;
+  Column<Sides>& sides = sides_[size_t(kind)];
+  sides.resize(count(kind));
+  for_each_index(sides.size(), [&](size_t i) { sides[i] = side(i); });
 }
 
-size_t Geometry::count(ItemKind kind) const {
-  switch (kind) {
-    case ItemKind::plane:
-      return scene_->planes.size();
-    case ItemKind::sphere:
-      return scene_->spheres.size();
-    case ItemKind::triangle:
+size_t Geometry::count(PrimitiveKind kind) const {
+  return with_kind(kind, [&]<PrimitiveKind k> {
+    if constexpr (k == PrimitiveKind::triangle)
       return facets_.size();
-    case ItemKind::cone:
-      return cones_.size();
-  }
-  return 0;
+    else
+      return (scene_->*kPoolOf<PrimitiveType<k>>.shapes).size();
+  });
 }
 
-Box3f Geometry::bounds(ItemId id) const {
-  const uint32_t i = item_index(id);
-  switch (item_kind(id)) {
-    case ItemKind::sphere:
-      return raio::bounds(sphere(i));
-    case ItemKind::triangle:
-      return raio::bounds(triangle(i));
-    case ItemKind::cone:
-      return raio::bounds(cone(i));
-    case ItemKind::plane:
-      break;
-  }
-  return {};
+MaterialId Geometry::material_of(PrimitiveId id) const {
+  const uint32_t i = primitive_index(id);
+  return with_kind(primitive_kind(id), [&]<PrimitiveKind kind> {
+    if constexpr (kind == PrimitiveKind::triangle)
+      return facets_[i].material;
+    else
+      return (scene_->*kPoolOf<PrimitiveType<kind>>.materials)[i];
+  });
+}
+
+Box3f Geometry::bounds(PrimitiveId id) const {
+  return with_kind(primitive_kind(id), [&]<PrimitiveKind kind> {
+    if constexpr (kIsBounded<kind>)
+      return raio::bounds(get<kind>(primitive_index(id)));
+    else
+      return Box3f();
+  });
 }
 
 size_t Geometry::bytes() const {
   size_t sum = column_bytes(own_triangles_) + column_bytes(own_normals_) + column_bytes(facets_) +
-               column_bytes(cones_) + column_bytes(own_positions_) +
-               column_bytes(own_vertex_normals_) + column_bytes(sources_) +
-               column_bytes(own_colors_);
+               column_bytes(own_positions_) + column_bytes(own_vertex_normals_) +
+               column_bytes(sources_) + column_bytes(own_colors_);
+  for_each_kind([&]<PrimitiveKind kind> {
+    if constexpr (kKeepsBaked<kind>) sum += column_bytes(std::get<size_t(kind)>(baked_));
+  });
   for (const auto& s : sides_) sum += column_bytes(s);
   return sum;
 }

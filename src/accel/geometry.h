@@ -6,6 +6,9 @@
 
 #include <array>
 #include <span>
+#include <tuple>
+#include <type_traits>
+#include <variant>
 #include <vector>
 
 #include "base/box.h"
@@ -16,20 +19,34 @@
 
 namespace raio {
 
-/// The kinds that structures store; the upper bits of an ItemId.
-enum class ItemKind : uint32_t { plane, sphere, triangle, cone };
-inline constexpr int kItemKinds = 4;
-
-constexpr ItemId item_id(ItemKind kind, uint32_t index) {
-  return uint32_t(kind) << kItemIndexBits | index;
+constexpr PrimitiveId primitive_id(PrimitiveKind kind, uint32_t index) {
+  return uint32_t(kind) << kPrimitiveIndexBits | index;
 }
-constexpr ItemKind item_kind(ItemId id) { return ItemKind(id >> kItemIndexBits); }
-constexpr uint32_t item_index(ItemId id) { return id & (kMaxItemsPerKind - 1); }
+constexpr PrimitiveKind primitive_kind(PrimitiveId id) {
+  return PrimitiveKind(id >> kPrimitiveIndexBits);
+}
+constexpr uint32_t primitive_index(PrimitiveId id) { return id & (kMaxPrimitivesPerKind - 1); }
 
 /// What shading wants of a triangle: 16 bytes.
 struct Facet {
   Vec3f normal;  // of the polygon, for a piece of one
   MaterialId material = 0;
+};
+
+/// What tracing wants of a kind, as the kind's bake() returns it. Where that is a type of its own,
+/// it is worked out once and kept, else made of the scene's own pool each time.
+template <PrimitiveKind kind>
+using Baked = std::remove_cvref_t<decltype(bake(std::declval<const PrimitiveType<kind>&>()))>;
+template <PrimitiveKind kind>
+inline constexpr bool kKeepsBaked = !std::is_same_v<Baked<kind>, PrimitiveType<kind>>;
+
+/// By kind, for those that keep what is baked.
+template <class = std::make_index_sequence<kPrimitiveKinds>>
+struct BakedColumnsOf;
+template <size_t... k>
+struct BakedColumnsOf<std::index_sequence<k...>> {
+  using type = std::tuple<std::conditional_t<kKeepsBaked<PrimitiveKind(k)>,
+                                             Column<Baked<PrimitiveKind(k)>>, std::monostate>...>;
 };
 
 class Geometry {
@@ -41,36 +58,41 @@ class Geometry {
 
   const Scene& scene() const { return *scene_; }
 
-  size_t count(ItemKind kind) const;
-  Sides sides_of(ItemId id) const {
-    const auto& s = sides_[size_t(item_kind(id))];
-    return s.empty() ? Sides::both : s[item_index(id)];
+  size_t count(PrimitiveKind kind) const;
+  Sides sides_of(PrimitiveId id) const {
+    const auto& s = sides_[size_t(primitive_kind(id))];
+    return s.empty() ? Sides::both : s[primitive_index(id)];
   }
   /// Are both sides of all items of the kind seen?
-  bool two_sided(ItemKind kind) const { return sides_[size_t(kind)].empty(); }
+  bool two_sided(PrimitiveKind kind) const { return sides_[size_t(kind)].empty(); }
 
-  const Plane& plane(uint32_t i) const { return scene_->planes[i]; }
-  /// The radius is not negative: what is seen of the sphere is in sides_of().
-  Sphere sphere(uint32_t i) const {
-    const Sphere& s = scene_->spheres[i];
-    return {s.center, std::abs(s.radius)};
+  /// Primitive i of a kind, baked: by value or by reference.
+  template <PrimitiveKind kind>
+  decltype(auto) get(uint32_t i) const {
+    if constexpr (kind == PrimitiveKind::triangle) {
+      const TriangleIndices& t = triangles_[i];
+      return Triangle{positions_[t[0]], positions_[t[1]], positions_[t[2]]};
+    } else if constexpr (kKeepsBaked<kind>) {
+      return (std::get<size_t(kind)>(baked_)[i]);
+    } else {
+      return bake((scene_->*kPoolOf<PrimitiveType<kind>>.shapes)[i]);
+    }
   }
   /// The scene's, or, where it has meshes, copies of those and of the meshes'.
   std::span<const Vec3f> positions() const { return positions_; }
   std::span<const Vec3f> normals() const { return normals_; }
+
+  const Plane& plane(uint32_t i) const { return get<PrimitiveKind::plane>(i); }
+  Sphere sphere(uint32_t i) const { return get<PrimitiveKind::sphere>(i); }
+  Triangle triangle(uint32_t i) const { return get<PrimitiveKind::triangle>(i); }
+
   /// Indices into positions().
   const TriangleIndices& corners(uint32_t triangle) const { return triangles_[triangle]; }
-  Triangle triangle(uint32_t i) const {
-    const TriangleIndices& t = triangles_[i];
-    return {positions_[t[0]], positions_[t[1]], positions_[t[2]]};
-  }
-  const BakedCone& cone(uint32_t i) const { return cones_[i]; }
-
   /// Tells the processor that the item will be asked for soon.
-  void prefetch(ItemId id) const {
-    const uint32_t i = item_index(id);
-    if (item_kind(id) == ItemKind::sphere) __builtin_prefetch(&scene_->spheres[i]);
-    if (item_kind(id) == ItemKind::triangle) __builtin_prefetch(&triangles_[i]);
+  void prefetch(PrimitiveId id) const {
+    const uint32_t i = primitive_index(id);
+    if (primitive_kind(id) == PrimitiveKind::sphere) __builtin_prefetch(&scene_->spheres[i]);
+    if (primitive_kind(id) == PrimitiveKind::triangle) __builtin_prefetch(&triangles_[i]);
   }
 
   const Facet& facet(uint32_t triangle) const { return facets_[triangle]; }
@@ -83,17 +105,18 @@ class Geometry {
   bool any_smooth() const { return !triangle_normals_.empty(); }
 
   /// A colour for each item of the kind, or empty: those of the materials count for all of them.
-  std::span<const Rgb> colors(ItemKind kind) const;
+  std::span<const Rgb> colors(PrimitiveKind kind) const;
   bool any_colors() const { return any_colors_; }
 
   /// The id of the object (Scene::object_names) to which the item belongs; 0: to none.
-  uint32_t object_of(ItemId id) const;
+  uint32_t object_of(PrimitiveId id) const;
+  MaterialId material_of(PrimitiveId id) const;
 
   /// About how many bytes baking `scene` takes, those that it frees again included.
   static double bytes_to_bake(const Scene& scene);
 
-  Box3f bounds(ItemId id) const;  // not for planes, which have none
-  size_t bytes() const;           // besides the scene
+  Box3f bounds(PrimitiveId id) const;  // not for planes, which have none
+  size_t bytes() const;                // besides the scene
 
  private:
   void bake_triangles();
@@ -104,6 +127,7 @@ class Geometry {
   void bake_polygons();
   void bake_colors();
   bool wants_sources() const { return any_colors_ || !scene_->object_ranges.empty(); }
+  template <PrimitiveKind kind>
   void list_sides(bool one_sided);
 
   const Scene* scene_;
@@ -122,8 +146,8 @@ class Geometry {
   std::span<const Rgb> triangle_colors_;
   Column<Rgb> own_colors_;
   Column<Facet> facets_;
-  Column<BakedCone> cones_;
-  std::array<Column<Sides>, kItemKinds> sides_;  // empty: both sides of all
+  BakedColumnsOf<>::type baked_;
+  std::array<Column<Sides>, kPrimitiveKinds> sides_;  // empty: both sides of all
 };
 
 }  // namespace raio

@@ -15,59 +15,29 @@ struct RayQuery {
   explicit RayQuery(const Ray& r) : ray(r), sheared(r.dir) { best.t = r.tmax; }
 
   /// Keeps a hit if it is the nearest; of equally near ones, that of the lowest id.
-  bool offer(float t, ItemId item, float u = 0, float v = 0) {
+  bool offer(float t, PrimitiveId item, float u = 0, float v = 0) {
     if (!(t > 0 && (t < best.t || (t == best.t && best.found() && item < best.item)))) return false;
     best = {t, item, u, v};
     return true;
   }
 };
 
-inline bool test_plane(const Geometry& g, uint32_t i, RayQuery& q) {
-  const ItemId id = item_id(ItemKind::plane, i);
-  const auto t = intersect(g.plane(i), q.ray);
-  if (!t || !visible(g.sides_of(id), dot(g.plane(i).normal, q.ray.dir))) return false;
-  return q.offer(*t, id);
+/// Ray and primitive i of a kind; true where the hit is kept.
+template <PrimitiveKind kind>
+bool test(const Geometry& g, uint32_t i, RayQuery& q) {
+  const PrimitiveId id = primitive_id(kind, i);
+  const auto& primitive = g.get<kind>(i);
+  std::optional<ShapeHit> hit;
+  if constexpr (kind == PrimitiveKind::triangle)
+    hit = first_hit(primitive, q.ray, q.sheared, g.sides_of(id));
+  else
+    hit = first_hit(primitive, q.ray, g.sides_of(id));
+  return hit && q.offer(hit->t, id, hit->u, hit->v);
 }
 
-inline bool test_sphere(const Geometry& g, uint32_t i, RayQuery& q) {
-  const Sphere s = g.sphere(i);
-  const SphereRoots roots = sphere_roots(s.center, s.radius, q.ray);
-  if (!(roots.entry <= roots.exit)) return false;
-  const ItemId id = item_id(ItemKind::sphere, i);
-  const Sides sides = g.sides_of(id);
-  if (roots.entry > 0 && visible(sides, -1)) return q.offer(roots.entry, id);
-  return visible(sides, 1) && q.offer(roots.exit, id);
-}
-
-inline bool test_triangle(const Geometry& g, uint32_t i, RayQuery& q) {
-  const Triangle t = g.triangle(i);
-  const auto hit = intersect(t.a, t.b, t.c, q.ray, q.sheared);
-  if (!hit) return false;
-  const ItemId id = item_id(ItemKind::triangle, i);
-  return visible(g.sides_of(id), hit->cosine) && q.offer(hit->t, id, hit->u, hit->v);
-}
-
-inline bool test_cone(const Geometry& g, uint32_t i, RayQuery& q) {
-  const ConeRoots roots = cone_roots(g.cone(i), q.ray);
-  const ItemId id = item_id(ItemKind::cone, i);
-  for (int k = 0; k < roots.count; ++k)
-    if (roots.t[k] > 0 && visible(g.sides_of(id), roots.cosine[k])) return q.offer(roots.t[k], id);
-  return false;
-}
-
-inline bool test_item(const Geometry& g, ItemId id, RayQuery& q) {
-  const uint32_t i = item_index(id);
-  switch (item_kind(id)) {
-    case ItemKind::plane:
-      return test_plane(g, i, q);
-    case ItemKind::sphere:
-      return test_sphere(g, i, q);
-    case ItemKind::triangle:
-      return test_triangle(g, i, q);
-    case ItemKind::cone:
-      return test_cone(g, i, q);
-  }
-  return false;
+inline bool test_primitive(const Geometry& g, PrimitiveId id, RayQuery& q) {
+  return with_kind(primitive_kind(id),
+                   [&]<PrimitiveKind kind> { return test<kind>(g, primitive_index(id), q); });
 }
 
 }  // namespace raio

@@ -27,18 +27,16 @@ class None final : public Accel {
   RayQuery trace(const Ray& ray, TraceContext& context) const {
     RayQuery query(ray);
     if (!(ray.tmax > 0)) return query;
-    all_of<any, ItemKind::plane, test_plane>(query, context) ||
-        all_of<any, ItemKind::sphere, test_sphere>(query, context) ||
-        all_of<any, ItemKind::triangle, test_triangle>(query, context) ||
-        all_of<any, ItemKind::cone, test_cone>(query, context);
+    bool done = false;
+    for_each_kind([&]<PrimitiveKind kind> { done = done || all_of<any, kind>(query, context); });
     return query;
   }
 
-  template <bool any, ItemKind kind, auto test>
+  template <bool any, PrimitiveKind kind>
   bool all_of(RayQuery& query, TraceContext& context) const {
     const uint32_t n = uint32_t(geometry_.count(kind));
     uint32_t i = 0;
-    while (i < n && !(test(geometry_, i, query) && any)) ++i;
+    while (i < n && !(test<kind>(geometry_, i, query) && any)) ++i;
     if (counters_) context.tests += std::min(i + 1, n);
     return any && i < n;
   }

@@ -21,9 +21,8 @@ Json statistics(const Made& made) {
   const auto& [scene, o, accel, times, rays, rays_before, samples] = made;
   Json primitives;
   const auto counts = count_primitives(scene);
-  for (const ShapeKind kind : {ShapeKind::sphere, ShapeKind::triangle, ShapeKind::polygon,
-                               ShapeKind::cone, ShapeKind::cylinder, ShapeKind::plane})
-    primitives[std::string(kShapeKindNames[size_t(kind)])] = counts[size_t(kind)];
+  for (size_t i = 0; i < counts.size(); ++i)
+    primitives[std::string(kShapeKindNames[i])] = counts[i];
   Json json = {
       {"version", RAIO_VERSION},
       {"scene", scene.name},

@@ -20,18 +20,18 @@ struct Ray {
 /// What a structure stores and a ray finds: 3 bits of shape kind, 29 bits of index in that kind's
 /// pool. Ids order by kind, then by index; where several hits are equally near, the lowest id is
 /// the hit, so that every structure gives the same answer.
-using ItemId = uint32_t;
-inline constexpr ItemId kNoItem = 0xffffffffu;
-inline constexpr int kItemIndexBits = 29;
-inline constexpr uint32_t kMaxItemsPerKind = 1u << kItemIndexBits;
+using PrimitiveId = uint32_t;
+inline constexpr PrimitiveId kNoPrimitive = 0xffffffffu;
+inline constexpr int kPrimitiveIndexBits = 29;
+inline constexpr uint32_t kMaxPrimitivesPerKind = 1u << kPrimitiveIndexBits;
 
 /// 16 bytes. `u`, `v` are the barycentric weights of a triangle's second and third corner.
 struct Hit {
   float t = std::numeric_limits<float>::infinity();
-  ItemId item = kNoItem;
+  PrimitiveId item = kNoPrimitive;
   float u = 0, v = 0;
 
-  bool found() const { return item != kNoItem; }
+  bool found() const { return item != kNoPrimitive; }
 };
 static_assert(sizeof(Hit) == 16);
 

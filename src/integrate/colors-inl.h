@@ -18,9 +18,9 @@ namespace {
 inline void look_up_colors(const Geometry& geometry, const HitBatch& hits, size_t i,
                            Floats3& color) {
   for (size_t k = i; k < i + kWidth; ++k) {
-    const ItemId item = hits.item[k];
-    const std::span<const Rgb> colors = geometry.colors(item_kind(item));
-    if (item_index(item) < colors.size()) color.set(k, colors[item_index(item)]);
+    const PrimitiveId item = hits.item[k];
+    const std::span<const Rgb> colors = geometry.colors(primitive_kind(item));
+    if (primitive_index(item) < colors.size()) color.set(k, colors[primitive_index(item)]);
   }
 }
 

@@ -13,6 +13,7 @@
 #include "integrate/colors-inl.h"
 #include "integrate/surface.h"
 #include "integrate/tile-inl.h"
+#include "shape/first_hits-inl.h"
 #include "shape/offset.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -25,13 +26,35 @@ HWY_INLINE V3 offset_point(const V3& point, const V3& geometric, V scale, bool a
   return point + geometric * hn::Mul(hn::Set(d, along_normal ? k : -k), scale);
 }
 
+// What is looked up of the surfaces that rays hit, kind by kind: a kind has names of its own for
+// the same columns, and of each lane only the numbers of the kind that its ray hit count.
+struct TriangleColumns {
+  Floats3 corner[3];
+};
+struct SphereColumns {
+  Floats3 center;
+  Floats radius;
+};
+struct ConeColumns {  // as BakedCone
+  Floats3 base, axis;
+  Floats height, base_radius, slope;
+};
+struct PointColumns {  // of other kinds, whose points are worked out one by one
+  Floats3 point;
+  Floats extent;
+};
+union LookedUp {
+  TriangleColumns triangle;
+  SphereColumns sphere;
+  ConeColumns cone;
+  PointColumns other;
+};
+
 // What was hit and is being shaded.
 struct Vertices {
-  // Of a triangle; the centre of a sphere; base, axis and (height, base radius, slope) of a cone.
-  Floats3 corner[3];
-  Floats extent;  // what the surface adds to `scale`
-  // `outside`: off the surface. Normals towards the ray, when find_surfaces() is done; what
-  // look_up() leaves in `normal` counts only in scenes with smooth triangles.
+  LookedUp looked_up;
+  // `outside`: off the surface. Normals towards the ray, when find_surfaces() is done; before,
+  // where a kind looks them up, outwards, and `normal` only in scenes with smooth triangles.
   Floats3 point, outside, normal, geometric;
   Floats scale;  // of shape/offset.h
   alignas(64) MaterialId material[kChunk + 16];
@@ -39,61 +62,196 @@ struct Vertices {
   Floats kd, ks, shine, transmission, ior;
   Floats eta;        // for refraction
   Floats3 radiance;  // towards the ray, so far
+};
 
-  // A point that is known, as three corners of its own.
-  void set(size_t i, const Surface& s) {
-    for (Floats3& c : corner) c.set(i, s.point);
-    extent.at[i] = s.extent;
-    geometric.set(i, s.normal), normal.set(i, s.normal);
-    material[i] = s.material;
+// Lane i for all that follow it in the register.
+HWY_INLINE void spread_lane(Floats& f, size_t i) { store(hn::Set(d, f.at[i]), f, i); }
+HWY_INLINE void spread_lane(Floats3& f, size_t i) {
+  spread_lane(f.x, i), spread_lane(f.y, i), spread_lane(f.z, i);
+}
+
+// What find_surfaces() works on.
+struct SurfaceInput {
+  const Geometry& geometry;
+  const RayBatch& rays;
+  const HitBatch& hits;
+};
+
+// Surfaces in the lanes, normals outward.
+struct WideSurfaces {
+  V3 point, geometric, normal;
+  V extent;  // what the shape adds to the scale of shape/offset.h
+};
+
+// A surface kernel has two halves: look_up() of what ray i hit, without waiting for anything that
+// can be worked out for many together, which is work_out() for the lanes from i on; what it makes
+// of lanes that hit other kinds does not count. This is the kernel of kinds that are rare in large
+// numbers.
+template <PrimitiveKind kind>
+struct SurfaceKernel {
+  static constexpr bool kSameAtAllPoints = false;
+
+  static void look_up(const SurfaceInput& in, size_t i, Vertices& v) {
+    const uint32_t index = primitive_index(in.hits.item[i]);
+    const SurfacePoint s = surface_point(in.geometry.get<kind>(index), in.rays[i].at(in.hits.t[i]));
+    v.looked_up.other.point.set(i, s.point);
+    v.looked_up.other.extent.at[i] = s.extent;
+    v.geometric.set(i, s.normal);
+    v.material[i] = in.geometry.material_of(in.hits.item[i]);
+  }
+  static HWY_INLINE WideSurfaces work_out(const SurfaceInput& in, size_t i, M, const Vertices& v) {
+    const V3 geometric = load(v.geometric, i);
+    return {load(v.looked_up.other.point, i), geometric,
+            in.geometry.any_smooth() ? normalize(d, geometric) : geometric,
+            load(v.looked_up.other.extent, i)};
   }
 };
 
-// What the surface that ray i hit is made of: looked up here, worked out many together by
-// find_surfaces().
-void look_up(const Accel& accel, const RayBatch& rays, const HitBatch& hits, size_t i,
-             Vertices& v) {
-  const Geometry& geometry = accel.geometry();
-  const Scene& scene = accel.geometry().scene();
-  const ItemKind kind = item_kind(hits.item[i]);
-  const uint32_t index = item_index(hits.item[i]);
-  switch (kind) {
-    case ItemKind::sphere: {
-      const Sphere s = geometry.sphere(index);
-      v.corner[0].set(i, s.center);
-      v.extent.at[i] = s.radius;
-      v.material[i] = scene.sphere_materials[index];
-      return;
-    }
-    case ItemKind::triangle: {
-      const TriangleIndices& at = geometry.corners(index);
-      const Facet& facet = geometry.facet(index);
-      for (size_t c = 0; c < 3; ++c) v.corner[c].set(i, geometry.positions()[at[c]]);
-      v.extent.at[i] = 0;
-      v.geometric.set(i, facet.normal);
-      v.normal.set(i, facet.normal);
-      if (const TriangleIndices* corners = geometry.corner_normals(index)) {
-        const auto weighted = [&](size_t corner, float w) {
-          return geometry.normals()[(*corners)[corner]] * w;
-        };
-        const float b1 = hits.u[i], b2 = hits.v[i];
-        v.normal.set(i, weighted(0, 1 - b1 - b2) + weighted(1, b1) + weighted(2, b2));
-      }
-      v.material[i] = facet.material;
-      return;
-    }
-    case ItemKind::cone: {
-      const BakedCone& c = geometry.cone(index);
-      v.corner[0].set(i, c.base), v.corner[1].set(i, c.axis);
-      v.corner[2].set(i, {c.height, c.base_radius, c.slope});
-      v.material[i] = scene.cone_materials[index];
-      return;
-    }
-    case ItemKind::plane:
-      v.set(i, plane_surface(geometry, index, rays[i].at(hits.t[i])));
-      return;
+template <>
+struct SurfaceKernel<PrimitiveKind::sphere> {
+  static constexpr bool kSameAtAllPoints = true;  // what is looked up
+
+  static void look_up(const SurfaceInput& in, size_t i, Vertices& v) {
+    const uint32_t index = primitive_index(in.hits.item[i]);
+    const Sphere s = in.geometry.sphere(index);
+    v.looked_up.sphere.center.set(i, s.center);
+    v.looked_up.sphere.radius.at[i] = s.radius;
+    v.material[i] = in.geometry.scene().sphere_materials[index];
   }
-}
+  static HWY_INLINE void spread(size_t i, Vertices& v) {
+    spread_lane(v.looked_up.sphere.center, i), spread_lane(v.looked_up.sphere.radius, i);
+  }
+  // The point is put back on the surface along the radius.
+  static HWY_INLINE WideSurfaces work_out(const SurfaceInput& in, size_t i, M, const Vertices& v) {
+    const V3 center = load(v.looked_up.sphere.center, i);
+    const V radius = load(v.looked_up.sphere.radius, i);
+    const V3 at = origins(in.rays, i) + directions(in.rays, i) * load(in.hits.t, i);
+    const V3 outward = normalize(d, at - center);
+    return {center + outward * radius, outward, outward, radius};
+  }
+};
+
+template <>
+struct SurfaceKernel<PrimitiveKind::triangle> {
+  static constexpr bool kSameAtAllPoints = true;  // where it is flat
+
+  static void look_up(const SurfaceInput& in, size_t i, Vertices& v) {
+    const uint32_t index = primitive_index(in.hits.item[i]);
+    const TriangleIndices& at = in.geometry.corners(index);
+    const Facet& facet = in.geometry.facet(index);
+    for (size_t c = 0; c < 3; ++c)
+      v.looked_up.triangle.corner[c].set(i, in.geometry.positions()[at[c]]);
+    v.geometric.set(i, facet.normal);
+    v.normal.set(i, facet.normal);
+    if (const TriangleIndices* corners = in.geometry.corner_normals(index)) {
+      const auto weighted = [&](size_t corner, float w) {
+        return in.geometry.normals()[(*corners)[corner]] * w;
+      };
+      const float b1 = in.hits.u[i], b2 = in.hits.v[i];
+      v.normal.set(i, weighted(0, 1 - b1 - b2) + weighted(1, b1) + weighted(2, b2));
+    }
+    v.material[i] = facet.material;
+  }
+  static HWY_INLINE void spread(size_t i, Vertices& v) {
+    for (Floats3& corner : v.looked_up.triangle.corner) spread_lane(corner, i);
+    spread_lane(v.geometric, i), spread_lane(v.normal, i);
+  }
+  // By the corners' weights.
+  static HWY_INLINE WideSurfaces work_out(const SurfaceInput& in, size_t i, M, const Vertices& v) {
+    const Floats3(&corner)[3] = v.looked_up.triangle.corner;
+    const V3 a = load(corner[0], i), ab = load(corner[1], i) - a, ac = load(corner[2], i) - a;
+    const V longest = hn::Max(largest(ab), largest(ac));
+    const V3 geometric = load(v.geometric, i);
+    V3 normal = geometric;
+    if (in.geometry.any_smooth()) {
+      // Files wind some patches the other way round than their normals point.
+      const V3 smooth = load(v.normal, i), unit = normalize(d, smooth);
+      const V side = dot(smooth, geometric);
+      normal = select(hn::Gt(side, hn::Zero(d)), unit, -unit);
+      normal = select(hn::Eq(side, hn::Zero(d)), geometric, normal);
+    }
+    return {a + ab * load(in.hits.u, i) + ac * load(in.hits.v, i), geometric, normal,
+            hn::Add(longest, longest)};
+  }
+};
+
+template <>
+struct SurfaceKernel<PrimitiveKind::cone> {
+  static constexpr bool kSameAtAllPoints = false;  // points have normals of their own
+
+  static void look_up(const SurfaceInput& in, size_t i, Vertices& v) {
+    const uint32_t index = primitive_index(in.hits.item[i]);
+    const BakedCone& c = in.geometry.get<PrimitiveKind::cone>(index);
+    ConeColumns& to = v.looked_up.cone;
+    to.base.set(i, c.base), to.axis.set(i, c.axis);
+    to.height.at[i] = c.height, to.base_radius.at[i] = c.base_radius, to.slope.at[i] = c.slope;
+    v.material[i] = in.geometry.scene().cone_materials[index];
+  }
+
+  // surface_point(), in double.
+  static HWY_INLINE WideSurfaces work_out(const SurfaceInput& in, size_t i, M cones,
+                                          const Vertices& v) {
+    using Doubles = hn::CappedTag<double, kWidth>;
+    const Doubles wide;
+    const hn::Rebind<float, Doubles> narrow;
+    using W3 = Wide3<Doubles>;
+    const ConeColumns& c = v.looked_up.cone;
+    const V3 at = origins(in.rays, i) + directions(in.rays, i) * load(in.hits.t, i);
+    HWY_ALIGN float p[3][kWidth], n[3][kWidth];
+    hn::Store(at.x, d, p[0]), hn::Store(at.y, d, p[1]), hn::Store(at.z, d, p[2]);
+    bool any_on_axis = false;
+    for (size_t k = 0; k < kWidth; k += hn::MaxLanes(wide)) {
+      const auto one = [&](const float* x)
+                           HWY_ATTR { return hn::PromoteTo(wide, hn::Load(narrow, x + k)); };
+      const auto three = [&](const Floats3& f) HWY_ATTR {
+        return W3{one(f.x.at + i), one(f.y.at + i), one(f.z.at + i)};
+      };
+      const auto put = [&](const W3& from, float(*to)[kWidth]) HWY_ATTR {
+        hn::Store(hn::DemoteTo(narrow, from.x), narrow, to[0] + k);
+        hn::Store(hn::DemoteTo(narrow, from.y), narrow, to[1] + k);
+        hn::Store(hn::DemoteTo(narrow, from.z), narrow, to[2] + k);
+      };
+      const auto divided = [](const W3& a, hn::Vec<Doubles> by) HWY_ATTR {
+        return W3{hn::Div(a.x, by), hn::Div(a.y, by), hn::Div(a.z, by)};
+      };
+      const auto radius = one(c.base_radius.at + i), slope = one(c.slope.at + i);
+      const W3 axis = three(c.axis), point = {one(p[0]), one(p[1]), one(p[2])};
+      const W3 x = point - three(c.base);
+      const auto z = dot(x, axis);
+      const W3 across = x - axis * z;
+      const auto rho = length(across);
+      any_on_axis |= !hn::AllTrue(wide, hn::Gt(rho, hn::Zero(wide)));
+      const W3 out = divided(across, rho) - axis * slope;
+      put(divided(out, length(out)), n);
+      const W3 normal = {one(n[0]), one(n[1]), one(n[2])};
+      const auto error = hn::Sub(rho, hn::Add(radius, hn::Mul(slope, z)));
+      const auto secant = hn::Sqrt(hn::Add(hn::Set(wide, 1.0), hn::Mul(slope, slope)));
+      put(point - normal * hn::Div(error, secant), p);
+    }
+    if (any_on_axis) set_tips(in, i, cones, p, n);
+    const V3 geometric = {hn::Load(d, n[0]), hn::Load(d, n[1]), hn::Load(d, n[2])};
+    const V height = load(c.height, i), base = load(c.base_radius, i), slope = load(c.slope, i);
+    return {{hn::Load(d, p[0]), hn::Load(d, p[1]), hn::Load(d, p[2])},
+            geometric,
+            in.geometry.any_smooth() ? normalize(d, geometric) : geometric,
+            hn::Add(height, hn::Max(base, hn::Add(base, hn::Mul(slope, height))))};
+  }
+
+ private:
+  // Tips have no normal of their own.
+  static void set_tips(const SurfaceInput& in, size_t i, M cones, float (*p)[kWidth],
+                       float (*n)[kWidth]) {
+    HWY_ALIGN float is_cone[kWidth];
+    hn::Store(hn::IfThenElseZero(cones, hn::Set(d, 1)), d, is_cone);
+    for (size_t k = 0; k < kWidth; ++k) {
+      if (is_cone[k] == 0) continue;
+      const uint32_t index = primitive_index(in.hits.item[i + k]);
+      const SurfacePoint s = surface_point(in.geometry.get<PrimitiveKind::cone>(index),
+                                           in.rays[i + k].at(in.hits.t[i + k]));
+      for (int a = 0; a < 3; ++a) p[a][k] = s.point[a], n[a][k] = s.normal[a];
+    }
+  }
+};
 
 #if HWY_TARGET != HWY_SCALAR
 const hn::CappedTag<float, 4> kRow;
@@ -124,19 +282,24 @@ HWY_INLINE Row store_rows(const Row (&rows)[4], Floats3& to, size_t i) {
   return hn::BitCast(kRow, hn::InterleaveUpper(pairs, zw01, zw23));
 }
 
-// look_up() of rays i .. i + 3 if all of them hit triangles, else false: row by row, since storing
-// number by number is what takes the time.
-HWY_INLINE bool look_up_triangles(const Accel& accel, const HitBatch& hits, size_t i, Vertices& v) {
-  const auto is_triangle = [](ItemId id) { return item_kind(id) == ItemKind::triangle; };
+// SurfaceKernel::look_up() of rays i .. i + 3 if all of them hit triangles, else false: row by row,
+// since storing number by number is what takes the time.
+HWY_INLINE bool look_up_triangles(const SurfaceInput& in, size_t i, Vertices& v) {
+  const HitBatch& hits = in.hits;
+  const auto is_triangle = [](PrimitiveId id) {
+    return primitive_kind(id) == PrimitiveKind::triangle;
+  };
   if (!std::all_of(&hits.item[i], &hits.item[i] + 4, is_triangle)) return false;
-  const Geometry& geometry = accel.geometry();
-  Row corner[3][4], geometric[4], normal[4];
+  const Geometry& geometry = in.geometry;
+  Row corner[3][4], facet[4], normal[4];
   for (size_t k = 0; k < 4; ++k) {
-    const uint32_t index = item_index(hits.item[i + k]);
+    const uint32_t index = primitive_index(hits.item[i + k]);
     const TriangleIndices& at = geometry.corners(index);
     for (size_t c = 0; c < 3; ++c) corner[c][k] = load_row(geometry.positions()[at[c]]);
-    static_assert(offsetof(Facet, material) == 3 * sizeof(float));
-    geometric[k] = normal[k] = hn::LoadU(kRow, &geometry.facet(index).normal.x);
+    // A facet is a row: its normal, and its material for the fourth number.
+    static_assert(sizeof(Facet) == 4 * sizeof(float) && offsetof(Facet, normal) == 0 &&
+                  offsetof(Facet, material) == 3 * sizeof(float));
+    facet[k] = normal[k] = hn::LoadU(kRow, &geometry.facet(index).normal.x);
     if (const TriangleIndices* corners = geometry.corner_normals(index)) {
       const auto weighted = [&](size_t c, float w) HWY_ATTR {
         return hn::Mul(load_row(geometry.normals()[(*corners)[c]]), hn::Set(kRow, w));
@@ -145,162 +308,105 @@ HWY_INLINE bool look_up_triangles(const Accel& accel, const HitBatch& hits, size
       normal[k] = hn::Add(hn::Add(weighted(0, 1 - b1 - b2), weighted(1, b1)), weighted(2, b2));
     }
   }
-  for (size_t c = 0; c < 3; ++c) store_rows(corner[c], v.corner[c], i);
+  for (size_t c = 0; c < 3; ++c) store_rows(corner[c], v.looked_up.triangle.corner[c], i);
   if (geometry.any_smooth()) store_rows(normal, v.normal, i);
   const hn::RebindToUnsigned<decltype(kRow)> ids;
-  hn::Store(hn::BitCast(ids, store_rows(geometric, v.geometric, i)), ids, v.material + i);
-  hn::Store(hn::Zero(kRow), kRow, v.extent.at + i);
+  const Row material = store_rows(facet, v.geometric, i);
+  hn::Store(hn::BitCast(ids, material), ids, v.material + i);
   return true;
 }
 #else
-bool look_up_triangles(const Accel&, const HitBatch&, size_t, Vertices&) { return false; }
+bool look_up_triangles(const SurfaceInput&, size_t, Vertices&) { return false; }
 #endif
 
-// Those of rays i, i + 1, ... in the lanes, which often hit the same thing.
-void look_up_lanes(const Accel& accel, const RayBatch& rays, const HitBatch& hits, size_t i,
-                   Vertices& v) {
-  const ItemId first = hits.item[i];
-  const bool triangle = item_kind(first) == ItemKind::triangle;
-  // Of the others each point has a normal of its own.
-  const bool flat = triangle ? !accel.geometry().corner_normals(item_index(first))
-                             : item_kind(first) == ItemKind::sphere;
-  if (!flat || !hn::AllTrue(du, hn::Eq(load(hits.item, i), hn::Set(du, first)))) {
-    for (size_t k = i; k < i + kWidth; k += 4) {
-      if (look_up_triangles(accel, hits, k, v)) continue;
-      for (size_t j = k; j < std::min(k + 4, i + kWidth); ++j) look_up(accel, rays, hits, j, v);
-    }
-    return;
+void look_up(const SurfaceInput& in, size_t i, Vertices& v) {
+  with_kind(primitive_kind(in.hits.item[i]),
+            [&]<PrimitiveKind kind> { SurfaceKernel<kind>::look_up(in, i, v); });
+}
+
+// What rays i, i + 1, ... in the lanes hit, which often is the same.
+void look_up_lanes(const SurfaceInput& in, size_t i, Vertices& v) {
+  const PrimitiveId first = in.hits.item[i];
+  if (hn::AllTrue(du, hn::Eq(load(in.hits.item, i), hn::Set(du, first)))) {
+    bool done = false;
+    visit_kinds([&]<PrimitiveKind kind>() HWY_ATTR {
+      using Kernel = SurfaceKernel<kind>;
+      if constexpr (Kernel::kSameAtAllPoints) {
+        if (primitive_kind(first) != kind) return;
+        if (kind == PrimitiveKind::triangle && in.geometry.corner_normals(primitive_index(first)))
+          return;
+        Kernel::look_up(in, i, v);
+        Kernel::spread(i, v);
+        hn::Store(hn::Set(du, v.material[i]), du, v.material + i);
+        done = true;
+      }
+    });
+    if (done) return;
   }
-  look_up(accel, rays, hits, i, v);
-  const auto spread = [&](Floats& f) HWY_ATTR { store(hn::Set(d, f.at[i]), f, i); };
-  const auto spread3 = [&](Floats3& f) HWY_ATTR { spread(f.x), spread(f.y), spread(f.z); };
-  hn::Store(hn::Set(du, v.material[i]), du, v.material + i);
-  spread(v.extent);
-  spread3(v.corner[0]);
-  if (!triangle) return;
-  spread3(v.corner[1]), spread3(v.corner[2]);
-  spread3(v.geometric), spread3(v.normal);
+  for (size_t k = i; k < i + kWidth; k += 4) {
+    if (look_up_triangles(in, k, v)) continue;
+    for (size_t j = k; j < std::min(k + 4, i + kWidth); ++j) look_up(in, j, v);
+  }
 }
 
 // Neighbours are mostly of one material.
 void look_up_materials(const Material* materials, size_t i, Vertices& v) {
-  static_assert(sizeof(Material) == 8 * sizeof(float));
-  Floats* const columns[] = {&v.color.x, &v.color.y, &v.color.z,      &v.kd,
-                             &v.ks,      &v.shine,   &v.transmission, &v.ior};
+  constexpr size_t kNumbers = sizeof(Material) / sizeof(float);
+  static_assert(kNumbers == 8, "gathered by a shift");
+  const std::pair<Floats*, size_t> columns[] = {
+      {&v.color.x, offsetof(Material, color.x)},
+      {&v.color.y, offsetof(Material, color.y)},
+      {&v.color.z, offsetof(Material, color.z)},
+      {&v.kd, offsetof(Material, kd)},
+      {&v.ks, offsetof(Material, ks)},
+      {&v.shine, offsetof(Material, shine)},
+      {&v.ior, offsetof(Material, ior)},
+      {&v.transmission, offsetof(Material, transmission)}};
   const U material = hn::Load(du, v.material + i);
+  const auto number = [](const Material* m, size_t offset) {
+    return reinterpret_cast<const float*>(reinterpret_cast<const char*>(m) + offset);
+  };
   if (hn::AllTrue(du, hn::Eq(material, hn::Set(du, v.material[i])))) {
-    const float* first = &materials[v.material[i]].color.x;
-    for (size_t c = 0; c < 8; ++c) store(hn::Set(d, first[c]), *columns[c], i);
+    const Material* const one = materials + v.material[i];
+    for (const auto& [column, offset] : columns)
+      store(hn::Set(d, *number(one, offset)), *column, i);
   } else {
     const auto index = hn::BitCast(Signed<D>(), hn::ShiftLeft<3>(material));
-    const float* base = &materials->color.x;
-    for (size_t c = 0; c < 8; ++c) store(hn::GatherIndex(d, base + c, index), *columns[c], i);
+    for (const auto& [column, offset] : columns)
+      store(hn::GatherIndex(d, number(materials, offset), index), *column, i);
   }
-}
-
-// Puts the points that rays hit on cones in the place of what look_up() has told of the cones:
-// cone_surface(), in the lanes i, i + 1, ... of `cones`.
-void find_cones(const Geometry& geometry, const RayBatch& rays, const HitBatch& hits, size_t i,
-                M cones, Vertices& v) {
-  using Doubles = hn::CappedTag<double, kWidth>;
-  const Doubles wide;
-  const hn::Rebind<float, Doubles> narrow;
-  using W3 = Wide3<Doubles>;
-  const V3 shape = load(v.corner[2], i),
-           at = origins(rays, i) + directions(rays, i) * load(hits.t, i);
-  HWY_ALIGN float p[3][kWidth], n[3][kWidth];
-  hn::Store(at.x, d, p[0]), hn::Store(at.y, d, p[1]), hn::Store(at.z, d, p[2]);
-  bool any_on_axis = false;
-  for (size_t k = 0; k < kWidth; k += hn::MaxLanes(wide)) {
-    const auto one = [&](const float* x)
-                         HWY_ATTR { return hn::PromoteTo(wide, hn::Load(narrow, x + k)); };
-    const auto three = [&](const Floats3& f) HWY_ATTR {
-      return W3{one(f.x.at + i), one(f.y.at + i), one(f.z.at + i)};
-    };
-    const auto put = [&](const W3& from, float(*to)[kWidth]) HWY_ATTR {
-      hn::Store(hn::DemoteTo(narrow, from.x), narrow, to[0] + k);
-      hn::Store(hn::DemoteTo(narrow, from.y), narrow, to[1] + k);
-      hn::Store(hn::DemoteTo(narrow, from.z), narrow, to[2] + k);
-    };
-    const auto divided = [](const W3& a, hn::Vec<Doubles> by) HWY_ATTR {
-      return W3{hn::Div(a.x, by), hn::Div(a.y, by), hn::Div(a.z, by)};
-    };
-    const auto radius = one(v.corner[2].y.at + i), slope = one(v.corner[2].z.at + i);
-    const W3 axis = three(v.corner[1]), point = {one(p[0]), one(p[1]), one(p[2])};
-    const W3 x = point - three(v.corner[0]);
-    const auto z = dot(x, axis);
-    const W3 across = x - axis * z;
-    const auto rho = length(across);
-    any_on_axis |= !hn::AllTrue(wide, hn::Gt(rho, hn::Zero(wide)));
-    const W3 out = divided(across, rho) - axis * slope;
-    put(divided(out, length(out)), n);
-    const W3 normal = {one(n[0]), one(n[1]), one(n[2])};
-    const auto error = hn::Sub(rho, hn::Add(radius, hn::Mul(slope, z)));
-    const auto secant = hn::Sqrt(hn::Add(hn::Set(wide, 1.0), hn::Mul(slope, slope)));
-    put(point - normal * hn::Div(error, secant), p);
-  }
-  const auto put = [&](const V3& from, Floats3& to)
-                       HWY_ATTR { store(select(cones, from, load(to, i)), to, i); };
-  const V3 point = {hn::Load(d, p[0]), hn::Load(d, p[1]), hn::Load(d, p[2])};
-  const V3 normal = {hn::Load(d, n[0]), hn::Load(d, n[1]), hn::Load(d, n[2])};
-  for (Floats3& corner : v.corner) put(point, corner);
-  put(normal, v.geometric), put(normal, v.normal);
-  const V extent = hn::Add(shape.x, hn::Max(shape.y, hn::Add(shape.y, hn::Mul(shape.z, shape.x))));
-  store(hn::IfThenElse(cones, extent, load(v.extent, i)), v.extent, i);
-  if (!any_on_axis) return;
-  // Tips have no normal of their own.
-  for (size_t k = i; k < i + kWidth; ++k)
-    if (item_kind(hits.item[k]) == ItemKind::cone)
-      v.set(k, cone_surface(geometry, item_index(hits.item[k]), rays[k].at(hits.t[k])));
 }
 
 // Where n rays hit: points, normals towards the ray, and all that is the same for every light.
 void find_surfaces(const Accel& accel, const RayBatch& rays, const HitBatch& hits, size_t n,
                    Vertices& v) {
-  for (size_t i = 0; i < n; i += kWidth) look_up_lanes(accel, rays, hits, i, v);
-  const bool smooth = accel.geometry().any_smooth();
+  const SurfaceInput in = {accel.geometry(), rays, hits};
+  for (size_t i = 0; i < n; i += kWidth) look_up_lanes(in, i, v);
   const bool colored = accel.geometry().any_colors();
   const V zero = hn::Zero(d);
+  const V3 nowhere = {zero, zero, zero};
   for (size_t i = 0; i < n; i += kWidth) {
     look_up_materials(accel.geometry().scene().materials.data(), i, v);
     if (colored) look_up_colors(accel.geometry(), hits, i, v.color);
     const V3 dir = directions(rays, i);
-    const auto kind = hn::ShiftRight<kItemIndexBits>(load(hits.item, i));
-    const auto is = [&](ItemKind k) HWY_ATTR {
-      return hn::RebindMask(d, hn::Eq(kind, hn::Set(du, uint32_t(k))));
-    };
-    if (const M cones = is(ItemKind::cone); !hn::AllFalse(d, cones))
-      find_cones(accel.geometry(), rays, hits, i, cones, v);
-    // Triangles, by their corners' weights; points of other kinds are three corners of their own.
-    const V3 a = load(v.corner[0], i);
-    const V3 ab = load(v.corner[1], i) - a, ac = load(v.corner[2], i) - a;
-    V3 point = a + ab * load(hits.u, i) + ac * load(hits.v, i);
-    V extent = load(v.extent, i);
-    V3 geometric = load(v.geometric, i), normal = smooth ? load(v.normal, i) : geometric;
-    const V longest = hn::Max(largest(ab), largest(ac));
-    if (smooth) {
-      // Files wind some patches the other way round than their normals point.
-      const V side = dot(normal, geometric);
-      const V3 unit = normalize(d, normal);
-      normal = select(hn::Gt(side, zero), unit, -unit);
-      normal = select(hn::Eq(side, zero), geometric, normal);
-    }
-    const M sphere = is(ItemKind::sphere);
-    // Spheres: the point is put back on the surface along the radius, for which it must be `a`.
-    const V3 at = origins(rays, i) + dir * load(hits.t, i);
-    const V3 outward = normalize(d, at - a);
-    point = select(sphere, a + outward * extent, point);
-    geometric = select(sphere, outward, geometric);
-    normal = select(sphere, outward, normal);
-    extent = hn::IfThenElse(sphere, extent, hn::Add(extent, hn::Add(longest, longest)));
-
-    const M entering = hn::Lt(dot(geometric, dir), zero);
-    normal = select(entering, normal, -normal);
-    geometric = select(entering, geometric, -geometric);
-    const V scale = hn::Add(largest(point), extent);
-    store(point, v.point, i), store(scale, v.scale, i);
+    const auto kinds = hn::ShiftRight<kPrimitiveIndexBits>(load(hits.item, i));
+    WideSurfaces s = {nowhere, nowhere, nowhere, zero};
+    visit_kinds([&]<PrimitiveKind kind>() HWY_ATTR {
+      const M in_lanes = hn::RebindMask(d, hn::Eq(kinds, hn::Set(du, uint32_t(kind))));
+      if (hn::AllFalse(d, in_lanes)) return;
+      const WideSurfaces found = SurfaceKernel<kind>::work_out(in, i, in_lanes, v);
+      s.point = select(in_lanes, found.point, s.point);
+      s.geometric = select(in_lanes, found.geometric, s.geometric);
+      s.normal = select(in_lanes, found.normal, s.normal);
+      s.extent = hn::IfThenElse(in_lanes, found.extent, s.extent);
+    });
+    const M entering = hn::Lt(dot(s.geometric, dir), zero);
+    const V3 normal = select(entering, s.normal, -s.normal);
+    const V3 geometric = select(entering, s.geometric, -s.geometric);
+    const V scale = hn::Add(largest(s.point), s.extent);
+    store(s.point, v.point, i), store(scale, v.scale, i);
     store(normal, v.normal, i), store(geometric, v.geometric, i);
-    store(offset_point(point, geometric, scale, true), v.outside, i);
+    store(offset_point(s.point, geometric, scale, true), v.outside, i);
     const V ior = load(v.ior, i);
     store(hn::IfThenElse(entering, hn::Div(hn::Set(d, 1), ior), ior), v.eta, i);
   }

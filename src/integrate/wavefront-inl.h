@@ -48,9 +48,9 @@ class Wavefront final : public TileRenderer {
         vertices_(std::make_unique_for_overwrite<Vertices>()),
         hidden_(padded(kChunk)) {
     context_.stop = &control.stop;
-    for (size_t k = 1; k < kItemKinds; ++k)
+    for (size_t k = 1; k < kPrimitiveKinds; ++k)
       first_number_[k] =
-          first_number_[k - 1] + uint32_t(scene.accel.geometry().count(ItemKind(k - 1)));
+          first_number_[k - 1] + uint32_t(scene.accel.geometry().count(PrimitiveKind(k - 1)));
   }
 
   void render(size_t tile, uint32_t samples, Film& film) override {
@@ -316,8 +316,8 @@ class Wavefront final : public TileRenderer {
       return std::bit_cast<uint32_t>(float(origin[int(c)] + double(part(v.point, i, c))));
     });
     set_first(Channel::id, [&](size_t i, size_t) {
-      const ItemId id = hits_.item[i];
-      return first_number_[size_t(item_kind(id))] + item_index(id) + 1;
+      const PrimitiveId id = hits_.item[i];
+      return first_number_[size_t(primitive_kind(id))] + primitive_index(id) + 1;
     });
   }
 
@@ -342,7 +342,7 @@ class Wavefront final : public TileRenderer {
         sums_.prefetch(current_.pixel[k]);
       const U item = load(hits_.item, i);
       const M in = hn::FirstN(d, n - i);
-      const M found = hn::And(in, hn::RebindMask(d, hn::Ne(item, hn::Set(du, kNoItem))));
+      const M found = hn::And(in, hn::RebindMask(d, hn::Ne(item, hn::Set(du, kNoPrimitive))));
       const size_t count = hn::CountTrue(d, found);
       add_background(current_.weights(i), &current_.pixel[i], hn::AndNot(found, in));
       if (count > 0 && (kept < i || count < kWidth)) {
@@ -391,7 +391,7 @@ class Wavefront final : public TileRenderer {
   std::unique_ptr<Vertices> vertices_;
   RayBatch shadow_;
   std::vector<uint8_t> hidden_;
-  std::array<uint32_t, kItemKinds> first_number_{};  // of each kind, in the channel `id`
+  std::array<uint32_t, kPrimitiveKinds> first_number_{};  // of each kind, in the channel `id`
   RayBatch one_;
   HitBatch one_hit_;
   std::vector<uint32_t> ray_steps_, ray_tests_;  // of each current ray, where they are counted

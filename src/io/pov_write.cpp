@@ -26,6 +26,12 @@ struct Item {
   uint32_t index;
 };
 
+// Of all that is in a pool; a cylinder is a cone.
+template <class Shape>
+constexpr ShapeKind kind_of(PoolMembers<Shape>) {
+  return std::is_same_v<Shape, Cone> ? ShapeKind::cone : shape_kind(Shape());
+}
+
 class PovWriter {
  public:
   explicit PovWriter(const Scene& scene) : scene_(scene) {}
@@ -97,14 +103,11 @@ class PovWriter {
 
   std::vector<Item> by_material() const {
     std::vector<Item> items;
-    const auto add = [&](ShapeKind kind, const Array<MaterialId>& materials) {
-      for (uint32_t i = 0; i < materials.size(); ++i) items.push_back({materials[i], kind, i});
-    };
-    add(ShapeKind::plane, scene_.plane_materials);
-    add(ShapeKind::sphere, scene_.sphere_materials);
-    add(ShapeKind::cone, scene_.cone_materials);
-    add(ShapeKind::polygon, scene_.polygon_materials);
-    add(ShapeKind::triangle, scene_.triangle_materials);
+    for_each_pool([&](auto pool) {
+      const auto& materials = scene_.*pool.materials;
+      for (uint32_t i = 0; i < materials.size(); ++i)
+        items.push_back({materials[i], kind_of(pool), i});
+    });
     std::ranges::sort(items, {},
                       [](const Item& i) { return std::tuple(i.material, i.kind, i.index); });
     return items;
@@ -128,35 +131,26 @@ class PovWriter {
   void shapes(std::span<const Item> items, const std::string& texture) {
     std::vector<uint32_t> flat, smooth;
     for (const Item& item : items) {
-      switch (item.kind) {
-        case ShapeKind::plane: {
-          const Plane& p = scene_.planes[item.index];
-          const double distance = dot(Vec3d(p.normal), Vec3d(p.point));
-          line("plane {{ {}, {}{} }}", text(p.normal), distance, texture);
-          break;
-        }
-        case ShapeKind::sphere: {
-          const Sphere& s = scene_.spheres[item.index];
-          line("sphere {{ {}, {}{} }}", text(s.center), std::abs(s.radius), texture);
-          break;
-        }
-        case ShapeKind::cone:
-        case ShapeKind::cylinder:
-          cone(scene_.cones[item.index], texture);
-          break;
-        case ShapeKind::polygon:
-          polygon(scene_.polygons[item.index], texture);
-          break;
-        case ShapeKind::triangle:
-          (is_smooth(item.index) ? smooth : flat).push_back(item.index);
-          break;
-      }
+      if (item.kind == ShapeKind::triangle)
+        (is_smooth(item.index) ? smooth : flat).push_back(item.index);
+      else
+        for_each_pool([&]<class Shape>(PoolMembers<Shape> pool) {
+          if constexpr (!std::is_same_v<Shape, TriangleIndices>)
+            if (item.kind == kind_of(pool)) shape((scene_.*pool.shapes)[item.index], texture);
+        });
     }
     mesh(flat, false, texture);
     mesh(smooth, true, texture);
   }
 
-  void cone(const Cone& c, const std::string& texture) {
+  void shape(const Plane& p, const std::string& texture) {
+    const double distance = dot(Vec3d(p.normal), Vec3d(p.point));
+    line("plane {{ {}, {}{} }}", text(p.normal), distance, texture);
+  }
+  void shape(const Sphere& s, const std::string& texture) {
+    line("sphere {{ {}, {}{} }}", text(s.center), std::abs(s.radius), texture);
+  }
+  void shape(const Cone& c, const std::string& texture) {
     const float base = std::abs(c.base_radius), apex = std::abs(c.apex_radius);
     if (base == apex)
       line("cylinder {{ {}, {}, {} open{} }}", text(c.base), text(c.apex), base, texture);
@@ -164,7 +158,17 @@ class PovWriter {
       line("cone {{ {}, {}, {}, {} open{} }}", text(c.base), base, text(c.apex), apex, texture);
   }
 
-  void polygon(const Polygon& p, const std::string& texture) {
+  // The unit sphere, under the matrix whose columns are the semi-axes; POV-Ray writes it column by
+  // column, with what it adds last.
+  void shape(const Ellipsoid& e, const std::string& texture) {
+    const auto numbers = [](Vec3f v) { return fmt::format("{}, {}, {}", v.x, v.y, v.z); };
+    line("sphere {{ 0, 1 matrix <{}, {}, {}, {}>{} }}", numbers(e.axes[0]), numbers(e.axes[1]),
+         numbers(e.axes[2]), numbers(e.center), texture);
+  }
+  void shape(const Disc& d, const std::string& texture) {
+    line("disc {{ {}, {}, {}, {}{} }}", text(d.center), text(d.normal), d.radius, d.inner, texture);
+  }
+  void shape(const Polygon& p, const std::string& texture) {
     fmt::format_to(std::back_inserter(out_), "polygon {{ {}", p.count + 1);
     for (uint32_t k = 0; k <= p.count; ++k)
       out_ += ", " + text(scene_.positions[p.first + k % p.count]);

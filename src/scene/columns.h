@@ -10,11 +10,9 @@ namespace raio {
 /// or not. Meshes, which keep theirs themselves, are none.
 template <class SceneType, class F>
 void for_each_pool(SceneType& s, F&& f) {
-  f(PoolKind::plane, s.planes, s.plane_materials, s.plane_colors, s.plane_opacity);
-  f(PoolKind::sphere, s.spheres, s.sphere_materials, s.sphere_colors, s.sphere_opacity);
-  f(PoolKind::cone, s.cones, s.cone_materials, s.cone_colors, s.cone_opacity);
-  f(PoolKind::triangle, s.triangles, s.triangle_materials, s.triangle_colors, s.triangle_opacity);
-  f(PoolKind::polygon, s.polygons, s.polygon_materials, s.polygon_colors, s.polygon_opacity);
+  for_each_pool([&](auto pool) {
+    f(pool.kind, s.*pool.shapes, s.*pool.materials, s.*pool.colors, s.*pool.opacity);
+  });
 }
 
 /// How the content hash counts a column. Those that came after the first version count only where
@@ -67,6 +65,14 @@ void for_each_own_column(SceneType& s, F&& f) {
   f(ColumnName{"triangle_opacity", Counted::where_used}, s.triangle_opacity);
   f(ColumnName{"polygon_colors", Counted::where_used}, s.polygon_colors);
   f(ColumnName{"polygon_opacity", Counted::where_used}, s.polygon_opacity);
+  f(ColumnName{"ellipsoids", Counted::where_used}, s.ellipsoids);
+  f(ColumnName{"ellipsoid_materials", Counted::where_used}, s.ellipsoid_materials);
+  f(ColumnName{"ellipsoid_colors", Counted::where_used}, s.ellipsoid_colors);
+  f(ColumnName{"ellipsoid_opacity", Counted::where_used}, s.ellipsoid_opacity);
+  f(ColumnName{"discs", Counted::where_used}, s.discs);
+  f(ColumnName{"disc_materials", Counted::where_used}, s.disc_materials);
+  f(ColumnName{"disc_colors", Counted::where_used}, s.disc_colors);
+  f(ColumnName{"disc_opacity", Counted::where_used}, s.disc_opacity);
   f(ColumnName{"object_ranges", Counted::where_used}, s.object_ranges);
 }
 

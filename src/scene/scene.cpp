@@ -19,21 +19,21 @@ std::string plural(size_t count, std::string_view noun) {
 
 std::array<size_t, kShapeKinds> count_primitives(const Scene& scene) {
   std::array<size_t, kShapeKinds> counts{};
-  counts[size_t(ShapeKind::plane)] = scene.planes.size();
-  counts[size_t(ShapeKind::sphere)] = scene.spheres.size();
-  counts[size_t(ShapeKind::triangle)] = scene.triangles.size();
+  for_each_pool([&](auto pool) {
+    for (const auto& shape : scene.*pool.shapes) ++counts[size_t(shape_kind(shape))];
+  });
   for (const Mesh& mesh : scene.meshes)
     counts[size_t(ShapeKind::triangle)] += mesh.triangles.size();
-  counts[size_t(ShapeKind::polygon)] = scene.polygons.size();
-  for (const Cone& cone : scene.cones)
-    ++counts[size_t(cone.is_cylinder() ? ShapeKind::cylinder : ShapeKind::cone)];
   return counts;
 }
 
 Box3f bounds(const Scene& scene) {
   Box3f box;
-  for (const Sphere& sphere : scene.spheres) box.extend(bounds(sphere));
-  for (const Cone& cone : scene.cones) box.extend(bounds(cone));
+  for_each_bounded_kind([&]<PrimitiveKind kind> {
+    if constexpr (kind != PrimitiveKind::triangle)
+      for (const auto& shape : scene.*kPoolOf<PrimitiveType<kind>>.shapes)
+        box.extend(bounds(bake(shape)));
+  });
   // By index, as a position may belong to nothing.
   for (const TriangleIndices& triangle : scene.triangles)
     for (const uint32_t corner : triangle) box.extend(scene.positions[corner]);

@@ -9,12 +9,15 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 #include "base/array.h"
 #include "base/box.h"
 #include "base/vec.h"
 #include "shape/cone.h"
+#include "shape/disc.h"
+#include "shape/ellipsoid.h"
 #include "shape/kinds.h"
 #include "shape/plane.h"
 #include "shape/sphere.h"
@@ -86,9 +89,9 @@ struct Mesh {
 };
 
 /// The pools of a scene. The numbers stand in files.
-enum class PoolKind : uint32_t { plane, sphere, cone, triangle, polygon, mesh };
-inline constexpr std::array<std::string_view, 6> kPoolNames = {"plane",    "sphere",  "cone",
-                                                               "triangle", "polygon", "mesh"};
+enum class PoolKind : uint32_t { plane, sphere, cone, triangle, polygon, mesh, ellipsoid, disc };
+inline constexpr auto kPoolNames = std::to_array<std::string_view>(
+    {"plane", "sphere", "cone", "triangle", "polygon", "mesh", "ellipsoid", "disc"});
 
 /// The elements first ... first + count - 1 of a pool, which belong to an object.
 struct ObjectRange {
@@ -122,6 +125,12 @@ struct Scene {
   Array<Cone> cones;  // and cylinders
   Array<MaterialId> cone_materials;
 
+  Array<Ellipsoid> ellipsoids;
+  Array<MaterialId> ellipsoid_materials;
+
+  Array<Disc> discs;
+  Array<MaterialId> disc_materials;
+
   Array<Vec3f> positions;
   Array<Vec3f> normals;  // unit
 
@@ -137,8 +146,10 @@ struct Scene {
   // Each is parallel to its pool, or empty where no primitive of the kind has any. A colour takes
   // the place of the material's; an opacity (0 to 1) is the part of the light from behind that is
   // kept back (unrendered() says what is not shown).
-  Array<Rgb> plane_colors, sphere_colors, cone_colors, triangle_colors, polygon_colors;
-  Array<float> plane_opacity, sphere_opacity, cone_opacity, triangle_opacity, polygon_opacity;
+  Array<Rgb> plane_colors, sphere_colors, cone_colors, triangle_colors, polygon_colors,
+      ellipsoid_colors, disc_colors;
+  Array<float> plane_opacity, sphere_opacity, cone_opacity, triangle_opacity, polygon_opacity,
+      ellipsoid_opacity, disc_opacity;
 
   std::vector<Mesh> meshes;
 
@@ -147,13 +158,54 @@ struct Scene {
   std::vector<std::string> object_names;
   Array<ObjectRange> object_ranges;
 
-  size_t primitive_count() const {
-    size_t count =
-        planes.size() + spheres.size() + cones.size() + triangles.size() + polygons.size();
-    for (const Mesh& mesh : meshes) count += mesh.triangles.size();
-    return count;
-  }
+  size_t primitive_count() const;
 };
+
+/// A pool and what belongs to its primitives, as members of Scene.
+template <class Shape>
+struct PoolMembers {
+  PoolKind kind;
+  Array<Shape> Scene::* shapes;
+  Array<MaterialId> Scene::* materials;
+  Array<Rgb> Scene::* colors;
+  Array<float> Scene::* opacity;
+};
+
+/// All pools, named once: everything that treats them alike goes by this list.
+inline constexpr std::tuple kScenePools = {
+    PoolMembers{PoolKind::plane, &Scene::planes, &Scene::plane_materials, &Scene::plane_colors,
+                &Scene::plane_opacity},
+    PoolMembers{PoolKind::sphere, &Scene::spheres, &Scene::sphere_materials, &Scene::sphere_colors,
+                &Scene::sphere_opacity},
+    PoolMembers{PoolKind::cone, &Scene::cones, &Scene::cone_materials, &Scene::cone_colors,
+                &Scene::cone_opacity},
+    PoolMembers{PoolKind::triangle, &Scene::triangles, &Scene::triangle_materials,
+                &Scene::triangle_colors, &Scene::triangle_opacity},
+    PoolMembers{PoolKind::polygon, &Scene::polygons, &Scene::polygon_materials,
+                &Scene::polygon_colors, &Scene::polygon_opacity},
+    PoolMembers{PoolKind::ellipsoid, &Scene::ellipsoids, &Scene::ellipsoid_materials,
+                &Scene::ellipsoid_colors, &Scene::ellipsoid_opacity},
+    PoolMembers{PoolKind::disc, &Scene::discs, &Scene::disc_materials, &Scene::disc_colors,
+                &Scene::disc_opacity},
+};
+template <class Shape>
+inline constexpr PoolMembers<Shape> kPoolOf = std::get<PoolMembers<Shape>>(kScenePools);
+
+/// Calls f(members) for each.
+template <class F>
+constexpr void for_each_pool(F&& f) {
+  std::apply([&](const auto&... members) { (f(members), ...); }, kScenePools);
+}
+
+inline size_t Scene::primitive_count() const {
+  size_t sum = 0;
+  for_each_pool([&](auto pool) { sum += (this->*pool.shapes).size(); });
+  for (const Mesh& mesh : meshes) sum += mesh.triangles.size();
+  return sum;
+}
+
+constexpr ShapeKind shape_kind(const TriangleIndices&) { return ShapeKind::triangle; }
+constexpr ShapeKind shape_kind(const Polygon&) { return ShapeKind::polygon; }
 
 /// How many primitives of each kind, indexed by ShapeKind.
 std::array<size_t, kShapeKinds> count_primitives(const Scene& scene);

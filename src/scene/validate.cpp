@@ -48,8 +48,6 @@ bool at_least_zero(float x) { return std::isfinite(x) && x >= 0; }
 
 bool is_intensity(Rgb c) { return at_least_zero(c.x) && at_least_zero(c.y) && at_least_zero(c.z); }
 
-bool is_unit(Vec3f n) { return std::abs(length(Vec3d(n)) - 1) < 1e-4; }
-
 void check_camera(const Camera& camera, Problems& problems) {
   const bool finite = is_finite(camera.from) && is_finite(camera.at) && is_finite(camera.up);
   problems.check(finite, "camera: from, at and up must be finite");
@@ -105,31 +103,11 @@ void check_each(size_t count, Problems& problems, const F& check) {
   for (Problems& chunk : chunks) problems.append(std::move(chunk));
 }
 
-void check_shape(const Plane& plane, size_t i, Problems& problems) {
-  problems.check(is_finite(plane.point), "plane ", i, ": the point must be finite");
-  problems.check(is_finite(plane.normal) && is_unit(plane.normal), "plane ", i,
-                 ": the normal must have length 1");
-}
-
-void check_shape(const Sphere& sphere, size_t i, Problems& problems) {
-  problems.check(is_finite(sphere.center), "sphere ", i, ": the centre must be finite");
-  problems.check(std::isfinite(sphere.radius) && sphere.radius != 0, "sphere ", i,
-                 ": the radius must be finite and not zero");
-}
-
-void check_shape(const Cone& cone, size_t i, Problems& problems) {
-  const double base = cone.base_radius, apex = cone.apex_radius;
-  problems.check(is_finite(cone.base) && is_finite(cone.apex), "cone ", i,
-                 ": base and apex must be finite");
-  problems.check(!(cone.base == cone.apex), "cone ", i, ": base and apex are the same point");
-  problems.check(std::isfinite(base) && std::isfinite(apex) && (base != 0 || apex != 0), "cone ", i,
-                 ": the radii must be finite and not both zero");
-  problems.check(!(base * apex < 0), "cone ", i, ": one radius is negative and the other is not");
-}
-
 /// Triangles and polygons are indices, which check_triangles() and check_polygons() follow.
-void check_shape(const TriangleIndices&, size_t, Problems&) {}
-void check_shape(const Polygon&, size_t, Problems&) {}
+template <class Check>
+void check_shape(const TriangleIndices&, const Check&) {}
+template <class Check>
+void check_shape(const Polygon&, const Check&) {}
 
 /// One kind's pool beside its materials, colours and opacities.
 void check_pools(const Scene& scene, Problems& problems) {
@@ -138,15 +116,19 @@ void check_pools(const Scene& scene, Problems& problems) {
                            const Array<Rgb>& colors, const Array<float>& opacity) {
     const std::string_view kind = kPoolNames[size_t(pool)];
     const size_t count = shapes.size();
-    problems.check(count <= kMaxItemsPerKind, "there are ", count, " ", kind, "s, more than ",
-                   size_t(kMaxItemsPerKind));
+    problems.check(count <= kMaxPrimitivesPerKind, "there are ", count, " ", kind, "s, more than ",
+                   size_t(kMaxPrimitivesPerKind));
     problems.check(ids.size() == count, "there are ", count, " ", kind, "s but ", ids.size(),
                    " materials for them");
     problems.check(colors.empty() || colors.size() == count, "there are ", count, " ", kind,
                    "s but ", colors.size(), " colours for them");
     problems.check(opacity.empty() || opacity.size() == count, "there are ", count, " ", kind,
                    "s but ", opacity.size(), " opacities for them");
-    check_each(count, problems, [&](Problems& p, size_t i) { check_shape(shapes[i], i, p); });
+    check_each(count, problems, [&](Problems& p, size_t i) {
+      check_shape(shapes[i], [&](bool sound, std::string_view expected) {
+        p.check(sound, kind, " ", i, ": ", expected);
+      });
+    });
     check_each(ids.size(), problems, [&](Problems& p, size_t i) {
       p.check(ids[i] < materials, kind, " ", i, ": material ", size_t(ids[i]), " of ", materials);
     });
@@ -243,7 +225,7 @@ void check_meshes(const Scene& scene, Problems& problems) {
     normals += mesh.normals.size();
   }
   // Geometry has one list of all.
-  problems.check(triangles <= kMaxItemsPerKind && positions < kNoNormal && normals < kNoNormal,
+  problems.check(triangles <= kMaxPrimitivesPerKind && positions < kNoNormal && normals < kNoNormal,
                  "there are ", triangles, " triangles of ", positions, " positions and ", normals,
                  " normals with those of meshes, more than can be rendered");
 }

@@ -1,9 +1,12 @@
 // Cones, frusta and cylinders: one shape, the lateral surface between two circles, without caps.
 #pragma once
 
+#include <optional>
+
 #include "base/box.h"
 #include "base/ray.h"
 #include "shape/kinds.h"
+#include "shape/overlap.h"
 
 namespace raio {
 
@@ -17,6 +20,22 @@ struct Cone {
 
   bool is_cylinder() const { return base_radius == apex_radius; }
 };
+
+inline ShapeKind shape_kind(const Cone& c) {
+  return c.is_cylinder() ? ShapeKind::cylinder : ShapeKind::cone;
+}
+inline bool only_inside_seen(const Cone& c) { return c.base_radius < 0 || c.apex_radius < 0; }
+
+/// Calls must(sound, "what is expected") for each thing that has to hold.
+template <class Must>
+void check_shape(const Cone& c, Must&& must) {
+  const double base = c.base_radius, apex = c.apex_radius;
+  must(is_finite(c.base) && is_finite(c.apex), "base and apex must be finite");
+  must(!(c.base == c.apex), "base and apex are the same point");
+  must(std::isfinite(base) && std::isfinite(apex) && (base != 0 || apex != 0),
+       "the radii must be finite and not both zero");
+  must(!(base * apex < 0), "one radius is negative and the other is not");
+}
 
 /// What an intersection wants of a cone; made once when a scene is baked.
 /// At height z above the base (0 <= z <= height) the radius is base_radius + slope * z.
@@ -35,6 +54,21 @@ struct BakedCone {
     slope = float((std::abs(double(c.apex_radius)) - std::abs(double(c.base_radius))) / h);
   }
 };
+
+inline BakedCone bake(const Cone& c) { return BakedCone(c); }
+
+/// The same numbers with names only: of one cone, or each a column of many.
+template <class T>
+struct ConeNumbers {
+  T base[3], axis[3], height, base_radius, slope;
+};
+inline ConeNumbers<float> numbers_of(const BakedCone& c) {
+  return {{c.base.x, c.base.y, c.base.z},
+          {c.axis.x, c.axis.y, c.axis.z},
+          c.height,
+          c.base_radius,
+          c.slope};
+}
 
 /// Around the baked surface, which is where rays meet it: the ulps by which baking moves it are
 /// inside.
@@ -102,6 +136,13 @@ inline ConeRoots cone_roots(const BakedCone& c, const Ray& ray) {
   return out;
 }
 
+inline std::optional<ShapeHit> first_hit(const BakedCone& c, const Ray& ray, Sides sides) {
+  const ConeRoots roots = cone_roots(c, ray);
+  for (int k = 0; k < roots.count; ++k)
+    if (roots.t[k] > 0 && visible(sides, roots.cosine[k])) return ShapeHit{roots.t[k]};
+  return std::nullopt;
+}
+
 /// The outward unit normal at `p`, a point of the surface.
 inline Vec3f cone_normal(const BakedCone& c, Vec3f p) {
   const Vec3d axis(c.axis), x = Vec3d(p) - Vec3d(c.base);
@@ -111,6 +152,17 @@ inline Vec3f cone_normal(const BakedCone& c, Vec3f p) {
   // A point on the axis is the tip, where no normal is right; any across the axis will do.
   const Vec3d out = rho > 0 ? across / rho : Frame<double>(axis).u;
   return Vec3f(normalize(out - axis * double(c.slope)));
+}
+
+inline SurfacePoint surface_point(const BakedCone& c, Vec3f p) {
+  const Vec3f normal = cone_normal(c, p);
+  const Vec3d axis(c.axis), x = Vec3d(p) - Vec3d(c.base);
+  const double z = dot(x, axis), rho = length(x - axis * z);
+  // Along the normal to the surface: the radial error, times the cosine of the slope.
+  const double error = rho - (c.base_radius + c.slope * z);
+  p = Vec3f(Vec3d(p) - Vec3d(normal) * (error / std::sqrt(1 + double(c.slope) * c.slope)));
+  const float extent = c.height + std::max(c.base_radius, c.base_radius + c.slope * c.height);
+  return {p, normal, extent};
 }
 
 /// The distance of a point to the surface: exact, in the half plane of the axis and the point.
@@ -123,25 +175,15 @@ inline double cone_distance(const BakedCone& c, Vec3d p) {
   return std::hypot(rho - (c.base_radius + s * dr), z - s * h);
 }
 
-/// May the surface touch the box? Never wrong with "no". A box is split in eight while it may:
-/// after two splits a "yes" is at most an eighth of the box's diagonal too generous.
-inline bool overlaps(const BakedCone& c, const Box3d& box, int splits = 2) {
-  const Vec3d center = box.center();
-  // The axis is of unit length to a float's precision, and so are the distances measured with it.
-  const double slack =
-      std::numeric_limits<float>::epsilon() * (length(center - Vec3d(c.base)) + c.height);
-  if (cone_distance(c, center) > 0.5 * length(box.size()) + slack) return false;
-  if (splits == 0) return true;
-  for (int octant = 0; octant < 8; ++octant) {
-    Box3d part;
-    for (int a = 0; a < 3; ++a) {
-      const bool upper = octant >> a & 1;
-      part.lo[a] = upper ? center[a] : box.lo[a];
-      part.hi[a] = upper ? box.hi[a] : center[a];
-    }
-    if (overlaps(c, part, splits - 1)) return true;
-  }
-  return false;
+/// May the surface touch the box? Never wrong with "no".
+inline bool overlaps(const BakedCone& c, const Box3d& box) {
+  return may_touch(box, [&](const Box3d& part) {
+    const Vec3d center = part.center();
+    // The axis is of unit length to a float's precision, and so are distances measured with it.
+    const double slack =
+        std::numeric_limits<float>::epsilon() * (length(center - Vec3d(c.base)) + c.height);
+    return cone_distance(c, center) > 0.5 * length(part.size()) + slack;
+  });
 }
 
 }  // namespace raio

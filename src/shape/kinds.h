@@ -1,23 +1,90 @@
-// The list of shape kinds, written once, and what all kinds share.
+// The list of kinds, written once, and what all kinds share.
 //
-// To add a kind: its struct, bounds, overlap test and intersection in a header of this room; a line
-// in ShapeKind and kShapeKindNames; a pool in scene/scene.h and, for tracing, in accel/geometry.h;
-// a case in accel/intersect.h and integrate/surfaces-inl.h; a keyword in io/nff/keywords.cpp
-// with its reader and writer. ARCHITECTURE.md says more.
+// To add a kind:
+// 1. shape/<kind>.h: the struct with its faults, whether only its inside is seen, its baked form
+//    and the numbers of that, and of the baked form bounds, overlap with a box, the first hit of a
+//    ray and the surface at a hit;
+// 2. shape/<kind>-inl.h: the first hits of many rays in SIMD lanes, with the bits of the scalar
+// one;
+// 3. here: at the end of PrimitiveKind, its name and its type; a ShapeKind, which users count;
+// 4. scene/scene.h: its pool, and a line in kScenePools; accel/blocks/lanes-inl.h includes step 2;
+// 5. io/nff (keyword, reader, writer) and io/pov_write.cpp.
+// Everything else is driven by this list, and does not compile where a part is missing. `git log
+// --stat` of ellipsoids and discs shows two examples.
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <string_view>
+#include <tuple>
+#include <utility>
 
 #include "base/ray.h"
 
 namespace raio {
 
-enum class ShapeKind : uint8_t { plane, sphere, triangle, polygon, cone, cylinder };
+struct Plane;
+struct Sphere;
+struct Triangle;
+struct Cone;
+struct Ellipsoid;
+struct Disc;
 
-inline constexpr std::array<std::string_view, 6> kShapeKindNames = {
-    "plane", "sphere", "triangle", "polygon", "cone", "cylinder"};
+/// The kinds that structures store and rays meet; the upper bits of a PrimitiveId. Ids order by
+/// kind, so a new kind goes to the end.
+enum class PrimitiveKind : uint32_t { plane, sphere, triangle, cone, ellipsoid, disc };
+using PrimitiveTypes = std::tuple<Plane, Sphere, Triangle, Cone, Ellipsoid, Disc>;
+inline constexpr auto kPrimitiveKindNames =
+    std::to_array<std::string_view>({"plane", "sphere", "triangle", "cone", "ellipsoid", "disc"});
+
+inline constexpr size_t kPrimitiveKinds = std::tuple_size_v<PrimitiveTypes>;
+static_assert(kPrimitiveKindNames.size() == kPrimitiveKinds);
+template <PrimitiveKind kind>
+using PrimitiveType = std::tuple_element_t<size_t(kind), PrimitiveTypes>;
+
+/// Primitives of an infinite kind have no bounds and are in no structure: every ray tests them.
+template <PrimitiveKind kind>
+inline constexpr bool kIsBounded = kind != PrimitiveKind::plane;
+
+/// Calls f.operator()<kind>() for each kind.
+template <class F>
+constexpr void for_each_kind(F&& f) {
+  [&]<size_t... k>(std::index_sequence<k...>) {
+    (f.template operator()<PrimitiveKind(k)>(), ...);
+  }(std::make_index_sequence<kPrimitiveKinds>());
+}
+
+/// The same for the kinds that have bounds.
+template <class F>
+constexpr void for_each_bounded_kind(F&& f) {
+  for_each_kind([&]<PrimitiveKind kind> {
+    if constexpr (kIsBounded<kind>) f.template operator()<kind>();
+  });
+}
+
+/// What f.operator()<kind>() returns for a kind known at run time.
+template <size_t first = 0, class F>
+constexpr decltype(auto) with_kind(PrimitiveKind kind, F&& f) {
+  if constexpr (first + 1 < kPrimitiveKinds)
+    if (kind != PrimitiveKind(first)) return with_kind<first + 1>(kind, f);
+  return f.template operator()<PrimitiveKind(first)>();
+}
+
+/// What users count: a polygon is stored as triangles, a cylinder is a cone.
+enum class ShapeKind : uint8_t {
+  plane,
+  sphere,
+  triangle,
+  polygon,
+  cone,
+  cylinder,
+  ellipsoid,
+  disc
+};
+
+inline constexpr auto kShapeKindNames = std::to_array<std::string_view>(
+    {"plane", "sphere", "triangle", "polygon", "cone", "cylinder", "ellipsoid", "disc"});
 inline constexpr int kShapeKinds = int(kShapeKindNames.size());
 
 /// Which side of a surface can be seen. Of a polygon the outside is where its corners run
@@ -28,5 +95,20 @@ enum class Sides : uint8_t { both, outside, inside };
 inline bool visible(Sides sides, float cosine) {
   return sides == Sides::both || (sides == Sides::outside) == (cosine < 0);
 }
+
+/// Is the length 1, but for a few of a float's last bits?
+inline bool is_unit(Vec3f n) { return std::abs(length(Vec3d(n)) - 1) < 1e-4; }
+
+/// Where a ray first meets the seen side of a shape, at t > 0; `u` and `v` as in Hit.
+struct ShapeHit {
+  float t = 0, u = 0, v = 0;
+};
+
+/// The surface at a hit.
+struct SurfacePoint {
+  Vec3f point;       // on the surface, nearer to it than origin + t * dir
+  Vec3f normal;      // unit, outward
+  float extent = 0;  // what the shape adds to the scale of shape/offset.h
+};
 
 }  // namespace raio

@@ -1,6 +1,8 @@
 // Spheres.
 #pragma once
 
+#include <optional>
+
 #include "base/box.h"
 #include "base/ray.h"
 #include "shape/kinds.h"
@@ -12,6 +14,18 @@ struct Sphere {
   Vec3f center;
   float radius = 0;
 };
+
+constexpr ShapeKind shape_kind(const Sphere&) { return ShapeKind::sphere; }
+inline bool only_inside_seen(const Sphere& s) { return s.radius < 0; }
+
+template <class Must>
+void check_shape(const Sphere& s, Must&& must) {
+  must(is_finite(s.center), "the centre must be finite");
+  must(std::isfinite(s.radius) && s.radius != 0, "the radius must be finite and not zero");
+}
+
+/// With a radius that is not negative.
+inline Sphere bake(const Sphere& s) { return {s.center, std::abs(s.radius)}; }
 
 inline Box3f bounds(const Sphere& s) {
   const Vec3d c(s.center), r(std::abs(double(s.radius)));
@@ -35,6 +49,19 @@ inline SphereRoots sphere_roots(Vec3f center, float radius, const Ray& ray) {
   if (!(d2 >= 0)) return {};
   const float half_chord = std::sqrt(d2);
   return {middle - half_chord, middle + half_chord};
+}
+
+inline std::optional<ShapeHit> first_hit(const Sphere& s, const Ray& ray, Sides sides) {
+  const SphereRoots roots = sphere_roots(s.center, s.radius, ray);
+  if (!(roots.entry <= roots.exit)) return std::nullopt;
+  if (roots.entry > 0 && visible(sides, -1)) return ShapeHit{roots.entry};
+  if (roots.exit > 0 && visible(sides, 1)) return ShapeHit{roots.exit};
+  return std::nullopt;
+}
+
+inline SurfacePoint surface_point(const Sphere& s, Vec3f p) {
+  const Vec3f normal = normalize(p - s.center);
+  return {s.center + normal * s.radius, normal, s.radius};
 }
 
 /// Does the surface (a shell, not the ball) touch the box? Exact but for rounding, and then never

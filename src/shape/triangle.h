@@ -17,6 +17,8 @@ struct Triangle {
   Vec3f a, b, c;
 };
 
+inline const Triangle& bake(const Triangle& t) { return t; }
+
 inline Box3f bounds(const Triangle& t) {
   return {min(t.a, min(t.b, t.c)), max(t.a, max(t.b, t.c))};
 }
@@ -80,6 +82,13 @@ inline std::optional<TriangleHit> intersect(Vec3f a, Vec3f b, Vec3f c, const Ray
   // Divisions, since 1 / det can be infinite. det is positive when the corners run clockwise as
   // seen along the ray's (mirrored) frame.
   return TriangleHit{t, v / det, w / det, -det};
+}
+
+inline std::optional<ShapeHit> first_hit(const Triangle& t, const Ray& ray,
+                                         const ShearedRay& sheared, Sides sides) {
+  const auto hit = intersect(t.a, t.b, t.c, ray, sheared);
+  if (!hit || !(hit->t > 0) || !visible(sides, hit->cosine)) return std::nullopt;
+  return ShapeHit{hit->t, hit->u, hit->v};
 }
 
 /// Does the triangle touch the box? Separating axes of Akenine-Moeller 2001, "Fast 3D Triangle-Box

@@ -175,13 +175,11 @@ Pick pick(const Accel& accel, const Camera& camera, double x, double y, double w
   Pick out;
   out.hit = hits[0];
   if (!out.hit.found()) return out;
-  static constexpr std::array<std::string_view, kItemKinds> kNames = {"plane", "sphere", "triangle",
-                                                                      "cone"};
   out.point = Vec3d(ray.origin) + Vec3d(ray.dir) * double(out.hit.t);
   out.depth =
       double(out.hit.t) * dot(Vec3d(ray.dir), normalize(Vec3d(camera.at) - Vec3d(camera.from)));
-  out.what =
-      fmt::format("{} {}", kNames[size_t(item_kind(out.hit.item))], item_index(out.hit.item));
+  out.what = fmt::format("{} {}", kPrimitiveKindNames[size_t(primitive_kind(out.hit.item))],
+                         primitive_index(out.hit.item));
   return out;
 }
 

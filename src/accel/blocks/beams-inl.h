@@ -28,23 +28,15 @@ class Beams {
 
   // The sixteen rays from 16 * id against everything, for trees that are but a few blocks.
   HWY_INLINE void meet_all(uint32_t id) {
-    const auto all = [&](const auto& blocks) {
-      for (const auto& block : blocks) meet_block(block, id);
-    };
-    all(blocks_.spheres), all(blocks_.triangles), all(blocks_.cones);
+    visit_bounded_kinds([&]<PrimitiveKind kind>() HWY_ATTR {
+      for (const auto& block : blocks_.of<kind>()) meet_block(block, id);
+    });
   }
 
   // The sixteen rays against all primitives of a block.
   HWY_INLINE void meet_block(uint32_t ref, uint32_t id) {
-    const uint32_t i = ref_index(ref);
-    switch (ref_pool(ref)) {
-      case Pool::spheres:
-        return meet_block(blocks_.spheres[i], id);
-      case Pool::triangles:
-        return meet_block(blocks_.triangles[i], id);
-      default:
-        return meet_block(blocks_.cones[i], id);
-    }
+    visit_pool(blocks_, ref_pool(ref),
+               [&](const auto& blocks) HWY_ATTR { meet_block(blocks[ref_index(ref)], id); });
   }
 
   bool gave_up(uint32_t id) const { return room_.beams[id].tests_left < 0; }
@@ -63,30 +55,28 @@ class Beams {
   }
 
   HWY_INLINE void leaf(uint32_t ref, const uint32_t* ids, size_t n) {
-    const uint32_t block = ref_index(ref);
-    switch (ref_pool(ref)) {
-      case Pool::spheres: {
-        const SphereBlock& spheres = blocks_.spheres[block];
-        return leaf(spheres, ids, n, [&](uint32_t id) { return near_spheres(spheres, id); });
-      }
-      case Pool::triangles: {
-        const TriangleBlock& triangles = blocks_.triangles[block];
-        const BoxLanes boxes(triangles);
-        const EdgeLanes edges(triangles);
-        return leaf(triangles, ids, n, [&](uint32_t id) HWY_ATTR {
-          const unsigned mask = meet(id, boxes);
-          return hwy::PopCount(mask) > 1 ? mask & near_triangles(triangles, edges, id) : mask;
-        });
-      }
-      default: {
-        const ConeBlock& cones = blocks_.cones[block];
-        const BoxLanes boxes(cones.boxes, cones.item);
-        return leaf(cones, ids, n, [&](uint32_t id) { return meet(id, boxes); });
-      }
-    }
+    visit_pool(blocks_, ref_pool(ref),
+               [&](const auto& blocks) HWY_ATTR { leaf(blocks[ref_index(ref)], ids, n); });
   }
 
  private:
+  HWY_INLINE void leaf(const SphereBlock& spheres, const uint32_t* ids, size_t n) {
+    leaf(spheres, ids, n, [&](uint32_t id) HWY_ATTR { return near_spheres(spheres, id); });
+  }
+  HWY_INLINE void leaf(const TriangleBlock& triangles, const uint32_t* ids, size_t n) {
+    const BoxLanes boxes(triangles);
+    const EdgeLanes edges(triangles);
+    leaf(triangles, ids, n, [&](uint32_t id) HWY_ATTR {
+      const unsigned mask = meet(id, boxes);
+      return hwy::PopCount(mask) > 1 ? mask & near_triangles(triangles, edges, id) : mask;
+    });
+  }
+  template <PrimitiveKind kind>
+  HWY_INLINE void leaf(const Block<kind>& block, const uint32_t* ids, size_t n) {
+    const BoxLanes boxes(block.boxes, block.item);
+    leaf(block, ids, n, [&](uint32_t id) HWY_ATTR { return meet(id, boxes); });
+  }
+
   // First all beams, which say by `near` what they come near; then the rays of those, one primitive
   // for sixteen; then the primitives that one of the rays may hit: each without a branch that
   // depends on what is met, since half of those would be foreseen wrongly.
@@ -123,7 +113,7 @@ class Beams {
   template <class Block>
   HWY_INLINE void meet_block(const Block& block, uint32_t id) {
     BeamCandidate* found = room_.candidates;
-    for (int k = 0; k < kBlockWidth && block.item[k] != kNoItem; ++k)
+    for (int k = 0; k < kBlockWidth && block.item[k] != kNoPrimitive; ++k)
       context_.tests += kPacket, found = meet<false>(block, k, id, found);
     offer(block, found);
   }
@@ -203,13 +193,14 @@ class Beams {
   }
 
   // Takes hits of rays i, i + 1, ... that are nearer; at equal distance the lower id.
-  HWY_INLINE void offer(size_t i, V16 t, ItemId item, V16 u, V16 v) const {
+  HWY_INLINE void offer(size_t i, V16 t, PrimitiveId item, V16 u, V16 v) const {
     const auto& f = kSixteen;
     const hn::RebindToUnsigned<decltype(kSixteen)> id;
     const V16 best = hn::Load(f, batch_.t + i);
     const auto old = hn::Load(id, batch_.item + i);
     // No item is the highest id of all, but what ends there is not met.
-    const auto lower = hn::And(hn::Lt(hn::Set(id, item), old), hn::Ne(old, hn::Set(id, kNoItem)));
+    const auto lower =
+        hn::And(hn::Lt(hn::Set(id, item), old), hn::Ne(old, hn::Set(id, kNoPrimitive)));
     const M16 nearer = hn::Or(hn::Lt(t, best), hn::And(hn::Eq(t, best), hn::RebindMask(f, lower)));
     const M16 taken = hn::And(nearer, hn::Gt(t, hn::Zero(f)));
     hn::BlendedStore(t, taken, f, batch_.t + i);
@@ -233,7 +224,8 @@ class Beams {
       offer(c->ray, divided(c->t), block.item[c->lane], divided(c->u), divided(c->v));
     }
   }
-  HWY_INLINE void offer(const ConeBlock&, const BeamCandidate*) const {}
+  template <PrimitiveKind kind>
+  HWY_INLINE void offer(const Block<kind>&, const BeamCandidate*) const {}
 
   // The sixteen rays of `id` against primitive k. What they may hit goes to `found`, whose new end
   // is returned, or is settled here. `in_beam`: they are a beam that comes near; others mostly
@@ -313,24 +305,24 @@ class Beams {
     return found;
   }
 
-  template <bool in_beam>
-  HWY_INLINE BeamCandidate* meet(const ConeBlock& block, int k, uint32_t id,
+  template <bool in_beam, PrimitiveKind kind>
+  HWY_INLINE BeamCandidate* meet(const Block<kind>& block, int k, uint32_t id,
                                  BeamCandidate* found) const {
     const DemotedTag narrow;
-    const auto one = [&](const float* x) { return hn::Set(kDoubles, double(x[k])); };
-    ConeInput c;
-    for (int a = 0; a < 3; ++a) c.base[a] = one(block.base[a]), c.axis[a] = one(block.axis[a]);
-    c.height = one(block.height), c.radius = one(block.radius), c.slope = one(block.slope);
+    const auto numbers = widened(block.numbers, [&](const float* column) HWY_ATTR {
+      return hn::Set(kDoubles, double(column[k]));
+    });
+    VD origin[3], dir[3];
     const auto& f = kSixteen;
     alignas(64) float t[kPacket];
     unsigned mask = 0;
     const size_t first = id * kPacket;
     for (size_t i = 0; i < kPacket; i += kLanesD) {
       for (int a = 0; a < 3; ++a) {
-        c.origin[a] = hn::PromoteTo(kDoubles, hn::Load(narrow, batch_.o[a] + first + i));
-        c.dir[a] = hn::PromoteTo(kDoubles, hn::Load(narrow, batch_.d[a] + first + i));
+        origin[a] = hn::PromoteTo(kDoubles, hn::Load(narrow, batch_.o[a] + first + i));
+        dir[a] = hn::PromoteTo(kDoubles, hn::Load(narrow, batch_.d[a] + first + i));
       }
-      const ConeLanes hit = cone_test(c);
+      const auto hit = first_hits(kDoubles, numbers, origin, dir);
       mask |= bits(narrow, hit.in) << i;
       hn::Store(hit.t, narrow, t + i);
     }

@@ -3,28 +3,22 @@
 namespace raio {
 namespace {
 
-using Items = std::span<const ItemId>;
-
-template <class Block>
-void set_items(Items items, Block& block) {
-  for (size_t i = 0; i < size_t(kBlockWidth); ++i)
-    block.item[i] = i < items.size() ? items[i] : kNoItem;
-}
+using Items = std::span<const PrimitiveId>;
 
 void fill_block(const Geometry& g, Items items, SphereBlock& block) {
-  set_items(items, block);
   for (size_t i = 0; i < size_t(kBlockWidth); ++i) {
     constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-    const Sphere s = i < items.size() ? g.sphere(item_index(items[i])) : Sphere{{0, 0, 0}, kNone};
+    const Sphere s =
+        i < items.size() ? g.sphere(primitive_index(items[i])) : Sphere{{0, 0, 0}, kNone};
     block.x[i] = s.center.x, block.y[i] = s.center.y, block.z[i] = s.center.z;
     block.radius[i] = s.radius;
   }
 }
 
 void fill_block(const Geometry& g, Items items, TriangleBlock& block) {
-  set_items(items, block);
   for (size_t i = 0; i < size_t(kBlockWidth); ++i) {  // three equal corners have no area
-    const Triangle t = i < items.size() ? g.triangle(item_index(items[i])) : Triangle{{}, {}, {}};
+    const Triangle t =
+        i < items.size() ? g.triangle(primitive_index(items[i])) : Triangle{{}, {}, {}};
     for (int a = 0; a < 3; ++a) {
       block.corner[0][a][i] = t.a[a];
       block.corner[1][a][i] = t.b[a];
@@ -33,39 +27,69 @@ void fill_block(const Geometry& g, Items items, TriangleBlock& block) {
   }
 }
 
-void fill_block(const Geometry& g, Items items, ConeBlock& block) {
+template <PrimitiveKind kind>
+void fill_block(const Geometry& g, Items items, Block<kind>& block) {
   block = {};
-  set_items(items, block);
   block.boxes.set_empty();
   for (size_t i = 0; i < items.size(); ++i) {
-    const BakedCone& c = g.cone(item_index(items[i]));
-    block.boxes.set(i, bounds(c));
-    for (int a = 0; a < 3; ++a) block.base[a][i] = c.base[a], block.axis[a][i] = c.axis[a];
-    block.height[i] = c.height, block.radius[i] = c.base_radius, block.slope[i] = c.slope;
+    const auto& baked = g.get<kind>(primitive_index(items[i]));
+    block.boxes.set(i, bounds(baked));
+    const auto numbers = numbers_of(baked);
+    // Of one template, so that columns and numbers have the same order.
+    constexpr size_t kColumns = sizeof numbers / sizeof(float);
+    static_assert(sizeof block.numbers == kColumns * sizeof(float[kBlockWidth]));
+    const auto* const from = reinterpret_cast<const float*>(&numbers);
+    auto* const to = reinterpret_cast<float*>(&block.numbers);
+    for (size_t c = 0; c < kColumns; ++c) to[c * kBlockWidth + i] = from[c];
   }
 }
 
 }  // namespace
 
-const ItemId* Blocks::items(uint32_t ref) const {
-  const uint32_t i = ref_index(ref);
-  return ref_pool(ref) == Pool::spheres     ? spheres[i].item
-         : ref_pool(ref) == Pool::triangles ? triangles[i].item
-                                            : cones[i].item;
+const PrimitiveId* Blocks::items(uint32_t ref) const {
+  return with_kind(PrimitiveKind(ref_pool(ref)), [&]<PrimitiveKind kind>() -> const PrimitiveId* {
+    if constexpr (kIsBounded<kind>)
+      return of<kind>()[ref_index(ref)].item;
+    else
+      return nullptr;
+  });
 }
 
-void Blocks::fill(const Geometry& geometry, uint32_t ref, std::span<const ItemId> items) {
-  const uint32_t i = ref_index(ref);
-  switch (ref_pool(ref)) {
-    case Pool::spheres:
-      return fill_block(geometry, items, spheres[i]);
-    case Pool::triangles:
-      return fill_block(geometry, items, triangles[i]);
-    case Pool::cones:
-      return fill_block(geometry, items, cones[i]);
-    case Pool::nodes:
-      break;
-  }
+void Blocks::fill(const Geometry& geometry, uint32_t ref, Items items) {
+  with_kind(PrimitiveKind(ref_pool(ref)), [&]<PrimitiveKind kind> {
+    if constexpr (kIsBounded<kind>) {
+      auto& block = of<kind>()[ref_index(ref)];
+      fill_block(geometry, items, block);
+      for (size_t i = 0; i < size_t(kBlockWidth); ++i)
+        block.item[i] = i < items.size() ? items[i] : kNoPrimitive;
+    }
+  });
+}
+
+double Blocks::bytes_of(const std::array<uint32_t, kPools>& counts) {
+  double sum = 0;
+  for_each_bounded_kind([&]<PrimitiveKind kind> {
+    sum += double(counts[size_t(pool_of(kind))]) * sizeof(Block<kind>);
+  });
+  return sum;
+}
+
+void Blocks::resize(const std::array<uint32_t, kPools>& counts) {
+  for_each_bounded_kind(
+      [&]<PrimitiveKind kind> { of<kind>().resize(counts[size_t(pool_of(kind))]); });
+}
+
+size_t Blocks::count() const {
+  size_t sum = 0;
+  for_each_bounded_kind([&]<PrimitiveKind kind> { sum += of<kind>().size(); });
+  return sum;
+}
+
+size_t Blocks::bytes() const {
+  size_t sum = 0;
+  for_each_bounded_kind(
+      [&]<PrimitiveKind kind> { sum += of<kind>().size() * sizeof(Block<kind>); });
+  return sum;
 }
 
 }  // namespace raio

@@ -3,8 +3,12 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <span>
+#include <tuple>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "accel/geometry.h"
@@ -15,18 +19,15 @@ namespace raio {
 
 inline constexpr int kBlockWidth = 8;
 
-/// What a reference names: 2 bits of this, 30 bits of index into that pool.
-enum class Pool : uint32_t { nodes, spheres, triangles, cones };
-constexpr uint32_t pool_ref(Pool pool, uint32_t index) { return uint32_t(pool) << 30 | index; }
-constexpr Pool ref_pool(uint32_t ref) { return Pool(ref >> 30); }
-constexpr uint32_t ref_index(uint32_t ref) { return ref & 0x3fffffffu; }
-
-/// Where blocks of a kind are; planes have none.
-constexpr Pool pool_of(ItemKind kind) {
-  return kind == ItemKind::sphere     ? Pool::spheres
-         : kind == ItemKind::triangle ? Pool::triangles
-                                      : Pool::cones;
-}
+/// What a reference names: 3 bits of this, 29 bits of index into that pool. The blocks of a kind
+/// are in the pool of its number; planes, which have none, leave theirs to nodes.
+enum class Pool : uint32_t { nodes };
+inline constexpr size_t kPools = kPrimitiveKinds;
+static_assert(!kIsBounded<PrimitiveKind(Pool::nodes)>);
+constexpr Pool pool_of(PrimitiveKind kind) { return Pool(kind); }
+constexpr uint32_t pool_ref(Pool pool, uint32_t index) { return uint32_t(pool) << 29 | index; }
+constexpr Pool ref_pool(uint32_t ref) { return Pool(ref >> 29); }
+constexpr uint32_t ref_index(uint32_t ref) { return ref & 0x1fffffffu; }
 
 /// Eight boxes: planes[0] the lower ones, planes[1] the upper, per axis.
 struct alignas(32) EightBoxes {
@@ -42,27 +43,50 @@ struct alignas(32) EightBoxes {
   }
 };
 
-/// Up to eight primitives of one kind. Lanes without one hold something that no ray meets.
-struct alignas(32) SphereBlock {
-  float x[kBlockWidth], y[kBlockWidth], z[kBlockWidth], radius[kBlockWidth];
-  ItemId item[kBlockWidth];
-};
-struct alignas(32) TriangleBlock {
-  float corner[3][3][kBlockWidth];  // [corner][axis]
-  ItemId item[kBlockWidth];
-};
-struct alignas(32) ConeBlock {  // the boxes tell which of them are worth a test in double
+/// Columns of the numbers of a kind, by the names that numbers_of() gives them.
+template <template <class> class Numbers>
+Numbers<float[kBlockWidth]> columns_of(Numbers<float>);
+template <PrimitiveKind kind>
+using NumberColumns = decltype(columns_of(numbers_of(std::declval<const Baked<kind>&>())));
+
+/// Up to eight primitives of one kind. Lanes without one hold something that no ray meets. This is
+/// the block of kinds that are tested in double, which is dear: the boxes tell which are worth it.
+template <PrimitiveKind kind>
+struct alignas(32) Block {
   EightBoxes boxes;
-  // As BakedCone, which explains them.
-  float base[3][kBlockWidth], axis[3][kBlockWidth];
-  float height[kBlockWidth], radius[kBlockWidth], slope[kBlockWidth];
-  ItemId item[kBlockWidth];
+  NumberColumns<kind> numbers;
+  PrimitiveId item[kBlockWidth];
+};
+template <>
+struct alignas(32) Block<PrimitiveKind::sphere> {
+  float x[kBlockWidth], y[kBlockWidth], z[kBlockWidth], radius[kBlockWidth];
+  PrimitiveId item[kBlockWidth];
+};
+template <>
+struct alignas(32) Block<PrimitiveKind::triangle> {
+  float corner[3][3][kBlockWidth];  // [corner][axis]
+  PrimitiveId item[kBlockWidth];
+};
+using SphereBlock = Block<PrimitiveKind::sphere>;
+using TriangleBlock = Block<PrimitiveKind::triangle>;
+
+/// A column of blocks for each kind that is bounded.
+template <class = std::make_index_sequence<kPrimitiveKinds>>
+struct BlockColumns;
+template <size_t... k>
+struct BlockColumns<std::index_sequence<k...>> {
+  template <PrimitiveKind kind>
+  static auto column() {
+    if constexpr (kIsBounded<kind>)
+      return Column<Block<kind>>();
+    else
+      return std::monostate();
+  }
+  using type = std::tuple<decltype(column<PrimitiveKind(k)>())...>;
 };
 
 struct Blocks {
-  Column<SphereBlock> spheres;
-  Column<TriangleBlock> triangles;
-  Column<ConeBlock> cones;
+  BlockColumns<>::type columns;
   float reach = 0;  // the largest coordinate in any of them
   // Where rays start further apart than this, beams of any-hit rays do not pay.
   float farthest_apart = std::numeric_limits<float>::infinity();
@@ -70,16 +94,26 @@ struct Blocks {
   // wasted. Rays that travel alone meet them sixteen at a time, before they walk.
   std::vector<uint32_t> shared;
 
+  template <PrimitiveKind kind>
+  auto& of() {
+    return std::get<size_t(kind)>(columns);
+  }
+  template <PrimitiveKind kind>
+  const auto& of() const {
+    return std::get<size_t(kind)>(columns);
+  }
+
   /// The eight items of a block, those that it lacks last.
-  const ItemId* items(uint32_t ref) const;
+  const PrimitiveId* items(uint32_t ref) const;
 
   /// Bakes up to eight primitives of one kind into the block that `ref` names.
-  void fill(const Geometry& geometry, uint32_t ref, std::span<const ItemId> items);
+  void fill(const Geometry& geometry, uint32_t ref, std::span<const PrimitiveId> items);
 
-  size_t bytes() const {
-    return spheres.size() * sizeof(SphereBlock) + triangles.size() * sizeof(TriangleBlock) +
-           cones.size() * sizeof(ConeBlock);
-  }
+  /// By number of blocks per Pool.
+  static double bytes_of(const std::array<uint32_t, kPools>& counts);
+  void resize(const std::array<uint32_t, kPools>& counts);
+  size_t count() const;
+  size_t bytes() const;
 };
 
 }  // namespace raio

@@ -162,7 +162,7 @@ class BeamMaker {
       };
       for (int a = 0; a < 3; ++a) o[a][s] = column(batch_.o[a]), d[a][s] = column(batch_.d[a]);
       o[3][s] = column(batch_.t);
-      d[3][s] = blocks_.triangles.empty() ? hn::Zero(f) : column(batch_.axes);
+      d[3][s] = blocks_.of<PrimitiveKind::triangle>().empty() ? hn::Zero(f) : column(batch_.axes);
     }
     origins.enclose(o);
     dirs.enclose(d);
@@ -206,7 +206,9 @@ class BeamMaker {
     const hn::RebindToSigned<decltype(kSixteen)> ints;
     const V16 zero = hn::Zero(f), one = hn::Set(f, 1), half = hn::Set(f, 0.5f);
     const V16 rounding = hn::Set(f, 8 * kEpsilon);
-    const auto put = [&](size_t c, V16 x) HWY_ATTR { hn::Store(x, f, columns[c] + i); };
+    // Into the column of a member of Beam, or of the n-th number of one.
+    const auto put = [&](size_t member, V16 x, size_t n = 0)
+                         HWY_ATTR { hn::Store(x, f, columns[column_of(member) + n] + i); };
     const V16 alive = hn::Load(f, room_.alive + p);
     const V16 t = hn::Load(f, room_.lo_hi[BeamRoom::origins_and_t][7] + p);
     const V16 axes = hn::Load(f, room_.lo_hi[BeamRoom::directions_and_axes][7] + p);
@@ -248,10 +250,11 @@ class BeamMaker {
     for (size_t a = 0; a < 3; ++a) {
       // The sign of a direction is that of all, so that these are the earliest and latest.
       const V16 lower = finite_inverse(f, dirs.hi[a]), upper = finite_inverse(f, dirs.lo[a]);
-      put(a, lower), put(3 + a, upper);
-      put(6 + a, hn::Mul(hn::Add(origins.hi[a], slack), lower));
-      put(9 + a, hn::Mul(hn::Sub(origins.lo[a], slack), upper));
-      put(12 + a, hn::Add(hn::Mul(origins.lo[a], half), hn::Mul(origins.hi[a], half)));
+      put(offsetof(Beam, inverse), lower, a), put(offsetof(Beam, inverse), upper, 3 + a);
+      put(offsetof(Beam, offset), hn::Mul(hn::Add(origins.hi[a], slack), lower), a);
+      put(offsetof(Beam, offset), hn::Mul(hn::Sub(origins.lo[a], slack), upper), 3 + a);
+      put(offsetof(Beam, o), hn::Add(hn::Mul(origins.lo[a], half), hn::Mul(origins.hi[a], half)),
+          a);
       d[a] = hn::Mul(hn::Add(dirs.lo[a], dirs.hi[a]), half);
     }
     // The middle is not far from unit length: one step of Newton's method, squared error.
@@ -259,23 +262,25 @@ class BeamMaker {
     const V16 to_unit = hn::MulAdd(half, error, one);
     for (size_t a = 0; a < 3; ++a) {
       const V16 half_size = hn::MulAdd(half, hn::Sub(dirs.hi[a], dirs.lo[a]), rounding);
-      put(15 + a, hn::Mul(d[a], to_unit)), put(23 + a, hn::Mul(half_size, to_unit));
+      put(offsetof(Beam, d), hn::Mul(d[a], to_unit), a);
+      put(offsetof(Beam, turned), hn::Mul(half_size, to_unit), a);
     }
     // |o_i + s d_i - (o + s d)| <= start + s spread, and s <= (along + radius + start) / (1 -
     // spread) where a sphere is met whose centre lies `along` the axis. The middle of unit vectors'
     // box may be longer than they are.
     const V16 spread = hn::Add(hn::MulAdd(half, dirs.diagonal(), hn::Abs(error)), rounding);
     const V16 start = hn::MulAdd(half, origins.diagonal(), slack);
-    put(18, start);
-    put(19, hn::Div(spread, hn::Sub(one, spread)));
+    put(offsetof(Beam, start), start);
+    put(offsetof(Beam, widening), hn::Div(spread, hn::Sub(one, spread)));
 
     const M16 done = hn::Eq(alive, zero);
-    put(20, hn::IfThenElse(hn::AndNot(done, formed), t, hn::Set(f, -1)));
-    put(21, hn::BitCast(f, hn::ConvertTo(ints, common_axes)));
-    put(22, hn::BitCast(f, hn::ConvertTo(ints, hn::Mul(alive, hn::Set(f, kMostTests)))));
+    put(offsetof(Beam, t), hn::IfThenElse(hn::AndNot(done, formed), t, hn::Set(f, -1)));
+    put(offsetof(Beam, axes), hn::BitCast(f, hn::ConvertTo(ints, common_axes)));
+    put(offsetof(Beam, tests_left),
+        hn::BitCast(f, hn::ConvertTo(ints, hn::Mul(alive, hn::Set(f, kMostTests)))));
     // Of triangles more may be rounded: three products, and the test of each ray.
-    put(26, hn::Mul(hn::MulAdd(slack, hn::Set(f, 3), start), to_unit));
-    put(27, zero);
+    put(offsetof(Beam, shifted), hn::Mul(hn::MulAdd(slack, hn::Set(f, 3), start), to_unit));
+    put(offsetof(Beam, unused), zero);
     return bits(f, hn::Or(formed, done));
   }
 

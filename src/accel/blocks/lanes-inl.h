@@ -1,8 +1,7 @@
-// The arithmetic of rays and blocks in SIMD lanes: one ray against eight boxes or primitives, or
-// one primitive against sixteen rays. Included by blocks_rays-inl.h only, once for each instruction
-// set. Lane by lane the arithmetic of primitives is that of the scalar tests in shape/, so that
-// hits are those of brute force to the last bit, on every machine. Once for each instruction set,
-// as foreach_target.h passes again.
+// What rays and blocks in SIMD lanes have in common: tags, boxes, and the numbers of blocks as
+// lanes want them. The arithmetic of primitives is in shape/<kind>-inl.h: lane by lane that of the
+// scalar tests, so that hits are those of brute force to the last bit, on every machine. Included
+// by blocks_rays-inl.h only, once for each instruction set, as foreach_target.h passes again.
 #if defined(RAIO_ACCEL_BLOCKS_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAIO_ACCEL_BLOCKS_LANES_INL_H_
 #undef RAIO_ACCEL_BLOCKS_LANES_INL_H_
@@ -15,6 +14,11 @@
 #include "accel/accel.h"
 #include "accel/blocks/blocks.h"
 #include "accel/intersect.h"
+#include "shape/cone-inl.h"
+#include "shape/disc-inl.h"
+#include "shape/ellipsoid-inl.h"
+#include "shape/sphere-inl.h"
+#include "shape/triangle-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
@@ -38,10 +42,6 @@ constexpr int kParts = kBlockWidth / kLanes8;
 constexpr float kEpsilon = std::numeric_limits<float>::epsilon();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-template <class D, class V = hn::Vec<D>>
-HWY_INLINE V dot(D, V ax, V ay, V az, V bx, V by, V bz) {
-  return hn::Add(hn::Add(hn::Mul(ax, bx), hn::Mul(ay, by)), hn::Mul(az, bz));
-}
 template <class D, class M = hn::Mask<D>>
 HWY_INLINE unsigned bits(D d, M mask) {
   uint8_t bytes[8] = {};
@@ -79,12 +79,12 @@ struct BoxLanes {
     exist = named(block.item);
   }
 
-  // Those of lanes 0-7 that have a name; kNoChild and kNoItem are all bits set.
+  // Those of lanes 0-7 that have a name; kNoChild and kNoPrimitive are all bits set.
   static HWY_INLINE unsigned named(const uint32_t* names) {
     const hn::RebindToUnsigned<decltype(kEight)> tag;
     unsigned mask = 0;
     for (int i = 0; i < kBlockWidth; i += kLanes8)
-      mask |= bits(tag, hn::Ne(hn::LoadU(tag, names + i), hn::Set(tag, kNoItem))) << i;
+      mask |= bits(tag, hn::Ne(hn::LoadU(tag, names + i), hn::Set(tag, kNoPrimitive))) << i;
     return mask;
   }
 
@@ -149,125 +149,35 @@ HWY_INLINE V finite_inverse(D d, V x) {
                         hn::Div(hn::Set(d, 1), x));
 }
 
-// Which lines of rays hit the spheres whose centres lie at (x, y, z) from their origins, and by
-// middle and square of half of the chord where. shape/sphere.h explains.
-template <class D>
-struct SphereLanes {
-  hn::Mask<D> in;
-  hn::Vec<D> middle, d2;
-};
-template <class D, class V = hn::Vec<D>>
-HWY_INLINE SphereLanes<D> chord_test(D d, V x, V y, V z, V radius, V dx, V dy, V dz) {
-  const V middle = dot(d, x, y, z, dx, dy, dz);
-  const V px = hn::Sub(x, hn::Mul(dx, middle));
-  const V py = hn::Sub(y, hn::Mul(dy, middle));
-  const V pz = hn::Sub(z, hn::Mul(dz, middle));
-  const V d2 = hn::Sub(hn::Mul(radius, radius), dot(d, px, py, pz, px, py, pz));
-  return {hn::Ge(d2, hn::Zero(d)), middle, d2};
-}
-// The distance; not positive for spheres behind the ray.
-template <class D, class V = hn::Vec<D>>
-HWY_INLINE V chord_distance(D d, V middle, V d2) {
-  const V half = hn::Sqrt(d2);
-  const V entry = hn::Sub(middle, half);
-  return hn::IfThenElse(hn::Gt(entry, hn::Zero(d)), entry, hn::Add(middle, half));
-}
-
-// Distances and weights of the triangles with sheared corners (x, y, z), all still to be divided by
-// `det`, and which of them the lines of the rays hit. shape/triangle.h explains.
-template <class D>
-struct TriangleLanes {
-  hn::Mask<D> in;
-  hn::Vec<D> det, t, u, v;
-};
-template <class D, class V = hn::Vec<D>>
-HWY_INLINE TriangleLanes<D> edge_test(D d, const V* x, const V* y, const V* z) {
-  const V zero = hn::Zero(d);
-  const V u = hn::Sub(hn::Mul(x[2], y[1]), hn::Mul(y[2], x[1]));
-  const V v = hn::Sub(hn::Mul(x[0], y[2]), hn::Mul(y[0], x[2]));
-  const V w = hn::Sub(hn::Mul(x[1], y[0]), hn::Mul(y[1], x[0]));
-  const V smallest = hn::Min(hn::Min(u, v), w), largest = hn::Max(hn::Max(u, v), w);
-  const V det = hn::Add(hn::Add(u, v), w);
-  const V t = hn::Add(hn::Add(hn::Mul(u, z[0]), hn::Mul(v, z[1])), hn::Mul(w, z[2]));
-  const auto both = hn::And(hn::Lt(smallest, zero), hn::Gt(largest, zero));
-  return {hn::AndNot(both, hn::Ne(det, zero)), det, t, v, w};
-}
-// And which of them are passed near enough, for those seen edge-on.
-template <class D, class V = hn::Vec<D>>
-HWY_INLINE hn::Mask<D> within_reach(D d, const V* x, const V* y) {
-  const V x0 = hn::Min(hn::Min(x[0], x[1]), x[2]), x1 = hn::Max(hn::Max(x[0], x[1]), x[2]);
-  const V y0 = hn::Min(hn::Min(y[0], y[1]), y[2]), y1 = hn::Max(hn::Max(y[0], y[1]), y[2]);
-  const V reach = hn::Max(hn::Max(hn::Neg(x0), x1), hn::Max(hn::Neg(y0), y1));
-  const V away = hn::Max(hn::Max(x0, hn::Neg(x1)), hn::Max(y0, hn::Neg(y1)));
-  return hn::Le(away, hn::Mul(hn::Set(d, kEdgeSlack), reach));
-}
-
 // The axes of ShearedRay by one number: its kz, plus 3 where the ray goes down that axis.
 constexpr uint8_t kShearAxes[6][3] = {{1, 2, 0}, {2, 0, 1}, {0, 1, 2},
                                       {2, 1, 0}, {0, 2, 1}, {1, 0, 2}};
 
-// The first hits in front of the rays with cones. shape/cone.h explains; the order of operations is
-// its.
-struct ConeInput {
-  VD base[3], axis[3], height, radius, slope, origin[3], dir[3];
-};
 using DemotedTag = hn::Rebind<float, decltype(kDoubles)>;
-struct ConeLanes {
-  hn::Mask<DemotedTag> in;
-  hn::Vec<DemotedTag> t;
-};
-HWY_INLINE ConeLanes cone_test(const ConeInput& c) {
-  const auto dot3 = [](const VD* x, const VD* y) {
-    return dot(kDoubles, x[0], x[1], x[2], y[0], y[1], y[2]);
-  };
-  const VD zero = hn::Zero(kDoubles), half = hn::Set(kDoubles, 0.5);
-  VD from_base[3], from_middle[3], o[3], o_across[3], d_across[3];
-  for (int a = 0; a < 3; ++a) {
-    from_base[a] = hn::Sub(c.origin[a], c.base[a]);
-    from_middle[a] = hn::Sub(from_base[a], hn::Mul(c.axis[a], hn::Mul(half, c.height)));
+
+// f(column of blocks) for the kind whose blocks are in the pool.
+template <size_t k = 0, class F>
+HWY_INLINE decltype(auto) visit_pool(const Blocks& blocks, Pool pool, F&& f) {
+  if constexpr (!kIsBounded<PrimitiveKind(k)>) {
+    return visit_pool<k + 1>(blocks, pool, f);
+  } else {
+    if constexpr (k + 1 < kPrimitiveKinds)
+      if (pool != Pool(k)) return visit_pool<k + 1>(blocks, pool, f);
+    return f(blocks.of<PrimitiveKind(k)>());
   }
-  const VD shift = hn::Div(hn::Neg(dot3(from_middle, c.dir)), dot3(c.dir, c.dir));
-  for (int a = 0; a < 3; ++a) o[a] = hn::Add(from_base[a], hn::Mul(c.dir[a], shift));
-  const VD oz = dot3(o, c.axis), dz = dot3(c.dir, c.axis);
-  for (int a = 0; a < 3; ++a) {
-    o_across[a] = hn::Sub(o[a], hn::Mul(c.axis[a], oz));
-    d_across[a] = hn::Sub(c.dir[a], hn::Mul(c.axis[a], dz));
-  }
-  const VD o_r = hn::Add(c.radius, hn::Mul(c.slope, oz)), d_r = hn::Mul(c.slope, dz);
-  const VD qa = hn::Sub(dot3(d_across, d_across), hn::Mul(d_r, d_r));
-  const VD qb = hn::Sub(dot3(o_across, d_across), hn::Mul(o_r, d_r));
-  const VD qc = hn::Sub(dot3(o_across, o_across), hn::Mul(o_r, o_r));
-  const VD disc = hn::Sub(hn::Mul(qb, qb), hn::Mul(qa, qc));
-  const MD parallel = hn::Eq(qa, zero);
-  const MD real = hn::Or(hn::Ge(disc, zero), parallel);
-  const DemotedTag demoted;
-  const auto narrow = [&](MD m) {
-    return hn::DemoteTo(demoted, hn::IfThenElseZero(m, hn::Set(kDoubles, 1.0)));
-  };
-  const auto none = hn::Zero(demoted);
-  if (hn::AllFalse(kDoubles, real)) return {hn::Ne(none, none), none};
-  const VD root = hn::Sqrt(hn::Max(disc, zero));
-  const VD big =
-      hn::IfThenElse(hn::Ge(qb, zero), hn::Sub(hn::Neg(qb), root), hn::Add(hn::Neg(qb), root));
-  VD s0 = hn::Div(big, qa);
-  VD s1 = hn::IfThenElse(hn::Ne(big, zero), hn::Div(qc, big), s0);
-  const MD swap = hn::Gt(s0, s1);
-  const VD first = hn::IfThenElse(swap, s1, s0);
-  s1 = hn::IfThenElse(swap, s0, s1);
-  s0 = hn::IfThenElse(parallel, hn::Div(hn::Mul(hn::Set(kDoubles, -0.5), qc), qb), first);
-  const auto on_surface = [&](VD s) {
-    const VD z = hn::Add(oz, hn::Mul(s, dz));
-    const MD within = hn::And(hn::Ge(z, zero), hn::Le(z, c.height));
-    return hn::AndNot(hn::Lt(hn::Add(c.radius, hn::Mul(c.slope, z)), zero), within);
-  };
-  const MD in0 =
-      hn::And(hn::And(on_surface(s0), real), hn::Or(hn::Not(parallel), hn::Ne(qb, zero)));
-  const MD in1 = hn::And(hn::And(on_surface(s1), real), hn::Not(parallel));
-  const auto t0 = hn::DemoteTo(demoted, hn::Add(s0, shift));
-  const auto t1 = hn::DemoteTo(demoted, hn::Add(s1, shift));
-  const auto hit0 = hn::And(hn::Ne(narrow(in0), none), hn::Gt(t0, none));
-  const auto hit1 = hn::And(hn::Ne(narrow(in1), none), hn::Gt(t1, none));
-  return {hn::Or(hit0, hit1), hn::IfThenElse(hit0, t0, t1)};
+}
+
+// The numbers of primitives in double: what `load` makes of each column.
+template <template <class> class Numbers, class Load>
+HWY_INLINE Numbers<VD> widened(const Numbers<float[kBlockWidth]>& columns, Load&& load) {
+  constexpr size_t kColumns = sizeof columns / sizeof(float[kBlockWidth]);
+  Numbers<VD> out;
+  static_assert(sizeof out == kColumns * sizeof(VD));
+  const auto* const from = reinterpret_cast<const float(*)[kBlockWidth]>(&columns);
+  auto* const to = reinterpret_cast<VD*>(&out);
+  [&]<size_t... c>(std::index_sequence<c...>)
+      HWY_ATTR { ((to[c] = load(from[c])), ...); }(std::make_index_sequence<kColumns>());
+  return out;
 }
 
 }  // namespace raio::HWY_NAMESPACE

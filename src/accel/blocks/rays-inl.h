@@ -8,6 +8,8 @@
 #define RAIO_ACCEL_BLOCKS_RAYS_INL_H_
 #endif
 
+#include <cstddef>
+
 #include "accel/blocks/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -32,7 +34,7 @@ struct Batch {
   size_t count;
   const float *o[3], *d[3];
   float* t;
-  ItemId* item;  // this and the next only where the nearest hit is wanted
+  PrimitiveId* item;  // this and the next only where the nearest hit is wanted
   float *u, *v;
   // As ShearedRay, where the scene has triangles; the axes by their number in kShearAxes.
   float* shear[3];
@@ -71,16 +73,27 @@ struct Sweep {
   float start, widening;
 };
 
+// Structures of four-byte members are made from columns: the number of the column of a member.
+constexpr size_t column_of(size_t offset_of_member) { return offset_of_member / sizeof(float); }
+
 // What boxes and spheres want of a ray: one cache line.
 struct alignas(64) StreamRay {
   float inverse[3], lower[3], upper[3];  // see BoxLanes::meet
   float t;
   float o[3], d[3];
+
+  static constexpr size_t kFloats = 16;
 };
+static_assert(sizeof(StreamRay) == StreamRay::kFloats * sizeof(float));
 // What triangles want besides.
 struct alignas(16) StreamShear {
   float x, y, z, axes;
 };
+// As the columns of a Batch follow one another.
+static_assert(column_of(offsetof(StreamShear, x)) == 0 &&
+              column_of(offsetof(StreamShear, y)) == 1 &&
+              column_of(offsetof(StreamShear, z)) == 2 &&
+              column_of(offsetof(StreamShear, axes)) == 3);
 
 // Four columns of four into four rows.
 HWY_INLINE void transpose(const float* column, size_t step, float* row, size_t row_step) {
@@ -111,7 +124,7 @@ struct alignas(64) Candidate {
 };
 constexpr size_t kCandidates = 64;
 
-// Pairs of a ray and one of a block's cones that it may hit.
+// Pairs of a ray and one of a block's primitives that it may hit.
 struct alignas(64) Pairs {
   int32_t id[kBlockWidth * kCandidates], lane[kBlockWidth * kCandidates];
 };
@@ -141,8 +154,13 @@ class Rays {
 
   // Makes the rays of a packet ready and adds to the list those that are not done.
   HWY_INLINE size_t add_packet(size_t first, uint32_t* ids, size_t n) {
-    alignas(64) float columns[16][kPacket];
+    alignas(64) float columns[StreamRay::kFloats][kPacket];
     const auto& f = kSixteen;
+    constexpr size_t kInverse = column_of(offsetof(StreamRay, inverse)),
+                     kLower = column_of(offsetof(StreamRay, lower)),
+                     kUpper = column_of(offsetof(StreamRay, upper)),
+                     kT = column_of(offsetof(StreamRay, t)), kO = column_of(offsetof(StreamRay, o)),
+                     kD = column_of(offsetof(StreamRay, d));
     for (int i = 0; i < kPacket; i += kLanes16) {
       V16 size = hn::Set(f, blocks_.reach);
       V16 o[3];
@@ -151,21 +169,23 @@ class Rays {
         size = hn::Max(size, hn::Abs(o[a]));
       }
       const V16 slack = hn::Mul(size, hn::Set(f, 2 * kSlack));
-      for (int a = 0; a < 3; ++a) {
+      for (size_t a = 0; a < 3; ++a) {
         const V16 d = hn::Load(f, batch_.d[a] + first + i);
         const V16 inverse = finite_inverse(f, d);
-        hn::Store(inverse, f, columns[a] + i);
-        hn::Store(hn::Mul(hn::Add(o[a], slack), inverse), f, columns[3 + a] + i);
-        hn::Store(hn::Mul(hn::Sub(o[a], slack), inverse), f, columns[6 + a] + i);
-        hn::Store(o[a], f, columns[10 + a] + i);
-        hn::Store(d, f, columns[13 + a] + i);
+        hn::Store(inverse, f, columns[kInverse + a] + i);
+        hn::Store(hn::Mul(hn::Add(o[a], slack), inverse), f, columns[kLower + a] + i);
+        hn::Store(hn::Mul(hn::Sub(o[a], slack), inverse), f, columns[kUpper + a] + i);
+        hn::Store(o[a], f, columns[kO + a] + i);
+        hn::Store(d, f, columns[kD + a] + i);
       }
-      hn::Store(hn::Load(f, batch_.t + first + i), f, columns[9] + i);
+      hn::Store(hn::Load(f, batch_.t + first + i), f, columns[kT] + i);
     }
-    float* const rows = rays_[first].inverse;
+    constexpr size_t kRow = StreamRay::kFloats;
+    auto* const rows = reinterpret_cast<float*>(&rays_[first]);
     for (size_t i = 0; i < kPacket; i += 4)
-      for (size_t c = 0; c < 16; c += 4) transpose(&columns[c][i], kPacket, rows + 16 * i + c, 16);
-    if (!blocks_.triangles.empty())
+      for (size_t c = 0; c < kRow; c += 4)
+        transpose(&columns[c][i], kPacket, rows + kRow * i + c, kRow);
+    if (!blocks_.of<PrimitiveKind::triangle>().empty())
       for (size_t i = first; i < first + kPacket; i += 4)
         transpose(batch_.shear[0] + i, size_t(batch_.shear[1] - batch_.shear[0]), &shears_[i].x, 4);
     for (size_t i = first; i < first + kPacket; ++i) {
@@ -187,25 +207,27 @@ class Rays {
   HWY_INLINE void leaf(uint32_t ref, const uint32_t* ids, size_t n) {
     const uint32_t block = ref_index(ref);
     context_.tests += kBlockWidth * n;
-    switch (ref_pool(ref)) {
-      case Pool::spheres:
-        return leaf<ItemKind::sphere>(blocks_.spheres[block], ids, n);
-      case Pool::triangles:
-        return leaf<ItemKind::triangle>(blocks_.triangles[block], ids, n);
-      default:
-        return leaf(blocks_.cones[block], ids, n);
-    }
+    visit_pool(blocks_, ref_pool(ref),
+               [&](const auto& blocks) HWY_ATTR { leaf(blocks[block], ids, n); });
   }
 
  private:
   // First all rays, without a branch that depends on what they meet, since half of those would be
   // foreseen wrongly; then those that met something. For any hit the first says it all.
-  template <ItemKind kind, class Block>
-  HWY_INLINE void leaf(const Block& block, const uint32_t* ids, size_t n) {
+  template <PrimitiveKind kind>
+  HWY_INLINE void leaf(const Block<kind>& block, const uint32_t* ids, size_t n) {
     if (!g_.two_sided(kind)) {
       for (size_t i = 0; i < n; ++i) meet_items(block.item, ids[i]);
       return;
     }
+    if constexpr (kind != PrimitiveKind::sphere && kind != PrimitiveKind::triangle) {
+      leaf_in_double(block, ids, n);
+    } else {
+      leaf_in_float(block, ids, n);
+    }
+  }
+  template <PrimitiveKind kind>
+  HWY_INLINE void leaf_in_float(const Block<kind>& block, const uint32_t* ids, size_t n) {
     if (any) {
       for (size_t i = 0; i < n; ++i) hide(block, ids[i]);
       return;
@@ -248,9 +270,9 @@ class Rays {
     return chord_distance(kEight, hn::Load(kEight, c.t + i), hn::Load(kEight, c.det + i));
   }
 
-  template <ItemKind kind>
-  HWY_INLINE void offer(const Candidate& c, int k, ItemId item) {
-    if (kind == ItemKind::triangle) {
+  template <PrimitiveKind kind>
+  HWY_INLINE void offer(const Candidate& c, int k, PrimitiveId item) {
+    if (kind == PrimitiveKind::triangle) {
       const float det = c.det[k];
       return take(c.id, c.t[k] / det, item, c.u[k] / det, c.v[k] / det);
     }
@@ -259,15 +281,15 @@ class Rays {
   }
 
   // Takes a hit if it is the nearest; of equally near ones that of the lowest id.
-  HWY_INLINE void take(uint32_t id, float t, ItemId item, float u, float v) {
+  HWY_INLINE void take(uint32_t id, float t, PrimitiveId item, float u, float v) {
     float& best = rays_[id].t;
     if (!(t > 0 && t <= best)) return;
     if (any) {
       if (t < best) best = batch_.t[id] = kHidden;
       return;
     }
-    ItemId& old = batch_.item[id];
-    if (t == best && (old == kNoItem || old <= item)) return;
+    PrimitiveId& old = batch_.item[id];
+    if (t == best && (old == kNoPrimitive || old <= item)) return;
     best = batch_.t[id] = t, old = item;
     batch_.u[id] = u, batch_.v[id] = v;
   }
@@ -318,18 +340,16 @@ class Rays {
     return mask;
   }
 
-  // In double, which is dear: most cones are missed by their boxes or the lines of their axes, and
-  // those that are not are tested as many at a time as there are lanes, whosever they are.
-  HWY_INLINE void leaf(const ConeBlock& block, const uint32_t* ids, size_t n) {
-    if (!g_.two_sided(ItemKind::cone)) {
-      for (size_t i = 0; i < n; ++i) meet_items(block.item, ids[i]);
-      return;
-    }
+  // In double, which is dear: most primitives are missed by their boxes or by what passes_by()
+  // tells of their kind, and those that are not are tested as many at a time as there are lanes,
+  // whosever they are.
+  template <PrimitiveKind kind>
+  HWY_INLINE void leaf_in_double(const Block<kind>& block, const uint32_t* ids, size_t n) {
     const BoxLanes boxes(block.boxes, block.item);
     for (size_t first = 0; first < n; first += kCandidates) {
       size_t found = 0;
       for (size_t i = first; i < std::min(n, first + kCandidates); ++i)
-        for_bits(near_axes(block, boxes, ids[i]), [&](int k) {
+        for_bits(near(block, boxes, ids[i]), [&](int k) {
           pairs_.id[found] = int32_t(ids[i]), pairs_.lane[found] = k;
           ++found;
         });
@@ -338,64 +358,42 @@ class Rays {
     }
   }
 
-  // Which of the cones have a box that the ray meets, and an axis whose line it passes no further
-  // away than their largest radius: |(o - base) . (d x axis)| / |d x axis|, but for rounding, here
-  // and in the test in double, which goes by the square of the height.
-  HWY_INLINE unsigned near_axes(const ConeBlock& block, const BoxLanes& boxes, uint32_t id) const {
+  // Which of the primitives a ray may hit.
+  template <PrimitiveKind kind>
+  HWY_INLINE unsigned near(const Block<kind>& block, const BoxLanes& boxes, uint32_t id) const {
     const unsigned mask = meet(id, boxes);
     if (mask == 0) return 0;
-    const auto& f = kEight;
     const StreamRay& r = rays_[id];
     unsigned aside = 0;
-    for (int i = 0; i < kBlockWidth; i += kLanes8) {
-      V8 o[3], d[3], axis[3];
-      for (int a = 0; a < 3; ++a) {
-        o[a] = hn::Sub(hn::Set(f, r.o[a]), hn::Load(f, block.base[a] + i));
-        d[a] = hn::Set(f, r.d[a]), axis[a] = hn::Load(f, block.axis[a] + i);
-      }
-      const V8 x = hn::Sub(hn::Mul(d[1], axis[2]), hn::Mul(d[2], axis[1]));
-      const V8 y = hn::Sub(hn::Mul(d[2], axis[0]), hn::Mul(d[0], axis[2]));
-      const V8 z = hn::Sub(hn::Mul(d[0], axis[1]), hn::Mul(d[1], axis[0]));
-      const V8 height = hn::Load(f, block.height + i);
-      const V8 size =
-          hn::Add(hn::Add(hn::Abs(o[0]), hn::Abs(o[1])), hn::Add(hn::Abs(o[2]), height));
-      const V8 rounding = hn::Mul(size, hn::Set(f, kSlack));
-      const V8 apart = hn::Sub(hn::Abs(dot(f, x, y, z, o[0], o[1], o[2])), rounding);
-      const V8 base = hn::Load(f, block.radius + i);
-      const V8 apex = hn::MulAdd(hn::Load(f, block.slope + i), height, base);
-      const V8 reach = hn::Mul(hn::Max(base, apex), hn::Set(f, 1 + kSlack));
-      const V8 across = hn::Sqrt(dot(f, x, y, z, x, y, z));
-      aside |= bits(f, hn::Gt(apart, hn::Mul(reach, across))) << i;
-    }
+    if constexpr (requires { passes_by(kEight, block.numbers, 0, r.o, r.d, kSlack); })
+      for (int i = 0; i < kBlockWidth; i += kLanes8)
+        aside |= bits(kEight, passes_by(kEight, block.numbers, i, r.o, r.d, kSlack)) << i;
     return mask & ~aside;
   }
 
   // Pairs first, first + 1, ... in the lanes, but none from `end` on.
-  HWY_INLINE void meet_pairs(const ConeBlock& block, size_t first, size_t end) {
+  template <PrimitiveKind kind>
+  HWY_INLINE void meet_pairs(const Block<kind>& block, size_t first, size_t end) {
     const DemotedTag f;
     const hn::RebindToSigned<DemotedTag> ints;
     const int32_t *const id = pairs_.id + first, *const lane = pairs_.lane + first;
     constexpr int32_t kRow = sizeof(StreamRay) / sizeof(float);
     const auto of_ray = hn::Mul(hn::Load(ints, id), hn::Set(ints, kRow));
-    const auto of_cone = hn::Load(ints, lane);
+    const auto of_primitive = hn::Load(ints, lane);
     const auto ray = [&](const float* from) HWY_ATTR {
       return hn::PromoteTo(kDoubles, hn::GatherIndex(f, from, of_ray));
     };
-    const auto cone = [&](const float* column) HWY_ATTR {
+    const auto numbers = widened(block.numbers, [&](const float* column) HWY_ATTR {
       // Out of one register where it holds the column, which is quicker than gathering.
       if constexpr (kLanesD == kBlockWidth)
-        return hn::PromoteTo(
-            kDoubles, hn::TableLookupLanes(hn::Load(f, column), hn::IndicesFromVec(f, of_cone)));
+        return hn::PromoteTo(kDoubles, hn::TableLookupLanes(hn::Load(f, column),
+                                                            hn::IndicesFromVec(f, of_primitive)));
       else
-        return hn::PromoteTo(kDoubles, hn::GatherIndex(f, column, of_cone));
-    };
-    ConeInput in;
-    for (int a = 0; a < 3; ++a) {
-      in.base[a] = cone(block.base[a]), in.axis[a] = cone(block.axis[a]);
-      in.origin[a] = ray(rays_->o + a), in.dir[a] = ray(rays_->d + a);
-    }
-    in.height = cone(block.height), in.radius = cone(block.radius), in.slope = cone(block.slope);
-    const ConeLanes hit = cone_test(in);
+        return hn::PromoteTo(kDoubles, hn::GatherIndex(f, column, of_primitive));
+    });
+    VD origin[3], dir[3];
+    for (int a = 0; a < 3; ++a) origin[a] = ray(rays_->o + a), dir[a] = ray(rays_->d + a);
+    const auto hit = first_hits(kDoubles, numbers, origin, dir);
     alignas(64) float t[kLanesD];
     hn::Store(hit.t, f, t);
     const unsigned exist = (1u << std::min(end - first, size_t(kLanesD))) - 1;
@@ -404,11 +402,11 @@ class Rays {
   }
 
   // One after another, for the rare surfaces that are seen from one side only.
-  void meet_items(const ItemId* items, uint32_t id) {
-    for (int i = 0; i < kBlockWidth && items[i] != kNoItem; ++i) {
+  void meet_items(const PrimitiveId* items, uint32_t id) {
+    for (int i = 0; i < kBlockWidth && items[i] != kNoPrimitive; ++i) {
       RayQuery query(batch_.ray(id));
       if (!any) query.best.item = batch_.item[id];
-      if (!test_item(g_, items[i], query)) continue;
+      if (!test_primitive(g_, items[i], query)) continue;
       rays_[id].t = batch_.t[id] = any ? kHidden : query.best.t;
       if (any) return;
       batch_.item[id] = query.best.item;

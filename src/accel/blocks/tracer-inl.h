@@ -42,17 +42,14 @@ class Tracer {
  public:
   Tracer(const Geometry& geometry, const Structure& structure, Room<WalkRoom>& room,
          TraceContext& context)
-      : g_(geometry),
-        structure_(structure),
-        room_(room),
-        context_(context),
-        beams_(g_.two_sided(ItemKind::sphere) && g_.two_sided(ItemKind::triangle) &&
-               g_.two_sided(ItemKind::cone)),
-        few_(g_.count(ItemKind::sphere) + 2 * g_.count(ItemKind::triangle) +
-                     4 * g_.count(ItemKind::cone) <=
-                 kFew &&
-             structure.spheres.size() + structure.triangles.size() + structure.cones.size() <=
-                 kFew) {}
+      : g_(geometry), structure_(structure), room_(room), context_(context), beams_(true) {
+    size_t work = 0;
+    for_each_bounded_kind([&]<PrimitiveKind kind> {
+      beams_ = beams_ && g_.two_sided(kind);
+      work += kWork<kind> * g_.count(kind);
+    });
+    few_ = work <= kFew && structure.count() <= kFew;
+  }
 
   // Rays first, first + 1, ... of the batch, at most kChunk; hits go to `hits` or `hit`.
   void trace(const RayBatch& rays, size_t first, HitBatch* hits, uint8_t* hit) {
@@ -66,7 +63,7 @@ class Tracer {
                .shear = {room_.shear[0], room_.shear[1], room_.shear[2]},
                .axes = room_.shear[3]};
     start(b, &rays.tmax[first]);
-    for (uint32_t i = 0; i < g_.count(ItemKind::plane); ++i) meet_plane(b, i);
+    for (uint32_t i = 0; i < g_.count(PrimitiveKind::plane); ++i) meet_plane(b, i);
     if (!structure_.empty()) trace_blocks(b);
     if (any)
       for (size_t i = 0; i < b.count; ++i) hit[first + i] = b.t[i] == kHidden;
@@ -82,7 +79,7 @@ class Tracer {
     const uint32_t packets = uint32_t(padded(b.count) / kPacket);
     uint32_t alone[kPackets];
     size_t n = 0, n_alone = 0;
-    if (!structure_.triangles.empty())
+    if (!structure_.template of<PrimitiveKind::triangle>().empty())
       for (size_t p = 0; p < packets; ++p) b.shear_packet(p * kPacket);
     BeamMaker<any> maker(structure_, b, room_.beams);
     if (beams_) maker.measure(packets);
@@ -118,7 +115,7 @@ class Tracer {
       const V16 t = hn::Load(f, tmax + i), done = hn::Set(f, -1);
       hn::Store(hn::IfThenElse(hn::Gt(t, hn::Zero(f)), t, done), f, b.t + i);
       if (any) continue;
-      hn::Store(hn::Set(ids, kNoItem), ids, b.item + i);
+      hn::Store(hn::Set(ids, kNoPrimitive), ids, b.item + i);
       hn::Store(hn::Zero(f), f, b.u + i), hn::Store(hn::Zero(f), f, b.v + i);
     }
     for (size_t i = b.count; i < padded(b.count); ++i) b.t[i] = -1;
@@ -127,9 +124,9 @@ class Tracer {
   // All rays against one plane, in double and in the order of shape/plane.h.
   void meet_plane(Batch& b, uint32_t index) {
     context_.tests += b.count;
-    if (!g_.two_sided(ItemKind::plane)) return meet_plane_one_by_one(b, index);
+    if (!g_.two_sided(PrimitiveKind::plane)) return meet_plane_one_by_one(b, index);
     const Plane& plane = g_.plane(index);
-    const ItemId item = item_id(ItemKind::plane, index);
+    const PrimitiveId item = primitive_id(PrimitiveKind::plane, index);
     const DemotedTag f;
     const auto& wide = kDoubles;
     const VD normal[3] = {hn::Set(wide, double(plane.normal.x)),
@@ -163,7 +160,7 @@ class Tracer {
     for (size_t i = 0; i < b.count; ++i) {
       RayQuery query(b.ray(i));
       if (!any) query.best.item = b.item[i];
-      if (!test_plane(g_, index, query)) continue;
+      if (!test<PrimitiveKind::plane>(g_, index, query)) continue;
       b.t[i] = any ? kHidden : query.best.t;
       if (!any) b.item[i] = query.best.item;
     }
@@ -174,6 +171,11 @@ class Tracer {
   Room<WalkRoom>& room_;
   TraceContext& context_;
   static constexpr size_t kFew = 32;  // measured
+  // Of a test, in that of a sphere: 2 of a triangle, 4 in double.
+  template <PrimitiveKind kind>
+  static constexpr size_t kWork = kind == PrimitiveKind::sphere     ? 1
+                                  : kind == PrimitiveKind::triangle ? 2
+                                                                    : 4;
 
   bool beams_;  // surfaces seen from one side only go ray by ray
   bool few_;    // so few primitives that every ray is tested against all

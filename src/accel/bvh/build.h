@@ -38,8 +38,8 @@ struct BuildBox {
 
 /// A primitive: its box, and its id in the fourth lane.
 struct BuildItem : BuildBox {
-  ItemId item() const { return std::bit_cast<ItemId>(float(lo[3])); }
-  void set(const BuildBox& box, ItemId item) {
+  PrimitiveId item() const { return std::bit_cast<PrimitiveId>(float(lo[3])); }
+  void set(const BuildBox& box, PrimitiveId item) {
     lo = box.lo, minus_hi = box.minus_hi;
     lo[3] = std::bit_cast<float>(item), minus_hi[3] = 0;
   }
@@ -78,7 +78,7 @@ inline constexpr int kPlanDepth = 18;
 
 /// Makes the items 0 .. out.size() - 1 by `make`, twice each, and puts their ids in `out`, ordered
 /// by the plan's leaves and by number within each.
-BuildPlan make_plan(std::span<ItemId> out,
+BuildPlan make_plan(std::span<PrimitiveId> out,
                     const std::function<void(size_t first, BuildRange)>& make);
 
 }  // namespace raio

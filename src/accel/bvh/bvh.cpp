@@ -18,13 +18,12 @@ class BvhAccel final : public Accel {
   }
   AccelInfo info() const override {
     size_t references = 0;
-    for (const ItemKind kind : {ItemKind::sphere, ItemKind::triangle, ItemKind::cone})
-      references += geometry_.count(kind);
+    for_each_bounded_kind([&]<PrimitiveKind kind> { references += geometry_.count(kind); });
     return {.name = "bvh",
             .bytes = geometry_.bytes() + bvh_.bytes(),
             .cells = bvh_.nodes.size(),
             .references = references,
-            .giants = geometry_.count(ItemKind::plane)};
+            .giants = geometry_.count(PrimitiveKind::plane)};
   }
 
  private:

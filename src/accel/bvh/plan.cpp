@@ -60,7 +60,7 @@ Binning sampled_binning(size_t count, const Make& make, std::array<int, 3>& n) {
 
 class Planner {
  public:
-  Planner(std::span<ItemId> out, const Make& make)
+  Planner(std::span<PrimitiveId> out, const Make& make)
       : out_(out), make_(make), binning_(sampled_binning(out.size(), make, n_)) {
     chunks_ = std::clamp<size_t>(out.size() / kChunk, 1, kMostChunks);
   }
@@ -164,7 +164,7 @@ class Planner {
     split(kid + 1, above, depth + 1);
   }
 
-  std::span<ItemId> out_;
+  std::span<PrimitiveId> out_;
   const Make& make_;
   std::array<int, 3> n_;
   Binning binning_;
@@ -177,6 +177,8 @@ class Planner {
 
 }  // namespace
 
-BuildPlan make_plan(std::span<ItemId> out, const Make& make) { return Planner(out, make).plan(); }
+BuildPlan make_plan(std::span<PrimitiveId> out, const Make& make) {
+  return Planner(out, make).plan();
+}
 
 }  // namespace raio

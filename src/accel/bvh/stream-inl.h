@@ -46,16 +46,8 @@ HWY_INLINE void prefetch(const Bvh& bvh, uint32_t ref) {
     for (size_t b = 0; b < sizeof(*p); b += 64)
       hwy::Prefetch(reinterpret_cast<const uint8_t*>(p) + b);
   };
-  switch (ref_pool(ref)) {
-    case Pool::nodes:
-      return lines(bvh.nodes.data() + i);
-    case Pool::spheres:
-      return lines(bvh.spheres.data() + i);
-    case Pool::triangles:
-      return lines(bvh.triangles.data() + i);
-    case Pool::cones:
-      return lines(bvh.cones.data() + i);
-  }
+  if (ref_pool(ref) == Pool::nodes) return lines(bvh.nodes.data() + i);
+  visit_pool(bvh, ref_pool(ref), [&](const auto& blocks) HWY_ATTR { lines(blocks.data() + i); });
 }
 
 // The root's, a bit each.

@@ -11,15 +11,15 @@
 namespace raio {
 namespace {
 
-using Counts = std::array<uint32_t, 4>;  // per Pool; the nodes are groups
+using Counts = std::array<uint32_t, kPools>;  // the nodes are groups
 
 // Calls f(pool, items) for the blocks that ascending items make.
 template <class F>
-void for_blocks(std::span<const ItemId> items, F&& f) {
+void for_blocks(std::span<const PrimitiveId> items, F&& f) {
   while (!items.empty()) {
-    const ItemKind kind = item_kind(items[0]);
+    const PrimitiveKind kind = primitive_kind(items[0]);
     size_t n = 1;
-    while (n < std::min(items.size(), size_t(kBlockWidth)) && item_kind(items[n]) == kind) ++n;
+    while (n < std::min(items.size(), size_t(kBlockWidth)) && primitive_kind(items[n]) == kind) ++n;
     f(pool_of(kind), items.first(n));
     items = items.subspan(n);
   }
@@ -31,7 +31,7 @@ class Baker {
 
   std::expected<GridBlocks, std::string> bake(size_t available) {
     set_lattice();
-    const std::vector<ItemId> giants = bounded_giants();
+    const std::vector<PrimitiveId> giants = bounded_giants();
     const size_t count = cells_.lattice.cells();
     std::vector<Counts> blocks(chunks_of(count));
     for_chunks(count, [&](size_t c, size_t first, size_t end) {
@@ -44,17 +44,15 @@ class Baker {
     });
     for (Counts& chunk : blocks)
       for (size_t p = 0; p < next.size(); ++p) next[p] += std::exchange(chunk[p], next[p]);
-    const double bytes = double(next[0]) * sizeof(BlockGroup) +
-                         double(next[1]) * sizeof(SphereBlock) +
-                         double(next[2]) * sizeof(TriangleBlock) +
-                         double(next[3]) * sizeof(ConeBlock) + 5.0 * double(count);
+    const double bytes =
+        double(next[0]) * sizeof(BlockGroup) + Blocks::bytes_of(next) + 5.0 * double(count);
     if (bytes > 0.9 * double(available))
       return std::unexpected(
           fmt::format("the cells of the grid would take {:.1f} GB and {:.1f} GB are free; choose "
                       "fewer cells",
                       bytes * 1e-9, double(available) * 1e-9));
     out_.groups.resize(next[0]);
-    out_.spheres.resize(next[1]), out_.triangles.resize(next[2]), out_.cones.resize(next[3]);
+    out_.resize(next);
     out_.begin.resize(count + 1);
     out_.begin[count] = next[0];
     size_t giant = 0;
@@ -67,7 +65,7 @@ class Baker {
   }
 
  private:
-  static void count_blocks(std::span<const ItemId> items, Counts& counts) {
+  static void count_blocks(std::span<const PrimitiveId> items, Counts& counts) {
     uint32_t n = 0;
     for_blocks(items, [&](Pool pool, auto) { ++counts[size_t(pool)], ++n; });
     counts[0] += (n + kBlockWidth - 1) / kBlockWidth;
@@ -82,13 +80,13 @@ class Baker {
       const uint32_t ref = pool_ref(pool, next[size_t(pool)]++);
       out_.fill(g_, ref, items);
       Box3f box;
-      for (const ItemId id : items) box.extend(g_.bounds(id));
+      for (const PrimitiveId id : items) box.extend(g_.bounds(id));
       box.lo = max(box.lo, around.lo), box.hi = min(box.hi, around.hi);
       const size_t lane = n++ % kBlockWidth;
       if (lane == 0) {
         BlockGroup& fresh = out_.groups[next[0]++];
         fresh.boxes.set_empty();
-        std::ranges::fill(fresh.block, kNoItem);
+        std::ranges::fill(fresh.block, kNoPrimitive);
       }
       BlockGroup& group = out_.groups[next[0] - 1];
       group.boxes.set(lane, box), group.block[lane] = ref;
@@ -108,7 +106,7 @@ class Baker {
     return box;
   }
 
-  std::span<const ItemId> list(size_t cell) const {
+  std::span<const PrimitiveId> list(size_t cell) const {
     return std::span(cells_.items)
         .subspan(cells_.begin[cell], cells_.begin[cell + 1] - cells_.begin[cell]);
   }
@@ -152,10 +150,12 @@ class Baker {
   }
 
   // In ascending order; planes are met by the tracer.
-  std::vector<ItemId> bounded_giants() {
-    std::vector<ItemId> giants;
-    for (const ItemId id : cells_.giants) {
-      if (item_kind(id) == ItemKind::plane) continue;
+  std::vector<PrimitiveId> bounded_giants() {
+    std::vector<PrimitiveId> giants;
+    for (const PrimitiveId id : cells_.giants) {
+      const bool bounded =
+          with_kind(primitive_kind(id), []<PrimitiveKind kind> { return kIsBounded<kind>; });
+      if (!bounded) continue;
       giants.push_back(id);
       const Box3f box = g_.bounds(id);
       out_.reach = std::max(out_.reach, max_component(max(abs(box.lo), abs(box.hi))));

@@ -3,9 +3,6 @@
 
 #include "accel/grid/grid.h"
 #include "base/parallel.h"
-#include "shape/cone.h"
-#include "shape/sphere.h"
-#include "shape/triangle.h"
 
 namespace raio {
 namespace {
@@ -27,19 +24,13 @@ constexpr size_t kFew = 32;
 // rounding.
 constexpr double kNear = 16;
 
-bool touches(const Geometry& g, ItemId id, const Box3d& box) {
-  const uint32_t i = item_index(id);
-  switch (item_kind(id)) {
-    case ItemKind::sphere:
-      return overlaps(g.sphere(i), box);
-    case ItemKind::triangle:
-      return overlaps(g.triangle(i), box);
-    case ItemKind::cone:
-      return overlaps(g.cone(i), box);
-    case ItemKind::plane:
-      break;
-  }
-  return true;
+bool touches(const Geometry& g, PrimitiveId id, const Box3d& box) {
+  return with_kind(primitive_kind(id), [&]<PrimitiveKind kind> {
+    if constexpr (kIsBounded<kind>)
+      return overlaps(g.get<kind>(primitive_index(id)), box);
+    else
+      return true;
+  });
 }
 
 // M * side / s + 1 cells along each side, s = cbrt(volume / N): cells are cubes, M^3 * N of them.
@@ -91,10 +82,10 @@ class GridBuilder : GridCells {
 
  private:
   void collect_items() {
-    for (uint32_t i = 0; i < g_.count(ItemKind::plane); ++i)
-      giants.push_back(item_id(ItemKind::plane, i));
-    for (const ItemKind kind : {ItemKind::sphere, ItemKind::triangle, ItemKind::cone})
-      for (uint32_t i = 0; i < g_.count(kind); ++i) rest_.push_back(item_id(kind, i));
+    for_each_kind([&]<PrimitiveKind kind> {
+      auto& to = kIsBounded<kind> ? rest_ : giants;
+      for (uint32_t i = 0; i < g_.count(kind); ++i) to.push_back(primitive_id(kind, i));
+    });
     boxes_.resize(rest_.size());
     parallel_for(rest_.size(), [&](size_t i) { boxes_[i] = g_.bounds(rest_[i]); });
   }
@@ -114,10 +105,10 @@ class GridBuilder : GridCells {
       for (uint32_t i = 0; i < rest_.size() && large.size() <= kMaxGiants; ++i)
         if (boxes_[i].half_area() >= limit) large.push_back(i);
       if (large.empty() || giants.size() + large.size() > most) break;
-      for (const uint32_t i : large) giants.push_back(rest_[i]), rest_[i] = kNoItem;
+      for (const uint32_t i : large) giants.push_back(rest_[i]), rest_[i] = kNoPrimitive;
       size_t kept = 0;
       for (size_t i = 0; i < rest_.size(); ++i)
-        if (rest_[i] != kNoItem) rest_[kept] = rest_[i], boxes_[kept++] = boxes_[i];
+        if (rest_[i] != kNoPrimitive) rest_[kept] = rest_[i], boxes_[kept++] = boxes_[i];
       rest_.resize(kept), boxes_.resize(kept);
     }
   }
@@ -179,8 +170,9 @@ class GridBuilder : GridCells {
   }
 
   // Of a polygon.
-  bool is_piece(ItemId id) const {
-    return item_kind(id) == ItemKind::triangle && item_index(id) >= g_.scene().triangles.size();
+  bool is_piece(PrimitiveId id) const {
+    return primitive_kind(id) == PrimitiveKind::triangle &&
+           primitive_index(id) >= g_.scene().triangles.size();
   }
 
   template <class F>
@@ -203,7 +195,7 @@ class GridBuilder : GridCells {
     constexpr size_t kChunk = 1024;
     struct Reference {
       uint32_t cell;
-      ItemId item;
+      PrimitiveId item;
     };
     std::vector<std::vector<Reference>> chunks((rest_.size() + kChunk - 1) / kChunk);
     parallel_for(chunks.size(), [&](size_t c) {
@@ -223,8 +215,8 @@ class GridBuilder : GridCells {
   }
 
   const Geometry& g_;
-  std::vector<ItemId> rest_;  // all but giants
-  std::vector<Box3f> boxes_;  // theirs
+  std::vector<PrimitiveId> rest_;  // all but giants
+  std::vector<Box3f> boxes_;       // theirs
   double pad_ = 0;
   bool by_boxes_ = false;  // list what is no piece in all cells that its box touches
 };

@@ -23,16 +23,16 @@ AccelInfo info_of(const GridCells& cells, size_t bytes) {
 // in it.
 class Mailbox {
  public:
-  Mailbox() { seen_.fill(kNoItem); }
-  bool first_time(ItemId id) {
-    ItemId& slot = seen_[id % seen_.size()];
+  Mailbox() { seen_.fill(kNoPrimitive); }
+  bool first_time(PrimitiveId id) {
+    PrimitiveId& slot = seen_[id % seen_.size()];
     if (slot == id) return false;
     slot = id;
     return true;
   }
 
  private:
-  std::array<ItemId, 8> seen_;
+  std::array<PrimitiveId, 8> seen_;
 };
 
 class CountingGrid final : public Accel {
@@ -59,9 +59,9 @@ class CountingGrid final : public Accel {
   RayQuery trace(const Ray& ray, TraceContext& context) const {
     RayQuery query(ray);
     if (!(ray.tmax > 0)) return query;
-    for (const ItemId id : cells_.giants) {
+    for (const PrimitiveId id : cells_.giants) {
       ++context.tests;
-      if (test_item(geometry_, id, query) && any) return query;
+      if (test_primitive(geometry_, id, query) && any) return query;
     }
     if (!cells_.items.empty()) walk<any>(query, context);
     return query;
@@ -69,11 +69,13 @@ class CountingGrid final : public Accel {
 
   template <bool any>
   void all(RayQuery& query, TraceContext& context) const {
-    for (const ItemKind kind : {ItemKind::sphere, ItemKind::triangle, ItemKind::cone})
-      for (uint32_t i = 0; i < geometry_.count(kind); ++i) {
+    bool done = false;
+    for_each_bounded_kind([&]<PrimitiveKind kind> {
+      for (uint32_t i = 0; !done && i < geometry_.count(kind); ++i) {
         ++context.tests;
-        if (test_item(geometry_, item_id(kind, i), query) && any) return;
+        done = test<kind>(geometry_, i, query) && any;
       }
+    });
   }
 
   // In double throughout: in scalar code it costs the same, and the cell that the ray is in is then
@@ -128,10 +130,10 @@ class CountingGrid final : public Accel {
     while (true) {
       ++context.steps;
       for (uint32_t r = cells_.begin[cell]; r < cells_.begin[cell + 1]; ++r) {
-        const ItemId id = cells_.items[r];
+        const PrimitiveId id = cells_.items[r];
         if (!mailbox.first_time(id) && !plain_) continue;
         ++context.tests;
-        if (test_item(geometry_, id, query) && any) return;
+        if (test_primitive(geometry_, id, query) && any) return;
       }
       const bool x = axes[0].next < axes[1].next;
       Axis& axis = x ? (axes[0].next < axes[2].next ? axes[0] : axes[2])

@@ -45,12 +45,12 @@ constexpr double hit_error(double largest) {
 }
 
 struct GridCells {
-  std::vector<ItemId> giants;  // in no cell; every ray tests them first
+  std::vector<PrimitiveId> giants;  // in no cell; every ray tests them first
   Lattice lattice;
-  std::vector<uint32_t> begin;  // per cell, and one more: where its list starts
-  std::vector<ItemId> items;    // ascending in each cell
-  double reach = 0;             // the largest coordinate of what is listed
-  double near = 0;              // rays that start with coordinates up to this find it in its cells
+  std::vector<uint32_t> begin;     // per cell, and one more: where its list starts
+  std::vector<PrimitiveId> items;  // ascending in each cell
+  double reach = 0;                // the largest coordinate of what is listed
+  double near = 0;  // rays that start with coordinates up to this find it in its cells
 };
 
 /// The same for any number of threads. The error is one line.

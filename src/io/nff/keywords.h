@@ -7,7 +7,7 @@
 namespace raio::nff {
 
 /// What begins an entity.
-enum class Keyword { none, v, b, l, f, s, c, p, pp, pl, box, mesh, spp, accel };
+enum class Keyword { none, v, b, l, f, s, c, p, pp, pl, box, mesh, ellipsoid, disc, spp, accel };
 
 /// What begins a piece of `v`, in the usual order.
 enum class CameraWord { none, from, at, up, angle, hither, resolution, aperture, focal };
@@ -27,6 +27,12 @@ std::string_view nearest_word(std::string_view word, bool in_camera);
 
 /// What an entity takes, for "number too many": "s takes 4 numbers: x y z radius".
 std::string_view usage(Keyword keyword);
+
+/// What an entity is called in messages: "the sphere".
+std::string_view noun_of(Keyword keyword);
+
+/// Does an entity leave nothing behind but a material or objects?
+bool leaves_objects(Keyword keyword);
 
 /// All keywords, for "expected one of ...".
 std::string keyword_list();

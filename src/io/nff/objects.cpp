@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numbers>
 
 #include "io/nff/geometry.h"
 #include "io/nff/parser.h"
@@ -129,7 +130,9 @@ void Parser::cone() {
       (cone.base_radius > 0 && cone.apex_radius < 0))
     return reject("one radius is negative and the other is not; for the inside make both negative");
   if (too_far(cone.base) || too_far(cone.apex)) return;
-  if (cone.base == cone.apex) return reject("base and apex are the same point; NFF has no discs");
+  if (cone.base == cone.apex)
+    return reject(
+        "base and apex are the same point; for a flat one write disc x y z nx ny nz radius");
   scene_.cones.push_back(cone);
   scene_.cone_materials.push_back(id);
 }
@@ -145,6 +148,64 @@ void Parser::plane() {
   if (too_far(plane.point)) return;
   scene_.planes.push_back(plane);
   scene_.plane_materials.push_back(id);
+}
+
+void Parser::ellipsoid() {
+  Vec3d axes[3];
+  double n[3];
+  if (!numbers(n, kXyz)) return;
+  const Vec3d center(n[0], n[1], n[2]);
+  for (size_t i = 0; i < 3; ++i) {
+    if (!numbers(n, kXyz, {"semi-axis", i + 1})) return;
+    axes[i] = {n[0], n[1], n[2]};
+  }
+  const MaterialId id = material_here();
+  const Ellipsoid ellipsoid{place(center), {Vec3f(axes[0]), Vec3f(axes[1]), Vec3f(axes[2])}};
+  if (too_far(ellipsoid.center)) return;
+  for (size_t i = 0; i < 3; ++i)
+    if (!(length(axes[i]) > 0)) return reject(fmt::format("semi-axis {} is zero", i + 1));
+  for (size_t i = 0; i < 3; ++i) {
+    const size_t next = (i + 1) % 3;
+    const double cosine = dot(normalize(axes[i]), normalize(axes[next]));
+    if (std::abs(cosine) > kRightAngle)
+      return reject(fmt::format(
+          "semi-axes {} and {} are {:.4g} degrees apart, expected 90; make them perpendicular",
+          std::min(i, next) + 1, std::max(i, next) + 1,
+          std::acos(std::clamp(cosine, -1.0, 1.0)) * (180 / std::numbers::pi)));
+  }
+  bool sound = true;
+  check_shape(ellipsoid, [&](bool holds, std::string_view expected) {
+    if (sound && !holds) reject(std::string(expected));
+    sound = sound && holds;
+  });
+  if (!sound) return;
+  scene_.ellipsoids.push_back(ellipsoid);
+  scene_.ellipsoid_materials.push_back(id);
+}
+
+void Parser::disc() {
+  static constexpr std::string_view kNames[] = {"x",
+                                                "y",
+                                                "z",
+                                                "the normal's x",
+                                                "the normal's y",
+                                                "the normal's z",
+                                                "the radius",
+                                                "the inner radius"};
+  double n[8] = {};
+  if (!numbers({n, 7}, kNames)) return;
+  if (numbers_left_in_line() > 0 && !numbers({n + 7, 1}, Names(kNames).subspan(7))) return;
+  const MaterialId id = material_here();
+  const auto normal = unit_normal({n[3], n[4], n[5]});
+  if (!normal) return reject("the normal of the disc is zero, expected the direction it faces");
+  const Disc disc{place({n[0], n[1], n[2]}), *normal, float(n[6]), float(n[7])};
+  if (too_far(disc.center)) return;
+  if (!(disc.radius > 0)) return reject(fmt::format("the radius must be above 0, found {}", n[6]));
+  if (!(disc.inner >= 0 && disc.inner < disc.radius))
+    return reject(fmt::format(
+        "the inner radius must be at least 0 and below the radius, {}, found {}", n[6], n[7]));
+  scene_.discs.push_back(disc);
+  scene_.disc_materials.push_back(id);
 }
 
 void Parser::polygon(bool smooth) {

@@ -83,6 +83,8 @@ class Parser {
   void sphere();
   void cone();
   void plane();
+  void ellipsoid();
+  void disc();
   void polygon(bool smooth);
   void box();
   void mesh();

@@ -14,22 +14,11 @@ namespace {
 constexpr size_t kPieceBytes = 128 * 1024;
 constexpr size_t kPiecesAtOnce = 64;  // bounds the memory that they take beside the scene
 
-/// Does the entity leave nothing behind but a material or objects?
-bool is_plain(Keyword keyword) {
-  switch (keyword) {
-    case Keyword::f:
-    case Keyword::s:
-    case Keyword::c:
-    case Keyword::p:
-    case Keyword::pp:
-    case Keyword::pl:
-    case Keyword::box:
-    case Keyword::mesh:
-      return true;
-    default:
-      return false;
-  }
-}
+/// The one of several functions that fits best.
+template <class... F>
+struct Overloaded : F... {
+  using F::operator()...;
+};
 
 /// Appends, and changes what it appends by `change` first. `whole` is how much longer the text is
 /// than the part read so far: what the pool will need if the rest is like that part. Memory that
@@ -101,7 +90,7 @@ void Parser::read(Piece& piece) const {
   Parser parser(*this, piece.begin, piece.report);
   piece.plain = true;
   while (piece.plain && (parser.p_ = skip_blanks(parser.p_)) < piece.end)
-    piece.plain = is_plain(parser.entity()) && !piece.report.failed();
+    piece.plain = leaves_objects(parser.entity()) && !piece.report.failed();
   piece.scene = std::move(parser.scene_);
   piece.material = *parser.material_;
 }
@@ -129,23 +118,20 @@ void Parser::append(Piece& piece) {
   };
   const auto as_it_is = [](auto&) {};
   const auto renumber = [&](MaterialId& id) { id = ids[id]; };
-  join(to.planes, from.planes, as_it_is);
-  join(to.plane_materials, from.plane_materials, renumber);
-  join(to.spheres, from.spheres, as_it_is);
-  join(to.sphere_materials, from.sphere_materials, renumber);
-  join(to.cones, from.cones, as_it_is);
-  join(to.cone_materials, from.cone_materials, renumber);
+  const auto move_triangle = [&](TriangleIndices& t) {
+    for (uint32_t& corner : t) corner += first;
+  };
+  const auto move_polygon = [&](Polygon& p) { p.first += first; };
+  const auto moved = Overloaded{move_triangle, move_polygon, as_it_is};
+  for_each_pool([&](auto pool) {
+    join(to.*pool.shapes, from.*pool.shapes, moved);
+    join(to.*pool.materials, from.*pool.materials, renumber);
+  });
   join(to.positions, from.positions, as_it_is);
   join(to.normals, from.normals, as_it_is);
-  join(to.triangles, from.triangles, [&](TriangleIndices& t) {
-    for (uint32_t& corner : t) corner += first;
-  });
-  join(to.triangle_materials, from.triangle_materials, renumber);
   join(to.triangle_normals, from.triangle_normals, [&](TriangleIndices& t) {
     for (uint32_t& normal : t) normal += normal == kNoNormal ? 0 : first_normal;
   });
-  join(to.polygons, from.polygons, [&](Polygon& p) { p.first += first; });
-  join(to.polygon_materials, from.polygon_materials, renumber);
 }
 
 }  // namespace raio::nff

@@ -14,40 +14,6 @@ namespace {
 /// Numbers from here on round to infinity as a float.
 constexpr double kBeyondFloat = 0x1.ffffffp127;
 
-std::string_view noun_of(Keyword keyword) {
-  switch (keyword) {
-    case Keyword::v:
-      return "the camera";
-    case Keyword::b:
-      return "the background";
-    case Keyword::l:
-      return "the light";
-    case Keyword::f:
-      return "the material";
-    case Keyword::s:
-      return "the sphere";
-    case Keyword::c:
-      return "the cone";
-    case Keyword::p:
-      return "the polygon";
-    case Keyword::pp:
-      return "the smooth polygon";
-    case Keyword::pl:
-      return "the plane";
-    case Keyword::box:
-      return "the box";
-    case Keyword::mesh:
-      return "the mesh";
-    case Keyword::spp:
-      return "spp";
-    case Keyword::accel:
-      return "accel";
-    case Keyword::none:
-      break;
-  }
-  return {};
-}
-
 }  // namespace
 
 Parser::Parser(const TextBuffer& text, std::string_view file, TextReport& report)
@@ -112,6 +78,10 @@ void Parser::read_entity(Keyword keyword) {
       return box();
     case Keyword::mesh:
       return mesh();
+    case Keyword::ellipsoid:
+      return ellipsoid();
+    case Keyword::disc:
+      return disc();
     case Keyword::accel:
       return accel();
     case Keyword::spp:
@@ -179,10 +149,10 @@ void Parser::finish() {
   if (!camera_begin_ && !camera_lost_)
     report_.error("there is no camera: expected v with from, at, up and angle");
   if (!object_seen_) report_.warning("there is no object in the file");
-  constexpr size_t kMost = kMaxItemsPerKind;
-  if (std::max({scene_.spheres.size(), scene_.cones.size(), scene_.planes.size(),
-                scene_.triangles.size(), scene_.polygons.size()}) > kMost ||
-      std::max(scene_.positions.size(), scene_.normals.size()) >= kNoNormal)
+  constexpr size_t kMost = kMaxPrimitivesPerKind;
+  size_t most = 0;
+  for_each_pool([&](auto pool) { most = std::max(most, (scene_.*pool.shapes).size()); });
+  if (most > kMost || std::max(scene_.positions.size(), scene_.normals.size()) >= kNoNormal)
     report_.error(
         fmt::format("the scene has more than {} objects of a kind, or too many corners", kMost));
   if (scene_.materials.empty()) scene_.materials.emplace_back();

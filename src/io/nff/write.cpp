@@ -107,43 +107,45 @@ class Writer {
   }
 
   void objects() {
-    for (size_t i = 0; i < scene_.planes.size(); ++i) {
-      use(scene_.plane_materials[i]);
-      plane(scene_.planes[i]);
-    }
-    for (size_t i = 0; i < scene_.spheres.size(); ++i) {
-      use(scene_.sphere_materials[i]);
-      const Sphere& s = scene_.spheres[i];
-      position("s", s.center).number(s.radius).end_line();
-    }
-    for (size_t i = 0; i < scene_.cones.size(); ++i) {
-      use(scene_.cone_materials[i]);
-      const Cone& c = scene_.cones[i];
-      position("c", c.base).number(c.base_radius);
-      position({}, c.apex).number(c.apex_radius).end_line();
-    }
-    for (size_t i = 0; i < scene_.triangles.size(); ++i) {
-      use(scene_.triangle_materials[i]);
-      triangle(i);
-    }
-    for (size_t i = 0; i < scene_.polygons.size(); ++i) {
-      use(scene_.polygon_materials[i]);
-      const Polygon& p = scene_.polygons[i];
-      text_.word("p").number(p.count).end_line();
-      for (size_t k = p.first; k < size_t(p.first) + p.count; ++k)
-        position({}, scene_.positions[k]).end_line();
-    }
+    for_each_pool([&](auto pool) {
+      const auto& shapes = scene_.*pool.shapes;
+      for (size_t i = 0; i < shapes.size(); ++i) {
+        use((scene_.*pool.materials)[i]);
+        shape(shapes[i], i);
+      }
+    });
   }
 
-  void triangle(size_t i) {
+  void shape(const Plane& plane, size_t);
+  void shape(const Sphere& s, size_t) { position("s", s.center).number(s.radius).end_line(); }
+  void shape(const Cone& c, size_t) {
+    position("c", c.base).number(c.base_radius);
+    position({}, c.apex).number(c.apex_radius).end_line();
+  }
+  void shape(const Ellipsoid& e, size_t) {
+    position("ellipsoid", e.center);
+    for (const Vec3f& axis : e.axes) text_.vector(axis);
+    text_.end_line();
+  }
+  void shape(const Disc& d, size_t) {
+    position("disc", d.center).vector(d.normal).number(d.radius);
+    if (d.inner > 0) text_.number(d.inner);
+    text_.end_line();
+  }
+  void shape(const TriangleIndices& corners, size_t i) {
     const bool smooth =
         !scene_.triangle_normals.empty() && scene_.triangle_normals[i][0] != kNoNormal;
     text_.word(smooth ? "pp 3" : "p 3").end_line();
     for (int k = 0; k < 3; ++k) {
-      position({}, scene_.positions[scene_.triangles[i][k]]);
+      position({}, scene_.positions[corners[k]]);
       if (smooth) text_.vector(scene_.normals[scene_.triangle_normals[i][k]]);
       text_.end_line();
     }
+  }
+  void shape(const Polygon& p, size_t) {
+    text_.word("p").number(p.count).end_line();
+    for (size_t k = p.first; k < size_t(p.first) + p.count; ++k)
+      position({}, scene_.positions[k]).end_line();
   }
 
   /// Makes material `id` the current one. The reader numbers materials as they come, so those
@@ -167,8 +169,6 @@ class Writer {
     return scene_.origin == Vec3d() ? text_.vector(p) : text_.vector(scene_.origin + Vec3d(p));
   }
 
-  void plane(const Plane& plane);
-
   const Scene& scene_;
   Text text_;
   MaterialId next_material_ = 0, current_ = 0xffffffffu;
@@ -191,7 +191,7 @@ Vec3d unrounded(Vec3f normal) {
   return n + half_bit * part;
 }
 
-void Writer::plane(const Plane& plane) {
+void Writer::shape(const Plane& plane, size_t) {
   const Vec3d n = unrounded(plane.normal);
   const bool plain = scene_.origin == Vec3d();
   Vec3d point = scene_.origin + Vec3d(plane.point);

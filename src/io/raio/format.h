@@ -85,6 +85,8 @@ template <> struct Element<Material> : Numbers<Number::f32, 8> {};
 template <> struct Element<Plane> : Numbers<Number::f32, 6> {};
 template <> struct Element<Sphere> : Numbers<Number::f32, 4> {};
 template <> struct Element<Cone> : Numbers<Number::f32, 8> {};
+template <> struct Element<Ellipsoid> : Numbers<Number::f32, sizeof(Ellipsoid) / 4> {};
+template <> struct Element<Disc> : Numbers<Number::f32, sizeof(Disc) / 4> {};
 template <> struct Element<Polygon> : Numbers<Number::u32, 2> {};
 template <> struct Element<ObjectRange> : Numbers<Number::u32, 4> {};
 // clang-format on

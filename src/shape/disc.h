@@ -1,0 +1,99 @@
+// Flat discs and rings.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "base/box.h"
+#include "base/ray.h"
+#include "shape/kinds.h"
+#include "shape/overlap.h"
+
+namespace raio {
+
+/// The points of a plane from `inner` to `radius` away from the centre. The outside is where the
+/// normal, of unit length, points to.
+struct Disc {
+  Vec3f center, normal;
+  float radius = 0, inner = 0;
+};
+
+constexpr ShapeKind shape_kind(const Disc&) { return ShapeKind::disc; }
+inline bool only_inside_seen(const Disc&) { return false; }
+
+template <class Must>
+void check_shape(const Disc& d, Must&& must) {
+  must(is_finite(d.center), "the centre must be finite");
+  must(is_finite(d.normal) && is_unit(d.normal), "the normal must have length 1");
+  must(std::isfinite(d.radius) && d.radius > 0, "the radius must be finite and positive");
+  must(d.inner >= 0 && d.inner < d.radius,
+       "the inner radius must not be negative, and less than the radius");
+}
+
+inline const Disc& bake(const Disc& d) { return d; }
+
+/// The numbers of a disc with names only: of one, or each a column of many.
+template <class T>
+struct DiscNumbers {
+  T center[3], normal[3], radius, inner;
+};
+inline DiscNumbers<float> numbers_of(const Disc& d) {
+  return {{d.center.x, d.center.y, d.center.z},
+          {d.normal.x, d.normal.y, d.normal.z},
+          d.radius,
+          d.inner};
+}
+
+inline Box3f bounds(const Disc& d) {
+  // A circle of normal n reaches r * sqrt(1 - n_x^2) along x; in this form nothing cancels.
+  const Vec3d n = normalize(Vec3d(d.normal)), center(d.center);
+  const Vec3d reach =
+      Vec3d(std::hypot(n.y, n.z), std::hypot(n.z, n.x), std::hypot(n.x, n.y)) * double(d.radius);
+  return rounded_out({center - reach, center + reach});
+}
+
+/// The plane is met as in plane.h, in double, and the distance from the centre follows from there:
+/// the differences are of the size of the disc and not of its distance. A parallel ray meets
+/// nothing: its distance is infinite or not a number.
+inline std::optional<ShapeHit> first_hit(const Disc& disc, const Ray& ray, Sides sides) {
+  const Vec3d normal(disc.normal), dir(ray.dir);
+  const Vec3d to_center = Vec3d(disc.center) - Vec3d(ray.origin);
+  const double along = dot(normal, dir);
+  const double t = dot(normal, to_center) / along;
+  const Vec3d from_center = dir * t - to_center;
+  const double distance2 = dot(from_center, from_center);
+  const double radius = disc.radius, inner = disc.inner;
+  if (!(distance2 <= radius * radius && distance2 >= inner * inner)) return std::nullopt;
+  if (!(float(t) > 0) || !visible(sides, float(along))) return std::nullopt;
+  return ShapeHit{float(t)};
+}
+
+inline SurfacePoint surface_point(const Disc& d, Vec3f p) {
+  const Vec3d normal(d.normal);
+  const double height = dot(normal, Vec3d(p) - Vec3d(d.center));
+  return {Vec3f(Vec3d(p) - normal * height), d.normal, d.radius};
+}
+
+/// The distance of a point to the disc.
+inline double disc_distance(const Disc& d, Vec3d p) {
+  const Vec3d normal(d.normal), x = p - Vec3d(d.center);
+  const double z = dot(x, normal), rho = length(x - normal * z);
+  return std::hypot(z, std::max({0.0, rho - d.radius, d.inner - rho}));
+}
+
+/// May the disc touch the box? Never wrong with "no".
+inline bool overlaps(const Disc& d, const Box3d& box) {
+  return may_touch(box, [&](const Box3d& part) {
+    const Vec3d center = part.center(), half = part.size() * 0.5, normal(d.normal);
+    // The normal is of unit length to a float's precision, and so are distances measured with it.
+    const double slack =
+        std::numeric_limits<float>::epsilon() * (length(center - Vec3d(d.center)) + length(half));
+    const double height = std::abs(dot(normal, center - Vec3d(d.center)));
+    return height > dot(abs(normal), half) + slack ||
+           disc_distance(d, center) > length(half) + slack;
+  });
+}
+
+}  // namespace raio

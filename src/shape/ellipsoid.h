@@ -1,0 +1,161 @@
+// Ellipsoids in any orientation.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string>
+
+#include "base/box.h"
+#include "base/ray.h"
+#include "shape/kinds.h"
+#include "shape/overlap.h"
+
+namespace raio {
+
+/// The unit sphere, stretched along three semi-axes that are perpendicular to each other. Both
+/// sides are seen.
+struct Ellipsoid {
+  Vec3f center;
+  Vec3f axes[3];
+};
+
+constexpr ShapeKind shape_kind(const Ellipsoid&) { return ShapeKind::ellipsoid; }
+inline bool only_inside_seen(const Ellipsoid&) { return false; }
+
+/// What an intersection wants of an ellipsoid; made once when a scene is baked: the points x with
+/// |to_unit (x - center)| = 1. `to_unit` has rows.
+struct BakedEllipsoid {
+  Vec3f center;
+  Vec3f to_unit[3];
+  float extent = 0;  // the longest semi-axis
+
+  BakedEllipsoid() = default;
+  /// The rows are the inverse of the matrix whose columns are the semi-axes.
+  explicit BakedEllipsoid(const Ellipsoid& e) : center(e.center) {
+    for (int i = 0; i < 3; ++i) {
+      const Vec3d axis(e.axes[i]);
+      const Vec3d across = cross(Vec3d(e.axes[(i + 1) % 3]), Vec3d(e.axes[(i + 2) % 3]));
+      to_unit[i] = Vec3f(across / dot(axis, across));
+      extent = std::max(extent, float(length(axis)));
+    }
+  }
+};
+
+inline BakedEllipsoid bake(const Ellipsoid& e) { return BakedEllipsoid(e); }
+
+/// May semi-axes as far from a right angle as this be written in a file? Decimals are rounded.
+inline constexpr double kRightAngle = 1e-4;
+
+template <class Must>
+void check_shape(const Ellipsoid& e, Must&& must) {
+  bool finite = is_finite(e.center), positive = true, perpendicular = true;
+  for (int i = 0; i < 3; ++i) {
+    const Vec3d a(e.axes[i]), b(e.axes[(i + 1) % 3]);
+    finite = finite && is_finite(e.axes[i]);
+    positive = positive && length(a) > 0;
+    perpendicular = perpendicular && !(std::abs(dot(a, b)) > kRightAngle * length(a) * length(b));
+  }
+  must(finite, "centre and semi-axes must be finite");
+  must(!finite || positive, "no semi-axis may be zero");
+  must(!finite || !positive || perpendicular, "the semi-axes must be perpendicular to each other");
+  if (!finite || !positive || !perpendicular) return;
+  const BakedEllipsoid baked(e);
+  must(is_finite(baked.to_unit[0]) && is_finite(baked.to_unit[1]) && is_finite(baked.to_unit[2]) &&
+           std::isfinite(baked.extent),
+       "a semi-axis is too short or too long for a float");
+}
+
+/// The numbers of a baked ellipsoid with names only: of one, or each a column of many.
+template <class T>
+struct EllipsoidNumbers {
+  T center[3], to_unit[3][3];
+};
+inline EllipsoidNumbers<float> numbers_of(const BakedEllipsoid& e) {
+  EllipsoidNumbers<float> out;
+  for (int a = 0; a < 3; ++a) {
+    out.center[a] = e.center[a];
+    for (int i = 0; i < 3; ++i) out.to_unit[i][a] = e.to_unit[i][a];
+  }
+  return out;
+}
+
+/// Around the baked surface: along x it reaches as far as the x components of the semi-axes are
+/// long together, which are the columns of the inverse of `to_unit`.
+inline Box3f bounds(const BakedEllipsoid& e) {
+  Vec3d axes[3];
+  for (int i = 0; i < 3; ++i) {
+    const Vec3d across = cross(Vec3d(e.to_unit[(i + 1) % 3]), Vec3d(e.to_unit[(i + 2) % 3]));
+    axes[i] = across / dot(Vec3d(e.to_unit[i]), across);
+  }
+  Vec3d reach;
+  for (int a = 0; a < 3; ++a) reach[a] = std::hypot(axes[0][a], axes[1][a], axes[2][a]);
+  return rounded_out({Vec3d(e.center) - reach, Vec3d(e.center) + reach});
+}
+
+/// The distances at which a ray enters and leaves; `entry > exit` when it misses.
+struct EllipsoidRoots {
+  float entry = 1, exit = 0;
+};
+
+/// As spheres (sphere.h), after the ray went where the ellipsoid is the unit sphere: from the ray's
+/// point nearest to the centre, so that what cancels is of the size of the ellipsoid and not of its
+/// distance. In double, since a flat one stretches the rounding of a ray by its proportions.
+inline EllipsoidRoots ellipsoid_roots(const BakedEllipsoid& e, const Ray& ray) {
+  const Vec3d from_center = Vec3d(ray.origin) - Vec3d(e.center), dir(ray.dir);
+  Vec3d o, d;
+  for (int i = 0; i < 3; ++i)
+    o[i] = dot(from_center, Vec3d(e.to_unit[i])), d[i] = dot(dir, Vec3d(e.to_unit[i]));
+  const double per_unit = dot(d, d);
+  const double middle = -dot(o, d) / per_unit;
+  const Vec3d nearest = o + d * middle;
+  const double d2 = (1 - dot(nearest, nearest)) / per_unit;
+  if (!(d2 >= 0)) return {};
+  const double half_chord = std::sqrt(d2);
+  return {float(middle - half_chord), float(middle + half_chord)};
+}
+
+inline std::optional<ShapeHit> first_hit(const BakedEllipsoid& e, const Ray& ray, Sides sides) {
+  const EllipsoidRoots roots = ellipsoid_roots(e, ray);
+  if (!(roots.entry <= roots.exit)) return std::nullopt;
+  if (roots.entry > 0 && visible(sides, -1)) return ShapeHit{roots.entry};
+  if (roots.exit > 0 && visible(sides, 1)) return ShapeHit{roots.exit};
+  return std::nullopt;
+}
+
+/// Two steps of Newton's method along the gradient put the point back on the surface.
+inline SurfacePoint surface_point(const BakedEllipsoid& e, Vec3f point) {
+  Vec3d p = Vec3d(point) - Vec3d(e.center), gradient;
+  for (int step = 0; step < 3; ++step) {
+    double excess = -1;
+    gradient = {};
+    for (const Vec3f& row : e.to_unit) {
+      const double x = dot(p, Vec3d(row));
+      excess += x * x;
+      gradient += Vec3d(row) * x;
+    }
+    if (step < 2) p = p - gradient * (0.5 * excess / dot(gradient, gradient));
+  }
+  return {Vec3f(Vec3d(e.center) + p), Vec3f(normalize(gradient)), e.extent};
+}
+
+/// May the surface touch the box? Never wrong with "no": where the ellipsoid is the unit sphere, no
+/// point of a box is further from its middle than the columns of `to_unit` allow.
+inline bool overlaps(const BakedEllipsoid& e, const Box3d& box) {
+  return may_touch(box, [&](const Box3d& part) {
+    const Vec3d middle = part.center(), half = part.size() * 0.5;
+    const Vec3d from_center = middle - Vec3d(e.center);
+    double radius2 = 0, distance2 = 0, rounded = 1;
+    for (const Vec3f& row : e.to_unit) {
+      const Vec3d m(row);
+      const double reach = dot(abs(m), half), x = dot(m, from_center);
+      radius2 += reach * reach, distance2 += x * x;
+      rounded += dot(abs(m), abs(middle) + abs(Vec3d(e.center)) + half);
+    }
+    const double slack = 16 * std::numeric_limits<double>::epsilon() * rounded;
+    return std::abs(std::sqrt(distance2) - 1) > std::sqrt(radius2) + slack;
+  });
+}
+
+}  // namespace raio

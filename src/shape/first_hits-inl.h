@@ -1,0 +1,63 @@
+// What shapes in SIMD lanes have in common, included by shape/<kind>-inl.h.
+// Once for each instruction set, as foreach_target.h passes again.
+#if defined(RAIO_SHAPE_FIRST_HITS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef RAIO_SHAPE_FIRST_HITS_INL_H_
+#undef RAIO_SHAPE_FIRST_HITS_INL_H_
+#else
+#define RAIO_SHAPE_FIRST_HITS_INL_H_
+#endif
+
+#include <hwy/highway.h>
+
+#include "shape/kinds.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace raio::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V dot(D, V ax, V ay, V az, V bx, V by, V bz) {
+  return hn::Add(hn::Add(hn::Mul(ax, bx), hn::Mul(ay, by)), hn::Mul(az, bz));
+}
+// for_each_kind() and for_each_bounded_kind() for code in lanes: a function that is compiled for
+// one instruction set is not inlined into one for all.
+template <class F>
+HWY_INLINE void visit_kinds(F&& f) {
+  [&]<size_t... k>(std::index_sequence<k...>) HWY_ATTR {
+    (f.template operator()<PrimitiveKind(k)>(), ...);
+  }(std::make_index_sequence<kPrimitiveKinds>());
+}
+template <class F>
+HWY_INLINE void visit_bounded_kinds(F&& f) {
+  visit_kinds([&]<PrimitiveKind kind>() HWY_ATTR {
+    if constexpr (kIsBounded<kind>) f.template operator()<kind>();
+  });
+}
+
+// The first hits in front of rays, of shapes that are tested in the double lanes of a tag D.
+template <class D>
+struct FirstHits {
+  using Floats = hn::Rebind<float, D>;
+  hn::Mask<Floats> in;
+  hn::Vec<Floats> t;
+};
+
+// Of two places on each ray, where the masks say that there are any, the first in front of it.
+template <class D, class V = hn::Vec<D>, class M = hn::Mask<D>>
+HWY_INLINE FirstHits<D> first_of(D d, M in0, V t0, M in1, V t1) {
+  const typename FirstHits<D>::Floats f;
+  const auto none = hn::Zero(f);
+  const auto narrow = [&](M m) HWY_ATTR {
+    return hn::Ne(hn::DemoteTo(f, hn::IfThenElseZero(m, hn::Set(d, 1.0))), none);
+  };
+  const auto near = hn::DemoteTo(f, t0), far = hn::DemoteTo(f, t1);
+  const auto hit0 = hn::And(narrow(in0), hn::Gt(near, none));
+  const auto hit1 = hn::And(narrow(in1), hn::Gt(far, none));
+  return {hn::Or(hit0, hit1), hn::IfThenElse(hit0, near, far)};
+}
+
+}  // namespace raio::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
