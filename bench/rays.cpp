@@ -9,9 +9,9 @@
 
 #include "bench/figures.h"
 #include "integrate/camera.h"
+#include "integrate/surface.h"
 #include "render/options.h"
 #include "render/render.h"
-#include "integrate/surface.h"
 #include "shape/offset.h"
 
 namespace raio::bench {
@@ -50,7 +50,8 @@ class Recorder {
   void tile(const EyeRays& eye, int x0, int y0, int x1, int y1) {
     RayBatch rays;
     const auto bit = [](int i, int from, int to) { return (i >> from & 1) << to; };
-    for (int i = 0; i < kTileSide * kTileSide; ++i) {  // as the renderer: integrate/classic_trace.cpp
+    for (int i = 0; i < kTileSide * kTileSide;
+         ++i) {  // as the renderer: integrate/classic_trace.cpp
       const int x = x0 + (i & 3) + bit(i, 4, 2) + bit(i, 6, 3) + bit(i, 7, 4);
       const int y = y0 + bit(i, 2, 0) + bit(i, 3, 1) + bit(i, 5, 2) + bit(i, 8, 3) + bit(i, 9, 4);
       if (x < x1 && y < y1) rays.push(eye.pinhole(float(x) + 0.5f, float(y) + 0.5f));
@@ -133,7 +134,7 @@ Image small_picture(const Scene& scene, const Accel& accel, int side, int thread
   wish.width = wish.height = side, wish.threads = threads;
   const RenderSettings options = resolve_options(wish, scene);
   const auto film = make_film(scene, options);
-  if (!film) give_up(3, film.error());
+  if (!film) give_up(3, film.error().text());
   RenderControl control;
   render(scene, accel, options, **film, control);
   return (*film)->resolve();

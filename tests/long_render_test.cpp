@@ -100,7 +100,7 @@ TEST_F(LongRender, InterruptedItKeepsWhatThereIs) {
     EXPECT_THAT(o.err, HasSubstr("kept in c.raio, and --resume goes on"));
     EXPECT_EQ(names(), (std::vector<std::string>{"c.raio", "ok.nff"}));
     const auto part = read_part(file("c.raio"));
-    ASSERT_TRUE(part.has_value()) << part.error().message;
+    ASSERT_TRUE(part.has_value()) << part.error().text();
     fs::remove(file("c.raio"));
   }
 }
@@ -120,7 +120,8 @@ TEST_F(LongRender, ShardsMergeToTheSameBytes) {
 
   render({"--size", "100x70", "--aa", "3", "--shard", "2/3", "-o", "other.raio"});
   expect_refusal({"merge", "1.raio", "other.raio", "3.raio", "-o", "y.png"}, 2, "--aa 3, not 2");
-  expect_refusal({"merge", "1.raio", "ok.nff", "-o", "z.png"}, 2, "ok.nff: it is not a Raio part file");
+  expect_refusal({"merge", "1.raio", "ok.nff", "-o", "z.png"}, 2,
+                 "ok.nff: it is not a Raio part file");
   for (const char* target : {"no/z.png", "/proc/z.raio"})
     expect_refusal({"merge", "1.raio", "-o", target}, 3, target);
   expect_refusal({"merge", "1.raio", "2.raio", "3.raio", "-o", "/dev/full"}, 3, "No space left");

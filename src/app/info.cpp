@@ -10,8 +10,8 @@
 #include "app/output.h"
 #include "app/terminal.h"
 #include "app/warnings.h"
-#include "render/options.h"
 #include "io/nff/nff.h"
+#include "render/options.h"
 
 namespace raio::app {
 
@@ -159,7 +159,7 @@ int run(const InfoCommand& command) {
   // Not load_scene: the warnings are part of what is asked for.
   auto read = read_nff(command.scene);
   if (read) add_warnings(command, *read);
-  for (const Diagnostic& d : read ? read->warnings : read.error()) print_line(d.text());
+  for (const Diagnostic& d : read ? read->warnings : read.error()) print_line(d.text("--"));
   if (!read) return kBadInput;
   return deliver("-", command.json ? info_json(*read) : info_text(*read));
 }
