@@ -358,7 +358,7 @@ TEST(GenerateGeometry, TeapotNormalsLeaveTheBody) {
 /// Finite numbers, indices and materials in range, sizes that make sense: what a renderer takes for
 /// granted.
 void expect_sound(const Scene& s) {
-  const auto materials_fit = [&](const std::vector<MaterialId>& ids, size_t n) {
+  const auto materials_fit = [&](const Array<MaterialId>& ids, size_t n) {
     return ids.size() == n &&
            std::ranges::all_of(ids, [&](MaterialId id) { return id < s.materials.size(); });
   };

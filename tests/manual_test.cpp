@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "render/options.h"
 #include "program.h"
+#include "render/options.h"
 
 namespace raio {
 namespace {

@@ -60,8 +60,10 @@ inline bool same(const Light& a, const Light& b) {
   return a.position == b.position && a.color == b.color;
 }
 
-template <class T>
-void expect_same(const std::vector<T>& a, const std::vector<T>& b) {
+template <class List>
+void expect_same(const List& a, const List& b)
+  requires requires { same(a[0], b[0]); }
+{
   ASSERT_EQ(a.size(), b.size());
   for (size_t i = 0; i < a.size(); ++i) ASSERT_TRUE(same(a[i], b[i])) << i;
 }

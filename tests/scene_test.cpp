@@ -3,10 +3,19 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <limits>
+#include <set>
+
+#include "io/nff/nff.h"
+#include "rich_scene.h"
+#include "scene/columns.h"
 
 namespace raio {
 namespace {
+
+using testing::random_scene;
+using testing::rich_scene;
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -65,6 +74,93 @@ TEST(Scene, MemoryIsTheSumOfThePools) {
   EXPECT_EQ(memory_bytes(scene), 10 * sizeof(Sphere) + 10 * sizeof(MaterialId));
   scene.positions.resize(3);
   EXPECT_EQ(memory_bytes(scene), 10 * sizeof(Sphere) + 10 * sizeof(MaterialId) + 3 * sizeof(Vec3f));
+}
+
+TEST(Scene, MeshesCount) {
+  Scene scene;
+  Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {4, 0, 0}, {0, 5, 0}, {9, 9, 9}};
+  mesh.triangles = {{0, 1, 2}};
+  mesh.uv.resize(4);
+  scene.meshes.assign(2, mesh);
+  EXPECT_EQ(count_primitives(scene)[size_t(ShapeKind::triangle)], 2u);
+  EXPECT_EQ(scene.primitive_count(), 2u);
+  EXPECT_EQ(bounds(scene).hi, Vec3f(4, 5, 0));
+  EXPECT_EQ(memory_bytes(scene),
+            2 * (4 * sizeof(Vec3f) + sizeof(TriangleIndices) + 4 * sizeof(Uv)));
+}
+
+TEST(Scene, NamesOfScenesWithoutTheNewStay) {
+  const auto shapes = read_nff(RAIO_SOURCE_DIR "/scenes/shapes.nff");
+  ASSERT_TRUE(shapes);
+  // As version 0.1.0 wrote it into pictures and part files.
+  EXPECT_EQ(content_hash(shapes->scene), "7d190ddae635c66dfc3813176e6fac8d");
+}
+
+/// The bytes of column number `number`, counted by the visitor.
+std::span<char> column_bytes(Scene& scene, size_t number) {
+  std::span<char> bytes;
+  for_each_column(scene, [&](ColumnName, auto& column) {
+    if (number-- == 0)
+      bytes = {reinterpret_cast<char*>(column.data()), column.size() * sizeof(column[0])};
+  });
+  return bytes;
+}
+
+TEST(Scene, EveryNumberOfEveryColumnIsInTheName) {
+  const Scene scene = rich_scene();
+  EXPECT_THAT(validate(scene), IsEmpty());
+  std::set<std::string> names = {content_hash(scene)};
+  size_t columns = 0, numbers = 0;
+  for_each_column(scene, [&](ColumnName, auto&) { ++columns; });
+  for (size_t c = 0; c < columns; ++c) {
+    Scene size_only = scene;
+    const size_t bytes = column_bytes(size_only, c).size();
+    for (size_t at = 0; at < bytes; at += 4) {
+      Scene changed = scene;
+      column_bytes(changed, c)[at] ^= 1;
+      names.insert(content_hash(changed));
+      ++numbers;
+    }
+  }
+  EXPECT_GT(numbers, 500u);
+  EXPECT_EQ(names.size(), numbers + 1);
+}
+
+TEST(Scene, ColumnsHaveNamesOfTheirOwn) {
+  Scene scene;
+  scene.meshes.resize(1);
+  std::set<std::string_view> names;
+  size_t columns = 0;
+  for_each_column(scene, [&](ColumnName column, auto&) {
+    names.insert(column.name);
+    ++columns;
+  });
+  EXPECT_EQ(names.size(), columns);
+}
+
+TEST(Scene, ObjectsAreFoundByTheirRanges) {
+  const Scene s = rich_scene();
+  for (size_t i = 0; i < s.spheres.size(); ++i)
+    EXPECT_EQ(object_of(s, PoolKind::sphere, i), i >= 1 && i < 4 ? 1u : i == 6 ? 3u : 0u) << i;
+  for (size_t i = 0; i < s.polygons.size(); ++i)
+    EXPECT_EQ(object_of(s, PoolKind::polygon, i), i + 1 == s.polygons.size() ? 3u : 0u) << i;
+  EXPECT_EQ(object_of(s, PoolKind::mesh, 0), 2u);
+  EXPECT_EQ(object_of(s, PoolKind::mesh, 1), 0u);
+  EXPECT_EQ(object_of(s, PoolKind::plane, 0), 0u);
+  EXPECT_EQ(object_of(Scene(), PoolKind::plane, 0), 0u);
+}
+
+TEST(Scene, WhatIsNotShownIsSaid) {
+  EXPECT_EQ(unrendered(random_scene(20, 1)), "");
+  Scene s = random_scene(20, 1);
+  s.sphere_opacity.assign(s.spheres.size(), 1);
+  EXPECT_EQ(unrendered(s), "");
+  s.sphere_opacity[0] = 0.5f;
+  EXPECT_EQ(unrendered(s), "opacity of 1 sphere");
+  s.sphere_opacity[1] = 0;
+  s.meshes = rich_scene().meshes;
+  EXPECT_EQ(unrendered(s), "opacity of 2 spheres, colours of the vertices of 1 mesh");
 }
 
 TEST(Scene, ASoundSceneHasNoProblem) { EXPECT_THAT(validate(sample()), IsEmpty()); }
@@ -134,6 +230,61 @@ TEST(Scene, EachFaultIsNamed) {
     fault.make(scene);
     EXPECT_THAT(validate(scene), ElementsAre(fault.sentence));
   }
+}
+
+TEST(Scene, EachFaultOfWhatIsOptionalIsNamed) {
+  const Fault faults[] = {
+      {[](Scene& s) { s.sphere_colors.pop_back(); }, "there are 10 spheres but 9 colours for them"},
+      {[](Scene& s) { s.cone_opacity.push_back(1); },
+       "there are 10 cones but 11 opacities for them"},
+      {[](Scene& s) { s.polygon_colors[2].y = -1; },
+       "polygon 2: the colour must be finite and not negative"},
+      {[](Scene& s) { s.triangle_opacity[3] = 1.5f; },
+       "triangle 3: the opacity must lie between 0 and 1"},
+      {[](Scene& s) { s.plane_opacity[0] = kNan; },
+       "plane 0: the opacity must lie between 0 and 1"},
+      {[](Scene& s) { s.meshes[1].positions[2].x = kInf; }, "mesh 1: position 2: must be finite"},
+      {[](Scene& s) { s.meshes[0].triangles[1][2] = 4; },
+       "mesh 0: triangle 1: corner 4 of 4 positions"},
+      {[](Scene& s) { s.meshes[0].normal_indices[0][0] = 2; }, "mesh 0: triangle 0: normal 2 of 2"},
+      {[](Scene& s) { s.meshes[1].normals.pop_back(); },
+       "mesh 1: there are 3 positions but 2 normals"},
+      {[](Scene& s) { s.meshes[1].uv.pop_back(); },
+       "mesh 1: there are 3 positions but 2 texture coordinates"},
+      {[](Scene& s) { s.meshes[1].uv[1][0] = kInf; },
+       "mesh 1: texture coordinates 1: must be finite"},
+      {[](Scene& s) { s.meshes[1].colors[0].z = kNan; },
+       "mesh 1: colour 0: must be finite and not negative"},
+      {[](Scene& s) { s.meshes[0].materials.pop_back(); },
+       "mesh 0: there are 4 triangles but 3 materials, expected 1 or one for each"},
+      {[](Scene& s) { s.meshes[1].materials[0] = 3; }, "mesh 1: material 3 of 3"},
+      {[](Scene& s) { s.object_ranges[0].object = 0; }, "object range 0: object 0 of 3"},
+      {[](Scene& s) { s.object_ranges[3].object = 4; }, "object range 3: object 4 of 3"},
+      {[](Scene& s) { s.object_ranges[3].count = 3; }, "object range 3: elements up to 3 of 2"},
+      {[](Scene& s) { s.object_ranges[2].count = 0; }, "object range 2: it is empty"},
+      {[](Scene& s) { s.object_ranges[1].first = 3; },
+       "object range 1: it must come behind the one before, and not overlap it"},
+      {[](Scene& s) { std::swap(s.object_ranges[2], s.object_ranges[3]); },
+       "object range 3: it must come behind the one before, and not overlap it"},
+      {[](Scene& s) { s.object_ranges[3].pool = PoolKind(9); }, "object range 3: pool 9 of 6"},
+  };
+  for (const Fault& fault : faults) {
+    Scene scene = rich_scene();
+    ASSERT_EQ(scene.spheres.size(), 10u);
+    fault.make(scene);
+    EXPECT_THAT(validate(scene), ElementsAre(fault.sentence));
+  }
+}
+
+TEST(Scene, FaultsOfManyElementsComeInOrder) {
+  Scene scene = sample();
+  scene.spheres.assign(300'000, {{0, 0, 0}, 1});
+  scene.sphere_materials.assign(300'000, 0);
+  for (const size_t i : {5u, 65'536u, 299'999u}) scene.spheres[i].radius = 0;
+  EXPECT_THAT(validate(scene),
+              ElementsAre("sphere 5: the radius must be finite and not zero",
+                          "sphere 65536: the radius must be finite and not zero",
+                          "sphere 299999: the radius must be finite and not zero"));
 }
 
 TEST(Scene, NoMaterialAtAll) {

@@ -20,11 +20,14 @@ constexpr TriangleIndices kFlat = {kNoNormal, kNoNormal, kNoNormal};
 struct Pieces {
   std::vector<TriangleIndices> corners, normals;
   std::vector<Facet> facets;
+  std::vector<uint32_t> sources;
+  bool with_sources = false;
 
-  void push(const TriangleIndices& c, const Facet& facet, const TriangleIndices& n) {
+  void push(const TriangleIndices& c, const Facet& facet, const TriangleIndices& n, size_t source) {
     corners.push_back(c);
     facets.push_back(facet);
     normals.push_back(n);
+    if (with_sources) sources.push_back(uint32_t(source));
   }
 };
 
@@ -32,75 +35,206 @@ Triangle triangle_of(const Scene& s, const TriangleIndices& c) {
   return {s.positions[c[0]], s.positions[c[1]], s.positions[c[2]]};
 }
 
-void add_polygon(const Scene& s, size_t i, Pieces& out) {
+void add_polygon(const Scene& s, size_t i, size_t source, Pieces& out) {
   const Polygon& p = s.polygons[i];
   const std::span corners(s.positions.data() + p.first, p.count);
   const Facet facet{polygon_normal(corners), s.polygon_materials[i]};
   for (const auto& [a, b, c] : triangulate(corners)) {
     const TriangleIndices piece = {p.first + a, p.first + b, p.first + c};
-    if (triangle_normal(triangle_of(s, piece)) != Vec3f()) out.push(piece, facet, kFlat);
+    if (triangle_normal(triangle_of(s, piece)) != Vec3f()) out.push(piece, facet, kFlat, source);
   }
 }
 
 }  // namespace
 
-Geometry::Geometry(const Scene& scene, bool one_sided) : scene_(&scene) {
+Geometry::Geometry(const Scene& scene, bool one_sided)
+    : scene_(&scene), any_colors_(raio::any_colors(scene)) {
   bake_triangles();
+  bake_colors();
   cones_.resize(scene.cones.size());
   for_each_index(cones_.size(), [&](size_t i) { cones_[i] = BakedCone(scene.cones[i]); });
   list_sides(one_sided);
 }
 
 double Geometry::bytes_to_bake(const Scene& s) {
-  double pieces = 0;  // are listed twice
-  for (const Polygon& p : s.polygons) pieces += p.count;
-  if (pieces > 0) pieces += double(s.triangles.size());
-  const double piece = sizeof(Facet) + 2 * sizeof(TriangleIndices);
-  return double(s.triangles.size()) * sizeof(Facet) + double(s.cones.size()) * sizeof(BakedCone) +
+  double pieces = 0, triangles = double(s.triangles.size());
+  double joined = 0;  // what meshes have is copied, and with it what the scene has of the kind
+  for (const Mesh& mesh : s.meshes) {
+    triangles += double(mesh.triangles.size());
+    joined += double(mesh.positions.size() + mesh.normals.size()) * sizeof(Vec3f);
+  }
+  if (!s.meshes.empty())
+    joined += double(s.positions.size() + s.normals.size()) * sizeof(Vec3f) +
+              triangles * 2 * sizeof(TriangleIndices);
+  for (const Polygon& p : s.polygons) pieces += p.count;  // are listed twice
+  if (pieces > 0) pieces += triangles;
+  double piece = sizeof(Facet) + 2 * sizeof(TriangleIndices);
+  if (raio::any_colors(s) || !s.object_ranges.empty()) piece += sizeof(uint32_t) + sizeof(Rgb);
+  return joined + triangles * sizeof(Facet) + double(s.cones.size()) * sizeof(BakedCone) +
          2 * piece * pieces + double(s.primitive_count()) * sizeof(Sides);
 }
 
 // Triangles without area are left out, since no ray can hit one.
 void Geometry::bake_triangles() {
   const Scene& s = *scene_;
+  positions_ = s.positions, normals_ = s.normals;
   triangles_ = s.triangles;
   triangle_normals_ = s.triangle_normals;
-  facets_.resize(s.triangles.size());
+  if (!s.meshes.empty()) join_meshes();
+  facets_.resize(triangles_.size());
   std::atomic<bool> any_flat = false;
   for_each_index(facets_.size(), [&](size_t i) {
-    facets_[i] = {triangle_normal(triangle(uint32_t(i))), s.triangle_materials[i]};
+    facets_[i] = {triangle_normal(triangle(uint32_t(i))), triangle_material(i)};
     if (facets_[i].normal == Vec3f()) any_flat.store(true, std::memory_order_relaxed);
   });
   if (any_flat || !s.polygons.empty()) bake_polygons();
 }
 
+// Makes one list of the scene's own triangles and, behind them, those of meshes.
+void Geometry::join_meshes() {
+  const Scene& s = *scene_;
+  size_t positions = s.positions.size(), normals = s.normals.size(), count = s.triangles.size();
+  bool smooth = !s.triangle_normals.empty();
+  for (const Mesh& mesh : s.meshes) {
+    mesh_begin_.push_back(uint32_t(count));
+    positions += mesh.positions.size(), normals += mesh.normals.size();
+    count += mesh.triangles.size();
+    smooth |= !mesh.normals.empty();
+  }
+  own_positions_.reserve(positions), own_vertex_normals_.reserve(normals);
+  own_triangles_.resize(count);
+  own_normals_.assign(smooth ? count : 0, kFlat);
+  const auto append = [](Column<Vec3f>& to, const Array<Vec3f>& from) {
+    to.insert(to.end(), from.begin(), from.end());
+  };
+  append(own_positions_, s.positions), append(own_vertex_normals_, s.normals);
+  std::ranges::copy(s.triangles, own_triangles_.begin());
+  std::ranges::copy(s.triangle_normals, own_normals_.begin());
+  for (size_t m = 0; m < s.meshes.size(); ++m) {
+    const Mesh& mesh = s.meshes[m];
+    const auto place = [&](const Array<TriangleIndices>& from, size_t first,
+                           Column<TriangleIndices>& to) {
+      for_each_index(from.size(), [&](size_t i) {
+        TriangleIndices& moved = to[mesh_begin_[m] + i] = from[i];
+        for (uint32_t& vertex : moved)
+          if (vertex != kNoNormal) vertex += uint32_t(first);
+      });
+    };
+    place(mesh.triangles, own_positions_.size(), own_triangles_);
+    if (!mesh.normals.empty())
+      place(mesh.normal_indices.empty() ? mesh.triangles : mesh.normal_indices,
+            own_vertex_normals_.size(), own_normals_);
+    append(own_positions_, mesh.positions), append(own_vertex_normals_, mesh.normals);
+  }
+  positions_ = own_positions_, normals_ = own_vertex_normals_;
+  triangles_ = own_triangles_, triangle_normals_ = own_normals_;
+}
+
+// The mesh of triangle number `i`, counted with the scene's own.
+size_t Geometry::mesh_of(size_t i) const {
+  return size_t(std::ranges::upper_bound(mesh_begin_, i) - mesh_begin_.begin()) - 1;
+}
+
+// The scene's own and those of meshes.
+size_t Geometry::count_of_triangles() const {
+  return mesh_begin_.empty() ? scene_->triangles.size()
+                             : mesh_begin_.back() + scene_->meshes.back().triangles.size();
+}
+
+// Of the scene's own or of a mesh, before any is left out.
+MaterialId Geometry::triangle_material(size_t i) const {
+  const Scene& s = *scene_;
+  if (i < s.triangles.size()) return s.triangle_materials[i];
+  const size_t m = mesh_of(i);
+  const auto& materials = s.meshes[m].materials;
+  return materials[materials.size() == 1 ? 0 : i - mesh_begin_[m]];
+}
+
 // Puts the pieces of polygons after the triangles with an area.
 void Geometry::bake_polygons() {
   const Scene& s = *scene_;
-  const size_t n = s.triangles.size(), count = n + s.polygons.size();
+  const size_t n = triangles_.size(), count = n + s.polygons.size();
   const bool smooth = any_smooth();
   std::vector<Pieces> chunks(chunks_of(count));
   for_chunks(count, [&](size_t c, size_t first, size_t end) {
+    chunks[c].with_sources = wants_sources();
     for (size_t i = first; i < end; ++i)
       if (i >= n)
-        add_polygon(s, i - n, chunks[c]);
+        add_polygon(s, i - n, i, chunks[c]);
       else if (facets_[i].normal != Vec3f())
-        chunks[c].push(s.triangles[i], facets_[i], smooth ? s.triangle_normals[i] : kFlat);
+        chunks[c].push(triangles_[i], facets_[i], smooth ? triangle_normals_[i] : kFlat, i);
   });
   std::vector<size_t> begin = {0};
   for (const Pieces& chunk : chunks) begin.push_back(begin.back() + chunk.corners.size());
   own_triangles_.resize(begin.back());
   if (smooth) own_normals_.resize(begin.back());
+  if (wants_sources()) sources_.resize(begin.back());
   facets_ = Column<Facet>(begin.back());
   for_chunks(count, [&](size_t c, size_t, size_t) {
     const auto at = ptrdiff_t(begin[c]);
     std::ranges::copy(chunks[c].corners, own_triangles_.begin() + at);
     std::ranges::copy(chunks[c].facets, facets_.begin() + at);
     if (smooth) std::ranges::copy(chunks[c].normals, own_normals_.begin() + at);
+    std::ranges::copy(chunks[c].sources, sources_.begin() + at);
     chunks[c] = {};
   });
   triangles_ = own_triangles_;
   triangle_normals_ = own_normals_;
+}
+
+// A triangle without a colour of its own has its material's, where others have one.
+void Geometry::bake_colors() {
+  const Scene& s = *scene_;
+  if (s.triangle_colors.empty() && s.polygon_colors.empty()) return;
+  triangle_colors_ = s.triangle_colors;
+  if (facets_.size() == triangle_colors_.size() && sources_.empty()) return;
+  const size_t polygons = count_of_triangles();
+  own_colors_.resize(facets_.size());
+  for_each_index(facets_.size(), [&](size_t i) {
+    const size_t source = sources_.empty() ? i : sources_[i];
+    if (source < s.triangle_colors.size())
+      own_colors_[i] = s.triangle_colors[source];
+    else if (source >= polygons && !s.polygon_colors.empty())
+      own_colors_[i] = s.polygon_colors[source - polygons];
+    else
+      own_colors_[i] = s.materials[facets_[i].material].color;
+  });
+  triangle_colors_ = own_colors_;
+}
+
+std::span<const Rgb> Geometry::colors(ItemKind kind) const {
+  switch (kind) {
+    case ItemKind::plane:
+      return scene_->plane_colors;
+    case ItemKind::sphere:
+      return scene_->sphere_colors;
+    case ItemKind::triangle:
+      return triangle_colors_;
+    case ItemKind::cone:
+      return scene_->cone_colors;
+  }
+  return {};
+}
+
+uint32_t Geometry::object_of(ItemId id) const {
+  const Scene& s = *scene_;
+  if (s.object_ranges.empty()) return 0;
+  const uint32_t index = item_index(id);
+  switch (item_kind(id)) {
+    case ItemKind::plane:
+      return raio::object_of(s, PoolKind::plane, index);
+    case ItemKind::sphere:
+      return raio::object_of(s, PoolKind::sphere, index);
+    case ItemKind::cone:
+      return raio::object_of(s, PoolKind::cone, index);
+    case ItemKind::triangle:
+      break;
+  }
+  const size_t source = sources_.empty() ? index : sources_[index];
+  if (source < s.triangles.size()) return raio::object_of(s, PoolKind::triangle, source);
+  if (source >= count_of_triangles())
+    return raio::object_of(s, PoolKind::polygon, source - count_of_triangles());
+  return raio::object_of(s, PoolKind::mesh, mesh_of(source));
 }
 
 // Which side of each item is seen, for the kinds that have one of which it is not both.
@@ -164,7 +298,9 @@ Box3f Geometry::bounds(ItemId id) const {
 
 size_t Geometry::bytes() const {
   size_t sum = column_bytes(own_triangles_) + column_bytes(own_normals_) + column_bytes(facets_) +
-               column_bytes(cones_);
+               column_bytes(cones_) + column_bytes(own_positions_) +
+               column_bytes(own_vertex_normals_) + column_bytes(sources_) +
+               column_bytes(own_colors_);
   for (const auto& s : sides_) sum += column_bytes(s);
   return sum;
 }

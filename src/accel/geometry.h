@@ -1,6 +1,7 @@
 // A scene as structures and shading see it: the kinds that rays meet, polygons cut into triangles,
-// what a hit wants to know worked out beforehand. Made once from a Scene, whose own pools it reads
-// in place wherever it can: large scenes are not stored twice.
+// those of meshes behind the scene's own, what a hit wants to know worked out beforehand. Made once
+// from a Scene, whose own pools it reads in place wherever it can: large scenes are not stored
+// twice.
 #pragma once
 
 #include <array>
@@ -54,12 +55,14 @@ class Geometry {
     const Sphere& s = scene_->spheres[i];
     return {s.center, std::abs(s.radius)};
   }
-  /// Indices into the scene's positions.
+  /// The scene's, or, where it has meshes, copies of those and of the meshes'.
+  std::span<const Vec3f> positions() const { return positions_; }
+  std::span<const Vec3f> normals() const { return normals_; }
+  /// Indices into positions().
   const TriangleIndices& corners(uint32_t triangle) const { return triangles_[triangle]; }
   Triangle triangle(uint32_t i) const {
-    const auto& p = scene_->positions;
     const TriangleIndices& t = triangles_[i];
-    return {p[t[0]], p[t[1]], p[t[2]]};
+    return {positions_[t[0]], positions_[t[1]], positions_[t[2]]};
   }
   const BakedCone& cone(uint32_t i) const { return cones_[i]; }
 
@@ -79,6 +82,13 @@ class Geometry {
   }
   bool any_smooth() const { return !triangle_normals_.empty(); }
 
+  /// A colour for each item of the kind, or empty: those of the materials count for all of them.
+  std::span<const Rgb> colors(ItemKind kind) const;
+  bool any_colors() const { return any_colors_; }
+
+  /// The id of the object (Scene::object_names) to which the item belongs; 0: to none.
+  uint32_t object_of(ItemId id) const;
+
   /// About how many bytes baking `scene` takes, those that it frees again included.
   static double bytes_to_bake(const Scene& scene);
 
@@ -87,13 +97,30 @@ class Geometry {
 
  private:
   void bake_triangles();
+  void join_meshes();
+  size_t mesh_of(size_t i) const;
+  size_t count_of_triangles() const;
+  MaterialId triangle_material(size_t i) const;
   void bake_polygons();
+  void bake_colors();
+  bool wants_sources() const { return any_colors_ || !scene_->object_ranges.empty(); }
   void list_sides(bool one_sided);
 
   const Scene* scene_;
+  bool any_colors_ = false;
+  // The scene's own where it has no meshes, else those below.
+  std::span<const Vec3f> positions_, normals_;
+  Column<Vec3f> own_positions_, own_vertex_normals_;
   // The scene's own where every primitive is a triangle with an area, else those below.
   std::span<const TriangleIndices> triangles_, triangle_normals_;
   Column<TriangleIndices> own_triangles_, own_normals_;
+  // How many triangles come before each mesh's: the scene's own and those of the meshes before.
+  std::vector<uint32_t> mesh_begin_;
+  // Of each triangle its number among the scene's own, those of meshes and the polygons, in this
+  // order. Empty where that is its index, or where nothing asks.
+  Column<uint32_t> sources_;
+  std::span<const Rgb> triangle_colors_;
+  Column<Rgb> own_colors_;
   Column<Facet> facets_;
   Column<BakedCone> cones_;
   std::array<Column<Sides>, kItemKinds> sides_;  // empty: both sides of all

@@ -86,7 +86,7 @@ void add_progress(CLI::App& app, std::string& mode) {
 }
 
 void add_scene(CLI::App& app, std::string& path) {
-  add_file(app, "scene", path, "Scene file, NFF or P3F", "SCENE");
+  add_file(app, "scene", path, "Scene file: NFF, P3F or .raio; - is standard input", "SCENE");
   app.get_option("scene")->required();
 }
 
@@ -242,7 +242,8 @@ void add_render(CLI::App& app, RenderCommand& render, int& status) {
                 "raio render balls.nff --samples 4096 --dof --checkpoint balls.raio --resume",
                 "raio render balls.nff --aa 16 --shard 1/4 -o part1.raio",
                 "raio render --repeat balls.png balls.nff -o again.png"}));
-  add_file(*sub, "scene", render.scene, "Scene file, NFF or P3F", "SCENE");
+  add_file(*sub, "scene", render.scene, "Scene file: NFF, P3F or .raio; - is standard input",
+           "SCENE");
   add_file(*sub, "-o,--output", render.output,
            "Output picture: .png .exr .npz .npy .ppm .pfm by suffix, or .raio for a part file; - "
            "writes PNG to "
@@ -380,6 +381,16 @@ void add_export(CLI::App& app, ExportCommand& command, int& status) {
   sub->callback([&] { status = run(command); });
 }
 
+void add_convert(CLI::App& app, ConvertCommand& command, int& status) {
+  auto* sub = app.add_subcommand("convert", "Write a scene in another format");
+  sub->footer(examples({"raio convert balls.nff balls.raio", "raio convert balls.raio balls.pov"}));
+  add_file(*sub, "in", command.input, "Scene file: NFF, P3F or .raio", "IN");
+  add_file(*sub, "out", command.output,
+           "Scene file: .nff, .raio or .pov by suffix; - writes NFF to standard output", "OUT");
+  for (const char* scene : {"in", "out"}) sub->get_option(scene)->required();
+  sub->callback([&] { status = run(command); });
+}
+
 void add_compare(CLI::App& app, CompareCommand& compare, int& status) {
   auto* sub = app.add_subcommand("compare", "Measure the difference between two pictures");
   sub->footer(examples({"raio compare before.png after.exr --min-psnr 40 --diff apart.png"}));
@@ -432,6 +443,7 @@ int parse_and_run(std::vector<std::string> arguments, const Invocation& invocati
   InfoCommand info;
   GenerateCommand generate;
   ExportCommand exporting;
+  ConvertCommand convert;
   CompareCommand compare;
   SpdVerifyCommand verify;
   add_render(app, render, status);
@@ -441,6 +453,7 @@ int parse_and_run(std::vector<std::string> arguments, const Invocation& invocati
   add_info(app, info, status);
   add_generate(app, generate, status);
   add_export(app, exporting, status);
+  add_convert(app, convert, status);
   add_compare(app, compare, status);
   add_spd(app, verify, status);
   add_manual_commands(app, status);

@@ -71,6 +71,11 @@ struct ExportCommand {
 };
 int run(const ExportCommand& command);
 
+struct ConvertCommand {
+  std::string input, output;
+};
+int run(const ConvertCommand& command);
+
 struct SpdVerifyCommand {
   std::vector<std::string> scenes;  // files, or names of standard scenes; empty: all of these
   std::string progress = "auto";

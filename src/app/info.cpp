@@ -10,7 +10,7 @@
 #include "app/output.h"
 #include "app/terminal.h"
 #include "app/warnings.h"
-#include "io/nff/nff.h"
+#include "io/scene_file.h"
 #include "render/options.h"
 
 namespace raio::app {
@@ -157,7 +157,7 @@ void add_warnings(const InfoCommand& command, ReadScene& read) {
 int run(const InfoCommand& command) {
   const StopOnSignal stop;
   // Not load_scene: the warnings are part of what is asked for.
-  auto read = read_nff(command.scene);
+  auto read = read_scene(command.scene);
   if (read) add_warnings(command, *read);
   for (const Diagnostic& d : read ? read->warnings : read.error()) print_line(d.text("--"));
   if (!read) return kBadInput;

@@ -14,7 +14,7 @@ namespace {
 std::string picture_path(const RenderCommand& command) {
   if (!command.output.empty()) return command.output;
   const std::string& named = command.scene.empty() ? command.repeat : command.scene;
-  return std::filesystem::path(named).stem().string() + ".png";
+  return (named == "-" ? "stdin" : std::filesystem::path(named).stem().string()) + ".png";
 }
 
 // Where the statistics cannot go is better known before the work than after it; the exit status.
@@ -61,6 +61,9 @@ int run(const RenderCommand& command) {
   if (const int status = check_stats(command, output)) return status;
   if (const auto ready = job.prepare(); !ready)
     return broken_scene ? status_of(ready.error()) : fail(ready.error());
+  if (!command.quiet)
+    if (const std::string what = unrendered(job.scene()); !what.empty())
+      print_line(fmt::format("raio: warning: not shown yet: {}", what));
   if (!command.quiet)
     for (const std::string& line : warning_lines(job.scene(), job.settings(), &job.accel()))
       print_line("raio: warning: " + line);

@@ -10,7 +10,7 @@
 
 #include "app/commands.h"
 #include "io/file.h"
-#include "io/nff/nff.h"
+#include "io/scene_file.h"
 
 namespace raio::app {
 namespace {
@@ -82,7 +82,7 @@ void print_diagnostics(const Diagnostics& said) {
 }
 
 std::expected<Scene, int> load_scene(const std::string& path, bool quiet) {
-  auto result = read_nff(path);
+  auto result = read_scene(path);
   if (!result) {
     print_diagnostics(result.error());
     const bool machine = result.error().front().message == kNoMemory;

@@ -7,6 +7,7 @@
 #include <hwy/foreach_target.h>
 // After foreach_target.h.
 #include "integrate/wavefront-inl.h"
+#include "scene/columns.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
@@ -184,9 +185,14 @@ std::unique_ptr<TileRenderer> make_classic_renderer(const PreparedScene& scene,
 double classic_bound(const Scene& scene, const RenderSettings& settings) {
   double light = 0.1;  // ambient
   for (const Light& l : scene.lights) light += l.color ? max_component(*l.color) : 1.0;
+  float own_color = 0;  // the brightest that takes the place of a material's
+  for_each_pool(scene, [&](PoolKind, auto&, auto&, const Array<Rgb>& colors, auto&) {
+    for (const Rgb& color : colors) own_color = std::max(own_color, max_component(color));
+  });
   double brightest = 0, gain = 0;
   for (const Material& m : scene.materials) {
-    brightest = std::max(brightest, light * (max_component(m.color) * (1.0 + m.kd) + m.ks));
+    const float color = std::max(max_component(m.color), own_color);
+    brightest = std::max(brightest, light * (color * (1.0 + m.kd) + m.ks));
     gain = std::max(gain, double(m.ks) + m.transmission);
   }
   brightest += max_component(scene.background);

@@ -42,7 +42,7 @@ Surface surface_at(const Geometry& geometry, const Ray& ray, const Hit& hit) {
   const Facet& facet = geometry.facet(index);
   Surface surface{p, facet.normal, 0, facet.material};
   if (const TriangleIndices* corners = geometry.corner_normals(index)) {
-    const auto& n = scene.normals;
+    const auto n = geometry.normals();
     const Vec3f smooth = n[(*corners)[0]] * (1 - hit.u - hit.v) + n[(*corners)[1]] * hit.u +
                          n[(*corners)[2]] * hit.v;
     if (dot(smooth, smooth) > 0) surface.normal = normalize(smooth);

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "integrate/colors-inl.h"
 #include "integrate/surface.h"
 #include "integrate/tile-inl.h"
 #include "shape/offset.h"
@@ -67,13 +68,13 @@ void look_up(const Accel& accel, const RayBatch& rays, const HitBatch& hits, siz
     case ItemKind::triangle: {
       const TriangleIndices& at = geometry.corners(index);
       const Facet& facet = geometry.facet(index);
-      for (size_t c = 0; c < 3; ++c) v.corner[c].set(i, scene.positions[at[c]]);
+      for (size_t c = 0; c < 3; ++c) v.corner[c].set(i, geometry.positions()[at[c]]);
       v.extent.at[i] = 0;
       v.geometric.set(i, facet.normal);
       v.normal.set(i, facet.normal);
       if (const TriangleIndices* corners = geometry.corner_normals(index)) {
         const auto weighted = [&](size_t corner, float w) {
-          return scene.normals[(*corners)[corner]] * w;
+          return geometry.normals()[(*corners)[corner]] * w;
         };
         const float b1 = hits.u[i], b2 = hits.v[i];
         v.normal.set(i, weighted(0, 1 - b1 - b2) + weighted(1, b1) + weighted(2, b2));
@@ -129,17 +130,16 @@ HWY_INLINE bool look_up_triangles(const Accel& accel, const HitBatch& hits, size
   const auto is_triangle = [](ItemId id) { return item_kind(id) == ItemKind::triangle; };
   if (!std::all_of(&hits.item[i], &hits.item[i] + 4, is_triangle)) return false;
   const Geometry& geometry = accel.geometry();
-  const Scene& scene = accel.geometry().scene();
   Row corner[3][4], geometric[4], normal[4];
   for (size_t k = 0; k < 4; ++k) {
     const uint32_t index = item_index(hits.item[i + k]);
     const TriangleIndices& at = geometry.corners(index);
-    for (size_t c = 0; c < 3; ++c) corner[c][k] = load_row(scene.positions[at[c]]);
+    for (size_t c = 0; c < 3; ++c) corner[c][k] = load_row(geometry.positions()[at[c]]);
     static_assert(offsetof(Facet, material) == 3 * sizeof(float));
     geometric[k] = normal[k] = hn::LoadU(kRow, &geometry.facet(index).normal.x);
     if (const TriangleIndices* corners = geometry.corner_normals(index)) {
       const auto weighted = [&](size_t c, float w) HWY_ATTR {
-        return hn::Mul(load_row(scene.normals[(*corners)[c]]), hn::Set(kRow, w));
+        return hn::Mul(load_row(geometry.normals()[(*corners)[c]]), hn::Set(kRow, w));
       };
       const float b1 = hits.u[i + k], b2 = hits.v[i + k];
       normal[k] = hn::Add(hn::Add(weighted(0, 1 - b1 - b2), weighted(1, b1)), weighted(2, b2));
@@ -259,9 +259,11 @@ void find_surfaces(const Accel& accel, const RayBatch& rays, const HitBatch& hit
                    Vertices& v) {
   for (size_t i = 0; i < n; i += kWidth) look_up_lanes(accel, rays, hits, i, v);
   const bool smooth = accel.geometry().any_smooth();
+  const bool colored = accel.geometry().any_colors();
   const V zero = hn::Zero(d);
   for (size_t i = 0; i < n; i += kWidth) {
     look_up_materials(accel.geometry().scene().materials.data(), i, v);
+    if (colored) look_up_colors(accel.geometry(), hits, i, v.color);
     const V3 dir = directions(rays, i);
     const auto kind = hn::ShiftRight<kItemIndexBits>(load(hits.item, i));
     const auto is = [&](ItemKind k) HWY_ATTR {

@@ -9,6 +9,8 @@
 #include <tuple>
 #include <unordered_map>
 
+#include "io/plain_scene.h"
+
 namespace raio {
 namespace {
 
@@ -95,7 +97,7 @@ class PovWriter {
 
   std::vector<Item> by_material() const {
     std::vector<Item> items;
-    const auto add = [&](ShapeKind kind, const std::vector<MaterialId>& materials) {
+    const auto add = [&](ShapeKind kind, const Array<MaterialId>& materials) {
       for (uint32_t i = 0; i < materials.size(); ++i) items.push_back({materials[i], kind, i});
     };
     add(ShapeKind::plane, scene_.plane_materials);
@@ -190,8 +192,8 @@ class PovWriter {
   struct Lists {
     std::string vectors, indices;
   };
-  static Lists lists(const std::vector<uint32_t>& triangles,
-                     const std::vector<TriangleIndices>& corners, const std::vector<Vec3f>& pool) {
+  static Lists lists(const std::vector<uint32_t>& triangles, const Array<TriangleIndices>& corners,
+                     const Array<Vec3f>& pool) {
     std::unordered_map<uint32_t, size_t> number;
     std::string named, faces;
     for (const uint32_t t : triangles) {
@@ -211,6 +213,7 @@ class PovWriter {
 }  // namespace
 
 std::string write_pov(const Scene& scene, const PovPicture& picture, std::string_view comment) {
+  if (!is_plain(scene)) return write_pov(plain_scene(scene), picture, comment);
   return PovWriter(scene).write(picture, comment);
 }
 

@@ -14,8 +14,8 @@
 
 #include "accel/accel.h"
 #include "integrate/control.h"
-#include "render/options.h"
 #include "io/image/image.h"
+#include "render/options.h"
 #include "scene/scene.h"
 
 namespace raio {

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "base/parallel.h"
-#include "io/nff/nff.h"
+#include "io/scene_file.h"
 #include "render/job_start.h"
 #include "render/picture.h"
 #include "render/render.h"
@@ -98,7 +98,7 @@ std::expected<void, Error> RenderJob::load() {
     scene_ = request_.loaded;
   } else {
     std::expected<ReadScene, Diagnostics> read;
-    on_threads(request_.options.threads, [&] { read = read_nff(request_.scene); });
+    on_threads(request_.options.threads, [&] { read = read_scene(request_.scene); });
     const Diagnostics& said = read ? read->warnings : read.error();
     if (events_.scene_read && !said.empty()) events_.scene_read(said);
     if (!read) return std::unexpected(error_of(said.front()));

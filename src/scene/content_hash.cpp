@@ -2,7 +2,7 @@
 #include <cstring>
 
 #include "base/hash.h"
-#include "scene/scene.h"
+#include "scene/columns.h"
 
 namespace raio {
 namespace {
@@ -17,12 +17,16 @@ class Gatherer {
   void add(const T&... values) {
     (bytes_.append(reinterpret_cast<const char*>(&values), sizeof values), ...);
   }
-  // An element is `kNumbers` numbers of four bytes with nothing between them.
-  template <size_t kNumbers, class T>
-  void add_pool(const std::vector<T>& pool) {
-    static_assert(sizeof(T) == 4 * kNumbers);
-    add(uint64_t(pool.size()),
-        hash128({reinterpret_cast<const char*>(pool.data()), pool.size() * sizeof(T)}));
+  // Elements are numbers of four bytes, so that there is nothing between them.
+  template <class T>
+  void add_column(ColumnName column, const Array<T>& array) {
+    static_assert(alignof(T) == 4);
+    if (column.counted == Counted::where_used) {
+      if (array.empty()) return;
+      bytes_.append(column.name);
+    }
+    add(uint64_t(array.size()),
+        hash128({reinterpret_cast<const char*>(array.data()), array.size() * sizeof(T)}));
   }
   template <class T>
   void add_optional(const std::optional<T>& value) {
@@ -49,20 +53,12 @@ std::string content_hash(const Scene& s) {
     all.add_optional(light.color);
   }
   all.add(uint64_t(s.lights.size()));
-  all.add_pool<8>(s.materials);
-  all.add_pool<6>(s.planes);
-  all.add_pool<1>(s.plane_materials);
-  all.add_pool<4>(s.spheres);
-  all.add_pool<1>(s.sphere_materials);
-  all.add_pool<8>(s.cones);
-  all.add_pool<1>(s.cone_materials);
-  all.add_pool<3>(s.positions);
-  all.add_pool<3>(s.normals);
-  all.add_pool<3>(s.triangles);
-  all.add_pool<1>(s.triangle_materials);
-  all.add_pool<3>(s.triangle_normals);
-  all.add_pool<2>(s.polygons);
-  all.add_pool<1>(s.polygon_materials);
+  const auto add = [&](ColumnName name, const auto& array) { all.add_column(name, array); };
+  for_each_own_column(s, add);
+  for (const Mesh& mesh : s.meshes) {
+    all.add('m');  // so that no column can pass for one of the mesh before
+    for_each_mesh_column(mesh, add);
+  }
   return all.name();
 }
 

@@ -1,152 +1,18 @@
 #include "scene/scene.h"
 
-#include <initializer_list>
-#include <string_view>
+#include <algorithm>
+#include <tuple>
 
-#include "base/ray.h"
+#include "scene/columns.h"
 #include "shape/triangle.h"
 
 namespace raio {
 namespace {
 
-/// Sentences about what is wrong, not more than anyone reads.
-class Problems {
- public:
-  template <class... Parts>
-  void check(bool sound, const Parts&... parts) {
-    if (sound) return;
-    if (++count_ > kMost) return;
-    std::string sentence;
-    (append(sentence, parts), ...);
-    sentences_.push_back(std::move(sentence));
-  }
-
-  std::vector<std::string> take() {
-    if (count_ > kMost) sentences_.push_back(std::to_string(count_ - kMost) + " more problems");
-    return std::move(sentences_);
-  }
-
- private:
-  static constexpr size_t kMost = 20;
-
-  static void append(std::string& out, std::string_view part) { out += part; }
-  static void append(std::string& out, size_t number) { out += std::to_string(number); }
-
-  std::vector<std::string> sentences_;
-  size_t count_ = 0;
-};
-
-bool at_least_zero(float x) { return std::isfinite(x) && x >= 0; }
-
-bool is_intensity(Rgb c) { return at_least_zero(c.x) && at_least_zero(c.y) && at_least_zero(c.z); }
-
-bool is_unit(Vec3f n) { return std::abs(length(Vec3d(n)) - 1) < 1e-4; }
-
-void check_camera(const Camera& camera, Problems& problems) {
-  const bool finite = is_finite(camera.from) && is_finite(camera.at) && is_finite(camera.up);
-  problems.check(finite, "camera: from, at and up must be finite");
-  const std::string why = finite ? camera_problem(camera) : "";
-  problems.check(why.empty(), "camera: ", why);
-  problems.check(camera.fov_deg > 0 && camera.fov_deg < 180,
-                 "camera: the angle must lie between 0 and 180 degrees");
-  problems.check(std::isfinite(camera.hither), "camera: hither must be finite");
-  problems.check(camera.width >= 0 && camera.height >= 0 && !camera.width == !camera.height,
-                 "camera: the resolution must be two positive numbers, or two zeros for none");
-  problems.check(!camera.lens_radius || at_least_zero(*camera.lens_radius),
-                 "camera: the lens radius must not be negative");
-  problems.check(!camera.focus_distance ||
-                     (at_least_zero(*camera.focus_distance) && *camera.focus_distance > 0),
-                 "camera: the focus distance must be positive");
-}
-
-void check_lights_and_materials(const Scene& scene, Problems& problems) {
-  problems.check(is_intensity(scene.background),
-                 "background: the colour must be finite and not negative");
-  for (size_t i = 0; i < scene.lights.size(); ++i) {
-    const Light& light = scene.lights[i];
-    problems.check(is_finite(light.position), "light ", i, ": the position must be finite");
-    problems.check(!light.color || is_intensity(*light.color), "light ", i,
-                   ": the colour must be finite and not negative");
-  }
-  problems.check(!scene.materials.empty(), "there is no material");
-  for (size_t i = 0; i < scene.materials.size(); ++i) {
-    const Material& m = scene.materials[i];
-    problems.check(is_intensity(m.color), "material ", i,
-                   ": the colour must be finite and not negative");
-    problems.check(at_least_zero(m.kd) && at_least_zero(m.ks) && at_least_zero(m.shine) &&
-                       at_least_zero(m.transmission) && at_least_zero(m.ior),
-                   "material ", i, ": Kd, Ks, Shine, T and ior must be finite and not negative");
-    problems.check(!(m.transmission > 0) || m.ior > 0, "material ", i,
-                   ": T is above 0, so ior must be too");
-  }
-}
-
-/// One kind's pool beside its materials.
-void check_pool(std::string_view kind, size_t count, const std::vector<MaterialId>& ids,
-                size_t materials, Problems& problems) {
-  problems.check(count <= kMaxItemsPerKind, "there are ", count, " ", kind, "s, more than ",
-                 size_t(kMaxItemsPerKind));
-  problems.check(ids.size() == count, "there are ", count, " ", kind, "s but ", ids.size(),
-                 " materials for them");
-  for (size_t i = 0; i < ids.size(); ++i)
-    problems.check(ids[i] < materials, kind, " ", i, ": material ", size_t(ids[i]), " of ",
-                   materials);
-}
-
-void check_round_shapes(const Scene& scene, Problems& problems) {
-  for (size_t i = 0; i < scene.planes.size(); ++i) {
-    const Plane& plane = scene.planes[i];
-    problems.check(is_finite(plane.point), "plane ", i, ": the point must be finite");
-    problems.check(is_finite(plane.normal) && is_unit(plane.normal), "plane ", i,
-                   ": the normal must have length 1");
-  }
-  for (size_t i = 0; i < scene.spheres.size(); ++i) {
-    const Sphere& sphere = scene.spheres[i];
-    problems.check(is_finite(sphere.center), "sphere ", i, ": the centre must be finite");
-    problems.check(std::isfinite(sphere.radius) && sphere.radius != 0, "sphere ", i,
-                   ": the radius must be finite and not zero");
-  }
-  for (size_t i = 0; i < scene.cones.size(); ++i) {
-    const Cone& cone = scene.cones[i];
-    const double base = cone.base_radius, apex = cone.apex_radius;
-    problems.check(is_finite(cone.base) && is_finite(cone.apex), "cone ", i,
-                   ": base and apex must be finite");
-    problems.check(!(cone.base == cone.apex), "cone ", i, ": base and apex are the same point");
-    problems.check(std::isfinite(base) && std::isfinite(apex) && (base != 0 || apex != 0), "cone ",
-                   i, ": the radii must be finite and not both zero");
-    problems.check(!(base * apex < 0), "cone ", i, ": one radius is negative and the other is not");
-  }
-}
-
-void check_triangles(const Scene& scene, Problems& problems) {
-  for (size_t i = 0; i < scene.positions.size(); ++i)
-    problems.check(is_finite(scene.positions[i]), "position ", i, ": must be finite");
-  for (size_t i = 0; i < scene.normals.size(); ++i)
-    problems.check(is_finite(scene.normals[i]) && is_unit(scene.normals[i]), "normal ", i,
-                   ": must have length 1");
-  for (size_t i = 0; i < scene.triangles.size(); ++i)
-    for (const uint32_t corner : scene.triangles[i])
-      problems.check(corner < scene.positions.size(), "triangle ", i, ": corner ", size_t(corner),
-                     " of ", scene.positions.size(), " positions");
-  problems.check(
-      scene.triangle_normals.empty() || scene.triangle_normals.size() == scene.triangles.size(),
-      "there are ", scene.triangles.size(), " triangles but ", scene.triangle_normals.size(),
-      " triples of normals");
-  constexpr TriangleIndices kFlat = {kNoNormal, kNoNormal, kNoNormal};
-  for (size_t i = 0; i < scene.triangle_normals.size(); ++i) {
-    if (scene.triangle_normals[i] == kFlat) continue;
-    for (const uint32_t normal : scene.triangle_normals[i])
-      problems.check(normal < scene.normals.size(), "triangle ", i, ": normal ", size_t(normal),
-                     " of ", scene.normals.size());
-  }
-  for (size_t i = 0; i < scene.polygons.size(); ++i) {
-    const Polygon& polygon = scene.polygons[i];
-    problems.check(polygon.count >= 4, "polygon ", i, ": ", size_t(polygon.count),
-                   " corners, fewer than 4");
-    problems.check(size_t(polygon.first) + polygon.count <= scene.positions.size(), "polygon ", i,
-                   ": corners up to ", size_t(polygon.first) + polygon.count, " of ",
-                   scene.positions.size(), " positions");
-  }
+std::string plural(size_t count, std::string_view noun) {
+  std::string text = std::to_string(count) + " " + std::string(noun);
+  if (count != 1) text += noun == "mesh" ? "es" : "s";
+  return text;
 }
 
 }  // namespace
@@ -156,6 +22,8 @@ std::array<size_t, kShapeKinds> count_primitives(const Scene& scene) {
   counts[size_t(ShapeKind::plane)] = scene.planes.size();
   counts[size_t(ShapeKind::sphere)] = scene.spheres.size();
   counts[size_t(ShapeKind::triangle)] = scene.triangles.size();
+  for (const Mesh& mesh : scene.meshes)
+    counts[size_t(ShapeKind::triangle)] += mesh.triangles.size();
   counts[size_t(ShapeKind::polygon)] = scene.polygons.size();
   for (const Cone& cone : scene.cones)
     ++counts[size_t(cone.is_cylinder() ? ShapeKind::cylinder : ShapeKind::cone)];
@@ -172,17 +40,73 @@ Box3f bounds(const Scene& scene) {
   for (const Polygon& polygon : scene.polygons)
     for (uint32_t i = 0; i < polygon.count; ++i)
       box.extend(scene.positions[size_t(polygon.first) + i]);
+  for (const Mesh& mesh : scene.meshes)
+    for (const TriangleIndices& triangle : mesh.triangles)
+      for (const uint32_t corner : triangle) box.extend(mesh.positions[corner]);
   return box;
 }
 
 size_t memory_bytes(const Scene& scene) {
-  const auto bytes = [](const auto&... pools) {
-    return ((pools.size() * sizeof(*pools.data())) + ...);
+  size_t bytes = scene.lights.size() * sizeof(Light);
+  for (const std::string& name : scene.object_names) bytes += name.size();
+  for_each_column(scene, [&](ColumnName, const auto& column) {
+    bytes += column.size() * sizeof(*column.data());
+  });
+  return bytes;
+}
+
+bool any_colors(const Scene& scene) {
+  bool any = false;
+  for_each_pool(scene, [&](PoolKind, auto&, auto&, const Array<Rgb>& colors, auto&) {
+    any |= !colors.empty();
+  });
+  return any;
+}
+
+uint32_t object_of(const Scene& scene, PoolKind pool, size_t index) {
+  const auto behind = std::ranges::upper_bound(
+      scene.object_ranges, std::pair(pool, index), std::less(),
+      [](const ObjectRange& r) { return std::pair(r.pool, size_t(r.first)); });
+  if (behind == scene.object_ranges.begin()) return 0;
+  const ObjectRange& range = behind[-1];
+  return range.pool == pool && index - range.first < range.count ? range.object : 0;
+}
+
+std::string text_of(const Scene& scene, std::initializer_list<Feature> features) {
+  std::string text;
+  const auto add = [&](std::string_view what, size_t count, std::string_view noun) {
+    if (count == 0) return;
+    if (!text.empty()) text += ", ";
+    text += std::string(what) + " of " + plural(count, noun);
   };
-  return bytes(scene.lights, scene.materials, scene.planes, scene.plane_materials, scene.spheres,
-               scene.sphere_materials, scene.cones, scene.cone_materials, scene.positions,
-               scene.normals, scene.triangles, scene.triangle_materials, scene.triangle_normals,
-               scene.polygons, scene.polygon_materials);
+  const auto meshes_with = [&](auto column) {
+    return size_t(
+        std::ranges::count_if(scene.meshes, [&](const Mesh& m) { return !(m.*column).empty(); }));
+  };
+  for (const Feature feature : features) {
+    switch (feature) {
+      case Feature::opacity:
+        for_each_pool(scene, [&](PoolKind kind, auto&, auto&, auto&, const Array<float>& opacity) {
+          add("opacity", size_t(std::ranges::count_if(opacity, [](float o) { return o < 1; })),
+              kPoolNames[size_t(kind)]);
+        });
+        break;
+      case Feature::vertex_colors:
+        add("colours of the vertices", meshes_with(&Mesh::colors), "mesh");
+        break;
+      case Feature::texture_coordinates:
+        add("texture coordinates", meshes_with(&Mesh::uv), "mesh");
+        break;
+      case Feature::object_names:
+        add("names", scene.object_names.size(), "object");
+        break;
+    }
+  }
+  return text;
+}
+
+std::string unrendered(const Scene& scene) {
+  return text_of(scene, {Feature::opacity, Feature::vertex_colors});
 }
 
 std::string camera_problem(const Camera& camera) {
@@ -192,23 +116,6 @@ std::string camera_problem(const Camera& camera) {
   if (!(length(cross(view, up)) > 1e-7 * length(view) * length(up)))
     return "up is parallel to the line of sight";
   return {};
-}
-
-std::vector<std::string> validate(const Scene& scene) {
-  Problems problems;
-  problems.check(is_finite(scene.origin), "the origin must be finite");
-  problems.check(scene.samples_per_pixel >= 0, "the samples per pixel must not be negative");
-  check_camera(scene.camera, problems);
-  check_lights_and_materials(scene, problems);
-  const size_t materials = scene.materials.size();
-  check_pool("plane", scene.planes.size(), scene.plane_materials, materials, problems);
-  check_pool("sphere", scene.spheres.size(), scene.sphere_materials, materials, problems);
-  check_pool("cone", scene.cones.size(), scene.cone_materials, materials, problems);
-  check_pool("triangle", scene.triangles.size(), scene.triangle_materials, materials, problems);
-  check_pool("polygon", scene.polygons.size(), scene.polygon_materials, materials, problems);
-  check_round_shapes(scene, problems);
-  check_triangles(scene, problems);
-  return problems.take();
 }
 
 }  // namespace raio

@@ -1,13 +1,17 @@
 // What a scene file says, as plain data: no pointers, no virtual calls, one pool per kind of thing
-// and indices between them. Readers and generators fill it, accel/ bakes it for tracing.
+// and indices between them. Readers and generators fill it, accel/ bakes it for tracing. What must
+// go by all of its arrays uses scene/columns.h, which names each of them once.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <initializer_list>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "base/array.h"
 #include "base/box.h"
 #include "base/vec.h"
 #include "shape/cone.h"
@@ -63,6 +67,38 @@ struct Polygon {
   uint32_t first = 0, count = 0;
 };
 
+/// Two coordinates on a picture, (0, 0) to (1, 1).
+using Uv = std::array<float, 2>;
+
+/// Triangles with vertices of their own, which carry more than the scene's do.
+struct Mesh {
+  Array<Vec3f> positions;
+  // Of the vertices, each as long as `positions`, or empty.
+  Array<Vec3f> normals;  // unit; as long as it likes where there are normal_indices
+  Array<Uv> uv;
+  Array<Rgb> colors;  // each multiplied into the material's: not shown by the classic shading
+
+  Array<TriangleIndices> triangles;  // indices into `positions`
+  /// Indices into `normals`, parallel to `triangles`; empty: those of `triangles`. A flat triangle
+  /// has kNoNormal three times.
+  Array<TriangleIndices> normal_indices;
+  Array<MaterialId> materials;  // one for all, or one for each triangle
+};
+
+/// The pools of a scene. The numbers stand in files.
+enum class PoolKind : uint32_t { plane, sphere, cone, triangle, polygon, mesh };
+inline constexpr std::array<std::string_view, 6> kPoolNames = {"plane",    "sphere",  "cone",
+                                                               "triangle", "polygon", "mesh"};
+
+/// The elements first ... first + count - 1 of a pool, which belong to an object.
+struct ObjectRange {
+  PoolKind pool = PoolKind::plane;
+  uint32_t first = 0, count = 0;
+  uint32_t object = 0;  // its id
+
+  friend bool operator==(const ObjectRange&, const ObjectRange&) = default;
+};
+
 struct Scene {
   std::string name;  // of the file, without folder and suffix
 
@@ -74,32 +110,48 @@ struct Scene {
   Camera camera;
   Rgb background;
   std::vector<Light> lights;
-  std::vector<Material> materials;  // never empty in a valid scene
-  int samples_per_pixel = 0;        // the file's wish (P3F `spp`); 0: none
+  Array<Material> materials;  // never empty in a valid scene
+  int samples_per_pixel = 0;  // the file's wish (P3F `spp`); 0: none
 
-  std::vector<Plane> planes;
-  std::vector<MaterialId> plane_materials;
+  Array<Plane> planes;
+  Array<MaterialId> plane_materials;
 
-  std::vector<Sphere> spheres;
-  std::vector<MaterialId> sphere_materials;
+  Array<Sphere> spheres;
+  Array<MaterialId> sphere_materials;
 
-  std::vector<Cone> cones;  // and cylinders
-  std::vector<MaterialId> cone_materials;
+  Array<Cone> cones;  // and cylinders
+  Array<MaterialId> cone_materials;
 
-  std::vector<Vec3f> positions;
-  std::vector<Vec3f> normals;  // unit
+  Array<Vec3f> positions;
+  Array<Vec3f> normals;  // unit
 
-  std::vector<TriangleIndices> triangles;
-  std::vector<MaterialId> triangle_materials;
+  Array<TriangleIndices> triangles;
+  Array<MaterialId> triangle_materials;
   /// Indices into `normals`, parallel to `triangles`, or empty when no triangle is smooth. A flat
   /// triangle among smooth ones has kNoNormal three times.
-  std::vector<TriangleIndices> triangle_normals;
+  Array<TriangleIndices> triangle_normals;
 
-  std::vector<Polygon> polygons;
-  std::vector<MaterialId> polygon_materials;
+  Array<Polygon> polygons;
+  Array<MaterialId> polygon_materials;
+
+  // Each is parallel to its pool, or empty where no primitive of the kind has any. A colour takes
+  // the place of the material's; an opacity (0 to 1) is the part of the light from behind that is
+  // kept back (unrendered() says what is not shown).
+  Array<Rgb> plane_colors, sphere_colors, cone_colors, triangle_colors, polygon_colors;
+  Array<float> plane_opacity, sphere_opacity, cone_opacity, triangle_opacity, polygon_opacity;
+
+  std::vector<Mesh> meshes;
+
+  /// Parts of the scene with a name: object `id` (from 1; 0 is none) is object_names[id - 1]. The
+  /// ranges are sorted by pool, then by `first`, and no two overlap.
+  std::vector<std::string> object_names;
+  Array<ObjectRange> object_ranges;
 
   size_t primitive_count() const {
-    return planes.size() + spheres.size() + cones.size() + triangles.size() + polygons.size();
+    size_t count =
+        planes.size() + spheres.size() + cones.size() + triangles.size() + polygons.size();
+    for (const Mesh& mesh : meshes) count += mesh.triangles.size();
+    return count;
   }
 };
 
@@ -109,6 +161,23 @@ std::array<size_t, kShapeKinds> count_primitives(const Scene& scene);
 /// Around all primitives but infinite planes.
 Box3f bounds(const Scene& scene);
 
+/// Does any primitive have a colour of its own?
+bool any_colors(const Scene& scene);
+
+/// The id of the object to which an element of a pool belongs; 0: to none. Takes the logarithm of
+/// the number of ranges.
+uint32_t object_of(const Scene& scene, PoolKind pool, size_t index);
+
+/// What a scene may have that not every shading shows and not every format keeps.
+enum class Feature : uint8_t { opacity, vertex_colors, texture_coordinates, object_names };
+
+/// How much the scene has of them, in one line, as in "opacity of 12 spheres, names of 3 objects";
+/// empty where it has none.
+std::string text_of(const Scene& scene, std::initializer_list<Feature> features);
+
+/// The same of what the classic shading does not show yet.
+std::string unrendered(const Scene& scene);
+
 /// The sum of the sizes of the pools, in bytes.
 size_t memory_bytes(const Scene& scene);
 
@@ -116,13 +185,13 @@ size_t memory_bytes(const Scene& scene);
 std::string camera_problem(const Camera& camera);
 
 /// A name of all that a picture can depend on, 32 hexadecimal digits: the same for two files that
-/// differ in comments, spelling or name only. `hither` does not count.
+/// differ in comments, spelling or name only. `hither` and the names of objects do not count.
 std::string content_hash(const Scene& scene);
 
 /// What makes a scene unfit for rendering, one sentence each, naming the element by its index;
 /// empty for a sound scene. Readers report the same with line and column before it comes to this;
 /// scenes made in code meet it first. Checks that all numbers are finite, sizes positive, indices
-/// in range, pools of equal length, and that the camera has a direction.
+/// in range, pools of equal length, and that the camera has a direction. Works on all threads.
 std::vector<std::string> validate(const Scene& scene);
 
 }  // namespace raio

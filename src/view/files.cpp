@@ -4,7 +4,7 @@
 
 #include <system_error>
 
-#include "io/nff/nff.h"
+#include "io/scene_file.h"
 #include "render/render.h"
 
 namespace raio::view {
@@ -35,7 +35,7 @@ void SceneFile::open(std::string path) { waiting_ = std::move(path); }
 void SceneFile::start(std::string path, int threads) {
   reading_ = std::async(std::launch::async, [path = std::move(path), threads] {
     std::expected<ReadScene, Diagnostics> read;
-    on_threads(threads, [&] { read = read_nff(path); });
+    on_threads(threads, [&] { read = read_scene(path); });
     if (!read) return Read{path, std::unexpected(std::move(read.error()))};
     return Read{path, std::make_shared<const Scene>(std::move(read->scene))};
   });

@@ -1,5 +1,5 @@
-// Writes what the fuzzers of the readers of pictures and part files begin with: small ones of many
-// kinds, a folder per format. Usage: raio_fuzz_seeds FOLDER
+// Writes what the fuzzers of the readers of pictures, part files and .raio scenes begin with: small
+// ones of many kinds, a folder per format. Usage: raio_fuzz_seeds FOLDER
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
@@ -13,7 +13,9 @@
 #include <filesystem>
 #include <vector>
 
+#include "../rich_scene.h"
 #include "io/image/codecs.h"
+#include "io/raio/raio.h"
 #include "render/part.h"
 
 namespace raio::fuzz {
@@ -111,12 +113,21 @@ void write_parts(const fs::path& folder) {
   }
 }
 
+void write_scenes(const fs::path& folder) {
+  Scene least;
+  least.materials.emplace_back();
+  put(folder / "least.raio", encode_raio_scene(least));
+  put(folder / "random.raio", encode_raio_scene(testing::random_scene(4, 1)));
+  put(folder / "rich.raio", encode_raio_scene(testing::rich_scene()));
+}
+
 void write_all(const fs::path& folder) {
-  for (const char* format : {"png", "exr", "pfm", "ppm", "part"})
+  for (const char* format : {"png", "exr", "pfm", "ppm", "part", "scene_file"})
     fs::create_directories(folder / format);
   write_png(folder / "png");
   write_exr(folder / "exr");
   write_parts(folder / "part");
+  write_scenes(folder / "scene_file");
   put(folder / "pfm/own.pfm", encode_pfm(sample()));
   put(folder / "pfm/grey.pfm", std::string("Pf\n1 2\n2.5\n\0\0\x80\x3e\0\0\x80\x3f", 19));
   put(folder / "ppm/own.ppm", encode_ppm(sample()));

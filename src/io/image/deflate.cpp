@@ -1,6 +1,5 @@
 #include "io/image/deflate.h"
 
-
 #include <new>
 
 #include "base/parallel.h"

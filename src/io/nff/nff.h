@@ -10,6 +10,8 @@
 
 namespace raio {
 
+class TextBuffer;  // io/nff/text_cursor.h
+
 struct ReadScene {
   Scene scene;
   Diagnostics warnings;
@@ -22,11 +24,13 @@ std::expected<ReadScene, Diagnostics> read_nff(const std::filesystem::path& path
 
 /// The same for text in memory; `file` is the name in messages.
 std::expected<ReadScene, Diagnostics> parse_nff(std::string_view text, std::string_view file);
+std::expected<ReadScene, Diagnostics> parse_nff(const TextBuffer& text, std::string_view file);
 
 inline constexpr size_t kMaxDiagnostics = 20;
 
 /// The scene as NFF, every number with the fewest digits that read back to the same float. Pools
-/// are written kind by kind; smooth triangles as `pp`, P3F's lens after `resolution`.
+/// are written kind by kind; smooth triangles as `pp`, P3F's lens after `resolution`; what NFF has
+/// no words for as plain_scene() (io/plain_scene.h) has it.
 std::string write_nff(const Scene& scene, std::string_view comment = {});
 
 }  // namespace raio

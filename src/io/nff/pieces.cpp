@@ -35,7 +35,7 @@ bool is_plain(Keyword keyword) {
 /// than the part read so far: what the pool will need if the rest is like that part. Memory that
 /// stays unused costs nothing, but moving a large pool does.
 template <class T, class Change>
-void append_changed(std::vector<T>& pool, std::vector<T>& more, double whole, Change change) {
+void append_changed(Array<T>& pool, Array<T>& more, double whole, Change change) {
   const size_t size = pool.size() + more.size();
   if (size > pool.capacity()) {
     pool.reserve(std::max(2 * pool.capacity(), size_t(1.1 * whole * double(size))));

@@ -316,6 +316,10 @@ std::expected<ReadScene, Diagnostics> parse_nff(std::string_view text, std::stri
   return in_memory(file, [&] { return parse(TextBuffer(text), file); });
 }
 
+std::expected<ReadScene, Diagnostics> parse_nff(const TextBuffer& text, std::string_view file) {
+  return in_memory(file, [&] { return parse(text, file); });
+}
+
 std::expected<ReadScene, Diagnostics> read_nff(const std::filesystem::path& path) {
   const std::string file = path.string();
   return in_memory(file, [&]() -> std::expected<ReadScene, Diagnostics> {

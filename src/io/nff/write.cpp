@@ -6,6 +6,7 @@
 #include "io/nff/geometry.h"
 #include "io/nff/nff.h"
 #include "io/nff/text_cursor.h"
+#include "io/plain_scene.h"
 
 namespace raio {
 namespace {
@@ -226,6 +227,7 @@ void Writer::plane(const Plane& plane) {
 }  // namespace
 
 std::string write_nff(const Scene& scene, std::string_view comment) {
+  if (!is_plain(scene)) return write_nff(plain_scene(scene), comment);
   return Writer(scene).write(comment);
 }
 

@@ -1,0 +1,27 @@
+#include <fmt/format.h>
+
+#include "app/commands.h"
+#include "app/output.h"
+#include "app/terminal.h"
+#include "io/scene_file.h"
+
+namespace raio::app {
+
+int run(const ConvertCommand& command) {
+  const StopOnSignal stop;
+  const auto format = scene_format(command.output);
+  if (!format) return fail(format.error());
+  if (const auto writable = check_writable(command.output); !writable)
+    return fail(writable.error());
+  const auto scene = load_scene(command.input);
+  if (!scene) return scene.error();
+
+  if (const std::string lost = not_kept(*scene, *format); !lost.empty())
+    print_line(
+        fmt::format("{}: warning: not kept: {}; a .raio scene keeps all", command.output, lost));
+  const auto comment = fmt::format("{}, written by raio {}", scene->name, RAIO_VERSION);
+  const auto written = write_scene(*scene, command.output, comment);
+  return written ? int(kDone) : fail(written.error());
+}
+
+}  // namespace raio::app

@@ -1,0 +1,156 @@
+// What files that are no scenes seem to be.
+#include <algorithm>
+#include <array>
+
+#include "io/nff/text_cursor.h"
+#include "io/scene_file.h"
+
+namespace raio {
+namespace {
+
+struct Sign {
+  std::string_view start, kind;
+};
+
+constexpr Sign kStarts[] = {
+    {"RAIOPART", "a part file of a render, which raio merge makes a picture of"},
+    {"\x89PNG", "a PNG picture"},
+    {"\xff\xd8\xff", "a JPEG picture"},
+    {"GIF8", "a GIF picture"},
+    {"BM", "a BMP picture"},
+    {"\x76\x2f\x31\x01", "an OpenEXR picture"},
+    {"#?RADIANCE", "a Radiance picture"},
+    {"#?RGBE", "a Radiance picture"},
+    {"II*", "a TIFF picture"},
+    {{"MM\0*", 4}, "a TIFF picture"},
+    {"%PDF", "a PDF document"},
+    {"PK\3\4", "a ZIP archive"},
+    {"glTF", "a binary glTF scene"},
+    {"ply\n", "a PLY mesh"},
+    {"ply\r", "a PLY mesh"},
+    {"solid ", "an STL mesh"},
+    {"OFF\n", "an OFF mesh"},
+    {"OFF\r", "an OFF mesh"},
+    {"OFF ", "an OFF mesh"},
+    {"COFF", "an OFF mesh"},
+    {"NOFF", "an OFF mesh"},
+    {"Kaydara FBX", "an FBX scene"},
+    {"BLENDER", "a Blender file"},
+    {"ITEM: ", "a LAMMPS dump"},
+    {"LAMMPS", "a LAMMPS data file"},
+    {"data_", "a CIF file of a molecule or crystal"},
+    {"HEADER ", "a PDB file of a molecule"},
+    {"ATOM  ", "a PDB file of a molecule"},
+    {"HETATM", "a PDB file of a molecule"},
+    {"CRYST1", "a PDB file of a molecule"},
+    {"REMARK ", "a PDB file of a molecule"},
+    {"TITLE  ", "a PDB file of a molecule"},
+    {"<", "an XML file"},
+};
+
+constexpr Sign kSuffixes[] = {
+    {".obj", "a Wavefront OBJ mesh"},
+    {".mtl", "a Wavefront MTL file of materials"},
+    {".stl", "an STL mesh"},
+    {".ply", "a PLY mesh"},
+    {".off", "an OFF mesh"},
+    {".3ds", "a 3DS scene"},
+    {".gltf", "a glTF scene"},
+    {".pov", "a POV-Ray scene"},
+    {".pdb", "a PDB file of a molecule"},
+    {".cif", "a CIF file of a molecule or crystal"},
+    {".gro", "a GRO file of a molecule"},
+    {".xyz", "an XYZ file of a molecule"},
+    {".lmp", "a LAMMPS data file"},
+};
+
+std::string_view trimmed(std::string_view line) {
+  const auto blank = [](char c) { return is_char(c, kBlank); };
+  while (!line.empty() && blank(line.front())) line.remove_prefix(1);
+  while (!line.empty() && blank(line.back())) line.remove_suffix(1);
+  return line;
+}
+
+/// The blank-separated words of a line, at most five.
+size_t words_of(std::string_view line, std::array<std::string_view, 5>& words) {
+  size_t count = 0;
+  for (line = trimmed(line); !line.empty() && count < words.size(); line = trimmed(line)) {
+    const size_t end = std::min(line.find_first_of(" \t"), line.size());
+    words[count++] = line.substr(0, end);
+    line.remove_prefix(end);
+  }
+  return count;
+}
+
+bool all_digits(std::string_view word) {
+  return !word.empty() && std::ranges::all_of(word, [](char c) { return c >= '0' && c <= '9'; });
+}
+
+/// NFF has a `v` too, but nothing behind it in its line that is a number, and an `f` of eight
+/// numbers.
+bool is_obj_line(std::string_view line) {
+  std::array<std::string_view, 5> words;
+  const size_t count = words_of(line, words);
+  if (count < 2) return false;
+  const std::string_view word = words[0];
+  if (word == "mtllib" || word == "usemtl") return true;
+  if (word == "v" || word == "vn" || word == "vt") return looks_like_number(words[1]);
+  return word == "f" && all_digits(words[1].substr(0, words[1].find('/'))) &&
+         words[1].find('/') != std::string_view::npos;
+}
+
+/// "12", a line of anything, "C 0 0 0".
+bool is_xyz(std::string_view first, std::string_view third) {
+  std::array<std::string_view, 5> words;
+  if (words_of(first, words) != 1 || !all_digits(words[0])) return false;
+  const size_t count = words_of(third, words);
+  return count >= 4 && !looks_like_number(words[0]) &&
+         std::all_of(&words[1], &words[4], looks_like_number);
+}
+
+std::string_view kind_of_text(std::string_view text) {
+  if (trimmed(text).starts_with('{'))
+    return text.find("\"asset\"") != std::string_view::npos ? "a glTF scene" : "a JSON file";
+  std::array<std::string_view, 3> first;
+  for (size_t number = 0; !text.empty(); ++number) {
+    const size_t end = std::min(text.find('\n'), text.size());
+    const std::string_view line = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    if (number < first.size()) first[number] = line;
+    if (number == 2 && is_xyz(first[0], first[2])) return "an XYZ file of a molecule";
+    if (is_obj_line(line)) return "a Wavefront OBJ mesh";
+  }
+  return {};
+}
+
+/// A header of 80 bytes, a count, and 50 bytes for each triangle.
+bool is_binary_stl(std::string_view start, size_t size) {
+  if (start.size() < 84) return false;
+  uint32_t count;
+  std::memcpy(&count, start.data() + 80, sizeof count);
+  return count > 0 && size == 84 + 50 * size_t(count);
+}
+
+/// "P6", a blank.
+bool is_netpbm(std::string_view start) {
+  return start.size() > 2 && start[0] == 'P' &&
+         std::string_view("123456fF").find(start[1]) != std::string_view::npos &&
+         is_char(start[2], kBlank);
+}
+
+}  // namespace
+
+std::string_view foreign_kind(std::string_view start, std::string_view suffix, size_t size) {
+  start = start.substr(0, 4096);
+  if (start.starts_with("RAIOSCEN")) return {};
+  for (const Sign& sign : kStarts)
+    if (start.starts_with(sign.start)) return sign.kind;
+  if (is_netpbm(start)) return "a picture (PPM, PGM, PBM or PFM)";
+  if (const std::string_view kind = kind_of_text(start); !kind.empty()) return kind;
+  if (is_binary_stl(start, size)) return "an STL mesh";
+  for (const Sign& sign : kSuffixes)
+    if (suffix == sign.start) return sign.kind;
+  return {};
+}
+
+}  // namespace raio

@@ -1,0 +1,95 @@
+#include "io/raio/format.h"
+
+#include <algorithm>
+#include <array>
+
+#include "base/parallel.h"
+
+namespace raio::scene_file {
+namespace {
+
+std::string_view bytes_of_hash(const Hash128& hash) {
+  return {reinterpret_cast<const char*>(&hash), sizeof hash};
+}
+
+}  // namespace
+
+Hash128 column_hash(std::string_view bytes) {
+  constexpr size_t kChunk = 1 << 20;
+  if (bytes.size() <= kChunk) return hash128(bytes);
+  std::vector<Hash128> hashes((bytes.size() + kChunk - 1) / kChunk);
+  parallel_for(hashes.size(),
+               [&](size_t i) { hashes[i] = hash128(bytes.substr(i * kChunk, kChunk)); });
+  return hash128({reinterpret_cast<const char*>(hashes.data()), hashes.size() * sizeof(Hash128)});
+}
+
+Hash128 table_hash(Header header, std::string_view table) {
+  header.hash = {};
+  const Hash128 parts[] = {hash128({reinterpret_cast<const char*>(&header), sizeof header}),
+                           hash128(table)};
+  return hash128(std::string(bytes_of_hash(parts[0])) + std::string(bytes_of_hash(parts[1])));
+}
+
+Settings settings_of(const Scene& scene) {
+  Settings s;
+  const Camera& c = scene.camera;
+  s.origin = {scene.origin};
+  s.camera = {c.from.x, c.from.y, c.from.z, c.at.x,    c.at.y,  c.at.z,
+              c.up.x,   c.up.y,   c.up.z,   c.fov_deg, c.hither};
+  s.raster = {uint32_t(c.width), uint32_t(c.height), uint32_t(scene.samples_per_pixel)};
+  if (c.lens_radius) s.lens_radius = {*c.lens_radius};
+  if (c.focus_distance) s.focus_distance = {*c.focus_distance};
+  s.background = {scene.background};
+  for (const Light& light : scene.lights) {
+    s.light_positions.push_back(light.position);
+    s.light_colored.push_back(light.color.has_value());
+    s.light_colors.push_back(light.color.value_or(Rgb()));
+  }
+  for (const std::string& name : scene.object_names) {
+    s.object_names.insert(s.object_names.end(), name.begin(), name.end());
+    s.object_name_ends.push_back(uint32_t(s.object_names.size()));
+  }
+  return s;
+}
+
+std::string apply(const Settings& s, Scene& scene) {
+  const size_t lights = s.light_positions.size();
+  if (s.origin.size() != 1 || s.camera.size() != 11 || s.raster.size() != 3 ||
+      s.background.size() != 1 || s.lens_radius.size() > 1 || s.focus_distance.size() > 1)
+    return "the columns of the camera and its like have not the numbers that they should";
+  if (s.light_colored.size() != lights || s.light_colors.size() != lights)
+    return "the columns of the lights differ in length";
+  scene.origin = s.origin[0];
+  const auto& c = s.camera;
+  scene.camera = {.from = {c[0], c[1], c[2]},
+                  .at = {c[3], c[4], c[5]},
+                  .up = {c[6], c[7], c[8]},
+                  .fov_deg = c[9],
+                  .hither = c[10],
+                  .width = int(s.raster[0]),
+                  .height = int(s.raster[1]),
+                  .lens_radius = {},
+                  .focus_distance = {}};
+  scene.samples_per_pixel = int(s.raster[2]);
+  if (!s.lens_radius.empty()) scene.camera.lens_radius = s.lens_radius[0];
+  if (!s.focus_distance.empty()) scene.camera.focus_distance = s.focus_distance[0];
+  scene.background = s.background[0];
+  for (size_t i = 0; i < lights; ++i) {
+    if (s.light_colored[i] > 1) return "light_colored is neither 0 nor 1";
+    scene.lights.push_back({s.light_positions[i], {}});
+    if (s.light_colored[i]) scene.lights.back().color = s.light_colors[i];
+    // Bit for bit, as there is one file only for a scene.
+    else if (std::bit_cast<std::array<uint32_t, 3>>(s.light_colors[i]) != std::array<uint32_t, 3>())
+      return "a light without colour has one";
+  }
+  size_t begin = 0;
+  for (const uint32_t end : s.object_name_ends) {
+    if (end < begin || end > s.object_names.size()) return "object_name_ends is out of range";
+    scene.object_names.emplace_back(s.object_names.data() + begin, end - begin);
+    begin = end;
+  }
+  if (begin != s.object_names.size()) return "object_names is longer than its names";
+  return {};
+}
+
+}  // namespace raio::scene_file

@@ -1,0 +1,206 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <new>
+#include <set>
+
+#include "base/platform/files.h"
+#include "io/nff/text_cursor.h"
+#include "io/raio/format.h"
+#include "io/raio/raio.h"
+
+namespace raio {
+namespace {
+
+using namespace scene_file;
+
+using Checked = std::expected<void, std::string>;
+
+template <class... Args>
+std::unexpected<std::string> broken(fmt::format_string<Args...> format, Args&&... args) {
+  return std::unexpected("broken .raio scene: " + fmt::format(format, std::forward<Args>(args)...));
+}
+
+constexpr std::string_view kNewer = "a newer Raio may read it, and write it as NFF";
+
+/// A file whose header and table are sound: every column lies in the file, behind the one before.
+class Table {
+ public:
+  Checked check(std::string_view file);
+
+  size_t size() const { return entries_.size(); }
+  const Entry& operator[](size_t i) const { return entries_[i]; }
+  std::string_view name(size_t i) const { return entries_[i].name; }
+  std::string_view bytes(size_t i) const {
+    const Entry& e = entries_[i];
+    return file_.substr(e.offset, e.count * e.numbers * bytes_of(e.number));
+  }
+  /// Its name for messages.
+  std::string column(size_t i) const {
+    const std::string text = "column " + quoted(name(i));
+    return entries_[i].mesh == kNoMesh ? text : text + fmt::format(" of mesh {}", entries_[i].mesh);
+  }
+  uint32_t minor() const { return header_.minor; }
+
+ private:
+  Checked check_header();
+  Checked check_entry(size_t i, size_t end);
+
+  std::string_view file_;
+  Header header_;
+  std::vector<Entry> entries_;
+};
+
+Checked Table::check(std::string_view file) {
+  file_ = file;
+  if (auto sound = check_header(); !sound) return sound;
+  const std::string_view table = file.substr(sizeof(Header), header_.columns * sizeof(Entry));
+  if (table_hash(header_, table) != header_.hash)
+    return broken("the bytes of its table are not those that were written");
+  entries_.resize(header_.columns);
+  if (!entries_.empty()) std::memcpy(entries_.data(), table.data(), table.size());
+  size_t end = sizeof(Header) + table.size();
+  for (size_t i = 0; i < entries_.size(); ++i) {
+    if (auto sound = check_entry(i, end); !sound) return sound;
+    end = entries_[i].offset + bytes(i).size();
+  }
+  if (end != file.size()) return broken("it does not end where its last column does");
+  return {};
+}
+
+Checked Table::check_header() {
+  if (!is_raio_scene(file_)) return std::unexpected("not a .raio scene");
+  if (file_.size() < sizeof(Header)) return broken("it ends early");
+  std::memcpy(&header_, file_.data(), sizeof(Header));
+  if (header_.byte_order != kByteOrder) return broken("its bytes are in another order, or damaged");
+  if (header_.major != kMajor)
+    return std::unexpected(fmt::format("a .raio scene of format {}, expected format {}; {}",
+                                       header_.major, kMajor, kNewer));
+  if (header_.file_size != file_.size())
+    return broken("it has {} bytes, expected {}: it was cut or added to", file_.size(),
+                  header_.file_size);
+  if (header_.columns > (file_.size() - sizeof(Header)) / sizeof(Entry))
+    return broken("it ends in its table of {} columns", header_.columns);
+  if (std::ranges::any_of(header_.zeros, [](char c) { return c != 0; }))
+    return broken("its header has bytes that are not zero behind its end");
+  return {};
+}
+
+// `end`: where the column before ends.
+Checked Table::check_entry(size_t i, size_t end) {
+  const Entry& e = entries_[i];
+  const char* const name_end = std::ranges::find(e.name, '\0');
+  if (name_end == std::end(e.name) ||
+      std::any_of(name_end, std::end(e.name), [](char c) { return c != 0; }))
+    return broken("entry {} of its table has no name", i);
+  const size_t element = bytes_of(e.number) * e.numbers;
+  if (element == 0 || e.numbers > 64 || e.zero != 0)
+    return broken("{} has elements of {} numbers of type {}", column(i), e.numbers,
+                  uint32_t(e.number));
+  if (e.offset != aligned(end) || e.offset > file_.size() ||
+      e.count > (file_.size() - e.offset) / element || e.count == 0)
+    return broken("{} has {} elements at byte {}, which is not in the file behind the one before",
+                  column(i), e.count, e.offset);
+  const std::string_view gap = file_.substr(end, e.offset - end);
+  if (gap.find_first_not_of('\0') != std::string_view::npos)
+    return broken("there are bytes before {} that are not zero", column(i));
+  return {};
+}
+
+std::set<std::string_view> known_names() {
+  std::set<std::string_view> names;
+  const Settings settings;
+  Scene scene;
+  scene.meshes.resize(1);
+  for_each_file_column(settings, std::as_const(scene),
+                       [&](std::string_view name, uint32_t, const auto&) { names.insert(name); });
+  return names;
+}
+
+/// Gives the columns of the table to those of `settings` and `scene`, whose order is the same.
+class Taker {
+ public:
+  Taker(const Table& table, const std::shared_ptr<const void>& keep) : table_(table), keep_(keep) {}
+
+  template <class T>
+  void operator()(std::string_view name, uint32_t mesh, Array<T>& array) {
+    if (at_ == table_.size() || table_[at_].mesh != mesh || table_.name(at_) != name) return;
+    const Entry& e = table_[at_];
+    if (e.number == Element<T>::number && e.numbers == Element<T>::numbers) {
+      array = Array<T>::borrow(table_.bytes(at_).data(), e.count, keep_);
+      if (!keep_) array = Array<T>(std::vector<T>(array.begin(), array.end()));
+    } else if (wrong_.empty()) {
+      wrong_ = fmt::format("{} has elements of {} numbers of type {}, expected {} of type {}",
+                           table_.column(at_), e.numbers, uint32_t(e.number), Element<T>::numbers,
+                           uint32_t(Element<T>::number));
+    }
+    ++at_;
+  }
+
+  Checked done() const {
+    if (!wrong_.empty()) return broken("{}", wrong_);
+    if (at_ == table_.size()) return {};
+    if (known_names().contains(table_.name(at_)))
+      return broken("{} is not in its place", table_.column(at_));
+    return std::unexpected(fmt::format(
+        "a .raio scene of format {}.{} with a {} that this Raio does not know, which reads format "
+        "{}.{}; {}",
+        kMajor, table_.minor(), table_.column(at_), kMajor, kMinor, kNewer));
+  }
+
+ private:
+  const Table& table_;
+  const std::shared_ptr<const void>& keep_;
+  size_t at_ = 0;
+  std::string wrong_;
+};
+
+}  // namespace
+
+bool is_raio_scene(std::string_view start) { return start.starts_with(kMagic); }
+
+std::expected<Scene, std::string> decode_raio_scene(std::string_view bytes,
+                                                    std::shared_ptr<const void> keep) {
+  Table table;
+  if (auto sound = table.check(bytes); !sound) return std::unexpected(sound.error());
+  for (size_t i = 0; i < table.size(); ++i)
+    if (column_hash(table.bytes(i)) != table[i].hash)
+      return broken("the bytes of {} are not those that were written", table.column(i));
+
+  Scene scene;
+  Settings settings;
+  // Every mesh has materials, so that there are no more meshes than columns.
+  size_t meshes = 0;
+  for (size_t i = 0; i < table.size(); ++i)
+    if (table[i].mesh != kNoMesh) meshes = std::max(meshes, size_t(table[i].mesh) + 1);
+  if (meshes > table.size()) return broken("mesh {} of {} columns", meshes - 1, table.size());
+  scene.meshes.resize(meshes);
+  Taker take(table, keep);
+  for_each_file_column(settings, scene, take);
+  if (auto done = take.done(); !done) return std::unexpected(done.error());
+  if (const std::string wrong = apply(settings, scene); !wrong.empty()) return broken("{}", wrong);
+  if (const auto problems = validate(scene); !problems.empty())
+    return broken("{}", problems.front());
+  return scene;
+}
+
+std::expected<Scene, Diagnostics> read_raio_scene(const std::filesystem::path& path) {
+  const auto failed = [&](std::string message) {
+    return std::unexpected(
+        Diagnostics{{Severity::error, path.string(), 0, 0, std::move(message), ""}});
+  };
+  try {
+    auto mapped = MappedFile::open(path);
+    if (!mapped) return failed("cannot read the file: " + mapped.error());
+    const auto file = std::make_shared<const MappedFile>(std::move(*mapped));
+    auto scene = decode_raio_scene(file->view(), file);
+    if (!scene) return failed(scene.error());
+    scene->name = path.stem().string();
+    return std::move(*scene);
+  } catch (const std::bad_alloc&) {
+    return failed(std::string(kNoMemory));
+  }
+}
+
+}  // namespace raio

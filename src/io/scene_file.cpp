@@ -1,0 +1,165 @@
+#include "io/scene_file.h"
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <memory>
+#include <new>
+#include <system_error>
+
+#include "base/memory.h"
+#include "base/platform/files.h"
+#include "io/nff/text_cursor.h"
+#include "io/plain_scene.h"
+#include "io/pov_write.h"
+#include "io/raio/raio.h"
+
+namespace raio {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kReads = "Raio reads NFF, P3F and .raio scenes";
+constexpr std::string_view kGzip = "\x1f\x8b";
+
+std::unexpected<Diagnostics> failed(std::string_view file, std::string message) {
+  return std::unexpected(
+      Diagnostics{{Severity::error, std::string(file), 0, 0, std::move(message), ""}});
+}
+
+/// Does the path lead to a regular file that begins as a .raio scene? Pipes are not touched, since
+/// what is read from them is gone.
+bool leads_to_raio(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) return false;
+  auto file = InputFile::open(path);
+  char start[8];
+  if (!file) return false;
+  const auto count = file->read(start, sizeof start);
+  return count && is_raio_scene({start, *count});
+}
+
+/// What gzip has packed, one member after another, or why it cannot be had.
+std::expected<std::string, std::string> unpacked(std::string_view bytes) {
+  z_stream stream{};
+  constexpr int kGzipOnly = 15 + 16;
+  if (inflateInit2(&stream, kGzipOnly) != Z_OK) return std::unexpected(std::string(kNoMemory));
+  const std::unique_ptr<z_stream, int (*)(z_stream*)> end(&stream, inflateEnd);
+  const size_t most = available_memory_bytes() / 2;
+  constexpr size_t kPiece = size_t(1) << 30;  // what zlib counts is an unsigned int
+  std::string out(std::max<size_t>(4096, 4 * bytes.size()), '\0');
+  size_t size = 0;
+  for (;;) {
+    if (size == out.size()) out.resize(2 * out.size());
+    const size_t room = std::min(out.size() - size, kPiece), left = std::min(bytes.size(), kPiece);
+    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
+    stream.avail_in = uInt(left);
+    stream.next_out = reinterpret_cast<Bytef*>(out.data() + size);
+    stream.avail_out = uInt(room);
+    const int done = inflate(&stream, Z_NO_FLUSH);
+    bytes.remove_prefix(left - stream.avail_in);
+    size += room - stream.avail_out;
+    if (size > most) return std::unexpected(std::string(kNoMemory));
+    if (done == Z_STREAM_END) {
+      if (bytes.empty()) break;
+      if (inflateReset(&stream) != Z_OK) return std::unexpected("broken gzip file");
+    } else if (done == Z_BUF_ERROR && bytes.empty()) {
+      return std::unexpected("broken gzip file: it ends early");
+    } else if (done != Z_OK && done != Z_BUF_ERROR) {
+      return std::unexpected(
+          fmt::format("broken gzip file: {}", stream.msg ? stream.msg : "damaged"));
+    }
+  }
+  out.resize(size);
+  return out;
+}
+
+/// `name`: what the file is called without its compression.
+std::string suffix_of(std::string_view name) { return lower_suffix(fs::path(name)); }
+
+std::expected<ReadScene, Diagnostics> parse_raio(std::string_view bytes, std::string_view file,
+                                                 std::shared_ptr<const void> keep) {
+  auto scene = decode_raio_scene(bytes, std::move(keep));
+  if (!scene) return failed(file, scene.error());
+  return ReadScene{std::move(*scene), {}};
+}
+
+/// Whatever is in memory, packed or not. `name` is the file without folder.
+std::expected<ReadScene, Diagnostics> parse(std::shared_ptr<const TextBuffer> text,
+                                            std::string_view file, fs::path name) {
+  if (text->view().starts_with(kGzip)) {
+    const auto plain = unpacked(text->view());
+    if (!plain) return failed(file, plain.error());
+    text = std::make_shared<const TextBuffer>(*plain);
+    if (suffix_of(name.string()) == ".gz") name = name.stem();
+  }
+  const std::string_view bytes = text->view();
+  const std::string_view kind = foreign_kind(bytes, suffix_of(name.string()), bytes.size());
+  if (!kind.empty()) return failed(file, fmt::format("this looks like {}; {}", kind, kReads));
+  auto read = is_raio_scene(bytes) ? parse_raio(bytes, file, text) : parse_nff(*text, file);
+  if (read) read->scene.name = name.stem().string();
+  return read;
+}
+
+}  // namespace
+
+std::expected<ReadScene, Diagnostics> parse_scene(std::string_view bytes,
+                                                  std::string_view file) try {
+  return parse(std::make_shared<const TextBuffer>(bytes), file, fs::path(file).filename());
+} catch (const std::bad_alloc&) {
+  return failed(file, std::string(kNoMemory));
+}
+
+std::expected<ReadScene, Diagnostics> read_scene(const fs::path& path) try {
+  const bool standard_input = path == "-";
+  const fs::path opened = standard_input ? fs::path("/dev/stdin") : path;
+  const std::string file = standard_input ? "standard input" : path.string();
+  if (leads_to_raio(opened)) {
+    auto scene = read_raio_scene(opened);
+    if (!scene) return std::unexpected(std::move(scene.error()));
+    return ReadScene{std::move(*scene), {}};
+  }
+  auto text = TextBuffer::read_file(opened);
+  if (!text) return failed(file, text.error());
+  return parse(std::make_shared<const TextBuffer>(std::move(*text)), file, opened.filename());
+} catch (const std::bad_alloc&) {
+  return failed(path.string(), std::string(kNoMemory));
+}
+
+std::expected<SceneFormat, Error> scene_format(const fs::path& path) {
+  const std::string suffix = lower_suffix(path);
+  if (path == "-" || suffix == ".nff") return SceneFormat::nff;
+  if (suffix == ".raio") return SceneFormat::raio;
+  if (suffix == ".pov") return SceneFormat::pov;
+  return std::unexpected(
+      Error{ErrorKind::bad_input, "",
+            fmt::format("expected a file that ends with .nff, .raio or .pov, found '{}'",
+                        path.string())});
+}
+
+std::string not_kept(const Scene& scene, SceneFormat format) {
+  return format == SceneFormat::raio ? "" : text_of(scene, kNotPlain);
+}
+
+std::expected<void, Error> write_scene(const Scene& scene, const fs::path& path,
+                                       std::string_view comment) try {
+  const auto format = scene_format(path);
+  if (!format) return std::unexpected(format.error());
+  switch (*format) {
+    case SceneFormat::nff:
+      return write_file(path, write_nff(scene, comment));
+    case SceneFormat::raio:
+      return write_raio_scene(scene, path);
+    case SceneFormat::pov:
+      break;
+  }
+  PovPicture picture{.name = path.stem().string()};
+  if (scene.camera.width > 0)
+    picture.width = scene.camera.width, picture.height = scene.camera.height;
+  return write_file(path, write_pov(scene, picture, comment));
+} catch (const std::bad_alloc&) {
+  return std::unexpected(memory_error(path));
+}
+
+}  // namespace raio

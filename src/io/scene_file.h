@@ -1,0 +1,44 @@
+// Scene files of any kind: what they are is told by their content, then by their suffix. For all
+// who open what a user names.
+#pragma once
+
+#include <expected>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "io/diagnostics.h"
+#include "io/file.h"
+#include "io/nff/nff.h"
+#include "scene/scene.h"
+
+namespace raio {
+
+/// Reads an NFF or P3F text (read_nff) or a .raio scene (read_raio_scene), also compressed by gzip;
+/// "-" is standard input. The errors of a file of another kind are one that says what it seems to
+/// be.
+std::expected<ReadScene, Diagnostics> read_scene(const std::filesystem::path& path);
+
+/// The same for bytes in memory; `file` is the name in messages, whose suffix counts and which the
+/// scene is called by.
+std::expected<ReadScene, Diagnostics> parse_scene(std::string_view bytes, std::string_view file);
+
+/// What a file of another kind seems to be, by its first bytes, its lower-case suffix (".obj") and
+/// its size: "a Wavefront OBJ mesh". Empty for what may be a scene.
+std::string_view foreign_kind(std::string_view start, std::string_view suffix, size_t size);
+
+/// How scenes can be written.
+enum class SceneFormat { nff, raio, pov };
+
+/// By suffix, in any case; an error (bad_input) that lists the suffixes otherwise. "-" is NFF.
+std::expected<SceneFormat, Error> scene_format(const std::filesystem::path& path);
+
+/// What of the scene is lost in the format, in one line (text_of), or nothing.
+std::string not_kept(const Scene& scene, SceneFormat format);
+
+/// Writes the scene in the format of the suffix; a .pov has the scene's resolution, else 512 x 512.
+/// `comment` is a line at the head of formats that have comments.
+std::expected<void, Error> write_scene(const Scene& scene, const std::filesystem::path& path,
+                                       std::string_view comment = {});
+
+}  // namespace raio

@@ -1,0 +1,293 @@
+// What makes a scene unfit for rendering. Scenes may have millions of elements and come straight
+// from a file, so they are looked at on all threads; sentences are made only of what is wrong.
+
+#include <algorithm>
+#include <string_view>
+
+#include "base/parallel.h"
+#include "base/ray.h"
+#include "scene/columns.h"
+
+namespace raio {
+namespace {
+
+/// Sentences about what is wrong, not more than anyone reads.
+class Problems {
+ public:
+  template <class... Parts>
+  void check(bool sound, const Parts&... parts) {
+    if (sound) return;
+    if (++count_ > kMost) return;
+    std::string sentence;
+    (write(sentence, parts), ...);
+    sentences_.push_back(std::move(sentence));
+  }
+
+  void append(Problems&& more) {
+    for (std::string& sentence : more.sentences_)
+      if (sentences_.size() < kMost) sentences_.push_back(std::move(sentence));
+    count_ += more.count_;
+  }
+
+  std::vector<std::string> take() {
+    if (count_ > kMost) sentences_.push_back(std::to_string(count_ - kMost) + " more problems");
+    return std::move(sentences_);
+  }
+
+ private:
+  static constexpr size_t kMost = 20;
+
+  static void write(std::string& out, std::string_view part) { out += part; }
+  static void write(std::string& out, size_t number) { out += std::to_string(number); }
+
+  std::vector<std::string> sentences_;
+  size_t count_ = 0;
+};
+
+bool at_least_zero(float x) { return std::isfinite(x) && x >= 0; }
+
+bool is_intensity(Rgb c) { return at_least_zero(c.x) && at_least_zero(c.y) && at_least_zero(c.z); }
+
+bool is_unit(Vec3f n) { return std::abs(length(Vec3d(n)) - 1) < 1e-4; }
+
+void check_camera(const Camera& camera, Problems& problems) {
+  const bool finite = is_finite(camera.from) && is_finite(camera.at) && is_finite(camera.up);
+  problems.check(finite, "camera: from, at and up must be finite");
+  const std::string why = finite ? camera_problem(camera) : "";
+  problems.check(why.empty(), "camera: ", why);
+  problems.check(camera.fov_deg > 0 && camera.fov_deg < 180,
+                 "camera: the angle must lie between 0 and 180 degrees");
+  problems.check(std::isfinite(camera.hither), "camera: hither must be finite");
+  problems.check(camera.width >= 0 && camera.height >= 0 && !camera.width == !camera.height,
+                 "camera: the resolution must be two positive numbers, or two zeros for none");
+  problems.check(!camera.lens_radius || at_least_zero(*camera.lens_radius),
+                 "camera: the lens radius must not be negative");
+  problems.check(!camera.focus_distance ||
+                     (at_least_zero(*camera.focus_distance) && *camera.focus_distance > 0),
+                 "camera: the focus distance must be positive");
+}
+
+void check_lights_and_materials(const Scene& scene, Problems& problems) {
+  problems.check(is_intensity(scene.background),
+                 "background: the colour must be finite and not negative");
+  for (size_t i = 0; i < scene.lights.size(); ++i) {
+    const Light& light = scene.lights[i];
+    problems.check(is_finite(light.position), "light ", i, ": the position must be finite");
+    problems.check(!light.color || is_intensity(*light.color), "light ", i,
+                   ": the colour must be finite and not negative");
+  }
+  problems.check(!scene.materials.empty(), "there is no material");
+  for (size_t i = 0; i < scene.materials.size(); ++i) {
+    const Material& m = scene.materials[i];
+    problems.check(is_intensity(m.color), "material ", i,
+                   ": the colour must be finite and not negative");
+    problems.check(at_least_zero(m.kd) && at_least_zero(m.ks) && at_least_zero(m.shine) &&
+                       at_least_zero(m.transmission) && at_least_zero(m.ior),
+                   "material ", i, ": Kd, Ks, Shine, T and ior must be finite and not negative");
+    problems.check(!(m.transmission > 0) || m.ior > 0, "material ", i,
+                   ": T is above 0, so ior must be too");
+  }
+}
+
+/// Calls check(problems, i) for 0 .. count - 1 on all threads. The sentences are in order.
+template <class F>
+void check_each(size_t count, Problems& problems, const F& check) {
+  constexpr size_t kChunk = 1 << 16;
+  std::vector<Problems> chunks((count + kChunk - 1) / kChunk);
+  const auto one = [&](size_t c) {
+    const size_t end = std::min(count, (c + 1) * kChunk);
+    for (size_t i = c * kChunk; i < end; ++i) check(chunks[c], i);
+  };
+  if (chunks.size() > 1)
+    parallel_for(chunks.size(), one);
+  else if (count > 0)
+    one(0);
+  for (Problems& chunk : chunks) problems.append(std::move(chunk));
+}
+
+void check_shape(const Plane& plane, size_t i, Problems& problems) {
+  problems.check(is_finite(plane.point), "plane ", i, ": the point must be finite");
+  problems.check(is_finite(plane.normal) && is_unit(plane.normal), "plane ", i,
+                 ": the normal must have length 1");
+}
+
+void check_shape(const Sphere& sphere, size_t i, Problems& problems) {
+  problems.check(is_finite(sphere.center), "sphere ", i, ": the centre must be finite");
+  problems.check(std::isfinite(sphere.radius) && sphere.radius != 0, "sphere ", i,
+                 ": the radius must be finite and not zero");
+}
+
+void check_shape(const Cone& cone, size_t i, Problems& problems) {
+  const double base = cone.base_radius, apex = cone.apex_radius;
+  problems.check(is_finite(cone.base) && is_finite(cone.apex), "cone ", i,
+                 ": base and apex must be finite");
+  problems.check(!(cone.base == cone.apex), "cone ", i, ": base and apex are the same point");
+  problems.check(std::isfinite(base) && std::isfinite(apex) && (base != 0 || apex != 0), "cone ", i,
+                 ": the radii must be finite and not both zero");
+  problems.check(!(base * apex < 0), "cone ", i, ": one radius is negative and the other is not");
+}
+
+/// Triangles and polygons are indices, which check_triangles() and check_polygons() follow.
+void check_shape(const TriangleIndices&, size_t, Problems&) {}
+void check_shape(const Polygon&, size_t, Problems&) {}
+
+/// One kind's pool beside its materials, colours and opacities.
+void check_pools(const Scene& scene, Problems& problems) {
+  const size_t materials = scene.materials.size();
+  for_each_pool(scene, [&](PoolKind pool, const auto& shapes, const Array<MaterialId>& ids,
+                           const Array<Rgb>& colors, const Array<float>& opacity) {
+    const std::string_view kind = kPoolNames[size_t(pool)];
+    const size_t count = shapes.size();
+    problems.check(count <= kMaxItemsPerKind, "there are ", count, " ", kind, "s, more than ",
+                   size_t(kMaxItemsPerKind));
+    problems.check(ids.size() == count, "there are ", count, " ", kind, "s but ", ids.size(),
+                   " materials for them");
+    problems.check(colors.empty() || colors.size() == count, "there are ", count, " ", kind,
+                   "s but ", colors.size(), " colours for them");
+    problems.check(opacity.empty() || opacity.size() == count, "there are ", count, " ", kind,
+                   "s but ", opacity.size(), " opacities for them");
+    check_each(count, problems, [&](Problems& p, size_t i) { check_shape(shapes[i], i, p); });
+    check_each(ids.size(), problems, [&](Problems& p, size_t i) {
+      p.check(ids[i] < materials, kind, " ", i, ": material ", size_t(ids[i]), " of ", materials);
+    });
+    check_each(colors.size(), problems, [&](Problems& p, size_t i) {
+      p.check(is_intensity(colors[i]), kind, " ", i,
+              ": the colour must be finite and not negative");
+    });
+    check_each(opacity.size(), problems, [&](Problems& p, size_t i) {
+      p.check(opacity[i] >= 0 && opacity[i] <= 1, kind, " ", i,
+              ": the opacity must lie between 0 and 1");
+    });
+  });
+}
+
+/// Triangles with their vertices: those of the scene, or of a mesh, which `whose` names.
+struct Triangles {
+  std::string whose;
+  const Array<Vec3f>&positions, &normals;
+  const Array<TriangleIndices>&triangles, &normal_indices;
+};
+
+void check_triangles(const Triangles& t, Problems& problems) {
+  const std::string_view whose = t.whose;
+  check_each(t.positions.size(), problems, [&](Problems& p, size_t i) {
+    p.check(is_finite(t.positions[i]), whose, "position ", i, ": must be finite");
+  });
+  check_each(t.normals.size(), problems, [&](Problems& p, size_t i) {
+    p.check(is_finite(t.normals[i]) && is_unit(t.normals[i]), whose, "normal ", i,
+            ": must have length 1");
+  });
+  check_each(t.triangles.size(), problems, [&](Problems& p, size_t i) {
+    for (const uint32_t corner : t.triangles[i])
+      p.check(corner < t.positions.size(), whose, "triangle ", i, ": corner ", size_t(corner),
+              " of ", t.positions.size(), " positions");
+  });
+  problems.check(t.normal_indices.empty() || t.normal_indices.size() == t.triangles.size(), whose,
+                 "there are ", t.triangles.size(), " triangles but ", t.normal_indices.size(),
+                 " triples of normals");
+  check_each(t.normal_indices.size(), problems, [&](Problems& p, size_t i) {
+    constexpr TriangleIndices kFlat = {kNoNormal, kNoNormal, kNoNormal};
+    if (t.normal_indices[i] == kFlat) return;
+    for (const uint32_t normal : t.normal_indices[i])
+      p.check(normal < t.normals.size(), whose, "triangle ", i, ": normal ", size_t(normal), " of ",
+              t.normals.size());
+  });
+}
+
+void check_polygons(const Scene& scene, Problems& problems) {
+  check_each(scene.polygons.size(), problems, [&](Problems& p, size_t i) {
+    const Polygon& polygon = scene.polygons[i];
+    p.check(polygon.count >= 4, "polygon ", i, ": ", size_t(polygon.count),
+            " corners, fewer than 4");
+    p.check(size_t(polygon.first) + polygon.count <= scene.positions.size(), "polygon ", i,
+            ": corners up to ", size_t(polygon.first) + polygon.count, " of ",
+            scene.positions.size(), " positions");
+  });
+}
+
+void check_mesh(const Scene& scene, size_t number, Problems& problems) {
+  const Mesh& mesh = scene.meshes[number];
+  const std::string whose = "mesh " + std::to_string(number) + ": ";
+  check_triangles({whose, mesh.positions, mesh.normals, mesh.triangles, mesh.normal_indices},
+                  problems);
+  const auto of_vertices = [&](std::string_view what, size_t count) {
+    problems.check(count == 0 || count == mesh.positions.size(), whose, "there are ",
+                   mesh.positions.size(), " positions but ", count, " ", what);
+  };
+  if (mesh.normal_indices.empty()) of_vertices("normals", mesh.normals.size());
+  of_vertices("texture coordinates", mesh.uv.size());
+  of_vertices("colours", mesh.colors.size());
+  check_each(mesh.uv.size(), problems, [&](Problems& p, size_t i) {
+    p.check(std::isfinite(mesh.uv[i][0]) && std::isfinite(mesh.uv[i][1]), whose,
+            "texture coordinates ", i, ": must be finite");
+  });
+  check_each(mesh.colors.size(), problems, [&](Problems& p, size_t i) {
+    p.check(is_intensity(mesh.colors[i]), whose, "colour ", i, ": must be finite and not negative");
+  });
+  problems.check(mesh.materials.size() == 1 || mesh.materials.size() == mesh.triangles.size(),
+                 whose, "there are ", mesh.triangles.size(), " triangles but ",
+                 mesh.materials.size(), " materials, expected 1 or one for each");
+  check_each(mesh.materials.size(), problems, [&](Problems& p, size_t i) {
+    p.check(mesh.materials[i] < scene.materials.size(), whose, "material ",
+            size_t(mesh.materials[i]), " of ", scene.materials.size());
+  });
+}
+
+void check_meshes(const Scene& scene, Problems& problems) {
+  size_t triangles = scene.triangles.size(), positions = scene.positions.size(),
+         normals = scene.normals.size();
+  for (size_t i = 0; i < scene.meshes.size(); ++i) {
+    const Mesh& mesh = scene.meshes[i];
+    check_mesh(scene, i, problems);
+    triangles += mesh.triangles.size(), positions += mesh.positions.size();
+    normals += mesh.normals.size();
+  }
+  // Geometry has one list of all.
+  problems.check(triangles <= kMaxItemsPerKind && positions < kNoNormal && normals < kNoNormal,
+                 "there are ", triangles, " triangles of ", positions, " positions and ", normals,
+                 " normals with those of meshes, more than can be rendered");
+}
+
+void check_objects(const Scene& scene, Problems& problems) {
+  std::array<size_t, kPoolNames.size()> counts{};
+  for_each_pool(scene, [&](PoolKind pool, const auto& shapes, auto&...) {
+    counts[size_t(pool)] = shapes.size();
+  });
+  counts[size_t(PoolKind::mesh)] = scene.meshes.size();
+  const auto& ranges = scene.object_ranges;
+  check_each(ranges.size(), problems, [&](Problems& p, size_t i) {
+    const ObjectRange& r = ranges[i];
+    const bool known = size_t(r.pool) < counts.size();
+    p.check(known, "object range ", i, ": pool ", size_t(r.pool), " of ", counts.size());
+    p.check(r.object >= 1 && r.object <= scene.object_names.size(), "object range ", i, ": object ",
+            size_t(r.object), " of ", scene.object_names.size());
+    const size_t end = size_t(r.first) + r.count;
+    p.check(!known || end <= counts[size_t(r.pool)], "object range ", i, ": elements up to ", end,
+            " of ", known ? counts[size_t(r.pool)] : 0);
+    p.check(r.count > 0, "object range ", i, ": it is empty");
+    if (i == 0) return;
+    const ObjectRange& before = ranges[i - 1];
+    p.check(before.pool < r.pool ||
+                (before.pool == r.pool && size_t(before.first) + before.count <= size_t(r.first)),
+            "object range ", i, ": it must come behind the one before, and not overlap it");
+  });
+}
+
+}  // namespace
+
+std::vector<std::string> validate(const Scene& scene) {
+  Problems problems;
+  problems.check(is_finite(scene.origin), "the origin must be finite");
+  problems.check(scene.samples_per_pixel >= 0, "the samples per pixel must not be negative");
+  check_camera(scene.camera, problems);
+  check_lights_and_materials(scene, problems);
+  check_pools(scene, problems);
+  check_triangles({"", scene.positions, scene.normals, scene.triangles, scene.triangle_normals},
+                  problems);
+  check_polygons(scene, problems);
+  check_meshes(scene, problems);
+  check_objects(scene, problems);
+  return problems.take();
+}
+
+}  // namespace raio

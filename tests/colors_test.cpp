@@ -1,0 +1,132 @@
+// Colours of primitives, meshes and objects, on their way from the scene to the picture.
+#include <gtest/gtest.h>
+
+#include "accel/geometry.h"
+#include "integrate/classic.h"
+#include "io/plain_scene.h"
+#include "one_picture.h"
+#include "render/render.h"
+#include "rich_scene.h"
+
+namespace raio {
+namespace {
+
+using testing::random_scene;
+using testing::rich_scene;
+
+Image picture(const Scene& scene, AccelKind kind) {
+  RenderOptions options;
+  options.accel.kind = kind;
+  options.width = 96, options.height = 72;
+  options.soft_shadows = true;
+  return testing::picture_of(scene, options);
+}
+
+/// rich_scene() with a material of nothing, bright enough to decide the unit of the film.
+Scene scene_of_one_unit(uint32_t seed) {
+  Scene scene = rich_scene(seed);
+  scene.materials.push_back({Rgb(2), 1, 1, 1, 0, 1});
+  return scene;
+}
+
+/// With materials instead of colours and triangles instead of meshes, whose pictures other tests
+/// hold against formulas.
+TEST(Colors, PicturesAreThoseOfMaterials) {
+  for (const uint32_t seed : {1u, 2u, 3u}) {
+    const Scene rich = scene_of_one_unit(seed), plain = plain_scene(rich);
+    EXPECT_TRUE(plain.meshes.empty() && plain.sphere_colors.empty());
+    EXPECT_GT(plain.materials.size(), rich.materials.size() + 20);
+    EXPECT_TRUE(validate(plain).empty());
+    const Image expected = picture(plain, AccelKind::none);
+    for (const AccelKind kind : {AccelKind::none, AccelKind::grid, AccelKind::bvh})
+      EXPECT_TRUE(testing::same_bytes(picture(rich, kind), expected)) << seed << " " << int(kind);
+  }
+}
+
+TEST(Colors, EachKindHasItsOwn) {
+  const Scene rich = scene_of_one_unit(1);
+  Scene none = rich;
+  for (auto* colors : {&none.plane_colors, &none.sphere_colors, &none.cone_colors,
+                       &none.triangle_colors, &none.polygon_colors})
+    colors->clear();
+  const Image without = picture(none, AccelKind::bvh);
+  const auto changes = [&](Array<Rgb> Scene::* colors) {
+    Scene one = none;
+    one.*colors = rich.*colors;
+    EXPECT_TRUE(validate(one).empty());
+    const Image with = picture(one, AccelKind::bvh);
+    EXPECT_FALSE(testing::same_bytes(with, without));
+    EXPECT_TRUE(testing::same_bytes(with, picture(plain_scene(one), AccelKind::bvh)));
+  };
+  changes(&Scene::plane_colors), changes(&Scene::sphere_colors), changes(&Scene::cone_colors);
+  changes(&Scene::triangle_colors), changes(&Scene::polygon_colors);
+}
+
+TEST(Colors, ColorsOfTheMaterialsChangeNothing) {
+  const Scene plain = random_scene(60, 4);
+  Scene colored = plain;
+  for (const MaterialId id : plain.sphere_materials)
+    colored.sphere_colors.push_back(plain.materials[id].color);
+  for (const MaterialId id : plain.polygon_materials)
+    colored.polygon_colors.push_back(plain.materials[id].color);
+  EXPECT_TRUE(
+      testing::same_bytes(picture(plain, AccelKind::bvh), picture(colored, AccelKind::bvh)));
+  EXPECT_LT(radiance_bound(colored, 5), 1.5 * radiance_bound(plain, 5));
+}
+
+TEST(Colors, ABrightOneIsWithinTheBoundOfTheFilm) {
+  Scene scene = random_scene(60, 4);
+  const double before = radiance_bound(scene, 5);
+  scene.cone_colors.assign(scene.cones.size(), Rgb(50));
+  EXPECT_GT(radiance_bound(scene, 5), 10 * before);
+}
+
+/// Of meshes: before the pieces of polygons, behind the scene's own triangles.
+TEST(Meshes, AreTrianglesBehindThoseOfTheScene) {
+  Scene scene = random_scene(40, 2), own = scene;
+  scene.meshes = rich_scene().meshes;
+  scene.polygons.clear(), scene.polygon_materials.clear();
+  own.polygons.clear(), own.polygon_materials.clear();
+  const Geometry with(scene), without(own);
+  const auto before = uint32_t(without.count(ItemKind::triangle));
+  ASSERT_EQ(with.count(ItemKind::triangle), before + 4u);  // one of five has no area
+  for (uint32_t i = 0; i < before; ++i)
+    EXPECT_EQ(with.facet(i).normal, without.facet(i).normal) << i;
+  const Mesh &pyramid = scene.meshes[0], &sheet = scene.meshes[1];
+  EXPECT_EQ(with.triangle(before + 1).c, pyramid.positions[3]);
+  EXPECT_EQ(with.facet(before + 1).material, 1u);
+  EXPECT_EQ(with.triangle(before + 3).b, sheet.positions[1]);
+  EXPECT_EQ(with.facet(before + 3).material, 1u);
+  ASSERT_TRUE(with.corner_normals(before));
+  EXPECT_EQ(with.normals()[(*with.corner_normals(before))[2]], pyramid.normals[1]);
+  EXPECT_FALSE(with.corner_normals(before + 2));
+  EXPECT_EQ(with.normals()[(*with.corner_normals(before + 3))[1]], Vec3f(0, 0, 1));
+  EXPECT_FALSE(with.corner_normals(0));
+}
+
+TEST(Meshes, NothingIsCopiedWithoutThem) {
+  const Scene scene = random_scene(40, 2);
+  const Geometry geometry(scene);
+  EXPECT_EQ(geometry.positions().data(), scene.positions.data());
+  EXPECT_FALSE(geometry.any_colors());
+  EXPECT_EQ(geometry.object_of(item_id(ItemKind::triangle, 0)), 0u);
+}
+
+TEST(Objects, AreKnownOfWhatRaysHit) {
+  const Scene s = rich_scene();
+  const Geometry geometry(s);
+  EXPECT_EQ(geometry.object_of(item_id(ItemKind::sphere, 2)), 1u);
+  EXPECT_EQ(geometry.object_of(item_id(ItemKind::sphere, 6)), 3u);
+  EXPECT_EQ(geometry.object_of(item_id(ItemKind::plane, 0)), 0u);
+  EXPECT_EQ(geometry.object_of(item_id(ItemKind::cone, 0)), 0u);
+  std::array<size_t, 4> triangles{};
+  for (uint32_t i = 0; i < geometry.count(ItemKind::triangle); ++i)
+    ++triangles.at(geometry.object_of(item_id(ItemKind::triangle, i)));
+  EXPECT_EQ(triangles[1], 0u);
+  EXPECT_EQ(triangles[2], 3u) << "of the pyramid";
+  EXPECT_EQ(triangles[3], 2u) << "of the floor, a polygon of four corners";
+  EXPECT_GT(triangles[0], 20u);
+}
+
+}  // namespace
+}  // namespace raio

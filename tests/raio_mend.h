@@ -1,0 +1,35 @@
+// Makes the hashes of a damaged .raio scene right, so that the damage gets past them. For tests and
+// the fuzzer of the format.
+#pragma once
+
+#include <cstring>
+#include <string_view>
+
+#include "io/raio/format.h"
+
+namespace raio::testing {
+
+/// Those of all columns that lie within the bytes, and that of the table.
+inline void mend_raio_scene(char* bytes, size_t size) {
+  using namespace scene_file;
+  Header header;
+  if (size < sizeof header) return;
+  std::memcpy(&header, bytes, sizeof header);
+  const size_t most = (size - sizeof header) / sizeof(Entry);
+  if (header.columns > most) return;
+  const std::string_view file(bytes, size);
+  for (size_t i = 0; i < header.columns; ++i) {
+    char* const at = bytes + sizeof header + i * sizeof(Entry);
+    Entry entry;
+    std::memcpy(&entry, at, sizeof entry);
+    const size_t element = bytes_of(entry.number) * entry.numbers;
+    if (entry.offset > size || element == 0 || entry.count > (size - entry.offset) / element)
+      continue;
+    entry.hash = column_hash(file.substr(entry.offset, entry.count * element));
+    std::memcpy(at, &entry, sizeof entry);
+  }
+  header.hash = table_hash(header, file.substr(sizeof header, header.columns * sizeof(Entry)));
+  std::memcpy(bytes, &header, sizeof header);
+}
+
+}  // namespace raio::testing

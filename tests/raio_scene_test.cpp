@@ -1,0 +1,225 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "io/raio/raio.h"
+#include "nff_text.h"
+#include "raio_mend.h"
+#include "rich_scene.h"
+#include "temporary_folder.h"
+
+namespace raio {
+namespace {
+
+using scene_file::Entry;
+using scene_file::Header;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+Scene decoded(std::string_view bytes) {
+  auto scene = decode_raio_scene(bytes, nullptr);
+  if (!scene) {
+    ADD_FAILURE() << scene.error();
+    return {};
+  }
+  return std::move(*scene);
+}
+
+std::string error_of(std::string_view bytes) {
+  const auto scene = decode_raio_scene(bytes, nullptr);
+  return scene ? "" : scene.error();
+}
+
+/// The table's entry of a column, to be changed, in bytes whose hashes are mended after that.
+std::string with_entry(std::string bytes, std::string_view name, void (*change)(Entry&)) {
+  Header header;
+  std::memcpy(&header, bytes.data(), sizeof header);
+  for (size_t i = 0; i < header.columns; ++i) {
+    Entry entry;
+    char* const at = bytes.data() + sizeof header + i * sizeof entry;
+    std::memcpy(&entry, at, sizeof entry);
+    if (entry.name != name) continue;
+    change(entry);
+    std::memcpy(at, &entry, sizeof entry);
+  }
+  testing::mend_raio_scene(bytes.data(), bytes.size());
+  return bytes;
+}
+
+TEST(RaioScene, KeepsAllOfAScene) {
+  const Scene scene = testing::rich_scene();
+  const std::string bytes = encode_raio_scene(scene);
+  const Scene again = decoded(bytes);
+  EXPECT_EQ(content_hash(again), content_hash(scene));
+  EXPECT_EQ(encode_raio_scene(again), bytes);
+  EXPECT_EQ(again.camera.hither, 1);
+  EXPECT_EQ(again.object_names, scene.object_names);
+  EXPECT_EQ(again.object_ranges, scene.object_ranges);
+  EXPECT_EQ(again.meshes[1].uv, scene.meshes[1].uv);
+  testing::expect_same(again, scene);
+}
+
+TEST(RaioScene, KeepsScenesMadeByChance) {
+  for (uint64_t seed = 0; seed < 30; ++seed) {
+    Scene scene = testing::RandomScene(seed).make();
+    scene.origin = {1e9, double(seed), -3};
+    const Scene again = decoded(encode_raio_scene(scene));
+    testing::expect_same(again, scene);
+    EXPECT_EQ(content_hash(again), content_hash(scene));
+  }
+}
+
+TEST(RaioScene, AnEmptySceneIsAFile) {
+  Scene scene;
+  scene.materials.emplace_back();
+  EXPECT_EQ(content_hash(decoded(encode_raio_scene(scene))), content_hash(scene));
+}
+
+using RaioSceneFile = TemporaryFolder;
+
+TEST_F(RaioSceneFile, ColumnsAreReadWhereTheyLie) {
+  const auto path = file("rich.raio");
+  const Scene scene = testing::rich_scene();
+  ASSERT_TRUE(write_raio_scene(scene, path));
+  auto again = read_raio_scene(path);
+  ASSERT_TRUE(again) << testing::texts(again.error());
+  EXPECT_EQ(again->name, "rich");
+  for_each_column(*again, [](ColumnName column, const auto& array) {
+    EXPECT_TRUE(array.is_borrowed() || array.empty()) << column.name;
+    EXPECT_EQ(reinterpret_cast<uintptr_t>(array.data()) % 64, 0u) << column.name;
+  });
+  std::filesystem::remove(path);
+  const Scene copy = *again;
+  *again = Scene();  // the last but the copy
+  EXPECT_EQ(content_hash(copy), content_hash(scene));
+}
+
+TEST_F(RaioSceneFile, WhatCannotBeOpenedIsSaid) {
+  const auto text = [&](const std::filesystem::path& path) {
+    const auto scene = read_raio_scene(path);
+    return scene ? "" : testing::texts(scene.error());
+  };
+  EXPECT_THAT(text(file("none.raio")), HasSubstr("No such file"));
+  EXPECT_THAT(text(folder()), HasSubstr("expected a regular file"));
+  ASSERT_TRUE(write_file(file("empty.raio"), ""));
+  EXPECT_THAT(text(file("empty.raio")), HasSubstr("not a .raio scene"));
+}
+
+TEST(RaioScene, EveryByteMatters) {
+  const std::string sound = encode_raio_scene(testing::rich_scene());
+  for (size_t at = 0; at < sound.size(); ++at) {
+    std::string bytes = sound;
+    bytes[at] = char(bytes[at] ^ 1 << at % 8);
+    const std::string error = error_of(bytes);
+    ASSERT_FALSE(error.empty()) << at;
+    ASSERT_EQ(error.find('\n'), std::string::npos);
+  }
+}
+
+TEST(RaioScene, CutAndLengthenedFilesAreRefused) {
+  const std::string sound = encode_raio_scene(testing::rich_scene());
+  for (size_t size = 0; size < sound.size(); ++size)
+    ASSERT_FALSE(error_of(std::string_view(sound).substr(0, size)).empty()) << size;
+  EXPECT_THAT(error_of(sound + '\0'), HasSubstr("cut or added to"));
+}
+
+/// A change behind which the hashes were made anew: refused, or a sound scene and its only file.
+TEST(RaioScene, DamageThatHashesDoNotShow) {
+  const std::string sound = encode_raio_scene(testing::rich_scene());
+  size_t refused = 0, taken = 0;
+  for (size_t at = 0; at < sound.size(); ++at)
+    for (const int bit : {0, 5, 7}) {
+      std::string bytes = sound;
+      bytes[at] = char(bytes[at] ^ 1 << bit);
+      testing::mend_raio_scene(bytes.data(), bytes.size());
+      const auto scene = decode_raio_scene(bytes, nullptr);
+      if (!scene) {
+        ++refused;
+        ASSERT_FALSE(scene.error().empty());
+        continue;
+      }
+      ++taken;
+      ASSERT_TRUE(validate(*scene).empty()) << at;
+      const bool is_minor = at >= offsetof(Header, minor) && at < offsetof(Header, columns);
+      ASSERT_TRUE(is_minor || encode_raio_scene(*scene) == bytes) << at;
+    }
+  EXPECT_GT(refused, 5000u);
+  EXPECT_GT(taken, 1000u);
+}
+
+TEST(RaioScene, TablesThatLieAreRefused) {
+  const std::string sound = encode_raio_scene(testing::rich_scene());
+  struct Lie {
+    std::string_view column;
+    void (*tell)(Entry&);
+    std::string_view answer;
+  };
+  const Lie lies[] = {
+      {"spheres", [](Entry& e) { e.offset -= 64; },
+       "which is not in the file behind the one before"},
+      {"spheres", [](Entry& e) { e.offset += 64; },
+       "which is not in the file behind the one before"},
+      {"spheres", [](Entry& e) { e.offset = ~uint64_t(63); }, "which is not in the file behind"},
+      {"spheres", [](Entry& e) { e.count = ~uint64_t(0) / 16 + 2; }, "which is not in the file"},
+      {"spheres", [](Entry& e) { e.count = 0; }, "column \"spheres\" has 0 elements"},
+      {"spheres", [](Entry& e) { e.number = scene_file::Number::u32; },
+       "column \"spheres\" has elements of 4 numbers of type 2, expected 4 of type 3"},
+      {"spheres", [](Entry& e) { e.numbers = 0; }, "has elements of 0 numbers"},
+      {"spheres", [](Entry& e) { std::strcpy(e.name, "planes"); },
+       "column \"planes\" is not in its place"},
+      {"spheres", [](Entry& e) { std::memset(e.name, 'x', sizeof e.name); }, "has no name"},
+      {"mesh_uv", [](Entry& e) { e.mesh = 0x7fffffff; }, "mesh 2147483647 of"},
+      {"mesh_uv", [](Entry& e) { e.mesh = 0; }, "column \"mesh_uv\" of mesh 0 is not in its place"},
+      {"camera", [](Entry& e) { e.count = 10; }, "column"},
+  };
+  for (const Lie& lie : lies)
+    EXPECT_THAT(error_of(with_entry(sound, lie.column, lie.tell)), HasSubstr(lie.answer))
+        << lie.column;
+}
+
+TEST(RaioScene, WhatANewerRaioWroteComesWithAdvice) {
+  std::string bytes = encode_raio_scene(testing::rich_scene());
+  const auto unknown = with_entry(bytes, "cone_opacity", [](Entry& e) {
+    e = {.number = e.number, .numbers = e.numbers, .count = e.count, .offset = e.offset};
+    std::strcpy(e.name, "fur");
+  });
+  EXPECT_THAT(error_of(unknown), AllOf(HasSubstr("column \"fur\" that this Raio does not know"),
+                                       HasSubstr("a newer Raio may read it")));
+  bytes[offsetof(Header, minor)] = 9;
+  testing::mend_raio_scene(bytes.data(), bytes.size());
+  EXPECT_EQ(error_of(bytes), "") << "what it has is known";
+  bytes[offsetof(Header, major)] = 2;
+  testing::mend_raio_scene(bytes.data(), bytes.size());
+  EXPECT_THAT(error_of(bytes),
+              AllOf(HasSubstr("format 2, expected format 1"), HasSubstr("a newer Raio")));
+}
+
+TEST(RaioScene, AnUnsoundSceneIsRefused) {
+  Scene scene = testing::rich_scene();
+  scene.spheres[3].radius = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(error_of(encode_raio_scene(scene)),
+            "broken .raio scene: sphere 3: the radius must be finite and not zero");
+  scene = testing::rich_scene();
+  scene.lights[0].position.x = std::numeric_limits<float>::infinity();
+  EXPECT_THAT(error_of(encode_raio_scene(scene)), HasSubstr("light 0"));
+}
+
+/// More than a mebibyte, of which hashes and validation make pieces.
+TEST(RaioScene, LongColumns) {
+  Scene scene = testing::rich_scene();
+  scene.sphere_colors.clear(), scene.sphere_opacity.clear();
+  scene.object_ranges.clear();
+  scene.spheres.assign(300'000, {{1, 2, 3}, 1});
+  scene.sphere_materials.assign(300'000, 1);
+  for (size_t i = 0; i < scene.spheres.size(); ++i) scene.spheres[i].center.x = float(i);
+  std::string bytes = encode_raio_scene(scene);
+  EXPECT_EQ(content_hash(decoded(bytes)), content_hash(scene));
+  const size_t spheres =
+      bytes.find(std::string(4, '\0') + std::string("\0\0\0\x40\0\0\x40\x40", 8));
+  ASSERT_NE(spheres, std::string::npos);
+  bytes[spheres + size_t(16) * 200'000 + 1] ^= 1;
+  EXPECT_EQ(error_of(bytes),
+            "broken .raio scene: the bytes of column \"spheres\" are not those that were written");
+}
+
+}  // namespace
+}  // namespace raio

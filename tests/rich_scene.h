@@ -1,0 +1,53 @@
+// A scene that has something of all that a Scene can hold.
+#pragma once
+
+#include "scenes.h"
+
+namespace raio::testing {
+
+/// Colours and opacities of all kinds, two meshes (one with normals of its own, one with everything
+/// at its vertices) and three objects, beside random_scene().
+inline Scene rich_scene(uint32_t seed = 1) {
+  Scene s = random_scene(40, seed);
+  std::mt19937 rng(seed + 1000);
+  std::uniform_real_distribution<float> unit(0, 1);
+  const auto color = [&] {
+    const float r = unit(rng), g = unit(rng), b = unit(rng);
+    return Rgb(r, g, b);
+  };
+  const auto paint = [&](size_t count, Array<Rgb>& colors, Array<float>& opacity) {
+    for (size_t i = 0; i < count; ++i) colors.push_back(color()), opacity.push_back(unit(rng));
+  };
+  paint(s.planes.size(), s.plane_colors, s.plane_opacity);
+  paint(s.spheres.size(), s.sphere_colors, s.sphere_opacity);
+  paint(s.cones.size(), s.cone_colors, s.cone_opacity);
+  paint(s.triangles.size(), s.triangle_colors, s.triangle_opacity);
+  paint(s.polygons.size(), s.polygon_colors, s.polygon_opacity);
+  s.lights[0].color = Rgb(1, 0.5f, 0.25f);
+  s.camera.lens_radius = 0.01f;
+  s.camera.hither = 1;
+
+  Mesh pyramid;
+  pyramid.positions = {{0.1f, -0.5f, 0}, {0.6f, -0.5f, 0}, {0.3f, -0.1f, 0}, {0.3f, -0.3f, 0.7f}};
+  pyramid.triangles = {{0, 1, 3}, {1, 2, 3}, {2, 0, 3}, {0, 0, 1}};  // the last has no area
+  pyramid.normals = {{0, -1, 0}, {0, 0, 1}};
+  pyramid.normal_indices = {{0, 0, 1}, {0, 1, 1}, {kNoNormal, kNoNormal, kNoNormal}, {0, 0, 0}};
+  pyramid.materials = {0, 1, 0, 1};
+  Mesh sheet;
+  sheet.positions = {{-0.9f, -0.9f, 0.2f}, {-0.2f, -0.9f, 0.2f}, {-0.2f, -0.3f, 0.6f}};
+  sheet.normals.assign(3, {0, 0, 1});
+  sheet.uv = {{0, 0}, {1, 0}, {1, 1}};
+  sheet.colors = {color(), color(), color()};
+  sheet.triangles = {{0, 1, 2}};
+  sheet.materials = {1};
+  s.meshes = {pyramid, sheet};
+
+  s.object_names = {"some spheres", "pyramid", "the floor and a sphere"};
+  s.object_ranges = {{PoolKind::sphere, 1, 3, 1},
+                     {PoolKind::sphere, 6, 1, 3},
+                     {PoolKind::polygon, uint32_t(s.polygons.size()) - 1, 1, 3},
+                     {PoolKind::mesh, 0, 1, 2}};
+  return s;
+}
+
+}  // namespace raio::testing

@@ -1,0 +1,235 @@
+#include "io/scene_file.h"
+
+#include <zlib.h>
+
+#include "program.h"
+// Behind it, since they have a namespace raio::testing.
+#include "io/plain_scene.h"
+#include "io/raio/raio.h"
+#include "nff_text.h"
+#include "rich_scene.h"
+
+namespace raio {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+std::string packed(std::string_view bytes) {
+  z_stream stream{};
+  EXPECT_EQ(deflateInit2(&stream, 6, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY), Z_OK);
+  std::string out(deflateBound(&stream, bytes.size()), '\0');
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
+  stream.avail_in = uInt(bytes.size());
+  stream.next_out = reinterpret_cast<Bytef*>(out.data());
+  stream.avail_out = uInt(out.size());
+  EXPECT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
+  out.resize(stream.total_out);
+  deflateEnd(&stream);
+  return out;
+}
+
+std::string errors(const std::expected<ReadScene, Diagnostics>& read) {
+  return read ? "" : testing::texts(read.error());
+}
+
+class SceneFiles : public TemporaryFolder {
+ protected:
+  /// What reading the bytes from a file of this name says.
+  std::string errors_of(std::string_view name, std::string_view bytes) {
+    put(file(name), bytes);
+    return errors(read_scene(file(name)));
+  }
+};
+
+TEST_F(SceneFiles, AreToldApartByTheirContent) {
+  const Scene scene = testing::random_scene(20, 1);
+  const std::string hash = content_hash(scene);
+  const std::string nff = write_nff(scene), raio = encode_raio_scene(scene);
+  const std::string nff_hash = content_hash(parse_nff(nff, "a.nff")->scene);
+  for (const char* name : {"a.nff", "a.raio", "a", "a.txt"})
+    for (const bool binary : {false, true})
+      for (const bool gzip : {false, true}) {
+        const std::string& bytes = binary ? raio : nff;
+        put(file(name), gzip ? packed(bytes) : bytes);
+        const auto read = read_scene(file(name));
+        ASSERT_TRUE(read) << name << errors(read);
+        EXPECT_EQ(content_hash(read->scene), binary ? hash : nff_hash) << name;
+        EXPECT_EQ(read->scene.name, "a");
+      }
+}
+
+TEST_F(SceneFiles, OfOtherKindsSayWhatTheySeemToBe) {
+  struct Other {
+    std::string_view name, bytes, kind;
+  };
+  const std::string stl = std::string(80, 'x') + std::string("\1\0\0\0", 4) + std::string(50, '\0');
+  const Other others[] = {
+      {"a.obj", "# Blender\nmtllib a.mtl\no Cube\nv 1 1 -1\nf 1/1/1 2/2/1 3/3/1\n",
+       "a Wavefront OBJ mesh"},
+      {"a", "v 1 1 -1\nv 0 0 1\nv 1 0 0\nf 1 2 3\n", "a Wavefront OBJ mesh"},
+      {"a.nff", "\n  v  1 1 -1\n", "a Wavefront OBJ mesh"},
+      {"a.ply", "ply\nformat ascii 1.0\n", "a PLY mesh"},
+      {"a.stl", "solid cube\nfacet normal 0 0 1\n", "an STL mesh"},
+      {"a", stl, "an STL mesh"},
+      {"a.off", "OFF\n8 6 0\n", "an OFF mesh"},
+      {"a.glb", "glTF\2\0\0\0", "a binary glTF scene"},
+      {"a.gltf", "{\n \"asset\": {\"version\": \"2.0\"}}", "a glTF scene"},
+      {"a.json", "{\"rays\": 5}", "a JSON file"},
+      {"a.pdb", "HEADER    VIRUS\nATOM      1  N   MET A   1\n", "a PDB file of a molecule"},
+      {"a.cif", "data_1M4X\nloop_\n", "a CIF file of a molecule or crystal"},
+      {"a.xyz", "3\nwater\nO 0 0 0\nH 0 0 1\nH 0 1 0\n", "an XYZ file of a molecule"},
+      {"a", "3\n\nO 0 0 0\nH 0 0 1\nH 0 1 0\n", "an XYZ file of a molecule"},
+      {"a.gro", "water\n 3\n", "a GRO file of a molecule"},
+      {"a.dump", "ITEM: TIMESTEP\n0\n", "a LAMMPS dump"},
+      {"a.pov", "// a scene\ncamera { }\n", "a POV-Ray scene"},
+      {"a.nff", "\x89PNG\r\n\x1a\n", "a PNG picture"},
+      {"a.ppm", "P6\n1 1\n255\nabc", "a picture (PPM, PGM, PBM or PFM)"},
+      {"a.exr", "\x76\x2f\x31\x01", "an OpenEXR picture"},
+      {"a.raio", "RAIOPART\1\0\0\0",
+       "a part file of a render, which raio merge makes a picture of"},
+      {"a.html", "<!DOCTYPE html>", "an XML file"},
+  };
+  for (const Other& other : others)
+    EXPECT_THAT(errors_of(other.name, other.bytes),
+                AllOf(HasSubstr("error: this looks like " + std::string(other.kind) + ";"),
+                      HasSubstr("Raio reads NFF, P3F and .raio scenes")))
+        << other.name;
+  EXPECT_THAT(errors_of("b.gz", packed("ply\nformat ascii 1.0\n")), HasSubstr("a PLY mesh"));
+  EXPECT_THAT(errors_of("water.gro.gz", packed("water\n 3\n")), HasSubstr("a GRO file"));
+}
+
+/// Whatever the reader of NFF has to say of a text is said by it.
+TEST_F(SceneFiles, TextsOfScenesAreNotTakenForOthers) {
+  for (const char* folder : {"scenes", "tests/broken"})
+    for (const auto& entry :
+         std::filesystem::directory_iterator(std::filesystem::path(RAIO_SOURCE_DIR) / folder)) {
+      if (entry.path().extension() != ".nff") continue;
+      const std::string text = get(entry.path());
+      EXPECT_EQ(foreign_kind(text, ".nff", text.size()), "") << entry.path();
+      EXPECT_EQ(errors(read_scene(entry.path())), errors(read_nff(entry.path())));
+    }
+}
+
+TEST_F(SceneFiles, ErrorsHaveTheirPlaces) {
+  EXPECT_THAT(errors_of("bad.nff", "v\nfrom 1 2 x\n"), HasSubstr("bad.nff:2:10: error:"));
+  EXPECT_THAT(errors_of("bad.nff.gz", packed("v\nfrom 1 2 x\n")),
+              HasSubstr("bad.nff.gz:2:10: error:"));
+  EXPECT_EQ(errors(parse_scene("v\nfrom 1 2 x\n", "memory")),
+            testing::texts(parse_nff("v\nfrom 1 2 x\n", "memory").error()));
+  EXPECT_THAT(errors(read_scene(file("none.nff"))), HasSubstr("cannot open the file"));
+  EXPECT_THAT(errors(read_scene(folder())), HasSubstr("folder"));
+}
+
+TEST_F(SceneFiles, BrokenGzipIsRefused) {
+  const std::string whole = packed(write_nff(testing::random_scene(200, 1)));
+  EXPECT_THAT(errors_of("a.gz", whole.substr(0, whole.size() / 2)),
+              HasSubstr("broken gzip file: it ends early"));
+  EXPECT_THAT(errors_of("a.gz", "\x1f\x8b"), HasSubstr("broken gzip file"));
+  std::string damaged = whole;
+  damaged[whole.size() - 6] ^= 1;
+  EXPECT_THAT(errors_of("a.gz", damaged), HasSubstr("broken gzip file"));
+  EXPECT_THAT(errors_of("a.gz", whole + "x"), HasSubstr("broken gzip file"));
+}
+
+TEST_F(SceneFiles, GzipOfManyMembersIsOneText) {
+  const std::string text = testing::kCamera + testing::kMaterial + "s 0 0 0 1\n";
+  put(file("a.nff.gz"), packed(text.substr(0, 20)) + packed(text.substr(20)));
+  const auto read = read_scene(file("a.nff.gz"));
+  ASSERT_TRUE(read) << errors(read);
+  EXPECT_EQ(read->scene.spheres.size(), 1u);
+}
+
+TEST_F(SceneFiles, AreWrittenBySuffix) {
+  const Scene scene = testing::rich_scene();
+  ASSERT_TRUE(write_scene(scene, file("a.raio")));
+  EXPECT_EQ(content_hash(read_scene(file("a.raio"))->scene), content_hash(scene));
+  ASSERT_TRUE(write_scene(scene, file("a.nff"), "rich"));
+  EXPECT_EQ(get(file("a.nff")), write_nff(scene, "rich"));
+  ASSERT_TRUE(write_scene(scene, file("a.POV")));
+  EXPECT_THAT(get(file("a.POV")), HasSubstr("#version 3.7;"));
+  const auto other = write_scene(scene, file("a.obj"));
+  ASSERT_FALSE(other);
+  EXPECT_EQ(other.error().kind, ErrorKind::bad_input);
+  EXPECT_THAT(other.error().message, HasSubstr("ends with .nff, .raio or .pov"));
+  EXPECT_FALSE(std::filesystem::exists(file("a.obj")));
+}
+
+/// Colours become materials, meshes triangles: what a reader of the NFF has of them.
+TEST_F(SceneFiles, NffHasColorsAndMeshes) {
+  const Scene scene = testing::rich_scene();
+  const auto read = parse_nff(write_nff(scene), "t.nff");
+  ASSERT_TRUE(read) << errors(read);
+  const Scene& again = read->scene;
+  EXPECT_EQ(again.triangles.size(), scene.primitive_count() - scene.planes.size() -
+                                        scene.spheres.size() - scene.cones.size() -
+                                        scene.polygons.size() - 1);  // one has no area
+  for (size_t i = 0; i < scene.spheres.size(); ++i) {
+    const Material& before = scene.materials[scene.sphere_materials[i]];
+    const Material& after = again.materials[again.sphere_materials[i]];
+    EXPECT_EQ(after.color, scene.sphere_colors[i]);
+    EXPECT_EQ(after.ks, before.ks);
+  }
+  EXPECT_EQ(not_kept(scene, SceneFormat::raio), "");
+  EXPECT_THAT(
+      not_kept(scene, SceneFormat::nff),
+      AllOf(HasSubstr("opacity of 10 spheres"), HasSubstr("colours of the vertices of 1 mesh"),
+            HasSubstr("texture coordinates of 1 mesh"), HasSubstr("names of 3 objects")));
+}
+
+using ConvertCommandLine = CommandLine;
+
+TEST_F(ConvertCommandLine, ThereAndBack) {
+  Outcome done = raio({"convert", "ok.nff", "ok.raio"});
+  EXPECT_EQ(done.status, 0) << done.err;
+  EXPECT_EQ(done.err, "");
+  done = raio({"convert", "ok.raio", "back.nff"});
+  EXPECT_EQ(done.status, 0) << done.err;
+  const auto scene = parse_nff(kScene, "ok.nff");
+  EXPECT_EQ(content_hash(read_nff(file("back.nff"))->scene), content_hash(scene->scene));
+  EXPECT_THAT(get(file("back.nff")), StartsWith("# ok, written by raio "));
+  EXPECT_EQ(raio({"render", "ok.nff", "-o", "a.pfm"}).status, 0);
+  EXPECT_EQ(raio({"render", "ok.raio", "-o", "b.pfm"}).status, 0);
+  EXPECT_EQ(get(file("a.pfm")), get(file("b.pfm")));
+}
+
+TEST_F(ConvertCommandLine, SaysWhatIsLost) {
+  ASSERT_TRUE(write_scene(testing::rich_scene(), file("rich.raio")));
+  const Outcome done = raio({"convert", "rich.raio", "rich.nff"});
+  EXPECT_EQ(done.status, 0);
+  EXPECT_THAT(done.err, AllOf(StartsWith("rich.nff: warning: not kept: opacity of "),
+                              HasSubstr("names of 3 objects")));
+  const Outcome rendered = raio({"render", "rich.raio", "--size", "8x8", "-o", "a.png"});
+  EXPECT_EQ(rendered.status, 0);
+  EXPECT_THAT(rendered.err, HasSubstr("rich.raio: warning: not shown yet: opacity of "));
+}
+
+TEST_F(ConvertCommandLine, RefusesWhatItCannotWrite) {
+  const Outcome done = raio({"convert", "ok.nff", "ok.obj"});
+  EXPECT_EQ(done.status, 2);
+  EXPECT_THAT(done.err, HasSubstr("expected a file that ends with .nff, .raio or .pov"));
+  EXPECT_EQ(raio({"convert", "none.nff", "ok.raio"}).status, 2);
+}
+
+TEST_F(ConvertCommandLine, StandardInputIsAScene) {
+  ASSERT_TRUE(write_scene(parse_nff(kScene, "t.nff")->scene, file("t.raio")));
+  put(file("t.nff.gz"), packed(kScene));
+  const std::string expected = [&] {
+    EXPECT_EQ(raio({"render", "ok.nff", "-o", "ok.pfm"}).status, 0);
+    return get(file("ok.pfm"));
+  }();
+  for (const char* name : {"ok.nff", "t.raio", "t.nff.gz"}) {
+    Redirections from;
+    from.input = file(name).string();
+    const Outcome done = raio({"render", "-", "-o", "in.pfm"}, from);
+    EXPECT_EQ(done.status, 0) << done.err;
+    EXPECT_EQ(get(file("in.pfm")), expected) << name;
+  }
+  Redirections from;
+  from.input = file("ok.nff").string();
+  EXPECT_EQ(raio({"render", "-"}, from).status, 0);
+  EXPECT_TRUE(std::filesystem::exists(file("stdin.png")));
+}
+
+}  // namespace
+}  // namespace raio
