@@ -42,7 +42,7 @@ struct Subject {
 Image picture(const Subject& subject, const RenderOptions& wish) {
   const RenderSettings o = resolve_options(wish, subject.scene);
   const auto film = make_film(subject.scene, o);
-  if (!film) give_up(3, film.error());
+  if (!film) give_up(3, film.error().text());
   RenderControl control;
   render(subject.scene, subject.accel, o, **film, control);
   return (*film)->resolve();
@@ -215,7 +215,7 @@ void save_crops(const Settings& s, const std::string& path) {
       for (int x = 0; x < kWide * kTimes; ++x)
         page.at(left + x, top + y) = p.at(kX + x / kTimes, kY + y / kTimes);
   }
-  if (const auto written = write_image(page, path); !written) give_up(3, written.error().message);
+  if (const auto written = write_image(page, path); !written) give_up(3, written.error().text());
 }
 
 }  // namespace

@@ -107,7 +107,7 @@ void write_json(const std::vector<Json>& rows, const std::string& path) {
   std::string lines;
   for (const Json& row : rows)
     lines += row.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
-  if (const auto written = write_file(path, lines); !written) give_up(3, written.error().message);
+  if (const auto written = write_file(path, lines); !written) give_up(3, written.error().text());
 }
 
 }  // namespace raio::bench

@@ -41,7 +41,7 @@ struct Rendered {
 };
 Rendered render_once(const Scene& scene, const Accel& accel, const RenderOptions& options) {
   const auto film = make_film(scene, options);
-  if (!film) give_up(3, film.error());
+  if (!film) give_up(3, film.error().text());
   // Its memory is there before the clock starts, as where picture follows picture.
   for (size_t t = 0; t < (*film)->tiles(); ++t) (*film)->replace(t, {});
   RenderControl control;
@@ -113,7 +113,7 @@ double reading_speed(const Scene& scene) {
   const auto path =
       std::filesystem::temp_directory_path() / fmt::format("raio_bench_{}.nff", getpid());
   const std::string text = write_nff(scene);
-  if (const auto written = write_file(path, text); !written) give_up(3, written.error().message);
+  if (const auto written = write_file(path, text); !written) give_up(3, written.error().text());
   double best = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 3; ++i)
     best = std::min(best, seconds_of([&] {

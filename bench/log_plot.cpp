@@ -70,7 +70,7 @@ double draw_legend(const Canvas& canvas, double x, double y, const std::vector<L
 void write_page(const std::string& path, const std::function<void(const Canvas&)>& draw) {
   const auto page = draw_page(*plot_format(path), draw);
   if (!page) give_up(3, page.error());
-  if (const auto written = write_file(path, *page); !written) give_up(3, written.error().message);
+  if (const auto written = write_file(path, *page); !written) give_up(3, written.error().text());
 }
 
 }  // namespace raio::bench

@@ -86,7 +86,7 @@ std::vector<Json> process_suite(const Settings& wish) {
     if (!std::filesystem::exists(name)) {
       file = folder / "scene.nff";
       if (const auto written = write_file(file, write_nff(get_scene(name))); !written)
-        give_up(3, written.error().message);
+        give_up(3, written.error().text());
     }
     const auto all = programs(file, folder, s);
     std::vector<Contender> contenders;

@@ -9,8 +9,8 @@
 
 #include "bench/figures.h"
 #include "integrate/camera.h"
-#include "render/options.h"
 #include "integrate/surface.h"
+#include "render/options.h"
 #include "render/render.h"
 #include "shape/offset.h"
 
@@ -122,7 +122,7 @@ Image small_picture(const Scene& scene, const Accel& accel, int side, int thread
   wish.width = wish.height = side, wish.threads = threads;
   const RenderSettings options = resolve_options(wish, scene);
   const auto film = make_film(scene, options);
-  if (!film) give_up(3, film.error());
+  if (!film) give_up(3, film.error().text());
   RenderControl control;
   render(scene, accel, options, **film, control);
   return (*film)->resolve();

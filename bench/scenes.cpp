@@ -92,7 +92,7 @@ Scene get_scene(const std::string& wish) {
     auto generated = generate_scene(name, int(size));
     if (!generated)
       give_up(2, fmt::format("{} is no file, nor spheres:N, mixed:N or terrain:N, and {}", wish,
-                             generated.error()));
+                             generated.error().text()));
     scene = std::move(*generated);
   }
   scene.name = wish;
@@ -103,7 +103,7 @@ std::unique_ptr<Accel> build_structure(const Scene& scene, AccelKind kind, const
   AccelOptions options = s.options.accel;
   options.kind = kind;
   auto accel = build_accel(scene, options);
-  if (!accel) give_up(3, accel.error());
+  if (!accel) give_up(3, accel.error().text());
   return std::move(*accel);
 }
 

@@ -135,7 +135,7 @@ inline Disagreement disagreement(const Accel& oracle, const Accel& accel, const 
 inline std::unique_ptr<Accel> build(const Scene& scene, AccelOptions options,
                                     bool one_sided = false) {
   auto accel = build_accel(scene, options, one_sided);
-  EXPECT_TRUE(accel.has_value()) << accel.error();
+  EXPECT_TRUE(accel.has_value()) << accel.error().text();
   return std::move(*accel);
 }
 

@@ -18,7 +18,7 @@ TEST(Accel, BakingRefusesWhatNoMemoryHolds) {
   scene.polygon_materials.assign(100, 0);
   const auto accel = build_accel(scene, {.kind = AccelKind::bvh});
   ASSERT_FALSE(accel.has_value());
-  EXPECT_NE(accel.error().find("GB are free"), std::string::npos) << accel.error();
+  EXPECT_NE(accel.error().message.find("GB are free"), std::string::npos) << accel.error().text();
 }
 
 TEST(Accel, EmbreeAgreesWithBruteForce) {

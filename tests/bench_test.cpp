@@ -106,9 +106,9 @@ TEST(Benchmark, EffectsAskForTheSamplesThatTheySay) {
     RenderOptions options;
     options.aa = options.lens_samples = 1;
     effect.set(options, true);
-    EXPECT_EQ(options.samples_per_pixel(), effect.samples) << effect.name;
+    EXPECT_EQ(samples_per_pixel(options), effect.samples) << effect.name;
     effect.set(options, false);
-    EXPECT_EQ(options.samples_per_pixel(), 1) << effect.name;
+    EXPECT_EQ(samples_per_pixel(options), 1) << effect.name;
   }
 }
 

@@ -71,14 +71,14 @@ TEST(Colors, ColorsOfTheMaterialsChangeNothing) {
     colored.polygon_colors.push_back(plain.materials[id].color);
   EXPECT_TRUE(
       testing::same_bytes(picture(plain, AccelKind::bvh), picture(colored, AccelKind::bvh)));
-  EXPECT_LT(radiance_bound(colored, 5), 1.5 * radiance_bound(plain, 5));
+  EXPECT_LT(classic_bound(colored, {}), 1.5 * classic_bound(plain, {}));
 }
 
 TEST(Colors, ABrightOneIsWithinTheBoundOfTheFilm) {
   Scene scene = random_scene(60, 4);
-  const double before = radiance_bound(scene, 5);
+  const double before = classic_bound(scene, {});
   scene.cone_colors.assign(scene.cones.size(), Rgb(50));
-  EXPECT_GT(radiance_bound(scene, 5), 10 * before);
+  EXPECT_GT(classic_bound(scene, {}), 10 * before);
 }
 
 /// Of meshes: before the pieces of polygons, behind the scene's own triangles.

@@ -16,7 +16,7 @@ namespace {
 
 Scene generated(std::string_view name, int size = 0) {
   auto scene = generate_scene(name, size);
-  if (!scene) throw std::runtime_error(scene.error());
+  if (!scene) throw std::runtime_error(scene.error().text());
   return std::move(*scene);
 }
 
@@ -423,18 +423,19 @@ TEST(GenerateScene, RecipesAreFitForAList) {
 TEST(GenerateScene, NamesWhatThereIsWhenTheNameIsUnknown) {
   const auto scene = generate_scene("bolas");
   ASSERT_FALSE(scene);
-  EXPECT_THAT(scene.error(), testing::HasSubstr("'bolas'"));
+  EXPECT_THAT(scene.error().text(), testing::HasSubstr("'bolas'"));
   for (const SceneRecipe& recipe : scene_recipes()) {
-    EXPECT_THAT(scene.error(), testing::HasSubstr(std::string(recipe.name)));
+    EXPECT_THAT(scene.error().text(), testing::HasSubstr(std::string(recipe.name)));
   }
 }
 
 TEST(GenerateScene, NamesTheRangeWhenTheSizeIsOutOfIt) {
-  EXPECT_EQ(generate_scene("balls", 8).error(),
+  EXPECT_EQ(generate_scene("balls", 8).error().message,
             "the size of 'balls' must be from 1 to 7; 8 was asked for");
-  EXPECT_EQ(generate_scene("balls", -1).error(),
+  EXPECT_EQ(generate_scene("balls", -1).error().message,
             "the size of 'balls' must be from 1 to 7; -1 was asked for");
-  EXPECT_EQ(generate_scene("mount_low", 2).error(), "'mount_low' has one size; 2 was asked for");
+  EXPECT_EQ(generate_scene("mount_low", 2).error().message,
+            "'mount_low' has one size; 2 was asked for");
 }
 
 }  // namespace

@@ -277,7 +277,7 @@ TEST(Hostile, PolygonsOfManyCornersAreBuiltInBoundedTime) {
     scene.polygon_materials = {0};
     for (const AccelKind kind : {AccelKind::grid, AccelKind::bvh}) {
       const auto accel = build_accel(scene, {.kind = kind});
-      ASSERT_TRUE(accel) << accel.error();
+      ASSERT_TRUE(accel) << accel.error().text();
       EXPECT_LT((*accel)->info().bytes, 100 * memory_bytes(scene) + 1'000'000);
     }
   }

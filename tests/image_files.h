@@ -103,33 +103,31 @@ class ImageTest : public TemporaryFolder {
   ~ImageTest() override { ::close(memory_); }
 
   /// By way of a file in memory: tests read thousands.
-  std::expected<Image, FileError> read(std::string_view bytes) {
-    return read_image(in_memory(bytes));
-  }
-  std::expected<Picture, FileError> read_whole(std::string_view bytes) {
+  std::expected<Image, Error> read(std::string_view bytes) { return read_image(in_memory(bytes)); }
+  std::expected<Picture, Error> read_whole(std::string_view bytes) {
     return read_picture(in_memory(bytes));
   }
   Image read_good(std::string_view bytes) {
     auto image = read(bytes);
-    EXPECT_TRUE(image) << image.error().message;
+    EXPECT_TRUE(image) << image.error().text();
     return image ? *image : Image();
   }
   Picture read_whole_good(std::string_view bytes) {
     auto picture = read_whole(bytes);
-    EXPECT_TRUE(picture) << picture.error().message;
+    EXPECT_TRUE(picture) << picture.error().text();
     return picture ? *picture : Picture();
   }
   void expect_bad(std::string_view bytes, std::string_view why) {
     const auto image = read(bytes);
     ASSERT_FALSE(image) << why;
-    EXPECT_EQ(image.error().kind, FileError::bad_input);
-    EXPECT_THAT(image.error().message, ::testing::HasSubstr(in_memory_.string()));
-    EXPECT_THAT(image.error().message, ::testing::HasSubstr(std::string(why)));
-    EXPECT_THAT(image.error().message, ::testing::Not(::testing::HasSubstr("\n")));
+    EXPECT_EQ(image.error().kind, ErrorKind::cannot_read);
+    EXPECT_THAT(image.error().text(), ::testing::HasSubstr(in_memory_.string()));
+    EXPECT_THAT(image.error().text(), ::testing::HasSubstr(std::string(why)));
+    EXPECT_THAT(image.error().text(), ::testing::Not(::testing::HasSubstr("\n")));
   }
   std::string written(const auto& picture, std::string_view name) {
     const auto done = write_image(picture, file(name));
-    EXPECT_TRUE(done) << done.error().message;
+    EXPECT_TRUE(done) << done.error().text();
     return get(file(name));
   }
 

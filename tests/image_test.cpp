@@ -64,10 +64,10 @@ TEST_F(ImageTest, FormatBySuffix) {
   for (const fs::path& path : {fs::path("a.jpg"), fs::path("a"), fs::path(".png"), file("plain")}) {
     const auto format = image_format(path);
     ASSERT_FALSE(format) << path;
-    EXPECT_EQ(format.error().kind, FileError::bad_input);
+    EXPECT_EQ(format.error().kind, ErrorKind::bad_input);
     for (const char* suffix : {".png", ".exr", ".pfm", ".ppm", ".npz", ".npy"})
-      EXPECT_THAT(format.error().message, HasSubstr(suffix));
-    EXPECT_EQ(write_image(noise(1, 1), path).error().message, format.error().message);
+      EXPECT_THAT(format.error().text(), HasSubstr(suffix));
+    EXPECT_EQ(write_image(noise(1, 1), path).error().text(), format.error().text());
   }
 }
 
@@ -136,7 +136,7 @@ TEST_F(ImageTest, PicturesThatAreNoneAreErrors) {
     for (const char* name : {"a.png", "a.exr", "a.pfm", "a.ppm", "a.npz", "a.npy"}) {
       const auto done = write_image(image, file(name));
       ASSERT_FALSE(done) << name;
-      EXPECT_EQ(done.error().kind, FileError::bad_input);
+      EXPECT_EQ(done.error().kind, ErrorKind::bad_input);
     }
   EXPECT_EQ(entries(), 0);
 }
@@ -148,8 +148,8 @@ TEST_F(ImageTest, TargetsThatCannotBeWritten) {
   for (const fs::path& path : {fs::path("/dev/full"), file("folder.png"), file("missing/a.exr")}) {
     const auto done = write_image(image, path);
     ASSERT_FALSE(done) << path;
-    EXPECT_EQ(done.error().kind, FileError::cannot_write);
-    EXPECT_THAT(done.error().message, HasSubstr(path.string()));
+    EXPECT_EQ(done.error().kind, ErrorKind::cannot_write);
+    EXPECT_THAT(done.error().text(), HasSubstr(path.string()));
   }
 }
 
@@ -226,7 +226,7 @@ TEST_F(ImageTest, MetadataKeysArePlainWords) {
     for (const char* name : {"a.png", "a.exr"}) {
       const auto done = write_image(noise(1, 1), file(name), {{key, "v"}});
       ASSERT_FALSE(done) << key;
-      EXPECT_EQ(done.error().kind, FileError::bad_input);
+      EXPECT_EQ(done.error().kind, ErrorKind::bad_input);
     }
   EXPECT_EQ(entries(), 0);
   for (const char* name : {"a.png", "a.exr"})

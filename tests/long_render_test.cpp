@@ -100,7 +100,7 @@ TEST_F(LongRender, InterruptedItKeepsWhatThereIs) {
     EXPECT_THAT(o.err, HasSubstr("kept in c.raio, and --resume goes on"));
     EXPECT_EQ(names(), (std::vector<std::string>{"c.raio", "ok.nff"}));
     const auto part = read_part(file("c.raio"));
-    ASSERT_TRUE(part.has_value()) << part.error().message;
+    ASSERT_TRUE(part.has_value()) << part.error().text();
     fs::remove(file("c.raio"));
   }
 }

@@ -14,10 +14,10 @@ namespace raio::testing {
 inline Image picture_of(const Scene& scene, RenderOptions options) {
   const RenderSettings settings = resolve_options(options, scene);
   const auto accel = build_accel(scene, settings.accel, settings.one_sided);
-  EXPECT_TRUE(accel) << accel.error();
+  EXPECT_TRUE(accel) << accel.error().text();
   RenderControl control;
   const auto film = make_film(scene, settings);
-  EXPECT_TRUE(film) << film.error();
+  EXPECT_TRUE(film) << film.error().text();
   EXPECT_TRUE(render(scene, **accel, settings, **film, control).finished);
   return (*film)->resolve();
 }

@@ -64,10 +64,10 @@ TEST(Scenes, AllReadWithoutAWordAndShowSomething) {
     options.width = options.height = 48, options.aa = 1;
     const RenderSettings settings = resolve_options(options, scene);
     const auto accel = build_accel(scene, settings.accel);
-    ASSERT_TRUE(accel) << accel.error();
+    ASSERT_TRUE(accel) << accel.error().text();
     RenderControl control;
     const auto film = make_film(scene, settings);
-    ASSERT_TRUE(film.has_value()) << film.error();
+    ASSERT_TRUE(film.has_value()) << film.error().text();
     ASSERT_TRUE(render(scene, **accel, settings, **film, control).finished);
     EXPECT_GT((*film)->rays().eye_hits, 48u * 48u / 20);
     std::set<std::tuple<int, int, int>> colors;
@@ -89,7 +89,7 @@ TEST(Scenes, GeneratedOnesAreWhatTheirFirstLineSays) {
       continue;
     ++generated;
     const auto recipe = generate_scene(match[1].str(), std::stoi(match[2]));
-    ASSERT_TRUE(recipe) << recipe.error();
+    ASSERT_TRUE(recipe) << recipe.error().text();
     EXPECT_EQ(count_primitives(read_whole(path)), count_primitives(*recipe));
     EXPECT_LT(text.size(), 60000u);
   }
@@ -144,7 +144,7 @@ void expect_accepted(const std::string& option, const std::string& value) {
     if (option != "--" + std::string(spec.name) || spec.is_switch()) continue;
     RenderOptions options;
     const auto set = set_option(options, spec, value);
-    EXPECT_TRUE(set) << option << ": " << set.error();
+    EXPECT_TRUE(set) << option << ": " << set.error().text();
   }
 }
 

@@ -403,7 +403,7 @@ TEST(Render, APictureBeyondMemoryIsRefused) {
   o.width = 60000, o.height = 60000;
   const auto film = make_film(s, o);
   ASSERT_FALSE(film.has_value());
-  EXPECT_NE(film.error().find("60000x60000"), std::string::npos);
+  EXPECT_NE(film.error().message.find("60000x60000"), std::string::npos);
 }
 
 void add(Film& film, Rgb rgb) {

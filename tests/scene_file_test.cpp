@@ -150,7 +150,7 @@ TEST_F(SceneFiles, AreWrittenBySuffix) {
   EXPECT_THAT(get(file("a.POV")), HasSubstr("#version 3.7;"));
   const auto other = write_scene(scene, file("a.obj"));
   ASSERT_FALSE(other);
-  EXPECT_EQ(other.error().kind, FileError::bad_input);
+  EXPECT_EQ(other.error().kind, ErrorKind::bad_input);
   EXPECT_THAT(other.error().message, HasSubstr("ends with .nff, .raio or .pov"));
   EXPECT_FALSE(std::filesystem::exists(file("a.obj")));
 }

@@ -151,10 +151,11 @@ TEST(Session, SaysWhyThereIsNoPicture) {
   Watcher w;
   w.whole(w.session.wish({s, options()}));
   const uint64_t wish = w.session.wish({s, options(1 << 20, 1 << 20)});
-  const auto failed = w.wait([&](auto& p) { return p.wish == wish && !p.error.empty(); });
-  EXPECT_NE(failed->error.find("--size"), std::string::npos) << failed->error;
+  const auto failed = w.wait([&](auto& p) { return p.wish == wish && p.error.has_value(); });
+  EXPECT_EQ(failed->error->kind, ErrorKind::no_resource);
+  EXPECT_NE(failed->error->message.find("`size`"), std::string::npos) << failed->error->text();
   EXPECT_EQ(failed->image->width, 64) << "the older picture stays";
-  EXPECT_TRUE(w.whole(w.session.wish({s, options()}))->error.empty());
+  EXPECT_FALSE(w.whole(w.session.wish({s, options()}))->error.has_value());
 }
 
 TEST(Session, ShowsViewsAndAnotherScene) {

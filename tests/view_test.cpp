@@ -136,7 +136,8 @@ RenderOptions read_back(const ViewState& state, int samples) {
     EXPECT_TRUE(known) << one;
     at = end;
   }
-  EXPECT_EQ(option_conflict(o, state.scene.get()), "") << arguments;
+  const auto conflict = option_conflict(o, state.scene.get());
+  EXPECT_FALSE(conflict) << arguments << conflict->text();
   return o;
 }
 

@@ -5,16 +5,9 @@
 #include "accel/structures.h"
 
 namespace raio {
+namespace {
 
-std::expected<std::unique_ptr<Accel>, std::string> build_accel(const Scene& scene,
-                                                               const AccelOptions& options,
-                                                               bool one_sided) {
-  const double bytes = Geometry::bytes_to_bake(scene), available = double(available_memory_bytes());
-  if (bytes > 0.9 * available)
-    return std::unexpected(
-        fmt::format("to prepare the scene for tracing would take {:.1f} GB and {:.1f} GB are free",
-                    bytes * 1e-9, available * 1e-9));
-  Geometry geometry(scene, one_sided);
+AccelResult make_accel(Geometry&& geometry, const AccelOptions& options) {
   switch (options.kind) {
     case AccelKind::none:
       return make_none(std::move(geometry), options);
@@ -27,6 +20,25 @@ std::expected<std::unique_ptr<Accel>, std::string> build_accel(const Scene& scen
       break;
   }
   return make_bvh(std::move(geometry));
+}
+
+}  // namespace
+
+std::expected<std::unique_ptr<Accel>, Error> build_accel(const Scene& scene,
+                                                         const AccelOptions& options,
+                                                         bool one_sided) {
+  if (options.kind == AccelKind::embree && options.counters)
+    return std::unexpected(Error{ErrorKind::bad_option, "counters",
+                                 "Embree does not count tests and steps; leave it out"});
+  const double bytes = Geometry::bytes_to_bake(scene), available = double(available_memory_bytes());
+  if (bytes > 0.9 * available)
+    return std::unexpected(Error{
+        ErrorKind::no_resource, "",
+        fmt::format("to prepare the scene for tracing would take {:.1f} GB and {:.1f} GB are free",
+                    bytes * 1e-9, available * 1e-9)});
+  auto accel = make_accel(Geometry(scene, one_sided), options);
+  if (!accel) return std::unexpected(Error{ErrorKind::no_resource, "", std::move(accel.error())});
+  return std::move(*accel);
 }
 
 }  // namespace raio

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "accel/geometry.h"
+#include "base/error.h"
 #include "base/memory.h"
 #include "base/ray.h"
 
@@ -131,10 +132,11 @@ class Accel {
 
 /// Bakes the scene, which must outlive the result, and builds the structure that `options` ask for
 /// (`automatic`: the best for the scene). `one_sided`: opaque surfaces are seen from outside only.
-/// The error is one line: memory that would not suffice, or options that do not fit together.
-std::expected<std::unique_ptr<Accel>, std::string> build_accel(const Scene& scene,
-                                                               const AccelOptions& options,
-                                                               bool one_sided = false);
+/// Errors: memory that would not suffice (no_resource), options that do not fit together
+/// (bad_option).
+std::expected<std::unique_ptr<Accel>, Error> build_accel(const Scene& scene,
+                                                         const AccelOptions& options,
+                                                         bool one_sided = false);
 void build_accel(Scene&&, const AccelOptions&, bool one_sided = false) = delete;
 
 }  // namespace raio

@@ -17,7 +17,7 @@ AccelResult make_grid(Geometry geometry, const AccelOptions& options);
 /// The eight-wide tree of boxes: bvh.h.
 AccelResult make_bvh(Geometry geometry);
 
-/// Embree 3, as its documentation advises.
+/// Embree 3, as its documentation advises. It does not count, whatever the options say.
 AccelResult make_embree(Geometry geometry, const AccelOptions& options);
 
 }  // namespace raio

@@ -68,7 +68,7 @@ int write_results(const BenchmarkTable& table, const BenchCommand& command) {
 
 int report(const BenchmarkFailure& failure) {
   if (failure.kind == BenchmarkFailure::stopped) return interrupted();
-  print_error(failure.message);
+  print_error(with_settings(failure.message, "--"));
   return failure.kind == BenchmarkFailure::disagreement ? kCheckFailed : kNoResource;
 }
 

@@ -17,7 +17,6 @@
 #include "app/bench.h"
 #include "app/commands.h"
 #include "app/help.h"
-#include "app/long_render.h"
 #include "app/manual.h"
 #include "app/outline.h"
 #include "app/output.h"
@@ -139,6 +138,11 @@ int report(const CLI::App& app, const CLI::ParseError& error) {
   return usage_error(*command, error.what());
 }
 
+// Options that do not go together.
+void refuse_conflict(const RenderOptions& options) {
+  if (const auto why = option_conflict(options)) throw CLI::ParseError(text_of(*why), kBadInput);
+}
+
 // All of it, from reading the scene to writing the picture, on the threads that it is given.
 template <class Command>
 int run_on_threads(const Command& command) {
@@ -240,11 +244,11 @@ void add_render(CLI::App& app, RenderCommand& render, int& status) {
                 "raio render --repeat balls.png balls.nff -o again.png"}));
   add_file(*sub, "scene", render.scene, "Scene file: NFF, P3F or .raio; - is standard input",
            "SCENE");
-  add_file(
-      *sub, "-o,--output", render.output,
-      "Output picture: .png .exr .ppm .pfm by suffix, or .raio for a part file; - writes PNG to "
-      "standard output (default: the scene's name, .png, here)",
-      "IMAGE");
+  add_file(*sub, "-o,--output", render.output,
+           "Output picture: .png .exr .npz .npy .ppm .pfm by suffix, or .raio for a part file; - "
+           "writes PNG to "
+           "standard output (default: the scene's name, .png, here)",
+           "IMAGE");
   add_render_options(*sub, render.options);
   add_file(*sub, "--stats", render.stats, "Write statistics as JSON; - for standard output");
   sub->add_flag("--quiet", render.quiet, "Print errors only");
@@ -254,14 +258,15 @@ void add_render(CLI::App& app, RenderCommand& render, int& status) {
     for (const OptionSpec& spec : render_option_table())
       if (const std::string name = "--" + std::string(spec.name);
           spec.of_picture && sub->get_option(name)->count() > 0)
-        render.of_picture.push_back(name);
+        render.of_picture.emplace_back(spec.name);
     if (!kHasThreads && sub->get_option("--checkpoint-interval")->count() > 0)
       throw CLI::ParseError(
           "this build has no threads, so that --checkpoint is written when the render ends; leave "
           "out --checkpoint-interval",
           kBadInput);
-    for (const auto& why : {option_conflict(render.options), long_render_conflict(render)})
-      if (!why.empty()) throw CLI::ParseError(why, kBadInput);
+    if (render.scene.empty() && render.repeat.empty())
+      throw CLI::ParseError("SCENE is missing: Scene file in the format NFF or P3F", kBadInput);
+    refuse_conflict(render.options);
     refuse_terminal(render.output, "-o");
     status = run_on_threads(render);
   });
@@ -274,8 +279,7 @@ void add_view(CLI::App& app, ViewCommand& view, const Invocation& invocation, in
   add_render_options(*sub, view.options);
   sub->add_flag("--log", view.log, "Log events to standard error, one per line");
   sub->callback([&] {
-    if (const auto why = option_conflict(view.options); !why.empty())
-      throw CLI::ParseError(why, kBadInput);
+    refuse_conflict(view.options);
     // What the arguments mean is found out here; the window itself is another program.
     status = invocation.open_window ? invocation.open_window(view)
                                     : become_view_program(invocation.argv);
@@ -286,11 +290,11 @@ void add_merge(CLI::App& app, MergeCommand& merge, int& status) {
   auto* sub = app.add_subcommand("merge", "Merge the parts of a picture rendered with --shard");
   sub->footer(examples({"raio merge part1.raio part2.raio part3.raio -o balls.png"}));
   sub->add_option("parts", merge.parts, "Part files of one picture")->required()->type_name("PART");
-  add_file(
-      *sub, "-o,--output", merge.output,
-      "Output picture: .png .exr .ppm .pfm by suffix, or .raio for a part file; - writes PNG to "
-      "standard output",
-      "IMAGE");
+  add_file(*sub, "-o,--output", merge.output,
+           "Output picture: .png .exr .npz .npy .ppm .pfm by suffix, or .raio for a part file; - "
+           "writes PNG to "
+           "standard output",
+           "IMAGE");
   sub->get_option("--output")->required();
   sub->add_flag("--quiet", merge.quiet, "Print errors only");
   sub->callback([&] {
@@ -479,10 +483,10 @@ void add_render_options(CLI::App& app, RenderOptions& options,
     const std::string name = "--" + std::string(spec.name);
     const auto set = [&options, &spec, name](const std::string& text) {
       if (auto done = set_option(options, spec, text); !done)
-        throw CLI::ValidationError(name, done.error());
+        throw CLI::ValidationError(name, with_settings(done.error().message, "--"));
     };
     if (!spec.is_switch()) {
-      app.add_option_function<std::string>(name, set, std::string(spec.help))
+      app.add_option_function<std::string>(name, set, with_settings(spec.help, "--"))
           ->type_name(value_type(spec.value_name, spec.words))
           ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
       continue;
@@ -492,7 +496,8 @@ void add_render_options(CLI::App& app, RenderOptions& options,
         std::holds_alternative<std::optional<bool>& (*)(RenderOptions&)>(spec.value);
     app.add_flag_function(
         name + (optional ? ",!--no-" + std::string(spec.name) : ""),
-        [set](int64_t count) { set(count > 0 ? "true" : "false"); }, std::string(spec.help));
+        [set](int64_t count) { set(count > 0 ? "true" : "false"); },
+        with_settings(spec.help, "--"));
   }
 }
 

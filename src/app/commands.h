@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "render/benchmark.h"
+#include "render/job.h"
 #include "render/options.h"
 
 namespace raio::app {
@@ -20,20 +21,10 @@ enum Exit : int {
   kInterrupted = 130,  // Ctrl-C
 };
 
-struct RenderCommand {
-  std::string scene, output;  // output empty: <scene>.png here
-  std::string repeat;         // picture whose settings are taken; empty: none
-  std::string checkpoint;     // part file; empty: none
-  double checkpoint_interval_s = 60;
-  bool resume = false;
-  int add_samples = 0;                  // to those of the checkpoint
-  double time_limit_s = 0;              // of all the command; 0: none
-  uint32_t shard = 0, shards = 1;       // as in RenderTask
-  std::vector<std::string> of_picture;  // the options given on which the picture depends: "--aa"
-  std::string stats;                    // file for the statistics; empty: none
+struct RenderCommand : JobRequest {  // output empty: <scene>.png here
+  std::string stats;                 // file for the statistics; empty: none
   std::string progress = "auto";
   bool quiet = false;
-  RenderOptions options;
 };
 int run(const RenderCommand& given);
 

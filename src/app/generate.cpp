@@ -18,7 +18,7 @@ int run(const GenerateCommand& command) {
     if (const auto writable = check_writable(target); !writable) return fail(writable.error());
   }
   const auto scene = generate_scene(command.name, command.size);
-  if (!scene) return bad_input(scene.error());
+  if (!scene) return fail(scene.error());
 
   int size = command.size;
   const auto recipes = scene_recipes();

@@ -159,7 +159,7 @@ int run(const InfoCommand& command) {
   // Not load_scene: the warnings are part of what is asked for.
   auto read = read_scene(command.scene);
   if (read) add_warnings(command, *read);
-  for (const Diagnostic& d : read ? read->warnings : read.error()) print_line(d.text());
+  for (const Diagnostic& d : read ? read->warnings : read.error()) print_line(d.text("--"));
   if (!read) return kBadInput;
   return deliver("-", command.json ? info_json(*read) : info_text(*read));
 }

@@ -6,7 +6,7 @@
 #include "app/output.h"
 #include "app/terminal.h"
 #include "render/part.h"
-#include "render/render.h"
+#include "render/picture.h"
 
 namespace raio::app {
 
@@ -14,29 +14,28 @@ int run(const MergeCommand& command) {
   const StopOnSignal stop;
   const std::string& output = command.output;
   const bool to_part = is_part_path(output);
-  if (const auto format = image_format(output); !to_part && !format) return fail(format.error());
-  if (const auto writable = check_writable(output); !writable) return fail(writable.error());
+  if (const auto why = output_problem(output)) return fail(*why);
 
   std::vector<NamedPart> parts;
   uint32_t shards = 1;
   for (const std::string& path : command.parts) {
     auto part = read_part(path);
     if (!part) return fail(part.error());
+    if (parts.empty())
+      if (const auto why = output_problem(output, part->film->layout().channels()))
+        return fail(*why);
     shards = std::max(shards, part->header.shards);
     parts.push_back({path, std::move(*part)});
   }
   const auto merged = merge_parts(parts);
-  if (!merged) return bad_input(merged.error());
+  if (!merged) return fail(merged.error());
   const std::string missing = missing_tiles(*merged, shards);
   if (!missing.empty() && !to_part)
     return bad_input(missing + "; add the parts that have them, or merge to a part (-o NAME.raio)");
 
-  const Metadata& settings = merged->header.settings;
-  const auto written =
-      to_part
-          ? write_part(output, merged->header, *merged->film)
-          : write_image(picture_of(*merged->film, options_from(settings)->view), output, settings);
-  if (!written) return fail(written.error());
+  const View view = options_from(merged->header.settings)->view;
+  if (const auto written = write_result(output, *merged, view); !written)
+    return fail(written.error());
   if (!command.quiet)
     print_line(fmt::format("{}: {}x{}, {} part{}{}",
                            is_standard_output(output) ? "picture" : output, merged->film->width(),

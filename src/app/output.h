@@ -11,10 +11,23 @@
 
 namespace raio::app {
 
+/// An error in the words of the command line, where settings are options.
+inline std::string text_of(const Error& error) { return error.text("--"); }
+
+inline int status_of(const Error& error) {
+  if (error.kind == ErrorKind::stopped) return kInterrupted;
+  const bool ran_out =
+      error.kind == ErrorKind::cannot_write || error.kind == ErrorKind::no_resource;
+  return ran_out ? kNoResource : kBadInput;
+}
+
 /// Prints the error; the exit status for it.
-inline int fail(const FileError& error) {
-  print_error(error.message);
-  return error.kind == FileError::bad_input ? kBadInput : kNoResource;
+inline int fail(const Error& error) {
+  if (error.kind == ErrorKind::stopped)
+    print_line("raio: " + text_of(error));
+  else
+    print_error(text_of(error));
+  return status_of(error);
 }
 
 /// Prints what the user has to change; the exit status for it.

@@ -43,11 +43,11 @@ struct Counted {
 std::expected<Counted, int> count(const Scene& scene, const RenderSettings& options,
                                   RenderControl& control, const SpdVerifyCommand& command,
                                   const std::string& label) {
-  std::expected<std::unique_ptr<Accel>, std::string> accel;
+  std::expected<std::unique_ptr<Accel>, Error> accel;
   on_threads(options.threads, [&] { accel = build_accel(scene, options.accel); });
-  if (!accel) return std::unexpected(no_resource(accel.error()));
+  if (!accel) return std::unexpected(fail(accel.error()));
   const auto film = make_film(scene, options);
-  if (!film) return std::unexpected(no_resource(film.error()));
+  if (!film) return std::unexpected(fail(film.error()));
   control.rays_done = control.work_done = control.work_total = 0;
   const ProgressLine progress(control, command.progress, label);
   if (!render(scene, **accel, options, **film, control).finished)

@@ -11,21 +11,21 @@
 namespace raio::app {
 namespace {
 
-double rays_per_s(const Made& made) {
+double rays_per_s(const RenderFigures& made) {
   return double(made.rays.total() - made.rays_before) / std::max(made.times.render, 1e-9);
 }
 
 }  // namespace
 
-Json statistics(const Made& made) {
+Json statistics(const RenderFigures& made) {
   const auto& [scene, o, accel, times, rays, rays_before, samples] = made;
   Json primitives;
-  const auto counts = count_primitives(scene);
+  const auto counts = count_primitives(*scene);
   for (size_t i = 0; i < counts.size(); ++i)
     primitives[std::string(kShapeKindNames[i])] = counts[i];
   Json json = {
       {"version", RAIO_VERSION},
-      {"scene", scene.name},
+      {"scene", scene->name},
       {"resolution", {o.width, o.height}},
       {"samples_per_pixel", samples},
       {"seed", o.seed},
@@ -33,8 +33,8 @@ Json statistics(const Made& made) {
       {"depth", o.depth},
       {"effects", {{"aa", o.aa}, {"soft_shadows", o.soft_shadows}, {"dof", o.dof}}},
       {"primitives", primitives},
-      {"lights", scene.lights.size()},
-      {"materials", scene.materials.size()},
+      {"lights", scene->lights.size()},
+      {"materials", scene->materials.size()},
       {"accelerator",
        {{"name", accel.name},
         {"bytes", accel.bytes},
@@ -65,9 +65,9 @@ Json statistics(const Made& made) {
   return json;
 }
 
-std::string summary(const std::string& output, const Made& made) {
+std::string summary(const std::string& output, const RenderFigures& made) {
   const RenderSettings& o = made.settings;
-  const Times& times = made.times;
+  const RenderFigures::Times& times = made.times;
   const auto wanted = uint32_t(o.samples_per_pixel());
   const std::string samples = made.samples == wanted
                                   ? fmt::format("{}", wanted)

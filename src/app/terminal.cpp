@@ -77,15 +77,18 @@ int interrupted() {
   return kInterrupted;
 }
 
+void print_diagnostics(const Diagnostics& said) {
+  for (const Diagnostic& d : said) print_line(d.text("--"));
+}
+
 std::expected<Scene, int> load_scene(const std::string& path, bool quiet) {
   auto result = read_scene(path);
   if (!result) {
-    for (const Diagnostic& d : result.error()) print_line(d.text());
+    print_diagnostics(result.error());
     const bool machine = result.error().front().message == kNoMemory;
     return std::unexpected(int(machine ? kNoResource : kBadInput));
   }
-  if (!quiet)
-    for (const Diagnostic& d : result->warnings) print_line(d.text());
+  if (!quiet) print_diagnostics(result->warnings);
   return std::move(result->scene);
 }
 

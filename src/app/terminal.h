@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "base/parallel.h"
+#include "io/diagnostics.h"
 #include "render/render.h"
 #include "scene/scene.h"
 
@@ -21,6 +22,9 @@ void print_error(std::string_view message);
 
 /// "raio: interrupted; nothing was written", and the exit status for it.
 int interrupted();
+
+/// What a reader said of a file, line by line.
+void print_diagnostics(const Diagnostics& said);
 
 /// Reads a scene file and prints its diagnostics; on failure the exit status.
 std::expected<Scene, int> load_scene(const std::string& path, bool quiet = false);

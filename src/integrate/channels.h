@@ -40,8 +40,9 @@ struct ChannelSpec {
 };
 
 inline constexpr std::array kChannels = {
-    ChannelSpec{Channel::alpha, "alpha", "A", ChannelRule::mean, 1, false,
-                "the share of the pixel that something covers"},
+    ChannelSpec{
+        Channel::alpha, "alpha", "A", ChannelRule::mean, 1, false,
+        "the share of the pixel that something covers; without the background in the colours"},
     ChannelSpec{Channel::depth, "depth", "Z", ChannelRule::first, 0, false,
                 "distance from the eye along the line of sight; infinite where nothing is"},
     ChannelSpec{Channel::position, "position", "XYZ", ChannelRule::first, 0, false,

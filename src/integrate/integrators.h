@@ -14,7 +14,7 @@ enum class IntegratorKind : uint8_t { classic, views };
 inline constexpr std::array<std::string_view, 2> kIntegratorNames = {"classic", "views"};
 inline constexpr std::string_view kIntegratorHelp =
     "How rays become colours: classic, the shading of Whitted and Phong, or views, which shows "
-    "what eye rays intersect (default: classic; views with --view)";
+    "what eye rays intersect (default: classic; views with `view`)";
 
 class TileRenderer;
 struct PreparedScene;

@@ -240,7 +240,8 @@ class Wavefront final : public TileRenderer {
       add_costs();
       shading_.begin(*this, current_.rays.size());
     }
-    drop_misses();
+    // A picture with alpha is to be laid over another background.
+    drop_misses(level > 1 || !layout_->has(Channel::alpha));
     const size_t n = current_.rays.size();
     if (level == 1) counts_.eye_hits += n;
     if (n == 0) return;
@@ -329,9 +330,9 @@ class Wavefront final : public TileRenderer {
   }
 
  private:
-  // Gives the background to the rays that hit nothing and moves the others together. The lanes
-  // after the last of them repeat it, so that they hold something sensible.
-  void drop_misses() {
+  // Gives the background, if it is `seen`, to the rays that hit nothing and moves the others
+  // together. The lanes after the last of them repeat it, so that they hold something sensible.
+  void drop_misses(bool seen) {
     RayBatch& rays = current_.rays;
     const size_t n = rays.size();
     size_t kept = 0;
@@ -344,7 +345,7 @@ class Wavefront final : public TileRenderer {
       const M in = hn::FirstN(d, n - i);
       const M found = hn::And(in, hn::RebindMask(d, hn::Ne(item, hn::Set(du, kNoPrimitive))));
       const size_t count = hn::CountTrue(d, found);
-      add_background(current_.weights(i), &current_.pixel[i], hn::AndNot(found, in));
+      if (seen) add_background(current_.weights(i), &current_.pixel[i], hn::AndNot(found, in));
       if (count > 0 && (kept < i || count < kWidth)) {
         put(load(hits_.t, i), found, hits_.t, kept), put(item, found, hits_.item, kept);
         put(load(hits_.u, i), found, hits_.u, kept), put(load(hits_.v, i), found, hits_.v, kept);

@@ -30,12 +30,20 @@ std::string excerpt_around(std::string_view text, size_t begin, size_t end, size
 
 }  // namespace
 
-std::string Diagnostic::text() const {
+std::string Diagnostic::text(std::string_view before_settings) const {
   std::string out = file;
   if (line > 0) out += fmt::format(":{}:{}", line, column);
-  out += fmt::format(": {}: {}", severity == Severity::error ? "error" : "warning", message);
+  out += fmt::format(": {}: {}", severity == Severity::error ? "error" : "warning",
+                     with_settings(message, before_settings));
   if (!excerpt.empty()) out += "  | " + excerpt;
   return out;
+}
+
+Error error_of(const Diagnostic& d) {
+  return {d.message == kNoMemory ? ErrorKind::no_resource : ErrorKind::bad_input,
+          d.file,
+          d.message,
+          {d.line, d.column}};
 }
 
 void TextReport::add(Findings& findings, size_t offset, std::string message) const {

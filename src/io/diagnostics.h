@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/error.h"
+
 namespace raio {
 
 enum class Severity { warning, error };
@@ -14,13 +16,16 @@ struct Diagnostic {
   Severity severity = Severity::error;
   std::string file;
   int line = 0, column = 0;  // from 1; 0: about the file as a whole
-  std::string message;       // what was found, what was expected, what to do
+  std::string message;       // what was found, what was expected, what to do; as in Error
   std::string excerpt;       // the line, shortened around the column; empty for the whole file
 
   /// One line: "scene.nff:3:7: error: expected a number for the radius, found \"abc\"  | s 0 0 0
-  /// abc"
-  std::string text() const;
+  /// abc". `before_settings` as in Error::text().
+  std::string text(std::string_view before_settings = {}) const;
 };
+
+/// The same as one Error, bad_input or, for kNoMemory, no_resource.
+Error error_of(const Diagnostic& diagnostic);
 
 using Diagnostics = std::vector<Diagnostic>;
 

@@ -13,22 +13,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string one_line(std::string text) {
-  std::ranges::replace_if(text, [](unsigned char c) { return c < 32 || c == 127; }, ' ');
-  return text;
-}
-
 fs::path shown(const fs::path& path) { return path == "-" ? "standard output" : path; }
 
 }  // namespace
 
-FileError read_error(const fs::path& path, std::string_view why) {
-  return {FileError::bad_input, one_line(fmt::format("cannot read {}: {}", path.string(), why))};
+Error read_error(const fs::path& path, std::string_view why) {
+  return {ErrorKind::cannot_read, path.string(), std::string(why)};
 }
 
-FileError write_error(const fs::path& path, std::string_view why) {
-  return {FileError::cannot_write,
-          one_line(fmt::format("cannot write {}: {}", shown(path).string(), why))};
+Error write_error(const fs::path& path, std::string_view why) {
+  return {ErrorKind::cannot_write, shown(path).string(), std::string(why)};
+}
+
+Error memory_error(const fs::path& path) {
+  return {ErrorKind::no_resource, shown(path).string(), "there is not enough memory for it"};
 }
 
 std::string lower_suffix(const fs::path& path) {
@@ -40,21 +38,20 @@ std::string lower_suffix(const fs::path& path) {
 
 bool is_standard_output(const fs::path& path) { return path == "-" || path == "/dev/stdout"; }
 
-std::expected<void, FileError> write_file(const fs::path& path, std::string_view bytes,
-                                          Until until) {
+std::expected<void, Error> write_file(const fs::path& path, std::string_view bytes, Until until) {
   const auto written =
       is_standard_output(path) ? write_standard_output(bytes) : replace_file(path, bytes, until);
   if (!written) return std::unexpected(write_error(path, written.error()));
   return {};
 }
 
-std::expected<void, FileError> check_writable(const fs::path& path) {
+std::expected<void, Error> check_writable(const fs::path& path) {
   const auto found = is_standard_output(path) ? check_standard_output() : check_replaceable(path);
   if (!found) return std::unexpected(write_error(path, found.error()));
   return {};
 }
 
-std::expected<std::string, FileError> read_file(const fs::path& path, size_t max_bytes) try {
+std::expected<std::string, Error> read_file(const fs::path& path, size_t max_bytes) try {
   using Kind = InputFile::Kind;
   const auto error = [&](std::string_view why) { return std::unexpected(read_error(path, why)); };
   auto file = InputFile::open(path);
@@ -76,7 +73,7 @@ std::expected<std::string, FileError> read_file(const fs::path& path, size_t max
   bytes.resize(size);
   return bytes;
 } catch (const std::bad_alloc&) {
-  return std::unexpected(read_error(path, "not enough memory"));
+  return std::unexpected(memory_error(path));
 }
 
 }  // namespace raio

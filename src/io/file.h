@@ -8,19 +8,15 @@
 #include <string>
 #include <string_view>
 
+#include "base/error.h"
 #include "base/platform/files.h"
 
 namespace raio {
 
-/// What went wrong with a file, and whose fault it is: the caller's input or the machine.
-struct FileError {
-  enum Kind { bad_input, cannot_write } kind;
-  std::string message;  // one line, with the path and the system's reason
-};
-
-/// "cannot read PATH: WHY" as bad_input, "cannot write PATH: WHY" as cannot_write.
-FileError read_error(const std::filesystem::path& path, std::string_view why);
-FileError write_error(const std::filesystem::path& path, std::string_view why);
+/// "cannot read PATH: WHY", "cannot write PATH: WHY", and that there was no memory to do it.
+Error read_error(const std::filesystem::path& path, std::string_view why);
+Error write_error(const std::filesystem::path& path, std::string_view why);
+Error memory_error(const std::filesystem::path& path);
 
 /// A name's ending, ".png", in small letters.
 std::string lower_suffix(const std::filesystem::path& path);
@@ -30,16 +26,15 @@ bool is_standard_output(const std::filesystem::path& path);
 
 /// `bytes` under `path`, whole or not at all, as replace_file() says; "-" is standard output.
 /// Errors are cannot_write; a pipe that nobody reads is one, too.
-std::expected<void, FileError> write_file(const std::filesystem::path& path, std::string_view bytes,
-                                          Until until = Until::written);
+std::expected<void, Error> write_file(const std::filesystem::path& path, std::string_view bytes,
+                                      Until until = Until::written);
 
 /// Could write_file succeed, as far as can be told now? Asked before long work. Leaves nothing
 /// behind.
-std::expected<void, FileError> check_writable(const std::filesystem::path& path);
+std::expected<void, Error> check_writable(const std::filesystem::path& path);
 
-/// All bytes of a file or pipe. An error (bad_input) for folders, devices and more than
+/// All bytes of a file or pipe. An error (cannot_read) for folders, devices and more than
 /// `max_bytes`.
-std::expected<std::string, FileError> read_file(const std::filesystem::path& path,
-                                                size_t max_bytes);
+std::expected<std::string, Error> read_file(const std::filesystem::path& path, size_t max_bytes);
 
 }  // namespace raio

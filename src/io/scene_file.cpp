@@ -127,23 +127,23 @@ std::expected<ReadScene, Diagnostics> read_scene(const fs::path& path) try {
   return failed(path.string(), std::string(kNoMemory));
 }
 
-std::expected<SceneFormat, FileError> scene_format(const fs::path& path) {
+std::expected<SceneFormat, Error> scene_format(const fs::path& path) {
   const std::string suffix = lower_suffix(path);
   if (path == "-" || suffix == ".nff") return SceneFormat::nff;
   if (suffix == ".raio") return SceneFormat::raio;
   if (suffix == ".pov") return SceneFormat::pov;
   return std::unexpected(
-      FileError{FileError::bad_input,
-                fmt::format("expected a file that ends with .nff, .raio or .pov, found '{}'",
-                            path.string())});
+      Error{ErrorKind::bad_input, "",
+            fmt::format("expected a file that ends with .nff, .raio or .pov, found '{}'",
+                        path.string())});
 }
 
 std::string not_kept(const Scene& scene, SceneFormat format) {
   return format == SceneFormat::raio ? "" : text_of(scene, kNotPlain);
 }
 
-std::expected<void, FileError> write_scene(const Scene& scene, const fs::path& path,
-                                           std::string_view comment) try {
+std::expected<void, Error> write_scene(const Scene& scene, const fs::path& path,
+                                       std::string_view comment) try {
   const auto format = scene_format(path);
   if (!format) return std::unexpected(format.error());
   switch (*format) {
@@ -159,7 +159,7 @@ std::expected<void, FileError> write_scene(const Scene& scene, const fs::path& p
     picture.width = scene.camera.width, picture.height = scene.camera.height;
   return write_file(path, write_pov(scene, picture, comment));
 } catch (const std::bad_alloc&) {
-  return std::unexpected(write_error(path, "not enough memory"));
+  return std::unexpected(memory_error(path));
 }
 
 }  // namespace raio

@@ -31,14 +31,14 @@ std::string_view foreign_kind(std::string_view start, std::string_view suffix, s
 enum class SceneFormat { nff, raio, pov };
 
 /// By suffix, in any case; an error (bad_input) that lists the suffixes otherwise. "-" is NFF.
-std::expected<SceneFormat, FileError> scene_format(const std::filesystem::path& path);
+std::expected<SceneFormat, Error> scene_format(const std::filesystem::path& path);
 
 /// What of the scene is lost in the format, in one line (text_of), or nothing.
 std::string not_kept(const Scene& scene, SceneFormat format);
 
 /// Writes the scene in the format of the suffix; a .pov has the scene's resolution, else 512 x 512.
 /// `comment` is a line at the head of formats that have comments.
-std::expected<void, FileError> write_scene(const Scene& scene, const std::filesystem::path& path,
-                                           std::string_view comment = {});
+std::expected<void, Error> write_scene(const Scene& scene, const std::filesystem::path& path,
+                                       std::string_view comment = {});
 
 }  // namespace raio

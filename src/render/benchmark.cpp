@@ -62,11 +62,11 @@ class Measurement {
       wish.grid_resolution = request_.options.accel.grid_resolution;
     }
     const auto start = std::chrono::steady_clock::now();
-    std::expected<std::unique_ptr<Accel>, std::string> accel;
+    std::expected<std::unique_ptr<Accel>, Error> accel;
     on_threads(table_.threads,
                [&] { accel = build_accel(scene_, wish, request_.options.one_sided); });
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-    if (!accel) return std::unexpected(Failure{Failure::no_resource, accel.error()});
+    if (!accel) return std::unexpected(Failure{Failure::no_resource, accel.error().message});
     if (control_.stop) return std::unexpected(Failure{Failure::stopped, {}});
     table_.structures.push_back({(*accel)->info(), elapsed.count()});
     accels_[kind] = std::move(*accel);
@@ -83,7 +83,7 @@ class Measurement {
     control_.rays_done = control_.work_done = control_.work_total = 0;
     if (on_step_) on_step_(step);
     auto film = make_film(scene_, settings);
-    if (!film) return std::unexpected(Failure{Failure::no_resource, film.error()});
+    if (!film) return std::unexpected(Failure{Failure::no_resource, film.error().message});
     const Accel& accel = *accels_.at(step.combination.accel);
     const RenderResult result = render(scene_, accel, settings, **film, control_);
     if (!result.finished) return std::unexpected(Failure{Failure::stopped, {}});

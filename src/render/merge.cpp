@@ -34,31 +34,32 @@ std::string unfinished(const NamedPart& p) {
   }
   if (lacking == 0) return {};
   return fmt::format(
-      "{} is not finished: {} of its {} tiles lack samples; go on with it by --checkpoint {} "
-      "--resume",
-      p.name, lacking, tiles, p.name);
+      "it is not finished: {} of its {} tiles lack samples; `resume` it as `checkpoint` first",
+      lacking, tiles);
 }
 
 std::string misfit(const NamedPart& first, const NamedPart& p) {
   const Metadata &a = p.part.header.settings, &b = first.part.header.settings;
   if (std::string why = difference(a, b); !why.empty())
-    return fmt::format("{} does not go with {}: {}{}", p.name, first.name, why,
+    return fmt::format("it does not go with {}: {}{}", first.name, why,
                        setting(a, "samples") != setting(b, "samples")
-                           ? "; --add-samples makes up for fewer samples"
+                           ? "; `add-samples` makes up for fewer samples"
                            : "");
   const Film &film = *p.part.film, &whole = *first.part.film;
   if (film.tile_side() != whole.tile_side() || film.bound() != whole.bound())
-    return fmt::format("{} does not go with {}: their films are not made alike", p.name,
-                       first.name);
+    return fmt::format("it does not go with {}: their films are not made alike", first.name);
   return {};
 }
 
 }  // namespace
 
-std::expected<Part, std::string> merge_parts(std::span<NamedPart> parts) {
+std::expected<Part, Error> merge_parts(std::span<NamedPart> parts) {
+  const auto refused = [](const NamedPart& part, std::string why) {
+    return std::unexpected(Error{ErrorKind::bad_input, part.name, std::move(why)});
+  };
   for (const NamedPart& p : parts) {
-    if (std::string why = misfit(parts.front(), p); !why.empty()) return std::unexpected(why);
-    if (std::string why = unfinished(p); !why.empty()) return std::unexpected(why);
+    if (std::string why = misfit(parts.front(), p); !why.empty()) return refused(p, why);
+    if (std::string why = unfinished(p); !why.empty()) return refused(p, why);
   }
   Film& film = *parts.front().part.film;
   std::vector<size_t> owner(film.tiles(), 0);
@@ -75,9 +76,9 @@ std::expected<Part, std::string> merge_parts(std::span<NamedPart> parts) {
       owner[t] = i;
     }
     if (twice > 0)
-      return std::unexpected(
-          fmt::format("{} and {} both have {} of the {} tiles; each may be there once",
-                      parts[other].name, p.name, twice, film.tiles()));
+      return refused(p,
+                     fmt::format("it and {} both have {} of the {} tiles; each may be there once",
+                                 parts[other].name, twice, film.tiles()));
   }
   return Part{{parts.front().part.header.settings, 0, 1}, std::move(parts.front().part.film)};
 }

@@ -195,7 +195,7 @@ constexpr auto kTable = std::to_array<OptionSpec>({
      "primitives (default: 0.3; one cell for up to 32 primitives)",
      +[](Options& o) -> float& { return o.accel.grid_factor; }, 0.01, 100},
     {"grid-resolution", "XxYxZ",
-     "Exact number of cells of the uniform grid, instead of --grid-factor", parse_resolution, 0, 0,
+     "Exact number of cells of the uniform grid, instead of `grid-factor`", parse_resolution, 0, 0,
      resolution_text},
     {"aa", "N",
      "Antialiasing: N x N jittered cells per pixel; 1 is one ray through the centre "
@@ -204,32 +204,31 @@ constexpr auto kTable = std::to_array<OptionSpec>({
     {"soft-shadows", "", "Render lights as squares facing the point looked at, not as points",
      +[](Options& o) -> bool& { return o.soft_shadows; }},
     {"light-size", "S",
-     "Side of the square lights of --soft-shadows, in scene units (default: a tenth of the light's "
+     "Side of the square lights of `soft-shadows`, in scene units (default: a tenth of the light's "
      "distance to the point looked at)",
      +[](Options& o) -> float& { return o.light_size; }, 1e-30, 1e30},
     {"dof", "",
      "Depth of field: a thin lens instead of a pinhole (default: if the scene has a lens)",
      +[](Options& o) -> std::optional<bool>& { return o.dof; }},
     {"aperture", "R",
-     "Lens radius for --dof, in scene units (default: the scene's, else a fiftieth of the focus "
+     "Lens radius for `dof`, in scene units (default: the scene's, else a fiftieth of the focus "
      "distance)",
      +[](Options& o) -> float& { return o.aperture; }, 1e-30, 1e30},
     {"focus", "D",
-     "Distance to the plane in focus for --dof, in scene units (default: the scene's, else the "
+     "Distance to the plane in focus for `dof`, in scene units (default: the scene's, else the "
      "distance to the point looked at)",
      +[](Options& o) -> float& { return o.focus; }, 1e-30, 1e30},
     {"lens-samples", "K",
      "Rays per cell of a pixel, stratified over the lens and the lights (default: 1)",
      +[](Options& o) -> int& { return o.lens_samples; }, 1, 65536},
     {"samples", "N",
-     "Samples per pixel, any number, over its whole area (its centre with --aa 1); implies "
-     "--sampler "
-     "sobol and replaces --aa and --lens-samples",
+     "Samples per pixel, any number, over its whole area (its centre with `aa` 1); implies "
+     "`sampler` sobol and replaces `aa` and `lens-samples`",
      +[](Options& o) -> int& { return o.samples; }, 1, kMaxSamples},
     {"sampler", "NAME",
      "Sampling pattern: jitter, random points in equal cells, or sobol, a scrambled Sobol "
      "sequence, "
-     "well distributed after any number of samples (default: jitter; sobol with --samples)",
+     "well distributed after any number of samples (default: jitter; sobol with `samples`)",
      parse_sampler, 0, 0, sampler_text, kSamplerNames},
     {"depth", "N", "Maximum ray depth; the eye ray is level 1 (default: 5)",
      +[](Options& o) -> int& { return o.depth; }, 1, kMaxDepth},
@@ -255,7 +254,7 @@ constexpr auto kTable = std::to_array<OptionSpec>({
     {"seed", "N", "Seed of the random numbers (default: 0)", parse_seed, 0, 0, seed_text},
     {"counters",
      "",
-     "Count intersection tests and traversal steps for --stats, at some cost in time",
+     "Count intersection tests and traversal steps for the statistics, at some cost in time",
      +[](Options& o) -> bool& { return o.accel.counters; },
      0,
      0,
@@ -283,8 +282,8 @@ std::string_view accel_name(AccelKind kind) { return kAccelNames[size_t(kind)]; 
 std::string_view sampler_name(SamplerKind kind) { return kSamplerNames[size_t(kind)]; }
 std::string_view view_name(View view) { return kViewNames[size_t(view)]; }
 
-std::expected<void, std::string> set_option(RenderOptions& options, const OptionSpec& spec,
-                                            std::string_view text) {
+std::expected<void, Error> set_option(RenderOptions& options, const OptionSpec& spec,
+                                      std::string_view text) {
   struct Set {
     RenderOptions& options;
     const OptionSpec& spec;
@@ -305,7 +304,10 @@ std::expected<void, std::string> set_option(RenderOptions& options, const Option
     }
     Result operator()(OptionSpec::Parse parse) { return parse(options, text); }
   };
-  return std::visit(Set{options, spec, text}, spec.value);
+  if (auto set = std::visit(Set{options, spec, text}, spec.value); !set)
+    return std::unexpected(
+        Error{ErrorKind::bad_option, std::string(spec.name), std::move(set.error())});
+  return {};
 }
 
 std::string option_text(const RenderOptions& options, const OptionSpec& spec) {
@@ -380,66 +382,93 @@ void set_camera(RenderOptions& options, const Camera& camera, const Scene& scene
   options.fov_deg = camera.fov_deg == own.fov_deg ? 0 : camera.fov_deg;
 }
 
-std::string option_conflict(const RenderOptions& options, const Scene* scene) {
+namespace {
+
+Error conflict(std::string_view option, std::string message) {
+  return {ErrorKind::bad_option, std::string(option), std::move(message)};
+}
+
+Error without(std::string_view option, std::string_view other) {
+  return conflict(option, fmt::format("has no effect without `{0}`; add `{0}` or leave `{1}` out",
+                                      other, option));
+}
+
+std::optional<Error> accel_conflict(const RenderOptions& options) {
   const AccelOptions& accel = options.accel;
   const bool resolution = accel.grid_resolution[0] > 0, factor = accel.grid_factor > 0;
   const bool grid = accel.kind == AccelKind::automatic || accel.kind == AccelKind::grid;
   if (resolution && factor)
-    return "--grid-factor has no effect beside --grid-resolution; give one of them";
+    return conflict("grid-factor", "has no effect beside `grid-resolution`; give one of them");
   if ((resolution || factor) && !grid)
-    return fmt::format("--{} has no effect with --accel {}; leave one of them out",
-                       resolution ? "grid-resolution" : "grid-factor", accel_name(accel.kind));
-  if (accel.counters && accel.kind == AccelKind::embree)
-    return "Embree does not count tests and steps; leave out --counters or --accel embree";
+    return conflict(resolution ? "grid-resolution" : "grid-factor",
+                    fmt::format("has no effect with `accel` {}; leave one of them out",
+                                accel_name(accel.kind)));
+  if (accel.kind != AccelKind::embree) return std::nullopt;
+  if (accel.counters)
+    return conflict("counters",
+                    "Embree does not count tests and steps; leave it or `accel` embree out");
+  if (options.view == View::steps || options.view == View::tests)
+    return conflict("view", fmt::format("Embree does not count {}; leave out `accel` embree",
+                                        view_name(options.view)));
+  for (const Channel channel : {Channel::steps, Channel::tests})
+    if (options.channels.has(channel))
+      return conflict("channels", fmt::format("Embree does not count {}; leave them or `accel` "
+                                              "embree out",
+                                              spec_of(channel).name));
+  return std::nullopt;
+}
 
-  const auto without = [](std::string_view option, std::string_view other) {
-    return fmt::format("{0} has no effect without {1}; add {1} or leave {0} out", option, other);
-  };
-  if (options.samples > 0) {
-    const std::string_view beside = options.aa > 1             ? "aa"
-                                    : options.lens_samples > 0 ? "lens-samples"
-                                                               : "";
-    if (!beside.empty())
-      return fmt::format("--{} has no effect beside --samples; give one of them", beside);
-    if (options.sampler == SamplerKind::jitter)
-      return "--sampler jitter takes --aa and --lens-samples, which say its cells; leave out "
-             "--samples or --sampler jitter";
-  }
-  if (options.light_size > 0 && !options.soft_shadows)
-    return without("--light-size", "--soft-shadows");
-  if (accel.kind == AccelKind::embree) {
-    if (options.view == View::steps || options.view == View::tests)
-      return fmt::format("Embree does not count what --view {} shows; leave out --accel embree",
-                         view_name(options.view));
-    for (const Channel channel : {Channel::steps, Channel::tests})
-      if (options.channels.has(channel))
-        return fmt::format(
-            "Embree does not count {}; leave them out of --channels, or --accel embree",
-            spec_of(channel).name);
-  }
+// Without the scene.
+std::optional<Error> sample_conflict(const RenderOptions& options) {
+  if (options.samples == 0) return std::nullopt;
+  const std::string_view beside = options.aa > 1             ? "aa"
+                                  : options.lens_samples > 0 ? "lens-samples"
+                                                             : "";
+  if (!beside.empty()) return conflict(beside, "has no effect beside `samples`; give one of them");
+  if (options.sampler == SamplerKind::jitter)
+    return conflict("sampler",
+                    "jitter takes `aa` and `lens-samples`, which say its cells; leave out "
+                    "`samples` or `sampler` jitter");
+  return std::nullopt;
+}
+
+std::optional<Error> scene_conflict(const RenderOptions& options, const Scene& scene) {
+  if (const auto why = camera_problem(camera_of(scene, options)); !why.empty())
+    return conflict("", fmt::format("`from`, `at`, `up`: {}", why));
+  const RenderSettings s = resolve_options(options, scene);
+  if (!s.dof && options.aperture > 0) return without("aperture", "dof");
+  if (!s.dof && options.focus > 0) return without("focus", "dof");
+  const bool no_effects = !s.dof && !s.soft_shadows && s.aa == 1;
+  if (s.samples > 1 && no_effects)
+    return conflict("samples",
+                    "has no effect with `aa` 1 alone; add `dof` or `soft-shadows`, or leave one of "
+                    "them out");
+  if (s.lens_samples > 1 && no_effects)
+    return conflict("lens-samples",
+                    "has no effect without `dof`, `soft-shadows` or `aa`; add one of them or leave "
+                    "`lens-samples` out");
+  if (const double samples = double(s.aa) * s.aa * s.lens_samples; samples > kMaxSamples)
+    return conflict(
+        "aa",
+        fmt::format("{:.0f} samples a pixel are too many, {} the most; choose a smaller `aa`{}",
+                    samples, kMaxSamples, s.lens_samples > 1 ? " or `lens-samples`" : ""));
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<Error> option_conflict(const RenderOptions& options, const Scene* scene) {
+  if (auto why = accel_conflict(options)) return why;
+  if (auto why = sample_conflict(options)) return why;
+  if (options.light_size > 0 && !options.soft_shadows) return without("light-size", "soft-shadows");
   const bool of_rays = options.view != View::picture && options.view != View::samples;
   if (of_rays && options.integrator && *options.integrator != IntegratorKind::views)
-    return fmt::format("--view {} is one of --integrator views; leave one of them out",
-                       view_name(options.view));
-  if (scene)
-    if (const auto why = camera_problem(camera_of(*scene, options)); !why.empty())
-      return fmt::format("--from, --at, --up: {}", why);
-  if (!scene && !options.dof) return {};
-  const bool dof = scene ? resolve_options(options, *scene).dof : *options.dof;
-  if (!dof && options.aperture > 0) return without("--aperture", "--dof");
-  if (!dof && options.focus > 0) return without("--focus", "--dof");
-  if (!scene) return {};
-  const RenderSettings s = resolve_options(options, *scene);
-  if (s.samples > 1 && !dof && !s.soft_shadows && s.aa == 1)
-    return "--samples has no effect with --aa 1 alone; add --dof or --soft-shadows, or leave one "
-           "of them out";
-  if (s.lens_samples > 1 && !dof && !s.soft_shadows && s.aa == 1)
-    return "--lens-samples has no effect without --dof, --soft-shadows or --aa; add one of them or "
-           "leave --lens-samples out";
-  if (const double samples = double(s.aa) * s.aa * s.lens_samples; samples > kMaxSamples)
-    return fmt::format("{:.0f} samples a pixel are too many, {} the most; choose a smaller --aa{}",
-                       samples, kMaxSamples, s.lens_samples > 1 ? " or --lens-samples" : "");
-  return {};
+    return conflict("view", fmt::format("{} is one of `integrator` views; leave one of them out",
+                                        view_name(options.view)));
+  if (scene) return scene_conflict(options, *scene);
+  if (options.dof == false && options.aperture > 0) return without("aperture", "dof");
+  if (options.dof == false && options.focus > 0) return without("focus", "dof");
+  return std::nullopt;
 }
 
 RenderSettings resolve_options(const RenderOptions& o, const Scene& scene) {

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <variant>
 
+#include "base/error.h"
 #include "integrate/settings.h"
 
 namespace raio {
@@ -48,10 +49,10 @@ Camera camera_of(const Scene& scene, const RenderOptions& options);
 /// The options that make a camera of the scene that of a picture: what differs from the scene's.
 void set_camera(RenderOptions& options, const Camera& camera, const Scene& scene);
 
-/// Why the options do not go together: one that was given and would have no effect beside the
-/// others, or more samples than there can be. One line that says what to do; empty when all is
-/// well. Without a scene, what depends on it passes.
-std::string option_conflict(const RenderOptions& options, const Scene* scene = nullptr);
+/// Why the options do not go together (bad_option): one that was given and would have no effect
+/// beside the others, or more samples than there can be; nothing when all is well. Without a scene,
+/// what depends on it passes.
+std::optional<Error> option_conflict(const RenderOptions& options, const Scene* scene = nullptr);
 
 /// What the options come to for `scene`: where they leave something open, the scene's own wishes
 /// (resolution, samples, lens), else the default that the table states.
@@ -69,7 +70,7 @@ struct OptionSpec {
 
   std::string_view name;        // --name on the command line
   std::string_view value_name;  // "N"; empty for a switch
-  std::string_view help;        // with the default and the unit
+  std::string_view help;        // with the default and the unit; settings as in Error::message
   std::variant<bool& (*)(RenderOptions&), std::optional<bool>& (*)(RenderOptions&),
                int& (*)(RenderOptions&), float& (*)(RenderOptions&), Parse>
       value;
@@ -87,10 +88,10 @@ struct OptionSpec {
 /// All options, in the order of the help.
 std::span<const OptionSpec> render_option_table();
 
-/// Sets one option from text ("true" or "false" for a switch). The error says what was found and
-/// what is accepted.
-std::expected<void, std::string> set_option(RenderOptions& options, const OptionSpec& spec,
-                                            std::string_view text);
+/// Sets one option from text ("true" or "false" for a switch). The error (bad_option) says what was
+/// found and what is accepted.
+std::expected<void, Error> set_option(RenderOptions& options, const OptionSpec& spec,
+                                      std::string_view text);
 
 /// The value of an option as set_option() takes it; empty where it is not given.
 std::string option_text(const RenderOptions& options, const OptionSpec& spec);

@@ -168,22 +168,23 @@ std::string encode_part(const PartHeader& header, const Film& film) {
   return out;
 }
 
-std::expected<void, FileError> write_part(const std::filesystem::path& path,
-                                          const PartHeader& header, const Film& film) try {
+std::expected<void, Error> write_part(const std::filesystem::path& path, const PartHeader& header,
+                                      const Film& film) try {
   return write_file(path, encode_part(header, film), Until::on_disk);
 } catch (const std::bad_alloc&) {
-  return std::unexpected(write_error(path, "not enough memory"));
+  return std::unexpected(memory_error(path));
 }
 
-std::expected<Part, std::string> decode_part(std::string_view file) {
-  const auto broken = [](std::string why) {
-    return std::unexpected("broken part file: " + std::move(why));
+std::expected<Part, Error> decode_part(std::string_view file) {
+  const auto refused = [](std::string why) {
+    return std::unexpected(Error{ErrorKind::bad_input, "", std::move(why)});
   };
-  if (!file.starts_with(kMagic)) return std::unexpected("it is not a Raio part file");
+  const auto broken = [&](const std::string& why) { return refused("broken part file: " + why); };
+  if (!file.starts_with(kMagic)) return refused("it is not a Raio part file");
   Taker bytes(file);
   bytes.take(kMagic.size());
   if (const auto format = bytes.number<uint32_t>(); format != kFormat)
-    return std::unexpected(fmt::format(
+    return refused(fmt::format(
         "a part file of format {}, which this version does not read (it reads {}); go on "
         "with it by the version of Raio that wrote it, or render anew",
         format, kFormat));
@@ -206,7 +207,7 @@ std::expected<Part, std::string> decode_part(std::string_view file) {
   }
   if (bytes.ended) return broken("it ends early");
   const auto options = options_from(header.settings);
-  if (!options) return broken(options.error());
+  if (!options) return broken(options.error().message);
   if (width != uint32_t(options->width) || height != uint32_t(options->height) || width == 0)
     return broken("its size is not that of its settings");
   if (tile_side == 0 || tile_side % 8 != 0 || tile_side > uint32_t(kMostTileSide))
@@ -217,8 +218,8 @@ std::expected<Part, std::string> decode_part(std::string_view file) {
   // Each tile takes four bytes at least, so that no short file asks for the memory of a large film.
   const uint64_t tiles = uint64_t((width - 1) / tile_side + 1) * ((height - 1) / tile_side + 1);
   if (tiles > bytes.left() / 4) return broken("it ends early");
-  if (std::string why = picture_problem(int(width), int(height), options->channels); !why.empty())
-    return std::unexpected(std::move(why));
+  if (auto why = picture_problem(int(width), int(height), options->channels))
+    return std::unexpected(std::move(*why));
 
   part.film =
       std::make_unique<Film>(int(width), int(height), bound, int(tile_side), options->channels);
@@ -229,14 +230,14 @@ std::expected<Part, std::string> decode_part(std::string_view file) {
   return part;
 }
 
-std::expected<Part, FileError> read_part(const std::filesystem::path& path) try {
+std::expected<Part, Error> read_part(const std::filesystem::path& path) try {
   const auto bytes = read_file(path, size_t(1) << 38);
   if (!bytes) return std::unexpected(bytes.error());
   auto part = decode_part(*bytes);
-  if (!part) return std::unexpected(read_error(path, part.error()));
-  return std::move(*part);
+  if (!part) part.error().subject = path.string();
+  return part;
 } catch (const std::bad_alloc&) {
-  return std::unexpected(read_error(path, "not enough memory"));
+  return std::unexpected(memory_error(path));
 }
 
 }  // namespace raio

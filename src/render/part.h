@@ -31,13 +31,13 @@ bool is_part_path(const std::filesystem::path& path);
 
 /// The film as it is at some moment while others may add to it: each tile is whole.
 std::string encode_part(const PartHeader& header, const Film& film);
-std::expected<void, FileError> write_part(const std::filesystem::path& path,
-                                          const PartHeader& header, const Film& film);
+std::expected<void, Error> write_part(const std::filesystem::path& path, const PartHeader& header,
+                                      const Film& film);
 
 /// The file need not be trusted: what comes back is a sound film of the size that its settings say.
-/// The error of decode_part is the reason alone.
-std::expected<Part, std::string> decode_part(std::string_view file);
-std::expected<Part, FileError> read_part(const std::filesystem::path& path);
+/// The error of decode_part has no subject.
+std::expected<Part, Error> decode_part(std::string_view file);
+std::expected<Part, Error> read_part(const std::filesystem::path& path);
 
 /// How many samples the tiles of a part have, of those that its shard is about.
 struct SampleRange {
@@ -52,9 +52,9 @@ struct NamedPart {
 };
 
 /// All of them in the film of the first, to the same bytes as if one render had made them. The
-/// error says what does not fit together: settings that differ, parts that are not finished, tiles
-/// that two have.
-std::expected<Part, std::string> merge_parts(std::span<NamedPart> parts);
+/// error (bad_input) says what does not fit together: settings that differ, parts that are not
+/// finished, tiles that two have.
+std::expected<Part, Error> merge_parts(std::span<NamedPart> parts);
 
 /// Which tiles a part lacks, in the words of the shards that it was made of; nothing when it has
 /// all. `shards`: into how many the picture was split.

@@ -34,9 +34,12 @@ std::string_view setting(const Metadata& settings, std::string_view key) {
   return found == settings.end() ? std::string_view() : found->second;
 }
 
-std::expected<RenderOptions, std::string> options_from(const Metadata& settings) {
+std::expected<RenderOptions, Error> options_from(const Metadata& settings) {
+  const auto refused = [](std::string why) {
+    return std::unexpected(Error{ErrorKind::bad_input, "", std::move(why)});
+  };
   if (setting(settings, "version").empty() || setting(settings, "scene_hash").empty())
-    return std::unexpected("it has no settings of Raio's");
+    return refused("it has no settings of Raio's");
   const auto table = render_option_table();
   RenderOptions options;
   for (const auto& [key, text] : settings) {
@@ -44,12 +47,13 @@ std::expected<RenderOptions, std::string> options_from(const Metadata& settings)
       continue;
     const auto spec = std::ranges::find(table, key, key_of);
     if (spec == table.end() || !spec->of_picture)
-      return std::unexpected(fmt::format("its setting {} is unknown here", key));
+      return refused(fmt::format("its setting {} is unknown here", key));
     if (const auto set = set_option(options, *spec, text); !set)
-      return std::unexpected(fmt::format("its setting {}: {}", key, set.error()));
+      return refused(fmt::format("its setting {}: {}", key, set.error().message));
   }
-  if (std::string why = option_conflict(options); !why.empty())
-    return std::unexpected("its settings do not go together: " + why);
+  if (const auto why = option_conflict(options))
+    return refused(
+        fmt::format("its settings do not go together: `{}`: {}", why->subject, why->message));
   return options;
 }
 
@@ -67,9 +71,9 @@ std::string difference(const Metadata& a, const Metadata& b) {
     if (in_a == in_b || (!given(in_a) && !given(in_b))) continue;
     const std::string value = spec.is_switch() ? "" : " " + std::string(in_a);
     if (given(in_a))
-      add(fmt::format("--{}{}, not {}", spec.name, value, given(in_b) ? in_b : "without it"));
+      add(fmt::format("`{}`{}, not {}", spec.name, value, given(in_b) ? in_b : "without it"));
     else
-      add(fmt::format("without --{}, not {}", spec.name, spec.is_switch() ? "with it" : in_b));
+      add(fmt::format("without `{}`, not {}", spec.name, spec.is_switch() ? "with it" : in_b));
   }
   return out;
 }

@@ -20,12 +20,13 @@ Metadata settings_of(const Scene& scene, const RenderSettings& settings);
 std::string_view setting(const Metadata& settings, std::string_view key);
 
 /// The options in the settings that a picture or a part file brought. They need not be trusted; the
-/// error is a sentence about them. That they are resolved does not harm: resolving them again for
-/// the same scene changes nothing.
-std::expected<RenderOptions, std::string> options_from(const Metadata& settings);
+/// error (bad_input) is a sentence about them. That they are resolved does not harm: resolving them
+/// again for the same scene changes nothing.
+std::expected<RenderOptions, Error> options_from(const Metadata& settings);
 
-/// How the settings differ that decide a picture, as in "--aa 2, not 3; without --samples, not 7"
-/// with the values of `a` and `b`; empty when they do not. The scene's name does not count.
+/// How the settings differ that decide a picture, as in "`aa` 2, not 3; without `samples`, not 7"
+/// with the values of `a` and `b`, to stand in Error::message; empty when they do not. The scene's
+/// name does not count.
 std::string difference(const Metadata& a, const Metadata& b);
 
 }  // namespace raio

@@ -15,7 +15,10 @@
 
 namespace raio {
 
-std::string picture_problem(int width, int height, ChannelSet channels) {
+std::optional<Error> picture_problem(int width, int height, ChannelSet channels) {
+  const auto refused = [](std::string why) {
+    return Error{ErrorKind::no_resource, "", why + "; choose a smaller `size`"};
+  };
   const size_t pixels = size_t(width) * size_t(height);
   // The film, of whole tiles, and the pictures in float and in bytes that are made of it.
   const auto whole = [](int side) {
@@ -26,21 +29,19 @@ std::string picture_problem(int width, int height, ChannelSet channels) {
       whole(width) * whole(height) * (sizeof(PixelSums) + planes * sizeof(int64_t)) +
       double(pixels) * (sizeof(Rgb) + 6 + planes * sizeof(float));
   if (const double available = double(available_memory_bytes()); bytes > 0.9 * available)
-    return fmt::format(
-        "a picture of {}x{} pixels needs {:.1f} GB and {:.1f} GB are free; choose a smaller --size",
-        width, height, bytes * 1e-9, available * 1e-9);
+    return refused(fmt::format("a picture of {}x{} pixels needs {:.1f} GB and {:.1f} GB are free",
+                               width, height, bytes * 1e-9, available * 1e-9));
   // The sampler numbers them.
   if (pixels > std::numeric_limits<uint32_t>::max())
-    return fmt::format("a picture of {}x{} has more than {} pixels; choose a smaller --size", width,
-                       height, std::numeric_limits<uint32_t>::max());
-  return {};
+    return refused(fmt::format("a picture of {}x{} has more than {} pixels", width, height,
+                               std::numeric_limits<uint32_t>::max()));
+  return std::nullopt;
 }
 
-std::expected<std::unique_ptr<Film>, std::string> make_film(const Scene& scene,
-                                                            const RenderSettings& settings) {
-  if (std::string why = picture_problem(settings.width, settings.height, settings.channels);
-      !why.empty())
-    return std::unexpected(std::move(why));
+std::expected<std::unique_ptr<Film>, Error> make_film(const Scene& scene,
+                                                      const RenderSettings& settings) {
+  if (auto why = picture_problem(settings.width, settings.height, settings.channels))
+    return std::unexpected(std::move(*why));
   // Large tiles fill more batches with the rays of later levels, as long as there are enough of
   // them for all threads.
   constexpr int kTiles = 64;

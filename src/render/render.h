@@ -3,7 +3,7 @@
 
 #include <expected>
 #include <memory>
-#include <string>
+#include <optional>
 
 #include "accel/accel.h"
 #include "base/parallel.h"
@@ -26,13 +26,13 @@ struct RenderResult {
   double seconds = 0;
 };
 
-/// Why there cannot be a picture of these many pixels, in one line, or nothing: memory that would
-/// not suffice. For callers that want to know it before they build a structure.
-std::string picture_problem(int width, int height, ChannelSet channels = {});
+/// Why there cannot be a picture of these many pixels, or nothing: memory that would not suffice
+/// (no_resource). For callers that want to know it before they build a structure.
+std::optional<Error> picture_problem(int width, int height, ChannelSet channels = {});
 
-/// An empty film for a picture. The error is one line: memory that would not suffice.
-std::expected<std::unique_ptr<Film>, std::string> make_film(const Scene& scene,
-                                                            const RenderSettings& settings);
+/// An empty film for a picture, or picture_problem().
+std::expected<std::unique_ptr<Film>, Error> make_film(const Scene& scene,
+                                                      const RenderSettings& settings);
 
 /// Adds what the film lacks. Told to stop it ends soon, and what it has done by then is in the
 /// film: the same call goes on from there, to the same bytes. More samples than a film has can be

@@ -96,7 +96,7 @@ void Session::run() {
     try {
       serve(wish, next);
     } catch (const std::bad_alloc&) {
-      fail("out of memory", next);
+      fail({ErrorKind::no_resource, "", "out of memory"}, next);
     }
   }
 }
@@ -123,7 +123,7 @@ bool Session::bake(const SessionWish& wish, SessionPicture& next) {
     auto baked = std::make_shared<BakedScene>();
     baked->scene = wish.scene, baked->options = o, baked->one_sided = next.settings.one_sided;
     const auto start = Clock::now();
-    std::expected<std::unique_ptr<Accel>, std::string> accel;
+    std::expected<std::unique_ptr<Accel>, Error> accel;
     on_threads(next.settings.threads,
                [&] { accel = build_accel(*wish.scene, o, next.settings.one_sided); });
     if (!accel) return fail(accel.error(), next);
@@ -222,7 +222,7 @@ bool Session::may_go_on() {
   return !control_.stop;
 }
 
-bool Session::fail(std::string why, SessionPicture& next) {
+bool Session::fail(Error why, SessionPicture& next) {
   next.error = std::move(why);
   next.samples = 0;
   if (const auto before = picture()) next.image = before->image, next.baked = before->baked;

@@ -46,10 +46,10 @@ struct SessionPicture {
   bool finished = false;
   RenderSettings settings;  // of the size in full
   std::shared_ptr<const BakedScene> baked;
-  double pass_s = 0;    // what a sample of all pixels of the image took
-  double render_s = 0;  // all samples together
-  RayCounts rays;       // likewise
-  std::string error;    // one line: why the wish got no picture; the image is an older one
+  double pass_s = 0;           // what a sample of all pixels of the image took
+  double render_s = 0;         // all samples together
+  RayCounts rays;              // likewise
+  std::optional<Error> error;  // why the wish got no picture; the image is an older one
 };
 
 class Session {
@@ -86,7 +86,7 @@ class Session {
   bool render_scaled(double scale, SessionPicture& next);
   double expected_s(const SessionPicture& next) const;
   bool may_go_on();
-  bool fail(std::string why, SessionPicture& next);
+  bool fail(Error why, SessionPicture& next);
   void publish(const SessionPicture& next);
 
   std::function<void()> on_picture_;

@@ -53,7 +53,7 @@ class PictureWriter {
  public:
   struct Written {
     std::string path, command;
-    std::expected<void, FileError> result;
+    std::expected<void, Error> result;
   };
 
   ~PictureWriter();

@@ -115,7 +115,7 @@ void Measuring::start_table(const ViewState& state, int width, int height) {
           if (table)
             out.table = std::move(*table);
           else
-            out.error = table.error().message;
+            out.error = with_settings(table.error().message, "");
           return out;
         });
 }

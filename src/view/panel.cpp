@@ -212,11 +212,12 @@ void draw_options(ViewState& state, PanelResult& result) {
     const auto entered = draw_option(
         options, options_of(resolve_options(options, *state.scene), *state.scene), spec);
     if (ImGui::IsItemHovered())
-      ImGui::SetTooltip("%s",
-                        fmt::format("--{} {}\n{}", spec.name, spec.value_name, spec.help).c_str());
+      ImGui::SetTooltip("%s", fmt::format("--{} {}\n{}", spec.name, spec.value_name,
+                                          with_settings(spec.help, "--"))
+                                  .c_str());
     if (!entered) continue;
     if (const auto set = set_option(options, spec, *entered); !set) {
-      result.problem = fmt::format("--{}: {}", spec.name, set.error());
+      result.problem = set.error().text("--");
       continue;
     }
     const Camera camera = camera_of(*state.scene, options);

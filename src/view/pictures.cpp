@@ -31,7 +31,7 @@ void Pictures::wish_other(Other wanted, const ViewState& state, const Stage& sta
     o = state.wish(stage.picture_width, stage.picture_height);
     o.view = View::focus;
   }
-  if (!option_conflict(o, state.scene.get()).empty()) return;
+  if (option_conflict(o, state.scene.get())) return;
   other.wish = other.session->wish({state.scene, o, frame_s});
   if (is_new) other.first_wish = other.wish;
 }

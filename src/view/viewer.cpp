@@ -150,7 +150,7 @@ class Viewer final : public WindowEvents {
   // Tells the sessions what is wanted now.
   void renew() {
     const RenderOptions o = state_.wish(stage_.picture_width, stage_.picture_height);
-    if (const auto why = option_conflict(o, state_.scene.get()); !why.empty()) return say(why);
+    if (const auto why = option_conflict(o, state_.scene.get())) return say(why->text());
     const double frame_s = is_moving() ? kFrameSeconds : 0;
     moved_ = frame_s > 0;
     pictures_.wish(state_, stage_, frame_s);
@@ -296,7 +296,7 @@ class Viewer final : public WindowEvents {
   bool take_picture(Side& side) {
     if (!side.take()) return false;
     const SessionPicture& p = *side.picture;
-    if (!p.error.empty()) say(p.error);
+    if (p.error) say(p.error->text());
     if (&side == &pictures_.main && !switched_.empty() && p.wish == side.wish && p.samples > 0) {
       say(fmt::format("{}: {} a sample, before {}", std::exchange(switched_, {}),
                       app::human_seconds(p.pass_s), app::human_seconds(before_s_)));
@@ -308,7 +308,7 @@ class Viewer final : public WindowEvents {
     if (auto read = file_.poll(state_.options.threads)) take_scene(*read);
     while (auto written = writer_.poll()) {
       if (!written->result) {
-        say(written->result.error().message);
+        say(written->result.error().text());
         continue;
       }
       say("saved " + written->path);
@@ -417,8 +417,7 @@ int open_window(const app::ViewCommand& command) {
   std::expected<Scene, int> scene;
   on_threads(command.options.threads, [&] { scene = app::load_scene(command.scene); });
   if (!scene) return scene.error();
-  if (const auto why = option_conflict(command.options, &*scene); !why.empty())
-    return app::bad_input(why);
+  if (const auto why = option_conflict(command.options, &*scene)) return app::fail(*why);
   const RenderSettings resolved = resolve_options(command.options, *scene);
   ViewState state(command.scene, std::make_shared<const Scene>(std::move(*scene)), command.options);
   const RenderOptions first_wish = state.wish(resolved.width, resolved.height);

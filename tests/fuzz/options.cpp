@@ -16,7 +16,7 @@ void set(RenderOptions& options, std::string_view line) {
   for (const OptionSpec& spec : render_option_table())
     if (spec.name == name) {
       const auto done = set_option(options, spec, spec.is_switch() ? "true" : line);
-      require(done || !done.error().empty(), "an error has a reason");
+      require(done || !done.error().message.empty(), "an error has a reason");
     }
 }
 
@@ -39,7 +39,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   }
   const Scene scene;
   (void)option_conflict(options);
-  if (!option_conflict(options, &scene).empty()) return 0;
+  if (option_conflict(options, &scene)) return 0;
   const RenderSettings o = resolve_options(options, scene);
   fuzz::require(o.width > 0 && o.height > 0 && o.samples_per_pixel() > 0 && o.threads > 0 &&
                     o.focus > 0 && o.aperture > 0 && o.depth > 0 && o.depth <= kMaxDepth,

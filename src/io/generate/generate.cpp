@@ -65,15 +65,18 @@ std::string unknown_name(std::string_view name) {
 
 std::span<const SceneRecipe> scene_recipes() { return kRecipes; }
 
-std::expected<Scene, std::string> generate_scene(std::string_view name, int size) {
+std::expected<Scene, Error> generate_scene(std::string_view name, int size) {
+  const auto refused = [](std::string why) {
+    return std::unexpected(Error{ErrorKind::bad_option, "", std::move(why)});
+  };
   const auto recipe = std::ranges::find(kRecipes, name, &SceneRecipe::name);
-  if (recipe == kRecipes.end()) return std::unexpected(unknown_name(name));
+  if (recipe == kRecipes.end()) return refused(unknown_name(name));
   if (size < 0 || size > recipe->max_size) {
     if (recipe->max_size == 0) {
-      return std::unexpected(fmt::format("'{}' has one size; {} was asked for", name, size));
+      return refused(fmt::format("'{}' has one size; {} was asked for", name, size));
     }
-    return std::unexpected(fmt::format("the size of '{}' must be from 1 to {}; {} was asked for",
-                                       name, recipe->max_size, size));
+    return refused(fmt::format("the size of '{}' must be from 1 to {}; {} was asked for", name,
+                               recipe->max_size, size));
   }
   Scene scene = recipe->make(size == 0 ? recipe->default_size : size);
   scene.name = name;

@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 
+#include "base/error.h"
 #include "scene/scene.h"
 
 namespace raio {
@@ -29,6 +30,6 @@ std::span<const SceneRecipe> scene_recipes();
 
 /// The scene `name` of size factor `size` (0: its default). The error is one line: an unknown name,
 /// with the names there are, or a size out of range, with the range.
-std::expected<Scene, std::string> generate_scene(std::string_view name, int size = 0);
+std::expected<Scene, Error> generate_scene(std::string_view name, int size = 0);
 
 }  // namespace raio

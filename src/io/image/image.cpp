@@ -105,10 +105,10 @@ std::string problem(const PictureView& picture, const Metadata& metadata) {
   return {};
 }
 
-std::expected<void, FileError> write(const PictureView& picture, const fs::path& path,
-                                     const Metadata& metadata) try {
+std::expected<void, Error> write(const PictureView& picture, const fs::path& path,
+                                 const Metadata& metadata) try {
   const auto refused = [&](std::string_view why) {
-    return std::unexpected(FileError{FileError::bad_input, write_error(path, why).message});
+    return std::unexpected(Error{ErrorKind::bad_input, path.string(), std::string(why)});
   };
   const auto format = image_format(path);
   if (!format) return std::unexpected(format.error());
@@ -119,19 +119,19 @@ std::expected<void, FileError> write(const PictureView& picture, const fs::path&
   if (!bytes) return std::unexpected(write_error(path, bytes.error()));
   return write_file(path, *bytes);
 } catch (const std::bad_alloc&) {
-  return std::unexpected(write_error(path, "not enough memory"));
+  return std::unexpected(memory_error(path));
 }
 
 /// What `decode` makes of the bytes of a file.
 template <class T>
-std::expected<T, FileError> read(const fs::path& path, Decoded<T> (*decode)(std::string_view)) try {
+std::expected<T, Error> read(const fs::path& path, Decoded<T> (*decode)(std::string_view)) try {
   const auto bytes = read_file(path, kMaxFileBytes);
   if (!bytes) return std::unexpected(bytes.error());
   auto decoded = decode(*bytes);
   if (!decoded) return std::unexpected(read_error(path, decoded.error()));
   return std::move(*decoded);
 } catch (const std::bad_alloc&) {
-  return std::unexpected(read_error(path, "not enough memory"));
+  return std::unexpected(memory_error(path));
 }
 
 std::array<int, 3> display_bytes(const Rgb& c) {
@@ -177,7 +177,7 @@ std::string size_problem(long long width, long long height) {
   return {};
 }
 
-std::expected<ImageFormat, FileError> image_format(const fs::path& path) {
+std::expected<ImageFormat, Error> image_format(const fs::path& path) {
   const std::string suffix = lower_suffix(path);
   if (suffix == ".png") return ImageFormat::png;
   if (suffix == ".exr") return ImageFormat::exr;
@@ -189,10 +189,9 @@ std::expected<ImageFormat, FileError> image_format(const fs::path& path) {
   const fs::file_status status = fs::status(path, error);
   if (is_standard_output(path) || (fs::exists(status) && !fs::is_regular_file(status)))
     return ImageFormat::png;
-  return std::unexpected(FileError{
-      FileError::bad_input,
-      write_error(path, "the name of a picture ends in .png, .exr, .pfm, .ppm, .npz or .npy")
-          .message});
+  return std::unexpected(
+      Error{ErrorKind::bad_input, path.string(),
+            "the name of a picture ends in .png, .exr, .pfm, .ppm, .npz or .npy"});
 }
 
 std::string unkept(ImageFormat format, bool alpha, std::span<const std::string> layers) {
@@ -212,25 +211,23 @@ std::string unkept(ImageFormat format, bool alpha, std::span<const std::string> 
                      layered ? ".exr or .npz" : ".png, .exr, .npz or .npy");
 }
 
-std::expected<void, FileError> write_image(const Image& image, const fs::path& path,
-                                           const Metadata& metadata) {
+std::expected<void, Error> write_image(const Image& image, const fs::path& path,
+                                       const Metadata& metadata) {
   return write(image, path, metadata);
 }
 
-std::expected<void, FileError> write_image(const Picture& picture, const fs::path& path,
-                                           const Metadata& metadata) {
+std::expected<void, Error> write_image(const Picture& picture, const fs::path& path,
+                                       const Metadata& metadata) {
   return write(picture, path, metadata);
 }
 
-std::expected<Image, FileError> read_image(const fs::path& path) {
-  return read(path, decode_image);
-}
+std::expected<Image, Error> read_image(const fs::path& path) { return read(path, decode_image); }
 
-std::expected<Picture, FileError> read_picture(const fs::path& path) {
+std::expected<Picture, Error> read_picture(const fs::path& path) {
   return read(path, decode_picture);
 }
 
-std::expected<Metadata, FileError> read_metadata(const fs::path& path) {
+std::expected<Metadata, Error> read_metadata(const fs::path& path) {
   return read(path, decode_metadata);
 }
 

@@ -60,7 +60,7 @@ enum class ImageFormat { png, exr, pfm, ppm, npz, npy };
 
 /// By suffix, in any case; an error that lists the suffixes otherwise. "-" and targets that exist
 /// and are no regular files (devices, pipes) are PNG when they have no suffix.
-std::expected<ImageFormat, FileError> image_format(const std::filesystem::path& path);
+std::expected<ImageFormat, Error> image_format(const std::filesystem::path& path);
 
 /// What a format cannot keep of a picture with these, and which formats can, as one line; empty
 /// when it keeps all. write_image refuses such a picture; whoever computes long asks before.
@@ -74,34 +74,33 @@ using Metadata = std::vector<std::pair<std::string, std::string>>;
 /// Writes a picture whole or not at all (see write_file), PNG and PPM as to_byte gives it, EXR and
 /// PFM as it is. "-" is standard output. A picture without pixels and an unknown suffix are
 /// bad_input.
-std::expected<void, FileError> write_image(const Image& image, const std::filesystem::path& path,
-                                           const Metadata& metadata = {});
+std::expected<void, Error> write_image(const Image& image, const std::filesystem::path& path,
+                                       const Metadata& metadata = {});
 
 /// The same with alpha and layers; what the format cannot keep (`unkept`) is bad_input, too. PNG
 /// gets straight alpha, and colours of 0 where nothing is covered. EXR gets premultiplied R, G, B
 /// and A and a channel LAYER.COMPONENT, FLOAT or UINT, for each component of a layer. NPZ gets an
 /// array "rgba" (height, width, 4), premultiplied, alpha 1 where there is none, and one of (height,
 /// width) or (height, width, components) for each layer, float32 or uint32; NPY is "rgba" alone.
-std::expected<void, FileError> write_image(const Picture& picture,
-                                           const std::filesystem::path& path,
-                                           const Metadata& metadata = {});
+std::expected<void, Error> write_image(const Picture& picture, const std::filesystem::path& path,
+                                       const Metadata& metadata = {});
 
 /// Reads PNG (alpha dropped, grey widened), EXR (R, G, B or Y; the data window of the first part;
 /// colours as they are stored, premultiplied where there is alpha), PFM (PF and Pf) and PPM (P2,
 /// P3, P5, P6), up to 2^28 pixels. The format is told by the file's first bytes, not by its suffix;
 /// 0 to the format's largest integer is read as 0 to 1. The file need not be trusted.
-std::expected<Image, FileError> read_image(const std::filesystem::path& path);
+std::expected<Image, Error> read_image(const std::filesystem::path& path);
 
 /// Reads what read_image reads with all there is: alpha of PNG, by which the colours are then
 /// multiplied, alpha and layers of EXR. A layer has the channels of one kind of number whose names
 /// are the same up to the last dot, in the order R, G, B, A, others by name; HALF becomes float. A
 /// channel without a dot is a layer with one component, which is empty. Layers are in order of
 /// their names, float before uint32. The file need not be trusted; at most 2^30 numbers are read.
-std::expected<Picture, FileError> read_picture(const std::filesystem::path& path);
+std::expected<Picture, Error> read_picture(const std::filesystem::path& path);
 
 /// The settings that write_image put into a PNG or EXR, in no particular order; none from other
 /// pictures. The file need not be trusted.
-std::expected<Metadata, FileError> read_metadata(const std::filesystem::path& path);
+std::expected<Metadata, Error> read_metadata(const std::filesystem::path& path);
 
 /// How far apart two pictures are, over all channels of all pixels as they would be displayed (8
 /// bits).

@@ -81,7 +81,7 @@ constexpr std::string_view kMotion =
 constexpr std::string_view kStudentLens =
     "a lens setting of a student dialect: write P3F's \"aperture\" and \"focal\" after resolution, "
     "or "
-    "use --dof with --aperture and --focus";
+    "use `dof` with `aperture` and `focus`";
 constexpr std::string_view kAffTransform =
     "a transform or animation of the AFF dialect (BART): export the objects where they stand in "
     "one frame";
@@ -118,7 +118,7 @@ constexpr std::array kRefused = {
     RefusedWord{"viewp", kStudentLens},
     RefusedWord{
         "al",
-        "an area light of a student dialect: write \"l\" and use --soft-shadows with --light-size"},
+        "an area light of a student dialect: write \"l\" and use `soft-shadows` with `light-size`"},
     RefusedWord{"obj",
                 "a file inclusion of a student dialect: write its triangles as P3F's \"mesh\""},
     RefusedWord{"pb", kPatch},

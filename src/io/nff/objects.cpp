@@ -61,8 +61,8 @@ void Parser::light() {
         more == 4
             ? ": an intensity of the ENFF dialect, write x y z r g b with r g b multiplied by it"
         : more == 9
-            ? ": an area light of a student dialect, write x y z r g b and use --soft-shadows "
-              "with --light-size"
+            ? ": an area light of a student dialect, write x y z r g b and use `soft-shadows` "
+              "with `light-size`"
             : "";
     reject(fmt::format("a light takes 3 or 6 numbers on its line, x y z and r g b, found {}{}",
                        3 + more, advice));
@@ -358,7 +358,7 @@ void Parser::mesh_faces(size_t first, size_t vertices, size_t faces) {
 
 void Parser::accel() {
   if (whole_number("the structure", 0, 1000))
-    warn("accel is not used: choose the structure with --accel");
+    warn("accel is not used: choose the structure by `accel`");
 }
 
 MaterialId Parser::material_here() {

@@ -22,8 +22,7 @@ bool is_raio_scene(std::string_view start);
 std::string encode_raio_scene(const Scene& scene);
 
 /// The file is replaced whole or not at all.
-std::expected<void, FileError> write_raio_scene(const Scene& scene,
-                                                const std::filesystem::path& path);
+std::expected<void, Error> write_raio_scene(const Scene& scene, const std::filesystem::path& path);
 
 /// A scene that passes validate(), or one line that says what is wrong with the bytes. All is
 /// checked before it is used, and each column against its hash. The columns are read in place for

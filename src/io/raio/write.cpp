@@ -66,11 +66,11 @@ std::string encode_raio_scene(const Scene& scene) {
   return out;
 }
 
-std::expected<void, FileError> write_raio_scene(const Scene& scene,
-                                                const std::filesystem::path& path) try {
+std::expected<void, Error> write_raio_scene(const Scene& scene,
+                                            const std::filesystem::path& path) try {
   return write_file(path, encode_raio_scene(scene));
 } catch (const std::bad_alloc&) {
-  return std::unexpected(write_error(path, "not enough memory"));
+  return std::unexpected(memory_error(path));
 }
 
 }  // namespace raio

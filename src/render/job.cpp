@@ -1,0 +1,186 @@
+#include "render/job.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "base/parallel.h"
+#include "io/scene_file.h"
+#include "render/job_start.h"
+#include "render/picture.h"
+#include "render/render.h"
+
+namespace raio {
+namespace {
+
+std::unexpected<Error> stopped(std::string message) {
+  return std::unexpected(Error{ErrorKind::stopped, "", std::move(message)});
+}
+
+constexpr std::string_view kNothing = "interrupted; nothing was written";
+
+}  // namespace
+
+/// Writes a film to a part file at intervals while it lives; without threads at the end only. A
+/// failure is told once and does not disturb the work.
+class RenderJob::Checkpoint {
+ public:
+  Checkpoint(const JobRequest& request, const Part& part,
+             const std::function<void(const Error&)>& warning)
+      : path_(request.checkpoint), part_(part) {
+    if (path_.empty()) return;
+    ticker_ = Ticker(request.checkpoint_interval_s, [this, warning] {
+      auto written = write();
+      if (!written && !told_ && warning) {
+        written.error().message += "; the work goes on";
+        warning(written.error());
+      }
+      told_ = !written;
+    });
+  }
+
+  /// Now, and no more afterwards.
+  std::expected<void, Error> finish() {
+    if (path_.empty()) return {};
+    ticker_ = {};
+    return write();
+  }
+
+ private:
+  std::expected<void, Error> write() const { return write_part(path_, part_.header, *part_.film); }
+
+  std::string path_;
+  const Part& part_;
+  bool told_ = false;  // of a failure
+  Ticker ticker_;
+};
+
+RenderJob::RenderJob(JobRequest request, JobEvents events)
+    : request_(std::move(request)), events_(std::move(events)) {}
+
+RenderJob::~RenderJob() = default;
+
+std::expected<void, Error> RenderJob::prepare() {
+  if (auto why = request_conflict(request_)) return std::unexpected(std::move(*why));
+  if (auto why = option_conflict(request_.options)) return std::unexpected(std::move(*why));
+  const auto check_output = [this]() -> std::optional<Error> {
+    if (request_.output.empty()) return std::nullopt;
+    return output_problem(request_.output, request_.options.channels);
+  };
+  if (auto why = check_output()) return std::unexpected(std::move(*why));
+  if (!request_.checkpoint.empty())
+    if (auto writable = check_writable(request_.checkpoint); !writable) return writable;
+
+  auto start = find_start(request_);
+  if (!start) return std::unexpected(std::move(start.error()));
+  request_ = start->request;
+  samples_ = start->samples;
+  if (auto why = check_output()) return std::unexpected(std::move(*why));  // what the start brought
+  if (auto loaded = load(); !loaded) return loaded;
+
+  if (auto why = option_conflict(request_.options, scene_.get()))
+    return std::unexpected(std::move(*why));
+  settings_ = resolve_options(request_.options, *scene_);
+  if (auto why = picture_problem(settings_.width, settings_.height, settings_.channels))
+    return std::unexpected(std::move(*why));
+  part_.header = {settings_of(*scene_, settings_), request_.shard, request_.shards};
+  auto film = film_of(*start, *scene_, settings_, part_.header.settings, events_.warning);
+  if (!film) return std::unexpected(std::move(film.error()));
+  part_.film = std::move(*film);
+  rays_before_ = part_.film->rays().total();
+  return build();
+}
+
+std::expected<void, Error> RenderJob::load() {
+  const double start = seconds();
+  if (request_.loaded) {
+    scene_ = request_.loaded;
+  } else {
+    std::expected<ReadScene, Diagnostics> read;
+    on_threads(request_.options.threads, [&] { read = read_scene(request_.scene); });
+    const Diagnostics& said = read ? read->warnings : read.error();
+    if (events_.scene_read && !said.empty()) events_.scene_read(said);
+    if (!read) return std::unexpected(error_of(said.front()));
+    scene_ = std::make_shared<const Scene>(std::move(read->scene));
+  }
+  times_.load = seconds() - start;
+  if (control_.stop) return stopped(std::string(kNothing));
+  return {};
+}
+
+std::expected<void, Error> RenderJob::build() {
+  const double start = seconds();
+  std::expected<std::unique_ptr<Accel>, Error> accel;
+  on_threads(settings_.threads,
+             [&] { accel = build_accel(*scene_, settings_.accel, settings_.one_sided); });
+  if (!accel) return std::unexpected(std::move(accel.error()));
+  accel_ = std::move(*accel);
+  times_.build = seconds() - start;
+  if (control_.stop) return stopped(std::string(kNothing));
+  return {};
+}
+
+std::expected<void, Error> RenderJob::run() {
+  RenderTask task{samples_, request_.shard, request_.shards, 0};
+  if (const double limit = request_.time_limit_s; limit > 0)
+    task.seconds = std::max(limit - seconds(), 1e-3);
+  Checkpoint checkpoint(request_, part_, events_.warning);
+  const RenderResult done = render(*scene_, *accel_, settings_, *part_.film, control_, task);
+  times_.render = done.seconds;
+  kept_ = checkpoint.finish();
+  const bool is_kept = !request_.checkpoint.empty() && kept_;
+  if (!done.finished && control_.stop) {
+    if (!kept_) return kept_;
+    return stopped(is_kept ? fmt::format("interrupted; what was rendered is kept in {}, and "
+                                         "`resume` goes on",
+                                         request_.checkpoint)
+                           : std::string(kNothing));
+  }
+  const SampleRange samples = samples_of(part_);
+  if (!done.finished && samples.fewest == 0)
+    return std::unexpected(Error{
+        ErrorKind::no_resource, "",
+        fmt::format(
+            "{} s were too short for one sample of every pixel; {}", request_.time_limit_s,
+            is_kept ? "what there is is kept in " + request_.checkpoint : "nothing was written")});
+  describe(samples);
+  return {};
+}
+
+// The time may have sufficed for some samples only. Of samples by Sobol's sequence the first are a
+// picture of their own, and the settings say so; of others they say how many there are.
+void RenderJob::describe(const SampleRange& samples) {
+  const auto wanted = uint32_t(settings_.samples_per_pixel());
+  if (samples.fewest == wanted || samples.most == 0) return;
+  const bool even = samples.fewest == samples.most;
+  if (even && settings_.samples > 0) settings_.samples = int(samples.fewest);
+  Metadata& kept = part_.header.settings;
+  kept = settings_of(*scene_, settings_);
+  if (!even)
+    kept.emplace_back("samples_done", fmt::format("{} to {}", samples.fewest, samples.most));
+  else if (settings_.samples == 0)
+    kept.emplace_back("samples_done", fmt::format("{}", samples.fewest));
+}
+
+std::expected<void, Error> RenderJob::write() {
+  if (request_.output.empty()) return {};
+  const double start = seconds();
+  auto written = write_result(request_.output, part_, settings_.view);
+  times_.write = seconds() - start;
+  return written;
+}
+
+RenderFigures RenderJob::figures() const {
+  RenderFigures figures{scene_,
+                        settings_,
+                        accel_->info(),
+                        times_,
+                        part_.film->rays(),
+                        rays_before_,
+                        samples_of(part_).fewest};
+  figures.times.total = seconds();
+  return figures;
+}
+
+}  // namespace raio

@@ -1,0 +1,189 @@
+#include "render/job_start.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <filesystem>
+#include <string_view>
+#include <utility>
+
+#include "render/render.h"
+
+namespace raio {
+namespace {
+
+namespace fs = std::filesystem;
+
+Error refused(std::string_view file, std::string why) {
+  return {ErrorKind::bad_input, std::string(file), std::move(why)};
+}
+
+/// Whole samples by Sobol's sequence, to which any number may be added.
+bool is_extensible(int samples) { return samples > 0; }
+
+// Beside the picture, if the request does not name one.
+std::string scene_of(const JobRequest& request, const Metadata& settings) {
+  if (!request.scene.empty()) return request.scene;
+  const fs::path name = fs::path(setting(settings, "scene")).filename();
+  return (fs::path(request.repeat).parent_path() / name).string() + ".nff";
+}
+
+// What the picture does not depend on stays as the request has it.
+void take_picture_options(JobRequest& request, RenderOptions options) {
+  options.threads = request.options.threads;
+  options.accel.counters = request.options.accel.counters;
+  request.options = options;
+}
+
+// Of a picture that a time limit ended: the number of its samples, or 0 where it has none.
+uint32_t samples_done(std::string_view text) {
+  uint32_t samples = 0;
+  const char* const text_end = text.data() + text.size();
+  const auto [end, error] = std::from_chars(text.data(), text_end, samples);
+  return error == std::errc() && end == text_end ? samples : 0;
+}
+
+std::expected<JobStart, Error> start_by_repeat(const JobRequest& request) {
+  auto settings = read_metadata(request.repeat);
+  if (!settings) return std::unexpected(std::move(settings.error()));
+  const auto options = options_from(*settings);
+  if (!options) return std::unexpected(refused(request.repeat, options.error().message));
+  JobStart start{request, std::move(*settings), 0, nullptr};
+  take_picture_options(start.request, *options);
+  start.request.scene = scene_of(request, start.settings);
+  if (const auto done = setting(start.settings, "samples_done"); !done.empty()) {
+    start.samples = samples_done(done);
+    if (start.samples == 0 || start.samples > uint32_t(samples_per_pixel(*options)))
+      return std::unexpected(
+          refused(request.repeat,
+                  fmt::format("it holds {} samples of its pixels, which do not repeat", done)));
+  }
+  return start;
+}
+
+// More samples for a finished part; why not, or nothing.
+std::optional<std::string> add_samples(const Part& part, JobRequest& request) {
+  auto options = options_from(part.header.settings);
+  if (!options) return options.error().message;
+  const SampleRange has = samples_of(part);
+  if (!is_extensible(options->samples))
+    return "its samples share out the cells of `aa` and `lens-samples`, so that none can be added; "
+           "pictures made with `samples` take more";
+  if (has.fewest != has.most)
+    return fmt::format(
+        "it is not finished: its tiles have {} to {} samples a pixel; `resume` it first",
+        has.fewest, has.most);
+  if (has.most + uint64_t(request.add_samples) > uint64_t(kMaxSamples))
+    return fmt::format("more than {} samples a pixel cannot be", kMaxSamples);
+  options->samples = int(has.most) + request.add_samples;
+  take_picture_options(request, *options);
+  return std::nullopt;
+}
+
+std::expected<JobStart, Error> start_by_part(const JobRequest& request) {
+  auto part = read_part(request.checkpoint);
+  if (!part) return std::unexpected(std::move(part.error()));
+  const PartHeader& header = part->header;
+  if (header.shard != request.shard || header.shards != request.shards) {
+    const std::string is = fmt::format("{}/{}", header.shard + 1, header.shards);
+    return std::unexpected(refused(
+        request.checkpoint, header.shards > 1
+                                ? fmt::format("it is shard {} of a picture; add `shard` {}", is, is)
+                                : "it is no shard of a picture; leave out `shard`"));
+  }
+  JobStart start{request, header.settings, 0, nullptr};
+  if (request.add_samples > 0)
+    if (auto why = add_samples(*part, start.request))
+      return std::unexpected(refused(request.checkpoint, std::move(*why)));
+  start.film = std::move(part->film);
+  return start;
+}
+
+}  // namespace
+
+std::optional<Error> request_conflict(const JobRequest& r) {
+  const auto conflict = [](std::string_view field, std::string message) {
+    return Error{ErrorKind::bad_option, std::string(field), std::move(message)};
+  };
+  if (r.scene.empty() && !r.loaded && r.repeat.empty())
+    return conflict("scene", "is missing; give the file of one, or a picture to `repeat`");
+  if (r.checkpoint.empty() && (r.resume || r.add_samples > 0)) {
+    const std::string_view field = r.resume ? "resume" : "add-samples";
+    return conflict(
+        field, fmt::format("has no effect without `checkpoint`; add `checkpoint` or leave `{}` out",
+                           field));
+  }
+  if (const bool repeats = !r.repeat.empty();
+      (repeats || r.add_samples > 0) && !r.of_picture.empty())
+    return conflict(repeats ? "repeat" : "add-samples",
+                    fmt::format("it takes the options of the picture from its file; leave out `{}`",
+                                r.of_picture.front()));
+  if (!r.repeat.empty() && r.add_samples > 0)
+    return conflict("", "`repeat` and `add-samples` make different pictures; give one of them");
+  if (r.shards > 1 && !r.output.empty() && !is_part_path(r.output))
+    return conflict("shard",
+                    "it makes a part of a picture; give that a name in .raio, as in part1.raio");
+  if (r.shards > 1 && r.time_limit_s > 0)
+    return conflict(
+        "", "shards under `time-limit` would not have equally many samples; leave out one of them");
+  if (!r.checkpoint.empty() && r.checkpoint == r.output && !is_part_path(r.output))
+    return conflict("", fmt::format("`checkpoint` and the picture cannot both be {}; give one "
+                                    "another name",
+                                    r.checkpoint));
+  return std::nullopt;
+}
+
+std::expected<JobStart, Error> find_start(const JobRequest& request) {
+  std::error_code ignored;
+  const bool is_there = !request.checkpoint.empty() && fs::exists(request.checkpoint, ignored);
+  if (is_there && !request.resume && request.add_samples == 0)
+    return std::unexpected(
+        refused(request.checkpoint,
+                "it exists; `resume` goes on with it, otherwise remove it or give `checkpoint` "
+                "another name"));
+  if (is_there || request.add_samples > 0) {
+    auto start = start_by_part(request);
+    if (!start || request.repeat.empty()) return start;
+    auto repeated = start_by_repeat(request);
+    if (repeated) repeated->film = std::move(start->film);
+    return repeated;
+  }
+  if (!request.repeat.empty()) return start_by_repeat(request);
+  return JobStart{request, {}, 0, nullptr};
+}
+
+std::expected<std::unique_ptr<Film>, Error> film_of(
+    JobStart& start, const Scene& scene, const RenderSettings& used, const Metadata& settings,
+    const std::function<void(const Error&)>& warning) {
+  const JobRequest& request = start.request;
+  const bool repeats = !request.repeat.empty();
+  const std::string& file = repeats ? request.repeat : request.checkpoint;
+  if (!start.settings.empty()) {
+    Metadata before = start.settings;
+    // Of samples by Sobol's sequence any number is the beginning of more.
+    if (is_extensible(used.samples) && !repeats)
+      for (auto& [key, text] : before)
+        if (key == "samples") text = setting(settings, "samples");
+    const std::string version(setting(before, "version"));
+    if (repeats && version != RAIO_VERSION) {
+      if (warning)
+        warning(refused(file, fmt::format("made by Raio {}, this is {}; the picture may differ",
+                                          version, RAIO_VERSION)));
+      for (auto& [key, text] : before)
+        if (key == "version") text = RAIO_VERSION;
+    }
+    if (std::string why = difference(before, settings); !why.empty())
+      return std::unexpected(refused(file, std::move(why)));
+  }
+  auto film = make_film(scene, used);
+  if (!film || !start.film) return film;
+  if (start.film->bound() != (*film)->bound())
+    return std::unexpected(refused(file, "its film is not made for the scene"));
+  for (size_t t = 0; t < start.film->tiles(); ++t)
+    if (const uint32_t has = start.film->samples(t); has > uint32_t(used.samples_per_pixel()))
+      return std::unexpected(refused(
+          file, fmt::format("it has {} samples a pixel already; ask for at least as many", has)));
+  return std::move(start.film);
+}
+
+}  // namespace raio

@@ -1,0 +1,58 @@
+#include "render/picture.h"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "render/render.h"
+
+namespace raio {
+namespace {
+
+// The channels that are layers.
+std::vector<const ChannelSpec*> layers_of(ChannelSet channels) {
+  std::vector<const ChannelSpec*> layers;
+  for (const ChannelSpec& spec : kChannels)
+    if (spec.channel != Channel::alpha && channels.has(spec.channel)) layers.push_back(&spec);
+  return layers;
+}
+
+}  // namespace
+
+Picture picture_of(const Film& film, const RenderSettings& settings) {
+  Picture picture;
+  picture.color = picture_of(film, settings.view);
+  const ChannelSet channels = film.layout().channels();
+  if (channels.has(Channel::alpha))
+    picture.alpha = std::get<Column<float>>(film.resolve(Channel::alpha));
+  for (const ChannelSpec* spec : layers_of(channels)) {
+    Layer& layer = picture.layers.emplace_back();
+    layer.name = spec->name;
+    for (const char component : spec->components) layer.components.emplace_back(1, component);
+    layer.values = film.resolve(spec->channel);
+  }
+  return picture;
+}
+
+std::optional<Error> output_problem(const std::filesystem::path& path, ChannelSet channels) {
+  if (!is_part_path(path)) {
+    const auto format = image_format(path);
+    if (!format) return format.error();
+    std::vector<std::string> layers;
+    for (const ChannelSpec* spec : layers_of(channels)) layers.emplace_back(spec->name);
+    if (std::string lost = unkept(*format, channels.has(Channel::alpha), layers); !lost.empty())
+      return Error{ErrorKind::bad_input, path.string(), std::move(lost)};
+  }
+  if (auto writable = check_writable(path); !writable) return std::move(writable.error());
+  return std::nullopt;
+}
+
+std::expected<void, Error> write_result(const std::filesystem::path& path, const Part& part,
+                                        View view) {
+  if (is_part_path(path)) return write_part(path, part.header, *part.film);
+  RenderSettings settings;
+  settings.view = view;
+  return write_image(picture_of(*part.film, settings), path, part.header.settings);
+}
+
+}  // namespace raio

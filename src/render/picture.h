@@ -1,0 +1,33 @@
+// What becomes of a film: the picture with its channels, in a file of the format that keeps them,
+// or the film itself in a part file.
+#pragma once
+
+#include <expected>
+#include <filesystem>
+#include <optional>
+
+#include "base/error.h"
+#include "integrate/film.h"
+#include "integrate/settings.h"
+#include "io/image/image.h"
+#include "render/part.h"
+
+namespace raio {
+
+/// What the film shows, as picture_of(film, settings.view) has it, with all the channels that the
+/// film has: alpha as such, the others as layers with the names and components of kChannels, as
+/// Film::resolve() gives them. A picture with alpha has no background in its colours.
+Picture picture_of(const Film& film, const RenderSettings& settings);
+
+/// Why a picture with these channels cannot go to `path`, nor a part file if the name is that of
+/// one, as far as can be told now: an unknown suffix, a format that does not keep the channels
+/// (bad_input), a place that cannot be written to. For callers that are about to compute for long.
+std::optional<Error> output_problem(const std::filesystem::path& path, ChannelSet channels = {});
+
+/// Writes a part file where the name is that of one, else the picture with its channels, and the
+/// settings either way. A part file cannot say less than all of its tiles; whether the tiles of a
+/// picture are complete is not asked here.
+std::expected<void, Error> write_result(const std::filesystem::path& path, const Part& part,
+                                        View view = View::picture);
+
+}  // namespace raio
