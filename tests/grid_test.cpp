@@ -208,7 +208,8 @@ TEST(Grid, RefusesWhatNoMemoryHolds) {
   const auto grid =
       build_accel(scene, {.kind = AccelKind::grid, .grid_resolution = {100000, 100000, 100000}});
   ASSERT_FALSE(grid.has_value());
-  EXPECT_NE(grid.error().find("100000x100000x100000"), std::string::npos) << grid.error();
+  EXPECT_NE(grid.error().text().find("100000x100000x100000"), std::string::npos)
+      << grid.error().text();
 }
 
 }  // namespace

@@ -54,6 +54,11 @@ Scene scaled(Scene s, float k) {
   for (Plane& p : s.planes) grow(p.point);
   for (Sphere& b : s.spheres) grow(b.center), grow(b.radius);
   for (Cone& c : s.cones) grow(c.base), grow(c.base_radius), grow(c.apex), grow(c.apex_radius);
+  for (Ellipsoid& e : s.ellipsoids) {
+    grow(e.center);
+    for (Vec3f& axis : e.axes) grow(axis);
+  }
+  for (Disc& disc : s.discs) grow(disc.center), grow(disc.radius), grow(disc.inner);
   for (Vec3f& p : s.positions) grow(p);
   return s;
 }

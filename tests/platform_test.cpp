@@ -52,8 +52,8 @@ TEST_F(Platform, WhatCannotBeWrittenLeavesNothing) {
     const auto checked = check_writable(path), written = write_file(path, "bytes");
     ASSERT_FALSE(checked) << path;
     ASSERT_FALSE(written) << path;
-    EXPECT_EQ(checked.error().message, written.error().message);
-    EXPECT_THAT(written.error().message, HasSubstr(path.string()));
+    EXPECT_EQ(checked.error(), written.error());
+    EXPECT_THAT(written.error().text(), HasSubstr(path.string()));
   }
   EXPECT_THAT(write_file(file("missing/f"), "").error().message, HasSubstr("does not exist"));
   EXPECT_EQ(entries(), 0);

@@ -99,7 +99,7 @@ TEST_F(RaioSceneFile, WhatCannotBeOpenedIsSaid) {
     return scene ? "" : testing::texts(scene.error());
   };
   EXPECT_THAT(text(file("none.raio")), HasSubstr("No such file"));
-  EXPECT_THAT(text(folder()), HasSubstr("expected a regular file"));
+  EXPECT_THAT(text(folder()), HasSubstr("this is a folder, expected a file"));
   ASSERT_TRUE(write_file(file("empty.raio"), ""));
   EXPECT_THAT(text(file("empty.raio")), HasSubstr("not a .raio scene"));
 }

@@ -96,9 +96,12 @@ TEST(Scenes, GeneratedOnesAreWhatTheirFirstLineSays) {
   EXPECT_GE(generated, 1);
 }
 
-TEST(Scenes, ShapesHasOneOfEverything) {
+TEST(Scenes, ShapesAndQuadricsHaveOneOfEverything) {
   const Scene scene = read_whole(kRoot / "scenes/shapes.nff");
-  EXPECT_THAT(count_primitives(scene), Each(Gt(0u)));
+  auto counts = count_primitives(scene);
+  const auto more = count_primitives(read_whole(kRoot / "scenes/quadrics.nff"));
+  for (size_t kind = 0; kind < counts.size(); ++kind) counts[kind] += more[kind];
+  EXPECT_THAT(counts, Each(Gt(0u)));
   EXPECT_FALSE(scene.triangle_normals.empty());
   EXPECT_TRUE(std::ranges::any_of(scene.materials, [](auto& m) { return m.transmission > 0.5f; }));
   EXPECT_TRUE(std::ranges::any_of(scene.materials, [](auto& m) { return m.ks > 0.5f; }));

@@ -519,7 +519,7 @@ TEST(Options, SayWhatTheyAccept) {
     RenderOptions o;
     for (const OptionSpec& spec : render_option_table())
       if (spec.name == name) return set_option(o, spec, text);
-    return std::expected<void, std::string>(std::unexpected("no such option"));
+    return std::expected<void, Error>(std::unexpected(Error{ErrorKind::bad_option, "", "no such option", {}}));
   };
   for (const auto& [name, text] : {std::pair("size", "640x480"),
                                    {"size", "1x1"},
@@ -531,7 +531,7 @@ TEST(Options, SayWhatTheyAccept) {
                                    {"depth", "32"},
                                    {"grid-factor", "1e1"}})
     EXPECT_TRUE(set(name, text).has_value())
-        << name << " " << text << ": " << set(name, text).error();
+        << name << " " << text << ": " << set(name, text).error().text();
   for (const auto& [name, text] : {std::pair("size", "640"),
                                    {"size", "0x5"},
                                    {"size", "640x480x3"},
@@ -549,7 +549,7 @@ TEST(Options, SayWhatTheyAccept) {
                                    {"threads", "0"}}) {
     const auto result = set(name, text);
     ASSERT_FALSE(result.has_value()) << name << " " << text;
-    EXPECT_NE(result.error().find("expected"), std::string::npos) << result.error();
+    EXPECT_NE(result.error().text().find("expected"), std::string::npos) << result.error().text();
   }
 }
 

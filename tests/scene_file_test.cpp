@@ -163,7 +163,8 @@ TEST_F(SceneFiles, NffHasColorsAndMeshes) {
   const Scene& again = read->scene;
   EXPECT_EQ(again.triangles.size(), scene.primitive_count() - scene.planes.size() -
                                         scene.spheres.size() - scene.cones.size() -
-                                        scene.polygons.size() - 1);  // one has no area
+                                        scene.polygons.size() - scene.ellipsoids.size() -
+                                        scene.discs.size() - 1);  // one has no area
   for (size_t i = 0; i < scene.spheres.size(); ++i) {
     const Material& before = scene.materials[scene.sphere_materials[i]];
     const Material& after = again.materials[again.sphere_materials[i]];
@@ -201,7 +202,7 @@ TEST_F(ConvertCommandLine, SaysWhatIsLost) {
                               HasSubstr("names of 3 objects")));
   const Outcome rendered = raio({"render", "rich.raio", "--size", "8x8", "-o", "a.png"});
   EXPECT_EQ(rendered.status, 0);
-  EXPECT_THAT(rendered.err, HasSubstr("rich.raio: warning: not shown yet: opacity of "));
+  EXPECT_THAT(rendered.err, HasSubstr("raio: warning: not shown yet: opacity of "));
 }
 
 TEST_F(ConvertCommandLine, RefusesWhatItCannotWrite) {

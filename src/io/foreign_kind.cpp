@@ -45,7 +45,7 @@ constexpr Sign kStarts[] = {
     {"CRYST1", "a PDB file of a molecule"},
     {"REMARK ", "a PDB file of a molecule"},
     {"TITLE  ", "a PDB file of a molecule"},
-    {"<", "an XML file"},
+    {"<?xml", "an XML file"},
 };
 
 constexpr Sign kSuffixes[] = {

@@ -28,11 +28,11 @@ std::unexpected<Diagnostics> failed(std::string_view file, std::string message) 
       Diagnostics{{Severity::error, std::string(file), 0, 0, std::move(message), ""}});
 }
 
-/// Does the path lead to a regular file that begins as a .raio scene? Pipes are not touched, since
-/// what is read from them is gone.
+/// Does the path lead to a regular file that begins as a .raio scene? Pipes and standard input are
+/// not touched, since what is read from them is gone.
 bool leads_to_raio(const fs::path& path) {
   std::error_code error;
-  if (!fs::is_regular_file(path, error)) return false;
+  if (path == "/dev/stdin" || !fs::is_regular_file(path, error)) return false;
   auto file = InputFile::open(path);
   char start[8];
   if (!file) return false;
