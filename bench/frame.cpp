@@ -39,18 +39,18 @@ struct Rendered {
   double seconds;
   RayCounts rays;
 };
-Rendered render_once(const Scene& scene, const Accel& accel, const RenderOptions& options) {
-  const auto film = make_film(scene, options);
+Rendered render_once(const Scene& scene, const Accel& accel, const RenderSettings& settings) {
+  const auto film = make_film(scene, settings);
   if (!film) give_up(3, film.error().text());
   // Its memory is there before the clock starts, as where picture follows picture.
   for (size_t t = 0; t < (*film)->tiles(); ++t) (*film)->replace(t, {});
   RenderControl control;
-  const double seconds = render(scene, accel, options, **film, control).seconds;
+  const double seconds = render(scene, accel, settings, **film, control).seconds;
   return {seconds, (*film)->rays()};
 }
 
-RenderOptions with_effects(const Settings& s, const Scene& scene, const Effects& effects,
-                           int threads) {
+RenderSettings with_effects(const Settings& s, const Scene& scene, const Effects& effects,
+                            int threads) {
   RenderOptions wish = s.options;
   wish.soft_shadows = true, wish.dof = true;  // so that lens and light are settled
   RenderSettings options = resolve_options(wish, scene);
@@ -69,7 +69,7 @@ std::vector<Json> measure_frames(const Scene& scene, const Settings& s,
   for (const Built& b : built)
     for (const Effects& effects : s.effects)
       for (const int n : threads) {
-        const RenderOptions options = with_effects(s, scene, effects, n);
+        const RenderSettings options = with_effects(s, scene, effects, n);
         const Accel* accel = b.accel.get();
         contenders.push_back(
             [&scene, accel, options] { return render_once(scene, *accel, options).seconds; });

@@ -1,0 +1,229 @@
+// Raio: a fast, reproducible ray tracer. The library's whole interface; it needs nothing but the
+// standard library of C++17.
+//
+//   raio::Scene scene = raio::Scene::read("balls.nff");
+//   raio::Settings settings;
+//   settings.set("size", "640x480").set("aa", "4").set("soft-shadows");
+//   raio::Job(scene, settings).run().write("balls.png");
+//
+// The library never prints, never ends the program and changes no global state. Failures are thrown
+// as raio::Error. The same scene and settings give the same bytes for any number of threads and on
+// any machine. Objects may be used by one thread at a time; Job::cancel() by any.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#if defined(__GNUC__)
+#define RAIO_API __attribute__((visibility("default")))
+#else
+#define RAIO_API
+#endif
+
+namespace raio::v1 {
+
+/// Three numbers: x, y, z of a point in scene units, or red, green, blue of a colour, of which 1 is
+/// the display's white.
+using Triple = std::array<double, 3>;
+
+enum class ErrorKind {
+  bad_input,     ///< a file, a scene or a value that cannot be used; the message says what can
+  cannot_write,  ///< a file that could not be written; nothing is left half-written
+  no_resource,   ///< memory, or a library that is not there
+  cancelled      ///< Job::cancel() was called
+};
+
+/// What went wrong, in one line that names what was found and what was expected.
+class RAIO_API Error : public std::runtime_error {
+ public:
+  Error(ErrorKind kind, const std::string& message, std::string file = {}, int line = 0,
+        int column = 0);
+  ErrorKind kind() const noexcept { return kind_; }
+  /// Of a scene file: its name, and the place of its first mistake, counted from 1; 0: none.
+  const std::string& file() const noexcept { return file_; }
+  int line() const noexcept { return line_; }
+  int column() const noexcept { return column_; }
+
+ private:
+  ErrorKind kind_;
+  std::string file_;
+  int line_, column_;
+};
+
+/// The classic surface (docs/shading.md): its colour counts with `kd` where light falls on it,
+/// highlights and mirrored rays with `ks`, refracted rays with `transmission`.
+struct Material {
+  Triple color{0.8, 0.8, 0.8};
+  double kd = 0.8, ks = 0;
+  double shine = 1;         ///< the highlight's exponent
+  double transmission = 0;  ///< 0 opaque
+  double ior = 1;           ///< index of refraction inside, above 0
+};
+
+struct Camera {
+  Triple from{0, 0, 1}, at{0, 0, 0}, up{0, 1, 0};
+  double fov_deg = 45;  ///< vertical, from edge to edge, between 0 and 180
+};
+
+/// What is to be drawn. Copies are independent of each other.
+class RAIO_API Scene {
+ public:
+  /// Empty, with a black background and the default camera.
+  Scene();
+  Scene(const Scene&);
+  Scene& operator=(const Scene&);
+  Scene(Scene&&) noexcept;
+  Scene& operator=(Scene&&) noexcept;
+  ~Scene();
+
+  /// Reads a scene file of any kind that Raio knows. The error has its first mistake with line and
+  /// column.
+  static Scene read(const std::string& path);
+  /// The same for NFF in memory; `name` stands for the file in messages.
+  static Scene parse_nff(std::string_view text, std::string_view name = "scene");
+  /// Writes the scene whole or not at all, in the format that the suffix names.
+  void write(const std::string& path) const;
+  /// What the reader warned of, a line each.
+  const std::vector<std::string>& warnings() const;
+
+  void set_camera(const Camera& camera);
+  Camera camera() const;
+  void set_background(Triple color);
+  /// A point light; without a colour it is white, and n such lights have 1 / sqrt(n) each.
+  void add_light(Triple position, std::optional<Triple> color = std::nullopt);
+
+  /// The material's number for what is added afterwards; 0 is there from the beginning where a
+  /// scene was made in code.
+  uint32_t add_material(const Material& material);
+
+  /// `count` primitives from arrays that are copied. Centres, ends and vertices are x y z each;
+  /// radii are positive. Triangles index their own vertices; `normals`, one for each vertex, may be
+  /// null for flat ones.
+  void add_spheres(size_t count, const float* centers, const float* radii, uint32_t material = 0);
+  /// From a circle around `starts` to one around `ends`, without caps; equal radii make cylinders.
+  void add_cones(size_t count, const float* starts, const float* ends, const float* start_radii,
+                 const float* end_radii, uint32_t material = 0);
+  void add_triangles(size_t vertices, const float* positions, size_t triangles,
+                     const uint32_t* indices, const float* normals = nullptr,
+                     uint32_t material = 0);
+
+  size_t primitive_count() const;
+  /// Lowest and highest corner of all that has an end; nothing for an empty scene.
+  std::optional<std::array<Triple, 2>> bounds() const;
+
+  struct Data;
+  const Data& data() const { return *data_; }
+
+ private:
+  explicit Scene(std::unique_ptr<Data> data);
+  std::unique_ptr<Data> data_;
+};
+
+/// How it is to be drawn: the options of the command line under the same names, without dashes.
+class RAIO_API Settings {
+ public:
+  Settings();
+  Settings(const Settings&);
+  Settings& operator=(const Settings&);
+  ~Settings();
+
+  /// Sets one option from text, as the command line has it: set("size", "640x480"), set("aa", "4");
+  /// a switch without a value is on, with "false" off. The error says what is accepted.
+  Settings& set(std::string_view name, std::string_view value = "true");
+  /// The value as set() takes it; empty where it is left to the scene.
+  std::string get(std::string_view name) const;
+
+  struct Option {
+    std::string name, value_name, help;  ///< no value_name: a switch
+    std::vector<std::string> words;      ///< that the value may be; empty: no list
+  };
+  /// All options, in the order of the command line's help.
+  static std::vector<Option> options();
+
+  struct Data;
+  const Data& data() const { return *data_; }
+
+ private:
+  std::unique_ptr<Data> data_;
+};
+
+/// How far a render is.
+struct Progress {
+  double share = 0;   ///< 0 to 1
+  uint64_t rays = 0;  ///< traced so far
+  double seconds = 0;
+};
+
+/// A rendered picture: colours with coverage, and the channels that the settings asked for.
+class RAIO_API Film {
+ public:
+  Film(Film&&) noexcept;
+  Film& operator=(Film&&) noexcept;
+  ~Film();
+
+  int width() const;
+  int height() const;
+  /// Red, green, blue and coverage of each pixel, row by row from the top: display values for the
+  /// classic shading, not clamped; premultiplied.
+  std::vector<float> rgba() const;
+  /// The channels asked for, by name ("depth", "normal").
+  std::vector<std::string> channels() const;
+  /// The numbers of a channel, `components` for each pixel, row by row; whole numbers as floats.
+  /// The error names the channels that there are.
+  std::vector<float> channel(std::string_view name, int* components = nullptr) const;
+
+  /// Writes a picture whole or not at all: .png .exr .npz .npy .ppm .pfm by suffix. The error says
+  /// what the format cannot keep.
+  void write(const std::string& path) const;
+
+  struct Data;
+
+ private:
+  friend class Job;
+  explicit Film(std::unique_ptr<Data> data);
+  std::unique_ptr<Data> data_;
+};
+
+/// One render: builds the acceleration structure and makes the picture.
+class RAIO_API Job {
+ public:
+  /// Takes a copy of both. The error names settings that do not go together.
+  Job(const Scene& scene, const Settings& settings);
+  ~Job();
+  Job(const Job&) = delete;
+  Job& operator=(const Job&) = delete;
+
+  /// Called some ten times a second while run() works, from a thread of its own.
+  void on_progress(std::function<void(const Progress&)> callback);
+
+  /// Works on as many threads as the setting `threads` says, this one among them, and returns when
+  /// the picture is done. Throws Error with ErrorKind::cancelled after cancel().
+  Film run();
+
+  /// Ends run() soon. Any thread may call it.
+  void cancel();
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
+/// "0.2.0".
+RAIO_API std::string version();
+
+}  // namespace raio::v1
+
+// The version is part of the names that programs link against, not of those that people write.
+#ifndef RAIO_LIBRARY_SOURCE
+namespace raio {
+using namespace v1;
+}
+#endif
