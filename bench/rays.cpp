@@ -164,7 +164,7 @@ size_t trace_batch(const Accel& accel, const RayBatch& rays, RayKind kind, HitBa
 
 void check_structure(const Scene& scene, const Accel& accel, const Recording& rays, int threads) {
   const auto none = build_accel(scene, {.kind = AccelKind::none});
-  if (!none) give_up(3, none.error());
+  if (!none) give_up(3, none.error().text());
   const std::string name = accel.info().name;
   const double allowed = name == "embree" ? kGrazingOfEmbree : 0;
   const double affordable =

@@ -243,12 +243,12 @@ uint32_t Geometry::object_of(PrimitiveId id) const {
 // Which side of each primitive is seen, for the kinds that have one of which it is not both.
 template <PrimitiveKind kind>
 void Geometry::list_sides(bool one_sided) {
-  constexpr bool kFlat = kind == PrimitiveKind::triangle;
-  if (kFlat && !one_sided) return;  // of large scenes most, and never seen from inside only
+  constexpr bool kIsTriangle = kind == PrimitiveKind::triangle;
+  if (kIsTriangle && !one_sided) return;  // of large scenes most, and never seen from inside only
   const Scene& s = *scene_;
   const auto side = [&](size_t i) {
     bool inside_only = false;
-    if constexpr (!kFlat)
+    if constexpr (!kIsTriangle)
       inside_only = only_inside_seen((s.*kPoolOf<PrimitiveType<kind>>.shapes)[i]);
     const MaterialId material = material_of(primitive_id(kind, uint32_t(i)));
     const bool opaque = s.materials[material].transmission == 0;

@@ -46,6 +46,7 @@ constexpr Sign kStarts[] = {
     {"REMARK ", "a PDB file of a molecule"},
     {"TITLE  ", "a PDB file of a molecule"},
     {"<?xml", "an XML file"},
+    {"<!", "an XML file"},
 };
 
 constexpr Sign kSuffixes[] = {

@@ -45,11 +45,11 @@ struct FirstHits {
 
 // Of two places on each ray, where the masks say that there are any, the first in front of it.
 template <class D, class V = hn::Vec<D>, class M = hn::Mask<D>>
-HWY_INLINE FirstHits<D> first_of(D d, M in0, V t0, M in1, V t1) {
+HWY_INLINE FirstHits<D> first_of(D tag, M in0, V t0, M in1, V t1) {
   const typename FirstHits<D>::Floats f;
   const auto none = hn::Zero(f);
   const auto narrow = [&](M m) HWY_ATTR {
-    return hn::Ne(hn::DemoteTo(f, hn::IfThenElseZero(m, hn::Set(d, 1.0))), none);
+    return hn::Ne(hn::DemoteTo(f, hn::IfThenElseZero(m, hn::Set(tag, 1.0))), none);
   };
   const auto near = hn::DemoteTo(f, t0), far = hn::DemoteTo(f, t1);
   const auto hit0 = hn::And(narrow(in0), hn::Gt(near, none));
