@@ -190,7 +190,10 @@ TEST_P(Page, LinksLeadToFiles) {
 INSTANTIATE_TEST_SUITE_P(Pages, Page,
                          testing::Values("README.md", "ARCHITECTURE.md", "docs/long-renders.md",
                                          "docs/nff.md", "docs/sampling.md", "docs/shading.md",
-                                         "docs/statistics.md", "docs/verify.md"),
+                                         "docs/statistics.md", "docs/verify.md", "docs/channels.md",
+                                         "docs/library.md", "docs/experiments.md",
+                                         "docs/performance.md", "docs/raio-scene.md",
+                                         "docs/view.md", "CONTRIBUTING.md"),
                          [](const auto& page) {
                            std::string name = fs::path(page.param).stem().string();
                            std::erase(name, '-');

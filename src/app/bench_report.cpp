@@ -17,7 +17,7 @@ constexpr int kReportSide = 512;
 
 constexpr EffectSet kAa = effect_named("aa"), kSoft = effect_named("soft_shadows"),
                     kDof = effect_named("dof"), kAll = kAa | kSoft | kDof;
-static_assert(kAa && kSoft && kDof);
+static_assert(kAa != 0 && kSoft != 0 && kDof != 0);
 
 // Seconds of balls_medium in the order of the report's table: effects count up in binary, depth of
 // field fastest, then antialiasing, then soft shadows; first without grid, then with it.

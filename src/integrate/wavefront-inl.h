@@ -320,9 +320,8 @@ class Wavefront final : public TileRenderer {
       const PrimitiveId id = hits_.item[i];
       return first_number_[size_t(primitive_kind(id))] + primitive_index(id) + 1;
     });
-    set_first(Channel::object, [&](size_t i, size_t) {
-      return scene_.accel.geometry().object_of(hits_.item[i]);
-    });
+    set_first(Channel::object,
+              [&](size_t i, size_t) { return scene_.accel.geometry().object_of(hits_.item[i]); });
   }
 
  public:
