@@ -127,6 +127,4 @@ std::string counted(double count, std::string_view thing) {
   return fmt::format("{} {}{}", human_count(count), thing, count == 1 ? "" : "s");
 }
 
-bool standard_output_is_terminal() { return ::isatty(STDOUT_FILENO) == 1; }
-
 }  // namespace raio::app

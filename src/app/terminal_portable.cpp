@@ -29,6 +29,7 @@ void on_signal(int signal) {
 }  // namespace
 
 bool is_terminal() { return false; }
+bool standard_output_is_terminal() { return false; }
 
 size_t terminal_columns() { return std::numeric_limits<size_t>::max(); }
 

@@ -42,6 +42,7 @@ size_t terminal_columns() {
 }
 
 bool is_terminal() { return ::isatty(STDERR_FILENO) != 0; }
+bool standard_output_is_terminal() { return ::isatty(STDOUT_FILENO) == 1; }
 
 struct StopOnSignal::State {
   int wake[2] = {-1, -1};  // a pipe: a byte from the signal handler, closed from the destructor
