@@ -108,7 +108,9 @@ inline void expect_same(const Scene& a, const Scene& b) {
   expect_same(a.cones, b.cones);
   expect_same(a.ellipsoids, b.ellipsoids);
   expect_same(a.discs, b.discs);
-  for_each_pool([&](auto pool) { EXPECT_EQ(a.*pool.materials, b.*pool.materials) << kPoolNames[size_t(pool.kind)]; });
+  for_each_pool([&](auto pool) {
+    EXPECT_EQ(a.*pool.materials, b.*pool.materials) << kPoolNames[size_t(pool.kind)];
+  });
   ASSERT_EQ(a.polygons.size(), b.polygons.size());
   for (size_t i = 0; i < a.polygons.size(); ++i)
     ASSERT_EQ(a.polygons[i].count, b.polygons[i].count);

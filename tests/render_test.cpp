@@ -519,7 +519,8 @@ TEST(Options, SayWhatTheyAccept) {
     RenderOptions o;
     for (const OptionSpec& spec : render_option_table())
       if (spec.name == name) return set_option(o, spec, text);
-    return std::expected<void, Error>(std::unexpected(Error{ErrorKind::bad_option, "", "no such option", {}}));
+    return std::expected<void, Error>(
+        std::unexpected(Error{ErrorKind::bad_option, "", "no such option", {}}));
   };
   for (const auto& [name, text] : {std::pair("size", "640x480"),
                                    {"size", "1x1"},

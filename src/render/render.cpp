@@ -16,7 +16,7 @@
 namespace raio {
 
 std::optional<Error> picture_problem(int width, int height, ChannelSet channels) {
-  const auto refused = [](std::string why) {
+  const auto refused = [](const std::string& why) {
     return Error{ErrorKind::no_resource, "", why + "; choose a smaller `size`"};
   };
   const size_t pixels = size_t(width) * size_t(height);

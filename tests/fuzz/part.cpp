@@ -24,7 +24,7 @@ extern "C" size_t LLVMFuzzerCustomMutator(uint8_t* data, size_t size, size_t mos
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace raio;
   const auto part = decode_part({reinterpret_cast<const char*>(data), size});
-  if (!part) return fuzz::require(!part.error().empty(), "an error has a reason"), 0;
+  if (!part) return fuzz::require(!part.error().text().empty(), "an error has a reason"), 0;
   const Film& film = *part->film;
   if (film.width() * int64_t(film.height()) > 100'000) return 0;
   const auto again = decode_part(encode_part(part->header, film));

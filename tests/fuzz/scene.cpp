@@ -20,12 +20,12 @@ Image picture(const Scene& scene, AccelKind kind) {
   options.depth = 4;
   options.soft_shadows = scene.lights.size() % 2 == 0;
   const RenderSettings settings = resolve_options(options, scene);
-  const auto accel = build_accel(scene, options.accel);
+  const auto accel = build_accel(scene, settings.accel);
   require(accel.has_value(), "a few primitives can be built");
   RenderControl control;
-  const auto film = make_film(scene, options);
+  const auto film = make_film(scene, settings);
   require(film.has_value(), "there is memory for a small picture");
-  require(render(scene, **accel, options, **film, control).finished, "a picture is finished");
+  require(render(scene, **accel, settings, **film, control).finished, "a picture is finished");
   return (*film)->resolve();
 }
 
