@@ -186,7 +186,7 @@ void Geometry::bake_polygons() {
     std::ranges::copy(chunks[c].corners, own_triangles_.begin() + at);
     std::ranges::copy(chunks[c].facets, facets_.begin() + at);
     if (smooth) std::ranges::copy(chunks[c].normals, own_normals_.begin() + at);
-    std::ranges::copy(chunks[c].sources, sources_.begin() + at);
+    if (wants_sources()) std::ranges::copy(chunks[c].sources, sources_.begin() + at);
     chunks[c] = {};
   });
   triangles_ = own_triangles_;
