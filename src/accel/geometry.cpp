@@ -285,6 +285,7 @@ MaterialId Geometry::material_of(PrimitiveId id) const {
   });
 }
 
+// NOLINTNEXTLINE(readability-convert-member-functions-to-static): get() reads members
 Box3f Geometry::bounds(PrimitiveId id) const {
   return with_kind(primitive_kind(id), [&]<PrimitiveKind kind> {
     if constexpr (kIsBounded<kind>)

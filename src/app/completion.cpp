@@ -41,7 +41,7 @@ std::string clause(const std::string& help) {
 std::string escaped(std::string_view text, std::string_view special) {
   std::string out;
   for (const char c : text) {
-    if (special.find(c) != special.npos) out += '\\';
+    if (special.find(c) != std::string_view::npos) out += '\\';
     out += c;
   }
   return out;
@@ -257,7 +257,7 @@ std::string fish(const CLI::App& app) {
           fmt::format("{} -a {} -d {}\n", begin, c->get_name(), fish_quoted(c->get_description()));
     for (const CLI::Option* option : positionals(*command))
       if (const std::string value = fish_value(*option); value != " -x")
-        out += begin + value.substr(value.find(" -k") == value.npos ? 0 : 3) + "\n";
+        out += begin + value.substr(value.find(" -k") == std::string_view::npos ? 0 : 3) + "\n";
     for (const CLI::Option* option : named_options(*command)) {
       out += begin;
       for (const std::string& name : option->get_snames()) out += " -s " + name;

@@ -103,7 +103,7 @@ class Plot {
   std::optional<ReportTime> report_of(const BenchmarkRow& row) const {
     return report_time(table_, row);
   }
-  std::string ours_label(const BenchmarkRow& row) const {
+  static std::string ours_label(const BenchmarkRow& row) {
     return seconds_label(row.seconds().median);
   }
   double width_of(const std::string& text, bool bold = false) const {

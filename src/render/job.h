@@ -44,9 +44,10 @@ struct JobRequest {
 /// What a job tells while it works, from any thread of it. Empty functions are not called.
 struct JobEvents {
   /// The scene's file was read, with warnings, or could not be, with errors.
+  // NOLINTNEXTLINE(readability-redundant-member-init)
   std::function<void(const Diagnostics&)> scene_read = {};
   /// The work goes on, but something is not as it should be.
-  std::function<void(const Error&)> warning = {};
+  std::function<void(const Error&)> warning = {};  // NOLINT(readability-redundant-member-init)
 };
 
 /// What was made, and what it cost. Rays are those of the whole picture; without those that the

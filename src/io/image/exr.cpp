@@ -96,7 +96,7 @@ class HeaderCheck {
     double bytes = 0;
     for (;;) {
       const size_t end = list.find('\0');
-      if (end == 0 || end == list.npos || list.size() - end < 17) return bytes;
+      if (end == 0 || end == std::string_view::npos || list.size() - end < 17) return bytes;
       list.remove_prefix(end + 1);
       const double samples = double(number(list, 8)) * double(number(list, 12));
       bytes += (number(list, 0) == Imf::HALF ? 2 : 4) / std::max(samples, 1.0);
@@ -198,7 +198,7 @@ Decoded<std::vector<Layer>> find_layers(const Imf::ChannelList& channels, bool g
                                         size_t pixels) {
   const std::string_view colors = grey ? "YA" : "RGBA";
   const auto color = [](std::string_view among, const std::string& name) {
-    return name.size() == 1 ? among.find(name) : among.npos;
+    return name.size() == 1 ? among.find(name) : std::string_view::npos;
   };
   using Key = std::pair<std::string, bool>;  // the name, and whether its numbers are whole ones
   std::map<Key, std::vector<std::string>> found;
@@ -207,9 +207,9 @@ Decoded<std::vector<Layer>> find_layers(const Imf::ChannelList& channels, bool g
     const std::string name = i.name();
     if (!is_whole(&i.channel()))
       return std::unexpected(fmt::format("the EXR channel {} is not at full resolution", name));
-    if (color(colors, name) != colors.npos) continue;
-    const size_t dot = name.ends_with('.') ? name.npos : name.rfind('.');
-    const std::string component = dot == name.npos ? "" : name.substr(dot + 1);
+    if (color(colors, name) != std::string_view::npos) continue;
+    const size_t dot = name.ends_with('.') ? std::string_view::npos : name.rfind('.');
+    const std::string component = dot == std::string_view::npos ? "" : name.substr(dot + 1);
     found[{name.substr(0, dot), i.channel().type == Imf::UINT}].push_back(component);
   }
   if (count * pixels > kMaxNumbers)
