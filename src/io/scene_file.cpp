@@ -79,8 +79,8 @@ std::expected<std::string, std::string> unpacked(std::string_view bytes) {
 std::string suffix_of(std::string_view name) { return lower_suffix(fs::path(name)); }
 
 std::expected<ReadScene, Diagnostics> parse_raio(std::string_view bytes, std::string_view file,
-                                                 std::shared_ptr<const void> keep) {
-  auto scene = decode_raio_scene(bytes, std::move(keep));
+                                                 const std::shared_ptr<const void>& keep) {
+  auto scene = decode_raio_scene(bytes, keep);
   if (!scene) return failed(file, scene.error());
   return ReadScene{std::move(*scene), {}};
 }

@@ -190,6 +190,7 @@ Spread spread_of(std::vector<double> values) {
 
 Spread ratio_of(const BenchmarkRow& row, const BenchmarkRow& base) {
   std::vector<double> ratios;
+  ratios.reserve(row.runs_s.size());
   for (size_t round = 0; round < row.runs_s.size(); ++round)
     ratios.push_back(row.runs_s[round] / base.runs_s[round]);
   return spread_of(std::move(ratios));

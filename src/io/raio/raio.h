@@ -28,7 +28,7 @@ std::expected<void, Error> write_raio_scene(const Scene& scene, const std::files
 /// checked before it is used, and each column against its hash. The columns are read in place for
 /// as long as the scene lives, so `keep` must hold the bytes; without it they are copied.
 std::expected<Scene, std::string> decode_raio_scene(std::string_view bytes,
-                                                    std::shared_ptr<const void> keep);
+                                                    const std::shared_ptr<const void>& keep);
 
 /// The same of a file, which stays mapped into memory as long as any column of the scene does. It
 /// may be replaced or removed meanwhile, but not overwritten or cut: that would end the program.

@@ -161,7 +161,7 @@ class Taker {
 bool is_raio_scene(std::string_view start) { return start.starts_with(kMagic); }
 
 std::expected<Scene, std::string> decode_raio_scene(std::string_view bytes,
-                                                    std::shared_ptr<const void> keep) {
+                                                    const std::shared_ptr<const void>& keep) {
   Table table;
   if (auto sound = table.check(bytes); !sound) return std::unexpected(sound.error());
   for (size_t i = 0; i < table.size(); ++i)
