@@ -76,6 +76,7 @@ int report(const BenchmarkFailure& failure) {
 
 std::expected<std::vector<AccelKind>, std::string> parse_structures(std::string_view list) {
   std::vector<std::string> words;
+  words.reserve(kStructures.size());
   for (const AccelKind kind : kStructures) words.emplace_back(accel_name(kind));
   const auto places = places_of(list, words);
   if (!places)

@@ -12,7 +12,7 @@ std::expected<PlotFormat, std::string> plot_format(const std::filesystem::path&)
   return std::unexpected(kNoPlots);
 }
 
-std::expected<std::string, std::string> draw_plot(const BenchTable&, PlotFormat) {
+std::expected<std::string, std::string> draw_plot(const BenchmarkTable&, PlotFormat) {
   return std::unexpected(kNoPlots);
 }
 
