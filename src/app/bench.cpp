@@ -83,6 +83,7 @@ std::expected<std::vector<AccelKind>, std::string> parse_structures(std::string_
     return std::unexpected(fmt::format("expected some of {}, each once, as in grid,bvh, found '{}'",
                                        fmt::join(words, ", "), list));
   std::vector<AccelKind> kinds;
+  kinds.reserve(places->size());
   for (const size_t place : *places) kinds.push_back(kStructures[place]);
   return kinds;
 }
@@ -90,6 +91,7 @@ std::expected<std::vector<AccelKind>, std::string> parse_structures(std::string_
 std::expected<EffectSet, std::string> parse_effects(std::string_view list) {
   if (list == "none") return 0;
   std::vector<std::string> words;
+  words.reserve(kBenchmarkEffects.size());
   for (const BenchmarkEffect& effect : kBenchmarkEffects) words.push_back(effect_word(effect));
   const auto places = places_of(list, words);
   if (!places)
