@@ -26,7 +26,7 @@ struct RenderCommand : JobRequest {  // output empty: <scene>.png here
   std::string progress = "auto";
   bool quiet = false;
 };
-int run(const RenderCommand& given);
+int run(const RenderCommand& command);
 
 struct MergeCommand {
   std::vector<std::string> parts;

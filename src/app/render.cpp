@@ -46,7 +46,7 @@ int write_results(RenderJob& job, const RenderCommand& command, const std::strin
 }  // namespace
 
 int run(const RenderCommand& command) {
-  JobRequest request = command;
+  JobRequest request = command;  // NOLINT(cppcoreguidelines-slicing): the rest is the program's
   const std::string output = request.output = picture_path(command);
   bool broken_scene = false;
   const JobEvents events = {

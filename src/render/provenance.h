@@ -14,7 +14,7 @@ namespace raio {
 
 /// The settings of a picture, for pictures (write_image) and part files (render/part.h). Switches
 /// that are off and numbers that played no part are left out.
-Metadata settings_of(const Scene& scene, const RenderSettings& settings);
+Metadata settings_of(const Scene& scene, const RenderSettings& used);
 
 /// The value of a setting; empty when it is not there.
 std::string_view setting(const Metadata& settings, std::string_view key);

@@ -49,6 +49,7 @@ struct Blur {
 Blur blur_of(const std::vector<float>& depths, float aperture, float focus, float height,
              float pixel) {
   std::vector<float> spread;
+  spread.reserve(depths.size());
   for (const float z : depths)
     spread.push_back(2 * aperture * std::abs(z - focus) / (z * focus * height));
   std::ranges::sort(spread);

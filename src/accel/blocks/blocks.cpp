@@ -46,6 +46,8 @@ void fill_block(const Geometry& g, Items items, Block<kind>& block) {
 
 }  // namespace
 
+// What lambdas with a template of kinds use of an object is not seen as its use.
+// NOLINTBEGIN(readability-convert-member-functions-to-static)
 const PrimitiveId* Blocks::items(uint32_t ref) const {
   return with_kind(PrimitiveKind(ref_pool(ref)), [&]<PrimitiveKind kind>() -> const PrimitiveId* {
     if constexpr (kIsBounded<kind>)
@@ -91,5 +93,6 @@ size_t Blocks::bytes() const {
       [&]<PrimitiveKind kind> { sum += of<kind>().size() * sizeof(Block<kind>); });
   return sum;
 }
+// NOLINTEND(readability-convert-member-functions-to-static)
 
 }  // namespace raio
