@@ -32,7 +32,7 @@ struct PreparedScene {
   Sampler sampler;
   std::vector<Emitter> emitters;
 
-  PreparedScene(const Scene& scene, const Accel& accel, const RenderSettings& settings);
+  PreparedScene(const Scene&, const Accel&, const RenderSettings&);
 };
 
 /// Renders tiles, one after another; one per thread, whose buffers it keeps.
