@@ -143,7 +143,11 @@ TEST(Disc, SidesAreSeenAsAskedInEveryStructure) {
   rays.push({{10, 0, 0}, {0, 0, -1}});  // from inside
   constexpr float kMiss = -1;
   const float both[] = {5, 5, kMiss, 2, 3}, one[] = {5, kMiss, kMiss, 2, kMiss};
-  for (const AccelKind kind : {AccelKind::none, AccelKind::grid, AccelKind::bvh, AccelKind::embree})
+  std::vector<AccelKind> kinds = {AccelKind::none, AccelKind::grid, AccelKind::bvh};
+#ifndef RAIO_NO_EMBREE
+  kinds.push_back(AccelKind::embree);
+#endif
+  for (const AccelKind kind : kinds)
     for (const bool one_sided : {false, true}) {
       HitBatch hits;
       TraceContext context;

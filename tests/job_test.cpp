@@ -116,7 +116,13 @@ TEST_F(Job, StoppedItKeepsWhatThereIs) {
   r.resume = true;
   EXPECT_TRUE(bytes(r) == whole);
 
-  // While it works, and before.
+  RenderJob never(request("z.png"));
+  never.control().stop = true;
+  EXPECT_EQ(never.prepare().error().kind, ErrorKind::stopped);
+}
+
+#ifndef RAIO_NO_THREADS
+TEST_F(Job, StoppedWhileItWorksItHasItsCheckpoint) {
   JobRequest endless = request("y.png");
   endless.options.samples = kMaxSamples;
   endless.checkpoint = file("d.raio"), endless.checkpoint_interval_s = 0.02;
@@ -132,10 +138,8 @@ TEST_F(Job, StoppedItKeepsWhatThereIs) {
   watcher.join();
   EXPECT_TRUE(read_part(endless.checkpoint)->film->samples(0) > 0 ||
               job.part().film->rays().total() > 0);
-  RenderJob never(request("z.png"));
-  never.control().stop = true;
-  EXPECT_EQ(never.prepare().error().kind, ErrorKind::stopped);
 }
+#endif
 
 TEST_F(Job, ShardsMergeToTheWhole) {
   const std::string whole = bytes(request("whole.exr"));

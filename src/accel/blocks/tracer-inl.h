@@ -42,7 +42,7 @@ class Tracer {
  public:
   Tracer(const Geometry& geometry, const Structure& structure, Room<WalkRoom>& room,
          TraceContext& context)
-      : g_(geometry), structure_(structure), room_(room), context_(context), beams_(true) {
+      : g_(geometry), structure_(structure), room_(room), context_(context) {
     size_t work = 0;
     for_each_bounded_kind([&]<PrimitiveKind kind> {
       beams_ = beams_ && g_.two_sided(kind);
@@ -177,8 +177,8 @@ class Tracer {
                                   : kind == PrimitiveKind::triangle ? 2
                                                                     : 4;
 
-  bool beams_;  // surfaces seen from one side only go ray by ray
-  bool few_;    // so few primitives that every ray is tested against all
+  bool beams_ = true;  // surfaces seen from one side only go ray by ray
+  bool few_;           // so few primitives that every ray is tested against all
 };
 
 template <bool any, class WalkRoom, class Structure>
