@@ -377,6 +377,19 @@ void look_up_materials(const Material* materials, size_t i, Vertices& v) {
   }
 }
 
+// Puts the surfaces of one kind, those in `lanes`, where find_surfaces() looks for them. Out of
+// line, so that what a rare kind takes in registers is not taken from the others.
+template <PrimitiveKind kind>
+HWY_NOINLINE void place_surfaces(const SurfaceInput& in, size_t i, M lanes, Vertices& v) {
+  const WideSurfaces found = SurfaceKernel<kind>::work_out(in, i, lanes, v);
+  const auto put = [&](V from, Floats& to)
+                       HWY_ATTR { hn::BlendedStore(from, lanes, d, to.at + i); };
+  const auto put3 = [&](const V3& from, Floats3& to)
+                        HWY_ATTR { put(from.x, to.x), put(from.y, to.y), put(from.z, to.z); };
+  put3(found.point, v.point), put3(found.geometric, v.outside), put3(found.normal, v.radiance);
+  put(found.extent, v.scale);
+}
+
 // Where n rays hit: points, normals towards the ray, and all that is the same for every light.
 void find_surfaces(const Accel& accel, const RayBatch& rays, const HitBatch& hits, size_t n,
                    Vertices& v) {
@@ -384,29 +397,23 @@ void find_surfaces(const Accel& accel, const RayBatch& rays, const HitBatch& hit
   for (size_t i = 0; i < n; i += kWidth) look_up_lanes(in, i, v);
   const bool colored = accel.geometry().any_colors();
   const V zero = hn::Zero(d);
-  const V3 nowhere = {zero, zero, zero};
   for (size_t i = 0; i < n; i += kWidth) {
     look_up_materials(accel.geometry().scene().materials.data(), i, v);
     if (colored) look_up_colors(accel.geometry(), hits, i, v.color);
-    const V3 dir = directions(rays, i);
     const auto kinds = hn::ShiftRight<kPrimitiveIndexBits>(load(hits.item, i));
-    WideSurfaces s = {nowhere, nowhere, nowhere, zero};
     visit_kinds([&]<PrimitiveKind kind>() HWY_ATTR {
       const M in_lanes = hn::RebindMask(d, hn::Eq(kinds, hn::Set(du, uint32_t(kind))));
-      if (hn::AllFalse(d, in_lanes)) return;
-      const WideSurfaces found = SurfaceKernel<kind>::work_out(in, i, in_lanes, v);
-      s.point = select(in_lanes, found.point, s.point);
-      s.geometric = select(in_lanes, found.geometric, s.geometric);
-      s.normal = select(in_lanes, found.normal, s.normal);
-      s.extent = hn::IfThenElse(in_lanes, found.extent, s.extent);
+      if (!hn::AllFalse(d, in_lanes)) place_surfaces<kind>(in, i, in_lanes, v);
     });
-    const M entering = hn::Lt(dot(s.geometric, dir), zero);
-    const V3 normal = select(entering, s.normal, -s.normal);
-    const V3 geometric = select(entering, s.geometric, -s.geometric);
-    const V scale = hn::Add(largest(s.point), s.extent);
-    store(s.point, v.point, i), store(scale, v.scale, i);
+    const V3 dir = directions(rays, i), point = load(v.point, i);
+    const V3 outward = load(v.outside, i), shading = load(v.radiance, i);
+    const M entering = hn::Lt(dot(outward, dir), zero);
+    const V3 normal = select(entering, shading, -shading);
+    const V3 geometric = select(entering, outward, -outward);
+    const V scale = hn::Add(largest(point), load(v.scale, i));
+    store(scale, v.scale, i);
     store(normal, v.normal, i), store(geometric, v.geometric, i);
-    store(offset_point(s.point, geometric, scale, true), v.outside, i);
+    store(offset_point(point, geometric, scale, true), v.outside, i);
     const V ior = load(v.ior, i);
     store(hn::IfThenElse(entering, hn::Div(hn::Set(d, 1), ior), ior), v.eta, i);
   }

@@ -35,8 +35,9 @@ class Beams {
 
   // The sixteen rays against all primitives of a block.
   HWY_INLINE void meet_block(uint32_t ref, uint32_t id) {
-    visit_pool(blocks_, ref_pool(ref),
-               [&](const auto& blocks) HWY_ATTR { meet_block(blocks[ref_index(ref)], id); });
+    visit_pool(blocks_, ref_pool(ref), [&](const auto& blocks) RAIO_INLINE_LAMBDA {
+      meet_block(blocks[ref_index(ref)], id);
+    });
   }
 
   bool gave_up(uint32_t id) const { return room_.beams[id].tests_left < 0; }
@@ -55,8 +56,9 @@ class Beams {
   }
 
   HWY_INLINE void leaf(uint32_t ref, const uint32_t* ids, size_t n) {
-    visit_pool(blocks_, ref_pool(ref),
-               [&](const auto& blocks) HWY_ATTR { leaf(blocks[ref_index(ref)], ids, n); });
+    visit_pool(blocks_, ref_pool(ref), [&](const auto& blocks) RAIO_INLINE_LAMBDA {
+      leaf(blocks[ref_index(ref)], ids, n);
+    });
   }
 
  private:

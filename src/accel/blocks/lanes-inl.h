@@ -155,15 +155,34 @@ constexpr uint8_t kShearAxes[6][3] = {{1, 2, 0}, {2, 0, 1}, {0, 1, 2},
 
 using DemotedTag = hn::Rebind<float, decltype(kDoubles)>;
 
+// Kinds that are tested in float stand by the million in scenes, and are inlined wherever they are
+// tested; the others, in double, are called, so that their registers are not taken from the first.
+template <PrimitiveKind kind>
+constexpr bool kTestedInFloat = kind == PrimitiveKind::sphere || kind == PrimitiveKind::triangle;
+
+// For a lambda that is to be inlined wherever it is called.
+#ifndef RAIO_INLINE_LAMBDA
+#define RAIO_INLINE_LAMBDA HWY_ATTR __attribute__((always_inline))
+#endif
+
+template <class F, class Blocks>
+HWY_NOINLINE void call_apart(const F& f, const Blocks& blocks) {
+  f(blocks);
+}
+
 // f(column of blocks) for the kind whose blocks are in the pool.
 template <size_t k = 0, class F>
-HWY_INLINE decltype(auto) visit_pool(const Blocks& blocks, Pool pool, F&& f) {
-  if constexpr (!kIsBounded<PrimitiveKind(k)>) {
+HWY_INLINE void visit_pool(const Blocks& blocks, Pool pool, F&& f) {
+  constexpr auto kind = PrimitiveKind(k);
+  if constexpr (!kIsBounded<kind>) {
     return visit_pool<k + 1>(blocks, pool, f);
   } else {
     if constexpr (k + 1 < kPrimitiveKinds)
       if (pool != Pool(k)) return visit_pool<k + 1>(blocks, pool, f);
-    return f(blocks.of<PrimitiveKind(k)>());
+    if constexpr (kTestedInFloat<kind>)
+      f(blocks.of<kind>());
+    else
+      call_apart(f, blocks.of<kind>());
   }
 }
 

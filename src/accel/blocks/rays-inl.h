@@ -208,7 +208,7 @@ class Rays {
     const uint32_t block = ref_index(ref);
     context_.tests += kBlockWidth * n;
     visit_pool(blocks_, ref_pool(ref),
-               [&](const auto& blocks) HWY_ATTR { leaf(blocks[block], ids, n); });
+               [&](const auto& blocks) RAIO_INLINE_LAMBDA { leaf(blocks[block], ids, n); });
   }
 
  private:
@@ -220,11 +220,10 @@ class Rays {
       for (size_t i = 0; i < n; ++i) meet_items(block.item, ids[i]);
       return;
     }
-    if constexpr (kind != PrimitiveKind::sphere && kind != PrimitiveKind::triangle) {
-      leaf_in_double(block, ids, n);
-    } else {
+    if constexpr (kTestedInFloat<kind>)
       leaf_in_float(block, ids, n);
-    }
+    else
+      leaf_in_double(block, ids, n);
   }
   template <PrimitiveKind kind>
   HWY_INLINE void leaf_in_float(const Block<kind>& block, const uint32_t* ids, size_t n) {

@@ -47,7 +47,8 @@ HWY_INLINE void prefetch(const Bvh& bvh, uint32_t ref) {
       hwy::Prefetch(reinterpret_cast<const uint8_t*>(p) + b);
   };
   if (ref_pool(ref) == Pool::nodes) return lines(bvh.nodes.data() + i);
-  visit_pool(bvh, ref_pool(ref), [&](const auto& blocks) HWY_ATTR { lines(blocks.data() + i); });
+  visit_pool(bvh, ref_pool(ref),
+             [&](const auto& blocks) RAIO_INLINE_LAMBDA { lines(blocks.data() + i); });
 }
 
 // The root's, a bit each.
