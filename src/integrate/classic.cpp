@@ -39,6 +39,7 @@ class ClassicShading {
     }
   }
 
+  static constexpr bool kTints = false;
   int levels() const { return scene_.settings.depth; }
   Rgb background() const { return scene_.scene.background; }
   static bool counts_rays() { return false; }

@@ -397,25 +397,37 @@ void find_surfaces(const Accel& accel, const RayBatch& rays, const HitBatch& hit
   for (size_t i = 0; i < n; i += kWidth) look_up_lanes(in, i, v);
   const bool colored = accel.geometry().any_colors();
   const V zero = hn::Zero(d);
+  const M all = hn::FirstN(d, kWidth);
   for (size_t i = 0; i < n; i += kWidth) {
     look_up_materials(accel.geometry().scene().materials.data(), i, v);
     if (colored) look_up_colors(accel.geometry(), hits, i, v.color);
+    const auto finish = [&](const WideSurfaces& s) RAIO_INLINE_LAMBDA {
+      const M entering = hn::Lt(dot(s.geometric, directions(rays, i)), zero);
+      const V3 normal = select(entering, s.normal, -s.normal);
+      const V3 geometric = select(entering, s.geometric, -s.geometric);
+      const V scale = hn::Add(largest(s.point), s.extent);
+      store(s.point, v.point, i), store(scale, v.scale, i);
+      store(normal, v.normal, i), store(geometric, v.geometric, i);
+      store(offset_point(s.point, geometric, scale, true), v.outside, i);
+      const V ior = load(v.ior, i);
+      store(hn::IfThenElse(entering, hn::Div(hn::Set(d, 1), ior), ior), v.eta, i);
+    };
     const auto kinds = hn::ShiftRight<kPrimitiveIndexBits>(load(hits.item, i));
-    visit_kinds([&]<PrimitiveKind kind>() HWY_ATTR {
-      const M in_lanes = hn::RebindMask(d, hn::Eq(kinds, hn::Set(du, uint32_t(kind))));
-      if (!hn::AllFalse(d, in_lanes)) place_surfaces<kind>(in, i, in_lanes, v);
-    });
-    const V3 dir = directions(rays, i), point = load(v.point, i);
-    const V3 outward = load(v.outside, i), shading = load(v.radiance, i);
-    const M entering = hn::Lt(dot(outward, dir), zero);
-    const V3 normal = select(entering, shading, -shading);
-    const V3 geometric = select(entering, outward, -outward);
-    const V scale = hn::Add(largest(point), load(v.scale, i));
-    store(scale, v.scale, i);
-    store(normal, v.normal, i), store(geometric, v.geometric, i);
-    store(offset_point(point, geometric, scale, true), v.outside, i);
-    const V ior = load(v.ior, i);
-    store(hn::IfThenElse(entering, hn::Div(hn::Set(d, 1), ior), ior), v.eta, i);
+    const auto all_are = [&](PrimitiveKind kind) RAIO_INLINE_LAMBDA {
+      return hn::AllTrue(du, hn::Eq(kinds, hn::Set(du, uint32_t(kind))));
+    };
+    // Neighbours are mostly of one kind.
+    if (all_are(PrimitiveKind::triangle)) {
+      finish(SurfaceKernel<PrimitiveKind::triangle>::work_out(in, i, all, v));
+    } else if (all_are(PrimitiveKind::sphere)) {
+      finish(SurfaceKernel<PrimitiveKind::sphere>::work_out(in, i, all, v));
+    } else {
+      visit_kinds([&]<PrimitiveKind kind>() HWY_ATTR {
+        const M in_lanes = hn::RebindMask(d, hn::Eq(kinds, hn::Set(du, uint32_t(kind))));
+        if (!hn::AllFalse(d, in_lanes)) place_surfaces<kind>(in, i, in_lanes, v);
+      });
+      finish({load(v.point, i), load(v.outside, i), load(v.radiance, i), load(v.scale, i)});
+    }
   }
 }
 

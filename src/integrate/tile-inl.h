@@ -85,12 +85,32 @@ HWY_INLINE void put(const V3& origin, const V3& dir, V tmax, M mask, RayBatch& r
   put(tmax, mask, rays.tmax, i);
 }
 
+// What a ray counts in its pixel: a number, or one for each of red, green and blue.
+HWY_INLINE V scaled(V weight, V part) { return hn::Mul(weight, part); }
+HWY_INLINE V3 scaled(const V3& weight, V part) { return weight * part; }
+HWY_INLINE V3 scaled(const V3& weight, const V3& part) { return weight * part; }
+HWY_INLINE M is_whole(V weight) { return hn::Eq(weight, hn::Set(d, 1)); }
+HWY_INLINE M is_whole(const V3& weight) {
+  return hn::And(is_whole(weight.x), hn::And(is_whole(weight.y), is_whole(weight.z)));
+}
+
 // Rays on their way, with the number of the pixel in the tile, the place in the ray tree
 // (integrate/sampler.h) and the weight in the pixel.
+template <bool tinted>
 struct PathRays {
+  using Weight = std::conditional_t<tinted, V3, V>;
+
   RayBatch rays;
   Column<uint32_t> pixel, branch;
-  Column<float> weight[3];  // red, green, blue
+  std::array<Column<float>, tinted ? 3 : 1> weight;
+
+  static HWY_INLINE Weight whole() {
+    const V one = hn::Set(d, 1);
+    if constexpr (tinted)
+      return {one, one, one};
+    else
+      return one;
+  }
 
   // Room for n rays and what `put` overwrites after them.
   void resize(size_t n) {
@@ -101,14 +121,21 @@ struct PathRays {
     pixel.resize(room), branch.resize(room);
     for (Column<float>& w : weight) w.resize(room);
   }
-  void put(const V3& origin, const V3& dir, V tmax, U p, U b, const V3& w, M mask, size_t i) {
+  void put(const V3& origin, const V3& dir, V tmax, U p, U b, const Weight& w, M mask, size_t i) {
     HWY_NAMESPACE::put(origin, dir, tmax, mask, rays, i);
     HWY_NAMESPACE::put(p, mask, pixel, i), HWY_NAMESPACE::put(b, mask, branch, i);
-    HWY_NAMESPACE::put(w.x, mask, weight[0], i), HWY_NAMESPACE::put(w.y, mask, weight[1], i);
-    HWY_NAMESPACE::put(w.z, mask, weight[2], i);
+    if constexpr (tinted) {
+      HWY_NAMESPACE::put(w.x, mask, weight[0], i), HWY_NAMESPACE::put(w.y, mask, weight[1], i);
+      HWY_NAMESPACE::put(w.z, mask, weight[2], i);
+    } else {
+      HWY_NAMESPACE::put(w, mask, weight[0], i);
+    }
   }
-  HWY_INLINE V3 weights(size_t i) const {
-    return {load(weight[0], i), load(weight[1], i), load(weight[2], i)};
+  HWY_INLINE Weight weights(size_t i) const {
+    if constexpr (tinted)
+      return {load(weight[0], i), load(weight[1], i), load(weight[2], i)};
+    else
+      return load(weight[0], i);
   }
   // Repeats element k as element i.
   void repeat(size_t k, size_t i) {
@@ -130,7 +157,7 @@ struct PathRays {
     take(a.ox, b.ox), take(a.oy, b.oy), take(a.oz, b.oz);
     take(a.dx, b.dx), take(a.dy, b.dy), take(a.dz, b.dz), take(a.tmax, b.tmax);
     take(pixel, from.pixel), take(branch, from.branch);
-    for (size_t c = 0; c < 3; ++c) take(weight[c], from.weight[c]);
+    for (size_t c = 0; c < weight.size(); ++c) take(weight[c], from.weight[c]);
     from.rays.resize(left);
   }
 };

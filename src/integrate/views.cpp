@@ -29,6 +29,7 @@ class ViewsShading {
     blur_ = 2 * scene.settings.aperture / (length(scene.eye.per_y) * focus_);
   }
 
+  static constexpr bool kTints = false;
   static int levels() { return 1; }
   static Rgb background() { return {}; }
   bool counts_rays() const { return view_ == View::steps || view_ == View::tests; }

@@ -8,6 +8,7 @@
 //
 // A Shading has
 //   Shading(const PreparedScene&)
+//   static constexpr bool kTints              children may weigh unlike in red, green and blue
 //   int levels()                              of the ray tree
 //   Rgb background()                          what rays that hit nothing bring
 //   bool counts_rays()                        wants each eye ray's own steps and tests,
@@ -38,6 +39,8 @@ namespace {
 template <class Shading>
 class Wavefront final : public TileRenderer {
  public:
+  using Paths = PathRays<Shading::kTints>;
+
   Wavefront(const PreparedScene& scene, RenderControl& control)
       : scene_(scene),
         control_(control),
@@ -58,7 +61,7 @@ class Wavefront final : public TileRenderer {
     sums_.begin(film, tile);
     layout_ = &film.layout();
     background_ = sums_.fixed(shading_.background());
-    for (PathRays& w : waiting_) w.rays.clear();  // left over where a render was stopped
+    for (Paths& w : waiting_) w.rays.clear();  // left over where a render was stopped
     counts_ = {};
     context_.tests = context_.steps = 0;
     const uint32_t first = film.samples(tile);
@@ -77,7 +80,7 @@ class Wavefront final : public TileRenderer {
 
   // What a Shading works on: the current rays with their hits and the surfaces there.
   const PreparedScene& scene() const { return scene_; }
-  const PathRays& rays() const { return current_; }
+  const Paths& rays() const { return current_; }
   const HitBatch& hits() const { return hits_; }
   Vertices& vertices() { return *vertices_; }
   RayCounts& counts() { return counts_; }
@@ -115,10 +118,12 @@ class Wavefront final : public TileRenderer {
       size_ = out_->rays.size();
       out_->resize(size_ + n);
     }
-    // Of current rays i, i + 1, ... in `mask`, with `part` of their weights. The number of rays to
-    // be traced. `side`: 0 for the reflected child, 1 for the refracted one.
-    size_t add(size_t i, const V3& origin, const V3& dir, V part, uint32_t side, M mask) {
-      const V3 weight = w_.current_.weights(i) * part;
+    // Of current rays i, i + 1, ... in `mask`, with `part` of their weights, a V or, where rays are
+    // tinted, a V3. The number of rays to be traced. `side`: 0 for the reflected child, 1 for the
+    // refracted one.
+    template <class Part>
+    size_t add(size_t i, const V3& origin, const V3& dir, const Part& part, uint32_t side, M mask) {
+      const auto weight = scaled(w_.current_.weights(i), part);
       if (last_) {
         w_.add_background(weight, &w_.current_.pixel[i], mask);
         return 0;
@@ -138,7 +143,7 @@ class Wavefront final : public TileRenderer {
    private:
     Wavefront& w_;
     bool last_;
-    PathRays* out_ = nullptr;
+    Paths* out_ = nullptr;
     size_t size_ = 0;
   };
 
@@ -201,12 +206,11 @@ class Wavefront final : public TileRenderer {
   size_t make_eye_rays(size_t first, const WideSampler<D>& sampler) {
     const RenderSettings& settings = scene_.settings;
     const EyeRays& eye = scene_.eye;
-    PathRays& out = waiting_[1];
+    Paths& out = waiting_[1];
     const size_t end = std::min(first + kChunk, pixels_);
     out.resize(end - first);
     const M all = hn::FirstN(d, kWidth);
     const U branch = hn::Set(du, kEyeBranch);
-    const V one = hn::Set(d, 1);
     for (size_t i = first; i < end; i += kWidth) {
       const U pixel = hn::Load(du, pixel_ + i), place = place_of(pixel);
       const Wide2<D> within = sampler.in_pixel(place);
@@ -220,7 +224,7 @@ class Wavefront final : public TileRenderer {
         ray = thin_lens(d, eye, x, y, lens, settings.aperture, settings.focus);
       }
       const V inf = hn::Set(d, std::numeric_limits<float>::infinity());
-      out.put(ray.origin, ray.dir, inf, pixel, branch, {one, one, one}, all, i - first);
+      out.put(ray.origin, ray.dir, inf, pixel, branch, Paths::whole(), all, i - first);
     }
     counts_.eye += end - first;
     return end;
@@ -362,13 +366,10 @@ class Wavefront final : public TileRenderer {
       current_.repeat(kept - 1, i), hits_.set(i, hits_[kept - 1]);
   }
 
-  void add_background(const V3& weight, const uint32_t* pixels, M mask) {
+  void add_background(const typename Paths::Weight& weight, const uint32_t* pixels, M mask) {
     const Rgb background = shading_.background();
     if (background == Rgb() || hn::AllFalse(d, mask)) return;
-    const V one = hn::Set(d, 1);
-    const auto whole =
-        hn::And(hn::Eq(weight.x, one), hn::And(hn::Eq(weight.y, one), hn::Eq(weight.z, one)));
-    if (hn::AllTrue(d, hn::Or(hn::Not(mask), whole)))
+    if (hn::AllTrue(d, hn::Or(hn::Not(mask), is_whole(weight))))
       sums_.add(background_, pixels, mask);
     else
       sums_.add(set3(d, background) * weight, pixels, mask);
@@ -388,8 +389,8 @@ class Wavefront final : public TileRenderer {
   RayCounts counts_;
   size_t pixels_ = 0;
   alignas(64) uint32_t pixel_[kTilePixels + 16]{};  // their numbers
-  std::vector<PathRays> waiting_;                   // by level
-  PathRays current_;                                // being traced, with their hits
+  std::vector<Paths> waiting_;                      // by level
+  Paths current_;                                   // being traced, with their hits
   HitBatch hits_;
   std::unique_ptr<Vertices> vertices_;
   RayBatch shadow_;

@@ -20,6 +20,12 @@ template <class D, class V = hn::Vec<D>>
 HWY_INLINE V dot(D, V ax, V ay, V az, V bx, V by, V bz) {
   return hn::Add(hn::Add(hn::Mul(ax, bx), hn::Mul(ay, by)), hn::Mul(az, bz));
 }
+
+// For a lambda that is to be inlined wherever it is called.
+#ifndef RAIO_INLINE_LAMBDA
+#define RAIO_INLINE_LAMBDA HWY_ATTR __attribute__((always_inline))
+#endif
+
 // for_each_kind() and for_each_bounded_kind() for code in lanes: a function that is compiled for
 // one instruction set is not inlined into one for all.
 template <class F>

@@ -160,11 +160,6 @@ using DemotedTag = hn::Rebind<float, decltype(kDoubles)>;
 template <PrimitiveKind kind>
 constexpr bool kTestedInFloat = kind == PrimitiveKind::sphere || kind == PrimitiveKind::triangle;
 
-// For a lambda that is to be inlined wherever it is called.
-#ifndef RAIO_INLINE_LAMBDA
-#define RAIO_INLINE_LAMBDA HWY_ATTR __attribute__((always_inline))
-#endif
-
 template <class F, class Blocks>
 HWY_NOINLINE void call_apart(const F& f, const Blocks& blocks) {
   f(blocks);
