@@ -408,8 +408,8 @@ TEST(Render, APictureBeyondMemoryIsRefused) {
 
 void add(Film& film, Rgb rgb) {
   const Vec3d v = Vec3d(rgb) * film.scale();
-  const PixelSums sums{{std::llrint(v.x), std::llrint(v.y), std::llrint(v.z)}};
-  film.add(0, 1, &sums, nullptr, {});
+  PixelSums sums{{std::llrint(v.x), std::llrint(v.y), std::llrint(v.z)}};
+  film.add(0, 1, {&sums}, {});
 }
 
 TEST(Film, SumsDoNotDependOnOrder) {
@@ -446,19 +446,19 @@ TEST(Film, TilesAreFilledWhereTheyAre) {
     };
     for (size_t t = 0; t < film.tiles(); ++t) {
       // Begun and left: nothing of it is in the film, now or later.
-      PixelSums* const left = film.begin(t);
+      PixelSums* const left = film.begin(t).sums;
       ASSERT_NE(left, nullptr);
       std::fill_n(left, film.tile_sums(), PixelSums{{1, 2, 3}});
       EXPECT_EQ(film.samples(t), 0u);
       EXPECT_EQ(film.copy(t), TileSamples());
-      PixelSums* const sums = film.begin(t);
+      PixelSums* const sums = film.begin(t).sums;
       for (size_t i = 0; i < film.tile_sums(); ++i) ASSERT_EQ(sums[i], PixelSums()) << i;
       fill(t, sums, film.scale());
-      film.add(t, 1, sums, nullptr, {.eye = t});
-      EXPECT_EQ(film.begin(t), nullptr);
+      film.add(t, 1, {sums}, {.eye = t});
+      EXPECT_EQ(film.begin(t).sums, nullptr);
       std::vector<PixelSums> more(film.tile_sums());
       fill(t, more.data(), 3 * film.scale());
-      film.add(t, 1, more.data(), nullptr, {.eye = 1});
+      film.add(t, 1, {more.data()}, {.eye = 1});
     }
     Film copied(width, height, 1000, 24);
     for (size_t t = 0; t < film.tiles(); ++t) {
@@ -471,7 +471,7 @@ TEST(Film, TilesAreFilledWhereTheyAre) {
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x) EXPECT_EQ(image.at(x, y), Rgb(float(x), float(y), 2));
     copied.replace(0, {});
-    EXPECT_NE(copied.begin(0), nullptr);
+    EXPECT_NE(copied.begin(0).sums, nullptr);
     EXPECT_EQ(copied.resolve().at(0, 0), Rgb());
   }
 }

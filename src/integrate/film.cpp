@@ -40,8 +40,8 @@ Film::Film(int width, int height, double bound, int tile_side, ChannelSet channe
       square_scale_(scale_for(bound_ * bound_)),
       layout_(channels),
       states_(size_t(columns_) * size_t((height + tile_side - 1) / tile_side)),
-      sums_(map_sums()),
-      planes_(states_.size() * tile_planes()) {}
+      sums_(map<PixelSums>(tiles() * tile_sums())),
+      planes_(map<int64_t>(tiles() * tile_planes())) {}
 
 Tile Film::tile(size_t index) const {
   const int x = int(index % size_t(columns_)) * tile_side_;
@@ -63,22 +63,25 @@ RayCounts Film::rays() const {
   return all;
 }
 
-PixelSums* Film::begin(size_t tile) {
+Film::Sums Film::begin(size_t tile) {
   const std::lock_guard lock(mutex(tile));
   TileState& state = states_[tile];
-  if (state.samples > 0) return nullptr;
-  if (state.begun) std::fill_n(sums(tile), tile_sums(), PixelSums());
+  if (state.samples > 0) return {};
+  if (state.begun) {
+    std::fill_n(sums(tile), tile_sums(), PixelSums());
+    std::fill_n(planes(tile), tile_planes(), 0);
+  }
   state.begun = true;
-  return sums(tile);
+  return {sums(tile), planes(tile)};
 }
 
-void Film::add(size_t tile, uint32_t samples, const PixelSums* sums, const int64_t* planes,
-               const RayCounts& rays) {
+void Film::add(size_t tile, uint32_t samples, const Sums& by, const RayCounts& rays) {
   const std::lock_guard lock(mutex(tile));
-  if (PixelSums* const held = this->sums(tile); held != sums)
+  if (PixelSums* const held = sums(tile); held != by.sums)
     for (size_t i = 0; i < tile_sums(); ++i)
-      for (size_t c = 0; c < sums[i].size(); ++c) held[i][c] += sums[i][c];
-  for (size_t i = 0; i < tile_planes(); ++i) this->planes(tile)[i] += planes[i];
+      for (size_t c = 0; c < held[i].size(); ++c) held[i][c] += by.sums[i][c];
+  if (int64_t* const held = planes(tile); held != by.planes)
+    for (size_t i = 0; i < tile_planes(); ++i) held[i] += by.planes[i];
   states_[tile].samples += samples;
   states_[tile].rays += rays;
 }

@@ -117,16 +117,21 @@ class Film {
   /// Of a tile, with those between its rows and, of tiles at the edge, beyond them.
   size_t tile_sums() const { return row_stride() * size_t(std::min(tile_side_, height_)); }
 
-  /// The sums of a tile that has no samples yet, all zero, to be filled where they are; the film
-  /// has nothing of them before add(), and all is as it was if that never comes. Null where there
-  /// are samples.
-  PixelSums* begin(size_t tile);
+  /// What the samples of a tile add up to: tile_sums() sums, and as many numbers for each plane of
+  /// the layout.
+  struct Sums {
+    PixelSums* sums = nullptr;
+    int64_t* planes = nullptr;
+  };
 
-  /// Adds `samples` samples of a tile: the sums of its pixels, tile_sums() of them, which are those
-  /// of begin() unless it had samples; its planes, tile_sums() numbers each, if the layout has any;
-  /// and what they have cost.
-  void add(size_t tile, uint32_t samples, const PixelSums* sums, const int64_t* planes,
-           const RayCounts& rays);
+  /// Those of a tile that has no samples yet, all zero, to be filled where they are; the film has
+  /// nothing of them before add(), and all is as it was if that never comes. Null where there are
+  /// samples.
+  Sums begin(size_t tile);
+
+  /// Adds `samples` samples of a tile and what they have cost. The sums are those of begin() unless
+  /// it had samples.
+  void add(size_t tile, uint32_t samples, const Sums& by, const RayCounts& rays);
 
   /// A tile as it is, to be kept elsewhere, and a tile as it shall be.
   TileSamples copy(size_t tile) const;
@@ -142,27 +147,29 @@ class Film {
   RayCounts rays() const;
 
  private:
+  // Zeroes that cost nothing before they are used.
+  template <class T>
   struct Unmap {
     size_t bytes;
-    void operator()(void* memory) const { unmap_zeroes(memory, bytes); }
+    void operator()(T* memory) const { unmap_zeroes(memory, bytes); }
   };
-  using Sums = std::unique_ptr<PixelSums[], Unmap>;
+  template <class T>
+  using Zeroes = std::unique_ptr<T[], Unmap<T>>;
+  template <class T>
+  static Zeroes<T> map(size_t count) {
+    const size_t bytes = count * sizeof(T);
+    return {bytes == 0 ? nullptr : static_cast<T*>(map_zeroes(bytes)), Unmap<T>{bytes}};
+  }
 
   struct TileState {
     uint32_t samples = 0;
-    bool begun = false;  // without samples its sums may not be zero
+    bool begun = false;  // without samples its sums and planes may not be zero
     RayCounts rays;
   };
 
-  Sums map_sums() const {
-    const size_t bytes = tiles() * tile_sums() * sizeof(PixelSums);
-    return {static_cast<PixelSums*>(map_zeroes(bytes)), Unmap{bytes}};
-  }
-
   std::mutex& mutex(size_t tile) const { return mutexes_[tile % mutexes_.size()]; }
   PixelSums* sums(size_t tile) const { return &sums_[tile * tile_sums()]; }
-  int64_t* planes(size_t tile) { return planes_.data() + tile * tile_planes(); }
-  const int64_t* planes(size_t tile) const { return planes_.data() + tile * tile_planes(); }
+  int64_t* planes(size_t tile) const { return planes_.get() + tile * tile_planes(); }
   size_t tile_planes() const { return size_t(layout_.planes()) * tile_sums(); }
   // Of a pixel of the picture in a tile that has samples.
   int64_t held(Channel channel, size_t tile, int x, int y, size_t component) const;
@@ -181,8 +188,8 @@ class Film {
   // a third of the picture apart do not wait for each other.
   mutable std::array<std::mutex, 61> mutexes_;
   std::vector<TileState> states_;
-  Sums sums_;                    // tile by tile
-  std::vector<int64_t> planes_;  // tile by tile, plane by plane
+  Zeroes<PixelSums> sums_;  // tile by tile
+  Zeroes<int64_t> planes_;  // tile by tile, plane by plane
 };
 
 }  // namespace raio

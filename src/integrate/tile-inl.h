@@ -168,41 +168,40 @@ class TileSums {
  public:
   void begin(Film& film, size_t tile) {
     bound_ = film.bound(), scale_ = film.scale();
+    const FilmLayout& layout = film.layout();
+    plane_size_ = film.tile_sums();
     sums_ = film.begin(tile);
-    if (!sums_) {
-      own_.assign(film.tile_sums(), PixelSums());
-      sums_ = own_.data();
+    if (!sums_.sums) {
+      own_.assign(plane_size_, PixelSums());
+      own_planes_.assign(size_t(layout.planes()) * plane_size_, 0);
+      sums_ = {own_.data(), own_planes_.data()};
     }
     is_clamped_ = bound_ == Film::kMostBound;
-    const FilmLayout& layout = film.layout();
-    planes_.assign(size_t(layout.planes()) * film.tile_sums(), 0);
-    plane_size_ = film.tile_sums();
     squares_ = layout.has(Channel::variance) ? plane(layout.first(Channel::variance)) : nullptr;
     square_scale_ = film.square_scale();
-    before_.resize(is_clamped_ || squares_ ? film.tile_sums() : 0);
+    before_.resize(is_clamped_ || squares_ ? plane_size_ : 0);
   }
 
   // Around each sample. What its rays bring together is beyond the film's bound only where that is
   // the most that there is, with lights near the end of floats: then no more than it counts.
-  void begin_sample() { std::copy_n(sums_, before_.size(), before_.begin()); }
+  void begin_sample() { std::copy_n(sums_.sums, before_.size(), before_.begin()); }
   void end_sample() {
     const auto most = int64_t(bound_ * scale_);
     for (size_t i = 0; i < before_.size(); ++i)
       for (size_t c = 0; c < 3; ++c) {
-        if (is_clamped_) sums_[i][c] = std::min(sums_[i][c], before_[i][c] + most);
+        if (is_clamped_) sums_.sums[i][c] = std::min(sums_.sums[i][c], before_[i][c] + most);
         if (!squares_) continue;
-        const double value = double(sums_[i][c] - before_[i][c]) / scale_;
+        const double value = double(sums_.sums[i][c] - before_[i][c]) / scale_;
         squares_[c * plane_size_ + i] += std::llround(value * value * square_scale_);
       }
   }
 
   // A plane of the film's layout, a number for each pixel.
-  int64_t* plane(int index) { return planes_.data() + size_t(index) * plane_size_; }
-  const int64_t* planes() const { return planes_.data(); }
+  int64_t* plane(int index) { return sums_.planes + size_t(index) * plane_size_; }
 
   // Asks the memory for those of four pixels in a row.
   HWY_INLINE void prefetch(uint32_t pixel) const {
-    hwy::Prefetch(sums_ + pixel), hwy::Prefetch(sums_ + pixel + 2);
+    hwy::Prefetch(sums_.sums + pixel), hwy::Prefetch(sums_.sums + pixel + 2);
   }
 
   // The values in `mask`, one for each of `pixels`, with as much coverage.
@@ -230,7 +229,7 @@ class TileSums {
     return sums;
   }
 
-  const PixelSums* pixels() const { return sums_; }
+  const Film::Sums& all() const { return sums_; }
 
  private:
   static constexpr hn::CappedTag<double, kWidth> kDoubles{};
@@ -243,7 +242,7 @@ class TileSums {
     hn::StoreMaskBits(d, mask, bits);
     for (unsigned lanes = bits[0] | unsigned(bits[1]) << 8; lanes; lanes &= lanes - 1) {
       const size_t k = hwy::Num0BitsBelowLS1Bit_Nonzero32(lanes);
-      int64_t* const sums = sums_[pixels[k]].data();
+      int64_t* const sums = sums_.sums[pixels[k]].data();
       const int64_t* const by = value(k)->data();
       for (size_t c = 0; c < 4; c += hn::MaxLanes(kFour))
         hn::Store(hn::Add(hn::Load(kFour, sums + c), hn::Load(kFour, by + c)), kFour, sums + c);
@@ -260,11 +259,11 @@ class TileSums {
   }
 
   double bound_ = 1, scale_ = 1;
-  PixelSums* sums_ = nullptr;
-  std::vector<PixelSums> own_;     // unless they are the film's
+  Film::Sums sums_;
+  std::vector<PixelSums> own_;  // unless they are the film's
+  std::vector<int64_t> own_planes_;
   std::vector<PixelSums> before_;  // the sample
   bool is_clamped_ = false;
-  std::vector<int64_t> planes_;
   size_t plane_size_ = 0;
   int64_t* squares_ = nullptr;  // the planes of the variance, if there are any
   double square_scale_ = 1;

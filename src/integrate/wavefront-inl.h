@@ -75,7 +75,7 @@ class Wavefront final : public TileRenderer {
       ++control_.work_done;
     }
     counts_.tests = context_.tests, counts_.steps = context_.steps;
-    film.add(tile, samples - first, sums_.pixels(), sums_.planes(), counts_);
+    film.add(tile, samples - first, sums_.all(), counts_);
   }
 
   // What a Shading works on: the current rays with their hits and the surfaces there.

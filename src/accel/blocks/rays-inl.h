@@ -206,7 +206,6 @@ class Rays {
 
   HWY_INLINE void leaf(uint32_t ref, const uint32_t* ids, size_t n) {
     const uint32_t block = ref_index(ref);
-    context_.tests += kBlockWidth * n;
     visit_pool(blocks_, ref_pool(ref),
                [&](const auto& blocks) RAIO_INLINE_LAMBDA { leaf(blocks[block], ids, n); });
   }
@@ -216,6 +215,7 @@ class Rays {
   // foreseen wrongly; then those that met something. For any hit the first says it all.
   template <PrimitiveKind kind>
   HWY_INLINE void leaf(const Block<kind>& block, const uint32_t* ids, size_t n) {
+    context_.tests += hwy::PopCount(BoxLanes::named(block.item)) * n;
     if (!g_.two_sided(kind)) {
       for (size_t i = 0; i < n; ++i) meet_items(block.item, ids[i]);
       return;

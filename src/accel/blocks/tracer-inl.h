@@ -40,9 +40,9 @@ Room<WalkRoom>& own_room() {
 template <bool any, class Structure, class WalkRoom>
 class Tracer {
  public:
-  Tracer(const Geometry& geometry, const Structure& structure, Room<WalkRoom>& room,
+  Tracer(const Geometry& geometry, const Structure& structure, bool alone, Room<WalkRoom>& room,
          TraceContext& context)
-      : g_(geometry), structure_(structure), room_(room), context_(context) {
+      : g_(geometry), structure_(structure), room_(room), context_(context), beams_(!alone) {
     size_t work = 0;
     for_each_bounded_kind([&]<PrimitiveKind kind> {
       beams_ = beams_ && g_.two_sided(kind);
@@ -177,14 +177,16 @@ class Tracer {
                                   : kind == PrimitiveKind::triangle ? 2
                                                                     : 4;
 
-  bool beams_ = true;  // surfaces seen from one side only go ray by ray
-  bool few_;           // so few primitives that every ray is tested against all
+  bool beams_;  // surfaces seen from one side only go ray by ray
+  bool few_;    // so few primitives that every ray is tested against all
 };
 
 template <bool any, class WalkRoom, class Structure>
 void trace_all(const Geometry& g, const Structure& structure, const RayBatch& rays, HitBatch* hits,
                uint8_t* hit, TraceContext& context) {
-  Tracer<any, Structure, WalkRoom> tracer(g, structure, own_room<WalkRoom>(), context);
+  // A ray by itself is told what it alone would cost.
+  const bool alone = rays.size() == 1;
+  Tracer<any, Structure, WalkRoom> tracer(g, structure, alone, own_room<WalkRoom>(), context);
   for (size_t i = 0; i < rays.size() && !context.stopped(); i += kChunk)
     tracer.trace(rays, i, hits, hit);
 }

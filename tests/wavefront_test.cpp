@@ -1,0 +1,78 @@
+// The seam between the wavefront and a way of shading, by a shading of the test's own: mirrors that
+// tint what they reflect.
+#include <gtest/gtest.h>
+#include <hwy/highway.h>
+
+#include "accel_rays.h"
+#include "integrate/wavefront-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace raio::HWY_NAMESPACE {
+namespace {
+
+class TintedMirrors {
+ public:
+  explicit TintedMirrors(const PreparedScene& scene)
+      : levels_(scene.settings.depth), background_(scene.scene.background) {}
+
+  static constexpr bool kTints = true;
+  int levels() const { return levels_; }
+  Rgb background() const { return background_; }
+  static bool counts_rays() { return false; }
+  template <class W>
+  void begin(W&, size_t) const {}
+
+  template <class W>
+  void shade(W& w, int, size_t n, const WideSampler<D>&) const {
+    for (size_t i = 0; i < n; i += kWidth) store(set3(d, Rgb()), w.vertices().radiance, i);
+  }
+  template <class W>
+  void spawn(W& w, int level, size_t n) const {
+    const Vertices& v = w.vertices();
+    typename W::Children children(w, level, n);
+    for (size_t i = 0; i < n; i += kWidth) {
+      const V3 in = directions(w.rays().rays, i), normal = load(v.normal, i);
+      const V3 out = in - normal * hn::Mul(hn::Set(d, 2), dot(in, normal));
+      children.add(i, load(v.outside, i), out, set3(d, Rgb(0.5f, 1, 0.25f)), 0,
+                   hn::FirstN(d, n - i));
+    }
+    children.done();
+  }
+
+ private:
+  int levels_;
+  Rgb background_;
+};
+
+Rgb corner_pixel(const Scene& scene, int levels) {
+  const auto accel = raio::testing::build(scene, {});
+  RenderSettings settings;
+  settings.camera = scene.camera;
+  settings.width = settings.height = 4;
+  settings.depth = levels;
+  const PreparedScene prepared(scene, *accel, settings);
+  RenderControl control;
+  Film film(4, 4, 1);
+  Wavefront<TintedMirrors>(prepared, control).render(0, 1, film);
+  return film.resolve().at(0, 0);
+}
+
+TEST(Wavefront, WeighsRaysByColor) {
+  Scene scene;
+  scene.background = {1, 0.5f, 0.25f};
+  scene.materials = {Material()};
+  scene.camera.from = {0, 0, 1}, scene.camera.at = {0, 0, 0};
+  EXPECT_EQ(corner_pixel(scene, 2), Rgb(1, 0.5f, 0.25f));
+  scene.planes = {Plane{{0, 0, 0}, {0, 0, 1}}};
+  scene.plane_materials = {0};
+  EXPECT_EQ(corner_pixel(scene, 2), Rgb(0.5f, 0.5f, 0.0625f));
+  // A second mirror behind the camera: the children of the last level bring the background.
+  scene.planes = {Plane{{0, 0, 0}, {0, 0, 1}}, Plane{{0, 0, 2}, {0, 0, -1}}};
+  scene.plane_materials = {0, 0};
+  EXPECT_EQ(corner_pixel(scene, 1), Rgb(0.5f, 0.5f, 0.0625f));
+  EXPECT_EQ(corner_pixel(scene, 2), Rgb(0.25f, 0.5f, 0.015625f));
+}
+
+}  // namespace
+}  // namespace raio::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
