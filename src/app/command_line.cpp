@@ -277,9 +277,14 @@ void add_view(CLI::App& app, ViewCommand& view, const Invocation& invocation, in
   sub->footer(examples({"raio view balls.nff --soft-shadows"}));
   add_scene(*sub, view.scene);
   add_render_options(*sub, view.options);
+  // Those that the window lacks are known, so that they are refused for the right reason.
+  for (const OptionSpec& spec : render_option_table())
+    if (!spec.of_window) sub->get_option("--" + std::string(spec.name))->group("");
   sub->add_flag("--log", view.log, "Log events to standard error, one per line");
   sub->callback([&] {
     refuse_conflict(view.options);
+    if (const auto why = window_conflict(view.options))
+      throw CLI::ParseError(text_of(*why), kBadInput);
     // What the arguments mean is found out here; the window itself is another program.
     status = invocation.open_window ? invocation.open_window(view)
                                     : become_view_program(invocation.argv);

@@ -82,7 +82,8 @@ std::expected<void, Error> RenderJob::prepare() {
   if (auto why = option_conflict(request_.options, scene_.get()))
     return std::unexpected(std::move(*why));
   settings_ = resolve_options(request_.options, *scene_);
-  if (auto why = picture_problem(settings_.width, settings_.height, settings_.channels))
+  const Crop frame = settings_.frame();
+  if (auto why = picture_problem(frame.width(), frame.height(), settings_.channels))
     return std::unexpected(std::move(*why));
   part_.header = {settings_of(*scene_, settings_), request_.shard, request_.shards};
   auto film = film_of(*start, *scene_, settings_, part_.header.settings, events_.warning);

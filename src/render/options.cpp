@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "render/picture_options.h"
 
 namespace raio {
 namespace {
@@ -170,6 +171,17 @@ using Options = RenderOptions;
 constexpr auto kTable = std::to_array<OptionSpec>({
     {"size", "WxH", "Width and height in pixels (default: the scene's resolution, else 512x512)",
      parse_size, 0, 0, size_text},
+    {"crop",
+     "X0,Y0,X1,Y1",
+     "Render these columns and rows of the picture only, from X0,Y0 to before X1,Y1, counted from "
+     "its upper left corner; the pixels are those of the whole picture (default: all)",
+     parse_crop,
+     0,
+     0,
+     crop_text,
+     {},
+     true,
+     false},
     {"from", "X,Y,Z", "Position of the camera, in the file's coordinates (default: the scene's)",
      parse_vector<&Options::from>, 0, 0, vector_text<&Options::from>},
     {"at", "X,Y,Z", "Point the camera looks at (default: the scene's)", parse_vector<&Options::at>,
@@ -465,6 +477,7 @@ std::optional<Error> option_conflict(const RenderOptions& options, const Scene* 
   if (of_rays && options.integrator && *options.integrator != IntegratorKind::views)
     return conflict("view", fmt::format("{} is one of `integrator` views; leave one of them out",
                                         view_name(options.view)));
+  if (auto why = picture_conflict(options, scene)) return why;
   if (scene) return scene_conflict(options, *scene);
   if (options.dof == false && options.aperture > 0) return without("aperture", "dof");
   if (options.dof == false && options.focus > 0) return without("focus", "dof");
@@ -489,6 +502,7 @@ RenderSettings resolve_options(const RenderOptions& o, const Scene& scene) {
   s.angle_to_centers = o.angle_to_centers;
   s.width = o.width > 0 ? o.width : s.camera.width > 0 ? s.camera.width : 512;
   s.height = o.height > 0 ? o.height : s.camera.height > 0 ? s.camera.height : 512;
+  if (o.crop != Crop{0, 0, s.width, s.height}) s.crop = o.crop;
 
   s.seed = o.seed;
   s.samples = o.samples;
@@ -517,6 +531,7 @@ RenderOptions options_of(const RenderSettings& s, const Scene& scene) {
     o.integrator = s.integrator;
   o.view = s.view, o.channels = s.channels;
   o.width = s.width, o.height = s.height;
+  o.crop = s.crop;
   set_camera(o, s.camera, scene);
   o.angle_to_centers = s.angle_to_centers;
   o.sampler = s.sampler, o.seed = s.seed;

@@ -19,6 +19,7 @@ namespace raio {
 struct RenderOptions {
   AccelOptions accel;
   int width = 0, height = 0;
+  std::optional<Crop> crop;
   std::optional<Vec3d> from, at, up;  // of the camera, in the coordinates of the file
   float fov_deg = 0;
   std::optional<IntegratorKind> integrator;
@@ -54,6 +55,9 @@ void set_camera(RenderOptions& options, const Camera& camera, const Scene& scene
 /// what depends on it passes.
 std::optional<Error> option_conflict(const RenderOptions& options, const Scene* scene = nullptr);
 
+/// Why a picture with these options cannot be watched in a window (bad_option), or nothing.
+std::optional<Error> window_conflict(const RenderOptions& options);
+
 /// What the options come to for `scene`: where they leave something open, the scene's own wishes
 /// (resolution, samples, lens), else the default that the table states.
 RenderSettings resolve_options(const RenderOptions& options, const Scene& scene);
@@ -81,6 +85,7 @@ struct OptionSpec {
   std::span<const std::string_view> words = {};  // NOLINT(readability-redundant-member-init)
 
   bool of_picture = true;  // a picture depends on it
+  bool of_window = true;   // pictures that are watched as they grow have it, too
 
   bool is_switch() const { return value_name.empty(); }
 };

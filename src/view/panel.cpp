@@ -207,6 +207,7 @@ std::optional<std::string> draw_option(const RenderOptions& options, const Rende
 void draw_options(ViewState& state, PanelResult& result) {
   ImGui::PushItemWidth(10 * ImGui::GetFontSize());
   for (const OptionSpec& spec : render_option_table()) {
+    if (!spec.of_window) continue;
     RenderOptions options = state.options;
     set_camera(options, state.camera, *state.scene);
     const auto entered = draw_option(
