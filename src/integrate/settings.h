@@ -39,6 +39,7 @@ struct RenderSettings {
   IntegratorKind integrator = IntegratorKind::classic;
   View view = View::picture;
   ChannelSet channels;
+  Rgb background;  // what rays bring that hit nothing
 
   int width = 512, height = 512;  // of the whole picture, pixels
   std::optional<Crop> crop;       // a part of it, without which all of it is rendered

@@ -66,7 +66,7 @@ std::expected<void, Error> RenderJob::prepare() {
   if (auto why = option_conflict(request_.options)) return std::unexpected(std::move(*why));
   const auto check_output = [this]() -> std::optional<Error> {
     if (request_.output.empty()) return std::nullopt;
-    return output_problem(request_.output, request_.options.channels);
+    return output_problem(request_.output, channels_of(request_.options));
   };
   if (auto why = check_output()) return std::unexpected(std::move(*why));
   if (!request_.checkpoint.empty())

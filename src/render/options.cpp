@@ -200,6 +200,10 @@ constexpr auto kTable = std::to_array<OptionSpec>({
      "Keep these beside the colours, as numbers: alpha, depth, position, normal, albedo, id, "
      "object, samples, variance, steps, tests; .exr and .npz hold all of them, .png alpha alone",
      parse_channels, 0, 0, channels_text},
+    {"background", "COLOR",
+     "What rays see that hit nothing: a name as in white, '#rrggbb', R,G,B where 1 is white, or "
+     "transparent, for black that is left out of the picture, with alpha (default: the scene's)",
+     parse_background, 0, 0, background_text},
     {"accel", "NAME", "Acceleration structure: auto, none, grid, bvh or embree (default: auto)",
      parse_accel, 0, 0, accel_text, kAccelNames},
     {"grid-factor", "M",
@@ -352,6 +356,8 @@ std::string option_arguments(const RenderOptions& options) {
     if (text == option_text(usual, spec)) continue;
     if (spec.is_switch())
       out += fmt::format(" --{}{}", text == "false" ? "no-" : "", spec.name);
+    else if (text.starts_with('#'))  // with which comments begin in shells
+      out += fmt::format(" --{} '{}'", spec.name, text);
     else
       out += fmt::format(" --{} {}", spec.name, text);
   }
@@ -494,7 +500,8 @@ RenderSettings resolve_options(const RenderOptions& o, const Scene& scene) {
       o.integrator.value_or(shows_rays ? IntegratorKind::views : IntegratorKind::classic);
   s.view = o.view;
   if (s.integrator == IntegratorKind::views && o.view == View::picture) s.view = View::normals;
-  s.channels = o.channels;
+  s.channels = channels_of(o);
+  s.background = background_of(o, scene);
   s.accel.counters |= s.view == View::steps || s.view == View::tests ||
                       s.channels.has(Channel::steps) || s.channels.has(Channel::tests);
 
@@ -530,6 +537,7 @@ RenderOptions options_of(const RenderSettings& s, const Scene& scene) {
   if (s.integrator != IntegratorKind::classic && s.view == View::picture)
     o.integrator = s.integrator;
   o.view = s.view, o.channels = s.channels;
+  if (s.background != scene.background) o.background = WrittenColor{.color = s.background};
   o.width = s.width, o.height = s.height;
   o.crop = s.crop;
   set_camera(o, s.camera, scene);

@@ -11,6 +11,7 @@
 #include <variant>
 
 #include "base/error.h"
+#include "integrate/color_text.h"
 #include "integrate/settings.h"
 
 namespace raio {
@@ -25,6 +26,7 @@ struct RenderOptions {
   std::optional<IntegratorKind> integrator;
   View view = View::picture;
   ChannelSet channels;
+  std::optional<WrittenColor> background;
   int aa = 0;  // cells along a side of the pixel; 1: its centre; resolved to 0: all of it
   bool soft_shadows = false;
   float light_size = 0;
@@ -57,6 +59,9 @@ std::optional<Error> option_conflict(const RenderOptions& options, const Scene* 
 
 /// Why a picture with these options cannot be watched in a window (bad_option), or nothing.
 std::optional<Error> window_conflict(const RenderOptions& options);
+
+/// The channels that are asked for by name, and alpha for a transparent background.
+ChannelSet channels_of(const RenderOptions& options);
 
 /// What the options come to for `scene`: where they leave something open, the scene's own wishes
 /// (resolution, samples, lens), else the default that the table states.
@@ -102,7 +107,7 @@ std::expected<void, Error> set_option(RenderOptions& options, const OptionSpec& 
 std::string option_text(const RenderOptions& options, const OptionSpec& spec);
 
 /// What the command line needs to have these options: " --aa 4 --soft-shadows", without those that
-/// are as always.
+/// are as always and as a shell wants it.
 std::string option_arguments(const RenderOptions& options);
 
 /// The names of a structure, of a sampler and of a view as on the command line.

@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <utility>
+
+#include "io/image/image.h"
 
 namespace raio {
 namespace {
@@ -25,6 +28,22 @@ std::optional<Error> crop_conflict(const RenderOptions& options, const Scene* sc
                   fmt::format("{} ends outside the picture, which has {}x{} pixels; choose an X1 "
                               "of at most {} and a Y1 of at most {}",
                               crop_text(options), width, height, width, height));
+}
+
+// The way in which `options` show something else than light, as in "`view` normals"; empty where
+// they do not.
+std::string no_light_in(const RenderOptions& options) {
+  if (options.view != View::picture) return fmt::format("`view` {}", view_name(options.view));
+  return options.integrator == IntegratorKind::views ? "`integrator` views" : "";
+}
+
+std::optional<Error> look_conflict(const RenderOptions& options) {
+  const std::string instead = no_light_in(options);
+  if (instead.empty() || !options.background || options.background->transparent)
+    return std::nullopt;
+  return conflict("background", fmt::format("has no effect with {}, but transparent has; leave "
+                                            "one of them out",
+                                            instead));
 }
 
 }  // namespace
@@ -54,13 +73,43 @@ std::string crop_text(const RenderOptions& options) {
   return crop ? fmt::format("{},{},{},{}", crop->x0, crop->y0, crop->x1, crop->y1) : "";
 }
 
+std::expected<void, std::string> parse_background(RenderOptions& options, std::string_view text) {
+  auto color = parse_color(text);
+  if (!color) return std::unexpected(std::move(color.error()));
+  options.background = *color;
+  return {};
+}
+
+std::string background_text(const RenderOptions& options) {
+  if (!options.background) return {};
+  const auto& [color, transparent, encoded] = *options.background;
+  if (transparent) return "transparent";
+  if (!encoded) return fmt::format("{},{},{}", color.x, color.y, color.z);
+  return fmt::format("#{:02x}{:02x}{:02x}", to_byte(color.x), to_byte(color.y), to_byte(color.z));
+}
+
+Rgb background_of(const RenderOptions& options, const Scene& scene) {
+  if (!options.background || !no_light_in(options).empty()) return scene.background;
+  return options.background->color;
+}
+
+ChannelSet channels_of(const RenderOptions& options) {
+  ChannelSet channels = options.channels;
+  if (options.background && options.background->transparent) channels.add(Channel::alpha);
+  return channels;
+}
+
 std::optional<Error> picture_conflict(const RenderOptions& options, const Scene* scene) {
+  if (auto why = look_conflict(options)) return why;
   return crop_conflict(options, scene);
 }
 
 std::optional<Error> window_conflict(const RenderOptions& options) {
   if (options.crop)
     return conflict("crop", "the window shows whole pictures; leave it out, or render to a file");
+  if (options.background && options.background->transparent)
+    return conflict("background",
+                    "the window cannot show transparent; give a colour, or render to a file");
   return std::nullopt;
 }
 

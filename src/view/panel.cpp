@@ -221,6 +221,10 @@ void draw_options(ViewState& state, PanelResult& result) {
       result.problem = set.error().text("--");
       continue;
     }
+    if (const auto why = window_conflict(options)) {
+      result.problem = why->text("--");
+      continue;
+    }
     const Camera camera = camera_of(*state.scene, options);
     if (const auto why = camera_problem(camera); !why.empty()) {
       result.problem = why;
