@@ -1,4 +1,4 @@
-// The ground on which a picture stands: the option `background`.
+// How pictures look: the options `background`, `exposure` and `tone`.
 #include <gmock/gmock.h>
 
 #include "io/image/image.h"
@@ -21,8 +21,9 @@ void set(RenderOptions& options, std::string_view name, std::string_view text) {
   EXPECT_TRUE(done) << done.error().text();
   // What it is given as says the same.
   RenderOptions again;
-  EXPECT_TRUE(set_option(again, *spec, option_text(options, *spec)));
-  EXPECT_EQ(option_text(again, *spec), option_text(options, *spec));
+  const std::string given = option_text(options, *spec);
+  EXPECT_TRUE(given.empty() || set_option(again, *spec, given));
+  EXPECT_EQ(option_text(again, *spec), given);
 }
 
 /// Pixels without anything, and with mirrors that see the ground.
@@ -69,6 +70,18 @@ class Look : public TemporaryFolder {
     return get(file(output));
   }
 
+  static Scene scene_of_black_ground() {
+    Scene black = scene_of_two_balls();
+    black.background = {};
+    return black;
+  }
+  RenderOptions with_alpha() const {
+    RenderOptions o = options_;
+    o.background.reset();
+    o.channels.add(Channel::alpha);
+    return o;
+  }
+
   Scene scene_ = scene_of_two_balls();
   RenderOptions options_;
 };
@@ -103,11 +116,7 @@ TEST_F(Look, BackgroundOfTheSceneIsNoOther) {
 }
 
 TEST_F(Look, TransparentIsBlackWithAlpha) {
-  Scene black = scene_;
-  black.background = {};
-  RenderOptions by_name = options_;
-  by_name.channels.add(Channel::alpha);
-  const Image wanted = testing::picture_of(black, by_name);
+  const Image wanted = testing::picture_of(scene_of_black_ground(), with_alpha());
 
   set(options_, "background", "transparent");
   for (const char* name : {"a.png", "a.exr"}) {
@@ -150,6 +159,102 @@ TEST_F(Look, BackgroundsThatCannotBeAreRefused) {
   EXPECT_THAT(window_conflict(options_)->message, HasSubstr("transparent"));
   set(options_, "background", "white");
   EXPECT_FALSE(window_conflict(options_));
+}
+
+TEST_F(Look, ToneAndExposureMakeTheBytesOfDisplays) {
+  const Image light = testing::picture_of(scene_, options_);
+  const std::string plain = bytes("plain.png"), pfm = bytes("plain.pfm");
+  bytes("plain.exr");
+  const Image exr = *read_image(file("plain.exr"));
+  for (const auto& [tone, name] :
+       {std::pair(Tone::none, "none"), {Tone::srgb, "srgb"}, {Tone::agx, "agx"}})
+    for (const char* exposure : {"0", "-1.5", "2"}) {
+      options_ = {};
+      options_.width = 60, options_.height = 40, options_.aa = 2;
+      set(options_, "tone", name), set(options_, "exposure", exposure);
+      const ToneMap map(tone, options_.exposure);
+      const std::string once = bytes("a.png");
+      bytes("a.ppm");
+      const Image png = *read_image(file("a.png")), ppm = *read_image(file("a.ppm"));
+      for (size_t i = 0; i < light.pixels.size(); ++i)
+        for (int c = 0; c < 3; ++c) {
+          ASSERT_EQ(to_byte(png.pixels[i][c]), to_byte(map(light.pixels[i])[c])) << name;
+          ASSERT_EQ(png.pixels[i][c], ppm.pixels[i][c]);
+        }
+      EXPECT_TRUE(repeated("a.png", "b.png") == once);
+      EXPECT_EQ(once == plain, tone == Tone::none && options_.exposure == 0);
+      // Numbers stay numbers, and know how they are to be shown.
+      EXPECT_TRUE(bytes("a.pfm") == pfm);
+      bytes("a.exr");
+      EXPECT_TRUE(same_bytes(*read_image(file("a.exr")), exr));
+      EXPECT_TRUE(repeated("a.exr", "c.png") == once);
+    }
+}
+
+TEST_F(Look, PartsAreShownByTheirTone) {
+  set(options_, "tone", "agx"), set(options_, "exposure", "1");
+  const std::string once = bytes("a.png");
+  bytes("a.raio");
+  const Part part = *read_part(file("a.raio"));
+  ASSERT_TRUE(write_result(file("b.png"), part));
+  EXPECT_TRUE(get(file("b.png")) == once);
+  JobRequest plain = request("c.png");
+  plain.options.tone = {}, plain.checkpoint = file("a.raio"), plain.resume = true;
+  const auto refused = done(plain);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("`tone` agx, not without it"));
+}
+
+TEST_F(Look, ToneIsThatOfWhatCoversThePixel) {
+  set(options_, "background", "transparent");
+  const Image light = testing::picture_of(scene_of_black_ground(), with_alpha());
+  set(options_, "tone", "srgb"), set(options_, "exposure", "1");
+  bytes("a.png");
+  // Read, colours are multiplied by alpha.
+  const Picture shown = *read_picture(file("a.png"));
+  bytes("a.exr");
+  const Picture numbers = *read_picture(file("a.exr"));
+  EXPECT_TRUE(same_bytes(numbers.color, light));
+  const ToneMap map(Tone::srgb, 1);
+  int partly = 0;
+  for (size_t i = 0; i < light.pixels.size(); ++i) {
+    const float alpha = numbers.alpha[i];
+    if (alpha == 0) {
+      ASSERT_EQ(shown.color.pixels[i], Rgb());
+      continue;
+    }
+    partly += alpha < 1;
+    const Rgb straight = map(light.pixels[i] / alpha);
+    for (int c = 0; c < 3; ++c)
+      ASSERT_NEAR(shown.color.pixels[i][c] / shown.alpha[i], straight[c], 0.503 / 255);
+  }
+  EXPECT_GT(partly, 20);
+}
+
+TEST_F(Look, BackgroundComesOutOfTheCurveAsItWasWritten) {
+  set(options_, "tone", "srgb"), set(options_, "background", "#8081fe");
+  const std::string once = bytes("a.png");
+  const Rgb corner = read_image(file("a.png"))->at(0, 0);
+  EXPECT_EQ(to_byte(corner.x), 0x80);
+  EXPECT_EQ(to_byte(corner.y), 0x81);
+  EXPECT_EQ(to_byte(corner.z), 0xfe);
+  EXPECT_TRUE(repeated("a.png", "b.png") == once);
+  // Numbers are light.
+  set(options_, "background", "0.5,0.5,0.5");
+  bytes("a.png");
+  EXPECT_EQ(to_byte(read_image(file("a.png"))->at(0, 0).x), to_byte(srgb_from_linear(0.5f)));
+}
+
+TEST_F(Look, ViewsTakeNoTone) {
+  options_.view = View::depth;
+  set(options_, "tone", "none");
+  EXPECT_FALSE(option_conflict(options_));
+  set(options_, "tone", "agx");
+  EXPECT_THAT(option_conflict(options_)->text("--"),
+              HasSubstr("--tone: has no effect with --view depth; leave one of them out"));
+  options_.tone = {};
+  set(options_, "exposure", "-1");
+  EXPECT_THAT(option_conflict(options_)->subject, HasSubstr("exposure"));
 }
 
 }  // namespace

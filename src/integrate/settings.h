@@ -8,6 +8,7 @@
 #include "accel/accel.h"
 #include "integrate/channels.h"
 #include "integrate/integrators.h"
+#include "integrate/tone.h"
 #include "scene/scene.h"
 
 namespace raio {
@@ -39,7 +40,9 @@ struct RenderSettings {
   IntegratorKind integrator = IntegratorKind::classic;
   View view = View::picture;
   ChannelSet channels;
-  Rgb background;  // what rays bring that hit nothing
+  Rgb background;          // what rays bring that hit nothing
+  Tone tone = Tone::none;  // of display formats, as is the exposure, in stops
+  float exposure = 0;
 
   int width = 512, height = 512;  // of the whole picture, pixels
   std::optional<Crop> crop;       // a part of it, without which all of it is rendered

@@ -167,7 +167,7 @@ void RenderJob::describe(const SampleRange& samples) {
 std::expected<void, Error> RenderJob::write() {
   if (request_.output.empty()) return {};
   const double start = seconds();
-  auto written = write_result(request_.output, part_, settings_.view);
+  auto written = write_result(request_.output, part_);
   times_.write = seconds() - start;
   return written;
 }

@@ -16,6 +16,7 @@ constexpr std::array<std::string_view, 5> kAccelNames = {"auto", "none", "grid",
 constexpr std::array<std::string_view, 2> kSamplerNames = {"jitter", "sobol"};
 constexpr std::array<std::string_view, kViews> kViewNames = {
     "picture", "normals", "depth", "ids", "materials", "steps", "tests", "focus", "samples"};
+constexpr std::array<std::string_view, 3> kToneNames = {"none", "srgb", "agx"};
 constexpr int kMaxSide = 1 << 20;
 
 template <class T>
@@ -71,6 +72,10 @@ std::expected<void, std::string> parse_sampler(RenderOptions& o, std::string_vie
 
 std::expected<void, std::string> parse_integrator(RenderOptions& o, std::string_view text) {
   return parse_word<IntegratorKind>(kIntegratorNames, text, o.integrator);
+}
+
+std::expected<void, std::string> parse_tone(RenderOptions& o, std::string_view text) {
+  return parse_word<Tone>(kToneNames, text, o.tone);
 }
 
 // "depth,normal"
@@ -146,6 +151,9 @@ std::string sampler_text(const RenderOptions& o) {
 std::string integrator_text(const RenderOptions& o) {
   return o.integrator ? std::string(kIntegratorNames[size_t(*o.integrator)]) : "";
 }
+std::string tone_text(const RenderOptions& o) {
+  return o.tone ? std::string(kToneNames[size_t(*o.tone)]) : "";
+}
 std::string channels_text(const RenderOptions& o) {
   std::string text;
   for (const ChannelSpec& spec : kChannels)
@@ -204,6 +212,16 @@ constexpr auto kTable = std::to_array<OptionSpec>({
      "What rays see that hit nothing: a name as in white, '#rrggbb', R,G,B where 1 is white, or "
      "transparent, for black that is left out of the picture, with alpha (default: the scene's)",
      parse_background, 0, 0, background_text},
+    {"exposure", "EV",
+     "Multiply the colours of .png and .ppm by 2 to the power of EV; other formats keep the "
+     "numbers "
+     "as computed (default: 0)",
+     +[](Options& o) -> float& { return o.exposure; }, -100, 100},
+    {"tone", "NAME",
+     "Curve from light to the colours of .png and .ppm: none, the numbers themselves; srgb, the "
+     "curve of displays; or agx, which compresses highlights instead of clipping them (default: "
+     "none)",
+     parse_tone, 0, 0, tone_text, kToneNames},
     {"accel", "NAME", "Acceleration structure: auto, none, grid, bvh or embree (default: auto)",
      parse_accel, 0, 0, accel_text, kAccelNames},
     {"grid-factor", "M",
@@ -502,6 +520,7 @@ RenderSettings resolve_options(const RenderOptions& o, const Scene& scene) {
   if (s.integrator == IntegratorKind::views && o.view == View::picture) s.view = View::normals;
   s.channels = channels_of(o);
   s.background = background_of(o, scene);
+  s.tone = o.tone.value_or(Tone::none), s.exposure = o.exposure;
   s.accel.counters |= s.view == View::steps || s.view == View::tests ||
                       s.channels.has(Channel::steps) || s.channels.has(Channel::tests);
 
@@ -538,6 +557,8 @@ RenderOptions options_of(const RenderSettings& s, const Scene& scene) {
     o.integrator = s.integrator;
   o.view = s.view, o.channels = s.channels;
   if (s.background != scene.background) o.background = WrittenColor{.color = s.background};
+  if (s.tone != Tone::none) o.tone = s.tone;
+  o.exposure = s.exposure;
   o.width = s.width, o.height = s.height;
   o.crop = s.crop;
   set_camera(o, s.camera, scene);

@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "integrate/color_text.h"
 #include "integrate/settings.h"
+#include "integrate/tone.h"
 
 namespace raio {
 
@@ -27,6 +28,8 @@ struct RenderOptions {
   View view = View::picture;
   ChannelSet channels;
   std::optional<WrittenColor> background;
+  float exposure = 0;  // stops
+  std::optional<Tone> tone;
   int aa = 0;  // cells along a side of the pixel; 1: its centre; resolved to 0: all of it
   bool soft_shadows = false;
   float light_size = 0;

@@ -39,11 +39,16 @@ std::string no_light_in(const RenderOptions& options) {
 
 std::optional<Error> look_conflict(const RenderOptions& options) {
   const std::string instead = no_light_in(options);
-  if (instead.empty() || !options.background || options.background->transparent)
-    return std::nullopt;
-  return conflict("background", fmt::format("has no effect with {}, but transparent has; leave "
-                                            "one of them out",
-                                            instead));
+  if (instead.empty()) return std::nullopt;
+  const auto without_effect = [&](std::string_view option, std::string_view but) {
+    return conflict(option,
+                    fmt::format("has no effect with {}{}; leave one of them out", instead, but));
+  };
+  if (options.exposure != 0) return without_effect("exposure", "");
+  if (options.tone && *options.tone != Tone::none) return without_effect("tone", "");
+  if (options.background && !options.background->transparent)
+    return without_effect("background", ", but transparent has");
+  return std::nullopt;
 }
 
 }  // namespace
@@ -90,7 +95,11 @@ std::string background_text(const RenderOptions& options) {
 
 Rgb background_of(const RenderOptions& options, const Scene& scene) {
   if (!options.background || !no_light_in(options).empty()) return scene.background;
-  return options.background->color;
+  const WrittenColor& written = *options.background;
+  if (!written.encoded || options.tone.value_or(Tone::none) == Tone::none) return written.color;
+  Rgb light;
+  for (int c = 0; c < 3; ++c) light[c] = linear_from_srgb(written.color[c]);
+  return light;
 }
 
 ChannelSet channels_of(const RenderOptions& options) {

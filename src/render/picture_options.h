@@ -20,6 +20,7 @@ std::expected<void, std::string> parse_background(RenderOptions& options, std::s
 std::string background_text(const RenderOptions& options);
 
 /// What rays bring that hit nothing; the scene's own where the options do not say, or show none.
+/// Display values are the light of which a tone curve makes them again.
 Rgb background_of(const RenderOptions& options, const Scene& scene);
 
 /// Their share of option_conflict(). Without a scene, what depends on it passes.

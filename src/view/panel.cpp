@@ -180,7 +180,8 @@ std::optional<std::string> draw_option(const RenderOptions& options, const Rende
     }
     New operator()(float& (*value)(RenderOptions&)) {
       float number = value(used);
-      const float speed = std::max(0.005f * std::abs(number), 1e-6f);
+      // From zero, to both sides of which it may go, in even steps.
+      const float speed = spec.least < 0 ? 0.01f : std::max(0.005f * std::abs(number), 1e-6f);
       const auto [least, most] = std::pair(float(spec.least), float(spec.most));
       if (!ImGui::DragFloat(label, &number, speed, least, most, "%.6g")) return std::nullopt;
       return fmt::format("{}", std::clamp(number, least, most));
