@@ -29,6 +29,7 @@
 namespace raio::app {
 namespace {
 
+constexpr int kMostPictures = 100000;      // of a turntable
 constexpr double kLeastMemory = 64 << 20;  // for threads and what libraries need
 
 // How the program was started.
@@ -234,6 +235,26 @@ void add_long_render(CLI::App& app, RenderCommand& render) {
       "IMAGE");
 }
 
+// What is about one picture, or nothing.
+void refuse_for_many_pictures(const RenderCommand& render) {
+  if (render.turntable == 0) return;
+  const auto refuse = [](std::string_view option) {
+    throw CLI::ParseError(
+        fmt::format("{} is about one picture; leave out it or --turntable", option), kBadInput);
+  };
+  if (!render.checkpoint.empty()) refuse("--checkpoint");
+  if (render.resume) refuse("--resume");
+  if (render.add_samples > 0) refuse("--add-samples");
+  if (render.shards > 1) refuse("--shard");
+  if (!render.repeat.empty()) refuse("--repeat");
+  if (!render.stats.empty()) refuse("--stats");
+  if (is_standard_output(render.output))
+    throw CLI::ParseError(
+        "standard output takes one picture; name a file for --turntable, as in -o picture.png, "
+        "which gives picture-0001.png and so on",
+        kBadInput);
+}
+
 void add_render(CLI::App& app, RenderCommand& render, int& status) {
   auto* sub = app.add_subcommand("render", "Render a scene to a picture");
   sub->footer(
@@ -250,6 +271,10 @@ void add_render(CLI::App& app, RenderCommand& render, int& status) {
            "standard output (default: the scene's name, .png, here)",
            "IMAGE");
   add_render_options(*sub, render.options);
+  add_number(*sub, "--turntable", render.turntable, 1, kMostPictures,
+             "Render N pictures from evenly spaced places around the scene, about the up direction "
+             "through the point looked at; picture.png becomes picture-0001.png and so on",
+             "N");
   add_file(*sub, "--stats", render.stats, "Write statistics as JSON; - for standard output");
   sub->add_flag("--quiet", render.quiet, "Print errors only");
   add_progress(*sub, render.progress);
@@ -266,6 +291,7 @@ void add_render(CLI::App& app, RenderCommand& render, int& status) {
           kBadInput);
     if (render.scene.empty() && render.repeat.empty())
       throw CLI::ParseError("SCENE is missing: Scene file in the format NFF or P3F", kBadInput);
+    refuse_for_many_pictures(render);
     refuse_conflict(render.options);
     refuse_terminal(render.output, "-o");
     status = run_on_threads(render);

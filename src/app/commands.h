@@ -25,6 +25,7 @@ struct RenderCommand : JobRequest {  // output empty: <scene>.png here
   std::string stats;                 // file for the statistics; empty: none
   std::string progress = "auto";
   bool quiet = false;
+  int turntable = 0;  // so many pictures around the scene; 0: one, of its camera
 };
 int run(const RenderCommand& command);
 

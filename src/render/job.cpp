@@ -56,8 +56,13 @@ class RenderJob::Checkpoint {
   Ticker ticker_;
 };
 
-RenderJob::RenderJob(JobRequest request, JobEvents events)
-    : request_(std::move(request)), events_(std::move(events)) {}
+RenderJob::RenderJob(JobRequest request, JobEvents events, RenderControl* control)
+    : request_(std::move(request)),
+      events_(std::move(events)),
+      control_(control ? *control : own_control_) {
+  // What the job before has left there.
+  control_.rays_done = control_.work_done = control_.work_total = 0;
+}
 
 RenderJob::~RenderJob() = default;
 
@@ -112,11 +117,15 @@ std::expected<void, Error> RenderJob::load() {
 
 std::expected<void, Error> RenderJob::build() {
   const double start = seconds();
-  std::expected<std::unique_ptr<Accel>, Error> accel;
-  on_threads(settings_.threads,
-             [&] { accel = build_accel(*scene_, settings_.accel, settings_.one_sided); });
-  if (!accel) return std::unexpected(std::move(accel.error()));
-  accel_ = std::move(*accel);
+  if (request_.built) {
+    accel_ = request_.built;
+  } else {
+    std::expected<std::unique_ptr<Accel>, Error> accel;
+    on_threads(settings_.threads,
+               [&] { accel = build_accel(*scene_, settings_.accel, settings_.one_sided); });
+    if (!accel) return std::unexpected(std::move(accel.error()));
+    accel_ = std::move(*accel);
+  }
   times_.build = seconds() - start;
   if (control_.stop) return stopped(std::string(kNothing));
   return {};
