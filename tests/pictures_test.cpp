@@ -88,5 +88,66 @@ TEST_F(Pictures, OfATurntableEndWhenInterrupted) {
                          "raio: interrupted(; [0-9]+ of 100000 pictures were written)?\n"));
 }
 
+TEST_F(Pictures, OfSeveralScenesGoIntoAFolder) {
+  put(file("a.nff"), replaced("s 0 0 0 1", "s 0 0 0 0.5"));
+  put(file("b.b.p3f"), kScene);
+  const Outcome o = raio({"render", "a.nff", "ok.nff", "b.b.p3f", "--aa", "2", "-o", "deep/down/"});
+  EXPECT_EQ(o.status, 0) << o.err;
+  for (const auto& [scene, picture] : {std::pair("a.nff", "deep/down/a.png"),
+                                       {"ok.nff", "deep/down/ok.png"},
+                                       {"b.b.p3f", "deep/down/b.b.png"}}) {
+    EXPECT_THAT(o.err, HasSubstr(std::string(picture) + ": 24x16"));
+    EXPECT_EQ(raio({"render", scene, "--aa", "2", "-o", "x.png"}).status, 0);
+    EXPECT_TRUE(get(file("x.png")) == get(file(picture))) << picture;
+  }
+  // One that is there needs no slash, and without a name the pictures come here.
+  EXPECT_EQ(raio({"render", "a.nff", "ok.nff", "--crop", "0,0,9,9", "-o", "deep"}).status, 0);
+  EXPECT_EQ(read_image(file("deep/ok.png"))->width, 9);
+  EXPECT_EQ(raio({"render", "a.nff", "ok.nff", "--turntable", "2"}).status, 0);
+  EXPECT_TRUE(std::filesystem::exists(file("a-0002.png")));
+  EXPECT_TRUE(std::filesystem::exists(file("ok-0001.png")));
+  EXPECT_EQ(raio({"render", "ok.nff", "-o", "one/"}).status, 0);
+  EXPECT_TRUE(read_image(file("one/ok.png")));
+}
+
+TEST_F(Pictures, OfSoundScenesAreMadeBesideBrokenOnes) {
+  put(file("bad.nff"), replaced("s 0 0 0 1", "s 0 0 zero 1"));
+  put(file("small.nff"), replaced("resolution 24 16", "resolution 8 8"));
+  const Outcome o = raio(
+      {"render", "missing.nff", "bad.nff", "small.nff", "ok.nff", "--crop", "0,0,9,9", "-o", "x/"});
+  EXPECT_EQ(o.status, 2);
+  for (const char* said :
+       {"missing.nff: error: ", "bad.nff:", "small.nff: --crop: 0,0,9,9", "x/ok.png: 9x9 of 24x16"})
+    EXPECT_THAT(o.err, HasSubstr(said));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(file("x")), {}), 1);
+  // Of several failures the first counts.
+  std::filesystem::create_directory(file("x/bad.png"));
+  put(file("bad.nff"), kScene);
+  EXPECT_EQ(raio({"render", "bad.nff", "missing.nff", "-o", "x/"}).status, 3);
+  EXPECT_EQ(raio({"render", "missing.nff", "bad.nff", "-o", "x/"}).status, 2);
+}
+
+TEST_F(Pictures, OfSeveralScenesHaveNamesOfTheirOwn) {
+  std::filesystem::create_directory(file("other"));
+  put(file("other/ok.p3f"), kScene);
+  put(file("a.nff"), kScene);
+  expect_refusal({"render", "ok.nff", "a.nff", "other/ok.p3f", "-o", "x/"}, 2,
+                 "ok.nff and other/ok.p3f would both become ok.png");
+  expect_refusal({"render", "ok.nff", "a.nff", "-o", "x.png"}, 2, "go into a folder, as in -o");
+  expect_refusal({"render", "ok.nff", "a.nff", "-o", "-"}, 2, "standard output takes one picture");
+  expect_refusal({"render", "ok.nff", "a.nff", "-o", "ok.nff/x/"}, 3, "ok.nff/x/");
+  for (const std::vector<std::string>& about_one :
+       {std::vector<std::string>{"--checkpoint", "c.raio"},
+        {"--shard", "1/2"},
+        {"--stats", "x.json"},
+        {"--repeat", "x.png"},
+        {"--resume"},
+        {"--add-samples", "2"}}) {
+    std::vector<std::string> arguments = {"render", "ok.nff", "a.nff", "-o", "x/"};
+    arguments.insert(arguments.end(), about_one.begin(), about_one.end());
+    expect_refusal(arguments, 2, about_one.front() + " is about one picture; give one scene");
+  }
+}
+
 }  // namespace
 }  // namespace raio
