@@ -84,7 +84,7 @@ TEST_F(CommandLine, RefusesWrongUsage) {
   expect_usage_error({"frobnicate"}, "'frobnicate'");
   expect_usage_error({"--frob"}, "--frob");
   expect_usage_error({"render"}, "SCENE is missing");
-  expect_usage_error({"render", "ok.nff", "b.nff"}, "'b.nff'");
+  expect_refusal({"info", "ok.nff", "b.nff"}, 2, "one argument too many: 'b.nff'");
   expect_usage_error({"render", "ok.nff", "--siz", "3x3"}, "did you mean --size?");
   expect_usage_error({"render", "ok.nff", "--soft-shadow"}, "did you mean --soft-shadows?");
   expect_usage_error({"render", "ok.nff", "-x"}, "no option -x");

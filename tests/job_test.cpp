@@ -73,6 +73,27 @@ TEST_F(Job, SaysWhatItMade) {
   EXPECT_EQ(job.control().work_done, job.control().work_total);
 }
 
+TEST_F(Job, StartsFromWhatAnotherHasBuilt) {
+  RenderControl control;
+  RenderJob first(request("a.png"), {}, &control);
+  ASSERT_TRUE(done(first));
+  EXPECT_EQ(&first.control(), &control);
+  JobRequest r = request("b.png");
+  r.loaded = first.loaded(), r.built = first.built();
+  r.options.from = Vec3d(1, -4, 2);
+  RenderJob second(r, {}, &control);
+  EXPECT_EQ(control.work_done, 0u);
+  ASSERT_TRUE(done(second));
+  EXPECT_EQ(&second.accel(), &first.accel());
+  JobRequest alone = request("c.png");
+  alone.options.from = r.options.from;
+  EXPECT_TRUE(bytes(alone) == get(r.output));
+  // Told to stop before it begins, none begins.
+  control.stop = true;
+  RenderJob third(r, {}, &control);
+  EXPECT_EQ(third.prepare().error().kind, ErrorKind::stopped);
+}
+
 TEST_F(Job, ResumedItIsTheWhole) {
   const std::string whole = bytes(request("whole.exr"));
   JobRequest begun = request("few.exr");

@@ -160,7 +160,7 @@ TEST_F(Manual, ZshDescribesTheSame) {
   EXPECT_THAT(render,
               Contains("--accel=[Acceleration structure]:NAME:(auto none grid bvh embree)"));
   EXPECT_THAT(render, Contains("(--dof --no-dof)--no-dof[Depth of field]"));
-  EXPECT_THAT(render, Contains(":SCENE:_files -g \"*.(nff|p3f)\""));
+  EXPECT_THAT(render, Contains("*:SCENE:_files -g \"*.(nff|p3f)\""));
   EXPECT_THAT(render, Contains(HasSubstr("in the file's coordinates]")));
 }
 

@@ -193,7 +193,7 @@ INSTANTIATE_TEST_SUITE_P(Pages, Page,
                                          "docs/statistics.md", "docs/verify.md", "docs/channels.md",
                                          "docs/library.md", "docs/experiments.md",
                                          "docs/performance.md", "docs/raio-scene.md",
-                                         "docs/view.md", "CONTRIBUTING.md"),
+                                         "docs/view.md", "docs/pictures.md", "CONTRIBUTING.md"),
                          [](const auto& page) {
                            std::string name = fs::path(page.param).stem().string();
                            std::erase(name, '-');

@@ -129,7 +129,8 @@ RenderOptions read_back(const ViewState& state, int samples) {
     for (const OptionSpec& spec : render_option_table()) {
       const bool no = one == "no-" + std::string(spec.name) && spec.name != "no-reflection";
       if (one.substr(0, space) != spec.name && !no) continue;
-      const std::string text = space < one.size() ? one.substr(space + 1) : no ? "false" : "true";
+      std::string text = space < one.size() ? one.substr(space + 1) : no ? "false" : "true";
+      std::erase(text, '\'');
       EXPECT_TRUE(set_option(o, spec, text)) << one;
       known = true;
     }
@@ -146,6 +147,8 @@ TEST(ViewState, EveryStateIsACommandLine) {
   state.focus_at(3.7f);
   state.scale_aperture(1.21f);
   state.options.light_size = 0.3f, state.options.accel.grid_factor = 1.5f;
+  state.options.background = parse_color("#ff8000").value();
+  state.options.exposure = -1.5f, state.options.tone = Tone::agx;
   for (unsigned i = 0; i < 512; ++i) {
     ViewState s = state;
     for (unsigned effect = 0; effect < 6; ++effect)

@@ -1,11 +1,13 @@
 // The real window, with real keys and a real mouse, on a display of its own.
 #include <X11/keysym.h>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <sys/wait.h>
 
 #include <algorithm>
 #include <random>
 
+#include "io/image/image.h"
 #include "io/nff/nff.h"
 #include "temporary_folder.h"
 #include "view/state.h"
@@ -189,6 +191,35 @@ TEST_F(WindowTest, SavedPicturesAreThoseOfTheCommandLine) {
   const size_t from = window->mark();
   window->key(XK_p);
   EXPECT_EQ(window->wait_for("saved (.*)", from)->groups[1], "scene-2.png");
+}
+
+// The bytes that are shown, and those that are saved, are of the exposure and the tone curve.
+TEST_F(WindowTest, ShowsPicturesAsTheyAreWritten) {
+  const auto window =
+      open({"--aa", "1", "--exposure", "0.5", "--tone", "agx", "--background", "navy"});
+  const auto shown = window->picture(0);
+  ASSERT_TRUE(shown) << window->log();
+  size_t from = window->mark();
+  window->key(XK_p);
+  const auto command = window->wait_for("command: (.*)", from);
+  ASSERT_TRUE(command) << window->log();
+  ASSERT_TRUE(window->wait_for("saved scene.png", from)) << window->log();
+  run(command->groups[1], "again.png");
+  EXPECT_TRUE(get(file("scene.png")) == get(file("again.png"))) << command->groups[1];
+  const auto picture = read_image(file("again.png"));
+  ASSERT_TRUE(picture);
+  uint64_t sum = 14695981039346656037u;  // FNV-1a, as Texture::checksum() has it
+  for (const Rgb& c : picture->pixels)
+    for (const uint8_t byte : {to_byte(c.x), to_byte(c.y), to_byte(c.z), uint8_t(255)})
+      sum = (sum ^ byte) * 1099511628211u;
+  EXPECT_EQ(shown->sum, fmt::format("{:016x}", sum));
+  // A view has no exposure, and it is not lost by looking at one.
+  from = window->mark();
+  window->key(XK_2);
+  ASSERT_TRUE(window->picture(from)) << window->log();
+  from = window->mark();
+  window->key(XK_1);
+  EXPECT_EQ(window->picture(from)->sum, shown->sum);
 }
 
 TEST_F(WindowTest, ABrokenEditKeepsTheSceneAndAGoodOneReplacesIt) {

@@ -180,8 +180,8 @@ class RAIO_API Film {
   /// The error names the channels that there are.
   std::vector<float> channel(std::string_view name, int* components = nullptr) const;
 
-  /// Writes a picture whole or not at all: .png .exr .npz .npy .ppm .pfm by suffix. The error says
-  /// what the format cannot keep.
+  /// Writes a picture whole or not at all: .png .exr .npz .npy .ppm .pfm by suffix; .png and .ppm
+  /// with the settings `exposure` and `tone`. The error says what the format cannot keep.
   void write(const std::string& path) const;
 
   struct Data;

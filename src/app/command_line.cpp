@@ -29,6 +29,7 @@
 namespace raio::app {
 namespace {
 
+constexpr int kMostPictures = 100000;      // of a turntable
 constexpr double kLeastMemory = 64 << 20;  // for threads and what libraries need
 
 // How the program was started.
@@ -39,17 +40,18 @@ struct Invocation {
 
 // The checks of values that are not of the table; of an option given twice the last one counts.
 
+std::string file_name_problem(const std::string& text) {
+  if (text.empty()) return "expected the name of a file, found nothing";
+  if (text.size() > 1 && text[0] == '-')
+    return fmt::format("expected the name of a file, found '{0}'; if that is one, write ./{0}",
+                       text);
+  return {};
+}
+
 void add_file(CLI::App& app, const std::string& name, std::string& path, const std::string& help,
               const std::string& value_name = "FILE") {
-  const auto check = [](const std::string& text) -> std::string {
-    if (text.empty()) return "expected the name of a file, found nothing";
-    if (text.size() > 1 && text[0] == '-')
-      return fmt::format("expected the name of a file, found '{0}'; if that is one, write ./{0}",
-                         text);
-    return {};
-  };
   app.add_option(name, path, help)
-      ->check(CLI::Validator(check, ""))
+      ->check(CLI::Validator(file_name_problem, ""))
       ->type_name(value_name)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
 }
@@ -234,6 +236,25 @@ void add_long_render(CLI::App& app, RenderCommand& render) {
       "IMAGE");
 }
 
+void refuse_for_many_pictures(const RenderCommand& render) {
+  const bool turns = render.turntable > 0;
+  if (!turns && render.scenes.size() < 2) return;
+  const auto refuse = [](const std::string& why) { throw CLI::ParseError(why, kBadInput); };
+  for (const auto& [option, given] : {std::pair("--checkpoint", !render.checkpoint.empty()),
+                                      {"--resume", render.resume},
+                                      {"--add-samples", render.add_samples > 0},
+                                      {"--shard", render.shards > 1},
+                                      {"--repeat", !render.repeat.empty()},
+                                      {"--stats", !render.stats.empty()}})
+    if (given)
+      refuse(fmt::format("{} is about one picture; {}", option,
+                         turns ? "leave out it or --turntable" : "give one scene"));
+  if (is_standard_output(render.output))
+    refuse(fmt::format("standard output takes one picture; name {}",
+                       turns ? "a file, as in -o turn.png, which gives turn-0001.png and so on"
+                             : "a folder, as in -o pictures/"));
+}
+
 void add_render(CLI::App& app, RenderCommand& render, int& status) {
   auto* sub = app.add_subcommand("render", "Render a scene to a picture");
   sub->footer(
@@ -241,15 +262,23 @@ void add_render(CLI::App& app, RenderCommand& render, int& status) {
                 "raio generate tree | raio render /dev/stdin -o - --stats tree.json > tree.png",
                 "raio render balls.nff --samples 4096 --dof --checkpoint balls.raio --resume",
                 "raio render balls.nff --aa 16 --shard 1/4 -o part1.raio",
-                "raio render --repeat balls.png balls.nff -o again.png"}));
-  add_file(*sub, "scene", render.scene, "Scene file: NFF, P3F or .raio; - is standard input",
-           "SCENE");
+                "raio render --repeat balls.png balls.nff -o again.png",
+                "raio render balls.nff tree.nff --aa 4 -o pictures/"}));
+  sub->add_option("scene", render.scenes,
+                  "Scene files: NFF, P3F or .raio; - is standard input; several are rendered one "
+                  "after another")
+      ->check(CLI::Validator(file_name_problem, ""))
+      ->type_name("SCENE");
   add_file(*sub, "-o,--output", render.output,
            "Output picture: .png .exr .npz .npy .ppm .pfm by suffix, or .raio for a part file; - "
-           "writes PNG to "
-           "standard output (default: the scene's name, .png, here)",
+           "writes PNG to standard output; a folder, with / at the end, gets a PNG of the scene's "
+           "name (default: that name, here)",
            "IMAGE");
   add_render_options(*sub, render.options);
+  add_number(*sub, "--turntable", render.turntable, 1, kMostPictures,
+             "Render N pictures from evenly spaced places around the scene, about the up direction "
+             "through the point looked at; picture.png becomes picture-0001.png and so on",
+             "N");
   add_file(*sub, "--stats", render.stats, "Write statistics as JSON; - for standard output");
   sub->add_flag("--quiet", render.quiet, "Print errors only");
   add_progress(*sub, render.progress);
@@ -264,8 +293,9 @@ void add_render(CLI::App& app, RenderCommand& render, int& status) {
           "this build has no threads, so that --checkpoint is written when the render ends; leave "
           "out --checkpoint-interval",
           kBadInput);
-    if (render.scene.empty() && render.repeat.empty())
+    if (render.scenes.empty() && render.repeat.empty())
       throw CLI::ParseError("SCENE is missing: Scene file in the format NFF or P3F", kBadInput);
+    refuse_for_many_pictures(render);
     refuse_conflict(render.options);
     refuse_terminal(render.output, "-o");
     status = run_on_threads(render);
@@ -277,9 +307,14 @@ void add_view(CLI::App& app, ViewCommand& view, const Invocation& invocation, in
   sub->footer(examples({"raio view balls.nff --soft-shadows"}));
   add_scene(*sub, view.scene);
   add_render_options(*sub, view.options);
+  // Those that the window lacks are known, so that they are refused for the right reason.
+  for (const OptionSpec& spec : render_option_table())
+    if (!spec.of_window) sub->get_option("--" + std::string(spec.name))->group("");
   sub->add_flag("--log", view.log, "Log events to standard error, one per line");
   sub->callback([&] {
     refuse_conflict(view.options);
+    if (const auto why = window_conflict(view.options))
+      throw CLI::ParseError(text_of(*why), kBadInput);
     // What the arguments mean is found out here; the window itself is another program.
     status = invocation.open_window ? invocation.open_window(view)
                                     : become_view_program(invocation.argv);

@@ -21,10 +21,14 @@ enum Exit : int {
   kInterrupted = 130,  // Ctrl-C
 };
 
-struct RenderCommand : JobRequest {  // output empty: <scene>.png here
-  std::string stats;                 // file for the statistics; empty: none
+// Of one or many pictures. An output that is empty means <scene>.png here, one that is a folder
+// <scene>.png there.
+struct RenderCommand : JobRequest {
+  std::vector<std::string> scenes;  // files; `scene` is set to each of them
+  std::string stats;                // file for the statistics; empty: none
   std::string progress = "auto";
   bool quiet = false;
+  int turntable = 0;  // so many pictures around the scene; 0: one, of its camera
 };
 int run(const RenderCommand& command);
 

@@ -33,9 +33,7 @@ int run(const MergeCommand& command) {
   if (!missing.empty() && !to_part)
     return bad_input(missing + "; add the parts that have them, or merge to a part (-o NAME.raio)");
 
-  const View view = options_from(merged->header.settings)->view;
-  if (const auto written = write_result(output, *merged, view); !written)
-    return fail(written.error());
+  if (const auto written = write_result(output, *merged); !written) return fail(written.error());
   if (!command.quiet)
     print_line(fmt::format("{}: {}x{}, {} part{}{}",
                            is_standard_output(output) ? "picture" : output, merged->film->width(),

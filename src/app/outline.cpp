@@ -39,7 +39,9 @@ std::vector<const CLI::Option*> positionals(const CLI::App& app) {
 }
 
 std::vector<const CLI::Option*> named_options(const CLI::App& app) {
-  return app.get_options([](const CLI::Option* o) { return !o->get_positional(); });
+  return app.get_options([](const CLI::Option* o) {
+    return !o->get_positional() && !o->get_group().empty();  // without a group it is to be hidden
+  });
 }
 
 std::vector<const CLI::App*> commands(const CLI::App& app) {

@@ -1,20 +1,65 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <utility>
+#include <vector>
 
 #include "app/commands.h"
 #include "app/output.h"
 #include "app/statistics.h"
 #include "app/terminal.h"
 #include "app/warnings.h"
+#include "render/turntable.h"
 
 namespace raio::app {
 namespace {
 
-std::string picture_path(const RenderCommand& command) {
-  if (!command.output.empty()) return command.output;
-  const std::string& named = command.scene.empty() ? command.repeat : command.scene;
-  return (named == "-" ? "stdin" : std::filesystem::path(named).stem().string()) + ".png";
+namespace fs = std::filesystem;
+
+std::string picture_name(const JobRequest& request) {
+  const std::string& named = request.scene.empty() ? request.repeat : request.scene;
+  return (named == "-" ? "stdin" : fs::path(named).stem().string()) + ".png";
+}
+
+// The folder that the pictures go to, made if it is not there; empty if `output` names none. Of one
+// scene, the name of a folder is taken for that of a picture, unless a slash tells.
+std::expected<fs::path, Error> folder_of(const std::string& output, bool many) {
+  std::error_code error;
+  const bool is_folder = output.ends_with('/') || (many && fs::is_directory(output, error));
+  if (!is_folder) return fs::path();
+  fs::create_directories(output, error);
+  if (error) return std::unexpected(write_error(output, error.message()));
+  return fs::path(output) / "";
+}
+
+// What the command asks of each scene.
+std::expected<std::vector<JobRequest>, Error> requests_of(const RenderCommand& command) {
+  const auto refused = [](std::string why) {
+    return std::unexpected(Error{ErrorKind::bad_input, "", std::move(why)});
+  };
+  JobRequest request = command;  // NOLINT(cppcoreguidelines-slicing): the rest is the program's
+  std::vector<JobRequest> requests;
+  for (const std::string& scene : command.scenes) {
+    request.scene = scene;
+    for (const JobRequest& other : requests)
+      if (picture_name(other) == picture_name(request))
+        return refused(fmt::format("{} and {} would both become {}; render them one by one",
+                                   other.scene, scene, picture_name(request)));
+    requests.push_back(request);
+  }
+  if (requests.empty()) requests.push_back(request);  // the scene of a picture to be repeated
+  const bool many = requests.size() > 1;
+  const auto folder = folder_of(command.output, many);
+  if (!folder) return std::unexpected(folder.error());
+  if (many && folder->empty() && !command.output.empty())
+    return refused(
+        fmt::format("the pictures of several scenes go into a folder, as in -o "
+                    "pictures/; found -o {}",
+                    command.output));
+  for (JobRequest& one : requests)
+    if (one.output.empty() || !folder->empty()) one.output = (*folder / picture_name(one)).string();
+  return requests;
 }
 
 // Where the statistics cannot go is better known before the work than after it; the exit status.
@@ -43,39 +88,106 @@ int write_results(RenderJob& job, const RenderCommand& command, const std::strin
   return kDone;
 }
 
+/// The pictures of a command, one after another; what asks it to end, ends all of them.
+class Pictures {
+ public:
+  Pictures(const RenderCommand& command, size_t scenes)
+      : command_(command),
+        of_scene_(std::max(1, command.turntable)),
+        scenes_(int(scenes)),
+        count_(of_scene_ * scenes_) {}
+
+  // Of the next scene; the exit status. The first failure ends them.
+  int render_scene(JobRequest request) {
+    index_ = scene_++ * of_scene_;
+    if (scenes_ > 1) about_ = request.scene + ": ";
+    const fs::path output = request.output;
+    for (int i = 0; i < of_scene_; ++i, ++index_) {
+      if (command_.turntable > 0) request.output = numbered_path(output, i, of_scene_).string();
+      if (i > 0) turn(request, i);
+      if (const int status = render(request)) return status;
+      ++written_;
+    }
+    return kDone;
+  }
+
+ private:
+  void turn(JobRequest& request, int index) const {
+    const Camera camera = camera_of(*request.loaded, command_.options);
+    set_camera(request.options, turntable_camera(camera, index, of_scene_), *request.loaded);
+  }
+
+  // One picture. Leaves in the request what the next one of the scene starts from.
+  int render(JobRequest& request) {
+    bool broken_scene = false;
+    const bool is_first = !request.loaded;
+    const JobEvents events = {.scene_read =
+                                  [&](const Diagnostics& said) {
+                                    broken_scene = said.front().severity == Severity::error;
+                                    if (!command_.quiet || broken_scene) print_diagnostics(said);
+                                  },
+                              .warning = [&](const Error& what) { warn(text_of(what)); }};
+    RenderJob job(request, events, &control_);
+    if (const int status = check_stats(command_, request.output)) return status;
+    if (const auto ready = job.prepare(); !ready)
+      return broken_scene ? status_of(ready.error()) : ended(ready.error());
+    request.loaded = job.loaded(), request.built = job.built();
+    if (!command_.quiet && is_first) print_warnings(job);
+    if (!command_.checkpoint.empty()) stop_.be_patient();
+    std::expected<void, Error> done;
+    {
+      const std::string label =
+          count_ > 1 ? fmt::format("{}/{}", index_ + 1, count_) : std::string();
+      const ProgressLine progress(control_, command_.quiet ? "off" : command_.progress, label);
+      done = job.run();
+    }
+    if (!done) return ended(done.error());
+    const int status = write_results(job, command_, request.output);
+    return job.kept() ? status : fail(job.kept().error());
+  }
+
+  void warn(const std::string& what) const { print_line("raio: warning: " + about_ + what); }
+
+  void print_warnings(const RenderJob& job) const {
+    if (const std::string what = unrendered(job.scene()); !what.empty())
+      warn("not shown yet: " + what);
+    for (const std::string& line : warning_lines(job.scene(), job.settings(), &job.accel()))
+      warn(line);
+  }
+
+  // Says why, and what there is of other pictures; the exit status.
+  int ended(const Error& why) const {
+    if (why.kind == ErrorKind::stopped) {
+      if (written_ == 0) return fail(why);
+      print_line(
+          fmt::format("raio: interrupted; {} of {} pictures were written", written_, count_));
+      return kInterrupted;
+    }
+    print_error(about_ + text_of(why));
+    return status_of(why);
+  }
+
+  const RenderCommand& command_;
+  int of_scene_, scenes_, count_;  // pictures of a scene, scenes, pictures in all
+  int scene_ = 0, index_ = 0, written_ = 0;
+  std::string about_;  // goes before what is said, where there are several scenes
+  RenderControl control_;
+  StopOnSignal stop_{&control_};
+};
+
 }  // namespace
 
 int run(const RenderCommand& command) {
-  JobRequest request = command;  // NOLINT(cppcoreguidelines-slicing): the rest is the program's
-  const std::string output = request.output = picture_path(command);
-  bool broken_scene = false;
-  const JobEvents events = {
-      .scene_read =
-          [&](const Diagnostics& said) {
-            broken_scene = said.front().severity == Severity::error;
-            if (!command.quiet || broken_scene) print_diagnostics(said);
-          },
-      .warning = [](const Error& what) { print_line("raio: warning: " + text_of(what)); }};
-  RenderJob job(std::move(request), events);
-  StopOnSignal stop(&job.control());
-  if (const int status = check_stats(command, output)) return status;
-  if (const auto ready = job.prepare(); !ready)
-    return broken_scene ? status_of(ready.error()) : fail(ready.error());
-  if (!command.quiet)
-    if (const std::string what = unrendered(job.scene()); !what.empty())
-      print_line(fmt::format("raio: warning: not shown yet: {}", what));
-  if (!command.quiet)
-    for (const std::string& line : warning_lines(job.scene(), job.settings(), &job.accel()))
-      print_line("raio: warning: " + line);
-  if (!command.checkpoint.empty()) stop.be_patient();
-  std::expected<void, Error> done;
-  {
-    const ProgressLine progress(job.control(), command.quiet ? "off" : command.progress);
-    done = job.run();
+  auto requests = requests_of(command);
+  if (!requests) return fail(requests.error());
+  Pictures pictures(command, requests->size());
+  int status = kDone;
+  for (JobRequest& request : *requests) {
+    const int of_scene = pictures.render_scene(std::move(request));
+    if (of_scene == kInterrupted) return of_scene;
+    if (status == kDone) status = of_scene;
   }
-  if (!done) return fail(done.error());
-  const int status = write_results(job, command, output);
-  return job.kept() ? status : fail(job.kept().error());
+  return status;
 }
 
 }  // namespace raio::app

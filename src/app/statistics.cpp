@@ -27,6 +27,7 @@ Json statistics(const RenderFigures& made) {
       {"version", RAIO_VERSION},
       {"scene", scene->name},
       {"resolution", {o.width, o.height}},
+      {"crop", o.crop ? Json{o.crop->x0, o.crop->y0, o.crop->x1, o.crop->y1} : Json(nullptr)},
       {"samples_per_pixel", samples},
       {"seed", o.seed},
       {"threads", o.threads},
@@ -72,10 +73,12 @@ std::string summary(const std::string& output, const RenderFigures& made) {
   const std::string samples = made.samples == wanted
                                   ? fmt::format("{}", wanted)
                                   : fmt::format("{} of {}", made.samples, wanted);
+  const Crop frame = o.frame();
+  const std::string whole = o.crop ? fmt::format(" of {}x{}", o.width, o.height) : "";
   return fmt::format(
-      "{}: {}x{}, {} {} a pixel, {}: load {}, build {}, render {} ({}rays/s), write {}",
-      is_standard_output(output) ? "picture" : output, o.width, o.height, samples,
-      wanted == 1 ? "sample" : "samples", made.accel.name, human_seconds(times.load),
+      "{}: {}x{}{}, {} {} a pixel, {}: load {}, build {}, render {} ({}rays/s), write {}",
+      is_standard_output(output) ? "picture" : output, frame.width(), frame.height(), whole,
+      samples, wanted == 1 ? "sample" : "samples", made.accel.name, human_seconds(times.load),
       human_seconds(times.build), human_seconds(times.render), human_count(rays_per_s(made)),
       human_seconds(times.write));
 }

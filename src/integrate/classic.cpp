@@ -41,7 +41,7 @@ class ClassicShading {
 
   static constexpr bool kTints = false;
   int levels() const { return scene_.settings.depth; }
-  Rgb background() const { return scene_.scene.background; }
+  Rgb background() const { return scene_.settings.background; }
   static bool counts_rays() { return false; }
   template <class W>
   void begin(W&, size_t) const {}
@@ -196,7 +196,7 @@ double classic_bound(const Scene& scene, const RenderSettings& settings) {
     brightest = std::max(brightest, light * (color * (1.0 + m.kd) + m.ks));
     gain = std::max(gain, double(m.ks) + m.transmission);
   }
-  brightest += max_component(scene.background);
+  brightest += max_component(settings.background);
   double sum = 0, weight = 1;
   for (int level = 0; level <= settings.depth; ++level, weight *= gain) sum += weight * brightest;
   return sum;

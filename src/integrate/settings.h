@@ -3,10 +3,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "accel/accel.h"
 #include "integrate/channels.h"
 #include "integrate/integrators.h"
+#include "integrate/tone.h"
 #include "scene/scene.h"
 
 namespace raio {
@@ -23,13 +25,27 @@ inline constexpr int kViews = 9;
 inline constexpr int kMaxDepth = 32;  // a place in the ray tree has 32 bits (integrate/sampler.h)
 inline constexpr int kMaxSamples = 1 << 24;  // of a pixel; the sampler numbers them in 32 bits
 
+/// The part of a picture that is rendered: columns x0 to x1 - 1 and rows y0 to y1 - 1 of the whole.
+struct Crop {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+
+  int width() const { return x1 - x0; }
+  int height() const { return y1 - y0; }
+
+  friend bool operator==(const Crop&, const Crop&) = default;
+};
+
 struct RenderSettings {
   AccelOptions accel;
   IntegratorKind integrator = IntegratorKind::classic;
   View view = View::picture;
   ChannelSet channels;
+  Rgb background;          // what rays bring that hit nothing
+  Tone tone = Tone::none;  // of display formats, as is the exposure, in stops
+  float exposure = 0;
 
-  int width = 512, height = 512;
+  int width = 512, height = 512;  // of the whole picture, pixels
+  std::optional<Crop> crop;       // a part of it, without which all of it is rendered
   Camera camera;                  // its coordinates are relative to the scene's origin
   bool angle_to_centers = false;  // of view: see EyeRays
 
@@ -48,6 +64,9 @@ struct RenderSettings {
   bool one_sided = false;
 
   int threads = 1;  // no picture depends on it
+
+  /// What is rendered of the whole picture.
+  Crop frame() const { return crop.value_or(Crop{0, 0, width, height}); }
 
   int samples_per_pixel() const { return samples > 0 ? samples : aa * aa * lens_samples; }
 

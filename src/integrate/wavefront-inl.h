@@ -57,7 +57,7 @@ class Wavefront final : public TileRenderer {
   }
 
   void render(size_t tile, uint32_t samples, Film& film) override {
-    list_pixels(film.tile(tile), std::countr_zero(film.row_stride()));
+    list_pixels(in_picture(film.tile(tile)), std::countr_zero(film.row_stride()));
     sums_.begin(film, tile);
     layout_ = &film.layout();
     background_ = sums_.fixed(shading_.background());
@@ -173,6 +173,11 @@ class Wavefront final : public TileRenderer {
       put(hn::Add(hn::ShiftLeftSame(y, row_bits_), x), hn::RebindMask(d, in), pixel_, pixels_);
       pixels_ += hn::CountTrue(du, in);
     }
+  }
+  // A tile of the film, which may hold a part of the picture only, by its place in the whole.
+  Tile in_picture(const Tile& tile) const {
+    const Crop frame = scene_.settings.frame();
+    return {tile.x0 + frame.x0, tile.y0 + frame.y0, tile.x1 + frame.x0, tile.y1 + frame.y0};
   }
   // Where in the picture the tile's pixels are.
   HWY_INLINE U column_of(U pixel) const {

@@ -303,7 +303,7 @@ std::vector<float> Film::channel(std::string_view name, int* components) const {
 
 void Film::write(const std::string& path) const {
   guarded([&] {
-    if (const auto done = write_image(data_->picture, path, data_->settings); !done)
+    if (const auto done = write_picture(data_->picture, path, data_->settings); !done)
       fail(done.error());
   });
 }

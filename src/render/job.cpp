@@ -56,8 +56,13 @@ class RenderJob::Checkpoint {
   Ticker ticker_;
 };
 
-RenderJob::RenderJob(JobRequest request, JobEvents events)
-    : request_(std::move(request)), events_(std::move(events)) {}
+RenderJob::RenderJob(JobRequest request, JobEvents events, RenderControl* control)
+    : request_(std::move(request)),
+      events_(std::move(events)),
+      control_(control ? *control : own_control_) {
+  // What the job before has left there.
+  control_.rays_done = control_.work_done = control_.work_total = 0;
+}
 
 RenderJob::~RenderJob() = default;
 
@@ -66,7 +71,7 @@ std::expected<void, Error> RenderJob::prepare() {
   if (auto why = option_conflict(request_.options)) return std::unexpected(std::move(*why));
   const auto check_output = [this]() -> std::optional<Error> {
     if (request_.output.empty()) return std::nullopt;
-    return output_problem(request_.output, request_.options.channels);
+    return output_problem(request_.output, channels_of(request_.options));
   };
   if (auto why = check_output()) return std::unexpected(std::move(*why));
   if (!request_.checkpoint.empty())
@@ -82,7 +87,8 @@ std::expected<void, Error> RenderJob::prepare() {
   if (auto why = option_conflict(request_.options, scene_.get()))
     return std::unexpected(std::move(*why));
   settings_ = resolve_options(request_.options, *scene_);
-  if (auto why = picture_problem(settings_.width, settings_.height, settings_.channels))
+  const Crop frame = settings_.frame();
+  if (auto why = picture_problem(frame.width(), frame.height(), settings_.channels))
     return std::unexpected(std::move(*why));
   part_.header = {settings_of(*scene_, settings_), request_.shard, request_.shards};
   auto film = film_of(*start, *scene_, settings_, part_.header.settings, events_.warning);
@@ -111,11 +117,15 @@ std::expected<void, Error> RenderJob::load() {
 
 std::expected<void, Error> RenderJob::build() {
   const double start = seconds();
-  std::expected<std::unique_ptr<Accel>, Error> accel;
-  on_threads(settings_.threads,
-             [&] { accel = build_accel(*scene_, settings_.accel, settings_.one_sided); });
-  if (!accel) return std::unexpected(std::move(accel.error()));
-  accel_ = std::move(*accel);
+  if (request_.built) {
+    accel_ = request_.built;
+  } else {
+    std::expected<std::unique_ptr<Accel>, Error> accel;
+    on_threads(settings_.threads,
+               [&] { accel = build_accel(*scene_, settings_.accel, settings_.one_sided); });
+    if (!accel) return std::unexpected(std::move(accel.error()));
+    accel_ = std::move(*accel);
+  }
   times_.build = seconds() - start;
   if (control_.stop) return stopped(std::string(kNothing));
   return {};
@@ -166,7 +176,7 @@ void RenderJob::describe(const SampleRange& samples) {
 std::expected<void, Error> RenderJob::write() {
   if (request_.output.empty()) return {};
   const double start = seconds();
-  auto written = write_result(request_.output, part_, settings_.view);
+  auto written = write_result(request_.output, part_);
   times_.write = seconds() - start;
   return written;
 }

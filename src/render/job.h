@@ -28,6 +28,7 @@ namespace raio {
 struct JobRequest {
   std::string scene;                    // file; empty with `repeat`: of that picture, beside it
   std::shared_ptr<const Scene> loaded;  // instead of what is in the file
+  std::shared_ptr<const Accel> built;   // instead of building it, of `loaded` by the same options
   RenderOptions options;
   std::vector<std::string> of_picture;  // names of the options given on which the picture depends
 
@@ -70,7 +71,9 @@ struct RenderFigures {
 /// well. The same request brings the same bytes, whatever was interrupted, resumed, split or added.
 class RenderJob {
  public:
-  explicit RenderJob(JobRequest request, JobEvents events = {});
+  /// `control`: one that several jobs have, one after another, and that outlives them; else the job
+  /// has its own.
+  explicit RenderJob(JobRequest request, JobEvents events = {}, RenderControl* control = nullptr);
   ~RenderJob();
   RenderJob(const RenderJob&) = delete;
   RenderJob& operator=(const RenderJob&) = delete;
@@ -97,6 +100,9 @@ class RenderJob {
   /// After prepare().
   const Scene& scene() const { return *scene_; }
   const Accel& accel() const { return *accel_; }
+  /// What another picture of the scene can start from: JobRequest::loaded and built.
+  const std::shared_ptr<const Scene>& loaded() const { return scene_; }
+  const std::shared_ptr<const Accel>& built() const { return accel_; }
 
   /// After prepare(). With fewer samples than were asked for, the settings say so after run().
   const RenderSettings& settings() const { return settings_; }
@@ -115,10 +121,11 @@ class RenderJob {
   Clock::time_point begin_ = Clock::now();
   JobRequest request_;
   JobEvents events_;
-  RenderControl control_;
+  RenderControl own_control_;
+  RenderControl& control_;
   std::shared_ptr<const Scene> scene_;
   RenderSettings settings_;
-  std::unique_ptr<Accel> accel_;
+  std::shared_ptr<const Accel> accel_;
   Part part_;
   uint32_t samples_ = 0;  // of a pixel, when not all that the options say
   uint64_t rays_before_ = 0;

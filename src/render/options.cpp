@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "render/picture_options.h"
 
 namespace raio {
 namespace {
@@ -15,6 +16,7 @@ constexpr std::array<std::string_view, 5> kAccelNames = {"auto", "none", "grid",
 constexpr std::array<std::string_view, 2> kSamplerNames = {"jitter", "sobol"};
 constexpr std::array<std::string_view, kViews> kViewNames = {
     "picture", "normals", "depth", "ids", "materials", "steps", "tests", "focus", "samples"};
+constexpr std::array<std::string_view, 3> kToneNames = {"none", "srgb", "agx"};
 constexpr int kMaxSide = 1 << 20;
 
 template <class T>
@@ -70,6 +72,10 @@ std::expected<void, std::string> parse_sampler(RenderOptions& o, std::string_vie
 
 std::expected<void, std::string> parse_integrator(RenderOptions& o, std::string_view text) {
   return parse_word<IntegratorKind>(kIntegratorNames, text, o.integrator);
+}
+
+std::expected<void, std::string> parse_tone(RenderOptions& o, std::string_view text) {
+  return parse_word<Tone>(kToneNames, text, o.tone);
 }
 
 // "depth,normal"
@@ -145,6 +151,9 @@ std::string sampler_text(const RenderOptions& o) {
 std::string integrator_text(const RenderOptions& o) {
   return o.integrator ? std::string(kIntegratorNames[size_t(*o.integrator)]) : "";
 }
+std::string tone_text(const RenderOptions& o) {
+  return o.tone ? std::string(kToneNames[size_t(*o.tone)]) : "";
+}
 std::string channels_text(const RenderOptions& o) {
   std::string text;
   for (const ChannelSpec& spec : kChannels)
@@ -170,6 +179,17 @@ using Options = RenderOptions;
 constexpr auto kTable = std::to_array<OptionSpec>({
     {"size", "WxH", "Width and height in pixels (default: the scene's resolution, else 512x512)",
      parse_size, 0, 0, size_text},
+    {"crop",
+     "X0,Y0,X1,Y1",
+     "Render these columns and rows of the picture only, from X0,Y0 to before X1,Y1, counted from "
+     "its upper left corner; the pixels are those of the whole picture (default: all)",
+     parse_crop,
+     0,
+     0,
+     crop_text,
+     {},
+     true,
+     false},
     {"from", "X,Y,Z", "Position of the camera, in the file's coordinates (default: the scene's)",
      parse_vector<&Options::from>, 0, 0, vector_text<&Options::from>},
     {"at", "X,Y,Z", "Point the camera looks at (default: the scene's)", parse_vector<&Options::at>,
@@ -188,6 +208,20 @@ constexpr auto kTable = std::to_array<OptionSpec>({
      "Keep these beside the colours, as numbers: alpha, depth, position, normal, albedo, id, "
      "object, samples, variance, steps, tests; .exr and .npz hold all of them, .png alpha alone",
      parse_channels, 0, 0, channels_text},
+    {"background", "COLOR",
+     "What rays see that hit nothing: a name as in white, '#rrggbb', R,G,B where 1 is white, or "
+     "transparent, for black that is left out of the picture, with alpha (default: the scene's)",
+     parse_background, 0, 0, background_text},
+    {"exposure", "EV",
+     "Multiply the colours of .png and .ppm by 2 to the power of EV; other formats keep the "
+     "numbers "
+     "as computed (default: 0)",
+     +[](Options& o) -> float& { return o.exposure; }, -100, 100},
+    {"tone", "NAME",
+     "Curve from light to the colours of .png and .ppm: none, the numbers themselves; srgb, the "
+     "curve of displays; or agx, which compresses highlights instead of clipping them (default: "
+     "none)",
+     parse_tone, 0, 0, tone_text, kToneNames},
     {"accel", "NAME", "Acceleration structure: auto, none, grid, bvh or embree (default: auto)",
      parse_accel, 0, 0, accel_text, kAccelNames},
     {"grid-factor", "M",
@@ -340,6 +374,8 @@ std::string option_arguments(const RenderOptions& options) {
     if (text == option_text(usual, spec)) continue;
     if (spec.is_switch())
       out += fmt::format(" --{}{}", text == "false" ? "no-" : "", spec.name);
+    else if (text.starts_with('#'))  // with which comments begin in shells
+      out += fmt::format(" --{} '{}'", spec.name, text);
     else
       out += fmt::format(" --{} {}", spec.name, text);
   }
@@ -465,6 +501,7 @@ std::optional<Error> option_conflict(const RenderOptions& options, const Scene* 
   if (of_rays && options.integrator && *options.integrator != IntegratorKind::views)
     return conflict("view", fmt::format("{} is one of `integrator` views; leave one of them out",
                                         view_name(options.view)));
+  if (auto why = picture_conflict(options, scene)) return why;
   if (scene) return scene_conflict(options, *scene);
   if (options.dof == false && options.aperture > 0) return without("aperture", "dof");
   if (options.dof == false && options.focus > 0) return without("focus", "dof");
@@ -481,7 +518,9 @@ RenderSettings resolve_options(const RenderOptions& o, const Scene& scene) {
       o.integrator.value_or(shows_rays ? IntegratorKind::views : IntegratorKind::classic);
   s.view = o.view;
   if (s.integrator == IntegratorKind::views && o.view == View::picture) s.view = View::normals;
-  s.channels = o.channels;
+  s.channels = channels_of(o);
+  s.background = background_of(o, scene);
+  s.tone = o.tone.value_or(Tone::none), s.exposure = o.exposure;
   s.accel.counters |= s.view == View::steps || s.view == View::tests ||
                       s.channels.has(Channel::steps) || s.channels.has(Channel::tests);
 
@@ -489,6 +528,7 @@ RenderSettings resolve_options(const RenderOptions& o, const Scene& scene) {
   s.angle_to_centers = o.angle_to_centers;
   s.width = o.width > 0 ? o.width : s.camera.width > 0 ? s.camera.width : 512;
   s.height = o.height > 0 ? o.height : s.camera.height > 0 ? s.camera.height : 512;
+  if (o.crop != Crop{0, 0, s.width, s.height}) s.crop = o.crop;
 
   s.seed = o.seed;
   s.samples = o.samples;
@@ -516,7 +556,11 @@ RenderOptions options_of(const RenderSettings& s, const Scene& scene) {
   if (s.integrator != IntegratorKind::classic && s.view == View::picture)
     o.integrator = s.integrator;
   o.view = s.view, o.channels = s.channels;
+  if (s.background != scene.background) o.background = WrittenColor{.color = s.background};
+  if (s.tone != Tone::none) o.tone = s.tone;
+  o.exposure = s.exposure;
   o.width = s.width, o.height = s.height;
+  o.crop = s.crop;
   set_camera(o, s.camera, scene);
   o.angle_to_centers = s.angle_to_centers;
   o.sampler = s.sampler, o.seed = s.seed;

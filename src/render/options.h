@@ -11,7 +11,9 @@
 #include <variant>
 
 #include "base/error.h"
+#include "integrate/color_text.h"
 #include "integrate/settings.h"
+#include "integrate/tone.h"
 
 namespace raio {
 
@@ -19,11 +21,15 @@ namespace raio {
 struct RenderOptions {
   AccelOptions accel;
   int width = 0, height = 0;
+  std::optional<Crop> crop;
   std::optional<Vec3d> from, at, up;  // of the camera, in the coordinates of the file
   float fov_deg = 0;
   std::optional<IntegratorKind> integrator;
   View view = View::picture;
   ChannelSet channels;
+  std::optional<WrittenColor> background;
+  float exposure = 0;  // stops
+  std::optional<Tone> tone;
   int aa = 0;  // cells along a side of the pixel; 1: its centre; resolved to 0: all of it
   bool soft_shadows = false;
   float light_size = 0;
@@ -54,6 +60,12 @@ void set_camera(RenderOptions& options, const Camera& camera, const Scene& scene
 /// what depends on it passes.
 std::optional<Error> option_conflict(const RenderOptions& options, const Scene* scene = nullptr);
 
+/// Why a picture with these options cannot be watched in a window (bad_option), or nothing.
+std::optional<Error> window_conflict(const RenderOptions& options);
+
+/// The channels that are asked for by name, and alpha for a transparent background.
+ChannelSet channels_of(const RenderOptions& options);
+
 /// What the options come to for `scene`: where they leave something open, the scene's own wishes
 /// (resolution, samples, lens), else the default that the table states.
 RenderSettings resolve_options(const RenderOptions& options, const Scene& scene);
@@ -81,6 +93,7 @@ struct OptionSpec {
   std::span<const std::string_view> words = {};  // NOLINT(readability-redundant-member-init)
 
   bool of_picture = true;  // a picture depends on it
+  bool of_window = true;   // pictures that are watched as they grow have it, too
 
   bool is_switch() const { return value_name.empty(); }
 };
@@ -97,7 +110,7 @@ std::expected<void, Error> set_option(RenderOptions& options, const OptionSpec& 
 std::string option_text(const RenderOptions& options, const OptionSpec& spec);
 
 /// What the command line needs to have these options: " --aa 4 --soft-shadows", without those that
-/// are as always.
+/// are as always and as a shell wants it.
 std::string option_arguments(const RenderOptions& options);
 
 /// The names of a structure, of a sampler and of a view as on the command line.

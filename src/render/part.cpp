@@ -208,7 +208,9 @@ std::expected<Part, Error> decode_part(std::string_view file) {
   if (bytes.ended) return broken("it ends early");
   const auto options = options_from(header.settings);
   if (!options) return broken(options.error().message);
-  if (width != uint32_t(options->width) || height != uint32_t(options->height) || width == 0)
+  const Crop frame = options->crop.value_or(Crop{0, 0, options->width, options->height});
+  if (width != uint32_t(frame.width()) || height != uint32_t(frame.height()) || width == 0 ||
+      options->width == 0)
     return broken("its size is not that of its settings");
   if (tile_side == 0 || tile_side % 8 != 0 || tile_side > uint32_t(kMostTileSide))
     return broken(fmt::format("tiles of {} pixels", tile_side));

@@ -4,6 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/parallel.h"
+#include "render/provenance.h"
 #include "render/render.h"
 
 namespace raio {
@@ -47,12 +49,38 @@ std::optional<Error> output_problem(const std::filesystem::path& path, ChannelSe
   return std::nullopt;
 }
 
-std::expected<void, Error> write_result(const std::filesystem::path& path, const Part& part,
-                                        View view) {
+void tone_map(Image& image, std::span<const float> alpha, Tone tone, float exposure_ev) {
+  if (tone == Tone::none && exposure_ev == 0) return;
+  const ToneMap map(tone, exposure_ev);
+  for_each_index(image.pixels.size(), [&](size_t i) {
+    Rgb& color = image.pixels[i];
+    const float covered = alpha.empty() ? 1 : alpha[i];
+    if (covered == 1)
+      color = map(color);
+    else if (covered > 0)
+      color = map(color / covered) * covered;
+  });
+}
+
+std::expected<void, Error> write_picture(Picture picture, const std::filesystem::path& path,
+                                         const Metadata& settings) {
+  const auto options = options_from(settings);
+  if (!options)
+    return std::unexpected(Error{options.error().kind, path.string(), options.error().message});
+  const auto format = image_format(path);
+  if (format == ImageFormat::png || format == ImageFormat::ppm)
+    tone_map(picture.color, picture.alpha, options->tone.value_or(Tone::none), options->exposure);
+  return write_image(picture, path, settings);
+}
+
+std::expected<void, Error> write_result(const std::filesystem::path& path, const Part& part) {
   if (is_part_path(path)) return write_part(path, part.header, *part.film);
+  const auto options = options_from(part.header.settings);
+  if (!options)
+    return std::unexpected(Error{options.error().kind, path.string(), options.error().message});
   RenderSettings settings;
-  settings.view = view;
-  return write_image(picture_of(*part.film, settings), path, part.header.settings);
+  settings.view = options->view;
+  return write_picture(picture_of(*part.film, settings), path, part.header.settings);
 }
 
 }  // namespace raio

@@ -5,6 +5,7 @@
 #include <expected>
 #include <filesystem>
 #include <optional>
+#include <span>
 
 #include "base/error.h"
 #include "integrate/film.h"
@@ -19,15 +20,23 @@ namespace raio {
 /// Film::resolve() gives them. A picture with alpha has no background in its colours.
 Picture picture_of(const Film& film, const RenderSettings& settings);
 
+/// Makes colours those of a display, by exposure and tone curve; they are premultiplied by `alpha`
+/// (which may be empty) and stay so. With `none` and 0 they stay as they are.
+void tone_map(Image& image, std::span<const float> alpha, Tone tone, float exposure_ev);
+
+/// write_image() with the tone and exposure of the settings, which are settings_of() the picture,
+/// in the formats that are for displays: PNG and PPM.
+std::expected<void, Error> write_picture(Picture picture, const std::filesystem::path& path,
+                                         const Metadata& settings);
+
 /// Why a picture with these channels cannot go to `path`, nor a part file if the name is that of
 /// one, as far as can be told now: an unknown suffix, a format that does not keep the channels
 /// (bad_input), a place that cannot be written to. For callers that are about to compute for long.
 std::optional<Error> output_problem(const std::filesystem::path& path, ChannelSet channels = {});
 
-/// Writes a part file where the name is that of one, else the picture with its channels, and the
-/// settings either way. A part file cannot say less than all of its tiles; whether the tiles of a
-/// picture are complete is not asked here.
-std::expected<void, Error> write_result(const std::filesystem::path& path, const Part& part,
-                                        View view = View::picture);
+/// Writes a part file where the name is that of one, else the picture with its channels as
+/// write_picture() does, and the settings either way. A part file cannot say less than all of its
+/// tiles; whether the tiles of a picture are complete is not asked here.
+std::expected<void, Error> write_result(const std::filesystem::path& path, const Part& part);
 
 }  // namespace raio

@@ -40,14 +40,15 @@ std::optional<Error> picture_problem(int width, int height, ChannelSet channels)
 
 std::expected<std::unique_ptr<Film>, Error> make_film(const Scene& scene,
                                                       const RenderSettings& settings) {
-  if (auto why = picture_problem(settings.width, settings.height, settings.channels))
+  const int width = settings.frame().width(), height = settings.frame().height();
+  if (auto why = picture_problem(width, height, settings.channels))
     return std::unexpected(std::move(*why));
   // Large tiles fill more batches with the rays of later levels, as long as there are enough of
   // them for all threads.
   constexpr int kTiles = 64;
   const auto across = [](int pixels) { return (pixels + kMostTileSide - 1) / kMostTileSide; };
-  const bool large = double(across(settings.width)) * across(settings.height) >= kTiles;
-  return std::make_unique<Film>(settings.width, settings.height,
+  const bool large = double(across(width)) * across(height) >= kTiles;
+  return std::make_unique<Film>(width, height,
                                 integrator(settings.integrator).bound(scene, settings),
                                 large ? kMostTileSide : kTileSide, settings.channels);
 }

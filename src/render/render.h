@@ -30,7 +30,7 @@ struct RenderResult {
 /// (no_resource). For callers that want to know it before they build a structure.
 std::optional<Error> picture_problem(int width, int height, ChannelSet channels = {});
 
-/// An empty film for a picture, or picture_problem().
+/// An empty film for the part of a picture that is rendered, or picture_problem().
 std::expected<std::unique_ptr<Film>, Error> make_film(const Scene& scene,
                                                       const RenderSettings& settings);
 

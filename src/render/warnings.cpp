@@ -19,11 +19,12 @@ constexpr float kLeastSharp = 0.025f;  // of what is seen
 // How far along the view the things are that the picture's pixels show, nearest first.
 std::vector<float> depths_seen(const RenderSettings& settings, const Camera& camera,
                                const EyeRays& eye, const Accel& accel) {
+  const Crop frame = settings.frame();
   RayBatch rays;
   for (int y = 0; y < kSide; ++y)
     for (int x = 0; x < kSide; ++x)
-      rays.push(eye.pinhole((float(x) + 0.5f) * float(settings.width) / kSide,
-                            (float(y) + 0.5f) * float(settings.height) / kSide));
+      rays.push(eye.pinhole(float(frame.x0) + (float(x) + 0.5f) * float(frame.width()) / kSide,
+                            float(frame.y0) + (float(y) + 0.5f) * float(frame.height()) / kSide));
   HitBatch hits;
   hits.reset(rays.size());
   TraceContext context;

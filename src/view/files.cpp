@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include "io/scene_file.h"
+#include "render/picture.h"
 #include "render/render.h"
 
 namespace raio::view {
@@ -72,7 +73,7 @@ void PictureWriter::write(std::shared_ptr<const Image> image, std::string path, 
   writing_.push_back(std::async(
       std::launch::async, [image = std::move(image), path = std::move(path),
                            metadata = std::move(metadata), command = std::move(command)] {
-        return Written{path, command, write_image(*image, path, metadata)};
+        return Written{path, command, write_picture({*image, {}, {}}, path, metadata)};
       }));
 }
 

@@ -180,7 +180,8 @@ std::optional<std::string> draw_option(const RenderOptions& options, const Rende
     }
     New operator()(float& (*value)(RenderOptions&)) {
       float number = value(used);
-      const float speed = std::max(0.005f * std::abs(number), 1e-6f);
+      // From zero, to both sides of which it may go, in even steps.
+      const float speed = spec.least < 0 ? 0.01f : std::max(0.005f * std::abs(number), 1e-6f);
       const auto [least, most] = std::pair(float(spec.least), float(spec.most));
       if (!ImGui::DragFloat(label, &number, speed, least, most, "%.6g")) return std::nullopt;
       return fmt::format("{}", std::clamp(number, least, most));
@@ -207,6 +208,7 @@ std::optional<std::string> draw_option(const RenderOptions& options, const Rende
 void draw_options(ViewState& state, PanelResult& result) {
   ImGui::PushItemWidth(10 * ImGui::GetFontSize());
   for (const OptionSpec& spec : render_option_table()) {
+    if (!spec.of_window) continue;
     RenderOptions options = state.options;
     set_camera(options, state.camera, *state.scene);
     const auto entered = draw_option(
@@ -218,6 +220,10 @@ void draw_options(ViewState& state, PanelResult& result) {
     if (!entered) continue;
     if (const auto set = set_option(options, spec, *entered); !set) {
       result.problem = set.error().text("--");
+      continue;
+    }
+    if (const auto why = window_conflict(options)) {
+      result.problem = why->text("--");
       continue;
     }
     const Camera camera = camera_of(*state.scene, options);

@@ -28,8 +28,9 @@ void Pictures::wish_other(Other wanted, const ViewState& state, const Stage& sta
   if (wanted == Other::none) return other.session->rest();
   RenderOptions o = state.other_wish(stage.picture_width, stage.picture_height);
   if (wanted == Other::focus) {
-    o = state.wish(stage.picture_width, stage.picture_height);
-    o.view = View::focus;
+    ViewState focus = state;
+    focus.show(View::focus);
+    o = focus.wish(stage.picture_width, stage.picture_height);
   }
   if (option_conflict(o, state.scene.get())) return;
   other.wish = other.session->wish({state.scene, o, frame_s});

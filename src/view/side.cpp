@@ -5,17 +5,26 @@
 #include <cmath>
 #include <utility>
 
+#include "render/picture.h"
+
 namespace raio::view {
 
 bool Side::has_picture() const {
   return picture && picture->wish >= first_wish && !texture.empty();
 }
 
+void Side::show(const Image& image, const RenderSettings& settings) {
+  if (settings.tone == Tone::none && settings.exposure == 0) return texture.set(image);
+  Image shown = image;
+  tone_map(shown, {}, settings.tone, settings.exposure);
+  texture.set(shown);
+}
+
 bool Side::take() {
   auto newest = session->picture();
   if (!newest || newest == picture) return false;
   picture = std::move(newest);
-  if (picture->image) texture.set(*picture->image);
+  if (picture->image) show(*picture->image, picture->settings);
   is_logged = false;
   return true;
 }

@@ -26,6 +26,8 @@ struct Side {
   bool take();
   /// Draws the part between `left` and `right` (0 to 1) where the stage says.
   void draw(const Stage& stage, float left, float right, float alpha) const;
+  /// Makes an image the texture, with the exposure and tone curve of the settings.
+  void show(const Image& image, const RenderSettings& settings);
   /// What has just become visible, once: "720x480 samples 3 wish 1 sum 4c0e7ee63a101cca".
   std::optional<std::string> news();
 };

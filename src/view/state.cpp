@@ -126,6 +126,8 @@ RenderOptions ViewState::wish(int width, int height, int samples) const {
   if (o.accel.kind != AccelKind::grid) o.accel.grid_factor = 0, o.accel.grid_resolution = {0, 0, 0};
   if (o.accel.grid_resolution[0] > 0) o.accel.grid_factor = 0;
   if (o.accel.kind == AccelKind::embree) o.accel.counters = false;
+  if (o.view != View::picture || o.integrator == IntegratorKind::views)
+    o.background = {}, o.tone = {}, o.exposure = 0;
 
   const bool varies = dof || o.soft_shadows || o.aa != 1;
   if (!endless() || !varies) {

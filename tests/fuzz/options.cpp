@@ -44,6 +44,10 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   fuzz::require(o.width > 0 && o.height > 0 && o.samples_per_pixel() > 0 && o.threads > 0 &&
                     o.focus > 0 && o.aperture > 0 && o.depth > 0 && o.depth <= kMaxDepth,
                 "what is resolved can be rendered");
+  const Crop frame = o.frame();
+  fuzz::require(frame.x0 >= 0 && frame.y0 >= 0 && frame.width() > 0 && frame.height() > 0 &&
+                    frame.x1 <= o.width && frame.y1 <= o.height,
+                "what is rendered lies in the picture");
   fuzz::require(double(o.aa) * o.aa * o.lens_samples <= kMaxSamples, "the samples can be numbered");
   fuzz::require(within(o.accel.grid_factor, 0.01, 100) && within(o.light_size, 1e-31, 1e31),
                 "numbers lie where the table says");

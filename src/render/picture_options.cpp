@@ -1,0 +1,125 @@
+#include "render/picture_options.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <utility>
+
+#include "io/image/image.h"
+
+namespace raio {
+namespace {
+
+Error conflict(std::string_view option, std::string message) {
+  return {ErrorKind::bad_option, std::string(option), std::move(message)};
+}
+
+std::optional<Error> crop_conflict(const RenderOptions& options, const Scene* scene) {
+  if (!options.crop || (!scene && options.width == 0)) return std::nullopt;
+  int width = options.width, height = options.height;
+  if (scene) {
+    const RenderSettings settings = resolve_options(options, *scene);
+    width = settings.width, height = settings.height;
+  }
+  if (options.crop->x1 <= width && options.crop->y1 <= height) return std::nullopt;
+  return conflict("crop",
+                  fmt::format("{} ends outside the picture, which has {}x{} pixels; choose an X1 "
+                              "of at most {} and a Y1 of at most {}",
+                              crop_text(options), width, height, width, height));
+}
+
+// The way in which `options` show something else than light, as in "`view` normals"; empty where
+// they do not.
+std::string no_light_in(const RenderOptions& options) {
+  if (options.view != View::picture) return fmt::format("`view` {}", view_name(options.view));
+  return options.integrator == IntegratorKind::views ? "`integrator` views" : "";
+}
+
+std::optional<Error> look_conflict(const RenderOptions& options) {
+  const std::string instead = no_light_in(options);
+  if (instead.empty()) return std::nullopt;
+  const auto without_effect = [&](std::string_view option, std::string_view but) {
+    return conflict(option,
+                    fmt::format("has no effect with {}{}; leave one of them out", instead, but));
+  };
+  if (options.exposure != 0) return without_effect("exposure", "");
+  if (options.tone && *options.tone != Tone::none) return without_effect("tone", "");
+  if (options.background && !options.background->transparent)
+    return without_effect("background", ", but transparent has");
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::expected<void, std::string> parse_crop(RenderOptions& options, std::string_view text) {
+  std::array<int, 4> edges{};
+  std::string_view rest = text;
+  bool sound = true;
+  for (size_t i = 0; i < edges.size() && sound; ++i) {
+    const size_t end = std::min(i < 3 ? rest.find(',') : rest.size(), rest.size());
+    const auto [stop, error] = std::from_chars(rest.data(), rest.data() + end, edges[i]);
+    sound = error == std::errc() && stop == rest.data() + end && edges[i] >= 0;
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  const Crop crop{edges[0], edges[1], edges[2], edges[3]};
+  if (!sound || crop.x0 >= crop.x1 || crop.y0 >= crop.y1)
+    return std::unexpected(
+        fmt::format("expected a part of the picture in pixels as X0,Y0,X1,Y1 with X0 below X1 and "
+                    "Y0 below Y1, as in 200,100,400,300, found '{}'",
+                    text));
+  options.crop = crop;
+  return {};
+}
+
+std::string crop_text(const RenderOptions& options) {
+  const auto& crop = options.crop;
+  return crop ? fmt::format("{},{},{},{}", crop->x0, crop->y0, crop->x1, crop->y1) : "";
+}
+
+std::expected<void, std::string> parse_background(RenderOptions& options, std::string_view text) {
+  auto color = parse_color(text);
+  if (!color) return std::unexpected(std::move(color.error()));
+  options.background = *color;
+  return {};
+}
+
+std::string background_text(const RenderOptions& options) {
+  if (!options.background) return {};
+  const auto& [color, transparent, encoded] = *options.background;
+  if (transparent) return "transparent";
+  if (!encoded) return fmt::format("{},{},{}", color.x, color.y, color.z);
+  return fmt::format("#{:02x}{:02x}{:02x}", to_byte(color.x), to_byte(color.y), to_byte(color.z));
+}
+
+Rgb background_of(const RenderOptions& options, const Scene& scene) {
+  if (!options.background || !no_light_in(options).empty()) return scene.background;
+  const WrittenColor& written = *options.background;
+  if (!written.encoded || options.tone.value_or(Tone::none) == Tone::none) return written.color;
+  Rgb light;
+  for (int c = 0; c < 3; ++c) light[c] = linear_from_srgb(written.color[c]);
+  return light;
+}
+
+ChannelSet channels_of(const RenderOptions& options) {
+  ChannelSet channels = options.channels;
+  if (options.background && options.background->transparent) channels.add(Channel::alpha);
+  return channels;
+}
+
+std::optional<Error> picture_conflict(const RenderOptions& options, const Scene* scene) {
+  if (auto why = look_conflict(options)) return why;
+  return crop_conflict(options, scene);
+}
+
+std::optional<Error> window_conflict(const RenderOptions& options) {
+  if (options.crop)
+    return conflict("crop", "the window shows whole pictures; leave it out, or render to a file");
+  if (options.background && options.background->transparent)
+    return conflict("background",
+                    "the window cannot show transparent; give a colour, or render to a file");
+  return std::nullopt;
+}
+
+}  // namespace raio
