@@ -1,5 +1,6 @@
 #include "io/nff/keywords.h"
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -138,8 +139,8 @@ const RefusedWord* find_refused(std::string_view word) {
 
 std::string_view nearest_word(std::string_view word, bool in_camera) {
   if (!in_camera) return raio::nearest_word(word, keywords());
-  std::vector<std::string_view> words;
-  for (const CameraEntry& entry : kCameraWords) words.push_back(entry.word);
+  std::array<std::string_view, kCameraWords.size()> words;
+  std::ranges::transform(kCameraWords, words.begin(), &CameraEntry::word);
   return raio::nearest_word(word, words);
 }
 

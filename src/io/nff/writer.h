@@ -69,9 +69,9 @@ void write_camera(Writer& w);
 void write_surroundings(Writer& w);
 void write_material(Writer& w, const Material& m);
 
-/// Element i of a pool. Defined for each pool beside its reader; where one is missing, the linker
-/// names it.
+/// An element of a pool, and its index there. Defined for each pool beside its reader; where one is
+/// missing, the linker names it.
 template <class Shape>
-void write_shape(Writer& w, const Shape& shape, size_t i);
+void write_shape(Writer&, const Shape&, size_t);
 
 }  // namespace raio::nff
