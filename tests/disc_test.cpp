@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
-#include <random>
 
 #include "accel_rays.h"
 #include "nff_text.h"
+#include "random_shapes.h"
 #include "scene/scene.h"
 #include "shape/offset.h"
 
@@ -16,28 +16,13 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using testing::Random;
 using testing::read_objects;
 
-class Random {
- public:
-  explicit Random(uint32_t seed) : engine_(seed) {}
-  double between(double lo, double hi) {
-    return std::uniform_real_distribution<double>(lo, hi)(engine_);
-  }
-  Vec3d direction() {
-    std::normal_distribution<double> normal;
-    const double x = normal(engine_), y = normal(engine_), z = normal(engine_);
-    return normalize(Vec3d(x, y, z));
-  }
-
- private:
-  std::mt19937 engine_;
-};
-
 Disc random_disc(Random& random) {
-  const double radius = std::pow(10, random.between(-2, 0));
+  const double radius = std::pow(10, random.uniform(-2, 0));
   return {Vec3f(random.direction() * 5.0), Vec3f(random.direction()), float(radius),
-          float(radius * std::max(0.0, random.between(-1, 0.9)))};
+          float(radius * std::max(0.0, random.uniform(-1, 0.9)))};
 }
 
 // A ring seen from direction d: pi (R^2 - r^2) |cos(n, d)|.
@@ -49,16 +34,7 @@ TEST(Disc, ShowsTheAreaOfARing) {
     const Vec3d d = random.direction();
     const double R = disc.radius, r = disc.inner;
     const double area = std::numbers::pi * (R * R - r * r) * std::abs(dot(d, Vec3d(disc.normal)));
-    const Frame<double> frame(d);
-    constexpr int kSide = 400;
-    int hits = 0;
-    for (int y = 0; y < kSide; ++y)
-      for (int x = 0; x < kSide; ++x) {
-        const auto at = [](int i) { return 2.0 * (i + 0.5) / kSide - 1; };
-        const Vec3d from = Vec3d(disc.center) + frame.u * at(x) + frame.v * at(y) - d * 7.0;
-        hits += first_hit(disc, {Vec3f(from), Vec3f(d)}, Sides::both).has_value();
-      }
-    EXPECT_NEAR(hits * 4.0 / (kSide * kSide), area, 0.01 * area + 0.002);
+    EXPECT_NEAR(testing::seen_area(disc, Vec3d(disc.center), d), area, 0.01 * area + 0.002);
   }
 }
 
@@ -68,12 +44,12 @@ TEST(Disc, IsHitWhereRaysAreAimedAt) {
     const Disc disc = random_disc(random);
     const Vec3d normal(disc.normal);
     const Frame<double> frame(normal);
-    const double angle = random.between(0, 2 * std::numbers::pi);
-    const double part = random.between(0, 1.5), rho = part * disc.radius;
+    const double angle = random.uniform(0, 2 * std::numbers::pi);
+    const double part = random.uniform(0, 1.5), rho = part * disc.radius;
     const Vec3d target =
         Vec3d(disc.center) + (frame.u * std::cos(angle) + frame.v * std::sin(angle)) * rho;
     const Vec3f dir(random.direction());
-    const double cosine = dot(Vec3d(dir), normal), distance = random.between(1, 50);
+    const double cosine = dot(Vec3d(dir), normal), distance = random.uniform(1, 50);
     const Ray ray{Vec3f(target - Vec3d(dir) * distance), dir};
     // Rounding moves where the plane is met by an ulp of the distance over the cosine.
     const double unsure = 4e-7 * distance / std::abs(cosine);
@@ -109,11 +85,11 @@ TEST(Disc, BoundsAreTightAndOverlapsNeverWrongWithNo) {
       const double angle = i * (2 * std::numbers::pi / 1000);
       const Vec3d across = frame.u * std::cos(angle) + frame.v * std::sin(angle);
       around.extend(Vec3d(disc.center) + across * double(disc.radius));
-      const double rho = random.between(disc.inner, disc.radius);
-      const double size = std::pow(10, random.between(-5, 0));
+      const double rho = random.uniform(disc.inner, disc.radius);
+      const double size = std::pow(10, random.uniform(-5, 0));
       const Vec3d corner =
           Vec3d(disc.center) + across * rho -
-          Vec3d(random.between(0, size), random.between(0, size), random.between(0, size));
+          Vec3d(random.uniform(0, size), random.uniform(0, size), random.uniform(0, size));
       Box3d near{corner, corner + Vec3d(size)};
       near.pad(1e-6);  // the frame is as long as the rounded normal
       EXPECT_TRUE(overlaps(disc, near));

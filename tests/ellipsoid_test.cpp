@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
-#include <random>
 
 #include "nff_text.h"
+#include "random_shapes.h"
 #include "scene/scene.h"
 #include "shape/offset.h"
 
@@ -15,29 +15,14 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using testing::Random;
 using testing::read_objects;
-
-class Random {
- public:
-  explicit Random(uint32_t seed) : engine_(seed) {}
-  double between(double lo, double hi) {
-    return std::uniform_real_distribution<double>(lo, hi)(engine_);
-  }
-  Vec3d direction() {
-    std::normal_distribution<double> normal;
-    const double x = normal(engine_), y = normal(engine_), z = normal(engine_);
-    return normalize(Vec3d(x, y, z));
-  }
-
- private:
-  std::mt19937 engine_;
-};
 
 // Semi-axes from 1 down to a thousandth.
 Ellipsoid random_ellipsoid(Random& random) {
   const Vec3d n = random.direction();
   const Frame<double> frame(n);
-  const auto length = [&] { return std::pow(10, random.between(-3, 0)); };
+  const auto length = [&] { return std::pow(10, random.uniform(-3, 0)); };
   const Vec3d u = frame.u * length(), v = frame.v * length(), w = n * length();
   return {Vec3f(random.direction() * 5.0), {Vec3f(u), Vec3f(v), Vec3f(w)}};
 }
@@ -55,7 +40,7 @@ TEST(Ellipsoid, SilhouetteHasTheAreaOfItsShadow) {
     Ellipsoid e = random_ellipsoid(random);
     double size[3];
     for (int i = 0; i < 3; ++i) {
-      e.axes[i] = Vec3f(normalize(Vec3d(e.axes[i])) * random.between(0.3, 1));
+      e.axes[i] = Vec3f(normalize(Vec3d(e.axes[i])) * random.uniform(0.3, 1));
       size[i] = length(Vec3d(e.axes[i]));
     }
     const Vec3d d = random.direction();
@@ -63,16 +48,7 @@ TEST(Ellipsoid, SilhouetteHasTheAreaOfItsShadow) {
     for (int i = 0; i < 3; ++i)
       parts[i] = size[(i + 1) % 3] * size[(i + 2) % 3] * dot(d, Vec3d(e.axes[i])) / size[i];
     const double area = std::numbers::pi * length(parts);
-    const Frame<double> frame(d);
-    constexpr int kSide = 400;
-    int hits = 0;
-    for (int y = 0; y < kSide; ++y)
-      for (int x = 0; x < kSide; ++x) {
-        const auto at = [](int i) { return 2.0 * (i + 0.5) / kSide - 1; };
-        const Vec3d from = Vec3d(e.center) + frame.u * at(x) + frame.v * at(y) - d * 7.0;
-        hits += first_hit(bake(e), {Vec3f(from), Vec3f(d)}, Sides::both).has_value();
-      }
-    EXPECT_NEAR(hits * 4.0 / (kSide * kSide), area, 0.01 * area);
+    EXPECT_NEAR(testing::seen_area(bake(e), Vec3d(e.center), d), area, 0.01 * area);
   }
 }
 
@@ -82,9 +58,9 @@ TEST(Ellipsoid, DistancesAreThoseOfTheUnitSphereUnderItsMatrix) {
   for (int trial = 0; trial < 20000; ++trial) {
     const Ellipsoid e = random_ellipsoid(random);
     const BakedEllipsoid baked(e);
-    const Vec3d target = surface_of(e, random.direction() * random.between(0, 0.99));
+    const Vec3d target = surface_of(e, random.direction() * random.uniform(0, 0.99));
     const Vec3f dir(random.direction());
-    const Ray ray{Vec3f(target - Vec3d(dir) * random.between(2, 50)), dir};
+    const Ray ray{Vec3f(target - Vec3d(dir) * random.uniform(2, 50)), dir};
     // The quadratic equation in long double.
     long double a = -0, b = 0, c = -1;
     for (const Vec3f& row : baked.to_unit) {
@@ -157,9 +133,9 @@ TEST(Ellipsoid, BoundsAreTightAndOverlapsNeverWrongWithNo) {
     }
     for (int i = 0; i < 50; ++i) {
       const Vec3d p = surface_of(e, random.direction());
-      const double size = std::pow(10, random.between(-5, 0));
+      const double size = std::pow(10, random.uniform(-5, 0));
       const Vec3d corner =
-          p - Vec3d(random.between(0, size), random.between(0, size), random.between(0, size));
+          p - Vec3d(random.uniform(0, size), random.uniform(0, size), random.uniform(0, size));
       Box3d near{corner, corner + Vec3d(size)};
       near.pad(1e-6);  // the baked surface is rounded
       EXPECT_TRUE(overlaps(baked, near));

@@ -103,12 +103,8 @@ inline void expect_same(const Scene& a, const Scene& b) {
   EXPECT_EQ(a.samples_per_pixel, b.samples_per_pixel);
   EXPECT_EQ(a.materials, b.materials);
   expect_same(a.lights, b.lights);
-  expect_same(a.planes, b.planes);
-  expect_same(a.spheres, b.spheres);
-  expect_same(a.cones, b.cones);
-  expect_same(a.ellipsoids, b.ellipsoids);
-  expect_same(a.discs, b.discs);
-  for_each_pool([&](auto pool) {
+  for_each_pool([&]<class Shape>(PoolMembers<Shape> pool) {
+    if constexpr (Primitive<Shape>) expect_same(a.*pool.shapes, b.*pool.shapes);
     EXPECT_EQ(a.*pool.materials, b.*pool.materials) << kPoolNames[size_t(pool.kind)];
   });
   ASSERT_EQ(a.polygons.size(), b.polygons.size());
@@ -160,6 +156,9 @@ class RandomScene {
       for (const Vec3f p : {corner, corner + u, corner + u + v, corner + v})
         scene.positions.push_back(p);
     }
+    for_each_pool([&](auto pool) {
+      EXPECT_FALSE((scene.*pool.shapes).empty()) << kPoolNames[size_t(pool.kind)];
+    });
     return scene;
   }
 

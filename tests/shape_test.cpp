@@ -3,9 +3,9 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
-#include <random>
 #include <vector>
 
+#include "random_shapes.h"
 #include "shape/cone.h"
 #include "shape/kinds.h"
 #include "shape/plane.h"
@@ -25,26 +25,7 @@ using Vec3r = Vec3<Real>;
 constexpr Real kEpsilon = std::numeric_limits<float>::epsilon();
 constexpr double kPi = std::numbers::pi;
 
-class Random {
- public:
-  explicit Random(uint32_t seed) : engine_(seed) {}
-  double uniform(double lo = 0, double hi = 1) {
-    return std::uniform_real_distribution<double>(lo, hi)(engine_);
-  }
-  double log_uniform(double lo, double hi) { return std::exp(uniform(std::log(lo), std::log(hi))); }
-  Vec3d direction() {
-    const double z = uniform(-1, 1), angle = uniform(0, 2 * kPi), s = std::sqrt(1 - z * z);
-    return {s * std::cos(angle), s * std::sin(angle), z};
-  }
-  Vec3d in_cube() { return {uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)}; }
-  template <class T>
-  T one_of(std::initializer_list<T> values) {
-    return values.begin()[size_t(uniform(0, double(values.size())))];
-  }
-
- private:
-  std::mt19937 engine_;
-};
+using testing::Random;
 
 Vec3f unit(Vec3d v) { return Vec3f(normalize(v)); }
 

@@ -1,6 +1,9 @@
 // The list of a scene's arrays, written once: what hashes, checks, measures or stores scenes goes
-// by it. An array that is new in scene.h is a line here.
+// by it. An array that is new in scene.h is a line here, but for pools, which kScenePools lists.
 #pragma once
+
+#include <algorithm>
+#include <array>
 
 #include "scene/scene.h"
 
@@ -24,6 +27,26 @@ struct ColumnName {
   std::string_view name;
   Counted counted = Counted::always;
 };
+
+/// The names of a pool's columns: "discs", "disc_materials" and so on.
+struct PoolColumns {
+  using Name = std::array<char, 32>;  // with zeros behind
+  Name shapes, materials, colors, opacity;
+};
+inline constexpr auto kPoolColumns = [] {
+  std::array<PoolColumns, kPoolNames.size()> all{};
+  const auto joined = [](std::string_view pool, std::string_view column) {
+    PoolColumns::Name name{};
+    std::ranges::copy(column, std::ranges::copy(pool, name.begin()).out);
+    return name;
+  };
+  for (size_t i = 0; i < all.size(); ++i) {
+    const std::string_view pool = kPoolNames[i];
+    all[i] = {joined(pool, "s"), joined(pool, "_materials"), joined(pool, "_colors"),
+              joined(pool, "_opacity")};
+  }
+  return all;
+}();
 
 /// Calls f(ColumnName, array) for the columns of one mesh, const or not.
 template <class MeshType, class F>
@@ -55,24 +78,15 @@ void for_each_own_column(SceneType& s, F&& f) {
   f(ColumnName{"triangle_normals"}, s.triangle_normals);
   f(ColumnName{"polygons"}, s.polygons);
   f(ColumnName{"polygon_materials"}, s.polygon_materials);
-  f(ColumnName{"plane_colors", Counted::where_used}, s.plane_colors);
-  f(ColumnName{"plane_opacity", Counted::where_used}, s.plane_opacity);
-  f(ColumnName{"sphere_colors", Counted::where_used}, s.sphere_colors);
-  f(ColumnName{"sphere_opacity", Counted::where_used}, s.sphere_opacity);
-  f(ColumnName{"cone_colors", Counted::where_used}, s.cone_colors);
-  f(ColumnName{"cone_opacity", Counted::where_used}, s.cone_opacity);
-  f(ColumnName{"triangle_colors", Counted::where_used}, s.triangle_colors);
-  f(ColumnName{"triangle_opacity", Counted::where_used}, s.triangle_opacity);
-  f(ColumnName{"polygon_colors", Counted::where_used}, s.polygon_colors);
-  f(ColumnName{"polygon_opacity", Counted::where_used}, s.polygon_opacity);
-  f(ColumnName{"ellipsoids", Counted::where_used}, s.ellipsoids);
-  f(ColumnName{"ellipsoid_materials", Counted::where_used}, s.ellipsoid_materials);
-  f(ColumnName{"ellipsoid_colors", Counted::where_used}, s.ellipsoid_colors);
-  f(ColumnName{"ellipsoid_opacity", Counted::where_used}, s.ellipsoid_opacity);
-  f(ColumnName{"discs", Counted::where_used}, s.discs);
-  f(ColumnName{"disc_materials", Counted::where_used}, s.disc_materials);
-  f(ColumnName{"disc_colors", Counted::where_used}, s.disc_colors);
-  f(ColumnName{"disc_opacity", Counted::where_used}, s.disc_opacity);
+  for_each_pool(s, [&](PoolKind pool, auto& shapes, auto& materials, auto& colors, auto& opacity) {
+    const PoolColumns& names = kPoolColumns[size_t(pool)];
+    if (pool > PoolKind::mesh) {  // the others are above
+      f(ColumnName{names.shapes.data(), Counted::where_used}, shapes);
+      f(ColumnName{names.materials.data(), Counted::where_used}, materials);
+    }
+    f(ColumnName{names.colors.data(), Counted::where_used}, colors);
+    f(ColumnName{names.opacity.data(), Counted::where_used}, opacity);
+  });
   f(ColumnName{"object_ranges", Counted::where_used}, s.object_ranges);
 }
 

@@ -188,6 +188,9 @@ inline constexpr std::tuple kScenePools = {
     PoolMembers{PoolKind::disc, &Scene::discs, &Scene::disc_materials, &Scene::disc_colors,
                 &Scene::disc_opacity},
 };
+static_assert(kPoolNames.size() == std::tuple_size_v<decltype(kScenePools)> + 1,
+              "each pool, and that of the meshes, has a name");
+
 template <class Shape>
 inline constexpr PoolMembers<Shape> kPoolOf = std::get<PoolMembers<Shape>>(kScenePools);
 
@@ -206,6 +209,12 @@ inline size_t Scene::primitive_count() const {
 
 constexpr ShapeKind shape_kind(const TriangleIndices&) { return ShapeKind::triangle; }
 constexpr ShapeKind shape_kind(const Polygon&) { return ShapeKind::polygon; }
+static_assert(std::apply(
+                  []<class... Shape>(PoolMembers<Shape>...) {
+                    return ((size_t(shape_kind(Shape())) < kShapeKindNames.size()) && ...);
+                  },
+                  kScenePools),
+              "each ShapeKind has a name");
 
 /// How many primitives of each kind, indexed by ShapeKind.
 std::array<size_t, kShapeKinds> count_primitives(const Scene& scene);

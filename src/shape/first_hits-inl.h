@@ -1,4 +1,4 @@
-// What shapes in SIMD lanes have in common, included by shape/<kind>-inl.h.
+// What shapes in SIMD lanes have in common, for the end of each shape/<kind>.h.
 // Once for each instruction set, as foreach_target.h passes again.
 #if defined(RAIO_SHAPE_FIRST_HITS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAIO_SHAPE_FIRST_HITS_INL_H_

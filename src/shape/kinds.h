@@ -3,21 +3,23 @@
 // To add a kind:
 // 1. shape/<kind>.h: the struct with its faults, whether only its inside is seen, its baked form
 //    and the numbers of that, and of the baked form bounds, overlap with a box, the first hit of a
-//    ray and the surface at a hit;
-// 2. shape/<kind>-inl.h: the first hits of many rays in SIMD lanes, with the bits of the scalar
-// one;
-// 3. here: at the end of PrimitiveKind, its name and its type; a ShapeKind, which users count;
-// 4. scene/scene.h: its pool, and a line in kScenePools; accel/blocks/lanes-inl.h includes step 2;
-// 5. io/nff (keyword, reader, writer) and io/pov_write.cpp.
-// Everything else is driven by this list, and does not compile where a part is missing. `git log
-// --stat` of ellipsoids and discs shows two examples.
-#pragma once
+//    ray and the surface at a hit; at its end, once for each instruction set, the first hits of
+//    many rays in SIMD lanes, with the bits of the scalar one;
+// 2. here: at the end of PrimitiveKind, its name and its type; a ShapeKind, which users count; at
+//    the end of the file, its header;
+// 3. scene/scene.h: its pool, a PoolKind with its name, and a line in kScenePools;
+// 4. io/nff/additions.cpp: its keyword, reader and writer;
+// 5. io/pov_write.cpp: its writer.
+// Everything else is driven by these lists, and does not compile or link where a part is missing.
+#ifndef RAIO_SHAPE_KINDS_H_
+#define RAIO_SHAPE_KINDS_H_
 
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <string_view>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 
 #include "base/ray.h"
@@ -42,6 +44,13 @@ inline constexpr size_t kPrimitiveKinds = std::tuple_size_v<PrimitiveTypes>;
 static_assert(kPrimitiveKindNames.size() == kPrimitiveKinds);
 template <PrimitiveKind kind>
 using PrimitiveType = std::tuple_element_t<size_t(kind), PrimitiveTypes>;
+
+template <class T, class List>
+inline constexpr bool kIsOneOf = false;
+template <class T, class... Types>
+inline constexpr bool kIsOneOf<T, std::tuple<Types...>> = (std::is_same_v<T, Types> || ...);
+template <class T>
+concept Primitive = kIsOneOf<T, PrimitiveTypes>;
 
 /// Primitives of an infinite kind have no bounds and are in no structure: every ray tests them.
 template <PrimitiveKind kind>
@@ -112,3 +121,14 @@ struct SurfacePoint {
 };
 
 }  // namespace raio
+
+#endif  // RAIO_SHAPE_KINDS_H_
+
+// All kinds in SIMD lanes, for accel/blocks/lanes-inl.h, once for each instruction set.
+#ifdef RAIO_KINDS_IN_LANES
+#include "shape/cone.h"
+#include "shape/disc.h"
+#include "shape/ellipsoid.h"
+#include "shape/sphere.h"
+#include "shape/triangle.h"
+#endif

@@ -1,5 +1,5 @@
 // What rays and blocks in SIMD lanes have in common: tags, boxes, and the numbers of blocks as
-// lanes want them. The arithmetic of primitives is in shape/<kind>-inl.h: lane by lane that of the
+// lanes want them. The arithmetic of primitives ends shape/<kind>.h: lane by lane that of the
 // scalar tests, so that hits are those of brute force to the last bit, on every machine. Included
 // by blocks_rays-inl.h only, once for each instruction set, as foreach_target.h passes again.
 #if defined(RAIO_ACCEL_BLOCKS_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
@@ -14,11 +14,11 @@
 #include "accel/accel.h"
 #include "accel/blocks/blocks.h"
 #include "accel/intersect.h"
-#include "shape/cone-inl.h"
-#include "shape/disc-inl.h"
-#include "shape/ellipsoid-inl.h"
-#include "shape/sphere-inl.h"
-#include "shape/triangle-inl.h"
+#include "shape/first_hits-inl.h"
+
+#define RAIO_KINDS_IN_LANES
+#include "shape/kinds.h"
+#undef RAIO_KINDS_IN_LANES
 
 HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {

@@ -1,14 +1,18 @@
+// `v`, the camera.
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 
 #include "io/nff/geometry.h"
 #include "io/nff/parser.h"
+#include "io/nff/writer.h"
 
 namespace raio::nff {
+namespace {
 
 /// What `v` says, as written.
-struct Parser::CameraText {
+struct CameraText {
   Vec3d from, at, up;
   double angle = 0, hither = 0, aperture = 0, focal = 0;
   long width = 0, height = 0;
@@ -20,56 +24,21 @@ struct Parser::CameraText {
   bool has(CameraWord word) const { return seen.contains(word); }
 };
 
-void Parser::camera() {
-  if (camera_begin_)
-    reject(fmt::format("a second camera, the first is at line {}; a scene has one",
-                       report_.line_of(offset(camera_begin_))));
-  else
-    camera_begin_ = begin_;
-  CameraText v;
-  for (;;) {
-    p_ = skip_blanks(p_);
-    if (*p_ == '\0') break;
-    const std::string_view word = word_at(p_);
-    const CameraWord piece = find_camera_word(word);
-    if (piece != CameraWord::none) {
-      if (v.has(piece)) report_.error(offset(p_), fmt::format("{} is given twice", quoted(word)));
-      p_ += word.size();
-      v.usual_order &= piece > v.last || piece >= CameraWord::aperture;
-      v.last = piece;
-      v.seen.insert(piece);
-      v.damaged |= !camera_piece(piece, v);
-    } else if (const RefusedWord* refused = find_refused(word)) {
-      refuse(*refused, true);
-    } else if (const std::string_view nearest = nearest_word(word, true);
-               find_keyword(word) == Keyword::none && !nearest.empty()) {
-      report_.error(offset(p_), fmt::format("unknown word {} in v; did you mean \"{}\"?",
-                                            quoted(word), nearest));
-      v.damaged = true;
-      p_ += word.size();
-      skip_to_entity(true);
-    } else {
-      break;  // the next entity, or something that the next entity's reader will name
-    }
-  }
-  camera_done(v);
-}
-
-bool Parser::camera_piece(CameraWord word, CameraText& v) {
+bool read_piece(Parser& p, CameraWord word, CameraText& v) {
   static constexpr std::string_view kFrom[] = {"x of from", "y of from", "z of from"};
   static constexpr std::string_view kAt[] = {"x of at", "y of at", "z of at"};
   static constexpr std::string_view kUp[] = {"x of up", "y of up", "z of up"};
-  const auto vector = [&](Vec3d& out, Names names) {
+  const auto vector = [&](Vec3d& out, Parser::Names names) {
     double n[3];
-    if (!numbers(n, names)) return false;
+    if (!p.numbers(n, names)) return false;
     out = {n[0], n[1], n[2]};
     return true;
   };
   const auto number = [&](double& out, std::string_view name) {
-    return numbers({&out, 1}, {&name, 1});
+    return p.numbers({&out, 1}, {&name, 1});
   };
   const auto check = [&](bool sound, std::string_view fault) {
-    if (!sound) report_.error(offset(last_word()), std::string(fault));
+    if (!sound) p.reject(std::string(fault), p.last_word());
     return true;  // read in full, sound or not
   };
   switch (word) {
@@ -86,8 +55,8 @@ bool Parser::camera_piece(CameraWord word, CameraText& v) {
       return number(v.hither, "hither") && check(v.hither >= 0, "hither must not be negative");
     case CameraWord::resolution: {
       constexpr long kMost = 65536;
-      const auto width = whole_number("the width", 1, kMost);
-      const auto height = width ? whole_number("the height", 1, kMost) : std::nullopt;
+      const auto width = p.whole_number("the width", 1, kMost);
+      const auto height = width ? p.whole_number("the height", 1, kMost) : std::nullopt;
       if (!height) return false;
       v.width = *width, v.height = *height;
       return true;
@@ -104,7 +73,27 @@ bool Parser::camera_piece(CameraWord word, CameraText& v) {
   return false;
 }
 
-void Parser::camera_done(CameraText& v) {
+void choose_origin(Parser& p, const CameraText& v) {
+  constexpr double kFar = 1000;  // here a float still resolves a few hundredths of a pixel
+  const double distance = length(v.at - v.from);
+  const bool first = !p.seen.object && p.scene().lights.empty();
+  if (!first || !(distance > 0) || !(max_component(abs(v.at)) > kFar * distance)) return;
+  // A multiple of a power of two near the distance: few digits, and no rounding in differences.
+  const double unit = std::exp2(std::round(std::log2(distance)));
+  for (int a = 0; a < 3; ++a) p.scene().origin[a] = std::round(v.at[a] / unit) * unit;
+}
+
+void set_lens(Parser& p, const CameraText& v) {
+  Camera& out = p.scene().camera;
+  if (v.has(CameraWord::aperture)) out.lens_radius = float(v.aperture * pixel_size(out));
+  if (v.has(CameraWord::focal)) out.focus_distance = float(v.focal * view_distance(out));
+  if (!std::isfinite(out.lens_radius.value_or(0)))
+    p.reject("the aperture gives a lens beyond the range of a float");
+  if (!std::isfinite(out.focus_distance.value_or(1)) || out.focus_distance == 0.0f)
+    p.reject("the focal ratio gives a distance beyond the range of a float");
+}
+
+void set_camera(Parser& p, const CameraText& v) {
   if (v.damaged) return;
   std::string missing;
   for (const auto& [word, name] : {std::pair{CameraWord::from, "from"},
@@ -112,48 +101,93 @@ void Parser::camera_done(CameraText& v) {
                                    {CameraWord::up, "up"},
                                    {CameraWord::angle, "angle"}})
     if (!v.has(word)) missing += fmt::format("{}\"{}\"", missing.empty() ? "" : ", ", name);
-  if (!missing.empty()) return reject(fmt::format("v lacks {}", missing));
+  if (!missing.empty()) return p.reject(fmt::format("v lacks {}", missing));
   if (!v.usual_order)
-    warn("the pieces of v are not in the usual order: from, at, up, angle, hither, resolution");
-  if (object_seen_) warn("v after objects; NFF wants it first");
-  choose_origin(v);
-  Camera& out = scene_.camera;
-  out.from = place(v.from);
-  out.at = place(v.at);
+    p.warn("the pieces of v are not in the usual order: from, at, up, angle, hither, resolution");
+  if (p.seen.object) p.warn("v after objects; NFF wants it first");
+  choose_origin(p, v);
+  Camera& out = p.scene().camera;
+  out.from = p.place(v.from);
+  out.at = p.place(v.at);
   out.up = Vec3f(v.up);
   out.fov_deg = float(v.angle);
   out.hither = float(v.hither);
   out.width = int(v.width), out.height = int(v.height);
   const Vec3d view = Vec3d(out.at) - Vec3d(out.from), up(out.up);
   if (!is_finite(out.from) || !is_finite(out.at))
-    reject("from and at are too far apart for a float");
+    p.reject("from and at are too far apart for a float");
   else if (length(view) == 0)
-    reject("from and at are the same point");
+    p.reject("from and at are the same point");
   else if (length(up) == 0)
-    reject("up is zero");
+    p.reject("up is zero");
   else if (!(length(cross(view, up)) > 1e-6 * length(view) * length(up)))
-    reject("up is parallel to the line of sight");
+    p.reject("up is parallel to the line of sight");
   else
-    camera_lens(v, out);
+    set_lens(p, v);
 }
 
-void Parser::camera_lens(const CameraText& v, Camera& out) {
-  if (v.has(CameraWord::aperture)) out.lens_radius = float(v.aperture * pixel_size(out));
-  if (v.has(CameraWord::focal)) out.focus_distance = float(v.focal * view_distance(out));
-  if (!std::isfinite(out.lens_radius.value_or(0)))
-    reject("the aperture gives a lens beyond the range of a float");
-  if (!std::isfinite(out.focus_distance.value_or(1)) || out.focus_distance == 0.0f)
-    reject("the focal ratio gives a distance beyond the range of a float");
+void read_camera(Parser& p) {
+  if (p.seen.camera)
+    p.reject(fmt::format("a second camera, the first is at line {}; a scene has one",
+                         p.line_of(p.seen.camera)));
+  else
+    p.seen.camera = p.begin();
+  CameraText v;
+  for (;;) {
+    const char* const here = p.next();
+    if (*here == '\0') break;
+    const std::string_view word = word_at(here);
+    const CameraWord piece = find_camera_word(word);
+    if (piece != CameraWord::none) {
+      if (v.has(piece)) p.reject(fmt::format("{} is given twice", quoted(word)), here);
+      p.pass(word);
+      v.usual_order &= piece > v.last || piece >= CameraWord::aperture;
+      v.last = piece;
+      v.seen.insert(piece);
+      v.damaged |= !read_piece(p, piece, v);
+    } else if (const RefusedWord* refused = find_refused(word)) {
+      p.refuse(*refused, true);
+    } else if (const std::string_view nearest = nearest_word(word, true);
+               !find_entity(word) && !nearest.empty()) {
+      p.reject(fmt::format("unknown word {} in v; did you mean \"{}\"?", quoted(word), nearest),
+               here);
+      v.damaged = true;
+      p.pass(word);
+      p.skip_to_entity(true);
+    } else {
+      break;  // the next entity, or something that the next entity's reader will name
+    }
+  }
+  set_camera(p, v);
 }
 
-void Parser::choose_origin(const CameraText& v) {
-  constexpr double kFar = 1000;  // here a float still resolves a few hundredths of a pixel
-  const double distance = length(v.at - v.from);
-  const bool first = !object_seen_ && scene_.lights.empty();
-  if (!first || !(distance > 0) || !(max_component(abs(v.at)) > kFar * distance)) return;
-  // A multiple of a power of two near the distance: few digits, and no rounding in differences.
-  const double unit = std::exp2(std::round(std::log2(distance)));
-  for (int a = 0; a < 3; ++a) scene_.origin[a] = std::round(v.at[a] / unit) * unit;
+constexpr std::array kRows = {
+    Entity{.word = kCameraKeyword,
+           .noun = "the camera",
+           .usage = "v takes from, at, up, angle, hither and resolution",
+           .read = read_camera,
+           .leaves = Entity::Leaves::more},
+};
+
+}  // namespace
+
+constinit const Family kCameras = kRows;
+
+void write_camera(Writer& w) {
+  const Camera& c = w.scene().camera;
+  w.text().word("v").end_line();
+  w.position("from", c.from).end_line();
+  w.position("at", c.at).end_line();
+  w.text().word("up").vector(c.up).end_line();
+  w.text().word("angle").number(c.fov_deg).end_line();
+  w.text().word("hither").number(c.hither).end_line();
+  if (c.width > 0 && c.height > 0)
+    w.text().word("resolution").number(c.width).number(c.height).end_line();
+  // As doubles, so that the reader's product rounds to the same float.
+  if (c.lens_radius)
+    w.text().word("aperture").number(double(*c.lens_radius) / pixel_size(c)).end_line();
+  if (c.focus_distance)
+    w.text().word("focal").number(double(*c.focus_distance) / view_distance(c)).end_line();
 }
 
 }  // namespace raio::nff

@@ -1,5 +1,6 @@
 #include "io/nff/keywords.h"
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -8,57 +9,15 @@
 namespace raio::nff {
 namespace {
 
-/// What an entity leaves behind: a material or objects and nothing else, or something else, too.
-enum class Leaves { objects, more };
+constexpr std::array kFamilies = {&kCameras, &kSurroundings, &kRounds,
+                                  &kFlats,   &kAdditions,    &kWishes};
 
-struct KeywordEntry {
-  std::string_view word;
-  Keyword keyword;
-  Leaves leaves;
-  std::string_view noun;
-  std::string_view usage;
-};
-
-constexpr std::array kKeywords = {
-    KeywordEntry{"v", Keyword::v, Leaves::more, "the camera",
-                 "v takes from, at, up, angle, hither and resolution"},
-    KeywordEntry{"b", Keyword::b, Leaves::more, "the background", "b takes 3 numbers: r g b"},
-    KeywordEntry{"bclr", Keyword::b, Leaves::more, "the background", "bclr takes 3 numbers: r g b"},
-    KeywordEntry{"l", Keyword::l, Leaves::more, "the light",
-                 "l takes 3 or 6 numbers on its line: x y z, then r g b"},
-    KeywordEntry{"f", Keyword::f, Leaves::objects, "the material",
-                 "f takes 8 numbers: r g b Kd Ks Shine T ior"},
-    KeywordEntry{"s", Keyword::s, Leaves::objects, "the sphere", "s takes 4 numbers: x y z radius"},
-    KeywordEntry{"c", Keyword::c, Leaves::objects, "the cone",
-                 "c takes 8 numbers: x y z radius of the base, then of the apex"},
-    KeywordEntry{"p", Keyword::p, Leaves::objects, "the polygon",
-                 "p takes a count and as many corners of 3 numbers"},
-    KeywordEntry{"pp", Keyword::pp, Leaves::objects, "the smooth polygon",
-                 "pp takes a count and as many corners of 6 numbers"},
-    KeywordEntry{"pl", Keyword::pl, Leaves::objects, "the plane",
-                 "pl takes 9 numbers: three points"},
-    KeywordEntry{"box", Keyword::box, Leaves::objects, "the box",
-                 "box takes 6 numbers: lowest and highest corner"},
-    KeywordEntry{
-        "mesh", Keyword::mesh, Leaves::objects, "the mesh",
-        "mesh takes two counts, as many vertices of 3 numbers, as many faces of 3 indices"},
-    KeywordEntry{"ellipsoid", Keyword::ellipsoid, Leaves::objects, "the ellipsoid",
-                 "ellipsoid takes 12 numbers: x y z of the centre, then of each semi-axis"},
-    KeywordEntry{
-        "disc", Keyword::disc, Leaves::objects, "the disc",
-        "disc takes 7 or 8 numbers on its line: x y z, the normal's x y z, radius, then the "
-        "inner radius of a ring"},
-    KeywordEntry{"spp", Keyword::spp, Leaves::more, "spp", "spp takes 1 number"},
-    KeywordEntry{"accel", Keyword::accel, Leaves::more, "accel", "accel takes 1 number"},
-};
-
-/// By keyword, the first of its words.
-constexpr auto kEntries = [] {
-  std::array<uint8_t, kKeywords.size() + 1> entries{};
-  for (size_t i = kKeywords.size(); i-- > 0;) entries[size_t(kKeywords[i].keyword)] = uint8_t(i);
-  return entries;
-}();
-const KeywordEntry& entry_of(Keyword keyword) { return kKeywords[kEntries[size_t(keyword)]]; }
+std::vector<std::string_view> keywords() {
+  std::vector<std::string_view> words;
+  for (const Family* family : kFamilies)
+    for (const Entity& entity : *family) words.push_back(entity.word);
+  return words;
+}
 
 struct CameraEntry {
   std::string_view word;
@@ -157,10 +116,11 @@ constexpr std::array kRefused = {
 
 }  // namespace
 
-Keyword find_keyword(std::string_view word) {
-  for (const KeywordEntry& entry : kKeywords)
-    if (entry.word == word) return entry.keyword;
-  return Keyword::none;
+const Entity* find_entity(std::string_view word) {
+  for (const Family* family : kFamilies)
+    for (const Entity& entity : *family)
+      if (entity.word == word) return &entity;
+  return nullptr;
 }
 
 CameraWord find_camera_word(std::string_view word) {
@@ -178,30 +138,16 @@ const RefusedWord* find_refused(std::string_view word) {
 }
 
 std::string_view nearest_word(std::string_view word, bool in_camera) {
-  std::vector<std::string_view> words;
-  if (in_camera)
-    for (const CameraEntry& entry : kCameraWords) words.push_back(entry.word);
-  else
-    for (const KeywordEntry& entry : kKeywords) words.push_back(entry.word);
+  if (!in_camera) return raio::nearest_word(word, keywords());
+  std::array<std::string_view, kCameraWords.size()> words;
+  std::ranges::transform(kCameraWords, words.begin(), &CameraEntry::word);
   return raio::nearest_word(word, words);
-}
-
-std::string_view usage(Keyword keyword) {
-  return keyword == Keyword::none ? std::string_view() : entry_of(keyword).usage;
-}
-
-std::string_view noun_of(Keyword keyword) {
-  return keyword == Keyword::none ? std::string_view() : entry_of(keyword).noun;
-}
-
-bool leaves_objects(Keyword keyword) {
-  return keyword != Keyword::none && entry_of(keyword).leaves == Leaves::objects;
 }
 
 std::string keyword_list() {
   std::string out;
-  for (const KeywordEntry& entry : kKeywords)
-    out += (out.empty() ? "" : " ") + std::string(entry.word);
+  for (const std::string_view word : keywords())
+    out += (out.empty() ? "" : " ") + std::string(word);
   return out;
 }
 

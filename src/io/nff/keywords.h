@@ -1,13 +1,46 @@
-// The words of NFF and of its dialects, each written once. For the NFF reader.
+// What an NFF text is made of: a row for each keyword, the words of `v`, and the words of dialects
+// that are not read. For the NFF reader.
+//
+// A row stands with the functions that read and write what it names, in the file of its family:
+// camera.cpp, surroundings.cpp, rounds.cpp (NFF's), flats.cpp (NFF's and P3F's) and additions.cpp
+// (Raio's own). A new keyword is a row there and nothing elsewhere.
 #pragma once
 
+#include <cstddef>
+#include <span>
 #include <string>
 #include <string_view>
 
 namespace raio::nff {
 
-/// What begins an entity.
-enum class Keyword { none, v, b, l, f, s, c, p, pp, pl, box, mesh, ellipsoid, disc, spp, accel };
+class Parser;
+
+/// What it may mean that so many numbers too many follow an entity.
+struct Surplus {
+  size_t numbers = 0;
+  std::string_view advice = {};
+};
+
+/// What begins with a keyword.
+struct Entity {
+  /// What it leaves behind: a material or objects and nothing else, or something else, too.
+  enum class Leaves { objects, more };
+
+  std::string_view word;   // the keyword
+  std::string_view noun;   // in messages: "the sphere"
+  std::string_view usage;  // for numbers too many: "s takes 4 numbers: x y z radius"
+  void (*read)(Parser&);   // what follows the keyword
+  Leaves leaves = Leaves::objects;
+  std::string_view if_word = {};  // what a word in the place of a number may mean
+  Surplus surplus = {};
+};
+
+/// In the order in which messages list them.
+using Family = std::span<const Entity>;
+extern const Family kCameras, kSurroundings, kRounds, kFlats, kAdditions, kWishes;
+
+/// The keyword that has a part in how the reader recovers from errors.
+inline constexpr std::string_view kCameraKeyword = "v";
 
 /// What begins a piece of `v`, in the usual order.
 enum class CameraWord { none, from, at, up, angle, hither, resolution, aperture, focal };
@@ -18,21 +51,13 @@ struct RefusedWord {
   std::string_view what;  // "a moving sphere of the P3F dialect: ..."
 };
 
-Keyword find_keyword(std::string_view word);
+/// Null where the word is no keyword.
+const Entity* find_entity(std::string_view word);
 CameraWord find_camera_word(std::string_view word);
 const RefusedWord* find_refused(std::string_view word);
 
 /// The word of `v` meant by a misspelt one (`in_camera`), or the keyword; empty if none is near.
 std::string_view nearest_word(std::string_view word, bool in_camera);
-
-/// What an entity takes, for "number too many": "s takes 4 numbers: x y z radius".
-std::string_view usage(Keyword keyword);
-
-/// What an entity is called in messages: "the sphere".
-std::string_view noun_of(Keyword keyword);
-
-/// Does an entity leave nothing behind but a material or objects?
-bool leaves_objects(Keyword keyword);
 
 /// All keywords, for "expected one of ...".
 std::string keyword_list();

@@ -1,6 +1,6 @@
-// One pass over an NFF text. Internal to the reader: read.cpp walks from entity to entity and
-// recovers from errors, nff_camera.cpp reads `v`, nff_objects.cpp the rest; nff_pieces.cpp has long
-// texts read in pieces, on all threads.
+// One pass over an NFF text. Internal to the reader: read.cpp walks from entity to entity, reads
+// numbers and recovers from errors; pieces.cpp has long texts read in pieces, on all threads. What
+// an entity takes stands in the file of its family (keywords.h), which uses the public part.
 #pragma once
 
 #include <optional>
@@ -25,7 +25,6 @@ class Parser {
   /// Reads the whole text. The scene is sound if the report has no error afterwards.
   Scene run();
 
- private:
   using Names = std::span<const std::string_view>;
 
   /// Which of many a number belongs to: "corner 3".
@@ -34,7 +33,75 @@ class Parser {
     size_t number = 0;
   };
 
-  // Pieces (nff_pieces.cpp).
+  // Numbers. On an error they report, skip to the next entity and return false or nothing.
+  bool numbers(std::span<double> out, Names names, Item item);
+  bool numbers(std::span<double> out, Names names) { return numbers(out, names, Item()); }
+  std::optional<long> whole_number(std::string_view name, long least, long most);
+  /// How many things follow; not more than the rest of the text can hold.
+  std::optional<size_t> count(std::string_view name, size_t least, size_t least_bytes_each);
+  size_t numbers_left_in_line() const;
+
+  /// Where the entity begins.
+  const char* begin() const { return begin_; }
+  /// Where the next word begins, which all of the above start from. The text ends with a zero.
+  const char* next() { return p_ = skip_blanks(p_); }
+  void pass(std::string_view word) { p_ += word.size(); }
+  /// Where the number begins that was just read.
+  const char* last_word() const;
+  void skip_to_entity(bool in_camera);
+
+  // What is wrong with an entity that was read to its end: it is left out, nothing is skipped. The
+  // place is that of the entity, or `where`.
+  void reject(std::string message, const char* where = nullptr) {
+    report_.error(offset(where ? where : begin_), std::move(message));
+  }
+  void warn(std::string message, const char* where = nullptr) {
+    report_.warning(offset(where ? where : begin_), std::move(message));
+  }
+  void warn_once(bool& warned, std::string message);
+  /// The next word is of a dialect that is not read.
+  void refuse(const RefusedWord& word, bool in_camera);
+  int line_of(const char* p) const { return report_.line_of(offset(p)); }
+
+  // The scene.
+  Scene& scene() { return scene_; }
+  Vec3f place(Vec3d p) const { return Vec3f(p - scene_.origin); }
+  /// Reports a point beyond the range of a float.
+  bool too_far(Vec3f p, const char* where = nullptr) {
+    if (is_finite(p)) return false;
+    reject("too far from the camera for a float", where);
+    return true;
+  }
+  /// Of the object being read.
+  MaterialId material_here() {
+    seen.object = true;
+    return material_ ? *material_ : default_material();
+  }
+  void set_material(const Material& material) { material_ = material_id(material); }
+  template <class Shape>
+  void add(const Shape& shape, MaterialId material) {
+    constexpr PoolMembers<Shape> pool = kPoolOf<Shape>;
+    (scene_.*pool.shapes).push_back(shape);
+    (scene_.*pool.materials).push_back(material);
+  }
+
+  /// What has come so far, as later entities and the end of the text ask for it.
+  struct Seen {
+    const char* camera = nullptr;  // where the first one begins
+    bool camera_lost = false;      // an error may have hidden it
+    bool object = false, background = false;
+    bool late_light = false, no_material = false;  // these have been warned of
+  } seen;
+
+  /// The corners of the polygon being read. Here, so that their memory is used again.
+  struct Corners {
+    std::vector<Vec3d> written;
+    std::vector<Vec3f> placed;  // the same relative to the origin
+    std::vector<Vec3f> normals;
+  } corners;
+
+ private:
+  // Pieces (pieces.cpp).
   struct Piece;
   Parser(const Parser& whole, const char* begin, TextReport& report);
   const char* next_cut(const char* begin) const;
@@ -43,69 +110,25 @@ class Parser {
   void read(Piece& piece) const;
   void append(Piece& piece);
 
-  // Walking (read.cpp). `p_` is behind what has been read.
+  // Walking. `p_` is behind what has been read.
   void walk(const char* end);
-  Keyword entity();
-  void read_entity(Keyword keyword);
+  const Entity* entity();
   void unknown(std::string_view word);
-  void refuse(const RefusedWord& word, bool in_camera);
   void finish();
-  void skip_to_entity(bool in_camera);
 
-  // Numbers (read.cpp). On an error they report, skip to the next entity and return false.
-  bool numbers(std::span<double> out, Names names, Item item);
-  bool numbers(std::span<double> out, Names names) { return numbers(out, names, Item()); }
   void bad_number(std::string_view name, Item item);
-  const char* last_word() const;
   std::string number_fault(std::string_view word) const;
-  std::optional<size_t> count(std::string_view name, size_t least, size_t least_bytes_each);
-  std::optional<long> whole_number(std::string_view name, long least, long most);
-  size_t numbers_left_in_line() const;
-
-  // What is wrong with an entity that was read to its end: it is left out, nothing is skipped.
-  void reject(const std::string& message) { report_.error(offset(begin_), message); }
-  void warn(const std::string& message) { report_.warning(offset(begin_), message); }
-  void warn_once(bool& warned, const std::string& message);
   size_t offset(const char* p) const { return size_t(p - text_.begin()); }
+  bool in_camera() const { return entity_->word == kCameraKeyword; }
 
-  // The camera (nff_camera.cpp).
-  struct CameraText;
-  void camera();
-  bool camera_piece(CameraWord word, CameraText& v);
-  void camera_done(CameraText& v);
-  void camera_lens(const CameraText& v, Camera& out);
-  void choose_origin(const CameraText& v);
-
-  // Everything else (nff_objects.cpp).
-  void background();
-  void light();
-  void material();
-  void sphere();
-  void cone();
-  void plane();
-  void ellipsoid();
-  void disc();
-  void polygon(bool smooth);
-  void box();
-  void mesh();
-  void mesh_faces(size_t first, size_t vertices, size_t faces);
-  void accel();
-
-  bool corners(size_t n, bool smooth);
-  void add_flat(std::span<const Vec3f> points);
-  void add_smooth();
-  void add_triangle(TriangleIndices corners, TriangleIndices normals);
-  MaterialId material_here();
+  MaterialId default_material();
   MaterialId material_id(const Material& material);
-  Vec3f place(Vec3d p) const { return Vec3f(p - scene_.origin); }
-  bool too_far(Vec3f p);
 
   const TextBuffer& text_;
   TextReport& report_;
   const char* p_;
-  const char* begin_;                // of the entity being read
-  Keyword keyword_ = Keyword::none;  // of that entity
-  std::string_view noun_;            // of that entity, for messages
+  const char* begin_;               // of the entity being read
+  const Entity* entity_ = nullptr;  // its row; between entities that of the last one
   Scene scene_;
 
   struct MaterialHash {
@@ -114,15 +137,7 @@ class Parser {
   std::unordered_map<Material, MaterialId, MaterialHash> material_ids_;
   std::optional<MaterialId> material_;  // of the last `f`
 
-  std::vector<Vec3d> corners_;  // of the polygon being read, as written
-  std::vector<Vec3f> placed_;   // the same relative to the origin
-  std::vector<Vec3f> normals_;
-
   std::set<std::string_view> refused_;  // each dialect's word is reported once
-  const char* camera_begin_ = nullptr;
-  bool camera_lost_ = false;  // an error may have hidden it
-  bool object_seen_ = false, background_seen_ = false;
-  bool warned_late_light_ = false, warned_no_material_ = false;
 };
 
 }  // namespace raio::nff

@@ -58,7 +58,7 @@ const char* Parser::next_cut(const char* begin) const {
     while (*p != '\0' && !is_char(*p, kLineEnd)) ++p;
     while (is_char(*p, kBlank)) ++p;
     if (*p == '\0') return text_.end();
-    if (find_keyword(word_at(p)) != Keyword::none) return p;
+    if (find_entity(word_at(p))) return p;
   }
 }
 
@@ -89,8 +89,10 @@ std::vector<Parser::Piece> Parser::some_pieces(const char* cut) const {
 void Parser::read(Piece& piece) const {
   Parser parser(*this, piece.begin, piece.report);
   piece.plain = true;
-  while (piece.plain && (parser.p_ = skip_blanks(parser.p_)) < piece.end)
-    piece.plain = leaves_objects(parser.entity()) && !piece.report.failed();
+  while (piece.plain && parser.next() < piece.end) {
+    const Entity* const entity = parser.entity();
+    piece.plain = entity && entity->leaves == Entity::Leaves::objects && !piece.report.failed();
+  }
   piece.scene = std::move(parser.scene_);
   piece.material = *parser.material_;
 }

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <new>
 
@@ -27,7 +28,7 @@ Scene Parser::run() {
   // object, and that there is a material.
   const char* cut = p_;
   do walk(cut = next_cut(cut));
-  while (cut < text_.end() && !(object_seen_ && material_));
+  while (cut < text_.end() && !(seen.object && material_));
   read_pieces(cut);
   finish();
   return std::move(scene_);
@@ -38,59 +39,19 @@ void Parser::walk(const char* end) {
   while ((p_ = skip_blanks(p_)) < end) entity();
 }
 
-/// Reads what begins at `p_`, and says what it was.
-Keyword Parser::entity() {
+/// Reads what begins at `p_`, and says what it was: nothing for an unknown word.
+const Entity* Parser::entity() {
   begin_ = p_;
   const std::string_view word = word_at(p_);
-  const Keyword keyword = find_keyword(word);
-  if (keyword == Keyword::none) {
+  const Entity* const entity = find_entity(word);
+  if (!entity) {
     unknown(word);
-    return keyword;
+    return nullptr;
   }
   p_ += word.size();
-  keyword_ = keyword;
-  noun_ = noun_of(keyword);
-  read_entity(keyword);
-  return keyword;
-}
-
-void Parser::read_entity(Keyword keyword) {
-  switch (keyword) {
-    case Keyword::v:
-      return camera();
-    case Keyword::b:
-      return background();
-    case Keyword::l:
-      return light();
-    case Keyword::f:
-      return material();
-    case Keyword::s:
-      return sphere();
-    case Keyword::c:
-      return cone();
-    case Keyword::p:
-      return polygon(false);
-    case Keyword::pp:
-      return polygon(true);
-    case Keyword::pl:
-      return plane();
-    case Keyword::box:
-      return box();
-    case Keyword::mesh:
-      return mesh();
-    case Keyword::ellipsoid:
-      return ellipsoid();
-    case Keyword::disc:
-      return disc();
-    case Keyword::accel:
-      return accel();
-    case Keyword::spp:
-      if (const auto samples = whole_number("the samples per pixel", 0, 1'000'000))
-        scene_.samples_per_pixel = int(*samples);
-      return;
-    case Keyword::none:
-      return;
-  }
+  entity_ = entity;
+  entity->read(*this);
+  return entity;
 }
 
 void Parser::unknown(std::string_view word) {
@@ -98,15 +59,15 @@ void Parser::unknown(std::string_view word) {
   std::string message;
   if (looks_like_number(word)) {
     message = fmt::format("expected a keyword, found {}", quoted(word));
-    if (keyword_ != Keyword::none) message += fmt::format(": {}", usage(keyword_));
-    if (keyword_ == Keyword::s && numbers_left_in_line() == 2)
-      message += "; with 6 it is a highlight's light of the Graphics Gems V dialect: write \"l\"";
+    if (entity_) message += fmt::format(": {}", entity_->usage);
+    if (entity_ && entity_->surplus.numbers == numbers_left_in_line())
+      message += fmt::format("; {}", entity_->surplus.advice);
   } else if (find_camera_word(word) != CameraWord::none) {
     message = fmt::format("{} belongs to the camera: expected a line \"v\" before", quoted(word));
-    camera_lost_ = true;
+    seen.camera_lost = true;
   } else if (const std::string_view nearest = nearest_word(word, false); !nearest.empty()) {
     message = fmt::format("unknown keyword {}; did you mean \"{}\"?", quoted(word), nearest);
-    camera_lost_ |= find_keyword(nearest) == Keyword::v;
+    seen.camera_lost |= nearest == kCameraKeyword;
   } else {
     message = fmt::format("unknown keyword {}, expected one of: {}", quoted(word), keyword_list());
   }
@@ -128,8 +89,7 @@ void Parser::skip_to_entity(bool in_camera) {
   const auto begins = [&](std::string_view word) {
     if (looks_like_number(word)) return false;
     if (find_camera_word(word) != CameraWord::none) return in_camera;
-    return find_keyword(word) != Keyword::none || find_refused(word) ||
-           !nearest_word(word, false).empty();
+    return find_entity(word) || find_refused(word) || !nearest_word(word, false).empty();
   };
   for (;;) {
     p_ = skip_blanks(p_);
@@ -140,15 +100,15 @@ void Parser::skip_to_entity(bool in_camera) {
     const bool first_in_line = before == text_.begin() || is_char(before[-1], kLineEnd);
     const std::string_view word = word_at(p_);
     if (first_in_line && begins(word)) return;
-    camera_lost_ |= word == "v";
+    seen.camera_lost |= word == kCameraKeyword;
     p_ += word.size();
   }
 }
 
 void Parser::finish() {
-  if (!camera_begin_ && !camera_lost_)
+  if (!seen.camera && !seen.camera_lost)
     report_.error("there is no camera: expected v with from, at, up and angle");
-  if (!object_seen_) report_.warning("there is no object in the file");
+  if (!seen.object) report_.warning("there is no object in the file");
   constexpr size_t kMost = kMaxPrimitivesPerKind;
   size_t most = 0;
   for_each_pool([&](auto pool) { most = std::max(most, (scene_.*pool.shapes).size()); });
@@ -177,21 +137,21 @@ void Parser::bad_number(std::string_view name, Item item) {
   if (*p_ == '\0') {
     const char* end = p_;
     while (end > begin_ && is_char(end[-1], kBlank)) --end;
-    report_.error(offset(end), fmt::format("the file ends inside {} begun at line {}, expected {}",
-                                           noun_, report_.line_of(offset(begin_)), expected));
+    report_.error(offset(end),
+                  fmt::format("the file ends inside {} begun at line {}, expected {}",
+                              entity_->noun, report_.line_of(offset(begin_)), expected));
     return;
   }
   const std::string_view word = word_at(p_);
   report_.error(offset(p_), fmt::format("expected a number for {} of {}, found {}{}", expected,
-                                        noun_, quoted(word), number_fault(word)));
-  skip_to_entity(keyword_ == Keyword::v);
+                                        entity_->noun, quoted(word), number_fault(word)));
+  skip_to_entity(in_camera());
 }
 
 std::string Parser::number_fault(std::string_view word) const {
   const bool letter = !word.empty() && (word[0] | 32) >= 'a' && (word[0] | 32) <= 'z';
-  if (letter && (keyword_ == Keyword::f || keyword_ == Keyword::b) && word.size() > 2 &&
-      find_keyword(word) == Keyword::none)
-    return ": names of colours are of the MTV dialect, write r g b as numbers";
+  if (letter && !entity_->if_word.empty() && word.size() > 2 && !find_entity(word))
+    return fmt::format(": {}", entity_->if_word);
   const std::string_view unsigned_word =
       word.substr(word.starts_with('-') || word.starts_with('+'));
   for (const std::string_view name : {"nan", "inf", "NaN", "NAN", "Inf", "INF", "infinity"})
@@ -206,7 +166,6 @@ std::string Parser::number_fault(std::string_view word) const {
   return ": text sticks to the number";
 }
 
-/// Where the number starts that was just read.
 const char* Parser::last_word() const {
   const char* word = p_;
   while (word > begin_ && !is_char(word[-1], kWordEnd)) --word;
@@ -222,8 +181,8 @@ std::optional<long> Parser::whole_number(std::string_view name, long least, long
   const char* const word = last_word();
   report_.error(offset(word),
                 fmt::format("expected {} of {} as a whole number from {} to {}, found {}", name,
-                            noun_, least, most, quoted(word_at(word))));
-  skip_to_entity(keyword_ == Keyword::v);
+                            entity_->noun, least, most, quoted(word_at(word))));
+  skip_to_entity(in_camera());
   return std::nullopt;
 }
 
@@ -235,7 +194,7 @@ std::optional<size_t> Parser::count(std::string_view name, size_t least, size_t 
   const char* const word = last_word();
   report_.error(offset(word),
                 fmt::format("{} of {} is {}, more than the {} bytes left in the file can hold",
-                            name, noun_, *n, left));
+                            name, entity_->noun, *n, left));
   skip_to_entity(false);
   return std::nullopt;
 }
@@ -250,9 +209,31 @@ size_t Parser::numbers_left_in_line() const {
   return count;
 }
 
-void Parser::warn_once(bool& warned, const std::string& message) {
-  if (!warned) warn(message);
+void Parser::warn_once(bool& warned, std::string message) {
+  if (!warned) warn(std::move(message));
   warned = true;
+}
+
+MaterialId Parser::default_material() {
+  warn_once(seen.no_material, "an object before any f: it gets a grey material");
+  set_material(Material());
+  return *material_;
+}
+
+MaterialId Parser::material_id(const Material& material) {
+  const auto [entry, added] =
+      material_ids_.try_emplace(material, MaterialId(scene_.materials.size()));
+  if (added) scene_.materials.push_back(material);
+  return entry->second;
+}
+
+size_t Parser::MaterialHash::operator()(const Material& m) const {
+  uint64_t hash = 0;
+  for (const float x :
+       {m.color.x, m.color.y, m.color.z, m.kd, m.ks, m.shine, m.transmission, m.ior})
+    // Adding zero makes both zeros the same, as they compare equal.
+    hash = (std::rotl(hash, 23) ^ std::bit_cast<uint32_t>(x + 0.0f)) * 0x9e3779b97f4a7c15u;
+  return size_t(hash ^ hash >> 32);
 }
 
 }  // namespace nff

@@ -65,7 +65,7 @@ struct Entry {
 };
 static_assert(sizeof(Entry) == 80);
 
-/// A type of elements as a file names it. A new one is a line.
+/// A type of elements as a file names it. A new one is a line; primitives are made of floats.
 template <class T>
 struct Element;
 template <Number n, uint32_t count>
@@ -82,11 +82,7 @@ template <> struct Element<Vec3f> : Numbers<Number::f32, 3> {};
 template <> struct Element<Uv> : Numbers<Number::f32, 2> {};
 template <> struct Element<TriangleIndices> : Numbers<Number::u32, 3> {};
 template <> struct Element<Material> : Numbers<Number::f32, 8> {};
-template <> struct Element<Plane> : Numbers<Number::f32, 6> {};
-template <> struct Element<Sphere> : Numbers<Number::f32, 4> {};
-template <> struct Element<Cone> : Numbers<Number::f32, 8> {};
-template <> struct Element<Ellipsoid> : Numbers<Number::f32, sizeof(Ellipsoid) / 4> {};
-template <> struct Element<Disc> : Numbers<Number::f32, sizeof(Disc) / 4> {};
+template <Primitive T> struct Element<T> : Numbers<Number::f32, sizeof(T) / sizeof(float)> {};
 template <> struct Element<Polygon> : Numbers<Number::u32, 2> {};
 template <> struct Element<ObjectRange> : Numbers<Number::u32, 4> {};
 // clang-format on

@@ -1,0 +1,77 @@
+// What the writers of entities share. Internal to this folder: write.cpp goes through the scene,
+// and each kind of primitive is written in the file that reads it.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "scene/scene.h"
+
+namespace raio::nff {
+
+/// Text that grows, with a blank between the words of a line. A number has the fewest digits that
+/// give it back.
+class Text {
+ public:
+  Text& word(std::string_view word) {
+    if (!out_.empty() && out_.back() != '\n') out_ += ' ';
+    out_ += word;
+    return *this;
+  }
+
+  Text& number(int x) { return word(std::to_string(x)); }
+  Text& number(uint32_t x) { return word(std::to_string(x)); }
+  Text& number(double x);
+  Text& number(float x);
+
+  template <class T>
+  Text& vector(Vec3<T> v) {
+    return number(v.x).number(v.y).number(v.z);
+  }
+
+  void end_line() { out_ += '\n'; }
+
+  std::string take() { return std::move(out_); }
+
+ private:
+  std::string out_;
+};
+
+/// What a reader makes of the digits of a float: not always that float in double.
+double as_read(float x);
+
+class Writer {
+ public:
+  explicit Writer(const Scene& scene) : scene_(scene) {}
+
+  std::string write(std::string_view comment);
+
+  const Scene& scene() const { return scene_; }
+  Text& text() { return text_; }
+  /// A point where the file has it, in double if the scene has an origin.
+  Text& position(std::string_view keyword, Vec3f p) {
+    if (!keyword.empty()) text_.word(keyword);
+    return scene_.origin == Vec3d() ? text_.vector(p) : text_.vector(scene_.origin + Vec3d(p));
+  }
+
+ private:
+  void use(MaterialId id);
+  void material(MaterialId id);
+
+  const Scene& scene_;
+  Text text_;
+  MaterialId next_material_ = 0, current_ = 0xffffffffu;
+};
+
+void write_camera(Writer& w);
+/// Background, wishes, lights.
+void write_surroundings(Writer& w);
+void write_material(Writer& w, const Material& m);
+
+/// An element of a pool, and its index there. Defined for each pool beside its reader; where one is
+/// missing, the linker names it.
+template <class Shape>
+void write_shape(Writer&, const Shape&, size_t);
+
+}  // namespace raio::nff
