@@ -13,7 +13,7 @@ namespace {
 class TintedMirrors {
  public:
   explicit TintedMirrors(const PreparedScene& scene)
-      : levels_(scene.settings.depth), background_(scene.scene.background) {}
+      : levels_(scene.settings.depth), background_(scene.settings.background) {}
 
   static constexpr bool kTints = true;
   int levels() const { return levels_; }
@@ -47,6 +47,7 @@ class TintedMirrors {
 Rgb corner_pixel(const Scene& scene, int levels) {
   const auto accel = raio::testing::build(scene, {});
   RenderSettings settings;
+  settings.background = scene.background;
   settings.camera = scene.camera;
   settings.width = settings.height = 4;
   settings.depth = levels;
