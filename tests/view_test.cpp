@@ -262,7 +262,7 @@ TEST(Views, ShowsWhatTheRayMeets) {
     const auto film = make_film(s, settings);
     EXPECT_TRUE(render(s, **accel, settings, **film, control).finished);
     const Image image = picture_of(**film, view);
-    if (view != View::tests) {
+    if (view != View::tests && view != View::steps) {
       EXPECT_EQ(image.at(0, 0), Rgb());
     }
     return image.at(4, 4);
@@ -279,6 +279,9 @@ TEST(Views, ShowsWhatTheRayMeets) {
   EXPECT_GT(behind.z, behind.x);
   const auto none = [](RenderOptions& o) { o.accel.kind = AccelKind::none; };
   EXPECT_EQ(middle(View::tests, none), heat_color(1));
+  // What a ray costs by itself, however many are traced at a time.
+  EXPECT_EQ(middle(View::tests), heat_color(1));
+  EXPECT_EQ(middle(View::steps), heat_color(1));
 }
 
 TEST(Quoted, IsWhatAShellReadsBack) {
