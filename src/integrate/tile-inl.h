@@ -197,7 +197,7 @@ class TileSums {
   }
 
   // A plane of the film's layout, a number for each pixel.
-  int64_t* plane(int index) { return sums_.planes + size_t(index) * plane_size_; }
+  int64_t* plane(int index) const { return sums_.planes + size_t(index) * plane_size_; }
 
   // Asks the memory for those of four pixels in a row.
   HWY_INLINE void prefetch(uint32_t pixel) const {
