@@ -39,8 +39,8 @@ struct Subject {
   RenderOptions options;  // with the effect, without samples
 };
 
-Image picture(const Subject& subject, const RenderOptions& wish) {
-  const RenderSettings o = resolve_options(wish, subject.scene);
+Image picture(const Subject& subject, const RenderOptions& request) {
+  const RenderSettings o = resolve_options(request, subject.scene);
   const auto film = make_film(subject.scene, o);
   if (!film) give_up(3, film.error().text());
   RenderControl control;
@@ -220,8 +220,8 @@ void save_crops(const Settings& s, const std::string& path) {
 
 }  // namespace
 
-std::vector<Json> converge_suite(const Settings& wish) {
-  Settings s = wish.with_defaults({"balls:2", "mount:4", "gears:2"}, {AccelKind::automatic}, 1);
+std::vector<Json> converge_suite(const Settings& request) {
+  Settings s = request.with_defaults({"balls:2", "mount:4", "gears:2"}, {AccelKind::automatic}, 1);
   if (s.options.width == 0) s.options.width = s.options.height = 64;
   std::vector<Json> rows;
   for (const std::string& name : s.scenes) {

@@ -51,9 +51,9 @@ Rendered render_once(const Scene& scene, const Accel& accel, const RenderSetting
 
 RenderSettings with_effects(const Settings& s, const Scene& scene, const Effects& effects,
                             int threads) {
-  RenderOptions wish = s.options;
-  wish.soft_shadows = true, wish.dof = true;  // so that lens and light are settled
-  RenderSettings options = resolve_options(wish, scene);
+  RenderOptions request = s.options;
+  request.soft_shadows = true, request.dof = true;  // so that lens and light are settled
+  RenderSettings options = resolve_options(request, scene);
   options.aa = effects.aa, options.lens_samples = 1, options.threads = threads;
   options.soft_shadows = effects.soft_and_dof, options.dof = effects.soft_and_dof;
   return options;
@@ -89,9 +89,9 @@ std::vector<Json> measure_frames(const Scene& scene, const Settings& s,
   return rows;
 }
 
-std::vector<Json> frames(const Settings& wish, const std::vector<AccelKind>& structures,
+std::vector<Json> frames(const Settings& request, const std::vector<AccelKind>& structures,
                          const std::vector<int>& threads) {
-  const Settings s = wish.with_defaults(kP3dScenes, structures, 11);
+  const Settings s = request.with_defaults(kP3dScenes, structures, 11);
   std::vector<Json> rows;
   for (const std::string& name : s.scenes) {
     tell(name);
@@ -125,19 +125,19 @@ double reading_speed(const Scene& scene) {
 
 }  // namespace
 
-std::vector<Json> frame_suite(const Settings& wish) {
-  return frames(wish, {AccelKind::automatic, AccelKind::embree}, {wish.options.threads});
+std::vector<Json> frame_suite(const Settings& request) {
+  return frames(request, {AccelKind::automatic, AccelKind::embree}, {request.options.threads});
 }
 
-std::vector<Json> threads_suite(const Settings& wish) {
-  return frames(wish, {AccelKind::automatic}, {wish.options.threads, 1});
+std::vector<Json> threads_suite(const Settings& request) {
+  return frames(request, {AccelKind::automatic}, {request.options.threads, 1});
 }
 
-std::vector<Json> growth_suite(const Settings& wish) {
+std::vector<Json> growth_suite(const Settings& request) {
   std::vector<std::string> flakes;
   for (int level = 2; level <= 7; ++level) flakes.push_back(fmt::format("sphereflake:{}", level));
   const Settings s =
-      wish.with_defaults(flakes, {AccelKind::automatic, AccelKind::grid, AccelKind::embree}, 5);
+      request.with_defaults(flakes, {AccelKind::automatic, AccelKind::grid, AccelKind::embree}, 5);
   // The first build of a kind loads what it needs, such as Embree's library.
   const Scene few = get_scene("spheres:8");
   for (const AccelKind kind : s.structures) build_structure(few, kind, s);

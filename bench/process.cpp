@@ -76,8 +76,8 @@ std::vector<std::pair<std::string, Command>> programs(const std::string& file, c
 
 }  // namespace
 
-std::vector<Json> process_suite(const Settings& wish) {
-  const Settings s = wish.with_defaults({"balls_medium"}, {}, 21);
+std::vector<Json> process_suite(const Settings& request) {
+  const Settings s = request.with_defaults({"balls_medium"}, {}, 21);
   std::vector<Json> rows;
   for (const std::string& name : s.scenes) {
     tell(name);

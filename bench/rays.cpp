@@ -118,9 +118,9 @@ double differing_rays(const Accel& accel, const Accel& none, const Recording& ra
 }
 
 Image small_picture(const Scene& scene, const Accel& accel, int side, int threads) {
-  RenderOptions wish;
-  wish.width = wish.height = side, wish.threads = threads;
-  const RenderSettings options = resolve_options(wish, scene);
+  RenderOptions request;
+  request.width = request.height = side, request.threads = threads;
+  const RenderSettings options = resolve_options(request, scene);
   const auto film = make_film(scene, options);
   if (!film) give_up(3, film.error().text());
   RenderControl control;

@@ -68,20 +68,20 @@ Scene terrain(uint32_t count) {
 
 }  // namespace
 
-Scene get_scene(const std::string& wish) {
-  if (std::filesystem::exists(wish)) {
-    auto scene = app::load_scene(wish, true);
-    if (!scene) give_up(scene.error(), wish + " cannot be read");
+Scene get_scene(const std::string& request) {
+  if (std::filesystem::exists(request)) {
+    auto scene = app::load_scene(request, true);
+    if (!scene) give_up(scene.error(), request + " cannot be read");
     return std::move(*scene);
   }
-  const size_t colon = std::min(wish.find(':'), wish.size());
-  const std::string name = wish.substr(0, colon);
+  const size_t colon = std::min(request.find(':'), request.size());
+  const std::string name = request.substr(0, colon);
   uint32_t size = 0;
-  if (colon < wish.size()) {
-    const char* end = wish.data() + wish.size();
-    const auto parsed = std::from_chars(wish.data() + colon + 1, end, size);
+  if (colon < request.size()) {
+    const char* end = request.data() + request.size();
+    const auto parsed = std::from_chars(request.data() + colon + 1, end, size);
     if (parsed.ec != std::errc() || parsed.ptr != end || size == 0 || size > 100'000'000)
-      give_up(2, fmt::format("{}: expected a size of 1 to 100000000 behind the colon", wish));
+      give_up(2, fmt::format("{}: expected a size of 1 to 100000000 behind the colon", request));
   }
   Scene scene;
   if (size > 0 && (name == "spheres" || name == "mixed")) {
@@ -91,11 +91,11 @@ Scene get_scene(const std::string& wish) {
   } else {
     auto generated = generate_scene(name, int(size));
     if (!generated)
-      give_up(2, fmt::format("{} is no file, nor spheres:N, mixed:N or terrain:N, and {}", wish,
+      give_up(2, fmt::format("{} is no file, nor spheres:N, mixed:N or terrain:N, and {}", request,
                              generated.error().text()));
     scene = std::move(*generated);
   }
-  scene.name = wish;
+  scene.name = request;
   return scene;
 }
 

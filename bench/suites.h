@@ -29,7 +29,7 @@ struct Settings {
   std::string plot, crops, raio, pov_converter;
   RenderOptions options;  // size and threads are resolved
 
-  /// With these where nothing was wished for.
+  /// With these where nothing was asked for.
   Settings with_defaults(const std::vector<std::string>& scenes,
                          const std::vector<AccelKind>& structures, int repeat) const;
 };
@@ -39,10 +39,10 @@ inline const std::vector<std::string> kP3dScenes = {"balls_low", "balls_medium",
 inline constexpr std::string_view kRatioNote =
     "ratio: time of the scene's first line over this one";
 
-/// `wish` is a file, or a name with a size behind a colon: a procedural scene (sphereflake:6), or
-/// with the number of primitives spheres:N (equal radii), mixed:N (radii of 1 to 100) or
+/// `request` is a file, or a name with a size behind a colon: a procedural scene (sphereflake:6),
+/// or with the number of primitives spheres:N (equal radii), mixed:N (radii of 1 to 100) or
 /// terrain:N (triangles). Like all here it ends the program when it cannot.
-Scene get_scene(const std::string& wish);
+Scene get_scene(const std::string& request);
 
 /// With the settings' options of the grid.
 std::unique_ptr<Accel> build_structure(const Scene& scene, AccelKind kind,
@@ -52,18 +52,18 @@ std::unique_ptr<Accel> build_structure(const Scene& scene, AccelKind kind,
 void plot_growth(const std::vector<Json>& rows, const std::string& path);
 
 /// Pictures, rendering alone: each structure with each of the effects.
-std::vector<Json> frame_suite(const Settings& wish);
+std::vector<Json> frame_suite(const Settings& request);
 /// The same on all threads and on one.
-std::vector<Json> threads_suite(const Settings& wish);
+std::vector<Json> threads_suite(const Settings& request);
 /// Reading, building and rendering as scenes grow.
-std::vector<Json> growth_suite(const Settings& wish);
+std::vector<Json> growth_suite(const Settings& request);
 /// Bare tracing of recorded rays by kind, beside Embree as an expert uses it.
-std::vector<Json> trace_suite(const Settings& wish);
+std::vector<Json> trace_suite(const Settings& request);
 /// Seconds and bytes of building, beside Embree with its buffers.
-std::vector<Json> build_suite(const Settings& wish);
+std::vector<Json> build_suite(const Settings& request);
 /// The error of each sampler as samples grow in number.
-std::vector<Json> converge_suite(const Settings& wish);
+std::vector<Json> converge_suite(const Settings& request);
 /// The whole program from its start to its end, beside Tachyon and POV-Ray.
-std::vector<Json> process_suite(const Settings& wish);
+std::vector<Json> process_suite(const Settings& request);
 
 }  // namespace raio::bench

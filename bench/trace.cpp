@@ -118,8 +118,8 @@ std::vector<std::pair<std::string, Contender>> builders(const Scene& scene,
 
 }  // namespace
 
-std::vector<Json> trace_suite(const Settings& wish) {
-  const Settings s = wish.with_defaults(kP3dScenes, {AccelKind::bvh, AccelKind::grid}, 11);
+std::vector<Json> trace_suite(const Settings& request) {
+  const Settings s = request.with_defaults(kP3dScenes, {AccelKind::bvh, AccelKind::grid}, 11);
   std::vector<Json> rows;
   for (const std::string& name : s.scenes) {
     tell(name);
@@ -156,9 +156,9 @@ std::vector<Json> trace_suite(const Settings& wish) {
   return rows;
 }
 
-std::vector<Json> build_suite(const Settings& wish) {
-  const Settings s = wish.with_defaults({"spheres:1000000", "mixed:1000000", "terrain:1000000"},
-                                        {AccelKind::bvh, AccelKind::grid}, 3);
+std::vector<Json> build_suite(const Settings& request) {
+  const Settings s = request.with_defaults({"spheres:1000000", "mixed:1000000", "terrain:1000000"},
+                                           {AccelKind::bvh, AccelKind::grid}, 3);
   std::vector<Json> rows;
   for (const std::string& name : s.scenes) {
     tell(name);

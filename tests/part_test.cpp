@@ -40,11 +40,11 @@ struct Studio {
   RenderSettings options;
   std::unique_ptr<Accel> accel;
 
-  explicit Studio(RenderOptions wish, Scene of = random_scene(60, 5)) : scene(std::move(of)) {
-    wish.width = 100, wish.height = 70;
-    wish.soft_shadows = true, wish.dof = true;
-    if (wish.threads == 0) wish.threads = 2;
-    options = resolve_options(wish, scene);
+  explicit Studio(RenderOptions request, Scene of = random_scene(60, 5)) : scene(std::move(of)) {
+    request.width = 100, request.height = 70;
+    request.soft_shadows = true, request.dof = true;
+    if (request.threads == 0) request.threads = 2;
+    options = resolve_options(request, scene);
     accel = *build_accel(scene, options.accel);
   }
 
@@ -111,12 +111,13 @@ TEST(ContentHash, FollowsWhatThePictureDependsOn) {
 
 TEST(Provenance, OptionsComeBack) {
   const Scene scene = random_scene(10, 2);
-  RenderOptions wish;
-  wish.width = 31, wish.height = 17;
-  wish.accel.grid_factor = 2.25f;
-  wish.aa = 3, wish.soft_shadows = true, wish.light_size = 0.1f;
-  wish.dof = true, wish.focus = 3.3333333f, wish.depth = 7, wish.one_sided = true, wish.seed = 12;
-  for (const RenderOptions& o : {wish, RenderOptions(), sobol(7)}) {
+  RenderOptions request;
+  request.width = 31, request.height = 17;
+  request.accel.grid_factor = 2.25f;
+  request.aa = 3, request.soft_shadows = true, request.light_size = 0.1f;
+  request.dof = true, request.focus = 3.3333333f, request.depth = 7, request.one_sided = true,
+  request.seed = 12;
+  for (const RenderOptions& o : {request, RenderOptions(), sobol(7)}) {
     const RenderSettings resolved = resolve_options(o, scene);
     const Metadata settings = settings_of(scene, resolved);
     const auto back = options_from(settings);
@@ -279,8 +280,8 @@ TEST(PartFile, HugeSizesInSmallFilesAreRefused) {
 }
 
 TEST(Merge, ShardsMakeTheWholePicture) {
-  for (const RenderOptions& wish : {jittered(), sobol(5)}) {
-    const Studio studio(wish);
+  for (const RenderOptions& request : {jittered(), sobol(5)}) {
+    const Studio studio(request);
     const Part whole = studio.part();
     for (const uint32_t shards : {1u, 2u, 3u, 12u, 20u}) {
       std::vector<NamedPart> parts;
@@ -329,10 +330,10 @@ TEST(Merge, SaysWhatDoesNotFit) {
 }
 
 TEST(SameBytes, AnyThreadsTilesShardsAndPasses) {
-  for (const RenderOptions& wish : {jittered(), sobol(5)}) {
-    const Image picture = Studio(wish).part().film->resolve();
+  for (const RenderOptions& request : {jittered(), sobol(5)}) {
+    const Image picture = Studio(request).part().film->resolve();
     for (const int threads : {1, 2, 3, 7, 16}) {
-      RenderOptions o = wish;
+      RenderOptions o = request;
       o.threads = threads;
       const Studio studio(o);
       for (const int side : {8, 16, 32, 64}) {
@@ -354,9 +355,9 @@ TEST(SameBytes, FromAllBuilds) {
   const auto file = read_nff(RAIO_SOURCE_DIR "/scenes/shapes.nff");
   ASSERT_TRUE(file.has_value());
   EXPECT_EQ(content_hash(file->scene), "7d190ddae635c66dfc3813176e6fac8d");
-  for (const auto& [wish, hash] : {std::pair(jittered(), "19766c0c5bde4a2bafd54054cf6cafc2"),
-                                   std::pair(sobol(5), "06ff4212f63931b4b3b0d928e4304b24")}) {
-    const Image picture = Studio(wish, file->scene).part().film->resolve();
+  for (const auto& [request, hash] : {std::pair(jittered(), "19766c0c5bde4a2bafd54054cf6cafc2"),
+                                      std::pair(sobol(5), "06ff4212f63931b4b3b0d928e4304b24")}) {
+    const Image picture = Studio(request, file->scene).part().film->resolve();
     const auto* bytes = reinterpret_cast<const char*>(picture.pixels.data());
     EXPECT_EQ(hex(hash128({bytes, picture.pixels.size() * sizeof(Rgb)})), hash);
   }
@@ -365,9 +366,9 @@ TEST(SameBytes, FromAllBuilds) {
 // Of this machine, whatever the cells of pixels, lens and lights.
 TEST(SameBytes, FromAllInstructionSets) {
   for (const auto& [aa, lens_samples] : {std::pair(3, 1), {1, 7}, {2, 3}}) {
-    RenderOptions wish;
-    wish.aa = aa, wish.lens_samples = lens_samples;
-    const Studio studio(wish);
+    RenderOptions request;
+    request.aa = aa, request.lens_samples = lens_samples;
+    const Studio studio(request);
     const Image picture = studio.part().film->resolve();
     for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
       hwy::SetSupportedTargetsForTest(target);

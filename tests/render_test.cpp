@@ -337,11 +337,11 @@ TEST(Render, StopsSoon) {
 // Passes, parts and interruptions, in one film, against the picture made in one go.
 TEST(Render, AFilmIsGoneOnWithToTheSameBytes) {
   const Scene s = random_scene(60, 5);
-  RenderOptions wish = all_effects(AccelKind::automatic, 100);
+  RenderOptions request = all_effects(AccelKind::automatic, 100);
   for (const bool sobol : {false, true}) {
-    if (sobol) wish.aa = wish.lens_samples = 0, wish.samples = 11;
-    const Picture whole = picture(s, wish);
-    const RenderSettings o = resolve_options(wish, s);
+    if (sobol) request.aa = request.lens_samples = 0, request.samples = 11;
+    const Picture whole = picture(s, request);
+    const RenderSettings o = resolve_options(request, s);
     const auto accel = build_accel(s, o.accel);
     const auto film = make_film(s, o);
     RenderControl control;
@@ -365,11 +365,11 @@ TEST(Render, AFilmIsGoneOnWithToTheSameBytes) {
 
 TEST(Render, SobolSamplesAreTheFirstOfMore) {
   const Scene s = random_scene(60, 6);
-  RenderOptions wish = small(AccelKind::automatic, 40);
-  wish.soft_shadows = true, wish.dof = true;
-  wish.samples = 5;
-  const Picture few = picture(s, wish);
-  RenderSettings more = resolve_options(wish, s);
+  RenderOptions request = small(AccelKind::automatic, 40);
+  request.soft_shadows = true, request.dof = true;
+  request.samples = 5;
+  const Picture few = picture(s, request);
+  RenderSettings more = resolve_options(request, s);
   more.samples = 50;
   const auto accel = build_accel(s, more.accel);
   const auto film = make_film(s, more);

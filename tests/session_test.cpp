@@ -1,4 +1,5 @@
-// Sessions without a window: the newest wish wins, pictures get better, and are those of render().
+// Sessions without a window: the newest request wins, pictures get better, and are those of
+// render().
 #include "render/session.h"
 
 #include <gtest/gtest.h>
@@ -23,8 +24,9 @@ class Watcher {
       news_.wait_for(lock, std::chrono::milliseconds(20));
     }
   }
-  std::shared_ptr<const SessionPicture> whole(uint64_t wish, int samples = 1) {
-    return wait([&](const SessionPicture& p) { return p.wish >= wish && p.samples >= samples; });
+  std::shared_ptr<const SessionPicture> whole(uint64_t request, int samples = 1) {
+    return wait(
+        [&](const SessionPicture& p) { return p.request >= request && p.samples >= samples; });
   }
 
  private:
@@ -51,8 +53,8 @@ RenderOptions soft(int samples = kMaxSamples) {
   return o;
 }
 
-Image rendered(const Scene& scene, const RenderOptions& wish) {
-  const RenderSettings o = resolve_options(wish, scene);
+Image rendered(const Scene& scene, const RenderOptions& request) {
+  const RenderSettings o = resolve_options(request, scene);
   const auto accel = build_accel(scene, o.accel, o.one_sided);
   RenderControl control;
   const auto film = make_film(scene, o);
@@ -68,7 +70,7 @@ bool same_bits(const Image& a, const Image& b) {
 TEST(Session, ShowsThePictureOfRender) {
   const auto s = scene();
   Watcher w;
-  const auto picture = w.whole(w.session.wish({s, options()}));
+  const auto picture = w.whole(w.session.request({s, options()}));
   EXPECT_TRUE(picture->finished);
   EXPECT_EQ(picture->samples, 1);
   EXPECT_EQ(picture->rays.eye, 64u * 48);
@@ -78,9 +80,9 @@ TEST(Session, ShowsThePictureOfRender) {
 TEST(Session, GetsBetterAndEverySampleIsThatOfRender) {
   const auto s = scene();
   Watcher w;
-  const uint64_t wish = w.session.wish({s, soft()});
+  const uint64_t request = w.session.request({s, soft()});
   for (const int samples : {1, 5, 9}) {
-    const auto picture = w.whole(wish, samples);
+    const auto picture = w.whole(request, samples);
     EXPECT_FALSE(picture->finished);
     EXPECT_TRUE(same_bits(*picture->image, rendered(*s, soft(picture->samples))))
         << picture->samples;
@@ -93,8 +95,8 @@ TEST(Session, EndsWithTheSamplesOfTheOptions) {
   RenderOptions jitter = options();
   jitter.aa = 2, jitter.lens_samples = 2;
   for (const RenderOptions& o : {soft(7), jitter}) {
-    const uint64_t wish = w.session.wish({s, o});
-    const auto picture = w.wait([&](auto& p) { return p.wish == wish && p.finished; });
+    const uint64_t request = w.session.request({s, o});
+    const auto picture = w.wait([&](auto& p) { return p.request == request && p.finished; });
     EXPECT_EQ(picture->samples, o.samples > 0 ? 7 : 8);
     EXPECT_TRUE(same_bits(*picture->image, rendered(*s, o)));
   }
@@ -103,17 +105,17 @@ TEST(Session, EndsWithTheSamplesOfTheOptions) {
 TEST(Session, TheNewestWishWins) {
   const auto s = scene();
   Watcher w;
-  uint64_t wish = 0;
+  uint64_t request = 0;
   for (int i = 0; i < 50; ++i) {
     RenderOptions o = i % 2 ? soft() : options(300 + i, 200);
     o.from = Vec3d(0.1 * i, -8, 3), o.at = Vec3d(0, 0, 0);
-    wish = w.session.wish({s, o, i % 5 == 4 ? 0.01 : 0});
-    EXPECT_EQ(wish, uint64_t(i) + 1);
+    request = w.session.request({s, o, i % 5 == 4 ? 0.01 : 0});
+    EXPECT_EQ(request, uint64_t(i) + 1);
   }
   RenderOptions last = options(31, 17);
   last.accel.kind = AccelKind::grid;
-  wish = w.session.wish({s, last});
-  const auto picture = w.wait([&](auto& p) { return p.wish == wish && p.finished; });
+  request = w.session.request({s, last});
+  const auto picture = w.wait([&](auto& p) { return p.request == request && p.finished; });
   EXPECT_EQ(picture->baked->info.name, "grid");
   EXPECT_TRUE(same_bits(*picture->image, rendered(*s, last)));
 }
@@ -121,41 +123,41 @@ TEST(Session, TheNewestWishWins) {
 TEST(Session, MovementIsShownCoarselyWhenTimeIsShort) {
   const auto s = scene();
   Watcher w;
-  const uint64_t wish = w.session.wish({s, options(512, 512), 1e-9});
-  const auto picture = w.wait([&](auto& p) { return p.wish == wish; });
+  const uint64_t request = w.session.request({s, options(512, 512), 1e-9});
+  const auto picture = w.wait([&](auto& p) { return p.request == request; });
   EXPECT_EQ(picture->samples, 0);
   EXPECT_LT(picture->image->width, 512 / 8);
   EXPECT_EQ(picture->settings.width, 512);
   // And in full when there is time.
-  const uint64_t slow = w.session.wish({s, options(40, 30), 1e9});
-  EXPECT_EQ(w.wait([&](auto& p) { return p.wish == slow; })->image->width, 40);
+  const uint64_t slow = w.session.request({s, options(40, 30), 1e9});
+  EXPECT_EQ(w.wait([&](auto& p) { return p.request == slow; })->image->width, 40);
 }
 
 TEST(Session, PausedItShowsOneSampleAndGoesOnAfterwards) {
   const auto s = scene();
   Watcher w;
   w.session.pause(true);
-  const uint64_t wish = w.session.wish({s, soft(4)});
-  EXPECT_EQ(w.whole(wish)->samples, 1);
-  // Another wish is served while paused, too.
-  const uint64_t other = w.session.wish({s, options()});
+  const uint64_t request = w.session.request({s, soft(4)});
+  EXPECT_EQ(w.whole(request)->samples, 1);
+  // Another request is served while paused, too.
+  const uint64_t other = w.session.request({s, options()});
   EXPECT_TRUE(w.whole(other)->finished);
-  const uint64_t again = w.session.wish({s, soft(4)});
+  const uint64_t again = w.session.request({s, soft(4)});
   EXPECT_EQ(w.whole(again)->samples, 1);
   w.session.pause(false);
-  w.wait([&](auto& p) { return p.wish == again && p.finished; });
+  w.wait([&](auto& p) { return p.request == again && p.finished; });
 }
 
 TEST(Session, SaysWhyThereIsNoPicture) {
   const auto s = scene();
   Watcher w;
-  w.whole(w.session.wish({s, options()}));
-  const uint64_t wish = w.session.wish({s, options(1 << 20, 1 << 20)});
-  const auto failed = w.wait([&](auto& p) { return p.wish == wish && p.error.has_value(); });
+  w.whole(w.session.request({s, options()}));
+  const uint64_t request = w.session.request({s, options(1 << 20, 1 << 20)});
+  const auto failed = w.wait([&](auto& p) { return p.request == request && p.error.has_value(); });
   EXPECT_EQ(failed->error->kind, ErrorKind::no_resource);
   EXPECT_NE(failed->error->message.find("`size`"), std::string::npos) << failed->error->text();
   EXPECT_EQ(failed->image->width, 64) << "the older picture stays";
-  EXPECT_FALSE(w.whole(w.session.wish({s, options()}))->error.has_value());
+  EXPECT_FALSE(w.whole(w.session.request({s, options()}))->error.has_value());
 }
 
 TEST(Session, ShowsViewsAndAnotherScene) {
@@ -165,7 +167,7 @@ TEST(Session, ShowsViewsAndAnotherScene) {
     for (const View view : {View::normals, View::steps, View::samples}) {
       RenderOptions o = options();
       o.view = view;
-      const auto picture = w.whole(w.session.wish({s, o}));
+      const auto picture = w.whole(w.session.request({s, o}));
       EXPECT_TRUE(same_bits(*picture->image, rendered(*s, o))) << view_name(view);
     }
   }
@@ -175,7 +177,7 @@ TEST(Session, EndsInTheMiddleOfItsWork) {
   const auto s = scene();
   for (int i = 0; i < 5; ++i) {
     Session session;
-    session.wish({s, soft()});
+    session.request({s, soft()});
     if (i == 3) session.rest();
   }
 }

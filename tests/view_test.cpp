@@ -119,7 +119,7 @@ std::shared_ptr<const Scene> scene() {
 
 // The options that a command line of the state would give; they must fit together.
 RenderOptions read_back(const ViewState& state, int samples) {
-  const std::string arguments = option_arguments(state.wish(64, 48, samples));
+  const std::string arguments = option_arguments(state.request(64, 48, samples));
   RenderOptions o;
   for (size_t at = 0; (at = arguments.find("--", at)) != std::string::npos;) {
     const size_t end = std::min(arguments.find(" --", at), arguments.size());
@@ -157,7 +157,7 @@ TEST(ViewState, EveryStateIsACommandLine) {
     if (i & 128) s.show(View(i % kViews));
     if (i & 256) s.options.aa = 3, s.options.lens_samples = 2;
     if (s.options.accel.kind == AccelKind::embree && s.options.view != View::picture) continue;
-    const RenderOptions o = read_back(s, 5), wanted = s.wish(64, 48, 5);
+    const RenderOptions o = read_back(s, 5), wanted = s.request(64, 48, 5);
     EXPECT_EQ(option_arguments(o), option_arguments(wanted));
     const Camera a = camera_of(*s.scene, o);
     EXPECT_EQ(a.from, s.camera.from);
@@ -191,10 +191,10 @@ TEST(ViewState, SaysWhatKeysDid) {
 TEST(ViewState, TheOtherPictureDiffersInTheLastEffect) {
   ViewState state("some.nff", scene(), {});
   (void)state.toggle(Command::soft_shadows);
-  EXPECT_TRUE(state.wish(8, 8).soft_shadows);
-  EXPECT_FALSE(state.other_wish(8, 8).soft_shadows);
+  EXPECT_TRUE(state.request(8, 8).soft_shadows);
+  EXPECT_FALSE(state.other_request(8, 8).soft_shadows);
   (void)state.toggle(Command::refraction);
-  EXPECT_FALSE(state.other_wish(8, 8).no_refraction);
+  EXPECT_FALSE(state.other_request(8, 8).no_refraction);
 }
 
 TEST(ViewState, ANewVersionOfTheFileKeepsTheHandsCamera) {

@@ -151,14 +151,14 @@ std::optional<WindowDriver::Line> WindowDriver::wait_for(const std::string& patt
 }
 
 std::optional<WindowDriver::Picture> WindowDriver::picture(size_t from, int samples) {
-  const auto wish = wait_for("wish: ([0-9]+)", from);
-  if (!wish) return std::nullopt;
-  for (size_t at = wish->next;;) {
-    const auto line = wait_for("picture: .* samples ([0-9]+) wish ([0-9]+) sum ([0-9a-f]+)", at);
+  const auto request = wait_for("request: ([0-9]+)", from);
+  if (!request) return std::nullopt;
+  for (size_t at = request->next;;) {
+    const auto line = wait_for("picture: .* samples ([0-9]+) request ([0-9]+) sum ([0-9a-f]+)", at);
     if (!line) return std::nullopt;
     at = line->next;
     const Picture found{std::stoi(line->groups[1]), line->groups[3]};
-    if (std::stoi(line->groups[2]) >= std::stoi(wish->groups[1]) && found.samples >= samples)
+    if (std::stoi(line->groups[2]) >= std::stoi(request->groups[1]) && found.samples >= samples)
       return found;
   }
 }

@@ -50,7 +50,7 @@ class WindowDriver {
   };
   std::optional<Line> wait_for(const std::string& pattern, size_t from);
 
-  /// The picture in full, of at least so many samples, of a wish made since `from`.
+  /// The picture in full, of at least so many samples, of a request made since `from`.
   struct Picture {
     int samples = 0;
     std::string sum;

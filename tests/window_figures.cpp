@@ -69,9 +69,10 @@ void press_keys(raio::WindowDriver& window) {
     const size_t from = window.mark();
     const auto pressed = Clock::now();
     window.key(kEffects[i % std::size(kEffects)]);
-    const auto wish = window.wait_for("wish: ([0-9]+)", from);
-    if (!wish) return;
-    const auto seen = window.wait_for("picture: .* wish " + wish->groups[1] + " ", wish->next);
+    const auto request = window.wait_for("request: ([0-9]+)", from);
+    if (!request) return;
+    const auto seen =
+        window.wait_for("picture: .* request " + request->groups[1] + " ", request->next);
     if (!seen) return;
     ms.push_back(Milliseconds(seen->time - pressed).count());
     // Refining by the time of the next press, at any moment of it.

@@ -129,7 +129,7 @@ int usage_error(const CLI::App& command, const std::string& message) {
   return bad_input(fmt::format("{}; see {} --help", message, full_name(command)));
 }
 
-// What CLI11 throws: also the wish for help or the version, which is no error.
+// What CLI11 throws: also the request for help or the version, which is no error.
 int report(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App* command = &app;
   for (auto chosen = app.get_subcommands(); !chosen.empty(); chosen = command->get_subcommands())

@@ -56,15 +56,15 @@ class Measurement {
 
  private:
   std::expected<void, Failure> build(AccelKind kind) {
-    AccelOptions wish{.kind = kind};
+    AccelOptions request{.kind = kind};
     if (kind == AccelKind::grid) {
-      wish.grid_factor = request_.options.accel.grid_factor;
-      wish.grid_resolution = request_.options.accel.grid_resolution;
+      request.grid_factor = request_.options.accel.grid_factor;
+      request.grid_resolution = request_.options.accel.grid_resolution;
     }
     const auto start = std::chrono::steady_clock::now();
     std::expected<std::unique_ptr<Accel>, Error> accel;
     on_threads(table_.threads,
-               [&] { accel = build_accel(scene_, wish, request_.options.one_sided); });
+               [&] { accel = build_accel(scene_, request, request_.options.one_sided); });
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
     if (!accel) return std::unexpected(Failure{Failure::no_resource, accel.error().message});
     if (control_.stop) return std::unexpected(Failure{Failure::stopped, {}});

@@ -66,7 +66,7 @@ std::optional<Error> window_conflict(const RenderOptions& options);
 /// The channels that are asked for by name, and alpha for a transparent background.
 ChannelSet channels_of(const RenderOptions& options);
 
-/// What the options come to for `scene`: where they leave something open, the scene's own wishes
+/// What the options come to for `scene`: where they leave something open, the scene's own requests
 /// (resolution, samples, lens), else the default that the table states.
 RenderSettings resolve_options(const RenderOptions& options, const Scene& scene);
 

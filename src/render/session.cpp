@@ -49,18 +49,18 @@ Session::~Session() {
   thread_.join();
 }
 
-uint64_t Session::wish(SessionWish wish) {
+uint64_t Session::request(SessionRequest request) {
   const std::lock_guard lock(mutex_);
-  const bool goes_on = wish.frame_s > 0 && frame_must_end_ && Clock::now() < *frame_must_end_;
+  const bool goes_on = request.frame_s > 0 && frame_must_end_ && Clock::now() < *frame_must_end_;
   if (!goes_on) control_.stop = true;
-  wish_ = std::move(wish);
+  request_ = std::move(request);
   news_.notify_all();
-  return ++wishes_;
+  return ++requests_;
 }
 
 void Session::rest() {
   const std::lock_guard lock(mutex_);
-  wish_.reset();
+  request_.reset();
   control_.stop = true;
   news_.notify_all();
 }
@@ -78,36 +78,36 @@ std::shared_ptr<const SessionPicture> Session::picture() const {
 
 void Session::run() {
   while (true) {
-    SessionWish wish;
+    SessionRequest request;
     SessionPicture next;
     {
       std::unique_lock lock(mutex_);
       frame_must_end_.reset();
-      news_.wait(lock, [&] { return ending_ || wish_; });
+      news_.wait(lock, [&] { return ending_ || request_; });
       if (ending_) return;
-      wish = *std::exchange(wish_, std::nullopt);
-      next.wish = wishes_;
+      request = *std::exchange(request_, std::nullopt);
+      next.request = requests_;
       control_.stop = false;
-      if (wish.frame_s > 0) {
-        const std::chrono::duration<double> patience(3 * wish.frame_s);
+      if (request.frame_s > 0) {
+        const std::chrono::duration<double> patience(3 * request.frame_s);
         frame_must_end_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(patience);
       }
     }
     try {
-      serve(wish, next);
+      serve(request, next);
     } catch (const std::bad_alloc&) {
       fail({ErrorKind::no_resource, "", "out of memory"}, next);
     }
   }
 }
 
-void Session::serve(const SessionWish& wish, SessionPicture& next) {
-  const std::pair like(wish.scene, without_camera(wish.options));
+void Session::serve(const SessionRequest& request, SessionPicture& next) {
+  const std::pair like(request.scene, without_camera(request.options));
   if (std::exchange(like_, like) != like) pixel_s_ = 0;
-  next.settings = resolve_options(wish.options, *wish.scene);
-  if (!bake(wish, next)) return;
-  if (wish.frame_s > 0) {
-    preview(wish.frame_s, next);
+  next.settings = resolve_options(request.options, *request.scene);
+  if (!bake(request, next)) return;
+  if (request.frame_s > 0) {
+    preview(request.frame_s, next);
     // Stopped for taking too long: the next one shall be coarser.
     if (control_.stop) pixel_s_ *= 4;
   } else {
@@ -115,17 +115,17 @@ void Session::serve(const SessionWish& wish, SessionPicture& next) {
   }
 }
 
-// Makes sure that there is the structure of the wish.
-bool Session::bake(const SessionWish& wish, SessionPicture& next) {
+// Makes sure that there is the structure of the request.
+bool Session::bake(const SessionRequest& request, SessionPicture& next) {
   const AccelOptions& o = next.settings.accel;
-  if (!baked_ || baked_->scene != wish.scene || baked_->options != o ||
+  if (!baked_ || baked_->scene != request.scene || baked_->options != o ||
       baked_->one_sided != next.settings.one_sided) {
     auto baked = std::make_shared<BakedScene>();
-    baked->scene = wish.scene, baked->options = o, baked->one_sided = next.settings.one_sided;
+    baked->scene = request.scene, baked->options = o, baked->one_sided = next.settings.one_sided;
     const auto start = Clock::now();
     std::expected<std::unique_ptr<Accel>, Error> accel;
     on_threads(next.settings.threads,
-               [&] { accel = build_accel(*wish.scene, o, next.settings.one_sided); });
+               [&] { accel = build_accel(*request.scene, o, next.settings.one_sided); });
     if (!accel) return fail(accel.error(), next);
     baked->build_s = std::chrono::duration<double>(Clock::now() - start).count();
     baked->accel = std::move(*accel);

@@ -1,5 +1,5 @@
 // Rendering for someone who watches and keeps changing their mind: a thread that always works on
-// the newest wish. No window in it: a window says what it wants and looks at what there is.
+// the newest request. No window in it: a window says what it wants and looks at what there is.
 #pragma once
 
 #include <chrono>
@@ -30,7 +30,7 @@ struct BakedScene {
   double build_s = 0;
 };
 
-struct SessionWish {
+struct SessionRequest {
   std::shared_ptr<const Scene> scene;
   RenderOptions options;  // as the command line has them, with a size
   /// While something moves: a picture in about so many seconds, as fine as that allows. 0: in full,
@@ -40,7 +40,7 @@ struct SessionWish {
 
 /// What there is to see. Immutable once handed out.
 struct SessionPicture {
-  uint64_t wish = 0;  // the number of the wish that it answers
+  uint64_t request = 0;  // the number of the request that it answers
   std::shared_ptr<const Image> image;
   int samples = 0;  // of every pixel; 0: a preview, coarse in part or whole
   bool finished = false;
@@ -49,7 +49,7 @@ struct SessionPicture {
   double pass_s = 0;           // what a sample of all pixels of the image took
   double render_s = 0;         // all samples together
   RayCounts rays;              // likewise
-  std::optional<Error> error;  // why the wish got no picture; the image is an older one
+  std::optional<Error> error;  // why the request got no picture; the image is an older one
 };
 
 class Session {
@@ -60,15 +60,15 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// Replaces what was wished before, whose work ends at once; only a frame of a movement is left
-  /// to end by itself when the movement goes on, or there would never be any. Never waits for rays.
-  /// Returns the wish's number, 1 for the first.
-  uint64_t wish(SessionWish wish);
+  /// Replaces what was requested before, whose work ends at once; only a frame of a movement is
+  /// left to end by itself when the movement goes on, or there would never be any. Never waits for
+  /// rays. Returns the request's number, 1 for the first.
+  uint64_t request(SessionRequest request);
 
-  /// Nothing is wished any more. Does not wait either.
+  /// Nothing is requested any more. Does not wait either.
   void rest();
 
-  /// Paused, a wish gets its first sample and no more.
+  /// Paused, a request gets its first sample and no more.
   void pause(bool paused);
 
   /// The newest picture; null before the first.
@@ -78,8 +78,8 @@ class Session {
   using Clock = std::chrono::steady_clock;
 
   void run();
-  void serve(const SessionWish& wish, SessionPicture& next);
-  bool bake(const SessionWish& wish, SessionPicture& next);
+  void serve(const SessionRequest& request, SessionPicture& next);
+  bool bake(const SessionRequest& request, SessionPicture& next);
   void refine(SessionPicture& next);
   bool first_sample(Film& film, double expected_s, SessionPicture& next);
   bool preview(double seconds, SessionPicture& next);
@@ -92,8 +92,8 @@ class Session {
   std::function<void()> on_picture_;
   mutable std::mutex mutex_;  // guards what follows
   std::condition_variable news_;
-  std::optional<SessionWish> wish_;  // not yet taken up
-  uint64_t wishes_ = 0;
+  std::optional<SessionRequest> request_;  // not yet taken up
+  uint64_t requests_ = 0;
   bool paused_ = false, ending_ = false;
   std::optional<Clock::time_point> frame_must_end_;  // that of a movement, which is being rendered
   std::shared_ptr<const SessionPicture> picture_;
@@ -101,7 +101,7 @@ class Session {
   RenderControl control_;
   // The session thread's own.
   std::shared_ptr<const BakedScene> baked_;
-  // What besides the camera the last wish asked for.
+  // What besides the camera the last request asked for.
   std::pair<std::shared_ptr<const Scene>, RenderOptions> like_;
   double pixel_s_ = 0;  // what a sample of a pixel takes with that; 0: unknown
   std::thread thread_;

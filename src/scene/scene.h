@@ -114,7 +114,7 @@ struct Scene {
   Rgb background;
   std::vector<Light> lights;
   Array<Material> materials;  // never empty in a valid scene
-  int samples_per_pixel = 0;  // the file's wish (P3F `spp`); 0: none
+  int samples_per_pixel = 0;  // the file's request (P3F `spp`); 0: none
 
   Array<Plane> planes;
   Array<MaterialId> plane_materials;

@@ -79,7 +79,7 @@ void Measuring::start_costs(const ViewState& state, std::shared_ptr<const BakedS
     Measured out;
     const Scene& scene = *state.scene;
     const auto resolved = [&](const ViewState& s) {
-      RenderOptions o = s.wish(width, height);
+      RenderOptions o = s.request(width, height);
       o.view = View::picture, o.integrator = std::nullopt, o.channels = {};
       return resolve_options(o, scene);
     };
@@ -109,7 +109,7 @@ void Measuring::start_costs(const ViewState& state, std::shared_ptr<const BakedS
 
 void Measuring::start_table(const ViewState& state, int width, int height) {
   start(Work::table,
-        [scene = state.scene, options = state.wish(width, height)](RenderControl& control) {
+        [scene = state.scene, options = state.request(width, height)](RenderControl& control) {
           Measured out;
           auto table = measure_benchmark(*scene, BenchmarkRequest{.options = options}, control);
           if (table)

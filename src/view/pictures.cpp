@@ -13,28 +13,28 @@ constexpr double kMessageSeconds = 4;
 
 Pictures::Pictures(std::unique_ptr<Session> session) {
   main.session = std::move(session);
-  main.wish = 1;
+  main.request = 1;
   other.session = std::make_unique<Session>(Window::wake);
 }
 
-void Pictures::wish(const ViewState& state, const Stage& stage, double frame_s) {
-  const RenderOptions o = state.wish(stage.picture_width, stage.picture_height);
-  main.wish = main.session->wish({state.scene, o, frame_s});
+void Pictures::request(const ViewState& state, const Stage& stage, double frame_s) {
+  const RenderOptions o = state.request(stage.picture_width, stage.picture_height);
+  main.request = main.session->request({state.scene, o, frame_s});
 }
 
-void Pictures::wish_other(Other wanted, const ViewState& state, const Stage& stage,
-                          double frame_s) {
+void Pictures::request_other(Other wanted, const ViewState& state, const Stage& stage,
+                             double frame_s) {
   const bool is_new = std::exchange(wanted_, wanted) != wanted;
   if (wanted == Other::none) return other.session->rest();
-  RenderOptions o = state.other_wish(stage.picture_width, stage.picture_height);
+  RenderOptions o = state.other_request(stage.picture_width, stage.picture_height);
   if (wanted == Other::focus) {
     ViewState focus = state;
     focus.show(View::focus);
-    o = focus.wish(stage.picture_width, stage.picture_height);
+    o = focus.request(stage.picture_width, stage.picture_height);
   }
   if (option_conflict(o, state.scene.get())) return;
-  other.wish = other.session->wish({state.scene, o, frame_s});
-  if (is_new) other.first_wish = other.wish;
+  other.request = other.session->request({state.scene, o, frame_s});
+  if (is_new) other.first_request = other.request;
 }
 
 void Pictures::pause(bool pause) const {
@@ -55,7 +55,7 @@ void Pictures::draw(const ViewState& state, const Stage& stage, float split_at) 
 std::shared_ptr<const SessionPicture> Pictures::whole(const ViewState& state) const {
   const auto& p = main.picture;
   const bool is_whole =
-      p && p->wish == main.wish && p->samples > 0 && (state.endless() || p->finished);
+      p && p->request == main.request && p->samples > 0 && (state.endless() || p->finished);
   return is_whole ? p : nullptr;
 }
 

@@ -13,14 +13,14 @@ class Pictures {
  public:
   enum class Other { none, without, focus };
 
-  /// `session` has got its first wish already.
+  /// `session` has got its first request already.
   explicit Pictures(std::unique_ptr<Session> session);
 
   Side main, other;
 
-  /// Tells the sessions what is wanted now; `frame_s` as in SessionWish.
-  void wish(const ViewState& state, const Stage& stage, double frame_s);
-  void wish_other(Other wanted, const ViewState& state, const Stage& stage, double frame_s);
+  /// Tells the sessions what is wanted now; `frame_s` as in SessionRequest.
+  void request(const ViewState& state, const Stage& stage, double frame_s);
+  void request_other(Other wanted, const ViewState& state, const Stage& stage, double frame_s);
   Other wanted_other() const { return wanted_; }
 
   void pause(bool pause) const;
@@ -28,7 +28,7 @@ class Pictures {
   /// `split_at`: where the bar between the two is, 0 to 1.
   void draw(const ViewState& state, const Stage& stage, float split_at) const;
 
-  /// The main picture if it is whole and of the newest wish, else null.
+  /// The main picture if it is whole and of the newest request, else null.
   std::shared_ptr<const SessionPicture> whole(const ViewState& state) const;
 
  private:

@@ -10,7 +10,7 @@
 namespace raio::view {
 
 bool Side::has_picture() const {
-  return picture && picture->wish >= first_wish && !texture.empty();
+  return picture && picture->request >= first_request && !texture.empty();
 }
 
 void Side::show(const Image& image, const RenderSettings& settings) {
@@ -37,8 +37,9 @@ void Side::draw(const Stage& stage, float left, float right, float alpha) const 
 
 std::optional<std::string> Side::news() {
   if (std::exchange(is_logged, true) || !picture->image) return std::nullopt;
-  return fmt::format("{}x{} samples {} wish {} sum {:016x}", picture->image->width,
-                     picture->image->height, picture->samples, picture->wish, texture.checksum());
+  return fmt::format("{}x{} samples {} request {} sum {:016x}", picture->image->width,
+                     picture->image->height, picture->samples, picture->request,
+                     texture.checksum());
 }
 
 void draw_label(ImVec2 at, const std::string& label, Beside beside) {

@@ -17,7 +17,7 @@ struct Side {
   std::unique_ptr<Session> session;
   Texture texture;
   std::shared_ptr<const SessionPicture> picture;
-  uint64_t wish = 0, first_wish = 0;  // the newest; the first that is of the present kind
+  uint64_t request = 0, first_request = 0;  // the newest; the first that is of the present kind
   bool is_logged = true;
 
   /// Is there one of the present kind?
@@ -28,7 +28,7 @@ struct Side {
   void draw(const Stage& stage, float left, float right, float alpha) const;
   /// Makes an image the texture, with the exposure and tone curve of the settings.
   void show(const Image& image, const RenderSettings& settings);
-  /// What has just become visible, once: "720x480 samples 3 wish 1 sum 4c0e7ee63a101cca".
+  /// What has just become visible, once: "720x480 samples 3 request 1 sum 4c0e7ee63a101cca".
   std::optional<std::string> news();
 };
 

@@ -115,7 +115,7 @@ std::string ViewState::title() const {
   return title + " - Raio";
 }
 
-RenderOptions ViewState::wish(int width, int height, int samples) const {
+RenderOptions ViewState::request(int width, int height, int samples) const {
   RenderOptions o = options;
   set_camera(o, camera, *scene);
   o.width = width, o.height = height;
@@ -141,16 +141,16 @@ RenderOptions ViewState::wish(int width, int height, int samples) const {
   return o;
 }
 
-RenderOptions ViewState::other_wish(int width, int height) const {
+RenderOptions ViewState::other_request(int width, int height) const {
   ViewState other = *this;
   (void)other.toggle(split_effect);
-  return other.wish(width, height);
+  return other.request(width, height);
 }
 
 std::string ViewState::command_line(int width, int height, int samples,
                                     const std::string& output) const {
   return fmt::format("raio render {}{} -o {}", quoted(path),
-                     option_arguments(wish(width, height, samples)), quoted(output));
+                     option_arguments(request(width, height, samples)), quoted(output));
 }
 
 void ViewState::focus_at(float depth) {

@@ -41,9 +41,9 @@ class ViewState {
 
   /// What `raio render` would be told for this picture of so many pixels: what has an effect, no
   /// more. `samples`: of a pixel, where their number is open; 0: without end.
-  RenderOptions wish(int width, int height, int samples = 0) const;
+  RenderOptions request(int width, int height, int samples = 0) const;
   /// The same without `split_effect`, or with it where it is off.
-  RenderOptions other_wish(int width, int height) const;
+  RenderOptions other_request(int width, int height) const;
 
   /// May a pixel have any number of samples? Not with cells, whose number says it.
   bool endless() const;

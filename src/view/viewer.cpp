@@ -14,7 +14,7 @@
 #include "render/session.h"
 #include "view/camera_control.h"
 #include "view/files.h"
-#include "view/hands.h"
+#include "view/gestures.h"
 #include "view/measure.h"
 #include "view/panel.h"
 #include "view/pictures.h"
@@ -34,21 +34,21 @@ std::string text_of(Vec3f v) { return fmt::format("{:.6g},{:.6g},{:.6g}", v.x, v
 
 class Viewer final : public WindowEvents {
  public:
-  /// `session` has got `first_wish` already, whose rays need no window.
+  /// `session` has got `first_request` already, whose rays need no window.
   Viewer(Window& window, ViewState state, bool logs, std::unique_ptr<Session> session,
-         const RenderOptions& first_wish)
+         const RenderOptions& first_request)
       : window_(window),
         logs_(logs),
         opened_(float(window.width()), float(window.height())),
-        first_width_(first_wish.width),
-        first_height_(first_wish.height),
+        first_width_(first_request.width),
+        first_height_(first_request.height),
         state_(std::move(state)),
         file_(state_.path),
         pictures_(std::move(session)),
-        hands_(state_, stage_, [this](double x, double y) { return pick_at(x, y); }) {
+        gestures_(state_, stage_, [this](double x, double y) { return pick_at(x, y); }) {
     window_.listen(this);
-    log("wish: 1");
-    stage_.picture_width = first_wish.width, stage_.picture_height = first_wish.height;
+    log("request: 1");
+    stage_.picture_width = first_request.width, stage_.picture_height = first_request.height;
     // A screen that is too small for the picture has made the window so.
     const float unit = 1 / window_.pixels_per_unit();
     follows_window_ = opened_.x - window_.panel_width() < std::floor(float(first_width_) * unit) ||
@@ -67,33 +67,33 @@ class Viewer final : public WindowEvents {
   }
 
   void key_pressed(int key, bool shift) override {
-    if (hands_.is_looking() && steps_held().any()) return;
+    if (gestures_.is_looking() && steps_held().any()) return;
     if (const KeySpec* spec = find_key(key, shift)) obey(*spec);
   }
   void button(int number, bool down, bool shift) override {
     needs_drawing();
-    const auto which = number == GLFW_MOUSE_BUTTON_LEFT    ? Hands::Button::left
-                       : number == GLFW_MOUSE_BUTTON_RIGHT ? Hands::Button::right
-                                                           : Hands::Button::middle;
+    const auto which = number == GLFW_MOUSE_BUTTON_LEFT    ? Gestures::Button::left
+                       : number == GLFW_MOUSE_BUTTON_RIGHT ? Gestures::Button::right
+                                                           : Gestures::Button::middle;
     if (down)
-      hands_.press(which, shift);
-    else if (hands_.release(which))
-      focus_on(pick_at(hands_.x(), hands_.y()));
+      gestures_.press(which, shift);
+    else if (gestures_.release(which))
+      focus_on(pick_at(gestures_.x(), gestures_.y()));
   }
   void cursor_moved(double x, double y) override {
     needs_drawing();
-    if (hands_.move(x, y)) camera_moved();
+    if (gestures_.move(x, y)) camera_moved();
   }
   void scrolled(double steps, bool ctrl) override {
     needs_drawing();
-    if (!stage_.contains(hands_.x(), hands_.y())) return;
+    if (!stage_.contains(gestures_.x(), gestures_.y())) return;
     if (ctrl || shows_focus()) {
       state_.scale_aperture(float(std::pow(1.1, steps)));
       if (!state_.is_on(Command::depth_of_field)) (void)state_.toggle(Command::depth_of_field);
       focus_until_ = now() + kFocusSeconds;
       say(fmt::format("aperture {:.4g}", state_.options.aperture));
       renew();
-    } else if (hands_.dolly(steps)) {
+    } else if (gestures_.dolly(steps)) {
       camera_moved();
     }
   }
@@ -149,12 +149,12 @@ class Viewer final : public WindowEvents {
 
   // Tells the sessions what is wanted now.
   void renew() {
-    const RenderOptions o = state_.wish(stage_.picture_width, stage_.picture_height);
+    const RenderOptions o = state_.request(stage_.picture_width, stage_.picture_height);
     if (const auto why = option_conflict(o, state_.scene.get())) return say(why->text());
     const double frame_s = is_moving() ? kFrameSeconds : 0;
     moved_ = frame_s > 0;
-    pictures_.wish(state_, stage_, frame_s);
-    if (!moved_) log(fmt::format("wish: {}", pictures_.main.wish));
+    pictures_.request(state_, stage_, frame_s);
+    if (!moved_) log(fmt::format("request: {}", pictures_.main.request));
     measuring_.cancel();
     costs_are_old_ = true;
     renew_other(frame_s);
@@ -162,7 +162,7 @@ class Viewer final : public WindowEvents {
 
   void renew_other(double frame_s) {
     const Other wanted = shows_focus() ? Other::focus : state_.split ? Other::without : Other::none;
-    pictures_.wish_other(wanted, state_, stage_, frame_s);
+    pictures_.request_other(wanted, state_, stage_, frame_s);
   }
 
   void obey(const KeySpec& key) {
@@ -234,15 +234,16 @@ class Viewer final : public WindowEvents {
     return state_.command_line(stage_.picture_width, stage_.picture_height, samples(), output);
   }
 
-  // What is saved is a picture that `raio render` makes: of the newest wish, at rest, with as many
-  // samples in every pixel.
+  // What is saved is a picture that `raio render` makes: of the newest request, at rest, with as
+  // many samples in every pixel.
   void save_when_whole() {
     if (to_save_.empty()) return;
     const auto picture = pictures_.whole(state_);
     if (!picture) return;
     const std::string path = free_name(state_.scene->name, std::exchange(to_save_, {}));
     const RenderSettings s = resolve_options(
-        state_.wish(stage_.picture_width, stage_.picture_height, picture->samples), *state_.scene);
+        state_.request(stage_.picture_width, stage_.picture_height, picture->samples),
+        *state_.scene);
     writer_.write(picture->image, path, settings_of(*state_.scene, s), command_line(path));
   }
 
@@ -265,7 +266,7 @@ class Viewer final : public WindowEvents {
 
   void step() {
     const double time = now(), passed = time - std::exchange(last_step_, time);
-    if (hands_.walk(steps_held(), passed)) camera_moved();
+    if (gestures_.walk(steps_held(), passed)) camera_moved();
     lay_out();
     if (moved_ && !is_moving()) {
       log(fmt::format("camera: from {} at {}", text_of(state_.camera.from),
@@ -290,14 +291,15 @@ class Viewer final : public WindowEvents {
 
   Steps steps_held() const {
     if (Window::is_typing()) return {};
-    return walking_steps([this](int key) { return window_.is_held(key); }, hands_.is_looking());
+    return walking_steps([this](int key) { return window_.is_held(key); }, gestures_.is_looking());
   }
 
   bool take_picture(Side& side) {
     if (!side.take()) return false;
     const SessionPicture& p = *side.picture;
     if (p.error) say(p.error->text());
-    if (&side == &pictures_.main && !switched_.empty() && p.wish == side.wish && p.samples > 0) {
+    if (&side == &pictures_.main && !switched_.empty() && p.request == side.request &&
+        p.samples > 0) {
       say(fmt::format("{}: {} a sample, before {}", std::exchange(switched_, {}),
                       app::human_seconds(p.pass_s), app::human_seconds(before_s_)));
     }
@@ -337,7 +339,7 @@ class Viewer final : public WindowEvents {
     const auto& picture = pictures_.main.picture;
     if (!costs_are_old_ || !wants_costs_ || measuring_.busy() || is_moving() || state_.paused)
       return;
-    if (!picture || picture->wish != pictures_.main.wish || picture->samples == 0) return;
+    if (!picture || picture->request != pictures_.main.request || picture->samples == 0) return;
     if (now() < moving_until_ + kBeforeCosts || message_.age(now()) < kBeforeCosts) return;
     costs_are_old_ = false;
     hold_back(true);
@@ -348,7 +350,7 @@ class Viewer final : public WindowEvents {
   void draw() {
     last_draw_ = now();
     Window::begin_frame();
-    pictures_.draw(state_, stage_, float(hands_.split_at));
+    pictures_.draw(state_, stage_, float(gestures_.split_at));
     if (state_.panel) draw_panel_and_obey();
     draw_message();
     window_.end_frame();
@@ -398,14 +400,14 @@ class Viewer final : public WindowEvents {
   SceneFile file_;
   PictureWriter writer_;
   Pictures pictures_;
-  Hands hands_;
+  Gestures gestures_;
   Measuring measuring_{[] { Window::wake(); }};
   bool costs_are_old_ = true, wants_costs_ = false, wants_table_ = false;
   Diagnostics errors_;
 
   int drawings_ = 3;  // still to do, even if no new picture comes
   double last_step_ = 0, last_draw_ = 0, moving_until_ = 0, focus_until_ = 0;
-  bool moved_ = false;  // the newest wish is one of a movement
+  bool moved_ = false;  // the newest request is one of a movement
   Message message_;
   std::string switched_, to_save_;
   double before_s_ = 0;
@@ -420,13 +422,13 @@ int open_window(const app::ViewCommand& command) {
   if (const auto why = option_conflict(command.options, &*scene)) return app::fail(*why);
   const RenderSettings resolved = resolve_options(command.options, *scene);
   ViewState state(command.scene, std::make_shared<const Scene>(std::move(*scene)), command.options);
-  const RenderOptions first_wish = state.wish(resolved.width, resolved.height);
+  const RenderOptions first_request = state.request(resolved.width, resolved.height);
   auto session = std::make_unique<Session>(Window::wake);
-  session->wish({state.scene, first_wish});
+  session->request({state.scene, first_request});
 
   const auto window = Window::open(resolved.width, resolved.height);
   if (!window) return app::no_resource(window.error());
-  Viewer viewer(**window, std::move(state), command.log, std::move(session), first_wish);
+  Viewer viewer(**window, std::move(state), command.log, std::move(session), first_request);
   viewer.run();
   return app::kDone;
 }

@@ -1,4 +1,4 @@
-// The window's program: what hands do becomes a state, the state becomes wishes, and the pictures
+// The window's program: what hands do becomes a state, the state becomes requests, and the pictures
 // that sessions make of them are shown.
 #pragma once
 

@@ -98,9 +98,9 @@ void write_exr(const fs::path& folder) {
 // Of 20 x 20 pixels: whole, and a shard.
 void write_parts(const fs::path& folder) {
   const Scene scene;
-  RenderOptions wish;
-  wish.width = wish.height = 20, wish.samples = 3, wish.soft_shadows = true;
-  const RenderSettings options = resolve_options(wish, scene);
+  RenderOptions request;
+  request.width = request.height = 20, request.samples = 3, request.soft_shadows = true;
+  const RenderSettings options = resolve_options(request, scene);
   for (const uint32_t shards : {1u, 2u}) {
     Film film(options.width, options.height, 1, 8);
     for (size_t t = 0; t < film.tiles(); t += shards) {

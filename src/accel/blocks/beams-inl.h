@@ -23,36 +23,36 @@ class Beams {
  public:
   static constexpr bool kAny = any;
 
-  Beams(const Blocks& blocks, const Batch& batch, BeamRoom& room, TraceContext& context)
-      : blocks_(blocks), batch_(batch), room_(room), context_(context) {}
+  Beams(const Blocks& blocks, const Batch& batch, BeamScratch& scratch, TraceContext& context)
+      : blocks_(blocks), batch_(batch), scratch_(scratch), context_(context) {}
 
   // The sixteen rays from 16 * id against everything, for trees that are but a few blocks.
-  HWY_INLINE void meet_all(uint32_t id) {
+  HWY_INLINE void intersect_all(uint32_t id) {
     visit_bounded_kinds([&]<PrimitiveKind kind>() HWY_ATTR {
-      for (const auto& block : blocks_.of<kind>()) meet_block(block, id);
+      for (const auto& block : blocks_.of<kind>()) intersect_block(block, id);
     });
   }
 
   // The sixteen rays against all primitives of a block.
-  HWY_INLINE void meet_block(uint32_t ref, uint32_t id) {
+  HWY_INLINE void intersect_block(uint32_t ref, uint32_t id) {
     visit_pool(blocks_, ref_pool(ref), [&](const auto& blocks) RAIO_INLINE_LAMBDA {
-      meet_block(blocks[ref_index(ref)], id);
+      intersect_block(blocks[ref_index(ref)], id);
     });
   }
 
-  bool gave_up(uint32_t id) const { return room_.beams[id].tests_left < 0; }
-  bool alive(uint32_t id) const { return room_.beams[id].t > 0; }
+  bool gave_up(uint32_t id) const { return scratch_.beams[id].tests_left < 0; }
+  bool alive(uint32_t id) const { return scratch_.beams[id].t > 0; }
 
   void visits(size_t n) { context_.steps += n; }
-  float end(uint32_t id) const { return room_.beams[id].t; }
+  float end(uint32_t id) const { return scratch_.beams[id].t; }
   Sweep sweep(uint32_t id) const {
-    const Beam& b = room_.beams[id];
+    const Beam& b = scratch_.beams[id];
     return {b.o, b.d, b.start, b.widening};
   }
 
-  HWY_INLINE unsigned meet(uint32_t id, const BoxLanes& boxes, V8* nearest = nullptr) const {
-    const Beam& b = room_.beams[id];
-    return boxes.meet(b.inverse[0], b.inverse[1], b.offset[0], b.offset[1], b.t, nearest);
+  HWY_INLINE unsigned intersect(uint32_t id, const BoxLanes& boxes, V8* nearest = nullptr) const {
+    const Beam& b = scratch_.beams[id];
+    return boxes.intersect(b.inverse[0], b.inverse[1], b.offset[0], b.offset[1], b.t, nearest);
   }
 
   HWY_INLINE void leaf(uint32_t ref, const uint32_t* ids, size_t n) {
@@ -69,14 +69,14 @@ class Beams {
     const BoxLanes boxes(triangles);
     const EdgeLanes edges(triangles);
     leaf(triangles, ids, n, [&](uint32_t id) HWY_ATTR {
-      const unsigned mask = meet(id, boxes);
+      const unsigned mask = intersect(id, boxes);
       return hwy::PopCount(mask) > 1 ? mask & near_triangles(triangles, edges, id) : mask;
     });
   }
   template <PrimitiveKind kind>
   HWY_INLINE void leaf(const Block<kind>& block, const uint32_t* ids, size_t n) {
     const BoxLanes boxes(block.boxes, block.item);
-    leaf(block, ids, n, [&](uint32_t id) HWY_ATTR { return meet(id, boxes); });
+    leaf(block, ids, n, [&](uint32_t id) HWY_ATTR { return intersect(id, boxes); });
   }
 
   // First all beams, which say by `near` what they come near; then the rays of those, one primitive
@@ -87,24 +87,24 @@ class Beams {
     const hn::RebindToUnsigned<decltype(kEight)> lanes;
     for (size_t begin = 0, end; begin < n; begin = end) {
       size_t pairs = 0;
-      for (end = begin; end < n && pairs + kBlockWidth <= BeamRoom::kPairs; ++end) {
+      for (end = begin; end < n && pairs + kBlockWidth <= BeamScratch::kPairs; ++end) {
         const uint32_t id = ids[end];
         if (!alive(id)) continue;
         const unsigned mask = near(id);
-        room_.beams[id].tests_left -= int(hwy::PopCount(mask));
+        scratch_.beams[id].tests_left -= int(hwy::PopCount(mask));
         for (int i = 0; i < kBlockWidth; i += kLanes8) {
           const uint8_t part[8] = {uint8_t(mask >> i)};
           const auto in = hn::LoadMaskBits(lanes, part);
           const auto pair = hn::Iota(lanes, id * kBlockWidth + uint32_t(i));
-          hn::StoreU(hn::Compress(pair, in), lanes, room_.pairs + pairs);
+          hn::StoreU(hn::Compress(pair, in), lanes, scratch_.pairs + pairs);
           pairs += hn::CountTrue(lanes, in);
         }
       }
       context_.tests += pairs * kPacket;
-      BeamCandidate* found = room_.candidates;
+      BeamCandidate* found = scratch_.candidates;
       for (size_t p = 0; p < pairs; ++p) {
-        const uint32_t id = room_.pairs[p] / kBlockWidth;
-        found = meet<true>(block, int(room_.pairs[p] % kBlockWidth), id, found);
+        const uint32_t id = scratch_.pairs[p] / kBlockWidth;
+        found = intersect<true>(block, int(scratch_.pairs[p] % kBlockWidth), id, found);
       }
       offer(block, found);
       for (size_t i = begin; i < end; ++i)
@@ -113,10 +113,10 @@ class Beams {
   }
 
   template <class Block>
-  HWY_INLINE void meet_block(const Block& block, uint32_t id) {
-    BeamCandidate* found = room_.candidates;
+  HWY_INLINE void intersect_block(const Block& block, uint32_t id) {
+    BeamCandidate* found = scratch_.candidates;
     for (int k = 0; k < kBlockWidth && block.item[k] != kNoPrimitive; ++k)
-      context_.tests += kPacket, found = meet<false>(block, k, id, found);
+      context_.tests += kPacket, found = intersect<false>(block, k, id, found);
     offer(block, found);
   }
 
@@ -126,14 +126,14 @@ class Beams {
     for (int k = 0; k < kPacket; k += kLanes16)
       farthest = hn::Max(farthest, hn::Load(kSixteen, batch_.t + id * kPacket + k));
     const float t = hn::GetLane(hn::MaxOfLanes(kSixteen, farthest));
-    Beam& b = room_.beams[id];
+    Beam& b = scratch_.beams[id];
     b.t = t == 0 || b.tests_left < 0 ? -1 : t;
   }
 
   // Which of the spheres reach into the cone around the beam.
   HWY_INLINE unsigned near_spheres(const SphereBlock& block, uint32_t id) const {
     const auto& f = kEight;
-    const Beam& b = room_.beams[id];
+    const Beam& b = scratch_.beams[id];
     unsigned mask = 0;
     for (int i = 0; i < kBlockWidth; i += kLanes8) {
       const V8 dx = hn::Set(f, b.d[0]), dy = hn::Set(f, b.d[1]), dz = hn::Set(f, b.d[2]);
@@ -161,7 +161,7 @@ class Beams {
   HWY_INLINE unsigned near_triangles(const TriangleBlock& block, const EdgeLanes& edges,
                                      uint32_t id) const {
     const auto& f = kEight;
-    const Beam& b = room_.beams[id];
+    const Beam& b = scratch_.beams[id];
     unsigned mask = 0;
     for (int p = 0; p < kParts; ++p) {
       V8 least = hn::Set(f, kInfinity), most = hn::Set(f, -kInfinity);
@@ -187,11 +187,11 @@ class Beams {
   }
 
   // Hits at `t`, of any-hit rays i, i + 1, ... in lanes of `valid`.
-  HWY_INLINE void hide(size_t i, M16 valid, V16 t) const {
+  HWY_INLINE void occlude(size_t i, M16 valid, V16 t) const {
     const auto& f = kSixteen;
     const V16 end = hn::Load(f, batch_.t + i);
     const M16 before = hn::And(hn::Gt(t, hn::Zero(f)), hn::Lt(t, end));
-    hn::Store(hn::IfThenElse(hn::And(valid, before), hn::Set(f, kHidden), end), f, batch_.t + i);
+    hn::Store(hn::IfThenElse(hn::And(valid, before), hn::Set(f, kOccluded), end), f, batch_.t + i);
   }
 
   // Takes hits of rays i, i + 1, ... that are nearer; at equal distance the lower id.
@@ -213,13 +213,13 @@ class Beams {
 
   HWY_INLINE void offer(const SphereBlock& block, const BeamCandidate* end) const {
     const V16 none = hn::Zero(kSixteen);
-    for (const BeamCandidate* c = room_.candidates; c < end; ++c) {
+    for (const BeamCandidate* c = scratch_.candidates; c < end; ++c) {
       const V16 middle = hn::Load(kSixteen, c->t), d2 = hn::Load(kSixteen, c->det);
       offer(c->ray, chord_distance(kSixteen, middle, d2), block.item[c->lane], none, none);
     }
   }
   HWY_INLINE void offer(const TriangleBlock& block, const BeamCandidate* end) const {
-    for (const BeamCandidate* c = room_.candidates; c < end; ++c) {
+    for (const BeamCandidate* c = scratch_.candidates; c < end; ++c) {
       const V16 det = hn::Load(kSixteen, c->det);
       const auto divided = [&](const float* x)
                                HWY_ATTR { return hn::Div(hn::Load(kSixteen, x), det); };
@@ -233,8 +233,8 @@ class Beams {
   // is returned, or is settled here. `in_beam`: they are a beam that comes near; others mostly
   // miss, and are left at once.
   template <bool in_beam>
-  HWY_INLINE BeamCandidate* meet(const SphereBlock& block, int k, uint32_t id,
-                                 BeamCandidate* found) const {
+  HWY_INLINE BeamCandidate* intersect(const SphereBlock& block, int k, uint32_t id,
+                                      BeamCandidate* found) const {
     const auto& f = kSixteen;
     const V16 x = hn::Set(f, block.x[k]), y = hn::Set(f, block.y[k]), z = hn::Set(f, block.z[k]);
     const V16 radius = hn::Set(f, block.radius[k]);
@@ -245,7 +245,7 @@ class Beams {
           hn::Load(f, batch_.d[1] + i), hn::Load(f, batch_.d[2] + i));
       if (!in_beam && hn::AllFalse(f, hit.in)) continue;
       if (any) {
-        hide(i, hit.in, chord_distance(f, hit.middle, hit.d2));
+        occlude(i, hit.in, chord_distance(f, hit.middle, hit.d2));
       } else {
         hn::Store(hit.middle, f, found->t), hn::Store(hit.d2, f, found->det);
         found->ray = uint32_t(i), found->lane = uint32_t(k);
@@ -269,8 +269,8 @@ class Beams {
   }
 
   template <bool in_beam>
-  HWY_INLINE BeamCandidate* meet(const TriangleBlock& block, int k, uint32_t id,
-                                 BeamCandidate* found) const {
+  HWY_INLINE BeamCandidate* intersect(const TriangleBlock& block, int k, uint32_t id,
+                                      BeamCandidate* found) const {
     const auto& f = kSixteen;
     for (size_t i = id * kPacket; i < (id + 1) * kPacket; i += kLanes16) {
       V16 x[3], y[3], z[3];
@@ -279,8 +279,8 @@ class Beams {
           return hn::Sub(hn::Set(f, block.corner[c][a][k]), hn::Load(f, batch_.o[a] + i));
         };
         V16 across, along, depth;
-        if (in_beam && room_.beams[id].axes != Beam::kMixed) {
-          const uint8_t* const order = kShearAxes[room_.beams[id].axes];
+        if (in_beam && scratch_.beams[id].axes != Beam::kMixed) {
+          const uint8_t* const order = kShearAxes[scratch_.beams[id].axes];
           across = corner(order[0]), along = corner(order[1]), depth = corner(order[2]);
         } else {
           permute(hn::Load(f, batch_.axes + i), corner(0), corner(1), corner(2), across, along,
@@ -294,7 +294,7 @@ class Beams {
       if (!in_beam && hn::AllFalse(f, hit.in)) continue;
       hit.in = hn::And(hit.in, within_reach(f, x, y));
       if (any) {
-        hide(i, hit.in, hn::Div(hit.t, hit.det));
+        occlude(i, hit.in, hn::Div(hit.t, hit.det));
       } else {
         // Zero is in front of no ray.
         hn::Store(hn::IfThenElseZero(hit.in, hit.t), f, found->t);
@@ -308,8 +308,8 @@ class Beams {
   }
 
   template <bool in_beam, PrimitiveKind kind>
-  HWY_INLINE BeamCandidate* meet(const Block<kind>& block, int k, uint32_t id,
-                                 BeamCandidate* found) const {
+  HWY_INLINE BeamCandidate* intersect(const Block<kind>& block, int k, uint32_t id,
+                                      BeamCandidate* found) const {
     const DemotedTag narrow;
     const auto numbers = widened(block.numbers, [&](const float* column) HWY_ATTR {
       return hn::Set(kDoubles, double(column[k]));
@@ -334,7 +334,7 @@ class Beams {
       const M16 in = hn::LoadMaskBits(f, lanes);
       const V16 distance = hn::Load(f, t + i);
       if (any)
-        hide(first + i, in, distance);
+        occlude(first + i, in, distance);
       else
         offer(first + i, hn::IfThenElseZero(in, distance), block.item[k], hn::Zero(f), hn::Zero(f));
     }
@@ -343,7 +343,7 @@ class Beams {
 
   const Blocks& blocks_;
   const Batch& batch_;
-  BeamRoom& room_;
+  BeamScratch& scratch_;
   TraceContext& context_;
 };
 

@@ -87,7 +87,7 @@ struct alignas(64) BeamCandidate {
 };
 
 // What a thread keeps for its beams.
-struct BeamRoom {
+struct BeamScratch {
   // Of a beam and a primitive of a leaf: kBlockWidth * id + lane. What is stored beside the last is
   // overwritten.
   static constexpr size_t kPairs = 40;
@@ -103,18 +103,18 @@ struct BeamRoom {
 template <bool any>
 class BeamMaker {
  public:
-  BeamMaker(const Blocks& blocks, const Batch& batch, BeamRoom& room)
-      : blocks_(blocks), batch_(batch), room_(room) {}
+  BeamMaker(const Blocks& blocks, const Batch& batch, BeamScratch& scratch)
+      : blocks_(blocks), batch_(batch), scratch_(scratch) {}
 
   // To be called for all packets of the batch before beams are formed.
   HWY_INLINE void measure(size_t packets) {
     for (size_t p = 0; p < packets; p += 4) {
-      Extents x[BeamRoom::kinds][4] = {};
+      Extents x[BeamScratch::kinds][4] = {};
       for (size_t k = 0; k < std::min<size_t>(4, packets - p); ++k)
-        room_.alive[p + k] = measure((p + k) * kPacket, x[0][k], x[1][k], x[2][k]);
+        scratch_.alive[p + k] = measure((p + k) * kPacket, x[0][k], x[1][k], x[2][k]);
       for (int kind = 0; kind < kKinds; ++kind)
         for (size_t c = 0; c < 8; c += 4)
-          transpose(x[kind][0].lo + c, 8, &room_.lo_hi[kind][c][p], kPackets);
+          transpose(x[kind][0].lo + c, 8, &scratch_.lo_hi[kind][c][p], kPackets);
     }
   }
 
@@ -124,7 +124,7 @@ class BeamMaker {
     unsigned formed = 0;
     for (int i = 0; i < kPacket; i += kLanes16) formed |= form_lanes(first + i, rows, i) << i;
     for (size_t i = 0; i < kPacket; i += 4) {
-      auto* const beams = reinterpret_cast<float*>(&room_.beams[first + i]);
+      auto* const beams = reinterpret_cast<float*>(&scratch_.beams[first + i]);
       for (size_t c = 0; c < kBeamFloats; c += 4)
         transpose(&rows[c][i], kPacket, beams + c, kBeamFloats);
     }
@@ -194,8 +194,8 @@ class BeamMaker {
   HWY_INLINE Box box(int kind, size_t p) const {
     Box b;
     for (int a = 0; a < 3; ++a) {
-      b.lo[a] = hn::Load(kSixteen, room_.lo_hi[kind][a] + p);
-      b.hi[a] = hn::Load(kSixteen, room_.lo_hi[kind][4 + a] + p);
+      b.lo[a] = hn::Load(kSixteen, scratch_.lo_hi[kind][a] + p);
+      b.hi[a] = hn::Load(kSixteen, scratch_.lo_hi[kind][4 + a] + p);
     }
     return b;
   }
@@ -209,10 +209,11 @@ class BeamMaker {
     // Into the column of a member of Beam, or of the n-th number of one.
     const auto put = [&](size_t member, V16 x, size_t n = 0)
                          HWY_ATTR { hn::Store(x, f, columns[column_of(member) + n] + i); };
-    const V16 alive = hn::Load(f, room_.alive + p);
-    const V16 t = hn::Load(f, room_.lo_hi[BeamRoom::origins_and_t][7] + p);
-    const V16 axes = hn::Load(f, room_.lo_hi[BeamRoom::directions_and_axes][7] + p);
-    Box origins = box(BeamRoom::origins_and_t, p), dirs = box(BeamRoom::directions_and_axes, p);
+    const V16 alive = hn::Load(f, scratch_.alive + p);
+    const V16 t = hn::Load(f, scratch_.lo_hi[BeamScratch::origins_and_t][7] + p);
+    const V16 axes = hn::Load(f, scratch_.lo_hi[BeamScratch::directions_and_axes][7] + p);
+    Box origins = box(BeamScratch::origins_and_t, p),
+        dirs = box(BeamScratch::directions_and_axes, p);
 
     const V16 apart = dirs.extent();
     M16 formed = hn::And(hn::Ge(alive, hn::Set(f, kFewest)), hn::Lt(apart, hn::Set(f, kMaxSpread)));
@@ -220,7 +221,7 @@ class BeamMaker {
       const auto signs = hn::BitCast(ints, hn::Xor(dirs.lo[a], dirs.hi[a]));
       formed = hn::AndNot(hn::RebindMask(f, hn::Lt(signs, hn::Zero(ints))), formed);
     }
-    const V16 first_axes = hn::Load(f, room_.lo_hi[BeamRoom::directions_and_axes][3] + p);
+    const V16 first_axes = hn::Load(f, scratch_.lo_hi[BeamScratch::directions_and_axes][3] + p);
     const V16 common_axes =
         hn::IfThenElse(hn::Eq(first_axes, axes), axes, hn::Set(f, float(Beam::kMixed)));
 
@@ -229,7 +230,7 @@ class BeamMaker {
     // and as an interval of origins they would meet much that none of them meets. (The order of
     // what they meet is then from the light, which is as good for any hit.)
     if (any) {
-      const Box ends = box(BeamRoom::ends, p);
+      const Box ends = box(BeamScratch::ends, p);
       const M16 end = hn::Lt(t, hn::Set(f, kInfinity));
       formed = hn::And(formed, hn::Le(origins.extent(), hn::Set(f, blocks_.farthest_apart)));
       // Directions to a light that has a size differ by its own, which counts less.
@@ -286,7 +287,7 @@ class BeamMaker {
 
   const Blocks& blocks_;
   const Batch& batch_;
-  BeamRoom& room_;
+  BeamScratch& scratch_;
 };
 
 }  // namespace raio::HWY_NAMESPACE

@@ -91,9 +91,9 @@ struct BoxLanes {
   // A lower plane at x is met at x * inverse[0] - offset[0], an upper one by [1]. Which of the
   // boxes are met before `tmax`; where they are entered goes to `nearest`, if wanted, where that is
   // nearer.
-  HWY_INLINE unsigned meet(const float* lower_inverse, const float* upper_inverse,
-                           const float* lower_offset, const float* upper_offset, float tmax,
-                           V8* nearest = nullptr) const {
+  HWY_INLINE unsigned intersect(const float* lower_inverse, const float* upper_inverse,
+                                const float* lower_offset, const float* upper_offset, float tmax,
+                                V8* nearest = nullptr) const {
     unsigned mask = 0;
     for (int p = 0; p < kParts; ++p) {
       V8 from = hn::Zero(kEight), to = hn::Set(kEight, tmax);

@@ -15,8 +15,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
 
-constexpr size_t kChunk = 1024;        // rays that travel together
-constexpr float kHidden = -kInfinity;  // the distance of an any-hit ray that has hit
+constexpr size_t kChunk = 1024;          // rays that travel together
+constexpr float kOccluded = -kInfinity;  // the distance of an any-hit ray that has hit
 
 // Which rays or beams a walk takes along.
 struct IdLists {
@@ -129,7 +129,7 @@ struct alignas(64) Pairs {
   int32_t id[kBlockWidth * kCandidates], lane[kBlockWidth * kCandidates];
 };
 
-struct RayRoom {
+struct RayScratch {
   Pairs pairs;
   StreamRay rays[kChunk];
   StreamShear shears[kChunk];
@@ -141,15 +141,15 @@ class Rays {
  public:
   static constexpr bool kAny = any;
 
-  Rays(const Geometry& geometry, const Blocks& blocks, const Batch& batch, RayRoom& room,
+  Rays(const Geometry& geometry, const Blocks& blocks, const Batch& batch, RayScratch& scratch,
        TraceContext& context)
       : g_(geometry),
         blocks_(blocks),
         batch_(batch),
-        rays_(room.rays),
-        shears_(room.shears),
-        candidates_(room.candidates),
-        pairs_(room.pairs),
+        rays_(scratch.rays),
+        shears_(scratch.shears),
+        candidates_(scratch.candidates),
+        pairs_(scratch.pairs),
         context_(context) {}
 
   // Makes the rays of a packet ready and adds to the list those that are not done.
@@ -199,9 +199,9 @@ class Rays {
   float end(uint32_t id) const { return rays_[id].t; }
   Sweep sweep(uint32_t id) const { return {rays_[id].o, rays_[id].d, 0, 0}; }
 
-  HWY_INLINE unsigned meet(uint32_t id, const BoxLanes& boxes, V8* nearest = nullptr) const {
+  HWY_INLINE unsigned intersect(uint32_t id, const BoxLanes& boxes, V8* nearest = nullptr) const {
     const StreamRay& r = rays_[id];
-    return boxes.meet(r.inverse, r.inverse, r.lower, r.upper, r.t, nearest);
+    return boxes.intersect(r.inverse, r.inverse, r.lower, r.upper, r.t, nearest);
   }
 
   HWY_INLINE void leaf(uint32_t ref, const uint32_t* ids, size_t n) {
@@ -217,7 +217,7 @@ class Rays {
   HWY_INLINE void leaf(const Block<kind>& block, const uint32_t* ids, size_t n) {
     context_.tests += hwy::PopCount(BoxLanes::named(block.item)) * n;
     if (!g_.two_sided(kind)) {
-      for (size_t i = 0; i < n; ++i) meet_items(block.item, ids[i]);
+      for (size_t i = 0; i < n; ++i) intersect_items(block.item, ids[i]);
       return;
     }
     if constexpr (kTestedInFloat<kind>)
@@ -228,7 +228,7 @@ class Rays {
   template <PrimitiveKind kind>
   HWY_INLINE void leaf_in_float(const Block<kind>& block, const uint32_t* ids, size_t n) {
     if (any) {
-      for (size_t i = 0; i < n; ++i) hide(block, ids[i]);
+      for (size_t i = 0; i < n; ++i) occlude(block, ids[i]);
       return;
     }
     for (size_t first = 0; first < n; first += kCandidates) {
@@ -237,7 +237,7 @@ class Rays {
       for (size_t i = first; i < end; ++i) {
         Candidate& c = candidates_[found];
         c.id = ids[i];
-        c.mask = meet(block, ids[i], c);
+        c.mask = intersect(block, ids[i], c);
         found += c.mask != 0;
       }
       for (size_t i = 0; i < found; ++i) {
@@ -249,17 +249,17 @@ class Rays {
 
   // An any-hit ray.
   template <class Block>
-  HWY_INLINE void hide(const Block& block, uint32_t id) {
+  HWY_INLINE void occlude(const Block& block, uint32_t id) {
     const auto& f = kEight;
     Candidate c;
-    meet(block, id, c);
+    intersect(block, id, c);
     float& end = rays_[id].t;
     unsigned hits = 0;
     for (int i = 0; i < kBlockWidth; i += kLanes8) {
       const V8 t = distance(block, c, i);
       hits |= bits(f, hn::And(hn::Gt(t, hn::Zero(f)), hn::Lt(t, hn::Set(f, end))));
     }
-    const float ends[] = {end, kHidden};
+    const float ends[] = {end, kOccluded};
     end = batch_.t[id] = ends[hits != 0];
   }
   static HWY_INLINE V8 distance(const TriangleBlock&, const Candidate& c, int i) {
@@ -284,7 +284,7 @@ class Rays {
     float& best = rays_[id].t;
     if (!(t > 0 && t <= best)) return;
     if (any) {
-      if (t < best) best = batch_.t[id] = kHidden;
+      if (t < best) best = batch_.t[id] = kOccluded;
       return;
     }
     PrimitiveId& old = batch_.item[id];
@@ -293,7 +293,7 @@ class Rays {
     batch_.u[id] = u, batch_.v[id] = v;
   }
 
-  HWY_INLINE unsigned meet(const SphereBlock& block, uint32_t id, Candidate& c) const {
+  HWY_INLINE unsigned intersect(const SphereBlock& block, uint32_t id, Candidate& c) const {
     const auto& f = kEight;
     const StreamRay& r = rays_[id];
     unsigned mask = 0;
@@ -313,7 +313,7 @@ class Rays {
     return mask;
   }
 
-  HWY_INLINE unsigned meet(const TriangleBlock& block, uint32_t id, Candidate& c) const {
+  HWY_INLINE unsigned intersect(const TriangleBlock& block, uint32_t id, Candidate& c) const {
     const auto& f = kEight;
     const StreamRay& r = rays_[id];
     const StreamShear& s = shears_[id];
@@ -353,14 +353,14 @@ class Rays {
           ++found;
         });
       for (size_t i = found; i % kLanesD != 0; ++i) pairs_.id[i] = pairs_.lane[i] = 0;
-      for (size_t i = 0; i < found; i += kLanesD) meet_pairs(block, i, found);
+      for (size_t i = 0; i < found; i += kLanesD) intersect_pairs(block, i, found);
     }
   }
 
   // Which of the primitives a ray may hit.
   template <PrimitiveKind kind>
   HWY_INLINE unsigned near(const Block<kind>& block, const BoxLanes& boxes, uint32_t id) const {
-    const unsigned mask = meet(id, boxes);
+    const unsigned mask = intersect(id, boxes);
     if (mask == 0) return 0;
     const StreamRay& r = rays_[id];
     unsigned aside = 0;
@@ -372,7 +372,7 @@ class Rays {
 
   // Pairs first, first + 1, ... in the lanes, but none from `end` on.
   template <PrimitiveKind kind>
-  HWY_INLINE void meet_pairs(const Block<kind>& block, size_t first, size_t end) {
+  HWY_INLINE void intersect_pairs(const Block<kind>& block, size_t first, size_t end) {
     const DemotedTag f;
     const hn::RebindToSigned<DemotedTag> ints;
     const int32_t *const id = pairs_.id + first, *const lane = pairs_.lane + first;
@@ -401,12 +401,12 @@ class Rays {
   }
 
   // One after another, for the rare surfaces that are seen from one side only.
-  void meet_items(const PrimitiveId* items, uint32_t id) {
+  void intersect_items(const PrimitiveId* items, uint32_t id) {
     for (int i = 0; i < kBlockWidth && items[i] != kNoPrimitive; ++i) {
       RayQuery query(batch_.ray(id));
       if (!any) query.best.item = batch_.item[id];
       if (!test_primitive(g_, items[i], query)) continue;
-      rays_[id].t = batch_.t[id] = any ? kHidden : query.best.t;
+      rays_[id].t = batch_.t[id] = any ? kOccluded : query.best.t;
       if (any) return;
       batch_.item[id] = query.best.item;
       batch_.u[id] = query.best.u, batch_.v[id] = query.best.v;

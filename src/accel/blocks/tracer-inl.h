@@ -17,32 +17,32 @@ HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
 
 // What a thread keeps for all its batches.
-template <class WalkRoom>
-struct Room {
+template <class WalkScratch>
+struct Scratch {
   // Columns of a batch that its rays do not bring along.
   alignas(64) float t[kChunk + 16];  // not a multiple of 4096 bytes, see integrate/tile-inl.h
   alignas(64) float shear[4][kChunk + 16];
-  RayRoom rays;
-  BeamRoom beams;
-  WalkRoom walk;
+  RayScratch rays;
+  BeamScratch beams;
+  WalkScratch walk;
 };
 
 // One for both kinds of rays: it fills most of the second cache.
-template <class WalkRoom>
-Room<WalkRoom>& own_room() {
-  static thread_local const auto room = std::make_unique_for_overwrite<Room<WalkRoom>>();
-  return *room;
+template <class WalkScratch>
+Scratch<WalkScratch>& own_scratch() {
+  static thread_local const auto scratch = std::make_unique_for_overwrite<Scratch<WalkScratch>>();
+  return *scratch;
 }
 
-// Things of a structure of blocks: `empty()`, and walk(structure, without_shared, n, walk_room,
-// crowd), which takes the first n of `walk_room.ids` through it. A crowd (Rays, Beams) knows what
-// they are; those that have met the shared blocks go without them.
-template <bool any, class Structure, class WalkRoom>
+// Things of a structure of blocks: `empty()`, and walk(structure, without_shared, n, walk_scratch,
+// crowd), which takes the first n of `walk_scratch.ids` through it. A crowd (Rays, Beams) knows
+// what they are; those that have met the shared blocks go without them.
+template <bool any, class Structure, class WalkScratch>
 class Tracer {
  public:
-  Tracer(const Geometry& geometry, const Structure& structure, bool alone, Room<WalkRoom>& room,
-         TraceContext& context)
-      : g_(geometry), structure_(structure), room_(room), context_(context), beams_(!alone) {
+  Tracer(const Geometry& geometry, const Structure& structure, bool alone,
+         Scratch<WalkScratch>& scratch, TraceContext& context)
+      : g_(geometry), structure_(structure), scratch_(scratch), context_(context), beams_(!alone) {
     size_t work = 0;
     for_each_bounded_kind([&]<PrimitiveKind kind> {
       beams_ = beams_ && g_.two_sided(kind);
@@ -56,32 +56,32 @@ class Tracer {
     Batch b = {.count = std::min(rays.size() - first, kChunk),
                .o = {&rays.ox[first], &rays.oy[first], &rays.oz[first]},
                .d = {&rays.dx[first], &rays.dy[first], &rays.dz[first]},
-               .t = any ? room_.t : &hits->t[first],
+               .t = any ? scratch_.t : &hits->t[first],
                .item = any ? nullptr : &hits->item[first],
                .u = any ? nullptr : &hits->u[first],
                .v = any ? nullptr : &hits->v[first],
-               .shear = {room_.shear[0], room_.shear[1], room_.shear[2]},
-               .axes = room_.shear[3]};
+               .shear = {scratch_.shear[0], scratch_.shear[1], scratch_.shear[2]},
+               .axes = scratch_.shear[3]};
     start(b, &rays.tmax[first]);
-    for (uint32_t i = 0; i < g_.count(PrimitiveKind::plane); ++i) meet_plane(b, i);
+    for (uint32_t i = 0; i < g_.count(PrimitiveKind::plane); ++i) intersect_plane(b, i);
     if (!structure_.empty()) trace_blocks(b);
     if (any)
-      for (size_t i = 0; i < b.count; ++i) hit[first + i] = b.t[i] == kHidden;
+      for (size_t i = 0; i < b.count; ++i) hit[first + i] = b.t[i] == kOccluded;
   }
 
  private:
   // Rays that keep together as beams, then all others each on its own.
   void trace_blocks(Batch& b) {
-    Rays<any> rays(g_, structure_, b, room_.rays, context_);
-    Beams<any> beams(structure_, b, room_.beams, context_);
-    WalkRoom& lists = room_.walk;
+    Rays<any> rays(g_, structure_, b, scratch_.rays, context_);
+    Beams<any> beams(structure_, b, scratch_.beams, context_);
+    WalkScratch& lists = scratch_.walk;
     lists.reserve(kChunk + kPacket);
     const uint32_t packets = uint32_t(padded(b.count) / kPacket);
     uint32_t alone[kPackets];
     size_t n = 0, n_alone = 0;
     if (!structure_.template of<PrimitiveKind::triangle>().empty())
       for (size_t p = 0; p < packets; ++p) b.shear_packet(p * kPacket);
-    BeamMaker<any> maker(structure_, b, room_.beams);
+    BeamMaker<any> maker(structure_, b, scratch_.beams);
     if (beams_) maker.measure(packets);
     for (uint32_t first = 0; first < packets; first += kPacket) {
       const unsigned formed = beams_ ? maker.form(first) : 0;
@@ -89,7 +89,7 @@ class Tracer {
         if (formed >> (p - first) & 1) {
           if (beams.alive(p)) lists.ids[n++] = p;
         } else if (beams_ && few_) {
-          beams.meet_all(p);
+          beams.intersect_all(p);
         } else {
           alone[n_alone++] = p;
         }
@@ -101,7 +101,7 @@ class Tracer {
         if (beams.gave_up(p)) alone[n_alone++] = p;
     if (beams_)
       for (const uint32_t block : structure_.shared)
-        for (size_t i = 0; i < n_alone; ++i) beams.meet_block(block, alone[i]);
+        for (size_t i = 0; i < n_alone; ++i) beams.intersect_block(block, alone[i]);
     n = 0;
     for (size_t i = 0; i < n_alone; ++i)
       n = rays.add_packet(size_t(alone[i]) * kPacket, lists.ids.data(), n);
@@ -122,9 +122,9 @@ class Tracer {
   }
 
   // All rays against one plane, in double and in the order of shape/plane.h.
-  void meet_plane(Batch& b, uint32_t index) {
+  void intersect_plane(Batch& b, uint32_t index) {
     context_.tests += b.count;
-    if (!g_.two_sided(PrimitiveKind::plane)) return meet_plane_one_by_one(b, index);
+    if (!g_.two_sided(PrimitiveKind::plane)) return intersect_plane_one_by_one(b, index);
     const Plane& plane = g_.plane(index);
     const PrimitiveId item = primitive_id(PrimitiveKind::plane, index);
     const DemotedTag f;
@@ -149,26 +149,26 @@ class Tracer {
       // Planes have the lowest ids of all, and come in their order: the first stays.
       const auto taken = hn::And(hn::Gt(t, hn::Zero(f)), hn::Lt(t, best));
       if (hn::AllFalse(f, taken)) continue;
-      hn::BlendedStore(any ? hn::Set(f, kHidden) : t, taken, f, b.t + i);
+      hn::BlendedStore(any ? hn::Set(f, kOccluded) : t, taken, f, b.t + i);
       if (any) continue;
       const hn::RebindToUnsigned<DemotedTag> ids;
       hn::BlendedStore(hn::Set(ids, item), hn::RebindMask(ids, taken), ids, b.item + i);
     }
   }
 
-  void meet_plane_one_by_one(Batch& b, uint32_t index) {
+  void intersect_plane_one_by_one(Batch& b, uint32_t index) {
     for (size_t i = 0; i < b.count; ++i) {
       RayQuery query(b.ray(i));
       if (!any) query.best.item = b.item[i];
       if (!test<PrimitiveKind::plane>(g_, index, query)) continue;
-      b.t[i] = any ? kHidden : query.best.t;
+      b.t[i] = any ? kOccluded : query.best.t;
       if (!any) b.item[i] = query.best.item;
     }
   }
 
   const Geometry& g_;
   const Structure& structure_;
-  Room<WalkRoom>& room_;
+  Scratch<WalkScratch>& scratch_;
   TraceContext& context_;
   static constexpr size_t kFew = 32;  // measured
   // Of a test, in that of a sphere: 2 of a triangle, 4 in double.
@@ -181,12 +181,13 @@ class Tracer {
   bool few_;    // so few primitives that every ray is tested against all
 };
 
-template <bool any, class WalkRoom, class Structure>
+template <bool any, class WalkScratch, class Structure>
 void trace_all(const Geometry& g, const Structure& structure, const RayBatch& rays, HitBatch* hits,
                uint8_t* hit, TraceContext& context) {
   // A ray by itself is told what it alone would cost.
   const bool alone = rays.size() == 1;
-  Tracer<any, Structure, WalkRoom> tracer(g, structure, alone, own_room<WalkRoom>(), context);
+  Tracer<any, Structure, WalkScratch> tracer(g, structure, alone, own_scratch<WalkScratch>(),
+                                             context);
   for (size_t i = 0; i < rays.size() && !context.stopped(); i += kChunk)
     tracer.trace(rays, i, hits, hit);
 }

@@ -81,13 +81,13 @@ class SpareItems {
 };
 
 // What the children of some nodes refer to.
-struct Room {
-  explicit Room(SpareItems& s) : spare(s) {}
-  ~Room() {
+struct Arena {
+  explicit Arena(SpareItems& s) : spare(s) {}
+  ~Arena() {
     for (Column<BuildItem>& some : items) spare.give_back(std::move(some));
   }
-  Room(const Room&) = delete;
-  Room& operator=(const Room&) = delete;
+  Arena(const Arena&) = delete;
+  Arena& operator=(const Arena&) = delete;
 
   SpareItems& spare;
   std::vector<Column<BuildItem>> items;
@@ -115,11 +115,11 @@ class Builder {
       return primitive_id(PrimitiveKind(kind), uint32_t(i));
     };
     Child all{0, count, {}};
-    Room room(spare_);
+    Arena arena(spare_);
     if (count > kPlanAbove) {
-      plan(all, nth, room);
+      plan(all, nth, arena);
     } else {
-      make_items(all, nth, room);
+      make_items(all, nth, arena);
       all.box = box_of(all.range());
     }
     Part root;
@@ -174,8 +174,8 @@ class Builder {
   void make_part(Child child, int depth, Part& part, bool is_root = false) {
     part.first = child.begin;
     if (child.size() > kTask) return make_parts(child, depth, part);
-    Room room(spare_);
-    if (!child.items) make_items(child, ids_of(child), room);
+    Arena arena(spare_);
+    if (!child.items) make_items(child, ids_of(child), arena);
     if (!is_root && is_leaf(child)) {
       add_leaf(child, part);
     } else {
@@ -187,9 +187,9 @@ class Builder {
 
   // The node, and each child as a part of its own.
   void make_parts(const Child& child, int depth, Part& part) {
-    Room room(spare_);
+    Arena arena(spare_);
     std::array<Child, kBlockWidth> children;
-    const size_t count = open(child, depth, children, scratches_.local(), &room);
+    const size_t count = open(child, depth, children, scratches_.local(), &arena);
     part.nodes.resize(1);
     part.counts[0] = 1;
     set_boxes(part.nodes[0], {children.data(), count});
@@ -227,10 +227,10 @@ class Builder {
     for (size_t i = 0; i < children.size(); ++i) node.boxes.set(i, children[i].box.box());
   }
 
-  // The children of a node, in the order of their items; how many there are. Without `room` the
+  // The children of a node, in the order of their items; how many there are. Without `arena` the
   // child has its items.
   size_t open(const Child& child, int depth, std::array<Child, kBlockWidth>& out,
-              Column<BuildItem>& scratch, Room* room) {
+              Column<BuildItem>& scratch, Arena* arena) {
     std::array<float, kBlockWidth> areas;  // of those that can be opened
     const auto area = [&](const Child& c) { return is_leaf(c) ? -1 : c.box.box().half_area(); };
     out[0] = child;
@@ -242,19 +242,19 @@ class Builder {
       if (areas[i] < 0) break;
       std::move_backward(out.begin() + i + 1, out.begin() + count, out.begin() + count + 1);
       std::move_backward(areas.begin() + i + 1, areas.begin() + count, areas.begin() + count + 1);
-      split(Child(out[i]), depth, out[i], out[i + 1], scratch, room);
+      split(Child(out[i]), depth, out[i], out[i + 1], scratch, arena);
       areas[i] = area(out[i]), areas[i + 1] = area(out[i + 1]);
     }
     return count;
   }
 
   void split(Child child, int depth, Child& below, Child& above, Column<BuildItem>& scratch,
-             Room* room) {
-    if (room && !child.plan && !child.items) {
+             Arena* arena) {
+    if (arena && !child.plan && !child.items) {
       if (child.size() <= kPlanAbove)
-        make_items(child, ids_of(child), *room);
+        make_items(child, ids_of(child), *arena);
       else if (depth + kPlanDepth <= kBvhCostLevels)
-        plan_again(child, *room);
+        plan_again(child, *arena);
     }
     if (child.plan) {
       const BuildPlan::Node& node = child.plan->nodes[child.node];
@@ -310,8 +310,8 @@ class Builder {
   }
 
   // Its items have the ids ids(0), ids(1) ...
-  void make_items(Child& child, const auto& ids, Room& room) {
-    Column<BuildItem>& items = room.items.emplace_back(room.spare.take());
+  void make_items(Child& child, const auto& ids, Arena& arena) {
+    Column<BuildItem>& items = arena.items.emplace_back(arena.spare.take());
     items.clear();  // so that a larger one copies nothing
     items.resize(child.size());
     child.items = items.data();
@@ -321,20 +321,20 @@ class Builder {
   }
 
   // Writes these ids in the order of a plan.
-  void plan(Child& child, const auto& ids, Room& room) {
+  void plan(Child& child, const auto& ids, Arena& arena) {
     const size_t count = child.size();
     const auto make = [&](size_t first, BuildRange out) { fill_items(ids, first, count, out); };
-    room.plans.push_back(
+    arena.plans.push_back(
         std::make_unique<BuildPlan>(make_plan({&order_[child.begin], count}, make)));
-    const BuildPlan& plan = *room.plans.back();
+    const BuildPlan& plan = *arena.plans.back();
     child.box = plan.nodes[0].box;
     if (plan.nodes[0].below != 0) child.plan = &plan, child.node = 0;
   }
 
-  void plan_again(Child& child, Room& room) {
+  void plan_again(Child& child, Arena& arena) {
     Column<PrimitiveId> copy(child.size());
     for_each_index(copy.size(), [&](size_t i) { copy[i] = order_[child.begin + i]; });
-    plan(child, [&](size_t i) { return copy[i]; }, room);
+    plan(child, [&](size_t i) { return copy[i]; }, arena);
   }
 
   // The items of ids(first) and of those that follow, of `count` in all.

@@ -32,7 +32,7 @@ constexpr int kStack = (kBlockWidth - 1) * kBvhMaxLevels + 1;
 const hn::CappedTag<uint32_t, 16> kIds;
 constexpr size_t kIdLanes = hn::MaxLanes(decltype(kIds)());
 
-struct StreamRoom : IdLists {
+struct StreamScratch : IdLists {
   uint8_t met[kChunk + 16];  // by place in a list: which of the eight boxes
   Waiting stack[kStack];
   // Of one that walks alone.
@@ -75,7 +75,7 @@ HWY_INLINE int later(const float* enter, unsigned mask, int c) {
 // The subtree at `ref` with one alone, which needs no lists, and leaves out what lies behind its
 // hit.
 template <class Crowd>
-HWY_INLINE void walk_alone(const Bvh& bvh, uint32_t ref, uint32_t id, StreamRoom& room,
+HWY_INLINE void walk_alone(const Bvh& bvh, uint32_t ref, uint32_t id, StreamScratch& scratch,
                            Crowd& crowd) {
   int top = 0;
   while (true) {
@@ -85,15 +85,15 @@ HWY_INLINE void walk_alone(const Bvh& bvh, uint32_t ref, uint32_t id, StreamRoom
       V8 nearest[kParts];
       for (V8& x : nearest) x = hn::Set(kEight, kInfinity);
       const BoxLanes boxes(node.boxes, node.child);
-      const unsigned mask = crowd.meet(id, boxes, Crowd::kAny ? nullptr : nearest);
+      const unsigned mask = crowd.intersect(id, boxes, Crowd::kAny ? nullptr : nearest);
       alignas(32) float enter[kBlockWidth];
       if (!Crowd::kAny)
         for (int p = 0; p < kParts; ++p) hn::Store(nearest[p], kEight, enter + p * kLanes8);
       int kept = top;
       for_bits(mask, [&](int c) {
         const int place = Crowd::kAny ? kept++ : top + later(enter, mask, c);
-        room.waiting[place] = node.child[c];
-        if (!Crowd::kAny) room.enter[place] = enter[c];
+        scratch.waiting[place] = node.child[c];
+        if (!Crowd::kAny) scratch.enter[place] = enter[c];
         prefetch(bvh, node.child[c]);
       });
       top += int(hwy::PopCount(mask));
@@ -103,16 +103,16 @@ HWY_INLINE void walk_alone(const Bvh& bvh, uint32_t ref, uint32_t id, StreamRoom
     }
     do {
       if (top == 0) return;
-      ref = room.waiting[--top];
-    } while (!Crowd::kAny && !(room.enter[top] <= crowd.end(id)));
+      ref = scratch.waiting[--top];
+    } while (!Crowd::kAny && !(scratch.enter[top] <= crowd.end(id)));
   }
 }
 
-// Walks the tree with those in `lists.ids[0 .. count)`. A Crowd knows what they are: `meet(id,
+// Walks the tree with those in `lists.ids[0 .. count)`. A Crowd knows what they are: `intersect(id,
 // boxes, nearest)` says which boxes one meets, `leaf(ref, ids, n)` tests a leaf's primitives;
 // `kAny`: for any hit, not the nearest.
 template <class Crowd>
-void walk(const Bvh& bvh, bool without_shared, size_t count, StreamRoom& lists, Crowd& crowd) {
+void walk(const Bvh& bvh, bool without_shared, size_t count, StreamScratch& lists, Crowd& crowd) {
   Waiting* const stack = lists.stack;
   stack[0] = {pool_ref(Pool::nodes, 0), 0, uint32_t(count), uint32_t(count)};
   for (int top = 1; top > 0;) {
@@ -135,7 +135,8 @@ void walk(const Bvh& bvh, bool without_shared, size_t count, StreamRoom& lists, 
     for (V8& x : nearest) x = hn::Set(kEight, kInfinity);
     unsigned any = 0;
     for (size_t i = 0; i < n; ++i) {
-      const unsigned mask = crowd.meet(ids[w.begin + i], boxes, Crowd::kAny ? nullptr : nearest);
+      const unsigned mask =
+          crowd.intersect(ids[w.begin + i], boxes, Crowd::kAny ? nullptr : nearest);
       lists.met[i] = uint8_t(mask);
       any |= mask;
     }

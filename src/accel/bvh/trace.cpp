@@ -14,12 +14,12 @@ namespace raio::HWY_NAMESPACE {
 
 void closest(const Geometry& g, const Bvh& bvh, const RayBatch& rays, HitBatch& hits,
              TraceContext& context) {
-  trace_all<false, StreamRoom>(g, bvh, rays, &hits, nullptr, context);
+  trace_all<false, StreamScratch>(g, bvh, rays, &hits, nullptr, context);
 }
 
 void occluded(const Geometry& g, const Bvh& bvh, const RayBatch& rays, uint8_t* hit,
               TraceContext& context) {
-  trace_all<true, StreamRoom>(g, bvh, rays, nullptr, hit, context);
+  trace_all<true, StreamScratch>(g, bvh, rays, nullptr, hit, context);
 }
 
 }  // namespace raio::HWY_NAMESPACE

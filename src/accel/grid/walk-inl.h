@@ -131,7 +131,7 @@ class Sweeper {
   HWY_INLINE void visit(uint32_t first, uint32_t end, uint32_t id) {
     for (uint32_t i = first; i < end; ++i) {
       const BlockGroup& group = b_.groups[i];
-      for_bits(crowd_.meet(id, BoxLanes(group.boxes, group.block)),
+      for_bits(crowd_.intersect(id, BoxLanes(group.boxes, group.block)),
                [&](int k) { crowd_.leaf(group.block[k], &id, 1); });
     }
   }

@@ -10,7 +10,7 @@ std::expected<void, std::string> load_library(const char* file) {
   if (::dlopen(file, RTLD_NOW)) return {};
   // NOLINTNEXTLINE(concurrency-mt-unsafe): each thread has its own
   return std::unexpected("cannot load a library, " + std::string(::dlerror()) +
-                         "; install what packages.txt lists");
+                         "; install its package (on Debian: libembree3-3, libcairo2)");
 }
 
 void* library_function(const char* file, const std::string& name) {

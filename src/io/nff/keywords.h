@@ -18,7 +18,7 @@ class Parser;
 /// What it may mean that so many numbers too many follow an entity.
 struct Surplus {
   size_t numbers = 0;
-  std::string_view advice = {};
+  std::string_view advice = {};  // NOLINT(readability-redundant-member-init)
 };
 
 /// What begins with a keyword.
@@ -31,7 +31,8 @@ struct Entity {
   std::string_view usage;  // for numbers too many: "s takes 4 numbers: x y z radius"
   void (*read)(Parser&);   // what follows the keyword
   Leaves leaves = Leaves::objects;
-  std::string_view if_word = {};  // what a word in the place of a number may mean
+  /// What a word in the place of a number may mean.
+  std::string_view if_word = {};  // NOLINT(readability-redundant-member-init)
   Surplus surplus = {};
 };
 

@@ -1,4 +1,4 @@
-// What is around the objects: background, lights, materials, and P3F's wishes.
+// What is around the objects: background, lights, materials, and P3F's requests.
 #include <fmt/format.h>
 
 #include <algorithm>

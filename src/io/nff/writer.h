@@ -65,7 +65,7 @@ class Writer {
 };
 
 void write_camera(Writer& w);
-/// Background, wishes, lights.
+/// Background, requests, lights.
 void write_surroundings(Writer& w);
 void write_material(Writer& w, const Material& m);
 

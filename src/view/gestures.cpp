@@ -1,4 +1,4 @@
-#include "view/hands.h"
+#include "view/gestures.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +18,7 @@ double view_distance(const Camera& camera) { return length(Vec3d(camera.at) - Ve
 
 }  // namespace
 
-void Hands::press(Button button, bool shift) {
+void Gestures::press(Button button, bool shift) {
   if (drag_ != Drag::none || !stage_.contains(x_, y_)) return;
   button_ = button, travelled_ = 0;
   const double bar = stage_.lo.x + split_at * (stage_.hi.x - stage_.lo.x);
@@ -37,14 +37,14 @@ void Hands::press(Button button, bool shift) {
                                               : Drag::orbit;
 }
 
-bool Hands::release(Button button) {
+bool Gestures::release(Button button) {
   if (drag_ == Drag::none || button != button_) return false;
   const bool click = drag_ == Drag::orbit && travelled_ <= kClickTravel;
   drag_ = Drag::none;
   return click;
 }
 
-bool Hands::move(double x, double y) {
+bool Gestures::move(double x, double y) {
   const double height = std::max(1.0f, stage_.hi.y - stage_.lo.y);
   const double dx = (x - x_) / height, dy = (y - y_) / height;
   travelled_ += std::hypot(x - x_, y - y_);
@@ -71,7 +71,7 @@ bool Hands::move(double x, double y) {
   return false;
 }
 
-bool Hands::dolly(double steps) {
+bool Gestures::dolly(double steps) {
   if (!stage_.contains(x_, y_) || steps == 0) return false;
   const Pick under = pick_(x_, y_);
   const Camera& camera = state_.camera;
@@ -87,7 +87,7 @@ bool Hands::dolly(double steps) {
   return true;
 }
 
-bool Hands::walk(const Steps& steps, double seconds) {
+bool Gestures::walk(const Steps& steps, double seconds) {
   if (!steps.any()) return false;
   const double far = view_distance(state_.camera) * kWalkPerSecond * std::min(seconds, 0.1);
   state_.camera = walked(state_.camera, steps.right * far, steps.up * far, steps.forward * far);

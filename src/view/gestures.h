@@ -8,13 +8,13 @@
 
 namespace raio::view {
 
-class Hands {
+class Gestures {
  public:
   enum class Button { left, right, middle };
   /// What is in the picture at a place of the window.
   using PickAt = std::function<Pick(double x, double y)>;
 
-  Hands(ViewState& state, const Stage& stage, PickAt pick)
+  Gestures(ViewState& state, const Stage& stage, PickAt pick)
       : state_(state), stage_(stage), pick_(std::move(pick)) {}
 
   double split_at = 0.5;  // where the bar between two pictures is, 0 to 1
