@@ -248,7 +248,7 @@ void refuse_for_many_pictures(const RenderCommand& render) {
                                       {"--stats", !render.stats.empty()}})
     if (given)
       refuse(fmt::format("{} is about one picture; {}", option,
-                         turns ? "leave out it or --turntable" : "give one scene"));
+                         turns ? "leave it out, or leave out --turntable" : "give one scene"));
   if (is_standard_output(render.output))
     refuse(fmt::format("standard output takes one picture; name {}",
                        turns ? "a file, as in -o turn.png, which gives turn-0001.png and so on"

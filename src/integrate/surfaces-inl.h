@@ -377,8 +377,8 @@ void look_up_materials(const Material* materials, size_t i, Vertices& v) {
   }
 }
 
-// Puts the surfaces of one kind, those in `lanes`, where find_surfaces() looks for them. Out of
-// line, so that what a rare kind takes in registers is not taken from the others.
+// Puts the surfaces of one kind, those in `lanes`, where find_surfaces() looks for them, in columns
+// that are not filled yet. Out of line, so that a rare kind takes no registers from the others.
 template <PrimitiveKind kind>
 HWY_NOINLINE void place_surfaces(const SurfaceInput& in, size_t i, M lanes, Vertices& v) {
   const WideSurfaces found = SurfaceKernel<kind>::work_out(in, i, lanes, v);

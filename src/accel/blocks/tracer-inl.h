@@ -177,7 +177,7 @@ class Tracer {
                                   : kind == PrimitiveKind::triangle ? 2
                                                                     : 4;
 
-  bool beams_;  // surfaces seen from one side only go ray by ray
+  bool beams_;  // not for a ray alone, nor where surfaces are seen from one side only
   bool few_;    // so few primitives that every ray is tested against all
 };
 
