@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include <cctype>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -165,7 +166,8 @@ TEST_P(Page, CommandsAreTheProgramsOwn) {
     const std::string& help = help_of(subcommand);
     EXPECT_FALSE(help.empty()) << "no such subcommand";
     for (size_t i = 1; i < w.size(); ++i) {
-      if (w[i].starts_with("-")) {
+      // An option, not a negative number.
+      if (w[i].size() > 1 && w[i][0] == '-' && !std::isdigit(static_cast<unsigned char>(w[i][1]))) {
         EXPECT_TRUE(offers(help, w[i])) << w[i];
         expect_accepted(w[i], i + 1 < w.size() ? w[i + 1] : "");
       }
