@@ -9,7 +9,12 @@
 #include "io/nff/nff.h"
 #include "render/render.h"
 #include "scenes.h"
+#include "view/bars.h"
 #include "view/camera_control.h"
+#include "view/gestures.h"
+#include "view/help.h"
+#include "view/history.h"
+#include "view/layout.h"
 #include "view/stage.h"
 #include "view/state.h"
 
@@ -212,27 +217,204 @@ TEST(ViewState, ANewVersionOfTheFileKeepsTheHandsCamera) {
 }
 
 TEST(Keys, EachIsThereOnce) {
-  std::set<std::pair<int, bool>> seen_keys;
+  std::set<std::pair<int, Modifiers>> seen_keys;
   for (const KeySpec& key : key_table()) {
-    EXPECT_TRUE(seen_keys.emplace(key.key, key.shift).second) << key.name;
-    EXPECT_EQ(find_key(key.key, key.shift), &key);
+    EXPECT_TRUE(seen_keys.emplace(key.key, key.held).second) << key.name;
+    EXPECT_EQ(find_key(key.key, key.held), &key);
   }
-  EXPECT_EQ(find_key('Z', false), nullptr);
+  EXPECT_EQ(find_key('Z'), nullptr);
+}
+
+TEST(Keys, LettersAreNotThoseWithCtrlOrAlt) {
+  EXPECT_EQ(find_key('S')->command, Command::soft_shadows);
+  EXPECT_EQ(find_key('S', {.ctrl = true})->command, Command::save_scene);
+  EXPECT_EQ(find_key('O', {.ctrl = true})->command, Command::open);
+  EXPECT_EQ(find_key('Z', {.ctrl = true})->command, Command::undo);
+  EXPECT_EQ(find_key('Y', {.ctrl = true})->command, Command::redo);
+  EXPECT_EQ(find_key('Z', {.shift = true, .ctrl = true})->command, Command::redo);
+  EXPECT_EQ(find_key('A', {.ctrl = true}), nullptr);
+  EXPECT_EQ(find_key('A', {.alt = true}), nullptr);
+  EXPECT_EQ(find_key('A', {.shift = true}), nullptr);
+}
+
+TEST(Layout, PartsCoverTheWindowAndDoNotOverlap) {
+  for (const auto& [width, height] : {std::pair(1280.0f, 720.0f), {1920.0f, 1080.0f}, {460, 300}})
+    for (const float em : {15.0f, 23.0f, 30.0f})
+      for (const bool panel : {true, false}) {
+        const Layout l(width, height, em, panel);
+        EXPECT_EQ(l.tool_bar, Rect(0, 0, width, l.picture.top));
+        EXPECT_EQ(l.status, Rect(0, l.picture.bottom, width, height));
+        EXPECT_EQ(l.picture.left, 0);
+        EXPECT_EQ(l.panel, Rect(l.picture.right, l.picture.top, width, l.picture.bottom));
+        EXPECT_GE(l.picture.width(), 1);
+        EXPECT_GE(l.picture.height(), 1);
+        if (!panel) {
+          EXPECT_EQ(l.picture.right, width);
+        } else if (width > 1000) {
+          EXPECT_GT(l.picture.width(), width / 3);
+        }
+        // Whole units, so that pixels of the picture stay those of the screen.
+        EXPECT_EQ(l.picture.top, std::floor(l.picture.top));
+        EXPECT_EQ(l.picture.right, std::floor(l.picture.right));
+      }
+  const Layout tiny(10, 10, 15, true);
+  EXPECT_GE(tiny.picture.width(), 1);
+  EXPECT_GE(tiny.picture.height(), 1);
+}
+
+TEST(Layout, ToolsThatDoNotFitAreLeftToOneMore) {
+  const std::vector<float> widths = {30, 40, 30};
+  EXPECT_EQ(tools_that_fit(widths, 100, 30), 3u);
+  EXPECT_EQ(tools_that_fit(widths, 99, 30), 1u);  // the second would leave no room for one more
+  EXPECT_EQ(tools_that_fit(widths, 60, 30), 1u);
+  EXPECT_EQ(tools_that_fit(widths, 20, 30), 0u);
+  EXPECT_EQ(tools_that_fit({}, 20, 30), 0u);
+}
+
+TEST(History, GoesBackAndForthAndForgetsWhatWasUndoneBeforeAChange) {
+  History<int> history(0);
+  EXPECT_FALSE(history.can_undo());
+  EXPECT_EQ(history.undo(), 0);
+  for (const int state : {1, 1, 2, 3}) history.settle(state);
+  EXPECT_EQ(history.undo(), 2);
+  EXPECT_EQ(history.undo(), 1);
+  EXPECT_EQ(history.redo(), 2);
+  history.settle(7);
+  EXPECT_FALSE(history.can_redo());
+  EXPECT_EQ(history.redo(), 7);
+  EXPECT_EQ(history.undo(), 2);
+  EXPECT_EQ(history.undo(), 1);
+  EXPECT_EQ(history.undo(), 0);
+  for (int i = 0; i < 5000; ++i) history.settle(i + 10);
+  int steps = 0;
+  for (; history.can_undo(); ++steps) (void)history.undo();
+  EXPECT_EQ(steps, 999) << "all are kept, or none forgotten";
+}
+
+TEST(History, EveryChangeOfTheStateIsAStep) {
+  ViewState state("some.nff", scene(), {});
+  History<ViewState> history(state);
+  for (const Command effect :
+       {Command::antialiasing, Command::soft_shadows, Command::depth_of_field, Command::structure,
+        Command::reflection, Command::refraction}) {
+    const ViewState before = state;
+    (void)state.toggle(effect);
+    history.settle(state);
+    EXPECT_EQ(history.undo(), before);
+    EXPECT_EQ(history.redo(), state);
+  }
+  const ViewState before = state;
+  state.camera = walked(state.camera, 1, 0, 0);
+  EXPECT_FALSE(state == before);
+  state = before;
+  state.show(View::depth);
+  EXPECT_FALSE(state == before);
+  state = before;
+  state.paused = !state.paused, state.panel = !state.panel;
+  EXPECT_TRUE(state == before) << "what is hidden or paused is no step";
+}
+
+TEST(Focus, FollowsThePointWhenTheCameraMoves) {
+  ViewState state("some.nff", scene(), {});
+  const Vec3d point(0.3, 0.2, 0.4);
+  state.focus_on(point);
+  EXPECT_TRUE(state.is_on(Command::depth_of_field));
+  for (const double factor : {0.8, 0.5, 1.7}) {
+    state.camera = dollied(state.camera, point, factor);
+    state.follow_focus();
+    EXPECT_NEAR(state.options.focus, seen(state.camera, point).z, 1e-4);
+  }
+  state.camera = orbited(state.camera, {1, 1, 1}, 0.3, 0.1);
+  state.follow_focus();
+  EXPECT_NEAR(state.options.focus, seen(state.camera, point).z, 1e-4);
+  // Someone types another one: it stays.
+  state.options.focus = 2.5f;
+  state.camera = dollied(state.camera, point, 0.9);
+  state.follow_focus();
+  EXPECT_EQ(state.options.focus, 2.5f);
+  EXPECT_FALSE(state.focus_point);
+}
+
+// A hand that holds on to ground at the horizon.
+TEST(Gestures, NoDragFlingsTheSceneAway) {
+  for (const double times : {0.3, 1.0, 2.0, 30.0, 1e6})
+    for (const auto button : {Gestures::Button::left, Gestures::Button::middle}) {
+      ViewState state("some.nff", scene(), {});
+      const Stage stage({0, 0, 512, 512}, 1, 512, 512);
+      const Camera before = state.camera;
+      const double distance = length(Vec3d(before.at) - Vec3d(before.from));
+      Vec3d held;
+      Gestures hand(state, stage, [&](double x, double y) {
+        const CameraAxes axes(before);
+        const double half = std::tan(double(before.fov_deg) * std::numbers::pi / 360);
+        Pick pick;
+        pick.hit = {}, pick.hit.item = 1, pick.hit.t = 1;
+        pick.depth = times * distance;
+        pick.point = Vec3d(before.from) + (axes.forward + axes.right * ((x / 256 - 1) * half) +
+                                           axes.up * ((1 - y / 256) * half)) *
+                                              pick.depth;
+        held = pick.point;
+        return pick;
+      });
+      hand.move(200, 300);
+      hand.press(button, false);
+      for (int i = 1; i <= 10; ++i) hand.move(200 + 10 * i, 300 + 2 * i);
+      (void)hand.release(button);
+      EXPECT_FALSE(state.camera == before);
+      // What is near is held itself; what is far moves the point looked at.
+      const Vec3d at = seen(state.camera, times < 1 ? held : Vec3d(before.at));
+      EXPECT_GT(at.z, 0) << times;
+      EXPECT_LE(std::abs(at.x), 1) << times;
+      EXPECT_LE(std::abs(at.y), 1) << times;
+      EXPECT_NEAR(at.z, std::min(times, 1.0) * distance, 0.5 * distance) << times;
+    }
+}
+
+TEST(Help, FindsAllWordsInAnyCase) {
+  EXPECT_EQ(help_lines("").size(),
+            size_t(std::ranges::count_if(key_table(), [](auto& k) { return *k.name != 0; })) +
+                hand_table().size());
+  const auto found = help_lines("SHADOWS soft");
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].keys, "s");
+  EXPECT_TRUE(help_lines("no such thing").empty());
+}
+
+TEST(Status, SaysWhatGoesOn) {
+  StatusFacts facts;
+  facts.request = 2, facts.since_request_s = 6.2;
+  EXPECT_EQ(status_of(facts).text, "Rendering the first sample, 6 s");
+  SessionPicture picture;
+  picture.request = 2, picture.samples = 1, picture.pass_s = 0.05, picture.render_s = 0.05;
+  picture.settings.samples = 64;
+  facts.picture = &picture;
+  EXPECT_EQ(status_of(facts).kind, Status::Kind::working);
+  EXPECT_THAT(status_of(facts).text, HasSubstr("1 of 64 samples a pixel"));
+  EXPECT_THAT(status_of(facts).text, HasSubstr(" 0 rays/s"));
+  facts.paused = true;
+  EXPECT_EQ(status_of(facts).text, "Paused at 1 sample a pixel; space goes on");
+  picture.finished = true;
+  EXPECT_EQ(status_of(facts).kind, Status::Kind::done);
+  EXPECT_EQ(status_of(facts).text, "Finished: 1 sample a pixel, 50 ms in all");
+  picture.error = Error{ErrorKind::no_resource, "", "no memory"};
+  EXPECT_EQ(status_of(facts).kind, Status::Kind::failed);
 }
 
 TEST(Stage, FillsTheAreaOrShowsAGivenSizeWhole) {
-  const Stage free({800, 500}, 300, 2, 0, 0);
+  const Stage free({0, 40, 500, 500}, 2, 0, 0);
   EXPECT_EQ(free.picture_width, 1000);
-  EXPECT_EQ(free.picture_height, 1000);
+  EXPECT_EQ(free.picture_height, 920);
   EXPECT_TRUE(free.contains(499, 499));
-  EXPECT_FALSE(free.contains(500, 10));
-  const Stage given({800, 500}, 300, 1, 1000, 500);
+  EXPECT_FALSE(free.contains(500, 40));
+  EXPECT_FALSE(free.contains(10, 39));
+  EXPECT_EQ(free.down(40), 0);
+  const Stage given({0, 0, 500, 500}, 1, 1000, 500);
   EXPECT_EQ(given.picture_width, 1000);
   EXPECT_EQ(given.hi.x - given.lo.x, 500);
   EXPECT_EQ(given.lo.y, 125);
   EXPECT_FALSE(given.sharp);
-  EXPECT_TRUE(Stage({700, 500}, 300, 1, 400, 300).sharp);
-  const Stage none({10, 0}, 300, 1, 0, 0);
+  EXPECT_TRUE(Stage({0, 0, 400, 500}, 1, 400, 300).sharp);
+  const Stage none({0, 0, 1, 0}, 1, 0, 0);
   EXPECT_GE(none.picture_width * none.picture_height, 1);
 }
 

@@ -168,11 +168,12 @@ void WindowDriver::hold(unsigned long keysym, bool down) {
   XFlush(x_);
 }
 
-void WindowDriver::key(unsigned long keysym, bool shift) {
-  constexpr unsigned long kShift = 0xffe1;
-  if (shift) hold(kShift, true);
+void WindowDriver::key(unsigned long keysym, Held held) {
+  constexpr unsigned long kShift = 0xffe1, kCtrl = 0xffe3;
+  const unsigned long other = held == Held::shift ? kShift : held == Held::ctrl ? kCtrl : 0;
+  if (other) hold(other, true);
   hold(keysym, true), hold(keysym, false);
-  if (shift) hold(kShift, false);
+  if (other) hold(other, false);
 }
 
 void WindowDriver::move(int x, int y) {

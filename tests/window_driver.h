@@ -58,7 +58,8 @@ class WindowDriver {
   std::optional<Picture> picture(size_t from, int samples = 1);
 
   // Places are those in the picture with which the window opens.
-  void key(unsigned long keysym, bool shift = false);
+  enum class Held { nothing, shift, ctrl };
+  void key(unsigned long keysym, Held held = Held::nothing);
   void hold(unsigned long keysym, bool down);
   void move(int x, int y);
   void button(int number, bool down);

@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <random>
 
 #include "io/image/image.h"
@@ -17,6 +18,7 @@ namespace raio {
 namespace {
 
 using testing::HasSubstr;
+using Held = WindowDriver::Held;
 
 // A mirror, a ball of glass and a coloured one over a floor.
 constexpr std::string_view kScene =
@@ -176,22 +178,24 @@ TEST_F(WindowTest, SavedPicturesAreThoseOfTheCommandLine) {
   for (const auto& [shift, suffix] : {std::pair(false, ".png"), {true, ".exr"}}) {
     const size_t from = window->mark();
     ASSERT_TRUE(window->wait_for("picture: .* samples [5-9]", from)) << window->log();
-    window->key(XK_p, shift);
+    window->key(XK_p, shift ? Held::shift : Held::nothing);
     const auto saved = window->wait_for("saved (.*)", from);
     ASSERT_TRUE(saved) << window->log();
-    EXPECT_EQ(saved->groups[1], std::string("scene") + suffix);
+    EXPECT_EQ(saved->groups[1], std::string("scene") + suffix + " in " +
+                                    std::filesystem::canonical(folder()).string());
     const auto command = window->wait_for("command: (.*)", from);
     ASSERT_TRUE(command) << window->log();
     EXPECT_THAT(command->groups[1], HasSubstr(" --samples "));
     run(command->groups[1], std::string("again") + suffix);
-    EXPECT_TRUE(get(file(saved->groups[1])) == get(file(std::string("again") + suffix)))
+    EXPECT_TRUE(get(file(std::string("scene") + suffix)) ==
+                get(file(std::string("again") + suffix)))
         << command->groups[1];
     window->key(XK_s);  // another one
   }
   // A second one does not replace the first.
   const size_t from = window->mark();
   window->key(XK_p);
-  EXPECT_EQ(window->wait_for("saved (.*)", from)->groups[1], "scene-2.png");
+  EXPECT_TRUE(window->wait_for("saved scene-2.png in ", from));
 }
 
 // The bytes that are shown, and those that are saved, are of the exposure and the tone curve.
@@ -244,12 +248,13 @@ TEST_F(WindowTest, ABrokenEditKeepsTheSceneAndAGoodOneReplacesIt) {
 TEST_F(WindowTest, ResizesMinimisesAndEnds) {
   const auto window = open();
   size_t from = window->mark();
-  window->resize(700, 300);
+  // What the bars and the panel leave.
+  window->resize(715, 371);
   ASSERT_TRUE(window->wait_for("size: 400x300", from)) << window->log();
   ASSERT_TRUE(window->wait_for("picture: 400x300 samples 1", from)) << window->log();
   from = window->mark();
   window->key(XK_h);
-  ASSERT_TRUE(window->wait_for("picture: 700x300 samples 1", from)) << window->log();
+  ASSERT_TRUE(window->wait_for("picture: 715x300 samples 1", from)) << window->log();
   window->minimise(true);
   window->minimise(false);
   from = window->mark();
@@ -257,6 +262,110 @@ TEST_F(WindowTest, ResizesMinimisesAndEnds) {
   ASSERT_TRUE(window->picture(from)) << window->log();
   window->key(XK_q);
   EXPECT_EQ(window->end(), 0) << window->log();
+}
+
+TEST_F(WindowTest, HidingThePanelTwiceGivesTheSamePictureBack) {
+  const auto window = open();
+  const auto before = window->picture(0);
+  size_t from = window->mark();
+  window->key(XK_h);
+  ASSERT_TRUE(window->wait_for("panel hidden", from)) << window->log();
+  EXPECT_NE(window->picture(from)->sum, before->sum);
+  from = window->mark();
+  window->key(XK_h);
+  ASSERT_TRUE(window->wait_for("size: 160x120", from)) << window->log();
+  EXPECT_EQ(window->picture(from)->sum, before->sum);
+}
+
+TEST_F(WindowTest, TakesBackEveryChangeAndMakesItAgain) {
+  const auto window = open();
+  std::vector<std::string> sums = {window->picture(0)->sum};
+  const auto change = [&](const auto& hand) {
+    const size_t from = window->mark();
+    hand();
+    const auto after = window->picture(from);
+    ASSERT_TRUE(after) << window->log();
+    ASSERT_NE(after->sum, sums.back()) << window->log();
+    sums.push_back(after->sum);
+  };
+  change([&] { window->key(XK_r); });
+  change([&] { window->key(XK_2); });
+  change([&] { window->key(XK_1); });
+  change([&] {
+    window->drag(80, 60, 110, 70);
+    ASSERT_TRUE(window->wait_for("camera: ", window->mark() - 1)) << window->log();
+  });
+  for (size_t i = sums.size() - 1; i-- > 0;) {
+    const size_t from = window->mark();
+    window->key(XK_z, Held::ctrl);
+    ASSERT_TRUE(window->wait_for("undone", from)) << window->log();
+    EXPECT_EQ(window->picture(from)->sum, sums[i]) << i;
+  }
+  size_t from = window->mark();
+  window->key(XK_z, Held::ctrl);
+  ASSERT_TRUE(window->wait_for("nothing to undo", from)) << window->log();
+  for (size_t i = 1; i < sums.size(); ++i) {
+    from = window->mark();
+    window->key(XK_y, Held::ctrl);
+    ASSERT_TRUE(window->wait_for("made again", from)) << window->log();
+    EXPECT_EQ(window->picture(from)->sum, sums[i]) << i;
+  }
+  from = window->mark();
+  window->key(XK_y, Held::ctrl);
+  EXPECT_TRUE(window->wait_for("nothing to redo", from)) << window->log();
+}
+
+TEST_F(WindowTest, LettersWithCtrlSwitchNoEffect) {
+  const auto window = open();
+  const size_t from = window->mark();
+  for (const unsigned long key : {XK_a, XK_d, XK_g, XK_r}) window->key(key, Held::ctrl);
+  window->key(XK_t);
+  ASSERT_TRUE(window->wait_for("refraction off", from)) << window->log();
+  for (const char* said : {"antialiasing on", "depth of field on", "structure", "reflection off"})
+    EXPECT_EQ(window->log().find(said), std::string::npos) << said;
+}
+
+TEST_F(WindowTest, WearsOtherColoursAndBigType) {
+  const auto window = open();
+  size_t from = window->mark();
+  window->key(XK_l);
+  ASSERT_TRUE(window->wait_for("light colours", from)) << window->log();
+  from = window->mark();
+  window->key(XK_l);
+  ASSERT_TRUE(window->wait_for("dark colours", from)) << window->log();
+  // Bigger bars leave less for the picture.
+  from = window->mark();
+  window->key(XK_b);
+  ASSERT_TRUE(window->wait_for("size: 1x", from)) << window->log();
+  from = window->mark();
+  window->key(XK_b);
+  ASSERT_TRUE(window->wait_for("size: 160x120", from)) << window->log();
+}
+
+TEST_F(WindowTest, HelpTakesTheKeysUntilEscape) {
+  const auto window = open();
+  window->key(XK_F1);
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  const size_t from = window->mark();
+  window->key(XK_a);  // into the search
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  window->key(XK_F1);
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  window->key(XK_s);
+  ASSERT_TRUE(window->wait_for("soft shadows on", from)) << window->log();
+  EXPECT_EQ(window->log().find("antialiasing on"), std::string::npos) << window->log();
+  EXPECT_TRUE(window->is_running());
+}
+
+TEST_F(WindowTest, FillsTheScreenAndComesBack) {
+  const auto window = open();
+  size_t from = window->mark();
+  window->key(XK_F11);
+  ASSERT_TRUE(window->wait_for("size: 965x953", from)) << window->log();
+  from = window->mark();
+  window->key(XK_Escape);
+  ASSERT_TRUE(window->wait_for("size: 160x120", from)) << window->log();
+  EXPECT_TRUE(window->is_running());
 }
 
 TEST_F(WindowTest, SplitsThePicture) {

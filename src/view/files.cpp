@@ -37,8 +37,10 @@ void SceneFile::start(std::string path, int threads) {
   reading_ = std::async(std::launch::async, [path = std::move(path), threads] {
     std::expected<ReadScene, Diagnostics> read;
     on_threads(threads, [&] { read = read_scene(path); });
-    if (!read) return Read{path, std::unexpected(std::move(read.error()))};
-    return Read{path, std::make_shared<const Scene>(std::move(read->scene))};
+    if (!read) return Read{path, std::unexpected(std::move(read.error())), {}};
+    std::vector<std::string> warnings;
+    for (const Diagnostic& d : read->warnings) warnings.push_back(d.text());
+    return Read{path, std::make_shared<const Scene>(std::move(read->scene)), warnings};
   });
 }
 

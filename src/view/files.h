@@ -23,6 +23,7 @@ class SceneFile {
   struct Read {
     std::string path;
     std::expected<std::shared_ptr<const Scene>, Diagnostics> scene;
+    std::vector<std::string> warnings;  // of a scene, one line each
   };
 
   /// `path` has just been read.

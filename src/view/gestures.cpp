@@ -12,6 +12,7 @@ namespace {
 constexpr double kClickTravel = 4;      // window units that a click may move
 constexpr double kBarReach = 6;         // how near to the bar is on it
 constexpr double kWheelStep = 0.88;     // of the distance that remains
+constexpr double kReach = 1.5;          // of what is dragged, in distances to the point looked at
 constexpr double kWalkPerSecond = 0.7;  // of the distance to the point looked at
 
 double view_distance(const Camera& camera) { return length(Vec3d(camera.at) - Vec3d(camera.from)); }
@@ -28,10 +29,11 @@ void Gestures::press(Button button, bool shift) {
   }
   const Pick under = pick_(x_, y_);
   const double distance = view_distance(state_.camera);
-  pivot_ = under.hit.found() ? under.point : Vec3d(state_.camera.at);
-  // What is far behind the scene would make it fly away.
-  depth_ = under.hit.found() ? std::min(under.depth, 4 * distance) : distance;
-  if (under.hit.found() && under.depth > depth_) pivot_ = Vec3d(state_.camera.at);
+  // What is far behind the point looked at, such as ground at the horizon, would fling the scene
+  // away: the hand then holds on to the point looked at.
+  const bool is_near = under.hit.found() && under.depth <= kReach * distance;
+  pivot_ = is_near ? under.point : Vec3d(state_.camera.at);
+  depth_ = is_near ? under.depth : distance;
   drag_ = button == Button::right             ? Drag::look
           : button == Button::middle || shift ? Drag::pan
                                               : Drag::orbit;
@@ -55,12 +57,15 @@ bool Gestures::move(double x, double y) {
   switch (drag_) {
     case Drag::orbit:
       camera = orbited(camera, pivot_, -dx * std::numbers::pi, dy * std::numbers::pi);
+      state_.follow_focus();
       return true;
     case Drag::pan:
       camera = panned(camera, depth_, dx, -dy);
+      state_.follow_focus();
       return true;
     case Drag::look:
       camera = looked(camera, dx * view_rad, -dy * view_rad);
+      state_.follow_focus();
       return true;
     case Drag::bar:
       split_at = std::clamp(stage_.across(x), 0.0, 1.0);
@@ -84,6 +89,7 @@ bool Gestures::dolly(double steps) {
                           axes.up * ((1 - 2 * stage_.down(y_)) * tangent);
   const Vec3d target = under.hit.found() ? under.point : Vec3d(camera.from) + direction * distance;
   state_.camera = dollied(camera, target, std::pow(kWheelStep, steps));
+  state_.follow_focus();
   return true;
 }
 
@@ -91,6 +97,7 @@ bool Gestures::walk(const Steps& steps, double seconds) {
   if (!steps.any()) return false;
   const double far = view_distance(state_.camera) * kWalkPerSecond * std::min(seconds, 0.1);
   state_.camera = walked(state_.camera, steps.right * far, steps.up * far, steps.forward * far);
+  state_.follow_focus();
   return true;
 }
 

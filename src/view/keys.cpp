@@ -7,47 +7,75 @@ namespace raio::view {
 namespace {
 
 // GLFW's numbers of keys that are no characters; this file is tested without GLFW.
-constexpr int kSpace = 32, kEscape = 256, kHome = 268, kRight = 262, kLeft = 263, kDown = 264,
-              kUp = 265;
+constexpr int kSpace = 32, kEscape = 256, kHome = 268, kF1 = 290, kF11 = 300, kRight = 262,
+              kLeft = 263, kDown = 264, kUp = 265;
+
+constexpr Modifiers kShift{.shift = true}, kCtrl{.ctrl = true},
+    kCtrlShift{.shift = true, .ctrl = true};
 
 constexpr auto kKeys = std::to_array<KeySpec>({
-    {'A', false, Command::antialiasing, "a", "antialiasing"},
-    {'S', false, Command::soft_shadows, "s", "soft shadows"},
-    {'D', false, Command::depth_of_field, "d", "depth of field"},
-    {'G', false, Command::structure, "g", "structure"},
-    {'R', false, Command::reflection, "r", "reflection"},
-    {'T', false, Command::refraction, "t", "refraction"},
-    {'X', false, Command::split, "x", "split"},
-    {'M', false, Command::measure, "m", "measure 16"},
-    {kSpace, false, Command::pause, "space", "pause"},
-    {'H', false, Command::panel, "h", "panel"},
-    {'F', false, Command::fit, "f", "fit"},
-    {'O', false, Command::home, "o", "own camera"},
-    {kHome, false, Command::home, "", ""},
-    {'P', false, Command::save_png, "p", "save"},
-    {'P', true, Command::save_exr, "P", "save EXR"},
-    {'C', false, Command::copy, "c", "copy command"},
-    {'1', false, Command::show_view, "1", "picture"},
-    {'2', false, Command::show_view, "2", "normals"},
-    {'3', false, Command::show_view, "3", "depth"},
-    {'4', false, Command::show_view, "4", "ids"},
-    {'5', false, Command::show_view, "5", "materials"},
-    {'6', false, Command::show_view, "6", "steps"},
-    {'7', false, Command::show_view, "7", "tests"},
-    {'8', false, Command::show_view, "8", "focus"},
-    {'9', false, Command::show_view, "9", "samples"},
-    {'Q', false, Command::quit, "q", "quit"},
-    {kEscape, false, Command::quit, "", ""},
+    {'A', {}, Command::antialiasing, "a", "antialiasing", "Antialiasing, on and off"},
+    {'S', {}, Command::soft_shadows, "s", "soft shadows", "Soft shadows, on and off"},
+    {'D', {}, Command::depth_of_field, "d", "depth of field", "Depth of field, on and off"},
+    {'G',
+     {},
+     Command::structure,
+     "g",
+     "structure",
+     "Next acceleration structure: bvh, grid, embree, none"},
+    {'R', {}, Command::reflection, "r", "reflection", "Reflection, on and off"},
+    {'T', {}, Command::refraction, "t", "refraction", "Refraction, on and off"},
+    {'X',
+     {},
+     Command::split,
+     "x",
+     "split view",
+     "Split view: with and without the effect switched last; drag the bar"},
+    {'M',
+     {},
+     Command::measure,
+     "m",
+     "measure 16",
+     "Measures all combinations of effects in the background; again: stops"},
+    {kSpace, {}, Command::pause, "space", "pause", "Pauses and resumes refining"},
+    {'H', {}, Command::panel, "h", "panel", "Hides or shows the panel"},
+    {'F', {}, Command::fit, "f", "fit", "Moves back until the whole scene fits"},
+    {'O', {}, Command::home, "o", "own camera", "The scene's own camera"},
+    {kHome, {}, Command::home, "", "", ""},
+    {'P', {}, Command::save_png, "p", "save picture", "Saves the picture as PNG"},
+    {'P', kShift, Command::save_exr, "P", "save EXR", "Saves the picture as EXR"},
+    {'C', {}, Command::copy, "c", "copy command", "Copies the command line of this picture"},
+    {'1', {}, Command::show_view, "1", "picture", "The picture"},
+    {'2', {}, Command::show_view, "2", "normals", "View: normals as colours"},
+    {'3', {}, Command::show_view, "3", "depth", "View: depth"},
+    {'4', {}, Command::show_view, "4", "ids", "View: a colour for each primitive"},
+    {'5', {}, Command::show_view, "5", "materials", "View: a colour for each material"},
+    {'6', {}, Command::show_view, "6", "steps", "View: nodes or cells visited by each ray"},
+    {'7', {}, Command::show_view, "7", "tests", "View: primitives tested by each ray"},
+    {'8', {}, Command::show_view, "8", "focus", "View: what is in focus"},
+    {'9', {}, Command::show_view, "9", "samples", "View: samples of each pixel"},
+    {'O', kCtrl, Command::open, "Ctrl+O", "open", "Opens a scene"},
+    {'S', kCtrl, Command::save_scene, "Ctrl+S", "save scene",
+     "Saves the scene with its camera, lights and materials as NFF"},
+    {'Z', kCtrl, Command::undo, "Ctrl+Z", "undo", "Takes back the last change"},
+    {'Y', kCtrl, Command::redo, "Ctrl+Y", "redo", "Makes it again"},
+    {'Z', kCtrlShift, Command::redo, "", "", ""},
+    {'L', {}, Command::theme, "l", "light or dark", "Light or dark window"},
+    {'B', {}, Command::projector, "b", "big type", "Projector mode: big type, on and off"},
+    {kF11, {}, Command::full_screen, "F11", "full screen", "Full screen, on and off"},
+    {kF1, {}, Command::help, "F1", "help", "Keys and mouse, with search"},
+    {'Q', {}, Command::quit, "q", "quit", "Quits"},
+    {kEscape, {}, Command::quit, "", "", ""},
 });
 
 constexpr auto kHands = std::to_array<HandSpec>({
-    {"drag", "turn about the point there"},
-    {"shift or middle", "drag the scene along"},
-    {"wheel", "to the point there, or away"},
-    {"click", "focus on what is there;\nthen the wheel: the aperture"},
-    {"ctrl and wheel", "the aperture, at any time"},
-    {"right button", "look around;\nwith W A S D E Q: walk"},
-    {"arrows", "walk"},
+    {"drag", "Orbits about the point under the cursor"},
+    {"shift or middle button", "Drags the scene along"},
+    {"wheel", "Moves towards the point under the cursor, or away"},
+    {"click", "Focuses on the point under the cursor; then the wheel sets the aperture"},
+    {"ctrl and wheel", "The aperture, at any time"},
+    {"right button", "Looks around; with W A S D E Q: walks"},
+    {"arrows", "Walk"},
 });
 
 }  // namespace
@@ -55,10 +83,14 @@ constexpr auto kHands = std::to_array<HandSpec>({
 std::span<const KeySpec> key_table() { return kKeys; }
 std::span<const HandSpec> hand_table() { return kHands; }
 
-const KeySpec* find_key(int key, bool shift) {
-  const auto found = std::ranges::find_if(
-      kKeys, [&](const KeySpec& k) { return k.key == key && k.shift == shift; });
+const KeySpec* find_key(int key, Modifiers held) {
+  const auto found =
+      std::ranges::find_if(kKeys, [&](const KeySpec& k) { return k.key == key && k.held == held; });
   return found == kKeys.end() ? nullptr : &*found;
+}
+
+const KeySpec& key_of(Command command) {
+  return *std::ranges::find(kKeys, command, &KeySpec::command);
 }
 
 Steps walking_steps(const std::function<bool(int)>& is_held, bool is_looking) {

@@ -1,10 +1,10 @@
 // The keys of the window: one table for what they do, for the list on the screen and for the docs.
 #pragma once
 
+#include <compare>
 #include <cstdint>
 #include <functional>
 #include <span>
-#include <string_view>
 
 namespace raio::view {
 
@@ -25,20 +25,38 @@ enum class Command : uint8_t {
   copy,
   show_view,  // the one that the key's digit names
   measure,
+  open,
+  save_scene,
+  undo,
+  redo,
+  theme,
+  projector,
+  full_screen,
+  help,
   quit,
 };
 
+/// What is held while a key is pressed.
+struct Modifiers {
+  bool shift = false, ctrl = false, alt = false;  // alt: also the key with the system's sign
+
+  friend auto operator<=>(const Modifiers&, const Modifiers&) = default;
+};
+
 struct KeySpec {
-  int key;     // GLFW's number: of letters the capital, of digits the digit
-  bool shift;  // must be held
+  int key;         // GLFW's number: of letters the capital, of digits the digit
+  Modifiers held;  // no more and no less
   Command command;
-  std::string_view name, help;  // on the screen; a second key for the same has none
+  const char *name, *help;  // on the screen, in English; a second key for the same has none
+  const char* about;        // what it does, for the help
 };
 
 std::span<const KeySpec> key_table();
 
 /// Null where the key does nothing.
-const KeySpec* find_key(int key, bool shift);
+const KeySpec* find_key(int key, Modifiers held = {});
+/// The first key of a command.
+const KeySpec& key_of(Command command);
 
 /// What is held for walking: -1, 0 or 1 along the camera's axes.
 struct Steps {
@@ -49,9 +67,9 @@ struct Steps {
 /// `is_held` is asked by GLFW's numbers. Letters walk only while someone looks around.
 Steps walking_steps(const std::function<bool(int)>& is_held, bool is_looking);
 
-/// What the mouse and the keys that are held do, for the list on the screen.
+/// What the mouse and the keys that are held do, for the help.
 struct HandSpec {
-  std::string_view name, help;
+  const char *name, *help;
 };
 std::span<const HandSpec> hand_table();
 

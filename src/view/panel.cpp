@@ -5,57 +5,61 @@
 #include <imgui_stdlib.h>
 
 #include <algorithm>
-#include <array>
 
-#include "app/terminal.h"
 #include "view/draw_text.h"
+#include "view/texts.h"
 
 namespace raio::view {
 namespace {
 
-using app::human_count;
+// At the right end of the row, faint: the key that does the same.
+void key_cap(const char* name) {
+  const float width = ImGui::CalcTextSize(name).x;
+  ImGui::SameLine(std::max(0.0f, ImGui::GetContentRegionMax().x - width));
+  faint_text(name);
+}
 
-bool is_effect(Command command) { return command <= Command::refraction; }
-
-// The keys of the effects, with what is on; a click does what the key does.
+// A click does what the key does.
 void draw_effects(const ViewState& state, PanelResult& result) {
   for (const KeySpec& key : key_table()) {
-    if (!is_effect(key.command)) continue;
-    const std::string label = fmt::format("{}   {}", key.name, key.help);
-    if (key.command == Command::structure) {
-      const std::string name = fmt::format("{}   structure: {}###structure", key.name,
-                                           accel_name(state.options.accel.kind));
-      if (ImGui::Selectable(name.c_str())) result.pressed.push_back(&key);
-      continue;
-    }
+    if (key.command > Command::refraction) break;
+    if (key.command == Command::structure) continue;
     bool on = state.is_on(key.command);
-    if (ImGui::Checkbox(label.c_str(), &on)) result.pressed.push_back(&key);
+    if (ImGui::Checkbox(tr(key.help), &on)) result.pressed.push_back(&key);
+    key_cap(key.name);
   }
+  const KeySpec& key = key_of(Command::structure);
+  ImGui::AlignTextToFramePadding();
+  text(tr("structure"));
+  ImGui::SameLine(6 * em());
+  if (ImGui::Button(fmt::format("{}###structure", accel_name(state.options.accel.kind)).c_str(),
+                    {6 * em(), 0}))
+    result.pressed.push_back(&key);
+  key_cap(key.name);
 }
 
-// All other keys, as buttons in as many rows as they need.
-void draw_keys(PanelResult& result) {
-  const ImGuiStyle& style = ImGui::GetStyle();
-  const float right = ImGui::GetCursorScreenPos().x + ImGui::GetContentRegionAvail().x;
-  ImGui::Spacing();
-  for (bool first = true; const KeySpec& key : key_table()) {
-    if (is_effect(key.command) || key.name.empty()) continue;
-    const std::string label = fmt::format("{} {}", key.name, key.help);
-    const float width = ImGui::CalcTextSize(label.c_str()).x + 2 * style.FramePadding.x;
-    const float next = ImGui::GetItemRectMax().x + style.ItemSpacing.x + width;
-    if (!first && next < right) ImGui::SameLine();
-    first = false;
-    if (ImGui::SmallButton(label.c_str())) result.pressed.push_back(&key);
-  }
-  ImGui::Spacing();
-}
-
-void draw_hands() {
-  for (const HandSpec& hand : hand_table()) {
-    text(std::string(hand.name));
-    ImGui::SameLine(7.5f * ImGui::GetFontSize());
-    text(std::string(hand.help));
-  }
+// What the scene is, and what is wrong with it: three rows, always.
+void draw_head(const ViewState& state, const PanelFacts& facts) {
+  const Scene& scene = *state.scene;
+  ImGui::PushFont(heading_font());
+  text(scene.name);
+  ImGui::PopFont();
+  faint_text(fmt::format("{}, {}", number_of(scene.primitive_count(), "primitive", "primitives"),
+                         number_of(scene.lights.size(), "light", "lights")));
+  const size_t errors = facts.errors.size(), warnings = facts.warnings.size();
+  if (errors + warnings == 0) return faint_text(tr("no warnings"));
+  const Palette& p = palette();
+  ImGui::PushStyleColor(ImGuiCol_Text, errors > 0 ? p.bad : p.warning);
+  text(errors > 0 ? number_of(errors, "error", "errors") + tr(", this is the scene from before")
+                  : number_of(warnings, "warning", "warnings"));
+  ImGui::PopStyleColor();
+  if (!ImGui::IsItemHovered()) return;
+  ImGui::BeginTooltip();
+  ImGui::PushTextWrapPos(30 * em());
+  for (const Diagnostic& d : facts.errors) text(d.text());
+  for (const std::string& line : facts.warnings) text(line);
+  ImGui::PopTextWrapPos();
+  ImGui::EndTooltip();
 }
 
 // One row of the table of options. The text of a new value, or nothing.
@@ -86,7 +90,8 @@ std::optional<std::string> draw_option(const RenderOptions& options, const Rende
       // From zero, to both sides of which it may go, in even steps.
       const float speed = spec.least < 0 ? 0.01f : std::max(0.005f * std::abs(number), 1e-6f);
       const auto [least, most] = std::pair(float(spec.least), float(spec.most));
-      if (!ImGui::DragFloat(label, &number, speed, least, most, "%.6g")) return std::nullopt;
+      const char* const format = number == 0 && least > 0 ? tr("best") : "%.6g";
+      if (!ImGui::DragFloat(label, &number, speed, least, most, format)) return std::nullopt;
       return fmt::format("{}", std::clamp(number, least, most));
     }
     New operator()(OptionSpec::Parse) {
@@ -108,14 +113,28 @@ std::optional<std::string> draw_option(const RenderOptions& options, const Rende
   return std::visit(Widget{options, resolved, spec, label.c_str()}, spec.value);
 }
 
+// What the options come to, also those that wait for an effect to be switched on: no field shows 0
+// for "as always".
+RenderOptions used_options(const ViewState& state, RenderOptions options) {
+  const RenderOptions given = options;
+  options.soft_shadows = true, options.dof = true, options.accel.kind = AccelKind::grid;
+  if (options.view == View::samples) options.view = View::picture;
+  const RenderSettings settings = resolve_options(options, *state.scene);
+  RenderOptions used = options_of(settings, *state.scene);
+  used.fov_deg = settings.camera.fov_deg;
+  used.dof = resolve_options(given, *state.scene).dof;
+  used.soft_shadows = given.soft_shadows, used.accel.kind = given.accel.kind,
+  used.view = given.view;
+  return used;
+}
+
 void draw_options(ViewState& state, PanelResult& result) {
-  ImGui::PushItemWidth(10 * ImGui::GetFontSize());
+  ImGui::PushItemWidth(9 * em());
   for (const OptionSpec& spec : render_option_table()) {
     if (!spec.of_window) continue;
     RenderOptions options = state.options;
     set_camera(options, state.camera, *state.scene);
-    const auto entered = draw_option(
-        options, options_of(resolve_options(options, *state.scene), *state.scene), spec);
+    const auto entered = draw_option(options, used_options(state, options), spec);
     if (ImGui::IsItemHovered())
       ImGui::SetTooltip("%s", fmt::format("--{} {}\n{}", spec.name, spec.value_name,
                                           with_settings(spec.help, "--"))
@@ -142,44 +161,53 @@ void draw_options(ViewState& state, PanelResult& result) {
   ImGui::PopItemWidth();
 }
 
-void draw_errors(const Diagnostics& errors) {
-  if (errors.empty()) return;
-  ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(1, 0.5f, 0.4f, 1));
-  ImGui::PushTextWrapPos(0);
-  text("The file has an error; this is the scene from before:");
-  for (const Diagnostic& d : errors) text(d.text());
-  ImGui::PopTextWrapPos();
-  ImGui::PopStyleColor();
-  ImGui::Separator();
+// How the window itself looks.
+void draw_window_options(const PanelFacts& facts, PanelResult& result) {
+  bool light = facts.look.light, projector = facts.look.projector;
+  if (ImGui::Checkbox(tr("light colours"), &light))
+    result.pressed.push_back(&key_of(Command::theme));
+  key_cap(key_of(Command::theme).name);
+  if (ImGui::Checkbox(tr("big type, for a projector"), &projector))
+    result.pressed.push_back(&key_of(Command::projector));
+  key_cap(key_of(Command::projector).name);
+  bool portuguese = language() == Language::portuguese;
+  if (ImGui::Checkbox("Portugu\xc3\xaas", &portuguese))
+    set_language(portuguese ? Language::portuguese : Language::english);
+}
+
+bool open_section(const char* name, bool at_first) {
+  ImGui::Spacing();
+  ImGui::PushFont(heading_font());
+  // The name may be in another language; the section is the same.
+  const bool is_open = ImGui::CollapsingHeader(fmt::format("{}###{}", tr(name), name).c_str(),
+                                               at_first ? ImGuiTreeNodeFlags_DefaultOpen : 0);
+  ImGui::PopFont();
+  return is_open;
 }
 
 }  // namespace
 
-PanelResult draw_panel(ViewState& state, const PanelFacts& facts, float width) {
+PanelResult draw_panel(ViewState& state, const PanelFacts& facts, const Rect& where) {
   PanelResult result;
-  const ImVec2 window = ImGui::GetIO().DisplaySize;
-  ImGui::SetNextWindowPos({window.x - width, 0});
-  ImGui::SetNextWindowSize({width, window.y});
+  ImGui::SetNextWindowPos({where.left, where.top});
+  ImGui::SetNextWindowSize({where.width(), where.height()});
   ImGui::Begin("panel", nullptr,
-               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
-                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus);
-  text(fmt::format("{}, {} primitives", state.scene->name,
-                   human_count(double(state.scene->primitive_count()))));
-  ImGui::Separator();
-  draw_errors(facts.errors);
-  draw_effects(state, result);
-  draw_keys(result);
-  const auto open = [](const char* name, bool at_first) {
-    return ImGui::CollapsingHeader(name, at_first ? ImGuiTreeNodeFlags_DefaultOpen : 0);
-  };
-  if (open("Statistics", true)) draw_statistics(facts.costs);
-  result.wants_costs = open("What each effect costs", true);
+               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
+                   ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove |
+                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus |
+                   ImGuiWindowFlags_AlwaysVerticalScrollbar);
+  ImGui::GetWindowDrawList()->AddLine({where.left, where.top}, {where.left, where.bottom},
+                                      color(palette().line));
+  draw_head(state, facts);
+  if (open_section("Effects", true)) draw_effects(state, result);
+  if (open_section("Statistics", true)) draw_statistics(facts.costs);
+  result.wants_costs = open_section("What each effect costs", true);
   if (result.wants_costs) draw_costs(facts.costs);
   if (facts.costs.measuring == Measuring::Work::table) ImGui::SetNextItemOpen(true);
-  if (open("The report's sixteen", false) && draw_table(facts.costs))
-    result.pressed.push_back(find_key('M', false));
-  if (open("Mouse", false)) draw_hands();
-  if (open("All options", false)) draw_options(state, result);
+  if (open_section("All combinations of effects", false) && draw_table(facts.costs))
+    result.pressed.push_back(&key_of(Command::measure));
+  if (open_section("All options", false)) draw_options(state, result);
+  if (open_section("Window", false)) draw_window_options(facts, result);
   ImGui::End();
   result.dragging = ImGui::IsAnyItemActive() && ImGui::IsMouseDown(ImGuiMouseButton_Left);
   return result;

@@ -1,4 +1,4 @@
-// The panel beside the picture: effects, keys, statistics, costs, all options.
+// The panel beside the picture: effects, figures, the scene, all options.
 #pragma once
 
 #include <string>
@@ -6,14 +6,18 @@
 
 #include "io/diagnostics.h"
 #include "view/costs_panel.h"
+#include "view/layout.h"
 #include "view/state.h"
+#include "view/theme.h"
 
 namespace raio::view {
 
 /// What the panel tells besides the state.
 struct PanelFacts {
   CostFacts costs;
-  Diagnostics errors;  // of the file on the disk, when it is not that of the scene
+  Diagnostics errors;                 // of the file on the disk, when it is not that of the scene
+  std::vector<std::string> warnings;  // of the scene, one line each
+  Look look;
 };
 
 /// What was done to it.
@@ -25,7 +29,8 @@ struct PanelResult {
   std::string problem;                  // with what was typed
 };
 
-/// Draws it at the window's right side, `width` wide, and changes the state as it is told.
-PanelResult draw_panel(ViewState& state, const PanelFacts& facts, float width);
+/// Draws it there, and changes the state as it is told. Its rows keep their places, whatever they
+/// say.
+PanelResult draw_panel(ViewState& state, const PanelFacts& facts, const Rect& where);
 
 }  // namespace raio::view

@@ -53,24 +53,23 @@ void Texture::draw(ImVec2 lo, ImVec2 hi, float left, float right, float alpha, b
                                            ImGui::ColorConvertFloat4ToU32({1, 1, 1, alpha}));
 }
 
-Stage::Stage(ImVec2 window, float panel, float pixels_per_unit, int width, int height) {
-  area_hi = {std::max(1.0f, window.x - panel), std::max(1.0f, window.y)};
-  const ImVec2 area = area_hi;
+Stage::Stage(const Rect& a, float pixels_per_unit, int width, int height) : area(a) {
   const auto pixels = [&](float units) {
     return std::max(1, int(std::lround(units * pixels_per_unit)));
   };
   if (width <= 0) {
-    lo = area_lo, hi = area_hi;
-    picture_width = pixels(area.x), picture_height = pixels(area.y);
+    lo = {area.left, area.top}, hi = {area.right, area.bottom};
+    picture_width = pixels(area.width()), picture_height = pixels(area.height());
     return;
   }
   picture_width = width, picture_height = height;
-  const float fit = std::min(area.x / float(width), area.y / float(height));
+  const float fit = std::min(area.width() / float(width), area.height() / float(height));
   const float unit = 1 / pixels_per_unit;
   sharp = std::abs(fit - unit) <= 1e-3f * unit;
   const float scale = sharp ? unit : fit;
   const ImVec2 size = {float(width) * scale, float(height) * scale};
-  lo = {std::floor((area.x - size.x) / 2), std::floor((area.y - size.y) / 2)};
+  lo = {area.left + std::floor((area.width() - size.x) / 2),
+        area.top + std::floor((area.height() - size.y) / 2)};
   hi = {lo.x + size.x, lo.y + size.y};
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "io/image/image.h"
+#include "view/layout.h"
 
 namespace raio::view {
 
@@ -39,19 +40,16 @@ class Texture {
 
 /// The part of the window that is the picture's, and the picture in it, in window coordinates.
 struct Stage {
-  ImVec2 area_lo{0, 0}, area_hi{1, 1};
+  Rect area{0, 0, 1, 1};
   ImVec2 lo{0, 0}, hi{1, 1};                  // of the picture
   int picture_width = 1, picture_height = 1;  // pixels
   bool sharp = true;                          // a pixel of the picture is one of the screen
 
-  /// The area beside a panel of that width, and a picture that fills it; one of a given size (not
-  /// 0x0) is shown whole and in the middle.
-  Stage(ImVec2 window, float panel, float pixels_per_unit, int width, int height);
+  /// A picture that fills the area; one of a given size (not 0x0) is shown whole and in the middle.
+  Stage(const Rect& area, float pixels_per_unit, int width, int height);
   Stage() = default;
 
-  bool contains(double x, double y) const {
-    return x >= area_lo.x && x < area_hi.x && y >= area_lo.y && y < area_hi.y;
-  }
+  bool contains(double x, double y) const { return area.contains(x, y); }
   /// In the picture, 0 to 1.
   double across(double x) const { return (x - lo.x) / (hi.x - lo.x); }
   double down(double y) const { return (y - lo.y) / (hi.y - lo.y); }

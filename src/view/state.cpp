@@ -14,6 +14,9 @@ namespace {
 constexpr std::array kStructures = {AccelKind::bvh, AccelKind::grid, AccelKind::embree,
                                     AccelKind::none};
 
+// Of a pixel, when nobody says how many: no screen shows what more would change.
+constexpr int kMostRefined = 4096;
+
 bool same_camera(const Camera& a, const Camera& b) {
   return a.from == b.from && a.at == b.at && a.up == b.up && a.fov_deg == b.fov_deg;
 }
@@ -41,6 +44,7 @@ void ViewState::open(std::string new_path, std::shared_ptr<const Scene> new_scen
   const bool own = same_camera(camera, scene->camera);
   path = std::move(new_path), scene = std::move(new_scene);
   if (!same_file || own) camera = scene->camera;
+  if (!same_file) focus_point.reset();
 }
 
 RenderSettings ViewState::resolved() const { return resolve_options(options, *scene); }
@@ -135,7 +139,7 @@ RenderOptions ViewState::request(int width, int height, int samples) const {
     if (!varies) o.lens_samples = 0, o.sampler = std::nullopt;
     return o;
   }
-  const int most = o.samples > 0 ? o.samples : kMaxSamples;
+  const int most = o.samples > 0 ? o.samples : kMostRefined;
   o.samples = samples > 0 ? samples : most;
   o.lens_samples = 0, o.sampler = std::nullopt;
   return o;
@@ -156,6 +160,21 @@ std::string ViewState::command_line(int width, int height, int samples,
 void ViewState::focus_at(float depth) {
   options.dof = true;
   options.focus = std::clamp(depth, 1e-30f, 1e30f);
+}
+
+void ViewState::focus_on(Vec3d point) {
+  focus_point = point;
+  const Vec3d forward = normalize(Vec3d(camera.at) - Vec3d(camera.from));
+  focus_at(float(dot(point - Vec3d(camera.from), forward)));
+  followed_focus_ = options.focus;
+}
+
+void ViewState::follow_focus() {
+  if (!focus_point || options.focus != followed_focus_) return focus_point.reset();
+  const Vec3d forward = normalize(Vec3d(camera.at) - Vec3d(camera.from));
+  const double depth = dot(*focus_point - Vec3d(camera.from), forward);
+  if (depth <= 0) return;
+  options.focus = followed_focus_ = std::clamp(float(depth), 1e-30f, 1e30f);
 }
 
 void ViewState::scale_aperture(float factor) {

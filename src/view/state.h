@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -21,7 +22,8 @@ class ViewState {
   std::shared_ptr<const Scene> scene;
   RenderOptions options;  // also those that wait for an effect to be switched on; not the camera
   Camera camera;
-  bool split = false;  // the picture beside that without `split_effect`
+  std::optional<Vec3d> focus_point;  // what is to stay in focus while the camera moves
+  bool split = false;                // the picture beside that without `split_effect`
   Command split_effect = Command::antialiasing;
   bool paused = false, panel = true;
 
@@ -53,11 +55,24 @@ class ViewState {
 
   /// Puts in focus what is at `depth`, along the line of sight; switches the lens on.
   void focus_at(float depth);
+  /// The same of a point, which stays in focus when the camera moves.
+  void focus_on(Vec3d point);
+  /// After the camera has moved: the focus follows the point, unless that is behind the camera, or
+  /// someone has set another focus meanwhile.
+  void follow_focus();
   /// The aperture times `factor`.
   void scale_aperture(float factor);
 
+  /// Equal in all that undo brings back: not in what is paused or hidden.
+  friend bool operator==(const ViewState& a, const ViewState& b) {
+    return a.scene == b.scene && a.options == b.options && a.camera == b.camera &&
+           a.split == b.split && a.split_effect == b.split_effect;
+  }
+
  private:
   RenderSettings resolved() const;
+
+  float followed_focus_ = 0;  // that of focus_point
 };
 
 /// What the ray through a place of the picture (0 to 1 from the upper left) hits.

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <expected>
+#include <filesystem>
 
 #include "app/output.h"
 #include "app/terminal.h"
@@ -13,11 +14,15 @@
 #include "render/render.h"
 #include "render/session.h"
 #include "view/camera_control.h"
+#include "view/controls.h"
 #include "view/files.h"
 #include "view/gestures.h"
+#include "view/history.h"
+#include "view/layout.h"
 #include "view/measure.h"
-#include "view/panel.h"
 #include "view/pictures.h"
+#include "view/texts.h"
+#include "view/theme.h"
 #include "view/window.h"
 
 namespace raio::view {
@@ -28,6 +33,7 @@ constexpr double kDrawGapSeconds = 0.03;  // between drawings that show no new p
 constexpr double kRestSeconds = 0.15;     // after the last movement
 constexpr double kBeforeCosts = 0.8;      // of rest, until costs are measured
 constexpr double kFocusSeconds = 2.5;     // that the plane in focus is shown
+constexpr double kWaitingSeconds = 0.5;   // between drawings while nothing new comes
 constexpr double kIdleSeconds = 0.1;      // between looks at the disk
 
 std::string text_of(Vec3f v) { return fmt::format("{:.6g},{:.6g},{:.6g}", v.x, v.y, v.z); }
@@ -39,20 +45,17 @@ class Viewer final : public WindowEvents {
          const RenderOptions& first_request)
       : window_(window),
         logs_(logs),
-        opened_(float(window.width()), float(window.height())),
+        opened_{0, 0, float(window.width()), float(window.height())},
         first_width_(first_request.width),
         first_height_(first_request.height),
         state_(std::move(state)),
+        history_(state_),
         file_(state_.path),
         pictures_(std::move(session)),
         gestures_(state_, stage_, [this](double x, double y) { return pick_at(x, y); }) {
     window_.listen(this);
     log("request: 1");
     stage_.picture_width = first_request.width, stage_.picture_height = first_request.height;
-    // A screen that is too small for the picture has made the window so.
-    const float unit = 1 / window_.pixels_per_unit();
-    follows_window_ = opened_.x - window_.panel_width() < std::floor(float(first_width_) * unit) ||
-                      opened_.y < std::floor(float(first_height_) * unit);
     lay_out();
     log(fmt::format("place: {},{}", stage_.lo.x, stage_.lo.y));
   }
@@ -66,15 +69,16 @@ class Viewer final : public WindowEvents {
     log("closed");
   }
 
-  void key_pressed(int key, bool shift) override {
+  void key_pressed(int key, Modifiers held) override {
     if (gestures_.is_looking() && steps_held().any()) return;
-    if (const KeySpec* spec = find_key(key, shift)) obey(*spec);
+    if (const KeySpec* spec = find_key(key, held)) obey(*spec);
   }
   void button(int number, bool down, bool shift) override {
     needs_drawing();
     const auto which = number == GLFW_MOUSE_BUTTON_LEFT    ? Gestures::Button::left
                        : number == GLFW_MOUSE_BUTTON_RIGHT ? Gestures::Button::right
                                                            : Gestures::Button::middle;
+    if (down && Window::is_over_controls()) return;
     if (down)
       gestures_.press(which, shift);
     else if (gestures_.release(which))
@@ -86,12 +90,12 @@ class Viewer final : public WindowEvents {
   }
   void scrolled(double steps, bool ctrl) override {
     needs_drawing();
-    if (!stage_.contains(gestures_.x(), gestures_.y())) return;
+    if (Window::is_over_controls() || !stage_.contains(gestures_.x(), gestures_.y())) return;
     if (ctrl || shows_focus()) {
       state_.scale_aperture(float(std::pow(1.1, steps)));
       if (!state_.is_on(Command::depth_of_field)) (void)state_.toggle(Command::depth_of_field);
       focus_until_ = now() + kFocusSeconds;
-      say(fmt::format("aperture {:.4g}", state_.options.aperture));
+      say(trf("aperture {:.4g}", state_.options.aperture));
       renew();
     } else if (gestures_.dolly(steps)) {
       camera_moved();
@@ -106,11 +110,14 @@ class Viewer final : public WindowEvents {
   void log(std::string_view event) const {
     if (logs_) app::print_line(fmt::format("{:.1f} {}", now() * 1e3, event));
   }
-  void say(std::string message) {
+  // What was done, in the language of the screen.
+  void say(std::string message, bool is_error = false) {
     log(message);
+    says_error_ = is_error;
     message_.say(std::move(message), now());
     needs_drawing();
   }
+  void complain(std::string message) { say(std::move(message), true); }
 
   bool is_moving() const { return now() < moving_until_; }
   bool shows_focus() const { return now() < focus_until_; }
@@ -127,18 +134,21 @@ class Viewer final : public WindowEvents {
     renew();
   }
 
-  // Where things are in the window. The picture has the size that it was opened with until the
-  // window gets another, or the panel makes room.
+  // Where things are in the window. The picture has the size that it was opened with while the
+  // window is as it was opened, panel and all; else it fills the room that there is.
   void lay_out() {
-    const ImVec2 window{float(window_.width()), float(window_.height())};
-    const float panel = state_.panel ? window_.panel_width() : 0;
-    follows_window_ |= panel == 0 || window.x != opened_.x || window.y != opened_.y;
+    const float width = float(window_.width()), height = float(window_.height());
+    layout_ = Layout(width, height, em(), state_.panel);
+    const float unit = 1 / window_.pixels_per_unit();
+    const bool follows = !state_.panel || width != opened_.right || height != opened_.bottom ||
+                         layout_.picture.width() < std::floor(float(first_width_) * unit) ||
+                         layout_.picture.height() < std::floor(float(first_height_) * unit);
     const RenderOptions& o = state_.options;
     const auto wanted = [&](int given, int first) {
-      return given > 0 ? given : follows_window_ ? 0 : first;
+      return given > 0 ? given : follows ? 0 : first;
     };
     const Stage before = std::exchange(
-        stage_, Stage(window, panel, window_.pixels_per_unit(), wanted(o.width, first_width_),
+        stage_, Stage(layout_.picture, window_.pixels_per_unit(), wanted(o.width, first_width_),
                       wanted(o.height, first_height_)));
     if (stage_.picture_width == before.picture_width &&
         stage_.picture_height == before.picture_height)
@@ -150,10 +160,11 @@ class Viewer final : public WindowEvents {
   // Tells the sessions what is wanted now.
   void renew() {
     const RenderOptions o = state_.request(stage_.picture_width, stage_.picture_height);
-    if (const auto why = option_conflict(o, state_.scene.get())) return say(why->text());
+    if (const auto why = option_conflict(o, state_.scene.get())) return complain(why->text("--"));
     const double frame_s = is_moving() ? kFrameSeconds : 0;
     moved_ = frame_s > 0;
     pictures_.request(state_, stage_, frame_s);
+    requested_at_ = now();
     if (!moved_) log(fmt::format("request: {}", pictures_.main.request));
     measuring_.cancel();
     costs_are_old_ = true;
@@ -179,24 +190,26 @@ class Viewer final : public WindowEvents {
         return renew();
       case Command::split:
         state_.split = !state_.split;
-        say(state_.split ? "side by side with the last effect switched" : "one picture");
+        say(state_.split ? tr("side by side with the last effect switched") : tr("one picture"));
         return renew();
       case Command::pause:
         state_.paused = !state_.paused;
         pictures_.pause(state_.paused);
-        return say(state_.paused ? "paused" : "goes on");
+        return say(state_.paused ? tr("paused") : tr("goes on"));
       case Command::panel:
         state_.panel = !state_.panel;
-        say(state_.panel ? "panel shown" : "panel hidden; h shows it");
+        say(state_.panel ? tr("panel shown") : tr("panel hidden; h shows it"));
         return lay_out();
       case Command::fit:
         state_.camera = fitted(state_.camera, bounds(*state_.scene), stage_.aspect());
-        say("the scene fits");
+        state_.follow_focus();
+        say(tr("the scene fits"));
         return renew();
       case Command::home:
         state_.camera = state_.scene->camera;
         moving_until_ = 0;
-        say("the scene's own camera");
+        state_.follow_focus();
+        say(tr("the scene's own camera"));
         return renew();
       case Command::save_png:
       case Command::save_exr:
@@ -206,24 +219,66 @@ class Viewer final : public WindowEvents {
         const std::string command = command_line(state_.scene->name + ".png");
         window_.set_clipboard(command);
         log("command: " + command);
-        return say("copied: " + command);
+        return say(trf("copied: {}", command));
       }
       case Command::show_view:
         state_.show(View(key.key - '1'));
-        say(fmt::format("view: {}", view_name(state_.options.view)));
+        say(trf("view: {}", tr(key.help)));
         return renew();
       case Command::measure:
         return switch_table();
+      case Command::undo:
+      case Command::redo:
+        return go_back(key.command == Command::undo);
+      case Command::theme:
+      case Command::projector: {
+        Look look = window_.look();
+        bool& changed = key.command == Command::theme ? look.light : look.projector;
+        changed = !changed;
+        window_.set_look(look);
+        return say(look.light ? tr("light colours") : tr("dark colours"));
+      }
+      case Command::full_screen:
+        window_.set_full_screen(!window_.is_full_screen());
+        return say(window_.is_full_screen() ? tr("full screen; F11 ends it") : tr("window"));
+      case Command::help:
+        controls_.switch_help();
+        return needs_drawing();
       case Command::quit:
+        if (key.key == GLFW_KEY_ESCAPE && leave()) return needs_drawing();
         return window_.close();
+      case Command::open:
+      case Command::save_scene:
+        return;
     }
   }
 
+  // What Escape ends before it ends the program.
+  bool leave() {
+    if (controls_.close()) return true;
+    if (!window_.is_full_screen()) return false;
+    window_.set_full_screen(false);
+    return true;
+  }
+
+  void go_back(bool back) {
+    history_.settle(state_);
+    if (!(back ? history_.can_undo() : history_.can_redo()))
+      return say(back ? tr("nothing to undo") : tr("nothing to redo"));
+    ViewState next = back ? history_.undo() : history_.redo();
+    next.paused = state_.paused, next.panel = state_.panel;
+    state_ = std::move(next);
+    moving_until_ = 0;
+    say(back ? tr("undone") : tr("made again"));
+    renew();
+  }
+
   void focus_on(const Pick& pick) {
-    if (!pick.hit.found()) return say("nothing there to focus on");
-    state_.focus_at(float(pick.depth));
+    if (!pick.hit.found()) return say(tr("nothing there to focus on"));
+    state_.focus_on(pick.point);
     focus_until_ = now() + kFocusSeconds;
-    say(fmt::format("focus on {}, distance {:.6g}", pick.what, state_.options.focus));
+    say(trf("focus on {}, distance {:.6g}; while the colours show, the wheel sets the aperture",
+            pick.what, state_.options.focus));
     renew();
   }
 
@@ -253,7 +308,7 @@ class Viewer final : public WindowEvents {
     costs_are_old_ |= measuring_.busy();
     measuring_.cancel();
     wants_table_ = true;
-    say("measuring the sixteen; m stops");
+    say(tr("measuring the sixteen; m stops"));
   }
   void start_table() {
     wants_table_ = false;
@@ -275,6 +330,9 @@ class Viewer final : public WindowEvents {
     }
     if (pictures_.wanted_other() == Other::focus && !shows_focus()) renew_other(0), needs_drawing();
     if (message_.expire(time)) needs_drawing();
+    if (!is_moving() && !gestures_.is_busy() && !Window::is_busy()) history_.settle(state_);
+    // Time goes by while the first sample is awaited.
+    if (is_waiting() && time > last_draw_ + kWaitingSeconds) needs_drawing();
     take_results();
     bool is_new = take_picture(pictures_.main);
     is_new |= take_picture(pictures_.other);
@@ -289,6 +347,12 @@ class Viewer final : public WindowEvents {
     }
   }
 
+  // For the first sample of what was requested.
+  bool is_waiting() const {
+    const auto& p = pictures_.main.picture;
+    return !is_moving() && (!p || p->request != pictures_.main.request || p->samples == 0);
+  }
+
   Steps steps_held() const {
     if (Window::is_typing()) return {};
     return walking_steps([this](int key) { return window_.is_held(key); }, gestures_.is_looking());
@@ -297,11 +361,11 @@ class Viewer final : public WindowEvents {
   bool take_picture(Side& side) {
     if (!side.take()) return false;
     const SessionPicture& p = *side.picture;
-    if (p.error) say(p.error->text());
+    if (p.error) complain(p.error->text("--"));
     if (&side == &pictures_.main && !switched_.empty() && p.request == side.request &&
         p.samples > 0) {
-      say(fmt::format("{}: {} a sample, before {}", std::exchange(switched_, {}),
-                      app::human_seconds(p.pass_s), app::human_seconds(before_s_)));
+      say(trf("{}: {} a sample, before {}", std::exchange(switched_, {}),
+              app::human_seconds(p.pass_s), app::human_seconds(before_s_)));
     }
     return true;
   }
@@ -310,10 +374,11 @@ class Viewer final : public WindowEvents {
     if (auto read = file_.poll(state_.options.threads)) take_scene(*read);
     while (auto written = writer_.poll()) {
       if (!written->result) {
-        say(written->result.error().text());
+        complain(written->result.error().text());
         continue;
       }
-      say("saved " + written->path);
+      const std::filesystem::path path = std::filesystem::absolute(written->path);
+      say(trf("saved {} in {}", path.filename().string(), path.parent_path().string()));
       log("command: " + written->command);
     }
     if (const auto done = measuring_.poll()) {
@@ -326,12 +391,14 @@ class Viewer final : public WindowEvents {
   void take_scene(const SceneFile::Read& read) {
     if (!read.scene) {
       errors_ = read.scene.error();
-      return say(errors_.front().text());
+      return complain(errors_.front().text());
     }
     errors_.clear();
     state_.open(read.path, *read.scene);
     measuring_.forget();
-    say("opened " + read.path);
+    warnings_ = read.warnings;
+    history_ = History<ViewState>(state_);
+    say(trf("opened {}", read.path));
     renew();
   }
 
@@ -349,10 +416,10 @@ class Viewer final : public WindowEvents {
 
   void draw() {
     last_draw_ = now();
-    Window::begin_frame();
+    window_.begin_frame();
+    lay_out();
     pictures_.draw(state_, stage_, float(gestures_.split_at));
-    if (state_.panel) draw_panel_and_obey();
-    draw_message();
+    take_controls(controls_.draw(state_, layout_, control_facts()));
     window_.end_frame();
     window_.set_title(state_.title());
     log_picture(pictures_.main, "picture");
@@ -364,14 +431,6 @@ class Viewer final : public WindowEvents {
     if (const auto news = side.news()) log(fmt::format("{}: {}", name, *news));
   }
 
-  void draw_message() const {
-    const std::string& text =
-        message_.text().empty() && !errors_.empty() ? errors_.front().text() : message_.text();
-    if (text.empty()) return;
-    const float line = ImGui::GetFontSize();
-    draw_label({stage_.area_lo.x + line, stage_.area_hi.y - 2 * line}, text, Beside::right);
-  }
-
   CostFacts cost_facts() const {
     return {.picture = pictures_.main.picture,
             .picture_width = stage_.picture_width,
@@ -381,14 +440,29 @@ class Viewer final : public WindowEvents {
             .measuring = measuring_.work()};
   }
 
-  void draw_panel_and_obey() {
-    PanelFacts facts;
-    facts.costs = cost_facts();
-    facts.errors = errors_;
-    const PanelResult result = draw_panel(state_, facts, window_.panel_width());
+  ControlFacts control_facts() const {
+    ControlFacts facts;
+    facts.panel = {cost_facts(), errors_, warnings_, window_.look()};
+    facts.tools = {history_.can_undo(), history_.can_redo(), window_.is_full_screen()};
+    facts.status = {.picture = pictures_.main.picture.get(),
+                    .request = pictures_.main.request,
+                    .since_request_s = now() - requested_at_,
+                    .picture_width = stage_.picture_width,
+                    .picture_height = stage_.picture_height,
+                    .moving = is_moving(),
+                    .paused = state_.paused,
+                    .measuring = measuring_.work()};
+    // An error of the file stays until it is mended.
+    const bool stays = message_.text().empty() && !errors_.empty();
+    facts.message = stays ? errors_.front().text() : message_.text();
+    facts.is_error = stays || says_error_;
+    return facts;
+  }
+
+  void take_controls(const PanelResult& result) {
     wants_costs_ = result.wants_costs;
     for (const KeySpec* key : result.pressed) obey(*key);
-    if (!result.problem.empty()) say(result.problem);
+    if (!result.problem.empty()) complain(result.problem);
     if (!result.changed) return;
     if (result.dragging) moving_until_ = now() + kRestSeconds;
     renew();
@@ -398,11 +472,13 @@ class Viewer final : public WindowEvents {
 
   Window& window_;
   const bool logs_;
-  const ImVec2 opened_;                   // the window's size
+  const Rect opened_;                     // the window's size
   const int first_width_, first_height_;  // the picture's
-  bool follows_window_ = false;
+  Layout layout_;
   Stage stage_;
   ViewState state_;
+  History<ViewState> history_;
+  Controls controls_;
   SceneFile file_;
   PictureWriter writer_;
   Pictures pictures_;
@@ -410,11 +486,14 @@ class Viewer final : public WindowEvents {
   Measuring measuring_{[] { Window::wake(); }};
   bool costs_are_old_ = true, wants_costs_ = false, wants_table_ = false;
   Diagnostics errors_;
+  std::vector<std::string> warnings_;
 
   int drawings_ = 3;  // still to do, even if no new picture comes
   double last_step_ = 0, last_draw_ = 0, moving_until_ = 0, focus_until_ = 0;
   bool moved_ = false;  // the newest request is one of a movement
+  double requested_at_ = 0;
   Message message_;
+  bool says_error_ = false;
   std::string switched_, to_save_;
   double before_s_ = 0;
 };
@@ -432,7 +511,7 @@ int open_window(const app::ViewCommand& command) {
   auto session = std::make_unique<Session>(Window::wake);
   session->request({state.scene, first_request});
 
-  const auto window = Window::open(resolved.width, resolved.height);
+  const auto window = Window::open(resolved.width, resolved.height, {});
   if (!window) return app::no_resource(window.error());
   Viewer viewer(**window, std::move(state), command.log, std::move(session), first_request);
   viewer.run();

@@ -9,11 +9,12 @@
 #include <imgui.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <filesystem>
+#include <utility>
+
+#include "view/layout.h"
 
 namespace raio::view {
 namespace {
@@ -23,28 +24,14 @@ const auto g_start = std::chrono::steady_clock::now();
 std::string g_glfw_problem;
 std::atomic<bool> g_open = false;
 
-constexpr float kFontSize = 14, kPanelWidth = 300, kPanelHeight = 770;
+constexpr float kLeastHeight = 800;
 
-// Of the usual places; without one there is ImGui's own, of pixels.
-constexpr std::array kFonts = {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
-                               "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
-                               "/usr/share/fonts/TTF/DejaVuSans.ttf"};
-
-void set_up_imgui(GLFWwindow* window, float scale) {
+void set_up_imgui(GLFWwindow* window) {
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
   ImGuiIO& io = ImGui::GetIO();
-  io.IniFilename = nullptr;  // nothing is left behind
-  std::error_code ignored;
-  for (const char* font : kFonts)
-    if (io.Fonts->Fonts.empty() && std::filesystem::exists(font, ignored))
-      io.Fonts->AddFontFromFileTTF(font, std::round(kFontSize * scale));
-  if (io.Fonts->Fonts.empty()) io.FontGlobalScale = scale;
-  ImGui::StyleColorsDark();
-  ImGuiStyle& style = ImGui::GetStyle();
-  style.WindowRounding = style.WindowBorderSize = 0;
-  style.FramePadding = {4, 1}, style.ItemSpacing = {6, 3};
-  style.ScaleAllSizes(scale);
+  io.IniFilename = nullptr;              // nothing is left behind
+  io.ConfigDragClickToInputText = true;  // a click on a number types over it
   // It hands all events on to the callbacks that are there already.
   ImGui_ImplGlfw_InitForOpenGL(window, true);
   ImGui_ImplOpenGL3_Init("#version 330 core");
@@ -58,7 +45,8 @@ std::string no_window(std::string_view why) {
 }  // namespace
 
 std::expected<std::unique_ptr<Window>, std::string> Window::open(int picture_width,
-                                                                 int picture_height) {
+                                                                 int picture_height,
+                                                                 const Look& look) {
   glfwSetErrorCallback([](int, const char* text) { g_glfw_problem = text; });
   if (!glfwInit()) return std::unexpected(no_window("there is no display"));
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
@@ -66,22 +54,26 @@ std::expected<std::unique_ptr<Window>, std::string> Window::open(int picture_wid
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
   glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
   glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
-  GLFWwindow* handle =
-      glfwCreateWindow(picture_width + int(kPanelWidth), picture_height, "Raio", nullptr, nullptr);
+  GLFWwindow* handle = glfwCreateWindow(picture_width, picture_height, "Raio", nullptr, nullptr);
   if (!handle) {
     glfwTerminate();
     return std::unexpected(no_window("the display has no OpenGL 3.3"));
   }
   std::unique_ptr<Window> window(new Window(handle));
+  window->look_ = look;
+  apply_look(look, window->text_scale_);
   int x = 0, y = 0, most_width = 1 << 14, most_height = 1 << 14;
   if (GLFWmonitor* monitor = glfwGetPrimaryMonitor())
     glfwGetMonitorWorkarea(monitor, &x, &y, &most_width, &most_height);
   const float unit = 1 / window->pixels_per_unit();
   glfwSetWindowSizeLimits(handle, 64, 64, GLFW_DONT_CARE, GLFW_DONT_CARE);
+  const float em = em_of(look, window->text_scale_);
+  const int width = int(float(picture_width) * unit + kPanelEms * em);
+  const int height =
+      int(float(picture_height) * unit + std::floor(kToolBarEms * em) + std::ceil(kStatusEms * em));
   glfwSetWindowSize(
-      handle, std::min(int(float(picture_width) * unit + window->panel_width()), most_width),
-      std::min(std::max(int(float(picture_height) * unit), int(kPanelHeight * window->text_scale_)),
-               most_height));
+      handle, std::min(width, most_width),
+      std::min(std::max(height, int(kLeastHeight * window->text_scale_)), most_height));
   glfwShowWindow(handle);
   return window;
 }
@@ -95,7 +87,7 @@ Window::Window(GLFWwindow* window) : window_(window) {
   glfwGetWindowContentScale(window, &scale_x, &scale_y);
   text_scale_ = std::clamp(scale_y / pixels_per_unit(), 0.5f, 8.0f);
   set_callbacks();
-  set_up_imgui(window, text_scale_);
+  set_up_imgui(window);
   g_open = true;
 }
 
@@ -117,7 +109,12 @@ void Window::set_callbacks() {
     WindowEvents* events = of(w).events_;
     if (!events) return;
     events->needs_drawing();
-    if (action == GLFW_PRESS && !is_typing()) events->key_pressed(key, mods & GLFW_MOD_SHIFT);
+    if (action == GLFW_PRESS && key >= 0) of(w).typed_.push_back(key);
+    const bool is_function = key >= GLFW_KEY_F1 && key <= GLFW_KEY_F25;
+    if (action == GLFW_PRESS && (!is_typing() || is_function))
+      events->key_pressed(key, {.shift = bool(mods & GLFW_MOD_SHIFT),
+                                .ctrl = bool(mods & GLFW_MOD_CONTROL),
+                                .alt = bool(mods & (GLFW_MOD_ALT | GLFW_MOD_SUPER))});
   });
   glfwSetMouseButtonCallback(window_, [](GLFWwindow* w, int button, int action, int mods) {
     if (WindowEvents* events = of(w).events_)
@@ -133,6 +130,9 @@ void Window::set_callbacks() {
   glfwSetDropCallback(window_, [](GLFWwindow* w, int count, const char** paths) {
     WindowEvents* events = of(w).events_;
     if (events && count > 0) events->file_dropped(paths[0]);
+  });
+  glfwSetCharCallback(window_, [](GLFWwindow* w, unsigned) {
+    if (WindowEvents* events = of(w).events_) events->needs_drawing();
   });
   const auto redraw = [](GLFWwindow* w) {
     if (WindowEvents* events = of(w).events_) events->needs_drawing();
@@ -157,6 +157,8 @@ bool Window::should_close() const { return glfwWindowShouldClose(window_); }
 void Window::close() { glfwSetWindowShouldClose(window_, GLFW_TRUE); }
 bool Window::is_held(int key) const { return glfwGetKey(window_, key) == GLFW_PRESS; }
 bool Window::is_typing() { return ImGui::GetIO().WantTextInput; }
+bool Window::is_over_controls() { return ImGui::GetIO().WantCaptureMouse; }
+bool Window::is_busy() { return ImGui::IsAnyItemActive(); }
 
 bool Window::is_hidden() const {
   int width = 0, height = 0;
@@ -179,7 +181,20 @@ float Window::pixels_per_unit() const {
   glfwGetFramebufferSize(window_, &pixels, &pixels_down);
   return pixels > 0 && width() > 0 ? float(pixels / width()) : 1.0f;
 }
-float Window::panel_width() const { return std::round(kPanelWidth * text_scale_); }
+
+void Window::set_look(const Look& look) { look_ = look, has_new_look_ = true; }
+
+bool Window::is_full_screen() const { return glfwGetWindowMonitor(window_) != nullptr; }
+void Window::set_full_screen(bool on) {
+  if (on == is_full_screen()) return;
+  GLFWmonitor* monitor = glfwGetPrimaryMonitor();
+  const GLFWvidmode* mode = monitor ? glfwGetVideoMode(monitor) : nullptr;
+  if (!mode) return;
+  if (!on) return glfwSetWindowMonitor(window_, nullptr, left_, top_, last_width_, last_height_, 0);
+  glfwGetWindowPos(window_, &left_, &top_);
+  glfwGetWindowSize(window_, &last_width_, &last_height_);
+  glfwSetWindowMonitor(window_, monitor, 0, 0, mode->width, mode->height, mode->refreshRate);
+}
 
 void Window::set_title(const std::string& title) {
   if (title == title_) return;
@@ -191,9 +206,19 @@ void Window::set_clipboard(const std::string& text) {
 }
 
 void Window::begin_frame() {
+  if (std::exchange(has_new_look_, false)) {
+    apply_look(look_, text_scale_);
+    ImGui_ImplOpenGL3_DestroyFontsTexture();  // the next frame makes another
+    ImGui_ImplOpenGL3_CreateFontsTexture();
+  }
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
+  // A key that was pressed and released between two frames is down in one.
+  auto& down = ImGui::GetIO().KeysDown;
+  for (const int key : typed_) down[key] = true;
   ImGui::NewFrame();
+  for (const int key : typed_) down[key] = is_held(key);
+  typed_.clear();
 }
 
 void Window::end_frame() {
@@ -201,7 +226,8 @@ void Window::end_frame() {
   int width = 0, height = 0;
   glfwGetFramebufferSize(window_, &width, &height);
   glViewport(0, 0, width, height);
-  glClearColor(0.09f, 0.09f, 0.1f, 1);
+  const ImVec4& mat = palette().mat;
+  glClearColor(mat.x, mat.y, mat.z, 1);
   glClear(GL_COLOR_BUFFER_BIT);
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
   glfwSwapBuffers(window_);

@@ -1,10 +1,13 @@
-// A window with OpenGL and Dear ImGui in it, and what comes in by it. Of all that is Raio's, only
-// this, stage.cpp and panel.cpp know these libraries.
+// A window with OpenGL and Dear ImGui in it, and what comes in by it.
 #pragma once
 
 #include <expected>
 #include <memory>
 #include <string>
+#include <vector>
+
+#include "view/keys.h"
+#include "view/theme.h"
 
 struct GLFWwindow;
 
@@ -14,7 +17,7 @@ namespace raio::view {
 class WindowEvents {
  public:
   virtual ~WindowEvents() = default;
-  virtual void key_pressed(int key, bool shift) = 0;
+  virtual void key_pressed(int key, Modifiers held) = 0;
   virtual void button(int button, bool down, bool shift) = 0;
   virtual void cursor_moved(double x, double y) = 0;
   virtual void scrolled(double steps, bool ctrl) = 0;
@@ -24,10 +27,11 @@ class WindowEvents {
 
 class Window {
  public:
-  /// With room for a picture of so many pixels and for the panel beside it. The error is one line
-  /// that says what to do instead.
+  /// With room for a picture of so many pixels, and for the panel and the bars around it. The error
+  /// is one line that says what to do instead.
   static std::expected<std::unique_ptr<Window>, std::string> open(int picture_width,
-                                                                  int picture_height);
+                                                                  int picture_height,
+                                                                  const Look& look);
   ~Window();
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
@@ -43,17 +47,23 @@ class Window {
   void close();
   bool is_hidden() const;  // minimised, or without a pixel
   bool is_held(int key) const;
-  static bool is_typing();  // into a field of the panel
+  static bool is_typing();         // into a field
+  static bool is_over_controls();  // the cursor, or a dialog is open
+  static bool is_busy();           // a control is held
 
   double width() const;
   double height() const;
   float pixels_per_unit() const;  // of the window's coordinates
-  float panel_width() const;
+
+  void set_look(const Look& look);  // from the next frame on
+  const Look& look() const { return look_; }
+  bool is_full_screen() const;
+  void set_full_screen(bool on);
 
   void set_title(const std::string& title);
   void set_clipboard(const std::string& text);
 
-  static void begin_frame();
+  void begin_frame();
   void end_frame();
 
   static double seconds();  // since the program began
@@ -66,6 +76,11 @@ class Window {
   GLFWwindow* window_;
   WindowEvents* events_ = nullptr;
   float text_scale_ = 1;
+  Look look_;
+  bool has_new_look_ = false;
+  std::vector<int> typed_;  // keys pressed since the last frame
+  int left_ = 0, top_ = 0;  // before it became full screen, with its size
+  int last_width_ = 0, last_height_ = 0;
   std::string title_;
 };
 

@@ -1,0 +1,46 @@
+// The tool bar above the picture and the status line below it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "render/session.h"
+#include "view/layout.h"
+#include "view/measure.h"
+#include "view/state.h"
+
+namespace raio::view {
+
+struct ToolFacts {
+  bool can_undo = false, can_redo = false;
+  bool full_screen = false;
+};
+
+/// Adds to `pressed` what was pressed, as if by its key.
+void draw_tool_bar(const Rect& where, const ViewState& state, const ToolFacts& facts,
+                   std::vector<const KeySpec*>& pressed);
+
+/// What goes on, for as long as it does.
+struct Status {
+  enum class Kind { working, moving, measuring, paused, done, failed };
+  Kind kind = Kind::working;
+  std::string text;
+};
+
+struct StatusFacts {
+  const SessionPicture* picture = nullptr;  // the newest; may be null
+  uint64_t request = 0;                     // the newest
+  double since_request_s = 0;
+  int picture_width = 0, picture_height = 0;  // of a picture in full
+  bool moving = false, paused = false;
+  Measuring::Work measuring = Measuring::Work::none;
+};
+Status status_of(const StatusFacts& facts);
+
+/// `read_out`: what is under the cursor; empty where there is nothing.
+void draw_status(const Rect& where, const Status& status, const std::string& read_out);
+
+/// A message over the lower left of the picture, in as many lines as it needs.
+void draw_message(const Rect& picture, const std::string& message, bool is_error);
+
+}  // namespace raio::view

@@ -1,0 +1,56 @@
+// Where the parts of the window are. Plain geometry in window units, tested without a window.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <span>
+
+namespace raio::view {
+
+struct Rect {
+  float left = 0, top = 0, right = 0, bottom = 0;
+
+  float width() const { return right - left; }
+  float height() const { return bottom - top; }
+  bool contains(double x, double y) const {
+    return x >= left && x < right && y >= top && y < bottom;
+  }
+  friend bool operator==(const Rect&, const Rect&) = default;
+};
+
+inline constexpr float kToolBarEms = 2.8f, kStatusEms = 1.9f, kPanelEms = 21;
+
+/// The tool bar at the top and the status line at the bottom are as wide as the window; the panel
+/// is at the right between them; the picture has the rest. Their sizes depend on the height of the
+/// text alone, so nothing that is shown in them moves the picture. Where the window is too small
+/// the picture is left with one unit.
+struct Layout {
+  Rect tool_bar, panel, status, picture;
+
+  Layout() = default;
+  Layout(float width, float height, float em, bool has_panel) {
+    const float top = std::min(kToolBarEms * em, height / 2);
+    const float bottom = std::max(height - kStatusEms * em, top + 1);
+    const float right = std::max(has_panel ? width - kPanelEms * em : width, 1.0f);
+    tool_bar = {0, 0, width, float(int(top))};
+    status = {0, float(int(bottom)), width, height};
+    picture = {0, tool_bar.bottom, float(int(right)), status.top};
+    panel = {picture.right, picture.top, width, picture.bottom};
+  }
+};
+
+/// How many tools of these widths, from the first, stand in a bar; where not all do, room is left
+/// for one more, which offers the others.
+inline size_t tools_that_fit(std::span<const float> widths, float available, float more) {
+  float used = 0;
+  size_t fit = 0, with_more = 0;
+  for (const float width : widths) {
+    used += width;
+    if (used > available) return with_more;
+    ++fit;
+    if (used + more <= available) with_more = fit;
+  }
+  return fit;
+}
+
+}  // namespace raio::view

@@ -1,0 +1,139 @@
+#include "view/theme.h"
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <system_error>
+
+namespace raio::view {
+namespace {
+
+constexpr float kTextSize = 15, kProjector = 1.5f;
+
+ImVec4 rgb(unsigned hex) {
+  return {float(hex >> 16 & 255) / 255, float(hex >> 8 & 255) / 255, float(hex & 255) / 255, 1};
+}
+
+const Palette kDark{.mat = rgb(0x101114),
+                    .ground = rgb(0x1b1d22),
+                    .raised = rgb(0x2a2d34),
+                    .hovered = rgb(0x383c45),
+                    .line = rgb(0x33363e),
+                    .text = rgb(0xe6e7ea),
+                    .faint = rgb(0x999da7),
+                    .accent = rgb(0x4c8dff),
+                    .on_accent = rgb(0xffffff),
+                    .good = rgb(0x54c08a),
+                    .busy = rgb(0x5aa9f0),
+                    .warning = rgb(0xf0b04a),
+                    .bad = rgb(0xff7468)};
+const Palette kLight{.mat = rgb(0xd3d6dc),
+                     .ground = rgb(0xf6f7f9),
+                     .raised = rgb(0xe4e7ec),
+                     .hovered = rgb(0xd5dae2),
+                     .line = rgb(0xcfd3da),
+                     .text = rgb(0x1c1f25),
+                     .faint = rgb(0x5d636f),
+                     .accent = rgb(0x1f5fd6),
+                     .on_accent = rgb(0xffffff),
+                     .good = rgb(0x187a48),
+                     .busy = rgb(0x1d63b5),
+                     .warning = rgb(0x96590a),
+                     .bad = rgb(0xb92318)};
+
+Palette g_palette = kDark;
+float g_em = kTextSize;
+ImFont *g_heading = nullptr, *g_title = nullptr;
+
+// Of the usual places; without any there is ImGui's own, of pixels.
+constexpr std::array kRegular = {"/usr/share/fonts/opentype/inter/Inter-Regular.otf",
+                                 "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
+                                 "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
+                                 "/usr/share/fonts/TTF/DejaVuSans.ttf"};
+constexpr std::array kHeavy = {"/usr/share/fonts/opentype/inter/Inter-SemiBold.otf",
+                               "/usr/share/fonts/truetype/dejavu/DejaVuSans-Bold.ttf",
+                               "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans-Bold.ttf",
+                               "/usr/share/fonts/TTF/DejaVuSans-Bold.ttf"};
+constexpr std::array kMedium = {"/usr/share/fonts/opentype/inter/Inter-Medium.otf"};
+
+template <size_t N>
+ImFont* load(const std::array<const char*, N>& files, float size) {
+  std::error_code ignored;
+  for (const char* file : files)
+    if (std::filesystem::exists(file, ignored))
+      return ImGui::GetIO().Fonts->AddFontFromFileTTF(file, std::round(size));
+  return nullptr;
+}
+
+void load_fonts(const Look& look, float scale) {
+  ImGuiIO& io = ImGui::GetIO();
+  io.Fonts->Clear();
+  ImFont* body = look.projector ? load(kMedium, g_em) : nullptr;
+  if (!body) body = load(kRegular, g_em);
+  g_heading = load(kHeavy, g_em);
+  g_title = load(kHeavy, 2 * g_em);
+  io.FontGlobalScale = 1;
+  if (!body) {
+    body = io.Fonts->AddFontDefault();
+    io.FontGlobalScale = scale * (look.projector ? kProjector : 1);
+  }
+  if (!g_heading) g_heading = body;
+  if (!g_title) g_title = body;
+  io.FontDefault = body;
+}
+
+void set_colors(const Palette& p) {
+  auto& c = ImGui::GetStyle().Colors;
+  const auto clear = ImVec4(0, 0, 0, 0);
+  c[ImGuiCol_Text] = p.text, c[ImGuiCol_TextDisabled] = p.faint;
+  c[ImGuiCol_WindowBg] = c[ImGuiCol_PopupBg] = p.ground, c[ImGuiCol_ChildBg] = clear;
+  c[ImGuiCol_Border] = c[ImGuiCol_Separator] = p.line, c[ImGuiCol_BorderShadow] = clear;
+  c[ImGuiCol_FrameBg] = c[ImGuiCol_Button] = p.raised;
+  c[ImGuiCol_FrameBgHovered] = c[ImGuiCol_ButtonHovered] = p.hovered;
+  c[ImGuiCol_FrameBgActive] = c[ImGuiCol_ButtonActive] = p.hovered;
+  c[ImGuiCol_Header] = p.raised;
+  c[ImGuiCol_HeaderHovered] = c[ImGuiCol_HeaderActive] = p.hovered;
+  c[ImGuiCol_CheckMark] = c[ImGuiCol_SliderGrab] = c[ImGuiCol_SliderGrabActive] = p.accent;
+  c[ImGuiCol_TextSelectedBg] = {p.accent.x, p.accent.y, p.accent.z, 0.35f};
+  c[ImGuiCol_NavHighlight] = p.accent;
+  c[ImGuiCol_ScrollbarBg] = clear, c[ImGuiCol_ScrollbarGrab] = p.hovered;
+  c[ImGuiCol_ScrollbarGrabHovered] = c[ImGuiCol_ScrollbarGrabActive] = p.faint;
+  c[ImGuiCol_TitleBg] = c[ImGuiCol_TitleBgActive] = p.raised;
+  c[ImGuiCol_TableHeaderBg] = p.raised, c[ImGuiCol_TableRowBg] = clear;
+  c[ImGuiCol_TableRowBgAlt] = {p.text.x, p.text.y, p.text.z, 0.04f};
+  c[ImGuiCol_TableBorderStrong] = c[ImGuiCol_TableBorderLight] = p.line;
+  c[ImGuiCol_PlotHistogram] = p.accent;
+  c[ImGuiCol_ModalWindowDimBg] = {0, 0, 0, 0.45f};
+}
+
+}  // namespace
+
+void apply_look(const Look& look, float scale) {
+  g_palette = look.light ? kLight : kDark;
+  if (look.projector) g_palette.faint = g_palette.text;  // no grey that a hall cannot read
+  g_em = em_of(look, scale);
+  load_fonts(look, scale);
+  ImGuiStyle& style = ImGui::GetStyle() = ImGuiStyle();
+  set_colors(g_palette);
+  const auto ems = [](float x, float y) {
+    return ImVec2(std::round(x * g_em), std::round(y * g_em));
+  };
+  style.WindowRounding = style.WindowBorderSize = 0;
+  style.FrameRounding = style.GrabRounding = style.PopupRounding = std::round(0.3f * g_em);
+  style.ScrollbarRounding = style.FrameRounding;
+  style.PopupBorderSize = 1, style.FrameBorderSize = 0;
+  style.WindowPadding = ems(0.8f, 0.7f), style.FramePadding = ems(0.5f, 0.2f);
+  style.ItemSpacing = ems(0.5f, 0.33f), style.ItemInnerSpacing = ems(0.45f, 0.3f);
+  style.CellPadding = ems(0.3f, 0.15f), style.IndentSpacing = g_em;
+  style.ScrollbarSize = std::round(0.6f * g_em), style.GrabMinSize = 0.7f * g_em;
+}
+
+const Palette& palette() { return g_palette; }
+float em() { return g_em; }
+float em_of(const Look& look, float scale) {
+  return std::round(kTextSize * scale * (look.projector ? kProjector : 1));
+}
+ImFont* heading_font() { return g_heading; }
+ImFont* title_font() { return g_title; }
+
+}  // namespace raio::view
