@@ -1,22 +1,33 @@
 // What is behind the window, without one: the camera in the hand, the state, the views.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <map>
 #include <numbers>
+#include <random>
+#include <regex>
 #include <set>
 
 #include "integrate/views.h"
+#include "io/file.h"
 #include "io/nff/nff.h"
 #include "render/render.h"
 #include "scenes.h"
 #include "view/bars.h"
 #include "view/camera_control.h"
+#include "view/edit.h"
+#include "view/file_dialog.h"
 #include "view/gestures.h"
 #include "view/help.h"
 #include "view/history.h"
 #include "view/layout.h"
+#include "view/legend.h"
+#include "view/memory.h"
 #include "view/stage.h"
 #include "view/state.h"
+#include "view/texts.h"
 
 namespace raio::view {
 namespace {
@@ -416,6 +427,186 @@ TEST(Stage, FillsTheAreaOrShowsAGivenSizeWhole) {
   EXPECT_TRUE(Stage({0, 0, 400, 500}, 1, 400, 300).sharp);
   const Stage none({0, 0, 1, 0}, 1, 0, 0);
   EXPECT_GE(none.picture_width * none.picture_height, 1);
+}
+
+TEST(Edit, MakesAnotherSceneThatSharesWhatDidNotChange) {
+  const auto before = scene();
+  const Rgb color = before->materials[0].color;
+  const auto after = edited(before, [](Scene& s) {
+    s.materials[0].color = Rgb(0.25f, 0.5f, 0.75f);
+    s.lights.push_back({Vec3f(1, 2, 3), Rgb(1)});
+    s.background = Rgb(0.5f);
+  });
+  EXPECT_EQ(before->materials[0].color, color);
+  EXPECT_EQ(after->materials[0].color, Rgb(0.25f, 0.5f, 0.75f));
+  EXPECT_EQ(after->lights.size(), before->lights.size() + 1);
+  EXPECT_EQ(after->spheres.data(), before->spheres.data()) << "copied";
+  EXPECT_EQ(after->positions.data(), before->positions.data()) << "copied";
+  EXPECT_NE(content_hash(*after), content_hash(*before));
+  EXPECT_TRUE(validate(*after).empty());
+  const auto back = edited(after, [&](Scene& s) {
+    s.materials[0].color = color;
+    s.lights.pop_back();
+    s.background = before->background;
+  });
+  EXPECT_EQ(content_hash(*back), content_hash(*before));
+  EXPECT_EQ(back->spheres.data(), before->spheres.data());
+}
+
+TEST(Edit, WhatIsSavedReadsBackAsItWasSeen) {
+  ViewState state("some.nff", scene(), {});
+  state.camera = orbited(state.camera, {0.1, 0.2, 0.3}, 0.4, 0.1);
+  state.scene = edited(state.scene, [](Scene& s) { s.materials[0].ks = 0.625f; });
+  const Scene seen = as_seen(*state.scene, state.camera, Rgb(0.25f, 0.5f, 1));
+  const auto read = parse_nff(write_nff(seen), "some");
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->scene.camera.from, state.camera.from);
+  EXPECT_EQ(read->scene.camera.at, state.camera.at);
+  EXPECT_EQ(read->scene.background, Rgb(0.25f, 0.5f, 1));
+  EXPECT_EQ(count_primitives(read->scene), count_primitives(seen));
+}
+
+TEST(Memory, KeepsTheLookAndTheScenesThatAreThere) {
+  const auto folder = std::filesystem::temp_directory_path() /
+                      fmt::format("raio_memory_{}", std::random_device()());
+  std::filesystem::create_directories(folder);
+  const auto file = folder / "deep" / "window";
+  EXPECT_EQ(recall(file), Memory());
+  Memory memory;
+  memory.look = {.light = true, .projector = true};
+  memory.language = Language::portuguese;
+  for (const char* name : {"a.nff", "b b.nff", "a.nff"}) {
+    ASSERT_TRUE(write_file(folder / name, "x"));
+    memory.opened((folder / name).string());
+  }
+  ASSERT_EQ(memory.recent.size(), 2u);
+  EXPECT_TRUE(memory.recent.front().ends_with("a.nff"));
+  remember(memory, file);
+  EXPECT_EQ(recall(file), memory);
+  std::filesystem::remove(folder / "a.nff");
+  EXPECT_EQ(recall(file).recent.size(), 1u);
+  for (int i = 0; i < 100; ++i) memory.opened(fmt::format("/x/{}.nff", i));
+  EXPECT_EQ(memory.recent.size(), 12u);
+  ASSERT_TRUE(write_file(file, "nonsense\nlight"));
+  EXPECT_TRUE(recall(file).look.light);
+  std::filesystem::remove_all(folder);
+}
+
+TEST(FileDialog, ListsFoldersThenScenes) {
+  const auto folder = std::filesystem::temp_directory_path() /
+                      fmt::format("raio_entries_{}", std::random_device()());
+  for (const char* name : {"z", "A", ".hidden"}) std::filesystem::create_directories(folder / name);
+  for (const char* name : {"b.nff", "a.raio", "c.png", ".d.nff"})
+    ASSERT_TRUE(write_file(folder / name, "x"));
+  EXPECT_EQ(entries_of(folder), (std::vector<std::string>{"A/", "z/", "a.raio", "b.nff"}));
+  EXPECT_TRUE(entries_of(folder / "nowhere").empty());
+  std::filesystem::remove_all(folder);
+}
+
+TEST(Samples, AreTheScenesOfTheTree) { EXPECT_GE(sample_scenes().size(), 5u); }
+
+// Every text of the screen has a line in the table: those within tr(), trf() and number_of(), the
+// tables of keys and hands, and the names of sections.
+TEST(Texts, AllAreInPortuguese) {
+  std::map<std::string, std::string> table;
+  for (const auto& [english, portuguese] : text_table()) {
+    EXPECT_TRUE(table.emplace(english, portuguese).second) << english << " is there twice";
+    EXPECT_EQ(std::ranges::count(std::string_view(english), '{'),
+              std::ranges::count(std::string_view(portuguese), '{'))
+        << english;
+  }
+  std::set<std::string> texts;
+  for (const KeySpec& key : key_table())
+    if (*key.name) texts.insert({key.help, key.about});
+  for (const HandSpec& hand : hand_table()) texts.insert({hand.name, hand.help});
+  const std::regex literal(R"re("((?:[^"\\]|\\.)*)")re");
+  for (const auto& entry :
+       std::filesystem::directory_iterator(std::string(RAIO_SOURCE_DIR) + "/src/view")) {
+    if (entry.path().extension() != ".cpp") continue;
+    const std::string source = read_file(entry.path(), 1 << 20).value();
+    const std::regex text(
+        R"re((?:\btrf?\(|open_section\(|heat_legend\()\s*((?:"(?:[^"\\]|\\.)*"\s*)+))re");
+    for (std::sregex_iterator it(source.begin(), source.end(), text), end; it != end; ++it) {
+      std::string joined;
+      const std::string pieces = (*it)[1];
+      for (std::sregex_iterator piece(pieces.begin(), pieces.end(), literal); piece != end; ++piece)
+        joined += (*piece)[1].str();
+      if (joined.find('\\') == std::string::npos) texts.insert(joined);
+    }
+    const std::regex counts(R"re(number_of\([^;]*?"([^"]*)",\s*"([^"]*)"\))re");
+    for (std::sregex_iterator it(source.begin(), source.end(), counts), end; it != end; ++it)
+      texts.insert({(*it)[1].str(), (*it)[2].str()});
+  }
+  EXPECT_GT(texts.size(), 100u);
+  for (const std::string& text : texts) EXPECT_TRUE(table.contains(text)) << '"' << text << '"';
+  set_language(Language::portuguese);
+  EXPECT_STREQ(tr("undone"), "desfeito");
+  EXPECT_EQ(number_of(1, "light", "lights"), "1 luz");
+  EXPECT_EQ(number_of(2, "light", "lights"), "2 luzes");
+  set_language(Language::english);
+  EXPECT_STREQ(tr("undone"), "undone");
+  EXPECT_EQ(language_of("pt_BR.UTF-8"), Language::portuguese);
+  EXPECT_EQ(language_of("C.UTF-8"), Language::english);
+}
+
+TEST(Legend, HasAScaleForEveryViewButThePicture) {
+  ViewState state("some.nff", scene(), {});
+  for (int view = 0; view < kViews; ++view) {
+    state.show(View(view));
+    EXPECT_EQ(legend_of(state).title.empty(), View(view) == View::picture) << view;
+  }
+  state.show(View::steps);
+  const Legend steps = legend_of(state);
+  ASSERT_EQ(steps.stops.size(), 7u);
+  for (const Legend::Stop& stop : steps.stops)
+    EXPECT_EQ(stop.color, heat_color(std::atof(stop.label.c_str()))) << stop.label;
+  state.show(View::depth);
+  const double distance = length(Vec3d(camera().at) - Vec3d(camera().from));
+  const Legend depth = legend_of(state);
+  ASSERT_EQ(depth.stops.size(), 5u);
+  for (size_t i = 0; i < 4; ++i)
+    EXPECT_NEAR(depth.stops[i].color.x,
+                distance / (distance + std::atof(depth.stops[i].label.c_str())), 2e-3);
+}
+
+TEST(Legend, ReadsCountsBackFromColours) {
+  for (const double count : {0.0, 0.5, 1.0, 2.0, 3.0, 4.0, 7.0, 16.0, 100.0, 256.0, 900.0, 1024.0})
+    EXPECT_NEAR(heat_count(heat_color(count)), count, 1e-3 * count + 1e-6);
+  EXPECT_EQ(heat_count(heat_color(5000)), 1024);
+}
+
+TEST(ReadOut, SaysTheValueWithItsUnitAndWhatIsThere) {
+  const auto read = parse_nff(
+      "b 0 0 0\nv\nfrom 0 -4 0\nat 0 0 0\nup 0 0 1\nangle 40\nhither 0\nresolution 9 9\n"
+      "f 1 0 0 1 0 1 0 1\ns 0 0 0 1\n",
+      "ball");
+  const auto ball = std::make_shared<const Scene>(read->scene);
+  ViewState state("ball.nff", ball, {});
+  const auto accel = build_accel(*ball, {});
+  const Pick middle = pick(**accel, state.camera, 0.5, 0.5, 1), none;
+  const auto at = [&](View view, const Pick& what, Rgb color) {
+    state.show(view);
+    return read_out(state, what, accel->get(), color, 100);
+  };
+  EXPECT_EQ(at(View::picture, middle, Rgb(1, 0, 0)).text,
+            "#ff0000 \xc2\xb7 sphere 0 \xc2\xb7 distance 3");
+  EXPECT_EQ(at(View::picture, none, Rgb()).text, "#000000 \xc2\xb7 background");
+  EXPECT_THAT(at(View::depth, middle, Rgb(0.5f)).text, HasSubstr("depth 3 "));
+  EXPECT_NEAR(at(View::depth, middle, Rgb(0.5f)).at.value(), 3.0 / 7, 1e-6);
+  EXPECT_THAT(at(View::materials, middle, Rgb()).text, HasSubstr("material 0"));
+  EXPECT_THAT(at(View::tests, middle, heat_color(1)).text, HasSubstr("1 primitive tested"));
+  EXPECT_THAT(at(View::tests, middle, heat_color(12)).text, HasSubstr("12 primitives tested"));
+  EXPECT_THAT(at(View::normals, middle, Rgb(0.5f, 0, 0.5f)).text,
+              HasSubstr("normal 0.00 -1.00 0.00"));
+  state.options.focus = 3, state.options.aperture = 0.5f, state.options.dof = true;
+  EXPECT_THAT(at(View::focus, middle, Rgb()).text, HasSubstr("blur 0 pixels"));
+  EXPECT_EQ(at(View::focus, middle, Rgb()).at, 0.5);
+  state.options.focus = 6;
+  // 2 R |z - F| / z on a plane in focus that is 2 F tan(20 degrees) high.
+  const double blur = 2 * 0.5 * 3 / 3 / (12 * std::tan(20 * std::numbers::pi / 180)) * 100;
+  EXPECT_THAT(at(View::focus, middle, Rgb()).text,
+              HasSubstr(fmt::format("blur {:.3g} pixels", blur)));
+  EXPECT_EQ(at(View::focus, middle, Rgb()).at, 0.0);
 }
 
 TEST(HeatColor, GrowsByFactorsOfFour) {

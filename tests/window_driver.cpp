@@ -70,8 +70,11 @@ WindowDriver::WindowDriver(const Display& display, const std::vector<std::string
   std::vector<std::string> command = {RAIO_PROGRAM, "view"};
   command.insert(command.end(), arguments.begin(), arguments.end());
   command.emplace_back("--log");
-  process_ = start(command, {"DISPLAY=" + display.name(), "LIBGL_ALWAYS_SOFTWARE=1"}, folder,
-                   ends[1], STDERR_FILENO);
+  // What it remembers is its own, and what it says is English.
+  process_ = start(command,
+                   {"DISPLAY=" + display.name(), "LIBGL_ALWAYS_SOFTWARE=1", "LC_ALL=C.UTF-8",
+                    "XDG_STATE_HOME=" + (folder.empty() ? "/nowhere" : folder + "/state")},
+                   folder, ends[1], STDERR_FILENO);
   ::close(ends[1]);
   reader_ = std::thread([this] { read_log(); });
   if (!wait_for("picture: .* samples [1-9]", 0)) return;

@@ -45,10 +45,14 @@ class WindowTest : public TemporaryFolder {
     return std::make_unique<WindowDriver>(*display_, arguments, folder().string());
   }
 
+  std::unique_ptr<WindowDriver> open_without_scene(std::vector<std::string> arguments = {}) const {
+    return std::make_unique<WindowDriver>(*display_, arguments, folder().string());
+  }
+
   // Runs a command line of the log with another name for the picture.
   void run(std::string command, const std::string& output) const {
-    ASSERT_TRUE(command.starts_with("raio render ")) << command;
-    command = RAIO_PROGRAM + command.substr(4, command.rfind(" -o ") - 4) + " -o " + output;
+    ASSERT_TRUE(command.starts_with(RAIO_PROGRAM " render ")) << command;
+    command = command.substr(0, command.rfind(" -o ")) + " -o " + output;
     ASSERT_EQ(std::system(("cd " + folder().string() + " && " + command + " --quiet").c_str()), 0)
         << command;
   }
@@ -366,6 +370,64 @@ TEST_F(WindowTest, FillsTheScreenAndComesBack) {
   window->key(XK_Escape);
   ASSERT_TRUE(window->wait_for("size: 160x120", from)) << window->log();
   EXPECT_TRUE(window->is_running());
+}
+
+TEST_F(WindowTest, OpensASceneByItsNameAndRemembersIt) {
+  const auto window = open_without_scene();
+  EXPECT_EQ(window->title(), "Raio");
+  size_t from = window->mark();
+  window->key(XK_o, Held::ctrl);
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  for (const unsigned long key : {XK_s, XK_c, XK_e, XK_n, XK_e, XK_period, XK_n, XK_f, XK_f})
+    window->key(key);
+  window->key(XK_Return);
+  ASSERT_TRUE(window->wait_for("opened scene.nff", from)) << window->log();
+  ASSERT_TRUE(window->picture(from)) << window->log();
+  EXPECT_THAT(window->title(), HasSubstr("scene"));
+  from = window->mark();
+  window->key(XK_a);
+  EXPECT_TRUE(window->wait_for("antialiasing on", from)) << "the dialog keeps the keys";
+  EXPECT_THAT(get(file("state/raio/window")), HasSubstr("/scene.nff\n"));
+}
+
+TEST_F(WindowTest, EscapeClosesTheDialogAndNotTheWindow) {
+  const auto window = open();
+  window->key(XK_o, Held::ctrl);
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  window->key(XK_Escape);  // leaves the field
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  window->key(XK_Escape);
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  const size_t from = window->mark();
+  window->key(XK_r);
+  ASSERT_TRUE(window->wait_for("reflection off", from)) << window->log();
+}
+
+TEST_F(WindowTest, SavesTheSceneAsItIsSeen) {
+  const auto window = open();
+  window->drag(80, 60, 110, 70);
+  const auto rest = window->wait_for("camera: ", 0);
+  ASSERT_TRUE(rest) << window->log();
+  const auto moved = window->picture(rest->next - 1);
+  size_t from = window->mark();
+  window->key(XK_s, Held::ctrl);
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  window->key(XK_Return);
+  ASSERT_TRUE(window->wait_for("saved the scene as .*/scene-2.nff", from)) << window->log();
+  EXPECT_EQ(get(file("scene.nff")), kScene);
+  const auto again = window->picture(from);
+  ASSERT_TRUE(again) << window->log();
+  EXPECT_EQ(again->sum, moved->sum);
+  // The file is the picture, without a camera on the command line.
+  from = window->mark();
+  window->key(XK_p);
+  const auto command = window->wait_for("command: (.*)", from);
+  ASSERT_TRUE(command) << window->log();
+  EXPECT_THAT(command->groups[1], HasSubstr(" scene-2.nff "));
+  EXPECT_THAT(command->groups[1], testing::Not(HasSubstr("--from")));
+  ASSERT_TRUE(window->wait_for("saved scene-2.png", from)) << window->log();
+  run(command->groups[1], "again.png");
+  EXPECT_TRUE(get(file("scene-2.png")) == get(file("again.png")));
 }
 
 TEST_F(WindowTest, SplitsThePicture) {

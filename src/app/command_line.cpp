@@ -305,16 +305,24 @@ void add_render(CLI::App& app, RenderCommand& render, int& status) {
 void add_view(CLI::App& app, ViewCommand& view, const Invocation& invocation, int& status) {
   auto* sub = app.add_subcommand("view", "Explore a scene in a window");
   sub->footer(examples({"raio view balls.nff --soft-shadows"}));
-  add_scene(*sub, view.scene);
+  add_file(*sub, "scene", view.scene,
+           "Scene file: NFF, P3F or .raio; without one the window offers some", "SCENE");
   add_render_options(*sub, view.options);
   // Those that the window lacks are known, so that they are refused for the right reason.
   for (const OptionSpec& spec : render_option_table())
     if (!spec.of_window) sub->get_option("--" + std::string(spec.name))->group("");
+  sub->add_option("--language", view.language,
+                  "Language of the window: en or pt (Portuguese); default: the one chosen last, "
+                  "else the system's")
+      ->check(CLI::IsMember({"en", "pt"}))
+      ->type_name("LANGUAGE")
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
   sub->add_flag("--log", view.log, "Log events to standard error, one per line");
   sub->callback([&] {
     refuse_conflict(view.options);
     if (const auto why = window_conflict(view.options))
       throw CLI::ParseError(text_of(*why), kBadInput);
+    view.program = invocation.argv[0];
     // What the arguments mean is found out here; the window itself is another program.
     status = invocation.open_window ? invocation.open_window(view)
                                     : become_view_program(invocation.argv);

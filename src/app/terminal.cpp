@@ -81,7 +81,7 @@ void print_diagnostics(const Diagnostics& said) {
   for (const Diagnostic& d : said) print_line(d.text("--"));
 }
 
-std::expected<Scene, int> load_scene(const std::string& path, bool quiet) {
+std::expected<Scene, int> load_scene(const std::string& path, bool quiet, Diagnostics* warnings) {
   auto result = read_scene(path);
   if (!result) {
     print_diagnostics(result.error());
@@ -89,6 +89,7 @@ std::expected<Scene, int> load_scene(const std::string& path, bool quiet) {
     return std::unexpected(int(machine ? kNoResource : kBadInput));
   }
   if (!quiet) print_diagnostics(result->warnings);
+  if (warnings) *warnings = std::move(result->warnings);
   return std::move(result->scene);
 }
 

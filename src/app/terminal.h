@@ -26,8 +26,10 @@ int interrupted();
 /// What a reader said of a file, line by line.
 void print_diagnostics(const Diagnostics& said);
 
-/// Reads a scene file and prints its diagnostics; on failure the exit status.
-std::expected<Scene, int> load_scene(const std::string& path, bool quiet = false);
+/// Reads a scene file and prints its diagnostics, of which `warnings` gets the warnings, too; on
+/// failure the exit status.
+std::expected<Scene, int> load_scene(const std::string& path, bool quiet = false,
+                                     Diagnostics* warnings = nullptr);
 
 /// While it lives, Ctrl-C (also SIGTERM, and SIGHUP of a closed terminal) asks the command to end,
 /// by `stop` of the control if there is one. If it does not soon, or at the second Ctrl-C, the

@@ -3,16 +3,27 @@
 #include <imgui.h>
 
 #include "view/help.h"
+#include "view/texts.h"
+#include "view/welcome.h"
 
 namespace raio::view {
 
-PanelResult Controls::draw(ViewState& state, const Layout& layout, const ControlFacts& facts) {
-  PanelResult result;
-  if (state.panel) result = draw_panel(state, facts.panel, layout.panel);
+ControlResult Controls::draw(ViewState& state, const Layout& layout, const ControlFacts& facts) {
+  ControlResult result;
+  if (state.path.empty()) {
+    const WelcomeResult welcome = draw_welcome(layout.picture, facts.recent, samples_);
+    result.open = welcome.open;
+    if (welcome.asks) result.pressed.push_back(&key_of(Command::open));
+  } else if (state.panel) {
+    static_cast<PanelResult&>(result) = draw_panel(state, facts.panel, layout.panel);
+  }
   draw_tool_bar(layout.tool_bar, state, facts.tools, result.pressed);
-  draw_status(layout.status, status_of(facts.status), facts.read_out);
+  const Status none{Status::Kind::done, tr("No scene is open")};
+  draw_status(layout.status, state.path.empty() ? none : status_of(facts.status), facts.read_out);
   if (!facts.message.empty()) draw_message(layout.picture, facts.message, facts.is_error);
   if (shows_help_) shows_help_ = draw_help(layout, sought_);
+  if (const auto file = files.draw(layout))
+    (files.purpose() == FileDialog::Purpose::open ? result.open : result.save) = file;
   return result;
 }
 

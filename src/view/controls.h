@@ -4,8 +4,11 @@
 
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "view/bars.h"
+#include "view/file_dialog.h"
 #include "view/layout.h"
 #include "view/panel.h"
 #include "view/state.h"
@@ -16,23 +19,37 @@ struct ControlFacts {
   PanelFacts panel;
   ToolFacts tools;
   StatusFacts status;
+  std::vector<std::string> recent;
   std::string read_out;  // what is under the cursor
   std::string message;
   bool is_error = false;
 };
 
+struct ControlResult : PanelResult {
+  std::optional<std::string> open, save;  // files that were chosen
+};
+
 class Controls {
  public:
+  explicit Controls(std::vector<std::string> samples) : samples_(std::move(samples)) {}
+
+  FileDialog files;
+
   void switch_help() { shows_help_ = !shows_help_; }
   /// Closes a dialog. Whether one was open.
-  bool close() { return std::exchange(shows_help_, false); }
+  bool close() {
+    const bool was_open = files.is_open() || shows_help_;
+    files.close(), shows_help_ = false;
+    return was_open;
+  }
 
   /// A frame of it. Changes the state as it is told.
-  PanelResult draw(ViewState& state, const Layout& layout, const ControlFacts& facts);
+  ControlResult draw(ViewState& state, const Layout& layout, const ControlFacts& facts);
 
  private:
   bool shows_help_ = false;
   std::string sought_;  // in the help
+  std::vector<std::string> samples_;
 };
 
 }  // namespace raio::view

@@ -4,6 +4,7 @@
 
 #include <system_error>
 
+#include "app/warnings.h"
 #include "io/scene_file.h"
 #include "render/picture.h"
 #include "render/render.h"
@@ -32,6 +33,11 @@ SceneFile::Stamp SceneFile::stamp(const std::string& path) {
 }
 
 void SceneFile::open(std::string path) { waiting_ = std::move(path); }
+
+void SceneFile::follow(std::string path) {
+  path_ = std::move(path);
+  read_ = seen_ = stamp(path_);
+}
 
 void SceneFile::start(std::string path, int threads) {
   reading_ = std::async(std::launch::async, [path = std::move(path), threads] {
@@ -87,6 +93,21 @@ std::optional<PictureWriter::Written> PictureWriter::poll() {
     return written;
   }
   return std::nullopt;
+}
+
+bool Warnings::find(const Scene& scene, const SessionPicture& picture) {
+  if (!picture.baked || request_ == picture.request) return false;
+  request_ = picture.request;
+  lines_ = of_file_;
+  for (std::string& line : app::warning_lines(scene, picture.settings, picture.baked->accel.get()))
+    lines_.push_back(std::move(line));
+  return true;
+}
+
+std::string short_path(const std::string& path) {
+  std::error_code error;
+  const std::string near = std::filesystem::proximate(path, error).string();
+  return error || near.empty() || near.starts_with("..") ? path : near;
 }
 
 std::string free_name(const std::string& name, const std::string& suffix) {

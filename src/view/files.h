@@ -13,6 +13,7 @@
 
 #include "io/diagnostics.h"
 #include "io/image/image.h"
+#include "render/session.h"
 #include "scene/scene.h"
 
 namespace raio::view {
@@ -31,6 +32,9 @@ class SceneFile {
 
   /// Reads another file, and follows it from then on if it is a scene.
   void open(std::string path);
+
+  /// Follows a file that was just written.
+  void follow(std::string path);
 
   /// What was read meanwhile, once. Looks at the disk a few times a second, however often called;
   /// what is there to be read is read on so many threads (0: as many as there are).
@@ -67,6 +71,25 @@ class PictureWriter {
  private:
   std::vector<std::future<Written>> writing_;
 };
+
+/// What the reader said of the scene's file, and what would disappoint in the picture as it is now
+/// (render/warnings.h).
+class Warnings {
+ public:
+  Warnings() = default;
+  explicit Warnings(std::vector<std::string> of_file) : of_file_(std::move(of_file)) {}
+
+  /// Looks at the first whole picture of each request. Whether it did.
+  bool find(const Scene& scene, const SessionPicture& picture);
+  const std::vector<std::string>& lines() const { return lines_; }
+
+ private:
+  std::vector<std::string> of_file_, lines_;
+  uint64_t request_ = 0;
+};
+
+/// As short as it can be written here: relative to where the program was started, if below that.
+std::string short_path(const std::string& path);
 
 /// "NAME.png", or "NAME-2.png" and so on: the first that there is not.
 std::string free_name(const std::string& name, const std::string& suffix);

@@ -10,7 +10,7 @@ namespace raio::view {
 
 class Gestures {
  public:
-  enum class Button { left, right, middle };
+  enum class Button { left, right, middle };  // in GLFW's order
   /// What is in the picture at a place of the window.
   using PickAt = std::function<Pick(double x, double y)>;
 

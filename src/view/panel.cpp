@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "view/draw_text.h"
+#include "view/scene_panel.h"
 #include "view/texts.h"
 
 namespace raio::view {
@@ -206,6 +207,7 @@ PanelResult draw_panel(ViewState& state, const PanelFacts& facts, const Rect& wh
   if (facts.costs.measuring == Measuring::Work::table) ImGui::SetNextItemOpen(true);
   if (open_section("All combinations of effects", false) && draw_table(facts.costs))
     result.pressed.push_back(&key_of(Command::measure));
+  if (open_section("Scene", false)) result.changed |= draw_scene(state);
   if (open_section("All options", false)) draw_options(state, result);
   if (open_section("Window", false)) draw_window_options(facts, result);
   ImGui::End();

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "integrate/camera.h"
+#include "view/texts.h"
 
 namespace raio::view {
 namespace {
@@ -21,10 +22,7 @@ bool same_camera(const Camera& a, const Camera& b) {
   return a.from == b.from && a.at == b.at && a.up == b.up && a.fov_deg == b.fov_deg;
 }
 
-std::string_view effect_name(Command effect) {
-  const auto keys = key_table();
-  return std::ranges::find(keys, effect, &KeySpec::command)->help;
-}
+const char* effect_name(Command effect) { return key_of(effect).help; }
 
 }  // namespace
 
@@ -88,7 +86,7 @@ std::string ViewState::toggle(Command effect) {
       const auto now = std::ranges::find(kStructures, options.accel.kind);
       const size_t next = now == kStructures.end() ? 0 : size_t(now - kStructures.begin()) + 1;
       options.accel.kind = kStructures[next % kStructures.size()];
-      return fmt::format("structure {}", accel_name(options.accel.kind));
+      return trf("structure {}", accel_name(options.accel.kind));
     }
     case Command::reflection:
       options.no_reflection = !on;
@@ -100,12 +98,12 @@ std::string ViewState::toggle(Command effect) {
       return {};
   }
   split_effect = effect;
-  return fmt::format("{} {}", effect_name(effect), on ? "on" : "off");
+  return on ? trf("{} on", tr(effect_name(effect))) : trf("{} off", tr(effect_name(effect)));
 }
 
 std::pair<std::string, std::string> ViewState::split_labels() const {
-  const std::string with = fmt::format("with {}", effect_name(split_effect));
-  const std::string without = fmt::format("without {}", effect_name(split_effect));
+  const std::string with = trf("with {}", tr(effect_name(split_effect)));
+  const std::string without = trf("without {}", tr(effect_name(split_effect)));
   return is_on(split_effect) ? std::pair(with, without) : std::pair(without, with);
 }
 
@@ -153,7 +151,7 @@ RenderOptions ViewState::other_request(int width, int height) const {
 
 std::string ViewState::command_line(int width, int height, int samples,
                                     const std::string& output) const {
-  return fmt::format("raio render {}{} -o {}", quoted(path),
+  return fmt::format("{} render {}{} -o {}", quoted(program), quoted(path),
                      option_arguments(request(width, height, samples)), quoted(output));
 }
 

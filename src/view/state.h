@@ -18,7 +18,8 @@ class ViewState {
  public:
   ViewState(std::string path, std::shared_ptr<const Scene> scene, const RenderOptions& options);
 
-  std::string path;  // of the scene's file
+  std::string path;              // of the scene's file
+  std::string program = "raio";  // as it was started
   std::shared_ptr<const Scene> scene;
   RenderOptions options;  // also those that wait for an effect to be switched on; not the camera
   Camera camera;
@@ -26,6 +27,7 @@ class ViewState {
   bool split = false;                // the picture beside that without `split_effect`
   Command split_effect = Command::antialiasing;
   bool paused = false, panel = true;
+  int chosen_light = 0, chosen_material = 0;  // those that the panel shows
 
   /// Another scene. Of the same file the camera stays, unless it was the scene's and that changed.
   void open(std::string new_path, std::shared_ptr<const Scene> new_scene);
@@ -50,7 +52,7 @@ class ViewState {
   /// May a pixel have any number of samples? Not with cells, whose number says it.
   bool endless() const;
 
-  /// "raio render SCENE --size ... -o OUTPUT".
+  /// "raio render SCENE --size ... -o OUTPUT", with the program as it was started.
   std::string command_line(int width, int height, int samples, const std::string& output) const;
 
   /// Puts in focus what is at `depth`, along the line of sight; switches the lens on.

@@ -1,5 +1,5 @@
 // The words on the screen, in the language of whoever looks at it. The English ones stand where
-// they are used; one table (texts.cpp) has them in Portuguese. Logs stay English.
+// they are used; one table (texts.cpp) has them in Portuguese.
 #pragma once
 
 #include <fmt/format.h>
@@ -22,6 +22,9 @@ Language language();
 /// By a locale's name, as in LC_ALL or LANG: "pt_BR.UTF-8" is Portuguese, all that is unknown
 /// English.
 Language language_of(std::string_view locale);
+
+/// That of LC_ALL, LC_MESSAGES or LANG, whichever is set first.
+Language language_of_system();
 
 /// The text in the language of the screen; English where the table lacks it. Lives for ever if
 /// `english` does.

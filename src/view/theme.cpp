@@ -58,10 +58,13 @@ constexpr std::array kMedium = {"/usr/share/fonts/opentype/inter/Inter-Medium.ot
 
 template <size_t N>
 ImFont* load(const std::array<const char*, N>& files, float size) {
+  // Western Europe's letters, and the sign of infinity.
+  static constexpr std::array<ImWchar, 5> kLetters = {0x20, 0x17f, 0x221e, 0x221e, 0};
   std::error_code ignored;
   for (const char* file : files)
     if (std::filesystem::exists(file, ignored))
-      return ImGui::GetIO().Fonts->AddFontFromFileTTF(file, std::round(size));
+      return ImGui::GetIO().Fonts->AddFontFromFileTTF(file, std::round(size), nullptr,
+                                                      kLetters.data());
   return nullptr;
 }
 

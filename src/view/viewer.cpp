@@ -15,11 +15,14 @@
 #include "render/session.h"
 #include "view/camera_control.h"
 #include "view/controls.h"
+#include "view/edit.h"
 #include "view/files.h"
 #include "view/gestures.h"
 #include "view/history.h"
 #include "view/layout.h"
+#include "view/legend.h"
 #include "view/measure.h"
+#include "view/memory.h"
 #include "view/pictures.h"
 #include "view/texts.h"
 #include "view/theme.h"
@@ -41,23 +44,27 @@ std::string text_of(Vec3f v) { return fmt::format("{:.6g},{:.6g},{:.6g}", v.x, v
 class Viewer final : public WindowEvents {
  public:
   /// `session` has got `first_request` already, whose rays need no window.
-  Viewer(Window& window, ViewState state, bool logs, std::unique_ptr<Session> session,
-         const RenderOptions& first_request)
+  Viewer(Window& window, ViewState state, Memory memory, std::vector<std::string> warnings,
+         bool logs, std::unique_ptr<Session> session, const RenderOptions& first_request)
       : window_(window),
         logs_(logs),
         opened_{0, 0, float(window.width()), float(window.height())},
-        first_width_(first_request.width),
-        first_height_(first_request.height),
+        first_width_(state.path.empty() ? 0 : first_request.width),
+        first_height_(state.path.empty() ? 0 : first_request.height),
         state_(std::move(state)),
         history_(state_),
+        saved_scene_(state_.scene),
+        keeper_(std::move(memory)),
         file_(state_.path),
         pictures_(std::move(session)),
+        warnings_(std::move(warnings)),
         gestures_(state_, stage_, [this](double x, double y) { return pick_at(x, y); }) {
     window_.listen(this);
     log("request: 1");
     stage_.picture_width = first_request.width, stage_.picture_height = first_request.height;
     lay_out();
     log(fmt::format("place: {},{}", stage_.lo.x, stage_.lo.y));
+    if (!state_.path.empty()) keeper_.opened(state_.path);
   }
   ~Viewer() override { window_.listen(nullptr); }
 
@@ -75,9 +82,8 @@ class Viewer final : public WindowEvents {
   }
   void button(int number, bool down, bool shift) override {
     needs_drawing();
-    const auto which = number == GLFW_MOUSE_BUTTON_LEFT    ? Gestures::Button::left
-                       : number == GLFW_MOUSE_BUTTON_RIGHT ? Gestures::Button::right
-                                                           : Gestures::Button::middle;
+    if (number > GLFW_MOUSE_BUTTON_MIDDLE) return;
+    const auto which = Gestures::Button(number);
     if (down && Window::is_over_controls()) return;
     if (down)
       gestures_.press(which, shift);
@@ -138,7 +144,7 @@ class Viewer final : public WindowEvents {
   // window is as it was opened, panel and all; else it fills the room that there is.
   void lay_out() {
     const float width = float(window_.width()), height = float(window_.height());
-    layout_ = Layout(width, height, em(), state_.panel);
+    layout_ = Layout(width, height, em(), state_.panel && !state_.path.empty());
     const float unit = 1 / window_.pixels_per_unit();
     const bool follows = !state_.panel || width != opened_.right || height != opened_.bottom ||
                          layout_.picture.width() < std::floor(float(first_width_) * unit) ||
@@ -219,7 +225,10 @@ class Viewer final : public WindowEvents {
         const std::string command = command_line(state_.scene->name + ".png");
         window_.set_clipboard(command);
         log("command: " + command);
-        return say(trf("copied: {}", command));
+        return say(
+            state_.scene == saved_scene_
+                ? trf("copied: {}", command)
+                : trf("copied, but the file lacks your changes; Ctrl+S saves them: {}", command));
       }
       case Command::show_view:
         state_.show(View(key.key - '1'));
@@ -248,9 +257,33 @@ class Viewer final : public WindowEvents {
         if (key.key == GLFW_KEY_ESCAPE && leave()) return needs_drawing();
         return window_.close();
       case Command::open:
-      case Command::save_scene:
-        return;
+        controls_.files.ask(FileDialog::Purpose::open, folder(), {});
+        return needs_drawing();
+      case Command::save_scene: {
+        if (state_.path.empty()) return say(tr("no scene is open"));
+        const std::string name = free_name((folder() / state_.scene->name).string(), ".nff");
+        controls_.files.ask(FileDialog::Purpose::save, folder(),
+                            std::filesystem::path(name).filename().string());
+        return needs_drawing();
+      }
     }
+  }
+
+  // Of the scene, where the dialogs begin.
+  std::filesystem::path folder() const {
+    const auto parent = std::filesystem::path(state_.path).parent_path();
+    return parent.empty() ? "." : parent;
+  }
+
+  void save_scene(const std::string& path) {
+    const auto lost = save_as_seen(state_, path);
+    if (!lost) return complain(lost.error().text("--"));
+    saved_scene_ = state_.scene;
+    file_.follow(state_.path);
+    keeper_.opened(path);
+    say(trf("saved the scene as {}", path) +
+        (lost->empty() ? "" : "; " + trf("not kept: {}", *lost)));
+    renew();
   }
 
   // What Escape ends before it ends the program.
@@ -276,6 +309,8 @@ class Viewer final : public WindowEvents {
   void focus_on(const Pick& pick) {
     if (!pick.hit.found()) return say(tr("nothing there to focus on"));
     state_.focus_on(pick.point);
+    state_.chosen_material =
+        int(pictures_.main.picture->baked->accel->geometry().material_of(pick.hit.item));
     focus_until_ = now() + kFocusSeconds;
     say(trf("focus on {}, distance {:.6g}; while the colours show, the wheel sets the aperture",
             pick.what, state_.options.focus));
@@ -337,6 +372,7 @@ class Viewer final : public WindowEvents {
     bool is_new = take_picture(pictures_.main);
     is_new |= take_picture(pictures_.other);
     save_when_whole();
+    find_warnings();
     measure_costs();
     if (window_.is_hidden()) {
       drawings_ = 0;
@@ -394,16 +430,26 @@ class Viewer final : public WindowEvents {
       return complain(errors_.front().text());
     }
     errors_.clear();
+    const bool is_other = read.path != state_.path;
     state_.open(read.path, *read.scene);
     measuring_.forget();
-    warnings_ = read.warnings;
-    history_ = History<ViewState>(state_);
+    warnings_ = Warnings(read.warnings);
+    // A new version of the file is a step that can be taken back; another scene is a beginning.
+    if (is_other) history_ = History<ViewState>(state_);
+    saved_scene_ = state_.scene;
+    keeper_.opened(read.path);
     say(trf("opened {}", read.path));
     renew();
   }
 
+  void find_warnings() {
+    if (is_moving() || is_waiting()) return;
+    if (warnings_.find(*state_.scene, *pictures_.main.picture)) needs_drawing();
+  }
+
   void measure_costs() {
     const auto& picture = pictures_.main.picture;
+    if (state_.path.empty()) return;
     if (!costs_are_old_ || !wants_costs_ || measuring_.busy() || is_moving() || state_.paused)
       return;
     if (!picture || picture->request != pictures_.main.request || picture->samples == 0) return;
@@ -418,12 +464,27 @@ class Viewer final : public WindowEvents {
     last_draw_ = now();
     window_.begin_frame();
     lay_out();
-    pictures_.draw(state_, stage_, float(gestures_.split_at));
-    take_controls(controls_.draw(state_, layout_, control_facts()));
+    if (!state_.path.empty()) pictures_.draw(state_, stage_, float(gestures_.split_at));
+    const ReadOut under = under_cursor();
+    ViewState shown = state_;
+    if (shows_focus()) shown.show(View::focus);
+    draw_legend(layout_.picture, legend_of(shown), under.at);
+    take_controls(controls_.draw(state_, layout_, control_facts(under.text)));
     window_.end_frame();
-    window_.set_title(state_.title());
+    window_.set_title(state_.path.empty() ? "Raio" : state_.title());
+    keeper_.looks(window_.look(), language());
     log_picture(pictures_.main, "picture");
     log_picture(pictures_.other, "other");
+  }
+
+  // What the picture shows where the cursor is; nothing while something moves.
+  ReadOut under_cursor() const {
+    if (state_.path.empty() || Window::is_over_controls() || gestures_.is_busy() || is_waiting() ||
+        is_moving())
+      return {};
+    const double x = gestures_.x(), y = gestures_.y();
+    return read_out(state_, *pictures_.main.picture, stage_.across(x), stage_.down(y),
+                    pick_at(x, y));
   }
 
   void log_picture(Side& side, std::string_view name) {
@@ -440,9 +501,9 @@ class Viewer final : public WindowEvents {
             .measuring = measuring_.work()};
   }
 
-  ControlFacts control_facts() const {
+  ControlFacts control_facts(const std::string& under) const {
     ControlFacts facts;
-    facts.panel = {cost_facts(), errors_, warnings_, window_.look()};
+    facts.panel = {cost_facts(), errors_, warnings_.lines(), window_.look()};
     facts.tools = {history_.can_undo(), history_.can_redo(), window_.is_full_screen()};
     facts.status = {.picture = pictures_.main.picture.get(),
                     .request = pictures_.main.request,
@@ -452,6 +513,8 @@ class Viewer final : public WindowEvents {
                     .moving = is_moving(),
                     .paused = state_.paused,
                     .measuring = measuring_.work()};
+    facts.read_out = under;
+    facts.recent = keeper_.memory().recent;
     // An error of the file stays until it is mended.
     const bool stays = message_.text().empty() && !errors_.empty();
     facts.message = stays ? errors_.front().text() : message_.text();
@@ -459,8 +522,10 @@ class Viewer final : public WindowEvents {
     return facts;
   }
 
-  void take_controls(const PanelResult& result) {
+  void take_controls(const ControlResult& result) {
     wants_costs_ = result.wants_costs;
+    if (result.open) file_.open(short_path(*result.open));
+    if (result.save) save_scene(*result.save);
     for (const KeySpec* key : result.pressed) obey(*key);
     if (!result.problem.empty()) complain(result.problem);
     if (!result.changed) return;
@@ -478,15 +543,17 @@ class Viewer final : public WindowEvents {
   Stage stage_;
   ViewState state_;
   History<ViewState> history_;
-  Controls controls_;
+  Controls controls_{sample_scenes()};
+  SharedScene saved_scene_;  // as the file has it
+  MemoryKeeper keeper_;
   SceneFile file_;
   PictureWriter writer_;
   Pictures pictures_;
+  Warnings warnings_;
   Gestures gestures_;
   Measuring measuring_{[] { Window::wake(); }};
   bool costs_are_old_ = true, wants_costs_ = false, wants_table_ = false;
   Diagnostics errors_;
-  std::vector<std::string> warnings_;
 
   int drawings_ = 3;  // still to do, even if no new picture comes
   double last_step_ = 0, last_draw_ = 0, moving_until_ = 0, focus_until_ = 0;
@@ -502,18 +569,32 @@ class Viewer final : public WindowEvents {
 
 int open_window(const app::ViewCommand& command) {
   std::expected<Scene, int> scene;
-  on_threads(command.options.threads, [&] { scene = app::load_scene(command.scene); });
-  if (!scene) return scene.error();
+  Diagnostics said;
+  if (command.scene.empty()) {
+    scene->materials = {Material()};  // nothing, until one is opened
+  } else {
+    on_threads(command.options.threads,
+               [&] { scene = app::load_scene(command.scene, false, &said); });
+    if (!scene) return scene.error();
+  }
   if (const auto why = option_conflict(command.options, &*scene)) return app::fail(*why);
   const RenderSettings resolved = resolve_options(command.options, *scene);
   ViewState state(command.scene, std::make_shared<const Scene>(std::move(*scene)), command.options);
   const RenderOptions first_request = state.request(resolved.width, resolved.height);
+  state.program = command.program;
+  std::vector<std::string> warnings;
+  for (const Diagnostic& d : said) warnings.push_back(d.text());
   auto session = std::make_unique<Session>(Window::wake);
   session->request({state.scene, first_request});
 
-  const auto window = Window::open(resolved.width, resolved.height, {});
+  Memory memory = recall(memory_file());
+  set_language(!command.language.empty() ? language_of(command.language)
+               : memory.language         ? *memory.language
+                                         : language_of_system());
+  const auto window = Window::open(resolved.width, resolved.height, memory.look);
   if (!window) return app::no_resource(window.error());
-  Viewer viewer(**window, std::move(state), command.log, std::move(session), first_request);
+  Viewer viewer(**window, std::move(state), std::move(memory), std::move(warnings), command.log,
+                std::move(session), first_request);
   viewer.run();
   return app::kDone;
 }

@@ -1,0 +1,114 @@
+#include "view/file_dialog.h"
+
+#include <fmt/format.h>
+#include <imgui.h>
+#include <imgui_stdlib.h>
+
+#include <algorithm>
+#include <array>
+#include <system_error>
+
+#include "view/draw_text.h"
+#include "view/texts.h"
+#include "view/theme.h"
+
+namespace raio::view {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array kSuffixes = {".nff", ".p3f", ".raio", ".gz", ".txt"};
+
+}  // namespace
+
+std::vector<std::string> entries_of(const fs::path& folder) {
+  std::vector<std::string> folders, files;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with('.')) continue;
+    if (entry.is_directory(error))
+      folders.push_back(name + "/");
+    else if (std::ranges::find(kSuffixes, entry.path().extension()) != kSuffixes.end())
+      files.push_back(name);
+  }
+  std::ranges::sort(folders);
+  std::ranges::sort(files);
+  folders.insert(folders.end(), files.begin(), files.end());
+  return folders;
+}
+
+void FileDialog::ask(Purpose purpose, const fs::path& folder, std::string name) {
+  purpose_ = purpose, name_ = std::move(name), is_open_ = true;
+  enter(folder);
+}
+
+void FileDialog::enter(const fs::path& folder) {
+  std::error_code error;
+  const fs::path whole = fs::weakly_canonical(fs::absolute(folder, error), error);
+  folder_ = error ? folder : whole;
+  entries_ = entries_of(folder_);
+}
+
+// A folder is entered; a file ends the dialog.
+std::optional<std::string> FileDialog::chosen(const std::string& name) {
+  if (name.empty()) return std::nullopt;
+  const fs::path path = folder_ / name;  // an absolute name replaces the folder
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) {
+    enter(path);
+    if (purpose_ == Purpose::open) name_.clear();
+    return std::nullopt;
+  }
+  is_open_ = false;
+  return path.string();
+}
+
+std::optional<std::string> FileDialog::draw(const Layout& layout) {
+  if (!is_open_) return std::nullopt;
+  const float width = std::min(40 * em(), layout.tool_bar.right),
+              height = std::min(32 * em(), layout.picture.height());
+  ImGui::SetNextWindowPos({(layout.tool_bar.right - width) / 2,
+                           layout.picture.top + (layout.picture.height() - height) / 2});
+  ImGui::SetNextWindowSize({width, height});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0.5f * em());
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 1);
+  const bool saves = purpose_ == Purpose::save;
+  ImGui::Begin(fmt::format("{}###file", saves ? tr("Save the scene") : tr("Open a scene")).c_str(),
+               &is_open_,
+               ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse |
+                   ImGuiWindowFlags_NoSavedSettings);
+  std::optional<std::string> wanted;
+  if (ImGui::Button(tr("up"))) wanted = "..";
+  ImGui::SameLine();
+  ImGui::AlignTextToFramePadding();
+  faint_text(folder_.string());
+  const float rows = 2 * ImGui::GetFrameHeightWithSpacing() + ImGui::GetTextLineHeightWithSpacing();
+  ImGui::BeginChild("entries", {0, -rows}, true);
+  for (const std::string& entry : entries_)
+    if (ImGui::Selectable(entry.c_str())) {
+      if (saves && !entry.ends_with('/'))
+        name_ = entry;  // to be replaced, but not by one click
+      else
+        wanted = entry;
+    }
+  if (entries_.empty()) faint_text(tr("no scenes here"));
+  ImGui::EndChild();
+  if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
+  ImGui::SetNextItemWidth(-1);
+  if (ImGui::InputTextWithHint("##name", tr("name of the file"), &name_,
+                               ImGuiInputTextFlags_EnterReturnsTrue))
+    wanted = name_;
+  std::error_code ignored;
+  const bool exists = !name_.empty() && fs::is_regular_file(folder_ / name_, ignored);
+  faint_text(saves && exists ? tr("this file is there and will be replaced") : " ");
+  const char* const action = !saves ? tr("Open") : exists ? tr("Replace") : tr("Save");
+  if (ImGui::Button(fmt::format("{}###do", action).c_str(), {7 * em(), 0})) wanted = name_;
+  ImGui::SameLine();
+  if (ImGui::Button(tr("Cancel"), {7 * em(), 0})) is_open_ = false;
+  ImGui::End();
+  ImGui::PopStyleVar(2);
+  return wanted ? chosen(*wanted) : std::nullopt;
+}
+
+}  // namespace raio::view

@@ -1,0 +1,41 @@
+// A dialog that chooses a file: to open a scene, or to say where it is written.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "view/layout.h"
+
+namespace raio::view {
+
+/// The folders (first, with a "/" behind) and the scene files of a folder, by name; hidden ones are
+/// left out.
+std::vector<std::string> entries_of(const std::filesystem::path& folder);
+
+class FileDialog {
+ public:
+  enum class Purpose { open, save };
+
+  /// Begins in that folder; `name` is what is proposed.
+  void ask(Purpose purpose, const std::filesystem::path& folder, std::string name);
+  bool is_open() const { return is_open_; }
+  void close() { is_open_ = false; }
+  Purpose purpose() const { return purpose_; }
+
+  /// Draws it; the file that was chosen, once.
+  std::optional<std::string> draw(const Layout& layout);
+
+ private:
+  void enter(const std::filesystem::path& folder);
+  std::optional<std::string> chosen(const std::string& name);
+
+  bool is_open_ = false;
+  Purpose purpose_ = Purpose::open;
+  std::filesystem::path folder_;
+  std::vector<std::string> entries_;
+  std::string name_;
+};
+
+}  // namespace raio::view

@@ -1,0 +1,98 @@
+#include "view/memory.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <sstream>
+#include <system_error>
+
+#include "io/file.h"
+
+namespace raio::view {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr size_t kMostRecent = 12;
+
+const char* variable(const char* name) {
+  const char* const value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe)
+  return value && *value ? value : nullptr;
+}
+
+}  // namespace
+
+void Memory::opened(const std::string& path) {
+  std::error_code ignored;
+  const std::string whole = fs::absolute(path, ignored).lexically_normal().string();
+  std::erase(recent, whole);
+  recent.insert(recent.begin(), whole);
+  if (recent.size() > kMostRecent) recent.resize(kMostRecent);
+}
+
+fs::path memory_file() {
+  if (const char* state = variable("XDG_STATE_HOME")) return fs::path(state) / "raio" / "window";
+  if (const char* home = variable("HOME")) return fs::path(home) / ".local/state/raio/window";
+  return {};
+}
+
+Memory recall(const fs::path& file) {
+  Memory memory;
+  const auto text = read_file(file, 1 << 20);
+  if (!text) return memory;
+  std::istringstream lines(*text);
+  for (std::string line; std::getline(lines, line);) {
+    std::error_code ignored;
+    if (line == "light") memory.look.light = true;
+    if (line == "projector") memory.look.projector = true;
+    if (line == "language en") memory.language = Language::english;
+    if (line == "language pt") memory.language = Language::portuguese;
+    if (line.starts_with("recent ") && memory.recent.size() < kMostRecent &&
+        fs::exists(line.substr(7), ignored))
+      memory.recent.push_back(line.substr(7));
+  }
+  return memory;
+}
+
+void remember(const Memory& memory, const fs::path& file) {
+  if (file.empty()) return;
+  std::string text;
+  if (memory.look.light) text += "light\n";
+  if (memory.look.projector) text += "projector\n";
+  if (memory.language)
+    text += *memory.language == Language::portuguese ? "language pt\n" : "language en\n";
+  for (const std::string& path : memory.recent)
+    if (path.find('\n') == std::string::npos) text += "recent " + path + "\n";
+  std::error_code ignored;
+  fs::create_directories(file.parent_path(), ignored);
+  (void)write_file(file, text);
+}
+
+void MemoryKeeper::opened(const std::string& path) {
+  memory_.opened(path);
+  remember(memory_, memory_file());
+}
+
+void MemoryKeeper::looks(const Look& look, Language now) {
+  Memory next = memory_;
+  next.look = look;
+  if (std::exchange(language_, now) != now) next.language = now;
+  if (next == memory_) return;
+  memory_ = std::move(next);
+  remember(memory_, memory_file());
+}
+
+std::vector<std::string> sample_scenes() {
+  std::vector<std::string> scenes;
+  std::error_code error;
+  fs::path folder = fs::read_symlink("/proc/self/exe", error).parent_path();
+  for (int up = 0; up < 4 && !folder.empty() && scenes.empty(); ++up) {
+    for (const fs::path& there : {folder / "scenes", folder / "share/raio/scenes"})
+      for (const auto& entry : fs::directory_iterator(there, error))
+        if (entry.path().extension() == ".nff") scenes.push_back(entry.path().string());
+    folder = folder.parent_path();
+  }
+  std::ranges::sort(scenes);
+  return scenes;
+}
+
+}  // namespace raio::view

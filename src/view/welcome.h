@@ -1,0 +1,20 @@
+// What there is to see without a scene: those that were open, and those that come with Raio.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "view/layout.h"
+
+namespace raio::view {
+
+struct WelcomeResult {
+  std::optional<std::string> open;  // a scene was chosen
+  bool asks = false;                // for the dialog
+};
+
+WelcomeResult draw_welcome(const Rect& where, const std::vector<std::string>& recent,
+                           const std::vector<std::string>& samples);
+
+}  // namespace raio::view
