@@ -173,10 +173,12 @@ void WindowDriver::hold(unsigned long keysym, bool down) {
 
 void WindowDriver::key(unsigned long keysym, Held held) {
   constexpr unsigned long kShift = 0xffe1, kCtrl = 0xffe3;
-  const unsigned long other = held == Held::shift ? kShift : held == Held::ctrl ? kCtrl : 0;
-  if (other) hold(other, true);
+  std::vector<unsigned long> others;
+  if (held == Held::ctrl || held == Held::ctrl_shift) others.push_back(kCtrl);
+  if (held == Held::shift || held == Held::ctrl_shift) others.push_back(kShift);
+  for (const unsigned long other : others) hold(other, true);
   hold(keysym, true), hold(keysym, false);
-  if (other) hold(other, false);
+  for (const unsigned long other : others) hold(other, false);
 }
 
 void WindowDriver::move(int x, int y) {

@@ -58,7 +58,7 @@ class WindowDriver {
   std::optional<Picture> picture(size_t from, int samples = 1);
 
   // Places are those in the picture with which the window opens.
-  enum class Held { nothing, shift, ctrl };
+  enum class Held { nothing, shift, ctrl, ctrl_shift };
   void key(unsigned long keysym, Held held = Held::nothing);
   void hold(unsigned long keysym, bool down);
   void move(int x, int y);

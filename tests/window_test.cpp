@@ -343,6 +343,7 @@ TEST_F(WindowTest, WearsOtherColoursAndBigType) {
   ASSERT_TRUE(window->wait_for("size: 1x", from)) << window->log();
   from = window->mark();
   window->key(XK_b);
+  ASSERT_TRUE(window->wait_for("usual type", from)) << window->log();
   ASSERT_TRUE(window->wait_for("size: 160x120", from)) << window->log();
 }
 
@@ -370,6 +371,53 @@ TEST_F(WindowTest, FillsTheScreenAndComesBack) {
   window->key(XK_Escape);
   ASSERT_TRUE(window->wait_for("size: 160x120", from)) << window->log();
   EXPECT_TRUE(window->is_running());
+}
+
+TEST_F(WindowTest, EveryOtherKeyAnswers) {
+  const auto window = open();
+  const auto says = [&](unsigned long key, const char* said, Held held = Held::nothing) {
+    const size_t from = window->mark();
+    window->key(key, held);
+    EXPECT_TRUE(window->wait_for(said, from)) << said << window->log();
+  };
+  // A key that is pressed again at once counts as held.
+  says(XK_space, "paused");
+  says(XK_f, "the scene fits");
+  says(XK_space, "goes on");
+  says(XK_Home, "the scene's own camera");
+  says(XK_c, "copied: .* render scene.nff .* -o scene.png");
+  says(XK_z, "undone", Held::ctrl);
+  says(XK_z, "made again", Held::ctrl_shift);
+  says(XK_x, "side by side");
+  says(XK_r, "reflection off");
+  says(XK_x, "one picture");
+}
+
+TEST_F(WindowTest, ToolsDoWhatTheirKeysDo) {
+  const auto window = open();
+  const auto place = window->wait_for("place: ([0-9]+),([0-9]+)", 0);
+  ASSERT_TRUE(place);
+  const int left = std::stoi(place->groups[1]), top = std::stoi(place->groups[2]);
+  // Two tools, a gap, two more, a gap, and the effects, each as wide as two heights of the text.
+  for (const auto& [x, said] : {std::pair(159, "antialiasing on"),
+                                {189, "soft shadows on"},
+                                {219, "depth of field on"},
+                                {249, "reflection off"},
+                                {279, "refraction off"},
+                                {90, "undone"},
+                                {120, "made again"}}) {
+    const size_t from = window->mark();
+    window->move(x - left, 21 - top);
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    window->button(1, true);
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    window->button(1, false);
+    ASSERT_TRUE(window->wait_for(said, from)) << said << window->log();
+  }
+  // From the tool bar straight to the picture: the click is the picture's.
+  const size_t from = window->mark();
+  window->click(111, 60);
+  EXPECT_TRUE(window->wait_for("focus on sphere 1", from)) << window->log();
 }
 
 TEST_F(WindowTest, OpensASceneByItsNameAndRemembersIt) {

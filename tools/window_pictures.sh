@@ -6,7 +6,7 @@ set -euo pipefail
 cd "${BASH_SOURCE[0]%/*}/.."
 pictures=$PWD/docs/pictures
 frames=$(mktemp -d)
-export DISPLAY=:88 LIBGL_ALWAYS_SOFTWARE=1
+export DISPLAY=:88 LIBGL_ALWAYS_SOFTWARE=1 LC_ALL=C.UTF-8 XDG_STATE_HOME=$frames
 Xvfb "$DISPLAY" -screen 0 1280x900x24 -nolisten tcp >"$frames/display.log" 2>&1 &
 trap 'kill %1; rm -rf "$frames"' EXIT
 sleep 1
@@ -21,6 +21,10 @@ open() {
 }
 keys() { for key; do xdotool key "$key"; done; }
 shoot() { import -window "$window" -depth 8 -strip "$@"; }
+# Without the bars above and below it.
+shoot_picture() {
+  shoot -gravity north -chop 0x42 -gravity south -chop 0x29 -gravity center -crop 3:2 +repage -resize 480x320 "$@"
+}
 close() {
   keys q
   wait %%
@@ -35,19 +39,19 @@ close
 open 2 scenes/shapes.nff --size 480x320 "${lights[@]}" --dof --aperture 0.06
 keys h d d x
 sleep 5
-shoot -gravity center -crop 3:2 +repage -resize 480x320 "$pictures/view-split.png"
+shoot_picture "$pictures/view-split.png"
 close
 
 open 2 scenes/sphereflake.nff --size 480x320 --accel grid --grid-factor 2
 keys h 6
 sleep 3
-shoot -gravity center -crop 3:2 +repage -resize 480x320 "$pictures/view-steps.png"
+shoot_picture "$pictures/view-steps.png"
 close
 
 open 3 scenes/shapes.nff "${lights[@]}"
-xdotool mousemove 400 330 mousedown 1
+xdotool mousemove 400 372 mousedown 1
 for i in {1..20}; do
-  xdotool mousemove $((400 + (i > 10 ? 20 - i : i) * 14)) $((330 - i))
+  xdotool mousemove $((400 + (i > 10 ? 20 - i : i) * 14)) $((372 - i))
   sleep 0.1
   shoot "$(printf '%s/turn%02d.png' "$frames" "$i")"
 done

@@ -2,6 +2,8 @@
 // dialogs. It knows which dialogs are open, and nothing else.
 #pragma once
 
+#include <imgui.h>
+
 #include <optional>
 #include <string>
 #include <utility>
@@ -36,6 +38,11 @@ class Controls {
   FileDialog files;
 
   void switch_help() { shows_help_ = !shows_help_; }
+  /// Is there anything that may cover the picture?
+  bool has_dialog() const {
+    return shows_help_ || files.is_open() ||
+           ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel);
+  }
   /// Closes a dialog. Whether one was open.
   bool close() {
     const bool was_open = files.is_open() || shows_help_;

@@ -201,6 +201,7 @@ constexpr auto kTexts = std::to_array<std::pair<const char*, const char*>>({
     {"copied, but the file lacks your changes; Ctrl+S saves them: {}",
      "copiado, mas o arquivo não tem as mudanças; Ctrl+S salva: {}"},
     {"view: {}", "vista: {}"},
+    {"usual type", "letras normais"},
     {"dark colours", "cores escuras"},
     {"full screen; F11 ends it", "tela cheia; F11 volta"},
     {"window", "janela"},

@@ -84,7 +84,7 @@ class Viewer final : public WindowEvents {
     needs_drawing();
     if (number > GLFW_MOUSE_BUTTON_MIDDLE) return;
     const auto which = Gestures::Button(number);
-    if (down && Window::is_over_controls()) return;
+    if (down && is_covered()) return;
     if (down)
       gestures_.press(which, shift);
     else if (gestures_.release(which))
@@ -96,7 +96,7 @@ class Viewer final : public WindowEvents {
   }
   void scrolled(double steps, bool ctrl) override {
     needs_drawing();
-    if (Window::is_over_controls() || !stage_.contains(gestures_.x(), gestures_.y())) return;
+    if (is_covered() || !stage_.contains(gestures_.x(), gestures_.y())) return;
     if (ctrl || shows_focus()) {
       state_.scale_aperture(float(std::pow(1.1, steps)));
       if (!state_.is_on(Command::depth_of_field)) (void)state_.toggle(Command::depth_of_field);
@@ -126,6 +126,10 @@ class Viewer final : public WindowEvents {
   void complain(std::string message) { say(std::move(message), true); }
 
   bool is_moving() const { return now() < moving_until_; }
+  // The picture, at the cursor.
+  bool is_covered() const {
+    return state_.path.empty() || (controls_.has_dialog() && Window::is_over_controls());
+  }
   bool shows_focus() const { return now() < focus_until_; }
 
   Pick pick_at(double x, double y) const {
@@ -245,6 +249,8 @@ class Viewer final : public WindowEvents {
         bool& changed = key.command == Command::theme ? look.light : look.projector;
         changed = !changed;
         window_.set_look(look);
+        if (key.command == Command::projector)
+          return say(look.projector ? tr("big type") : tr("usual type"));
         return say(look.light ? tr("light colours") : tr("dark colours"));
       }
       case Command::full_screen:
@@ -479,9 +485,7 @@ class Viewer final : public WindowEvents {
 
   // What the picture shows where the cursor is; nothing while something moves.
   ReadOut under_cursor() const {
-    if (state_.path.empty() || Window::is_over_controls() || gestures_.is_busy() || is_waiting() ||
-        is_moving())
-      return {};
+    if (is_covered() || gestures_.is_busy() || is_waiting() || is_moving()) return {};
     const double x = gestures_.x(), y = gestures_.y();
     return read_out(state_, *pictures_.main.picture, stage_.across(x), stage_.down(y),
                     pick_at(x, y));

@@ -48,7 +48,7 @@ class Window {
   bool is_hidden() const;  // minimised, or without a pixel
   bool is_held(int key) const;
   static bool is_typing();         // into a field
-  static bool is_over_controls();  // the cursor, or a dialog is open
+  static bool is_over_controls();  // the cursor, in the last frame
   static bool is_busy();           // a control is held
 
   double width() const;
