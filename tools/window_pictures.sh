@@ -23,7 +23,8 @@ keys() { for key; do xdotool key "$key"; done; }
 shoot() { import -window "$window" -depth 8 -strip "$@"; }
 # Without the bars above and below it.
 shoot_picture() {
-  shoot -gravity north -chop 0x42 -gravity south -chop 0x29 -gravity center -crop 3:2 +repage -resize 480x320 "$@"
+  shoot png:- | convert - -gravity north -chop 0x42 -gravity south -chop 0x29 \
+    -gravity center -crop 3:2 +repage -resize 480x320 "$1"
 }
 close() {
   keys q

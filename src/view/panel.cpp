@@ -129,13 +129,15 @@ RenderOptions used_options(const ViewState& state, RenderOptions options) {
   return used;
 }
 
-void draw_options(ViewState& state, PanelResult& result) {
+void draw_options(ViewState& state, const PanelFacts& facts, PanelResult& result) {
   ImGui::PushItemWidth(9 * em());
   for (const OptionSpec& spec : render_option_table()) {
     if (!spec.of_window) continue;
     RenderOptions options = state.options;
     set_camera(options, state.camera, *state.scene);
-    const auto entered = draw_option(options, used_options(state, options), spec);
+    RenderOptions used = used_options(state, options);
+    used.width = facts.costs.picture_width, used.height = facts.costs.picture_height;
+    const auto entered = draw_option(options, used, spec);
     if (ImGui::IsItemHovered())
       ImGui::SetTooltip("%s", fmt::format("--{} {}\n{}", spec.name, spec.value_name,
                                           with_settings(spec.help, "--"))
@@ -208,7 +210,7 @@ PanelResult draw_panel(ViewState& state, const PanelFacts& facts, const Rect& wh
   if (open_section("All combinations of effects", false) && draw_table(facts.costs))
     result.pressed.push_back(&key_of(Command::measure));
   if (open_section("Scene", false)) result.changed |= draw_scene(state);
-  if (open_section("All options", false)) draw_options(state, result);
+  if (open_section("All options", false)) draw_options(state, facts, result);
   if (open_section("Window", false)) draw_window_options(facts, result);
   ImGui::End();
   result.dragging = ImGui::IsAnyItemActive() && ImGui::IsMouseDown(ImGuiMouseButton_Left);

@@ -57,24 +57,25 @@ constexpr std::array kHeavy = {"/usr/share/fonts/opentype/inter/Inter-SemiBold.o
 constexpr std::array kMedium = {"/usr/share/fonts/opentype/inter/Inter-Medium.otf"};
 
 template <size_t N>
-ImFont* load(const std::array<const char*, N>& files, float size) {
-  // Western Europe's letters, and the sign of infinity.
-  static constexpr std::array<ImWchar, 5> kLetters = {0x20, 0x17f, 0x221e, 0x221e, 0};
+ImFont* load(const std::array<const char*, N>& files, float size, const ImWchar* letters) {
   std::error_code ignored;
   for (const char* file : files)
     if (std::filesystem::exists(file, ignored))
-      return ImGui::GetIO().Fonts->AddFontFromFileTTF(file, std::round(size), nullptr,
-                                                      kLetters.data());
+      return ImGui::GetIO().Fonts->AddFontFromFileTTF(file, std::round(size), nullptr, letters);
   return nullptr;
 }
 
 void load_fonts(const Look& look, float scale) {
   ImGuiIO& io = ImGui::GetIO();
   io.Fonts->Clear();
-  ImFont* body = look.projector ? load(kMedium, g_em) : nullptr;
-  if (!body) body = load(kRegular, g_em);
-  g_heading = load(kHeavy, g_em);
-  g_title = load(kHeavy, 2 * g_em);
+  // Western Europe's letters and the sign of infinity, and those of the one title: each letter
+  // costs time when the window opens.
+  static constexpr std::array<ImWchar, 5> kAll = {0x20, 0xff, 0x221e, 0x221e, 0};
+  static constexpr std::array<ImWchar, 9> kTitle = {'R', 'R', 'a', 'a', 'i', 'i', 'o', 'o', 0};
+  ImFont* body = look.projector ? load(kMedium, g_em, kAll.data()) : nullptr;
+  if (!body) body = load(kRegular, g_em, kAll.data());
+  g_heading = load(kHeavy, g_em, kAll.data());
+  g_title = load(kHeavy, 2 * g_em, kTitle.data());
   io.FontGlobalScale = 1;
   if (!body) {
     body = io.Fonts->AddFontDefault();
