@@ -350,12 +350,12 @@ TEST_F(WindowTest, WearsOtherColoursAndBigType) {
 TEST_F(WindowTest, HelpTakesTheKeysUntilEscape) {
   const auto window = open();
   window->key(XK_F1);
-  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  ASSERT_TRUE(window->wait_for(" types", 0)) << window->log();
   const size_t from = window->mark();
   window->key(XK_a);  // into the search
   std::this_thread::sleep_for(std::chrono::milliseconds(200));
   window->key(XK_F1);
-  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  ASSERT_TRUE(window->wait_for(" typed", from)) << window->log();
   window->key(XK_s);
   ASSERT_TRUE(window->wait_for("soft shadows on", from)) << window->log();
   EXPECT_EQ(window->log().find("antialiasing on"), std::string::npos) << window->log();
@@ -425,7 +425,7 @@ TEST_F(WindowTest, OpensASceneByItsNameAndRemembersIt) {
   EXPECT_EQ(window->title(), "Raio");
   size_t from = window->mark();
   window->key(XK_o, Held::ctrl);
-  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  ASSERT_TRUE(window->wait_for(" types", from)) << window->log();
   for (const unsigned long key : {XK_s, XK_c, XK_e, XK_n, XK_e, XK_period, XK_n, XK_f, XK_f})
     window->key(key);
   window->key(XK_Return);
@@ -441,9 +441,9 @@ TEST_F(WindowTest, OpensASceneByItsNameAndRemembersIt) {
 TEST_F(WindowTest, EscapeClosesTheDialogAndNotTheWindow) {
   const auto window = open();
   window->key(XK_o, Held::ctrl);
-  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  ASSERT_TRUE(window->wait_for(" types", 0)) << window->log();
   window->key(XK_Escape);  // leaves the field
-  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  ASSERT_TRUE(window->wait_for(" typed", 0)) << window->log();
   window->key(XK_Escape);
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
   const size_t from = window->mark();
@@ -459,7 +459,7 @@ TEST_F(WindowTest, SavesTheSceneAsItIsSeen) {
   const auto moved = window->picture(rest->next - 1);
   size_t from = window->mark();
   window->key(XK_s, Held::ctrl);
-  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  ASSERT_TRUE(window->wait_for(" types", from)) << window->log();
   window->key(XK_Return);
   ASSERT_TRUE(window->wait_for("saved the scene as .*/scene-2.nff", from)) << window->log();
   EXPECT_EQ(get(file("scene.nff")), kScene);

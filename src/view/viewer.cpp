@@ -479,6 +479,7 @@ class Viewer final : public WindowEvents {
     window_.end_frame();
     window_.set_title(state_.path.empty() ? "Raio" : state_.title());
     keeper_.looks(window_.look(), language());
+    if (std::exchange(typing_, Window::is_typing()) != typing_) log(typing_ ? "types" : "typed");
     log_picture(pictures_.main, "picture");
     log_picture(pictures_.other, "other");
   }
@@ -564,7 +565,7 @@ class Viewer final : public WindowEvents {
   bool moved_ = false;  // the newest request is one of a movement
   double requested_at_ = 0;
   Message message_;
-  bool says_error_ = false;
+  bool says_error_ = false, typing_ = false;  // into a field
   std::string switched_, to_save_;
   double before_s_ = 0;
 };
