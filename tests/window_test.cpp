@@ -432,6 +432,7 @@ TEST_F(WindowTest, OpensASceneByItsNameAndRemembersIt) {
   ASSERT_TRUE(window->wait_for("opened scene.nff", from)) << window->log();
   ASSERT_TRUE(window->picture(from)) << window->log();
   EXPECT_THAT(window->title(), HasSubstr("scene"));
+  ASSERT_TRUE(window->wait_for(" typed", from)) << window->log();
   from = window->mark();
   window->key(XK_a);
   EXPECT_TRUE(window->wait_for("antialiasing on", from)) << "the dialog keeps the keys";
@@ -466,6 +467,7 @@ TEST_F(WindowTest, SavesTheSceneAsItIsSeen) {
   const auto again = window->picture(from);
   ASSERT_TRUE(again) << window->log();
   EXPECT_EQ(again->sum, moved->sum);
+  ASSERT_TRUE(window->wait_for(" typed", from)) << window->log();
   // The file is the picture, without a camera on the command line.
   from = window->mark();
   window->key(XK_p);

@@ -33,6 +33,11 @@ class SceneFile {
   /// Reads another file, and follows it from then on if it is a scene.
   void open(std::string path);
 
+  /// Of the file: where dialogs begin.
+  std::filesystem::path folder() const {
+    const auto parent = std::filesystem::path(path_).parent_path();
+    return parent.empty() ? "." : parent;
+  }
   /// Follows a file that was just written.
   void follow(std::string path);
 

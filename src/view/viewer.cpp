@@ -263,22 +263,16 @@ class Viewer final : public WindowEvents {
         if (key.key == GLFW_KEY_ESCAPE && leave()) return needs_drawing();
         return window_.close();
       case Command::open:
-        controls_.files.ask(FileDialog::Purpose::open, folder(), {});
+        controls_.files.ask(FileDialog::Purpose::open, file_.folder(), {});
         return needs_drawing();
       case Command::save_scene: {
         if (state_.path.empty()) return say(tr("no scene is open"));
-        const std::string name = free_name((folder() / state_.scene->name).string(), ".nff");
-        controls_.files.ask(FileDialog::Purpose::save, folder(),
+        const std::string name = free_name((file_.folder() / state_.scene->name).string(), ".nff");
+        controls_.files.ask(FileDialog::Purpose::save, file_.folder(),
                             std::filesystem::path(name).filename().string());
         return needs_drawing();
       }
     }
-  }
-
-  // Of the scene, where the dialogs begin.
-  std::filesystem::path folder() const {
-    const auto parent = std::filesystem::path(state_.path).parent_path();
-    return parent.empty() ? "." : parent;
   }
 
   void save_scene(const std::string& path) {
