@@ -193,9 +193,10 @@ INSTANTIATE_TEST_SUITE_P(Pages, Page,
                          testing::Values("README.md", "ARCHITECTURE.md", "docs/long-renders.md",
                                          "docs/nff.md", "docs/sampling.md", "docs/shading.md",
                                          "docs/statistics.md", "docs/verify.md", "docs/channels.md",
-                                         "docs/library.md", "docs/experiments.md",
-                                         "docs/performance.md", "docs/raio-scene.md",
-                                         "docs/view.md", "docs/pictures.md", "CONTRIBUTING.md"),
+                                         "docs/explain.md", "docs/library.md",
+                                         "docs/experiments.md", "docs/performance.md",
+                                         "docs/raio-scene.md", "docs/view.md", "docs/pictures.md",
+                                         "CONTRIBUTING.md"),
                          [](const auto& page) {
                            std::string name = fs::path(page.param).stem().string();
                            std::erase(name, '-');
@@ -206,7 +207,8 @@ TEST(Readme, ShowsCommandsOfEveryKind) {
   std::set<std::string> subcommands;
   for (const std::string& command : commands_of(kRoot / "README.md"))
     subcommands.insert(words(command).at(1));
-  for (const char* name : {"render", "bench", "info", "generate", "compare", "export", "spd"})
+  for (const char* name :
+       {"render", "bench", "info", "explain", "generate", "compare", "export", "spd"})
     EXPECT_TRUE(subcommands.contains(name)) << name;
 }
 

@@ -24,6 +24,8 @@ AccelResult make_accel(Geometry&& geometry, const AccelOptions& options) {
 
 }  // namespace
 
+std::optional<TraceLog> Accel::log(const Ray&, bool) const { return std::nullopt; }
+
 std::expected<std::unique_ptr<Accel>, Error> build_accel(const Scene& scene,
                                                          const AccelOptions& options,
                                                          bool one_sided) {

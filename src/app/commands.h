@@ -2,6 +2,7 @@
 // status. This room is the only one that prints.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -61,6 +62,15 @@ struct InfoCommand {
   bool json = false;
 };
 int run(const InfoCommand& command);
+
+struct ExplainCommand {
+  std::string scene;
+  std::array<int, 2> pixel{0, 0};  // column, row
+  int sample = 0;
+  bool json = false;
+  RenderOptions options;
+};
+int run(const ExplainCommand& command);
 
 struct GenerateCommand {
   std::string name;
