@@ -177,6 +177,29 @@ TEST_F(Commands, ExplainTellsTheTreeOfRays) {
   EXPECT_THAT(err_, HasSubstr("a pixel has 1 sample, numbered from 0; found 1"));
 }
 
+TEST_F(Commands, ExplainDrawsTheRays) {
+  const std::string scene = file("some.nff", kScene);
+  RenderOptions options;
+  for (const AccelKind kind : {AccelKind::none, AccelKind::grid, AccelKind::bvh})
+    for (const std::optional<Vec3d> from :
+         {std::optional<Vec3d>(), {{5.0, 1, 2}}, {{0.0, -5, 0}}}) {
+      options.accel.kind = kind;
+      ExplainCommand explain{.scene = scene, .pixel = {20, 15}, .options = options};
+      explain.plot = path("rays.svg");
+      explain.plot_from = from;
+      EXPECT_EQ(run_captured(explain), kDone) << err_;
+      std::ifstream svg(explain.plot);
+      const std::string drawn(std::istreambuf_iterator<char>(svg), {});
+      EXPECT_THAT(drawn, HasSubstr("<svg"));
+      EXPECT_THAT(drawn, HasSubstr("<image"));
+      EXPECT_THAT(drawn, Not(HasSubstr("nan")));
+      EXPECT_THAT(drawn, Not(HasSubstr("inf")));
+      explain.plot = path("rays.jpg");
+      EXPECT_EQ(run_captured(explain), kBadInput);
+      EXPECT_THAT(err_, HasSubstr(".png, .svg or .pdf"));
+    }
+}
+
 TEST_F(Commands, InfoOfASceneOfPlanesHasNoBounds) {
   const std::string scene = file("planes.nff",
                                  "b 0 0 0\nv\nfrom 0 0 5\nat 0 0 0\nup 0 1 0\nangle 40\nhither 0\n"

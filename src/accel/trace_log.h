@@ -28,7 +28,7 @@ struct TraceLog {
     uint32_t node = 0;  // a leaf's number is that of its block among those of its kind
     bool leaf = false;
     int depth = 0;
-    Box3f box{};            // of a node or leaf
+    Box3f box{};
     size_t first_test = 0;  // its tests are from here to those of the next step
   };
   std::vector<Step> steps;

@@ -414,11 +414,32 @@ void add_pixel(CLI::App& app, std::array<int, 2>& pixel) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
 }
 
+void add_place(CLI::App& app, const std::string& name, std::optional<Vec3d>& place,
+               const std::string& help) {
+  const auto set = [&place, name](const std::string& text) {
+    Vec3d p;
+    const char *at = text.data(), *const end = at + text.size();
+    for (int a = 0; a < 3; ++a) {
+      const auto [rest, error] = std::from_chars(at, end, p[a]);
+      const bool ended = a == 2 ? rest == end : rest != end && *rest == ',';
+      if (error != std::errc() || !ended || !std::isfinite(p[a]))
+        throw CLI::ValidationError(
+            name, fmt::format("expected three coordinates, as in 1,2,3, found '{}'", text));
+      at = rest + 1;
+    }
+    place = p;
+  };
+  app.add_option_function<std::string>(name, set, help)
+      ->type_name("X,Y,Z")
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+}
+
 void add_explain(CLI::App& app, ExplainCommand& explain, int& status) {
   auto* sub = app.add_subcommand("explain", "Tell what a pixel is made of, ray by ray");
   sub->footer(examples({"raio explain balls.nff --pixel 256,256",
                         "raio explain balls.nff --pixel 256,256 --accel grid --aa 4 --sample 7 "
-                        "--json"}));
+                        "--json",
+                        "raio explain balls.nff --pixel 256,256 --plot rays.svg"}));
   add_scene(*sub, explain.scene);
   add_pixel(*sub, explain.pixel);
   add_number(*sub, "--sample", explain.sample, 0, kMaxSamples,
@@ -426,6 +447,10 @@ void add_explain(CLI::App& app, ExplainCommand& explain, int& status) {
   sub->add_flag("--json", explain.json,
                 "Print one JSON object, with the cells or nodes that each ray visits and the "
                 "primitives that it is tested against");
+  add_file(*sub, "--plot", explain.plot,
+           "Draw the rays into the scene, seen from aside: .png .svg .pdf by suffix");
+  add_place(*sub, "--plot-from", explain.plot_from,
+            "Where --plot is seen from (default: aside and above)");
   add_render_options(*sub, explain.options,
                      {"size",
                       "from",
@@ -453,6 +478,10 @@ void add_explain(CLI::App& app, ExplainCommand& explain, int& status) {
                       "threads",
                       "seed"});
   sub->callback([&] {
+    if (explain.plot_from && explain.plot.empty())
+      throw CLI::ParseError("--plot-from has no effect without --plot; add it", kBadInput);
+    if (explain.plot == "-")
+      throw CLI::ParseError("--plot: standard output has the text; name a file", kBadInput);
     refuse_conflict(explain.options);
     status = run_on_threads(explain);
   });

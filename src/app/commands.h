@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -68,6 +69,8 @@ struct ExplainCommand {
   std::array<int, 2> pixel{0, 0};  // column, row
   int sample = 0;
   bool json = false;
+  std::string plot = {};             // file; empty: none
+  std::optional<Vec3d> plot_from{};  // where the plot is seen from; else from aside
   RenderOptions options;
 };
 int run(const ExplainCommand& command);

@@ -1,5 +1,5 @@
 // raio explain: one sample of a pixel as a tree of rays, for people or as JSON.
-#include "integrate/explain.h"
+#include "app/explain.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "app/commands.h"
 #include "app/json.h"
 #include "app/output.h"
 #include "app/terminal.h"
@@ -20,15 +19,7 @@ namespace {
 using Kind = ExplainedRay::Kind;
 
 constexpr std::string_view kKindNames[] = {"eye", "reflection", "refraction", "shadow"};
-std::string_view name_of(Kind kind) { return kKindNames[size_t(kind)]; }
-
-struct Explained {
-  const Scene& scene;
-  const ExplainCommand& command;
-  const RenderSettings& settings;
-  const Explanation& sample;
-  std::vector<std::optional<TraceLog>> logs;  // of each ray
-};
+std::string_view word_of(Kind kind) { return kKindNames[size_t(kind)]; }
 
 // The shortest digits that give the number back.
 std::string text_of(Vec3f v) { return fmt::format("{} {} {}", v.x, v.y, v.z); }
@@ -40,18 +31,6 @@ std::string counted(uint64_t count, std::string_view one, std::string_view many)
   return fmt::format("{} {}", count, count == 1 ? one : many);
 }
 
-std::string name_of(PrimitiveId id) {
-  return fmt::format("{} {}", kPrimitiveKindNames[size_t(primitive_kind(id))], primitive_index(id));
-}
-
-// What stopped a shadow ray.
-const TraceLog::Test* stopper(const std::optional<TraceLog>& log) {
-  if (!log) return nullptr;
-  for (const TraceLog::Test& test : log->tests)
-    if (test.nearest) return &test;
-  return nullptr;
-}
-
 class TextTree {
  public:
   explicit TextTree(const Explained& what) : what_(what), children_(what.sample.rays.size()) {
@@ -60,7 +39,7 @@ class TextTree {
   }
 
   std::string text() {
-    const auto& [scene, command, o, sample, logs] = what_;
+    const auto& [scene, accel, command, o, sample, logs] = what_;
     out_ = fmt::format("{}, pixel {},{} of {}x{}, sample {} of {}\ncolour  {}\n", scene.name,
                        command.pixel[0], command.pixel[1], o.width, o.height, command.sample,
                        o.samples_per_pixel(), text_of(sample.rgb));
@@ -83,7 +62,7 @@ class TextTree {
 
   void add_ray(size_t i, const std::string& indent) {
     const ExplainedRay& r = what_.sample.rays[i];
-    out_ += fmt::format("\n{}{} ray, level {}, weight {}, adds {}\n", indent, name_of(r.kind),
+    out_ += fmt::format("\n{}{} ray, level {}, weight {}, adds {}\n", indent, word_of(r.kind),
                         r.level, r.weight.x, text_of(r.brings));
     const std::string in = indent + "  ";
     line(in, "from", text_of(place(what_.scene, r.ray.origin)));
@@ -178,7 +157,7 @@ Json json_of(const Explained& what, size_t id) {
   const bool hit = r.hit.found() || by;
   Json json{{"id", id},
             {"parent", r.parent < 0 ? Json(nullptr) : Json(r.parent)},
-            {"kind", name_of(r.kind)},
+            {"kind", word_of(r.kind)},
             {"level", r.level},
             {"light", r.light < 0 ? Json(nullptr) : Json(r.light)},
             {"origin", json_of(place(what.scene, r.ray.origin))},
@@ -214,8 +193,23 @@ Json json_of(const Explained& what, size_t id) {
   return json;
 }
 
-std::string json_text_of(const Explained& what) {
-  const auto& [scene, command, o, sample, logs] = what;
+}  // namespace
+
+std::string name_of(PrimitiveId id) {
+  return fmt::format("{} {}", kPrimitiveKindNames[size_t(primitive_kind(id))], primitive_index(id));
+}
+
+const TraceLog::Test* stopper(const std::optional<TraceLog>& log) {
+  if (!log) return nullptr;
+  for (const TraceLog::Test& test : log->tests)
+    if (test.nearest) return &test;
+  return nullptr;
+}
+
+std::string explained_text(const Explained& what) { return TextTree(what).text(); }
+
+std::string explained_json(const Explained& what) {
+  const auto& [scene, accel, command, o, sample, logs] = what;
   Json json{{"version", RAIO_VERSION},
             {"scene", scene.name},
             {"pixel", command.pixel},
@@ -226,10 +220,13 @@ std::string json_text_of(const Explained& what) {
   return json_text(json);
 }
 
-}  // namespace
-
 int run(const ExplainCommand& command) {
   const StopOnSignal stop;
+  if (!command.plot.empty()) {
+    if (const auto format = plot_format(command.plot); !format) return bad_input(format.error());
+    if (const auto writable = check_writable(command.plot); !writable)
+      return fail(writable.error());
+  }
   const auto scene = load_scene(command.scene);
   if (!scene) return scene.error();
   RenderOptions options = command.options;
@@ -254,10 +251,13 @@ int run(const ExplainCommand& command) {
 
   const auto sample = explain_sample(*scene, **accel, settings, x, y, uint32_t(command.sample));
   if (!sample) return fail(sample.error());
-  Explained what{*scene, command, settings, *sample, {}};
+  Explained what{*scene, **accel, command, settings, *sample, {}};
   for (const ExplainedRay& r : sample->rays)
     what.logs.push_back(r.traced ? (*accel)->log(r.ray, r.kind == Kind::shadow) : std::nullopt);
-  return deliver("-", command.json ? json_text_of(what) : TextTree(what).text());
+  const int status = deliver("-", command.json ? explained_json(what) : explained_text(what));
+  if (command.plot.empty() || status != kDone) return status;
+  const auto picture = draw_explained(what, *plot_format(command.plot));
+  return picture ? deliver(command.plot, *picture) : no_resource(picture.error());
 }
 
 }  // namespace raio::app

@@ -52,6 +52,8 @@ class Logged {
     for (int a = 0; a < 3; cell /= size_t(n[size_t(a)]), ++a) {
       step.cell[size_t(a)] = int(cell % size_t(n[size_t(a)]));
       step.t_max[a] = axes[a].next, log_.t_delta[a] = axes[a].stride;
+      step.box.lo[a] = float(lattice_.plane(step.cell[size_t(a)], a));
+      step.box.hi[a] = float(lattice_.plane(step.cell[size_t(a)] + 1, a));
     }
     log_.steps.push_back(step);
   }
