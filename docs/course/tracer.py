@@ -331,7 +331,7 @@ class Tracer:
                 mirrored = reflect(direction, flat)
             color += self.radiance(outside, mirrored, level + 1, samples, "reflected") * m.ks
         if m.transmission > 0:
-            eta = 1 / m.ior if enters else m.ior  # of the side that it leaves to the other
+            eta = 1 / m.ior if enters else m.ior  # index left / index entered
             bent = refract(direction, normal, eta)
             if bent and dot(bent, flat) >= 0:  # or keeps it from going through
                 bent = refract(direction, flat, eta)
@@ -377,7 +377,7 @@ def render(scene, options):
     return tracer
 
 def main():
-    parser = argparse.ArgumentParser(description="A ray tracer to read")
+    parser = argparse.ArgumentParser(description="A ray tracer to read; options as in raio render")
     parser.add_argument("scene")
     parser.add_argument("-o", "--output", required=True, metavar="PICTURE.ppm")
     parser.add_argument("--size", type=lambda s: [int(n) for n in s.split("x")], metavar="WxH")
