@@ -139,12 +139,13 @@ class Accel {
 };
 
 /// Bakes the scene, which must outlive the result, and builds the structure that `options` ask for
-/// (`automatic`: the best for the scene). `one_sided`: opaque surfaces are seen from outside only.
+/// (`automatic`: the best for the scene). `one_sided` and `with_sources` as for Geometry.
 /// Errors: memory that would not suffice (no_resource), options that do not fit together
 /// (bad_option).
 std::expected<std::unique_ptr<Accel>, Error> build_accel(const Scene& scene,
                                                          const AccelOptions& options,
-                                                         bool one_sided = false);
-void build_accel(Scene&&, const AccelOptions&, bool one_sided = false) = delete;
+                                                         bool one_sided = false,
+                                                         bool with_sources = false);
+void build_accel(Scene&&, const AccelOptions&, bool = false, bool = false) = delete;
 
 }  // namespace raio
