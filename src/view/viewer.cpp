@@ -372,12 +372,18 @@ class Viewer final : public WindowEvents {
     draw_label({stage_.area_lo.x + line, stage_.area_hi.y - 2 * line}, text, Beside::right);
   }
 
+  CostFacts cost_facts() const {
+    return {.picture = pictures_.main.picture,
+            .picture_width = stage_.picture_width,
+            .picture_height = stage_.picture_height,
+            .costs = measuring_.costs(),
+            .table = measuring_.table(),
+            .measuring = measuring_.work()};
+  }
+
   void draw_panel_and_obey() {
     PanelFacts facts;
-    facts.picture = pictures_.main.picture;
-    facts.picture_width = stage_.picture_width, facts.picture_height = stage_.picture_height;
-    facts.costs = measuring_.costs(), facts.table = measuring_.table();
-    facts.measuring = measuring_.work();
+    facts.costs = cost_facts();
     facts.errors = errors_;
     const PanelResult result = draw_panel(state_, facts, window_.panel_width());
     wants_costs_ = result.wants_costs;
