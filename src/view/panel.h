@@ -1,24 +1,18 @@
 // The panel beside the picture: effects, keys, statistics, costs, all options.
 #pragma once
 
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "io/diagnostics.h"
-#include "render/session.h"
-#include "view/measure.h"
+#include "view/costs_panel.h"
 #include "view/state.h"
 
 namespace raio::view {
 
 /// What the panel tells besides the state.
 struct PanelFacts {
-  std::shared_ptr<const SessionPicture> picture;  // may be null
-  int picture_width = 0, picture_height = 0;      // pixels
-  std::vector<EffectCost> costs;
-  std::optional<BenchmarkTable> table;
-  Measuring::Work measuring = Measuring::Work::none;
+  CostFacts costs;
   Diagnostics errors;  // of the file on the disk, when it is not that of the scene
 };
 

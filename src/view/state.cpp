@@ -135,7 +135,7 @@ RenderOptions ViewState::request(int width, int height, int samples) const {
     if (!varies) o.lens_samples = 0, o.sampler = std::nullopt;
     return o;
   }
-  const int most = o.samples > 0 ? o.samples : kMaxSamples;
+  const int most = o.samples > 0 ? o.samples : kRefineSamples;
   o.samples = samples > 0 ? samples : most;
   o.lens_samples = 0, o.sampler = std::nullopt;
   return o;

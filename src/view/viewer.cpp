@@ -13,6 +13,7 @@
 #include "render/render.h"
 #include "render/session.h"
 #include "view/camera_control.h"
+#include "view/comparison.h"
 #include "view/files.h"
 #include "view/gestures.h"
 #include "view/measure.h"
@@ -23,12 +24,14 @@
 namespace raio::view {
 namespace {
 
-constexpr double kFrameSeconds = 0.024;   // of rendering; drawing takes the rest of a 30th
-constexpr double kDrawGapSeconds = 0.03;  // between drawings that show no new picture
-constexpr double kRestSeconds = 0.15;     // after the last movement
-constexpr double kBeforeCosts = 0.8;      // of rest, until costs are measured
-constexpr double kFocusSeconds = 2.5;     // that the plane in focus is shown
-constexpr double kIdleSeconds = 0.1;      // between looks at the disk
+constexpr double kFrameSeconds = 0.024;    // of rendering; drawing takes the rest of a 30th
+constexpr double kDrawGapSeconds = 0.03;   // between drawings that show no new picture
+constexpr double kRestSeconds = 0.15;      // after the last movement
+constexpr double kBeforeCosts = 0.8;       // of rest, until costs are measured
+constexpr double kFocusSeconds = 2.5;      // that the plane in focus is shown
+constexpr double kIdleSeconds = 0.1;       // between looks at the disk
+constexpr double kSlowSeconds = 0.8;       // a first sample that takes longer shows its progress
+constexpr double kProgressSeconds = 0.25;  // between two drawings of that
 
 std::string text_of(Vec3f v) { return fmt::format("{:.6g},{:.6g},{:.6g}", v.x, v.y, v.z); }
 
@@ -147,10 +150,11 @@ class Viewer final : public WindowEvents {
     renew();
   }
 
-  // Tells the sessions what is wanted now.
-  void renew() {
+  // Tells the sessions what is wanted now. Whether it can be had.
+  bool renew() {
     const RenderOptions o = state_.request(stage_.picture_width, stage_.picture_height);
-    if (const auto why = option_conflict(o, state_.scene.get())) return say(why->text());
+    comparison_.end();
+    if (const auto why = option_conflict(o, state_.scene.get())) return say(why->text()), false;
     const double frame_s = is_moving() ? kFrameSeconds : 0;
     moved_ = frame_s > 0;
     pictures_.request(state_, stage_, frame_s);
@@ -158,6 +162,7 @@ class Viewer final : public WindowEvents {
     measuring_.cancel();
     costs_are_old_ = true;
     renew_other(frame_s);
+    return true;
   }
 
   void renew_other(double frame_s) {
@@ -173,17 +178,15 @@ class Viewer final : public WindowEvents {
       case Command::structure:
       case Command::reflection:
       case Command::refraction:
-        before_s_ = pictures_.main.picture ? pictures_.main.picture->pass_s : 0;
-        switched_ = state_.toggle(key.command);
-        say(switched_);
-        return renew();
+        return switch_effect(key.command);
       case Command::split:
         state_.split = !state_.split;
         say(state_.split ? "side by side with the last effect switched" : "one picture");
-        return renew();
+        return void(renew());
       case Command::pause:
         state_.paused = !state_.paused;
-        pictures_.pause(state_.paused);
+        if (measuring_.work() == Measuring::Work::costs) measuring_.cancel(), costs_are_old_ = true;
+        pictures_.pause(state_.paused || measuring_.busy());
         return say(state_.paused ? "paused" : "goes on");
       case Command::panel:
         state_.panel = !state_.panel;
@@ -192,12 +195,12 @@ class Viewer final : public WindowEvents {
       case Command::fit:
         state_.camera = fitted(state_.camera, bounds(*state_.scene), stage_.aspect());
         say("the scene fits");
-        return renew();
+        return void(renew());
       case Command::home:
         state_.camera = state_.scene->camera;
         moving_until_ = 0;
         say("the scene's own camera");
-        return renew();
+        return void(renew());
       case Command::save_png:
       case Command::save_exr:
         to_save_ = key.command == Command::save_png ? ".png" : ".exr";
@@ -211,12 +214,20 @@ class Viewer final : public WindowEvents {
       case Command::show_view:
         state_.show(View(key.key - '1'));
         say(fmt::format("view: {}", view_name(state_.options.view)));
-        return renew();
+        return void(renew());
       case Command::measure:
         return switch_table();
       case Command::quit:
         return window_.close();
     }
+  }
+
+  void switch_effect(Command effect) {
+    const auto before = pictures_.main.picture;
+    const uint64_t request = pictures_.main.request;
+    const std::string what = state_.toggle(effect);
+    log(what);
+    if (renew()) say(comparison_.begin(what, before.get(), request));
   }
 
   void focus_on(const Pick& pick) {
@@ -249,20 +260,42 @@ class Viewer final : public WindowEvents {
 
   // The costs, which are measured unasked, make way for the table.
   void switch_table() {
+    if (wants_table_) return wants_table_ = false, say("stopped");
     if (measuring_.work() == Measuring::Work::table) return measuring_.cancel();
     costs_are_old_ |= measuring_.busy();
     measuring_.cancel();
     wants_table_ = true;
-    say("measuring the sixteen; m stops");
-  }
-  void start_table() {
-    wants_table_ = false;
-    hold_back(true);
-    measuring_.start_table(state_, stage_.picture_width, stage_.picture_height);
+    say("measuring all combinations; m stops");
   }
 
-  // Whoever measures wants the machine for himself.
-  void hold_back(bool hold) const { pictures_.pause(hold || state_.paused); }
+  // Whoever measures wants the machine for themselves: sessions rest, and the window draws in
+  // pauses that are left for it.
+  void measure() {
+    if (measuring_.busy()) return;
+    if (!wants_table_ && !may_measure_costs()) {
+      if (std::exchange(is_holding_, false)) pictures_.pause(state_.paused);
+      return;
+    }
+    is_holding_ = true;
+    pictures_.pause(true);
+    if (!pictures_.are_idle()) return;
+    if (std::exchange(wants_table_, false)) {
+      measuring_.start_table(state_, stage_.picture_width, stage_.picture_height);
+    } else {
+      costs_are_old_ = false;
+      log("measures the costs");
+      measuring_.start_costs(state_, pictures_.main.picture->baked, stage_.picture_width,
+                             stage_.picture_height);
+    }
+  }
+
+  // At rest, and after the picture itself.
+  bool may_measure_costs() const {
+    const auto& picture = pictures_.main.picture;
+    return costs_are_old_ && wants_costs_ && !state_.paused && !is_moving() && picture &&
+           picture->request == pictures_.main.request && picture->sample_s.median > 0 &&
+           now() >= moving_until_ + kBeforeCosts && message_.age(now()) >= kBeforeCosts;
+  }
 
   void step() {
     const double time = now(), passed = time - std::exchange(last_step_, time);
@@ -279,7 +312,9 @@ class Viewer final : public WindowEvents {
     bool is_new = take_picture(pictures_.main);
     is_new |= take_picture(pictures_.other);
     save_when_whole();
-    measure_costs();
+    measure();
+    if (measuring_.has_news()) drawings_ = std::max(drawings_, 1);
+    if (progress_text() && time > last_draw_ + kProgressSeconds) drawings_ = std::max(drawings_, 1);
     if (window_.is_hidden()) {
       drawings_ = 0;
     } else if (is_new || (drawings_ > 0 && (!is_moving() || time > last_draw_ + kDrawGapSeconds))) {
@@ -298,11 +333,8 @@ class Viewer final : public WindowEvents {
     if (!side.take()) return false;
     const SessionPicture& p = *side.picture;
     if (p.error) say(p.error->text());
-    if (&side == &pictures_.main && !switched_.empty() && p.request == side.request &&
-        p.samples > 0) {
-      say(fmt::format("{}: {} a sample, before {}", std::exchange(switched_, {}),
-                      app::human_seconds(p.pass_s), app::human_seconds(before_s_)));
-    }
+    if (&side == &pictures_.main)
+      if (auto line = comparison_.take(p, side.request)) say(std::move(*line));
     return true;
   }
 
@@ -317,10 +349,21 @@ class Viewer final : public WindowEvents {
       log("command: " + written->command);
     }
     if (const auto done = measuring_.poll()) {
-      hold_back(false);
-      done->empty() ? log("measured the costs") : say(*done);
+      done->empty() ? log_costs() : say(*done);
+      needs_drawing();
     }
-    if (wants_table_ && !measuring_.busy()) start_table();
+  }
+
+  void log_costs() const {
+    for (const EffectCost& c : measuring_.costs().effects) log(cost_line(c));
+    log(measuring_.costs().finished ? "measured the costs" : "did not measure the costs");
+  }
+
+  // Of a picture that keeps its viewer waiting.
+  std::optional<std::string> progress_text() const {
+    const auto progress = pictures_.main.session->progress();
+    if (!progress || progress->passed_s + progress->left_s < kSlowSeconds) return std::nullopt;
+    return progress_line(*progress);
   }
 
   void take_scene(const SceneFile::Read& read) {
@@ -335,23 +378,15 @@ class Viewer final : public WindowEvents {
     renew();
   }
 
-  void measure_costs() {
-    const auto& picture = pictures_.main.picture;
-    if (!costs_are_old_ || !wants_costs_ || measuring_.busy() || is_moving() || state_.paused)
-      return;
-    if (!picture || picture->request != pictures_.main.request || picture->samples == 0) return;
-    if (now() < moving_until_ + kBeforeCosts || message_.age(now()) < kBeforeCosts) return;
-    costs_are_old_ = false;
-    hold_back(true);
-    log("measures the costs");
-    measuring_.start_costs(state_, picture->baked, stage_.picture_width, stage_.picture_height);
-  }
-
   void draw() {
     last_draw_ = now();
     Window::begin_frame();
     pictures_.draw(state_, stage_, float(gestures_.split_at));
     if (state_.panel) draw_panel_and_obey();
+    if (const auto line = progress_text()) {
+      const float margin = ImGui::GetFontSize();
+      draw_label({stage_.area_lo.x + margin, stage_.area_lo.y + margin}, *line, Beside::right);
+    }
     draw_message();
     window_.end_frame();
     window_.set_title(state_.title());
@@ -372,12 +407,21 @@ class Viewer final : public WindowEvents {
     draw_label({stage_.area_lo.x + line, stage_.area_hi.y - 2 * line}, text, Beside::right);
   }
 
+  CostFacts cost_facts() const {
+    return {.picture = pictures_.main.picture,
+            .picture_width = stage_.picture_width,
+            .picture_height = stage_.picture_height,
+            .costs = measuring_.costs(),
+            .table = measuring_.table(),
+            .measuring = measuring_.work(),
+            .progress = measuring_.progress(),
+            .are_old = costs_are_old_,
+            .waits = progress_text()};
+  }
+
   void draw_panel_and_obey() {
     PanelFacts facts;
-    facts.picture = pictures_.main.picture;
-    facts.picture_width = stage_.picture_width, facts.picture_height = stage_.picture_height;
-    facts.costs = measuring_.costs(), facts.table = measuring_.table();
-    facts.measuring = measuring_.work();
+    facts.costs = cost_facts();
     facts.errors = errors_;
     const PanelResult result = draw_panel(state_, facts, window_.panel_width());
     wants_costs_ = result.wants_costs;
@@ -403,14 +447,15 @@ class Viewer final : public WindowEvents {
   Gestures gestures_;
   Measuring measuring_{[] { Window::wake(); }};
   bool costs_are_old_ = true, wants_costs_ = false, wants_table_ = false;
+  bool is_holding_ = false;  // the sessions, for a measurement
   Diagnostics errors_;
 
   int drawings_ = 3;  // still to do, even if no new picture comes
   double last_step_ = 0, last_draw_ = 0, moving_until_ = 0, focus_until_ = 0;
   bool moved_ = false;  // the newest request is one of a movement
   Message message_;
-  std::string switched_, to_save_;
-  double before_s_ = 0;
+  Comparison comparison_;
+  std::string to_save_;
 };
 
 }  // namespace

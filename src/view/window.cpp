@@ -14,6 +14,8 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <utility>
+#include <vector>
 
 namespace raio::view {
 namespace {
@@ -21,6 +23,8 @@ namespace {
 const auto g_start = std::chrono::steady_clock::now();
 
 std::string g_glfw_problem;
+std::vector<int> g_pressed;  // keys, since the last frame
+std::vector<int> g_tapped;   // those that were released before it began, too
 std::atomic<bool> g_open = false;
 
 constexpr float kFontSize = 14, kPanelWidth = 300, kPanelHeight = 770;
@@ -117,6 +121,7 @@ void Window::set_callbacks() {
     WindowEvents* events = of(w).events_;
     if (!events) return;
     events->needs_drawing();
+    if (action == GLFW_PRESS) g_pressed.push_back(key);
     if (action == GLFW_PRESS && !is_typing()) events->key_pressed(key, mods & GLFW_MOD_SHIFT);
   });
   glfwSetMouseButtonCallback(window_, [](GLFWwindow* w, int button, int action, int mods) {
@@ -191,6 +196,12 @@ void Window::set_clipboard(const std::string& text) {
 }
 
 void Window::begin_frame() {
+  // ImGui looks at keys once a frame: one that is down for less counts for one frame all the same.
+  bool* down = ImGui::GetIO().KeysDown;
+  for (const int key : std::exchange(g_tapped, {})) down[key] = false;
+  for (const int key : std::exchange(g_pressed, {}))
+    if (key >= 0 && key < IM_ARRAYSIZE(ImGui::GetIO().KeysDown) && !down[key])
+      down[key] = true, g_tapped.push_back(key);
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
   ImGui::NewFrame();
