@@ -55,7 +55,7 @@ void log(const Geometry& g, const Bvh& bvh, const RayBatch& ray, bool any, Trace
     context.log->add_test(primitive_id(PrimitiveKind::plane, i));
   HitBatch hits;
   hits.reset(1);
-  uint8_t hit[kBatchPad];
+  uint8_t hit[kChunk];  // of which one counts
   if (any)
     trace_all<true, StreamScratch, LoggedRays>(g, bvh, ray, nullptr, hit, context);
   else
