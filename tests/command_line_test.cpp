@@ -192,8 +192,8 @@ TEST_F(CommandLine, RefusesWhatMemoryCannotHold) {
 
 TEST_F(CommandLine, HelpIsNarrowAndComplete) {
   for (const char* command :
-       {"", "render", "view", "merge", "bench", "info", "generate", "compare", "export", "spd",
-        "spd verify", "help", "version", "manual", "completion"}) {
+       {"", "render", "view", "merge", "bench", "info", "explain", "generate", "compare", "export",
+        "spd", "spd verify", "help", "version", "manual", "completion"}) {
     std::vector<std::string> arguments;
     for (const auto word : std::views::split(std::string_view(command), ' '))
       if (!word.empty()) arguments.emplace_back(word.begin(), word.end());

@@ -120,6 +120,86 @@ TEST_F(Commands, InfoCountsWhatIsInTheScene) {
   EXPECT_TRUE(info["warnings"].empty());
 }
 
+// Those who read the JSON can add the pixel up from it, and it is the pixel of the picture.
+TEST_F(Commands, ExplainedRaysAddUpToThePicture) {
+  const std::string scene = file("some.nff", kScene), picture = path("a.pfm");
+  RenderOptions options;
+  options.soft_shadows = true;
+  RenderCommand render;
+  render.scenes = {scene};
+  render.output = picture;
+  render.quiet = true;
+  render.options = options;
+  ASSERT_EQ(run_captured(render), kDone) << err_;
+  const auto image = read_image(picture);
+  ASSERT_TRUE(image.has_value());
+  size_t rays = 0;
+  for (const AccelKind kind : {AccelKind::none, AccelKind::grid, AccelKind::bvh})
+    for (int y = 0; y < 30; y += 3)
+      for (int x = 0; x < 40; x += 3) {
+        options.accel.kind = kind;
+        ASSERT_EQ(run_captured(ExplainCommand{
+                      .scene = scene, .pixel = {x, y}, .json = true, .options = options}),
+                  kDone)
+            << err_;
+        const json told = json::parse(out_);
+        Vec3d sum;
+        for (const json& ray : told["rays"]) {
+          ++rays;
+          for (int c = 0; c < 3; ++c)
+            if (ray.contains("brings")) sum[c] += ray["brings"][size_t(c)].get<double>();
+          if (kind == AccelKind::grid && ray["traced"]) {
+            EXPECT_EQ(ray["cells"].size(), ray["counts"]["steps"]);
+          }
+        }
+        for (int c = 0; c < 3; ++c) {
+          EXPECT_EQ(float(sum[c]), image->at(x, y)[c]);
+          EXPECT_EQ(told["rgb"][size_t(c)].get<float>(), image->at(x, y)[c]);
+        }
+      }
+  EXPECT_GT(rays, 500u);
+}
+
+TEST_F(Commands, ExplainTellsTheTreeOfRays) {
+  const std::string scene = file("some.nff", kScene);
+  EXPECT_EQ(run_captured(ExplainCommand{.scene = scene, .pixel = {20, 15}, .options = {}}), kDone);
+  for (const char* part : {"pixel 20,15 of 40x30, sample 0 of 1\n", "eye ray, level 1, weight 1",
+                           "hits        ", "light 0     ", "material    "})
+    EXPECT_THAT(out_, HasSubstr(part));
+  EXPECT_EQ(run_captured(ExplainCommand{.scene = scene, .pixel = {40, 0}, .options = {}}),
+            kBadInput);
+  EXPECT_THAT(err_, HasSubstr("the picture of 40x30 has no pixel 40,0; the last is 39,29"));
+  RenderOptions embree;
+  embree.accel.kind = AccelKind::embree;
+  EXPECT_EQ(run_captured(ExplainCommand{.scene = scene, .options = embree}), kBadInput);
+  EXPECT_THAT(err_, HasSubstr("Embree does not tell what it does"));
+  EXPECT_EQ(run_captured(ExplainCommand{.scene = scene, .sample = 1, .options = {}}), kBadInput);
+  EXPECT_THAT(err_, HasSubstr("a pixel has 1 sample, numbered from 0; found 1"));
+}
+
+TEST_F(Commands, ExplainDrawsTheRays) {
+  const std::string scene = file("some.nff", kScene);
+  RenderOptions options;
+  for (const AccelKind kind : {AccelKind::none, AccelKind::grid, AccelKind::bvh})
+    for (const std::optional<Vec3d> from :
+         {std::optional<Vec3d>(), {{5.0, 1, 2}}, {{0.0, -5, 0}}}) {
+      options.accel.kind = kind;
+      ExplainCommand explain{.scene = scene, .pixel = {20, 15}, .options = options};
+      explain.plot = path("rays.svg");
+      explain.plot_from = from;
+      EXPECT_EQ(run_captured(explain), kDone) << err_;
+      std::ifstream svg(explain.plot);
+      const std::string drawn(std::istreambuf_iterator<char>(svg), {});
+      EXPECT_THAT(drawn, HasSubstr("<svg"));
+      EXPECT_THAT(drawn, HasSubstr("<image"));
+      EXPECT_THAT(drawn, Not(HasSubstr("nan")));
+      EXPECT_THAT(drawn, Not(HasSubstr("inf")));
+      explain.plot = path("rays.jpg");
+      EXPECT_EQ(run_captured(explain), kBadInput);
+      EXPECT_THAT(err_, HasSubstr(".png, .svg or .pdf"));
+    }
+}
+
 TEST_F(Commands, InfoOfASceneOfPlanesHasNoBounds) {
   const std::string scene = file("planes.nff",
                                  "b 0 0 0\nv\nfrom 0 0 5\nat 0 0 0\nup 0 1 0\nangle 40\nhither 0\n"

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <cctype>
 #include <cstdio>
 #include <filesystem>
@@ -55,8 +56,9 @@ std::vector<std::string> words(const std::string& text) {
 }
 
 TEST(Scenes, AllReadWithoutAWordAndShowSomething) {
-  const auto paths = files(kRoot / "scenes", ".nff");
+  auto paths = files(kRoot / "scenes", ".nff");
   EXPECT_GE(paths.size(), 2u);
+  std::ranges::copy(files(kRoot / "scenes/course", ".nff"), std::back_inserter(paths));
   for (const fs::path& path : paths) {
     SCOPED_TRACE(path);
     const Scene scene = read_whole(path);
@@ -189,24 +191,37 @@ TEST_P(Page, LinksLeadToFiles) {
   }
 }
 
+std::string name_of_page(const testing::TestParamInfo<const char*>& page) {
+  std::string name = fs::path(page.param).stem().string();
+  std::erase(name, '-');
+  return name;
+}
+
 INSTANTIATE_TEST_SUITE_P(Pages, Page,
                          testing::Values("README.md", "ARCHITECTURE.md", "docs/long-renders.md",
                                          "docs/nff.md", "docs/sampling.md", "docs/shading.md",
                                          "docs/statistics.md", "docs/verify.md", "docs/channels.md",
-                                         "docs/library.md", "docs/experiments.md",
-                                         "docs/performance.md", "docs/raio-scene.md",
-                                         "docs/view.md", "docs/pictures.md", "CONTRIBUTING.md"),
-                         [](const auto& page) {
-                           std::string name = fs::path(page.param).stem().string();
-                           std::erase(name, '-');
-                           return name;
-                         });
+                                         "docs/explain.md", "docs/library.md",
+                                         "docs/experiments.md", "docs/performance.md",
+                                         "docs/raio-scene.md", "docs/view.md", "docs/pictures.md",
+                                         "CONTRIBUTING.md"),
+                         name_of_page);
+
+INSTANTIATE_TEST_SUITE_P(
+    Course, Page,
+    testing::Values("docs/course/README.md", "docs/course/1-camera-and-rays.md",
+                    "docs/course/2-intersections.md", "docs/course/3-phong-and-shadows.md",
+                    "docs/course/4-mirrors-and-glass.md", "docs/course/5-antialiasing.md",
+                    "docs/course/6-soft-shadows.md", "docs/course/7-depth-of-field.md",
+                    "docs/course/8-grids-and-trees.md", "docs/course/glossary.md"),
+    name_of_page);
 
 TEST(Readme, ShowsCommandsOfEveryKind) {
   std::set<std::string> subcommands;
   for (const std::string& command : commands_of(kRoot / "README.md"))
     subcommands.insert(words(command).at(1));
-  for (const char* name : {"render", "bench", "info", "generate", "compare", "export", "spd"})
+  for (const char* name :
+       {"render", "bench", "info", "explain", "generate", "compare", "export", "spd"})
     EXPECT_TRUE(subcommands.contains(name)) << name;
 }
 

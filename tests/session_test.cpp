@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <thread>
 
 #include "integrate/views.h"
 #include "scenes.h"
@@ -171,6 +172,129 @@ TEST(Session, ShowsViewsAndAnotherScene) {
       EXPECT_TRUE(same_bits(*picture->image, rendered(*s, o))) << view_name(view);
     }
   }
+}
+
+// So many spheres that brute force takes a while.
+std::shared_ptr<const Scene> slow_scene() {
+  return std::make_shared<const Scene>(testing::random_scene(400, 5));
+}
+RenderOptions slow() {
+  RenderOptions o = options(128, 96);
+  o.accel.kind = AccelKind::none, o.soft_shadows = true, o.samples = 2;
+  return o;
+}
+
+TEST(Session, FiguresAreThoseOfWholeSamples) {
+  std::mutex mutex;
+  std::vector<std::shared_ptr<const SessionPicture>> all;
+  Session* shown = nullptr;
+  Session session([&] {
+    const std::lock_guard lock(mutex);
+    if (shown) all.push_back(shown->picture());
+  });
+  {
+    const std::lock_guard lock(mutex);
+    shown = &session;
+  }
+  session.request({slow_scene(), slow()});
+  const auto is_finished = [&] {
+    const std::lock_guard lock(mutex);
+    return !all.empty() && all.back()->finished;
+  };
+  while (!is_finished()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  const std::lock_guard lock(mutex);
+  int previews = 0;
+  for (const auto& p : all) {
+    if (p->samples > 0) {
+      EXPECT_EQ(p->rays.eye, uint64_t(p->samples) * 128 * 96);
+      EXPECT_GT(p->render_s, 0);
+      continue;
+    }
+    ++previews;
+    EXPECT_EQ(p->rays, RayCounts());
+    EXPECT_EQ(p->render_s, 0);
+    EXPECT_EQ(p->sample_s.median, 0);
+  }
+  EXPECT_GT(previews, 1);
+  EXPECT_GT(all.back()->sample_s.median, 0);
+  EXPECT_LE(all.back()->sample_s.low, all.back()->sample_s.median);
+  EXPECT_LE(all.back()->sample_s.median, all.back()->sample_s.high);
+}
+
+TEST(Session, SaysHowFarItIs) {
+  Watcher w;
+  const auto s = slow_scene();
+  EXPECT_FALSE(w.session.progress());
+  const uint64_t request = w.session.request({s, slow()});
+  double least = 1, most = 0;
+  int seen = 0;
+  const auto is_whole = [&] {
+    const auto p = w.session.picture();
+    return p && p->request == request && p->samples > 0;
+  };
+  while (!is_whole()) {
+    const auto now = w.session.progress();
+    if (!now || now->stage != SessionProgress::sample) continue;
+    least = std::min(least, now->share), most = std::max(most, now->share), ++seen;
+    EXPECT_GE(now->left_s, 0);
+  }
+  EXPECT_GT(seen, 0);
+  EXPECT_LT(least, most);
+  EXPECT_GE(least, 0);
+  EXPECT_LE(most, 1);
+  EXPECT_FALSE(w.session.progress()) << "there is a whole sample";
+}
+
+// Waits until a session is idle, which is not told.
+void wait_until_idle(const Session& session) {
+  while (!session.is_idle()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
+TEST(Session, IsIdleWhenAllIsDoneOrPaused) {
+  const auto s = scene();
+  Watcher w;
+  wait_until_idle(w.session);
+  const uint64_t request = w.session.request({s, soft(3)});
+  w.wait([&](auto& p) { return p.request == request && p.finished; });
+  wait_until_idle(w.session);
+
+  w.session.pause(true);
+  const uint64_t endless = w.session.request({s, soft()});
+  wait_until_idle(w.session);
+  EXPECT_EQ(w.session.picture()->request, endless);
+  EXPECT_EQ(w.session.picture()->samples, 1);
+  EXPECT_GT(w.session.picture()->sample_s.median, 0) << "timed before it rested";
+  w.session.pause(false);
+  w.whole(endless, 2);
+  EXPECT_FALSE(w.session.is_idle());
+  w.session.pause(true);
+  wait_until_idle(w.session);
+  const auto then = w.session.picture();
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_EQ(w.session.picture(), then) << "no refining while it is idle";
+}
+
+TEST(Session, PreviewsOfTheFocusJudgeByThePicturesPixels) {
+  const auto s = scene();
+  Watcher w;
+  RenderOptions o = options(512, 384);
+  o.view = View::focus, o.dof = true, o.aperture = 0.02f;
+  const auto share_in_focus = [&](double frame_s) {
+    const uint64_t request = w.session.request({s, o, frame_s});
+    const auto p = w.wait(
+        [&](auto& now) { return now.request == request && (frame_s > 0 || now.samples > 0); });
+    EXPECT_EQ(p->image->width < 64, frame_s > 0);
+    double green = 0, seen = 0;
+    for (const Rgb& c : p->image->pixels) {
+      if (c.x + c.y + c.z == 0) continue;
+      ++seen, green += c.y > 2 * c.x && c.y > 2 * c.z;
+    }
+    return green / seen;
+  };
+  const double whole = share_in_focus(0);
+  EXPECT_LT(whole, 0.6);
+  EXPECT_GT(whole, 0);
+  EXPECT_NEAR(share_in_focus(1e-9), whole, 0.15);
 }
 
 TEST(Session, EndsInTheMiddleOfItsWork) {

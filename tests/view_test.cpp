@@ -17,6 +17,8 @@
 #include "scenes.h"
 #include "view/bars.h"
 #include "view/camera_control.h"
+#include "view/comparison.h"
+#include "view/costs_panel.h"
 #include "view/edit.h"
 #include "view/file_dialog.h"
 #include "view/gestures.h"
@@ -227,6 +229,74 @@ TEST(ViewState, ANewVersionOfTheFileKeepsTheHandsCamera) {
   EXPECT_EQ(state.camera.from, camera().from);
 }
 
+TEST(ViewState, RefiningEnds) {
+  ViewState state("some.nff", scene(), {});
+  (void)state.toggle(Command::soft_shadows);
+  EXPECT_EQ(state.request(8, 8).samples, kRefineSamples);
+  state.options.samples = 5000;
+  EXPECT_EQ(state.request(8, 8).samples, 5000);
+}
+
+SessionPicture timed_picture(uint64_t request, double seconds, int width = 64) {
+  SessionPicture p;
+  p.request = request, p.samples = 1, p.settings.width = width, p.settings.height = 48;
+  p.sample_s = {seconds, seconds, seconds};
+  return p;
+}
+
+TEST(Comparison, ComparesWholeSamplesOfOneSize) {
+  Comparison c;
+  const SessionPicture before = timed_picture(1, 0.028), after = timed_picture(2, 0.05);
+  EXPECT_EQ(c.begin("structure bvh", &before, 1), "structure bvh: waits for a whole sample");
+  EXPECT_FALSE(c.take(before, 2));
+  SessionPicture preview = after;
+  preview.samples = 0;
+  EXPECT_FALSE(c.take(preview, 2));
+  SessionPicture untimed = after;
+  untimed.sample_s = {};
+  EXPECT_FALSE(c.take(untimed, 2));
+  EXPECT_EQ(c.take(after, 2), "structure bvh: 50 ms a sample, before 28 ms");
+  EXPECT_FALSE(c.take(after, 2)) << "said once";
+
+  (void)c.begin("structure bvh", &before, 1);
+  EXPECT_EQ(c.take(timed_picture(2, 0.05, 65), 2),
+            "structure bvh: 50 ms a sample, before another size");
+}
+
+TEST(Comparison, PreviewsAndOlderPicturesDoNotCount) {
+  Comparison c;
+  SessionPicture preview = timed_picture(1, 0.028);
+  preview.samples = 0;
+  const SessionPicture older = timed_picture(1, 0.028), after = timed_picture(3, 0.05);
+  for (const auto& [before, request] :
+       {std::pair<const SessionPicture*, uint64_t>(nullptr, 1), {&preview, 1}, {&older, 2}}) {
+    (void)c.begin("structure bvh", before, request);
+    EXPECT_EQ(c.take(after, 3), "structure bvh: 50 ms a sample, no whole sample before");
+  }
+  (void)c.begin("structure bvh", &older, 1);
+  c.end();
+  EXPECT_FALSE(c.take(after, 3));
+}
+
+TEST(Costs, LinesSayWhatIsMeasuredAndWhatIsCounted) {
+  EffectCost c{.effect = Effect::soft_shadows, .rounds = 5};
+  c.factor = {1.75, 1.83, 1.9};
+  c.with.seconds = 0.0511, c.without.seconds = 0.028;
+  c.with.rays = {.eye = 100, .shadow = 250, .tests = 900, .steps = 40};
+  c.without.rays = {.eye = 100, .shadow = 100, .tests = 300, .steps = 20};
+  EXPECT_EQ(cost_line(c), "soft shadows: 1.83 x ±4%; 51.1 ms, without 28 ms; rays 1.75 x");
+  c.with.has_steps = c.without.has_steps = true;
+  EXPECT_THAT(cost_line(c), HasSubstr("rays 1.75 x, tests 3.00 x, steps 2.00 x"));
+  c.presence = EffectCost::not_in_scene;
+  EXPECT_EQ(cost_line(c), "soft shadows: not in this scene");
+  c.presence = EffectCost::not_in_picture;
+  EXPECT_EQ(cost_line(c), "soft shadows: not in this picture");
+}
+
+TEST(Costs, EachEffectHasItsKey) {
+  for (const Effect effect : kEffects) EXPECT_EQ(effect_of(command_of(effect)), effect);
+}
+
 TEST(Keys, EachIsThereOnce) {
   std::set<std::pair<int, Modifiers>> seen_keys;
   for (const KeySpec& key : key_table()) {
@@ -395,8 +465,10 @@ TEST(Status, SaysWhatGoesOn) {
   StatusFacts facts;
   facts.request = 2, facts.since_request_s = 6.2;
   EXPECT_EQ(status_of(facts).text, "Rendering the first sample, 6 s");
+  facts.progress = SessionProgress{SessionProgress::sample, 3, 0.25, 9};
+  EXPECT_EQ(status_of(facts).text, "Rendering the first sample: 25 %, 9 s left");
   SessionPicture picture;
-  picture.request = 2, picture.samples = 1, picture.pass_s = 0.05, picture.render_s = 0.05;
+  picture.request = 2, picture.samples = 1, picture.sample_s = {0.05, 0.05, 0.05};
   picture.settings.samples = 64;
   facts.picture = &picture;
   EXPECT_EQ(status_of(facts).kind, Status::Kind::working);
@@ -406,7 +478,7 @@ TEST(Status, SaysWhatGoesOn) {
   EXPECT_EQ(status_of(facts).text, "Paused at 1 sample a pixel; space goes on");
   picture.finished = true;
   EXPECT_EQ(status_of(facts).kind, Status::Kind::done);
-  EXPECT_EQ(status_of(facts).text, "Finished: 1 sample a pixel, 50 ms in all");
+  EXPECT_EQ(status_of(facts).text, "Finished: 1 sample a pixel");
   picture.error = Error{ErrorKind::no_resource, "", "no memory"};
   EXPECT_EQ(status_of(facts).kind, Status::Kind::failed);
 }

@@ -498,7 +498,47 @@ TEST_F(WindowTest, MeasuresTheSixteenEvenWhileItMeasuresCosts) {
   ASSERT_TRUE(window->wait_for("measures the costs", 0)) << window->log();
   const size_t from = window->mark();
   window->key(XK_m);
-  ASSERT_TRUE(window->wait_for("measured the sixteen", from)) << window->log();
+  ASSERT_TRUE(window->wait_for("measured the table", from)) << window->log();
+}
+
+TEST_F(WindowTest, MeasuresWhatEffectsCostAtRestAndStopsForInput) {
+  const auto window = open();
+  auto costs = window->wait_for("measures the costs", 0);
+  ASSERT_TRUE(costs) << window->log();
+  // What is measured when a key comes begins again afterwards, for the new picture.
+  size_t from = window->mark();
+  window->key(XK_s);
+  ASSERT_TRUE(window->picture(from)) << window->log();
+  ASSERT_TRUE(window->wait_for("soft shadows on: .* a sample, before ", from)) << window->log();
+  costs = window->wait_for("measures the costs", from);
+  ASSERT_TRUE(costs) << window->log();
+  ASSERT_TRUE(window->wait_for("measured the costs", costs->next)) << window->log();
+  for (const char* line : {"soft shadows: [0-9.]+ x.*rays .* x, tests .* x, steps .* x",
+                           "refraction: [0-9.]+ x", "structure: [0-9.]+ x faster"})
+    EXPECT_TRUE(window->wait_for(line, costs->next)) << line << window->log();
+}
+
+TEST_F(WindowTest, WhatIsNotInTheSceneHasNoCost) {
+  put(file("scene.nff"),
+      "b 0.1 0.2 0.3\nv\nfrom 0 -6 2\nat 0 0 0.5\nup 0 0 1\nangle 40\nhither 0\n"
+      "resolution 160 120\nf 1 0 0 0.8 0 10 0 1\ns 0 0 0.7 0.7\n");
+  const auto window = open();
+  ASSERT_TRUE(window->wait_for("measured the costs", 0)) << window->log();
+  for (const char* effect : {"soft shadows", "reflection", "refraction"})
+    EXPECT_THAT(window->log(), HasSubstr(std::string(effect) + ": not in this scene"));
+}
+
+TEST_F(WindowTest, TheSameKeyStopsALongMeasurement) {
+  const auto window = open({"--size", "512x384"});
+  size_t from = window->mark();
+  window->key(XK_m);
+  ASSERT_TRUE(window->wait_for("measuring all combinations", from)) << window->log();
+  from = window->mark();
+  window->key(XK_m);
+  ASSERT_TRUE(window->wait_for("stopped", from)) << window->log();
+  from = window->mark();
+  window->key(XK_s);
+  EXPECT_TRUE(window->picture(from)) << "the picture lives on" << window->log();
 }
 
 TEST_F(WindowTest, SurvivesAThousandRandomEvents) {

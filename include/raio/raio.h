@@ -8,13 +8,15 @@
 //
 // The library never prints, never ends the program and changes no global state. Failures are thrown
 // as raio::Error. The same scene and settings give the same bytes for any number of threads and on
-// any machine. Objects may be used by one thread at a time; Job::cancel() by any.
+// any machine. Objects may be used by one thread at a time; Job::cancel() and what is const of an
+// Accel by any.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -73,6 +75,36 @@ struct Camera {
   double fov_deg = 45;  ///< vertical, from edge to edge, between 0 and 180
 };
 
+/// `count` elements of N numbers each in memory of the caller: the first at `data`, each `stride`
+/// bytes (which may be negative, but not zero) after the one before. Without `keep` they are
+/// copied.
+///
+/// With `keep`, which owns the memory or otherwise holds it, columns that lie as Raio stores them
+/// are read in place: nothing is copied, `keep` is held until the last scene, job or structure that
+/// reads them is gone, and until then the numbers must not change. Other columns are copied once,
+/// and `keep` is not held. Each function says what lies as Raio stores it. In place are only the
+/// first primitives of a kind; adding more to them copies them. Files far from zero copy all.
+template <class T, size_t N = 1>
+struct Column {
+  const T* data = nullptr;
+  size_t count = 0;
+  std::ptrdiff_t stride = std::ptrdiff_t(N * sizeof(T));
+  std::shared_ptr<const void> keep = {};
+};
+
+/// What the primitives of one call look like; a number is the material of all of them.
+struct Look {
+  Look(uint32_t material_number = 0) : material(material_number) {}
+
+  uint32_t material;
+  /// Red, green and blue of each, in place of the material's colour, or none. Read in place where
+  /// the stride is 12.
+  Column<float, 3> colors;
+  /// Of each, 0 to 1, or none; kept in .raio files but not shown by the classic shading. Read in
+  /// place where the stride is 4.
+  Column<float> opacity;
+};
+
 /// What is to be drawn. Copies are independent of each other.
 class RAIO_API Scene {
  public:
@@ -104,16 +136,30 @@ class RAIO_API Scene {
   /// scene was made in code.
   uint32_t add_material(const Material& material);
 
-  /// `count` primitives from arrays that are copied. Centres, ends and vertices are x y z each;
-  /// radii are positive. Triangles index their own vertices; `normals`, one for each vertex, may be
-  /// null for flat ones.
-  void add_spheres(size_t count, const float* centers, const float* radii, uint32_t material = 0);
+  // Columns of one call have the same count. After an error (a null pointer, a stride of 0, counts
+  // that differ, numbers that cannot be) the scene is as it was. Radii are not negative.
+
+  /// In place: x y z radius, both columns in steps of 16 bytes.
+  void add_spheres(const Column<float, 3>& centers, const Column<float>& radii,
+                   const Look& look = {});
   /// From a circle around `starts` to one around `ends`, without caps; equal radii make cylinders.
-  void add_cones(size_t count, const float* starts, const float* ends, const float* start_radii,
-                 const float* end_radii, uint32_t material = 0);
-  void add_triangles(size_t vertices, const float* positions, size_t triangles,
-                     const uint32_t* indices, const float* normals = nullptr,
-                     uint32_t material = 0);
+  /// In place: start, its radius, end, its radius, in steps of 32 bytes.
+  void add_cones(const Column<float, 3>& starts, const Column<float, 3>& ends,
+                 const Column<float>& start_radii, const Column<float>& end_radii,
+                 const Look& look = {});
+  /// `axes`: three vectors each, from the centre to the surface, perpendicular to each other. In
+  /// place: centre and axes, in steps of 48 bytes.
+  void add_ellipsoids(const Column<float, 3>& centers, const Column<float, 9>& axes,
+                      const Look& look = {});
+  /// Flat; rings where there are inner radii. Normals are brought to length 1. In place: centre,
+  /// normal of length 1, radius, inner radius, in steps of 32 bytes.
+  void add_discs(const Column<float, 3>& centers, const Column<float, 3>& normals,
+                 const Column<float>& radii, const Column<float>& inner_radii = {},
+                 const Look& look = {});
+  /// Triangles of their own vertices, three indices each; with a normal for each vertex they are
+  /// smooth. In place: each column with a stride of 12, normals only of length 1.
+  void add_triangles(const Column<float, 3>& positions, const Column<uint32_t, 3>& triangles,
+                     const Column<float, 3>& normals = {}, const Look& look = {});
 
   size_t primitive_count() const;
   /// Lowest and highest corner of all that has an end; nothing for an empty scene.
@@ -123,6 +169,7 @@ class RAIO_API Scene {
   const Data& data() const { return *data_; }
 
  private:
+  friend class Accel;
   explicit Scene(std::unique_ptr<Data> data);
   std::unique_ptr<Data> data_;
 };
@@ -153,6 +200,63 @@ class RAIO_API Settings {
 
  private:
   std::unique_ptr<Data> data_;
+};
+
+/// The points origin + t * direction, 0 < t < length. The direction may have any length but zero;
+/// t counts scene units all the same.
+struct Ray {
+  Triple origin{0, 0, 0}, direction{0, 0, -1};
+  double length = std::numeric_limits<double>::infinity();
+};
+
+/// Cylinders are cones. Triangles are the scene's own, then those of meshes.
+enum class Kind { plane, sphere, cone, triangle, polygon, ellipsoid, disc };
+
+/// The nearest point of the scene on a ray.
+struct Hit {
+  double distance = std::numeric_limits<double>::infinity();  ///< scene units; infinite: none
+  Kind kind = Kind::plane;
+  uint32_t index = 0;  ///< among those of the kind, in the order in which they came
+  uint32_t material = 0;
+  Triple position{0, 0, 0};
+  Triple normal{0, 0, 0};  ///< unit, outward; of smooth triangles the smooth one
+  double u = 0, v = 0;     ///< weights of a triangle's second and third corner
+
+  bool found() const { return distance < std::numeric_limits<double>::infinity(); }
+};
+
+/// A scene made ready for tracing: for rays of the caller's own, and for several jobs that render
+/// the scene, as from several places. Any number of threads may trace at the same time. Copies are
+/// the same structure, which lives as long as the last of them and of the jobs.
+class RAIO_API Accel {
+ public:
+  /// Builds the structure that the settings `accel`, `grid-factor`, `grid-resolution`, `one-sided`
+  /// and `counters` ask for, on `threads` threads.
+  explicit Accel(Scene scene, const Settings& settings = {});
+
+  Hit closest(const Ray& ray) const;
+  /// Is there any hit? Faster than closest().
+  bool occluded(const Ray& ray) const;
+  /// The same for `count` rays at once, which is faster than one by one, on the calling thread.
+  void closest(size_t count, const Ray* rays, Hit* hits) const;
+  void occluded(size_t count, const Ray* rays, uint8_t* occluded) const;
+
+  struct Info {
+    std::string kind;       ///< "bvh", "grid", "embree" or "none"
+    size_t primitives = 0;  ///< that rays meet: a polygon counts as its triangles
+    size_t bytes = 0;       ///< besides the scene
+    size_t cells = 0;       ///< of a grid; nodes of a tree
+    size_t references = 0;  ///< primitives listed in all of them together
+  };
+  Info info() const;
+  /// As Scene::bounds().
+  std::optional<std::array<Triple, 2>> bounds() const;
+
+  struct Data;
+
+ private:
+  friend class Job;
+  std::shared_ptr<const Data> data_;
 };
 
 /// How far a render is.
@@ -192,11 +296,14 @@ class RAIO_API Film {
   std::unique_ptr<Data> data_;
 };
 
-/// One render: builds the acceleration structure and makes the picture.
+/// One render: builds the acceleration structure, where it is not given, and makes the picture.
 class RAIO_API Job {
  public:
   /// Takes a copy of both. The error names settings that do not go together.
   Job(const Scene& scene, const Settings& settings);
+  /// Of the structure's scene. The settings about structures are those that it was built with; the
+  /// error names one that was set to something else.
+  Job(const Accel& accel, const Settings& settings);
   ~Job();
   Job(const Job&) = delete;
   Job& operator=(const Job&) = delete;

@@ -24,9 +24,11 @@ AccelResult make_accel(Geometry&& geometry, const AccelOptions& options) {
 
 }  // namespace
 
+std::optional<TraceLog> Accel::log(const Ray&, bool) const { return std::nullopt; }
+
 std::expected<std::unique_ptr<Accel>, Error> build_accel(const Scene& scene,
                                                          const AccelOptions& options,
-                                                         bool one_sided) {
+                                                         bool one_sided, bool with_sources) {
   if (options.kind == AccelKind::embree && options.counters)
     return std::unexpected(Error{ErrorKind::bad_option, "counters",
                                  "Embree does not count tests and steps; leave it out"});
@@ -36,7 +38,7 @@ std::expected<std::unique_ptr<Accel>, Error> build_accel(const Scene& scene,
         ErrorKind::no_resource, "",
         fmt::format("to prepare the scene for tracing would take {:.1f} GB and {:.1f} GB are free",
                     bytes * 1e-9, available * 1e-9)});
-  auto accel = make_accel(Geometry(scene, one_sided), options);
+  auto accel = make_accel(Geometry(scene, one_sided, with_sources), options);
   if (!accel) return std::unexpected(Error{ErrorKind::no_resource, "", std::move(accel.error())});
   return std::move(*accel);
 }

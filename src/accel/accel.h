@@ -7,9 +7,11 @@
 #include <cstdint>
 #include <expected>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "accel/geometry.h"
+#include "accel/trace_log.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/ray.h"
@@ -94,6 +96,7 @@ struct TraceContext {
   bool coherent = false;                    // neighbours in the batch go nearly the same way
   uint64_t tests = 0;  // pairs of ray and primitive; counted for sure with AccelOptions::counters
   uint64_t steps = 0;  // cells or nodes visited; likewise
+  TraceLog* log = nullptr;  // for Accel::log()
 
   bool stopped() const { return stop && stop->load(std::memory_order_relaxed); }
 };
@@ -121,6 +124,11 @@ class Accel {
   /// Is there any hit with 0 < t < tmax? 1 or 0 per ray; `hit` has room for padded(rays.size()).
   virtual void occluded(const RayBatch& rays, uint8_t* hit, TraceContext& context) const = 0;
 
+  /// What a ray does on its own, step by step, to find its nearest hit, or any hit: the tests and
+  /// steps that are counted for it, one by one. Nothing where the structure cannot tell: Embree,
+  /// and a grid without AccelOptions::counters.
+  virtual std::optional<TraceLog> log(const Ray& ray, bool any) const;
+
   virtual AccelInfo info() const = 0;
 
   const Geometry& geometry() const { return geometry_; }
@@ -131,12 +139,13 @@ class Accel {
 };
 
 /// Bakes the scene, which must outlive the result, and builds the structure that `options` ask for
-/// (`automatic`: the best for the scene). `one_sided`: opaque surfaces are seen from outside only.
+/// (`automatic`: the best for the scene). `one_sided` and `with_sources` as for Geometry.
 /// Errors: memory that would not suffice (no_resource), options that do not fit together
 /// (bad_option).
 std::expected<std::unique_ptr<Accel>, Error> build_accel(const Scene& scene,
                                                          const AccelOptions& options,
-                                                         bool one_sided = false);
-void build_accel(Scene&&, const AccelOptions&, bool one_sided = false) = delete;
+                                                         bool one_sided = false,
+                                                         bool with_sources = false);
+void build_accel(Scene&&, const AccelOptions&, bool = false, bool = false) = delete;
 
 }  // namespace raio

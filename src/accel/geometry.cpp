@@ -47,8 +47,8 @@ void add_polygon(const Scene& s, size_t i, size_t source, Pieces& out) {
 
 }  // namespace
 
-Geometry::Geometry(const Scene& scene, bool one_sided)
-    : scene_(&scene), any_colors_(raio::any_colors(scene)) {
+Geometry::Geometry(const Scene& scene, bool one_sided, bool with_sources)
+    : scene_(&scene), with_sources_(with_sources), any_colors_(raio::any_colors(scene)) {
   bake_triangles();
   bake_colors();
   for_each_kind([&]<PrimitiveKind kind> {
@@ -202,7 +202,7 @@ void Geometry::bake_colors() {
   const size_t polygons = count_of_triangles();
   own_colors_.resize(facets_.size());
   for_each_index(facets_.size(), [&](size_t i) {
-    const size_t source = sources_.empty() ? i : sources_[i];
+    const size_t source = source_of(uint32_t(i));
     if (source < s.triangle_colors.size())
       own_colors_[i] = s.triangle_colors[source];
     else if (source >= polygons && !s.polygon_colors.empty())
@@ -233,7 +233,7 @@ uint32_t Geometry::object_of(PrimitiveId id) const {
       else
         return raio::object_of(s, kPoolOf<PrimitiveType<kind>>.kind, index);
     });
-  const size_t source = sources_.empty() ? index : sources_[index];
+  const size_t source = source_of(index);
   if (source < s.triangles.size()) return raio::object_of(s, PoolKind::triangle, source);
   if (source >= count_of_triangles())
     return raio::object_of(s, PoolKind::polygon, source - count_of_triangles());

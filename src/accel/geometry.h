@@ -52,8 +52,8 @@ struct BakedColumnsOf<std::index_sequence<k...>> {
 class Geometry {
  public:
   /// `scene` must outlive the result. With `one_sided`, opaque surfaces are seen from outside only,
-  /// as the NFF text has it.
-  explicit Geometry(const Scene& scene, bool one_sided = false);
+  /// as the NFF text has it. `with_sources`: source_of() will be asked.
+  explicit Geometry(const Scene& scene, bool one_sided = false, bool with_sources = false);
   Geometry(Geometry&&) = default;
 
   const Scene& scene() const { return *scene_; }
@@ -108,6 +108,14 @@ class Geometry {
   std::span<const Rgb> colors(PrimitiveKind kind) const;
   bool any_colors() const { return any_colors_; }
 
+  /// Where a triangle comes from: its number among the scene's own triangles, those of meshes and
+  /// the polygons, in this order.
+  size_t source_of(uint32_t triangle) const {
+    return sources_.empty() ? triangle : sources_[triangle];
+  }
+  /// How many triangles the scene and its meshes have, those without area included.
+  size_t count_of_triangles() const;
+
   /// The id of the object (Scene::object_names) to which the item belongs; 0: to none.
   uint32_t object_of(PrimitiveId id) const;
   MaterialId material_of(PrimitiveId id) const;
@@ -122,16 +130,17 @@ class Geometry {
   void bake_triangles();
   void join_meshes();
   size_t mesh_of(size_t i) const;
-  size_t count_of_triangles() const;
   MaterialId triangle_material(size_t i) const;
   void bake_polygons();
   void bake_colors();
-  bool wants_sources() const { return any_colors_ || !scene_->object_ranges.empty(); }
+  bool wants_sources() const {
+    return with_sources_ || any_colors_ || !scene_->object_ranges.empty();
+  }
   template <PrimitiveKind kind>
   void list_sides(bool one_sided);
 
   const Scene* scene_;
-  bool any_colors_ = false;
+  bool with_sources_ = false, any_colors_ = false;
   // The scene's own where it has no meshes, else those below.
   std::span<const Vec3f> positions_, normals_;
   Column<Vec3f> own_positions_, own_vertex_normals_;
@@ -140,8 +149,7 @@ class Geometry {
   Column<TriangleIndices> own_triangles_, own_normals_;
   // How many triangles come before each mesh's: the scene's own and those of the meshes before.
   std::vector<uint32_t> mesh_begin_;
-  // Of each triangle its number among the scene's own, those of meshes and the polygons, in this
-  // order. Empty where that is its index, or where nothing asks.
+  // Of each triangle its source_of(). Empty where that is its index, or where nothing asks.
   Column<uint32_t> sources_;
   std::span<const Rgb> triangle_colors_;
   Column<Rgb> own_colors_;

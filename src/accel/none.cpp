@@ -19,6 +19,21 @@ class None final : public Accel {
       hit[i] = trace<true>(rays[i], context).best.found();
   }
 
+  std::optional<TraceLog> log(const Ray& ray, bool any) const override {
+    TraceLog log;
+    bool done = false;
+    for_each_kind([&]<PrimitiveKind kind> {
+      for (uint32_t i = 0; i < geometry_.count(kind) && !done; ++i) {
+        RayQuery alone(ray);
+        const bool hit = test<kind>(geometry_, i, alone);
+        hit ? log.add_test(primitive_id(kind, i)) : void(++log.unlisted);
+        done = hit && any;
+      }
+    });
+    judge_tests(log, geometry_, ray);
+    return log;
+  }
+
   AccelInfo info() const override { return {.name = "none", .bytes = geometry_.bytes()}; }
 
  private:

@@ -9,6 +9,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <vector>
 
 #include "app/bench.h"
 #include "base/lazy_library.h"
@@ -102,6 +103,34 @@ void Canvas::line(double x0, double y0, double x1, double y1, Ink ink, double wi
   call<kCairo, cairo_move_to>(cairo_, x0, y0);
   call<kCairo, cairo_line_to>(cairo_, x1, y1);
   call<kCairo, cairo_stroke>(cairo_);
+}
+
+void Canvas::image(double x, double y, double w, double h, const Image& image) const {
+  std::vector<uint32_t> pixels;
+  pixels.reserve(image.pixels.size());
+  for (const Rgb& p : image.pixels)
+    pixels.push_back(uint32_t(to_byte(p.x)) << 16 | uint32_t(to_byte(p.y)) << 8 | to_byte(p.z));
+  const std::unique_ptr<cairo_surface_t, void (*)(cairo_surface_t*)> surface(
+      call<kCairo, cairo_image_surface_create_for_data>(
+          reinterpret_cast<unsigned char*>(pixels.data()), CAIRO_FORMAT_RGB24, image.width,
+          image.height, 4 * image.width),
+      [](auto* s) { call<kCairo, cairo_surface_destroy>(s); });
+  call<kCairo, cairo_save>(cairo_);
+  call<kCairo, cairo_translate>(cairo_, x, y);
+  call<kCairo, cairo_scale>(cairo_, w / image.width, h / image.height);
+  call<kCairo, cairo_set_source_surface>(cairo_, surface.get(), 0.0, 0.0);
+  call<kCairo, cairo_paint>(cairo_);
+  call<kCairo, cairo_restore>(cairo_);
+  call<kCairo, cairo_surface_finish>(surface.get());
+}
+
+void Canvas::clipped(double x, double y, double w, double h,
+                     const std::function<void()>& draw) const {
+  call<kCairo, cairo_save>(cairo_);
+  call<kCairo, cairo_rectangle>(cairo_, x, y, w, h);
+  call<kCairo, cairo_clip>(cairo_);
+  draw();
+  call<kCairo, cairo_restore>(cairo_);
 }
 
 void Canvas::disc(double x, double y, double radius, Ink ink) const {

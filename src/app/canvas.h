@@ -7,6 +7,8 @@
 #include <functional>
 #include <string>
 
+#include "io/image/image.h"
+
 struct _cairo;  // cairo_t; NOLINT(bugprone-reserved-identifier)
 
 namespace raio::app {
@@ -42,6 +44,10 @@ class Canvas {
   void box(double x, double y, double w, double h, Ink ink) const;
   void line(double x0, double y0, double x1, double y1, Ink ink, double width,
             bool dotted = false) const;
+  /// Its pixels in a box of that size, as they are displayed.
+  void image(double x, double y, double w, double h, const Image& image) const;
+  /// What is drawn outside this box is left out, until `draw` returns.
+  void clipped(double x, double y, double w, double h, const std::function<void()>& draw) const;
   void disc(double x, double y, double radius, Ink ink) const;
   /// With a white rim, which keeps it apart from a bar below it.
   void diamond(double x, double y, Ink ink, double radius = kMarkerRadius) const;

@@ -2,7 +2,9 @@
 // status. This room is the only one that prints.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -63,6 +65,17 @@ struct InfoCommand {
   bool json = false;
 };
 int run(const InfoCommand& command);
+
+struct ExplainCommand {
+  std::string scene;
+  std::array<int, 2> pixel{0, 0};  // column, row
+  int sample = 0;
+  bool json = false;
+  std::string plot = {};             // file; empty: none
+  std::optional<Vec3d> plot_from{};  // where the plot is seen from; else from aside
+  RenderOptions options;
+};
+int run(const ExplainCommand& command);
 
 struct GenerateCommand {
   std::string name;

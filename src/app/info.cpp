@@ -1,8 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <ranges>
 
 #include "app/commands.h"
@@ -16,17 +14,6 @@
 namespace raio::app {
 
 namespace {
-
-// The double that has the float's shortest digits, so that 0.1f is shown as 0.1.
-double plain(float value) {
-  std::array<char, 32> text;
-  double result = value;
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
-  std::from_chars(text.data(), end, result);
-  return result;
-}
-
-Vec3d plain(Vec3f v) { return {plain(v.x), plain(v.y), plain(v.z)}; }
 
 Json json_of(Vec3d v) { return Json::array({v.x, v.y, v.z}); }
 

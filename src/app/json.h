@@ -1,8 +1,12 @@
 // JSON as all commands write it.
 #pragma once
 
+#include <array>
+#include <charconv>
 #include <nlohmann/json.hpp>
 #include <string>
+
+#include "base/vec.h"
 
 namespace raio::app {
 
@@ -13,5 +17,17 @@ using Json = nlohmann::ordered_json;
 inline std::string json_text(const Json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
+
+/// The double that has the float's shortest digits, so that 0.1f is shown as 0.1.
+inline double plain(float value) {
+  std::array<char, 32> text;
+  double result = value;
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+  std::from_chars(text.data(), end, result);
+  return result;
+}
+inline double plain(double value) { return value; }
+
+inline Vec3d plain(Vec3f v) { return {plain(v.x), plain(v.y), plain(v.z)}; }
 
 }  // namespace raio::app

@@ -1,4 +1,5 @@
-// In place of what draws (canvas.cpp, plot.cpp) in builds with RAIO_PLOTS=OFF.
+// In place of what draws (canvas.cpp, plot.cpp, explain_plot.cpp) in builds with RAIO_PLOTS=OFF.
+#include "app/explain.h"
 #include "app/plot.h"
 
 namespace raio::app {
@@ -13,6 +14,10 @@ std::expected<PlotFormat, std::string> plot_format(const std::filesystem::path&)
 }
 
 std::expected<std::string, std::string> draw_plot(const BenchmarkTable&, PlotFormat) {
+  return std::unexpected(kNoPlots);
+}
+
+std::expected<std::string, std::string> draw_explained(const Explained&, PlotFormat) {
   return std::unexpected(kNoPlots);
 }
 

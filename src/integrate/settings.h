@@ -45,6 +45,7 @@ struct RenderSettings {
   float exposure = 0;
 
   int width = 512, height = 512;  // of the whole picture, pixels
+  float preview_scale = 1;        // its sides by those of the picture that View::focus judges
   std::optional<Crop> crop;       // a part of it, without which all of it is rendered
   Camera camera;                  // its coordinates are relative to the scene's origin
   bool angle_to_centers = false;  // of view: see EyeRays

@@ -26,7 +26,8 @@ class ViewsShading {
         focus_(scene.settings.focus) {
     // A lens of radius R in focus at F blurs what is at depth z over a circle of diameter
     // 2 R |z - F| / z on the plane in focus.
-    blur_ = 2 * scene.settings.aperture / (length(scene.eye.per_y) * focus_);
+    const float pixel = length(scene.eye.per_y) * scene.settings.preview_scale;
+    blur_ = 2 * scene.settings.aperture / (pixel * focus_);
   }
 
   static constexpr bool kTints = false;

@@ -16,6 +16,9 @@
 //   void shade(wavefront, level, n, sampler)  sets vertices().radiance of the n current rays, which
 //                                             all hit something
 //   void spawn(wavefront, level, n)           adds their children
+//
+// A Recorder (integrate/explain.cpp has one) is told what becomes of each ray; with Unrecorded none
+// of that is compiled.
 // Once for each instruction set, as foreach_target.h passes again.
 #if defined(RAIO_INTEGRATE_WAVEFRONT_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAIO_INTEGRATE_WAVEFRONT_INL_H_
@@ -26,6 +29,8 @@
 
 #include <bit>
 #include <limits>
+#include <type_traits>
+#include <utility>
 
 #include "integrate/camera-inl.h"
 #include "integrate/sampler-inl.h"
@@ -36,14 +41,18 @@ HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
 namespace {
 
-template <class Shading>
+struct Unrecorded {};
+
+template <class Shading, class Recorder = Unrecorded>
 class Wavefront final : public TileRenderer {
  public:
   using Paths = PathRays<Shading::kTints>;
+  static constexpr bool kRecords = !std::is_same_v<Recorder, Unrecorded>;
 
-  Wavefront(const PreparedScene& scene, RenderControl& control)
+  Wavefront(const PreparedScene& scene, RenderControl& control, Recorder recorder = {})
       : scene_(scene),
         control_(control),
+        recorder_(recorder),
         shading_(scene),
         counts_rays_(scene.settings.channels.has(Channel::steps) ||
                      scene.settings.channels.has(Channel::tests) || shading_.counts_rays()),
@@ -68,6 +77,7 @@ class Wavefront final : public TileRenderer {
     for (sample_ = first; sample_ < samples; ++sample_) {
       const uint64_t before = counts_.total();
       sums_.begin_sample();
+      if constexpr (kRecords) recorder_.begin_sample(sample_);
       add_sample(WideSampler<D>(scene_.sampler, sample_));
       if (context_.stopped()) return;
       sums_.end_sample();
@@ -84,6 +94,7 @@ class Wavefront final : public TileRenderer {
   const HitBatch& hits() const { return hits_; }
   Vertices& vertices() { return *vertices_; }
   RayCounts& counts() { return counts_; }
+  Recorder& recorder() { return recorder_; }
   bool stopped() const { return context_.stopped(); }
   // Of current ray i, in begin(), where rays are counted.
   uint32_t steps(size_t i) const { return ray_steps_[i]; }
@@ -125,6 +136,8 @@ class Wavefront final : public TileRenderer {
     size_t add(size_t i, const V3& origin, const V3& dir, const Part& part, uint32_t side, M mask) {
       const auto weight = scaled(w_.current_.weights(i), part);
       if (last_) {
+        if constexpr (kRecords)
+          w_.recorder_.untraced(w_.current_, i, origin, dir, weight, side, mask, w_.seen_there());
         w_.add_background(weight, &w_.current_.pixel[i], mask);
         return 0;
       }
@@ -245,6 +258,7 @@ class Wavefront final : public TileRenderer {
     else
       scene_.accel.closest(current_.rays, hits_, context_);
     if (context_.stopped()) return;
+    if constexpr (kRecords) recorder_.traced(level, current_, hits_, seen_there());
     if (level == 1 && counts_rays_) {
       add_costs();
       shading_.begin(*this, current_.rays.size());
@@ -258,6 +272,7 @@ class Wavefront final : public TileRenderer {
     if (level == 1 && layout_->planes() > 0) add_features(n);
     shading_.shade(*this, level, n, sampler);
     if (context_.stopped()) return;
+    if constexpr (kRecords) recorder_.shaded(current_, *vertices_, n, sums_);
     const int64_t coverage = level == 1 ? kFullCoverage : 0;
     for (size_t i = 0; i < n; i += kWidth)
       sums_.add(load(vertices_->radiance, i) * current_.weights(i), &current_.pixel[i],
@@ -371,6 +386,14 @@ class Wavefront final : public TileRenderer {
       current_.repeat(kept - 1, i), hits_.set(i, hits_[kept - 1]);
   }
 
+  // For a Recorder: what a ray of some weight brings that hits nothing.
+  auto seen_there() const {
+    return [this](Rgb weight) {
+      const Rgb background = shading_.background();
+      return std::pair(background, sums_.fixed(background * weight));
+    };
+  }
+
   void add_background(const typename Paths::Weight& weight, const uint32_t* pixels, M mask) {
     const Rgb background = shading_.background();
     if (background == Rgb() || hn::AllFalse(d, mask)) return;
@@ -382,6 +405,7 @@ class Wavefront final : public TileRenderer {
 
   const PreparedScene& scene_;
   RenderControl& control_;
+  [[no_unique_address]] Recorder recorder_;
   Shading shading_;
   const bool counts_rays_;
   TraceContext context_;

@@ -77,7 +77,8 @@ class Measurement {
     double seconds;
     std::unique_ptr<Film> film;
   };
-  std::expected<Rendered, Failure> render_once(const BenchmarkStep& step) {
+  std::expected<Rendered, Failure> render_once(BenchmarkStep step) {
+    step.so_far = &table_;
     const auto settings =
         resolve_options(with_effects(request_.options, step.combination.effects), scene_);
     control_.rays_done = control_.work_done = control_.work_total = 0;
@@ -131,7 +132,8 @@ class Measurement {
       }
     std::ranges::sort(order);
 
-    BenchmarkStep step{.combination = {}, .number = 0, .count = int(order.size())};
+    BenchmarkStep step;
+    step.count = int(order.size());
     for (const Place& place : order) {
       BenchmarkRow& row = table_.rows[place.row];
       step.combination = row.combination, ++step.number;

@@ -147,6 +147,7 @@ struct BenchmarkFailure {
 struct BenchmarkStep {
   Combination combination;
   int number = 0, count = 0;  // which of how many that are timed, from 1; 0: one to be compared
+  const BenchmarkTable* so_far = nullptr;  // its rows may have no runs yet; for the call only
 };
 
 /// Builds the structures, holds their pictures without effects against each other, and times the

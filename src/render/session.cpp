@@ -11,7 +11,16 @@ namespace {
 constexpr double kPassSeconds = 0.05;      // of refinement, between two pictures
 constexpr double kPatienceSeconds = 0.06;  // without a picture; then there is a preview first
 constexpr double kPreviewSeconds = 0.03;
-constexpr double kProbeScale = 0.125;  // of the sides: what costs so little that it may be unknown
+// Of the sides: pictures that may take unknown time. The first costs little whatever a pixel takes,
+// the other is large enough to tell that from it.
+constexpr double kLeastScale = 1.0 / 32, kProbeScale = 1.0 / 8;
+constexpr double kMostPartSeconds = 0.5;  // of a sample that is shown in parts
+constexpr uint32_t kMostParts = 64;
+
+// Of a sample's time: until whoever shows the picture has drawn it; of all runs together; of one
+// which drawing its parts could not slow down by much.
+constexpr double kDrawSeconds = 0.1, kTimingSeconds = 0.15, kLongSeconds = 1;
+constexpr double kRepeatSeconds = 0.3;  // longer samples are timed once
 
 // What the cost of a pixel depends on, but for the camera.
 RenderOptions without_camera(RenderOptions o) {
@@ -71,6 +80,35 @@ void Session::pause(bool paused) {
   news_.notify_all();
 }
 
+bool Session::is_idle() const {
+  const std::lock_guard lock(mutex_);
+  return waiting_ && !request_;
+}
+
+std::optional<SessionProgress> Session::progress() const {
+  const std::lock_guard lock(mutex_);
+  if (!stage_) return std::nullopt;
+  SessionProgress p{.stage = stage_->stage};
+  p.passed_s = std::chrono::duration<double>(Clock::now() - stage_->start).count();
+  if (stage_->parts == 0) {
+    p.left_s = std::max(0.0, stage_->expected_s - p.passed_s);
+    return p;
+  }
+  const double of_part =
+      double(control_.work_done) / double(std::max<uint64_t>(1, control_.work_total));
+  p.share = std::min(1.0, (stage_->part + std::min(1.0, of_part)) / stage_->parts);
+  // What was expected counts less and less.
+  const double all_s = p.share > 0 ? p.passed_s / p.share : stage_->expected_s;
+  p.left_s = std::max(
+      0.0, p.share * all_s + (1 - p.share) * std::max(stage_->expected_s, p.passed_s) - p.passed_s);
+  return p;
+}
+
+void Session::begin_stage(SessionProgress::Stage stage, double expected_s) {
+  const std::lock_guard lock(mutex_);
+  stage_ = Stage{.stage = stage, .start = Clock::now(), .expected_s = expected_s};
+}
+
 std::shared_ptr<const SessionPicture> Session::picture() const {
   const std::lock_guard lock(mutex_);
   return picture_;
@@ -83,7 +121,10 @@ void Session::run() {
     {
       std::unique_lock lock(mutex_);
       frame_must_end_.reset();
+      stage_.reset();
+      waiting_ = true;
       news_.wait(lock, [&] { return ending_ || request_; });
+      waiting_ = false;
       if (ending_) return;
       request = *std::exchange(request_, std::nullopt);
       next.request = requests_;
@@ -120,6 +161,7 @@ bool Session::bake(const SessionRequest& request, SessionPicture& next) {
   const AccelOptions& o = next.settings.accel;
   if (!baked_ || baked_->scene != request.scene || baked_->options != o ||
       baked_->one_sided != next.settings.one_sided) {
+    begin_stage(SessionProgress::structure, 0);
     auto baked = std::make_shared<BakedScene>();
     baked->scene = request.scene, baked->options = o, baked->one_sided = next.settings.one_sided;
     const auto start = Clock::now();
@@ -133,6 +175,8 @@ bool Session::bake(const SessionRequest& request, SessionPicture& next) {
     baked_ = std::move(baked);
   }
   next.baked = baked_;
+  const std::lock_guard lock(mutex_);
+  stage_.reset();
   return !control_.stop;
 }
 
@@ -147,47 +191,59 @@ bool Session::render_scaled(double scale, SessionPicture& next) {
   RenderSettings settings = next.settings;
   const auto scaled = [&](int side) { return std::max(1, int(std::lround(side * scale))); };
   settings.width = scaled(settings.width), settings.height = scaled(settings.height);
+  settings.preview_scale = float(settings.width) / float(next.settings.width);
   const BakedScene& baked = *next.baked;
   const auto film = make_film(*baked.scene, settings);
   if (!film) return fail(film.error(), next);
   if (!render(*baked.scene, *baked.accel, settings, **film, control_, {.samples = 1}).finished)
     return false;
   next.image = std::make_shared<Image>(picture_of(**film, settings.view));
-  next.rays = (*film)->rays();
-  next.pass_s = next.render_s = std::chrono::duration<double>(Clock::now() - start).count();
-  const double pixel_s = next.pass_s / (double(settings.width) * settings.height);
+  const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  const double pixel_s = seconds / (double(settings.width) * settings.height);
   // One number for all sizes: what small pictures cost more, tells against the next one's.
   pixel_s_ = pixel_s_ > 0 ? (pixel_s_ + pixel_s) / 2 : pixel_s;
   return true;
 }
 
+// What a pixel takes, by the smallest of pictures, and by a larger one where that takes little.
+bool Session::probe(SessionPicture& next) {
+  if (pixel_s_ > 0) return true;
+  if (!render_scaled(kLeastScale, next)) return false;
+  if (expected_s(next) * kProbeScale * kProbeScale > kPreviewSeconds) return true;
+  pixel_s_ = 0;
+  return render_scaled(kProbeScale, next);
+}
+
 // The finest picture that takes `seconds`.
 bool Session::preview(double seconds, SessionPicture& next) {
-  if (pixel_s_ == 0 && !render_scaled(kProbeScale, next)) return false;
-  const double scale = std::sqrt(std::min(1.0, seconds / expected_s(next)));
-  if (!render_scaled(std::max(scale, 1.0 / 32), next)) return false;
+  if (!probe(next)) return false;
+  const double scale = std::max(std::sqrt(std::min(1.0, seconds / expected_s(next))), kLeastScale);
+  // The probe's may be there already.
+  const bool is_there = next.image && scale <= 1.5 * kLeastScale;
+  if (!is_there && !render_scaled(scale, next)) return false;
   publish(next);
   return true;
 }
 
 void Session::refine(SessionPicture& next) {
-  if (pixel_s_ == 0 && !render_scaled(kProbeScale, next)) return;
+  begin_stage(SessionProgress::sample, expected_s(next));
+  if (!probe(next)) return;
   const double expected = expected_s(next);
   if (expected > kPatienceSeconds && !preview(kPreviewSeconds, next)) return;
   const BakedScene& baked = *next.baked;
   auto film = make_film(*baked.scene, next.settings);
   if (!film) return void(fail(film.error(), next));
-  next.render_s = 0;
   if (!first_sample(**film, expected, next)) return;
   const int all = next.settings.samples_per_pixel();
   for (int samples = 1;;) {
     next.samples = samples, next.finished = samples == all;
-    next.pass_s = next.render_s / samples;
     next.rays = (*film)->rays();
     next.image = std::make_shared<Image>(picture_of(**film, next.settings.view));
     publish(next);
+    if (samples == 1 && !time_sample(next)) return;
     if (next.finished || !may_go_on()) return;
-    const int step = int(std::min(kPassSeconds / std::max(next.pass_s, 1e-6), double(samples)));
+    const double pass_s = std::max(next.render_s / samples, 1e-6);
+    const int step = int(std::min(kPassSeconds / pass_s, double(samples)));
     samples += std::min(std::max(1, step), all - samples);
     const RenderResult done = render(*baked.scene, *baked.accel, next.settings, **film, control_,
                                      {.samples = uint32_t(samples)});
@@ -200,25 +256,66 @@ void Session::refine(SessionPicture& next) {
 bool Session::first_sample(Film& film, double expected, SessionPicture& next) {
   const BakedScene& baked = *next.baked;
   const bool long_wait = expected > kPatienceSeconds;
-  const auto shards = long_wait ? uint32_t(std::clamp(expected / kPassSeconds, 1.0, 64.0)) : 1;
+  const double part_s = std::clamp(expected / 8, kPassSeconds, kMostPartSeconds);
+  const auto parts =
+      long_wait ? uint32_t(std::clamp(expected / part_s, 1.0, double(kMostParts))) : 1;
+  begin_stage(SessionProgress::sample, expected);
   const std::shared_ptr<const Image> preview = next.image;
-  for (uint32_t shard = 0; shard < shards; ++shard) {
+  double seconds = 0;
+  for (uint32_t part = 0; part < parts; ++part) {
+    {
+      const std::lock_guard lock(mutex_);
+      control_.work_done = 0;
+      stage_->part = part, stage_->parts = parts;
+    }
     const RenderResult done = render(*baked.scene, *baked.accel, next.settings, film, control_,
-                                     {.samples = 1, .shard = shard, .shards = shards});
+                                     {.samples = 1, .shard = part, .shards = parts});
     if (!done.finished) return false;
-    next.render_s += done.seconds;
+    seconds += done.seconds;
     if (!long_wait) continue;
     next.image = std::make_shared<Image>(over_preview(film, next.settings.view, *preview));
     publish(next);
   }
-  pixel_s_ = next.render_s / (double(film.width()) * film.height());
+  next.render_s = seconds;
+  pixel_s_ = seconds / (double(film.width()) * film.height());
+  const std::lock_guard lock(mutex_);
+  stage_.reset();
+  return true;
+}
+
+// What the first sample takes when no one draws.
+bool Session::time_sample(SessionPicture& next) {
+  std::vector<double> runs_s;
+  if (next.render_s >= kLongSeconds) {
+    runs_s.push_back(next.render_s);
+  } else {
+    {
+      std::unique_lock lock(mutex_);
+      news_.wait_for(lock, std::chrono::duration<double>(kDrawSeconds),
+                     [&] { return control_.stop.load(); });
+    }
+    const BakedScene& baked = *next.baked;
+    const size_t least = next.render_s < kRepeatSeconds ? 3 : 1;
+    for (double all = 0; runs_s.size() < least || all < kTimingSeconds; all += runs_s.back()) {
+      const auto film = make_film(*baked.scene, next.settings);
+      if (!film) return fail(film.error(), next);
+      const RenderResult done =
+          render(*baked.scene, *baked.accel, next.settings, **film, control_, {.samples = 1});
+      if (!done.finished) return false;
+      runs_s.push_back(std::max(done.seconds, 1e-9));
+    }
+  }
+  next.sample_s = median_interval(std::move(runs_s));
+  publish(next);
   return true;
 }
 
 // Waits while paused.
 bool Session::may_go_on() {
   std::unique_lock lock(mutex_);
+  waiting_ = paused_;
   news_.wait(lock, [&] { return control_.stop || !paused_; });
+  waiting_ = false;
   return !control_.stop;
 }
 

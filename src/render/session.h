@@ -14,6 +14,7 @@
 #include "accel/accel.h"
 #include "integrate/film.h"
 #include "io/image/image.h"
+#include "render/effect_costs.h"
 #include "render/options.h"
 #include "render/render.h"
 #include "scene/scene.h"
@@ -42,14 +43,24 @@ struct SessionRequest {
 struct SessionPicture {
   uint64_t request = 0;  // the number of the request that it answers
   std::shared_ptr<const Image> image;
-  int samples = 0;  // of every pixel; 0: a preview, coarse in part or whole
+  int samples = 0;  // of every pixel; 0: a preview, coarse in part or whole, without figures
   bool finished = false;
   RenderSettings settings;  // of the size in full
   std::shared_ptr<const BakedScene> baked;
-  double pass_s = 0;           // what a sample of all pixels of the image took
+  /// Seconds that a sample of all pixels takes, told from whole samples that were rendered while
+  /// nothing was to be shown, or from one that took long. Zero until there are some.
+  MedianInterval sample_s{};
   double render_s = 0;         // all samples together
   RayCounts rays;              // likewise
   std::optional<Error> error;  // why the request got no picture; the image is an older one
+};
+
+/// How far a request is that has no whole sample yet.
+struct SessionProgress {
+  enum Stage { structure, sample } stage = structure;
+  double passed_s = 0;  // since the stage began
+  double share = 0;     // of the sample, 0 to 1
+  double left_s = 0;    // that it is expected to take; 0 while nothing is known
 };
 
 class Session {
@@ -71,6 +82,13 @@ class Session {
   /// Paused, a request gets its first sample and no more.
   void pause(bool paused);
 
+  /// Whether the machine is left alone: all is done that was requested, or paused. Once a paused
+  /// session is idle it stays so until the next request.
+  bool is_idle() const;
+
+  /// Of the request that is being worked on; nothing once it has a whole sample.
+  std::optional<SessionProgress> progress() const;
+
   /// The newest picture; null before the first.
   std::shared_ptr<const SessionPicture> picture() const;
 
@@ -82,10 +100,13 @@ class Session {
   bool bake(const SessionRequest& request, SessionPicture& next);
   void refine(SessionPicture& next);
   bool first_sample(Film& film, double expected_s, SessionPicture& next);
+  bool time_sample(SessionPicture& next);
+  bool probe(SessionPicture& next);
   bool preview(double seconds, SessionPicture& next);
   bool render_scaled(double scale, SessionPicture& next);
   double expected_s(const SessionPicture& next) const;
   bool may_go_on();
+  void begin_stage(SessionProgress::Stage stage, double expected_s);
   bool fail(Error why, SessionPicture& next);
   void publish(const SessionPicture& next);
 
@@ -94,7 +115,14 @@ class Session {
   std::condition_variable news_;
   std::optional<SessionRequest> request_;  // not yet taken up
   uint64_t requests_ = 0;
-  bool paused_ = false, ending_ = false;
+  bool paused_ = false, ending_ = false, waiting_ = false;
+  struct Stage {
+    SessionProgress::Stage stage = SessionProgress::structure;
+    Clock::time_point start;
+    double expected_s = 0;
+    uint32_t part = 0, parts = 0;  // that are rendered one after the other
+  };
+  std::optional<Stage> stage_;
   std::optional<Clock::time_point> frame_must_end_;  // that of a movement, which is being rendered
   std::shared_ptr<const SessionPicture> picture_;
 

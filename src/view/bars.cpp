@@ -181,20 +181,24 @@ Status status_of(const StatusFacts& f) {
   if (!is_new) {
     if (f.paused && f.picture && f.picture->request == f.request)
       return {paused, tr("Paused; space goes on")};
+    if (f.progress && f.progress->stage != SessionProgress::structure && f.progress->share > 0)
+      return {working, trf("Rendering the first sample: {:.0f} %, {:.0f} s left",
+                           100 * f.progress->share, f.progress->left_s)};
     return {working, trf("Rendering the first sample, {:.0f} s", f.since_request_s)};
   }
   if (f.picture->finished)
-    return {done, trf("Finished: {}, {} in all", samples, app::human_seconds(f.picture->render_s))};
+    return {done, trf("Finished: {}", samples)};
   if (f.paused) return {paused, trf("Paused at {}; space goes on", samples)};
   if (f.measuring == Measuring::Work::costs)
     return {measuring, tr("Measuring what effects cost; refining waits")};
   const int most = f.picture->settings.samples;
-  return {working, trf("Refining: {} of {}, {} each, {}", f.picture->samples,
-                       number_of(size_t(most), "sample a pixel", "samples a pixel"),
-                       app::human_seconds(f.picture->pass_s),
-                       app::human_quantity(
-                           double(f.picture->rays.total()) / std::max(f.picture->render_s, 1e-9),
-                           "rays/s"))};
+  const double sample_s = f.picture->sample_s.median;
+  const std::string so_far = trf("Refining: {} of {}", f.picture->samples,
+                                 number_of(size_t(most), "sample a pixel", "samples a pixel"));
+  if (!(sample_s > 0)) return {working, so_far};
+  const double rays = double(f.picture->rays.total()) / (sample_s * f.picture->samples);
+  return {working, trf("{}, {} each, {}", so_far, app::human_seconds(sample_s),
+                       app::human_quantity(rays, "rays/s"))};
 }
 
 void draw_status(const Rect& where, const Status& status, const std::string& read_out) {

@@ -31,6 +31,7 @@ struct StatusFacts {
   const SessionPicture* picture = nullptr;  // the newest; may be null
   uint64_t request = 0;                     // the newest
   double since_request_s = 0;
+  std::optional<SessionProgress> progress{};  // of a slow first sample
   int picture_width = 0, picture_height = 0;  // of a picture in full
   bool moving = false, paused = false;
   Measuring::Work measuring = Measuring::Work::none;

@@ -4,7 +4,7 @@
 
 #include <memory>
 #include <optional>
-#include <vector>
+#include <string>
 
 #include "render/session.h"
 #include "view/measure.h"
@@ -15,10 +15,19 @@ namespace raio::view {
 struct CostFacts {
   std::shared_ptr<const SessionPicture> picture;  // may be null
   int picture_width = 0, picture_height = 0;      // pixels
-  std::vector<EffectCost> costs;
+  EffectCosts costs;
   std::optional<BenchmarkTable> table;
   Measuring::Work measuring = Measuring::Work::none;
+  MeasuringProgress progress;
+  bool are_old = false;              // the costs: of the picture before the last change
+  std::optional<std::string> waits;  // for a slow picture's first sample
 };
+
+/// "first sample: 34 %, 12 s left".
+std::string progress_line(const SessionProgress& progress);
+
+/// "soft shadows: 1.83 x ±2%; 51.1 ms, without 28.0 ms; rays 1.75 x, tests 1.9 x, steps 1.6 x".
+std::string cost_line(const EffectCost& cost);
 
 void draw_statistics(const CostFacts& facts);
 void draw_costs(const CostFacts& facts);

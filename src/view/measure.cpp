@@ -1,55 +1,69 @@
 #include "view/measure.h"
 
-#include <array>
-#include <chrono>
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <new>
 #include <utility>
 
 namespace raio::view {
 namespace {
 
-constexpr std::array kEffects = {Command::antialiasing,   Command::soft_shadows,
-                                 Command::depth_of_field, Command::reflection,
-                                 Command::refraction,     Command::structure};
+// For whoever draws what is new: nothing is timed meanwhile.
+constexpr std::chrono::milliseconds kDrawTime(40);
 
-// A picture is measured by every 32nd of its tiles, and by more while they take no longer than
-// this.
-constexpr uint32_t kShards = 32;
-constexpr double kEnoughSeconds = 0.08;
-
-// Nothing when told to stop.
-std::optional<double> picture_seconds(const Scene& scene, const Accel& accel, RenderSettings o,
-                                      RenderControl& control) {
-  o.sampler = SamplerKind::jitter, o.samples = 0;
-  o.aa = o.aa == 1 ? 1 : 3;
-  o.lens_samples = o.dof ? 3 : 1;
-  const auto film = make_film(scene, o);
-  if (!film) return std::nullopt;
-  double seconds = 0;
-  uint32_t shard = 0;
-  while (shard < kShards && seconds < kEnoughSeconds) {
-    const RenderResult done =
-        render(scene, accel, o, **film, control, {.shard = shard++, .shards = kShards});
-    if (!done.finished) return std::nullopt;
-    seconds += done.seconds;
-  }
-  return seconds * kShards / shard;
+// The options of the state, also of effects that are switched off.
+RenderOptions options_of(const ViewState& state, int width, int height) {
+  RenderOptions o = state.options;
+  set_camera(o, state.camera, *state.scene);
+  o.width = width, o.height = height;
+  return o;
 }
 
 }  // namespace
 
-void Measuring::start(Work work, std::function<Measured(RenderControl&)> measure) {
+Effect effect_of(Command effect) {
+  switch (effect) {
+    case Command::soft_shadows:
+      return Effect::soft_shadows;
+    case Command::depth_of_field:
+      return Effect::depth_of_field;
+    case Command::structure:
+      return Effect::structure;
+    case Command::reflection:
+      return Effect::reflection;
+    case Command::refraction:
+      return Effect::refraction;
+    default:
+      return Effect::antialiasing;
+  }
+}
+
+Command command_of(Effect effect) {
+  for (const Command c : {Command::soft_shadows, Command::depth_of_field, Command::structure,
+                          Command::reflection, Command::refraction})
+    if (effect_of(c) == effect) return c;
+  return Command::antialiasing;
+}
+
+void Measuring::start(Work work, std::function<std::string()> measure) {
   work_ = work;
   done_ = false;
   control_.stop = false;
+  error_.clear();
+  {
+    const std::lock_guard lock(mutex_);
+    found_.progress = {};
+  }
+  news_ = true;
   thread_ = std::thread([this, measure = std::move(measure)] {
     try {
-      found_ = measure(control_);
+      error_ = measure();
     } catch (const std::bad_alloc&) {
-      found_.error = "out of memory";
+      error_ = "out of memory";
     }
     done_ = true;
-    on_done_();
+    on_news_();
   });
 }
 
@@ -58,66 +72,111 @@ Measuring::~Measuring() {
   if (thread_.joinable()) thread_.join();
 }
 
+// From the measuring thread.
+template <class Change>
+void Measuring::show(Change&& change) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (control_.stop) return;
+    change(found_);
+  }
+  news_ = true;
+  on_news_();
+  std::this_thread::sleep_for(kDrawTime);
+}
+
 std::optional<std::string> Measuring::poll() {
   if (!busy() || !done_) return std::nullopt;
   thread_.join();
+  news_ = true;
   const Work work = std::exchange(work_, Work::none);
-  Measured found = std::exchange(found_, {});
-  if (control_.stop) return work == Work::table ? "not measured" : "";
-  if (!found.error.empty()) return found.error;
+  if (!error_.empty()) return std::exchange(error_, {});
   if (work == Work::costs) {
-    result_.costs = std::move(found.costs);
+    if (control_.stop) forget_costs();
     return "";
   }
-  result_.table = std::move(found.table);
-  return "measured the sixteen";
+  return control_.stop ? "stopped; what was measured by then stays" : "measured the table";
 }
 
 void Measuring::start_costs(const ViewState& state, std::shared_ptr<const BakedScene> baked,
                             int width, int height) {
-  start(Work::costs, [state, baked = std::move(baked), width, height](RenderControl& control) {
-    Measured out;
-    const Scene& scene = *state.scene;
-    const auto resolved = [&](const ViewState& s) {
-      RenderOptions o = s.request(width, height);
-      o.view = View::picture, o.integrator = std::nullopt, o.channels = {};
-      return resolve_options(o, scene);
+  start(Work::costs, [this, scene = state.scene, options = options_of(state, width, height),
+                      baked = std::move(baked)] {
+    const auto take = [this](const EffectCosts& costs) {
+      show([&](Found& found) {
+        found.costs = costs;
+        found.progress = {.done = costs.done, .left_s = costs.left_s, .what = {}};
+      });
     };
-    const RenderSettings now = resolved(state);
-    const auto now_s = picture_seconds(scene, *baked->accel, now, control);
-    for (const Command effect : kEffects) {
-      if (!now_s || control.stop) return out;
-      ViewState other = state;
-      const bool on = state.is_on(effect);
-      std::optional<double> other_s;
-      if (effect == Command::structure) {
-        RenderSettings o = now;
-        o.accel = {};
-        o.accel.kind = on ? AccelKind::none : AccelKind::bvh;
-        const auto accel = build_accel(scene, o.accel, o.one_sided);
-        if (accel) other_s = picture_seconds(scene, **accel, o, control);
-      } else {
-        (void)other.toggle(effect);
-        other_s = picture_seconds(scene, *baked->accel, resolved(other), control);
-      }
-      if (!other_s) return out;
-      out.costs.push_back({effect, on, on ? *now_s : *other_s, on ? *other_s : *now_s});
-    }
-    return out;
+    const auto costs = measure_effects(*scene, *baked->accel, options, control_, take);
+    return costs ? std::string() : with_settings(costs.error().message, "");
   });
 }
 
+// Steps are begun one after the other: what the last one took tells what the others will.
+void Measuring::show_step(const BenchmarkStep& step) {
+  const auto now = Clock::now();
+  const double passed = std::chrono::duration<double>(now - step_start_).count();
+  if (const Combination& last = step_.combination; step_.so_far)
+    sample_s_[size_t(last.accel)] = passed / samples_per_pixel(last.effects);
+  BenchmarkTable table = *step.so_far;
+  double done_s = 0, left_s = 0;
+  for (const BenchmarkRow& row : table.rows) {
+    const double row_s =
+        samples_per_pixel(row.combination.effects) * sample_s_[size_t(row.combination.accel)];
+    (row.runs_s.empty() ? left_s : done_s) += row_s;
+  }
+  std::erase_if(table.rows, [](const BenchmarkRow& row) { return row.runs_s.empty(); });
+  show([&](Found& found) {
+    found.progress = {.done = step.number == 0 ? 0 : done_s / std::max(done_s + left_s, 1e-9),
+                      .left_s = step.number == 0 ? 0 : left_s,
+                      .what = step.number == 0
+                                  ? fmt::format("compares {}", short_label(step.combination))
+                                  : fmt::format("{} of {}: {}", step.number, step.count,
+                                                short_label(step.combination))};
+    if (!table.rows.empty()) found.table = std::move(table);
+  });
+  step_ = step;
+  step_start_ = Clock::now();
+}
+
 void Measuring::start_table(const ViewState& state, int width, int height) {
-  start(Work::table,
-        [scene = state.scene, options = state.request(width, height)](RenderControl& control) {
-          Measured out;
-          auto table = measure_benchmark(*scene, BenchmarkRequest{.options = options}, control);
-          if (table)
-            out.table = std::move(*table);
-          else
-            out.error = with_settings(table.error().message, "");
-          return out;
-        });
+  step_ = {}, sample_s_ = {};
+  start(Work::table, [this, scene = state.scene, options = state.request(width, height)] {
+    auto table = measure_benchmark(*scene, BenchmarkRequest{.options = options}, control_,
+                                   [this](const BenchmarkStep& step) { show_step(step); });
+    if (!table) return with_settings(table.error().message, "");
+    show([&](Found& found) { found.table = std::move(*table); });
+    return std::string();
+  });
+}
+
+MeasuringProgress Measuring::progress() const {
+  const std::lock_guard lock(mutex_);
+  return found_.progress;
+}
+
+EffectCosts Measuring::costs() const {
+  const std::lock_guard lock(mutex_);
+  return found_.costs;
+}
+
+std::optional<BenchmarkTable> Measuring::table() const {
+  const std::lock_guard lock(mutex_);
+  return found_.table;
+}
+
+void Measuring::forget_costs() {
+  const std::lock_guard lock(mutex_);
+  found_.costs = {};
+  news_ = true;
+}
+
+void Measuring::forget() {
+  cancel();
+  const std::lock_guard lock(mutex_);
+  found_ = {};
+  news_ = true;
 }
 
 }  // namespace raio::view

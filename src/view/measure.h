@@ -1,32 +1,39 @@
-// What effects cost, measured in a thread of its own while the window goes on.
+// What effects cost, measured in a thread of its own. Sessions rest meanwhile: whoever starts a
+// measurement has paused them and waited until they are idle.
 #pragma once
 
+#include <array>
 #include <atomic>
+#include <chrono>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
-#include <vector>
 
 #include "render/benchmark.h"
+#include "render/effect_costs.h"
 #include "render/session.h"
 #include "view/state.h"
 
 namespace raio::view {
 
-/// Seconds of a picture with and without an effect, the others as they are. Samples are counted as
-/// in the report: 9 a pixel with antialiasing, 3 with depth of field, 27 with both, else 1.
-struct EffectCost {
-  Command effect = Command::antialiasing;
-  bool on = false;
-  double with_s = 0, without_s = 0;
+Effect effect_of(Command effect);
+Command command_of(Effect effect);
+
+/// How far a measurement is.
+struct MeasuringProgress {
+  double done = 0;    // 0 to 1
+  double left_s = 0;  // at least; 0: unknown
+  std::string what;   // that is being timed: "3 of 24: grid AA"
 };
 
 class Measuring {
  public:
-  /// `on_done` is called from the measuring thread.
-  explicit Measuring(std::function<void()> on_done) : on_done_(std::move(on_done)) {}
+  /// `on_news` is called from the measuring thread when there is something to show; it has a moment
+  /// then in which nothing is timed.
+  explicit Measuring(std::function<void()> on_news) : on_news_(std::move(on_news)) {}
   ~Measuring();
   Measuring(const Measuring&) = delete;
   Measuring& operator=(const Measuring&) = delete;
@@ -45,26 +52,42 @@ class Measuring {
   /// The end of the work, once: a line to be said, empty where there is nothing to say.
   std::optional<std::string> poll();
 
-  /// What was measured last.
-  const std::vector<EffectCost>& costs() const { return result_.costs; }
-  const std::optional<BenchmarkTable>& table() const { return result_.table; }
-  /// Of another scene.
-  void forget() { result_ = {}; }
+  /// Whether what follows has changed since the last call.
+  bool has_news() { return news_.exchange(false); }
+  MeasuringProgress progress() const;
+  /// What is known by now; without effects, and nothing, before there was anything.
+  EffectCosts costs() const;
+  std::optional<BenchmarkTable> table() const;
+  /// All of it is of another scene now. Cancels, too.
+  void forget();
 
  private:
-  struct Measured {
-    std::vector<EffectCost> costs;
+  using Clock = std::chrono::steady_clock;
+  struct Found {
+    EffectCosts costs;
     std::optional<BenchmarkTable> table;
-    std::string error;
+    MeasuringProgress progress;
   };
-  void start(Work work, std::function<Measured(RenderControl&)> measure);
 
-  std::function<void()> on_done_;
+  // `measure` returns what went wrong.
+  void start(Work work, std::function<std::string()> measure);
+  template <class Change>
+  void show(Change&& change);
+  void show_step(const BenchmarkStep& step);
+  void forget_costs();
+
+  std::function<void()> on_news_;
   RenderControl control_;
-  std::atomic<bool> done_ = false;
+  std::atomic<bool> done_ = false, news_ = false;
   Work work_ = Work::none;
-  Measured found_;  // the thread's, until done_
-  Measured result_;
+  std::string error_;  // the thread's, until done_
+  // The thread's, of a table: when the step began, what it is, and what a sample takes with its
+  // structure.
+  Clock::time_point step_start_;
+  BenchmarkStep step_;
+  std::array<double, 8> sample_s_{};
+  mutable std::mutex mutex_;
+  Found found_;  // guarded by mutex_
   std::thread thread_;
 };
 

@@ -24,6 +24,8 @@ class Pictures {
   Other wanted_other() const { return wanted_; }
 
   void pause(bool pause) const;
+  /// Whether no session uses the machine.
+  bool are_idle() const { return main.session->is_idle() && other.session->is_idle(); }
 
   /// `split_at`: where the bar between the two is, 0 to 1.
   void draw(const ViewState& state, const Stage& stage, float split_at) const;

@@ -15,9 +15,6 @@ namespace {
 constexpr std::array kStructures = {AccelKind::bvh, AccelKind::grid, AccelKind::embree,
                                     AccelKind::none};
 
-// Of a pixel, when nobody says how many: no screen shows what more would change.
-constexpr int kMostRefined = 4096;
-
 bool same_camera(const Camera& a, const Camera& b) {
   return a.from == b.from && a.at == b.at && a.up == b.up && a.fov_deg == b.fov_deg;
 }
@@ -137,7 +134,7 @@ RenderOptions ViewState::request(int width, int height, int samples) const {
     if (!varies) o.lens_samples = 0, o.sampler = std::nullopt;
     return o;
   }
-  const int most = o.samples > 0 ? o.samples : kMostRefined;
+  const int most = o.samples > 0 ? o.samples : kRefineSamples;
   o.samples = samples > 0 ? samples : most;
   o.lens_samples = 0, o.sampler = std::nullopt;
   return o;

@@ -14,6 +14,9 @@
 
 namespace raio::view {
 
+/// A picture that may have any number of samples gets so many, unless the options say how many.
+inline constexpr int kRefineSamples = 1024;
+
 class ViewState {
  public:
   ViewState(std::string path, std::shared_ptr<const Scene> scene, const RenderOptions& options);
@@ -44,7 +47,7 @@ class ViewState {
   void show(View view) { options.view = view; }
 
   /// What `raio render` would be told for this picture of so many pixels: what has an effect, no
-  /// more. `samples`: of a pixel, where their number is open; 0: without end.
+  /// more. `samples`: of a pixel, where their number is open; 0: those that refining ends with.
   RenderOptions request(int width, int height, int samples = 0) const;
   /// The same without `split_effect`, or with it where it is off.
   RenderOptions other_request(int width, int height) const;

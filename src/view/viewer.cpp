@@ -14,6 +14,7 @@
 #include "render/render.h"
 #include "render/session.h"
 #include "view/camera_control.h"
+#include "view/comparison.h"
 #include "view/controls.h"
 #include "view/edit.h"
 #include "view/files.h"
@@ -31,13 +32,14 @@
 namespace raio::view {
 namespace {
 
-constexpr double kFrameSeconds = 0.024;   // of rendering; drawing takes the rest of a 30th
-constexpr double kDrawGapSeconds = 0.03;  // between drawings that show no new picture
-constexpr double kRestSeconds = 0.15;     // after the last movement
-constexpr double kBeforeCosts = 0.8;      // of rest, until costs are measured
-constexpr double kFocusSeconds = 2.5;     // that the plane in focus is shown
-constexpr double kWaitingSeconds = 0.5;   // between drawings while nothing new comes
-constexpr double kIdleSeconds = 0.1;      // between looks at the disk
+constexpr double kFrameSeconds = 0.024;    // of rendering; drawing takes the rest of a 30th
+constexpr double kDrawGapSeconds = 0.03;   // between drawings that show no new picture
+constexpr double kRestSeconds = 0.15;      // after the last movement
+constexpr double kBeforeCosts = 0.8;       // of rest, until costs are measured
+constexpr double kFocusSeconds = 2.5;      // that the plane in focus is shown
+constexpr double kWaitingSeconds = 0.5;    // between drawings while nothing new comes
+constexpr double kIdleSeconds = 0.1;       // between looks at the disk
+constexpr double kSlowSeconds = 0.8;       // a first sample that takes longer shows its progress
 
 std::string text_of(Vec3f v) { return fmt::format("{:.6g},{:.6g},{:.6g}", v.x, v.y, v.z); }
 
@@ -167,10 +169,12 @@ class Viewer final : public WindowEvents {
     renew();
   }
 
-  // Tells the sessions what is wanted now.
-  void renew() {
+  // Tells the sessions what is wanted now. Whether it can be had.
+  bool renew() {
     const RenderOptions o = state_.request(stage_.picture_width, stage_.picture_height);
-    if (const auto why = option_conflict(o, state_.scene.get())) return complain(why->text("--"));
+    comparison_.end();
+    if (const auto why = option_conflict(o, state_.scene.get()))
+      return complain(why->text("--")), false;
     const double frame_s = is_moving() ? kFrameSeconds : 0;
     moved_ = frame_s > 0;
     pictures_.request(state_, stage_, frame_s);
@@ -179,6 +183,7 @@ class Viewer final : public WindowEvents {
     measuring_.cancel();
     costs_are_old_ = true;
     renew_other(frame_s);
+    return true;
   }
 
   void renew_other(double frame_s) {
@@ -194,17 +199,15 @@ class Viewer final : public WindowEvents {
       case Command::structure:
       case Command::reflection:
       case Command::refraction:
-        before_s_ = pictures_.main.picture ? pictures_.main.picture->pass_s : 0;
-        switched_ = state_.toggle(key.command);
-        say(switched_);
-        return renew();
+        return switch_effect(key.command);
       case Command::split:
         state_.split = !state_.split;
         say(state_.split ? tr("side by side with the last effect switched") : tr("one picture"));
-        return renew();
+        return void(renew());
       case Command::pause:
         state_.paused = !state_.paused;
-        pictures_.pause(state_.paused);
+        if (measuring_.work() == Measuring::Work::costs) measuring_.cancel(), costs_are_old_ = true;
+        pictures_.pause(state_.paused || measuring_.busy());
         return say(state_.paused ? tr("paused") : tr("goes on"));
       case Command::panel:
         state_.panel = !state_.panel;
@@ -214,13 +217,13 @@ class Viewer final : public WindowEvents {
         state_.camera = fitted(state_.camera, bounds(*state_.scene), stage_.aspect());
         state_.follow_focus();
         say(tr("the scene fits"));
-        return renew();
+        return void(renew());
       case Command::home:
         state_.camera = state_.scene->camera;
         moving_until_ = 0;
         state_.follow_focus();
         say(tr("the scene's own camera"));
-        return renew();
+        return void(renew());
       case Command::save_png:
       case Command::save_exr:
         to_save_ = key.command == Command::save_png ? ".png" : ".exr";
@@ -237,7 +240,7 @@ class Viewer final : public WindowEvents {
       case Command::show_view:
         state_.show(View(key.key - '1'));
         say(trf("view: {}", tr(key.help)));
-        return renew();
+        return void(renew());
       case Command::measure:
         return switch_table();
       case Command::undo:
@@ -306,6 +309,14 @@ class Viewer final : public WindowEvents {
     renew();
   }
 
+  void switch_effect(Command effect) {
+    const auto before = pictures_.main.picture;
+    const uint64_t request = pictures_.main.request;
+    const std::string what = state_.toggle(effect);
+    log(what);
+    if (renew()) say(comparison_.begin(what, before.get(), request));
+  }
+
   void focus_on(const Pick& pick) {
     if (!pick.hit.found()) return say(tr("nothing there to focus on"));
     state_.focus_on(pick.point);
@@ -339,20 +350,42 @@ class Viewer final : public WindowEvents {
 
   // The costs, which are measured unasked, make way for the table.
   void switch_table() {
+    if (wants_table_) return wants_table_ = false, say("stopped");
     if (measuring_.work() == Measuring::Work::table) return measuring_.cancel();
     costs_are_old_ |= measuring_.busy();
     measuring_.cancel();
     wants_table_ = true;
-    say(tr("measuring the sixteen; m stops"));
-  }
-  void start_table() {
-    wants_table_ = false;
-    hold_back(true);
-    measuring_.start_table(state_, stage_.picture_width, stage_.picture_height);
+    say(tr("measuring all combinations; m stops"));
   }
 
-  // Whoever measures wants the machine for himself.
-  void hold_back(bool hold) const { pictures_.pause(hold || state_.paused); }
+  // Whoever measures wants the machine for themselves: sessions rest, and the window draws in
+  // pauses that are left for it.
+  void measure() {
+    if (measuring_.busy()) return;
+    if (!wants_table_ && !may_measure_costs()) {
+      if (std::exchange(is_holding_, false)) pictures_.pause(state_.paused);
+      return;
+    }
+    is_holding_ = true;
+    pictures_.pause(true);
+    if (!pictures_.are_idle()) return;
+    if (std::exchange(wants_table_, false)) {
+      measuring_.start_table(state_, stage_.picture_width, stage_.picture_height);
+    } else {
+      costs_are_old_ = false;
+      log("measures the costs");
+      measuring_.start_costs(state_, pictures_.main.picture->baked, stage_.picture_width,
+                             stage_.picture_height);
+    }
+  }
+
+  // At rest, and after the picture itself.
+  bool may_measure_costs() const {
+    const auto& picture = pictures_.main.picture;
+    return !state_.path.empty() && costs_are_old_ && wants_costs_ && !state_.paused && !is_moving() && picture &&
+           picture->request == pictures_.main.request && picture->sample_s.median > 0 &&
+           now() >= moving_until_ + kBeforeCosts && message_.age(now()) >= kBeforeCosts;
+  }
 
   void step() {
     const double time = now(), passed = time - std::exchange(last_step_, time);
@@ -373,7 +406,8 @@ class Viewer final : public WindowEvents {
     is_new |= take_picture(pictures_.other);
     save_when_whole();
     find_warnings();
-    measure_costs();
+    measure();
+    if (measuring_.has_news()) drawings_ = std::max(drawings_, 1);
     if (window_.is_hidden()) {
       drawings_ = 0;
     } else if (is_new || (drawings_ > 0 && (!is_moving() || time > last_draw_ + kDrawGapSeconds))) {
@@ -398,11 +432,8 @@ class Viewer final : public WindowEvents {
     if (!side.take()) return false;
     const SessionPicture& p = *side.picture;
     if (p.error) complain(p.error->text("--"));
-    if (&side == &pictures_.main && !switched_.empty() && p.request == side.request &&
-        p.samples > 0) {
-      say(trf("{}: {} a sample, before {}", std::exchange(switched_, {}),
-              app::human_seconds(p.pass_s), app::human_seconds(before_s_)));
-    }
+    if (&side == &pictures_.main)
+      if (auto line = comparison_.take(p, side.request)) say(std::move(*line));
     return true;
   }
 
@@ -418,10 +449,21 @@ class Viewer final : public WindowEvents {
       log("command: " + written->command);
     }
     if (const auto done = measuring_.poll()) {
-      hold_back(false);
-      done->empty() ? log("measured the costs") : say(*done);
+      done->empty() ? log_costs() : say(*done);
+      needs_drawing();
     }
-    if (wants_table_ && !measuring_.busy()) start_table();
+  }
+
+  void log_costs() const {
+    for (const EffectCost& c : measuring_.costs().effects) log(cost_line(c));
+    log(measuring_.costs().finished ? "measured the costs" : "did not measure the costs");
+  }
+
+  // Of a picture that keeps its viewer waiting.
+  std::optional<SessionProgress> progress() const {
+    const auto progress = pictures_.main.session->progress();
+    if (!progress || progress->passed_s + progress->left_s < kSlowSeconds) return std::nullopt;
+    return progress;
   }
 
   void take_scene(const SceneFile::Read& read) {
@@ -445,19 +487,6 @@ class Viewer final : public WindowEvents {
   void find_warnings() {
     if (is_moving() || is_waiting()) return;
     if (warnings_.find(*state_.scene, *pictures_.main.picture)) needs_drawing();
-  }
-
-  void measure_costs() {
-    const auto& picture = pictures_.main.picture;
-    if (state_.path.empty()) return;
-    if (!costs_are_old_ || !wants_costs_ || measuring_.busy() || is_moving() || state_.paused)
-      return;
-    if (!picture || picture->request != pictures_.main.request || picture->samples == 0) return;
-    if (now() < moving_until_ + kBeforeCosts || message_.age(now()) < kBeforeCosts) return;
-    costs_are_old_ = false;
-    hold_back(true);
-    log("measures the costs");
-    measuring_.start_costs(state_, picture->baked, stage_.picture_width, stage_.picture_height);
   }
 
   void draw() {
@@ -497,7 +526,10 @@ class Viewer final : public WindowEvents {
             .picture_height = stage_.picture_height,
             .costs = measuring_.costs(),
             .table = measuring_.table(),
-            .measuring = measuring_.work()};
+            .measuring = measuring_.work(),
+            .progress = measuring_.progress(),
+            .are_old = costs_are_old_,
+            .waits = progress().transform(progress_line)};
   }
 
   ControlFacts control_facts(const std::string& under) const {
@@ -507,6 +539,7 @@ class Viewer final : public WindowEvents {
     facts.status = {.picture = pictures_.main.picture.get(),
                     .request = pictures_.main.request,
                     .since_request_s = now() - requested_at_,
+                    .progress = progress(),
                     .picture_width = stage_.picture_width,
                     .picture_height = stage_.picture_height,
                     .moving = is_moving(),
@@ -552,6 +585,7 @@ class Viewer final : public WindowEvents {
   Gestures gestures_;
   Measuring measuring_{[] { Window::wake(); }};
   bool costs_are_old_ = true, wants_costs_ = false, wants_table_ = false;
+  bool is_holding_ = false;  // the sessions, for a measurement
   Diagnostics errors_;
 
   int drawings_ = 3;  // still to do, even if no new picture comes
@@ -560,8 +594,8 @@ class Viewer final : public WindowEvents {
   double requested_at_ = 0;
   Message message_;
   bool says_error_ = false, typing_ = false;  // into a field
-  std::string switched_, to_save_;
-  double before_s_ = 0;
+  Comparison comparison_;
+  std::string to_save_;
 };
 
 }  // namespace

@@ -43,7 +43,7 @@ class Beams {
   bool gave_up(uint32_t id) const { return scratch_.beams[id].tests_left < 0; }
   bool alive(uint32_t id) const { return scratch_.beams[id].t > 0; }
 
-  void visits(size_t n) { context_.steps += n; }
+  void visits(uint32_t, size_t n) { context_.steps += n; }
   float end(uint32_t id) const { return scratch_.beams[id].t; }
   Sweep sweep(uint32_t id) const {
     const Beam& b = scratch_.beams[id];

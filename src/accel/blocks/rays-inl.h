@@ -195,7 +195,8 @@ class Rays {
     return n;
   }
 
-  void visits(size_t n) { context_.steps += n; }
+  // So many at node `ref` of a tree.
+  void visits(uint32_t, size_t n) { context_.steps += n; }
   float end(uint32_t id) const { return rays_[id].t; }
   Sweep sweep(uint32_t id) const { return {rays_[id].o, rays_[id].d, 0, 0}; }
 

@@ -36,8 +36,9 @@ Scratch<WalkScratch>& own_scratch() {
 
 // Things of a structure of blocks: `empty()`, and walk(structure, without_shared, n, walk_scratch,
 // crowd), which takes the first n of `walk_scratch.ids` through it. A crowd (Rays, Beams) knows
-// what they are; those that have met the shared blocks go without them.
-template <bool any, class Structure, class WalkScratch>
+// what they are; those that have met the shared blocks go without them. `RayCrowd`: Rays, or what
+// also keeps a log.
+template <bool any, class Structure, class WalkScratch, template <bool> class RayCrowd = Rays>
 class Tracer {
  public:
   Tracer(const Geometry& geometry, const Structure& structure, bool alone,
@@ -72,7 +73,7 @@ class Tracer {
  private:
   // Rays that keep together as beams, then all others each on its own.
   void trace_blocks(Batch& b) {
-    Rays<any> rays(g_, structure_, b, scratch_.rays, context_);
+    RayCrowd<any> rays(g_, structure_, b, scratch_.rays, context_);
     Beams<any> beams(structure_, b, scratch_.beams, context_);
     WalkScratch& lists = scratch_.walk;
     lists.reserve(kChunk + kPacket);
@@ -181,13 +182,13 @@ class Tracer {
   bool few_;    // so few primitives that every ray is tested against all
 };
 
-template <bool any, class WalkScratch, class Structure>
+template <bool any, class WalkScratch, template <bool> class RayCrowd = Rays, class Structure>
 void trace_all(const Geometry& g, const Structure& structure, const RayBatch& rays, HitBatch* hits,
                uint8_t* hit, TraceContext& context) {
   // A ray by itself is told what it alone would cost.
   const bool alone = rays.size() == 1;
-  Tracer<any, Structure, WalkScratch> tracer(g, structure, alone, own_scratch<WalkScratch>(),
-                                             context);
+  Tracer<any, Structure, WalkScratch, RayCrowd> tracer(g, structure, alone,
+                                                       own_scratch<WalkScratch>(), context);
   for (size_t i = 0; i < rays.size() && !context.stopped(); i += kChunk)
     tracer.trace(rays, i, hits, hit);
 }

@@ -47,4 +47,9 @@ void bvh_closest(const Geometry& geometry, const Bvh& bvh, const RayBatch& rays,
 void bvh_occluded(const Geometry& geometry, const Bvh& bvh, const RayBatch& rays, uint8_t* hit,
                   TraceContext& context);
 
+/// The walk of one ray, which goes to `context.log`: nodes and leaves, without depths and boxes,
+/// and the items that are tested.
+void bvh_log(const Geometry& geometry, const Bvh& bvh, const RayBatch& ray, bool any,
+             TraceContext& context);
+
 }  // namespace raio

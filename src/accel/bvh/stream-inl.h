@@ -80,7 +80,7 @@ HWY_INLINE void walk_alone(const Bvh& bvh, uint32_t ref, uint32_t id, StreamScra
   int top = 0;
   while (true) {
     if (ref_pool(ref) == Pool::nodes) {
-      crowd.visits(1);
+      crowd.visits(ref, 1);
       const BvhNode& node = bvh.nodes[ref_index(ref)];
       V8 nearest[kParts];
       for (V8& x : nearest) x = hn::Set(kEight, kInfinity);
@@ -127,7 +127,7 @@ void walk(const Bvh& bvh, bool without_shared, size_t count, StreamScratch& list
       continue;
     }
     lists.reserve(w.used + kBlockWidth * n + kIdLanes);
-    crowd.visits(n);
+    crowd.visits(w.ref, n);
     uint32_t* const ids = lists.ids.data();
     const BvhNode& node = bvh.nodes[ref_index(w.ref)];
     const BoxLanes boxes(node.boxes, node.child);

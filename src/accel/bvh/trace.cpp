@@ -22,6 +22,46 @@ void occluded(const Geometry& g, const Bvh& bvh, const RayBatch& rays, uint8_t* 
   trace_all<true, StreamScratch>(g, bvh, rays, nullptr, hit, context);
 }
 
+// Rays that write down where they go.
+template <bool any>
+class LoggedRays : public Rays<any> {
+ public:
+  LoggedRays(const Geometry& geometry, const Bvh& bvh, const Batch& batch, RayScratch& scratch,
+             TraceContext& context)
+      : Rays<any>(geometry, bvh, batch, scratch, context), bvh_(bvh), log_(*context.log) {}
+
+  void visits(uint32_t ref, size_t n) {
+    add_step(ref, false);
+    Rays<any>::visits(ref, n);
+  }
+  HWY_NOINLINE void leaf(uint32_t ref, const uint32_t* ids, size_t n) {
+    add_step(ref, true);
+    const PrimitiveId* const items = bvh_.items(ref);
+    for (int i = 0; i < kBlockWidth && items[i] != kNoPrimitive; ++i) log_.add_test(items[i]);
+    Rays<any>::leaf(ref, ids, n);
+  }
+
+ private:
+  void add_step(uint32_t ref, bool leaf) {
+    log_.steps.push_back({.node = ref, .leaf = leaf, .first_test = log_.tests.size()});
+  }
+
+  const Bvh& bvh_;
+  TraceLog& log_;
+};
+
+void log(const Geometry& g, const Bvh& bvh, const RayBatch& ray, bool any, TraceContext& context) {
+  for (uint32_t i = 0; i < g.count(PrimitiveKind::plane); ++i)
+    context.log->add_test(primitive_id(PrimitiveKind::plane, i));
+  HitBatch hits;
+  hits.reset(1);
+  uint8_t hit[kChunk];  // of which one counts
+  if (any)
+    trace_all<true, StreamScratch, LoggedRays>(g, bvh, ray, nullptr, hit, context);
+  else
+    trace_all<false, StreamScratch, LoggedRays>(g, bvh, ray, &hits, nullptr, context);
+}
+
 }  // namespace raio::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -30,6 +70,7 @@ namespace raio {
 
 HWY_EXPORT(closest);
 HWY_EXPORT(occluded);
+HWY_EXPORT(log);
 
 void bvh_closest(const Geometry& geometry, const Bvh& bvh, const RayBatch& rays, HitBatch& hits,
                  TraceContext& context) {
@@ -39,6 +80,11 @@ void bvh_closest(const Geometry& geometry, const Bvh& bvh, const RayBatch& rays,
 void bvh_occluded(const Geometry& geometry, const Bvh& bvh, const RayBatch& rays, uint8_t* hit,
                   TraceContext& context) {
   HWY_DYNAMIC_DISPATCH(occluded)(geometry, bvh, rays, hit, context);
+}
+
+void bvh_log(const Geometry& geometry, const Bvh& bvh, const RayBatch& ray, bool any,
+             TraceContext& context) {
+  HWY_DYNAMIC_DISPATCH(log)(geometry, bvh, ray, any, context);
 }
 
 }  // namespace raio

@@ -35,6 +35,35 @@ class Mailbox {
   std::array<PrimitiveId, 8> seen_;
 };
 
+// What a walk tells, to no one or to a TraceLog.
+struct Unlogged {
+  template <class Axes>
+  void step(size_t, const Axes&) {}
+  void test(PrimitiveId, bool = false) {}
+};
+class Logged {
+ public:
+  Logged(TraceLog& log, const Lattice& lattice) : log_(log), lattice_(lattice) {}
+
+  template <class Axes>
+  void step(size_t cell, const Axes& axes) {
+    const auto& n = lattice_.n;
+    TraceLog::Step step{.first_test = log_.tests.size()};
+    for (int a = 0; a < 3; cell /= size_t(n[size_t(a)]), ++a) {
+      step.cell[size_t(a)] = int(cell % size_t(n[size_t(a)]));
+      step.t_max[a] = axes[a].next, log_.t_delta[a] = axes[a].stride;
+      step.box.lo[a] = float(lattice_.plane(step.cell[size_t(a)], a));
+      step.box.hi[a] = float(lattice_.plane(step.cell[size_t(a)] + 1, a));
+    }
+    log_.steps.push_back(step);
+  }
+  void test(PrimitiveId id, bool repeated = false) { log_.add_test(id, repeated); }
+
+ private:
+  TraceLog& log_;
+  const Lattice& lattice_;
+};
+
 class CountingGrid final : public Accel {
  public:
   CountingGrid(Geometry geometry, GridCells cells, bool plain)
@@ -43,11 +72,19 @@ class CountingGrid final : public Accel {
   void closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const override {
     hits.reset(rays.size());
     for (size_t i = 0; i < rays.size() && !context.stopped(); ++i)
-      hits.set(i, trace<false>(rays[i], context).best);
+      hits.set(i, trace<false>(rays[i], context, Unlogged()).best);
   }
   void occluded(const RayBatch& rays, uint8_t* hit, TraceContext& context) const override {
     for (size_t i = 0; i < rays.size() && !context.stopped(); ++i)
-      hit[i] = trace<true>(rays[i], context).best.found();
+      hit[i] = trace<true>(rays[i], context, Unlogged()).best.found();
+  }
+  std::optional<TraceLog> log(const Ray& ray, bool any) const override {
+    TraceLog log;
+    TraceContext context;
+    const Logged logged(log, cells_.lattice);
+    (void)(any ? trace<true>(ray, context, logged) : trace<false>(ray, context, logged));
+    judge_tests(log, geometry_, ray);
+    return log;
   }
   AccelInfo info() const override {
     return info_of(cells_, geometry_.bytes() + cells_.begin.size() * sizeof(cells_.begin[0]) +
@@ -55,24 +92,24 @@ class CountingGrid final : public Accel {
   }
 
  private:
-  template <bool any>
-  RayQuery trace(const Ray& ray, TraceContext& context) const {
+  template <bool any, class Log>
+  RayQuery trace(const Ray& ray, TraceContext& context, Log log) const {
     RayQuery query(ray);
     if (!(ray.tmax > 0)) return query;
     for (const PrimitiveId id : cells_.giants) {
-      ++context.tests;
+      ++context.tests, log.test(id);
       if (test_primitive(geometry_, id, query) && any) return query;
     }
-    if (!cells_.items.empty()) walk<any>(query, context);
+    if (!cells_.items.empty()) walk<any>(query, context, log);
     return query;
   }
 
-  template <bool any>
-  void all(RayQuery& query, TraceContext& context) const {
+  template <bool any, class Log>
+  void all(RayQuery& query, TraceContext& context, Log& log) const {
     bool done = false;
     for_each_bounded_kind([&]<PrimitiveKind kind> {
       for (uint32_t i = 0; !done && i < geometry_.count(kind); ++i) {
-        ++context.tests;
+        ++context.tests, log.test(primitive_id(kind, i));
         done = test<kind>(geometry_, i, query) && any;
       }
     });
@@ -80,8 +117,8 @@ class CountingGrid final : public Accel {
 
   // In double throughout: in scalar code it costs the same, and the cell that the ray is in is then
   // never in doubt, however far the ray comes from.
-  template <bool any>
-  void walk(RayQuery& query, TraceContext& context) const {
+  template <bool any, class Log>
+  void walk(RayQuery& query, TraceContext& context, Log& log) const {
     const Vec3d o(query.ray.origin), d(query.ray.dir);
     const double size = max_component(abs(o)), slack = hit_error(std::max(size, cells_.reach));
     Box3d box = cells_.lattice.box;
@@ -100,7 +137,7 @@ class CountingGrid final : public Accel {
       leave = std::min(leave, std::max(t0, t1));
     }
     if (!(enter <= leave)) return;
-    if (size > cells_.near) return all<any>(query, context);
+    if (size > cells_.near) return all<any>(query, context, log);
 
     // Per axis: cells left before the ray leaves the grid, the step through the lists, and the
     // parameter of the next plane as start + i * stride, which does not drift as a running sum
@@ -128,10 +165,12 @@ class CountingGrid final : public Accel {
     }
     Mailbox mailbox;
     while (true) {
-      ++context.steps;
+      ++context.steps, log.step(cell, axes);
       for (uint32_t r = cells_.begin[cell]; r < cells_.begin[cell + 1]; ++r) {
         const PrimitiveId id = cells_.items[r];
-        if (!mailbox.first_time(id) && !plain_) continue;
+        const bool repeated = !mailbox.first_time(id) && !plain_;
+        log.test(id, repeated);
+        if (repeated) continue;
         ++context.tests;
         if (test_primitive(geometry_, id, query) && any) return;
       }

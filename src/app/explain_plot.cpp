@@ -1,0 +1,318 @@
+// The rays of a sample drawn into the scene, as someone sees them who stands aside.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "app/explain.h"
+#include "render/render.h"
+
+namespace raio::app {
+namespace {
+
+using Kind = ExplainedRay::Kind;
+
+constexpr double kLeft = 40, kTop = 110, kPane = 1020, kPaneHeight = 850;
+constexpr double kListLeft = 1090, kListRight = 1560, kRow = 28;
+constexpr int kRows = 28;
+
+struct Look {
+  Ink ink;
+  double width;
+  const char* name;
+};
+constexpr Look kEye{kBlack, 4, "eye ray"}, kReflected{kVermilion, 4, "reflected"},
+    kRefracted{kBlue, 4, "refracted"}, kLit{kGreen, 2, "to a light"},
+    kStopped{kPurple, 2, "in shadow"};
+
+Look look_of(const ExplainedRay& r) {
+  switch (r.kind) {
+    case Kind::eye:
+      return kEye;
+    case Kind::reflection:
+      return kReflected;
+    case Kind::refraction:
+      return kRefracted;
+    case Kind::shadow:
+      return r.occluded ? kStopped : kLit;
+  }
+  return kEye;
+}
+
+class Drawing {
+ public:
+  Drawing(const Explained& what, const Canvas& canvas) : what_(what), canvas_(canvas) {
+    find_extent();
+    find_camera();
+  }
+
+  void draw() {
+    const ExplainCommand& command = what_.command;
+    canvas_.text(kLeft, 44, valid_utf8(what_.scene.name), kBlack, Align::left, 34, true, 700);
+    canvas_.text(kLeft, 84,
+                 fmt::format("pixel {},{} of {}x{}, sample {}: the rays that make its colour",
+                             command.pixel[0], command.pixel[1], what_.settings.width,
+                             what_.settings.height, command.sample),
+                 kGrey);
+    canvas_.image(kLeft, kTop, kPane, kPaneHeight, faded(render_scene()));
+    canvas_.clipped(kLeft, kTop, kPane, kPaneHeight, [&] {
+      draw_structure();
+      for (const bool shadows : {true, false})
+        for (const ExplainedRay& r : what_.sample.rays)
+          if ((r.kind == Kind::shadow) == shadows) draw_ray(r);
+      for (size_t i = 0; i < what_.sample.rays.size(); ++i) draw_hit(i);
+      draw_eye();
+    });
+    draw_list();
+    draw_legend();
+  }
+
+ private:
+  // Where a ray ends on the page: those that hit nothing are cut off.
+  Vec3d end_of(size_t i) const {
+    const ExplainedRay& r = what_.sample.rays[i];
+    const TraceLog::Test* const by = r.kind == Kind::shadow ? stopper(what_.logs[i]) : nullptr;
+    double t = 0.4 * extent_;
+    if (r.hit.found()) t = double(r.hit.t);
+    if (r.kind == Kind::shadow) t = std::min(double(by ? by->t : r.ray.tmax), 4.0 * extent_);
+    return Vec3d(r.ray.origin) + Vec3d(r.ray.dir) * t;
+  }
+
+  // What is to be seen: the surfaces that are hit, and the eye, or half of the way to it where
+  // that would make the others too small.
+  void find_extent() {
+    Box3d hits;
+    for (const ExplainedRay& r : what_.sample.rays)
+      if (r.hit.found()) hits.extend(Vec3d(r.ray.at(r.hit.t)));
+    const ExplainedRay& eye = what_.sample.rays[0];
+    const Vec3d from(eye.ray.origin);
+    const double way =
+        eye.hit.found() ? double(eye.hit.t) : length(Vec3d(what_.settings.camera.at) - from);
+    const Vec3d end = from + Vec3d(eye.ray.dir) * way;
+    const bool near = hits.empty() || length(hits.size()) > way / 8;
+    points_ = {near ? from : (from + end) * 0.5, end};
+    for (int k = 0; k < 8 && !hits.empty(); ++k)
+      points_.push_back({k & 1 ? hits.hi.x : hits.lo.x, k & 2 ? hits.hi.y : hits.lo.y,
+                         k & 4 ? hits.hi.z : hits.lo.z});
+    for (const Vec3d& p : points_) box_.extend(p);
+    extent_ = length(box_.size());
+  }
+
+  // From aside: the direction of the eye ray, turned about the vertical, from above; as near as
+  // all points allow.
+  void find_camera() {
+    camera_ = what_.settings.camera;
+    const Vec3d up = normalize(Vec3d(camera_.up)), in(what_.sample.rays[0].ray.dir);
+    Vec3d flat = in - up * dot(in, up);
+    if (length(flat) < 1e-3) flat = Vec3d(EyeRays(camera_, 1, 1).right);
+    flat = normalize(flat);
+    const Vec3d away = normalize(normalize(cross(flat, up)) * 0.85 - flat * 0.5 + up * 0.45);
+    camera_.at = Vec3f(box_.center());
+    camera_.fov_deg = 40;
+    camera_.from = Vec3f(box_.center() + away * extent_);
+    look_along();
+    const double tangent = kPaneHeight / 2 / scale_, margin = 0.86;
+    double distance = 0;
+    for (const Vec3d& p : points_) {
+      const Vec3d v = p - box_.center();
+      const double x = std::abs(dot(v, right_)) * kPaneHeight / kPane, y = std::abs(dot(v, up_));
+      distance = std::max(distance, std::max(x, y) / (margin * tangent) - dot(v, forward_));
+    }
+    camera_.from = Vec3f(box_.center() + away * distance);
+    if (what_.command.plot_from)
+      camera_.from = Vec3f(*what_.command.plot_from - what_.scene.origin);
+    if (!camera_problem(camera_).empty()) camera_ = what_.settings.camera;
+    look_along();
+  }
+  void look_along() {
+    forward_ = normalize(Vec3d(camera_.at) - Vec3d(camera_.from));
+    right_ = normalize(cross(forward_, Vec3d(camera_.up)));
+    up_ = cross(right_, forward_);
+    scale_ = kPaneHeight / 2 / std::tan(double(camera_.fov_deg) * std::numbers::pi / 360);
+  }
+
+  Image render_scene() const {
+    RenderSettings o = what_.settings;
+    o.camera = camera_;
+    o.width = int(kPane), o.height = int(kPaneHeight);
+    o.dof = o.soft_shadows = o.angle_to_centers = false;
+    o.sampler = SamplerKind::jitter;
+    o.aa = 2, o.lens_samples = 1, o.samples = 0;
+    o.channels = {}, o.crop = {};
+    const auto film = make_film(what_.scene, o);
+    if (!film) return Image(o.width, o.height);
+    RenderControl control;
+    render(what_.scene, what_.accel, o, **film, control);
+    return (*film)->resolve();
+  }
+
+  // Pale, so that lines are seen on it.
+  static Image faded(Image image) {
+    for (Rgb& p : image.pixels)
+      for (int c = 0; c < 3; ++c) p[c] = 0.55f + 0.45f * std::min(p[c], 1.0f);
+    return image;
+  }
+
+  struct Dot {
+    double x, y, depth;
+  };
+  Dot project(const Vec3d& p) const {
+    const Vec3d v = p - Vec3d(camera_.from);
+    const double z = dot(v, forward_), s = scale_ / z;
+    return {kLeft + kPane / 2 + s * dot(v, right_), kTop + kPaneHeight / 2 - s * dot(v, up_), z};
+  }
+  bool in_front(const Vec3d& p) const {
+    return dot(p - Vec3d(camera_.from), forward_) > 0.02 * extent_;
+  }
+  // From where the page is seen.
+  bool is_hidden(const Vec3d& p) const {
+    const Vec3d v = p - Vec3d(camera_.from);
+    RayBatch one;
+    one.push({camera_.from, Vec3f(normalize(v)), float(length(v) * 0.999)});
+    uint8_t hidden[kBatchPad];
+    TraceContext context;
+    what_.accel.occluded(one, hidden, context);
+    return hidden[0] != 0;
+  }
+
+  // In pieces, those behind something dotted.
+  void draw_segment(const Vec3d& from, const Vec3d& to, Ink ink, double width) const {
+    constexpr int kPieces = 96;
+    const auto at = [&](double part) { return from + (to - from) * part; };
+    int begin = 0;
+    bool hidden = false, seen = false;
+    const auto flush = [&](int end) {
+      if (!seen || end <= begin) return;
+      const Dot a = project(at(double(begin) / kPieces)), b = project(at(double(end) / kPieces));
+      canvas_.line(a.x, a.y, b.x, b.y, ink, hidden ? width * 0.7 : width, hidden);
+    };
+    for (int i = 0; i < kPieces; ++i) {
+      const bool front = in_front(at(double(i) / kPieces)) && in_front(at((i + 1.0) / kPieces));
+      const bool covered = front && is_hidden(at((i + 0.5) / kPieces));
+      if (front != seen || covered != hidden) flush(i), begin = i, seen = front, hidden = covered;
+    }
+    flush(kPieces);
+  }
+
+  void draw_ray(const ExplainedRay& r) const {
+    const Look look = look_of(r);
+    const size_t i = size_t(&r - what_.sample.rays.data());
+    draw_segment(Vec3d(r.ray.origin), end_of(i), look.ink, look.width);
+  }
+
+  void draw_hit(size_t i) const {
+    const ExplainedRay& r = what_.sample.rays[i];
+    if (!r.surface || !in_front(end_of(i))) return;
+    const Dot p = project(end_of(i));
+    canvas_.disc(p.x, p.y, 12, kWhite);
+    canvas_.disc(p.x, p.y, 10.5, look_of(r).ink);
+    canvas_.text(p.x, p.y, fmt::format("{}", i), kWhite, Align::center, 12, true);
+  }
+
+  void draw_eye() const {
+    const Vec3d eye(what_.sample.rays[0].ray.origin);
+    if (!in_front(eye)) return;
+    const Dot p = project(eye);
+    canvas_.disc(p.x, p.y, 8, kBlack);
+    canvas_.text(p.x + 14, p.y - 14, "eye", kBlack, Align::left, 16, true);
+  }
+
+  // The cells, nodes and leaves that the eye ray visits.
+  void draw_structure() const {
+    const auto& log = what_.logs[0];
+    if (!log || log->steps.size() > 200) return;
+    for (const TraceLog::Step& step : log->steps) {
+      const Vec3d lo(step.box.lo), hi(step.box.hi);
+      const auto corner = [&](int k) {
+        return Vec3d(k & 1 ? hi.x : lo.x, k & 2 ? hi.y : lo.y, k & 4 ? hi.z : lo.z);
+      };
+      for (int k = 0; k < 8; ++k)
+        for (const int bit : {1, 2, 4})
+          if (!(k & bit) && in_front(corner(k)) && in_front(corner(k | bit))) {
+            const Dot a = project(corner(k)), b = project(corner(k | bit));
+            canvas_.line(a.x, a.y, b.x, b.y, kGrey, step.leaf ? 1.2 : 0.7);
+          }
+    }
+  }
+
+  void draw_list() const {
+    double y = kTop + 8;
+    int rows = 0;
+    const auto& rays = what_.sample.rays;
+    for (size_t i = 0; i < rays.size() && rows < kRows; ++i, ++rows, y += kRow) {
+      const ExplainedRay& r = rays[i];
+      const Look look = look_of(r);
+      const double x = kListLeft + 14.0 * (r.level - 1) + (r.kind == Kind::shadow ? 14 : 0);
+      if (r.kind == Kind::shadow) {
+        canvas_.line(x - 8, y, x + 8, y, look.ink, 3);
+      } else {
+        canvas_.disc(x, y, 10.5, look.ink);
+        canvas_.text(x, y, fmt::format("{}", i), kWhite, Align::center, 12, true);
+      }
+      canvas_.text(x + 18, y, line_of(i), kBlack, Align::left, 16, false, kListRight - x - 18);
+    }
+    if (rows < int(rays.size()))
+      canvas_.text(kListLeft, y, fmt::format("and {} more", rays.size() - size_t(rows)), kGrey,
+                   Align::left, 16);
+  }
+
+  std::string line_of(size_t i) const {
+    const ExplainedRay& r = what_.sample.rays[i];
+    if (r.kind == Kind::shadow) {
+      const TraceLog::Test* const by = r.occluded ? stopper(what_.logs[i]) : nullptr;
+      if (by) return fmt::format("light {} is behind {}", r.light, name_of(by->item));
+      const Vec3d light = r.diffuse + r.highlight;
+      return r.occluded ? fmt::format("light {} is hidden", r.light)
+                        : fmt::format("light {}: {:.3f} {:.3f} {:.3f}", r.light, light.x, light.y,
+                                      light.z);
+    }
+    const std::string hit = !r.traced ? "beyond the last level"
+                            : r.hit.found()
+                                ? fmt::format("{}, t = {:.4g}", name_of(r.hit.item), r.hit.t)
+                                : "background";
+    return fmt::format("{}, weight {:.3g}", hit, r.weight.x);
+  }
+
+  void draw_legend() const {
+    double y = kTop + kRow * (kRows + 1.5) - 30;
+    canvas_.text(kListLeft, y,
+                 fmt::format("colour {:.4f} {:.4f} {:.4f}", what_.sample.rgb.x, what_.sample.rgb.y,
+                             what_.sample.rgb.z),
+                 kBlack, Align::left, 18, true);
+    canvas_.box(kListRight - 60, y - 18, 60, 36, kFaint);
+    const auto part = [](double v) { return int(to_byte(float(v))); };
+    const Vec3d& rgb = what_.sample.rgb;
+    canvas_.box(kListRight - 58, y - 16, 56, 32, {part(rgb.x), part(rgb.y), part(rgb.z)});
+    double x = kLeft;
+    for (const Look& look : {kEye, kReflected, kRefracted, kLit, kStopped}) {
+      canvas_.line(x, 980, x + 34, 980, look.ink, look.width);
+      canvas_.text(x + 44, 980, look.name, kBlack, Align::left, 16);
+      x += 74 + canvas_.text_width(look.name, 16);
+    }
+    canvas_.line(x, 980, x + 34, 980, kGrey, 3, true);
+    canvas_.text(x + 44, 980, "behind something", kBlack, Align::left, 16);
+    x += 74 + canvas_.text_width("behind something", 16);
+    canvas_.line(x, 980, x + 34, 980, kGrey, 1.2);
+    canvas_.text(x + 44, 980,
+                 what_.settings.accel.kind == AccelKind::grid ? "cells that the eye ray visits"
+                                                              : "boxes that the eye ray visits",
+                 kBlack, Align::left, 16);
+  }
+
+  const Explained& what_;
+  const Canvas& canvas_;
+  std::vector<Vec3d> points_;
+  Box3d box_;
+  double extent_ = 1, scale_ = 1;
+  Camera camera_;
+  Vec3d forward_, right_, up_;
+};
+
+}  // namespace
+
+std::expected<std::string, std::string> draw_explained(const Explained& what, PlotFormat format) {
+  return draw_page(format, [&](const Canvas& canvas) { Drawing(what, canvas).draw(); });
+}
+
+}  // namespace raio::app

@@ -1,0 +1,177 @@
+// The classic shading (integrate/classic.h) as a Shading of the wavefront, as wide as the machine's
+// registers. Once for each instruction set, as foreach_target.h passes again.
+#if defined(RAIO_INTEGRATE_CLASSIC_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef RAIO_INTEGRATE_CLASSIC_INL_H_
+#undef RAIO_INTEGRATE_CLASSIC_INL_H_
+#else
+#define RAIO_INTEGRATE_CLASSIC_INL_H_
+#endif
+
+#include "integrate/wavefront-inl.h"
+#include "scene/columns.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace raio::HWY_NAMESPACE {
+namespace {
+
+HWY_INLINE V3 reflect(const V3& dir, const V3& n) {
+  return dir - n * hn::Mul(hn::Set(d, 2), dot(dir, n));
+}
+
+// Snell's law, for n on the side that `dir` comes from; `in` loses the lanes of total internal
+// reflection.
+HWY_INLINE V3 refract(const V3& dir, const V3& n, V eta, M& in) {
+  const V one = hn::Set(d, 1), cosine = hn::Neg(dot(dir, n));
+  const V k = hn::Sub(one, hn::Mul(hn::Mul(eta, eta), hn::Sub(one, hn::Mul(cosine, cosine))));
+  in = hn::And(in, hn::Ge(k, hn::Zero(d)));
+  const V root = hn::Sqrt(hn::Max(k, hn::Zero(d)));
+  return renormalize(d, dir * eta + n * hn::Sub(hn::Mul(eta, cosine), root));
+}
+
+class ClassicShading {
+ public:
+  explicit ClassicShading(const PreparedScene& scene) : scene_(scene) {
+    const bool any_color =
+        std::ranges::any_of(scene.scene.lights, [](const Light& l) { return l.color.has_value(); });
+    ambient_ = any_color ? Rgb() : Rgb(0.1f);
+    for (const Material& m : scene.scene.materials) {
+      any_mirror_ |= m.ks > 0 && scene.settings.reflection;
+      any_transparent_ |= m.transmission > 0 && scene.settings.refraction;
+    }
+  }
+
+  static constexpr bool kTints = false;
+  int levels() const { return scene_.settings.depth; }
+  Rgb background() const { return scene_.settings.background; }
+  static bool counts_rays() { return false; }
+  template <class W>
+  void begin(W&, size_t) const {}
+
+  template <class W>
+  void shade(W& w, int, size_t n, const WideSampler<D>& sampler) {
+    Vertices& v = w.vertices();
+    const V3 ambient = set3(d, ambient_);
+    for (size_t i = 0; i < n; i += kWidth) store(ambient * load(v.color, i), v.radiance, i);
+    if constexpr (W::kRecords) w.recorder().ambient(w.rays(), v, n);
+    for (size_t l = 0; l < scene_.emitters.size(); ++l) add_light(w, l, n, sampler);
+  }
+
+  template <class W>
+  void spawn(W& w, int level, size_t n) {
+    if (any_mirror_) reflect_rays(w, level, n);
+    if (any_transparent_) refract_rays(w, level, n);
+  }
+
+ private:
+  // What light l brings to the vertices that it sees.
+  template <class W>
+  void add_light(W& w, size_t l, size_t n, const WideSampler<D>& sampler) {
+    const PreparedScene::Emitter& emitter = scene_.emitters[l];
+    Vertices& v = w.vertices();
+    const V zero = hn::Zero(d);
+    RayBatch& rays = w.shadow_rays();
+    rays.resize(n);
+    size_t lit = 0;
+    for (size_t i = 0; i < n; i += kWidth) {
+      V3 target = set3(d, emitter.position);
+      if (scene_.settings.soft_shadows) {
+        const Wide2<D> p = sampler.in_square(w.place_of(load(w.rays().pixel, i)),
+                                             load(w.rays().branch, i), kLight + uint32_t(l));
+        const V half = hn::Set(d, 0.5f);
+        target = target + (set3(d, emitter.edge_u) * hn::Sub(p.x, half) +
+                           set3(d, emitter.edge_v) * hn::Sub(p.y, half));
+      }
+      const V3 outside = load(v.outside, i), to_light = target - outside;
+      const V distance = length(to_light);
+      const M apart = hn::Gt(distance, zero);
+      const V3 dir = to_light * hn::IfThenElseZero(apart, hn::Div(hn::Set(d, 1), distance));
+      // Nothing from behind the surface, even where a smooth triangle's normal leans that way.
+      const M facing =
+          hn::And(hn::FirstN(d, n - i), hn::And(hn::Gt(dot(load(v.normal, i), dir), zero),
+                                                hn::Gt(dot(load(v.geometric, i), dir), zero)));
+      // Ends at the light: short of it by what the division above may have rounded.
+      const V tmax = hn::Mul(distance, hn::Set(d, 1 - 4 * std::numeric_limits<float>::epsilon()));
+      hn::Store(outside.x, d, &rays.ox[i]), hn::Store(outside.y, d, &rays.oy[i]);
+      hn::Store(outside.z, d, &rays.oz[i]);
+      hn::Store(dir.x, d, &rays.dx[i]), hn::Store(dir.y, d, &rays.dy[i]);
+      hn::Store(dir.z, d, &rays.dz[i]);
+      hn::Store(hn::IfThenElse(facing, tmax, hn::Set(d, -1)), d, &rays.tmax[i]);
+      lit += hn::CountTrue(d, facing);
+    }
+    if (lit == 0) return;
+    w.counts().shadow += lit;
+    const uint8_t* const hidden = w.occluded();
+    if constexpr (W::kRecords) w.recorder().shadow_rays(w.rays(), rays, hidden, l, n);
+    const V3 intensity = set3(d, emitter.intensity);
+    for (size_t i = 0; i < n; i += kWidth) {
+      const M facing = hn::And(hn::FirstN(d, n - i), hn::Gt(load(rays.tmax, i), zero));
+      const auto stopped = hn::PromoteTo(du, hn::LoadU(hn::Rebind<uint8_t, DU>(), hidden + i));
+      const M seen = hn::And(facing, hn::RebindMask(d, hn::Eq(stopped, hn::Zero(du))));
+      w.counts().shadow_hits += hn::CountTrue(d, hn::AndNot(seen, facing));
+      if (hn::AllFalse(d, seen)) continue;
+      const V3 dir = directions(rays, i), normal = load(v.normal, i);
+      const V3 diffuse = load(v.color, i) * hn::Mul(load(v.kd, i), dot(normal, dir));
+      V3 light = diffuse;
+      const V ks = load(v.ks, i);
+      if (!hn::AllFalse(d, hn::Gt(ks, zero))) {
+        const V mirror = hn::Neg(dot(reflect(-dir, normal), directions(w.rays().rays, i)));
+        const V highlight = hn::Mul(
+            ks, pow_unit(d, hn::Min(hn::Max(mirror, zero), hn::Set(d, 1)), load(v.shine, i)));
+        light = light + V3{highlight, highlight, highlight};
+      }
+      if constexpr (W::kRecords) w.recorder().lit(i, n, intensity * diffuse, intensity * light);
+      const V3 sum = load(v.radiance, i);
+      store(select(seen, sum + intensity * light, sum), v.radiance, i);
+    }
+  }
+
+  // A smooth triangle's normal can send a ray through the surface that it should leave; then the
+  // geometric one decides.
+  template <class W>
+  void reflect_rays(W& w, int level, size_t n) {
+    const Vertices& v = w.vertices();
+    typename W::Children children(w, level, n);
+    for (size_t i = 0; i < n; i += kWidth) {
+      const V ks = load(v.ks, i);
+      const M mirrors = hn::And(hn::FirstN(d, n - i), hn::Gt(ks, hn::Zero(d)));
+      if (hn::AllFalse(d, mirrors)) continue;
+      const V3 in = directions(w.rays().rays, i), geometric = load(v.geometric, i);
+      V3 dir = renormalize(d, reflect(in, load(v.normal, i)));
+      dir = select(hn::Gt(dot(dir, geometric), hn::Zero(d)), dir,
+                   renormalize(d, reflect(in, geometric)));
+      w.counts().reflection += children.add(i, load(v.outside, i), dir, ks, 0, mirrors);
+    }
+    children.done();
+  }
+
+  template <class W>
+  void refract_rays(W& w, int level, size_t n) {
+    const Vertices& v = w.vertices();
+    typename W::Children children(w, level, n);
+    for (size_t i = 0; i < n; i += kWidth) {
+      const V transmission = load(v.transmission, i);
+      const M clear = hn::And(hn::FirstN(d, n - i), hn::Gt(transmission, hn::Zero(d)));
+      if (hn::AllFalse(d, clear)) continue;
+      const V3 in = directions(w.rays().rays, i), geometric = load(v.geometric, i);
+      M passes = clear, passes_geometric = clear;
+      V3 dir = refract(in, load(v.normal, i), load(v.eta, i), passes);
+      const V3 other = refract(in, geometric, load(v.eta, i), passes_geometric);
+      const M through = hn::Lt(dot(dir, geometric), hn::Zero(d));
+      dir = select(through, dir, other);
+      passes = hn::And(passes, hn::Or(through, passes_geometric));
+      const V3 inside = offset_point(load(v.point, i), geometric, load(v.scale, i), false);
+      w.counts().refraction += children.add(i, inside, dir, transmission, 1, passes);
+    }
+    children.done();
+  }
+
+  const PreparedScene& scene_;
+  Rgb ambient_;                                        // times the material's colour
+  bool any_mirror_ = false, any_transparent_ = false;  // among the materials
+};
+
+}  // namespace
+}  // namespace raio::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,152 @@
+// Accel of the public interface: structures that trace rays of the caller's own, a batch at a time.
+#include "accel/accel.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "base/parallel.h"
+#include "integrate/surface.h"
+#include "library/library.h"
+
+namespace raio::v1 {
+
+using namespace library;  // NOLINT(google-build-using-namespace)
+
+namespace {
+
+// Kept by each thread: a single ray shall not pay for memory.
+struct Scratch {
+  RayBatch rays;
+  HitBatch hits;
+  std::vector<uint8_t> occluded;
+};
+
+raio::Ray ray_of(const Ray& ray, size_t number, Vec3d scene_origin) {
+  const Vec3d origin = vec(ray.origin), direction = vec(ray.direction);
+  if (!is_finite(origin) || !is_finite(direction) || std::isnan(ray.length))
+    refuse(fmt::format("ray {}: a number is not finite", number));
+  if (!(length(direction) > 0)) refuse(fmt::format("ray {}: the direction is zero", number));
+  return {Vec3f(origin - scene_origin), Vec3f(normalize(direction)), float(ray.length)};
+}
+
+// Calls trace(scratch, first, count, context) for some rays after the others.
+template <class Trace>
+void in_batches(const Accel::Data& data, size_t count, const Ray* rays, const void* results,
+                const Trace& trace) {
+  if (count > 0 && !(rays && results)) refuse("the rays or their results are a null pointer");
+  constexpr size_t kBatch = 1024;
+  thread_local Scratch scratch;
+  TraceContext context;
+  for (size_t first = 0; first < count; first += kBatch) {
+    const size_t n = std::min(kBatch, count - first);
+    scratch.rays.resize(n);
+    for (size_t i = 0; i < n; ++i)
+      scratch.rays.set(i, ray_of(rays[first + i], first + i, data.scene.origin));
+    trace(scratch, first, n, context);
+  }
+}
+
+constexpr Kind kind_of(PrimitiveKind kind) {
+  switch (kind) {
+    case PrimitiveKind::plane:
+      return Kind::plane;
+    case PrimitiveKind::sphere:
+      return Kind::sphere;
+    case PrimitiveKind::triangle:
+      return Kind::triangle;
+    case PrimitiveKind::cone:
+      return Kind::cone;
+    case PrimitiveKind::ellipsoid:
+      return Kind::ellipsoid;
+    case PrimitiveKind::disc:
+      break;
+  }
+  return Kind::disc;
+}
+
+Hit hit_of(const Accel::Data& data, const raio::Ray& ray, const raio::Hit& found) {
+  if (!found.found()) return {};
+  const Geometry& geometry = data.accel->geometry();
+  const Surface surface = surface_at(geometry, ray, found);
+  Hit hit{double(found.t),
+          kind_of(primitive_kind(found.item)),
+          primitive_index(found.item),
+          surface.material,
+          triple(data.scene.origin + Vec3d(surface.point)),
+          triple(Vec3d(surface.normal))};
+  if (hit.kind != Kind::triangle) return hit;
+  const size_t source = geometry.source_of(hit.index), triangles = geometry.count_of_triangles();
+  if (source < triangles) {
+    hit.index = uint32_t(source), hit.u = double(found.u), hit.v = double(found.v);
+  } else {
+    hit.kind = Kind::polygon, hit.index = uint32_t(source - triangles);
+  }
+  return hit;
+}
+
+}  // namespace
+
+Accel::Accel(Scene scene, const Settings& settings) {
+  guarded([&] {
+    const auto data = std::make_shared<Data>();
+    data->scene = std::move(scene.data_->scene);
+    data->options = settings.data().options;
+    if (const auto problems = validate(data->scene); !problems.empty()) refuse(problems.front());
+    if (const auto why = option_conflict(data->options)) fail(*why);
+    const RenderSettings resolved = resolve_options(data->options, data->scene);
+    data->options.accel = resolved.accel;
+    std::expected<std::unique_ptr<raio::Accel>, raio::Error> accel;
+    on_threads(resolved.threads,
+               [&] { accel = build_accel(data->scene, resolved.accel, resolved.one_sided, true); });
+    if (!accel) fail(accel.error());
+    data->accel = std::move(*accel);
+    data_ = data;
+  });
+}
+
+void Accel::closest(size_t count, const Ray* rays, Hit* hits) const {
+  guarded([&] {
+    in_batches(*data_, count, rays, hits,
+               [&](Scratch& scratch, size_t first, size_t n, TraceContext& context) {
+                 data_->accel->closest(scratch.rays, scratch.hits, context);
+                 for (size_t i = 0; i < n; ++i)
+                   hits[first + i] = hit_of(*data_, scratch.rays[i], scratch.hits[i]);
+               });
+  });
+}
+
+void Accel::occluded(size_t count, const Ray* rays, uint8_t* occluded) const {
+  guarded([&] {
+    in_batches(*data_, count, rays, occluded,
+               [&](Scratch& scratch, size_t first, size_t n, TraceContext& context) {
+                 scratch.occluded.resize(padded(n));
+                 data_->accel->occluded(scratch.rays, scratch.occluded.data(), context);
+                 std::copy_n(scratch.occluded.begin(), n, occluded + first);
+               });
+  });
+}
+
+Hit Accel::closest(const Ray& ray) const {
+  Hit hit;
+  closest(1, &ray, &hit);
+  return hit;
+}
+
+bool Accel::occluded(const Ray& ray) const {
+  uint8_t found = 0;
+  occluded(1, &ray, &found);
+  return found != 0;
+}
+
+Accel::Info Accel::info() const {
+  const AccelInfo info = data_->accel->info();
+  size_t primitives = 0;
+  for_each_kind([&]<PrimitiveKind kind> { primitives += data_->accel->geometry().count(kind); });
+  return {info.name, primitives, info.bytes, info.cells, info.references};
+}
+
+std::optional<std::array<Triple, 2>> Accel::bounds() const { return bounds_of(data_->scene); }
+
+}  // namespace raio::v1

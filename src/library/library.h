@@ -1,0 +1,60 @@
+// What the sources of the public interface share: its values as those of the rooms, failures as
+// exceptions, and what is behind its classes.
+#pragma once
+
+#define RAIO_LIBRARY_SOURCE
+#include <raio/raio.h>
+
+#include <array>
+#include <memory>
+#include <new>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "accel/accel.h"
+#include "base/error.h"
+#include "base/vec.h"
+#include "render/options.h"
+#include "scene/scene.h"
+
+// Not in raio::v1, of which every name is exported.
+namespace raio::library {
+
+inline Vec3d vec(const v1::Triple& t) { return {t[0], t[1], t[2]}; }
+inline v1::Triple triple(Vec3d v) { return {v.x, v.y, v.z}; }
+inline Rgb rgb(const v1::Triple& t) { return Rgb(vec(t)); }
+
+[[noreturn]] void refuse(const std::string& message);
+[[noreturn]] void fail(const Error& error);
+
+// Runs out of memory as an Error, too.
+template <class F>
+auto guarded(F&& f) try {
+  return f();
+} catch (const std::bad_alloc&) {
+  throw v1::Error(v1::ErrorKind::no_resource, "out of memory");
+}
+
+std::optional<std::array<v1::Triple, 2>> bounds_of(const Scene& scene);
+
+}  // namespace raio::library
+
+namespace raio::v1 {
+
+struct Scene::Data {
+  raio::Scene scene;
+  std::vector<std::string> warnings;
+};
+
+struct Settings::Data {
+  RenderOptions options;
+};
+
+struct Accel::Data {
+  raio::Scene scene;
+  RenderOptions options;  // of which those about structures, as they were resolved, matter
+  std::unique_ptr<raio::Accel> accel;
+};
+
+}  // namespace raio::v1

@@ -1,0 +1,354 @@
+// Scene of the public interface: files, and what callers add in columns of their own, which are
+// read in place or gathered.
+#include <fmt/format.h>
+
+#include <cstring>
+#include <functional>
+#include <initializer_list>
+#include <utility>
+
+#include "io/nff/nff.h"
+#include "io/scene_file.h"
+#include "library/library.h"
+
+namespace raio::v1 {
+
+using namespace library;  // NOLINT(google-build-using-namespace)
+
+namespace {
+
+std::unique_ptr<Scene::Data> taken(std::expected<ReadScene, Diagnostics> read) {
+  if (!read) {
+    const Diagnostic& first = read.error().front();
+    throw Error(first.message == kNoMemory ? ErrorKind::no_resource : ErrorKind::bad_input,
+                first.text(), first.file, first.line, first.column);
+  }
+  auto data = std::make_unique<Scene::Data>(Scene::Data{std::move(read->scene), {}});
+  for (const Diagnostic& warning : read->warnings) data->warnings.push_back(warning.text());
+  return data;
+}
+
+}  // namespace
+
+Scene::Scene() : data_(std::make_unique<Data>()) {
+  data_->scene.name = "scene";
+  data_->scene.materials.emplace_back();
+}
+Scene::Scene(std::unique_ptr<Data> data) : data_(std::move(data)) {}
+Scene::Scene(const Scene& other) : data_(std::make_unique<Data>(*other.data_)) {}
+Scene& Scene::operator=(const Scene& other) {
+  data_ = std::make_unique<Data>(*other.data_);
+  return *this;
+}
+Scene::Scene(Scene&&) noexcept = default;
+Scene& Scene::operator=(Scene&&) noexcept = default;
+Scene::~Scene() = default;
+
+Scene Scene::read(const std::string& path) {
+  return guarded([&] { return Scene(taken(read_scene(path))); });
+}
+
+Scene Scene::parse_nff(std::string_view text, std::string_view name) {
+  return guarded([&] { return Scene(taken(raio::parse_nff(text, name))); });
+}
+
+void Scene::write(const std::string& path) const {
+  guarded([&] {
+    if (const auto written = write_scene(data_->scene, path); !written) fail(written.error());
+  });
+}
+
+const std::vector<std::string>& Scene::warnings() const { return data_->warnings; }
+
+void Scene::set_camera(const Camera& camera) {
+  raio::Scene& scene = data_->scene;
+  scene.camera.from = Vec3f(vec(camera.from) - scene.origin);
+  scene.camera.at = Vec3f(vec(camera.at) - scene.origin);
+  scene.camera.up = Vec3f(vec(camera.up));
+  scene.camera.fov_deg = float(camera.fov_deg);
+}
+
+Camera Scene::camera() const {
+  const raio::Scene& scene = data_->scene;
+  return {triple(scene.origin + Vec3d(scene.camera.from)),
+          triple(scene.origin + Vec3d(scene.camera.at)), triple(Vec3d(scene.camera.up)),
+          double(scene.camera.fov_deg)};
+}
+
+void Scene::set_background(Triple color) { data_->scene.background = rgb(color); }
+
+void Scene::add_light(Triple position, std::optional<Triple> color) {
+  Light light{Vec3f(vec(position) - data_->scene.origin), {}};
+  if (color) light.color = rgb(*color);
+  data_->scene.lights.push_back(light);
+}
+
+uint32_t Scene::add_material(const Material& m) {
+  data_->scene.materials.push_back({rgb(m.color), float(m.kd), float(m.ks), float(m.shine),
+                                    float(m.transmission), float(m.ior)});
+  return uint32_t(data_->scene.materials.size() - 1);
+}
+
+namespace {
+
+// A column of any kind: `bytes` of each element, which are those of a struct from `offset` on.
+struct Part {
+  std::string_view name;
+  const void* data;
+  size_t count;
+  ptrdiff_t stride;
+  const std::shared_ptr<const void>& keep;
+  size_t bytes;
+  size_t offset;
+  bool optional = false;
+
+  bool given() const { return data || count > 0; }
+  const char* at(size_t i) const { return static_cast<const char*>(data) + ptrdiff_t(i) * stride; }
+};
+
+template <class T, size_t N>
+Part part(std::string_view name, const Column<T, N>& c, size_t offset = 0) {
+  return {name, c.data, c.count, c.stride, c.keep, N * sizeof(T), offset};
+}
+
+void check_part(const Part& p, std::string_view beside, size_t count) {
+  if (p.count != count)
+    refuse(fmt::format("there are {} {} but {} {}", count, beside, p.count, p.name));
+  if (count > 0 && !p.data) refuse(fmt::format("the {} are a null pointer", p.name));
+  if (p.stride == 0)
+    refuse(
+        fmt::format("the stride of the {} is 0, expected the bytes from one to the next", p.name));
+}
+
+// The structs that the parts make, of which those that are not given stay zero; in place if they
+// lie as in an array of such structs that the caller keeps.
+template <class T>
+Array<T> gathered(std::initializer_list<Part> parts) {
+  const Part& first = *parts.begin();
+  for (const Part& p : parts)
+    if (p.given() || !p.optional) check_part(p, first.name, first.count);
+  if (first.count == 0) return {};
+  std::vector<std::shared_ptr<const void>> keeps;
+  size_t bytes = 0;
+  for (const Part& p : parts) {
+    if (!p.keep || p.stride != sizeof(T) || p.data != first.at(0) + p.offset) continue;
+    bytes += p.bytes;
+    keeps.push_back(p.keep);
+  }
+  const bool aligned = reinterpret_cast<uintptr_t>(first.data) % alignof(T) == 0;
+  if (bytes == sizeof(T) && aligned)
+    return Array<T>::borrow(
+        first.data, first.count,
+        std::make_shared<const std::vector<std::shared_ptr<const void>>>(std::move(keeps)));
+  std::vector<T> all(first.count);
+  for (const Part& p : parts)
+    for (size_t i = 0; p.data && i < all.size(); ++i)
+      std::memcpy(reinterpret_cast<char*>(&all[i]) + p.offset, p.at(i), p.bytes);
+  return all;
+}
+
+// The first are taken as they lie.
+template <class T>
+void join(Array<T>& to, Array<T> more) {
+  if (to.empty())
+    to = std::move(more);
+  else
+    to.insert(std::as_const(to).end(), std::as_const(more).begin(), std::as_const(more).end());
+}
+
+// From the caller's coordinates to the scene's.
+template <class T, class... Points>
+void place(const raio::Scene& scene, Array<T>& all, Points... points) {
+  if (scene.origin == Vec3d()) return;
+  for (T& x : all)
+    for (Vec3f* p : {&std::invoke(points, x)...}) *p = Vec3f(Vec3d(*p) - scene.origin);
+}
+
+template <class T, class Normal>
+void make_unit(Array<T>& all, std::string_view whose, Normal normal) {
+  for (size_t i = 0; i < all.size(); ++i) {
+    const Vec3d n(std::invoke(normal, std::as_const(all)[i]));
+    if (is_unit(Vec3f(n))) continue;
+    if (!is_finite(n) || !(length(n) > 0))
+      refuse(fmt::format("the normal of {} {} is zero or not finite", whose, i));
+    std::invoke(normal, all[i]) = Vec3f(normalize(n));
+  }
+}
+
+template <class T>
+void check_shapes(const Array<T>& shapes, std::string_view kind) {
+  for (size_t i = 0; i < shapes.size(); ++i) {
+    if (only_inside_seen(shapes[i])) refuse(fmt::format("{} {}: a radius is negative", kind, i));
+    check_shape(shapes[i], [&](bool sound, std::string_view expected) {
+      if (!sound) refuse(fmt::format("{} {}: {}", kind, i, expected));
+    });
+  }
+}
+
+// What primitives look like that were added together.
+struct Looks {
+  Looks(const raio::Scene& scene, const Look& look, size_t count) : material(look.material) {
+    if (material >= scene.materials.size())
+      refuse(
+          fmt::format("there is no material {}, but {} of them", material, scene.materials.size()));
+    const Part look_colors = part("colours", look.colors);
+    const Part look_opacity = part("opacities", look.opacity);
+    for (const Part& p : {look_colors, look_opacity})
+      if (p.given()) check_part(p, "primitives", count);
+    colors = gathered<Rgb>({look_colors});
+    opacity = gathered<float>({look_opacity});
+    for (size_t i = 0; i < colors.size(); ++i) {
+      const Rgb& c = std::as_const(colors)[i];
+      if (!is_finite(c) || c.x < 0 || c.y < 0 || c.z < 0)
+        refuse(fmt::format("colour {} must be finite and not negative", i));
+    }
+    for (size_t i = 0; i < opacity.size(); ++i)
+      if (const float x = std::as_const(opacity)[i]; !(x >= 0 && x <= 1))
+        refuse(fmt::format("opacity {} is {}, expected 0 to 1", i, x));
+  }
+
+  MaterialId material;
+  Array<Rgb> colors;
+  Array<float> opacity;
+};
+
+// Puts `more`, or the default of each material, behind what the first `before` primitives have,
+// where any has something.
+template <class T, class Default>
+void join_looks(Array<T>& to, Array<T> more, const Array<MaterialId>& materials, size_t before,
+                const Default& default_of) {
+  if (to.empty() && more.empty()) return;
+  for (size_t i = to.size(); i < before; ++i) to.push_back(default_of(materials[i]));
+  if (!more.empty()) return join(to, std::move(more));
+  to.resize(materials.size(), default_of(materials.back()));
+}
+
+// Nothing is refused here.
+template <class Shape>
+void append(raio::Scene& scene, Array<Shape> shapes, Looks looks) {
+  constexpr PoolMembers<Shape> pool = kPoolOf<Shape>;
+  const size_t before = (scene.*pool.shapes).size();
+  Array<MaterialId>& ids = scene.*pool.materials;
+  ids.resize(before + shapes.size(), looks.material);
+  const auto& materials = std::as_const(scene).materials;
+  join_looks(scene.*pool.colors, std::move(looks.colors), ids, before,
+             [&](MaterialId id) { return materials[id].color; });
+  join_looks(scene.*pool.opacity, std::move(looks.opacity), ids, before,
+             [](MaterialId) { return 1.0f; });
+  join(scene.*pool.shapes, std::move(shapes));
+}
+
+}  // namespace
+
+void Scene::add_spheres(const Column<float, 3>& centers, const Column<float>& radii,
+                        const Look& look) {
+  guarded([&] {
+    auto spheres = gathered<Sphere>({part("centres", centers, offsetof(Sphere, center)),
+                                     part("radii", radii, offsetof(Sphere, radius))});
+    place(data_->scene, spheres, &Sphere::center);
+    check_shapes(spheres, "sphere");
+    Looks looks(data_->scene, look, spheres.size());
+    append(data_->scene, std::move(spheres), std::move(looks));
+  });
+}
+
+void Scene::add_cones(const Column<float, 3>& starts, const Column<float, 3>& ends,
+                      const Column<float>& start_radii, const Column<float>& end_radii,
+                      const Look& look) {
+  guarded([&] {
+    auto cones =
+        gathered<Cone>({part("starts", starts, offsetof(Cone, base)),
+                        part("radii of the starts", start_radii, offsetof(Cone, base_radius)),
+                        part("ends", ends, offsetof(Cone, apex)),
+                        part("radii of the ends", end_radii, offsetof(Cone, apex_radius))});
+    place(data_->scene, cones, &Cone::base, &Cone::apex);
+    check_shapes(cones, "cone");
+    Looks looks(data_->scene, look, cones.size());
+    append(data_->scene, std::move(cones), std::move(looks));
+  });
+}
+
+void Scene::add_ellipsoids(const Column<float, 3>& centers, const Column<float, 9>& axes,
+                           const Look& look) {
+  guarded([&] {
+    auto ellipsoids = gathered<Ellipsoid>({part("centres", centers, offsetof(Ellipsoid, center)),
+                                           part("axes", axes, offsetof(Ellipsoid, axes))});
+    place(data_->scene, ellipsoids, &Ellipsoid::center);
+    check_shapes(ellipsoids, "ellipsoid");
+    Looks looks(data_->scene, look, ellipsoids.size());
+    append(data_->scene, std::move(ellipsoids), std::move(looks));
+  });
+}
+
+void Scene::add_discs(const Column<float, 3>& centers, const Column<float, 3>& normals,
+                      const Column<float>& radii, const Column<float>& inner_radii,
+                      const Look& look) {
+  guarded([&] {
+    Part inner = part("inner radii", inner_radii, offsetof(Disc, inner));
+    inner.optional = true;
+    auto discs = gathered<Disc>({part("centres", centers, offsetof(Disc, center)),
+                                 part("normals", normals, offsetof(Disc, normal)),
+                                 part("radii", radii, offsetof(Disc, radius)), inner});
+    place(data_->scene, discs, &Disc::center);
+    make_unit(discs, "disc", &Disc::normal);
+    check_shapes(discs, "disc");
+    Looks looks(data_->scene, look, discs.size());
+    append(data_->scene, std::move(discs), std::move(looks));
+  });
+}
+
+namespace {
+
+constexpr TriangleIndices kFlat = {kNoNormal, kNoNormal, kNoNormal};
+
+// The corners of vertices that lie behind `first` others.
+Array<TriangleIndices> behind(size_t first, Array<TriangleIndices> corners) {
+  if (first == 0) return corners;
+  for (TriangleIndices& t : corners)
+    for (uint32_t& vertex : t) vertex += uint32_t(first);
+  return corners;
+}
+
+}  // namespace
+
+void Scene::add_triangles(const Column<float, 3>& positions, const Column<uint32_t, 3>& triangles,
+                          const Column<float, 3>& normals, const Look& look) {
+  guarded([&] {
+    raio::Scene& scene = data_->scene;
+    const Part smooth = part("normals", normals);
+    auto points = gathered<Vec3f>({part("positions", positions)});
+    if (smooth.given()) check_part(smooth, "positions", points.size());
+    auto units = gathered<Vec3f>({smooth});
+    const auto corners = gathered<TriangleIndices>({part("triangles", triangles)});
+    place(scene, points, std::identity());
+    make_unit(units, "vertex", std::identity());
+    for (size_t i = 0; i < points.size(); ++i)
+      if (!is_finite(std::as_const(points)[i])) refuse(fmt::format("position {} is not finite", i));
+    for (size_t i = 0; i < corners.size(); ++i)
+      for (const uint32_t vertex : corners[i])
+        if (vertex >= points.size())
+          refuse(fmt::format("triangle {} names vertex {} of {}", i, vertex, points.size()));
+    const size_t first = scene.positions.size(), first_normal = scene.normals.size();
+    if (first + points.size() >= kNoNormal)
+      refuse(fmt::format("{} vertices are more than can be numbered", first + points.size()));
+    Looks looks(scene, look, corners.size());
+
+    // Normals are kept from the first smooth triangle on.
+    const size_t before = scene.triangles.size();
+    if (smooth.given()) {
+      if (scene.triangle_normals.size() < before) scene.triangle_normals.resize(before, kFlat);
+      join(scene.triangle_normals, behind(first_normal, corners));
+    } else if (!scene.triangle_normals.empty()) {
+      scene.triangle_normals.resize(before + corners.size(), kFlat);
+    }
+    join(scene.positions, std::move(points));
+    join(scene.normals, std::move(units));
+    append(scene, behind(first, corners), std::move(looks));
+  });
+}
+
+size_t Scene::primitive_count() const { return data_->scene.primitive_count(); }
+
+std::optional<std::array<Triple, 2>> Scene::bounds() const { return bounds_of(data_->scene); }
+
+}  // namespace raio::v1

@@ -1,0 +1,402 @@
+#include "render/effect_costs.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "render/benchmark.h"
+#include "render/render.h"
+
+namespace raio {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double kCloseEnough = 0.03;  // half of an interval, as a part of the median
+constexpr size_t kFewestRounds = 5, kFewestSlowRounds = 3, kMostRounds = 25;
+constexpr double kPatienceSeconds = 15;  // then as few rounds as there are may do
+constexpr double kMostRunSeconds = 0.6;  // expected of the slowest run
+constexpr double kLeastRunSeconds =
+    0.02;  // shorter ones are repeated, to be above the clock's noise
+constexpr double kNewsSeconds = 0.5;
+constexpr uint32_t kProbeShards = 64;
+constexpr size_t kTilesPerThread = 8;  // so that threads end together
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// Is there a primitive whose material is one of those?
+template <class Fits>
+bool any_material(const Scene& scene, Fits&& fits) {
+  std::vector<uint8_t> wanted;
+  wanted.reserve(scene.materials.size());
+  for (const Material& m : scene.materials) wanted.push_back(fits(m) ? 1 : 0);
+  if (std::ranges::count(wanted, 1) == 0) return false;
+  const auto is_wanted = [&](MaterialId id) { return wanted[id] != 0; };
+  bool any = false;
+  for_each_pool(
+      [&](auto pool) { any = any || std::ranges::any_of(scene.*pool.materials, is_wanted); });
+  return any || std::ranges::any_of(scene.meshes, [&](const Mesh& mesh) {
+           return !mesh.triangles.empty() && std::ranges::any_of(mesh.materials, is_wanted);
+         });
+}
+
+// One of the pictures that are compared.
+struct Variant {
+  RenderSettings settings;
+  const Accel* accel = nullptr;
+  const Accel* counting = nullptr;  // the same with counters
+  std::vector<double> seconds{};    // round by round, of the pixels that are rendered
+  EffectCost::Side counted{};
+};
+
+class Measurement {
+ public:
+  Measurement(const Scene& scene, const Accel& accel, const RenderOptions& options,
+              RenderControl& control, const std::function<void(const EffectCosts&)>& on_news)
+      : scene_(scene), options_(options), control_(control), on_news_(on_news) {
+    options_.samples = 0, options_.sampler = SamplerKind::jitter;
+    options_.view = View::picture, options_.integrator = std::nullopt, options_.channels = {};
+    // The numbers of samples of the benchmark.
+    for (const Effect e : {Effect::antialiasing, Effect::depth_of_field})
+      options_ = with_effect(options_, e, is_on(e, options, scene));
+    base_ = {.settings = resolve_options(options_, scene_), .accel = &accel};
+  }
+
+  std::expected<EffectCosts, Error> run() {
+    costs_.width = base_.settings.frame().width(), costs_.height = base_.settings.frame().height();
+    for (const Effect effect : kEffects)
+      costs_.effects.push_back({.effect = effect,
+                                .on = is_on(effect, options_, scene_),
+                                .presence = is_in_scene(effect, scene_)
+                                                ? EffectCost::in_picture
+                                                : EffectCost::not_in_scene});
+    const bool empty = scene_.primitive_count() == 0;
+    if (empty || (measure_effects() && measure_structure())) {
+      costs_.finished = true, costs_.done = 1, costs_.left_s = 0;
+      tell();
+    }
+    if (error_) return std::unexpected(std::move(*error_));
+    return std::move(costs_);
+  }
+
+ private:
+  EffectCost& cost(Effect effect) { return costs_.effects[size_t(effect)]; }
+
+  bool fail(Error why) {
+    error_ = std::move(why);
+    return false;
+  }
+
+  void tell() {
+    if (on_news_) on_news_(costs_);
+    told_ = Clock::now();
+  }
+  void tell_now_and_then() {
+    if (seconds_since(told_) >= kNewsSeconds) tell();
+  }
+  void expect(double left_s) {
+    const double passed = seconds_since(start_);
+    costs_.left_s = left_s;
+    costs_.done = passed / std::max(passed + left_s, 1e-9);
+  }
+
+  // Which structures count for those that are timed.
+  bool build_counting(Variant& v) {
+    const AccelKind kind = v.settings.accel.kind;
+    const bool has_steps = kind != AccelKind::embree;
+    v.counted.has_steps = has_steps;
+    const bool counts_anyway = kind == AccelKind::bvh || kind == AccelKind::automatic;
+    v.counting = v.accel;
+    if (!has_steps || counts_anyway || v.settings.accel.counters) return true;
+    AccelOptions o = v.settings.accel;
+    o.counters = true;
+    v.counting = build(o);
+    return v.counting != nullptr;
+  }
+
+  const Accel* build(const AccelOptions& o) {
+    std::expected<std::unique_ptr<Accel>, Error> accel;
+    on_threads(base_.settings.threads,
+               [&] { accel = build_accel(scene_, o, base_.settings.one_sided); });
+    if (!accel) return fail(std::move(accel.error())), nullptr;
+    built_.push_back(std::move(*accel));
+    return control_.stop ? nullptr : built_.back().get();
+  }
+
+  struct Run {
+    double seconds = 0;
+    RayCounts rays;
+    uint64_t pixels = 0;
+  };
+  // Renders every `share`th tile; nothing when told to stop.
+  std::optional<Run> render_share(const Variant& v, const Accel& accel, uint32_t share) {
+    const auto film = make_film(scene_, v.settings);
+    if (!film) return fail(film.error()), std::nullopt;
+    const RenderResult done =
+        render(scene_, accel, v.settings, **film, control_, {.shards = share});
+    if (!done.finished) return std::nullopt;
+    Run run{done.seconds, (*film)->rays(), 0};
+    run.pixels = run.rays.eye / uint64_t(v.settings.samples_per_pixel());
+    return run;
+  }
+
+  bool count(Variant& v, uint32_t share, uint64_t& pixels) {
+    if (!v.counting && !build_counting(v)) return false;
+    const auto run = render_share(v, *v.counting, share);
+    if (!run) return false;
+    v.counted.rays = run->rays;
+    pixels = run->pixels;
+    tell_now_and_then();
+    return true;
+  }
+
+  bool time(Variant& v, uint32_t share) {
+    double seconds = 0;
+    int runs = 0;
+    while (seconds < kLeastRunSeconds) {
+      const auto run = render_share(v, *v.accel, share);
+      if (!run) return false;
+      seconds += std::max(run->seconds, 1e-9), ++runs;
+    }
+    v.seconds.push_back(seconds / runs);
+    tell_now_and_then();
+    return true;
+  }
+
+  // Every how manieth tile is rendered when all of them take `seconds`: no more than leave each
+  // thread `per_thread` of them, and not those of the same columns.
+  uint32_t share_for(double seconds, size_t per_thread) const {
+    const auto film = make_film(scene_, base_.settings);
+    if (!film) return 1;
+    const size_t tiles = (*film)->tiles(), threads = size_t(std::max(1, base_.settings.threads));
+    const auto most = uint32_t(std::clamp(tiles / (per_thread * threads), size_t(1), tiles));
+    auto share = uint32_t(std::clamp(std::ceil(seconds / kMostRunSeconds), 1.0, double(most)));
+    size_t columns = 0;
+    while (columns < tiles && (*film)->tile(columns).y0 == 0) ++columns;
+    while (share > 1 && std::gcd(size_t(share), columns) > 1) --share;
+    return share;
+  }
+
+  // What all tiles take, told from some; nothing when told to stop.
+  std::optional<double> probe(const Variant& v, uint32_t shards) {
+    const auto run = render_share(v, *v.accel, shards);
+    if (!run) return std::nullopt;
+    const double pixels = double(costs_.width) * costs_.height;
+    return run->seconds * pixels / double(std::max<uint64_t>(1, run->pixels));
+  }
+
+  // All but the structure.
+  bool measure_effects() {
+    std::vector<std::pair<Effect, Variant>> others;
+    double most_samples = 1;
+    for (const EffectCost& c : costs_.effects) {
+      if (c.effect == Effect::structure || c.presence != EffectCost::in_picture) continue;
+      const RenderOptions o = with_effect(options_, c.effect, !c.on);
+      others.push_back({c.effect, {.settings = resolve_options(o, scene_), .accel = base_.accel}});
+      const RenderSettings& s = others.back().second.settings;
+      most_samples = std::max(most_samples, double(s.samples_per_pixel()));
+    }
+    tell();
+    const auto whole_s = probe(base_, kProbeShards);
+    if (!whole_s) return false;
+    const double per_sample = *whole_s / base_.settings.samples_per_pixel();
+    share_ = share_for(per_sample * most_samples, kTilesPerThread);
+    double round_s = *whole_s;
+    for (const auto& [effect, v] : others) round_s += per_sample * v.settings.samples_per_pixel();
+    expect(double(kFewestRounds + 1) * round_s / share_);
+
+    uint64_t pixels = 0;
+    if (!count(base_, share_, pixels)) return false;
+    for (auto& [effect, v] : others) {
+      v.counting = base_.counting, v.counted.has_steps = base_.counted.has_steps;
+      if (!count(v, share_, pixels)) return false;
+      EffectCost& c = cost(effect);
+      c.pixels = pixels;
+      (c.on ? c.with : c.without) = base_.counted, (c.on ? c.without : c.with) = v.counted;
+      if (!meets(effect, c.with.rays)) c.presence = EffectCost::not_in_picture;
+    }
+    std::erase_if(others,
+                  [&](auto& o) { return cost(o.first).presence != EffectCost::in_picture; });
+    return compare(base_, others, share_);
+  }
+
+  // Do rays of a picture with the effect have to do with it?
+  static bool meets(Effect effect, const RayCounts& with) {
+    switch (effect) {
+      case Effect::reflection:
+        return with.reflection > 0;
+      case Effect::refraction:
+        return with.refraction > 0;
+      case Effect::soft_shadows:
+        return with.shadow > 0;
+      default:
+        return with.eye_hits > 0;
+    }
+  }
+
+  // Rounds over all pictures until the ratios are known.
+  bool compare(Variant& base, std::vector<std::pair<Effect, Variant>>& others, uint32_t share) {
+    const auto start = Clock::now();
+    for (size_t round = 1; !others.empty(); ++round) {
+      const auto round_start = Clock::now();
+      std::vector<Variant*> order = {&base};
+      for (auto& [effect, v] : others) order.push_back(&v);
+      if (round % 2 == 0) std::ranges::reverse(order);
+      for (Variant* v : order)
+        if (!time(*v, share)) return false;
+      const double round_s = seconds_since(round_start);
+      const bool patient = seconds_since(start) + round_s < kPatienceSeconds;
+      for (const auto& [effect, v] : others) take_round(cost(effect), base, v, patient);
+      std::erase_if(others, [&](auto& o) { return cost(o.first).finished; });
+      const size_t fewest = patient ? kFewestRounds : kFewestSlowRounds;
+      expect(round_s * double(others.empty() ? 0 : round < fewest ? fewest - round : 1));
+      tell();
+    }
+    return true;
+  }
+
+  void take_round(EffectCost& c, const Variant& base, const Variant& other, bool patient) const {
+    const Variant &with = c.on ? base : other, &without = c.on ? other : base;
+    std::vector<double> ratios;
+    ratios.reserve(with.seconds.size());
+    for (size_t i = 0; i < with.seconds.size(); ++i)
+      ratios.push_back(with.seconds[i] / without.seconds[i]);
+    c.factor = median_interval(std::move(ratios));
+    c.rounds = int(with.seconds.size());
+    const double scale = double(costs_.width) * costs_.height / double(c.pixels);
+    c.with.seconds = median_interval(with.seconds).median * scale;
+    c.without.seconds = median_interval(without.seconds).median * scale;
+    const bool close = c.factor.half_width() <= kCloseEnough;
+    const auto rounds = size_t(c.rounds);
+    c.finished = (rounds >= kFewestRounds && close) || rounds >= kMostRounds ||
+                 (rounds >= kFewestSlowRounds && !patient);
+  }
+
+  // The structure against brute force, on pixels of their own.
+  bool measure_structure() {
+    EffectCost& c = cost(Effect::structure);
+    const RenderOptions o = with_effect(options_, Effect::structure, !c.on);
+    Variant base{.settings = base_.settings, .accel = base_.accel, .counting = base_.counting};
+    base.counted.has_steps = base_.counted.has_steps;
+    Variant other{.settings = resolve_options(o, scene_)};
+    // Brute force counts at no cost.
+    if (c.on) other.settings.accel.counters = true;
+    other.accel = build(other.settings.accel);
+    if (!other.accel) return false;
+    const Variant& slow = c.on ? other : base;
+    const auto whole_s = probe(slow, kProbeShards * kProbeShards);
+    if (!whole_s) return false;
+    // The probe's tile was one thread's.
+    const uint32_t share = share_for(*whole_s / base.settings.threads, 1);
+    expect(*whole_s / base.settings.threads / share * double(kFewestSlowRounds + 1));
+    if (!count(base, share, c.pixels) || !count(other, share, c.pixels)) return false;
+    (c.on ? c.with : c.without) = base.counted, (c.on ? c.without : c.with) = other.counted;
+    std::vector<std::pair<Effect, Variant>> others;
+    others.emplace_back(Effect::structure, std::move(other));
+    return compare(base, others, share);
+  }
+
+  const Scene& scene_;
+  RenderOptions options_;
+  RenderControl& control_;
+  const std::function<void(const EffectCosts&)>& on_news_;
+  Variant base_;
+  uint32_t share_ = 1;
+  std::vector<std::unique_ptr<Accel>> built_;
+  EffectCosts costs_;
+  std::optional<Error> error_;
+  Clock::time_point start_ = Clock::now(), told_ = start_;
+};
+
+}  // namespace
+
+bool is_on(Effect effect, const RenderOptions& options, const Scene& scene) {
+  const RenderSettings s = resolve_options(options, scene);
+  switch (effect) {
+    case Effect::antialiasing:
+      return s.aa != 1;
+    case Effect::soft_shadows:
+      return s.soft_shadows;
+    case Effect::depth_of_field:
+      return s.dof;
+    case Effect::reflection:
+      return s.reflection;
+    case Effect::refraction:
+      return s.refraction;
+    case Effect::structure:
+      return s.accel.kind != AccelKind::none;
+  }
+  return false;
+}
+
+RenderOptions with_effect(RenderOptions o, Effect effect, bool on) {
+  const auto set = [&](std::string_view name) {
+    std::ranges::find(kBenchmarkEffects, name, &BenchmarkEffect::name)->set(o, on);
+  };
+  switch (effect) {
+    case Effect::antialiasing:
+      set("aa");
+      break;
+    case Effect::soft_shadows:
+      set("soft_shadows");
+      break;
+    case Effect::depth_of_field:
+      set("dof");
+      break;
+    case Effect::reflection:
+      o.no_reflection = !on;
+      break;
+    case Effect::refraction:
+      o.no_refraction = !on;
+      break;
+    case Effect::structure:
+      if (on != (o.accel.kind != AccelKind::none))
+        o.accel = {.kind = on ? AccelKind::bvh : AccelKind::none};
+      break;
+  }
+  return o;
+}
+
+bool is_in_scene(Effect effect, const Scene& scene) {
+  if (scene.primitive_count() == 0) return false;
+  switch (effect) {
+    case Effect::soft_shadows:
+      return !scene.lights.empty();
+    case Effect::reflection:
+      return any_material(scene, [](const Material& m) { return m.ks > 0; });
+    case Effect::refraction:
+      return any_material(scene, [](const Material& m) { return m.transmission > 0; });
+    default:
+      return true;
+  }
+}
+
+MedianInterval median_interval(std::vector<double> values) {
+  std::ranges::sort(values);
+  const size_t n = values.size(), half = n / 2;
+  // The median lies below the (k + 1)th least value with the probability that at most k of n tosses
+  // of a coin show heads; likewise at the other end.
+  size_t outside = 0;
+  double term = std::pow(0.5, double(n)), below = term;
+  for (size_t k = 1; k < half; ++k) {
+    term *= double(n - k + 1) / double(k), below += term;
+    if (2 * below > 0.1) break;
+    outside = k;
+  }
+  const double median = n % 2 ? values[half] : (values[half - 1] + values[half]) / 2;
+  return {values[outside], median, values[n - 1 - outside]};
+}
+
+std::expected<EffectCosts, Error> measure_effects(
+    const Scene& scene, const Accel& accel, const RenderOptions& options, RenderControl& control,
+    const std::function<void(const EffectCosts&)>& on_news) {
+  return Measurement(scene, accel, options, control, on_news).run();
+}
+
+}  // namespace raio

@@ -1,0 +1,103 @@
+// What each effect costs a picture: the picture is rendered with and without it, in turns, on the
+// same pixels and with all samples, until the ratio of their times is known closely. Rays, tests
+// and steps of both are counted exactly.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <expected>
+#include <functional>
+#include <vector>
+
+#include "accel/accel.h"
+#include "integrate/control.h"
+#include "integrate/film.h"
+#include "render/options.h"
+#include "scene/scene.h"
+
+namespace raio {
+
+/// What can be switched on and off. The structure is off where brute force takes its place.
+enum class Effect : uint8_t {
+  antialiasing,
+  soft_shadows,
+  depth_of_field,
+  reflection,
+  refraction,
+  structure,
+};
+inline constexpr auto kEffects =
+    std::to_array<Effect>({Effect::antialiasing, Effect::soft_shadows, Effect::depth_of_field,
+                           Effect::reflection, Effect::refraction, Effect::structure});
+
+bool is_on(Effect effect, const RenderOptions& options, const Scene& scene);
+
+/// The same options with the effect on or off; the structure that is on is the tree unless the
+/// options have another one.
+RenderOptions with_effect(RenderOptions options, Effect effect, bool on);
+
+/// Can the effect change any picture of the scene? Refraction wants a surface that lets light
+/// through, reflection one that mirrors, soft shadows a light, all of them something to hit.
+bool is_in_scene(Effect effect, const Scene& scene);
+
+/// A median, and an interval around it.
+struct MedianInterval {
+  double low = 0, median = 0, high = 0;
+
+  /// As a part of the median.
+  double half_width() const { return median > 0 ? (high - low) / 2 / median : 0; }
+};
+
+/// Of at least one value. The interval contains the median of the values' distribution, whatever
+/// that is, with a probability of at least 90 %: it ends at two of the values in order, which are
+/// chosen by the sign test. Fewer than five values cannot be that sure; theirs reaches from the
+/// least to the most.
+MedianInterval median_interval(std::vector<double> values);
+
+struct EffectCost {
+  Effect effect = Effect::antialiasing;
+  bool on = false;  // in the options
+  enum Presence : uint8_t {
+    in_picture,
+    not_in_scene,    // is_in_scene() says so
+    not_in_picture,  // no ray of this picture has to do with it
+  } presence = in_picture;
+
+  int rounds = 0;           // that were measured; 0: nothing of what follows is known yet
+  bool finished = false;    // no more will be
+  MedianInterval factor{};  // seconds with it by seconds without it, round by round
+
+  struct Side {
+    double seconds = 0;      // of the whole picture; median
+    RayCounts rays;          // of `pixels`
+    bool has_steps = false;  // the rays' tests and steps are counted
+  };
+  Side with{}, without{};
+  uint64_t pixels = 0;  // that were rendered; `seconds` are scaled to the picture
+};
+
+struct EffectCosts {
+  int width = 0, height = 0;
+  std::vector<EffectCost> effects;  // in the order of kEffects
+  bool finished = false;
+  double done = 0, left_s = 0;  // 0 to 1, and what it will take at least until that is 1
+};
+
+/// Measures the costs of all effects for a picture with `options`, whose view, channels and numbers
+/// of samples do not count: samples are those of the benchmark, 9 a pixel with antialiasing, 3 with
+/// depth of field, 27 with both. `accel` is the structure that the options ask for.
+///
+/// Each round renders the picture as it is, and then with each effect switched, in an order that
+/// is turned round every other time, on as many threads as a render; an effect drops out when the
+/// interval of its ratio is within 3 % of the median, or when time is up. Of pictures that take
+/// long, every nth tile is rendered, the same in all rounds. Tests and steps are those of a
+/// structure with AccelOptions::counters.
+///
+/// `on_news` gets what is known so far, after each round and now and then between two runs, outside
+/// of what is timed. Told to stop by `control` it ends soon, without `finished`. Errors: those of
+/// make_film() and build_accel().
+std::expected<EffectCosts, Error> measure_effects(
+    const Scene& scene, const Accel& accel, const RenderOptions& options, RenderControl& control,
+    const std::function<void(const EffectCosts&)>& on_news = {});
+
+}  // namespace raio

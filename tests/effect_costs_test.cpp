@@ -1,0 +1,213 @@
+// What effects cost: counts are those of direct renders, and what cannot matter has no cost. Times
+// are not asserted beyond that they are some.
+#include "render/effect_costs.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "render/render.h"
+#include "scenes.h"
+
+namespace raio {
+namespace {
+
+// A mirror, glass and a wall under a light, or without some of them.
+struct Contents {
+  bool mirror = true, glass = true, light = true;
+};
+Scene small_scene(Contents has = {}) {
+  Scene s;
+  s.name = "small";
+  s.camera.from = {0, -6, 1}, s.camera.at = {0, 0, 0}, s.camera.up = {0, 0, 1};
+  Material plain, mirror, glass;
+  mirror.ks = has.mirror ? 0.5f : 0;
+  glass.transmission = has.glass ? 0.8f : 0, glass.ior = 1.5f;
+  s.materials = std::vector<Material>{plain, mirror, glass};
+  s.spheres = std::vector<Sphere>{{{-1, 0, 0}, 0.8f}, {{0.6f, 0, 0}, 0.7f}, {{0, 3, 0}, 2}};
+  s.sphere_materials = std::vector<MaterialId>{1, 2, 0};
+  if (has.light) s.lights.push_back({{3, -4, 5}, {}});
+  return s;
+}
+
+RenderOptions small() {
+  RenderOptions o;
+  o.width = 40, o.height = 32, o.accel.kind = AccelKind::bvh;
+  return o;
+}
+
+EffectCosts measured(const Scene& scene, const RenderOptions& options) {
+  const RenderSettings s = resolve_options(options, scene);
+  const auto accel = build_accel(scene, s.accel, s.one_sided);
+  RenderControl control;
+  auto costs = measure_effects(scene, **accel, options, control);
+  EXPECT_TRUE(costs.has_value());
+  EXPECT_TRUE(costs->finished);
+  EXPECT_EQ(costs->effects.size(), kEffects.size());
+  return *costs;
+}
+
+const EffectCost& cost(const EffectCosts& costs, Effect effect) {
+  return costs.effects[size_t(effect)];
+}
+
+// Of `raio render --counters` with the samples of the benchmark.
+RayCounts counted(const Scene& scene, RenderOptions o) {
+  o.accel.counters = true;
+  const RenderSettings s = resolve_options(o, scene);
+  const auto accel = build_accel(scene, s.accel, s.one_sided);
+  const auto film = make_film(scene, s);
+  RenderControl control;
+  EXPECT_TRUE(render(scene, **accel, s, **film, control).finished);
+  return (*film)->rays();
+}
+
+TEST(EffectCosts, CountsAreThoseOfRendersWithAndWithout) {
+  const Scene scene = small_scene();
+  for (const AccelKind kind : {AccelKind::bvh, AccelKind::grid, AccelKind::none}) {
+    RenderOptions o = small();
+    o.accel.kind = kind, o.soft_shadows = true, o.dof = true;
+    const EffectCosts costs = measured(scene, o);
+    o.aa = 1, o.lens_samples = 3;
+    for (const EffectCost& c : costs.effects) {
+      ASSERT_EQ(c.presence, EffectCost::in_picture);
+      EXPECT_EQ(c.on, is_on(c.effect, o, scene));
+      EXPECT_EQ(c.pixels, 40u * 32) << "a small picture is measured as a whole";
+      EXPECT_TRUE(c.with.has_steps && c.without.has_steps);
+      EXPECT_EQ(c.with.rays, counted(scene, with_effect(o, c.effect, true))) << int(c.effect);
+      EXPECT_EQ(c.without.rays, counted(scene, with_effect(o, c.effect, false))) << int(c.effect);
+      EXPECT_GT(c.with.seconds, 0);
+      EXPECT_GT(c.without.seconds, 0);
+      EXPECT_GE(c.rounds, 3);
+      EXPECT_GT(c.factor.low, 0);
+      EXPECT_LE(c.factor.low, c.factor.median);
+      EXPECT_LE(c.factor.median, c.factor.high);
+    }
+    EXPECT_EQ(cost(costs, Effect::antialiasing).with.rays.eye, 27u * 40 * 32);
+    EXPECT_EQ(cost(costs, Effect::antialiasing).without.rays.eye, 3u * 40 * 32);
+    EXPECT_EQ(cost(costs, Effect::depth_of_field).without.rays.eye, 40u * 32);
+    EXPECT_EQ(cost(costs, Effect::reflection).without.rays.reflection, 0u);
+    EXPECT_GT(cost(costs, Effect::structure).without.rays.tests,
+              cost(costs, Effect::structure).without.rays.total());
+  }
+}
+
+TEST(EffectCosts, ViewAndNumbersOfSamplesDoNotCount) {
+  const Scene scene = small_scene();
+  RenderOptions o = small();
+  o.view = View::normals, o.aa = 0, o.samples = 1000;
+  const EffectCosts costs = measured(scene, o);
+  EXPECT_TRUE(cost(costs, Effect::antialiasing).on);
+  EXPECT_EQ(cost(costs, Effect::antialiasing).with.rays.eye, 9u * 40 * 32);
+  EXPECT_GT(cost(costs, Effect::antialiasing).with.rays.shadow, 0u);
+}
+
+// Known before the first round.
+std::vector<EffectCost::Presence> presence(const Scene& scene, const RenderOptions& options) {
+  const auto accel = build_accel(scene, options.accel);
+  RenderControl control;
+  const auto stop_after_a_round = [&](const EffectCosts& now) {
+    for (const EffectCost& c : now.effects) control.stop = control.stop || c.rounds > 0;
+  };
+  const auto costs = measure_effects(scene, **accel, options, control, stop_after_a_round);
+  std::vector<EffectCost::Presence> all;
+  for (const EffectCost& c : costs->effects) {
+    all.push_back(c.presence);
+    if (c.presence != EffectCost::in_picture) {
+      EXPECT_EQ(c.rounds, 0);
+    }
+  }
+  return all;
+}
+
+constexpr auto kIn = EffectCost::in_picture;
+constexpr auto kNotScene = EffectCost::not_in_scene;
+constexpr auto kNotPicture = EffectCost::not_in_picture;
+
+TEST(EffectCosts, WhatCannotMatterIsNotInThisScene) {
+  using Presences = std::vector<EffectCost::Presence>;
+  const auto of = [](Contents has) { return presence(small_scene(has), small()); };
+  EXPECT_EQ(of({}), (Presences{kIn, kIn, kIn, kIn, kIn, kIn}));
+  EXPECT_EQ(of({.mirror = false}), (Presences{kIn, kIn, kIn, kNotScene, kIn, kIn}));
+  EXPECT_EQ(of({.glass = false}), (Presences{kIn, kIn, kIn, kIn, kNotScene, kIn}));
+  EXPECT_EQ(of({.light = false}), (Presences{kIn, kNotScene, kIn, kIn, kIn, kIn}));
+  Scene empty = small_scene();
+  empty.spheres = {}, empty.sphere_materials = {};
+  EXPECT_EQ(presence(empty, small()), Presences(kEffects.size(), kNotScene));
+}
+
+TEST(EffectCosts, MaterialsThatNoPrimitiveHasDoNotMatter) {
+  Scene s = small_scene();
+  s.sphere_materials = std::vector<MaterialId>{0, 0, 0};
+  EXPECT_FALSE(is_in_scene(Effect::reflection, s));
+  EXPECT_FALSE(is_in_scene(Effect::refraction, s));
+  Mesh mesh;
+  mesh.positions = std::vector<Vec3f>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  mesh.triangles = std::vector<TriangleIndices>{{0, 1, 2}};
+  mesh.materials = std::vector<MaterialId>{2};
+  s.meshes.push_back(mesh);
+  EXPECT_TRUE(is_in_scene(Effect::refraction, s));
+  EXPECT_FALSE(is_in_scene(Effect::reflection, s));
+}
+
+TEST(EffectCosts, WhatNoRayOfThePictureMeetsIsNotInIt) {
+  using Presences = std::vector<EffectCost::Presence>;
+  RenderOptions o = small();
+  o.depth = 1;  // no rays after the eye's
+  EXPECT_EQ(presence(small_scene(), o), (Presences{kIn, kIn, kIn, kNotPicture, kNotPicture, kIn}));
+  o = small();
+  o.at = Vec3d(0, -100, 1);  // looks away
+  EXPECT_EQ(presence(small_scene(), o),
+            (Presences{kNotPicture, kNotPicture, kNotPicture, kNotPicture, kNotPicture, kIn}));
+}
+
+TEST(EffectCosts, EndsWhenToldToAndSaysHowFarItIs) {
+  const Scene scene = small_scene();
+  RenderOptions o = small();
+  const auto accel = build_accel(scene, o.accel);
+  RenderControl control;
+  int news = 0;
+  double done = 0;
+  const auto costs = measure_effects(scene, **accel, o, control, [&](const EffectCosts& now) {
+    EXPECT_EQ(now.effects.size(), kEffects.size());
+    EXPECT_FALSE(now.finished);
+    done = now.done;
+    if (++news == 3) control.stop = true;
+  });
+  ASSERT_TRUE(costs.has_value());
+  EXPECT_FALSE(costs->finished);
+  EXPECT_EQ(news, 3);
+  EXPECT_GT(done, 0);
+  EXPECT_LT(done, 1);
+}
+
+TEST(EffectCosts, AnIntervalOfTheMedianHoldsIt) {
+  EXPECT_EQ(median_interval({3}).median, 3);
+  const MedianInterval four = median_interval({4, 1, 3, 2});
+  EXPECT_EQ(four.low, 1);
+  EXPECT_EQ(four.median, 2.5);
+  EXPECT_EQ(four.high, 4);
+  // Order statistics of the sign test at 90 %: tables have 1 of 5, 2 of 8, 6 of 20, 18 of 48.
+  for (const auto& [n, place] : {std::pair(5, 1), {7, 1}, {8, 2}, {20, 6}, {48, 18}}) {
+    std::vector<double> values;
+    for (int i = 1; i <= n; ++i) values.push_back(i);
+    EXPECT_EQ(median_interval(values).low, place) << n;
+    EXPECT_EQ(median_interval(values).high, n + 1 - place) << n;
+  }
+  // In as many cases as it says, for a distribution that is nowhere normal.
+  std::mt19937 random(1);
+  std::exponential_distribution<double> draw(1);
+  int held = 0;
+  constexpr int kTrials = 2000;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    std::vector<double> values(11);
+    for (double& v : values) v = draw(random);
+    const MedianInterval found = median_interval(values);
+    held += found.low <= std::log(2.0) && std::log(2.0) <= found.high;
+  }
+  EXPECT_GE(held, int(0.9 * kTrials));
+}
+
+}  // namespace
+}  // namespace raio

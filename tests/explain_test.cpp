@@ -1,0 +1,217 @@
+// A sample told ray by ray: its terms add up to the pixel that is rendered, to the last bit, and
+// the log of each ray to what is counted.
+#include "integrate/explain.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <random>
+
+#include "accel_rays.h"
+#include "integrate/classic.h"
+#include "io/scene_file.h"
+#include "render/options.h"
+#include "render/render.h"
+#include "scenes.h"
+
+namespace raio {
+namespace {
+
+using Kind = ExplainedRay::Kind;
+
+RenderSettings all_effects(const Scene& scene, AccelKind kind) {
+  RenderOptions o;
+  o.width = 160, o.height = 120;
+  o.aa = 2, o.lens_samples = 2;
+  o.soft_shadows = true, o.dof = true;
+  o.accel.kind = kind;
+  o.accel.counters = true;
+  return resolve_options(o, scene);
+}
+
+// What the film adds for each surface, worked out again from the terms of its rays.
+Vec3d sum_of_terms(const Explanation& e, double scale) {
+  Vec3d sum;
+  for (size_t i = 0; i < e.rays.size(); ++i) {
+    const ExplainedRay& r = e.rays[i];
+    if (r.kind == Kind::shadow) continue;
+    Rgb radiance = r.surface ? r.ambient : r.background;
+    for (const ExplainedRay& s : e.rays)
+      if (s.kind == Kind::shadow && s.parent == int(i) && !s.occluded)
+        radiance = radiance + Rgb(s.diffuse + s.highlight);
+    for (int c = 0; c < 3; ++c)
+      sum[c] += std::nearbyint(double(radiance[c] * r.weight[c]) * scale) / scale;
+  }
+  return sum;
+}
+
+// Pixels of a scene, chosen at random.
+void expect_pixels_explained(const Scene& scene, AccelKind kind, int pixels, uint32_t seed) {
+  const RenderSettings settings = all_effects(scene, kind);
+  const auto accel = build_accel(scene, settings.accel);
+  ASSERT_TRUE(accel.has_value());
+  const double scale = Film(1, 1, classic_bound(scene, settings)).scale();
+  const auto n = uint32_t(settings.samples_per_pixel());
+  std::mt19937 rng(seed);
+  for (int k = 0; k < pixels; ++k) {
+    const int x = int(rng() % uint32_t(settings.width)), y = int(rng() % uint32_t(settings.height));
+    SCOPED_TRACE(::testing::Message() << scene.name << " pixel " << x << "," << y);
+    Vec3d rgb;
+    RayCounts counts;
+    uint64_t steps = 0, tests = 0;
+    for (uint32_t s = 0; s < n; ++s) {
+      const auto e = explain_sample(scene, **accel, settings, x, y, s);
+      ASSERT_TRUE(e.has_value());
+      EXPECT_EQ(sum_of_terms(*e, scale), e->rgb);
+      rgb = rgb + e->rgb;
+      counts += e->counts;
+      for (const ExplainedRay& r : e->rays) {
+        if (!r.traced) continue;
+        const bool shadow = r.kind == Kind::shadow;
+        const auto log = (*accel)->log(r.ray, shadow);
+        ASSERT_TRUE(log.has_value());
+        steps += log->count_steps(), tests += log->count_tests();
+        // The last that was nearest is what was hit, or what stopped a shadow ray.
+        PrimitiveId last = kNoPrimitive;
+        for (const TraceLog::Test& test : log->tests)
+          if (test.nearest) last = test.item;
+        EXPECT_EQ(last != kNoPrimitive, shadow ? r.occluded : r.hit.found());
+        EXPECT_TRUE(shadow || last == r.hit.item);
+      }
+    }
+    RenderSettings cropped = settings;
+    cropped.crop = Crop{x, y, x + 1, y + 1};
+    const auto film = make_film(scene, cropped);
+    ASSERT_TRUE(film.has_value());
+    RenderControl control;
+    render(scene, **accel, cropped, **film, control);
+    EXPECT_EQ(Rgb(rgb / double(n)), (*film)->resolve().at(0, 0));
+    const RayCounts rendered = (*film)->rays();
+    EXPECT_EQ(counts, rendered);
+    if (kind == AccelKind::bvh) continue;  // whose rays share the work
+    EXPECT_EQ(steps, rendered.steps);
+    EXPECT_EQ(tests, rendered.tests);
+  }
+}
+
+// RAIO_EXPLAIN_PIXELS: how many of each shared scene; more take their time.
+int pixels_of_each() {
+  const char* const text = std::getenv("RAIO_EXPLAIN_PIXELS");
+  return text ? std::atoi(text) : 3;
+}
+
+TEST(Explain, TermsAddUpToThePixelAndLogsToTheCounts) {
+  const Scene scene = testing::random_scene(60, 7);
+  for (const AccelKind kind : {AccelKind::none, AccelKind::grid, AccelKind::bvh})
+    expect_pixels_explained(scene, kind, 40, 1);
+}
+
+TEST(Explain, TermsAddUpInTheSharedScenes) {
+  const auto paths = testing::shared_scenes();
+  if (paths.empty()) GTEST_SKIP() << "the shared scenes are not here";
+  for (const auto& path : paths) {
+    const auto read = read_scene(path.string());
+    ASSERT_TRUE(read.has_value()) << path;
+    for (const AccelKind kind : {AccelKind::grid, AccelKind::bvh})
+      expect_pixels_explained(read->scene, kind, pixels_of_each(), 5);
+  }
+}
+
+// In a tree each ray alone costs what its log says.
+TEST(Explain, LogsAreWhatARayOfItsOwnCosts) {
+  const Scene scene = testing::random_scene(400, 3);
+  for (const AccelKind kind : {AccelKind::none, AccelKind::grid, AccelKind::bvh}) {
+    const auto accel = build_accel(scene, {.kind = kind, .counters = true});
+    ASSERT_TRUE(accel.has_value());
+    const RayBatch rays = testing::awkward_rays(scene, 500, 9);
+    for (size_t i = 0; i < rays.size(); ++i)
+      for (const bool any : {false, true}) {
+        RayBatch one;
+        one.push(rays[i]);
+        TraceContext context;
+        HitBatch hits;
+        hits.reset(1);
+        uint8_t occluded[kBatchPad];
+        if (any)
+          (*accel)->occluded(one, occluded, context);
+        else
+          (*accel)->closest(one, hits, context);
+        const auto log = (*accel)->log(rays[i], any);
+        ASSERT_TRUE(log.has_value());
+        EXPECT_EQ(log->count_steps(), context.steps);
+        if (kind != AccelKind::none || !any) {
+          EXPECT_EQ(log->count_tests(), context.tests);
+        }
+      }
+  }
+}
+
+// The cells follow each other face by face, and each is left where the smallest t_max says.
+TEST(Explain, CellsAreThoseOfTheTextbook) {
+  const Scene scene = testing::random_scene(400, 3);
+  const auto accel = build_accel(
+      scene, {.kind = AccelKind::grid, .grid_resolution = {60, 45, 80}, .counters = true});
+  ASSERT_TRUE(accel.has_value());
+  const RayBatch rays = testing::awkward_rays(scene, 300, 4);
+  size_t moves = 0;
+  for (size_t i = 0; i < rays.size(); ++i) {
+    const auto log = (*accel)->log(rays[i], false);
+    for (size_t k = 1; k < log->steps.size(); ++k, ++moves) {
+      const TraceLog::Step &from = log->steps[k - 1], &to = log->steps[k];
+      int moved = 0, axis = 0;
+      for (int a = 0; a < 3; ++a)
+        if (const int by = std::abs(to.cell[size_t(a)] - from.cell[size_t(a)]))
+          moved += by, axis = a;
+      EXPECT_EQ(moved, 1);
+      EXPECT_EQ(from.t_max[axis], std::min({from.t_max.x, from.t_max.y, from.t_max.z}));
+      EXPECT_NEAR(to.t_max[axis], from.t_max[axis] + log->t_delta[axis],
+                  1e-9 * (1 + std::abs(to.t_max[axis])));
+    }
+  }
+  EXPECT_GT(moves, 1000u);
+}
+
+// Boxes hold those of the children, and every leaf is found in a node above it.
+TEST(Explain, BoxesOfATreeNarrow) {
+  const Scene scene = testing::random_scene(400, 3);
+  const auto accel = build_accel(scene, {.kind = AccelKind::bvh});
+  const RayBatch rays = testing::awkward_rays(scene, 100, 4);
+  for (size_t i = 0; i < rays.size(); ++i) {
+    const auto log = (*accel)->log(rays[i], false);
+    for (const TraceLog::Step& step : log->steps) {
+      EXPECT_FALSE(step.box.empty());
+      EXPECT_EQ(step.depth == 0, &step == &log->steps[0]);
+      for (int a = 0; a < 3; ++a) {
+        EXPECT_GE(step.box.lo[a], log->steps[0].box.lo[a]);
+        EXPECT_LE(step.box.hi[a], log->steps[0].box.hi[a]);
+      }
+    }
+  }
+}
+
+// From within shells of glass that mirrors, every ray has two children until one is outside.
+TEST(Explain, TooManyRaysAreRefused) {
+  Scene scene;
+  scene.materials = {{{1, 1, 1}, 0.1f, 0.5f, 10, 0.5f, 1.1f}};
+  for (int i = 1; i <= 20; ++i) {
+    scene.spheres.push_back({{}, float(i)});
+    scene.sphere_materials.push_back(0);
+  }
+  scene.camera.from = {0.1f, 0.2f, 0.3f};
+  scene.camera.at = {1, 0, 0};
+  scene.camera.up = {0, 0, 1};
+  RenderSettings settings = all_effects(scene, AccelKind::bvh);
+  const auto accel = build_accel(scene, settings.accel);
+  settings.depth = 8;
+  const auto few = explain_sample(scene, **accel, settings, 5, 5, 0);
+  ASSERT_TRUE(few.has_value());
+  EXPECT_GT(few->rays.size(), 200u);
+  settings.depth = kMaxDepth;
+  const auto many = explain_sample(scene, **accel, settings, 5, 5, 0);
+  ASSERT_FALSE(many.has_value());
+  EXPECT_EQ(many.error().kind, ErrorKind::no_resource);
+}
+
+}  // namespace
+}  // namespace raio

@@ -1,0 +1,447 @@
+// The public interface as its users see it: nothing else of Raio is included.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <raio/raio.h>
+
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "temporary_folder.h"
+
+namespace {
+
+using ::testing::HasSubstr;
+using Floats = std::vector<float>;
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+// What an array of a user may look like that Raio can read in place.
+struct Ball {
+  float center[3], radius;
+};
+struct Ring {
+  float center[3], normal[3], radius, inner;
+};
+struct Egg {
+  float center[3], axes[9];
+};
+struct Peg {
+  float start[3], start_radius, end[3], end_radius;
+};
+struct Corners {
+  uint32_t of[3];
+};
+struct Point {
+  float x[3];
+};
+
+const raio::Settings& small() {
+  static const raio::Settings settings = raio::Settings().set("size", "48x36").set("threads", "2");
+  return settings;
+}
+
+Floats picture(const raio::Scene& scene) { return raio::Job(scene, small()).run().rgba(); }
+
+// A material of its own, a camera and a light, as in kStage.
+raio::Scene stage() {
+  raio::Scene scene;
+  scene.set_background({0.1, 0.2, 0.4});
+  scene.set_camera({{0, -9, 4}, {0, 0, 0}, {0, 0, 1}, 40});
+  scene.add_light({5, -8, 10});
+  scene.add_material({{0.9, 0.5, 0.25}, 0.6, 0.3, 30, 0, 1});
+  return scene;
+}
+
+constexpr std::string_view kStage =
+    "v\nfrom 0 -9 4\nat 0 0 0\nup 0 0 1\nangle 40\nhither 0.1\nresolution 48 36\n"
+    "b 0.1 0.2 0.4\nl 5 -8 10\nf 0.9 0.5 0.25 0.6 0.3 30 0 1\n";
+
+std::vector<Ball> balls(int count) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> at(-3, 3), radius(0.05f, 0.4f);
+  std::vector<Ball> all;
+  for (int i = 0; i < count; ++i)
+    all.push_back({{at(random), at(random), at(random)}, radius(random)});
+  return all;
+}
+
+// With `keep` as in an array of Ball that someone holds.
+void add_balls(raio::Scene& scene, const std::vector<Ball>& all,
+               const std::shared_ptr<const void>& keep = nullptr, const raio::Look& look = 1) {
+  scene.add_spheres({all.data()->center, all.size(), sizeof(Ball), keep},
+                    {&all.data()->radius, all.size(), sizeof(Ball), keep}, look);
+}
+
+// The message of the error that `f` throws; it must be one of bad input.
+template <class F>
+std::string refusal(const F& f) {
+  try {
+    f();
+  } catch (const raio::Error& error) {
+    EXPECT_EQ(error.kind(), raio::ErrorKind::bad_input);
+    return error.what();
+  }
+  return "nothing was refused";
+}
+
+TEST(Library, EllipsoidsAndDiscsLookAsFromAFile) {
+  raio::Scene scene = stage();
+  const Egg eggs[] = {{{-1.5f, 0, 0.5f}, {1, 0, 0, 0, 0.5f, 0, 0, 0, 1.5f}},
+                      {{1.5f, 0, 0}, {0.5f, 0.5f, 0, -1, 1, 0, 0, 0, 0.25f}}};
+  scene.add_ellipsoids({eggs->center, 2, sizeof(Egg)}, {eggs->axes, 2, sizeof(Egg)}, 1);
+  const Floats centers = {0, 0, -1, 0, 1, 1}, normals = {0, 0, 2, 1, -2, 2}, radii = {4, 1};
+  const Floats inner = {0, 0.5f};
+  scene.add_discs({centers.data(), 2}, {normals.data(), 2}, {radii.data(), 2}, {inner.data(), 2},
+                  1);
+  const raio::Scene file =
+      raio::Scene::parse_nff(std::string(kStage) +
+                             "ellipsoid -1.5 0 0.5  1 0 0  0 0.5 0  0 0 1.5\n"
+                             "ellipsoid 1.5 0 0  0.5 0.5 0  -1 1 0  0 0 0.25\n"
+                             "disc 0 0 -1  0 0 2  4\ndisc 0 1 1  1 -2 2  1 0.5\n");
+  EXPECT_EQ(scene.primitive_count(), 4u);
+  EXPECT_EQ(scene.bounds(), file.bounds());
+  EXPECT_EQ(picture(scene), picture(file));
+  // Without its hole the second disc looks different.
+  raio::Scene full = stage();
+  full.add_discs({centers.data(), 2}, {normals.data(), 2}, {radii.data(), 2}, {}, 1);
+  raio::Scene ring = stage();
+  ring.add_discs({centers.data(), 2}, {normals.data(), 2}, {radii.data(), 2}, {inner.data(), 2}, 1);
+  EXPECT_NE(picture(full), picture(ring));
+}
+
+TEST(Library, ColoursTakeThePlaceOfTheMaterials) {
+  const auto all = balls(6);
+  raio::Scene colored = stage(), materials = stage();
+  // Those before and after without colours keep that of their material.
+  add_balls(colored, {all[0], all[1]});
+  raio::Look look = 1;
+  const Floats colors = {1, 0, 0, 0, 0.5f, 1}, opacity = {0.5f, 1};
+  look.colors = {colors.data(), 2};
+  look.opacity = {opacity.data(), 2};
+  add_balls(colored, {all[2], all[3]}, nullptr, look);
+  add_balls(colored, {all[4], all[5]});
+
+  const uint32_t red = materials.add_material({{1, 0, 0}, 0.6, 0.3, 30, 0, 1});
+  const uint32_t blue = materials.add_material({{0, 0.5, 1}, 0.6, 0.3, 30, 0, 1});
+  add_balls(materials, {all[0], all[1]});
+  add_balls(materials, {all[2]}, nullptr, red);
+  add_balls(materials, {all[3]}, nullptr, blue);
+  add_balls(materials, {all[4], all[5]});
+  EXPECT_EQ(picture(colored), picture(materials));
+}
+
+// All kinds, from arrays that can be read in place if `keep` is given.
+raio::Scene everything(const std::shared_ptr<const void>& keep) {
+  static const std::vector<Ball> kBalls = balls(20);
+  static const std::vector<Peg> kPegs = {{{-2, 0, 0}, 0.3f, {-1, 1, 2}, 0.1f},
+                                         {{2, 0, 0}, 0.2f, {1, 1, 2}, 0.2f}};
+  static const std::vector<Egg> kEggs = {{{0, -1, 1}, {1, 0, 0, 0, 0.5f, 0, 0, 0, 0.25f}}};
+  static const std::vector<Ring> kRings = {{{0, 0, 2}, {0, 0.6f, 0.8f}, 1, 0.5f}};
+  static const std::vector<Point> kPoints = {{{-4, -4, -1}}, {{4, -4, -1}}, {{0, 4, 1}}};
+  static const std::vector<Point> kNormals = {{{0, 0, 1}}, {{0, 0.6f, 0.8f}}, {{0.6f, 0, 0.8f}}};
+  static const std::vector<Corners> kTriangles = {{{0, 1, 2}}};
+  static const std::vector<Point> kColors(20, {{0.25f, 0.5f, 1}});
+  raio::Scene scene = stage();
+  raio::Look look = 1;
+  look.colors = {kColors[0].x, 20, 12, keep};
+  add_balls(scene, kBalls, keep, look);
+  scene.add_cones({kPegs[0].start, 2, sizeof(Peg), keep}, {kPegs[0].end, 2, sizeof(Peg), keep},
+                  {&kPegs[0].start_radius, 2, sizeof(Peg), keep},
+                  {&kPegs[0].end_radius, 2, sizeof(Peg), keep});
+  scene.add_ellipsoids({kEggs[0].center, 1, sizeof(Egg), keep},
+                       {kEggs[0].axes, 1, sizeof(Egg), keep}, 1);
+  scene.add_discs(
+      {kRings[0].center, 1, sizeof(Ring), keep}, {kRings[0].normal, 1, sizeof(Ring), keep},
+      {&kRings[0].radius, 1, sizeof(Ring), keep}, {&kRings[0].inner, 1, sizeof(Ring), keep});
+  scene.add_triangles({kPoints[0].x, 3, 12, keep}, {kTriangles[0].of, 1, 12, keep},
+                      {kNormals[0].x, 3, 12, keep}, 1);
+  return scene;
+}
+
+TEST(Library, BorrowedLooksLikeOwned) {
+  const auto keep = std::make_shared<int>();
+  const raio::Scene owned = everything(nullptr), borrowed = everything(keep);
+  // Two columns of spheres and their colours, four of cones, two of ellipsoids, four of discs,
+  // three of triangles: each is read in place.
+  EXPECT_EQ(keep.use_count(), 1 + 2 + 1 + 4 + 2 + 4 + 3);
+  EXPECT_EQ(picture(borrowed), picture(owned));
+  raio::Scene twice = borrowed, both = owned;
+  const std::vector<Ball> more = {{{0, -4, 0}, 1}};
+  add_balls(twice, more);  // copies what was borrowed
+  add_balls(both, more);
+  EXPECT_EQ(picture(twice), picture(both));
+  EXPECT_NE(picture(twice), picture(owned));
+  EXPECT_EQ(picture(borrowed), picture(owned));
+}
+
+// Scenes far from zero keep their coordinates relative to a point near them.
+TEST(Library, WhatIsAddedToAFarSceneLiesWhereTheFileWouldPutIt) {
+  const std::string far =
+      "v\nfrom 1000000 -9 4\nat 1000000 0 0\nup 0 0 1\nangle 40\nhither 0.1\nresolution 48 36\n"
+      "f 0.9 0.5 0.25 0.6 0.3 30 0 1\ns 1000000 0 1 0.5\n";
+  raio::Scene scene = raio::Scene::parse_nff(far);
+  const raio::Scene file = raio::Scene::parse_nff(far + "s 1000001 0 0 1\n");
+  const auto ball = std::make_shared<Ball>(Ball{{1000001, 0, 0}, 1});
+  scene.add_spheres({ball->center, 1, sizeof(Ball), ball}, {&ball->radius, 1, sizeof(Ball), ball});
+  EXPECT_EQ(ball.use_count(), 1);
+  EXPECT_EQ(scene.bounds(), file.bounds());
+  EXPECT_EQ(picture(scene), picture(file));
+  EXPECT_EQ(raio::Accel(scene).closest({{1000001, 0, 9}, {0, 0, -1}}).position,
+            (raio::Triple{1000001, 0, 1}));
+}
+
+TEST(Library, WhatLiesAsStoredIsReadInPlaceAndHeldAsLongAsSomeoneReadsIt) {
+  auto all = std::make_shared<std::vector<Ball>>(balls(10));
+  const std::weak_ptr<std::vector<Ball>> watch = all;
+  auto scene = std::make_unique<raio::Scene>(stage());
+  add_balls(*scene, *all, all);
+  const auto before = scene->bounds();
+  (*all)[3].center[0] = 100;  // seen: nothing was copied
+  EXPECT_NE(scene->bounds(), before);
+  all.reset();
+  EXPECT_FALSE(watch.expired());
+  auto accel = std::make_unique<raio::Accel>(*scene);
+  scene.reset();
+  EXPECT_FALSE(watch.expired());
+  EXPECT_TRUE(accel->occluded({{100, 0, 0}, {0, 0, 1}}) || accel->bounds());
+  auto job = std::make_unique<raio::Job>(*accel, small());
+  accel.reset();
+  EXPECT_FALSE(watch.expired());
+  job.reset();
+  EXPECT_TRUE(watch.expired());
+}
+
+TEST(Library, WhatLiesOtherwiseIsCopiedAndNotHeld) {
+  const auto all = std::make_shared<std::vector<Ball>>(balls(10));
+  const auto radii = std::make_shared<Floats>(10, 0.25f);
+  raio::Scene scene = stage();
+  scene.add_spheres({all->data()->center, 10, sizeof(Ball), all}, {radii->data(), 10, 4, radii}, 1);
+  EXPECT_EQ(all.use_count(), 1);
+  EXPECT_EQ(radii.use_count(), 1);
+  // Backwards: copied, in the order that the stride says.
+  raio::Scene backwards = stage(), forwards = stage();
+  const std::vector<Ball> turned(all->rbegin(), all->rend());
+  const ptrdiff_t back = -ptrdiff_t(sizeof(Ball));
+  backwards.add_spheres({all->back().center, 10, back, all}, {&all->back().radius, 10, back, all},
+                        1);
+  EXPECT_EQ(all.use_count(), 1);
+  add_balls(forwards, turned);
+  EXPECT_EQ(picture(backwards), picture(forwards));
+  // Read in place, until more is added.
+  raio::Scene grows = stage();
+  add_balls(grows, *all, all);
+  EXPECT_GT(all.use_count(), 1);
+  add_balls(grows, *all, all);
+  EXPECT_EQ(all.use_count(), 1);
+  EXPECT_EQ(grows.primitive_count(), 20u);
+}
+
+TEST(Library, RefusesColumnsThatCannotBeAndLeavesTheScene) {
+  raio::Scene scene = stage();
+  const Floats xyz = {0, 0, 0, 1, 1, 1}, ones = {1, 1}, bad = {1, kNan};
+  const Floats infinite = {0, 0, 0, 1, 1, std::numeric_limits<float>::infinity()};
+  const uint32_t corners[] = {0, 1, 2};
+  const raio::Column<float, 3> two = {xyz.data(), 2};
+  const raio::Column<float> radii = {ones.data(), 2};
+  EXPECT_THAT(refusal([&] { scene.add_spheres({nullptr, 2}, radii); }),
+              HasSubstr("the centres are a null pointer"));
+  EXPECT_THAT(refusal([&] { scene.add_spheres(two, {nullptr, 2}); }),
+              HasSubstr("the radii are a null pointer"));
+  EXPECT_THAT(refusal([&] { scene.add_spheres({xyz.data(), 2, 0}, radii); }),
+              HasSubstr("the stride of the centres is 0"));
+  EXPECT_EQ(refusal([&] { scene.add_spheres(two, {ones.data(), 1}); }),
+            "there are 2 centres but 1 radii");
+  EXPECT_EQ(refusal([&] { scene.add_spheres(two, {}); }), "there are 2 centres but 0 radii");
+  EXPECT_THAT(refusal([&] { scene.add_spheres(two, {bad.data(), 2}); }),
+              HasSubstr("sphere 1: the radius must be finite"));
+  EXPECT_THAT(refusal([&] { scene.add_spheres({infinite.data(), 2}, radii); }),
+              HasSubstr("sphere 1: the centre must be finite"));
+  EXPECT_THAT(refusal([&] { scene.add_spheres(two, radii, 7); }),
+              HasSubstr("there is no material 7"));
+  EXPECT_THAT(refusal([&] { scene.add_discs(two, {infinite.data(), 2}, radii); }),
+              HasSubstr("the normal of disc 0 is zero or not finite"));
+  EXPECT_THAT(refusal([&] { scene.add_discs(two, two, radii, {ones.data(), 1}); }),
+              HasSubstr("there are 2 centres but 1 inner radii"));
+  const Floats skew = {1, 0, 0, 1, 1, 0, 0, 0, 1};
+  EXPECT_THAT(refusal([&] { scene.add_ellipsoids({xyz.data(), 1}, {skew.data(), 1}); }),
+              HasSubstr("perpendicular"));
+  EXPECT_THAT(refusal([&] { scene.add_cones(two, two, radii, radii); }),
+              HasSubstr("base and apex are the same point"));
+  EXPECT_EQ(refusal([&] { scene.add_triangles(two, {corners, 1}); }),
+            "triangle 0 names vertex 2 of 2");
+  EXPECT_THAT(refusal([&] { scene.add_triangles({infinite.data(), 2}, {}); }),
+              HasSubstr("position 1 is not finite"));
+  EXPECT_THAT(refusal([&] { scene.add_triangles(two, {}, {xyz.data(), 1}); }),
+              HasSubstr("there are 2 positions but 1 normals"));
+  raio::Look look;
+  look.colors = {xyz.data(), 1};
+  EXPECT_EQ(refusal([&] { scene.add_spheres(two, radii, look); }),
+            "there are 2 primitives but 1 colours");
+  look.colors = {};
+  look.opacity = {bad.data(), 2};
+  EXPECT_THAT(refusal([&] { scene.add_spheres(two, radii, look); }), HasSubstr("opacity 1 is nan"));
+  EXPECT_EQ(scene.primitive_count(), 0u);
+  EXPECT_EQ(scene.bounds(), std::nullopt);
+  EXPECT_NO_THROW(picture(scene));
+}
+
+std::vector<raio::Ray> random_rays(size_t count) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> at(-4, 4), length(0, 8);
+  std::vector<raio::Ray> rays(count);
+  for (size_t i = 0; i < count; ++i) {
+    rays[i] = {{at(random), at(random), at(random)}, {at(random), at(random), at(random)}};
+    if (i % 3 == 0) rays[i].length = length(random);
+  }
+  return rays;
+}
+
+bool same(const raio::Hit& a, const raio::Hit& b) {
+  return a.distance == b.distance && a.kind == b.kind && a.index == b.index && a.u == b.u &&
+         a.v == b.v && a.material == b.material && a.position == b.position && a.normal == b.normal;
+}
+
+TEST(LibraryAccel, StructuresFindWhatBruteForceFinds) {
+  const raio::Scene scene = everything(std::make_shared<int>());
+  const auto rays = random_rays(5000);
+  std::vector<raio::Hit> expected(rays.size());
+  raio::Accel(scene, raio::Settings().set("accel", "none"))
+      .closest(rays.size(), rays.data(), expected.data());
+  size_t found = 0;
+  for (const char* kind : {"none", "grid", "bvh"}) {
+    const raio::Accel accel(scene, raio::Settings().set("accel", kind));
+    EXPECT_EQ(accel.info().kind, kind);
+    EXPECT_EQ(accel.info().primitives, scene.primitive_count());
+    EXPECT_EQ(accel.bounds(), scene.bounds());
+    std::vector<raio::Hit> hits(rays.size());
+    std::vector<uint8_t> occluded(rays.size());
+    accel.closest(rays.size(), rays.data(), hits.data());
+    accel.occluded(rays.size(), rays.data(), occluded.data());
+    for (size_t i = 0; i < rays.size(); ++i) {
+      ASSERT_TRUE(same(hits[i], expected[i])) << kind << " ray " << i;
+      ASSERT_EQ(occluded[i], expected[i].found()) << kind << " ray " << i;
+      found += expected[i].found();
+      if (i % 100) continue;
+      EXPECT_TRUE(same(accel.closest(rays[i]), hits[i])) << kind << " ray " << i;
+      EXPECT_EQ(accel.occluded(rays[i]), hits[i].found()) << kind << " ray " << i;
+    }
+  }
+  EXPECT_GT(found, 2000u);
+}
+
+TEST(LibraryAccel, AHitSaysWhereAndWhat) {
+  raio::Scene scene = stage();
+  const Floats center = {0, 0, 0}, radius = {2};
+  scene.add_spheres({center.data(), 1}, {radius.data(), 1}, 1);
+  // The first triangle has no area: the second is number 1 all the same.
+  const Floats corners = {10, 0, 0, 14, 0, 0, 10, 4, 0};
+  const uint32_t indices[] = {0, 0, 1, 0, 1, 2};
+  scene.add_triangles({corners.data(), 3}, {indices, 2});
+  const raio::Accel accel(scene);
+  const raio::Hit sphere = accel.closest({{0, 0, 10}, {0, 0, -5}});
+  EXPECT_EQ(sphere.kind, raio::Kind::sphere);
+  EXPECT_EQ(sphere.distance, 8);
+  EXPECT_EQ(sphere.position, (raio::Triple{0, 0, 2}));
+  EXPECT_EQ(sphere.normal, (raio::Triple{0, 0, 1}));
+  EXPECT_EQ(sphere.material, 1u);
+  const raio::Hit triangle = accel.closest({{11, 2, 3}, {0, 0, -1}});
+  EXPECT_EQ(triangle.kind, raio::Kind::triangle);
+  EXPECT_EQ(triangle.index, 1u);
+  EXPECT_EQ(triangle.distance, 3);
+  EXPECT_EQ(triangle.u, 0.25);
+  EXPECT_EQ(triangle.v, 0.5);
+  EXPECT_EQ(triangle.material, 0u);
+  EXPECT_FALSE(accel.closest({{11, 2, 3}, {0, 0, -1}, 2.5}).found());
+  EXPECT_FALSE(accel.closest({{11, 2, 3}, {0, 0, 1}}).found());
+  EXPECT_THAT(refusal([&] { accel.closest({{0, 0, 0}, {0, 0, 0}}); }),
+              HasSubstr("ray 0: the direction is zero"));
+  EXPECT_THAT(refusal([&] { accel.occluded({{double(kNan), 0, 0}, {0, 0, 1}}); }),
+              HasSubstr("ray 0: a number is not finite"));
+  EXPECT_THAT(refusal([&] { accel.closest(1, nullptr, nullptr); }), HasSubstr("null pointer"));
+}
+
+TEST(LibraryAccel, PolygonsAreCountedAsThemselves) {
+  const raio::Accel accel(
+      raio::Scene::parse_nff(std::string(kStage) +
+                             "p 3\n0 0 0\n1 0 0\n0 1 0\n"
+                             "p 4\n10 0 0\n12 0 0\n12 2 0\n10 2 0\np 4\n20 0 0\n22 0 0\n22 2 0\n"
+                             "20 2 0\n"));
+  EXPECT_EQ(accel.info().primitives, 5u);
+  for (const double y : {0.5, 1.5}) {
+    const raio::Hit hit = accel.closest({{20.9, y, 5}, {0, 0, -1}});
+    EXPECT_EQ(hit.kind, raio::Kind::polygon);
+    EXPECT_EQ(hit.index, 1u);
+    EXPECT_EQ(hit.u, 0);
+  }
+  EXPECT_EQ(accel.closest({{0.2, 0.2, 5}, {0, 0, -1}}).kind, raio::Kind::triangle);
+}
+
+TEST(LibraryAccel, ThreadsTraceTogether) {
+  const raio::Accel accel(everything(nullptr));
+  const auto rays = random_rays(3000);
+  std::vector<std::vector<raio::Hit>> hits(4, std::vector<raio::Hit>(rays.size()));
+  std::vector<std::thread> threads;
+  for (auto& own : hits)
+    threads.emplace_back([&] { accel.closest(rays.size(), rays.data(), own.data()); });
+  for (std::thread& thread : threads) thread.join();
+  for (const auto& own : hits)
+    for (size_t i = 0; i < rays.size(); ++i) ASSERT_TRUE(same(own[i], hits[0][i])) << i;
+}
+
+TEST(LibraryAccel, JobsOfOneStructureMakeThePicturesOfTheirOwn) {
+  const raio::Scene scene = everything(nullptr);
+  const raio::Accel accel(scene, raio::Settings().set("accel", "grid").set("one-sided"));
+  for (const char* from : {"0,-9,4", "6,-6,3"}) {
+    raio::Settings settings = small();
+    settings.set("from", from);
+    const Floats shared = raio::Job(accel, settings).run().rgba();
+    EXPECT_EQ(shared, raio::Job(scene, settings.set("one-sided")).run().rgba()) << from;
+    EXPECT_EQ(shared, raio::Job(accel, settings).run().rgba()) << from;
+  }
+  EXPECT_THAT(refusal([&] { raio::Job(accel, raio::Settings().set("accel", "bvh")); }),
+              HasSubstr("accel is bvh, but the structure was built with grid"));
+  EXPECT_THAT(refusal([&] { raio::Job(accel, raio::Settings().set("grid-factor", "2")); }),
+              HasSubstr("grid-factor is 2, but the structure was built without it"));
+  EXPECT_THAT(refusal([&] { raio::Job(accel, raio::Settings().set("view", "tests")); }),
+              HasSubstr("built with counters"));
+}
+
+TEST(LibraryAccel, RefusesAStructureThatThereIsNot) {
+  EXPECT_THAT(refusal([] {
+                raio::Accel(stage(), raio::Settings().set("accel", "bvh").set("grid-factor", "2"));
+              }),
+              HasSubstr("grid-factor"));
+  const raio::Accel empty(stage());
+  EXPECT_EQ(empty.bounds(), std::nullopt);
+  EXPECT_FALSE(empty.occluded({}));
+}
+
+using LibraryFile = raio::TemporaryFolder;
+
+TEST_F(LibraryFile, KeepsWhatWasAdded) {
+  const raio::Scene scene = everything(std::make_shared<int>());
+  scene.write(file("scene.raio").string());
+  EXPECT_EQ(picture(raio::Scene::read(file("scene.raio").string())), picture(scene));
+}
+
+TEST(LibraryJob, TellsItsProgressAndCanBeCancelled) {
+  const raio::Scene scene = everything(nullptr);
+  raio::Job job(scene, raio::Settings().set("size", "2000x2000").set("aa", "16"));
+  job.on_progress([&](const raio::Progress& progress) {
+    EXPECT_LE(progress.share, 1);
+    job.cancel();
+  });
+  try {
+    job.run();
+    FAIL() << "it ran to its end";
+  } catch (const raio::Error& error) {
+    EXPECT_EQ(error.kind(), raio::ErrorKind::cancelled);
+  }
+}
+
+}  // namespace
