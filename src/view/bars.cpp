@@ -186,8 +186,7 @@ Status status_of(const StatusFacts& f) {
                            100 * f.progress->share, f.progress->left_s)};
     return {working, trf("Rendering the first sample, {:.0f} s", f.since_request_s)};
   }
-  if (f.picture->finished)
-    return {done, trf("Finished: {}", samples)};
+  if (f.picture->finished) return {done, trf("Finished: {}", samples)};
   if (f.paused) return {paused, trf("Paused at {}; space goes on", samples)};
   if (f.measuring == Measuring::Work::costs)
     return {measuring, tr("Measuring what effects cost; refining waits")};

@@ -32,14 +32,14 @@
 namespace raio::view {
 namespace {
 
-constexpr double kFrameSeconds = 0.024;    // of rendering; drawing takes the rest of a 30th
-constexpr double kDrawGapSeconds = 0.03;   // between drawings that show no new picture
-constexpr double kRestSeconds = 0.15;      // after the last movement
-constexpr double kBeforeCosts = 0.8;       // of rest, until costs are measured
-constexpr double kFocusSeconds = 2.5;      // that the plane in focus is shown
-constexpr double kWaitingSeconds = 0.5;    // between drawings while nothing new comes
-constexpr double kIdleSeconds = 0.1;       // between looks at the disk
-constexpr double kSlowSeconds = 0.8;       // a first sample that takes longer shows its progress
+constexpr double kFrameSeconds = 0.024;   // of rendering; drawing takes the rest of a 30th
+constexpr double kDrawGapSeconds = 0.03;  // between drawings that show no new picture
+constexpr double kRestSeconds = 0.15;     // after the last movement
+constexpr double kBeforeCosts = 0.8;      // of rest, until costs are measured
+constexpr double kFocusSeconds = 2.5;     // that the plane in focus is shown
+constexpr double kWaitingSeconds = 0.5;   // between drawings while nothing new comes
+constexpr double kIdleSeconds = 0.1;      // between looks at the disk
+constexpr double kSlowSeconds = 0.8;      // a first sample that takes longer shows its progress
 
 std::string text_of(Vec3f v) { return fmt::format("{:.6g},{:.6g},{:.6g}", v.x, v.y, v.z); }
 
@@ -382,9 +382,10 @@ class Viewer final : public WindowEvents {
   // At rest, and after the picture itself.
   bool may_measure_costs() const {
     const auto& picture = pictures_.main.picture;
-    return !state_.path.empty() && costs_are_old_ && wants_costs_ && !state_.paused && !is_moving() && picture &&
-           picture->request == pictures_.main.request && picture->sample_s.median > 0 &&
-           now() >= moving_until_ + kBeforeCosts && message_.age(now()) >= kBeforeCosts;
+    return !state_.path.empty() && costs_are_old_ && wants_costs_ && !state_.paused &&
+           !is_moving() && picture && picture->request == pictures_.main.request &&
+           picture->sample_s.median > 0 && now() >= moving_until_ + kBeforeCosts &&
+           message_.age(now()) >= kBeforeCosts;
   }
 
   void step() {
