@@ -218,8 +218,10 @@ bool Session::probe(SessionPicture& next) {
 bool Session::preview(double seconds, SessionPicture& next) {
   if (!probe(next)) return false;
   const double scale = std::max(std::sqrt(std::min(1.0, seconds / expected_s(next))), kLeastScale);
-  // The probe's may be there already.
-  const bool is_there = next.image && scale <= 1.5 * kLeastScale;
+  // The smaller of the probe's may be there already.
+  const double least_width = 1.5 * kLeastScale * next.settings.width;
+  const bool is_there =
+      next.image && scale <= 1.5 * kLeastScale && next.image->width <= std::max(1.0, least_width);
   if (!is_there && !render_scaled(scale, next)) return false;
   publish(next);
   return true;
