@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <random>
 
@@ -541,16 +542,26 @@ TEST_F(WindowTest, TheSameKeyStopsALongMeasurement) {
   EXPECT_TRUE(window->picture(from)) << "the picture lives on" << window->log();
 }
 
+// RAIO_RANDOM_SECONDS: goes on for so long, with other events each time that it is another number.
 TEST_F(WindowTest, SurvivesAThousandRandomEvents) {
+  const char* const text = std::getenv("RAIO_RANDOM_SECONDS");
+  const int seconds = text ? std::atoi(text) : 0;
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(seconds);
   auto window = open();
-  std::mt19937 random(20260101);
+  std::mt19937 random(20260101u + unsigned(seconds));
   const auto below = [&](int n) { return int(random() % unsigned(n)); };
-  const std::string keys = "asdgrtx hfo123456789cwe";
-  for (int i = 0; i < 1000; ++i) {
-    const int x = below(520), y = below(400);
+  std::vector<unsigned long> keys = {XK_F1,   XK_F11, XK_Escape, XK_Return, XK_Tab,  XK_BackSpace,
+                                     XK_Home, XK_Up,  XK_Down,   XK_Left,   XK_Right};
+  // Not q, which ends it.
+  for (const char c : std::string("aabcddefgghhiijklmnooprssttuvwxyz 1234567890.-"))
+    keys.push_back(static_cast<unsigned long>(c));
+  constexpr Held kHeld[] = {Held::nothing, Held::nothing, Held::nothing,   Held::nothing,
+                            Held::shift,   Held::ctrl,    Held::ctrl_shift};
+  for (int i = 0; i < 1000 || std::chrono::steady_clock::now() < end; ++i) {
+    const int x = below(1000), y = below(700);
     switch (below(8)) {
       case 0:
-        window->drag(x, y, below(520), below(400), 1 + below(3));
+        window->drag(x, y, below(1000), below(700), 1 + below(3));
         break;
       case 1:
         window->wheel(x, y, below(7) - 3);
@@ -559,13 +570,13 @@ TEST_F(WindowTest, SurvivesAThousandRandomEvents) {
         window->click(x, y);
         break;
       case 3:
-        if (below(4) == 0) window->resize(64 + below(600), 64 + below(500));
+        if (below(4) == 0) window->resize(64 + below(1000), 64 + below(700));
         break;
       case 4:
         if (below(20) == 0) window->minimise(true), window->minimise(false);
         break;
       default:
-        window->key(static_cast<unsigned long>(keys[size_t(below(int(keys.size())))]));
+        window->key(keys[size_t(below(int(keys.size())))], kHeld[below(std::size(kHeld))]);
     }
     // Some come in a burst, others meet pictures in the making.
     if (i % 8 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(20));
