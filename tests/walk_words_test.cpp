@@ -85,7 +85,7 @@ void expect_told(const ExplainedRay& ray, const TraceLog& log, AccelKind kind) {
   EXPECT_EQ(end.test, -1);
   if (ray.hit.found()) {
     EXPECT_THAT(end.words,
-                HasSubstr(fmt::format("{} {} at t = {:.6g}",
+                HasSubstr(fmt::format("{} {} at t = {:.4g}",
                                       kPrimitiveKindNames[size_t(primitive_kind(ray.hit.item))],
                                       primitive_index(ray.hit.item), ray.hit.t)));
     EXPECT_GE(end.t, double(ray.hit.t) * (1 - 1e-6));
@@ -138,23 +138,21 @@ TEST(WalkWords, TellTheRaysOfASample) {
     });
 }
 
-// A ray through the middle of a row of 4 cells of side 1, past a sphere in the third.
+// A row of 4 cells of length 1, with spheres in the first, third and last.
 TEST(WalkWords, TellAWalkThatIsKnown) {
   Scene scene;
   scene.materials = {{}};
-  scene.spheres = {{{0.5f, 0.5f, 0.5f}, 0.01f},
-                   {{2.5f, 0.5f, 0.5f}, 0.25f},
-                   {{3.5f, 0.5f, 0.5f}, 0.5f},
-                   {{0.5f, 0.5f, 0.5f}, 0.5f}};
-  scene.sphere_materials = {0, 0, 0, 0};
+  scene.spheres = {
+      {{0.25f, 0.5f, 0.5f}, 0.25f}, {{2.5f, 0.5f, 0.5f}, 0.25f}, {{3.75f, 0.5f, 0.5f}, 0.25f}};
+  scene.sphere_materials = {0, 0, 0};
   const auto accel =
       build_accel(scene, {.kind = AccelKind::grid, .grid_resolution = {4, 1, 1}, .counters = true});
   ASSERT_TRUE(accel.has_value());
-  const Ray ray{{-1, 0.97f, 0.97f}, {1, 0, 0}};  // between the spheres and the edges of the cells
+  const Ray ray{{-1, 0.73f, 0.73f}, {1, 0, 0}};  // past all spheres, through all cells
   auto log = (*accel)->log(ray, false);
   auto steps = walk_words(ray_of(**accel, ray, false), *log, AccelKind::grid);
   EXPECT_EQ(steps.front().words, "The ray enters the grid in cell (0, 0, 0) at t = 1");
-  EXPECT_EQ(value_of(steps.front(), "tMax.x").substr(0, 1), "2");
+  EXPECT_NEAR(std::atof(value_of(steps.front(), "tMax.x").c_str()), 2, 1e-4);
   EXPECT_EQ(value_of(steps.front(), "tDelta.x"), "1");
   EXPECT_EQ(value_of(steps.front(), "tDelta.y"), "inf");
   EXPECT_EQ(value_of(steps.front(), "step.x"), "+1");
@@ -183,7 +181,7 @@ TEST(WalkWords, TellAWalkThatIsKnown) {
 TEST(WalkWords, TermsOfTheShadingAddUp) {
   const Scene scene = testing::random_scene(60, 7);
   size_t surfaces = 0, mirrors = 0, refractions = 0;
-  for_samples(scene, AccelKind::bvh, 60, [&](const Explanation& e, const Accel&) {
+  for_samples(scene, AccelKind::bvh, 2000, [&](const Explanation& e, const Accel&) {
     for (size_t i = 0; i < e.rays.size(); ++i) {
       const ExplainedRay& ray = e.rays[i];
       const std::vector<WalkStep> steps = shading_words(e, scene, i);

@@ -13,7 +13,9 @@ using Kind = ExplainedRay::Kind;
 using Variables = std::vector<std::pair<std::string, std::string>>;
 constexpr char kAxes[] = "xyz";
 
+// A variable's value; within words a shorter one.
 std::string number(double x) { return fmt::format("{:.6g}", x); }
+std::string brief(double x) { return fmt::format("{:.4g}", x); }
 
 std::string name_of(PrimitiveId id) {
   return fmt::format("{} {}", tr(kPrimitiveKindNames[size_t(primitive_kind(id))].data()),
@@ -113,11 +115,11 @@ class WalkTeller {
     if (std::isinf(test.t))
       words = trf("Test {}: missed", name);
     else if (!test.nearest)
-      words = trf("Test {}: hit at t = {}, but not the nearest", name, number(test.t));
+      words = trf("Test {}: hit at t = {}, but not the nearest", name, brief(test.t));
     else if (shadow())
-      words = trf("Test {}: hit at t = {}, before the light", name, number(test.t));
+      words = trf("Test {}: hit at t = {}, before the light", name, brief(test.t));
     else
-      words = trf("Test {}: hit at t = {}, the nearest so far", name, number(test.t));
+      words = trf("Test {}: hit at t = {}, the nearest so far", name, brief(test.t));
     if (test.nearest) nearest_ = test.t;
     add(words, formula_of(primitive_kind(test.item)), std::move(variables)).test = int(i);
   }
@@ -149,7 +151,7 @@ class WalkTeller {
     if (k == 0) {
       reached_ = log_.enter.value_or(0);
       add(reached_ > 0
-              ? trf("The ray enters the grid in cell {} at t = {}", cell_text(s), number(reached_))
+              ? trf("The ray enters the grid in cell {} at t = {}", cell_text(s), brief(reached_))
               : trf("The ray starts in cell {} of the grid", cell_text(s)),
           "tMax = (plane - O) / D\ntDelta = cell / |D|", variables_of(s));
       return;
@@ -160,7 +162,7 @@ class WalkTeller {
     const std::string axis(1, kAxes[a]);
     add(trf("tMax.{} is the smallest: go one cell along {}, to {} at t = {}; tMax.{} grows by "
             "tDelta.{}",
-            axis, axis, cell_text(s), number(reached_), axis, axis),
+            axis, axis, cell_text(s), brief(reached_), axis, axis),
         fmt::format("{0} := {0} + step.{0}\ntMax.{0} := tMax.{0} + tDelta.{0}", axis),
         variables_of(s));
   }
@@ -168,13 +170,13 @@ class WalkTeller {
     if (log_.steps.empty() || (shadow() && stopper())) return end();
     const TraceLog::Step& s = log_.steps.back();
     const double leave = s.t_max[nearest_plane(s)];
-    const std::string plane = number(leave), tmax = number(ray_.ray.tmax);
+    const std::string plane = brief(leave), tmax = brief(ray_.ray.tmax);
     Variables variables = variables_of(s);
     variables.insert(variables.begin(), {"t", number(nearest_)});
     std::string formula = "t <= min(tMax.x, tMax.y, tMax.z)", words;
     reached_ = std::max(reached_, std::min(leave, nearest_));
     if (ray_.hit.found()) {
-      const std::string name = name_of(ray_.hit.item), t = number(ray_.hit.t);
+      const std::string name = name_of(ray_.hit.item), t = brief(ray_.hit.t);
       if (ray_.hit.t <= leave) {
         words = trf("The hit of {} at t = {} lies in this cell (t <= min tMax), so the walk ends",
                     name, t);
@@ -219,7 +221,7 @@ class WalkTeller {
     slabs.insert(slabs.begin(), {{"near", number(near)}, {"far", number(far)}});
     add(s.leaf ? leaf_words(s, near, far)
                : trf("Level {}: the ray meets the box of node {} between t = {} and t = {}: go in",
-                     s.depth, s.node, number(near), number(far)),
+                     s.depth, s.node, brief(near), brief(far)),
         "t1 = (lo - O) / D, t2 = (hi - O) / D\nnear = max(0, min(t1, t2) of x, y, z)\n"
         "far = min(t, max(t1, t2) of x, y, z)\nnear <= far",
         std::move(slabs));
@@ -229,7 +231,7 @@ class WalkTeller {
     const size_t count =
         (next < log_.steps.size() ? log_.steps[next].first_test : log_.tests.size()) - s.first_test;
     return trf("Level {}: the ray meets the box of leaf {} between t = {} and t = {}: {}", s.depth,
-               s.node, number(near), number(far), number_of(count, "primitive", "primitives"));
+               s.node, brief(near), brief(far), number_of(count, "primitive", "primitives"));
   }
 
   // ---- The end, of all but a walk to its last cell.
@@ -250,7 +252,7 @@ class WalkTeller {
       add(tr("Nothing is left to test: the ray hits nothing"));
     else
       add(trf("Nothing is left to test that could be nearer: the hit is that of {} at t = {}",
-              name_of(ray_.hit.item), number(ray_.hit.t)),
+              name_of(ray_.hit.item), brief(ray_.hit.t)),
           "", {{"t", number(ray_.hit.t)}});
   }
 
