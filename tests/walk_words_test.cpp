@@ -79,6 +79,12 @@ void expect_told(const ExplainedRay& ray, const TraceLog& log, AccelKind kind) {
     last_step = step.log_step;
   }
   EXPECT_EQ(last_step, int(log.steps.size()) - 1);
+  // Below what is behind the hit there is nothing to go into.
+  for (size_t k = 1; k < steps.size(); ++k) {
+    if (!steps[k - 1].words.ends_with("none of its children is met") || steps[k].log_step < 0)
+      continue;
+    EXPECT_LE(log.steps[size_t(steps[k].log_step)].depth, 1);
+  }
   const auto repeated = size_t(std::ranges::count_if(log.tests, &TraceLog::Test::repeated));
   EXPECT_EQ(tests + log.unlisted, log.count_tests() + repeated);
   const WalkStep& end = steps.back();

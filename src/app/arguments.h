@@ -13,9 +13,8 @@
 
 #include "app/commands.h"
 #include "app/output.h"
-#include "app/terminal.h"
+#include "base/parallel.h"
 #include "render/options.h"
-#include "render/render.h"
 
 namespace raio::app {
 

@@ -276,6 +276,13 @@ constexpr auto kTexts = std::to_array<std::pair<const char*, const char*>>({
      "Nível {}: o raio cruza a caixa do nó {} entre t = {} e t = {}: entra"},
     {"Level {}: the ray meets the box of leaf {} between t = {} and t = {}: {}",
      "Nível {}: o raio cruza a caixa da folha {} entre t = {} e t = {}: {}"},
+    {"Level {}: the box of leaf {} begins at t = {}, behind the hit, but it was waiting: {}",
+     "Nível {}: a caixa da folha {} começa em t = {}, atrás do ponto atingido, mas estava na fila: "
+     "{}"},
+    {"Level {}: the box of node {} begins at t = {}, behind the hit, but it was waiting: none of "
+     "its children is met",
+     "Nível {}: a caixa do nó {} começa em t = {}, atrás do ponto atingido, mas estava na fila: "
+     "nenhum filho é cruzado"},
     {"Any hit ends the walk of a shadow ray: {} is in front of the light",
      "Qualquer ponto atingido termina o percurso de um raio de sombra: {} está na frente da luz"},
     {"Nothing is left to test: nothing is in front of the light",

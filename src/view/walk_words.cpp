@@ -206,7 +206,7 @@ class WalkTeller {
           s.node));
       return;
     }
-    double near = 0, far = nearest_;
+    double near = 0, far = ray_.ray.tmax;
     Variables slabs;
     for (int a = 0; a < 3; ++a) {
       const double o = ray_.ray.origin[a], d = ray_.ray.dir[a];
@@ -219,19 +219,37 @@ class WalkTeller {
     far = std::max(near, far);  // a box is met to a few roundings
     reached_ = near;
     slabs.insert(slabs.begin(), {{"near", number(near)}, {"far", number(far)}});
-    add(s.leaf ? leaf_words(s, near, far)
-               : trf("Level {}: the ray meets the box of node {} between t = {} and t = {}: go in",
-                     s.depth, s.node, brief(near), brief(far)),
+    add(near > nearest_ && (s.leaf || !goes_deeper()) ? words_behind(s, near)
+        : s.leaf
+            ? trf("Level {}: the ray meets the box of leaf {} between t = {} and t = {}: {}",
+                  s.depth, s.node, brief(near), brief(far), count_of_tests())
+            : trf("Level {}: the ray meets the box of node {} between t = {} and t = {}: go in",
+                  s.depth, s.node, brief(near), brief(far)),
         "t1 = (lo - O) / D, t2 = (hi - O) / D\nnear = max(0, min(t1, t2) of x, y, z)\n"
-        "far = min(t, max(t1, t2) of x, y, z)\nnear <= far",
+        "far = min(tmax, max(t1, t2) of x, y, z)\nnear <= far",
         std::move(slabs));
   }
-  std::string leaf_words(const TraceLog::Step& s, double near, double far) const {
+  // The root's children were put on the list before there was a hit.
+  std::string words_behind(const TraceLog::Step& s, double near) const {
+    const std::string from = brief(near);
+    if (s.leaf)
+      return trf(
+          "Level {}: the box of leaf {} begins at t = {}, behind the hit, but it was waiting: "
+          "{}",
+          s.depth, s.node, from, count_of_tests());
+    return trf(
+        "Level {}: the box of node {} begins at t = {}, behind the hit, but it was waiting: "
+        "none of its children is met",
+        s.depth, s.node, from);
+  }
+  bool goes_deeper() const {
     const size_t next = size_t(at_) + 1;
-    const size_t count =
-        (next < log_.steps.size() ? log_.steps[next].first_test : log_.tests.size()) - s.first_test;
-    return trf("Level {}: the ray meets the box of leaf {} between t = {} and t = {}: {}", s.depth,
-               s.node, brief(near), brief(far), number_of(count, "primitive", "primitives"));
+    return next < log_.steps.size() && log_.steps[next].depth > log_.steps[next - 1].depth;
+  }
+  std::string count_of_tests() const {
+    const size_t next = size_t(at_) + 1;
+    const size_t end = next < log_.steps.size() ? log_.steps[next].first_test : log_.tests.size();
+    return number_of(end - log_.steps[size_t(at_)].first_test, "primitive", "primitives");
   }
 
   // ---- The end, of all but a walk to its last cell.
