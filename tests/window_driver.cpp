@@ -13,6 +13,8 @@
 #include <array>
 #include <cerrno>
 #include <cstdlib>
+#include <fstream>
+#include <sstream>
 #include <utility>
 
 namespace raio {
@@ -233,6 +235,18 @@ std::string WindowDriver::title() const {
   std::string title(name);
   XFree(name);
   return title;
+}
+
+double WindowDriver::processor_s() const {
+  std::ifstream stat("/proc/" + std::to_string(process_) + "/stat");
+  std::string text;
+  std::getline(stat, text);
+  std::istringstream fields(text.substr(text.rfind(')') + 1));
+  std::string skipped;
+  for (int i = 0; i < 11; ++i) fields >> skipped;  // from the state to the page faults
+  double user = 0, system = 0;
+  fields >> user >> system;
+  return (user + system) / double(::sysconf(_SC_CLK_TCK));
 }
 
 bool WindowDriver::is_running() {

@@ -70,6 +70,9 @@ class WindowDriver {
   void minimise(bool on);
   std::string title() const;
 
+  /// Processor time of the program so far, in seconds, to a hundredth.
+  double processor_s() const;
+
   bool is_running();
   /// Waits for the end; the exit status, -1 for a signal.
   int end();

@@ -279,13 +279,18 @@ class Viewer final : public WindowEvents {
   }
 
   void save_scene(const std::string& path) {
-    const auto lost = save_as_seen(state_, path);
-    if (!lost) return complain(lost.error().text("--"));
-    saved_scene_ = state_.scene;
+    if (scene_writer_.is_busy()) return say(tr("the scene is still being saved"));
+    scene_writer_.write(state_, path);
+  }
+
+  void take_saved_scene(const SceneWriter::Written& written) {
+    if (!written.result) return complain(written.result.error().text("--"));
+    take_saved(state_, written);
+    saved_scene_ = written.scene;
     file_.follow(state_.path);
-    keeper_.opened(path);
-    say(trf("saved the scene as {}", path) +
-        (lost->empty() ? "" : "; " + trf("not kept: {}", *lost)));
+    keeper_.opened(written.path);
+    say(trf("saved the scene as {}", written.path) +
+        (written.result->empty() ? "" : "; " + trf("not kept: {}", *written.result)));
     renew();
   }
 
@@ -439,7 +444,10 @@ class Viewer final : public WindowEvents {
   }
 
   void take_results() {
-    if (auto read = file_.poll(state_.options.threads)) take_scene(*read);
+    if (const auto written = scene_writer_.poll()) take_saved_scene(*written);
+    // What is being saved is no news from the disk.
+    if (!scene_writer_.is_busy())
+      if (auto read = file_.poll(state_.options.threads)) take_scene(*read);
     while (auto written = writer_.poll()) {
       if (!written->result) {
         complain(written->result.error().text());
@@ -581,6 +589,7 @@ class Viewer final : public WindowEvents {
   MemoryKeeper keeper_;
   SceneFile file_;
   PictureWriter writer_;
+  SceneWriter scene_writer_;
   Pictures pictures_;
   Warnings warnings_;
   Gestures gestures_;
