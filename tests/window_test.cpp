@@ -545,7 +545,7 @@ TEST_F(WindowTest, SurvivesAThousandRandomEvents) {
   auto window = open();
   std::mt19937 random(20260101);
   const auto below = [&](int n) { return int(random() % unsigned(n)); };
-  const std::string keys = "asdgrtx hfo123456789cwe";
+  const std::string keys = "asdgrtx hfo123456789cwei,.i";
   for (int i = 0; i < 1000; ++i) {
     const int x = below(520), y = below(400);
     switch (below(8)) {
