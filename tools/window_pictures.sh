@@ -31,6 +31,13 @@ close() {
   wait %%
 }
 
+open 3 scenes/shapes.nff --aa 1 --accel grid
+keys i
+xdotool mousemove 400 420 click 1
+sleep 1
+shoot "$pictures/view-ray.png"
+close
+
 lights=(--soft-shadows --light-size 5000)
 open 4 scenes/shapes.nff "${lights[@]}" --dof --aperture 0.06
 sleep 12
