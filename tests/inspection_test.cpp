@@ -22,7 +22,7 @@ constexpr std::string_view kScene =
 
 InspectionRequest request(AccelKind kind) {
   InspectionRequest q;
-  q.scene = std::make_shared<const Scene>(read_nff(kScene, "scene")->scene);
+  q.scene = std::make_shared<const Scene>(parse_nff(kScene, "scene")->scene);
   q.options.width = 40, q.options.height = 30;
   q.options.aa = 2, q.options.soft_shadows = true;
   q.options.accel.kind = kind;
@@ -85,9 +85,9 @@ TEST(Inspection, ARegionHasTheRaysOfItsPixels) {
 }
 
 TEST(Inspection, FiltersByKindLevelAndWhatIsHit) {
-  const RegionRay eye{
-      .kind = RayKind::eye, .item = primitive_id(PrimitiveKind::sphere, 3), .material = 2};
-  const RegionRay mirrored{.kind = RayKind::reflected, .level = 2};
+  RegionRay eye, mirrored;
+  eye.item = primitive_id(PrimitiveKind::sphere, 3), eye.material = 2;
+  mirrored.kind = RayKind::reflected, mirrored.level = 2;
   RayFilter filter;
   EXPECT_TRUE(filter.passes(eye) && filter.passes(mirrored));
   filter.level = 2;

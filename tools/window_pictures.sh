@@ -31,10 +31,12 @@ close() {
   wait %%
 }
 
-open 3 scenes/shapes.nff --aa 1 --accel grid
+open 5 scenes/shapes.nff --accel grid
 keys i
-xdotool mousemove 400 420 click 1
+xdotool mousemove 505 480 click 1
 sleep 1
+xdotool mousemove 770 142 sleep 0.5 click 1 sleep 1 mousemove 921 403 sleep 0.5 click 1 mousemove 600 700
+sleep 8
 shoot "$pictures/view-ray.png"
 close
 

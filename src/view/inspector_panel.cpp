@@ -27,7 +27,9 @@ std::string brief(Vec3<T> v) {
 void row(const char* name, const std::string& value, const std::string& in_full = {}) {
   faint_text(name);
   ImGui::SameLine(7 * em());
+  ImGui::PushTextWrapPos(0);
   text(value);
+  ImGui::PopTextWrapPos();
   if (!in_full.empty() && ImGui::IsItemHovered()) ImGui::SetTooltip("%s", in_full.c_str());
 }
 template <class T>
