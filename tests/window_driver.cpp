@@ -174,12 +174,17 @@ void WindowDriver::hold(unsigned long keysym, bool down) {
 }
 
 void WindowDriver::key(unsigned long keysym, Held held) {
+  // A key that comes again within 20 ms is one that repeats, to GLFW.
+  using Clock = std::chrono::steady_clock;
+  if (keysym == last_key_)
+    std::this_thread::sleep_until(last_press_ + std::chrono::milliseconds(50));
   constexpr unsigned long kShift = 0xffe1, kCtrl = 0xffe3;
   std::vector<unsigned long> others;
   if (held == Held::ctrl || held == Held::ctrl_shift) others.push_back(kCtrl);
   if (held == Held::shift || held == Held::ctrl_shift) others.push_back(kShift);
   for (const unsigned long other : others) hold(other, true);
   hold(keysym, true), hold(keysym, false);
+  last_key_ = keysym, last_press_ = Clock::now();
   for (const unsigned long other : others) hold(other, false);
 }
 
