@@ -175,7 +175,6 @@ void WindowDriver::hold(unsigned long keysym, bool down) {
 
 void WindowDriver::key(unsigned long keysym, Held held) {
   // A key that comes again within 20 ms is one that repeats, to GLFW.
-  using Clock = std::chrono::steady_clock;
   if (keysym == last_key_)
     std::this_thread::sleep_until(last_press_ + std::chrono::milliseconds(50));
   constexpr unsigned long kShift = 0xffe1, kCtrl = 0xffe3;
