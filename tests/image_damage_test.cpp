@@ -18,7 +18,7 @@ using testing::png_of;
 
 TEST_F(ImageTest, BadFilesAreErrorsInOneLine) {
   expect_bad("", "empty");
-  expect_bad("GIF89a", "no picture in PNG, EXR, PFM or PPM");
+  expect_bad("GIF89a", "no picture in PNG, JPEG, EXR, PFM or PPM");
   expect_bad("P4 1 1 \xff", "no picture");
   expect_bad("P6", "the file ends before the width");
   expect_bad("P6 x 1 255 ", "expected the width, found \"x\"");

@@ -10,6 +10,7 @@
 #include "app/warnings.h"
 #include "io/scene_file.h"
 #include "render/options.h"
+#include "scene/cube_map.h"
 
 namespace raio::app {
 
@@ -56,6 +57,10 @@ std::string info_json(const ReadScene& read) {
                     {"lens_radius", optional(camera.lens_radius)},
                     {"focus_distance", optional(camera.focus_distance)}};
   json["background"] = json_of(plain(scene.background));
+  json["sky"] = nullptr;
+  if (!scene.sky_folder.empty())
+    json["sky"] = {{"folder", scene.sky_folder},
+                   {"side", scene.sky ? Json(scene.sky->side) : Json(nullptr)}};
 
   json["lights"] = Json::array();
   for (const Light& light : scene.lights) {
@@ -109,6 +114,10 @@ std::string info_text(const ReadScene& read) {
   if (scene.samples_per_pixel > 0)
     line("samples", fmt::format("{} a pixel", scene.samples_per_pixel));
   line("background", text_of(plain(scene.background)));
+  if (!scene.sky_folder.empty())
+    line("sky",
+         scene.sky_folder + (scene.sky ? fmt::format(", six faces of {0} x {0}", scene.sky->side)
+                                       : ", which could not be read"));
 
   line("lights", fmt::format("{}", scene.lights.size()));
   constexpr size_t kShown = 10;

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <expected>
+#include <memory>
 #include <string>
 #include <string_view>
 
 #include "base/vec.h"
+#include "scene/cube_map.h"
 
 namespace raio {
 
@@ -16,6 +18,9 @@ struct WrittenColor {
   /// Display values, as names and #rrggbb give; where light is meant, linear_from_srgb() of
   /// integrate/tone.h makes it. Three numbers are what they are, 1 being white.
   bool encoded = false;
+  /// Of a background: a sky in place of the colour, by the name of its folder. parse_color() gives
+  /// none.
+  std::shared_ptr<const CubeMap> sky;
 
   friend bool operator==(const WrittenColor&, const WrittenColor&) = default;
 };

@@ -3,12 +3,14 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 
 #include "accel/accel.h"
 #include "integrate/channels.h"
 #include "integrate/integrators.h"
 #include "integrate/tone.h"
+#include "scene/cube_map.h"
 #include "scene/scene.h"
 
 namespace raio {
@@ -40,8 +42,9 @@ struct RenderSettings {
   IntegratorKind integrator = IntegratorKind::classic;
   View view = View::picture;
   ChannelSet channels;
-  Rgb background;          // what rays bring that hit nothing
-  Tone tone = Tone::none;  // of display formats, as is the exposure, in stops
+  Rgb background;                      // what rays bring that hit nothing
+  std::shared_ptr<const CubeMap> sky;  // in place of it; null: none
+  Tone tone = Tone::none;              // of display formats, as is the exposure, in stops
   float exposure = 0;
 
   int width = 512, height = 512;  // of the whole picture, pixels

@@ -10,6 +10,7 @@
 
 #include "base/memory.h"
 #include "base/platform/files.h"
+#include "io/cube_map.h"
 #include "io/nff/text_cursor.h"
 #include "io/plain_scene.h"
 #include "io/pov_write.h"
@@ -85,6 +86,23 @@ std::expected<ReadScene, Diagnostics> parse_raio(std::string_view bytes, std::st
   return ReadScene{std::move(*scene), {}};
 }
 
+/// Reads the sky that the scene of a file names, if any. A scene without it is still one to look
+/// at, convert or render on another background.
+void add_sky(ReadScene& read, const fs::path& path, std::string_view file) {
+  Scene& scene = read.scene;
+  if (scene.sky_folder.empty()) return;
+  const auto warn = [&](std::string message) {
+    read.warnings.push_back({Severity::warning, std::string(file), 0, 0, std::move(message), ""});
+  };
+  const fs::path folder = find_sky(scene.sky_folder, path);
+  if (folder.empty())
+    return warn(fmt::format("its sky: there is no folder {} beside it or in a folder above",
+                            scene.sky_folder));
+  auto sky = read_cube_map(folder, scene.sky_folder);
+  if (!sky) return warn("its sky: " + sky.error().text());
+  scene.sky = std::move(*sky);
+}
+
 /// Whatever is in memory, packed or not. `name` is the file without folder.
 std::expected<ReadScene, Diagnostics> parse(std::shared_ptr<const TextBuffer> text,
                                             std::string_view file, fs::path name) {
@@ -118,11 +136,16 @@ std::expected<ReadScene, Diagnostics> read_scene(const fs::path& path) try {
   if (leads_to_raio(opened)) {
     auto scene = read_raio_scene(opened);
     if (!scene) return std::unexpected(std::move(scene.error()));
-    return ReadScene{std::move(*scene), {}};
+    ReadScene read{std::move(*scene), {}};
+    add_sky(read, opened, file);
+    return read;
   }
   auto text = TextBuffer::read_file(opened);
   if (!text) return failed(file, text.error());
-  return parse(std::make_shared<const TextBuffer>(std::move(*text)), file, opened.filename());
+  auto read = parse(std::make_shared<const TextBuffer>(std::move(*text)), file, opened.filename());
+  // Of what comes from elsewhere, beside where one is.
+  if (read) add_sky(*read, opened == "/dev/stdin" ? fs::path("-") : opened, file);
+  return read;
 } catch (const std::bad_alloc&) {
   return failed(path.string(), std::string(kNoMemory));
 }

@@ -16,11 +16,11 @@ namespace raio {
 
 /// Reads an NFF or P3F text (read_nff) or a .raio scene (read_raio_scene), also compressed by gzip;
 /// "-" is standard input. The errors of a file of another kind are one that says what it seems to
-/// be.
+/// be. The scene's sky is read, too; where it cannot be, a warning says why and Scene::sky is null.
 std::expected<ReadScene, Diagnostics> read_scene(const std::filesystem::path& path);
 
-/// The same for bytes in memory; `file` is the name in messages, whose suffix counts and which the
-/// scene is called by.
+/// The same for bytes in memory, without the sky; `file` is the name in messages, whose suffix
+/// counts and which the scene is called by.
 std::expected<ReadScene, Diagnostics> parse_scene(std::string_view bytes, std::string_view file);
 
 /// What a file of another kind seems to be, by its first bytes, its lower-case suffix (".obj") and

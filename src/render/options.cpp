@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -208,9 +209,10 @@ constexpr auto kTable = std::to_array<OptionSpec>({
      "Keep these beside the colours, as numbers: alpha, depth, position, normal, albedo, id, "
      "object, samples, variance, steps, tests; .exr and .npz hold all of them, .png alpha alone",
      parse_channels, 0, 0, channels_text},
-    {"background", "COLOR",
-     "What rays see that hit nothing: a name as in white, '#rrggbb', R,G,B where 1 is white, or "
-     "transparent, for black that is left out of the picture, with alpha (default: the scene's)",
+    {"background", "COLOR|FOLDER",
+     "What rays see that hit nothing: a name as in white, '#rrggbb', R,G,B where 1 is white; "
+     "transparent, for black that is left out of the picture, with alpha; or the folder of a sky, "
+     "with right, left, top, bottom, front and back as .jpg or .png (default: the scene's)",
      parse_background, 0, 0, background_text},
     {"exposure", "EV",
      "Multiply the colours of .png and .ppm by 2 to the power of EV; other formats keep the "
@@ -308,6 +310,20 @@ std::expected<void, std::string> set_number(T& out, const OptionSpec& spec, std:
   return {};
 }
 
+// That shells leave as it is; with # their comments begin.
+bool is_plain_word(std::string_view text) {
+  return !text.empty() && std::ranges::all_of(text, [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+           std::string_view("_-+,./:=@%").contains(c);
+  });
+}
+
+std::string quoted(std::string_view text) {
+  std::string out = "'";
+  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
+}
+
 }  // namespace
 
 std::span<const OptionSpec> render_option_table() { return kTable; }
@@ -374,8 +390,8 @@ std::string option_arguments(const RenderOptions& options) {
     if (text == option_text(usual, spec)) continue;
     if (spec.is_switch())
       out += fmt::format(" --{}{}", text == "false" ? "no-" : "", spec.name);
-    else if (text.starts_with('#'))  // with which comments begin in shells
-      out += fmt::format(" --{} '{}'", spec.name, text);
+    else if (!is_plain_word(text))
+      out += fmt::format(" --{} {}", spec.name, quoted(text));
     else
       out += fmt::format(" --{} {}", spec.name, text);
   }
@@ -519,7 +535,8 @@ RenderSettings resolve_options(const RenderOptions& o, const Scene& scene) {
   s.view = o.view;
   if (s.integrator == IntegratorKind::views && o.view == View::picture) s.view = View::normals;
   s.channels = channels_of(o);
-  s.background = background_of(o, scene);
+  const Background background = background_of(o, scene);
+  s.background = background.color, s.sky = background.sky;
   s.tone = o.tone.value_or(Tone::none), s.exposure = o.exposure;
   s.accel.counters |= s.view == View::steps || s.view == View::tests ||
                       s.channels.has(Channel::steps) || s.channels.has(Channel::tests);
@@ -556,7 +573,8 @@ RenderOptions options_of(const RenderSettings& s, const Scene& scene) {
   if (s.integrator != IntegratorKind::classic && s.view == View::picture)
     o.integrator = s.integrator;
   o.view = s.view, o.channels = s.channels;
-  if (s.background != scene.background) o.background = WrittenColor{.color = s.background};
+  if (const Background own = background_of(o, scene); own != Background{s.background, s.sky})
+    o.background = WrittenColor{.color = s.background, .sky = s.sky};
   if (s.tone != Tone::none) o.tone = s.tone;
   o.exposure = s.exposure;
   o.width = s.width, o.height = s.height;

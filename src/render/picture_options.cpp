@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
+#include "io/cube_map.h"
 #include "io/image/image.h"
 
 namespace raio {
@@ -51,6 +54,15 @@ std::optional<Error> look_conflict(const RenderOptions& options) {
   return std::nullopt;
 }
 
+std::optional<Error> sky_conflict(const RenderOptions& options, const Scene* scene) {
+  if (!scene || scene->sky_folder.empty() || scene->sky || options.background) return std::nullopt;
+  if (!no_light_in(options).empty()) return std::nullopt;
+  return conflict("background",
+                  fmt::format("the scene's sky {} could not be read; give the folder of one, or a "
+                              "colour",
+                              scene->sky_folder));
+}
+
 }  // namespace
 
 std::expected<void, std::string> parse_crop(RenderOptions& options, std::string_view text) {
@@ -79,27 +91,36 @@ std::string crop_text(const RenderOptions& options) {
 }
 
 std::expected<void, std::string> parse_background(RenderOptions& options, std::string_view text) {
-  auto color = parse_color(text);
-  if (!color) return std::unexpected(std::move(color.error()));
-  options.background = *color;
+  if (auto color = parse_color(text)) {
+    options.background = std::move(*color);
+    return {};
+  } else if (std::error_code ignored; !std::filesystem::is_directory(text, ignored)) {
+    return std::unexpected(color.error() + ", which is no folder of a sky either");
+  }
+  auto sky = read_cube_map(text);
+  if (!sky) return std::unexpected(sky.error().text());
+  options.background = WrittenColor{.color = {}, .sky = std::move(*sky)};
   return {};
 }
 
 std::string background_text(const RenderOptions& options) {
   if (!options.background) return {};
-  const auto& [color, transparent, encoded] = *options.background;
+  const auto& [color, transparent, encoded, sky] = *options.background;
+  if (sky) return sky->folder;
   if (transparent) return "transparent";
   if (!encoded) return fmt::format("{},{},{}", color.x, color.y, color.z);
   return fmt::format("#{:02x}{:02x}{:02x}", to_byte(color.x), to_byte(color.y), to_byte(color.z));
 }
 
-Rgb background_of(const RenderOptions& options, const Scene& scene) {
-  if (!options.background || !no_light_in(options).empty()) return scene.background;
+Background background_of(const RenderOptions& options, const Scene& scene) {
+  if (!no_light_in(options).empty()) return {scene.background, nullptr};
+  if (!options.background) return {scene.background, scene.sky};
   const WrittenColor& written = *options.background;
-  if (!written.encoded || options.tone.value_or(Tone::none) == Tone::none) return written.color;
+  if (!written.encoded || options.tone.value_or(Tone::none) == Tone::none)
+    return {written.color, written.sky};
   Rgb light;
   for (int c = 0; c < 3; ++c) light[c] = linear_from_srgb(written.color[c]);
-  return light;
+  return {light, nullptr};
 }
 
 ChannelSet channels_of(const RenderOptions& options) {
@@ -110,6 +131,7 @@ ChannelSet channels_of(const RenderOptions& options) {
 
 std::optional<Error> picture_conflict(const RenderOptions& options, const Scene* scene) {
   if (auto why = look_conflict(options)) return why;
+  if (auto why = sky_conflict(options, scene)) return why;
   return crop_conflict(options, scene);
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <expected>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -15,13 +16,20 @@ namespace raio {
 std::expected<void, std::string> parse_crop(RenderOptions& options, std::string_view text);
 std::string crop_text(const RenderOptions& options);
 
-/// Likewise, as parse_color() has it.
+/// Likewise, as parse_color() has it, or the folder of a sky, which is read.
 std::expected<void, std::string> parse_background(RenderOptions& options, std::string_view text);
 std::string background_text(const RenderOptions& options);
 
-/// What rays bring that hit nothing; the scene's own where the options do not say, or show none.
-/// Display values are the light of which a tone curve makes them again.
-Rgb background_of(const RenderOptions& options, const Scene& scene);
+/// What rays bring that hit nothing: RenderSettings::background and sky. The scene's own where the
+/// options do not say; no sky where they do not show light. Display values of colours are the light
+/// of which a tone curve makes them again.
+struct Background {
+  Rgb color;
+  std::shared_ptr<const CubeMap> sky;
+
+  friend bool operator==(const Background&, const Background&) = default;
+};
+Background background_of(const RenderOptions& options, const Scene& scene);
 
 /// Their share of option_conflict(). Without a scene, what depends on it passes.
 std::optional<Error> picture_conflict(const RenderOptions& options, const Scene* scene);

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <string_view>
 
 namespace raio {
 namespace {
@@ -14,6 +16,10 @@ std::string key_of(const OptionSpec& spec) {
   return key;
 }
 
+// What stands beside the options.
+constexpr std::array<std::string_view, 6> kNoOptions = {"version", "scene",    "scene_hash",
+                                                        "sky",     "sky_hash", "samples_done"};
+
 }  // namespace
 
 Metadata settings_of(const Scene& scene, const RenderSettings& used) {
@@ -21,6 +27,10 @@ Metadata settings_of(const Scene& scene, const RenderSettings& used) {
   if (!used.dof) o.aperture = o.focus = 0;  // without effect
   Metadata settings = {
       {"version", RAIO_VERSION}, {"scene", scene.name}, {"scene_hash", content_hash(scene)}};
+  if (used.sky) {
+    settings.emplace_back("sky", used.sky->folder);
+    settings.emplace_back("sky_hash", hex(used.sky->hash));
+  }
   for (const OptionSpec& spec : render_option_table()) {
     if (!spec.of_picture) continue;
     if (std::string text = option_text(o, spec); !text.empty())
@@ -43,8 +53,7 @@ std::expected<RenderOptions, Error> options_from(const Metadata& settings) {
   const auto table = render_option_table();
   RenderOptions options;
   for (const auto& [key, text] : settings) {
-    if (key == "version" || key == "scene" || key == "scene_hash" || key == "samples_done")
-      continue;
+    if (std::ranges::find(kNoOptions, key) != kNoOptions.end()) continue;
     const auto spec = std::ranges::find(table, key, key_of);
     if (spec == table.end() || !spec->of_picture)
       return refused(fmt::format("its setting {} is unknown here", key));
@@ -64,7 +73,11 @@ std::string difference(const Metadata& a, const Metadata& b) {
   const auto add = [&](const std::string& what) { out += (out.empty() ? "" : "; ") + what; };
   if (const auto in_a = setting(a, "version"), in_b = setting(b, "version"); in_a != in_b)
     add(fmt::format("made by Raio {}, not {}", in_a, in_b));
+  // A sky is the same wherever it is kept.
+  const auto sky = setting(a, "sky_hash"), other_sky = setting(b, "sky_hash");
+  if (!sky.empty() && !other_sky.empty() && sky != other_sky) add("the sky is another");
   for (const OptionSpec& spec : render_option_table()) {
+    if (spec.name == "background" && !sky.empty() && !other_sky.empty()) continue;
     const std::string key = key_of(spec);
     const std::string_view in_a = setting(a, key), in_b = setting(b, key);
     const auto given = [&](std::string_view text) { return !text.empty() && text != "false"; };

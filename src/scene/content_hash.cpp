@@ -53,6 +53,7 @@ std::string content_hash(const Scene& s) {
     all.add_optional(light.color);
   }
   all.add(uint64_t(s.lights.size()));
+  if (!s.sky_folder.empty()) all.add(hash128("sky " + s.sky_folder));
   const auto add = [&](ColumnName name, const auto& array) { all.add_column(name, array); };
   for_each_own_column(s, add);
   for (const Mesh& mesh : s.meshes) {

@@ -100,6 +100,10 @@ std::string text_of(const Scene& scene, std::initializer_list<Feature> features)
       case Feature::object_names:
         add("names", scene.object_names.size(), "object");
         break;
+      case Feature::sky:
+        if (!scene.sky_folder.empty())
+          text += (text.empty() ? "the sky " : ", the sky ") + scene.sky_folder;
+        break;
     }
   }
   return text;

@@ -1,11 +1,12 @@
-// What a scene file says, as plain data: no pointers, no virtual calls, one pool per kind of thing
-// and indices between them. Readers and generators fill it, accel/ bakes it for tracing. What must
-// go by all of its arrays uses scene/columns.h, which names each of them once.
+// What a scene file says, as plain data: no pointers but to its sky, no virtual calls, one pool per
+// kind of thing and indices between them. Readers and generators fill it, accel/ bakes it for
+// tracing. What must go by all of its arrays uses scene/columns.h, which names each of them once.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <initializer_list>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -23,6 +24,8 @@
 #include "shape/sphere.h"
 
 namespace raio {
+
+struct CubeMap;  // scene/cube_map.h
 
 using MaterialId = uint32_t;
 
@@ -112,6 +115,11 @@ struct Scene {
 
   Camera camera;
   Rgb background;
+  std::string sky_folder;  // P3F env: the folder of a cube map, relative to the scene's file or one
+                           // of its parents; empty: none
+  /// What is in that folder, in place of `background`. read_scene() reads it; null where it could
+  /// not.
+  std::shared_ptr<const CubeMap> sky;
   std::vector<Light> lights;
   Array<Material> materials;  // never empty in a valid scene
   int samples_per_pixel = 0;  // the file's request (P3F `spp`); 0: none
@@ -230,7 +238,7 @@ bool any_colors(const Scene& scene);
 uint32_t object_of(const Scene& scene, PoolKind pool, size_t index);
 
 /// What a scene may have that not every shading shows and not every format keeps.
-enum class Feature : uint8_t { opacity, vertex_colors, texture_coordinates, object_names };
+enum class Feature : uint8_t { opacity, vertex_colors, texture_coordinates, object_names, sky };
 
 /// How much the scene has of them, in one line, as in "opacity of 12 spheres, names of 3 objects";
 /// empty where it has none.

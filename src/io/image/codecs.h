@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "io/image/image.h"
 
@@ -43,6 +44,19 @@ struct PictureView {
       : color(picture.color), alpha(picture.alpha), layers(picture.layers) {}
 };
 
+/// Colours as they are stored: interleaved values of 8 bits, or of 16 with the higher byte first.
+struct PixelRows {
+  int width = 0, height = 0;
+  int channels = 3;  // or 4, with straight alpha
+  int bits = 8;
+  std::vector<uint8_t> bytes;
+};
+/// 0 to the largest integer becomes 0 to 1; alpha remains straight.
+Picture picture_of(const PixelRows& rows);
+
+/// Of PNG and JPEG, without alpha.
+Decoded<PixelRows> decode_rows(std::string_view bytes);
+
 /// Whatever format the first bytes tell.
 Decoded<Image> decode_image(std::string_view bytes);
 Decoded<Picture> decode_picture(std::string_view bytes);
@@ -53,6 +67,10 @@ Decoded<std::string> encode_png(const PictureView& picture, const Metadata& meta
 Decoded<Image> decode_png(std::string_view bytes);
 Decoded<Picture> decode_png_picture(std::string_view bytes);
 Decoded<Metadata> png_metadata(std::string_view bytes);
+Decoded<PixelRows> png_rows(std::string_view bytes, bool with_alpha);
+
+/// Grey or colour, baseline or progressive. What is damaged is an error, not a guess.
+Decoded<PixelRows> jpeg_rows(std::string_view bytes);
 
 /// 32 bit floating point R, G, B, A and layers, losslessly compressed.
 Decoded<std::string> encode_exr(const PictureView& picture, const Metadata& metadata);

@@ -42,7 +42,8 @@ Decoded<std::string> encode(const PictureView& picture, ImageFormat format,
   std::abort();
 }
 
-constexpr std::string_view kPngBegin = "\x89PNG\r\n\x1a\n", kExrBegin = "\x76\x2f\x31\x01";
+constexpr std::string_view kPngBegin = "\x89PNG\r\n\x1a\n", kExrBegin = "\x76\x2f\x31\x01",
+                           kJpegBegin = "\xff\xd8\xff";
 
 bool is_plain(std::string_view word) {
   return std::ranges::all_of(word, [](char c) { return c > ' ' && c <= '~'; });
@@ -146,14 +147,43 @@ void require_same_size(const Image& a, const Image& b) {
 
 }  // namespace
 
+Picture picture_of(const PixelRows& rows) {
+  Picture picture;
+  picture.color = Image(rows.width, rows.height);
+  if (rows.channels == 4) picture.alpha.resize(picture.color.pixels.size());
+  const uint8_t* p = rows.bytes.data();
+  const auto next = [&] {
+    if (rows.bits != 16) return float(*p++) / 255;
+    p += 2;
+    return float(p[-2] << 8 | p[-1]) / 65535;
+  };
+  for (size_t i = 0; i < picture.color.pixels.size(); ++i) {
+    for (int channel = 0; channel < 3; ++channel) picture.color.pixels[i][channel] = next();
+    if (rows.channels == 4) picture.alpha[i] = next();
+  }
+  return picture;
+}
+
+Decoded<PixelRows> decode_rows(std::string_view bytes) {
+  if (bytes.starts_with(kPngBegin)) return png_rows(bytes, false);
+  if (bytes.starts_with(kJpegBegin)) return jpeg_rows(bytes);
+  return std::unexpected(bytes.empty() ? "the file is empty"
+                                       : "it is no picture in PNG or JPEG format");
+}
+
 Decoded<Image> decode_image(std::string_view bytes) {
   if (bytes.starts_with(kPngBegin)) return decode_png(bytes);
+  if (bytes.starts_with(kJpegBegin)) {
+    const auto rows = jpeg_rows(bytes);
+    if (!rows) return std::unexpected(rows.error());
+    return picture_of(*rows).color;
+  }
   if (bytes.starts_with(kExrBegin)) return decode_exr(bytes);
   if (bytes.starts_with("PF") || bytes.starts_with("Pf")) return decode_pfm(bytes);
   for (const std::string_view magic : {"P2", "P3", "P5", "P6"})
     if (bytes.starts_with(magic)) return decode_ppm(bytes);
   return std::unexpected(bytes.empty() ? "the file is empty"
-                                       : "it is no picture in PNG, EXR, PFM or PPM format");
+                                       : "it is no picture in PNG, JPEG, EXR, PFM or PPM format");
 }
 
 Decoded<Picture> decode_picture(std::string_view bytes) {

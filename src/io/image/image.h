@@ -85,10 +85,10 @@ std::expected<void, Error> write_image(const Image& image, const std::filesystem
 std::expected<void, Error> write_image(const Picture& picture, const std::filesystem::path& path,
                                        const Metadata& metadata = {});
 
-/// Reads PNG (alpha dropped, grey widened), EXR (R, G, B or Y; the data window of the first part;
-/// colours as they are stored, premultiplied where there is alpha), PFM (PF and Pf) and PPM (P2,
-/// P3, P5, P6), up to 2^28 pixels. The format is told by the file's first bytes, not by its suffix;
-/// 0 to the format's largest integer is read as 0 to 1. The file need not be trusted.
+/// Reads PNG (alpha dropped, grey widened), JPEG, EXR (R, G, B or Y; the data window of the first
+/// part; colours as they are stored, premultiplied where there is alpha), PFM (PF and Pf) and PPM
+/// (P2, P3, P5, P6), up to 2^28 pixels. The format is told by the file's first bytes, not by its
+/// suffix; 0 to the format's largest integer is read as 0 to 1. The file need not be trusted.
 std::expected<Image, Error> read_image(const std::filesystem::path& path);
 
 /// Reads what read_image reads with all there is: alpha of PNG, by which the colours are then

@@ -89,80 +89,6 @@ png_text text_chunk(std::string& name, std::string& value) {
   return text;
 }
 
-/// Of 3 or 4 channels; alpha remains straight.
-Picture from_rows(const std::vector<png_byte>& rows, int width, int height, int channels,
-                  int bit_depth) {
-  Picture picture;
-  picture.color = Image(width, height);
-  if (channels == 4) picture.alpha.resize(picture.color.pixels.size());
-  const png_byte* p = rows.data();
-  const auto next = [&] {
-    if (bit_depth != 16) return float(*p++) / 255;
-    p += 2;
-    return float(p[-2] << 8 | p[-1]) / 65535;
-  };
-  for (size_t i = 0; i < picture.color.pixels.size(); ++i) {
-    for (int channel = 0; channel < 3; ++channel) picture.color.pixels[i][channel] = next();
-    if (channels == 4) picture.alpha[i] = next();
-  }
-  return picture;
-}
-
-/// Colours as they are stored.
-Decoded<Picture> read_png(std::string_view bytes, bool with_alpha) {
-  Reader reader;
-  png_structp png = reader.png;
-  if (!png || !reader.info) return std::unexpected(reader.error.text);
-  const auto broken = [&](std::string_view why) {
-    return std::unexpected(fmt::format("broken PNG: {}", why));
-  };
-  std::string_view left = bytes;
-  size_t stored_row = 0;
-  const bool begun = guarded(png, [&] {
-    png_set_read_fn(png, &left, take_bytes);
-    png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
-    // Colour spaces, texts and the like are not even looked at.
-    png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
-    png_read_info(png, reader.info);
-    stored_row = png_get_rowbytes(png, reader.info);
-  });
-  if (!begun) return broken(reader.error.text);
-
-  const auto width = png_get_image_width(png, reader.info);
-  const auto height = png_get_image_height(png, reader.info);
-  if (const std::string problem = size_problem(width, height); !problem.empty())
-    return broken(problem);
-  // Deflate makes 258 bytes of no less than two bits.
-  if (stored_row * height / 1032 > bytes.size())
-    return broken(fmt::format("too short for {} x {} pixels", width, height));
-
-  std::vector<png_byte> rows;
-  size_t row_bytes = 0;
-  int passes = 0, channels = 0;
-  const bool prepared = guarded(png, [&] {
-    png_set_expand(png);
-    png_set_gray_to_rgb(png);
-    if (!with_alpha) png_set_strip_alpha(png);
-    passes = png_set_interlace_handling(png);
-    png_read_update_info(png, reader.info);
-    row_bytes = png_get_rowbytes(png, reader.info);
-    channels = png_get_channels(png, reader.info);
-  });
-  if (!prepared) return broken(reader.error.text);
-  const int bit_depth = png_get_bit_depth(png, reader.info);
-  const bool known = channels == 3 || (with_alpha && channels == 4);
-  if (!known || row_bytes != size_t(width) * size_t(channels) * size_t(bit_depth / 8))
-    return broken("a layout of pixels that is not known");
-  rows.resize(row_bytes * height);
-  const bool done = guarded(png, [&] {
-    for (int pass = 0; pass < passes; ++pass)
-      for (size_t y = 0; y < height; ++y) png_read_row(png, &rows[y * row_bytes], nullptr);
-    png_read_end(png, nullptr);
-  });
-  if (!done) return broken(reader.error.text);
-  return from_rows(rows, int(width), int(height), channels, bit_depth);
-}
-
 // Writing: libpng cannot compress on several threads, so it is given the compressed pixels.
 
 /// So that zlib's lengths and PNG's can hold a row.
@@ -258,16 +184,71 @@ Decoded<std::string> encode_png(const PictureView& picture, const Metadata& meta
   return bytes;
 }
 
+Decoded<PixelRows> png_rows(std::string_view bytes, bool with_alpha) {
+  Reader reader;
+  png_structp png = reader.png;
+  if (!png || !reader.info) return std::unexpected(reader.error.text);
+  const auto broken = [&](std::string_view why) {
+    return std::unexpected(fmt::format("broken PNG: {}", why));
+  };
+  std::string_view left = bytes;
+  size_t stored_row = 0;
+  const bool begun = guarded(png, [&] {
+    png_set_read_fn(png, &left, take_bytes);
+    png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
+    // Colour spaces, texts and the like are not even looked at.
+    png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
+    png_read_info(png, reader.info);
+    stored_row = png_get_rowbytes(png, reader.info);
+  });
+  if (!begun) return broken(reader.error.text);
+
+  const auto width = png_get_image_width(png, reader.info);
+  const auto height = png_get_image_height(png, reader.info);
+  if (const std::string problem = size_problem(width, height); !problem.empty())
+    return broken(problem);
+  // Deflate makes 258 bytes of no less than two bits.
+  if (stored_row * height / 1032 > bytes.size())
+    return broken(fmt::format("too short for {} x {} pixels", width, height));
+
+  size_t row_bytes = 0;
+  int passes = 0, channels = 0;
+  const bool prepared = guarded(png, [&] {
+    png_set_expand(png);
+    png_set_gray_to_rgb(png);
+    if (!with_alpha) png_set_strip_alpha(png);
+    passes = png_set_interlace_handling(png);
+    png_read_update_info(png, reader.info);
+    row_bytes = png_get_rowbytes(png, reader.info);
+    channels = png_get_channels(png, reader.info);
+  });
+  if (!prepared) return broken(reader.error.text);
+  const int bit_depth = png_get_bit_depth(png, reader.info);
+  const bool known = channels == 3 || (with_alpha && channels == 4);
+  if (!known || row_bytes != size_t(width) * size_t(channels) * size_t(bit_depth / 8))
+    return broken("a layout of pixels that is not known");
+  PixelRows rows{int(width), int(height), channels, bit_depth, {}};
+  rows.bytes.resize(row_bytes * height);
+  const bool done = guarded(png, [&] {
+    for (int pass = 0; pass < passes; ++pass)
+      for (size_t y = 0; y < height; ++y) png_read_row(png, &rows.bytes[y * row_bytes], nullptr);
+    png_read_end(png, nullptr);
+  });
+  if (!done) return broken(reader.error.text);
+  return rows;
+}
+
 Decoded<Image> decode_png(std::string_view bytes) {
-  auto picture = read_png(bytes, false);
-  if (!picture) return std::unexpected(picture.error());
-  return std::move(picture->color);
+  const auto rows = png_rows(bytes, false);
+  if (!rows) return std::unexpected(rows.error());
+  return picture_of(*rows).color;
 }
 
 Decoded<Picture> decode_png_picture(std::string_view bytes) {
-  auto picture = read_png(bytes, true);
-  if (!picture) return picture;
-  for (size_t i = 0; i < picture->alpha.size(); ++i) picture->color.pixels[i] *= picture->alpha[i];
+  const auto rows = png_rows(bytes, true);
+  if (!rows) return std::unexpected(rows.error());
+  Picture picture = picture_of(*rows);
+  for (size_t i = 0; i < picture.alpha.size(); ++i) picture.color.pixels[i] *= picture.alpha[i];
   return picture;
 }
 

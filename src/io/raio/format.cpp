@@ -45,6 +45,7 @@ Settings settings_of(const Scene& scene) {
     s.light_colored.push_back(light.color.has_value());
     s.light_colors.push_back(light.color.value_or(Rgb()));
   }
+  s.sky_folder.insert(s.sky_folder.end(), scene.sky_folder.begin(), scene.sky_folder.end());
   for (const std::string& name : scene.object_names) {
     s.object_names.insert(s.object_names.end(), name.begin(), name.end());
     s.object_name_ends.push_back(uint32_t(s.object_names.size()));
@@ -74,6 +75,7 @@ std::string apply(const Settings& s, Scene& scene) {
   if (!s.lens_radius.empty()) scene.camera.lens_radius = s.lens_radius[0];
   if (!s.focus_distance.empty()) scene.camera.focus_distance = s.focus_distance[0];
   scene.background = s.background[0];
+  scene.sky_folder.assign(s.sky_folder.begin(), s.sky_folder.end());
   for (size_t i = 0; i < lights; ++i) {
     if (s.light_colored[i] > 1) return "light_colored is neither 0 nor 1";
     scene.lights.push_back({s.light_positions[i], {}});
