@@ -51,11 +51,6 @@ HWY_INLINE V reflectance(Fresnel fresnel, const V3& dir, const V3& n, V eta) {
   return hn::IfThenElse(hn::Lt(k, zero), one, part);
 }
 
-// Do the settings ask for more than the shading of NFF?
-inline bool needs_models(const RenderSettings& s) {
-  return s.shading != ShadingModel::nff || s.fresnel != Fresnel::none;
-}
-
 // With kModels as the settings' models have it; without, as NFF does, free of the choice.
 template <bool kModels>
 class PhongShading {

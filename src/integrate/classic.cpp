@@ -13,8 +13,6 @@ namespace raio::HWY_NAMESPACE {
 namespace {
 
 std::unique_ptr<TileRenderer> make_renderer(const PreparedScene& scene, RenderControl& control) {
-  if (needs_models(scene.settings))
-    return std::make_unique<Wavefront<ModelShading>>(scene, control);
   return std::make_unique<Wavefront<ClassicShading>>(scene, control);
 }
 
@@ -29,6 +27,7 @@ HWY_EXPORT(make_renderer);
 
 std::unique_ptr<TileRenderer> make_classic_renderer(const PreparedScene& scene,
                                                     RenderControl& control) {
+  if (needs_models(scene.settings)) return make_model_renderer(scene, control);
   return HWY_DYNAMIC_DISPATCH(make_renderer)(scene, control);
 }
 
