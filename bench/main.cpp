@@ -5,8 +5,8 @@
 #include <CLI/CLI.hpp>
 #include <exception>
 
+#include "app/arguments.h"
 #include "app/canvas.h"
-#include "app/command_line.h"
 #include "bench/suites.h"
 
 namespace raio::bench {

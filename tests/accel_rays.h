@@ -104,32 +104,44 @@ struct Disagreement {
   size_t closest = 0, occluded = 0, total = 0;
 };
 
+// What a structure says of rays.
+struct Answers {
+  HitBatch closest;
+  std::vector<uint8_t> occluded;
+};
+inline Answers answers(const Accel& accel, const RayBatch& rays, bool coherent = false) {
+  TraceContext context;
+  context.coherent = coherent;
+  Answers out;
+  out.occluded.resize(padded(rays.size()));
+  accel.closest(rays, out.closest, context);
+  accel.occluded(rays, out.occluded.data(), context);
+  return out;
+}
+
 // `exact`: the same item at the same distance to the last bit; otherwise the distance to a
 // tolerance, which may belong to another of several primitives that touch (and not the rays along
 // the axes).
-inline Disagreement disagreement(const Accel& oracle, const Accel& accel, const RayBatch& rays,
+inline Disagreement disagreement(const Answers& oracle, const Accel& accel, const RayBatch& rays,
                                  bool exact, bool coherent = false) {
-  TraceContext context;
-  context.coherent = coherent;
-  HitBatch expected, found;
-  std::vector<uint8_t> shadow_expected(padded(rays.size())), shadow_found(padded(rays.size()));
-  oracle.closest(rays, expected, context);
-  accel.closest(rays, found, context);
-  oracle.occluded(rays, shadow_expected.data(), context);
-  accel.occluded(rays, shadow_found.data(), context);
+  const Answers found = answers(accel, rays, coherent);
   Disagreement out;
   out.total = rays.size();
   for (size_t i = 0; i < rays.size(); ++i) {
-    const Hit a = expected[i], b = found[i];
+    const Hit a = oracle.closest[i], b = found.closest[i];
     if (!exact && i % 5 == 3) continue;  // along edges of boxes: in or out are both right
-    EXPECT_EQ(shadow_expected[i] != 0, a.found()) << "the oracle disagrees with itself, ray " << i;
+    EXPECT_EQ(oracle.occluded[i] != 0, a.found()) << "the oracle disagrees with itself, ray " << i;
     const bool same =
         exact ? a.item == b.item && (!a.found() || a.t == b.t)
               : a.found() == b.found() && (!a.found() || std::abs(a.t - b.t) <= 1e-4f * a.t);
     out.closest += !same;
-    out.occluded += shadow_expected[i] != shadow_found[i];
+    out.occluded += oracle.occluded[i] != found.occluded[i];
   }
   return out;
+}
+inline Disagreement disagreement(const Accel& oracle, const Accel& accel, const RayBatch& rays,
+                                 bool exact, bool coherent = false) {
+  return disagreement(answers(oracle, rays, coherent), accel, rays, exact, coherent);
 }
 
 inline std::unique_ptr<Accel> build(const Scene& scene, AccelOptions options,

@@ -15,6 +15,7 @@
 #include <thread>
 #include <vector>
 
+#include "app/json.h"
 #include "io/generate/generate.h"
 #include "io/image/image.h"
 #include "program.h"
@@ -477,6 +478,27 @@ TEST_F(Interrupted, WritingLeavesNoTemporaryFile) {
   else
     EXPECT_EQ(o.status, 130);
   for (const std::string& name : names()) EXPECT_FALSE(name.ends_with(".tmp")) << name;
+}
+
+// What stands in strings stays as it is, and the data is the same.
+TEST(Json, AnArrayOfNumbersStandsOnOneLine) {
+  const app::Json data = app::Json::parse(
+      R"({"a": [1, -2.5e-9, 3], "b": [[1, 2], []], "c": "[1,\n 2] \" [3, 4]", "d\\": ["x", 1]})");
+  const std::string text = app::json_text(data);
+  EXPECT_EQ(text, R"({
+  "a": [1, -2.5e-09, 3],
+  "b": [
+    [1, 2],
+    []
+  ],
+  "c": "[1,\n 2] \" [3, 4]",
+  "d\\": [
+    "x",
+    1
+  ]
+}
+)");
+  EXPECT_EQ(app::Json::parse(text), data);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <random>
 
@@ -37,11 +38,14 @@ RenderOptions small() {
   return o;
 }
 
+// Counts are exact however short the times are that go with them.
+constexpr MeasuringEffort kLittle{.close_enough = 1e9, .least_run_s = 0};
+
 EffectCosts measured(const Scene& scene, const RenderOptions& options) {
   const RenderSettings s = resolve_options(options, scene);
   const auto accel = build_accel(scene, s.accel, s.one_sided);
   RenderControl control;
-  auto costs = measure_effects(scene, **accel, options, control);
+  auto costs = measure_effects(scene, **accel, options, control, {}, kLittle);
   EXPECT_TRUE(costs.has_value());
   EXPECT_TRUE(costs->finished);
   EXPECT_EQ(costs->effects.size(), kEffects.size());
@@ -79,7 +83,7 @@ TEST(EffectCosts, CountsAreThoseOfRendersWithAndWithout) {
       EXPECT_EQ(c.without.rays, counted(scene, with_effect(o, c.effect, false))) << int(c.effect);
       EXPECT_GT(c.with.seconds, 0);
       EXPECT_GT(c.without.seconds, 0);
-      EXPECT_GE(c.rounds, 3);
+      EXPECT_EQ(c.rounds, 5) << "no interval is wanted that takes more";
       EXPECT_GT(c.factor.low, 0);
       EXPECT_LE(c.factor.low, c.factor.median);
       EXPECT_LE(c.factor.median, c.factor.high);
@@ -91,6 +95,23 @@ TEST(EffectCosts, CountsAreThoseOfRendersWithAndWithout) {
     EXPECT_GT(cost(costs, Effect::structure).without.rays.tests,
               cost(costs, Effect::structure).without.rays.total());
   }
+}
+
+// Runs that are repeated until they take as long as they shall.
+TEST(EffectCosts, RunsAreAsLongAsIsWanted) {
+  const Scene scene = small_scene();
+  RenderOptions o = small();
+  o.no_reflection = o.no_refraction = true;
+  const auto accel = build_accel(scene, o.accel);
+  RenderControl control;
+  const auto start = std::chrono::steady_clock::now();
+  const auto costs =
+      measure_effects(scene, **accel, o, control, {}, {.close_enough = 100, .least_run_s = 0.005});
+  const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
+  ASSERT_TRUE(costs.has_value());
+  double least = 0;
+  for (const EffectCost& c : costs->effects) least += 0.005 * c.rounds;
+  EXPECT_GE(passed.count(), least);
 }
 
 TEST(EffectCosts, ViewAndNumbersOfSamplesDoNotCount) {
@@ -110,7 +131,7 @@ std::vector<EffectCost::Presence> presence(const Scene& scene, const RenderOptio
   const auto stop_after_a_round = [&](const EffectCosts& now) {
     for (const EffectCost& c : now.effects) control.stop = control.stop || c.rounds > 0;
   };
-  const auto costs = measure_effects(scene, **accel, options, control, stop_after_a_round);
+  const auto costs = measure_effects(scene, **accel, options, control, stop_after_a_round, kLittle);
   std::vector<EffectCost::Presence> all;
   for (const EffectCost& c : costs->effects) {
     all.push_back(c.presence);

@@ -15,7 +15,7 @@ TEST_F(Pictures, OfAPartAreCutFromTheWhole) {
                           "--stats", "x.json"});
   EXPECT_EQ(o.status, 0);
   EXPECT_THAT(o.err, HasSubstr("part.ppm: 12x9 of 24x16, "));
-  EXPECT_THAT(get(file("x.json")), HasSubstr("\"crop\": [\n    5,\n    3,\n    17,\n    12\n"));
+  EXPECT_THAT(get(file("x.json")), HasSubstr("\"crop\": [5, 3, 17, 12],\n"));
   const Image whole = *read_image(file("whole.ppm")), part = *read_image(file("part.ppm"));
   ASSERT_EQ(part.width, 12);
   for (int y = 0; y < part.height; ++y)

@@ -5,9 +5,13 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <functional>
 #include <thread>
+#include <type_traits>
+#include <vector>
 
 #include "integrate/views.h"
+#include "scene/columns.h"
 #include "scenes.h"
 
 namespace raio {
@@ -172,6 +176,75 @@ TEST(Session, ShowsViewsAndAnotherScene) {
       EXPECT_TRUE(same_bits(*picture->image, rendered(*s, o))) << view_name(view);
     }
   }
+}
+
+// Another version of a scene, which shares all arrays that `change` does not write to.
+std::shared_ptr<const Scene> version(const std::shared_ptr<const Scene>& scene,
+                                     const std::function<void(Scene&)>& change) {
+  auto next = std::make_shared<Scene>(*scene);
+  change(*next);
+  return next;
+}
+
+TEST(Session, KeepsTheStructureWhereShapesStayAsTheyAre) {
+  const auto owner = std::make_shared<const Scene>(testing::random_scene(30, 7));
+  const auto first = version(owner, [&](Scene& s) {
+    std::vector<const void*> data;
+    for_each_column(*owner, [&](ColumnName, const auto& c) { data.push_back(c.data()); });
+    size_t i = 0;
+    for_each_column(s, [&](ColumnName, auto& c) {
+      c = std::remove_cvref_t<decltype(c)>::borrow(data[i++], c.size(), owner);
+    });
+  });
+  const auto matt = version(first, [](Scene& s) {
+    for (size_t m = 0; m < s.materials.size(); ++m) {
+      Material& material = s.materials[m];
+      material.color = {0.1f, 0.9f, 0.3f}, material.ks = 0, material.transmission = 0;
+    }
+  });
+  const auto lit = version(matt, [](Scene& s) { s.lights.push_back({{0, -9, 9}, Rgb(1, 0, 0)}); });
+  const auto blue = version(lit, [](Scene& s) { s.background = {0, 0, 1}; });
+  for (const AccelKind kind : {AccelKind::bvh, AccelKind::grid, AccelKind::embree}) {
+    RenderOptions o = options();
+    o.accel.kind = kind;
+    Watcher w;
+    const auto before = w.whole(w.session.request({first, o}));
+    auto last = before;
+    for (const auto& s : {matt, lit, blue, first}) {
+      const auto p = w.whole(w.session.request({s, o}));
+      EXPECT_EQ(p->baked->accel, before->baked->accel) << "another structure was built";
+      EXPECT_EQ(p->baked->scene, s);
+      EXPECT_TRUE(same_bits(*p->image, rendered(*s, o)));
+      EXPECT_FALSE(same_bits(*p->image, *last->image));
+      last = p;
+    }
+    // Other shapes, or the same ones of other materials, want another structure.
+    const auto moved = version(first, [](Scene& s) { s.spheres[0].center.x += 0.5f; });
+    const auto painted = version(first, [](Scene& s) {
+      s.sphere_materials[0] = (s.sphere_materials[0] + 1) % uint32_t(s.materials.size());
+    });
+    for (const auto& s : {moved, painted}) {
+      const auto p = w.whole(w.session.request({s, o}));
+      EXPECT_NE(p->baked->accel, last->baked->accel);
+      EXPECT_TRUE(same_bits(*p->image, rendered(*s, o)));
+      last = p;
+    }
+  }
+}
+
+// One-sided surfaces are those that are opaque.
+TEST(Session, BuildsAnotherStructureWhereGlassTurnsOpaqueOnOneSide) {
+  const auto owner = std::make_shared<const Scene>(testing::random_scene(30, 7));
+  RenderOptions o = options();
+  o.one_sided = true;
+  const auto glass = version(owner, [](Scene& s) {
+    for (size_t m = 0; m < s.materials.size(); ++m) s.materials[m].transmission = 0.5f;
+  });
+  Watcher w;
+  const auto opaque = w.whole(w.session.request({owner, o}));
+  const auto clear = w.whole(w.session.request({glass, o}));
+  EXPECT_NE(clear->baked->accel, opaque->baked->accel);
+  EXPECT_TRUE(same_bits(*clear->image, rendered(*glass, o)));
 }
 
 // So many spheres that brute force takes a while.

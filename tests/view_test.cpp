@@ -538,6 +538,49 @@ TEST(Edit, WhatIsSavedReadsBackAsItWasSeen) {
   EXPECT_EQ(count_primitives(read->scene), count_primitives(seen));
 }
 
+TEST(Edit, WhatIsEditedWhileTheSceneIsWrittenStays) {
+  const auto folder =
+      std::filesystem::temp_directory_path() / fmt::format("raio_edit_{}", std::random_device()());
+  std::filesystem::create_directories(folder);
+  const auto saved = [&](const ViewState& state, const std::string& name) {
+    SceneWriter writer;
+    writer.write(state, (folder / name).string());
+    while (true)
+      if (auto written = writer.poll()) {
+        EXPECT_FALSE(writer.is_busy());
+        return *written;
+      }
+  };
+  ViewState state("some.nff", scene(), {});
+  state.camera = orbited(state.camera, {0.1, 0.2, 0.3}, 0.4, 0.1);
+  const WrittenColor blue{.color = Rgb(0.25f, 0.5f, 1)};
+  state.options.background = blue;
+  const auto first = saved(state, "first.nff");
+  ASSERT_TRUE(first.result) << first.result.error().text();
+  const auto read = read_nff((folder / "first.nff").string());
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->scene.camera.from, state.camera.from);
+  EXPECT_EQ(read->scene.background, Rgb(0.25f, 0.5f, 1));
+  ViewState quiet = state;
+  take_saved(quiet, first);
+  EXPECT_EQ(quiet.scene, first.scene);
+  EXPECT_EQ(quiet.scene->name, "first");
+  EXPECT_FALSE(quiet.options.background);
+  // Edited meanwhile.
+  state.scene = edited(state.scene, [](Scene& s) { s.materials[0].ks = 0.625f; });
+  take_saved(state, first);
+  EXPECT_NE(state.scene, first.scene);
+  EXPECT_EQ(state.scene->materials[0].ks, 0.625f);
+  EXPECT_EQ(state.scene->camera.from, state.camera.from);
+  EXPECT_EQ(state.scene->name, "first");
+  EXPECT_TRUE(state.path.ends_with("first.nff"));
+  EXPECT_EQ(state.options.background, blue);
+  // What cannot be written says why.
+  EXPECT_FALSE(saved(state, "nowhere/first.nff").result);
+  EXPECT_FALSE(saved(state, "first.txt").result);
+  std::filesystem::remove_all(folder);
+}
+
 TEST(Memory, KeepsTheLookAndTheScenesThatAreThere) {
   const auto folder = std::filesystem::temp_directory_path() /
                       fmt::format("raio_memory_{}", std::random_device()());

@@ -13,6 +13,8 @@
 #include <array>
 #include <cerrno>
 #include <cstdlib>
+#include <fstream>
+#include <sstream>
 #include <utility>
 
 namespace raio {
@@ -172,12 +174,16 @@ void WindowDriver::hold(unsigned long keysym, bool down) {
 }
 
 void WindowDriver::key(unsigned long keysym, Held held) {
+  // A key that comes again within 20 ms is one that repeats, to GLFW.
+  if (keysym == last_key_)
+    std::this_thread::sleep_until(last_press_ + std::chrono::milliseconds(50));
   constexpr unsigned long kShift = 0xffe1, kCtrl = 0xffe3;
   std::vector<unsigned long> others;
   if (held == Held::ctrl || held == Held::ctrl_shift) others.push_back(kCtrl);
   if (held == Held::shift || held == Held::ctrl_shift) others.push_back(kShift);
   for (const unsigned long other : others) hold(other, true);
   hold(keysym, true), hold(keysym, false);
+  last_key_ = keysym, last_press_ = Clock::now();
   for (const unsigned long other : others) hold(other, false);
 }
 
@@ -233,6 +239,18 @@ std::string WindowDriver::title() const {
   std::string title(name);
   XFree(name);
   return title;
+}
+
+double WindowDriver::processor_s() const {
+  std::ifstream stat("/proc/" + std::to_string(process_) + "/stat");
+  std::string text;
+  std::getline(stat, text);
+  std::istringstream fields(text.substr(text.rfind(')') + 1));
+  std::string skipped;
+  for (int i = 0; i < 11; ++i) fields >> skipped;  // from the state to the page faults
+  double user = 0, system = 0;
+  fields >> user >> system;
+  return (user + system) / double(::sysconf(_SC_CLK_TCK));
 }
 
 bool WindowDriver::is_running() {

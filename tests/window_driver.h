@@ -70,6 +70,9 @@ class WindowDriver {
   void minimise(bool on);
   std::string title() const;
 
+  /// Processor time of the program so far, in seconds, to a hundredth.
+  double processor_s() const;
+
   bool is_running();
   /// Waits for the end; the exit status, -1 for a signal.
   int end();
@@ -81,6 +84,8 @@ class WindowDriver {
   _XDisplay* x_ = nullptr;
   unsigned long window_ = 0;
   int left_ = 0, top_ = 0;
+  unsigned long last_key_ = 0;
+  std::chrono::steady_clock::time_point last_press_;
   int process_ = -1, status_ = 0, log_end_ = -1;
   mutable std::mutex mutex_;
   std::condition_variable news_;

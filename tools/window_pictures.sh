@@ -31,6 +31,15 @@ close() {
   wait %%
 }
 
+open 5 scenes/shapes.nff --accel grid
+keys i
+xdotool mousemove 505 480 click 1
+sleep 1
+xdotool mousemove 770 142 sleep 0.5 click 1 sleep 1 mousemove 921 403 sleep 0.5 click 1 mousemove 600 700
+sleep 8
+shoot "$pictures/view-ray.png"
+close
+
 lights=(--soft-shadows --light-size 5000)
 open 4 scenes/shapes.nff "${lights[@]}" --dof --aperture 0.06
 sleep 12

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "base/box.h"
@@ -32,9 +33,10 @@ struct TraceLog {
     size_t first_test = 0;  // its tests are from here to those of the next step
   };
   std::vector<Step> steps;
-  std::vector<Test> tests;  // those before steps[0].first_test: what belongs to no cell or node
-  Vec3d t_delta;            // of a grid: from one plane to the next
-  uint64_t unlisted = 0;    // tests without a structure, of which only the hits are listed
+  std::vector<Test> tests;      // those before steps[0].first_test: what belongs to no cell or node
+  Vec3d t_delta;                // of a grid: from one plane to the next
+  std::optional<double> enter;  // of a grid: where the ray enters it; nothing where it does not
+  uint64_t unlisted = 0;        // tests without a structure, of which only the hits are listed
 
   void add_test(PrimitiveId item, bool repeated = false) { tests.push_back({item, repeated}); }
 

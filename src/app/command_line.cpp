@@ -14,6 +14,7 @@
 #include <ranges>
 #include <vector>
 
+#include "app/arguments.h"
 #include "app/bench.h"
 #include "app/commands.h"
 #include "app/help.h"
@@ -38,41 +39,6 @@ struct Invocation {
   OpenWindow open_window;
 };
 
-// The checks of values that are not of the table; of an option given twice the last one counts.
-
-std::string file_name_problem(const std::string& text) {
-  if (text.empty()) return "expected the name of a file, found nothing";
-  if (text.size() > 1 && text[0] == '-')
-    return fmt::format("expected the name of a file, found '{0}'; if that is one, write ./{0}",
-                       text);
-  return {};
-}
-
-void add_file(CLI::App& app, const std::string& name, std::string& path, const std::string& help,
-              const std::string& value_name = "FILE") {
-  app.add_option(name, path, help)
-      ->check(CLI::Validator(file_name_problem, ""))
-      ->type_name(value_name)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-}
-
-template <class T>
-void add_number(CLI::App& app, const std::string& name, T& value, T least, T most,
-                const std::string& help, const std::string& value_name) {
-  const auto check = [=](const std::string& text) -> std::string {
-    T number{};
-    const char* const text_end = text.data() + text.size();
-    const auto [end, error] = std::from_chars(text.data(), text_end, number);
-    if (error == std::errc() && end == text_end && number >= least && number <= most) return {};
-    return fmt::format("expected a {} from {} to {}, found '{}'",
-                       std::is_integral_v<T> ? "whole number" : "number", least, most, text);
-  };
-  app.add_option(name, value, help)
-      ->check(CLI::Validator(check, ""))
-      ->type_name(value_name)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-}
-
 void add_progress(CLI::App& app, std::string& mode) {
   const auto check = [](const std::string& text) -> std::string {
     if (text == "on" && !kHasThreads)
@@ -85,11 +51,6 @@ void add_progress(CLI::App& app, std::string& mode) {
       ->check(CLI::Validator(check, ""))
       ->type_name("MODE:{auto,on,off}")
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-}
-
-void add_scene(CLI::App& app, std::string& path) {
-  add_file(app, "scene", path, "Scene file: NFF, P3F or .raio; - is standard input", "SCENE");
-  app.get_option("scene")->required();
 }
 
 std::vector<std::string_view> recipe_names() {
@@ -107,12 +68,6 @@ std::string recipe_list() {
     rows.emplace_back(recipe.name, text);
   }
   return "Scenes:\n" + two_columns(rows);
-}
-
-std::string examples(std::initializer_list<std::string_view> lines) {
-  std::string text = lines.size() == 1 ? "Example:\n" : "Examples:\n";
-  for (const std::string_view line : lines) text += fmt::format("  {}\n", line);
-  return text;
 }
 
 // The bytes of a picture are no text.
@@ -138,21 +93,6 @@ int report(const CLI::App& app, const CLI::ParseError& error) {
     return deliver("-", error.what() + std::string("\n"));
   if (error.get_exit_code() == 0) return deliver("-", command->help());
   return usage_error(*command, error.what());
-}
-
-// Options that do not go together.
-void refuse_conflict(const RenderOptions& options) {
-  if (const auto why = option_conflict(options)) throw CLI::ParseError(text_of(*why), kBadInput);
-}
-
-// All of it, from reading the scene to writing the picture, on the threads that it is given.
-template <class Command>
-int run_on_threads(const Command& command) {
-  if (command.options.threads > 1 && !kHasThreads)
-    return bad_input("this build has no threads; leave out --threads");
-  int status = kDone;
-  on_threads(command.options.threads, [&] { status = run(command); });
-  return status;
 }
 
 // "2/5", the second of five.
@@ -402,101 +342,6 @@ void add_info(CLI::App& app, InfoCommand& info, int& status) {
   sub->callback([&] { status = run(info); });
 }
 
-// "12,40": a column and a row.
-void add_pixel(CLI::App& app, std::array<int, 2>& pixel) {
-  const auto set = [&pixel](const std::string& text) {
-    const char* const end = text.data() + text.size();
-    const auto x = std::from_chars(text.data(), end, pixel[0]);
-    const bool comma = x.ec == std::errc() && x.ptr != end && *x.ptr == ',';
-    const auto y = comma ? std::from_chars(x.ptr + 1, end, pixel[1]) : x;
-    if (!comma || y.ec != std::errc() || y.ptr != end || pixel[0] < 0 || pixel[1] < 0)
-      throw CLI::ValidationError(
-          "--pixel",
-          fmt::format("expected column and row from the upper left, as in 120,80, found '{}'",
-                      text));
-  };
-  app.add_option_function<std::string>(
-         "--pixel", set, "The pixel: column and row, counted from 0 at the upper left")
-      ->type_name("X,Y")
-      ->required()
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-}
-
-void add_place(CLI::App& app, const std::string& name, std::optional<Vec3d>& place,
-               const std::string& help) {
-  const auto set = [&place, name](const std::string& text) {
-    Vec3d p;
-    const char *at = text.data(), *const end = at + text.size();
-    for (int a = 0; a < 3; ++a) {
-      const auto [rest, error] = std::from_chars(at, end, p[a]);
-      const bool ended = a == 2 ? rest == end : rest != end && *rest == ',';
-      if (error != std::errc() || !ended || !std::isfinite(p[a]))
-        throw CLI::ValidationError(
-            name, fmt::format("expected three coordinates, as in 1,2,3, found '{}'", text));
-      at = rest + 1;
-    }
-    place = p;
-  };
-  app.add_option_function<std::string>(name, set, help)
-      ->type_name("X,Y,Z")
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-}
-
-void add_explain(CLI::App& app, ExplainCommand& explain, int& status) {
-  auto* sub = app.add_subcommand("explain", "Tell what a pixel is made of, ray by ray");
-  sub->footer(examples({"raio explain balls.nff --pixel 256,256",
-                        "raio explain balls.nff --pixel 256,256 --accel grid --aa 4 --sample 7 "
-                        "--json",
-                        "raio explain balls.nff --pixel 256,256 --plot rays.svg"}));
-  add_scene(*sub, explain.scene);
-  add_pixel(*sub, explain.pixel);
-  add_number(*sub, "--sample", explain.sample, 0, kMaxSamples,
-             "Which sample of the pixel, counted from 0 (default: 0)", "N");
-  sub->add_flag("--json", explain.json,
-                "Print one JSON object, with the cells or nodes that each ray visits and the "
-                "primitives that it is tested against");
-  add_file(*sub, "--plot", explain.plot,
-           "Draw the rays into the scene, seen from aside: .png .svg .pdf by suffix");
-  add_place(*sub, "--plot-from", explain.plot_from,
-            "Where --plot is seen from (default: aside and above)");
-  add_render_options(*sub, explain.options,
-                     {"size",
-                      "from",
-                      "at",
-                      "up",
-                      "fov",
-                      "background",
-                      "accel",
-                      "grid-factor",
-                      "grid-resolution",
-                      "aa",
-                      "soft-shadows",
-                      "light-size",
-                      "dof",
-                      "aperture",
-                      "focus",
-                      "lens-samples",
-                      "samples",
-                      "sampler",
-                      "depth",
-                      "no-reflection",
-                      "no-refraction",
-                      "shading",
-                      "fresnel",
-                      "one-sided",
-                      "angle-to-centers",
-                      "threads",
-                      "seed"});
-  sub->callback([&] {
-    if (explain.plot_from && explain.plot.empty())
-      throw CLI::ParseError("--plot-from has no effect without --plot; add it", kBadInput);
-    if (explain.plot == "-")
-      throw CLI::ParseError("--plot: standard output has the text; name a file", kBadInput);
-    refuse_conflict(explain.options);
-    status = run_on_threads(explain);
-  });
-}
-
 void add_generate(CLI::App& app, GenerateCommand& generate, int& status) {
   auto* sub = app.add_subcommand("generate", "Write a standard procedural scene as NFF");
   sub->footer(recipe_list() + "\n" + examples({"raio generate balls --size 3 -o balls.nff"}));
@@ -615,31 +460,6 @@ int parse_and_run(std::vector<std::string> arguments, const Invocation& invocati
 }
 
 }  // namespace
-
-void add_render_options(CLI::App& app, RenderOptions& options,
-                        std::initializer_list<std::string_view> wanted) {
-  for (const OptionSpec& spec : render_option_table()) {
-    if (wanted.size() > 0 && std::ranges::find(wanted, spec.name) == wanted.end()) continue;
-    const std::string name = "--" + std::string(spec.name);
-    const auto set = [&options, &spec, name](const std::string& text) {
-      if (auto done = set_option(options, spec, text); !done)
-        throw CLI::ValidationError(name, with_settings(done.error().message, "--"));
-    };
-    if (!spec.is_switch()) {
-      app.add_option_function<std::string>(name, set, with_settings(spec.help, "--"))
-          ->type_name(value_type(spec.value_name, spec.words))
-          ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-      continue;
-    }
-    // A switch that the scene can set has a way to say no.
-    const bool optional =
-        std::holds_alternative<std::optional<bool>& (*)(RenderOptions&)>(spec.value);
-    app.add_flag_function(
-        name + (optional ? ",!--no-" + std::string(spec.name) : ""),
-        [set](int64_t count) { set(count > 0 ? "true" : "false"); },
-        with_settings(spec.help, "--"));
-  }
-}
 
 int run_command_line(int argc, char** argv, OpenWindow open_window) {
   try {

@@ -42,10 +42,10 @@ struct MergeCommand {
 int run(const MergeCommand& command);
 
 struct ViewCommand {
-  std::string scene;    // empty: the window offers some
-  std::string program;  // as it was started: "./raio"
+  std::string scene;     // empty: the window offers some
+  std::string program;   // as it was started: "./raio"
   std::string language;  // of the screen: "en" or "pt"; empty: the system's
-  bool log = false;  // say on standard error what happens
+  bool log = false;      // say on standard error what happens
   RenderOptions options;
 };
 /// The window, which is a program of its own (ARCHITECTURE.md): what parsed the command line is

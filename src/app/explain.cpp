@@ -39,10 +39,10 @@ class TextTree {
   }
 
   std::string text() {
-    const auto& [scene, accel, command, o, sample, logs] = what_;
-    out_ = fmt::format("{}, pixel {},{} of {}x{}, sample {} of {}\ncolour  {}\n", scene.name,
-                       command.pixel[0], command.pixel[1], o.width, o.height, command.sample,
-                       o.samples_per_pixel(), text_of(sample.rgb));
+    const RenderSettings& o = what_.settings;
+    out_ = fmt::format("{}, pixel {},{} of {}x{}, sample {} of {}\ncolour  {}\n", what_.scene.name,
+                       what_.pixel[0], what_.pixel[1], o.width, o.height, what_.number,
+                       o.samples_per_pixel(), text_of(what_.sample.rgb));
     add_ray(0, "");
     return out_;
   }
@@ -206,14 +206,28 @@ const TraceLog::Test* stopper(const std::optional<TraceLog>& log) {
   return nullptr;
 }
 
+RenderSettings explained_settings(RenderOptions options, const Scene& scene) {
+  options.accel.counters = true;
+  RenderSettings settings = resolve_options(options, scene);
+  if (settings.accel.kind == AccelKind::automatic) settings.accel.kind = AccelKind::bvh;
+  return settings;
+}
+
+std::vector<std::optional<TraceLog>> logs_of(const Explanation& sample, const Accel& accel) {
+  std::vector<std::optional<TraceLog>> logs;
+  for (const ExplainedRay& r : sample.rays)
+    logs.push_back(r.traced ? accel.log(r.ray, r.kind == Kind::shadow) : std::nullopt);
+  return logs;
+}
+
 std::string explained_text(const Explained& what) { return TextTree(what).text(); }
 
 std::string explained_json(const Explained& what) {
-  const auto& [scene, accel, command, o, sample, logs] = what;
+  const Explanation& sample = what.sample;
   Json json{{"version", RAIO_VERSION},
-            {"scene", scene.name},
-            {"pixel", command.pixel},
-            {"sample", command.sample},
+            {"scene", what.scene.name},
+            {"pixel", what.pixel},
+            {"sample", what.number},
             {"rgb", json_of(Vec3f(sample.rgb))}};
   json["rays"] = Json::array();
   for (size_t i = 0; i < sample.rays.size(); ++i) json["rays"].push_back(json_of(what, i));
@@ -234,8 +248,7 @@ int run(const ExplainCommand& command) {
     return bad_input("--accel: Embree does not tell what it does; choose none, grid or bvh");
   options.accel.counters = true;
   if (const auto why = option_conflict(options, &*scene)) return fail(*why);
-  RenderSettings settings = resolve_options(options, *scene);
-  if (settings.accel.kind == AccelKind::automatic) settings.accel.kind = AccelKind::bvh;
+  const RenderSettings settings = explained_settings(options, *scene);
   const auto [x, y] = command.pixel;
   if (x >= settings.width || y >= settings.height)
     return bad_input(fmt::format(
@@ -251,9 +264,9 @@ int run(const ExplainCommand& command) {
 
   const auto sample = explain_sample(*scene, **accel, settings, x, y, uint32_t(command.sample));
   if (!sample) return fail(sample.error());
-  Explained what{*scene, **accel, command, settings, *sample, {}};
-  for (const ExplainedRay& r : sample->rays)
-    what.logs.push_back(r.traced ? (*accel)->log(r.ray, r.kind == Kind::shadow) : std::nullopt);
+  const auto logs = logs_of(*sample, **accel);
+  const Explained what{*scene,         **accel, settings, command.pixel,
+                       command.sample, *sample, logs,     command.plot_from};
   const int status = deliver("-", command.json ? explained_json(what) : explained_text(what));
   if (command.plot.empty() || status != kDone) return status;
   const auto picture = draw_explained(what, *plot_format(command.plot));

@@ -43,17 +43,15 @@ Look look_of(const ExplainedRay& r) {
 class Drawing {
  public:
   Drawing(const Explained& what, const Canvas& canvas) : what_(what), canvas_(canvas) {
-    find_extent();
     find_camera();
   }
 
   void draw() {
-    const ExplainCommand& command = what_.command;
     canvas_.text(kLeft, 44, valid_utf8(what_.scene.name), kBlack, Align::left, 34, true, 700);
     canvas_.text(kLeft, 84,
                  fmt::format("pixel {},{} of {}x{}, sample {}: the rays that make its colour",
-                             command.pixel[0], command.pixel[1], what_.settings.width,
-                             what_.settings.height, command.sample),
+                             what_.pixel[0], what_.pixel[1], what_.settings.width,
+                             what_.settings.height, what_.number),
                  kGrey);
     canvas_.image(kLeft, kTop, kPane, kPaneHeight, faded(render_scene()));
     canvas_.clipped(kLeft, kTop, kPane, kPaneHeight, [&] {
@@ -69,59 +67,13 @@ class Drawing {
   }
 
  private:
-  // Where a ray ends on the page: those that hit nothing are cut off.
-  Vec3d end_of(size_t i) const {
-    const ExplainedRay& r = what_.sample.rays[i];
-    const TraceLog::Test* const by = r.kind == Kind::shadow ? stopper(what_.logs[i]) : nullptr;
-    double t = 0.4 * extent_;
-    if (r.hit.found()) t = double(r.hit.t);
-    if (r.kind == Kind::shadow) t = std::min(double(by ? by->t : r.ray.tmax), 4.0 * extent_);
-    return Vec3d(r.ray.origin) + Vec3d(r.ray.dir) * t;
-  }
+  Vec3d end_of(size_t i) const { return drawn_end(what_.sample.rays[i], what_.logs[i], extent_); }
 
-  // What is to be seen: the surfaces that are hit, and the eye, or half of the way to it where
-  // that would make the others too small.
-  void find_extent() {
-    Box3d hits;
-    for (const ExplainedRay& r : what_.sample.rays)
-      if (r.hit.found()) hits.extend(Vec3d(r.ray.at(r.hit.t)));
-    const ExplainedRay& eye = what_.sample.rays[0];
-    const Vec3d from(eye.ray.origin);
-    const double way =
-        eye.hit.found() ? double(eye.hit.t) : length(Vec3d(what_.settings.camera.at) - from);
-    const Vec3d end = from + Vec3d(eye.ray.dir) * way;
-    const bool near = hits.empty() || length(hits.size()) > way / 8;
-    points_ = {near ? from : (from + end) * 0.5, end};
-    for (int k = 0; k < 8 && !hits.empty(); ++k)
-      points_.push_back({k & 1 ? hits.hi.x : hits.lo.x, k & 2 ? hits.hi.y : hits.lo.y,
-                         k & 4 ? hits.hi.z : hits.lo.z});
-    for (const Vec3d& p : points_) box_.extend(p);
-    extent_ = length(box_.size());
-  }
-
-  // From aside: the direction of the eye ray, turned about the vertical, from above; as near as
-  // all points allow.
   void find_camera() {
-    camera_ = what_.settings.camera;
-    const Vec3d up = normalize(Vec3d(camera_.up)), in(what_.sample.rays[0].ray.dir);
-    Vec3d flat = in - up * dot(in, up);
-    if (length(flat) < 1e-3) flat = Vec3d(EyeRays(camera_, 1, 1).right);
-    flat = normalize(flat);
-    const Vec3d away = normalize(normalize(cross(flat, up)) * 0.85 - flat * 0.5 + up * 0.45);
-    camera_.at = Vec3f(box_.center());
-    camera_.fov_deg = 40;
-    camera_.from = Vec3f(box_.center() + away * extent_);
-    look_along();
-    const double tangent = kPaneHeight / 2 / scale_, margin = 0.86;
-    double distance = 0;
-    for (const Vec3d& p : points_) {
-      const Vec3d v = p - box_.center();
-      const double x = std::abs(dot(v, right_)) * kPaneHeight / kPane, y = std::abs(dot(v, up_));
-      distance = std::max(distance, std::max(x, y) / (margin * tangent) - dot(v, forward_));
-    }
-    camera_.from = Vec3f(box_.center() + away * distance);
-    if (what_.command.plot_from)
-      camera_.from = Vec3f(*what_.command.plot_from - what_.scene.origin);
+    const Aside aside = seen_from_aside(what_.sample, what_.settings, kPane / kPaneHeight);
+    extent_ = aside.extent;
+    camera_ = what_.plot_camera.value_or(aside.camera);
+    if (what_.plot_from) camera_.from = Vec3f(*what_.plot_from - what_.scene.origin);
     if (!camera_problem(camera_).empty()) camera_ = what_.settings.camera;
     look_along();
   }
@@ -302,8 +254,6 @@ class Drawing {
 
   const Explained& what_;
   const Canvas& canvas_;
-  std::vector<Vec3d> points_;
-  Box3d box_;
   double extent_ = 1, scale_ = 1;
   Camera camera_;
   Vec3d forward_, right_, up_;

@@ -12,11 +12,9 @@ namespace raio::app {
 
 using Json = nlohmann::ordered_json;
 
-/// Indented, with a line end. A file's name or an excerpt may be no valid UTF-8; what is not is
-/// replaced rather than refused.
-inline std::string json_text(const Json& json) {
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
+/// Indented, with a line end; an array of numbers stands on one line. A file's name or an excerpt
+/// may be no valid UTF-8; what is not is replaced rather than refused.
+std::string json_text(const Json& json);
 
 /// The double that has the float's shortest digits, so that 0.1f is shown as 0.1.
 inline double plain(float value) {

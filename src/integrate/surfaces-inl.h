@@ -390,16 +390,18 @@ HWY_NOINLINE void place_surfaces(const SurfaceInput& in, size_t i, M lanes, Vert
   put(found.extent, v.scale);
 }
 
-// Where n rays hit: points, normals towards the ray, and all that is the same for every light.
-void find_surfaces(const Accel& accel, const RayBatch& rays, const HitBatch& hits, size_t n,
-                   Vertices& v) {
+// Where n rays hit: points, normals towards the ray, and all that is the same for every light. The
+// materials are those of the scene that is rendered, which may be a later version of the one that
+// the structure was built from.
+void find_surfaces(const Accel& accel, const Material* materials, const RayBatch& rays,
+                   const HitBatch& hits, size_t n, Vertices& v) {
   const SurfaceInput in = {accel.geometry(), rays, hits};
   for (size_t i = 0; i < n; i += kWidth) look_up_lanes(in, i, v);
   const bool colored = accel.geometry().any_colors();
   const V zero = hn::Zero(d);
   const M all = hn::FirstN(d, kWidth);
   for (size_t i = 0; i < n; i += kWidth) {
-    look_up_materials(accel.geometry().scene().materials.data(), i, v);
+    look_up_materials(materials, i, v);
     if (colored) look_up_colors(accel.geometry(), hits, i, v.color);
     const auto finish = [&](const WideSurfaces& s) RAIO_INLINE_LAMBDA {
       const M entering = hn::Lt(dot(s.geometric, directions(rays, i)), zero);

@@ -268,7 +268,7 @@ class Wavefront final : public TileRenderer {
     const size_t n = current_.rays.size();
     if (level == 1) counts_.eye_hits += n;
     if (n == 0) return;
-    find_surfaces(scene_.accel, current_.rays, hits_, n, *vertices_);
+    find_surfaces(scene_.accel, scene_.scene.materials.data(), current_.rays, hits_, n, *vertices_);
     if (level == 1 && layout_->planes() > 0) add_features(n);
     shading_.shade(*this, level, n, sampler);
     if (context_.stopped()) return;

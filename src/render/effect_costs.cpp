@@ -16,12 +16,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kCloseEnough = 0.03;  // half of an interval, as a part of the median
 constexpr size_t kFewestRounds = 5, kFewestSlowRounds = 3, kMostRounds = 25;
 constexpr double kPatienceSeconds = 15;  // then as few rounds as there are may do
 constexpr double kMostRunSeconds = 0.6;  // expected of the slowest run
-constexpr double kLeastRunSeconds =
-    0.02;  // shorter ones are repeated, to be above the clock's noise
 constexpr double kNewsSeconds = 0.5;
 constexpr uint32_t kProbeShards = 64;
 constexpr size_t kTilesPerThread = 8;  // so that threads end together
@@ -58,8 +55,9 @@ struct Variant {
 class Measurement {
  public:
   Measurement(const Scene& scene, const Accel& accel, const RenderOptions& options,
-              RenderControl& control, const std::function<void(const EffectCosts&)>& on_news)
-      : scene_(scene), options_(options), control_(control), on_news_(on_news) {
+              RenderControl& control, const std::function<void(const EffectCosts&)>& on_news,
+              const MeasuringEffort& effort)
+      : scene_(scene), options_(options), control_(control), on_news_(on_news), effort_(effort) {
     options_.samples = 0, options_.sampler = SamplerKind::jitter;
     options_.view = View::picture, options_.integrator = std::nullopt, options_.channels = {};
     // The numbers of samples of the benchmark.
@@ -159,11 +157,11 @@ class Measurement {
   bool time(Variant& v, uint32_t share) {
     double seconds = 0;
     int runs = 0;
-    while (seconds < kLeastRunSeconds) {
+    do {
       const auto run = render_share(v, *v.accel, share);
       if (!run) return false;
       seconds += std::max(run->seconds, 1e-9), ++runs;
-    }
+    } while (seconds < effort_.least_run_s);
     v.seconds.push_back(seconds / runs);
     tell_now_and_then();
     return true;
@@ -272,7 +270,7 @@ class Measurement {
     const double scale = double(costs_.width) * costs_.height / double(c.pixels);
     c.with.seconds = median_interval(with.seconds).median * scale;
     c.without.seconds = median_interval(without.seconds).median * scale;
-    const bool close = c.factor.half_width() <= kCloseEnough;
+    const bool close = c.factor.half_width() <= effort_.close_enough;
     const auto rounds = size_t(c.rounds);
     c.finished = (rounds >= kFewestRounds && close) || rounds >= kMostRounds ||
                  (rounds >= kFewestSlowRounds && !patient);
@@ -306,6 +304,7 @@ class Measurement {
   RenderOptions options_;
   RenderControl& control_;
   const std::function<void(const EffectCosts&)>& on_news_;
+  const MeasuringEffort effort_;
   Variant base_;
   uint32_t share_ = 1;
   std::vector<std::unique_ptr<Accel>> built_;
@@ -395,8 +394,8 @@ MedianInterval median_interval(std::vector<double> values) {
 
 std::expected<EffectCosts, Error> measure_effects(
     const Scene& scene, const Accel& accel, const RenderOptions& options, RenderControl& control,
-    const std::function<void(const EffectCosts&)>& on_news) {
-  return Measurement(scene, accel, options, control, on_news).run();
+    const std::function<void(const EffectCosts&)>& on_news, const MeasuringEffort& effort) {
+  return Measurement(scene, accel, options, control, on_news, effort).run();
 }
 
 }  // namespace raio

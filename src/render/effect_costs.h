@@ -83,21 +83,28 @@ struct EffectCosts {
   double done = 0, left_s = 0;  // 0 to 1, and what it will take at least until that is 1
 };
 
+/// How closely the costs are measured.
+struct MeasuringEffort {
+  double close_enough = 0.03;  // half of the interval of a ratio, as a part of the median
+  double least_run_s = 0.02;   // shorter runs are repeated, to be above the clock's noise
+};
+
 /// Measures the costs of all effects for a picture with `options`, whose view, channels and numbers
 /// of samples do not count: samples are those of the benchmark, 9 a pixel with antialiasing, 3 with
 /// depth of field, 27 with both. `accel` is the structure that the options ask for.
 ///
 /// Each round renders the picture as it is, and then with each effect switched, in an order that
 /// is turned round every other time, on as many threads as a render; an effect drops out when the
-/// interval of its ratio is within 3 % of the median, or when time is up. Of pictures that take
-/// long, every nth tile is rendered, the same in all rounds. Tests and steps are those of a
-/// structure with AccelOptions::counters.
+/// interval of its ratio is as close to the median as `effort` says, or when time is up. Of
+/// pictures that take long, every nth tile is rendered, the same in all rounds. Tests and steps are
+/// those of a structure with AccelOptions::counters.
 ///
 /// `on_news` gets what is known so far, after each round and now and then between two runs, outside
 /// of what is timed. Told to stop by `control` it ends soon, without `finished`. Errors: those of
 /// make_film() and build_accel().
 std::expected<EffectCosts, Error> measure_effects(
     const Scene& scene, const Accel& accel, const RenderOptions& options, RenderControl& control,
-    const std::function<void(const EffectCosts&)>& on_news = {});
+    const std::function<void(const EffectCosts&)>& on_news = {},
+    const MeasuringEffort& effort = {});
 
 }  // namespace raio

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <new>
 #include <utility>
+#include <vector>
+
+#include "scene/columns.h"
 
 namespace raio {
 namespace {
@@ -27,6 +30,37 @@ RenderOptions without_camera(RenderOptions o) {
   o.from = o.at = o.up = std::nullopt;
   o.fov_deg = 0, o.width = o.height = 0, o.samples = std::min(o.samples, 1);
   return o;
+}
+
+// Is the structure of one scene good for the other, too? So it is where both read the same arrays
+// and differ only in what structures and accel/geometry.h do not ask for: lights, background,
+// materials. Never compares the elements of large arrays.
+bool bakes_alike(const Scene& a, const Scene& b, bool one_sided) {
+  // A grid's cells are as wide as rays from the camera want them.
+  if (&a == &b) return true;
+  if (a.origin != b.origin || a.camera.from != b.camera.from) return false;
+  if (a.meshes.size() != b.meshes.size() || a.materials.size() != b.materials.size()) return false;
+  std::vector<std::pair<const void*, size_t>> arrays;
+  const auto is_baked = [](ColumnName column) { return column.name != "materials"; };
+  for_each_column(a, [&](ColumnName name, const auto& column) {
+    if (is_baked(name)) arrays.emplace_back(column.data(), column.size());
+  });
+  size_t i = 0;
+  bool same = true;
+  for_each_column(b, [&](ColumnName name, const auto& column) {
+    if (!is_baked(name)) return;
+    const auto& [data, size] = arrays[i++];
+    same = same && size == column.size() && (size == 0 || data == column.data());
+  });
+  if (!same) return false;
+  // Of materials, whether they are opaque, and the colours that triangles take from them.
+  const bool with_colors = any_colors(a);
+  for (size_t m = 0; m < a.materials.size(); ++m) {
+    const Material &x = a.materials[m], &y = b.materials[m];
+    if (one_sided && (x.transmission == 0) != (y.transmission == 0)) return false;
+    if (with_colors && x.color != y.color) return false;
+  }
+  return true;
 }
 
 // The tiles that the film has, over an enlarged preview.
@@ -159,8 +193,14 @@ void Session::serve(const SessionRequest& request, SessionPicture& next) {
 // Makes sure that there is the structure of the request.
 bool Session::bake(const SessionRequest& request, SessionPicture& next) {
   const AccelOptions& o = next.settings.accel;
-  if (!baked_ || baked_->scene != request.scene || baked_->options != o ||
-      baked_->one_sided != next.settings.one_sided) {
+  const bool keeps_structure = baked_ && baked_->options == o &&
+                               baked_->one_sided == next.settings.one_sided &&
+                               bakes_alike(*baked_->scene, *request.scene, baked_->one_sided);
+  if (keeps_structure && baked_->scene != request.scene) {
+    auto baked = std::make_shared<BakedScene>(*baked_);
+    baked->scene = request.scene;
+    baked_ = std::move(baked);
+  } else if (!keeps_structure) {
     begin_stage(SessionProgress::structure, 0);
     auto baked = std::make_shared<BakedScene>();
     baked->scene = request.scene, baked->options = o, baked->one_sided = next.settings.one_sided;
@@ -170,7 +210,8 @@ bool Session::bake(const SessionRequest& request, SessionPicture& next) {
                [&] { accel = build_accel(*request.scene, o, next.settings.one_sided); });
     if (!accel) return fail(accel.error(), next);
     baked->build_s = std::chrono::duration<double>(Clock::now() - start).count();
-    baked->accel = std::move(*accel);
+    baked->accel = {accel->release(),
+                    [scene = request.scene](const Accel* built) { delete built; }};
     baked->info = baked->accel->info();
     baked_ = std::move(baked);
   }

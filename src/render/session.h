@@ -21,12 +21,13 @@
 
 namespace raio {
 
-/// A scene with its structure.
+/// A scene with its structure, which is that of an earlier version of the scene where only lights,
+/// background or materials have changed since.
 struct BakedScene {
   std::shared_ptr<const Scene> scene;
   AccelOptions options;
   bool one_sided = false;
-  std::unique_ptr<Accel> accel;
+  std::shared_ptr<const Accel> accel;  // keeps the scene of which it was built
   AccelInfo info;
   double build_s = 0;
 };

@@ -63,6 +63,7 @@ std::vector<Tool> tools_of(const ViewState& state, const ToolFacts& facts) {
       {Icon::view, key(Command::show_view), state.options.view != View::picture, true,
        tr(find_key('1' + int(state.options.view))->help), tr("materials")},
       {Icon::split, key(Command::split), state.split},
+      {Icon::inspect, key(Command::inspect), facts.inspects},
       {state.paused ? Icon::play : Icon::pause,
        key(Command::pause),
        state.paused,

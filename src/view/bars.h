@@ -14,6 +14,7 @@ namespace raio::view {
 struct ToolFacts {
   bool can_undo = false, can_redo = false;
   bool full_screen = false;
+  bool inspects = false;
 };
 
 /// Adds to `pressed` what was pressed, as if by its key.

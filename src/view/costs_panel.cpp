@@ -10,6 +10,8 @@
 #include "base/memory.h"
 #include "view/comparison.h"
 #include "view/draw_text.h"
+#include "view/texts.h"
+#include "view/theme.h"
 
 namespace raio::view {
 namespace {
@@ -24,8 +26,9 @@ const KeySpec& key_of(Effect effect) {
 // "34 %, 12 s left"
 std::string text_of_progress(double done, double left_s) {
   const std::string percent = fmt::format("{:.0f} %", 100 * done);
-  return left_s < 0.05 ? percent
-                       : fmt::format("{}, {:.{}f} s left", percent, left_s, left_s < 9.95 ? 1 : 0);
+  return left_s < 0.05
+             ? percent
+             : trf("{}, {} s left", percent, fmt::format("{:.{}f}", left_s, left_s < 9.95 ? 1 : 0));
 }
 std::string text_of_progress(const MeasuringProgress& p) {
   return text_of_progress(p.done, p.left_s);
@@ -38,8 +41,8 @@ std::string times(double with, double without) {
 
 // "rays 1.75 x, tests 1.9 x, steps 1.6 x"
 std::string count_line(const EffectCost& c) {
-  const auto counts = [&](std::string_view what, auto count) {
-    return fmt::format("{} {}", what,
+  const auto counts = [&](const char* what, auto count) {
+    return fmt::format("{} {}", tr(what),
                        times(double(count(c.with.rays)), double(count(c.without.rays))));
   };
   std::string line = counts("rays", [](const RayCounts& r) { return r.total(); });
@@ -53,42 +56,45 @@ std::string count_line(const EffectCost& c) {
 std::string factor_text(const EffectCost& c) {
   const bool structure = c.effect == Effect::structure;
   const double factor = structure ? 1 / c.factor.median : c.factor.median;
-  return fmt::format("{} x{}{}", app::three_digits(factor), structure ? " faster" : "",
-                     text_of_spread(c.factor));
+  const std::string number = app::three_digits(factor);
+  return (structure ? trf("{} x faster", number) : number + " x") + text_of_spread(c.factor);
 }
 
 std::string absence(EffectCost::Presence presence) {
-  return presence == EffectCost::not_in_scene ? "not in this scene" : "not in this picture";
+  return presence == EffectCost::not_in_scene ? tr("not in this scene") : tr("not in this picture");
 }
 
 std::string seconds_line(const EffectCost& c) {
-  return fmt::format("{}, without {}", human_seconds(c.with.seconds),
-                     human_seconds(c.without.seconds));
+  const std::string with = human_seconds(c.with.seconds),
+                    without = human_seconds(c.without.seconds);
+  return trf("{}, without {}", with, without);
 }
 
 // All counts, and how they were got.
 std::string details(const EffectCost& c) {
-  const auto side = [](std::string_view name, const EffectCost::Side& s) {
-    std::string line = fmt::format("{}: {} rays", name, s.rays.total());
-    if (s.has_steps) line += fmt::format(", {} tests, {} steps", s.rays.tests, s.rays.steps);
+  const auto side = [](const char* name, const EffectCost::Side& s) {
+    const uint64_t rays = s.rays.total();
+    std::string line = fmt::format("{}: {}", name, trf("{} rays", rays));
+    if (s.has_steps) line += ", " + trf("{} tests, {} steps", s.rays.tests, s.rays.steps);
     return line;
   };
-  return fmt::format(
-      "{}\n{}\ncounted on {} pixels; median of {} rounds, {} to {} x\nin nine of ten cases",
-      side("with it", c.with), side("without", c.without), c.pixels, c.rounds,
-      app::three_digits(c.factor.low), app::three_digits(c.factor.high));
+  const std::string low = app::three_digits(c.factor.low), high = app::three_digits(c.factor.high);
+  return fmt::format("{}\n{}\n{}\n{}", side(tr("with it"), c.with), side(tr("without"), c.without),
+                     trf("counted on {} pixels; median of {} rounds,", c.pixels, c.rounds),
+                     trf("in nine of ten cases {} to {} x", low, high));
 }
 
 }  // namespace
 
 std::string progress_line(const SessionProgress& p) {
   if (p.stage == SessionProgress::structure)
-    return fmt::format("building the structure: {:.0f} s", p.passed_s);
-  return "first sample: " + text_of_progress(p.share, p.left_s);
+    return trf("building the structure: {:.0f} s", p.passed_s);
+  const std::string progress = text_of_progress(p.share, p.left_s);
+  return trf("first sample: {}", progress);
 }
 
 std::string cost_line(const EffectCost& c) {
-  const std::string_view name = key_of(c.effect).help;
+  const std::string_view name = tr(key_of(c.effect).help);
   if (c.presence != EffectCost::in_picture) return fmt::format("{}: {}", name, absence(c.presence));
   return fmt::format("{}: {}; {}; {}", name, factor_text(c), seconds_line(c), count_line(c));
 }
@@ -99,46 +105,53 @@ void draw_statistics(const CostFacts& facts) {
   const SessionPicture& picture = *facts.picture;
   const BakedScene& baked = *picture.baked;
   const Image& image = *picture.image;
-  text(fmt::format("{} x {} pixels{}", facts.picture_width, facts.picture_height,
-                   image.width == facts.picture_width
-                       ? ""
-                       : fmt::format(", now {} x {}", image.width, image.height)));
-  text(picture.samples == 0 ? "preview"
-                            : fmt::format("{} {} a pixel{}", picture.samples,
-                                          picture.samples == 1 ? "sample" : "samples",
-                                          picture.finished ? ", done" : ""));
+  text(trf("{} x {} pixels", facts.picture_width, facts.picture_height) +
+       (image.width == facts.picture_width ? "" : trf(", now {} x {}", image.width, image.height)));
+  text(picture.samples == 0
+           ? tr("preview")
+           : number_of(size_t(picture.samples), "sample a pixel", "samples a pixel") +
+                 (picture.finished ? tr(", done") : ""));
   // Of previews there are no figures.
   const double sample_s = picture.samples > 0 ? picture.sample_s.median : 0;
   if (sample_s > 0) {
-    text(text_of_seconds(picture.sample_s) + " a sample of all pixels");
+    const std::string time = text_of_seconds(picture.sample_s);
+    text(trf("{} a sample of all pixels", time));
     const RayCounts& rays = picture.rays;
     const double seconds = sample_s * picture.samples;
-    text(app::human_quantity(double(rays.total()) / seconds, "rays/s"));
-    for (const auto& [name, count] : {std::pair("eye", rays.eye),
-                                      {"reflected", rays.reflection},
-                                      {"refracted", rays.refraction},
-                                      {"shadow", rays.shadow}})
-      if (count > 0)
-        text(fmt::format("    {}: {}, {:.2f} an eye ray", name,
-                         app::human_quantity(double(count) / seconds, "rays/s"),
-                         double(count) / double(std::max<uint64_t>(1, rays.eye))));
+    const auto rate = [&](uint64_t count) {
+      return app::human_quantity(double(count) / seconds, tr("rays/s"));
+    };
+    text(rate(rays.total()));
+    for (const auto& [name, count] : {std::pair(tr("eye"), rays.eye),
+                                      {tr("reflected"), rays.reflection},
+                                      {tr("refracted"), rays.refraction},
+                                      {tr("shadow"), rays.shadow}}) {
+      if (count == 0) continue;
+      const std::string per_second = rate(count);
+      const double per_eye_ray = double(count) / double(std::max<uint64_t>(1, rays.eye));
+      text("    " + trf("{}: {}, {:.2f} an eye ray", name, per_second, per_eye_ray));
+    }
   } else {
-    faint_text("waits for a whole sample");
+    faint_text(tr("waits for a whole sample"));
   }
-  text(fmt::format("{}: {}, built in {}", baked.info.name, human_bytes(double(baked.info.bytes)),
-                   human_seconds(baked.build_s)));
-  text(fmt::format("scene {}, program {}", human_bytes(double(memory_bytes(*baked.scene))),
-                   human_bytes(double(peak_memory_bytes()))));
+  const std::string bytes = human_bytes(double(baked.info.bytes)),
+                    time = human_seconds(baked.build_s),
+                    of_scene = human_bytes(double(memory_bytes(*baked.scene))),
+                    of_program = human_bytes(double(peak_memory_bytes()));
+  text(trf("{}: {}, built in {}", baked.info.name, bytes, time));
+  text(trf("scene {}, program {}", of_scene, of_program));
 }
 
-// A bar for each effect: what a picture takes with it, in white what it takes without.
+// Two bars for each effect: what a picture takes with it, and below, thinner, what it takes
+// without.
 void draw_costs(const CostFacts& facts) {
   const bool measures = facts.measuring == Measuring::Work::costs;
   if (measures)
-    text(fmt::format("measuring: {}; space stops", text_of_progress(facts.progress)));
+    text(fmt::format("{}: {}; {}", tr("measuring"), text_of_progress(facts.progress),
+                     tr("space stops")));
   else if (facts.are_old)
-    faint_text(facts.costs.effects.empty() ? "measured when the picture rests"
-                                           : "before the last change; measured at rest");
+    faint_text(facts.costs.effects.empty() ? tr("measured when the picture rests")
+                                           : tr("before the last change; measured at rest"));
   // One scale for all effects; without a structure a picture takes so long that it has its own.
   const auto most = [&](bool is_structure) {
     double seconds = 1e-9;
@@ -151,7 +164,7 @@ void draw_costs(const CostFacts& facts) {
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   for (const EffectCost& c : facts.costs.effects) {
     const KeySpec& key = key_of(c.effect);
-    const std::string name = fmt::format("{}   {}: ", key.name, key.help);
+    const std::string name = fmt::format("{}   {}: ", key.name, tr(key.help));
     if (c.presence != EffectCost::in_picture || c.rounds == 0) {
       faint_text(name + (c.presence == EffectCost::in_picture ? "..." : absence(c.presence)));
       continue;
@@ -162,29 +175,30 @@ void draw_costs(const CostFacts& facts) {
     const double scale = width / most(c.effect == Effect::structure);
     const auto length = [&](double seconds) { return float(seconds * scale); };
     draw.AddRectFilled(at, {at.x + length(c.with.seconds), at.y + height * 0.5f},
-                       c.on ? IM_COL32(240, 150, 50, 255) : IM_COL32(240, 150, 50, 110));
+                       color(palette().warning, c.on ? 1 : 0.45f));
     draw.AddRectFilled({at.x, at.y + height * 0.5f},
                        {at.x + length(c.without.seconds), at.y + height * 0.75f},
-                       IM_COL32(220, 220, 220, 255));
+                       color(palette().faint));
     ImGui::Dummy({width, height * 0.75f});
     faint_text("    " + seconds_line(c));
     faint_text("    " + count_line(c));
     ImGui::EndGroup();
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", details(c).c_str());
   }
-  if (!facts.costs.effects.empty())
-    faint_text(
-        "orange with it, white without; 9 samples a\npixel with AA, 3 with DOF, 27 with both");
+  if (facts.costs.effects.empty()) return;
+  faint_text(tr("upper bar with it, lower without; 9 samples"));
+  faint_text(tr("a pixel with AA, 3 with DOF, 27 with both"));
 }
 
 bool draw_table(const CostFacts& facts) {
   bool pressed = false;
   if (facts.measuring == Measuring::Work::table)
-    text(fmt::format("{}\n{}; m stops", facts.progress.what, text_of_progress(facts.progress)));
+    text(fmt::format("{}\n{}; {}", facts.progress.what, text_of_progress(facts.progress),
+                     tr("m stops")));
   else
-    pressed = ImGui::Button("Measure (m)");
+    pressed = ImGui::Button(tr("Measure (m)"));
   if (!facts.table || !ImGui::BeginTable("sixteen", 4, ImGuiTableFlags_RowBg)) return pressed;
-  for (const char* name : {"", "s", "Mrays/s", "cost"}) ImGui::TableSetupColumn(name);
+  for (const char* name : {"", "s", tr("Mrays/s"), tr("cost")}) ImGui::TableSetupColumn(name);
   ImGui::TableHeadersRow();
   for (const BenchmarkRow& row : facts.table->rows) {
     const auto cell = [](const std::string& value) { ImGui::TableNextColumn(), text(value); };

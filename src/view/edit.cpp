@@ -1,7 +1,10 @@
 #include "view/edit.h"
 
+#include <chrono>
 #include <filesystem>
+#include <new>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "io/scene_file.h"
@@ -34,20 +37,44 @@ Scene as_seen(const Scene& scene, const Camera& camera, const Rgb& background) {
   return seen;
 }
 
-std::expected<std::string, Error> save_as_seen(ViewState& state, const std::string& path) {
-  const auto format = scene_format(path);
-  if (!format) return std::unexpected(format.error());
+void SceneWriter::write(const ViewState& state, const std::string& path) {
   const Rgb background = resolve_options(state.options, *state.scene).background;
-  const Scene seen = as_seen(*state.scene, state.camera, background);
-  const auto written = write_scene(seen, path, seen.name + ", written by raio view");
-  if (!written) return std::unexpected(written.error());
-  state.path = short_path(path);
+  writing_ = std::async(
+      std::launch::async,
+      [source = state.scene, camera = state.camera, background, path]() -> Written {
+        try {
+          const auto format = scene_format(path);
+          if (!format) return {path, source, source, std::unexpected(format.error())};
+          auto scene = edited(source, [&](Scene& s) { s = as_seen(s, camera, background); });
+          const auto written = write_scene(*scene, path, scene->name + ", written by raio view");
+          if (!written) return {path, source, source, std::unexpected(written.error())};
+          const std::string lost = not_kept(*scene, *format);
+          scene = edited(scene,
+                         [&](Scene& s) { s.name = std::filesystem::path(path).stem().string(); });
+          return {path, source, scene, lost};
+        } catch (const std::bad_alloc&) {
+          return {path, source, source,
+                  std::unexpected(Error{ErrorKind::no_resource, path, "out of memory"})};
+        }
+      });
+}
+
+std::optional<SceneWriter::Written> SceneWriter::poll() {
+  if (!is_busy() || writing_.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
+    return std::nullopt;
+  return writing_.get();
+}
+
+void take_saved(ViewState& state, const SceneWriter::Written& written) {
+  state.path = short_path(written.path);
+  if (state.scene == written.source) {
+    state.scene = written.scene;
+    state.options.background.reset();
+    return;
+  }
   state.scene = edited(state.scene, [&](Scene& s) {
-    s.camera = seen.camera, s.background = background;
-    s.name = std::filesystem::path(path).stem().string();
+    s.camera = written.scene->camera, s.name = written.scene->name;
   });
-  state.options.background.reset();
-  return not_kept(seen, *format);
 }
 
 }  // namespace raio::view

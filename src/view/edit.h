@@ -4,7 +4,9 @@
 
 #include <expected>
 #include <functional>
+#include <future>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "base/error.h"
@@ -22,8 +24,26 @@ SharedScene edited(const SharedScene& scene, const std::function<void(Scene&)>& 
 /// What is saved: the scene seen from there, with that background.
 Scene as_seen(const Scene& scene, const Camera& camera, const Rgb& background);
 
-/// Writes the state's scene as it is seen, which becomes the state's; what of it the format does
-/// not keep, in one line, or nothing.
-std::expected<std::string, Error> save_as_seen(ViewState& state, const std::string& path);
+/// Writes scenes in the background.
+class SceneWriter {
+ public:
+  struct Written {
+    std::string path;
+    SharedScene source, scene;                 // what was to be saved, and what the file says
+    std::expected<std::string, Error> result;  // what the format does not keep, in one line
+  };
+
+  /// Begins to write the state's scene as it is seen now. Not while is_busy().
+  void write(const ViewState& state, const std::string& path);
+  bool is_busy() const { return writing_.valid(); }
+  /// What was written meanwhile, once.
+  std::optional<Written> poll();
+
+ private:
+  std::future<Written> writing_;  // is waited for in the end
+};
+
+/// Makes the file that was written the state's; what was edited meanwhile stays.
+void take_saved(ViewState& state, const SceneWriter::Written& written);
 
 }  // namespace raio::view

@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include "app/warnings.h"
+#include "io/file.h"
 #include "io/scene_file.h"
 #include "render/picture.h"
 #include "render/render.h"
@@ -83,6 +84,18 @@ void PictureWriter::write(std::shared_ptr<const Image> image, std::string path, 
                            metadata = std::move(metadata), command = std::move(command)] {
         return Written{path, command, write_picture({*image, {}, {}}, path, metadata)};
       }));
+}
+
+void PictureWriter::write(std::function<std::expected<std::string, std::string>()> make,
+                          std::string path, std::string command) {
+  writing_.push_back(std::async(std::launch::async, [make = std::move(make), path = std::move(path),
+                                                     command = std::move(command)] {
+    const auto bytes = make();
+    if (!bytes)
+      return Written{path, command,
+                     std::unexpected(Error{ErrorKind::no_resource, "", bytes.error()})};
+    return Written{path, command, write_file(path, *bytes)};
+  }));
 }
 
 std::optional<PictureWriter::Written> PictureWriter::poll() {

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <expected>
 #include <filesystem>
+#include <functional>
 #include <future>
 #include <memory>
 #include <optional>
@@ -70,6 +71,9 @@ class PictureWriter {
 
   /// `command`: what `raio render` would be told for it.
   void write(std::shared_ptr<const Image> image, std::string path, Metadata metadata,
+             std::string command);
+  /// Any other file, whose bytes `make` gives; its error is one line.
+  void write(std::function<std::expected<std::string, std::string>()> make, std::string path,
              std::string command);
   std::optional<Written> poll();
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "view/camera_control.h"
 
@@ -19,12 +20,17 @@ double view_distance(const Camera& camera) { return length(Vec3d(camera.at) - Ve
 
 }  // namespace
 
-void Gestures::press(Button button, bool shift) {
+void Gestures::press(Button button, bool shift, bool selects) {
   if (drag_ != Drag::none || !stage_.contains(x_, y_)) return;
   button_ = button, travelled_ = 0;
+  from_x_ = x_, from_y_ = y_;
   const double bar = stage_.lo.x + split_at * (stage_.hi.x - stage_.lo.x);
   if (button == Button::left && state_.split && std::abs(x_ - bar) <= kBarReach) {
     drag_ = Drag::bar;
+    return;
+  }
+  if (button == Button::left && shift && selects) {
+    drag_ = Drag::select;
     return;
   }
   const Pick under = pick_(x_, y_);
@@ -39,11 +45,13 @@ void Gestures::press(Button button, bool shift) {
                                               : Drag::orbit;
 }
 
-bool Gestures::release(Button button) {
-  if (drag_ == Drag::none || button != button_) return false;
-  const bool click = drag_ == Drag::orbit && travelled_ <= kClickTravel;
-  drag_ = Drag::none;
-  return click;
+Gestures::Done Gestures::release(Button button) {
+  if (drag_ == Drag::none || button != button_) return Done::nothing;
+  const Drag drag = std::exchange(drag_, Drag::none);
+  if (travelled_ > kClickTravel) return drag == Drag::select ? Done::region : Done::nothing;
+  if (drag == Drag::orbit) return Done::click;
+  const bool with_shift = drag == Drag::select || (drag == Drag::pan && button == Button::left);
+  return with_shift ? Done::shift_click : Done::nothing;
 }
 
 bool Gestures::move(double x, double y) {
@@ -70,6 +78,7 @@ bool Gestures::move(double x, double y) {
     case Drag::bar:
       split_at = std::clamp(stage_.across(x), 0.0, 1.0);
       return false;
+    case Drag::select:
     case Drag::none:
       break;
   }

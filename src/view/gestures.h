@@ -24,9 +24,15 @@ class Gestures {
   bool is_looking() const { return drag_ == Drag::look; }
   bool is_busy() const { return drag_ != Drag::none; }
 
-  void press(Button button, bool shift);
-  /// Whether it was a click: pressed and released at one place.
-  bool release(Button button);
+  /// `selects`: with Shift, the left button selects a region instead of dragging the scene.
+  void press(Button button, bool shift, bool selects = false);
+  /// A click is pressed and released at one place.
+  enum class Done { nothing, click, shift_click, region };
+  Done release(Button button);
+  bool is_selecting() const { return drag_ == Drag::select && travelled_ > 0; }
+  /// Where the button was pressed.
+  double from_x() const { return from_x_; }
+  double from_y() const { return from_y_; }
   /// Whether the camera has changed.
   bool move(double x, double y);
   /// The wheel: towards what is under the cursor, or away from it. Whether the camera has changed.
@@ -34,14 +40,14 @@ class Gestures {
   bool walk(const Steps& steps, double seconds);
 
  private:
-  enum class Drag { none, orbit, pan, look, bar };
+  enum class Drag { none, orbit, pan, look, bar, select };
 
   ViewState& state_;
   const Stage& stage_;
   PickAt pick_;
   Drag drag_ = Drag::none;
   Button button_ = Button::left;
-  double x_ = 0, y_ = 0, travelled_ = 0;
+  double x_ = 0, y_ = 0, from_x_ = 0, from_y_ = 0, travelled_ = 0;
   Vec3d pivot_;
   double depth_ = 1;
 };

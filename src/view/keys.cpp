@@ -7,8 +7,8 @@ namespace raio::view {
 namespace {
 
 // GLFW's numbers of keys that are no characters; this file is tested without GLFW.
-constexpr int kSpace = 32, kEscape = 256, kHome = 268, kF1 = 290, kF11 = 300, kRight = 262,
-              kLeft = 263, kDown = 264, kUp = 265;
+constexpr int kSpace = 32, kEnter = 257, kEscape = 256, kHome = 268, kF1 = 290, kF11 = 300,
+              kRight = 262, kLeft = 263, kDown = 264, kUp = 265;
 
 constexpr Modifiers kShift{.shift = true}, kCtrl{.ctrl = true},
     kCtrlShift{.shift = true, .ctrl = true};
@@ -37,6 +37,20 @@ constexpr auto kKeys = std::to_array<KeySpec>({
      "m",
      "measure 16",
      "Measures all combinations of effects in the background; again: stops"},
+    {'I',
+     {},
+     Command::inspect,
+     "i",
+     "inspect rays",
+     "Looks into the rays of the pixel that is clicked next; again: stops"},
+    {',', {}, Command::walk_back, ",", "step back", "In the ray inspector: a step back"},
+    {'.', {}, Command::walk_on, ".", "step on", "In the ray inspector: a step on"},
+    {kEnter,
+     {},
+     Command::walk_play,
+     "enter",
+     "play steps",
+     "In the ray inspector: plays the steps, and stops"},
     {kSpace, {}, Command::pause, "space", "pause", "Pauses and resumes refining"},
     {'H', {}, Command::panel, "h", "panel", "Hides or shows the panel"},
     {'F', {}, Command::fit, "f", "fit", "Moves back until the whole scene fits"},
@@ -73,6 +87,8 @@ constexpr auto kHands = std::to_array<HandSpec>({
     {"shift or middle button", "Drags the scene along"},
     {"wheel", "Moves towards the point under the cursor, or away"},
     {"click", "Focuses on the point under the cursor; then the wheel sets the aperture"},
+    {"shift and click", "Looks into the rays of the pixel"},
+    {"i, then shift and drag", "Looks into the rays of a region or a row of pixels"},
     {"ctrl and wheel", "The aperture, at any time"},
     {"right button", "Looks around; with W A S D E Q: walks"},
     {"arrows", "Walk"},

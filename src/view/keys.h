@@ -25,6 +25,10 @@ enum class Command : uint8_t {
   copy,
   show_view,  // the one that the key's digit names
   measure,
+  inspect,
+  walk_back,
+  walk_on,
+  walk_play,
   open,
   save_scene,
   undo,

@@ -20,6 +20,7 @@
 #include "view/files.h"
 #include "view/gestures.h"
 #include "view/history.h"
+#include "view/inspector.h"
 #include "view/layout.h"
 #include "view/legend.h"
 #include "view/measure.h"
@@ -72,7 +73,7 @@ class Viewer final : public WindowEvents {
 
   void run() {
     while (!window_.should_close()) {
-      Window::wait_events(drawings_ > 0 ? 0.004 : kIdleSeconds);
+      Window::wait_events(drawings_ > 0 || inspector_.is_playing() ? 0.004 : kIdleSeconds);
       step();
     }
     log("closed");
@@ -88,9 +89,9 @@ class Viewer final : public WindowEvents {
     const auto which = Gestures::Button(number);
     if (down && is_covered()) return;
     if (down)
-      gestures_.press(which, shift);
-    else if (gestures_.release(which))
-      focus_on(pick_at(gestures_.x(), gestures_.y()));
+      gestures_.press(which, shift, inspector_.is_open() || inspector_.is_picking());
+    else
+      finish(gestures_.release(which));
   }
   void cursor_moved(double x, double y) override {
     needs_drawing();
@@ -126,6 +127,21 @@ class Viewer final : public WindowEvents {
     needs_drawing();
   }
   void complain(std::string message) { say(std::move(message), true); }
+
+  void finish(Gestures::Done gesture) {
+    const double x = gestures_.x(), y = gestures_.y();
+    using enum Gestures::Done;
+    if (gesture == nothing) return;
+    if (gesture == click && !inspector_.is_picking()) return focus_on(pick_at(x, y));
+    const auto at = [&](double across, double down) {
+      return ImVec2(float(stage_.across(across)), float(stage_.down(down)));
+    };
+    const auto& picture = pictures_.main.picture;
+    log(inspector_.look(state_, stage_, picture ? picture->baked : nullptr,
+                        gesture == region ? at(gestures_.from_x(), gestures_.from_y()) : at(x, y),
+                        at(x, y)));
+    if (!state_.panel) say(tr("h shows the panel with the numbers"));
+  }
 
   bool is_moving() const { return now() < moving_until_; }
   // The picture, at the cursor.
@@ -183,6 +199,7 @@ class Viewer final : public WindowEvents {
     measuring_.cancel();
     costs_are_old_ = true;
     renew_other(frame_s);
+    if (!moved_) inspector_.follow(state_);
     return true;
   }
 
@@ -243,6 +260,18 @@ class Viewer final : public WindowEvents {
         return void(renew());
       case Command::measure:
         return switch_table();
+      case Command::inspect:
+        if (state_.path.empty()) return;
+        inspector_.pick(!inspector_.is_picking());
+        return say(inspector_.is_picking()
+                       ? tr("click a pixel to look into its rays; shift and drag: a region")
+                       : tr("no pixel chosen"));
+      case Command::walk_back:
+        return step_ray(Inspector::Walk::back);
+      case Command::walk_on:
+        return step_ray(Inspector::Walk::on);
+      case Command::walk_play:
+        return step_ray(Inspector::Walk::play);
       case Command::undo:
       case Command::redo:
         return go_back(key.command == Command::undo);
@@ -278,20 +307,54 @@ class Viewer final : public WindowEvents {
     }
   }
 
+  void step_ray(Inspector::Walk where) {
+    if (const std::string at = inspector_.walk(where, now()); !at.empty()) log(at);
+    needs_drawing();
+  }
+
+  void take_inspector(const InspectorResult& did) {
+    if (did.closed) close_inspector();
+    if (did.camera) {
+      state_.camera = *did.camera;
+      state_.follow_focus();
+      moving_until_ = 0;
+      renew();
+    }
+    if (did.copied) {
+      window_.set_clipboard(inspector_.command_line(state_));
+      say(trf("copied: {}", inspector_.command_line(state_)));
+    }
+    if (did.save.empty()) return;
+    const std::string path = free_name(inspector_.file_name(), did.save);
+    writer_.write(inspector_.drawing(did.save, state_.camera), path,
+                  inspector_.command_line(state_));
+  }
+  void close_inspector() {
+    inspector_.close();
+    log("inspector closed");
+    needs_drawing();
+  }
+
   void save_scene(const std::string& path) {
-    const auto lost = save_as_seen(state_, path);
-    if (!lost) return complain(lost.error().text("--"));
-    saved_scene_ = state_.scene;
+    if (scene_writer_.is_busy()) return say(tr("the scene is still being saved"));
+    scene_writer_.write(state_, path);
+  }
+
+  void take_saved_scene(const SceneWriter::Written& written) {
+    if (!written.result) return complain(written.result.error().text("--"));
+    take_saved(state_, written);
+    saved_scene_ = written.scene;
     file_.follow(state_.path);
-    keeper_.opened(path);
-    say(trf("saved the scene as {}", path) +
-        (lost->empty() ? "" : "; " + trf("not kept: {}", *lost)));
+    keeper_.opened(written.path);
+    say(trf("saved the scene as {}", written.path) +
+        (written.result->empty() ? "" : "; " + trf("not kept: {}", *written.result)));
     renew();
   }
 
   // What Escape ends before it ends the program.
   bool leave() {
     if (controls_.close()) return true;
+    if (inspector_.is_open() || inspector_.is_picking()) return close_inspector(), true;
     if (!window_.is_full_screen()) return false;
     window_.set_full_screen(false);
     return true;
@@ -408,6 +471,7 @@ class Viewer final : public WindowEvents {
     save_when_whole();
     find_warnings();
     measure();
+    if (inspector_.advance(time)) drawings_ = std::max(drawings_, 1);
     if (measuring_.has_news()) drawings_ = std::max(drawings_, 1);
     if (window_.is_hidden()) {
       drawings_ = 0;
@@ -439,7 +503,10 @@ class Viewer final : public WindowEvents {
   }
 
   void take_results() {
-    if (auto read = file_.poll(state_.options.threads)) take_scene(*read);
+    if (const auto written = scene_writer_.poll()) take_saved_scene(*written);
+    // What is being saved is no news from the disk.
+    if (!scene_writer_.is_busy())
+      if (auto read = file_.poll(state_.options.threads)) take_scene(*read);
     while (auto written = writer_.poll()) {
       if (!written->result) {
         complain(written->result.error().text());
@@ -448,6 +515,13 @@ class Viewer final : public WindowEvents {
       const std::filesystem::path path = std::filesystem::absolute(written->path);
       say(trf("saved {} in {}", path.filename().string(), path.parent_path().string()));
       log("command: " + written->command);
+    }
+    if (const auto found = inspector_.poll()) {
+      if (*found)
+        log(**found);
+      else
+        complain(found->error().text("--"));
+      needs_drawing();
     }
     if (const auto done = measuring_.poll()) {
       done->empty() ? log_costs() : say(*done);
@@ -478,6 +552,7 @@ class Viewer final : public WindowEvents {
     measuring_.forget();
     warnings_ = Warnings(read.warnings);
     // A new version of the file is a step that can be taken back; another scene is a beginning.
+    if (is_other) inspector_.close();
     if (is_other) history_ = History<ViewState>(state_);
     saved_scene_ = state_.scene;
     keeper_.opened(read.path);
@@ -496,6 +571,7 @@ class Viewer final : public WindowEvents {
     lay_out();
     if (!state_.path.empty()) pictures_.draw(state_, stage_, float(gestures_.split_at));
     const ReadOut under = under_cursor();
+    draw_inspector();
     ViewState shown = state_;
     if (shows_focus()) shown.show(View::focus);
     draw_legend(layout_.picture, legend_of(shown), under.at);
@@ -506,6 +582,20 @@ class Viewer final : public WindowEvents {
     if (std::exchange(typing_, Window::is_typing()) != typing_) log(typing_ ? "types" : "typed");
     log_picture(pictures_.main, "picture");
     log_picture(pictures_.other, "other");
+  }
+
+  void draw_inspector() {
+    inspector_.draw_rays(layout_.picture, state_.camera, stage_);
+    if (gestures_.is_selecting())
+      ImGui::GetBackgroundDrawList()->AddRect(
+          {float(gestures_.from_x()), float(gestures_.from_y())},
+          {float(gestures_.x()), float(gestures_.y())}, color(palette().accent), 0, 0, 2);
+    if (!inspector_.is_open() || !state_.panel) return;
+    take_inspector(inspector_.draw_panel(layout_.panel, now()));
+    if (std::string places = inspector_.places(); logs_ && places != button_places_) {
+      button_places_ = places;
+      log("buttons:" + places);
+    }
   }
 
   // What the picture shows where the cursor is; nothing while something moves.
@@ -536,7 +626,8 @@ class Viewer final : public WindowEvents {
   ControlFacts control_facts(const std::string& under) const {
     ControlFacts facts;
     facts.panel = {cost_facts(), errors_, warnings_.lines(), window_.look()};
-    facts.tools = {history_.can_undo(), history_.can_redo(), window_.is_full_screen()};
+    facts.tools = {history_.can_undo(), history_.can_redo(), window_.is_full_screen(),
+                   inspector_.is_open() || inspector_.is_picking()};
     facts.status = {.picture = pictures_.main.picture.get(),
                     .request = pictures_.main.request,
                     .since_request_s = now() - requested_at_,
@@ -546,6 +637,7 @@ class Viewer final : public WindowEvents {
                     .moving = is_moving(),
                     .paused = state_.paused,
                     .measuring = measuring_.work()};
+    facts.has_inspector = inspector_.is_open();
     facts.read_out = under;
     facts.recent = keeper_.memory().recent;
     // An error of the file stays until it is mended.
@@ -581,9 +673,12 @@ class Viewer final : public WindowEvents {
   MemoryKeeper keeper_;
   SceneFile file_;
   PictureWriter writer_;
+  SceneWriter scene_writer_;
   Pictures pictures_;
   Warnings warnings_;
   Gestures gestures_;
+  Inspector inspector_{[] { Window::wake(); }};
+  std::string button_places_;  // as they were logged
   Measuring measuring_{[] { Window::wake(); }};
   bool costs_are_old_ = true, wants_costs_ = false, wants_table_ = false;
   bool is_holding_ = false;  // the sessions, for a measurement

@@ -37,6 +37,7 @@ class Mailbox {
 
 // What a walk tells, to no one or to a TraceLog.
 struct Unlogged {
+  void enter(double) {}
   template <class Axes>
   void step(size_t, const Axes&) {}
   void test(PrimitiveId, bool = false) {}
@@ -45,6 +46,7 @@ class Logged {
  public:
   Logged(TraceLog& log, const Lattice& lattice) : log_(log), lattice_(lattice) {}
 
+  void enter(double t) { log_.enter = t; }
   template <class Axes>
   void step(size_t cell, const Axes& axes) {
     const auto& n = lattice_.n;
@@ -137,6 +139,7 @@ class CountingGrid final : public Accel {
       leave = std::min(leave, std::max(t0, t1));
     }
     if (!(enter <= leave)) return;
+    log.enter(enter);
     if (size > cells_.near) return all<any>(query, context, log);
 
     // Per axis: cells left before the ray leaves the grid, the step through the lists, and the

@@ -1,0 +1,72 @@
+// What the command line's options are made of: kinds of values with their checks, and what several
+// commands have in common. Of an option given twice the last one counts.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+#include "app/commands.h"
+#include "app/output.h"
+#include "base/parallel.h"
+#include "render/options.h"
+
+namespace raio::app {
+
+/// Why a text is no name of a file; empty if it is.
+std::string file_name_problem(const std::string& text);
+
+void add_file(CLI::App& app, const std::string& name, std::string& path, const std::string& help,
+              const std::string& value_name = "FILE");
+
+/// The file that a command is about.
+void add_scene(CLI::App& app, std::string& path);
+
+/// A number from `least` to `most`.
+template <class T>
+void add_number(CLI::App& app, const std::string& name, T& value, T least, T most,
+                const std::string& help, const std::string& value_name) {
+  const auto check = [=](const std::string& text) -> std::string {
+    T number{};
+    const char* const text_end = text.data() + text.size();
+    const auto [end, error] = std::from_chars(text.data(), text_end, number);
+    if (error == std::errc() && end == text_end && number >= least && number <= most) return {};
+    return fmt::format("expected a {} from {} to {}, found '{}'",
+                       std::is_integral_v<T> ? "whole number" : "number", least, most, text);
+  };
+  app.add_option(name, value, help)
+      ->check(CLI::Validator(check, ""))
+      ->type_name(value_name)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+}
+
+/// Gives a command the options of render_option_table() that are `wanted`, or all when it is empty.
+void add_render_options(CLI::App& app, RenderOptions& options,
+                        std::initializer_list<std::string_view> wanted = {});
+
+/// Throws what CLI11 reports where options do not go together.
+void refuse_conflict(const RenderOptions& options);
+
+/// The end of a command's help.
+std::string examples(std::initializer_list<std::string_view> lines);
+
+/// Runs all of a command, from reading the scene to writing the picture, on the threads that it is
+/// given.
+template <class Command>
+int run_on_threads(const Command& command) {
+  if (command.options.threads > 1 && !kHasThreads)
+    return bad_input("this build has no threads; leave out --threads");
+  int status = kDone;
+  on_threads(command.options.threads, [&] { status = run(command); });
+  return status;
+}
+
+/// The command `raio explain`.
+void add_explain(CLI::App& app, ExplainCommand& explain, int& status);
+
+}  // namespace raio::app

@@ -1,0 +1,109 @@
+// The arguments of `raio explain`.
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <optional>
+
+#include "app/arguments.h"
+
+namespace raio::app {
+namespace {
+
+// "12,40": a column and a row.
+void add_pixel(CLI::App& app, std::array<int, 2>& pixel) {
+  const auto set = [&pixel](const std::string& text) {
+    const char* const end = text.data() + text.size();
+    const auto x = std::from_chars(text.data(), end, pixel[0]);
+    const bool comma = x.ec == std::errc() && x.ptr != end && *x.ptr == ',';
+    const auto y = comma ? std::from_chars(x.ptr + 1, end, pixel[1]) : x;
+    if (!comma || y.ec != std::errc() || y.ptr != end || pixel[0] < 0 || pixel[1] < 0)
+      throw CLI::ValidationError(
+          "--pixel",
+          fmt::format("expected column and row from the upper left, as in 120,80, found '{}'",
+                      text));
+  };
+  app.add_option_function<std::string>(
+         "--pixel", set, "The pixel: column and row, counted from 0 at the upper left")
+      ->type_name("X,Y")
+      ->required()
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+}
+
+void add_place(CLI::App& app, const std::string& name, std::optional<Vec3d>& place,
+               const std::string& help) {
+  const auto set = [&place, name](const std::string& text) {
+    Vec3d p;
+    const char *at = text.data(), *const end = at + text.size();
+    for (int a = 0; a < 3; ++a) {
+      const auto [rest, error] = std::from_chars(at, end, p[a]);
+      const bool ended = a == 2 ? rest == end : rest != end && *rest == ',';
+      if (error != std::errc() || !ended || !std::isfinite(p[a]))
+        throw CLI::ValidationError(
+            name, fmt::format("expected three coordinates, as in 1,2,3, found '{}'", text));
+      at = rest + 1;
+    }
+    place = p;
+  };
+  app.add_option_function<std::string>(name, set, help)
+      ->type_name("X,Y,Z")
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+}
+
+}  // namespace
+
+void add_explain(CLI::App& app, ExplainCommand& explain, int& status) {
+  auto* sub = app.add_subcommand("explain", "Tell what a pixel is made of, ray by ray");
+  sub->footer(examples({"raio explain balls.nff --pixel 256,256",
+                        "raio explain balls.nff --pixel 256,256 --accel grid --aa 4 --sample 7 "
+                        "--json",
+                        "raio explain balls.nff --pixel 256,256 --plot rays.svg"}));
+  add_scene(*sub, explain.scene);
+  add_pixel(*sub, explain.pixel);
+  add_number(*sub, "--sample", explain.sample, 0, kMaxSamples,
+             "Which sample of the pixel, counted from 0 (default: 0)", "N");
+  sub->add_flag("--json", explain.json,
+                "Print one JSON object, with the cells or nodes that each ray visits and the "
+                "primitives that it is tested against");
+  add_file(*sub, "--plot", explain.plot,
+           "Draw the rays into the scene, seen from aside: .png .svg .pdf by suffix");
+  add_place(*sub, "--plot-from", explain.plot_from,
+            "Where --plot is seen from (default: aside and above)");
+  add_render_options(*sub, explain.options,
+                     {"size",
+                      "from",
+                      "at",
+                      "up",
+                      "fov",
+                      "background",
+                      "accel",
+                      "grid-factor",
+                      "grid-resolution",
+                      "aa",
+                      "soft-shadows",
+                      "light-size",
+                      "dof",
+                      "aperture",
+                      "focus",
+                      "lens-samples",
+                      "samples",
+                      "sampler",
+                      "depth",
+                      "no-reflection",
+                      "no-refraction",
+                      "shading",
+                      "fresnel",
+                      "one-sided",
+                      "angle-to-centers",
+                      "threads",
+                      "seed"});
+  sub->callback([&] {
+    if (explain.plot_from && explain.plot.empty())
+      throw CLI::ParseError("--plot-from has no effect without --plot; add it", kBadInput);
+    if (explain.plot == "-")
+      throw CLI::ParseError("--plot: standard output has the text; name a file", kBadInput);
+    refuse_conflict(explain.options);
+    status = run_on_threads(explain);
+  });
+}
+
+}  // namespace raio::app

@@ -1,0 +1,300 @@
+// The inspector's panel.
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "view/draw_text.h"
+#include "view/inspector.h"
+#include "view/texts.h"
+#include "view/theme.h"
+
+namespace raio::view {
+namespace {
+
+using Kind = ExplainedRay::Kind;
+
+template <class T>
+std::string exact(Vec3<T> v) {
+  return fmt::format("{} {} {}", v.x, v.y, v.z);
+}
+template <class T>
+std::string brief(Vec3<T> v) {
+  return fmt::format("{:.4g}  {:.4g}  {:.4g}", v.x, v.y, v.z);
+}
+
+void row(const char* name, const std::string& value, const std::string& in_full = {}) {
+  faint_text(name);
+  ImGui::SameLine(7 * em());
+  ImGui::PushTextWrapPos(0);
+  text(value);
+  ImGui::PopTextWrapPos();
+  if (!in_full.empty() && ImGui::IsItemHovered()) ImGui::SetTooltip("%s", in_full.c_str());
+}
+template <class T>
+void row(const char* name, Vec3<T> v) {
+  row(name, brief(v), exact(v));
+}
+
+bool open_section(const char* name, bool at_first) {
+  ImGui::Spacing();
+  ImGui::PushFont(heading_font());
+  const bool is_open = ImGui::CollapsingHeader(fmt::format("{}###{}", tr(name), name).c_str(),
+                                               at_first ? ImGuiTreeNodeFlags_DefaultOpen : 0);
+  ImGui::PopFont();
+  return is_open;
+}
+
+void wrapped(const std::string& line) {
+  ImGui::PushTextWrapPos(0);
+  text(line);
+  ImGui::PopTextWrapPos();
+}
+
+ImVec4 patch_of(Vec3d c) {
+  const auto part = [](double v) { return float(to_byte(float(v))) / 255; };
+  return {part(c.x), part(c.y), part(c.z), 1};
+}
+
+}  // namespace
+
+InspectorResult Inspector::draw_panel(const Rect& where, double now) {
+  InspectorResult result;
+  ImGui::SetNextWindowPos({where.left, where.top});
+  ImGui::SetNextWindowSize({where.width(), where.height()});
+  ImGui::Begin("inspector", nullptr,
+               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
+                   ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove |
+                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus |
+                   ImGuiWindowFlags_AlwaysVerticalScrollbar);
+  ImGui::GetWindowDrawList()->AddLine({where.left, where.top}, {where.left, where.bottom},
+                                      color(palette().line));
+  draw_head(result);
+  if (found_ && !has_pixel()) draw_region();
+  if (has_pixel() && !result.closed) {
+    if (open_section("Tree of rays", true)) {
+      ImGui::BeginChild("tree", {0, 9.5f * em()}, 0, ImGuiWindowFlags_HorizontalScrollbar);
+      draw_tree(0);
+      ImGui::EndChild();
+    }
+    if (open_section("Step by step", true)) draw_walk(now);
+    if (open_section("The ray", true)) draw_ray();
+    if (open_section("What adds up to the colour", true)) draw_sum();
+  }
+  ImGui::End();
+  return result;
+}
+
+void Inspector::draw_head(InspectorResult& result) {
+  result.closed = ImGui::Button("<");
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", tr("Back to the panel (Escape)"));
+  ImGui::SameLine();
+  ImGui::PushFont(heading_font());
+  const InspectionRequest& q = request_;
+  text(q.is_region() ? trf("Pixels {},{} to {},{}", q.pixel[0], q.pixel[1], q.last[0], q.last[1])
+                     : trf("Pixel {},{} of {} x {}", q.pixel[0], q.pixel[1], q.options.width,
+                           q.options.height));
+  ImGui::PopFont();
+  if (!found_) return faint_text(tr("looking ..."));
+  if (const int samples = found_->settings.samples_per_pixel(); samples > 1) {
+    int sample = request_.sample;
+    ImGui::SetNextItemWidth(9 * em());
+    if (ImGui::SliderInt("##sample", &sample, 0, samples - 1,
+                         fmt::format("{} %d", tr("sample")).c_str()))
+      restart(std::clamp(sample, 0, samples - 1));
+    ImGui::SameLine();
+    if (ImGui::Button("-")) restart(std::max(0, request_.sample - 1));
+    ImGui::SameLine();
+    if (ImGui::Button("+")) restart(std::min(samples - 1, request_.sample + 1));
+    ImGui::SameLine();
+    faint_text(trf("of {}", samples));
+  }
+  if (has_pixel()) {
+    const Vec3d rgb = found_->sample.rgb;
+    ImGui::ColorButton("##rgb", patch_of(rgb), ImGuiColorEditFlags_NoTooltip,
+                       {2 * em(), ImGui::GetFrameHeight()});
+    ImGui::SameLine();
+    ImGui::AlignTextToFramePadding();
+    text(brief(Vec3f(rgb)));
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", exact(Vec3f(rgb)).c_str());
+  }
+  if (ImGui::Button(tr("from aside"))) result.camera = found_->aside.camera;
+  ImGui::SameLine();
+  if (ImGui::Button(tr("from the eye"))) result.camera = eye_;
+  if (!has_pixel()) return;
+  std::string places;
+  for (const char* suffix : {".svg", ".png", ".json"}) {
+    std::string name(suffix + 1);
+    std::ranges::transform(name, name.begin(), [](char c) { return char(c - 'a' + 'A'); });
+    if (name != "SVG") ImGui::SameLine();
+    if (ImGui::Button(name.c_str())) result.save = suffix;
+    const ImVec2 lo = ImGui::GetItemRectMin(), hi = ImGui::GetItemRectMax();
+    places += fmt::format(" {} {:.0f},{:.0f}", name, (lo.x + hi.x) / 2, (lo.y + hi.y) / 2);
+  }
+  ImGui::SameLine();
+  result.copied = ImGui::Button(tr("copy command"));
+  if (button_places_.empty()) button_places_ = places;
+}
+
+void Inspector::draw_region() {
+  std::array<size_t, kRayKinds> counts{};
+  int deepest = 1;
+  size_t shown = 0;
+  for (const RegionRay& r : found_->rays) {
+    ++counts[size_t(r.kind)], deepest = std::max(deepest, r.level);
+    shown += filter_.passes(r);
+  }
+  faint_text(number_of(found_->pixels, "pixel looked into", "pixels looked into"));
+  bool changed = false;
+  for (int k = 0; k < kRayKinds; ++k) {
+    ImGui::PushStyleColor(ImGuiCol_CheckMark, ImGui::ColorConvertU32ToFloat4(color_of(RayKind(k))));
+    changed |= ImGui::Checkbox(tr(name_of(RayKind(k))), &filter_.kinds[size_t(k)]);
+    ImGui::PopStyleColor();
+    ImGui::SameLine(11 * em());
+    text(fmt::format("{}", counts[size_t(k)]));
+  }
+  ImGui::PushItemWidth(9 * em());
+  filter_.level = std::min(filter_.level, deepest);
+  changed |= ImGui::SliderInt(tr("level"), &filter_.level, 0, deepest,
+                              filter_.level == 0 ? tr("all") : "%d");
+  using Hits = RayFilter::Hits;
+  const auto kind_name = [](size_t k) { return tr(kPrimitiveKindNames[k].data()); };
+  const std::string chosen = filter_.hits == Hits::anything  ? tr("anything")
+                             : filter_.hits == Hits::nothing ? tr("background")
+                             : filter_.hits == Hits::kind    ? kind_name(size_t(filter_.number))
+                                                             : trf("material {}", filter_.number);
+  if (ImGui::BeginCombo(tr("hits"), chosen.c_str())) {
+    const auto offer = [&](const std::string& name, Hits hits, int number) {
+      if (!ImGui::Selectable(name.c_str(), filter_.hits == hits && filter_.number == number))
+        return;
+      filter_.hits = hits, filter_.number = number, changed = true;
+    };
+    offer(tr("anything"), Hits::anything, 0);
+    offer(tr("background"), Hits::nothing, 0);
+    for (size_t k = 0; k < kPrimitiveKinds; ++k) offer(kind_name(k), Hits::kind, int(k));
+    const size_t materials = std::min<size_t>(found_->request.scene->materials.size(), 200);
+    for (size_t m = 0; m < materials; ++m) offer(trf("material {}", m), Hits::material, int(m));
+    ImGui::EndCombo();
+  }
+  ImGui::PopItemWidth();
+  faint_text(trf("{} of {} rays shown", shown, found_->rays.size()));
+  if (changed) update_scene();
+}
+
+void Inspector::draw_tree(int ray) {
+  const auto& below = children_[size_t(ray)];
+  ImGuiTreeNodeFlags flags = ImGuiTreeNodeFlags_DefaultOpen | ImGuiTreeNodeFlags_OpenOnArrow |
+                             ImGuiTreeNodeFlags_SpanAvailWidth;
+  if (below.empty()) flags |= ImGuiTreeNodeFlags_Leaf;
+  if (ray == ray_) flags |= ImGuiTreeNodeFlags_Selected;
+  const ImVec4 ink =
+      ImGui::ColorConvertU32ToFloat4(color_of(kind_of(found_->sample.rays[size_t(ray)])));
+  ImGui::PushStyleColor(ImGuiCol_Text, ink);
+  const bool is_open =
+      ImGui::TreeNodeEx(fmt::format("{}###ray{}", label_of(ray), ray).c_str(), flags);
+  ImGui::PopStyleColor();
+  if (ImGui::IsItemClicked() && !ImGui::IsItemToggledOpen()) playing_ = false, choose(ray, -1);
+  if (!is_open) return;
+  for (const bool shadow : {true, false})
+    for (const int child : below)
+      if ((found_->sample.rays[size_t(child)].kind == Kind::shadow) == shadow) draw_tree(child);
+  ImGui::TreePop();
+}
+
+void Inspector::draw_walk(double now) {
+  const std::pair<const char*, Walk> buttons[] = {{"|<", Walk::first},
+                                                  {"<##back", Walk::back},
+                                                  {nullptr, Walk::play},
+                                                  {">##on", Walk::on},
+                                                  {">|", Walk::last}};
+  for (const auto& [name, where] : buttons) {
+    if (where != Walk::first) ImGui::SameLine();
+    const bool pressed =
+        name ? ImGui::Button(name, {1.9f * em(), 0})
+             : ImGui::Button(fmt::format("{}###play", playing_ ? tr("stop") : tr("play")).c_str(),
+                             {4 * em(), 0});
+    if (pressed) (void)walk(where, now);
+  }
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(-1);
+  ImGui::SliderFloat("##speed", &speed_, 0.5f, 1000, "%.3g/s", ImGuiSliderFlags_Logarithmic);
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", tr("Steps a second"));
+  if (steps_.empty()) return faint_text(tr("The ray has no steps"));
+  int step = step_ + 1;
+  ImGui::SetNextItemWidth(-1);
+  if (ImGui::SliderInt(
+          "##step", &step, 0, int(steps_.size()),
+          step == 0 ? tr("the whole ray") : trf("step %d of {}", steps_.size()).c_str()))
+    playing_ = false, choose(ray_, step - 1);
+  // Of one height, so that nothing jumps from step to step.
+  ImGui::BeginChild("step", {0, 12 * em()});
+  if (step_ >= 0) {
+    const WalkStep& s = steps_[size_t(step_)];
+    wrapped(s.words);
+    if (!s.formula.empty()) {
+      ImGui::PushStyleColor(ImGuiCol_Text, palette().accent);
+      wrapped(s.formula);
+      ImGui::PopStyleColor();
+    }
+    for (const auto& [name, value] : s.variables) row(name.c_str(), value);
+  } else {
+    faint_text(tr("Play, or step with , and ."));
+  }
+  ImGui::EndChild();
+}
+
+void Inspector::draw_ray() const {
+  const ExplainedRay& r = found_->sample.rays[size_t(ray_)];
+  row(tr("origin"), place(r.ray.origin));
+  row(tr("direction"), r.ray.dir);
+  row(tr("weight"), r.weight);
+  if (r.kind == Kind::shadow) {
+    row(tr("light"), label_of(ray_));
+    row(tr("diffuse"), Vec3f(r.diffuse));
+    row(tr("highlight"), Vec3f(r.highlight));
+    return;
+  }
+  if (r.surface) {
+    const ExplainedRay::Surface& s = *r.surface;
+    row(tr("hits"), app::name_of(r.hit.item));
+    row("t", fmt::format("{}", r.hit.t));
+    row(tr("point"), place(s.point));
+    row(tr("normal"), s.normal);
+    row(tr("material"), fmt::format("{}: kd {:.3g}, ks {:.3g}", s.material, s.kd, s.ks),
+        fmt::format("color {}\nkd {}\nks {}\nshine {}\ntransmission {}\neta {}", exact(s.color),
+                    s.kd, s.ks, s.shine, s.transmission, s.eta));
+    row(tr("ambient"), r.ambient);
+    for (const int k : children_[size_t(ray_)]) {
+      const ExplainedRay& light = found_->sample.rays[size_t(k)];
+      if (light.kind != Kind::shadow) continue;
+      if (light.occluded)
+        row(fmt::format("{} {}", tr("light"), light.light).c_str(), label_of(k));
+      else
+        row(fmt::format("{} {}", tr("light"), light.light).c_str(),
+            Vec3f(light.diffuse + light.highlight));
+    }
+  } else {
+    row(tr("background"), r.background);
+  }
+  row(tr("brings"), r.brings);
+}
+
+// Exact: the sums of pixels are made of these very numbers.
+void Inspector::draw_sum() const {
+  Vec3d sum;
+  const auto& rays = found_->sample.rays;
+  constexpr size_t kMostRows = 200;
+  size_t rows = 0;
+  for (const int i : order_) {
+    const ExplainedRay& r = rays[size_t(i)];
+    if (r.kind == Kind::shadow) continue;
+    sum = sum + r.brings;
+    if (++rows <= kMostRows) row(trf("ray {}", i).c_str(), r.brings);
+  }
+  if (rows > kMostRows) faint_text(trf("and {} more", rows - kMostRows));
+  ImGui::Separator();
+  row(sum == found_->sample.rgb ? tr("= the sample") : tr("sum"), sum);
+}
+
+}  // namespace raio::view

@@ -1,0 +1,54 @@
+// Where points of the world are in the window.
+#pragma once
+
+#include <imgui.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "view/camera_control.h"
+#include "view/stage.h"
+
+namespace raio::view {
+
+class Projection {
+ public:
+  Projection(const Camera& camera, const Stage& stage)
+      : axes_(camera),
+        from_(camera.from),
+        near_(1e-3 * length(Vec3d(camera.at) - from_)),
+        center_((stage.lo.x + stage.hi.x) / 2, (stage.lo.y + stage.hi.y) / 2),
+        scale_(double(stage.hi.y - stage.lo.y) / 2 /
+               std::tan(double(camera.fov_deg) * std::numbers::pi / 360)) {}
+
+  /// Nothing for a point that is not in front of the camera.
+  std::optional<ImVec2> point(const Vec3d& p) const {
+    const Vec3d v = p - from_;
+    const double depth = dot(v, axes_.forward);
+    if (depth < near_) return std::nullopt;
+    return ImVec2(center_.x + float(scale_ * dot(v, axes_.right) / depth),
+                  center_.y - float(scale_ * dot(v, axes_.up) / depth));
+  }
+  /// The part that is in front of the camera.
+  std::optional<std::array<ImVec2, 2>> segment(Vec3d a, Vec3d b) const {
+    const double da = dot(a - from_, axes_.forward), db = dot(b - from_, axes_.forward);
+    const double near = near_ * (1 + 1e-9);
+    if (da < near && db < near) return std::nullopt;
+    if (da < near) a = a + (b - a) * ((near - da) / (db - da));
+    if (db < near) b = b + (a - b) * ((near - db) / (da - db));
+    const auto pa = point(a), pb = point(b);
+    if (!pa || !pb) return std::nullopt;
+    return std::array{*pa, *pb};
+  }
+
+ private:
+  CameraAxes axes_;
+  Vec3d from_;
+  double near_;
+  ImVec2 center_;
+  double scale_;
+};
+
+}  // namespace raio::view

@@ -1,0 +1,186 @@
+// The shading of a hit, told term by term (view/walk_words.h).
+#include <cmath>
+
+#include "view/texts.h"
+#include "view/walk_words.h"
+
+namespace raio::view {
+namespace {
+
+using Kind = ExplainedRay::Kind;
+using Surface = ExplainedRay::Surface;
+using Variables = std::vector<std::pair<std::string, std::string>>;
+
+std::string number(double x) { return fmt::format("{:.6g}", x); }
+template <class T>
+std::string numbers(Vec3<T> v) {
+  return fmt::format("{:.6g} {:.6g} {:.6g}", v.x, v.y, v.z);
+}
+
+class ShadingTeller {
+ public:
+  ShadingTeller(const Explanation& sample, const Scene& scene, size_t ray)
+      : sample_(sample), scene_(scene), id_(ray), ray_(sample.rays[ray]) {}
+
+  std::vector<WalkStep> tell() && {
+    if (ray_.kind == Kind::shadow) {
+      light(sample_.rays[size_t(ray_.parent)], size_t(ray_.light), &ray_);
+    } else if (!ray_.surface) {
+      add(ray_.traced ? tr("The ray hits nothing: it brings the background")
+                      : tr("The ray is beyond the last level: it brings the background"),
+          "C = background", {{"background", numbers(ray_.background)}});
+      sum(ray_.background);
+    } else {
+      ambient();
+      for (size_t l = 0; l < scene_.lights.size(); ++l) light(ray_, l, child(Kind::shadow, int(l)));
+      Rgb radiance = ray_.ambient;
+      for (const ExplainedRay& r : sample_.rays)
+        if (r.kind == Kind::shadow && r.parent == int(id_) && !r.occluded)
+          radiance = radiance + Rgb(r.diffuse + r.highlight);
+      sum(radiance);
+      mirror(*ray_.surface);
+      refraction(*ray_.surface);
+    }
+    return std::move(out_);
+  }
+
+ private:
+  void add(std::string words, std::string formula = {}, Variables variables = {}) {
+    out_.push_back({.words = std::move(words),
+                    .formula = std::move(formula),
+                    .variables = std::move(variables)});
+  }
+
+  const ExplainedRay* child(Kind kind, int light = -1) const {
+    for (const ExplainedRay& r : sample_.rays)
+      if (r.parent == int(id_) && r.kind == kind && r.light == light) return &r;
+    return nullptr;
+  }
+
+  void ambient() {
+    bool any_color = false;
+    for (const Light& l : scene_.lights) any_color |= l.color.has_value();
+    add(any_color ? tr("Ambient light: none, since lights of the scene have colours")
+                  : tr("Ambient light, the same everywhere"),
+        "ambient = A colour",
+        {{"A", any_color ? "0" : "0.1"},
+         {"colour", numbers(ray_.surface->color)},
+         {"ambient", numbers(ray_.ambient)}});
+  }
+
+  // What light l brings to the surface that `at` hits, by its shadow ray, if it faces the light.
+  void light(const ExplainedRay& at, size_t l, const ExplainedRay* shadow) {
+    const Surface& s = *at.surface;
+    if (!shadow) {
+      add(trf("Light {} is behind the surface and brings nothing", l), "N.L <= 0");
+      return;
+    }
+    if (shadow->occluded) {
+      add(trf("Light {} is stopped by what is in front of it and brings nothing", l));
+      return;
+    }
+    const Rgb intensity =
+        scene_.lights[l].color.value_or(Rgb(float(1 / std::sqrt(double(scene_.lights.size())))));
+    const Vec3d n(s.normal), to_light(shadow->ray.dir), v = -Vec3d(at.ray.dir);
+    add(trf("Light {}, diffuse: the more, the more it is in front of the surface", l),
+        "diffuse = I Kd colour (N.L)",
+        {{"I", numbers(intensity)},
+         {"Kd", number(s.kd)},
+         {"colour", numbers(s.color)},
+         {"N", numbers(s.normal)},
+         {"L", numbers(shadow->ray.dir)},
+         {"N.L", number(dot(n, to_light))},
+         {"diffuse", numbers(shadow->diffuse)}});
+    if (!(s.ks > 0)) return;
+    const Vec3d r = n * (2 * dot(n, to_light)) - to_light;
+    add(trf("Light {}, highlight: the more, the nearer its mirrored direction is to the eye", l),
+        "R = 2 (N.L) N - L\nhighlight = I Ks max(0, R.V)^Shine",
+        {{"I", numbers(intensity)},
+         {"Ks", number(s.ks)},
+         {"Shine", number(s.shine)},
+         {"R", numbers(r)},
+         {"V", numbers(v)},
+         {"R.V", number(dot(r, v))},
+         {"highlight", numbers(shadow->highlight)}});
+  }
+
+  void sum(Rgb radiance) {
+    add(ray_.surface ? tr("The sum of these terms, times the weight of the ray, is what it adds to "
+                          "the pixel")
+                     : tr("Times the weight of the ray, this is what it adds to the pixel"),
+        ray_.surface ? "C = ambient + sum (diffuse + highlight)\nadds = weight C"
+                     : "adds = weight C",
+        {{"C", numbers(radiance)},
+         {"weight", number(ray_.weight.x)},
+         {"adds", numbers(ray_.brings)}});
+  }
+
+  void mirror(const Surface& s) {
+    if (!(s.ks > 0)) return;
+    const ExplainedRay* const to = child(Kind::reflection);
+    if (!to) {
+      add(tr("Reflection is switched off"));
+      return;
+    }
+    // A smooth normal can send the ray through the surface; then the geometric one mirrors it.
+    const Vec3d in(ray_.ray.dir), smooth(s.normal), flat(s.geometric);
+    const Vec3d smooth_out = in - smooth * (2 * dot(in, smooth));
+    const Vec3d n = dot(smooth_out, flat) > 0 ? smooth : flat;
+    add(trf("The mirrored ray has direction R and counts {} times as much as this one",
+            number(s.ks)),
+        "R = D - 2 (D.N) N\nweight' = Ks weight",
+        {{"D", numbers(ray_.ray.dir)},
+         {"N", numbers(n)},
+         {"D.N", number(dot(in, n))},
+         {"R", numbers(to->ray.dir)},
+         {"Ks", number(s.ks)},
+         {"weight'", number(to->weight.x)}});
+  }
+
+  void refraction(const Surface& s) {
+    if (!(s.transmission > 0)) return;
+    const ExplainedRay* const to = child(Kind::refraction);
+    const Vec3d in(ray_.ray.dir), smooth(s.normal), flat(s.geometric);
+    const auto k_of = [&](Vec3d n) {
+      const double c = -dot(in, n);
+      return 1 - double(s.eta) * s.eta * (1 - c * c);
+    };
+    // As above: a smooth normal whose ray would stay on its side gives way to the geometric one.
+    Vec3d n = smooth;
+    if (const double k = k_of(n), c = -dot(in, n);
+        !(dot(in * double(s.eta) + n * (s.eta * c - std::sqrt(std::max(0.0, k))), flat) < 0))
+      n = flat;
+    Variables variables{{"eta", number(s.eta)},
+                        {"D", numbers(ray_.ray.dir)},
+                        {"N", numbers(n)},
+                        {"c", number(-dot(in, n))},
+                        {"k", number(k_of(n))}};
+    if (!to) {
+      add(k_of(n) < 0 ? tr("Total internal reflection: no ray is refracted")
+                      : tr("Refraction is switched off"),
+          "c = -D.N\nk = 1 - eta^2 (1 - c^2) < 0", std::move(variables));
+      return;
+    }
+    variables.insert(variables.end(), {{"D'", numbers(to->ray.dir)},
+                                       {"T", number(s.transmission)},
+                                       {"weight'", number(to->weight.x)}});
+    add(trf("The refracted ray follows Snell's law and counts {} times as much as this one",
+            number(s.transmission)),
+        "c = -D.N\nk = 1 - eta^2 (1 - c^2)\nD' = eta D + (eta c - sqrt k) N\nweight' = T weight",
+        std::move(variables));
+  }
+
+  const Explanation& sample_;
+  const Scene& scene_;
+  size_t id_;
+  const ExplainedRay& ray_;
+  std::vector<WalkStep> out_;
+};
+
+}  // namespace
+
+std::vector<WalkStep> shading_words(const Explanation& sample, const Scene& scene, size_t ray) {
+  return ShadingTeller(sample, scene, ray).tell();
+}
+
+}  // namespace raio::view

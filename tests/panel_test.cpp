@@ -1,0 +1,282 @@
+// Every widget of the panel and of the tool bar is pressed, on a screen that nobody sees: what is
+// under the cursor is found by going over all of it.
+#include "view/panel.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <imgui.h>
+#include <imgui_internal.h>
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "io/nff/nff.h"
+#include "view/bars.h"
+#include "view/edit.h"
+#include "view/history.h"
+#include "view/scene_panel.h"
+#include "view/texts.h"
+
+namespace raio::view {
+namespace {
+
+constexpr float kWidth = 420, kHeight = 2600;
+
+ViewState state_of_three() {
+  Scene s;
+  s.name = "three";
+  s.camera.from = {0, -6, 2}, s.camera.at = {0, 0, 0.5f}, s.camera.up = {0, 0.1f, 1};
+  s.background = {0.25f, 0.5f, 0.75f};
+  for (int i = 0; i < 3; ++i) {
+    s.lights.push_back({{3, -4, 5.0f + float(i)}, Rgb(0.5f)});
+    s.materials.push_back({{0.5f, 0.5f, 0.25f + 0.125f * float(i)}, 0.5f, 0.25f, 10, 0.25f, 1.5f});
+    s.spheres.push_back({{float(i), 0, 0}, 0.5f});
+    s.sphere_materials.push_back(uint32_t(i));
+  }
+  ViewState state("three.nff", std::make_shared<const Scene>(std::move(s)), {});
+  state.chosen_light = state.chosen_material = 1;
+  return state;
+}
+
+// Frames of Dear ImGui without a window, with a mouse.
+class Screen {
+ public:
+  explicit Screen(std::function<void()> draw) : context_(ImGui::CreateContext()), draw_(draw) {
+    ImGui::SetCurrentContext(context_);
+    ImGuiIO& io = ImGui::GetIO();
+    io.DisplaySize = {kWidth, kHeight}, io.IniFilename = nullptr;
+    apply_look({}, 1);
+    unsigned char* pixels = nullptr;
+    int width = 0, height = 0;
+    io.Fonts->GetTexDataAsRGBA32(&pixels, &width, &height);
+    frame(), frame();
+  }
+  ~Screen() { ImGui::DestroyContext(context_); }
+  Screen(const Screen&) = delete;
+  Screen& operator=(const Screen&) = delete;
+
+  void frame() {
+    ImGui::GetIO().DeltaTime = 0.5f;  // so that no two clicks are a double one
+    ImGui::NewFrame();
+    draw_();
+    ImGui::Render();
+  }
+  void move(ImVec2 to) { ImGui::GetIO().MousePos = to, frame(); }
+  void button(bool down) { ImGui::GetIO().MouseDown[0] = down, frame(); }
+  void click(ImVec2 at) { move(at), button(true), button(false), frame(); }
+  void drag(ImVec2 from) {
+    move(from), button(true);
+    for (int i = 1; i <= 4; ++i) move({from.x + 5.0f * float(i), from.y});
+    button(false), frame();
+  }
+  // All that answers to the cursor, each with a place where it does.
+  std::map<ImGuiID, ImVec2> widgets() {
+    std::map<ImGuiID, std::vector<ImVec2>> places;
+    for (float y = 2; y < kHeight; y += 7)
+      for (float x = 4; x < kWidth; x += 9) {
+        move({x, y});
+        if (const ImGuiID id = context_->HoveredId) places[id].push_back({x, y});
+      }
+    std::map<ImGuiID, ImVec2> middles;
+    for (const auto& [id, all] : places) middles[id] = all[all.size() / 2];
+    return middles;
+  }
+  bool is_popup_open() const { return context_->OpenPopupStack.Size > 0; }
+  ImGuiContext& context() { return *context_; }
+
+ private:
+  ImGuiContext* context_;
+  std::function<void()> draw_;
+};
+
+// What is another than before, in words.
+std::string difference(const ViewState& a, const ViewState& b) {
+  const auto axes = [](const char* name, const Vec3f& x, const Vec3f& y) -> std::string {
+    for (int i = 0; i < 3; ++i)
+      if (x[i] != y[i]) return fmt::format("{} {}", name, i);
+    return {};
+  };
+  for (std::string found :
+       {axes("from", a.camera.from, b.camera.from), axes("at", a.camera.at, b.camera.at),
+        axes("up", a.camera.up, b.camera.up),
+        axes("background", a.scene->background, b.scene->background)})
+    if (!found.empty()) return found;
+  if (a.camera.fov_deg != b.camera.fov_deg) return "angle";
+  if (a.chosen_light != b.chosen_light)
+    return fmt::format("light of {}", b.chosen_light > a.chosen_light ? "+" : "-");
+  if (a.chosen_material != b.chosen_material && a.scene == b.scene)
+    return fmt::format("material of {}", b.chosen_material > a.chosen_material ? "+" : "-");
+  if (a.scene->lights.size() != b.scene->lights.size()) return "fewer lights";
+  const Light &l = a.scene->lights[1], &m = b.scene->lights[1];
+  if (!(l.position == m.position)) return axes("position", l.position, m.position);
+  if (l.color.has_value() != m.color.has_value()) return "colour of its own";
+  if (l.color && *l.color != *m.color) return axes("its light", *l.color, *m.color);
+  const auto of_second = [](const ViewState& s) {
+    return s.scene->materials[s.scene->sphere_materials[1]];
+  };
+  const Material x = of_second(a), y = of_second(b);
+  if (x.color != y.color) return axes("colour", x.color, y.color);
+  if (x.kd != y.kd) return "Kd";
+  if (x.ks != y.ks) return "Ks";
+  if (x.shine != y.shine) return "shine";
+  if (x.transmission != y.transmission) return "T";
+  if (x.ior != y.ior) return "index";
+  return {};
+}
+
+// What a change of the scene is once it has been saved and read again.
+void expect_saved(const ViewState& state) {
+  const Scene seen = as_seen(*state.scene, state.camera, state.scene->background);
+  const auto read = parse_nff(write_nff(seen), "three");
+  ASSERT_TRUE(read);
+  ViewState again("three.nff", std::make_shared<const Scene>(read->scene), {});
+  again.chosen_light = state.chosen_light, again.chosen_material = state.chosen_material;
+  EXPECT_EQ(difference(state, again), "");
+}
+
+TEST(Panel, EveryFieldOfTheSceneChangesItAndIsUndone) {
+  ViewState state = state_of_three();
+  bool changed = false;
+  Screen screen([&] {
+    ImGui::SetNextWindowPos({0, 0}), ImGui::SetNextWindowSize({kWidth, kHeight});
+    ImGui::Begin("scene", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove);
+    changed |= draw_scene(state);
+    ImGui::End();
+  });
+  std::set<std::string> found;
+  for (const auto& [id, place] : screen.widgets()) {
+    const ViewState before = state = state_of_three();
+    History<ViewState> history(before);
+    changed = false;
+    screen.drag(place);
+    if (difference(before, state).empty()) screen.click(place);
+    if (screen.is_popup_open()) {  // a colour's square: a picker
+      screen.click({kWidth - 2, kHeight - 2}), screen.frame();
+      found.insert("picker");
+      continue;
+    }
+    const std::string what = difference(before, state);
+    if (what.empty()) continue;
+    found.insert(what);
+    if (what.ends_with("+") || what.ends_with("-")) continue;  // the panel's own, not the scene's
+    EXPECT_TRUE(changed) << what;
+    if (what != "fewer lights") expect_saved(state);
+    history.settle(state);
+    ASSERT_TRUE(history.can_undo()) << what;
+    EXPECT_EQ(difference(before, history.undo()), "") << what;
+    EXPECT_EQ(history.redo(), state) << what;
+  }
+  std::set<std::string> expected = {"angle",
+                                    "light of +",
+                                    "light of -",
+                                    "material of +",
+                                    "material of -",
+                                    "fewer lights",
+                                    "colour of its own",
+                                    "Kd",
+                                    "Ks",
+                                    "shine",
+                                    "T",
+                                    "index",
+                                    "picker"};
+  for (const char* field : {"from", "at", "up", "background", "position", "its light", "colour"})
+    for (int i = 0; i < 3; ++i) expected.insert(fmt::format("{} {}", field, i));
+  EXPECT_EQ(found, expected);
+}
+
+// A field that takes text, a list or a picker that opens, a section that closes, a state that
+// changes, a key's command: whatever is under the cursor is one of these.
+TEST(Panel, EverythingUnderTheCursorAnswers) {
+  ViewState state = state_of_three();
+  PanelFacts facts;
+  facts.costs.picture_width = 160, facts.costs.picture_height = 120;
+  PanelResult result;
+  std::set<std::string> pressed;
+  const auto draw = [&] {
+    const PanelResult now = draw_panel(state, facts, {0, 0, kWidth, kHeight});
+    for (const KeySpec* key : now.pressed) pressed.insert(key->help);
+    result.changed |= now.changed;
+    if (!now.problem.empty()) result.problem = now.problem;
+  };
+  Screen screen(draw);
+  const std::vector<const char*> names = {"###Effects",
+                                          "###Statistics",
+                                          "###What each effect costs",
+                                          "###All combinations of effects",
+                                          "###Scene",
+                                          "###All options",
+                                          "###Window"};
+  ImGuiWindow* const panel = ImGui::FindWindowByName("panel");
+  ASSERT_TRUE(panel);
+  const auto open_all = [&] {
+    for (const char* name : names) panel->StateStorage.SetInt(panel->GetID(name), 1);
+    screen.move({kWidth - 2, 1}), screen.frame();
+  };
+  open_all();
+  ASSERT_LT(panel->ContentSize.y, kHeight) << "some are out of sight";
+  const auto all = screen.widgets();
+  size_t options = 0;
+  for (const OptionSpec& spec : render_option_table()) options += spec.of_window;
+  EXPECT_GT(all.size(), options + 60);
+  for (const auto& [id, place] : all) {
+    const ViewState before = state = state_of_three();
+    const size_t keys = pressed.size();
+    const Language spoken = language();
+    result = {};
+    bool answers = false;
+    const auto look = [&] {
+      answers |= screen.is_popup_open() || ImGui::GetIO().WantTextInput || result.changed ||
+                 !result.problem.empty() || pressed.size() > keys || language() != spoken ||
+                 !difference(before, state).empty();
+      for (const char* name : names) answers |= !panel->StateStorage.GetInt(panel->GetID(name), 1);
+    };
+    screen.move(place), screen.button(true), look(), screen.button(false), look();
+    screen.frame(), look();
+    if (!answers) screen.drag(place), look();
+    EXPECT_TRUE(answers) << "at " << place.x << "," << place.y;
+    ImGui::ClosePopupsOverWindow(nullptr, false);
+    ImGui::ClearActiveID();
+    set_language(Language::english);
+    pressed.insert(fmt::format("{}", id)), open_all();
+  }
+  for (const char* key : {"antialiasing", "soft shadows", "depth of field", "reflection",
+                          "refraction", "structure", "measure 16", "light or dark", "big type"})
+    EXPECT_TRUE(pressed.contains(key)) << key;
+}
+
+TEST(Panel, EveryToolPressesItsKey) {
+  const ViewState state = state_of_three();
+  std::vector<const KeySpec*> now;
+  std::vector<std::string> pressed;
+  Screen screen([&] {
+    now.clear();
+    draw_tool_bar({0, 0, 1600, 42}, state, {.can_undo = true, .can_redo = true}, now);
+    for (const KeySpec* key : now) pressed.push_back(key->help);
+  });
+  ImGui::GetIO().DisplaySize = {1600, kHeight};
+  screen.frame();
+  std::set<ImGuiID> seen;
+  for (float x = 2; x < 1600; x += 6) {
+    screen.move({x, 21});
+    const ImGuiID id = screen.context().HoveredId;
+    if (!id || !seen.insert(id).second) continue;
+    const size_t before = pressed.size();
+    screen.click({x + 4, 21});
+    if (screen.is_popup_open()) {  // the views
+      screen.click({1590, kHeight - 2}), screen.frame();
+      pressed.emplace_back("a list");
+    }
+    EXPECT_EQ(pressed.size(), before + 1) << "at " << x;
+  }
+  for (const char* key : {"open", "save scene", "undo", "redo", "antialiasing", "soft shadows",
+                          "depth of field", "reflection", "refraction"})
+    EXPECT_THAT(pressed, testing::Contains(key));
+  EXPECT_EQ(std::set<std::string>(pressed.begin(), pressed.end()).size(), pressed.size());
+}
+
+}  // namespace
+}  // namespace raio::view
