@@ -20,8 +20,7 @@ namespace {
 
 using Kind = ExplainedRay::Kind;
 
-RenderSettings all_effects(const Scene& scene, AccelKind kind) {
-  RenderOptions o;
+RenderSettings all_effects(const Scene& scene, AccelKind kind, RenderOptions o = {}) {
   o.width = 160, o.height = 120;
   o.aa = 2, o.lens_samples = 2;
   o.soft_shadows = true, o.dof = true;
@@ -47,8 +46,9 @@ Vec3d sum_of_terms(const Explanation& e, double scale) {
 }
 
 // Pixels of a scene, chosen at random.
-void expect_pixels_explained(const Scene& scene, AccelKind kind, int pixels, uint32_t seed) {
-  const RenderSettings settings = all_effects(scene, kind);
+void expect_pixels_explained(const Scene& scene, AccelKind kind, int pixels, uint32_t seed,
+                             const RenderOptions& models = {}) {
+  const RenderSettings settings = all_effects(scene, kind, models);
   const auto accel = build_accel(scene, settings.accel);
   ASSERT_TRUE(accel.has_value());
   const double scale = Film(1, 1, classic_bound(scene, settings)).scale();
@@ -105,6 +105,16 @@ TEST(Explain, TermsAddUpToThePixelAndLogsToTheCounts) {
   const Scene scene = testing::random_scene(60, 7);
   for (const AccelKind kind : {AccelKind::none, AccelKind::grid, AccelKind::bvh})
     expect_pixels_explained(scene, kind, 40, 1);
+}
+
+TEST(Explain, TermsAddUpInTheOtherModelsOfLight) {
+  const Scene scene = testing::random_scene(60, 7);
+  for (const ShadingModel shading : {ShadingModel::phong, ShadingModel::blinn_phong})
+    for (const Fresnel fresnel : {Fresnel::exact, Fresnel::schlick}) {
+      RenderOptions models;
+      models.shading = shading, models.fresnel = fresnel;
+      expect_pixels_explained(scene, AccelKind::grid, 20, 1, models);
+    }
 }
 
 TEST(Explain, TermsAddUpInTheSharedScenes) {

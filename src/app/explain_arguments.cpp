@@ -90,6 +90,8 @@ void add_explain(CLI::App& app, ExplainCommand& explain, int& status) {
                       "depth",
                       "no-reflection",
                       "no-refraction",
+                      "shading",
+                      "fresnel",
                       "one-sided",
                       "angle-to-centers",
                       "threads",

@@ -28,14 +28,40 @@ HWY_INLINE V3 refract(const V3& dir, const V3& n, V eta, M& in) {
   return renormalize(d, dir * eta + n * hn::Sub(hn::Mul(eta, cosine), root));
 }
 
-class ClassicShading {
+// The part of unpolarised light that is mirrored, for n on the side that `dir` comes from; 1 at
+// total internal reflection. Schlick's approximation takes the angle on the thinner side.
+HWY_INLINE V reflectance(Fresnel fresnel, const V3& dir, const V3& n, V eta) {
+  const V zero = hn::Zero(d), one = hn::Set(d, 1), tiny = hn::Set(d, 1e-30f);
+  const V in = hn::Min(hn::Max(hn::Neg(dot(dir, n)), zero), one);
+  const V k = hn::Sub(one, hn::Mul(hn::Mul(eta, eta), hn::Sub(one, hn::Mul(in, in))));
+  const V out = hn::Sqrt(hn::Max(k, zero));
+  const auto ratio = [&](V a, V b) HWY_ATTR {
+    const V r = hn::Div(hn::Sub(a, b), hn::Max(hn::Add(a, b), tiny));
+    return hn::Mul(r, r);
+  };
+  V part;
+  if (fresnel == Fresnel::exact) {
+    const V both = hn::Add(ratio(hn::Mul(eta, in), out), ratio(hn::Mul(eta, out), in));
+    part = hn::Mul(both, hn::Set(d, 0.5f));
+  } else {
+    const V least = ratio(eta, one);
+    const V x = hn::Sub(one, hn::IfThenElse(hn::Gt(eta, one), out, in)), x2 = hn::Mul(x, x);
+    part = hn::Add(least, hn::Mul(hn::Sub(one, least), hn::Mul(hn::Mul(x2, x2), x)));
+  }
+  return hn::IfThenElse(hn::Lt(k, zero), one, part);
+}
+
+// With kModels as the settings' models have it; without, as NFF does, free of the choice.
+template <bool kModels>
+class PhongShading {
  public:
-  explicit ClassicShading(const PreparedScene& scene) : scene_(scene) {
+  explicit PhongShading(const PreparedScene& scene) : scene_(scene) {
     const bool any_color =
         std::ranges::any_of(scene.scene.lights, [](const Light& l) { return l.color.has_value(); });
-    ambient_ = any_color ? Rgb() : Rgb(0.1f);
+    ambient_ = any_color || scene.settings.shading != ShadingModel::nff ? Rgb() : Rgb(0.1f);
     for (const Material& m : scene.scene.materials) {
-      any_mirror_ |= m.ks > 0 && scene.settings.reflection;
+      const bool mirrors = m.ks > 0 || (divides() && m.transmission > 0);
+      any_mirror_ |= mirrors && scene.settings.reflection;
       any_transparent_ |= m.transmission > 0 && scene.settings.refraction;
     }
   }
@@ -114,7 +140,7 @@ class ClassicShading {
       V3 light = diffuse;
       const V ks = load(v.ks, i);
       if (!hn::AllFalse(d, hn::Gt(ks, zero))) {
-        const V mirror = hn::Neg(dot(reflect(-dir, normal), directions(w.rays().rays, i)));
+        const V mirror = highlight_cosine(dir, normal, directions(w.rays().rays, i));
         const V highlight = hn::Mul(
             ks, pow_unit(d, hn::Min(hn::Max(mirror, zero), hn::Set(d, 1)), load(v.shine, i)));
         light = light + V3{highlight, highlight, highlight};
@@ -125,6 +151,21 @@ class ClassicShading {
     }
   }
 
+  // Of Phong's angle between the mirrored light and the eye, or of Blinn's between the normal and
+  // the direction halfway between them.
+  HWY_INLINE V highlight_cosine(const V3& to_light, const V3& normal, const V3& in) const {
+    if constexpr (kModels)
+      if (scene_.settings.shading == ShadingModel::blinn_phong)
+        return dot(normal, normalize(d, to_light - in));
+    return hn::Neg(dot(reflect(-to_light, normal), in));
+  }
+
+  // Does Fresnel's reflectance say what is mirrored where T > 0?
+  bool divides() const { return kModels && scene_.settings.fresnel != Fresnel::none; }
+  HWY_INLINE V mirrored_part(const Vertices& v, size_t i, const V3& in) const {
+    return reflectance(scene_.settings.fresnel, in, load(v.normal, i), load(v.eta, i));
+  }
+
   // A smooth triangle's normal can send a ray through the surface that it should leave; then the
   // geometric one decides.
   template <class W>
@@ -132,14 +173,18 @@ class ClassicShading {
     const Vertices& v = w.vertices();
     typename W::Children children(w, level, n);
     for (size_t i = 0; i < n; i += kWidth) {
-      const V ks = load(v.ks, i);
-      const M mirrors = hn::And(hn::FirstN(d, n - i), hn::Gt(ks, hn::Zero(d)));
+      V part = load(v.ks, i);
+      if constexpr (kModels)
+        if (divides())
+          part = hn::IfThenElse(hn::Gt(load(v.transmission, i), hn::Zero(d)),
+                                mirrored_part(v, i, directions(w.rays().rays, i)), part);
+      const M mirrors = hn::And(hn::FirstN(d, n - i), hn::Gt(part, hn::Zero(d)));
       if (hn::AllFalse(d, mirrors)) continue;
       const V3 in = directions(w.rays().rays, i), geometric = load(v.geometric, i);
       V3 dir = renormalize(d, reflect(in, load(v.normal, i)));
       dir = select(hn::Gt(dot(dir, geometric), hn::Zero(d)), dir,
                    renormalize(d, reflect(in, geometric)));
-      w.counts().reflection += children.add(i, load(v.outside, i), dir, ks, 0, mirrors);
+      w.counts().reflection += children.add(i, load(v.outside, i), dir, part, 0, mirrors);
     }
     children.done();
   }
@@ -159,8 +204,11 @@ class ClassicShading {
       const M through = hn::Lt(dot(dir, geometric), hn::Zero(d));
       dir = select(through, dir, other);
       passes = hn::And(passes, hn::Or(through, passes_geometric));
+      V part = transmission;
+      if constexpr (kModels)
+        if (divides()) part = hn::Sub(hn::Set(d, 1), mirrored_part(v, i, in));
       const V3 inside = offset_point(load(v.point, i), geometric, load(v.scale, i), false);
-      w.counts().refraction += children.add(i, inside, dir, transmission, 1, passes);
+      w.counts().refraction += children.add(i, inside, dir, part, 1, passes);
     }
     children.done();
   }
@@ -169,6 +217,9 @@ class ClassicShading {
   Rgb ambient_;                                        // times the material's colour
   bool any_mirror_ = false, any_transparent_ = false;  // among the materials
 };
+
+using ClassicShading = PhongShading<false>;
+using ModelShading = PhongShading<true>;
 
 }  // namespace
 }  // namespace raio::HWY_NAMESPACE

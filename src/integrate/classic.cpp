@@ -27,6 +27,7 @@ HWY_EXPORT(make_renderer);
 
 std::unique_ptr<TileRenderer> make_classic_renderer(const PreparedScene& scene,
                                                     RenderControl& control) {
+  if (needs_models(scene.settings)) return make_model_renderer(scene, control);
   return HWY_DYNAMIC_DISPATCH(make_renderer)(scene, control);
 }
 
@@ -41,7 +42,8 @@ double classic_bound(const Scene& scene, const RenderSettings& settings) {
   for (const Material& m : scene.materials) {
     const float color = std::max(max_component(m.color), own_color);
     brightest = std::max(brightest, light * (color * (1.0 + m.kd) + m.ks));
-    gain = std::max(gain, double(m.ks) + m.transmission);
+    const bool divides = settings.fresnel != Fresnel::none && m.transmission > 0;
+    gain = std::max(gain, divides ? 1.0 : double(m.ks) + m.transmission);
   }
   brightest += max_component(settings.background);
   double sum = 0, weight = 1;

@@ -7,9 +7,18 @@
 
 namespace raio {
 
+/// Do the settings ask for another model of light than NFF's?
+inline bool needs_models(const RenderSettings& s) {
+  return s.shading != ShadingModel::nff || s.fresnel != Fresnel::none;
+}
+
 double classic_bound(const Scene& scene, const RenderSettings& settings);
 
 std::unique_ptr<TileRenderer> make_classic_renderer(const PreparedScene& scene,
                                                     RenderControl& control);
+
+/// The same for settings with needs_models(), which make_classic_renderer() chooses.
+std::unique_ptr<TileRenderer> make_model_renderer(const PreparedScene& scene,
+                                                  RenderControl& control);
 
 }  // namespace raio

@@ -15,6 +15,7 @@ HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
 namespace {
 
+static_assert(ClassicShading::kTints == ModelShading::kTints);
 using Paths = PathRays<ClassicShading::kTints>;
 
 // Lane k of columns' elements i, i + 1, ...
@@ -158,7 +159,11 @@ std::optional<Explanation> explain(const Scene& scene, const Accel& accel, Rende
   Explanation out;
   RenderControl control;
   const RayRecorder recorder(sample, film.scale(), control, out);
-  Wavefront<ClassicShading, RayRecorder>(prepared, control, recorder).render(0, sample + 1, film);
+  const auto render = [&](TileRenderer&& renderer) { renderer.render(0, sample + 1, film); };
+  if (needs_models(settings))
+    render(Wavefront<ModelShading, RayRecorder>(prepared, control, recorder));
+  else
+    render(Wavefront<ClassicShading, RayRecorder>(prepared, control, recorder));
   if (control.stop) return std::nullopt;
   out.counts = film.rays();
   for (const ExplainedRay& r : out.rays) out.rgb = out.rgb + r.brings;

@@ -24,6 +24,14 @@ enum class SamplerKind { jitter, sobol };
 enum class View { picture, normals, depth, ids, materials, steps, tests, focus, samples };
 inline constexpr int kViews = 9;
 
+/// The light at a surface in the integrator `classic` (docs/shading.md): that of NFF; or without
+/// ambient light, with the highlight of Phong 1975 or that of Blinn 1977.
+enum class ShadingModel { nff, phong, blinn_phong };
+
+/// How light divides at a surface with T > 0 into reflected and refracted: by Ks and T, by
+/// Fresnel's equations, or by the approximation of Schlick 1994.
+enum class Fresnel { none, exact, schlick };
+
 inline constexpr int kMaxDepth = 32;  // a place in the ray tree has 32 bits (integrate/sampler.h)
 inline constexpr int kMaxSamples = 1 << 24;  // of a pixel; the sampler numbers them in 32 bits
 
@@ -65,6 +73,8 @@ struct RenderSettings {
   bool dof = false;
   float aperture = 0, focus = 0;  // the lens' radius and the distance in focus, also without dof
   bool reflection = true, refraction = true;
+  ShadingModel shading = ShadingModel::nff;
+  Fresnel fresnel = Fresnel::none;
   bool one_sided = false;
 
   int threads = 1;  // no picture depends on it

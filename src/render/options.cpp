@@ -18,6 +18,8 @@ constexpr std::array<std::string_view, 2> kSamplerNames = {"jitter", "sobol"};
 constexpr std::array<std::string_view, kViews> kViewNames = {
     "picture", "normals", "depth", "ids", "materials", "steps", "tests", "focus", "samples"};
 constexpr std::array<std::string_view, 3> kToneNames = {"none", "srgb", "agx"};
+constexpr std::array<std::string_view, 3> kShadingNames = {"nff", "phong", "blinn-phong"};
+constexpr std::array<std::string_view, 3> kFresnelNames = {"none", "exact", "schlick"};
 constexpr int kMaxSide = 1 << 20;
 
 template <class T>
@@ -77,6 +79,14 @@ std::expected<void, std::string> parse_integrator(RenderOptions& o, std::string_
 
 std::expected<void, std::string> parse_tone(RenderOptions& o, std::string_view text) {
   return parse_word<Tone>(kToneNames, text, o.tone);
+}
+
+std::expected<void, std::string> parse_shading(RenderOptions& o, std::string_view text) {
+  return parse_word<ShadingModel>(kShadingNames, text, o.shading);
+}
+
+std::expected<void, std::string> parse_fresnel(RenderOptions& o, std::string_view text) {
+  return parse_word<Fresnel>(kFresnelNames, text, o.fresnel);
 }
 
 // "depth,normal"
@@ -154,6 +164,12 @@ std::string integrator_text(const RenderOptions& o) {
 }
 std::string tone_text(const RenderOptions& o) {
   return o.tone ? std::string(kToneNames[size_t(*o.tone)]) : "";
+}
+std::string shading_text(const RenderOptions& o) {
+  return o.shading ? std::string(kShadingNames[size_t(*o.shading)]) : "";
+}
+std::string fresnel_text(const RenderOptions& o) {
+  return o.fresnel ? std::string(kFresnelNames[size_t(*o.fresnel)]) : "";
 }
 std::string channels_text(const RenderOptions& o) {
   std::string text;
@@ -272,6 +288,16 @@ constexpr auto kTable = std::to_array<OptionSpec>({
      +[](Options& o) -> bool& { return o.no_reflection; }},
     {"no-refraction", "", "Trace no refracted rays; transparent surfaces become opaque",
      +[](Options& o) -> bool& { return o.no_refraction; }},
+    {"shading", "NAME",
+     "Light at surfaces: nff; or phong or blinn-phong, without ambient light and with the "
+     "highlight "
+     "of that name (default: nff)",
+     parse_shading, 0, 0, shading_text, kShadingNames},
+    {"fresnel", "NAME",
+     "Reflected and refracted parts of light where T is above 0: none, which takes Ks and T; "
+     "exact, "
+     "by Fresnel's equations; or schlick, by Schlick's approximation (default: none)",
+     parse_fresnel, 0, 0, fresnel_text, kFresnelNames},
     {"one-sided", "", "Cull back faces of opaque surfaces, as the NFF specification says",
      +[](Options& o) -> bool& { return o.one_sided; }},
     {"angle-to-centers", "",
@@ -562,6 +588,8 @@ RenderSettings resolve_options(const RenderOptions& o, const Scene& scene) {
       o.focus > 0 ? o.focus : s.camera.focus_distance.value_or(length(s.camera.at - s.camera.from));
   s.aperture = o.aperture > 0 ? o.aperture : s.camera.lens_radius.value_or(s.focus / 50);
   s.reflection = !o.no_reflection, s.refraction = !o.no_refraction;
+  s.shading = o.shading.value_or(ShadingModel::nff);
+  s.fresnel = o.fresnel.value_or(Fresnel::none);
   s.one_sided = o.one_sided;
   s.threads = o.threads > 0 ? o.threads : max_concurrency();
   return s;
@@ -587,6 +615,8 @@ RenderOptions options_of(const RenderSettings& s, const Scene& scene) {
   o.soft_shadows = s.soft_shadows, o.light_size = s.light_size;
   o.dof = s.dof, o.aperture = s.aperture, o.focus = s.focus;
   o.no_reflection = !s.reflection, o.no_refraction = !s.refraction;
+  if (s.shading != ShadingModel::nff) o.shading = s.shading;
+  if (s.fresnel != Fresnel::none) o.fresnel = s.fresnel;
   o.one_sided = s.one_sided;
   o.threads = s.threads;
   return o;

@@ -41,6 +41,8 @@ struct RenderOptions {
   std::optional<SamplerKind> sampler;
   int depth = 5;
   bool no_reflection = false, no_refraction = false;
+  std::optional<ShadingModel> shading;
+  std::optional<Fresnel> fresnel;
   bool one_sided = false;
   bool angle_to_centers = false;  // of view: see EyeRays
   int threads = 0;
