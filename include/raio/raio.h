@@ -128,6 +128,7 @@ class RAIO_API Scene {
 
   void set_camera(const Camera& camera);
   Camera camera() const;
+  /// In place of what was there, a sky too.
   void set_background(Triple color);
   /// A point light; without a colour it is white, and n such lights have 1 / sqrt(n) each.
   void add_light(Triple position, std::optional<Triple> color = std::nullopt);

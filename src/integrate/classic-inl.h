@@ -7,6 +7,7 @@
 #define RAIO_INTEGRATE_CLASSIC_INL_H_
 #endif
 
+#include "integrate/sky-inl.h"
 #include "integrate/wavefront-inl.h"
 #include "scene/columns.h"
 
@@ -69,6 +70,9 @@ class PhongShading {
   static constexpr bool kTints = false;
   int levels() const { return scene_.settings.depth; }
   Rgb background() const { return scene_.settings.background; }
+  static constexpr bool kSky = kModels;
+  bool has_sky() const { return scene_.settings.sky != nullptr; }
+  V3 sky(const V3& dir) const { return sky_towards(*scene_.settings.sky, dir); }
   static bool counts_rays() { return false; }
   template <class W>
   void begin(W&, size_t) const {}

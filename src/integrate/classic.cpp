@@ -45,7 +45,8 @@ double classic_bound(const Scene& scene, const RenderSettings& settings) {
     const bool divides = settings.fresnel != Fresnel::none && m.transmission > 0;
     gain = std::max(gain, divides ? 1.0 : double(m.ks) + m.transmission);
   }
-  brightest += max_component(settings.background);
+  brightest += settings.sky ? double(settings.sky->largest) / 255
+                            : double(max_component(settings.background));
   double sum = 0, weight = 1;
   for (int level = 0; level <= settings.depth; ++level, weight *= gain) sum += weight * brightest;
   return sum;

@@ -7,9 +7,9 @@
 
 namespace raio {
 
-/// Do the settings ask for another model of light than NFF's?
+/// Do the settings ask for another model of light than NFF's, or for a sky?
 inline bool needs_models(const RenderSettings& s) {
-  return s.shading != ShadingModel::nff || s.fresnel != Fresnel::none;
+  return s.shading != ShadingModel::nff || s.fresnel != Fresnel::none || s.sky;
 }
 
 double classic_bound(const Scene& scene, const RenderSettings& settings);

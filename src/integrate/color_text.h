@@ -20,7 +20,7 @@ struct WrittenColor {
   bool encoded = false;
   /// Of a background: a sky in place of the colour, by the name of its folder. parse_color() gives
   /// none.
-  std::shared_ptr<const CubeMap> sky;
+  std::shared_ptr<const CubeMap> sky = {};  // NOLINT(readability-redundant-member-init)
 
   friend bool operator==(const WrittenColor&, const WrittenColor&) = default;
 };

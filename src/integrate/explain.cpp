@@ -44,7 +44,7 @@ class RayRecorder {
           add(level == 1 ? Kind::eye : child_kind(branch % 2), level == 1 ? -1 : find(branch / 2),
               current.rays[i], current.weight[0][i]);
       r.hit = hits[i];
-      if (!r.hit.found()) set_background(r, seen_there(r.weight));
+      if (!r.hit.found()) set_background(r, seen_there(r.ray.dir, r.weight));
     }
   }
 
@@ -58,7 +58,7 @@ class RayRecorder {
       ExplainedRay& r = add(child_kind(side), find(current.branch[first + k]),
                             {lane(origin, k), lane(dir, k)}, lane(weight, k));
       r.traced = false;
-      set_background(r, seen_there(r.weight));
+      set_background(r, seen_there(r.ray.dir, r.weight));
     }
   }
 

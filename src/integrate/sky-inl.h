@@ -67,8 +67,8 @@ HWY_INLINE V3 sky_towards(const CubeMap& sky, const V3& dir) {
   const U below_a = hn::GatherIndex(du, texels + sky.stride(), first);
   const U below_b = hn::GatherIndex(du, texels + sky.stride() + 1, first);
   const auto between = [&](auto shift) HWY_ATTR {
-    const auto value = [&](U texel) HWY_ATTR {
-      const U byte = hn::And(hn::ShiftRight<shift()>(texel), hn::Set(du, 255));
+    const auto value = [&](U packed) HWY_ATTR {
+      const U byte = hn::And(hn::ShiftRight<shift()>(packed), hn::Set(du, 255));
       return hn::ConvertTo(d, hn::BitCast(di, byte));
     };
     const auto mix = [](V from, V to, V part)

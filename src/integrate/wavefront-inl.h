@@ -11,6 +11,9 @@
 //   static constexpr bool kTints              children may weigh unlike in red, green and blue
 //   int levels()                              of the ray tree
 //   Rgb background()                          what rays that hit nothing bring
+//   static constexpr bool kSky                that may depend on their direction. If so it also has
+//     bool has_sky()                            whether it does, and
+//     V3 sky(direction)                         what they bring then
 //   bool counts_rays()                        wants each eye ray's own steps and tests,
 //   void begin(wavefront, n)                  which it gets here, before misses are dropped
 //   void shade(wavefront, level, n, sampler)  sets vertices().radiance of the n current rays, which
@@ -138,7 +141,7 @@ class Wavefront final : public TileRenderer {
       if (last_) {
         if constexpr (kRecords)
           w_.recorder_.untraced(w_.current_, i, origin, dir, weight, side, mask, w_.seen_there());
-        w_.add_background(weight, &w_.current_.pixel[i], mask);
+        w_.add_seen(weight, dir, &w_.current_.pixel[i], mask);
         return 0;
       }
       const U branch = load(w_.current_.branch, i);
@@ -371,7 +374,9 @@ class Wavefront final : public TileRenderer {
       const M in = hn::FirstN(d, n - i);
       const M found = hn::And(in, hn::RebindMask(d, hn::Ne(item, hn::Set(du, kNoPrimitive))));
       const size_t count = hn::CountTrue(d, found);
-      if (seen) add_background(current_.weights(i), &current_.pixel[i], hn::AndNot(found, in));
+      if (seen)
+        add_seen(current_.weights(i), directions(rays, i), &current_.pixel[i],
+                 hn::AndNot(found, in));
       if (count > 0 && (kept < i || count < kWidth)) {
         put(load(hits_.t, i), found, hits_.t, kept), put(item, found, hits_.item, kept);
         put(load(hits_.u, i), found, hits_.u, kept), put(load(hits_.v, i), found, hits_.v, kept);
@@ -386,12 +391,30 @@ class Wavefront final : public TileRenderer {
       current_.repeat(kept - 1, i), hits_.set(i, hits_[kept - 1]);
   }
 
-  // For a Recorder: what a ray of some weight brings that hits nothing.
+  // For a Recorder: what a ray of some direction and weight brings that hits nothing.
   auto seen_there() const {
-    return [this](Rgb weight) {
-      const Rgb background = shading_.background();
+    return [this](Vec3f dir, Rgb weight) HWY_ATTR {
+      Rgb background = shading_.background();
+      if constexpr (Shading::kSky)
+        if (shading_.has_sky()) {
+          const V3 sky = shading_.sky(set3(d, dir));
+          background = {hn::GetLane(sky.x), hn::GetLane(sky.y), hn::GetLane(sky.z)};
+        }
       return std::pair(background, sums_.fixed(background * weight));
     };
+  }
+
+  // What rays bring that hit nothing.
+  HWY_INLINE void add_seen(const typename Paths::Weight& weight, const V3& dir,
+                           const uint32_t* pixels, M mask) {
+    if constexpr (Shading::kSky)
+      if (shading_.has_sky()) return add_sky(weight, dir, pixels, mask);
+    add_background(weight, pixels, mask);
+  }
+
+  void add_sky(const typename Paths::Weight& weight, const V3& dir, const uint32_t* pixels,
+               M mask) {
+    if (!hn::AllFalse(d, mask)) sums_.add(shading_.sky(dir) * weight, pixels, mask);
   }
 
   void add_background(const typename Paths::Weight& weight, const uint32_t* pixels, M mask) {

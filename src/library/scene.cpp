@@ -75,7 +75,10 @@ Camera Scene::camera() const {
           double(scene.camera.fov_deg)};
 }
 
-void Scene::set_background(Triple color) { data_->scene.background = rgb(color); }
+void Scene::set_background(Triple color) {
+  data_->scene.background = rgb(color);
+  data_->scene.sky = nullptr, data_->scene.sky_folder.clear();
+}
 
 void Scene::add_light(Triple position, std::optional<Triple> color) {
   Light light{Vec3f(vec(position) - data_->scene.origin), {}};

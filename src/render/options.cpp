@@ -2,7 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -336,21 +335,17 @@ std::expected<void, std::string> set_number(T& out, const OptionSpec& spec, std:
   return {};
 }
 
-// That shells leave as it is; with # their comments begin.
-bool is_plain_word(std::string_view text) {
-  return !text.empty() && std::ranges::all_of(text, [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-           std::string_view("_-+,./:=@%").contains(c);
-  });
-}
+}  // namespace
 
-std::string quoted(std::string_view text) {
+std::string quoted(std::string_view word) {
+  constexpr std::string_view kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./-+,=:@%";
+  if (!word.empty() && word.find_first_not_of(kPlain) == std::string_view::npos)
+    return std::string(word);
   std::string out = "'";
-  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return out + "'";
 }
-
-}  // namespace
 
 std::span<const OptionSpec> render_option_table() { return kTable; }
 
@@ -416,10 +411,8 @@ std::string option_arguments(const RenderOptions& options) {
     if (text == option_text(usual, spec)) continue;
     if (spec.is_switch())
       out += fmt::format(" --{}{}", text == "false" ? "no-" : "", spec.name);
-    else if (!is_plain_word(text))
-      out += fmt::format(" --{} {}", spec.name, quoted(text));
     else
-      out += fmt::format(" --{} {}", spec.name, text);
+      out += fmt::format(" --{} {}", spec.name, quoted(text));
   }
   return out;
 }

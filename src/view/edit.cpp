@@ -3,6 +3,7 @@
 #include <chrono>
 #include <filesystem>
 #include <new>
+#include <system_error>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -29,23 +30,31 @@ SharedScene edited(const SharedScene& scene, const std::function<void(Scene&)>& 
   return next;
 }
 
-Scene as_seen(const Scene& scene, const Camera& camera, const Rgb& background) {
+Scene as_seen(const Scene& scene, const Camera& camera, const Rgb& background,
+              const std::shared_ptr<const CubeMap>& sky) {
   Scene seen = scene;
   seen.camera.from = camera.from, seen.camera.at = camera.at;
   seen.camera.up = camera.up, seen.camera.fov_deg = camera.fov_deg;
   seen.background = background;
+  if (sky == scene.sky) return seen;
+  seen.sky = sky;
+  std::error_code ignored;
+  seen.sky_folder = sky ? std::filesystem::absolute(sky->folder, ignored).string() : "";
   return seen;
 }
 
 void SceneWriter::write(const ViewState& state, const std::string& path) {
-  const Rgb background = resolve_options(state.options, *state.scene).background;
+  RenderOptions options = state.options;  // of the picture, whatever is shown of it
+  options.view = View::picture, options.integrator = std::nullopt;
+  const RenderSettings settings = resolve_options(options, *state.scene);
   writing_ = std::async(
       std::launch::async,
-      [source = state.scene, camera = state.camera, background, path]() -> Written {
+      [source = state.scene, camera = state.camera, background = settings.background,
+       sky = settings.sky, path]() -> Written {
         try {
           const auto format = scene_format(path);
           if (!format) return {path, source, source, std::unexpected(format.error())};
-          auto scene = edited(source, [&](Scene& s) { s = as_seen(s, camera, background); });
+          auto scene = edited(source, [&](Scene& s) { s = as_seen(s, camera, background, sky); });
           const auto written = write_scene(*scene, path, scene->name + ", written by raio view");
           if (!written) return {path, source, source, std::unexpected(written.error())};
           const std::string lost = not_kept(*scene, *format);

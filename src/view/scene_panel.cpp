@@ -56,10 +56,19 @@ bool draw_camera(ViewState& state) {
 }
 
 bool draw_background(ViewState& state) {
-  Rgb color = resolve_options(state.options, *state.scene).background;
-  if (!ImGui::ColorEdit3(tr("background"), &color.x, kColorFlags)) return false;
+  const RenderSettings settings = resolve_options(state.options, *state.scene);
+  Rgb color = settings.background;
+  if (settings.sky) {
+    faint_text(trf("background: the sky {}", settings.sky->folder));
+    if (!ImGui::Button(tr("a colour instead"))) return false;
+  } else if (!ImGui::ColorEdit3(tr("background"), &color.x, kColorFlags)) {
+    return false;
+  }
   state.options.background.reset();
-  state.scene = edited(state.scene, [&](Scene& s) { s.background = color; });
+  state.scene = edited(state.scene, [&](Scene& s) {
+    s.background = color;
+    s.sky = nullptr, s.sky_folder.clear();
+  });
   return true;
 }
 

@@ -89,7 +89,4 @@ struct Pick {
 };
 Pick pick(const Accel& accel, const Camera& camera, double x, double y, double width_per_height);
 
-/// `word` as a shell wants it.
-std::string quoted(const std::string& word);
-
 }  // namespace raio::view

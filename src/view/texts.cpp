@@ -135,6 +135,8 @@ constexpr auto kTexts = std::to_array<std::pair<const char*, const char*>>({
     {"material {}", "material {}"},
     {"blur {:.3g} pixels", "desfoque de {:.3g} pixels"},
     {"background", "fundo"},
+    {"background: the sky {}", "fundo: o céu {}"},
+    {"a colour instead", "antes uma cor"},
     {"distance {:.4g}", "distância {:.4g}"},
     {"normal towards the eye", "normal voltada para o olho"},
     {"a colour for each primitive", "uma cor para cada primitivo"},
