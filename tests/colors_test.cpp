@@ -25,7 +25,7 @@ Image picture(const Scene& scene, AccelKind kind) {
 /// rich_scene() with a material of nothing, bright enough to decide the unit of the film.
 Scene scene_of_one_unit(uint32_t seed) {
   Scene scene = rich_scene(seed);
-  scene.materials.push_back({Rgb(2), 1, 1, 1, 0, 1});
+  scene.add_material({Rgb(2), 1, 1, 1, 0, 1});
   return scene;
 }
 

@@ -117,6 +117,16 @@ TEST(Explain, TermsAddUpInTheOtherModelsOfLight) {
     }
 }
 
+TEST(Explain, TermsAddUpWhereMirrorsHaveColours) {
+  Scene scene = testing::random_scene(60, 7);
+  for (size_t m = 0; m < scene.materials.size(); ++m)
+    scene.material_specular.push_back({1, 0.25f * float(m % 4), 0.5f});
+  RenderOptions models;
+  expect_pixels_explained(scene, AccelKind::grid, 20, 1, models);
+  models.shading = ShadingModel::blinn_phong, models.fresnel = Fresnel::schlick;
+  expect_pixels_explained(scene, AccelKind::bvh, 20, 2, models);
+}
+
 TEST(Explain, TermsAddUpInTheSharedScenes) {
   const auto paths = testing::shared_scenes();
   if (paths.empty()) GTEST_SKIP() << "the shared scenes are not here";

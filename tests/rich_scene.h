@@ -24,6 +24,8 @@ inline Scene rich_scene(uint32_t seed = 1) {
   paint(s.triangles.size(), s.triangle_colors, s.triangle_opacity);
   paint(s.polygons.size(), s.polygon_colors, s.polygon_opacity);
   s.lights[0].color = Rgb(1, 0.5f, 0.25f);
+  for (size_t m = 0; m < s.materials.size(); ++m)
+    s.material_specular.push_back(color()), s.material_roughness.push_back(unit(rng));
   s.camera.lens_radius = 0.01f;
   s.camera.hither = 1;
 

@@ -135,6 +135,69 @@ TEST(ShadingModels, FresnelLeavesOpaqueMirrors) {
     EXPECT_EQ(pixel(scene, with_models(ShadingModel::nff, model)), pixel(scene, {}));
 }
 
+// Highlight and mirror of the models take the specular colour; what is refracted does not.
+TEST(ShadingModels, SpecularColourTintsHighlightsAndMirrors) {
+  constexpr float kKd = 0.6f, kKs = 0.3f, kShine = 12, kT = 0.2f;
+  const Rgb color(1, 0.5f, 0.25f), background(0.1f, 0.2f, 0.3f), tint(0.9f, 0.5f, 0);
+  const Vec3f from(1, -3, 3), light(0.5f, 2, 2.5f);
+  const Vec3d n(0, 0, 1), v = normalize(Vec3d(from)), l = normalize(Vec3d(light));
+  const Vec3d r = n * (2 * dot(n, l)) - l, h = normalize(l + v);
+  for (const ShadingModel model : {ShadingModel::nff, ShadingModel::blinn_phong})
+    for (const float t : {0.0f, kT}) {
+      Scene scene = plane_seen_from(from, {color, kKd, kKs, kShine, t, 1});
+      scene.material_specular = {tint};
+      scene.background = background;
+      scene.lights = {{.position = light, .color = Rgb(0.9f)}};
+      const double cosine = model == ShadingModel::nff ? dot(r, v) : dot(n, h);
+      const Rgb found = pixel(scene, with_models(model, Fresnel::none));
+      for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(found[c],
+                    0.9 * (kKd * color[c] * dot(n, l) +
+                           kKs * tint[c] * std::pow(cosine, double(kShine))) +
+                        (kKs * tint[c] + t) * background[c],
+                    2e-5);
+      // By Fresnel's equations the mirror of glass has no colour, as light is divided, not kept.
+      if (t == 0) continue;
+      scene.lights.clear();
+      const Rgb whole = pixel(scene, with_models(ShadingModel::blinn_phong, Fresnel::schlick));
+      for (int c = 0; c < 3; ++c) EXPECT_NEAR(whole[c], background[c], 1e-6);
+    }
+}
+
+// From mirror to mirror the colours multiply, and no more light comes back than the film's bound
+// holds, also where the colour is far above white.
+TEST(ShadingModels, ColoursMultiplyFromMirrorToMirror) {
+  for (const float most : {0.75f, 50.0f}) {
+    Scene scene;
+    scene.camera.from = {0, 0, 1}, scene.camera.at = {0.5f, 0, 0}, scene.camera.fov_deg = 1;
+    scene.materials = {{{0, 0, 0}, 0, 0.5f, 1, 0, 0}};
+    scene.material_specular = {{most, 0.5f, 0.25f}};
+    scene.planes = {{{0, 0, 0}, {0, 0, 1}}, {{0, 0, 2}, {0, 0, -1}}};
+    scene.plane_materials = {0, 0};
+    scene.background = Rgb(1, 2, 3);
+    RenderOptions options;
+    options.depth = 4;  // mirrored four times, and then the background is seen
+    const Rgb found = pixel(scene, options);
+    for (int c = 0; c < 3; ++c) {
+      const double part = 0.5 * double(scene.material_specular[0][c]);
+      const double expected = double(scene.background[c]) * std::pow(part, 4);
+      EXPECT_NEAR(found[c], expected, 1e-6 * (1 + expected));
+    }
+  }
+}
+
+// White is no colour: the same bytes as without the column.
+TEST(ShadingModels, WhiteSpecularIsNone) {
+  Scene scene = random_scene(80, 3);
+  RenderOptions options;
+  options.width = 60, options.height = 50, options.aa = 2, options.soft_shadows = true;
+  const Image without = picture_of(scene, options);
+  scene.material_specular.assign(scene.materials.size(), Rgb(1));
+  EXPECT_TRUE(same_bytes(without, picture_of(scene, options)));
+  scene.material_specular.back() = Rgb(1, 0, 0);
+  expect_one_picture(scene, options);
+}
+
 TEST(ShadingModels, EveryStructureGivesThePicture) {
   for (const ShadingModel shading : {ShadingModel::phong, ShadingModel::blinn_phong})
     for (const Fresnel fresnel : {Fresnel::none, Fresnel::exact, Fresnel::schlick}) {

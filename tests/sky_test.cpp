@@ -10,7 +10,7 @@
 #include "io/scene_file.h"
 #include "one_picture.h"
 #include "render/job.h"
-#include "render/merge.h"
+#include "render/part.h"
 #include "render/provenance.h"
 #include "scenes.h"
 #include "sky_files.h"
@@ -18,9 +18,9 @@
 namespace raio {
 namespace {
 
-using ::testing::HasSubstr;
 using testing::distinct_texel;
 using testing::expect_one_picture;
+using ::testing::HasSubstr;
 using testing::jpeg_of;
 using testing::picture_of;
 using testing::put_sky;
@@ -161,7 +161,8 @@ TEST_F(Sky, IsSeenInMirrorsAndThroughGlass) {
     // Beyond the last level and within.
     for (const int depth : {1, 5}) {
       const Vec3f mirrored{in.x, -in.y, in.z};
-      expect_near(on_plane({{0, 0, 0}, 0, 0.5f, 1, 0, 1}, depth), seen(mirrored, map) * 0.5f, 1e-5f);
+      expect_near(on_plane({{0, 0, 0}, 0, 0.5f, 1, 0, 1}, depth), seen(mirrored, map) * 0.5f,
+                  1e-5f);
       const Vec3f through = normalize(Vec3f(in.x / 1.5f, 0, in.z / 1.5f) -
                                       Vec3f(0, std::sqrt(1 - (1 - in.y * in.y) / 2.25f), 0));
       expect_near(on_plane({{0, 0, 0}, 0, 0, 1, 0.75f, 1.5f}, depth), seen(through, map) * 0.75f,
@@ -383,8 +384,9 @@ TEST_F(SkyJob, OfAScenesFileIsBesideItOrAbove) {
             "its sky: there is no folder sky beside it or in a folder above");
   const auto why = option_conflict({}, &read->scene);
   ASSERT_TRUE(why);
-  EXPECT_EQ(why->text(), "background: the scene's sky sky could not be read; give the folder of "
-                         "one, or a colour");
+  EXPECT_EQ(why->text(),
+            "background: the scene's sky sky could not be read; give the folder of "
+            "one, or a colour");
   RenderOptions white;
   set(white, "#ffffff");
   EXPECT_FALSE(option_conflict(white, &read->scene));
@@ -396,7 +398,8 @@ TEST_F(Sky, FacesMayBeOfAnyType) {
   for (int i = 0; i < 256; ++i) rows += "\x33\x66\x99";
   for (const auto& [name, progressive] : {std::pair("Left.JPG", false), {"top.jpeg", true}}) {
     put(file("sky") / name, jpeg_of(16, 16, rows, progressive));
-    std::filesystem::remove(file("sky") / (name == std::string("Left.JPG") ? "left.png" : "top.png"));
+    std::filesystem::remove(file("sky") /
+                            (name == std::string("Left.JPG") ? "left.png" : "top.png"));
   }
   // Grey.
   put(file("sky/front.jpg"), jpeg_of(16, 16, std::string(256, '\x80'), false, true));
@@ -419,15 +422,17 @@ TEST_F(Sky, WhatIsWrongWithFacesIsNamed) {
   EXPECT_EQ(error(), "none");
   std::filesystem::remove(file("sky/top.png"));
   std::filesystem::rename(file("sky/back.png"), file("sky/back.gif"));
-  EXPECT_EQ(error(), "sky: the sky lacks top, back; expected right, left, top, bottom, front, back, "
-                     "each as .jpg, .jpeg or .png");
+  EXPECT_EQ(error(),
+            "sky: the sky lacks top, back; expected right, left, top, bottom, front, back, "
+            "each as .jpg, .jpeg or .png");
   put_sky(file("sky"), 8);
   ASSERT_TRUE(write_image(Image(8, 7), file("sky/top.png")));
   EXPECT_EQ(error(),
             "sky: the face top (sky/top.png) has 8 x 7 pixels; expected as many columns as rows");
   ASSERT_TRUE(write_image(Image(9, 9), file("sky/top.png")));
-  EXPECT_EQ(error(), "sky: the face top (sky/top.png) has 9 x 9 pixels, but the face right "
-                     "(sky/right.png) has 8 x 8 pixels; expected faces of one size");
+  EXPECT_EQ(error(),
+            "sky: the face top (sky/top.png) has 9 x 9 pixels, but the face right "
+            "(sky/right.png) has 8 x 8 pixels; expected faces of one size");
   put(file("sky/top.png"), "GIF89a");
   EXPECT_EQ(error(), "sky: the face top (sky/top.png): it is no picture in PNG or JPEG format");
   put(file("sky/top.png"), "");
@@ -452,8 +457,9 @@ TEST_F(Sky, WhatIsWrongWithFacesIsNamed) {
   ASSERT_NE(frame, std::string::npos);
   large.replace(frame + 5, 4, "\x3f\xff\x3f\xff");
   put(file("sky/bottom.jpg"), large);
-  EXPECT_EQ(error(), "sky: the face bottom (sky/bottom.jpg): broken JPEG: too short for 16383 x "
-                     "16383 pixels");
+  EXPECT_EQ(error(),
+            "sky: the face bottom (sky/bottom.jpg): broken JPEG: too short for 16383 x "
+            "16383 pixels");
   std::filesystem::remove(file("sky/bottom.jpg"));
   std::filesystem::remove(file("sky/bottom.png"));
   std::filesystem::create_directories(file("sky/bottom.png"));

@@ -21,8 +21,7 @@ namespace {
 using Kind = ExplainedRay::Kind;
 using ::testing::HasSubstr;
 
-RenderSettings settings_of(const Scene& scene, AccelKind kind) {
-  RenderOptions o;
+RenderSettings settings_of(const Scene& scene, AccelKind kind, RenderOptions o = {}) {
   o.width = 160, o.height = 120;
   o.soft_shadows = true;
   o.accel = {.kind = kind, .counters = true};
@@ -31,8 +30,9 @@ RenderSettings settings_of(const Scene& scene, AccelKind kind) {
 
 // Calls f(explanation, accel) for pixels chosen at random.
 template <class F>
-void for_samples(const Scene& scene, AccelKind kind, int pixels, F&& f) {
-  const RenderSettings settings = settings_of(scene, kind);
+void for_samples(const Scene& scene, AccelKind kind, int pixels, F&& f,
+                 const RenderOptions& options = {}) {
+  const RenderSettings settings = settings_of(scene, kind, options);
   const auto accel = build_accel(scene, settings.accel);
   ASSERT_TRUE(accel.has_value());
   std::mt19937 rng(11);
@@ -182,15 +182,29 @@ TEST(WalkWords, TellAWalkThatIsKnown) {
             "Any hit ends the walk of a shadow ray: sphere 1 is in front of the light");
 }
 
+// One number, or one for each of red, green and blue.
+Rgb rgb_of(const std::string& text) {
+  return text.find(' ') == std::string::npos ? Rgb(std::strtof(text.c_str(), nullptr))
+                                             : Rgb(vector_of(text));
+}
+
+// A ray's weight is that of the ray before it, times the factors that the step names.
+void expect_weight(const WalkStep& step, Rgb before, const std::string& weight) {
+  Rgb expected = before;
+  for (const char* factor : {"Ks", "specular", "Kr", "T", "1 - Kr"})
+    if (const std::string v = value_of(step, factor); !v.empty()) expected = expected * rgb_of(v);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(rgb_of(weight)[c], expected[c], 2e-5) << step.formula;
+}
+
 // "ambient", "diffuse" and "highlight" are the "C" of the sum, and times the weight what is
 // brought.
-TEST(WalkWords, TermsOfTheShadingAddUp) {
-  const Scene scene = testing::random_scene(60, 7);
+void expect_sums(const Scene& scene, const RenderOptions& options) {
   size_t surfaces = 0, mirrors = 0, refractions = 0;
-  for_samples(scene, AccelKind::bvh, 2000, [&](const Explanation& e, const Accel&) {
+  const RenderSettings settings = settings_of(scene, AccelKind::bvh, options);
+  const auto check = [&](const Explanation& e, const Accel&) {
     for (size_t i = 0; i < e.rays.size(); ++i) {
       const ExplainedRay& ray = e.rays[i];
-      const std::vector<WalkStep> steps = shading_words(e, scene, i);
+      const std::vector<WalkStep> steps = shading_words(e, scene, settings, i);
       ASSERT_FALSE(steps.empty());
       if (ray.kind == Kind::shadow) continue;
       Vec3d sum, told;
@@ -201,11 +215,13 @@ TEST(WalkWords, TermsOfTheShadingAddUp) {
         if (const std::string v = value_of(step, "R"), w = value_of(step, "weight'");
             !v.empty() && !w.empty()) {
           ++mirrors;
+          expect_weight(step, ray.weight, w);
           const Vec3d d(ray.ray.dir), n = vector_of(value_of(step, "N"));
           EXPECT_LT(length(vector_of(v) - (d - n * (2 * dot(d, n)))), 1e-4);
         }
         if (const std::string v = value_of(step, "D'"); !v.empty()) {
           ++refractions;
+          expect_weight(step, ray.weight, value_of(step, "weight'"));
           const double eta = std::atof(value_of(step, "eta").c_str());
           const double c = std::atof(value_of(step, "c").c_str());
           const double k = std::atof(value_of(step, "k").c_str());
@@ -219,24 +235,43 @@ TEST(WalkWords, TermsOfTheShadingAddUp) {
         EXPECT_NEAR(told[c] * double(ray.weight[c]), ray.brings[c], 1e-5 * (1 + std::abs(told[c])));
       }
     }
-  });
+  };
+  for_samples(scene, AccelKind::bvh, 2000, check, options);
   EXPECT_GT(surfaces, 50u);
   EXPECT_GT(mirrors, 10u);
   EXPECT_GT(refractions, 10u);
 }
 
+TEST(WalkWords, TermsOfTheShadingAddUp) { expect_sums(testing::random_scene(60, 7), {}); }
+
+TEST(WalkWords, TermsOfOtherModelsOfLightAddUp) {
+  Scene scene = testing::random_scene(60, 7);
+  for (const bool tinted : {false, true}) {
+    for (size_t m = 0; tinted && m < scene.materials.size(); ++m)
+      scene.material_specular.push_back({1, 0.25f * float(m % 4), 0.5f});
+    for (const Fresnel fresnel : {Fresnel::none, Fresnel::exact, Fresnel::schlick}) {
+      RenderOptions options;
+      options.shading = ShadingModel::blinn_phong, options.fresnel = fresnel;
+      expect_sums(scene, options);
+    }
+  }
+}
+
 // Texts.AllAreInPortuguese knows that the table has all; this, that all is taken from the table.
 TEST(WalkWords, AreAllTranslated) {
   const Scene scene = testing::random_scene(60, 7);
-  for (const AccelKind kind : {AccelKind::none, AccelKind::grid, AccelKind::bvh})
-    for_samples(scene, kind, 10, [&](const Explanation& e, const Accel& accel) {
+  for (const AccelKind kind : {AccelKind::none, AccelKind::grid, AccelKind::bvh}) {
+    RenderOptions options;
+    if (kind == AccelKind::grid) options.shading = ShadingModel::blinn_phong;
+    const RenderSettings settings = settings_of(scene, kind, options);
+    const auto check = [&](const Explanation& e, const Accel& accel) {
       for (size_t i = 0; i < e.rays.size(); ++i) {
         const ExplainedRay& ray = e.rays[i];
         const TraceLog log = accel.log(ray.ray, ray.kind == Kind::shadow).value();
         for (const bool walk : {true, false}) {
           const auto told = [&](Language language) {
             set_language(language);
-            auto steps = walk ? walk_words(ray, log, kind) : shading_words(e, scene, i);
+            auto steps = walk ? walk_words(ray, log, kind) : shading_words(e, scene, settings, i);
             set_language(Language::english);
             return steps;
           };
@@ -248,7 +283,9 @@ TEST(WalkWords, AreAllTranslated) {
           }
         }
       }
-    });
+    };
+    for_samples(scene, kind, 10, check, options);
+  }
 }
 
 }  // namespace

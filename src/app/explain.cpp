@@ -27,6 +27,9 @@ std::string text_of(Vec3d v) { return text_of(Vec3f(v)); }
 // Places are told as the scene's file has them.
 Vec3d place(const Scene& scene, Vec3f p) { return scene.origin + plain(p); }
 
+// One number where the colours count alike.
+std::string text_of_weight(Rgb w) { return w == Rgb(w.x) ? fmt::format("{}", w.x) : text_of(w); }
+
 std::string counted(uint64_t count, std::string_view one, std::string_view many) {
   return fmt::format("{} {}", count, count == 1 ? one : many);
 }
@@ -63,7 +66,7 @@ class TextTree {
   void add_ray(size_t i, const std::string& indent) {
     const ExplainedRay& r = what_.sample.rays[i];
     out_ += fmt::format("\n{}{} ray, level {}, weight {}, adds {}\n", indent, word_of(r.kind),
-                        r.level, r.weight.x, text_of(r.brings));
+                        r.level, text_of_weight(r.weight), text_of(r.brings));
     const std::string in = indent + "  ";
     line(in, "from", text_of(place(what_.scene, r.ray.origin)));
     line(in, "direction", text_of(r.ray.dir));
@@ -81,8 +84,10 @@ class TextTree {
     line(in, "point", text_of(place(what_.scene, s.point)));
     line(in, "normal", text_of(s.normal));
     line(in, "material",
-         fmt::format("{}: colour {}, kd {}, ks {}, shine {}, transmission {}", s.material,
-                     text_of(s.color), s.kd, s.ks, s.shine, s.transmission));
+         fmt::format("{}: colour {}, kd {}, ks {}{}, shine {}, transmission {}", s.material,
+                     text_of(s.color), s.kd, s.ks,
+                     s.specular == Rgb(1) ? "" : " of colour " + text_of(s.specular), s.shine,
+                     s.transmission));
     line(in, "ambient", text_of(r.ambient));
     for (size_t l = 0; l < what_.scene.lights.size(); ++l) add_light(l, children_[i], in);
     for (const size_t k : children_[i])
@@ -185,6 +190,7 @@ Json json_of(const Explained& what, size_t id) {
                        {"color", json_of(s.color)},
                        {"kd", plain(s.kd)},
                        {"ks", plain(s.ks)},
+                       {"specular", json_of(s.specular)},
                        {"shine", plain(s.shine)},
                        {"transmission", plain(s.transmission)},
                        {"eta", plain(s.eta)}};

@@ -52,7 +52,8 @@ HWY_INLINE V reflectance(Fresnel fresnel, const V3& dir, const V3& n, V eta) {
   return hn::IfThenElse(hn::Lt(k, zero), one, part);
 }
 
-// With kModels as the settings' models have it; without, as NFF does, free of the choice.
+// With kModels as the settings' models and the materials' specular colours have it; without, as
+// NFF does, free of the choice.
 template <bool kModels>
 class PhongShading {
  public:
@@ -67,7 +68,7 @@ class PhongShading {
     }
   }
 
-  static constexpr bool kTints = false;
+  static constexpr bool kTints = kModels;
   int levels() const { return scene_.settings.depth; }
   Rgb background() const { return scene_.settings.background; }
   static constexpr bool kSky = kModels;
@@ -80,6 +81,7 @@ class PhongShading {
   template <class W>
   void shade(W& w, int, size_t n, const WideSampler<D>& sampler) {
     Vertices& v = w.vertices();
+    if constexpr (kModels) look_up_specular(v, n);
     const V3 ambient = set3(d, ambient_);
     for (size_t i = 0; i < n; i += kWidth) store(ambient * load(v.color, i), v.radiance, i);
     if constexpr (W::kRecords) w.recorder().ambient(w.rays(), v, n);
@@ -147,7 +149,10 @@ class PhongShading {
         const V mirror = highlight_cosine(dir, normal, directions(w.rays().rays, i));
         const V highlight = hn::Mul(
             ks, pow_unit(d, hn::Min(hn::Max(mirror, zero), hn::Set(d, 1)), load(v.shine, i)));
-        light = light + V3{highlight, highlight, highlight};
+        if constexpr (kModels)
+          light = light + load(v.specular, i) * highlight;
+        else
+          light = light + V3{highlight, highlight, highlight};
       }
       if constexpr (W::kRecords) w.recorder().lit(i, n, intensity * diffuse, intensity * light);
       const V3 sum = load(v.radiance, i);
@@ -166,8 +171,29 @@ class PhongShading {
 
   // Does Fresnel's reflectance say what is mirrored where T > 0?
   bool divides() const { return kModels && scene_.settings.fresnel != Fresnel::none; }
-  HWY_INLINE V mirrored_part(const Vertices& v, size_t i, const V3& in) const {
+  HWY_INLINE V reflectance_at(const Vertices& v, size_t i, const V3& in) const {
     return reflectance(scene_.settings.fresnel, in, load(v.normal, i), load(v.eta, i));
+  }
+  // How much the mirrored ray counts: a number for NFF, else one for each of red, green and blue.
+  HWY_INLINE auto mirrored_part(const Vertices& v, size_t i, const V3& in) const {
+    const V ks = load(v.ks, i);
+    if constexpr (kModels) {
+      const V3 tinted = load(v.specular, i) * ks;
+      if (!divides()) return tinted;
+      const V part = reflectance_at(v, i, in);
+      const M clear = hn::Gt(load(v.transmission, i), hn::Zero(d));
+      return select(clear, V3{part, part, part}, tinted);
+    } else {
+      return ks;
+    }
+  }
+  static HWY_INLINE V most_of(V part) { return part; }
+  static HWY_INLINE V most_of(const V3& part) { return largest(part); }
+
+  void look_up_specular(Vertices& v, size_t n) const {
+    const auto& colors = scene_.scene.material_specular;
+    for (size_t i = 0; i < n; ++i)
+      v.specular.set(i, colors.empty() ? Rgb(1) : colors[v.material[i]]);
   }
 
   // A smooth triangle's normal can send a ray through the surface that it should leave; then the
@@ -177,12 +203,8 @@ class PhongShading {
     const Vertices& v = w.vertices();
     typename W::Children children(w, level, n);
     for (size_t i = 0; i < n; i += kWidth) {
-      V part = load(v.ks, i);
-      if constexpr (kModels)
-        if (divides())
-          part = hn::IfThenElse(hn::Gt(load(v.transmission, i), hn::Zero(d)),
-                                mirrored_part(v, i, directions(w.rays().rays, i)), part);
-      const M mirrors = hn::And(hn::FirstN(d, n - i), hn::Gt(part, hn::Zero(d)));
+      const auto part = mirrored_part(v, i, directions(w.rays().rays, i));
+      const M mirrors = hn::And(hn::FirstN(d, n - i), hn::Gt(most_of(part), hn::Zero(d)));
       if (hn::AllFalse(d, mirrors)) continue;
       const V3 in = directions(w.rays().rays, i), geometric = load(v.geometric, i);
       V3 dir = renormalize(d, reflect(in, load(v.normal, i)));
@@ -210,7 +232,7 @@ class PhongShading {
       passes = hn::And(passes, hn::Or(through, passes_geometric));
       V part = transmission;
       if constexpr (kModels)
-        if (divides()) part = hn::Sub(hn::Set(d, 1), mirrored_part(v, i, in));
+        if (divides()) part = hn::Sub(hn::Set(d, 1), reflectance_at(v, i, in));
       const V3 inside = offset_point(load(v.point, i), geometric, load(v.scale, i), false);
       w.counts().refraction += children.add(i, inside, dir, part, 1, passes);
     }

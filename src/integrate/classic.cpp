@@ -27,7 +27,7 @@ HWY_EXPORT(make_renderer);
 
 std::unique_ptr<TileRenderer> make_classic_renderer(const PreparedScene& scene,
                                                     RenderControl& control) {
-  if (needs_models(scene.settings)) return make_model_renderer(scene, control);
+  if (needs_models(scene.scene, scene.settings)) return make_model_renderer(scene, control);
   return HWY_DYNAMIC_DISPATCH(make_renderer)(scene, control);
 }
 
@@ -39,11 +39,13 @@ double classic_bound(const Scene& scene, const RenderSettings& settings) {
     for (const Rgb& color : colors) own_color = std::max(own_color, max_component(color));
   });
   double brightest = 0, gain = 0;
-  for (const Material& m : scene.materials) {
+  for (size_t i = 0; i < scene.materials.size(); ++i) {
+    const Material& m = scene.materials[i];
     const float color = std::max(max_component(m.color), own_color);
-    brightest = std::max(brightest, light * (color * (1.0 + m.kd) + m.ks));
+    const double mirrored = double(m.ks) * max_component(scene.specular_of(MaterialId(i)));
+    brightest = std::max(brightest, light * (color * (1.0 + m.kd) + mirrored));
     const bool divides = settings.fresnel != Fresnel::none && m.transmission > 0;
-    gain = std::max(gain, divides ? 1.0 : double(m.ks) + m.transmission);
+    gain = std::max(gain, divides ? 1.0 : mirrored + m.transmission);
   }
   brightest += settings.sky ? double(settings.sky->largest) / 255
                             : double(max_component(settings.background));

@@ -7,9 +7,10 @@
 
 namespace raio {
 
-/// Do the settings ask for another model of light than NFF's, or for a sky?
-inline bool needs_models(const RenderSettings& s) {
-  return s.shading != ShadingModel::nff || s.fresnel != Fresnel::none || s.sky;
+/// Does the picture take more than the light of NFF and a background of one colour?
+inline bool needs_models(const Scene& scene, const RenderSettings& s) {
+  return s.shading != ShadingModel::nff || s.fresnel != Fresnel::none || s.sky ||
+         !scene.material_specular.empty() || !scene.material_roughness.empty();
 }
 
 double classic_bound(const Scene& scene, const RenderSettings& settings);
@@ -17,7 +18,7 @@ double classic_bound(const Scene& scene, const RenderSettings& settings);
 std::unique_ptr<TileRenderer> make_classic_renderer(const PreparedScene& scene,
                                                     RenderControl& control);
 
-/// The same for settings with needs_models(), which make_classic_renderer() chooses.
+/// The same for what needs_models(), which make_classic_renderer() chooses.
 std::unique_ptr<TileRenderer> make_model_renderer(const PreparedScene& scene,
                                                   RenderControl& control);
 

@@ -15,9 +15,6 @@ HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
 namespace {
 
-static_assert(ClassicShading::kTints == ModelShading::kTints);
-using Paths = PathRays<ClassicShading::kTints>;
-
 // Lane k of columns' elements i, i + 1, ...
 float lane(V v, size_t k) {
   HWY_ALIGN float lanes[kWidth];
@@ -27,8 +24,13 @@ float lane(V v, size_t k) {
 Vec3f lane(const V3& v, size_t k) { return {lane(v.x, k), lane(v.y, k), lane(v.z, k)}; }
 Vec3f element(const Floats3& f, size_t i) { return {f.x.at[i], f.y.at[i], f.z.at[i]}; }
 
+// `Shading`: whose rays are recorded.
+template <class Shading>
 class RayRecorder {
  public:
+  using Paths = PathRays<Shading::kTints>;
+  using Weight = typename Paths::Weight;
+
   RayRecorder(uint32_t sample, double scale, RenderControl& control, Explanation& out)
       : sample_(sample), scale_(scale), control_(control), out_(out) {}
 
@@ -42,7 +44,7 @@ class RayRecorder {
       places_[branch] = int(out_.rays.size());
       ExplainedRay& r =
           add(level == 1 ? Kind::eye : child_kind(branch % 2), level == 1 ? -1 : find(branch / 2),
-              current.rays[i], current.weight[0][i]);
+              current.rays[i], weight_of(current, i));
       r.hit = hits[i];
       if (!r.hit.found()) set_background(r, seen_there(r.ray.dir, r.weight));
     }
@@ -50,13 +52,13 @@ class RayRecorder {
 
   // Children of current rays, beyond the last level.
   template <class SeenThere>
-  void untraced(const Paths& current, size_t first, const V3& origin, const V3& dir, V weight,
-                uint32_t side, M mask, SeenThere&& seen_there) {
+  void untraced(const Paths& current, size_t first, const V3& origin, const V3& dir,
+                const Weight& weight, uint32_t side, M mask, SeenThere&& seen_there) {
     const V chosen = hn::IfThenElseZero(mask, hn::Set(d, 1));
     for (size_t k = 0; recording_ && k < kWidth && first + k < current.rays.size(); ++k) {
       if (lane(chosen, k) == 0) continue;
       ExplainedRay& r = add(child_kind(side), find(current.branch[first + k]),
-                            {lane(origin, k), lane(dir, k)}, lane(weight, k));
+                            {lane(origin, k), lane(dir, k)}, Rgb(lane(weight, k)));
       r.traced = false;
       set_background(r, seen_there(r.ray.dir, r.weight));
     }
@@ -101,16 +103,18 @@ class RayRecorder {
   void shaded(const Paths& current, const Vertices& v, size_t n, const TileSums& sums) {
     for (size_t i = 0; recording_ && i < n; ++i) {
       ExplainedRay& r = out_.rays[size_t(find(current.branch[i]))];
-      r.surface = ExplainedRay::Surface{.point = element(v.point, i),
-                                        .normal = element(v.normal, i),
-                                        .geometric = element(v.geometric, i),
-                                        .material = v.material[i],
-                                        .color = element(v.color, i),
-                                        .kd = v.kd.at[i],
-                                        .ks = v.ks.at[i],
-                                        .shine = v.shine.at[i],
-                                        .transmission = v.transmission.at[i],
-                                        .eta = v.eta.at[i]};
+      r.surface =
+          ExplainedRay::Surface{.point = element(v.point, i),
+                                .normal = element(v.normal, i),
+                                .geometric = element(v.geometric, i),
+                                .material = v.material[i],
+                                .color = element(v.color, i),
+                                .kd = v.kd.at[i],
+                                .ks = v.ks.at[i],
+                                .shine = v.shine.at[i],
+                                .transmission = v.transmission.at[i],
+                                .eta = v.eta.at[i],
+                                .specular = Shading::kTints ? element(v.specular, i) : Rgb(1)};
       r.brings = unscaled(sums.fixed(element(v.radiance, i) * r.weight));
     }
   }
@@ -120,11 +124,15 @@ class RayRecorder {
 
   // A place in the ray tree (integrate/sampler.h) tells the rays of a pixel's sample apart.
   int find(uint32_t branch) const { return places_.at(branch); }
-  ExplainedRay& add(Kind kind, int parent, const Ray& ray, float weight) {
+  static Rgb weight_of(const Paths& current, size_t i) {
+    const auto& w = current.weight;
+    return {w.front()[i], w[w.size() / 2][i], w.back()[i]};
+  }
+  ExplainedRay& add(Kind kind, int parent, const Ray& ray, Rgb weight) {
     const int level = parent < 0 ? 1 : out_.rays[size_t(parent)].level + 1;
     if (out_.rays.size() >= kMostExplainedRays) control_.stop = true;
     out_.rays.push_back(
-        {.kind = kind, .parent = parent, .level = level, .ray = ray, .weight = Rgb(weight)});
+        {.kind = kind, .parent = parent, .level = level, .ray = ray, .weight = weight});
     return out_.rays.back();
   }
   static Kind child_kind(uint32_t side) { return side ? Kind::refraction : Kind::reflection; }
@@ -158,12 +166,15 @@ std::optional<Explanation> explain(const Scene& scene, const Accel& accel, Rende
   if (sample > 0) film.replace(0, before);
   Explanation out;
   RenderControl control;
-  const RayRecorder recorder(sample, film.scale(), control, out);
-  const auto render = [&](TileRenderer&& renderer) { renderer.render(0, sample + 1, film); };
-  if (needs_models(settings))
-    render(Wavefront<ModelShading, RayRecorder>(prepared, control, recorder));
+  const auto render = [&]<class Shading> {
+    using Recorder = RayRecorder<Shading>;
+    const Recorder recorder(sample, film.scale(), control, out);
+    Wavefront<Shading, Recorder>(prepared, control, recorder).render(0, sample + 1, film);
+  };
+  if (needs_models(scene, settings))
+    render.template operator()<ModelShading>();
   else
-    render(Wavefront<ClassicShading, RayRecorder>(prepared, control, recorder));
+    render.template operator()<ClassicShading>();
   if (control.stop) return std::nullopt;
   out.counts = film.rays();
   for (const ExplainedRay& r : out.rays) out.rgb = out.rgb + r.brings;

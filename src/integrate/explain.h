@@ -18,6 +18,7 @@ struct ExplainedRay {
     MaterialId material = 0;
     Rgb color;
     float kd = 0, ks = 0, shine = 0, transmission = 0, eta = 1;
+    Rgb specular{1};  // times ks
   };
 
   Kind kind = Kind::eye;

@@ -62,6 +62,8 @@ struct Vertices {
   Floats kd, ks, shine, transmission, ior;
   Floats eta;        // for refraction
   Floats3 radiance;  // towards the ray, so far
+  // Of models of light other than NFF's, which look them up themselves.
+  Floats3 specular;  // the colour of highlight and mirror
 };
 
 // Lane i for all that follow it in the register.

@@ -12,15 +12,17 @@ namespace {
 /// A material with another colour, each once.
 class Recolored {
  public:
-  explicit Recolored(Array<Material>& materials) : materials_(materials) {}
+  explicit Recolored(Scene& scene) : scene_(scene) {}
 
   MaterialId operator()(MaterialId material, Rgb color) {
-    if (materials_[material].color == color) return material;
-    const auto [known, added] = ids_.try_emplace({material, color}, MaterialId(materials_.size()));
+    if (std::as_const(scene_).materials[material].color == color) return material;
+    const auto next = MaterialId(scene_.materials.size());
+    const auto [known, added] = ids_.try_emplace({material, color}, next);
     if (added) {
-      Material other = materials_[material];
+      Material other = std::as_const(scene_).materials[material];
       other.color = color;
-      materials_.push_back(other);
+      scene_.add_material(other, std::as_const(scene_).specular_of(material),
+                          std::as_const(scene_).roughness_of(material));
     }
     return known->second;
   }
@@ -40,7 +42,7 @@ class Recolored {
     }
   };
 
-  Array<Material>& materials_;
+  Scene& scene_;
   std::unordered_map<Key, MaterialId, KeyHash> ids_;
 };
 
@@ -75,7 +77,7 @@ bool is_plain(const Scene& scene) { return !any_colors(scene) && scene.meshes.em
 
 Scene plain_scene(const Scene& scene) {
   Scene plain = scene;
-  Recolored recolored(plain.materials);
+  Recolored recolored(plain);
   for_each_pool(plain, [&](PoolKind, auto&, Array<MaterialId>& materials, Array<Rgb>& colors,
                            Array<float>& opacity) {
     for (size_t i = 0; i < colors.size(); ++i)

@@ -87,9 +87,8 @@ void Scene::add_light(Triple position, std::optional<Triple> color) {
 }
 
 uint32_t Scene::add_material(const Material& m) {
-  data_->scene.materials.push_back({rgb(m.color), float(m.kd), float(m.ks), float(m.shine),
+  return data_->scene.add_material({rgb(m.color), float(m.kd), float(m.ks), float(m.shine),
                                     float(m.transmission), float(m.ior)});
-  return uint32_t(data_->scene.materials.size() - 1);
 }
 
 namespace {

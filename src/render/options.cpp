@@ -288,14 +288,12 @@ constexpr auto kTable = std::to_array<OptionSpec>({
     {"no-refraction", "", "Trace no refracted rays; transparent surfaces become opaque",
      +[](Options& o) -> bool& { return o.no_refraction; }},
     {"shading", "NAME",
-     "Light at surfaces: nff; or phong or blinn-phong, without ambient light and with the "
-     "highlight "
-     "of that name (default: nff)",
+     "Light at surfaces: nff; or phong or blinn-phong, without ambient light and with that "
+     "highlight (default: nff)",
      parse_shading, 0, 0, shading_text, kShadingNames},
     {"fresnel", "NAME",
-     "Reflected and refracted parts of light where T is above 0: none, which takes Ks and T; "
-     "exact, "
-     "by Fresnel's equations; or schlick, by Schlick's approximation (default: none)",
+     "Reflected and refracted light where T is above 0: none, by Ks and T; exact, by Fresnel's "
+     "equations; or schlick, by Schlick's approximation (default: none)",
      parse_fresnel, 0, 0, fresnel_text, kFresnelNames},
     {"one-sided", "", "Cull back faces of opaque surfaces, as the NFF specification says",
      +[](Options& o) -> bool& { return o.one_sided; }},

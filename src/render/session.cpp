@@ -41,7 +41,7 @@ bool bakes_alike(const Scene& a, const Scene& b, bool one_sided) {
   if (a.origin != b.origin || a.camera.from != b.camera.from) return false;
   if (a.meshes.size() != b.meshes.size() || a.materials.size() != b.materials.size()) return false;
   std::vector<std::pair<const void*, size_t>> arrays;
-  const auto is_baked = [](ColumnName column) { return column.name != "materials"; };
+  const auto is_baked = [](ColumnName column) { return !column.name.starts_with("material"); };
   for_each_column(a, [&](ColumnName name, const auto& column) {
     if (is_baked(name)) arrays.emplace_back(column.data(), column.size());
   });

@@ -88,6 +88,8 @@ void for_each_own_column(SceneType& s, F&& f) {
     f(ColumnName{names.opacity.data(), Counted::where_used}, opacity);
   });
   f(ColumnName{"object_ranges", Counted::where_used}, s.object_ranges);
+  f(ColumnName{"material_specular", Counted::where_used}, s.material_specular);
+  f(ColumnName{"material_roughness", Counted::where_used}, s.material_roughness);
 }
 
 /// Both: the scene's own, then those of one mesh after another.

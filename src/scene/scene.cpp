@@ -17,6 +17,18 @@ std::string plural(size_t count, std::string_view noun) {
 
 }  // namespace
 
+MaterialId Scene::add_material(const Material& material, Rgb specular, float roughness) {
+  const auto add = [count = materials.size()](auto& column, const auto& value, const auto& usual) {
+    if (column.empty() && value == usual) return;
+    column.resize(count, usual);
+    column.push_back(value);
+  };
+  add(material_specular, specular, Rgb(1));
+  add(material_roughness, roughness, 0.0f);
+  materials.push_back(material);
+  return MaterialId(materials.size() - 1);
+}
+
 std::array<size_t, kShapeKinds> count_primitives(const Scene& scene) {
   std::array<size_t, kShapeKinds> counts{};
   for_each_pool([&](auto pool) {

@@ -122,6 +122,11 @@ struct Scene {
   std::shared_ptr<const CubeMap> sky;
   std::vector<Light> lights;
   Array<Material> materials;  // never empty in a valid scene
+  // Parallel to `materials`, or empty where all are as NFF has them: the colour of highlight and
+  // mirror (else white), and how far mirrored and refracted directions spread (else 0;
+  // docs/shading.md).
+  Array<Rgb> material_specular;
+  Array<float> material_roughness;
   int samples_per_pixel = 0;  // the file's request (P3F `spp`); 0: none
 
   Array<Plane> planes;
@@ -167,6 +172,16 @@ struct Scene {
   Array<ObjectRange> object_ranges;
 
   size_t primitive_count() const;
+
+  /// What the two columns say of a material.
+  Rgb specular_of(MaterialId id) const {
+    return material_specular.empty() ? Rgb(1) : material_specular[id];
+  }
+  float roughness_of(MaterialId id) const {
+    return material_roughness.empty() ? 0 : material_roughness[id];
+  }
+  /// Appends a material, and to the columns beside it what they then need.
+  MaterialId add_material(const Material& material, Rgb specular = Rgb(1), float roughness = 0);
 };
 
 /// A pool and what belongs to its primitives, as members of Scene.

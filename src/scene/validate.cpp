@@ -85,6 +85,18 @@ void check_lights_and_materials(const Scene& scene, Problems& problems) {
     problems.check(!(m.transmission > 0) || m.ior > 0, "material ", i,
                    ": T is above 0, so ior must be too");
   }
+  const auto parallel = [&](size_t count, std::string_view what) {
+    problems.check(count == 0 || count == scene.materials.size(), "there are ",
+                   scene.materials.size(), " materials but ", count, " ", what, " for them");
+  };
+  parallel(scene.material_specular.size(), "specular colours");
+  parallel(scene.material_roughness.size(), "numbers of roughness");
+  for (size_t i = 0; i < scene.material_specular.size(); ++i)
+    problems.check(is_intensity(scene.material_specular[i]), "material ", i,
+                   ": the specular colour must be finite and not negative");
+  for (size_t i = 0; i < scene.material_roughness.size(); ++i)
+    problems.check(at_least_zero(scene.material_roughness[i]), "material ", i,
+                   ": the roughness must be finite and not negative");
 }
 
 /// Calls check(problems, i) for 0 .. count - 1 on all threads. The sentences are in order.

@@ -106,7 +106,7 @@ std::vector<WalkStep> Inspector::steps_of(int ray) const {
   std::vector<WalkStep> steps;
   if (found_->logs[i]) steps = walk_words(r, *found_->logs[i], found_->settings.accel.kind);
   const double end = steps.empty() ? 0 : steps.back().t;
-  for (WalkStep& s : shading_words(found_->sample, *found_->request.scene, i)) {
+  for (WalkStep& s : shading_words(found_->sample, *found_->request.scene, found_->settings, i)) {
     s.t = std::max(s.t, end);
     steps.push_back(std::move(s));
   }

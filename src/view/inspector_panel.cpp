@@ -262,8 +262,8 @@ void Inspector::draw_ray() const {
     row(tr("point"), place(s.point));
     row(tr("normal"), s.normal);
     row(tr("material"), fmt::format("{}: kd {:.3g}, ks {:.3g}", s.material, s.kd, s.ks),
-        fmt::format("color {}\nkd {}\nks {}\nshine {}\ntransmission {}\neta {}", exact(s.color),
-                    s.kd, s.ks, s.shine, s.transmission, s.eta));
+        fmt::format("color {}\nkd {}\nks {}\nspecular {}\nshine {}\ntransmission {}\neta {}",
+                    exact(s.color), s.kd, s.ks, exact(s.specular), s.shine, s.transmission, s.eta));
     row(tr("ambient"), r.ambient);
     for (const int k : children_[size_t(ray_)]) {
       const ExplainedRay& light = found_->sample.rays[size_t(k)];

@@ -1,4 +1,5 @@
 // The shading of a hit, told term by term (view/walk_words.h).
+#include <algorithm>
 #include <cmath>
 
 #include "view/texts.h"
@@ -16,11 +17,18 @@ template <class T>
 std::string numbers(Vec3<T> v) {
   return fmt::format("{:.6g} {:.6g} {:.6g}", v.x, v.y, v.z);
 }
+// One where red, green and blue are alike.
+std::string weight_text(Rgb w) { return w == Rgb(w.x) ? number(w.x) : numbers(w); }
 
 class ShadingTeller {
  public:
-  ShadingTeller(const Explanation& sample, const Scene& scene, size_t ray)
-      : sample_(sample), scene_(scene), id_(ray), ray_(sample.rays[ray]) {}
+  ShadingTeller(const Explanation& sample, const Scene& scene, const RenderSettings& settings,
+                size_t ray)
+      : sample_(sample),
+        scene_(scene),
+        settings_(settings),
+        id_(ray),
+        ray_(sample.rays[ray]) {}
 
   std::vector<WalkStep> tell() && {
     if (ray_.kind == Kind::shadow) {
@@ -60,10 +68,12 @@ class ShadingTeller {
   void ambient() {
     bool any_color = false;
     for (const Light& l : scene_.lights) any_color |= l.color.has_value();
-    add(any_color ? tr("Ambient light: none, since lights of the scene have colours")
-                  : tr("Ambient light, the same everywhere"),
+    const bool none = settings_.shading != ShadingModel::nff;
+    add(none        ? tr("Ambient light: none in this model of light")
+        : any_color ? tr("Ambient light: none, since lights of the scene have colours")
+                    : tr("Ambient light, the same everywhere"),
         "ambient = A colour",
-        {{"A", any_color ? "0" : "0.1"},
+        {{"A", none || any_color ? "0" : "0.1"},
          {"colour", numbers(ray_.surface->color)},
          {"ambient", numbers(ray_.ambient)}});
   }
@@ -91,17 +101,57 @@ class ShadingTeller {
          {"L", numbers(shadow->ray.dir)},
          {"N.L", number(dot(n, to_light))},
          {"diffuse", numbers(shadow->diffuse)}});
-    if (!(s.ks > 0)) return;
-    const Vec3d r = n * (2 * dot(n, to_light)) - to_light;
-    add(trf("Light {}, highlight: the more, the nearer its mirrored direction is to the eye", l),
-        "R = 2 (N.L) N - L\nhighlight = I Ks max(0, R.V)^Shine",
-        {{"I", numbers(intensity)},
-         {"Ks", number(s.ks)},
-         {"Shine", number(s.shine)},
-         {"R", numbers(r)},
-         {"V", numbers(v)},
-         {"R.V", number(dot(r, v))},
-         {"highlight", numbers(shadow->highlight)}});
+    if (s.ks > 0) highlight(s, l, intensity, to_light, v, shadow->highlight);
+  }
+
+  void highlight(const Surface& s, size_t l, Rgb intensity, Vec3d to_light, Vec3d v, Vec3d term) {
+    const Vec3d n(s.normal);
+    const bool halfway = settings_.shading == ShadingModel::blinn_phong;
+    const Vec3d to = halfway ? normalize(to_light + v) : n * (2 * dot(n, to_light)) - to_light;
+    Variables variables{{"I", numbers(intensity)}, {"Ks", number(s.ks)}};
+    if (is_tinted(s)) variables.push_back({"specular", numbers(s.specular)});
+    variables.insert(variables.end(),
+                     {{"Shine", number(s.shine)},
+                      {halfway ? "H" : "R", numbers(to)},
+                      {"V", numbers(v)},
+                      {halfway ? "N.H" : "R.V", number(halfway ? dot(n, to) : dot(to, v))},
+                      {"highlight", numbers(term)}});
+    add(halfway
+            ? trf("Light {}, highlight: the more, the nearer H, halfway to the eye, is to the "
+                  "normal",
+                  l)
+            : trf("Light {}, highlight: the more, the nearer its mirrored direction is to the eye",
+                  l),
+        fmt::format("{}\nhighlight = I {} max(0, {})^Shine",
+                    halfway ? "H = (L + V) / |L + V|" : "R = 2 (N.L) N - L", ks_name(s),
+                    halfway ? "N.H" : "R.V"),
+        std::move(variables));
+  }
+
+  static bool is_tinted(const Surface& s) { return s.specular != Rgb(1); }
+  static std::string_view ks_name(const Surface& s) { return is_tinted(s) ? "Ks specular" : "Ks"; }
+
+  // Fresnel's reflectance where it divides the light, for the variables of its two rays.
+  bool divides(const Surface& s) const {
+    return settings_.fresnel != Fresnel::none && s.transmission > 0;
+  }
+  double reflectance(const Surface& s) const {
+    const double eta = s.eta, in = std::clamp(-dot(Vec3d(ray_.ray.dir), Vec3d(s.normal)), 0.0, 1.0);
+    const double k = 1 - eta * eta * (1 - in * in), out = std::sqrt(std::max(k, 0.0));
+    if (k < 0) return 1;
+    const auto ratio = [](double a, double b) {
+      const double r = (a - b) / std::max(a + b, 1e-30);
+      return r * r;
+    };
+    if (settings_.fresnel == Fresnel::exact)
+      return (ratio(eta * in, out) + ratio(eta * out, in)) / 2;
+    const double least = ratio(eta, 1);
+    return least + (1 - least) * std::pow(1 - (eta > 1 ? out : in), 5);
+  }
+  std::string reflectance_formula() const {
+    return settings_.fresnel == Fresnel::exact
+               ? "Kr = (((eta c - c') / (eta c + c'))^2 + ((eta c' - c) / (eta c' + c))^2) / 2"
+               : "Kr = R0 + (1 - R0) (1 - cos)^5, R0 = ((eta - 1) / (eta + 1))^2";
   }
 
   void sum(Rgb radiance) {
@@ -111,12 +161,13 @@ class ShadingTeller {
         ray_.surface ? "C = ambient + sum (diffuse + highlight)\nadds = weight C"
                      : "adds = weight C",
         {{"C", numbers(radiance)},
-         {"weight", number(ray_.weight.x)},
+         {"weight", weight_text(ray_.weight)},
          {"adds", numbers(ray_.brings)}});
   }
 
   void mirror(const Surface& s) {
-    if (!(s.ks > 0)) return;
+    const bool by_angle = divides(s);
+    if (!by_angle && !(s.ks > 0)) return;
     const ExplainedRay* const to = child(Kind::reflection);
     if (!to) {
       add(tr("Reflection is switched off"));
@@ -126,15 +177,25 @@ class ShadingTeller {
     const Vec3d in(ray_.ray.dir), smooth(s.normal), flat(s.geometric);
     const Vec3d smooth_out = in - smooth * (2 * dot(in, smooth));
     const Vec3d n = dot(smooth_out, flat) > 0 ? smooth : flat;
-    add(trf("The mirrored ray has direction R and counts {} times as much as this one",
-            number(s.ks)),
-        "R = D - 2 (D.N) N\nweight' = Ks weight",
-        {{"D", numbers(ray_.ray.dir)},
-         {"N", numbers(n)},
-         {"D.N", number(dot(in, n))},
-         {"R", numbers(to->ray.dir)},
-         {"Ks", number(s.ks)},
-         {"weight'", number(to->weight.x)}});
+    Variables variables{{"D", numbers(ray_.ray.dir)},
+                        {"N", numbers(n)},
+                        {"D.N", number(dot(in, n))},
+                        {"R", numbers(to->ray.dir)}};
+    if (by_angle) {
+      variables.insert(variables.end(),
+                       {{"eta", number(s.eta)}, {"Kr", number(reflectance(s))}});
+    } else {
+      variables.push_back({"Ks", number(s.ks)});
+      if (is_tinted(s)) variables.push_back({"specular", numbers(s.specular)});
+    }
+    variables.push_back({"weight'", weight_text(to->weight)});
+    const std::string part = by_angle       ? number(reflectance(s))
+                             : is_tinted(s) ? numbers(s.specular * s.ks)
+                                            : number(s.ks);
+    add(trf("The mirrored ray has direction R and counts {} times as much as this one", part),
+        fmt::format("R = D - 2 (D.N) N\n{}weight' = {} weight",
+                    by_angle ? reflectance_formula() + "\n" : "", by_angle ? "Kr" : ks_name(s)),
+        std::move(variables));
   }
 
   void refraction(const Surface& s) {
@@ -161,17 +222,22 @@ class ShadingTeller {
           "c = -D.N\nk = 1 - eta^2 (1 - c^2) < 0", std::move(variables));
       return;
     }
+    const bool by_angle = divides(s);
+    const double part = by_angle ? 1 - reflectance(s) : double(s.transmission);
     variables.insert(variables.end(), {{"D'", numbers(to->ray.dir)},
-                                       {"T", number(s.transmission)},
-                                       {"weight'", number(to->weight.x)}});
+                                       {by_angle ? "1 - Kr" : "T", number(part)},
+                                       {"weight'", weight_text(to->weight)}});
     add(trf("The refracted ray follows Snell's law and counts {} times as much as this one",
-            number(s.transmission)),
-        "c = -D.N\nk = 1 - eta^2 (1 - c^2)\nD' = eta D + (eta c - sqrt k) N\nweight' = T weight",
+            number(part)),
+        fmt::format("c = -D.N\nk = 1 - eta^2 (1 - c^2)\nD' = eta D + (eta c - sqrt k) N\n"
+                    "weight' = {} weight",
+                    by_angle ? "(1 - Kr)" : "T"),
         std::move(variables));
   }
 
   const Explanation& sample_;
   const Scene& scene_;
+  const RenderSettings& settings_;
   size_t id_;
   const ExplainedRay& ray_;
   std::vector<WalkStep> out_;
@@ -179,8 +245,9 @@ class ShadingTeller {
 
 }  // namespace
 
-std::vector<WalkStep> shading_words(const Explanation& sample, const Scene& scene, size_t ray) {
-  return ShadingTeller(sample, scene, ray).tell();
+std::vector<WalkStep> shading_words(const Explanation& sample, const Scene& scene,
+                                    const RenderSettings& settings, size_t ray) {
+  return ShadingTeller(sample, scene, settings, ray).tell();
 }
 
 }  // namespace raio::view

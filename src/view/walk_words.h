@@ -29,6 +29,7 @@ std::vector<WalkStep> walk_words(const ExplainedRay& ray, const TraceLog& log, A
 /// What ray `ray` of the sample brings, term by term as in docs/shading.md; of a shadow ray, the
 /// terms of its light. The variables "ambient", "diffuse" and "highlight" of the steps add up to
 /// "C" of the sum, but for rounding.
-std::vector<WalkStep> shading_words(const Explanation& sample, const Scene& scene, size_t ray);
+std::vector<WalkStep> shading_words(const Explanation& sample, const Scene& scene,
+                                    const RenderSettings& settings, size_t ray);
 
 }  // namespace raio::view
