@@ -8,6 +8,7 @@
 
 #include "integrate/explain.h"
 #include "io/scene_file.h"
+#include "jpeg_bytes.h"
 #include "one_picture.h"
 #include "render/job.h"
 #include "render/part.h"
@@ -491,8 +492,8 @@ TEST(SkyOption, SaysWhatItTakes) {
   const auto done = set_option(o, *spec, "no/such folder");
   ASSERT_FALSE(done);
   EXPECT_THAT(done.error().text(), HasSubstr("expected a colour"));
-  EXPECT_THAT(done.error().text(), HasSubstr("found 'no/such folder', which is no folder of a sky "
-                                             "either"));
+  EXPECT_THAT(done.error().text(), HasSubstr("found 'no/such folder'; nor is there a folder of "
+                                             "that name, for a sky"));
 }
 
 }  // namespace

@@ -773,10 +773,10 @@ TEST(Views, ShowsWhatTheRayMeets) {
 }
 
 TEST(Quoted, IsWhatAShellReadsBack) {
-  EXPECT_EQ(quoted("plain-1.nff"), "plain-1.nff");
-  EXPECT_EQ(quoted("two words"), "'two words'");
-  EXPECT_EQ(quoted("it's"), "'it'\\''s'");
-  EXPECT_EQ(quoted(""), "''");
+  EXPECT_EQ(shell_word("plain-1.nff"), "plain-1.nff");
+  EXPECT_EQ(shell_word("two words"), "'two words'");
+  EXPECT_EQ(shell_word("it's"), "'it'\\''s'");
+  EXPECT_EQ(shell_word(""), "''");
 }
 
 }  // namespace

@@ -335,7 +335,7 @@ std::expected<void, std::string> set_number(T& out, const OptionSpec& spec, std:
 
 }  // namespace
 
-std::string quoted(std::string_view word) {
+std::string shell_word(std::string_view word) {
   constexpr std::string_view kPlain =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./-+,=:@%";
   if (!word.empty() && word.find_first_not_of(kPlain) == std::string_view::npos)
@@ -410,7 +410,7 @@ std::string option_arguments(const RenderOptions& options) {
     if (spec.is_switch())
       out += fmt::format(" --{}{}", text == "false" ? "no-" : "", spec.name);
     else
-      out += fmt::format(" --{} {}", spec.name, quoted(text));
+      out += fmt::format(" --{} {}", spec.name, shell_word(text));
   }
   return out;
 }

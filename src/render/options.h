@@ -116,7 +116,7 @@ std::string option_text(const RenderOptions& options, const OptionSpec& spec);
 std::string option_arguments(const RenderOptions& options);
 
 /// `word` as a shell wants it.
-std::string quoted(std::string_view word);
+std::string shell_word(std::string_view word);
 
 /// The names of a structure, of a sampler and of a view as on the command line.
 std::string_view accel_name(AccelKind kind);

@@ -95,7 +95,7 @@ std::expected<void, std::string> parse_background(RenderOptions& options, std::s
     options.background = std::move(*color);
     return {};
   } else if (std::error_code ignored; !std::filesystem::is_directory(text, ignored)) {
-    return std::unexpected(color.error() + ", which is no folder of a sky either");
+    return std::unexpected(color.error() + "; nor is there a folder of that name, for a sky");
   }
   auto sky = read_cube_map(text);
   if (!sky) return std::unexpected(sky.error().text());

@@ -148,8 +148,8 @@ RenderOptions ViewState::other_request(int width, int height) const {
 
 std::string ViewState::command_line(int width, int height, int samples,
                                     const std::string& output) const {
-  return fmt::format("{} render {}{} -o {}", quoted(program), quoted(path),
-                     option_arguments(request(width, height, samples)), quoted(output));
+  return fmt::format("{} render {}{} -o {}", shell_word(program), shell_word(path),
+                     option_arguments(request(width, height, samples)), shell_word(output));
 }
 
 void ViewState::focus_at(float depth) {

@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "../jpeg_bytes.h"
 #include "../rich_scene.h"
 #include "io/image/codecs.h"
 #include "io/raio/raio.h"
@@ -65,6 +66,14 @@ void write_png(const fs::path& folder) {
     png_image_write_to_file(&image, (folder / fmt::format("{}.png", format)).c_str(), 0,
                             pixels.data(), 0, colors.data());
   }
+}
+
+void write_jpeg(const fs::path& folder) {
+  const std::string rows(size_t(3) * 20 * 20, 'a');
+  for (const bool progressive : {false, true})
+    put(folder / fmt::format("{}.jpg", progressive ? "progressive" : "baseline"),
+        testing::jpeg_of(20, 20, rows, progressive));
+  put(folder / "grey.jpg", testing::jpeg_of(20, 20, rows.substr(0, 400), false, true));
 }
 
 void write_exr(const fs::path& folder) {
@@ -122,9 +131,10 @@ void write_scenes(const fs::path& folder) {
 }
 
 void write_all(const fs::path& folder) {
-  for (const char* format : {"png", "exr", "pfm", "ppm", "part", "scene_file"})
+  for (const char* format : {"png", "jpeg", "exr", "pfm", "ppm", "part", "scene_file"})
     fs::create_directories(folder / format);
   write_png(folder / "png");
+  write_jpeg(folder / "jpeg");
   write_exr(folder / "exr");
   write_parts(folder / "part");
   write_scenes(folder / "scene_file");
