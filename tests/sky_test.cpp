@@ -30,14 +30,15 @@ using testing::same_bytes;
 using testing::sky_of;
 
 // P3F's words: with ma the size of the largest component, s = (sc / ma + 1) / 2 from the left and
-// t = (tc / ma + 1) / 2 from the bottom, (sc, tc) by face; and back to a direction.
+// t = (tc / ma + 1) / 2 from the bottom, (sc, tc) by face; and back to a direction. Right is
+// towards -x, as pictures of a sky then meet at their edges.
 Vec3f towards(CubeFace face, float s, float t) {
   const float sc = 2 * s - 1, tc = 2 * t - 1;
   switch (face) {
     case CubeFace::right:  // (-z, y)
-      return {1, tc, -sc};
+      return {-1, tc, -sc};
     case CubeFace::left:  // (z, y)
-      return {-1, tc, sc};
+      return {1, tc, sc};
     case CubeFace::top:  // (-x, -z)
       return {-sc, 1, -tc};
     case CubeFace::bottom:  // (-x, z)
@@ -118,15 +119,14 @@ TEST_F(Sky, IsBilinearBetweenTexels) {
 TEST_F(Sky, GoesOnAcrossEdgesAndCorners) {
   constexpr int kSide = 4;
   const auto map = sky(kSide);
-  // Between right (+x) and top (+y), in the middle between z = 0 and the texels next to it: half of
-  // each. On right s is (1 - z) / 2, on top t is; both are at their borders to each other.
+  // On the edge of left (+x) and top (+y), beside the centre of a texel of each: half of both. On
+  // left s is (z + 1) / 2; on top it is 0, and t is (1 - z) / 2 from the bottom.
   const float z = 0.25f;
-  const Rgb by_right = distinct_texel(CubeFace::right, 1, 0);
-  // top: s = (1 - x) / 2 = 0 from the left, t = (1 - z) / 2 = 0.375 from the bottom.
+  const Rgb by_left = distinct_texel(CubeFace::left, 2, 0);
   const Rgb by_top = distinct_texel(CubeFace::top, 0, 2);
-  expect_near(seen({1, 1, z}, map), (by_right + by_top) * 0.5f, 5e-6f);
+  expect_near(seen({1, 1, z}, map), (by_left + by_top) * 0.5f, 5e-6f);
   // In the corner +x +y +z: a third of each, but for the rounding of texels.
-  const Rgb corner = (distinct_texel(CubeFace::right, 0, 0) + distinct_texel(CubeFace::top, 0, 3) +
+  const Rgb corner = (distinct_texel(CubeFace::left, 3, 0) + distinct_texel(CubeFace::top, 0, 3) +
                       distinct_texel(CubeFace::front, 0, 0)) *
                      (1 / 3.f);
   expect_near(seen({1, 1, 1}, map), corner, 0.5f / 255);

@@ -26,7 +26,7 @@ HWY_INLINE WideCubePlace wide_cube_place(const V3& dir, int side) {
   const M on_x = hn::And(hn::Ge(x, y), hn::Ge(x, z));
   const M on_y = hn::AndNot(on_x, hn::Ge(y, z));
   const V main = hn::IfThenElse(on_x, dir.x, hn::IfThenElse(on_y, dir.y, dir.z));
-  const M ahead = hn::Gt(main, zero);
+  const M ahead = hn::Gt(hn::IfThenElse(on_x, hn::Neg(main), main), zero);  // right is -x
   // s: -z and z on x, -x on y, -x and x on z; t: y on x and z, -z and z on y.
   const V across = hn::IfThenElse(on_x, dir.z, dir.x);
   const V s = hn::IfThenElse(hn::Or(ahead, on_y), hn::Neg(across), across);

@@ -51,8 +51,9 @@ void surround(CubeMap& map, CubeFace face) {
 CubePlace cube_place(Vec3f d) {
   const float x = std::abs(d.x), y = std::abs(d.y), z = std::abs(d.z);
   if (x >= y && x >= z) {
-    if (d.x > 0) return {CubeFace::right, -d.z / x, d.y / x};
-    return {CubeFace::left, d.z / x, d.y / x};
+    // Who looks towards +z with +y above has -x at the right.
+    if (d.x > 0) return {CubeFace::left, d.z / x, d.y / x};
+    return {CubeFace::right, -d.z / x, d.y / x};
   }
   if (y >= z) {
     if (d.y > 0) return {CubeFace::top, -d.x / y, -d.z / y};
@@ -65,9 +66,9 @@ CubePlace cube_place(Vec3f d) {
 Vec3f cube_direction(const CubePlace& p) {
   switch (p.face) {
     case CubeFace::right:
-      return {1, p.t, -p.s};
+      return {-1, p.t, -p.s};
     case CubeFace::left:
-      return {-1, p.t, p.s};
+      return {1, p.t, p.s};
     case CubeFace::top:
       return {-p.s, 1, -p.t};
     case CubeFace::bottom:

@@ -13,7 +13,7 @@
 
 namespace raio {
 
-/// The faces towards +x, -x, +y, -y, +z and -z. The numbers are places in a CubeMap.
+/// The faces towards -x, +x, +y, -y, +z and -z. The numbers are places in a CubeMap.
 enum class CubeFace : uint8_t { right, left, top, bottom, front, back };
 inline constexpr size_t kCubeFaces = 6;
 inline constexpr std::array<std::string_view, kCubeFaces> kCubeFaceNames = {
