@@ -103,17 +103,19 @@ class RayRecorder {
   void shaded(const Paths& current, const Vertices& v, size_t n, const TileSums& sums) {
     for (size_t i = 0; recording_ && i < n; ++i) {
       ExplainedRay& r = out_.rays[size_t(find(current.branch[i]))];
-      r.surface = ExplainedRay::Surface{.point = element(v.point, i),
-                                        .normal = element(v.normal, i),
-                                        .geometric = element(v.geometric, i),
-                                        .material = v.material[i],
-                                        .color = element(v.color, i),
-                                        .kd = v.kd.at[i],
-                                        .ks = v.ks.at[i],
-                                        .shine = v.shine.at[i],
-                                        .transmission = v.transmission.at[i],
-                                        .eta = v.eta.at[i],
-                                        .specular = Shading::kTints ? element(v.specular, i) : Rgb(1)};
+      r.surface =
+          ExplainedRay::Surface{.point = element(v.point, i),
+                                .normal = element(v.normal, i),
+                                .geometric = element(v.geometric, i),
+                                .material = v.material[i],
+                                .color = element(v.color, i),
+                                .kd = v.kd.at[i],
+                                .ks = v.ks.at[i],
+                                .shine = v.shine.at[i],
+                                .transmission = v.transmission.at[i],
+                                .eta = v.eta.at[i],
+                                .specular = Shading::kTints ? element(v.specular, i) : Rgb(1),
+                                .roughness = Shading::kTints ? v.roughness.at[i] : 0};
       r.brings = unscaled(sums.fixed(element(v.radiance, i) * r.weight));
     }
   }

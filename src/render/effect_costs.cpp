@@ -368,7 +368,10 @@ bool is_in_scene(Effect effect, const Scene& scene) {
     case Effect::soft_shadows:
       return !scene.lights.empty();
     case Effect::reflection:
-      return any_material(scene, [](const Material& m) { return m.ks > 0; });
+      // In P3F all glass mirrors, too.
+      return any_material(scene, [p3f = scene.dialect == Dialect::p3f](const Material& m) {
+        return m.ks > 0 || (p3f && m.transmission > 0);
+      });
     case Effect::refraction:
       return any_material(scene, [](const Material& m) { return m.transmission > 0; });
     default:

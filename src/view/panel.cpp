@@ -103,6 +103,7 @@ std::optional<std::string> draw_option(const RenderOptions& options, const Rende
         return entered ? std::optional(value) : std::nullopt;
       }
       New chosen;
+      if (value.empty()) value = spec.text(used);
       if (value.empty()) value = spec.words.front();
       if (!ImGui::BeginCombo(label, value.c_str())) return chosen;
       for (const std::string_view word : spec.words)
@@ -126,6 +127,7 @@ RenderOptions used_options(const ViewState& state, RenderOptions options) {
   used.dof = resolve_options(given, *state.scene).dof;
   used.soft_shadows = given.soft_shadows, used.accel.kind = given.accel.kind,
   used.view = given.view;
+  used.shading = settings.shading, used.fresnel = settings.fresnel;
   return used;
 }
 

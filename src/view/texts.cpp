@@ -427,6 +427,8 @@ constexpr auto kTexts = std::to_array<std::pair<const char*, const char*>>({
     {"Times the weight of the ray, this is what it adds to the pixel",
      "Vezes o peso do raio, é o que ele soma ao pixel"},
     {"Reflection is switched off", "A reflexão está desligada"},
+    {"The surface is rough: a random point S of the unit sphere moves the direction",
+     "A superfície é rugosa: um ponto aleatório S da esfera unitária desvia a direção"},
     {"The mirrored ray has direction R and counts {} times as much as this one",
      "O raio espelhado tem a direção R e conta {} vezes o que este conta"},
     {"Total internal reflection: no ray is refracted",
