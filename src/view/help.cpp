@@ -7,7 +7,7 @@
 #include <cctype>
 #include <sstream>
 
-#include "view/draw_text.h"
+#include "view/panel_parts.h"
 #include "view/keys.h"
 #include "view/texts.h"
 #include "view/theme.h"

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "view/draw_text.h"
 #include "view/inspector.h"
+#include "view/panel_parts.h"
 #include "view/texts.h"
 #include "view/theme.h"
 
@@ -37,15 +37,6 @@ void row(const char* name, Vec3<T> v) {
   row(name, brief(v), exact(v));
 }
 
-bool open_section(const char* name, bool at_first) {
-  ImGui::Spacing();
-  ImGui::PushFont(heading_font());
-  const bool is_open = ImGui::CollapsingHeader(fmt::format("{}###{}", tr(name), name).c_str(),
-                                               at_first ? ImGuiTreeNodeFlags_DefaultOpen : 0);
-  ImGui::PopFont();
-  return is_open;
-}
-
 void wrapped(const std::string& line) {
   ImGui::PushTextWrapPos(0);
   text(line);
@@ -61,15 +52,7 @@ ImVec4 patch_of(Vec3d c) {
 
 InspectorResult Inspector::draw_panel(const Rect& where, double now) {
   InspectorResult result;
-  ImGui::SetNextWindowPos({where.left, where.top});
-  ImGui::SetNextWindowSize({where.width(), where.height()});
-  ImGui::Begin("inspector", nullptr,
-               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
-                   ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove |
-                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus |
-                   ImGuiWindowFlags_AlwaysVerticalScrollbar);
-  ImGui::GetWindowDrawList()->AddLine({where.left, where.top}, {where.left, where.bottom},
-                                      color(palette().line));
+  begin_panel("inspector", where);
   draw_head(result);
   if (found_ && !has_pixel()) draw_region();
   if (has_pixel() && !result.closed) {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "view/draw_text.h"
+#include "view/panel_parts.h"
 #include "view/edit.h"
 #include "view/texts.h"
 #include "view/theme.h"

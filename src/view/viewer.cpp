@@ -26,6 +26,7 @@
 #include "view/measure.h"
 #include "view/memory.h"
 #include "view/pictures.h"
+#include "view/structure_overlay.h"
 #include "view/texts.h"
 #include "view/theme.h"
 #include "view/window.h"
@@ -136,11 +137,15 @@ class Viewer final : public WindowEvents {
     const auto at = [&](double across, double down) {
       return ImVec2(float(stage_.across(across)), float(stage_.down(down)));
     };
-    const auto& picture = pictures_.main.picture;
-    log(inspector_.look(state_, stage_, picture ? picture->baked : nullptr,
+    log(inspector_.look(state_, stage_, baked(),
                         gesture == region ? at(gestures_.from_x(), gestures_.from_y()) : at(x, y),
                         at(x, y)));
     if (!state_.panel) say(tr("h shows the panel with the numbers"));
+  }
+
+  // That of the newest picture; null before the first.
+  std::shared_ptr<const BakedScene> baked() const {
+    return pictures_.main.picture ? pictures_.main.picture->baked : nullptr;
   }
 
   bool is_moving() const { return now() < moving_until_; }
@@ -259,7 +264,15 @@ class Viewer final : public WindowEvents {
         say(trf("view: {}", tr(key.help)));
         return void(renew());
       case Command::measure:
-        return switch_table();
+        return switch_work(Measuring::Work::table, tr("measuring all combinations; m stops"));
+      case Command::curve:
+        if (state_.path.empty()) return;
+        return switch_work(Measuring::Work::curve,
+                           tr("measuring grids from coarse to fine; n stops"));
+      case Command::boxes:
+        state_.boxes.shown = !state_.boxes.shown;
+        return say(state_.boxes.shown ? tr("boxes of the structure shown")
+                                      : tr("boxes of the structure hidden"));
       case Command::inspect:
         if (state_.path.empty()) return;
         inspector_.pick(!inspector_.is_picking());
@@ -365,7 +378,7 @@ class Viewer final : public WindowEvents {
     if (!(back ? history_.can_undo() : history_.can_redo()))
       return say(back ? tr("nothing to undo") : tr("nothing to redo"));
     ViewState next = back ? history_.undo() : history_.redo();
-    next.paused = state_.paused, next.panel = state_.panel;
+    next.paused = state_.paused, next.panel = state_.panel, next.boxes = state_.boxes;
     state_ = std::move(next);
     moving_until_ = 0;
     say(back ? tr("undone") : tr("made again"));
@@ -411,29 +424,32 @@ class Viewer final : public WindowEvents {
     writer_.write(picture->image, path, settings_of(*state_.scene, s), command_line(path));
   }
 
-  // The costs, which are measured unasked, make way for the table.
-  void switch_table() {
-    if (wants_table_) return wants_table_ = false, say("stopped");
-    if (measuring_.work() == Measuring::Work::table) return measuring_.cancel();
+  // The costs, which are measured unasked, make way for what is asked for.
+  void switch_work(Measuring::Work work, const char* what) {
+    if (wanted_ == work) return wanted_ = Measuring::Work::none, say(tr("stopped"));
+    if (measuring_.work() == work) return measuring_.cancel();
     costs_are_old_ |= measuring_.busy();
     measuring_.cancel();
-    wants_table_ = true;
-    say(tr("measuring all combinations; m stops"));
+    wanted_ = work;
+    say(what);
   }
 
   // Whoever measures wants the machine for themselves: sessions rest, and the window draws in
   // pauses that are left for it.
   void measure() {
     if (measuring_.busy()) return;
-    if (!wants_table_ && !may_measure_costs()) {
+    if (wanted_ == Measuring::Work::none && !may_measure_costs()) {
       if (std::exchange(is_holding_, false)) pictures_.pause(state_.paused);
       return;
     }
     is_holding_ = true;
     pictures_.pause(true);
     if (!pictures_.are_idle()) return;
-    if (std::exchange(wants_table_, false)) {
+    const Measuring::Work work = std::exchange(wanted_, Measuring::Work::none);
+    if (work == Measuring::Work::table) {
       measuring_.start_table(state_, stage_.picture_width, stage_.picture_height);
+    } else if (work == Measuring::Work::curve) {
+      measuring_.start_curve(state_, stage_.picture_width, stage_.picture_height);
     } else {
       costs_are_old_ = false;
       log("measures the costs");
@@ -571,10 +587,14 @@ class Viewer final : public WindowEvents {
     lay_out();
     if (!state_.path.empty()) pictures_.draw(state_, stage_, float(gestures_.split_at));
     const ReadOut under = under_cursor();
+    overlay_.draw(layout_.picture, state_, baked(), stage_);
     draw_inspector();
     ViewState shown = state_;
     if (shows_focus()) shown.show(View::focus);
-    draw_legend(layout_.picture, legend_of(shown), under.at);
+    if (overlay_.facts().all > 0)
+      draw_legend(layout_.picture, overlay_.legend(), {});
+    else
+      draw_legend(layout_.picture, legend_of(shown), under.at);
     take_controls(controls_.draw(state_, layout_, control_facts(under.text)));
     window_.end_frame();
     window_.set_title(state_.path.empty() ? "Raio" : state_.title());
@@ -617,6 +637,9 @@ class Viewer final : public WindowEvents {
             .picture_height = stage_.picture_height,
             .costs = measuring_.costs(),
             .table = measuring_.table(),
+            .curve = measuring_.curve(),
+            .is_curve_old =
+                !measuring_.is_curve_of(state_, stage_.picture_width, stage_.picture_height),
             .measuring = measuring_.work(),
             .progress = measuring_.progress(),
             .are_old = costs_are_old_,
@@ -625,7 +648,7 @@ class Viewer final : public WindowEvents {
 
   ControlFacts control_facts(const std::string& under) const {
     ControlFacts facts;
-    facts.panel = {cost_facts(), errors_, warnings_.lines(), window_.look()};
+    facts.panel = {cost_facts(), errors_, warnings_.lines(), window_.look(), overlay_.facts()};
     facts.tools = {history_.can_undo(), history_.can_redo(), window_.is_full_screen(),
                    inspector_.is_open() || inspector_.is_picking()};
     facts.status = {.picture = pictures_.main.picture.get(),
@@ -651,6 +674,9 @@ class Viewer final : public WindowEvents {
     wants_costs_ = result.wants_costs;
     if (result.open) file_.open(short_path(*result.open));
     if (result.save) save_scene(*result.save);
+    if (result.saves_curve)
+      writer_.write([csv = grid_curve_csv(measuring_.curve())] { return csv; },
+                    free_name(state_.scene->name + "-grid", ".csv"), "");
     for (const KeySpec* key : result.pressed) obey(*key);
     if (!result.problem.empty()) complain(result.problem);
     if (!result.changed) return;
@@ -677,11 +703,13 @@ class Viewer final : public WindowEvents {
   Pictures pictures_;
   Warnings warnings_;
   Gestures gestures_;
+  StructureOverlay overlay_;
   Inspector inspector_{[] { Window::wake(); }};
   std::string button_places_;  // as they were logged
   Measuring measuring_{[] { Window::wake(); }};
-  bool costs_are_old_ = true, wants_costs_ = false, wants_table_ = false;
-  bool is_holding_ = false;  // the sessions, for a measurement
+  bool costs_are_old_ = true, wants_costs_ = false;
+  Measuring::Work wanted_ = Measuring::Work::none;  // to be begun
+  bool is_holding_ = false;                         // the sessions, for a measurement
   Diagnostics errors_;
 
   int drawings_ = 3;  // still to do, even if no new picture comes
