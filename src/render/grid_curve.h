@@ -34,8 +34,8 @@ struct GridPoint {
 };
 
 struct GridCurve {
-  std::vector<GridPoint>
-      points;  // by factor; those that have the cells of the one before are left out
+  // By factor; those that have the cells of the one before are left out.
+  std::vector<GridPoint> points;
   bool finished = false;
   double done = 0, left_s = 0;  // 0 to 1, and what it will take at least until that is 1
 

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "app/terminal.h"
-#include "view/panel_parts.h"
 #include "view/icons.h"
+#include "view/panel_parts.h"
 #include "view/texts.h"
 #include "view/theme.h"
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "view/inspector.h"
 #include "view/panel_parts.h"
@@ -25,8 +26,16 @@ std::string brief(Vec3<T> v) {
 }
 
 void row(const char* name, const std::string& value, const std::string& in_full = {}) {
+  constexpr float kColumn = 7, kIndent = 1;  // em
   faint_text(name);
-  ImGui::SameLine(7 * em());
+  // Below the name, rather than broken, where the two are too long for a line.
+  const bool fits =
+      ImGui::CalcTextSize(name).x < (kColumn - 0.5f) * em() &&
+      ImGui::CalcTextSize(value.c_str()).x <= ImGui::GetContentRegionAvail().x - kColumn * em();
+  if (fits)
+    ImGui::SameLine(kColumn * em());
+  else
+    ImGui::SetCursorPosX(ImGui::GetCursorPosX() + kIndent * em());
   ImGui::PushTextWrapPos(0);
   text(value);
   ImGui::PopTextWrapPos();
@@ -177,6 +186,7 @@ void Inspector::draw_tree(int ray) {
   const bool is_open =
       ImGui::TreeNodeEx(fmt::format("{}###ray{}", label_of(ray), ray).c_str(), flags);
   ImGui::PopStyleColor();
+  if (ray == ray_ && std::exchange(brings_ray_in_, false)) ImGui::SetScrollHereY();
   if (ImGui::IsItemClicked() && !ImGui::IsItemToggledOpen()) playing_ = false, choose(ray, -1);
   if (!is_open) return;
   for (const bool shadow : {true, false})

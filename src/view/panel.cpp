@@ -182,8 +182,7 @@ void draw_boxes(ViewState& state, const PanelFacts& facts, PanelResult& result) 
   (void)ImGui::SliderInt(tr("at least primitives"), &look.fewest, 1, int(boxes.most), "%d",
                          ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_Logarithmic);
   ImGui::PopItemWidth();
-  if (ImGui::RadioButton(tr("coloured by primitives"), !look.by_level)) look.by_level = false;
-  if (ImGui::RadioButton(tr("coloured by level"), look.by_level)) look.by_level = true;
+  (void)ImGui::Checkbox(tr("coloured by level"), &look.by_level);
   faint_text(!look.shown      ? std::string(tr("not shown"))
              : boxes.all == 0 ? std::string(tr("there is no structure that could be seen"))
              : boxes.drawn == boxes.all

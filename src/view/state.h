@@ -63,6 +63,10 @@ class ViewState {
   /// The same without `split_effect`, or with it where it is off.
   RenderOptions other_request(int width, int height) const;
 
+  /// The camera of a picture of so many rows with its angle from edge to edge, wherever the options
+  /// have it measured.
+  Camera edge_to_edge(int height) const;
+
   /// May a pixel have any number of samples? Not with cells, whose number says it.
   bool endless() const;
 

@@ -281,7 +281,6 @@ constexpr auto kTexts = std::to_array<std::pair<const char*, const char*>>({
     {"all leaves", "todas as folhas"},
     {"level", "nível"},
     {"at least primitives", "primitivos ao menos"},
-    {"coloured by primitives", "cores por primitivos"},
     {"coloured by level", "cores por nível"},
     {"not shown", "não visíveis"},
     {"there is no structure that could be seen", "não há estrutura que se possa ver"},
