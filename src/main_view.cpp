@@ -1,5 +1,5 @@
 #include "app/command_line.h"
-#include "view/viewer.h"
+#include "view/open_window.h"
 
 int main(int argc, char** argv) {
   return raio::app::run_command_line(argc, argv, raio::view::open_window);

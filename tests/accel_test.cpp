@@ -71,6 +71,67 @@ TEST(Accel, AgreeOnTheStandardScenes) {
   }
 }
 
+std::vector<AccelBox> boxes_of(const Accel& accel, int level = kLeafBoxes) {
+  std::vector<AccelBox> boxes;
+  accel.boxes(level, [&](const AccelBox& b) { boxes.push_back(b); });
+  return boxes;
+}
+
+size_t primitives_in(const std::vector<AccelBox>& boxes) {
+  size_t sum = 0;
+  for (const AccelBox& b : boxes) sum += b.primitives;
+  return sum;
+}
+
+bool contains(const Box3f& outer, const Box3f& inner) {
+  Box3f both = outer;
+  both.extend(inner);
+  return both.lo == outer.lo && both.hi == outer.hi;
+}
+
+// Each level of a tree parts the primitives, and its boxes lie in those of the level above.
+TEST(Accel, BoxesOfATreeAreNested) {
+  const Scene scene = random_scene(3000, 5);
+  const auto tree = build(scene, {.kind = AccelKind::bvh});
+  const size_t all = tree->info().references;
+  const auto leaves = boxes_of(*tree);
+  EXPECT_EQ(primitives_in(leaves), all);
+  int deepest = 0;
+  for (const AccelBox& leaf : leaves) deepest = std::max(deepest, leaf.level);
+  ASSERT_GE(deepest, 3);
+  EXPECT_EQ(boxes_of(*tree, deepest).size(), leaves.size());
+  std::vector<AccelBox> above = boxes_of(*tree, 0);
+  ASSERT_EQ(above.size(), 1u);
+  for (int level = 1; level <= deepest; ++level) {
+    const auto boxes = boxes_of(*tree, level);
+    EXPECT_EQ(primitives_in(boxes), all) << level;
+    EXPECT_GE(boxes.size(), above.size());
+    for (const AccelBox& b : boxes) {
+      EXPECT_LE(b.level, level);
+      EXPECT_TRUE(std::ranges::any_of(
+          above, [&](const AccelBox& outer) { return contains(outer.box, b.box); }));
+    }
+    above = boxes;
+  }
+}
+
+// The fast grid shows the very cells of the one that counts.
+TEST(Accel, BoxesOfAGridAreItsCells) {
+  const Scene scene = random_scene(3000, 5);
+  const auto counting = build(scene, {.kind = AccelKind::grid, .counters = true});
+  const auto cells = boxes_of(*counting);
+  const auto fast = boxes_of(*build(scene, {.kind = AccelKind::grid}));
+  EXPECT_EQ(primitives_in(cells), counting->info().references);
+  EXPECT_LE(cells.size(), counting->info().cells);
+  ASSERT_EQ(fast.size(), cells.size());
+  for (size_t i = 0; i < cells.size(); ++i) {
+    EXPECT_EQ(fast[i].primitives, cells[i].primitives);
+    EXPECT_TRUE(contains(fast[i].box, cells[i].box) && contains(cells[i].box, fast[i].box));
+  }
+  EXPECT_TRUE(boxes_of(*build(scene, {.kind = AccelKind::none})).empty());
+  EXPECT_TRUE(boxes_of(*build(scene, {.kind = AccelKind::embree})).empty());
+}
+
 TEST(Accel, EqualDistancesGiveTheLowestPrimitive) {
   Scene scene = random_scene(4, 1);
   for (int copy = 0; copy < 5; ++copy) {

@@ -180,24 +180,24 @@ TEST_F(Commands, ExplainTellsTheTreeOfRays) {
 TEST_F(Commands, ExplainDrawsTheRays) {
   const std::string scene = file("some.nff", kScene);
   RenderOptions options;
-  for (const AccelKind kind : {AccelKind::none, AccelKind::grid, AccelKind::bvh})
-    for (const std::optional<Vec3d> from :
-         {std::optional<Vec3d>(), {{5.0, 1, 2}}, {{0.0, -5, 0}}}) {
-      options.accel.kind = kind;
-      ExplainCommand explain{.scene = scene, .pixel = {20, 15}, .options = options};
-      explain.plot = path("rays.svg");
-      explain.plot_from = from;
-      EXPECT_EQ(run_captured(explain), kDone) << err_;
-      std::ifstream svg(explain.plot);
-      const std::string drawn(std::istreambuf_iterator<char>(svg), {});
-      EXPECT_THAT(drawn, HasSubstr("<svg"));
-      EXPECT_THAT(drawn, HasSubstr("<image"));
-      EXPECT_THAT(drawn, Not(HasSubstr("nan")));
-      EXPECT_THAT(drawn, Not(HasSubstr("inf")));
-      explain.plot = path("rays.jpg");
-      EXPECT_EQ(run_captured(explain), kBadInput);
-      EXPECT_THAT(err_, HasSubstr(".png, .svg or .pdf"));
-    }
+  const std::pair<AccelKind, std::optional<Vec3d>> all[] = {
+      {AccelKind::none, {}}, {AccelKind::grid, {{5.0, 1, 2}}}, {AccelKind::bvh, {{0.0, -5, 0}}}};
+  for (const auto& [kind, from] : all) {
+    options.accel.kind = kind;
+    ExplainCommand explain{.scene = scene, .pixel = {20, 15}, .options = options};
+    explain.plot = path("rays.svg");
+    explain.plot_from = from;
+    EXPECT_EQ(run_captured(explain), kDone) << err_;
+    std::ifstream svg(explain.plot);
+    const std::string drawn(std::istreambuf_iterator<char>(svg), {});
+    EXPECT_THAT(drawn, HasSubstr("<svg"));
+    EXPECT_THAT(drawn, HasSubstr("<image"));
+    EXPECT_THAT(drawn, Not(HasSubstr("nan")));
+    EXPECT_THAT(drawn, Not(HasSubstr("inf")));
+    explain.plot = path("rays.jpg");
+    EXPECT_EQ(run_captured(explain), kBadInput);
+    EXPECT_THAT(err_, HasSubstr(".png, .svg or .pdf"));
+  }
 }
 
 TEST_F(Commands, InfoOfASceneOfPlanesHasNoBounds) {

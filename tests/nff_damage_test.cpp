@@ -43,6 +43,10 @@ std::string damaged(std::string text, std::mt19937_64& random) {
                                              "spp 1 ",
                                              "pl ",
                                              "c ",
+                                             "env sky\n",
+                                             "accel 1\n",
+                                             "f 1 1 1 0.5 1 0.5 0 0.5 30 0 1 0.1\n",
+                                             "l 1 2 3 1 1 4 1 1 1\n",
                                              std::string_view("\0", 1),
                                              "1e30"};
   for (size_t changes = 1 + random() % 4; changes > 0 && !text.empty(); --changes) {
@@ -74,9 +78,15 @@ const std::string kObjects =
     "mesh 4 2\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 2 3\n-1 -2 -3\n"
     "p 5\n0 0 0\n2 0 0\n2 2 0\n1 1 0\n0 2 0\n";
 
+const std::string kP3f = "accel 1\nspp 4\nbclr 0 0 1\nenv sky box # six\n" + kCamera +
+                         "aperture 2\nfocal 1.5\nl 1 2 3 1 1 1\nl 1 2 3 0.5 1 16 1 1 1\n"
+                         "f 1 0.9 0.7 0.5 1 0.8 0.3 0.5 30 0 1\ns 0 1 0 1\n"
+                         "f 1 1 1 0 1 1 1 0.2 20 1 1.35 0.2\n";
+
 TEST(NffDamage, GivesASoundSceneOrAnErrorWithAPlace) {
   std::vector<std::string> sources = {
       kCamera + "aperture 2\nfocal 1.5\nl 1 2 3\nl 1 2 3 1 1 1\n" + kMaterial + kObjects,
+      kP3f + kObjects,
       "v\nfrom 1000010 5e6 3\nat 1e6 5e6 3\nup 0 0 1\nangle 45\nl 1e6 5e6 9\ns 1e6 5e6 3 1\n"};
   if (std::filesystem::exists(kSharedFolder))
     for (const char* file : {"p3d/plane.nff", "p3d/balls_low.nff", "spd/teapot.nff",

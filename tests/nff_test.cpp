@@ -272,12 +272,11 @@ TEST(NffRead, FilesThatCannotBeRead) {
   EXPECT_EQ(message("/dev/null"), "/dev/null: error: this is a device, expected a file\n");
 }
 
-// Each file of tests/broken, and what is said of it, in expected.txt in the order of names.
-TEST(NffRead, BrokenFiles) {
-  const std::filesystem::path folder = RAIO_SOURCE_DIR "/tests/broken";
+// Each file of a folder, and what is said of it, in expected.txt in the order of names.
+void expect_what_is_said(const std::filesystem::path& folder, const char* suffix) {
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder))
-    if (entry.path().extension() == ".nff") files.push_back(entry.path());
+    if (entry.path().extension() == suffix) files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   ASSERT_GT(files.size(), 40u);
   const std::string expected = file_text(folder / "expected.txt");
@@ -295,6 +294,10 @@ TEST(NffRead, BrokenFiles) {
   }
   EXPECT_EQ(said, expected);
 }
+
+TEST(NffRead, BrokenFiles) { expect_what_is_said(RAIO_SOURCE_DIR "/tests/broken", ".nff"); }
+
+TEST(P3fRead, BrokenFiles) { expect_what_is_said(RAIO_SOURCE_DIR "/tests/broken/p3f", ".p3f"); }
 
 // Long texts, which are read in pieces.
 

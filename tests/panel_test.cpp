@@ -10,6 +10,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <ranges>
 #include <set>
 #include <string>
 #include <vector>
@@ -194,19 +195,29 @@ TEST(Panel, EverythingUnderTheCursorAnswers) {
   ViewState state = state_of_three();
   PanelFacts facts;
   facts.costs.picture_width = 160, facts.costs.picture_height = 120;
+  facts.costs.curve.points = {{.factor = 1, .tests = 4, .steps = 2}};
+  facts.boxes = {.drawn = 8, .all = 8, .levels = 3, .most = 10};
   PanelResult result;
   std::set<std::string> pressed;
+  size_t presses = 0;
+  const auto begin = [&] {
+    state = state_of_three();
+    state.options.accel.kind = AccelKind::grid;
+    return state;
+  };
   const auto draw = [&] {
     const PanelResult now = draw_panel(state, facts, {0, 0, kWidth, kHeight});
-    for (const KeySpec* key : now.pressed) pressed.insert(key->help);
-    result.changed |= now.changed;
+    for (const KeySpec* key : now.pressed) pressed.insert(key->help), ++presses;
+    result.changed |= now.changed, result.saves_curve |= now.saves_curve;
     if (!now.problem.empty()) result.problem = now.problem;
   };
   Screen screen(draw);
   const std::vector<const char*> names = {"###Effects",
                                           "###Statistics",
+                                          "###The structure's boxes",
                                           "###What each effect costs",
                                           "###All combinations of effects",
+                                          "###The grid's resolution",
                                           "###Scene",
                                           "###All options",
                                           "###Window"};
@@ -216,21 +227,23 @@ TEST(Panel, EverythingUnderTheCursorAnswers) {
     for (const char* name : names) panel->StateStorage.SetInt(panel->GetID(name), 1);
     screen.move({kWidth - 2, 1}), screen.frame();
   };
+  begin();
   open_all();
   ASSERT_LT(panel->ContentSize.y, kHeight) << "some are out of sight";
   const auto all = screen.widgets();
   size_t options = 0;
   for (const OptionSpec& spec : render_option_table()) options += spec.of_window;
   EXPECT_GT(all.size(), options + 60);
-  for (const auto& [id, place] : all) {
-    const ViewState before = state = state_of_three();
-    const size_t keys = pressed.size();
+  for (const ImVec2 place : all | std::views::values) {
+    const ViewState before = begin();
+    const size_t presses_before = presses;
     const Language spoken = language();
     result = {};
     bool answers = false;
     const auto look = [&] {
       answers |= screen.is_popup_open() || ImGui::GetIO().WantTextInput || result.changed ||
-                 !result.problem.empty() || pressed.size() > keys || language() != spoken ||
+                 !result.problem.empty() || presses > presses_before || language() != spoken ||
+                 result.saves_curve || state.boxes != before.boxes ||
                  !difference(before, state).empty();
       for (const char* name : names) answers |= !panel->StateStorage.GetInt(panel->GetID(name), 1);
     };
@@ -241,10 +254,11 @@ TEST(Panel, EverythingUnderTheCursorAnswers) {
     ImGui::ClosePopupsOverWindow(nullptr, false);
     ImGui::ClearActiveID();
     set_language(Language::english);
-    pressed.insert(fmt::format("{}", id)), open_all();
+    open_all();
   }
-  for (const char* key : {"antialiasing", "soft shadows", "depth of field", "reflection",
-                          "refraction", "structure", "measure 16", "light or dark", "big type"})
+  for (const char* key :
+       {"antialiasing", "soft shadows", "depth of field", "reflection", "refraction", "structure",
+        "measure 16", "show boxes", "measure grids", "light or dark", "big type"})
     EXPECT_TRUE(pressed.contains(key)) << key;
 }
 

@@ -151,7 +151,7 @@ TEST_F(SceneFiles, AreWrittenBySuffix) {
   const auto other = write_scene(scene, file("a.obj"));
   ASSERT_FALSE(other);
   EXPECT_EQ(other.error().kind, ErrorKind::bad_input);
-  EXPECT_THAT(other.error().message, HasSubstr("ends with .nff, .raio or .pov"));
+  EXPECT_THAT(other.error().message, HasSubstr("ends with .nff, .p3f, .raio or .pov"));
   EXPECT_FALSE(std::filesystem::exists(file("a.obj")));
 }
 
@@ -175,7 +175,8 @@ TEST_F(SceneFiles, NffHasColorsAndMeshes) {
   EXPECT_THAT(
       not_kept(scene, SceneFormat::nff),
       AllOf(HasSubstr("opacity of 10 spheres"), HasSubstr("colours of the vertices of 1 mesh"),
-            HasSubstr("texture coordinates of 1 mesh"), HasSubstr("names of 3 objects")));
+            HasSubstr("texture coordinates of 1 mesh"), HasSubstr("names of 3 objects"),
+            HasSubstr("specular colours of "), HasSubstr("roughness of ")));
 }
 
 using ConvertCommandLine = CommandLine;
@@ -208,7 +209,7 @@ TEST_F(ConvertCommandLine, SaysWhatIsLost) {
 TEST_F(ConvertCommandLine, RefusesWhatItCannotWrite) {
   const Outcome done = raio({"convert", "ok.nff", "ok.obj"});
   EXPECT_EQ(done.status, 2);
-  EXPECT_THAT(done.err, HasSubstr("expected a file that ends with .nff, .raio or .pov"));
+  EXPECT_THAT(done.err, HasSubstr("expected a file that ends with .nff, .p3f, .raio or .pov"));
   EXPECT_EQ(raio({"convert", "none.nff", "ok.raio"}).status, 2);
 }
 

@@ -151,11 +151,11 @@ TEST(ShadingModels, SpecularColourTintsHighlightsAndMirrors) {
       const double cosine = model == ShadingModel::nff ? dot(r, v) : dot(n, h);
       const Rgb found = pixel(scene, with_models(model, Fresnel::none));
       for (int c = 0; c < 3; ++c)
-        EXPECT_NEAR(found[c],
-                    0.9 * (kKd * color[c] * dot(n, l) +
-                           kKs * tint[c] * std::pow(cosine, double(kShine))) +
-                        (kKs * tint[c] + t) * background[c],
-                    2e-5);
+        EXPECT_NEAR(
+            found[c],
+            0.9 * (kKd * color[c] * dot(n, l) + kKs * tint[c] * std::pow(cosine, double(kShine))) +
+                (kKs * tint[c] + t) * background[c],
+            2e-5);
       // By Fresnel's equations the mirror of glass has no colour, as light is divided, not kept.
       if (t == 0) continue;
       scene.lights.clear();

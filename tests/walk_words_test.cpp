@@ -196,6 +196,12 @@ void expect_weight(const WalkStep& step, Rgb before, const std::string& weight) 
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(rgb_of(weight)[c], expected[c], 2e-5) << step.formula;
 }
 
+bool has_child_along(const Explanation& e, size_t parent, Kind kind, Vec3d dir) {
+  return std::ranges::any_of(e.rays, [&](const ExplainedRay& r) {
+    return r.parent == int(parent) && r.kind == kind && length(Vec3d(r.ray.dir) - dir) < 1e-4;
+  });
+}
+
 // "ambient", "diffuse" and "highlight" are the "C" of the sum, and times the weight what is
 // brought.
 void expect_sums(const Scene& scene, const RenderOptions& options) {
@@ -218,6 +224,7 @@ void expect_sums(const Scene& scene, const RenderOptions& options) {
           expect_weight(step, ray.weight, w);
           const Vec3d d(ray.ray.dir), n = vector_of(value_of(step, "N"));
           EXPECT_LT(length(vector_of(v) - (d - n * (2 * dot(d, n)))), 1e-4);
+          EXPECT_TRUE(has_child_along(e, i, Kind::reflection, vector_of(v)));
         }
         if (const std::string v = value_of(step, "D'"); !v.empty()) {
           ++refractions;
@@ -227,6 +234,7 @@ void expect_sums(const Scene& scene, const RenderOptions& options) {
           const double k = std::atof(value_of(step, "k").c_str());
           const Vec3d d(ray.ray.dir), n = vector_of(value_of(step, "N"));
           EXPECT_LT(length(vector_of(v) - (d * eta + n * (eta * c - std::sqrt(k)))), 1e-4);
+          EXPECT_TRUE(has_child_along(e, i, Kind::refraction, vector_of(v)));
         }
       }
       surfaces += ray.surface.has_value();
@@ -263,6 +271,7 @@ TEST(WalkWords, AreAllTranslated) {
   for (const AccelKind kind : {AccelKind::none, AccelKind::grid, AccelKind::bvh}) {
     RenderOptions options;
     if (kind == AccelKind::grid) options.shading = ShadingModel::blinn_phong;
+    if (kind == AccelKind::grid) options.gloss = options.translucency = 0.1f;
     const RenderSettings settings = settings_of(scene, kind, options);
     const auto check = [&](const Explanation& e, const Accel& accel) {
       for (size_t i = 0; i < e.rays.size(); ++i) {

@@ -531,6 +531,29 @@ TEST_F(WindowTest, MeasuresWhatEffectsCostAtRestAndStopsForInput) {
   window->minimise(false);
 }
 
+TEST_F(WindowTest, ShowsTheBoxesOfTheStructure) {
+  const auto window = open();
+  const auto before = window->picture(0);
+  ASSERT_TRUE(before);
+  size_t from = window->mark();
+  window->key(XK_k);
+  EXPECT_TRUE(window->wait_for("boxes of the structure shown", from)) << window->log();
+  from = window->mark();
+  window->key(XK_k);
+  EXPECT_TRUE(window->wait_for("boxes of the structure hidden", from)) << window->log();
+}
+
+TEST_F(WindowTest, MeasuresGridsAndStops) {
+  const auto window = open({"--size", "64x48"});
+  size_t from = window->mark();
+  window->key(XK_n);
+  EXPECT_TRUE(window->wait_for("measuring grids from coarse to fine; n stops", from));
+  EXPECT_TRUE(window->wait_for("measured the curve", from)) << window->log();
+  from = window->mark();
+  window->key(XK_n), window->key(XK_n);
+  EXPECT_TRUE(window->wait_for("stopped", from)) << window->log();
+}
+
 TEST_F(WindowTest, TheSameKeyStopsALongMeasurement) {
   const auto window = open({"--size", "512x384"});
   size_t from = window->mark();

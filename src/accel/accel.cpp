@@ -26,6 +26,8 @@ AccelResult make_accel(Geometry&& geometry, const AccelOptions& options) {
 
 std::optional<TraceLog> Accel::log(const Ray&, bool) const { return std::nullopt; }
 
+void Accel::boxes(int, const std::function<void(const AccelBox&)>&) const {}
+
 std::expected<std::unique_ptr<Accel>, Error> build_accel(const Scene& scene,
                                                          const AccelOptions& options,
                                                          bool one_sided, bool with_sources) {

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstdint>
 #include <expected>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -111,6 +112,16 @@ struct AccelInfo {
   size_t giants = 0;  // primitives kept outside and tested by every ray
 };
 
+/// A box of a structure, for people to look at.
+struct AccelBox {
+  Box3f box{};
+  int level = 0;          // of a tree; 0: the root's box, and all cells of a grid
+  size_t primitives = 0;  // that it lists, or that are below it
+};
+
+/// Instead of a level: those boxes below which there are no others.
+inline constexpr int kLeafBoxes = -1;
+
 /// Immutable once built; any number of threads may trace at the same time.
 class Accel {
  public:
@@ -128,6 +139,11 @@ class Accel {
   /// steps that are counted for it, one by one. Nothing where the structure cannot tell: Embree,
   /// and a grid without AccelOptions::counters.
   virtual std::optional<TraceLog> log(const Ray& ray, bool any) const;
+
+  /// Calls `see` for the boxes at a level of a tree and for the leaves above it, or for all leaves;
+  /// for the cells of a grid that list something, whatever the level. For none where there is no
+  /// structure, or one that does not show its boxes: Embree.
+  virtual void boxes(int level, const std::function<void(const AccelBox&)>& see) const;
 
   virtual AccelInfo info() const = 0;
 

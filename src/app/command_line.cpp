@@ -369,7 +369,8 @@ void add_convert(CLI::App& app, ConvertCommand& command, int& status) {
   sub->footer(examples({"raio convert balls.nff balls.raio", "raio convert balls.raio balls.pov"}));
   add_file(*sub, "in", command.input, "Scene file: NFF, P3F or .raio", "IN");
   add_file(*sub, "out", command.output,
-           "Scene file: .nff, .raio or .pov by suffix; - writes NFF to standard output", "OUT");
+           "Scene file: .nff, .p3f, .raio or .pov by suffix; - writes NFF to standard output",
+           "OUT");
   for (const char* scene : {"in", "out"}) sub->get_option(scene)->required();
   sub->callback([&] { status = run(command); });
 }

@@ -175,16 +175,11 @@ class Drawing {
     const auto& log = what_.logs[0];
     if (!log || log->steps.size() > 200) return;
     for (const TraceLog::Step& step : log->steps) {
-      const Vec3d lo(step.box.lo), hi(step.box.hi);
-      const auto corner = [&](int k) {
-        return Vec3d(k & 1 ? hi.x : lo.x, k & 2 ? hi.y : lo.y, k & 4 ? hi.z : lo.z);
-      };
-      for (int k = 0; k < 8; ++k)
-        for (const int bit : {1, 2, 4})
-          if (!(k & bit) && in_front(corner(k)) && in_front(corner(k | bit))) {
-            const Dot a = project(corner(k)), b = project(corner(k | bit));
-            canvas_.line(a.x, a.y, b.x, b.y, kGrey, step.leaf ? 1.2 : 0.7);
-          }
+      for_each_edge(step.box, [&](const Vec3f& from, const Vec3f& to) {
+        if (!in_front(Vec3d(from)) || !in_front(Vec3d(to))) return;
+        const Dot a = project(Vec3d(from)), b = project(Vec3d(to));
+        canvas_.line(a.x, a.y, b.x, b.y, kGrey, step.leaf ? 1.2 : 0.7);
+      });
     }
   }
 

@@ -16,6 +16,8 @@ namespace raio::app {
 
 namespace {
 
+constexpr std::string_view kDialectNames[] = {"nff", "p3f"};
+
 Json json_of(Vec3d v) { return Json::array({v.x, v.y, v.z}); }
 
 // Six digits tell people where things are; --json gives all of them.
@@ -37,9 +39,12 @@ std::string info_json(const ReadScene& read) {
   const auto optional = [](std::optional<float> v) { return v ? Json(plain(*v)) : Json(nullptr); };
 
   Json json{{"version", RAIO_VERSION}, {"scene", scene.name}};
+  json["dialect"] = kDialectNames[size_t(scene.dialect)];
   json["resolution"] = camera.width > 0 ? Json{camera.width, camera.height} : Json(nullptr);
   json["samples_per_pixel"] =
       scene.samples_per_pixel > 0 ? Json(scene.samples_per_pixel) : Json(nullptr);
+  json["accel"] =
+      scene.structure == StructureWish::any ? Json(nullptr) : Json(accel_name(wished_accel(scene)));
   const auto counts = count_primitives(scene);
   for (size_t i = 0; i < counts.size(); ++i) json["primitives"][kShapeKindNames[i]] = counts[i];
   json["primitive_count"] = scene.primitive_count();
@@ -67,6 +72,8 @@ std::string info_json(const ReadScene& read) {
     json["lights"].push_back(
         {{"position", json_of(scene.origin + plain(light.position))},
          {"color", light.color ? json_of(plain(*light.color)) : Json(nullptr)}});
+    if (light.extent)
+      json["lights"].back()["extent"] = {plain(light.extent->width), plain(light.extent->depth)};
   }
   const MaterialCounts materials = count_materials(scene);
   json["materials"] = {{"count", scene.materials.size()},
@@ -91,6 +98,8 @@ std::string info_text(const ReadScene& read) {
   };
 
   line("scene", scene.name);
+  if (scene.dialect == Dialect::p3f)
+    line("dialect", "P3F: shaded by blinn-phong, with Fresnel's reflection after Schlick");
   line("primitives", fmt::format("{}", scene.primitive_count()));
   const auto counts = count_primitives(scene);
   for (size_t i = 0; i < counts.size(); ++i)
@@ -113,6 +122,8 @@ std::string info_text(const ReadScene& read) {
                                       : std::string("not given"));
   if (scene.samples_per_pixel > 0)
     line("samples", fmt::format("{} a pixel", scene.samples_per_pixel));
+  if (scene.structure != StructureWish::any)
+    line("structure", fmt::format("{}, as the file asks", accel_name(wished_accel(scene))));
   line("background", text_of(plain(scene.background)));
   if (!scene.sky_folder.empty())
     line("sky",
@@ -124,6 +135,8 @@ std::string info_text(const ReadScene& read) {
   for (const Light& light : scene.lights | std::views::take(kShown)) {
     std::string text = fmt::format("at {}", text_of(scene.origin + plain(light.position)));
     if (light.color) text += "  colour " + text_of(plain(*light.color));
+    if (light.extent)
+      text += fmt::format("  {:g} x {:g} along x and z", light.extent->width, light.extent->depth);
     line("", text);
   }
   if (scene.lights.size() > kShown)

@@ -32,6 +32,8 @@ Json statistics(const RenderFigures& made) {
       {"seed", o.seed},
       {"threads", o.threads},
       {"depth", o.depth},
+      {"shading", shading_name(o.shading)},
+      {"fresnel", fresnel_name(o.fresnel)},
       {"effects", {{"aa", o.aa}, {"soft_shadows", o.soft_shadows}, {"dof", o.dof}}},
       {"primitives", primitives},
       {"lights", scene->lights.size()},
@@ -73,14 +75,17 @@ std::string summary(const std::string& output, const RenderFigures& made) {
   const std::string samples = made.samples == wanted
                                   ? fmt::format("{}", wanted)
                                   : fmt::format("{} of {}", made.samples, wanted);
+  const bool as_wished =
+      made.scene->structure != StructureWish::any && o.accel.kind == wished_accel(*made.scene);
+  const std::string wish = as_wished ? " as the scene asks" : "";
   const Crop frame = o.frame();
   const std::string whole = o.crop ? fmt::format(" of {}x{}", o.width, o.height) : "";
   return fmt::format(
       "{}: {}x{}{}, {} {} a pixel, {}: load {}, build {}, render {} ({}rays/s), write {}",
       is_standard_output(output) ? "picture" : output, frame.width(), frame.height(), whole,
-      samples, wanted == 1 ? "sample" : "samples", made.accel.name, human_seconds(times.load),
-      human_seconds(times.build), human_seconds(times.render), human_count(rays_per_s(made)),
-      human_seconds(times.write));
+      samples, wanted == 1 ? "sample" : "samples", made.accel.name + wish,
+      human_seconds(times.load), human_seconds(times.build), human_seconds(times.render),
+      human_count(rays_per_s(made)), human_seconds(times.write));
 }
 
 }  // namespace raio::app

@@ -33,6 +33,18 @@ using Box3f = Box3<float>;
 using Box3d = Box3<double>;
 
 /// The smallest box of floats around `box`.
+/// Calls f(from, to) for each of the twelve edges.
+template <class T, class F>
+void for_each_edge(const Box3<T>& box, F&& f) {
+  const auto corner = [&](int k) {
+    return Vec3<T>(k & 1 ? box.hi.x : box.lo.x, k & 2 ? box.hi.y : box.lo.y,
+                   k & 4 ? box.hi.z : box.lo.z);
+  };
+  for (int k = 0; k < 8; ++k)
+    for (const int bit : {1, 2, 4})
+      if (!(k & bit)) f(corner(k), corner(k | bit));
+}
+
 inline Box3f rounded_out(const Box3d& box) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   Box3f out;

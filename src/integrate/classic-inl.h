@@ -7,6 +7,7 @@
 #define RAIO_INTEGRATE_CLASSIC_INL_H_
 #endif
 
+#include "integrate/classic.h"
 #include "integrate/sky-inl.h"
 #include "integrate/wavefront-inl.h"
 #include "scene/columns.h"
@@ -61,6 +62,7 @@ class PhongShading {
     const bool any_color =
         std::ranges::any_of(scene.scene.lights, [](const Light& l) { return l.color.has_value(); });
     ambient_ = any_color || scene.settings.shading != ShadingModel::nff ? Rgb() : Rgb(0.1f);
+    rough_ = kModels && is_rough(scene.scene, scene.settings);
     for (const Material& m : scene.scene.materials) {
       const bool mirrors = m.ks > 0 || (divides() && m.transmission > 0);
       any_mirror_ |= mirrors && scene.settings.reflection;
@@ -81,7 +83,10 @@ class PhongShading {
   template <class W>
   void shade(W& w, int, size_t n, const WideSampler<D>& sampler) {
     Vertices& v = w.vertices();
-    if constexpr (kModels) look_up_specular(v, n);
+    if constexpr (kModels) {
+      look_up_materials_beside(v, n);
+      sampler_ = &sampler;
+    }
     const V3 ambient = set3(d, ambient_);
     for (size_t i = 0; i < n; i += kWidth) store(ambient * load(v.color, i), v.radiance, i);
     if constexpr (W::kRecords) w.recorder().ambient(w.rays(), v, n);
@@ -190,10 +195,39 @@ class PhongShading {
   static HWY_INLINE V most_of(V part) { return part; }
   static HWY_INLINE V most_of(const V3& part) { return largest(part); }
 
-  void look_up_specular(Vertices& v, size_t n) const {
+  // The columns beside the materials.
+  void look_up_materials_beside(Vertices& v, size_t n) const {
     const auto& colors = scene_.scene.material_specular;
-    for (size_t i = 0; i < n; ++i)
+    const auto& roughness = scene_.scene.material_roughness;
+    for (size_t i = 0; i < n; ++i) {
       v.specular.set(i, colors.empty() ? Rgb(1) : colors[v.material[i]]);
+      v.roughness.at[i] = roughness.empty() ? 0 : roughness[v.material[i]];
+    }
+  }
+
+  // The direction in the lobe of a rough surface (docs/shading.md): that of a perfect one, plus
+  // roughness times a point of the unit sphere. It stays on the side of `side`, a unit vector.
+  template <class W>
+  HWY_INLINE V3 spread(W& w, size_t i, const V3& dir, const V3& side, Purpose purpose,
+                       const std::optional<float>& set) const {
+    const V roughness = set ? hn::Set(d, *set) : load(w.vertices().roughness, i);
+    const V zero = hn::Zero(d), one = hn::Set(d, 1), two = hn::Set(d, 2);
+    const M rough = hn::Gt(roughness, zero);
+    if (hn::AllFalse(d, rough)) return dir;
+    const Wide2<D> square =
+        sampler_->in_square(w.place_of(load(w.rays().pixel, i)), load(w.rays().branch, i), purpose);
+    const Wide2<D> disc = square_to_disc(d, square.x, square.y);
+    // Of a disc onto the sphere, keeping areas.
+    const V r2 = hn::Add(hn::Mul(disc.x, disc.x), hn::Mul(disc.y, disc.y));
+    const V scale = hn::Mul(two, hn::Sqrt(hn::Max(hn::Sub(one, r2), zero)));
+    const V3 on_sphere = {hn::Mul(disc.x, scale), hn::Mul(disc.y, scale),
+                          hn::Sub(one, hn::Mul(two, r2))};
+    const V3 moved = dir + on_sphere * roughness;
+    const M sound = hn::And(rough, hn::Gt(dot(moved, moved), zero));
+    V3 out = select(sound, normalize(d, moved), dir);
+    const V across = dot(out, side);
+    out = select(hn::Lt(across, zero), out - side * hn::Mul(two, across), out);
+    return select(sound, out, dir);
   }
 
   // A smooth triangle's normal can send a ray through the surface that it should leave; then the
@@ -210,6 +244,8 @@ class PhongShading {
       V3 dir = renormalize(d, reflect(in, load(v.normal, i)));
       dir = select(hn::Gt(dot(dir, geometric), hn::Zero(d)), dir,
                    renormalize(d, reflect(in, geometric)));
+      if constexpr (kModels)
+        if (rough_) dir = spread(w, i, dir, geometric, kGloss, scene_.settings.gloss);
       w.counts().reflection += children.add(i, load(v.outside, i), dir, part, 0, mirrors);
     }
     children.done();
@@ -230,6 +266,9 @@ class PhongShading {
       const M through = hn::Lt(dot(dir, geometric), hn::Zero(d));
       dir = select(through, dir, other);
       passes = hn::And(passes, hn::Or(through, passes_geometric));
+      if constexpr (kModels)
+        if (rough_)
+          dir = spread(w, i, dir, -geometric, kTranslucency, scene_.settings.translucency);
       V part = transmission;
       if constexpr (kModels)
         if (divides()) part = hn::Sub(hn::Set(d, 1), reflectance_at(v, i, in));
@@ -242,6 +281,8 @@ class PhongShading {
   const PreparedScene& scene_;
   Rgb ambient_;                                        // times the material's colour
   bool any_mirror_ = false, any_transparent_ = false;  // among the materials
+  bool rough_ = false;
+  const WideSampler<D>* sampler_ = nullptr;  // of the sample that is being shaded
 };
 
 using ClassicShading = PhongShading<false>;

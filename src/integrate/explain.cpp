@@ -114,7 +114,8 @@ class RayRecorder {
                                 .shine = v.shine.at[i],
                                 .transmission = v.transmission.at[i],
                                 .eta = v.eta.at[i],
-                                .specular = Shading::kTints ? element(v.specular, i) : Rgb(1)};
+                                .specular = Shading::kTints ? element(v.specular, i) : Rgb(1),
+                                .roughness = Shading::kTints ? v.roughness.at[i] : 0};
       r.brings = unscaled(sums.fixed(element(v.radiance, i) * r.weight));
     }
   }

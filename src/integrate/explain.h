@@ -19,6 +19,7 @@ struct ExplainedRay {
     Rgb color;
     float kd = 0, ks = 0, shine = 0, transmission = 0, eta = 1;
     Rgb specular{1};  // times ks
+    float roughness = 0;
   };
 
   Kind kind = Kind::eye;

@@ -9,6 +9,8 @@
 //   kPixel       1                     the eye ray in its cell of the pixel
 //   kLens        1                     the eye ray on the lens
 //   kLight + i   place in ray tree     the shadow ray on light i
+//   kGloss       place in ray tree     the mirrored ray of a rough surface in its lobe
+//   kTranslucency  place in ray tree   the refracted ray of one
 //
 // A pixel goes by its place in the picture: its column, plus its row times 65536.
 // Branch 1 is the eye ray; the reflected child of branch b is 2b, the refracted one 2b + 1.
@@ -22,7 +24,7 @@
 
 namespace raio {
 
-enum Purpose : uint32_t { kPixel, kLens, kLight };
+enum Purpose : uint32_t { kPixel, kLens, kLight, kGloss = 0x80000000u, kTranslucency };
 
 inline constexpr uint32_t kEyeBranch = 1;
 

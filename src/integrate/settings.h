@@ -75,6 +75,8 @@ struct RenderSettings {
   bool reflection = true, refraction = true;
   ShadingModel shading = ShadingModel::nff;
   Fresnel fresnel = Fresnel::none;
+  // How far mirrored and refracted directions spread; without, as the materials say.
+  std::optional<float> gloss, translucency;
   bool one_sided = false;
 
   int threads = 1;  // no picture depends on it

@@ -64,6 +64,7 @@ struct Vertices {
   Floats3 radiance;  // towards the ray, so far
   // Of models of light other than NFF's, which look them up themselves.
   Floats3 specular;  // the colour of highlight and mirror
+  Floats roughness;
 };
 
 // Lane i for all that follow it in the register.

@@ -18,6 +18,8 @@ PreparedScene::PreparedScene(const Scene& s, const Accel& a, const RenderSetting
       const Frame<float> frame(distance > 0 ? to_at / distance : Vec3f(0, 0, 1));
       const float size = r.light_size > 0 ? r.light_size : 0.1f * distance;
       e.edge_u = frame.u * size, e.edge_v = frame.v * size;
+      if (l.extent && !(r.light_size > 0))
+        e.edge_u = {l.extent->width, 0, 0}, e.edge_v = {0, 0, l.extent->depth};
     }
     emitters.push_back(e);
   }

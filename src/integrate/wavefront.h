@@ -17,7 +17,7 @@ namespace raio {
 
 /// What all tiles share. Immutable.
 struct PreparedScene {
-  /// A light with its intensity, and the square that it is for soft shadows.
+  /// A light with its intensity, and the square or rectangle that it is for soft shadows.
   struct Emitter {
     Vec3f position;
     Rgb intensity;

@@ -94,11 +94,22 @@ class PovWriter {
   // shading does not, so they are brought up before.
   void material(MaterialId id) {
     const Material& m = scene_.materials[id];
-    const double transmit = std::min(double(m.transmission), 0.999999), part = 1 / (1 - transmit);
+    const bool p3f = scene_.dialect == Dialect::p3f, divides = p3f && m.transmission > 0;
+    const double transmit = std::min(divides ? 1.0 : double(m.transmission), 0.999999);
+    const double part = 1 / (1 - transmit);
     line("#declare M{} = texture {{ pigment {{ rgb {} transmit {} }}", id, text(m.color),
          float(transmit));
-    line("  finish {{ ambient {} diffuse {} phong {} phong_size {} reflection {{ {} }} }} }}",
-         float((colored_ ? 0 : 0.1) * part), float(double(m.kd) * part), m.ks, m.shine, m.ks);
+    const std::string mirror = divides ? "0, 1 fresnel on"
+                               : scene_.material_specular.empty()
+                                   ? fmt::format("{}", m.ks)
+                                   : "rgb " + text(scene_.specular_of(id) * m.ks);
+    // Blinn's highlight, or Phong's.
+    const std::string highlight =
+        p3f ? fmt::format("specular {} roughness {}", m.ks, 1 / std::max(m.shine, 1e-6f))
+            : fmt::format("phong {} phong_size {}", m.ks, m.shine);
+    line("  finish {{ ambient {} diffuse {} {} reflection {{ {} }}{} }} }}",
+         float((p3f || colored_ ? 0 : 0.1) * part), float(double(m.kd) * part), highlight, mirror,
+         divides ? " conserve_energy" : "");
   }
 
   std::vector<Item> by_material() const {

@@ -152,17 +152,30 @@ std::expected<ReadScene, Diagnostics> read_scene(const fs::path& path) try {
 
 std::expected<SceneFormat, Error> scene_format(const fs::path& path) {
   const std::string suffix = lower_suffix(path);
-  if (path == "-" || suffix == ".nff") return SceneFormat::nff;
+  if (path == "-" || suffix == ".nff" || suffix == ".p3f") return SceneFormat::nff;
   if (suffix == ".raio") return SceneFormat::raio;
   if (suffix == ".pov") return SceneFormat::pov;
   return std::unexpected(
       Error{ErrorKind::bad_input, "",
-            fmt::format("expected a file that ends with .nff, .raio or .pov, found '{}'",
+            fmt::format("expected a file that ends with .nff, .p3f, .raio or .pov, found '{}'",
                         path.string())});
 }
 
 std::string not_kept(const Scene& scene, SceneFormat format) {
-  return format == SceneFormat::raio ? "" : text_of(scene, kNotPlain);
+  if (format == SceneFormat::raio) return "";
+  std::string lost = text_of(scene, kNotPlain);
+  const auto add = [&](std::string_view more) {
+    lost += (lost.empty() || more.empty() ? "" : ", ") + std::string(more);
+  };
+  if (format == SceneFormat::nff && scene.dialect == Dialect::nff)
+    add(text_of(scene, {Feature::specular_colors, Feature::roughness, Feature::sky}));
+  // Mirrors have colours in POV-Ray, highlights those of the lights.
+  if (format == SceneFormat::pov) {
+    const std::string colors = text_of(scene, {Feature::specular_colors});
+    add(colors.empty() ? "" : "in highlights, " + colors);
+    add(text_of(scene, {Feature::roughness, Feature::light_extents, Feature::sky}));
+  }
+  return lost;
 }
 
 std::expected<void, Error> write_scene(const Scene& scene, const fs::path& path,

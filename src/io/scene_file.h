@@ -30,7 +30,8 @@ std::string_view foreign_kind(std::string_view start, std::string_view suffix, s
 /// How scenes can be written.
 enum class SceneFormat { nff, raio, pov };
 
-/// By suffix, in any case; an error (bad_input) that lists the suffixes otherwise. "-" is NFF.
+/// By suffix, in any case; an error (bad_input) that lists the suffixes otherwise. "-" and .p3f are
+/// NFF, whose dialect is the scene's.
 std::expected<SceneFormat, Error> scene_format(const std::filesystem::path& path);
 
 /// What of the scene is lost in the format, in one line (text_of), or nothing.

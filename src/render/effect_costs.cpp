@@ -4,12 +4,12 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
-#include <numeric>
 #include <optional>
 #include <utility>
 
+#include "base/parallel.h"
 #include "render/benchmark.h"
-#include "render/render.h"
+#include "render/timed_share.h"
 
 namespace raio {
 namespace {
@@ -18,10 +18,8 @@ using Clock = std::chrono::steady_clock;
 
 constexpr size_t kFewestRounds = 5, kFewestSlowRounds = 3, kMostRounds = 25;
 constexpr double kPatienceSeconds = 15;  // then as few rounds as there are may do
-constexpr double kMostRunSeconds = 0.6;  // expected of the slowest run
 constexpr double kNewsSeconds = 0.5;
 constexpr uint32_t kProbeShards = 64;
-constexpr size_t kTilesPerThread = 8;  // so that threads end together
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -57,12 +55,11 @@ class Measurement {
   Measurement(const Scene& scene, const Accel& accel, const RenderOptions& options,
               RenderControl& control, const std::function<void(const EffectCosts&)>& on_news,
               const MeasuringEffort& effort)
-      : scene_(scene), options_(options), control_(control), on_news_(on_news), effort_(effort) {
-    options_.samples = 0, options_.sampler = SamplerKind::jitter;
-    options_.view = View::picture, options_.integrator = std::nullopt, options_.channels = {};
-    // The numbers of samples of the benchmark.
-    for (const Effect e : {Effect::antialiasing, Effect::depth_of_field})
-      options_ = with_effect(options_, e, is_on(e, options, scene));
+      : scene_(scene),
+        options_(timed_options(options, scene)),
+        control_(control),
+        on_news_(on_news),
+        effort_(effort) {
     base_ = {.settings = resolve_options(options_, scene_), .accel = &accel};
   }
 
@@ -127,29 +124,19 @@ class Measurement {
     return control_.stop ? nullptr : built_.back().get();
   }
 
-  struct Run {
-    double seconds = 0;
-    RayCounts rays;
-    uint64_t pixels = 0;
-  };
-  // Renders every `share`th tile; nothing when told to stop.
-  std::optional<Run> render_share(const Variant& v, const Accel& accel, uint32_t share) {
-    const auto film = make_film(scene_, v.settings);
-    if (!film) return fail(film.error()), std::nullopt;
-    const RenderResult done =
-        render(scene_, accel, v.settings, **film, control_, {.shards = share});
-    if (!done.finished) return std::nullopt;
-    Run run{done.seconds, (*film)->rays(), 0};
-    run.pixels = run.rays.eye / uint64_t(v.settings.samples_per_pixel());
-    return run;
+  // Nothing when told to stop.
+  std::optional<TimedRun> run_share(const Variant& v, const Accel& accel, uint32_t share) {
+    auto done = render_share(scene_, accel, v.settings, share, control_);
+    if (!done) return fail(std::move(done.error())), std::nullopt;
+    return *done;
   }
 
   bool count(Variant& v, uint32_t share, uint64_t& pixels) {
     if (!v.counting && !build_counting(v)) return false;
-    const auto run = render_share(v, *v.counting, share);
-    if (!run) return false;
-    v.counted.rays = run->rays;
-    pixels = run->pixels;
+    const auto counted = run_share(v, *v.counting, share);
+    if (!counted) return false;
+    v.counted.rays = counted->rays;
+    pixels = counted->pixels;
     tell_now_and_then();
     return true;
   }
@@ -158,35 +145,21 @@ class Measurement {
     double seconds = 0;
     int runs = 0;
     do {
-      const auto run = render_share(v, *v.accel, share);
-      if (!run) return false;
-      seconds += std::max(run->seconds, 1e-9), ++runs;
+      const auto timed = run_share(v, *v.accel, share);
+      if (!timed) return false;
+      seconds += std::max(timed->seconds, 1e-9), ++runs;
     } while (seconds < effort_.least_run_s);
     v.seconds.push_back(seconds / runs);
     tell_now_and_then();
     return true;
   }
 
-  // Every how manieth tile is rendered when all of them take `seconds`: no more than leave each
-  // thread `per_thread` of them, and not those of the same columns.
-  uint32_t share_for(double seconds, size_t per_thread) const {
-    const auto film = make_film(scene_, base_.settings);
-    if (!film) return 1;
-    const size_t tiles = (*film)->tiles(), threads = size_t(std::max(1, base_.settings.threads));
-    const auto most = uint32_t(std::clamp(tiles / (per_thread * threads), size_t(1), tiles));
-    auto share = uint32_t(std::clamp(std::ceil(seconds / kMostRunSeconds), 1.0, double(most)));
-    size_t columns = 0;
-    while (columns < tiles && (*film)->tile(columns).y0 == 0) ++columns;
-    while (share > 1 && std::gcd(size_t(share), columns) > 1) --share;
-    return share;
-  }
-
   // What all tiles take, told from some; nothing when told to stop.
   std::optional<double> probe(const Variant& v, uint32_t shards) {
-    const auto run = render_share(v, *v.accel, shards);
-    if (!run) return std::nullopt;
+    const auto some = run_share(v, *v.accel, shards);
+    if (!some) return std::nullopt;
     const double pixels = double(costs_.width) * costs_.height;
-    return run->seconds * pixels / double(std::max<uint64_t>(1, run->pixels));
+    return some->seconds * pixels / double(std::max<uint64_t>(1, some->pixels));
   }
 
   // All but the structure.
@@ -204,7 +177,7 @@ class Measurement {
     const auto whole_s = probe(base_, kProbeShards);
     if (!whole_s) return false;
     const double per_sample = *whole_s / base_.settings.samples_per_pixel();
-    share_ = share_for(per_sample * most_samples, kTilesPerThread);
+    share_ = share_for(scene_, base_.settings, per_sample * most_samples, kTilesPerThread);
     double round_s = *whole_s;
     for (const auto& [effect, v] : others) round_s += per_sample * v.settings.samples_per_pixel();
     expect(double(kFewestRounds + 1) * round_s / share_);
@@ -291,7 +264,7 @@ class Measurement {
     const auto whole_s = probe(slow, kProbeShards * kProbeShards);
     if (!whole_s) return false;
     // The probe's tile was one thread's.
-    const uint32_t share = share_for(*whole_s / base.settings.threads, 1);
+    const uint32_t share = share_for(scene_, base.settings, *whole_s / base.settings.threads, 1);
     expect(*whole_s / base.settings.threads / share * double(kFewestSlowRounds + 1));
     if (!count(base, share, c.pixels) || !count(other, share, c.pixels)) return false;
     (c.on ? c.with : c.without) = base.counted, (c.on ? c.without : c.with) = other.counted;
@@ -368,28 +341,15 @@ bool is_in_scene(Effect effect, const Scene& scene) {
     case Effect::soft_shadows:
       return !scene.lights.empty();
     case Effect::reflection:
-      return any_material(scene, [](const Material& m) { return m.ks > 0; });
+      // In P3F all glass mirrors, too.
+      return any_material(scene, [p3f = scene.dialect == Dialect::p3f](const Material& m) {
+        return m.ks > 0 || (p3f && m.transmission > 0);
+      });
     case Effect::refraction:
       return any_material(scene, [](const Material& m) { return m.transmission > 0; });
     default:
       return true;
   }
-}
-
-MedianInterval median_interval(std::vector<double> values) {
-  std::ranges::sort(values);
-  const size_t n = values.size(), half = n / 2;
-  // The median lies below the (k + 1)th least value with the probability that at most k of n tosses
-  // of a coin show heads; likewise at the other end.
-  size_t outside = 0;
-  double term = std::pow(0.5, double(n)), below = term;
-  for (size_t k = 1; k < half; ++k) {
-    term *= double(n - k + 1) / double(k), below += term;
-    if (2 * below > 0.1) break;
-    outside = k;
-  }
-  const double median = n % 2 ? values[half] : (values[half - 1] + values[half]) / 2;
-  return {values[outside], median, values[n - 1 - outside]};
 }
 
 std::expected<EffectCosts, Error> measure_effects(

@@ -13,6 +13,7 @@
 #include "integrate/control.h"
 #include "integrate/film.h"
 #include "render/options.h"
+#include "render/timed_share.h"
 #include "scene/scene.h"
 
 namespace raio {
@@ -39,20 +40,6 @@ RenderOptions with_effect(RenderOptions options, Effect effect, bool on);
 /// Can the effect change any picture of the scene? Refraction wants a surface that lets light
 /// through, reflection one that mirrors, soft shadows a light, all of them something to hit.
 bool is_in_scene(Effect effect, const Scene& scene);
-
-/// A median, and an interval around it.
-struct MedianInterval {
-  double low = 0, median = 0, high = 0;
-
-  /// As a part of the median.
-  double half_width() const { return median > 0 ? (high - low) / 2 / median : 0; }
-};
-
-/// Of at least one value. The interval contains the median of the values' distribution, whatever
-/// that is, with a probability of at least 90 %: it ends at two of the values in order, which are
-/// chosen by the sign test. Fewer than five values cannot be that sure; theirs reaches from the
-/// least to the most.
-MedianInterval median_interval(std::vector<double> values);
 
 struct EffectCost {
   Effect effect = Effect::antialiasing;
@@ -81,12 +68,6 @@ struct EffectCosts {
   std::vector<EffectCost> effects;  // in the order of kEffects
   bool finished = false;
   double done = 0, left_s = 0;  // 0 to 1, and what it will take at least until that is 1
-};
-
-/// How closely the costs are measured.
-struct MeasuringEffort {
-  double close_enough = 0.03;  // half of the interval of a ratio, as a part of the median
-  double least_run_s = 0.02;   // shorter runs are repeated, to be above the clock's noise
 };
 
 /// Measures the costs of all effects for a picture with `options`, whose view, channels and numbers

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "integrate/classic.h"
 #include "render/picture_options.h"
 
 namespace raio {
@@ -88,6 +89,17 @@ std::expected<void, std::string> parse_fresnel(RenderOptions& o, std::string_vie
   return parse_word<Fresnel>(kFresnelNames, text, o.fresnel);
 }
 
+// Zero is a choice of its own here: it switches off what materials ask for.
+template <std::optional<float> RenderOptions::* kNumber>
+std::expected<void, std::string> parse_roughness(RenderOptions& o, std::string_view text) {
+  constexpr float kMost = 1000;
+  const auto value = parse_number<float>(text);
+  if (!value || !(*value >= 0 && *value <= kMost))
+    return std::unexpected(fmt::format("expected a number from 0 to {}, found '{}'", kMost, text));
+  o.*kNumber = *value;
+  return {};
+}
+
 // "depth,normal"
 std::expected<void, std::string> parse_channels(RenderOptions& o, std::string_view text) {
   ChannelSet channels;
@@ -165,10 +177,14 @@ std::string tone_text(const RenderOptions& o) {
   return o.tone ? std::string(kToneNames[size_t(*o.tone)]) : "";
 }
 std::string shading_text(const RenderOptions& o) {
-  return o.shading ? std::string(kShadingNames[size_t(*o.shading)]) : "";
+  return o.shading ? std::string(shading_name(*o.shading)) : "";
 }
 std::string fresnel_text(const RenderOptions& o) {
-  return o.fresnel ? std::string(kFresnelNames[size_t(*o.fresnel)]) : "";
+  return o.fresnel ? std::string(fresnel_name(*o.fresnel)) : "";
+}
+template <std::optional<float> RenderOptions::* kNumber>
+std::string roughness_text(const RenderOptions& o) {
+  return o.*kNumber ? fmt::format("{}", *(o.*kNumber)) : "";
 }
 std::string channels_text(const RenderOptions& o) {
   std::string text;
@@ -239,7 +255,9 @@ constexpr auto kTable = std::to_array<OptionSpec>({
      "curve of displays; or agx, which compresses highlights instead of clipping them (default: "
      "none)",
      parse_tone, 0, 0, tone_text, kToneNames},
-    {"accel", "NAME", "Acceleration structure: auto, none, grid, bvh or embree (default: auto)",
+    {"accel", "NAME",
+     "Acceleration structure: none, grid, bvh, embree, or auto, as the scene says, else bvh "
+     "(default: auto)",
      parse_accel, 0, 0, accel_text, kAccelNames},
     {"grid-factor", "M",
      "Resolution of the uniform grid: cells per side are M times the cube root of the number of "
@@ -289,12 +307,19 @@ constexpr auto kTable = std::to_array<OptionSpec>({
      +[](Options& o) -> bool& { return o.no_refraction; }},
     {"shading", "NAME",
      "Light at surfaces: nff; or phong or blinn-phong, without ambient light and with that "
-     "highlight (default: nff)",
+     "highlight (default: nff; blinn-phong for P3F scenes)",
      parse_shading, 0, 0, shading_text, kShadingNames},
     {"fresnel", "NAME",
      "Reflected and refracted light where T is above 0: none, by Ks and T; exact, by Fresnel's "
-     "equations; or schlick, by Schlick's approximation (default: none)",
+     "equations; or schlick, by Schlick's approximation (default: none; schlick for P3F scenes)",
      parse_fresnel, 0, 0, fresnel_text, kFresnelNames},
+    {"gloss", "R",
+     "Spread mirrored rays by R, as rough surfaces do: 0 is a perfect mirror, 0.1 a brushed one "
+     "(default: the roughness of each material)",
+     parse_roughness<&Options::gloss>, 0, 0, roughness_text<&Options::gloss>},
+    {"translucency", "R",
+     "Spread refracted rays by R likewise (default: the roughness of each material)",
+     parse_roughness<&Options::translucency>, 0, 0, roughness_text<&Options::translucency>},
     {"one-sided", "", "Cull back faces of opaque surfaces, as the NFF specification says",
      +[](Options& o) -> bool& { return o.one_sided; }},
     {"angle-to-centers", "",
@@ -349,6 +374,8 @@ std::span<const OptionSpec> render_option_table() { return kTable; }
 
 std::string_view accel_name(AccelKind kind) { return kAccelNames[size_t(kind)]; }
 std::string_view sampler_name(SamplerKind kind) { return kSamplerNames[size_t(kind)]; }
+std::string_view shading_name(ShadingModel model) { return kShadingNames[size_t(model)]; }
+std::string_view fresnel_name(Fresnel fresnel) { return kFresnelNames[size_t(fresnel)]; }
 std::string_view view_name(View view) { return kViewNames[size_t(view)]; }
 
 std::expected<void, Error> set_option(RenderOptions& options, const OptionSpec& spec,
@@ -507,15 +534,17 @@ std::optional<Error> scene_conflict(const RenderOptions& options, const Scene& s
   const RenderSettings s = resolve_options(options, scene);
   if (!s.dof && options.aperture > 0) return without("aperture", "dof");
   if (!s.dof && options.focus > 0) return without("focus", "dof");
-  const bool no_effects = !s.dof && !s.soft_shadows && s.aa == 1;
+  const bool no_effects = !s.dof && !s.soft_shadows && s.aa == 1 && !is_rough(scene, s);
   if (s.samples > 1 && no_effects)
-    return conflict("samples",
-                    "has no effect with `aa` 1 alone; add `dof` or `soft-shadows`, or leave one of "
-                    "them out");
+    return conflict(
+        "samples",
+        "has no effect with `aa` 1 alone; add `dof`, `soft-shadows` or `gloss`, or leave one of "
+        "them out");
   if (s.lens_samples > 1 && no_effects)
-    return conflict("lens-samples",
-                    "has no effect without `dof`, `soft-shadows` or `aa`; add one of them or leave "
-                    "`lens-samples` out");
+    return conflict(
+        "lens-samples",
+        "has no effect without `dof`, `soft-shadows`, `gloss` or `aa`; add one of them or leave "
+        "`lens-samples` out");
   if (const double samples = double(s.aa) * s.aa * s.lens_samples; samples > kMaxSamples)
     return conflict(
         "aa",
@@ -541,11 +570,40 @@ std::optional<Error> option_conflict(const RenderOptions& options, const Scene* 
   return std::nullopt;
 }
 
+namespace {
+
+// What a file of the dialect means where it says nothing.
+struct Usual {
+  ShadingModel shading;
+  Fresnel fresnel;
+};
+constexpr Usual usual(Dialect dialect) {
+  return dialect == Dialect::p3f ? Usual{ShadingModel::blinn_phong, Fresnel::schlick}
+                                 : Usual{ShadingModel::nff, Fresnel::none};
+}
+
+}  // namespace
+
+AccelKind wished_accel(const Scene& scene) {
+  switch (scene.structure) {
+    case StructureWish::any:
+      break;
+    case StructureWish::none:
+      return AccelKind::none;
+    case StructureWish::grid:
+      return AccelKind::grid;
+    case StructureWish::bvh:
+      return AccelKind::bvh;
+  }
+  return AccelKind::automatic;
+}
+
 RenderSettings resolve_options(const RenderOptions& o, const Scene& scene) {
   RenderSettings s;
   s.accel = o.accel;
   const bool asks_for_grid = o.accel.grid_factor > 0 || o.accel.grid_resolution[0] > 0;
-  if (o.accel.kind == AccelKind::automatic && asks_for_grid) s.accel.kind = AccelKind::grid;
+  if (o.accel.kind == AccelKind::automatic)
+    s.accel.kind = asks_for_grid ? AccelKind::grid : wished_accel(scene);
   const bool shows_rays = o.view != View::picture && o.view != View::samples;
   s.integrator =
       o.integrator.value_or(shows_rays ? IntegratorKind::views : IntegratorKind::classic);
@@ -579,8 +637,9 @@ RenderSettings resolve_options(const RenderOptions& o, const Scene& scene) {
       o.focus > 0 ? o.focus : s.camera.focus_distance.value_or(length(s.camera.at - s.camera.from));
   s.aperture = o.aperture > 0 ? o.aperture : s.camera.lens_radius.value_or(s.focus / 50);
   s.reflection = !o.no_reflection, s.refraction = !o.no_refraction;
-  s.shading = o.shading.value_or(ShadingModel::nff);
-  s.fresnel = o.fresnel.value_or(Fresnel::none);
+  s.shading = o.shading.value_or(usual(scene.dialect).shading);
+  s.fresnel = o.fresnel.value_or(usual(scene.dialect).fresnel);
+  s.gloss = o.gloss, s.translucency = o.translucency;
   s.one_sided = o.one_sided;
   s.threads = o.threads > 0 ? o.threads : max_concurrency();
   return s;
@@ -606,8 +665,9 @@ RenderOptions options_of(const RenderSettings& s, const Scene& scene) {
   o.soft_shadows = s.soft_shadows, o.light_size = s.light_size;
   o.dof = s.dof, o.aperture = s.aperture, o.focus = s.focus;
   o.no_reflection = !s.reflection, o.no_refraction = !s.refraction;
-  if (s.shading != ShadingModel::nff) o.shading = s.shading;
-  if (s.fresnel != Fresnel::none) o.fresnel = s.fresnel;
+  if (s.shading != usual(scene.dialect).shading) o.shading = s.shading;
+  if (s.fresnel != usual(scene.dialect).fresnel) o.fresnel = s.fresnel;
+  o.gloss = s.gloss, o.translucency = s.translucency;
   o.one_sided = s.one_sided;
   o.threads = s.threads;
   return o;

@@ -43,6 +43,7 @@ struct RenderOptions {
   bool no_reflection = false, no_refraction = false;
   std::optional<ShadingModel> shading;
   std::optional<Fresnel> fresnel;
+  std::optional<float> gloss, translucency;
   bool one_sided = false;
   bool angle_to_centers = false;  // of view: see EyeRays
   int threads = 0;
@@ -69,8 +70,11 @@ std::optional<Error> window_conflict(const RenderOptions& options);
 ChannelSet channels_of(const RenderOptions& options);
 
 /// What the options come to for `scene`: where they leave something open, the scene's own requests
-/// (resolution, samples, lens), else the default that the table states.
+/// (resolution, samples, lens, structure), else the default of its dialect that the table states.
 RenderSettings resolve_options(const RenderOptions& options, const Scene& scene);
+
+/// The structure that the scene's file asks for, or automatic.
+AccelKind wished_accel(const Scene& scene);
 
 /// The options that resolve to these settings and leave nothing open but the scene's own camera.
 RenderOptions options_of(const RenderSettings& settings, const Scene& scene);
@@ -118,9 +122,11 @@ std::string option_arguments(const RenderOptions& options);
 /// `word` as a shell wants it.
 std::string shell_word(std::string_view word);
 
-/// The names of a structure, of a sampler and of a view as on the command line.
+/// Names as on the command line.
 std::string_view accel_name(AccelKind kind);
 std::string_view sampler_name(SamplerKind kind);
+std::string_view shading_name(ShadingModel model);
+std::string_view fresnel_name(Fresnel fresnel);
 std::string_view view_name(View view);
 
 }  // namespace raio

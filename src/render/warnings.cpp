@@ -71,8 +71,12 @@ std::vector<SceneWarning> scene_warnings(const Scene& scene, const RenderSetting
                                          const Accel* accel) {
   std::vector<SceneWarning> warnings;
   if (scene.lights.empty())
-    warnings.push_back({SceneWarning::no_light,
-                        "the scene has no light, so that surfaces show the ambient light alone"});
+    warnings.push_back(
+        {SceneWarning::no_light,
+         settings.shading == ShadingModel::nff
+             ? "the scene has no light, so that surfaces show the ambient light alone"
+             : "the scene has no light, and the model of light no ambient one, so that "
+               "surfaces are black"});
   if (!settings.dof || !accel) return warnings;
   const Camera& camera = settings.camera;
   const EyeRays eye(camera, settings.width, settings.height, settings.angle_to_centers);

@@ -33,6 +33,9 @@ class Gatherer {
     add(uint32_t(value.has_value()), value.value_or(T()));
   }
 
+  // What is usual adds nothing, so that scenes from before it was known keep their names.
+  void add_word(std::string_view word) { bytes_.append(word); }
+
   std::string name() const { return hex(hash128(bytes_)); }
 
  private:
@@ -53,13 +56,19 @@ std::string content_hash(const Scene& s) {
     all.add_optional(light.color);
   }
   all.add(uint64_t(s.lights.size()));
-  if (!s.sky_folder.empty()) all.add(hash128("sky " + s.sky_folder));
   const auto add = [&](ColumnName name, const auto& array) { all.add_column(name, array); };
   for_each_own_column(s, add);
   for (const Mesh& mesh : s.meshes) {
     all.add('m');  // so that no column can pass for one of the mesh before
     for_each_mesh_column(mesh, add);
   }
+  if (s.dialect == Dialect::p3f) all.add_word("dialect p3f");
+  for (size_t i = 0; i < s.lights.size(); ++i)
+    if (const auto& extent = s.lights[i].extent) {
+      all.add_word("light extent");
+      all.add(uint32_t(i), extent->width, extent->depth);
+    }
+  if (!s.sky_folder.empty()) all.add_word("sky " + s.sky_folder);
   return all.name();
 }
 

@@ -112,9 +112,26 @@ std::string text_of(const Scene& scene, std::initializer_list<Feature> features)
       case Feature::object_names:
         add("names", scene.object_names.size(), "object");
         break;
+      case Feature::specular_colors:
+        add("specular colours",
+            size_t(std::ranges::count_if(scene.material_specular,
+                                         [](Rgb color) { return color != Rgb(1); })),
+            "material");
+        break;
+      case Feature::roughness:
+        add("roughness",
+            size_t(std::ranges::count_if(scene.material_roughness, [](float r) { return r > 0; })),
+            "material");
+        break;
+      case Feature::light_extents:
+        add("extents",
+            size_t(std::ranges::count_if(scene.lights,
+                                         [](const Light& l) { return l.extent.has_value(); })),
+            "light");
+        break;
       case Feature::sky:
-        if (!scene.sky_folder.empty())
-          text += (text.empty() ? "the sky " : ", the sky ") + scene.sky_folder;
+        if (scene.sky_folder.empty()) break;
+        text += (text.empty() ? "" : ", ") + ("the sky in " + scene.sky_folder);
         break;
     }
   }

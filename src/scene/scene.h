@@ -57,11 +57,32 @@ struct Material {
   friend bool operator==(const Material&, const Material&) = default;
 };
 
-/// A point light, which soft shadows make a square.
+/// More points of a light are not asked for.
+inline constexpr int kMostLightPoints = 1'000'000;
+
+/// The sides of a light along x and z, scene units, and how many points of it the file asks for
+/// (kept for writing: a sample takes one, however many there are of it).
+struct LightExtent {
+  float width = 0, depth = 0;
+  int points = 1;
+
+  friend bool operator==(const LightExtent&, const LightExtent&) = default;
+};
+
+/// A point light, which soft shadows make a square, or the rectangle that it has by `extent`.
 struct Light {
   Vec3f position;
-  std::optional<Rgb> color;  // without: 1 / sqrt(number of lights), white
+  std::optional<Rgb> color;             // without: 1 / sqrt(number of lights), white
+  std::optional<LightExtent> extent{};  // NOLINT(readability-redundant-member-init)
 };
+
+/// The language of a scene's file, which decides the model of light that it means
+/// (docs/p3f.md). The numbers stand in files.
+enum class Dialect : uint32_t { nff, p3f };
+
+/// The acceleration structure that a file asks for (P3F `accel`); no picture depends on it. The
+/// numbers stand in files.
+enum class StructureWish : uint32_t { any, none, grid, bvh };
 
 /// A triangle or polygon corner list is indices into `Scene::positions`.
 using TriangleIndices = std::array<uint32_t, 3>;
@@ -115,11 +136,6 @@ struct Scene {
 
   Camera camera;
   Rgb background;
-  std::string sky_folder;  // P3F env: the folder of a cube map, relative to the scene's file or one
-                           // of its parents; empty: none
-  /// What is in that folder, in place of `background`. read_scene() reads it; null where it could
-  /// not.
-  std::shared_ptr<const CubeMap> sky;
   std::vector<Light> lights;
   Array<Material> materials;  // never empty in a valid scene
   // Parallel to `materials`, or empty where all are as NFF has them: the colour of highlight and
@@ -127,7 +143,15 @@ struct Scene {
   // docs/shading.md).
   Array<Rgb> material_specular;
   Array<float> material_roughness;
-  int samples_per_pixel = 0;  // the file's request (P3F `spp`); 0: none
+  Dialect dialect = Dialect::nff;
+  // What the file asks for, unless an option says otherwise.
+  int samples_per_pixel = 0;  // P3F `spp`; 0: none
+  StructureWish structure = StructureWish::any;
+  std::string sky_folder;  // P3F env: the folder of a cube map, relative to the scene's file or one
+                           // of its parents; empty: none
+  /// What is in that folder, in place of `background`. read_scene() reads it; null where it could
+  /// not.
+  std::shared_ptr<const CubeMap> sky;
 
   Array<Plane> planes;
   Array<MaterialId> plane_materials;
@@ -253,7 +277,16 @@ bool any_colors(const Scene& scene);
 uint32_t object_of(const Scene& scene, PoolKind pool, size_t index);
 
 /// What a scene may have that not every shading shows and not every format keeps.
-enum class Feature : uint8_t { opacity, vertex_colors, texture_coordinates, object_names, sky };
+enum class Feature : uint8_t {
+  opacity,
+  vertex_colors,
+  texture_coordinates,
+  object_names,
+  specular_colors,
+  roughness,
+  light_extents,
+  sky
+};
 
 /// How much the scene has of them, in one line, as in "opacity of 12 spheres, names of 3 objects";
 /// empty where it has none.

@@ -73,6 +73,11 @@ void check_lights_and_materials(const Scene& scene, Problems& problems) {
     problems.check(is_finite(light.position), "light ", i, ": the position must be finite");
     problems.check(!light.color || is_intensity(*light.color), "light ", i,
                    ": the colour must be finite and not negative");
+    problems.check(
+        !light.extent || (at_least_zero(light.extent->width) && at_least_zero(light.extent->depth)),
+        "light ", i, ": the sides must be finite and not negative");
+    problems.check(!light.extent || light.extent->points >= 1, "light ", i,
+                   ": the number of points must be at least 1");
   }
   problems.check(!scene.materials.empty(), "there is no material");
   for (size_t i = 0; i < scene.materials.size(); ++i) {
@@ -273,6 +278,8 @@ std::vector<std::string> validate(const Scene& scene) {
   Problems problems;
   problems.check(is_finite(scene.origin), "the origin must be finite");
   problems.check(scene.samples_per_pixel >= 0, "the samples per pixel must not be negative");
+  problems.check(std::ranges::none_of(scene.sky_folder, [](char c) { return uint8_t(c) < 32; }),
+                 "the folder of the sky must be one line");
   check_camera(scene.camera, problems);
   check_lights_and_materials(scene, problems);
   check_pools(scene, problems);

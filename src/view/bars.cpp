@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "app/terminal.h"
-#include "view/draw_text.h"
 #include "view/icons.h"
+#include "view/panel_parts.h"
 #include "view/texts.h"
 #include "view/theme.h"
 
@@ -63,6 +63,7 @@ std::vector<Tool> tools_of(const ViewState& state, const ToolFacts& facts) {
       {Icon::view, key(Command::show_view), state.options.view != View::picture, true,
        tr(find_key('1' + int(state.options.view))->help), tr("materials")},
       {Icon::split, key(Command::split), state.split},
+      {Icon::boxes, key(Command::boxes), state.boxes.shown},
       {Icon::inspect, key(Command::inspect), facts.inspects},
       {state.paused ? Icon::play : Icon::pause,
        key(Command::pause),
@@ -179,6 +180,8 @@ Status status_of(const StatusFacts& f) {
   }
   if (f.measuring == Measuring::Work::table)
     return {measuring, tr("Measuring all combinations; m stops")};
+  if (f.measuring == Measuring::Work::curve)
+    return {measuring, tr("Measuring grids from coarse to fine; n stops")};
   if (!is_new) {
     if (f.paused && f.picture && f.picture->request == f.request)
       return {paused, tr("Paused; space goes on")};

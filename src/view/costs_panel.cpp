@@ -9,7 +9,7 @@
 #include "app/terminal.h"
 #include "base/memory.h"
 #include "view/comparison.h"
-#include "view/draw_text.h"
+#include "view/panel_parts.h"
 #include "view/texts.h"
 #include "view/theme.h"
 
@@ -29,9 +29,6 @@ std::string text_of_progress(double done, double left_s) {
   return left_s < 0.05
              ? percent
              : trf("{}, {} s left", percent, fmt::format("{:.{}f}", left_s, left_s < 9.95 ? 1 : 0));
-}
-std::string text_of_progress(const MeasuringProgress& p) {
-  return text_of_progress(p.done, p.left_s);
 }
 
 // "1.83 x", of counts that may be 0.
@@ -91,6 +88,10 @@ std::string progress_line(const SessionProgress& p) {
     return trf("building the structure: {:.0f} s", p.passed_s);
   const std::string progress = text_of_progress(p.share, p.left_s);
   return trf("first sample: {}", progress);
+}
+
+std::string text_of_progress(const MeasuringProgress& p) {
+  return text_of_progress(p.done, p.left_s);
 }
 
 std::string cost_line(const EffectCost& c) {

@@ -17,11 +17,16 @@ struct CostFacts {
   int picture_width = 0, picture_height = 0;      // pixels
   EffectCosts costs;
   std::optional<BenchmarkTable> table;
+  GridCurve curve;
+  bool is_curve_old = false;  // of another picture
   Measuring::Work measuring = Measuring::Work::none;
   MeasuringProgress progress;
   bool are_old = false;              // the costs: of the picture before the last change
   std::optional<std::string> waits;  // for a slow picture's first sample
 };
+
+/// "34 %, 12 s left".
+std::string text_of_progress(const MeasuringProgress& progress);
 
 /// "first sample: 34 %, 12 s left".
 std::string progress_line(const SessionProgress& progress);

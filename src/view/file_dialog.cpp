@@ -8,7 +8,7 @@
 #include <array>
 #include <system_error>
 
-#include "view/draw_text.h"
+#include "view/panel_parts.h"
 #include "view/texts.h"
 #include "view/theme.h"
 

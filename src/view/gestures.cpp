@@ -92,7 +92,8 @@ bool Gestures::dolly(double steps) {
   // Where there is nothing: to a point of the line of sight as far as the one looked at.
   const CameraAxes axes(camera);
   const double distance = view_distance(camera);
-  const double tangent = std::tan(double(camera.fov_deg) * std::numbers::pi / 360);
+  const double fov = state_.edge_to_edge(stage_.picture_height).fov_deg;
+  const double tangent = std::tan(fov * std::numbers::pi / 360);
   const Vec3d direction = axes.forward +
                           axes.right * ((2 * stage_.across(x_) - 1) * tangent * stage_.aspect()) +
                           axes.up * ((1 - 2 * stage_.down(y_)) * tangent);

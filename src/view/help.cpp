@@ -7,8 +7,8 @@
 #include <cctype>
 #include <sstream>
 
-#include "view/draw_text.h"
 #include "view/keys.h"
+#include "view/panel_parts.h"
 #include "view/texts.h"
 #include "view/theme.h"
 

@@ -157,6 +157,10 @@ void draw_window_icon(const Pen& pen, Icon icon) {
     case Icon::split:
       pen.box({-0.9f, -0.75f}, {0.9f, 0.75f});
       return pen.full_box({0, -0.75f}, {0.9f, 0.75f});
+    case Icon::boxes:  // nested
+      pen.box({-0.85f, -0.85f}, {0.85f, 0.85f});
+      pen.box({-0.55f, -0.1f}, {0.1f, 0.55f});
+      return pen.box({0.25f, -0.6f}, {0.6f, -0.25f});
     case Icon::inspect:  // a ray under a magnifying glass
       pen.circle({-0.2f, -0.2f}, 0.65f);
       pen.line({{0.28f, 0.28f}, {0.9f, 0.9f}});

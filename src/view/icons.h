@@ -20,6 +20,7 @@ enum class Icon : uint8_t {
   structure,
   view,
   split,
+  boxes,
   inspect,
   pause,
   play,

@@ -116,6 +116,7 @@ std::vector<WalkStep> Inspector::steps_of(int ray) const {
 void Inspector::choose(int ray, int step) {
   if (!has_pixel()) return update_scene();
   const bool same = ray == ray_ && !steps_.empty();
+  brings_ray_in_ = !same;
   ray_ = ray;
   if (!same || step < 0) steps_ = steps_of(ray);
   step_ = std::clamp(step, -1, int(steps_.size()) - 1);

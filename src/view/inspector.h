@@ -91,7 +91,8 @@ class Inspector {
   std::vector<std::vector<int>> children_;
   std::vector<int> order_;  // of playing
   std::vector<int> places_in_order_;
-  int ray_ = 0, step_ = -1;  // -1: the ray as a whole
+  int ray_ = 0, step_ = -1;     // -1: the ray as a whole
+  bool brings_ray_in_ = false;  // scrolls the tree of rays to it
   std::vector<WalkStep> steps_;
   bool playing_ = false;
   double next_step_at_ = 0;

@@ -4,9 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
-#include "view/draw_text.h"
 #include "view/inspector.h"
+#include "view/panel_parts.h"
 #include "view/texts.h"
 #include "view/theme.h"
 
@@ -25,8 +26,16 @@ std::string brief(Vec3<T> v) {
 }
 
 void row(const char* name, const std::string& value, const std::string& in_full = {}) {
+  constexpr float kColumn = 7, kIndent = 1;  // em
   faint_text(name);
-  ImGui::SameLine(7 * em());
+  // Below the name, rather than broken, where the two are too long for a line.
+  const bool fits =
+      ImGui::CalcTextSize(name).x < (kColumn - 0.5f) * em() &&
+      ImGui::CalcTextSize(value.c_str()).x <= ImGui::GetContentRegionAvail().x - kColumn * em();
+  if (fits)
+    ImGui::SameLine(kColumn * em());
+  else
+    ImGui::SetCursorPosX(ImGui::GetCursorPosX() + kIndent * em());
   ImGui::PushTextWrapPos(0);
   text(value);
   ImGui::PopTextWrapPos();
@@ -35,15 +44,6 @@ void row(const char* name, const std::string& value, const std::string& in_full 
 template <class T>
 void row(const char* name, Vec3<T> v) {
   row(name, brief(v), exact(v));
-}
-
-bool open_section(const char* name, bool at_first) {
-  ImGui::Spacing();
-  ImGui::PushFont(heading_font());
-  const bool is_open = ImGui::CollapsingHeader(fmt::format("{}###{}", tr(name), name).c_str(),
-                                               at_first ? ImGuiTreeNodeFlags_DefaultOpen : 0);
-  ImGui::PopFont();
-  return is_open;
 }
 
 void wrapped(const std::string& line) {
@@ -61,15 +61,7 @@ ImVec4 patch_of(Vec3d c) {
 
 InspectorResult Inspector::draw_panel(const Rect& where, double now) {
   InspectorResult result;
-  ImGui::SetNextWindowPos({where.left, where.top});
-  ImGui::SetNextWindowSize({where.width(), where.height()});
-  ImGui::Begin("inspector", nullptr,
-               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
-                   ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove |
-                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus |
-                   ImGuiWindowFlags_AlwaysVerticalScrollbar);
-  ImGui::GetWindowDrawList()->AddLine({where.left, where.top}, {where.left, where.bottom},
-                                      color(palette().line));
+  begin_panel("inspector", where);
   draw_head(result);
   if (found_ && !has_pixel()) draw_region();
   if (has_pixel() && !result.closed) {
@@ -194,6 +186,7 @@ void Inspector::draw_tree(int ray) {
   const bool is_open =
       ImGui::TreeNodeEx(fmt::format("{}###ray{}", label_of(ray), ray).c_str(), flags);
   ImGui::PopStyleColor();
+  if (ray == ray_ && std::exchange(brings_ray_in_, false)) ImGui::SetScrollHereY();
   if (ImGui::IsItemClicked() && !ImGui::IsItemToggledOpen()) playing_ = false, choose(ray, -1);
   if (!is_open) return;
   for (const bool shadow : {true, false})

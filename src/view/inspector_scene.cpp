@@ -14,16 +14,10 @@ constexpr size_t kMostPieces = 6000;  // of all rays together: a few millisecond
 bool is_light() { return palette().ground.x > 0.5f; }
 
 void draw_box(ImDrawList& draw, const Projection& projection, const DrawnBox& b) {
-  const Vec3d lo(b.box.lo), hi(b.box.hi);
-  const auto corner = [&](int k) {
-    return Vec3d(k & 1 ? hi.x : lo.x, k & 2 ? hi.y : lo.y, k & 4 ? hi.z : lo.z);
-  };
-  for (int k = 0; k < 8; ++k)
-    for (const int bit : {1, 2, 4})
-      if (!(k & bit))
-        if (const auto s = projection.segment(corner(k), corner(k | bit)))
-          draw.AddLine((*s)[0], (*s)[1], color(palette().accent, b.alpha),
-                       b.alpha >= 1 ? 2.0f : 1.0f);
+  for_each_edge(b.box, [&](const Vec3f& from, const Vec3f& to) {
+    if (const auto s = projection.segment(Vec3d(from), Vec3d(to)))
+      draw.AddLine((*s)[0], (*s)[1], color(palette().accent, b.alpha), b.alpha >= 1 ? 2.0f : 1.0f);
+  });
 }
 
 }  // namespace

@@ -25,6 +25,8 @@ enum class Command : uint8_t {
   copy,
   show_view,  // the one that the key's digit names
   measure,
+  curve,
+  boxes,
   inspect,
   walk_back,
   walk_on,

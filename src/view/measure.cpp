@@ -6,6 +6,8 @@
 #include <new>
 #include <utility>
 
+#include "view/texts.h"
+
 namespace raio::view {
 namespace {
 
@@ -17,6 +19,13 @@ RenderOptions options_of(const ViewState& state, int width, int height) {
   RenderOptions o = state.options;
   set_camera(o, state.camera, *state.scene);
   o.width = width, o.height = height;
+  return o;
+}
+
+// Of a curve over all grids.
+RenderOptions options_without_grid(const ViewState& state, int width, int height) {
+  RenderOptions o = options_of(state, width, height);
+  o.accel = {};
   return o;
 }
 
@@ -95,7 +104,8 @@ std::optional<std::string> Measuring::poll() {
     if (control_.stop) forget_costs();
     return "";
   }
-  return control_.stop ? "stopped; what was measured by then stays" : "measured the table";
+  if (control_.stop) return tr("stopped; what was measured by then stays");
+  return work == Work::table ? tr("measured the table") : tr("measured the curve");
 }
 
 void Measuring::start_costs(const ViewState& state, std::shared_ptr<const BakedScene> baked,
@@ -149,6 +159,29 @@ void Measuring::start_table(const ViewState& state, int width, int height) {
     show([&](Found& found) { found.table = std::move(*table); });
     return std::string();
   });
+}
+
+void Measuring::start_curve(const ViewState& state, int width, int height) {
+  curve_options_ = options_without_grid(state, width, height);
+  start(Work::curve, [this, scene = state.scene, options = curve_options_] {
+    const auto take = [this](const GridCurve& curve) {
+      show([&](Found& found) {
+        found.curve = curve;
+        found.progress = {.done = curve.done, .left_s = curve.left_s, .what = {}};
+      });
+    };
+    const auto curve = measure_grid_curve(*scene, options, control_, take);
+    return curve ? std::string() : with_settings(curve.error().message, "");
+  });
+}
+
+bool Measuring::is_curve_of(const ViewState& state, int width, int height) const {
+  return options_without_grid(state, width, height) == curve_options_;
+}
+
+GridCurve Measuring::curve() const {
+  const std::lock_guard lock(mutex_);
+  return found_.curve;
 }
 
 MeasuringProgress Measuring::progress() const {

@@ -14,6 +14,7 @@
 
 #include "render/benchmark.h"
 #include "render/effect_costs.h"
+#include "render/grid_curve.h"
 #include "render/session.h"
 #include "view/state.h"
 
@@ -42,10 +43,11 @@ class Measuring {
   void start_costs(const ViewState& state, std::shared_ptr<const BakedScene> baked, int width,
                    int height);
   void start_table(const ViewState& state, int width, int height);
+  void start_curve(const ViewState& state, int width, int height);
   /// Asks to end soon; does not wait.
   void cancel() { control_.stop = true; }
 
-  enum class Work { none, costs, table };
+  enum class Work { none, costs, table, curve };
   /// What is being measured, until poll() has told of its end.
   Work work() const { return work_; }
   bool busy() const { return work_ != Work::none; }
@@ -58,6 +60,9 @@ class Measuring {
   /// What is known by now; without effects, and nothing, before there was anything.
   EffectCosts costs() const;
   std::optional<BenchmarkTable> table() const;
+  GridCurve curve() const;
+  /// Is the curve one of this picture, whatever its grid?
+  bool is_curve_of(const ViewState& state, int width, int height) const;
   /// All of it is of another scene now. Cancels, too.
   void forget();
 
@@ -66,6 +71,7 @@ class Measuring {
   struct Found {
     EffectCosts costs;
     std::optional<BenchmarkTable> table;
+    GridCurve curve;
     MeasuringProgress progress;
   };
 
@@ -80,6 +86,7 @@ class Measuring {
   RenderControl control_;
   std::atomic<bool> done_ = false, news_ = false;
   Work work_ = Work::none;
+  RenderOptions curve_options_;
   std::string error_;  // the thread's, until done_
   // The thread's, of a table: when the step began, what it is, and what a sample takes with its
   // structure.

@@ -6,7 +6,8 @@
 
 #include <algorithm>
 
-#include "view/draw_text.h"
+#include "view/grid_panel.h"
+#include "view/panel_parts.h"
 #include "view/scene_panel.h"
 #include "view/texts.h"
 
@@ -103,6 +104,7 @@ std::optional<std::string> draw_option(const RenderOptions& options, const Rende
         return entered ? std::optional(value) : std::nullopt;
       }
       New chosen;
+      if (value.empty()) value = spec.text(used);
       if (value.empty()) value = spec.words.front();
       if (!ImGui::BeginCombo(label, value.c_str())) return chosen;
       for (const std::string_view word : spec.words)
@@ -126,6 +128,7 @@ RenderOptions used_options(const ViewState& state, RenderOptions options) {
   used.dof = resolve_options(given, *state.scene).dof;
   used.soft_shadows = given.soft_shadows, used.accel.kind = given.accel.kind,
   used.view = given.view;
+  used.shading = settings.shading, used.fresnel = settings.fresnel;
   return used;
 }
 
@@ -164,6 +167,31 @@ void draw_options(ViewState& state, const PanelFacts& facts, PanelResult& result
   ImGui::PopItemWidth();
 }
 
+// Which boxes of the structure are drawn over the picture.
+void draw_boxes(ViewState& state, const PanelFacts& facts, PanelResult& result) {
+  const KeySpec& key = key_of(Command::boxes);
+  BoxLook& look = state.boxes;
+  bool shown = look.shown;
+  if (ImGui::Checkbox(tr("over the picture"), &shown)) result.pressed.push_back(&key);
+  key_cap(key.name);
+  const BoxFacts& boxes = facts.boxes;
+  ImGui::PushItemWidth(9 * em());
+  ImGui::BeginDisabled(boxes.levels == 0);
+  const std::string level = look.level == kLeafBoxes ? tr("all leaves") : "%d";
+  (void)ImGui::SliderInt(tr("level"), &look.level, kLeafBoxes, std::max(boxes.levels, 0),
+                         level.c_str(), ImGuiSliderFlags_AlwaysClamp);
+  ImGui::EndDisabled();
+  (void)ImGui::SliderInt(tr("at least primitives"), &look.fewest, 1, int(boxes.most), "%d",
+                         ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_Logarithmic);
+  ImGui::PopItemWidth();
+  (void)ImGui::Checkbox(tr("coloured by level"), &look.by_level);
+  faint_text(!look.shown      ? std::string(tr("not shown"))
+             : boxes.all == 0 ? std::string(tr("there is no structure that could be seen"))
+             : boxes.drawn == boxes.all
+                 ? number_of(boxes.all, "box", "boxes")
+                 : trf("the largest {} of {} boxes", boxes.drawn, boxes.all));
+}
+
 // How the window itself looks.
 void draw_window_options(const PanelFacts& facts, PanelResult& result) {
   bool light = facts.look.light, projector = facts.look.projector;
@@ -178,37 +206,26 @@ void draw_window_options(const PanelFacts& facts, PanelResult& result) {
     set_language(portuguese ? Language::portuguese : Language::english);
 }
 
-bool open_section(const char* name, bool at_first) {
-  ImGui::Spacing();
-  ImGui::PushFont(heading_font());
-  // The name may be in another language; the section is the same.
-  const bool is_open = ImGui::CollapsingHeader(fmt::format("{}###{}", tr(name), name).c_str(),
-                                               at_first ? ImGuiTreeNodeFlags_DefaultOpen : 0);
-  ImGui::PopFont();
-  return is_open;
-}
-
 }  // namespace
 
 PanelResult draw_panel(ViewState& state, const PanelFacts& facts, const Rect& where) {
   PanelResult result;
-  ImGui::SetNextWindowPos({where.left, where.top});
-  ImGui::SetNextWindowSize({where.width(), where.height()});
-  ImGui::Begin("panel", nullptr,
-               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
-                   ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove |
-                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus |
-                   ImGuiWindowFlags_AlwaysVerticalScrollbar);
-  ImGui::GetWindowDrawList()->AddLine({where.left, where.top}, {where.left, where.bottom},
-                                      color(palette().line));
+  begin_panel("panel", where);
   draw_head(state, facts);
   if (open_section("Effects", true)) draw_effects(state, result);
   if (open_section("Statistics", true)) draw_statistics(facts.costs);
+  if (open_section("The structure's boxes", false)) draw_boxes(state, facts, result);
   result.wants_costs = open_section("What each effect costs", true);
   if (result.wants_costs) draw_costs(facts.costs);
   if (facts.costs.measuring == Measuring::Work::table) ImGui::SetNextItemOpen(true);
   if (open_section("All combinations of effects", false) && draw_table(facts.costs))
     result.pressed.push_back(&key_of(Command::measure));
+  if (facts.costs.measuring == Measuring::Work::curve) ImGui::SetNextItemOpen(true);
+  if (open_section("The grid's resolution", false)) {
+    const GridPanelResult grid = draw_grid(state, facts.costs);
+    result.changed |= grid.changed, result.saves_curve = grid.saves;
+    if (grid.measures) result.pressed.push_back(&key_of(Command::curve));
+  }
   if (open_section("Scene", false)) result.changed |= draw_scene(state);
   if (open_section("All options", false)) draw_options(state, facts, result);
   if (open_section("Window", false)) draw_window_options(facts, result);

@@ -8,6 +8,7 @@
 #include "view/costs_panel.h"
 #include "view/layout.h"
 #include "view/state.h"
+#include "view/structure_overlay.h"
 #include "view/theme.h"
 
 namespace raio::view {
@@ -18,6 +19,7 @@ struct PanelFacts {
   Diagnostics errors;                 // of the file on the disk, when it is not that of the scene
   std::vector<std::string> warnings;  // of the scene, one line each
   Look look;
+  BoxFacts boxes;
 };
 
 /// What was done to it.
@@ -26,7 +28,8 @@ struct PanelResult {
   bool changed = false;                 // the state's options or camera
   bool dragging = false;                // they still change
   bool wants_costs = false;             // they are in view
-  std::string problem;                  // with what was typed
+  bool saves_curve = false;
+  std::string problem;  // with what was typed
 };
 
 /// Draws it there, and changes the state as it is told. Its rows keep their places, whatever they

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "view/draw_text.h"
 #include "view/edit.h"
+#include "view/panel_parts.h"
 #include "view/texts.h"
 #include "view/theme.h"
 

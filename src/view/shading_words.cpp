@@ -24,11 +24,7 @@ class ShadingTeller {
  public:
   ShadingTeller(const Explanation& sample, const Scene& scene, const RenderSettings& settings,
                 size_t ray)
-      : sample_(sample),
-        scene_(scene),
-        settings_(settings),
-        id_(ray),
-        ray_(sample.rays[ray]) {}
+      : sample_(sample), scene_(scene), settings_(settings), id_(ray), ray_(sample.rays[ray]) {}
 
   std::vector<WalkStep> tell() && {
     if (ray_.kind == Kind::shadow) {
@@ -180,10 +176,9 @@ class ShadingTeller {
     Variables variables{{"D", numbers(ray_.ray.dir)},
                         {"N", numbers(n)},
                         {"D.N", number(dot(in, n))},
-                        {"R", numbers(to->ray.dir)}};
+                        {"R", numbers(in - n * (2 * dot(in, n)))}};
     if (by_angle) {
-      variables.insert(variables.end(),
-                       {{"eta", number(s.eta)}, {"Kr", number(reflectance(s))}});
+      variables.insert(variables.end(), {{"eta", number(s.eta)}, {"Kr", number(reflectance(s))}});
     } else {
       variables.push_back({"Ks", number(s.ks)});
       if (is_tinted(s)) variables.push_back({"specular", numbers(s.specular)});
@@ -196,6 +191,15 @@ class ShadingTeller {
         fmt::format("R = D - 2 (D.N) N\n{}weight' = {} weight",
                     by_angle ? reflectance_formula() + "\n" : "", by_angle ? "Kr" : ks_name(s)),
         std::move(variables));
+    rough(settings_.gloss.value_or(s.roughness), to->ray.dir);
+  }
+
+  // The direction that the ray really takes.
+  void rough(float roughness, Vec3f dir) {
+    if (!(roughness > 0)) return;
+    add(tr("The surface is rough: a random point S of the unit sphere moves the direction"),
+        "direction = normalize(direction + roughness S)",
+        {{"roughness", number(roughness)}, {"direction", numbers(dir)}});
   }
 
   void refraction(const Surface& s) {
@@ -224,7 +228,9 @@ class ShadingTeller {
     }
     const bool by_angle = divides(s);
     const double part = by_angle ? 1 - reflectance(s) : double(s.transmission);
-    variables.insert(variables.end(), {{"D'", numbers(to->ray.dir)},
+    const double k = std::max(0.0, k_of(n)), c = -dot(in, n);
+    const Vec3d dir = in * double(s.eta) + n * (s.eta * c - std::sqrt(k));
+    variables.insert(variables.end(), {{"D'", numbers(dir)},
                                        {by_angle ? "1 - Kr" : "T", number(part)},
                                        {"weight'", weight_text(to->weight)}});
     add(trf("The refracted ray follows Snell's law and counts {} times as much as this one",
@@ -233,6 +239,7 @@ class ShadingTeller {
                     "weight' = {} weight",
                     by_angle ? "(1 - Kr)" : "T"),
         std::move(variables));
+    rough(settings_.translucency.value_or(s.roughness), to->ray.dir);
   }
 
   const Explanation& sample_;

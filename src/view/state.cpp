@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "integrate/camera.h"
@@ -174,6 +176,14 @@ void ViewState::follow_focus() {
 
 void ViewState::scale_aperture(float factor) {
   options.aperture = std::clamp(resolved().aperture * factor, 1e-30f, 1e30f);
+}
+
+Camera ViewState::edge_to_edge(int height) const {
+  Camera out = camera;
+  if (!options.angle_to_centers || height < 2) return out;
+  const double tangent = std::tan(double(camera.fov_deg) * std::numbers::pi / 360);
+  out.fov_deg = float(std::atan(tangent * height / (height - 1)) * 360 / std::numbers::pi);
+  return out;
 }
 
 Pick pick(const Accel& accel, const Camera& camera, double x, double y, double width_per_height) {

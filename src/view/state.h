@@ -17,6 +17,16 @@ namespace raio::view {
 /// A picture that may have any number of samples gets so many, unless the options say how many.
 inline constexpr int kRefineSamples = 1024;
 
+/// Which boxes of the structure are drawn over the picture, and how.
+struct BoxLook {
+  bool shown = false;
+  int level = kLeafBoxes;  // of a tree
+  int fewest = 1;          // primitives that a box holds
+  bool by_level = false;   // coloured by level, else by the number of primitives
+
+  friend bool operator==(const BoxLook&, const BoxLook&) = default;
+};
+
 class ViewState {
  public:
   ViewState(std::string path, std::shared_ptr<const Scene> scene, const RenderOptions& options);
@@ -30,6 +40,7 @@ class ViewState {
   bool split = false;                // the picture beside that without `split_effect`
   Command split_effect = Command::antialiasing;
   bool paused = false, panel = true;
+  BoxLook boxes;
   int chosen_light = 0, chosen_material = 0;  // those that the panel shows
 
   /// Another scene. Of the same file the camera stays, unless it was the scene's and that changed.
@@ -51,6 +62,10 @@ class ViewState {
   RenderOptions request(int width, int height, int samples = 0) const;
   /// The same without `split_effect`, or with it where it is off.
   RenderOptions other_request(int width, int height) const;
+
+  /// The camera of a picture of so many rows with its angle from edge to edge, wherever the options
+  /// have it measured.
+  Camera edge_to_edge(int height) const;
 
   /// May a pixel have any number of samples? Not with cells, whose number says it.
   bool endless() const;

@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "view/draw_text.h"
+#include "view/panel_parts.h"
 #include "view/texts.h"
 #include "view/theme.h"
 

@@ -41,6 +41,10 @@ struct alignas(32) EightBoxes {
   void set(size_t i, const Box3f& box) {
     for (int a = 0; a < 3; ++a) planes[0][a][i] = box.lo[a], planes[1][a][i] = box.hi[a];
   }
+  Box3f box(size_t i) const {
+    return {{planes[0][0][i], planes[0][1][i], planes[0][2][i]},
+            {planes[1][0][i], planes[1][1][i], planes[1][2][i]}};
+  }
 };
 
 /// Columns of the numbers of a kind, by the names that numbers_of() gives them.
@@ -105,6 +109,10 @@ struct Blocks {
 
   /// The eight items of a block, those that it lacks last.
   const PrimitiveId* items(uint32_t ref) const;
+  size_t count_items(uint32_t ref) const {
+    const PrimitiveId* const first = items(ref);
+    return size_t(std::find(first, first + kBlockWidth, kNoPrimitive) - first);
+  }
 
   /// Bakes up to eight primitives of one kind into the block that `ref` names.
   void fill(const Geometry& geometry, uint32_t ref, std::span<const PrimitiveId> items);

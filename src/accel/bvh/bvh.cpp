@@ -28,6 +28,9 @@ class BvhAccel final : public Accel {
     judge_tests(log, geometry_, ray);
     return log;
   }
+  void boxes(int level, const std::function<void(const AccelBox&)>& see) const override {
+    if (!bvh_.empty()) (void)see_below(pool_ref(Pool::nodes, 0), whole(), 0, level, see);
+  }
   AccelInfo info() const override {
     size_t references = 0;
     for_each_bounded_kind([&]<PrimitiveKind kind> { references += geometry_.count(kind); });
@@ -39,6 +42,31 @@ class BvhAccel final : public Accel {
   }
 
  private:
+  // The root's box, which no node has.
+  Box3f whole() const {
+    const BvhNode& root = bvh_.nodes[0];
+    Box3f box;
+    for (size_t c = 0; c < kBlockWidth; ++c)
+      if (root.child[c] != kNoChild) box.extend(root.boxes.box(c));
+    return box;
+  }
+
+  // How many primitives are in this node or leaf.
+  size_t see_below(uint32_t ref, const Box3f& box, int depth, int level,
+                   const std::function<void(const AccelBox&)>& see) const {
+    const bool leaf = ref_pool(ref) != Pool::nodes;
+    size_t count = leaf ? bvh_.count_items(ref) : 0;
+    if (!leaf) {
+      const BvhNode& node = bvh_.nodes[ref_index(ref)];
+      for (size_t c = 0; c < kBlockWidth; ++c)
+        if (node.child[c] != kNoChild)
+          count += see_below(node.child[c], node.boxes.box(c), depth + 1, level, see);
+    }
+    if (depth == level || (leaf && (level == kLeafBoxes || depth < level)))
+      see({box, depth, count});
+    return count;
+  }
+
   // A parent, which has the boxes of its children, comes before them.
   void find_boxes(TraceLog& log) const {
     struct Place {
@@ -50,18 +78,10 @@ class BvhAccel final : public Accel {
       Place& place = places[step.node];
       if (!step.leaf) {
         const BvhNode& node = bvh_.nodes[ref_index(step.node)];
-        const auto box_of = [&](size_t c) {
-          const auto& p = node.boxes.planes;
-          return Box3f{{p[0][0][c], p[0][1][c], p[0][2][c]}, {p[1][0][c], p[1][1][c], p[1][2][c]}};
-        };
         const int depth = place.depth;
-        Box3f whole;
-        for (size_t c = 0; c < kBlockWidth; ++c) {
-          if (node.child[c] == kNoChild) continue;
-          whole.extend(box_of(c));
-          places[node.child[c]] = {depth + 1, box_of(c)};
-        }
-        if (depth == 0) step.box = whole;
+        for (size_t c = 0; c < kBlockWidth; ++c)
+          if (node.child[c] != kNoChild) places[node.child[c]] = {depth + 1, node.boxes.box(c)};
+        if (depth == 0) step.box = whole();
       }
       const Place& known = places[step.node];
       step.depth = known.depth;

@@ -18,6 +18,18 @@ AccelInfo info_of(const GridCells& cells, size_t bytes) {
           .giants = cells.giants.size()};
 }
 
+// `listed` tells how many primitives a cell lists.
+template <class Listed>
+void see_cells(const Lattice& lattice, Listed&& listed,
+               const std::function<void(const AccelBox&)>& see) {
+  const auto& n = lattice.n;
+  for (int z = 0; z < n[2]; ++z)
+    for (int y = 0; y < n[1]; ++y)
+      for (int x = 0; x < n[0]; ++x)
+        if (const size_t count = listed(lattice.index(x, y, z)); count > 0)
+          see({.box = lattice.box_of({x, y, z}), .primitives = count});
+}
+
 // The primitives that a ray met last, so that one listed in several cells is mostly tested once: a
 // table of a few entries, kept with the ray and not with the primitive, so that threads do not meet
 // in it.
@@ -54,9 +66,8 @@ class Logged {
     for (int a = 0; a < 3; cell /= size_t(n[size_t(a)]), ++a) {
       step.cell[size_t(a)] = int(cell % size_t(n[size_t(a)]));
       step.t_max[a] = axes[a].next, log_.t_delta[a] = axes[a].stride;
-      step.box.lo[a] = float(lattice_.plane(step.cell[size_t(a)], a));
-      step.box.hi[a] = float(lattice_.plane(step.cell[size_t(a)] + 1, a));
     }
+    step.box = lattice_.box_of(step.cell);
     log_.steps.push_back(step);
   }
   void test(PrimitiveId id, bool repeated = false) { log_.add_test(id, repeated); }
@@ -87,6 +98,10 @@ class CountingGrid final : public Accel {
     (void)(any ? trace<true>(ray, context, logged) : trace<false>(ray, context, logged));
     judge_tests(log, geometry_, ray);
     return log;
+  }
+  void boxes(int, const std::function<void(const AccelBox&)>& see) const override {
+    if (cells_.items.empty()) return;
+    see_cells(cells_.lattice, [&](size_t c) { return cells_.begin[c + 1] - cells_.begin[c]; }, see);
   }
   AccelInfo info() const override {
     return info_of(cells_, geometry_.bytes() + cells_.begin.size() * sizeof(cells_.begin[0]) +
@@ -197,6 +212,7 @@ class Grid final : public Accel {
  public:
   Grid(Geometry geometry, const GridCells& cells, GridBlocks blocks)
       : Accel(std::move(geometry)),
+        lattice_(cells.lattice),
         blocks_(std::move(blocks)),
         info_(info_of(cells, geometry_.bytes() + blocks_.bytes())) {}
 
@@ -207,9 +223,21 @@ class Grid final : public Accel {
   void occluded(const RayBatch& rays, uint8_t* hit, TraceContext& context) const override {
     grid_occluded(geometry_, blocks_, rays, hit, context);
   }
+  void boxes(int, const std::function<void(const AccelBox&)>& see) const override {
+    if (blocks_.groups.empty()) return;
+    const auto listed = [&](size_t cell) {
+      size_t count = 0;
+      for (uint32_t g = blocks_.begin[cell]; g < blocks_.begin[cell + 1]; ++g)
+        for (const uint32_t block : blocks_.groups[g].block)
+          if (block != kNoPrimitive) count += blocks_.count_items(block);
+      return count;
+    };
+    see_cells(lattice_, listed, see);
+  }
   AccelInfo info() const override { return info_; }
 
  private:
+  Lattice lattice_;
   GridBlocks blocks_;
   AccelInfo info_;
 };

@@ -36,6 +36,14 @@ struct Lattice {
     return c > 0 ? int(std::min(c, double(n[axis] - 1))) : 0;
   }
   double plane(int i, int axis) const { return box.lo[axis] + i * cell[axis]; }
+  Box3f box_of(std::array<int, 3> c) const {
+    Box3f out;
+    for (int a = 0; a < 3; ++a) {
+      out.lo[a] = float(plane(c[size_t(a)], a));
+      out.hi[a] = float(plane(c[size_t(a)] + 1, a));
+    }
+    return out;
+  }
 };
 
 /// A hit is computed in floats: from where it belongs it may lie a few roundings of the largest

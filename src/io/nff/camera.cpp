@@ -184,8 +184,10 @@ void write_camera(Writer& w) {
   if (c.width > 0 && c.height > 0)
     w.text().word("resolution").number(c.width).number(c.height).end_line();
   // As doubles, so that the reader's product rounds to the same float.
-  if (c.lens_radius)
-    w.text().word("aperture").number(double(*c.lens_radius) / pixel_size(c)).end_line();
+  if (c.lens_radius) {
+    const double measured = w.scene().dialect == Dialect::p3f ? 2 : 1;  // across, or the radius
+    w.text().word("aperture").number(measured * double(*c.lens_radius) / pixel_size(c)).end_line();
+  }
   if (c.focus_distance)
     w.text().word("focal").number(double(*c.focus_distance) / view_distance(c)).end_line();
 }

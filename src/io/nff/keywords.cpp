@@ -36,7 +36,7 @@ constexpr std::array kCameraWords = {
 };
 
 constexpr std::string_view kMotion =
-    "motion blur of the P3F dialect, which Raio does not have: take it out";
+    "motion blur of the P3F dialect, which is not rendered yet: take it out";
 constexpr std::string_view kStudentLens =
     "a lens setting of a student dialect: write P3F's \"aperture\" and \"focal\" after resolution, "
     "or "
@@ -59,14 +59,13 @@ constexpr std::string_view kPrt =
 constexpr std::string_view kPatch =
     "a curved patch of the ENFF dialect: cut it into triangles and write them as \"pp 3\"";
 constexpr std::string_view kMovingSphere =
-    "a moving sphere of the P3F dialect: Raio has no motion blur, write \"s\"";
+    "a moving sphere of the P3F dialect: motion is not rendered yet, write it as \"s\" at one of "
+    "its "
+    "places";
 
 constexpr std::array kRefused = {
     RefusedWord{"ms", kMovingSphere},
     RefusedWord{"sm", kMovingSphere},
-    RefusedWord{
-        "env",
-        "an environment of images of the P3F dialect: Raio has a plain background, write \"b\""},
     RefusedWord{"time0", kMotion},
     RefusedWord{"time1", kMotion},
     RefusedWord{"yon",

@@ -40,6 +40,8 @@ class Parser {
   /// How many things follow; not more than the rest of the text can hold.
   std::optional<size_t> count(std::string_view name, size_t least, size_t least_bytes_each);
   size_t numbers_left_in_line() const;
+  /// What stands in the line up to a comment, without blanks around it.
+  std::string_view rest_of_line();
 
   /// Where the entity begins.
   const char* begin() const { return begin_; }
@@ -77,7 +79,15 @@ class Parser {
     seen.object = true;
     return material_ ? *material_ : default_material();
   }
-  void set_material(const Material& material) { material_ = material_id(material); }
+  /// A material with what the columns beside it say (Scene::add_material).
+  struct Surface {
+    Material material;
+    Rgb specular{1};
+    float roughness = 0;
+
+    friend bool operator==(const Surface&, const Surface&) = default;
+  };
+  void set_material(const Surface& surface) { material_ = material_id(surface); }
   template <class Shape>
   void add(const Shape& shape, MaterialId material) {
     constexpr PoolMembers<Shape> pool = kPoolOf<Shape>;
@@ -89,7 +99,7 @@ class Parser {
   struct Seen {
     const char* camera = nullptr;  // where the first one begins
     bool camera_lost = false;      // an error may have hidden it
-    bool object = false, background = false;
+    bool object = false, background = false, sky = false;
     bool late_light = false, no_material = false;  // these have been warned of
   } seen;
 
@@ -122,7 +132,7 @@ class Parser {
   bool in_camera() const { return entity_->word == kCameraKeyword; }
 
   MaterialId default_material();
-  MaterialId material_id(const Material& material);
+  MaterialId material_id(const Surface& surface);
 
   const TextBuffer& text_;
   TextReport& report_;
@@ -131,10 +141,10 @@ class Parser {
   const Entity* entity_ = nullptr;  // its row; between entities that of the last one
   Scene scene_;
 
-  struct MaterialHash {
-    size_t operator()(const Material& m) const;
+  struct SurfaceHash {
+    size_t operator()(const Surface& s) const;
   };
-  std::unordered_map<Material, MaterialId, MaterialHash> material_ids_;
+  std::unordered_map<Surface, MaterialId, SurfaceHash> material_ids_;
   std::optional<MaterialId> material_;  // of the last `f`
 
   std::set<std::string_view> refused_;  // each dialect's word is reported once

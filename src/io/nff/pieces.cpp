@@ -100,10 +100,12 @@ void Parser::read(Piece& piece) const {
 void Parser::append(Piece& piece) {
   Scene &from = piece.scene, &to = scene_;
   p_ = piece.end;
+  if (from.dialect == Dialect::p3f) to.dialect = Dialect::p3f;
   report_.append(std::move(piece.report));
 
   std::vector<MaterialId> ids = {*material_};
-  for (size_t i = 1; i < from.materials.size(); ++i) ids.push_back(material_id(from.materials[i]));
+  for (MaterialId i = 1; i < from.materials.size(); ++i)
+    ids.push_back(material_id({from.materials[i], from.specular_of(i), from.roughness_of(i)}));
   material_ = ids[piece.material];
 
   const auto first = uint32_t(to.positions.size()), first_normal = uint32_t(to.normals.size());

@@ -116,6 +116,8 @@ void Parser::finish() {
     report_.error(
         fmt::format("the scene has more than {} objects of a kind, or too many corners", kMost));
   if (scene_.materials.empty()) scene_.materials.emplace_back();
+  // P3F measures the lens across (camera.cpp).
+  if (scene_.dialect == Dialect::p3f && scene_.camera.lens_radius) *scene_.camera.lens_radius /= 2;
 }
 
 bool Parser::numbers(std::span<double> out, Names names, Item item) {
@@ -209,6 +211,16 @@ size_t Parser::numbers_left_in_line() const {
   return count;
 }
 
+std::string_view Parser::rest_of_line() {
+  p_ = skip_blanks_in_line(p_);
+  const char *end = p_, *rest = p_;
+  for (; *rest != '\0' && *rest != '#' && !is_char(*rest, kLineEnd); ++rest)
+    if (!is_char(*rest, kBlank)) end = rest + 1;
+  const std::string_view found(p_, size_t(end - p_));
+  p_ = rest;
+  return found;
+}
+
 void Parser::warn_once(bool& warned, std::string message) {
   if (!warned) warn(std::move(message));
   warned = true;
@@ -216,21 +228,22 @@ void Parser::warn_once(bool& warned, std::string message) {
 
 MaterialId Parser::default_material() {
   warn_once(seen.no_material, "an object before any f: it gets a grey material");
-  set_material(Material());
+  set_material({});
   return *material_;
 }
 
-MaterialId Parser::material_id(const Material& material) {
+MaterialId Parser::material_id(const Surface& surface) {
   const auto [entry, added] =
-      material_ids_.try_emplace(material, MaterialId(scene_.materials.size()));
-  if (added) scene_.materials.push_back(material);
+      material_ids_.try_emplace(surface, MaterialId(scene_.materials.size()));
+  if (added) scene_.add_material(surface.material, surface.specular, surface.roughness);
   return entry->second;
 }
 
-size_t Parser::MaterialHash::operator()(const Material& m) const {
+size_t Parser::SurfaceHash::operator()(const Surface& s) const {
+  const Material& m = s.material;
   uint64_t hash = 0;
-  for (const float x :
-       {m.color.x, m.color.y, m.color.z, m.kd, m.ks, m.shine, m.transmission, m.ior})
+  for (const float x : {m.color.x, m.color.y, m.color.z, m.kd, m.ks, m.shine, m.transmission, m.ior,
+                        s.specular.x, s.specular.y, s.specular.z, s.roughness})
     // Adding zero makes both zeros the same, as they compare equal.
     hash = (std::rotl(hash, 23) ^ std::bit_cast<uint32_t>(x + 0.0f)) * 0x9e3779b97f4a7c15u;
   return size_t(hash ^ hash >> 32);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "io/nff/parser.h"
 #include "io/nff/writer.h"
@@ -27,58 +28,99 @@ void read_background(Parser& p) {
 }
 
 void read_light(Parser& p) {
-  double n[6];
+  static constexpr std::string_view kExtent[] = {"the width", "the depth", "the number of points"};
+  double n[9];
   if (!p.numbers({n, 3}, kXyz)) return;
   const size_t more = p.numbers_left_in_line();
-  if (more != 0 && more != 3) {
+  if (more != 0 && more != 3 && more != 6) {
     const std::string_view advice =
         more == 4
             ? ": an intensity of the ENFF dialect, write x y z r g b with r g b multiplied by it"
-        : more == 9
-            ? ": an area light of a student dialect, write x y z r g b and use `soft-shadows` "
-              "with `light-size`"
-            : "";
-    p.reject(fmt::format("a light takes 3 or 6 numbers on its line, x y z and r g b, found {}{}",
-                         3 + more, advice));
+        : more == 9 ? ": an area light of a student dialect, write x y z width depth n r g b"
+                    : "";
+    p.reject(
+        fmt::format("a light takes 3, 6 or 9 numbers on its line, x y z, then r g b, or then width "
+                    "depth n r g b, found {}{}",
+                    3 + more, advice));
     return p.skip_to_entity(false);
   }
-  if (more == 3 && !p.numbers({n + 3, 3}, kRgb)) return;
-  if (more == 3 && negative({n + 3, 3})) return p.reject("a colour must not be negative");
+  if (more == 6 && !p.numbers({n + 3, 3}, kExtent)) return;
+  const std::span<double> color(n + more, 3);
+  if (more > 0 && !p.numbers(color, kRgb)) return;
+  if (more > 0 && negative(color)) return p.reject("a colour must not be negative");
+  if (more == 6 && negative({n + 3, 2}))
+    return p.reject(
+        fmt::format("the sides of a light must not be negative, found {} and {}", n[3], n[4]));
+  if (more == 6 && !(n[5] >= 1 && n[5] <= kMostLightPoints && n[5] == std::floor(n[5])))
+    return p.reject(fmt::format("the points of a light are a whole number from 1 to {}, found {}",
+                                kMostLightPoints, n[5]));
   if (p.seen.object)
     p.warn_once(p.seen.late_light, "a light after objects; NFF wants all lights before");
   Light light;
   light.position = p.place({n[0], n[1], n[2]});
   if (p.too_far(light.position)) return;
-  if (more == 3) light.color = Rgb(float(n[3]), float(n[4]), float(n[5]));
+  if (more > 0) light.color = Rgb(float(color[0]), float(color[1]), float(color[2]));
+  if (more == 6) light.extent = LightExtent{float(n[3]), float(n[4]), int(n[5])};
   p.scene().lights.push_back(light);
 }
 
+// P3F says the highlight's colour, too, and may say how rough the surface is.
 void read_material(Parser& p) {
-  static constexpr std::string_view kNames[] = {"red", "green", "blue", "Kd",
-                                                "Ks",  "Shine", "T",    "ior"};
-  double n[8];
-  if (!p.numbers(n, kNames)) return;
-  if (const size_t more = p.numbers_left_in_line(); more > 0) {
-    const std::string_view advice =
-        more == 1 ? ": Ka of the ENFF dialect or glossiness of a student one, take it out"
-        : more == 3 || more == 4
-            ? ": the P3F dialect with a colour of its own for highlights, write its mean as Ks"
-            : "";
+  static constexpr std::string_view kNff[] = {"red", "green", "blue", "Kd",
+                                              "Ks",  "Shine", "T",    "ior"};
+  static constexpr std::string_view kP3f[] = {
+      "red",           "green", "blue",  "Kd", "specular red", "specular green",
+      "specular blue", "Ks",    "Shine", "T",  "ior",          "roughness"};
+  double n[12] = {};
+  // In messages; numbers that are missing or broken may belong to either.
+  const bool expects_p3f = p.scene().dialect == Dialect::p3f || p.numbers_left_in_line() > 8;
+  if (!p.numbers({n, 8}, expects_p3f ? Parser::Names(kP3f) : kNff)) return;
+  const size_t more = p.numbers_left_in_line();
+  const bool p3f = more == 3 || more == 4;
+  if (more > 0 && !p3f) {
     p.reject(
-        fmt::format("f takes 8 numbers, r g b Kd Ks Shine T ior, found {}{}", 8 + more, advice));
+        fmt::format("f takes 8 numbers, r g b Kd Ks Shine T ior, or 11 or 12, r g b Kd sr sg sb "
+                    "Ks Shine T ior and roughness, found {}{}",
+                    8 + more,
+                    more == 1 ? ": Ka of the ENFF dialect or glossiness of a student one, "
+                                "take it out"
+                              : ""));
     return p.skip_to_entity(false);
   }
-  Material m;
+  const Parser::Names names = p3f ? Parser::Names(kP3f) : kNff;
+  if (p3f && !p.numbers({n + 8, more}, names.subspan(8))) return;
+  const size_t count = 8 + more, specular = p3f ? 3 : 0;  // numbers between Kd and Ks
+  Parser::Surface surface;
+  Material& m = surface.material;
   m.color = {float(n[0]), float(n[1]), float(n[2])};
-  m.kd = float(n[3]), m.ks = float(n[4]), m.shine = float(n[5]);
-  m.transmission = float(n[6]), m.ior = float(n[7]);
-  p.set_material(m);
-  if (negative({n, 3})) return p.reject("a colour must not be negative");
-  for (size_t i = 3; i < 8; ++i)
-    if (n[i] < 0)
-      return p.reject(fmt::format("{} must not be negative, found {}", kNames[i], n[i]));
+  m.kd = float(n[3]), m.ks = float(n[4 + specular]), m.shine = float(n[5 + specular]);
+  m.transmission = float(n[6 + specular]), m.ior = float(n[7 + specular]);
+  if (p3f) {
+    p.scene().dialect = Dialect::p3f;
+    surface.specular = {float(n[4]), float(n[5]), float(n[6])};
+    surface.roughness = float(n[11]);
+  }
+  p.set_material(surface);
+  if (negative({n, 3}) || (p3f && negative({n + 4, 3})))
+    return p.reject("a colour must not be negative");
+  for (size_t i = 3; i < count; ++i)
+    if (n[i] < 0) return p.reject(fmt::format("{} must not be negative, found {}", names[i], n[i]));
   if (m.transmission > 0 && m.ior == 0)
     p.reject("T is above 0, so ior must be too: 1 for a surface that does not bend light");
+}
+
+void read_sky(Parser& p) {
+  const std::string_view folder = p.rest_of_line();
+  p.scene().dialect = Dialect::p3f;
+  if (folder.empty())
+    return p.reject(
+        "env takes a folder on its line, that of the six pictures of a sky, found none");
+  if (std::ranges::any_of(folder, [](char c) { return uint8_t(c) < 32; }))
+    return p.reject(fmt::format("the folder of env is {}, expected a name in one line without tabs",
+                                quoted(folder)));
+  if (p.seen.sky) p.warn("the sky is given again; the last one counts");
+  p.seen.sky = true;
+  p.scene().sky_folder = folder;
 }
 
 void read_samples(Parser& p) {
@@ -87,8 +129,10 @@ void read_samples(Parser& p) {
 }
 
 void read_accel(Parser& p) {
-  if (p.whole_number("the structure", 0, 1000))
-    p.warn("accel is not used: choose the structure by `accel`");
+  constexpr StructureWish kWishes[] = {StructureWish::none, StructureWish::grid,
+                                       StructureWish::bvh};
+  if (const auto structure = p.whole_number("the structure", 0, 2))
+    p.scene().structure = kWishes[size_t(*structure)];
 }
 
 constexpr std::string_view kMtvColors =
@@ -109,17 +153,25 @@ constexpr std::array kRows = {
            .if_word = kMtvColors},
     Entity{.word = "l",
            .noun = "the light",
-           .usage = "l takes 3 or 6 numbers on its line: x y z, then r g b",
+           .usage =
+               "l takes 3, 6 or 9 numbers on its line: x y z, then r g b, or then width depth n "
+               "r g b",
            .read = read_light,
            .leaves = Entity::Leaves::more},
     Entity{.word = "f",
            .noun = "the material",
-           .usage = "f takes 8 numbers: r g b Kd Ks Shine T ior",
+           .usage = "f takes 8 numbers, r g b Kd Ks Shine T ior, or on one line 11 or 12: r g b Kd "
+                    "sr sg sb Ks Shine T ior and roughness",
            .read = read_material,
            .if_word = kMtvColors},
 };
 
 constexpr std::array kWishRows = {
+    Entity{.word = "env",
+           .noun = "the sky",
+           .usage = "env takes the folder of the six pictures of a sky",
+           .read = read_sky,
+           .leaves = Entity::Leaves::more},
     Entity{.word = "spp",
            .noun = "spp",
            .usage = "spp takes 1 number",
@@ -127,7 +179,7 @@ constexpr std::array kWishRows = {
            .leaves = Entity::Leaves::more},
     Entity{.word = "accel",
            .noun = "accel",
-           .usage = "accel takes 1 number",
+           .usage = "accel takes 1 number: 0 for none, 1 for a grid, 2 for a tree",
            .read = read_accel,
            .leaves = Entity::Leaves::more},
 };
@@ -139,18 +191,32 @@ constinit const Family kWishes = kWishRows;
 
 void write_surroundings(Writer& w) {
   const Scene& scene = w.scene();
-  w.text().word("b").vector(scene.background).end_line();
+  const bool p3f = scene.dialect == Dialect::p3f;
+  w.text().word(p3f ? "bclr" : "b").vector(scene.background).end_line();
+  if (!scene.sky_folder.empty() && p3f) w.text().word("env").word(scene.sky_folder).end_line();
+  if (scene.structure != StructureWish::any)
+    w.text().word("accel").number(uint32_t(scene.structure) - 1).end_line();
   if (scene.samples_per_pixel > 0) w.text().word("spp").number(scene.samples_per_pixel).end_line();
+  const Rgb usual(float(1 / std::sqrt(double(std::max<size_t>(1, scene.lights.size())))));
   for (const Light& light : scene.lights) {
     w.position("l", light.position);
-    if (light.color) w.text().vector(*light.color);
+    if (light.extent)
+      w.text().number(light.extent->width).number(light.extent->depth).number(light.extent->points);
+    if (light.extent || light.color) w.text().vector(light.color.value_or(usual));
     w.text().end_line();
   }
 }
 
-void write_material(Writer& w, const Material& m) {
-  w.text().word("f").vector(m.color).number(m.kd).number(m.ks).number(m.shine);
-  w.text().number(m.transmission).number(m.ior).end_line();
+void write_material(Writer& w, MaterialId id) {
+  const Scene& scene = w.scene();
+  const Material& m = scene.materials[id];
+  const bool p3f = scene.dialect == Dialect::p3f;
+  w.text().word("f").vector(m.color).number(m.kd);
+  if (p3f) w.text().vector(scene.specular_of(id));
+  w.text().number(m.ks).number(m.shine).number(m.transmission).number(m.ior);
+  if (const float roughness = scene.roughness_of(id); p3f && roughness > 0)
+    w.text().number(roughness);
+  w.text().end_line();
 }
 
 }  // namespace raio::nff

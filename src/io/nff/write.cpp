@@ -72,7 +72,7 @@ void Writer::use(MaterialId id) {
 }
 
 void Writer::material(MaterialId id) {
-  write_material(*this, scene_.materials[id]);
+  write_material(*this, id);
   current_ = id;
 }
 

@@ -65,9 +65,9 @@ class Writer {
 };
 
 void write_camera(Writer& w);
-/// Background, requests, lights.
+/// Background, sky, requests, lights.
 void write_surroundings(Writer& w);
-void write_material(Writer& w, const Material& m);
+void write_material(Writer& w, MaterialId id);
 
 /// An element of a pool, and its index there. Defined for each pool beside its reader; where one is
 /// missing, the linker names it.

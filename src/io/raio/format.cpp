@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "base/parallel.h"
 
@@ -45,6 +46,13 @@ Settings settings_of(const Scene& scene) {
     s.light_colored.push_back(light.color.has_value());
     s.light_colors.push_back(light.color.value_or(Rgb()));
   }
+  if (std::ranges::any_of(scene.lights, [](const Light& l) { return l.extent.has_value(); }))
+    for (const Light& light : scene.lights) {
+      const LightExtent e = light.extent.value_or(LightExtent{.points = 0});
+      s.light_extents.push_back({e.width, e.depth, float(e.points)});
+    }
+  if (scene.dialect != Dialect::nff || scene.structure != StructureWish::any)
+    s.dialect = {uint32_t(scene.dialect), uint32_t(scene.structure)};
   s.sky_folder.insert(s.sky_folder.end(), scene.sky_folder.begin(), scene.sky_folder.end());
   for (const std::string& name : scene.object_names) {
     s.object_names.insert(s.object_names.end(), name.begin(), name.end());
@@ -52,6 +60,35 @@ Settings settings_of(const Scene& scene) {
   }
   return s;
 }
+
+namespace {
+
+// The extents of lights that are there already.
+std::string apply_extents(const Array<Vec3f>& extents, Scene& scene) {
+  if (extents.empty()) return {};
+  if (extents.size() != scene.lights.size()) return "light_extents differs in length from lights";
+  bool any = false;
+  for (size_t i = 0; i < extents.size(); ++i) {
+    const Vec3f e = extents[i];
+    if (e == Vec3f()) continue;
+    if (!(e.z >= 1 && e.z <= kMostLightPoints && e.z == std::floor(e.z)))
+      return "light_extents has a number of points that is none";
+    scene.lights[i].extent = LightExtent{e.x, e.y, int(e.z)};
+    any = true;
+  }
+  return any ? "" : "light_extents has none";
+}
+
+std::string apply_dialect(const Array<uint32_t>& numbers, Scene& scene) {
+  if (numbers.empty()) return {};
+  if (numbers.size() != 2 || numbers[0] > uint32_t(Dialect::p3f) ||
+      numbers[1] > uint32_t(StructureWish::bvh) || numbers[0] + numbers[1] == 0)
+    return "dialect has not two numbers that mean something";
+  scene.dialect = Dialect(numbers[0]), scene.structure = StructureWish(numbers[1]);
+  return {};
+}
+
+}  // namespace
 
 std::string apply(const Settings& s, Scene& scene) {
   const size_t lights = s.light_positions.size();
@@ -75,15 +112,17 @@ std::string apply(const Settings& s, Scene& scene) {
   if (!s.lens_radius.empty()) scene.camera.lens_radius = s.lens_radius[0];
   if (!s.focus_distance.empty()) scene.camera.focus_distance = s.focus_distance[0];
   scene.background = s.background[0];
-  scene.sky_folder.assign(s.sky_folder.begin(), s.sky_folder.end());
   for (size_t i = 0; i < lights; ++i) {
     if (s.light_colored[i] > 1) return "light_colored is neither 0 nor 1";
-    scene.lights.push_back({s.light_positions[i], {}});
+    scene.lights.push_back({s.light_positions[i], {}, {}});
     if (s.light_colored[i]) scene.lights.back().color = s.light_colors[i];
     // Bit for bit, as there is one file only for a scene.
     else if (std::bit_cast<std::array<uint32_t, 3>>(s.light_colors[i]) != std::array<uint32_t, 3>())
       return "a light without colour has one";
   }
+  if (std::string wrong = apply_extents(s.light_extents, scene); !wrong.empty()) return wrong;
+  if (std::string wrong = apply_dialect(s.dialect, scene); !wrong.empty()) return wrong;
+  scene.sky_folder.assign(s.sky_folder.begin(), s.sky_folder.end());
   size_t begin = 0;
   for (const uint32_t end : s.object_name_ends) {
     if (end < begin || end > s.object_names.size()) return "object_name_ends is out of range";

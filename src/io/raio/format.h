@@ -108,6 +108,8 @@ struct Settings {
   Array<Rgb> light_colors;        // black where it has none
   Array<char> object_names;       // one after another
   Array<uint32_t> object_name_ends;
+  Array<uint32_t> dialect;     // 2 or none: Dialect and StructureWish, where not both are 0
+  Array<Vec3f> light_extents;  // width, depth, points; zeros for lights that have none
   Array<char> sky_folder;
 };
 
@@ -128,6 +130,8 @@ void for_each_settings_column(SettingsType& s, F&& f) {
   f(ColumnName{"light_colors"}, s.light_colors);
   f(ColumnName{"object_names"}, s.object_names);
   f(ColumnName{"object_name_ends"}, s.object_name_ends);
+  f(ColumnName{"dialect"}, s.dialect);
+  f(ColumnName{"light_extents"}, s.light_extents);
   f(ColumnName{"sky_folder"}, s.sky_folder);
 }
 

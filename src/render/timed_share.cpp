@@ -1,0 +1,68 @@
+#include "render/timed_share.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "render/effect_costs.h"
+#include "render/render.h"
+
+namespace raio {
+namespace {
+
+constexpr double kMostRunSeconds = 0.6;  // expected of the slowest run
+
+}  // namespace
+
+MedianInterval median_interval(std::vector<double> values) {
+  std::ranges::sort(values);
+  const size_t n = values.size(), half = n / 2;
+  // The median lies below the (k + 1)th least value with the probability that at most k of n tosses
+  // of a coin show heads; likewise at the other end.
+  size_t outside = 0;
+  double term = std::pow(0.5, double(n)), below = term;
+  for (size_t k = 1; k < half; ++k) {
+    term *= double(n - k + 1) / double(k), below += term;
+    if (2 * below > 0.1) break;
+    outside = k;
+  }
+  const double median = n % 2 ? values[half] : (values[half - 1] + values[half]) / 2;
+  return {values[outside], median, values[n - 1 - outside]};
+}
+
+RenderOptions timed_options(RenderOptions options, const Scene& scene) {
+  RenderOptions o = options;
+  o.samples = 0, o.sampler = SamplerKind::jitter;
+  o.view = View::picture, o.integrator = std::nullopt, o.channels = {};
+  for (const Effect e : {Effect::antialiasing, Effect::depth_of_field})
+    o = with_effect(o, e, is_on(e, options, scene));
+  return o;
+}
+
+std::expected<std::optional<TimedRun>, Error> render_share(const Scene& scene, const Accel& accel,
+                                                           const RenderSettings& settings,
+                                                           uint32_t share, RenderControl& control) {
+  const auto film = make_film(scene, settings);
+  if (!film) return std::unexpected(film.error());
+  const RenderResult done = render(scene, accel, settings, **film, control, {.shards = share});
+  if (!done.finished) return std::nullopt;
+  TimedRun run{done.seconds, (*film)->rays(), 0};
+  run.pixels = run.rays.eye / uint64_t(settings.samples_per_pixel());
+  return run;
+}
+
+uint32_t share_for(const Scene& scene, const RenderSettings& settings, double seconds,
+                   size_t per_thread) {
+  const auto film = make_film(scene, settings);
+  if (!film) return 1;
+  const size_t tiles = (*film)->tiles(), threads = size_t(std::max(1, settings.threads));
+  const auto most = uint32_t(std::clamp(tiles / (per_thread * threads), size_t(1), tiles));
+  auto share = uint32_t(std::clamp(std::ceil(seconds / kMostRunSeconds), 1.0, double(most)));
+  size_t columns = 0;
+  while (columns < tiles && (*film)->tile(columns).y0 == 0) ++columns;
+  while (share > 1 && std::gcd(size_t(share), columns) > 1) --share;
+  return share;
+}
+
+}  // namespace raio

@@ -1,0 +1,64 @@
+// Parts of a picture rendered again and again, for those who measure: effect_costs.h, grid_curve.h.
+#pragma once
+
+#include <cstdint>
+#include <expected>
+#include <optional>
+#include <vector>
+
+#include "accel/accel.h"
+#include "base/error.h"
+#include "integrate/control.h"
+#include "integrate/film.h"
+#include "integrate/settings.h"
+#include "render/options.h"
+#include "scene/scene.h"
+
+namespace raio {
+
+/// A median, and an interval around it.
+struct MedianInterval {
+  double low = 0, median = 0, high = 0;
+
+  /// As a part of the median.
+  double half_width() const { return median > 0 ? (high - low) / 2 / median : 0; }
+
+  friend bool operator==(const MedianInterval&, const MedianInterval&) = default;
+};
+
+/// Of at least one value. The interval contains the median of the values' distribution, whatever
+/// that is, with a probability of at least 90 %: it ends at two of the values in order, which are
+/// chosen by the sign test. Fewer than five values cannot be that sure; theirs reaches from the
+/// least to the most.
+MedianInterval median_interval(std::vector<double> values);
+
+/// How closely the costs are measured.
+struct MeasuringEffort {
+  double close_enough = 0.03;  // half of the interval of a ratio, as a part of the median
+  double least_run_s = 0.02;   // shorter runs are repeated, to be above the clock's noise
+};
+
+/// The options with the samples of the benchmark: 9 a pixel with antialiasing, 3 with depth of
+/// field, 27 with both; of the picture itself, without view and channels.
+RenderOptions timed_options(RenderOptions options, const Scene& scene);
+
+struct TimedRun {
+  double seconds = 0;
+  RayCounts rays;
+  uint64_t pixels = 0;  // that were rendered
+};
+
+/// Renders every `share`th tile; nothing when told to stop. The error is make_film()'s.
+std::expected<std::optional<TimedRun>, Error> render_share(const Scene& scene, const Accel& accel,
+                                                           const RenderSettings& settings,
+                                                           uint32_t share, RenderControl& control);
+
+/// So many tiles a thread are enough that all threads end together.
+inline constexpr size_t kTilesPerThread = 8;
+
+/// Every how manieth tile is worth rendering where all of them take `seconds`: so that a run is
+/// short, but leaves each thread `per_thread` tiles, and not those of the same columns.
+uint32_t share_for(const Scene& scene, const RenderSettings& settings, double seconds,
+                   size_t per_thread);
+
+}  // namespace raio

@@ -1,0 +1,16 @@
+// The grid's resolution: a slider, and the curve of what it costs.
+#pragma once
+
+#include "view/costs_panel.h"
+#include "view/state.h"
+
+namespace raio::view {
+
+struct GridPanelResult {
+  bool changed = false;   // the state's options
+  bool measures = false;  // what the key does
+  bool saves = false;     // the curve, as CSV
+};
+GridPanelResult draw_grid(ViewState& state, const CostFacts& facts);
+
+}  // namespace raio::view

@@ -1,0 +1,45 @@
+#include "view/open_window.h"
+
+#include <expected>
+
+#include "app/output.h"
+#include "app/terminal.h"
+#include "render/render.h"
+#include "view/texts.h"
+#include "view/viewer.h"
+
+namespace raio::view {
+
+int open_window(const app::ViewCommand& command) {
+  std::expected<Scene, int> scene;
+  Diagnostics said;
+  if (command.scene.empty()) {
+    scene->materials = {Material()};  // nothing, until one is opened
+  } else {
+    on_threads(command.options.threads,
+               [&] { scene = app::load_scene(command.scene, false, &said); });
+    if (!scene) return scene.error();
+  }
+  if (const auto why = option_conflict(command.options, &*scene)) return app::fail(*why);
+  const RenderSettings resolved = resolve_options(command.options, *scene);
+  ViewState state(command.scene, std::make_shared<const Scene>(std::move(*scene)), command.options);
+  const RenderOptions first_request = state.request(resolved.width, resolved.height);
+  state.program = command.program;
+  std::vector<std::string> warnings;
+  for (const Diagnostic& d : said) warnings.push_back(d.text());
+  auto session = std::make_unique<Session>(Window::wake);
+  session->request({state.scene, first_request});
+
+  Memory memory = recall(memory_file());
+  set_language(!command.language.empty() ? language_of(command.language)
+               : memory.language         ? *memory.language
+                                         : language_of_system());
+  const auto window = Window::open(resolved.width, resolved.height, memory.look);
+  if (!window) return app::no_resource(window.error());
+  Viewer viewer(**window, std::move(state), std::move(memory), std::move(warnings), command.log,
+                std::move(session), first_request);
+  viewer.run();
+  return app::kDone;
+}
+
+}  // namespace raio::view

@@ -1,0 +1,32 @@
+#include "view/panel_parts.h"
+
+#include <fmt/format.h>
+
+#include "view/texts.h"
+#include "view/theme.h"
+
+namespace raio::view {
+
+void begin_panel(const char* name, const Rect& where) {
+  ImGui::SetNextWindowPos({where.left, where.top});
+  ImGui::SetNextWindowSize({where.width(), where.height()});
+  ImGui::Begin(name, nullptr,
+               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
+                   ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove |
+                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus |
+                   ImGuiWindowFlags_AlwaysVerticalScrollbar);
+  ImGui::GetWindowDrawList()->AddLine({where.left, where.top}, {where.left, where.bottom},
+                                      color(palette().line));
+}
+
+bool open_section(const char* name, bool at_first) {
+  ImGui::Spacing();
+  ImGui::PushFont(heading_font());
+  // The name may be in another language; the section is the same.
+  const bool is_open = ImGui::CollapsingHeader(fmt::format("{}###{}", tr(name), name).c_str(),
+                                               at_first ? ImGuiTreeNodeFlags_DefaultOpen : 0);
+  ImGui::PopFont();
+  return is_open;
+}
+
+}  // namespace raio::view

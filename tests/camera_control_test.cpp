@@ -1,0 +1,160 @@
+// The camera in the hand, and what is in focus.
+#include "view/camera_control.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "view/gestures.h"
+#include "view/stage.h"
+#include "view/state.h"
+#include "view_scenes.h"
+
+namespace raio::view {
+namespace {
+
+double distance(Vec3d a, Vec3f b) { return length(a - Vec3d(b)); }
+
+// Where a point is in the picture: right and up of its centre in half heights, and its depth.
+Vec3d seen(const Camera& c, Vec3d point) {
+  const CameraAxes axes(c);
+  const Vec3d to = point - Vec3d(c.from);
+  const double depth = dot(to, axes.forward);
+  const double half = depth * std::tan(double(c.fov_deg) * std::numbers::pi / 360);
+  return {dot(to, axes.right) / half, dot(to, axes.up) / half, depth};
+}
+
+void expect_near(Vec3d a, Vec3d b, double error = 1e-4) {
+  EXPECT_LE(length(a - b), error) << a.x << ' ' << a.y << ' ' << a.z << " and " << b.x << ' ' << b.y
+                                  << ' ' << b.z;
+}
+
+TEST(CameraControl, OrbitsAboutAPointThatStaysWhereItIs) {
+  const Vec3d pivot(0.3, -0.5, 0.8);
+  const Camera before = camera();
+  for (const auto& [right, up] : {std::pair(0.4, 0.0), {0.0, 0.3}, {-1.0, -0.2}, {3.0, 0.1}}) {
+    const Camera after = orbited(before, pivot, right, up);
+    EXPECT_NEAR(distance(pivot, after.from), distance(pivot, before.from), 1e-4);
+    expect_near(seen(after, pivot), seen(before, pivot));
+    EXPECT_EQ(after.up, before.up);
+  }
+  // To the right and upwards, as told.
+  const CameraAxes axes(before);
+  EXPECT_GT(dot(Vec3d(orbited(before, pivot, 0.2, 0).from) - Vec3d(before.from), axes.right), 0.1);
+  EXPECT_GT(dot(Vec3d(orbited(before, pivot, 0, 0.2).from) - Vec3d(before.from), axes.up), 0.1);
+}
+
+TEST(CameraControl, StopsShortOfThePoles) {
+  Camera c = camera();
+  for (int i = 0; i < 100; ++i) c = orbited(c, Vec3d(c.at), 0.1, 0.3);
+  EXPECT_EQ(camera_problem(c), "");
+  EXPECT_LT(CameraAxes(c).forward.z, -0.99);
+  for (int i = 0; i < 100; ++i) c = looked(c, 0.1, 0.3);
+  EXPECT_EQ(camera_problem(c), "");
+  EXPECT_GT(CameraAxes(c).forward.z, 0.99);
+}
+
+TEST(CameraControl, PansWhatIsAtTheDepthWithTheHand) {
+  const Camera before = camera();
+  const Vec3d point(0.5, 0, 1);
+  const Vec3d at = seen(before, point);
+  const Camera after = panned(before, at.z, 0.25, 0.1);
+  expect_near(seen(after, point), at + Vec3d(0.5, 0.2, 0));
+}
+
+TEST(CameraControl, DolliesAboutWhatIsUnderTheCursor) {
+  const Camera before = camera();
+  const Vec3d target(0.8, -1, 1.2);
+  const Vec3d at = seen(before, target);
+  for (const double factor : {0.5, 0.9, 1.3}) {
+    const Vec3d now = seen(dollied(before, target, factor), target);
+    expect_near(now, {at.x, at.y, at.z * factor});
+  }
+  EXPECT_EQ(camera_problem(dollied(before, target, 1e-3)), "");
+}
+
+TEST(CameraControl, WalksAlongItsOwnAxes) {
+  const Camera before = camera();
+  const CameraAxes axes(before);
+  const Camera after = walked(before, 1, 2, 3);
+  const Vec3d move = axes.right + axes.up * 2 + axes.forward * 3;
+  expect_near(Vec3d(after.from) - Vec3d(before.from), move);
+  expect_near(Vec3d(after.at) - Vec3d(before.at), move);
+}
+
+TEST(CameraControl, FitsTheWholeBox) {
+  Box3f box;
+  box.extend(Vec3f(-3, 1, 0)), box.extend(Vec3f(5, 2, 9));
+  for (const double aspect : {0.5, 1.0, 2.0}) {
+    const Camera after = fitted(camera(), box, aspect);
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vec3d at =
+          seen(after, {corner & 1 ? -3.0 : 5.0, corner & 2 ? 1.0 : 2.0, corner & 4 ? 0.0 : 9.0});
+      EXPECT_GT(at.z, 0);
+      EXPECT_LE(std::abs(at.x), aspect);
+      EXPECT_LE(std::abs(at.y), 1);
+    }
+  }
+  EXPECT_EQ(fitted(camera(), {}, 1).from, camera().from);
+}
+
+TEST(Focus, FollowsThePointWhenTheCameraMoves) {
+  ViewState state("some.nff", scene(), {});
+  const Vec3d point(0.3, 0.2, 0.4);
+  state.focus_on(point);
+  EXPECT_TRUE(state.is_on(Command::depth_of_field));
+  for (const double factor : {0.8, 0.5, 1.7}) {
+    state.camera = dollied(state.camera, point, factor);
+    state.follow_focus();
+    EXPECT_NEAR(state.options.focus, seen(state.camera, point).z, 1e-4);
+  }
+  state.camera = orbited(state.camera, {1, 1, 1}, 0.3, 0.1);
+  state.follow_focus();
+  EXPECT_NEAR(state.options.focus, seen(state.camera, point).z, 1e-4);
+  // Someone types another one: it stays.
+  state.options.focus = 2.5f;
+  state.camera = dollied(state.camera, point, 0.9);
+  state.follow_focus();
+  EXPECT_EQ(state.options.focus, 2.5f);
+  EXPECT_FALSE(state.focus_point);
+}
+
+// A hand that holds on to ground at the horizon.
+TEST(Gestures, NoDragFlingsTheSceneAway) {
+  for (const double times : {0.3, 1.0, 2.0, 30.0, 1e6})
+    for (const auto button : {Gestures::Button::left, Gestures::Button::middle}) {
+      ViewState state("some.nff", scene(), {});
+      const Stage stage({0, 0, 512, 512}, 1, 512, 512);
+      const Camera before = state.camera;
+      const double distance = length(Vec3d(before.at) - Vec3d(before.from));
+      Vec3d held;
+      Gestures hand(state, stage, [&](double x, double y) {
+        const CameraAxes axes(before);
+        const double half = std::tan(double(before.fov_deg) * std::numbers::pi / 360);
+        Pick pick;
+        pick.hit = {}, pick.hit.item = 1, pick.hit.t = 1;
+        pick.depth = times * distance;
+        pick.point = Vec3d(before.from) + (axes.forward + axes.right * ((x / 256 - 1) * half) +
+                                           axes.up * ((1 - y / 256) * half)) *
+                                              pick.depth;
+        held = pick.point;
+        return pick;
+      });
+      hand.move(200, 300);
+      hand.press(button, false);
+      for (int i = 1; i <= 10; ++i) hand.move(200 + 10 * i, 300 + 2 * i);
+      (void)hand.release(button);
+      EXPECT_FALSE(state.camera == before);
+      // What is near is held itself; what is far moves the point looked at.
+      const Vec3d at = seen(state.camera, times < 1 ? held : Vec3d(before.at));
+      EXPECT_GT(at.z, 0) << times;
+      EXPECT_LE(std::abs(at.x), 1) << times;
+      EXPECT_LE(std::abs(at.y), 1) << times;
+      EXPECT_NEAR(at.z, std::min(times, 1.0) * distance, 0.5 * distance) << times;
+    }
+}
+
+}  // namespace
+}  // namespace raio::view
