@@ -297,6 +297,30 @@ TEST_F(Commands, CompareTellsPicturesApart) {
   EXPECT_THAT(err_, HasSubstr("PSNR"));
 }
 
+TEST_F(Commands, CompareTellsWhereASceneDiffers) {
+  const auto rendered = [&](const char* name, std::string_view from, std::string_view to) {
+    std::string text(kScene);
+    if (const size_t place = text.find(from); place != std::string::npos)
+      text.replace(place, from.size(), to);
+    const std::string scene = file(std::string(name) + ".nff", text);
+    RenderCommand render;
+    render.scenes = {scene}, render.output = path(std::string(name) + ".png");
+    EXPECT_EQ(run_captured(render), kDone) << err_;
+    return render.output;
+  };
+  CompareCommand command{.a = rendered("a", "", ""), .b = {}, .diff = {}, .explain = path("a.nff")};
+  command.b = command.a;
+  EXPECT_EQ(run_captured(command), kDone) << err_;
+  EXPECT_THAT(out_, Not(HasSubstr("mostly")));
+  command.b = rendered("background", "b 0.1 0.2 0.3", "b 0.4 0.2 0.3");
+  EXPECT_EQ(run_captured(command), kDone) << err_;
+  EXPECT_THAT(out_, HasSubstr("mostly background"));
+  EXPECT_THAT(out_, HasSubstr("+25.5"));  // in red alone: a third of 0.3
+  command.explain = path("none.nff");
+  EXPECT_NE(run_captured(command), kDone);
+  EXPECT_EQ(out_, "");
+}
+
 TEST_F(Commands, CompareRefusesWhatCannotBeCompared) {
   ASSERT_TRUE(write_image(Image(10, 10), path("a.png")));
   ASSERT_TRUE(write_image(Image(10, 11), path("b.png")));

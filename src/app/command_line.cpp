@@ -377,7 +377,8 @@ void add_convert(CLI::App& app, ConvertCommand& command, int& status) {
 
 void add_compare(CLI::App& app, CompareCommand& compare, int& status) {
   auto* sub = app.add_subcommand("compare", "Measure the difference between two pictures");
-  sub->footer(examples({"raio compare before.png after.exr --min-psnr 40 --diff apart.png"}));
+  sub->footer(examples({"raio compare before.png after.exr --min-psnr 40 --diff apart.png",
+                        "raio compare mine.png theirs.png --explain scene.nff"}));
   add_file(*sub, "a", compare.a, "First picture: PNG, EXR, PPM or PFM", "A");
   add_file(*sub, "b", compare.b, "Second picture, of the same size", "B");
   for (const char* picture : {"a", "b"}) sub->get_option(picture)->required();
@@ -385,9 +386,15 @@ void add_compare(CLI::App& app, CompareCommand& compare, int& status) {
              "Exit with status 1 if the PSNR is below X dB", "X");
   add_file(*sub, "--diff", compare.diff,
            "Write a picture of the differences; - writes PNG to standard output");
+  add_file(*sub, "--explain", compare.explain,
+           "Tell where the pictures of this scene differ: edges, shadows, mirrors, lit surfaces");
+  add_render_options(*sub, compare.options,
+                     {"from", "at", "up", "fov", "angle-to-centers", "accel", "threads"});
+  for (const char* camera : {"--from", "--at", "--up", "--fov", "--angle-to-centers", "--accel"})
+    sub->get_option(camera)->needs(sub->get_option("--explain"));
   sub->callback([&] {
     refuse_terminal(compare.diff, "--diff");
-    status = run(compare);
+    status = run_on_threads(compare);
   });
 }
 

@@ -1,6 +1,10 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdlib>
+#include <expected>
 #include <ranges>
 #include <string_view>
 
@@ -8,6 +12,7 @@
 #include "app/output.h"
 #include "app/terminal.h"
 #include "io/image/image.h"
+#include "render/regions.h"
 
 namespace raio::app {
 
@@ -26,10 +31,74 @@ std::string figures(const ImageDifference& d) {
       decibels(d.psnr_db), d.rmse, d.largest, 100 * d.above_8);
 }
 
+// Where pictures of a scene differ, and what that may come from.
+constexpr std::array<std::string_view, kRegionNames.size()> kCauses = {
+    "what is drawn there, the background, or the camera",
+    "antialiasing, or the camera by part of a pixel; whole objects: geometry",
+    "reflected and refracted rays: their parts, depth, and clamping",
+    "the places and sizes of lights, or the number of samples",
+    "shadow rays that start inside or end beyond the light; ambient light",
+    "the model of light: diffuse part, highlights, intensities",
+};
+
+struct RegionSum {
+  size_t pixels = 0, apart = 0;
+  double lighter = 0;  // B than A, summed over those apart
+};
+
+std::string explained(const Image& a, const Image& b, const std::vector<Region>& regions) {
+  std::array<RegionSum, kRegionNames.size()> sums;
+  size_t apart = 0;
+  for (size_t i = 0; i < regions.size(); ++i) {
+    RegionSum& sum = sums[size_t(regions[i])];
+    ++sum.pixels;
+    const auto x = display_bytes(a.pixels[i]), y = display_bytes(b.pixels[i]);
+    int most = 0, change = 0;
+    for (size_t c = 0; c < 3; ++c)
+      most = std::max(most, std::abs(x[c] - y[c])), change += y[c] - x[c];
+    if (most <= 8) continue;
+    ++sum.apart, ++apart;
+    sum.lighter += change / 3.0;
+  }
+  std::string text = fmt::format("\n{:<20}{:>10}{:>10}{:>10}{:>12}\n", "of pixels above 8",
+                                 "pixels", "above 8", "of these", "B lighter");
+  const auto percent = [](size_t part, size_t whole) {
+    return fmt::format("{:.4g} %", 100 * double(part) / double(std::max<size_t>(whole, 1)));
+  };
+  size_t most = 0;
+  for (size_t r = 0; r < sums.size(); ++r) {
+    const RegionSum& s = sums[r];
+    if (s.pixels == 0) continue;
+    if (s.apart > sums[most].apart) most = r;
+    text += fmt::format("{:<20}{:>10}{:>10}{:>10}{:>12}\n", kRegionNames[r],
+                        percent(s.pixels, regions.size()), percent(s.apart, s.pixels),
+                        percent(s.apart, apart),
+                        s.apart > 0 ? fmt::format("{:+.1f}", s.lighter / double(s.apart)) : "");
+  }
+  if (apart == 0) return text;
+  return text + fmt::format("mostly {}: look at {}\n", kRegionNames[most], kCauses[most]);
+}
+
+std::expected<std::string, int> explained(const CompareCommand& command, const Image& a,
+                                          const Image& b, const RenderControl& control) {
+  const auto scene = load_scene(command.explain);
+  if (!scene) return std::unexpected(scene.error());
+  RenderOptions options = command.options;
+  options.width = a.width, options.height = a.height;
+  if (const auto why = option_conflict(options, &*scene)) return std::unexpected(fail(*why));
+  const RenderSettings settings = resolve_options(options, *scene);
+  const auto accel = build_accel(*scene, settings.accel);
+  if (!accel) return std::unexpected(fail(accel.error()));
+  const std::vector<Region> regions = regions_of(*scene, **accel, settings, control);
+  if (control.stop) return std::unexpected(kInterrupted);
+  return explained(a, b, regions);
+}
+
 }  // namespace
 
 int run(const CompareCommand& command) {
-  const StopOnSignal stop;
+  RenderControl control;
+  const StopOnSignal stop(&control);
   if (!command.diff.empty()) {
     if (const auto format = image_format(command.diff); !format) return fail(format.error());
     if (const auto writable = check_writable(command.diff); !writable)
@@ -45,7 +114,12 @@ int run(const CompareCommand& command) {
   }
 
   const ImageDifference difference = compare(*a, *b);
-  const std::string text = figures(difference);
+  std::string text = figures(difference);
+  if (!command.explain.empty()) {
+    const auto where = explained(command, *a, *b, control);
+    if (!where) return where.error();
+    text += *where;
+  }
   if (command.diff == "-") {
     // Standard output belongs to the picture.
     for (const auto line : std::views::split(text.substr(0, text.size() - 1), '\n'))

@@ -135,10 +135,6 @@ std::expected<T, Error> read(const fs::path& path, Decoded<T> (*decode)(std::str
   return std::unexpected(memory_error(path));
 }
 
-std::array<int, 3> display_bytes(const Rgb& c) {
-  return {to_byte(c.x), to_byte(c.y), to_byte(c.z)};
-}
-
 void require_same_size(const Image& a, const Image& b) {
   if (a.width != b.width || a.height != b.height)
     throw std::invalid_argument(fmt::format("pictures of {} x {} and {} x {} do not compare",
@@ -259,6 +255,10 @@ std::expected<Picture, Error> read_picture(const fs::path& path) {
 
 std::expected<Metadata, Error> read_metadata(const fs::path& path) {
   return read(path, decode_metadata);
+}
+
+std::array<int, 3> display_bytes(const Rgb& color) {
+  return {to_byte(color.x), to_byte(color.y), to_byte(color.z)};
 }
 
 ImageDifference compare(const Image& a, const Image& b) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <expected>
 #include <filesystem>
@@ -101,6 +102,9 @@ std::expected<Picture, Error> read_picture(const std::filesystem::path& path);
 /// The settings that write_image put into a PNG or EXR, in no particular order; none from other
 /// pictures. The file need not be trusted.
 std::expected<Metadata, Error> read_metadata(const std::filesystem::path& path);
+
+/// A pixel as it is displayed: 0 to 255 each.
+std::array<int, 3> display_bytes(const Rgb& color);
 
 /// How far apart two pictures are, over all channels of all pixels as they would be displayed (8
 /// bits).

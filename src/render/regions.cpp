@@ -1,0 +1,113 @@
+#include "render/regions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include "base/parallel.h"
+#include "integrate/camera.h"
+#include "integrate/surface.h"
+#include "shape/offset.h"
+
+namespace raio {
+namespace {
+
+struct Pixel {
+  PrimitiveId item = kNoPrimitive;
+  MaterialId material = 0;
+  Vec3f point, normal;  // towards the ray
+  uint64_t seen = 0;    // a bit for each of the first 64 lights
+  bool hidden = false;  // some light that it faces
+};
+
+// A row, its shadow rays light by light.
+void look(const Scene& scene, const Accel& accel, const EyeRays& eye, int y,
+          const std::atomic<bool>& stop, std::span<Pixel> row) {
+  RayBatch rays;
+  HitBatch hits;
+  TraceContext context;
+  context.stop = &stop, context.coherent = true;
+  for (size_t x = 0; x < row.size(); ++x) rays.push(eye.pinhole(float(x) + 0.5f, float(y) + 0.5f));
+  hits.reset(rays.size());
+  accel.closest(rays, hits, context);
+  if (context.stopped()) return;
+  std::vector<Vec3f> outside(row.size());
+  for (size_t x = 0; x < row.size(); ++x) {
+    if (!hits[x].found()) continue;
+    const Surface s = surface_at(accel.geometry(), rays[x], hits[x]);
+    const Vec3f normal = dot(s.normal, rays[x].dir) < 0 ? s.normal : -s.normal;
+    row[x] = {.item = hits[x].item, .material = s.material, .point = s.point, .normal = normal};
+    const float size = std::max({std::abs(s.point.x), std::abs(s.point.y), std::abs(s.point.z)});
+    outside[x] = offset_origin(s.point, normal, size + s.extent, true);
+  }
+  std::vector<uint8_t> occluded(padded(row.size()));
+  for (size_t l = 0; l < scene.lights.size(); ++l) {
+    for (size_t x = 0; x < row.size(); ++x) {
+      const Vec3f to_light = scene.lights[l].position - outside[x];
+      const float distance = length(to_light);
+      const bool faces = row[x].item != kNoPrimitive && dot(to_light, row[x].normal) > 0;
+      rays.set(x, {outside[x], to_light / distance,
+                   faces ? distance * (1 - 4 * std::numeric_limits<float>::epsilon()) : -1});
+    }
+    accel.occluded(rays, occluded.data(), context);
+    if (context.stopped()) return;
+    for (size_t x = 0; x < row.size(); ++x) {
+      if (rays.tmax[x] <= 0) continue;
+      if (occluded[x])
+        row[x].hidden = true;
+      else
+        row[x].seen |= uint64_t(1) << (l % 64);
+    }
+  }
+}
+
+// Does a surface end, or fold, between two neighbours?
+bool is_edge(const Pixel& a, const Pixel& b) {
+  if (a.item == b.item) return false;
+  if (a.item == kNoPrimitive || b.item == kNoPrimitive || a.material != b.material) return true;
+  constexpr float kCrease = 0.9f;  // the cosine of 26 degrees
+  const Vec3f apart = b.point - a.point;
+  return dot(a.normal, b.normal) < kCrease || std::abs(dot(apart, a.normal)) > 0.5f * length(apart);
+}
+
+Region region_of(const Scene& scene, const std::vector<Pixel>& pixels, int width, int height, int x,
+                 int y) {
+  const auto at = [&](int column, int row) -> const Pixel& {
+    return pixels[size_t(row) * size_t(width) + size_t(column)];
+  };
+  const Pixel& p = at(x, y);
+  bool border = false;
+  for (int row = std::max(y - 1, 0); row <= std::min(y + 1, height - 1); ++row)
+    for (int column = std::max(x - 1, 0); column <= std::min(x + 1, width - 1); ++column) {
+      const Pixel& other = at(column, row);
+      if (is_edge(p, other)) return Region::edge;
+      border |= p.seen != other.seen;
+    }
+  if (p.item == kNoPrimitive) return Region::background;
+  const Material& m = scene.materials[p.material];
+  if (m.ks > 0 || m.transmission > 0) return Region::mirror;
+  return border ? Region::shadow_border : p.hidden ? Region::shadow : Region::lit;
+}
+
+}  // namespace
+
+std::vector<Region> regions_of(const Scene& scene, const Accel& accel,
+                               const RenderSettings& settings, const RenderControl& control) {
+  const int width = settings.width, height = settings.height;
+  const EyeRays eye(settings.camera, width, height, settings.angle_to_centers);
+  std::vector<Pixel> pixels(size_t(width) * size_t(height));
+  parallel_for(size_t(height), [&](size_t y) {
+    look(scene, accel, eye, int(y), control.stop,
+         std::span(pixels).subspan(y * size_t(width), size_t(width)));
+  });
+  if (control.stop) return {};
+  std::vector<Region> regions(pixels.size());
+  parallel_for(size_t(height), [&](size_t y) {
+    for (int x = 0; x < width; ++x)
+      regions[y * size_t(width) + size_t(x)] = region_of(scene, pixels, width, height, x, int(y));
+  });
+  return regions;
+}
+
+}  // namespace raio
