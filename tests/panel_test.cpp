@@ -5,10 +5,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <imgui.h>
-#include <imgui_internal.h>
 
-#include <functional>
-#include <map>
 #include <memory>
 #include <ranges>
 #include <set>
@@ -16,6 +13,7 @@
 #include <vector>
 
 #include "io/nff/nff.h"
+#include "screen.h"
 #include "view/bars.h"
 #include "view/edit.h"
 #include "view/history.h"
@@ -24,75 +22,6 @@
 
 namespace raio::view {
 namespace {
-
-constexpr float kWidth = 420, kHeight = 2600;
-
-ViewState state_of_three() {
-  Scene s;
-  s.name = "three";
-  s.camera.from = {0, -6, 2}, s.camera.at = {0, 0, 0.5f}, s.camera.up = {0, 0.1f, 1};
-  s.background = {0.25f, 0.5f, 0.75f};
-  for (int i = 0; i < 3; ++i) {
-    s.lights.push_back({{3, -4, 5.0f + float(i)}, Rgb(0.5f)});
-    s.materials.push_back({{0.5f, 0.5f, 0.25f + 0.125f * float(i)}, 0.5f, 0.25f, 10, 0.25f, 1.5f});
-    s.spheres.push_back({{float(i), 0, 0}, 0.5f});
-    s.sphere_materials.push_back(uint32_t(i));
-  }
-  ViewState state("three.nff", std::make_shared<const Scene>(std::move(s)), {});
-  state.chosen_light = state.chosen_material = 1;
-  return state;
-}
-
-// Frames of Dear ImGui without a window, with a mouse.
-class Screen {
- public:
-  explicit Screen(std::function<void()> draw) : context_(ImGui::CreateContext()), draw_(draw) {
-    ImGui::SetCurrentContext(context_);
-    ImGuiIO& io = ImGui::GetIO();
-    io.DisplaySize = {kWidth, kHeight}, io.IniFilename = nullptr;
-    apply_look({}, 1);
-    unsigned char* pixels = nullptr;
-    int width = 0, height = 0;
-    io.Fonts->GetTexDataAsRGBA32(&pixels, &width, &height);
-    frame(), frame();
-  }
-  ~Screen() { ImGui::DestroyContext(context_); }
-  Screen(const Screen&) = delete;
-  Screen& operator=(const Screen&) = delete;
-
-  void frame() {
-    ImGui::GetIO().DeltaTime = 0.5f;  // so that no two clicks are a double one
-    ImGui::NewFrame();
-    draw_();
-    ImGui::Render();
-  }
-  void move(ImVec2 to) { ImGui::GetIO().MousePos = to, frame(); }
-  void button(bool down) { ImGui::GetIO().MouseDown[0] = down, frame(); }
-  void click(ImVec2 at) { move(at), button(true), button(false), frame(); }
-  void drag(ImVec2 from) {
-    move(from), button(true);
-    for (int i = 1; i <= 4; ++i) move({from.x + 5.0f * float(i), from.y});
-    button(false), frame();
-  }
-  // All that answers to the cursor, each with a place where it does.
-  std::map<ImGuiID, ImVec2> widgets() {
-    std::map<ImGuiID, std::vector<ImVec2>> places;
-    for (float y = 2; y < kHeight; y += 7)
-      for (float x = 4; x < kWidth; x += 9) {
-        move({x, y});
-        if (const ImGuiID id = context_->HoveredId) places[id].push_back({x, y});
-      }
-    std::map<ImGuiID, ImVec2> middles;
-    for (const auto& [id, all] : places) middles[id] = all[all.size() / 2];
-    return middles;
-  }
-  bool is_popup_open() const { return context_->OpenPopupStack.Size > 0; }
-  ImGuiContext& context() { return *context_; }
-
- private:
-  ImGuiContext* context_;
-  std::function<void()> draw_;
-};
 
 // What is another than before, in words.
 std::string difference(const ViewState& a, const ViewState& b) {
@@ -137,6 +66,22 @@ void expect_saved(const ViewState& state) {
   ViewState again("three.nff", std::make_shared<const Scene>(read->scene), {});
   again.chosen_light = state.chosen_light, again.chosen_material = state.chosen_material;
   EXPECT_EQ(difference(state, again), "");
+}
+
+const std::set<std::string> kSections = {"###Effects",
+                                         "###Statistics",
+                                         "###The structure's boxes",
+                                         "###What each effect costs",
+                                         "###All combinations of effects",
+                                         "###The grid's resolution",
+                                         "###Scene",
+                                         "###All options",
+                                         "###Window"};
+
+// Those sections, and no others.
+void open_sections(ImGuiWindow& panel, const std::set<std::string>& names) {
+  for (const std::string& name : kSections)
+    panel.StateStorage.SetInt(panel.GetID(name.c_str()), names.contains(name));
 }
 
 TEST(Panel, EveryFieldOfTheSceneChangesItAndIsUndone) {
@@ -212,19 +157,10 @@ TEST(Panel, EverythingUnderTheCursorAnswers) {
     if (!now.problem.empty()) result.problem = now.problem;
   };
   Screen screen(draw);
-  const std::vector<const char*> names = {"###Effects",
-                                          "###Statistics",
-                                          "###The structure's boxes",
-                                          "###What each effect costs",
-                                          "###All combinations of effects",
-                                          "###The grid's resolution",
-                                          "###Scene",
-                                          "###All options",
-                                          "###Window"};
   ImGuiWindow* const panel = ImGui::FindWindowByName("panel");
   ASSERT_TRUE(panel);
   const auto open_all = [&] {
-    for (const char* name : names) panel->StateStorage.SetInt(panel->GetID(name), 1);
+    open_sections(*panel, kSections);
     screen.move({kWidth - 2, 1}), screen.frame();
   };
   begin();
@@ -245,7 +181,8 @@ TEST(Panel, EverythingUnderTheCursorAnswers) {
                  !result.problem.empty() || presses > presses_before || language() != spoken ||
                  result.saves_curve || state.boxes != before.boxes ||
                  !difference(before, state).empty();
-      for (const char* name : names) answers |= !panel->StateStorage.GetInt(panel->GetID(name), 1);
+      for (const std::string& name : kSections)
+        answers |= !panel->StateStorage.GetInt(panel->GetID(name.c_str()), 1);
     };
     screen.move(place), screen.button(true), look(), screen.button(false), look();
     screen.frame(), look();
@@ -266,13 +203,13 @@ TEST(Panel, EveryToolPressesItsKey) {
   const ViewState state = state_of_three();
   std::vector<const KeySpec*> now;
   std::vector<std::string> pressed;
-  Screen screen([&] {
-    now.clear();
-    draw_tool_bar({0, 0, 1600, 42}, state, {.can_undo = true, .can_redo = true}, now);
-    for (const KeySpec* key : now) pressed.push_back(key->help);
-  });
-  ImGui::GetIO().DisplaySize = {1600, kHeight};
-  screen.frame();
+  Screen screen(
+      [&] {
+        now.clear();
+        draw_tool_bar({0, 0, 1600, 42}, state, {.can_undo = true, .can_redo = true}, now);
+        for (const KeySpec* key : now) pressed.push_back(key->help);
+      },
+      {1600, 900});
   std::set<ImGuiID> seen;
   for (float x = 2; x < 1600; x += 6) {
     screen.move({x, 21});
@@ -281,7 +218,7 @@ TEST(Panel, EveryToolPressesItsKey) {
     const size_t before = pressed.size();
     screen.click({x + 4, 21});
     if (screen.is_popup_open()) {  // the views
-      screen.click({1590, kHeight - 2}), screen.frame();
+      screen.click({1590, 890}), screen.frame();
       pressed.emplace_back("a list");
     }
     EXPECT_EQ(pressed.size(), before + 1) << "at " << x;
@@ -290,6 +227,76 @@ TEST(Panel, EveryToolPressesItsKey) {
                           "depth of field", "reflection", "refraction"})
     EXPECT_THAT(pressed, testing::Contains(key));
   EXPECT_EQ(std::set<std::string>(pressed.begin(), pressed.end()).size(), pressed.size());
+}
+
+// Each choice of an option's list makes another state, or says why it does not fit.
+TEST(Panel, EveryEntryOfEveryListIsTaken) {
+  ViewState state = state_of_three();
+  PanelFacts facts;
+  facts.costs.picture_width = 160, facts.costs.picture_height = 120;
+  std::string problem;
+  Screen screen([&] {
+    if (std::string now = draw_panel(state, facts, {0, 0, kWidth, kHeight}).problem; !now.empty())
+      problem = std::move(now);
+  });
+  ImGuiWindow* const panel = ImGui::FindWindowByName("panel");
+  open_sections(*panel, {"###All options"}), screen.frame();
+  size_t lists = 0;
+  for (const ImVec2 place : screen.widgets() | std::views::values) {
+    state = state_of_three();
+    screen.click(place);
+    open_sections(*panel, {"###All options"});
+    if (!screen.is_popup_open()) continue;
+    const std::vector<ImVec2> entries = screen.entries();
+    screen.click({kWidth - 2, kHeight - 2});
+    std::set<std::string> outcomes;
+    for (const ImVec2 entry : entries) {
+      state = state_of_three(), problem.clear();
+      screen.click(place), screen.click(entry);
+      outcomes.insert(problem.empty() ? option_arguments(state.options) : problem);
+    }
+    EXPECT_EQ(outcomes.size(), entries.size()) << testing::PrintToString(outcomes);
+    EXPECT_GT(entries.size(), 1u);
+    ++lists;
+  }
+  size_t expected = 0;
+  for (const OptionSpec& spec : render_option_table())
+    expected += spec.of_window && !spec.words.empty();
+  EXPECT_GE(lists, expected);
+}
+
+TEST(Panel, EveryFieldTakesWhatIsTyped) {
+  ViewState state = state_of_three();
+  PanelFacts facts;
+  facts.costs.picture_width = 160, facts.costs.picture_height = 120;
+  PanelResult result;
+  Screen screen([&] {
+    const PanelResult now = draw_panel(state, facts, {0, 0, kWidth, kHeight});
+    result.changed |= now.changed;
+    if (!now.problem.empty()) result.problem = now.problem;
+  });
+  ImGuiWindow* const panel = ImGui::FindWindowByName("panel");
+  open_sections(*panel, {"###Scene", "###All options"}), screen.frame();
+  std::set<std::string> changed;
+  for (const ImVec2 place : screen.widgets() | std::views::values) {
+    state = state_of_three();
+    ImGui::GetIO().KeyCtrl = true, screen.click(place), ImGui::GetIO().KeyCtrl = false;
+    if (ImGui::GetIO().WantTextInput) {
+      const ViewState before = state = state_of_three();
+      result = {};
+      screen.type("3.5");
+      EXPECT_TRUE(result.changed || !result.problem.empty() || !difference(before, state).empty())
+          << "at " << place.x << ',' << place.y;
+      for (const OptionSpec& spec : render_option_table())
+        if (option_text(before.options, spec) != option_text(state.options, spec))
+          changed.insert(std::string(spec.name));
+    }
+    ImGui::ClosePopupsOverWindow(nullptr, false);
+    ImGui::ClearActiveID();
+    open_sections(*panel, {"###Scene", "###All options"}), screen.frame();
+  }
+  EXPECT_THAT(changed, testing::IsSupersetOf({"aperture", "exposure", "focus", "grid-factor",
+                                              "lens-samples", "light-size", "threads"}));
 }
 
 }  // namespace

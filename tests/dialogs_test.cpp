@@ -1,0 +1,221 @@
+// The dialogs, the lists of the tool bar and the inspector's panel, pressed on a screen that nobody
+// sees.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <thread>
+
+#include "io/nff/nff.h"
+#include "screen.h"
+#include "view/bars.h"
+#include "view/file_dialog.h"
+#include "view/help.h"
+#include "view/inspector.h"
+#include "view/welcome.h"
+
+namespace raio::view {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::UnorderedElementsAre;
+
+const ImVec2 kSize(900, 700);
+
+TEST(Dialogs, WelcomeOpensEachOfItsScenes) {
+  const std::vector<std::string> recent = {"/a/one.nff", "/b/two.nff"}, samples = {"/s/three.nff"};
+  std::multiset<std::string> opened;
+  Screen screen(
+      [&] {
+        const WelcomeResult now = draw_welcome({0, 0, kSize.x, kSize.y}, recent, samples);
+        if (now.open) opened.insert(*now.open);
+        if (now.asks) opened.insert("asks");
+      },
+      kSize);
+  for (const ImVec2 place : screen.widgets() | std::views::values) screen.click(place);
+  EXPECT_THAT(opened, UnorderedElementsAre("/a/one.nff", "/b/two.nff", "/s/three.nff", "asks"));
+}
+
+class FileDialogs : public ::testing::Test {
+ protected:
+  FileDialogs() {
+    fs::create_directories(folder_ / "sub");
+    for (const char* name : {"a.nff", "b.nff", "sub/c.nff"}) std::ofstream(folder_ / name) << "b";
+  }
+  ~FileDialogs() override { fs::remove_all(folder_); }
+
+  // Presses what is there until the dialog is closed or does not change: all that was chosen.
+  std::set<std::string> press_all(FileDialog::Purpose purpose, const std::string& name) {
+    std::set<std::string> chosen;
+    dialog_.ask(purpose, folder_, name);
+    screen_.frame(), screen_.frame();
+    for (const ImVec2 place : screen_.widgets() | std::views::values) {
+      chosen_.reset();
+      dialog_.ask(purpose, folder_, name);
+      screen_.frame(), screen_.frame(), screen_.click(place);
+      if (chosen_)
+        chosen.insert(fs::path(*chosen_).lexically_relative(folder_).string());
+      else if (!dialog_.is_open())
+        chosen.insert("closed");
+    }
+    return chosen;
+  }
+
+  const fs::path folder_ =
+      fs::canonical(fs::temp_directory_path()) / ("raio-dialogs-" + std::to_string(::getpid()));
+  FileDialog dialog_;
+  std::optional<std::string> chosen_;
+  Screen screen_{[this] {
+                   const Layout layout(kSize.x, kSize.y, em(), false);
+                   if (auto now = dialog_.draw(layout)) chosen_ = std::move(now);
+                 },
+                 kSize};
+};
+
+TEST_F(FileDialogs, EveryButtonAnswers) {
+  EXPECT_THAT(press_all(FileDialog::Purpose::open, "a.nff"),
+              UnorderedElementsAre("a.nff", "b.nff", "closed"));
+  // A file to be replaced takes two presses.
+  EXPECT_THAT(press_all(FileDialog::Purpose::save, "new.nff"),
+              UnorderedElementsAre("new.nff", "closed"));
+}
+
+TEST_F(FileDialogs, FoldersAreEnteredAndNamesTyped) {
+  dialog_.ask(FileDialog::Purpose::open, folder_, {});
+  screen_.frame(), screen_.frame(), screen_.frame();
+  ASSERT_TRUE(ImGui::GetIO().WantTextInput);
+  const uint64_t above = screen_.sum();
+  screen_.type("sub");
+  ASSERT_TRUE(dialog_.is_open());
+  const auto widgets = screen_.widgets();
+  const auto press = [&](const char* name) {
+    screen_.click(widgets.at(ImGui::FindWindowByName("###file")->GetID(name)));
+  };
+  EXPECT_NE(screen_.sum(), above);
+  press("##name");
+  screen_.type("c.nff");
+  EXPECT_EQ(chosen_, folder_ / "sub" / "c.nff");
+
+  dialog_.ask(FileDialog::Purpose::open, folder_ / "sub", {});
+  screen_.frame(), screen_.frame();
+  press("up");
+  press("##name");
+  screen_.type("b.nff");
+  EXPECT_EQ(chosen_, folder_ / "b.nff");
+}
+
+TEST(Dialogs, HelpSearchesAndCloses) {
+  std::string sought;
+  bool open = true;
+  Screen screen(
+      [&] {
+        if (open) open = draw_help(Layout(kSize.x, kSize.y, em(), false), sought);
+      },
+      kSize);
+  screen.frame();
+  const uint64_t all = screen.sum();
+  ASSERT_TRUE(ImGui::GetIO().WantTextInput);
+  screen.type("shadow");
+  EXPECT_EQ(sought, "shadow");
+  EXPECT_NE(screen.sum(), all);
+  size_t closing = 0;
+  for (const ImVec2 place : screen.widgets() | std::views::values) {
+    open = true;
+    screen.frame(), screen.click(place);
+    closing += !open;
+  }
+  EXPECT_EQ(closing, 1u);
+}
+
+TEST(Dialogs, EveryEntryOfTheToolBarsListsPressesItsKey) {
+  const ViewState state = state_of_three();
+  std::vector<const KeySpec*> now;
+  std::multiset<std::string> pressed;
+  Screen screen(
+      [&] {
+        now.clear();
+        draw_tool_bar({0, 0, 420, 42}, state, {.can_undo = true, .can_redo = true}, now);
+        for (const KeySpec* key : now) pressed.insert(key->help);
+      },
+      kSize);
+  const auto lists = screen.widgets({0, 0, 420, 42});
+  for (const ImVec2 place : lists | std::views::values) {
+    screen.click(place);
+    if (!screen.is_popup_open()) continue;
+    const auto entries = screen.entries();
+    screen.click({890, 690});
+    for (const ImVec2 entry : entries) screen.click(place), screen.click(entry);
+  }
+  // Those of the bar, and those that have no room there; each once.
+  EXPECT_EQ(std::set<std::string>(pressed.begin(), pressed.end()).size(), pressed.size());
+  EXPECT_GE(pressed.size(), 21u);
+  for (const char* key : {"help", "panel", "full screen", "copy command"})
+    EXPECT_TRUE(pressed.contains(key)) << key;
+}
+
+TEST(Dialogs, EverythingInTheInspectorsPanelAnswers) {
+  ViewState state("three.nff", state_of_three().scene, {});
+  state.options.aa = 3;
+  Inspector inspector([] {});
+  InspectorResult result;
+  const Rect where{0, 0, 400, 1400};
+  Screen screen(
+      [&] {
+        const InspectorResult now = inspector.draw_panel(where, 0);
+        result.closed |= now.closed, result.copied |= now.copied;
+        if (now.camera) result.camera = now.camera;
+        if (!now.save.empty()) result.save = now.save;
+      },
+      {400, 1400});
+  const auto wait = [&] {
+    const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    auto found = inspector.poll();
+    for (; !found && std::chrono::steady_clock::now() < until; found = inspector.poll())
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    ASSERT_TRUE(found && *found);
+  };
+  const Stage stage({0, 0, 400, 300}, 1, 40, 30);
+  // In the middle of a walk, at the second sample: there is something before and behind.
+  ImVec2 next_sample;
+  const auto begin = [&] {
+    inspector.look(state, stage, nullptr, {0.5f, 0.55f}, {0.5f, 0.55f});
+    wait();
+    for (int i = 0; i < 3; ++i) inspector.walk(Inspector::Walk::on, 0);
+    screen.frame();
+    if (next_sample.x > 0) screen.click(next_sample), wait();
+    ImGuiWindow* const panel = ImGui::FindWindowByName("inspector");
+    for (const char* section :
+         {"###Tree of rays", "###Step by step", "###The ray", "###What adds up to the colour"})
+      panel->StateStorage.SetInt(panel->GetID(section), 1);
+    screen.frame();
+    result = {};
+  };
+  begin();
+  ImGuiWindow* const panel = ImGui::FindWindowByName("inspector");
+  auto all = screen.widgets();
+  all.erase(panel->GetID("##rgb"));  // which is only looked at
+  EXPECT_GT(all.size(), 20u);
+  next_sample = all.at(panel->GetID("+"));
+  std::set<std::string> saved;
+  size_t others = 0;
+  for (const auto& [id, place] : all) {
+    begin();
+    const uint64_t before = screen.sum();
+    screen.click(place);
+    if (id == panel->GetID("-") || id == panel->GetID("+") || id == panel->GetID("##sample"))
+      wait();
+    if (!result.save.empty()) saved.insert(result.save);
+    const bool tells = result.closed || result.copied || result.camera || !result.save.empty();
+    others += tells;
+    EXPECT_TRUE(tells || screen.sum() != before) << "at " << place.x << ',' << place.y;
+  }
+  EXPECT_THAT(saved, ElementsAre(".json", ".png", ".svg"));
+  EXPECT_GE(others, 7u);  // with "<", "copy command", and both cameras
+}
+
+}  // namespace
+}  // namespace raio::view
