@@ -106,8 +106,8 @@ int run(const SpdVerifyCommand& command);
 struct CompareCommand {
   std::string a, b, diff;
   double min_psnr_db = -1;  // negative: no check
-  std::string explain{};      // the scene that both show; empty: none
-  RenderOptions options{};    // its camera, structure, threads
+  std::string explain{};    // the scene that both show; empty: none
+  RenderOptions options{};  // its camera, structure, threads
 };
 int run(const CompareCommand& command);
 
