@@ -278,11 +278,12 @@ TEST(P3fCourse, AllScenesRenderButTheOneThatMoves) {
     EXPECT_EQ(scene.primitive_count(), primitives);
     EXPECT_EQ(scene.sky_folder, "skybox");
     // Triangles of a mesh are written one by one, so that positions are numbered anew once.
-    const Scene again = read(write_nff(scene));
+    Scene again = read(write_nff(scene));
     if (std::string_view(name) != "dragon") {
       EXPECT_EQ(content_hash(again), content_hash(scene));
     }
     EXPECT_EQ(content_hash(read(write_nff(again))), content_hash(again));
+    again.sky = scene.sky;
     RenderOptions o;
     o.width = 64, o.height = 48;
     if (primitives < 200) expect_one_picture(scene, o);
@@ -305,6 +306,8 @@ std::optional<CoursePicture> course_picture(const std::string& name) {
   auto image = read_image(course_file("course_" + name + ".png"));
   EXPECT_TRUE(scene && image) << name;
   if (!scene || !image) return std::nullopt;
+  // Those pictures have the background's colour behind the scene.
+  scene->scene.sky.reset(), scene->scene.sky_folder.clear();
   return CoursePicture{std::move(scene->scene), std::move(*image)};
 }
 

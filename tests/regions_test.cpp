@@ -44,9 +44,9 @@ TEST(Regions, AreWhatGeometrySays) {
   EXPECT_EQ(at(-3, -3), Region::lit);
   EXPECT_EQ(at(4, 0), Region::edge);
   EXPECT_EQ(at(0, 3.05), Region::mirror);
-  // The light is 45 degrees up: the shadow's middle is 2 to the left; the ball hides its right end.
+  // From the light the ball is seen 43 degrees down, with a half angle of 1.4 degrees.
   EXPECT_EQ(at(-2, 0), Region::shadow);
-  EXPECT_EQ(at(-2 - std::sqrt(2.0), 0), Region::shadow_border);
+  EXPECT_EQ(at(-3.74, 0), Region::shadow_border);
   EXPECT_EQ(at(0.3, 0), Region::lit);
   std::map<Region, size_t> counts;
   for (const Region r : found) ++counts[r];
@@ -61,7 +61,8 @@ TEST(Regions, TrianglesOfOneSurfaceHaveNoEdges) {
   for (const char* triangle : {"p 3\n-9 -9 0\n9 -9 0\n9 9 0\n", "p 3\n-9 -9 0\n9 9 0\n-9 9 0\n"})
     text += triangle;
   const Scene scene = parse_nff(text, "scene")->scene;
-  for (const Region r : regions(scene, AccelKind::bvh)) ASSERT_EQ(r, Region::lit);
+  const auto found = regions(scene, AccelKind::bvh);
+  for (size_t i = 0; i < found.size(); ++i) ASSERT_EQ(found[i], Region::lit) << i;
 }
 
 TEST(Regions, StopWhenTold) {

@@ -39,7 +39,8 @@ void look(const Scene& scene, const Accel& accel, const EyeRays& eye, int y,
     const Vec3f normal = dot(s.normal, rays[x].dir) < 0 ? s.normal : -s.normal;
     row[x] = {.item = hits[x].item, .material = s.material, .point = s.point, .normal = normal};
     const float size = std::max({std::abs(s.point.x), std::abs(s.point.y), std::abs(s.point.z)});
-    outside[x] = offset_origin(s.point, normal, size + s.extent, true);
+    // The point may be off the surface by what the ray's length was rounded.
+    outside[x] = offset_origin(s.point, normal, size + s.extent + hits[x].t, true);
   }
   std::vector<uint8_t> occluded(padded(row.size()));
   for (size_t l = 0; l < scene.lights.size(); ++l) {
