@@ -21,8 +21,8 @@ using SharedScene = std::shared_ptr<const Scene>;
 /// at the first change of a scene that owns its arrays.
 SharedScene edited(const SharedScene& scene, const std::function<void(Scene&)>& change);
 
-/// What is saved: the scene seen from there, with that background, or that sky. A sky of the scene's
-/// own keeps the name of its folder, others get the whole path.
+/// What is saved: the scene seen from there, with that background, or that sky. A sky of the
+/// scene's own keeps the name of its folder, others get the whole path.
 Scene as_seen(const Scene& scene, const Camera& camera, const Rgb& background,
               const std::shared_ptr<const CubeMap>& sky = nullptr);
 
