@@ -20,21 +20,23 @@ struct WideRay {
 
 /// From the eye through (x, y): pixels from the upper left corner of the picture.
 template <class D, class V = hn::Vec<D>>
-HWY_INLINE WideRay<D> pinhole(D d, const EyeRays& eye, V x, V y) {
-  const Wide3<D> towards = set3(d, eye.corner) + set3(d, eye.per_x) * x + set3(d, eye.per_y) * y;
-  return {set3(d, eye.from), normalize(d, towards)};
+HWY_INLINE WideRay<D> pinhole(D tag, const EyeRays& eye, V x, V y) {
+  const Wide3<D> towards =
+      set3(tag, eye.corner) + set3(tag, eye.per_x) * x + set3(tag, eye.per_y) * y;
+  return {set3(tag, eye.from), normalize(tag, towards)};
 }
 
 /// From `lens` (a point of the unit disc, times `radius`) to the point of the plane in focus that
 /// the pinhole would see at (x, y). Cook, Porter and Carpenter 1984, "Distributed Ray Tracing".
 template <class D, class V = hn::Vec<D>>
-HWY_INLINE WideRay<D> thin_lens(D d, const EyeRays& eye, V x, V y, const Wide2<D>& lens,
+HWY_INLINE WideRay<D> thin_lens(D tag, const EyeRays& eye, V x, V y, const Wide2<D>& lens,
                                 float radius, float focus) {
-  const Wide3<D> towards = set3(d, eye.corner) + set3(d, eye.per_x) * x + set3(d, eye.per_y) * y;
-  const V r = hn::Set(d, radius);
+  const Wide3<D> towards =
+      set3(tag, eye.corner) + set3(tag, eye.per_x) * x + set3(tag, eye.per_y) * y;
+  const V r = hn::Set(tag, radius);
   const Wide3<D> offset =
-      set3(d, eye.right) * hn::Mul(lens.x, r) + set3(d, eye.up) * hn::Mul(lens.y, r);
-  return {set3(d, eye.from) + offset, normalize(d, towards * hn::Set(d, focus) - offset)};
+      set3(tag, eye.right) * hn::Mul(lens.x, r) + set3(tag, eye.up) * hn::Mul(lens.y, r);
+  return {set3(tag, eye.from) + offset, normalize(tag, towards * hn::Set(tag, focus) - offset)};
 }
 
 }  // namespace raio::HWY_NAMESPACE
