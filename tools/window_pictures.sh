@@ -58,6 +58,12 @@ sleep 3
 shoot_picture "$pictures/view-steps.png"
 close
 
+open 2 scenes/sphereflake.nff --size 480x320 --accel grid
+keys h k
+sleep 5
+shoot_picture "$pictures/view-boxes.png"
+close
+
 open 3 scenes/shapes.nff "${lights[@]}"
 xdotool mousemove 400 372 mousedown 1
 for i in {1..20}; do
