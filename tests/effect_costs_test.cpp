@@ -161,15 +161,16 @@ TEST(EffectCosts, WhatCannotMatterIsNotInThisScene) {
 TEST(EffectCosts, MaterialsThatNoPrimitiveHasDoNotMatter) {
   Scene s = small_scene();
   s.sphere_materials = std::vector<MaterialId>{0, 0, 0};
-  EXPECT_FALSE(is_in_scene(Effect::reflection, s));
-  EXPECT_FALSE(is_in_scene(Effect::refraction, s));
+  EXPECT_FALSE(is_in_scene(Effect::reflection, s, Fresnel::none));
+  EXPECT_FALSE(is_in_scene(Effect::refraction, s, Fresnel::none));
   Mesh mesh;
   mesh.positions = std::vector<Vec3f>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   mesh.triangles = std::vector<TriangleIndices>{{0, 1, 2}};
   mesh.materials = std::vector<MaterialId>{2};
   s.meshes.push_back(mesh);
-  EXPECT_TRUE(is_in_scene(Effect::refraction, s));
-  EXPECT_FALSE(is_in_scene(Effect::reflection, s));
+  EXPECT_TRUE(is_in_scene(Effect::refraction, s, Fresnel::none));
+  EXPECT_FALSE(is_in_scene(Effect::reflection, s, Fresnel::none));
+  EXPECT_TRUE(is_in_scene(Effect::reflection, s, Fresnel::exact)) << "glass mirrors";
 }
 
 TEST(EffectCosts, WhatNoRayOfThePictureMeetsIsNotInIt) {

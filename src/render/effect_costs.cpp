@@ -68,7 +68,7 @@ class Measurement {
     for (const Effect effect : kEffects)
       costs_.effects.push_back({.effect = effect,
                                 .on = is_on(effect, options_, scene_),
-                                .presence = is_in_scene(effect, scene_)
+                                .presence = is_in_scene(effect, scene_, base_.settings.fresnel)
                                                 ? EffectCost::in_picture
                                                 : EffectCost::not_in_scene});
     const bool empty = scene_.primitive_count() == 0;
@@ -335,15 +335,14 @@ RenderOptions with_effect(RenderOptions o, Effect effect, bool on) {
   return o;
 }
 
-bool is_in_scene(Effect effect, const Scene& scene) {
+bool is_in_scene(Effect effect, const Scene& scene, Fresnel fresnel) {
   if (scene.primitive_count() == 0) return false;
   switch (effect) {
     case Effect::soft_shadows:
       return !scene.lights.empty();
     case Effect::reflection:
-      // In P3F all glass mirrors, too.
-      return any_material(scene, [p3f = scene.dialect == Dialect::p3f](const Material& m) {
-        return m.ks > 0 || (p3f && m.transmission > 0);
+      return any_material(scene, [divides = fresnel != Fresnel::none](const Material& m) {
+        return m.ks > 0 || (divides && m.transmission > 0);
       });
     case Effect::refraction:
       return any_material(scene, [](const Material& m) { return m.transmission > 0; });

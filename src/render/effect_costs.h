@@ -38,8 +38,9 @@ bool is_on(Effect effect, const RenderOptions& options, const Scene& scene);
 RenderOptions with_effect(RenderOptions options, Effect effect, bool on);
 
 /// Can the effect change any picture of the scene? Refraction wants a surface that lets light
-/// through, reflection one that mirrors, soft shadows a light, all of them something to hit.
-bool is_in_scene(Effect effect, const Scene& scene);
+/// through, reflection one that mirrors (glass, too, where `fresnel` divides its light), soft
+/// shadows a light, all of them something to hit.
+bool is_in_scene(Effect effect, const Scene& scene, Fresnel fresnel);
 
 struct EffectCost {
   Effect effect = Effect::antialiasing;

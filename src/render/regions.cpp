@@ -17,7 +17,7 @@ struct Pixel {
   PrimitiveId item = kNoPrimitive;
   MaterialId material = 0;
   Vec3f point, normal;  // towards the ray
-  uint64_t seen = 0;    // a bit for each of the first 64 lights
+  uint64_t seen = 0;    // a bit for each light, which it shares with every 64th after it
   bool hidden = false;  // some light that it faces
 };
 

@@ -60,8 +60,7 @@ constexpr std::string_view kPatch =
     "a curved patch of the ENFF dialect: cut it into triangles and write them as \"pp 3\"";
 constexpr std::string_view kMovingSphere =
     "a moving sphere of the P3F dialect: motion is not rendered yet, write it as \"s\" at one of "
-    "its "
-    "places";
+    "its places";
 
 constexpr std::array kRefused = {
     RefusedWord{"ms", kMovingSphere},

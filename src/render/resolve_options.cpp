@@ -1,0 +1,212 @@
+// What options come to with a scene, and which do not fit together.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "integrate/classic.h"
+#include "render/options.h"
+#include "render/picture_options.h"
+
+namespace raio {
+namespace {
+
+Error conflict(std::string_view option, std::string message) {
+  return {ErrorKind::bad_option, std::string(option), std::move(message)};
+}
+
+Error without(std::string_view option, std::string_view other) {
+  return conflict(option, fmt::format("has no effect without `{0}`; add `{0}` or leave `{1}` out",
+                                      other, option));
+}
+
+std::optional<Error> accel_conflict(const RenderOptions& options) {
+  const AccelOptions& accel = options.accel;
+  const bool resolution = accel.grid_resolution[0] > 0, factor = accel.grid_factor > 0;
+  const bool grid = accel.kind == AccelKind::automatic || accel.kind == AccelKind::grid;
+  if (resolution && factor)
+    return conflict("grid-factor", "has no effect beside `grid-resolution`; give one of them");
+  if ((resolution || factor) && !grid)
+    return conflict(resolution ? "grid-resolution" : "grid-factor",
+                    fmt::format("has no effect with `accel` {}; leave one of them out",
+                                accel_name(accel.kind)));
+  if (accel.kind != AccelKind::embree) return std::nullopt;
+  if (accel.counters)
+    return conflict("counters",
+                    "Embree does not count tests and steps; leave it or `accel` embree out");
+  if (options.view == View::steps || options.view == View::tests)
+    return conflict("view", fmt::format("Embree does not count {}; leave out `accel` embree",
+                                        view_name(options.view)));
+  for (const Channel channel : {Channel::steps, Channel::tests})
+    if (options.channels.has(channel))
+      return conflict("channels", fmt::format("Embree does not count {}; leave them or `accel` "
+                                              "embree out",
+                                              spec_of(channel).name));
+  return std::nullopt;
+}
+
+// Without the scene.
+std::optional<Error> sample_conflict(const RenderOptions& options) {
+  if (options.samples == 0) return std::nullopt;
+  const std::string_view beside = options.aa > 1             ? "aa"
+                                  : options.lens_samples > 0 ? "lens-samples"
+                                                             : "";
+  if (!beside.empty()) return conflict(beside, "has no effect beside `samples`; give one of them");
+  if (options.sampler == SamplerKind::jitter)
+    return conflict("sampler",
+                    "jitter takes `aa` and `lens-samples`, which say its cells; leave out "
+                    "`samples` or `sampler` jitter");
+  return std::nullopt;
+}
+
+std::optional<Error> scene_conflict(const RenderOptions& options, const Scene& scene) {
+  if (const auto why = camera_problem(camera_of(scene, options)); !why.empty())
+    return conflict("", fmt::format("`from`, `at`, `up`: {}", why));
+  const RenderSettings s = resolve_options(options, scene);
+  if (!s.dof && options.aperture > 0) return without("aperture", "dof");
+  if (!s.dof && options.focus > 0) return without("focus", "dof");
+  const bool no_effects = !s.dof && !s.soft_shadows && s.aa == 1 && !is_rough(scene, s);
+  if (s.samples > 1 && no_effects)
+    return conflict(
+        "samples",
+        "has no effect with `aa` 1 alone; add `dof`, `soft-shadows` or `gloss`, or leave one of "
+        "them out");
+  if (s.lens_samples > 1 && no_effects)
+    return conflict(
+        "lens-samples",
+        "has no effect without `dof`, `soft-shadows`, `gloss` or `aa`; add one of them or leave "
+        "`lens-samples` out");
+  if (const double samples = double(s.aa) * s.aa * s.lens_samples; samples > kMaxSamples)
+    return conflict(
+        "aa",
+        fmt::format("{:.0f} samples a pixel are too many, {} the most; choose a smaller `aa`{}",
+                    samples, kMaxSamples, s.lens_samples > 1 ? " or `lens-samples`" : ""));
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<Error> option_conflict(const RenderOptions& options, const Scene* scene) {
+  if (auto why = accel_conflict(options)) return why;
+  if (auto why = sample_conflict(options)) return why;
+  if (options.light_size > 0 && !options.soft_shadows) return without("light-size", "soft-shadows");
+  const bool of_rays = options.view != View::picture && options.view != View::samples;
+  if (of_rays && options.integrator && *options.integrator != IntegratorKind::views)
+    return conflict("view", fmt::format("{} is one of `integrator` views; leave one of them out",
+                                        view_name(options.view)));
+  if (auto why = picture_conflict(options, scene)) return why;
+  if (scene) return scene_conflict(options, *scene);
+  if (options.dof == false && options.aperture > 0) return without("aperture", "dof");
+  if (options.dof == false && options.focus > 0) return without("focus", "dof");
+  return std::nullopt;
+}
+
+namespace {
+
+// What a file of the dialect means where it says nothing.
+struct Usual {
+  ShadingModel shading;
+  Fresnel fresnel;
+};
+constexpr Usual usual(Dialect dialect) {
+  return dialect == Dialect::p3f ? Usual{ShadingModel::blinn_phong, Fresnel::schlick}
+                                 : Usual{ShadingModel::nff, Fresnel::none};
+}
+
+}  // namespace
+
+AccelKind wished_accel(const Scene& scene) {
+  switch (scene.structure) {
+    case StructureWish::any:
+      break;
+    case StructureWish::none:
+      return AccelKind::none;
+    case StructureWish::grid:
+      return AccelKind::grid;
+    case StructureWish::bvh:
+      return AccelKind::bvh;
+  }
+  return AccelKind::automatic;
+}
+
+RenderSettings resolve_options(const RenderOptions& o, const Scene& scene) {
+  RenderSettings s;
+  s.accel = o.accel;
+  const bool asks_for_grid = o.accel.grid_factor > 0 || o.accel.grid_resolution[0] > 0;
+  if (o.accel.kind == AccelKind::automatic)
+    s.accel.kind = asks_for_grid ? AccelKind::grid : wished_accel(scene);
+  const bool shows_rays = o.view != View::picture && o.view != View::samples;
+  s.integrator =
+      o.integrator.value_or(shows_rays ? IntegratorKind::views : IntegratorKind::classic);
+  s.view = o.view;
+  if (s.integrator == IntegratorKind::views && o.view == View::picture) s.view = View::normals;
+  s.channels = channels_of(o);
+  const Background background = background_of(o, scene);
+  s.background = background.color, s.sky = background.sky;
+  s.tone = o.tone.value_or(Tone::none), s.exposure = o.exposure;
+  s.accel.counters |= s.view == View::steps || s.view == View::tests ||
+                      s.channels.has(Channel::steps) || s.channels.has(Channel::tests);
+
+  s.camera = camera_of(scene, o);
+  s.angle_to_centers = o.angle_to_centers;
+  s.width = o.width > 0 ? o.width : s.camera.width > 0 ? s.camera.width : 512;
+  s.height = o.height > 0 ? o.height : s.camera.height > 0 ? s.camera.height : 512;
+  if (o.crop != Crop{0, 0, s.width, s.height}) s.crop = o.crop;
+
+  s.seed = o.seed;
+  s.samples = o.samples;
+  s.sampler = o.samples > 0 ? SamplerKind::sobol : o.sampler.value_or(SamplerKind::jitter);
+  s.aa = o.aa, s.lens_samples = o.lens_samples;
+  if (o.samples == 0 && o.aa == 0)
+    s.aa = std::max(1, int(std::lround(std::sqrt(double(scene.samples_per_pixel)))));
+  if (o.samples == 0 && o.lens_samples == 0) s.lens_samples = 1;
+
+  s.depth = o.depth;
+  s.soft_shadows = o.soft_shadows, s.light_size = o.light_size;
+  s.dof = o.dof.value_or(s.camera.lens_radius.value_or(0) > 0);
+  s.focus =
+      o.focus > 0 ? o.focus : s.camera.focus_distance.value_or(length(s.camera.at - s.camera.from));
+  s.aperture = o.aperture > 0 ? o.aperture : s.camera.lens_radius.value_or(s.focus / 50);
+  s.reflection = !o.no_reflection, s.refraction = !o.no_refraction;
+  s.shading = o.shading.value_or(usual(scene.dialect).shading);
+  s.fresnel = o.fresnel.value_or(usual(scene.dialect).fresnel);
+  s.gloss = o.gloss, s.translucency = o.translucency;
+  s.one_sided = o.one_sided;
+  s.threads = o.threads > 0 ? o.threads : max_concurrency();
+  return s;
+}
+
+RenderOptions options_of(const RenderSettings& s, const Scene& scene) {
+  RenderOptions o;
+  o.accel = s.accel;
+  if (s.integrator != IntegratorKind::classic && s.view == View::picture)
+    o.integrator = s.integrator;
+  o.view = s.view, o.channels = s.channels;
+  if (const Background own = background_of(o, scene); own != Background{s.background, s.sky})
+    o.background = WrittenColor{.color = s.background, .sky = s.sky};
+  if (s.tone != Tone::none) o.tone = s.tone;
+  o.exposure = s.exposure;
+  o.width = s.width, o.height = s.height;
+  o.crop = s.crop;
+  set_camera(o, s.camera, scene);
+  o.angle_to_centers = s.angle_to_centers;
+  o.sampler = s.sampler, o.seed = s.seed;
+  o.aa = s.aa, o.lens_samples = s.lens_samples, o.samples = s.samples;
+  o.depth = s.depth;
+  o.soft_shadows = s.soft_shadows, o.light_size = s.light_size;
+  o.dof = s.dof, o.aperture = s.aperture, o.focus = s.focus;
+  o.no_reflection = !s.reflection, o.no_refraction = !s.refraction;
+  if (s.shading != usual(scene.dialect).shading) o.shading = s.shading;
+  if (s.fresnel != usual(scene.dialect).fresnel) o.fresnel = s.fresnel;
+  o.gloss = s.gloss, o.translucency = s.translucency;
+  o.one_sided = s.one_sided;
+  o.threads = s.threads;
+  return o;
+}
+
+int samples_per_pixel(const RenderOptions& o) {
+  return o.samples > 0 ? o.samples : o.aa * o.aa * o.lens_samples;
+}
+
+}  // namespace raio
