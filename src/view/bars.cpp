@@ -58,6 +58,8 @@ std::vector<Tool> tools_of(const ViewState& state, const ToolFacts& facts) {
       effect(Icon::depth_of_field, Command::depth_of_field),
       effect(Icon::reflection, Command::reflection),
       effect(Icon::refraction, Command::refraction),
+      effect(Icon::gloss, Command::gloss),
+      effect(Icon::translucency, Command::translucency),
       {Icon::structure, key(Command::structure), false, true,
        std::string(accel_name(state.options.accel.kind)), "embree", true},
       {Icon::view, key(Command::show_view), state.options.view != View::picture, true,

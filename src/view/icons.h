@@ -17,6 +17,8 @@ enum class Icon : uint8_t {
   depth_of_field,
   reflection,
   refraction,
+  gloss,
+  translucency,
   structure,
   view,
   split,

@@ -12,6 +12,8 @@ enum class Command : uint8_t {
   antialiasing,
   soft_shadows,
   depth_of_field,
+  gloss,
+  translucency,
   structure,
   reflection,
   refraction,

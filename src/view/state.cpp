@@ -9,6 +9,8 @@
 #include <utility>
 
 #include "integrate/camera.h"
+#include "integrate/classic.h"
+#include "render/effects.h"
 #include "view/texts.h"
 
 namespace raio::view {
@@ -64,9 +66,22 @@ bool ViewState::is_on(Command effect) const {
       return !options.no_reflection;
     case Command::refraction:
       return !options.no_refraction;
+    case Command::gloss:
+      return spreads(*scene, options.gloss);
+    case Command::translucency:
+      return spreads(*scene, options.translucency);
     default:
       return false;
   }
+}
+
+void ViewState::switch_roughness(Command effect, bool on) {
+  auto& waiting = effect == Command::gloss ? waiting_gloss : waiting_translucency;
+  const std::optional<float> before = roughness(effect);
+  options = with_effect(options, effect == Command::gloss ? Effect::gloss : Effect::translucency,
+                        on, *scene);
+  if (on && waiting) roughness(effect) = waiting;
+  waiting = on ? std::nullopt : before;
 }
 
 std::string ViewState::toggle(Command effect) {
@@ -92,6 +107,10 @@ std::string ViewState::toggle(Command effect) {
       break;
     case Command::refraction:
       options.no_refraction = !on;
+      break;
+    case Command::gloss:
+    case Command::translucency:
+      switch_roughness(effect, on);
       break;
     default:
       return {};
@@ -130,7 +149,7 @@ RenderOptions ViewState::request(int width, int height, int samples) const {
   if (o.view != View::picture || o.integrator == IntegratorKind::views)
     o.background = {}, o.tone = {}, o.exposure = 0;
 
-  const bool varies = dof || o.soft_shadows || o.aa != 1;
+  const bool varies = dof || o.soft_shadows || o.aa != 1 || is_rough(*scene, resolved());
   if (!endless() || !varies) {
     o.samples = 0;
     if (!varies) o.lens_samples = 0, o.sampler = std::nullopt;
