@@ -114,6 +114,31 @@ TEST(Library, EllipsoidsAndDiscsLookAsFromAFile) {
   EXPECT_NE(picture(full), picture(ring));
 }
 
+TEST(Library, MovingShapesLookAsFromAFile) {
+  raio::Scene scene = stage();
+  const Floats starts = {-1, 0, 0, 1, 0, 0.5f}, ends = {-1, 1, 0, 1.5f, 0, 1}, radii = {0.5f, 0.7f};
+  scene.add_moving_spheres({starts.data(), 2}, {ends.data(), 2}, {radii.data(), 2}, 0, 2, 1);
+  const Floats from = {0, 0, 0, 1, 0, 0, 0, 0, 1}, to = {0, 0, 1, 1, 0, 1, 0, 0, 2};
+  scene.add_moving_triangles({from.data(), 1}, {to.data(), 1}, 0, 1, 1);
+  const raio::Scene file =
+      raio::Scene::parse_nff(std::string(kStage) +
+                             "sm -1 0 0 -1 1 0 0.5 0 2\nsm 1 0 0.5 1.5 0 1 0.7 0 2\n"
+                             "tm 0 0 0 1 0 0 0 0 1  0 0 1 1 0 1 0 0 2  0 1\n");
+  EXPECT_EQ(scene.bounds(), file.bounds());
+  EXPECT_EQ(picture(scene), picture(file));
+  EXPECT_THAT(
+      refusal([&] { scene.add_moving_triangles({from.data(), 1}, {to.data(), 1}, 1, 1, 1); }),
+      HasSubstr("moving triangle 0: the movement must begin before it ends"));
+  const raio::Accel accel(scene);
+  const auto hit = [&](double time) {
+    return accel.closest({.origin = {-1, 10, 0}, .direction = {0, -1, 0}, .time = time});
+  };
+  EXPECT_EQ(hit(0).kind, raio::Kind::moving_sphere);
+  EXPECT_NEAR(hit(0).distance, 9.5, 1e-5);
+  EXPECT_NEAR(hit(1).distance, 9, 1e-5);
+  EXPECT_NEAR(hit(5).distance, 8.5, 1e-5);
+}
+
 TEST(Library, ColoursTakeThePlaceOfTheMaterials) {
   const auto all = balls(6);
   raio::Scene colored = stage(), materials = stage();

@@ -62,6 +62,14 @@ inline bool same(const Ellipsoid& a, const Ellipsoid& b) {
 inline bool same(const Disc& a, const Disc& b) {
   return a.center == b.center && a.normal == b.normal && a.radius == b.radius && a.inner == b.inner;
 }
+inline bool same(const MovingSphere& a, const MovingSphere& b) {
+  return a.center == b.center && a.to == b.to && a.radius == b.radius && a.begin == b.begin &&
+         a.end == b.end;
+}
+inline bool same(const MovingTriangle& a, const MovingTriangle& b) {
+  return a.from.a == b.from.a && a.from.b == b.from.b && a.from.c == b.from.c && a.to.a == b.to.a &&
+         a.to.b == b.to.b && a.to.c == b.to.c && a.begin == b.begin && a.end == b.end;
+}
 inline bool same(const Light& a, const Light& b) {
   return a.position == b.position && a.color == b.color;
 }
@@ -149,6 +157,12 @@ class RandomScene {
       const float radius = std::abs(number());
       scene.discs.push_back({point(), unit(), radius, random_() % 2 ? 0 : radius / 3});
       scene.disc_materials.push_back(material());
+      const float begin = number(), end = begin + std::abs(begin);
+      scene.moving_spheres.push_back({point(), point(), std::abs(number()), begin, end});
+      scene.moving_sphere_materials.push_back(material());
+      scene.moving_triangles.push_back(
+          {{point(), point(), point()}, {point(), point(), point()}, begin, end});
+      scene.moving_triangle_materials.push_back(material());
       triangle(scene, material());
       scene.polygons.push_back({uint32_t(scene.positions.size()), 4});
       scene.polygon_materials.push_back(material());

@@ -36,6 +36,9 @@ TEST(PovWriter, ShapesAreExact) {
   s.ellipsoids = {{{1, 2, 3}, {{0, 2, 0}, {-1, 0, 0}, {0, 0, 0.5f}}}};
   s.ellipsoid_materials = {0};
   s.discs = {{{1, 2, 3}, {0, 0, 1}, 2, 0.5f}}, s.disc_materials = {0};
+  s.moving_spheres = {{{4, 5, 6}, {7, 8, 9}, 0.25f, 1, 2}}, s.moving_sphere_materials = {0};
+  s.moving_triangles = {{{{0, 0, 7}, {1, 0, 7}, {0, 1, 7}}, {{0, 0, 8}, {1, 0, 8}, {0, 1, 8}}}};
+  s.moving_triangle_materials = {0};
   s.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {5, 5, 5}};
   s.polygons = {{0, 4}}, s.polygon_materials = {0};
   s.triangles = {{4, 1, 2}, {2, 1, 3}}, s.triangle_materials = {0, 0};
@@ -48,7 +51,8 @@ TEST(PovWriter, ShapesAreExact) {
         "cone { <0, 0, 0>, 1, <0, 0, 2>, 0.5 open texture",
         "cylinder { <0, 0, 0>, <0, 0, 2>, 1 open texture",
         "sphere { 0, 1 matrix <0, 2, 0, -1, 0, 0, 0, 0, 0.5, 1, 2, 3> texture",
-        "disc { <1, 2, 3>, <0, 0, 1>, 2, 0.5 texture",
+        "disc { <1, 2, 3>, <0, 0, 1>, 2, 0.5 texture", "sphere { <4, 5, 6>, 0.25 texture",
+        "triangle { <0, 0, 7>, <1, 0, 7>, <0, 1, 7> texture",
         "polygon { 5, <0, 0, 0>, <1, 0, 0>, <1, 1, 0>, <0, 1, 0>, <0, 0, 0> texture",
         " vertex_vectors { 3,\n <5, 5, 5>,\n <1, 0, 0>,\n <1, 1, 0> }\n face_indices { 1,\n <0, 1, "
         "2> }",

@@ -209,7 +209,7 @@ INSTANTIATE_TEST_SUITE_P(Pages, Page,
 
 INSTANTIATE_TEST_SUITE_P(
     Course, Page,
-    testing::Values("docs/course/README.md", "docs/course/1-camera-and-rays.md",
+    testing::Values("docs/course.md", "docs/course/README.md", "docs/course/1-camera-and-rays.md",
                     "docs/course/2-intersections.md", "docs/course/3-phong-and-shadows.md",
                     "docs/course/4-mirrors-and-glass.md", "docs/course/5-antialiasing.md",
                     "docs/course/6-soft-shadows.md", "docs/course/7-depth-of-field.md",

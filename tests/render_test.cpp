@@ -205,8 +205,9 @@ TEST(Camera, RaysThroughTheLensMeetInTheFocusPlane) {
     const Ray centre = eye.pinhole(x, y);
     const Vec3f focus = centre.at(7 / dot(centre.dir, forward));
     for (const auto& [u, v] : {Place{1, 0}, {-0.5f, 0.5f}, {0, -1}}) {
-      const auto wide = HWY_NAMESPACE::thin_lens(d, eye, hn::Set(d, x), hn::Set(d, y),
-                                                 {hn::Set(d, u), hn::Set(d, v)}, 0.3f, 7);
+      const auto wide =
+          HWY_NAMESPACE::thin_lens(d, HWY_NAMESPACE::eye_at_rest(d, eye), hn::Set(d, x),
+                                   hn::Set(d, y), {hn::Set(d, u), hn::Set(d, v)}, 0.3f, 7);
       const auto first = [](const auto& w) {
         return Vec3f(hn::GetLane(w.x), hn::GetLane(w.y), hn::GetLane(w.z));
       };

@@ -266,7 +266,7 @@ TEST(Scene, EachFaultOfWhatIsOptionalIsNamed) {
        "object range 1: it must come behind the one before, and not overlap it"},
       {[](Scene& s) { std::swap(s.object_ranges[2], s.object_ranges[3]); },
        "object range 3: it must come behind the one before, and not overlap it"},
-      {[](Scene& s) { s.object_ranges[3].pool = PoolKind(9); }, "object range 3: pool 9 of 8"},
+      {[](Scene& s) { s.object_ranges[3].pool = PoolKind(11); }, "object range 3: pool 11 of 10"},
   };
   for (const Fault& fault : faults) {
     Scene scene = rich_scene();

@@ -162,6 +162,15 @@ class RAIO_API Scene {
   void add_triangles(const Column<float, 3>& positions, const Column<uint32_t, 3>& triangles,
                      const Column<float, 3>& normals = {}, const Look& look = {});
 
+  /// Spheres that move evenly from `starts`, where they are until the time `begin`, to `ends`,
+  /// where they are from `end` on. The setting `shutter` says of which times a picture is.
+  void add_moving_spheres(const Column<float, 3>& starts, const Column<float, 3>& ends,
+                          const Column<float>& radii, double begin, double end,
+                          const Look& look = {});
+  /// Triangles whose corners move likewise: three points each.
+  void add_moving_triangles(const Column<float, 9>& starts, const Column<float, 9>& ends,
+                            double begin, double end, const Look& look = {});
+
   size_t primitive_count() const;
   /// Lowest and highest corner of all that has an end; nothing for an empty scene.
   std::optional<std::array<Triple, 2>> bounds() const;
@@ -204,14 +213,25 @@ class RAIO_API Settings {
 };
 
 /// The points origin + t * direction, 0 < t < length. The direction may have any length but zero;
-/// t counts scene units all the same.
+/// t counts scene units all the same. What moves is met where it is at `time`.
 struct Ray {
   Triple origin{0, 0, 0}, direction{0, 0, -1};
   double length = std::numeric_limits<double>::infinity();
+  double time = 0;
 };
 
 /// Cylinders are cones. Triangles are the scene's own, then those of meshes.
-enum class Kind { plane, sphere, cone, triangle, polygon, ellipsoid, disc };
+enum class Kind {
+  plane,
+  sphere,
+  cone,
+  triangle,
+  polygon,
+  ellipsoid,
+  disc,
+  moving_sphere,
+  moving_triangle
+};
 
 /// The nearest point of the scene on a ray.
 struct Hit {

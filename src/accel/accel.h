@@ -45,10 +45,18 @@ constexpr size_t padded(size_t n) { return (n + kBatchPad - 1) / kBatchPad * kBa
 class RayBatch {
  public:
   Column<float> ox, oy, oz, dx, dy, dz, tmax;
+  Column<float> time;  // empty without has_time()
 
   size_t size() const { return size_; }
   size_t capacity() const { return tmax.size(); }
   void clear() { size_ = 0; }
+  /// Have the rays times of their own, rather than all 0?
+  bool has_time() const { return has_time_; }
+  /// From now on; unset.
+  void add_time() {
+    has_time_ = true;
+    time.resize(capacity());
+  }
   /// Elements beyond the old size are unset.
   void resize(size_t n) {
     if (n > capacity()) grow(n);
@@ -62,16 +70,21 @@ class RayBatch {
     ox[i] = r.origin.x, oy[i] = r.origin.y, oz[i] = r.origin.z;
     dx[i] = r.dir.x, dy[i] = r.dir.y, dz[i] = r.dir.z;
     tmax[i] = r.tmax;
+    if (has_time_) time[i] = r.time;
   }
-  Ray operator[](size_t i) const { return {{ox[i], oy[i], oz[i]}, {dx[i], dy[i], dz[i]}, tmax[i]}; }
+  Ray operator[](size_t i) const {
+    return {{ox[i], oy[i], oz[i]}, {dx[i], dy[i], dz[i]}, tmax[i], has_time_ ? time[i] : 0};
+  }
 
  private:
   void grow(size_t n) {
     n = padded(std::max(n, 2 * capacity()));
     for (auto* v : {&ox, &oy, &oz, &dx, &dy, &dz, &tmax}) v->resize(n);
+    if (has_time_) time.resize(n);
   }
 
   size_t size_ = 0;
+  bool has_time_ = false;
 };
 
 /// What the rays of a batch hit, element by element; see Hit.

@@ -207,7 +207,8 @@ class Embree final : public Accel {
   static RayQuery own_query(RTCRayN* r, unsigned n, unsigned i) {
     return RayQuery({{RTCRayN_org_x(r, n, i), RTCRayN_org_y(r, n, i), RTCRayN_org_z(r, n, i)},
                      {RTCRayN_dir_x(r, n, i), RTCRayN_dir_y(r, n, i), RTCRayN_dir_z(r, n, i)},
-                     RTCRayN_tfar(r, n, i)});
+                     RTCRayN_tfar(r, n, i),
+                     RTCRayN_time(r, n, i)});
   }
 
   template <PrimitiveKind kind>
@@ -251,7 +252,8 @@ class Embree final : public Accel {
   }
 
   static RTCRay single(const Ray& r, float tfar) {
-    return {r.origin.x, r.origin.y, r.origin.z, 0, r.dir.x, r.dir.y, r.dir.z, 0, tfar, ~0u, 0, 0};
+    return {r.origin.x, r.origin.y, r.origin.z, 0,   r.dir.x, r.dir.y,
+            r.dir.z,    r.time,     tfar,       ~0u, 0,       0};
   }
 
   RayQuery nearest_plane(const Ray& ray) const {
@@ -273,7 +275,8 @@ class Embree final : public Accel {
       const size_t i = first + k;
       out.org_x[k] = rays.ox[i], out.org_y[k] = rays.oy[i], out.org_z[k] = rays.oz[i];
       out.dir_x[k] = rays.dx[i], out.dir_y[k] = rays.dy[i], out.dir_z[k] = rays.dz[i];
-      out.tnear[k] = 0, out.time[k] = 0, out.mask[k] = ~0u, out.id[k] = k, out.flags[k] = 0;
+      out.tnear[k] = 0, out.time[k] = rays.has_time() ? rays.time[i] : 0, out.mask[k] = ~0u,
+      out.id[k] = k, out.flags[k] = 0;
     }
   }
 

@@ -61,6 +61,12 @@ std::string info_json(const ReadScene& read) {
                     {"fov_deg", plain(camera.fov_deg)},
                     {"lens_radius", optional(camera.lens_radius)},
                     {"focus_distance", optional(camera.focus_distance)}};
+  json["camera"]["movement"] = nullptr;
+  if (const auto& m = camera.movement)
+    json["camera"]["movement"] = {{"from", json_of(scene.origin + plain(m->from))},
+                                  {"at", json_of(scene.origin + plain(m->at))},
+                                  {"begin", plain(m->begin)},
+                                  {"end", plain(m->end)}};
   json["background"] = json_of(plain(scene.background));
   json["sky"] = nullptr;
   if (!scene.sky_folder.empty())
@@ -114,6 +120,10 @@ std::string info_text(const ReadScene& read) {
   }
   line("camera", fmt::format("from {}  at {}  up {}", text_of(scene.origin + plain(camera.from)),
                              text_of(scene.origin + plain(camera.at)), text_of(plain(camera.up))));
+  if (const auto& m = camera.movement)
+    line("", fmt::format("moves to  from {}  at {}  between the times {:g} and {:g}",
+                         text_of(scene.origin + plain(m->from)),
+                         text_of(scene.origin + plain(m->at)), m->begin, m->end));
   std::string view = fmt::format("angle {:g} degrees", camera.fov_deg);
   if (camera.lens_radius) view += fmt::format(", lens radius {:g}", *camera.lens_radius);
   if (camera.focus_distance) view += fmt::format(", in focus at {:g}", *camera.focus_distance);

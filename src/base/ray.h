@@ -13,6 +13,7 @@ namespace raio {
 struct Ray {
   Vec3f origin, dir;
   float tmax = std::numeric_limits<float>::infinity();
+  float time = 0;  // at which it meets what moves
 
   Vec3f at(float t) const { return origin + dir * t; }
 };

@@ -18,25 +18,57 @@ struct WideRay {
   Wide3<D> origin, dir;
 };
 
+/// The vectors of EyeRays.
+template <class D>
+struct WideEye {
+  Wide3<D> from, right, up, corner, per_x, per_y;
+};
+
+template <class D>
+HWY_INLINE WideEye<D> eye_at_rest(D tag, const EyeRays& eye) {
+  return {set3(tag, eye.from),   set3(tag, eye.right), set3(tag, eye.up),
+          set3(tag, eye.corner), set3(tag, eye.per_x), set3(tag, eye.per_y)};
+}
+
+/// As a moving camera has them at a time.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE WideEye<D> eye_at(D tag, const EyeRays& eye, V time) {
+  const EyeRays::Movement& m = *eye.movement;
+  const V begin = hn::Set(tag, m.begin), length = hn::Sub(hn::Set(tag, m.end), begin);
+  const V part =
+      hn::Min(hn::Max(hn::Div(hn::Sub(time, begin), length), hn::Zero(tag)), hn::Set(tag, 1.0f));
+  const auto cross = [](const Wide3<D>& a, const Wide3<D>& b) HWY_ATTR {
+    return Wide3<D>{hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)),
+                    hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
+                    hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
+  };
+  const Wide3<D> forward = normalize(tag, set3(tag, m.view) + set3(tag, m.view_by) * part);
+  const Wide3<D> right = normalize(tag, cross(forward, set3(tag, m.up)));
+  const Wide3<D> up = cross(right, forward);
+  const V pixel = hn::Set(tag, m.pixel);
+  return {set3(tag, eye.from) + set3(tag, m.from_by) * part,
+          right,
+          up,
+          forward - right * hn::Set(tag, m.half_width) + up * hn::Set(tag, m.half_height),
+          right * pixel,
+          up * hn::Neg(pixel)};
+}
+
 /// From the eye through (x, y): pixels from the upper left corner of the picture.
 template <class D, class V = hn::Vec<D>>
-HWY_INLINE WideRay<D> pinhole(D tag, const EyeRays& eye, V x, V y) {
-  const Wide3<D> towards =
-      set3(tag, eye.corner) + set3(tag, eye.per_x) * x + set3(tag, eye.per_y) * y;
-  return {set3(tag, eye.from), normalize(tag, towards)};
+HWY_INLINE WideRay<D> pinhole(D tag, const WideEye<D>& eye, V x, V y) {
+  return {eye.from, normalize(tag, eye.corner + eye.per_x * x + eye.per_y * y)};
 }
 
 /// From `lens` (a point of the unit disc, times `radius`) to the point of the plane in focus that
 /// the pinhole would see at (x, y). Cook, Porter and Carpenter 1984, "Distributed Ray Tracing".
 template <class D, class V = hn::Vec<D>>
-HWY_INLINE WideRay<D> thin_lens(D tag, const EyeRays& eye, V x, V y, const Wide2<D>& lens,
+HWY_INLINE WideRay<D> thin_lens(D tag, const WideEye<D>& eye, V x, V y, const Wide2<D>& lens,
                                 float radius, float focus) {
-  const Wide3<D> towards =
-      set3(tag, eye.corner) + set3(tag, eye.per_x) * x + set3(tag, eye.per_y) * y;
+  const Wide3<D> towards = eye.corner + eye.per_x * x + eye.per_y * y;
   const V r = hn::Set(tag, radius);
-  const Wide3<D> offset =
-      set3(tag, eye.right) * hn::Mul(lens.x, r) + set3(tag, eye.up) * hn::Mul(lens.y, r);
-  return {set3(tag, eye.from) + offset, normalize(tag, towards * hn::Set(tag, focus) - offset)};
+  const Wide3<D> offset = eye.right * hn::Mul(lens.x, r) + eye.up * hn::Mul(lens.y, r);
+  return {eye.from + offset, normalize(tag, towards * hn::Set(tag, focus) - offset)};
 }
 
 }  // namespace raio::HWY_NAMESPACE

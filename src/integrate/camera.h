@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "base/ray.h"
 #include "scene/scene.h"
@@ -31,10 +32,35 @@ struct EyeRays {
     corner = Vec3f(forward - to_right * half_width + to_up * double(half_height));
     per_x = Vec3f(to_right * (2 * half_width / width));
     per_y = Vec3f(to_up * (-2.0 * half_height / height));
+    if (const auto& m = camera.movement) {
+      const Vec3d view = Vec3d(camera.at) - Vec3d(camera.from),
+                  view_end = Vec3d(m->at) - Vec3d(m->from);
+      movement = Movement{.from_by = Vec3f(Vec3d(m->from) - Vec3d(camera.from)),
+                          .view = Vec3f(view),
+                          .view_by = Vec3f(view_end - view),
+                          .up = camera.up,
+                          .begin = m->begin,
+                          .end = m->end,
+                          .half_width = float(half_width),
+                          .half_height = half_height,
+                          .pixel = float(2.0 * half_height / height)};
+    }
   }
 
+  /// Of a camera that moves: what it takes to have all of the above at a time, in float. The above
+  /// is that of the beginning.
+  struct Movement {
+    Vec3f from_by, view, view_by;  // at = from + view
+    Vec3f up;
+    float begin, end;
+    float half_width, half_height, pixel;  // of the picture at a distance of 1
+  };
+  std::optional<Movement> movement;
+
   /// The ray from the eye through (x, y): pixels from the upper left corner of the picture.
-  Ray pinhole(float x, float y) const { return {from, normalize(corner + per_x * x + per_y * y)}; }
+  Ray pinhole(float x, float y, float time = 0) const {
+    return {.origin = from, .dir = normalize(corner + per_x * x + per_y * y), .time = time};
+  }
 };
 
 }  // namespace raio

@@ -52,6 +52,14 @@ class WideSampler {
             in_cell(row, r.y, s_.rows)};
   }
 
+  /// In [0, 1), one random number in each of `samples` equal parts.
+  HWY_INLINE V in_unit(U place, U branch, uint32_t purpose) const {
+    if (s_.kind == SamplerKind::sobol) return sobol(place, branch, purpose).x;
+    const U block = hn::And(hn::ShiftRight<kBlockShift>(place), hn::Set(du, 0x3fff3fffu));
+    const U bits = random(place, sample_, branch, purpose).x;
+    return in_cell(dealt(block, branch, purpose), bits, s_.samples);
+  }
+
  private:
   const D d{};
   const Unsigned<D> du{};

@@ -11,6 +11,7 @@
 //   kLight + i   place in ray tree     the shadow ray on light i
 //   kGloss       place in ray tree     the mirrored ray of a rough surface in its lobe
 //   kTranslucency  place in ray tree   the refracted ray of one
+//   kTime        the eye ray's         the moment of the shutter, in_unit() alone
 //
 // A pixel goes by its place in the picture: its column, plus its row times 65536.
 // Branch 1 is the eye ray; the reflected child of branch b is 2b, the refracted one 2b + 1.
@@ -24,7 +25,7 @@
 
 namespace raio {
 
-enum Purpose : uint32_t { kPixel, kLens, kLight, kGloss = 0x80000000u, kTranslucency };
+enum Purpose : uint32_t { kPixel, kLens, kLight, kGloss = 0x80000000u, kTranslucency, kTime };
 
 inline constexpr uint32_t kEyeBranch = 1;
 

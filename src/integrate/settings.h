@@ -77,6 +77,9 @@ struct RenderSettings {
   Fresnel fresnel = Fresnel::none;
   // How far mirrored and refracted directions spread; without, as the materials say.
   std::optional<float> gloss, translucency;
+  // When the shutter opens and closes, for what moves; a sample is of a moment in between. Equal:
+  // of that moment.
+  float shutter_open = 0, shutter_close = 1;
   bool one_sided = false;
 
   int threads = 1;  // no picture depends on it

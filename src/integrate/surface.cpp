@@ -24,7 +24,7 @@ Surface surface_at(const Geometry& geometry, const Ray& ray, const Hit& hit) {
     if constexpr (kind == PrimitiveKind::triangle)
       return triangle_point(geometry, index, p, hit);
     else
-      return surface_point(geometry.get<kind>(index), p);
+      return surface_point(at_time(geometry.get<kind>(index), ray.time), p);
   });
   return {point, geometry.material_of(hit.item)};
 }

@@ -96,7 +96,9 @@ struct SurfaceKernel {
 
   static void look_up(const SurfaceInput& in, size_t i, Vertices& v) {
     const uint32_t index = primitive_index(in.hits.item[i]);
-    const SurfacePoint s = surface_point(in.geometry.get<kind>(index), in.rays[i].at(in.hits.t[i]));
+    const Ray ray = in.rays[i];
+    const SurfacePoint s =
+        surface_point(at_time(in.geometry.get<kind>(index), ray.time), ray.at(in.hits.t[i]));
     v.looked_up.other.point.set(i, s.point);
     v.looked_up.other.extent.at[i] = s.extent;
     v.geometric.set(i, s.normal);

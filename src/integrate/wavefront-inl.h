@@ -62,6 +62,10 @@ class Wavefront final : public TileRenderer {
         waiting_(size_t(shading_.levels()) + 1),
         vertices_(std::make_unique_for_overwrite<Vertices>()),
         hidden_(padded(kChunk)) {
+    if (scene.scene.moves()) {
+      moves_ = true;
+      shadow_.add_time(), one_.add_time();
+    }
     context_.stop = &control.stop;
     for (size_t k = 1; k < kPrimitiveKinds; ++k)
       first_number_[k] =
@@ -117,6 +121,7 @@ class Wavefront final : public TileRenderer {
   // positive count as not stopped.
   RayBatch& shadow_rays() { return shadow_; }
   const uint8_t* occluded() {
+    if (moves_) set_times(shadow_);
     scene_.accel.occluded(shadow_, hidden_.data(), context_);
     return hidden_.data();
   }
@@ -204,6 +209,7 @@ class Wavefront final : public TileRenderer {
     return hn::Add(hn::ShiftRightSame(pixel, row_bits_), hn::Set(du, uint32_t(tile_.y0)));
   }
   void add_sample(const WideSampler<D>& sampler) {
+    if (moves_) draw_times(sampler);
     const size_t deepest = waiting_.size() - 1;
     for (size_t eye = 0;;) {
       // The deepest level that fills a batch, or else eye rays, or else, as long as children may
@@ -227,6 +233,7 @@ class Wavefront final : public TileRenderer {
   size_t make_eye_rays(size_t first, const WideSampler<D>& sampler) {
     const RenderSettings& settings = scene_.settings;
     const EyeRays& eye = scene_.eye;
+    WideEye<D> wide_eye = eye_at_rest(d, eye);
     Paths& out = waiting_[1];
     const size_t end = std::min(first + kChunk, pixels_);
     out.resize(end - first);
@@ -238,11 +245,12 @@ class Wavefront final : public TileRenderer {
       const auto to_float = [](U n) { return hn::ConvertTo(d, hn::BitCast(Signed<D>(), n)); };
       const V x = hn::Add(to_float(column_of(pixel)), within.x);
       const V y = hn::Add(to_float(row_of(pixel)), within.y);
-      WideRay<D> ray = pinhole(d, eye, x, y);
+      if (eye.movement) wide_eye = eye_at(d, eye, time_of(pixel));
+      WideRay<D> ray = pinhole(d, wide_eye, x, y);
       if (settings.dof) {
         const Wide2<D> square = sampler.in_square(place, branch, kLens);
         const Wide2<D> lens = square_to_disc(d, square.x, square.y);
-        ray = thin_lens(d, eye, x, y, lens, settings.aperture, settings.focus);
+        ray = thin_lens(d, wide_eye, x, y, lens, settings.aperture, settings.focus);
       }
       const V inf = hn::Set(d, std::numeric_limits<float>::infinity());
       out.put(ray.origin, ray.dir, inf, pixel, branch, Paths::whole(), all, i - first);
@@ -255,6 +263,7 @@ class Wavefront final : public TileRenderer {
   // further.
   void trace_level(int level, const WideSampler<D>& sampler) {
     current_.take_last(kChunk, waiting_[size_t(level)]);
+    if (moves_) set_times(current_.rays);
     context_.coherent = level <= 3;  // eye rays and their first children mostly keep together
     if (level == 1 && counts_rays_)
       trace_one_by_one();
@@ -271,6 +280,7 @@ class Wavefront final : public TileRenderer {
     const size_t n = current_.rays.size();
     if (level == 1) counts_.eye_hits += n;
     if (n == 0) return;
+    if (moves_) set_times(current_.rays);  // those that are left
     find_surfaces(scene_.accel, scene_.scene.materials.data(), current_.rays, hits_, n, *vertices_);
     if (level == 1 && layout_->planes() > 0) add_features(n);
     shading_.shade(*this, level, n, sampler);
@@ -281,6 +291,33 @@ class Wavefront final : public TileRenderer {
       sums_.add(load(vertices_->radiance, i) * current_.weights(i), &current_.pixel[i],
                 hn::FirstN(d, n - i), coverage);
     shading_.spawn(*this, level, n);
+  }
+
+  // The moments of rays that are, one for one, the current ones or come from them: that of the
+  // sample of the pixel.
+  void set_times(RayBatch& rays) {
+    if (!rays.has_time()) rays.add_time();
+    for (size_t i = 0; i < rays.size(); i += kWidth)
+      hn::StoreU(time_of(load(current_.pixel, i)), d, &rays.time[i]);
+  }
+  HWY_INLINE V time_of(U pixel) const {
+    return hn::GatherIndex(d, times_.data(), hn::BitCast(Signed<D>(), pixel));
+  }
+  // Of all pixels of the tile.
+  void draw_times(const WideSampler<D>& sampler) {
+    const RenderSettings& s = scene_.settings;
+    const V length = hn::Set(d, s.shutter_close - s.shutter_open);
+    const U branch = hn::Set(du, kEyeBranch);
+    times_.resize(size_t(tile_.y1 - tile_.y0) << row_bits_);
+    for (size_t i = 0; i < pixels_; i += kWidth) {
+      const U pixel = hn::Load(du, pixel_ + i);
+      const V part = sampler.in_unit(place_of(pixel), branch, kTime);
+      const V time = hn::Add(hn::Set(d, s.shutter_open), hn::Mul(length, part));
+      alignas(64) uint32_t number[kWidth];
+      alignas(64) float at[kWidth];
+      hn::Store(pixel, du, number), hn::Store(time, d, at);
+      for (size_t k = 0; k < std::min(kWidth, pixels_ - i); ++k) times_[number[k]] = at[k];
+    }
   }
 
   // Each ray by itself, so that what it costs can be told from what others cost.
@@ -355,7 +392,10 @@ class Wavefront final : public TileRenderer {
   // Of current ray i: from the camera along the line of sight, wherever on the lens it starts.
   float depth(size_t i) const {
     const Ray ray = current_.rays[i];
-    return dot(ray.at(hits_.t[i]) - scene_.eye.from, scene_.forward);
+    const Vec3f point = ray.at(hits_.t[i]);
+    if (!scene_.eye.movement) return dot(point - scene_.eye.from, scene_.forward);
+    const Camera camera = camera_at(scene_.settings.camera, ray.time);
+    return dot(point - camera.from, normalize(camera.at - camera.from));
   }
 
  private:
@@ -432,6 +472,8 @@ class Wavefront final : public TileRenderer {
   Shading shading_;
   const bool counts_rays_;
   TraceContext context_;
+  bool moves_ = false;        // something in the scene
+  std::vector<float> times_;  // of a sample of each pixel, by its number in the tile
   TileSums sums_;
   const FilmLayout* layout_ = nullptr;
   uint32_t sample_ = 0;

@@ -22,15 +22,9 @@ std::string text(Vec3<T> v) {
 // A primitive of one of the pools.
 struct Item {
   MaterialId material;
-  ShapeKind kind;
+  PoolKind pool;
   uint32_t index;
 };
-
-// Of all that is in a pool; a cylinder is a cone.
-template <class Shape>
-constexpr ShapeKind kind_of(PoolMembers<Shape>) {
-  return std::is_same_v<Shape, Cone> ? ShapeKind::cone : shape_kind(Shape());
-}
 
 class PovWriter {
  public:
@@ -116,11 +110,10 @@ class PovWriter {
     std::vector<Item> items;
     for_each_pool([&](auto pool) {
       const auto& materials = scene_.*pool.materials;
-      for (uint32_t i = 0; i < materials.size(); ++i)
-        items.push_back({materials[i], kind_of(pool), i});
+      for (uint32_t i = 0; i < materials.size(); ++i) items.push_back({materials[i], pool.kind, i});
     });
     std::ranges::sort(items, {},
-                      [](const Item& i) { return std::tuple(i.material, i.kind, i.index); });
+                      [](const Item& i) { return std::tuple(i.material, i.pool, i.index); });
     return items;
   }
 
@@ -142,12 +135,12 @@ class PovWriter {
   void shapes(std::span<const Item> items, const std::string& texture) {
     std::vector<uint32_t> flat, smooth;
     for (const Item& item : items) {
-      if (item.kind == ShapeKind::triangle)
+      if (item.pool == PoolKind::triangle)
         (is_smooth(item.index) ? smooth : flat).push_back(item.index);
       else
         for_each_pool([&]<class Shape>(PoolMembers<Shape> pool) {
           if constexpr (!std::is_same_v<Shape, TriangleIndices>)
-            if (item.kind == kind_of(pool)) shape((scene_.*pool.shapes)[item.index], texture);
+            if (item.pool == pool.kind) shape((scene_.*pool.shapes)[item.index], texture);
         });
     }
     mesh(flat, false, texture);
@@ -178,6 +171,13 @@ class PovWriter {
   }
   void shape(const Disc& d, const std::string& texture) {
     line("disc {{ {}, {}, {}, {}{} }}", text(d.center), text(d.normal), d.radius, d.inner, texture);
+  }
+  // POV-Ray has no movement: as it begins.
+  void shape(const MovingSphere& s, const std::string& texture) {
+    shape(at_time(s, s.begin), texture);
+  }
+  void shape(const MovingTriangle& t, const std::string& texture) {
+    line("triangle {{ {}, {}, {}{} }}", text(t.from.a), text(t.from.b), text(t.from.c), texture);
   }
   void shape(const Polygon& p, const std::string& texture) {
     fmt::format_to(std::back_inserter(out_), "polygon {{ {}", p.count + 1);

@@ -173,7 +173,8 @@ std::string not_kept(const Scene& scene, SceneFormat format) {
   if (format == SceneFormat::pov) {
     const std::string colors = text_of(scene, {Feature::specular_colors});
     add(colors.empty() ? "" : "in highlights, " + colors);
-    add(text_of(scene, {Feature::roughness, Feature::light_extents, Feature::sky}));
+    add(text_of(scene,
+                {Feature::roughness, Feature::light_extents, Feature::sky, Feature::movement}));
   }
   return lost;
 }

@@ -25,10 +25,12 @@ struct Scratch {
 
 raio::Ray ray_of(const Ray& ray, size_t number, Vec3d scene_origin) {
   const Vec3d origin = vec(ray.origin), direction = vec(ray.direction);
-  if (!is_finite(origin) || !is_finite(direction) || std::isnan(ray.length))
+  if (!is_finite(origin) || !is_finite(direction) || std::isnan(ray.length) ||
+      !std::isfinite(ray.time))
     refuse(fmt::format("ray {}: a number is not finite", number));
   if (!(length(direction) > 0)) refuse(fmt::format("ray {}: the direction is zero", number));
-  return {Vec3f(origin - scene_origin), Vec3f(normalize(direction)), float(ray.length)};
+  return {Vec3f(origin - scene_origin), Vec3f(normalize(direction)), float(ray.length),
+          float(ray.time)};
 }
 
 // Calls trace(scratch, first, count, context) for some rays after the others.
@@ -38,6 +40,7 @@ void in_batches(const Accel::Data& data, size_t count, const Ray* rays, const vo
   if (count > 0 && !(rays && results)) refuse("the rays or their results are a null pointer");
   constexpr size_t kBatch = 1024;
   thread_local Scratch scratch;
+  if (!scratch.rays.has_time()) scratch.rays.add_time();
   TraceContext context;
   for (size_t first = 0; first < count; first += kBatch) {
     const size_t n = std::min(kBatch, count - first);
@@ -61,9 +64,13 @@ constexpr Kind kind_of(PrimitiveKind kind) {
     case PrimitiveKind::ellipsoid:
       return Kind::ellipsoid;
     case PrimitiveKind::disc:
+      return Kind::disc;
+    case PrimitiveKind::moving_sphere:
+      return Kind::moving_sphere;
+    case PrimitiveKind::moving_triangle:
       break;
   }
-  return Kind::disc;
+  return Kind::moving_triangle;
 }
 
 Hit hit_of(const Accel::Data& data, const raio::Ray& ray, const raio::Hit& found) {

@@ -66,6 +66,7 @@ void Scene::set_camera(const Camera& camera) {
   scene.camera.at = Vec3f(vec(camera.at) - scene.origin);
   scene.camera.up = Vec3f(vec(camera.up));
   scene.camera.fov_deg = float(camera.fov_deg);
+  scene.camera.movement.reset();
 }
 
 Camera Scene::camera() const {
@@ -296,6 +297,51 @@ void Scene::add_discs(const Column<float, 3>& centers, const Column<float, 3>& n
     check_shapes(discs, "disc");
     Looks looks(data_->scene, look, discs.size());
     append(data_->scene, std::move(discs), std::move(looks));
+  });
+}
+
+namespace {
+
+// Shapes that move, all from `begin` to `end`; the rest of them from the parts.
+template <class Shape>
+Array<Shape> gathered_moving(std::initializer_list<Part> parts, double begin, double end) {
+  Array<Shape> shapes = gathered<Shape>(parts);
+  for (Shape& s : shapes) s.begin = float(begin), s.end = float(end);
+  return shapes;
+}
+
+}  // namespace
+
+void Scene::add_moving_spheres(const Column<float, 3>& starts, const Column<float, 3>& ends,
+                               const Column<float>& radii, double begin, double end,
+                               const Look& look) {
+  guarded([&] {
+    auto spheres =
+        gathered_moving<MovingSphere>({part("starts", starts, offsetof(MovingSphere, center)),
+                                       part("ends", ends, offsetof(MovingSphere, to)),
+                                       part("radii", radii, offsetof(MovingSphere, radius))},
+                                      begin, end);
+    place(data_->scene, spheres, &MovingSphere::center, &MovingSphere::to);
+    check_shapes(spheres, "moving sphere");
+    Looks looks(data_->scene, look, spheres.size());
+    append(data_->scene, std::move(spheres), std::move(looks));
+  });
+}
+
+void Scene::add_moving_triangles(const Column<float, 9>& starts, const Column<float, 9>& ends,
+                                 double begin, double end, const Look& look) {
+  guarded([&] {
+    auto triangles =
+        gathered_moving<MovingTriangle>({part("starts", starts, offsetof(MovingTriangle, from)),
+                                         part("ends", ends, offsetof(MovingTriangle, to))},
+                                        begin, end);
+    if (const Vec3d origin = data_->scene.origin; origin != Vec3d())
+      for (MovingTriangle& t : triangles)
+        for (Vec3f* p : {&t.from.a, &t.from.b, &t.from.c, &t.to.a, &t.to.b, &t.to.c})
+          *p = Vec3f(Vec3d(*p) - origin);
+    check_shapes(triangles, "moving triangle");
+    Looks looks(data_->scene, look, triangles.size());
+    append(data_->scene, std::move(triangles), std::move(looks));
   });
 }
 

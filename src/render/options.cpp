@@ -100,6 +100,20 @@ std::expected<void, std::string> parse_roughness(RenderOptions& o, std::string_v
   return {};
 }
 
+// "0,0.5"
+std::expected<void, std::string> parse_shutter(RenderOptions& o, std::string_view text) {
+  constexpr float kMost = 1e30f, kNone = std::numeric_limits<float>::quiet_NaN();
+  const size_t comma = std::min(text.find(','), text.size());
+  const float open = parse_number<float>(text.substr(0, comma)).value_or(kNone);
+  const float close =
+      parse_number<float>(text.substr(std::min(comma + 1, text.size()))).value_or(kNone);
+  if (!(-kMost <= open && open <= close && close <= kMost))
+    return std::unexpected(fmt::format(
+        "expected two times as T0,T1, the first not after the second, found '{}'", text));
+  o.shutter = {open, close};
+  return {};
+}
+
 // "depth,normal"
 std::expected<void, std::string> parse_channels(RenderOptions& o, std::string_view text) {
   ChannelSet channels;
@@ -178,6 +192,9 @@ std::string tone_text(const RenderOptions& o) {
 }
 std::string shading_text(const RenderOptions& o) {
   return o.shading ? std::string(shading_name(*o.shading)) : "";
+}
+std::string shutter_text(const RenderOptions& o) {
+  return o.shutter ? fmt::format("{},{}", (*o.shutter)[0], (*o.shutter)[1]) : "";
 }
 std::string fresnel_text(const RenderOptions& o) {
   return o.fresnel ? std::string(fresnel_name(*o.fresnel)) : "";
@@ -320,6 +337,10 @@ constexpr auto kTable = std::to_array<OptionSpec>({
     {"translucency", "R",
      "Spread refracted rays by R likewise (default: the roughness of each material)",
      parse_roughness<&Options::translucency>, 0, 0, roughness_text<&Options::translucency>},
+    {"shutter", "T0,T1",
+     "Open the shutter from time T0 to T1: what moves in the scene is blurred; equal times show "
+     "one moment (default: the whole movement)",
+     parse_shutter, 0, 0, shutter_text},
     {"one-sided", "", "Cull back faces of opaque surfaces, as the NFF specification says",
      +[](Options& o) -> bool& { return o.one_sided; }},
     {"angle-to-centers", "",
@@ -458,6 +479,7 @@ Vec3d plain(Vec3f value) {
 
 Camera camera_of(const Scene& scene, const RenderOptions& options) {
   Camera camera = scene.camera;
+  if (options.from || options.at) camera.movement.reset();
   if (options.from) camera.from = Vec3f(*options.from - scene.origin);
   if (options.at) camera.at = Vec3f(*options.at - scene.origin);
   if (options.up) camera.up = Vec3f(*options.up);

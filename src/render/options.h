@@ -44,6 +44,7 @@ struct RenderOptions {
   std::optional<ShadingModel> shading;
   std::optional<Fresnel> fresnel;
   std::optional<float> gloss, translucency;
+  std::optional<std::array<float, 2>> shutter;  // opens and closes
   bool one_sided = false;
   bool angle_to_centers = false;  // of view: see EyeRays
   int threads = 0;

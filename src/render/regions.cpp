@@ -22,13 +22,15 @@ struct Pixel {
 };
 
 // A row, its shadow rays light by light.
-void look(const Scene& scene, const Accel& accel, const EyeRays& eye, int y,
+void look(const Scene& scene, const Accel& accel, const EyeRays& eye, float time, int y,
           const std::atomic<bool>& stop, std::span<Pixel> row) {
   RayBatch rays;
+  rays.add_time();
   HitBatch hits;
   TraceContext context;
   context.stop = &stop, context.coherent = true;
-  for (size_t x = 0; x < row.size(); ++x) rays.push(eye.pinhole(float(x) + 0.5f, float(y) + 0.5f));
+  for (size_t x = 0; x < row.size(); ++x)
+    rays.push(eye.pinhole(float(x) + 0.5f, float(y) + 0.5f, time));
   hits.reset(rays.size());
   accel.closest(rays, hits, context);
   if (context.stopped()) return;
@@ -49,7 +51,7 @@ void look(const Scene& scene, const Accel& accel, const EyeRays& eye, int y,
       const float distance = length(to_light);
       const bool faces = row[x].item != kNoPrimitive && dot(to_light, row[x].normal) > 0;
       rays.set(x, {outside[x], to_light / distance,
-                   faces ? distance * (1 - 4 * std::numeric_limits<float>::epsilon()) : -1});
+                   faces ? distance * (1 - 4 * std::numeric_limits<float>::epsilon()) : -1, time});
     }
     accel.occluded(rays, occluded.data(), context);
     if (context.stopped()) return;
@@ -96,10 +98,11 @@ Region region_of(const Scene& scene, const std::vector<Pixel>& pixels, int width
 std::vector<Region> regions_of(const Scene& scene, const Accel& accel,
                                const RenderSettings& settings, const RenderControl& control) {
   const int width = settings.width, height = settings.height;
-  const EyeRays eye(settings.camera, width, height, settings.angle_to_centers);
+  const float time = settings.shutter_open;
+  const EyeRays eye(camera_at(settings.camera, time), width, height, settings.angle_to_centers);
   std::vector<Pixel> pixels(size_t(width) * size_t(height));
   parallel_for(size_t(height), [&](size_t y) {
-    look(scene, accel, eye, int(y), control.stop,
+    look(scene, accel, eye, time, int(y), control.stop,
          std::span(pixels).subspan(y * size_t(width), size_t(width)));
   });
   if (control.stop) return {};

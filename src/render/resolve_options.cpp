@@ -2,7 +2,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 #include "base/parallel.h"
 #include "integrate/classic.h"
@@ -66,7 +68,10 @@ std::optional<Error> scene_conflict(const RenderOptions& options, const Scene& s
   const RenderSettings s = resolve_options(options, scene);
   if (!s.dof && options.aperture > 0) return without("aperture", "dof");
   if (!s.dof && options.focus > 0) return without("focus", "dof");
-  const bool no_effects = !s.dof && !s.soft_shadows && s.aa == 1 && !is_rough(scene, s);
+  if (options.shutter && !scene.moves())
+    return conflict("shutter", "has no effect on a scene in which nothing moves; leave it out");
+  const bool no_effects = !s.dof && !s.soft_shadows && s.aa == 1 && !is_rough(scene, s) &&
+                          !(scene.moves() && s.shutter_open < s.shutter_close);
   if (s.samples > 1 && no_effects)
     return conflict(
         "samples",
@@ -130,6 +135,24 @@ AccelKind wished_accel(const Scene& scene) {
   return AccelKind::automatic;
 }
 
+namespace {
+
+// From the first movement's beginning to the last one's end.
+std::array<float, 2> usual_shutter(const Scene& scene) {
+  if (!scene.moves()) return {0, 1};
+  std::array shutter = {std::numeric_limits<float>::infinity(),
+                        -std::numeric_limits<float>::infinity()};
+  const auto add = [&](const auto& moving) {
+    shutter = {std::min(shutter[0], moving.begin), std::max(shutter[1], moving.end)};
+  };
+  std::ranges::for_each(scene.moving_spheres, add);
+  std::ranges::for_each(scene.moving_triangles, add);
+  if (scene.camera.movement) add(*scene.camera.movement);
+  return shutter;
+}
+
+}  // namespace
+
 RenderSettings resolve_options(const RenderOptions& o, const Scene& scene) {
   RenderSettings s;
   s.accel = o.accel;
@@ -172,6 +195,8 @@ RenderSettings resolve_options(const RenderOptions& o, const Scene& scene) {
   s.shading = o.shading.value_or(usual(scene.dialect).shading);
   s.fresnel = o.fresnel.value_or(usual(scene.dialect).fresnel);
   s.gloss = o.gloss, s.translucency = o.translucency;
+  const std::array shutter = o.shutter.value_or(usual_shutter(scene));
+  s.shutter_open = shutter[0], s.shutter_close = shutter[1];
   s.one_sided = o.one_sided;
   s.threads = o.threads > 0 ? o.threads : max_concurrency();
   return s;
@@ -200,6 +225,8 @@ RenderOptions options_of(const RenderSettings& s, const Scene& scene) {
   if (s.shading != usual(scene.dialect).shading) o.shading = s.shading;
   if (s.fresnel != usual(scene.dialect).fresnel) o.fresnel = s.fresnel;
   o.gloss = s.gloss, o.translucency = s.translucency;
+  if (const std::array shutter = {s.shutter_open, s.shutter_close}; shutter != usual_shutter(scene))
+    o.shutter = shutter;
   o.one_sided = s.one_sided;
   o.threads = s.threads;
   return o;

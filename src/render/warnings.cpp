@@ -21,10 +21,12 @@ std::vector<float> depths_seen(const RenderSettings& settings, const Camera& cam
                                const EyeRays& eye, const Accel& accel) {
   const Crop frame = settings.frame();
   RayBatch rays;
+  rays.add_time();
   for (int y = 0; y < kSide; ++y)
     for (int x = 0; x < kSide; ++x)
       rays.push(eye.pinhole(float(frame.x0) + (float(x) + 0.5f) * float(frame.width()) / kSide,
-                            float(frame.y0) + (float(y) + 0.5f) * float(frame.height()) / kSide));
+                            float(frame.y0) + (float(y) + 0.5f) * float(frame.height()) / kSide,
+                            settings.shutter_open));
   HitBatch hits;
   hits.reset(rays.size());
   TraceContext context;
@@ -78,7 +80,7 @@ std::vector<SceneWarning> scene_warnings(const Scene& scene, const RenderSetting
              : "the scene has no light, and the model of light no ambient one, so that "
                "surfaces are black"});
   if (!settings.dof || !accel) return warnings;
-  const Camera& camera = settings.camera;
+  const Camera camera = camera_at(settings.camera, settings.shutter_open);
   const EyeRays eye(camera, settings.width, settings.height, settings.angle_to_centers);
   const float pixel = length(eye.per_y), height = pixel * float(settings.height);
   const std::vector<float> depths = depths_seen(settings, camera, eye, *accel);

@@ -69,6 +69,10 @@ std::string content_hash(const Scene& s) {
       all.add(uint32_t(i), extent->width, extent->depth);
     }
   if (!s.sky_folder.empty()) all.add_word("sky " + s.sky_folder);
+  if (const auto& m = camera.movement) {
+    all.add_word("camera movement");
+    all.add(m->from, m->at, m->begin, m->end);
+  }
   return all.name();
 }
 

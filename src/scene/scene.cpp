@@ -129,6 +129,11 @@ std::string text_of(const Scene& scene, std::initializer_list<Feature> features)
                                          [](const Light& l) { return l.extent.has_value(); })),
             "light");
         break;
+      case Feature::movement:
+        add("movement", scene.moving_spheres.size(), "sphere");
+        add("movement", scene.moving_triangles.size(), "triangle");
+        add("movement", scene.camera.movement ? 1 : 0, "camera");
+        break;
       case Feature::sky:
         if (scene.sky_folder.empty()) break;
         text += (text.empty() ? "" : ", ") + ("the sky in " + scene.sky_folder);
@@ -142,12 +147,32 @@ std::string unrendered(const Scene& scene) {
   return text_of(scene, {Feature::opacity, Feature::vertex_colors});
 }
 
+Camera camera_at(const Camera& camera, float time) {
+  Camera out = camera;
+  out.movement.reset();
+  if (const auto& m = camera.movement) {
+    const double part = part_moved(m->begin, m->end, time);
+    out.from = Vec3f(between(camera.from, m->from, part));
+    out.at = Vec3f(between(camera.at, m->at, part));
+  }
+  return out;
+}
+
 std::string camera_problem(const Camera& camera) {
   const Vec3d view = Vec3d(camera.at) - Vec3d(camera.from), up(camera.up);
   if (!(length(view) > 0)) return "from and at are the same point";
   if (!(length(up) > 0)) return "up is zero";
   if (!(length(cross(view, up)) > 1e-7 * length(view) * length(up)))
     return "up is parallel to the line of sight";
+  if (const auto& m = camera.movement) {
+    // The line of sight changes evenly, and so does its product with `up`: how near to zero?
+    const Vec3d end = Vec3d(m->at) - Vec3d(m->from);
+    const Vec3d first = cross(view, up), way = cross(end, up) - first;
+    const double way2 = dot(way, way);
+    const double part = way2 > 0 ? std::clamp(-dot(first, way) / way2, 0.0, 1.0) : 0;
+    if (!(length(first + way * part) > 1e-7 * (length(view) + length(end)) * length(up)))
+      return "on the way of the camera, up is parallel to the line of sight, or from and at meet";
+  }
   return {};
 }
 

@@ -20,6 +20,8 @@
 #include "shape/disc.h"
 #include "shape/ellipsoid.h"
 #include "shape/kinds.h"
+#include "shape/moving_sphere.h"
+#include "shape/moving_triangle.h"
 #include "shape/plane.h"
 #include "shape/sphere.h"
 
@@ -28,6 +30,14 @@ namespace raio {
 struct CubeMap;  // scene/cube_map.h
 
 using MaterialId = uint32_t;
+
+/// Where a camera looks from and at when it has moved, and when it begins to and ends.
+struct CameraMovement {
+  Vec3f from, at;
+  float begin = 0, end = 1;
+
+  friend bool operator==(const CameraMovement&, const CameraMovement&) = default;
+};
 
 /// A pinhole or thin-lens camera. Right is `to_at` x `up`; `up` need not be perpendicular.
 struct Camera {
@@ -41,6 +51,8 @@ struct Camera {
   // The thin lens, where the file gives one (P3F): radius and distance of the plane in focus, scene
   // units.
   std::optional<float> lens_radius, focus_distance;
+
+  std::optional<CameraMovement> movement;
 
   friend bool operator==(const Camera&, const Camera&) = default;
 };
@@ -113,9 +125,21 @@ struct Mesh {
 };
 
 /// The pools of a scene. The numbers stand in files.
-enum class PoolKind : uint32_t { plane, sphere, cone, triangle, polygon, mesh, ellipsoid, disc };
-inline constexpr auto kPoolNames = std::to_array<std::string_view>(
-    {"plane", "sphere", "cone", "triangle", "polygon", "mesh", "ellipsoid", "disc"});
+enum class PoolKind : uint32_t {
+  plane,
+  sphere,
+  cone,
+  triangle,
+  polygon,
+  mesh,
+  ellipsoid,
+  disc,
+  moving_sphere,
+  moving_triangle
+};
+inline constexpr auto kPoolNames =
+    std::to_array<std::string_view>({"plane", "sphere", "cone", "triangle", "polygon", "mesh",
+                                     "ellipsoid", "disc", "moving_sphere", "moving_triangle"});
 
 /// The elements first ... first + count - 1 of a pool, which belong to an object.
 struct ObjectRange {
@@ -168,6 +192,12 @@ struct Scene {
   Array<Disc> discs;
   Array<MaterialId> disc_materials;
 
+  Array<MovingSphere> moving_spheres;
+  Array<MaterialId> moving_sphere_materials;
+
+  Array<MovingTriangle> moving_triangles;
+  Array<MaterialId> moving_triangle_materials;
+
   Array<Vec3f> positions;
   Array<Vec3f> normals;  // unit
 
@@ -184,9 +214,9 @@ struct Scene {
   // the place of the material's; an opacity (0 to 1) is the part of the light from behind that is
   // kept back (unrendered() says what is not shown).
   Array<Rgb> plane_colors, sphere_colors, cone_colors, triangle_colors, polygon_colors,
-      ellipsoid_colors, disc_colors;
+      ellipsoid_colors, disc_colors, moving_sphere_colors, moving_triangle_colors;
   Array<float> plane_opacity, sphere_opacity, cone_opacity, triangle_opacity, polygon_opacity,
-      ellipsoid_opacity, disc_opacity;
+      ellipsoid_opacity, disc_opacity, moving_sphere_opacity, moving_triangle_opacity;
 
   std::vector<Mesh> meshes;
 
@@ -196,6 +226,11 @@ struct Scene {
   Array<ObjectRange> object_ranges;
 
   size_t primitive_count() const;
+
+  /// Is anything elsewhere at another time?
+  bool moves() const {
+    return !moving_spheres.empty() || !moving_triangles.empty() || camera.movement;
+  }
 
   /// What the two columns say of a material.
   Rgb specular_of(MaterialId id) const {
@@ -234,6 +269,11 @@ inline constexpr std::tuple kScenePools = {
                 &Scene::ellipsoid_colors, &Scene::ellipsoid_opacity},
     PoolMembers{PoolKind::disc, &Scene::discs, &Scene::disc_materials, &Scene::disc_colors,
                 &Scene::disc_opacity},
+    PoolMembers{PoolKind::moving_sphere, &Scene::moving_spheres, &Scene::moving_sphere_materials,
+                &Scene::moving_sphere_colors, &Scene::moving_sphere_opacity},
+    PoolMembers{PoolKind::moving_triangle, &Scene::moving_triangles,
+                &Scene::moving_triangle_materials, &Scene::moving_triangle_colors,
+                &Scene::moving_triangle_opacity},
 };
 static_assert(kPoolNames.size() == std::tuple_size_v<decltype(kScenePools)> + 1,
               "each pool, and that of the meshes, has a name");
@@ -285,7 +325,8 @@ enum class Feature : uint8_t {
   specular_colors,
   roughness,
   light_extents,
-  sky
+  sky,
+  movement
 };
 
 /// How much the scene has of them, in one line, as in "opacity of 12 spheres, names of 3 objects";
@@ -298,7 +339,10 @@ std::string unrendered(const Scene& scene);
 /// The sum of the sizes of the pools, in bytes.
 size_t memory_bytes(const Scene& scene);
 
-/// Why a camera with finite numbers looks nowhere, or nothing.
+/// The camera as it is at a time, which does not move.
+Camera camera_at(const Camera& camera, float time);
+
+/// Why a camera with finite numbers looks nowhere, now or on its way, or nothing.
 std::string camera_problem(const Camera& camera);
 
 /// A name of all that a picture can depend on, 32 hexadecimal digits: the same for two files that

@@ -49,8 +49,13 @@ bool at_least_zero(float x) { return std::isfinite(x) && x >= 0; }
 bool is_intensity(Rgb c) { return at_least_zero(c.x) && at_least_zero(c.y) && at_least_zero(c.z); }
 
 void check_camera(const Camera& camera, Problems& problems) {
-  const bool finite = is_finite(camera.from) && is_finite(camera.at) && is_finite(camera.up);
+  bool finite = is_finite(camera.from) && is_finite(camera.at) && is_finite(camera.up);
   problems.check(finite, "camera: from, at and up must be finite");
+  if (const auto& m = camera.movement) {
+    finite &= is_finite(m->from) && is_finite(m->at);
+    check_times(m->begin, m->end,
+                [&](bool holds, const char* must) { problems.check(holds, "camera: ", must); });
+  }
   const std::string why = finite ? camera_problem(camera) : "";
   problems.check(why.empty(), "camera: ", why);
   problems.check(camera.fov_deg > 0 && camera.fov_deg < 180,

@@ -32,13 +32,26 @@ struct Triangle;
 struct Cone;
 struct Ellipsoid;
 struct Disc;
+struct MovingSphere;
+struct MovingTriangle;
 
 /// The kinds that structures store and rays meet; the upper bits of a PrimitiveId. Ids order by
 /// kind, so a new kind goes to the end.
-enum class PrimitiveKind : uint32_t { plane, sphere, triangle, cone, ellipsoid, disc };
-using PrimitiveTypes = std::tuple<Plane, Sphere, Triangle, Cone, Ellipsoid, Disc>;
+enum class PrimitiveKind : uint32_t {
+  plane,
+  sphere,
+  triangle,
+  cone,
+  ellipsoid,
+  disc,
+  moving_sphere,
+  moving_triangle
+};
+using PrimitiveTypes =
+    std::tuple<Plane, Sphere, Triangle, Cone, Ellipsoid, Disc, MovingSphere, MovingTriangle>;
 inline constexpr auto kPrimitiveKindNames =
-    std::to_array<std::string_view>({"plane", "sphere", "triangle", "cone", "ellipsoid", "disc"});
+    std::to_array<std::string_view>({"plane", "sphere", "triangle", "cone", "ellipsoid", "disc",
+                                     "moving sphere", "moving triangle"});
 
 inline constexpr size_t kPrimitiveKinds = std::tuple_size_v<PrimitiveTypes>;
 static_assert(kPrimitiveKindNames.size() == kPrimitiveKinds);
@@ -55,6 +68,11 @@ concept Primitive = kIsOneOf<T, PrimitiveTypes>;
 /// Primitives of an infinite kind have no bounds and are in no structure: every ray tests them.
 template <PrimitiveKind kind>
 inline constexpr bool kIsBounded = kind != PrimitiveKind::plane;
+
+/// Is a primitive of the kind elsewhere at another time?
+template <PrimitiveKind kind>
+inline constexpr bool kMoves =
+    kind == PrimitiveKind::moving_sphere || kind == PrimitiveKind::moving_triangle;
 
 /// Calls f.operator()<kind>() for each kind.
 template <class F>
@@ -113,6 +131,12 @@ struct ShapeHit {
   float t = 0, u = 0, v = 0;
 };
 
+/// A shape as it is at a time, which those that do not move do not depend on.
+template <class Shape>
+constexpr const Shape& at_time(const Shape& shape, float) {
+  return shape;
+}
+
 /// The surface at a hit.
 struct SurfacePoint {
   Vec3f point;       // on the surface, nearer to it than origin + t * dir
@@ -129,6 +153,9 @@ struct SurfacePoint {
 #include "shape/cone.h"
 #include "shape/disc.h"
 #include "shape/ellipsoid.h"
+#include "shape/movement.h"
+#include "shape/moving_sphere.h"
+#include "shape/moving_triangle.h"
 #include "shape/sphere.h"
 #include "shape/triangle.h"
 #endif

@@ -33,6 +33,7 @@ SharedScene edited(const SharedScene& scene, const std::function<void(Scene&)>& 
 Scene as_seen(const Scene& scene, const Camera& camera, const Rgb& background,
               const std::shared_ptr<const CubeMap>& sky) {
   Scene seen = scene;
+  if (camera.from != seen.camera.from || camera.at != seen.camera.at) seen.camera.movement.reset();
   seen.camera.from = camera.from, seen.camera.at = camera.at;
   seen.camera.up = camera.up, seen.camera.fov_deg = camera.fov_deg;
   seen.background = background;

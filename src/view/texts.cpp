@@ -456,6 +456,8 @@ constexpr auto kTexts = std::to_array<std::pair<const char*, const char*>>({
     {"cone", "cone"},
     {"ellipsoid", "elipsoide"},
     {"disc", "disco"},
+    {"moving sphere", "esfera em movimento"},
+    {"moving triangle", "triângulo em movimento"},
     {"The ray hits nothing: it brings the background", "O raio não atinge nada: traz o fundo"},
     {"The ray is beyond the last level: it brings the background",
      "O raio está além do último nível: traz o fundo"},

@@ -44,6 +44,13 @@ const char* formula_of(PrimitiveKind kind) {
              "h^2 = (1 - |O' + m D'|^2) / D'.D'\nt = m - h > 0, or m + h";
     case PrimitiveKind::disc:
       return "t = N.(C - O) / N.D\nr_in <= |O + t D - C| <= r";
+    case PrimitiveKind::moving_sphere:
+      return "C = C0 + (C1 - C0) (time - t0) / (t1 - t0)\nm = (C - O).D\n"
+             "h^2 = r^2 - |C - O - m D|^2\nt = m - h > 0, or m + h";
+    case PrimitiveKind::moving_triangle:
+      return "A = A0 + (A1 - A0) (time - t0) / (t1 - t0) - O, B and C likewise\n"
+             "u = (C x B).D, v = (A x C).D, w = (B x A).D, of one sign\n"
+             "t = (u A + v B + w C).D / (u + v + w)";
   }
   return "";
 }

@@ -324,7 +324,10 @@ class Beams {
         origin[a] = hn::PromoteTo(kDoubles, hn::Load(narrow, batch_.o[a] + first + i));
         dir[a] = hn::PromoteTo(kDoubles, hn::Load(narrow, batch_.d[a] + first + i));
       }
-      const auto hit = first_hits(kDoubles, numbers, origin, dir);
+      const auto hit = first_hits_at<kind>(numbers, origin, dir, [&]() HWY_ATTR {
+        return batch_.time ? hn::PromoteTo(kDoubles, hn::LoadU(narrow, batch_.time + first + i))
+                           : hn::Zero(kDoubles);
+      });
       mask |= bits(narrow, hit.in) << i;
       hn::Store(hit.t, narrow, t + i);
     }

@@ -181,6 +181,17 @@ HWY_INLINE void visit_pool(const Blocks& blocks, Pool pool, F&& f) {
   }
 }
 
+// The first hits of a kind that is tested in double. `time`: makes the rays' times, for kinds that
+// move.
+template <PrimitiveKind kind, class Numbers, class Time>
+HWY_INLINE auto first_hits_at(const Numbers& numbers, const VD* origin, const VD* dir,
+                              const Time& time) {
+  if constexpr (kMoves<kind>)
+    return first_hits(kDoubles, numbers, origin, dir, time());
+  else
+    return first_hits(kDoubles, numbers, origin, dir);
+}
+
 // The numbers of primitives in double: what `load` makes of each column.
 template <template <class> class Numbers, class Load>
 HWY_INLINE Numbers<VD> widened(const Numbers<float[kBlockWidth]>& columns, Load&& load) {

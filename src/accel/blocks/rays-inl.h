@@ -33,6 +33,7 @@ struct IdLists {
 struct Batch {
   size_t count;
   const float *o[3], *d[3];
+  const float* time;  // null: 0
   float* t;
   PrimitiveId* item;  // this and the next only where the nearest hit is wanted
   float *u, *v;
@@ -41,7 +42,7 @@ struct Batch {
   float* axes;
 
   Ray ray(size_t i) const {
-    return {{o[0][i], o[1][i], o[2][i]}, {d[0][i], d[1][i], d[2][i]}, t[i]};
+    return {{o[0][i], o[1][i], o[2][i]}, {d[0][i], d[1][i], d[2][i]}, t[i], time ? time[i] : 0};
   }
 
   HWY_INLINE void shear_packet(size_t first) const {
@@ -393,7 +394,11 @@ class Rays {
     });
     VD origin[3], dir[3];
     for (int a = 0; a < 3; ++a) origin[a] = ray(rays_->o + a), dir[a] = ray(rays_->d + a);
-    const auto hit = first_hits(kDoubles, numbers, origin, dir);
+    const auto hit = first_hits_at<kind>(numbers, origin, dir, [&]() HWY_ATTR {
+      return batch_.time
+                 ? hn::PromoteTo(kDoubles, hn::GatherIndex(f, batch_.time, hn::Load(ints, id)))
+                 : hn::Zero(kDoubles);
+    });
     alignas(64) float t[kLanesD];
     hn::Store(hit.t, f, t);
     const unsigned exist = (1u << std::min(end - first, size_t(kLanesD))) - 1;

@@ -57,6 +57,7 @@ class Tracer {
     Batch b = {.count = std::min(rays.size() - first, kChunk),
                .o = {&rays.ox[first], &rays.oy[first], &rays.oz[first]},
                .d = {&rays.dx[first], &rays.dy[first], &rays.dz[first]},
+               .time = rays.has_time() ? &rays.time[first] : nullptr,
                .t = any ? scratch_.t : &hits->t[first],
                .item = any ? nullptr : &hits->item[first],
                .u = any ? nullptr : &hits->u[first],

@@ -100,7 +100,8 @@ SceneMaker::SceneMaker(Vec3d from, Vec3d at, Vec3d up, float fov_deg, float hith
                    .width = 512,
                    .height = 512,
                    .lens_radius = {},
-                   .focus_distance = {}};
+                   .focus_distance = {},
+                   .movement = {}};
   scene_.background = {0.078f, 0.361f, 0.753f};
 }
 

@@ -131,20 +131,7 @@ void read_box(Parser& p) {
     if (!(lo[a] < hi[a]))
       return p.reject(
           fmt::format("{} {} is not below {} {}", kNames[a], n[a], kNames[a + 3], n[a + 3]));
-  // Per axis the low side, from which the other two axes in turn run clockwise, and the high side.
-  for (int a = 0; a < 3; ++a) {
-    const int u = (a + 1) % 3, v = (a + 2) % 3;
-    for (const bool high : {false, true}) {
-      std::array<Vec3f, 4> quad;
-      for (int i = 0; i < 4; ++i) {
-        const bool across = i == 1 || i == 2, along = i >= 2;
-        quad[i][a] = high ? hi[a] : lo[a];
-        quad[i][high ? u : v] = across ? hi[high ? u : v] : lo[high ? u : v];
-        quad[i][high ? v : u] = along ? hi[high ? v : u] : lo[high ? v : u];
-      }
-      add_flat(p, quad);
-    }
-  }
+  for (const auto& face : box_faces(lo, hi)) add_flat(p, face);
 }
 
 void read_faces(Parser& p, size_t first, size_t vertices, size_t faces) {

@@ -2,6 +2,7 @@
 // reads back.
 #pragma once
 
+#include <array>
 #include <numbers>
 #include <optional>
 
@@ -37,6 +38,26 @@ inline std::optional<Vec3f> plane_normal(Vec3d a, Vec3d b, Vec3d c) {
   if (in_line(b - a, c - a)) return std::nullopt;
   // At unit length first: products of large numbers stay in range.
   return Vec3f(normalize(cross(normalize(b - a), normalize(c - a))));
+}
+
+/// The sides of a box, their corners counter-clockwise as seen from outside: per axis the low side
+/// and the high one.
+inline std::array<std::array<Vec3f, 4>, 6> box_faces(Vec3f lo, Vec3f hi) {
+  std::array<std::array<Vec3f, 4>, 6> faces;
+  for (int a = 0; a < 3; ++a) {
+    const int u = (a + 1) % 3, v = (a + 2) % 3;
+    for (const bool high : {false, true}) {
+      std::array<Vec3f, 4>& face = faces[size_t(2 * a + high)];
+      for (int i = 0; i < 4; ++i) {
+        // On the low side the other two axes in turn run clockwise.
+        const bool across = i == 1 || i == 2, along = i >= 2;
+        face[size_t(i)][a] = high ? hi[a] : lo[a];
+        face[size_t(i)][high ? u : v] = across ? hi[high ? u : v] : lo[high ? u : v];
+        face[size_t(i)][high ? v : u] = along ? hi[high ? v : u] : lo[high ? v : u];
+      }
+    }
+  }
+  return faces;
 }
 
 /// A corner's normal at unit length; nothing for zero. One that has unit length but for the

@@ -9,8 +9,8 @@
 namespace raio::nff {
 namespace {
 
-constexpr std::array kFamilies = {&kCameras, &kSurroundings, &kRounds,
-                                  &kFlats,   &kAdditions,    &kWishes};
+constexpr std::array kFamilies = {&kCameras,   &kSurroundings, &kRounds, &kFlats,
+                                  &kAdditions, &kMovements,    &kWishes};
 
 std::vector<std::string_view> keywords() {
   std::vector<std::string_view> words;
@@ -35,8 +35,8 @@ constexpr std::array kCameraWords = {
     CameraEntry{"focal", CameraWord::focal},
 };
 
-constexpr std::string_view kMotion =
-    "motion blur of the P3F dialect, which is not rendered yet: take it out";
+constexpr std::string_view kShutter =
+    "a shutter of a student dialect: take it out and use `shutter`";
 constexpr std::string_view kStudentLens =
     "a lens setting of a student dialect: write P3F's \"aperture\" and \"focal\" after resolution, "
     "or "
@@ -59,14 +59,12 @@ constexpr std::string_view kPrt =
 constexpr std::string_view kPatch =
     "a curved patch of the ENFF dialect: cut it into triangles and write them as \"pp 3\"";
 constexpr std::string_view kMovingSphere =
-    "a moving sphere of the P3F dialect: motion is not rendered yet, write it as \"s\" at one of "
-    "its places";
+    "a moving sphere of a student dialect: write \"sm\" with two centres, the radius and two times";
 
 constexpr std::array kRefused = {
     RefusedWord{"ms", kMovingSphere},
-    RefusedWord{"sm", kMovingSphere},
-    RefusedWord{"time0", kMotion},
-    RefusedWord{"time1", kMotion},
+    RefusedWord{"time0", kShutter},
+    RefusedWord{"time1", kShutter},
     RefusedWord{"yon",
                 "a back plane of the Graphics Gems V dialect: NFF sees to infinity, take it out"},
     RefusedWord{"lensRadius", kStudentLens},

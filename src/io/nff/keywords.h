@@ -2,8 +2,9 @@
 // that are not read. For the NFF reader.
 //
 // A row stands with the functions that read and write what it names, in the file of its family:
-// camera.cpp, surroundings.cpp, rounds.cpp (NFF's), flats.cpp (NFF's and P3F's) and additions.cpp
-// (Raio's own). A new keyword is a row there and nothing elsewhere.
+// camera.cpp, surroundings.cpp, rounds.cpp (NFF's), flats.cpp (NFF's and P3F's), additions.cpp
+// (Raio's own) and movements.cpp (P3F's and Raio's own). A new keyword is a row there and nothing
+// elsewhere.
 #pragma once
 
 #include <cstddef>
@@ -38,7 +39,7 @@ struct Entity {
 
 /// In the order in which messages list them.
 using Family = std::span<const Entity>;
-extern const Family kCameras, kSurroundings, kRounds, kFlats, kAdditions, kWishes;
+extern const Family kCameras, kSurroundings, kRounds, kFlats, kAdditions, kMovements, kWishes;
 
 /// The keyword that has a part in how the reader recovers from errors.
 inline constexpr std::string_view kCameraKeyword = "v";

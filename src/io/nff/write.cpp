@@ -51,6 +51,7 @@ std::string Writer::write(std::string_view comment) {
     comment.remove_prefix(std::min(end + 1, comment.size()));
   }
   write_camera(*this);
+  write_camera_movement(*this);
   write_surroundings(*this);
   for_each_pool([&](auto pool) {
     const auto& shapes = scene_.*pool.shapes;

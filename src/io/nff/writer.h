@@ -65,6 +65,7 @@ class Writer {
 };
 
 void write_camera(Writer& w);
+void write_camera_movement(Writer& w);
 /// Background, sky, requests, lights.
 void write_surroundings(Writer& w);
 void write_material(Writer& w, MaterialId id);

@@ -40,6 +40,9 @@ Settings settings_of(const Scene& scene) {
   s.raster = {uint32_t(c.width), uint32_t(c.height), uint32_t(scene.samples_per_pixel)};
   if (c.lens_radius) s.lens_radius = {*c.lens_radius};
   if (c.focus_distance) s.focus_distance = {*c.focus_distance};
+  if (const auto& m = c.movement)
+    s.camera_movement = {m->from.x, m->from.y, m->from.z, m->at.x,
+                         m->at.y,   m->at.z,   m->begin,  m->end};
   s.background = {scene.background};
   for (const Light& light : scene.lights) {
     s.light_positions.push_back(light.position);
@@ -93,7 +96,8 @@ std::string apply_dialect(const Array<uint32_t>& numbers, Scene& scene) {
 std::string apply(const Settings& s, Scene& scene) {
   const size_t lights = s.light_positions.size();
   if (s.origin.size() != 1 || s.camera.size() != 11 || s.raster.size() != 3 ||
-      s.background.size() != 1 || s.lens_radius.size() > 1 || s.focus_distance.size() > 1)
+      s.background.size() != 1 || s.lens_radius.size() > 1 || s.focus_distance.size() > 1 ||
+      (s.camera_movement.size() != 0 && s.camera_movement.size() != 8))
     return "the columns of the camera and its like have not the numbers that they should";
   if (s.light_colored.size() != lights || s.light_colors.size() != lights)
     return "the columns of the lights differ in length";
@@ -107,10 +111,13 @@ std::string apply(const Settings& s, Scene& scene) {
                   .width = int(s.raster[0]),
                   .height = int(s.raster[1]),
                   .lens_radius = {},
-                  .focus_distance = {}};
+                  .focus_distance = {},
+                  .movement = {}};
   scene.samples_per_pixel = int(s.raster[2]);
   if (!s.lens_radius.empty()) scene.camera.lens_radius = s.lens_radius[0];
   if (!s.focus_distance.empty()) scene.camera.focus_distance = s.focus_distance[0];
+  if (const auto& m = s.camera_movement; !m.empty())
+    scene.camera.movement = {{m[0], m[1], m[2]}, {m[3], m[4], m[5]}, m[6], m[7]};
   scene.background = s.background[0];
   for (size_t i = 0; i < lights; ++i) {
     if (s.light_colored[i] > 1) return "light_colored is neither 0 nor 1";

@@ -111,6 +111,7 @@ struct Settings {
   Array<uint32_t> dialect;     // 2 or none: Dialect and StructureWish, where not both are 0
   Array<Vec3f> light_extents;  // width, depth, points; zeros for lights that have none
   Array<char> sky_folder;
+  Array<float> camera_movement;  // 8 or none: from, at, begin, end
 };
 
 Settings settings_of(const Scene& scene);
@@ -133,6 +134,7 @@ void for_each_settings_column(SettingsType& s, F&& f) {
   f(ColumnName{"dialect"}, s.dialect);
   f(ColumnName{"light_extents"}, s.light_extents);
   f(ColumnName{"sky_folder"}, s.sky_folder);
+  f(ColumnName{"camera_movement"}, s.camera_movement);
 }
 
 /// Calls f(name, mesh, array) for all columns of a file in their order. `mesh` is kNoMesh, or that
