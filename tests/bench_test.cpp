@@ -114,7 +114,9 @@ Scene one_ball() {
 
 // An effect's line says how many samples it takes; its function has to ask for as many.
 TEST(Benchmark, EffectsAskForTheSamplesThatTheySay) {
-  const Scene scene = one_ball();
+  Scene scene = one_ball();
+  scene.moving_spheres = std::vector<MovingSphere>{{{0, 0, 0}, {1, 0, 0}, 0.1f}};
+  scene.moving_sphere_materials = std::vector<MaterialId>{0};
   for (const BenchmarkEffect& effect : kBenchmarkEffects) {
     RenderOptions options;
     options.aa = options.lens_samples = 1;
@@ -253,7 +255,7 @@ TEST(Benchmark, GlossThatIsNotCombinedStaysAsItIs) {
 }
 
 TEST(BenchLists, RefuseEffectsThatAreNotInTheScene) {
-  for (const char* name : {"gloss", "translucency"}) {
+  for (const char* name : {"gloss", "translucency", "motion"}) {
     const BenchmarkRequest request = asking_for({AccelKind::bvh}, kAa | effect_named(name));
     EXPECT_THAT(absence_of_effects(request, one_ball()),
                 HasSubstr(std::string(name) + " has no effect on a scene without"));
@@ -264,6 +266,9 @@ TEST(BenchLists, RefuseEffectsThatAreNotInTheScene) {
   EXPECT_THAT(bench_conflict(request), HasSubstr("--gloss 0 has no effect beside gloss"));
   request.options.gloss = 0.2f;
   EXPECT_EQ(bench_conflict(request), "");
+  request = asking_for({AccelKind::bvh}, effect_named("motion"));
+  request.options.shutter = {1.0f, 1.0f};
+  EXPECT_THAT(bench_conflict(request), HasSubstr("closes as it opens"));
 }
 
 TEST(Benchmark, EndsWhenTold) {

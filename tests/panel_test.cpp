@@ -194,8 +194,8 @@ TEST(Panel, EverythingUnderTheCursorAnswers) {
     open_all();
   }
   for (const char* key : {"antialiasing", "soft shadows", "depth of field", "reflection",
-                          "refraction", "gloss", "translucency", "structure", "measure 16",
-                          "show boxes", "measure grids", "light or dark", "big type"})
+                          "refraction", "gloss", "translucency", "motion blur", "structure",
+                          "measure 16", "show boxes", "measure grids", "light or dark", "big type"})
     EXPECT_TRUE(pressed.contains(key)) << key;
 }
 
@@ -250,8 +250,9 @@ TEST(Panel, EveryToolPressesItsKey) {
     }
     EXPECT_EQ(pressed.size(), before + 1) << "at " << x;
   }
-  for (const char* key : {"open", "save scene", "undo", "redo", "antialiasing", "soft shadows",
-                          "depth of field", "reflection", "refraction", "gloss", "translucency"})
+  for (const char* key :
+       {"open", "save scene", "undo", "redo", "antialiasing", "soft shadows", "depth of field",
+        "reflection", "refraction", "gloss", "translucency", "motion blur"})
     EXPECT_THAT(pressed, testing::Contains(key));
   EXPECT_EQ(std::set<std::string>(pressed.begin(), pressed.end()).size(), pressed.size());
 }

@@ -129,6 +129,9 @@ std::string bench_conflict(const BenchmarkRequest& request) {
           "--{0} 0 has no effect beside {0} among --effects; give a roughness above 0, or leave "
           "one of them out",
           word);
+  if (o.shutter && (*o.shutter)[0] == (*o.shutter)[1] && (request.effects & effect_named("motion")))
+    return "--shutter closes as it opens, which is no motion; give two times, or leave motion out "
+           "of --effects";
   return {};
 }
 

@@ -328,7 +328,7 @@ void add_bench(CLI::App& app, BenchCommand& bench, int& status) {
              "Renders of each combination; the median counts (default: 1)", "N");
   add_render_options(*sub, request.options,
                      {"size", "grid-factor", "light-size", "aperture", "focus", "depth", "gloss",
-                      "translucency", "one-sided", "threads", "seed"});
+                      "translucency", "shutter", "one-sided", "threads", "seed"});
   add_progress(*sub, bench.progress);
   sub->callback([&] {
     if (const auto why = bench_conflict(bench.request); !why.empty())

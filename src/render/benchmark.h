@@ -41,6 +41,7 @@ inline constexpr auto kBenchmarkEffects = std::to_array<BenchmarkEffect>({
     {Effect::depth_of_field, "dof", "DOF", {"depth", "of field"}, true, 3},
     {Effect::gloss, "gloss", "gloss", {"", "gloss"}, false, 1, "mirrors"},
     {Effect::translucency, "translucency", "transl", {"trans-", "lucency"}, false, 1, "glass"},
+    {Effect::motion, "motion", "motion", {"", "motion"}, false, 1, "movement"},
 });
 
 /// A set of effects: bit i stands for kBenchmarkEffects[i].

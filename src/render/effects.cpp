@@ -1,6 +1,7 @@
 #include "render/effects.h"
 
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -32,6 +33,13 @@ void switch_roughness(std::optional<float>& given, bool on, const Scene& scene) 
   given = on == by_materials ? std::nullopt : std::optional(on ? kUsualRoughness : 0);
 }
 
+// The moment of a picture without motion is that at which its shutter opens.
+void switch_motion(RenderOptions& o, bool on, const Scene& scene) {
+  if (on == is_on(Effect::motion, o, scene)) return;
+  const float open = resolve_options(o, scene).shutter_open;
+  o.shutter = on ? std::nullopt : std::optional(std::array{open, open});
+}
+
 }  // namespace
 
 bool is_on(Effect effect, const RenderOptions& options, const Scene& scene) {
@@ -51,6 +59,8 @@ bool is_on(Effect effect, const RenderOptions& options, const Scene& scene) {
       return spreads(scene, s.gloss);
     case Effect::translucency:
       return spreads(scene, s.translucency);
+    case Effect::motion:
+      return scene.moves() && s.shutter_open < s.shutter_close;
     case Effect::structure:
       return s.accel.kind != AccelKind::none;
   }
@@ -80,6 +90,9 @@ RenderOptions with_effect(RenderOptions o, Effect effect, bool on, const Scene& 
     case Effect::translucency:
       switch_roughness(o.translucency, on, scene);
       break;
+    case Effect::motion:
+      switch_motion(o, on, scene);
+      break;
     case Effect::structure:
       if (on != (o.accel.kind != AccelKind::none))
         o.accel = {.kind = on ? AccelKind::bvh : AccelKind::none};
@@ -101,6 +114,8 @@ bool is_in_scene(Effect effect, const Scene& scene, Fresnel fresnel) {
     case Effect::refraction:
     case Effect::translucency:
       return any_material(scene, [](const Material& m) { return m.transmission > 0; });
+    case Effect::motion:
+      return scene.moves();
     default:
       return true;
   }

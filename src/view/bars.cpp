@@ -60,6 +60,7 @@ std::vector<Tool> tools_of(const ViewState& state, const ToolFacts& facts) {
       effect(Icon::refraction, Command::refraction),
       effect(Icon::gloss, Command::gloss),
       effect(Icon::translucency, Command::translucency),
+      effect(Icon::motion, Command::motion),
       {Icon::structure, key(Command::structure), false, true,
        std::string(accel_name(state.options.accel.kind)), "embree", true},
       {Icon::view, key(Command::show_view), state.options.view != View::picture, true,

@@ -85,6 +85,11 @@ void draw_effect(const Pen& pen, Icon icon) {
       pen.line({{-0.7f, -0.95f}, {0, -0.05f}});
       for (const float x : {0.05f, 0.3f, 0.55f}) pen.line({{0, -0.05f}, {x, 0.7f}});
       return;
+    case Icon::motion:  // a ball and where it comes from
+      pen.disc({0.45f, 0}, 0.45f);
+      pen.line({{-0.95f, 0}, {-0.2f, 0}});
+      pen.line({{-0.7f, -0.4f}, {-0.1f, -0.4f}});
+      return pen.line({{-0.7f, 0.4f}, {-0.1f, 0.4f}});
     default:
       return;
   }

@@ -19,6 +19,7 @@ enum class Icon : uint8_t {
   refraction,
   gloss,
   translucency,
+  motion,
   structure,
   view,
   split,

@@ -28,6 +28,7 @@ constexpr auto kKeys = std::to_array<KeySpec>({
     {'R', kShift, Command::gloss, "R", "gloss", "Gloss: rough mirrors, on and off"},
     {'T', kShift, Command::translucency, "T", "translucency",
      "Translucency: rough glass, on and off"},
+    {'V', {}, Command::motion, "v", "motion blur", "Motion blur, on and off"},
     {'X',
      {},
      Command::split,

@@ -14,6 +14,7 @@ enum class Command : uint8_t {
   depth_of_field,
   gloss,
   translucency,
+  motion,
   structure,
   reflection,
   refraction,

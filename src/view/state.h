@@ -2,6 +2,7 @@
 // and the keys set them, the camera. No window and no thread in it.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -41,6 +42,7 @@ class ViewState {
   Command split_effect = Command::antialiasing;
   // What gloss and translucency had when they were switched off, for when they are switched on.
   std::optional<float> waiting_gloss, waiting_translucency;
+  std::optional<std::array<float, 2>> waiting_shutter;  // the same of motion
   bool paused = false, panel = true;
   BoxLook boxes;
   int chosen_light = 0, chosen_material = 0;  // those that the panel shows
@@ -98,6 +100,7 @@ class ViewState {
  private:
   RenderSettings resolved() const;
   void switch_roughness(Command effect, bool on);
+  void switch_motion(bool on);
 
   float followed_focus_ = 0;  // that of focus_point
 };

@@ -19,6 +19,7 @@ void Viewer::obey(const KeySpec& key) {
     case Command::refraction:
     case Command::gloss:
     case Command::translucency:
+    case Command::motion:
       return switch_effect(key.command);
     case Command::split:
       return switch_split();
