@@ -100,15 +100,32 @@ TEST(Benchmark, CombinesTheChosenAndAlwaysHasThePlainRow) {
             std::vector<Combination>{{AccelKind::embree}});
 }
 
+Scene one_ball() {
+  Scene scene;
+  scene.name = "ball";
+  scene.camera.from = {0, 0, 5}, scene.camera.up = {0, 1, 0};
+  scene.camera.width = scene.camera.height = 16;
+  scene.lights = {{{3, 3, 3}, std::nullopt}};
+  scene.materials = {{{1, 1, 1}, 0.9f, 0, 1, 0, 1}};
+  scene.spheres = {{{0, 0, 0}, 1}};
+  scene.sphere_materials = {0};
+  return scene;
+}
+
 // An effect's line says how many samples it takes; its function has to ask for as many.
 TEST(Benchmark, EffectsAskForTheSamplesThatTheySay) {
+  Scene scene = one_ball();
+  scene.moving_spheres = std::vector<MovingSphere>{{{0, 0, 0}, {1, 0, 0}, 0.1f}};
+  scene.moving_sphere_materials = std::vector<MaterialId>{0};
   for (const BenchmarkEffect& effect : kBenchmarkEffects) {
     RenderOptions options;
     options.aa = options.lens_samples = 1;
-    effect.set(options, true);
+    options = with_effect(options, effect.effect, true, scene);
     EXPECT_EQ(samples_per_pixel(options), effect.samples) << effect.name;
-    effect.set(options, false);
+    EXPECT_TRUE(is_on(effect.effect, options, scene)) << effect.name;
+    options = with_effect(options, effect.effect, false, scene);
     EXPECT_EQ(samples_per_pixel(options), 1) << effect.name;
+    EXPECT_FALSE(is_on(effect.effect, options, scene)) << effect.name;
   }
 }
 
@@ -146,18 +163,6 @@ TEST(Benchmark, RefusesStructuresThatSeeDifferentPictures) {
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error(), HasSubstr("bvh and grid"));
   EXPECT_THAT(refused.error(), HasSubstr("0.11 %"));
-}
-
-Scene one_ball() {
-  Scene scene;
-  scene.name = "ball";
-  scene.camera.from = {0, 0, 5}, scene.camera.up = {0, 1, 0};
-  scene.camera.width = scene.camera.height = 16;
-  scene.lights = {{{3, 3, 3}, std::nullopt}};
-  scene.materials = {{{1, 1, 1}, 0.9f, 0, 1, 0, 1}};
-  scene.spheres = {{{0, 0, 0}, 1}};
-  scene.sphere_materials = {0};
-  return scene;
 }
 
 TEST(Benchmark, RunsGoInRoundsWithBruteForceLast) {
@@ -205,6 +210,65 @@ TEST(Benchmark, EffectsDecideOnSamples) {
   ASSERT_TRUE(table) << table.error().message;
   EXPECT_EQ(table->width, 8);
   EXPECT_LT(table->rows[0].rays, 3u * 8u * 8u);  // an eye ray a pixel, and a shadow ray at most
+}
+
+// A mirror under a sky that it shows, on a floor.
+Scene mirror_ball() {
+  Scene scene = one_ball();
+  scene.materials = std::vector<Material>{{{1, 1, 1}, 0.2f, 0.8f, 10, 0, 1}};
+  scene.spheres = std::vector<Sphere>{{{0, 0, 0}, 1}, {{0, -101, 0}, 100}};
+  scene.sphere_materials = std::vector<MaterialId>{0, 0};
+  return scene;
+}
+
+TEST(Benchmark, GlossHasRowsWhereItIsAskedFor) {
+  const Scene scene = mirror_ball();
+  RenderControl control;
+  BenchmarkRequest request = asking_for({AccelKind::bvh}, kDof | effect_named("gloss"));
+  EXPECT_EQ(absence_of_effects(request, scene), "");
+  const auto table = measure_benchmark(scene, request, control);
+  ASSERT_TRUE(table) << table.error().message;
+  std::vector<std::string> labels;
+  for (const BenchmarkRow& row : table->rows) labels.push_back(short_label(row.combination));
+  EXPECT_THAT(labels, testing::ElementsAre("bvh", "bvh gloss", "bvh DOF", "bvh DOF gloss"));
+  EXPECT_THAT(table_text(*table), HasSubstr("DOF gloss"));
+  EXPECT_THAT(lines_of(table_csv(*table))[0], HasSubstr(",dof,gloss,samples_per_pixel,"));
+  EXPECT_THAT(lines_of(table_csv(*table))[2], HasSubstr(",bvh,0,0,0,1,1,"));
+  const auto rows = nlohmann::json::parse(table_json(*table))["rows"];
+  EXPECT_EQ(rows[1]["effects"]["gloss"], true);
+  EXPECT_EQ(rows[2]["effects"]["gloss"], false);
+  EXPECT_FALSE(rows[0]["effects"].contains("translucency"));
+  EXPECT_TRUE(rows[1]["relative_cost_max"].is_number());
+}
+
+// What is no row of its own is in all of them as the options say.
+TEST(Benchmark, GlossThatIsNotCombinedStaysAsItIs) {
+  Scene scene = mirror_ball();
+  RenderControl control;
+  BenchmarkRequest request = asking_for({AccelKind::bvh}, 0);
+  const auto plain = measure_benchmark(scene, request, control);
+  request.options.gloss = 0.5f;
+  const auto rough = measure_benchmark(scene, request, control);
+  ASSERT_TRUE(plain && rough);
+  EXPECT_NE(rough->rows[0].rays, plain->rows[0].rays) << "spread rays hit something else";
+  EXPECT_EQ(lines_of(table_csv(*rough))[0].find("gloss"), std::string::npos);
+}
+
+TEST(BenchLists, RefuseEffectsThatAreNotInTheScene) {
+  for (const char* name : {"gloss", "translucency", "motion"}) {
+    const BenchmarkRequest request = asking_for({AccelKind::bvh}, kAa | effect_named(name));
+    EXPECT_THAT(absence_of_effects(request, one_ball()),
+                HasSubstr(std::string(name) + " has no effect on a scene without"));
+  }
+  EXPECT_EQ(absence_of_effects({}, one_ball()), "");
+  BenchmarkRequest request = asking_for({AccelKind::bvh}, effect_named("gloss"));
+  request.options.gloss = 0.0f;
+  EXPECT_THAT(bench_conflict(request), HasSubstr("--gloss 0 has no effect beside gloss"));
+  request.options.gloss = 0.2f;
+  EXPECT_EQ(bench_conflict(request), "");
+  request = asking_for({AccelKind::bvh}, effect_named("motion"));
+  request.options.shutter = {1.0f, 1.0f};
+  EXPECT_THAT(bench_conflict(request), HasSubstr("closes as it opens"));
 }
 
 TEST(Benchmark, EndsWhenTold) {

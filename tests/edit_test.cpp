@@ -44,7 +44,7 @@ TEST(History, EveryChangeOfTheStateIsAStep) {
   History<ViewState> history(state);
   for (const Command effect :
        {Command::antialiasing, Command::soft_shadows, Command::depth_of_field, Command::structure,
-        Command::reflection, Command::refraction}) {
+        Command::reflection, Command::refraction, Command::gloss, Command::translucency}) {
     const ViewState before = state;
     (void)state.toggle(effect);
     history.settle(state);

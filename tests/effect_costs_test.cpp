@@ -16,7 +16,7 @@ namespace {
 
 // A mirror, glass and a wall under a light, or without some of them.
 struct Contents {
-  bool mirror = true, glass = true, light = true;
+  bool mirror = true, glass = true, light = true, motion = true;
 };
 Scene small_scene(Contents has = {}) {
   Scene s;
@@ -28,6 +28,10 @@ Scene small_scene(Contents has = {}) {
   s.materials = std::vector<Material>{plain, mirror, glass};
   s.spheres = std::vector<Sphere>{{{-1, 0, 0}, 0.8f}, {{0.6f, 0, 0}, 0.7f}, {{0, 3, 0}, 2}};
   s.sphere_materials = std::vector<MaterialId>{1, 2, 0};
+  if (has.motion) {
+    s.moving_spheres = std::vector<MovingSphere>{{{0, -1, -0.8f}, {0.5f, -1, -0.8f}, 0.2f, 1, 3}};
+    s.moving_sphere_materials = std::vector<MaterialId>{0};
+  }
   if (has.light) s.lights.push_back({{3, -4, 5}, {}});
   return s;
 }
@@ -79,8 +83,10 @@ TEST(EffectCosts, CountsAreThoseOfRendersWithAndWithout) {
       EXPECT_EQ(c.on, is_on(c.effect, o, scene));
       EXPECT_EQ(c.pixels, 40u * 32) << "a small picture is measured as a whole";
       EXPECT_TRUE(c.with.has_steps && c.without.has_steps);
-      EXPECT_EQ(c.with.rays, counted(scene, with_effect(o, c.effect, true))) << int(c.effect);
-      EXPECT_EQ(c.without.rays, counted(scene, with_effect(o, c.effect, false))) << int(c.effect);
+      EXPECT_EQ(c.with.rays, counted(scene, with_effect(o, c.effect, true, scene)))
+          << int(c.effect);
+      EXPECT_EQ(c.without.rays, counted(scene, with_effect(o, c.effect, false, scene)))
+          << int(c.effect);
       EXPECT_GT(c.with.seconds, 0);
       EXPECT_GT(c.without.seconds, 0);
       EXPECT_EQ(c.rounds, 5) << "no interval is wanted that takes more";
@@ -149,12 +155,16 @@ constexpr auto kNotPicture = EffectCost::not_in_picture;
 TEST(EffectCosts, WhatCannotMatterIsNotInThisScene) {
   using Presences = std::vector<EffectCost::Presence>;
   const auto of = [](Contents has) { return presence(small_scene(has), small()); };
-  EXPECT_EQ(of({}), (Presences{kIn, kIn, kIn, kIn, kIn, kIn}));
-  EXPECT_EQ(of({.mirror = false}), (Presences{kIn, kIn, kIn, kNotScene, kIn, kIn}));
-  EXPECT_EQ(of({.glass = false}), (Presences{kIn, kIn, kIn, kIn, kNotScene, kIn}));
-  EXPECT_EQ(of({.light = false}), (Presences{kIn, kNotScene, kIn, kIn, kIn, kIn}));
+  EXPECT_EQ(of({}), (Presences(kEffects.size(), kIn)));
+  EXPECT_EQ(of({.mirror = false}),
+            (Presences{kIn, kIn, kIn, kNotScene, kIn, kNotScene, kIn, kIn, kIn}));
+  EXPECT_EQ(of({.glass = false}),
+            (Presences{kIn, kIn, kIn, kIn, kNotScene, kIn, kNotScene, kIn, kIn}));
+  EXPECT_EQ(of({.light = false}), (Presences{kIn, kNotScene, kIn, kIn, kIn, kIn, kIn, kIn, kIn}));
+  EXPECT_EQ(of({.motion = false}), (Presences{kIn, kIn, kIn, kIn, kIn, kIn, kIn, kNotScene, kIn}));
   Scene empty = small_scene();
   empty.spheres = {}, empty.sphere_materials = {};
+  empty.moving_spheres = {}, empty.moving_sphere_materials = {};
   EXPECT_EQ(presence(empty, small()), Presences(kEffects.size(), kNotScene));
 }
 
@@ -177,11 +187,55 @@ TEST(EffectCosts, WhatNoRayOfThePictureMeetsIsNotInIt) {
   using Presences = std::vector<EffectCost::Presence>;
   RenderOptions o = small();
   o.depth = 1;  // no rays after the eye's
-  EXPECT_EQ(presence(small_scene(), o), (Presences{kIn, kIn, kIn, kNotPicture, kNotPicture, kIn}));
+  EXPECT_EQ(presence(small_scene(), o), (Presences{kIn, kIn, kIn, kNotPicture, kNotPicture,
+                                                   kNotPicture, kNotPicture, kIn, kIn}));
   o = small();
   o.at = Vec3d(0, -100, 1);  // looks away
+  Presences nothing(kEffects.size(), kNotPicture);
+  nothing.back() = kIn;  // the structure
+  EXPECT_EQ(presence(small_scene(), o), nothing);
+  o = small();
+  o.no_reflection = true;  // no ray is mirrored that could spread
   EXPECT_EQ(presence(small_scene(), o),
-            (Presences{kNotPicture, kNotPicture, kNotPicture, kNotPicture, kNotPicture, kIn}));
+            (Presences{kIn, kIn, kIn, kIn, kIn, kNotPicture, kIn, kIn, kIn}));
+}
+
+TEST(EffectCosts, RoughnessIsThatOfTheOptionsElseOfTheMaterialsElseTheUsual) {
+  Scene scene = small_scene();
+  const auto gloss = [&](std::optional<float> given, bool on) {
+    RenderOptions o;
+    o.gloss = given;
+    const RenderOptions found = with_effect(o, Effect::gloss, on, scene);
+    EXPECT_EQ(is_on(Effect::gloss, found, scene), on);
+    EXPECT_EQ(found.translucency, std::nullopt);
+    return found.gloss;
+  };
+  EXPECT_EQ(gloss({}, true), kUsualRoughness);
+  EXPECT_EQ(gloss(0.0f, true), kUsualRoughness);
+  EXPECT_EQ(gloss(0.4f, true), 0.4f);
+  EXPECT_EQ(gloss({}, false), std::nullopt);
+  EXPECT_EQ(gloss(0.4f, false), std::nullopt);
+  scene.material_roughness = std::vector<float>{0, 0.2f, 0};
+  EXPECT_EQ(gloss({}, true), std::nullopt) << "the materials'";
+  EXPECT_EQ(gloss(0.0f, true), std::nullopt);
+  EXPECT_EQ(gloss(0.4f, true), 0.4f);
+  EXPECT_EQ(gloss({}, false), 0.0f);
+  EXPECT_EQ(gloss(0.4f, false), 0.0f);
+}
+
+TEST(EffectCosts, WithoutMotionTheShutterClosesAsItOpens) {
+  const Scene scene = small_scene();
+  const RenderOptions off = with_effect({}, Effect::motion, false, scene);
+  EXPECT_EQ(off.shutter, (std::array{1.0f, 1.0f})) << "the movement's beginning";
+  EXPECT_FALSE(is_on(Effect::motion, off, scene));
+  EXPECT_EQ(with_effect(off, Effect::motion, true, scene), RenderOptions());
+  RenderOptions half;
+  half.shutter = {2.0f, 3.0f};
+  EXPECT_EQ(with_effect(half, Effect::motion, true, scene), half);
+  EXPECT_EQ(with_effect(half, Effect::motion, false, scene).shutter, (std::array{2.0f, 2.0f}));
+  const Scene still = small_scene({.motion = false});
+  EXPECT_FALSE(is_on(Effect::motion, {}, still));
+  EXPECT_EQ(with_effect({}, Effect::motion, true, still), RenderOptions()) << "no conflict";
 }
 
 TEST(EffectCosts, EndsWhenToldToAndSaysHowFarItIs) {

@@ -193,10 +193,37 @@ TEST(Panel, EverythingUnderTheCursorAnswers) {
     set_language(Language::english);
     open_all();
   }
-  for (const char* key :
-       {"antialiasing", "soft shadows", "depth of field", "reflection", "refraction", "structure",
-        "measure 16", "show boxes", "measure grids", "light or dark", "big type"})
+  for (const char* key : {"antialiasing", "soft shadows", "depth of field", "reflection",
+                          "refraction", "gloss", "translucency", "motion blur", "structure",
+                          "measure 16", "show boxes", "measure grids", "light or dark", "big type"})
     EXPECT_TRUE(pressed.contains(key)) << key;
+}
+
+TEST(Panel, SlidersOfRoughnessSwitchTheirEffects) {
+  ViewState state = state_of_three();
+  PanelFacts facts;
+  bool changed = false;
+  Screen screen([&] { changed |= draw_panel(state, facts, {0, 0, kWidth, kHeight}).changed; });
+  ImGuiWindow* const panel = ImGui::FindWindowByName("panel");
+  open_sections(*panel, {"###Effects"}), screen.frame();
+  std::set<Command> moved;
+  for (const ImVec2 place : screen.widgets() | std::views::values) {
+    const ViewState before = state = state_of_three();
+    History<ViewState> history(before);
+    open_sections(*panel, {"###Effects"}), changed = false, screen.frame();
+    screen.drag(place);
+    for (const Command effect : {Command::gloss, Command::translucency}) {
+      if (!state.roughness(effect)) continue;
+      moved.insert(effect);
+      EXPECT_TRUE(changed);
+      EXPECT_TRUE(state.is_on(effect));
+      EXPECT_LE(*state.roughness(effect), 1);
+      EXPECT_EQ(state.split_effect, effect);
+      history.settle(state);
+      EXPECT_EQ(history.undo(), before);
+    }
+  }
+  EXPECT_EQ(moved.size(), 2u);
 }
 
 TEST(Panel, EveryToolPressesItsKey) {
@@ -223,8 +250,9 @@ TEST(Panel, EveryToolPressesItsKey) {
     }
     EXPECT_EQ(pressed.size(), before + 1) << "at " << x;
   }
-  for (const char* key : {"open", "save scene", "undo", "redo", "antialiasing", "soft shadows",
-                          "depth of field", "reflection", "refraction"})
+  for (const char* key :
+       {"open", "save scene", "undo", "redo", "antialiasing", "soft shadows", "depth of field",
+        "reflection", "refraction", "gloss", "translucency", "motion blur"})
     EXPECT_THAT(pressed, testing::Contains(key));
   EXPECT_EQ(std::set<std::string>(pressed.begin(), pressed.end()).size(), pressed.size());
 }

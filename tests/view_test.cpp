@@ -64,13 +64,13 @@ TEST(ViewState, EveryStateIsACommandLine) {
   state.options.light_size = 0.3f, state.options.accel.grid_factor = 1.5f;
   state.options.background = parse_color("#ff8000").value();
   state.options.exposure = -1.5f, state.options.tone = Tone::agx;
-  for (unsigned i = 0; i < 512; ++i) {
+  for (unsigned i = 0; i < 4096; ++i) {
     ViewState s = state;
-    for (unsigned effect = 0; effect < 6; ++effect)
+    for (unsigned effect = 0; effect < 9; ++effect)
       if (i >> effect & 1) (void)s.toggle(Command(effect));
-    if (i & 64) s.camera = orbited(s.camera, {}, 0.1 * i, 0.05);
-    if (i & 128) s.show(View(i % kViews));
-    if (i & 256) s.options.aa = 3, s.options.lens_samples = 2;
+    if (i & 512) s.camera = orbited(s.camera, {}, 0.1 * i, 0.05);
+    if (i & 1024) s.show(View(i % kViews));
+    if (i & 2048) s.options.aa = 3, s.options.lens_samples = 2;
     if (s.options.accel.kind == AccelKind::embree && s.options.view != View::picture) continue;
     const RenderOptions o = read_back(s, 5), wanted = s.request(64, 48, 5);
     EXPECT_EQ(option_arguments(o), option_arguments(wanted));
@@ -101,6 +101,54 @@ TEST(ViewState, SaysWhatKeysDid) {
   EXPECT_EQ(state.toggle(Command::reflection), "reflection off");
   EXPECT_EQ(state.command_line(64, 48, 1, "a b.png"),
             "raio render some.nff --size 64x48 --accel grid --aa 1 --no-reflection -o 'a b.png'");
+}
+
+TEST(ViewState, RoughnessComesBackAndIsSampled) {
+  for (const Command effect : {Command::gloss, Command::translucency}) {
+    ViewState state("some.nff", scene(), {});
+    EXPECT_FALSE(state.is_on(effect));
+    EXPECT_EQ(state.request(8, 8).samples, 0);
+    (void)state.toggle(effect);
+    EXPECT_EQ(state.roughness(effect), kUsualRoughness);
+    EXPECT_EQ(state.request(8, 8).samples, kRefineSamples);
+    state.roughness(effect) = 0.3f;
+    EXPECT_EQ(raio::is_on(effect_of(effect), state.other_request(8, 8), *state.scene), false);
+    (void)state.toggle(effect);
+    EXPECT_FALSE(state.is_on(effect));
+    EXPECT_EQ(state.roughness(effect), std::nullopt) << "no option where none is needed";
+    (void)state.toggle(effect);
+    EXPECT_EQ(state.roughness(effect), 0.3f);
+  }
+  // Of materials that are rough, `0` is said, and nothing when they decide again.
+  Scene rough = *scene();
+  rough.material_roughness = std::vector<float>(rough.materials.size(), 0.2f);
+  ViewState state("rough.p3f", std::make_shared<const Scene>(rough), {});
+  EXPECT_TRUE(state.is_on(Command::gloss));
+  EXPECT_EQ(state.toggle(Command::gloss), "gloss off");
+  EXPECT_EQ(state.options.gloss, 0.0f);
+  EXPECT_TRUE(state.is_on(Command::translucency)) << "each on its own";
+  EXPECT_EQ(state.toggle(Command::gloss), "gloss on");
+  EXPECT_EQ(state.options.gloss, std::nullopt);
+}
+
+TEST(ViewState, MotionStopsWhereTheShutterOpens) {
+  Scene moving = *scene();
+  moving.moving_spheres = std::vector<MovingSphere>{{{0, 0, 0}, {1, 0, 0}, 0.1f, 2, 4}};
+  moving.moving_sphere_materials = std::vector<MaterialId>{0};
+  ViewState state("moving.p3f", std::make_shared<const Scene>(moving), {});
+  EXPECT_TRUE(state.is_on(Command::motion));
+  EXPECT_EQ(state.request(8, 8).samples, kRefineSamples);
+  state.options.shutter = {3.0f, 4.0f};
+  EXPECT_EQ(state.toggle(Command::motion), "motion blur off");
+  EXPECT_EQ(state.options.shutter, (std::array{3.0f, 3.0f}));
+  EXPECT_EQ(state.request(8, 8).samples, 0);
+  EXPECT_EQ(state.other_request(8, 8).shutter, (std::array{3.0f, 4.0f}));
+  EXPECT_EQ(state.toggle(Command::motion), "motion blur on");
+  EXPECT_EQ(state.options.shutter, (std::array{3.0f, 4.0f}));
+  state.open("other.nff", scene());
+  EXPECT_FALSE(state.is_on(Command::motion));
+  EXPECT_EQ(state.request(8, 8).shutter, std::nullopt) << "it would be refused";
+  EXPECT_EQ(state.toggle(Command::motion), "nothing moves in this scene");
 }
 
 TEST(ViewState, TheOtherPictureDiffersInTheLastEffect) {

@@ -122,6 +122,26 @@ std::string bench_conflict(const BenchmarkRequest& request) {
   if (o.light_size > 0 && !soft) return without("--light-size", "soft-shadows", "--effects");
   if (o.aperture > 0 && !dof) return without("--aperture", "dof", "--effects");
   if (o.focus > 0 && !dof) return without("--focus", "dof", "--effects");
+  for (const auto& [word, roughness] :
+       {std::pair("gloss", o.gloss), std::pair("translucency", o.translucency)})
+    if (roughness == 0 && (request.effects & effect_named(word)))
+      return fmt::format(
+          "--{0} 0 has no effect beside {0} among --effects; give a roughness above 0, or leave "
+          "one of them out",
+          word);
+  if (o.shutter && (*o.shutter)[0] == (*o.shutter)[1] && (request.effects & effect_named("motion")))
+    return "--shutter closes as it opens, which is no motion; give two times, or leave motion out "
+           "of --effects";
+  return {};
+}
+
+std::string absence_of_effects(const BenchmarkRequest& request, const Scene& scene) {
+  const Fresnel fresnel = resolve_options(request.options, scene).fresnel;
+  for (const BenchmarkEffect& effect : kBenchmarkEffects)
+    if (!effect.wants.empty() && (request.effects & effect_named(effect.name)) &&
+        !is_in_scene(effect.effect, scene, fresnel))
+      return fmt::format("{0} has no effect on a scene without {1}; leave {0} out of --effects",
+                         effect_word(effect), effect.wants);
   return {};
 }
 
@@ -131,6 +151,8 @@ int run(const BenchCommand& command) {
   const StopOnSignal stop(&control);
   const auto scene = load_scene(command.scene);
   if (!scene) return scene.error();
+  if (const auto why = absence_of_effects(command.request, *scene); !why.empty())
+    return bad_input(why);
 
   std::optional<ProgressLine> line;
   const auto table =

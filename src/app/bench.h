@@ -26,11 +26,15 @@ std::string effect_word(const BenchmarkEffect& effect);
 /// empty when all is well.
 std::string bench_conflict(const BenchmarkRequest& request);
 
+/// Which of the effects to be timed would be none in the scene, and what to do; empty when all is
+/// well.
+std::string absence_of_effects(const BenchmarkRequest& request, const Scene& scene);
+
 /// Three digits that mean something, never an exponent: "0.0123", "4.56", "98.4", "1260".
 std::string three_digits(double value);
 
-/// For people, in at most 100 columns: the table, what was built, and what becomes of the report's
-/// claims.
+/// For people, in at most 100 columns with the effects of the report: the table, what was built,
+/// and what becomes of the report's claims.
 std::string table_text(const BenchmarkTable& table);
 
 /// One line per row under a line of names; unknown is empty. Times in seconds.

@@ -191,7 +191,8 @@ std::string table_csv(const BenchmarkTable& table) {
   for (const char c : table.scene) scene += c == '"' ? "\"\"" : std::string(1, c);
   scene += "\"";
   std::string out = "scene,width,height,depth,threads,accelerator";
-  for (const BenchmarkEffect& effect : kBenchmarkEffects) out += fmt::format(",{}", effect.name);
+  for (size_t i = 0; i < kBenchmarkEffects.size(); ++i)
+    if (table.lists(i)) out += fmt::format(",{}", kBenchmarkEffects[i].name);
   out +=
       ",samples_per_pixel,report_s,report_more_than,runs,seconds,seconds_min,seconds_max,rays,"
       "rays_per_s,speedup,report_cost,relative_cost,relative_cost_min,relative_cost_max\n";
@@ -201,7 +202,8 @@ std::string table_csv(const BenchmarkTable& table) {
     const Spread seconds = row.seconds(), cost = table.relative_cost(row);
     out += fmt::format("{},{},{},{},{},{}", scene, table.width, table.height, table.depth,
                        table.threads, accel_name(accel));
-    for (size_t i = 0; i < kBenchmarkEffects.size(); ++i) out += effects >> i & 1 ? ",1" : ",0";
+    for (size_t i = 0; i < kBenchmarkEffects.size(); ++i)
+      if (table.lists(i)) out += effects >> i & 1 ? ",1" : ",0";
     out += fmt::format(",{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", samples_per_pixel(effects),
                        report ? fmt::format("{}", report->seconds) : "",
                        report ? fmt::format("{:d}", report->more_than) : "", row.runs_s.size(),
@@ -219,7 +221,8 @@ Json row_json(const BenchmarkTable& table, const BenchmarkRow& row) {
   const auto report = report_time(table, row);
   Json effects;
   for (size_t i = 0; i < kBenchmarkEffects.size(); ++i)
-    effects[std::string(kBenchmarkEffects[i].name)] = bool(row.combination.effects >> i & 1);
+    if (table.lists(i))
+      effects[std::string(kBenchmarkEffects[i].name)] = bool(row.combination.effects >> i & 1);
   const Spread seconds = row.seconds(), cost = table.relative_cost(row);
   return {{"accelerator", accel_name(row.combination.accel)},
           {"effects", effects},

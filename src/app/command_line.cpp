@@ -317,14 +317,18 @@ void add_bench(CLI::App& app, BenchCommand& bench, int& status) {
   std::string words;
   for (const BenchmarkEffect& effect : kBenchmarkEffects)
     words += (words.empty() ? "" : ", ") + effect_word(effect);
-  add_list(*sub, "--effects", request.effects, parse_effects,
-           "Effects of which all combinations are timed: " + words +
-               "; none for the plain picture alone (default: aa,soft-shadows,dof)");
+  add_list(
+      *sub, "--effects", request.effects, parse_effects,
+      "Effects of which all combinations are timed: " + words +
+          fmt::format("; none for the plain picture alone (default: aa,soft-shadows,dof). Gloss "
+                      "and translucency take the roughness of the options, else of the "
+                      "materials, else {}",
+                      kUsualRoughness));
   add_number(*sub, "--repeat", request.repeat, 1, 1000,
              "Renders of each combination; the median counts (default: 1)", "N");
   add_render_options(*sub, request.options,
-                     {"size", "grid-factor", "light-size", "aperture", "focus", "depth",
-                      "one-sided", "threads", "seed"});
+                     {"size", "grid-factor", "light-size", "aperture", "focus", "depth", "gloss",
+                      "translucency", "shutter", "one-sided", "threads", "seed"});
   add_progress(*sub, bench.progress);
   sub->callback([&] {
     if (const auto why = bench_conflict(bench.request); !why.empty())

@@ -9,11 +9,16 @@
 
 namespace raio {
 
+/// Do rays spread by `roughness`, or, without it, by that of any material?
+inline bool spreads(const Scene& scene, const std::optional<float>& roughness) {
+  if (roughness) return *roughness > 0;
+  return std::ranges::any_of(scene.material_roughness, [](float r) { return r > 0; });
+}
+
 /// Do mirrored or refracted rays spread?
 inline bool is_rough(const Scene& scene, const RenderSettings& s) {
-  const bool rough = std::ranges::any_of(scene.material_roughness, [](float r) { return r > 0; });
-  const auto spreads = [&](const std::optional<float>& set) { return set ? *set > 0 : rough; };
-  return (s.reflection && spreads(s.gloss)) || (s.refraction && spreads(s.translucency));
+  return (s.reflection && spreads(scene, s.gloss)) ||
+         (s.refraction && spreads(scene, s.translucency));
 }
 
 /// Does the picture take more than the light of NFF and a background of one colour?

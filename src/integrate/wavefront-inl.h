@@ -245,7 +245,7 @@ class Wavefront final : public TileRenderer {
       const auto to_float = [](U n) { return hn::ConvertTo(d, hn::BitCast(Signed<D>(), n)); };
       const V x = hn::Add(to_float(column_of(pixel)), within.x);
       const V y = hn::Add(to_float(row_of(pixel)), within.y);
-      if (eye.movement) wide_eye = eye_at(d, eye, time_of(pixel));
+      if (eye.movement) wide_eye = eye_at(d, eye, time_of(pixel, hn::FirstN(d, end - i)));
       WideRay<D> ray = pinhole(d, wide_eye, x, y);
       if (settings.dof) {
         const Wide2<D> square = sampler.in_square(place, branch, kLens);
@@ -298,10 +298,13 @@ class Wavefront final : public TileRenderer {
   void set_times(RayBatch& rays) {
     if (!rays.has_time()) rays.add_time();
     for (size_t i = 0; i < rays.size(); i += kWidth)
-      hn::StoreU(time_of(load(current_.pixel, i)), d, &rays.time[i]);
+      hn::StoreU(time_of(load(current_.pixel, i), hn::FirstN(d, rays.size() - i)), d,
+                 &rays.time[i]);
   }
-  HWY_INLINE V time_of(U pixel) const {
-    return hn::GatherIndex(d, times_.data(), hn::BitCast(Signed<D>(), pixel));
+  // Lanes that are not in `mask` may have the number of no pixel.
+  HWY_INLINE V time_of(U pixel, M mask) const {
+    const U known = hn::IfThenElseZero(hn::RebindMask(du, mask), pixel);
+    return hn::GatherIndex(d, times_.data(), hn::BitCast(Signed<D>(), known));
   }
   // Of all pixels of the tile.
   void draw_times(const WideSampler<D>& sampler) {

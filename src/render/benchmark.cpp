@@ -20,13 +20,16 @@ constexpr double kAllowedDisagreement = 0.001;
 
 using Failure = BenchmarkFailure;
 
-RenderOptions with_effects(RenderOptions options, EffectSet effects) {
+// Those of `combined` that are not among `effects` are off.
+RenderOptions with_effects(RenderOptions options, EffectSet effects, EffectSet combined,
+                           const Scene& scene) {
   // The effects say how many samples there are, and in cells, as the report has them.
   options.samples = 0, options.sampler = SamplerKind::jitter;
   options.view = View::picture, options.integrator = IntegratorKind::classic;
   options.channels = {};
   for (size_t i = 0; i < kBenchmarkEffects.size(); ++i)
-    kBenchmarkEffects[i].set(options, effects >> i & 1);
+    if (kBenchmarkEffects[i].by_default || (combined >> i & 1))
+      options = with_effect(options, kBenchmarkEffects[i].effect, effects >> i & 1, scene);
   return options;
 }
 
@@ -37,7 +40,7 @@ class Measurement {
       : scene_(scene), request_(request), control_(control), on_step_(on_step) {}
 
   std::expected<BenchmarkTable, Failure> run() {
-    const auto settings = resolve_options(with_effects(request_.options, 0), scene_);
+    const RenderSettings settings = settings_with(0);
     table_.version = RAIO_VERSION;
     table_.scene = scene_.name;
     table_.machine = processor_name();
@@ -55,6 +58,11 @@ class Measurement {
   }
 
  private:
+  RenderSettings settings_with(EffectSet effects) const {
+    return resolve_options(with_effects(request_.options, effects, request_.effects, scene_),
+                           scene_);
+  }
+
   std::expected<void, Failure> build(AccelKind kind) {
     AccelOptions request{.kind = kind};
     if (kind == AccelKind::grid) {
@@ -79,8 +87,7 @@ class Measurement {
   };
   std::expected<Rendered, Failure> render_once(BenchmarkStep step) {
     step.so_far = &table_;
-    const auto settings =
-        resolve_options(with_effects(request_.options, step.combination.effects), scene_);
+    const RenderSettings settings = settings_with(step.combination.effects);
     control_.rays_done = control_.work_done = control_.work_total = 0;
     if (on_step_) on_step_(step);
     auto film = make_film(scene_, settings);

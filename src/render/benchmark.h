@@ -15,6 +15,7 @@
 #include "accel/accel.h"
 #include "integrate/control.h"
 #include "io/image/image.h"
+#include "render/effects.h"
 #include "render/options.h"
 #include "scene/scene.h"
 
@@ -22,30 +23,25 @@ namespace raio {
 
 /// An effect that can be switched on and off.
 struct BenchmarkEffect {
+  Effect effect;
   std::string_view name;                    // for programs
   std::string_view short_name;              // for people, in a narrow column
   std::array<std::string_view, 2> heading;  // for people, in two lines
   bool by_default;
   int samples;  // a pixel gets so many times the samples that it gets without the effect
-  void (*set)(RenderOptions& options, bool on);
+  std::string_view wants = {};  // of a scene, without which it is refused
 };
 
 /// The first three are those of the report of 2018, which takes 1 sample a pixel without effects, 3
-/// with depth of field, 9 with antialiasing and 27 with both.
+/// with depth of field, 9 with antialiasing and 27 with both. They are off where they are not
+/// combined; the others are then as options and scene say.
 inline constexpr auto kBenchmarkEffects = std::to_array<BenchmarkEffect>({
-    {"aa", "AA", {"anti-", "aliasing"}, true, 9, [](auto& o, bool on) { o.aa = on ? 3 : 1; }},
-    {"soft_shadows",
-     "soft",
-     {"soft", "shadows"},
-     true,
-     1,
-     [](auto& o, bool on) { o.soft_shadows = on; }},
-    {"dof",
-     "DOF",
-     {"depth", "of field"},
-     true,
-     3,
-     [](auto& o, bool on) { o.dof = on, o.lens_samples = on ? 3 : 1; }},
+    {Effect::antialiasing, "aa", "AA", {"anti-", "aliasing"}, true, 9},
+    {Effect::soft_shadows, "soft_shadows", "soft", {"soft", "shadows"}, true, 1},
+    {Effect::depth_of_field, "dof", "DOF", {"depth", "of field"}, true, 3},
+    {Effect::gloss, "gloss", "gloss", {"", "gloss"}, false, 1, "mirrors"},
+    {Effect::translucency, "translucency", "transl", {"trans-", "lucency"}, false, 1, "glass"},
+    {Effect::motion, "motion", "motion", {"", "motion"}, false, 1, "movement"},
 });
 
 /// A set of effects: bit i stands for kBenchmarkEffects[i].
@@ -130,6 +126,10 @@ struct BenchmarkTable {
   std::optional<double> disagreement;  // largest share of pixels in which two structures' plain
                                        // pictures differ; nothing where there is one structure
   std::vector<BenchmarkRow> rows;      // in the order of combinations()
+
+  /// Do programs read of kBenchmarkEffects[i] whether it was on? Of the report's always, of the
+  /// others where they were combined.
+  bool lists(size_t i) const { return kBenchmarkEffects[i].by_default || (effects >> i & 1); }
 
   /// Null when it was not measured.
   const BenchmarkRow* find(const Combination& combination) const;

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "base/parallel.h"
-#include "render/benchmark.h"
 #include "render/timed_share.h"
 
 namespace raio {
@@ -23,22 +22,6 @@ constexpr uint32_t kProbeShards = 64;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-// Is there a primitive whose material is one of those?
-template <class Fits>
-bool any_material(const Scene& scene, Fits&& fits) {
-  std::vector<uint8_t> wanted;
-  wanted.reserve(scene.materials.size());
-  for (const Material& m : scene.materials) wanted.push_back(fits(m) ? 1 : 0);
-  if (std::ranges::count(wanted, 1) == 0) return false;
-  const auto is_wanted = [&](MaterialId id) { return wanted[id] != 0; };
-  bool any = false;
-  for_each_pool(
-      [&](auto pool) { any = any || std::ranges::any_of(scene.*pool.materials, is_wanted); });
-  return any || std::ranges::any_of(scene.meshes, [&](const Mesh& mesh) {
-           return !mesh.triangles.empty() && std::ranges::any_of(mesh.materials, is_wanted);
-         });
 }
 
 // One of the pictures that are compared.
@@ -168,7 +151,7 @@ class Measurement {
     double most_samples = 1;
     for (const EffectCost& c : costs_.effects) {
       if (c.effect == Effect::structure || c.presence != EffectCost::in_picture) continue;
-      const RenderOptions o = with_effect(options_, c.effect, !c.on);
+      const RenderOptions o = with_effect(options_, c.effect, !c.on, scene_);
       others.push_back({c.effect, {.settings = resolve_options(o, scene_), .accel = base_.accel}});
       const RenderSettings& s = others.back().second.settings;
       most_samples = std::max(most_samples, double(s.samples_per_pixel()));
@@ -201,8 +184,10 @@ class Measurement {
   static bool meets(Effect effect, const RayCounts& with) {
     switch (effect) {
       case Effect::reflection:
+      case Effect::gloss:
         return with.reflection > 0;
       case Effect::refraction:
+      case Effect::translucency:
         return with.refraction > 0;
       case Effect::soft_shadows:
         return with.shadow > 0;
@@ -252,7 +237,7 @@ class Measurement {
   // The structure against brute force, on pixels of their own.
   bool measure_structure() {
     EffectCost& c = cost(Effect::structure);
-    const RenderOptions o = with_effect(options_, Effect::structure, !c.on);
+    const RenderOptions o = with_effect(options_, Effect::structure, !c.on, scene_);
     Variant base{.settings = base_.settings, .accel = base_.accel, .counting = base_.counting};
     base.counted.has_steps = base_.counted.has_steps;
     Variant other{.settings = resolve_options(o, scene_)};
@@ -287,69 +272,6 @@ class Measurement {
 };
 
 }  // namespace
-
-bool is_on(Effect effect, const RenderOptions& options, const Scene& scene) {
-  const RenderSettings s = resolve_options(options, scene);
-  switch (effect) {
-    case Effect::antialiasing:
-      return s.aa != 1;
-    case Effect::soft_shadows:
-      return s.soft_shadows;
-    case Effect::depth_of_field:
-      return s.dof;
-    case Effect::reflection:
-      return s.reflection;
-    case Effect::refraction:
-      return s.refraction;
-    case Effect::structure:
-      return s.accel.kind != AccelKind::none;
-  }
-  return false;
-}
-
-RenderOptions with_effect(RenderOptions o, Effect effect, bool on) {
-  const auto set = [&](std::string_view name) {
-    std::ranges::find(kBenchmarkEffects, name, &BenchmarkEffect::name)->set(o, on);
-  };
-  switch (effect) {
-    case Effect::antialiasing:
-      set("aa");
-      break;
-    case Effect::soft_shadows:
-      set("soft_shadows");
-      break;
-    case Effect::depth_of_field:
-      set("dof");
-      break;
-    case Effect::reflection:
-      o.no_reflection = !on;
-      break;
-    case Effect::refraction:
-      o.no_refraction = !on;
-      break;
-    case Effect::structure:
-      if (on != (o.accel.kind != AccelKind::none))
-        o.accel = {.kind = on ? AccelKind::bvh : AccelKind::none};
-      break;
-  }
-  return o;
-}
-
-bool is_in_scene(Effect effect, const Scene& scene, Fresnel fresnel) {
-  if (scene.primitive_count() == 0) return false;
-  switch (effect) {
-    case Effect::soft_shadows:
-      return !scene.lights.empty();
-    case Effect::reflection:
-      return any_material(scene, [divides = fresnel != Fresnel::none](const Material& m) {
-        return m.ks > 0 || (divides && m.transmission > 0);
-      });
-    case Effect::refraction:
-      return any_material(scene, [](const Material& m) { return m.transmission > 0; });
-    default:
-      return true;
-  }
-}
 
 std::expected<EffectCosts, Error> measure_effects(
     const Scene& scene, const Accel& accel, const RenderOptions& options, RenderControl& control,

@@ -3,7 +3,6 @@
 // and steps of both are counted exactly.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <expected>
 #include <functional>
@@ -12,35 +11,12 @@
 #include "accel/accel.h"
 #include "integrate/control.h"
 #include "integrate/film.h"
+#include "render/effects.h"
 #include "render/options.h"
 #include "render/timed_share.h"
 #include "scene/scene.h"
 
 namespace raio {
-
-/// What can be switched on and off. The structure is off where brute force takes its place.
-enum class Effect : uint8_t {
-  antialiasing,
-  soft_shadows,
-  depth_of_field,
-  reflection,
-  refraction,
-  structure,
-};
-inline constexpr auto kEffects =
-    std::to_array<Effect>({Effect::antialiasing, Effect::soft_shadows, Effect::depth_of_field,
-                           Effect::reflection, Effect::refraction, Effect::structure});
-
-bool is_on(Effect effect, const RenderOptions& options, const Scene& scene);
-
-/// The same options with the effect on or off; the structure that is on is the tree unless the
-/// options have another one.
-RenderOptions with_effect(RenderOptions options, Effect effect, bool on);
-
-/// Can the effect change any picture of the scene? Refraction wants a surface that lets light
-/// through, reflection one that mirrors (glass, too, where `fresnel` divides its light), soft
-/// shadows a light, all of them something to hit.
-bool is_in_scene(Effect effect, const Scene& scene, Fresnel fresnel);
 
 struct EffectCost {
   Effect effect = Effect::antialiasing;

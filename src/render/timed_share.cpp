@@ -5,7 +5,7 @@
 #include <numeric>
 #include <utility>
 
-#include "render/effect_costs.h"
+#include "render/effects.h"
 #include "render/render.h"
 
 namespace raio {
@@ -36,7 +36,7 @@ RenderOptions timed_options(RenderOptions options, const Scene& scene) {
   o.samples = 0, o.sampler = SamplerKind::jitter;
   o.view = View::picture, o.integrator = std::nullopt, o.channels = {};
   for (const Effect e : {Effect::antialiasing, Effect::depth_of_field})
-    o = with_effect(o, e, is_on(e, options, scene));
+    o = with_effect(o, e, is_on(e, options, scene), scene);
   return o;
 }
 

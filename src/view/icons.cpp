@@ -75,6 +75,21 @@ void draw_effect(const Pen& pen, Icon icon) {
     case Icon::refraction:  // a ray that bends in glass
       pen.box({-0.9f, -0.05f}, {0.9f, 0.9f});
       return pen.line({{-0.7f, -0.95f}, {0, -0.05f}, {0.3f, 0.9f}});
+    case Icon::gloss:  // a ray that a rough mirror spreads
+      pen.line({{-0.95f, 0.75f}, {0.95f, 0.75f}});
+      pen.line({{-0.8f, -0.7f}, {0, 0.7f}});
+      for (const float x : {0.3f, 0.65f, 0.95f}) pen.line({{0, 0.7f}, {x, x - 1.2f}});
+      return;
+    case Icon::translucency:  // a ray that spreads in rough glass
+      pen.box({-0.9f, -0.05f}, {0.9f, 0.9f});
+      pen.line({{-0.7f, -0.95f}, {0, -0.05f}});
+      for (const float x : {0.05f, 0.3f, 0.55f}) pen.line({{0, -0.05f}, {x, 0.7f}});
+      return;
+    case Icon::motion:  // a ball and where it comes from
+      pen.disc({0.45f, 0}, 0.45f);
+      pen.line({{-0.95f, 0}, {-0.2f, 0}});
+      pen.line({{-0.7f, -0.4f}, {-0.1f, -0.4f}});
+      return pen.line({{-0.7f, 0.4f}, {-0.1f, 0.4f}});
     default:
       return;
   }

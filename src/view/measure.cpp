@@ -43,14 +43,21 @@ Effect effect_of(Command effect) {
       return Effect::reflection;
     case Command::refraction:
       return Effect::refraction;
+    case Command::gloss:
+      return Effect::gloss;
+    case Command::translucency:
+      return Effect::translucency;
+    case Command::motion:
+      return Effect::motion;
     default:
       return Effect::antialiasing;
   }
 }
 
 Command command_of(Effect effect) {
-  for (const Command c : {Command::soft_shadows, Command::depth_of_field, Command::structure,
-                          Command::reflection, Command::refraction})
+  for (const Command c :
+       {Command::soft_shadows, Command::depth_of_field, Command::structure, Command::reflection,
+        Command::refraction, Command::gloss, Command::translucency, Command::motion})
     if (effect_of(c) == effect) return c;
   return Command::antialiasing;
 }

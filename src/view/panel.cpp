@@ -21,14 +21,36 @@ void key_cap(const char* name) {
   faint_text(name);
 }
 
+// How far gloss or translucency spreads rays, also one that is off; 0 switches it off.
+void draw_roughness(ViewState& state, Command effect, PanelResult& result) {
+  std::optional<float>& given = state.roughness(effect);
+  float roughness = given.value_or(0);
+  const std::string format = !given && state.is_on(effect) ? tr("roughness: the materials' own")
+                                                           : trf("roughness {}", "%.3g");
+  ImGui::PushID(int(effect));
+  ImGui::Indent();
+  ImGui::SetNextItemWidth(-em());
+  if (ImGui::SliderFloat("##roughness", &roughness, 0, 1, format.c_str(),
+                         ImGuiSliderFlags_AlwaysClamp)) {
+    given = roughness;
+    state.split_effect = effect;
+    result.changed = true;
+  }
+  ImGui::Unindent();
+  ImGui::PopID();
+}
+
 // A click does what the key does.
-void draw_effects(const ViewState& state, PanelResult& result) {
+void draw_effects(ViewState& state, PanelResult& result) {
+  ImGui::PushID("effects");  // some are called as options are
   for (const KeySpec& key : key_table()) {
     if (key.command > Command::refraction) break;
     if (key.command == Command::structure) continue;
     bool on = state.is_on(key.command);
     if (ImGui::Checkbox(tr(key.help), &on)) result.pressed.push_back(&key);
     key_cap(key.name);
+    if (key.command == Command::gloss || key.command == Command::translucency)
+      draw_roughness(state, key.command, result);
   }
   const KeySpec& key = key_of(Command::structure);
   ImGui::AlignTextToFramePadding();
@@ -38,6 +60,7 @@ void draw_effects(const ViewState& state, PanelResult& result) {
                     {6 * em(), 0}))
     result.pressed.push_back(&key);
   key_cap(key.name);
+  ImGui::PopID();
 }
 
 // What the scene is, and what is wrong with it: three rows, always.

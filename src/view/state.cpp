@@ -9,6 +9,8 @@
 #include <utility>
 
 #include "integrate/camera.h"
+#include "integrate/classic.h"
+#include "render/effects.h"
 #include "view/texts.h"
 
 namespace raio::view {
@@ -64,9 +66,31 @@ bool ViewState::is_on(Command effect) const {
       return !options.no_reflection;
     case Command::refraction:
       return !options.no_refraction;
+    case Command::gloss:
+      return spreads(*scene, options.gloss);
+    case Command::translucency:
+      return spreads(*scene, options.translucency);
+    case Command::motion:
+      return raio::is_on(Effect::motion, options, *scene);
     default:
       return false;
   }
+}
+
+void ViewState::switch_roughness(Command effect, bool on) {
+  auto& waiting = effect == Command::gloss ? waiting_gloss : waiting_translucency;
+  const std::optional<float> before = roughness(effect);
+  options = with_effect(options, effect == Command::gloss ? Effect::gloss : Effect::translucency,
+                        on, *scene);
+  if (on && waiting) roughness(effect) = waiting;
+  waiting = on ? std::nullopt : before;
+}
+
+void ViewState::switch_motion(bool on) {
+  const auto before = options.shutter;
+  options = with_effect(options, Effect::motion, on, *scene);
+  if (on && waiting_shutter) options.shutter = waiting_shutter;
+  waiting_shutter = on ? std::nullopt : before;
 }
 
 std::string ViewState::toggle(Command effect) {
@@ -92,6 +116,14 @@ std::string ViewState::toggle(Command effect) {
       break;
     case Command::refraction:
       options.no_refraction = !on;
+      break;
+    case Command::gloss:
+    case Command::translucency:
+      switch_roughness(effect, on);
+      break;
+    case Command::motion:
+      if (!scene->moves()) return tr("nothing moves in this scene");
+      switch_motion(on);
       break;
     default:
       return {};
@@ -124,13 +156,15 @@ RenderOptions ViewState::request(int width, int height, int samples) const {
   const bool dof = resolved().dof;
   if (!dof) o.aperture = o.focus = 0;
   if (!o.soft_shadows) o.light_size = 0;
+  if (!scene->moves()) o.shutter = std::nullopt;
   if (o.accel.kind != AccelKind::grid) o.accel.grid_factor = 0, o.accel.grid_resolution = {0, 0, 0};
   if (o.accel.grid_resolution[0] > 0) o.accel.grid_factor = 0;
   if (o.accel.kind == AccelKind::embree) o.accel.counters = false;
   if (o.view != View::picture || o.integrator == IntegratorKind::views)
     o.background = {}, o.tone = {}, o.exposure = 0;
 
-  const bool varies = dof || o.soft_shadows || o.aa != 1;
+  const bool varies =
+      dof || o.soft_shadows || o.aa != 1 || is_rough(*scene, resolved()) || is_on(Command::motion);
   if (!endless() || !varies) {
     o.samples = 0;
     if (!varies) o.lens_samples = 0, o.sampler = std::nullopt;

@@ -2,6 +2,7 @@
 // and the keys set them, the camera. No window and no thread in it.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -39,6 +40,9 @@ class ViewState {
   std::optional<Vec3d> focus_point;  // what is to stay in focus while the camera moves
   bool split = false;                // the picture beside that without `split_effect`
   Command split_effect = Command::antialiasing;
+  // What gloss and translucency had when they were switched off, for when they are switched on.
+  std::optional<float> waiting_gloss, waiting_translucency;
+  std::optional<std::array<float, 2>> waiting_shutter;  // the same of motion
   bool paused = false, panel = true;
   BoxLook boxes;
   int chosen_light = 0, chosen_material = 0;  // those that the panel shows
@@ -47,6 +51,10 @@ class ViewState {
   void open(std::string new_path, std::shared_ptr<const Scene> new_scene);
 
   bool is_on(Command effect) const;
+  /// The option of gloss or of translucency.
+  std::optional<float>& roughness(Command effect) {
+    return effect == Command::gloss ? options.gloss : options.translucency;
+  }
   /// Switches an effect, or takes the next structure. Returns what is so now: "soft shadows on".
   std::string toggle(Command effect);
 
@@ -91,6 +99,8 @@ class ViewState {
 
  private:
   RenderSettings resolved() const;
+  void switch_roughness(Command effect, bool on);
+  void switch_motion(bool on);
 
   float followed_focus_ = 0;  // that of focus_point
 };

@@ -17,6 +17,9 @@ void Viewer::obey(const KeySpec& key) {
     case Command::structure:
     case Command::reflection:
     case Command::refraction:
+    case Command::gloss:
+    case Command::translucency:
+    case Command::motion:
       return switch_effect(key.command);
     case Command::split:
       return switch_split();
