@@ -255,15 +255,10 @@ struct CourseScene {
   const char* name;
   size_t primitives;
 };
-constexpr CourseScene kCourse[] = {{"ball_motion", 1},
-                                   {"balls_box", 98},
-                                   {"balls_high", 7382},
-                                   {"balls_low", 11},
-                                   {"dof", 9},
-                                   {"balls_low_transparent", 11},
-                                   {"dragon", 100010},
-                                   {"mount_high", 2052},
-                                   {"mount_low", 12}};
+constexpr CourseScene kCourse[] = {
+    {"ball_motion", 1}, {"balls_box", 98},    {"balls_high", 7382},
+    {"balls_low", 11},  {"dof", 9},           {"balls_low_transparent", 11},
+    {"dragon", 100010}, {"mount_high", 2052}, {"mount_low", 12}};
 
 std::filesystem::path course_file(const std::string& name) { return kSharedFolder / "p3f" / name; }
 
