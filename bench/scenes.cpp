@@ -23,7 +23,8 @@ Scene unit_cube_scene() {
                   .at = {0.5f, 0.5f, 0.4f},
                   .up = {0, 0, 1},
                   .lens_radius = {},
-                  .focus_distance = {}};
+                  .focus_distance = {},
+                  .movement = {}};
   scene.background = {0.3f, 0.5f, 0.8f};
   scene.lights = {{{3, 1, 4}, {}}, {{-1, 2, 3}, {}}};
   scene.materials = {{.color = {0.8f, 0.7f, 0.5f}, .kd = 0.7f, .ks = 0.3f, .shine = 20}};

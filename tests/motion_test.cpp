@@ -234,7 +234,7 @@ TEST(Motion, IsTheMeanOfAThousandStillPictures) {
   for (int k = 0; k < kStills; ++k) {
     RenderOptions still;
     const float time = 3 * (float(k) + 0.5f) / kStills;
-    still.shutter = {time, time}, still.aa = 1, still.seed = uint64_t(k);
+    still.shutter = {time, time}, still.aa = 1, still.seed = uint32_t(k);
     const Image one = picture(moving, still);
     for (size_t i = 0; i < mean.size(); ++i)
       mean[i] = mean[i] + Vec3d(one.pixels[i]) * (1.0 / kStills);
