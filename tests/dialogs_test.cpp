@@ -15,6 +15,7 @@
 #include "view/file_dialog.h"
 #include "view/help.h"
 #include "view/inspector.h"
+#include "view/legend.h"
 #include "view/welcome.h"
 
 namespace raio::view {
@@ -215,6 +216,28 @@ TEST(Dialogs, EverythingInTheInspectorsPanelAnswers) {
   }
   EXPECT_THAT(saved, ElementsAre(".json", ".png", ".svg"));
   EXPECT_GE(others, 7u);  // with "<", "copy command", and both cameras
+}
+
+TEST(Message, KeepsOffTheLegendAndWithinThePicture) {
+  Screen screen([] {
+    const std::string message = "soft shadows on: 204 ms a sample, before 96.4 ms";
+    for (const float width : {400.0f, 700.0f, 1000.0f, 2000.0f}) {
+      const Rect picture{0, 40, width, 800};
+      const Rect legend =
+          draw_legend(picture, {"tests", {{Rgb(0), "0"}, {Rgb(0.5f), "10"}, {Rgb(1), "100"}}}, {});
+      EXPECT_GT(legend.width(), 0);
+      const Rect place = message_place(picture, legend, message);
+      EXPECT_TRUE(place.right <= legend.left || place.bottom <= legend.top) << width;
+      EXPECT_TRUE(place.left >= picture.left && place.right <= picture.right) << width;
+      if (width == 400) {
+        EXPECT_LE(place.bottom, legend.top) << "no room beside it";
+      } else if (width == 2000) {
+        EXPECT_EQ(place.bottom, legend.bottom) << "beside it";
+      }
+      draw_message(place, message, false);
+      EXPECT_EQ(draw_legend(picture, {}, {}).width(), 0);
+    }
+  });
 }
 
 }  // namespace

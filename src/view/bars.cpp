@@ -235,19 +235,39 @@ void draw_status(const Rect& where, const Status& status, const std::string& rea
   ImGui::End();
 }
 
-void draw_message(const Rect& picture, const std::string& message, bool is_error) {
+namespace {
+
+constexpr float kMessagePad = 0.5f;  // ems
+
+float message_bar() { return std::round(0.25f * em()); }
+float message_wrap(float width) { return std::max(width - 4 * em(), 8 * em()); }
+
+}  // namespace
+
+Rect message_place(const Rect& picture, const Rect& legend, const std::string& message) {
+  const ImVec2 text =
+      ImGui::CalcTextSize(message.c_str(), nullptr, false, message_wrap(picture.width()));
+  const float pad = kMessagePad * em();
+  Rect place;
+  place.left = picture.left + em();
+  place.right = place.left + message_bar() + 2 * pad + text.x;
+  const bool is_beside = legend.width() <= 0 || place.right + em() <= legend.left;
+  place.bottom = (is_beside ? picture.bottom : legend.top) - em();
+  place.top = place.bottom - text.y - 2 * pad;
+  return place;
+}
+
+void draw_message(const Rect& place, const std::string& message, bool is_error) {
   const Palette& p = palette();
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
-  const float pad = 0.5f * em(), bar = std::round(0.25f * em());
-  const float wrap = std::max(picture.width() - 4 * em(), 8 * em());
-  const ImVec2 size = ImGui::CalcTextSize(message.c_str(), nullptr, false, wrap);
-  const ImVec2 hi(picture.left + em() + 2 * pad + bar + size.x, picture.bottom - em());
-  const ImVec2 lo(picture.left + em(), hi.y - size.y - 2 * pad);
+  const float pad = kMessagePad * em(), bar = message_bar();
+  const ImVec2 lo(place.left, place.top), hi(place.right, place.bottom);
   draw.AddRectFilled(lo, hi, color(p.ground, 0.94f), 0.3f * em());
   draw.AddRectFilled(lo, {lo.x + bar, hi.y}, color(is_error ? p.bad : p.accent), 0.3f * em(),
                      ImDrawFlags_RoundCornersLeft);
+  // Wrapped as it was measured: one unit more than the widest line.
   draw.AddText(ImGui::GetFont(), ImGui::GetFontSize(), {lo.x + bar + pad, lo.y + pad},
-               color(p.text), message.c_str(), nullptr, wrap);
+               color(p.text), message.c_str(), nullptr, place.width() - bar - 2 * pad + 1);
 }
 
 }  // namespace raio::view

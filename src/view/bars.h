@@ -42,7 +42,9 @@ Status status_of(const StatusFacts& facts);
 /// `read_out`: what is under the cursor; empty where there is nothing.
 void draw_status(const Rect& where, const Status& status, const std::string& read_out);
 
-/// A message over the lower left of the picture, in as many lines as it needs.
-void draw_message(const Rect& picture, const std::string& message, bool is_error);
+/// Where a message is: at the lower left of the picture, in as many lines as it needs, and above
+/// the legend where both do not fit side by side.
+Rect message_place(const Rect& picture, const Rect& legend, const std::string& message);
+void draw_message(const Rect& place, const std::string& message, bool is_error);
 
 }  // namespace raio::view

@@ -20,7 +20,9 @@ ControlResult Controls::draw(ViewState& state, const Layout& layout, const Contr
   draw_tool_bar(layout.tool_bar, state, facts.tools, result.pressed);
   const Status none{Status::Kind::done, tr("No scene is open")};
   draw_status(layout.status, state.path.empty() ? none : status_of(facts.status), facts.read_out);
-  if (!facts.message.empty()) draw_message(layout.picture, facts.message, facts.is_error);
+  if (!facts.message.empty())
+    draw_message(message_place(layout.picture, facts.legend, facts.message), facts.message,
+                 facts.is_error);
   if (shows_help_) shows_help_ = draw_help(layout, sought_);
   if (const auto file = files.draw(layout))
     (files.purpose() == FileDialog::Purpose::open ? result.open : result.save) = file;

@@ -25,6 +25,7 @@ struct ControlFacts {
   std::string read_out;  // what is under the cursor
   std::string message;
   bool is_error = false;
+  Rect legend;                 // which the message keeps off
   bool has_inspector = false;  // in the panel's place
 };
 

@@ -165,8 +165,8 @@ ReadOut read_out(const ViewState& state, const SessionPicture& picture, double x
                   image.at(int(x * image.width), int(y * image.height)), image.height);
 }
 
-void draw_legend(const Rect& picture, const Legend& legend, std::optional<double> at) {
-  if (legend.title.empty()) return;
+Rect draw_legend(const Rect& picture, const Legend& legend, std::optional<double> at) {
+  if (legend.title.empty()) return {};
   const Palette& p = palette();
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
   const float pad = 0.6f * em(), line = ImGui::GetFontSize();
@@ -181,7 +181,8 @@ void draw_legend(const Rect& picture, const Legend& legend, std::optional<double
   const ImVec2 lo(hi.x - width - 2 * pad, hi.y - height - 2 * pad);
   draw.AddRectFilled(lo, hi, color(p.ground, 0.94f), 0.3f * em());
   draw.AddText({lo.x + pad, lo.y + pad}, color(p.text), legend.title.c_str());
-  if (legend.stops.empty()) return;
+  const Rect covered{lo.x, lo.y, hi.x, hi.y};
+  if (legend.stops.empty()) return covered;
   const auto ink = [](const Rgb& c) { return color({c.x, c.y, c.z, 1}); };
   const float top = lo.y + pad + line + 0.5f * em(), bottom = top + 0.8f * line;
   const float step = width / count;
@@ -199,11 +200,12 @@ void draw_legend(const Rect& picture, const Legend& legend, std::optional<double
     const float half = ImGui::CalcTextSize(stop.label.c_str()).x / 2;
     draw.AddText({middle(place) - half, bottom + 0.15f * line}, color(p.text), stop.label.c_str());
   }
-  if (!at) return;
+  if (!at) return covered;
   const float x = middle(float(std::clamp(*at, 0.0, 1.0)) * (count - 1)), size = 0.35f * em();
   draw.AddTriangleFilled({x - size, top - size}, {x + size, top - size}, {x, top + size / 2},
                          color(p.text));
   draw.AddLine({x, top}, {x, bottom}, color(p.text), 2);
+  return covered;
 }
 
 }  // namespace raio::view

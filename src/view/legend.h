@@ -41,7 +41,7 @@ ReadOut read_out(const ViewState& state, const SessionPicture& picture, double x
 ReadOut read_out(const ViewState& state, const Pick& pick, const Accel* accel, const Rgb& color,
                  int picture_height);
 
-/// At the lower right of the picture.
-void draw_legend(const Rect& picture, const Legend& legend, std::optional<double> at);
+/// At the lower right of the picture. What it covers; nothing where there is no legend.
+Rect draw_legend(const Rect& picture, const Legend& legend, std::optional<double> at);
 
 }  // namespace raio::view

@@ -61,11 +61,11 @@ void Viewer::draw() {
   draw_inspector();
   ViewState shown = state_;
   if (shows_focus()) shown.show(View::focus);
-  if (overlay_.facts().all > 0)
-    draw_legend(layout_.picture, overlay_.legend(), {});
-  else
-    draw_legend(layout_.picture, legend_of(shown), under.at);
-  take_controls(controls_.draw(state_, layout_, control_facts(under.text)));
+  const bool is_of_boxes = overlay_.facts().all > 0;
+  ControlFacts facts = control_facts(under.text);
+  facts.legend = draw_legend(layout_.picture, is_of_boxes ? overlay_.legend() : legend_of(shown),
+                             is_of_boxes ? std::nullopt : under.at);
+  take_controls(controls_.draw(state_, layout_, facts));
   window_.end_frame();
   window_.set_title(state_.path.empty() ? "Raio" : state_.title());
   keeper_.looks(window_.look(), language());
