@@ -90,6 +90,15 @@ inline RayBatch shadow_rays(const Accel& accel, const RayBatch& eye, Vec3f light
   return rays;
 }
 
+// The same rays at times from before the first movement to after the last of moving_scene().
+inline RayBatch at_any_time(RayBatch rays) {
+  rays.add_time();
+  std::mt19937 rng(1);
+  std::uniform_real_distribution<float> time(-0.25f, 1.25f);
+  for (size_t i = 0; i < rays.size(); ++i) rays.time[i] = time(rng);
+  return rays;
+}
+
 // What travels in packets: blocks of pixels.
 inline RayBatch eye_rays(const Scene& scene, int side) {
   RayBatch rays;

@@ -37,6 +37,18 @@ TEST(Accel, EmbreeAgreesWithBruteForce) {
       }
 }
 
+TEST(Accel, EmbreeAgreesOnRaysOfAnyTime) {
+  for (const bool one_sided : {false, true}) {
+    const Scene scene = testing::moving_scene(one_sided);
+    const RayBatch rays = testing::at_any_time(awkward_rays(scene, 10003, 4));
+    const auto oracle = build(scene, {.kind = AccelKind::none}, one_sided);
+    const Disagreement d =
+        disagreement(*oracle, *build(scene, {.kind = AccelKind::embree}, one_sided), rays, false);
+    EXPECT_LE(d.closest, 10u) << "one-sided " << one_sided;
+    EXPECT_LE(d.occluded, 10u) << "one-sided " << one_sided;
+  }
+}
+
 TEST(Accel, AgreeOnTheStandardScenes) {
   const auto paths = testing::shared_scenes();
   if (paths.empty()) GTEST_SKIP() << "the shared scenes are not here";

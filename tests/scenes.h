@@ -106,4 +106,26 @@ inline Scene random_scene(int count, uint32_t seed, float scale = 1, Vec3f shift
   return scene;
 }
 
+/// random_scene() with spheres and triangles that move, at times from 0 to 1.
+inline Scene moving_scene(uint32_t seed) {
+  Scene scene = random_scene(120, seed);
+  std::mt19937 rng(seed);
+  std::uniform_real_distribution<float> place(-2, 2);
+  const auto point = [&] {
+    const float x = place(rng), y = place(rng), z = place(rng);
+    return Vec3f(x, y, z);
+  };
+  for (int i = 0; i < 60; ++i) {
+    const Vec3f at = point(), to = at + point() * 0.5f;
+    const float begin = float(i % 3) * 0.25f;
+    scene.moving_spheres.push_back({at, to, 0.1f + 0.02f * float(i % 7), begin, begin + 0.5f});
+    scene.moving_sphere_materials.push_back(MaterialId(i % 2));
+    const Vec3f u = point() * 0.3f, v = point() * 0.3f;
+    scene.moving_triangles.push_back(
+        {{at, at + u, at + v}, {to, to + u, to + v * 1.5f}, begin, begin + 0.5f});
+    scene.moving_triangle_materials.push_back(MaterialId(i % 2));
+  }
+  return scene;
+}
+
 }  // namespace raio::testing

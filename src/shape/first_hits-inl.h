@@ -49,6 +49,22 @@ struct FirstHits {
   hn::Vec<Floats> t;
 };
 
+// To float as a cast does: too large becomes infinite. Where there are no instructions for vectors,
+// Highway's own makes it the largest float, which would be nearer than the end of an endless ray.
+template <class F, class V>
+HWY_INLINE hn::Vec<F> narrowed(F f, V x) {
+#if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128
+  const hn::Rebind<double, F> wide;
+  double from[hn::MaxLanes(F())];
+  float to[hn::MaxLanes(F())];
+  hn::StoreU(x, wide, from);
+  for (size_t i = 0; i < hn::Lanes(f); ++i) to[i] = float(from[i]);
+  return hn::LoadU(f, to);
+#else
+  return hn::DemoteTo(f, x);
+#endif
+}
+
 // Of two places on each ray, where the masks say that there are any, the first in front of it.
 template <class D, class V = hn::Vec<D>, class M = hn::Mask<D>>
 HWY_INLINE FirstHits<D> first_of(D tag, M in0, V t0, M in1, V t1) {
@@ -57,7 +73,7 @@ HWY_INLINE FirstHits<D> first_of(D tag, M in0, V t0, M in1, V t1) {
   const auto narrow = [&](M m) HWY_ATTR {
     return hn::Ne(hn::DemoteTo(f, hn::IfThenElseZero(m, hn::Set(tag, 1.0))), none);
   };
-  const auto near = hn::DemoteTo(f, t0), far = hn::DemoteTo(f, t1);
+  const auto near = narrowed(f, t0), far = narrowed(f, t1);
   const auto hit0 = hn::And(narrow(in0), hn::Gt(near, none));
   const auto hit1 = hn::And(narrow(in1), hn::Gt(far, none));
   return {hn::Or(hit0, hit1), hn::IfThenElse(hit0, near, far)};

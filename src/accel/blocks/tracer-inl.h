@@ -146,7 +146,7 @@ class Tracer {
       const VD height =
           dot(wide, normal[0], normal[1], normal[2], to_plane[0], to_plane[1], to_plane[2]);
       // For a parallel ray infinite or not a number, neither of which is nearer than anything.
-      const auto t = hn::DemoteTo(f, hn::Div(height, along));
+      const auto t = narrowed(f, hn::Div(height, along));
       const auto best = hn::Load(f, b.t + i);
       // Planes have the lowest ids of all, and come in their order: the first stays.
       const auto taken = hn::And(hn::Gt(t, hn::Zero(f)), hn::Lt(t, best));
