@@ -38,7 +38,8 @@ constexpr std::array<std::string_view, kRegionNames.size()> kCauses = {
     "reflected and refracted rays: their parts, depth, and clamping",
     "the places and sizes of lights, or the number of samples",
     "shadow rays that start inside or end beyond the light; ambient light",
-    "the model of light: diffuse part, highlights, intensities; where B is much darker, shadow rays "
+    "the model of light: diffuse part, highlights, intensities; where B is much darker, shadow "
+    "rays "
     "that start inside or end beyond the light",
 };
 

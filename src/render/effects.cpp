@@ -94,8 +94,7 @@ RenderOptions with_effect(RenderOptions o, Effect effect, bool on, const Scene& 
       switch_motion(o, on, scene);
       break;
     case Effect::structure:
-      if (on != is_on(effect, o, scene))
-        o.accel = {.kind = on ? AccelKind::bvh : AccelKind::none};
+      if (on != is_on(effect, o, scene)) o.accel = {.kind = on ? AccelKind::bvh : AccelKind::none};
       break;
   }
   return o;
