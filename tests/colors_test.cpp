@@ -22,9 +22,12 @@ Image picture(const Scene& scene, AccelKind kind) {
   return testing::picture_of(scene, options);
 }
 
-/// rich_scene() with a material of nothing, bright enough to decide the unit of the film.
+/// rich_scene() with a material of nothing, bright enough to decide the unit of the film; without
+/// what materials and triangles have no words for.
 Scene scene_of_one_unit(uint32_t seed) {
   Scene scene = rich_scene(seed);
+  for_each_pool([&](auto pool) { (scene.*pool.opacity).clear(); });
+  for (Mesh& mesh : scene.meshes) mesh.colors.clear();
   scene.add_material({Rgb(2), 1, 1, 1, 0, 1});
   return scene;
 }
@@ -60,6 +63,27 @@ TEST(Colors, EachKindHasItsOwn) {
   };
   changes(&Scene::plane_colors), changes(&Scene::sphere_colors), changes(&Scene::cone_colors);
   changes(&Scene::triangle_colors), changes(&Scene::polygon_colors);
+}
+
+TEST(Colors, ThoseOfVerticesAreInterpolated) {
+  Scene scene;
+  scene.camera.from = {0, 0, 10}, scene.camera.at = {0, 0, 0}, scene.camera.up = {0, 1, 0};
+  scene.camera.fov_deg = 0.01f;
+  scene.lights = {{{0, 0, 1000}, Rgb(1), {}}};
+  scene.materials = {{.color = {1, 1, 0.5f}, .kd = 1}};
+  Mesh mesh;
+  mesh.positions = {{-1, -1, 0}, {3, -1, 0}, {-1, 3, 0}};  // weights 1/2, 1/4, 1/4 at the middle
+  mesh.colors = {Rgb(1, 0, 0), Rgb(0, 1, 0), Rgb(0, 0, 2)};
+  mesh.triangles = {{0, 1, 2}};
+  mesh.materials = {0};
+  scene.meshes.push_back(mesh);
+  ASSERT_TRUE(validate(scene).empty());
+  RenderOptions options;
+  options.width = options.height = 1;
+  const Rgb seen = testing::expect_one_picture(scene, options).pixels[0];
+  EXPECT_NEAR(seen.x, 0.5, 1e-4);
+  EXPECT_NEAR(seen.y, 0.25, 1e-4);
+  EXPECT_NEAR(seen.z, 0.25, 1e-4);
 }
 
 TEST(Colors, ColorsOfTheMaterialsChangeNothing) {

@@ -145,7 +145,7 @@ TEST(Library, ColoursTakeThePlaceOfTheMaterials) {
   // Those before and after without colours keep that of their material.
   add_balls(colored, {all[0], all[1]});
   raio::Look look = 1;
-  const Floats colors = {1, 0, 0, 0, 0.5f, 1}, opacity = {0.5f, 1};
+  const Floats colors = {1, 0, 0, 0, 0.5f, 1}, opacity = {1, 1};
   look.colors = {colors.data(), 2};
   look.opacity = {opacity.data(), 2};
   add_balls(colored, {all[2], all[3]}, nullptr, look);
@@ -158,6 +158,14 @@ TEST(Library, ColoursTakeThePlaceOfTheMaterials) {
   add_balls(materials, {all[3]}, nullptr, blue);
   add_balls(materials, {all[4], all[5]});
   EXPECT_EQ(picture(colored), picture(materials));
+  // And opacity shows.
+  raio::Scene clear = stage();
+  const Floats half = {0.5f, 1};
+  look.opacity = {half.data(), 2};
+  add_balls(clear, {all[0], all[1]});
+  add_balls(clear, {all[2], all[3]}, nullptr, look);
+  add_balls(clear, {all[4], all[5]});
+  EXPECT_NE(picture(clear), picture(materials));
 }
 
 // All kinds, from arrays that can be read in place if `keep` is given.

@@ -151,18 +151,6 @@ TEST(Scene, ObjectsAreFoundByTheirRanges) {
   EXPECT_EQ(object_of(Scene(), PoolKind::plane, 0), 0u);
 }
 
-TEST(Scene, WhatIsNotShownIsSaid) {
-  EXPECT_EQ(unrendered(random_scene(20, 1)), "");
-  Scene s = random_scene(20, 1);
-  s.sphere_opacity.assign(s.spheres.size(), 1);
-  EXPECT_EQ(unrendered(s), "");
-  s.sphere_opacity[0] = 0.5f;
-  EXPECT_EQ(unrendered(s), "opacity of 1 sphere");
-  s.sphere_opacity[1] = 0;
-  s.meshes = rich_scene().meshes;
-  EXPECT_EQ(unrendered(s), "opacity of 2 spheres, colours of the vertices of 1 mesh");
-}
-
 TEST(Scene, ASoundSceneHasNoProblem) { EXPECT_THAT(validate(sample()), IsEmpty()); }
 
 struct Fault {

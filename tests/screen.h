@@ -19,7 +19,7 @@
 
 namespace raio::view {
 
-inline constexpr float kWidth = 420, kHeight = 2700;
+inline constexpr float kWidth = 420, kHeight = 3000;
 
 inline ViewState state_of_three() {
   Scene s;

@@ -32,6 +32,8 @@ struct AccelOptions {
   // long.
   bool counters = false;
 
+  float opacity = 1;  // of what has none of its own, by itself or by its material
+
   friend bool operator==(const AccelOptions&, const AccelOptions&) = default;
 };
 
@@ -135,18 +137,33 @@ struct AccelBox {
 /// Instead of a level: those boxes below which there are no others.
 inline constexpr int kLeafBoxes = -1;
 
+struct Bvh;  // accel/bvh/bvh.h
+
 /// Immutable once built; any number of threads may trace at the same time.
 class Accel {
  public:
-  virtual ~Accel() = default;
+  virtual ~Accel();
   Accel(const Accel&) = delete;
   Accel& operator=(const Accel&) = delete;
 
-  /// The nearest hit of each ray with 0 < t < tmax.
+  /// The nearest hit of each ray with 0 < t < tmax on what is opaque (Geometry::is_opaque()).
   virtual void closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const = 0;
 
-  /// Is there any hit with 0 < t < tmax? 1 or 0 per ray; `hit` has room for padded(rays.size()).
+  /// Is there any such hit? 1 or 0 per ray; `hit` has room for padded(rays.size()).
   virtual void occluded(const RayBatch& rays, uint8_t* hit, TraceContext& context) const = 0;
+
+  /// A ray meets each clear primitive once, where it first hits it. The hit of this kind with
+  /// 0 < t < tmax that comes next behind element i of `after`, which may have t = 0; of equally
+  /// near ones that of the lowest id is first. No hit where there are no more.
+  void next_clear(const RayBatch& rays, const HitBatch& after, HitBatch& hits,
+                  TraceContext& context) const;
+  /// The sum of the optical depths of all those hits, at most kMostDepth; 0 of rays for which
+  /// `stopped` is not 0, if it is there.
+  void clear_depths(const RayBatch& rays, const uint8_t* stopped, uint32_t* depths,
+                    TraceContext& context) const;
+  /// Builds the tree by which these two find hits, whatever the structure of what is opaque;
+  /// without it they try all primitives. The error is one line: memory that would not suffice.
+  std::optional<std::string> build_clear();
 
   /// What a ray does on its own, step by step, to find its nearest hit, or any hit: the tests and
   /// steps that are counted for it, one by one. Nothing where the structure cannot tell: Embree,
@@ -163,8 +180,11 @@ class Accel {
   const Geometry& geometry() const { return geometry_; }
 
  protected:
-  explicit Accel(Geometry geometry) : geometry_(std::move(geometry)) {}
+  explicit Accel(Geometry geometry);
   Geometry geometry_;
+
+ private:
+  std::unique_ptr<const Bvh> clear_;
 };
 
 /// Bakes the scene, which must outlive the result, and builds the structure that `options` ask for

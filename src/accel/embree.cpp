@@ -127,6 +127,12 @@ class Embree final : public Accel {
     call<kEmbree, rtcReleaseGeometry>(geometry);
   }
 
+  // What is clear is not in Embree's scene, which leaves out what is no number.
+  static constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  bool is_here(PrimitiveKind kind, uint32_t i) const {
+    return geometry_.is_opaque(primitive_id(kind, i));
+  }
+
   void add_spheres() {
     const size_t n = geometry_.count(PrimitiveKind::sphere);
     if (n == 0) return;
@@ -135,7 +141,8 @@ class Embree final : public Accel {
         g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, 16, n));
     if (!out) return call<kEmbree, rtcReleaseGeometry>(g);
     for (uint32_t i = 0; i < n; ++i) {
-      const Sphere s = geometry_.sphere(i);
+      Sphere s = geometry_.sphere(i);
+      if (!is_here(PrimitiveKind::sphere, i)) s.center = Vec3f(kNan);
       *out++ = s.center.x, *out++ = s.center.y, *out++ = s.center.z, *out++ = s.radius;
     }
     filter_sides(g, PrimitiveKind::sphere);
@@ -152,7 +159,8 @@ class Embree final : public Accel {
         g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, n));
     if (!out || !index) return call<kEmbree, rtcReleaseGeometry>(g);
     for (uint32_t i = 0; i < n; ++i) {
-      const Triangle t = geometry_.triangle(i);
+      Triangle t = geometry_.triangle(i);
+      if (!is_here(PrimitiveKind::triangle, i)) t.a = t.b = t.c = Vec3f(kNan);
       for (const Vec3f& corner : {t.a, t.b, t.c})
         *out++ = corner.x, *out++ = corner.y, *out++ = corner.z;
       for (uint32_t k = 0; k < 3; ++k) *index++ = 3 * i + k;
@@ -200,7 +208,8 @@ class Embree final : public Accel {
   template <PrimitiveKind kind>
   static void own_bounds(const RTCBoundsFunctionArguments* args) {
     const auto& self = *static_cast<const Embree*>(args->geometryUserPtr);
-    const Box3f b = bounds(self.geometry_.get<kind>(args->primID));
+    Box3f b = bounds(self.geometry_.get<kind>(args->primID));
+    if (!self.is_here(kind, args->primID)) b = {Vec3f(kNan), Vec3f(kNan)};
     *args->bounds_o = {b.lo.x, b.lo.y, b.lo.z, 0, b.hi.x, b.hi.y, b.hi.z, 0};
   }
 
@@ -259,7 +268,7 @@ class Embree final : public Accel {
   RayQuery nearest_plane(const Ray& ray) const {
     RayQuery query(ray);
     for (uint32_t i = 0; i < geometry_.count(PrimitiveKind::plane); ++i)
-      test<PrimitiveKind::plane>(geometry_, i, query);
+      if (is_here(PrimitiveKind::plane, i)) test<PrimitiveKind::plane>(geometry_, i, query);
     return query;
   }
 

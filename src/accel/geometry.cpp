@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 
+#include "base/exact_math.h"
 #include "base/parallel.h"
 #include "shape/polygon.h"
 
@@ -47,10 +49,27 @@ void add_polygon(const Scene& s, size_t i, size_t source, Pieces& out) {
 
 }  // namespace
 
-Geometry::Geometry(const Scene& scene, bool one_sided, bool with_sources)
-    : scene_(&scene), with_sources_(with_sources), any_colors_(raio::any_colors(scene)) {
+uint32_t depth_of_opacity(float opacity) {
+  const double passes = 1 - double(opacity);
+  if (!(passes > 0)) return kOpaque;
+  return uint32_t(std::lround(-exact_log2(std::min(passes, 1.0)) * kHalving));
+}
+
+float passed(uint32_t depth) {
+  // Less than a film can tell from nothing.
+  if (depth >= 40 * kHalving) return 0;
+  return float(exact_exp2(-double(depth) / kHalving));
+}
+
+Geometry::Geometry(const Scene& scene, bool one_sided, bool with_sources, float opacity)
+    : scene_(&scene),
+      with_sources_(with_sources),
+      any_colors_(raio::any_colors(scene)),
+      any_clear_(opacity < 1 || raio::any_clear(scene)),
+      opacity_(opacity) {
   bake_triangles();
   bake_colors();
+  if (any_clear_) bake_depths();
   for_each_kind([&]<PrimitiveKind kind> {
     if constexpr (kKeepsBaked<kind>) {
       const auto& shapes = scene.*kPoolOf<PrimitiveType<kind>>.shapes;
@@ -67,7 +86,8 @@ double Geometry::bytes_to_bake(const Scene& s) {
   double joined = 0;  // what meshes have is copied, and with it what the scene has of the kind
   for (const Mesh& mesh : s.meshes) {
     triangles += double(mesh.triangles.size());
-    joined += double(mesh.positions.size() + mesh.normals.size()) * sizeof(Vec3f);
+    // With vertex colours, which any mesh may have.
+    joined += double(2 * mesh.positions.size() + mesh.normals.size()) * sizeof(Vec3f);
   }
   if (!s.meshes.empty())
     joined += double(s.positions.size() + s.normals.size()) * sizeof(Vec3f) +
@@ -82,7 +102,9 @@ double Geometry::bytes_to_bake(const Scene& s) {
       baked += double((s.*kPoolOf<PrimitiveType<kind>>.shapes).size()) * sizeof(Baked<kind>);
   });
   return joined + triangles * sizeof(Facet) + baked + 2 * piece * pieces +
-         double(s.primitive_count()) * sizeof(Sides);
+         double(s.primitive_count()) *
+             (sizeof(Sides) +
+              (raio::any_clear(s) ? sizeof(uint32_t) + 2 * sizeof(PrimitiveId) : 0));
 }
 
 // Triangles without area are left out, since no ray can hit one.
@@ -136,6 +158,15 @@ void Geometry::join_meshes() {
       place(mesh.normal_indices.empty() ? mesh.triangles : mesh.normal_indices,
             own_vertex_normals_.size(), own_normals_);
     append(own_positions_, mesh.positions), append(own_vertex_normals_, mesh.normals);
+  }
+  if (std::ranges::any_of(s.meshes, [](const Mesh& mesh) { return !mesh.colors.empty(); })) {
+    own_vertex_colors_.reserve(positions);
+    own_vertex_colors_.resize(s.positions.size(), Rgb(1));
+    for (const Mesh& mesh : s.meshes) {
+      own_vertex_colors_.insert(own_vertex_colors_.end(), mesh.colors.begin(), mesh.colors.end());
+      if (mesh.colors.empty())
+        own_vertex_colors_.insert(own_vertex_colors_.end(), mesh.positions.size(), Rgb(1));
+    }
   }
   positions_ = own_positions_, normals_ = own_vertex_normals_;
   triangles_ = own_triangles_, triangle_normals_ = own_normals_;
@@ -213,6 +244,64 @@ void Geometry::bake_colors() {
   triangle_colors_ = own_colors_;
 }
 
+// Of a triangle with an area, or of a piece of a polygon.
+float Geometry::triangle_opacity(size_t i) const {
+  const Scene& s = *scene_;
+  const size_t source = source_of(uint32_t(i)), polygons = count_of_triangles();
+  if (source < s.triangle_opacity.size()) return s.triangle_opacity[source];
+  if (source >= polygons && !s.polygon_opacity.empty()) return s.polygon_opacity[source - polygons];
+  return opacity_of(facets_[i].material);
+}
+
+// Of what has none of its own.
+float Geometry::opacity_of(MaterialId id) const {
+  const Array<float>& opacity = scene_->material_opacity;
+  return opacity.empty() || opacity[id] == 1 ? opacity_ : opacity[id];
+}
+
+void Geometry::bake_depths() {
+  const Scene& s = *scene_;
+  for_each_kind([&]<PrimitiveKind kind> {
+    const auto opacity = [&](size_t i) {
+      if constexpr (kind == PrimitiveKind::triangle) {
+        return triangle_opacity(i);
+      } else {
+        const Array<float>& own = s.*kPoolOf<PrimitiveType<kind>>.opacity;
+        if (!own.empty()) return own[i];
+        return opacity_of(material_of(primitive_id(kind, uint32_t(i))));
+      }
+    };
+    std::atomic<bool> any = false;
+    for_chunks(count(kind), [&](size_t, size_t first, size_t end) {
+      bool here = false;
+      for (size_t i = first; i < end; ++i) here |= opacity(i) < 1;
+      if (here) any.store(true, std::memory_order_relaxed);
+    });
+    if (!any) return;
+    Column<uint32_t>& depths = depths_[size_t(kind)];
+    depths.resize(count(kind));
+    for_each_index(depths.size(), [&](size_t i) { depths[i] = depth_of_opacity(opacity(i)); });
+  });
+}
+
+template <class Wanted>
+std::vector<PrimitiveId> Geometry::list(const Wanted& wanted) const {
+  std::vector<PrimitiveId> out;
+  for_each_bounded_kind([&]<PrimitiveKind kind> {
+    for (uint32_t i = 0; i < count(kind); ++i)
+      if (const PrimitiveId id = primitive_id(kind, i); wanted(depth_of(id))) out.push_back(id);
+  });
+  return out;
+}
+
+std::vector<PrimitiveId> Geometry::list_clear() const {
+  return list([](uint32_t depth) { return depth != kOpaque && depth > 0; });
+}
+
+std::vector<PrimitiveId> Geometry::list_opaque() const {
+  return list([](uint32_t depth) { return depth == kOpaque; });
+}
+
 std::span<const Rgb> Geometry::colors(PrimitiveKind kind) const {
   return with_kind(kind, [&]<PrimitiveKind k>() -> std::span<const Rgb> {
     if constexpr (k == PrimitiveKind::triangle)
@@ -251,7 +340,8 @@ void Geometry::list_sides(bool one_sided) {
     if constexpr (!kIsTriangle)
       inside_only = only_inside_seen((s.*kPoolOf<PrimitiveType<kind>>.shapes)[i]);
     const MaterialId material = material_of(primitive_id(kind, uint32_t(i)));
-    const bool opaque = s.materials[material].transmission == 0;
+    const bool opaque =
+        s.materials[material].transmission == 0 && is_opaque(primitive_id(kind, uint32_t(i)));
     return inside_only ? Sides::inside : one_sided && opaque ? Sides::outside : Sides::both;
   };
   std::atomic<bool> any = false;
@@ -298,11 +388,13 @@ Box3f Geometry::bounds(PrimitiveId id) const {
 size_t Geometry::bytes() const {
   size_t sum = column_bytes(own_triangles_) + column_bytes(own_normals_) + column_bytes(facets_) +
                column_bytes(own_positions_) + column_bytes(own_vertex_normals_) +
-               column_bytes(sources_) + column_bytes(own_colors_);
+               column_bytes(sources_) + column_bytes(own_colors_) +
+               column_bytes(own_vertex_colors_);
   for_each_kind([&]<PrimitiveKind kind> {
     if constexpr (kKeepsBaked<kind>) sum += column_bytes(std::get<size_t(kind)>(baked_));
   });
   for (const auto& s : sides_) sum += column_bytes(s);
+  for (const auto& depths : depths_) sum += column_bytes(depths);
   return sum;
 }
 

@@ -33,6 +33,14 @@ struct Facet {
   MaterialId material = 0;
 };
 
+/// The optical depth of an opacity a: light that passes a depth of n is 2^(-n / kHalving) of what
+/// it was, 1 - a. Depths are whole numbers, so that it does not matter in which order they are
+/// added; a sum counts up to kMostDepth, where nothing is left.
+inline constexpr uint32_t kHalving = 1u << 20, kMostDepth = 64 * kHalving, kOpaque = 0xffffffffu;
+uint32_t depth_of_opacity(float opacity);
+/// The part of the light that passes.
+float passed(uint32_t depth);
+
 /// What tracing wants of a kind, as the kind's bake() returns it. Where that is a type of its own,
 /// it is worked out once and kept, else made of the scene's own pool each time.
 template <PrimitiveKind kind>
@@ -52,8 +60,10 @@ struct BakedColumnsOf<std::index_sequence<k...>> {
 class Geometry {
  public:
   /// `scene` must outlive the result. With `one_sided`, opaque surfaces are seen from outside only,
-  /// as the NFF text has it. `with_sources`: source_of() will be asked.
-  explicit Geometry(const Scene& scene, bool one_sided = false, bool with_sources = false);
+  /// as the NFF text has it. `with_sources`: source_of() will be asked. `opacity`: of what has
+  /// none.
+  explicit Geometry(const Scene& scene, bool one_sided = false, bool with_sources = false,
+                    float opacity = 1);
   Geometry(Geometry&&) = default;
 
   const Scene& scene() const { return *scene_; }
@@ -107,6 +117,22 @@ class Geometry {
   /// A colour for each item of the kind, or empty: those of the materials count for all of them.
   std::span<const Rgb> colors(PrimitiveKind kind) const;
   bool any_colors() const { return any_colors_; }
+  /// Of positions(), each multiplied into the colours of its triangles; or empty.
+  std::span<const Rgb> vertex_colors() const { return own_vertex_colors_; }
+
+  /// The optical depth of an item; kOpaque where nothing passes.
+  uint32_t depth_of(PrimitiveId id) const {
+    const auto& depths = depths_[size_t(primitive_kind(id))];
+    return depths.empty() ? kOpaque : depths[primitive_index(id)];
+  }
+  bool is_opaque(PrimitiveId id) const { return depth_of(id) == kOpaque; }
+  /// Are all of the kind?
+  bool all_opaque(PrimitiveKind kind) const { return depths_[size_t(kind)].empty(); }
+  /// Those of bounded kinds that let some of the light pass and keep some back; those that are
+  /// opaque, where not all are. In the order of their ids.
+  std::vector<PrimitiveId> list_clear() const;
+  std::vector<PrimitiveId> list_opaque() const;
+  bool any_clear() const { return any_clear_; }
 
   /// Where a triangle comes from: its number among the scene's own triangles, those of meshes and
   /// the polygons, in this order.
@@ -133,17 +159,24 @@ class Geometry {
   MaterialId triangle_material(size_t i) const;
   void bake_polygons();
   void bake_colors();
+  void bake_depths();
+  float triangle_opacity(size_t i) const;
+  float opacity_of(MaterialId id) const;
+  template <class Wanted>
+  std::vector<PrimitiveId> list(const Wanted& wanted) const;
   bool wants_sources() const {
-    return with_sources_ || any_colors_ || !scene_->object_ranges.empty();
+    return with_sources_ || any_colors_ || any_clear_ || !scene_->object_ranges.empty();
   }
   template <PrimitiveKind kind>
   void list_sides(bool one_sided);
 
   const Scene* scene_;
-  bool with_sources_ = false, any_colors_ = false;
+  bool with_sources_ = false, any_colors_ = false, any_clear_ = false;
+  float opacity_ = 1;
   // The scene's own where it has no meshes, else those below.
   std::span<const Vec3f> positions_, normals_;
   Column<Vec3f> own_positions_, own_vertex_normals_;
+  Column<Rgb> own_vertex_colors_;
   // The scene's own where every primitive is a triangle with an area, else those below.
   std::span<const TriangleIndices> triangles_, triangle_normals_;
   Column<TriangleIndices> own_triangles_, own_normals_;
@@ -155,7 +188,8 @@ class Geometry {
   Column<Rgb> own_colors_;
   Column<Facet> facets_;
   BakedColumnsOf<>::type baked_;
-  std::array<Column<Sides>, kPrimitiveKinds> sides_;  // empty: both sides of all
+  std::array<Column<Sides>, kPrimitiveKinds> sides_;      // empty: both sides of all
+  std::array<Column<uint32_t>, kPrimitiveKinds> depths_;  // empty: all are opaque
 };
 
 }  // namespace raio

@@ -24,6 +24,7 @@ class None final : public Accel {
     bool done = false;
     for_each_kind([&]<PrimitiveKind kind> {
       for (uint32_t i = 0; i < geometry_.count(kind) && !done; ++i) {
+        if (!geometry_.is_opaque(primitive_id(kind, i))) continue;
         RayQuery alone(ray);
         const bool hit = test<kind>(geometry_, i, alone);
         hit ? log.add_test(primitive_id(kind, i)) : void(++log.unlisted);
@@ -51,7 +52,12 @@ class None final : public Accel {
   bool all_of(RayQuery& query, TraceContext& context) const {
     const uint32_t n = uint32_t(geometry_.count(kind));
     uint32_t i = 0;
-    while (i < n && !(test<kind>(geometry_, i, query) && any)) ++i;
+    if (geometry_.all_opaque(kind)) {
+      while (i < n && !(test<kind>(geometry_, i, query) && any)) ++i;
+    } else {
+      const auto opaque = [&](uint32_t k) { return geometry_.is_opaque(primitive_id(kind, k)); };
+      while (i < n && !(opaque(i) && test<kind>(geometry_, i, query) && any)) ++i;
+    }
     if (counters_) context.tests += std::min(i + 1, n);
     return any && i < n;
   }

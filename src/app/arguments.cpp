@@ -1,6 +1,7 @@
 #include "app/arguments.h"
 
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <variant>
 
@@ -26,8 +27,65 @@ void add_file(CLI::App& app, const std::string& name, std::string& path, const s
 }
 
 void add_scene(CLI::App& app, std::string& path) {
-  add_file(app, "scene", path, "Scene file: NFF, P3F or .raio; - is standard input", "SCENE");
+  add_file(app, "scene", path,
+           "Scene file: NFF, P3F, .raio, PDB, CIF, XYZ or PLY; - is standard input", "SCENE");
   app.get_option("scene")->required();
+}
+
+void add_read_options(CLI::App& app, ReadOptions& options) {
+  static const std::map<std::string, AtomStyle> kStyles = {
+      {"space-filling", AtomStyle::space_filling},
+      {"ball-and-stick", AtomStyle::ball_and_stick},
+      {"sticks", AtomStyle::sticks},
+      {"points", AtomStyle::points}};
+  const auto word = [&](const std::string& name, const auto& take, const std::string& help,
+                        const std::string& value_name) {
+    app.add_option_function<std::string>(name, take, help)
+        ->type_name(value_name)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+  };
+  word(
+      "--style",
+      [&options](const std::string& text) {
+        const auto style = kStyles.find(text);
+        if (style == kStyles.end())
+          throw CLI::ValidationError(
+              "--style",
+              fmt::format("expected space-filling, ball-and-stick, sticks or points, found '{}'",
+                          text));
+        options.style = style->second;
+      },
+      "Draw atoms so: space-filling, ball-and-stick, sticks or points (default: space-filling; "
+      "ball-and-stick for up to 300 atoms)",
+      "NAME");
+  word(
+      "--color-by", [&options](const std::string& text) { options.color_by = text; },
+      "Colour atoms by element, chain, residue, index, bfactor or occupancy (default: element)",
+      "NAME");
+  word(
+      "--colormap", [&options](const std::string& text) { options.colormap = text; },
+      "Colours of numbers: viridis, plasma, cividis or coolwarm (default: viridis)", "NAME");
+  add_number(app, "--radius", options.radius, 1e-30f, 1e30f,
+             "Radius of points that have none, and of atoms, in scene units (default: half of the "
+             "points' spacing; the elements' radii)",
+             "R");
+  word(
+      "--assembly",
+      [&options](const std::string& text) {
+        int number = 0;
+        const char* const end = text.data() + text.size();
+        const auto [stop, error] = std::from_chars(text.data(), end, number);
+        if (text != "none" && (error != std::errc() || stop != end || number < 1))
+          throw CLI::ValidationError(
+              "--assembly", fmt::format("expected a number from 1, or none, found '{}'", text));
+        options.assembly = number;
+      },
+      "Biological assembly of a molecule (default: 1 where there is one, for space-filling)",
+      "N|none");
+  add_number(app, "--frame", options.frame, -1'000'000'000, 1'000'000'000,
+             "Frame of a trajectory or model of a molecule, from 0; negative from the end "
+             "(default: 0)",
+             "N");
 }
 
 std::string examples(std::initializer_list<std::string_view> lines) {

@@ -14,6 +14,7 @@
 #include "app/commands.h"
 #include "app/output.h"
 #include "base/parallel.h"
+#include "io/read_scene.h"
 #include "render/options.h"
 
 namespace raio::app {
@@ -26,6 +27,9 @@ void add_file(CLI::App& app, const std::string& name, std::string& path, const s
 
 /// The file that a command is about.
 void add_scene(CLI::App& app, std::string& path);
+
+/// What files of atoms, points and meshes leave open.
+void add_read_options(CLI::App& app, ReadOptions& options);
 
 /// A number from `least` to `most`.
 template <class T>

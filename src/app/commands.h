@@ -63,6 +63,7 @@ int run(const BenchCommand& command);
 struct InfoCommand {
   std::string scene;
   bool json = false;
+  ReadOptions read = {};
 };
 int run(const InfoCommand& command);
 
@@ -92,6 +93,7 @@ int run(const ExportCommand& command);
 
 struct ConvertCommand {
   std::string input, output;
+  ReadOptions read = {};
 };
 int run(const ConvertCommand& command);
 

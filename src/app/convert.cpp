@@ -13,7 +13,7 @@ int run(const ConvertCommand& command) {
   if (!format) return fail(format.error());
   if (const auto writable = check_writable(command.output); !writable)
     return fail(writable.error());
-  const auto scene = load_scene(command.input);
+  const auto scene = load_scene(command.input, false, nullptr, command.read);
   if (!scene) return scene.error();
 
   if (const std::string lost = not_kept(*scene, *format); !lost.empty())

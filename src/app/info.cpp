@@ -16,7 +16,7 @@ namespace raio::app {
 
 namespace {
 
-constexpr std::string_view kDialectNames[] = {"nff", "p3f"};
+constexpr std::string_view kDialectNames[] = {"nff", "p3f", "data"};
 
 Json json_of(Vec3d v) { return Json::array({v.x, v.y, v.z}); }
 
@@ -176,7 +176,7 @@ void add_warnings(const InfoCommand& command, ReadScene& read) {
 int run(const InfoCommand& command) {
   const StopOnSignal stop;
   // Not load_scene: the warnings are part of what is asked for.
-  auto read = read_scene(command.scene);
+  auto read = read_scene(command.scene, command.read);
   if (read) add_warnings(command, *read);
   for (const Diagnostic& d : read ? read->warnings : read.error()) print_line(d.text("--"));
   if (!read) return kBadInput;

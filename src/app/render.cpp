@@ -149,8 +149,6 @@ class Pictures {
   void warn(const std::string& what) const { print_line("raio: warning: " + about_ + what); }
 
   void print_warnings(const RenderJob& job) const {
-    if (const std::string what = unrendered(job.scene()); !what.empty())
-      warn("not shown yet: " + what);
     for (const std::string& line : warning_lines(job.scene(), job.settings(), &job.accel()))
       warn(line);
   }

@@ -81,8 +81,9 @@ void print_diagnostics(const Diagnostics& said) {
   for (const Diagnostic& d : said) print_line(d.text("--"));
 }
 
-std::expected<Scene, int> load_scene(const std::string& path, bool quiet, Diagnostics* warnings) {
-  auto result = read_scene(path);
+std::expected<Scene, int> load_scene(const std::string& path, bool quiet, Diagnostics* warnings,
+                                     const ReadOptions& options) {
+  auto result = read_scene(path, options);
   if (!result) {
     print_diagnostics(result.error());
     const bool machine = result.error().front().message == kNoMemory;

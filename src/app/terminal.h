@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "base/parallel.h"
-#include "io/diagnostics.h"
+#include "io/read_scene.h"
 #include "render/render.h"
 #include "scene/scene.h"
 
@@ -29,7 +29,8 @@ void print_diagnostics(const Diagnostics& said);
 /// Reads a scene file and prints its diagnostics, of which `warnings` gets the warnings, too; on
 /// failure the exit status.
 std::expected<Scene, int> load_scene(const std::string& path, bool quiet = false,
-                                     Diagnostics* warnings = nullptr);
+                                     Diagnostics* warnings = nullptr,
+                                     const ReadOptions& options = {});
 
 /// While it lives, Ctrl-C (also SIGTERM, and SIGHUP of a closed terminal) asks the command to end,
 /// by `stop` of the control if there is one. If it does not soon, or at the second Ctrl-C, the

@@ -139,8 +139,10 @@ class PhongShading {
     w.counts().shadow += lit;
     const uint8_t* const hidden = w.occluded();
     if constexpr (W::kRecords) w.recorder().shadow_rays(w.rays(), rays, hidden, l, n);
-    const V3 intensity = set3(d, emitter.intensity);
+    V3 intensity = set3(d, emitter.intensity);
     for (size_t i = 0; i < n; i += kWidth) {
+      if (const float* const shares = w.shares())
+        intensity = set3(d, emitter.intensity) * hn::LoadU(d, shares + i);
       const M facing = hn::And(hn::FirstN(d, n - i), hn::Gt(load(rays.tmax, i), zero));
       const auto stopped = hn::PromoteTo(du, hn::LoadU(hn::Rebind<uint8_t, DU>(), hidden + i));
       const M seen = hn::And(facing, hn::RebindMask(d, hn::Eq(stopped, hn::Zero(du))));

@@ -34,14 +34,12 @@ std::unique_ptr<TileRenderer> make_classic_renderer(const PreparedScene& scene,
 double classic_bound(const Scene& scene, const RenderSettings& settings) {
   double light = 0.1;  // ambient
   for (const Light& l : scene.lights) light += l.color ? max_component(*l.color) : 1.0;
-  float own_color = 0;  // the brightest that takes the place of a material's
-  for_each_pool(scene, [&](PoolKind, auto&, auto&, const Array<Rgb>& colors, auto&) {
-    for (const Rgb& color : colors) own_color = std::max(own_color, max_component(color));
-  });
+  const float own_color = brightest_color(scene);  // may take the place of a material's
+  const float tint = brightest_tint(scene);
   double brightest = 0, gain = 0;
   for (size_t i = 0; i < scene.materials.size(); ++i) {
     const Material& m = scene.materials[i];
-    const float color = std::max(max_component(m.color), own_color);
+    const float color = std::max(max_component(m.color), own_color) * tint;
     const double mirrored = double(m.ks) * max_component(scene.specular_of(MaterialId(i)));
     brightest = std::max(brightest, light * (color * (1.0 + m.kd) + mirrored));
     const bool divides = settings.fresnel != Fresnel::none && m.transmission > 0;

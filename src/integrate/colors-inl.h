@@ -24,6 +24,24 @@ inline void look_up_colors(const Geometry& geometry, const HitBatch& hits, size_
   }
 }
 
+// Multiplies those of the vertices of triangles into it, likewise.
+inline void tint_by_vertices(const Geometry& geometry, const HitBatch& hits, size_t i,
+                             Floats3& color) {
+  const std::span<const Rgb> tints = geometry.vertex_colors();
+  for (size_t k = i; k < i + kWidth; ++k) {
+    const PrimitiveId item = hits.item[k];
+    const uint32_t index = primitive_index(item);
+    if (primitive_kind(item) != PrimitiveKind::triangle ||
+        index >= geometry.count(PrimitiveKind::triangle))
+      continue;
+    const TriangleIndices& at = geometry.corners(index);
+    const float u = hits.u[k], v = hits.v[k];
+    const Rgb tint = tints[at[0]] * (1 - u - v) + tints[at[1]] * u + tints[at[2]] * v;
+    color.x.at[k] *= std::max(tint.x, 0.0f), color.y.at[k] *= std::max(tint.y, 0.0f);
+    color.z.at[k] *= std::max(tint.z, 0.0f);
+  }
+}
+
 }  // namespace
 }  // namespace raio::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -190,6 +190,15 @@ namespace raio {
 std::expected<Explanation, Error> explain_sample(const Scene& scene, const Accel& accel,
                                                  const RenderSettings& settings, int x, int y,
                                                  uint32_t sample) {
+  const auto refuse = [](std::string_view option, std::string message) {
+    return std::unexpected(Error{ErrorKind::bad_option, std::string(option), std::move(message)});
+  };
+  if (settings.integrator == IntegratorKind::ambient)
+    return refuse(
+        "integrator",
+        "the rays of `integrator` ambient cannot be explained; give `integrator` classic");
+  if (accel.geometry().any_clear())
+    return refuse("", "rays through surfaces of an opacity below 1 cannot be explained yet");
   auto out = HWY_NAMESPACE::explain(scene, accel, settings, x, y, sample);
   if (out) return std::move(*out);
   return std::unexpected(Error{ErrorKind::no_resource, "",

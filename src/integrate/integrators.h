@@ -9,12 +9,14 @@
 
 namespace raio {
 
-enum class IntegratorKind : uint8_t { classic, views };
+enum class IntegratorKind : uint8_t { classic, views, ambient };
 
-inline constexpr std::array<std::string_view, 2> kIntegratorNames = {"classic", "views"};
+inline constexpr std::array<std::string_view, 3> kIntegratorNames = {"classic", "views", "ambient"};
 inline constexpr std::string_view kIntegratorHelp =
-    "How rays become colours: classic, the shading of Whitted and Phong, or views, which shows "
-    "what eye rays intersect (default: classic; views with `view`)";
+    "How rays become colours: classic, the shading of Whitted and Phong; ambient, for figures, "
+    "with "
+    "the light of a sky and a key light; or views, which shows what eye rays intersect (default: "
+    "classic; ambient for atoms, points and meshes; views with `view`)";
 
 class TileRenderer;
 struct PreparedScene;

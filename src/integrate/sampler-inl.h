@@ -25,6 +25,8 @@ class WideSampler {
         sample_(sample),
         deal_(sampler.kind == SamplerKind::jitter ? sampler.deal(sample) : Sampler::Deal()) {}
 
+  uint32_t sample() const { return sample_; }
+
   /// In the unit pixel: its centre for one cell, else a random point of one of its cells. The cells
   /// are taken in an order of the pixel's own.
   HWY_INLINE Wide2<D> in_pixel(U place) const {

@@ -12,6 +12,9 @@
 //   kGloss       place in ray tree     the mirrored ray of a rough surface in its lobe
 //   kTranslucency  place in ray tree   the refracted ray of one
 //   kTime        the eye ray's         the moment of the shutter, in_unit() alone
+//   kOcclusion   place in ray tree     the rays of the ambient shading to the sky: of a sample with
+//                                      k of them, samples k s to k s + k - 1
+//   kKeyLight    place in ray tree     its shadow ray to the key light
 //
 // A pixel goes by its place in the picture: its column, plus its row times 65536.
 // Branch 1 is the eye ray; the reflected child of branch b is 2b, the refracted one 2b + 1.
@@ -25,7 +28,16 @@
 
 namespace raio {
 
-enum Purpose : uint32_t { kPixel, kLens, kLight, kGloss = 0x80000000u, kTranslucency, kTime };
+enum Purpose : uint32_t {
+  kPixel,
+  kLens,
+  kLight,
+  kGloss = 0x80000000u,
+  kTranslucency,
+  kTime,
+  kOcclusion,
+  kKeyLight
+};
 
 inline constexpr uint32_t kEyeBranch = 1;
 

@@ -8,6 +8,7 @@
 
 #include "accel/accel.h"
 #include "integrate/channels.h"
+#include "integrate/figure.h"
 #include "integrate/integrators.h"
 #include "integrate/tone.h"
 #include "scene/cube_map.h"
@@ -81,6 +82,7 @@ struct RenderSettings {
   // of that moment.
   float shutter_open = 0, shutter_close = 1;
   bool one_sided = false;
+  FigureSettings figure;  // of the integrator `ambient`
 
   int threads = 1;  // no picture depends on it
 

@@ -403,11 +403,13 @@ void find_surfaces(const Accel& accel, const Material* materials, const RayBatch
   const SurfaceInput in = {accel.geometry(), rays, hits};
   for (size_t i = 0; i < n; i += kWidth) look_up_lanes(in, i, v);
   const bool colored = accel.geometry().any_colors();
+  const bool tinted = !accel.geometry().vertex_colors().empty();
   const V zero = hn::Zero(d);
   const M all = hn::FirstN(d, kWidth);
   for (size_t i = 0; i < n; i += kWidth) {
     look_up_materials(materials, i, v);
     if (colored) look_up_colors(accel.geometry(), hits, i, v.color);
+    if (tinted) tint_by_vertices(accel.geometry(), hits, i, v.color);
     const auto finish = [&](const WideSurfaces& s) RAIO_INLINE_LAMBDA {
       const M entering = hn::Lt(dot(s.geometric, directions(rays, i)), zero);
       const V3 normal = select(entering, s.normal, -s.normal);

@@ -137,11 +137,11 @@ struct PathRays {
     else
       return load(weight[0], i);
   }
-  // Repeats element k as element i.
-  void repeat(size_t k, size_t i) {
-    rays.set(i, rays[k]);
-    pixel[i] = pixel[k], branch[i] = branch[k];
-    for (Column<float>& w : weight) w[i] = w[k];
+  // Makes element i that of another's element k, with `part` of its weight.
+  void set(size_t i, const PathRays& from, size_t k, float part = 1) {
+    rays.set(i, from.rays[k]);
+    pixel[i] = from.pixel[k], branch[i] = from.branch[k];
+    for (size_t c = 0; c < weight.size(); ++c) weight[c][i] = from.weight[c][k] * part;
   }
   // Moves the last rays of `from`, at most `count`, here in place of what was here.
   void take_last(size_t count, PathRays& from) {
@@ -204,18 +204,13 @@ class TileSums {
     hwy::Prefetch(sums_.sums + pixel), hwy::Prefetch(sums_.sums + pixel + 2);
   }
 
-  // The values in `mask`, one for each of `pixels`, with as much coverage.
+  // The values in `mask`, one for each of `pixels`, with as much coverage, or with that of each.
   HWY_INLINE void add(const V3& values, const uint32_t* pixels, M mask, int64_t coverage = 0) {
-    PixelSums fixed[kWidth];
-    HWY_ALIGN float channels[3][kWidth];
-    hn::Store(values.x, d, channels[0]), hn::Store(values.y, d, channels[1]);
-    hn::Store(values.z, d, channels[2]);
-    for (size_t k = 0; k < kWidth; k += hn::MaxLanes(kDoubles)) {
-      const auto column = [&](size_t c) HWY_ATTR { return to_fixed(channels[c] + k); };
-      hn::StoreInterleaved4(column(0), column(1), column(2), hn::Set(kIntegers, coverage),
-                            kIntegers, fixed[k].data());
-    }
-    add_each(pixels, mask, [&](size_t k) { return fixed + k; });
+    add(values, pixels, mask, [&](size_t) HWY_ATTR { return hn::Set(kIntegers, coverage); });
+  }
+  HWY_INLINE void add(const V3& values, const uint32_t* pixels, M mask, const int64_t* coverage) {
+    add(values, pixels, mask,
+        [&](size_t k) HWY_ATTR { return hn::LoadU(kIntegers, coverage + k); });
   }
 
   // The same value, as fixed() has it, for all of them.
@@ -235,6 +230,22 @@ class TileSums {
   static constexpr hn::CappedTag<double, kWidth> kDoubles{};
   static constexpr hn::Rebind<int64_t, decltype(kDoubles)> kIntegers{};
   static constexpr hn::CappedTag<int64_t, 4> kFour{};
+
+  template <class Coverage>
+  HWY_INLINE void add(const V3& values, const uint32_t* pixels, M mask, const Coverage& coverage)
+    requires std::is_invocable_v<Coverage, size_t>
+  {
+    PixelSums fixed[kWidth];
+    HWY_ALIGN float channels[3][kWidth];
+    hn::Store(values.x, d, channels[0]), hn::Store(values.y, d, channels[1]);
+    hn::Store(values.z, d, channels[2]);
+    for (size_t k = 0; k < kWidth; k += hn::MaxLanes(kDoubles)) {
+      const auto column = [&](size_t c) HWY_ATTR { return to_fixed(channels[c] + k); };
+      hn::StoreInterleaved4(column(0), column(1), column(2), coverage(k), kIntegers,
+                            fixed[k].data());
+    }
+    add_each(pixels, mask, [&](size_t k) { return fixed + k; });
+  }
 
   template <class Value>
   HWY_INLINE void add_each(const uint32_t* pixels, M mask, Value&& value) {

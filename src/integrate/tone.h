@@ -2,6 +2,8 @@
 // own and not the C library's, so that a picture's bytes are the same on every machine.
 #pragma once
 
+#include "base/exact_math.h"
+#include "base/srgb.h"
 #include "base/vec.h"
 
 namespace raio {
@@ -11,17 +13,6 @@ namespace raio {
 /// compresses 16.5 stops into the display's range and lets bright colours fade to white instead of
 /// clipping channel by channel.
 enum class Tone { none, srgb, agx };
-
-/// 2^x, to about 1e-15 of the value; x from -1000 to 1000.
-double exact_exp2(double x);
-
-/// The logarithm of x to base 2, to about 1e-15; x is positive, finite and normal.
-double exact_log2(double x);
-
-/// The sRGB transfer curve and its inverse, from 0 to 1; negative values and NaN give 0, larger
-/// values 1.
-float srgb_from_linear(float linear);
-float linear_from_srgb(float encoded);
 
 /// From the linear colour of a pixel to its display values. With `none` and exposure 0 every colour
 /// stays the same to the last bit; `srgb` and `agx` give 0 to 1.

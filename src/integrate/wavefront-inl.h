@@ -61,10 +61,12 @@ class Wavefront final : public TileRenderer {
                      scene.settings.channels.has(Channel::tests) || shading_.counts_rays()),
         waiting_(size_t(shading_.levels()) + 1),
         vertices_(std::make_unique_for_overwrite<Vertices>()),
-        hidden_(padded(kChunk)) {
+        hidden_(padded(kChunk)),
+        clear_(scene.accel.geometry().any_clear()) {
+    if (clear_) shares_.resize(padded(kChunk)), depths_.resize(padded(kChunk));
     if (scene.scene.moves()) {
       moves_ = true;
-      shadow_.add_time(), one_.add_time();
+      shadow_.add_time(), one_.add_time(), probes_.add_time();
     }
     context_.stop = &control.stop;
     for (size_t k = 1; k < kPrimitiveKinds; ++k)
@@ -123,8 +125,23 @@ class Wavefront final : public TileRenderer {
   const uint8_t* occluded() {
     if (moves_) set_times(shadow_);
     scene_.accel.occluded(shadow_, hidden_.data(), context_);
+    if (clear_) {
+      scene_.accel.clear_depths(shadow_, hidden_.data(), depths_.data(), context_);
+      for (size_t i = 0; i < shadow_.size(); ++i) shares_[i] = passed(depths_[i]);
+    }
     return hidden_.data();
   }
+  // Rays and hits for a Shading's own questions about what is opaque.
+  RayBatch& probe_rays() { return probes_; }
+  const HitBatch& probe() {
+    if (moves_) set_times(probes_);
+    scene_.accel.closest(probes_, probed_, context_);
+    return probed_;
+  }
+  HitBatch& probed() { return probed_; }
+
+  // How much of the light comes through what is clear, of those that are not stopped; null: all.
+  const float* shares() const { return clear_ ? shares_.data() : nullptr; }
 
   // The children that the current rays send to the next level; after the last level they bring the
   // background.
@@ -275,22 +292,92 @@ class Wavefront final : public TileRenderer {
       add_costs();
       shading_.begin(*this, current_.rays.size());
     }
+    if (clear_) trace_clear(level, sampler);
+    if (context_.stopped()) return;
     // A picture with alpha is to be laid over another background.
     drop_misses(level > 1 || !layout_->has(Channel::alpha));
+    if (!clear_) return shade_hits(level, sampler, [](size_t) { return true; });
+    for (size_t i = 0; i < current_.rays.size(); ++i) coverage_[i] = covered(current_.weight[0][i]);
+    shade_hits(level, sampler, [&](size_t i) { return current_.weight[0][i] == 1; });
+  }
+
+  // Shades what the current rays hit, all of them something, and sends their children. Those for
+  // which first(i) see nothing in front of it.
+  template <class First>
+  void shade_hits(int level, const WideSampler<D>& sampler, const First& first) {
     const size_t n = current_.rays.size();
-    if (level == 1) counts_.eye_hits += n;
     if (n == 0) return;
+    if (level == 1)
+      for (size_t i = 0; i < n; ++i) counts_.eye_hits += first(i);
     if (moves_) set_times(current_.rays);  // those that are left
     find_surfaces(scene_.accel, scene_.scene.materials.data(), current_.rays, hits_, n, *vertices_);
-    if (level == 1 && layout_->planes() > 0) add_features(n);
+    if (level == 1 && layout_->planes() > 0) add_features(n, first);
     shading_.shade(*this, level, n, sampler);
     if (context_.stopped()) return;
     if constexpr (kRecords) recorder_.shaded(current_, *vertices_, n, sums_);
     const int64_t coverage = level == 1 ? kFullCoverage : 0;
-    for (size_t i = 0; i < n; i += kWidth)
-      sums_.add(load(vertices_->radiance, i) * current_.weights(i), &current_.pixel[i],
-                hn::FirstN(d, n - i), coverage);
+    for (size_t i = 0; i < n; i += kWidth) {
+      const V3 light = load(vertices_->radiance, i) * current_.weights(i);
+      const uint32_t* const pixels = &current_.pixel[i];
+      if (clear_ && level == 1)
+        sums_.add(light, pixels, hn::FirstN(d, n - i), &coverage_[i]);
+      else
+        sums_.add(light, pixels, hn::FirstN(d, n - i), coverage);
+    }
     shading_.spawn(*this, level, n);
+  }
+
+  // Of a pixel, what a part of it counts.
+  static int64_t covered(float part) { return std::llround(double(part) * double(kFullCoverage)); }
+
+  // Shades what is clear in front of what the current rays hit or miss, one layer after another,
+  // and leaves those with the part of their weights that comes through.
+  void trace_clear(int level, const WideSampler<D>& sampler) {
+    const size_t n = current_.rays.size();
+    std::swap(behind_, current_), std::swap(behind_hits_, hits_);
+    current_.resize(n);
+    coverage_.resize(padded(kChunk));
+    if (moves_) layer_.add_time();
+    layer_.resize(n), after_.reset(n), hits_.reset(n);
+    passed_depth_.assign(n, 0), layer_of_.resize(n);
+    for (size_t i = 0; i < n; ++i) {
+      Ray ray = behind_.rays[i];
+      ray.tmax = behind_hits_.t[i];  // of a miss that of the ray
+      layer_.set(i, ray);
+      after_.set(i, Hit{.t = 0, .item = 0});
+      layer_of_[i] = uint32_t(i);
+    }
+    for (bool first = true; layer_.size() > 0; first = false) {
+      scene_.accel.next_clear(layer_, after_, next_, context_);
+      if (context_.stopped()) return;
+      size_t kept = 0;
+      for (size_t i = 0; i < layer_.size(); ++i) {
+        const Hit hit = next_[i];
+        if (!hit.found()) continue;
+        const uint32_t from = layer_of_[i];
+        uint32_t& depth = passed_depth_[from];
+        const float before = passed(depth);
+        depth = std::min(depth + scene_.accel.geometry().depth_of(hit.item), kMostDepth);
+        const float after = passed(depth);
+        current_.set(kept, behind_, from, before - after);
+        hits_.set(kept, hit);
+        coverage_[kept] = covered(before) - covered(after);
+        layer_.set(kept, layer_[i]), after_.set(kept, hit), layer_of_[kept] = from;
+        ++kept;
+      }
+      current_.rays.resize(kept);
+      fill_up(kept);
+      shade_hits(level, sampler, [&](size_t) { return first; });
+      if (context_.stopped()) return;
+      layer_.resize(kept);
+      current_.resize(n);
+    }
+    std::swap(behind_, current_), std::swap(behind_hits_, hits_);
+    for (size_t i = 0; i < n; ++i) {
+      const float part = passed(passed_depth_[i]);
+      for (auto& weight : current_.weight) weight[i] *= part;
+      if (part == 0) hits_.item[i] = kNoPrimitive;
+    }
   }
 
   // The moments of rays that are, one for one, the current ones or come from them: that of the
@@ -350,7 +437,8 @@ class Wavefront final : public TileRenderer {
   }
 
   // What the film keeps of the surfaces that n eye rays hit.
-  void add_features(size_t n) {
+  template <class First>
+  void add_features(size_t n, const First& first) {
     const Vertices& v = *vertices_;
     const auto add_mean = [&](Channel channel, auto&& value) {
       if (!layout_->has(channel)) return;
@@ -360,6 +448,7 @@ class Wavefront final : public TileRenderer {
       for (size_t c = 0; c < spec.components.size(); ++c) {
         int64_t* const plane = sums_.plane(layout_->first(channel) + int(c));
         for (size_t i = 0; i < n; ++i) {
+          if (!first(i)) continue;
           const float x = std::min(std::max(value(i, c), -most), most);
           plane[current_.pixel[i]] += int64_t(std::nearbyint(double(x) * scale));
         }
@@ -375,7 +464,8 @@ class Wavefront final : public TileRenderer {
       if (!layout_->has(channel)) return;
       for (size_t c = 0; c < spec_of(channel).components.size(); ++c) {
         int64_t* const plane = sums_.plane(layout_->first(channel) + int(c));
-        for (size_t i = 0; i < n; ++i) plane[current_.pixel[i]] = bits(i, c);
+        for (size_t i = 0; i < n; ++i)
+          if (first(i)) plane[current_.pixel[i]] = bits(i, c);
       }
     };
     set_first(Channel::depth, [&](size_t i, size_t) { return std::bit_cast<uint32_t>(depth(i)); });
@@ -430,8 +520,11 @@ class Wavefront final : public TileRenderer {
       kept += count;
     }
     rays.resize(kept);
+    fill_up(kept);
+  }
+  void fill_up(size_t kept) {
     for (size_t i = kept; kept > 0 && i % kWidth != 0; ++i)
-      current_.repeat(kept - 1, i), hits_.set(i, hits_[kept - 1]);
+      current_.set(i, current_, kept - 1), hits_.set(i, hits_[kept - 1]);
   }
 
   // For a Recorder: what a ray of some direction and weight brings that hits nothing.
@@ -490,8 +583,19 @@ class Wavefront final : public TileRenderer {
   Paths current_;                                   // being traced, with their hits
   HitBatch hits_;
   std::unique_ptr<Vertices> vertices_;
-  RayBatch shadow_;
+  RayBatch shadow_, probes_;
+  HitBatch probed_;
   std::vector<uint8_t> hidden_;
+  // Where something is clear: of shadow rays the optical depths and what comes through them; the
+  // rays on their way through layers, what they have met and passed, and where they come from.
+  bool clear_ = false;
+  std::vector<uint32_t> depths_;
+  std::vector<float> shares_;
+  std::vector<int64_t> coverage_;  // of the current rays
+  Paths behind_;
+  HitBatch behind_hits_, after_, next_;
+  RayBatch layer_;
+  std::vector<uint32_t> passed_depth_, layer_of_;
   std::array<uint32_t, kPrimitiveKinds> first_number_{};  // of each kind, in the channel `id`
   RayBatch one_;
   HitBatch one_hit_;

@@ -1,5 +1,8 @@
 #include "integrate/wavefront.h"
 
+#include <algorithm>
+#include <limits>
+
 namespace raio {
 
 PreparedScene::PreparedScene(const Scene& s, const Accel& a, const RenderSettings& r)
@@ -9,6 +12,7 @@ PreparedScene::PreparedScene(const Scene& s, const Accel& a, const RenderSetting
       eye(r.camera, r.width, r.height, r.angle_to_centers),
       forward(normalize(r.camera.at - r.camera.from)),
       sampler(r) {
+  if (r.figure.depth_cue > 0) measure_depth();
   const Rgb uncolored(float(1 / std::sqrt(double(std::max<size_t>(1, s.lights.size())))));
   for (const Light& l : s.lights) {
     Emitter e{l.position, l.color.value_or(uncolored), {}, {}};
@@ -23,6 +27,20 @@ PreparedScene::PreparedScene(const Scene& s, const Accel& a, const RenderSetting
     }
     emitters.push_back(e);
   }
+}
+
+void PreparedScene::measure_depth() {
+  const Box3f box = bounds(scene);
+  if (box.empty()) return;
+  float farthest = -std::numeric_limits<float>::infinity();
+  nearest = -farthest;
+  for_each_edge(box, [&](Vec3f from, Vec3f to) {
+    for (const Vec3f corner : {from, to}) {
+      const float depth = dot(corner - eye.from, forward);
+      nearest = std::min(nearest, depth), farthest = std::max(farthest, depth);
+    }
+  });
+  nearest = std::max(nearest, 0.0f), extent = farthest - nearest;
 }
 
 }  // namespace raio

@@ -29,10 +29,15 @@ struct PreparedScene {
   RenderSettings settings;
   EyeRays eye;
   Vec3f forward;  // the unit vector along the line of sight
+  // Of all that has bounds, along it: where the depth cue of figures begins and how far it goes.
+  float nearest = 0, extent = 0;
   Sampler sampler;
   std::vector<Emitter> emitters;
 
   PreparedScene(const Scene&, const Accel&, const RenderSettings&);
+
+ private:
+  void measure_depth();
 };
 
 /// Renders tiles, one after another; one per thread, whose buffers it keeps.

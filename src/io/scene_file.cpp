@@ -11,6 +11,7 @@
 #include "base/memory.h"
 #include "base/platform/files.h"
 #include "io/cube_map.h"
+#include "io/mesh/read.h"
 #include "io/nff/text_cursor.h"
 #include "io/plain_scene.h"
 #include "io/pov_write.h"
@@ -21,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kReads = "Raio reads NFF, P3F and .raio scenes";
+constexpr std::string_view kReads = "Raio reads NFF, P3F, .raio, PDB, CIF, XYZ and PLY";
 constexpr std::string_view kGzip = "\x1f\x8b";
 
 std::unexpected<Diagnostics> failed(std::string_view file, std::string message) {
@@ -103,9 +104,28 @@ void add_sky(ReadScene& read, const fs::path& path, std::string_view file) {
   scene.sky = std::move(*sky);
 }
 
+/// The first of the options that is given although the file leaves nothing open for it; empty:
+/// none.
+std::string_view unfit_option(const ReadOptions& options, const FileKind& kind) {
+  const ReadOptions usual;
+  const bool points = kind.read != nullptr, atoms = points && kind.read != read_ply;
+  if (!points && options.radius != usual.radius) return "radius";
+  if (atoms) return {};
+  if (options.style) return "style";
+  if (!options.color_by.empty()) return "color-by";
+  if (!options.colormap.empty()) return "colormap";
+  if (options.assembly) return "assembly";
+  return options.frame != usual.frame ? "frame" : "";
+}
+
+std::unexpected<Diagnostics> unfit(std::string_view file, std::string_view option) {
+  return failed(file, fmt::format("`{}` has no effect on this file; leave it out", option));
+}
+
 /// Whatever is in memory, packed or not. `name` is the file without folder.
 std::expected<ReadScene, Diagnostics> parse(std::shared_ptr<const TextBuffer> text,
-                                            std::string_view file, fs::path name) {
+                                            std::string_view file, fs::path name,
+                                            const ReadOptions& options) {
   if (text->view().starts_with(kGzip)) {
     const auto plain = unpacked(text->view());
     if (!plain) return failed(file, plain.error());
@@ -113,27 +133,33 @@ std::expected<ReadScene, Diagnostics> parse(std::shared_ptr<const TextBuffer> te
     if (suffix_of(name.string()) == ".gz") name = name.stem();
   }
   const std::string_view bytes = text->view();
-  const std::string_view kind = foreign_kind(bytes, suffix_of(name.string()), bytes.size());
-  if (!kind.empty()) return failed(file, fmt::format("this looks like {}; {}", kind, kReads));
-  auto read = is_raio_scene(bytes) ? parse_raio(bytes, file, text) : parse_nff(*text, file);
+  const FileKind kind = file_kind(bytes, suffix_of(name.string()), bytes.size());
+  if (!kind.name.empty() && !kind.read)
+    return failed(file, fmt::format("this looks like {}; {}", kind.name, kReads));
+  if (const auto option = unfit_option(options, kind); !option.empty()) return unfit(file, option);
+  auto read = kind.read              ? kind.read(*text, file, options)
+              : is_raio_scene(bytes) ? parse_raio(bytes, file, text)
+                                     : parse_nff(*text, file);
   if (read) read->scene.name = name.stem().string();
   return read;
 }
 
 }  // namespace
 
-std::expected<ReadScene, Diagnostics> parse_scene(std::string_view bytes,
-                                                  std::string_view file) try {
-  return parse(std::make_shared<const TextBuffer>(bytes), file, fs::path(file).filename());
+std::expected<ReadScene, Diagnostics> parse_scene(std::string_view bytes, std::string_view file,
+                                                  const ReadOptions& options) try {
+  return parse(std::make_shared<const TextBuffer>(bytes), file, fs::path(file).filename(), options);
 } catch (const std::bad_alloc&) {
   return failed(file, std::string(kNoMemory));
 }
 
-std::expected<ReadScene, Diagnostics> read_scene(const fs::path& path) try {
+std::expected<ReadScene, Diagnostics> read_scene(const fs::path& path,
+                                                 const ReadOptions& options) try {
   const bool standard_input = path == "-";
   const fs::path opened = standard_input ? fs::path("/dev/stdin") : path;
   const std::string file = standard_input ? "standard input" : path.string();
   if (leads_to_raio(opened)) {
+    if (const auto option = unfit_option(options, {}); !option.empty()) return unfit(file, option);
     auto scene = read_raio_scene(opened);
     if (!scene) return std::unexpected(std::move(scene.error()));
     ReadScene read{std::move(*scene), {}};
@@ -142,7 +168,8 @@ std::expected<ReadScene, Diagnostics> read_scene(const fs::path& path) try {
   }
   auto text = TextBuffer::read_file(opened);
   if (!text) return failed(file, text.error());
-  auto read = parse(std::make_shared<const TextBuffer>(std::move(*text)), file, opened.filename());
+  auto read =
+      parse(std::make_shared<const TextBuffer>(std::move(*text)), file, opened.filename(), options);
   // Of what comes from elsewhere, beside where one is.
   if (read) add_sky(*read, opened == "/dev/stdin" ? fs::path("-") : opened, file);
   return read;

@@ -14,18 +14,28 @@
 
 namespace raio {
 
-/// Reads an NFF or P3F text (read_nff) or a .raio scene (read_raio_scene), also compressed by gzip;
-/// "-" is standard input. The errors of a file of another kind are one that says what it seems to
-/// be. The scene's sky is read, too; where it cannot be, a warning says why and Scene::sky is null.
-std::expected<ReadScene, Diagnostics> read_scene(const std::filesystem::path& path);
+/// Reads an NFF or P3F text (read_nff), a .raio scene (read_raio_scene) or a file of atoms, points
+/// or meshes (file_kind), also compressed by gzip; "-" is standard input. The errors of a file of
+/// another kind are one that says what it seems to be. The scene's sky is read, too; where it
+/// cannot be, a warning says why and Scene::sky is null.
+std::expected<ReadScene, Diagnostics> read_scene(const std::filesystem::path& path,
+                                                 const ReadOptions& options = {});
 
 /// The same for bytes in memory, without the sky; `file` is the name in messages, whose suffix
 /// counts and which the scene is called by.
-std::expected<ReadScene, Diagnostics> parse_scene(std::string_view bytes, std::string_view file);
+std::expected<ReadScene, Diagnostics> parse_scene(std::string_view bytes, std::string_view file,
+                                                  const ReadOptions& options = {});
 
-/// What a file of another kind seems to be, by its first bytes, its lower-case suffix (".obj") and
-/// its size: "a Wavefront OBJ mesh". Empty for what may be a scene.
-std::string_view foreign_kind(std::string_view start, std::string_view suffix, size_t size);
+/// A kind of file other than NFF, P3F and .raio: "a Wavefront OBJ mesh", and what reads it; null
+/// for one that Raio cannot read.
+struct FileKind {
+  std::string_view name;
+  SceneReader read = nullptr;
+};
+
+/// What a file seems to be by its first bytes, its lower-case suffix (".obj") and its size. No name
+/// for what may be NFF, P3F or .raio.
+FileKind file_kind(std::string_view start, std::string_view suffix, size_t size);
 
 /// How scenes can be written.
 enum class SceneFormat { nff, raio, pov };

@@ -16,7 +16,7 @@
 #include "base/error.h"
 #include "integrate/control.h"
 #include "integrate/settings.h"
-#include "io/diagnostics.h"
+#include "io/read_scene.h"
 #include "render/options.h"
 #include "render/part.h"
 #include "scene/scene.h"
@@ -27,6 +27,7 @@ namespace raio {
 /// dash for each underscore: "add-samples".
 struct JobRequest {
   std::string scene;                    // file; empty with `repeat`: of that picture, beside it
+  ReadOptions read;                     // of the file
   std::shared_ptr<const Scene> loaded;  // instead of what is in the file
   std::shared_ptr<const Accel> built;   // instead of building it, of `loaded` by the same options
   RenderOptions options;

@@ -8,6 +8,7 @@
 
 #include "base/parallel.h"
 #include "integrate/classic.h"
+#include "render/figure_options.h"
 #include "render/picture_options.h"
 
 namespace raio {
@@ -341,6 +342,34 @@ constexpr auto kTable = std::to_array<OptionSpec>({
      "Open the shutter from time T0 to T1: what moves in the scene is blurred; equal times show "
      "one moment (default: the whole movement)",
      parse_shutter, 0, 0, shutter_text},
+    {"opacity", "A",
+     "Opacity of all that has none of its own: A is the part of the light from behind that is kept "
+     "back (default: 1)",
+     parse_opacity, 0, 0, opacity_text},
+    {"look", "NAME",
+     "How figures of `integrator` ambient look: paper, with a soft light on white; dark; flat, "
+     "without a key light, with outlines; or matte; a number holds its version, as in paper-1 "
+     "(default: paper)",
+     parse_look, 0, 0, look_text, kLooks},
+    {"occlusion-rays", "N",
+     "Rays to the sky from each surface that a sample sees, with `integrator` ambient (default: 2)",
+     +[](Options& o) -> int& { return o.occlusion_rays; }, 1, 4096},
+    {"occlusion-distance", "D",
+     "With `integrator` ambient, hide no sky behind what is farther away than D, in scene units "
+     "(default: any distance)",
+     +[](Options& o) -> float& { return o.occlusion_distance; }, 1e-30, 1e30},
+    {"key-light", "on|off",
+     "Light figures from over the viewer's left shoulder, with soft shadows, with `integrator` "
+     "ambient (default: on)",
+     parse_key_light, 0, 0, key_light_text, kOnOff},
+    {"outline", "W",
+     "Draw the edges of figures W pixels wide, where depth jumps, faces meet or objects end, with "
+     "`integrator` ambient; 0 for none (default: as the look has it)",
+     parse_outline, 0, 0, outline_text},
+    {"depth-cue", "X",
+     "Fade figures into the background with distance, up to the part X of what is farthest, with "
+     "`integrator` ambient (default: as the look has it)",
+     parse_depth_cue, 0, 0, depth_cue_text},
     {"one-sided", "", "Cull back faces of opaque surfaces, as the NFF specification says",
      +[](Options& o) -> bool& { return o.one_sided; }},
     {"angle-to-centers", "",

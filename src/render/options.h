@@ -45,6 +45,11 @@ struct RenderOptions {
   std::optional<Fresnel> fresnel;
   std::optional<float> gloss, translucency;
   std::optional<std::array<float, 2>> shutter;  // opens and closes
+  std::optional<Look> look;
+  int occlusion_rays = 0;
+  float occlusion_distance = 0;
+  std::optional<bool> key_light;
+  std::optional<float> outline, depth_cue, opacity;
   bool one_sided = false;
   bool angle_to_centers = false;  // of view: see EyeRays
   int threads = 0;
@@ -73,6 +78,9 @@ ChannelSet channels_of(const RenderOptions& options);
 /// What the options come to for `scene`: where they leave something open, the scene's own requests
 /// (resolution, samples, lens, structure), else the default of its dialect that the table states.
 RenderSettings resolve_options(const RenderOptions& options, const Scene& scene);
+
+/// What makes the picture.
+IntegratorKind integrator_of(const RenderOptions& options, const Scene& scene);
 
 /// The structure that the scene's file asks for, or automatic.
 AccelKind wished_accel(const Scene& scene);

@@ -112,11 +112,19 @@ std::string background_text(const RenderOptions& options) {
   return fmt::format("#{:02x}{:02x}{:02x}", to_byte(color.x), to_byte(color.y), to_byte(color.z));
 }
 
+Tone tone_of(const RenderOptions& options, const Scene& scene) {
+  const bool figure = integrator_of(options, scene) == IntegratorKind::ambient;
+  return options.tone.value_or(figure ? Tone::srgb : Tone::none);
+}
+
 Background background_of(const RenderOptions& options, const Scene& scene) {
   if (!no_light_in(options).empty()) return {scene.background, nullptr};
+  if (!options.background && scene.dialect == Dialect::data &&
+      integrator_of(options, scene) == IntegratorKind::ambient)
+    return {numbers_of(options.look.value_or(Look::paper)).background, nullptr};
   if (!options.background) return {scene.background, scene.sky};
   const WrittenColor& written = *options.background;
-  if (!written.encoded || options.tone.value_or(Tone::none) == Tone::none)
+  if (!written.encoded || tone_of(options, scene) == Tone::none)
     return {written.color, written.sky};
   Rgb light;
   for (int c = 0; c < 3; ++c) light[c] = linear_from_srgb(written.color[c]);

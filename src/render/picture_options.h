@@ -20,8 +20,12 @@ std::string crop_text(const RenderOptions& options);
 std::expected<void, std::string> parse_background(RenderOptions& options, std::string_view text);
 std::string background_text(const RenderOptions& options);
 
+/// The curve of display formats: that of displays for figures, else none, unless the options say.
+Tone tone_of(const RenderOptions& options, const Scene& scene);
+
 /// What rays bring that hit nothing: RenderSettings::background and sky. The scene's own where the
-/// options do not say; no sky where they do not show light. Display values of colours are the light
+/// options do not say, and for data, which has none, that of the look; no sky where they do not
+/// show light. Display values of colours are the light
 /// of which a tone curve makes them again.
 struct Background {
   Rgb color;

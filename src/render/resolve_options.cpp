@@ -8,6 +8,8 @@
 
 #include "base/parallel.h"
 #include "integrate/classic.h"
+#include "io/fit_camera.h"
+#include "render/figure_options.h"
 #include "render/options.h"
 #include "render/picture_options.h"
 
@@ -65,12 +67,14 @@ std::optional<Error> sample_conflict(const RenderOptions& options) {
 std::optional<Error> scene_conflict(const RenderOptions& options, const Scene& scene) {
   if (const auto why = camera_problem(camera_of(scene, options)); !why.empty())
     return conflict("", fmt::format("`from`, `at`, `up`: {}", why));
+  if (auto why = figure_conflict(options, scene)) return why;
   const RenderSettings s = resolve_options(options, scene);
   if (!s.dof && options.aperture > 0) return without("aperture", "dof");
   if (!s.dof && options.focus > 0) return without("focus", "dof");
   if (options.shutter && !scene.moves())
     return conflict("shutter", "has no effect on a scene in which nothing moves; leave it out");
   const bool no_effects = !s.dof && !s.soft_shadows && s.aa == 1 && !is_rough(scene, s) &&
+                          s.integrator != IntegratorKind::ambient &&
                           !(scene.moves() && s.shutter_open < s.shutter_close);
   if (s.samples > 1 && no_effects)
     return conflict(
@@ -153,21 +157,27 @@ std::array<float, 2> usual_shutter(const Scene& scene) {
 
 }  // namespace
 
+IntegratorKind integrator_of(const RenderOptions& o, const Scene& scene) {
+  const bool shows_rays = o.view != View::picture && o.view != View::samples;
+  return o.integrator.value_or(shows_rays                       ? IntegratorKind::views
+                               : scene.dialect == Dialect::data ? IntegratorKind::ambient
+                                                                : IntegratorKind::classic);
+}
+
 RenderSettings resolve_options(const RenderOptions& o, const Scene& scene) {
   RenderSettings s;
   s.accel = o.accel;
+  s.accel.opacity = o.opacity.value_or(1);
   const bool asks_for_grid = o.accel.grid_factor > 0 || o.accel.grid_resolution[0] > 0;
   if (o.accel.kind == AccelKind::automatic)
     s.accel.kind = asks_for_grid ? AccelKind::grid : wished_accel(scene);
-  const bool shows_rays = o.view != View::picture && o.view != View::samples;
-  s.integrator =
-      o.integrator.value_or(shows_rays ? IntegratorKind::views : IntegratorKind::classic);
+  s.integrator = integrator_of(o, scene);
   s.view = o.view;
   if (s.integrator == IntegratorKind::views && o.view == View::picture) s.view = View::normals;
   s.channels = channels_of(o);
   const Background background = background_of(o, scene);
   s.background = background.color, s.sky = background.sky;
-  s.tone = o.tone.value_or(Tone::none), s.exposure = o.exposure;
+  s.tone = tone_of(o, scene), s.exposure = o.exposure;
   s.accel.counters |= s.view == View::steps || s.view == View::tests ||
                       s.channels.has(Channel::steps) || s.channels.has(Channel::tests);
 
@@ -175,15 +185,20 @@ RenderSettings resolve_options(const RenderOptions& o, const Scene& scene) {
   s.angle_to_centers = o.angle_to_centers;
   s.width = o.width > 0 ? o.width : s.camera.width > 0 ? s.camera.width : 512;
   s.height = o.height > 0 ? o.height : s.camera.height > 0 ? s.camera.height : 512;
+  if (!(o.fov_deg > 0)) s.camera.fov_deg = fitted_fov_deg(s.camera, s.width, s.height);
   if (o.crop != Crop{0, 0, s.width, s.height}) s.crop = o.crop;
 
   s.seed = o.seed;
   s.samples = o.samples;
   s.sampler = o.samples > 0 ? SamplerKind::sobol : o.sampler.value_or(SamplerKind::jitter);
   s.aa = o.aa, s.lens_samples = o.lens_samples;
-  if (o.samples == 0 && o.aa == 0)
+  const bool figure = s.integrator == IntegratorKind::ambient;
+  if (figure && o.samples == 0 && o.aa == 0 && o.lens_samples == 0 && !o.sampler &&
+      scene.samples_per_pixel == 0)
+    s.samples = kFigureSamples, s.sampler = SamplerKind::sobol;
+  if (s.samples == 0 && o.aa == 0)
     s.aa = std::max(1, int(std::lround(std::sqrt(double(scene.samples_per_pixel)))));
-  if (o.samples == 0 && o.lens_samples == 0) s.lens_samples = 1;
+  if (s.samples == 0 && o.lens_samples == 0) s.lens_samples = 1;
 
   s.depth = o.depth;
   s.soft_shadows = o.soft_shadows, s.light_size = o.light_size;
@@ -198,6 +213,7 @@ RenderSettings resolve_options(const RenderOptions& o, const Scene& scene) {
   const std::array shutter = o.shutter.value_or(usual_shutter(scene));
   s.shutter_open = shutter[0], s.shutter_close = shutter[1];
   s.one_sided = o.one_sided;
+  if (figure) s.figure = figure_settings(o);
   s.threads = o.threads > 0 ? o.threads : max_concurrency();
   return s;
 }
@@ -205,12 +221,15 @@ RenderSettings resolve_options(const RenderOptions& o, const Scene& scene) {
 RenderOptions options_of(const RenderSettings& s, const Scene& scene) {
   RenderOptions o;
   o.accel = s.accel;
-  if (s.integrator != IntegratorKind::classic && s.view == View::picture)
-    o.integrator = s.integrator;
+  o.accel.opacity = 1;
+  if (s.accel.opacity != 1) o.opacity = s.accel.opacity;
   o.view = s.view, o.channels = s.channels;
+  if (s.integrator != integrator_of(o, scene)) o.integrator = s.integrator;
+  if (s.integrator == IntegratorKind::ambient) set_figure(o, s.figure);
+  // Pictures are written by their settings, without the scene.
+  if (s.tone != Tone::none || tone_of(o, scene) != Tone::none) o.tone = s.tone;
   if (const Background own = background_of(o, scene); own != Background{s.background, s.sky})
     o.background = WrittenColor{.color = s.background, .sky = s.sky};
-  if (s.tone != Tone::none) o.tone = s.tone;
   o.exposure = s.exposure;
   o.width = s.width, o.height = s.height;
   o.crop = s.crop;

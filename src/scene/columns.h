@@ -90,6 +90,7 @@ void for_each_own_column(SceneType& s, F&& f) {
   f(ColumnName{"object_ranges", Counted::where_used}, s.object_ranges);
   f(ColumnName{"material_specular", Counted::where_used}, s.material_specular);
   f(ColumnName{"material_roughness", Counted::where_used}, s.material_roughness);
+  f(ColumnName{"material_opacity", Counted::where_used}, s.material_opacity);
 }
 
 /// Both: the scene's own, then those of one mesh after another.

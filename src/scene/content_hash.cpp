@@ -63,6 +63,11 @@ std::string content_hash(const Scene& s) {
     for_each_mesh_column(mesh, add);
   }
   if (s.dialect == Dialect::p3f) all.add_word("dialect p3f");
+  if (s.dialect == Dialect::data) all.add_word("dialect data");
+  if (camera.across_deg > 0) {
+    all.add_word("camera across");
+    all.add(camera.across_deg);
+  }
   for (size_t i = 0; i < s.lights.size(); ++i)
     if (const auto& extent = s.lights[i].extent) {
       all.add_word("light extent");

@@ -17,7 +17,8 @@ std::string plural(size_t count, std::string_view noun) {
 
 }  // namespace
 
-MaterialId Scene::add_material(const Material& material, Rgb specular, float roughness) {
+MaterialId Scene::add_material(const Material& material, Rgb specular, float roughness,
+                               float opacity) {
   const auto add = [count = materials.size()](auto& column, const auto& value, const auto& usual) {
     if (column.empty() && value == usual) return;
     column.resize(count, usual);
@@ -25,6 +26,7 @@ MaterialId Scene::add_material(const Material& material, Rgb specular, float rou
   };
   add(material_specular, specular, Rgb(1));
   add(material_roughness, roughness, 0.0f);
+  add(material_opacity, opacity, 1.0f);
   materials.push_back(material);
   return MaterialId(materials.size() - 1);
 }
@@ -67,12 +69,38 @@ size_t memory_bytes(const Scene& scene) {
   return bytes;
 }
 
+bool any_clear(const Scene& scene) {
+  const auto any = [](const Array<float>& opacity) {
+    return std::ranges::any_of(opacity, [](float o) { return o < 1; });
+  };
+  bool clear = any(scene.material_opacity);
+  for_each_pool(scene, [&](PoolKind, auto&, auto&, auto&, const Array<float>& opacity) {
+    clear = clear || any(opacity);
+  });
+  return clear;
+}
+
 bool any_colors(const Scene& scene) {
   bool any = false;
   for_each_pool(scene, [&](PoolKind, auto&, auto&, const Array<Rgb>& colors, auto&) {
     any |= !colors.empty();
   });
   return any;
+}
+
+float brightest_color(const Scene& scene) {
+  float brightest = 0;
+  for_each_pool(scene, [&](PoolKind, auto&, auto&, const Array<Rgb>& colors, auto&) {
+    for (const Rgb& color : colors) brightest = std::max(brightest, max_component(color));
+  });
+  return brightest;
+}
+
+float brightest_tint(const Scene& scene) {
+  float brightest = 1;
+  for (const Mesh& mesh : scene.meshes)
+    for (const Rgb& color : mesh.colors) brightest = std::max(brightest, max_component(color));
+  return brightest;
 }
 
 uint32_t object_of(const Scene& scene, PoolKind pool, size_t index) {
@@ -102,6 +130,9 @@ std::string text_of(const Scene& scene, std::initializer_list<Feature> features)
           add("opacity", size_t(std::ranges::count_if(opacity, [](float o) { return o < 1; })),
               kPoolNames[size_t(kind)]);
         });
+        add("opacity",
+            size_t(std::ranges::count_if(scene.material_opacity, [](float o) { return o < 1; })),
+            "material");
         break;
       case Feature::vertex_colors:
         add("colours of the vertices", meshes_with(&Mesh::colors), "mesh");
@@ -141,10 +172,6 @@ std::string text_of(const Scene& scene, std::initializer_list<Feature> features)
     }
   }
   return text;
-}
-
-std::string unrendered(const Scene& scene) {
-  return text_of(scene, {Feature::opacity, Feature::vertex_colors});
 }
 
 Camera camera_at(const Camera& camera, float time) {

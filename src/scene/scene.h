@@ -45,6 +45,7 @@ struct Camera {
   Vec3f at{0, 0, -1};
   Vec3f up{0, 1, 0};
   float fov_deg = 45;         // vertical, from edge to edge, in (0, 180)
+  float across_deg = 0;       // horizontal at least, whatever the shape of the picture; 0: any
   float hither = 0;           // kept for writing; a ray tracer needs no front plane
   int width = 0, height = 0;  // pixels; 0: the file does not say
 
@@ -88,9 +89,10 @@ struct Light {
   std::optional<LightExtent> extent{};  // NOLINT(readability-redundant-member-init)
 };
 
-/// The language of a scene's file, which decides the model of light that it means
-/// (docs/p3f.md). The numbers stand in files.
-enum class Dialect : uint32_t { nff, p3f };
+/// The language of a scene's file, which decides the model of light that it means: that of NFF, of
+/// P3F (docs/p3f.md), or, for data such as atoms, points and meshes, which say nothing of light,
+/// that of figures (docs/ambient.md). The numbers stand in files.
+enum class Dialect : uint32_t { nff, p3f, data };
 
 /// The acceleration structure that a file asks for (P3F `accel`); no picture depends on it. The
 /// numbers stand in files.
@@ -115,7 +117,7 @@ struct Mesh {
   // Of the vertices, each as long as `positions`, or empty.
   Array<Vec3f> normals;  // unit; as long as it likes where there are normal_indices
   Array<Uv> uv;
-  Array<Rgb> colors;  // each multiplied into the material's: not shown by the classic shading
+  Array<Rgb> colors;  // each multiplied into the material's
 
   Array<TriangleIndices> triangles;  // indices into `positions`
   /// Indices into `normals`, parallel to `triangles`; empty: those of `triangles`. A flat triangle
@@ -163,10 +165,10 @@ struct Scene {
   std::vector<Light> lights;
   Array<Material> materials;  // never empty in a valid scene
   // Parallel to `materials`, or empty where all are as NFF has them: the colour of highlight and
-  // mirror (else white), and how far mirrored and refracted directions spread (else 0;
-  // docs/shading.md).
+  // mirror (else white), how far mirrored and refracted directions spread (else 0;
+  // docs/shading.md), and the opacity of what has none of its own (else 1).
   Array<Rgb> material_specular;
-  Array<float> material_roughness;
+  Array<float> material_roughness, material_opacity;
   Dialect dialect = Dialect::nff;
   // What the file asks for, unless an option says otherwise.
   int samples_per_pixel = 0;  // P3F `spp`; 0: none
@@ -211,8 +213,8 @@ struct Scene {
   Array<MaterialId> polygon_materials;
 
   // Each is parallel to its pool, or empty where no primitive of the kind has any. A colour takes
-  // the place of the material's; an opacity (0 to 1) is the part of the light from behind that is
-  // kept back (unrendered() says what is not shown).
+  // the place of the material's, and so does an opacity (0 to 1), the part of the light from behind
+  // that is kept back (docs/ambient.md).
   Array<Rgb> plane_colors, sphere_colors, cone_colors, triangle_colors, polygon_colors,
       ellipsoid_colors, disc_colors, moving_sphere_colors, moving_triangle_colors;
   Array<float> plane_opacity, sphere_opacity, cone_opacity, triangle_opacity, polygon_opacity,
@@ -240,7 +242,8 @@ struct Scene {
     return material_roughness.empty() ? 0 : material_roughness[id];
   }
   /// Appends a material, and to the columns beside it what they then need.
-  MaterialId add_material(const Material& material, Rgb specular = Rgb(1), float roughness = 0);
+  MaterialId add_material(const Material& material, Rgb specular = Rgb(1), float roughness = 0,
+                          float opacity = 1);
 };
 
 /// A pool and what belongs to its primitives, as members of Scene.
@@ -309,8 +312,16 @@ std::array<size_t, kShapeKinds> count_primitives(const Scene& scene);
 /// Around all primitives but infinite planes.
 Box3f bounds(const Scene& scene);
 
+/// Is the opacity of anything below 1?
+bool any_clear(const Scene& scene);
+
 /// Does any primitive have a colour of its own?
 bool any_colors(const Scene& scene);
+
+/// The largest component of those colours; 0 without any.
+float brightest_color(const Scene& scene);
+/// Of the colours of vertices; at least 1.
+float brightest_tint(const Scene& scene);
 
 /// The id of the object to which an element of a pool belongs; 0: to none. Takes the logarithm of
 /// the number of ranges.
@@ -332,9 +343,6 @@ enum class Feature : uint8_t {
 /// How much the scene has of them, in one line, as in "opacity of 12 spheres, names of 3 objects";
 /// empty where it has none.
 std::string text_of(const Scene& scene, std::initializer_list<Feature> features);
-
-/// The same of what the classic shading does not show yet.
-std::string unrendered(const Scene& scene);
 
 /// The sum of the sizes of the pools, in bytes.
 size_t memory_bytes(const Scene& scene);

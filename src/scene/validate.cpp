@@ -60,6 +60,8 @@ void check_camera(const Camera& camera, Problems& problems) {
   problems.check(why.empty(), "camera: ", why);
   problems.check(camera.fov_deg > 0 && camera.fov_deg < 180,
                  "camera: the angle must lie between 0 and 180 degrees");
+  problems.check(camera.across_deg >= 0 && camera.across_deg < 180,
+                 "camera: the angle across must lie between 0 and 180 degrees");
   problems.check(std::isfinite(camera.hither), "camera: hither must be finite");
   problems.check(camera.width >= 0 && camera.height >= 0 && !camera.width == !camera.height,
                  "camera: the resolution must be two positive numbers, or two zeros for none");
@@ -101,9 +103,13 @@ void check_lights_and_materials(const Scene& scene, Problems& problems) {
   };
   parallel(scene.material_specular.size(), "specular colours");
   parallel(scene.material_roughness.size(), "numbers of roughness");
+  parallel(scene.material_opacity.size(), "opacities");
   for (size_t i = 0; i < scene.material_specular.size(); ++i)
     problems.check(is_intensity(scene.material_specular[i]), "material ", i,
                    ": the specular colour must be finite and not negative");
+  for (size_t i = 0; i < scene.material_opacity.size(); ++i)
+    problems.check(scene.material_opacity[i] >= 0 && scene.material_opacity[i] <= 1, "material ", i,
+                   ": its opacity must lie between 0 and 1");
   for (size_t i = 0; i < scene.material_roughness.size(); ++i)
     problems.check(at_least_zero(scene.material_roughness[i]), "material ", i,
                    ": the roughness must be finite and not negative");

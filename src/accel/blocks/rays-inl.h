@@ -15,6 +15,10 @@
 HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
 
+// What rays want to know: of what is opaque the nearest hit, or whether there is one; of what is
+// clear the next hit behind another, or the sum of the optical depths.
+enum class Query : uint8_t { closest, any, next_clear, depths };
+
 constexpr size_t kChunk = 1024;          // rays that travel together
 constexpr float kOccluded = -kInfinity;  // the distance of an any-hit ray that has hit
 
@@ -37,6 +41,10 @@ struct Batch {
   float* t;
   PrimitiveId* item;  // this and the next only where the nearest hit is wanted
   float *u, *v;
+  // Of next_clear, behind which hits, and of depths, where they are added.
+  const float* after_t;
+  const PrimitiveId* after_item;
+  uint32_t* depths;
   // As ShearedRay, where the scene has triangles; the axes by their number in kShearAxes.
   float* shear[3];
   float* axes;
@@ -137,10 +145,11 @@ struct RayScratch {
   Candidate candidates[kCandidates];
 };
 
-template <bool any>
+template <Query query>
 class Rays {
  public:
-  static constexpr bool kAny = any;
+  static constexpr bool any = query == Query::any;
+  static constexpr bool kAny = any || query == Query::depths;  // in whatever order
 
   Rays(const Geometry& geometry, const Blocks& blocks, const Batch& batch, RayScratch& scratch,
        TraceContext& context)
@@ -285,6 +294,14 @@ class Rays {
   HWY_INLINE void take(uint32_t id, float t, PrimitiveId item, float u, float v) {
     float& best = rays_[id].t;
     if (!(t > 0 && t <= best)) return;
+    if constexpr (query == Query::depths) {
+      if (t < best) batch_.depths[id] = std::min(batch_.depths[id] + g_.depth_of(item), kMostDepth);
+      return;
+    }
+    if constexpr (query == Query::next_clear) {
+      const float after = batch_.after_t[id];
+      if (t < after || (t == after && item <= batch_.after_item[id])) return;
+    }
     if (any) {
       if (t < best) best = batch_.t[id] = kOccluded;
       return;
@@ -409,13 +426,12 @@ class Rays {
   // One after another, for the rare surfaces that are seen from one side only.
   void intersect_items(const PrimitiveId* items, uint32_t id) {
     for (int i = 0; i < kBlockWidth && items[i] != kNoPrimitive; ++i) {
-      RayQuery query(batch_.ray(id));
-      if (!any) query.best.item = batch_.item[id];
-      if (!test_primitive(g_, items[i], query)) continue;
-      rays_[id].t = batch_.t[id] = any ? kOccluded : query.best.t;
+      RayQuery alone(batch_.ray(id));
+      // So that one that is equally near counts, too.
+      if (query == Query::closest || query == Query::next_clear) alone.best.item = kNoPrimitive - 1;
+      if (!test_primitive(g_, items[i], alone)) continue;
+      take(id, alone.best.t, items[i], alone.best.u, alone.best.v);
       if (any) return;
-      batch_.item[id] = query.best.item;
-      batch_.u[id] = query.best.u, batch_.v[id] = query.best.v;
     }
   }
 

@@ -34,16 +34,35 @@ Scratch<WalkScratch>& own_scratch() {
   return *scratch;
 }
 
+// Where a trace's answers go. Of next_clear also behind which hits, of depths which rays are not
+// asked about, if any.
+struct TraceOutput {
+  HitBatch* hits = nullptr;
+  uint8_t* hit = nullptr;
+  const HitBatch* after = nullptr;
+  const uint8_t* stopped = nullptr;
+  uint32_t* depths = nullptr;
+};
+
 // Things of a structure of blocks: `empty()`, and walk(structure, without_shared, n, walk_scratch,
 // crowd), which takes the first n of `walk_scratch.ids` through it. A crowd (Rays, Beams) knows
 // what they are; those that have met the shared blocks go without them. `RayCrowd`: Rays, or what
 // also keeps a log.
-template <bool any, class Structure, class WalkScratch, template <bool> class RayCrowd = Rays>
+template <Query query, class Structure, class WalkScratch, template <Query> class RayCrowd = Rays>
 class Tracer {
  public:
+  static constexpr bool any = query == Query::any;
+  static constexpr bool kClear = query == Query::next_clear || query == Query::depths;
+  // Where rays keep their hits.
+  static constexpr bool kHits = query == Query::closest || query == Query::next_clear;
+
   Tracer(const Geometry& geometry, const Structure& structure, bool alone,
          Scratch<WalkScratch>& scratch, TraceContext& context)
-      : g_(geometry), structure_(structure), scratch_(scratch), context_(context), beams_(!alone) {
+      : g_(geometry),
+        structure_(structure),
+        scratch_(scratch),
+        context_(context),
+        beams_(!alone && !kClear) {
     size_t work = 0;
     for_each_bounded_kind([&]<PrimitiveKind kind> {
       beams_ = beams_ && g_.two_sided(kind);
@@ -52,29 +71,34 @@ class Tracer {
     few_ = work <= kFew && structure.count() <= kFew;
   }
 
-  // Rays first, first + 1, ... of the batch, at most kChunk; hits go to `hits` or `hit`.
-  void trace(const RayBatch& rays, size_t first, HitBatch* hits, uint8_t* hit) {
+  // Rays first, first + 1, ... of the batch, at most kChunk. Hits go to `out.hits` or `out.hit`.
+  void trace(const RayBatch& rays, size_t first, const TraceOutput& out) {
+    HitBatch* const hits = out.hits;
     Batch b = {.count = std::min(rays.size() - first, kChunk),
                .o = {&rays.ox[first], &rays.oy[first], &rays.oz[first]},
                .d = {&rays.dx[first], &rays.dy[first], &rays.dz[first]},
                .time = rays.has_time() ? &rays.time[first] : nullptr,
-               .t = any ? scratch_.t : &hits->t[first],
-               .item = any ? nullptr : &hits->item[first],
-               .u = any ? nullptr : &hits->u[first],
-               .v = any ? nullptr : &hits->v[first],
+               .t = kHits ? &hits->t[first] : scratch_.t,
+               .item = kHits ? &hits->item[first] : nullptr,
+               .u = kHits ? &hits->u[first] : nullptr,
+               .v = kHits ? &hits->v[first] : nullptr,
+               .after_t = out.after ? &out.after->t[first] : nullptr,
+               .after_item = out.after ? &out.after->item[first] : nullptr,
+               .depths = out.depths ? out.depths + first : nullptr,
                .shear = {scratch_.shear[0], scratch_.shear[1], scratch_.shear[2]},
                .axes = scratch_.shear[3]};
     start(b, &rays.tmax[first]);
+    if (query == Query::depths) start_depths(b, out.stopped ? out.stopped + first : nullptr);
     for (uint32_t i = 0; i < g_.count(PrimitiveKind::plane); ++i) intersect_plane(b, i);
     if (!structure_.empty()) trace_blocks(b);
     if (any)
-      for (size_t i = 0; i < b.count; ++i) hit[first + i] = b.t[i] == kOccluded;
+      for (size_t i = 0; i < b.count; ++i) out.hit[first + i] = b.t[i] == kOccluded;
   }
 
  private:
   // Rays that keep together as beams, then all others each on its own.
   void trace_blocks(Batch& b) {
-    RayCrowd<any> rays(g_, structure_, b, scratch_.rays, context_);
+    RayCrowd<query> rays(g_, structure_, b, scratch_.rays, context_);
     Beams<any> beams(structure_, b, scratch_.beams, context_);
     WalkScratch& lists = scratch_.walk;
     lists.reserve(kChunk + kPacket);
@@ -116,17 +140,27 @@ class Tracer {
     for (size_t i = 0; i < b.count; i += kLanes16) {
       const V16 t = hn::Load(f, tmax + i), done = hn::Set(f, -1);
       hn::Store(hn::IfThenElse(hn::Gt(t, hn::Zero(f)), t, done), f, b.t + i);
-      if (any) continue;
+      if (!kHits) continue;
       hn::Store(hn::Set(ids, kNoPrimitive), ids, b.item + i);
       hn::Store(hn::Zero(f), f, b.u + i), hn::Store(hn::Zero(f), f, b.v + i);
     }
     for (size_t i = b.count; i < padded(b.count); ++i) b.t[i] = -1;
   }
 
+  // Rays that are known to be stopped are done.
+  void start_depths(Batch& b, const uint8_t* stopped) {
+    for (size_t i = 0; i < b.count; ++i) {
+      b.depths[i] = 0;
+      if (stopped && stopped[i]) b.t[i] = -1;
+    }
+  }
+
   // All rays against one plane, in double and in the order of shape/plane.h.
   void intersect_plane(Batch& b, uint32_t index) {
+    const uint32_t depth = g_.depth_of(primitive_id(PrimitiveKind::plane, index));
+    if (depth == 0 || (depth == kOpaque) == kClear) return;
     context_.tests += b.count;
-    if (!g_.two_sided(PrimitiveKind::plane)) return intersect_plane_one_by_one(b, index);
+    if (kClear || !g_.two_sided(PrimitiveKind::plane)) return intersect_plane_one_by_one(b, index);
     const Plane& plane = g_.plane(index);
     const PrimitiveId item = primitive_id(PrimitiveKind::plane, index);
     const DemotedTag f;
@@ -159,12 +193,21 @@ class Tracer {
   }
 
   void intersect_plane_one_by_one(Batch& b, uint32_t index) {
+    const PrimitiveId item = primitive_id(PrimitiveKind::plane, index);
     for (size_t i = 0; i < b.count; ++i) {
-      RayQuery query(b.ray(i));
-      if (!any) query.best.item = b.item[i];
-      if (!test<PrimitiveKind::plane>(g_, index, query)) continue;
-      b.t[i] = any ? kOccluded : query.best.t;
-      if (!any) b.item[i] = query.best.item;
+      RayQuery alone(b.ray(i));
+      if (kHits) alone.best.item = b.item[i];
+      if (!test<PrimitiveKind::plane>(g_, index, alone)) continue;
+      const float t = alone.best.t;
+      if (query == Query::depths) {
+        b.depths[i] = std::min(b.depths[i] + g_.depth_of(item), kMostDepth);
+        continue;
+      }
+      if (query == Query::next_clear &&
+          (t < b.after_t[i] || (t == b.after_t[i] && item <= b.after_item[i])))
+        continue;
+      b.t[i] = any ? kOccluded : t;
+      if (kHits) b.item[i] = item;
     }
   }
 
@@ -183,15 +226,14 @@ class Tracer {
   bool few_;    // so few primitives that every ray is tested against all
 };
 
-template <bool any, class WalkScratch, template <bool> class RayCrowd = Rays, class Structure>
-void trace_all(const Geometry& g, const Structure& structure, const RayBatch& rays, HitBatch* hits,
-               uint8_t* hit, TraceContext& context) {
+template <Query query, class WalkScratch, template <Query> class RayCrowd = Rays, class Structure>
+void trace_all(const Geometry& g, const Structure& structure, const RayBatch& rays,
+               const TraceOutput& out, TraceContext& context) {
   // A ray by itself is told what it alone would cost.
   const bool alone = rays.size() == 1;
-  Tracer<any, Structure, WalkScratch, RayCrowd> tracer(g, structure, alone,
-                                                       own_scratch<WalkScratch>(), context);
-  for (size_t i = 0; i < rays.size() && !context.stopped(); i += kChunk)
-    tracer.trace(rays, i, hits, hit);
+  Tracer<query, Structure, WalkScratch, RayCrowd> tracer(g, structure, alone,
+                                                         own_scratch<WalkScratch>(), context);
+  for (size_t i = 0; i < rays.size() && !context.stopped(); i += kChunk) tracer.trace(rays, i, out);
 }
 
 }  // namespace raio::HWY_NAMESPACE

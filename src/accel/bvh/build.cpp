@@ -96,13 +96,16 @@ struct Arena {
 
 class Builder {
  public:
-  explicit Builder(const Geometry& geometry) : g_(geometry) {}
+  // `some`: those of which the tree is made, or nothing for all.
+  Builder(const Geometry& geometry, const std::vector<PrimitiveId>* some)
+      : g_(geometry), some_(some) {}
 
   // The error, or nothing.
   std::optional<std::string> build(size_t available, Bvh& out) {
     std::array<size_t, kPrimitiveKinds> counts{};
     for_each_bounded_kind([&]<PrimitiveKind kind> { counts[size_t(kind)] = g_.count(kind); });
-    const size_t count = std::accumulate(counts.begin(), counts.end(), size_t(0));
+    const size_t count =
+        some_ ? some_->size() : std::accumulate(counts.begin(), counts.end(), size_t(0));
     hasty_ = count > kLarge;
     if (count == 0) return std::nullopt;
     const double order_bytes =
@@ -110,6 +113,7 @@ class Builder {
     if (auto error = refusal(order_bytes + least_bytes(), available)) return error;
     order_.resize(count);
     const auto nth = [&](size_t i) {
+      if (some_) return (*some_)[i];
       size_t kind = 0;
       while (i >= counts[kind]) i -= counts[kind++];
       return primitive_id(PrimitiveKind(kind), uint32_t(i));
@@ -145,6 +149,7 @@ class Builder {
  private:
   // Of blocks that are all full.
   double least_bytes() const {
+    if (some_) return double(some_->size()) * sizeof(SphereBlock) / kBlockWidth;
     double bytes = 0;
     for_each_bounded_kind(
         [&]<PrimitiveKind kind> { bytes += double(g_.count(kind)) * sizeof(Block<kind>); });
@@ -394,6 +399,7 @@ class Builder {
   }
 
   const Geometry& g_;
+  const std::vector<PrimitiveId>* some_;
   bool hasty_ = false;
   Column<PrimitiveId> order_;  // in the end that of the leaves
   SpareItems spare_;
@@ -417,9 +423,12 @@ float triangle_width(const Column<TriangleBlock>& blocks) {
 
 }  // namespace
 
-std::expected<Bvh, std::string> build_bvh(const Geometry& geometry, size_t available) {
+std::expected<Bvh, std::string> build_bvh(const Geometry& geometry, size_t available, bool clear) {
   Bvh out;
-  if (auto error = Builder(geometry).build(available, out)) return std::unexpected(*error);
+  std::vector<PrimitiveId> some;
+  if (geometry.any_clear()) some = clear ? geometry.list_clear() : geometry.list_opaque();
+  Builder builder(geometry, geometry.any_clear() ? &some : nullptr);
+  if (auto error = builder.build(available, out)) return std::unexpected(*error);
   if (out.empty()) return out;
   constexpr int kFew = 4;  // measured
   for (const uint32_t ref : out.nodes[0].child)

@@ -33,7 +33,10 @@ class BvhAccel final : public Accel {
   }
   AccelInfo info() const override {
     size_t references = 0;
-    for_each_bounded_kind([&]<PrimitiveKind kind> { references += geometry_.count(kind); });
+    if (geometry_.any_clear())
+      references = geometry_.list_opaque().size();
+    else
+      for_each_bounded_kind([&]<PrimitiveKind kind> { references += geometry_.count(kind); });
     return {.name = "bvh",
             .bytes = geometry_.bytes() + bvh_.bytes(),
             .cells = bvh_.nodes.size(),

@@ -35,10 +35,12 @@ struct Bvh : Blocks {
   size_t bytes() const { return Blocks::bytes() + nodes.size() * sizeof(BvhNode); }
 };
 
-/// The tree over all items but planes, the same for any number of threads. The error is one line:
+/// The tree over all items but planes that are opaque, or over those that are `clear`
+/// (Geometry::list_clear()); the same for any number of threads. The error is one line:
 /// more than `available` bytes would be needed.
 std::expected<Bvh, std::string> build_bvh(const Geometry& geometry,
-                                          size_t available = available_memory_bytes());
+                                          size_t available = available_memory_bytes(),
+                                          bool clear = false);
 
 /// The walks, for the best instruction set that this machine has. Hits are those of brute force, to
 /// the last bit. Sixteen neighbours of a batch that keep together travel as one.
@@ -46,6 +48,12 @@ void bvh_closest(const Geometry& geometry, const Bvh& bvh, const RayBatch& rays,
                  TraceContext& context);
 void bvh_occluded(const Geometry& geometry, const Bvh& bvh, const RayBatch& rays, uint8_t* hit,
                   TraceContext& context);
+
+/// Accel::next_clear() and Accel::clear_depths() by the tree over what is clear.
+void bvh_next_clear(const Geometry& geometry, const Bvh& bvh, const RayBatch& rays,
+                    const HitBatch& after, HitBatch& hits, TraceContext& context);
+void bvh_clear_depths(const Geometry& geometry, const Bvh& bvh, const RayBatch& rays,
+                      const uint8_t* skip, uint32_t* depths, TraceContext& context);
 
 /// The walk of one ray, which goes to `context.log`: nodes and leaves, without depths and boxes,
 /// and the items that are tested.

@@ -14,31 +14,31 @@ namespace raio::HWY_NAMESPACE {
 
 void closest(const Geometry& g, const Bvh& bvh, const RayBatch& rays, HitBatch& hits,
              TraceContext& context) {
-  trace_all<false, StreamScratch>(g, bvh, rays, &hits, nullptr, context);
+  trace_all<Query::closest, StreamScratch>(g, bvh, rays, {.hits = &hits}, context);
 }
 
 void occluded(const Geometry& g, const Bvh& bvh, const RayBatch& rays, uint8_t* hit,
               TraceContext& context) {
-  trace_all<true, StreamScratch>(g, bvh, rays, nullptr, hit, context);
+  trace_all<Query::any, StreamScratch>(g, bvh, rays, {.hit = hit}, context);
 }
 
 // Rays that write down where they go.
-template <bool any>
-class LoggedRays : public Rays<any> {
+template <Query query>
+class LoggedRays : public Rays<query> {
  public:
   LoggedRays(const Geometry& geometry, const Bvh& bvh, const Batch& batch, RayScratch& scratch,
              TraceContext& context)
-      : Rays<any>(geometry, bvh, batch, scratch, context), bvh_(bvh), log_(*context.log) {}
+      : Rays<query>(geometry, bvh, batch, scratch, context), bvh_(bvh), log_(*context.log) {}
 
   void visits(uint32_t ref, size_t n) {
     add_step(ref, false);
-    Rays<any>::visits(ref, n);
+    Rays<query>::visits(ref, n);
   }
   HWY_NOINLINE void leaf(uint32_t ref, const uint32_t* ids, size_t n) {
     add_step(ref, true);
     const PrimitiveId* const items = bvh_.items(ref);
     for (int i = 0; i < kBlockWidth && items[i] != kNoPrimitive; ++i) log_.add_test(items[i]);
-    Rays<any>::leaf(ref, ids, n);
+    Rays<query>::leaf(ref, ids, n);
   }
 
  private:
@@ -52,14 +52,15 @@ class LoggedRays : public Rays<any> {
 
 void log(const Geometry& g, const Bvh& bvh, const RayBatch& ray, bool any, TraceContext& context) {
   for (uint32_t i = 0; i < g.count(PrimitiveKind::plane); ++i)
-    context.log->add_test(primitive_id(PrimitiveKind::plane, i));
+    if (const PrimitiveId id = primitive_id(PrimitiveKind::plane, i); g.is_opaque(id))
+      context.log->add_test(id);
   HitBatch hits;
   hits.reset(1);
   uint8_t hit[kChunk];  // of which one counts
   if (any)
-    trace_all<true, StreamScratch, LoggedRays>(g, bvh, ray, nullptr, hit, context);
+    trace_all<Query::any, StreamScratch, LoggedRays>(g, bvh, ray, {.hit = hit}, context);
   else
-    trace_all<false, StreamScratch, LoggedRays>(g, bvh, ray, &hits, nullptr, context);
+    trace_all<Query::closest, StreamScratch, LoggedRays>(g, bvh, ray, {.hits = &hits}, context);
 }
 
 }  // namespace raio::HWY_NAMESPACE

@@ -84,7 +84,8 @@ class GridBuilder : GridCells {
   void collect_items() {
     for_each_kind([&]<PrimitiveKind kind> {
       auto& to = kIsBounded<kind> ? rest_ : giants;
-      for (uint32_t i = 0; i < g_.count(kind); ++i) to.push_back(primitive_id(kind, i));
+      for (uint32_t i = 0; i < g_.count(kind); ++i)
+        if (const PrimitiveId id = primitive_id(kind, i); g_.is_opaque(id)) to.push_back(id);
     });
     boxes_.resize(rest_.size());
     parallel_for(rest_.size(), [&](size_t i) { boxes_[i] = g_.bounds(rest_[i]); });

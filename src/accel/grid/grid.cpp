@@ -126,6 +126,7 @@ class CountingGrid final : public Accel {
     bool done = false;
     for_each_bounded_kind([&]<PrimitiveKind kind> {
       for (uint32_t i = 0; !done && i < geometry_.count(kind); ++i) {
+        if (!geometry_.is_opaque(primitive_id(kind, i))) continue;
         ++context.tests, log.test(primitive_id(kind, i));
         done = test<kind>(geometry_, i, query) && any;
       }

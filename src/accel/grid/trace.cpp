@@ -14,12 +14,12 @@ namespace raio::HWY_NAMESPACE {
 
 void closest(const Geometry& g, const GridBlocks& blocks, const RayBatch& rays, HitBatch& hits,
              TraceContext& context) {
-  trace_all<false, IdLists>(g, blocks, rays, &hits, nullptr, context);
+  trace_all<Query::closest, IdLists>(g, blocks, rays, {.hits = &hits}, context);
 }
 
 void occluded(const Geometry& g, const GridBlocks& blocks, const RayBatch& rays, uint8_t* hit,
               TraceContext& context) {
-  trace_all<true, IdLists>(g, blocks, rays, nullptr, hit, context);
+  trace_all<Query::any, IdLists>(g, blocks, rays, {.hit = hit}, context);
 }
 
 }  // namespace raio::HWY_NAMESPACE

@@ -96,6 +96,7 @@ SceneMaker::SceneMaker(Vec3d from, Vec3d at, Vec3d up, float fov_deg, float hith
                    .at = Vec3f(at),
                    .up = Vec3f(up),
                    .fov_deg = fov_deg,
+                   .across_deg = 0,
                    .hither = hither,
                    .width = 512,
                    .height = 512,

@@ -5,17 +5,11 @@
 #include <filesystem>
 #include <string_view>
 
-#include "io/diagnostics.h"
-#include "scene/scene.h"
+#include "io/read_scene.h"
 
 namespace raio {
 
 class TextBuffer;  // io/nff/text_cursor.h
-
-struct ReadScene {
-  Scene scene;
-  Diagnostics warnings;
-};
 
 /// Reads a whole file: all of NFF 3.9, `pl`, coloured lights (docs/nff.md) and P3F but for its
 /// motion (docs/p3f.md); the scene's dialect is P3F where the file has a material of 11 or 12

@@ -40,6 +40,7 @@ Settings settings_of(const Scene& scene) {
   s.raster = {uint32_t(c.width), uint32_t(c.height), uint32_t(scene.samples_per_pixel)};
   if (c.lens_radius) s.lens_radius = {*c.lens_radius};
   if (c.focus_distance) s.focus_distance = {*c.focus_distance};
+  if (c.across_deg > 0) s.camera_across = {c.across_deg};
   if (const auto& m = c.movement)
     s.camera_movement = {m->from.x, m->from.y, m->from.z, m->at.x,
                          m->at.y,   m->at.z,   m->begin,  m->end};
@@ -84,7 +85,7 @@ std::string apply_extents(const Array<Vec3f>& extents, Scene& scene) {
 
 std::string apply_dialect(const Array<uint32_t>& numbers, Scene& scene) {
   if (numbers.empty()) return {};
-  if (numbers.size() != 2 || numbers[0] > uint32_t(Dialect::p3f) ||
+  if (numbers.size() != 2 || numbers[0] > uint32_t(Dialect::data) ||
       numbers[1] > uint32_t(StructureWish::bvh) || numbers[0] + numbers[1] == 0)
     return "dialect has not two numbers that mean something";
   scene.dialect = Dialect(numbers[0]), scene.structure = StructureWish(numbers[1]);
@@ -97,6 +98,7 @@ std::string apply(const Settings& s, Scene& scene) {
   const size_t lights = s.light_positions.size();
   if (s.origin.size() != 1 || s.camera.size() != 11 || s.raster.size() != 3 ||
       s.background.size() != 1 || s.lens_radius.size() > 1 || s.focus_distance.size() > 1 ||
+      s.camera_across.size() > 1 ||
       (s.camera_movement.size() != 0 && s.camera_movement.size() != 8))
     return "the columns of the camera and its like have not the numbers that they should";
   if (s.light_colored.size() != lights || s.light_colors.size() != lights)
@@ -107,6 +109,7 @@ std::string apply(const Settings& s, Scene& scene) {
                   .at = {c[3], c[4], c[5]},
                   .up = {c[6], c[7], c[8]},
                   .fov_deg = c[9],
+                  .across_deg = 0,
                   .hither = c[10],
                   .width = int(s.raster[0]),
                   .height = int(s.raster[1]),
@@ -114,6 +117,10 @@ std::string apply(const Settings& s, Scene& scene) {
                   .focus_distance = {},
                   .movement = {}};
   scene.samples_per_pixel = int(s.raster[2]);
+  if (!s.camera_across.empty()) {
+    scene.camera.across_deg = s.camera_across[0];
+    if (!(scene.camera.across_deg > 0)) return "camera_across is not positive";
+  }
   if (!s.lens_radius.empty()) scene.camera.lens_radius = s.lens_radius[0];
   if (!s.focus_distance.empty()) scene.camera.focus_distance = s.focus_distance[0];
   if (const auto& m = s.camera_movement; !m.empty())

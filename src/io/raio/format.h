@@ -112,6 +112,7 @@ struct Settings {
   Array<Vec3f> light_extents;  // width, depth, points; zeros for lights that have none
   Array<char> sky_folder;
   Array<float> camera_movement;  // 8 or none: from, at, begin, end
+  Array<float> camera_across;    // 1 or none: degrees
 };
 
 Settings settings_of(const Scene& scene);
@@ -135,6 +136,7 @@ void for_each_settings_column(SettingsType& s, F&& f) {
   f(ColumnName{"light_extents"}, s.light_extents);
   f(ColumnName{"sky_folder"}, s.sky_folder);
   f(ColumnName{"camera_movement"}, s.camera_movement);
+  f(ColumnName{"camera_across"}, s.camera_across);
 }
 
 /// Calls f(name, mesh, array) for all columns of a file in their order. `mesh` is kNoMesh, or that

@@ -1,7 +1,9 @@
-// What files that are no scenes seem to be.
+// What files seem to be that are neither NFF nor .raio.
 #include <algorithm>
 #include <array>
 
+#include "io/atoms/read.h"
+#include "io/mesh/read.h"
 #include "io/nff/text_cursor.h"
 #include "io/scene_file.h"
 
@@ -9,60 +11,65 @@ namespace raio {
 namespace {
 
 struct Sign {
-  std::string_view start, kind;
+  std::string_view start;
+  FileKind kind;
 };
 
 constexpr Sign kStarts[] = {
-    {"RAIOPART", "a part file of a render, which raio merge makes a picture of"},
-    {"\x89PNG", "a PNG picture"},
-    {"\xff\xd8\xff", "a JPEG picture"},
-    {"GIF8", "a GIF picture"},
-    {"BM", "a BMP picture"},
-    {"\x76\x2f\x31\x01", "an OpenEXR picture"},
-    {"#?RADIANCE", "a Radiance picture"},
-    {"#?RGBE", "a Radiance picture"},
-    {"II*", "a TIFF picture"},
-    {{"MM\0*", 4}, "a TIFF picture"},
-    {"%PDF", "a PDF document"},
-    {"PK\3\4", "a ZIP archive"},
-    {"glTF", "a binary glTF scene"},
-    {"ply\n", "a PLY mesh"},
-    {"ply\r", "a PLY mesh"},
-    {"solid ", "an STL mesh"},
-    {"OFF\n", "an OFF mesh"},
-    {"OFF\r", "an OFF mesh"},
-    {"OFF ", "an OFF mesh"},
-    {"COFF", "an OFF mesh"},
-    {"NOFF", "an OFF mesh"},
-    {"Kaydara FBX", "an FBX scene"},
-    {"BLENDER", "a Blender file"},
-    {"ITEM: ", "a LAMMPS dump"},
-    {"LAMMPS", "a LAMMPS data file"},
-    {"data_", "a CIF file of a molecule or crystal"},
-    {"HEADER ", "a PDB file of a molecule"},
-    {"ATOM  ", "a PDB file of a molecule"},
-    {"HETATM", "a PDB file of a molecule"},
-    {"CRYST1", "a PDB file of a molecule"},
-    {"REMARK ", "a PDB file of a molecule"},
-    {"TITLE  ", "a PDB file of a molecule"},
-    {"<?xml", "an XML file"},
-    {"<!", "an XML file"},
+    {"RAIOPART", {"a part file of a render, which raio merge makes a picture of"}},
+    {"\x89PNG", {"a PNG picture"}},
+    {"\xff\xd8\xff", {"a JPEG picture"}},
+    {"GIF8", {"a GIF picture"}},
+    {"BM", {"a BMP picture"}},
+    {"\x76\x2f\x31\x01", {"an OpenEXR picture"}},
+    {"#?RADIANCE", {"a Radiance picture"}},
+    {"#?RGBE", {"a Radiance picture"}},
+    {"II*", {"a TIFF picture"}},
+    {{"MM\0*", 4}, {"a TIFF picture"}},
+    {"%PDF", {"a PDF document"}},
+    {"PK\3\4", {"a ZIP archive"}},
+    {"glTF", {"a binary glTF scene"}},
+    {"ply\n", {"a PLY file of points or a mesh", read_ply}},
+    {"ply\r", {"a PLY file of points or a mesh", read_ply}},
+    {"solid ", {"an STL mesh"}},
+    {"OFF\n", {"an OFF mesh"}},
+    {"OFF\r", {"an OFF mesh"}},
+    {"OFF ", {"an OFF mesh"}},
+    {"COFF", {"an OFF mesh"}},
+    {"NOFF", {"an OFF mesh"}},
+    {"Kaydara FBX", {"an FBX scene"}},
+    {"BLENDER", {"a Blender file"}},
+    {"ITEM: ", {"a LAMMPS dump"}},
+    {"LAMMPS", {"a LAMMPS data file"}},
+    {"data_", {"a CIF file of a molecule or crystal", read_mmcif}},
+    {"HEADER ", {"a PDB file of a molecule", read_pdb}},
+    {"ATOM  ", {"a PDB file of a molecule", read_pdb}},
+    {"HETATM", {"a PDB file of a molecule", read_pdb}},
+    {"CRYST1", {"a PDB file of a molecule", read_pdb}},
+    {"REMARK ", {"a PDB file of a molecule", read_pdb}},
+    {"MODEL  ", {"a PDB file of a molecule", read_pdb}},
+    {"COMPND ", {"a PDB file of a molecule", read_pdb}},
+    {"TITLE  ", {"a PDB file of a molecule", read_pdb}},
+    {"<?xml", {"an XML file"}},
+    {"<!", {"an XML file"}},
 };
 
 constexpr Sign kSuffixes[] = {
-    {".obj", "a Wavefront OBJ mesh"},
-    {".mtl", "a Wavefront MTL file of materials"},
-    {".stl", "an STL mesh"},
-    {".ply", "a PLY mesh"},
-    {".off", "an OFF mesh"},
-    {".3ds", "a 3DS scene"},
-    {".gltf", "a glTF scene"},
-    {".pov", "a POV-Ray scene"},
-    {".pdb", "a PDB file of a molecule"},
-    {".cif", "a CIF file of a molecule or crystal"},
-    {".gro", "a GRO file of a molecule"},
-    {".xyz", "an XYZ file of a molecule"},
-    {".lmp", "a LAMMPS data file"},
+    {".obj", {"a Wavefront OBJ mesh"}},
+    {".mtl", {"a Wavefront MTL file of materials"}},
+    {".stl", {"an STL mesh"}},
+    {".ply", {"a PLY file of points or a mesh", read_ply}},
+    {".off", {"an OFF mesh"}},
+    {".3ds", {"a 3DS scene"}},
+    {".gltf", {"a glTF scene"}},
+    {".pov", {"a POV-Ray scene"}},
+    {".ent", {"a PDB file of a molecule", read_pdb}},
+    {".mmcif", {"a CIF file of a molecule or crystal", read_mmcif}},
+    {".pdb", {"a PDB file of a molecule", read_pdb}},
+    {".cif", {"a CIF file of a molecule or crystal", read_mmcif}},
+    {".gro", {"a GRO file of a molecule"}},
+    {".xyz", {"an XYZ file of a molecule", read_xyz}},
+    {".lmp", {"a LAMMPS data file"}},
 };
 
 std::string_view trimmed(std::string_view line) {
@@ -109,17 +116,19 @@ bool is_xyz(std::string_view first, std::string_view third) {
          std::all_of(&words[1], &words[4], looks_like_number);
 }
 
-std::string_view kind_of_text(std::string_view text) {
+FileKind kind_of_text(std::string_view text) {
   if (trimmed(text).starts_with('{'))
-    return text.find("\"asset\"") != std::string_view::npos ? "a glTF scene" : "a JSON file";
+    return text.find("\"asset\"") != std::string_view::npos ? FileKind{"a glTF scene"}
+                                                            : FileKind{"a JSON file"};
   std::array<std::string_view, 3> first;
   for (size_t number = 0; !text.empty(); ++number) {
     const size_t end = std::min(text.find('\n'), text.size());
     const std::string_view line = text.substr(0, end);
     text.remove_prefix(std::min(end + 1, text.size()));
     if (number < first.size()) first[number] = line;
-    if (number == 2 && is_xyz(first[0], first[2])) return "an XYZ file of a molecule";
-    if (is_obj_line(line)) return "a Wavefront OBJ mesh";
+    if (line.starts_with("data_")) return {"a CIF file of a molecule or crystal", read_mmcif};
+    if (number == 2 && is_xyz(first[0], first[2])) return {"an XYZ file of a molecule", read_xyz};
+    if (is_obj_line(line)) return {"a Wavefront OBJ mesh"};
   }
   return {};
 }
@@ -141,14 +150,14 @@ bool is_netpbm(std::string_view start) {
 
 }  // namespace
 
-std::string_view foreign_kind(std::string_view start, std::string_view suffix, size_t size) {
+FileKind file_kind(std::string_view start, std::string_view suffix, size_t size) {
   start = start.substr(0, 4096);
   if (start.starts_with("RAIOSCEN")) return {};
   for (const Sign& sign : kStarts)
     if (start.starts_with(sign.start)) return sign.kind;
-  if (is_netpbm(start)) return "a picture (PPM, PGM, PBM or PFM)";
-  if (const std::string_view kind = kind_of_text(start); !kind.empty()) return kind;
-  if (is_binary_stl(start, size)) return "an STL mesh";
+  if (is_netpbm(start)) return {"a picture (PPM, PGM, PBM or PFM)"};
+  if (const FileKind kind = kind_of_text(start); !kind.name.empty()) return kind;
+  if (is_binary_stl(start, size)) return {"an STL mesh"};
   for (const Sign& sign : kSuffixes)
     if (suffix == sign.start) return sign.kind;
   return {};

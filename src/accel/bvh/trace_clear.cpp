@@ -1,0 +1,47 @@
+// The walks of the tree over what is clear, compiled once for each instruction set (Highway's
+// foreach_target) and chosen when the program runs.
+#include "accel/bvh/bvh.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "accel/bvh/trace_clear.cpp"
+#include <hwy/foreach_target.h>
+// After foreach_target.h.
+#include "accel/blocks/tracer-inl.h"
+#include "accel/bvh/stream-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace raio::HWY_NAMESPACE {
+
+void next_clear(const Geometry& g, const Bvh& bvh, const RayBatch& rays, const HitBatch& after,
+                HitBatch& hits, TraceContext& context) {
+  trace_all<Query::next_clear, StreamScratch>(g, bvh, rays, {.hits = &hits, .after = &after},
+                                              context);
+}
+
+void clear_depths(const Geometry& g, const Bvh& bvh, const RayBatch& rays, const uint8_t* skip,
+                  uint32_t* depths, TraceContext& context) {
+  trace_all<Query::depths, StreamScratch>(g, bvh, rays, {.stopped = skip, .depths = depths},
+                                          context);
+}
+
+}  // namespace raio::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace raio {
+
+HWY_EXPORT(next_clear);
+HWY_EXPORT(clear_depths);
+
+void bvh_next_clear(const Geometry& geometry, const Bvh& bvh, const RayBatch& rays,
+                    const HitBatch& after, HitBatch& hits, TraceContext& context) {
+  HWY_DYNAMIC_DISPATCH(next_clear)(geometry, bvh, rays, after, hits, context);
+}
+
+void bvh_clear_depths(const Geometry& geometry, const Bvh& bvh, const RayBatch& rays,
+                      const uint8_t* skip, uint32_t* depths, TraceContext& context) {
+  HWY_DYNAMIC_DISPATCH(clear_depths)(geometry, bvh, rays, skip, depths, context);
+}
+
+}  // namespace raio
+#endif

@@ -1,0 +1,67 @@
+// What rays meet that is clear: by a tree of its own, or by trying all of it.
+#include <algorithm>
+
+#include "accel/accel.h"
+#include "accel/bvh/bvh.h"
+#include "accel/intersect.h"
+
+namespace raio {
+namespace {
+
+// Calls f(hit) for the first hit of the ray on each clear primitive.
+template <class F>
+void for_each_clear_hit(const Geometry& geometry, const Ray& ray, TraceContext& context, F&& f) {
+  if (!(ray.tmax > 0)) return;
+  for_each_kind([&]<PrimitiveKind kind> {
+    if (geometry.all_opaque(kind)) return;
+    for (uint32_t i = 0; i < geometry.count(kind); ++i) {
+      const uint32_t depth = geometry.depth_of(primitive_id(kind, i));
+      if (depth == kOpaque || depth == 0) continue;
+      ++context.tests;
+      if (RayQuery query(ray); test<kind>(geometry, i, query)) f(query.best);
+    }
+  });
+}
+
+}  // namespace
+
+Accel::Accel(Geometry geometry) : geometry_(std::move(geometry)) {}
+Accel::~Accel() = default;
+
+std::optional<std::string> Accel::build_clear() {
+  if (!geometry_.any_clear()) return std::nullopt;
+  auto bvh = build_bvh(geometry_, available_memory_bytes(), true);
+  if (!bvh) return std::move(bvh.error());
+  clear_ = std::make_unique<const Bvh>(std::move(*bvh));
+  return std::nullopt;
+}
+
+void Accel::next_clear(const RayBatch& rays, const HitBatch& after, HitBatch& hits,
+                       TraceContext& context) const {
+  hits.reset(rays.size());
+  if (clear_) return bvh_next_clear(geometry_, *clear_, rays, after, hits, context);
+  for (size_t i = 0; i < rays.size() && !context.stopped(); ++i) {
+    Hit next;
+    const auto before = [](const Hit& a, const Hit& b) {
+      return a.t < b.t || (a.t == b.t && a.item < b.item);
+    };
+    for_each_clear_hit(geometry_, rays[i], context, [&](const Hit& hit) {
+      if (before(after[i], hit) && (!next.found() || before(hit, next))) next = hit;
+    });
+    hits.set(i, next);
+  }
+}
+
+void Accel::clear_depths(const RayBatch& rays, const uint8_t* stopped, uint32_t* depths,
+                         TraceContext& context) const {
+  if (clear_) return bvh_clear_depths(geometry_, *clear_, rays, stopped, depths, context);
+  for (size_t i = 0; i < rays.size() && !context.stopped(); ++i) {
+    depths[i] = 0;
+    if (stopped && stopped[i]) continue;
+    for_each_clear_hit(geometry_, rays[i], context, [&](const Hit& hit) {
+      depths[i] = std::min(depths[i] + geometry_.depth_of(hit.item), kMostDepth);
+    });
+  }
+}
+
+}  // namespace raio

@@ -1,0 +1,11 @@
+// From light to display values and back.
+#pragma once
+
+namespace raio {
+
+/// The sRGB transfer curve and its inverse, from 0 to 1; negative values and NaN give 0, larger
+/// values 1.
+float srgb_from_linear(float linear);
+float linear_from_srgb(float encoded);
+
+}  // namespace raio

@@ -1,0 +1,287 @@
+#include "integrate/ambient.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "integrate/ambient.cpp"
+#include <hwy/foreach_target.h>
+// After foreach_target.h.
+#include "integrate/sky-inl.h"
+#include "integrate/wavefront-inl.h"
+#include "scene/columns.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace raio::HWY_NAMESPACE {
+namespace {
+
+// Two unit vectors across n and each other, as Frame in base/vec.h.
+struct WideFrame {
+  V3 u, v;
+
+  explicit HWY_INLINE WideFrame(const V3& n) {
+    const V one = hn::Set(d, 1), sign = hn::CopySign(one, n.z);
+    const V a = hn::Neg(hn::Div(one, hn::Add(sign, n.z))), b = hn::Mul(hn::Mul(n.x, n.y), a);
+    u = {hn::Add(one, hn::Mul(hn::Mul(hn::Mul(sign, n.x), n.x), a)), hn::Mul(sign, b),
+         hn::Neg(hn::Mul(sign, n.x))};
+    v = {b, hn::Add(sign, hn::Mul(hn::Mul(n.y, n.y), a)), hn::Neg(n.y)};
+  }
+};
+
+class AmbientShading {
+ public:
+  explicit AmbientShading(const PreparedScene& scene)
+      : scene_(scene),
+        figure_(scene.settings.figure),
+        look_(numbers_of(figure_.look)),
+        occlusion_sampler_(scene.sampler) {
+    occlusion_sampler_.kind = SamplerKind::sobol;  // of each pixel one sequence, shared out
+    if (max_component(scene.settings.background) < 0.1f) line_color_ = Rgb(0.7f);
+    // Over the viewer's left shoulder; its disc is seen at about eleven degrees.
+    to_key_ = normalize(scene.eye.right * -0.45f + scene.eye.up * 0.7f - scene.forward * 0.75f);
+    const Frame<float> frame(to_key_);
+    key_u_ = frame.u * kKeyRadius, key_v_ = frame.v * kKeyRadius;
+  }
+
+  static constexpr bool kTints = false;
+  static int levels() { return 1; }
+  Rgb background() const { return scene_.settings.background; }
+  static constexpr bool kSky = true;
+  bool has_sky() const { return scene_.settings.sky != nullptr; }
+  V3 sky(const V3& dir) const { return sky_towards(*scene_.settings.sky, dir); }
+  static bool counts_rays() { return false; }
+  template <class W>
+  void begin(W&, size_t) const {}
+
+  template <class W>
+  void shade(W& w, int, size_t n, const WideSampler<D>& sampler) {
+    Vertices& v = w.vertices();
+    for (size_t i = 0; i < n; i += kWidth) store(set3(d, Rgb()), v.radiance, i);
+    if (look_.sky > 0) add_sky_light(w, n, sampler.sample());
+    if (figure_.key_light && look_.key > 0) add_key_light(w, n, sampler);
+    if (scene_.extent > 0) fade(w, n);
+    if (figure_.outline > 0) draw_outlines(w, n);
+  }
+
+  template <class W>
+  void spawn(W&, int, size_t) const {}
+
+ private:
+  static constexpr float kKeyRadius = 0.1f;  // at a distance of 1
+
+  // The light of the sky, by rays that are dealt as the cosine weighs it: each that leaves brings
+  // an equal share. Shirley and Chiu's disc, lifted to the hemisphere after Malley.
+  template <class W>
+  void add_sky_light(W& w, size_t n, uint32_t sample) {
+    Vertices& v = w.vertices();
+    const auto rays_each = uint32_t(figure_.occlusion_rays);
+    const V share = hn::Set(d, look_.sky / float(rays_each)), one = hn::Set(d, 1);
+    const V zero = hn::Zero(d);
+    const V tmax =
+        hn::Set(d, figure_.occlusion_distance > 0 ? figure_.occlusion_distance
+                                                  : std::numeric_limits<float>::infinity());
+    for (uint32_t k = 0; k < rays_each && !w.stopped(); ++k) {
+      const WideSampler<D> sampler(occlusion_sampler_, sample * rays_each + k);
+      RayBatch& rays = w.shadow_rays();
+      rays.resize(n);
+      for (size_t i = 0; i < n; i += kWidth) {
+        const Wide2<D> square = sampler.in_square(w.place_of(load(w.rays().pixel, i)),
+                                                  load(w.rays().branch, i), kOcclusion);
+        const Wide2<D> disc = square_to_disc(d, square.x, square.y);
+        const V r2 = hn::Add(hn::Mul(disc.x, disc.x), hn::Mul(disc.y, disc.y));
+        const V up = hn::Sqrt(hn::Max(hn::Sub(one, r2), zero));
+        const V3 normal = load(v.normal, i), geometric = load(v.geometric, i);
+        const WideFrame frame(normal);
+        V3 dir = frame.u * disc.x + frame.v * disc.y + normal * up;
+        // A smooth normal leans: what would go into the surface is turned out of it.
+        const V across = dot(dir, geometric);
+        const V3 out = dir - geometric * hn::Add(across, across);
+        dir = select(hn::Lt(across, zero), out, dir);
+        put_ray(rays, i, load(v.outside, i), dir, tmax, hn::FirstN(d, n - i));
+      }
+      add_lit(w, n, [&](size_t i, V lit) HWY_ATTR {
+        return load(v.color, i) * hn::Mul(lit, hn::Mul(share, load(v.kd, i)));
+      });
+    }
+  }
+
+  // A disc far away: diffuse light and a highlight after Blinn.
+  template <class W>
+  void add_key_light(W& w, size_t n, const WideSampler<D>& sampler) {
+    Vertices& v = w.vertices();
+    const V zero = hn::Zero(d), inf = hn::Set(d, std::numeric_limits<float>::infinity());
+    RayBatch& rays = w.shadow_rays();
+    rays.resize(n);
+    for (size_t i = 0; i < n; i += kWidth) {
+      const Wide2<D> square = sampler.in_square(w.place_of(load(w.rays().pixel, i)),
+                                                load(w.rays().branch, i), kKeyLight);
+      const Wide2<D> disc = square_to_disc(d, square.x, square.y);
+      const V3 dir =
+          normalize(d, set3(d, to_key_) + set3(d, key_u_) * disc.x + set3(d, key_v_) * disc.y);
+      const M facing =
+          hn::And(hn::FirstN(d, n - i), hn::And(hn::Gt(dot(load(v.normal, i), dir), zero),
+                                                hn::Gt(dot(load(v.geometric, i), dir), zero)));
+      put_ray(rays, i, load(v.outside, i), dir, inf, facing);
+    }
+    const V key = hn::Set(d, look_.key), one = hn::Set(d, 1);
+    add_lit(w, n, [&](size_t i, V lit) HWY_ATTR {
+      const V3 dir = directions(rays, i), normal = load(v.normal, i);
+      const V diffuse = hn::Mul(hn::Mul(key, load(v.kd, i)), dot(normal, dir));
+      V3 light = load(v.color, i) * hn::Mul(lit, diffuse);
+      if (look_.highlight > 0) {
+        const V cosine = dot(normal, normalize(d, dir - directions(w.rays().rays, i)));
+        const V power = pow_unit(d, hn::Min(hn::Max(cosine, zero), one), hn::Set(d, look_.shine));
+        const V much = hn::Mul(hn::Mul(lit, hn::Set(d, look_.highlight)), power);
+        light = light + V3{much, much, much};
+      }
+      return light;
+    });
+  }
+
+  // Into the background, with depth.
+  template <class W>
+  void fade(W& w, size_t n) const {
+    Vertices& v = w.vertices();
+    const V zero = hn::Zero(d), one = hn::Set(d, 1);
+    const V3 forward = set3(d, scene_.forward), eye = set3(d, scene_.eye.from);
+    const V3 background = set3(d, scene_.settings.background);
+    for (size_t i = 0; i < n; i += kWidth) {
+      const V depth = dot(load(v.point, i) - eye, forward);
+      const V far = hn::Div(hn::Sub(depth, hn::Set(d, scene_.nearest)), hn::Set(d, scene_.extent));
+      const V part = hn::Mul(hn::Min(hn::Max(far, zero), one), hn::Set(d, figure_.depth_cue));
+      store(load(v.radiance, i) * hn::Sub(one, part) + background * part, v.radiance, i);
+    }
+  }
+
+  // Feature lines after Choudhury and Parker 2009, "Ray Tracing NPR-Style Feature Lines", NPAR: a
+  // sample is on a line if rays through a circle around it in the picture meet something else. Of
+  // two surfaces that meet in the picture the nearer one has the line. What is clear has none.
+  template <class W>
+  void draw_outlines(W& w, size_t n) {
+    static constexpr float kDiagonal = 0.70710678f;
+    static constexpr float kCircle[8][2] = {
+        {1, 0},  {kDiagonal, kDiagonal},   {0, 1},  {-kDiagonal, kDiagonal},
+        {-1, 0}, {-kDiagonal, -kDiagonal}, {0, -1}, {kDiagonal, -kDiagonal}};
+    Vertices& v = w.vertices();
+    if (!around_) around_ = std::make_unique_for_overwrite<Vertices>();
+    std::array<bool, kChunk> on_line{};
+    const V3 forward = set3(d, scene_.forward);
+    const float pixel = length(scene_.eye.per_y);
+    for (const auto& [x, y] : kCircle) {
+      RayBatch& rays = w.probe_rays();
+      rays.resize(n);
+      const V3 aside = set3(
+          d, scene_.eye.per_x * (x * figure_.outline) + scene_.eye.per_y * (y * figure_.outline));
+      for (size_t i = 0; i < n; i += kWidth) {
+        const V3 dir = directions(w.rays().rays, i);
+        const V along = hn::Max(dot(dir, forward), hn::Set(d, 1e-6f));
+        put_ray(rays, i, origins(w.rays().rays, i), normalize(d, dir + aside * along),
+                hn::Set(d, std::numeric_limits<float>::infinity()), hn::FirstN(d, n - i));
+      }
+      w.probe();
+      if (w.stopped()) return;
+      HitBatch& hits = w.probed();
+      std::array<bool, kChunk> missed{};
+      for (size_t i = 0; i < n; ++i)
+        if (missed[i] = !hits[i].found(); missed[i]) hits.set(i, w.hits()[i]);
+      for (size_t i = n; i % kWidth != 0; ++i) rays.set(i, rays[n - 1]), hits.set(i, hits[n - 1]);
+      find_surfaces(scene_.accel, scene_.scene.materials.data(), rays, hits, n, *around_);
+      for (size_t i = 0; i < n; ++i)
+        on_line[i] |= missed[i] || is_edge(w.hits()[i].item, hits[i].item, v, i, pixel);
+    }
+    const Geometry& geometry = scene_.accel.geometry();
+    for (size_t i = 0; i < n; ++i)
+      if (on_line[i] && geometry.is_opaque(w.hits().item[i])) v.radiance.set(i, line_color_);
+  }
+
+  // Does a line run between what sample i sees, `here`, and what is `there` beside it, at its side?
+  bool is_edge(PrimitiveId here, PrimitiveId there, const Vertices& v, size_t i,
+               float pixel) const {
+    if (here == there) return false;
+    const auto at = [i](const Floats3& f) { return Vec3f(f.x.at[i], f.y.at[i], f.z.at[i]); };
+    const Vec3f point = at(v.point), other = at(around_->point);
+    const float depth = dot(point - scene_.eye.from, scene_.forward);
+    const float behind = dot(other - point, scene_.forward);
+    const float step = 4 * figure_.outline * pixel * depth;  // a slope that passes for a surface
+    const Geometry& geometry = scene_.accel.geometry();
+    if (geometry.object_of(here) != geometry.object_of(there)) return behind > 0;
+    const Vec3f normal = at(v.normal);
+    const bool flat = primitive_kind(here) == PrimitiveKind::triangle;
+    if (behind > step && (!flat || dot(other - point, normal) < -step / 4)) return true;
+    // Where two meet at an angle the lower number has the line.
+    return std::abs(behind) <= step && here < there && dot(normal, at(around_->normal)) < 0.5f;
+  }
+
+  // Rays that are not in `mask` count as lit by nothing.
+  static HWY_INLINE void put_ray(RayBatch& rays, size_t i, const V3& origin, const V3& dir, V tmax,
+                                 M mask) {
+    hn::Store(origin.x, d, &rays.ox[i]), hn::Store(origin.y, d, &rays.oy[i]);
+    hn::Store(origin.z, d, &rays.oz[i]);
+    hn::Store(dir.x, d, &rays.dx[i]), hn::Store(dir.y, d, &rays.dy[i]);
+    hn::Store(dir.z, d, &rays.dz[i]);
+    hn::Store(hn::IfThenElse(mask, tmax, hn::Set(d, -1)), d, &rays.tmax[i]);
+  }
+
+  // Traces the wavefront's shadow rays and adds light(i, share of it that arrives).
+  template <class W, class Light>
+  void add_lit(W& w, size_t n, const Light& light) {
+    Vertices& v = w.vertices();
+    const RayBatch& rays = w.shadow_rays();
+    const V zero = hn::Zero(d);
+    size_t asked = 0;
+    for (size_t i = 0; i < n; i += kWidth)
+      asked += hn::CountTrue(d, hn::And(hn::FirstN(d, n - i), hn::Gt(load(rays.tmax, i), zero)));
+    if (asked == 0) return;
+    w.counts().shadow += asked;
+    const uint8_t* const hidden = w.occluded();
+    for (size_t i = 0; i < n; i += kWidth) {
+      const M sent = hn::And(hn::FirstN(d, n - i), hn::Gt(load(rays.tmax, i), zero));
+      const auto stopped = hn::PromoteTo(du, hn::LoadU(hn::Rebind<uint8_t, DU>(), hidden + i));
+      const M seen = hn::And(sent, hn::RebindMask(d, hn::Eq(stopped, hn::Zero(du))));
+      w.counts().shadow_hits += hn::CountTrue(d, hn::AndNot(seen, sent));
+      if (hn::AllFalse(d, seen)) continue;
+      const V share = w.shares() ? hn::LoadU(d, w.shares() + i) : hn::Set(d, 1);
+      const V3 sum = load(v.radiance, i) + light(i, hn::IfThenElseZero(seen, share));
+      store(select(seen, sum, load(v.radiance, i)), v.radiance, i);
+    }
+  }
+
+  const PreparedScene& scene_;
+  FigureSettings figure_;
+  LookNumbers look_;
+  Sampler occlusion_sampler_;
+  Vec3f to_key_, key_u_, key_v_;
+  Rgb line_color_;                    // stands out from the background
+  std::unique_ptr<Vertices> around_;  // what is beside the samples
+};
+
+std::unique_ptr<TileRenderer> make_renderer(const PreparedScene& scene, RenderControl& control) {
+  return std::make_unique<Wavefront<AmbientShading>>(scene, control);
+}
+
+}  // namespace
+}  // namespace raio::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace raio {
+
+HWY_EXPORT(make_renderer);
+
+std::unique_ptr<TileRenderer> make_ambient_renderer(const PreparedScene& scene,
+                                                    RenderControl& control) {
+  return HWY_DYNAMIC_DISPATCH(make_renderer)(scene, control);
+}
+
+double ambient_bound(const Scene& scene, const RenderSettings& settings) {
+  const LookNumbers look = numbers_of(settings.figure.look);
+  const float own_color = brightest_color(scene);  // may take the place of a material's
+  const float tint = brightest_tint(scene);
+  double surface = 0;
+  for (const Material& m : scene.materials)
+    surface = std::max(surface, double(m.kd) * std::max(max_component(m.color), own_color) * tint);
+  const double light = double(look.sky) + look.key;
+  const double background = settings.sky ? double(settings.sky->largest) / 255
+                                         : double(max_component(settings.background));
+  return background + std::max(light * surface + look.highlight, 1.0);
+}
+
+}  // namespace raio
+#endif

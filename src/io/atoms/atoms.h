@@ -1,0 +1,42 @@
+// Atoms as files have them, whatever the format. Also included by structure.cpp, which is C++17.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace raio {
+
+struct Atom {
+  std::array<float, 3> place{};  // angstroms
+  uint8_t element = 0;           // its number; 0: unknown
+  uint32_t chain = 0;            // into Atoms::chains
+  uint32_t part = 0;             // what assemblies name; as `chain` where they name chains
+  uint32_t residue = 0;          // counted through the file
+  float occupancy = 1, b_factor = 0;
+};
+
+/// A biological assembly: copies of parts, each moved by the matrices.
+struct Assembly {
+  struct Copies {
+    std::vector<uint32_t> parts;
+    std::vector<std::array<float, 12>> matrices;  // three rows of four numbers
+  };
+  std::vector<Copies> copies;
+};
+
+struct Atoms {
+  std::vector<Atom> atoms;
+  std::vector<std::string> chains;
+  std::vector<Assembly> assemblies;
+  size_t frames = 1;  // that the file has
+};
+
+/// Reads a PDB or mmCIF text into `out`, of its frames that of the number, negative from the end.
+/// Where a residue has several conformers it is the first. Returns what is wrong, or
+/// nothing; a frame that there is not is no error, but leaves `out` without atoms.
+std::string read_structure(const char* text, size_t size, bool cif, int frame, Atoms& out);
+
+}  // namespace raio

@@ -1,0 +1,36 @@
+// What atoms look like: sizes and colours of elements, colours of what has no colour of its own,
+// and maps from numbers to colours. All colours are linear.
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "base/vec.h"
+
+namespace raio {
+
+/// Numbers from 1 to 118; 0 is unknown.
+inline constexpr int kElements = 119;
+
+/// Van der Waals and covalent radii in angstroms, after gemmi's tables (Bondi 1964 and Cordero 2008
+/// among others).
+float van_der_waals_radius(int element);
+float covalent_radius(int element);
+std::string_view element_symbol(int element);
+/// The number of a symbol in any case; 0: there is none.
+int element_number(std::string_view symbol);
+
+/// Jmol's colour of an element (https://jmol.sourceforge.net/jscolors/).
+Rgb element_color(int element);
+
+/// The n-th of eight colours that all people can tell apart, again and again. Okabe and Ito 2008,
+/// "Color Universal Design".
+Rgb distinct_color(uint32_t n);
+
+inline constexpr std::string_view kColormaps[] = {"viridis", "plasma", "cividis", "coolwarm"};
+extern const char *const kViridis, *const kPlasma, *const kCividis, *const kCoolwarm;
+
+/// The colour of a part, 0 to 1, in a map of that name; nothing: there is none.
+std::optional<Rgb> map_color(std::string_view map, float part);
+
+}  // namespace raio

@@ -1,0 +1,131 @@
+// PDB and mmCIF, by gemmi. In C++17: with its headers clang refuses the containers of incomplete
+// types that later versions evaluate at compile time.
+#include <algorithm>
+#include <exception>
+#include <gemmi/cif.hpp>
+#include <gemmi/mmcif.hpp>
+#include <gemmi/pdb.hpp>
+#include <locale>
+#include <map>
+#include <sstream>
+#include <string_view>
+
+#include "io/atoms/atoms.h"
+
+namespace raio {
+namespace {
+
+class Names {
+ public:
+  explicit Names(std::vector<std::string>& list) : list_(list) {}
+  uint32_t number(const std::string& name) {
+    const auto [at, is_new] = numbers_.emplace(name, uint32_t(list_.size()));
+    if (is_new) list_.push_back(name);
+    return at->second;
+  }
+
+ private:
+  std::vector<std::string>& list_;
+  std::map<std::string, uint32_t> numbers_;
+};
+
+void add_model(const gemmi::Model& model, bool cif, Names& chains, Names& parts, Atoms& out) {
+  uint32_t residues = 0;
+  for (const gemmi::Chain& chain : model.chains)
+    for (const gemmi::Residue& residue : chain.first_conformer()) {
+      const uint32_t number = chains.number(chain.name);
+      const uint32_t part = cif ? parts.number(residue.subchain) : number;
+      for (const gemmi::Atom& atom : residue.first_conformer()) {
+        Atom a;
+        a.place = {float(atom.pos.x), float(atom.pos.y), float(atom.pos.z)};
+        const gemmi::Element element = atom.element;
+        a.element = element.elem == gemmi::El::D ? 1 : uint8_t(element.atomic_number());
+        a.chain = number, a.part = part, a.residue = residues;
+        a.occupancy = atom.occ, a.b_factor = atom.b_iso;
+        out.atoms.push_back(a);
+      }
+      ++residues;
+    }
+}
+
+// Of a PDB text, REMARK 350. Read here since gemmi 0.5 takes matrices by columns, which shift where
+// there are a thousand of them.
+std::vector<Assembly> assemblies_of_pdb(std::string_view text, Names& chains) {
+  std::vector<Assembly> out;
+  std::array<float, 12> matrix{};
+  constexpr std::string_view kRemark = "REMARK 350";
+  for (size_t end = 0; !text.empty(); text.remove_prefix(std::min(end + 1, text.size()))) {
+    end = std::min(text.find('\n'), text.size());
+    if (text.substr(0, 6) == "ATOM  " || text.substr(0, 6) == "HETATM") break;
+    if (text.substr(0, kRemark.size()) != kRemark) continue;
+    const std::string line(text.substr(kRemark.size(), end - kRemark.size()));
+    const size_t colon = line.find(':');
+    if (line.find("BIOMOLECULE:") != std::string::npos) out.emplace_back();
+    if (out.empty()) continue;
+    auto& copies = out.back().copies;
+    if (line.find("APPLY THE FOLLOWING TO CHAINS:") != std::string::npos) copies.emplace_back();
+    if (copies.empty()) continue;
+    if (colon != std::string::npos && line.find("CHAINS:") != std::string::npos) {
+      std::istringstream names(line.substr(colon + 1));
+      for (std::string name; std::getline(names, name, ',');) {
+        name.erase(std::remove_if(name.begin(), name.end(), [](char c) { return c <= ' '; }),
+                   name.end());
+        if (!name.empty()) copies.back().parts.push_back(chains.number(name));
+      }
+    }
+    const size_t row = line.find("BIOMT");
+    if (row == std::string::npos || row + 5 >= line.size()) continue;
+    const int number = line[row + 5] - '1';
+    if (number < 0 || number > 2) continue;
+    std::istringstream numbers(line.substr(row + 6));
+    numbers.imbue(std::locale::classic());
+    std::string serial;
+    numbers >> serial;
+    for (size_t k = 0; k < 4; ++k) numbers >> matrix[size_t(number) * 4 + k];
+    if (numbers && number == 2) copies.back().matrices.push_back(matrix);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string read_structure(const char* text, size_t size, bool cif, int frame, Atoms& out) try {
+  const gemmi::Structure s = cif ? gemmi::make_structure(gemmi::cif::read_memory(text, size, ""))
+                                 : gemmi::read_pdb_from_memory(text, size, "");
+  out.frames = s.models.size();
+  const long at = frame < 0 ? long(s.models.size()) + frame : frame;
+  if (at < 0 || at >= long(s.models.size())) return {};
+  std::vector<std::string> part_names;
+  Names chains(out.chains), parts(part_names);
+  add_model(s.models[size_t(at)], cif, chains, parts, out);
+  if (!cif) {
+    out.assemblies = assemblies_of_pdb({text, size}, chains);
+    return {};
+  }
+  for (const gemmi::Assembly& from : s.assemblies) {
+    Assembly assembly;
+    for (const gemmi::Assembly::Gen& generator : from.generators) {
+      Assembly::Copies copies;
+      for (const std::string& name : generator.subchains)
+        copies.parts.push_back(parts.number(name));
+      for (const gemmi::Assembly::Operator& op : generator.operators) {
+        std::array<float, 12> matrix{};
+        for (int row = 0; row < 3; ++row) {
+          for (int column = 0; column < 3; ++column)
+            matrix[size_t(row * 4 + column)] = float(op.transform.mat[row][column]);
+          matrix[size_t(row * 4 + 3)] = float(op.transform.vec.at(row));
+        }
+        copies.matrices.push_back(matrix);
+      }
+      assembly.copies.push_back(copies);
+    }
+    out.assemblies.push_back(assembly);
+  }
+  return {};
+} catch (const std::bad_alloc&) {
+  throw;
+} catch (const std::exception& error) {
+  return error.what();
+}
+
+}  // namespace raio

@@ -1,0 +1,210 @@
+#include "io/fit_camera.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "base/parallel.h"
+
+namespace raio {
+namespace {
+
+constexpr double kFovDeg = 25;  // a long lens, as for portraits
+constexpr double kMargin = 1.06;
+constexpr double kRadians = std::numbers::pi / 180;
+
+/// Calls f(centre, radius) for spheres that enclose primitive i of a kind.
+template <PrimitiveKind kind, class F>
+void enclose(const Scene& scene, size_t i, F&& f) {
+  const auto& shape = (scene.*kPoolOf<PrimitiveType<kind>>.shapes)[i];
+  if constexpr (kind == PrimitiveKind::sphere) {
+    f(shape.center, shape.radius);
+  } else {
+    const Box3f box = bounds(bake(shape));
+    for (int corner = 0; corner < 8; ++corner)
+      f(Vec3f(corner & 1 ? box.hi.x : box.lo.x, corner & 2 ? box.hi.y : box.lo.y,
+              corner & 4 ? box.hi.z : box.lo.z),
+        0.0f);
+  }
+}
+
+/// Calls add(sum, centre, radius) for all of a scene and joins the sums in an order that does not
+/// depend on threads.
+template <class Sum, class Add>
+Sum sum_up(const Scene& scene, const Add& add) {
+  Sum total;
+  const auto sum_each = [&](size_t count, const auto& one) {
+    std::vector<Sum> sums(chunks_of(count));
+    for_chunks(count, [&](size_t c, size_t first, size_t end) {
+      for (size_t i = first; i < end; ++i)
+        one(i, [&](Vec3f center, float radius) { add(sums[c], center, radius); });
+    });
+    for (const Sum& s : sums) total.join(s);
+  };
+  for_each_bounded_kind([&]<PrimitiveKind kind> {
+    if constexpr (kind != PrimitiveKind::triangle)
+      sum_each((scene.*kPoolOf<PrimitiveType<kind>>.shapes).size(),
+               [&](size_t i, const auto& f) { enclose<kind>(scene, i, f); });
+  });
+  const auto sum_corners = [&](const auto& triangles, const auto& positions) {
+    sum_each(triangles.size(), [&](size_t i, const auto& f) {
+      for (const uint32_t corner : triangles[i]) f(positions[corner], 0.0f);
+    });
+  };
+  sum_corners(scene.triangles, scene.positions);
+  sum_each(scene.polygons.size(), [&](size_t i, const auto& f) {
+    const Polygon& polygon = scene.polygons[i];
+    for (uint32_t k = 0; k < polygon.count; ++k)
+      f(scene.positions[size_t(polygon.first) + k], 0.0f);
+  });
+  for (const Mesh& mesh : scene.meshes) sum_corners(mesh.triangles, mesh.positions);
+  return total;
+}
+
+struct Moments {
+  double count = 0;
+  Vec3d sum;
+  std::array<double, 6> squares{};  // xx xy xz yy yz zz
+
+  void join(const Moments& b) {
+    count += b.count, sum = sum + b.sum;
+    for (size_t i = 0; i < squares.size(); ++i) squares[i] += b.squares[i];
+  }
+};
+
+/// The eigenvectors of the covariance, that of the largest eigenvalue first. Jacobi 1846; for three
+/// rows it ends after a few sweeps.
+std::array<Vec3d, 3> principal_axes(const Moments& m) {
+  const Vec3d mean = m.sum / m.count;
+  const auto entry = [&](size_t place, double a, double b) {
+    return m.squares[place] / m.count - a * b;
+  };
+  double a[3][3] = {{entry(0, mean.x, mean.x), entry(1, mean.x, mean.y), entry(2, mean.x, mean.z)},
+                    {0, entry(3, mean.y, mean.y), entry(4, mean.y, mean.z)},
+                    {0, 0, entry(5, mean.z, mean.z)}};
+  a[1][0] = a[0][1], a[2][0] = a[0][2], a[2][1] = a[1][2];
+  std::array<Vec3d, 3> axes = {Vec3d(1, 0, 0), Vec3d(0, 1, 0), Vec3d(0, 0, 1)};
+  for (int sweep = 0; sweep < 32; ++sweep)
+    for (const auto& [p, q] : {std::pair(0, 1), std::pair(0, 2), std::pair(1, 2)}) {
+      if (std::abs(a[p][q]) <= 1e-14 * (std::abs(a[p][p]) + std::abs(a[q][q]))) continue;
+      const double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
+      const double t = std::copysign(1, theta) / (std::abs(theta) + std::sqrt(theta * theta + 1));
+      const double c = 1 / std::sqrt(t * t + 1), s = t * c;
+      for (auto& row : a) {
+        const double x = row[p], y = row[q];
+        row[p] = c * x - s * y, row[q] = s * x + c * y;
+      }
+      for (int k = 0; k < 3; ++k) {
+        const double x = a[p][k], y = a[q][k];
+        a[p][k] = c * x - s * y, a[q][k] = s * x + c * y;
+      }
+      const Vec3d x = axes[size_t(p)], y = axes[size_t(q)];
+      axes[size_t(p)] = x * c - y * s, axes[size_t(q)] = x * s + y * c;
+    }
+  std::array<int, 3> order = {0, 1, 2};
+  std::ranges::sort(
+      order, [&](int x, int y) { return a[x][x] > a[y][y] || (a[x][x] == a[y][y] && x < y); });
+  std::array<Vec3d, 3> out;
+  for (size_t i = 0; i < 3; ++i) {
+    const Vec3d v = axes[size_t(order[i])];
+    // Of both directions the one that does not depend on how the axes were found.
+    const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+    const double sign = std::abs(v.x) > 0.99 * largest   ? v.x
+                        : std::abs(v.y) > 0.99 * largest ? v.y
+                                                         : v.z;
+    out[i] = sign < 0 ? v * -1.0 : v;
+  }
+  return out;
+}
+
+/// What the picture must hold, above the middle, below it and on each side: how far the edges must
+/// be away for it, measured where the camera is.
+struct Needs {
+  double above = -std::numeric_limits<double>::infinity(), below = above, right = above,
+         left = above;
+
+  void join(const Needs& b) {
+    above = std::max(above, b.above), below = std::max(below, b.below);
+    right = std::max(right, b.right), left = std::max(left, b.left);
+  }
+};
+
+/// The tangents of half the angles that the picture must have.
+struct Tangents {
+  double up = 0, across = 0;
+
+  void join(const Tangents& b) { up = std::max(up, b.up), across = std::max(across, b.across); }
+};
+
+}  // namespace
+
+void fit_camera(Scene& scene, FitView view, Vec3f up) {
+  Camera& camera = scene.camera;
+  if (camera.width == 0) camera.width = 1200, camera.height = 900;
+  const Box3f box = bounds(scene);
+  if (box.empty()) return;
+  const Vec3d middle = (Vec3d(box.lo) + Vec3d(box.hi)) * 0.5;
+  Vec3d to_up = normalize(Vec3d(up)), to_right, forward;
+  if (view == FitView::principal) {
+    auto moments = sum_up<Moments>(scene, [&](Moments& m, Vec3f center, float) {
+      const Vec3d c = Vec3d(center) - middle;
+      m.count += 1, m.sum = m.sum + c;
+      const std::array<double, 6> by = {c.x * c.x, c.x * c.y, c.x * c.z,
+                                        c.y * c.y, c.y * c.z, c.z * c.z};
+      for (size_t i = 0; i < by.size(); ++i) m.squares[i] += by[i];
+    });
+    const auto axes = principal_axes(moments);
+    to_right = axes[0], to_up = axes[1];
+    forward = cross(to_up, to_right);
+  } else {
+    const Frame<double> frame(to_up);  // two axes of the data across the vertical one
+    const Vec3d from = normalize(to_up * 0.55 + frame.u * 0.45 - frame.v * 0.9);
+    forward = from * -1.0;
+    to_right = normalize(cross(forward, to_up));
+    to_up = cross(to_right, forward);
+  }
+  const double tangent = std::tan(kFovDeg / 2 * kRadians) / kMargin;
+  const double across = tangent * camera.width / camera.height;
+  const double secant = std::sqrt(1 + tangent * tangent),
+               secant_across = std::sqrt(1 + across * across);
+  // A sphere at (x, y, z) before a camera at a distance D from the middle stays below the upper
+  // edge if y + radius / cos <= (D + z) tan, and so on.
+  const auto needs = sum_up<Needs>(scene, [&](Needs& n, Vec3f center, float radius) {
+    const Vec3d c = Vec3d(center) - middle;
+    const double x = dot(c, to_right), y = dot(c, to_up), z = dot(c, forward);
+    const double high = double(radius) * secant - z * tangent,
+                 wide = double(radius) * secant_across - z * across;
+    n.join({high + y, high - y, wide + x, wide - x});
+  });
+  double distance = std::max((needs.above + needs.below) / (2 * tangent),
+                             (needs.right + needs.left) / (2 * across));
+  const double size = length(Vec3d(box.hi) - Vec3d(box.lo));
+  // More than floats there are apart.
+  const double apart = 1e-4 * max_component(abs(middle));
+  distance = std::max({distance, size > 0 ? size * 1e-3 : 1.0, apart});
+  const Vec3d at = middle + to_right * ((needs.right - needs.left) / 2) +
+                   to_up * ((needs.above - needs.below) / 2);
+  const Vec3d from = at - forward * distance;
+  const auto tangents = sum_up<Tangents>(scene, [&](Tangents& t, Vec3f center, float radius) {
+    const Vec3d c = Vec3d(center) - from;
+    const double x = std::abs(dot(c, to_right)), y = std::abs(dot(c, to_up)), r = double(radius),
+                 z = std::max(dot(c, forward), 1e-6 * distance);
+    t.join({(y + r * secant) / z, (x + r * secant_across) / z});
+  });
+  camera.from = Vec3f(from), camera.at = Vec3f(at), camera.up = Vec3f(to_up);
+  const auto degrees = [](double half) {
+    return std::clamp(float(2 * std::atan(half * kMargin) / kRadians), 0.01f, 170.0f);
+  };
+  camera.fov_deg = degrees(tangents.up), camera.across_deg = degrees(tangents.across);
+}
+
+float fitted_fov_deg(const Camera& camera, int width, int height) {
+  if (camera.across_deg <= 0) return camera.fov_deg;
+  const double half = std::tan(double(camera.across_deg) / 2 * kRadians) * height / width;
+  return std::max(camera.fov_deg, float(2 * std::atan(half) / kRadians));
+}
+
+}  // namespace raio

@@ -1,0 +1,44 @@
+// What readers of scene files take and give, whatever the format.
+#pragma once
+
+#include <expected>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "io/diagnostics.h"
+#include "scene/scene.h"
+
+namespace raio {
+
+class TextBuffer;  // io/nff/text_cursor.h
+
+/// How atoms are drawn: spheres of their van der Waals radii; smaller ones with their bonds as
+/// cylinders; bonds alone; or all as points of one size.
+enum class AtomStyle { space_filling, ball_and_stick, sticks, points };
+
+/// What a user may ask of files that leave it open: atoms, points and meshes.
+struct ReadOptions {
+  // NOLINTBEGIN(readability-redundant-member-init): so that some can be left out
+  std::optional<AtomStyle> style = {};
+  std::string color_by = {};         // element, chain, residue, index or a column; empty: as usual
+  std::string colormap = {};         // of numbers; empty: viridis
+  float radius = 0;                  // of points that have none, scene units; 0: from their spacing
+  std::optional<int> assembly = {};  // biological; 0: none; without: 1 where there is one
+  int frame = 0;                     // of a trajectory, or model, from 0; negative: from the end
+  // NOLINTEND(readability-redundant-member-init)
+
+  friend bool operator==(const ReadOptions&, const ReadOptions&) = default;
+};
+
+struct ReadScene {
+  Scene scene;
+  Diagnostics warnings;
+};
+
+/// Reads what is in memory, `file` by its name in messages.
+using SceneReader = std::expected<ReadScene, Diagnostics> (*)(const TextBuffer& bytes,
+                                                              std::string_view file,
+                                                              const ReadOptions& options);
+
+}  // namespace raio

@@ -1,0 +1,128 @@
+#include "render/figure_options.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+
+namespace raio {
+
+std::expected<void, std::string> parse_look(RenderOptions& options, std::string_view text) {
+  for (size_t i = 0; i < kLooks.size(); ++i)
+    if (text == kLooks[i] || text == kLookNames[i])
+      return options.look = Look(i), std::expected<void, std::string>();
+  return std::unexpected(fmt::format("expected paper, dark, flat or matte, found '{}'", text));
+}
+
+std::string look_text(const RenderOptions& options) {
+  return options.look ? std::string(kLookNames[size_t(*options.look)]) : "";
+}
+
+std::expected<void, std::string> parse_key_light(RenderOptions& options, std::string_view text) {
+  const auto word = std::ranges::find(kOnOff, text);
+  if (word == kOnOff.end())
+    return std::unexpected(fmt::format("expected on or off, found '{}'", text));
+  options.key_light = word != kOnOff.begin();
+  return {};
+}
+
+std::string key_light_text(const RenderOptions& options) {
+  return options.key_light ? std::string(kOnOff[*options.key_light]) : "";
+}
+
+namespace {
+
+// Zero is a choice of its own: it switches off what a look has.
+std::expected<void, std::string> parse_part(std::string_view text, float most,
+                                            std::optional<float>& out) {
+  float value = -1;
+  const char* const text_end = text.data() + text.size();
+  const auto [end, error] = std::from_chars(text.data(), text_end, value);
+  if (error != std::errc() || end != text_end || !(value >= 0 && value <= most))
+    return std::unexpected(fmt::format("expected a number from 0 to {}, found '{}'", most, text));
+  out = value;
+  return {};
+}
+
+std::string text_of(const std::optional<float>& value) {
+  return value ? fmt::format("{}", *value) : "";
+}
+
+}  // namespace
+
+std::expected<void, std::string> parse_opacity(RenderOptions& options, std::string_view text) {
+  return parse_part(text, 1, options.opacity);
+}
+std::string opacity_text(const RenderOptions& options) { return text_of(options.opacity); }
+
+std::expected<void, std::string> parse_outline(RenderOptions& options, std::string_view text) {
+  return parse_part(text, 64, options.outline);
+}
+std::string outline_text(const RenderOptions& options) { return text_of(options.outline); }
+
+std::expected<void, std::string> parse_depth_cue(RenderOptions& options, std::string_view text) {
+  return parse_part(text, 1, options.depth_cue);
+}
+std::string depth_cue_text(const RenderOptions& options) { return text_of(options.depth_cue); }
+
+FigureSettings figure_settings(const RenderOptions& options) {
+  FigureSettings figure;
+  figure.look = options.look.value_or(Look::paper);
+  if (options.occlusion_rays > 0) figure.occlusion_rays = options.occlusion_rays;
+  figure.occlusion_distance = options.occlusion_distance;
+  figure.key_light = options.key_light.value_or(true);
+  const LookNumbers look = numbers_of(figure.look);
+  figure.outline = options.outline.value_or(look.outline);
+  const auto& ground = options.background;
+  const bool fades = !ground || (!ground->transparent && !ground->sky);
+  figure.depth_cue = options.depth_cue.value_or(fades ? look.depth_cue : 0);
+  return figure;
+}
+
+void set_figure(RenderOptions& options, const FigureSettings& figure) {
+  const FigureSettings usual;
+  options.look = figure.look;
+  options.occlusion_rays = figure.occlusion_rays;
+  options.occlusion_distance = figure.occlusion_distance;
+  if (figure.key_light != usual.key_light) options.key_light = figure.key_light;
+  const LookNumbers look = numbers_of(figure.look);
+  if (figure.outline != look.outline) options.outline = figure.outline;
+  if (figure.depth_cue != look.depth_cue) options.depth_cue = figure.depth_cue;
+}
+
+std::optional<Error> figure_conflict(const RenderOptions& options, const Scene& scene) {
+  const IntegratorKind integrator = integrator_of(options, scene);
+  const auto refuse = [&](std::string_view option) {
+    return Error{ErrorKind::bad_option, std::string(option),
+                 fmt::format("has no effect with `integrator` {}; leave one of them out",
+                             kIntegratorNames[size_t(integrator)])};
+  };
+  const auto first_of = [&](auto... given) -> std::optional<Error> {
+    std::optional<Error> why;
+    ((given.first && !why ? void(why = refuse(given.second)) : void()), ...);
+    return why;
+  };
+  using Given = std::pair<bool, std::string_view>;
+  if (integrator == IntegratorKind::classic)
+    return first_of(Given{options.look.has_value(), "look"},
+                    Given{options.occlusion_rays > 0, "occlusion-rays"},
+                    Given{options.occlusion_distance > 0, "occlusion-distance"},
+                    Given{options.key_light.has_value(), "key-light"},
+                    Given{options.outline.has_value(), "outline"},
+                    Given{options.depth_cue.has_value(), "depth-cue"});
+  const auto& ground = options.background;
+  if (options.depth_cue.value_or(0) > 0 && ground && (ground->transparent || ground->sky))
+    return Error{ErrorKind::bad_option, "depth-cue",
+                 "fades into a colour; give one as `background`, or leave it out"};
+  if (integrator == IntegratorKind::ambient)
+    return first_of(
+        Given{options.soft_shadows, "soft-shadows"}, Given{options.light_size > 0, "light-size"},
+        Given{options.shading.has_value(), "shading"},
+        Given{options.fresnel.has_value(), "fresnel"}, Given{options.gloss.has_value(), "gloss"},
+        Given{options.translucency.has_value(), "translucency"},
+        Given{options.no_reflection, "no-reflection"},
+        Given{options.no_refraction, "no-refraction"});
+  return std::nullopt;
+}
+
+}  // namespace raio

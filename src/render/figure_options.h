@@ -1,0 +1,36 @@
+// The options of figures, those of the integrator `ambient`; as picture_options.h for the table of
+// options.cpp.
+#pragma once
+
+#include <array>
+
+#include "render/options.h"
+
+namespace raio {
+
+/// As users write them: the newest version of a look goes without its number.
+inline constexpr std::array<std::string_view, 4> kLooks = {"paper", "dark", "flat", "matte"};
+inline constexpr std::array<std::string_view, 2> kOnOff = {"off", "on"};
+
+std::expected<void, std::string> parse_look(RenderOptions& options, std::string_view text);
+std::string look_text(const RenderOptions& options);
+std::expected<void, std::string> parse_key_light(RenderOptions& options, std::string_view text);
+std::string key_light_text(const RenderOptions& options);
+std::expected<void, std::string> parse_opacity(RenderOptions& options, std::string_view text);
+std::string opacity_text(const RenderOptions& options);
+std::expected<void, std::string> parse_outline(RenderOptions& options, std::string_view text);
+std::string outline_text(const RenderOptions& options);
+std::expected<void, std::string> parse_depth_cue(RenderOptions& options, std::string_view text);
+std::string depth_cue_text(const RenderOptions& options);
+
+/// Samples of a pixel where neither the user nor the scene says how many.
+inline constexpr int kFigureSamples = 64;
+
+FigureSettings figure_settings(const RenderOptions& options);
+/// The options that come to these settings.
+void set_figure(RenderOptions& options, const FigureSettings& figure);
+
+/// An option that has an effect with one integrator only, beside another.
+std::optional<Error> figure_conflict(const RenderOptions& options, const Scene& scene);
+
+}  // namespace raio

@@ -1,0 +1,242 @@
+// Surfaces that let a part of the light through: against closed forms, and that every structure and
+// any order gives the same.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "accel_rays.h"
+#include "integrate/film.h"
+#include "one_picture.h"
+#include "scenes.h"
+
+namespace raio {
+namespace {
+
+using testing::awkward_rays;
+using testing::expect_one_picture;
+using testing::moving_scene;
+using testing::picture_of;
+using testing::random_scene;
+
+// Looks down the z axis from above at a white background; what is there is black.
+Scene looking_down() {
+  Scene scene;
+  scene.camera.from = {0, 0, 10}, scene.camera.at = {0, 0, 0}, scene.camera.up = {0, 1, 0};
+  scene.camera.fov_deg = 1;
+  scene.background = Rgb(1);
+  scene.materials = {{.color = Rgb(0), .kd = 0}};
+  return scene;
+}
+
+float middle(const Scene& scene, RenderOptions options = {}) {
+  options.width = options.height = 1;
+  options.tone = Tone::none;
+  return expect_one_picture(scene, options).pixels[0].x;
+}
+
+TEST(Opacity, LayersMultiply) {
+  for (const float a : {0.02f, 0.1f, 0.3f, 0.5f, 0.9f, 0.999f})
+    for (const int k : {1, 2, 3, 8, 30}) {
+      Scene scene = looking_down();
+      for (int i = 0; i < k; ++i) {
+        scene.discs.push_back({{0, 0, float(i) * 0.1f}, {0, 0, 1}, 1, 0});
+        scene.disc_materials.push_back(0);
+        scene.disc_opacity.push_back(a);
+      }
+      EXPECT_NEAR(middle(scene), std::pow(1 - double(a), k), 1e-4) << a << ' ' << k;
+    }
+}
+
+TEST(Opacity, OfAMaterialCountsWhereAPrimitiveHasNoneOfItsOwn) {
+  Scene scene = looking_down();
+  scene.material_opacity = std::vector<float>{0.25f};
+  scene.planes = {{{0, 0, 1}, {0, 0, 1}}};
+  scene.plane_materials = {0};
+  EXPECT_NEAR(middle(scene), 0.75, 1e-6);
+  scene.spheres = {{{0, 0, 0}, 0.5f}};
+  scene.sphere_materials = {0};
+  scene.sphere_opacity = std::vector<float>{0.5f};
+  EXPECT_NEAR(middle(scene), 0.375, 1e-6);
+}
+
+TEST(Opacity, AnOptionIsThatOfAllThatHasNone) {
+  Scene scene = looking_down();
+  scene.spheres = {{{0, 0, 0}, 0.5f}};
+  scene.sphere_materials = {0};
+  scene.discs = {{{0, 0, 2}, {0, 0, 1}, 1, 0}};
+  scene.disc_materials = {0};
+  scene.disc_opacity = std::vector<float>{0.5f};
+  for (const float opacity : {0.0f, 0.25f, 1.0f}) {
+    RenderOptions options;
+    options.opacity = opacity;
+    EXPECT_NEAR(middle(scene, options), 0.5 * (1 - double(opacity)), 1e-6);
+    const RenderSettings settings = resolve_options(options, scene);
+    EXPECT_EQ(resolve_options(options_of(settings, scene), scene), settings);
+  }
+  // What is as always is not stored in pictures.
+  EXPECT_FALSE(options_of(resolve_options({}, scene), scene).opacity);
+}
+
+TEST(Opacity, NothingAndAllOfIt) {
+  Scene scene = looking_down();
+  scene.spheres = {{{0, 0, 0}, 0.5f}, {{0, 0, 2}, 0.5f}};
+  scene.sphere_materials = {0, 0};
+  scene.sphere_opacity = std::vector<float>{0, 0};
+  EXPECT_EQ(middle(scene), 1);
+  scene.sphere_opacity = std::vector<float>{1, 0};
+  EXPECT_EQ(middle(scene), 0);
+}
+
+TEST(Opacity, ARoundShapeHidesOnce) {
+  const auto black = [](auto&& add) {
+    Scene scene = looking_down();
+    add(scene);
+    return scene;
+  };
+  const auto sphere = black([](Scene& s) {
+    s.spheres = {{{0, 0, 0}, 1}}, s.sphere_materials = {0};
+    s.sphere_opacity = std::vector<float>{0.3f};
+  });
+  const auto cylinder = black([](Scene& s) {  // crossed by the ray twice
+    s.cones = {{{-1, 0, 0}, 0.5f, {1, 0, 0}, 0.5f}}, s.cone_materials = {0};
+    s.cone_opacity = std::vector<float>{0.3f};
+  });
+  const auto ellipsoid = black([](Scene& s) {
+    s.ellipsoids = {{{0, 0, 0}, {{2, 0, 0}, {0, 1, 0}, {0, 0, 0.5f}}}}, s.ellipsoid_materials = {0};
+    s.ellipsoid_opacity = std::vector<float>{0.3f};
+  });
+  for (const Scene& scene : {sphere, cylinder, ellipsoid}) EXPECT_NEAR(middle(scene), 0.7, 1e-6);
+  // Also one that overlaps another.
+  Scene two = sphere;
+  two.spheres.push_back({{0, 0, 0.5f}, 1}), two.sphere_materials.push_back(0);
+  two.sphere_opacity.push_back(0.5f);
+  EXPECT_NEAR(middle(two), 0.35, 1e-6);
+  // And triangles hide once for each.
+  Scene mesh = looking_down();
+  mesh.positions = {{-9, -9, 0}, {9, -9, 0}, {0, 9, 0}, {-9, -9, 1}, {9, -9, 1}, {0, 9, 1}};
+  mesh.triangles = {{0, 1, 2}, {3, 4, 5}};
+  mesh.triangle_materials = {0, 0};
+  mesh.triangle_opacity = std::vector<float>{0.3f, 0.3f};
+  EXPECT_NEAR(middle(mesh), 0.49, 1e-6);
+}
+
+// A white floor below a light; what is between is clear.
+TEST(Opacity, ShadowsLetThrough) {
+  Scene scene = looking_down();
+  scene.background = Rgb(0);
+  scene.camera.from = {4, 0, 10}, scene.camera.at = {0, 0, 0};
+  scene.lights = {{{0, 0, 5}, Rgb(1), {}}};
+  scene.materials.push_back({.color = Rgb(1), .kd = 1});
+  scene.planes = {{{0, 0, 0}, {0, 0, 1}}};
+  scene.plane_materials = {1};
+  const double lit = middle(scene);
+  EXPECT_NEAR(lit, 1, 1e-4);
+  // Not in the eye's way.
+  scene.spheres = {{{0, 0, 2.5f}, 0.3f}};
+  scene.sphere_materials = {0};
+  scene.sphere_opacity = std::vector<float>{0.4f};
+  EXPECT_NEAR(middle(scene), 0.6 * lit, 1e-4);
+  // Around the light: light goes out of it, and is hidden once.
+  scene.spheres = {{{0, 0, 5}, 0.3f}};
+  EXPECT_NEAR(middle(scene), 0.6 * lit, 1e-4);
+  // Around the floor's point, which hides it from the eye and the light from it.
+  scene.spheres = {{{0, 0, 0}, 0.3f}};
+  EXPECT_NEAR(middle(scene), 0.6 * 0.6 * lit, 1e-4);
+}
+
+TEST(Opacity, MirrorsShowWhatIsClear) {
+  Scene scene = looking_down();
+  scene.materials.push_back({.color = Rgb(0), .kd = 0, .ks = 1});
+  scene.planes = {{{0, 0, 0}, {0, 0, 1}}};
+  scene.plane_materials = {1};
+  scene.discs = {{{0, 0, 12}, {0, 0, 1}, 3, 0}};  // behind the eye
+  scene.disc_materials = {0};
+  scene.disc_opacity = std::vector<float>{0.2f};
+  EXPECT_NEAR(middle(scene), 0.8, 1e-6);
+}
+
+Scene with_opacity(Scene scene, uint32_t seed) {
+  std::mt19937 rng(seed);
+  for_each_pool([&](auto pool) {
+    auto& opacity = scene.*pool.opacity;
+    for (size_t i = 0; i < (scene.*pool.shapes).size(); ++i)
+      opacity.push_back(rng() % 3 == 0 ? 1 : float(rng() % 1001) / 1000);
+  });
+  return scene;
+}
+
+TEST(Opacity, AllStructuresGiveOnePicture) {
+  for (const uint32_t seed : {1u, 2u}) {
+    RenderOptions options;
+    options.width = 48, options.height = 40, options.aa = 2, options.soft_shadows = true;
+    (void)expect_one_picture(with_opacity(random_scene(120, seed), seed), options);
+    (void)expect_one_picture(with_opacity(moving_scene(seed), seed), options);
+    options.integrator = IntegratorKind::ambient, options.soft_shadows = false;
+    (void)expect_one_picture(with_opacity(random_scene(120, seed), seed), options);
+  }
+}
+
+TEST(Opacity, TheTreeFindsTheLayersOfBruteForce) {
+  for (const bool one_sided : {false, true}) {
+    const Scene scene = with_opacity(random_scene(600, 7), 3);
+    const auto none = build_accel(scene, {.kind = AccelKind::none}, one_sided);
+    const auto tree = build_accel(scene, {.kind = AccelKind::bvh}, one_sided);
+    const RayBatch rays = awkward_rays(scene, 3000, 3);
+    TraceContext context;
+    HitBatch after, first, second;
+    after.reset(rays.size());
+    for (size_t i = 0; i < rays.size(); ++i) after.set(i, {.t = 0, .item = 0});
+    size_t found = 1;
+    for (int layer = 0; found > 0; ++layer) {
+      ASSERT_LT(layer, 500);
+      (*none)->next_clear(rays, after, first, context);
+      (*tree)->next_clear(rays, after, second, context);
+      found = 0;
+      for (size_t i = 0; i < rays.size(); ++i) {
+        ASSERT_EQ(first.item[i], second.item[i]) << layer << ' ' << i;
+        if (!first[i].found()) {
+          after.set(i, {});  // behind everything
+          continue;
+        }
+        ASSERT_EQ(first.t[i], second.t[i]);
+        after.set(i, first[i]);
+        ++found;
+      }
+    }
+    std::vector<uint32_t> a(padded(rays.size())), b(a.size());
+    (*none)->clear_depths(rays, nullptr, a.data(), context);
+    (*tree)->clear_depths(rays, nullptr, b.data(), context);
+    EXPECT_EQ(a, b);
+  }
+}
+
+// Laid over any ground, a picture with alpha is the one that was rendered on it.
+TEST(Opacity, AlphaLaysOverAnyGround) {
+  const Scene scene = with_opacity(random_scene(60, 5), 8);
+  RenderOptions options;
+  options.width = 32, options.height = 24, options.aa = 3;
+  options.channels.add(Channel::alpha);
+  const RenderSettings settings = resolve_options(options, scene);
+  const auto accel = build_accel(scene, settings.accel);
+  RenderControl control;
+  const auto film = make_film(scene, settings);
+  ASSERT_TRUE(render(scene, **accel, settings, **film, control).finished);
+  const Image colors = (*film)->resolve();
+  const auto alpha = std::get<Column<float>>((*film)->resolve(Channel::alpha));
+  for (const Rgb ground : {Rgb(1), Rgb(0.2f, 0.9f, 0.4f)}) {
+    RenderOptions on_ground = options;
+    on_ground.channels = {};
+    on_ground.background = WrittenColor{.color = ground};
+    on_ground.no_reflection = on_ground.no_refraction = true;
+    const Image whole = picture_of(scene, on_ground);
+    on_ground.channels.add(Channel::alpha);
+    const Image over = picture_of(scene, on_ground);
+    for (size_t i = 0; i < whole.pixels.size(); ++i)
+      for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(over.pixels[i][c] + (1 - alpha[i]) * ground[c], whole.pixels[i][c], 1e-5);
+  }
+}
+
+}  // namespace
+}  // namespace raio
