@@ -63,20 +63,10 @@ TEST_F(SceneFiles, OfOtherKindsSayWhatTheySeemToBe) {
   struct Other {
     std::string_view name, bytes, kind;
   };
-  const std::string stl = std::string(80, 'x') + std::string("\1\0\0\0", 4) + std::string(50, '\0');
   const Other others[] = {
-      {"a.obj", "# Blender\nmtllib a.mtl\no Cube\nv 1 1 -1\nf 1/1/1 2/2/1 3/3/1\n",
-       "a Wavefront OBJ mesh"},
-      {"a", "v 1 1 -1\nv 0 0 1\nv 1 0 0\nf 1 2 3\n", "a Wavefront OBJ mesh"},
-      {"a.nff", "\n  v  1 1 -1\n", "a Wavefront OBJ mesh"},
-      {"a.stl", "solid cube\nfacet normal 0 0 1\n", "an STL mesh"},
-      {"a", stl, "an STL mesh"},
-      {"a.off", "OFF\n8 6 0\n", "an OFF mesh"},
       {"a.glb", "glTF\2\0\0\0", "a binary glTF scene"},
       {"a.gltf", "{\n \"asset\": {\"version\": \"2.0\"}}", "a glTF scene"},
       {"a.json", "{\"rays\": 5}", "a JSON file"},
-      {"a.gro", "water\n 3\n", "a GRO file of a molecule"},
-      {"a.dump", "ITEM: TIMESTEP\n0\n", "a LAMMPS dump"},
       {"a.pov", "// a scene\ncamera { }\n", "a POV-Ray scene"},
       {"a.nff", "\x89PNG\r\n\x1a\n", "a PNG picture"},
       {"a.ppm", "P6\n1 1\n255\nabc", "a picture (PPM, PGM, PBM or PFM)"},
@@ -86,12 +76,43 @@ TEST_F(SceneFiles, OfOtherKindsSayWhatTheySeemToBe) {
       {"a.html", "<!DOCTYPE html>", "an XML file"},
   };
   for (const Other& other : others)
-    EXPECT_THAT(errors_of(other.name, other.bytes),
-                AllOf(HasSubstr("error: this looks like " + std::string(other.kind) + ";"),
-                      HasSubstr("Raio reads NFF, P3F, .raio, PDB, CIF, XYZ and PLY")))
+    EXPECT_THAT(
+        errors_of(other.name, other.bytes),
+        AllOf(HasSubstr("error: this looks like " + std::string(other.kind) + ";"),
+              HasSubstr(
+                  "Raio reads NFF, P3F, .raio, PDB, CIF, GRO, XYZ, LAMMPS, PLY, STL, OBJ and OFF")))
         << other.name;
-  EXPECT_THAT(errors_of("b.gz", packed("OFF\n8 6 0\n")), HasSubstr("an OFF mesh"));
-  EXPECT_THAT(errors_of("water.gro.gz", packed("water\n 3\n")), HasSubstr("a GRO file"));
+}
+
+TEST_F(SceneFiles, DataIsToldByContentThenBySuffix) {
+  struct Data {
+    std::string_view name, bytes, kind;
+  };
+  const std::string stl = std::string(80, 'x') + std::string("\1\0\0\0", 4) + std::string(50, '\0');
+  const Data all[] = {
+      {"a.obj", "# Blender\nmtllib a.mtl\no Cube\nv 1 1 -1\nf 1/1/1 2/2/1 3/3/1\n",
+       "a Wavefront OBJ mesh"},
+      {"a", "v 1 1 -1\nv 0 0 1\nv 1 0 0\nf 1 2 3\n", "a Wavefront OBJ mesh"},
+      {"a.nff", "\n  v  1 1 -1\n", "a Wavefront OBJ mesh"},
+      {"a.stl", "solid cube\nfacet normal 0 0 1\n", "an STL mesh"},
+      {"a", stl, "an STL mesh"},
+      {"a.off", "OFF\n8 6 0\n", "an OFF mesh"},
+      {"a.gro", "water\n 3\n", "a GRO file of a molecule"},
+      {"a.dump", "ITEM: TIMESTEP\n0\n", "a LAMMPS dump"},
+      {"a", "a title\n\n 12 atoms\n", "a LAMMPS data file"},
+      {"a.data", "a title\n", "a LAMMPS data file"},
+      {"a", "12\n\nC 0 0 0\n", "an XYZ file of a molecule"},
+      {"a.xyz", "ply\nformat ascii 1.0\n", "a PLY file of points or a mesh"},
+  };
+  for (const auto& [name, bytes, kind] : all) {
+    const FileKind found =
+        file_kind(bytes, std::filesystem::path(name).extension().string(), bytes.size());
+    EXPECT_EQ(found.name, kind) << name;
+    EXPECT_NE(found.read, nullptr) << name;
+  }
+  // Under a second suffix, and packed.
+  EXPECT_THAT(errors_of("b.gz", packed("OFF\nx 6 0\n")), HasSubstr("the number of vertices"));
+  EXPECT_THAT(errors_of("water.gro.gz", packed("water\n 3\n")), HasSubstr("expected 3 atoms"));
 }
 
 /// Whatever the reader of NFF has to say of a text is said by it.

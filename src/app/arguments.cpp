@@ -28,7 +28,9 @@ void add_file(CLI::App& app, const std::string& name, std::string& path, const s
 
 void add_scene(CLI::App& app, std::string& path) {
   add_file(app, "scene", path,
-           "Scene file: NFF, P3F, .raio, PDB, CIF, XYZ or PLY; - is standard input", "SCENE");
+           "Scene file: NFF, P3F, .raio, PDB, CIF, GRO, XYZ, LAMMPS, PLY, STL, OBJ or OFF; - is "
+           "standard input",
+           "SCENE");
   app.get_option("scene")->required();
 }
 
@@ -60,7 +62,9 @@ void add_read_options(CLI::App& app, ReadOptions& options) {
       "NAME");
   word(
       "--color-by", [&options](const std::string& text) { options.color_by = text; },
-      "Colour atoms by element, chain, residue, index, bfactor or occupancy (default: element)",
+      "Colour by element, chain, residue, type, index, bfactor, occupancy or a column of numbers "
+      "of "
+      "the file (default: element)",
       "NAME");
   word(
       "--colormap", [&options](const std::string& text) { options.colormap = text; },

@@ -24,4 +24,9 @@ float linear_from_srgb(float encoded) {
   return float(x <= 0.04045 ? x / 12.92 : unit(exact_pow((x + 0.055) / 1.055, 2.4)));
 }
 
+Rgb linear_from_srgb(uint32_t rrggbb) {
+  const auto part = [&](int shift) { return linear_from_srgb(float(rrggbb >> shift & 255) / 255); };
+  return {part(16), part(8), part(0)};
+}
+
 }  // namespace raio

@@ -1,11 +1,17 @@
 // From light to display values and back.
 #pragma once
 
+#include <cstdint>
+
+#include "base/vec.h"
+
 namespace raio {
 
 /// The sRGB transfer curve and its inverse, from 0 to 1; negative values and NaN give 0, larger
 /// values 1.
 float srgb_from_linear(float linear);
 float linear_from_srgb(float encoded);
+/// Of a display value 0xrrggbb.
+Rgb linear_from_srgb(uint32_t rrggbb);
 
 }  // namespace raio

@@ -10,6 +10,18 @@
 namespace raio {
 namespace {
 
+using Takes = FileKind::Takes;
+constexpr FileKind kPdb{"a PDB file of a molecule", read_pdb, Takes::all};
+constexpr FileKind kCif{"a CIF file of a molecule or crystal", read_mmcif, Takes::all};
+constexpr FileKind kXyz{"an XYZ file of a molecule", read_xyz, Takes::all};
+constexpr FileKind kGro{"a GRO file of a molecule", read_gro, Takes::all};
+constexpr FileKind kDump{"a LAMMPS dump", read_lammps_dump, Takes::all};
+constexpr FileKind kData{"a LAMMPS data file", read_lammps_data, Takes::all};
+constexpr FileKind kPly{"a PLY file of points or a mesh", read_ply, Takes::points};
+constexpr FileKind kStl{"an STL mesh", read_stl};
+constexpr FileKind kOff{"an OFF mesh", read_off};
+constexpr FileKind kObj{"a Wavefront OBJ mesh", read_obj};
+
 struct Sign {
   std::string_view start;
   FileKind kind;
@@ -29,47 +41,58 @@ constexpr Sign kStarts[] = {
     {"%PDF", {"a PDF document"}},
     {"PK\3\4", {"a ZIP archive"}},
     {"glTF", {"a binary glTF scene"}},
-    {"ply\n", {"a PLY file of points or a mesh", read_ply}},
-    {"ply\r", {"a PLY file of points or a mesh", read_ply}},
-    {"solid ", {"an STL mesh"}},
-    {"OFF\n", {"an OFF mesh"}},
-    {"OFF\r", {"an OFF mesh"}},
-    {"OFF ", {"an OFF mesh"}},
-    {"COFF", {"an OFF mesh"}},
-    {"NOFF", {"an OFF mesh"}},
+    {"ply\n", kPly},
+    {"ply\r", kPly},
+    {"solid ", kStl},
+    {"solid\t", kStl},
+    {"solid\n", kStl},
+    {"solid\r", kStl},
+    {"OFF\n", kOff},
+    {"OFF\r", kOff},
+    {"OFF ", kOff},
+    {"CNOFF", kOff},
+    {"STOFF", kOff},
+    {"STCOFF", kOff},
+    {"STNOFF", kOff},
+    {"STCNOFF", kOff},
+    {"COFF", kOff},
+    {"NOFF", kOff},
     {"Kaydara FBX", {"an FBX scene"}},
     {"BLENDER", {"a Blender file"}},
-    {"ITEM: ", {"a LAMMPS dump"}},
-    {"LAMMPS", {"a LAMMPS data file"}},
-    {"data_", {"a CIF file of a molecule or crystal", read_mmcif}},
-    {"HEADER ", {"a PDB file of a molecule", read_pdb}},
-    {"ATOM  ", {"a PDB file of a molecule", read_pdb}},
-    {"HETATM", {"a PDB file of a molecule", read_pdb}},
-    {"CRYST1", {"a PDB file of a molecule", read_pdb}},
-    {"REMARK ", {"a PDB file of a molecule", read_pdb}},
-    {"MODEL  ", {"a PDB file of a molecule", read_pdb}},
-    {"COMPND ", {"a PDB file of a molecule", read_pdb}},
-    {"TITLE  ", {"a PDB file of a molecule", read_pdb}},
+    {"ITEM: ", kDump},
+    {"LAMMPS", kData},
+    {"data_", kCif},
+    {"HEADER ", kPdb},
+    {"ATOM  ", kPdb},
+    {"HETATM", kPdb},
+    {"CRYST1", kPdb},
+    {"REMARK ", kPdb},
+    {"MODEL  ", kPdb},
+    {"COMPND ", kPdb},
+    {"TITLE  ", kPdb},
     {"<?xml", {"an XML file"}},
     {"<!", {"an XML file"}},
 };
 
 constexpr Sign kSuffixes[] = {
-    {".obj", {"a Wavefront OBJ mesh"}},
+    {".obj", kObj},
     {".mtl", {"a Wavefront MTL file of materials"}},
-    {".stl", {"an STL mesh"}},
-    {".ply", {"a PLY file of points or a mesh", read_ply}},
-    {".off", {"an OFF mesh"}},
+    {".stl", kStl},
+    {".ply", kPly},
+    {".off", kOff},
     {".3ds", {"a 3DS scene"}},
     {".gltf", {"a glTF scene"}},
     {".pov", {"a POV-Ray scene"}},
-    {".ent", {"a PDB file of a molecule", read_pdb}},
-    {".mmcif", {"a CIF file of a molecule or crystal", read_mmcif}},
-    {".pdb", {"a PDB file of a molecule", read_pdb}},
-    {".cif", {"a CIF file of a molecule or crystal", read_mmcif}},
-    {".gro", {"a GRO file of a molecule"}},
-    {".xyz", {"an XYZ file of a molecule", read_xyz}},
-    {".lmp", {"a LAMMPS data file"}},
+    {".ent", kPdb},
+    {".mmcif", kCif},
+    {".pdb", kPdb},
+    {".cif", kCif},
+    {".gro", kGro},
+    {".xyz", kXyz},
+    {".data", kData},
+    {".dump", kDump},
+    {".lammpstrj", kDump},
+    {".lmp", kData},
 };
 
 std::string_view trimmed(std::string_view line) {
@@ -126,19 +149,13 @@ FileKind kind_of_text(std::string_view text) {
     const std::string_view line = text.substr(0, end);
     text.remove_prefix(std::min(end + 1, text.size()));
     if (number < first.size()) first[number] = line;
-    if (line.starts_with("data_")) return {"a CIF file of a molecule or crystal", read_mmcif};
-    if (number == 2 && is_xyz(first[0], first[2])) return {"an XYZ file of a molecule", read_xyz};
-    if (is_obj_line(line)) return {"a Wavefront OBJ mesh"};
+    if (line.starts_with("data_")) return kCif;
+    if (number == 2 && is_xyz(first[0], first[2])) return kXyz;
+    std::array<std::string_view, 5> words;
+    if (words_of(line, words) == 2 && words[1] == "atoms" && all_digits(words[0])) return kData;
+    if (is_obj_line(line)) return kObj;
   }
   return {};
-}
-
-/// A header of 80 bytes, a count, and 50 bytes for each triangle.
-bool is_binary_stl(std::string_view start, size_t size) {
-  if (start.size() < 84) return false;
-  uint32_t count;
-  std::memcpy(&count, start.data() + 80, sizeof count);
-  return count > 0 && size == 84 + 50 * size_t(count);
 }
 
 /// "P6", a blank.
@@ -157,7 +174,7 @@ FileKind file_kind(std::string_view start, std::string_view suffix, size_t size)
     if (start.starts_with(sign.start)) return sign.kind;
   if (is_netpbm(start)) return {"a picture (PPM, PGM, PBM or PFM)"};
   if (const FileKind kind = kind_of_text(start); !kind.name.empty()) return kind;
-  if (is_binary_stl(start, size)) return {"an STL mesh"};
+  if (is_binary_stl(start, size)) return kStl;
   for (const Sign& sign : kSuffixes)
     if (suffix == sign.start) return sign.kind;
   return {};

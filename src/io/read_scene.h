@@ -2,6 +2,7 @@
 #pragma once
 
 #include <expected>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -26,6 +27,7 @@ struct ReadOptions {
   float radius = 0;                  // of points that have none, scene units; 0: from their spacing
   std::optional<int> assembly = {};  // biological; 0: none; without: 1 where there is one
   int frame = 0;                     // of a trajectory, or model, from 0; negative: from the end
+  std::optional<std::filesystem::path> folder = {};  // of other files that it names; none: nowhere
   // NOLINTEND(readability-redundant-member-init)
 
   friend bool operator==(const ReadOptions&, const ReadOptions&) = default;

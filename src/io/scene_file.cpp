@@ -22,7 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kReads = "Raio reads NFF, P3F, .raio, PDB, CIF, XYZ and PLY";
+constexpr std::string_view kReads =
+    "Raio reads NFF, P3F, .raio, PDB, CIF, GRO, XYZ, LAMMPS, PLY, STL, OBJ and OFF";
 constexpr std::string_view kGzip = "\x1f\x8b";
 
 std::unexpected<Diagnostics> failed(std::string_view file, std::string message) {
@@ -108,12 +109,12 @@ void add_sky(ReadScene& read, const fs::path& path, std::string_view file) {
 /// none.
 std::string_view unfit_option(const ReadOptions& options, const FileKind& kind) {
   const ReadOptions usual;
-  const bool points = kind.read != nullptr, atoms = points && kind.read != read_ply;
+  const bool points = kind.takes != FileKind::Takes::nothing;
   if (!points && options.radius != usual.radius) return "radius";
-  if (atoms) return {};
+  if (!points && !options.color_by.empty()) return "color-by";
+  if (!points && !options.colormap.empty()) return "colormap";
+  if (kind.takes == FileKind::Takes::all) return {};
   if (options.style) return "style";
-  if (!options.color_by.empty()) return "color-by";
-  if (!options.colormap.empty()) return "colormap";
   if (options.assembly) return "assembly";
   return options.frame != usual.frame ? "frame" : "";
 }
@@ -168,8 +169,10 @@ std::expected<ReadScene, Diagnostics> read_scene(const fs::path& path,
   }
   auto text = TextBuffer::read_file(opened);
   if (!text) return failed(file, text.error());
+  ReadOptions here = options;
+  if (!standard_input) here.folder = opened.parent_path();
   auto read =
-      parse(std::make_shared<const TextBuffer>(std::move(*text)), file, opened.filename(), options);
+      parse(std::make_shared<const TextBuffer>(std::move(*text)), file, opened.filename(), here);
   // Of what comes from elsewhere, beside where one is.
   if (read) add_sky(*read, opened == "/dev/stdin" ? fs::path("-") : opened, file);
   return read;

@@ -29,8 +29,12 @@ std::expected<ReadScene, Diagnostics> parse_scene(std::string_view bytes, std::s
 /// A kind of file other than NFF, P3F and .raio: "a Wavefront OBJ mesh", and what reads it; null
 /// for one that Raio cannot read.
 struct FileKind {
+  /// Which of the options that readers have it leaves open.
+  enum class Takes : uint8_t { nothing, points, all };
+
   std::string_view name;
   SceneReader read = nullptr;
+  Takes takes = Takes::nothing;
 };
 
 /// What a file seems to be by its first bytes, its lower-case suffix (".obj") and its size. No name

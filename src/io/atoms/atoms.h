@@ -13,7 +13,8 @@ struct Atom {
   std::array<float, 3> place{};  // angstroms
   uint8_t element = 0;           // its number; 0: unknown
   uint32_t chain = 0;            // into Atoms::chains
-  uint32_t part = 0;             // what assemblies name; as `chain` where they name chains
+  uint32_t part = 0;             // what assemblies name, as `chain` where they name chains; or the
+                                 // type, from 1, of LAMMPS
   uint32_t residue = 0;          // counted through the file
   float occupancy = 1, b_factor = 0;
 };
@@ -31,7 +32,13 @@ struct Atoms {
   std::vector<Atom> atoms;
   std::vector<std::string> chains;
   std::vector<Assembly> assemblies;
-  size_t frames = 1;  // that the file has
+  size_t frames = 1;         // that the file has
+  std::vector<float> radii;  // of the atoms, or empty
+  std::vector<float>
+      values;  // the atoms' numbers of the column that colours were asked of, or empty
+  std::vector<std::string> columns;            // of numbers, which colours could be asked of
+  std::vector<std::array<uint32_t, 2>> bonds;  // that the file lists
+  bool finds_bonds = true;                     // whether there are others by distance
 };
 
 /// Reads a PDB or mmCIF text into `out`, of its frames that of the number, negative from the end.

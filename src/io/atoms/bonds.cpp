@@ -53,7 +53,7 @@ std::optional<Bonds> find_bonds(const std::vector<Atom>& atoms) {
       auto at = std::ranges::lower_bound(in_cells, std::pair(key, i + 1));
       for (; at != in_cells.end() && at->first == key; ++at) {
         const Atom& b = atoms[at->second];
-        if (a.element == 1 && b.element == 1) continue;
+        if ((a.element == 1 && b.element == 1) || a.element == 0 || b.element == 0) continue;
         const float most = covalent_radius(a.element) + covalent_radius(b.element) + kTolerance;
         const float distance2 = squared_distance(a, b);
         if (distance2 <= most * most && distance2 >= kLeast * kLeast)

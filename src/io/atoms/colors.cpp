@@ -29,13 +29,6 @@ constexpr auto kJmol = std::to_array<uint32_t>(
 constexpr auto kDistinct = std::to_array<uint32_t>(
     {0x56b4e9, 0xe69f00, 0x009e73, 0xf0e442, 0x0072b2, 0xd55e00, 0xcc79a7, 0x999999});
 
-Rgb linear(uint32_t display) {
-  const auto part = [&](int shift) {
-    return linear_from_srgb(float(display >> shift & 255) / 255);
-  };
-  return {part(16), part(8), part(0)};
-}
-
 gemmi::Element gemmi_element(int number) {
   return gemmi::Element(static_cast<gemmi::El>(std::clamp(number, 0, kElements - 1)));
 }
@@ -47,27 +40,33 @@ float covalent_radius(int element) { return gemmi_element(element).covalent_r();
 std::string_view element_symbol(int element) { return gemmi_element(element).name(); }
 
 int element_number(std::string_view symbol) {
-  std::string word(symbol);
-  for (char& c : word) c = char(std::toupper(uint8_t(c)));
-  if (word == "D" || word == "T") return 1;
-  for (int i = 1; i < kElements; ++i)
-    if (word == gemmi_element(i).uname()) return i;
-  return 0;
+  // By its letters as numbers from 1; that of a single letter stands where the second would be 0.
+  constexpr size_t kLetters = 27;
+  static const auto kNumbers = [] {
+    std::array<uint8_t, kLetters * kLetters> numbers{};
+    for (int i = kElements - 1; i > 0; --i) {
+      const std::string_view name = gemmi_element(i).uname();
+      if (name.size() <= 2)
+        numbers[size_t(name[0] - 'A' + 1) * kLetters + (name.size() > 1 ? name[1] - 'A' + 1 : 0)] =
+            uint8_t(i);
+    }
+    numbers[('D' - 'A' + 1) * kLetters] = numbers[('T' - 'A' + 1) * kLetters] = 1;
+    return numbers;
+  }();
+  if (symbol.empty() || symbol.size() > 2) return 0;
+  size_t key = 0;
+  for (size_t k = 0; k < 2; ++k) {
+    const char c = k < symbol.size() ? char(symbol[k] & ~32) : '@';
+    if (c < '@' || c > 'Z' || (k == 0 && c == '@')) return 0;
+    key = key * kLetters + size_t(c - '@');
+  }
+  return kNumbers[key];
 }
 
 Rgb element_color(int element) {
-  return linear(size_t(element) < kJmol.size() ? kJmol[size_t(element)] : 0xeb0026);
+  return linear_from_srgb(size_t(element) < kJmol.size() ? kJmol[size_t(element)] : 0xeb0026u);
 }
 
-Rgb distinct_color(uint32_t n) { return linear(kDistinct[n % kDistinct.size()]); }
-
-std::optional<Rgb> map_color(std::string_view map, float part) {
-  const char* const maps[] = {kViridis, kPlasma, kCividis, kCoolwarm};
-  const auto at = std::ranges::find(kColormaps, map);
-  if (at == std::end(kColormaps)) return std::nullopt;
-  const auto place = size_t(std::clamp(part, 0.0f, 1.0f) * 255 + 0.5f);
-  return linear(
-      uint32_t(std::stoul(std::string(maps[at - kColormaps] + 6 * place, 6), nullptr, 16)));
-}
+Rgb distinct_color(uint32_t n) { return linear_from_srgb(kDistinct[n % kDistinct.size()]); }
 
 }  // namespace raio

@@ -1,8 +1,7 @@
-// What atoms look like: sizes and colours of elements, colours of what has no colour of its own,
-// and maps from numbers to colours. All colours are linear.
+// What atoms look like: sizes and colours of elements, and colours of what has no colour of its
+// own. All colours are linear.
 #pragma once
 
-#include <optional>
 #include <string_view>
 
 #include "base/vec.h"
@@ -26,11 +25,5 @@ Rgb element_color(int element);
 /// The n-th of eight colours that all people can tell apart, again and again. Okabe and Ito 2008,
 /// "Color Universal Design".
 Rgb distinct_color(uint32_t n);
-
-inline constexpr std::string_view kColormaps[] = {"viridis", "plasma", "cividis", "coolwarm"};
-extern const char *const kViridis, *const kPlasma, *const kCividis, *const kCoolwarm;
-
-/// The colour of a part, 0 to 1, in a map of that name; nothing: there is none.
-std::optional<Rgb> map_color(std::string_view map, float part);
 
 }  // namespace raio

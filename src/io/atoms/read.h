@@ -10,15 +10,26 @@ std::expected<ReadScene, Diagnostics> read_pdb(const TextBuffer& text, std::stri
                                                const ReadOptions& options);
 std::expected<ReadScene, Diagnostics> read_mmcif(const TextBuffer& text, std::string_view file,
                                                  const ReadOptions& options);
-/// XYZ and extended XYZ: of the latter the columns `species` and `pos`, wherever they are.
+/// XYZ and extended XYZ: of the latter the columns `pos`, `species` and `radius`, wherever they
+/// are.
 std::expected<ReadScene, Diagnostics> read_xyz(const TextBuffer& text, std::string_view file,
+                                               const ReadOptions& options);
+std::expected<ReadScene, Diagnostics> read_lammps_dump(const TextBuffer& text,
+                                                       std::string_view file,
+                                                       const ReadOptions& options);
+std::expected<ReadScene, Diagnostics> read_lammps_data(const TextBuffer& text,
+                                                       std::string_view file,
+                                                       const ReadOptions& options);
+/// GRO of GROMACS, nanometres; elements are told from the names of atoms.
+std::expected<ReadScene, Diagnostics> read_gro(const TextBuffer& text, std::string_view file,
                                                const ReadOptions& options);
 
 using Bonds = std::vector<std::array<uint32_t, 2>>;
 
 /// Pairs of atoms no farther apart than the sum of their covalent radii and 0.45 angstroms, as most
-/// programs have it, but for pairs of hydrogens; in order. Takes a time proportional to the number
-/// of atoms. Nothing where thousands of atoms are at one place, which is no molecule.
+/// programs have it, but for pairs of hydrogens and atoms of no known element; in order. Takes a
+/// time proportional to the number of atoms. Nothing where thousands of atoms are at one place,
+/// which is no molecule.
 std::optional<Bonds> find_bonds(const std::vector<Atom>& atoms);
 
 /// The atoms as spheres and cylinders, as `options` have it, with a camera. An error says which

@@ -7,16 +7,18 @@
 
 #include "base/parallel.h"
 #include "io/atoms/colors.h"
+#include "io/atoms/lines.h"
 #include "io/atoms/read.h"
+#include "io/colormaps.h"
 #include "io/fit_camera.h"
+#include "io/points.h"
 
 namespace raio {
 namespace {
 
 // So many atoms are still seen one by one.
 constexpr size_t kFew = 300;
-// So that all that is computed of them stays finite.
-constexpr float kFarthest = 1e25f, kLargest = 1e9f;
+constexpr float kLargest = 1e9f;  // number of a matrix, so that what it moves stays near
 constexpr float kStick = 0.15f, kBond = 0.12f, kBallPart = 0.27f, kPoint = 0.25f;
 
 std::unexpected<Diagnostics> failed(std::string_view file, std::string message) {
@@ -40,8 +42,14 @@ class SceneMaker {
     if (atoms_.atoms.empty())
       return failed(file_, fmt::format("there is no frame {}; the file has {}", options_.frame,
                                        atoms_.frames));
-    style_ = options_.style.value_or(atoms_.atoms.size() > kFew ? AtomStyle::space_filling
-                                                                : AtomStyle::ball_and_stick);
+    has_elements_ = std::ranges::any_of(atoms_.atoms, [](const Atom& a) { return a.element > 0; });
+    const bool few = atoms_.atoms.size() <= kFew && (has_elements_ || !atoms_.bonds.empty());
+    style_ = options_.style.value_or(few ? AtomStyle::ball_and_stick : AtomStyle::space_filling);
+    if (!has_elements_ && atoms_.radii.empty()) {
+      std::vector<Vec3f> places;
+      for (const Atom& atom : atoms_.atoms) places.push_back(place_of(atom));
+      particle_radius_ = mean_spacing(places) / 2;
+    }
     Scene& scene = read_.scene;
     scene.dialect = Dialect::data;
     if (auto wrong = color_atoms(); !wrong.empty()) return failed(file_, wrong);
@@ -56,10 +64,13 @@ class SceneMaker {
   }
 
  private:
-  float radius_of(const Atom& atom) const {
+  float radius_of(size_t atom) const {
     if (style_ == AtomStyle::sticks) return kStick;
     if (style_ == AtomStyle::points) return options_.radius > 0 ? options_.radius : kPoint;
-    const float whole = options_.radius > 0 ? options_.radius : van_der_waals_radius(atom.element);
+    const float whole = !atoms_.radii.empty() ? atoms_.radii[atom]
+                        : options_.radius > 0 ? options_.radius
+                        : has_elements_       ? van_der_waals_radius(atoms_.atoms[atom].element)
+                                              : particle_radius_;
     return style_ == AtomStyle::ball_and_stick ? kBallPart * whole : whole;
   }
 
@@ -71,47 +82,48 @@ class SceneMaker {
 
   // A material for each atom; the error.
   std::string color_atoms() {
-    const std::string by = options_.color_by.empty() ? "element" : options_.color_by;
-    const bool of_numbers = by == "index" || by == "bfactor" || by == "occupancy";
-    if (!options_.colormap.empty()) {
-      if (!map_color(options_.colormap, 0))
-        return fmt::format("there is no colour map '{}'; expected {}", options_.colormap,
-                           fmt::join(kColormaps, ", "));
-      if (!of_numbers)
-        return fmt::format(
-            "a colour map has no effect on atoms coloured by {}; colour them by "
-            "index, bfactor or occupancy",
-            by);
-    }
-    material_.resize(atoms_.atoms.size());
-    if (of_numbers) return color_by_number(by), std::string();
+    const bool has_types = atoms_.atoms[0].part > 0 && atoms_.chains.empty();
+    const std::string by = !options_.color_by.empty()    ? options_.color_by
+                           : has_types && !has_elements_ ? "type"
+                                                         : "element";
     Rgb (*color)(const Atom&) = nullptr;
     if (by == "element") color = [](const Atom& a) { return element_color(a.element); };
     if (by == "chain") color = [](const Atom& a) { return distinct_color(a.chain); };
     if (by == "residue") color = [](const Atom& a) { return distinct_color(a.residue); };
-    if (!color)
+    if (by == "type" && has_types) color = [](const Atom& a) { return distinct_color(a.part - 1); };
+    const auto numbers = color ? std::vector<float>() : numbers_of(by);
+    if (!color && numbers.empty())
       return fmt::format(
           "cannot colour by '{}'; expected element, chain, residue, index, bfactor "
-          "or occupancy",
+          "or occupancy{}{}",
+          printable(by), atoms_.columns.empty() ? "" : ", or a column of the file: ",
+          printable(fmt::format("{}", fmt::join(atoms_.columns, ", "))));
+    if (color && !options_.colormap.empty())
+      return fmt::format(
+          "a colour map has no effect on atoms coloured by {}; colour them by "
+          "index, bfactor, occupancy or a column of numbers",
           by);
-    for (size_t i = 0; i < material_.size(); ++i) material_[i] = material(color(atoms_.atoms[i]));
+    material_.resize(atoms_.atoms.size());
+    if (color) {
+      for (size_t i = 0; i < material_.size(); ++i) material_[i] = material(color(atoms_.atoms[i]));
+      return {};
+    }
+    // Maps have 256 colours, so as many materials do.
+    const auto colors = map_colors(numbers, options_.colormap);
+    if (!colors) return colors.error();
+    for (size_t i = 0; i < material_.size(); ++i) material_[i] = material((*colors)[i]);
     return {};
   }
 
-  // Maps have 256 colours, so as many materials do.
-  void color_by_number(std::string_view by) {
-    const auto& atoms = atoms_.atoms;
-    const auto number = [&](size_t i) {
-      return by == "index" ? float(i) : by == "bfactor" ? atoms[i].b_factor : atoms[i].occupancy;
-    };
-    float least = number(0), most = least;
-    for (size_t i = 0; i < atoms.size(); ++i)
-      least = std::min(least, number(i)), most = std::max(most, number(i));
-    const std::string_view map =
-        options_.colormap.empty() ? kColormaps[0] : std::string_view(options_.colormap);
-    for (size_t i = 0; i < atoms.size(); ++i)
-      material_[i] =
-          material(*map_color(map, most > least ? (number(i) - least) / (most - least) : 0));
+  // What a colour map makes colours of; nothing: there is no such thing.
+  std::vector<float> numbers_of(std::string_view by) const {
+    if (by != "index" && by != "bfactor" && by != "occupancy") return atoms_.values;
+    std::vector<float> out(atoms_.atoms.size());
+    for (size_t i = 0; i < out.size(); ++i)
+      out[i] = by == "index"     ? float(i)
+               : by == "bfactor" ? atoms_.atoms[i].b_factor
+                                 : atoms_.atoms[i].occupancy;
+    return out;
   }
 
   // Of the file, or of the copies of an assembly; the error.
@@ -154,8 +166,7 @@ class SceneMaker {
     for_each_index(times * some.size(), [&](size_t i) {
       const size_t atom = some[i % some.size()];
       const Vec3f at = place_of(atoms_.atoms[atom]);
-      spheres[i] = {copies ? moved(copies->matrices[i / some.size()], at) : at,
-                    radius_of(atoms_.atoms[atom])};
+      spheres[i] = {copies ? moved(copies->matrices[i / some.size()], at) : at, radius_of(atom)};
       materials[i] = material_[atom];
     });
   }
@@ -164,12 +175,19 @@ class SceneMaker {
   bool add_bonds() {
     Scene& scene = read_.scene;
     const float radius = style_ == AtomStyle::sticks ? kStick : kBond;
-    const auto bonds = find_bonds(atoms_.atoms);
-    if (!bonds) return false;
-    for (const auto& [a, b] : *bonds) {
+    Bonds bonds = atoms_.bonds;
+    if (atoms_.finds_bonds) {
+      const auto found = find_bonds(atoms_.atoms);
+      if (!found) return false;
+      bonds.insert(bonds.end(), found->begin(), found->end());
+      std::ranges::sort(bonds);
+      bonds.erase(std::ranges::unique(bonds).begin(), bonds.end());
+    }
+    for (const auto& [a, b] : bonds) {
       const Vec3f from = place_of(atoms_.atoms[a]), to = place_of(atoms_.atoms[b]);
       const Vec3f middle = (from + to) * 0.5f;
       const auto add = [&](Vec3f base, Vec3f apex, MaterialId id) {
+        if (base == apex) return;  // atoms at one place
         scene.cones.push_back({base, radius, apex, radius});
         scene.cone_materials.push_back(id);
       };
@@ -187,6 +205,8 @@ class SceneMaker {
   std::string_view file_;
   const ReadOptions& options_;
   AtomStyle style_ = AtomStyle::space_filling;
+  bool has_elements_ = false;
+  float particle_radius_ = 1;  // of atoms without elements
   ReadScene read_;
   std::map<std::array<float, 3>, MaterialId> materials_;
   std::vector<MaterialId> material_;  // of each atom
@@ -197,7 +217,7 @@ class SceneMaker {
 std::expected<ReadScene, Diagnostics> scene_of_atoms(const Atoms& atoms, std::string_view file,
                                                      const ReadOptions& options) {
   for (size_t i = 0; i < atoms.atoms.size(); ++i)
-    if (!(max_component(abs(place_of(atoms.atoms[i]))) <= kFarthest))
+    if (!is_place(place_of(atoms.atoms[i])))
       return failed(file, fmt::format("atom {} has no finite place", i + 1));
   for (const Assembly& assembly : atoms.assemblies)
     for (const Assembly::Copies& copies : assembly.copies)
@@ -205,6 +225,9 @@ std::expected<ReadScene, Diagnostics> scene_of_atoms(const Atoms& atoms, std::st
         for (const float number : matrix)
           if (!(std::abs(number) <= kLargest))
             return failed(file, "a matrix of an assembly has a number that is not finite");
+  for (size_t i = 0; i < atoms.radii.size(); ++i)
+    if (!(atoms.radii[i] <= kFarthestPlace))
+      return failed(file, fmt::format("atom {} has a radius that is too large", i + 1));
   return SceneMaker(atoms, file, options).make();
 }
 

@@ -1,6 +1,7 @@
 // PDB and mmCIF, by gemmi. In C++17: with its headers clang refuses the containers of incomplete
 // types that later versions evaluate at compile time.
 #include <algorithm>
+#include <cstdlib>
 #include <exception>
 #include <gemmi/cif.hpp>
 #include <gemmi/mmcif.hpp>
@@ -9,6 +10,7 @@
 #include <map>
 #include <sstream>
 #include <string_view>
+#include <unordered_map>
 
 #include "io/atoms/atoms.h"
 
@@ -29,7 +31,11 @@ class Names {
   std::map<std::string, uint32_t> numbers_;
 };
 
-void add_model(const gemmi::Model& model, bool cif, Names& chains, Names& parts, Atoms& out) {
+// Of the atoms that are kept, by their numbers in the file.
+using Serials = std::unordered_map<int, uint32_t>;
+
+void add_model(const gemmi::Model& model, bool cif, Names& chains, Names& parts, Atoms& out,
+               Serials& serials) {
   uint32_t residues = 0;
   for (const gemmi::Chain& chain : model.chains)
     for (const gemmi::Residue& residue : chain.first_conformer()) {
@@ -42,10 +48,32 @@ void add_model(const gemmi::Model& model, bool cif, Names& chains, Names& parts,
         a.element = element.elem == gemmi::El::D ? 1 : uint8_t(element.atomic_number());
         a.chain = number, a.part = part, a.residue = residues;
         a.occupancy = atom.occ, a.b_factor = atom.b_iso;
+        serials[atom.serial] = uint32_t(out.atoms.size());
         out.atoms.push_back(a);
       }
       ++residues;
     }
+}
+
+// CONECT records: the number of an atom and of up to four that it is bonded to, five columns each.
+std::vector<std::array<uint32_t, 2>> bonds_of_pdb(std::string_view text, const Serials& serials) {
+  std::vector<std::array<uint32_t, 2>> out;
+  const std::string_view record = "CONECT";
+  for (size_t end = 0; !text.empty(); text.remove_prefix(std::min(end + 1, text.size()))) {
+    end = std::min(text.find('\n'), text.size());
+    if (text.substr(0, record.size()) != record) continue;
+    const std::string line(text.substr(0, end));
+    const auto atom = [&](size_t k) {
+      const size_t column = record.size() + 5 * k;
+      return column < line.size() ? serials.find(std::atoi(line.substr(column, 5).c_str()))
+                                  : serials.end();
+    };
+    const auto from = atom(0);
+    for (size_t k = 1; k < 5 && from != serials.end(); ++k)
+      if (const auto to = atom(k); to != serials.end() && from->second < to->second)
+        out.push_back({from->second, to->second});
+  }
+  return out;
 }
 
 // Of a PDB text, REMARK 350. Read here since gemmi 0.5 takes matrices by columns, which shift where
@@ -97,8 +125,10 @@ std::string read_structure(const char* text, size_t size, bool cif, int frame, A
   if (at < 0 || at >= long(s.models.size())) return {};
   std::vector<std::string> part_names;
   Names chains(out.chains), parts(part_names);
-  add_model(s.models[size_t(at)], cif, chains, parts, out);
+  Serials serials;
+  add_model(s.models[size_t(at)], cif, chains, parts, out, serials);
   if (!cif) {
+    out.bonds = bonds_of_pdb({text, size}, serials);
     out.assemblies = assemblies_of_pdb({text, size}, chains);
     return {};
   }

@@ -10,14 +10,18 @@
 #include <cstring>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/parallel.h"
 #include "base/srgb.h"
+#include "io/colormaps.h"
 #include "io/fit_camera.h"
+#include "io/mesh/builder.h"
 #include "io/mesh/read.h"
-#include "io/nff/text_cursor.h"
+#include "io/points.h"
 
 namespace raio {
 namespace {
@@ -27,7 +31,7 @@ constexpr std::array<std::string_view, 16> kTypeNames = {
     "char", "uchar", "short", "ushort", "int",   "uint",   "float",   "double",
     "int8", "uint8", "int16", "uint16", "int32", "uint32", "float32", "float64"};
 constexpr size_t kTypes = 8;
-constexpr float kFarthest = 1e25f;  // so that all that is computed of it stays finite
+constexpr size_t kMostCorners = 65535;
 constexpr std::array<size_t, kTypes> kSizes = {1, 1, 2, 2, 4, 4, 4, 8};
 
 struct Property {
@@ -49,10 +53,10 @@ constexpr std::array<std::array<std::string_view, 4>, kWanted> kNames = {
     {{"x"},
      {"y"},
      {"z"},
-     {"radius", "r"},
-     {"red", "diffuse_red"},
-     {"green", "diffuse_green"},
-     {"blue", "diffuse_blue"},
+     {"radius"},
+     {"red", "diffuse_red", "r"},
+     {"green", "diffuse_green", "g"},
+     {"blue", "diffuse_blue", "b"},
      {"alpha", "opacity"},
      {"nx"},
      {"ny"},
@@ -60,11 +64,6 @@ constexpr std::array<std::array<std::string_view, 4>, kWanted> kNames = {
      {"u", "s", "texture_u"},
      {"v", "t", "texture_v"}}};
 using Values = std::array<double, kWanted>;
-
-struct Failure {
-  std::string message;
-  int line = 0;
-};
 
 template <class T>
 T number_at(const char* p, bool swap) {
@@ -106,18 +105,18 @@ class PlyReader {
     for (const Element& element : elements_) {
       if (element.name == "vertex")
         read_vertices(element);
-      else if (element.name == "face")
+      else if (element.name == "face" || element.name == "tristrips")
         read_faces(element);
       else
         skip(element);
     }
-    finish();
-    return std::move(read_);
+    return finish();
   }
 
  private:
   [[noreturn]] void fail(std::string message) const {
-    throw Failure{std::move(message), encoding_ == Encoding::text || in_header_ ? line_ : 0};
+    const int line = encoding_ == Encoding::text || in_header_ ? line_ : 0;
+    throw ReadFailure{std::move(message), line, line > 0};
   }
 
   // --- the header
@@ -211,6 +210,7 @@ class PlyReader {
     return size_t(count);
   }
   void skip(const Element& element) {
+    if (element.count > 0) check_count(element);
     for (size_t i = 0; i < element.count; ++i)
       for (const Property& property : element.properties) {
         const size_t count = property.count ? next_count(property) : 1;
@@ -240,8 +240,15 @@ class PlyReader {
       for (size_t w = 0; w < kWanted; ++w)
         if (!property.name.empty() &&
             std::ranges::find(kNames[w], property.name) != kNames[w].end())
-          at_[w] = k, is_byte_[w] = property.type == Type::u8;
+          at_[w] = k, is_whole_[w] = is_whole(property.type);
+      if (!options_.color_by.empty() && property.name == options_.color_by) colored_by_ = k;
     }
+    // Without the other two it is no colour.
+    if (at_[kRed] && !at_[kGreen] && !at_[kBlue] && element.properties[*at_[kRed]].name == "r")
+      at_[kRadius] = std::exchange(at_[kRed], std::nullopt);
+    if (!options_.color_by.empty() && !colored_by_)
+      fail(fmt::format("vertices have no property {}; there are {}",
+                       raio::quoted(options_.color_by), names_of(element)));
     for (const size_t w : {kX, kY, kZ})
       if (!at_[w]) fail(fmt::format("vertices have no property {}", kNames[w][0]));
     allocate(element.count);
@@ -262,12 +269,22 @@ class PlyReader {
       p_ += row * element.count;
     }
   }
+  static bool is_whole(Type type) { return type != Type::f32 && type != Type::f64; }
+  static std::string names_of(const Element& element) {
+    std::string names;
+    for (const Property& property : element.properties)
+      names += (names.empty() ? "" : ", ") + raio::quoted(property.name);
+    return names;
+  }
   bool has(Wanted w) const { return at_[w].has_value(); }
   void allocate(size_t count) {
     count_ = count;
     places_.resize(count);
     if (has(kRadius)) radii_.resize(count);
-    if (has(kRed) && has(kGreen) && has(kBlue)) colors_.resize(count);
+    if (colored_by_)
+      values_.resize(count);
+    else if (has(kRed) && has(kGreen) && has(kBlue))
+      colors_.resize(count);
     if (has(kAlpha)) opacity_.resize(count);
     if (has(kNx) && has(kNy) && has(kNz)) normals_.resize(count);
     if (has(kU) && has(kV)) uv_.resize(count);
@@ -275,110 +292,154 @@ class PlyReader {
   template <class Get>
   void put(size_t i, const Get& get) {
     const auto value = [&](Wanted w) { return float(get(*at_[w])); };
-    const auto part = [&](Wanted w) {
-      return std::clamp(is_byte_[w] ? value(w) / 255 : value(w), 0.0f, 1.0f);
-    };
+    // A text may have numbers that no byte has.
     const auto light = [&](Wanted w) {
-      // A text may have numbers that no byte has.
-      return is_byte_[w] ? kLight[size_t(std::clamp(get(*at_[w]), 0.0, 255.0))]
-                         : linear_from_srgb(part(w));
+      const double x = get(*at_[w]);
+      return is_whole_[w] ? kLight[size_t(x > 0 ? std::min(x, 255.0) : 0)]
+                          : linear_from_srgb(float(x));
     };
     places_[i] = {value(kX), value(kY), value(kZ)};
     if (!radii_.empty()) radii_[i] = value(kRadius);
     if (!colors_.empty()) colors_[i] = {light(kRed), light(kGreen), light(kBlue)};
-    if (!opacity_.empty()) opacity_[i] = part(kAlpha);
+    if (!values_.empty()) values_[i] = float(get(*colored_by_));
+    if (!opacity_.empty()) {
+      const float a = is_whole_[kAlpha] ? value(kAlpha) / 255 : value(kAlpha);
+      opacity_[i] = a > 0 ? std::min(a, 1.0f) : 0;
+    }
     if (!normals_.empty()) normals_[i] = {value(kNx), value(kNy), value(kNz)};
     if (!uv_.empty()) uv_[i] = {value(kU), value(kV)};
   }
 
-  // --- faces
+  // --- faces, and strips of triangles that -1 parts
   void read_faces(const Element& element) {
     if (element.count == 0) return;
+    if (count_ == 0) fail("the faces come before the vertices; write the vertices first");
     check_count(element);
-    std::vector<uint32_t> corners;
-    for (size_t i = 0; i < element.count; ++i)
-      for (const Property& property : element.properties) {
-        const size_t count = property.count ? next_count(property) : 1;
-        const bool wanted = property.count &&
-                            (property.name == "vertex_indices" || property.name == "vertex_index");
-        corners.clear();
-        for (size_t k = 0; k < count; ++k) {
-          const double index = next(property.type);
-          if (!wanted) continue;
-          if (!(index >= 0 && index < double(count_)))
-            fail(fmt::format("face {} names vertex {}, of {}", i, index, count_));
-          corners.push_back(uint32_t(index));
+    check_places();
+    mesh_.positions = places_;
+    const bool strips = element.name == "tristrips";
+    std::array<std::optional<size_t>, 3> color;
+    std::optional<size_t> corners;
+    for (size_t k = 0; k < element.properties.size(); ++k) {
+      const Property& property = element.properties[k];
+      if (property.count && property.name.starts_with("vertex_ind")) corners = k;
+      for (size_t c = 0; c < 3; ++c)
+        if (!property.count && std::ranges::count(kNames[kRed + c], property.name) > 0)
+          color[c] = k;
+    }
+    if (!corners) fail(fmt::format("elements {} have no list vertex_indices", element.name));
+    const bool colored = color[0] && color[1] && color[2];
+    const MaterialId usual = mesh_.paint(colors_.empty() && !colored_by_ ? kPlainColor : Rgb(1));
+    std::vector<int64_t> list;
+    std::vector<double> row(element.properties.size());
+    for (size_t i = 0; i < element.count; ++i) {
+      for (size_t k = 0; k < row.size(); ++k) {
+        const Property& property = element.properties[k];
+        if (!property.count) {
+          row[k] = next(property.type);
+          continue;
         }
-        for (size_t k = 2; k < corners.size(); ++k)
-          triangles_.push_back({corners[0], corners[k - 1], corners[k]});
+        const size_t count = next_count(property);
+        if (k == *corners) list.clear();
+        for (size_t n = 0; n < count; ++n)
+          if (const double index = next(property.type); k == *corners)
+            list.push_back(vertex(index, i, strips));
       }
+      MaterialId material = usual;
+      if (colored) {
+        const auto light = [&](size_t c) {
+          const double unit = is_whole(element.properties[*color[c]].type) ? 255 : 1;
+          return linear_from_srgb(float(row[*color[c]] / unit));
+        };
+        const float red = light(0), green = light(1);
+        material = mesh_.paint({red, green, light(2)});
+      }
+      add_face(list, strips, material);
+    }
+  }
+  int64_t vertex(double index, size_t face, bool strips) const {
+    if (strips && index == -1) return -1;
+    if (!(index >= 0 && index < double(count_) && index == std::floor(index)))
+      fail(fmt::format("face {} names vertex {}, of {}", face, index, count_));
+    return int64_t(index);
+  }
+  void add_face(std::span<const int64_t> list, bool strips, MaterialId material) {
+    corners_.clear();
+    if (!strips) {
+      if (list.size() > kMostCorners)
+        fail(fmt::format("a face of {} corners is too large", list.size()));
+      corners_.assign(list.begin(), list.end());
+      if (corners_.size() >= 3) mesh_.add_face(corners_, material);
+      return;
+    }
+    for (const int64_t index : list) {
+      if (index < 0) {
+        corners_.clear();
+        continue;
+      }
+      corners_.push_back(uint32_t(index));
+      const size_t n = corners_.size();
+      if (n < 3) continue;
+      // Each second one turns the other way.
+      const auto [a, b] = n % 2 ? std::pair(n - 3, n - 2) : std::pair(n - 2, n - 3);
+      mesh_.add_face(std::array{corners_[a], corners_[b], corners_[n - 1]}, material);
+    }
   }
 
   // --- the scene
-  void finish() {
-    if (count_ == 0) fail("there are no vertices");
+  void check_places() const {
     for (size_t i = 0; i < count_; ++i)
-      if (!(max_component(abs(places_[i])) <= kFarthest))
-        fail(fmt::format("vertex {} has no finite place", i));
+      if (!is_place(places_[i])) fail(fmt::format("vertex {} has no finite place", i));
+  }
+  ReadScene finish() {
+    if (count_ == 0) fail("there are no vertices");
+    check_places();
     for (size_t i = 0; i < radii_.size(); ++i)
-      if (!(radii_[i] > 0 && radii_[i] <= kFarthest))
+      if (!(radii_[i] > 0 && radii_[i] <= kFarthestPlace))
         fail(fmt::format("vertex {} has a radius of {}; expected a positive number", i, radii_[i]));
-    Scene& scene = read_.scene;
-    scene.dialect = Dialect::data;
-    if (triangles_.empty())
-      make_spheres(scene);
-    else
-      make_mesh(scene);
-    fit_camera(scene, FitView::three_quarter);
+    if (colored_by_) {
+      const auto colors = map_colors(values_, options_.colormap);
+      if (!colors) fail(colors.error());
+      colors_ = *colors;
+    }
+    if (mesh_.has_faces()) return make_mesh();
+    ReadScene read;
+    read.scene.dialect = Dialect::data;
+    make_spheres(read.scene);
+    fit_camera(read.scene, FitView::three_quarter);
+    return read;
   }
   static Material paint(Rgb color) { return {.color = color, .kd = 1}; }
-  static constexpr Rgb kPlain{0.6f, 0.6f, 0.6f};
 
   void make_spheres(Scene& scene) {
     scene.spheres.resize(count_);
-    const float radius = options_.radius > 0 ? options_.radius : radii_.empty() ? spacing() / 2 : 0;
+    const float radius = options_.radius > 0 ? options_.radius
+                         : radii_.empty()    ? mean_spacing(places_) / 2
+                                             : 0;
     Sphere* const spheres = scene.spheres.data();
     for_each_index(
         count_, [&](size_t i) { spheres[i] = {places_[i], radii_.empty() ? radius : radii_[i]}; });
     scene.sphere_materials.resize(count_, 0);
     const bool one = std::ranges::all_of(colors_, [&](const Rgb& c) { return c == colors_[0]; });
-    scene.materials = std::vector<Material>{paint(colors_.empty() ? kPlain : colors_[0])};
+    scene.materials = std::vector<Material>{paint(colors_.empty() ? kPlainColor : colors_[0])};
     if (!one) scene.sphere_colors = std::move(colors_);
     if (std::ranges::any_of(opacity_, [](float a) { return a < 1; }))
       scene.sphere_opacity = std::move(opacity_);
   }
-  // Of points that fill their bounds evenly, as many dimensions as these have.
-  float spacing() const {
-    Box3f box;
-    for (const Vec3f& place : places_) box.extend(place);
-    double volume = 1, longest = double(max_component(box.size()));
-    int dimensions = 0;
-    for (int a = 0; a < 3; ++a)
-      if (const double side = double(box.size()[a]); side > 1e-6 * longest)
-        volume *= side, ++dimensions;
-    if (dimensions == 0) return 1;
-    return float(std::pow(volume / double(count_), 1.0 / dimensions));
-  }
-
-  void make_mesh(Scene& scene) {
-    scene.materials = std::vector<Material>{paint(colors_.empty() ? kPlain : Rgb(1))};
-    Mesh mesh;
-    mesh.positions = std::move(places_);
-    mesh.triangles = std::move(triangles_);
-    mesh.materials = {0};
-    mesh.colors = std::move(colors_);
-    mesh.uv = std::move(uv_);
+  ReadScene make_mesh() {
+    if (options_.radius > 0) fail("`radius` has no effect on a mesh; leave it out");
+    if (std::ranges::any_of(opacity_, [](float a) { return a < 1; }))
+      mesh_.warn("the opacities of its vertices are left out; --opacity gives all of it one");
     for (Vec3f& n : normals_) {
       const float size = length(n);
       n = size > 0 && std::isfinite(size) ? n / size : Vec3f(0, 0, 1);
     }
-    mesh.normals = std::move(normals_);
-    for (const Uv& at : std::as_const(mesh.uv))
-      if (!std::isfinite(at[0]) || !std::isfinite(at[1])) {
-        mesh.uv.clear();
-        break;
-      }
-    scene.meshes.push_back(std::move(mesh));
+    mesh_.normals = std::move(normals_);
+    mesh_.colors = std::move(colors_);
+    if (std::ranges::all_of(
+            uv_, [](const Uv& at) { return std::isfinite(at[0]) && std::isfinite(at[1]); }))
+      mesh_.uv = std::move(uv_);
+    return mesh_.finish({0, 0, 1});
   }
 
   static inline const std::array<float, 256> kLight = [] {
@@ -396,23 +457,21 @@ class PlyReader {
   std::vector<Element> elements_;
   size_t count_ = 0;
   std::array<std::optional<size_t>, kWanted> at_;  // among the properties of vertices
-  std::array<bool, kWanted> is_byte_{};
+  std::array<bool, kWanted> is_whole_{};
+  std::optional<size_t> colored_by_;  // by the property of vertices
   std::vector<Vec3f> places_, normals_;
-  std::vector<float> radii_, opacity_;
+  std::vector<float> radii_, opacity_, values_;
   std::vector<Rgb> colors_;
   std::vector<Uv> uv_;
-  std::vector<TriangleIndices> triangles_;
-  ReadScene read_;
+  std::vector<uint32_t> corners_;
+  MeshBuilder mesh_;
 };
 
 }  // namespace
 
 std::expected<ReadScene, Diagnostics> read_ply(const TextBuffer& bytes, std::string_view file,
-                                               const ReadOptions& options) try {
-  return PlyReader(bytes, options).read();
-} catch (const Failure& failure) {
-  return std::unexpected(Diagnostics{
-      {Severity::error, std::string(file), failure.line, failure.line > 0, failure.message, ""}});
+                                               const ReadOptions& options) {
+  return read_guarded(file, [&] { return PlyReader(bytes, options).read(); });
 }
 
 }  // namespace raio

@@ -1,9 +1,20 @@
 // Colour maps, 256 colours each, as display values: viridis, plasma (Smith and van der Walt 2015)
 // and cividis (Nunez, Anderton and Renslow 2018), which their authors gave to the public domain,
 // and coolwarm (Moreland 2009, "Diverging Color Maps for Scientific Visualization", ISVC).
-#include "io/atoms/colors.h"
+#include "io/colormaps.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <iterator>
+
+#include "base/srgb.h"
 
 namespace raio {
+namespace {
 
 const char* const kViridis =
     "44015444025645045745055946075a46085c460a5d460b5e470d60470e61471063471164471365481467481668"
@@ -84,5 +95,55 @@ const char* const kCoolwarm =
     "dc5d4ada5a49d95847d85646d75445d65244d55042d44e41d24b40d1493fd0473dcf453ccd423bcc403acb3e38"
     "ca3b37c83836c73635c53334c43032c32e31c12b30c0282fbe242ebd1f2dbb1b2cba162bb8122ab70d28b50927"
     "b40426";
+
+using Map = std::array<Rgb, kMapColors>;
+
+std::optional<Map> find_map(std::string_view name) {
+  const char* const maps[] = {kViridis, kPlasma, kCividis, kCoolwarm};
+  const auto at = std::ranges::find(kColormaps, name);
+  if (at == std::end(kColormaps)) return std::nullopt;
+  Map out;
+  const char* digits = maps[at - kColormaps];
+  for (Rgb& color : out) {
+    uint32_t rrggbb = 0;
+    std::from_chars(digits, digits + 6, rrggbb, 16);
+    color = linear_from_srgb(rrggbb);
+    digits += 6;
+  }
+  return out;
+}
+
+// Where NaN is, the first.
+const Rgb& color_in(const Map& map, float part) {
+  return map[part > 0 ? size_t(std::min(part, 1.0f) * (kMapColors - 1) + 0.5f) : 0];
+}
+
+}  // namespace
+
+std::optional<Rgb> map_color(std::string_view name, float part) {
+  const auto map = find_map(name);
+  if (!map) return std::nullopt;
+  return color_in(*map, part);
+}
+
+std::expected<std::vector<Rgb>, std::string> map_colors(std::span<const float> values,
+                                                        std::string_view name) {
+  const auto map = find_map(name.empty() ? kColormaps[0] : name);
+  if (!map)
+    return std::unexpected(
+        fmt::format("there is no colour map '{}'; expected {}", name, fmt::join(kColormaps, ", ")));
+  double least = 0, most = 0;
+  bool any = false;
+  for (const float value : values) {
+    if (!std::isfinite(value)) continue;
+    least = any ? std::min(least, double(value)) : double(value);
+    most = any ? std::max(most, double(value)) : double(value);
+    any = true;
+  }
+  std::vector<Rgb> out(values.size());
+  for (size_t i = 0; i < out.size(); ++i)
+    out[i] = color_in(*map, most > least ? float((double(values[i]) - least) / (most - least)) : 0);
+  return out;
+}
 
 }  // namespace raio

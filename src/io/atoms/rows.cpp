@@ -1,0 +1,127 @@
+#include "io/atoms/rows.h"
+
+#include <cmath>
+
+#include "io/atoms/colors.h"
+
+namespace raio {
+namespace {
+
+std::string_view name_of(Word word) {
+  switch (word) {
+    case Word::x:
+    case Word::y:
+    case Word::z:
+      return "a coordinate";
+    case Word::species:
+      return "the symbol of an element";
+    case Word::type:
+      return "a type, a whole number from 1";
+    case Word::residue:
+      return "a whole number";
+    case Word::radius:
+    case Word::diameter:
+      return "a positive number";
+    case Word::skipped:
+      break;
+  }
+  return "a number";
+}
+
+class RowReader {
+ public:
+  RowReader(const RowLayout& layout, Atoms& out) : layout_(layout), out_(out) {
+    for (size_t k = 0; k < layout.words.size(); ++k)
+      if (layout.words[k] != Word::skipped || k == layout.value) last_ = k;
+  }
+
+  std::optional<LineFault> operator()(size_t i, std::string_view line) const {
+    Atom& atom = out_.atoms[i];
+    std::array<double, 3> place{};
+    const char* p = line.data();
+    const char* const line_end = p + line.size();
+    for (size_t k = 0; k <= last_; ++k) {
+      p = skip_blanks_in_line(p);
+      const char* const at = p;
+      while (!is_char(*p, kWordEnd)) ++p;
+      const Word word = layout_.words[k];
+      const bool is_value = k == layout_.value;
+      if (at >= line_end || p == at) return LineFault{at, std::string(name_of(word))};
+      if (word == Word::skipped && !is_value) continue;
+      double number = 0;
+      const bool is_number = parse_number(at, number) != nullptr;
+      if (is_value) {
+        if (!is_number) return LineFault{at, "a number"};
+        out_.values[i] = float(number);
+      }
+      if (!take(word, {at, size_t(p - at)}, is_number, number, i, atom, place))
+        return LineFault{at, std::string(name_of(word))};
+    }
+    const auto& m = layout_.to_place;
+    for (size_t row = 0; row < 3; ++row)
+      atom.place[row] = float(m[4 * row] * place[0] + m[4 * row + 1] * place[1] +
+                              m[4 * row + 2] * place[2] + m[4 * row + 3]);
+    return std::nullopt;
+  }
+
+ private:
+  bool take(Word word, std::string_view text, bool is_number, double number, size_t i, Atom& atom,
+            std::array<double, 3>& place) const {
+    const auto is_whole = [&](double least) {
+      return is_number && number >= least && number <= 4e9 && number == std::floor(number);
+    };
+    switch (word) {
+      case Word::x:
+      case Word::y:
+      case Word::z:
+        place[size_t(word) - size_t(Word::x)] = number;
+        return is_number;
+      case Word::species:
+        // Some programs number elements.
+        atom.element =
+            uint8_t(is_whole(1) && number < kElements ? int(number) : element_number(text));
+        return true;
+      case Word::type:
+        atom.part = is_whole(1) ? uint32_t(number) : 0;
+        return atom.part > 0;
+      case Word::residue:
+        atom.residue = is_whole(0) ? uint32_t(number) : 0;
+        return is_whole(0);
+      case Word::radius:
+      case Word::diameter:
+        out_.radii[i] = float(word == Word::radius ? number : number / 2);
+        return is_number && out_.radii[i] > 0 && std::isfinite(out_.radii[i]);
+      case Word::skipped:
+        return true;
+    }
+    return true;
+  }
+
+  const RowLayout& layout_;
+  Atoms& out_;
+  size_t last_ = 0;
+};
+
+}  // namespace
+
+std::expected<void, Diagnostics> read_rows(const LineIndex& index, std::string_view file,
+                                           size_t first, size_t count, const RowLayout& layout,
+                                           Atoms& out) {
+  out.atoms.resize(count);
+  if (layout.has(Word::radius) || layout.has(Word::diameter)) out.radii.resize(count);
+  if (layout.value < layout.words.size()) out.values.resize(count);
+  return for_lines(index, file, first, count, RowReader(layout, out));
+}
+
+std::vector<std::string_view> words_of(std::string_view line) {
+  std::vector<std::string_view> words;
+  for (;;) {
+    const size_t from = line.find_first_not_of(" \t");
+    if (from == std::string_view::npos) return words;
+    const size_t to = std::min(line.find_first_of(" \t", from), line.size());
+    words.push_back(line.substr(from, to - from));
+    line.remove_prefix(to);
+  }
+}
+
+}  // namespace raio

@@ -1,0 +1,169 @@
+#include "io/mesh/builder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "io/fit_camera.h"
+#include "io/points.h"
+#include "shape/polygon.h"
+
+namespace raio {
+
+// --- words
+Words::Words(const TextBuffer& text)
+    : p_(text.begin()), end_(text.end()), line_start_(text.begin()) {
+  if (std::string wrong = not_text(text.view()); !wrong.empty())
+    throw ReadFailure{std::move(wrong)};
+}
+
+void Words::skip_comment() {
+  p_ = skip_blanks_in_line(p_);
+  // A line may go on in the next one.
+  while (*p_ == '\\' && (p_[1] == '\n' || (p_[1] == '\r' && p_[2] == '\n'))) {
+    p_ += p_[1] == '\n' ? 2 : 3;
+    ++line_;
+    line_start_ = p_;
+    p_ = skip_blanks_in_line(p_);
+  }
+  if (*p_ == '#')
+    while (*p_ != '\0' && !is_char(*p_, kLineEnd)) ++p_;
+}
+
+std::string_view Words::peek() {
+  skip_comment();
+  return word_at(p_);
+}
+
+std::string_view Words::next() {
+  const std::string_view word = peek();
+  p_ += word.size();
+  return word;
+}
+
+std::string_view Words::rest() {
+  skip_comment();
+  const char* const from = p_;
+  while (*p_ != '\0' && !is_char(*p_, kLineEnd)) ++p_;
+  const char* to = p_;
+  while (to > from && is_char(to[-1], kBlank)) --to;
+  return {from, size_t(to - from)};
+}
+
+bool Words::next_line() {
+  (void)rest();
+  do {
+    if (at_end()) return false;
+    // Of the end "\r\n" one line is counted.
+    line_ += *p_ == '\n' || p_[1] != '\n';
+    line_start_ = ++p_;
+    skip_comment();
+  } while (at_end() || is_char(*p_, kLineEnd));
+  return true;
+}
+
+void Words::fail(std::string message) const {
+  throw ReadFailure{std::move(message), line_, int(p_ - line_start_) + 1};
+}
+
+void Words::fail_expected(std::string_view what) {
+  const std::string_view word = peek();
+  fail(fmt::format(
+      "expected {}, found {}", what,
+      word.empty() ? at_end() ? "the end of the file" : "the end of the line" : quoted(word)));
+}
+
+double Words::number(std::string_view what) {
+  skip_comment();
+  double value = 0;
+  const char* const stop = parse_number(p_, value);
+  if (!stop) fail_expected(what);
+  p_ = stop;
+  return value;
+}
+
+float Words::coordinate() {
+  skip_comment();
+  const char* const at = p_;
+  const double value = number("a coordinate");
+  if (std::abs(value) <= double(kFarthestPlace)) return float(value);
+  p_ = at;
+  fail_expected("a coordinate of at most 1e25");
+}
+
+Vec3f Words::place() {
+  const float x = coordinate(), y = coordinate();
+  return {x, y, coordinate()};
+}
+
+long Words::whole(std::string_view what, long least, long most) {
+  skip_comment();
+  const char* const at = p_;
+  const double value = number(what);
+  if (value >= double(least) && value <= double(most) && value == std::floor(value))
+    return long(value);
+  p_ = at;
+  fail_expected(what);
+}
+
+uint32_t Words::vertex(size_t count) {
+  skip_comment();
+  const char* const at = p_;
+  double value = 0;
+  const char* const stop = parse_number(p_, value);
+  if (stop && value >= 0 && value < double(count) && value == std::floor(value)) {
+    p_ = stop;
+    return uint32_t(value);
+  }
+  p_ = at;
+  fail_expected(fmt::format("a vertex from 0 to {}", count - 1));
+}
+
+// --- meshes
+MaterialId MeshBuilder::paint(Rgb color) {
+  const auto [at, is_new] = paints_.emplace(std::array{color.x, color.y, color.z}, 0);
+  if (is_new) at->second = paint(color, 1);
+  return at->second;
+}
+
+void MeshBuilder::add_face(std::span<const uint32_t> corners, MaterialId material,
+                           std::span<const uint32_t> face_normals) {
+  constexpr TriangleIndices kFlat{kNoNormal, kNoNormal, kNoNormal};
+  // Only where a face is smooth do the others have to say that they are not.
+  if (!face_normals.empty()) normal_indices_.resize(triangles_.size(), kFlat);
+  const bool any_smooth = !face_normals.empty() || !normal_indices_.empty();
+  const auto add = [&](size_t a, size_t b, size_t c) {
+    triangles_.push_back({corners[a], corners[b], corners[c]});
+    materials_.push_back(material);
+    if (any_smooth)
+      normal_indices_.push_back(
+          face_normals.empty()
+              ? kFlat
+              : TriangleIndices{face_normals[a], face_normals[b], face_normals[c]});
+  };
+  if (corners.size() == 3) return add(0, 1, 2);
+  around_.clear();
+  for (const uint32_t corner : corners) around_.push_back(positions[corner]);
+  for (const auto& [a, b, c] : triangulate(around_)) add(a, b, c);
+}
+
+ReadScene MeshBuilder::finish(Vec3f up) {
+  if (triangles_.empty()) throw ReadFailure{"there are no faces"};
+  if (std::ranges::all_of(materials_, [&](MaterialId id) { return id == materials_[0]; }))
+    materials_.resize(1);
+  Mesh mesh;
+  mesh.positions = std::move(positions);
+  mesh.normals = std::move(normals);
+  mesh.uv = std::move(uv);
+  mesh.colors = std::move(colors);
+  mesh.triangles = std::move(triangles_);
+  mesh.normal_indices = std::move(normal_indices_);
+  mesh.materials = std::move(materials_);
+  scene_.dialect = Dialect::data;
+  scene_.meshes.push_back(std::move(mesh));
+  fit_camera(scene_, FitView::three_quarter, up);
+  return {std::move(scene_), std::move(warnings)};
+}
+
+}  // namespace raio

@@ -1,0 +1,112 @@
+// What the readers of meshes share: the words of a text, and the mesh they gather.
+#pragma once
+
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "io/nff/text_cursor.h"
+#include "io/read_scene.h"
+
+namespace raio {
+
+/// Why a file cannot be read; thrown inside a reader, and made Diagnostics where it ends.
+struct ReadFailure {
+  std::string message;
+  int line = 0, column = 0;  // from 1; 0: about the file as a whole
+};
+
+/// What `read` returns, or the diagnostics of the failure that it throws.
+template <class Read>
+std::expected<ReadScene, Diagnostics> read_guarded(std::string_view file, const Read& read) try {
+  ReadScene result = read();
+  for (Diagnostic& warning : result.warnings)
+    if (warning.file.empty()) warning.file = file;
+  return result;
+} catch (const ReadFailure& f) {
+  return std::unexpected(
+      Diagnostics{{Severity::error, std::string(file), f.line, f.column, f.message, ""}});
+}
+
+/// Words of a text one after another, comments behind # left out. A line that ends with a backslash
+/// goes on in the next.
+class Words {
+ public:
+  /// Throws ReadFailure if the bytes are no text.
+  explicit Words(const TextBuffer& text);
+
+  bool at_end() const { return p_ == end_; }
+  int line() const { return line_; }
+  size_t bytes_left() const { return size_t(end_ - p_); }
+
+  /// The next word of this line; empty: there is none. What is next() can be looked at before.
+  std::string_view peek();
+  std::string_view next();
+  /// What is left of the line, without the blanks around it.
+  std::string_view rest();
+  /// To the next line that has a word; false: there is none.
+  bool next_line();
+
+  /// `what` is "a coordinate", say. Of the coordinates of a mesh none may be beyond kFarthestPlace.
+  double number(std::string_view what);
+  float coordinate();
+  Vec3f place();
+  /// A whole number from `least` to `most`.
+  long whole(std::string_view what, long least, long most);
+  /// The number of one of `count` vertices.
+  uint32_t vertex(size_t count);
+  [[noreturn]] void fail(std::string message) const;
+  [[noreturn]] void fail_expected(std::string_view what);
+
+ private:
+  void skip_comment();  // and blanks
+
+  const char* p_;
+  const char* end_;
+  const char* line_start_;
+  int line_ = 1;
+};
+
+/// A mesh while it is read, and the materials of its triangles.
+class MeshBuilder {
+ public:
+  // Of the vertices; normals and colours as Mesh has them.
+  std::vector<Vec3f> positions, normals;
+  std::vector<Uv> uv;
+  std::vector<Rgb> colors;
+  Diagnostics warnings;  // their file may be left out
+
+  void warn(std::string message) {
+    warnings.push_back({Severity::warning, "", 0, 0, std::move(message), ""});
+  }
+
+  /// The material of a display colour in linear light; one for each colour.
+  MaterialId paint(Rgb color);
+  MaterialId paint(Rgb color, float opacity) {
+    return scene_.add_material({.color = color, .kd = 1}, Rgb(1), 0, opacity);
+  }
+
+  /// The triangles of a face with these corners, of which there are three at least, and as many
+  /// normals, none for a flat face.
+  void add_face(std::span<const uint32_t> corners, MaterialId material,
+                std::span<const uint32_t> face_normals = {});
+
+  bool has_faces() const { return !triangles_.empty(); }
+
+  /// The scene with a camera; throws ReadFailure if there are no triangles.
+  ReadScene finish(Vec3f up);
+
+ private:
+  Scene scene_;
+  std::vector<TriangleIndices> triangles_, normal_indices_;
+  std::vector<MaterialId> materials_;
+  std::map<std::array<float, 3>, MaterialId> paints_;
+  std::vector<Vec3f> around_;  // the corners of a face
+};
+
+/// The colour of a mesh that has none.
+inline constexpr Rgb kPlainColor{0.6f, 0.6f, 0.6f};
+
+}  // namespace raio
