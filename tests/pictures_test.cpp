@@ -75,6 +75,38 @@ TEST_F(Pictures, OfATurntableGoIntoFiles) {
   expect_refusal({"render", "ok.nff", "--turntable", "2", "-o", "no/x.png"}, 3, "no/x-0001.png");
 }
 
+TEST_F(Pictures, OfFramesGoIntoFiles) {
+  std::string frames;
+  for (int i = 0; i < 5; ++i) frames += "2\n\nC 0 0 0\nO " + std::to_string(i + 1) + ".5 0 0\n";
+  put(file("run.xyz"), frames);
+  const auto render = [&](const std::string& range, const std::string& output) {
+    return raio(
+        {"render", "run.xyz", "--frame", range, "--size", "24x16", "--samples", "2", "-o", output});
+  };
+  const Outcome o = render("1::2", "a.png");
+  EXPECT_EQ(o.status, 0) << o.err;
+  EXPECT_THAT(o.err, HasSubstr("a-0002.png: 24x16"));
+  EXPECT_FALSE(std::filesystem::exists(file("a-0003.png")));
+  // The first is the picture of that frame; the others have its camera.
+  EXPECT_EQ(render("1", "one.ppm").status, 0);
+  EXPECT_EQ(render("3", "other.ppm").status, 0);
+  EXPECT_EQ(render("-4:-1:2", "b.ppm").status, 0);
+  EXPECT_TRUE(get(file("b-0001.ppm")) == get(file("one.ppm")));
+  EXPECT_FALSE(get(file("b-0002.ppm")) == get(file("other.ppm")));
+  const auto refused = [&](std::vector<std::string> more, std::string_view message) {
+    more.insert(more.begin(), "render");
+    expect_refusal(more, 2, message);
+  };
+  refused({"run.xyz", "--frame", "3:3"}, "no frame is in this range; the file has 5");
+  refused({"run.xyz", "--frame", "7:9"}, "there is no frame 7; the file has 5");
+  refused({"run.xyz", "--frame", "1:2:0"}, "a range such as 0:100:5, found '1:2:0'");
+  refused({"run.xyz", "--frame", "x"}, "expected the number of a frame");
+  refused({"ok.nff", "--frame", "0:2"}, "has no effect on this file");
+  refused({"-", "--frame", "0:2"}, "about one file");
+  refused({"run.xyz", "--frame", "0:2", "--turntable", "3"}, "two ways");
+  refused({"run.xyz", "--frame", "0:2", "--shard", "1/2"}, "--shard is about one picture");
+}
+
 TEST_F(Pictures, OfATurntableEndWhenInterrupted) {
   const Running running(
       *this, {"render", "ok.nff", "--turntable", "100000", "--quiet", "-o", "t.png"}, {});

@@ -34,7 +34,34 @@ void add_scene(CLI::App& app, std::string& path) {
   app.get_option("scene")->required();
 }
 
-void add_read_options(CLI::App& app, ReadOptions& options) {
+namespace {
+
+// "A:B" or "A:B:STEP", any of which may be left out; nothing: it is none.
+std::optional<FrameRange> parse_frames(std::string_view text) {
+  FrameRange out;
+  std::optional<int> step;
+  std::optional<int>* const parts[] = {&out.first, &out.last, &step};
+  size_t count = 0;
+  for (bool more = true; more; ++count) {
+    const size_t end = std::min(text.find(':'), text.size());
+    more = end < text.size();
+    if (count == std::size(parts)) return std::nullopt;
+    if (end > 0) {
+      int number = 0;
+      const auto [stop, error] = std::from_chars(text.data(), text.data() + end, number);
+      if (error != std::errc() || stop != text.data() + end) return std::nullopt;
+      *parts[count] = number;
+    }
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  out.step = step.value_or(1);
+  if (count < 2 || out.step < 1) return std::nullopt;
+  return out;
+}
+
+}  // namespace
+
+void add_read_options(CLI::App& app, ReadOptions& options, std::optional<FrameRange>* frames) {
   static const std::map<std::string, AtomStyle> kStyles = {
       {"space-filling", AtomStyle::space_filling},
       {"ball-and-stick", AtomStyle::ball_and_stick},
@@ -86,10 +113,26 @@ void add_read_options(CLI::App& app, ReadOptions& options) {
       },
       "Biological assembly of a molecule (default: 1 where there is one, for space-filling)",
       "N|none");
-  add_number(app, "--frame", options.frame, -1'000'000'000, 1'000'000'000,
-             "Frame of a trajectory or model of a molecule, from 0; negative from the end "
-             "(default: 0)",
-             "N");
+  word(
+      "--frame",
+      [&options, frames](const std::string& text) {
+        const char* const end = text.data() + text.size();
+        const auto [stop, error] = std::from_chars(text.data(), end, options.frame);
+        if (error == std::errc() && stop == end) return;
+        options.frame = 0;
+        if (frames) *frames = parse_frames(text);
+        if (!frames || !*frames)
+          throw CLI::ValidationError(
+              "--frame", fmt::format("expected the number of a frame{}, found '{}'",
+                                     frames ? " or a range such as 0:100:5" : "", text));
+      },
+      fmt::format("Frame of a trajectory or model of a molecule, from 0; negative from the end{} "
+                  "(default: 0)",
+                  frames
+                      ? "; A:B:STEP renders every STEP-th from A to before B to picture-0001.png "
+                        "and so on"
+                      : ""),
+      frames ? "N|A:B[:STEP]" : "N");
 }
 
 std::string examples(std::initializer_list<std::string_view> lines) {

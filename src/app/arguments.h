@@ -29,7 +29,8 @@ void add_file(CLI::App& app, const std::string& name, std::string& path, const s
 void add_scene(CLI::App& app, std::string& path);
 
 /// What files of atoms, points and meshes leave open.
-void add_read_options(CLI::App& app, ReadOptions& options);
+void add_read_options(CLI::App& app, ReadOptions& options,
+                      std::optional<FrameRange>* frames = nullptr);
 
 /// A number from `least` to `most`.
 template <class T>

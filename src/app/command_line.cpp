@@ -30,7 +30,6 @@
 namespace raio::app {
 namespace {
 
-constexpr int kMostPictures = 100000;      // of a turntable
 constexpr double kLeastMemory = 64 << 20;  // for threads and what libraries need
 
 // How the program was started.
@@ -177,9 +176,12 @@ void add_long_render(CLI::App& app, RenderCommand& render) {
 }
 
 void refuse_for_many_pictures(const RenderCommand& render) {
-  const bool turns = render.turntable > 0;
-  if (!turns && render.scenes.size() < 2) return;
+  const bool frames = render.frames.has_value(), turns = render.turntable > 0;
+  if (!turns && !frames && render.scenes.size() < 2) return;
   const auto refuse = [](const std::string& why) { throw CLI::ParseError(why, kBadInput); };
+  if (frames && turns) refuse("--frame A:B and --turntable are two ways; leave out one");
+  if (frames && (render.scenes.size() > 1 || render.scenes == std::vector<std::string>{"-"}))
+    refuse("--frame A:B is about one file, not standard input or several");
   for (const auto& [option, given] : {std::pair("--checkpoint", !render.checkpoint.empty()),
                                       {"--resume", render.resume},
                                       {"--add-samples", render.add_samples > 0},
@@ -188,11 +190,14 @@ void refuse_for_many_pictures(const RenderCommand& render) {
                                       {"--stats", !render.stats.empty()}})
     if (given)
       refuse(fmt::format("{} is about one picture; {}", option,
-                         turns ? "leave it out, or leave out --turntable" : "give one scene"));
+                         frames  ? "leave it out, or give one frame"
+                         : turns ? "leave it out, or leave out --turntable"
+                                 : "give one scene"));
   if (is_standard_output(render.output))
     refuse(fmt::format("standard output takes one picture; name {}",
-                       turns ? "a file, as in -o turn.png, which gives turn-0001.png and so on"
-                             : "a folder, as in -o pictures/"));
+                       turns || frames
+                           ? "a file, as in -o turn.png, which gives turn-0001.png and so on"
+                           : "a folder, as in -o pictures/"));
 }
 
 void add_render(CLI::App& app, RenderCommand& render, int& status) {
@@ -210,7 +215,7 @@ void add_render(CLI::App& app, RenderCommand& render, int& status) {
                   "are rendered one after another")
       ->check(CLI::Validator(file_name_problem, ""))
       ->type_name("SCENE");
-  add_read_options(*sub, render.read);
+  add_read_options(*sub, render.read, &render.frames);
   add_file(*sub, "-o,--output", render.output,
            "Output picture: .png .exr .npz .npy .ppm .pfm by suffix, or .raio for a part file; - "
            "writes PNG to standard output; a folder, with / at the end, gets a PNG of the scene's "

@@ -23,6 +23,15 @@ enum Exit : int {
   kInterrupted = 130,  // Ctrl-C
 };
 
+inline constexpr int kMostPictures = 100000;  // of a command
+
+// Frames of a trajectory, as Python slices a list: from `first` to before `last`, either counted
+// from the end where it is negative.
+struct FrameRange {
+  std::optional<int> first, last;
+  int step = 1;
+};
+
 // Of one or many pictures. An output that is empty means <scene>.png here, one that is a folder
 // <scene>.png there.
 struct RenderCommand : JobRequest {
@@ -30,7 +39,8 @@ struct RenderCommand : JobRequest {
   std::string stats;                // file for the statistics; empty: none
   std::string progress = "auto";
   bool quiet = false;
-  int turntable = 0;  // so many pictures around the scene; 0: one, of its camera
+  int turntable = 0;                 // so many pictures around the scene; 0: one, of its camera
+  std::optional<FrameRange> frames;  // a picture of each; without: of the one that `read` says
 };
 int run(const RenderCommand& command);
 

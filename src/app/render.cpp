@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <climits>
 #include <filesystem>
 #include <utility>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "app/statistics.h"
 #include "app/terminal.h"
 #include "app/warnings.h"
+#include "io/scene_file.h"
 #include "render/turntable.h"
 
 namespace raio::app {
@@ -99,6 +101,7 @@ class Pictures {
 
   // Of the next scene; the exit status. The first failure ends them.
   int render_scene(JobRequest request) {
+    if (command_.frames) return render_frames(std::move(request));
     index_ = scene_++ * of_scene_;
     if (scenes_ > 1) about_ = request.scene + ": ";
     const fs::path output = request.output;
@@ -112,6 +115,52 @@ class Pictures {
   }
 
  private:
+  // Pictures of frames, all as the camera of the first sees them.
+  int render_frames(JobRequest request) {
+    const FrameRange& range = *command_.frames;
+    const fs::path output = request.output;
+    std::optional<Camera> camera;
+    request.read.frame = range.first.value_or(0);
+    do {
+      auto read = read_scene(request.scene, request.read);
+      const Diagnostics& said = read ? read->warnings : read.error();
+      if ((!read || !command_.quiet) && index_ == 0) print_diagnostics(said);
+      if (!read) return status_of(error_of(said.front()));
+      if (!camera) {
+        const auto count = frames_in(read->frames, request.read.frame);
+        if (!count) return bad_input(request.scene + ": " + count.error());
+        count_ = *count, camera = read->scene.camera;
+      }
+      read->scene.camera = *camera;
+      request.loaded = std::make_shared<const Scene>(std::move(read->scene));
+      request.built = nullptr;
+      request.output = numbered_path(output, index_, count_).string();
+      if (const int status = render(request)) return status;
+      request.read.frame += range.step;
+      ++written_;
+    } while (++index_ < count_);
+    return kDone;
+  }
+
+  // How many of a file's frames are in the range, or what is wrong with it. `first` becomes that of
+  // the first one.
+  std::expected<int, std::string> frames_in(size_t of_file, int& first) const {
+    const FrameRange& range = *command_.frames;
+    const auto all = int64_t(of_file);
+    if (all == 0) return std::unexpected("`frame` has no effect on this file; leave it out");
+    const int64_t from = first < 0 ? all + first : first;
+    int64_t to = range.last.value_or(int(std::min<int64_t>(all, INT_MAX)));
+    to = std::min(to < 0 ? all + to : to, all);
+    if (to <= from)
+      return std::unexpected(fmt::format("no frame is in this range; the file has {}", of_file));
+    const int64_t count = (to - from + range.step - 1) / range.step;
+    if (count > kMostPictures)
+      return std::unexpected(
+          fmt::format("{} pictures are too many; expected at most {}", count, kMostPictures));
+    first = int(from);
+    return int(count);
+  }
+
   void turn(JobRequest& request, int index) const {
     const Camera camera = camera_of(*request.loaded, command_.options);
     set_camera(request.options, turntable_camera(camera, index, of_scene_), *request.loaded);

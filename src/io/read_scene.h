@@ -36,6 +36,7 @@ struct ReadOptions {
 struct ReadScene {
   Scene scene;
   Diagnostics warnings;
+  size_t frames = 0;  // that the file has; 0: it is of a kind that has none
 };
 
 /// Reads what is in memory, `file` by its name in messages.

@@ -52,6 +52,7 @@ class SceneMaker {
     }
     Scene& scene = read_.scene;
     scene.dialect = Dialect::data;
+    read_.frames = atoms_.frames;
     if (auto wrong = color_atoms(); !wrong.empty()) return failed(file_, wrong);
     if (auto wrong = add_spheres(); !wrong.empty()) return failed(file_, wrong);
     if (style_ == AtomStyle::ball_and_stick || style_ == AtomStyle::sticks)

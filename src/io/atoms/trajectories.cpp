@@ -260,21 +260,25 @@ uint8_t element_of_name(std::string_view residue, std::string_view atom) {
     while (!word.empty() && (word[0] == ' ' || (word[0] >= '0' && word[0] <= '9')))
       word.remove_prefix(1);
     size_t size = 0;
-    while (size < word.size() && std::isalpha(uint8_t(word[size]))) ++size;
+    while (size < word.size() && ((word[size] & ~32) >= 'A' && (word[size] & ~32) <= 'Z')) ++size;
     return word.substr(0, size);
   };
-  const std::string_view name = letters(atom), group = letters(residue);
-  constexpr std::string_view kPlain[] = {"CL", "BR", "MG", "ZN", "FE", "MN", "CU", "SI", "LI"};
-  const std::string_view two = name.substr(0, 2);
   const auto same = [](std::string_view a, std::string_view b) {
-    return std::ranges::equal(
-        a, b, [](char x, char y) { return std::toupper(uint8_t(x)) == std::toupper(uint8_t(y)); });
+    return std::ranges::equal(a, b, [](char x, char y) { return (x & ~32) == (y & ~32); });
   };
-  // Ions are called as their group is.
-  const bool is_ion = two.size() == 2 && same(two, group.substr(0, 2)) && name.size() == 2;
-  const bool is_plain = std::ranges::any_of(kPlain, [&](auto word) { return same(word, two); });
-  if (is_ion || is_plain)
-    if (const int number = element_number(two)) return uint8_t(number);
+  const std::string_view name = letters(atom), group = letters(residue);
+  // Ions are called as their group is, in the force fields of CHARMM by names of their own.
+  constexpr std::pair<std::string_view, std::string_view> kIons[] = {
+      {"SOD", "Na"}, {"POT", "K"}, {"CLA", "Cl"}, {"CAL", "Ca"}, {"CES", "Cs"}, {"LIT", "Li"}};
+  if (same(name, group))
+    for (const auto& [ion, element] : kIons)
+      if (same(name, ion)) return uint8_t(element_number(element));
+  // These names stand for nothing else.
+  constexpr std::string_view kPlain[] = {"CL", "BR", "MG", "ZN", "FE", "MN", "CU", "SI", "LI"};
+  const bool is_ion = same(name, group.substr(0, 2));
+  const bool is_plain = std::ranges::any_of(kPlain, [&](auto word) { return same(word, name); });
+  if (name.size() == 2 && (is_ion || is_plain))
+    if (const int number = element_number(name)) return uint8_t(number);
   return uint8_t(element_number(name.substr(0, 1)));
 }
 

@@ -132,6 +132,7 @@ class ObjReader {
       corners_.push_back(vertex(place, uv));
       if (corners_.size() > kMostCorners) words_.fail("a face has at most 65535 corners");
     }
+    if (corners_.empty()) words_.fail_expected("the corners of a face");
     if (corners_.size() < 3) return;  // a point or a line
     if (!normals_.empty() && normals_.size() != corners_.size())
       words_.fail("some corners of this face have a normal and others have none");
