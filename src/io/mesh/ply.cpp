@@ -429,7 +429,7 @@ class PlyReader {
   ReadScene make_mesh() {
     if (options_.radius > 0) fail("`radius` has no effect on a mesh; leave it out");
     if (std::ranges::any_of(opacity_, [](float a) { return a < 1; }))
-      mesh_.warn("the opacities of its vertices are left out; --opacity gives all of it one");
+      mesh_.warn("the opacities of its vertices are left out");
     for (Vec3f& n : normals_) {
       const float size = length(n);
       n = size > 0 && std::isfinite(size) ? n / size : Vec3f(0, 0, 1);
