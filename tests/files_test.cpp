@@ -333,6 +333,15 @@ TEST(Files, FarCoordinatesHaveACamera) {
   EXPECT_TRUE(validate(far->scene).empty());
 }
 
+// Seen along a row of ions a crystal would hide most of them.
+TEST(Files, CrystalsAreSeenAtAnAngle) {
+  const auto salt = read_scene(RAIO_SOURCE_DIR "/scenes/salt.xyz");
+  ASSERT_TRUE(salt) << salt.error().front().text();
+  const Camera& camera = salt->scene.camera;
+  const Vec3f forward = normalize(camera.at - camera.from);
+  for (int axis = 0; axis < 3; ++axis) EXPECT_GT(std::abs(forward[axis]), 0.3f);
+}
+
 TEST(Pdb, BrokenFilesAreRefused) {
   EXPECT_NE(error("HEADER    x\nATOM      1  N   ALA A   1       x\n", "a.pdb"), "no error");
   EXPECT_NE(error("HEADER    nothing\nEND\n", "a.pdb"), "no error");

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "base/parallel.h"
@@ -76,8 +77,9 @@ struct Moments {
 };
 
 /// The eigenvectors of the covariance, that of the largest eigenvalue first. Jacobi 1846; for three
-/// rows it ends after a few sweeps.
-std::array<Vec3d, 3> principal_axes(const Moments& m) {
+/// rows it ends after a few sweeps. Nothing for what extends as far in all directions, such as a
+/// crystal, where they would be those of the rounding errors.
+std::optional<std::array<Vec3d, 3>> principal_axes(const Moments& m) {
   const Vec3d mean = m.sum / m.count;
   const auto entry = [&](size_t place, double a, double b) {
     return m.squares[place] / m.count - a * b;
@@ -107,6 +109,7 @@ std::array<Vec3d, 3> principal_axes(const Moments& m) {
   std::array<int, 3> order = {0, 1, 2};
   std::ranges::sort(
       order, [&](int x, int y) { return a[x][x] > a[y][y] || (a[x][x] == a[y][y] && x < y); });
+  if (m.count > 3 && a[order[2]][order[2]] > 0.95 * a[order[0]][order[0]]) return std::nullopt;
   std::array<Vec3d, 3> out;
   for (size_t i = 0; i < 3; ++i) {
     const Vec3d v = axes[size_t(order[i])];
@@ -148,6 +151,7 @@ void fit_camera(Scene& scene, FitView view, Vec3f up) {
   if (box.empty()) return;
   const Vec3d middle = (Vec3d(box.lo) + Vec3d(box.hi)) * 0.5;
   Vec3d to_up = normalize(Vec3d(up)), to_right, forward;
+  std::optional<std::array<Vec3d, 3>> axes;
   if (view == FitView::principal) {
     auto moments = sum_up<Moments>(scene, [&](Moments& m, Vec3f center, float) {
       const Vec3d c = Vec3d(center) - middle;
@@ -156,8 +160,10 @@ void fit_camera(Scene& scene, FitView view, Vec3f up) {
                                         c.y * c.y, c.y * c.z, c.z * c.z};
       for (size_t i = 0; i < by.size(); ++i) m.squares[i] += by[i];
     });
-    const auto axes = principal_axes(moments);
-    to_right = axes[0], to_up = axes[1];
+    axes = principal_axes(moments);
+  }
+  if (axes) {
+    to_right = (*axes)[0], to_up = (*axes)[1];
     forward = cross(to_up, to_right);
   } else {
     const Frame<double> frame(to_up);  // two axes of the data across the vertical one

@@ -6,7 +6,8 @@
 namespace raio {
 
 /// From where data is looked at: at an angle from above, or along the axis in which it extends the
-/// least, with that in which it extends the most across the picture.
+/// least, with that in which it extends the most across the picture; at an angle where there is no
+/// such axis.
 enum class FitView : uint8_t { three_quarter, principal };
 
 /// Gives the scene a camera that shows all of it but infinite planes, as large as it fits into a
