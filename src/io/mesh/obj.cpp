@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <optional>
+#include <set>
 #include <unordered_map>
 
 #include "base/srgb.h"
@@ -182,6 +183,7 @@ class ObjReader {
   }
 
   void read_library(const std::string& name) {
+    if (!libraries_.insert(name).second) return;
     std::string path = name;
     std::ranges::replace(path, '\\', '/');
     const fs::path file = options_.folder ? *options_.folder / path : fs::path();
@@ -226,6 +228,7 @@ class ObjReader {
   std::vector<Use> first_uses_;                        // of each place
   std::unordered_map<uint64_t, uint32_t> other_uses_;  // by place and texture coordinates
   std::vector<uint32_t> corners_, normals_;            // of a face
+  std::set<std::string> libraries_;
   Paints paints_;
   std::map<std::string, MaterialId, std::less<>> materials_;
   std::optional<MaterialId> material_;  // of the faces to come
