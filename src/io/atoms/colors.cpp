@@ -26,8 +26,8 @@ constexpr auto kJmol = std::to_array<uint32_t>(
      0xb31fd4, 0xb31fba, 0xb30da6, 0xbd0d87, 0xc70066, 0xcc0059, 0xd1004f, 0xd90045, 0xe00038,
      0xe6002e, 0xeb0026});
 
-constexpr auto kDistinct = std::to_array<uint32_t>(
-    {0x56b4e9, 0xe69f00, 0x009e73, 0xf0e442, 0x0072b2, 0xd55e00, 0xcc79a7, 0x999999});
+constexpr std::array<uint32_t, kDistinctColors> kDistinct = {
+    0x56b4e9, 0xe69f00, 0x009e73, 0xf0e442, 0x0072b2, 0xd55e00, 0xcc79a7, 0x999999};
 
 gemmi::Element gemmi_element(int number) {
   return gemmi::Element(static_cast<gemmi::El>(std::clamp(number, 0, kElements - 1)));
@@ -67,6 +67,6 @@ Rgb element_color(int element) {
   return linear_from_srgb(size_t(element) < kJmol.size() ? kJmol[size_t(element)] : 0xeb0026u);
 }
 
-Rgb distinct_color(uint32_t n) { return linear_from_srgb(kDistinct[n % kDistinct.size()]); }
+Rgb distinct_color(uint32_t n) { return linear_from_srgb(kDistinct[n % kDistinctColors]); }
 
 }  // namespace raio

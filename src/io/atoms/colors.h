@@ -2,6 +2,7 @@
 // own. All colours are linear.
 #pragma once
 
+#include <cstdint>
 #include <string_view>
 
 #include "base/vec.h"
@@ -21,6 +22,8 @@ int element_number(std::string_view symbol);
 
 /// Jmol's colour of an element (https://jmol.sourceforge.net/jscolors/).
 Rgb element_color(int element);
+
+inline constexpr uint32_t kDistinctColors = 8;
 
 /// The n-th of eight colours that all people can tell apart, again and again. Okabe and Ito 2008,
 /// "Color Universal Design".

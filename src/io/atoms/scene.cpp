@@ -2,8 +2,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "base/parallel.h"
 #include "io/atoms/colors.h"
@@ -87,26 +89,37 @@ class SceneMaker {
     const std::string by = !options_.color_by.empty()    ? options_.color_by
                            : has_types && !has_elements_ ? "type"
                                                          : "element";
-    Rgb (*color)(const Atom&) = nullptr;
-    if (by == "element") color = [](const Atom& a) { return element_color(a.element); };
-    if (by == "chain") color = [](const Atom& a) { return distinct_color(a.chain); };
-    if (by == "residue") color = [](const Atom& a) { return distinct_color(a.residue); };
-    if (by == "type" && has_types) color = [](const Atom& a) { return distinct_color(a.part - 1); };
-    const auto numbers = color ? std::vector<float>() : numbers_of(by);
-    if (!color && numbers.empty())
+    // One of a few colours, as the table below has room for.
+    uint8_t (*which)(const Atom&) = nullptr;
+    Rgb (*color)(uint8_t) = [](uint8_t n) { return distinct_color(n); };
+    if (by == "element") {
+      which = [](const Atom& a) { return a.element; };
+      color = [](uint8_t n) { return element_color(n); };
+    }
+    if (by == "chain") which = [](const Atom& a) { return uint8_t(a.chain % kDistinctColors); };
+    if (by == "residue") which = [](const Atom& a) { return uint8_t(a.residue % kDistinctColors); };
+    if (by == "type" && has_types)
+      which = [](const Atom& a) { return uint8_t((a.part - 1) % kDistinctColors); };
+    const auto numbers = which ? std::vector<float>() : numbers_of(by);
+    if (!which && numbers.empty())
       return fmt::format(
           "cannot colour by '{}'; expected element, chain, residue, index, bfactor "
           "or occupancy{}{}",
           printable(by), atoms_.columns.empty() ? "" : ", or a column of the file: ",
           printable(fmt::format("{}", fmt::join(atoms_.columns, ", "))));
-    if (color && !options_.colormap.empty())
+    if (which && !options_.colormap.empty())
       return fmt::format(
           "a colour map has no effect on atoms coloured by {}; colour them by "
           "index, bfactor, occupancy or a column of numbers",
           by);
     material_.resize(atoms_.atoms.size());
-    if (color) {
-      for (size_t i = 0; i < material_.size(); ++i) material_[i] = material(color(atoms_.atoms[i]));
+    if (which) {
+      std::array<std::optional<MaterialId>, 256> known;
+      for (size_t i = 0; i < material_.size(); ++i) {
+        const uint8_t n = which(atoms_.atoms[i]);
+        if (!known[n]) known[n] = material(color(n));
+        material_[i] = *known[n];
+      }
       return {};
     }
     // Maps have 256 colours, so as many materials do.
