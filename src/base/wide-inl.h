@@ -174,7 +174,7 @@ template <class DU>
 HWY_INLINE Wide4<DU> hash4(DU du, Wide4<DU> v) {
   const auto times = hn::Set(du, 1664525u), plus = hn::Set(du, 1013904223u);
   for (auto* word : {&v.x, &v.y, &v.z, &v.w}) *word = hn::Add(hn::Mul(*word, times), plus);
-  const auto mix = [&] {
+  const auto mix = [&]() HWY_ATTR __attribute__((always_inline)) {
     v.x = hn::Add(v.x, hn::Mul(v.y, v.w));
     v.y = hn::Add(v.y, hn::Mul(v.z, v.x));
     v.z = hn::Add(v.z, hn::Mul(v.x, v.y));

@@ -102,7 +102,7 @@ class PhongShading {
  private:
   // What light l brings to the vertices that it sees.
   template <class W>
-  void add_light(W& w, size_t l, size_t n, const WideSampler<D>& sampler) {
+  HWY_NOINLINE void add_light(W& w, size_t l, size_t n, const WideSampler<D>& sampler) {
     const PreparedScene::Emitter& emitter = scene_.emitters[l];
     Vertices& v = w.vertices();
     const V zero = hn::Zero(d);
@@ -139,10 +139,10 @@ class PhongShading {
     w.counts().shadow += lit;
     const uint8_t* const hidden = w.occluded();
     if constexpr (W::kRecords) w.recorder().shadow_rays(w.rays(), rays, hidden, l, n);
+    const float* const shares = w.shares();
     V3 intensity = set3(d, emitter.intensity);
     for (size_t i = 0; i < n; i += kWidth) {
-      if (const float* const shares = w.shares())
-        intensity = set3(d, emitter.intensity) * hn::LoadU(d, shares + i);
+      if (shares) intensity = set3(d, emitter.intensity) * hn::LoadU(d, shares + i);
       const M facing = hn::And(hn::FirstN(d, n - i), hn::Gt(load(rays.tmax, i), zero));
       const auto stopped = hn::PromoteTo(du, hn::LoadU(hn::Rebind<uint8_t, DU>(), hidden + i));
       const M seen = hn::And(facing, hn::RebindMask(d, hn::Eq(stopped, hn::Zero(du))));

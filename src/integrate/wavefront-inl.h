@@ -63,7 +63,10 @@ class Wavefront final : public TileRenderer {
         vertices_(std::make_unique_for_overwrite<Vertices>()),
         hidden_(padded(kChunk)),
         clear_(scene.accel.geometry().any_clear()) {
-    if (clear_) shares_.resize(padded(kChunk)), depths_.resize(padded(kChunk));
+    if (clear_) {
+      first_.resize(padded(kChunk)), shares_.resize(padded(kChunk)), depths_.resize(padded(kChunk));
+      coverage_.resize(padded(kChunk));
+    }
     if (scene.scene.moves()) {
       moves_ = true;
       shadow_.add_time(), one_.add_time(), probes_.add_time();
@@ -296,22 +299,24 @@ class Wavefront final : public TileRenderer {
     if (context_.stopped()) return;
     // A picture with alpha is to be laid over another background.
     drop_misses(level > 1 || !layout_->has(Channel::alpha));
-    if (!clear_) return shade_hits(level, sampler, [](size_t) { return true; });
-    for (size_t i = 0; i < current_.rays.size(); ++i) coverage_[i] = covered(current_.weight[0][i]);
-    shade_hits(level, sampler, [&](size_t i) { return current_.weight[0][i] == 1; });
+    if (clear_)
+      for (size_t i = 0; i < current_.rays.size(); ++i) {
+        coverage_[i] = covered(current_.weight[0][i]);
+        first_[i] = current_.weight[0][i] == 1;
+      }
+    shade_hits(level, sampler);
   }
 
-  // Shades what the current rays hit, all of them something, and sends their children. Those for
-  // which first(i) see nothing in front of it.
-  template <class First>
-  void shade_hits(int level, const WideSampler<D>& sampler, const First& first) {
+  // Shades what the current rays hit, all of them something, and sends their children.
+  void shade_hits(int level, const WideSampler<D>& sampler) {
     const size_t n = current_.rays.size();
     if (n == 0) return;
     if (level == 1)
-      for (size_t i = 0; i < n; ++i) counts_.eye_hits += first(i);
+      counts_.eye_hits +=
+          clear_ ? size_t(std::count(first_.begin(), first_.begin() + ptrdiff_t(n), 1)) : n;
     if (moves_) set_times(current_.rays);  // those that are left
     find_surfaces(scene_.accel, scene_.scene.materials.data(), current_.rays, hits_, n, *vertices_);
-    if (level == 1 && layout_->planes() > 0) add_features(n, first);
+    if (level == 1 && layout_->planes() > 0) add_features(n);
     shading_.shade(*this, level, n, sampler);
     if (context_.stopped()) return;
     if constexpr (kRecords) recorder_.shaded(current_, *vertices_, n, sums_);
@@ -336,7 +341,6 @@ class Wavefront final : public TileRenderer {
     const size_t n = current_.rays.size();
     std::swap(behind_, current_), std::swap(behind_hits_, hits_);
     current_.resize(n);
-    coverage_.resize(padded(kChunk));
     if (moves_) layer_.add_time();
     layer_.resize(n), after_.reset(n), hits_.reset(n);
     passed_depth_.assign(n, 0), layer_of_.resize(n);
@@ -367,7 +371,8 @@ class Wavefront final : public TileRenderer {
       }
       current_.rays.resize(kept);
       fill_up(kept);
-      shade_hits(level, sampler, [&](size_t) { return first; });
+      std::fill_n(first_.begin(), kept, first);
+      shade_hits(level, sampler);
       if (context_.stopped()) return;
       layer_.resize(kept);
       current_.resize(n);
@@ -437,8 +442,7 @@ class Wavefront final : public TileRenderer {
   }
 
   // What the film keeps of the surfaces that n eye rays hit.
-  template <class First>
-  void add_features(size_t n, const First& first) {
+  void add_features(size_t n) {
     const Vertices& v = *vertices_;
     const auto add_mean = [&](Channel channel, auto&& value) {
       if (!layout_->has(channel)) return;
@@ -448,7 +452,7 @@ class Wavefront final : public TileRenderer {
       for (size_t c = 0; c < spec.components.size(); ++c) {
         int64_t* const plane = sums_.plane(layout_->first(channel) + int(c));
         for (size_t i = 0; i < n; ++i) {
-          if (!first(i)) continue;
+          if (clear_ && !first_[i]) continue;
           const float x = std::min(std::max(value(i, c), -most), most);
           plane[current_.pixel[i]] += int64_t(std::nearbyint(double(x) * scale));
         }
@@ -465,7 +469,7 @@ class Wavefront final : public TileRenderer {
       for (size_t c = 0; c < spec_of(channel).components.size(); ++c) {
         int64_t* const plane = sums_.plane(layout_->first(channel) + int(c));
         for (size_t i = 0; i < n; ++i)
-          if (first(i)) plane[current_.pixel[i]] = bits(i, c);
+          if (!clear_ || first_[i]) plane[current_.pixel[i]] = bits(i, c);
       }
     };
     set_first(Channel::depth, [&](size_t i, size_t) { return std::bit_cast<uint32_t>(depth(i)); });
@@ -592,6 +596,7 @@ class Wavefront final : public TileRenderer {
   std::vector<uint32_t> depths_;
   std::vector<float> shares_;
   std::vector<int64_t> coverage_;  // of the current rays
+  std::vector<uint8_t> first_;     // likewise: whether they have met nothing before
   Paths behind_;
   HitBatch behind_hits_, after_, next_;
   RayBatch layer_;

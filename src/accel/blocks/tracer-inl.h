@@ -91,8 +91,12 @@ class Tracer {
     if (query == Query::depths) start_depths(b, out.stopped ? out.stopped + first : nullptr);
     for (uint32_t i = 0; i < g_.count(PrimitiveKind::plane); ++i) intersect_plane(b, i);
     if (!structure_.empty()) trace_blocks(b);
-    if (any)
-      for (size_t i = 0; i < b.count; ++i) out.hit[first + i] = b.t[i] == kOccluded;
+    if (any) {
+      // What a byte is stored to might be anything, so that it is told apart from the rest here.
+      const float* const t = b.t;
+      uint8_t* const hit = out.hit + first;
+      for (size_t i = 0, count = b.count; i < count; ++i) hit[i] = t[i] == kOccluded;
+    }
   }
 
  private:
