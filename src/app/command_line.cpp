@@ -241,7 +241,8 @@ void add_render(CLI::App& app, RenderCommand& render, int& status) {
           "out --checkpoint-interval",
           kBadInput);
     if (render.scenes.empty() && render.repeat.empty())
-      throw CLI::ParseError("SCENE is missing: Scene file in the format NFF or P3F", kBadInput);
+      throw CLI::ParseError("SCENE is missing; name a file, as in raio render balls.nff",
+                            kBadInput);
     refuse_for_many_pictures(render);
     refuse_conflict(render.options);
     refuse_terminal(render.output, "-o");
@@ -253,7 +254,8 @@ void add_view(CLI::App& app, ViewCommand& view, const Invocation& invocation, in
   auto* sub = app.add_subcommand("view", "Explore a scene in a window");
   sub->footer(examples({"raio view balls.nff --soft-shadows"}));
   add_file(*sub, "scene", view.scene,
-           "Scene file: NFF, P3F or .raio; without one the window offers some", "SCENE");
+           "Scene file, of any kind that raio render takes; without one the window offers some",
+           "SCENE");
   add_render_options(*sub, view.options);
   // Those that the window lacks are known, so that they are refused for the right reason.
   for (const OptionSpec& spec : render_option_table())
@@ -430,7 +432,7 @@ void add_spd(CLI::App& app, SpdVerifyCommand& verify, int& status) {
 }
 
 int parse_and_run(std::vector<std::string> arguments, const Invocation& invocation) {
-  CLI::App app("Raio: a fast, reproducible ray tracer for NFF scenes");
+  CLI::App app("Raio: a fast, reproducible ray tracer for scenes, molecules, particles and meshes");
   app.name("raio");
   app.formatter(std::make_shared<HelpFormatter>());
   app.set_help_flag("-h,--help", "Print this help");

@@ -220,9 +220,10 @@ class PlyReader {
   // No element takes less than a byte.
   void check_count(const Element& element) const {
     if (element.properties.empty() || element.count > size_t(end_ - p_))
-      fail(fmt::format("{} elements {} do not fit into the file", element.count, element.name));
+      fail(fmt::format("the {} elements {} that the header names do not fit into the file",
+                       element.count, raio::quoted(element.name)));
     if (element.count >= (size_t(1) << 29))
-      fail(fmt::format("{} elements {} are too many", element.count, element.name));
+      fail(fmt::format("{} elements {} are too many", element.count, raio::quoted(element.name)));
   }
 
   // --- vertices

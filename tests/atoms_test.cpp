@@ -1,0 +1,286 @@
+// Files of atoms, and how atoms are drawn.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "base/srgb.h"
+#include "data_files.h"
+#include "io/atoms/colors.h"
+#include "io/atoms/read.h"
+#include "io/colormaps.h"
+#include "io/scene_file.h"
+
+namespace raio {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(Xyz, AtomsBecomeSpheresAndBonds) {
+  auto water = read(kWater, "water.xyz");
+  ASSERT_TRUE(water) << water.error().front().text();
+  const Scene& scene = water->scene;
+  EXPECT_EQ(scene.name, "water");
+  EXPECT_EQ(scene.dialect, Dialect::data);
+  EXPECT_TRUE(validate(scene).empty());
+  EXPECT_EQ(scene.spheres.size(), 3u);
+  EXPECT_EQ(scene.cones.size(), 4u);  // two bonds, each in two colours
+  EXPECT_EQ(scene.materials[scene.sphere_materials[0]].color, element_color(8));
+  EXPECT_EQ(scene.materials[scene.sphere_materials[1]].color, element_color(1));
+  water = read(kWater, "water.xyz", {.style = AtomStyle::space_filling});
+  EXPECT_TRUE(water->scene.cones.empty());
+  EXPECT_FLOAT_EQ(water->scene.spheres[0].radius, van_der_waals_radius(8));
+  water = read(kWater, "water.xyz", {.style = AtomStyle::sticks});
+  EXPECT_EQ(water->scene.spheres[0].radius, water->scene.cones[0].base_radius);
+}
+
+TEST(Xyz, ExtendedOnesSayTheirColumns) {
+  const auto scene = read(
+      "2\nLattice=\"1 0 0 0 1 0 0 0 1\" Properties=id:I:1:pos:R:3:species:S:1 x=1\n"
+      "1 1 2 3 Fe\n2 4 5 6 8\n",
+      "a.xyz");
+  ASSERT_TRUE(scene) << scene.error().front().text();
+  EXPECT_EQ(scene->scene.spheres[0].center, Vec3f(1, 2, 3));
+  EXPECT_EQ(scene->scene.materials[scene->scene.sphere_materials[0]].color, element_color(26));
+  EXPECT_EQ(scene->scene.materials[scene->scene.sphere_materials[1]].color, element_color(8));
+}
+
+TEST(Xyz, ColumnsAreColoursAndRadii) {
+  const std::string text =
+      "3\nProperties=pos:R:3:radius:R:1:forces:R:2:charge:R:1\n"
+      "0 0 0 0.5 7 1 -1\n4 0 0 1.5 8 3 0\n8 0 0 1 9 2 1\n";
+  const auto color = [&](std::string_view column, size_t i) {
+    const auto read_one = read(text, "a.xyz", {.color_by = std::string(column)});
+    if (!read_one) return Rgb();
+    return read_one->scene.materials[read_one->scene.sphere_materials[i]].color;
+  };
+  EXPECT_EQ(read(text, "a.xyz")->scene.spheres[1].radius, 1.5f);
+  EXPECT_EQ(color("charge", 0), *map_color("viridis", 0));
+  EXPECT_EQ(color("charge", 1), *map_color("viridis", 0.5f));
+  EXPECT_EQ(color("forces.2", 1), *map_color("viridis", 1));
+  EXPECT_THAT(
+      error(text, "a.xyz", {.color_by = "mass"}),
+      HasSubstr("column of the file: pos.1, pos.2, pos.3, radius, forces.1, forces.2, charge"));
+  EXPECT_THAT(error(text, "a.xyz", {.color_by = "charge", .colormap = "jet"}),
+              HasSubstr("no colour map 'jet'"));
+}
+
+// Read in many pieces at once; the first fault is told, whichever thread meets one first.
+TEST(Xyz, ManyLines) {
+  constexpr int kAtoms = 100'000;
+  std::string text = std::to_string(kAtoms) + "\n\n";
+  for (int i = 0; i < kAtoms; ++i) text += "C " + std::to_string(i) + " 0 0\r\n";
+  const auto scene = read(text, "a.xyz", {.style = AtomStyle::points});
+  ASSERT_TRUE(scene) << scene.error().front().text();
+  for (const size_t i : {0uz, 4095uz, 4096uz, 77'777uz, 99'999uz})
+    EXPECT_EQ(scene->scene.spheres[i].center.x, float(i));
+  for (const std::string_view place : {"\nC 30000 ", "\nC 70000 ", "\nC 99999 "}) {
+    std::string broken = text;
+    for (const std::string_view at : {place, std::string_view("\nC 99998 ")})
+      broken[broken.find(at) + 3] = 'x';
+    const std::string line = place == "\nC 30000 "   ? "a.xyz:30003:3"
+                             : place == "\nC 70000 " ? "a.xyz:70003:3"
+                                                     : "a.xyz:100001:3";
+    EXPECT_THAT(error(broken, "a.xyz"), HasSubstr(line));
+  }
+}
+
+TEST(Lammps, DumpsAreFrames) {
+  const auto first = read(kDump, "a.dump");
+  ASSERT_TRUE(first) << first.error().front().text();
+  const Scene& scene = first->scene;
+  ASSERT_EQ(scene.spheres.size(), 2u);
+  EXPECT_EQ(scene.spheres[0].center, Vec3f(0, 1, 4));
+  EXPECT_EQ(scene.spheres[1].center, Vec3f(1, 4, 8));
+  // No elements: types have colours, and half of the mean spacing is the radius.
+  EXPECT_EQ(scene.materials[scene.sphere_materials[1]].color, distinct_color(1));
+  EXPECT_FLOAT_EQ(scene.spheres[0].radius, std::cbrt(1.0f * 3 * 4 / 2) / 2);
+  EXPECT_TRUE(scene.cones.empty());
+  // Tilted by 2: from the bounds 0 to 12 it is 10 wide.
+  const auto second = read(kDump, "a.dump", {.frame = -1});
+  ASSERT_TRUE(second) << second.error().front().text();
+  EXPECT_EQ(second->scene.spheres[0].center, Vec3f(6, 5, 5));
+  EXPECT_EQ(second->scene.materials[second->scene.sphere_materials[0]].color, element_color(26));
+  const auto spheres = read(kDump, "a.dump", {.style = AtomStyle::space_filling, .frame = 1});
+  EXPECT_EQ(spheres->scene.spheres[0].radius, 1.5f);
+  const auto by_energy = read(kDump, "a.dump", {.color_by = "c_pe"});
+  EXPECT_EQ(by_energy->scene.materials[by_energy->scene.sphere_materials[1]].color,
+            *map_color("viridis", 1));
+  const auto with = [&](std::string_view from, std::string_view to) {
+    std::string text(kDump);
+    text.replace(text.find(from), from.size(), to);
+    return error(text, "a.dump");
+  };
+  EXPECT_THAT(with("ATOMS\n2", "ATOMS\n99"), HasSubstr("expected 99 atoms, found 17"));
+  EXPECT_THAT(with("xs ys zs c_pe", "xs ys c_pe"), HasSubstr("columns of places"));
+  EXPECT_THAT(with("1 1 0.5 0.25", "1 1 0.5 a"),
+              HasSubstr("a.dump:10:9: error: expected a coordinate"));
+  EXPECT_THAT(with("-1 1\n0 4", "-1 1\n0"), HasSubstr("as many numbers in each line"));
+  EXPECT_THAT(with("1 1 0.5", "1 0 0.5"), HasSubstr("expected a type"));
+  EXPECT_THAT(error("ITEM: TIMESTEP\n0\n", "a.dump"), HasSubstr("ends before the atoms"));
+}
+
+TEST(Lammps, DataFilesSayTheirBonds) {
+  const auto water = read(kData, "water.lmp");
+  ASSERT_TRUE(water) << water.error().front().text();
+  const Scene& scene = water->scene;
+  ASSERT_EQ(scene.spheres.size(), 3u);
+  EXPECT_EQ(scene.spheres[1].center, Vec3f(2, 1, 1));
+  EXPECT_EQ(scene.materials[scene.sphere_materials[0]].color, element_color(8));
+  EXPECT_EQ(scene.materials[scene.sphere_materials[2]].color, element_color(1));
+  EXPECT_EQ(scene.cones.size(), 2u);  // the other bond leads through a side of the box
+  const auto with = [&](std::string_view from, std::string_view to) {
+    std::string text(kData);
+    text.replace(text.find(from), from.size(), to);
+    return error(text, "water.lmp");
+  };
+  EXPECT_THAT(with("Atoms # full", "Atoms"), HasSubstr("the style of the atoms"));
+  EXPECT_THAT(with("Atoms # full", "Atoms # magic"), HasSubstr("water.lmp:15:7: error: expected"));
+  EXPECT_THAT(with("1 7 8", "1 7 6"), HasSubstr("a bond names atom 6"));
+  EXPECT_THAT(with("3 atoms", "3000 atoms"), HasSubstr("expected 3000 atoms"));
+  EXPECT_THAT(with("9 1 2 0.4 2 1 1", "9 1 2 0.4 2 1 z"), HasSubstr("water.lmp:18:15: error"));
+}
+
+TEST(Gro, NamesAreElements) {
+  const auto scene = read(kGro, "a.gro");
+  ASSERT_TRUE(scene) << scene.error().front().text();
+  ASSERT_EQ(scene->scene.spheres.size(), 4u);
+  EXPECT_FLOAT_EQ(scene->scene.spheres[0].center.y, 16.24f);
+  EXPECT_FLOAT_EQ(scene->scene.spheres[3].center.x, -9999);
+  const auto color = [&](size_t i) {
+    return scene->scene.materials[scene->scene.sphere_materials[i]].color;
+  };
+  EXPECT_EQ(color(0), element_color(8));
+  EXPECT_EQ(color(2), element_color(1));
+  EXPECT_EQ(color(3), element_color(20));
+  const std::string two = std::string(kGro) + std::string(kGro);
+  EXPECT_EQ(read(two, "a.gro", {.frame = 1})->scene.spheres.size(), 4u);
+  EXPECT_THAT(error(two, "a.gro", {.frame = 2}), HasSubstr("there is no frame 2; the file has 2"));
+  EXPECT_THAT(error(kGro.substr(0, 120), "a.gro"), HasSubstr("expected 4 atoms, found 1"));
+  std::string broken(kGro);
+  broken.replace(broken.find("1.661"), 5, "1.x61");
+  EXPECT_THAT(error(broken, "a.gro"), HasSubstr("a.gro:4:29: error: expected a coordinate"));
+}
+
+TEST(Pdb, ListedBondsAreDrawn) {
+  const std::string text =
+      "HETATM    1  C1  LIG A   1       0.000   0.000   0.000  1.00  0.00           C\n"
+      "HETATM    2  C2  LIG A   1       5.000   0.000   0.000  1.00  0.00           C\n"
+      "HETATM    3  C3  LIG A   1       9.000   0.000   0.000  1.00  0.00           C\n";
+  EXPECT_TRUE(read(text, "a.pdb")->scene.cones.empty());
+  EXPECT_EQ(read(text + "CONECT    1    2    3\nCONECT    2    1\n", "a.pdb")->scene.cones.size(),
+            2u);
+}
+
+TEST(Xyz, FramesAreChosen) {
+  const std::string two = std::string(kWater) + "1\nnext\nHe 7 0 0\n\n";
+  EXPECT_EQ(read(two, "a.xyz")->scene.spheres.size(), 3u);
+  for (const int frame : {1, -1}) {
+    const auto helium = read(two, "a.xyz", {.frame = frame});
+    ASSERT_EQ(helium->scene.spheres.size(), 1u);
+    EXPECT_EQ(helium->scene.spheres[0].center.x, 7);
+  }
+  EXPECT_THAT(error(two, "a.xyz", {.frame = 2}), HasSubstr("there is no frame 2; the file has 2"));
+}
+
+TEST(Xyz, FaultsHaveTheirPlace) {
+  EXPECT_THAT(error("3\n\nO 0 0 0\nH 1 x 0\nH 0 0 0\n", "a.xyz"), HasSubstr("a.xyz:4:5: error"));
+  EXPECT_THAT(error("3\n\nO 0 0 0\nH 1\nH 0 0 0\n", "a.xyz"), HasSubstr("the end of the line"));
+  EXPECT_THAT(error("3\nthree atoms\nO 0.000 0.000 0.000\n", "a.xyz"),
+              HasSubstr("expected 3 atoms, found 1"));
+  EXPECT_THAT(error("x\n\nO 0 0 0\n", "a.xyz"), HasSubstr("number of atoms"));
+  EXPECT_THAT(error("99999999999\n\nO 0 0 0\n", "a.xyz"),
+              HasSubstr("expected 99999999999 atoms, found 1"));
+  EXPECT_THAT(error("1\nProperties=species:S:1\nO 0 0 0\n", "a.xyz"), HasSubstr("pos:R:3"));
+  EXPECT_THAT(error("1\n\nO 0 0 1e999\n", "a.xyz"), HasSubstr("finite"));
+}
+
+TEST(Atoms, ColoursAreNamed) {
+  EXPECT_THAT(error(kWater, "a.xyz", {.color_by = "mass"}), HasSubstr("cannot colour by 'mass'"));
+  EXPECT_THAT(error(kWater, "a.xyz", {.color_by = "index", .colormap = "jet"}),
+              HasSubstr("no colour map 'jet'"));
+  EXPECT_THAT(error(kWater, "a.xyz", {.colormap = "viridis"}), HasSubstr("has no effect"));
+  const auto by_index = read(kWater, "a.xyz", {.color_by = "index"});
+  EXPECT_EQ(by_index->scene.materials[by_index->scene.sphere_materials[0]].color,
+            *map_color("viridis", 0));
+  EXPECT_EQ(by_index->scene.materials[by_index->scene.sphere_materials[2]].color,
+            *map_color("viridis", 1));
+}
+
+// The ends of the maps as published.
+TEST(Atoms, ColourMapsAreThePublishedOnes) {
+  const auto display = [](std::string_view map, float part) {
+    const Rgb c = *map_color(map, part);
+    const auto byte = [](float x) { return int(std::lround(srgb_from_linear(x) * 255)); };
+    return std::array{byte(c.x), byte(c.y), byte(c.z)};
+  };
+  EXPECT_EQ(display("viridis", 0), (std::array{68, 1, 84}));
+  EXPECT_EQ(display("viridis", 1), (std::array{253, 231, 37}));
+  EXPECT_EQ(display("cividis", 0), (std::array{0, 34, 78}));
+  EXPECT_EQ(display("coolwarm", 1), (std::array{180, 4, 38}));
+  EXPECT_EQ(display("plasma", 1), (std::array{240, 249, 33}));
+}
+
+// All pairs, tried one by one.
+TEST(Atoms, BondsAreThoseOfAllPairs) {
+  std::mt19937 rng(5);
+  std::uniform_real_distribution<float> place(-9, 9);
+  std::vector<Atom> atoms(800);
+  for (Atom& atom : atoms) {
+    for (float& x : atom.place) x = place(rng);
+    atom.element = std::array<uint8_t, 4>{1, 6, 8, 26}[rng() % 4];
+  }
+  std::vector<std::array<uint32_t, 2>> expected;
+  for (uint32_t i = 0; i < atoms.size(); ++i)
+    for (uint32_t j = i + 1; j < atoms.size(); ++j) {
+      const auto &a = atoms[i].place, &b = atoms[j].place;
+      const float d = std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+      const float most =
+          covalent_radius(atoms[i].element) + covalent_radius(atoms[j].element) + 0.45f;
+      if (d <= most && d >= 0.4f && atoms[i].element + atoms[j].element > 2)
+        expected.push_back({i, j});
+    }
+  EXPECT_GT(expected.size(), 100u);
+  EXPECT_EQ(*find_bonds(atoms), expected);
+  // No molecule, and no work for hours.
+  EXPECT_FALSE(find_bonds(std::vector<Atom>(200'000)));
+}
+
+TEST(Pdb, AssembliesCopyTheirChains) {
+  const auto whole = read(kPdb, "a.pdb", {.style = AtomStyle::space_filling});
+  ASSERT_TRUE(whole) << whole.error().front().text();
+  // Of chain A alone, of its atom in two places the first.
+  ASSERT_EQ(whole->scene.spheres.size(), 4u);
+  EXPECT_EQ(whole->scene.spheres[1].center, Vec3f(2.4f, 2, 3));
+  EXPECT_FLOAT_EQ(whole->scene.spheres[3].center.x, 7.6f);
+  const auto unit = read(kPdb, "a.pdb", {.style = AtomStyle::space_filling, .assembly = 0});
+  ASSERT_EQ(unit->scene.spheres.size(), 3u);
+  EXPECT_EQ(unit->scene.materials[unit->scene.sphere_materials[2]].color, element_color(20));
+  EXPECT_THAT(error(kPdb, "a.pdb", {.assembly = 2}), HasSubstr("no assembly 2; the file has 1"));
+  EXPECT_EQ(read(kPdb, "a.pdb")->scene.cones.size(), 2u);  // few atoms: with bonds
+}
+
+TEST(Pdb, BrokenFilesAreRefused) {
+  EXPECT_NE(error("HEADER    x\nATOM      1  N   ALA A   1       x\n", "a.pdb"), "no error");
+  EXPECT_NE(error("HEADER    nothing\nEND\n", "a.pdb"), "no error");
+  EXPECT_NE(error("data_x\nloop_\n_atom_site.id\n", "a.cif"), "no error");
+  EXPECT_NE(error("data_x\n_cell.length_a 1\n", "a.cif"), "no error");
+}
+
+TEST(Cif, AtomsAreRead) {
+  const auto scene = read(
+      "data_x\nloop_\n_atom_site.group_PDB\n_atom_site.id\n_atom_site.type_symbol\n"
+      "_atom_site.label_atom_id\n_atom_site.label_alt_id\n_atom_site.label_comp_id\n"
+      "_atom_site.label_asym_id\n_atom_site.label_seq_id\n_atom_site.auth_seq_id\n"
+      "_atom_site.auth_asym_id\n_atom_site.Cartn_x\n_atom_site.Cartn_y\n_atom_site.Cartn_z\n"
+      "_atom_site.occupancy\n_atom_site.B_iso_or_equiv\n_atom_site.pdbx_PDB_model_num\n"
+      "ATOM 1 N N . ALA A 1 1 A 1 2 3 1 10 1\nATOM 2 C CA . ALA A 1 1 A 2.4 2 3 1 20 1\n",
+      "a.cif");
+  ASSERT_TRUE(scene) << scene.error().front().text();
+  EXPECT_EQ(scene->scene.spheres.size(), 2u);
+  EXPECT_EQ(scene->scene.cones.size(), 2u);
+}
+
+}  // namespace
+}  // namespace raio

@@ -1,0 +1,245 @@
+// Files of meshes and points.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "base/srgb.h"
+#include "data_files.h"
+#include "io/colormaps.h"
+#include "io/scene_file.h"
+
+namespace raio {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(Ply, PointsAreSpheres) {
+  const auto text = read(ply("ascii", 5000, true), "a.ply");
+  ASSERT_TRUE(text) << text.error().front().text();
+  const Scene& scene = text->scene;
+  EXPECT_TRUE(validate(scene).empty());
+  ASSERT_EQ(scene.spheres.size(), 5000u);
+  EXPECT_EQ(scene.spheres[8].center, Vec3f(8, 0.5f, 0.375f));
+  EXPECT_EQ(scene.spheres[8].radius, 2.25f);
+  EXPECT_EQ(scene.sphere_colors[8], Rgb(linear_from_srgb(8.0f / 255), 0, 1));
+  EXPECT_EQ(scene.sphere_opacity[8], 1);
+  EXPECT_EQ(scene.sphere_opacity[9], 128.0f / 255);
+  for (const char* format : {"binary_little_endian", "binary_big_endian"}) {
+    const auto binary = read(ply(format, 5000, true), "a.ply");
+    ASSERT_TRUE(binary) << binary.error().front().text();
+    EXPECT_EQ(content_hash(binary->scene), content_hash(scene));
+  }
+  EXPECT_TRUE(read(ply("ascii", 50, false), "a.ply")->scene.sphere_opacity.empty());
+}
+
+TEST(Ply, PointsWithoutRadiusTakeIt) {
+  std::string text =
+      "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\n"
+      "property float z\nend_header\n";
+  for (int i = 0; i < 8; ++i)
+    text += std::to_string(i & 1) + " " + std::to_string(i >> 1 & 1) + " " +
+            std::to_string(i >> 2) + "\n";
+  EXPECT_EQ(read(text, "a.ply", {.radius = 0.2f})->scene.spheres[3].radius, 0.2f);
+  EXPECT_FLOAT_EQ(read(text, "a.ply")->scene.spheres[3].radius, 0.25f);
+}
+
+TEST(Ply, FacesAreAMesh) {
+  const auto mesh = read(kMesh, "a.ply");
+  ASSERT_TRUE(mesh) << mesh.error().front().text();
+  EXPECT_TRUE(validate(mesh->scene).empty());
+  ASSERT_EQ(mesh->scene.meshes.size(), 1u);
+  EXPECT_EQ(mesh->scene.meshes[0].triangles.size(), 2u);
+  EXPECT_EQ(mesh->scene.meshes[0].colors[1], Rgb(0, 1, 0));
+}
+
+TEST(Ply, BrokenFilesAreRefused) {
+  const std::string mesh(kMesh);
+  const auto with = [&](std::string_view from, std::string_view to) {
+    std::string text = mesh;
+    text.replace(text.find(from), from.size(), to);
+    return error(text, "a.ply");
+  };
+  EXPECT_THAT(with("4 0 1 2 3", "4 0 1 2 4"), HasSubstr("face 0 names vertex 4, of 4"));
+  EXPECT_THAT(with("4 0 1 2 3", "9999 0 1"), HasSubstr("does not fit"));
+  EXPECT_THAT(with("1 1 0 0", "1 x 0 0"), HasSubstr("a.ply:14:1: error: expected a number"));
+  EXPECT_THAT(with("vertex 4", "vertex 4000000000"), HasSubstr("do not fit into the file"));
+  EXPECT_THAT(with("end_header\n", ""), HasSubstr("found"));
+  EXPECT_THAT(with("property float z", "property float w"), HasSubstr("no property z"));
+  EXPECT_THAT(with("property float z", "property real z"), HasSubstr("expected a type"));
+  EXPECT_THAT(with("format ascii 1.0\n", ""), HasSubstr("no line \"format\""));
+  EXPECT_THAT(error(ply("binary_little_endian", 50, true).substr(0, 900), "a.ply"),
+              HasSubstr("ends within its vertices"));
+}
+
+TEST(Ply, PropertiesAreColours) {
+  const auto scene = read(ply("ascii", 5, false), "a.ply", {.color_by = "z", .colormap = "plasma"});
+  ASSERT_TRUE(scene) << scene.error().front().text();
+  EXPECT_EQ(scene->scene.sphere_colors[0], *map_color("plasma", 0));
+  EXPECT_EQ(scene->scene.sphere_colors[4], *map_color("plasma", 1));
+  EXPECT_EQ(read(kMesh, "a.ply", {.color_by = "y"})->scene.meshes[0].colors[2],
+            *map_color("viridis", 1));
+  EXPECT_THAT(error(kMesh, "a.ply", {.color_by = "chain"}), HasSubstr("there are \"x\", \"y\""));
+}
+
+TEST(Ply, OddsAndEnds) {
+  const std::string mesh(kMesh);
+  const auto with = [&](std::string_view from, std::string_view to) {
+    std::string text = mesh;
+    text.replace(text.find(from), from.size(), to);
+    return text;
+  };
+  EXPECT_THAT(error(with("4 0 1 2 3", "4 0 1 2 1.5"), "a.ply"), HasSubstr("names vertex 1.5"));
+  // Elements of nothing take no time, however many there are.
+  EXPECT_THAT(error(with("element face", "element nothing 99999999999\nelement face"), "a.ply"),
+              HasSubstr("do not fit into the file"));
+  EXPECT_THAT(
+      error("ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_indices\n"
+            "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+            "end_header\n3 0 1 2\n0 0 0\n1 0 0\n0 1 0\n",
+            "a.ply"),
+      HasSubstr("write the vertices first"));
+  // A concave polygon is not cut outside of it: the corner 1 1 lies inside of the triangle.
+  const auto dart = read(
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float "
+      "z\n"
+      "element face 1\nproperty list uchar int vertex_indices\nproperty uchar red\n"
+      "property uchar green\nproperty uchar blue\nend_header\n"
+      "0 0 0\n4 0 0\n1 1 0\n0 4 0\n4 0 1 2 3 255 0 0\n",
+      "a.ply");
+  ASSERT_TRUE(dart) << dart.error().front().text();
+  for (const TriangleIndices& t : dart->scene.meshes[0].triangles)
+    EXPECT_TRUE(std::ranges::count(t, 2u) && std::ranges::count(t, 0u));
+  EXPECT_EQ(dart->scene.materials[dart->scene.meshes[0].materials[0]].color, Rgb(1, 0, 0));
+  const auto strip = read(
+      "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float "
+      "z\n"
+      "element tristrips 1\nproperty list int int vertex_indices\nend_header\n"
+      "0 0 0\n1 0 0\n0 1 0\n1 1 0\n2 2 0\n8 0 1 2 3 -1 2 3 4\n",
+      "a.ply");
+  ASSERT_TRUE(strip) << strip.error().front().text();
+  const auto& triangles = std::as_const(strip->scene.meshes[0].triangles);
+  ASSERT_EQ(triangles.size(), 3u);
+  EXPECT_EQ(triangles[1], (TriangleIndices{2, 1, 3}));
+  EXPECT_EQ(triangles[2], (TriangleIndices{2, 3, 4}));
+}
+
+TEST(Stl, TextAndBinaryAreTheSame) {
+  const auto text = read(kStl, "a.stl");
+  ASSERT_TRUE(text) << text.error().front().text();
+  EXPECT_TRUE(validate(text->scene).empty());
+  ASSERT_EQ(text->scene.meshes[0].triangles.size(), 2u);
+  std::string binary(80, ' ');
+  const auto add = [&](const auto& number) {
+    binary.append(reinterpret_cast<const char*>(&number), sizeof number);
+  };
+  add(uint32_t(2));
+  for (uint32_t t = 0; t < 2; ++t) {
+    for (const float n : {0.0f, 0.0f, 1.0f}) add(n);
+    for (uint32_t c = 0; c < 3; ++c)
+      for (int k = 0; k < 3; ++k) add(std::as_const(text->scene.meshes[0].positions)[3 * t + c][k]);
+    add(uint16_t(0));
+  }
+  const auto other = read(binary, "a.stl");
+  ASSERT_TRUE(other) << other.error().front().text();
+  EXPECT_EQ(content_hash(other->scene), content_hash(text->scene));
+  EXPECT_NE(error(binary.substr(0, 150), "a.stl"), "no error");
+  const float nan = NAN;
+  std::memcpy(&binary[100], &nan, 4);
+  EXPECT_THAT(error(binary, "a.stl"), HasSubstr("triangle 0 has no finite place"));
+  EXPECT_THAT(error("solid x\nendsolid\n", "a.stl"), HasSubstr("no faces"));
+  EXPECT_THAT(error("solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 x\n", "a.stl"),
+              HasSubstr("a.stl:4:12: error: expected a coordinate"));
+  EXPECT_THAT(error("solid x\nfacet\nouter loop\nvertex 0 0 0\nvertex 0 1 0\nendloop\n", "a.stl"),
+              HasSubstr("a.stl:6:1: error: expected vertex"));
+}
+
+TEST(Off, VerticesAndFacesHaveColours) {
+  const auto mesh = read(
+      "COFF # a square\n4 2 0\n0 0 0 255 0 0 255\n1 0 0 0 255 0 255\n1 1 0 0 0 255 255\n"
+      "0 1 0 0.5 0.5 0.5 1\n\n3 0 1 2\n3 0 2 3 0 0 255\n2 0 1\n",
+      "a.off");
+  EXPECT_THAT(mesh.error().front().text(),
+              HasSubstr("a.off:10:1: error: expected the end of the file"));
+  const auto square = read(
+      "COFF # a square\n4 3 0\n0 0 0 255 0 0 255\n1 0 0 0 255 0 255\n1 1 0 0 0 255 255\n"
+      "0 1 0 0.5 0.5 0.5 1\n\n3 0 1 2\n3 0 2 3 0 0 255\n2 0 1\n",
+      "a.off");
+  ASSERT_TRUE(square) << square.error().front().text();
+  EXPECT_TRUE(validate(square->scene).empty());
+  const Mesh& m = square->scene.meshes[0];
+  ASSERT_EQ(m.triangles.size(), 2u);
+  EXPECT_EQ(m.colors[1], Rgb(0, 1, 0));
+  EXPECT_EQ(m.colors[3], Rgb(linear_from_srgb(0.5f)));
+  EXPECT_EQ(square->scene.materials[m.materials[0]].color, Rgb(1));
+  EXPECT_EQ(square->scene.materials[m.materials[1]].color, Rgb(0, 0, 1));
+  EXPECT_THAT(error("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "a.off"),
+              HasSubstr("a.off:6:7: error: expected a vertex from 0 to 2"));
+  EXPECT_THAT(error("OFF\n99999999 1 0\n0 0 0\n", "a.off"), HasSubstr("the number of vertices"));
+  EXPECT_THAT(error("OFF BINARY\n", "a.off"), HasSubstr("write text"));
+  EXPECT_THAT(error("4OFF\n3 1 0\n", "a.off"), HasSubstr("expected OFF"));
+  EXPECT_THAT(error("OFF\n1 1 0\n0 0 0\n", "a.off"), HasSubstr("the end of the file"));
+}
+
+TEST(Obj, FacesHaveNormalsAndPlaces) {
+  const auto mesh = read(std::string(kObj).substr(0, kObj.find("l 1 2")), "a.obj");
+  ASSERT_TRUE(mesh) << mesh.error().front().text();
+  EXPECT_TRUE(validate(mesh->scene).empty());
+  EXPECT_THAT(mesh->warnings[0].text(), HasSubstr("there is no file \"square.mtl\""));
+  const Mesh& m = mesh->scene.meshes[0];
+  ASSERT_EQ(m.triangles.size(), 2u);
+  // The first corner has two places on a texture.
+  EXPECT_EQ(m.positions.size(), 5u);
+  EXPECT_EQ(m.positions[m.triangles[1][0]], Vec3f(0, 0, 0));
+  EXPECT_EQ(m.uv[m.triangles[0][0]], (Uv{0, 0}));
+  EXPECT_EQ(m.uv[m.triangles[1][0]], (Uv{1, 1}));
+  EXPECT_EQ(m.normals[m.normal_indices[0][2]], Vec3f(0, 0, 1));
+  EXPECT_EQ(m.normal_indices[1][0], kNoNormal);
+  // Lines are left out; a face may go on in the next line.
+  EXPECT_EQ(read(kObj, "a.obj")->scene.meshes[0].triangles.size(), 3u);
+}
+
+TEST(Obj, MaterialsComeFromFilesBeside) {
+  const std::filesystem::path folder = ::testing::TempDir() + "raio_obj";
+  std::filesystem::create_directories(folder);
+  const auto write = [&](const char* name, std::string_view text) {
+    std::ofstream(folder / name) << text;
+  };
+  write("square.mtl",
+        "newmtl red one\nKa 1 1 1\nKd 1 0 0\nmap_Kd a.png\nnewmtl clear\nKd 0 0 1\nd 0.25\n");
+  write("a.obj", kObj.substr(0, kObj.find("l 1 2")));
+  const auto mesh = read_scene(folder / "a.obj");
+  ASSERT_TRUE(mesh) << mesh.error().front().text();
+  const Scene& scene = mesh->scene;
+  const auto& of = scene.meshes[0].materials;
+  EXPECT_EQ(scene.materials[of[0]].color, Rgb(1, 0, 0));
+  EXPECT_EQ(scene.materials[of[1]].color, Rgb(0, 0, 1));
+  EXPECT_EQ(scene.material_opacity[of[1]], 0.25f);
+  EXPECT_THAT(mesh->warnings.at(0).message, HasSubstr("1 textures are left out"));
+  write("square.mtl", "newmtl red one\nKd 1 x 0\n");
+  const auto broken = read_scene(folder / "a.obj");
+  ASSERT_TRUE(broken);
+  EXPECT_THAT(broken->warnings.at(0).text(),
+              HasSubstr("\"square.mtl\":2:6: expected a part of a colour"));
+  std::filesystem::remove_all(folder);
+}
+
+TEST(Obj, BrokenFilesAreRefused) {
+  EXPECT_THAT(error("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", "a.obj"),
+              HasSubstr("a.obj:4:7: error: expected a vertex from 1 to 3 or -1 to -3"));
+  EXPECT_THAT(error("v 0 0 0\nf 1/1 1/1 1/1\n", "a.obj"), HasSubstr("no texture coordinate"));
+  EXPECT_THAT(error("v 0 0 0\nf 0 1 1\n", "a.obj"), HasSubstr("a.obj:2:3"));
+  EXPECT_THAT(error("v 0 0 0\nf 1x 1 1\n", "a.obj"), HasSubstr("a corner such as"));
+  EXPECT_THAT(error("v 0 0\n", "a.obj"), HasSubstr("the end of the line"));
+  EXPECT_THAT(error("v 0 0 0\n", "a.obj"), HasSubstr("no faces"));
+  EXPECT_THAT(error("v 0 0 0\nvn 0 0 1\nf 1//1 1 1\n", "a.obj"), HasSubstr("some corners"));
+  EXPECT_EQ(read("v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nf 1 2 3\n", "a.obj")
+                ->scene.meshes[0]
+                .colors[1],
+            Rgb(0, 1, 0));
+}
+
+}  // namespace
+}  // namespace raio
