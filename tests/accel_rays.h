@@ -160,10 +160,11 @@ inline std::unique_ptr<Accel> build(const Scene& scene, AccelOptions options,
   return std::move(*accel);
 }
 
-struct Placement {
+struct ScaleAndShift {
   float scale;
   Vec3f shift;
 };
-inline const Placement kPlacements[] = {{1, {}}, {1e-6f, {}}, {1e6f, {}}, {1, {500, -300, 100}}};
+inline const ScaleAndShift kScalesAndShifts[] = {
+    {1, {}}, {1e-6f, {}}, {1e6f, {}}, {1, {500, -300, 100}}};
 
 }  // namespace raio::testing

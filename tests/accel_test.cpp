@@ -24,7 +24,7 @@ TEST(Accel, BakingRefusesWhatNoMemoryHolds) {
 TEST(Accel, EmbreeAgreesWithBruteForce) {
   // Embree's own sphere and triangle tests round differently: rays that graze may differ, a few in
   // 10,000.
-  for (const Placement& place : {kPlacements[0], kPlacements[3]})
+  for (const ScaleAndShift& place : {kScalesAndShifts[0], kScalesAndShifts[3]})
     for (const bool one_sided : {false, true})
       for (const bool coherent : {false, true}) {
         const Scene scene = random_scene(600, 7, place.scale, place.shift);

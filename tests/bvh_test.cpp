@@ -16,7 +16,7 @@ using namespace testing;
 
 // Every instruction set that this machine has, down to none.
 TEST(Bvh, FindsTheVeryHitsOfBruteForce) {
-  for (const Placement& place : kPlacements)
+  for (const ScaleAndShift& place : kScalesAndShifts)
     for (const bool one_sided : {false, true}) {
       const Scene scene = random_scene(600, 7, place.scale, place.shift);
       RayBatch rays = awkward_rays(scene, 4000, 3);
@@ -41,7 +41,7 @@ TEST(Bvh, FindsTheVeryHitsOfBruteForce) {
 TEST(Bvh, RaysThatTravelTogetherFindTheVeryHitsOfBruteForce) {
   for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
     hwy::SetSupportedTargetsForTest(target);
-    for (const Placement& place : kPlacements)
+    for (const ScaleAndShift& place : kScalesAndShifts)
       for (const int count : {3, 12, 1000}) {
         const Scene scene = two_sided(random_scene(count, 11, place.scale, place.shift));
         const auto oracle = build(scene, {.kind = AccelKind::none});
@@ -68,7 +68,7 @@ TEST(Bvh, BeamsAtTheEdgesOfTrianglesFindTheVeryHitsOfBruteForce) {
   std::mt19937 rng(9);
   std::uniform_real_distribution<float> unit(0, 1);
   const auto size = [&](float least) { return std::pow(least, unit(rng)); };
-  for (const Placement& place : kPlacements) {
+  for (const ScaleAndShift& place : kScalesAndShifts) {
     Scene scene;
     scene.materials = {{}};
     for (uint32_t i = 0; i < 100; ++i) {

@@ -11,7 +11,7 @@ namespace {
 using namespace testing;
 
 TEST(Grid, FindsTheVeryHitsOfBruteForce) {
-  for (const Placement& place : kPlacements)
+  for (const ScaleAndShift& place : kScalesAndShifts)
     for (const bool one_sided : {false, true}) {
       const Scene scene = random_scene(600, 7, place.scale, place.shift);
       const auto oracle = build(scene, {.kind = AccelKind::none}, one_sided);
@@ -30,7 +30,7 @@ TEST(Grid, FindsTheVeryHitsOfBruteForce) {
 
 // Beams, and rays that go alone; every instruction set that this machine has.
 TEST(Grid, RaysThatTravelTogetherFindTheVeryHitsOfBruteForce) {
-  for (const Placement& place : kPlacements) {
+  for (const ScaleAndShift& place : kScalesAndShifts) {
     const Scene scene = two_sided(random_scene(900, 5, place.scale, place.shift));
     const auto oracle = build(scene, {.kind = AccelKind::none});
     RayBatch rays = eye_rays(scene, 32);

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include "accel/instances.h"
 #include "accel/structures.h"
 
 namespace raio {
@@ -24,6 +25,27 @@ AccelResult make_accel(Geometry&& geometry, const AccelOptions& options) {
 
 }  // namespace
 
+void Accel::closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const {
+  find_closest(rays, hits, context);
+  if (instances_) instances_->closest(rays, hits, context);
+}
+
+void Accel::occluded(const RayBatch& rays, uint8_t* hit, TraceContext& context) const {
+  find_any(rays, hit, context);
+  if (instances_) instances_->occluded(rays, hit, context);
+}
+
+std::optional<std::string> Accel::add_instances(std::unique_ptr<const Instances> instances) {
+  instances_ = std::move(instances);
+  return geometry_.add_objects(instances_->objects());
+}
+
+AccelInfo Accel::info() const {
+  AccelInfo info = describe();
+  if (instances_) instances_->add_to(info);
+  return info;
+}
+
 std::optional<TraceLog> Accel::log(const Ray&, bool) const { return std::nullopt; }
 
 void Accel::boxes(int, const std::function<void(const AccelBox&)>&) const {}
@@ -45,6 +67,12 @@ std::expected<std::unique_ptr<Accel>, Error> build_accel(const Scene& scene,
   if (options.kind != AccelKind::none)
     if (auto error = (*accel)->build_clear())
       return std::unexpected(Error{ErrorKind::no_resource, "", std::move(*error)});
+  if (!scene.instances.empty()) {
+    auto instances = Instances::build(**accel, options, one_sided, with_sources);
+    if (!instances) return std::unexpected(std::move(instances.error()));
+    if (auto error = (*accel)->add_instances(std::move(*instances)))
+      return std::unexpected(Error{ErrorKind::no_resource, "", std::move(*error)});
+  }
   return std::move(*accel);
 }
 

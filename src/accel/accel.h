@@ -125,6 +125,7 @@ struct AccelInfo {
   size_t references = 0;  // primitives listed in all cells together
   std::array<int, 3> resolution{0, 0, 0};
   size_t giants = 0;  // primitives kept outside and tested by every ray
+  size_t copies = 0;  // of objects that have a structure of their own, which counts once
 };
 
 /// A box of a structure, for people to look at.
@@ -137,7 +138,8 @@ struct AccelBox {
 /// Instead of a level: those boxes below which there are no others.
 inline constexpr int kLeafBoxes = -1;
 
-struct Bvh;  // accel/bvh/bvh.h
+struct Bvh;       // accel/bvh/bvh.h
+class Instances;  // accel/instances.h
 
 /// Immutable once built; any number of threads may trace at the same time.
 class Accel {
@@ -147,10 +149,10 @@ class Accel {
   Accel& operator=(const Accel&) = delete;
 
   /// The nearest hit of each ray with 0 < t < tmax on what is opaque (Geometry::is_opaque()).
-  virtual void closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const = 0;
+  void closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const;
 
   /// Is there any such hit? 1 or 0 per ray; `hit` has room for padded(rays.size()).
-  virtual void occluded(const RayBatch& rays, uint8_t* hit, TraceContext& context) const = 0;
+  void occluded(const RayBatch& rays, uint8_t* hit, TraceContext& context) const;
 
   /// A ray meets each clear primitive once, where it first hits it. The hit of this kind with
   /// 0 < t < tmax that comes next behind element i of `after`, which may have t = 0; of equally
@@ -165,6 +167,9 @@ class Accel {
   /// without it they try all primitives. The error is one line: memory that would not suffice.
   std::optional<std::string> build_clear();
 
+  /// From now on the copies of the scene's instances are met as well. The error is one line.
+  std::optional<std::string> add_instances(std::unique_ptr<const Instances> instances);
+
   /// What a ray does on its own, step by step, to find its nearest hit, or any hit: the tests and
   /// steps that are counted for it, one by one. Nothing where the structure cannot tell: Embree,
   /// and a grid without AccelOptions::counters.
@@ -175,7 +180,7 @@ class Accel {
   /// structure, or one that does not show its boxes: Embree.
   virtual void boxes(int level, const std::function<void(const AccelBox&)>& see) const;
 
-  virtual AccelInfo info() const = 0;
+  AccelInfo info() const;
 
   const Geometry& geometry() const { return geometry_; }
 
@@ -184,6 +189,17 @@ class Accel {
   Geometry geometry_;
 
  private:
+  // The same without copies: what a structure does.
+  virtual void find_closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const = 0;
+  virtual void find_any(const RayBatch& rays, uint8_t* hit, TraceContext& context) const = 0;
+  virtual AccelInfo describe() const = 0;
+
+  void try_all_clear(const RayBatch& rays, const HitBatch& after, HitBatch& hits,
+                     TraceContext& context) const;
+  void sum_all_clear(const RayBatch& rays, const uint8_t* stopped, uint32_t* depths,
+                     TraceContext& context) const;
+
+  std::unique_ptr<const Instances> instances_;
   std::unique_ptr<const Bvh> clear_;
 };
 

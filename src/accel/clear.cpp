@@ -3,6 +3,7 @@
 
 #include "accel/accel.h"
 #include "accel/bvh/bvh.h"
+#include "accel/instances.h"
 #include "accel/intersect.h"
 
 namespace raio {
@@ -39,14 +40,19 @@ std::optional<std::string> Accel::build_clear() {
 void Accel::next_clear(const RayBatch& rays, const HitBatch& after, HitBatch& hits,
                        TraceContext& context) const {
   hits.reset(rays.size());
-  if (clear_) return bvh_next_clear(geometry_, *clear_, rays, after, hits, context);
+  if (clear_)
+    bvh_next_clear(geometry_, *clear_, rays, after, hits, context);
+  else
+    try_all_clear(rays, after, hits, context);
+  if (instances_) instances_->next_clear(rays, after, hits, context);
+}
+
+void Accel::try_all_clear(const RayBatch& rays, const HitBatch& after, HitBatch& hits,
+                          TraceContext& context) const {
   for (size_t i = 0; i < rays.size() && !context.stopped(); ++i) {
     Hit next;
-    const auto before = [](const Hit& a, const Hit& b) {
-      return a.t < b.t || (a.t == b.t && a.item < b.item);
-    };
     for_each_clear_hit(geometry_, rays[i], context, [&](const Hit& hit) {
-      if (before(after[i], hit) && (!next.found() || before(hit, next))) next = hit;
+      if (comes_before(after[i], hit) && (!next.found() || comes_before(hit, next))) next = hit;
     });
     hits.set(i, next);
   }
@@ -54,7 +60,15 @@ void Accel::next_clear(const RayBatch& rays, const HitBatch& after, HitBatch& hi
 
 void Accel::clear_depths(const RayBatch& rays, const uint8_t* stopped, uint32_t* depths,
                          TraceContext& context) const {
-  if (clear_) return bvh_clear_depths(geometry_, *clear_, rays, stopped, depths, context);
+  if (clear_)
+    bvh_clear_depths(geometry_, *clear_, rays, stopped, depths, context);
+  else
+    sum_all_clear(rays, stopped, depths, context);
+  if (instances_) instances_->add_clear_depths(rays, stopped, depths, context);
+}
+
+void Accel::sum_all_clear(const RayBatch& rays, const uint8_t* stopped, uint32_t* depths,
+                          TraceContext& context) const {
   for (size_t i = 0; i < rays.size() && !context.stopped(); ++i) {
     depths[i] = 0;
     if (stopped && stopped[i]) continue;

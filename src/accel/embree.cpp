@@ -79,7 +79,7 @@ class Embree final : public Accel {
     return std::nullopt;
   }
 
-  void closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const override {
+  void find_closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const override {
     hits.reset(rays.size());
     const FlushDenormals flush;
     RTCIntersectContext embree = make_context(context);
@@ -99,7 +99,7 @@ class Embree final : public Accel {
     }
   }
 
-  void occluded(const RayBatch& rays, uint8_t* hit, TraceContext& context) const override {
+  void find_any(const RayBatch& rays, uint8_t* hit, TraceContext& context) const override {
     const FlushDenormals flush;
     RTCIntersectContext embree = make_context(context);
     size_t i = 0;
@@ -113,7 +113,7 @@ class Embree final : public Accel {
     }
   }
 
-  AccelInfo info() const override {
+  AccelInfo describe() const override {
     return {.name = "embree",
             .bytes = geometry_.bytes() + size_t(bytes_.load()),
             .giants = geometry_.count(PrimitiveKind::plane)};

@@ -313,7 +313,7 @@ std::span<const Rgb> Geometry::colors(PrimitiveKind kind) const {
 
 uint32_t Geometry::object_of(PrimitiveId id) const {
   const Scene& s = *scene_;
-  if (s.object_ranges.empty()) return 0;
+  if (s.object_ranges.empty() || is_copied(id)) return 0;
   const uint32_t index = primitive_index(id);
   if (primitive_kind(id) != PrimitiveKind::triangle)
     return with_kind(primitive_kind(id), [&]<PrimitiveKind kind> {
@@ -365,7 +365,55 @@ size_t Geometry::count(PrimitiveKind kind) const {
   });
 }
 
+size_t Geometry::count_all(PrimitiveKind kind) const {
+  const auto& first = first_copied_[size_t(kind)];
+  if (first.empty()) return count(kind);
+  return first.back() + objects_[scene_->instances[first.size() - 1].prototype]->count_all(kind);
+}
+
+std::optional<std::string> Geometry::add_objects(std::vector<const Geometry*> objects) {
+  objects_ = std::move(objects);
+  const Array<Instance>& copies = scene_->instances;
+  for (size_t k = 0; k < kPrimitiveKinds; ++k) {
+    const auto kind = PrimitiveKind(k);
+    std::vector<size_t> of_one;
+    for (const Geometry* object : objects_) of_one.push_back(object->count_all(kind));
+    if (std::ranges::count(of_one, 0) == std::ssize(of_one)) continue;
+    Column<uint32_t>& first = first_copied_[k];
+    first.resize(copies.size());
+    size_t next = count(kind);
+    for (size_t i = 0; i < copies.size(); ++i) {
+      first[i] = uint32_t(next);
+      next += of_one[copies[i].prototype];
+      if (next > kMaxPrimitivesPerKind)
+        return "the copies have more than " + std::to_string(kMaxPrimitivesPerKind) + " " +
+               std::string(kPrimitiveKindNames[k]) + "s together";
+    }
+  }
+  for (const Geometry* object : objects_) any_clear_ |= object->any_clear();
+  return std::nullopt;
+}
+
+Geometry::Origin Geometry::origin_of(PrimitiveId copied) const {
+  const PrimitiveKind kind = primitive_kind(copied);
+  const auto& first = first_copied_[size_t(kind)];
+  // Of those that begin at the same index the last has some.
+  const auto behind = std::upper_bound(first.begin(), first.end(), primitive_index(copied));
+  const auto instance = uint32_t(behind - first.begin()) - 1;
+  return {*objects_[scene_->instances[instance].prototype],
+          primitive_id(kind, primitive_index(copied) - first[instance]), instance};
+}
+
+uint32_t Geometry::copied_depth(PrimitiveId id) const {
+  const Origin from = origin_of(id);
+  return from.object.depth_of(from.id);
+}
+
 MaterialId Geometry::material_of(PrimitiveId id) const {
+  if (is_copied(id)) {
+    const Origin from = origin_of(id);
+    return from.object.material_of(from.id);
+  }
   const uint32_t i = primitive_index(id);
   return with_kind(primitive_kind(id), [&]<PrimitiveKind kind> {
     if constexpr (kind == PrimitiveKind::triangle)
@@ -395,6 +443,7 @@ size_t Geometry::bytes() const {
   });
   for (const auto& s : sides_) sum += column_bytes(s);
   for (const auto& depths : depths_) sum += column_bytes(depths);
+  for (const auto& first : first_copied_) sum += column_bytes(first);
   return sum;
 }
 

@@ -5,7 +5,9 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
+#include <string>
 #include <tuple>
 #include <type_traits>
 #include <variant>
@@ -68,7 +70,10 @@ class Geometry {
 
   const Scene& scene() const { return *scene_; }
 
+  /// Without those of copies: what a structure is built over.
   size_t count(PrimitiveKind kind) const;
+  /// With them. Their ids follow those of the scene's own primitives, copy by copy.
+  size_t count_all(PrimitiveKind kind) const;
   Sides sides_of(PrimitiveId id) const {
     const auto& s = sides_[size_t(primitive_kind(id))];
     return s.empty() ? Sides::both : s[primitive_index(id)];
@@ -123,7 +128,8 @@ class Geometry {
   /// The optical depth of an item; kOpaque where nothing passes.
   uint32_t depth_of(PrimitiveId id) const {
     const auto& depths = depths_[size_t(primitive_kind(id))];
-    return depths.empty() ? kOpaque : depths[primitive_index(id)];
+    if (primitive_index(id) < depths.size()) return depths[primitive_index(id)];
+    return is_copied(id) ? copied_depth(id) : kOpaque;
   }
   bool is_opaque(PrimitiveId id) const { return depth_of(id) == kOpaque; }
   /// Are all of the kind?
@@ -133,6 +139,27 @@ class Geometry {
   std::vector<PrimitiveId> list_clear() const;
   std::vector<PrimitiveId> list_opaque() const;
   bool any_clear() const { return any_clear_; }
+
+  /// The objects of the scene's instances as they are baked, one for each prototype. The error is
+  /// one line: more copies than have ids.
+  std::optional<std::string> add_objects(std::vector<const Geometry*> objects);
+  bool has_copies() const { return !objects_.empty(); }
+  /// Does the item belong to a copy?
+  bool is_copied(PrimitiveId id) const {
+    return has_copies() && primitive_index(id) >= count(primitive_kind(id));
+  }
+  /// Where it comes from: the object, its id there and the number of the instance.
+  struct Origin {
+    const Geometry& object;
+    PrimitiveId id = kNoPrimitive;
+    uint32_t instance = 0;
+  };
+  Origin origin_of(PrimitiveId copied) const;
+  /// The other way.
+  PrimitiveId id_in(uint32_t instance, PrimitiveId id) const {
+    const auto kind = size_t(primitive_kind(id));
+    return primitive_id(PrimitiveKind(kind), first_copied_[kind][instance] + primitive_index(id));
+  }
 
   /// Where a triangle comes from: its number among the scene's own triangles, those of meshes and
   /// the polygons, in this order.
@@ -170,7 +197,12 @@ class Geometry {
   template <PrimitiveKind kind>
   void list_sides(bool one_sided);
 
+  uint32_t copied_depth(PrimitiveId id) const;
+
   const Scene* scene_;
+  std::vector<const Geometry*> objects_;
+  // By kind, the index of the first item of each instance; empty: no object has any.
+  std::array<Column<uint32_t>, kPrimitiveKinds> first_copied_;
   bool with_sources_ = false, any_colors_ = false, any_clear_ = false;
   float opacity_ = 1;
   // The scene's own where it has no meshes, else those below.

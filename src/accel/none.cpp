@@ -8,13 +8,13 @@ class None final : public Accel {
  public:
   None(Geometry geometry, bool counters) : Accel(std::move(geometry)), counters_(counters) {}
 
-  void closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const override {
+  void find_closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const override {
     hits.reset(rays.size());
     for (size_t i = 0; i < rays.size() && !context.stopped(); ++i)
       hits.set(i, trace<false>(rays[i], context).best);
   }
 
-  void occluded(const RayBatch& rays, uint8_t* hit, TraceContext& context) const override {
+  void find_any(const RayBatch& rays, uint8_t* hit, TraceContext& context) const override {
     for (size_t i = 0; i < rays.size() && !context.stopped(); ++i)
       hit[i] = trace<true>(rays[i], context).best.found();
   }
@@ -35,7 +35,7 @@ class None final : public Accel {
     return log;
   }
 
-  AccelInfo info() const override { return {.name = "none", .bytes = geometry_.bytes()}; }
+  AccelInfo describe() const override { return {.name = "none", .bytes = geometry_.bytes()}; }
 
  private:
   // Kind by kind, so that each loop runs one test over arrays. With `any`, up to the first hit.

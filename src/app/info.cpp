@@ -176,7 +176,9 @@ void add_warnings(const InfoCommand& command, ReadScene& read) {
 int run(const InfoCommand& command) {
   const StopOnSignal stop;
   // Not load_scene: the warnings are part of what is asked for.
-  auto read = read_scene(command.scene, command.read);
+  ReadOptions options = command.read;
+  options.instances = true;
+  auto read = read_scene(command.scene, options);
   if (read) add_warnings(command, *read);
   for (const Diagnostic& d : read ? read->warnings : read.error()) print_line(d.text("--"));
   if (!read) return kBadInput;

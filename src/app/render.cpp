@@ -121,6 +121,7 @@ class Pictures {
     const fs::path output = request.output;
     std::optional<Camera> camera;
     request.read.frame = range.first.value_or(0);
+    request.read.instances = true;
     do {
       auto read = read_scene(request.scene, request.read);
       const Diagnostics& said = read ? read->warnings : read.error();

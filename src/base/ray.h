@@ -36,4 +36,9 @@ struct Hit {
 };
 static_assert(sizeof(Hit) == 16);
 
+/// The order of hits along a ray.
+inline bool comes_before(const Hit& a, const Hit& b) {
+  return a.t < b.t || (a.t == b.t && a.item < b.item);
+}
+
 }  // namespace raio

@@ -1,5 +1,7 @@
 #include "integrate/surface.h"
 
+#include "base/placement.h"
+
 namespace raio {
 namespace {
 
@@ -18,6 +20,18 @@ SurfacePoint triangle_point(const Geometry& geometry, uint32_t index, Vec3f p, c
 }  // namespace
 
 Surface surface_at(const Geometry& geometry, const Ray& ray, const Hit& hit) {
+  if (geometry.is_copied(hit.item)) {
+    const Geometry::Origin from = geometry.origin_of(hit.item);
+    const Placement place(geometry.scene().instances[from.instance].matrix);
+    double stretch = 0;
+    const Ray there = place.to_object(ray, stretch);
+    Surface surface =
+        surface_at(from.object, there, {float(double(hit.t) * stretch), from.id, hit.u, hit.v});
+    surface.point = Vec3f(place.point(Vec3d(surface.point)));
+    surface.normal = Vec3f(place.normal(Vec3d(surface.normal)));
+    surface.extent *= float(place.longest());
+    return surface;
+  }
   const uint32_t index = primitive_index(hit.item);
   const Vec3f p = ray.at(hit.t);
   const SurfacePoint point = with_kind(primitive_kind(hit.item), [&]<PrimitiveKind kind> {

@@ -9,7 +9,10 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <memory>
+#include <vector>
 
+#include "base/placement.h"
 #include "integrate/colors-inl.h"
 #include "integrate/surface.h"
 #include "integrate/tile-inl.h"
@@ -65,6 +68,19 @@ struct Vertices {
   // Of models of light other than NFF's, which look them up themselves.
   Floats3 specular;  // the colour of highlight and mirror
   Floats roughness;
+
+  struct Copied;
+  std::unique_ptr<Copied> copied;  // in scenes with copies
+};
+
+// Rays and their hits in the space of an object, and what it is there.
+struct Vertices::Copied {
+  RayBatch rays;
+  HitBatch hits;
+  std::vector<uint32_t> lanes;
+  std::vector<const Geometry*> objects;  // of each lane; null: the scene's own
+  std::vector<uint32_t> instances;
+  Vertices vertices;
 };
 
 // Lane i for all that follow it in the register.
@@ -398,18 +414,18 @@ HWY_NOINLINE void place_surfaces(const SurfaceInput& in, size_t i, M lanes, Vert
 // Where n rays hit: points, normals towards the ray, and all that is the same for every light. The
 // materials are those of the scene that is rendered, which may be a later version of the one that
 // the structure was built from.
-void find_surfaces(const Accel& accel, const Material* materials, const RayBatch& rays,
-                   const HitBatch& hits, size_t n, Vertices& v) {
-  const SurfaceInput in = {accel.geometry(), rays, hits};
+void find_own_surfaces(const Geometry& geometry, const Material* materials, const RayBatch& rays,
+                       const HitBatch& hits, size_t n, Vertices& v) {
+  const SurfaceInput in = {geometry, rays, hits};
   for (size_t i = 0; i < n; i += kWidth) look_up_lanes(in, i, v);
-  const bool colored = accel.geometry().any_colors();
-  const bool tinted = !accel.geometry().vertex_colors().empty();
+  const bool colored = geometry.any_colors();
+  const bool tinted = !geometry.vertex_colors().empty();
   const V zero = hn::Zero(d);
   const M all = hn::FirstN(d, kWidth);
   for (size_t i = 0; i < n; i += kWidth) {
     look_up_materials(materials, i, v);
-    if (colored) look_up_colors(accel.geometry(), hits, i, v.color);
-    if (tinted) tint_by_vertices(accel.geometry(), hits, i, v.color);
+    if (colored) look_up_colors(geometry, hits, i, v.color);
+    if (tinted) tint_by_vertices(geometry, hits, i, v.color);
     const auto finish = [&](const WideSurfaces& s) RAIO_INLINE_LAMBDA {
       const M entering = hn::Lt(dot(s.geometric, directions(rays, i)), zero);
       const V3 normal = select(entering, s.normal, -s.normal);
@@ -438,6 +454,89 @@ void find_surfaces(const Accel& accel, const Material* materials, const RayBatch
       finish({load(v.point, i), load(v.outside, i), load(v.radiance, i), load(v.scale, i)});
     }
   }
+}
+
+// Of v, what find_surfaces() makes.
+void copy_vertex(const Vertices& from, size_t k, Vertices& v, size_t i) {
+  for (Floats3 Vertices::* c : {&Vertices::point, &Vertices::outside, &Vertices::normal,
+                                &Vertices::geometric, &Vertices::color})
+    (v.*c).x.at[i] = (from.*c).x.at[k], (v.*c).y.at[i] = (from.*c).y.at[k],
+    (v.*c).z.at[i] = (from.*c).z.at[k];
+  for (Floats Vertices::* c : {&Vertices::scale, &Vertices::kd, &Vertices::ks, &Vertices::shine,
+                               &Vertices::transmission, &Vertices::ior, &Vertices::eta})
+    (v.*c).at[i] = (from.*c).at[k];
+  v.material[i] = from.material[k];
+}
+
+void find_surfaces(const Geometry& geometry, const Material* materials, const RayBatch& rays,
+                   const HitBatch& hits, size_t n, Vertices& v);
+
+// Surfaces of copies are worked out in the space of their object, one object after another, and
+// moved to where the copies are.
+HWY_NOINLINE void find_copied_surfaces(const Geometry& geometry, const Material* materials,
+                                       const RayBatch& rays, const HitBatch& hits, size_t n,
+                                       Vertices& v) {
+  if (!v.copied) v.copied = std::make_unique<Vertices::Copied>();
+  Vertices::Copied& there = *v.copied;
+  const Array<Instance>& copies = geometry.scene().instances;
+  there.objects.assign(n, nullptr), there.instances.resize(n);
+  there.rays.resize(n), there.hits.reset(n);
+  std::vector<const Geometry*> objects;
+  for (size_t i = 0; i < n; ++i) {
+    if (geometry.is_copied(hits.item[i])) {
+      const Geometry::Origin from = geometry.origin_of(hits.item[i]);
+      there.objects[i] = &from.object, there.instances[i] = from.instance;
+    }
+    if (std::ranges::find(objects, there.objects[i]) == objects.end())
+      objects.push_back(there.objects[i]);
+  }
+  for (const Geometry* object : objects) {
+    there.lanes.clear();
+    for (uint32_t i = 0; i < n; ++i)
+      if (there.objects[i] == object) there.lanes.push_back(i);
+    const size_t count = there.lanes.size();
+    // The last is repeated, so that the lanes behind it hold something sensible.
+    for (size_t k = 0; k < count || k % kWidth != 0; ++k) {
+      const size_t i = there.lanes[std::min(k, count - 1)];
+      Ray ray = rays[i];
+      Hit hit = hits[i];
+      if (object) {
+        const Placement place(copies[there.instances[i]].matrix);
+        double stretch = 0;
+        ray = place.to_object(ray, stretch);
+        hit.t = float(double(hit.t) * stretch);
+        hit.item = geometry.origin_of(hit.item).id;
+      }
+      there.rays.set(k, ray), there.hits.set(k, hit);
+    }
+    if (object)
+      find_surfaces(*object, materials, there.rays, there.hits, count, there.vertices);
+    else
+      find_own_surfaces(geometry, materials, there.rays, there.hits, count, there.vertices);
+    for (size_t k = 0; k < count; ++k) {
+      const size_t i = there.lanes[k];
+      copy_vertex(there.vertices, k, v, i);
+      if (!object) continue;
+      const Placement place(copies[there.instances[i]].matrix);
+      const auto at = [&](const Floats3& f) { return Vec3d(f.x.at[i], f.y.at[i], f.z.at[i]); };
+      const Vec3f point(place.point(at(v.point))), normal(place.normal(at(v.normal)));
+      const Vec3f geometric(place.normal(at(v.geometric)));
+      const float scale = std::max({std::abs(point.x), std::abs(point.y), std::abs(point.z)}) +
+                          float(place.longest()) * v.scale.at[i];
+      v.point.set(i, point), v.normal.set(i, normal), v.geometric.set(i, geometric);
+      v.outside.set(i, offset_origin(point, geometric, scale, true));
+      v.scale.at[i] = scale;
+    }
+  }
+  for (size_t i = n; i % kWidth != 0; ++i) copy_vertex(v, n - 1, v, i);
+}
+
+void find_surfaces(const Geometry& geometry, const Material* materials, const RayBatch& rays,
+                   const HitBatch& hits, size_t n, Vertices& v) {
+  if (geometry.has_copies() && n > 0)
+    find_copied_surfaces(geometry, materials, rays, hits, n, v);
+  else
+    find_own_surfaces(geometry, materials, rays, hits, n, v);
 }
 
 }  // namespace

@@ -74,7 +74,7 @@ class Wavefront final : public TileRenderer {
     context_.stop = &control.stop;
     for (size_t k = 1; k < kPrimitiveKinds; ++k)
       first_number_[k] =
-          first_number_[k - 1] + uint32_t(scene.accel.geometry().count(PrimitiveKind(k - 1)));
+          first_number_[k - 1] + uint32_t(scene.accel.geometry().count_all(PrimitiveKind(k - 1)));
   }
 
   void render(size_t tile, uint32_t samples, Film& film) override {
@@ -315,7 +315,8 @@ class Wavefront final : public TileRenderer {
       counts_.eye_hits +=
           clear_ ? size_t(std::count(first_.begin(), first_.begin() + ptrdiff_t(n), 1)) : n;
     if (moves_) set_times(current_.rays);  // those that are left
-    find_surfaces(scene_.accel, scene_.scene.materials.data(), current_.rays, hits_, n, *vertices_);
+    find_surfaces(scene_.accel.geometry(), scene_.scene.materials.data(), current_.rays, hits_, n,
+                  *vertices_);
     if (level == 1 && layout_->planes() > 0) add_features(n);
     shading_.shade(*this, level, n, sampler);
     if (context_.stopped()) return;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -37,6 +38,15 @@ void enclose(const Scene& scene, size_t i, F&& f) {
 template <class Sum, class Add>
 Sum sum_up(const Scene& scene, const Add& add) {
   Sum total;
+  for (const Instance& copy : scene.instances) {
+    const Placement place(copy.matrix);
+    const double scale = place.scale() > 0 ? place.scale() : place.longest();
+    const auto moved = [&](Sum& sum, Vec3f center, float radius) {
+      add(sum, Vec3f(place.point(Vec3d(center))), float(scale * double(radius)));
+    };
+    using Moved = std::function<void(Sum&, Vec3f, float)>;
+    total.join(sum_up<Sum>(scene.prototypes[copy.prototype], Moved(moved)));
+  }
   const auto sum_each = [&](size_t count, const auto& one) {
     std::vector<Sum> sums(chunks_of(count));
     for_chunks(count, [&](size_t c, size_t first, size_t end) {

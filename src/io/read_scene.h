@@ -27,6 +27,7 @@ struct ReadOptions {
   float radius = 0;                  // of points that have none, scene units; 0: from their spacing
   std::optional<int> assembly = {};  // biological; 0: none; without: 1 where there is one
   int frame = 0;                     // of a trajectory, or model, from 0; negative: from the end
+  bool instances = false;            // copies stay such; else they become primitives of their own
   std::optional<std::filesystem::path> folder = {};  // of other files that it names; none: nowhere
   // NOLINTEND(readability-redundant-member-init)
 

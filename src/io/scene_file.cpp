@@ -141,7 +141,11 @@ std::expected<ReadScene, Diagnostics> parse(std::shared_ptr<const TextBuffer> te
   auto read = kind.read              ? kind.read(*text, file, options)
               : is_raio_scene(bytes) ? parse_raio(bytes, file, text)
                                      : parse_nff(*text, file);
-  if (read) read->scene.name = name.stem().string();
+  if (!read) return read;
+  read->scene.name = name.stem().string();
+  if (!options.instances)
+    if (std::string wrong = flatten_instances(read->scene); !wrong.empty())
+      return failed(file, std::move(wrong));
   return read;
 }
 

@@ -150,7 +150,8 @@ bool Accel::occluded(const Ray& ray) const {
 Accel::Info Accel::info() const {
   const AccelInfo info = data_->accel->info();
   size_t primitives = 0;
-  for_each_kind([&]<PrimitiveKind kind> { primitives += data_->accel->geometry().count(kind); });
+  for_each_kind(
+      [&]<PrimitiveKind kind> { primitives += data_->accel->geometry().count_all(kind); });
   return {info.name, primitives, info.bytes, info.cells, info.references};
 }
 

@@ -104,6 +104,7 @@ std::expected<void, Error> RenderJob::load() {
     scene_ = request_.loaded;
   } else {
     std::expected<ReadScene, Diagnostics> read;
+    request_.read.instances = true;
     on_threads(request_.options.threads, [&] { read = read_scene(request_.scene, request_.read); });
     const Diagnostics& said = read ? read->warnings : read.error();
     if (events_.scene_read && !said.empty()) events_.scene_read(said);

@@ -78,6 +78,8 @@ std::string content_hash(const Scene& s) {
     all.add_word("camera movement");
     all.add(m->from, m->at, m->begin, m->end);
   }
+  for (const Scene& object : s.prototypes) all.add_word("object " + content_hash(object));
+  add({"instances", Counted::where_used}, s.instances);
   return all.name();
 }
 

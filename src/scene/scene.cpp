@@ -15,6 +15,47 @@ std::string plural(size_t count, std::string_view noun) {
   return text;
 }
 
+// Of the scene where `matrix` places it; null: where it is.
+Box3f bounds_of(const Scene& scene, const Matrix* matrix) {
+  const Placement place(matrix ? *matrix : kIdentity);
+  Box3f box;
+  const auto add_point = [&](Vec3f p) { box.extend(matrix ? Vec3f(place.point(Vec3d(p))) : p); };
+  for_each_bounded_kind([&]<PrimitiveKind kind> {
+    if constexpr (kind != PrimitiveKind::triangle)
+      for (const auto& shape : scene.*kPoolOf<PrimitiveType<kind>>.shapes) {
+        const Box3f own = bounds(bake(shape));
+        if (!matrix)
+          box.extend(own);
+        else if (std::is_same_v<PrimitiveType<kind>, Sphere> && place.scale() > 0)
+          box.extend(bounds(Sphere{Vec3f(place.point(Vec3d(own.center()))),
+                                   float(place.scale() * double(own.size().x) / 2)}));
+        else
+          box.extend(rounded_out(place.box(own)));
+      }
+  });
+  // By index, as a position may belong to nothing.
+  for (const TriangleIndices& triangle : scene.triangles)
+    for (const uint32_t corner : triangle) add_point(scene.positions[corner]);
+  for (const Polygon& polygon : scene.polygons)
+    for (uint32_t i = 0; i < polygon.count; ++i)
+      add_point(scene.positions[size_t(polygon.first) + i]);
+  for (const Mesh& mesh : scene.meshes)
+    for (const TriangleIndices& triangle : mesh.triangles)
+      for (const uint32_t corner : triangle) add_point(mesh.positions[corner]);
+  for (const Instance& copy : scene.instances) {
+    const Matrix both = matrix ? joined(*matrix, copy.matrix) : copy.matrix;
+    box.extend(bounds_of(scene.prototypes[copy.prototype], &both));
+  }
+  return box;
+}
+
+// Of each prototype.
+std::vector<size_t> count_copies(const Scene& scene) {
+  std::vector<size_t> copies(scene.prototypes.size());
+  for (const Instance& copy : scene.instances) ++copies[copy.prototype];
+  return copies;
+}
+
 }  // namespace
 
 MaterialId Scene::add_material(const Material& material, Rgb specular, float roughness,
@@ -31,6 +72,16 @@ MaterialId Scene::add_material(const Material& material, Rgb specular, float rou
   return MaterialId(materials.size() - 1);
 }
 
+size_t Scene::primitive_count() const {
+  size_t sum = 0;
+  for_each_pool([&](auto pool) { sum += (this->*pool.shapes).size(); });
+  for (const Mesh& mesh : meshes) sum += mesh.triangles.size();
+  const std::vector<size_t> copies = count_copies(*this);
+  for (size_t i = 0; i < prototypes.size(); ++i)
+    if (copies[i] > 0) sum += copies[i] * prototypes[i].primitive_count();
+  return sum;
+}
+
 std::array<size_t, kShapeKinds> count_primitives(const Scene& scene) {
   std::array<size_t, kShapeKinds> counts{};
   for_each_pool([&](auto pool) {
@@ -38,27 +89,16 @@ std::array<size_t, kShapeKinds> count_primitives(const Scene& scene) {
   });
   for (const Mesh& mesh : scene.meshes)
     counts[size_t(ShapeKind::triangle)] += mesh.triangles.size();
+  const std::vector<size_t> copies = count_copies(scene);
+  for (size_t i = 0; i < copies.size(); ++i) {
+    if (copies[i] == 0) continue;
+    const auto of_one = count_primitives(scene.prototypes[i]);
+    for (size_t k = 0; k < counts.size(); ++k) counts[k] += copies[i] * of_one[k];
+  }
   return counts;
 }
 
-Box3f bounds(const Scene& scene) {
-  Box3f box;
-  for_each_bounded_kind([&]<PrimitiveKind kind> {
-    if constexpr (kind != PrimitiveKind::triangle)
-      for (const auto& shape : scene.*kPoolOf<PrimitiveType<kind>>.shapes)
-        box.extend(bounds(bake(shape)));
-  });
-  // By index, as a position may belong to nothing.
-  for (const TriangleIndices& triangle : scene.triangles)
-    for (const uint32_t corner : triangle) box.extend(scene.positions[corner]);
-  for (const Polygon& polygon : scene.polygons)
-    for (uint32_t i = 0; i < polygon.count; ++i)
-      box.extend(scene.positions[size_t(polygon.first) + i]);
-  for (const Mesh& mesh : scene.meshes)
-    for (const TriangleIndices& triangle : mesh.triangles)
-      for (const uint32_t corner : triangle) box.extend(mesh.positions[corner]);
-  return box;
-}
+Box3f bounds(const Scene& scene) { return bounds_of(scene, nullptr); }
 
 size_t memory_bytes(const Scene& scene) {
   size_t bytes = scene.lights.size() * sizeof(Light);
@@ -66,6 +106,8 @@ size_t memory_bytes(const Scene& scene) {
   for_each_column(scene, [&](ColumnName, const auto& column) {
     bytes += column.size() * sizeof(*column.data());
   });
+  bytes += scene.instances.size() * sizeof(Instance);
+  for (const Scene& object : scene.prototypes) bytes += memory_bytes(object);
   return bytes;
 }
 
@@ -77,7 +119,7 @@ bool any_clear(const Scene& scene) {
   for_each_pool(scene, [&](PoolKind, auto&, auto&, auto&, const Array<float>& opacity) {
     clear = clear || any(opacity);
   });
-  return clear;
+  return clear || std::ranges::any_of(scene.prototypes, [](auto& s) { return any_clear(s); });
 }
 
 bool any_colors(const Scene& scene) {
@@ -85,7 +127,7 @@ bool any_colors(const Scene& scene) {
   for_each_pool(scene, [&](PoolKind, auto&, auto&, const Array<Rgb>& colors, auto&) {
     any |= !colors.empty();
   });
-  return any;
+  return any || std::ranges::any_of(scene.prototypes, [](auto& s) { return any_colors(s); });
 }
 
 float brightest_color(const Scene& scene) {
@@ -93,6 +135,8 @@ float brightest_color(const Scene& scene) {
   for_each_pool(scene, [&](PoolKind, auto&, auto&, const Array<Rgb>& colors, auto&) {
     for (const Rgb& color : colors) brightest = std::max(brightest, max_component(color));
   });
+  for (const Scene& object : scene.prototypes)
+    brightest = std::max(brightest, brightest_color(object));
   return brightest;
 }
 
@@ -100,6 +144,8 @@ float brightest_tint(const Scene& scene) {
   float brightest = 1;
   for (const Mesh& mesh : scene.meshes)
     for (const Rgb& color : mesh.colors) brightest = std::max(brightest, max_component(color));
+  for (const Scene& object : scene.prototypes)
+    brightest = std::max(brightest, brightest_tint(object));
   return brightest;
 }
 

@@ -15,6 +15,7 @@
 
 #include "base/array.h"
 #include "base/box.h"
+#include "base/placement.h"
 #include "base/vec.h"
 #include "shape/cone.h"
 #include "shape/disc.h"
@@ -152,6 +153,14 @@ struct ObjectRange {
   friend bool operator==(const ObjectRange&, const ObjectRange&) = default;
 };
 
+/// A copy of an object, where the matrix places it.
+struct Instance {
+  uint32_t prototype = 0;  // of Scene::prototypes
+  Matrix matrix = kIdentity;
+
+  friend bool operator==(const Instance&, const Instance&) = default;
+};
+
 struct Scene {
   std::string name;  // of the file, without folder and suffix
 
@@ -227,7 +236,12 @@ struct Scene {
   std::vector<std::string> object_names;
   Array<ObjectRange> object_ranges;
 
-  size_t primitive_count() const;
+  /// Objects that are stored once and copied by `instances`. Of each only primitives that stand
+  /// still, meshes and instances of its own count, and its materials are those of this scene.
+  std::vector<Scene> prototypes;
+  Array<Instance> instances;
+
+  size_t primitive_count() const;  // with those of copies
 
   /// Is anything elsewhere at another time?
   bool moves() const {
@@ -290,13 +304,6 @@ constexpr void for_each_pool(F&& f) {
   std::apply([&](const auto&... members) { (f(members), ...); }, kScenePools);
 }
 
-inline size_t Scene::primitive_count() const {
-  size_t sum = 0;
-  for_each_pool([&](auto pool) { sum += (this->*pool.shapes).size(); });
-  for (const Mesh& mesh : meshes) sum += mesh.triangles.size();
-  return sum;
-}
-
 constexpr ShapeKind shape_kind(const TriangleIndices&) { return ShapeKind::triangle; }
 constexpr ShapeKind shape_kind(const Polygon&) { return ShapeKind::polygon; }
 static_assert(std::apply(
@@ -308,6 +315,10 @@ static_assert(std::apply(
 
 /// How many primitives of each kind, indexed by ShapeKind.
 std::array<size_t, kShapeKinds> count_primitives(const Scene& scene);
+
+/// Makes primitives of all copies, so that nothing is an instance any more. The error is one line:
+/// a copy that is stretched unevenly and whose primitives have no name then.
+std::string flatten_instances(Scene& scene);
 
 /// Around all primitives but infinite planes.
 Box3f bounds(const Scene& scene);

@@ -283,6 +283,37 @@ void check_objects(const Scene& scene, Problems& problems) {
   });
 }
 
+void check_all_pools(const Scene& scene, Problems& problems) {
+  check_pools(scene, problems);
+  check_triangles({"", scene.positions, scene.normals, scene.triangles, scene.triangle_normals},
+                  problems);
+  check_polygons(scene, problems);
+  check_meshes(scene, problems);
+}
+
+/// Copies, of objects that are sound.
+void check_instances(const Scene& scene, Problems& problems) {
+  for (size_t i = 0; i < scene.prototypes.size(); ++i) {
+    const Scene& object = scene.prototypes[i];
+    Problems own;
+    check_all_pools(object, own);
+    check_instances(object, own);
+    own.check(object.materials.size() == scene.materials.size(), "it has ", object.materials.size(),
+              " materials of the scene's ", scene.materials.size());
+    own.check(object.planes.empty(), "an infinite plane cannot be copied");
+    own.check(!object.moves(), "what moves cannot be copied");
+    for (const std::string& sentence : own.take())
+      problems.check(false, "prototype ", i, ": ", sentence);
+  }
+  check_each(scene.instances.size(), problems, [&](Problems& p, size_t i) {
+    const Instance& copy = scene.instances[i];
+    p.check(copy.prototype < scene.prototypes.size(), "instance ", i, ": prototype ",
+            size_t(copy.prototype), " of ", scene.prototypes.size());
+    p.check(Placement(copy.matrix).is_sound(), "instance ", i,
+            ": the matrix must be finite and have an inverse");
+  });
+}
+
 }  // namespace
 
 std::vector<std::string> validate(const Scene& scene) {
@@ -293,11 +324,8 @@ std::vector<std::string> validate(const Scene& scene) {
                  "the folder of the sky must be one line");
   check_camera(scene.camera, problems);
   check_lights_and_materials(scene, problems);
-  check_pools(scene, problems);
-  check_triangles({"", scene.positions, scene.normals, scene.triangles, scene.triangle_normals},
-                  problems);
-  check_polygons(scene, problems);
-  check_meshes(scene, problems);
+  check_all_pools(scene, problems);
+  check_instances(scene, problems);
   check_objects(scene, problems);
   return problems.take();
 }

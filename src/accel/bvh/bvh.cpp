@@ -11,11 +11,11 @@ class BvhAccel final : public Accel {
  public:
   BvhAccel(Geometry geometry, Bvh bvh) : Accel(std::move(geometry)), bvh_(std::move(bvh)) {}
 
-  void closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const override {
+  void find_closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const override {
     hits.reset(rays.size());
     bvh_closest(geometry_, bvh_, rays, hits, context);
   }
-  void occluded(const RayBatch& rays, uint8_t* hit, TraceContext& context) const override {
+  void find_any(const RayBatch& rays, uint8_t* hit, TraceContext& context) const override {
     bvh_occluded(geometry_, bvh_, rays, hit, context);
   }
   std::optional<TraceLog> log(const Ray& ray, bool any) const override {
@@ -31,7 +31,7 @@ class BvhAccel final : public Accel {
   void boxes(int level, const std::function<void(const AccelBox&)>& see) const override {
     if (!bvh_.empty()) (void)see_below(pool_ref(Pool::nodes, 0), whole(), 0, level, see);
   }
-  AccelInfo info() const override {
+  AccelInfo describe() const override {
     size_t references = 0;
     if (geometry_.any_clear())
       references = geometry_.list_opaque().size();

@@ -82,12 +82,12 @@ class CountingGrid final : public Accel {
   CountingGrid(Geometry geometry, GridCells cells, bool plain)
       : Accel(std::move(geometry)), cells_(std::move(cells)), plain_(plain) {}
 
-  void closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const override {
+  void find_closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const override {
     hits.reset(rays.size());
     for (size_t i = 0; i < rays.size() && !context.stopped(); ++i)
       hits.set(i, trace<false>(rays[i], context, Unlogged()).best);
   }
-  void occluded(const RayBatch& rays, uint8_t* hit, TraceContext& context) const override {
+  void find_any(const RayBatch& rays, uint8_t* hit, TraceContext& context) const override {
     for (size_t i = 0; i < rays.size() && !context.stopped(); ++i)
       hit[i] = trace<true>(rays[i], context, Unlogged()).best.found();
   }
@@ -103,7 +103,7 @@ class CountingGrid final : public Accel {
     if (cells_.items.empty()) return;
     see_cells(cells_.lattice, [&](size_t c) { return cells_.begin[c + 1] - cells_.begin[c]; }, see);
   }
-  AccelInfo info() const override {
+  AccelInfo describe() const override {
     return info_of(cells_, geometry_.bytes() + cells_.begin.size() * sizeof(cells_.begin[0]) +
                                cells_.items.size() * sizeof(cells_.items[0]));
   }
@@ -217,11 +217,11 @@ class Grid final : public Accel {
         blocks_(std::move(blocks)),
         info_(info_of(cells, geometry_.bytes() + blocks_.bytes())) {}
 
-  void closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const override {
+  void find_closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const override {
     hits.reset(rays.size());
     grid_closest(geometry_, blocks_, rays, hits, context);
   }
-  void occluded(const RayBatch& rays, uint8_t* hit, TraceContext& context) const override {
+  void find_any(const RayBatch& rays, uint8_t* hit, TraceContext& context) const override {
     grid_occluded(geometry_, blocks_, rays, hit, context);
   }
   void boxes(int, const std::function<void(const AccelBox&)>& see) const override {
@@ -235,7 +235,7 @@ class Grid final : public Accel {
     };
     see_cells(lattice_, listed, see);
   }
-  AccelInfo info() const override { return info_; }
+  AccelInfo describe() const override { return info_; }
 
  private:
   Lattice lattice_;

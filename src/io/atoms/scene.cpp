@@ -30,11 +30,6 @@ std::unexpected<Diagnostics> failed(std::string_view file, std::string message) 
 
 Vec3f place_of(const Atom& atom) { return {atom.place[0], atom.place[1], atom.place[2]}; }
 
-Vec3f moved(const std::array<float, 12>& m, Vec3f p) {
-  return {m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3], m[4] * p.x + m[5] * p.y + m[6] * p.z + m[7],
-          m[8] * p.x + m[9] * p.y + m[10] * p.z + m[11]};
-}
-
 class SceneMaker {
  public:
   SceneMaker(const Atoms& atoms, std::string_view file, const ReadOptions& options)
@@ -146,7 +141,7 @@ class SceneMaker {
     const int wanted =
         options_.assembly.value_or(has && style_ == AtomStyle::space_filling ? 1 : 0);
     if (wanted == 0) {
-      add_copies(nullptr, nullptr);
+      add_atoms(read_.scene, nullptr);
       return {};
     }
     if (wanted < 0 || size_t(wanted) > atoms_.assemblies.size())
@@ -160,28 +155,32 @@ class SceneMaker {
         if (part >= chosen.size()) chosen.resize(size_t(part) + 1);
         chosen[part] = true;
       }
-      add_copies(&copies, &chosen);
+      Scene& scene = read_.scene;
+      Scene object;
+      add_atoms(object, &chosen);
+      if (object.spheres.empty()) continue;
+      object.materials = scene.materials;
+      for (const Matrix& matrix : copies.matrices)
+        scene.instances.push_back({uint32_t(scene.prototypes.size()), matrix});
+      scene.prototypes.push_back(std::move(object));
     }
-    return read_.scene.spheres.empty() ? "the assembly has no atoms" : "";
+    return read_.scene.instances.empty() ? "the assembly has no atoms" : "";
   }
 
-  void add_copies(const Assembly::Copies* copies, const std::vector<bool>* chosen) {
+  // Those whose parts are chosen; null: all.
+  void add_atoms(Scene& scene, const std::vector<bool>* chosen) const {
     std::vector<uint32_t> some;
     for (uint32_t i = 0; i < atoms_.atoms.size(); ++i) {
       const uint32_t part = atoms_.atoms[i].part;
       if (!chosen || (part < chosen->size() && (*chosen)[part])) some.push_back(i);
     }
-    Scene& scene = read_.scene;
-    const size_t first = scene.spheres.size(), times = copies ? copies->matrices.size() : 1;
-    scene.spheres.resize(first + times * some.size());
-    scene.sphere_materials.resize(scene.spheres.size());
-    Sphere* const spheres = scene.spheres.data() + first;
-    MaterialId* const materials = scene.sphere_materials.data() + first;
-    for_each_index(times * some.size(), [&](size_t i) {
-      const size_t atom = some[i % some.size()];
-      const Vec3f at = place_of(atoms_.atoms[atom]);
-      spheres[i] = {copies ? moved(copies->matrices[i / some.size()], at) : at, radius_of(atom)};
-      materials[i] = material_[atom];
+    scene.spheres.resize(some.size());
+    scene.sphere_materials.resize(some.size());
+    Sphere* const spheres = scene.spheres.data();
+    MaterialId* const materials = scene.sphere_materials.data();
+    for_each_index(some.size(), [&](size_t i) {
+      spheres[i] = {place_of(atoms_.atoms[some[i]]), radius_of(some[i])};
+      materials[i] = material_[some[i]];
     });
   }
 
@@ -239,6 +238,11 @@ std::expected<ReadScene, Diagnostics> scene_of_atoms(const Atoms& atoms, std::st
         for (const float number : matrix)
           if (!(std::abs(number) <= kLargest))
             return failed(file, "a matrix of an assembly has a number that is not finite");
+  for (const Assembly& assembly : atoms.assemblies)
+    for (const Assembly::Copies& copies : assembly.copies)
+      for (const auto& matrix : copies.matrices)
+        if (!Placement(matrix).is_sound())
+          return failed(file, "a matrix of an assembly has no inverse");
   for (size_t i = 0; i < atoms.radii.size(); ++i)
     if (!(atoms.radii[i] <= kFarthestPlace))
       return failed(file, fmt::format("atom {} has a radius that is too large", i + 1));

@@ -1,0 +1,284 @@
+#include "accel/instances.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace raio {
+namespace {
+
+// Rays are rounded where they enter the space of an object, by so much of their coordinates or
+// distances.
+constexpr double kSlack = 1e-6;
+
+double largest(Vec3f v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+
+// Rays in the space of an object.
+struct Moved {
+  RayBatch rays;
+  HitBatch after, hits;
+  std::vector<double> stretch;
+  std::vector<uint32_t> from, depths;
+};
+
+}  // namespace
+
+std::expected<std::unique_ptr<const Instances>, Error> Instances::build(const Accel& around,
+                                                                        const AccelOptions& options,
+                                                                        bool one_sided,
+                                                                        bool with_sources) {
+  std::unique_ptr<Instances> out(new Instances(around));
+  for (const Scene& object : out->geometry_.scene().prototypes) {
+    auto accel = build_accel(object, options, one_sided, with_sources);
+    if (!accel) return std::unexpected(std::move(accel.error()));
+    out->objects_.push_back(std::move(*accel));
+  }
+  if (options.kind != AccelKind::none) out->build_tree();
+  return out;
+}
+
+std::vector<const Geometry*> Instances::objects() const {
+  std::vector<const Geometry*> out;
+  for (const auto& object : objects_) out.push_back(&object->geometry());
+  return out;
+}
+
+void Instances::add_to(AccelInfo& info) const {
+  info.copies = copies_.size();
+  info.bytes += nodes_.size() * sizeof(Node);
+  for (const auto& object : objects_) {
+    const AccelInfo of_one = object->info();
+    info.bytes += of_one.bytes, info.references += of_one.references;
+    info.cells += of_one.cells;
+  }
+}
+
+void Instances::build_tree() {
+  std::vector<Box3f> of_object, boxes;
+  for (const auto& object : objects_) of_object.push_back(bounds(object->geometry().scene()));
+  std::vector<uint32_t> some;
+  for (const Instance& copy : copies_) {
+    const Placement place(copy.matrix);
+    const Box3f& box = boxes.emplace_back(rounded_out(place.box(of_object[copy.prototype])));
+    if (box.empty()) continue;
+    some.push_back(uint32_t(boxes.size() - 1));
+    slack_ = std::max(slack_, kSlack * place.condition());
+  }
+  // So that no box loses what a ray meets that was rounded where it entered the object's space.
+  for (const uint32_t i : some)
+    boxes[i].pad(float(slack_ * std::max(largest(boxes[i].lo), largest(boxes[i].hi))));
+  if (some.empty()) return;
+  nodes_.reserve(2 * some.size());
+  nodes_.emplace_back();
+  split(0, some, boxes);
+}
+
+// Halves along the longest side of the box around the middles, which keeps the depth at the
+// logarithm of the number of copies, wherever they are.
+void Instances::split(uint32_t node, std::span<uint32_t> instances,
+                      const std::vector<Box3f>& boxes) {
+  Box3f around, middles;
+  for (const uint32_t i : instances) around.extend(boxes[i]), middles.extend(boxes[i].center());
+  if (instances.size() == 1) {
+    nodes_[node] = {around, instances[0], kLeaf};
+    return;
+  }
+  const Vec3f size = middles.size();
+  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  const auto half = std::ptrdiff_t(instances.size() / 2);
+  std::ranges::nth_element(instances, instances.begin() + half, [&](uint32_t a, uint32_t b) {
+    const float x = boxes[a].center()[axis], y = boxes[b].center()[axis];
+    return x < y || (x == y && a < b);
+  });
+  const auto children = uint32_t(nodes_.size());
+  nodes_.resize(nodes_.size() + 2);
+  nodes_[node] = {around, children, uint8_t(axis)};
+  split(children, instances.first(size_t(half)), boxes);
+  split(children + 1, instances.subspan(size_t(half)), boxes);
+}
+
+// All rays of a batch go down the tree together: each node passes on those that meet its box, the
+// nearer child first, seen from the first of them.
+class Instances::Walk {
+ public:
+  Walk(const Instances& in, const RayBatch& rays, TraceContext& context)
+      : in_(in), rays_(rays), context_(context) {}
+
+  // Calls visit(instance, rays) for the copies that rays may meet; limit(i) is how far ray i still
+  // goes, not positive: nowhere.
+  template <class Limit, class Visit>
+  void run(const Limit& limit, const Visit& visit) {
+    for (uint32_t i = 0; i < rays_.size(); ++i)
+      if (limit(i) > 0) lists_.push_back(i);
+    if (in_.nodes_.empty()) {
+      const std::vector<uint32_t> all = lists_;
+      for (uint32_t copy = 0; copy < in_.copies_.size() && !context_.stopped(); ++copy)
+        visit(copy, std::span<const uint32_t>(all));
+      return;
+    }
+    inverse_.resize(rays_.size()), slack_.resize(rays_.size());
+    for (const uint32_t i : lists_) {
+      const Ray ray = rays_[i];
+      for (int a = 0; a < 3; ++a) inverse_[i][a] = 1 / double(ray.dir[a]);
+      slack_[i] = in_.slack_ * largest(ray.origin);
+    }
+    enter(0, 0, lists_.size(), limit, visit);
+  }
+
+ private:
+  template <class Limit, class Visit>
+  void enter(uint32_t number, size_t begin, size_t end, const Limit& limit, const Visit& visit) {
+    if (context_.stopped()) return;
+    const Node& node = in_.nodes_[number];
+    context_.steps += end - begin;
+    for (size_t k = begin; k < end; ++k)
+      if (const uint32_t i = lists_[k]; meets(node.box, i, limit(i))) lists_.push_back(i);
+    const size_t last = lists_.size();
+    if (last > end) {
+      if (node.axis == kLeaf) {
+        some_.assign(lists_.begin() + std::ptrdiff_t(end), lists_.end());
+        visit(node.first, std::span<const uint32_t>(some_));
+      } else {
+        const uint32_t far = inverse_[lists_[end]][node.axis] < 0 ? 0 : 1;
+        enter(node.first + 1 - far, end, last, limit, visit);
+        enter(node.first + far, end, last, limit, visit);
+      }
+    }
+    lists_.resize(end);
+  }
+
+  bool meets(const Box3f& box, uint32_t i, float limit) const {
+    if (!(limit > 0)) return false;
+    const float* const from[3] = {&rays_.ox[i], &rays_.oy[i], &rays_.oz[i]};
+    double begin = 0, last = double(limit);
+    for (int a = 0; a < 3; ++a) {
+      const double o = double(*from[a]), inverse = inverse_[i][a];
+      const double x = (double(box.lo[a]) - slack_[i] - o) * inverse;
+      const double y = (double(box.hi[a]) + slack_[i] - o) * inverse;
+      const double enters = x < y ? x : y, leaves = x < y ? y : x;
+      if (enters > begin) begin = enters;
+      if (leaves < last) last = leaves;
+    }
+    return begin <= last;
+  }
+
+  const Instances& in_;
+  const RayBatch& rays_;
+  TraceContext& context_;
+  std::vector<Vec3d> inverse_;  // of the directions
+  std::vector<double> slack_;
+  std::vector<uint32_t> lists_;  // those of the nodes on the way down, one behind the other
+  std::vector<uint32_t> some_;
+};
+
+void Instances::closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const {
+  Moved moved;
+  const auto limit = [&](uint32_t i) { return hits[i].found() ? hits.t[i] : rays.tmax[i]; };
+  Walk(*this, rays, context).run(limit, [&](uint32_t copy, std::span<const uint32_t> some) {
+    const Placement place(copies_[copy].matrix);
+    moved.rays.resize(some.size()), moved.stretch.resize(some.size());
+    for (size_t k = 0; k < some.size(); ++k) {
+      Ray ray = rays[some[k]];
+      ray.tmax = limit(some[k]);
+      moved.rays.set(k, place.to_object(ray, moved.stretch[k], kSlack));
+    }
+    objects_[copies_[copy].prototype]->closest(moved.rays, moved.hits, context);
+    for (size_t k = 0; k < some.size(); ++k) {
+      Hit hit = moved.hits[k];
+      if (!hit.found()) continue;
+      const uint32_t i = some[k];
+      hit.t = float(double(hit.t) / moved.stretch[k]);
+      hit.item = geometry_.id_in(copy, hit.item);
+      const Hit best = hits[i];
+      if (best.found() ? comes_before(hit, best) : hit.t < rays.tmax[i]) hits.set(i, hit);
+    }
+  });
+}
+
+void Instances::occluded(const RayBatch& rays, uint8_t* hit, TraceContext& context) const {
+  Moved moved;
+  const auto limit = [&](uint32_t i) { return hit[i] ? 0.0f : rays.tmax[i]; };
+  std::vector<uint8_t> found;
+  Walk(*this, rays, context).run(limit, [&](uint32_t copy, std::span<const uint32_t> some) {
+    const Placement place(copies_[copy].matrix);
+    moved.rays.resize(some.size()), found.resize(padded(some.size()));
+    for (size_t k = 0; k < some.size(); ++k) {
+      double stretch = 0;
+      Ray ray = rays[some[k]];
+      ray.tmax = limit(some[k]);
+      moved.rays.set(k, place.to_object(ray, stretch));
+    }
+    objects_[copies_[copy].prototype]->occluded(moved.rays, found.data(), context);
+    for (size_t k = 0; k < some.size(); ++k) hit[some[k]] |= found[k];
+  });
+}
+
+// What an object finds may lie, by the rounding of distances, before `after` in the space around
+// it; it is then asked for what comes next.
+void Instances::next_clear(const RayBatch& rays, const HitBatch& after, HitBatch& hits,
+                           TraceContext& context) const {
+  Moved moved;
+  const auto limit = [&](uint32_t i) { return hits[i].found() ? hits.t[i] : rays.tmax[i]; };
+  Walk(*this, rays, context).run(limit, [&](uint32_t copy, std::span<const uint32_t> some) {
+    const Accel& object = *objects_[copies_[copy].prototype];
+    if (!object.geometry().any_clear()) return;
+    const Placement place(copies_[copy].matrix);
+    size_t n = some.size();
+    moved.rays.resize(n), moved.after.reset(n), moved.stretch.resize(n);
+    moved.from.assign(some.begin(), some.end());
+    for (size_t k = 0; k < n; ++k) {
+      Ray ray = rays[some[k]];
+      ray.tmax = limit(some[k]);
+      double& stretch = moved.stretch[k];
+      moved.rays.set(k, place.to_object(ray, stretch, kSlack));
+      const double t = double(after.t[some[k]]) * stretch * (1 - kSlack);
+      moved.after.set(k, {.t = float(t), .item = 0});
+    }
+    while (n > 0 && !context.stopped()) {
+      object.next_clear(moved.rays, moved.after, moved.hits, context);
+      size_t kept = 0;
+      for (size_t k = 0; k < n; ++k) {
+        const Hit there = moved.hits[k];
+        if (!there.found()) continue;
+        const uint32_t i = moved.from[k];
+        Hit hit = there;
+        hit.t = float(double(hit.t) / moved.stretch[k]);
+        hit.item = geometry_.id_in(copy, hit.item);
+        if (comes_before(after[i], hit)) {
+          const Hit best = hits[i];
+          if (best.found() ? comes_before(hit, best) : hit.t < rays.tmax[i]) hits.set(i, hit);
+          continue;
+        }
+        moved.rays.set(kept, moved.rays[k]), moved.after.set(kept, there);
+        moved.stretch[kept] = moved.stretch[k], moved.from[kept] = i;
+        ++kept;
+      }
+      n = kept;
+      moved.rays.resize(n);
+    }
+  });
+}
+
+void Instances::add_clear_depths(const RayBatch& rays, const uint8_t* stopped, uint32_t* depths,
+                                 TraceContext& context) const {
+  Moved moved;
+  const auto limit = [&](uint32_t i) {
+    return (stopped && stopped[i]) || depths[i] >= kMostDepth ? 0.0f : rays.tmax[i];
+  };
+  Walk(*this, rays, context).run(limit, [&](uint32_t copy, std::span<const uint32_t> some) {
+    const Accel& object = *objects_[copies_[copy].prototype];
+    if (!object.geometry().any_clear()) return;
+    const Placement place(copies_[copy].matrix);
+    moved.rays.resize(some.size()), moved.depths.resize(padded(some.size()));
+    for (size_t k = 0; k < some.size(); ++k) {
+      double stretch = 0;
+      moved.rays.set(k, place.to_object(rays[some[k]], stretch));
+    }
+    object.clear_depths(moved.rays, nullptr, moved.depths.data(), context);
+    for (size_t k = 0; k < some.size(); ++k)
+      depths[some[k]] = std::min(depths[some[k]] + moved.depths[k], kMostDepth);
+  });
+}
+
+}  // namespace raio

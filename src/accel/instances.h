@@ -1,0 +1,57 @@
+// Copies of objects: a tree over the boxes of the instances, whose leaves are structures of their
+// own. A ray goes on in the space of the object, so that a copy costs its matrix and no more.
+#pragma once
+
+#include <expected>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "accel/accel.h"
+#include "base/placement.h"
+
+namespace raio {
+
+class Instances {
+ public:
+  /// For those of the scene of `around`, which must outlive the result. Objects have structures by
+  /// the same options; of kind `none`, all rays try all copies. Errors as of build_accel().
+  static std::expected<std::unique_ptr<const Instances>, Error> build(const Accel& around,
+                                                                      const AccelOptions& options,
+                                                                      bool one_sided,
+                                                                      bool with_sources);
+
+  // As of Accel, going on from what was found among the scene's own primitives.
+  void closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const;
+  void occluded(const RayBatch& rays, uint8_t* hit, TraceContext& context) const;
+  void next_clear(const RayBatch& rays, const HitBatch& after, HitBatch& hits,
+                  TraceContext& context) const;
+  void add_clear_depths(const RayBatch& rays, const uint8_t* stopped, uint32_t* depths,
+                        TraceContext& context) const;
+
+  std::vector<const Geometry*> objects() const;
+  void add_to(AccelInfo& info) const;
+
+ private:
+  // A node of the tree has two children, side by side, or is a leaf of one instance.
+  struct Node {
+    Box3f box;
+    uint32_t first = 0;  // child, or instance
+    uint8_t axis = kLeaf;
+  };
+  static constexpr uint8_t kLeaf = 3;
+  class Walk;
+
+  explicit Instances(const Accel& around)
+      : geometry_(around.geometry()), copies_(geometry_.scene().instances) {}
+  void build_tree();
+  void split(uint32_t node, std::span<uint32_t> instances, const std::vector<Box3f>& boxes);
+
+  const Geometry& geometry_;
+  const Array<Instance>& copies_;
+  std::vector<std::unique_ptr<const Accel>> objects_;
+  Column<Node> nodes_;  // the root first; empty: none
+  double slack_ = 0;    // of boxes, relative to coordinates
+};
+
+}  // namespace raio

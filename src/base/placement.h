@@ -1,0 +1,105 @@
+// Affine maps that place copies of objects. Everyone may use it.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/box.h"
+#include "base/ray.h"
+#include "base/vec.h"
+
+namespace raio {
+
+/// x becomes A x + b: three rows of four numbers, the last of which is b's.
+using Matrix = std::array<float, 12>;
+inline constexpr Matrix kIdentity = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+
+/// A matrix with its inverse, in double: from an object's own space into the one around it.
+class Placement {
+ public:
+  explicit Placement(const Matrix& m) : shift_(m[3], m[7], m[11]) {
+    for (int i = 0; i < 3; ++i)
+      rows_[i] = Vec3d(m[size_t(4 * i)], m[size_t(4 * i) + 1], m[size_t(4 * i) + 2]);
+    for (int i = 0; i < 3; ++i) columns_[i] = Vec3d(rows_[0][i], rows_[1][i], rows_[2][i]);
+    determinant_ = dot(columns_[0], cross(columns_[1], columns_[2]));
+    for (int i = 0; i < 3; ++i)
+      inverse_[i] = cross(columns_[(i + 1) % 3], columns_[(i + 2) % 3]) / determinant_;
+  }
+
+  double determinant() const { return determinant_; }
+  /// Are all numbers finite, and is there an inverse that a float can tell from none?
+  bool is_sound() const {
+    return std::isfinite(determinant_) && is_finite(Vec3f(shift_)) &&
+           std::abs(determinant_) >
+               1e-9 * length(columns_[0]) * length(columns_[1]) * length(columns_[2]);
+  }
+  /// By how much a length grows at most.
+  double longest() const {
+    return std::sqrt(dot(columns_[0], columns_[0]) + dot(columns_[1], columns_[1]) +
+                     dot(columns_[2], columns_[2]));
+  }
+  /// How much further the longest axis of what the map makes of a ball reaches than the shortest,
+  /// at most: by so much errors grow on the way to the object and back.
+  double condition() const {
+    return longest() * std::sqrt(dot(inverse_[0], inverse_[0]) + dot(inverse_[1], inverse_[1]) +
+                                 dot(inverse_[2], inverse_[2]));
+  }
+  /// By how much all lengths grow, 1 where that is nearly so; 0 where they grow unevenly.
+  double scale() const {
+    const double s = std::cbrt(std::abs(determinant_)), slack = 1e-4 * s * s;
+    for (int i = 0; i < 3; ++i)
+      if (std::abs(dot(columns_[i], columns_[i]) - s * s) > slack ||
+          std::abs(dot(columns_[i], columns_[(i + 1) % 3])) > slack)
+        return 0;
+    return std::abs(s - 1) < 1e-4 ? 1 : s;
+  }
+
+  Vec3d point(Vec3d p) const { return vector(p) + shift_; }
+  Vec3d vector(Vec3d v) const { return {dot(rows_[0], v), dot(rows_[1], v), dot(rows_[2], v)}; }
+  /// Of the surface that the map makes of one with the unit normal n, on the same side.
+  Vec3d normal(Vec3d n) const {
+    return normalize(inverse_[0] * n.x + inverse_[1] * n.y + inverse_[2] * n.z);
+  }
+  /// Around what the map makes of the box.
+  Box3d box(const Box3f& b) const {
+    Box3d out;
+    if (b.empty()) return out;
+    for (int k = 0; k < 8; ++k)
+      out.extend(
+          point(Vec3d(k & 1 ? b.hi.x : b.lo.x, k & 2 ? b.hi.y : b.lo.y, k & 4 ? b.hi.z : b.lo.z)));
+    return out;
+  }
+
+  /// The ray in the object's space, with a direction of length 1. What is at a distance t in that
+  /// space is at t / `stretch` on the ray itself. With `slack`, it reaches a little further.
+  Ray to_object(const Ray& ray, double& stretch, double slack = 0) const {
+    const Vec3d from = Vec3d(ray.origin) - shift_, along(ray.dir);
+    const auto back = [this](Vec3d v) {
+      return Vec3d(dot(inverse_[0], v), dot(inverse_[1], v), dot(inverse_[2], v));
+    };
+    const Vec3d dir = back(along);
+    stretch = length(dir);
+    return {Vec3f(back(from)), Vec3f(dir / stretch),
+            float(double(ray.tmax) * stretch * (1 + slack)), ray.time};
+  }
+
+ private:
+  Vec3d rows_[3], columns_[3], shift_, inverse_[3];
+  double determinant_ = 0;
+};
+
+/// First `b`, then `a`.
+inline Matrix joined(const Matrix& a, const Matrix& b) {
+  const Placement first(a), second(b);
+  Matrix out;
+  const Vec3d shift = first.point(Vec3d(b[3], b[7], b[11]));
+  for (int j = 0; j < 3; ++j) {
+    const Vec3d column = first.vector(Vec3d(b[size_t(j)], b[size_t(j) + 4], b[size_t(j) + 8]));
+    for (int i = 0; i < 3; ++i) out[size_t(4 * i + j)] = float(column[i]);
+  }
+  for (int i = 0; i < 3; ++i) out[size_t(4 * i) + 3] = float(shift[i]);
+  return out;
+}
+
+}  // namespace raio

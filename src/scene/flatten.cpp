@@ -1,0 +1,174 @@
+// Copies of objects as primitives of their own, for what has no instances.
+#include <algorithm>
+#include <atomic>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/parallel.h"
+#include "scene/columns.h"
+
+namespace raio {
+namespace {
+
+// What a map makes of a shape; nothing: no shape of the kind.
+std::optional<Sphere> moved(const Sphere& s, const Placement& by) {
+  if (by.scale() == 0) return std::nullopt;
+  return Sphere{Vec3f(by.point(Vec3d(s.center))), float(by.scale() * double(s.radius))};
+}
+std::optional<Cone> moved(const Cone& c, const Placement& by) {
+  if (by.scale() == 0) return std::nullopt;
+  Cone out = c;
+  out.base = Vec3f(by.point(Vec3d(c.base))), out.apex = Vec3f(by.point(Vec3d(c.apex)));
+  out.base_radius = float(by.scale() * double(c.base_radius));
+  out.apex_radius = float(by.scale() * double(c.apex_radius));
+  return out;
+}
+std::optional<Ellipsoid> moved(const Ellipsoid& e, const Placement& by) {
+  if (by.scale() == 0) return std::nullopt;
+  Ellipsoid out = e;
+  out.center = Vec3f(by.point(Vec3d(e.center)));
+  for (Vec3f& axis : out.axes) axis = Vec3f(by.vector(Vec3d(axis)));
+  return out;
+}
+std::optional<Disc> moved(const Disc& disc, const Placement& by) {
+  if (by.scale() == 0) return std::nullopt;
+  Disc out = disc;
+  out.center = Vec3f(by.point(Vec3d(disc.center)));
+  out.normal = Vec3f(by.normal(Vec3d(disc.normal)));
+  out.radius = float(by.scale() * double(disc.radius));
+  out.inner = float(by.scale() * double(disc.inner));
+  return out;
+}
+template <class Shape>  // of which validate() lets no object have any
+std::optional<Shape> moved(const Shape& shape, const Placement&) {
+  return shape;
+}
+
+// So that a mirrored triangle's front stays what the map makes of its front.
+TriangleIndices turned(const TriangleIndices& t, bool mirrored) {
+  return mirrored ? TriangleIndices{t[0], t[2], t[1]} : t;
+}
+
+// Appends a column that is parallel to a pool of `before` elements, of which `count` come. Where
+// only one of both has any, the others have what is `usual` for their materials.
+template <class T, class Usual>
+void append(Array<T>& to, const Array<MaterialId>& materials, size_t before, const Array<T>& from,
+            size_t count, const Usual& usual) {
+  if (to.empty() && from.empty()) return;
+  const bool had = !to.empty();
+  to.resize(before + count);
+  T* const out = to.data();
+  for (size_t i = had ? before : 0; i < before + count; ++i)
+    out[i] = i < before || from.empty() ? usual(materials[i]) : from[i - before];
+}
+
+class Flattener {
+ public:
+  explicit Flattener(Scene& scene) : scene_(scene) {}
+
+  // All that `object` has, moved by the matrix.
+  void add(const Scene& object, const Matrix& matrix) {
+    const Placement by(matrix);
+    const size_t positions = scene_.positions.size();
+    for (const Vec3f p : object.positions) scene_.positions.push_back(Vec3f(by.point(Vec3d(p))));
+    add_normals(object, by);
+    for_each_pool([&](auto pool) { add_pool(object, pool, by, uint32_t(positions)); });
+    for (const Mesh& mesh : object.meshes) {
+      Mesh& out = scene_.meshes.emplace_back(mesh);
+      for (Vec3f& p : out.positions) p = Vec3f(by.point(Vec3d(p)));
+      for (Vec3f& n : out.normals) n = Vec3f(by.normal(Vec3d(n)));
+      const bool mirrored = by.determinant() < 0;
+      for (TriangleIndices& t : out.triangles) t = turned(t, mirrored);
+      for (TriangleIndices& t : out.normal_indices) t = turned(t, mirrored);
+    }
+    for (const Instance& copy : object.instances)
+      add(object.prototypes[copy.prototype], joined(matrix, copy.matrix));
+  }
+  const std::string& error() const { return error_; }
+
+ private:
+  void add_normals(const Scene& object, const Placement& by) {
+    const auto first = uint32_t(scene_.normals.size());
+    for (const Vec3f n : object.normals) scene_.normals.push_back(Vec3f(by.normal(Vec3d(n))));
+    auto& to = scene_.triangle_normals;
+    const auto& from = object.triangle_normals;
+    if (to.empty() && from.empty()) return;
+    constexpr TriangleIndices kFlat = {kNoNormal, kNoNormal, kNoNormal};
+    to.resize(scene_.triangles.size(), kFlat);
+    for (TriangleIndices at : from) {
+      for (uint32_t& n : at)
+        if (n != kNoNormal) n += first;
+      to.push_back(turned(at, by.determinant() < 0));
+    }
+    to.resize(scene_.triangles.size() + object.triangles.size(), kFlat);
+  }
+
+  // Gives them corners in the other order.
+  void turn(std::span<Polygon> polygons) {
+    Array<Vec3f>& positions = scene_.positions;
+    for (Polygon& polygon : polygons) {
+      const auto first = uint32_t(positions.size());
+      for (uint32_t i = polygon.count; i-- > 0;) positions.push_back(positions[polygon.first + i]);
+      polygon.first = first;
+    }
+  }
+
+  template <class Shape>
+  void add_pool(const Scene& object, PoolMembers<Shape> pool, const Placement& by,
+                uint32_t positions) {
+    const Array<Shape>& from = object.*pool.shapes;
+    const size_t count = from.size(), before = (scene_.*pool.shapes).size();
+    if (count == 0) return;
+    (scene_.*pool.shapes).resize(before + count);
+    (scene_.*pool.materials).resize(before + count);
+    Shape* const shapes = (scene_.*pool.shapes).data() + before;
+    MaterialId* const materials = (scene_.*pool.materials).data() + before;
+    const bool mirrored = by.determinant() < 0;
+    std::atomic<bool> lost = false;
+    for_each_index(count, [&](size_t i) {
+      materials[i] = (object.*pool.materials)[i];
+      shapes[i] = from[i];
+      if constexpr (std::is_same_v<Shape, TriangleIndices>) {
+        shapes[i] = turned(from[i], mirrored);
+        for (uint32_t& corner : shapes[i]) corner += positions;
+      } else if constexpr (std::is_same_v<Shape, Polygon>) {
+        shapes[i].first += positions;
+      } else if (const auto shape = moved(from[i], by)) {
+        shapes[i] = *shape;
+      } else {
+        lost.store(true, std::memory_order_relaxed);
+      }
+    });
+    if constexpr (std::is_same_v<Shape, Polygon>)
+      if (mirrored) turn(std::span(shapes, count));
+    const auto& ids = scene_.*pool.materials;
+    append(scene_.*pool.colors, ids, before, object.*pool.colors, count,
+           [&](MaterialId id) { return scene_.materials[id].color; });
+    append(scene_.*pool.opacity, ids, before, object.*pool.opacity, count, [&](MaterialId id) {
+      return scene_.material_opacity.empty() ? 1 : scene_.material_opacity[id];
+    });
+    if (lost)
+      error_ = "copies of " + std::string(kPoolNames[size_t(pool.kind)]) +
+               "s are stretched unevenly, and such shapes are drawn as instances only";
+  }
+
+  Scene& scene_;
+  std::string error_;
+};
+
+}  // namespace
+
+std::string flatten_instances(Scene& scene) {
+  if (scene.instances.empty()) return {};
+  const Array<Instance> copies = std::move(scene.instances);
+  const std::vector<Scene> objects = std::move(scene.prototypes);
+  scene.instances = {}, scene.prototypes.clear();
+  Flattener flattener(scene);
+  for (const Instance& copy : copies) flattener.add(objects[copy.prototype], copy.matrix);
+  return flattener.error();
+}
+
+}  // namespace raio

@@ -1,0 +1,411 @@
+// Copies of objects: against all copies tried one by one, against the same primitives written out,
+// and against ellipsoids.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "accel_rays.h"
+#include "integrate/film.h"
+#include "integrate/surface.h"
+#include "one_picture.h"
+#include "scenes.h"
+
+namespace raio {
+namespace {
+
+using testing::awkward_rays;
+using testing::build;
+using testing::disagreement;
+using ::testing::ElementsAre;
+using testing::expect_one_picture;
+using testing::eye_rays;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using testing::picture_of;
+using testing::random_direction;
+using testing::random_scene;
+using testing::two_sided;
+
+// A turn and a shift; with `stretch` above 1 also axes of other lengths, mirrored or sheared.
+Matrix random_matrix(std::mt19937& rng, float stretch = 1, bool mirrored = false) {
+  std::uniform_real_distribution<float> unit(-1, 1);
+  const Frame<float> frame(random_direction(rng));
+  const Vec3f axes[3] = {frame.u, frame.v, cross(frame.u, frame.v)};
+  const float turn = 3 * unit(rng), size = 0.4f + 0.2f * unit(rng);
+  Matrix m;
+  for (size_t i = 0; i < 3; ++i) {
+    const int a = int(i);
+    const Vec3f row(std::cos(turn) * axes[0][a] - std::sin(turn) * axes[1][a],
+                    std::sin(turn) * axes[0][a] + std::cos(turn) * axes[1][a], axes[2][a]);
+    m[4 * i] = size * row.x * (mirrored ? -1 : 1), m[4 * i + 1] = size * row.y;
+    m[4 * i + 2] = size * stretch * (row.z + (stretch - 1) * row.x);
+    m[4 * i + 3] = 1.2f * unit(rng);
+  }
+  return m;
+}
+
+Scene object_of(uint32_t seed, int count = 40) {
+  Scene object = two_sided(random_scene(count, seed));
+  object.planes = {}, object.plane_materials = {};
+  object.polygons.pop_back(), object.polygon_materials.pop_back();  // the floor
+  return object;
+}
+
+// Primitives, copies of two objects and of one that is made of copies itself.
+Scene copied_scene(uint32_t seed, bool evenly = false) {
+  std::mt19937 rng(seed);
+  Scene scene = object_of(seed, 60);
+  scene.prototypes = {object_of(seed + 1), object_of(seed + 2, 12), object_of(seed + 3, 4)};
+  Scene& nested = scene.prototypes[2];
+  nested.prototypes = {object_of(seed + 4, 8)};
+  const auto matrix = [&](int i) {
+    return random_matrix(rng, evenly ? 1 : 1 + 0.3f * float(i % 3), i % 2 == 1);
+  };
+  for (int i = 0; i < 3; ++i) nested.instances.push_back({0, matrix(i)});
+  for (int i = 0; i < 11; ++i) scene.instances.push_back({uint32_t(i % 3), matrix(i)});
+  return scene;
+}
+
+// Some of it clear: of the objects some, and of the scene's own.
+Scene clear_copies(uint32_t seed, bool evenly = false) {
+  Scene scene = copied_scene(seed, evenly);
+  scene.prototypes[0].sphere_opacity.assign(scene.prototypes[0].spheres.size(), 0.4f);
+  scene.prototypes[0].sphere_opacity[1] = 1;
+  scene.prototypes[2].prototypes[0].triangle_opacity.assign(2, 0.5f);
+  scene.cone_opacity.assign(scene.cones.size(), 0.3f);
+  return scene;
+}
+
+TEST(Instances, AllStructuresAgree) {
+  for (const uint32_t seed : {1u, 2u, 3u, 4u})
+    for (const bool clear : {false, true}) {
+      const Scene scene = clear ? clear_copies(seed) : copied_scene(seed);
+      ASSERT_THAT(validate(scene), IsEmpty());
+      const auto none = build(scene, {.kind = AccelKind::none});
+      const RayBatch rays = awkward_rays(scene, 5000, seed), eyes = eye_rays(scene, 64);
+      const auto all = testing::answers(*none, rays), seen = testing::answers(*none, eyes);
+      size_t hits = 0, of_copies = 0;
+      for (size_t i = 0; i < rays.size(); ++i) {
+        const PrimitiveId id = all.closest.item[i];
+        hits += all.closest[i].found();
+        of_copies += all.closest[i].found() && none->geometry().is_copied(id);
+      }
+      EXPECT_GT(hits, 500u);
+      EXPECT_GT(of_copies, 250u);
+      for (const AccelOptions& options :
+           {AccelOptions{.kind = AccelKind::grid}, AccelOptions{.kind = AccelKind::bvh},
+            AccelOptions{.kind = AccelKind::grid, .counters = true}}) {
+        const auto accel = build(scene, options);
+        const auto d = disagreement(all, *accel, rays, true);
+        EXPECT_EQ(d.closest + d.occluded, 0u) << seed << ' ' << accel_name(options.kind);
+        const auto e = disagreement(seen, *accel, eyes, true, true);
+        EXPECT_EQ(e.closest + e.occluded, 0u) << seed << ' ' << accel_name(options.kind);
+        EXPECT_EQ(accel->info().copies, 11u);
+        EXPECT_GT(accel->info().bytes, build(scene, {.kind = AccelKind::none})->info().bytes);
+      }
+    }
+}
+
+TEST(Instances, WhatIsClearIsMetInOrder) {
+  for (const uint32_t seed : {1u, 2u, 3u}) {
+    const Scene scene = clear_copies(seed);
+    const auto none = build(scene, {.kind = AccelKind::none});
+    const auto tree = build(scene, {.kind = AccelKind::bvh});
+    const RayBatch rays = awkward_rays(scene, 2000, seed);
+    HitBatch after, first, second;
+    after.reset(rays.size());
+    for (size_t i = 0; i < rays.size(); ++i) after.set(i, {.t = 0, .item = 0});
+    TraceContext context;
+    std::vector<uint32_t> sums(rays.size());
+    size_t layers = 0, found = 1;
+    for (; found > 0 && layers < 100; ++layers) {
+      none->next_clear(rays, after, first, context);
+      tree->next_clear(rays, after, second, context);
+      found = 0;
+      for (size_t i = 0; i < rays.size(); ++i) {
+        ASSERT_EQ(first[i].item, second[i].item) << layers << ' ' << i;
+        if (!first[i].found()) {
+          after.set(i, {.t = std::numeric_limits<float>::infinity(), .item = 0});
+          continue;
+        }
+        ASSERT_EQ(first.t[i], second.t[i]);
+        ASSERT_TRUE(comes_before(after[i], first[i]));
+        sums[i] = std::min(sums[i] + none->geometry().depth_of(first.item[i]), kMostDepth);
+        after.set(i, first[i]);
+        ++found;
+      }
+    }
+    EXPECT_GT(layers, 2u);
+    std::vector<uint32_t> a(padded(rays.size())), b(padded(rays.size()));
+    none->clear_depths(rays, nullptr, a.data(), context);
+    tree->clear_depths(rays, nullptr, b.data(), context);
+    for (size_t i = 0; i < rays.size(); ++i) {
+      EXPECT_EQ(a[i], b[i]);
+      EXPECT_EQ(a[i], sums[i]);
+    }
+  }
+}
+
+TEST(Instances, APictureIsOne) {
+  RenderOptions options;
+  options.width = 48, options.height = 36, options.aa = 2, options.soft_shadows = true;
+  expect_one_picture(clear_copies(5), options);
+  options.look = Look::paper;
+  options.outline = 1.0f;
+  expect_one_picture(clear_copies(6), options);
+  Scene only = clear_copies(7);  // with nothing of its own
+  Scene scene;
+  scene.camera = only.camera, scene.lights = only.lights, scene.materials = only.materials;
+  scene.prototypes = only.prototypes, scene.instances = only.instances;
+  expect_one_picture(scene, options);
+}
+
+// As far as roundings go: a ray that only just meets a shape may miss the other.
+TEST(Instances, CopiesAreWhatWrittenOutPrimitivesAre) {
+  for (const uint32_t seed : {1u, 2u, 3u}) {
+    const Scene scene = clear_copies(seed, true);
+    Scene flat = scene;
+    ASSERT_EQ(flatten_instances(flat), "");
+    EXPECT_THAT(validate(flat), IsEmpty());
+    EXPECT_TRUE(flat.instances.empty() && flat.prototypes.empty());
+    EXPECT_EQ(count_primitives(flat), count_primitives(scene));
+    EXPECT_EQ(flat.primitive_count(), scene.primitive_count());
+    EXPECT_GT(memory_bytes(flat), memory_bytes(scene));
+    const Box3f a = bounds(flat), b = bounds(scene);
+    // Of a turned box, in which a cone or an ellipsoid lies, some is empty.
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_LE(b.lo[axis], a.lo[axis] + 1e-5f);
+      EXPECT_GE(b.hi[axis], a.hi[axis] - 1e-5f);
+      EXPECT_LE(b.size()[axis], 1.2f * a.size()[axis]);
+    }
+
+    const auto copies = build(scene, {.kind = AccelKind::bvh}),
+               primitives = build(flat, {.kind = AccelKind::bvh});
+    const RayBatch rays = awkward_rays(flat, 5000, seed);
+    const auto x = testing::answers(*copies, rays), y = testing::answers(*primitives, rays);
+    size_t other = 0, normals = 0;
+    for (size_t i = 0; i < rays.size(); ++i) {
+      const Hit p = x.closest[i], q = y.closest[i];
+      if (p.found() != q.found() || (p.found() && std::abs(p.t - q.t) > 1e-4f * p.t)) {
+        ++other;
+        continue;
+      }
+      if (!p.found()) continue;
+      const Surface s = surface_at(copies->geometry(), rays[i], p),
+                    t = surface_at(primitives->geometry(), rays[i], q);
+      EXPECT_EQ(s.material, t.material);
+      EXPECT_NEAR(length(s.point - t.point), 0, 2e-4f * (1 + p.t));
+      normals += dot(s.normal, t.normal) < 0.999f;
+    }
+    EXPECT_LE(other, 10u);
+    EXPECT_LE(normals, 10u);
+
+    RenderOptions options;
+    options.width = 64, options.height = 48;
+    options.look = Look::paper;
+    const Image from_copies = picture_of(scene, options), from_flat = picture_of(flat, options);
+    size_t different = 0;
+    for (size_t i = 0; i < from_flat.pixels.size(); ++i)
+      different += max_component(abs(from_flat.pixels[i] - from_copies.pixels[i])) > 0.02f;
+    EXPECT_LE(different, from_flat.pixels.size() / 50);
+  }
+}
+
+// A ball that a map stretches is an ellipsoid, of which all is known.
+TEST(Instances, AStretchedBallIsAnEllipsoid) {
+  std::mt19937 rng(3);
+  for (int k = 0; k < 10; ++k) {
+    const Matrix m = random_matrix(rng, 1.5f, k % 2 == 1);
+    const Placement place(m);
+    Scene scene = random_scene(4, 1);
+    for_each_pool([&](auto pool) { (scene.*pool.shapes) = {}, (scene.*pool.materials) = {}; });
+    scene.prototypes = {scene};
+    scene.prototypes[0].spheres = {{{0.1f, 0.2f, -0.1f}, 0.5f}};
+    scene.prototypes[0].sphere_materials = {0};
+    scene.instances = {{0, m}};
+    Scene same = scene;
+    same.prototypes = {}, same.instances = {};
+    // Axes that are at right angles, by turning those of the ball (Jacobi).
+    Vec3d axes[3] = {{0.5, 0, 0}, {0, 0.5, 0}, {0, 0, 0.5}};
+    for (Vec3d& axis : axes) axis = place.vector(axis);
+    for (int turns = 0; turns < 30; ++turns)
+      for (const auto& [i, j] : {std::pair(0, 1), {0, 2}, {1, 2}}) {
+        Vec3d &p = axes[i], &q = axes[j];
+        const double angle = std::atan2(2 * dot(p, q), dot(p, p) - dot(q, q)) / 2;
+        const Vec3d turned = p * std::cos(angle) + q * std::sin(angle);
+        q = q * std::cos(angle) - p * std::sin(angle), p = turned;
+      }
+    same.ellipsoids = {{Vec3f(place.point(Vec3d(0.1, 0.2, -0.1))),
+                        {Vec3f(axes[0]), Vec3f(axes[1]), Vec3f(axes[2])}}};
+    same.ellipsoid_materials = {0};
+    ASSERT_THAT(validate(same), IsEmpty());
+    RenderOptions options;
+    options.width = options.height = 64;
+    options.view = View::normals;
+    const Image a = expect_one_picture(scene, options), b = picture_of(same, options);
+    size_t different = 0, seen = 0;
+    for (size_t i = 0; i < a.pixels.size(); ++i) {
+      different += max_component(abs(a.pixels[i] - b.pixels[i])) > 0.01f;
+      seen += max_component(abs(b.pixels[i] - b.pixels[0])) > 0.01f;
+    }
+    EXPECT_GT(seen, 10u);
+    EXPECT_LE(different, 4u) << k;
+    std::string error = flatten_instances(scene);
+    EXPECT_THAT(error, HasSubstr("copies of spheres are stretched unevenly"));
+  }
+}
+
+TEST(Instances, CopiesHaveIdsOfTheirOwn) {
+  const Scene scene = copied_scene(1);
+  const auto accel = build(scene, {.kind = AccelKind::bvh});
+  const Geometry& geometry = accel->geometry();
+  size_t all = 0;
+  for_each_kind([&]<PrimitiveKind kind> {
+    const size_t own = geometry.count(kind), count = geometry.count_all(kind);
+    all += count;
+    for (size_t i = own; i < count; ++i) {
+      const PrimitiveId id = primitive_id(kind, uint32_t(i));
+      ASSERT_TRUE(geometry.is_copied(id));
+      const Geometry::Origin from = geometry.origin_of(id);
+      EXPECT_EQ(&from.object.scene(), &scene.prototypes[scene.instances[from.instance].prototype]);
+      EXPECT_EQ(geometry.id_in(from.instance, from.id), id);
+      EXPECT_EQ(geometry.material_of(id), from.object.material_of(from.id));
+      EXPECT_EQ(geometry.object_of(id), 0u);
+    }
+  });
+  // Polygons count as their triangles.
+  EXPECT_GE(all, scene.primitive_count());
+}
+
+// By shapes that flattening does write out: the front stays what the map makes of the front.
+TEST(Instances, MirroredFrontsStayFronts) {
+  Scene scene = random_scene(4, 1);
+  for_each_pool([&](auto pool) { (scene.*pool.shapes) = {}, (scene.*pool.materials) = {}; });
+  scene.materials[0].transmission = 0;
+  scene.positions = {};
+  Scene object = scene;
+  object.positions = {{-1, -1, 0}, {0, -1, 0}, {0, 1, 0}, {0, -1, 0},
+                      {1, -1, 0},  {1, 1, 0},  {0, 1, 0}};
+  object.triangles = {{0, 1, 2}}, object.triangle_materials = {0};
+  object.normals = {{0, 0, 1}, {0, 0.6f, 0.8f}};
+  object.triangle_normals = {{0, 1, 0}};
+  object.polygons = {{3, 4}}, object.polygon_materials = {0};
+  Mesh mesh;
+  mesh.positions = {{-1, 1, 0}, {-1, -1, 0}, {0, 1, 0}};
+  mesh.triangles = {{0, 1, 2}}, mesh.materials = {0};
+  mesh.normals = {{0, 0, 1}}, mesh.normal_indices = {{0, 0, 0}};
+  object.meshes = {mesh};
+  scene.prototypes = {object};
+  for (const Matrix& m : {kIdentity, Matrix{-1, 0, 0, 0.1f, 0, 1, 0, 0, 0, 0, 1, 0},
+                          Matrix{1, 0.5f, 0, 0, 0, 1, 0, 0, 0, 0, -1, 0.2f}}) {
+    scene.instances = {{0, m}};
+    Scene flat = scene;
+    ASSERT_EQ(flatten_instances(flat), "");
+    const auto copies = build(scene, {.kind = AccelKind::bvh}, true);
+    const auto primitives = build(flat, {.kind = AccelKind::bvh}, true);
+    size_t fronts = 0;
+    for (const float z : {-3.0f, 3.0f})
+      for (float y = -0.9f; y < 1; y += 0.171f)
+        for (float x = -0.9f; x < 1; x += 0.137f) {
+          RayBatch rays;
+          rays.push({{x, y, z}, {0, 0, z > 0 ? -1.0f : 1.0f}});
+          const auto a = testing::answers(*copies, rays), b = testing::answers(*primitives, rays);
+          ASSERT_EQ(a.closest[0].found(), b.closest[0].found()) << x << ' ' << y << ' ' << z;
+          if (!a.closest[0].found()) continue;
+          ++fronts;
+          const Surface s = surface_at(copies->geometry(), rays[0], a.closest[0]),
+                        t = surface_at(primitives->geometry(), rays[0], b.closest[0]);
+          EXPECT_NEAR(length(s.normal - t.normal), 0, 1e-5f);
+        }
+    EXPECT_GT(fronts, 80u);
+  }
+}
+
+TEST(Instances, ColorsOfCopiesAreWrittenOut) {
+  Scene scene = random_scene(4, 1);
+  for_each_pool([&](auto pool) { (scene.*pool.shapes) = {}, (scene.*pool.materials) = {}; });
+  scene.material_opacity = std::vector<float>{0.5f, 1, 1};
+  Scene object = scene;
+  scene.spheres = {{{0, 0, 0}, 1}}, scene.sphere_materials = {0};
+  object.spheres = {{{0, 0, 3}, 1}, {{0, 0, 6}, 1}}, object.sphere_materials = {1, 0};
+  object.sphere_colors = {Rgb(0.25f), Rgb(0.75f)};
+  object.sphere_opacity = {0.125f, 1};
+  scene.prototypes = {object};
+  scene.instances = {{0, kIdentity}};
+  ASSERT_EQ(flatten_instances(scene), "");
+  EXPECT_THAT(std::vector<Rgb>(scene.sphere_colors.begin(), scene.sphere_colors.end()),
+              ElementsAre(scene.materials[0].color, Rgb(0.25f), Rgb(0.75f)));
+  EXPECT_THAT(std::vector<float>(scene.sphere_opacity.begin(), scene.sphere_opacity.end()),
+              ElementsAre(0.5f, 0.125f, 1));
+}
+
+TEST(Instances, EachFaultIsNamed) {
+  const struct {
+    void (*make)(Scene&);
+    const char* sentence;
+  } faults[] = {
+      {[](Scene& s) { s.instances[1].prototype = 3; }, "instance 1: prototype 3 of 3"},
+      {[](Scene& s) { s.instances[1].matrix[3] = NAN; },
+       "instance 1: the matrix must be finite and have an inverse"},
+      {[](Scene& s) { s.instances[0].matrix = {1, 0, 0, 0, 2, 0, 0, 0, 0, 0, 1, 0}; },
+       "instance 0: the matrix must be finite and have an inverse"},
+      {[](Scene& s) { s.prototypes[0].materials.push_back(s.materials[0]); },
+       "prototype 0: it has 4 materials of the scene's 3"},
+      {[](Scene& s) {
+         s.prototypes[1].planes = {{{0, 0, 0}, {0, 0, 1}}}, s.prototypes[1].plane_materials = {0};
+       },
+       "prototype 1: an infinite plane cannot be copied"},
+      {[](Scene& s) {
+         s.prototypes[1].moving_spheres = {{{0, 0, 0}, {1, 0, 0}, 1, 0, 1}};
+         s.prototypes[1].moving_sphere_materials = {0};
+       },
+       "prototype 1: what moves cannot be copied"},
+      {[](Scene& s) { s.prototypes[2].prototypes[0].spheres[0].radius = 0; },
+       "prototype 2: prototype 0: sphere 0: the radius must be finite and not zero"},
+  };
+  for (const auto& fault : faults) {
+    Scene scene = copied_scene(1);
+    ASSERT_THAT(validate(scene), IsEmpty());
+    fault.make(scene);
+    const auto problems = validate(scene);
+    ASSERT_FALSE(problems.empty());
+    EXPECT_EQ(problems.front(), fault.sentence);
+  }
+}
+
+TEST(Instances, AreContent) {
+  const Scene scene = copied_scene(1);
+  Scene other = scene;
+  EXPECT_EQ(content_hash(other), content_hash(scene));
+  other.instances[4].matrix[3] += 1;
+  EXPECT_NE(content_hash(other), content_hash(scene));
+  other = scene;
+  other.prototypes[2].prototypes[0].spheres[0].radius *= 2;
+  EXPECT_NE(content_hash(other), content_hash(scene));
+}
+
+TEST(Instances, UnevenCopiesOfRoundShapesAreNotWrittenOut) {
+  const auto error = [](auto&& add) {
+    Scene scene = random_scene(4, 1);
+    for_each_pool([&](auto pool) { (scene.*pool.shapes) = {}, (scene.*pool.materials) = {}; });
+    Scene object = scene;
+    add(object);
+    for_each_pool(
+        [&](auto pool) { (object.*pool.materials).assign((object.*pool.shapes).size(), 0); });
+    scene.prototypes = {object};
+    scene.instances = {{0, {1, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1, 0}}};
+    return flatten_instances(scene);
+  };
+  EXPECT_THAT(error([](Scene& s) { s.cones = {{{0, 0, 0}, 1, {0, 0, 1}, 1}}; }),
+              HasSubstr("cones are stretched unevenly"));
+  EXPECT_THAT(error([](Scene& s) { s.discs = {{{0, 0, 0}, {0, 0, 1}, 1, 0}}; }),
+              HasSubstr("discs are stretched unevenly"));
+  EXPECT_THAT(
+      error([](Scene& s) { s.ellipsoids = {{{0, 0, 0}, {{2, 0, 0}, {0, 1, 0}, {0, 0, 0.5f}}}}; }),
+      HasSubstr("ellipsoids are stretched unevenly"));
+}
+
+}  // namespace
+}  // namespace raio
