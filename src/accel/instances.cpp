@@ -10,7 +10,7 @@ namespace {
 
 // Rays are rounded where they enter the space of an object, by so much of their coordinates or
 // distances.
-constexpr double kSlack = 1e-6;
+constexpr double kSlack = 2e-6;
 
 double largest(Vec3f v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
@@ -117,11 +117,12 @@ class Instances::Walk {
         visit(copy, std::span<const uint32_t>(all));
       return;
     }
-    inverse_.resize(rays_.size()), slack_.resize(rays_.size());
+    slabs_.resize(rays_.size());
     for (const uint32_t i : lists_) {
       const Ray ray = rays_[i];
-      for (int a = 0; a < 3; ++a) inverse_[i][a] = 1 / double(ray.dir[a]);
-      slack_[i] = in_.slack_ * largest(ray.origin);
+      const auto slack = float(in_.slack_ * largest(ray.origin));
+      for (int a = 0; a < 3; ++a)
+        slabs_[i].axes[a] = {ray.origin[a] + slack, ray.origin[a] - slack, 1 / ray.dir[a]};
     }
     enter(0, 0, lists_.size(), limit, visit);
   }
@@ -140,7 +141,7 @@ class Instances::Walk {
         some_.assign(lists_.begin() + std::ptrdiff_t(end), lists_.end());
         visit(node.first, std::span<const uint32_t>(some_));
       } else {
-        const uint32_t far = inverse_[lists_[end]][node.axis] < 0 ? 0 : 1;
+        const uint32_t far = rays_[lists_[end]].dir[node.axis] < 0 ? 0 : 1;
         enter(node.first + 1 - far, end, last, limit, visit);
         enter(node.first + far, end, last, limit, visit);
       }
@@ -150,24 +151,30 @@ class Instances::Walk {
 
   bool meets(const Box3f& box, uint32_t i, float limit) const {
     if (!(limit > 0)) return false;
-    const float* const from[3] = {&rays_.ox[i], &rays_.oy[i], &rays_.oz[i]};
-    double begin = 0, last = double(limit);
+    float begin = 0, last = limit;
     for (int a = 0; a < 3; ++a) {
-      const double o = double(*from[a]), inverse = inverse_[i][a];
-      const double x = (double(box.lo[a]) - slack_[i] - o) * inverse;
-      const double y = (double(box.hi[a]) + slack_[i] - o) * inverse;
-      const double enters = x < y ? x : y, leaves = x < y ? y : x;
+      const Slab& slab = slabs_[i].axes[a];
+      const float x = (box.lo[a] - slab.above) * slab.inverse;
+      const float y = (box.hi[a] - slab.below) * slab.inverse;
+      const float enters = x < y ? x : y, leaves = x < y ? y : x;
       if (enters > begin) begin = enters;
       if (leaves < last) last = leaves;
     }
-    return begin <= last;
+    return begin <= last * float(1 + kSlack);
   }
+
+  // Of an axis: where a ray begins, with slack to both sides, and 1 over its direction.
+  struct Slab {
+    float above, below, inverse;
+  };
+  struct Slabs {
+    Slab axes[3];
+  };
 
   const Instances& in_;
   const RayBatch& rays_;
   TraceContext& context_;
-  std::vector<Vec3d> inverse_;  // of the directions
-  std::vector<double> slack_;
+  std::vector<Slabs> slabs_;
   std::vector<uint32_t> lists_;  // those of the nodes on the way down, one behind the other
   std::vector<uint32_t> some_;
 };

@@ -18,6 +18,7 @@ std::string plural(size_t count, std::string_view noun) {
 // Of the scene where `matrix` places it; null: where it is.
 Box3f bounds_of(const Scene& scene, const Matrix* matrix) {
   const Placement place(matrix ? *matrix : kIdentity);
+  const double scale = place.scale();
   Box3f box;
   const auto add_point = [&](Vec3f p) { box.extend(matrix ? Vec3f(place.point(Vec3d(p))) : p); };
   for_each_bounded_kind([&]<PrimitiveKind kind> {
@@ -26,9 +27,9 @@ Box3f bounds_of(const Scene& scene, const Matrix* matrix) {
         const Box3f own = bounds(bake(shape));
         if (!matrix)
           box.extend(own);
-        else if (std::is_same_v<PrimitiveType<kind>, Sphere> && place.scale() > 0)
+        else if (std::is_same_v<PrimitiveType<kind>, Sphere> && scale > 0)
           box.extend(bounds(Sphere{Vec3f(place.point(Vec3d(own.center()))),
-                                   float(place.scale() * double(own.size().x) / 2)}));
+                                   float(scale * double(own.size().x) / 2)}));
         else
           box.extend(rounded_out(place.box(own)));
       }
