@@ -257,11 +257,22 @@ TEST(Pdb, AssembliesCopyTheirChains) {
   const auto unit = read(kPdb, "a.pdb", {.style = AtomStyle::space_filling, .assembly = 0});
   ASSERT_EQ(unit->scene.spheres.size(), 3u);
   EXPECT_EQ(unit->scene.materials[unit->scene.sphere_materials[2]].color, element_color(20));
+  const auto copied = read(kPdb, "a.pdb", {.style = AtomStyle::space_filling, .instances = true});
+  ASSERT_EQ(copied->scene.prototypes.size(), 1u);
+  EXPECT_EQ(copied->scene.prototypes[0].spheres.size(), 2u);
+  ASSERT_EQ(copied->scene.instances.size(), 2u);
+  EXPECT_EQ(copied->scene.instances[1].matrix[3], 10);
+  EXPECT_TRUE(copied->scene.spheres.empty());
+  EXPECT_EQ(copied->scene.camera.from, whole->scene.camera.from);
   EXPECT_THAT(error(kPdb, "a.pdb", {.assembly = 2}), HasSubstr("no assembly 2; the file has 1"));
   EXPECT_EQ(read(kPdb, "a.pdb")->scene.cones.size(), 2u);  // few atoms: with bonds
 }
 
 TEST(Pdb, BrokenFilesAreRefused) {
+  std::string flat(kPdb);
+  flat.replace(flat.find("-1.000000"), 9, " 0.000000");
+  EXPECT_THAT(error(flat, "a.pdb", {.style = AtomStyle::space_filling}),
+              HasSubstr("a matrix of an assembly has no inverse"));
   EXPECT_NE(error("HEADER    x\nATOM      1  N   ALA A   1       x\n", "a.pdb"), "no error");
   EXPECT_NE(error("HEADER    nothing\nEND\n", "a.pdb"), "no error");
   EXPECT_NE(error("data_x\nloop_\n_atom_site.id\n", "a.cif"), "no error");

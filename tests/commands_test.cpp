@@ -17,6 +17,7 @@
 
 #include "app/command_line.h"
 #include "app/terminal.h"
+#include "data_files.h"
 #include "io/image/image.h"
 #include "io/nff/nff.h"
 
@@ -118,6 +119,20 @@ TEST_F(Commands, InfoCountsWhatIsInTheScene) {
   EXPECT_TRUE(info["lights"][0]["color"].is_null());
   EXPECT_EQ(info["materials"]["refracting"], 1);
   EXPECT_TRUE(info["warnings"].empty());
+}
+
+TEST_F(Commands, InfoCountsCopies) {
+  const std::string scene = file("some.pdb", std::string(kPdb));
+  InfoCommand command{.scene = scene, .read = {.style = AtomStyle::space_filling}};
+  EXPECT_EQ(run_captured(command), kDone);
+  EXPECT_THAT(out_, HasSubstr("primitives  4\n"));
+  EXPECT_THAT(out_, HasSubstr("instances   2, prototypes 1\n"));
+  command.json = true;
+  EXPECT_EQ(run_captured(command), kDone);
+  const json info = json::parse(out_);
+  EXPECT_EQ(info["instances"], 2);
+  EXPECT_EQ(info["prototypes"], 1);
+  EXPECT_EQ(info["primitive_count"], 4);
 }
 
 // Those who read the JSON can add the pixel up from it, and it is the pixel of the picture.

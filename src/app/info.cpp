@@ -47,6 +47,8 @@ std::string info_json(const ReadScene& read) {
       scene.structure == StructureWish::any ? Json(nullptr) : Json(accel_name(wished_accel(scene)));
   const auto counts = count_primitives(scene);
   for (size_t i = 0; i < counts.size(); ++i) json["primitives"][kShapeKindNames[i]] = counts[i];
+  json["instances"] = scene.instances.size();
+  json["prototypes"] = scene.prototypes.size();
   json["primitive_count"] = scene.primitive_count();
 
   const Box3f box = bounds(scene);
@@ -110,6 +112,9 @@ std::string info_text(const ReadScene& read) {
   const auto counts = count_primitives(scene);
   for (size_t i = 0; i < counts.size(); ++i)
     if (counts[i] > 0) line("", fmt::format("{:<9} {:>10}", kShapeKindNames[i], counts[i]));
+  if (!scene.instances.empty())
+    line("instances",
+         fmt::format("{}, prototypes {}", scene.instances.size(), scene.prototypes.size()));
 
   const Box3f box = bounds(scene);
   if (box.empty()) {
