@@ -12,9 +12,11 @@
 
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
+#include <thread>
 #include <utility>
 
 namespace raio {
@@ -61,7 +63,12 @@ Display::Display() {
 Display::~Display() {
   if (process_ <= 0) return;
   ::kill(process_, SIGTERM);
-  ::waitpid(process_, nullptr, 0);
+  // It may miss the signal while it starts anew after its last client.
+  const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(5);
+  while (::waitpid(process_, nullptr, WNOHANG) == 0) {
+    if (std::chrono::steady_clock::now() > give_up) ::kill(process_, SIGKILL);
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
 }
 
 WindowDriver::WindowDriver(const Display& display, const std::vector<std::string>& arguments,
