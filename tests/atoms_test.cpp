@@ -293,5 +293,147 @@ TEST(Cif, AtomsAreRead) {
   EXPECT_EQ(scene->scene.cones.size(), 2u);
 }
 
+constexpr std::string_view kSalt =
+    "data_salt\n_cell_length_a 5.64\n_cell_length_b 5.64\n_cell_length_c 5.64\n"
+    "_cell_angle_alpha 90\n_cell_angle_beta 90\n_cell_angle_gamma 90\n"
+    "_symmetry_space_group_name_H-M 'F m -3 m'\n"
+    "loop_\n_atom_site_label\n_atom_site_fract_x\n_atom_site_fract_y\n_atom_site_fract_z\n"
+    "Na1 0 0 0\nCl1 0.5 0.5 0.5000(1)\n";
+
+// Its 192 operations leave four places of each.
+TEST(Cif, CrystalsFillTheirCell) {
+  const auto salt = read(kSalt, "salt.cif", {.style = AtomStyle::space_filling});
+  ASSERT_TRUE(salt) << salt.error().front().text();
+  const Scene& scene = salt->scene;
+  ASSERT_EQ(scene.spheres.size(), 8u);
+  for (size_t i = 0; i < 8; ++i) {
+    // Sodium where the halves are even, chlorine where they are odd.
+    const Vec3f c = scene.spheres[i].center * (2 / 5.64f);
+    EXPECT_NEAR(std::remainder(c.x + c.y + c.z - float(i / 4), 2), 0, 1e-4) << i;
+    EXPECT_EQ(scene.materials[scene.sphere_materials[i]].color, element_color(i < 4 ? 11 : 17));
+  }
+  // As the file lists them, which says more than a name.
+  std::string text(kSalt);
+  text += "loop_\n_symmetry_equiv_pos_as_xyz\n'x,y,z'\n'-x,-y,1/4+z'\n";
+  EXPECT_EQ(read(text, "salt.cif")->scene.spheres.size(), 4u);
+  EXPECT_THAT(error(text + "loop_\n_symmetry_equiv_pos_as_xyz\n'x,y'\n", "salt.cif"),
+              HasSubstr("salt.cif: error: "));
+  EXPECT_THAT(error(kSalt, "salt.cif", {.frame = 1}), HasSubstr("no frame 1; the file has 1"));
+}
+
+// The sides of the cell by the ends of the lines that are drawn along them.
+std::array<Vec3f, 3> sides_drawn(std::string_view text, std::string_view name,
+                                 ReadOptions options = {}) {
+  options.cell = true, options.style = AtomStyle::space_filling, options.frame = -1;
+  const auto got = read(text, name, options);
+  if (!got || got->scene.cones.size() < 12) return {};
+  const auto& lines = got->scene.cones;
+  const auto line = [&](size_t i) { return lines[i].apex - lines[i].base; };
+  const auto& n = options.images;
+  const size_t first = size_t((n[1] + 1) * (n[2] + 1)), second = size_t((n[2] + 1) * (n[0] + 1));
+  return {line(0), line(first), line(first + second)};
+}
+
+TEST(Atoms, CellsAreThoseOfTheFiles) {
+  using Sides = std::array<Vec3f, 3>;
+  const auto near = [](const Sides& a, const Sides& b) {
+    for (size_t i = 0; i < 3; ++i)
+      if (length(a[i] - b[i]) > 1e-4f) return false;
+    return true;
+  };
+  EXPECT_TRUE(near(sides_drawn(kSalt, "a.cif"),
+                   Sides{Vec3f(5.64f, 0, 0), Vec3f(0, 5.64f, 0), Vec3f(0, 0, 5.64f)}));
+  EXPECT_TRUE(near(sides_drawn(kSalt, "a.cif", {.images = {2, 1, 3}}),
+                   Sides{Vec3f(11.28f, 0, 0), Vec3f(0, 5.64f, 0), Vec3f(0, 0, 16.92f)}));
+  EXPECT_TRUE(
+      near(sides_drawn(kDump, "a.dump"), Sides{Vec3f(10, 0, 0), Vec3f(2, 10, 0), Vec3f(0, 0, 10)}));
+  EXPECT_TRUE(
+      near(sides_drawn(kData, "a.lmp"), Sides{Vec3f(20, 0, 0), Vec3f(0, 20, 0), Vec3f(0, 0, 20)}));
+  std::string leaning(kData);
+  leaning.replace(leaning.find("zlo zhi"), 7, "zlo zhi\n1 2 3 xy xz yz");
+  EXPECT_TRUE(near(sides_drawn(leaning, "a.lmp"),
+                   Sides{Vec3f(20, 0, 0), Vec3f(1, 20, 0), Vec3f(2, 3, 20)}));
+  EXPECT_TRUE(near(sides_drawn(kGro, "a.gro"),
+                   Sides{Vec3f(18.6824f, 0, 0), Vec3f(0, 18.6824f, 0), Vec3f(0, 0, 18.6824f)}));
+  std::string nine(kGro);
+  nine.insert(nine.size() - 1, " 0 0 0.5 0 0.25 0.125");
+  EXPECT_TRUE(near(sides_drawn(nine, "a.gro"), Sides{Vec3f(18.6824f, 0, 0), Vec3f(5, 18.6824f, 0),
+                                                     Vec3f(2.5f, 1.25f, 18.6824f)}));
+  EXPECT_TRUE(
+      near(sides_drawn("1\nLattice=\"4 0 0 1 5 0 0 1 6\" Origin=\"1 2 3\"\nAr 1 1 1\n", "a.xyz"),
+           Sides{Vec3f(4, 0, 0), Vec3f(1, 5, 0), Vec3f(0, 1, 6)}));
+  const std::string crystal =
+      "CRYST1   10.000   20.000   30.000  90.00  90.00  90.00 P 1           1\n";
+  EXPECT_TRUE(near(sides_drawn(crystal + std::string(kPdb), "a.pdb"),
+                   Sides{Vec3f(10, 0, 0), Vec3f(0, 20, 0), Vec3f(0, 0, 30)}));
+  std::string general(kDump);
+  general.replace(general.rfind("ITEM: BOX BOUNDS"), 56,
+                  "ITEM: BOX BOUNDS abc origin pp pp pp\n3 0 0 7\n1 4 0 8\n1 1 5 9\n");
+  EXPECT_TRUE(
+      near(sides_drawn(general, "a.dump"), Sides{Vec3f(3, 0, 0), Vec3f(1, 4, 0), Vec3f(1, 1, 5)}));
+  EXPECT_THAT(error(kWater, "a.xyz", {.cell = true}), HasSubstr("cell needs a cell"));
+  EXPECT_THAT(error(kPdb, "a.pdb", {.images = {2, 1, 1}}), HasSubstr("images needs a cell"));
+  EXPECT_THAT(error("1\nLattice=\"inf 0 0 1 5 0 0 1 6\"\nAr 1 1 1\n", "a.xyz", {.cell = true}),
+              HasSubstr("cell"));
+}
+
+// As instances, as primitives and as atoms with bonds between the copies.
+TEST(Atoms, ImagesFillTheirCells) {
+  const std::string chain = "2\nLattice=\"3 0 0 0 9 0 0 0 9\"\nC 0 0 0\nC 1.5 0 0\n";
+  const ReadOptions filled{.style = AtomStyle::space_filling, .images = {4, 2, 1}};
+  const auto whole = read(chain, "a.xyz", filled);
+  ASSERT_TRUE(whole) << whole.error().front().text();
+  ASSERT_EQ(whole->scene.spheres.size(), 16u);
+  EXPECT_EQ(whole->scene.spheres[15].center, Vec3f(10.5f, 9, 0));
+  ReadOptions copies = filled;
+  copies.instances = true;
+  const auto copied = read(chain, "a.xyz", copies);
+  EXPECT_EQ(copied->scene.instances.size(), 8u);
+  EXPECT_EQ(copied->scene.instances[1].matrix[3], 3);
+  EXPECT_EQ(copied->scene.prototypes[0].spheres.size(), 2u);
+  const auto bonds = read(chain, "a.xyz", {.images = {4, 2, 1}});
+  EXPECT_EQ(bonds->scene.spheres.size(), 16u);
+  EXPECT_EQ(bonds->scene.cones.size(), 14u);  // of two chains of eight
+  EXPECT_EQ(bonds->scene.spheres[15].center, Vec3f(10.5f, 9, 0));
+  EXPECT_THAT(
+      error(chain, "a.xyz", {.style = AtomStyle::space_filling, .images = {1000, 1000, 1000}}),
+      HasSubstr("need more memory than there is"));
+  const std::string crystal =
+      "CRYST1   10.000   20.000   30.000  90.00  90.00  90.00 P 1           1\n";
+  EXPECT_THAT(error(crystal + std::string(kPdb), "a.pdb", {.assembly = 1, .images = {1, 2, 1}}),
+              HasSubstr("leave out assembly or images"));
+  // The asymmetric unit, not the assembly, fills the cell.
+  EXPECT_EQ(read(crystal + std::string(kPdb), "a.pdb",
+                 {.style = AtomStyle::space_filling, .images = {1, 2, 1}})
+                ->scene.spheres.size(),
+            6u);
+}
+
+TEST(Pdb, AssembliesHaveBonds) {
+  const auto whole = read(kPdb, "a.pdb", {.style = AtomStyle::sticks, .assembly = 1});
+  ASSERT_TRUE(whole) << whole.error().front().text();
+  EXPECT_EQ(whole->scene.spheres.size(), 4u);
+  EXPECT_EQ(whole->scene.cones.size(), 4u);
+}
+
+TEST(Pdb, LinksAreBonds) {
+  const auto bonds = [](std::string_view second, std::string_view head) {
+    const std::string text =
+        std::string(head) +
+        "ATOM      1  SG  CYS A   3       0.000   0.000   0.000  1.00  0.00           S\n"
+        "ATOM      2  SG  CYS A  40    " +
+        std::string(second) + "  1.00  0.00           S\n";
+    const auto got = read(text, "a.pdb");
+    return got ? got->scene.cones.size() : 99;
+  };
+  const std::string_view bridge =
+      "SSBOND   1 CYS A    3    CYS A   40                          1555   1555  2.03\n";
+  EXPECT_EQ(bonds("   5.000   0.000   0.000", ""), 0u);
+  EXPECT_EQ(bonds("   5.000   0.000   0.000", bridge), 1u);
+  std::string elsewhere(bridge);
+  elsewhere.replace(elsewhere.find("1555", 66), 4, "2555");
+  EXPECT_EQ(bonds("   5.000   0.000   0.000", elsewhere), 0u);
+}
+
 }  // namespace
 }  // namespace raio

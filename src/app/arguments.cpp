@@ -1,6 +1,8 @@
 #include "app/arguments.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <map>
 #include <optional>
 #include <variant>
@@ -59,6 +61,24 @@ std::optional<FrameRange> parse_frames(std::string_view text) {
   return out;
 }
 
+// "2,2,1".
+std::array<int, 3> parse_images(const std::string& text) {
+  std::array<int, 3> out{};
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  for (size_t i = 0; i < 3; ++i) {
+    const auto [stop, error] = std::from_chars(at, end, out[i]);
+    const bool more = i < 2 && stop != end && *stop == ',';
+    if (error != std::errc() || out[i] < 1 || out[i] > kMostImages || (stop != end) != (i < 2) ||
+        (i < 2 && !more))
+      throw CLI::ValidationError(
+          "--images", fmt::format("expected three numbers from 1 to {}, as in 2,2,1, found '{}'",
+                                  kMostImages, text));
+    at = stop + more;
+  }
+  return out;
+}
+
 }  // namespace
 
 void add_read_options(CLI::App& app, ReadOptions& options, std::optional<FrameRange>* frames) {
@@ -113,6 +133,10 @@ void add_read_options(CLI::App& app, ReadOptions& options, std::optional<FrameRa
       },
       "Biological assembly of a molecule (default: 1 where there is one, for space-filling)",
       "N|none");
+  app.add_flag("--cell", options.cell, "Draw the edges of the cell of a crystal or simulation");
+  word(
+      "--images", [&options](const std::string& text) { options.images = parse_images(text); },
+      "Copies of the cell along its sides, such as 2,2,1 (default: 1,1,1)", "NA,NB,NC");
   word(
       "--frame",
       [&options, frames](const std::string& text) {

@@ -1,6 +1,7 @@
 // What readers of scene files take and give, whatever the format.
 #pragma once
 
+#include <array>
 #include <expected>
 #include <filesystem>
 #include <optional>
@@ -18,6 +19,9 @@ class TextBuffer;  // io/nff/text_cursor.h
 /// cylinders; bonds alone; or all as points of one size.
 enum class AtomStyle { space_filling, ball_and_stick, sticks, points };
 
+/// Copies of a cell along one of its sides.
+inline constexpr int kMostImages = 1000;
+
 /// What a user may ask of files that leave it open: atoms, points and meshes.
 struct ReadOptions {
   // NOLINTBEGIN(readability-redundant-member-init): so that some can be left out
@@ -27,7 +31,9 @@ struct ReadOptions {
   float radius = 0;                  // of points that have none, scene units; 0: from their spacing
   std::optional<int> assembly = {};  // biological; 0: none; without: 1 where there is one
   int frame = 0;                     // of a trajectory, or model, from 0; negative: from the end
-  bool instances = false;            // copies stay such; else they become primitives of their own
+  bool cell = false;                 // the edges of the box that repeats are drawn
+  std::array<int, 3> images = {1, 1, 1};  // copies along its sides
+  bool instances = false;  // copies stay such; else they become primitives of their own
   std::optional<std::filesystem::path> folder = {};  // of other files that it names; none: nowhere
   // NOLINTEND(readability-redundant-member-init)
 

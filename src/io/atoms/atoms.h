@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,10 +29,17 @@ struct Assembly {
   std::vector<Copies> copies;
 };
 
+/// The box that atoms repeat in without end.
+struct Cell {
+  std::array<double, 3> origin{};
+  std::array<std::array<double, 3>, 3> sides{};  // a, b and c
+};
+
 struct Atoms {
   std::vector<Atom> atoms;
   std::vector<std::string> chains;
   std::vector<Assembly> assemblies;
+  std::optional<Cell> cell;
   size_t frames = 1;         // that the file has
   std::vector<float> radii;  // of the atoms, or empty
   std::vector<float>
@@ -41,9 +49,10 @@ struct Atoms {
   bool finds_bonds = true;                     // whether there are others by distance
 };
 
-/// Reads a PDB or mmCIF text into `out`, of its frames that of the number, negative from the end.
-/// Where a residue has several conformers it is the first. Returns what is wrong, or
-/// nothing; a frame that there is not is no error, but leaves `out` without atoms.
+/// Reads a PDB or CIF text into `out`, of its frames that of the number, negative from the end.
+/// Where a residue has several conformers it is the first. Of a CIF file that gives a crystal by
+/// the parts of its cell, all atoms in one cell. Returns what is wrong, or nothing; a frame that
+/// there is not is no error, but leaves `out` without atoms.
 std::string read_structure(const char* text, size_t size, bool cif, int frame, Atoms& out);
 
 }  // namespace raio

@@ -81,8 +81,17 @@ class DataReader {
     if (words.size() == 4 && words[2].ends_with("lo") && words[3].ends_with("hi")) {
       const size_t axis = size_t(std::clamp(words[2][0] - 'x', 0, 2));
       double low = 0, high = 0;
-      if (parse_number(words[0].data(), low) && parse_number(words[1].data(), high))
-        sides_[axis] = high - low;
+      if (parse_number(words[0].data(), low) && parse_number(words[1].data(), high)) {
+        Cell& cell = box();
+        cell.origin[axis] = low, cell.sides[axis][axis] = high - low;
+      }
+    }
+    if (words.size() == 6 && words[3] == "xy" && words[4] == "xz" && words[5] == "yz") {
+      std::array<double, 3> tilt{};
+      for (size_t i = 0; i < 3; ++i)
+        if (!parse_number(words[i].data(), tilt[i])) return wrong(line, words[i].data(), "a tilt");
+      Cell& cell = box();
+      cell.sides[1][0] = tilt[0], cell.sides[2][0] = tilt[1], cell.sides[2][1] = tilt[2];
     }
     return {};  // of other sections and the header nothing is kept
   }
@@ -172,10 +181,17 @@ class DataReader {
       bool is_across = false;
       for (size_t axis = 0; axis < 3; ++axis)
         is_across |= std::abs(double(out_.atoms[bond[0]].place[axis]) -
-                              double(out_.atoms[bond[1]].place[axis])) > sides_[axis] / 2;
+                              double(out_.atoms[bond[1]].place[axis])) > side(axis) / 2;
       if (!is_across && bond[0] != bond[1]) out_.bonds.push_back(bond);
     }
     return {};
+  }
+
+  Cell& box() { return out_.cell ? *out_.cell : out_.cell.emplace(); }
+  // How far the box extends along an axis; without end where the file does not say.
+  double side(size_t axis) const {
+    const double length = out_.cell ? out_.cell->sides[axis][axis] : 0;
+    return length > 0 ? length : INFINITY;
   }
 
   // By the comment of a mass, else by the mass, unless those are of no elements.
@@ -201,7 +217,6 @@ class DataReader {
   LineReader lines_;
   std::string_view file_;
   size_t atoms_ = 0, bonds_ = 0, first_ = 0;
-  std::array<double, 3> sides_ = {INFINITY, INFINITY, INFINITY};
   std::map<uint32_t, double> masses_;     // of types
   std::map<uint32_t, uint8_t> elements_;  // likewise
   std::vector<std::array<uint64_t, 2>> listed_;

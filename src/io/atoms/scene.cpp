@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "base/parallel.h"
+#include "base/platform/memory.h"
 #include "io/atoms/colors.h"
 #include "io/atoms/lines.h"
 #include "io/atoms/read.h"
@@ -22,6 +23,8 @@ namespace {
 constexpr size_t kFew = 300;
 constexpr float kLargest = 1e9f;  // number of a matrix, so that what it moves stays near
 constexpr float kStick = 0.15f, kBond = 0.12f, kBallPart = 0.27f, kPoint = 0.25f;
+constexpr double kEdgePart = 0.005;  // of a cell's mean side, the radius of its edges
+const Rgb kEdgeColor(0.05f);
 
 std::unexpected<Diagnostics> failed(std::string_view file, std::string message) {
   return std::unexpected(
@@ -30,18 +33,67 @@ std::unexpected<Diagnostics> failed(std::string_view file, std::string message) 
 
 Vec3f place_of(const Atom& atom) { return {atom.place[0], atom.place[1], atom.place[2]}; }
 
+bool any_element(const Atoms& atoms) {
+  return std::ranges::any_of(atoms.atoms, [](const Atom& a) { return a.element > 0; });
+}
+
+size_t images_of(const ReadOptions& options) {
+  return size_t(options.images[0]) * size_t(options.images[1]) * size_t(options.images[2]);
+}
+
+AtomStyle style_of(const Atoms& atoms, const ReadOptions& options) {
+  const bool few = atoms.atoms.size() <= kFew / images_of(options) &&
+                   (any_element(atoms) || !atoms.bonds.empty());
+  return options.style.value_or(few ? AtomStyle::ball_and_stick : AtomStyle::space_filling);
+}
+
+bool has_bonds(AtomStyle style) {
+  return style == AtomStyle::ball_and_stick || style == AtomStyle::sticks;
+}
+
+// From the cell to its copies, of which the first is the cell itself.
+std::vector<Vec3d> shifts_of(const Atoms& atoms, const std::array<int, 3>& images) {
+  std::vector<Vec3d> out;
+  if (!atoms.cell) return {Vec3d()};
+  const auto side = [&](size_t i) {
+    const auto& s = atoms.cell->sides[i];
+    return Vec3d(s[0], s[1], s[2]);
+  };
+  for (int k = 0; k < images[2]; ++k)
+    for (int j = 0; j < images[1]; ++j)
+      for (int i = 0; i < images[0]; ++i) out.push_back(side(0) * i + side(1) * j + side(2) * k);
+  return out;
+}
+
+// With the copies of the cell as atoms, so that bonds lead from one to the next.
+Atoms repeated(const Atoms& atoms, const std::vector<Vec3d>& shifts) {
+  Atoms out = atoms;
+  out.atoms.clear(), out.radii.clear(), out.values.clear(), out.bonds.clear();
+  for (const Vec3d& shift : shifts) {
+    const auto first = uint32_t(out.atoms.size());
+    for (Atom atom : atoms.atoms) {
+      for (size_t i = 0; i < 3; ++i) atom.place[i] += float(shift[int(i)]);
+      out.atoms.push_back(atom);
+    }
+    out.radii.insert(out.radii.end(), atoms.radii.begin(), atoms.radii.end());
+    out.values.insert(out.values.end(), atoms.values.begin(), atoms.values.end());
+    for (const auto& [a, b] : atoms.bonds) out.bonds.push_back({first + a, first + b});
+  }
+  return out;
+}
+
 class SceneMaker {
  public:
-  SceneMaker(const Atoms& atoms, std::string_view file, const ReadOptions& options)
-      : atoms_(atoms), file_(file), options_(options) {}
+  // `shifts`: to the copies of what the atoms make.
+  SceneMaker(const Atoms& atoms, std::string_view file, const ReadOptions& options, AtomStyle style,
+             std::vector<Vec3d> shifts)
+      : atoms_(atoms), file_(file), options_(options), style_(style), shifts_(std::move(shifts)) {}
 
   std::expected<ReadScene, Diagnostics> make() {
     if (atoms_.atoms.empty())
       return failed(file_, fmt::format("there is no frame {}; the file has {}", options_.frame,
                                        atoms_.frames));
-    has_elements_ = std::ranges::any_of(atoms_.atoms, [](const Atom& a) { return a.element > 0; });
-    const bool few = atoms_.atoms.size() <= kFew && (has_elements_ || !atoms_.bonds.empty());
-    style_ = options_.style.value_or(few ? AtomStyle::ball_and_stick : AtomStyle::space_filling);
+    has_elements_ = any_element(atoms_);
     if (!has_elements_ && atoms_.radii.empty()) {
       std::vector<Vec3f> places;
       for (const Atom& atom : atoms_.atoms) places.push_back(place_of(atom));
@@ -51,12 +103,12 @@ class SceneMaker {
     scene.dialect = Dialect::data;
     read_.frames = atoms_.frames;
     if (auto wrong = color_atoms(); !wrong.empty()) return failed(file_, wrong);
-    if (auto wrong = add_spheres(); !wrong.empty()) return failed(file_, wrong);
-    if (style_ == AtomStyle::ball_and_stick || style_ == AtomStyle::sticks)
-      if (!add_bonds())
-        return failed(file_,
-                      "too many atoms are at one place for bonds between them; choose the "
-                      "`style` space-filling or points");
+    if (has_bonds(style_) && !collect_bonds())
+      return failed(file_,
+                    "too many atoms are at one place for bonds between them; choose the `style` "
+                    "space-filling or points");
+    if (auto wrong = add_copies(); !wrong.empty()) return failed(file_, wrong);
+    if (options_.cell) add_edges();
     fit_camera(scene, FitView::principal);
     return std::move(read_);
   }
@@ -135,45 +187,59 @@ class SceneMaker {
     return out;
   }
 
-  // Of the file, or of the copies of an assembly; the error.
-  std::string add_spheres() {
-    const bool has = !atoms_.assemblies.empty();
+  // Of the file, of an assembly or of the cell; the error.
+  std::string add_copies() {
+    const bool copied = images_of(options_) > 1, has = !atoms_.assemblies.empty() && !copied;
     const int wanted =
         options_.assembly.value_or(has && style_ == AtomStyle::space_filling ? 1 : 0);
-    if (wanted == 0) {
-      add_atoms(read_.scene, nullptr);
-      return {};
-    }
     if (wanted < 0 || size_t(wanted) > atoms_.assemblies.size())
       return fmt::format("there is no assembly {}; the file has {}", wanted,
                          atoms_.assemblies.size());
-    if (style_ == AtomStyle::ball_and_stick || style_ == AtomStyle::sticks)
-      return "assemblies are drawn without bonds; choose the style space-filling or points";
+    if (wanted > 0 && copied)
+      return "an assembly is no part of the cell; leave out `assembly` or `images`";
+    if (wanted == 0 && shifts_.size() == 1) {
+      add_atoms(read_.scene, nullptr);
+      return {};
+    }
+    if (wanted == 0) {
+      std::vector<Matrix> matrices;
+      for (const Vec3d& s : shifts_)
+        matrices.push_back({1, 0, 0, float(s.x), 0, 1, 0, float(s.y), 0, 0, 1, float(s.z)});
+      add_object(nullptr, matrices);
+      return {};
+    }
     for (const Assembly::Copies& copies : atoms_.assemblies[size_t(wanted) - 1].copies) {
       std::vector<bool> chosen;
       for (const uint32_t part : copies.parts) {
         if (part >= chosen.size()) chosen.resize(size_t(part) + 1);
         chosen[part] = true;
       }
-      Scene& scene = read_.scene;
-      Scene object;
-      add_atoms(object, &chosen);
-      if (object.spheres.empty()) continue;
-      object.materials = scene.materials;
-      for (const Matrix& matrix : copies.matrices)
-        scene.instances.push_back({uint32_t(scene.prototypes.size()), matrix});
-      scene.prototypes.push_back(std::move(object));
+      add_object(&chosen, copies.matrices);
     }
     return read_.scene.instances.empty() ? "the assembly has no atoms" : "";
   }
 
-  // Those whose parts are chosen; null: all.
+  // The chosen parts, moved by each of the matrices.
+  void add_object(const std::vector<bool>* chosen, const std::vector<Matrix>& matrices) {
+    Scene& scene = read_.scene;
+    Scene object;
+    add_atoms(object, chosen);
+    if (object.spheres.empty()) return;
+    object.materials = scene.materials;
+    for (const Matrix& matrix : matrices)
+      scene.instances.push_back({uint32_t(scene.prototypes.size()), matrix});
+    scene.prototypes.push_back(std::move(object));
+  }
+
+  // Those whose parts are chosen, with the bonds between them; null: all.
   void add_atoms(Scene& scene, const std::vector<bool>* chosen) const {
-    std::vector<uint32_t> some;
-    for (uint32_t i = 0; i < atoms_.atoms.size(); ++i) {
+    const auto is_chosen = [&](uint32_t i) {
       const uint32_t part = atoms_.atoms[i].part;
-      if (!chosen || (part < chosen->size() && (*chosen)[part])) some.push_back(i);
-    }
+      return !chosen || (part < chosen->size() && (*chosen)[part]);
+    };
+    std::vector<uint32_t> some;
+    for (uint32_t i = 0; i < atoms_.atoms.size(); ++i)
+      if (is_chosen(i)) some.push_back(i);
     scene.spheres.resize(some.size());
     scene.sphere_materials.resize(some.size());
     Sphere* const spheres = scene.spheres.data();
@@ -182,48 +248,108 @@ class SceneMaker {
       spheres[i] = {place_of(atoms_.atoms[some[i]]), radius_of(some[i])};
       materials[i] = material_[some[i]];
     });
+    for (const auto& [a, b] : bonds_)
+      if (is_chosen(a) && is_chosen(b)) add_bond(scene, a, b);
   }
 
-  // Cylinders, half of each in the colour of the atom at its end.
-  bool add_bonds() {
-    Scene& scene = read_.scene;
-    const float radius = style_ == AtomStyle::sticks ? kStick : kBond;
-    Bonds bonds = atoms_.bonds;
-    if (atoms_.finds_bonds) {
-      const auto found = find_bonds(atoms_.atoms);
-      if (!found) return false;
-      bonds.insert(bonds.end(), found->begin(), found->end());
-      std::ranges::sort(bonds);
-      bonds.erase(std::ranges::unique(bonds).begin(), bonds.end());
-    }
-    for (const auto& [a, b] : bonds) {
-      const Vec3f from = place_of(atoms_.atoms[a]), to = place_of(atoms_.atoms[b]);
-      const Vec3f middle = (from + to) * 0.5f;
-      const auto add = [&](Vec3f base, Vec3f apex, MaterialId id) {
-        if (base == apex) return;  // atoms at one place
-        scene.cones.push_back({base, radius, apex, radius});
-        scene.cone_materials.push_back(id);
-      };
-      if (material_[a] == material_[b]) {
-        add(from, to, material_[a]);
-      } else {
-        add(from, middle, material_[a]);
-        add(middle, to, material_[b]);
-      }
-    }
+  // False: so many atoms are at one place that they are none.
+  bool collect_bonds() {
+    bonds_ = atoms_.bonds;
+    if (!atoms_.finds_bonds) return true;
+    const auto found = find_bonds(atoms_.atoms);
+    if (!found) return false;
+    bonds_.insert(bonds_.end(), found->begin(), found->end());
+    std::ranges::sort(bonds_);
+    bonds_.erase(std::ranges::unique(bonds_).begin(), bonds_.end());
     return true;
+  }
+
+  // Half of it in the colour of the atom at its end.
+  void add_bond(Scene& scene, uint32_t a, uint32_t b) const {
+    const float radius = style_ == AtomStyle::sticks ? kStick : kBond;
+    const Vec3f from = place_of(atoms_.atoms[a]), to = place_of(atoms_.atoms[b]);
+    const Vec3f middle = (from + to) * 0.5f;
+    if (material_[a] == material_[b]) {
+      add_cylinder(scene, from, to, radius, material_[a]);
+    } else {
+      add_cylinder(scene, from, middle, radius, material_[a]);
+      add_cylinder(scene, middle, to, radius, material_[b]);
+    }
+  }
+
+  static void add_cylinder(Scene& scene, Vec3f from, Vec3f to, float radius, MaterialId id) {
+    if (from == to) return;  // atoms at one place
+    scene.cones.push_back({from, radius, to, radius});
+    scene.cone_materials.push_back(id);
+  }
+
+  // Of all cells, as lines through them along each of the sides, round at their ends.
+  void add_edges() {
+    Scene& scene = read_.scene;
+    const auto& n = options_.images;
+    std::array<Vec3d, 3> side;
+    double mean = 0;
+    for (size_t i = 0; i < 3; ++i) {
+      const auto& s = atoms_.cell->sides[i];
+      side[i] = Vec3d(s[0], s[1], s[2]);
+      mean += length(side[i]) / 3;
+    }
+    const auto& o = atoms_.cell->origin;
+    const Vec3d origin(o[0], o[1], o[2]);
+    const auto radius = float(kEdgePart * mean);
+    const MaterialId id = material(kEdgeColor);
+    for (size_t axis = 0; axis < 3; ++axis) {
+      const size_t other = (axis + 1) % 3, third = (axis + 2) % 3;
+      for (int j = 0; j <= n[other]; ++j)
+        for (int k = 0; k <= n[third]; ++k) {
+          const Vec3d from = origin + side[other] * j + side[third] * k;
+          const Vec3d to = from + side[axis] * n[axis];
+          add_cylinder(scene, Vec3f(from), Vec3f(to), radius, id);
+          // Where lines of several axes end, one of them has the ball.
+          const auto ends = [&](size_t a, int at) { return a < axis && (at == 0 || at == n[a]); };
+          if (ends(other, j) || ends(third, k)) continue;
+          for (const Vec3d& end : {from, to}) {
+            scene.spheres.push_back({Vec3f(end), radius});
+            scene.sphere_materials.push_back(id);
+          }
+        }
+    }
   }
 
   const Atoms& atoms_;
   std::string_view file_;
   const ReadOptions& options_;
-  AtomStyle style_ = AtomStyle::space_filling;
+  const AtomStyle style_;
+  const std::vector<Vec3d> shifts_;
   bool has_elements_ = false;
   float particle_radius_ = 1;  // of atoms without elements
   ReadScene read_;
   std::map<std::array<float, 3>, MaterialId> materials_;
   std::vector<MaterialId> material_;  // of each atom
+  Bonds bonds_;
 };
+
+// What keeps the cell from being drawn or copied.
+std::string cell_problem(const Atoms& atoms, const ReadOptions& options) {
+  const size_t images = images_of(options);
+  const std::string_view asked = options.cell ? "cell" : images > 1 ? "images" : "";
+  if (asked.empty()) return {};
+  if (!atoms.cell) return fmt::format("`{}` needs a cell, which the file does not have", asked);
+  const Cell& cell = *atoms.cell;
+  const auto is_sound = [](const std::array<double, 3>& v) {
+    return std::ranges::all_of(v, [](double x) { return std::abs(x) <= double(kLargest); });
+  };
+  if (!is_sound(cell.origin) || !std::ranges::all_of(cell.sides, is_sound))
+    return "the cell has a number that is not finite";
+  // Of each atom with its bonds, or of each copy.
+  const double bytes = has_bonds(style_of(atoms, options)) ? 300.0 * double(atoms.atoms.size())
+                       : options.instances                 ? 200.0
+                                                           : 60.0 * double(atoms.atoms.size());
+  if (images > 1 && bytes * double(images) > 0.5 * double(available_memory_bytes()))
+    return fmt::format("{} copies of {} atoms need more memory than there is; give fewer `images`",
+                       images, atoms.atoms.size());
+  return {};
+}
 
 }  // namespace
 
@@ -246,7 +372,12 @@ std::expected<ReadScene, Diagnostics> scene_of_atoms(const Atoms& atoms, std::st
   for (size_t i = 0; i < atoms.radii.size(); ++i)
     if (!(atoms.radii[i] <= kFarthestPlace))
       return failed(file, fmt::format("atom {} has a radius that is too large", i + 1));
-  return SceneMaker(atoms, file, options).make();
+  if (std::string wrong = cell_problem(atoms, options); !wrong.empty()) return failed(file, wrong);
+  const AtomStyle style = style_of(atoms, options);
+  const std::vector<Vec3d> shifts = shifts_of(atoms, options.images);
+  if (has_bonds(style) && shifts.size() > 1)
+    return SceneMaker(repeated(atoms, shifts), file, options, style, {Vec3d()}).make();
+  return SceneMaker(atoms, file, options, style, shifts).make();
 }
 
 }  // namespace raio

@@ -1,11 +1,13 @@
 // PDB and mmCIF, by gemmi. In C++17: with its headers clang refuses the containers of incomplete
 // types that later versions evaluate at compile time.
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <exception>
 #include <gemmi/cif.hpp>
 #include <gemmi/mmcif.hpp>
 #include <gemmi/pdb.hpp>
+#include <gemmi/smcif.hpp>
 #include <locale>
 #include <map>
 #include <sstream>
@@ -53,6 +55,91 @@ void add_model(const gemmi::Model& model, bool cif, Names& chains, Names& parts,
       }
       ++residues;
     }
+}
+
+Cell cell_of(const gemmi::UnitCell& from) {
+  Cell cell;
+  for (size_t side = 0; side < 3; ++side)
+    for (size_t i = 0; i < 3; ++i) cell.sides[side][i] = from.orth.mat[i][side];
+  return cell;
+}
+
+// Those between molecules and within them, of SSBOND, LINK and struct_conn: no hydrogen bonds, and
+// none that leads to a copy of the crystal.
+void add_links(const gemmi::Structure& s, const gemmi::Model& model, const Serials& serials,
+               Atoms& out) {
+  for (const gemmi::Connection& link : s.connections) {
+    if (link.asu == gemmi::Asu::Different || link.type == gemmi::Connection::Hydrog) continue;
+    const gemmi::Atom* const from = model.find_cra(link.partner1).atom;
+    const gemmi::Atom* const to = model.find_cra(link.partner2).atom;
+    if (!from || !to) continue;
+    // Where it is not said which copy is meant, it is another one if that is nearer.
+    if (link.asu == gemmi::Asu::Any && s.cell.is_crystal() &&
+        !s.cell.find_nearest_image(from->pos, to->pos, gemmi::Asu::Any).same_asu())
+      continue;
+    const auto a = serials.find(from->serial), b = serials.find(to->serial);
+    if (a == serials.end() || b == serials.end() || a->second == b->second) continue;
+    out.bonds.push_back({std::min(a->second, b->second), std::max(a->second, b->second)});
+  }
+}
+
+// The operations of a crystal's symmetry, as the file lists them, or else by its group's name.
+std::vector<gemmi::Op> symmetry_of(gemmi::cif::Block& block, const std::string& group) {
+  std::vector<gemmi::Op> out;
+  for (const char* tag : {"_space_group_symop_operation_xyz", "_symmetry_equiv_pos_as_xyz"})
+    if (const auto column = block.find_values(tag)) {
+      for (const std::string& text : column)
+        out.push_back(gemmi::parse_triplet(gemmi::cif::as_string(text)));
+      return out;
+    }
+  if (const gemmi::SpaceGroup* known = gemmi::find_spacegroup_by_name(group)) {
+    for (const gemmi::Op op : known->operations()) out.push_back(op);
+  } else {
+    out.push_back(gemmi::Op::identity());
+  }
+  return out;
+}
+
+// Into the cell, 0 to below 1. What is written with few digits is 0 where it is nearly 1.
+double wrapped(double x) {
+  x -= std::floor(x);
+  return x > 1 - 1e-4 ? 0 : x;
+}
+
+// A crystal by the parts of its cell, as the CIF of chemistry has it.
+void add_crystal(gemmi::cif::Block& block, Atoms& out) {
+  const gemmi::SmallStructure small = gemmi::make_small_structure_from_block(block);
+  const std::vector<gemmi::Op> symmetry = symmetry_of(block, small.spacegroup_hm);
+  constexpr double kSame = 0.1;  // angstroms, of an atom that an operation leaves where it is
+  out.frames = 1;
+  out.cell = cell_of(small.cell);
+  for (size_t i = 0; i < small.sites.size(); ++i) {
+    const gemmi::SmallStructure::Site& site = small.sites[i];
+    // Of a disordered part the first choice.
+    if (site.disorder_group > 1 || !std::isfinite(site.fract.x + site.fract.y + site.fract.z))
+      continue;
+    std::vector<gemmi::Fractional> places;
+    for (const gemmi::Op& op : symmetry) {
+      const auto at = op.apply_to_xyz({site.fract.x, site.fract.y, site.fract.z});
+      const gemmi::Fractional place(wrapped(at[0]), wrapped(at[1]), wrapped(at[2]));
+      const auto is_near = [&](const gemmi::Fractional& other) {
+        gemmi::Fractional apart = place - other;
+        apart.x -= std::round(apart.x), apart.y -= std::round(apart.y);
+        apart.z -= std::round(apart.z);
+        return small.cell.orthogonalize_difference(apart).length() < kSame;
+      };
+      if (std::any_of(places.begin(), places.end(), is_near)) continue;
+      places.push_back(place);
+      const gemmi::Position pos = small.cell.orthogonalize(place);
+      Atom atom;
+      atom.place = {float(pos.x), float(pos.y), float(pos.z)};
+      const gemmi::Element element = site.element;
+      atom.element = element.elem == gemmi::El::D ? 1 : uint8_t(element.atomic_number());
+      atom.residue = uint32_t(i);
+      atom.occupancy = float(site.occ), atom.b_factor = float(site.u_iso * gemmi::u_to_b());
+      out.atoms.push_back(atom);
+    }
+  }
 }
 
 // CONECT records: the number of an atom and of up to four that it is bonded to, five columns each.
@@ -118,17 +205,33 @@ std::vector<Assembly> assemblies_of_pdb(std::string_view text, Names& chains) {
 }  // namespace
 
 std::string read_structure(const char* text, size_t size, bool cif, int frame, Atoms& out) try {
-  const gemmi::Structure s = cif ? gemmi::make_structure(gemmi::cif::read_memory(text, size, ""))
-                                 : gemmi::read_pdb_from_memory(text, size, "");
+  gemmi::Structure s;
+  if (cif) {
+    gemmi::cif::Document document = gemmi::cif::read_memory(text, size, "");
+    for (gemmi::cif::Block& block : document.blocks)
+      if (block.find_values("_atom_site_fract_x")) {
+        if (frame == 0 || frame == -1)
+          add_crystal(block, out);
+        else
+          out.frames = 1;
+        return {};
+      }
+    s = gemmi::make_structure(std::move(document));
+  } else {
+    s = gemmi::read_pdb_from_memory(text, size, "");
+  }
   out.frames = s.models.size();
   const long at = frame < 0 ? long(s.models.size()) + frame : frame;
   if (at < 0 || at >= long(s.models.size())) return {};
   std::vector<std::string> part_names;
   Names chains(out.chains), parts(part_names);
   Serials serials;
-  add_model(s.models[size_t(at)], cif, chains, parts, out, serials);
+  const gemmi::Model& model = s.models[size_t(at)];
+  add_model(model, cif, chains, parts, out, serials);
+  if (s.cell.is_crystal()) out.cell = cell_of(s.cell);
+  if (!cif) out.bonds = bonds_of_pdb({text, size}, serials);
+  add_links(s, model, serials, out);
   if (!cif) {
-    out.bonds = bonds_of_pdb({text, size}, serials);
     out.assemblies = assemblies_of_pdb({text, size}, chains);
     return {};
   }

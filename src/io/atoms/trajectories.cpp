@@ -18,6 +18,7 @@ struct FrameRows {
   size_t first = 0, count = 0;
   RowLayout layout;
   std::vector<std::string> columns;  // of numbers
+  std::optional<Cell> cell;
 };
 using FrameRowsOr = std::expected<FrameRows, Diagnostics>;
 
@@ -75,6 +76,7 @@ class Trajectory {
     if (wanted < 0 || wanted >= long(frames.size())) return out;
     const FrameRows& chosen = frames[size_t(wanted)];
     out.columns = chosen.columns;
+    out.cell = chosen.cell;
     if (auto done = read_atoms(chosen, out); !done) return std::unexpected(done.error());
     return out;
   }
@@ -121,12 +123,38 @@ bool read_properties(std::string_view list, std::string_view value, FrameRows& o
   return out.layout.has(Word::x);
 }
 
+// The numbers of a word such as Lattice="4 0 0 0 4 0 0 0 4"; nothing: there are not so many.
+template <size_t count>
+std::optional<std::array<double, count>> numbers_in(std::string_view comment,
+                                                    std::string_view word) {
+  const size_t at = comment.find(word);
+  if (at == std::string_view::npos) return std::nullopt;
+  std::string list(comment.substr(at + word.size()));
+  if (list.starts_with('"')) list = list.substr(1, list.find('"', 1) - 1);
+  std::array<double, count> out{};
+  const auto words = words_of(list);
+  if (words.size() < count) return std::nullopt;
+  for (size_t i = 0; i < count; ++i)
+    if (!parse_number(words[i].data(), out[i])) return std::nullopt;
+  return out;
+}
+
+std::optional<Cell> cell_of_xyz(std::string_view comment) {
+  const auto sides = numbers_in<9>(comment, "Lattice=");
+  if (!sides) return std::nullopt;
+  Cell cell;
+  cell.origin = numbers_in<3>(comment, "Origin=").value_or(cell.origin);
+  for (size_t i = 0; i < 9; ++i) cell.sides[i / 3][i % 3] = (*sides)[i];
+  return cell;
+}
+
 FrameRowsOr next_xyz(Trajectory& t) {
   FrameRows out;
   const auto count = t.count(*t.lines.next_filled(), 1);
   if (!count) return std::unexpected(count.error());
   out.count = *count;
   const std::string_view comment = t.lines.next().value_or("");
+  out.cell = cell_of_xyz(comment);
   const size_t at = comment.find(kProperties);
   if (at == std::string_view::npos) {
     out.layout.words = {Word::species, Word::x, Word::y, Word::z};
@@ -179,6 +207,7 @@ class DumpReader {
         if (out.count == 0)
           return failed(t_.file, "there is no ITEM: NUMBER OF ATOMS before the atoms",
                         t_.lines.number());
+        out.cell = box();
         if (auto done = read_words(*line, item, out); !done) return std::unexpected(done.error());
         return out;
       } else {
@@ -225,24 +254,40 @@ class DumpReader {
       if (!out.layout.has(word))
         return t_.wrong(line, line.data() + line.size(),
                         "columns of places such as x y z or xs ys zs");
-    return scaled ? scale(out.layout) : std::expected<void, Diagnostics>();
+    if (!scaled) return {};
+    if (!out.cell)
+      return failed(t_.file, "scaled places need ITEM: BOX BOUNDS before them", t_.lines.number());
+    // They are parts of the box.
+    for (size_t i = 0; i < 3; ++i) {
+      for (size_t side = 0; side < 3; ++side)
+        out.layout.to_place[4 * i + side] = out.cell->sides[side][i];
+      out.layout.to_place[4 * i + 3] = out.cell->origin[i];
+    }
+    return {};
   }
 
-  // Scaled places are parts of the box (https://docs.lammps.org/Howto_triclinic.html): its bounds
-  // are those of the tilted box.
-  std::expected<void, Diagnostics> scale(RowLayout& layout) {
+  // Bounds with a tilt are those of the tilted box (https://docs.lammps.org/Howto_triclinic.html);
+  // with four numbers a line they are its sides and its origin.
+  std::optional<Cell> box() const {
     const auto& b = bounds_;
-    if (b.size() != 6 && b.size() != 9)
-      return failed(t_.file, "scaled places need ITEM: BOX BOUNDS with two or three numbers a line",
-                    t_.lines.number());
+    if (b.empty()) return std::nullopt;
     const size_t each = b.size() / 3;
+    Cell cell;
+    if (each == 4) {
+      for (size_t row = 0; row < 3; ++row) {
+        std::copy_n(&b[4 * row], 3, cell.sides[row].begin());
+        cell.origin[row] = b[4 * row + 3];
+      }
+      return cell;
+    }
     const double xy = each == 3 ? b[2] : 0, xz = each == 3 ? b[5] : 0, yz = each == 3 ? b[8] : 0;
     const double x0 = b[0] - std::min({0.0, xy, xz, xy + xz});
     const double x1 = b[1] - std::max({0.0, xy, xz, xy + xz});
     const double y0 = b[each] - std::min(0.0, yz), y1 = b[each + 1] - std::max(0.0, yz);
     const double z0 = b[2 * each], z1 = b[2 * each + 1];
-    layout.to_place = {x1 - x0, xy, xz, x0, 0, y1 - y0, yz, y0, 0, 0, z1 - z0, z0};
-    return {};
+    cell.origin = {x0, y0, z0};
+    cell.sides = {{{x1 - x0, 0, 0}, {xy, y1 - y0, 0}, {xz, yz, z1 - z0}}};
+    return cell;
   }
 
   Trajectory& t_;
@@ -292,6 +337,23 @@ FrameRowsOr next_gro(Trajectory& t) {
   return out;
 }
 
+// The line behind the atoms: the lengths of a box, or all nine numbers of a leaning one, those on
+// the diagonal first; in nanometres.
+std::optional<Cell> cell_of_gro(std::string_view line) {
+  const auto words = words_of(line);
+  std::array<double, 9> number{};
+  if (words.size() != 3 && words.size() != 9) return std::nullopt;
+  for (size_t i = 0; i < words.size(); ++i)
+    if (!parse_number(words[i].data(), number[i])) return std::nullopt;
+  Cell cell;
+  cell.sides = {{{number[0], number[3], number[4]},
+                 {number[5], number[1], number[6]},
+                 {number[7], number[8], number[2]}}};
+  for (auto& side : cell.sides)
+    for (double& x : side) x *= 10;
+  return cell;
+}
+
 std::expected<void, Diagnostics> read_gro_atoms(const Trajectory& t, const FrameRows& frame,
                                                 Atoms& out) {
   out.atoms.resize(frame.count);
@@ -335,6 +397,7 @@ std::expected<void, Diagnostics> read_gro_atoms(const Trajectory& t, const Frame
     group = now;
     atom.residue = residues;
   }
+  out.cell = cell_of_gro(take_line(p, t.index.text().data() + t.index.text().size()));
   return {};
 }
 
