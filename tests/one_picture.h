@@ -1,7 +1,9 @@
-// What every scene must hold to: all structures, and any number of threads, give the same picture.
+// What every scene must hold to: all structures, any number of threads and all instruction sets
+// give the same picture.
 #pragma once
 
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include <algorithm>
 #include <cstring>
@@ -28,7 +30,7 @@ inline bool same_bytes(const Image& a, const Image& b) {
 }
 
 /// The picture, of finite light only, after it was seen by every structure, on one thread and on
-/// three.
+/// three, with each instruction set of this machine.
 inline Image expect_one_picture(const Scene& scene, RenderOptions options) {
   options.accel.kind = AccelKind::none;
   const Image none = picture_of(scene, options);
@@ -41,6 +43,11 @@ inline Image expect_one_picture(const Scene& scene, RenderOptions options) {
           << accel_name(kind) << " on " << threads << " threads";
     }
   }
+  for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    hwy::SetSupportedTargetsForTest(target);
+    EXPECT_TRUE(same_bytes(none, picture_of(scene, options))) << hwy::TargetName(target);
+  }
+  hwy::SetSupportedTargetsForTest(0);
   return none;
 }
 

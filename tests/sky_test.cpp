@@ -1,7 +1,6 @@
 // Skies: what their files may be, which texel a direction meets, and that pictures show them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <hwy/highway.h>
 
 #include <cmath>
 #include <random>
@@ -187,11 +186,6 @@ Scene scene_under(std::shared_ptr<const CubeMap> sky) {
 TEST_F(Sky, IsTheSameForStructuresThreadsAndInstructionSets) {
   const Scene scene = scene_under(sky(8));
   const Image image = expect_one_picture(scene, all_effects());
-  for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
-    EXPECT_TRUE(same_bytes(picture_of(scene, all_effects()), image)) << hwy::TargetName(target);
-  }
-  hwy::SetSupportedTargetsForTest(0);
   // And another than without it, where only what hits nothing differs.
   Scene plain = scene;
   plain.sky = nullptr, plain.sky_folder.clear();
