@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "one_picture.h"
@@ -115,6 +116,87 @@ TEST(Ambient, IsWhatDataIsRenderedWith) {
   options.look = Look::dark;
   ASSERT_TRUE(option_conflict(options, &scene));
   EXPECT_EQ(option_conflict(options, &scene)->subject, "look");
+  options = {};
+  options.shadow_catcher = true;
+  EXPECT_EQ(option_conflict(options, &scene)->subject, "shadow-catcher");
+}
+
+// A sphere of radius 1 two above the floor, which a small one far away stands on.
+Scene sphere_above_nothing(Vec3f seen) {
+  Scene scene = floor_seen_at(seen);
+  scene.planes = {}, scene.plane_materials = {};
+  scene.spheres = {{{0, 0, 2}, 1}, {{90, 0, 0.5f}, 0.5f}};
+  scene.sphere_materials = {0, 0};
+  return scene;
+}
+
+RenderOptions on_catcher() {
+  RenderOptions options;
+  options.width = options.height = 2;
+  options.samples = 1024, options.occlusion_rays = 16;
+  options.shadow_catcher = true, options.key_light = false;
+  return options;
+}
+
+// The floor that is not there is darker by what the sphere hides of the sky.
+TEST(ShadowCatcher, IsAsDarkAsAFloor) {
+  for (const Rgb& pixel : picture_of(sphere_above_nothing({0, 0, 0}), on_catcher()).pixels)
+    EXPECT_NEAR(double(pixel.x), 0.75, 1e-3);
+  // As a share of any background.
+  RenderOptions options = on_catcher();
+  options.background = WrittenColor{.color = Rgb(0.5f, 0.2f, 1)};
+  for (const Rgb& pixel : picture_of(sphere_above_nothing({0, 0, 0}), options).pixels) {
+    EXPECT_NEAR(double(pixel.x), 0.375, 1e-3);
+    EXPECT_NEAR(double(pixel.y), 0.15, 1e-3);
+  }
+  // By the key light too, where the sphere's shadow falls: nothing but the sky is left.
+  options = on_catcher();
+  options.key_light.reset();
+  const Image lit = picture_of(sphere_above_nothing({0, 0, 0}), options);
+  EXPECT_LT(lit.pixels[0].x, 0.9f);
+}
+
+// Where no shadow falls the background is that of a picture without it, to the last bit.
+TEST(ShadowCatcher, LeavesTheRestAlone) {
+  Scene scene = random_scene(40, 3);
+  scene.planes = {}, scene.plane_materials = {};
+  scene.polygons = {}, scene.polygon_materials = {};
+  scene.camera.from = scene.camera.at + (scene.camera.from - scene.camera.at) * 2;
+  RenderOptions options;
+  options.integrator = IntegratorKind::ambient;
+  options.width = 64, options.height = 48, options.samples = 2;
+  options.occlusion_distance = 0.5f;
+  const Image without = picture_of(scene, options);
+  options.shadow_catcher = true;
+  const Image with = expect_one_picture(scene, options);
+  EXPECT_EQ(with.pixels.front(), without.pixels.front());
+  size_t darker = 0, same = 0;
+  for (size_t i = 0; i < with.pixels.size(); ++i) {
+    EXPECT_LE(with.pixels[i].x, without.pixels[i].x * 1.000001f);
+    (with.pixels[i] == without.pixels[i] ? same : darker) += 1;
+  }
+  EXPECT_GT(darker, 20u);
+  EXPECT_GT(same, with.pixels.size() / 4);
+}
+
+// Alpha keeps the shadow, so that a picture with it lies on any ground.
+TEST(ShadowCatcher, IsInAlpha) {
+  Scene scene = sphere_above_nothing({0, 0, 0});
+  scene.camera.fov_deg = 60;
+  RenderOptions options = on_catcher();
+  options.width = 32, options.height = 24, options.samples = 4;
+  const Image whole = picture_of(scene, options);
+  options.channels.add(Channel::alpha);
+  const RenderSettings settings = resolve_options(options, scene);
+  const auto accel = build_accel(scene, settings.accel);
+  RenderControl control;
+  const auto film = make_film(scene, settings);
+  ASSERT_TRUE(render(scene, **accel, settings, **film, control).finished);
+  const Image colors = (*film)->resolve();
+  const auto alpha = std::get<Column<float>>((*film)->resolve(Channel::alpha));
+  EXPECT_GT(*std::ranges::max_element(alpha), 0.2f);
+  for (size_t i = 0; i < whole.pixels.size(); ++i)
+    EXPECT_NEAR(colors.pixels[i].x + (1 - alpha[i]), whole.pixels[i].x, 1e-5);
 }
 
 // No sample brings more than the bound.

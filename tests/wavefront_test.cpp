@@ -15,7 +15,7 @@ class TintedMirrors {
   explicit TintedMirrors(const PreparedScene& scene)
       : levels_(scene.settings.depth), background_(scene.settings.background) {}
 
-  static constexpr bool kSky = false;
+  static constexpr bool kSky = false, kFloor = false;
   static constexpr bool kTints = true;
   int levels() const { return levels_; }
   Rgb background() const { return background_; }

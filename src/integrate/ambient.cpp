@@ -46,6 +46,13 @@ class AmbientShading {
   static constexpr bool kSky = true;
   bool has_sky() const { return scene_.settings.sky != nullptr; }
   V3 sky(const V3& dir) const { return sky_towards(*scene_.settings.sky, dir); }
+  static constexpr bool kFloor = true;
+  bool has_floor() const { return scene_.floor_distance > 0; }
+  float floor_distance(const Ray& ray) const {
+    const float height = dot(ray.origin, scene_.floor_normal) - scene_.floor_height;
+    const float t = -height / dot(ray.dir, scene_.floor_normal);
+    return height > 0 && t > 0 && t < scene_.floor_distance ? t : 0;
+  }
   static bool counts_rays() { return false; }
   template <class W>
   void begin(W&, size_t) const {}
@@ -55,9 +62,41 @@ class AmbientShading {
     Vertices& v = w.vertices();
     for (size_t i = 0; i < n; i += kWidth) store(set3(d, Rgb()), v.radiance, i);
     if (look_.sky > 0) add_sky_light(w, n, sampler.sample());
-    if (figure_.key_light && look_.key > 0) add_key_light(w, n, sampler);
+    if (figure_.key_light && look_.key > 0) add_key_light(w, n, sampler, look_.highlight);
     if (scene_.extent > 0) fade(w, n);
     if (figure_.outline > 0) draw_outlines(w, n);
+  }
+
+  // What arrives on a white floor, against what would if nothing stood on it.
+  template <class W>
+  void shade_floor(W& w, size_t n, const WideSampler<D>& sampler) {
+    Vertices& v = w.vertices();
+    const V one = hn::Set(d, 1), zero = hn::Zero(d);
+    const V3 normal = set3(d, scene_.floor_normal), black = set3(d, Rgb());
+    for (size_t i = 0; i < n; i += kWidth) {
+      const RayBatch& rays = w.rays().rays;
+      const V3 point = origins(rays, i) + directions(rays, i) * load(w.hits().t, i);
+      const V scale = hn::Max(hn::Abs(point.x), hn::Max(hn::Abs(point.y), hn::Abs(point.z)));
+      store(point, v.point, i), store(offset_point(point, normal, scale, true), v.outside, i);
+      store(normal, v.normal, i), store(normal, v.geometric, i);
+      store(set3(d, Rgb(1)), v.color, i), store(one, v.kd, i), store(black, v.radiance, i);
+    }
+    const bool key = figure_.key_light && look_.key > 0;
+    if (look_.sky > 0) add_sky_light(w, n, sampler.sample());
+    if (key) add_key_light(w, n, sampler, 0);
+    if (w.stopped()) return;
+    for (size_t i = 0; i < n; i += kWidth) {
+      V all = hn::Set(d, look_.sky);
+      if (key) {
+        const V cosine = hn::Max(dot(normal, directions(w.shadow_rays(), i)), zero);
+        all = hn::Add(all, hn::Mul(hn::Set(d, look_.key), cosine));
+      }
+      V dark = hn::Sub(one, hn::Div(load(v.radiance, i).x, all));
+      if (scene_.extent > 0) dark = hn::Mul(dark, hn::Sub(one, depth_cue(load(v.point, i))));
+      // Less is how the sums are rounded: what is in no shadow is the background itself.
+      dark = hn::IfThenElseZero(hn::Gt(dark, hn::Set(d, 1e-5f)), hn::Min(dark, one));
+      store(dark, v.kd, i);
+    }
   }
 
   template <class W>
@@ -104,7 +143,7 @@ class AmbientShading {
 
   // A disc far away: diffuse light and a highlight after Blinn.
   template <class W>
-  void add_key_light(W& w, size_t n, const WideSampler<D>& sampler) {
+  void add_key_light(W& w, size_t n, const WideSampler<D>& sampler, float highlight) {
     Vertices& v = w.vertices();
     const V zero = hn::Zero(d), inf = hn::Set(d, std::numeric_limits<float>::infinity());
     RayBatch& rays = w.shadow_rays();
@@ -125,10 +164,10 @@ class AmbientShading {
       const V3 dir = directions(rays, i), normal = load(v.normal, i);
       const V diffuse = hn::Mul(hn::Mul(key, load(v.kd, i)), dot(normal, dir));
       V3 light = load(v.color, i) * hn::Mul(lit, diffuse);
-      if (look_.highlight > 0) {
+      if (highlight > 0) {
         const V cosine = dot(normal, normalize(d, dir - directions(w.rays().rays, i)));
         const V power = pow_unit(d, hn::Min(hn::Max(cosine, zero), one), hn::Set(d, look_.shine));
-        const V much = hn::Mul(hn::Mul(lit, hn::Set(d, look_.highlight)), power);
+        const V much = hn::Mul(hn::Mul(lit, hn::Set(d, highlight)), power);
         light = light + V3{much, much, much};
       }
       return light;
@@ -139,15 +178,20 @@ class AmbientShading {
   template <class W>
   void fade(W& w, size_t n) const {
     Vertices& v = w.vertices();
-    const V zero = hn::Zero(d), one = hn::Set(d, 1);
-    const V3 forward = set3(d, scene_.forward), eye = set3(d, scene_.eye.from);
+    const V one = hn::Set(d, 1);
     const V3 background = set3(d, scene_.settings.background);
     for (size_t i = 0; i < n; i += kWidth) {
-      const V depth = dot(load(v.point, i) - eye, forward);
-      const V far = hn::Div(hn::Sub(depth, hn::Set(d, scene_.nearest)), hn::Set(d, scene_.extent));
-      const V part = hn::Mul(hn::Min(hn::Max(far, zero), one), hn::Set(d, figure_.depth_cue));
+      const V part = depth_cue(load(v.point, i));
       store(load(v.radiance, i) * hn::Sub(one, part) + background * part, v.radiance, i);
     }
+  }
+
+  // The part of the background in what is at the points.
+  HWY_INLINE V depth_cue(const V3& point) const {
+    const V depth = dot(point - set3(d, scene_.eye.from), set3(d, scene_.forward));
+    const V far = hn::Div(hn::Sub(depth, hn::Set(d, scene_.nearest)), hn::Set(d, scene_.extent));
+    return hn::Mul(hn::Min(hn::Max(far, hn::Zero(d)), hn::Set(d, 1)),
+                   hn::Set(d, figure_.depth_cue));
   }
 
   // Feature lines after Choudhury and Parker 2009, "Ray Tracing NPR-Style Feature Lines", NPAR: a

@@ -74,6 +74,7 @@ class PhongShading {
   int levels() const { return scene_.settings.depth; }
   Rgb background() const { return scene_.settings.background; }
   static constexpr bool kSky = kModels;
+  static constexpr bool kFloor = false;
   bool has_sky() const { return scene_.settings.sky != nullptr; }
   V3 sky(const V3& dir) const { return sky_towards(*scene_.settings.sky, dir); }
   static bool counts_rays() { return false; }

@@ -48,6 +48,7 @@ struct FigureSettings {
   bool key_light = true;
   float outline = 0;    // width, pixels
   float depth_cue = 0;  // the part of the background in what is farthest away
+  bool shadow_catcher = false;
 
   friend bool operator==(const FigureSettings&, const FigureSettings&) = default;
 };

@@ -51,9 +51,10 @@ HWY_INLINE V3 sky_towards(const CubeMap& sky, const V3& dir) {
   using DI = Signed<D>;
   const DI di;
   const WideCubePlace place = wide_cube_place(dir, sky.side);
-  const auto most = hn::Set(di, sky.side);  // + 1 is the last
+  const V most = hn::Set(d, float(sky.side));  // + 1 is the last
   const auto texel = [&](V along) HWY_ATTR {
-    return hn::Min(hn::Max(hn::ConvertTo(di, along), hn::Zero(di)), most);
+    const V number = hn::IfThenElseZero(hn::Eq(along, along), along);
+    return hn::ConvertTo(di, hn::Min(hn::Max(number, hn::Zero(d)), most));
   };
   const auto column = texel(place.column), row = texel(place.row);
   const V right = hn::Sub(place.column, hn::ConvertTo(d, column));

@@ -33,7 +33,7 @@ class ViewsShading {
   static constexpr bool kTints = false;
   static int levels() { return 1; }
   static Rgb background() { return {}; }
-  static constexpr bool kSky = false;
+  static constexpr bool kSky = false, kFloor = false;
   bool counts_rays() const { return view_ == View::steps || view_ == View::tests; }
 
   template <class W>

@@ -14,6 +14,13 @@
 //   static constexpr bool kSky                that may depend on their direction. If so it also has
 //     bool has_sky()                            whether it does, and
 //     V3 sky(direction)                         what they bring then
+//   static constexpr bool kFloor              there may be a floor that only eye rays meet, and
+//   only
+//                                             its shadows are seen. If so it also has
+//     bool has_floor()                          whether there is one,
+//     float floor_distance(ray)                 how far away it is; 0: nowhere, and
+//     void shade_floor(wavefront, n, sampler)   sets vertices().kd to the part of the background
+//                                               that its shadows take from the n current rays
 //   bool counts_rays()                        wants each eye ray's own steps and tests,
 //   void begin(wavefront, n)                  which it gets here, before misses are dropped
 //   void shade(wavefront, level, n, sampler)  sets vertices().radiance of the n current rays, which
@@ -297,8 +304,15 @@ class Wavefront final : public TileRenderer {
     }
     if (clear_) trace_clear(level, sampler);
     if (context_.stopped()) return;
+    bool seen = level > 1 || !layout_->has(Channel::alpha);
+    if constexpr (Shading::kFloor)
+      if (level == 1 && shading_.has_floor()) {
+        add_floor(seen, sampler);
+        if (context_.stopped()) return;
+        seen = false;
+      }
     // A picture with alpha is to be laid over another background.
-    drop_misses(level > 1 || !layout_->has(Channel::alpha));
+    drop_misses(seen);
     if (clear_)
       for (size_t i = 0; i < current_.rays.size(); ++i) {
         coverage_[i] = covered(current_.weight[0][i]);
@@ -331,6 +345,51 @@ class Wavefront final : public TileRenderer {
         sums_.add(light, pixels, hn::FirstN(d, n - i), coverage);
     }
     shading_.spawn(*this, level, n);
+  }
+
+  // Gives the rays that hit nothing the background, if it is `seen`, or else the coverage of a
+  // floor's shadow before it.
+  void add_floor(bool seen, const WideSampler<D>& sampler) {
+    const size_t n = current_.rays.size();
+    std::swap(behind_, current_), std::swap(behind_hits_, hits_);
+    current_.resize(n), hits_.reset(n);
+    size_t missed = 0, met = 0;
+    for (const bool on_floor : {true, false}) {
+      for (size_t i = 0; i < n; ++i) {
+        if (behind_hits_.item[i] != kNoPrimitive) continue;
+        const float t = shading_.floor_distance(behind_.rays[i]);
+        if ((t > 0) != on_floor) continue;
+        hits_.t[missed] = t;
+        current_.set(missed++, behind_, i);
+      }
+      if (on_floor) met = missed;
+    }
+    current_.rays.resize(missed);
+    fill_up(missed);
+    if (moves_) set_times(current_.rays);
+    Floats& dark = vertices_->kd;
+    std::fill_n(dark.at, missed + kWidth, 0.0f);
+    if (met > 0) {
+      current_.rays.resize(met);
+      shading_.shade_floor(*this, met, sampler);
+      if (context_.stopped()) return;
+      std::fill(dark.at + met, dark.at + missed + kWidth, 0.0f);
+      current_.rays.resize(missed);
+    }
+    std::vector<int64_t> coverage(seen ? 0 : padded(missed));
+    for (size_t i = 0; i < missed; i += kWidth) {
+      const uint32_t* const pixels = &current_.pixel[i];
+      const M mask = hn::FirstN(d, missed - i);
+      if (seen) {
+        const V left = hn::Sub(hn::Set(d, 1), load(dark, i));
+        add_seen(scaled(current_.weights(i), left), directions(current_.rays, i), pixels, mask);
+        continue;
+      }
+      for (size_t k = i; k < std::min(i + kWidth, missed); ++k)
+        coverage[k] = covered(current_.weight[0][k] * dark.at[k]);
+      sums_.add(set3(d, Rgb()), pixels, mask, &coverage[i]);
+    }
+    std::swap(behind_, current_), std::swap(behind_hits_, hits_);
   }
 
   // Of a pixel, what a part of it counts.

@@ -1,7 +1,10 @@
 #include "integrate/wavefront.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+
+#include "scene/enclosing.h"
 
 namespace raio {
 
@@ -13,6 +16,7 @@ PreparedScene::PreparedScene(const Scene& s, const Accel& a, const RenderSetting
       forward(normalize(r.camera.at - r.camera.from)),
       sampler(r) {
   if (r.figure.depth_cue > 0) measure_depth();
+  if (r.figure.shadow_catcher) lay_floor();
   const Rgb uncolored(float(1 / std::sqrt(double(std::max<size_t>(1, s.lights.size())))));
   for (const Light& l : s.lights) {
     Emitter e{l.position, l.color.value_or(uncolored), {}, {}};
@@ -41,6 +45,31 @@ void PreparedScene::measure_depth() {
     }
   });
   nearest = std::max(nearest, 0.0f), extent = farthest - nearest;
+}
+
+// Across the camera's up direction, under the lowest point. A camera that looks along the floor, or
+// from below, has it raised towards the eye, to the angle at which data is seen from above
+// (io/fit_camera.cpp).
+void PreparedScene::lay_floor() {
+  struct Lowest {
+    double height = std::numeric_limits<double>::infinity();
+    void join(const Lowest& b) { height = std::min(height, b.height); }
+  };
+  constexpr double kLeastSine = 0.479;
+  const Vec3d up = normalize(Vec3d(settings.camera.up)), along(forward);
+  Vec3d normal = up;
+  if (dot(up, along) > -kLeastSine) {
+    const Vec3d upright = normalize(up - along * dot(up, along));
+    normal = normalize(upright * std::sqrt(1 - kLeastSine * kLeastSine) - along * kLeastSine);
+  }
+  const Lowest lowest = sum_up<Lowest>(scene, [&](Lowest& l, Vec3f center, float radius) {
+    l.height = std::min(l.height, dot(Vec3d(center), normal) - double(radius));
+  });
+  if (!std::isfinite(lowest.height)) return;
+  const Box3f box = bounds(scene);
+  constexpr float kFar = 100;  // times the scene's size its shadows are not to be seen
+  floor_normal = Vec3f(normal), floor_height = float(lowest.height);
+  floor_distance = kFar * (length(box.hi - box.lo) + length(settings.camera.at - eye.from));
 }
 
 }  // namespace raio

@@ -31,6 +31,10 @@ struct PreparedScene {
   Vec3f forward;  // the unit vector along the line of sight
   // Of all that has bounds, along it: where the depth cue of figures begins and how far it goes.
   float nearest = 0, extent = 0;
+  // The floor that catches shadows: points whose dot product with the normal is the height; rays
+  // meet it up to a distance.
+  Vec3f floor_normal;
+  float floor_height = 0, floor_distance = 0;
   Sampler sampler;
   std::vector<Emitter> emitters;
 
@@ -38,6 +42,7 @@ struct PreparedScene {
 
  private:
   void measure_depth();
+  void lay_floor();
 };
 
 /// Renders tiles, one after another; one per thread, whose buffers it keeps.

@@ -71,6 +71,7 @@ FigureSettings figure_settings(const RenderOptions& options) {
   if (options.occlusion_rays > 0) figure.occlusion_rays = options.occlusion_rays;
   figure.occlusion_distance = options.occlusion_distance;
   figure.key_light = options.key_light.value_or(true);
+  figure.shadow_catcher = options.shadow_catcher;
   const LookNumbers look = numbers_of(figure.look);
   figure.outline = options.outline.value_or(look.outline);
   const auto& ground = options.background;
@@ -85,6 +86,7 @@ void set_figure(RenderOptions& options, const FigureSettings& figure) {
   options.occlusion_rays = figure.occlusion_rays;
   options.occlusion_distance = figure.occlusion_distance;
   if (figure.key_light != usual.key_light) options.key_light = figure.key_light;
+  options.shadow_catcher = figure.shadow_catcher;
   const LookNumbers look = numbers_of(figure.look);
   if (figure.outline != look.outline) options.outline = figure.outline;
   if (figure.depth_cue != look.depth_cue) options.depth_cue = figure.depth_cue;
@@ -109,7 +111,8 @@ std::optional<Error> figure_conflict(const RenderOptions& options, const Scene& 
                     Given{options.occlusion_distance > 0, "occlusion-distance"},
                     Given{options.key_light.has_value(), "key-light"},
                     Given{options.outline.has_value(), "outline"},
-                    Given{options.depth_cue.has_value(), "depth-cue"});
+                    Given{options.depth_cue.has_value(), "depth-cue"},
+                    Given{options.shadow_catcher, "shadow-catcher"});
   const auto& ground = options.background;
   if (options.depth_cue.value_or(0) > 0 && ground && (ground->transparent || ground->sky))
     return Error{ErrorKind::bad_option, "depth-cue",

@@ -370,6 +370,10 @@ constexpr auto kTable = std::to_array<OptionSpec>({
      "Fade figures into the background with distance, up to the part X of what is farthest, with "
      "`integrator` ambient (default: as the look has it)",
      parse_depth_cue, 0, 0, depth_cue_text},
+    {"shadow-catcher", "",
+     "Let figures cast their shadows on the background, as if they stood on a floor, with "
+     "`integrator` ambient",
+     +[](Options& o) -> bool& { return o.shadow_catcher; }},
     {"one-sided", "", "Cull back faces of opaque surfaces, as the NFF specification says",
      +[](Options& o) -> bool& { return o.one_sided; }},
     {"angle-to-centers", "",

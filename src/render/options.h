@@ -50,6 +50,7 @@ struct RenderOptions {
   float occlusion_distance = 0;
   std::optional<bool> key_light;
   std::optional<float> outline, depth_cue, opacity;
+  bool shadow_catcher = false;
   bool one_sided = false;
   bool angle_to_centers = false;  // of view: see EyeRays
   int threads = 0;

@@ -131,6 +131,7 @@ std::optional<std::array<double, count>> numbers_in(std::string_view comment,
   if (at == std::string_view::npos) return std::nullopt;
   std::string list(comment.substr(at + word.size()));
   if (list.starts_with('"')) list = list.substr(1, list.find('"', 1) - 1);
+  list.append(TextBuffer::kPadding, ' ');  // as numbers are read
   std::array<double, count> out{};
   const auto words = words_of(list);
   if (words.size() < count) return std::nullopt;
