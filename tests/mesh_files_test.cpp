@@ -9,6 +9,7 @@
 #include "base/srgb.h"
 #include "data_files.h"
 #include "io/colormaps.h"
+#include "io/mesh/write.h"
 #include "io/scene_file.h"
 
 namespace raio {
@@ -239,6 +240,74 @@ TEST(Obj, BrokenFilesAreRefused) {
                 ->scene.meshes[0]
                 .colors[1],
             Rgb(0, 1, 0));
+}
+
+// The corners of all triangles of a scene's first mesh, with colours, normals and texture
+// coordinates.
+std::vector<std::array<float, 11>> corners_of(const Scene& scene) {
+  std::vector<std::array<float, 11>> out;
+  if (scene.meshes.empty()) return out;
+  const Mesh& m = scene.meshes[0];
+  for (size_t i = 0; i < m.triangles.size(); ++i)
+    for (size_t k = 0; k < 3; ++k) {
+      const uint32_t v = m.triangles[i][k];
+      const Vec3f p = m.positions[v];
+      const uint32_t at = m.normal_indices.empty() ? v : m.normal_indices[i][k];
+      const Vec3f n = m.normals.empty() || at == kNoNormal ? Vec3f() : m.normals[at];
+      const Rgb own = scene.materials[m.materials[m.materials.size() == 1 ? 0 : i]].color;
+      const Rgb c = m.colors.empty() ? own : m.colors[v] * own;
+      const Uv uv = m.uv.empty() ? Uv{} : m.uv[v];
+      out.push_back({p.x, p.y, p.z, n.x, n.y, n.z, c.x, c.y, c.z, uv[0], uv[1]});
+    }
+  return out;
+}
+
+TEST(PlyWrite, WhatIsWrittenIsReadAgain) {
+  const auto points = read(ply("ascii", 700, true), "a.ply");
+  const auto again = read(write_ply(points->scene, "from here"), "a.ply");
+  ASSERT_TRUE(again) << again.error().front().text();
+  EXPECT_EQ(content_hash(again->scene), content_hash(points->scene));
+  EXPECT_EQ(not_in_ply(points->scene), "");
+  // Colours of vertices, of materials, normals and texture coordinates.
+  for (const auto& [text, name] : {std::pair(kMesh, "a.ply"), {kStl, "a.stl"}, {kObj, "a.obj"}}) {
+    const auto mesh = read(text, name);
+    ASSERT_TRUE(mesh) << name;
+    const auto copy = read(write_ply(mesh->scene), "a.ply");
+    ASSERT_TRUE(copy) << name << copy.error().front().text();
+    const auto a = corners_of(mesh->scene), b = corners_of(copy->scene);
+    ASSERT_EQ(a.size(), b.size()) << name;
+    EXPECT_FALSE(a.empty());
+    for (size_t i = 0; i < a.size(); ++i) {
+      // Of flat triangles among smooth ones the normal is written; colours have 256 steps.
+      const bool flat = length(Vec3f(a[i][3], a[i][4], a[i][5])) == 0;
+      for (size_t k = 0; k < a[i].size(); ++k) {
+        const bool color = k >= 6 && k <= 8, normal = k >= 3 && k <= 5;
+        if (normal && flat) continue;
+        EXPECT_NEAR(a[i][k], b[i][k], color ? 0.004f : 1e-6f) << name << ' ' << i << ' ' << k;
+      }
+    }
+  }
+}
+
+TEST(PlyWrite, TellsWhatItLeavesOut) {
+  const auto shapes = read_scene(RAIO_SOURCE_DIR "/scenes/shapes.nff");
+  ASSERT_TRUE(shapes);
+  const Scene& scene = shapes->scene;
+  const std::string lost = not_in_ply(scene);
+  EXPECT_THAT(lost, HasSubstr(std::to_string(scene.spheres.size()) + " sphere"));
+  EXPECT_THAT(lost, HasSubstr("lights"));
+  const auto copy = read(write_ply(scene), "a.ply");
+  ASSERT_TRUE(copy) << copy.error().front().text();
+  const size_t least = scene.triangles.size() + scene.polygons.size();
+  EXPECT_GE(copy->scene.meshes[0].triangles.size(), least);
+  // Far from zero places are doubles.
+  Scene far;
+  far.dialect = Dialect::data;
+  far.origin = Vec3d(1e9, 0, 0);
+  far.materials = {{.color = Rgb(1), .kd = 1}};
+  far.spheres = {{{0.25f, 1, 2}, 1}};
+  far.sphere_materials = {0};
+  EXPECT_THAT(write_ply(far), HasSubstr("property double x"));
 }
 
 }  // namespace

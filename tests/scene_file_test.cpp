@@ -167,7 +167,7 @@ TEST_F(SceneFiles, AreWrittenBySuffix) {
   const auto other = write_scene(scene, file("a.obj"));
   ASSERT_FALSE(other);
   EXPECT_EQ(other.error().kind, ErrorKind::bad_input);
-  EXPECT_THAT(other.error().message, HasSubstr("ends with .nff, .p3f, .raio or .pov"));
+  EXPECT_THAT(other.error().message, HasSubstr("ends with .nff, .p3f, .raio, .pov or .ply"));
   EXPECT_FALSE(std::filesystem::exists(file("a.obj")));
 }
 
@@ -224,7 +224,8 @@ TEST_F(ConvertCommandLine, SaysWhatIsLost) {
 TEST_F(ConvertCommandLine, RefusesWhatItCannotWrite) {
   const Outcome done = raio({"convert", "ok.nff", "ok.obj"});
   EXPECT_EQ(done.status, 2);
-  EXPECT_THAT(done.err, HasSubstr("expected a file that ends with .nff, .p3f, .raio or .pov"));
+  EXPECT_THAT(done.err,
+              HasSubstr("expected a file that ends with .nff, .p3f, .raio, .pov or .ply"));
   EXPECT_EQ(raio({"convert", "none.nff", "ok.raio"}).status, 2);
 }
 

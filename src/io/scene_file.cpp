@@ -12,6 +12,7 @@
 #include "base/platform/files.h"
 #include "io/cube_map.h"
 #include "io/mesh/read.h"
+#include "io/mesh/write.h"
 #include "io/nff/text_cursor.h"
 #include "io/plain_scene.h"
 #include "io/pov_write.h"
@@ -191,14 +192,16 @@ std::expected<SceneFormat, Error> scene_format(const fs::path& path) {
   if (path == "-" || suffix == ".nff" || suffix == ".p3f") return SceneFormat::nff;
   if (suffix == ".raio") return SceneFormat::raio;
   if (suffix == ".pov") return SceneFormat::pov;
-  return std::unexpected(
-      Error{ErrorKind::bad_input, "",
-            fmt::format("expected a file that ends with .nff, .p3f, .raio or .pov, found '{}'",
-                        path.string())});
+  if (suffix == ".ply") return SceneFormat::ply;
+  return std::unexpected(Error{
+      ErrorKind::bad_input, "",
+      fmt::format("expected a file that ends with .nff, .p3f, .raio, .pov or .ply, found '{}'",
+                  path.string())});
 }
 
 std::string not_kept(const Scene& scene, SceneFormat format) {
   if (format == SceneFormat::raio) return "";
+  if (format == SceneFormat::ply) return not_in_ply(scene);
   std::string lost = text_of(scene, kNotPlain);
   const auto add = [&](std::string_view more) {
     lost += (lost.empty() || more.empty() ? "" : ", ") + std::string(more);
@@ -224,6 +227,8 @@ std::expected<void, Error> write_scene(const Scene& scene, const fs::path& path,
       return write_file(path, write_nff(scene, comment));
     case SceneFormat::raio:
       return write_raio_scene(scene, path);
+    case SceneFormat::ply:
+      return write_file(path, write_ply(scene, comment));
     case SceneFormat::pov:
       break;
   }

@@ -42,7 +42,7 @@ struct FileKind {
 FileKind file_kind(std::string_view start, std::string_view suffix, size_t size);
 
 /// How scenes can be written.
-enum class SceneFormat { nff, raio, pov };
+enum class SceneFormat { nff, raio, pov, ply };
 
 /// By suffix, in any case; an error (bad_input) that lists the suffixes otherwise. "-" and .p3f are
 /// NFF, whose dialect is the scene's.
