@@ -208,6 +208,33 @@ TEST(Atoms, ColoursAreNamed) {
             *map_color("viridis", 1));
 }
 
+TEST(Atoms, ColourRangesHoldForAllFrames) {
+  const ReadOptions by_index{.color_by = "index", .color_range = std::array{1.0, 3.0}};
+  const auto got = read(kWater, "a.xyz", by_index);
+  ASSERT_TRUE(got) << got.error().front().text();
+  const auto color = [&](size_t i) {
+    return got->scene.materials[got->scene.sphere_materials[i]].color;
+  };
+  EXPECT_EQ(color(0), *map_color("viridis", 0));  // beyond the end
+  EXPECT_EQ(color(1), *map_color("viridis", 0));
+  EXPECT_EQ(color(2), *map_color("viridis", 0.5f));
+  ASSERT_TRUE(got->colors);
+  EXPECT_EQ(got->colors->name, "index");
+  EXPECT_EQ(got->colors->most, 3);
+  // The other way round.
+  const auto turned =
+      read(kWater, "a.xyz", {.color_by = "index", .color_range = std::array{2.0, 0.0}});
+  EXPECT_EQ(turned->scene.materials[turned->scene.sphere_materials[0]].color,
+            *map_color("viridis", 1));
+  EXPECT_THAT(error(kWater, "a.xyz", {.color_range = std::array{0.0, 1.0}}),
+              HasSubstr("has no effect"));
+  EXPECT_THAT(error(kMesh, "a.ply", {.color_range = std::array{0.0, 1.0}}),
+              HasSubstr("has no effect without color-by"));
+  EXPECT_THAT(error(kStl, "a.stl", {.color_range = std::array{0.0, 1.0}}),
+              HasSubstr("color-range has no effect"));
+  EXPECT_FALSE(read(kWater, "a.xyz")->colors);
+}
+
 // The ends of the maps as published.
 TEST(Atoms, ColourMapsAreThePublishedOnes) {
   const auto display = [](std::string_view map, float part) {
@@ -397,7 +424,7 @@ TEST(Atoms, ImagesFillTheirCells) {
   EXPECT_EQ(bonds->scene.spheres[15].center, Vec3f(10.5f, 9, 0));
   EXPECT_THAT(
       error(chain, "a.xyz", {.style = AtomStyle::space_filling, .images = {1000, 1000, 1000}}),
-      HasSubstr("need more memory than there is"));
+      HasSubstr("copies of the cell are too many; expected at most 10000000"));
   const std::string crystal =
       "CRYST1   10.000   20.000   30.000  90.00  90.00  90.00 P 1           1\n";
   EXPECT_THAT(error(crystal + std::string(kPdb), "a.pdb", {.assembly = 1, .images = {1, 2, 1}}),

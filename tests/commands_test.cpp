@@ -135,6 +135,31 @@ TEST_F(Commands, InfoCountsCopies) {
   EXPECT_EQ(info["primitive_count"], 4);
 }
 
+TEST_F(Commands, InfoDrawsTheColourBar) {
+  const std::string two = std::string(kWater) + std::string(kWater);
+  InfoCommand command{.scene = file("water.xyz", two), .color_bar = path("bar.svg")};
+  EXPECT_EQ(run_captured(command), kBadInput);
+  EXPECT_THAT(err_, HasSubstr("nothing is coloured by numbers"));
+  command.read = {.color_by = "index", .color_range = std::array{-2.0, 5.0}};
+  EXPECT_EQ(run_captured(command), kDone);
+  EXPECT_THAT(out_, HasSubstr("colours     index from -2 to 5, viridis\n"));
+  EXPECT_THAT(out_, HasSubstr("frames      2\n"));
+  EXPECT_THAT(contents("bar.svg"), HasSubstr("<svg"));
+  command.json = true, command.color_bar = path("bar.png");
+  EXPECT_EQ(run_captured(command), kDone);
+  const json info = json::parse(out_);
+  EXPECT_EQ(info["colors"]["range"][0], -2);
+  EXPECT_EQ(info["frames"], 2);
+  const auto bar = read_picture(path("bar.png"));
+  ASSERT_TRUE(bar);
+  // The ends of viridis, a pixel inside of each.
+  const auto row = [&](int x) { return bar->color.pixels[size_t(64 * bar->color.width + x)]; };
+  EXPECT_NEAR(row(41).x, 68 / 255.0, 0.01);
+  EXPECT_NEAR(row(598).x, 253 / 255.0, 0.01);
+  command.color_bar = path("bar.txt");
+  EXPECT_EQ(run_captured(command), kBadInput);
+}
+
 // Those who read the JSON can add the pixel up from it, and it is the pixel of the picture.
 TEST_F(Commands, ExplainedRaysAddUpToThePicture) {
   const std::string scene = file("some.nff", kScene), picture = path("a.pfm");

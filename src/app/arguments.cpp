@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <variant>
@@ -61,6 +62,20 @@ std::optional<FrameRange> parse_frames(std::string_view text) {
   return out;
 }
 
+// "-3,5.5".
+std::array<double, 2> parse_range(const std::string& text) {
+  std::array<double, 2> out{};
+  const char* const end = text.data() + text.size();
+  const auto first = std::from_chars(text.data(), end, out[0]);
+  const bool comma = first.ec == std::errc() && first.ptr != end && *first.ptr == ',';
+  const auto second = comma ? std::from_chars(first.ptr + 1, end, out[1]) : first;
+  if (!comma || second.ec != std::errc() || second.ptr != end || !std::isfinite(out[0]) ||
+      !std::isfinite(out[1]) || out[0] == out[1])
+    throw CLI::ValidationError("--color-range",
+                               fmt::format("expected two numbers, as in 0,1.5, found '{}'", text));
+  return out;
+}
+
 // "2,2,1".
 std::array<int, 3> parse_images(const std::string& text) {
   std::array<int, 3> out{};
@@ -116,6 +131,12 @@ void add_read_options(CLI::App& app, ReadOptions& options, std::optional<FrameRa
   word(
       "--colormap", [&options](const std::string& text) { options.colormap = text; },
       "Colours of numbers: viridis, plasma, cividis or coolwarm (default: viridis)", "NAME");
+  word(
+      "--color-range",
+      [&options](const std::string& text) { options.color_range = parse_range(text); },
+      "Numbers that have the first and the last colour of the map (default: the least and the "
+      "largest)",
+      "LO,HI");
   add_number(app, "--radius", options.radius, 1e-30f, 1e30f,
              "Radius of points that have none, and of atoms, in scene units (default: half of the "
              "points' spacing; the elements' radii)",

@@ -31,19 +31,18 @@ cairo_status_t append(void* bytes, const unsigned char* data, unsigned int size)
   }
 }
 
-cairo_surface_t* make_surface(PlotFormat format, std::string& bytes) {
+cairo_surface_t* make_surface(PlotFormat format, double width, double height, std::string& bytes) {
   switch (format) {
     case PlotFormat::png:
-      return call<kCairo, cairo_image_surface_create>(CAIRO_FORMAT_RGB24, int(kWidth),
-                                                      int(kHeight));
+      return call<kCairo, cairo_image_surface_create>(CAIRO_FORMAT_RGB24, int(width), int(height));
     case PlotFormat::svg: {
       auto* surface =
-          call<kCairo, cairo_svg_surface_create_for_stream>(append, &bytes, kWidth, kHeight);
+          call<kCairo, cairo_svg_surface_create_for_stream>(append, &bytes, width, height);
       call<kCairo, cairo_svg_surface_set_document_unit>(surface, CAIRO_SVG_UNIT_PX);
       return surface;
     }
     case PlotFormat::pdf:
-      return call<kCairo, cairo_pdf_surface_create_for_stream>(append, &bytes, kWidth, kHeight);
+      return call<kCairo, cairo_pdf_surface_create_for_stream>(append, &bytes, width, height);
   }
   return nullptr;
 }
@@ -188,15 +187,17 @@ std::expected<PlotFormat, std::string> plot_format(const std::filesystem::path& 
 }
 
 std::expected<std::string, std::string> draw_page(PlotFormat format,
-                                                  const std::function<void(const Canvas&)>& draw) {
+                                                  const std::function<void(const Canvas&)>& draw,
+                                                  double width, double height) {
   if (auto loaded = load_library(kCairo); !loaded) return std::unexpected(loaded.error());
   std::string bytes;  // outlives the surface, which may write to it until it is finished
   const std::unique_ptr<cairo_surface_t, void (*)(cairo_surface_t*)> surface(
-      make_surface(format, bytes), [](auto* s) { call<kCairo, cairo_surface_destroy>(s); });
+      make_surface(format, width, height, bytes),
+      [](auto* s) { call<kCairo, cairo_surface_destroy>(s); });
   const std::unique_ptr<cairo_t, void (*)(cairo_t*)> cairo(
       call<kCairo, cairo_create>(surface.get()), [](auto* c) { call<kCairo, cairo_destroy>(c); });
   const Canvas canvas(cairo.get());
-  canvas.box(0, 0, kWidth, kHeight, kWhite);
+  canvas.box(0, 0, width, height, kWhite);
   draw(canvas);
   cairo_status_t status = call<kCairo, cairo_status>(cairo.get());
   if (status == CAIRO_STATUS_SUCCESS && format == PlotFormat::png)

@@ -71,9 +71,10 @@ enum class PlotFormat { png, svg, pdf };
 /// By suffix, in any case; the error lists the suffixes.
 std::expected<PlotFormat, std::string> plot_format(const std::filesystem::path& path);
 
-/// The file's bytes: a white page of 1600 x 1000 pixels, or the same in vectors, with what `draw`
-/// puts on it. The error is one line.
+/// The file's bytes: a white page of so many pixels, or the same in vectors, with what `draw` puts
+/// on it. The error is one line.
 std::expected<std::string, std::string> draw_page(PlotFormat format,
-                                                  const std::function<void(const Canvas&)>& draw);
+                                                  const std::function<void(const Canvas&)>& draw,
+                                                  double width = kWidth, double height = kHeight);
 
 }  // namespace raio::app

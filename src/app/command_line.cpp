@@ -353,6 +353,8 @@ void add_info(CLI::App& app, InfoCommand& info, int& status) {
   add_scene(*sub, info.scene);
   add_read_options(*sub, info.read);
   sub->add_flag("--json", info.json, "Print one JSON object");
+  add_file(*sub, "--color-bar", info.color_bar,
+           "Draw which numbers have which colours: .png .svg .pdf by suffix");
   sub->callback([&] { status = run(info); });
 }
 

@@ -73,6 +73,7 @@ int run(const BenchCommand& command);
 struct InfoCommand {
   std::string scene;
   bool json = false;
+  std::string color_bar = {};  // NOLINT(readability-redundant-member-init): can be left out
   ReadOptions read = {};
 };
 int run(const InfoCommand& command);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <ranges>
 
+#include "app/color_bar.h"
 #include "app/commands.h"
 #include "app/json.h"
 #include "app/output.h"
@@ -88,6 +89,10 @@ std::string info_json(const ReadScene& read) {
                        {"reflecting", materials.reflecting},
                        {"refracting", materials.refracting}};
   json["memory_bytes"] = memory_bytes(scene);
+  json["frames"] = read.frames > 0 ? Json(read.frames) : Json(nullptr);
+  json["colors"] = nullptr;
+  if (const auto& c = read.colors)
+    json["colors"] = {{"by", c->name}, {"colormap", c->map}, {"range", {c->least, c->most}}};
 
   json["warnings"] = Json::array();
   for (const Diagnostic& d : read.warnings) {
@@ -160,6 +165,10 @@ std::string info_text(const ReadScene& read) {
   const MaterialCounts materials = count_materials(scene);
   line("materials", fmt::format("{}, of which {} reflect and {} refract", scene.materials.size(),
                                 materials.reflecting, materials.refracting));
+  if (const auto& c = read.colors)
+    line("colours",
+         fmt::format("{} from {:.6g} to {:.6g}, {}", c->name, c->least, c->most, c->map));
+  if (read.frames > 1) line("frames", fmt::format("{}", read.frames));
   line("memory", human_bytes(double(memory_bytes(scene))));
   line("warnings", read.warnings.empty() ? "none" : fmt::format("{}", read.warnings.size()));
   return out;
@@ -180,6 +189,12 @@ void add_warnings(const InfoCommand& command, ReadScene& read) {
 
 int run(const InfoCommand& command) {
   const StopOnSignal stop;
+  if (!command.color_bar.empty()) {
+    if (const auto format = plot_format(command.color_bar); !format)
+      return bad_input(format.error());
+    if (const auto writable = check_writable(command.color_bar); !writable)
+      return fail(writable.error());
+  }
   // Not load_scene: the warnings are part of what is asked for.
   ReadOptions options = command.read;
   options.instances = true;
@@ -187,6 +202,14 @@ int run(const InfoCommand& command) {
   if (read) add_warnings(command, *read);
   for (const Diagnostic& d : read ? read->warnings : read.error()) print_line(d.text("--"));
   if (!read) return kBadInput;
+  if (!command.color_bar.empty()) {
+    if (!read->colors)
+      return bad_input(
+          "there is no scale for --color-bar: nothing is coloured by numbers; give --color-by");
+    const auto bar = draw_color_bar(*read->colors, *plot_format(command.color_bar));
+    if (!bar) return no_resource(bar.error());
+    if (const int status = deliver(command.color_bar, *bar)) return status;
+  }
   return deliver("-", command.json ? info_json(*read) : info_text(*read));
 }
 

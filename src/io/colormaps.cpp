@@ -126,9 +126,11 @@ std::optional<Rgb> map_color(std::string_view name, float part) {
   return color_in(*map, part);
 }
 
-std::expected<std::vector<Rgb>, std::string> map_colors(std::span<const float> values,
-                                                        std::string_view name) {
-  const auto map = find_map(name.empty() ? kColormaps[0] : name);
+std::expected<MappedColors, std::string> map_colors(std::span<const float> values,
+                                                    std::string_view name,
+                                                    std::optional<std::array<double, 2>> range) {
+  if (name.empty()) name = kColormaps[0];
+  const auto map = find_map(name);
   if (!map)
     return std::unexpected(
         fmt::format("there is no colour map '{}'; expected {}", name, fmt::join(kColormaps, ", ")));
@@ -140,9 +142,12 @@ std::expected<std::vector<Rgb>, std::string> map_colors(std::span<const float> v
     most = any ? std::max(most, double(value)) : double(value);
     any = true;
   }
-  std::vector<Rgb> out(values.size());
-  for (size_t i = 0; i < out.size(); ++i)
-    out[i] = color_in(*map, most > least ? float((double(values[i]) - least) / (most - least)) : 0);
+  if (range) least = (*range)[0], most = (*range)[1];
+  MappedColors out{{}, {"", std::string(name), least, most}};
+  out.colors.reserve(values.size());
+  for (const float value : values)
+    out.colors.push_back(
+        color_in(*map, most == least ? 0 : float((double(value) - least) / (most - least))));
   return out;
 }
 

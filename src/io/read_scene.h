@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "io/colormaps.h"
 #include "io/diagnostics.h"
 #include "scene/scene.h"
 
@@ -26,8 +27,9 @@ inline constexpr int kMostImages = 1000;
 struct ReadOptions {
   // NOLINTBEGIN(readability-redundant-member-init): so that some can be left out
   std::optional<AtomStyle> style = {};
-  std::string color_by = {};         // element, chain, residue, index or a column; empty: as usual
-  std::string colormap = {};         // of numbers; empty: viridis
+  std::string color_by = {};  // element, chain, residue, index or a column; empty: as usual
+  std::string colormap = {};  // of numbers; empty: viridis
+  std::optional<std::array<double, 2>> color_range = {};  // the numbers at its ends; none: theirs
   float radius = 0;                  // of points that have none, scene units; 0: from their spacing
   std::optional<int> assembly = {};  // biological; 0: none; without: 1 where there is one
   int frame = 0;                     // of a trajectory, or model, from 0; negative: from the end
@@ -43,7 +45,8 @@ struct ReadOptions {
 struct ReadScene {
   Scene scene;
   Diagnostics warnings;
-  size_t frames = 0;  // that the file has; 0: it is of a kind that has none
+  size_t frames = 0;                      // that the file has; 0: it is of a kind that has none
+  std::optional<ColorScale> colors = {};  // where numbers are shown as colours
 };
 
 /// Reads what is in memory, `file` by its name in messages.

@@ -114,6 +114,7 @@ std::string_view unfit_option(const ReadOptions& options, const FileKind& kind) 
   if (!points && options.radius != usual.radius) return "radius";
   if (!points && !options.color_by.empty()) return "color-by";
   if (!points && !options.colormap.empty()) return "colormap";
+  if (!points && options.color_range) return "color-range";
   if (kind.takes == FileKind::Takes::all) return {};
   if (options.style) return "style";
   if (options.assembly) return "assembly";

@@ -25,6 +25,7 @@ constexpr float kLargest = 1e9f;  // number of a matrix, so that what it moves s
 constexpr float kStick = 0.15f, kBond = 0.12f, kBallPart = 0.27f, kPoint = 0.25f;
 constexpr double kEdgePart = 0.005;  // of a cell's mean side, the radius of its edges
 const Rgb kEdgeColor(0.05f);
+constexpr size_t kMostCells = 10'000'000;
 
 std::unexpected<Diagnostics> failed(std::string_view file, std::string message) {
   return std::unexpected(
@@ -154,9 +155,9 @@ class SceneMaker {
           "or occupancy{}{}",
           printable(by), atoms_.columns.empty() ? "" : ", or a column of the file: ",
           printable(fmt::format("{}", fmt::join(atoms_.columns, ", "))));
-    if (which && !options_.colormap.empty())
+    if (which && (!options_.colormap.empty() || options_.color_range))
       return fmt::format(
-          "a colour map has no effect on atoms coloured by {}; colour them by "
+          "a colour map or range has no effect on atoms coloured by {}; colour them by "
           "index, bfactor, occupancy or a column of numbers",
           by);
     material_.resize(atoms_.atoms.size());
@@ -170,9 +171,11 @@ class SceneMaker {
       return {};
     }
     // Maps have 256 colours, so as many materials do.
-    const auto colors = map_colors(numbers, options_.colormap);
-    if (!colors) return colors.error();
-    for (size_t i = 0; i < material_.size(); ++i) material_[i] = material((*colors)[i]);
+    const auto mapped = map_colors(numbers, options_.colormap, options_.color_range);
+    if (!mapped) return mapped.error();
+    for (size_t i = 0; i < material_.size(); ++i) material_[i] = material(mapped->colors[i]);
+    read_.colors = mapped->scale;
+    read_.colors->name = by;
     return {};
   }
 
@@ -341,6 +344,9 @@ std::string cell_problem(const Atoms& atoms, const ReadOptions& options) {
   };
   if (!is_sound(cell.origin) || !std::ranges::all_of(cell.sides, is_sound))
     return "the cell has a number that is not finite";
+  if (images > kMostCells)
+    return fmt::format("{} copies of the cell are too many; expected at most {}", images,
+                       kMostCells);
   // Of each atom with its bonds, or of each copy.
   const double bytes = has_bonds(style_of(atoms, options)) ? 300.0 * double(atoms.atoms.size())
                        : options.instances                 ? 200.0

@@ -398,16 +398,24 @@ class PlyReader {
     for (size_t i = 0; i < radii_.size(); ++i)
       if (!(radii_[i] > 0 && radii_[i] <= kFarthestPlace))
         fail(fmt::format("vertex {} has a radius of {}; expected a positive number", i, radii_[i]));
+    std::optional<ColorScale> scale;
     if (colored_by_) {
-      const auto colors = map_colors(values_, options_.colormap);
-      if (!colors) fail(colors.error());
-      colors_ = *colors;
+      auto mapped = map_colors(values_, options_.colormap, options_.color_range);
+      if (!mapped) fail(mapped.error());
+      colors_ = std::move(mapped->colors);
+      scale = mapped->scale, scale->name = options_.color_by;
+    } else if (!options_.colormap.empty() || options_.color_range) {
+      fail("a colour map or range has no effect without `color-by`; leave it out");
     }
-    if (mesh_.has_faces()) return make_mesh();
     ReadScene read;
-    read.scene.dialect = Dialect::data;
-    make_spheres(read.scene);
-    fit_camera(read.scene, FitView::three_quarter);
+    if (mesh_.has_faces()) {
+      read = make_mesh();
+    } else {
+      read.scene.dialect = Dialect::data;
+      make_spheres(read.scene);
+      fit_camera(read.scene, FitView::three_quarter);
+    }
+    read.colors = scale;
     return read;
   }
   static Material paint(Rgb color) { return {.color = color, .kd = 1}; }
