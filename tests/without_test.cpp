@@ -91,6 +91,7 @@ TEST_F(BuildWithout, Embree) {
 #ifdef RAIO_NO_PLOTS
 TEST_F(BuildWithout, Plots) {
   refuses({"bench", scene_, "--plot", file("p.svg").string()}, "no plots");
+  refuses({"info", scene_, "--color-bar", file("p.svg").string()}, "no plots");
 }
 #endif
 

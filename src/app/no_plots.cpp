@@ -1,4 +1,6 @@
-// In place of what draws (canvas.cpp, plot.cpp, explain_plot.cpp) in builds with RAIO_PLOTS=OFF.
+// In place of what draws (canvas.cpp, color_bar.cpp, plot.cpp, explain_plot.cpp) in builds with
+// RAIO_PLOTS=OFF.
+#include "app/color_bar.h"
 #include "app/explain.h"
 #include "app/plot.h"
 
@@ -14,6 +16,10 @@ std::expected<PlotFormat, std::string> plot_format(const std::filesystem::path&)
 }
 
 std::expected<std::string, std::string> draw_plot(const BenchmarkTable&, PlotFormat) {
+  return std::unexpected(kNoPlots);
+}
+
+std::expected<std::string, std::string> draw_color_bar(const ColorScale&, PlotFormat) {
   return std::unexpected(kNoPlots);
 }
 
