@@ -156,6 +156,9 @@ TEST_F(Commands, InfoDrawsTheColourBar) {
   const auto row = [&](int x) { return bar->color.pixels[size_t(64 * bar->color.width + x)]; };
   EXPECT_NEAR(row(41).x, 68 / 255.0, 0.01);
   EXPECT_NEAR(row(598).x, 253 / 255.0, 0.01);
+  // Ends that hardly differ have an end, too.
+  command.read.color_range = std::array{1e17, 1.0000000000000005e17};
+  EXPECT_EQ(run_captured(command), kDone);
   command.color_bar = path("bar.txt");
   EXPECT_EQ(run_captured(command), kBadInput);
 }

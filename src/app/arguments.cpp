@@ -71,8 +71,9 @@ std::array<double, 2> parse_range(const std::string& text) {
   const auto second = comma ? std::from_chars(first.ptr + 1, end, out[1]) : first;
   if (!comma || second.ec != std::errc() || second.ptr != end || !std::isfinite(out[0]) ||
       !std::isfinite(out[1]) || out[0] == out[1])
-    throw CLI::ValidationError("--color-range",
-                               fmt::format("expected two numbers, as in 0,1.5, found '{}'", text));
+    throw CLI::ValidationError(
+        "--color-range",
+        fmt::format("expected two different numbers, as in 0,1.5, found '{}'", text));
   return out;
 }
 

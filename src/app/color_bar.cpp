@@ -45,8 +45,13 @@ std::expected<std::string, std::string> draw_color_bar(const ColorScale& scale, 
     if (length == 0) return tick(scale.least, kLeft);
     const double low = std::min(scale.least, scale.most), high = std::max(scale.least, scale.most);
     const double step = round_step(high - low);
-    for (double n = std::ceil(low / step - 1e-9); n * step <= high + 1e-9 * step; ++n)
-      tick(n * step, kLeft + (n * step - scale.least) / length * (kRight - kLeft));
+    const double first = std::ceil(low / step - 1e-9);
+    // Counted, since a large number plus one may be itself.
+    for (int i = 0; i <= 2 * kTicks; ++i) {
+      const double value = (first + i) * step;
+      if (value <= high + 1e-9 * step)
+        tick(value, kLeft + (value - scale.least) / length * (kRight - kLeft));
+    }
   };
   return draw_page(format, draw, kPageWidth, kPageHeight);
 }

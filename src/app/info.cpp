@@ -205,7 +205,8 @@ int run(const InfoCommand& command) {
   if (!command.color_bar.empty()) {
     if (!read->colors)
       return bad_input(
-          "there is no scale for --color-bar: nothing is coloured by numbers; give --color-by");
+          "there is no scale for --color-bar: nothing is coloured by numbers; give --color-by with "
+          "index, bfactor, occupancy or a column of numbers");
     const auto bar = draw_color_bar(*read->colors, *plot_format(command.color_bar));
     if (!bar) return no_resource(bar.error());
     if (const int status = deliver(command.color_bar, *bar)) return status;
