@@ -28,15 +28,15 @@ RayCounts published_mount() {
           .shadow_hits = uint64_t(74555 * 3.411)};
 }
 
-std::vector<Verdict> verdicts(const RayCounts& rays) {
-  std::vector<Verdict> out;
+std::vector<SpdVerdict> verdicts(const RayCounts& rays) {
+  std::vector<SpdVerdict> out;
   for (const SpdRow& row : beside_published(*find_published("mount"), rays, {}).rays)
     out.push_back(row.verdict());
   return out;
 }
 
 TEST(Spd, CountsThatMoveAreOff) {
-  using enum Verdict;
+  using enum SpdVerdict;
   EXPECT_EQ(verdicts(published_mount()), (std::vector{ok, ok, ok, ok, ok, known}));
   const auto moved = [](uint64_t RayCounts::* count, double by) {
     RayCounts rays = published_mount();

@@ -11,7 +11,7 @@
 
 namespace raio::app {
 
-enum class Verdict { ok, known, off };
+enum class SpdVerdict { ok, known, off };
 
 /// A count of Raio's beside what was published, where it was.
 struct SpdRow {
@@ -23,7 +23,7 @@ struct SpdRow {
 
   /// Off when it is further than `allowed` from one of the two; known when it is where a known
   /// departure puts it.
-  Verdict verdict() const;
+  SpdVerdict verdict() const;
 };
 
 /// What Raio's uniform grid of a certain resolution counted.

@@ -34,7 +34,7 @@ std::string percent(std::optional<double> published, double ours) {
   return published ? fmt::format("{:+.1f} %", 100 * apart(ours, *published)) : "";
 }
 
-std::string_view name_of(Verdict verdict) {
+std::string_view name_of(SpdVerdict verdict) {
   constexpr std::array<std::string_view, 3> kNames = {"ok", "known", "off"};
   return kNames[size_t(verdict)];
 }
@@ -102,12 +102,13 @@ Json json_of(const SpdRow& r) {
 
 }  // namespace
 
-Verdict SpdRow::verdict() const {
+SpdVerdict SpdRow::verdict() const {
   const auto within = [&](std::optional<double> published, double departure) {
     return !published || std::abs(apart(ours, *published) - departure) <= allowed;
   };
-  if (within(haines, 0) && within(havran, 0)) return Verdict::ok;
-  return known != 0 && within(haines, 0) && within(havran, known) ? Verdict::known : Verdict::off;
+  if (within(haines, 0) && within(havran, 0)) return SpdVerdict::ok;
+  return known != 0 && within(haines, 0) && within(havran, known) ? SpdVerdict::known
+                                                                  : SpdVerdict::off;
 }
 
 const PublishedScene* find_published(std::string_view name) {
@@ -159,7 +160,7 @@ SpdScene beside_published(const PublishedScene& published, const RayCounts& rays
 }
 
 bool any_off(std::span<const SpdScene> scenes) {
-  return count_verdicts(scenes)[size_t(Verdict::off)] > 0;
+  return count_verdicts(scenes)[size_t(SpdVerdict::off)] > 0;
 }
 
 std::string spd_text(std::span<const SpdScene> scenes) {
@@ -191,7 +192,7 @@ std::string spd_json(std::span<const SpdScene> scenes) {
         {{"scene", scene.name}, {"rays", rows(scene.rays)}, {"grids", std::move(grids)}});
   }
   const auto counts = count_verdicts(scenes);
-  for (const Verdict v : {Verdict::ok, Verdict::known, Verdict::off})
+  for (const SpdVerdict v : {SpdVerdict::ok, SpdVerdict::known, SpdVerdict::off})
     json[std::string(name_of(v))] = counts[size_t(v)];
   return json_text(json);
 }

@@ -3,12 +3,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <mutex>
 #include <utility>
 
 #include "app/commands.h"
+#include "base/clock.h"
 #include "io/file.h"
 #include "io/scene_file.h"
 
@@ -96,10 +96,8 @@ std::expected<Scene, int> load_scene(const std::string& path, bool quiet, Diagno
 
 ProgressLine::ProgressLine(const RenderControl& control, std::string_view mode, std::string label) {
   if (mode == "off" || (mode == "auto" && !is_terminal())) return;
-  using std::chrono::steady_clock;
-  const auto show = [&control, start = steady_clock::now(), label = std::move(label)] {
-    const std::chrono::duration<double> elapsed = steady_clock::now() - start;
-    show_progress(progress_text(control, elapsed.count(), label));
+  const auto show = [&control, start = Clock::now(), label = std::move(label)] {
+    show_progress(progress_text(control, seconds_since(start), label));
   };
   if (mode == "on") show();  // who asked for it sees it however short the work is
   ticker_ = Ticker(0.25, show);

@@ -16,7 +16,7 @@
 namespace raio {
 namespace {
 
-constexpr double kBrightest = 1e6;
+constexpr double kBrightestColor = 1e6;
 
 // The values of CSS, where "green" is half as bright as "lime".
 constexpr std::array<std::pair<std::string_view, uint32_t>, 24> kNames = {{
@@ -49,7 +49,7 @@ std::optional<Rgb> parse_numbers(std::string_view text) {
     const size_t size = std::min(c < 2 ? text.find(',') : text.size(), text.size());
     const auto [end, error] = std::from_chars(text.data(), text.data() + size, color[c]);
     if (error != std::errc() || end != text.data() + size) return std::nullopt;
-    if (!(color[c] >= 0 && double(color[c]) <= kBrightest)) return std::nullopt;
+    if (!(color[c] >= 0 && double(color[c]) <= kBrightestColor)) return std::nullopt;
     if (c < 2 && size == text.size()) return std::nullopt;
     text.remove_prefix(std::min(size + 1, text.size()));
   }

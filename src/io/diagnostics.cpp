@@ -94,4 +94,9 @@ Diagnostics TextReport::placed(Findings& findings, Severity severity) {
   return out;
 }
 
+std::unexpected<Diagnostics> failed(std::string_view file, std::string message, size_t line) {
+  return std::unexpected(Diagnostics{
+      {Severity::error, std::string(file), int(line), line > 0, std::move(message), ""}});
+}
+
 }  // namespace raio

@@ -1,6 +1,7 @@
 // What readers say of their input. The library never prints; whoever called does.
 #pragma once
 
+#include <expected>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,6 +29,9 @@ struct Diagnostic {
 Error error_of(const Diagnostic& diagnostic);
 
 using Diagnostics = std::vector<Diagnostic>;
+
+/// One error about a line of the file, or, without `line`, about the file as a whole.
+std::unexpected<Diagnostics> failed(std::string_view file, std::string message, size_t line = 0);
 
 /// The one message that is not about the input but about the machine.
 inline constexpr std::string_view kNoMemory = "there is not enough memory for the scene";

@@ -27,11 +27,6 @@ constexpr std::string_view kReads =
     "Raio reads NFF, P3F, .raio, PDB, CIF, GRO, XYZ, LAMMPS, PLY, STL, OBJ and OFF";
 constexpr std::string_view kGzip = "\x1f\x8b";
 
-std::unexpected<Diagnostics> failed(std::string_view file, std::string message) {
-  return std::unexpected(
-      Diagnostics{{Severity::error, std::string(file), 0, 0, std::move(message), ""}});
-}
-
 /// Does the path lead to a regular file that begins as a .raio scene? Pipes and standard input are
 /// not touched, since what is read from them is gone.
 bool leads_to_raio(const fs::path& path) {

@@ -6,9 +6,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
+#include "base/clock.h"
 #include "base/parallel.h"
 #include "io/image/image.h"
 #include "render/picture.h"
@@ -212,11 +212,9 @@ class Teller {
  public:
   Teller(const RenderControl& control, const std::function<void(const Progress&)>& tell) {
     if (!tell) return;
-    using Clock = std::chrono::steady_clock;
     ticker_ = Ticker(0.1, [&, start = Clock::now()] {
       const double total = double(std::max<uint64_t>(1, control.work_total));
-      tell({double(control.work_done) / total, control.rays_done,
-            std::chrono::duration<double>(Clock::now() - start).count()});
+      tell({double(control.work_done) / total, control.rays_done, seconds_since(start)});
     });
   }
 

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <map>
 #include <memory>
 
+#include "base/clock.h"
 #include "base/platform/processor.h"
 #include "render/render.h"
 
@@ -69,14 +69,14 @@ class Measurement {
       request.grid_factor = request_.options.accel.grid_factor;
       request.grid_resolution = request_.options.accel.grid_resolution;
     }
-    const auto start = std::chrono::steady_clock::now();
+    const auto start = Clock::now();
     std::expected<std::unique_ptr<Accel>, Error> accel;
     on_threads(table_.threads,
                [&] { accel = build_accel(scene_, request, request_.options.one_sided); });
-    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+    const double elapsed = seconds_since(start);
     if (!accel) return std::unexpected(Failure{Failure::no_resource, accel.error().message});
     if (control_.stop) return std::unexpected(Failure{Failure::stopped, {}});
-    table_.structures.push_back({(*accel)->info(), elapsed.count()});
+    table_.structures.push_back({(*accel)->info(), elapsed});
     accels_[kind] = std::move(*accel);
     return {};
   }

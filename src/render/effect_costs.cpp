@@ -1,28 +1,22 @@
 #include "render/effect_costs.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <memory>
 #include <optional>
 #include <utility>
 
+#include "base/clock.h"
 #include "base/parallel.h"
 #include "render/timed_share.h"
 
 namespace raio {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr size_t kFewestRounds = 5, kFewestSlowRounds = 3, kMostRounds = 25;
 constexpr double kPatienceSeconds = 15;  // then as few rounds as there are may do
 constexpr double kNewsSeconds = 0.5;
 constexpr uint32_t kProbeShards = 64;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 // One of the pictures that are compared.
 struct Variant {

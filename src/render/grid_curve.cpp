@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <iterator>
 #include <memory>
@@ -11,21 +10,16 @@
 #include <utility>
 
 #include "accel/accel.h"
+#include "base/clock.h"
 #include "base/parallel.h"
 #include "integrate/film.h"
 
 namespace raio {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr double kMostCells = 1 << 24;
-constexpr size_t kFewestRounds = 5, kMostRounds = 15;
-constexpr uint32_t kProbeShards = 16;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
+constexpr size_t kFewestCurveRounds = 5, kMostCurveRounds = 15;
+constexpr uint32_t kCurveProbeShards = 16;
 
 class CurveMeasurement {
  public:
@@ -95,7 +89,8 @@ class CurveMeasurement {
       point.resolution = info.resolution, point.cells = info.cells;
       point.references = info.references, point.bytes = info.bytes;
       if (!curve_.points.empty() && curve_.points.back().resolution == point.resolution) continue;
-      const auto probe = render_share(scene_, *grid.accel, grid.settings, kProbeShards, control_);
+      const auto probe =
+          render_share(scene_, *grid.accel, grid.settings, kCurveProbeShards, control_);
       if (!probe) return fail(probe.error());
       if (!*probe) return false;
       slowest = std::max(slowest, scaled((*probe)->seconds, **probe));
@@ -116,7 +111,7 @@ class CurveMeasurement {
     s.accel.counters = true;
     const auto accel = build(s);
     if (!accel) return fail(accel.error());
-    const auto run = render_share(scene_, **accel, s, kProbeShards, control_);
+    const auto run = render_share(scene_, **accel, s, kCurveProbeShards, control_);
     if (!run) return fail(run.error());
     if (!*run) return false;
     const RayCounts& rays = (*run)->rays;
@@ -127,11 +122,11 @@ class CurveMeasurement {
 
   // In an order that is turned round every other time.
   bool time_rounds() {
-    for (size_t round = 1; round <= kMostRounds; ++round) {
+    for (size_t round = 1; round <= kMostCurveRounds; ++round) {
       const auto start = Clock::now();
       for (size_t i = 0; i < grids_.size(); ++i)
         if (!time(round % 2 ? i : grids_.size() - 1 - i)) return false;
-      bool close = round >= kFewestRounds;
+      bool close = round >= kFewestCurveRounds;
       for (size_t i = 0; i < grids_.size(); ++i) {
         GridPoint& point = curve_.points[i];
         point.seconds = median_interval(grids_[i].seconds), point.rounds = int(round);
@@ -139,7 +134,7 @@ class CurveMeasurement {
       }
       const double round_s = seconds_since(start);
       curve_.left_s =
-          close ? 0 : round_s * double(round < kFewestRounds ? kFewestRounds - round : 1);
+          close ? 0 : round_s * double(round < kFewestCurveRounds ? kFewestCurveRounds - round : 1);
       curve_.done = double(round) * round_s / (double(round) * round_s + curve_.left_s);
       tell();
       if (close) break;

@@ -4,7 +4,6 @@
 // docs/long-renders.md
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <expected>
 #include <functional>
@@ -13,6 +12,7 @@
 #include <vector>
 
 #include "accel/accel.h"
+#include "base/clock.h"
 #include "base/error.h"
 #include "integrate/control.h"
 #include "integrate/settings.h"
@@ -112,9 +112,8 @@ class RenderJob {
 
  private:
   class Checkpoint;
-  using Clock = std::chrono::steady_clock;
 
-  double seconds() const { return std::chrono::duration<double>(Clock::now() - begin_).count(); }
+  double seconds() const { return seconds_since(begin_); }
   std::expected<void, Error> load();
   std::expected<void, Error> build();
   void describe(const SampleRange& samples);

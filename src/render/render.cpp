@@ -3,12 +3,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <utility>
 #include <vector>
 
+#include "base/clock.h"
 #include "base/memory.h"
 #include "integrate/views.h"
 #include "integrate/wavefront.h"
@@ -54,12 +54,6 @@ std::expected<std::unique_ptr<Film>, Error> make_film(const Scene& scene,
 }
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 /// One call of render().
 class Work {

@@ -123,7 +123,7 @@ std::optional<SessionProgress> Session::progress() const {
   const std::lock_guard lock(mutex_);
   if (!stage_) return std::nullopt;
   SessionProgress p{.stage = stage_->stage};
-  p.passed_s = std::chrono::duration<double>(Clock::now() - stage_->start).count();
+  p.passed_s = seconds_since(stage_->start);
   if (stage_->parts == 0) {
     p.left_s = std::max(0.0, stage_->expected_s - p.passed_s);
     return p;
@@ -209,7 +209,7 @@ bool Session::bake(const SessionRequest& request, SessionPicture& next) {
     on_threads(next.settings.threads,
                [&] { accel = build_accel(*request.scene, o, next.settings.one_sided); });
     if (!accel) return fail(accel.error(), next);
-    baked->build_s = std::chrono::duration<double>(Clock::now() - start).count();
+    baked->build_s = seconds_since(start);
     baked->accel = {accel->release(),
                     [scene = request.scene](const Accel* built) { delete built; }};
     baked->info = baked->accel->info();
@@ -239,7 +239,7 @@ bool Session::render_scaled(double scale, SessionPicture& next) {
   if (!render(*baked.scene, *baked.accel, settings, **film, control_, {.samples = 1}).finished)
     return false;
   next.image = std::make_shared<Image>(picture_of(**film, settings.view));
-  const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  const double seconds = seconds_since(start);
   const double pixel_s = seconds / (double(settings.width) * settings.height);
   // One number for all sizes: what small pictures cost more, tells against the next one's.
   pixel_s_ = pixel_s_ > 0 ? (pixel_s_ + pixel_s) / 2 : pixel_s;

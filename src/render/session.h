@@ -2,7 +2,6 @@
 // the newest request. No window in it: a window says what it wants and looks at what there is.
 #pragma once
 
-#include <chrono>
 #include <condition_variable>
 #include <functional>
 #include <memory>
@@ -12,6 +11,7 @@
 #include <thread>
 
 #include "accel/accel.h"
+#include "base/clock.h"
 #include "integrate/film.h"
 #include "io/image/image.h"
 #include "render/effect_costs.h"
@@ -94,8 +94,6 @@ class Session {
   std::shared_ptr<const SessionPicture> picture() const;
 
  private:
-  using Clock = std::chrono::steady_clock;
-
   void run();
   void serve(const SessionRequest& request, SessionPicture& next);
   bool bake(const SessionRequest& request, SessionPicture& next);

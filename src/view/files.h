@@ -1,7 +1,6 @@
 // Scene files that are read and pictures that are written while the window goes on.
 #pragma once
 
-#include <chrono>
 #include <expected>
 #include <filesystem>
 #include <functional>
@@ -12,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/clock.h"
 #include "io/diagnostics.h"
 #include "io/image/image.h"
 #include "render/session.h"
@@ -48,7 +48,6 @@ class SceneFile {
 
  private:
   using Stamp = std::pair<std::filesystem::file_time_type, uintmax_t>;
-  using Clock = std::chrono::steady_clock;
   static Stamp stamp(const std::string& path);
   void start(std::string path, int threads);
 

@@ -4,7 +4,6 @@
 
 #include <array>
 #include <atomic>
-#include <chrono>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -12,6 +11,7 @@
 #include <string>
 #include <thread>
 
+#include "base/clock.h"
 #include "render/benchmark.h"
 #include "render/effect_costs.h"
 #include "render/grid_curve.h"
@@ -67,7 +67,6 @@ class Measuring {
   void forget();
 
  private:
-  using Clock = std::chrono::steady_clock;
   struct Found {
     EffectCosts costs;
     std::optional<BenchmarkTable> table;

@@ -193,14 +193,15 @@ class GridBuilder : GridCells {
   // Chunks of items find their cells in parallel; then one counting sort over the chunks in order,
   // which leaves each list ascending whatever the number of threads.
   void list_references() {
-    constexpr size_t kChunk = 1024;
+    constexpr size_t kItemsPerChunk = 1024;
     struct Reference {
       uint32_t cell;
       PrimitiveId item;
     };
-    std::vector<std::vector<Reference>> chunks((rest_.size() + kChunk - 1) / kChunk);
+    std::vector<std::vector<Reference>> chunks((rest_.size() + kItemsPerChunk - 1) /
+                                               kItemsPerChunk);
     parallel_for(chunks.size(), [&](size_t c) {
-      for (size_t i = c * kChunk; i < std::min(rest_.size(), (c + 1) * kChunk); ++i)
+      for (size_t i = c * kItemsPerChunk; i < std::min(rest_.size(), (c + 1) * kItemsPerChunk); ++i)
         for_each_cell(i, [&](size_t cell) { chunks[c].push_back({uint32_t(cell), rest_[i]}); });
     });
     begin.assign(lattice.cells() + 1, 0);

@@ -10,6 +10,13 @@
 
 namespace raio {
 
+struct CloseFile {
+  void operator()(std::FILE* file) const {
+    if (file != stdin) std::fclose(file);
+  }
+};
+using Stream = std::unique_ptr<std::FILE, CloseFile>;
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -17,13 +24,6 @@ namespace fs = std::filesystem;
 std::unexpected<std::string> failed(int error) {
   return std::unexpected(system_reason(error != 0 ? error : EIO));
 }
-
-struct Close {
-  void operator()(std::FILE* file) const {
-    if (file != stdin) std::fclose(file);
-  }
-};
-using Stream = std::unique_ptr<std::FILE, Close>;
 
 Stream open_stream(const fs::path& path, const char* mode) {
   errno = 0;

@@ -6,11 +6,6 @@
 namespace raio {
 namespace {
 
-std::unexpected<Diagnostics> failed(std::string_view file, std::string message) {
-  return std::unexpected(
-      Diagnostics{{Severity::error, std::string(file), 0, 0, std::move(message), ""}});
-}
-
 std::expected<ReadScene, Diagnostics> read_by_gemmi(const TextBuffer& text, std::string_view file,
                                                     bool cif, const ReadOptions& options) {
   Atoms atoms;

@@ -27,11 +27,6 @@ constexpr double kEdgePart = 0.005;  // of a cell's mean side, the radius of its
 const Rgb kEdgeColor(0.05f);
 constexpr size_t kMostCells = 10'000'000;
 
-std::unexpected<Diagnostics> failed(std::string_view file, std::string message) {
-  return std::unexpected(
-      Diagnostics{{Severity::error, std::string(file), 0, 0, std::move(message), ""}});
-}
-
 Vec3f place_of(const Atom& atom) { return {atom.place[0], atom.place[1], atom.place[2]}; }
 
 bool any_element(const Atoms& atoms) {

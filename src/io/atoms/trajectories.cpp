@@ -22,11 +22,6 @@ struct FrameRows {
 };
 using FrameRowsOr = std::expected<FrameRows, Diagnostics>;
 
-std::unexpected<Diagnostics> failed(std::string_view file, std::string message, size_t line = 0) {
-  return std::unexpected(Diagnostics{
-      {Severity::error, std::string(file), int(line), line > 0, std::move(message), ""}});
-}
-
 // A text of frames, whatever the format.
 class Trajectory {
  public:

@@ -22,7 +22,7 @@ constexpr size_t kNumberBytes = 4;  // of all kinds of numbers here
 
 /// A file in the making: its first bytes, then what `copy` gives of the numbers from `first` to
 /// `end`, which are counted as they lie in the file.
-struct Array {
+struct NpyArray {
   std::string name, header;
   size_t numbers;
   std::function<void(size_t first, size_t end, uint8_t* out)> copy;
@@ -47,7 +47,7 @@ std::string npy_header(const Image& image, size_t components, char type) {
          text;
 }
 
-Array rgba_array(const PictureView& picture) {
+NpyArray rgba_array(const PictureView& picture) {
   constexpr size_t kComponents = 4;
   const Image& image = picture.color;
   const auto copy = [&image, alpha = picture.alpha](size_t first, size_t end, uint8_t* out) {
@@ -60,7 +60,7 @@ Array rgba_array(const PictureView& picture) {
   return {"rgba", npy_header(image, kComponents, 'f'), kComponents * image.pixels.size(), copy};
 }
 
-Array layer_array(const Image& image, const Layer& layer) {
+NpyArray layer_array(const Image& image, const Layer& layer) {
   const size_t components = layer.components.size();
   return std::visit(
       [&]<class T>(const Column<T>& values) {
@@ -69,14 +69,14 @@ Array layer_array(const Image& image, const Layer& layer) {
           std::memcpy(out, from + first, (end - first) * sizeof(T));
         };
         const char type = std::is_same_v<T, float> ? 'f' : 'u';
-        return Array{layer.name, npy_header(image, components == 1 ? 0 : components, type),
-                     values.size(), copy};
+        return NpyArray{layer.name, npy_header(image, components == 1 ? 0 : components, type),
+                        values.size(), copy};
       },
       layer.values);
 }
 
 /// In bands, the first of which begins with the header.
-Deflated deflate(const Array& array) {
+Deflated deflate(const NpyArray& array) {
   constexpr size_t kBand = 1 << 16;  // numbers, whole pixels of "rgba"
   const size_t bands = (array.numbers - 1) / kBand + 1;
   return deflate_bands(bands, kCrc32, [&](size_t band) {
@@ -167,7 +167,9 @@ class Zip {
 
 Decoded<std::string> encode_npz(const PictureView& picture) {
   Zip zip;
-  const auto add = [&](const Array& array) { return zip.add(array.name + ".npy", deflate(array)); };
+  const auto add = [&](const NpyArray& array) {
+    return zip.add(array.name + ".npy", deflate(array));
+  };
   bool added = add(rgba_array(picture));
   for (const Layer& layer : picture.layers) added &= add(layer_array(picture.color, layer));
   if (!zip.close() || !added) return std::unexpected("not enough memory");
@@ -175,7 +177,7 @@ Decoded<std::string> encode_npz(const PictureView& picture) {
 }
 
 std::string encode_npy(const PictureView& picture) {
-  const Array array = rgba_array(picture);
+  const NpyArray array = rgba_array(picture);
   std::string bytes = array.header;
   bytes.resize(array.bytes());
   array.copy(0, array.numbers, reinterpret_cast<uint8_t*>(bytes.data() + array.header.size()));

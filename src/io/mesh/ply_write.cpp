@@ -22,7 +22,7 @@ static_assert(std::endian::native == std::endian::little, "numbers are written a
 using Bytes = std::array<uint8_t, 4>;  // the last is not used
 
 uint8_t byte_of(float value) { return uint8_t(std::lround(std::clamp(value, 0.0f, 1.0f) * 255)); }
-Bytes display_bytes(Rgb color) {
+Bytes stored_bytes(Rgb color) {
   return {byte_of(srgb_from_linear(color.x)), byte_of(srgb_from_linear(color.y)),
           byte_of(srgb_from_linear(color.z)), 0};
 }
@@ -95,7 +95,7 @@ class PlyWriter {
     for (size_t i = 0; i < scene_.spheres.size(); ++i) {
       const MaterialId id = scene_.sphere_materials[i];
       add_place(scene_.spheres[i].center), add(scene_.spheres[i].radius);
-      add(display_bytes(color_of(scene_.sphere_materials, scene_.sphere_colors, i)));
+      add(stored_bytes(color_of(scene_.sphere_materials, scene_.sphere_colors, i)));
       if (!clear) continue;
       const float own = scene_.sphere_opacity.empty() ? -1 : scene_.sphere_opacity[i];
       const float usual = scene_.material_opacity.empty() ? 1 : scene_.material_opacity[id];
@@ -128,7 +128,7 @@ class PlyWriter {
   void gather() {
     const Scene& s = scene_;
     for (size_t i = 0; i < s.triangles.size(); ++i) {
-      const Bytes color = display_bytes(color_of(s.triangle_materials, s.triangle_colors, i));
+      const Bytes color = stored_bytes(color_of(s.triangle_materials, s.triangle_colors, i));
       const TriangleIndices& t = s.triangles[i];
       const bool flat = s.triangle_normals.empty() || s.triangle_normals[i][0] == kNoNormal;
       const Vec3f normal =
@@ -147,7 +147,7 @@ class PlyWriter {
   void add_polygon(size_t i) {
     const Polygon& polygon = scene_.polygons[i];
     const std::span<const Vec3f> corners(scene_.positions.data() + polygon.first, polygon.count);
-    const Bytes color = display_bytes(color_of(scene_.polygon_materials, scene_.polygon_colors, i));
+    const Bytes color = stored_bytes(color_of(scene_.polygon_materials, scene_.polygon_colors, i));
     for (const TriangleIndices& t : triangulate(corners)) {
       const Vec3f normal =
           smooth_ ? face_normal(corners[t[0]], corners[t[1]], corners[t[2]]) : Vec3f();
@@ -171,7 +171,7 @@ class PlyWriter {
         face[k] =
             number_of({mesh.positions[t[k]], flat ? normal : mesh.normals[normals[i][k]],
                        mesh.uv.empty() ? Uv{} : mesh.uv[t[k]],
-                       display_bytes(mesh.colors.empty() ? color : mesh.colors[t[k]] * color)});
+                       stored_bytes(mesh.colors.empty() ? color : mesh.colors[t[k]] * color)});
       faces_.push_back(face);
     }
   }

@@ -73,7 +73,7 @@ void read_disc(Parser& p) {
   p.add(disc, id);
 }
 
-constexpr std::array kRows = {
+constexpr std::array kAdditionRows = {
     Entity{.word = "ellipsoid",
            .noun = "the ellipsoid",
            .usage = "ellipsoid takes 12 numbers: x y z of the centre, then of each semi-axis",
@@ -88,7 +88,7 @@ constexpr std::array kRows = {
 
 }  // namespace
 
-constinit const Family kAdditions = kRows;
+constinit const Family kAdditions = kAdditionRows;
 
 template <>
 void write_shape(Writer& w, const Ellipsoid& e, size_t) {

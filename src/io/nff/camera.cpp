@@ -161,7 +161,7 @@ void read_camera(Parser& p) {
   set_camera(p, v);
 }
 
-constexpr std::array kRows = {
+constexpr std::array kCameraRows = {
     Entity{.word = kCameraKeyword,
            .noun = "the camera",
            .usage = "v takes from, at, up, angle, hither and resolution",
@@ -171,7 +171,7 @@ constexpr std::array kRows = {
 
 }  // namespace
 
-constinit const Family kCameras = kRows;
+constinit const Family kCameras = kCameraRows;
 
 void write_camera(Writer& w) {
   const Camera& c = w.scene().camera;

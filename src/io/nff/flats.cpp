@@ -179,7 +179,7 @@ void read_mesh(Parser& p) {
   read_faces(p, first, *vertices, *faces);
 }
 
-constexpr std::array kRows = {
+constexpr std::array kFlatRows = {
     Entity{.word = "p",
            .noun = "the polygon",
            .usage = "p takes a count and as many corners of 3 numbers",
@@ -222,7 +222,7 @@ Vec3d unrounded(Vec3f normal) {
 
 }  // namespace
 
-constinit const Family kFlats = kRows;
+constinit const Family kFlats = kFlatRows;
 
 template <>
 void write_shape(Writer& w, const TriangleIndices& corners, size_t i) {

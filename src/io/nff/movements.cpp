@@ -122,7 +122,7 @@ void read_camera_movement(Parser& p) {
   if (const std::string wrong = camera_problem(camera); !wrong.empty()) p.reject(wrong);
 }
 
-constexpr std::array kRows = {
+constexpr std::array kMovementRows = {
     Entity{.word = "sm",
            .noun = "the moving sphere",
            .usage =
@@ -149,7 +149,7 @@ constexpr std::array kRows = {
 
 }  // namespace
 
-constinit const Family kMovements = kRows;
+constinit const Family kMovements = kMovementRows;
 
 template <>
 void write_shape(Writer& w, const MovingSphere& s, size_t) {

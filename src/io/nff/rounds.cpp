@@ -39,7 +39,7 @@ void read_cone(Parser& p) {
   p.add(cone, id);
 }
 
-constexpr std::array kRows = {
+constexpr std::array kRoundRows = {
     Entity{.word = "s",
            .noun = "the sphere",
            .usage = "s takes 4 numbers: x y z radius",
@@ -55,7 +55,7 @@ constexpr std::array kRows = {
 
 }  // namespace
 
-constinit const Family kRounds = kRows;
+constinit const Family kRounds = kRoundRows;
 
 template <>
 void write_shape(Writer& w, const Sphere& s, size_t) {

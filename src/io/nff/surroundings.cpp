@@ -138,7 +138,7 @@ void read_accel(Parser& p) {
 constexpr std::string_view kMtvColors =
     "names of colours are of the MTV dialect, write r g b as numbers";
 
-constexpr std::array kRows = {
+constexpr std::array kSurroundingRows = {
     Entity{.word = "b",
            .noun = "the background",
            .usage = "b takes 3 numbers: r g b",
@@ -186,7 +186,7 @@ constexpr std::array kWishRows = {
 
 }  // namespace
 
-constinit const Family kSurroundings = kRows;
+constinit const Family kSurroundings = kSurroundingRows;
 constinit const Family kWishes = kWishRows;
 
 void write_surroundings(Writer& w) {

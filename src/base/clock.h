@@ -1,0 +1,14 @@
+// The clock by which work is timed.
+#pragma once
+
+#include <chrono>
+
+namespace raio {
+
+using Clock = std::chrono::steady_clock;
+
+inline double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+}  // namespace raio
