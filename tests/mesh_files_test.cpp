@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -65,7 +66,7 @@ TEST(Ply, BrokenFilesAreRefused) {
   };
   EXPECT_THAT(with("4 0 1 2 3", "4 0 1 2 4"), HasSubstr("face 0 names vertex 4, of 4"));
   EXPECT_THAT(with("4 0 1 2 3", "9999 0 1"), HasSubstr("does not fit"));
-  EXPECT_THAT(with("1 1 0 0", "1 x 0 0"), HasSubstr("a.ply:14:1: error: expected a number"));
+  EXPECT_THAT(with("1 1 0 0", "1 x 0 0"), HasSubstr("a.ply:15:1: error: expected a number"));
   EXPECT_THAT(with("vertex 4", "vertex 4000000000"), HasSubstr("do not fit into the file"));
   EXPECT_THAT(with("end_header\n", ""), HasSubstr("found"));
   EXPECT_THAT(with("property float z", "property float w"), HasSubstr("no property z"));
@@ -73,6 +74,64 @@ TEST(Ply, BrokenFilesAreRefused) {
   EXPECT_THAT(with("format ascii 1.0\n", ""), HasSubstr("no line \"format\""));
   EXPECT_THAT(error(ply("binary_little_endian", 50, true).substr(0, 900), "a.ply"),
               HasSubstr("ends within its vertices"));
+}
+
+// A strip of `count` quadrilaterals, whose rows of text `end` ends.
+std::string ply_of_faces(bool binary, int count, const std::string& end = "\n") {
+  std::string out = std::string("ply\nformat ") + (binary ? "binary_little_endian" : "ascii") +
+                    " 1.0\nelement vertex " + std::to_string(2 * count + 2) +
+                    "\nproperty list uchar int more\nproperty float x\nproperty float y\n"
+                    "property float z\nelement face " +
+                    std::to_string(count) +
+                    "\nproperty list uchar int vertex_indices\nproperty uchar red\n"
+                    "property uchar green\nproperty uchar blue\nend_header\n";
+  const auto add = [&](auto number) {
+    if (binary)
+      out.append(reinterpret_cast<const char*>(&number), sizeof number);
+    else
+      out += std::to_string(number) + " ";
+  };
+  for (int i = 0; i < 2 * count + 2; ++i) {
+    const int more = i % 3;
+    add(uint8_t(more));
+    for (int k = 0; k < more; ++k) add(k - 7);
+    add(float(i / 2)), add(float(i % 2)), add(float(i % 16) / 16);
+    if (!binary) out += end;
+  }
+  for (int i = 0; i < count; ++i) {
+    add(uint8_t(4)), add(2 * i), add(2 * i + 1), add(2 * i + 3), add(2 * i + 2);
+    add(uint8_t(i % 5)), add(uint8_t(i % 3)), add(uint8_t(9));
+    if (!binary) out += end;
+  }
+  return out;
+}
+
+TEST(Ply, RowsAreReadOnAllThreads) {
+  const int faces = 9000;  // some chunks
+  const auto binary = read(ply_of_faces(true, faces), "a.ply");
+  ASSERT_TRUE(binary) << binary.error().front().text();
+  const Mesh& mesh = binary->scene.meshes[0];
+  ASSERT_EQ(mesh.triangles.size(), 2u * faces);
+  EXPECT_EQ(mesh.positions[17], Vec3f(8, 1, 1.0f / 16));
+  EXPECT_EQ(std::ranges::max(mesh.triangles.back()), 2u * faces + 1);
+  // Rows that are no lines are found one after another.
+  for (const char* end : {"\n", "\r\n", " ", "\n\n", "\t \n"}) {
+    const auto text = read(ply_of_faces(false, faces, end), "a.ply");
+    ASSERT_TRUE(text) << text.error().front().text();
+    EXPECT_EQ(content_hash(text->scene), content_hash(binary->scene));
+  }
+  // The first of several faults is told, with its line.
+  std::string broken = ply_of_faces(false, faces);
+  const auto line_of = [&](size_t at) {
+    return std::to_string(std::count(broken.begin(), broken.begin() + ptrdiff_t(at), '\n') + 1);
+  };
+  const size_t late = broken.find("4 17000 "), early = broken.find("4 8200 8201 ");
+  broken[late] = 'x', broken.replace(early + 2, 4, "99999");
+  EXPECT_THAT(error(broken, "a.ply"),
+              HasSubstr("a.ply:" + line_of(early) + ":1: error: face 4100 names vertex 99999"));
+  broken.replace(early + 2, 5, "8200");
+  EXPECT_THAT(error(broken, "a.ply"),
+              HasSubstr("a.ply:" + line_of(late) + ":1: error: expected a"));
 }
 
 TEST(Ply, PropertiesAreColours) {

@@ -12,7 +12,12 @@ LineIndex::LineIndex(std::string_view text) : text_(text) {
   before_.resize(chunks + 1);
   parallel_for(chunks, [&](size_t c) {
     const std::string_view chunk = text_.substr(c * kChunk, kChunk);
-    before_[c + 1] = size_t(std::ranges::count(chunk, '\n'));
+    // Faster than byte by byte, as lines are longer than a register.
+    const char *p = chunk.data(), *const end = p + chunk.size();
+    while ((p = static_cast<const char*>(std::memchr(p, '\n', size_t(end - p))))) {
+      ++before_[c + 1];
+      if (++p == end) break;
+    }
   });
   for (size_t c = 0; c < chunks; ++c) before_[c + 1] += before_[c];
 }

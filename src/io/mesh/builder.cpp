@@ -148,6 +148,20 @@ void MeshBuilder::add_face(std::span<const uint32_t> corners, MaterialId materia
   for (const auto& [a, b, c] : triangulate(around_)) add(a, b, c);
 }
 
+void MeshBuilder::split_face(std::span<const uint32_t> corners,
+                             std::vector<TriangleIndices>& out) const {
+  if (corners.size() == 3) return out.push_back({corners[0], corners[1], corners[2]});
+  std::vector<Vec3f> around;
+  for (const uint32_t corner : corners) around.push_back(positions[corner]);
+  for (const auto& [a, b, c] : triangulate(around))
+    out.push_back({corners[a], corners[b], corners[c]});
+}
+
+void MeshBuilder::add_triangles(std::span<const TriangleIndices> triangles, MaterialId material) {
+  triangles_.insert(triangles_.end(), triangles.begin(), triangles.end());
+  materials_.resize(triangles_.size(), material);
+}
+
 ReadScene MeshBuilder::finish(Vec3f up) {
   if (triangles_.empty()) throw ReadFailure{"there are no faces"};
   if (std::ranges::all_of(materials_, [&](MaterialId id) { return id == materials_[0]; }))

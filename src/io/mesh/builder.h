@@ -93,6 +93,11 @@ class MeshBuilder {
   void add_face(std::span<const uint32_t> corners, MaterialId material,
                 std::span<const uint32_t> face_normals = {});
 
+  /// Appends the triangles of a flat face. Any number of threads may do so at once.
+  void split_face(std::span<const uint32_t> corners, std::vector<TriangleIndices>& out) const;
+  /// Those of faces that split_face() gave.
+  void add_triangles(std::span<const TriangleIndices> triangles, MaterialId material);
+
   bool has_faces() const { return !triangles_.empty(); }
 
   /// The scene with a camera; throws ReadFailure if there are no triangles.

@@ -4,10 +4,7 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
-#include <charconv>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <optional>
 #include <span>
@@ -20,31 +17,14 @@
 #include "io/colormaps.h"
 #include "io/fit_camera.h"
 #include "io/mesh/builder.h"
+#include "io/mesh/ply_rows.h"
 #include "io/mesh/read.h"
 #include "io/points.h"
 
 namespace raio {
 namespace {
 
-enum class Type : uint8_t { i8, u8, i16, u16, i32, u32, f32, f64 };
-constexpr std::array<std::string_view, 16> kTypeNames = {
-    "char", "uchar", "short", "ushort", "int",   "uint",   "float",   "double",
-    "int8", "uint8", "int16", "uint16", "int32", "uint32", "float32", "float64"};
-constexpr size_t kTypes = 8;
 constexpr size_t kMostCorners = 65535;
-constexpr std::array<size_t, kTypes> kSizes = {1, 1, 2, 2, 4, 4, 4, 8};
-
-struct Property {
-  std::string name;
-  Type type = Type::f32;
-  std::optional<Type> count;  // of a list
-};
-struct Element {
-  std::string name;
-  size_t count = 0;
-  std::vector<Property> properties;
-};
-enum class Encoding : uint8_t { text, little, big };
 
 // What is wanted of a vertex, by the names that programs write.
 enum Wanted : size_t { kX, kY, kZ, kRadius, kRed, kGreen, kBlue, kAlpha, kNx, kNy, kNz, kU, kV };
@@ -65,179 +45,34 @@ constexpr std::array<std::array<std::string_view, 4>, kWanted> kNames = {
      {"v", "t", "texture_v"}}};
 using Values = std::array<double, kWanted>;
 
-template <class T>
-T number_at(const char* p, bool swap) {
-  std::array<char, sizeof(T)> bytes;
-  std::memcpy(bytes.data(), p, sizeof(T));
-  if (swap) std::ranges::reverse(bytes);
-  return std::bit_cast<T>(bytes);
-}
-
-double number_at(const char* p, Type type, bool swap) {
-  switch (type) {
-    case Type::i8:
-      return double(number_at<int8_t>(p, swap));
-    case Type::u8:
-      return double(number_at<uint8_t>(p, swap));
-    case Type::i16:
-      return double(number_at<int16_t>(p, swap));
-    case Type::u16:
-      return double(number_at<uint16_t>(p, swap));
-    case Type::i32:
-      return double(number_at<int32_t>(p, swap));
-    case Type::u32:
-      return double(number_at<uint32_t>(p, swap));
-    case Type::f32:
-      return double(number_at<float>(p, swap));
-    case Type::f64:
-      break;
-  }
-  return number_at<double>(p, swap);
-}
-
 class PlyReader {
  public:
   PlyReader(const TextBuffer& bytes, const ReadOptions& options)
-      : p_(bytes.begin()), end_(bytes.end()), options_(options) {}
+      : file_(bytes), options_(options) {}
 
   ReadScene read() {
-    read_header();
-    for (const Element& element : elements_) {
+    for (const PlyElement& element : file_.elements()) {
       if (element.name == "vertex")
         read_vertices(element);
       else if (element.name == "face" || element.name == "tristrips")
         read_faces(element);
       else
-        skip(element);
+        file_.skip(element);
     }
     return finish();
   }
 
  private:
-  [[noreturn]] void fail(std::string message) const {
-    const int line = encoding_ == Encoding::text || in_header_ ? line_ : 0;
-    throw ReadFailure{std::move(message), line, line > 0};
-  }
-
-  // --- the header
-  std::string_view header_line() {
-    const char* const stop = std::find(p_, end_, '\n');
-    if (stop == end_) fail("the header has no end_header");
-    std::string_view line(p_, size_t(stop - p_));
-    if (line.ends_with('\r')) line.remove_suffix(1);
-    p_ = stop + 1;
-    ++line_;
-    return line;
-  }
-  static std::vector<std::string_view> words_of(std::string_view line) {
-    std::vector<std::string_view> words;
-    while (true) {
-      const size_t first = line.find_first_not_of(" \t");
-      if (first == std::string_view::npos) return words;
-      line.remove_prefix(first);
-      const size_t size = std::min(line.find_first_of(" \t"), line.size());
-      words.push_back(line.substr(0, size));
-      line.remove_prefix(size);
-    }
-  }
-  Type type_of(std::string_view name) const {
-    const auto at = std::ranges::find(kTypeNames, name);
-    if (at == kTypeNames.end())
-      fail(fmt::format("expected a type such as float or uchar, found {}", quoted(name)));
-    return Type(size_t(at - kTypeNames.begin()) % kTypes);
-  }
-  void read_header() {
-    if (header_line() != "ply") fail("expected \"ply\"");
-    bool has_format = false;
-    while (true) {
-      const auto words = words_of(header_line());
-      const std::string_view word = words.empty() ? "" : words[0];
-      if (word == "end_header") break;
-      if (word.empty() || word == "comment" || word == "obj_info") continue;
-      if (word == "format" && words.size() == 3) {
-        constexpr std::array<std::string_view, 3> kEncodings = {"ascii", "binary_little_endian",
-                                                                "binary_big_endian"};
-        const auto at = std::ranges::find(kEncodings, words[1]);
-        if (at == kEncodings.end()) fail(fmt::format("unknown format {}", quoted(words[1])));
-        encoding_ = Encoding(at - kEncodings.begin());
-        has_format = true;
-      } else if (word == "element" && words.size() == 3) {
-        size_t count = 0;
-        const auto [stop, error] =
-            std::from_chars(words[2].data(), words[2].data() + words[2].size(), count);
-        if (error != std::errc() || stop != words[2].data() + words[2].size())
-          fail(fmt::format("expected a number of elements, found {}", quoted(words[2])));
-        elements_.push_back({std::string(words[1]), count, {}});
-      } else if (word == "property" && !elements_.empty() && words.size() == 3) {
-        elements_.back().properties.push_back({std::string(words[2]), type_of(words[1]), {}});
-      } else if (word == "property" && !elements_.empty() && words.size() == 5 &&
-                 words[1] == "list") {
-        elements_.back().properties.push_back(
-            {std::string(words[4]), type_of(words[3]), type_of(words[2])});
-      } else {
-        fail(fmt::format("expected format, element, property, comment or end_header, found {}",
-                         quoted(word)));
-      }
-    }
-    if (!has_format) fail("the header has no line \"format\"");
-    in_header_ = false;
-    swap_ = encoding_ == Encoding::big;
-  }
-
-  // --- numbers, one after another
-  double next(Type type) {
-    if (encoding_ == Encoding::text) {
-      while (is_char(*p_, kBlank) && p_ < end_) line_ += *p_++ == '\n';
-      double value = 0;
-      const char* const stop = p_ < end_ ? parse_number(p_, value) : nullptr;
-      if (!stop)
-        fail(fmt::format("expected a number, found {}",
-                         p_ < end_ ? quoted(word_at(p_)) : "the end of the file"));
-      p_ = stop;
-      return value;
-    }
-    const size_t size = kSizes[size_t(type)];
-    if (size_t(end_ - p_) < size) fail("the file ends within its elements");
-    const double value = number_at(p_, type, swap_);
-    p_ += size;
-    return value;
-  }
-  size_t next_count(const Property& property) {
-    const double count = next(*property.count);
-    // A number takes a byte at least, in text two.
-    if (!(count >= 0 && count <= double(end_ - p_)))
-      fail(fmt::format("a list of {} numbers does not fit into the file", count));
-    return size_t(count);
-  }
-  void skip(const Element& element) {
-    if (element.count > 0) check_count(element);
-    for (size_t i = 0; i < element.count; ++i)
-      for (const Property& property : element.properties) {
-        const size_t count = property.count ? next_count(property) : 1;
-        for (size_t k = 0; k < count; ++k) (void)next(property.type);
-      }
-  }
-  // No element takes less than a byte.
-  void check_count(const Element& element) const {
-    if (element.properties.empty() || element.count > size_t(end_ - p_))
-      fail(fmt::format("the {} elements {} that the header names do not fit into the file",
-                       element.count, raio::quoted(element.name)));
-    if (element.count >= (size_t(1) << 29))
-      fail(fmt::format("{} elements {} are too many", element.count, raio::quoted(element.name)));
-  }
+  [[noreturn]] void fail(std::string message) const { file_.fail(std::move(message)); }
 
   // --- vertices
-  void read_vertices(const Element& element) {
+  void read_vertices(const PlyElement& element) {
     if (element.count == 0) return;
     if (count_ > 0) fail("there are two lists of vertices");
-    check_count(element);
-    std::vector<size_t> offsets(element.properties.size());
-    size_t row = 0;
+    file_.check_count(element);
     for (size_t k = 0; k < element.properties.size(); ++k) {
-      const Property& property = element.properties[k];
-      if (property.count) fail("vertices with lists cannot be read");
-      offsets[k] = row;
-      row += kSizes[size_t(property.type)];
+      const PlyProperty& property = element.properties[k];
+      if (property.count) continue;
       for (size_t w = 0; w < kWanted; ++w)
         if (!property.name.empty() &&
             std::ranges::find(kNames[w], property.name) != kNames[w].end())
@@ -252,29 +87,35 @@ class PlyReader {
                        raio::quoted(options_.color_by), names_of(element)));
     for (const size_t w : {kX, kY, kZ})
       if (!at_[w]) fail(fmt::format("vertices have no property {}", kNames[w][0]));
-    allocate(element.count);
-    if (encoding_ == Encoding::text) {
-      std::vector<double> line(element.properties.size());
-      for (size_t i = 0; i < element.count; ++i) {
-        for (double& value : line) value = next(Type::f64);
-        put(i, [&](size_t k) { return line[k]; });
-      }
-    } else {
-      if (row > size_t(end_ - p_) / element.count) fail("the file ends within its vertices");
-      for_each_index(element.count, [&](size_t i) {
-        const char* const from = p_ + i * row;
-        put(i, [&](size_t k) {
-          return number_at(from + offsets[k], element.properties[k].type, swap_);
-        });
+    PlyCursor& at = file_.at();
+    if (at.encoding == PlyEncoding::text || element.has_lists()) {
+      allocate(element.count);
+      file_.read_rows(element, SIZE_MAX, [&](size_t i, const PlyRow& row, const PlyCursor&) {
+        put(i, [&](size_t k) { return row.values[k]; });
       });
-      p_ += row * element.count;
+      return;
     }
+    // Of rows all alike only what is wanted is looked at.
+    const size_t row = element.row_bytes();
+    allocate(element.count);
+    if (row > at.bytes_left() / element.count) fail("the file ends within its vertices");
+    std::vector<size_t> offsets;
+    size_t offset = 0;
+    for (const PlyProperty& property : element.properties)
+      offsets.push_back(std::exchange(offset, offset + size_of(property.type)));
+    for_each_index(element.count, [&](size_t i) {
+      const char* const from = at.p + i * row;
+      put(i, [&](size_t k) {
+        return ply_number(from + offsets[k], element.properties[k].type,
+                          at.encoding == PlyEncoding::big);
+      });
+    });
+    at.p += row * element.count;
   }
-  static bool is_whole(Type type) { return type != Type::f32 && type != Type::f64; }
-  static std::string names_of(const Element& element) {
+  static std::string names_of(const PlyElement& element) {
     std::string names;
-    for (const Property& property : element.properties)
-      names += (names.empty() ? "" : ", ") + raio::quoted(property.name);
+    for (const PlyProperty& property : element.properties)
+      if (!property.count) names += (names.empty() ? "" : ", ") + raio::quoted(property.name);
     return names;
   }
   bool has(Wanted w) const { return at_[w].has_value(); }
@@ -312,17 +153,26 @@ class PlyReader {
   }
 
   // --- faces, and strips of triangles that -1 parts
-  void read_faces(const Element& element) {
+  // Of a chunk of rows.
+  struct Faces {
+    std::vector<TriangleIndices> triangles;
+    std::vector<Rgb> colors;        // of each face, where they have some,
+    std::vector<size_t> ends;       // and how many triangles there are up to its last one
+    std::vector<uint32_t> corners;  // of a face
+  };
+  static constexpr uint32_t kApart = 0xffffffffu;  // for -1
+
+  void read_faces(const PlyElement& element) {
     if (element.count == 0) return;
     if (count_ == 0) fail("the faces come before the vertices; write the vertices first");
-    check_count(element);
+    file_.check_count(element);
     check_places();
     mesh_.positions = places_;
     const bool strips = element.name == "tristrips";
     std::array<std::optional<size_t>, 3> color;
     std::optional<size_t> corners;
     for (size_t k = 0; k < element.properties.size(); ++k) {
-      const Property& property = element.properties[k];
+      const PlyProperty& property = element.properties[k];
       if (property.count && property.name.starts_with("vertex_ind")) corners = k;
       for (size_t c = 0; c < 3; ++c)
         if (!property.count && std::ranges::count(kNames[kRed + c], property.name) > 0)
@@ -330,60 +180,51 @@ class PlyReader {
     }
     if (!corners) fail(fmt::format("elements {} have no list vertex_indices", element.name));
     const bool colored = color[0] && color[1] && color[2];
+    std::vector<Faces> chunks(chunks_of(element.count));
+    file_.read_rows(element, *corners, [&](size_t i, const PlyRow& row, const PlyCursor& at) {
+      Faces& faces = chunks[i / kLoopChunk];
+      if (i % kLoopChunk == 0) faces = {};  // what another try may have left
+      if (!strips && row.list.size() > kMostCorners)
+        at.fail(fmt::format("a face of {} corners is too large", row.list.size()));
+      faces.corners.clear();
+      for (const double index : row.list) faces.corners.push_back(vertex(index, i, strips, at));
+      if (strips)
+        split_strip(faces.corners, faces.triangles);
+      else if (faces.corners.size() >= 3)
+        mesh_.split_face(faces.corners, faces.triangles);
+      if (!colored) return;
+      faces.ends.push_back(faces.triangles.size());
+      const auto light = [&](size_t c) {
+        const double unit = is_whole(element.properties[*color[c]].type) ? 255 : 1;
+        return linear_from_srgb(float(row.values[*color[c]] / unit));
+      };
+      const float red = light(0), green = light(1);
+      faces.colors.push_back({red, green, light(2)});
+    });
     const MaterialId usual = mesh_.paint(colors_.empty() && !colored_by_ ? kPlainColor : Rgb(1));
-    std::vector<int64_t> list;
-    std::vector<double> row(element.properties.size());
-    for (size_t i = 0; i < element.count; ++i) {
-      for (size_t k = 0; k < row.size(); ++k) {
-        const Property& property = element.properties[k];
-        if (!property.count) {
-          row[k] = next(property.type);
-          continue;
-        }
-        const size_t count = next_count(property);
-        if (k == *corners) list.clear();
-        for (size_t n = 0; n < count; ++n)
-          if (const double index = next(property.type); k == *corners)
-            list.push_back(vertex(index, i, strips));
-      }
-      MaterialId material = usual;
-      if (colored) {
-        const auto light = [&](size_t c) {
-          const double unit = is_whole(element.properties[*color[c]].type) ? 255 : 1;
-          return linear_from_srgb(float(row[*color[c]] / unit));
-        };
-        const float red = light(0), green = light(1);
-        material = mesh_.paint({red, green, light(2)});
-      }
-      add_face(list, strips, material);
+    for (Faces& faces : chunks) {
+      const std::span<const TriangleIndices> triangles = faces.triangles;
+      if (!colored) mesh_.add_triangles(triangles, usual);
+      for (size_t i = 0, first = 0; i < faces.ends.size(); first = faces.ends[i++])
+        mesh_.add_triangles(triangles.subspan(first, faces.ends[i] - first),
+                            mesh_.paint(faces.colors[i]));
+      faces = {};
     }
   }
-  int64_t vertex(double index, size_t face, bool strips) const {
-    if (strips && index == -1) return -1;
+  uint32_t vertex(double index, size_t face, bool strips, const PlyCursor& at) const {
+    if (strips && index == -1) return kApart;
     if (!(index >= 0 && index < double(count_) && index == std::floor(index)))
-      fail(fmt::format("face {} names vertex {}, of {}", face, index, count_));
-    return int64_t(index);
+      at.fail(fmt::format("face {} names vertex {}, of {}", face, index, count_));
+    return uint32_t(index);
   }
-  void add_face(std::span<const int64_t> list, bool strips, MaterialId material) {
-    corners_.clear();
-    if (!strips) {
-      if (list.size() > kMostCorners)
-        fail(fmt::format("a face of {} corners is too large", list.size()));
-      corners_.assign(list.begin(), list.end());
-      if (corners_.size() >= 3) mesh_.add_face(corners_, material);
-      return;
-    }
-    for (const int64_t index : list) {
-      if (index < 0) {
-        corners_.clear();
-        continue;
-      }
-      corners_.push_back(uint32_t(index));
-      const size_t n = corners_.size();
-      if (n < 3) continue;
+  static void split_strip(std::span<const uint32_t> strip, std::vector<TriangleIndices>& out) {
+    size_t first = 0;
+    for (size_t k = 0; k < strip.size(); ++k) {
+      if (strip[k] == kApart) first = k + 1;
+      if (k < first + 2 || strip[k] == kApart) continue;
       // Each second one turns the other way.
-      const auto [a, b] = n % 2 ? std::pair(n - 3, n - 2) : std::pair(n - 2, n - 3);
-      mesh_.add_face(std::array{corners_[a], corners_[b], corners_[n - 1]}, material);
+      const bool turned = (k - first) % 2 == 1;
+      out.push_back({strip[k - 2 + turned], strip[k - 1 - turned], strip[k]});
     }
   }
 
@@ -457,13 +298,8 @@ class PlyReader {
     return light;
   }();
 
-  const char* p_;
-  const char* end_;
+  PlyFile file_;
   const ReadOptions& options_;
-  Encoding encoding_ = Encoding::text;
-  bool swap_ = false, in_header_ = true;
-  int line_ = 0;
-  std::vector<Element> elements_;
   size_t count_ = 0;
   std::array<std::optional<size_t>, kWanted> at_;  // among the properties of vertices
   std::array<bool, kWanted> is_whole_{};
@@ -472,7 +308,6 @@ class PlyReader {
   std::vector<float> radii_, opacity_, values_;
   std::vector<Rgb> colors_;
   std::vector<Uv> uv_;
-  std::vector<uint32_t> corners_;
   MeshBuilder mesh_;
 };
 
