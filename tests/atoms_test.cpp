@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <random>
 
 #include "base/srgb.h"
@@ -11,6 +12,7 @@
 #include "io/atoms/read.h"
 #include "io/colormaps.h"
 #include "io/scene_file.h"
+#include "temporary_folder.h"
 
 namespace raio {
 namespace {
@@ -171,6 +173,38 @@ TEST(Pdb, ListedBondsAreDrawn) {
   EXPECT_TRUE(read(text, "a.pdb")->scene.cones.empty());
   EXPECT_EQ(read(text + "CONECT    1    2    3\nCONECT    2    1\n", "a.pdb")->scene.cones.size(),
             2u);
+}
+
+class TrajectoryFile : public TemporaryFolder {};
+
+TEST_F(TrajectoryFile, FramesAreFoundOnce) {
+  const std::filesystem::path path = file("a.xyz");
+  std::string text;
+  for (int k = 0; k < 9; ++k) {
+    text += std::to_string(k + 1) + "\nProperties=species:S:1:pos:R:3:a:R:1:b:R:1\n";
+    for (int i = 0; i <= k; ++i)
+      text += "C " + std::to_string(i) + " 0 " + std::to_string(k) + " " + std::to_string(i) + " " +
+              std::to_string(k - i) + "\n";
+  }
+  put(path, text);
+  SceneFrames frames(path);
+  const std::vector<ReadOptions> wanted = {{.frame = 3},
+                                           {.frame = 0},
+                                           {.frame = -1},
+                                           {.color_by = "a", .frame = 4},
+                                           {.color_by = "b", .frame = 4},
+                                           {.frame = 8}};
+  std::vector<std::string> alone;
+  for (const ReadOptions& options : wanted)
+    alone.push_back(content_hash(read_scene(path, options)->scene));
+  for (size_t i = 0; i < wanted.size(); ++i) {
+    const auto read = frames.read(wanted[i]);
+    ASSERT_TRUE(read) << read.error().front().text();
+    EXPECT_EQ(content_hash(read->scene), alone[i]);
+    EXPECT_EQ(read->frames, 9u);
+    std::filesystem::remove(path);  // it is not opened again
+  }
+  EXPECT_THAT(frames.read({.frame = 9}).error().front().text(), HasSubstr("the file has 9"));
 }
 
 TEST(Xyz, FramesAreChosen) {

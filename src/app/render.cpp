@@ -122,8 +122,9 @@ class Pictures {
     std::optional<Camera> camera;
     request.read.frame = range.first.value_or(0);
     request.read.instances = true;
+    SceneFrames frames(request.scene);
     do {
-      auto read = read_scene(request.scene, request.read);
+      auto read = frames.read(request.read);
       const Diagnostics& said = read ? read->warnings : read.error();
       if ((!read || !command_.quiet) && index_ == 0) print_diagnostics(said);
       if (!read) return status_of(error_of(said.front()));

@@ -4,6 +4,7 @@
 #include <array>
 #include <expected>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -23,6 +24,11 @@ enum class AtomStyle { space_filling, ball_and_stick, sticks, points };
 /// Copies of a cell along one of its sides.
 inline constexpr int kMostImages = 1000;
 
+/// What a reader keeps of a text from one frame to the next; only it knows what that is.
+struct FrameCache {
+  std::shared_ptr<void> found;
+};
+
 /// What a user may ask of files that leave it open: atoms, points and meshes.
 struct ReadOptions {
   // NOLINTBEGIN(readability-redundant-member-init): so that some can be left out
@@ -37,6 +43,7 @@ struct ReadOptions {
   std::array<int, 3> images = {1, 1, 1};  // copies along its sides
   bool instances = false;  // copies stay such; else they become primitives of their own
   std::optional<std::filesystem::path> folder = {};  // of other files that it names; none: nowhere
+  FrameCache* cache = nullptr;  // of the text, where frame after frame is read of it
   // NOLINTEND(readability-redundant-member-init)
 
   friend bool operator==(const ReadOptions&, const ReadOptions&) = default;

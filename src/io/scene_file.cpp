@@ -122,9 +122,10 @@ std::unexpected<Diagnostics> unfit(std::string_view file, std::string_view optio
   return failed(file, fmt::format("`{}` has no effect on this file; leave it out", option));
 }
 
-/// Whatever is in memory, packed or not. `name` is the file without folder.
-std::expected<ReadScene, Diagnostics> parse(std::shared_ptr<const TextBuffer> text,
-                                            std::string_view file, fs::path name,
+/// Whatever is in memory, packed or not. `name` is the file without folder. Both become those of
+/// what was unpacked.
+std::expected<ReadScene, Diagnostics> parse(std::shared_ptr<const TextBuffer>& text,
+                                            std::string_view file, fs::path& name,
                                             const ReadOptions& options) {
   if (text->view().starts_with(kGzip)) {
     const auto plain = unpacked(text->view());
@@ -152,16 +153,21 @@ std::expected<ReadScene, Diagnostics> parse(std::shared_ptr<const TextBuffer> te
 
 std::expected<ReadScene, Diagnostics> parse_scene(std::string_view bytes, std::string_view file,
                                                   const ReadOptions& options) try {
-  return parse(std::make_shared<const TextBuffer>(bytes), file, fs::path(file).filename(), options);
+  auto text = std::make_shared<const TextBuffer>(bytes);
+  fs::path name = fs::path(file).filename();
+  return parse(text, file, name, options);
 } catch (const std::bad_alloc&) {
   return failed(file, std::string(kNoMemory));
 }
 
-std::expected<ReadScene, Diagnostics> read_scene(const fs::path& path,
-                                                 const ReadOptions& options) try {
-  const bool standard_input = path == "-";
-  const fs::path opened = standard_input ? fs::path("/dev/stdin") : path;
-  const std::string file = standard_input ? "standard input" : path.string();
+std::expected<ReadScene, Diagnostics> read_scene(const fs::path& path, const ReadOptions& options) {
+  return SceneFrames(path).read(options);
+}
+
+std::expected<ReadScene, Diagnostics> SceneFrames::read(const ReadOptions& options) try {
+  const bool standard_input = path_ == "-";
+  const fs::path opened = standard_input ? fs::path("/dev/stdin") : path_;
+  const std::string file = standard_input ? "standard input" : path_.string();
   if (leads_to_raio(opened)) {
     if (const auto option = unfit_option(options, {}); !option.empty()) return unfit(file, option);
     auto scene = read_raio_scene(opened);
@@ -170,17 +176,21 @@ std::expected<ReadScene, Diagnostics> read_scene(const fs::path& path,
     add_sky(read, opened, file);
     return read;
   }
-  auto text = TextBuffer::read_file(opened);
-  if (!text) return failed(file, text.error());
+  if (!text_) {
+    auto text = TextBuffer::read_file(opened);
+    if (!text) return failed(file, text.error());
+    text_ = std::make_shared<const TextBuffer>(std::move(*text));
+    name_ = opened.filename();
+  }
   ReadOptions here = options;
+  here.cache = &cache_;
   if (!standard_input) here.folder = opened.parent_path();
-  auto read =
-      parse(std::make_shared<const TextBuffer>(std::move(*text)), file, opened.filename(), here);
+  auto read = parse(text_, file, name_, here);
   // Of what comes from elsewhere, beside where one is.
   if (read) add_sky(*read, opened == "/dev/stdin" ? fs::path("-") : opened, file);
   return read;
 } catch (const std::bad_alloc&) {
-  return failed(path.string(), std::string(kNoMemory));
+  return failed(path_.string(), std::string(kNoMemory));
 }
 
 std::expected<SceneFormat, Error> scene_format(const fs::path& path) {

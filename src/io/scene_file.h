@@ -4,8 +4,10 @@
 
 #include <expected>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "io/diagnostics.h"
 #include "io/file.h"
@@ -20,6 +22,22 @@ namespace raio {
 /// cannot be, a warning says why and Scene::sky is null.
 std::expected<ReadScene, Diagnostics> read_scene(const std::filesystem::path& path,
                                                  const ReadOptions& options = {});
+
+/// A file of which frame after frame is read. It is opened, unpacked and searched for its frames
+/// once, so that the next frame of a trajectory takes as long whatever the number of frames; of a
+/// PDB or CIF file each reads all models.
+class SceneFrames {
+ public:
+  explicit SceneFrames(std::filesystem::path path) : path_(std::move(path)) {}
+  /// As read_scene(). The options may differ from one call to the next.
+  std::expected<ReadScene, Diagnostics> read(const ReadOptions& options);
+
+ private:
+  std::filesystem::path path_;
+  std::shared_ptr<const TextBuffer> text_;
+  std::filesystem::path name_;  // without the suffix of what was unpacked
+  FrameCache cache_;
+};
 
 /// The same for bytes in memory, without the sky; `file` is the name in messages, whose suffix
 /// counts and which the scene is called by.

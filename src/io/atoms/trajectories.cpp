@@ -5,6 +5,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <memory>
 
 #include "io/atoms/colors.h"
 #include "io/atoms/read.h"
@@ -22,13 +23,29 @@ struct FrameRows {
 };
 using FrameRowsOr = std::expected<FrameRows, Diagnostics>;
 
+// What is found once, for all frames that are read: where lines begin, and the frames.
+struct Found {
+  LineIndex lines;
+  std::vector<FrameRows> frames;
+  std::string value;  // as Trajectory has it
+};
+
 // A text of frames, whatever the format.
 class Trajectory {
  public:
-  Trajectory(const TextBuffer& text, std::string_view name, const ReadOptions& options)
-      : index(text.view()), lines(index), file(name), value(options.color_by) {}
+  // `found`: of the same text.
+  Trajectory(std::shared_ptr<Found> found, std::string_view name, const ReadOptions& options)
+      : found_(std::move(found)),
+        index(found_->lines),
+        lines(index),
+        file(name),
+        value(options.color_by) {}
 
-  const LineIndex index;
+ private:
+  std::shared_ptr<Found> found_;
+
+ public:
+  const LineIndex& index;
   LineReader lines;
   const std::string_view file;
   const std::string_view value;  // the column that colours are asked of
@@ -51,18 +68,24 @@ class Trajectory {
     return number;
   }
 
-  // All frames are walked over, by next(), which reads what stands before the atoms of one; then
-  // the wanted one is read.
+  // All frames are walked over once, by next(), which reads what stands before the atoms of one;
+  // then the wanted one is read.
   template <class Next, class Read>
   std::expected<Atoms, Diagnostics> read(int frame, size_t lines_behind, const Next& next,
                                          const Read& read_atoms) {
-    std::vector<FrameRows> frames;
-    while (!lines.at_end()) {
-      FrameRowsOr found = next(*this);
-      if (!found) return std::unexpected(found.error());
-      found->first = lines.number();
-      lines.skip(found->count + lines_behind);
-      frames.push_back(std::move(*found));
+    std::vector<FrameRows>& frames = found_->frames;
+    if (frames.empty() || found_->value != value) {
+      frames.clear(), found_->value = value;
+      while (!lines.at_end()) {
+        FrameRowsOr found = next(*this);
+        if (!found) {
+          frames.clear();
+          return std::unexpected(found.error());
+        }
+        found->first = lines.number();
+        lines.skip(found->count + lines_behind);
+        frames.push_back(std::move(*found));
+      }
     }
     if (frames.empty()) return failed(file, "the file has no frames");
     Atoms out;
@@ -76,6 +99,19 @@ class Trajectory {
     return out;
   }
 };
+
+// The trajectory that a text is, or what else it is; what is found in it is kept in options.cache.
+std::expected<Trajectory, Diagnostics> open(const TextBuffer& text, std::string_view file,
+                                            const ReadOptions& options) {
+  std::shared_ptr<Found> found;
+  if (options.cache) found = std::static_pointer_cast<Found>(options.cache->found);
+  if (!found) {
+    if (std::string wrong = not_text(text.view()); !wrong.empty()) return failed(file, wrong);
+    found = std::make_shared<Found>(Found{LineIndex(text.view()), {}, {}});
+    if (options.cache) options.cache->found = found;
+  }
+  return Trajectory(std::move(found), file, options);
+}
 
 std::expected<ReadScene, Diagnostics> scene_of(const std::expected<Atoms, Diagnostics>& atoms,
                                                std::string_view file, const ReadOptions& options) {
@@ -401,8 +437,9 @@ std::expected<void, Diagnostics> read_gro_atoms(const Trajectory& t, const Frame
 
 std::expected<ReadScene, Diagnostics> read_xyz(const TextBuffer& text, std::string_view file,
                                                const ReadOptions& options) {
-  if (std::string wrong = not_text(text.view()); !wrong.empty()) return failed(file, wrong);
-  Trajectory t(text, file, options);
+  auto opened = open(text, file, options);
+  if (!opened) return std::unexpected(opened.error());
+  Trajectory& t = *opened;
   return scene_of(t.read(options.frame, 0, next_xyz,
                          [&](const FrameRows& frame, Atoms& out) {
                            return read_rows(t.index, file, frame.first, frame.count, frame.layout,
@@ -414,8 +451,9 @@ std::expected<ReadScene, Diagnostics> read_xyz(const TextBuffer& text, std::stri
 std::expected<ReadScene, Diagnostics> read_lammps_dump(const TextBuffer& text,
                                                        std::string_view file,
                                                        const ReadOptions& options) {
-  if (std::string wrong = not_text(text.view()); !wrong.empty()) return failed(file, wrong);
-  Trajectory t(text, file, options);
+  auto opened = open(text, file, options);
+  if (!opened) return std::unexpected(opened.error());
+  Trajectory& t = *opened;
   DumpReader dump(t);
   return scene_of(t.read(
                       options.frame, 0, [&](Trajectory&) { return dump.next(); },
@@ -428,8 +466,9 @@ std::expected<ReadScene, Diagnostics> read_lammps_dump(const TextBuffer& text,
 
 std::expected<ReadScene, Diagnostics> read_gro(const TextBuffer& text, std::string_view file,
                                                const ReadOptions& options) {
-  if (std::string wrong = not_text(text.view()); !wrong.empty()) return failed(file, wrong);
-  Trajectory t(text, file, options);
+  auto opened = open(text, file, options);
+  if (!opened) return std::unexpected(opened.error());
+  Trajectory& t = *opened;
   return scene_of(
       t.read(options.frame, 1, next_gro,
              [&](const FrameRows& frame, Atoms& out) { return read_gro_atoms(t, frame, out); }),
