@@ -17,6 +17,7 @@
 namespace raio {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 TEST(Xyz, AtomsBecomeSpheresAndBonds) {
@@ -324,6 +325,9 @@ TEST(Pdb, AssembliesCopyTheirChains) {
   ASSERT_EQ(copied->scene.instances.size(), 2u);
   EXPECT_EQ(copied->scene.instances[1].matrix[3], 10);
   EXPECT_TRUE(copied->scene.spheres.empty());
+  EXPECT_THAT(copied->scene.object_names, ElementsAre("copy 1", "copy 2"));
+  EXPECT_EQ(object_of(copied->scene, PoolKind::instance, 1), 2u);
+  EXPECT_EQ(object_of(whole->scene, PoolKind::sphere, 3), 2u);
   EXPECT_EQ(copied->scene.camera.from, whole->scene.camera.from);
   EXPECT_THAT(error(kPdb, "a.pdb", {.assembly = 2}), HasSubstr("no assembly 2; the file has 1"));
   EXPECT_EQ(read(kPdb, "a.pdb")->scene.cones.size(), 2u);  // few atoms: with bonds

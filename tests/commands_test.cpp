@@ -17,6 +17,7 @@
 
 #include "app/command_line.h"
 #include "app/terminal.h"
+#include "base/srgb.h"
 #include "data_files.h"
 #include "io/image/image.h"
 #include "io/nff/nff.h"
@@ -161,6 +162,111 @@ TEST_F(Commands, InfoDrawsTheColourBar) {
   EXPECT_EQ(run_captured(command), kDone);
   command.color_bar = path("bar.txt");
   EXPECT_EQ(run_captured(command), kBadInput);
+}
+
+#ifndef RAIO_NO_PLOTS
+// A bar of plasma at a side of pictures of all kinds, whose other pixels stay as they are.
+TEST_F(Commands, PicturesHaveAColourBar) {
+  RenderCommand plain;
+  plain.scenes = {file("water.xyz", kWater)};
+  plain.read = {.color_by = "index", .colormap = "plasma", .color_range = std::array{0.0, 8.0}};
+  plain.options.width = 320, plain.options.height = 240;
+  plain.quiet = true;
+  const auto rendered = [&](RenderCommand command, bool bar, const std::string& name) {
+    command.color_bar = bar, command.output = path(name);
+    EXPECT_EQ(run_captured(command), kDone) << err_;
+    auto picture = read_picture(path(name));
+    EXPECT_TRUE(picture) << name;
+    return picture ? std::move(*picture) : Picture();
+  };
+  const auto changed = [](const Picture& a, const Picture& b) {
+    Box3f box;
+    for (int y = 0; y < a.color.height; ++y)
+      for (int x = 0; x < a.color.width; ++x)
+        if (a.color.at(x, y) != b.color.at(x, y)) box.extend(Vec3f(float(x), float(y), 0));
+    return box;
+  };
+  const Picture without = rendered(plain, false, "a.png"), with = rendered(plain, true, "b.png");
+  const Box3f box = changed(without, with);
+  ASSERT_FALSE(box.empty());
+  EXPECT_GT(box.lo.x, 200);
+  EXPECT_NEAR(box.size().y, 0.45 * 240, 40);
+  // A column through the bar has the colours of the map, the last at the top.
+  const auto has = [](const Picture& picture, Rgb display, float near) {
+    return std::ranges::any_of(picture.color.pixels,
+                               [&](const Rgb& c) { return length(c - display) < near; });
+  };
+  const Rgb top(240 / 255.0f, 249 / 255.0f, 33 / 255.0f),
+      end(13 / 255.0f, 8 / 255.0f, 135 / 255.0f);
+  EXPECT_TRUE(has(with, top, 0.02f) && has(with, end, 0.02f));
+  EXPECT_FALSE(has(without, top, 0.02f) || has(without, end, 0.02f));
+
+  RenderCommand left = plain;
+  left.color_bar_side = "left";
+  EXPECT_LT(changed(without, rendered(left, true, "c.png")).hi.x, 120);
+
+  // As light, which the curve makes the same.
+  const Picture light = rendered(plain, true, "b.exr");
+  Image shown = light.color;
+  for (Rgb& c : shown.pixels)
+    c = {srgb_from_linear(c.x), srgb_from_linear(c.y), srgb_from_linear(c.z)};
+  size_t differ = 0;
+  for (size_t i = 0; i < shown.pixels.size(); ++i)
+    differ += length(shown.pixels[i] - with.color.pixels[i]) > 0.01f;
+  EXPECT_LT(differ, 600u);  // half covered ones, at the rims of letters
+
+  RenderCommand clear = plain;
+  clear.options.background.emplace().transparent = true;
+  const Picture seen = rendered(clear, true, "d.png"), bare = rendered(clear, false, "e.png");
+  size_t covered = 0;
+  for (size_t i = 0; i < seen.alpha.size(); ++i) {
+    EXPECT_GE(seen.alpha[i], bare.alpha[i]);
+    covered += bare.alpha[i] == 0 && seen.alpha[i] == 1;
+  }
+  EXPECT_GT(covered, 500u);
+
+  plain.options.crop = Crop{0, 0, 160, 120};
+  EXPECT_FALSE(changed(rendered(plain, false, "f.ppm"), rendered(plain, true, "g.ppm")).empty());
+}
+
+TEST_F(Commands, ColourBarsThatCannotBeAreRefused) {
+  RenderCommand command;
+  command.scenes = {file("water.xyz", kWater)};
+  command.options.width = command.options.height = 20;
+  command.output = path("a.png");
+  command.color_bar = true;
+  EXPECT_EQ(run_captured(command), kBadInput);
+  EXPECT_THAT(err_, HasSubstr("nothing is coloured by numbers"));
+  command.read.color_by = "index";
+  command.frames = FrameRange{0, 1};
+  EXPECT_EQ(run_captured(command), kBadInput);
+  EXPECT_THAT(err_, HasSubstr("give --color-range"));
+  command.read.color_range = std::array{0.0, 3.0};
+  EXPECT_EQ(run_captured(command), kDone);
+  EXPECT_TRUE(std::filesystem::exists(path("a-0001.png")));
+  command.frames = {}, command.output = path("a.raio");
+  EXPECT_EQ(run_captured(command), kBadInput);
+  EXPECT_THAT(err_, HasSubstr("a part file is none"));
+}
+#endif
+
+TEST_F(Commands, ConvertKeepsCopiesInRaioScenes) {
+  const std::string scene = file("some.pdb", std::string(kPdb));
+  ConvertCommand convert{scene, path("some.raio"), {.style = AtomStyle::space_filling}};
+  EXPECT_EQ(run_captured(convert), kDone) << err_;
+  EXPECT_EQ(err_, "");
+  InfoCommand info{.scene = path("some.raio"), .json = true};
+  EXPECT_EQ(run_captured(info), kDone) << err_;
+  const json said = json::parse(out_);
+  EXPECT_EQ(said["instances"], 2);
+  EXPECT_EQ(said["primitive_count"], 4);
+  // Other formats have primitives.
+  convert.input = path("some.raio"), convert.output = path("some.nff"), convert.read = {};
+  EXPECT_EQ(run_captured(convert), kDone) << err_;
+  info.scene = path("some.nff");
+  EXPECT_EQ(run_captured(info), kDone) << err_;
+  EXPECT_EQ(json::parse(out_)["instances"], 0);
+  EXPECT_EQ(json::parse(out_)["primitive_count"], 4);
 }
 
 // Those who read the JSON can add the pixel up from it, and it is the pixel of the picture.

@@ -10,6 +10,7 @@
 #include "integrate/film.h"
 #include "integrate/surface.h"
 #include "one_picture.h"
+#include "rich_scene.h"
 #include "scenes.h"
 
 namespace raio {
@@ -273,10 +274,75 @@ TEST(Instances, CopiesHaveIdsOfTheirOwn) {
       EXPECT_EQ(geometry.id_in(from.instance, from.id), id);
       EXPECT_EQ(geometry.material_of(id), from.object.material_of(from.id));
       EXPECT_EQ(geometry.object_of(id), 0u);
+      EXPECT_TRUE(geometry.same_object(id, primitive_id(kind, uint32_t(own))));
     }
   });
   // Polygons count as their triangles.
   EXPECT_GE(all, scene.primitive_count());
+}
+
+// A copy's own object counts before those within; copies and what is written out have the same.
+TEST(Instances, CopiesBelongToObjects) {
+  Scene scene = testing::nested_scene();
+  for (auto* some : {&scene.prototypes[1].instances[1].matrix}) *some = kIdentity;
+  const auto accel = build(scene, {.kind = AccelKind::bvh});
+  const Geometry& geometry = accel->geometry();
+  const auto sphere = [&](uint32_t i) {
+    return primitive_id(PrimitiveKind::sphere, uint32_t(scene.spheres.size()) + i);
+  };
+  // Two of the first copy, four of each of the others.
+  const uint32_t objects[] = {2, 0, 1, 1, 1, 1, 1, 1, 1, 1};
+  for (uint32_t i = 0; i < std::size(objects); ++i)
+    EXPECT_EQ(geometry.object_of(sphere(i)), objects[i]) << i;
+  EXPECT_TRUE(geometry.same_object(sphere(2), sphere(9)));  // of a range of copies
+  EXPECT_FALSE(geometry.same_object(sphere(0), sphere(1)));
+  EXPECT_FALSE(geometry.same_object(sphere(1), sphere(2)));
+  Scene flat = scene;
+  ASSERT_EQ(flatten_instances(flat), "");
+  ASSERT_THAT(validate(flat), IsEmpty());
+  for (uint32_t i = 0; i < std::size(objects); ++i)
+    EXPECT_EQ(raio::object_of(flat, PoolKind::sphere, scene.spheres.size() + i), objects[i]) << i;
+
+  // Without, the object is that of the prototype, another one in each copy.
+  scene.object_ranges = {};
+  const auto others = build(scene, {.kind = AccelKind::bvh});
+  const Geometry& there = others->geometry();
+  EXPECT_EQ(there.object_of(sphere(2)), 2u);
+  EXPECT_EQ(there.object_of(sphere(4)), 2u);
+  EXPECT_TRUE(there.same_object(sphere(2), sphere(2)));
+  EXPECT_FALSE(there.same_object(sphere(2), sphere(4)));  // copies within a copy
+  EXPECT_FALSE(there.same_object(sphere(2), sphere(6)));
+  EXPECT_TRUE(there.same_object(sphere(3), sphere(7)));  // in no object
+}
+
+// Two balls that hardly stand out from each other have a line between them if they are two objects.
+TEST(Instances, OutlinesPartCopiesOfObjects) {
+  const auto lines = [](bool objects, bool copies_apart) {
+    Scene scene;
+    scene.dialect = Dialect::data;
+    scene.background = Rgb(1);
+    scene.materials.emplace_back();
+    scene.camera.from = {0, 0, 9};
+    Scene object = scene;
+    object.spheres = {{{0, 0, 0}, 1}}, object.sphere_materials = {0};
+    if (objects) object.object_ranges = {{PoolKind::sphere, 0, 1, 1}};
+    scene.object_names = {"ball", "left", "right"};
+    scene.prototypes = {object};
+    scene.instances = {{0, kIdentity}, {0, {1, 0, 0, 0.1f, 0, 1, 0, 0, 0, 0, 1, 0}}};
+    if (copies_apart)
+      scene.object_ranges = {{PoolKind::instance, 0, 1, 2}, {PoolKind::instance, 1, 1, 3}};
+    EXPECT_THAT(validate(scene), IsEmpty());
+    RenderOptions options;
+    options.width = options.height = 120, options.outline = 2;
+    const Image picture = picture_of(scene, options);
+    size_t dark = 0;
+    for (int y = 55; y < 65; ++y)
+      for (int x = 40; x < 80; ++x) dark += max_component(picture.at(x, y)) < 0.05f;
+    return dark;
+  };
+  EXPECT_EQ(lines(false, false), 0u);
+  EXPECT_GT(lines(true, false), 5u);
+  EXPECT_GT(lines(false, true), 5u);
 }
 
 // By shapes that flattening does write out: the front stays what the map makes of the front.
@@ -362,6 +428,14 @@ TEST(Instances, EachFaultIsNamed) {
          s.prototypes[1].moving_sphere_materials = {0};
        },
        "prototype 1: what moves cannot be copied"},
+      {[](Scene& s) { s.prototypes[1].materials[0].kd = 0.123f; },
+       "prototype 1: its materials are not those of the scene"},
+      {[](Scene& s) { s.prototypes[1].object_names = {"x"}; },
+       "prototype 1: it has names of objects, which belong to the scene"},
+      {[](Scene& s) { s.prototypes[1].object_ranges = {{PoolKind::sphere, 0, 1, 1}}; },
+       "prototype 1: object range 0: object 1 of 0"},
+      {[](Scene& s) { s.object_names = {"x"}, s.object_ranges = {{PoolKind::instance, 5, 7, 1}}; },
+       "object range 0: elements up to 12 of 11"},
       {[](Scene& s) { s.prototypes[2].prototypes[0].spheres[0].radius = 0; },
        "prototype 2: prototype 0: sphere 0: the radius must be finite and not zero"},
   };

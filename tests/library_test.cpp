@@ -456,6 +456,157 @@ TEST(LibraryAccel, RefusesAStructureThatThereIsNot) {
 
 using LibraryFile = raio::TemporaryFolder;
 
+// A ball and a triangle, in materials that are there and in one of their own.
+raio::Scene thing() {
+  raio::Scene scene = stage();
+  const Floats center = {0, 0, 0.2f}, radius = {0.5f};
+  scene.add_spheres({center.data(), 1}, {radius.data(), 1}, 1);
+  const uint32_t blue = scene.add_material({{0.1, 0.2, 0.9}, 0.8, 0, 1, 0, 1});
+  const Floats corners = {-1, -1, -0.4f, 1, -1, -0.4f, 0, 1, -0.4f};
+  const uint32_t triangle[] = {0, 1, 2};
+  scene.add_triangles({corners.data(), 3}, {triangle, 1}, {}, blue);
+  return scene;
+}
+
+// As Raio stores it.
+struct Copy {
+  uint32_t prototype;
+  float matrix[12];
+};
+
+TEST(LibraryInstances, CopiesLookLikeWhatIsMoved) {
+  // By halves and quarters, of which sums are exact.
+  const Floats shifts = {-1.5f, 0.25f, 1.25f};
+  raio::Scene copies = stage(), moved = stage();
+  const uint32_t number = copies.add_prototype(thing());
+  EXPECT_EQ(number, 0u);
+  const uint32_t blue = moved.add_material({{0.1, 0.2, 0.9}, 0.8, 0, 1, 0, 1});
+  for (const float x : shifts) {
+    const Floats matrix = {1, 0, 0, x, 0, 1, 0, 0, 0, 0, 1, 0};
+    copies.add_instances(number, {matrix.data(), 1});
+    const Floats center = {x, 0, 0.2f}, radius = {0.5f};
+    moved.add_spheres({center.data(), 1}, {radius.data(), 1}, 1);
+    const Floats corners = {x - 1, -1, -0.4f, x + 1, -1, -0.4f, x, 1, -0.4f};
+    const uint32_t triangle[] = {0, 1, 2};
+    moved.add_triangles({corners.data(), 3}, {triangle, 1}, {}, blue);
+  }
+  EXPECT_EQ(copies.primitive_count(), 6u);
+  EXPECT_EQ(copies.bounds(), moved.bounds());
+  // The material that the object brought comes behind the others.
+  EXPECT_EQ(copies.add_material({}), 3u);
+  const Floats a = picture(copies), b = picture(moved);
+  size_t differ = 0;
+  for (size_t i = 0; i < a.size(); ++i) differ += std::abs(a[i] - b[i]) > 1e-3f;
+  EXPECT_LE(differ, a.size() / 200);  // at edges
+  EXPECT_NE(a, picture(stage()));
+}
+
+TEST(LibraryInstances, HitsNameTheCopyAndWhatIsCopied) {
+  raio::Scene scene = stage(), pair;
+  const uint32_t inner = pair.add_prototype(thing());
+  const Floats matrices = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 4, 0, 1, 0, 0, 0, 0, 1, 0};
+  pair.add_instances(inner, {matrices.data(), 2});
+  const uint32_t outer = scene.add_prototype(pair), single = scene.add_prototype(thing());
+  const Copy copies[] = {{single, {1, 0, 0, -4, 0, 1, 0, 0, 0, 0, 1, 0}},
+                         {outer, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}}};
+  const auto kept = std::make_shared<std::vector<Copy>>(copies, copies + 2);
+  scene.add_instances({&kept->data()->prototype, 2, sizeof(Copy), kept},
+                      {kept->data()->matrix, 2, sizeof(Copy), kept});
+  EXPECT_EQ(kept.use_count(), 3);  // read in place
+  const Floats center = {0, 8, 0}, radius = {1};
+  scene.add_spheres({center.data(), 1}, {radius.data(), 1}, 1);
+  const raio::Accel accel(scene);
+  const auto from_above = [&](double x, double y) {
+    return accel.closest({{x, y, 9}, {0, 0, -1}});
+  };
+  EXPECT_EQ(from_above(0, 8).instance, -1);
+  EXPECT_EQ(from_above(0, 8).index, 0u);
+  EXPECT_EQ(from_above(-4, 0).instance, 0);
+  EXPECT_EQ(from_above(-4, 0).kind, raio::Kind::sphere);
+  EXPECT_NEAR(from_above(-4, 0).distance, 8.3, 1e-5);
+  for (const double x : {0.0, 4.0}) {
+    EXPECT_EQ(from_above(x, 0).instance, 1);
+    EXPECT_EQ(from_above(x, 0).index, 0u);
+    const raio::Hit triangle = from_above(x, -0.9);
+    EXPECT_EQ(triangle.kind, raio::Kind::triangle);
+    EXPECT_EQ(triangle.index, 0u);
+    EXPECT_EQ(triangle.material, 2u);
+    EXPECT_EQ(triangle.instance, 1);
+    EXPECT_NEAR(triangle.u, 0.475, 1e-5);
+  }
+}
+
+TEST(LibraryInstances, NamesMakeObjects) {
+  raio::Scene scene = stage();
+  const uint32_t number = scene.add_prototype(thing());
+  const Floats left = {1, 0, 0, -1.5f, 0, 1, 0, 0, 0, 0, 1, 0},
+               right = {1, 0, 0, 1.5f, 0, 1, 0, 0, 0, 0, 1, 0};
+  scene.add_instances(number, {left.data(), 1}, "left");
+  scene.add_instances(number, {right.data(), 1}, "right");
+  raio::Settings settings = small();
+  const raio::Film film = raio::Job(scene, settings.set("channels", "object,id")).run();
+  const Floats objects = film.channel("object"), ids = film.channel("id");
+  std::array<size_t, 3> counts{};
+  for (size_t i = 0; i < objects.size(); ++i) {
+    const auto object = size_t(objects[i]);
+    ASSERT_LT(object, 3u);
+    ++counts[object];
+    EXPECT_EQ(object == 0, ids[i] == 0);
+    if (object > 0) {
+      EXPECT_EQ(object == 1, i % 48 < 24) << i;
+    }
+  }
+  EXPECT_GT(counts[1], 50u);
+  EXPECT_EQ(counts[1], counts[2]);
+}
+
+TEST(LibraryInstances, RefusesWhatCannotBeCopied) {
+  raio::Scene scene = stage();
+  const auto error = [](auto&& f) -> std::string {
+    try {
+      f();
+    } catch (const raio::Error& e) {
+      EXPECT_EQ(e.kind(), raio::ErrorKind::bad_input);
+      return e.what();
+    }
+    return "";
+  };
+  const Floats none(12), zero = {0, 0, 0}, one = {1};
+  EXPECT_THAT(error([&] { scene.add_instances(0, {none.data(), 1}); }),
+              HasSubstr("instance 0: there is no prototype 0, but 0 of them"));
+  const uint32_t number = scene.add_prototype(thing());
+  EXPECT_THAT(error([&] { scene.add_instances(number, {none.data(), 1}); }),
+              HasSubstr("instance 0: the matrix must be finite and have an inverse"));
+  EXPECT_THAT(error([&] { scene.add_instances(number, {nullptr, 1}); }),
+              HasSubstr("the matrices are a null pointer"));
+  raio::Scene moving = stage();
+  moving.add_moving_spheres({zero.data(), 1}, {zero.data(), 1}, {one.data(), 1}, 0, 1);
+  EXPECT_THAT(error([&] { scene.add_prototype(moving); }), HasSubstr("what moves"));
+  raio::Scene deep = thing();
+  for (int i = 0; i < 15; ++i) {
+    raio::Scene around;
+    around.add_prototype(deep);
+    deep = around;
+  }
+  EXPECT_EQ(error([&] { raio::Scene().add_prototype(deep); }), "");
+  raio::Scene around;
+  around.add_prototype(deep);
+  EXPECT_THAT(error([&] { raio::Scene().add_prototype(around); }),
+              HasSubstr("nested more than 16"));
+  EXPECT_EQ(scene.primitive_count(), 0u);
+}
+
+TEST_F(LibraryFile, KeepsCopies) {
+  raio::Scene scene = stage();
+  const Floats matrix = {0, -1, 0, 1, 1, 0, 0, 0, 0, 0, 1, 0};
+  scene.add_instances(scene.add_prototype(thing()), {matrix.data(), 1}, "turned");
+  const std::string binary = file("copies.raio").string(), text = file("copies.nff").string();
+  scene.write(binary);
+  EXPECT_EQ(picture(raio::Scene::read(binary)), picture(scene));
+  scene.write(text);  // as primitives
+  EXPECT_EQ(raio::Scene::read(text).primitive_count(), 2u);
+}
+
 TEST_F(LibraryFile, KeepsWhatWasAdded) {
   const raio::Scene scene = everything(std::make_shared<int>());
   scene.write(file("scene.raio").string());

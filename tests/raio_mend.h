@@ -9,8 +9,8 @@
 
 namespace raio::testing {
 
-/// Those of all columns that lie within the bytes, and that of the table.
-inline void mend_raio_scene(char* bytes, size_t size) {
+/// Those of all columns that lie within the bytes, and that of the table; of prototypes, too.
+inline void mend_raio_scene(char* bytes, size_t size, int depth = 0) {
   using namespace scene_file;
   Header header;
   if (size < sizeof header) return;
@@ -25,6 +25,8 @@ inline void mend_raio_scene(char* bytes, size_t size) {
     const size_t element = bytes_of(entry.number) * entry.numbers;
     if (entry.offset > size || element == 0 || entry.count > (size - entry.offset) / element)
       continue;
+    if (std::string_view(entry.name, 10) == std::string_view("prototype\0", 10) && depth < 20)
+      mend_raio_scene(bytes + entry.offset, entry.count * element, depth + 1);
     entry.hash = column_hash(file.substr(entry.offset, entry.count * element));
     std::memcpy(at, &entry, sizeof entry);
   }

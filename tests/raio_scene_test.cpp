@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include "io/raio/raio.h"
+#include "io/scene_file.h"
 #include "nff_text.h"
+#include "one_picture.h"
 #include "raio_mend.h"
 #include "rich_scene.h"
 #include "temporary_folder.h"
@@ -68,6 +70,61 @@ TEST(RaioScene, KeepsScenesMadeByChance) {
   }
 }
 
+TEST(RaioScene, KeepsCopies) {
+  const Scene scene = testing::nested_scene();
+  ASSERT_TRUE(validate(scene).empty()) << validate(scene).front();
+  const std::string bytes = encode_raio_scene(scene);
+  const Scene again = decoded(bytes);
+  EXPECT_EQ(content_hash(again), content_hash(scene));
+  EXPECT_EQ(encode_raio_scene(again), bytes);
+  EXPECT_EQ(again.instances, scene.instances);
+  EXPECT_EQ(again.object_ranges, scene.object_ranges);
+  ASSERT_EQ(again.prototypes.size(), 2u);
+  EXPECT_EQ(again.prototypes[1].instances, scene.prototypes[1].instances);
+  EXPECT_EQ(again.prototypes[1].prototypes[0].object_ranges,
+            scene.prototypes[1].prototypes[0].object_ranges);
+  RenderOptions options;
+  options.width = 60, options.height = 40, options.aa = 2;
+  const Image picture = testing::expect_one_picture(again, options);
+  EXPECT_TRUE(testing::same_bytes(picture, testing::picture_of(scene, options)));
+  Scene without = scene;
+  without.instances = {}, without.prototypes.clear(), without.object_ranges = {};
+  EXPECT_FALSE(testing::same_bytes(picture, testing::picture_of(without, options)));
+}
+
+TEST(RaioScene, PrototypesAreNestedOnlySoDeep) {
+  Scene inner;
+  inner.materials.emplace_back();
+  inner.spheres = {{{0, 0, 0}, 1}}, inner.sphere_materials = {0};
+  for (int depth = 1; depth <= kMostNested + 1; ++depth) {
+    Scene outer;
+    outer.materials = inner.materials;
+    outer.prototypes = {inner};
+    outer.instances = {{0, kIdentity}};
+    inner = outer;
+    const std::string error = error_of(encode_raio_scene(inner));
+    if (depth <= kMostNested)
+      EXPECT_EQ(error, "") << depth;
+    else
+      EXPECT_THAT(error, HasSubstr("prototypes are nested more than 16 deep"));
+  }
+}
+
+TEST(RaioScene, MoreCopiesThanCanBeAreRefused) {
+  Scene inner;
+  inner.materials.emplace_back();
+  inner.spheres = {{{0, 0, 0}, 1}}, inner.sphere_materials = {0};
+  for (int depth = 0; depth < 9; ++depth) {  // 10^9 copies
+    Scene outer;
+    outer.materials = inner.materials;
+    outer.prototypes = {inner};
+    outer.instances.assign(10, {0, kIdentity});
+    inner = outer;
+  }
+  EXPECT_THAT(error_of(encode_raio_scene(inner)),
+              HasSubstr("there are more than 100000000 copies with those of copies"));
+}
+
 TEST(RaioScene, AnEmptySceneIsAFile) {
   Scene scene;
   scene.materials.emplace_back();
@@ -93,6 +150,23 @@ TEST_F(RaioSceneFile, ColumnsAreReadWhereTheyLie) {
   EXPECT_EQ(content_hash(copy), content_hash(scene));
 }
 
+TEST_F(RaioSceneFile, PrototypesAreReadWhereTheyLie) {
+  const auto path = file("copies.raio");
+  const Scene scene = testing::nested_scene();
+  ASSERT_TRUE(write_raio_scene(scene, path));
+  const auto again = read_scene(path, {.instances = true});
+  ASSERT_TRUE(again) << testing::texts(again.error());
+  EXPECT_TRUE(again->scene.instances.is_borrowed());
+  const Scene& object = again->scene.prototypes[1].prototypes[0];
+  EXPECT_TRUE(object.spheres.is_borrowed());
+  EXPECT_EQ(reinterpret_cast<uintptr_t>(object.spheres.data()) % 64, 0u);
+  EXPECT_EQ(content_hash(again->scene), content_hash(scene));
+  // Who has no copies reads primitives; these are stretched unevenly.
+  const auto flat = read_scene(path);
+  ASSERT_FALSE(flat);
+  EXPECT_THAT(testing::texts(flat.error()), HasSubstr("spheres are stretched unevenly"));
+}
+
 TEST_F(RaioSceneFile, WhatCannotBeOpenedIsSaid) {
   const auto text = [&](const std::filesystem::path& path) {
     const auto scene = read_raio_scene(path);
@@ -104,8 +178,15 @@ TEST_F(RaioSceneFile, WhatCannotBeOpenedIsSaid) {
   EXPECT_THAT(text(file("empty.raio")), HasSubstr("not a .raio scene"));
 }
 
-TEST(RaioScene, EveryByteMatters) {
-  const std::string sound = encode_raio_scene(testing::rich_scene());
+class RaioSceneDamage : public ::testing::TestWithParam<bool> {
+ protected:
+  const std::string sound =
+      encode_raio_scene(GetParam() ? testing::nested_scene() : testing::rich_scene());
+};
+INSTANTIATE_TEST_SUITE_P(Scenes, RaioSceneDamage, ::testing::Bool(),
+                         [](const auto& at) { return at.param ? "Nested" : "Rich"; });
+
+TEST_P(RaioSceneDamage, EveryByteMatters) {
   for (size_t at = 0; at < sound.size(); ++at) {
     std::string bytes = sound;
     bytes[at] = char(bytes[at] ^ 1 << at % 8);
@@ -115,16 +196,14 @@ TEST(RaioScene, EveryByteMatters) {
   }
 }
 
-TEST(RaioScene, CutAndLengthenedFilesAreRefused) {
-  const std::string sound = encode_raio_scene(testing::rich_scene());
+TEST_P(RaioSceneDamage, CutAndLengthenedFilesAreRefused) {
   for (size_t size = 0; size < sound.size(); ++size)
     ASSERT_FALSE(error_of(std::string_view(sound).substr(0, size)).empty()) << size;
   EXPECT_THAT(error_of(sound + '\0'), HasSubstr("cut or added to"));
 }
 
 /// A change behind which the hashes were made anew: refused, or a sound scene and its only file.
-TEST(RaioScene, DamageThatHashesDoNotShow) {
-  const std::string sound = encode_raio_scene(testing::rich_scene());
+TEST_P(RaioSceneDamage, DamageThatHashesDoNotShow) {
   size_t refused = 0, taken = 0;
   for (size_t at = 0; at < sound.size(); ++at)
     for (const int bit : {0, 5, 7}) {
@@ -139,7 +218,9 @@ TEST(RaioScene, DamageThatHashesDoNotShow) {
       }
       ++taken;
       ASSERT_TRUE(validate(*scene).empty()) << at;
-      const bool is_minor = at >= offsetof(Header, minor) && at < offsetof(Header, columns);
+      // Of the file or of a prototype, each of which begins at a multiple.
+      const size_t begin = sound.rfind(scene_file::kMagic, at), in = at - begin;
+      const bool is_minor = in >= offsetof(Header, minor) && in < offsetof(Header, columns);
       ASSERT_TRUE(is_minor || encode_raio_scene(*scene) == bytes) << at;
     }
   EXPECT_GT(refused, 5000u);

@@ -52,4 +52,26 @@ inline Scene rich_scene(uint32_t seed = 1) {
   return s;
 }
 
+/// Copies of an object, and of one that is made of copies itself; some belong to objects.
+inline Scene nested_scene() {
+  Scene s = random_scene(4, 1);
+  s.planes.clear(), s.plane_materials.clear();
+  s.object_names = {"a copy", "spheres of an object"};
+  s.object_ranges = {{PoolKind::instance, 1, 2, 1}};
+  Scene object;
+  object.materials = s.materials;
+  object.spheres = {{{0, 0, 0}, 0.2f}, {{0.25f, 0, 0}, 0.1f}};
+  object.sphere_materials = {0, 1};
+  object.object_ranges = {{PoolKind::sphere, 0, 1, 2}};
+  Scene pair;
+  pair.materials = s.materials;
+  pair.prototypes = {object};
+  pair.instances = {{0, kIdentity}, {0, {0, -1, 0, 0.1f, 1, 0, 0, 0.5f, 0, 0, 2, 0}}};
+  s.prototypes = {object, pair};
+  s.instances = {{0, {1, 0, 0, -0.5f, 0, 1, 0, 0, 0, 0, 1, 0.5f}},
+                 {1, {1, 0, 0, 0.5f, 0, 1, 0, 0, 0, 0, 1, 0.5f}},
+                 {1, {1, 0, 0, 0, 0, 1, 0, -0.5f, 0, 0, -1, 0.7f}}};
+  return s;
+}
+
 }  // namespace raio::testing

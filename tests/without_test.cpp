@@ -92,6 +92,7 @@ TEST_F(BuildWithout, Embree) {
 TEST_F(BuildWithout, Plots) {
   refuses({"bench", scene_, "--plot", file("p.svg").string()}, "no plots");
   refuses({"info", scene_, "--color-bar", file("p.svg").string()}, "no plots");
+  refuses({"render", scene_, "-o", picture_, "--color-bar"}, "no plots");
 }
 #endif
 

@@ -171,6 +171,25 @@ class RAIO_API Scene {
   void add_moving_triangles(const Column<float, 9>& starts, const Column<float, 9>& ends,
                             double begin, double end, const Look& look = {});
 
+  /// Stores an object that add_instances() copies, and returns its number. Of the scene its spheres
+  /// and so on, prototypes, instances and named objects count, not camera, lights and background;
+  /// planes and what moves are refused. Materials that are not there yet come behind those that
+  /// are.
+  uint32_t add_prototype(const Scene& object);
+
+  // A copy is stored as its matrix: three rows of four numbers, which make (a b c d) * (x y z 1) of
+  // a point of the object. Rays meet it as they do the same primitives moved, also mirrored,
+  // sheared or stretched. With a name, the copies of a call are an object of their own in the
+  // channel `object`, else they are what the prototype's are.
+
+  /// Copies of one object.
+  void add_instances(uint32_t prototype, const Column<float, 12>& matrices,
+                     std::string_view name = {});
+  /// Copies of several, whose numbers are given. In place: number, matrix, in steps of 52 bytes.
+  void add_instances(const Column<uint32_t>& prototypes, const Column<float, 12>& matrices,
+                     std::string_view name = {});
+
+  /// With those of copies.
   size_t primitive_count() const;
   /// Lowest and highest corner of all that has an end; nothing for an empty scene.
   std::optional<std::array<Triple, 2>> bounds() const;
@@ -242,6 +261,9 @@ struct Hit {
   Triple position{0, 0, 0};
   Triple normal{0, 0, 0};  ///< unit, outward; of smooth triangles the smooth one
   double u = 0, v = 0;     ///< weights of a triangle's second and third corner
+  /// Which copy it belongs to, in the order in which they came, the outermost if there are copies
+  /// in a copy; `index` then counts in the object that is copied, the innermost. -1: none.
+  int64_t instance = -1;
 
   bool found() const { return distance < std::numeric_limits<double>::infinity(); }
 };

@@ -313,7 +313,12 @@ std::span<const Rgb> Geometry::colors(PrimitiveKind kind) const {
 
 uint32_t Geometry::object_of(PrimitiveId id) const {
   const Scene& s = *scene_;
-  if (s.object_ranges.empty() || is_copied(id)) return 0;
+  if (is_copied(id)) {
+    const Origin from = origin_of(id);
+    const uint32_t own = raio::object_of(s, PoolKind::instance, from.instance);
+    return own ? own : from.object.object_of(from.id);
+  }
+  if (s.object_ranges.empty()) return 0;
   const uint32_t index = primitive_index(id);
   if (primitive_kind(id) != PrimitiveKind::triangle)
     return with_kind(primitive_kind(id), [&]<PrimitiveKind kind> {
@@ -327,6 +332,17 @@ uint32_t Geometry::object_of(PrimitiveId id) const {
   if (source >= count_of_triangles())
     return raio::object_of(s, PoolKind::polygon, source - count_of_triangles());
   return raio::object_of(s, PoolKind::mesh, mesh_of(source));
+}
+
+bool Geometry::same_object(PrimitiveId a, PrimitiveId b) const {
+  const uint32_t object = object_of(a);
+  if (object != object_of(b)) return false;
+  if (object == 0 || !is_copied(a) || !is_copied(b)) return true;
+  const Origin from = origin_of(a), other = origin_of(b);
+  // The copies themselves belong to it, or what they show does.
+  const uint32_t own = raio::object_of(*scene_, PoolKind::instance, from.instance);
+  if (own || raio::object_of(*scene_, PoolKind::instance, other.instance)) return true;
+  return from.instance == other.instance && from.object.same_object(from.id, other.id);
 }
 
 // Which side of each primitive is seen, for the kinds that have one of which it is not both.

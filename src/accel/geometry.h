@@ -169,8 +169,12 @@ class Geometry {
   /// How many triangles the scene and its meshes have, those without area included.
   size_t count_of_triangles() const;
 
-  /// The id of the object (Scene::object_names) to which the item belongs; 0: to none.
+  /// The id of the object (Scene::object_names) to which the item belongs; 0: to none. That of a
+  /// copy is the outermost that a copy around it belongs to, else that of the item in its object.
   uint32_t object_of(PrimitiveId id) const;
+  /// Do both belong to the same object or to none? What has its object from a prototype belongs to
+  /// another one in each copy.
+  bool same_object(PrimitiveId a, PrimitiveId b) const;
   MaterialId material_of(PrimitiveId id) const;
 
   /// About how many bytes baking `scene` takes, those that it frees again included.

@@ -68,14 +68,31 @@ double Canvas::text_width(const std::string& text, double size, bool bold) const
 
 void Canvas::text(double x, double y, const std::string& text, Ink ink, Align align, double size,
                   bool bold, double max_width) const {
+  begin_text(x, y, text, align, size, bold, max_width);
+  set(ink);
+  call<kCairo, cairo_show_text>(cairo_, text.c_str());
+}
+
+void Canvas::rimmed_text(double x, double y, const std::string& text, Ink ink, Ink rim, Align align,
+                         double size, double max_width) const {
+  begin_text(x, y, text, align, size, false, max_width);
+  call<kCairo, cairo_text_path>(cairo_, text.c_str());
+  set(rim);
+  call<kCairo, cairo_set_line_width>(cairo_, 0.24 * size);
+  call<kCairo, cairo_set_line_join>(cairo_, CAIRO_LINE_JOIN_ROUND);
+  call<kCairo, cairo_stroke_preserve>(cairo_);
+  set(ink);
+  call<kCairo, cairo_fill>(cairo_);
+}
+
+void Canvas::begin_text(double x, double y, const std::string& text, Align align, double size,
+                        bool bold, double max_width) const {
   const double width = text_width(text, size, bold);
   if (width > max_width) size *= max_width / width;
   const double shown = std::min(width, max_width);
   const double shift = align == Align::left ? 0 : align == Align::center ? shown / 2 : shown;
   set_font(size, bold);
-  set(ink);
   call<kCairo, cairo_move_to>(cairo_, x - shift, y + 0.36 * size);
-  call<kCairo, cairo_show_text>(cairo_, text.c_str());
 }
 
 void Canvas::upright_text(double x, double y, const std::string& words, Ink ink) const {
@@ -184,6 +201,28 @@ std::expected<PlotFormat, std::string> plot_format(const std::filesystem::path& 
   if (suffix == ".pdf") return PlotFormat::pdf;
   return std::unexpected(
       fmt::format("{}: a plot's file ends in .png, .svg or .pdf", path.string()));
+}
+
+std::expected<void, std::string> check_drawing() { return load_library(kCairo); }
+
+std::expected<std::vector<uint32_t>, std::string> draw_pixels(
+    const std::function<void(const Canvas&)>& draw, const PixelBox& box) {
+  if (auto loaded = load_library(kCairo); !loaded) return std::unexpected(loaded.error());
+  std::vector<uint32_t> pixels(size_t(box.width) * size_t(box.height));
+  const std::unique_ptr<cairo_surface_t, void (*)(cairo_surface_t*)> surface(
+      call<kCairo, cairo_image_surface_create_for_data>(
+          reinterpret_cast<unsigned char*>(pixels.data()), CAIRO_FORMAT_ARGB32, box.width,
+          box.height, 4 * box.width),
+      [](auto* s) { call<kCairo, cairo_surface_destroy>(s); });
+  const std::unique_ptr<cairo_t, void (*)(cairo_t*)> cairo(
+      call<kCairo, cairo_create>(surface.get()), [](auto* c) { call<kCairo, cairo_destroy>(c); });
+  call<kCairo, cairo_translate>(cairo.get(), double(-box.x), double(-box.y));
+  draw(Canvas(cairo.get()));
+  const cairo_status_t status = call<kCairo, cairo_status>(cairo.get());
+  call<kCairo, cairo_surface_finish>(surface.get());
+  if (status == CAIRO_STATUS_SUCCESS) return pixels;
+  return std::unexpected(
+      fmt::format("cannot draw: {}", call<kCairo, cairo_status_to_string>(status)));
 }
 
 std::expected<std::string, std::string> draw_page(PlotFormat format,

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "io/image/image.h"
 
@@ -39,6 +40,9 @@ class Canvas {
   /// `y` is the middle of the small letters' height. Text wider than `max_width` is set smaller.
   void text(double x, double y, const std::string& text, Ink ink, Align align = Align::left,
             double size = kText, bool bold = false, double max_width = kWidth) const;
+  /// The same, with a rim in another ink that keeps it apart from what is below it.
+  void rimmed_text(double x, double y, const std::string& text, Ink ink, Ink rim, Align align,
+                   double size, double max_width) const;
   void upright_text(double x, double y, const std::string& words, Ink ink) const;
 
   void box(double x, double y, double w, double h, Ink ink) const;
@@ -55,6 +59,9 @@ class Canvas {
  private:
   void set(Ink ink) const;
   void set_font(double size, bool bold) const;
+  // Chooses the font and goes to where the text begins.
+  void begin_text(double x, double y, const std::string& text, Align align, double size, bool bold,
+                  double max_width) const;
 
   _cairo* cairo_;
 };
@@ -70,6 +77,19 @@ enum class PlotFormat { png, svg, pdf };
 
 /// By suffix, in any case; the error lists the suffixes.
 std::expected<PlotFormat, std::string> plot_format(const std::filesystem::path& path);
+
+/// Can anything be drawn? The error is one line.
+std::expected<void, std::string> check_drawing();
+
+/// So many pixels of a page, from a place of it on.
+struct PixelBox {
+  int x = 0, y = 0, width = 0, height = 0;
+};
+
+/// What `draw` puts on that part of a clear page, row by row from the top, colours premultiplied,
+/// as 0xaarrggbb. The error is one line.
+std::expected<std::vector<uint32_t>, std::string> draw_pixels(
+    const std::function<void(const Canvas&)>& draw, const PixelBox& box);
 
 /// The file's bytes: a white page of so many pixels, or the same in vectors, with what `draw` puts
 /// on it. The error is one line.

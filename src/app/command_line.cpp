@@ -222,6 +222,15 @@ void add_render(CLI::App& app, RenderCommand& render, int& status) {
            "name (default: that name, here)",
            "IMAGE");
   add_render_options(*sub, render.options);
+  sub->add_flag("--color-bar", render.color_bar,
+                "Draw on the picture which numbers have which colours, with --color-by");
+  static constexpr std::string_view kSides[] = {"right", "left"};
+  sub->add_option("--color-bar-side", render.color_bar_side,
+                  "Where --color-bar is drawn: right or left (default: right)")
+      ->check(CLI::IsMember({"right", "left"}))
+      ->needs(sub->get_option("--color-bar"))
+      ->type_name(value_type("SIDE", kSides))
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
   add_number(*sub, "--turntable", render.turntable, 1, kMostPictures,
              "Render N pictures from evenly spaced places around the scene, about the up direction "
              "through the point looked at; picture.png becomes picture-0001.png and so on",

@@ -39,8 +39,10 @@ struct RenderCommand : JobRequest {
   std::string stats;                // file for the statistics; empty: none
   std::string progress = "auto";
   bool quiet = false;
-  int turntable = 0;                 // so many pictures around the scene; 0: one, of its camera
-  std::optional<FrameRange> frames;  // a picture of each; without: of the one that `read` says
+  int turntable = 0;                     // so many pictures around the scene; 0: one, of its camera
+  std::optional<FrameRange> frames;      // a picture of each; without: of the one that `read` says
+  bool color_bar = false;                // is drawn on pictures
+  std::string color_bar_side = "right";  // or left
 };
 int run(const RenderCommand& command);
 

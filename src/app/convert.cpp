@@ -13,7 +13,9 @@ int run(const ConvertCommand& command) {
   if (!format) return fail(format.error());
   if (const auto writable = check_writable(command.output); !writable)
     return fail(writable.error());
-  const auto scene = load_scene(command.input, false, nullptr, command.read);
+  ReadOptions read = command.read;
+  read.instances = *format == SceneFormat::raio;  // other formats have no copies
+  const auto scene = load_scene(command.input, false, nullptr, read);
   if (!scene) return scene.error();
 
   if (const std::string lost = not_kept(*scene, *format); !lost.empty())

@@ -23,6 +23,12 @@ std::expected<std::string, std::string> draw_color_bar(const ColorScale&, PlotFo
   return std::unexpected(kNoPlots);
 }
 
+std::expected<void, std::string> check_drawing() { return std::unexpected(kNoPlots); }
+
+std::expected<void, Error> draw_color_bar_on(Picture&, const ColorScale&, bool, bool) {
+  return std::unexpected(Error{ErrorKind::no_resource, "", kNoPlots});
+}
+
 std::expected<std::string, std::string> draw_explained(const Explained&, PlotFormat) {
   return std::unexpected(kNoPlots);
 }

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "app/color_bar.h"
 #include "app/commands.h"
 #include "app/output.h"
 #include "app/statistics.h"
@@ -104,6 +105,8 @@ class Pictures {
     if (command_.frames) return render_frames(std::move(request));
     index_ = scene_++ * of_scene_;
     if (scenes_ > 1) about_ = request.scene + ": ";
+    if (command_.color_bar)
+      if (const int status = load_with_colors(request)) return status;
     const fs::path output = request.output;
     for (int i = 0; i < of_scene_; ++i, ++index_) {
       if (command_.turntable > 0) request.output = numbered_path(output, i, of_scene_).string();
@@ -115,6 +118,29 @@ class Pictures {
   }
 
  private:
+  // Reads the scene with the scale of its colours; the exit status.
+  int load_with_colors(JobRequest& request) {
+    request.read.instances = true;
+    auto read = read_scene(request.scene, request.read);
+    const Diagnostics& said = read ? read->warnings : read.error();
+    if (!read || !command_.quiet) print_diagnostics(said);
+    if (!read) return status_of(error_of(said.front()));
+    request.loaded = std::make_shared<const Scene>(std::move(read->scene));
+    return add_color_bar(request, read->colors);
+  }
+
+  int add_color_bar(JobRequest& request, const std::optional<ColorScale>& colors) const {
+    if (!colors)
+      return bad_input(about_ +
+                       "there is no scale for --color-bar: nothing is coloured by numbers; give "
+                       "--color-by with index, bfactor, occupancy or a column of numbers");
+    request.overlay = [colors, left = command_.color_bar_side == "left"](Picture& picture,
+                                                                         bool linear) {
+      return draw_color_bar_on(picture, *colors, left, linear);
+    };
+    return kDone;
+  }
+
   // Pictures of frames, all as the camera of the first sees them.
   int render_frames(JobRequest request) {
     const FrameRange& range = *command_.frames;
@@ -134,6 +160,8 @@ class Pictures {
         count_ = *count, camera = read->scene.camera;
       }
       read->scene.camera = *camera;
+      if (command_.color_bar)
+        if (const int status = add_color_bar(request, read->colors)) return status;
       request.loaded = std::make_shared<const Scene>(std::move(read->scene));
       request.built = nullptr;
       request.output = numbered_path(output, index_, count_).string();
@@ -171,7 +199,8 @@ class Pictures {
   // One picture. Leaves in the request what the next one of the scene starts from.
   int render(JobRequest& request) {
     bool broken_scene = false;
-    const bool is_first = !request.loaded;
+    const bool bar_loaded = command_.color_bar && !command_.frames;
+    const bool is_first = !request.loaded || (bar_loaded && !request.built);
     const JobEvents events = {.scene_read =
                                   [&](const Diagnostics& said) {
                                     broken_scene = said.front().severity == Severity::error;
@@ -224,11 +253,30 @@ class Pictures {
   StopOnSignal stop_{&control_};
 };
 
+// Why no bar can be drawn on the pictures, or nothing. Better known before the work than after it.
+std::string color_bar_problem(const RenderCommand& command, const std::vector<JobRequest>& all) {
+  if (const auto can = check_drawing(); !can) return can.error();
+  if (command.frames && !command.read.color_range)
+    return "the frames have one --color-bar only if their colours have one scale; give "
+           "--color-range LO,HI";
+  for (const JobRequest& request : all) {
+    if (request.scene.empty())
+      return "--color-bar needs the file with the numbers; name it, beside --repeat";
+    if (is_part_path(request.output))
+      return "--color-bar is drawn on pictures, and a part file is none; leave it out, or give a "
+             "picture with -o";
+  }
+  return {};
+}
+
 }  // namespace
 
 int run(const RenderCommand& command) {
   auto requests = requests_of(command);
   if (!requests) return fail(requests.error());
+  if (command.color_bar)
+    if (const std::string why = color_bar_problem(command, *requests); !why.empty())
+      return bad_input(why);
   Pictures pictures(command, requests->size());
   int status = kDone;
   for (JobRequest& request : *requests) {

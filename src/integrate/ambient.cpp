@@ -246,7 +246,7 @@ class AmbientShading {
     const float behind = dot(other - point, scene_.forward);
     const float step = 4 * figure_.outline * pixel * depth;  // a slope that passes for a surface
     const Geometry& geometry = scene_.accel.geometry();
-    if (geometry.object_of(here) != geometry.object_of(there)) return behind > 0;
+    if (!geometry.same_object(here, there)) return behind > 0;
     const Vec3f normal = at(v.normal);
     const bool flat = primitive_kind(here) == PrimitiveKind::triangle;
     if (behind > step && (!flat || dot(other - point, normal) < -step / 4)) return true;

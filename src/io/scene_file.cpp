@@ -122,6 +122,16 @@ std::unexpected<Diagnostics> unfit(std::string_view file, std::string_view optio
   return failed(file, fmt::format("`{}` has no effect on this file; leave it out", option));
 }
 
+/// Makes primitives of copies unless they are to stay. What is wrong with them, or nothing.
+std::string apply_instances(const ReadOptions& options, Scene& scene) {
+  if (options.instances) return {};
+  const bool any = !scene.instances.empty();
+  if (std::string wrong = flatten_instances(scene); !wrong.empty() || !any) return wrong;
+  // A copy may be moved or stretched beyond what a number can be.
+  const auto problems = validate(scene);
+  return problems.empty() ? "" : "its copies as primitives of their own: " + problems.front();
+}
+
 /// Whatever is in memory, packed or not. `name` is the file without folder. Both become those of
 /// what was unpacked.
 std::expected<ReadScene, Diagnostics> parse(std::shared_ptr<const TextBuffer>& text,
@@ -143,9 +153,8 @@ std::expected<ReadScene, Diagnostics> parse(std::shared_ptr<const TextBuffer>& t
                                      : parse_nff(*text, file);
   if (!read) return read;
   read->scene.name = name.stem().string();
-  if (!options.instances)
-    if (std::string wrong = flatten_instances(read->scene); !wrong.empty())
-      return failed(file, std::move(wrong));
+  if (std::string wrong = apply_instances(options, read->scene); !wrong.empty())
+    return failed(file, std::move(wrong));
   return read;
 }
 
@@ -173,6 +182,8 @@ std::expected<ReadScene, Diagnostics> SceneFrames::read(const ReadOptions& optio
     auto scene = read_raio_scene(opened);
     if (!scene) return std::unexpected(std::move(scene.error()));
     ReadScene read{std::move(*scene), {}};
+    if (std::string wrong = apply_instances(options, read.scene); !wrong.empty())
+      return failed(file, std::move(wrong));
     add_sky(read, opened, file);
     return read;
   }
@@ -228,6 +239,12 @@ std::expected<void, Error> write_scene(const Scene& scene, const fs::path& path,
                                        std::string_view comment) try {
   const auto format = scene_format(path);
   if (!format) return std::unexpected(format.error());
+  if (*format != SceneFormat::raio && !scene.instances.empty()) {  // which have no copies
+    Scene flat = scene;
+    if (std::string wrong = apply_instances({}, flat); !wrong.empty())
+      return std::unexpected(Error{ErrorKind::bad_input, "", std::move(wrong)});
+    return write_scene(flat, path, comment);
+  }
   switch (*format) {
     case SceneFormat::nff:
       return write_file(path, write_nff(scene, comment));

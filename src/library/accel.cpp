@@ -75,16 +75,24 @@ constexpr Kind kind_of(PrimitiveKind kind) {
 
 Hit hit_of(const Accel::Data& data, const raio::Ray& ray, const raio::Hit& found) {
   if (!found.found()) return {};
-  const Geometry& geometry = data.accel->geometry();
-  const Surface surface = surface_at(geometry, ray, found);
+  const Geometry* geometry = &data.accel->geometry();
+  const Surface surface = surface_at(*geometry, ray, found);
+  PrimitiveId id = found.item;
+  int64_t instance = -1;
+  while (geometry->is_copied(id)) {
+    const Geometry::Origin from = geometry->origin_of(id);
+    if (instance < 0) instance = from.instance;
+    geometry = &from.object, id = from.id;
+  }
   Hit hit{double(found.t),
-          kind_of(primitive_kind(found.item)),
-          primitive_index(found.item),
+          kind_of(primitive_kind(id)),
+          primitive_index(id),
           surface.material,
           triple(data.scene.origin + Vec3d(surface.point)),
           triple(Vec3d(surface.normal))};
+  hit.instance = instance;
   if (hit.kind != Kind::triangle) return hit;
-  const size_t source = geometry.source_of(hit.index), triangles = geometry.count_of_triangles();
+  const size_t source = geometry->source_of(hit.index), triangles = geometry->count_of_triangles();
   if (source < triangles) {
     hit.index = uint32_t(source), hit.u = double(found.u), hit.v = double(found.v);
   } else {

@@ -2,6 +2,7 @@
 // read in place or gathered.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
 #include <functional>
 #include <initializer_list>
@@ -45,7 +46,7 @@ Scene& Scene::operator=(Scene&&) noexcept = default;
 Scene::~Scene() = default;
 
 Scene Scene::read(const std::string& path) {
-  return guarded([&] { return Scene(taken(read_scene(path))); });
+  return guarded([&] { return Scene(taken(read_scene(path, {.instances = true}))); });
 }
 
 Scene Scene::parse_nff(std::string_view text, std::string_view name) {
@@ -87,9 +88,29 @@ void Scene::add_light(Triple position, std::optional<Triple> color) {
   data_->scene.lights.push_back(light);
 }
 
+namespace {
+
+// Those of prototypes are the scene's.
+void share_materials(const raio::Scene& scene, std::vector<raio::Scene>& prototypes) {
+  for (raio::Scene& object : prototypes) {
+    object.materials = scene.materials;
+    object.material_specular = scene.material_specular;
+    object.material_roughness = scene.material_roughness;
+    object.material_opacity = scene.material_opacity;
+    share_materials(scene, object.prototypes);
+  }
+}
+
+}  // namespace
+
 uint32_t Scene::add_material(const Material& m) {
-  return data_->scene.add_material({rgb(m.color), float(m.kd), float(m.ks), float(m.shine),
-                                    float(m.transmission), float(m.ior)});
+  return guarded([&] {
+    raio::Scene& scene = data_->scene;
+    const MaterialId id = scene.add_material({rgb(m.color), float(m.kd), float(m.ks),
+                                              float(m.shine), float(m.transmission), float(m.ior)});
+    share_materials(scene, scene.prototypes);
+    return id;
+  });
 }
 
 namespace {
@@ -392,6 +413,126 @@ void Scene::add_triangles(const Column<float, 3>& positions, const Column<uint32
     join(scene.positions, std::move(points));
     join(scene.normals, std::move(units));
     append(scene, behind(first, corners), std::move(looks));
+  });
+}
+
+namespace {
+
+float opacity_of(const raio::Scene& scene, MaterialId id) {
+  return scene.material_opacity.empty() ? 1 : scene.material_opacity[id];
+}
+
+// The number in `scene` of each material of `object`; those that it does not have are added.
+std::vector<MaterialId> numbers_in(raio::Scene& scene, const raio::Scene& object) {
+  std::vector<MaterialId> numbers;
+  for (MaterialId id = 0; id < object.materials.size(); ++id) {
+    const auto& materials = std::as_const(scene).materials;
+    const raio::Material material = object.materials[id];
+    const Rgb specular = object.specular_of(id);
+    const float roughness = object.roughness_of(id), opacity = opacity_of(object, id);
+    MaterialId same = 0;
+    while (same < materials.size() &&
+           !(materials[same] == material && scene.specular_of(same) == specular &&
+             scene.roughness_of(same) == roughness && opacity_of(scene, same) == opacity))
+      ++same;
+    if (same == materials.size()) scene.add_material(material, specular, roughness, opacity);
+    numbers.push_back(same);
+  }
+  return numbers;
+}
+
+// Of an object and those within it: other numbers of materials and of named objects.
+void renumber(raio::Scene& object, const std::vector<MaterialId>& materials, uint32_t names) {
+  const auto change = [&](Array<MaterialId>& ids) {
+    for (MaterialId& id : ids) id = materials[id];
+  };
+  for_each_pool([&](auto pool) { change(object.*pool.materials); });
+  for (Mesh& mesh : object.meshes) change(mesh.materials);
+  for (ObjectRange& range : object.object_ranges) range.object += names;
+  for (raio::Scene& inner : object.prototypes) renumber(inner, materials, names);
+}
+
+int depth_of(const raio::Scene& scene) {
+  int depth = 0;
+  for (const raio::Scene& object : scene.prototypes) depth = std::max(depth, 1 + depth_of(object));
+  return depth;
+}
+
+// What is there of an object besides what it looks like from somewhere.
+raio::Scene object_of(const raio::Scene& scene) {
+  raio::Scene object = scene;
+  object.name.clear();
+  object.camera = {}, object.background = {}, object.lights.clear();
+  object.dialect = {}, object.samples_per_pixel = 0, object.structure = {};
+  object.sky_folder.clear(), object.sky = nullptr;
+  return object;
+}
+
+}  // namespace
+
+uint32_t Scene::add_prototype(const Scene& added) {
+  return guarded([&] {
+    raio::Scene object = object_of(added.data_->scene);
+    if (!object.planes.empty()) refuse("an infinite plane cannot be copied");
+    if (object.moves()) refuse("what moves cannot be copied");
+    if (1 + depth_of(object) > kMostNested)
+      refuse(fmt::format("prototypes are nested more than {} deep", kMostNested));
+    if (const auto problems = validate(object); !problems.empty()) refuse(problems.front());
+    raio::Scene& scene = data_->scene;
+    const std::vector<std::string> names = std::exchange(object.object_names, {});
+    renumber(object, numbers_in(scene, object), uint32_t(scene.object_names.size()));
+    scene.object_names.insert(scene.object_names.end(), names.begin(), names.end());
+    scene.prototypes.push_back(std::move(object));
+    share_materials(scene, scene.prototypes);
+    return uint32_t(scene.prototypes.size() - 1);
+  });
+}
+
+namespace {
+
+void append_instances(raio::Scene& scene, Array<Instance> copies, std::string_view name) {
+  bool far = scene.origin != Vec3d();
+  for (size_t i = 0; i < copies.size(); ++i) {
+    const Instance& copy = std::as_const(copies)[i];
+    if (copy.prototype >= scene.prototypes.size())
+      refuse(fmt::format("instance {}: there is no prototype {}, but {} of them", i, copy.prototype,
+                         scene.prototypes.size()));
+    if (!Placement(copy.matrix).is_sound())
+      refuse(fmt::format("instance {}: the matrix must be finite and have an inverse", i));
+    far |= scene.prototypes[copy.prototype].origin != Vec3d();
+  }
+  // From the caller's coordinates to those that are stored.
+  for (size_t i = 0; far && i < copies.size(); ++i) {
+    Instance& copy = copies[i];
+    const Vec3d shift =
+        Placement(copy.matrix).point(scene.prototypes[copy.prototype].origin) - scene.origin;
+    for (int axis = 0; axis < 3; ++axis) copy.matrix[size_t(4 * axis) + 3] = float(shift[axis]);
+  }
+  if (!name.empty() && !copies.empty()) {
+    scene.object_names.emplace_back(name);
+    scene.object_ranges.push_back({PoolKind::instance, uint32_t(scene.instances.size()),
+                                   uint32_t(copies.size()), uint32_t(scene.object_names.size())});
+  }
+  join(scene.instances, std::move(copies));
+}
+
+}  // namespace
+
+void Scene::add_instances(uint32_t prototype, const Column<float, 12>& matrices,
+                          std::string_view name) {
+  guarded([&] {
+    auto copies = gathered<Instance>({part("matrices", matrices, offsetof(Instance, matrix))});
+    for (Instance& copy : copies) copy.prototype = prototype;
+    append_instances(data_->scene, std::move(copies), name);
+  });
+}
+
+void Scene::add_instances(const Column<uint32_t>& prototypes, const Column<float, 12>& matrices,
+                          std::string_view name) {
+  guarded([&] {
+    auto copies = gathered<Instance>({part("prototypes", prototypes, offsetof(Instance, prototype)),
+                                      part("matrices", matrices, offsetof(Instance, matrix))});
+    append_instances(data_->scene, std::move(copies), name);
   });
 }
 

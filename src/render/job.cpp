@@ -177,7 +177,7 @@ void RenderJob::describe(const SampleRange& samples) {
 std::expected<void, Error> RenderJob::write() {
   if (request_.output.empty()) return {};
   const double start = seconds();
-  auto written = write_result(request_.output, part_);
+  auto written = write_result(request_.output, part_, request_.overlay);
   times_.write = seconds() - start;
   return written;
 }

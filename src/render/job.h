@@ -19,6 +19,7 @@
 #include "io/read_scene.h"
 #include "render/options.h"
 #include "render/part.h"
+#include "render/picture.h"
 #include "scene/scene.h"
 
 namespace raio {
@@ -34,6 +35,7 @@ struct JobRequest {
   std::vector<std::string> of_picture;  // names of the options given on which the picture depends
 
   std::string output;      // picture or part file, which write() writes; empty: none
+  Overlay overlay;         // of the picture, of whose settings it is none; empty: none
   std::string repeat;      // picture whose settings are taken; empty: none
   std::string checkpoint;  // part file; empty: none
   double checkpoint_interval_s = 60;

@@ -63,24 +63,28 @@ void tone_map(Image& image, std::span<const float> alpha, Tone tone, float expos
 }
 
 std::expected<void, Error> write_picture(Picture picture, const std::filesystem::path& path,
-                                         const Metadata& settings) {
+                                         const Metadata& settings, const Overlay& overlay) {
   const auto options = options_from(settings);
   if (!options)
     return std::unexpected(Error{options.error().kind, path.string(), options.error().message});
   const auto format = image_format(path);
-  if (format == ImageFormat::png || format == ImageFormat::ppm)
-    tone_map(picture.color, picture.alpha, options->tone.value_or(Tone::none), options->exposure);
+  const bool for_displays = format == ImageFormat::png || format == ImageFormat::ppm;
+  const Tone tone = options->tone.value_or(Tone::none);
+  if (for_displays) tone_map(picture.color, picture.alpha, tone, options->exposure);
+  if (overlay)
+    if (auto drawn = overlay(picture, !for_displays && tone != Tone::none); !drawn) return drawn;
   return write_image(picture, path, settings);
 }
 
-std::expected<void, Error> write_result(const std::filesystem::path& path, const Part& part) {
+std::expected<void, Error> write_result(const std::filesystem::path& path, const Part& part,
+                                        const Overlay& overlay) {
   if (is_part_path(path)) return write_part(path, part.header, *part.film);
   const auto options = options_from(part.header.settings);
   if (!options)
     return std::unexpected(Error{options.error().kind, path.string(), options.error().message});
   RenderSettings settings;
   settings.view = options->view;
-  return write_picture(picture_of(*part.film, settings), path, part.header.settings);
+  return write_picture(picture_of(*part.film, settings), path, part.header.settings, overlay);
 }
 
 }  // namespace raio

@@ -4,6 +4,7 @@
 
 #include <expected>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <span>
 
@@ -24,10 +25,14 @@ Picture picture_of(const Film& film, const RenderSettings& settings);
 /// (which may be empty) and stay so. With `none` and 0 they stay as they are.
 void tone_map(Image& image, std::span<const float> alpha, Tone tone, float exposure_ev);
 
+/// Draws on a picture that is about to be written. Its colours are those of a display, or, if
+/// `linear`, the light that the sRGB curve makes such.
+using Overlay = std::function<std::expected<void, Error>(Picture&, bool linear)>;
+
 /// write_image() with the tone and exposure of the settings, which are settings_of() the picture,
-/// in the formats that are for displays: PNG and PPM.
+/// in the formats that are for displays: PNG and PPM. `overlay`, if any, comes last.
 std::expected<void, Error> write_picture(Picture picture, const std::filesystem::path& path,
-                                         const Metadata& settings);
+                                         const Metadata& settings, const Overlay& overlay = {});
 
 /// Why a picture with these channels cannot go to `path`, nor a part file if the name is that of
 /// one, as far as can be told now: an unknown suffix, a format that does not keep the channels
@@ -36,7 +41,9 @@ std::optional<Error> output_problem(const std::filesystem::path& path, ChannelSe
 
 /// Writes a part file where the name is that of one, else the picture with its channels as
 /// write_picture() does, and the settings either way. A part file cannot say less than all of its
-/// tiles; whether the tiles of a picture are complete is not asked here.
-std::expected<void, Error> write_result(const std::filesystem::path& path, const Part& part);
+/// tiles; whether the tiles of a picture are complete is not asked here. A part file has no
+/// overlay.
+std::expected<void, Error> write_result(const std::filesystem::path& path, const Part& part,
+                                        const Overlay& overlay = {});
 
 }  // namespace raio

@@ -61,7 +61,8 @@ void for_each_mesh_column(MeshType& mesh, F&& f) {
 }
 
 /// Calls f(ColumnName, array) for all arrays of `scene`, const or not, but lights, the names of
-/// objects and those of meshes. The order is that of the hash: new ones go to the end.
+/// objects and those of meshes and prototypes. The order is that of the hash: new ones go to the
+/// end.
 template <class SceneType, class F>
 void for_each_own_column(SceneType& s, F&& f) {
   f(ColumnName{"materials"}, s.materials);
@@ -91,6 +92,7 @@ void for_each_own_column(SceneType& s, F&& f) {
   f(ColumnName{"material_specular", Counted::where_used}, s.material_specular);
   f(ColumnName{"material_roughness", Counted::where_used}, s.material_roughness);
   f(ColumnName{"material_opacity", Counted::where_used}, s.material_opacity);
+  f(ColumnName{"instances", Counted::where_used}, s.instances);
 }
 
 /// Both: the scene's own, then those of one mesh after another.

@@ -79,7 +79,6 @@ std::string content_hash(const Scene& s) {
     all.add(m->from, m->at, m->begin, m->end);
   }
   for (const Scene& object : s.prototypes) all.add_word("object " + content_hash(object));
-  add({"instances", Counted::where_used}, s.instances);
   return all.name();
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "base/platform/memory.h"
 #include "scene/columns.h"
 
 namespace raio {
@@ -69,13 +70,19 @@ class Flattener {
  public:
   explicit Flattener(Scene& scene) : scene_(scene) {}
 
-  // All that `object` has, moved by the matrix.
-  void add(const Scene& object, const Matrix& matrix) {
+  // All that `object` has, moved by the matrix. It belongs to `owner`, or, if that is 0, to
+  // whatever it belongs to in the object.
+  void add(const Scene& object, const Matrix& matrix, uint32_t owner) {
     const Placement by(matrix);
     const size_t positions = scene_.positions.size();
     for (const Vec3f p : object.positions) scene_.positions.push_back(Vec3f(by.point(Vec3d(p))));
     add_normals(object, by);
-    for_each_pool([&](auto pool) { add_pool(object, pool, by, uint32_t(positions)); });
+    for_each_pool([&](auto pool) {
+      add_ranges(object, pool.kind, (scene_.*pool.shapes).size(), (object.*pool.shapes).size(),
+                 owner);
+      add_pool(object, pool, by, uint32_t(positions));
+    });
+    add_ranges(object, PoolKind::mesh, scene_.meshes.size(), object.meshes.size(), owner);
     for (const Mesh& mesh : object.meshes) {
       Mesh& out = scene_.meshes.emplace_back(mesh);
       for (Vec3f& p : out.positions) p = Vec3f(by.point(Vec3d(p)));
@@ -84,8 +91,19 @@ class Flattener {
       for (TriangleIndices& t : out.triangles) t = turned(t, mirrored);
       for (TriangleIndices& t : out.normal_indices) t = turned(t, mirrored);
     }
-    for (const Instance& copy : object.instances)
-      add(object.prototypes[copy.prototype], joined(matrix, copy.matrix));
+    for (size_t i = 0; i < object.instances.size(); ++i) {
+      const Instance& copy = object.instances[i];
+      add(object.prototypes[copy.prototype], joined(matrix, copy.matrix),
+          owner ? owner : object_of(object, PoolKind::instance, i));
+    }
+  }
+  // To be called at the end.
+  void sort_ranges() {
+    Array<ObjectRange>& all = scene_.object_ranges;
+    if (all.empty()) return;
+    std::sort(all.data(), all.data() + all.size(), [](const ObjectRange& a, const ObjectRange& b) {
+      return std::pair(a.pool, a.first) < std::pair(b.pool, b.first);
+    });
   }
   const std::string& error() const { return error_; }
 
@@ -113,6 +131,18 @@ class Flattener {
       const auto first = uint32_t(positions.size());
       for (uint32_t i = polygon.count; i-- > 0;) positions.push_back(positions[polygon.first + i]);
       polygon.first = first;
+    }
+  }
+
+  // The objects of `count` elements of a pool that come behind `before`.
+  void add_ranges(const Scene& object, PoolKind pool, size_t before, size_t count, uint32_t owner) {
+    if (owner && count > 0)
+      scene_.object_ranges.push_back({pool, uint32_t(before), uint32_t(count), owner});
+    if (owner) return;
+    for (ObjectRange range : object.object_ranges) {
+      if (range.pool != pool) continue;
+      range.first += uint32_t(before);
+      scene_.object_ranges.push_back(range);
     }
   }
 
@@ -159,15 +189,39 @@ class Flattener {
   std::string error_;
 };
 
+// Of what a scene and its copies are as primitives of their own.
+double flat_bytes(const Scene& scene) {
+  std::vector<double> of_one;
+  double sum = double(memory_bytes(scene));
+  for (const Scene& object : scene.prototypes) of_one.push_back(flat_bytes(object));
+  for (const Instance& copy : scene.instances) sum += of_one[copy.prototype];
+  return sum;
+}
+
 }  // namespace
 
 std::string flatten_instances(Scene& scene) {
-  if (scene.instances.empty()) return {};
+  if (scene.instances.empty()) {
+    scene.prototypes.clear();  // of which there is no copy
+    return {};
+  }
+  if (const double bytes = flat_bytes(scene); bytes > 0.5 * double(available_memory_bytes()))
+    return "its copies as primitives of their own would take " +
+           std::to_string(uint64_t(bytes * 1e-9) + 1) + " GB, more than there is";
   const Array<Instance> copies = std::move(scene.instances);
   const std::vector<Scene> objects = std::move(scene.prototypes);
-  scene.instances = {}, scene.prototypes.clear();
+  const Array<ObjectRange> ranges = std::move(scene.object_ranges);
+  scene.instances = {}, scene.prototypes.clear(), scene.object_ranges = {};
+  std::vector<uint32_t> owners(copies.size());
+  for (const ObjectRange& range : ranges)
+    if (range.pool == PoolKind::instance)
+      std::fill_n(owners.begin() + range.first, range.count, range.object);
+    else
+      scene.object_ranges.push_back(range);
   Flattener flattener(scene);
-  for (const Instance& copy : copies) flattener.add(objects[copy.prototype], copy.matrix);
+  for (size_t i = 0; i < copies.size(); ++i)
+    flattener.add(objects[copies[i].prototype], copies[i].matrix, owners[i]);
+  flattener.sort_ranges();
   return flattener.error();
 }
 

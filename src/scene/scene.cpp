@@ -107,7 +107,6 @@ size_t memory_bytes(const Scene& scene) {
   for_each_column(scene, [&](ColumnName, const auto& column) {
     bytes += column.size() * sizeof(*column.data());
   });
-  bytes += scene.instances.size() * sizeof(Instance);
   for (const Scene& object : scene.prototypes) bytes += memory_bytes(object);
   return bytes;
 }

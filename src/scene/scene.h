@@ -127,7 +127,8 @@ struct Mesh {
   Array<MaterialId> materials;  // one for all, or one for each triangle
 };
 
-/// The pools of a scene. The numbers stand in files.
+/// What objects are made of: the pools of a scene, its meshes and its copies. The numbers stand in
+/// files.
 enum class PoolKind : uint32_t {
   plane,
   sphere,
@@ -138,11 +139,12 @@ enum class PoolKind : uint32_t {
   ellipsoid,
   disc,
   moving_sphere,
-  moving_triangle
+  moving_triangle,
+  instance
 };
-inline constexpr auto kPoolNames =
-    std::to_array<std::string_view>({"plane", "sphere", "cone", "triangle", "polygon", "mesh",
-                                     "ellipsoid", "disc", "moving_sphere", "moving_triangle"});
+inline constexpr auto kPoolNames = std::to_array<std::string_view>(
+    {"plane", "sphere", "cone", "triangle", "polygon", "mesh", "ellipsoid", "disc", "moving_sphere",
+     "moving_triangle", "instance"});
 
 /// The elements first ... first + count - 1 of a pool, which belong to an object.
 struct ObjectRange {
@@ -152,6 +154,11 @@ struct ObjectRange {
 
   friend bool operator==(const ObjectRange&, const ObjectRange&) = default;
 };
+
+/// So deep at most are prototypes within prototypes.
+inline constexpr int kMostNested = 16;
+/// More copies than these, with those of copies, cannot be rendered.
+inline constexpr uint64_t kMostCopies = 100'000'000;
 
 /// A copy of an object, where the matrix places it.
 struct Instance {
@@ -237,7 +244,8 @@ struct Scene {
   Array<ObjectRange> object_ranges;
 
   /// Objects that are stored once and copied by `instances`. Of each only primitives that stand
-  /// still, meshes and instances of its own count, and its materials are those of this scene.
+  /// still, meshes, instances of its own and object ranges count; its materials and the names of
+  /// its objects are those of this scene. A copy without an object of its own shows those.
   std::vector<Scene> prototypes;
   Array<Instance> instances;
 
@@ -292,8 +300,8 @@ inline constexpr std::tuple kScenePools = {
                 &Scene::moving_triangle_materials, &Scene::moving_triangle_colors,
                 &Scene::moving_triangle_opacity},
 };
-static_assert(kPoolNames.size() == std::tuple_size_v<decltype(kScenePools)> + 1,
-              "each pool, and that of the meshes, has a name");
+static_assert(kPoolNames.size() == std::tuple_size_v<decltype(kScenePools)> + 2,
+              "each pool, and those of meshes and instances, has a name");
 
 template <class Shape>
 inline constexpr PoolMembers<Shape> kPoolOf = std::get<PoolMembers<Shape>>(kScenePools);
@@ -317,7 +325,8 @@ static_assert(std::apply(
 std::array<size_t, kShapeKinds> count_primitives(const Scene& scene);
 
 /// Makes primitives of all copies, so that nothing is an instance any more. The error is one line:
-/// a copy that is stretched unevenly and whose primitives have no name then.
+/// a copy that is stretched unevenly and whose primitives have no name then. What belongs to an
+/// object still does.
 std::string flatten_instances(Scene& scene);
 
 /// Around all primitives but infinite planes.

@@ -258,19 +258,21 @@ void check_meshes(const Scene& scene, Problems& problems) {
                  " normals with those of meshes, more than can be rendered");
 }
 
-void check_objects(const Scene& scene, Problems& problems) {
+// `names`: how many objects there are.
+void check_objects(const Scene& scene, size_t names, Problems& problems) {
   std::array<size_t, kPoolNames.size()> counts{};
   for_each_pool(scene, [&](PoolKind pool, const auto& shapes, auto&...) {
     counts[size_t(pool)] = shapes.size();
   });
   counts[size_t(PoolKind::mesh)] = scene.meshes.size();
+  counts[size_t(PoolKind::instance)] = scene.instances.size();
   const auto& ranges = scene.object_ranges;
   check_each(ranges.size(), problems, [&](Problems& p, size_t i) {
     const ObjectRange& r = ranges[i];
     const bool known = size_t(r.pool) < counts.size();
     p.check(known, "object range ", i, ": pool ", size_t(r.pool), " of ", counts.size());
-    p.check(r.object >= 1 && r.object <= scene.object_names.size(), "object range ", i, ": object ",
-            size_t(r.object), " of ", scene.object_names.size());
+    p.check(r.object >= 1 && r.object <= names, "object range ", i, ": object ", size_t(r.object),
+            " of ", names);
     const size_t end = size_t(r.first) + r.count;
     p.check(!known || end <= counts[size_t(r.pool)], "object range ", i, ": elements up to ", end,
             " of ", known ? counts[size_t(r.pool)] : 0);
@@ -291,15 +293,24 @@ void check_all_pools(const Scene& scene, Problems& problems) {
   check_meshes(scene, problems);
 }
 
-/// Copies, of objects that are sound.
-void check_instances(const Scene& scene, Problems& problems) {
+/// Copies, of objects that are sound. `names`: how many objects with a name there are; `depth`: how
+/// many prototypes are around.
+void check_instances(const Scene& scene, size_t names, int depth, Problems& problems) {
+  if (depth == kMostNested && !scene.prototypes.empty())
+    return problems.check(false, "prototypes are nested more than ", size_t(kMostNested), " deep");
   for (size_t i = 0; i < scene.prototypes.size(); ++i) {
     const Scene& object = scene.prototypes[i];
     Problems own;
     check_all_pools(object, own);
-    check_instances(object, own);
+    check_instances(object, names, depth + 1, own);
+    check_objects(object, names, own);
     own.check(object.materials.size() == scene.materials.size(), "it has ", object.materials.size(),
               " materials of the scene's ", scene.materials.size());
+    own.check(object.materials.size() != scene.materials.size() ||
+                  (object.materials == scene.materials &&
+                   object.material_opacity == scene.material_opacity),
+              "its materials are not those of the scene");
+    own.check(object.object_names.empty(), "it has names of objects, which belong to the scene");
     own.check(object.planes.empty(), "an infinite plane cannot be copied");
     own.check(!object.moves(), "what moves cannot be copied");
     for (const std::string& sentence : own.take())
@@ -314,6 +325,26 @@ void check_instances(const Scene& scene, Problems& problems) {
   });
 }
 
+// What there is with what copies show, not counted further than to more than can be.
+struct Expanded {
+  uint64_t copies = 0, primitives = 0;
+};
+constexpr uint64_t kMostCopied = uint64_t(kPrimitiveKinds) * kMaxPrimitivesPerKind;
+
+Expanded expanded(const Scene& scene) {
+  std::vector<Expanded> of_one;
+  for (const Scene& object : scene.prototypes) of_one.push_back(expanded(object));
+  Expanded sum;
+  for_each_pool(scene,
+                [&](PoolKind, const auto& shapes, auto&...) { sum.primitives += shapes.size(); });
+  for (const Mesh& mesh : scene.meshes) sum.primitives += mesh.triangles.size();
+  for (const Instance& copy : scene.instances) {
+    sum.copies = std::min(sum.copies + 1 + of_one[copy.prototype].copies, kMostCopies + 1);
+    sum.primitives = std::min(sum.primitives + of_one[copy.prototype].primitives, kMostCopied + 1);
+  }
+  return sum;
+}
+
 }  // namespace
 
 std::vector<std::string> validate(const Scene& scene) {
@@ -325,8 +356,15 @@ std::vector<std::string> validate(const Scene& scene) {
   check_camera(scene.camera, problems);
   check_lights_and_materials(scene, problems);
   check_all_pools(scene, problems);
-  check_instances(scene, problems);
-  check_objects(scene, problems);
+  check_instances(scene, scene.object_names.size(), 0, problems);
+  check_objects(scene, scene.object_names.size(), problems);
+  if (const auto sound = problems.take(); !sound.empty()) return sound;
+  // Counted last, as prototypes that there are not have no size.
+  const Expanded all = expanded(scene);
+  problems.check(all.copies <= kMostCopies && all.primitives <= kMostCopied, "there are more than ",
+                 size_t(all.copies > kMostCopies ? kMostCopies : kMostCopied),
+                 all.copies > kMostCopies ? " copies" : " primitives",
+                 " with those of copies, more than can be rendered");
   return problems.take();
 }
 

@@ -128,6 +128,7 @@ void write_scenes(const fs::path& folder) {
   put(folder / "least.raio", encode_raio_scene(least));
   put(folder / "random.raio", encode_raio_scene(testing::random_scene(4, 1)));
   put(folder / "rich.raio", encode_raio_scene(testing::rich_scene()));
+  put(folder / "copies.raio", encode_raio_scene(testing::nested_scene()));
 }
 
 void write_all(const fs::path& folder) {

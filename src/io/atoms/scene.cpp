@@ -214,7 +214,18 @@ class SceneMaker {
       }
       add_object(&chosen, copies.matrices);
     }
+    name_copies();
     return read_.scene.instances.empty() ? "the assembly has no atoms" : "";
+  }
+
+  // So that pictures tell several copies apart: by the channel of objects and by outlines.
+  void name_copies() {
+    Scene& scene = read_.scene;
+    const size_t count = scene.instances.size();
+    for (uint32_t i = 0; count > 1 && i < count; ++i) {
+      scene.object_names.push_back(fmt::format("copy {}", i + 1));
+      scene.object_ranges.push_back({PoolKind::instance, i, 1, i + 1});
+    }
   }
 
   // The chosen parts, moved by each of the matrices.

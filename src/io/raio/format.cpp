@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "io/raio/raio.h"
 
 namespace raio::scene_file {
 namespace {
@@ -61,6 +62,10 @@ Settings settings_of(const Scene& scene) {
   for (const std::string& name : scene.object_names) {
     s.object_names.insert(s.object_names.end(), name.begin(), name.end());
     s.object_name_ends.push_back(uint32_t(s.object_names.size()));
+  }
+  for (const Scene& object : scene.prototypes) {
+    const auto bytes = std::make_shared<const std::string>(encode_raio_scene(object));
+    s.prototypes.push_back(Array<char>::borrow(bytes->data(), bytes->size(), bytes));
   }
   return s;
 }

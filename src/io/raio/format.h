@@ -58,7 +58,7 @@ struct Entry {
   char name[32] = {};          // with zeros behind
   Number number = Number::u8;  // an element is
   uint32_t numbers = 0;        // so many of them
-  uint32_t mesh = kNoMesh;     // to which the column belongs
+  uint32_t mesh = kNoMesh;     // to which the column belongs, or which prototype it is
   uint32_t zero = 0;
   uint64_t count = 0, offset = 0;
   Hash128 hash{};  // column_hash() of its bytes
@@ -85,6 +85,8 @@ template <> struct Element<Material> : Numbers<Number::f32, 8> {};
 template <Primitive T> struct Element<T> : Numbers<Number::f32, sizeof(T) / sizeof(float)> {};
 template <> struct Element<Polygon> : Numbers<Number::u32, 2> {};
 template <> struct Element<ObjectRange> : Numbers<Number::u32, 4> {};
+// A number and a matrix, whose floats a file calls what takes as many bytes.
+template <> struct Element<Instance> : Numbers<Number::u32, 13> {};
 // clang-format on
 
 constexpr size_t aligned(size_t offset) {
@@ -111,8 +113,9 @@ struct Settings {
   Array<uint32_t> dialect;     // 2 or none: Dialect and StructureWish, where not both are 0
   Array<Vec3f> light_extents;  // width, depth, points; zeros for lights that have none
   Array<char> sky_folder;
-  Array<float> camera_movement;  // 8 or none: from, at, begin, end
-  Array<float> camera_across;    // 1 or none: degrees
+  Array<float> camera_movement;         // 8 or none: from, at, begin, end
+  Array<float> camera_across;           // 1 or none: degrees
+  std::vector<Array<char>> prototypes;  // each a scene as the bytes of a file
 };
 
 Settings settings_of(const Scene& scene);
@@ -139,6 +142,9 @@ void for_each_settings_column(SettingsType& s, F&& f) {
   f(ColumnName{"camera_across"}, s.camera_across);
 }
 
+/// Of the columns that are prototypes; their `mesh` is the number of one.
+inline constexpr std::string_view kPrototype = "prototype";
+
 /// Calls f(name, mesh, array) for all columns of a file in their order. `mesh` is kNoMesh, or that
 /// to which the array belongs.
 template <class SettingsType, class SceneType, class F>
@@ -151,6 +157,8 @@ void for_each_file_column(SettingsType& settings, SceneType& scene, F&& f) {
     ++mesh;  // from kNoMesh to 0
     for_each_mesh_column(each, with_mesh);
   }
+  for (size_t i = 0; i < settings.prototypes.size(); ++i)
+    f(kPrototype, uint32_t(i), settings.prototypes[i]);
 }
 
 }  // namespace raio::scene_file

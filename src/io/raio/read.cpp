@@ -17,9 +17,11 @@ using namespace scene_file;
 
 using Checked = std::expected<void, std::string>;
 
+constexpr std::string_view kBroken = "broken .raio scene: ";
+
 template <class... Args>
 std::unexpected<std::string> broken(fmt::format_string<Args...> format, Args&&... args) {
-  return std::unexpected("broken .raio scene: " + fmt::format(format, std::forward<Args>(args)...));
+  return std::unexpected(std::string(kBroken) + fmt::format(format, std::forward<Args>(args)...));
 }
 
 constexpr std::string_view kNewer = "a newer Raio may read it, and write it as NFF";
@@ -38,6 +40,7 @@ class Table {
   }
   /// Its name for messages.
   std::string column(size_t i) const {
+    if (name(i) == kPrototype) return fmt::format("prototype {}", entries_[i].mesh);
     const std::string text = "column " + quoted(name(i));
     return entries_[i].mesh == kNoMesh ? text : text + fmt::format(" of mesh {}", entries_[i].mesh);
   }
@@ -110,10 +113,10 @@ Checked Table::check_entry(size_t i, size_t end) {
 
 std::set<std::string_view> known_names() {
   std::set<std::string_view> names;
-  const Settings settings;
+  Settings settings;
   Scene scene;
-  scene.meshes.resize(1);
-  for_each_file_column(settings, std::as_const(scene),
+  scene.meshes.resize(1), settings.prototypes.resize(1);
+  for_each_file_column(std::as_const(settings), std::as_const(scene),
                        [&](std::string_view name, uint32_t, const auto&) { names.insert(name); });
   return names;
 }
@@ -156,12 +159,22 @@ class Taker {
   std::string wrong_;
 };
 
-}  // namespace
+// How many meshes, or prototypes, the columns of a table are of. Each has one at least, so that
+// there are no more of them than columns.
+std::expected<size_t, std::string> count_of(const Table& table, bool prototypes) {
+  size_t count = 0;
+  for (size_t i = 0; i < table.size(); ++i)
+    if (table[i].mesh != kNoMesh && (table.name(i) == kPrototype) == prototypes)
+      count = std::max(count, size_t(table[i].mesh) + 1);
+  if (count > table.size())
+    return broken("{} {} of {} columns", prototypes ? "prototype" : "mesh", count - 1,
+                  table.size());
+  return count;
+}
 
-bool is_raio_scene(std::string_view start) { return start.starts_with(kMagic); }
-
-std::expected<Scene, std::string> decode_raio_scene(std::string_view bytes,
-                                                    const std::shared_ptr<const void>& keep) {
+// A scene whose numbers are still to be looked at; `depth`: how many prototypes are around it.
+std::expected<Scene, std::string> decode(std::string_view bytes,
+                                         const std::shared_ptr<const void>& keep, int depth) {
   Table table;
   if (auto sound = table.check(bytes); !sound) return std::unexpected(sound.error());
   for (size_t i = 0; i < table.size(); ++i)
@@ -170,17 +183,37 @@ std::expected<Scene, std::string> decode_raio_scene(std::string_view bytes,
 
   Scene scene;
   Settings settings;
-  // Every mesh has materials, so that there are no more meshes than columns.
-  size_t meshes = 0;
-  for (size_t i = 0; i < table.size(); ++i)
-    if (table[i].mesh != kNoMesh) meshes = std::max(meshes, size_t(table[i].mesh) + 1);
-  if (meshes > table.size()) return broken("mesh {} of {} columns", meshes - 1, table.size());
-  scene.meshes.resize(meshes);
+  const auto meshes = count_of(table, false), prototypes = count_of(table, true);
+  if (!meshes || !prototypes) return std::unexpected((meshes ? prototypes : meshes).error());
+  if (*prototypes > 0 && depth == kMostNested)
+    return broken("prototypes are nested more than {} deep", kMostNested);
+  scene.meshes.resize(*meshes), settings.prototypes.resize(*prototypes);
   Taker take(table, keep);
   for_each_file_column(settings, scene, take);
   if (auto done = take.done(); !done) return std::unexpected(done.error());
   if (const std::string wrong = apply(settings, scene); !wrong.empty()) return broken("{}", wrong);
-  if (const auto problems = validate(scene); !problems.empty())
+  for (size_t i = 0; i < settings.prototypes.size(); ++i) {
+    const auto& object = std::as_const(settings.prototypes[i]);
+    auto decoded = decode({object.data(), object.size()}, keep, depth + 1);
+    if (!decoded) {
+      std::string_view why = decoded.error();
+      if (why.starts_with(kBroken)) why.remove_prefix(kBroken.size());
+      return broken("prototype {}: {}", i, why);
+    }
+    scene.prototypes.push_back(std::move(*decoded));
+  }
+  return scene;
+}
+
+}  // namespace
+
+bool is_raio_scene(std::string_view start) { return start.starts_with(kMagic); }
+
+std::expected<Scene, std::string> decode_raio_scene(std::string_view bytes,
+                                                    const std::shared_ptr<const void>& keep) {
+  auto scene = decode(bytes, keep, 0);
+  if (!scene) return scene;
+  if (const auto problems = validate(*scene); !problems.empty())
     return broken("{}", problems.front());
   return scene;
 }
