@@ -337,7 +337,7 @@ TEST(Instances, OutlinesPartCopiesOfObjects) {
     const Image picture = picture_of(scene, options);
     size_t dark = 0;
     for (int y = 55; y < 65; ++y)
-      for (int x = 40; x < 80; ++x) dark += max_component(picture.at(x, y)) < 0.05f;
+      for (int x = 50; x < 70; ++x) dark += max_component(picture.at(x, y)) < 0.05f;
     return dark;
   };
   EXPECT_EQ(lines(false, false), 0u);

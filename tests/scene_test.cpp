@@ -254,7 +254,7 @@ TEST(Scene, EachFaultOfWhatIsOptionalIsNamed) {
        "object range 1: it must come behind the one before, and not overlap it"},
       {[](Scene& s) { std::swap(s.object_ranges[2], s.object_ranges[3]); },
        "object range 3: it must come behind the one before, and not overlap it"},
-      {[](Scene& s) { s.object_ranges[3].pool = PoolKind(11); }, "object range 3: pool 11 of 10"},
+      {[](Scene& s) { s.object_ranges[3].pool = PoolKind(11); }, "object range 3: pool 11 of 11"},
   };
   for (const Fault& fault : faults) {
     Scene scene = rich_scene();
