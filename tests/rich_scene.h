@@ -6,7 +6,7 @@
 namespace raio::testing {
 
 /// Colours and opacities of all kinds, two meshes (one with normals of its own, one with everything
-/// at its vertices) and three objects, beside random_scene().
+/// at its vertices and a texture) and three objects, beside random_scene().
 inline Scene rich_scene(uint32_t seed = 1) {
   Scene s = random_scene(40, seed);
   std::mt19937 rng(seed + 1000);
@@ -42,6 +42,15 @@ inline Scene rich_scene(uint32_t seed = 1) {
   sheet.colors = {color(), color(), color()};
   sheet.triangles = {{0, 1, 2}};
   sheet.materials = {1};
+  s.material_texture.assign(s.materials.size(), kNoTexture);
+  s.material_texture[1] = 1;
+  s.texels = {0x0000ff, 0x80ff00, 0x20c0a0, 0xffffff, 0x405060, 0x102030};
+  s.textures = {{0, 2, 3},
+                {.first = 2,
+                 .width = 4,
+                 .height = 1,
+                 .wrap_u = TextureWrap::clamp,
+                 .wrap_v = TextureWrap::mirror}};
   s.meshes = {pyramid, sheet};
 
   s.object_names = {"some spheres", "pyramid", "the floor and a sphere"};

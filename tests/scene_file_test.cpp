@@ -64,8 +64,6 @@ TEST_F(SceneFiles, OfOtherKindsSayWhatTheySeemToBe) {
     std::string_view name, bytes, kind;
   };
   const Other others[] = {
-      {"a.glb", "glTF\2\0\0\0", "a binary glTF scene"},
-      {"a.gltf", "{\n \"asset\": {\"version\": \"2.0\"}}", "a glTF scene"},
       {"a.json", "{\"rays\": 5}", "a JSON file"},
       {"a.pov", "// a scene\ncamera { }\n", "a POV-Ray scene"},
       {"a.nff", "\x89PNG\r\n\x1a\n", "a PNG picture"},
@@ -76,11 +74,10 @@ TEST_F(SceneFiles, OfOtherKindsSayWhatTheySeemToBe) {
       {"a.html", "<!DOCTYPE html>", "an XML file"},
   };
   for (const Other& other : others)
-    EXPECT_THAT(
-        errors_of(other.name, other.bytes),
-        AllOf(HasSubstr("error: this looks like " + std::string(other.kind) + ";"),
-              HasSubstr(
-                  "Raio reads NFF, P3F, .raio, PDB, CIF, GRO, XYZ, LAMMPS, PLY, STL, OBJ and OFF")))
+    EXPECT_THAT(errors_of(other.name, other.bytes),
+                AllOf(HasSubstr("error: this looks like " + std::string(other.kind) + ";"),
+                      HasSubstr("Raio reads NFF, P3F, .raio, PDB, CIF, GRO, XYZ, LAMMPS, PLY, STL, "
+                                "OBJ, OFF and glTF")))
         << other.name;
 }
 
@@ -97,6 +94,9 @@ TEST_F(SceneFiles, DataIsToldByContentThenBySuffix) {
       {"a.stl", "solid cube\nfacet normal 0 0 1\n", "an STL mesh"},
       {"a", stl, "an STL mesh"},
       {"a.off", "OFF\n8 6 0\n", "an OFF mesh"},
+      {"a", "glTF\2\0\0\0", "a glTF scene"},
+      {"a", "\xef\xbb\xbf {\n \"asset\": {\"version\": \"2.0\"}}", "a glTF scene"},
+      {"a.gltf", "{\"meshes\": []}", "a glTF scene"},
       {"a.gro", "water\n 3\n", "a GRO file of a molecule"},
       {"a.dump", "ITEM: TIMESTEP\n0\n", "a LAMMPS dump"},
       {"a", "a title\n\n 12 atoms\n", "a LAMMPS data file"},

@@ -88,6 +88,7 @@ double Geometry::bytes_to_bake(const Scene& s) {
     triangles += double(mesh.triangles.size());
     // With vertex colours, which any mesh may have.
     joined += double(2 * mesh.positions.size() + mesh.normals.size()) * sizeof(Vec3f);
+    if (!s.material_texture.empty()) joined += double(mesh.positions.size()) * sizeof(Uv);
   }
   if (!s.meshes.empty())
     joined += double(s.positions.size() + s.normals.size()) * sizeof(Vec3f) +
@@ -159,15 +160,20 @@ void Geometry::join_meshes() {
             own_vertex_normals_.size(), own_normals_);
     append(own_positions_, mesh.positions), append(own_vertex_normals_, mesh.normals);
   }
-  if (std::ranges::any_of(s.meshes, [](const Mesh& mesh) { return !mesh.colors.empty(); })) {
-    own_vertex_colors_.reserve(positions);
-    own_vertex_colors_.resize(s.positions.size(), Rgb(1));
+  // Vertices that have none get what is `usual`.
+  const auto join = [&]<class T>(Column<T>& to, Array<T> Mesh::* column, const T& usual) {
+    if (std::ranges::all_of(s.meshes, [&](const Mesh& mesh) { return (mesh.*column).empty(); }))
+      return;
+    to.reserve(positions);
+    to.resize(s.positions.size(), usual);
     for (const Mesh& mesh : s.meshes) {
-      own_vertex_colors_.insert(own_vertex_colors_.end(), mesh.colors.begin(), mesh.colors.end());
-      if (mesh.colors.empty())
-        own_vertex_colors_.insert(own_vertex_colors_.end(), mesh.positions.size(), Rgb(1));
+      const Array<T>& from = mesh.*column;
+      to.insert(to.end(), from.begin(), from.end());
+      if (from.empty()) to.insert(to.end(), mesh.positions.size(), usual);
     }
-  }
+  };
+  join(own_vertex_colors_, &Mesh::colors, Rgb(1));
+  if (!s.material_texture.empty()) join(own_uv_, &Mesh::uv, Uv{});
   positions_ = own_positions_, normals_ = own_vertex_normals_;
   triangles_ = own_triangles_, triangle_normals_ = own_normals_;
 }
@@ -453,7 +459,7 @@ size_t Geometry::bytes() const {
   size_t sum = column_bytes(own_triangles_) + column_bytes(own_normals_) + column_bytes(facets_) +
                column_bytes(own_positions_) + column_bytes(own_vertex_normals_) +
                column_bytes(sources_) + column_bytes(own_colors_) +
-               column_bytes(own_vertex_colors_);
+               column_bytes(own_vertex_colors_) + column_bytes(own_uv_);
   for_each_kind([&]<PrimitiveKind kind> {
     if constexpr (kKeepsBaked<kind>) sum += column_bytes(std::get<size_t(kind)>(baked_));
   });

@@ -124,6 +124,8 @@ class Geometry {
   bool any_colors() const { return any_colors_; }
   /// Of positions(), each multiplied into the colours of its triangles; or empty.
   std::span<const Rgb> vertex_colors() const { return own_vertex_colors_; }
+  /// Of positions(), where materials have textures and meshes coordinates for them; else empty.
+  std::span<const Uv> texture_coordinates() const { return own_uv_; }
 
   /// The optical depth of an item; kOpaque where nothing passes.
   uint32_t depth_of(PrimitiveId id) const {
@@ -213,6 +215,7 @@ class Geometry {
   std::span<const Vec3f> positions_, normals_;
   Column<Vec3f> own_positions_, own_vertex_normals_;
   Column<Rgb> own_vertex_colors_;
+  Column<Uv> own_uv_;
   // The scene's own where every primitive is a triangle with an area, else those below.
   std::span<const TriangleIndices> triangles_, triangle_normals_;
   Column<TriangleIndices> own_triangles_, own_normals_;

@@ -88,6 +88,7 @@ std::string info_json(const ReadScene& read) {
   json["materials"] = {{"count", scene.materials.size()},
                        {"reflecting", materials.reflecting},
                        {"refracting", materials.refracting}};
+  json["textures"] = {{"count", scene.textures.size()}, {"texels", scene.texels.size()}};
   json["memory_bytes"] = memory_bytes(scene);
   json["frames"] = read.frames > 0 ? Json(read.frames) : Json(nullptr);
   json["colors"] = nullptr;
@@ -165,6 +166,8 @@ std::string info_text(const ReadScene& read) {
   const MaterialCounts materials = count_materials(scene);
   line("materials", fmt::format("{}, of which {} reflect and {} refract", scene.materials.size(),
                                 materials.reflecting, materials.refracting));
+  if (!scene.textures.empty())
+    line("textures", fmt::format("{}, {} texels", scene.textures.size(), scene.texels.size()));
   if (const auto& c = read.colors)
     line("colours",
          fmt::format("{} from {:.6g} to {:.6g}, {}", c->name, c->least, c->most, c->map));

@@ -24,6 +24,15 @@ float linear_from_srgb(float encoded) {
   return float(x <= 0.04045 ? x / 12.92 : unit(exact_pow((x + 0.055) / 1.055, 2.4)));
 }
 
+const std::array<float, 256>& linear_from_srgb_bytes() {
+  static const std::array<float, 256> table = [] {
+    std::array<float, 256> all{};
+    for (size_t i = 0; i < all.size(); ++i) all[i] = linear_from_srgb(float(i) / 255);
+    return all;
+  }();
+  return table;
+}
+
 Rgb linear_from_srgb(uint32_t rrggbb) {
   const auto part = [&](int shift) { return linear_from_srgb(float(rrggbb >> shift & 255) / 255); };
   return {part(16), part(8), part(0)};

@@ -1,6 +1,7 @@
 // From light to display values and back.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "base/vec.h"
@@ -11,6 +12,8 @@ namespace raio {
 /// values 1.
 float srgb_from_linear(float linear);
 float linear_from_srgb(float encoded);
+/// Of each display value of 8 bits.
+const std::array<float, 256>& linear_from_srgb_bytes();
 /// Of a display value 0xrrggbb.
 Rgb linear_from_srgb(uint32_t rrggbb);
 

@@ -226,8 +226,7 @@ class AmbientShading {
       for (size_t i = 0; i < n; ++i)
         if (missed[i] = !hits[i].found(); missed[i]) hits.set(i, w.hits()[i]);
       for (size_t i = n; i % kWidth != 0; ++i) rays.set(i, rays[n - 1]), hits.set(i, hits[n - 1]);
-      find_surfaces(scene_.accel.geometry(), scene_.scene.materials.data(), rays, hits, n,
-                    *around_);
+      find_surfaces(scene_.accel.geometry(), scene_.scene, rays, hits, n, *around_);
       for (size_t i = 0; i < n; ++i)
         on_line[i] |= missed[i] || is_edge(w.hits()[i].item, hits[i].item, v, i, pixel);
     }

@@ -8,6 +8,7 @@
 #endif
 
 #include "integrate/tile-inl.h"
+#include "scene/texture.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
@@ -39,6 +40,29 @@ inline void tint_by_vertices(const Geometry& geometry, const HitBatch& hits, siz
     const Rgb tint = tints[at[0]] * (1 - u - v) + tints[at[1]] * u + tints[at[2]] * v;
     color.x.at[k] *= std::max(tint.x, 0.0f), color.y.at[k] *= std::max(tint.y, 0.0f);
     color.z.at[k] *= std::max(tint.z, 0.0f);
+  }
+}
+
+// Multiplies those of textures into it, likewise. Those of a scene's materials may differ in size
+// from lane to lane, so they are looked up one by one.
+inline void tint_by_textures(const Geometry& geometry, const Scene& scene, const HitBatch& hits,
+                             size_t i, const MaterialId* materials, Floats3& color) {
+  const std::span<const Uv> uv = geometry.texture_coordinates();
+  for (size_t k = i; k < i + kWidth; ++k) {
+    const PrimitiveId item = hits.item[k];
+    const uint32_t index = primitive_index(item);
+    if (primitive_kind(item) != PrimitiveKind::triangle ||
+        index >= geometry.count(PrimitiveKind::triangle))
+      continue;
+    const uint32_t texture = scene.material_texture[materials[k]];
+    if (texture == kNoTexture) continue;
+    const TriangleIndices& at = geometry.corners(index);
+    const float b1 = hits.u[k], b2 = hits.v[k], b0 = 1 - b1 - b2;
+    const auto along = [&](size_t axis) {
+      return uv[at[0]][axis] * b0 + uv[at[1]][axis] * b1 + uv[at[2]][axis] * b2;
+    };
+    const Rgb tint = texture_color(scene, texture, {along(0), along(1)});
+    color.x.at[k] *= tint.x, color.y.at[k] *= tint.y, color.z.at[k] *= tint.z;
   }
 }
 

@@ -411,21 +411,23 @@ HWY_NOINLINE void place_surfaces(const SurfaceInput& in, size_t i, M lanes, Vert
   put(found.extent, v.scale);
 }
 
-// Where n rays hit: points, normals towards the ray, and all that is the same for every light. The
-// materials are those of the scene that is rendered, which may be a later version of the one that
-// the structure was built from.
-void find_own_surfaces(const Geometry& geometry, const Material* materials, const RayBatch& rays,
+// Where n rays hit: points, normals towards the ray, and all that is the same for every light.
+// Materials and textures are those of `scene`, the one that is rendered, which may be a later
+// version of the one that the structure was built from.
+void find_own_surfaces(const Geometry& geometry, const Scene& scene, const RayBatch& rays,
                        const HitBatch& hits, size_t n, Vertices& v) {
   const SurfaceInput in = {geometry, rays, hits};
   for (size_t i = 0; i < n; i += kWidth) look_up_lanes(in, i, v);
   const bool colored = geometry.any_colors();
   const bool tinted = !geometry.vertex_colors().empty();
+  const bool textured = !geometry.texture_coordinates().empty() && !scene.material_texture.empty();
   const V zero = hn::Zero(d);
   const M all = hn::FirstN(d, kWidth);
   for (size_t i = 0; i < n; i += kWidth) {
-    look_up_materials(materials, i, v);
+    look_up_materials(scene.materials.data(), i, v);
     if (colored) look_up_colors(geometry, hits, i, v.color);
     if (tinted) tint_by_vertices(geometry, hits, i, v.color);
+    if (textured) tint_by_textures(geometry, scene, hits, i, v.material, v.color);
     const auto finish = [&](const WideSurfaces& s) RAIO_INLINE_LAMBDA {
       const M entering = hn::Lt(dot(s.geometric, directions(rays, i)), zero);
       const V3 normal = select(entering, s.normal, -s.normal);
@@ -468,12 +470,12 @@ void copy_vertex(const Vertices& from, size_t k, Vertices& v, size_t i) {
   v.material[i] = from.material[k];
 }
 
-void find_surfaces(const Geometry& geometry, const Material* materials, const RayBatch& rays,
+void find_surfaces(const Geometry& geometry, const Scene& scene, const RayBatch& rays,
                    const HitBatch& hits, size_t n, Vertices& v);
 
 // Surfaces of copies are worked out in the space of their object, one object after another, and
 // moved to where the copies are.
-HWY_NOINLINE void find_copied_surfaces(const Geometry& geometry, const Material* materials,
+HWY_NOINLINE void find_copied_surfaces(const Geometry& geometry, const Scene& scene,
                                        const RayBatch& rays, const HitBatch& hits, size_t n,
                                        Vertices& v) {
   if (!v.copied) v.copied = std::make_unique<Vertices::Copied>();
@@ -510,9 +512,9 @@ HWY_NOINLINE void find_copied_surfaces(const Geometry& geometry, const Material*
       there.rays.set(k, ray), there.hits.set(k, hit);
     }
     if (object)
-      find_surfaces(*object, materials, there.rays, there.hits, count, there.vertices);
+      find_surfaces(*object, scene, there.rays, there.hits, count, there.vertices);
     else
-      find_own_surfaces(geometry, materials, there.rays, there.hits, count, there.vertices);
+      find_own_surfaces(geometry, scene, there.rays, there.hits, count, there.vertices);
     for (size_t k = 0; k < count; ++k) {
       const size_t i = there.lanes[k];
       copy_vertex(there.vertices, k, v, i);
@@ -531,12 +533,12 @@ HWY_NOINLINE void find_copied_surfaces(const Geometry& geometry, const Material*
   for (size_t i = n; i % kWidth != 0; ++i) copy_vertex(v, n - 1, v, i);
 }
 
-void find_surfaces(const Geometry& geometry, const Material* materials, const RayBatch& rays,
+void find_surfaces(const Geometry& geometry, const Scene& scene, const RayBatch& rays,
                    const HitBatch& hits, size_t n, Vertices& v) {
   if (geometry.has_copies() && n > 0)
-    find_copied_surfaces(geometry, materials, rays, hits, n, v);
+    find_copied_surfaces(geometry, scene, rays, hits, n, v);
   else
-    find_own_surfaces(geometry, materials, rays, hits, n, v);
+    find_own_surfaces(geometry, scene, rays, hits, n, v);
 }
 
 }  // namespace

@@ -329,8 +329,7 @@ class Wavefront final : public TileRenderer {
       counts_.eye_hits +=
           clear_ ? size_t(std::count(first_.begin(), first_.begin() + ptrdiff_t(n), 1)) : n;
     if (moves_) set_times(current_.rays);  // those that are left
-    find_surfaces(scene_.accel.geometry(), scene_.scene.materials.data(), current_.rays, hits_, n,
-                  *vertices_);
+    find_surfaces(scene_.accel.geometry(), scene_.scene, current_.rays, hits_, n, *vertices_);
     if (level == 1 && layout_->planes() > 0) add_features(n);
     shading_.shade(*this, level, n, sampler);
     if (context_.stopped()) return;

@@ -96,20 +96,7 @@ std::expected<PixelRows, Error> read_face(const fs::path& folder, size_t face,
 }
 
 void take_face(CubeMap& map, CubeFace face, const PixelRows& rows) {
-  const size_t step = size_t(rows.bits) / 8;
-  const uint8_t* from = rows.bytes.data();
-  const auto next = [&] {
-    const uint32_t value = step == 1 ? *from : (uint32_t(from[0] << 8 | from[1]) + 128) / 257;
-    from += step;
-    return value;
-  };
-  for (int y = 0; y < rows.height; ++y) {
-    uint32_t* to = &map.texels[map.index(face, 0, y)];
-    for (int x = 0; x < rows.width; ++x) {
-      const uint32_t red = next(), green = next();
-      *to++ = red | green << 8 | next() << 16;
-    }
-  }
+  for (int y = 0; y < rows.height; ++y) put_texels(rows, y, &map.texels[map.index(face, 0, y)]);
 }
 
 std::expected<std::shared_ptr<const CubeMap>, Error> read_faces(const fs::path& folder,

@@ -21,6 +21,7 @@ constexpr FileKind kPly{"a PLY file of points or a mesh", read_ply, Takes::point
 constexpr FileKind kStl{"an STL mesh", read_stl};
 constexpr FileKind kOff{"an OFF mesh", read_off};
 constexpr FileKind kObj{"a Wavefront OBJ mesh", read_obj};
+constexpr FileKind kGltf{"a glTF scene", read_gltf};
 
 struct Sign {
   std::string_view start;
@@ -40,7 +41,7 @@ constexpr Sign kStarts[] = {
     {{"MM\0*", 4}, {"a TIFF picture"}},
     {"%PDF", {"a PDF document"}},
     {"PK\3\4", {"a ZIP archive"}},
-    {"glTF", {"a binary glTF scene"}},
+    {"glTF", kGltf},
     {"ply\n", kPly},
     {"ply\r", kPly},
     {"solid ", kStl},
@@ -75,24 +76,15 @@ constexpr Sign kStarts[] = {
 };
 
 constexpr Sign kSuffixes[] = {
-    {".obj", kObj},
-    {".mtl", {"a Wavefront MTL file of materials"}},
-    {".stl", kStl},
-    {".ply", kPly},
-    {".off", kOff},
-    {".3ds", {"a 3DS scene"}},
-    {".gltf", {"a glTF scene"}},
-    {".pov", {"a POV-Ray scene"}},
-    {".ent", kPdb},
-    {".mmcif", kCif},
-    {".pdb", kPdb},
-    {".cif", kCif},
-    {".gro", kGro},
-    {".xyz", kXyz},
-    {".data", kData},
-    {".dump", kDump},
-    {".lammpstrj", kDump},
-    {".lmp", kData},
+    {".obj", kObj},        {".mtl", {"a Wavefront MTL file of materials"}},
+    {".stl", kStl},        {".ply", kPly},
+    {".off", kOff},        {".3ds", {"a 3DS scene"}},
+    {".gltf", kGltf},      {".pov", {"a POV-Ray scene"}},
+    {".ent", kPdb},        {".mmcif", kCif},
+    {".pdb", kPdb},        {".cif", kCif},
+    {".gro", kGro},        {".xyz", kXyz},
+    {".data", kData},      {".dump", kDump},
+    {".lammpstrj", kDump}, {".lmp", kData},
 };
 
 std::string_view trimmed(std::string_view line) {
@@ -139,10 +131,16 @@ bool is_xyz(std::string_view first, std::string_view third) {
          std::all_of(&words[1], &words[4], looks_like_number);
 }
 
-FileKind kind_of_text(std::string_view text) {
-  if (trimmed(text).starts_with('{'))
-    return text.find("\"asset\"") != std::string_view::npos ? FileKind{"a glTF scene"}
-                                                            : FileKind{"a JSON file"};
+FileKind kind_of_text(std::string_view text, std::string_view suffix) {
+  constexpr std::string_view kUtf8 = "\xef\xbb\xbf";
+  if (trimmed(text.starts_with(kUtf8) ? text.substr(kUtf8.size()) : text).starts_with('{')) {
+    // What a glTF file has at its top, in any order; "asset" may come last.
+    constexpr std::string_view kTop[] = {"\"asset\"", "\"accessors\"", "\"bufferViews\""};
+    const bool is_gltf = suffix == ".gltf" || std::ranges::any_of(kTop, [&](auto word) {
+                           return text.find(word) != std::string_view::npos;
+                         });
+    return is_gltf ? kGltf : FileKind{"a JSON file"};
+  }
   std::array<std::string_view, 3> first;
   for (size_t number = 0; !text.empty(); ++number) {
     const size_t end = std::min(text.find('\n'), text.size());
@@ -173,7 +171,7 @@ FileKind file_kind(std::string_view start, std::string_view suffix, size_t size)
   for (const Sign& sign : kStarts)
     if (start.starts_with(sign.start)) return sign.kind;
   if (is_netpbm(start)) return {"a picture (PPM, PGM, PBM or PFM)"};
-  if (const FileKind kind = kind_of_text(start); !kind.name.empty()) return kind;
+  if (const FileKind kind = kind_of_text(start, suffix); !kind.name.empty()) return kind;
   if (is_binary_stl(start, size)) return kStl;
   for (const Sign& sign : kSuffixes)
     if (suffix == sign.start) return sign.kind;

@@ -87,6 +87,7 @@ Scene plain_scene(const Scene& scene) {
   for (const Mesh& mesh : scene.meshes) append(mesh, plain);
   plain.meshes.clear();
   plain.object_names.clear(), plain.object_ranges.clear();
+  plain.material_texture.clear(), plain.textures.clear(), plain.texels.clear();
   return plain;
 }
 

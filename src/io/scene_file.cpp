@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kReads =
-    "Raio reads NFF, P3F, .raio, PDB, CIF, GRO, XYZ, LAMMPS, PLY, STL, OBJ and OFF";
+    "Raio reads NFF, P3F, .raio, PDB, CIF, GRO, XYZ, LAMMPS, PLY, STL, OBJ, OFF and glTF";
 constexpr std::string_view kGzip = "\x1f\x8b";
 
 /// Does the path lead to a regular file that begins as a .raio scene? Pipes and standard input are

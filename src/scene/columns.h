@@ -93,6 +93,9 @@ void for_each_own_column(SceneType& s, F&& f) {
   f(ColumnName{"material_roughness", Counted::where_used}, s.material_roughness);
   f(ColumnName{"material_opacity", Counted::where_used}, s.material_opacity);
   f(ColumnName{"instances", Counted::where_used}, s.instances);
+  f(ColumnName{"material_texture", Counted::where_used}, s.material_texture);
+  f(ColumnName{"textures", Counted::where_used}, s.textures);
+  f(ColumnName{"texels", Counted::where_used}, s.texels);
 }
 
 /// Both: the scene's own, then those of one mesh after another.

@@ -60,7 +60,7 @@ std::vector<size_t> count_copies(const Scene& scene) {
 }  // namespace
 
 MaterialId Scene::add_material(const Material& material, Rgb specular, float roughness,
-                               float opacity) {
+                               float opacity, uint32_t texture) {
   const auto add = [count = materials.size()](auto& column, const auto& value, const auto& usual) {
     if (column.empty() && value == usual) return;
     column.resize(count, usual);
@@ -69,6 +69,7 @@ MaterialId Scene::add_material(const Material& material, Rgb specular, float rou
   add(material_specular, specular, Rgb(1));
   add(material_roughness, roughness, 0.0f);
   add(material_opacity, opacity, 1.0f);
+  add(material_texture, texture, kNoTexture);
   materials.push_back(material);
   return MaterialId(materials.size() - 1);
 }
@@ -185,6 +186,12 @@ std::string text_of(const Scene& scene, std::initializer_list<Feature> features)
         break;
       case Feature::texture_coordinates:
         add("texture coordinates", meshes_with(&Mesh::uv), "mesh");
+        break;
+      case Feature::textures:
+        add("textures",
+            size_t(std::ranges::count_if(scene.material_texture,
+                                         [](uint32_t texture) { return texture != kNoTexture; })),
+            "material");
         break;
       case Feature::object_names:
         add("names", scene.object_names.size(), "object");

@@ -71,6 +71,21 @@ struct Material {
   friend bool operator==(const Material&, const Material&) = default;
 };
 
+/// How a texture goes on beyond its edges. The numbers stand in files.
+enum class TextureWrap : uint32_t { repeat, clamp, mirror };
+
+/// A picture on meshes: `width` x `height` of Scene::texels from `first` on, rows from top to
+/// bottom. Several may share them.
+struct Texture {
+  uint32_t first = 0, width = 0, height = 0;
+  TextureWrap wrap_u = TextureWrap::repeat, wrap_v = TextureWrap::repeat;
+
+  friend bool operator==(const Texture&, const Texture&) = default;
+};
+inline constexpr uint32_t kNoTexture = 0xffffffffu;
+inline constexpr uint32_t kLargestTexture = 16384;      // a side, texels
+inline constexpr size_t kMostTexels = size_t(1) << 28;  // of all together
+
 /// More points of a light are not asked for.
 inline constexpr int kMostLightPoints = 1'000'000;
 
@@ -109,7 +124,7 @@ struct Polygon {
   uint32_t first = 0, count = 0;
 };
 
-/// Two coordinates on a picture, (0, 0) to (1, 1).
+/// Two coordinates on a picture: (0, 0) at its lower left corner, (1, 1) at the upper right one.
 using Uv = std::array<float, 2>;
 
 /// Triangles with vertices of their own, which carry more than the scene's do.
@@ -185,6 +200,12 @@ struct Scene {
   // docs/shading.md), and the opacity of what has none of its own (else 1).
   Array<Rgb> material_specular;
   Array<float> material_roughness, material_opacity;
+  // The texture that a material's colour is multiplied by where a mesh has texture coordinates, or
+  // kNoTexture; parallel to `materials`, or empty. The scene that is rendered has the textures, its
+  // prototypes have this column only.
+  Array<uint32_t> material_texture;
+  Array<Texture> textures;
+  Array<uint32_t> texels;  // 0xBBGGRR, display values (sRGB)
   Dialect dialect = Dialect::nff;
   // What the file asks for, unless an option says otherwise.
   int samples_per_pixel = 0;  // P3F `spp`; 0: none
@@ -265,7 +286,7 @@ struct Scene {
   }
   /// Appends a material, and to the columns beside it what they then need.
   MaterialId add_material(const Material& material, Rgb specular = Rgb(1), float roughness = 0,
-                          float opacity = 1);
+                          float opacity = 1, uint32_t texture = kNoTexture);
 };
 
 /// A pool and what belongs to its primitives, as members of Scene.
@@ -352,6 +373,7 @@ enum class Feature : uint8_t {
   opacity,
   vertex_colors,
   texture_coordinates,
+  textures,
   object_names,
   specular_colors,
   roughness,

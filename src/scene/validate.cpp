@@ -104,6 +104,7 @@ void check_lights_and_materials(const Scene& scene, Problems& problems) {
   parallel(scene.material_specular.size(), "specular colours");
   parallel(scene.material_roughness.size(), "numbers of roughness");
   parallel(scene.material_opacity.size(), "opacities");
+  parallel(scene.material_texture.size(), "textures");
   for (size_t i = 0; i < scene.material_specular.size(); ++i)
     problems.check(is_intensity(scene.material_specular[i]), "material ", i,
                    ": the specular colour must be finite and not negative");
@@ -113,6 +114,26 @@ void check_lights_and_materials(const Scene& scene, Problems& problems) {
   for (size_t i = 0; i < scene.material_roughness.size(); ++i)
     problems.check(at_least_zero(scene.material_roughness[i]), "material ", i,
                    ": the roughness must be finite and not negative");
+}
+
+void check_textures(const Scene& scene, Problems& problems) {
+  for (size_t i = 0; i < scene.material_texture.size(); ++i) {
+    const uint32_t texture = scene.material_texture[i];
+    problems.check(texture == kNoTexture || texture < scene.textures.size(), "material ", i,
+                   ": texture ", size_t(texture), " of ", scene.textures.size());
+  }
+  problems.check(scene.texels.size() <= kMostTexels, "there are ", scene.texels.size(),
+                 " texels, more than ", kMostTexels);
+  for (size_t i = 0; i < scene.textures.size(); ++i) {
+    const Texture& t = scene.textures[i];
+    const bool has_size =
+        t.width >= 1 && t.width <= kLargestTexture && t.height >= 1 && t.height <= kLargestTexture;
+    problems.check(has_size, "texture ", i, ": the sides must be 1 to ", size_t(kLargestTexture));
+    problems.check(!has_size || size_t(t.first) + size_t(t.width) * t.height <= scene.texels.size(),
+                   "texture ", i, ": its texels must be those of the scene");
+    problems.check(t.wrap_u <= TextureWrap::mirror && t.wrap_v <= TextureWrap::mirror, "texture ",
+                   i, ": what is beyond its edges must be 0, 1 or 2");
+  }
 }
 
 /// Calls check(problems, i) for 0 .. count - 1 on all threads. The sentences are in order.
@@ -311,6 +332,10 @@ void check_instances(const Scene& scene, size_t names, int depth, Problems& prob
                    object.material_opacity == scene.material_opacity),
               "its materials are not those of the scene");
     own.check(object.object_names.empty(), "it has names of objects, which belong to the scene");
+    own.check(
+        object.material_texture.empty() || object.material_texture.size() == scene.materials.size(),
+        "it has textures of ", object.material_texture.size(), " of the scene's ",
+        scene.materials.size(), " materials");
     own.check(object.planes.empty(), "an infinite plane cannot be copied");
     own.check(!object.moves(), "what moves cannot be copied");
     for (const std::string& sentence : own.take())
@@ -355,6 +380,7 @@ std::vector<std::string> validate(const Scene& scene) {
                  "the folder of the sky must be one line");
   check_camera(scene.camera, problems);
   check_lights_and_materials(scene, problems);
+  check_textures(scene, problems);
   check_all_pools(scene, problems);
   check_instances(scene, scene.object_names.size(), 0, problems);
   check_objects(scene, scene.object_names.size(), problems);

@@ -54,6 +54,9 @@ struct PixelRows {
 /// 0 to the largest integer becomes 0 to 1; alpha remains straight.
 Picture picture_of(const PixelRows& rows);
 
+/// Row y as texels 0xBBGGRR, without alpha; 16 bits become 8.
+void put_texels(const PixelRows& rows, int y, uint32_t* to);
+
 /// Of PNG and JPEG, without alpha.
 Decoded<PixelRows> decode_rows(std::string_view bytes);
 

@@ -160,6 +160,17 @@ Picture picture_of(const PixelRows& rows) {
   return picture;
 }
 
+void put_texels(const PixelRows& rows, int y, uint32_t* to) {
+  const size_t step = size_t(rows.bits) / 8, pixel = step * size_t(rows.channels);
+  const uint8_t* from = rows.bytes.data() + size_t(y) * size_t(rows.width) * pixel;
+  const auto value = [&](size_t channel) {
+    const uint8_t* const at = from + channel * step;
+    return step == 1 ? *at : (uint32_t(at[0] << 8 | at[1]) + 128) / 257;
+  };
+  for (int x = 0; x < rows.width; ++x, from += pixel)
+    to[x] = value(0) | value(1) << 8 | value(2) << 16;
+}
+
 Decoded<PixelRows> decode_rows(std::string_view bytes) {
   if (bytes.starts_with(kPngBegin)) return png_rows(bytes, false);
   if (bytes.starts_with(kJpegBegin)) return jpeg_rows(bytes);

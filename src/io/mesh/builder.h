@@ -9,6 +9,7 @@
 
 #include "io/nff/text_cursor.h"
 #include "io/read_scene.h"
+#include "io/textures.h"
 
 namespace raio {
 
@@ -84,8 +85,12 @@ class MeshBuilder {
 
   /// The material of a display colour in linear light; one for each colour.
   MaterialId paint(Rgb color);
-  MaterialId paint(Rgb color, float opacity) {
-    return scene_.add_material({.color = color, .kd = 1}, Rgb(1), 0, opacity);
+  MaterialId paint(Rgb color, float opacity, uint32_t texture = kNoTexture) {
+    return scene_.add_material({.color = color, .kd = 1}, Rgb(1), 0, opacity, texture);
+  }
+  /// As TextureReader::add().
+  std::expected<uint32_t, std::string> add_texture(std::string_view bytes, TextureWrap wrap) {
+    return textures_.add(scene_, bytes, wrap, wrap);
   }
 
   /// The triangles of a face with these corners, of which there are three at least, and as many
@@ -105,6 +110,7 @@ class MeshBuilder {
 
  private:
   Scene scene_;
+  TextureReader textures_;
   std::vector<TriangleIndices> triangles_, normal_indices_;
   std::vector<MaterialId> materials_;
   std::map<std::array<float, 3>, MaterialId> paints_;

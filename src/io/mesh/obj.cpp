@@ -20,14 +20,61 @@ namespace fs = std::filesystem;
 
 constexpr size_t kMostCorners = 65535;
 
+// What map_Kd says.
+struct PaintMap {
+  fs::path library;  // the MTL file
+  int line = 0;
+  std::string name;  // of the picture, from that file on; empty: there is none
+  bool clamp = false;
+  std::array<float, 2> offset{0, 0}, scale{1, 1};
+
+  bool moves() const { return offset != std::array{0.0f, 0.0f} || scale != std::array{1.0f, 1.0f}; }
+};
+
 struct Paint {
-  Rgb color = kPlainColor;
+  std::optional<Rgb> color;
   double opacity = 1;
+  PaintMap map;
 };
 using Paints = std::map<std::string, Paint, std::less<>>;
 
-// What the words of an MTL file say of its materials; throws ReadFailure.
-void read_mtl(const TextBuffer& text, Paints& out, size_t& textures) {
+// The line of a map_Kd behind its keyword. Options that are not known are told.
+PaintMap read_map(Words& words, const fs::path& library, Diagnostics& warnings) {
+  PaintMap map;
+  map.library = library, map.line = words.line();
+  const auto up_to_three = [&](std::array<float, 2>& to) {
+    for (size_t i = 0; i < 3 && looks_like_number(words.peek()); ++i) {
+      const float number = words.coordinate();
+      if (i < to.size()) to[i] = number;
+    }
+  };
+  while (words.peek().starts_with('-')) {
+    const std::string option(words.next());
+    if (option == "-o") {
+      up_to_three(map.offset);
+    } else if (option == "-s") {
+      up_to_three(map.scale);
+    } else if (option == "-clamp") {
+      map.clamp = words.next() == "on";
+    } else if (option == "-blendu" || option == "-blendv" || option == "-texres") {
+      (void)words.next();  // how it is filtered
+    } else {
+      const bool takes_numbers = option == "-t" || option == "-mm" || option == "-boost";
+      for (int i = 0; i < 3 && takes_numbers && looks_like_number(words.peek()); ++i)
+        (void)words.next();
+      if (!takes_numbers) (void)words.next();
+      warnings.push_back({Severity::warning, library.string(), map.line, 1,
+                          fmt::format("the option {} of map_Kd is left out", raio::quoted(option)),
+                          ""});
+    }
+  }
+  map.name = words.rest();
+  return map;
+}
+
+// What the words of an MTL file say of its materials; throws ReadFailure. `left_out`: textures.
+void read_mtl(const TextBuffer& text, const fs::path& library, Paints& out, size_t& left_out,
+              Diagnostics& warnings) {
   Words words(text);
   Paint* paint = nullptr;
   const auto read_line = [&] {
@@ -37,14 +84,16 @@ void read_mtl(const TextBuffer& text, Paints& out, size_t& textures) {
     } else if (word == "Kd" && paint && looks_like_number(words.peek())) {
       const auto part = [&] { return linear_from_srgb(float(words.number("a part of a colour"))); };
       const float red = part(), green = part();
-      paint->color = {red, green, part()};
+      paint->color = Rgb(red, green, part());
     } else if (word == "d" && paint) {
       if (words.peek() == "-halo") (void)words.next();
       paint->opacity = words.number("an opacity");
     } else if (word == "Tr" && paint) {
       paint->opacity = 1 - words.number("a transparency");
-    } else if (word == "map_Kd" || word == "map_d") {
-      ++textures;
+    } else if (word == "map_Kd" && paint) {
+      paint->map = read_map(words, library, warnings);
+    } else if (word == "map_d") {
+      ++left_out;
     }
   };
   if (!words.peek().empty()) read_line();
@@ -74,7 +123,7 @@ class ObjReader {
     else if (word == "f" || word == "fo")
       read_face();
     else if (word == "usemtl")
-      material_ = named(words_.rest());
+      use(words_.rest());
     else if (word == "mtllib")
       read_library(std::string(words_.rest()));
     else
@@ -125,7 +174,8 @@ class ObjReader {
       const uint32_t place = index_at(p, end, places_.size(), "vertex");
       uint32_t uv = kNone;
       if (p != end && *p == '/') {
-        if (++p != end && *p != '/') uv = index_at(p, end, uvs_.size(), "texture coordinate");
+        if (++p != end && *p != '/')
+          uv = moved(index_at(p, end, uvs_.size(), "texture coordinate"));
         if (p != end && *p == '/')
           normals_.push_back(index_at(++p, end, out_.normals.size(), "normal"));
       }
@@ -160,13 +210,34 @@ class ObjReader {
     }
     if (uv != kNone) {
       out_.uv.resize(number);
-      out_.uv.push_back(uvs_[uv]);
+      out_.uv.push_back(uv & kMoved ? moved_uvs_[uv & ~kMoved] : uvs_[uv]);
     }
     return uint32_t(number);
+  }
+  // Texture coordinates where the material's picture is moved or scaled.
+  uint32_t moved(uint32_t uv) {
+    if (uvs_.size() >= kMoved) words_.fail("there are too many texture coordinates");
+    if (!map_) return uv;
+    const auto [at, is_new] = moved_.emplace(std::pair(map_, uv), 0);
+    if (is_new) {
+      at->second = uint32_t(moved_uvs_.size()) | kMoved;
+      const auto along = [&](size_t i) {
+        const float x = uvs_[uv][i] * map_->scale[i] + map_->offset[i];
+        return std::isfinite(x) ? x : 0;
+      };
+      moved_uvs_.push_back({along(0), along(1)});
+    }
+    return at->second;
   }
 
   // --- materials
   MaterialId usual() { return out_.paint(colors_.empty() ? kPlainColor : Rgb(1)); }
+
+  void use(std::string_view name) {
+    material_ = named(name);
+    const auto paint = paints_.find(name);
+    map_ = paint != paints_.end() && paint->second.map.moves() ? &paint->second.map : nullptr;
+  }
 
   MaterialId named(std::string_view name) {
     if (const auto at = materials_.find(name); at != materials_.end()) return at->second;
@@ -177,9 +248,25 @@ class ObjReader {
       ++missing_;
     } else {
       const double a = paint->second.opacity;
-      id = out_.paint(paint->second.color, a >= 0 && a <= 1 ? float(a) : 1);
+      const uint32_t texture = texture_of(paint->second.map);
+      const Rgb usual = texture == kNoTexture ? kPlainColor : Rgb(1);
+      id =
+          out_.paint(paint->second.color.value_or(usual), a >= 0 && a <= 1 ? float(a) : 1, texture);
     }
     return materials_.emplace(std::string(name), id).first->second;
+  }
+
+  uint32_t texture_of(const PaintMap& map) {
+    if (map.name.empty()) return kNoTexture;
+    const auto bytes = read_beside(map.library.parent_path(), map.name);
+    const auto texture =
+        bytes ? out_.add_texture(*bytes, map.clamp ? TextureWrap::clamp : TextureWrap::repeat)
+              : std::unexpected(bytes.error());
+    if (texture) return *texture;
+    out_.warnings.push_back(
+        {Severity::warning, map.library.string(), map.line, 1,
+         fmt::format("the texture {}: {}", raio::quoted(map.name), texture.error()), ""});
+    return kNoTexture;
   }
 
   void read_library(const std::string& name) {
@@ -196,7 +283,7 @@ class ObjReader {
     if (!text)
       return out_.warn(fmt::format("its materials: {}: {}", raio::quoted(name), text.error()));
     try {
-      read_mtl(*text, paints_, textures_);
+      read_mtl(*text, file, paints_, left_out_, out_.warnings);
     } catch (const ReadFailure& failure) {
       out_.warn(fmt::format("its materials: {}:{}:{}: {}", raio::quoted(name), failure.line,
                             failure.column, failure.message));
@@ -210,10 +297,11 @@ class ObjReader {
     if (missing_ > 0 && !paints_.empty())
       out_.warn(
           fmt::format("{} materials that it names are not in its files of materials", missing_));
-    if (textures_ > 0) out_.warn(fmt::format("{} textures are left out", textures_));
+    if (left_out_ > 0)
+      out_.warn(fmt::format("{} textures of opacity (map_d) are left out", left_out_));
   }
 
-  static constexpr uint32_t kNone = 0xffffffffu;
+  static constexpr uint32_t kNone = 0xffffffffu, kMoved = 0x80000000u;
   struct Use {
     uint32_t vertex = kNone, uv = kNone;
   };
@@ -224,7 +312,9 @@ class ObjReader {
   // As the file has them.
   std::vector<Vec3f> places_;
   std::vector<Rgb> colors_;
-  std::vector<Uv> uvs_;
+  std::vector<Uv> uvs_, moved_uvs_;
+  std::map<std::pair<const PaintMap*, uint32_t>, uint32_t> moved_;  // to moved_uvs_ and kMoved
+  const PaintMap* map_ = nullptr;                      // of the faces to come, where it moves
   std::vector<Use> first_uses_;                        // of each place
   std::unordered_map<uint64_t, uint32_t> other_uses_;  // by place and texture coordinates
   std::vector<uint32_t> corners_, normals_;            // of a face
@@ -232,7 +322,7 @@ class ObjReader {
   Paints paints_;
   std::map<std::string, MaterialId, std::less<>> materials_;
   std::optional<MaterialId> material_;  // of the faces to come
-  size_t missing_ = 0, textures_ = 0;
+  size_t missing_ = 0, left_out_ = 0;
   bool has_smooth_ = false;
 };
 

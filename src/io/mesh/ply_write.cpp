@@ -230,7 +230,8 @@ std::string not_in_ply(const Scene& scene) {
         !scene.material_opacity.empty())
       add("opacity");
   }
-  if (const std::string names = text_of(scene, {Feature::object_names}); !names.empty()) add(names);
+  for (const Feature feature : {Feature::textures, Feature::object_names})
+    if (const std::string lost_too = text_of(scene, {feature}); !lost_too.empty()) add(lost_too);
   if (scene.dialect != Dialect::data) add("camera, lights, and materials but for their colours");
   return lost;
 }

@@ -20,8 +20,13 @@ bool is_binary_stl(std::string_view start, size_t size);
 std::expected<ReadScene, Diagnostics> read_off(const TextBuffer& bytes, std::string_view file,
                                                const ReadOptions& options);
 
-/// OBJ, with the colours and opacities of the MTL files that it names.
+/// OBJ, with the colours, opacities and textures of the MTL files that it names.
 std::expected<ReadScene, Diagnostics> read_obj(const TextBuffer& bytes, std::string_view file,
                                                const ReadOptions& options);
+
+/// glTF 2.0, as text or binary: meshes where its nodes place them, with base colours, textures and
+/// the first camera (docs/files.md).
+std::expected<ReadScene, Diagnostics> read_gltf(const TextBuffer& bytes, std::string_view file,
+                                                const ReadOptions& options);
 
 }  // namespace raio

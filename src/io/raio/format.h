@@ -87,6 +87,7 @@ template <> struct Element<Polygon> : Numbers<Number::u32, 2> {};
 template <> struct Element<ObjectRange> : Numbers<Number::u32, 4> {};
 // A number and a matrix, whose floats a file calls what takes as many bytes.
 template <> struct Element<Instance> : Numbers<Number::u32, 13> {};
+template <> struct Element<Texture> : Numbers<Number::u32, 5> {};
 // clang-format on
 
 constexpr size_t aligned(size_t offset) {

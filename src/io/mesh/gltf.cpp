@@ -1,0 +1,454 @@
+// glTF 2.0 of Khronos (ISO/IEC 12113), as text with files beside it or in one binary file: nodes,
+// meshes and the base colours of materials become a scene.
+#include "io/mesh/gltf.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/memory.h"
+#include "base/placement.h"
+#include "io/fit_camera.h"
+#include "io/mesh/builder.h"
+#include "io/mesh/read.h"
+#include "io/points.h"
+#include "io/textures.h"
+
+namespace raio {
+namespace {
+
+using namespace gltf;
+
+/// As Matrix, in double.
+struct Transform {
+  std::array<double, 12> m;
+
+  Vec3d point(Vec3d p) const { return vector(p) + Vec3d(m[3], m[7], m[11]); }
+  Vec3d vector(Vec3d v) const {
+    const auto row = [&](size_t i) { return m[i] * v.x + m[i + 1] * v.y + m[i + 2] * v.z; };
+    return {row(0), row(4), row(8)};
+  }
+  Matrix matrix() const {
+    Matrix out;
+    for (size_t i = 0; i < 12; ++i) out[i] = float(m[i]);
+    return out;
+  }
+  bool is_sound() const {
+    const auto is_near = [](double x) { return std::abs(x) <= double(kFarthestPlace); };
+    return std::ranges::all_of(m, is_near) && Placement(matrix()).is_sound();
+  }
+};
+
+Transform operator*(const Transform& a, const Transform& b) {
+  Transform out{};
+  for (size_t column = 0; column < 4; ++column) {
+    const Vec3d v(b.m[column], b.m[column + 4], b.m[column + 8]);
+    const Vec3d to = column == 3 ? a.point(v) : a.vector(v);
+    out.m[column] = to.x, out.m[column + 4] = to.y, out.m[column + 8] = to.z;
+  }
+  return out;
+}
+
+/// A mesh or camera where a node places it.
+struct Use {
+  uint32_t number = 0;
+  Transform place;
+};
+
+bool draws_triangles(const MeshPrimitive& p) { return p.mode >= 4; }
+
+class GltfReader {
+ public:
+  GltfReader(std::string_view json, std::optional<std::string_view> chunk,
+             const ReadOptions& options)
+      : options_(options), document_(parse_document(json)), buffers_(document_, chunk, options) {}
+
+  ReadScene read() {
+    for (std::string& warning : document_.warnings) warn(std::move(warning));
+    scene_.dialect = Dialect::data;
+    find_uses();
+    add_materials();
+    place_meshes();
+    tell_left_out();
+    if (scene_.primitive_count() == 0)
+      throw ReadFailure{
+          lines_ > 0 ? fmt::format("there is nothing to draw but lines, in {} primitives; expected "
+                                   "triangles or points",
+                                   lines_)
+                     : "there is nothing to draw: its scene has neither triangles nor points"};
+    set_camera();
+    return {std::move(scene_), std::move(warnings_)};
+  }
+
+ private:
+  void warn(std::string message) {
+    warnings_.push_back({Severity::warning, "", 0, 0, std::move(message), ""});
+  }
+
+  // --- nodes
+  void find_uses() {
+    constexpr Transform kHere{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
+    std::vector<std::pair<uint32_t, Transform>> open;
+    for (size_t i = document_.roots.size(); i-- > 0;) open.emplace_back(document_.roots[i], kHere);
+    std::vector<bool> seen(document_.nodes.size());
+    while (!open.empty()) {
+      const auto [number, around] = open.back();
+      open.pop_back();
+      if (seen[number])
+        throw ReadFailure{
+            fmt::format("/nodes/{}: the node is reached twice; expected a tree of nodes", number)};
+      seen[number] = true;
+      const Node& node = document_.nodes[number];
+      const Transform place = around * Transform{node.matrix};
+      if (node.mesh) add_mesh_use(*node.mesh, place);
+      if (node.camera) cameras_.push_back({*node.camera, place});
+      skinned_ += node.skinned && node.mesh;
+      for (size_t i = node.children.size(); i-- > 0;) open.emplace_back(node.children[i], place);
+    }
+  }
+  void add_mesh_use(uint32_t mesh, const Transform& place) {
+    if (!place.is_sound()) {
+      ++unsound_;
+      return;
+    }
+    meshes_.push_back({mesh, place});
+  }
+
+  // --- materials
+  // Only those that are used have their textures read.
+  void add_materials() {
+    std::vector<bool> used(document_.materials.size());
+    bool any_plain = false;
+    for (const Use& use : meshes_)
+      for (const MeshPrimitive& p : document_.meshes[use.number]) {
+        if (p.material)
+          used[*p.material] = true;
+        else
+          any_plain = true;
+      }
+    materials_.resize(used.size());
+    size_t no_alpha = 0;
+    for (size_t i = 0; i < used.size(); ++i) {
+      if (!used[i]) continue;
+      const Paint& paint = document_.materials[i];
+      const uint32_t texture = paint.texture ? texture_of(paint.texture->texture) : kNoTexture;
+      no_alpha += texture != kNoTexture && (paint.blends || paint.masks);
+      const Rgb color(paint.color[0], paint.color[1], paint.color[2]);
+      materials_[i] = scene_.add_material({.color = color, .kd = 1}, Rgb(1), 0,
+                                          paint.blends ? paint.color[3] : 1, texture);
+    }
+    if (any_plain || scene_.materials.empty())
+      plain_ = scene_.add_material({.color = Rgb(1), .kd = 1});
+    if (no_alpha > 0)
+      warn(fmt::format("the alpha of the textures of {} materials is left out", no_alpha));
+  }
+
+  uint32_t texture_of(uint32_t number) {
+    const PictureTexture& texture = document_.textures[number];
+    std::string what = fmt::format("/textures/{}", number);
+    if (!texture.image) {
+      warn(what + ": it has no source, so the colours of its materials are plain");
+      return kNoTexture;
+    }
+    what = fmt::format("/images/{}", *texture.image);
+    const auto added = picture(document_.images[*texture.image], what, [&](std::string_view bytes) {
+      return textures_.add(scene_, bytes, texture.wrap_u, texture.wrap_v);
+    });
+    if (added) return *added;
+    warn(fmt::format("{}: {}, so the colours of its materials are plain", what, added.error()));
+    return kNoTexture;
+  }
+  template <class Add>
+  std::expected<uint32_t, std::string> picture(const Image& image, const std::string& what,
+                                               const Add& add) const try {
+    if (image.view) return add(buffers_.view(*image.view, what));
+    if (image.uri.starts_with("data:")) return add(decode_data_uri(image.uri, what + "/uri"));
+    const std::string name = file_of_uri(image.uri, what + "/uri");
+    const auto bytes = options_.folder ? read_beside(*options_.folder, name)
+                                       : std::unexpected("there is no folder to look for it in");
+    if (!bytes) return std::unexpected(fmt::format("{}: {}", raio::quoted(name), bytes.error()));
+    return add(*bytes);
+  } catch (const ReadFailure& failure) {
+    return std::unexpected(failure.message);
+  }
+
+  // --- meshes
+  void place_meshes() {
+    std::vector<std::vector<Transform>> places(document_.meshes.size());
+    for (const Use& use : meshes_) places[use.number].push_back(use.place);
+    for (uint32_t number = 0; number < places.size(); ++number) {
+      const auto& all = places[number];
+      if (all.empty()) continue;
+      for (const MeshPrimitive& p : document_.meshes[number])
+        if (p.mode == 0)
+          for (const Transform& place : all) add_points(number, p, place);
+      std::vector<Mesh> meshes = triangles_of(number, all.size());
+      if (meshes.empty()) continue;
+      if (all.size() == 1) {
+        for (Mesh& mesh : meshes) {
+          move(mesh, all[0]);
+          scene_.meshes.push_back(std::move(mesh));
+        }
+        continue;
+      }
+      Scene object;
+      object.meshes = std::move(meshes);
+      object.materials = scene_.materials;
+      object.material_opacity = scene_.material_opacity;
+      object.material_texture = scene_.material_texture;
+      const Box3f box = bounds(object);
+      for (const Transform& place : all) {
+        for (int k = 0; k < 8; ++k)
+          check_place(place.point(Vec3d(k & 1 ? box.hi.x : box.lo.x, k & 2 ? box.hi.y : box.lo.y,
+                                        k & 4 ? box.hi.z : box.lo.z)),
+                      fmt::format("/meshes/{}", number));
+        scene_.instances.push_back({uint32_t(scene_.prototypes.size()), place.matrix()});
+      }
+      scene_.prototypes.push_back(std::move(object));
+    }
+  }
+
+  static void check_place(Vec3d p, const std::string& what) {
+    if (!is_place(Vec3f(p)))
+      throw ReadFailure{what + ": it is placed beyond 1e25, or at no place at all"};
+  }
+
+  // Of all primitives that have some, in the space of the mesh.
+  std::vector<Mesh> triangles_of(uint32_t number, size_t copies) {
+    std::vector<Mesh> out;
+    for (size_t i = 0; i < document_.meshes[number].size(); ++i) {
+      const MeshPrimitive& p = document_.meshes[number][i];
+      if (p.mode >= 1 && p.mode <= 3) ++lines_;
+      if (!draws_triangles(p)) continue;
+      if (!p.position) {
+        ++nowhere_;
+        continue;
+      }
+      Mesh mesh = mesh_of(p, fmt::format("/meshes/{}/primitives/{}", number, i));
+      // Where copies are asked to be primitives of their own, they will be.
+      const double each = sizeof(TriangleIndices) + 3 * (2 * sizeof(Vec3f) + sizeof(Uv));
+      bytes_ += double(mesh.triangles.size()) * each * double(options_.instances ? 1 : copies);
+      if (bytes_ > double(available_memory_bytes()) / 2) throw ReadFailure{std::string(kNoMemory)};
+      if (!mesh.triangles.empty()) out.push_back(std::move(mesh));
+    }
+    return out;
+  }
+
+  MaterialId material_of(const MeshPrimitive& p) const {
+    return p.material ? materials_[*p.material] : plain_;
+  }
+
+  // Vertices that a primitive names, each once: several primitives may share long columns.
+  Mesh mesh_of(const MeshPrimitive& p, const std::string& what) {
+    const Elements positions(document_, buffers_, *p.position, 3, 3);
+    const auto column = [&](Index accessor, uint32_t least, uint32_t most,
+                            std::string_view name) -> std::optional<Elements> {
+      if (!accessor) return std::nullopt;
+      std::optional<Elements> found(std::in_place, document_, buffers_, *accessor, least, most);
+      if (found->count() != positions.count())
+        throw ReadFailure{fmt::format("{}/attributes/{}: it has {} elements, POSITION has {}", what,
+                                      name, found->count(), positions.count())};
+      return found;
+    };
+    const auto normals = column(p.normal, 3, 3, "NORMAL");
+    const auto colors = column(p.color, 3, 4, "COLOR_0");
+    const auto indices =
+        p.indices ? std::optional<Elements>(std::in_place, document_, buffers_, *p.indices, 1, 1)
+                  : std::nullopt;
+    const Paint* const paint = p.material ? &document_.materials[*p.material] : nullptr;
+    const TextureUse* const use = paint && paint->texture ? &*paint->texture : nullptr;
+    Index coordinates;
+    for (const auto& [set, accessor] : p.uv)
+      if (set == (use ? use->set : 0)) coordinates = accessor;
+    const auto uv = column(coordinates, 2, 2, "TEXCOORD_n");
+
+    Mesh mesh;
+    mesh.materials = {material_of(p)};
+    if (numbers_.size() < positions.count()) numbers_.resize(positions.count(), kNoNormal);
+    named_.clear();
+    const auto vertex = [&](size_t i) {
+      const size_t at = indices ? indices->whole(i) : i;
+      if (at >= positions.count())
+        throw ReadFailure{
+            fmt::format("{}: index {} of {} vertices", indices->place(i), at, positions.count())};
+      uint32_t& number = numbers_[at];
+      if (number != kNoNormal) return number;
+      number = uint32_t(named_.size());
+      named_.push_back(uint32_t(at));
+      mesh.positions.push_back(position(positions, at));
+      if (normals) mesh.normals.push_back(normal(*normals, at));
+      if (colors) mesh.colors.push_back(color(*colors, at));
+      if (uv) mesh.uv.push_back(coordinates_of(*uv, at, use));
+      return number;
+    };
+    const size_t count = indices ? indices->count() : positions.count();
+    const size_t triangles = p.mode == 4 ? count / 3 : count < 3 ? 0 : count - 2;
+    mesh.triangles.reserve(triangles);
+    for (size_t i = 0; i < triangles; ++i) {
+      const auto at = [&](size_t k) -> size_t {
+        if (p.mode == 4) return 3 * i + k;
+        if (p.mode == 6) return k == 0 ? 0 : i + k;
+        return k == 0 || i % 2 == 0 ? i + k : i + 3 - k;  // a strip turns every other triangle
+      };
+      const uint32_t a = vertex(at(0)), b = vertex(at(1));
+      mesh.triangles.push_back({a, b, vertex(at(2))});
+    }
+    for (const uint32_t at : named_) numbers_[at] = kNoNormal;
+    return mesh;
+  }
+
+  static Vec3f position(const Elements& from, size_t i) {
+    const auto x = from.numbers(i);
+    const Vec3f p{float(x[0]), float(x[1]), float(x[2])};
+    if (!is_place(p)) throw ReadFailure{from.place(i) + ": expected coordinates of at most 1e25"};
+    return p;
+  }
+  static Vec3f unit(Vec3d v) {
+    const double size = length(v);
+    return size > 1e-30 && std::isfinite(size) ? Vec3f(v * (1 / size)) : Vec3f(0, 0, 1);
+  }
+  static Vec3f normal(const Elements& from, size_t i) {
+    const auto x = from.numbers(i);
+    return unit({x[0], x[1], x[2]});
+  }
+  static Rgb color(const Elements& from, size_t i) {
+    const auto part = [](double x) { return x > 0 ? float(std::min(x, 1.0)) : 0; };
+    const auto x = from.numbers(i);
+    return {part(x[0]), part(x[1]), part(x[2])};
+  }
+  // From the upper left corner downwards, as glTF has them, to those of Mesh.
+  static Uv coordinates_of(const Elements& from, size_t i, const TextureUse* use) {
+    const auto x = from.numbers(i);
+    double u = x[0], v = x[1];
+    if (use) {
+      const double c = std::cos(use->rotation), s = std::sin(use->rotation);
+      const double su = u * use->scale[0], sv = v * use->scale[1];
+      u = c * su + s * sv + use->offset[0], v = -s * su + c * sv + use->offset[1];
+    }
+    const auto number = [](double y) {
+      const auto f = float(y);
+      return std::isfinite(f) ? f : 0;
+    };
+    return {number(u), number(1 - v)};
+  }
+
+  static void move(Mesh& mesh, const Transform& by) {
+    const Placement place(by.matrix());
+    for (Vec3f& p : mesh.positions) {
+      const Vec3d to = by.point(Vec3d(p));
+      check_place(to, "/nodes");
+      p = Vec3f(to);
+    }
+    for (Vec3f& n : mesh.normals) n = unit(place.normal(Vec3d(n)));
+    if (place.determinant() < 0)
+      for (TriangleIndices& t : mesh.triangles) std::swap(t[1], t[2]);
+  }
+
+  // As spheres of one size.
+  void add_points(uint32_t number, const MeshPrimitive& p, const Transform& by) {
+    if (!p.position) return;
+    const Elements positions(document_, buffers_, *p.position, 3, 3);
+    std::optional<Elements> colors, indices;
+    if (p.color) colors.emplace(document_, buffers_, *p.color, 3, 4);
+    if (p.indices) indices.emplace(document_, buffers_, *p.indices, 1, 1);
+    const Rgb of_material = scene_.materials[material_of(p)].color;
+    std::vector<Vec3f> places;
+    const size_t count = indices ? indices->count() : positions.count();
+    const size_t before = scene_.spheres.size();
+    bytes_ += double(count) * (sizeof(Sphere) + sizeof(Rgb) + 2 * sizeof(Vec3f));
+    if (bytes_ > double(available_memory_bytes()) / 2) throw ReadFailure{std::string(kNoMemory)};
+    for (size_t i = 0; i < count; ++i) {
+      const size_t at = indices ? indices->whole(i) : i;
+      if (at >= positions.count() || (colors && at >= colors->count()))
+        throw ReadFailure{
+            fmt::format("/meshes/{}: index {} of {} points", number, at, positions.count())};
+      const Vec3d to = by.point(Vec3d(position(positions, at)));
+      check_place(to, fmt::format("/meshes/{}", number));
+      places.push_back(Vec3f(to));
+      scene_.sphere_materials.push_back(material_of(p));
+      scene_.sphere_colors.push_back(colors ? color(*colors, at) * of_material : of_material);
+    }
+    const float radius = std::clamp(mean_spacing(places) / 2, 1e-25f, kFarthestPlace);
+    scene_.spheres.resize(before + count);
+    for (size_t i = 0; i < count; ++i) scene_.spheres[before + i] = {places[i], radius};
+  }
+
+  void tell_left_out() {
+    if (lines_ > 0) warn(fmt::format("{} primitives of lines are left out", lines_));
+    if (nowhere_ > 0) warn(fmt::format("{} primitives without POSITION are left out", nowhere_));
+    if (unsound_ > 0)
+      warn(fmt::format("{} meshes are left out that are scaled to nothing", unsound_));
+    if (skinned_ > 0)
+      warn(fmt::format("{} meshes are drawn without their skins, as they are stored", skinned_));
+  }
+
+  // --- camera
+  void set_camera() {
+    size_t usable = 0;
+    const Use* first = nullptr;
+    for (const Use& use : cameras_) {
+      if (!document_.cameras[use.number] || !use.place.is_sound()) continue;
+      if (usable++ == 0) first = &use;
+    }
+    if (first && look_through(*first)) {
+      if (usable > 1) warn(fmt::format("of {} cameras the first is taken", usable));
+      return;
+    }
+    if (!cameras_.empty())
+      warn("its camera, which is not one of perspective, is left out, and another one is fitted");
+    fit_camera(scene_, FitView::three_quarter, {0, 1, 0});
+  }
+  bool look_through(const Use& use) {
+    const PerspectiveCamera& lens = *document_.cameras[use.number];
+    Camera camera;
+    const Vec3d from = use.place.point({0, 0, 0});
+    const Vec3d forward = use.place.vector({0, 0, -1}), up = use.place.vector({0, 1, 0});
+    const Box3f box = bounds(scene_);
+    const Vec3d ahead = forward * (1 / length(forward));
+    // As far as the middle of what is seen, which depth of field keeps in focus.
+    const double middle = dot((Vec3d(box.lo) + Vec3d(box.hi)) * 0.5 - from, ahead);
+    const double least = 1e-3 * std::max(1.0, length(from));
+    camera.from = Vec3f(from), camera.at = Vec3f(from + ahead * std::max(middle, least));
+    camera.up = unit(up);
+    camera.fov_deg = float(lens.fov * 180 / 3.14159265358979323846);
+    camera.width = 1200, camera.height = 900;
+    if (lens.aspect >= 0.1 && lens.aspect <= 10) {
+      if (lens.aspect > 4.0 / 3)
+        camera.height = int(std::lround(1200 / lens.aspect));
+      else
+        camera.width = int(std::lround(900 * lens.aspect));
+    }
+    if (!is_place(camera.from) || !is_place(camera.at) || !camera_problem(camera).empty() ||
+        !(camera.fov_deg > 0 && camera.fov_deg < 180))
+      return false;
+    scene_.camera = camera;
+    return true;
+  }
+
+  const ReadOptions& options_;
+  Document document_;
+  Buffers buffers_;
+  Scene scene_;
+  Diagnostics warnings_;
+  TextureReader textures_;
+  std::vector<Use> meshes_, cameras_;
+  std::vector<MaterialId> materials_;  // of the file's, those that are used
+  MaterialId plain_ = 0;
+  std::vector<uint32_t> numbers_, named_;  // of vertices in a mesh; kNoNormal: none
+  size_t lines_ = 0, nowhere_ = 0, unsound_ = 0, skinned_ = 0;
+  double bytes_ = 0;
+};
+
+}  // namespace
+
+std::expected<ReadScene, Diagnostics> read_gltf(const TextBuffer& bytes, std::string_view file,
+                                                const ReadOptions& options) {
+  return read_guarded(file, [&] {
+    const std::string_view all = bytes.view();
+    const Chunks chunks = all.starts_with("glTF") ? chunks_of(all) : Chunks{all, {}};
+    return GltfReader(chunks.json, chunks.binary, options).read();
+  });
+}
+
+}  // namespace raio

@@ -1,0 +1,164 @@
+// What a glTF 2.0 file says (Khronos, ISO/IEC 12113), as plain data: its JSON is read in one place,
+// its buffers in another. Internal to the reader, whose failures are ReadFailure; those of the JSON
+// name values by their JSON pointers (RFC 6901).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "io/read_scene.h"
+
+namespace raio::gltf {
+
+using Index = std::optional<uint32_t>;  // into one of the arrays of Document; checked
+
+/// As the numbers of componentType.
+enum class Component : uint32_t {
+  i8 = 5120,
+  u8 = 5121,
+  i16 = 5122,
+  u16 = 5123,
+  u32 = 5125,
+  f32 = 5126
+};
+size_t bytes_of(Component component);
+
+struct Buffer {
+  size_t length = 0;
+  std::optional<std::string> uri;
+};
+struct View {
+  uint32_t buffer = 0;
+  size_t offset = 0, length = 0, stride = 0;  // 0: elements one after another
+  bool compressed = false;                    // by EXT_meshopt_compression
+};
+/// Numbers that take the place of some of an accessor's.
+struct Sparse {
+  size_t count = 0;
+  uint32_t indices_view = 0, values_view = 0;
+  size_t indices_offset = 0, values_offset = 0;
+  Component indices = Component::u32;
+};
+struct Accessor {
+  Index view;  // none: zeros
+  size_t offset = 0, count = 0;
+  Component component = Component::f32;
+  uint32_t components = 1;  // 0: a matrix
+  bool normalized = false;
+  std::optional<Sparse> sparse;
+};
+struct Image {
+  Index view;
+  std::string uri;
+};
+struct PictureTexture {
+  Index image;
+  TextureWrap wrap_u = TextureWrap::repeat, wrap_v = TextureWrap::repeat;
+};
+/// A texture with the coordinates of the set TEXCOORD_`set`, moved by KHR_texture_transform.
+struct TextureUse {
+  uint32_t texture = 0, set = 0;
+  std::array<double, 2> offset{0, 0}, scale{1, 1};
+  double rotation = 0;
+};
+struct Paint {
+  std::array<float, 4> color{1, 1, 1, 1};  // linear
+  bool blends = false, masks = false;
+  std::optional<TextureUse> texture;
+};
+struct MeshPrimitive {
+  uint32_t mode = 4;
+  Index position, normal, color, indices, material;
+  std::vector<std::pair<uint32_t, uint32_t>> uv;  // set and accessor
+};
+struct PerspectiveCamera {
+  double fov = 0, aspect = 0;  // vertical, radians; 0: any
+};
+struct Node {
+  std::array<double, 12> matrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};  // as raio::Matrix
+  Index mesh, camera;
+  std::vector<uint32_t> children;
+  bool skinned = false;
+};
+
+struct Document {
+  std::vector<Buffer> buffers;
+  std::vector<View> views;
+  std::vector<Accessor> accessors;
+  std::vector<Image> images;
+  std::vector<PictureTexture> textures;
+  std::vector<Paint> materials;
+  std::vector<std::vector<MeshPrimitive>> meshes;
+  std::vector<std::optional<PerspectiveCamera>> cameras;  // none: orthographic
+  std::vector<Node> nodes;
+  std::vector<uint32_t> roots;        // of the scene that is shown
+  std::vector<std::string> warnings;  // of what is left out
+};
+
+/// Of a .gltf file or the JSON of a .glb.
+Document parse_document(std::string_view json);
+
+/// The parts of a .glb.
+struct Chunks {
+  std::string_view json;
+  std::optional<std::string_view> binary;
+};
+Chunks chunks_of(std::string_view file);
+
+/// The bytes of the buffers, and their numbers.
+class Buffers {
+ public:
+  /// `chunk`: the binary part of a .glb; empty: there is none.
+  Buffers(const Document& document, std::optional<std::string_view> chunk,
+          const ReadOptions& options);
+
+  std::string_view view(uint32_t number, const std::string& user) const;
+  size_t total_bytes() const { return total_; }
+
+ private:
+  const Document& document_;
+  std::vector<std::string> own_;
+  std::vector<std::string_view> bytes_;
+  size_t total_ = 0;
+};
+
+/// One accessor, whose elements are read one by one.
+class Elements {
+ public:
+  /// `least` to `most` components are asked for.
+  Elements(const Document& document, const Buffers& buffers, uint32_t accessor, uint32_t least,
+           uint32_t most);
+
+  size_t count() const { return accessor_.count; }
+  uint32_t components() const { return accessor_.components; }
+  /// The components of an element; integers become -1 to 1 where they are normalized.
+  std::array<double, 4> numbers(size_t i) const;
+  /// A whole number.
+  uint32_t whole(size_t i) const;
+  /// "/accessors/3, element 7"
+  std::string place(size_t i) const;
+
+ private:
+  const char* element(size_t i) const;
+  void take_sparse(const Buffers& buffers);
+
+  const Accessor& accessor_;
+  uint32_t number_;
+  size_t stride_ = 0, size_ = 0;
+  std::string_view bytes_;          // from the first element on; empty: zeros
+  std::vector<uint32_t> replaced_;  // elements, ascending
+  std::string_view replacements_;
+};
+
+/// The bytes of a data: URI, or why they are none. `what`: its JSON pointer.
+std::string decode_data_uri(std::string_view uri, const std::string& what);
+/// The name of a file, whose %20 and the like are decoded; fails for http: and its like.
+std::string file_of_uri(std::string_view uri, const std::string& what);
+
+}  // namespace raio::gltf

@@ -1,0 +1,447 @@
+// The JSON of a glTF file.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "io/mesh/builder.h"
+#include "io/mesh/gltf.h"
+
+namespace raio::gltf {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr size_t kMostBytes = size_t(1) << 50;
+
+std::string text_of(const Json& json) {
+  if (json.is_object()) return "an object";
+  if (json.is_array()) return "an array";
+  if (json.is_string()) return raio::quoted(json.get_ref<const std::string&>());
+  return json.dump();
+}
+
+/// A value and where it stands.
+class Value {
+ public:
+  Value(const Json& json, std::string pointer) : json_(&json), pointer_(std::move(pointer)) {}
+
+  const std::string& pointer() const { return pointer_; }
+  [[noreturn]] void fail(std::string_view message) const {
+    throw ReadFailure{fmt::format("{}: {}", pointer_.empty() ? "/" : pointer_, message)};
+  }
+  [[noreturn]] void fail_expected(std::string_view what) const {
+    fail(fmt::format("expected {}, found {}", what, text_of(*json_)));
+  }
+
+  bool has(const char* key) const { return json_->is_object() && json_->contains(key); }
+  bool is_object() const { return json_->is_object(); }
+  Value at(const char* key) const {
+    if (!json_->is_object()) fail_expected("an object");
+    const auto found = json_->find(key);
+    if (found == json_->end()) fail(fmt::format("\"{}\" is missing", key));
+    return {*found, pointer_ + "/" + key};
+  }
+  std::optional<Value> find(const char* key) const {
+    if (!json_->is_object()) fail_expected("an object");
+    if (!json_->contains(key)) return std::nullopt;
+    return at(key);
+  }
+  std::optional<Value> extension(const char* name) const {
+    const auto all = find("extensions");
+    return all ? all->find(name) : std::nullopt;
+  }
+
+  size_t size() const {
+    if (!json_->is_array()) fail_expected("an array");
+    return json_->size();
+  }
+  Value operator[](size_t i) const { return {(*json_)[i], pointer_ + "/" + std::to_string(i)}; }
+  template <class F>  // f(key, value)
+  void each(const F& f) const {
+    if (!json_->is_object()) fail_expected("an object");
+    for (const auto& [key, value] : json_->items()) f(key, Value(value, pointer_ + "/" + key));
+  }
+
+  size_t whole(size_t least, size_t most) const {
+    const double number = json_->is_number() ? json_->get<double>() : -1;
+    if (number >= double(least) && number <= double(most) && number == std::floor(number))
+      return size_t(number);
+    fail_expected(most >= kMostBytes ? fmt::format("a whole number of at least {}", least)
+                                     : fmt::format("a whole number from {} to {}", least, most));
+  }
+  double number() const {
+    if (!json_->is_number()) fail_expected("a number");
+    const double number = json_->get<double>();
+    if (!std::isfinite(number) || std::abs(number) > 1e30)
+      fail_expected("a number of at most 1e30");
+    return number;
+  }
+  const std::string& string() const {
+    if (!json_->is_string()) fail_expected("a string");
+    return json_->get_ref<const std::string&>();
+  }
+  bool truth() const {
+    if (!json_->is_boolean()) fail_expected("true or false");
+    return json_->get<bool>();
+  }
+  template <size_t n>
+  std::array<double, n> numbers() const {
+    if (!json_->is_array() || json_->size() != n) fail_expected(fmt::format("{} numbers", n));
+    std::array<double, n> out;
+    for (size_t i = 0; i < n; ++i) out[i] = (*this)[i].number();
+    return out;
+  }
+
+ private:
+  const Json* json_;
+  std::string pointer_;
+};
+
+size_t bytes_or(const Value& object, const char* key, size_t usual) {
+  const auto value = object.find(key);
+  return value ? value->whole(0, kMostBytes) : usual;
+}
+
+Json parse_json(std::string_view text) {
+  try {
+    return Json::parse(text);
+  } catch (const Json::parse_error& error) {
+    const std::string_view before = text.substr(0, std::min(error.byte, text.size()));
+    const auto line = int(std::ranges::count(before, '\n')) + 1;
+    const size_t start = before.rfind('\n') + 1;  // 0 where there is none
+    std::string_view why = error.what();
+    // The library says where itself, in words of its own.
+    if (const size_t colon = why.find(": "); colon != why.npos) why.remove_prefix(colon + 2);
+    std::string plain(why);
+    for (char& c : plain)
+      if (uint8_t(c) < 32 || uint8_t(c) >= 127) c = '?';
+    throw ReadFailure{"its JSON is broken: " + plain, line,
+                      std::max(1, int(before.size() - start))};
+  }
+}
+
+class Parser {
+ public:
+  explicit Parser(const Json& json) : root_(json, "") {}
+
+  Document parse() {
+    check_version();
+    check_extensions();
+    read_buffers();
+    read_accessors();
+    read_pictures();
+    read_materials();
+    read_meshes();
+    read_cameras();
+    read_nodes();
+    read_scene();
+    if (const auto animations = root_.find("animations"); animations && animations->size() > 0)
+      warn(fmt::format("{} animations are left out", animations->size()));
+    return std::move(out_);
+  }
+
+ private:
+  void warn(std::string text) { out_.warnings.push_back(std::move(text)); }
+
+  size_t count_of(const char* array) const {
+    const auto found = root_.find(array);
+    return found ? found->size() : 0;
+  }
+  template <class F>  // f(value)
+  void each(const char* array, const F& f) const {
+    const auto found = root_.find(array);
+    for (size_t i = 0; found && i < found->size(); ++i) f((*found)[i]);
+  }
+  uint32_t index(const Value& value, const char* array) const {
+    const size_t count = std::min(count_of(array), size_t(0xfffffffe));
+    if (count == 0)
+      value.fail(fmt::format("it names one of \"{}\", of which there are none", array));
+    return uint32_t(value.whole(0, count - 1));
+  }
+  Index find_index(const Value& object, const char* key, const char* array) const {
+    const auto value = object.find(key);
+    return value ? Index(index(*value, array)) : std::nullopt;
+  }
+
+  void check_version() {
+    // Version 1 has objects where version 2 has arrays, and need not say what it is.
+    if (const auto meshes = root_.find("meshes"); meshes && meshes->is_object()) fail_old("1");
+    const std::string& version = root_.at("asset").at("version").string();
+    if (version.starts_with("1.") || version == "1") fail_old(version);
+    if (!version.starts_with("2.")) root_.at("asset").at("version").fail_expected("glTF 2.0");
+    if (const auto least = root_.at("asset").find("minVersion"); least && least->string() != "2.0")
+      least->fail_expected("glTF 2.0");
+  }
+
+  [[noreturn]] static void fail_old(std::string_view version) {
+    throw ReadFailure{fmt::format(
+        "a scene in glTF {}; Raio reads glTF 2.0, which gltf-pipeline makes of it", version)};
+  }
+
+  void check_extensions() {
+    static const std::set<std::string_view> kKnown = {"KHR_mesh_quantization",
+                                                      "KHR_texture_transform"};
+    each("extensionsRequired", [&](const Value& value) {
+      const std::string& name = value.string();
+      if (kKnown.contains(name)) return;
+      const bool packed =
+          name == "KHR_draco_mesh_compression" || name.find("meshopt") != std::string::npos;
+      value.fail(fmt::format("the file requires the extension {}, which Raio does not know; {}",
+                             raio::quoted(name),
+                             packed ? "write its meshes without compression"
+                                    : "write it without, if the program can"));
+    });
+    std::string unknown;
+    each("extensionsUsed", [&](const Value& value) {
+      const std::string& name = value.string();
+      if (!kKnown.contains(name)) unknown += (unknown.empty() ? "" : ", ") + raio::quoted(name);
+    });
+    if (!unknown.empty()) warn(fmt::format("what these extensions say is left out: {}", unknown));
+  }
+
+  void read_buffers() {
+    each("buffers", [&](const Value& value) {
+      Buffer buffer{value.at("byteLength").whole(1, kMostBytes), {}};
+      if (const auto uri = value.find("uri")) buffer.uri = uri->string();
+      out_.buffers.push_back(std::move(buffer));
+    });
+    each("bufferViews", [&](const Value& value) {
+      View view{index(value.at("buffer"), "buffers"), bytes_or(value, "byteOffset", 0),
+                value.at("byteLength").whole(1, kMostBytes)};
+      if (const auto stride = value.find("byteStride")) view.stride = stride->whole(4, 252);
+      view.compressed = value.extension("EXT_meshopt_compression").has_value();
+      const size_t size = out_.buffers[view.buffer].length;
+      if (view.offset > size || view.length > size - view.offset)
+        value.fail(fmt::format("bytes {} to {} of buffer {}, which has {}", view.offset,
+                               view.offset + view.length, view.buffer, size));
+      out_.views.push_back(view);
+    });
+  }
+
+  static Component component(const Value& value, bool only_whole) {
+    const size_t number = value.whole(0, 65535);
+    const bool whole = number == 5121 || number == 5123 || number == 5125;
+    if (whole || (!only_whole && (number == 5120 || number == 5122 || number == 5126)))
+      return Component(number);
+    value.fail_expected(only_whole ? "5121, 5123 or 5125" : "5120, 5121, 5122, 5123, 5125 or 5126");
+  }
+
+  void read_accessors() {
+    each("accessors", [&](const Value& value) {
+      Accessor a;
+      a.view = find_index(value, "bufferView", "bufferViews");
+      a.offset = bytes_or(value, "byteOffset", 0);
+      a.count = value.at("count").whole(1, 0xfffffffe);
+      a.component = component(value.at("componentType"), false);
+      if (const auto normalized = value.find("normalized")) a.normalized = normalized->truth();
+      const std::string& type = value.at("type").string();
+      if (type == "SCALAR")
+        a.components = 1;
+      else if (type.starts_with("VEC") && type.size() == 4 && type[3] >= '2' && type[3] <= '4')
+        a.components = uint32_t(type[3] - '0');
+      else if (type == "MAT2" || type == "MAT3" || type == "MAT4")
+        a.components = 0;
+      else
+        value.at("type").fail_expected("SCALAR, VEC2, VEC3, VEC4, MAT2, MAT3 or MAT4");
+      if (const auto sparse = value.find("sparse")) {
+        const Value indices = sparse->at("indices"), values = sparse->at("values");
+        a.sparse = {sparse->at("count").whole(1, a.count),
+                    index(indices.at("bufferView"), "bufferViews"),
+                    index(values.at("bufferView"), "bufferViews"),
+                    bytes_or(indices, "byteOffset", 0),
+                    bytes_or(values, "byteOffset", 0),
+                    component(indices.at("componentType"), true)};
+      }
+      out_.accessors.push_back(a);
+    });
+  }
+
+  void read_pictures() {
+    each("images", [&](const Value& value) {
+      Image image{find_index(value, "bufferView", "bufferViews"), ""};
+      if (const auto uri = value.find("uri")) image.uri = uri->string();
+      out_.images.push_back(std::move(image));
+    });
+    const auto wrap = [](const Value& sampler, const char* key) {
+      const auto value = sampler.find(key);
+      const size_t number = value ? value->whole(0, 65535) : 10497;
+      if (number == 33071) return TextureWrap::clamp;
+      if (number == 33648) return TextureWrap::mirror;
+      if (number != 10497) value->fail_expected("10497, 33071 or 33648");
+      return TextureWrap::repeat;
+    };
+    const auto samplers = root_.find("samplers");
+    each("textures", [&](const Value& value) {
+      PictureTexture texture{find_index(value, "source", "images")};
+      if (const Index sampler = find_index(value, "sampler", "samplers")) {
+        texture.wrap_u = wrap((*samplers)[*sampler], "wrapS");
+        texture.wrap_v = wrap((*samplers)[*sampler], "wrapT");
+      }
+      out_.textures.push_back(texture);
+    });
+  }
+
+  TextureUse texture_use(const Value& value) const {
+    TextureUse use{index(value.at("index"), "textures")};
+    const auto take_set = [&](const Value& from) {
+      if (const auto set = from.find("texCoord")) use.set = uint32_t(set->whole(0, 65535));
+    };
+    take_set(value);
+    if (const auto moved = value.extension("KHR_texture_transform")) {
+      if (const auto offset = moved->find("offset")) use.offset = offset->numbers<2>();
+      if (const auto scale = moved->find("scale")) use.scale = scale->numbers<2>();
+      if (const auto rotation = moved->find("rotation")) use.rotation = rotation->number();
+      take_set(*moved);
+    }
+    return use;
+  }
+
+  void read_materials() {
+    each("materials", [&](const Value& value) {
+      Paint paint;
+      if (const auto pbr = value.find("pbrMetallicRoughness")) {
+        if (const auto factor = pbr->find("baseColorFactor")) {
+          const auto numbers = factor->numbers<4>();
+          for (size_t i = 0; i < 4; ++i) {
+            if (numbers[i] < 0 || numbers[i] > 1) factor->fail_expected("numbers from 0 to 1");
+            paint.color[i] = float(numbers[i]);
+          }
+        }
+        if (const auto texture = pbr->find("baseColorTexture"))
+          paint.texture = texture_use(*texture);
+      }
+      if (const auto mode = value.find("alphaMode")) {
+        paint.blends = mode->string() == "BLEND", paint.masks = mode->string() == "MASK";
+        if (!paint.blends && !paint.masks && mode->string() != "OPAQUE")
+          mode->fail_expected("OPAQUE, MASK or BLEND");
+      }
+      out_.materials.push_back(paint);
+    });
+  }
+
+  MeshPrimitive primitive(const Value& value) const {
+    MeshPrimitive out;
+    if (const auto mode = value.find("mode")) out.mode = uint32_t(mode->whole(0, 6));
+    out.indices = find_index(value, "indices", "accessors");
+    out.material = find_index(value, "material", "materials");
+    const Value attributes = value.at("attributes");
+    out.position = find_index(attributes, "POSITION", "accessors");
+    out.normal = find_index(attributes, "NORMAL", "accessors");
+    out.color = find_index(attributes, "COLOR_0", "accessors");
+    attributes.each([&](const std::string& name, const Value& accessor) {
+      constexpr std::string_view kSet = "TEXCOORD_";
+      if (!name.starts_with(kSet) || name.size() > kSet.size() + 4) return;
+      uint32_t set = 0;
+      for (const char c : name.substr(kSet.size())) {
+        if (c < '0' || c > '9') return;
+        set = set * 10 + uint32_t(c - '0');
+      }
+      out.uv.emplace_back(set, index(accessor, "accessors"));
+    });
+    return out;
+  }
+
+  void read_meshes() {
+    size_t morphed = 0;
+    each("meshes", [&](const Value& value) {
+      std::vector<MeshPrimitive> all;
+      const Value primitives = value.at("primitives");
+      for (size_t i = 0; i < primitives.size(); ++i) {
+        all.push_back(primitive(primitives[i]));
+        morphed += primitives[i].has("targets");
+      }
+      out_.meshes.push_back(std::move(all));
+    });
+    if (morphed > 0) warn(fmt::format("morph targets of {} primitives are left out", morphed));
+  }
+
+  void read_cameras() {
+    each("cameras", [&](const Value& value) {
+      out_.cameras.emplace_back();
+      if (value.at("type").string() != "perspective") return;
+      const Value lens = value.at("perspective");
+      PerspectiveCamera camera{lens.at("yfov").number(), 0};
+      if (!(camera.fov > 0 && camera.fov < 3.14159))
+        lens.at("yfov").fail_expected("an angle between 0 and pi");
+      if (const auto aspect = lens.find("aspectRatio")) camera.aspect = aspect->number();
+      out_.cameras.back() = camera;
+    });
+  }
+
+  void read_nodes() {
+    each("nodes", [&](const Value& value) {
+      Node node;
+      if (const auto matrix = value.find("matrix")) {
+        const auto by_columns = matrix->numbers<16>();
+        for (size_t row = 0; row < 3; ++row)
+          for (size_t column = 0; column < 4; ++column)
+            node.matrix[4 * row + column] = by_columns[4 * column + row];
+      } else {
+        place(value, node);
+      }
+      node.mesh = find_index(value, "mesh", "meshes");
+      node.camera = find_index(value, "camera", "cameras");
+      node.skinned = value.has("skin");
+      if (const auto children = value.find("children"))
+        for (size_t i = 0; i < children->size(); ++i)
+          node.children.push_back(index((*children)[i], "nodes"));
+      out_.nodes.push_back(std::move(node));
+    });
+  }
+
+  // Scaled, then rotated, then shifted.
+  static void place(const Value& value, Node& node) {
+    std::array<double, 3> shift{0, 0, 0}, scale{1, 1, 1};
+    std::array<double, 4> q{0, 0, 0, 1};
+    if (const auto given = value.find("translation")) shift = given->numbers<3>();
+    if (const auto given = value.find("scale")) scale = given->numbers<3>();
+    if (const auto given = value.find("rotation")) {
+      q = given->numbers<4>();
+      const double size = std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
+      if (!(size > 0)) given->fail_expected("a quaternion of length 1");
+      for (double& part : q) part /= size;
+    }
+    const auto& [x, y, z, w] = q;
+    const double rows[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)},
+                               {2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)},
+                               {2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)}};
+    for (size_t row = 0; row < 3; ++row) {
+      for (size_t column = 0; column < 3; ++column)
+        node.matrix[4 * row + column] = rows[row][column] * scale[column];
+      node.matrix[4 * row + 3] = shift[row];
+    }
+  }
+
+  void read_scene() {
+    const Index shown = find_index(root_, "scene", "scenes");
+    const auto scenes = root_.find("scenes");
+    if (scenes && scenes->size() > 0) {
+      if (scenes->size() > 1)
+        warn(fmt::format("of {} scenes number {} is shown", scenes->size(), shown.value_or(0)));
+      if (const auto nodes = (*scenes)[shown.value_or(0)].find("nodes"))
+        for (size_t i = 0; i < nodes->size(); ++i)
+          out_.roots.push_back(index((*nodes)[i], "nodes"));
+      return;
+    }
+    std::vector<bool> is_child(out_.nodes.size());
+    for (const Node& node : out_.nodes)
+      for (const uint32_t child : node.children) is_child[child] = true;
+    for (uint32_t i = 0; i < out_.nodes.size(); ++i)
+      if (!is_child[i]) out_.roots.push_back(i);
+  }
+
+  Value root_;
+  Document out_;
+};
+
+}  // namespace
+
+Document parse_document(std::string_view json) {
+  const Json root = parse_json(json);
+  return Parser(root).parse();
+}
+
+}  // namespace raio::gltf

@@ -1,0 +1,420 @@
+// glTF 2.0, as text and binary: what becomes a scene, what is told, what is refused.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "base/srgb.h"
+#include "data_files.h"
+#include "io/image/codecs.h"
+#include "temporary_folder.h"
+
+namespace raio {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+std::string base64(std::string_view bytes) {
+  constexpr std::string_view kDigits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  for (size_t i = 0; i < bytes.size(); i += 3) {
+    uint32_t bits = 0;
+    for (size_t k = 0; k < 3; ++k)
+      bits = bits << 8 | (i + k < bytes.size() ? uint8_t(bytes[i + k]) : 0u);
+    for (size_t k = 0; k < 4; ++k)
+      out += i + k <= bytes.size() ? kDigits[bits >> (18 - 6 * k) & 63] : '=';
+  }
+  return out;
+}
+
+template <class... T>
+std::string packed(T... numbers) {
+  std::string out;
+  (out.append(reinterpret_cast<const char*>(&numbers), sizeof numbers), ...);
+  return out;
+}
+
+/// A file in the making; what it has beside its buffer is replaced by tests.
+struct Gltf {
+  std::string buffer, views, accessors;
+  size_t count = 0;
+  std::string primitives = R"({"attributes": {"POSITION": 0}})";
+  std::string nodes = R"({"mesh": 0})", roots = "0", more;
+
+  /// Appends an accessor of its own bytes; its number.
+  size_t add(std::string_view bytes, int component, size_t elements, std::string_view type,
+             std::string_view rest = "") {
+    buffer.resize((buffer.size() + 3) / 4 * 4);
+    const std::string comma = count > 0 ? "," : "";
+    views += comma + R"({"buffer": 0, "byteOffset": )" + std::to_string(buffer.size()) +
+             R"(, "byteLength": )" + std::to_string(bytes.size()) + "}";
+    accessors += comma + R"({"bufferView": )" + std::to_string(count) + R"(, "componentType": )" +
+                 std::to_string(component) + R"(, "count": )" + std::to_string(elements) +
+                 R"(, "type": ")" + std::string(type) + "\"" + std::string(rest) + "}";
+    buffer += bytes;
+    return count++;
+  }
+  std::string json(bool uri = true) const {
+    return R"({"asset": {"version": "2.0"}, "buffers": [{"byteLength": )" +
+           std::to_string(buffer.size()) +
+           (uri ? R"(, "uri": "data:application/octet-stream;base64,)" + base64(buffer) + "\""
+                : "") +
+           R"(}], "bufferViews": [)" + views + R"(], "accessors": [)" + accessors +
+           R"(], "meshes": [{"primitives": [)" + primitives + R"(]}], "nodes": [)" + nodes +
+           R"(], "scenes": [{"nodes": [)" + roots + "]}]" + more + "}";
+  }
+  std::string binary() const {
+    std::string text = json(false), bytes = buffer;
+    text.resize((text.size() + 3) / 4 * 4, ' '), bytes.resize((bytes.size() + 3) / 4 * 4);
+    return "glTF" + packed(2u, uint32_t(28 + text.size() + bytes.size()), uint32_t(text.size())) +
+           "JSON" + text + packed(uint32_t(bytes.size())) + std::string("BIN\0", 4) + bytes;
+  }
+};
+
+constexpr int kByte = 5120, kU8 = 5121, kU16 = 5123, kU32 = 5125, kFloat = 5126;
+
+/// A square of four vertices.
+Gltf square() {
+  Gltf file;
+  file.add(packed(0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f, 1.f, 1.f, 0.f), kFloat, 4, "VEC3");
+  return file;
+}
+
+Scene scene_of(const Gltf& file, const ReadOptions& options = {}) {
+  const auto read_it = read(file.json(), "a.gltf", options);
+  EXPECT_TRUE(read_it) << read_it.error().front().text();
+  if (!read_it) return {};
+  EXPECT_THAT(validate(read_it->scene), IsEmpty());
+  return read_it->scene;
+}
+
+std::string warnings_of(const Gltf& file) {
+  const auto read_it = read(file.json(), "a.gltf");
+  EXPECT_TRUE(read_it) << read_it.error().front().text();
+  std::string all;
+  for (const Diagnostic& d : read_it->warnings) all += d.text() + "\n";
+  return all;
+}
+
+TEST(Gltf, TextAndBinaryAreOneScene) {
+  Gltf file = square();
+  file.add(packed(uint16_t(0), uint16_t(1), uint16_t(3)), kU16, 3, "SCALAR");
+  file.primitives = R"({"attributes": {"POSITION": 0}, "indices": 1})";
+  const Scene scene = scene_of(file);
+  EXPECT_EQ(scene.dialect, Dialect::data);
+  ASSERT_EQ(scene.meshes.size(), 1u);
+  // Only vertices that are named.
+  EXPECT_EQ(scene.meshes[0].positions, Array<Vec3f>({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}));
+  EXPECT_EQ(scene.materials[0].color, Rgb(1));
+  const auto binary = read(file.binary(), "a");  // told by its content
+  ASSERT_TRUE(binary) << binary.error().front().text();
+  EXPECT_EQ(content_hash(binary->scene), content_hash(scene));
+}
+
+TEST(Gltf, IndicesOfAllTypes) {
+  std::string hash;
+  for (const int type : {kU8, kU16, kU32}) {
+    Gltf file = square();
+    if (type == kU8) file.add(packed(uint8_t(2), uint8_t(1), uint8_t(3)), type, 3, "SCALAR");
+    if (type == kU16) file.add(packed(uint16_t(2), uint16_t(1), uint16_t(3)), type, 3, "SCALAR");
+    if (type == kU32) file.add(packed(2u, 1u, 3u), type, 3, "SCALAR");
+    file.primitives = R"({"attributes": {"POSITION": 0}, "indices": 1})";
+    const Scene scene = scene_of(file);
+    EXPECT_EQ(scene.meshes[0].positions[0], Vec3f(0, 1, 0));
+    if (hash.empty()) hash = content_hash(scene);
+    EXPECT_EQ(content_hash(scene), hash);
+  }
+}
+
+// The corners of all triangles.
+std::vector<Vec3f> corners(const Scene& scene) {
+  std::vector<Vec3f> out;
+  for (const TriangleIndices& t : scene.meshes[0].triangles)
+    for (const uint32_t corner : t) out.push_back(scene.meshes[0].positions[corner]);
+  return out;
+}
+
+TEST(Gltf, StripsAndFans) {
+  const Vec3f a(0, 0, 0), b(1, 0, 0), c(0, 1, 0), d(1, 1, 0);
+  Gltf file = square();
+  file.primitives = R"({"attributes": {"POSITION": 0}, "mode": 5})";
+  EXPECT_EQ(corners(scene_of(file)), std::vector({a, b, c, b, d, c}));
+  file.primitives = R"({"attributes": {"POSITION": 0}, "mode": 6})";
+  EXPECT_EQ(corners(scene_of(file)), std::vector({a, b, c, a, c, d}));
+  file.primitives = R"({"attributes": {"POSITION": 0}})";
+  EXPECT_EQ(corners(scene_of(file)), std::vector({a, b, c}));  // the fourth is left over
+}
+
+TEST(Gltf, PointsAreSpheresAndLinesAreTold) {
+  Gltf file = square();
+  file.primitives = R"({"attributes": {"POSITION": 0}, "mode": 0},
+                       {"attributes": {"POSITION": 0}, "mode": 3})";
+  EXPECT_EQ(scene_of(file).spheres.size(), 4u);
+  EXPECT_EQ(scene_of(file).spheres[3].center, Vec3f(1, 1, 0));
+  EXPECT_THAT(warnings_of(file), HasSubstr("1 primitives of lines are left out"));
+  file.primitives = R"({"attributes": {"POSITION": 0}, "mode": 1})";
+  EXPECT_THAT(error(file.json(), "a.gltf"), HasSubstr("nothing to draw but lines"));
+}
+
+TEST(Gltf, QuantizedInterleavedAndNormalizedNumbers) {
+  Gltf file;
+  const auto vertex = [](int x, int y) {
+    return packed(int8_t(x), int8_t(y), int8_t(0), int8_t(0), uint8_t(255), uint8_t(0), uint8_t(51),
+                  uint8_t(7));
+  };
+  file.add(vertex(-128, 127) + vertex(127, 0) + vertex(0, -127), kByte, 3, "VEC3",
+           R"(, "normalized": true)");
+  file.views.pop_back(), file.views += R"(, "byteStride": 8})";
+  file.accessors += R"(, {"bufferView": 0, "byteOffset": 4, "componentType": 5121, "count": 3,
+                          "type": "VEC4", "normalized": true})";
+  file.primitives = R"({"attributes": {"POSITION": 0, "COLOR_0": 1}})";
+  file.more = R"(, "extensionsRequired": ["KHR_mesh_quantization"])";
+  const Mesh& mesh = scene_of(file).meshes[0];
+  EXPECT_EQ(mesh.positions, Array<Vec3f>({{-1, 1, 0}, {1, 0, 0}, {0, -1, 0}}));
+  EXPECT_EQ(mesh.colors[0], Rgb(1, 0, 0.2f));
+}
+
+TEST(Gltf, SparseAccessors) {
+  Gltf file = square();
+  file.add(packed(uint8_t(1), uint8_t(3)), kU8, 2, "SCALAR");
+  file.add(packed(5.f, 6.f, 7.f, 8.f, 9.f, 10.f), kFloat, 2, "VEC3");
+  const std::string sparse =
+      R"("count": 2, "indices": {"bufferView": 1, "componentType": 5121}, "values": {"bufferView": 2})";
+  file.accessors +=
+      R"(, {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "sparse": {)" +
+      sparse + "}}, " + R"({"componentType": 5126, "count": 4, "type": "VEC3", "sparse": {)" +
+      sparse + "}}";
+  file.primitives = R"({"attributes": {"POSITION": 3}, "mode": 5})";
+  EXPECT_EQ(scene_of(file).meshes[0].positions,
+            Array<Vec3f>({{0, 0, 0}, {5, 6, 7}, {0, 1, 0}, {8, 9, 10}}));
+  file.primitives = R"({"attributes": {"POSITION": 4}, "mode": 5})";
+  EXPECT_EQ(scene_of(file).meshes[0].positions,
+            Array<Vec3f>({{0, 0, 0}, {5, 6, 7}, {0, 0, 0}, {8, 9, 10}}));
+}
+
+TEST(Gltf, NodesPlaceMeshes) {
+  Gltf file = square();
+  // By 90 degrees around z, then twice as large, then shifted by the parent.
+  file.nodes = R"({"children": [1], "translation": [10, 0, 0], "scale": [2, 2, 2]},
+                  {"mesh": 0, "rotation": [0, 0, 0.70710678118, 0.70710678118]})";
+  const Scene one = scene_of(file);
+  EXPECT_NEAR(one.meshes[0].positions[1].y, 2, 1e-6);
+  EXPECT_NEAR(one.meshes[0].positions[2].x, 8, 1e-6);
+  EXPECT_NEAR(one.meshes[0].positions[0].x, 10, 1e-6);
+  file.nodes = R"({"mesh": 0, "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 5, 6, 7, 1]})";
+  EXPECT_EQ(scene_of(file).meshes[0].positions[0], Vec3f(5, 6, 7));
+}
+
+TEST(Gltf, AMeshOfSeveralNodesIsStoredOnce) {
+  Gltf file = square();
+  file.nodes = R"({"mesh": 0}, {"mesh": 0, "translation": [3, 0, 0]},
+                  {"mesh": 0, "scale": [-1, 1, 1]}, {"mesh": 0, "scale": [0, 0, 0]})";
+  file.roots = "0, 1, 2, 3";
+  const Scene copies = scene_of(file, {.instances = true});
+  ASSERT_EQ(copies.prototypes.size(), 1u);
+  ASSERT_EQ(copies.instances.size(), 3u);
+  EXPECT_EQ(copies.instances[1].matrix[3], 3);
+  EXPECT_THAT(warnings_of(file), HasSubstr("1 meshes are left out that are scaled to nothing"));
+  const Scene flat = scene_of(file);
+  EXPECT_TRUE(flat.instances.empty());
+  EXPECT_EQ(flat.primitive_count(), 3u);
+  EXPECT_EQ(bounds(flat).lo, bounds(copies).lo);
+}
+
+std::string one_pixel_png(Rgb color) {
+  Image image(1, 1);
+  image.at(0, 0) = color;
+  return *encode_png(image, {});
+}
+
+Gltf textured() {
+  Gltf file = square();
+  file.add(packed(0.f, 0.f, 1.f, 0.f, 0.f, 1.f, 0.25f, 0.5f), kFloat, 4, "VEC2");
+  file.primitives =
+      R"({"attributes": {"POSITION": 0, "TEXCOORD_0": 1, "TEXCOORD_2": 1}, "material": 0, "mode": 5})";
+  file.more = R"(, "materials": [{"alphaMode": "BLEND", "pbrMetallicRoughness": {
+      "baseColorFactor": [1, 0.5, 0.25, 0.75], "baseColorTexture": {"index": 0}}}],
+      "textures": [{"source": 0, "sampler": 0}], "samplers": [{"wrapS": 33071, "wrapT": 33648}],
+      "images": [{"uri": "data:image/png;base64,)" +
+              base64(one_pixel_png(Rgb(1, 0, 0))) + "\"}]";
+  return file;
+}
+
+void replace(std::string& text, std::string_view from, std::string_view to) {
+  ASSERT_NE(text.find(from), std::string::npos) << from;
+  text.replace(text.find(from), from.size(), to);
+}
+
+TEST(Gltf, MaterialsAndTextures) {
+  Gltf file = textured();
+  const Scene scene = scene_of(file);
+  EXPECT_EQ(scene.materials[0].color, Rgb(1, 0.5f, 0.25f));
+  EXPECT_EQ(scene.material_opacity[0], 0.75f);
+  ASSERT_EQ(scene.textures.size(), 1u);
+  EXPECT_EQ(scene.textures[0].wrap_u, TextureWrap::clamp);
+  EXPECT_EQ(scene.textures[0].wrap_v, TextureWrap::mirror);
+  EXPECT_EQ(scene.texels, Array<uint32_t>({0x0000ff}));
+  EXPECT_EQ(scene.meshes[0].uv, Array<Uv>({{0, 1}, {1, 1}, {0, 0}, {0.25f, 0.5f}}));
+  EXPECT_THAT(warnings_of(file), HasSubstr("the alpha of the textures of 1 materials"));
+  replace(file.more, "BLEND", "OPAQUE");
+  EXPECT_TRUE(scene_of(file).material_opacity.empty());
+  EXPECT_EQ(warnings_of(file), "");
+}
+
+TEST(Gltf, TexturesMayBeMoved) {
+  Gltf file = textured();
+  replace(file.more, R"("index": 0)", R"("index": 0, "texCoord": 1, "extensions": {
+      "KHR_texture_transform": {"offset": [0.5, 0.25], "rotation": 1.5707963267948966,
+      "scale": [2, 3], "texCoord": 2}})");
+  // KHR_texture_transform: shift * rotation * scale, with v downwards.
+  const Scene scene = scene_of(file);
+  EXPECT_NEAR(scene.meshes[0].uv[1][0], 0.5, 1e-6);
+  EXPECT_NEAR(scene.meshes[0].uv[1][1], 1 - (0.25 - 2), 1e-6);
+  EXPECT_NEAR(scene.meshes[0].uv[2][0], 0.5 + 3, 1e-6);
+}
+
+TEST(Gltf, PicturesThatCannotBeReadAreTold) {
+  Gltf file = textured();
+  replace(file.more, "data:image/png;base64,", "data:image/png;base64,AAAA");
+  EXPECT_THAT(warnings_of(file),
+              HasSubstr("/images/0: it is no picture in PNG or JPEG format, so"));
+  EXPECT_TRUE(scene_of(file).material_texture.empty());
+  file = textured();
+  replace(file.more, "data:image", "https://example.org/data:image");
+  EXPECT_THAT(warnings_of(file), HasSubstr("is not in a file beside it"));
+}
+
+TEST(Gltf, TheCameraIsThatOfTheFile) {
+  Gltf file = square();
+  file.nodes += R"(, {"camera": 0, "translation": [0, 2, 9]})";
+  file.roots = "0, 1";
+  file.more = R"(, "cameras": [{"type": "perspective",
+                                "perspective": {"yfov": 1.5707963267948966, "aspectRatio": 2}}])";
+  const Camera camera = scene_of(file).camera;
+  EXPECT_EQ(camera.from, Vec3f(0, 2, 9));
+  EXPECT_EQ(camera.at, Vec3f(0, 2, 0));
+  EXPECT_FLOAT_EQ(camera.fov_deg, 90);
+  EXPECT_EQ(camera.width, 1200);
+  EXPECT_EQ(camera.height, 600);
+  replace(file.more, "\"perspective\",", "\"orthographic\",");
+  EXPECT_THAT(warnings_of(file), HasSubstr("not one of perspective"));
+  EXPECT_GT(scene_of(file).camera.across_deg, 0);
+}
+
+TEST(Gltf, WhatItCannotKnowIsRefusedOrTold) {
+  Gltf file = square();
+  file.more = R"(, "extensionsUsed": ["KHR_materials_specular"], "animations": [{}])";
+  EXPECT_THAT(warnings_of(file),
+              AllOf(HasSubstr("left out: \"KHR_materials_specular\""), HasSubstr("1 animations")));
+  file.more = R"(, "extensionsRequired": ["KHR_texture_transform", "KHR_draco_mesh_compression"])";
+  EXPECT_THAT(error(file.json(), "a.gltf"),
+              AllOf(HasSubstr("/extensionsRequired/1"), HasSubstr("\"KHR_draco_mesh_compression\""),
+                    HasSubstr("without compression")));
+  EXPECT_THAT(error(R"({"asset": {"version": "1.0"}, "meshes": {}})", "a.gltf"),
+              HasSubstr("a scene in glTF 1; Raio reads glTF 2.0"));
+  EXPECT_THAT(error(R"({"asset": {"version": "1.0"}})", "a.gltf"), HasSubstr("in glTF 1.0;"));
+  EXPECT_THAT(error(R"({"meshes": {}, "accessors": {}})", "a.gltf"), HasSubstr("in glTF 1;"));
+  EXPECT_THAT(error("glTF" + packed(1u, 20u, 0u, 0u), "a.glb"),
+              HasSubstr("binary scene in glTF 1"));
+}
+
+TEST(Gltf, BrokenFilesAreRefusedWithTheirPlace) {
+  const auto with = [](std::string_view from, std::string_view to, Gltf file = square()) {
+    std::string text = file.json();
+    replace(text, from, to);
+    return error(text, "a.gltf");
+  };
+  EXPECT_THAT(with("\"buffers\"", ",\n x"), HasSubstr("a.gltf:1:"));
+  EXPECT_THAT(with("\"count\": 4", "\"count\": -4"),
+              HasSubstr("/accessors/0/count: expected a whole number"));
+  EXPECT_THAT(with("\"count\": 4", "\"count\": 4.5"), HasSubstr("found 4.5"));
+  EXPECT_THAT(with("\"count\": 4", "\"count\": 4000000000"),
+              HasSubstr("/accessors/0: 4000000000 elements of 12 bytes from byte 0 on do not fit"));
+  EXPECT_THAT(with("\"bufferView\": 0", "\"bufferView\": 3"),
+              HasSubstr("/accessors/0/bufferView: expected a whole number from 0 to 0, found 3"));
+  EXPECT_THAT(with("5126", "5127"), HasSubstr("/accessors/0/componentType: expected 5120"));
+  EXPECT_THAT(with("VEC3", "VEC2"), HasSubstr("/accessors/0/type: expected VEC3, found VEC2"));
+  EXPECT_THAT(with("\"byteOffset\": 0", "\"byteOffset\": 8"),
+              HasSubstr("/bufferViews/0: bytes 8 to 56 of buffer 0, which has 48"));
+  EXPECT_THAT(with("base64,AAAA", "base64,A*AA"), HasSubstr("/buffers/0/uri: expected a digit"));
+  EXPECT_THAT(with("base64,AAAA", "base64,"),
+              HasSubstr("/buffers/0: it has 45 bytes, expected 48"));
+  EXPECT_THAT(with("\"POSITION\": 0", "\"POSITION\": \"x\""),
+              HasSubstr("/meshes/0/primitives/0/attributes/POSITION: expected"));
+  EXPECT_THAT(with("{\"mesh\": 0}", "{\"children\": [0]}"), HasSubstr("reached twice"));
+  EXPECT_THAT(with("\"bufferView\": 0, ", ""), HasSubstr("nothing to draw"));
+  Gltf zeros = square();
+  replace(zeros.accessors, "\"bufferView\": 0, ", "");
+  replace(zeros.accessors, "\"count\": 4", "\"count\": 400000000");
+  EXPECT_THAT(error(zeros.json(), "a.gltf"), HasSubstr("more than all buffers have bytes"));
+  Gltf far = square();
+  far.nodes = R"({"mesh": 0, "translation": [1e25, 0, 0], "scale": [1e25, 1, 1]})";
+  EXPECT_THAT(error(far.json(), "a.gltf"), HasSubstr("nothing to draw"));
+  Gltf out = square();
+  out.add(packed(uint8_t(0), uint8_t(1), uint8_t(9)), kU8, 3, "SCALAR");
+  out.primitives = R"({"attributes": {"POSITION": 0}, "indices": 1})";
+  EXPECT_THAT(error(out.json(), "a.gltf"),
+              HasSubstr("/accessors/1, element 2 (byte 2): index 9 of 4 vertices"));
+  Gltf nan;
+  nan.add(packed(0.f, 0.f, std::nanf(""), 1.f, 0.f, 0.f, 0.f, 1.f, 0.f), kFloat, 3, "VEC3");
+  EXPECT_THAT(error(nan.json(), "a.gltf"), HasSubstr("/accessors/0, element 0"));
+}
+
+TEST(Gltf, CutBinaryFilesAreRefused) {
+  const std::string whole = square().binary();
+  for (size_t size = 4; size < whole.size(); size += 3)
+    EXPECT_THAT(error(std::string_view(whole).substr(0, size), "a.glb"), HasSubstr("broken .glb"));
+  std::string other = whole;
+  other[16] = 'X';
+  EXPECT_THAT(error(other, "a.glb"), HasSubstr("its first chunk, at byte 12, is not of JSON"));
+}
+
+/// Whatever byte is another one: an error, or a scene that is sound.
+TEST(Gltf, ChangedBytesEndSoundly) {
+  const std::string whole = textured().binary();
+  for (size_t at = 0; at < whole.size(); ++at)
+    for (const char c : {'\0', '9', '"', '\xff'}) {
+      std::string changed = whole;
+      changed[at] = c;
+      const auto scene = read(changed, "a.glb");
+      EXPECT_THAT(scene ? validate(scene->scene) : std::vector<std::string>(), IsEmpty()) << at;
+    }
+}
+
+using GltfFiles = TemporaryFolder;
+
+TEST_F(GltfFiles, BuffersAndPicturesLieBeside) {
+  Gltf file = textured();
+  put(this->file("my square.bin"), file.buffer);
+  put(this->file("red.png"), one_pixel_png(Rgb(1, 0, 0)));
+  std::string text = file.json(false);
+  replace(text, "\"byteLength\": 80}]", "\"byteLength\": 80, \"uri\": \"my%20square.bin\"}]");
+  const size_t from = text.find("data:image"), to = text.find('"', from);
+  text.replace(from, to - from, "red.png");
+  put(this->file("a.gltf"), text);
+  const auto beside = read_scene(this->file("a.gltf"));
+  ASSERT_TRUE(beside) << beside.error().front().text();
+  EXPECT_EQ(content_hash(beside->scene), content_hash(scene_of(file)));
+  std::filesystem::remove(this->file("my square.bin"));
+  const auto missing = read_scene(this->file("a.gltf"));
+  ASSERT_FALSE(missing);
+  EXPECT_THAT(missing.error().front().text(),
+              HasSubstr("/buffers/0/uri: \"my square.bin\": there is no such file"));
+}
+
+TEST(Gltf, TheSceneOfTheManualIsRead) {
+  const auto crates = read_scene(std::filesystem::path(RAIO_SOURCE_DIR) / "scenes/crates.gltf",
+                                 {.instances = true});
+  ASSERT_TRUE(crates) << crates.error().front().text();
+  EXPECT_THAT(crates->warnings, IsEmpty());
+  EXPECT_EQ(crates->scene.textures.size(), 2u);
+  EXPECT_EQ(crates->scene.instances.size(), 6u);
+  EXPECT_EQ(crates->scene.primitive_count(), 74u);
+}
+
+}  // namespace
+}  // namespace raio
