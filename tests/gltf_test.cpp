@@ -173,7 +173,8 @@ TEST(Gltf, QuantizedInterleavedAndNormalizedNumbers) {
                           "type": "VEC4", "normalized": true})";
   file.primitives = R"({"attributes": {"POSITION": 0, "COLOR_0": 1}})";
   file.more = R"(, "extensionsRequired": ["KHR_mesh_quantization"])";
-  const Mesh& mesh = scene_of(file).meshes[0];
+  const Scene scene = scene_of(file);
+  const Mesh& mesh = scene.meshes[0];
   EXPECT_EQ(mesh.positions, Array<Vec3f>({{-1, 1, 0}, {1, 0, 0}, {0, -1, 0}}));
   EXPECT_EQ(mesh.colors[0], Rgb(1, 0, 0.2f));
 }
@@ -346,7 +347,7 @@ TEST(Gltf, BrokenFilesAreRefusedWithTheirPlace) {
   EXPECT_THAT(with("\"POSITION\": 0", "\"POSITION\": \"x\""),
               HasSubstr("/meshes/0/primitives/0/attributes/POSITION: expected"));
   EXPECT_THAT(with("{\"mesh\": 0}", "{\"children\": [0]}"), HasSubstr("reached twice"));
-  EXPECT_THAT(with("\"bufferView\": 0, ", ""), HasSubstr("nothing to draw"));
+  EXPECT_EQ(with("\"bufferView\": 0, ", ""), "no error");  // what has no buffer is zero
   Gltf zeros = square();
   replace(zeros.accessors, "\"bufferView\": 0, ", "");
   replace(zeros.accessors, "\"count\": 4", "\"count\": 400000000");
