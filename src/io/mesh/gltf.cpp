@@ -160,7 +160,7 @@ class GltfReader {
     return kNoTexture;
   }
   template <class Add>
-  std::expected<uint32_t, std::string> picture(const Image& image, const std::string& what,
+  std::expected<uint32_t, std::string> picture(const PictureSource& image, const std::string& what,
                                                const Add& add) const try {
     if (image.view) return add(buffers_.view(*image.view, what));
     if (image.uri.starts_with("data:")) return add(decode_data_uri(image.uri, what + "/uri"));

@@ -53,7 +53,7 @@ struct Accessor {
   bool normalized = false;
   std::optional<Sparse> sparse;
 };
-struct Image {
+struct PictureSource {
   Index view;
   std::string uri;
 };
@@ -91,7 +91,7 @@ struct Document {
   std::vector<Buffer> buffers;
   std::vector<View> views;
   std::vector<Accessor> accessors;
-  std::vector<Image> images;
+  std::vector<PictureSource> images;
   std::vector<PictureTexture> textures;
   std::vector<Paint> materials;
   std::vector<std::vector<MeshPrimitive>> meshes;

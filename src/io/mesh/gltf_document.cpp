@@ -261,7 +261,7 @@ class Parser {
 
   void read_pictures() {
     each("images", [&](const Value& value) {
-      Image image{find_index(value, "bufferView", "bufferViews"), ""};
+      PictureSource image{find_index(value, "bufferView", "bufferViews"), ""};
       if (const auto uri = value.find("uri")) image.uri = uri->string();
       out_.images.push_back(std::move(image));
     });
