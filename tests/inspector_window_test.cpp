@@ -8,8 +8,7 @@
 #include <thread>
 #include <utility>
 
-#include "temporary_folder.h"
-#include "window_driver.h"
+#include "window_fixture.h"
 
 namespace raio {
 namespace {
@@ -17,22 +16,11 @@ namespace {
 using testing::HasSubstr;
 using Held = WindowDriver::Held;
 
-// A mirror and a ball of glass over a floor.
-constexpr std::string_view kScene =
-    "b 0.1 0.2 0.3\n"
-    "v\nfrom 0 -6 2\nat 0 0 0.5\nup 0 0 1\nangle 40\nhither 0\nresolution 160 120\n"
-    "l 3 -4 5\n"
-    "f 1 0 0 0.8 0.4 10 0 1\ns 0 0 0.7 0.7\n"
-    "f 1 1 1 0.1 0.1 10 0.8 1.5\ns -1.4 -0.8 0.5 0.5\n"
-    "f 0.8 0.8 0.7 0.9 0 1 0 1\np 4\n-5 -5 0\n5 -5 0\n5 5 0\n-5 5 0\n";
-
-class InspectorWindowTest : public TemporaryFolder {
+class InspectorWindowTest : public WindowTest {
  protected:
   void SetUp() override {
-    ASSERT_FALSE(display_.name().empty()) << "Xvfb does not start; packages.txt has it";
-    put(file("scene.nff"), kScene);
-    window_ = std::make_unique<WindowDriver>(
-        display_, std::vector<std::string>{"scene.nff", "--soft-shadows"}, folder().string());
+    WindowTest::SetUp();
+    if (!HasFatalFailure()) window_ = open({"--soft-shadows"});
   }
 
   // The line that tells what was found there.
@@ -47,7 +35,6 @@ class InspectorWindowTest : public TemporaryFolder {
     return window_->wait_for("inspected: ([0-9]+) rays, sample ([0-9]+), rgb (.*)", from);
   }
 
-  Display display_;
   std::unique_ptr<WindowDriver> window_;
 };
 

@@ -83,59 +83,14 @@ void press_keys(raio::WindowDriver& window) {
              std::ranges::max(ms));
 }
 
-// The lines of the log with what effects cost, after the window has got another size and an effect
-// was switched twice, as the panel shows them; and what a key says of the structure after all
-// structures were tried in quick succession.
-void tell_costs(const raio::Display& display, const std::string& scene, int times) {
-  for (int i = 0; i < times; ++i) {
-    raio::WindowDriver window(display, {scene}, ".");
-    size_t from = window.mark();
-    window.resize(820 + 8 * i, 800);
-    const auto size = window.wait_for("size: ([0-9x]+)", from);
-    (void)window.picture(from);
-    // Two presses within 20 ms are one that repeats.
-    for (int k = 0; k < 2; ++k) {
-      window.key(XK_d);
-      std::this_thread::sleep_for(std::chrono::milliseconds(60));
-    }
-    const auto begun = window.wait_for("measures the costs", from);
-    const auto start = Clock::now();
-    const auto end = window.wait_for("measured the costs", begun ? begun->next : from);
-    if (!size || !end) return fmt::print("{}", window.log());
-    fmt::print("{}\n  {:.1f} s\n", size->groups[1], Milliseconds(end->time - start).count() * 1e-3);
-    for (size_t at = begun->next; at < end->next;) {
-      const auto line =
-          window.wait_for("[0-9.]+ (.*: (not in|[0-9.]+ x).*|measured the costs)", at);
-      if (!line || line->next >= end->next) break;
-      fmt::print("  {}\n", line->groups[1]);
-      at = line->next;
-    }
-    from = window.mark();
-    for (const unsigned long key : {XK_a, XK_s, XK_d, XK_g, XK_g, XK_g}) {
-      window.key(key);
-      std::this_thread::sleep_for(std::chrono::milliseconds(60));
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(400));
-    window.key(XK_g);
-    if (const auto line = window.wait_for("(structure bvh: .* a sample.*)", from))
-      fmt::print("  {}\n", line->groups[1]);
-    std::fflush(stdout);
-  }
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
-  const bool costs = argc == 4 && std::string_view(argv[1]) == "--costs";
   if (argc < 2) {
-    fmt::print(stderr,
-               "usage: raio_window_figures SCENE.nff...\n"
-               "       raio_window_figures --costs TIMES SCENE.nff\n");
+    fmt::print(stderr, "usage: raio_window_figures SCENE.nff...\n");
     return 2;
   }
   const raio::Display display;
-  if (costs)
-    return tell_costs(display, std::filesystem::absolute(argv[3]).string(), std::stoi(argv[2])), 0;
   constexpr int kSide = 512;
   for (int i = 1; i < argc; ++i) {
     const std::vector<std::string> arguments = {std::filesystem::absolute(argv[i]).string(),

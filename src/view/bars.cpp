@@ -223,6 +223,7 @@ void draw_status(const Rect& where, const Status& status, const std::string& rea
   };
   begin_bar("status", where);
   ImDrawList& draw = *ImGui::GetWindowDrawList();
+  show_letters(status.text), show_letters(read_out);
   draw.AddLine({where.left, where.top}, {where.right, where.top}, color(p.line));
   const float middle = (where.top + where.bottom) / 2, top = middle - ImGui::GetFontSize() / 2;
   draw.AddCircleFilled({where.left + em(), middle}, 0.3f * em(), color(kind_color()));
@@ -265,6 +266,7 @@ void draw_message(const Rect& place, const std::string& message, bool is_error) 
   draw.AddRectFilled(lo, hi, color(p.ground, 0.94f), 0.3f * em());
   draw.AddRectFilled(lo, {lo.x + bar, hi.y}, color(is_error ? p.bad : p.accent), 0.3f * em(),
                      ImDrawFlags_RoundCornersLeft);
+  show_letters(message);
   // Wrapped as it was measured: one unit more than the widest line.
   draw.AddText(ImGui::GetFont(), ImGui::GetFontSize(), {lo.x + bar + pad, lo.y + pad},
                color(p.text), message.c_str(), nullptr, place.width() - bar - 2 * pad + 1);

@@ -85,13 +85,16 @@ std::optional<std::string> FileDialog::draw(const Layout& layout) {
   faint_text(folder_.string());
   const float rows = 2 * ImGui::GetFrameHeightWithSpacing() + ImGui::GetTextLineHeightWithSpacing();
   ImGui::BeginChild("entries", {0, -rows}, true);
-  for (const std::string& entry : entries_)
+  show_letters(name_);
+  for (const std::string& entry : entries_) {
+    show_letters(entry);
     if (ImGui::Selectable(entry.c_str())) {
       if (saves && !entry.ends_with('/'))
         name_ = entry;  // to be replaced, but not by one click
       else
         wanted = entry;
     }
+  }
   if (entries_.empty()) faint_text(tr("no scenes here"));
   ImGui::EndChild();
   if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();

@@ -6,10 +6,12 @@
 #include <string>
 
 #include "view/layout.h"
+#include "view/theme.h"
 
 namespace raio::view {
 
 inline void text(const std::string& line) {
+  show_letters(line);
   ImGui::TextUnformatted(line.data(), line.data() + line.size());
 }
 

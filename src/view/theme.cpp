@@ -1,9 +1,14 @@
 #include "view/theme.h"
 
+#include <imgui_internal.h>
+
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <set>
 #include <system_error>
+#include <vector>
 
 namespace raio::view {
 namespace {
@@ -55,27 +60,78 @@ constexpr std::array kHeavy = {"/usr/share/fonts/opentype/inter/Inter-SemiBold.o
                                "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans-Bold.ttf",
                                "/usr/share/fonts/TTF/DejaVuSans-Bold.ttf"};
 constexpr std::array kMedium = {"/usr/share/fonts/opentype/inter/Inter-Medium.otf"};
+// What names may need besides: the letters of Latin, Greek and Cyrillic, then Chinese, Japanese and
+// Korean. Those that are there are all asked, in turn.
+constexpr std::array kOtherScripts = {
+    "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
+    "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
+    "/usr/share/fonts/TTF/DejaVuSans.ttf",
+    "/usr/share/fonts/opentype/noto/NotoSansCJK-Regular.ttc",
+    "/usr/share/fonts/google-noto-sans-cjk-fonts/NotoSansCJK-Regular.ttc",
+    "/usr/share/fonts/noto-cjk/NotoSansCJK-Regular.ttc",
+    "/usr/share/fonts/truetype/wqy/wqy-microhei.ttc",
+    "/usr/share/fonts/wqy-microhei/wqy-microhei.ttc",
+    "/usr/share/fonts/truetype/droid/DroidSansFallbackFull.ttf",
+    "/usr/share/fonts/opentype/ipafont-gothic/ipag.ttf",
+    "/usr/share/fonts/truetype/nanum/NanumGothic.ttf"};
+constexpr size_t kMostLetters = 2000;  // of them; each takes room in a texture
+
+std::set<ImWchar> g_letters;  // that names have
+bool g_wants_letters = false;
+
+// As ImGui wants them, who reads them when the texture is made.
+const ImWchar* other_letters() {
+  static std::vector<ImWchar> ranges;
+  ranges.clear();
+  for (const ImWchar letter : g_letters) ranges.insert(ranges.end(), 2, letter);
+  ranges.push_back(0);
+  return ranges.data();
+}
+
+// Adds them to the font that was loaded last, from it and from others.
+void load_other_letters(const char* own, float size) {
+  if (g_letters.empty()) return;
+  ImFontConfig merges;
+  merges.MergeMode = true;
+  const ImWchar* const letters = other_letters();
+  std::error_code ignored;
+  const auto merge = [&](const char* file) {
+    if (std::filesystem::exists(file, ignored))
+      ImGui::GetIO().Fonts->AddFontFromFileTTF(file, std::round(size), &merges, letters);
+  };
+  merge(own);
+  for (const char* file : kOtherScripts) merge(file);
+}
+
+// Titles have no names in them.
+enum class Letters { of_names_too, own };
 
 template <size_t N>
-ImFont* load(const std::array<const char*, N>& files, float size, const ImWchar* letters) {
+ImFont* load(const std::array<const char*, N>& files, float size, const ImWchar* letters,
+             Letters which) {
   std::error_code ignored;
-  for (const char* file : files)
-    if (std::filesystem::exists(file, ignored))
-      return ImGui::GetIO().Fonts->AddFontFromFileTTF(file, std::round(size), nullptr, letters);
+  for (const char* file : files) {
+    if (!std::filesystem::exists(file, ignored)) continue;
+    ImFont* const font =
+        ImGui::GetIO().Fonts->AddFontFromFileTTF(file, std::round(size), nullptr, letters);
+    if (font && which == Letters::of_names_too) load_other_letters(file, size);
+    return font;
+  }
   return nullptr;
 }
 
 void load_fonts(const Look& look, float scale) {
   ImGuiIO& io = ImGui::GetIO();
   io.Fonts->Clear();
+  g_wants_letters = false;
   // Western Europe's letters and the sign of infinity, and those of the one title: each letter
   // costs time when the window opens.
   static constexpr std::array<ImWchar, 5> kAll = {0x20, 0xff, 0x221e, 0x221e, 0};
   static constexpr std::array<ImWchar, 9> kTitle = {'R', 'R', 'a', 'a', 'i', 'i', 'o', 'o', 0};
-  ImFont* body = look.projector ? load(kMedium, g_em, kAll.data()) : nullptr;
-  if (!body) body = load(kRegular, g_em, kAll.data());
-  g_heading = load(kHeavy, g_em, kAll.data());
-  g_title = load(kHeavy, 2 * g_em, kTitle.data());
+  ImFont* body = look.projector ? load(kMedium, g_em, kAll.data(), Letters::of_names_too) : nullptr;
+  if (!body) body = load(kRegular, g_em, kAll.data(), Letters::of_names_too);
+  g_heading = load(kHeavy, g_em, kAll.data(), Letters::own);
+  g_title = load(kHeavy, 2 * g_em, kTitle.data(), Letters::own);
   io.FontGlobalScale = 1;
   if (!body) {
     body = io.Fonts->AddFontDefault();
@@ -131,6 +187,23 @@ void apply_look(const Look& look, float scale) {
   style.CellPadding = ems(0.3f, 0.15f), style.IndentSpacing = g_em;
   style.ScrollbarSize = std::round(0.6f * g_em), style.GrabMinSize = 0.7f * g_em;
 }
+
+void show_letters(std::string_view text) {
+  for (const char *at = text.data(), *const end = at + text.size(); at < end;) {
+    if (static_cast<unsigned char>(*at) < 0x80) {
+      ++at;
+      continue;
+    }
+    unsigned letter = 0;
+    at += std::max(1, ImTextCharFromUtf8(&letter, at, end));
+    // What is beyond ImWchar has no glyph.
+    if (letter <= 0xff || letter >= IM_UNICODE_CODEPOINT_INVALID) continue;
+    if (g_letters.size() < kMostLetters && g_letters.insert(ImWchar(letter)).second)
+      g_wants_letters = true;
+  }
+}
+
+bool wants_letters() { return g_wants_letters; }
 
 const Palette& palette() { return g_palette; }
 float em() { return g_em; }

@@ -4,6 +4,8 @@
 
 #include <imgui.h>
 
+#include <string_view>
+
 namespace raio::view {
 
 /// What the user chooses.
@@ -27,6 +29,12 @@ struct Palette {
 
 /// Sets style and fonts for a screen on which text is `scale` times its usual size. Between frames.
 void apply_look(const Look& look, float scale);
+
+/// Notes the letters of a name from outside, in whatever script, when it is drawn. Those that no
+/// font of this machine has are shown as "?".
+void show_letters(std::string_view text);
+/// Whether some were noted that the fonts lack so far; apply_look() loads them.
+bool wants_letters();
 
 const Palette& palette();
 /// The height of the text in window units, of which all distances are multiples.

@@ -67,6 +67,7 @@ void Viewer::draw() {
                              is_of_boxes ? std::nullopt : under.at);
   take_controls(controls_.draw(state_, layout_, facts));
   window_.end_frame();
+  if (wants_letters()) needs_drawing();
   window_.set_title(state_.path.empty() ? "Raio" : state_.title());
   keeper_.looks(window_.look(), language());
   if (std::exchange(typing_, Window::is_typing()) != typing_) log(typing_ ? "types" : "typed");

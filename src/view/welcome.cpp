@@ -21,6 +21,7 @@ void draw_list(const char* title, const std::vector<std::string>& paths, bool wi
   for (const std::string& path : paths) {
     const std::filesystem::path file(path);
     ImGui::PushID(path.c_str());
+    show_letters(path);
     if (ImGui::Selectable(file.stem().string().c_str(), false, 0, {0, 1.5f * em()}))
       result.open = path;
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", path.c_str());

@@ -206,7 +206,7 @@ void Window::set_clipboard(const std::string& text) {
 }
 
 void Window::begin_frame() {
-  if (std::exchange(has_new_look_, false)) {
+  if (std::exchange(has_new_look_, false) || view::wants_letters()) {
     apply_look(look_, text_scale_);
     ImGui_ImplOpenGL3_DestroyFontsTexture();  // the next frame makes another
     ImGui_ImplOpenGL3_CreateFontsTexture();
