@@ -17,7 +17,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array kSuffixes = {".nff", ".p3f", ".raio", ".gz", ".txt"};
+// Of scenes, and of files that hold scenes and much else.
+constexpr std::array kSuffixes = {".nff", ".p3f",    ".raio", ".pdb",  ".ent",       ".cif",
+                                  ".gro", ".xyz",    ".dump", ".data", ".lammpstrj", ".ply",
+                                  ".stl", ".obj",    ".off",  ".gltf", ".glb",       ".gz",
+                                  ".txt", ".extxyz", ".mmcif"};
 
 }  // namespace
 
