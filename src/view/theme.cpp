@@ -130,7 +130,7 @@ void load_fonts(const Look& look, float scale) {
   static constexpr std::array<ImWchar, 9> kTitle = {'R', 'R', 'a', 'a', 'i', 'i', 'o', 'o', 0};
   ImFont* body = look.projector ? load(kMedium, g_em, kAll.data(), Letters::of_names_too) : nullptr;
   if (!body) body = load(kRegular, g_em, kAll.data(), Letters::of_names_too);
-  g_heading = load(kHeavy, g_em, kAll.data(), Letters::own);
+  g_heading = load(kHeavy, g_em, kAll.data(), Letters::of_names_too);
   g_title = load(kHeavy, 2 * g_em, kTitle.data(), Letters::own);
   io.FontGlobalScale = 1;
   if (!body) {
