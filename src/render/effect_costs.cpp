@@ -14,7 +14,7 @@ namespace raio {
 namespace {
 
 constexpr size_t kFewestRounds = 5, kFewestSlowRounds = 3, kMostRounds = 25;
-constexpr double kPatienceSeconds = 15;  // then as few rounds as there are may do
+constexpr double kCostPatienceSeconds = 15;  // then as few rounds as there are may do
 constexpr double kNewsSeconds = 0.5;
 constexpr uint32_t kProbeShards = 64;
 
@@ -201,7 +201,7 @@ class Measurement {
       for (Variant* v : order)
         if (!time(*v, share)) return false;
       const double round_s = seconds_since(round_start);
-      const bool patient = seconds_since(start) + round_s < kPatienceSeconds;
+      const bool patient = seconds_since(start) + round_s < kCostPatienceSeconds;
       for (const auto& [effect, v] : others) take_round(cost(effect), base, v, patient);
       std::erase_if(others, [&](auto& o) { return cost(o.first).finished; });
       const size_t fewest = patient ? kFewestRounds : kFewestSlowRounds;
