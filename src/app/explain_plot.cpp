@@ -13,7 +13,7 @@ namespace {
 
 using Kind = ExplainedRay::Kind;
 
-constexpr double kLeft = 40, kTop = 110, kPane = 1020, kPaneHeight = 850;
+constexpr double kPaneLeft = 40, kPaneTop = 110, kPane = 1020, kPaneHeight = 850;
 constexpr double kListLeft = 1090, kListRight = 1560, kRow = 28;
 constexpr int kRows = 28;
 
@@ -47,14 +47,14 @@ class Drawing {
   }
 
   void draw() {
-    canvas_.text(kLeft, 44, valid_utf8(what_.scene.name), kBlack, Align::left, 34, true, 700);
-    canvas_.text(kLeft, 84,
+    canvas_.text(kPaneLeft, 44, valid_utf8(what_.scene.name), kBlack, Align::left, 34, true, 700);
+    canvas_.text(kPaneLeft, 84,
                  fmt::format("pixel {},{} of {}x{}, sample {}: the rays that make its colour",
                              what_.pixel[0], what_.pixel[1], what_.settings.width,
                              what_.settings.height, what_.number),
                  kGrey);
-    canvas_.image(kLeft, kTop, kPane, kPaneHeight, faded(render_scene()));
-    canvas_.clipped(kLeft, kTop, kPane, kPaneHeight, [&] {
+    canvas_.image(kPaneLeft, kPaneTop, kPane, kPaneHeight, faded(render_scene()));
+    canvas_.clipped(kPaneLeft, kPaneTop, kPane, kPaneHeight, [&] {
       draw_structure();
       for (const bool shadows : {true, false})
         for (const ExplainedRay& r : what_.sample.rays)
@@ -112,7 +112,8 @@ class Drawing {
   Dot project(const Vec3d& p) const {
     const Vec3d v = p - Vec3d(camera_.from);
     const double z = dot(v, forward_), s = scale_ / z;
-    return {kLeft + kPane / 2 + s * dot(v, right_), kTop + kPaneHeight / 2 - s * dot(v, up_), z};
+    return {kPaneLeft + kPane / 2 + s * dot(v, right_),
+            kPaneTop + kPaneHeight / 2 - s * dot(v, up_), z};
   }
   bool in_front(const Vec3d& p) const {
     return dot(p - Vec3d(camera_.from), forward_) > 0.02 * extent_;
@@ -184,7 +185,7 @@ class Drawing {
   }
 
   void draw_list() const {
-    double y = kTop + 8;
+    double y = kPaneTop + 8;
     int rows = 0;
     const auto& rays = what_.sample.rays;
     for (size_t i = 0; i < rays.size() && rows < kRows; ++i, ++rows, y += kRow) {
@@ -222,7 +223,7 @@ class Drawing {
   }
 
   void draw_legend() const {
-    double y = kTop + kRow * (kRows + 1.5) - 30;
+    double y = kPaneTop + kRow * (kRows + 1.5) - 30;
     canvas_.text(kListLeft, y,
                  fmt::format("colour {:.4f} {:.4f} {:.4f}", what_.sample.rgb.x, what_.sample.rgb.y,
                              what_.sample.rgb.z),
@@ -231,7 +232,7 @@ class Drawing {
     const auto part = [](double v) { return int(to_byte(float(v))); };
     const Vec3d& rgb = what_.sample.rgb;
     canvas_.box(kListRight - 58, y - 16, 56, 32, {part(rgb.x), part(rgb.y), part(rgb.z)});
-    double x = kLeft;
+    double x = kPaneLeft;
     for (const Look& look : {kEye, kReflected, kRefracted, kLit, kStopped}) {
       canvas_.line(x, 980, x + 34, 980, look.ink, look.width);
       canvas_.text(x + 44, 980, look.name, kBlack, Align::left, 16);

@@ -14,7 +14,7 @@ using Variables = std::vector<std::pair<std::string, std::string>>;
 constexpr char kAxes[] = "xyz";
 
 // A variable's value; within words a shorter one.
-std::string number(double x) { return fmt::format("{:.6g}", x); }
+std::string value_text(double x) { return fmt::format("{:.6g}", x); }
 std::string brief(double x) { return fmt::format("{:.4g}", x); }
 
 std::string name_of(PrimitiveId id) {
@@ -117,7 +117,7 @@ class WalkTeller {
       add(trf("{}: already tested in a cell before (mailbox), skipped", name)).test = int(i);
       return;
     }
-    Variables variables{{tr("nearest t so far"), number(nearest_)}, {"t", number(test.t)}};
+    Variables variables{{tr("nearest t so far"), value_text(nearest_)}, {"t", value_text(test.t)}};
     std::string words;
     if (std::isinf(test.t))
       words = trf("Test {}: missed", name);
@@ -140,12 +140,12 @@ class WalkTeller {
   Variables variables_of(const TraceLog::Step& s) const {
     Variables out;
     for (int a = 0; a < 3; ++a)
-      out.emplace_back(fmt::format("tMax.{}", kAxes[a]), number(s.t_max[a]));
+      out.emplace_back(fmt::format("tMax.{}", kAxes[a]), value_text(s.t_max[a]));
     for (int a = 0; a < 3; ++a) {
       const bool parallel = ray_.ray.dir[a] == 0;
       out.emplace_back(
           fmt::format("tDelta.{}", kAxes[a]),
-          number(parallel ? std::numeric_limits<double>::infinity() : log_.t_delta[a]));
+          value_text(parallel ? std::numeric_limits<double>::infinity() : log_.t_delta[a]));
     }
     for (int a = 0; a < 3; ++a) {
       const float d = ray_.ray.dir[a];
@@ -179,7 +179,7 @@ class WalkTeller {
     const double leave = s.t_max[nearest_plane(s)];
     const std::string plane = brief(leave), tmax = brief(ray_.ray.tmax);
     Variables variables = variables_of(s);
-    variables.insert(variables.begin(), {"t", number(nearest_)});
+    variables.insert(variables.begin(), {"t", value_text(nearest_)});
     std::string formula = "t <= min(tMax.x, tMax.y, tMax.z)", words;
     reached_ = std::max(reached_, std::min(leave, nearest_));
     if (ray_.hit.found()) {
@@ -220,12 +220,12 @@ class WalkTeller {
       if (d == 0) continue;  // parallel: within the slab, or the ray would not come here
       const double t1 = (double(s.box.lo[a]) - o) / d, t2 = (double(s.box.hi[a]) - o) / d;
       near = std::max(near, std::min(t1, t2)), far = std::min(far, std::max(t1, t2));
-      slabs.emplace_back(fmt::format("t1.{}", kAxes[a]), number(t1));
-      slabs.emplace_back(fmt::format("t2.{}", kAxes[a]), number(t2));
+      slabs.emplace_back(fmt::format("t1.{}", kAxes[a]), value_text(t1));
+      slabs.emplace_back(fmt::format("t2.{}", kAxes[a]), value_text(t2));
     }
     far = std::max(near, far);  // a box is met to a few roundings
     reached_ = near;
-    slabs.insert(slabs.begin(), {{"near", number(near)}, {"far", number(far)}});
+    slabs.insert(slabs.begin(), {{"near", value_text(near)}, {"far", value_text(far)}});
     add(near > nearest_ && (s.leaf || !goes_deeper()) ? words_behind(s, near)
         : s.leaf
             ? trf("Level {}: the ray meets the box of leaf {} between t = {} and t = {}: {}",
@@ -270,7 +270,7 @@ class WalkTeller {
     if (shadow() && by)
       add(trf("Any hit ends the walk of a shadow ray: {} is in front of the light",
               name_of(by->item)),
-          "0 < t < tMax", {{"t", number(by->t)}, {"tMax", number(ray_.ray.tmax)}});
+          "0 < t < tMax", {{"t", value_text(by->t)}, {"tMax", value_text(ray_.ray.tmax)}});
     else if (shadow())
       add(tr("Nothing is left to test: nothing is in front of the light"));
     else if (!by)
@@ -278,7 +278,7 @@ class WalkTeller {
     else
       add(trf("Nothing is left to test that could be nearer: the hit is that of {} at t = {}",
               name_of(ray_.hit.item), brief(ray_.hit.t)),
-          "", {{"t", number(ray_.hit.t)}});
+          "", {{"t", value_text(ray_.hit.t)}});
   }
 
   const ExplainedRay& ray_;
