@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <tuple>
 
 #include "one_picture.h"
 #include "scenes.h"
@@ -197,6 +199,78 @@ TEST(ShadowCatcher, IsInAlpha) {
   EXPECT_GT(*std::ranges::max_element(alpha), 0.2f);
   for (size_t i = 0; i < whole.pixels.size(); ++i)
     EXPECT_NEAR(colors.pixels[i].x + (1 - alpha[i]), whole.pixels[i].x, 1e-5);
+}
+
+// What faces the camera, seen under a look without shadows: as bright as its sky everywhere.
+struct FlatFigure {
+  Scene scene;
+  RenderOptions options;
+
+  FlatFigure() {
+    scene.dialect = Dialect::data;
+    scene.camera.from = {0, 0, 10}, scene.camera.at = {0, 0, 0}, scene.camera.up = {0, 1, 0};
+    scene.camera.fov_deg = 40;
+    scene.materials = {{.color = Rgb(1), .kd = 1}};
+    options.look = Look::flat;
+    options.width = options.height = 200, options.samples = 16;
+    options.occlusion_distance = 1e-3f;
+    options.outline = 0;
+  }
+  static double sky() { return double(numbers_of(Look::flat).sky); }
+};
+
+// A line along the edge of a disc covers a ring within it of the width that is asked for, however
+// far away the disc is. Of a straight edge the circle of eight probes finds cos(a) of the width,
+// with an angle a between the edge's normal and the next probe of at most 22.5 degrees: 0.974 of it
+// in the mean.
+TEST(Outline, IsAsWideAsAskedFor) {
+  const double least = std::cos(std::numbers::pi / 8);
+  const double mean = std::sin(std::numbers::pi / 8) / (std::numbers::pi / 8);
+  for (const float width : {1.5f, 3.0f, 6.0f})
+    for (const float away : {0.0f, -8.0f}) {
+      FlatFigure figure;
+      figure.scene.discs = {{{0, 0, away}, {0, 0, 1}, 2.5f}};
+      figure.scene.disc_materials = {0};
+      // Where nothing but the line is darker than the sky.
+      figure.options.background = WrittenColor{Rgb(numbers_of(Look::flat).sky)};
+      EXPECT_NEAR(double(picture_of(figure.scene, figure.options).at(100, 100).x), figure.sky(),
+                  1e-6);
+      figure.options.outline = width;
+      double dark = 0;  // pixels
+      for (const Rgb& pixel : picture_of(figure.scene, figure.options).pixels)
+        dark += 1 - double(pixel.x) / figure.sky();
+      const double radius = 2.5 / (10 - double(away)) / std::tan(20 * std::numbers::pi / 180) * 100;
+      const double inner = std::sqrt(radius * radius - dark / std::numbers::pi);
+      EXPECT_NEAR((radius - inner) / (mean * double(width)), 1, 0.02) << width << ' ' << away;
+      EXPECT_GE(radius - inner, least * double(width) - 0.02);
+      EXPECT_LE(radius - inner, double(width) + 0.02);
+    }
+}
+
+// From the nearest corner of the scene to the farthest the background's part grows evenly.
+TEST(DepthCue, GrowsEvenlyWithDepth) {
+  FlatFigure figure;
+  figure.scene.discs = {{{-2, 0, 0}, {0, 0, 1}, 0.5f},  // 10 from the eye,
+                        {{0, 0, 4}, {0, 0, 1}, 0.5f},   // 6
+                        {{1, 0, 3}, {0, 0, 1}, 0.3f}};  // and 7
+  figure.scene.disc_materials = {0, 0, 0};
+  const Rgb background(0.1f, 0.2f, 0.4f);
+  figure.options.background = WrittenColor{background};
+  for (const float cue : {0.0f, 0.3f, 1.0f}) {
+    figure.options.depth_cue = cue;
+    const Image picture = picture_of(figure.scene, figure.options);
+    for (const auto& [x, depth, part] :
+         {std::tuple(-2.0, 10.0, 1.0), {0.0, 6.0, 0.0}, {1.0, 7.0, 0.25}}) {
+      const int column = int(100 + 100 * x / depth / std::tan(20 * std::numbers::pi / 180));
+      const Rgb seen = picture.at(column, 100);
+      for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(
+            double(seen[c]),
+            figure.sky() * (1 - part * double(cue)) + double(background[c]) * part * double(cue),
+            1e-5)
+            << cue << ' ' << depth;
+    }
+  }
 }
 
 // No sample brings more than the bound.

@@ -53,8 +53,12 @@ TEST_F(CommandLine, RefusesTargetsThatCannotBeWritten) {
   const auto render = [](std::string output) {
     return std::vector<std::string>{"render", "ok.nff", "--quiet", "-o", output};
   };
-  for (const char* target : {"no/x.png", "folder.png", "/proc/x.png", "/sys/x.png", "/dev/full"})
+  for (const char* target : {"no/x.png", "folder.png", "/proc/x.png", "/sys/x.png", "/dev/full"}) {
+    // A bare machine in a folder may be without.
+    if (std::string_view(target).starts_with("/sys") && !std::filesystem::exists("/sys/kernel"))
+      continue;
     expect_refusal(render(target), 3, target);
+  }
   for (const char* target : {"no/x.json", "folder.png", "/proc/x.json"})
     expect_refusal({"render", "ok.nff", "--quiet", "-o", "/dev/null", "--stats", target}, 3,
                    target);

@@ -1,6 +1,7 @@
 # Installs what was built, builds examples/cpp against it in a clean folder, and holds its picture against the
 # command line's and the library's symbols against its interface:
-#   cmake -D BUILD=... -D SOURCE=... -D FOLDER=... -D CXX=... -D NM=... -D LIBDIR=... -P library_example.cmake
+#   cmake -D BUILD=... -D SOURCE=... -D FOLDER=... -D GENERATOR=... -D CXX=... -D NM=... -D LIBDIR=...
+#     -P library_example.cmake
 cmake_minimum_required(VERSION 3.25)
 
 function(run)
@@ -16,7 +17,8 @@ endfunction()
 file(REMOVE_RECURSE ${FOLDER})
 file(MAKE_DIRECTORY ${FOLDER})
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${FOLDER}/installed)
-run(${CMAKE_COMMAND} -S ${SOURCE}/examples/cpp -B ${FOLDER}/build -D CMAKE_PREFIX_PATH=${FOLDER}/installed
+run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${SOURCE}/examples/cpp -B ${FOLDER}/build
+    -D CMAKE_PREFIX_PATH=${FOLDER}/installed
     -D CMAKE_CXX_COMPILER=${CXX} -D "CMAKE_CXX_FLAGS=-Wall -Wextra -Wpedantic -Werror")
 run(${CMAKE_COMMAND} --build ${FOLDER}/build)
 run(${FOLDER}/build/necklace own.png own.npz)

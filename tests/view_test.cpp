@@ -53,7 +53,7 @@ RenderOptions read_back(const ViewState& state, int samples) {
 SessionPicture timed_picture(uint64_t request, double seconds, int width = 64) {
   SessionPicture p;
   p.request = request, p.samples = 1, p.settings.width = width, p.settings.height = 48;
-  p.sample_s = {seconds, seconds, seconds};
+  p.sample_s = {0.999 * seconds, seconds, 1.001 * seconds};
   return p;
 }
 
@@ -211,6 +211,11 @@ TEST(Comparison, ComparesWholeSamplesOfOneSize) {
   (void)c.begin("structure bvh", &before, 1);
   EXPECT_EQ(c.take(timed_picture(2, 0.05, 65), 2),
             "structure bvh: 50 ms a sample, before another size");
+  // One that takes long is timed once.
+  SessionPicture slow = timed_picture(3, 2.5);
+  slow.sample_s = {2.5, 2.5, 2.5};
+  c.begin("structure none", &after, 2);
+  EXPECT_EQ(c.take(slow, 3), "structure none: ~2.5 s a sample, before 50 ms");
 }
 
 TEST(Comparison, PreviewsAndOlderPicturesDoNotCount) {

@@ -243,7 +243,9 @@ class Trial {
   void take(const std::vector<std::string>& groups, const CommandLine& commands) {
     const std::string& name = groups[1];
     const auto held = commands.factor(name);
-    if (groups[3].empty()) {
+    if (groups[2] == "...") {
+      wrong_.push_back(name + " was not measured");
+    } else if (groups[3].empty()) {
       ++absent_[name];
       if (held) wrong_.push_back(groups[0] + ", which the benchmark measures");
     } else if (!held) {
@@ -264,8 +266,8 @@ class Trial {
     std::this_thread::sleep_for(std::chrono::milliseconds(300 + 400 * (number % 5)));
     window.key(XK_g);
     const auto line = window.wait_for(
-        "structure bvh: ([0-9.]+) ([a-z]+)( ±([0-9]+)%)? a sample, "
-        "(no whole sample before|before ([0-9.]+) ([a-z]+)( ±([0-9]+)%)?)",
+        "structure bvh: ~?([0-9.]+) ([a-z]+)( ±([0-9]+)%)? a sample, "
+        "(no whole sample before|before ~?([0-9.]+) ([a-z]+)( ±([0-9]+)%)?)",
         from);
     if (!line) return fmt::print("{}", window.log()), false;
     window.key(XK_space);

@@ -40,8 +40,10 @@ Film::Film(int width, int height, double bound, int tile_side, ChannelSet channe
       square_scale_(scale_for(bound_ * bound_)),
       layout_(channels),
       states_(size_t(columns_) * size_t((height + tile_side - 1) / tile_side)),
-      sums_(map<PixelSums>(tiles() * tile_sums())),
-      planes_(map<int64_t>(tiles() * tile_planes())) {}
+      sums_(tiles(), tile_sums()),
+      means_(tiles(), size_t(layout_.means()) * tile_sums()),
+      squares_(tiles(), size_t(layout_.squares()) * tile_sums()),
+      firsts_(tiles(), size_t(layout_.firsts()) * tile_sums()) {}
 
 Tile Film::tile(size_t index) const {
   const int x = int(index % size_t(columns_)) * tile_side_;
@@ -67,21 +69,34 @@ Film::Sums Film::begin(size_t tile) {
   const std::lock_guard lock(mutex(tile));
   TileState& state = states_[tile];
   if (state.samples > 0) return {};
-  if (state.begun) {
-    std::fill_n(sums(tile), tile_sums(), PixelSums());
-    std::fill_n(planes(tile), tile_planes(), 0);
-  }
+  if (state.begun) clear(tile);
   state.begun = true;
-  return {sums(tile), planes(tile)};
+  return {sums_.of(tile), means_.of(tile), squares_.of(tile), firsts_.of(tile)};
+}
+
+void Film::clear(size_t tile) {
+  sums_.clear(tile), means_.clear(tile), squares_.clear(tile), firsts_.clear(tile);
+}
+
+// Those of a tile with one sample.
+void Film::add_squares_of_sums(size_t tile) {
+  for (size_t plane = 0; plane < size_t(layout_.squares()); ++plane)
+    for (size_t i = 0; i < tile_sums(); ++i) {
+      const double value = double(sums_.of(tile)[i][plane]) / scale_;
+      squares_.of(tile)[plane * tile_sums() + i] +=
+          int64_t(std::nearbyint(value * value * square_scale_));
+    }
 }
 
 void Film::add(size_t tile, uint32_t samples, const Sums& by, const RayCounts& rays) {
   const std::lock_guard lock(mutex(tile));
-  if (PixelSums* const held = sums(tile); held != by.sums)
+  if (PixelSums* const held = sums_.of(tile); held != by.sums) {  // has sample 0
+    if (states_[tile].samples == 1) add_squares_of_sums(tile);
     for (size_t i = 0; i < tile_sums(); ++i)
       for (size_t c = 0; c < held[i].size(); ++c) held[i][c] += by.sums[i][c];
-  if (int64_t* const held = planes(tile); held != by.planes)
-    for (size_t i = 0; i < tile_planes(); ++i) held[i] += by.planes[i];
+    for (size_t i = 0; i < means_.each; ++i) means_.of(tile)[i] += by.means[i];
+    for (size_t i = 0; i < squares_.each; ++i) squares_.of(tile)[i] += by.squares[i];
+  }
   states_[tile].samples += samples;
   states_[tile].rays += rays;
 }
@@ -96,11 +111,9 @@ TileSamples Film::copy(size_t tile) const {
   for (int y = t.y0; y < t.y1; ++y)
     for (size_t x = 0; x < width; ++x)
       out.sums.insert(out.sums.end(), row(tile, y)[x].begin(), row(tile, y)[x].end());
-  for (size_t plane = 0; plane < size_t(layout_.planes()); ++plane)
-    for (int y = t.y0; y < t.y1; ++y) {
-      const int64_t* const from = planes(tile) + plane * tile_sums() + row_start(y);
-      out.planes.insert(out.planes.end(), from, from + width);
-    }
+  for_numbers(t, [&](Channel channel, size_t component, int x, int y) {
+    out.planes.push_back(held(channel, tile, x, y, component));
+  });
   return out;
 }
 
@@ -108,17 +121,27 @@ void Film::replace(size_t tile, const TileSamples& by) {
   const Tile t = this->tile(tile);
   const std::lock_guard lock(mutex(tile));
   states_[tile] = {by.samples, false, by.rays};
-  std::fill_n(sums(tile), tile_sums(), PixelSums());
-  std::fill_n(planes(tile), tile_planes(), 0);
+  clear(tile);
   if (by.samples == 0) return;
   const size_t width = size_t(t.x1 - t.x0);
   const int64_t* s = by.sums.data();
   for (int y = t.y0; y < t.y1; ++y)
     for (size_t x = 0; x < width; ++x, s += 4) std::copy_n(s, 4, row(tile, y)[x].begin());
   const int64_t* p = by.planes.data();
-  for (size_t plane = 0; plane < size_t(layout_.planes()); ++plane)
-    for (int y = t.y0; y < t.y1; ++y, p += width)
-      std::copy_n(p, width, planes(tile) + plane * tile_sums() + row_start(y));
+  for_numbers(t, [&](Channel channel, size_t component, int x, int y) {
+    hold(channel, tile, x, y, component, *p++);
+  });
+  if (by.samples == 1) squares_.clear(tile);
+}
+
+template <class F>
+void Film::for_numbers(const Tile& tile, F&& f) const {
+  for (const ChannelSpec& spec : kChannels) {
+    if (!layout_.has_planes(spec.channel)) continue;
+    for (size_t c = 0; c < spec.components.size(); ++c)
+      for (int y = tile.y0; y < tile.y1; ++y)
+        for (int x = tile.x0; x < tile.x1; ++x) f(spec.channel, c, x, y);
+  }
 }
 
 // Calls f(tile, its place) for all tiles that have samples.
@@ -145,10 +168,34 @@ Image Film::resolve() const {
 }
 
 int64_t Film::held(Channel channel, size_t tile, int x, int y, size_t component) const {
-  const size_t at = row_start(y) + size_t(x % tile_side_);
-  if (channel == Channel::alpha) return sums(tile)[at][3];
-  const size_t plane = size_t(layout_.first(channel)) + component;
-  return planes(tile)[plane * tile_sums() + at];
+  const size_t pixel = row_start(y) + size_t(x % tile_side_);
+  if (channel == Channel::alpha) return sums_.of(tile)[pixel][3];
+  const size_t at = (layout_.plane(channel) + component) * tile_sums() + pixel;
+  switch (spec_of(channel).rule) {
+    case ChannelRule::first:
+      return firsts_.of(tile)[at];
+    case ChannelRule::mean:
+      return means_.of(tile)[at];
+    case ChannelRule::derived:
+      break;
+  }
+  return squares_.of(tile)[at];
+}
+
+void Film::hold(Channel channel, size_t tile, int x, int y, size_t component, int64_t value) {
+  const size_t at =
+      (layout_.plane(channel) + component) * tile_sums() + row_start(y) + size_t(x % tile_side_);
+  switch (spec_of(channel).rule) {
+    case ChannelRule::first:
+      firsts_.of(tile)[at] = uint32_t(value);
+      break;
+    case ChannelRule::mean:
+      means_.of(tile)[at] = value;
+      break;
+    case ChannelRule::derived:
+      squares_.of(tile)[at] = value;
+      break;
+  }
 }
 
 float Film::value(Channel channel, size_t tile, int x, int y, size_t component) const {

@@ -48,34 +48,46 @@ constexpr double fixed_scale(const ChannelSpec& spec) {
   return scale;
 }
 
-/// Where the channels of a film are among its planes, each of which holds one number a pixel. Alpha
-/// is in PixelSums, the number of samples with the tile.
+/// Where the channels of a film are among its planes, each of which holds one number a pixel: sums
+/// of what the samples bring, sums of its squares, and what sample 0 brought. Alpha is in
+/// PixelSums, the number of samples with the tile.
 class FilmLayout {
  public:
   explicit FilmLayout(ChannelSet channels) : channels_(channels) {
     for (const ChannelSpec& spec : kChannels) {
-      first_[size_t(spec.channel)] = planes_;
-      const bool stored = spec.channel != Channel::alpha && spec.channel != Channel::samples;
-      if (channels.has(spec.channel) && stored) planes_ += int(spec.components.size());
+      if (!has_planes(spec.channel)) continue;
+      int& planes = spec.rule == ChannelRule::first  ? firsts_
+                    : spec.rule == ChannelRule::mean ? means_
+                                                     : squares_;
+      plane_[size_t(spec.channel)] = planes;
+      planes += int(spec.components.size());
     }
   }
   ChannelSet channels() const { return channels_; }
   bool has(Channel channel) const { return channels_.has(channel); }
-  int planes() const { return planes_; }
-  int first(Channel channel) const { return first_[size_t(channel)]; }
+  bool has_planes(Channel channel) const {
+    return has(channel) && channel != Channel::alpha && channel != Channel::samples;
+  }
+  /// How many there are of each.
+  int means() const { return means_; }
+  int squares() const { return squares_; }
+  int firsts() const { return firsts_; }
+  int planes() const { return means_ + squares_ + firsts_; }
+  /// The first plane of a channel among those of its rule.
+  size_t plane(Channel channel) const { return size_t(plane_[size_t(channel)]); }
 
  private:
   ChannelSet channels_;
-  std::array<int, kChannels.size()> first_{};
-  int planes_ = 0;
+  std::array<int, kChannels.size()> plane_{};
+  int means_ = 0, squares_ = 0, firsts_ = 0;
 };
 
 /// What a film holds of a tile.
 struct TileSamples {
   uint32_t samples = 0;  // 0 .. samples - 1 of all its pixels
   RayCounts rays;
-  // Row by row, empty without samples: r, g, b and coverage for each pixel; and plane by plane what
-  // FilmLayout names.
+  // Row by row, empty without samples: r, g, b and coverage for each pixel; and plane by plane, in
+  // the order of kChannels, the numbers of the channels.
   std::vector<int64_t> sums, planes;
 
   friend bool operator==(const TileSamples&, const TileSamples&) = default;
@@ -114,14 +126,20 @@ class Film {
 
   /// From row to row of a tile's sums: a power of two.
   size_t row_stride() const { return std::bit_ceil(size_t(std::min(tile_side_, width_))); }
-  /// Of a tile, with those between its rows and, of tiles at the edge, beyond them.
-  size_t tile_sums() const { return row_stride() * size_t(std::min(tile_side_, height_)); }
+  /// Of a tile, with those between its rows and, of tiles at the edge, beyond them; and so many
+  /// more that SIMD instructions never end between two tiles.
+  size_t tile_sums() const {
+    constexpr size_t kLanes = 16;
+    const size_t sums = row_stride() * size_t(std::min(tile_side_, height_));
+    return (sums + kLanes - 1) / kLanes * kLanes;
+  }
 
   /// What the samples of a tile add up to: tile_sums() sums, and as many numbers for each plane of
-  /// the layout.
+  /// the layout. A single sample has no squares yet: they follow from its sums.
   struct Sums {
     PixelSums* sums = nullptr;
-    int64_t* planes = nullptr;
+    int64_t *means = nullptr, *squares = nullptr;
+    uint32_t* firsts = nullptr;
   };
 
   /// Those of a tile that has no samples yet, all zero, to be filled where they are; the film has
@@ -155,28 +173,41 @@ class Film {
   };
   template <class T>
   using Zeroes = std::unique_ptr<T[], Unmap<T>>;
+  // Numbers of all tiles, tile by tile.
   template <class T>
-  static Zeroes<T> map(size_t count) {
-    const size_t bytes = count * sizeof(T);
-    return {bytes == 0 ? nullptr : static_cast<T*>(map_zeroes(bytes)), Unmap<T>{bytes}};
-  }
+  struct Tiles {
+    Tiles(size_t tiles, size_t of_each)
+        : each(of_each), numbers(map(tiles * each * sizeof(T)), {tiles * each * sizeof(T)}) {}
+    static T* map(size_t bytes) {
+      return bytes == 0 ? nullptr : static_cast<T*>(map_zeroes(bytes));
+    }
+    T* of(size_t tile) const { return numbers.get() + tile * each; }
+    void clear(size_t tile) const { std::fill_n(of(tile), each, T()); }
+
+    size_t each;
+    Zeroes<T> numbers;
+  };
 
   struct TileState {
     uint32_t samples = 0;
-    bool begun = false;  // without samples its sums and planes may not be zero
+    bool begun = false;  // without samples its numbers may not be zero
     RayCounts rays;
   };
 
   std::mutex& mutex(size_t tile) const { return mutexes_[tile % mutexes_.size()]; }
-  PixelSums* sums(size_t tile) const { return &sums_[tile * tile_sums()]; }
-  int64_t* planes(size_t tile) const { return planes_.get() + tile * tile_planes(); }
-  size_t tile_planes() const { return size_t(layout_.planes()) * tile_sums(); }
+  void clear(size_t tile);
+  void add_squares_of_sums(size_t tile);
   // Of a pixel of the picture in a tile that has samples.
   int64_t held(Channel channel, size_t tile, int x, int y, size_t component) const;
+  void hold(Channel channel, size_t tile, int x, int y, size_t component, int64_t value);
   float value(Channel channel, size_t tile, int x, int y, size_t component) const;
   // Of row `y` of the picture.
   size_t row_start(int y) const { return size_t(y % tile_side_) * row_stride(); }
-  PixelSums* row(size_t tile, int y) const { return sums(tile) + row_start(y); }
+  PixelSums* row(size_t tile, int y) const { return sums_.of(tile) + row_start(y); }
+  // Calls f(channel, component, x, y) for all numbers of a tile's channels, in the order in which
+  // TileSamples has them.
+  template <class F>
+  void for_numbers(const Tile& tile, F&& f) const;
 
   template <class F>
   void for_tiles(F&& f) const;
@@ -188,8 +219,10 @@ class Film {
   // a third of the picture apart do not wait for each other.
   mutable std::array<std::mutex, 61> mutexes_;
   std::vector<TileState> states_;
-  Zeroes<PixelSums> sums_;  // tile by tile
-  Zeroes<int64_t> planes_;  // tile by tile, plane by plane
+  Tiles<PixelSums> sums_;
+  // Plane by plane of each tile; apart, so that what is not used yet takes no memory.
+  Tiles<int64_t> means_, squares_;
+  Tiles<uint32_t> firsts_;
 };
 
 }  // namespace raio

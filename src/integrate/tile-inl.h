@@ -168,36 +168,64 @@ class TileSums {
  public:
   void begin(Film& film, size_t tile) {
     bound_ = film.bound(), scale_ = film.scale();
-    const FilmLayout& layout = film.layout();
+    layout_ = &film.layout();
     plane_size_ = film.tile_sums();
     sums_ = film.begin(tile);
     if (!sums_.sums) {
       own_.assign(plane_size_, PixelSums());
-      own_planes_.assign(size_t(layout.planes()) * plane_size_, 0);
-      sums_ = {own_.data(), own_planes_.data()};
+      own_means_.assign(size_t(layout_->means()) * plane_size_, 0);
+      own_squares_.assign(size_t(layout_->squares()) * plane_size_, 0);
+      sums_ = {own_.data(), own_means_.data(), own_squares_.data(), nullptr};
     }
     is_clamped_ = bound_ == Film::kMostBound;
-    squares_ = layout.has(Channel::variance) ? plane(layout.first(Channel::variance)) : nullptr;
     square_scale_ = film.square_scale();
-    before_.resize(is_clamped_ || squares_ ? plane_size_ : 0);
+    before_.resize(is_clamped_ || layout_->squares() > 0 ? plane_size_ : 0);
   }
 
   // Around each sample. What its rays bring together is beyond the film's bound only where that is
   // the most that there is, with lights near the end of floats: then no more than it counts.
-  void begin_sample() { std::copy_n(sums_.sums, before_.size(), before_.begin()); }
-  void end_sample() {
+  void begin_sample(uint32_t sample) {
+    if (is_clamped_ || sample > 0) std::copy_n(sums_.sums, before_.size(), before_.begin());
+  }
+  void end_sample(uint32_t sample) {
     const auto most = int64_t(bound_ * scale_);
-    for (size_t i = 0; i < before_.size(); ++i)
-      for (size_t c = 0; c < 3; ++c) {
-        if (is_clamped_) sums_.sums[i][c] = std::min(sums_.sums[i][c], before_[i][c] + most);
-        if (!squares_) continue;
-        const double value = double(sums_.sums[i][c] - before_[i][c]) / scale_;
-        squares_[c * plane_size_ + i] += std::llround(value * value * square_scale_);
-      }
+    for (size_t i = 0; is_clamped_ && i < before_.size(); ++i)
+      for (size_t c = 0; c < 3; ++c)
+        sums_.sums[i][c] = std::min(sums_.sums[i][c], before_[i][c] + most);
+    // Squares of sample 0 follow from its sums, as long as there is no other.
+    if (layout_->squares() > 0 && sample > 0) add_squares(sample == 1 && sums_.sums != own_.data());
   }
 
-  // A plane of the film's layout, a number for each pixel.
-  int64_t* plane(int index) const { return sums_.planes + size_t(index) * plane_size_; }
+  // Adds to the sums of a channel whose rule is `mean` the values in `mask`, one for each of
+  // `pixels`; or sets the values of one whose rule is `first`.
+  HWY_INLINE void add_mean(Channel channel, const V3& values, const uint32_t* pixels, M mask) {
+    const ChannelSpec& spec = spec_of(channel);
+    const V most = hn::Set(d, float(spec.bound)), least = hn::Neg(most);
+    const auto scale = hn::Set(kDoubles, fixed_scale(spec));
+    const V parts[3] = {values.x, values.y, values.z};
+    int64_t* const plane = sums_.means + layout_->plane(channel) * plane_size_;
+    for (size_t c = 0; c < 3; ++c) {
+      HWY_ALIGN float part[kWidth];
+      HWY_ALIGN int64_t fixed[kWidth];
+      hn::Store(hn::Min(hn::Max(parts[c], least), most), d, part);
+      for (size_t k = 0; k < kWidth; k += hn::MaxLanes(kDoubles)) {
+        const auto v = hn::PromoteTo(kDoubles, hn::Load(kHalves, part + k));
+        hn::Store(hn::ConvertTo(kIntegers, hn::Round(hn::Mul(v, scale))), kIntegers, fixed + k);
+      }
+      for_lanes(mask, [&](size_t k) { plane[c * plane_size_ + pixels[k]] += fixed[k]; });
+    }
+  }
+  HWY_INLINE void add_mean(Channel channel, uint32_t value, uint32_t pixel) {
+    sums_.means[layout_->plane(channel) * plane_size_ + pixel] +=
+        int64_t(fixed_scale(spec_of(channel))) * value;
+  }
+  HWY_INLINE void set_first(Channel channel, size_t component, U values, const uint32_t* pixels,
+                            M mask) {
+    HWY_ALIGN uint32_t value[kWidth];
+    hn::Store(values, du, value);
+    uint32_t* const plane = sums_.firsts + (layout_->plane(channel) + component) * plane_size_;
+    for_lanes(mask, [&](size_t k) { plane[pixels[k]] = value[k]; });
+  }
 
   // Asks the memory for those of four pixels in a row.
   HWY_INLINE void prefetch(uint32_t pixel) const {
@@ -228,6 +256,7 @@ class TileSums {
 
  private:
   static constexpr hn::CappedTag<double, kWidth> kDoubles{};
+  static constexpr hn::Rebind<float, decltype(kDoubles)> kHalves{};
   static constexpr hn::Rebind<int64_t, decltype(kDoubles)> kIntegers{};
   static constexpr hn::CappedTag<int64_t, 4> kFour{};
 
@@ -249,21 +278,45 @@ class TileSums {
 
   template <class Value>
   HWY_INLINE void add_each(const uint32_t* pixels, M mask, Value&& value) {
-    uint8_t bits[8] = {};
-    hn::StoreMaskBits(d, mask, bits);
-    for (unsigned lanes = bits[0] | unsigned(bits[1]) << 8; lanes; lanes &= lanes - 1) {
-      const size_t k = hwy::Num0BitsBelowLS1Bit_Nonzero32(lanes);
+    for_lanes(mask, [&](size_t k) HWY_ATTR {
       int64_t* const sums = sums_.sums[pixels[k]].data();
       const int64_t* const by = value(k)->data();
       for (size_t c = 0; c < 4; c += hn::MaxLanes(kFour))
         hn::Store(hn::Add(hn::Load(kFour, sums + c), hn::Load(kFour, by + c)), kFour, sums + c);
+    });
+  }
+  template <class F>
+  static HWY_INLINE void for_lanes(M mask, F&& f) {
+    uint8_t bits[8] = {};
+    hn::StoreMaskBits(d, mask, bits);
+    for (unsigned lanes = bits[0] | unsigned(bits[1]) << 8; lanes; lanes &= lanes - 1)
+      f(hwy::Num0BitsBelowLS1Bit_Nonzero32(lanes));
+  }
+
+  // What the sample adds to the sums of squares, and what the only one before it has not added.
+  void add_squares(bool one_before) {
+    const auto unit = hn::Set(kDoubles, 1 / scale_), scale = hn::Set(kDoubles, square_scale_);
+    const auto square = [&](hn::Vec<decltype(kIntegers)> sum) HWY_ATTR {
+      const auto value = hn::Mul(hn::ConvertTo(kDoubles, sum), unit);
+      return hn::ConvertTo(kIntegers, hn::Round(hn::Mul(hn::Mul(value, value), scale)));
+    };
+    for (size_t i = 0; i < plane_size_; i += hn::MaxLanes(kDoubles)) {
+      hn::Vec<decltype(kIntegers)> now[4], before[4];
+      hn::LoadInterleaved4(kIntegers, sums_.sums[i].data(), now[0], now[1], now[2], now[3]);
+      hn::LoadInterleaved4(kIntegers, before_[i].data(), before[0], before[1], before[2],
+                           before[3]);
+      for (size_t c = 0; c < 3; ++c) {
+        int64_t* const squares = sums_.squares + c * plane_size_ + i;
+        auto sum = hn::Add(hn::Load(kIntegers, squares), square(hn::Sub(now[c], before[c])));
+        if (one_before) sum = hn::Add(sum, square(before[c]));
+        hn::Store(sum, kIntegers, squares);
+      }
     }
   }
 
   // A value beyond what floats hold counts as the bound.
   HWY_INLINE hn::Vec<decltype(kIntegers)> to_fixed(const float* values) const {
-    const auto v =
-        hn::PromoteTo(kDoubles, hn::Load(hn::Rebind<float, decltype(kDoubles)>(), values));
+    const auto v = hn::PromoteTo(kDoubles, hn::Load(kHalves, values));
     const auto bound = hn::Set(kDoubles, bound_);
     const auto clamped = hn::IfThenElse(hn::Lt(v, bound), v, bound);
     return hn::ConvertTo(kIntegers, hn::Round(hn::Mul(clamped, hn::Set(kDoubles, scale_))));
@@ -271,12 +324,12 @@ class TileSums {
 
   double bound_ = 1, scale_ = 1;
   Film::Sums sums_;
-  std::vector<PixelSums> own_;  // unless they are the film's
-  std::vector<int64_t> own_planes_;
-  std::vector<PixelSums> before_;  // the sample
+  const FilmLayout* layout_ = nullptr;
+  Column<PixelSums> own_;  // unless they are the film's
+  Column<int64_t> own_means_, own_squares_;
+  Column<PixelSums> before_;  // the sample
   bool is_clamped_ = false;
   size_t plane_size_ = 0;
-  int64_t* squares_ = nullptr;  // the planes of the variance, if there are any
   double square_scale_ = 1;
 };
 

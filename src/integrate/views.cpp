@@ -54,10 +54,14 @@ class ViewsShading {
     const V half = hn::Set(d, 0.5f);
     for (size_t i = 0; i < n; i += kWidth) {
       V3 radiance = set3(d, Rgb());
-      if (view_ == View::normals)
+      if (view_ == View::normals) {
         radiance = set3(d, Rgb(0.5f)) + load(v.normal, i) * half;
-      else if (!counts_rays())
-        radiance = colors([&](size_t k) { return color(w, i + k); }, std::min(n - i, kWidth));
+      } else if (!counts_rays()) {
+        HWY_ALIGN float depths[kWidth];
+        hn::Store(w.depths(i), d, depths);
+        radiance =
+            colors([&](size_t k) { return color(w, i + k, depths[k]); }, std::min(n - i, kWidth));
+      }
       store(radiance, v.radiance, i);
     }
   }
@@ -78,14 +82,14 @@ class ViewsShading {
   }
 
   template <class W>
-  Rgb color(W& w, size_t i) const {
+  Rgb color(W& w, size_t i, float depth) const {
     const Vertices& v = w.vertices();
-    if (view_ == View::depth) return Rgb(distance_ / (distance_ + w.depth(i)));
+    if (view_ == View::depth) return Rgb(distance_ / (distance_ + depth));
     const Vec3f normal = {v.normal.x.at[i], v.normal.y.at[i], v.normal.z.at[i]};
     const float shade = 0.4f + 0.6f * std::abs(dot(normal, w.rays().rays[i].dir));
     if (view_ == View::ids) return id_color(w.hits().item[i]) * shade;
     if (view_ == View::materials) return id_color(v.material[i]) * shade;
-    return focus_color(w.depth(i)) * shade;
+    return focus_color(depth) * shade;
   }
 
   Rgb focus_color(float depth) const {

@@ -95,11 +95,11 @@ class Wavefront final : public TileRenderer {
     const uint32_t first = film.samples(tile);
     for (sample_ = first; sample_ < samples; ++sample_) {
       const uint64_t before = counts_.total();
-      sums_.begin_sample();
+      sums_.begin_sample(sample_);
       if constexpr (kRecords) recorder_.begin_sample(sample_);
       add_sample(WideSampler<D>(scene_.sampler, sample_));
       if (context_.stopped()) return;
-      sums_.end_sample();
+      sums_.end_sample(sample_);
       control_.rays_done += counts_.total() - before;
       ++control_.work_done;
     }
@@ -492,9 +492,8 @@ class Wavefront final : public TileRenderer {
   void add_costs() {
     const auto add = [&](Channel channel, const std::vector<uint32_t>& counts) {
       if (!layout_->has(channel)) return;
-      int64_t* const plane = sums_.plane(layout_->first(channel));
-      const auto unit = int64_t(fixed_scale(spec_of(channel)));
-      for (size_t i = 0; i < counts.size(); ++i) plane[current_.pixel[i]] += unit * counts[i];
+      for (size_t i = 0; i < counts.size(); ++i)
+        sums_.add_mean(channel, counts[i], current_.pixel[i]);
     };
     add(Channel::steps, ray_steps_);
     add(Channel::tests, ray_tests_);
@@ -503,58 +502,78 @@ class Wavefront final : public TileRenderer {
   // What the film keeps of the surfaces that n eye rays hit.
   void add_features(size_t n) {
     const Vertices& v = *vertices_;
-    const auto add_mean = [&](Channel channel, auto&& value) {
-      if (!layout_->has(channel)) return;
-      const ChannelSpec& spec = spec_of(channel);
-      const double scale = fixed_scale(spec);
-      const auto most = float(spec.bound);
-      for (size_t c = 0; c < spec.components.size(); ++c) {
-        int64_t* const plane = sums_.plane(layout_->first(channel) + int(c));
-        for (size_t i = 0; i < n; ++i) {
-          if (clear_ && !first_[i]) continue;
-          const float x = std::min(std::max(value(i, c), -most), most);
-          plane[current_.pixel[i]] += int64_t(std::nearbyint(double(x) * scale));
-        }
+    const bool normals = layout_->has(Channel::normal), albedo = layout_->has(Channel::albedo);
+    const bool firsts = sample_ == 0 && layout_->firsts() > 0;
+    for (size_t i = 0; i < n; i += kWidth) {
+      M mask = hn::FirstN(d, n - i);
+      if (clear_) {
+        const U first = hn::PromoteTo(du, hn::LoadU(hn::Rebind<uint8_t, DU>(), &first_[i]));
+        mask = hn::And(mask, hn::RebindMask(d, hn::Ne(first, hn::Zero(du))));
       }
+      const uint32_t* const pixels = &current_.pixel[i];
+      if (normals) sums_.add_mean(Channel::normal, load(v.normal, i), pixels, mask);
+      if (albedo) sums_.add_mean(Channel::albedo, load(v.color, i) * load(v.kd, i), pixels, mask);
+      if (firsts) set_firsts(i, pixels, mask);
+    }
+  }
+  void set_firsts(size_t i, const uint32_t* pixels, M mask) {
+    const auto set = [&](Channel channel, size_t component, U values)
+                         HWY_ATTR { sums_.set_first(channel, component, values, pixels, mask); };
+    // value(k) of the lanes.
+    const auto each = [&](auto&& value) HWY_ATTR {
+      HWY_ALIGN uint32_t values[kWidth] = {};
+      for (size_t k = i; k < std::min(i + kWidth, current_.rays.size()); ++k)
+        values[k - i] = value(k);
+      return hn::Load(du, values);
     };
-    const auto part = [](const Floats3& f, size_t i, size_t c) {
-      return c == 0 ? f.x.at[i] : c == 1 ? f.y.at[i] : f.z.at[i];
-    };
-    add_mean(Channel::normal, [&](size_t i, size_t c) { return part(v.normal, i, c); });
-    add_mean(Channel::albedo, [&](size_t i, size_t c) { return v.kd.at[i] * part(v.color, i, c); });
-    if (sample_ > 0) return;
-    const auto set_first = [&](Channel channel, auto&& bits) {
-      if (!layout_->has(channel)) return;
-      for (size_t c = 0; c < spec_of(channel).components.size(); ++c) {
-        int64_t* const plane = sums_.plane(layout_->first(channel) + int(c));
-        for (size_t i = 0; i < n; ++i)
-          if (!clear_ || first_[i]) plane[current_.pixel[i]] = bits(i, c);
-      }
-    };
-    set_first(Channel::depth, [&](size_t i, size_t) { return std::bit_cast<uint32_t>(depth(i)); });
-    const Vec3d origin = scene_.scene.origin;
-    set_first(Channel::position, [&](size_t i, size_t c) {
-      return std::bit_cast<uint32_t>(float(origin[int(c)] + double(part(v.point, i, c))));
-    });
-    set_first(Channel::id, [&](size_t i, size_t) {
-      const PrimitiveId id = hits_.item[i];
-      return first_number_[size_t(primitive_kind(id))] + primitive_index(id) + 1;
-    });
-    set_first(Channel::object,
-              [&](size_t i, size_t) { return scene_.accel.geometry().object_of(hits_.item[i]); });
+    if (layout_->has(Channel::depth)) set(Channel::depth, 0, hn::BitCast(du, depths(i)));
+    if (layout_->has(Channel::position)) {
+      const V3 point = load(vertices_->point, i);
+      const V parts[3] = {point.x, point.y, point.z};
+      for (size_t c = 0; c < 3; ++c)
+        set(Channel::position, c, in_file(parts[c], scene_.scene.origin[int(c)]));
+    }
+    if (layout_->has(Channel::id))
+      set(Channel::id, 0, each([&](size_t k) {
+            const PrimitiveId id = hits_.item[k];
+            return first_number_[size_t(primitive_kind(id))] + primitive_index(id) + 1;
+          }));
+    if (layout_->has(Channel::object))
+      set(Channel::object, 0,
+          each([&](size_t k) { return scene_.accel.geometry().object_of(hits_.item[k]); }));
   }
 
  public:
-  // Of current ray i: from the camera along the line of sight, wherever on the lens it starts.
-  float depth(size_t i) const {
-    const Ray ray = current_.rays[i];
-    const Vec3f point = ray.at(hits_.t[i]);
-    if (!scene_.eye.movement) return dot(point - scene_.eye.from, scene_.forward);
-    const Camera camera = camera_at(scene_.settings.camera, ray.time);
-    return dot(point - camera.from, normalize(camera.at - camera.from));
+  // Of current rays i, i + 1, ...: from the camera along the line of sight, wherever on the lens
+  // they start.
+  V depths(size_t i) const {
+    const V3 points = origins(current_.rays, i) + directions(current_.rays, i) * load(hits_.t, i);
+    if (!scene_.eye.movement)
+      return dot(points - set3(d, scene_.eye.from), set3(d, scene_.forward));
+    V depths = hn::Zero(d);
+    for (size_t k = i; k < std::min(i + kWidth, current_.rays.size()); ++k) {
+      const Camera camera = camera_at(scene_.settings.camera, current_.rays.time[k]);
+      const V3 forward = set3(d, normalize(camera.at - camera.from));
+      depths =
+          hn::IfThenElse(hn::FirstN(d, k - i), depths, dot(points - set3(d, camera.from), forward));
+    }
+    return depths;
   }
 
  private:
+  // A coordinate of points as the file has it.
+  static U in_file(V x, double origin) {
+    const hn::CappedTag<double, kWidth> doubles;
+    const hn::Rebind<float, decltype(doubles)> halves;
+    HWY_ALIGN float parts[kWidth];
+    hn::Store(x, d, parts);
+    for (size_t k = 0; k < kWidth; k += hn::MaxLanes(doubles)) {
+      const auto wide = hn::PromoteTo(doubles, hn::Load(halves, parts + k));
+      hn::Store(hn::DemoteTo(halves, hn::Add(hn::Set(doubles, origin), wide)), halves, parts + k);
+    }
+    return hn::BitCast(du, hn::Load(d, parts));
+  }
+
   // Gives the background, if it is `seen`, to the rays that hit nothing and moves the others
   // together. The lanes after the last of them repeat it, so that they hold something sensible.
   void drop_misses(bool seen) {

@@ -24,10 +24,12 @@ std::optional<Error> picture_problem(int width, int height, ChannelSet channels)
   const auto whole = [](int side) {
     return std::min(2.0 * side, std::ceil(double(side) / kMostTileSide) * kMostTileSide);
   };
-  const double planes = FilmLayout(channels).planes();
+  const FilmLayout layout(channels);
+  const double sums = layout.means() + layout.squares(), firsts = layout.firsts();
   const double bytes =
-      whole(width) * whole(height) * (sizeof(PixelSums) + planes * sizeof(int64_t)) +
-      double(pixels) * (sizeof(Rgb) + 6 + planes * sizeof(float));
+      whole(width) * whole(height) *
+          (sizeof(PixelSums) + sums * sizeof(int64_t) + firsts * sizeof(uint32_t)) +
+      double(pixels) * (sizeof(Rgb) + 6 + (sums + firsts) * sizeof(float));
   if (const double available = double(available_memory_bytes()); bytes > 0.9 * available)
     return refused(fmt::format("a picture of {}x{} pixels needs {:.1f} GB and {:.1f} GB are free",
                                width, height, bytes * 1e-9, available * 1e-9));

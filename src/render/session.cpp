@@ -23,7 +23,6 @@ constexpr uint32_t kMostParts = 64;
 // Of a sample's time: until whoever shows the picture has drawn it; of all runs together; of one
 // which drawing its parts could not slow down by much.
 constexpr double kDrawSeconds = 0.1, kTimingSeconds = 0.15, kLongSeconds = 1;
-constexpr double kRepeatSeconds = 0.3;  // longer samples are timed once
 
 // What the cost of a pixel depends on, but for the camera.
 RenderOptions without_camera(RenderOptions o) {
@@ -338,8 +337,9 @@ bool Session::time_sample(SessionPicture& next) {
                      [&] { return control_.stop.load(); });
     }
     const BakedScene& baked = *next.baked;
-    const size_t least = next.render_s < kRepeatSeconds ? 3 : 1;
-    for (double all = 0; runs_s.size() < least || all < kTimingSeconds; all += runs_s.back()) {
+    constexpr size_t kLeastRuns = 3;  // or their spread would not show
+    for (double all = 0; runs_s.size() < kLeastRuns || all < kTimingSeconds;
+         all += runs_s.back()) {
       const auto film = make_film(*baked.scene, next.settings);
       if (!film) return fail(film.error(), next);
       const RenderResult done =

@@ -21,7 +21,9 @@ std::string text_of_spread(const MedianInterval& interval) {
 }
 
 std::string text_of_seconds(const MedianInterval& seconds) {
-  return app::human_seconds(seconds.median) + text_of_spread(seconds);
+  // Of a single run no spread is known.
+  const char* const about = seconds.low == seconds.high ? "~" : "";
+  return about + app::human_seconds(seconds.median) + text_of_spread(seconds);
 }
 
 std::string Comparison::begin(std::string what, const SessionPicture* before, uint64_t request) {

@@ -91,9 +91,9 @@ class SceneMaker {
                                        atoms_.frames));
     has_elements_ = any_element(atoms_);
     if (!has_elements_ && atoms_.radii.empty()) {
-      std::vector<Vec3f> places;
-      for (const Atom& atom : atoms_.atoms) places.push_back(place_of(atom));
-      particle_radius_ = mean_spacing(places) / 2;
+      Box3f box;
+      for (const Atom& atom : atoms_.atoms) box.extend(place_of(atom));
+      particle_radius_ = mean_spacing(box, atoms_.atoms.size()) / 2;
     }
     Scene& scene = read_.scene;
     scene.dialect = Dialect::data;

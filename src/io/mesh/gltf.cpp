@@ -353,10 +353,10 @@ class GltfReader {
     if (p.color) colors.emplace(document_, buffers_, *p.color, 3, 4);
     if (p.indices) indices.emplace(document_, buffers_, *p.indices, 1, 1);
     const Rgb of_material = scene_.materials[material_of(p)].color;
-    std::vector<Vec3f> places;
+    Box3f box;
     const size_t count = indices ? indices->count() : positions.count();
     const size_t before = scene_.spheres.size();
-    bytes_ += double(count) * (sizeof(Sphere) + sizeof(Rgb) + 2 * sizeof(Vec3f));
+    bytes_ += double(count) * (sizeof(Sphere) + sizeof(Rgb) + sizeof(MaterialId));
     if (bytes_ > double(available_memory_bytes()) / 2) throw ReadFailure{std::string(kNoMemory)};
     for (size_t i = 0; i < count; ++i) {
       const size_t at = indices ? indices->whole(i) : i;
@@ -365,13 +365,13 @@ class GltfReader {
             fmt::format("/meshes/{}: index {} of {} points", number, at, positions.count())};
       const Vec3d to = by.point(Vec3d(position(positions, at)));
       check_place(to, fmt::format("/meshes/{}", number));
-      places.push_back(Vec3f(to));
+      scene_.spheres.push_back({Vec3f(to), 0});
+      box.extend(Vec3f(to));
       scene_.sphere_materials.push_back(material_of(p));
       scene_.sphere_colors.push_back(colors ? color(*colors, at) * of_material : of_material);
     }
-    const float radius = std::clamp(mean_spacing(places) / 2, 1e-25f, kFarthestPlace);
-    scene_.spheres.resize(before + count);
-    for (size_t i = 0; i < count; ++i) scene_.spheres[before + i] = {places[i], radius};
+    const float radius = std::clamp(mean_spacing(box, count) / 2, 1e-25f, kFarthestPlace);
+    for (size_t i = 0; i < count; ++i) scene_.spheres[before + i].radius = radius;
   }
 
   void tell_left_out() {

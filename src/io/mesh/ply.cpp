@@ -51,10 +51,12 @@ class PlyReader {
       : file_(bytes), options_(options) {}
 
   ReadScene read() {
+    has_faces_ = std::ranges::any_of(
+        file_.elements(), [](const PlyElement& e) { return is_of_faces(e) && e.count > 0; });
     for (const PlyElement& element : file_.elements()) {
       if (element.name == "vertex")
         read_vertices(element);
-      else if (element.name == "face" || element.name == "tristrips")
+      else if (is_of_faces(element))
         read_faces(element);
       else
         file_.skip(element);
@@ -64,6 +66,9 @@ class PlyReader {
 
  private:
   [[noreturn]] void fail(std::string message) const { file_.fail(std::move(message)); }
+  static bool is_of_faces(const PlyElement& element) {
+    return element.name == "face" || element.name == "tristrips";
+  }
 
   // --- vertices
   void read_vertices(const PlyElement& element) {
@@ -121,8 +126,8 @@ class PlyReader {
   bool has(Wanted w) const { return at_[w].has_value(); }
   void allocate(size_t count) {
     count_ = count;
-    places_.resize(count);
-    if (has(kRadius)) radii_.resize(count);
+    if (has_faces_) places_.resize(count);
+    if (!has_faces_ || has(kRadius)) spheres_.resize(count);
     if (colored_by_)
       values_.resize(count);
     else if (has(kRed) && has(kGreen) && has(kBlue))
@@ -140,8 +145,9 @@ class PlyReader {
       return is_whole_[w] ? kLight[size_t(x > 0 ? std::min(x, 255.0) : 0)]
                           : linear_from_srgb(float(x));
     };
-    places_[i] = {value(kX), value(kY), value(kZ)};
-    if (!radii_.empty()) radii_[i] = value(kRadius);
+    const Vec3f place = {value(kX), value(kY), value(kZ)};
+    if (!places_.empty()) places_[i] = place;
+    if (!spheres_.empty()) spheres_[i] = {place, has(kRadius) ? value(kRadius) : 0};
     if (!colors_.empty()) colors_[i] = {light(kRed), light(kGreen), light(kBlue)};
     if (!values_.empty()) values_[i] = float(get(*colored_by_));
     if (!opacity_.empty()) {
@@ -167,7 +173,7 @@ class PlyReader {
     if (count_ == 0) fail("the faces come before the vertices; write the vertices first");
     file_.check_count(element);
     check_places();
-    mesh_.positions = places_;
+    if (!places_.empty()) mesh_.positions = std::move(places_);
     const bool strips = element.name == "tristrips";
     std::array<std::optional<size_t>, 3> color;
     std::optional<size_t> corners;
@@ -231,14 +237,12 @@ class PlyReader {
   // --- the scene
   void check_places() const {
     for (size_t i = 0; i < count_; ++i)
-      if (!is_place(places_[i])) fail(fmt::format("vertex {} has no finite place", i));
+      if (!is_place(places_.empty() ? spheres_[i].center : places_[i]))
+        fail(fmt::format("vertex {} has no finite place", i));
   }
   ReadScene finish() {
     if (count_ == 0) fail("there are no vertices");
-    check_places();
-    for (size_t i = 0; i < radii_.size(); ++i)
-      if (!(radii_[i] > 0 && radii_[i] <= kFarthestPlace))
-        fail(fmt::format("vertex {} has a radius of {}; expected a positive number", i, radii_[i]));
+    if (!has_faces_) check_places();
     std::optional<ColorScale> scale;
     if (colored_by_) {
       auto mapped = map_colors(values_, options_.colormap, options_.color_range);
@@ -261,14 +265,27 @@ class PlyReader {
   }
   static Material paint(Rgb color) { return {.color = color, .kd = 1}; }
 
+  void set_radii() {
+    // All faces are edges or corners.
+    if (spheres_.empty())
+      for (const Vec3f& place : mesh_.positions) spheres_.push_back({place, 0});
+    if (has(kRadius)) {
+      for (size_t i = 0; i < count_; ++i)
+        if (const float r = spheres_[i].radius; !(r > 0 && r <= kFarthestPlace))
+          fail(fmt::format("vertex {} has a radius of {}; expected a positive number", i, r));
+      return;
+    }
+    float radius = options_.radius;
+    if (!(radius > 0)) {
+      Box3f box;
+      for (const Sphere& s : spheres_) box.extend(s.center);
+      radius = mean_spacing(box, count_) / 2;
+    }
+    for (Sphere& s : spheres_) s.radius = radius;
+  }
   void make_spheres(Scene& scene) {
-    scene.spheres.resize(count_);
-    const float radius = options_.radius > 0 ? options_.radius
-                         : radii_.empty()    ? mean_spacing(places_) / 2
-                                             : 0;
-    Sphere* const spheres = scene.spheres.data();
-    for_each_index(
-        count_, [&](size_t i) { spheres[i] = {places_[i], radii_.empty() ? radius : radii_[i]}; });
+    set_radii();
+    scene.spheres = std::move(spheres_);
     scene.sphere_materials.resize(count_, 0);
     const bool one = std::ranges::all_of(colors_, [&](const Rgb& c) { return c == colors_[0]; });
     scene.materials = std::vector<Material>{paint(colors_.empty() ? kPlainColor : colors_[0])};
@@ -304,8 +321,10 @@ class PlyReader {
   std::array<std::optional<size_t>, kWanted> at_;  // among the properties of vertices
   std::array<bool, kWanted> is_whole_{};
   std::optional<size_t> colored_by_;  // by the property of vertices
-  std::vector<Vec3f> places_, normals_;
-  std::vector<float> radii_, opacity_, values_;
+  bool has_faces_ = false;
+  std::vector<Sphere> spheres_;          // the vertices, of a file without faces,
+  std::vector<Vec3f> places_, normals_;  // and of one with some
+  std::vector<float> opacity_, values_;
   std::vector<Rgb> colors_;
   std::vector<Uv> uv_;
   MeshBuilder mesh_;
