@@ -53,6 +53,17 @@ TEST(Array, OwnsLikeAVector) {
   EXPECT_TRUE(a.empty());
 }
 
+TEST(Array, ZeroesAreBorrowedUntilOneChanges) {
+  Array<int> a = Array<int>::zeroes(3);
+  EXPECT_TRUE(a.is_borrowed());
+  EXPECT_THAT(a, ElementsAre(0, 0, 0));
+  Array<int> copy = a;
+  copy[1] = 2;
+  EXPECT_THAT(copy, ElementsAre(0, 2, 0));
+  EXPECT_THAT(a, ElementsAre(0, 0, 0));
+  EXPECT_TRUE(Array<int>::zeroes(0).empty());
+}
+
 TEST(Array, CopiesAndMovesWhatItOwns) {
   Array<int> a = {1, 2, 3};
   Array<int> copy = a;

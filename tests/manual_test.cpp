@@ -109,17 +109,20 @@ TEST_F(Manual, ScriptsAreSound) {
 
 TEST_F(Manual, BashCompletesCommandsOptionsWordsAndFiles) {
   put(file("two words.nff"), kScene), put(file("notes.txt"), ""), put(file("a.png"), "");
+  put(file("atoms.pdb"), "");
   std::filesystem::create_directory(file("folder"));
   EXPECT_THAT(bash_offers("raio re"), UnorderedElementsAre("render"));
   EXPECT_THAT(bash_offers("raio spd ''"), UnorderedElementsAre("verify"));
   EXPECT_THAT(bash_offers("raio --v"), UnorderedElementsAre("--version"));
   EXPECT_THAT(bash_offers("raio render --grid"),
               UnorderedElementsAre("--grid-factor", "--grid-resolution"));
+  EXPECT_THAT(bash_offers("raio render --color-bar-side ''"),
+              UnorderedElementsAre("right", "left"));
   EXPECT_THAT(bash_offers("raio render --accel ''"),
               UnorderedElementsAre("auto", "none", "grid", "bvh", "embree"));
   EXPECT_THAT(bash_offers("raio view ok.nff --view = st"), UnorderedElementsAre("steps"));
   EXPECT_THAT(bash_offers("raio render ''"),
-              UnorderedElementsAre("folder", "ok.nff", "two words.nff"));
+              UnorderedElementsAre("folder", "ok.nff", "two words.nff", "atoms.pdb"));
   EXPECT_THAT(bash_offers("raio render ok.nff -o ''"), UnorderedElementsAre("folder", "a.png"));
   EXPECT_THAT(bash_offers("raio render ok.nff --stats n"), UnorderedElementsAre("notes.txt"));
   EXPECT_THAT(bash_offers("raio render --size ''"), IsEmpty());
@@ -160,7 +163,7 @@ TEST_F(Manual, ZshDescribesTheSame) {
   EXPECT_THAT(render,
               Contains("--accel=[Acceleration structure]:NAME:(auto none grid bvh embree)"));
   EXPECT_THAT(render, Contains("(--dof --no-dof)--no-dof[Depth of field]"));
-  EXPECT_THAT(render, Contains("*:SCENE:_files -g \"*.(nff|p3f)\""));
+  EXPECT_THAT(render, Contains(StartsWith("*:SCENE:_files -g \"*.(nff|p3f|raio|")));
   EXPECT_THAT(render, Contains(HasSubstr("in the file's coordinates]")));
 }
 

@@ -220,7 +220,7 @@ TEST(Readme, ShowsCommandsOfEveryKind) {
   for (const std::string& command : commands_of(kRoot / "README.md"))
     subcommands.insert(words(command).at(1));
   for (const char* name :
-       {"render", "bench", "info", "explain", "generate", "compare", "export", "spd"})
+       {"render", "bench", "info", "explain", "generate", "compare", "convert", "view"})
     EXPECT_TRUE(subcommands.contains(name)) << name;
 }
 

@@ -64,6 +64,12 @@ sleep 5
 shoot_picture "$pictures/view-boxes.png"
 close
 
+open 3 scenes/sphereflake.nff --accel grid
+keys n
+sleep 60
+shoot "$pictures/view-curve.png"
+close
+
 open 3 scenes/shapes.nff "${lights[@]}"
 xdotool mousemove 400 372 mousedown 1
 for i in {1..20}; do

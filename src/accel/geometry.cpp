@@ -56,6 +56,7 @@ uint32_t depth_of_opacity(float opacity) {
 }
 
 float passed(uint32_t depth) {
+  if (depth == 0) return 1;
   // Less than a film can tell from nothing.
   if (depth >= 40 * kHalving) return 0;
   return float(exact_exp2(-double(depth) / kHalving));

@@ -228,7 +228,7 @@ void add_render(CLI::App& app, RenderCommand& render, int& status) {
   static constexpr std::string_view kSides[] = {"right", "left"};
   sub->add_option("--color-bar-side", render.color_bar_side,
                   "Where --color-bar is drawn: right or left (default: right)")
-      ->check(CLI::IsMember({"right", "left"}))
+      ->check(CLI::IsMember({"right", "left"}).description(""))
       ->needs(sub->get_option("--color-bar"))
       ->type_name(value_type("SIDE", kSides))
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
@@ -273,7 +273,7 @@ void add_view(CLI::App& app, ViewCommand& view, const Invocation& invocation, in
   sub->add_option("--language", view.language,
                   "Language of the window: en or pt (Portuguese); default: the one chosen last, "
                   "else the system's")
-      ->check(CLI::IsMember({"en", "pt"}))
+      ->check(CLI::IsMember({"en", "pt"}).description(""))
       ->type_name("LANGUAGE")
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
   sub->add_flag("--log", view.log, "Log events to standard error, one per line");

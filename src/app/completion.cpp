@@ -7,6 +7,7 @@
 
 #include "app/manual.h"
 #include "app/outline.h"
+#include "io/scene_file.h"
 
 namespace raio::app {
 namespace {
@@ -14,8 +15,12 @@ namespace {
 // Suffixes of the files that a value may be, by its name in the help; "*" for any.
 std::vector<std::string> file_suffixes(const CLI::Option& option) {
   const std::string name = value_name(option);
-  if (name == "SCENE") return {"nff", "p3f"};
-  if (name == "IMAGE" || name == "A" || name == "B") return {"png", "exr", "ppm", "pfm"};
+  if (name == "SCENE") {
+    const std::vector<std::string_view> suffixes = scene_suffixes();
+    return {suffixes.begin(), suffixes.end()};
+  }
+  if (name == "IMAGE" || name == "A" || name == "B")
+    return {"png", "exr", "npz", "npy", "ppm", "pfm"};
   if (name == "PART") return {"raio"};
   if (name == "FILE") return {"*"};
   return {};

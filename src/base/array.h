@@ -14,6 +14,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/platform/memory.h"
+
 namespace raio {
 
 /// Elements one after another. Reading costs what it costs of a std::vector; whatever may change a
@@ -64,6 +66,15 @@ class Array {
       std::memcpy(&array.own_[i], bytes + ptrdiff_t(i) * stride, sizeof(T));
     array.see_own();
     return array;
+  }
+  /// Elements whose bytes are all zero, which take no memory until something changes them, where
+  /// the system has such zeroes.
+  static Array zeroes(size_t count) {
+    if (count == 0) return {};
+    const size_t bytes = count * sizeof(T);
+    const std::shared_ptr<const void> keep(
+        map_zeroes(bytes), [bytes](void* zeroes) { unmap_zeroes(zeroes, bytes); });
+    return borrow(keep.get(), count, keep);
   }
   /// Does it read memory that is not its own?
   bool is_borrowed() const { return seen_.data() != own_.data(); }

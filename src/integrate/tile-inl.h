@@ -253,6 +253,7 @@ class TileSums {
   }
 
   const Film::Sums& all() const { return sums_; }
+  const FilmLayout& layout() const { return *layout_; }
 
  private:
   static constexpr hn::CappedTag<double, kWidth> kDoubles{};

@@ -58,7 +58,7 @@ class ViewsShading {
         radiance = set3(d, Rgb(0.5f)) + load(v.normal, i) * half;
       } else if (!counts_rays()) {
         HWY_ALIGN float depths[kWidth];
-        hn::Store(w.depths(i), d, depths);
+        hn::Store(depths_of_hits(w.scene(), w.rays().rays, w.hits(), i), d, depths);
         radiance =
             colors([&](size_t k) { return color(w, i + k, depths[k]); }, std::min(n - i, kWidth));
       }

@@ -14,9 +14,9 @@
 //   static constexpr bool kSky                that may depend on their direction. If so it also has
 //     bool has_sky()                            whether it does, and
 //     V3 sky(direction)                         what they bring then
-//   static constexpr bool kFloor              there may be a floor that only eye rays meet, and
-//   only
-//                                             its shadows are seen. If so it also has
+//   static constexpr bool kFloor              there may be a floor that eye rays alone meet, of
+//   which
+//                                             only the shadows are seen. If so it also has
 //     bool has_floor()                          whether there is one,
 //     float floor_distance(ray)                 how far away it is; 0: nowhere, and
 //     void shade_floor(wavefront, n, sampler)   sets vertices().kd to the part of the background
@@ -43,6 +43,7 @@
 #include <utility>
 
 #include "integrate/camera-inl.h"
+#include "integrate/features-inl.h"
 #include "integrate/sampler-inl.h"
 #include "integrate/surfaces-inl.h"
 #include "integrate/wavefront.h"
@@ -64,6 +65,7 @@ class Wavefront final : public TileRenderer {
         control_(control),
         recorder_(recorder),
         shading_(scene),
+        features_(scene),
         counts_rays_(scene.settings.channels.has(Channel::steps) ||
                      scene.settings.channels.has(Channel::tests) || shading_.counts_rays()),
         waiting_(size_t(shading_.levels()) + 1),
@@ -79,15 +81,11 @@ class Wavefront final : public TileRenderer {
       shadow_.add_time(), one_.add_time(), probes_.add_time();
     }
     context_.stop = &control.stop;
-    for (size_t k = 1; k < kPrimitiveKinds; ++k)
-      first_number_[k] =
-          first_number_[k - 1] + uint32_t(scene.accel.geometry().count_all(PrimitiveKind(k - 1)));
   }
 
   void render(size_t tile, uint32_t samples, Film& film) override {
     list_pixels(in_picture(film.tile(tile)), std::countr_zero(film.row_stride()));
     sums_.begin(film, tile);
-    layout_ = &film.layout();
     background_ = sums_.fixed(shading_.background());
     for (Paths& w : waiting_) w.rays.clear();  // left over where a render was stopped
     counts_ = {};
@@ -304,7 +302,7 @@ class Wavefront final : public TileRenderer {
     }
     if (clear_) trace_clear(level, sampler);
     if (context_.stopped()) return;
-    bool seen = level > 1 || !layout_->has(Channel::alpha);
+    bool seen = level > 1 || !sums_.layout().has(Channel::alpha);
     if constexpr (Shading::kFloor)
       if (level == 1 && shading_.has_floor()) {
         add_floor(seen, sampler);
@@ -330,7 +328,9 @@ class Wavefront final : public TileRenderer {
           clear_ ? size_t(std::count(first_.begin(), first_.begin() + ptrdiff_t(n), 1)) : n;
     if (moves_) set_times(current_.rays);  // those that are left
     find_surfaces(scene_.accel.geometry(), scene_.scene, current_.rays, hits_, n, *vertices_);
-    if (level == 1 && layout_->planes() > 0) add_features(n);
+    if (level == 1 && sums_.layout().planes() > 0)
+      features_.add(current_.rays, hits_, *vertices_, current_.pixel.data(),
+                    clear_ ? first_.data() : nullptr, sample_, sums_);
     shading_.shade(*this, level, n, sampler);
     if (context_.stopped()) return;
     if constexpr (kRecords) recorder_.shaded(current_, *vertices_, n, sums_);
@@ -491,87 +491,12 @@ class Wavefront final : public TileRenderer {
   }
   void add_costs() {
     const auto add = [&](Channel channel, const std::vector<uint32_t>& counts) {
-      if (!layout_->has(channel)) return;
+      if (!sums_.layout().has(channel)) return;
       for (size_t i = 0; i < counts.size(); ++i)
         sums_.add_mean(channel, counts[i], current_.pixel[i]);
     };
     add(Channel::steps, ray_steps_);
     add(Channel::tests, ray_tests_);
-  }
-
-  // What the film keeps of the surfaces that n eye rays hit.
-  void add_features(size_t n) {
-    const Vertices& v = *vertices_;
-    const bool normals = layout_->has(Channel::normal), albedo = layout_->has(Channel::albedo);
-    const bool firsts = sample_ == 0 && layout_->firsts() > 0;
-    for (size_t i = 0; i < n; i += kWidth) {
-      M mask = hn::FirstN(d, n - i);
-      if (clear_) {
-        const U first = hn::PromoteTo(du, hn::LoadU(hn::Rebind<uint8_t, DU>(), &first_[i]));
-        mask = hn::And(mask, hn::RebindMask(d, hn::Ne(first, hn::Zero(du))));
-      }
-      const uint32_t* const pixels = &current_.pixel[i];
-      if (normals) sums_.add_mean(Channel::normal, load(v.normal, i), pixels, mask);
-      if (albedo) sums_.add_mean(Channel::albedo, load(v.color, i) * load(v.kd, i), pixels, mask);
-      if (firsts) set_firsts(i, pixels, mask);
-    }
-  }
-  void set_firsts(size_t i, const uint32_t* pixels, M mask) {
-    const auto set = [&](Channel channel, size_t component, U values)
-                         HWY_ATTR { sums_.set_first(channel, component, values, pixels, mask); };
-    // value(k) of the lanes.
-    const auto each = [&](auto&& value) HWY_ATTR {
-      HWY_ALIGN uint32_t values[kWidth] = {};
-      for (size_t k = i; k < std::min(i + kWidth, current_.rays.size()); ++k)
-        values[k - i] = value(k);
-      return hn::Load(du, values);
-    };
-    if (layout_->has(Channel::depth)) set(Channel::depth, 0, hn::BitCast(du, depths(i)));
-    if (layout_->has(Channel::position)) {
-      const V3 point = load(vertices_->point, i);
-      const V parts[3] = {point.x, point.y, point.z};
-      for (size_t c = 0; c < 3; ++c)
-        set(Channel::position, c, in_file(parts[c], scene_.scene.origin[int(c)]));
-    }
-    if (layout_->has(Channel::id))
-      set(Channel::id, 0, each([&](size_t k) {
-            const PrimitiveId id = hits_.item[k];
-            return first_number_[size_t(primitive_kind(id))] + primitive_index(id) + 1;
-          }));
-    if (layout_->has(Channel::object))
-      set(Channel::object, 0,
-          each([&](size_t k) { return scene_.accel.geometry().object_of(hits_.item[k]); }));
-  }
-
- public:
-  // Of current rays i, i + 1, ...: from the camera along the line of sight, wherever on the lens
-  // they start.
-  V depths(size_t i) const {
-    const V3 points = origins(current_.rays, i) + directions(current_.rays, i) * load(hits_.t, i);
-    if (!scene_.eye.movement)
-      return dot(points - set3(d, scene_.eye.from), set3(d, scene_.forward));
-    V depths = hn::Zero(d);
-    for (size_t k = i; k < std::min(i + kWidth, current_.rays.size()); ++k) {
-      const Camera camera = camera_at(scene_.settings.camera, current_.rays.time[k]);
-      const V3 forward = set3(d, normalize(camera.at - camera.from));
-      depths =
-          hn::IfThenElse(hn::FirstN(d, k - i), depths, dot(points - set3(d, camera.from), forward));
-    }
-    return depths;
-  }
-
- private:
-  // A coordinate of points as the file has it.
-  static U in_file(V x, double origin) {
-    const hn::CappedTag<double, kWidth> doubles;
-    const hn::Rebind<float, decltype(doubles)> halves;
-    HWY_ALIGN float parts[kWidth];
-    hn::Store(x, d, parts);
-    for (size_t k = 0; k < kWidth; k += hn::MaxLanes(doubles)) {
-      const auto wide = hn::PromoteTo(doubles, hn::Load(halves, parts + k));
-      hn::Store(hn::DemoteTo(halves, hn::Add(hn::Set(doubles, origin), wide)), halves, parts + k);
-    }
-    return hn::BitCast(du, hn::Load(d, parts));
   }
 
   // Gives the background, if it is `seen`, to the rays that hit nothing and moves the others
@@ -648,12 +573,12 @@ class Wavefront final : public TileRenderer {
   RenderControl& control_;
   [[no_unique_address]] Recorder recorder_;
   Shading shading_;
+  Features features_;
   const bool counts_rays_;
   TraceContext context_;
   bool moves_ = false;        // something in the scene
   std::vector<float> times_;  // of a sample of each pixel, by its number in the tile
   TileSums sums_;
-  const FilmLayout* layout_ = nullptr;
   uint32_t sample_ = 0;
   PixelSums background_{};  // of weight 1
   Tile tile_{};             // of which these are:
@@ -679,7 +604,6 @@ class Wavefront final : public TileRenderer {
   HitBatch behind_hits_, after_, next_;
   RayBatch layer_;
   std::vector<uint32_t> passed_depth_, layer_of_;
-  std::array<uint32_t, kPrimitiveKinds> first_number_{};  // of each kind, in the channel `id`
   RayBatch one_;
   HitBatch one_hit_;
   std::vector<uint32_t> ray_steps_, ray_tests_;  // of each current ray, where they are counted

@@ -178,4 +178,11 @@ FileKind file_kind(std::string_view start, std::string_view suffix, size_t size)
   return {};
 }
 
+std::vector<std::string_view> scene_suffixes() {
+  std::vector<std::string_view> suffixes = {"nff", "p3f", "raio", "extxyz", "glb", "gz"};
+  for (const Sign& sign : kSuffixes)
+    if (sign.kind.read) suffixes.push_back(sign.start.substr(1));
+  return suffixes;
+}
+
 }  // namespace raio

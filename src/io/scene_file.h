@@ -59,6 +59,9 @@ struct FileKind {
 /// for what may be NFF, P3F or .raio.
 FileKind file_kind(std::string_view start, std::string_view suffix, size_t size);
 
+/// Suffixes that files of scenes and data have, without the dot: for those who offer files.
+std::vector<std::string_view> scene_suffixes();
+
 /// How scenes can be written.
 enum class SceneFormat { nff, raio, pov, ply };
 

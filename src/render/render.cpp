@@ -3,6 +3,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -77,6 +79,8 @@ class Work {
     control.work_total = total;
   }
 
+  double busy_s() const { return 1e-9 * double(busy_ns_); }
+
   /// Whether all is done.
   bool run() { return seconds_ > 0 ? run_in_time() : add_up_to(target_); }
 
@@ -91,8 +95,10 @@ class Work {
     on_threads(threads_, [&] {
       parallel_for(tiles_.size(), [&](size_t i) {
         const size_t tile = tiles_[i];
+        const auto start = Clock::now();
         for (uint32_t n; (n = film_.samples(tile)) < samples && !ended();)
           renderers_.local()->render(tile, std::min(n + kPortion, samples), film_);
+        busy_ns_ += std::chrono::nanoseconds(Clock::now() - start).count();
       });
     });
     return samples_of_all().first >= samples;
@@ -140,6 +146,7 @@ class Work {
   double seconds_;
   Clock::time_point start_ = Clock::now();
   std::vector<size_t> tiles_;  // that lack samples
+  std::atomic<int64_t> busy_ns_ = 0;
   PerThread<std::unique_ptr<TileRenderer>> renderers_;
 };
 
@@ -149,8 +156,9 @@ RenderResult render(const Scene& scene, const Accel& accel, const RenderSettings
                     Film& film, RenderControl& control, const RenderTask& task) {
   const auto start = Clock::now();
   const PreparedScene prepared(scene, accel, settings);
-  const bool finished = Work(prepared, film, control, task).run();
-  return {finished, seconds_since(start)};
+  Work work(prepared, film, control, task);
+  const bool finished = work.run();
+  return {finished, seconds_since(start), work.busy_s()};
 }
 
 Image picture_of(const Film& film, View view) {

@@ -24,6 +24,7 @@ struct RenderTask {
 struct RenderResult {
   bool finished = false;  // all of the task is done: nobody said stop, and the time sufficed
   double seconds = 0;
+  double busy_s = 0;  // of all threads together, without those that wait for the last tiles
 };
 
 /// Why there cannot be a picture of these many pixels, or nothing: memory that would not suffice

@@ -338,8 +338,7 @@ bool Session::time_sample(SessionPicture& next) {
     }
     const BakedScene& baked = *next.baked;
     constexpr size_t kLeastRuns = 3;  // or their spread would not show
-    for (double all = 0; runs_s.size() < kLeastRuns || all < kTimingSeconds;
-         all += runs_s.back()) {
+    for (double all = 0; runs_s.size() < kLeastRuns || all < kTimingSeconds; all += runs_s.back()) {
       const auto film = make_film(*baked.scene, next.settings);
       if (!film) return fail(film.error(), next);
       const RenderResult done =

@@ -47,7 +47,10 @@ std::expected<std::optional<TimedRun>, Error> render_share(const Scene& scene, c
   if (!film) return std::unexpected(film.error());
   const RenderResult done = render(scene, accel, settings, **film, control, {.shards = share});
   if (!done.finished) return std::nullopt;
-  TimedRun run{done.seconds, (*film)->rays(), 0};
+  // Of few tiles some threads are done long before others, of all of them they are not.
+  const size_t tiles = ((*film)->tiles() + share - 1) / share;
+  const auto at_work = double(std::min(size_t(std::max(1, settings.threads)), tiles));
+  TimedRun run{share > 1 ? done.busy_s / at_work : done.seconds, (*film)->rays(), 0};
   run.pixels = run.rays.eye / uint64_t(settings.samples_per_pixel());
   return run;
 }

@@ -43,7 +43,7 @@ struct MeasuringEffort {
 RenderOptions timed_options(RenderOptions options, const Scene& scene);
 
 struct TimedRun {
-  double seconds = 0;
+  double seconds = 0;  // of a share those for which threads work, divided among them
   RayCounts rays;
   uint64_t pixels = 0;  // that were rendered
 };

@@ -5,9 +5,9 @@
 #include <imgui_stdlib.h>
 
 #include <algorithm>
-#include <array>
 #include <system_error>
 
+#include "io/scene_file.h"
 #include "view/panel_parts.h"
 #include "view/texts.h"
 #include "view/theme.h"
@@ -17,11 +17,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Of scenes, and of files that hold scenes and much else.
-constexpr std::array kSuffixes = {".nff", ".p3f",    ".raio", ".pdb",  ".ent",       ".cif",
-                                  ".gro", ".xyz",    ".dump", ".data", ".lammpstrj", ".ply",
-                                  ".stl", ".obj",    ".off",  ".gltf", ".glb",       ".gz",
-                                  ".txt", ".extxyz", ".mmcif"};
+bool may_be_scene(const fs::path& file) {
+  const std::string suffix = file.extension().string();
+  if (suffix.empty()) return false;
+  return suffix == ".txt" || std::ranges::count(scene_suffixes(), suffix.substr(1)) > 0;
+}
 
 }  // namespace
 
@@ -33,7 +33,7 @@ std::vector<std::string> entries_of(const fs::path& folder) {
     if (name.starts_with('.')) continue;
     if (entry.is_directory(error))
       folders.push_back(name + "/");
-    else if (std::ranges::find(kSuffixes, entry.path().extension()) != kSuffixes.end())
+    else if (may_be_scene(entry.path()))
       files.push_back(name);
   }
   std::ranges::sort(folders);

@@ -229,6 +229,15 @@ void draw_window_options(const PanelFacts& facts, PanelResult& result) {
     set_language(portuguese ? Language::portuguese : Language::english);
 }
 
+// Whether something that goes on did not in the frame before.
+bool begins(const char* what, bool now) {
+  ImGuiStorage& storage = *ImGui::GetStateStorage();
+  const ImGuiID id = ImGui::GetID(what);
+  const bool before = storage.GetBool(id);
+  storage.SetBool(id, now);
+  return now && !before;
+}
+
 }  // namespace
 
 PanelResult draw_panel(ViewState& state, const PanelFacts& facts, const Rect& where) {
@@ -243,8 +252,10 @@ PanelResult draw_panel(ViewState& state, const PanelFacts& facts, const Rect& wh
   if (facts.costs.measuring == Measuring::Work::table) ImGui::SetNextItemOpen(true);
   if (open_section("All combinations of effects", false) && draw_table(facts.costs))
     result.pressed.push_back(&key_of(Command::measure));
-  if (facts.costs.measuring == Measuring::Work::curve) ImGui::SetNextItemOpen(true);
+  const bool curve = facts.costs.measuring == Measuring::Work::curve;
+  if (curve) ImGui::SetNextItemOpen(true);
   if (open_section("The grid's resolution", false)) {
+    if (begins("curve", curve)) ImGui::SetScrollHereY(0);
     const GridPanelResult grid = draw_grid(state, facts.costs);
     result.changed |= grid.changed, result.saves_curve = grid.saves;
     if (grid.measures) result.pressed.push_back(&key_of(Command::curve));

@@ -1,0 +1,120 @@
+// The channels of the surfaces that eye rays hit: what a film keeps of them beside the colours.
+// Once for each instruction set, as foreach_target.h passes again.
+#if defined(RAIO_INTEGRATE_FEATURES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef RAIO_INTEGRATE_FEATURES_INL_H_
+#undef RAIO_INTEGRATE_FEATURES_INL_H_
+#else
+#define RAIO_INTEGRATE_FEATURES_INL_H_
+#endif
+
+#include <algorithm>
+#include <array>
+
+#include "integrate/camera-inl.h"
+#include "integrate/surfaces-inl.h"
+#include "integrate/wavefront.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace raio::HWY_NAMESPACE {
+namespace {
+
+// How far along the line of sight rays i, i + 1, ... hit something, from the camera on, wherever on
+// the lens they start.
+HWY_INLINE V depths_of_hits(const PreparedScene& scene, const RayBatch& rays, const HitBatch& hits,
+                            size_t i) {
+  const V3 points = origins(rays, i) + directions(rays, i) * load(hits.t, i);
+  if (!scene.eye.movement) return dot(points - set3(d, scene.eye.from), set3(d, scene.forward));
+  V depths = hn::Zero(d);
+  for (size_t k = i; k < std::min(i + kWidth, rays.size()); ++k) {
+    const Camera camera = camera_at(scene.settings.camera, rays.time[k]);
+    const V3 forward = set3(d, normalize(camera.at - camera.from));
+    const V depth = dot(points - set3(d, camera.from), forward);
+    depths = hn::IfThenElse(hn::FirstN(d, k - i), depths, depth);
+  }
+  return depths;
+}
+
+class Features {
+ public:
+  explicit Features(const PreparedScene& scene) : scene_(scene) {
+    for (size_t k = 1; k < kPrimitiveKinds; ++k)
+      first_number_[k] =
+          first_number_[k - 1] + uint32_t(scene.accel.geometry().count_all(PrimitiveKind(k - 1)));
+  }
+
+  // Adds those of all `rays`, which hit something, to the sums of `pixels`; of those rays only for
+  // which `counts` is not 0, if it is there.
+  void add(const RayBatch& rays, const HitBatch& hits, const Vertices& vertices,
+           const uint32_t* pixels, const uint8_t* counts, uint32_t sample, TileSums& sums) const {
+    const FilmLayout& layout = sums.layout();
+    const bool normals = layout.has(Channel::normal), albedo = layout.has(Channel::albedo);
+    const bool firsts = sample == 0 && layout.firsts() > 0;
+    for (size_t i = 0; i < rays.size(); i += kWidth) {
+      M mask = hn::FirstN(d, rays.size() - i);
+      if (counts) {
+        const U count = hn::PromoteTo(du, hn::LoadU(hn::Rebind<uint8_t, DU>(), counts + i));
+        mask = hn::And(mask, hn::RebindMask(d, hn::Ne(count, hn::Zero(du))));
+      }
+      if (normals) sums.add_mean(Channel::normal, load(vertices.normal, i), pixels + i, mask);
+      if (albedo)
+        sums.add_mean(Channel::albedo, load(vertices.color, i) * load(vertices.kd, i), pixels + i,
+                      mask);
+      if (firsts)
+        set_firsts(
+            rays, hits, vertices, i,
+            [&](Channel channel, size_t component, U values)
+                HWY_ATTR { sums.set_first(channel, component, values, pixels + i, mask); },
+            layout);
+    }
+  }
+
+ private:
+  template <class Set>
+  HWY_INLINE void set_firsts(const RayBatch& rays, const HitBatch& hits, const Vertices& vertices,
+                             size_t i, const Set& set, const FilmLayout& layout) const {
+    // value(item) of the lanes.
+    const auto of_items = [&](auto&& value) HWY_ATTR {
+      HWY_ALIGN uint32_t values[kWidth] = {};
+      for (size_t k = i; k < std::min(i + kWidth, rays.size()); ++k)
+        values[k - i] = value(hits.item[k]);
+      return hn::Load(du, values);
+    };
+    if (layout.has(Channel::depth))
+      set(Channel::depth, 0, hn::BitCast(du, depths_of_hits(scene_, rays, hits, i)));
+    if (layout.has(Channel::position)) {
+      const V3 point = load(vertices.point, i);
+      const V parts[3] = {point.x, point.y, point.z};
+      for (size_t c = 0; c < 3; ++c)
+        set(Channel::position, c, in_file(parts[c], scene_.scene.origin[int(c)]));
+    }
+    if (layout.has(Channel::id))
+      set(Channel::id, 0, of_items([&](PrimitiveId id) {
+            return first_number_[size_t(primitive_kind(id))] + primitive_index(id) + 1;
+          }));
+    if (layout.has(Channel::object))
+      set(Channel::object, 0,
+          of_items([&](PrimitiveId id) { return scene_.accel.geometry().object_of(id); }));
+  }
+
+  // A coordinate of points as the file has it.
+  static HWY_INLINE U in_file(V x, double origin) {
+    const hn::CappedTag<double, kWidth> doubles;
+    const hn::Rebind<float, decltype(doubles)> halves;
+    HWY_ALIGN float parts[kWidth];
+    hn::Store(x, d, parts);
+    for (size_t k = 0; k < kWidth; k += hn::MaxLanes(doubles)) {
+      const auto wide = hn::PromoteTo(doubles, hn::Load(halves, parts + k));
+      hn::Store(hn::DemoteTo(halves, hn::Add(hn::Set(doubles, origin), wide)), halves, parts + k);
+    }
+    return hn::BitCast(du, hn::Load(d, parts));
+  }
+
+  const PreparedScene& scene_;
+  std::array<uint32_t, kPrimitiveKinds> first_number_{};  // of each kind, in the channel `id`
+};
+
+}  // namespace
+}  // namespace raio::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
