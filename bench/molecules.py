@@ -4,10 +4,10 @@
     bench/molecules.py [--style space-filling|ball-and-stick] [--size WxH] [--keep FOLDER] FILE
 
 Each program reads the file (PDB), fits the camera and draws it on white by its own means for figures: PyMOL's ray
-tracer with its defaults; OVITO's Tachyon with its defaults (12 samples, ambient occlusion); POV-Ray the scene that
-`raio convert` writes, with its antialiasing; Raio with its defaults and, in a second row, 12 samples. They take their turn;
-the median seconds of whole processes count, and the largest memory. A program that is not there is left out. OVITO is
-a module of the Python that --python names. --keep leaves the pictures in a folder."""
+tracer with its defaults; OVITO's Tachyon with its defaults (12 samples, 12 occlusion rays); POV-Ray, with its
+antialiasing, the scene that `raio convert` writes; Raio with its defaults, with the samples of OVITO, and with 4 and 1.
+They take their turn; the median seconds of whole processes count, and the largest memory. A program that is not there
+is left out. OVITO is a module of the Python that --python names. --keep leaves the pictures in a folder."""
 import argparse, os, pathlib, statistics, subprocess, sys, tempfile, time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
@@ -28,15 +28,12 @@ OVITO = """
 import sys
 from ovito.io import import_file
 from ovito.modifiers import CreateBondsModifier
-from ovito.vis import ParticlesVis, TachyonRenderer, Viewport
+from ovito.vis import TachyonRenderer, Viewport
 pipeline = import_file({file!r})
-vis = pipeline.compute().particles.vis
 if {style!r} == "ball-and-stick":
     pipeline.modifiers.append(CreateBondsModifier(mode=CreateBondsModifier.Mode.VdWRadius))
-    vis.scaling = 0.5
+    pipeline.compute().particles.vis.scaling = 0.5
 else:
-    vis.radius_scaling = 1
-    pipeline.source.data.particles_.vis.shape = ParticlesVis.Shape.Sphere
     def van_der_waals(frame, data):
         types = data.particles_.particle_types_
         for t in types.types:
@@ -55,14 +52,15 @@ def commands(args, folder):
     """By program: the commands of which its figure takes the time."""
     width, height = args.size.split("x")
     names = dict(file=str(args.file), style=args.style, width=width, height=height)
-    script = folder / "pymol.pml"
+    script = folder / "draw-pymol.pml"
     script.write_text(PYMOL.format(**names, show=PYMOL_SHOW[args.style], out=folder / "pymol.png"))
-    ovito = folder / "ovito.py"
+    ovito = folder / "draw-ovito.py"
     ovito.write_text(OVITO.format(**names, out=str(folder / "ovito.png")))
     raio = [args.raio, "render", args.file, "--style", args.style, "--size", args.size, "--quiet"]
     return {
         "raio": [raio + ["-o", folder / "raio.png"]],
         "raio, 12 samples": [raio + ["--samples", 12, "--occlusion-rays", 12, "-o", folder / "raio-12.png"]],
+        "raio, 4 samples": [raio + ["--samples", 4, "--occlusion-rays", 1, "-o", folder / "raio-4.png"]],
         "pymol": [["pymol", "-cq", script]],
         "ovito": [[args.python, ovito]],
         "povray": [[args.raio, "convert", args.file, "--style", args.style, folder / "molecule.pov"],

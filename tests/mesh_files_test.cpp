@@ -184,6 +184,19 @@ TEST(Ply, OddsAndEnds) {
   ASSERT_EQ(triangles.size(), 3u);
   EXPECT_EQ(triangles[1], (TriangleIndices{2, 1, 3}));
   EXPECT_EQ(triangles[2], (TriangleIndices{2, 3, 4}));
+  const std::string both =
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float "
+      "z\nproperty float radius\nelement tristrips 1\nproperty list int int vertex_indices\n"
+      "element face 1\nproperty list int int vertex_indices\nend_header\n"
+      "0 0 0 1\n1 0 0 2\n0 1 0 3\n1 1 0 4\n";
+  const auto strip_and_face = read(both + "3 0 1 2\n3 1 3 2\n", "a.ply");
+  ASSERT_TRUE(strip_and_face) << strip_and_face.error().front().text();
+  EXPECT_EQ(strip_and_face->scene.meshes[0].triangles.size(), 2u);
+  // Without a face of three corners there are points.
+  const auto points = read(both + "2 0 1\n2 1 3\n", "a.ply");
+  ASSERT_TRUE(points) << points.error().front().text();
+  ASSERT_EQ(points->scene.spheres.size(), 4u);
+  EXPECT_EQ(points->scene.spheres[3].radius, 4);
 }
 
 TEST(Stl, TextAndBinaryAreTheSame) {

@@ -74,6 +74,17 @@ TEST(PovWriter, CameraLightsAndShading) {
     EXPECT_THAT(pov, HasSubstr(part));
 }
 
+// Data, which has no lights, is not left in the dark.
+TEST(PovWriter, FiguresHaveASkyAndAKeyLight) {
+  Scene s = small_scene();
+  s.dialect = Dialect::data, s.lights = {};
+  const std::string pov = written(s);
+  for (const char* part : {"+A0.1 -D\n", "background { rgb <1, 1, 1> }",
+                           " rgb 0.6 parallel point_at <", "ambient 0.6 "})
+    EXPECT_THAT(pov, HasSubstr(part));
+  EXPECT_THAT(pov, Not(HasSubstr("File_Gamma")));
+}
+
 TEST(PovWriter, GlassIsOneObjectWithTheShadowOfAnOpaqueOne) {
   Scene s = small_scene();
   s.spheres = {{{0, 0, 0}, 1}, {{2, 0, 0}, 1}, {{4, 0, 0}, 1}};

@@ -64,9 +64,11 @@ sleep 5
 shoot_picture "$pictures/view-boxes.png"
 close
 
-open 3 scenes/sphereflake.nff --accel grid
+open 40 scenes/sphereflake.nff --accel grid
 keys n
 sleep 60
+xdotool mousemove 660 700 click --repeat 40 5 mousemove 300 785
+sleep 1
 shoot "$pictures/view-curve.png"
 close
 

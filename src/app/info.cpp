@@ -145,13 +145,17 @@ std::string info_text(const ReadScene& read) {
     line("samples", fmt::format("{} a pixel", scene.samples_per_pixel));
   if (scene.structure != StructureWish::any)
     line("structure", fmt::format("{}, as the file asks", accel_name(wished_accel(scene))));
-  line("background", text_of(plain(scene.background)));
+  // Files of data have neither background nor lights.
+  const bool is_data = scene.dialect == Dialect::data;
+  line("background",
+       is_data ? "none; that of the look, white by default" : text_of(plain(scene.background)));
   if (!scene.sky_folder.empty())
     line("sky",
          scene.sky_folder + (scene.sky ? fmt::format(", six faces of {0} x {0}", scene.sky->side)
                                        : ", which could not be read"));
 
-  line("lights", fmt::format("{}", scene.lights.size()));
+  line("lights", is_data && scene.lights.empty() ? "none; a sky and a key light are added"
+                                                 : fmt::format("{}", scene.lights.size()));
   constexpr size_t kShown = 10;
   for (const Light& light : scene.lights | std::views::take(kShown)) {
     std::string text = fmt::format("at {}", text_of(scene.origin + plain(light.position)));

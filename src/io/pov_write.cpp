@@ -28,7 +28,8 @@ struct Item {
 
 class PovWriter {
  public:
-  explicit PovWriter(const Scene& scene) : scene_(scene) {}
+  explicit PovWriter(const Scene& scene)
+      : scene_(scene), is_figure_(scene.dialect == Dialect::data && scene.lights.empty()) {}
 
   std::string write(const PovPicture& picture, std::string_view comment) {
     header(picture, comment);
@@ -55,14 +56,14 @@ class PovWriter {
   // Without attenuation of the depth of the ray tree, and with numbers stored as they are.
   void header(const PovPicture& p, std::string_view comment) {
     if (!comment.empty()) line("// {}", comment);
-    line("// povray +I{0}.pov +O{0}.png +W{1} +H{2} File_Gamma=1.0 -A -D", p.name, p.width,
-         p.height);
+    line("// povray +I{0}.pov +O{0}.png +W{1} +H{2} {3} -D", p.name, p.width, p.height,
+         is_figure_ ? "+A0.1" : "File_Gamma=1.0 -A");
     line("#version 3.7;");
     line(
         "global_settings {{ assumed_gamma 1 ambient_light rgb 1 max_trace_level {} adc_bailout 0 "
         "}}",
         p.depth);
-    line("background {{ rgb {} }}", text(scene_.background));
+    line("background {{ rgb {} }}", text(is_figure_ ? Rgb(1) : scene_.background));
   }
 
   // By its vectors, whose lengths are those of the picture at distance 1: nothing is left for
@@ -77,11 +78,25 @@ class PovWriter {
   }
 
   void lights() {
+    if (is_figure_) return key_light();
     const auto& all = scene_.lights;
     colored_ = std::ranges::any_of(all, [](const Light& l) { return l.color.has_value(); });
     const Rgb uncolored(float(1 / std::sqrt(double(std::max<size_t>(1, all.size())))));
     for (const Light& l : all)
       line("light_source {{ {} rgb {} }}", text(l.position), text(l.color.value_or(uncolored)));
+  }
+
+  // Data has no lights: those of the look `paper` (integrate/figure.h), with a sky that nothing
+  // hides.
+  static constexpr double kSky = 0.6, kKey = 0.6;
+  void key_light() {
+    const Camera& c = scene_.camera;
+    const Vec3d forward = normalize(Vec3d(c.at) - Vec3d(c.from));
+    const Vec3d right = normalize(cross(forward, Vec3d(c.up))), up = cross(right, forward);
+    const Vec3d to_key = normalize(right * -0.45 + up * 0.7 - forward * 0.75);
+    const double far = 100 * length(Vec3d(c.at) - Vec3d(c.from));
+    line("light_source {{ {} rgb {} parallel point_at {} }}", text(Vec3d(c.at) + to_key * far),
+         kKey, text(c.at));
   }
 
   // POV-Ray takes ambient and diffuse light down by what the pigment lets through; the classic
@@ -102,8 +117,11 @@ class PovWriter {
         p3f ? fmt::format("specular {} roughness {}", m.ks, 1 / std::max(m.shine, 1e-6f))
             : fmt::format("phong {} phong_size {}", m.ks, m.shine);
     line("  finish {{ ambient {} diffuse {} {} reflection {{ {} }}{} }} }}",
-         float((p3f || colored_ ? 0 : 0.1) * part), float(double(m.kd) * part), highlight, mirror,
-         divides ? " conserve_energy" : "");
+         float((is_figure_        ? kSky
+                : p3f || colored_ ? 0
+                                  : 0.1) *
+               part),
+         float(double(m.kd) * part), highlight, mirror, divides ? " conserve_energy" : "");
   }
 
   std::vector<Item> by_material() const {
@@ -221,6 +239,7 @@ class PovWriter {
   }
 
   const Scene& scene_;
+  const bool is_figure_;  // of data, which Raio lights by itself
   bool colored_ = false;
   std::string out_;
 };

@@ -229,13 +229,13 @@ void draw_window_options(const PanelFacts& facts, PanelResult& result) {
     set_language(portuguese ? Language::portuguese : Language::english);
 }
 
-// Whether something that goes on did not in the frame before.
-bool begins(const char* what, bool now) {
-  ImGuiStorage& storage = *ImGui::GetStateStorage();
-  const ImGuiID id = ImGui::GetID(what);
-  const bool before = storage.GetBool(id);
-  storage.SetBool(id, now);
-  return now && !before;
+// Whether something that goes on has only just begun: a few frames, since it takes one until it is
+// known how much room a section takes.
+bool has_just_begun(const char* what, bool goes_on) {
+  int& frames = *ImGui::GetStateStorage()->GetIntRef(ImGui::GetID(what));
+  frames = goes_on ? frames + 1 : 0;
+  constexpr int kFew = 3;
+  return frames > 0 && frames <= kFew;
 }
 
 }  // namespace
@@ -255,7 +255,7 @@ PanelResult draw_panel(ViewState& state, const PanelFacts& facts, const Rect& wh
   const bool curve = facts.costs.measuring == Measuring::Work::curve;
   if (curve) ImGui::SetNextItemOpen(true);
   if (open_section("The grid's resolution", false)) {
-    if (begins("curve", curve)) ImGui::SetScrollHereY(0);
+    if (has_just_begun("curve", curve)) ImGui::SetScrollHereY(0);
     const GridPanelResult grid = draw_grid(state, facts.costs);
     result.changed |= grid.changed, result.saves_curve = grid.saves;
     if (grid.measures) result.pressed.push_back(&key_of(Command::curve));

@@ -172,8 +172,10 @@ class PlyReader {
     if (element.count == 0) return;
     if (count_ == 0) fail("the faces come before the vertices; write the vertices first");
     file_.check_count(element);
-    check_places();
-    if (!places_.empty()) mesh_.positions = std::move(places_);
+    if (!places_.empty()) {
+      check_places();
+      mesh_.positions = std::exchange(places_, {});
+    }
     const bool strips = element.name == "tristrips";
     std::array<std::optional<size_t>, 3> color;
     std::optional<size_t> corners;
