@@ -72,8 +72,8 @@ class Array {
   static Array zeroes(size_t count) {
     if (count == 0) return {};
     const size_t bytes = count * sizeof(T);
-    const std::shared_ptr<const void> keep(
-        map_zeroes(bytes), [bytes](void* zeroes) { unmap_zeroes(zeroes, bytes); });
+    const std::shared_ptr<const void> keep(map_zeroes(bytes),
+                                           [bytes](void* zeroes) { unmap_zeroes(zeroes, bytes); });
     return borrow(keep.get(), count, keep);
   }
   /// Does it read memory that is not its own?
