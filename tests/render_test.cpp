@@ -409,8 +409,9 @@ TEST(Render, APictureBeyondMemoryIsRefused) {
 
 void add(Film& film, Rgb rgb) {
   const Vec3d v = Vec3d(rgb) * film.scale();
-  PixelSums sums{{std::llrint(v.x), std::llrint(v.y), std::llrint(v.z)}};
-  film.add(0, 1, {&sums}, {});
+  std::vector<PixelSums> sums(film.tile_sums());
+  sums[0] = {{std::llrint(v.x), std::llrint(v.y), std::llrint(v.z)}};
+  film.add(0, 1, {sums.data()}, {});
 }
 
 TEST(Film, SumsDoNotDependOnOrder) {
