@@ -425,6 +425,45 @@ TEST(Film, SumsDoNotDependOnOrder) {
   EXPECT_TRUE(same_bytes(forward.resolve(), backward.resolve()));
 }
 
+// Of the samples' colours, which the means of ever more samples tell; the same when a film with one
+// sample is gone on with.
+TEST(Film, VarianceIsThatOfTheSamples) {
+  const Scene scene = random_scene(30, 5);
+  RenderOptions options = small();
+  options.samples = 4;
+  options.channels.add(Channel::variance);
+  const RenderSettings settings = resolve_options(options, scene);
+  const auto accel = build_accel(scene, settings.accel);
+  ASSERT_TRUE(accel);
+  RenderControl control;
+  const auto one_by_one = make_film(scene, settings), at_once = make_film(scene, settings);
+  std::vector<Image> means;
+  for (uint32_t n = 1; n <= 4; ++n) {
+    ASSERT_TRUE(render(scene, **accel, settings, **one_by_one, control, {.samples = n}).finished);
+    means.push_back((*one_by_one)->resolve());
+  }
+  ASSERT_TRUE(render(scene, **accel, settings, **at_once, control, {.samples = 4}).finished);
+  const auto values = [](const Film& film) {
+    return std::get<Column<float>>(film.resolve(Channel::variance));
+  };
+  const Column<float> variance = values(**at_once);
+  EXPECT_EQ(values(**one_by_one), variance);
+  double most = 0;
+  for (size_t i = 0; i < means[3].pixels.size(); ++i)
+    for (int c = 0; c < 3; ++c) {
+      const double mean = double(means[3].pixels[i][c]);
+      double sum = 0, before = 0;
+      for (size_t n = 1; n <= 4; ++n) {
+        const double all = double(n) * double(means[n - 1].pixels[i][c]);
+        sum += std::pow(all - before - mean, 2);
+        before = all;
+      }
+      EXPECT_NEAR(double(variance[3 * i + size_t(c)]), sum / 3, 1e-5);
+      most = std::max(most, sum / 3);
+    }
+  EXPECT_GT(most, 0.01);
+}
+
 TEST(Film, HoldsBrightAndDim) {
   Film film(1, 1, 1e6);
   for (int i = 0; i < 4; ++i) add(film, Rgb(1e6f, 1, 1e-5f));
