@@ -64,7 +64,8 @@ TEST(Xyz, ColumnsAreColoursAndRadii) {
   EXPECT_EQ(color("forces.2", 1), *map_color("viridis", 1));
   EXPECT_THAT(
       error(text, "a.xyz", {.color_by = "mass"}),
-      HasSubstr("column of the file: pos.1, pos.2, pos.3, radius, forces.1, forces.2, charge"));
+      HasSubstr("the file has element, index, pos.1, pos.2, pos.3, radius, forces.1, forces.2, "
+                "charge"));
   EXPECT_THAT(error(text, "a.xyz", {.color_by = "charge", .colormap = "jet"}),
               HasSubstr("no colour map 'jet'"));
 }
@@ -145,6 +146,65 @@ TEST(Lammps, DataFilesSayTheirBonds) {
   EXPECT_THAT(with("9 1 2 0.4 2 1 1", "9 1 2 0.4 2 1 z"), HasSubstr("water.lmp:18:15: error"));
 }
 
+// The names of types are those of a force field as often as of elements.
+TEST(Lammps, MassesSayMoreThanNames) {
+  const auto element_of = [](std::string_view mass) {
+    std::string text(kData);
+    text.replace(text.find("15.9994 # O"), 11, mass);
+    const auto got = read(text, "a.lmp");
+    if (!got) return -1;
+    const Rgb color = got->scene.materials[got->scene.sphere_materials[0]].color;
+    for (int i = 1; i < 100; ++i)
+      if (color == element_color(i)) return i;
+    return 0;
+  };
+  EXPECT_EQ(element_of("15.9994 # O"), 8);
+  EXPECT_EQ(element_of("12.011 # CA"), 6);
+  EXPECT_EQ(element_of("40.078 # CA"), 20);
+  EXPECT_EQ(element_of("16.0 # os"), 8);
+  EXPECT_EQ(element_of("16.043 # C"), 6) << "CH4 in one";
+  EXPECT_EQ(element_of("14.007 # HE"), 7);
+}
+
+// From one copy of the box to the next, in a box that leans, too.
+TEST(Lammps, BondsLeadFromCopyToCopy) {
+  const std::string chain =
+      "a chain\n\n2 atoms\n1 bonds\n0 3 xlo xhi\n0 9 ylo yhi\n0 9 zlo zhi\n0 0 0.5 xy xz yz\n\n"
+      "Masses\n\n1 12.011\n\nAtoms # bond\n\n1 1 1 0 0.1 0.1\n2 1 1 1.5 0.1 8.9\n\n"
+      "Bonds\n\n1 1 1 2\n";
+  const auto count = [&](std::array<int, 3> images) {
+    const auto got = read(chain, "a.data", {.style = AtomStyle::sticks, .images = images});
+    return got ? got->scene.cones.size() : 99;
+  };
+  EXPECT_EQ(count({1, 1, 1}), 0u);
+  EXPECT_EQ(count({4, 1, 1}), 0u);
+  EXPECT_EQ(count({1, 1, 3}), 2u) << "both atoms of the copies above and below";
+  const auto got = read(chain, "a.data", {.style = AtomStyle::sticks, .images = {1, 1, 2}});
+  ASSERT_TRUE(got) << got.error().front().text();
+  for (const Cone& bond : got->scene.cones) EXPECT_LT(length(bond.apex - bond.base), 1.7f);
+}
+
+TEST(Lammps, FramesWithoutAtomsArePassedOver) {
+  const std::string text =
+      "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n0\nITEM: BOX BOUNDS pp pp pp\n0 1\n0 1\n0 1\n"
+      "ITEM: ATOMS id type xs ys zs\n" +
+      std::string(kDump);
+  EXPECT_THAT(error(text, "a.dump"), HasSubstr("frame 0 has no atoms; the file has 3"));
+  EXPECT_EQ(read(text, "a.dump", {.frame = 1})->scene.spheres.size(), 2u);
+  EXPECT_EQ(read(text, "a.dump", {.frame = -1})->scene.spheres.size(), 1u);
+}
+
+TEST(Lammps, PointsHaveTheUsualRadius) {
+  const std::string text =
+      "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n3\nITEM: BOX BOUNDS pp pp pp\n0 1\n0 1\n0 1\n"
+      "ITEM: ATOMS id x y z radius\n1 0 0 0 2\n2 0 0 5 0\n3 0 0 9 0\n";
+  const auto got = read(text, "a.dump", {.radius = 0.5f});
+  ASSERT_TRUE(got) << got.error().front().text();
+  EXPECT_EQ(got->scene.spheres[0].radius, 2);
+  EXPECT_EQ(got->scene.spheres[1].radius, 0.5f);
+  EXPECT_GT(read(text, "a.dump")->scene.spheres[2].radius, 0);
+}
+
 TEST(Gro, NamesAreElements) {
   const auto scene = read(kGro, "a.gro");
   ASSERT_TRUE(scene) << scene.error().front().text();
@@ -163,7 +223,8 @@ TEST(Gro, NamesAreElements) {
   EXPECT_THAT(error(kGro.substr(0, 120), "a.gro"), HasSubstr("expected 4 atoms, found 1"));
   std::string broken(kGro);
   broken.replace(broken.find("1.661"), 5, "1.x61");
-  EXPECT_THAT(error(broken, "a.gro"), HasSubstr("a.gro:4:29: error: expected a coordinate"));
+  EXPECT_THAT(error(broken, "a.gro"),
+              HasSubstr("a.gro:4:32: error: expected a coordinate, found \"1.x61\""));
 }
 
 TEST(Pdb, ListedBondsAreDrawn) {
@@ -174,6 +235,14 @@ TEST(Pdb, ListedBondsAreDrawn) {
   EXPECT_TRUE(read(text, "a.pdb")->scene.cones.empty());
   EXPECT_EQ(read(text + "CONECT    1    2    3\nCONECT    2    1\n", "a.pdb")->scene.cones.size(),
             2u);
+  EXPECT_EQ(read(text + "CONECT    3    1\n", "a.pdb")->scene.cones.size(), 1u) << "one way";
+  // Numbers beyond 99999, and those that several atoms have.
+  std::string many = text;
+  many.replace(many.find("    1  C1"), 5, "A0000");
+  EXPECT_EQ(read(many + "CONECT    2A0000\n", "a.pdb")->scene.cones.size(), 1u);
+  many = text;
+  many.replace(many.find("    3  C3"), 5, "    2");
+  EXPECT_EQ(read(many + "CONECT    1    2\n", "a.pdb")->scene.cones.size(), 0u);
 }
 
 class TrajectoryFile : public TemporaryFolder {};
@@ -233,6 +302,15 @@ TEST(Xyz, FaultsHaveTheirPlace) {
 
 TEST(Atoms, ColoursAreNamed) {
   EXPECT_THAT(error(kWater, "a.xyz", {.color_by = "mass"}), HasSubstr("cannot colour by 'mass'"));
+  // What the file does not have, and what it has of the same name.
+  EXPECT_THAT(error(kWater, "a.xyz", {.color_by = "bfactor"}),
+              HasSubstr("cannot colour by 'bfactor'; the file has element, index"));
+  EXPECT_THAT(error(kWater, "a.xyz", {.color_by = "chain"}), HasSubstr("cannot colour by"));
+  EXPECT_THAT(error(kWater, "a.xyz", {.color_by = "residue"}), HasSubstr("cannot colour by"));
+  const auto own = read("2\nProperties=pos:R:3:occupancy:R:1\n0 0 0 0.25\n4 0 0 0.5\n", "a.xyz",
+                        {.color_by = "occupancy"});
+  ASSERT_TRUE(own && own->colors);
+  EXPECT_EQ(own->colors->most, 0.5);
   EXPECT_THAT(error(kWater, "a.xyz", {.color_by = "index", .colormap = "jet"}),
               HasSubstr("no colour map 'jet'"));
   EXPECT_THAT(error(kWater, "a.xyz", {.colormap = "viridis"}), HasSubstr("has no effect"));
@@ -384,6 +462,28 @@ TEST(Cif, CrystalsFillTheirCell) {
   EXPECT_THAT(error(text + "loop_\n_symmetry_equiv_pos_as_xyz\n'x,y'\n", "salt.cif"),
               HasSubstr("salt.cif: error: "));
   EXPECT_THAT(error(kSalt, "salt.cif", {.frame = 1}), HasSubstr("no frame 1; the file has 1"));
+}
+
+TEST(Cif, GroupsHaveSeveralNames) {
+  const auto atoms = [](std::string_view group, std::string_view gamma = "90") {
+    std::string text(kSalt);
+    const std::string_view name = "_symmetry_space_group_name_H-M 'F m -3 m'\n";
+    text.replace(text.find(name), name.size(), group);
+    for (const std::string_view angle : {"alpha 90", "beta 90", "gamma 90"})
+      text.replace(text.find(angle) + angle.size() - 2, 2, gamma);
+    const auto got = read(text, "a.cif", {.style = AtomStyle::space_filling});
+    return got ? std::to_string(got->scene.spheres.size()) : got.error().front().text();
+  };
+  EXPECT_EQ(atoms("_space_group_IT_number 225\n"), "8");
+  EXPECT_EQ(atoms("_space_group_name_Hall '-F 4 2 3'\n"), "8");
+  EXPECT_EQ(atoms(""), "2") << "none is told";
+  EXPECT_THAT(atoms("_symmetry_space_group_name_H-M 'F x 7'\n"),
+              HasSubstr("space group 'F x 7' is not known"));
+  // In the cell that the angles tell: one place each, not the three of the hexagonal cell.
+  EXPECT_EQ(atoms("_symmetry_space_group_name_H-M 'R -3 m'\n", "57"), "2");
+  std::string no_cell(kSalt);
+  no_cell.erase(no_cell.find("_cell_length_a"), no_cell.find("_symmetry") - no_cell.find("_cell"));
+  EXPECT_THAT(error(no_cell, "a.cif"), HasSubstr("not the lengths of the cell's sides"));
 }
 
 // The sides of the cell by the ends of the lines that are drawn along them.

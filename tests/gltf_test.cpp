@@ -330,6 +330,8 @@ TEST(Gltf, BrokenFilesAreRefusedWithTheirPlace) {
     return error(text, "a.gltf");
   };
   EXPECT_THAT(with("\"buffers\"", ",\n x"), HasSubstr("a.gltf:1:"));
+  EXPECT_THAT(with("\"buffers\"", "\"a\": 1e999, \"buffers\""),
+              HasSubstr("a.gltf: error: its JSON is broken: a number is too large"));
   EXPECT_THAT(with("\"count\": 4", "\"count\": -4"),
               HasSubstr("/accessors/0/count: expected a whole number"));
   EXPECT_THAT(with("\"count\": 4", "\"count\": 4.5"), HasSubstr("found 4.5"));

@@ -142,6 +142,37 @@ TEST(Ply, PropertiesAreColours) {
   EXPECT_EQ(read(kMesh, "a.ply", {.color_by = "y"})->scene.meshes[0].colors[2],
             *map_color("viridis", 1));
   EXPECT_THAT(error(kMesh, "a.ply", {.color_by = "chain"}), HasSubstr("there are \"x\", \"y\""));
+  // They are not multiplied by those of the faces.
+  const std::string painted =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float "
+      "z\nelement face 1\nproperty list uchar int vertex_indices\nproperty uchar red\n"
+      "property uchar green\nproperty uchar blue\nend_header\n"
+      "0 0 0\n1 0 0\n0 1 0\n3 0 1 2 255 0 0\n";
+  const auto color = [&](const ReadOptions& options) {
+    const auto got = read(painted, "a.ply", options);
+    return got->scene.materials[got->scene.meshes[0].materials[0]].color;
+  };
+  EXPECT_EQ(color({}), Rgb(1, 0, 0));
+  EXPECT_EQ(color({.color_by = "x"}), Rgb(1));
+}
+
+// What programs for scans write for normals that they do not know.
+TEST(Ply, NumbersMayBeNone) {
+  const auto with = [](const std::string& type, const std::string& number) {
+    return "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty "
+           "float z\nproperty " +
+           type + " a\nend_header\n0 0 0 " + number + "\n1 0 0 1\n";
+  };
+  for (const char* number : {"nan", "-NaN", "inf", "+Infinity", "-nan(ind)"}) {
+    const auto got = read(with("float", number), "a.ply");
+    ASSERT_TRUE(got) << number << got.error().front().text();
+    EXPECT_EQ(got->scene.spheres.size(), 2u);
+    EXPECT_THAT(error(with("uchar", number), "a.ply"), HasSubstr("expected a number, found"));
+  }
+  EXPECT_THAT(error(with("float", "nano"), "a.ply"), HasSubstr("found \"nano\""));
+  std::string place = with("float", "1");
+  place.replace(place.find("1 0 0 1"), 1, "nan");
+  EXPECT_THAT(error(place, "a.ply"), HasSubstr("finite"));
 }
 
 TEST(Ply, OddsAndEnds) {
@@ -229,6 +260,15 @@ TEST(Stl, TextAndBinaryAreTheSame) {
               HasSubstr("a.stl:6:1: error: expected vertex"));
 }
 
+// The material of a blue face whose vertices have `more` behind their places.
+Rgb off_face(const std::string& head, const std::string& more) {
+  std::string text = head + "3 1 0\n";
+  for (const char* place : {"0 0 0", "1 0 0", "0 1 0"}) text += place + more + "\n";
+  const auto got = read(text + "3 0 1 2 0 0 255\n", "a.off");
+  if (!got) return {};
+  return got->scene.materials[got->scene.meshes[0].materials[0]].color;
+}
+
 TEST(Off, VerticesAndFacesHaveColours) {
   const auto mesh = read(
       "COFF # a square\n4 2 0\n0 0 0 255 0 0 255\n1 0 0 0 255 0 255\n1 1 0 0 0 255 255\n"
@@ -247,7 +287,10 @@ TEST(Off, VerticesAndFacesHaveColours) {
   EXPECT_EQ(m.colors[1], Rgb(0, 1, 0));
   EXPECT_EQ(m.colors[3], Rgb(linear_from_srgb(0.5f)));
   EXPECT_EQ(square->scene.materials[m.materials[0]].color, Rgb(1));
-  EXPECT_EQ(square->scene.materials[m.materials[1]].color, Rgb(0, 0, 1));
+  // Not multiplied into those of the vertices.
+  EXPECT_EQ(square->scene.materials[m.materials[1]].color, Rgb(1));
+  EXPECT_EQ(off_face("OFF\n", ""), Rgb(0, 0, 1));
+  EXPECT_EQ(off_face("COFF\n", " 1 0 0 1"), Rgb(1));
   EXPECT_THAT(error("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "a.off"),
               HasSubstr("a.off:6:7: error: expected a vertex from 0 to 2"));
   EXPECT_THAT(error("OFF\n99999999 1 0\n0 0 0\n", "a.off"), HasSubstr("the number of vertices"));
@@ -299,6 +342,20 @@ TEST(Obj, MaterialsComeFromFilesBeside) {
   ASSERT_TRUE(broken);
   EXPECT_THAT(broken->warnings.at(0).text(),
               HasSubstr("\"square.mtl\":2:6: expected a part of a colour"));
+  // Several files in one line, and one with a blank in its name.
+  write("clear.mtl", "newmtl clear\nKd 0 0 1\n");
+  write("square.mtl", "newmtl red one\nKd 1 0 0\n");
+  write("two words.mtl", "newmtl red one\nKd 0 1 0\n");
+  const auto red = [&](std::string_view libraries) {
+    std::string text(kObj);
+    text.replace(text.find("square.mtl"), 10, libraries);
+    write("a.obj", text);
+    const auto got = read_scene(folder / "a.obj");
+    EXPECT_EQ(got->warnings.size(), libraries == "two words.mtl" ? 1u : 0u) << libraries;
+    return got->scene.materials[got->scene.meshes[0].materials[0]].color;
+  };
+  EXPECT_EQ(red("clear.mtl  square.mtl"), Rgb(1, 0, 0));
+  EXPECT_EQ(red("two words.mtl"), Rgb(0, 1, 0));
   std::filesystem::remove_all(folder);
 }
 

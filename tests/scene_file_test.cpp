@@ -4,6 +4,7 @@
 
 #include "program.h"
 // Behind it, since they have a namespace raio::testing.
+#include "data_files.h"
 #include "io/plain_scene.h"
 #include "io/raio/raio.h"
 #include "nff_text.h"
@@ -116,6 +117,27 @@ TEST_F(SceneFiles, DataIsToldByContentThenBySuffix) {
 }
 
 /// Whatever the reader of NFF has to say of a text is said by it.
+// The first or second line of some files may be anything.
+TEST_F(SceneFiles, TitlesSayNothingOfTheKind) {
+  const auto atoms = [](std::string_view text, std::string_view name) {
+    const auto got = parse_scene(text, name, {.style = AtomStyle::space_filling});
+    return got ? std::to_string(got->scene.spheres.size()) : got.error().front().text();
+  };
+  for (const char* title : {"2 atoms", "data_1", "v 1 2 3"})
+    EXPECT_EQ(atoms("2\n" + std::string(title) + "\nC 0 0 0\nC 2 0 0\n", "a.xyz"), "2") << title;
+  for (const char* title : {"solid argon", "BMIM BF4 box", "II*", "TITLE  x", "LAMMPS", "OFF on"}) {
+    std::string gro(kGro);
+    gro.replace(0, gro.find('\n'), title);
+    EXPECT_EQ(atoms(gro, "a.gro"), "4") << title;
+    std::string data(kData);
+    data.replace(0, data.find('\n'), title);
+    EXPECT_EQ(atoms(data, "a.data"), "3") << title;
+  }
+  const std::string columns = "1\nProperties=pos:R:3:species:S:1\n0 0 0 C\n";
+  for (const char* name : {"a.extxyz", "a.xyz", "a"}) EXPECT_EQ(atoms(columns, name), "1");
+  EXPECT_EQ(atoms("1\nnothing\nC 0 0 0\n", "a.extxyz"), "1");
+}
+
 TEST_F(SceneFiles, TextsOfScenesAreNotTakenForOthers) {
   for (const char* folder : {"scenes", "tests/broken"})
     for (const auto& entry :

@@ -33,11 +33,10 @@ constexpr Sign kStarts[] = {
     {"\x89PNG", {"a PNG picture"}},
     {"\xff\xd8\xff", {"a JPEG picture"}},
     {"GIF8", {"a GIF picture"}},
-    {"BM", {"a BMP picture"}},
     {"\x76\x2f\x31\x01", {"an OpenEXR picture"}},
     {"#?RADIANCE", {"a Radiance picture"}},
     {"#?RGBE", {"a Radiance picture"}},
-    {"II*", {"a TIFF picture"}},
+    {{"II*\0", 4}, {"a TIFF picture"}},
     {{"MM\0*", 4}, {"a TIFF picture"}},
     {"%PDF", {"a PDF document"}},
     {"PK\3\4", {"a ZIP archive"}},
@@ -76,15 +75,16 @@ constexpr Sign kStarts[] = {
 };
 
 constexpr Sign kSuffixes[] = {
-    {".obj", kObj},        {".mtl", {"a Wavefront MTL file of materials"}},
-    {".stl", kStl},        {".ply", kPly},
-    {".off", kOff},        {".3ds", {"a 3DS scene"}},
-    {".gltf", kGltf},      {".pov", {"a POV-Ray scene"}},
-    {".ent", kPdb},        {".mmcif", kCif},
-    {".pdb", kPdb},        {".cif", kCif},
-    {".gro", kGro},        {".xyz", kXyz},
-    {".data", kData},      {".dump", kDump},
-    {".lammpstrj", kDump}, {".lmp", kData},
+    {".obj", kObj},    {".mtl", {"a Wavefront MTL file of materials"}},
+    {".stl", kStl},    {".ply", kPly},
+    {".off", kOff},    {".3ds", {"a 3DS scene"}},
+    {".gltf", kGltf},  {".pov", {"a POV-Ray scene"}},
+    {".ent", kPdb},    {".mmcif", kCif},
+    {".pdb", kPdb},    {".cif", kCif},
+    {".gro", kGro},    {".xyz", kXyz},
+    {".extxyz", kXyz}, {".data", kData},
+    {".dump", kDump},  {".lammpstrj", kDump},
+    {".lmp", kData},
 };
 
 std::string_view trimmed(std::string_view line) {
@@ -122,10 +122,12 @@ bool is_obj_line(std::string_view line) {
          words[1].find('/') != std::string_view::npos;
 }
 
-/// "12", a line of anything, "C 0 0 0".
-bool is_xyz(std::string_view first, std::string_view third) {
+/// "12", a line of anything, "C 0 0 0"; or a line that says what is in which column.
+bool is_xyz(std::string_view first, std::string_view second, std::string_view third) {
   std::array<std::string_view, 5> words;
   if (words_of(first, words) != 1 || !all_digits(words[0])) return false;
+  if (second.find("Properties=") != second.npos || second.find("Lattice=") != second.npos)
+    return true;
   const size_t count = words_of(third, words);
   return count >= 4 && !looks_like_number(words[0]) &&
          std::all_of(&words[1], &words[4], looks_like_number);
@@ -141,19 +143,35 @@ FileKind kind_of_text(std::string_view text, std::string_view suffix) {
                          });
     return is_gltf ? kGltf : FileKind{"a JSON file"};
   }
-  std::array<std::string_view, 3> first;
-  for (size_t number = 0; !text.empty(); ++number) {
+  const auto next_line = [&text] {
     const size_t end = std::min(text.find('\n'), text.size());
     const std::string_view line = text.substr(0, end);
     text.remove_prefix(std::min(end + 1, text.size()));
-    if (number < first.size()) first[number] = line;
+    return line;
+  };
+  const std::string_view all = text, first = next_line(), second = next_line();
+  if (is_xyz(first, second, next_line())) return kXyz;
+  text = all;
+  while (!text.empty()) {
+    const std::string_view line = next_line();
     if (line.starts_with("data_")) return kCif;
-    if (number == 2 && is_xyz(first[0], first[2])) return kXyz;
     std::array<std::string_view, 5> words;
     if (words_of(line, words) == 2 && words[1] == "atoms" && all_digits(words[0])) return kData;
     if (is_obj_line(line)) return kObj;
   }
   return {};
+}
+
+/// "BM", the size, four bytes of zero.
+bool is_bmp(std::string_view start) {
+  return start.starts_with("BM") && start.size() > 10 &&
+         start.substr(6, 4) == std::string_view("\0\0\0\0", 4);
+}
+
+/// Could it be the title of another file, which may be anything?
+bool may_be_title(const FileKind& kind) {
+  return kind.read == read_stl || kind.read == read_off || kind.read == read_pdb ||
+         kind.read == read_mmcif || kind.read == read_lammps_data;
 }
 
 /// "P6", a blank.
@@ -168,8 +186,10 @@ bool is_netpbm(std::string_view start) {
 FileKind file_kind(std::string_view start, std::string_view suffix, size_t size) {
   start = start.substr(0, 4096);
   if (start.starts_with("RAIOSCEN")) return {};
+  const bool has_title = suffix == ".gro" || suffix == ".data" || suffix == ".lmp";
   for (const Sign& sign : kStarts)
-    if (start.starts_with(sign.start)) return sign.kind;
+    if (start.starts_with(sign.start) && !(has_title && may_be_title(sign.kind))) return sign.kind;
+  if (is_bmp(start)) return {"a BMP picture"};
   if (is_netpbm(start)) return {"a picture (PPM, PGM, PBM or PFM)"};
   if (const FileKind kind = kind_of_text(start, suffix); !kind.name.empty()) return kind;
   if (is_binary_stl(start, size)) return kStl;
@@ -179,7 +199,7 @@ FileKind file_kind(std::string_view start, std::string_view suffix, size_t size)
 }
 
 std::vector<std::string_view> scene_suffixes() {
-  std::vector<std::string_view> suffixes = {"nff", "p3f", "raio", "extxyz", "glb", "gz"};
+  std::vector<std::string_view> suffixes = {"nff", "p3f", "raio", "glb", "gz"};
   for (const Sign& sign : kSuffixes)
     if (sign.kind.read) suffixes.push_back(sign.start.substr(1));
   return suffixes;

@@ -35,6 +35,12 @@ struct Cell {
   std::array<std::array<double, 3>, 3> sides{};  // a, b and c
 };
 
+/// A bond to an atom of another copy of the cell, so many sides away.
+struct BondAcross {
+  std::array<uint32_t, 2> atoms{};
+  std::array<int, 3> cells{};  // from the first atom's to the second one's
+};
+
 struct Atoms {
   std::vector<Atom> atoms;
   std::vector<std::string> chains;
@@ -46,7 +52,10 @@ struct Atoms {
       values;  // the atoms' numbers of the column that colours were asked of, or empty
   std::vector<std::string> columns;            // of numbers, which colours could be asked of
   std::vector<std::array<uint32_t, 2>> bonds;  // that the file lists
+  std::vector<BondAcross> bonds_across;        // likewise
   bool finds_bonds = true;                     // whether there are others by distance
+  // Whether the file has what colours are asked of: chains, residues, B factors and occupancies.
+  bool has_residues = false, has_b_factors = false;
 };
 
 /// Reads a PDB or CIF text into `out`, of its frames that of the number, negative from the end.

@@ -36,6 +36,10 @@ const Style kStyles[] = {
 
 // Atoms heavier than it have masses of elements, others those of a model.
 constexpr double kLeastMass = 3, kMassTolerance = 0.5;
+// So much heavier than its element an atom may be that stands for its hydrogens, too, as in CH4.
+constexpr double kHydrogens = 4.5;
+
+double mass_of(int element) { return gemmi::Element(static_cast<gemmi::El>(element)).weight(); }
 
 class DataReader {
  public:
@@ -110,7 +114,7 @@ class DataReader {
       // "# C" and "#C".
       std::string_view name = comment.empty() ? "" : comment[0].substr(1);
       if (name.empty() && comment.size() > 1) name = comment[1];
-      if (const int element = element_number(name)) elements_[uint32_t(type)] = uint8_t(element);
+      if (const int element = element_number(name)) named_[uint32_t(type)] = element;
     }
     return {};
   }
@@ -157,8 +161,7 @@ class DataReader {
     return {};
   }
 
-  // Bonds name atoms by the numbers that begin their lines. One that leads out of a side of the box
-  // and in on the other is left out.
+  // Bonds name atoms by the numbers that begin their lines.
   Done join_bonds() {
     if (listed_.empty()) return {};
     std::unordered_map<uint64_t, uint32_t> atom_of;
@@ -178,47 +181,65 @@ class DataReader {
           return fail(fmt::format("a bond names atom {}, which there is not", ids[k]));
         bond[k] = at->second;
       }
-      bool is_across = false;
-      for (size_t axis = 0; axis < 3; ++axis)
-        is_across |= std::abs(double(out_.atoms[bond[0]].place[axis]) -
-                              double(out_.atoms[bond[1]].place[axis])) > side(axis) / 2;
-      if (!is_across && bond[0] != bond[1]) out_.bonds.push_back(bond);
+      if (bond[0] == bond[1]) continue;
+      const auto cells = cells_between(out_.atoms[bond[0]], out_.atoms[bond[1]]);
+      if (cells == std::array<int, 3>())
+        out_.bonds.push_back(bond);
+      else
+        out_.bonds_across.push_back({bond, cells});
     }
     return {};
   }
 
-  Cell& box() { return out_.cell ? *out_.cell : out_.cell.emplace(); }
-  // How far the box extends along an axis; without end where the file does not say.
-  double side(size_t axis) const {
-    const double length = out_.cell ? out_.cell->sides[axis][axis] : 0;
-    return length > 0 ? length : INFINITY;
+  // How many sides of the box, whose lengths are those of LAMMPS, which lie below the diagonal, the
+  // copy of `b` that is next to `a` is away.
+  std::array<int, 3> cells_between(const Atom& a, const Atom& b) const {
+    std::array<int, 3> cells{};
+    std::array<double, 3> apart{};
+    for (size_t i = 0; i < 3; ++i) apart[i] = double(a.place[i]) - double(b.place[i]);
+    for (size_t k = 3; out_.cell && k-- > 0;) {
+      const auto& side = out_.cell->sides[k];
+      // Half a side is none.
+      const double count = side[k] > 0 ? std::nearbyint(apart[k] / side[k]) : 0;
+      if (!(std::abs(count) < 1e6)) continue;
+      cells[k] = int(count);
+      for (size_t i = 0; i < 3; ++i) apart[i] -= count * side[i];
+    }
+    return cells;
   }
 
-  // By the comment of a mass, else by the mass, unless those are of no elements.
+  Cell& box() { return out_.cell ? *out_.cell : out_.cell.emplace(); }
+
+  // By the comment of a mass, unless the mass says otherwise, as of "CA", which is a carbon of many
+  // force fields; else by the mass, unless masses are of no elements.
   void name_elements() {
     const bool real =
         std::ranges::any_of(masses_, [](const auto& m) { return m.second > kLeastMass; });
-    if (real)
-      for (const auto& [type, mass] : masses_) {
-        const auto difference = [&](int element) {
-          return std::abs(gemmi::Element(static_cast<gemmi::El>(element)).weight() - mass);
-        };
-        int best = 1;
-        for (int i = 2; i < kElements; ++i)
-          if (difference(i) < difference(best)) best = i;
-        if (difference(best) <= kMassTolerance) elements_.try_emplace(type, uint8_t(best));
+    std::map<uint32_t, uint8_t> elements;
+    for (const auto& [type, mass] : masses_) {
+      const auto difference = [&](int element) { return std::abs(mass_of(element) - mass); };
+      if (const auto named = named_.find(type); named != named_.end()) {
+        const double more = mass - mass_of(named->second);
+        if (!real || (more >= -kMassTolerance && more <= kHydrogens)) {
+          elements[type] = uint8_t(named->second);
+          continue;
+        }
       }
+      int best = 1;
+      for (int i = 2; i < kElements; ++i)
+        if (difference(i) < difference(best)) best = i;
+      if (real && difference(best) <= kMassTolerance) elements[type] = uint8_t(best);
+    }
     for (Atom& atom : out_.atoms)
-      if (const auto at = elements_.find(atom.part); at != elements_.end())
-        atom.element = at->second;
+      if (const auto at = elements.find(atom.part); at != elements.end()) atom.element = at->second;
   }
 
   const LineIndex index_;
   LineReader lines_;
   std::string_view file_;
   size_t atoms_ = 0, bonds_ = 0, first_ = 0;
-  std::map<uint32_t, double> masses_;     // of types
-  std::map<uint32_t, uint8_t> elements_;  // likewise
+  std::map<uint32_t, double> masses_;  // of types
+  std::map<uint32_t, int> named_;      // elements of types, by comments
   std::vector<std::array<uint64_t, 2>> listed_;
   Atoms out_;
 };

@@ -21,7 +21,7 @@ std::string_view name_of(Word word) {
       return "a whole number";
     case Word::radius:
     case Word::diameter:
-      return "a positive number";
+      return "a number from 0";
     case Word::skipped:
       break;
   }
@@ -90,7 +90,7 @@ class RowReader {
       case Word::radius:
       case Word::diameter:
         out_.radii[i] = float(word == Word::radius ? number : number / 2);
-        return is_number && out_.radii[i] > 0 && std::isfinite(out_.radii[i]);
+        return is_number && out_.radii[i] >= 0 && std::isfinite(out_.radii[i]);
       case Word::skipped:
         return true;
     }
@@ -110,6 +110,7 @@ std::expected<void, Diagnostics> read_rows(const LineIndex& index, std::string_v
   out.atoms.resize(count);
   if (layout.has(Word::radius) || layout.has(Word::diameter)) out.radii.resize(count);
   if (layout.value < layout.words.size()) out.values.resize(count);
+  out.has_residues = layout.has(Word::residue);
   return for_lines(index, file, first, count, RowReader(layout, out));
 }
 

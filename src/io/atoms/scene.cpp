@@ -61,8 +61,10 @@ std::vector<Vec3d> shifts_of(const Atoms& atoms, const std::array<int, 3>& image
   return out;
 }
 
-// With the copies of the cell as atoms, so that bonds lead from one to the next.
-Atoms repeated(const Atoms& atoms, const std::vector<Vec3d>& shifts) {
+// With the copies of the cell as atoms, so that bonds lead from one to the next. `shifts` are
+// those of the images.
+Atoms repeated(const Atoms& atoms, const std::vector<Vec3d>& shifts,
+               const std::array<int, 3>& images) {
   Atoms out = atoms;
   out.atoms.clear(), out.radii.clear(), out.values.clear(), out.bonds.clear();
   for (const Vec3d& shift : shifts) {
@@ -75,6 +77,19 @@ Atoms repeated(const Atoms& atoms, const std::vector<Vec3d>& shifts) {
     out.values.insert(out.values.end(), atoms.values.begin(), atoms.values.end());
     for (const auto& [a, b] : atoms.bonds) out.bonds.push_back({first + a, first + b});
   }
+  const auto count = uint32_t(atoms.atoms.size());
+  for (uint32_t copy = 0; copy < shifts.size(); ++copy)
+    for (const auto& [bond, cells] : atoms.bonds_across) {
+      uint32_t other = 0, rest = copy;
+      bool inside = true;
+      for (uint32_t k = 0, stride = 1; k < 3; stride *= uint32_t(images[k++])) {
+        const int at = int(rest % uint32_t(images[k])) + cells[k];
+        rest /= uint32_t(images[k]);
+        inside &= at >= 0 && at < images[k];
+        other += uint32_t(at) * stride;
+      }
+      if (inside) out.bonds.push_back({copy * count + bond[0], other * count + bond[1]});
+    }
   return out;
 }
 
@@ -86,11 +101,15 @@ class SceneMaker {
       : atoms_(atoms), file_(file), options_(options), style_(style), shifts_(std::move(shifts)) {}
 
   std::expected<ReadScene, Diagnostics> make() {
-    if (atoms_.atoms.empty())
-      return failed(file_, fmt::format("there is no frame {}; the file has {}", options_.frame,
-                                       atoms_.frames));
+    if (atoms_.atoms.empty()) {
+      const auto frames = int64_t(atoms_.frames);
+      const bool is_there = options_.frame >= -frames && options_.frame < frames;
+      return failed(
+          file_, fmt::format("{} {}{}; the file has {}", is_there ? "frame" : "there is no frame",
+                             options_.frame, is_there ? " has no atoms" : "", frames));
+    }
     has_elements_ = any_element(atoms_);
-    if (!has_elements_ && atoms_.radii.empty()) {
+    if (!has_elements_ && (atoms_.radii.empty() || std::ranges::count(atoms_.radii, 0.f) > 0)) {
       Box3f box;
       for (const Atom& atom : atoms_.atoms) box.extend(place_of(atom));
       particle_radius_ = mean_spacing(box, atoms_.atoms.size()) / 2;
@@ -113,7 +132,8 @@ class SceneMaker {
   float radius_of(size_t atom) const {
     if (style_ == AtomStyle::sticks) return kStick;
     if (style_ == AtomStyle::points) return options_.radius > 0 ? options_.radius : kPoint;
-    const float whole = !atoms_.radii.empty() ? atoms_.radii[atom]
+    const bool has_own = !atoms_.radii.empty() && atoms_.radii[atom] > 0;  // a point has none
+    const float whole = has_own               ? atoms_.radii[atom]
                         : options_.radius > 0 ? options_.radius
                         : has_elements_       ? van_der_waals_radius(atoms_.atoms[atom].element)
                                               : particle_radius_;
@@ -139,17 +159,16 @@ class SceneMaker {
       which = [](const Atom& a) { return a.element; };
       color = [](uint8_t n) { return element_color(n); };
     }
-    if (by == "chain") which = [](const Atom& a) { return uint8_t(a.chain % kDistinctColors); };
-    if (by == "residue") which = [](const Atom& a) { return uint8_t(a.residue % kDistinctColors); };
+    if (by == "chain" && !atoms_.chains.empty())
+      which = [](const Atom& a) { return uint8_t(a.chain % kDistinctColors); };
+    if (by == "residue" && atoms_.has_residues)
+      which = [](const Atom& a) { return uint8_t(a.residue % kDistinctColors); };
     if (by == "type" && has_types)
       which = [](const Atom& a) { return uint8_t((a.part - 1) % kDistinctColors); };
     const auto numbers = which ? std::vector<float>() : numbers_of(by);
     if (!which && numbers.empty())
-      return fmt::format(
-          "cannot colour by '{}'; expected element, chain, residue, index, bfactor "
-          "or occupancy{}{}",
-          printable(by), atoms_.columns.empty() ? "" : ", or a column of the file: ",
-          printable(fmt::format("{}", fmt::join(atoms_.columns, ", "))));
+      return fmt::format("cannot colour by '{}'; the file has {}", printable(by),
+                         printable(fmt::format("{}", fmt::join(what_there_is(has_types), ", "))));
     if (which && (!options_.colormap.empty() || options_.color_range))
       return fmt::format(
           "a colour map or range has no effect on atoms coloured by {}; colour them by "
@@ -174,9 +193,22 @@ class SceneMaker {
     return {};
   }
 
+  // What colours may be asked of.
+  std::vector<std::string> what_there_is(bool has_types) const {
+    std::vector<std::string> out = {"element", "index"};
+    if (!atoms_.chains.empty()) out.push_back("chain");
+    if (atoms_.has_residues) out.push_back("residue");
+    if (has_types) out.push_back("type");
+    if (atoms_.has_b_factors) out.insert(out.end(), {"bfactor", "occupancy"});
+    out.insert(out.end(), atoms_.columns.begin(), atoms_.columns.end());
+    return out;
+  }
+
   // What a colour map makes colours of; nothing: there is no such thing.
   std::vector<float> numbers_of(std::string_view by) const {
-    if (by != "index" && by != "bfactor" && by != "occupancy") return atoms_.values;
+    const bool known =
+        by == "index" || (atoms_.has_b_factors && (by == "bfactor" || by == "occupancy"));
+    if (!known || !atoms_.values.empty()) return atoms_.values;
     std::vector<float> out(atoms_.atoms.size());
     for (size_t i = 0; i < out.size(); ++i)
       out[i] = by == "index"     ? float(i)
@@ -388,7 +420,8 @@ std::expected<ReadScene, Diagnostics> scene_of_atoms(const Atoms& atoms, std::st
   const AtomStyle style = style_of(atoms, options);
   const std::vector<Vec3d> shifts = shifts_of(atoms, options.images);
   if (has_bonds(style) && shifts.size() > 1)
-    return SceneMaker(repeated(atoms, shifts), file, options, style, {Vec3d()}).make();
+    return SceneMaker(repeated(atoms, shifts, options.images), file, options, style, {Vec3d()})
+        .make();
   return SceneMaker(atoms, file, options, style, shifts).make();
 }
 

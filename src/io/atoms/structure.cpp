@@ -33,11 +33,16 @@ class Names {
   std::map<std::string, uint32_t> numbers_;
 };
 
-// Of the atoms that are kept, by their numbers in the file.
-using Serials = std::unordered_map<int, uint32_t>;
+// The atoms that are kept: by what gemmi has of them, and by their numbers in the file, of which
+// kTwice is said where several atoms have the same.
+struct Kept {
+  static constexpr uint32_t kTwice = 0xffffffff;
+  std::unordered_map<const gemmi::Atom*, uint32_t> atoms;
+  std::unordered_map<int, uint32_t> serials;
+};
 
 void add_model(const gemmi::Model& model, bool cif, Names& chains, Names& parts, Atoms& out,
-               Serials& serials) {
+               Kept& kept) {
   uint32_t residues = 0;
   for (const gemmi::Chain& chain : model.chains)
     for (const gemmi::Residue& residue : chain.first_conformer()) {
@@ -50,7 +55,10 @@ void add_model(const gemmi::Model& model, bool cif, Names& chains, Names& parts,
         a.element = element.elem == gemmi::El::D ? 1 : uint8_t(element.atomic_number());
         a.chain = number, a.part = part, a.residue = residues;
         a.occupancy = atom.occ, a.b_factor = atom.b_iso;
-        serials[atom.serial] = uint32_t(out.atoms.size());
+        const auto index = uint32_t(out.atoms.size());
+        kept.atoms.emplace(&atom, index);
+        const auto [at, is_new] = kept.serials.emplace(atom.serial, index);
+        if (!is_new) at->second = Kept::kTwice;
         out.atoms.push_back(a);
       }
       ++residues;
@@ -66,8 +74,7 @@ Cell cell_of(const gemmi::UnitCell& from) {
 
 // Those between molecules and within them, of SSBOND, LINK and struct_conn: no hydrogen bonds, and
 // none that leads to a copy of the crystal.
-void add_links(const gemmi::Structure& s, const gemmi::Model& model, const Serials& serials,
-               Atoms& out) {
+void add_links(const gemmi::Structure& s, const gemmi::Model& model, const Kept& kept, Atoms& out) {
   for (const gemmi::Connection& link : s.connections) {
     if (link.asu == gemmi::Asu::Different || link.type == gemmi::Connection::Hydrog) continue;
     const gemmi::Atom* const from = model.find_cra(link.partner1).atom;
@@ -77,14 +84,23 @@ void add_links(const gemmi::Structure& s, const gemmi::Model& model, const Seria
     if (link.asu == gemmi::Asu::Any && s.cell.is_crystal() &&
         !s.cell.find_nearest_image(from->pos, to->pos, gemmi::Asu::Any).same_asu())
       continue;
-    const auto a = serials.find(from->serial), b = serials.find(to->serial);
-    if (a == serials.end() || b == serials.end() || a->second == b->second) continue;
+    const auto a = kept.atoms.find(from), b = kept.atoms.find(to);
+    if (a == kept.atoms.end() || b == kept.atoms.end() || a->second == b->second) continue;
     out.bonds.push_back({std::min(a->second, b->second), std::max(a->second, b->second)});
   }
 }
 
-// The operations of a crystal's symmetry, as the file lists them, or else by its group's name.
-std::vector<gemmi::Op> symmetry_of(gemmi::cif::Block& block, const std::string& group) {
+// The first of these that the file gives, or nothing.
+std::string value_of(gemmi::cif::Block& block, std::initializer_list<const char*> tags) {
+  for (const char* tag : tags)
+    if (const std::string* value = block.find_value(tag); value && !gemmi::cif::is_null(*value))
+      return gemmi::cif::as_string(*value);
+  return {};
+}
+
+// The operations of a crystal's symmetry, as the file lists them, or else those of its group, by
+// whatever the file calls it.
+std::vector<gemmi::Op> symmetry_of(gemmi::cif::Block& block, const gemmi::SmallStructure& small) {
   std::vector<gemmi::Op> out;
   for (const char* tag : {"_space_group_symop_operation_xyz", "_symmetry_equiv_pos_as_xyz"})
     if (const auto column = block.find_values(tag)) {
@@ -92,10 +108,24 @@ std::vector<gemmi::Op> symmetry_of(gemmi::cif::Block& block, const std::string& 
         out.push_back(gemmi::parse_triplet(gemmi::cif::as_string(text)));
       return out;
     }
-  if (const gemmi::SpaceGroup* known = gemmi::find_spacegroup_by_name(group)) {
-    for (const gemmi::Op op : known->operations()) out.push_back(op);
-  } else {
+  const std::string& name = small.spacegroup_hm;
+  const std::string hall =
+      value_of(block, {"_space_group_name_Hall", "_symmetry_space_group_name_Hall"});
+  const std::string number =
+      value_of(block, {"_space_group_IT_number", "_symmetry_Int_Tables_number"});
+  const gemmi::SpaceGroup* known =
+      gemmi::find_spacegroup_by_name(name, small.cell.alpha, small.cell.gamma);
+  const int known_number = std::atoi(number.c_str());
+  if (!known && hall.empty() && known_number > 0)
+    known = gemmi::find_spacegroup_by_number(known_number);
+  if (known || !hall.empty()) {
+    for (const gemmi::Op op : known ? known->operations() : gemmi::symops_from_hall(hall.c_str()))
+      out.push_back(op);
+  } else if (name.empty() && number.empty()) {
     out.push_back(gemmi::Op::identity());
+  } else {
+    throw std::runtime_error("its space group '" + (name.empty() ? number : name) +
+                             "' is not known, and it lists no symmetry operations");
   }
   return out;
 }
@@ -109,10 +139,13 @@ double wrapped(double x) {
 // A crystal by the parts of its cell, as the CIF of chemistry has it.
 void add_crystal(gemmi::cif::Block& block, Atoms& out) {
   const gemmi::SmallStructure small = gemmi::make_small_structure_from_block(block);
-  const std::vector<gemmi::Op> symmetry = symmetry_of(block, small.spacegroup_hm);
+  if (!small.cell.is_crystal())
+    throw std::runtime_error("it gives parts of a cell, but not the lengths of the cell's sides");
+  const std::vector<gemmi::Op> symmetry = symmetry_of(block, small);
   constexpr double kSame = 0.1;  // angstroms, of an atom that an operation leaves where it is
   out.frames = 1;
   out.cell = cell_of(small.cell);
+  out.has_residues = out.has_b_factors = true;
   for (size_t i = 0; i < small.sites.size(); ++i) {
     const gemmi::SmallStructure::Site& site = small.sites[i];
     // Of a disordered part the first choice.
@@ -143,7 +176,8 @@ void add_crystal(gemmi::cif::Block& block, Atoms& out) {
 }
 
 // CONECT records: the number of an atom and of up to four that it is bonded to, five columns each.
-std::vector<std::array<uint32_t, 2>> bonds_of_pdb(std::string_view text, const Serials& serials) {
+std::vector<std::array<uint32_t, 2>> bonds_of_pdb(std::string_view text, const Kept& kept) {
+  const auto& serials = kept.serials;
   std::vector<std::array<uint32_t, 2>> out;
   const std::string_view record = "CONECT";
   for (size_t end = 0; !text.empty(); text.remove_prefix(std::min(end + 1, text.size()))) {
@@ -152,13 +186,16 @@ std::vector<std::array<uint32_t, 2>> bonds_of_pdb(std::string_view text, const S
     const std::string line(text.substr(0, end));
     const auto atom = [&](size_t k) {
       const size_t column = record.size() + 5 * k;
-      return column < line.size() ? serials.find(std::atoi(line.substr(column, 5).c_str()))
-                                  : serials.end();
+      if (column >= line.size()) return Kept::kTwice;
+      std::string word = line.substr(column, 5);
+      word.resize(5, ' ');
+      const auto at = serials.find(gemmi::pdb_impl::read_serial(word.c_str()));
+      return at == serials.end() ? Kept::kTwice : at->second;
     };
-    const auto from = atom(0);
-    for (size_t k = 1; k < 5 && from != serials.end(); ++k)
-      if (const auto to = atom(k); to != serials.end() && from->second < to->second)
-        out.push_back({from->second, to->second});
+    const uint32_t from = atom(0);
+    for (size_t k = 1; k < 5 && from != Kept::kTwice; ++k)
+      if (const uint32_t to = atom(k); to != Kept::kTwice && to != from)
+        out.push_back({std::min(from, to), std::max(from, to)});
   }
   return out;
 }
@@ -225,12 +262,13 @@ std::string read_structure(const char* text, size_t size, bool cif, int frame, A
   if (at < 0 || at >= long(s.models.size())) return {};
   std::vector<std::string> part_names;
   Names chains(out.chains), parts(part_names);
-  Serials serials;
+  Kept kept;
   const gemmi::Model& model = s.models[size_t(at)];
-  add_model(model, cif, chains, parts, out, serials);
+  add_model(model, cif, chains, parts, out, kept);
+  out.has_residues = out.has_b_factors = true;
   if (s.cell.is_crystal()) out.cell = cell_of(s.cell);
-  if (!cif) out.bonds = bonds_of_pdb({text, size}, serials);
-  add_links(s, model, serials, out);
+  if (!cif) out.bonds = bonds_of_pdb({text, size}, kept);
+  add_links(s, model, kept, out);
   if (!cif) {
     out.assemblies = assemblies_of_pdb({text, size}, chains);
     return {};

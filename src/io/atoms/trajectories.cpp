@@ -53,14 +53,14 @@ class Trajectory {
   std::unexpected<Diagnostics> wrong(std::string_view line, const char* at, std::string expected) {
     return wrong_line(file, lines.number(), line, {at, std::move(expected)});
   }
-  // A number of atoms that fill the lines behind `header` ones.
-  std::expected<size_t, Diagnostics> count(std::string_view line, size_t header) {
+  // A number of atoms, at least so many, that fill the lines behind `header` ones.
+  std::expected<size_t, Diagnostics> count(std::string_view line, size_t header, size_t least = 1) {
     const auto words = words_of(line);
     size_t number = 0;
     const char* const at = words.empty() ? line.data() : words[0].data();
     const char* const end = words.empty() ? at : at + words[0].size();
     const auto [stop, error] = std::from_chars(at, end, number);
-    if (error != std::errc() || stop != end || number == 0)
+    if (error != std::errc() || stop != end || number < least)
       return wrong(line, at, "the number of atoms");
     const size_t left = index.size() - std::min(index.size(), lines.number() + header);
     if (number > left)
@@ -223,6 +223,7 @@ class DumpReader {
   FrameRowsOr next() {
     bounds_.clear();
     FrameRows out;
+    bool has_count = false;
     while (true) {
       const auto line = t_.lines.next_filled();
       if (!line) return failed(t_.file, "the file ends before the atoms of a frame");
@@ -230,13 +231,13 @@ class DumpReader {
       if (!line->starts_with(kItem)) return t_.wrong(*line, line->data(), "ITEM:");
       const std::string_view item = line->substr(kItem.size());
       if (item.starts_with("NUMBER OF ATOMS")) {
-        const auto count = t_.count(t_.lines.next().value_or(""), 0);
+        const auto count = t_.count(t_.lines.next().value_or(""), 0, 0);
         if (!count) return std::unexpected(count.error());
-        out.count = *count;
+        out.count = *count, has_count = true;
       } else if (item.starts_with("BOX BOUNDS")) {
         if (auto done = read_bounds(); !done) return std::unexpected(done.error());
       } else if (item.starts_with("ATOMS")) {
-        if (out.count == 0)
+        if (!has_count)
           return failed(t_.file, "there is no ITEM: NUMBER OF ATOMS before the atoms",
                         t_.lines.number());
         out.cell = box();
@@ -389,6 +390,7 @@ std::optional<Cell> cell_of_gro(std::string_view line) {
 std::expected<void, Diagnostics> read_gro_atoms(const Trajectory& t, const FrameRows& frame,
                                                 Atoms& out) {
   out.atoms.resize(frame.count);
+  out.has_residues = true;
   const char* p = t.index.begin_of(frame.first);
   const std::string_view first = take_line(p, t.index.text().data() + t.index.text().size());
   // As wide as it is from one point to the next.
@@ -412,7 +414,8 @@ std::expected<void, Diagnostics> read_gro_atoms(const Trajectory& t, const Frame
           std::ranges::copy(column, word.begin());
           double value = 0;
           if (!parse_number(skip_blanks_in_line(word.data()), value))
-            return LineFault{line.data() + std::min(at, line.size()), "a coordinate"};
+            return LineFault{skip_blanks_in_line(line.data() + std::min(at, line.size())),
+                             "a coordinate"};
           atom.place[k] = float(10 * value);
         }
         atom.element = element_of_name(line.substr(kGroName, 5), line.substr(2 * kGroName, 5));

@@ -120,6 +120,8 @@ Json parse_json(std::string_view text) {
       if (uint8_t(c) < 32 || uint8_t(c) >= 127) c = '?';
     throw ReadFailure{"its JSON is broken: " + plain, line,
                       std::max(1, int(before.size() - start))};
+  } catch (const Json::out_of_range&) {
+    throw ReadFailure{"its JSON is broken: a number is too large"};
   }
 }
 

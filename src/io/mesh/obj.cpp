@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <optional>
+#include <ranges>
 #include <set>
 #include <unordered_map>
 
@@ -125,7 +126,7 @@ class ObjReader {
     else if (word == "usemtl")
       use(words_.rest());
     else if (word == "mtllib")
-      read_library(std::string(words_.rest()));
+      read_libraries(words_.rest());
     else
       (void)words_.rest();
   }
@@ -269,11 +270,22 @@ class ObjReader {
     return kNoTexture;
   }
 
+  fs::path library_file(std::string_view name) const {
+    std::string path(name);
+    std::ranges::replace(path, '\\', '/');
+    return options_.folder ? *options_.folder / path : fs::path();
+  }
+  // One, whose name may have blanks in it, or several.
+  void read_libraries(std::string_view names) {
+    std::error_code error;
+    if (names.find(' ') == names.npos || fs::is_regular_file(library_file(names), error))
+      return read_library(std::string(names));
+    for (const auto word : std::views::split(names, ' '))
+      if (!word.empty()) read_library(std::string(std::string_view(word)));
+  }
   void read_library(const std::string& name) {
     if (!libraries_.insert(name).second) return;
-    std::string path = name;
-    std::ranges::replace(path, '\\', '/');
-    const fs::path file = options_.folder ? *options_.folder / path : fs::path();
+    const fs::path file = library_file(name);
     std::error_code error;
     // Not what would wait for somebody to write to it.
     if (!options_.folder || !fs::is_regular_file(file, error))

@@ -96,7 +96,7 @@ class OffReader {
     const auto of_face = color();
     (void)words_.rest();
     if (count < 3) return;  // a point or a line
-    out_.add_face(corners_, out_.paint(of_face.value_or(has_colors_ ? Rgb(1) : kPlainColor)));
+    out_.add_face(corners_, out_.paint(has_colors_ ? Rgb(1) : of_face.value_or(kPlainColor)));
   }
 
   Words words_;

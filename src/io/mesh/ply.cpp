@@ -187,7 +187,8 @@ class PlyReader {
           color[c] = k;
     }
     if (!corners) fail(fmt::format("elements {} have no list vertex_indices", element.name));
-    const bool colored = color[0] && color[1] && color[2];
+    // Colours of the vertices, of which those by a property are a kind, count for more.
+    const bool colored = colors_.empty() && !colored_by_ && color[0] && color[1] && color[2];
     std::vector<Faces> chunks(chunks_of(element.count));
     file_.read_rows(element, *corners, [&](size_t i, const PlyRow& row, const PlyCursor& at) {
       Faces& faces = chunks[i / kLoopChunk];

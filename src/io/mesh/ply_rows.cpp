@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
+#include <cmath>
 #include <utility>
 
 #include "io/atoms/rows.h"
@@ -67,9 +69,18 @@ double PlyCursor::next_binary(PlyType type) {
   return value;
 }
 
-void PlyCursor::fail_number() const {
-  fail(fmt::format("expected a number, found {}",
-                   p < end ? quoted(word_at(p)) : "the end of the file"));
+const char* PlyCursor::parse_not_finite(PlyType type, double& value) const {
+  if (p >= end) fail("expected a number, found the end of the file");
+  const std::string_view word = word_at(p);
+  std::string name(word.substr(0, 16));
+  std::ranges::transform(name, name.begin(), [](char c) { return char(std::tolower(uint8_t(c))); });
+  const bool negative = name.starts_with('-');
+  if (negative || name.starts_with('+')) name.erase(0, 1);
+  const bool is_nan = name == "nan" || name.starts_with("nan(");  // "nan(ind)" of Windows
+  if (is_whole(type) || !(is_nan || name == "inf" || name == "infinity"))
+    fail(fmt::format("expected a number, found {}", quoted(word)));
+  value = is_nan ? NAN : negative ? -INFINITY : INFINITY;
+  return p + word.size();
 }
 
 size_t PlyCursor::next_count(const PlyProperty& list) {

@@ -63,8 +63,8 @@ struct PlyCursor {
     if (encoding != PlyEncoding::text) return next_binary(type);
     skip_blanks();
     double value = 0;
-    const char* const stop = p < end ? parse_number(p, value) : nullptr;
-    if (!stop) fail_number();
+    const char* stop = p < end ? parse_number(p, value) : nullptr;
+    if (!stop) stop = parse_not_finite(type, value);
     p = stop;
     return value;
   }
@@ -75,7 +75,8 @@ struct PlyCursor {
  private:
   size_t next_count(const PlyProperty& list);
   double next_binary(PlyType type);
-  [[noreturn]] void fail_number() const;
+  /// "nan" and "inf", which other programs write for what they do not know; fails of all else.
+  const char* parse_not_finite(PlyType type, double& value) const;
 };
 
 /// Of one row.
