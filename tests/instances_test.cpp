@@ -149,6 +149,47 @@ TEST(Instances, WhatIsClearIsMetInOrder) {
   }
 }
 
+// Places that differ in the object may be one place outside of it.
+TEST(Instances, ClearFacesOnFacesAreAllMet) {
+  std::mt19937 rng(5);
+  std::uniform_real_distribution<float> unit(-1, 1);
+  Scene object, scene;
+  object.materials = scene.materials = {Material()};
+  for (int i = 0; i < 40; ++i) {
+    const auto first = uint32_t(object.positions.size());
+    for (int k = 0; k < 3; ++k) object.positions.push_back({unit(rng), unit(rng), unit(rng)});
+    for (const TriangleIndices& t : {TriangleIndices{0, 1, 2}, {1, 0, 2}, {2, 0, 1}, {2, 1, 0}})
+      object.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+  }
+  object.triangle_materials.assign(object.triangles.size(), 0);
+  object.triangle_opacity.assign(object.triangles.size(), 0.01f);
+  scene.prototypes = {object};
+  for (int i = 0; i < 12; ++i)
+    scene.instances.push_back({0, random_matrix(rng, 1 + 0.2f * float(i % 3))});
+  const auto tree = build(scene, {.kind = AccelKind::bvh});
+  const RayBatch rays = awkward_rays(scene, 4000, 7);
+  HitBatch after, next;
+  after.reset(rays.size());
+  for (size_t i = 0; i < rays.size(); ++i) after.set(i, {.t = 0, .item = 0});
+  TraceContext context;
+  std::vector<uint32_t> sums(rays.size()), depths(padded(rays.size()));
+  for (size_t found = 1, layers = 0; found > 0 && layers < 3000; ++layers) {
+    tree->next_clear(rays, after, next, context);
+    found = 0;
+    for (size_t i = 0; i < rays.size(); ++i) {
+      if (!next[i].found()) {
+        after.set(i, {.t = std::numeric_limits<float>::infinity(), .item = 0});
+        continue;
+      }
+      sums[i] = std::min(sums[i] + tree->geometry().depth_of(next.item[i]), kMostDepth);
+      after.set(i, next[i]);
+      ++found;
+    }
+  }
+  tree->clear_depths(rays, nullptr, depths.data(), context);
+  for (size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(sums[i], depths[i]) << i;
+}
+
 TEST(Instances, APictureIsOne) {
   RenderOptions options;
   options.width = 48, options.height = 36, options.aa = 2, options.soft_shadows = true;

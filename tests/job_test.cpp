@@ -20,6 +20,7 @@ namespace raio {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using testing::random_scene;
 
@@ -218,6 +219,27 @@ TEST_F(Job, APictureIsRepeatedFromItself) {
   ASSERT_TRUE(done(job));
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_THAT(warnings[0].text(), HasSubstr("made by Raio 0.0.1"));
+}
+
+TEST_F(Job, ACheckpointIsOfThePictureThatIsRepeated) {
+  JobRequest r = request("a.png");
+  const std::string picture = bytes(r);
+  JobRequest again = request("b.png");
+  again.options = {};
+  again.repeat = r.output;
+  again.checkpoint = file("c.raio"), again.resume = true;
+  JobRequest begun = request("d.png");
+  begun.checkpoint = again.checkpoint;
+  EXPECT_TRUE(bytes(begun) == picture);
+  EXPECT_TRUE(bytes(again) == picture);
+  fs::remove(again.checkpoint);
+  begun.options.seed = 9;
+  (void)bytes(begun);
+  const std::string part = get(again.checkpoint);
+  const Error other = error(again);
+  EXPECT_EQ(other.kind, ErrorKind::bad_input);
+  EXPECT_THAT(other.text(), AllOf(HasSubstr("c.raio"), HasSubstr("seed")));
+  EXPECT_TRUE(get(again.checkpoint) == part) << "it is left as it is";
 }
 
 TEST_F(Job, ATimeLimitEndsIt) {

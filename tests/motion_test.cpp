@@ -293,6 +293,42 @@ TEST(Motion, AMomentOfTheCameraIsThatCamera) {
 }
 
 // A camera that moves past still things sees what a still one does when the things move past.
+TEST(Motion, IsTheSameBesideCopies) {
+  const Scene alone =
+      scene("s 0 -1 -2 1.2\ntm -1 0 1 1 0 1 0 1 1  0 1 1 1 2 1 0 2 0 0 3\n" + std::string(kMoving));
+  Scene beside = alone, object;  // behind the camera
+  object.materials = alone.materials;
+  object.spheres.push_back({{0, 0, 0}, 1}), object.sphere_materials.push_back(0);
+  beside.prototypes.push_back(object);
+  beside.instances.push_back({0, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 100}});
+  RenderOptions o;
+  o.samples = 8, o.soft_shadows = true;
+  o.channels.add(Channel::normal), o.channels.add(Channel::position);
+  for (const auto kind : {AccelKind::none, AccelKind::bvh}) {
+    o.accel.kind = kind;
+    EXPECT_TRUE(picture(beside, o).pixels == picture(alone, o).pixels);
+  }
+}
+
+// A place given stops the scene's camera, even its own.
+TEST(Motion, ACameraThatIsGivenStandsStill) {
+  Scene moving = scene("s 0 0 0 1\n");
+  moving.camera.movement = CameraMovement{moving.camera.from + Vec3f(2, 0, 0), {2, 0, 0}, 0, 1};
+  RenderOptions o;
+  o.from = Vec3d(moving.camera.from);
+  const Camera still = resolve_options(o, moving).camera;
+  EXPECT_FALSE(still.movement);
+  RenderOptions again;
+  set_camera(again, still, moving);
+  EXPECT_EQ(resolve_options(again, moving).camera, still);
+  // And one that fits the width has the angle that is given.
+  moving.camera.across_deg = 60, o.fov_deg = moving.camera.fov_deg, o.width = 200, o.height = 500;
+  again.width = o.width, again.height = o.height;
+  const Camera narrow = resolve_options(o, moving).camera;
+  set_camera(again, narrow, moving);
+  EXPECT_EQ(resolve_options(again, moving).camera, narrow);
+}
+
 TEST(Motion, OfTheCameraIsThatOfTheScene) {
   Scene by_camera = scene("s 0 0 0 1\n");
   by_camera.lights.clear();

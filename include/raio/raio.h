@@ -100,8 +100,8 @@ struct Look {
   /// Red, green and blue of each, in place of the material's colour, or none. Read in place where
   /// the stride is 12.
   Column<float, 3> colors;
-  /// Of each, 0 to 1, or none; kept in .raio files but not shown by the classic shading. Read in
-  /// place where the stride is 4.
+  /// Of each, 0 to 1, or none: the part of the light from behind that is kept back. Read in place
+  /// where the stride is 4.
   Column<float> opacity;
 };
 

@@ -98,15 +98,17 @@ double Geometry::bytes_to_bake(const Scene& s) {
   if (pieces > 0) pieces += triangles;
   double piece = sizeof(Facet) + 2 * sizeof(TriangleIndices);
   if (raio::any_colors(s) || !s.object_ranges.empty()) piece += sizeof(uint32_t) + sizeof(Rgb);
-  double baked = 0;
+  double baked = 0, own = triangles + pieces;  // of its own, not of its copies
   for_each_kind([&]<PrimitiveKind kind> {
-    if constexpr (kKeepsBaked<kind>)
-      baked += double((s.*kPoolOf<PrimitiveType<kind>>.shapes).size()) * sizeof(Baked<kind>);
+    if constexpr (kind != PrimitiveKind::triangle) {
+      const auto count = double((s.*kPoolOf<PrimitiveType<kind>>.shapes).size());
+      if constexpr (kKeepsBaked<kind>) baked += count * sizeof(Baked<kind>);
+      own += count;
+    }
   });
   return joined + triangles * sizeof(Facet) + baked + 2 * piece * pieces +
-         double(s.primitive_count()) *
-             (sizeof(Sides) +
-              (raio::any_clear(s) ? sizeof(uint32_t) + 2 * sizeof(PrimitiveId) : 0));
+         own * (sizeof(Sides) +
+                (raio::any_clear(s) ? sizeof(uint32_t) + 2 * sizeof(PrimitiveId) : 0));
 }
 
 // Triangles without area are left out, since no ray can hit one.

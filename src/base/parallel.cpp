@@ -2,11 +2,13 @@
 
 #ifndef RAIO_NO_THREADS
 #include <tbb/global_control.h>
+#include <tbb/info.h>
 #include <tbb/task_arena.h>
 
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
+#include <optional>
 #include <utility>
 #endif
 
@@ -26,7 +28,11 @@ int max_concurrency() { return tbb::this_task_arena::max_concurrency(); }
 
 void on_threads(int threads, const std::function<void()>& work) {
   if (threads == 0) return work();
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, size_t(threads));
+  // More threads than the machine has cores, whoever else in the process uses them. Fewer need no
+  // limit for all.
+  std::optional<tbb::global_control> more;
+  if (threads > tbb::info::default_concurrency())
+    more.emplace(tbb::global_control::max_allowed_parallelism, size_t(threads));
   tbb::task_arena(threads).execute(work);
 }
 

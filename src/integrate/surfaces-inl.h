@@ -482,6 +482,7 @@ HWY_NOINLINE void find_copied_surfaces(const Geometry& geometry, const Scene& sc
   Vertices::Copied& there = *v.copied;
   const Array<Instance>& copies = geometry.scene().instances;
   there.objects.assign(n, nullptr), there.instances.resize(n);
+  if (rays.has_time() && !there.rays.has_time()) there.rays.add_time();
   there.rays.resize(n), there.hits.reset(n);
   std::vector<const Geometry*> objects;
   for (size_t i = 0; i < n; ++i) {

@@ -19,8 +19,9 @@ namespace {
 // Kept by each thread: a single ray shall not pay for memory.
 struct Scratch {
   RayBatch rays;
-  HitBatch hits;
+  HitBatch hits, after, clear;
   std::vector<uint8_t> occluded;
+  std::vector<uint32_t> depths;
 };
 
 raio::Ray ray_of(const Ray& ray, size_t number, Vec3d scene_origin) {
@@ -107,6 +108,7 @@ Accel::Accel(Scene scene, const Settings& settings) {
   guarded([&] {
     const auto data = std::make_shared<Data>();
     data->scene = std::move(scene.data_->scene);
+    data->has_background = scene.data_->has_background;
     data->options = settings.data().options;
     if (const auto problems = validate(data->scene); !problems.empty()) refuse(problems.front());
     if (const auto why = option_conflict(data->options)) fail(*why);
@@ -126,6 +128,17 @@ void Accel::closest(size_t count, const Ray* rays, Hit* hits) const {
     in_batches(*data_, count, rays, hits,
                [&](Scratch& scratch, size_t first, size_t n, TraceContext& context) {
                  data_->accel->closest(scratch.rays, scratch.hits, context);
+                 if (data_->accel->geometry().any_clear()) {
+                   // What is clear counts like all else, and lies before or behind.
+                   scratch.after.reset(n);
+                   for (size_t i = 0; i < n; ++i) {
+                     if (scratch.hits[i].found()) scratch.rays.tmax[i] = scratch.hits.t[i];
+                     scratch.after.set(i, {.t = 0, .item = 0});
+                   }
+                   data_->accel->next_clear(scratch.rays, scratch.after, scratch.clear, context);
+                   for (size_t i = 0; i < n; ++i)
+                     if (scratch.clear[i].found()) scratch.hits.set(i, scratch.clear[i]);
+                 }
                  for (size_t i = 0; i < n; ++i)
                    hits[first + i] = hit_of(*data_, scratch.rays[i], scratch.hits[i]);
                });
@@ -138,6 +151,12 @@ void Accel::occluded(size_t count, const Ray* rays, uint8_t* occluded) const {
                [&](Scratch& scratch, size_t first, size_t n, TraceContext& context) {
                  scratch.occluded.resize(padded(n));
                  data_->accel->occluded(scratch.rays, scratch.occluded.data(), context);
+                 if (data_->accel->geometry().any_clear()) {
+                   scratch.depths.resize(padded(n));
+                   data_->accel->clear_depths(scratch.rays, scratch.occluded.data(),
+                                              scratch.depths.data(), context);
+                   for (size_t i = 0; i < n; ++i) scratch.occluded[i] |= scratch.depths[i] > 0;
+                 }
                  std::copy_n(scratch.occluded.begin(), n, occluded + first);
                });
   });

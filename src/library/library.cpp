@@ -80,10 +80,12 @@ Settings& Settings::operator=(const Settings& other) {
 Settings::~Settings() = default;
 
 Settings& Settings::set(std::string_view name, std::string_view value) {
-  const OptionSpec& spec = spec_of(name);
-  if (spec.is_switch() && value != "true" && value != "false")
-    refuse(fmt::format("{}: expected true or false, found '{}'", name, value));
-  if (const auto done = set_option(data_->options, spec, value); !done) fail(done.error());
+  guarded([&] {
+    const OptionSpec& spec = spec_of(name);
+    if (spec.is_switch() && value != "true" && value != "false")
+      refuse(fmt::format("{}: expected true or false, found '{}'", name, value));
+    if (const auto done = set_option(data_->options, spec, value); !done) fail(done.error());
+  });
   return *this;
 }
 
@@ -115,14 +117,16 @@ int Film::width() const { return data_->picture.color.width; }
 int Film::height() const { return data_->picture.color.height; }
 
 std::vector<float> Film::rgba() const {
-  const Picture& p = data_->picture;
-  std::vector<float> out;
-  out.reserve(4 * p.color.pixels.size());
-  for (size_t i = 0; i < p.color.pixels.size(); ++i) {
-    const Rgb& c = p.color.pixels[i];
-    out.insert(out.end(), {c.x, c.y, c.z, p.alpha.empty() ? 1.0f : p.alpha[i]});
-  }
-  return out;
+  return guarded([&] {
+    const Picture& p = data_->picture;
+    std::vector<float> out;
+    out.reserve(4 * p.color.pixels.size());
+    for (size_t i = 0; i < p.color.pixels.size(); ++i) {
+      const Rgb& c = p.color.pixels[i];
+      out.insert(out.end(), {c.x, c.y, c.z, p.alpha.empty() ? 1.0f : p.alpha[i]});
+    }
+    return out;
+  });
 }
 
 std::vector<std::string> Film::channels() const {
@@ -138,9 +142,11 @@ std::vector<float> Film::channel(std::string_view name, int* components) const {
     refuse(fmt::format("the film has no channel '{}'; it has {}", name,
                        layers.empty() ? "none" : fmt::format("{}", fmt::join(channels(), ", "))));
   if (components) *components = int(layer->components.size());
-  return std::visit(
-      [](const auto& values) { return std::vector<float>(values.begin(), values.end()); },
-      layer->values);
+  return guarded([&] {
+    return std::visit(
+        [](const auto& values) { return std::vector<float>(values.begin(), values.end()); },
+        layer->values);
+  });
 }
 
 void Film::write(const std::string& path) const {
@@ -162,7 +168,7 @@ namespace {
 
 // The options of a picture whose structure is there.
 RenderOptions options_with(const Accel::Data& built, RenderOptions options) {
-  for (const auto name : {"accel", "grid-factor", "grid-resolution", "one-sided"}) {
+  for (const auto name : {"accel", "grid-factor", "grid-resolution", "one-sided", "opacity"}) {
     const OptionSpec& spec = spec_of(name);
     const std::string asked = option_text(options, spec), is = option_text(built.options, spec);
     if (asked != is && asked != option_text({}, spec))
@@ -175,28 +181,42 @@ RenderOptions options_with(const Accel::Data& built, RenderOptions options) {
   options.accel = built.options.accel;
   options.accel.counters |= counters;
   options.one_sided = built.options.one_sided;
+  options.opacity = built.options.opacity;
   return options;
+}
+
+// Of a picture of the scene. Data that were read have the background of the look, unless another
+// was set.
+RenderSettings settings_of(RenderOptions options, const raio::Scene& scene, bool has_background) {
+  if (const auto why = option_conflict(options, &scene)) fail(*why);
+  if (has_background && scene.dialect == Dialect::data && !options.background)
+    options.background = WrittenColor{.color = scene.background};
+  return resolve_options(options, scene);
 }
 
 }  // namespace
 
-Job::Job(const Scene& scene, const Settings& settings) : data_(std::make_unique<Data>()) {
-  data_->scene = guarded([&] { return std::make_shared<const raio::Scene>(scene.data().scene); });
-  if (const auto problems = validate(*data_->scene); !problems.empty()) refuse(problems.front());
-  const RenderOptions& options = settings.data().options;
-  if (const auto why = option_conflict(options, data_->scene.get())) fail(*why);
-  data_->settings = resolve_options(options, *data_->scene);
+Job::Job(const Scene& scene, const Settings& settings) {
+  guarded([&] {
+    data_ = std::make_unique<Data>();
+    data_->scene = std::make_shared<const raio::Scene>(scene.data().scene);
+    if (const auto problems = validate(*data_->scene); !problems.empty()) refuse(problems.front());
+    data_->settings =
+        settings_of(settings.data().options, *data_->scene, scene.data().has_background);
+  });
 }
 
-Job::Job(const Accel& accel, const Settings& settings) : data_(std::make_unique<Data>()) {
-  const std::shared_ptr<const Accel::Data>& built = accel.data_;
-  data_->scene = {built, &built->scene};
-  data_->accel = {built, built->accel.get()};
-  const RenderOptions options = options_with(*built, settings.data().options);
-  if (const auto why = option_conflict(options, data_->scene.get())) fail(*why);
-  data_->settings = resolve_options(options, *data_->scene);
-  if (data_->settings.accel.counters && !built->options.accel.counters)
-    refuse("what the settings ask for is counted only by a structure built with counters");
+Job::Job(const Accel& accel, const Settings& settings) {
+  guarded([&] {
+    const std::shared_ptr<const Accel::Data>& built = accel.data_;
+    data_ = std::make_unique<Data>();
+    data_->scene = {built, &built->scene};
+    data_->accel = {built, built->accel.get()};
+    data_->settings = settings_of(options_with(*built, settings.data().options), *data_->scene,
+                                  built->has_background);
+    if (data_->settings.accel.counters && !built->options.accel.counters)
+      refuse("what the settings ask for is counted only by a structure built with counters");
+  });
 }
 
 Job::~Job() = default;

@@ -45,6 +45,7 @@ namespace raio::v1 {
 struct Scene::Data {
   raio::Scene scene;
   std::vector<std::string> warnings;
+  bool has_background = false;  // that was set, which data that were read do not have
 };
 
 struct Settings::Data {
@@ -53,7 +54,8 @@ struct Settings::Data {
 
 struct Accel::Data {
   raio::Scene scene;
-  RenderOptions options;  // of which those about structures, as they were resolved, matter
+  bool has_background = false;  // as the Scene had it
+  RenderOptions options;        // of which those about structures, as they were resolved, matter
   std::unique_ptr<raio::Accel> accel;
 };
 

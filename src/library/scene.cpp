@@ -66,7 +66,7 @@ void Scene::set_camera(const Camera& camera) {
   scene.camera.from = Vec3f(vec(camera.from) - scene.origin);
   scene.camera.at = Vec3f(vec(camera.at) - scene.origin);
   scene.camera.up = Vec3f(vec(camera.up));
-  scene.camera.fov_deg = float(camera.fov_deg);
+  scene.camera.fov_deg = float(camera.fov_deg), scene.camera.across_deg = 0;
   scene.camera.movement.reset();
 }
 
@@ -78,7 +78,7 @@ Camera Scene::camera() const {
 }
 
 void Scene::set_background(Triple color) {
-  data_->scene.background = rgb(color);
+  data_->scene.background = rgb(color), data_->has_background = true;
   data_->scene.sky = nullptr, data_->scene.sky_folder.clear();
 }
 
@@ -97,6 +97,7 @@ void share_materials(const raio::Scene& scene, std::vector<raio::Scene>& prototy
     object.material_specular = scene.material_specular;
     object.material_roughness = scene.material_roughness;
     object.material_opacity = scene.material_opacity;
+    object.material_texture = scene.material_texture;
     share_materials(scene, object.prototypes);
   }
 }
@@ -247,6 +248,10 @@ void join_looks(Array<T>& to, Array<T> more, const Array<MaterialId>& materials,
   to.resize(materials.size(), default_of(materials.back()));
 }
 
+float opacity_of(const raio::Scene& scene, MaterialId id) {
+  return scene.material_opacity.empty() ? 1 : scene.material_opacity[id];
+}
+
 // Nothing is refused here.
 template <class Shape>
 void append(raio::Scene& scene, Array<Shape> shapes, Looks looks) {
@@ -258,7 +263,7 @@ void append(raio::Scene& scene, Array<Shape> shapes, Looks looks) {
   join_looks(scene.*pool.colors, std::move(looks.colors), ids, before,
              [&](MaterialId id) { return materials[id].color; });
   join_looks(scene.*pool.opacity, std::move(looks.opacity), ids, before,
-             [](MaterialId) { return 1.0f; });
+             [&](MaterialId id) { return opacity_of(scene, id); });
   join(scene.*pool.shapes, std::move(shapes));
 }
 
@@ -418,8 +423,22 @@ void Scene::add_triangles(const Column<float, 3>& positions, const Column<uint32
 
 namespace {
 
-float opacity_of(const raio::Scene& scene, MaterialId id) {
-  return scene.material_opacity.empty() ? 1 : scene.material_opacity[id];
+uint32_t texture_of(const raio::Scene& scene, MaterialId id) {
+  return scene.material_texture.empty() ? kNoTexture : scene.material_texture[id];
+}
+
+// Moves the textures of an object to the scene, and names them by their numbers there.
+void take_textures(raio::Scene& scene, raio::Scene& object) {
+  if (object.texels.size() > kMostTexels - scene.texels.size())
+    refuse(fmt::format("the textures have {} texels, more than {}",
+                       scene.texels.size() + object.texels.size(), kMostTexels));
+  const auto first = uint32_t(scene.textures.size()), first_texel = uint32_t(scene.texels.size());
+  for (Texture& texture : object.textures) texture.first += first_texel;
+  for (uint32_t& texture : object.material_texture)
+    if (texture != kNoTexture) texture += first;
+  join(scene.textures, std::move(object.textures));
+  join(scene.texels, std::move(object.texels));
+  object.textures = {}, object.texels = {};
 }
 
 // The number in `scene` of each material of `object`; those that it does not have are added.
@@ -433,9 +452,11 @@ std::vector<MaterialId> numbers_in(raio::Scene& scene, const raio::Scene& object
     MaterialId same = 0;
     while (same < materials.size() &&
            !(materials[same] == material && scene.specular_of(same) == specular &&
-             scene.roughness_of(same) == roughness && opacity_of(scene, same) == opacity))
+             scene.roughness_of(same) == roughness && opacity_of(scene, same) == opacity &&
+             texture_of(scene, same) == texture_of(object, id)))
       ++same;
-    if (same == materials.size()) scene.add_material(material, specular, roughness, opacity);
+    if (same == materials.size())
+      scene.add_material(material, specular, roughness, opacity, texture_of(object, id));
     numbers.push_back(same);
   }
   return numbers;
@@ -480,6 +501,7 @@ uint32_t Scene::add_prototype(const Scene& added) {
     if (const auto problems = validate(object); !problems.empty()) refuse(problems.front());
     raio::Scene& scene = data_->scene;
     const std::vector<std::string> names = std::exchange(object.object_names, {});
+    take_textures(scene, object);
     renumber(object, numbers_in(scene, object), uint32_t(scene.object_names.size()));
     scene.object_names.insert(scene.object_names.end(), names.begin(), names.end());
     scene.prototypes.push_back(std::move(object));

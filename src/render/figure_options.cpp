@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <charconv>
 
+#include "render/picture_options.h"
+
 namespace raio {
 
 std::expected<void, std::string> parse_look(RenderOptions& options, std::string_view text) {
@@ -65,7 +67,17 @@ std::expected<void, std::string> parse_depth_cue(RenderOptions& options, std::st
 }
 std::string depth_cue_text(const RenderOptions& options) { return text_of(options.depth_cue); }
 
-FigureSettings figure_settings(const RenderOptions& options) {
+namespace {
+
+// Is the background transparent or a sky?
+bool stands_before_no_color(const RenderOptions& options, const Scene& scene) {
+  const bool transparent = options.background && options.background->transparent;
+  return transparent || background_of(options, scene).sky;
+}
+
+}  // namespace
+
+FigureSettings figure_settings(const RenderOptions& options, const Scene& scene) {
   FigureSettings figure;
   figure.look = options.look.value_or(Look::paper);
   if (options.occlusion_rays > 0) figure.occlusion_rays = options.occlusion_rays;
@@ -74,8 +86,7 @@ FigureSettings figure_settings(const RenderOptions& options) {
   figure.shadow_catcher = options.shadow_catcher;
   const LookNumbers look = numbers_of(figure.look);
   figure.outline = options.outline.value_or(look.outline);
-  const auto& ground = options.background;
-  const bool fades = !ground || (!ground->transparent && !ground->sky);
+  const bool fades = !stands_before_no_color(options, scene);
   figure.depth_cue = options.depth_cue.value_or(fades ? look.depth_cue : 0);
   return figure;
 }
@@ -113,8 +124,7 @@ std::optional<Error> figure_conflict(const RenderOptions& options, const Scene& 
                     Given{options.outline.has_value(), "outline"},
                     Given{options.depth_cue.has_value(), "depth-cue"},
                     Given{options.shadow_catcher, "shadow-catcher"});
-  const auto& ground = options.background;
-  if (options.depth_cue.value_or(0) > 0 && ground && (ground->transparent || ground->sky))
+  if (options.depth_cue.value_or(0) > 0 && stands_before_no_color(options, scene))
     return Error{ErrorKind::bad_option, "depth-cue",
                  "fades into a colour; give one as `background`, or leave it out"};
   if (integrator == IntegratorKind::ambient)

@@ -26,7 +26,7 @@ std::string depth_cue_text(const RenderOptions& options);
 /// Samples of a pixel where neither the user nor the scene says how many.
 inline constexpr int kFigureSamples = 64;
 
-FigureSettings figure_settings(const RenderOptions& options);
+FigureSettings figure_settings(const RenderOptions& options, const Scene& scene);
 /// The options that come to these settings.
 void set_figure(RenderOptions& options, const FigureSettings& figure);
 

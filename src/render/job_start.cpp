@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "io/scene_file.h"
 #include "render/render.h"
 
 namespace raio {
@@ -25,7 +26,12 @@ bool is_extensible(int samples) { return samples > 0; }
 std::string scene_of(const JobRequest& request, const Metadata& settings) {
   if (!request.scene.empty()) return request.scene;
   const fs::path name = fs::path(setting(settings, "scene")).filename();
-  return (fs::path(request.repeat).parent_path() / name).string() + ".nff";
+  const std::string path = (fs::path(request.repeat).parent_path() / name).string();
+  std::error_code ignored;
+  for (const std::string_view suffix : scene_suffixes())
+    if (std::string file = fmt::format("{}.{}", path, suffix); fs::exists(file, ignored))
+      return file;
+  return path + ".nff";
 }
 
 // What the picture does not depend on stays as the request has it.
@@ -145,7 +151,8 @@ std::expected<JobStart, Error> find_start(const JobRequest& request) {
     auto start = start_by_part(request);
     if (!start || request.repeat.empty()) return start;
     auto repeated = start_by_repeat(request);
-    if (repeated) repeated->film = std::move(start->film);
+    if (repeated)
+      repeated->film = std::move(start->film), repeated->film_settings = std::move(start->settings);
     return repeated;
   }
   if (!request.repeat.empty()) return start_by_repeat(request);
@@ -174,6 +181,12 @@ std::expected<std::unique_ptr<Film>, Error> film_of(
     }
     if (std::string why = difference(before, settings); !why.empty())
       return std::unexpected(refused(file, std::move(why)));
+  }
+  if (Metadata& part = start.film_settings; !part.empty()) {
+    for (auto& [key, text] : part)
+      if (key == "samples") text = setting(settings, "samples");
+    if (std::string why = difference(part, settings); !why.empty())
+      return std::unexpected(refused(request.checkpoint, std::move(why)));
   }
   auto film = make_film(scene, used);
   if (!film || !start.film) return film;

@@ -16,10 +16,11 @@ namespace raio {
 std::optional<Error> request_conflict(const JobRequest& request);
 
 struct JobStart {
-  JobRequest request;          // with the options and the scene that a picture or a part brought
-  Metadata settings;           // of that picture or part; empty: none
-  uint32_t samples = 0;        // of a pixel, when not all that the options say
-  std::unique_ptr<Film> film;  // of a part
+  JobRequest request;           // with the options and the scene that a picture or a part brought
+  Metadata settings;            // of that picture or part; empty: none
+  uint32_t samples = 0;         // of a pixel, when not all that the options say
+  std::unique_ptr<Film> film;   // of a part
+  Metadata film_settings = {};  // of that part, where `settings` are a picture's
 };
 std::expected<JobStart, Error> find_start(const JobRequest& request);
 

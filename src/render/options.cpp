@@ -261,7 +261,8 @@ constexpr auto kTable = std::to_array<OptionSpec>({
     {"background", "COLOR|FOLDER",
      "What rays see that hit nothing: a name as in white, '#rrggbb', R,G,B where 1 is white; "
      "transparent, for black that is left out of the picture, with alpha; or the folder of a sky, "
-     "with right, left, top, bottom, front and back as .jpg or .png (default: the scene's)",
+     "with right, left, top, bottom, front and back as .jpg or .png (default: the scene's; of "
+     "figures the look's)",
      parse_background, 0, 0, background_text},
     {"exposure", "EV",
      "Multiply the colours of .png and .ppm by 2 to the power of EV; other formats keep the "
@@ -271,7 +272,7 @@ constexpr auto kTable = std::to_array<OptionSpec>({
     {"tone", "NAME",
      "Curve from light to the colours of .png and .ppm: none, the numbers themselves; srgb, the "
      "curve of displays; or agx, which compresses highlights instead of clipping them (default: "
-     "none)",
+     "none; srgb for figures)",
      parse_tone, 0, 0, tone_text, kToneNames},
     {"accel", "NAME",
      "Acceleration structure: none, grid, bvh, embree, or auto, as the scene says, else bvh "
@@ -286,7 +287,7 @@ constexpr auto kTable = std::to_array<OptionSpec>({
      resolution_text},
     {"aa", "N",
      "Antialiasing: N x N jittered cells per pixel; 1 is one ray through the centre "
-     "(default: as the scene says, else 1)",
+     "(default: as the scene says, else 1; figures have 64 samples)",
      +[](Options& o) -> int& { return o.aa; }, 1, 256},
     {"soft-shadows", "", "Render lights as squares facing the point looked at, not as points",
      +[](Options& o) -> bool& { return o.soft_shadows; }},
@@ -522,15 +523,18 @@ Camera camera_of(const Scene& scene, const RenderOptions& options) {
 
 void set_camera(RenderOptions& options, const Camera& camera, const Scene& scene) {
   const Camera& own = scene.camera;
-  const auto unless_own = [](Vec3f value, Vec3f scenes, Vec3d origin) -> std::optional<Vec3d> {
-    if (value == scenes) return std::nullopt;
+  const auto given = [](bool differs, Vec3f value, Vec3d origin) -> std::optional<Vec3d> {
+    if (!differs) return std::nullopt;
     if (origin == Vec3d()) return plain(value);
     return origin + Vec3d(value);
   };
-  options.from = unless_own(camera.from, own.from, scene.origin);
-  options.at = unless_own(camera.at, own.at, scene.origin);
-  options.up = unless_own(camera.up, own.up, {});
-  options.fov_deg = camera.fov_deg == own.fov_deg ? 0 : camera.fov_deg;
+  // The scene's camera, if it moves, stands still only where a place is given.
+  const bool stops = own.movement && !camera.movement;
+  options.from = given(camera.from != own.from || stops, camera.from, scene.origin);
+  options.at = given(camera.at != own.at, camera.at, scene.origin);
+  options.up = given(camera.up != own.up, camera.up, {});
+  // An angle that fits the width is another for a picture of another shape.
+  options.fov_deg = camera.fov_deg == own.fov_deg && own.across_deg == 0 ? 0 : camera.fov_deg;
 }
 
 }  // namespace raio

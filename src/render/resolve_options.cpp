@@ -213,7 +213,7 @@ RenderSettings resolve_options(const RenderOptions& o, const Scene& scene) {
   const std::array shutter = o.shutter.value_or(usual_shutter(scene));
   s.shutter_open = shutter[0], s.shutter_close = shutter[1];
   s.one_sided = o.one_sided;
-  if (figure) s.figure = figure_settings(o);
+  if (figure) s.figure = figure_settings(o, scene);
   s.threads = o.threads > 0 ? o.threads : max_concurrency();
   return s;
 }

@@ -1,6 +1,7 @@
 // Sums over spheres that enclose all of a scene but infinite planes.
 #pragma once
 
+#include <cmath>
 #include <functional>
 #include <vector>
 
@@ -15,7 +16,7 @@ template <PrimitiveKind kind, class F>
 void enclose(const Scene& scene, size_t i, F&& f) {
   const auto& shape = (scene.*kPoolOf<PrimitiveType<kind>>.shapes)[i];
   if constexpr (kind == PrimitiveKind::sphere) {
-    f(shape.center, shape.radius);
+    f(shape.center, std::abs(shape.radius));
   } else {
     const Box3f box = bounds(bake(shape));
     for (int corner = 0; corner < 8; ++corner)

@@ -273,10 +273,11 @@ void check_meshes(const Scene& scene, Problems& problems) {
     triangles += mesh.triangles.size(), positions += mesh.positions.size();
     normals += mesh.normals.size();
   }
+  for (const Polygon& polygon : scene.polygons) triangles += polygon.count;
   // Geometry has one list of all.
   problems.check(triangles <= kMaxPrimitivesPerKind && positions < kNoNormal && normals < kNoNormal,
                  "there are ", triangles, " triangles of ", positions, " positions and ", normals,
-                 " normals with those of meshes, more than can be rendered");
+                 " normals with those of meshes and polygons, more than can be rendered");
 }
 
 // `names`: how many objects there are.

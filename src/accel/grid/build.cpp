@@ -141,7 +141,8 @@ class GridBuilder : GridCells {
     }
     const double bytes = 4.0 * double(lattice.cells()) + 16.0 * (forced ? visits() : 0);
     const double available = double(available_memory_bytes());
-    if (bytes > 0.8 * available || double(lattice.cells()) >= 4e9)
+    constexpr double kMost = 4e9;  // of cells, and of primitives in them
+    if (bytes > 0.8 * available || double(lattice.cells()) >= kMost || visits() >= kMost)
       return fmt::format(
           "a grid of {}x{}x{} cells would take up to {:.1f} GB and {:.1f} GB are free; choose "
           "fewer cells",
