@@ -110,12 +110,9 @@ class CommandLine {
       ratios_["reflection"].push_back(first ? a / b : b / a);
     }
   }
-  /// How many times as fast the tree is, whose frames take so little that two of them would not do.
+  /// How many times as fast the tree is.
   void measure_structure() {
-    const std::vector<double> none = frames_s("none", 2), tree = frames_s("bvh", 15);
-    if (tree.empty()) return;
-    const double tree_s = raio::median_interval(tree).median;
-    for (const double s : none) ratios_["structure"].push_back(s / tree_s);
+    bench("structure", fmt::format("--accel none,bvh --effects none --repeat {}", kRounds), 0, 1);
   }
 
   std::optional<MedianInterval> factor(const std::string& name) const {
@@ -134,14 +131,6 @@ class CommandLine {
     };
     const std::vector<double> with = runs(over), without = runs(under);
     for (size_t i = 0; i < with.size(); ++i) ratios_[name].push_back(with[i] / without[i]);
-  }
-  // Seconds of a few frames without effects.
-  std::vector<double> frames_s(const char* accel, int count) const {
-    const Json table =
-        json_of(fmt::format("{} bench {} --accel {} --effects none --repeat {} --json -",
-                            in_quotes(RAIO_PROGRAM), scene_, accel, count));
-    if (!table.is_object()) return {};
-    return table["rows"].at(0)["runs_s"].get<std::vector<double>>();
   }
   double plain(const char* options) const {
     return render_s(fmt::format("{} --samples {}{}", scene_, kSamples, options)) / kSamples;

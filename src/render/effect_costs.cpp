@@ -23,7 +23,9 @@ struct Variant {
   RenderSettings settings;
   const Accel* accel = nullptr;
   const Accel* counting = nullptr;  // the same with counters
-  std::vector<double> seconds{};    // round by round, of the pixels that are rendered
+  uint32_t share = 1;               // a run renders every so manieth tile,
+  double part = 1;                  // which is this part of the picture's work
+  std::vector<double> seconds{};    // round by round, of a run
   EffectCost::Side counted{};
 };
 
@@ -107,6 +109,9 @@ class Measurement {
     if (!done) return fail(std::move(done.error())), std::nullopt;
     return *done;
   }
+  double part_of_picture(uint64_t pixels) const {
+    return double(pixels) / (double(costs_.width) * costs_.height);
+  }
 
   bool count(Variant& v, uint32_t share, uint64_t& pixels) {
     if (!v.counting && !build_counting(v)) return false;
@@ -114,15 +119,16 @@ class Measurement {
     if (!counted) return false;
     v.counted.rays = counted->rays;
     pixels = counted->pixels;
+    v.share = share, v.part = part_of_picture(pixels);
     tell_now_and_then();
     return true;
   }
 
-  bool time(Variant& v, uint32_t share) {
+  bool time(Variant& v) {
     double seconds = 0;
     int runs = 0;
     do {
-      const auto timed = run_share(v, *v.accel, share);
+      const auto timed = run_share(v, *v.accel, v.share);
       if (!timed) return false;
       seconds += std::max(timed->seconds, 1e-9), ++runs;
     } while (seconds < effort_.least_run_s);
@@ -135,8 +141,7 @@ class Measurement {
   std::optional<double> probe(const Variant& v, uint32_t shards) {
     const auto some = run_share(v, *v.accel, shards);
     if (!some) return std::nullopt;
-    const double pixels = double(costs_.width) * costs_.height;
-    return some->seconds * pixels / double(std::max<uint64_t>(1, some->pixels));
+    return some->seconds / part_of_picture(std::max<uint64_t>(1, some->pixels));
   }
 
   // All but the structure.
@@ -154,16 +159,17 @@ class Measurement {
     const auto whole_s = probe(base_, kProbeShards);
     if (!whole_s) return false;
     const double per_sample = *whole_s / base_.settings.samples_per_pixel();
-    share_ = share_for(scene_, base_.settings, per_sample * most_samples, kTilesPerThread);
+    const uint32_t share =
+        share_for(scene_, base_.settings, per_sample * most_samples, kTilesPerThread);
     double round_s = *whole_s;
     for (const auto& [effect, v] : others) round_s += per_sample * v.settings.samples_per_pixel();
-    expect(double(kFewestRounds + 1) * round_s / share_);
+    expect(double(kFewestRounds + 1) * round_s / share);
 
     uint64_t pixels = 0;
-    if (!count(base_, share_, pixels)) return false;
+    if (!count(base_, share, pixels)) return false;
     for (auto& [effect, v] : others) {
       v.counting = base_.counting, v.counted.has_steps = base_.counted.has_steps;
-      if (!count(v, share_, pixels)) return false;
+      if (!count(v, share, pixels)) return false;
       EffectCost& c = cost(effect);
       c.pixels = pixels;
       (c.on ? c.with : c.without) = base_.counted, (c.on ? c.without : c.with) = v.counted;
@@ -171,7 +177,7 @@ class Measurement {
     }
     std::erase_if(others,
                   [&](auto& o) { return cost(o.first).presence != EffectCost::in_picture; });
-    return compare(base_, others, share_);
+    return compare(base_, others);
   }
 
   // Do rays of a picture with the effect have to do with it?
@@ -191,7 +197,7 @@ class Measurement {
   }
 
   // Rounds over all pictures until the ratios are known.
-  bool compare(Variant& base, std::vector<std::pair<Effect, Variant>>& others, uint32_t share) {
+  bool compare(Variant& base, std::vector<std::pair<Effect, Variant>>& others) {
     const auto start = Clock::now();
     for (size_t round = 1; !others.empty(); ++round) {
       const auto round_start = Clock::now();
@@ -199,7 +205,7 @@ class Measurement {
       for (auto& [effect, v] : others) order.push_back(&v);
       if (round % 2 == 0) std::ranges::reverse(order);
       for (Variant* v : order)
-        if (!time(*v, share)) return false;
+        if (!time(*v)) return false;
       const double round_s = seconds_since(round_start);
       const bool patient = seconds_since(start) + round_s < kCostPatienceSeconds;
       for (const auto& [effect, v] : others) take_round(cost(effect), base, v, patient);
@@ -216,19 +222,21 @@ class Measurement {
     std::vector<double> ratios;
     ratios.reserve(with.seconds.size());
     for (size_t i = 0; i < with.seconds.size(); ++i)
-      ratios.push_back(with.seconds[i] / without.seconds[i]);
+      ratios.push_back(with.seconds[i] / with.part / (without.seconds[i] / without.part));
     c.factor = median_interval(std::move(ratios));
     c.rounds = int(with.seconds.size());
-    const double scale = double(costs_.width) * costs_.height / double(c.pixels);
-    c.with.seconds = median_interval(with.seconds).median * scale;
-    c.without.seconds = median_interval(without.seconds).median * scale;
+    c.with.seconds = median_interval(with.seconds).median / with.part;
+    c.without.seconds = median_interval(without.seconds).median / without.part;
     const bool close = c.factor.half_width() <= effort_.close_enough;
     const auto rounds = size_t(c.rounds);
     c.finished = (rounds >= kFewestRounds && close) || rounds >= kMostRounds ||
                  (rounds >= kFewestSlowRounds && !patient);
   }
 
-  // The structure against brute force, on pixels of their own.
+  // The structure against brute force, of which only a few tiles can be rendered. What the
+  // structure takes for those may be a third off its time for all (sphereflake), since some are
+  // much harder for it, so that it renders more. To brute force a ray is a ray, within 5 %: its
+  // seconds are scaled by its rays.
   bool measure_structure() {
     EffectCost& c = cost(Effect::structure);
     const RenderOptions o = with_effect(options_, Effect::structure, !c.on, scene_);
@@ -239,17 +247,23 @@ class Measurement {
     if (c.on) other.settings.accel.counters = true;
     other.accel = build(other.settings.accel);
     if (!other.accel) return false;
-    const Variant& slow = c.on ? other : base;
+    Variant &slow = c.on ? other : base, &fast = c.on ? base : other;
     const auto whole_s = probe(slow, kProbeShards * kProbeShards);
-    if (!whole_s) return false;
+    const auto fast_s = probe(fast, kProbeShards);
+    if (!whole_s || !fast_s) return false;
     // The probe's tile was one thread's.
     const uint32_t share = share_for(scene_, base.settings, *whole_s / base.settings.threads, 1);
     expect(*whole_s / base.settings.threads / share * double(kFewestSlowRounds + 1));
     if (!count(base, share, c.pixels) || !count(other, share, c.pixels)) return false;
     (c.on ? c.with : c.without) = base.counted, (c.on ? c.without : c.with) = other.counted;
+    fast.share = share_for(scene_, fast.settings, *fast_s, kTilesPerThread);
+    const auto run = run_share(fast, *fast.accel, fast.share);
+    if (!run) return false;
+    fast.part = part_of_picture(run->pixels);
+    slow.part = fast.part * double(slow.counted.rays.total()) / double(run->rays.total());
     std::vector<std::pair<Effect, Variant>> others;
     others.emplace_back(Effect::structure, std::move(other));
-    return compare(base, others, share);
+    return compare(base, others);
   }
 
   const Scene& scene_;
@@ -258,7 +272,6 @@ class Measurement {
   const std::function<void(const EffectCosts&)>& on_news_;
   const MeasuringEffort effort_;
   Variant base_;
-  uint32_t share_ = 1;
   std::vector<std::unique_ptr<Accel>> built_;
   EffectCosts costs_;
   std::optional<Error> error_;

@@ -37,7 +37,7 @@ struct EffectCost {
     bool has_steps = false;  // the rays' tests and steps are counted
   };
   Side with{}, without{};
-  uint64_t pixels = 0;  // that were rendered; `seconds` are scaled to the picture
+  uint64_t pixels = 0;  // whose rays were counted; `seconds` are scaled to the picture
 };
 
 struct EffectCosts {
@@ -54,8 +54,10 @@ struct EffectCosts {
 /// Each round renders the picture as it is, and then with each effect switched, in an order that
 /// is turned round every other time, on as many threads as a render; an effect drops out when the
 /// interval of its ratio is as close to the median as `effort` says, or when time is up. Of
-/// pictures that take long, every nth tile is rendered, the same in all rounds. Tests and steps are
-/// those of a structure with AccelOptions::counters.
+/// pictures that take long, every nth tile is rendered, the same in all rounds; brute force, which
+/// takes longest, renders fewer tiles than the structure that it is compared with, and its seconds
+/// are scaled by the numbers of rays. Tests and steps are those of a structure with
+/// AccelOptions::counters.
 ///
 /// `on_news` gets what is known so far, after each round and now and then between two runs, outside
 /// of what is timed. Told to stop by `control` it ends soon, without `finished`. Errors: those of
