@@ -195,7 +195,7 @@ TEST(Benchmark, AloneAStructureIsHeldAgainstNoOther) {
   ASSERT_TRUE(table) << table.error().message;
   EXPECT_FALSE(table->disagreement);
   EXPECT_EQ(table->rows.size(), 1u);
-  EXPECT_THAT(table_text(*table), HasSubstr("held against no other"));
+  EXPECT_THAT(table_text(*table), HasSubstr("compared with no other"));
   EXPECT_TRUE(nlohmann::json::parse(table_json(*table))["disagreement"].is_null());
 }
 

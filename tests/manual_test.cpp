@@ -124,6 +124,10 @@ TEST_F(Manual, BashCompletesCommandsOptionsWordsAndFiles) {
   EXPECT_THAT(bash_offers("raio render ''"),
               UnorderedElementsAre("folder", "ok.nff", "two words.nff", "atoms.pdb"));
   EXPECT_THAT(bash_offers("raio render ok.nff -o ''"), UnorderedElementsAre("folder", "a.png"));
+  EXPECT_THAT(bash_offers("raio convert ''"),
+              UnorderedElementsAre("folder", "ok.nff", "two words.nff", "atoms.pdb"));
+  EXPECT_THAT(bash_offers("raio compare ''"), UnorderedElementsAre("folder", "a.png"));
+  EXPECT_THAT(bash_offers("raio view --style s"), UnorderedElementsAre("space-filling", "sticks"));
   EXPECT_THAT(bash_offers("raio render ok.nff --stats n"), UnorderedElementsAre("notes.txt"));
   EXPECT_THAT(bash_offers("raio render --size ''"), IsEmpty());
   EXPECT_THAT(bash_offers("raio spd verify te"), UnorderedElementsAre("teapot", "tetra"));

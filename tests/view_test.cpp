@@ -93,6 +93,23 @@ TEST(ViewState, CamerasFarAwayReadBackToTheSameBits) {
   }
 }
 
+// Nothing that a render of it would refuse.
+TEST(ViewState, AFigureHasNoEffectsOfSurfaces) {
+  Scene molecule = *scene();
+  molecule.dialect = Dialect::data;
+  ViewState state("some.xyz", std::make_shared<const Scene>(std::move(molecule)), {});
+  const RenderOptions before = state.options;
+  EXPECT_EQ(state.toggle(Command::soft_shadows), "a figure has no soft shadows");
+  for (const Command effect :
+       {Command::reflection, Command::refraction, Command::gloss, Command::translucency})
+    EXPECT_THAT(state.toggle(effect), HasSubstr("a figure has no "));
+  EXPECT_EQ(state.options, before);
+  EXPECT_EQ(state.toggle(Command::depth_of_field), "depth of field on");
+  (void)read_back(state, 4);
+  state.options.integrator = IntegratorKind::classic;
+  EXPECT_EQ(state.toggle(Command::soft_shadows), "soft shadows on");
+}
+
 TEST(ViewState, SaysWhatKeysDid) {
   ViewState state("some.nff", scene(), {});
   EXPECT_EQ(state.toggle(Command::antialiasing), "antialiasing on");

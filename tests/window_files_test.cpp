@@ -45,6 +45,27 @@ TEST_F(WindowFilesTest, SavedPicturesAreThoseOfTheCommandLine) {
   EXPECT_TRUE(window->wait_for("saved scene-2.png in ", from));
 }
 
+TEST_F(WindowFilesTest, AtomsAreDrawnAsTheyWereAskedFor) {
+  put(file("water.xyz"), "3\n\nO 0 0 0\nH 0.96 0 0\nH -0.24 0.93 0\n");
+  WindowDriver window(*display_,
+                      {"water.xyz", "--size", "60x40", "--style", "sticks", "--radius", "1"},
+                      folder().string());
+  const auto picture = window.picture(0, 4);
+  ASSERT_TRUE(picture) << window.log();
+  size_t from = window.mark();
+  window.key(XK_c);
+  const auto command = window.wait_for("command: (.*)", from);
+  ASSERT_TRUE(command) << window.log();
+  EXPECT_THAT(command->groups[1], HasSubstr("water.xyz --style sticks --radius 1 --"));
+  // And again when the file changes.
+  from = window.mark();
+  put(file("water.xyz"), "2\n\nO 0 0 0\nH 0.96 0 0\n");
+  ASSERT_TRUE(window.picture(from)) << window.log();
+  from = window.mark();
+  window.key(XK_c);
+  EXPECT_TRUE(window.wait_for("command: .* --style sticks", from)) << window.log();
+}
+
 TEST_F(WindowFilesTest, ShowsPicturesAsTheyAreWritten) {
   const auto window =
       open({"--aa", "1", "--exposure", "0.5", "--tone", "agx", "--background", "navy"});

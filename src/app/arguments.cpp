@@ -104,6 +104,9 @@ void add_read_options(CLI::App& app, ReadOptions& options, std::optional<FrameRa
       {"ball-and-stick", AtomStyle::ball_and_stick},
       {"sticks", AtomStyle::sticks},
       {"points", AtomStyle::points}};
+  static constexpr std::string_view kStyleNames[] = {"space-filling", "ball-and-stick", "sticks",
+                                                     "points"};
+  static constexpr std::string_view kMapNames[] = {"viridis", "plasma", "cividis", "coolwarm"};
   const auto word = [&](const std::string& name, const auto& take, const std::string& help,
                         const std::string& value_name) {
     app.add_option_function<std::string>(name, take, help)
@@ -123,7 +126,7 @@ void add_read_options(CLI::App& app, ReadOptions& options, std::optional<FrameRa
       },
       "Draw atoms so: space-filling, ball-and-stick, sticks or points (default: space-filling; "
       "ball-and-stick for up to 300 atoms)",
-      "NAME");
+      value_type("NAME", kStyleNames));
   word(
       "--color-by", [&options](const std::string& text) { options.color_by = text; },
       "Colour by element, chain, residue, type, index, bfactor, occupancy or a column of numbers "
@@ -132,7 +135,8 @@ void add_read_options(CLI::App& app, ReadOptions& options, std::optional<FrameRa
       "NAME");
   word(
       "--colormap", [&options](const std::string& text) { options.colormap = text; },
-      "Colours of numbers: viridis, plasma, cividis or coolwarm (default: viridis)", "NAME");
+      "Colours of numbers: viridis, plasma, cividis or coolwarm (default: viridis)",
+      value_type("NAME", kMapNames));
   word(
       "--color-range",
       [&options](const std::string& text) { options.color_range = parse_range(text); },
@@ -180,6 +184,18 @@ void add_read_options(CLI::App& app, ReadOptions& options, std::optional<FrameRa
                         "and so on"
                       : ""),
       frames ? "N|A:B[:STEP]" : "N");
+}
+
+std::string read_arguments(const CLI::App& app) {
+  std::string out;
+  for (const char* name : {"--style", "--color-by", "--colormap", "--color-range", "--radius",
+                           "--assembly", "--cell", "--images", "--frame"}) {
+    const CLI::Option* const option = app.get_option(name);
+    if (option->count() == 0) continue;
+    out += fmt::format(" {}", name);
+    if (option->get_items_expected() > 0) out += " " + shell_word(option->results().back());
+  }
+  return out;
 }
 
 std::string examples(std::initializer_list<std::string_view> lines) {

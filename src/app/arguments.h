@@ -31,6 +31,8 @@ void add_scene(CLI::App& app, std::string& path);
 /// What files of atoms, points and meshes leave open.
 void add_read_options(CLI::App& app, ReadOptions& options,
                       std::optional<FrameRange>* frames = nullptr);
+/// Those that were given, as words of a shell behind a blank each.
+std::string read_arguments(const CLI::App& app);
 
 /// A number from `least` to `most`.
 template <class T>

@@ -141,7 +141,7 @@ std::string notes_text(const BenchmarkTable& table) {
     out += fmt::format("The structures' plain pictures differ in {:.3g} % of the pixels.\n",
                        100 * *table.disagreement);
   else
-    out += "The picture was held against no other, as there is one structure alone.\n";
+    out += "There is only one structure, so its picture was compared with no other.\n";
   if (table.repeat > 1)
     out += fmt::format(
         "Medians of {} runs, ± half of what lies between the least and the most. The runs of a\n"

@@ -114,7 +114,7 @@ void add_shard(CLI::App& app, RenderCommand& render) {
 }
 
 // Where a thread is not to be had, memory for its stack may be what is missing.
-constexpr std::string_view kWhatMayDo = "a larger --memory-limit or fewer --threads may do";
+constexpr std::string_view kWhatMayDo = "a larger --memory-limit or fewer --threads may help";
 
 // Libraries end the program where they cannot have a thread or memory; then it is said so, once and
 // without more of it.
@@ -250,6 +250,9 @@ void add_render(CLI::App& app, RenderCommand& render, int& status) {
           "this build has no threads, so that --checkpoint is written when the render ends; leave "
           "out --checkpoint-interval",
           kBadInput);
+    if (sub->get_option("--checkpoint-interval")->count() > 0 && render.checkpoint.empty())
+      throw CLI::ParseError("--checkpoint-interval has no effect without --checkpoint; add it",
+                            kBadInput);
     if (render.scenes.empty() && render.repeat.empty())
       throw CLI::ParseError("SCENE is missing; name a file, as in raio render balls.nff",
                             kBadInput);
@@ -266,18 +269,21 @@ void add_view(CLI::App& app, ViewCommand& view, const Invocation& invocation, in
   add_file(*sub, "scene", view.scene,
            "Scene file, of any kind that raio render takes; without one the window offers some",
            "SCENE");
+  add_read_options(*sub, view.read);
   add_render_options(*sub, view.options);
   // Those that the window lacks are known, so that they are refused for the right reason.
   for (const OptionSpec& spec : render_option_table())
     if (!spec.of_window) sub->get_option("--" + std::string(spec.name))->group("");
+  static constexpr std::string_view kLanguages[] = {"en", "pt"};
   sub->add_option("--language", view.language,
                   "Language of the window: en or pt (Portuguese); default: the one chosen last, "
                   "else the system's")
       ->check(CLI::IsMember({"en", "pt"}).description(""))
-      ->type_name("LANGUAGE")
+      ->type_name(value_type("LANGUAGE", kLanguages))
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
   sub->add_flag("--log", view.log, "Log events to standard error, one per line");
-  sub->callback([&] {
+  sub->callback([&, sub] {
+    view.read_arguments = read_arguments(*sub);
     refuse_conflict(view.options);
     if (const auto why = window_conflict(view.options))
       throw CLI::ParseError(text_of(*why), kBadInput);
@@ -384,6 +390,7 @@ void add_export(CLI::App& app, ExportCommand& command, int& status) {
   auto* sub = app.add_subcommand("export", "Convert a scene to POV-Ray, which renders it alike");
   sub->footer(examples({"raio export balls.nff -o balls.pov"}));
   add_scene(*sub, command.scene);
+  add_read_options(*sub, command.read);
   add_file(*sub, "-o,--output", command.output,
            "Output file, .pov; - for standard output (default: the scene's name, .pov, here)");
   add_render_options(*sub, command.options, {"size", "depth"});
@@ -408,7 +415,7 @@ void add_compare(CLI::App& app, CompareCommand& compare, int& status) {
   auto* sub = app.add_subcommand("compare", "Measure the difference between two pictures");
   sub->footer(examples({"raio compare before.png after.exr --min-psnr 40 --diff apart.png",
                         "raio compare mine.png theirs.png --explain scene.nff"}));
-  add_file(*sub, "a", compare.a, "First picture: PNG, EXR, PPM or PFM", "A");
+  add_file(*sub, "a", compare.a, "First picture: PNG, JPEG, EXR, PPM or PFM", "A");
   add_file(*sub, "b", compare.b, "Second picture, of the same size", "B");
   for (const char* picture : {"a", "b"}) sub->get_option(picture)->required();
   add_number(*sub, "--min-psnr", compare.min_psnr_db, 0.0, 1000.0,

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "io/read_scene.h"
 #include "render/benchmark.h"
 #include "render/job.h"
 #include "render/options.h"
@@ -59,6 +60,8 @@ struct ViewCommand {
   std::string language;  // of the screen: "en" or "pt"; empty: the system's
   bool log = false;      // say on standard error what happens
   RenderOptions options;
+  ReadOptions read = {};
+  std::string read_arguments = {};  // as they were given: " --style sticks"
 };
 /// The window, which is a program of its own (ARCHITECTURE.md): what parsed the command line is
 /// told how to open it, or replaces itself by the program that is.
@@ -88,6 +91,7 @@ struct ExplainCommand {
   std::string plot = {};             // file; empty: none
   std::optional<Vec3d> plot_from{};  // where the plot is seen from; else from aside
   RenderOptions options;
+  ReadOptions read = {};
 };
 int run(const ExplainCommand& command);
 
@@ -101,6 +105,7 @@ int run(const GenerateCommand& command);
 struct ExportCommand {
   std::string scene, output;  // output empty: <scene>.pov here
   RenderOptions options;      // size, depth
+  ReadOptions read = {};
 };
 int run(const ExportCommand& command);
 

@@ -15,12 +15,13 @@ namespace {
 // Suffixes of the files that a value may be, by its name in the help; "*" for any.
 std::vector<std::string> file_suffixes(const CLI::Option& option) {
   const std::string name = value_name(option);
-  if (name == "SCENE") {
+  if (name == "OUT") return {"nff", "p3f", "raio", "ply", "pov"};
+  if (name == "SCENE" || name == "IN") {
     const std::vector<std::string_view> suffixes = scene_suffixes();
     return {suffixes.begin(), suffixes.end()};
   }
-  if (name == "IMAGE" || name == "A" || name == "B")
-    return {"png", "exr", "npz", "npy", "ppm", "pfm"};
+  if (name == "A" || name == "B") return {"png", "jpg", "jpeg", "exr", "ppm", "pfm"};
+  if (name == "IMAGE") return {"png", "exr", "npz", "npy", "ppm", "pfm", "raio"};
   if (name == "PART") return {"raio"};
   if (name == "FILE") return {"*"};
   return {};
@@ -127,7 +128,8 @@ std::string bash(const CLI::App& app) {
     for (const CLI::App* c : commands(*command)) words.push_back(c->get_name());
     for (const CLI::Option* option : positionals(*command)) {
       for (const std::string& word : value_words(*option)) words.push_back(word);
-      suffixes = file_suffixes(*option);  // of one kind in each command
+      for (std::string& suffix : file_suffixes(*option))
+        if (std::ranges::count(suffixes, suffix) == 0) suffixes.push_back(std::move(suffix));
     }
     of_commands += fmt::format("        '{}') options='{}'", path, all_names(*command));
     if (!words.empty() || !suffixes.empty()) of_commands += bash_offer(words, suffixes);

@@ -247,7 +247,7 @@ int run(const ExplainCommand& command) {
     if (const auto writable = check_writable(command.plot); !writable)
       return fail(writable.error());
   }
-  const auto scene = load_scene(command.scene);
+  const auto scene = load_scene(command.scene, false, nullptr, command.read);
   if (!scene) return scene.error();
   RenderOptions options = command.options;
   if (options.accel.kind == AccelKind::embree)

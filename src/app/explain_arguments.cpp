@@ -58,6 +58,7 @@ void add_explain(CLI::App& app, ExplainCommand& explain, int& status) {
                         "--json",
                         "raio explain balls.nff --pixel 256,256 --plot rays.svg"}));
   add_scene(*sub, explain.scene);
+  add_read_options(*sub, explain.read);
   add_pixel(*sub, explain.pixel);
   add_number(*sub, "--sample", explain.sample, 0, kMaxSamples,
              "Which sample of the pixel, counted from 0 (default: 0)", "N");
@@ -70,6 +71,7 @@ void add_explain(CLI::App& app, ExplainCommand& explain, int& status) {
             "Where --plot is seen from (default: aside and above)");
   add_render_options(*sub, explain.options,
                      {"size",
+                      "integrator",
                       "from",
                       "at",
                       "up",

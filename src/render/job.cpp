@@ -152,9 +152,9 @@ std::expected<void, Error> RenderJob::run() {
   if (!done.finished && samples.fewest == 0)
     return std::unexpected(Error{
         ErrorKind::no_resource, "",
-        fmt::format(
-            "{} s were too short for one sample of every pixel; {}", request_.time_limit_s,
-            is_kept ? "what there is is kept in " + request_.checkpoint : "nothing was written")});
+        fmt::format("{} s were too short for one sample of every pixel; {}", request_.time_limit_s,
+                    is_kept ? "what was rendered is kept in " + request_.checkpoint
+                            : "nothing was written")});
   describe(samples);
   return {};
 }

@@ -77,6 +77,7 @@ std::optional<SceneWriter::Written> SceneWriter::poll() {
 
 void take_saved(ViewState& state, const SceneWriter::Written& written) {
   state.path = short_path(written.path);
+  state.read_options = {}, state.read_arguments.clear();
   if (state.scene == written.source) {
     state.scene = written.scene;
     state.options.background.reset();

@@ -22,8 +22,12 @@ bool is_ready(const std::future<T>& future) {
 
 }  // namespace
 
-SceneFile::SceneFile(std::string path)
-    : path_(std::move(path)), read_(stamp(path_)), seen_(read_), next_look_(Clock::now() + kLook) {}
+SceneFile::SceneFile(std::string path, ReadOptions options)
+    : path_(std::move(path)),
+      options_(std::move(options)),
+      read_(stamp(path_)),
+      seen_(read_),
+      next_look_(Clock::now() + kLook) {}
 
 SceneFile::Stamp SceneFile::stamp(const std::string& path) {
   std::error_code error;
@@ -36,14 +40,15 @@ SceneFile::Stamp SceneFile::stamp(const std::string& path) {
 void SceneFile::open(std::string path) { waiting_ = std::move(path); }
 
 void SceneFile::follow(std::string path) {
-  path_ = std::move(path);
+  path_ = std::move(path), options_ = {};
   read_ = seen_ = stamp(path_);
 }
 
 void SceneFile::start(std::string path, int threads) {
-  reading_ = std::async(std::launch::async, [path = std::move(path), threads] {
+  const ReadOptions options = path == path_ ? options_ : ReadOptions();
+  reading_ = std::async(std::launch::async, [path = std::move(path), options, threads] {
     std::expected<ReadScene, Diagnostics> read;
-    on_threads(threads, [&] { read = read_scene(path); });
+    on_threads(threads, [&] { read = read_scene(path, options); });
     if (!read) return Read{path, std::unexpected(std::move(read.error())), {}};
     std::vector<std::string> warnings;
     for (const Diagnostic& d : read->warnings) warnings.push_back(d.text());
@@ -54,7 +59,7 @@ void SceneFile::start(std::string path, int threads) {
 std::optional<SceneFile::Read> SceneFile::poll(int threads) {
   if (is_ready(reading_)) {
     Read read = reading_.get();
-    if (read.scene && read.path != path_) path_ = read.path, read_ = seen_ = stamp(path_);
+    if (read.scene && read.path != path_) follow(read.path);
     return read;
   }
   if (reading_.valid()) return std::nullopt;

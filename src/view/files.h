@@ -14,6 +14,7 @@
 #include "base/clock.h"
 #include "io/diagnostics.h"
 #include "io/image/image.h"
+#include "io/read_scene.h"
 #include "render/session.h"
 #include "scene/scene.h"
 
@@ -28,8 +29,8 @@ class SceneFile {
     std::vector<std::string> warnings;  // of a scene, one line each
   };
 
-  /// `path` has just been read.
-  explicit SceneFile(std::string path);
+  /// `path` has just been read, and is read with these options again.
+  SceneFile(std::string path, ReadOptions options);
 
   /// Reads another file, and follows it from then on if it is a scene.
   void open(std::string path);
@@ -52,6 +53,7 @@ class SceneFile {
   void start(std::string path, int threads);
 
   std::string path_;
+  ReadOptions options_;  // of `path_`
   Stamp read_, seen_;
   Clock::time_point next_look_;
   std::optional<std::string> waiting_;

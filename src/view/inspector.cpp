@@ -275,8 +275,9 @@ std::string Inspector::command_line(const ViewState& state) const {
   const InspectionRequest& q = found_->request;
   RenderOptions o = q.options;
   o.accel.kind = found_->settings.accel.kind;
-  return fmt::format("{} explain {} --pixel {},{} --sample {}{} --json", shell_word(state.program),
-                     shell_word(state.path), q.pixel[0], q.pixel[1], q.sample, option_arguments(o));
+  return fmt::format("{} explain {}{} --pixel {},{} --sample {}{} --json",
+                     shell_word(state.program), shell_word(state.path), state.read_arguments,
+                     q.pixel[0], q.pixel[1], q.sample, option_arguments(o));
 }
 
 std::string Inspector::file_name() const {

@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "io/file.h"
+#include "io/scene_file.h"
 
 namespace raio::view {
 namespace {
@@ -17,6 +18,11 @@ constexpr size_t kMostRecent = 12;
 const char* variable(const char* name) {
   const char* const value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe)
   return value && *value ? value : nullptr;
+}
+
+bool is_scene(const fs::path& path) {
+  const std::string suffix = path.extension().string();
+  return !suffix.empty() && std::ranges::count(scene_suffixes(), suffix.substr(1)) > 0;
 }
 
 }  // namespace
@@ -88,7 +94,7 @@ std::vector<std::string> sample_scenes() {
   for (int up = 0; up < 4 && !folder.empty() && scenes.empty(); ++up) {
     for (const fs::path& there : {folder / "scenes", folder / "share/raio/scenes"})
       for (const auto& entry : fs::directory_iterator(there, error))
-        if (entry.path().extension() == ".nff") scenes.push_back(entry.path().string());
+        if (is_scene(entry.path())) scenes.push_back(entry.path().string());
     folder = folder.parent_path();
   }
   std::ranges::sort(scenes);

@@ -17,7 +17,7 @@ int open_window(const app::ViewCommand& command) {
     scene->materials = {Material()};  // nothing, until one is opened
   } else {
     on_threads(command.options.threads,
-               [&] { scene = app::load_scene(command.scene, false, &said); });
+               [&] { scene = app::load_scene(command.scene, false, &said, command.read); });
     if (!scene) return scene.error();
   }
   if (const auto why = option_conflict(command.options, &*scene)) return app::fail(*why);
@@ -25,6 +25,7 @@ int open_window(const app::ViewCommand& command) {
   ViewState state(command.scene, std::make_shared<const Scene>(std::move(*scene)), command.options);
   const RenderOptions first_request = state.request(resolved.width, resolved.height);
   state.program = command.program;
+  state.read_options = command.read, state.read_arguments = command.read_arguments;
   std::vector<std::string> warnings;
   for (const Diagnostic& d : said) warnings.push_back(d.text());
   auto session = std::make_unique<Session>(Window::wake);

@@ -177,6 +177,13 @@ void draw_options(ViewState& state, const PanelFacts& facts, PanelResult& result
       result.problem = why->text("--");
       continue;
     }
+    ViewState next = state;
+    next.options = options;
+    if (const auto why =
+            option_conflict(next.request(used.width, used.height), state.scene.get())) {
+      result.problem = why->text("--");
+      continue;
+    }
     const Camera camera = camera_of(*state.scene, options);
     if (const auto why = camera_problem(camera); !why.empty()) {
       result.problem = why;

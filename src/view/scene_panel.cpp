@@ -64,6 +64,10 @@ bool draw_background(ViewState& state) {
   } else if (!ImGui::ColorEdit3(tr("background"), &color.x, kColorFlags)) {
     return false;
   }
+  if (state.scene->dialect == Dialect::data) {  // its own is not shown
+    state.options.background = WrittenColor{.color = color};
+    return true;
+  }
   state.options.background.reset();
   state.scene = edited(state.scene, [&](Scene& s) {
     s.background = color;

@@ -95,6 +95,12 @@ void ViewState::switch_motion(bool on) {
 
 std::string ViewState::toggle(Command effect) {
   const bool on = !is_on(effect);
+  // A figure has none of them: its light is that of a sky.
+  constexpr Command kOfSurfaces[] = {Command::soft_shadows, Command::reflection,
+                                     Command::refraction, Command::gloss, Command::translucency};
+  if (integrator_of(options, *scene) == IntegratorKind::ambient &&
+      std::ranges::count(kOfSurfaces, effect) > 0)
+    return trf("a figure has no {}", tr(effect_name(effect)));
   switch (effect) {
     case Command::antialiasing:
       options.aa = on ? 0 : 1;
@@ -184,8 +190,9 @@ RenderOptions ViewState::other_request(int width, int height) const {
 
 std::string ViewState::command_line(int width, int height, int samples,
                                     const std::string& output) const {
-  return fmt::format("{} render {}{} -o {}", shell_word(program), shell_word(path),
-                     option_arguments(request(width, height, samples)), shell_word(output));
+  return fmt::format("{} render {}{}{} -o {}", shell_word(program), shell_word(path),
+                     read_arguments, option_arguments(request(width, height, samples)),
+                     shell_word(output));
 }
 
 void ViewState::focus_at(float depth) {

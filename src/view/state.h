@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "accel/accel.h"
+#include "io/read_scene.h"
 #include "render/options.h"
 #include "scene/scene.h"
 #include "view/keys.h"
@@ -34,6 +35,8 @@ class ViewState {
 
   std::string path;              // of the scene's file
   std::string program = "raio";  // as it was started
+  ReadOptions read_options;      // of the file
+  std::string read_arguments;    // the same as they were given
   std::shared_ptr<const Scene> scene;
   RenderOptions options;  // also those that wait for an effect to be switched on; not the camera
   Camera camera;

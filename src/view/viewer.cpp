@@ -38,7 +38,7 @@ Viewer::Viewer(Window& window, ViewState state, Memory memory, std::vector<std::
       history_(state_),
       saved_scene_(state_.scene),
       keeper_(std::move(memory)),
-      file_(state_.path),
+      file_(state_.path, state_.read_options),
       pictures_(std::move(session)),
       warnings_(std::move(warnings)),
       gestures_(state_, stage_, [this](double x, double y) { return pick_at(x, y); }) {
@@ -233,8 +233,11 @@ void Viewer::take_scene(const SceneFile::Read& read) {
   measuring_.forget();
   warnings_ = Warnings(read.warnings);
   // A new version of the file is a step that can be taken back; another scene is a beginning.
-  if (is_other) inspector_.close();
-  if (is_other) history_ = History<ViewState>(state_);
+  if (is_other) {
+    inspector_.close();
+    state_.read_options = {}, state_.read_arguments.clear();
+    history_ = History<ViewState>(state_);
+  }
   saved_scene_ = state_.scene;
   keeper_.opened(read.path);
   say(trf("opened {}", read.path));
