@@ -163,7 +163,9 @@ class Accel {
   /// `stopped` is not 0, if it is there.
   void clear_depths(const RayBatch& rays, const uint8_t* stopped, uint32_t* depths,
                     TraceContext& context) const;
-  /// Builds the tree by which these two find hits, whatever the structure of what is opaque;
+  /// As closest(), of what is clear as well as of what is opaque. Shortens rays to the latter.
+  void closest_of_all(RayBatch& rays, HitBatch& hits, TraceContext& context) const;
+  /// Builds the tree by which these find hits, whatever the structure of what is opaque;
   /// without it they try all primitives. The error is one line: memory that would not suffice.
   std::optional<std::string> build_clear();
 

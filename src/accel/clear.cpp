@@ -47,6 +47,20 @@ void Accel::next_clear(const RayBatch& rays, const HitBatch& after, HitBatch& hi
   if (instances_) instances_->next_clear(rays, after, hits, context);
 }
 
+void Accel::closest_of_all(RayBatch& rays, HitBatch& hits, TraceContext& context) const {
+  closest(rays, hits, context);
+  if (!geometry_.any_clear()) return;
+  HitBatch after, clear;
+  after.reset(rays.size());
+  for (size_t i = 0; i < rays.size(); ++i) {
+    if (hits[i].found()) rays.tmax[i] = hits.t[i];
+    after.set(i, {.t = 0, .item = 0});
+  }
+  next_clear(rays, after, clear, context);
+  for (size_t i = 0; i < rays.size(); ++i)
+    if (clear[i].found()) hits.set(i, clear[i]);
+}
+
 void Accel::try_all_clear(const RayBatch& rays, const HitBatch& after, HitBatch& hits,
                           TraceContext& context) const {
   for (size_t i = 0; i < rays.size() && !context.stopped(); ++i) {

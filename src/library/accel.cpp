@@ -19,7 +19,7 @@ namespace {
 // Kept by each thread: a single ray shall not pay for memory.
 struct Scratch {
   RayBatch rays;
-  HitBatch hits, after, clear;
+  HitBatch hits;
   std::vector<uint8_t> occluded;
   std::vector<uint32_t> depths;
 };
@@ -127,18 +127,7 @@ void Accel::closest(size_t count, const Ray* rays, Hit* hits) const {
   guarded([&] {
     in_batches(*data_, count, rays, hits,
                [&](Scratch& scratch, size_t first, size_t n, TraceContext& context) {
-                 data_->accel->closest(scratch.rays, scratch.hits, context);
-                 if (data_->accel->geometry().any_clear()) {
-                   // What is clear counts like all else, and lies before or behind.
-                   scratch.after.reset(n);
-                   for (size_t i = 0; i < n; ++i) {
-                     if (scratch.hits[i].found()) scratch.rays.tmax[i] = scratch.hits.t[i];
-                     scratch.after.set(i, {.t = 0, .item = 0});
-                   }
-                   data_->accel->next_clear(scratch.rays, scratch.after, scratch.clear, context);
-                   for (size_t i = 0; i < n; ++i)
-                     if (scratch.clear[i].found()) scratch.hits.set(i, scratch.clear[i]);
-                 }
+                 data_->accel->closest_of_all(scratch.rays, scratch.hits, context);
                  for (size_t i = 0; i < n; ++i)
                    hits[first + i] = hit_of(*data_, scratch.rays[i], scratch.hits[i]);
                });

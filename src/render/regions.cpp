@@ -32,7 +32,7 @@ void look(const Scene& scene, const Accel& accel, const EyeRays& eye, float time
   for (size_t x = 0; x < row.size(); ++x)
     rays.push(eye.pinhole(float(x) + 0.5f, float(y) + 0.5f, time));
   hits.reset(rays.size());
-  accel.closest(rays, hits, context);
+  accel.closest_of_all(rays, hits, context);
   if (context.stopped()) return;
   std::vector<Vec3f> outside(row.size());
   for (size_t x = 0; x < row.size(); ++x) {

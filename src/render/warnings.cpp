@@ -30,7 +30,7 @@ std::vector<float> depths_seen(const RenderSettings& settings, const Camera& cam
   HitBatch hits;
   hits.reset(rays.size());
   TraceContext context;
-  accel.closest(rays, hits, context);
+  accel.closest_of_all(rays, hits, context);
   const Vec3f forward = normalize(camera.at - camera.from);
   std::vector<float> depths;
   for (size_t i = 0; i < rays.size(); ++i)

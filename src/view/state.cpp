@@ -238,7 +238,7 @@ Pick pick(const Accel& accel, const Camera& camera, double x, double y, double w
   rays.push(ray);
   hits.reset(1);
   TraceContext context;
-  accel.closest(rays, hits, context);
+  accel.closest_of_all(rays, hits, context);
   Pick out;
   out.hit = hits[0];
   if (!out.hit.found()) return out;
