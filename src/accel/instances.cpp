@@ -255,8 +255,8 @@ void Instances::next_clear(const RayBatch& rays, const HitBatch& after, HitBatch
         if (comes_before(after[i], hit)) {
           const Hit best = hits[i];
           if (best.found() ? comes_before(hit, best) : hit.t < rays.tmax[i]) hits.set(i, hit);
-          // What is a little farther in the object may be as far outside, and come before by its
-          // id.
+          // A hit farther away in the object may round to the same distance outside, where a lower
+          // id comes first.
           if (hit.t > hits.t[i]) continue;
           moved.rays.tmax[k] = std::min(moved.rays.tmax[k], float(double(there.t) * (1 + kSlack)));
         }

@@ -4,12 +4,13 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <map>
 #include <optional>
+#include <utility>
 #include <variant>
 
 #include "app/help.h"
 #include "app/outline.h"
+#include "io/colormaps.h"
 
 namespace raio::app {
 
@@ -98,15 +99,11 @@ std::array<int, 3> parse_images(const std::string& text) {
 
 }  // namespace
 
-void add_read_options(CLI::App& app, ReadOptions& options, std::optional<FrameRange>* frames) {
-  static const std::map<std::string, AtomStyle> kStyles = {
-      {"space-filling", AtomStyle::space_filling},
-      {"ball-and-stick", AtomStyle::ball_and_stick},
-      {"sticks", AtomStyle::sticks},
-      {"points", AtomStyle::points}};
-  static constexpr std::string_view kStyleNames[] = {"space-filling", "ball-and-stick", "sticks",
-                                                     "points"};
-  static constexpr std::string_view kMapNames[] = {"viridis", "plasma", "cividis", "coolwarm"};
+std::vector<const CLI::Option*> add_read_options(CLI::App& app, ReadOptions& options,
+                                                 std::optional<FrameRange>* frames) {
+  const size_t before = app.get_options().size();
+  static constexpr std::string_view kStyles[] = {"space-filling", "ball-and-stick", "sticks",
+                                                 "points"};  // in the order of AtomStyle
   const auto word = [&](const std::string& name, const auto& take, const std::string& help,
                         const std::string& value_name) {
     app.add_option_function<std::string>(name, take, help)
@@ -116,17 +113,17 @@ void add_read_options(CLI::App& app, ReadOptions& options, std::optional<FrameRa
   word(
       "--style",
       [&options](const std::string& text) {
-        const auto style = kStyles.find(text);
-        if (style == kStyles.end())
+        const auto* const style = std::ranges::find(kStyles, text);
+        if (style == std::end(kStyles))
           throw CLI::ValidationError(
               "--style",
               fmt::format("expected space-filling, ball-and-stick, sticks or points, found '{}'",
                           text));
-        options.style = style->second;
+        options.style = AtomStyle(style - std::begin(kStyles));
       },
       "Draw atoms so: space-filling, ball-and-stick, sticks or points (default: space-filling; "
       "ball-and-stick for up to 300 atoms)",
-      value_type("NAME", kStyleNames));
+      value_type("NAME", kStyles));
   word(
       "--color-by", [&options](const std::string& text) { options.color_by = text; },
       "Colour by element, chain, residue, type, index, bfactor, occupancy or a column of numbers "
@@ -136,7 +133,7 @@ void add_read_options(CLI::App& app, ReadOptions& options, std::optional<FrameRa
   word(
       "--colormap", [&options](const std::string& text) { options.colormap = text; },
       "Colours of numbers: viridis, plasma, cividis or coolwarm (default: viridis)",
-      value_type("NAME", kMapNames));
+      value_type("NAME", kColormaps));
   word(
       "--color-range",
       [&options](const std::string& text) { options.color_range = parse_range(text); },
@@ -184,15 +181,15 @@ void add_read_options(CLI::App& app, ReadOptions& options, std::optional<FrameRa
                         "and so on"
                       : ""),
       frames ? "N|A:B[:STEP]" : "N");
+  const auto all = std::as_const(app).get_options();
+  return {all.begin() + ptrdiff_t(before), all.end()};
 }
 
-std::string read_arguments(const CLI::App& app) {
+std::string given_arguments(const std::vector<const CLI::Option*>& options) {
   std::string out;
-  for (const char* name : {"--style", "--color-by", "--colormap", "--color-range", "--radius",
-                           "--assembly", "--cell", "--images", "--frame"}) {
-    const CLI::Option* const option = app.get_option(name);
+  for (const CLI::Option* option : options) {
     if (option->count() == 0) continue;
-    out += fmt::format(" {}", name);
+    out += fmt::format(" --{}", option->get_lnames().front());
     if (option->get_items_expected() > 0) out += " " + shell_word(option->results().back());
   }
   return out;

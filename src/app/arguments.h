@@ -28,11 +28,11 @@ void add_file(CLI::App& app, const std::string& name, std::string& path, const s
 /// The file that a command is about.
 void add_scene(CLI::App& app, std::string& path);
 
-/// What files of atoms, points and meshes leave open.
-void add_read_options(CLI::App& app, ReadOptions& options,
-                      std::optional<FrameRange>* frames = nullptr);
-/// Those that were given, as words of a shell behind a blank each.
-std::string read_arguments(const CLI::App& app);
+/// What files of atoms, points and meshes leave open; the options that it adds.
+std::vector<const CLI::Option*> add_read_options(CLI::App& app, ReadOptions& options,
+                                                 std::optional<FrameRange>* frames = nullptr);
+/// Those of the options that were given, as in " --style sticks --cell".
+std::string given_arguments(const std::vector<const CLI::Option*>& options);
 
 /// A number from `least` to `most`.
 template <class T>

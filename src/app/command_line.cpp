@@ -269,7 +269,7 @@ void add_view(CLI::App& app, ViewCommand& view, const Invocation& invocation, in
   add_file(*sub, "scene", view.scene,
            "Scene file, of any kind that raio render takes; without one the window offers some",
            "SCENE");
-  add_read_options(*sub, view.read);
+  const auto read_options = add_read_options(*sub, view.read);
   add_render_options(*sub, view.options);
   // Those that the window lacks are known, so that they are refused for the right reason.
   for (const OptionSpec& spec : render_option_table())
@@ -282,8 +282,8 @@ void add_view(CLI::App& app, ViewCommand& view, const Invocation& invocation, in
       ->type_name(value_type("LANGUAGE", kLanguages))
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
   sub->add_flag("--log", view.log, "Log events to standard error, one per line");
-  sub->callback([&, sub] {
-    view.read_arguments = read_arguments(*sub);
+  sub->callback([&, read_options] {
+    view.read_arguments = given_arguments(read_options);
     refuse_conflict(view.options);
     if (const auto why = window_conflict(view.options))
       throw CLI::ParseError(text_of(*why), kBadInput);

@@ -28,8 +28,8 @@ int max_concurrency() { return tbb::this_task_arena::max_concurrency(); }
 
 void on_threads(int threads, const std::function<void()>& work) {
   if (threads == 0) return work();
-  // More threads than the machine has cores, whoever else in the process uses them. Fewer need no
-  // limit for all.
+  // An arena limits threads by itself; only more threads than cores need the limit of the whole
+  // process raised.
   std::optional<tbb::global_control> more;
   if (threads > tbb::info::default_concurrency())
     more.emplace(tbb::global_control::max_allowed_parallelism, size_t(threads));

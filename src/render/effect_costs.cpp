@@ -23,7 +23,7 @@ struct Variant {
   RenderSettings settings;
   const Accel* accel = nullptr;
   const Accel* counting = nullptr;  // the same with counters
-  uint32_t share = 1;               // a run renders every so manieth tile,
+  uint32_t share = 1;               // a run renders one of so many tiles,
   double part = 1;                  // which is this part of the picture's work
   std::vector<double> seconds{};    // round by round, of a run
   EffectCost::Side counted{};
@@ -233,10 +233,10 @@ class Measurement {
                  (rounds >= kFewestSlowRounds && !patient);
   }
 
-  // The structure against brute force, of which only a few tiles can be rendered. What the
-  // structure takes for those may be a third off its time for all (sphereflake), since some are
-  // much harder for it, so that it renders more. To brute force a ray is a ray, within 5 %: its
-  // seconds are scaled by its rays.
+  // The structure against brute force, which has time for a few tiles only. Tiles differ so much in
+  // difficulty for the structure that those few would not represent the picture (a third off on
+  // sphereflake), so it renders more of them. Brute force takes the same time for every ray, within
+  // 5 %, so its seconds are scaled by the numbers of rays.
   bool measure_structure() {
     EffectCost& c = cost(Effect::structure);
     const RenderOptions o = with_effect(options_, Effect::structure, !c.on, scene_);

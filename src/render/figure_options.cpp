@@ -69,10 +69,10 @@ std::string depth_cue_text(const RenderOptions& options) { return text_of(option
 
 namespace {
 
-// Is the background transparent or a sky?
-bool stands_before_no_color(const RenderOptions& options, const Scene& scene) {
+// Has the background one colour, which depth cue can fade into?
+bool has_plain_background(const RenderOptions& options, const Scene& scene) {
   const bool transparent = options.background && options.background->transparent;
-  return transparent || background_of(options, scene).sky;
+  return !transparent && !background_of(options, scene).sky;
 }
 
 }  // namespace
@@ -86,7 +86,7 @@ FigureSettings figure_settings(const RenderOptions& options, const Scene& scene)
   figure.shadow_catcher = options.shadow_catcher;
   const LookNumbers look = numbers_of(figure.look);
   figure.outline = options.outline.value_or(look.outline);
-  const bool fades = !stands_before_no_color(options, scene);
+  const bool fades = has_plain_background(options, scene);
   figure.depth_cue = options.depth_cue.value_or(fades ? look.depth_cue : 0);
   return figure;
 }
@@ -124,7 +124,7 @@ std::optional<Error> figure_conflict(const RenderOptions& options, const Scene& 
                     Given{options.outline.has_value(), "outline"},
                     Given{options.depth_cue.has_value(), "depth-cue"},
                     Given{options.shadow_catcher, "shadow-catcher"});
-  if (options.depth_cue.value_or(0) > 0 && stands_before_no_color(options, scene))
+  if (options.depth_cue.value_or(0) > 0 && !has_plain_background(options, scene))
     return Error{ErrorKind::bad_option, "depth-cue",
                  "fades into a colour; give one as `background`, or leave it out"};
   if (integrator == IntegratorKind::ambient)

@@ -36,7 +36,7 @@ const Style kStyles[] = {
 
 // Atoms heavier than it have masses of elements, others those of a model.
 constexpr double kLeastMass = 3, kMassTolerance = 0.5;
-// So much heavier than its element an atom may be that stands for its hydrogens, too, as in CH4.
+// United atoms, such as CH4, weigh up to this much more than their element.
 constexpr double kHydrogens = 4.5;
 
 double mass_of(int element) { return gemmi::Element(static_cast<gemmi::El>(element)).weight(); }
@@ -191,8 +191,8 @@ class DataReader {
     return {};
   }
 
-  // How many sides of the box, whose lengths are those of LAMMPS, which lie below the diagonal, the
-  // copy of `b` that is next to `a` is away.
+  // The copy of `b` that is nearest to `a`, in sides of the box from `b`. The sides are a lower
+  // triangular matrix, so the last one is subtracted first.
   std::array<int, 3> cells_between(const Atom& a, const Atom& b) const {
     std::array<int, 3> cells{};
     std::array<double, 3> apart{};
@@ -210,8 +210,8 @@ class DataReader {
 
   Cell& box() { return out_.cell ? *out_.cell : out_.cell.emplace(); }
 
-  // By the comment of a mass, unless the mass says otherwise, as of "CA", which is a carbon of many
-  // force fields; else by the mass, unless masses are of no elements.
+  // By the comment of a mass, unless the mass contradicts it: "CA" is a carbon in many force
+  // fields. Otherwise by the mass, unless the masses are those of a model.
   void name_elements() {
     const bool real =
         std::ranges::any_of(masses_, [](const auto& m) { return m.second > kLeastMass; });

@@ -33,8 +33,8 @@ class Names {
   std::map<std::string, uint32_t> numbers_;
 };
 
-// The atoms that are kept: by what gemmi has of them, and by their numbers in the file, of which
-// kTwice is said where several atoms have the same.
+// Indices of the atoms that are kept, by gemmi's atom and by serial number; kTwice where several
+// atoms share a number.
 struct Kept {
   static constexpr uint32_t kTwice = 0xffffffff;
   std::unordered_map<const gemmi::Atom*, uint32_t> atoms;
