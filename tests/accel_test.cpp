@@ -10,7 +10,7 @@
 namespace raio {
 namespace {
 
-using namespace testing;
+using namespace tests;
 
 TEST(Accel, BakingRefusesWhatNoMemoryHolds) {
   Scene scene = random_scene(40, 1);
@@ -39,8 +39,8 @@ TEST(Accel, EmbreeAgreesWithBruteForce) {
 
 TEST(Accel, EmbreeAgreesOnRaysOfAnyTime) {
   for (const bool one_sided : {false, true}) {
-    const Scene scene = testing::moving_scene(one_sided);
-    const RayBatch rays = testing::at_any_time(awkward_rays(scene, 10003, 4));
+    const Scene scene = tests::moving_scene(one_sided);
+    const RayBatch rays = tests::at_any_time(awkward_rays(scene, 10003, 4));
     const auto oracle = build(scene, {.kind = AccelKind::none}, one_sided);
     const Disagreement d =
         disagreement(*oracle, *build(scene, {.kind = AccelKind::embree}, one_sided), rays, false);
@@ -50,7 +50,7 @@ TEST(Accel, EmbreeAgreesOnRaysOfAnyTime) {
 }
 
 TEST(Accel, AgreeOnTheStandardScenes) {
-  const auto paths = testing::shared_scenes();
+  const auto paths = tests::shared_scenes();
   if (paths.empty()) GTEST_SKIP() << "the shared scenes are not here";
   for (const auto& path : paths) {
     const auto read = read_nff(path);

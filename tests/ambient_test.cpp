@@ -14,9 +14,9 @@
 namespace raio {
 namespace {
 
-using testing::expect_one_picture;
-using testing::picture_of;
-using testing::random_scene;
+using tests::expect_one_picture;
+using tests::picture_of;
+using tests::random_scene;
 
 // A white floor, seen at a point under the sky alone.
 Scene floor_seen_at(Vec3f point) {

@@ -9,8 +9,8 @@
 namespace raio {
 namespace {
 
-using ::testing::ElementsAre;
-using ::testing::IsEmpty;
+using testing::ElementsAre;
+using testing::IsEmpty;
 
 /// Numbers that say when nobody keeps them any more.
 struct Kept {

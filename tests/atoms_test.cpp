@@ -17,8 +17,8 @@
 namespace raio {
 namespace {
 
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
+using testing::ElementsAre;
+using testing::HasSubstr;
 
 TEST(Xyz, AtomsBecomeSpheresAndBonds) {
   auto water = read(kWater, "water.xyz");

@@ -12,7 +12,7 @@
 namespace raio {
 namespace {
 
-using namespace testing;
+using namespace tests;
 
 // Every instruction set that this machine has, down to none.
 TEST(Bvh, FindsTheVeryHitsOfBruteForce) {

@@ -14,14 +14,14 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-struct Picture {
+struct Rendered {
   int width, height;
   Column<Rgb> pixels;
 
   double at(int x, int y) const { return double(pixels[size_t(y) * size_t(width) + size_t(x)].x); }
 };
 
-Picture picture(const Scene& scene, RenderOptions options) {
+Rendered picture(const Scene& scene, RenderOptions options) {
   EXPECT_TRUE(validate(scene).empty()) << validate(scene).front();
   const RenderSettings settings = resolve_options(options, scene);
   const auto accel = build_accel(scene, settings.accel);
@@ -80,7 +80,7 @@ struct StripeCount {
   int wrong = 0, all = 0;
 };
 template <class Place>
-StripeCount compare_stripes(const Scene& s, const Picture& p, double reach, Place&& place,
+StripeCount compare_stripes(const Scene& s, const Rendered& p, double reach, Place&& place,
                             double margin) {
   StripeCount count;
   for (int i = 0; i < p.width; ++i) {
@@ -103,10 +103,10 @@ TEST(ClosedForm, Penumbra) {
   s.planes = {{{0, 0, 0}, {0, 0, 1}}}, s.plane_materials = {0};
   RenderOptions o = sized(240, 1);
   o.soft_shadows = true, o.light_size = float(S), o.lens_samples = 4096;
-  const Picture whole = picture(s, o);
+  const Rendered whole = picture(s, o);
   add_polygon(s, {{-99, -99, float(h)}, {0, -99, float(h)}, {0, 99, float(h)}, {-99, 99, float(h)}},
               0);
-  const Picture cut = picture(s, o);
+  const Rendered cut = picture(s, o);
   double worst = 0;
   int inside = 0;
   for (int i = 0; i < cut.width; ++i) {
@@ -134,7 +134,7 @@ TEST(ClosedForm, CircleOfConfusion) {
     s.materials = {glow(1)};
     RenderOptions o = sized(n, n);
     o.dof = true, o.aperture = float(R), o.focus = float(D), o.lens_samples = 1024;
-    const Picture p = picture(s, o);
+    const Rendered p = picture(s, o);
     const double expected = R * std::abs(1 / d - 1 / D);
     double sum = 0, moment = 0, outside = 0;
     for (int y = 0; y < n; ++y)
@@ -161,7 +161,7 @@ TEST(ClosedForm, SnellSlab) {
     s.planes = {{{0, 0, 0}, {0, 0, 1}}, {{0, 0, float(-t)}, {0, 0, -1}}};
     s.plane_materials = {0, 0};
     add_stripes(s, float(-t - b), 40, 1);
-    const Picture p = picture(s, sized(4000, 1));
+    const Rendered p = picture(s, sized(4000, 1));
     const auto place = [&](double tangent) {
       const double sine = tangent / std::sqrt(1 + tangent * tangent) / ior;
       return (a + b) * tangent + t * sine / std::sqrt(1 - sine * sine);
@@ -180,7 +180,7 @@ TEST(ClosedForm, TotalInternalReflection) {
     s.background = Rgb(1);
     s.materials = {{Rgb(0), 0, 0, 1, 1, float(ior)}};
     s.planes = {{{0, 0, 0}, {0, 0, 1}}}, s.plane_materials = {0};
-    const Picture p = picture(s, sized(8000, 1));
+    const Rendered p = picture(s, sized(8000, 1));
     int clear = 0;
     for (int i = 0; i < p.width; ++i) clear += p.at(i, 0) > 0.5;
     const double per_column = 2 * std::tan(0.05 * kPi / 360);
@@ -200,7 +200,7 @@ TEST(ClosedForm, Balls) {
     s.materials = {material, glow(0.1f)};
     s.spheres = {{{0, 0, 0}, 1}}, s.sphere_materials = {0};
     add_stripes(s, float(wall), 40, 1);
-    const Picture p = picture(s, sized(2900, 1));
+    const Rendered p = picture(s, sized(2900, 1));
     const StripeCount count = compare_stripes(s, p, 38, place, 2e-4);
     EXPECT_GT(count.all, 2000);
     expect_error(name, count.wrong, 0, "columns of 2900");
@@ -248,7 +248,7 @@ TEST(ClosedForm, PlaneMirror) {
     window.sphere_materials.push_back(material);
   };
   add({-3, 1, 0.5f}, 1, 1), add({-1, 2, 2}, 0.5f, 2), add({-6, 3, -1}, 1.5f, 2);
-  const Picture a = picture(mirror, sized(400, 300)), b = picture(window, sized(400, 300));
+  const Rendered a = picture(mirror, sized(400, 300)), b = picture(window, sized(400, 300));
   int different = 0, bright = 0;
   for (int y = 0; y < a.height; ++y)
     for (int x = 0; x < a.width; ++x) {
@@ -269,7 +269,7 @@ TEST(ClosedForm, PhongLobe) {
     s.planes = {{{0, 0, 0}, {0, 0, 1}}}, s.plane_materials = {0};
     RenderOptions o = sized(600, 1);
     o.depth = 1;
-    const Picture p = picture(s, o);
+    const Rendered p = picture(s, o);
     double worst = 0, largest = 0;
     for (int i = 0; i < p.width; ++i) {
       const Vec3d point(3 * column_tan(s, p.width, i), 0, 0);
@@ -296,7 +296,7 @@ TEST(ClosedForm, Horizon) {
       s.materials = {glow(1)};
       s.planes = {{{0, 0, 0}, {0, 0, 1}}}, s.plane_materials = {0};
       const int n = 400;
-      const Picture p = picture(s, sized(40, n));
+      const Rendered p = picture(s, sized(40, n));
       const double row = n / 2.0 - std::tan(pitch) / std::tan(kPi / 6) * n / 2;
       for (int x = 0; x < p.width; ++x) {
         int sky = 0;

@@ -11,15 +11,15 @@
 namespace raio {
 namespace {
 
-using testing::random_scene;
-using testing::rich_scene;
+using tests::random_scene;
+using tests::rich_scene;
 
 Image picture(const Scene& scene, AccelKind kind) {
   RenderOptions options;
   options.accel.kind = kind;
   options.width = 96, options.height = 72;
   options.soft_shadows = true;
-  return testing::picture_of(scene, options);
+  return tests::picture_of(scene, options);
 }
 
 /// rich_scene() with a material of nothing, bright enough to decide the unit of the film; without
@@ -43,7 +43,7 @@ TEST(Colors, PicturesAreThoseOfMaterials) {
     EXPECT_TRUE(validate(plain).empty());
     const Image expected = picture(plain, AccelKind::none);
     for (const AccelKind kind : {AccelKind::none, AccelKind::grid, AccelKind::bvh})
-      EXPECT_TRUE(testing::same_bytes(picture(rich, kind), expected)) << seed << " " << int(kind);
+      EXPECT_TRUE(tests::same_bytes(picture(rich, kind), expected)) << seed << " " << int(kind);
   }
 }
 
@@ -59,8 +59,8 @@ TEST(Colors, EachKindHasItsOwn) {
     one.*colors = rich.*colors;
     EXPECT_TRUE(validate(one).empty());
     const Image with = picture(one, AccelKind::bvh);
-    EXPECT_FALSE(testing::same_bytes(with, without));
-    EXPECT_TRUE(testing::same_bytes(with, picture(plain_scene(one), AccelKind::bvh)));
+    EXPECT_FALSE(tests::same_bytes(with, without));
+    EXPECT_TRUE(tests::same_bytes(with, picture(plain_scene(one), AccelKind::bvh)));
   };
   changes(&Scene::plane_colors), changes(&Scene::sphere_colors), changes(&Scene::cone_colors);
   changes(&Scene::triangle_colors), changes(&Scene::polygon_colors);
@@ -81,7 +81,7 @@ TEST(Colors, ThoseOfVerticesAreInterpolated) {
   ASSERT_TRUE(validate(scene).empty());
   RenderOptions options;
   options.width = options.height = 1;
-  const Rgb seen = testing::expect_one_picture(scene, options).pixels[0];
+  const Rgb seen = tests::expect_one_picture(scene, options).pixels[0];
   EXPECT_NEAR(seen.x, 0.5, 1e-4);
   EXPECT_NEAR(seen.y, 0.25, 1e-4);
   EXPECT_NEAR(seen.z, 0.25, 1e-4);
@@ -94,8 +94,7 @@ TEST(Colors, ColorsOfTheMaterialsChangeNothing) {
     colored.sphere_colors.push_back(plain.materials[id].color);
   for (const MaterialId id : plain.polygon_materials)
     colored.polygon_colors.push_back(plain.materials[id].color);
-  EXPECT_TRUE(
-      testing::same_bytes(picture(plain, AccelKind::bvh), picture(colored, AccelKind::bvh)));
+  EXPECT_TRUE(tests::same_bytes(picture(plain, AccelKind::bvh), picture(colored, AccelKind::bvh)));
   EXPECT_LT(classic_bound(colored, {}), 1.5 * classic_bound(plain, {}));
 }
 

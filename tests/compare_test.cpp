@@ -11,7 +11,7 @@
 namespace raio {
 namespace {
 
-using testing::noise;
+using tests::noise;
 
 TEST(Compare, EqualPictures) {
   const Image a = noise(5, 5);

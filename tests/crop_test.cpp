@@ -12,8 +12,8 @@
 namespace raio {
 namespace {
 
-using ::testing::HasSubstr;
-using testing::random_scene;
+using testing::HasSubstr;
+using tests::random_scene;
 
 constexpr int kWidth = 150, kHeight = 90;
 constexpr Crop kCrops[] = {{0, 0, 1, 1},     {37, 21, 110, 85}, {149, 89, 150, 90},
@@ -64,7 +64,7 @@ bool same(const Column<T>& a, const Column<T>& b) {
 void expect_cut(const Scene& scene, RenderOptions options) {
   const Picture whole = rendered(scene, options);
   for (const Crop& crop : kCrops) {
-    SCOPED_TRACE(::testing::Message() << crop.x0 << "," << crop.y0);
+    SCOPED_TRACE(testing::Message() << crop.x0 << "," << crop.y0);
     options.crop = crop;
     const Picture part = rendered(scene, options);
     EXPECT_EQ(part.color.width, crop.width());

@@ -22,8 +22,8 @@ namespace raio::view {
 namespace {
 
 namespace fs = std::filesystem;
-using ::testing::ElementsAre;
-using ::testing::UnorderedElementsAre;
+using testing::ElementsAre;
+using testing::UnorderedElementsAre;
 
 const ImVec2 kSize(900, 700);
 
@@ -41,7 +41,7 @@ TEST(Dialogs, WelcomeOpensEachOfItsScenes) {
   EXPECT_THAT(opened, UnorderedElementsAre("/a/one.nff", "/b/two.nff", "/s/three.nff", "asks"));
 }
 
-class FileDialogs : public ::testing::Test {
+class FileDialogs : public testing::Test {
  protected:
   FileDialogs() {
     fs::create_directories(folder_ / "sub");

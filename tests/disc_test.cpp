@@ -14,10 +14,10 @@
 namespace raio {
 namespace {
 
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using testing::Random;
-using testing::read_objects;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using tests::Random;
+using tests::read_objects;
 
 Disc random_disc(Random& random) {
   const double radius = std::pow(10, random.uniform(-2, 0));
@@ -34,7 +34,7 @@ TEST(Disc, ShowsTheAreaOfARing) {
     const Vec3d d = random.direction();
     const double R = disc.radius, r = disc.inner;
     const double area = std::numbers::pi * (R * R - r * r) * std::abs(dot(d, Vec3d(disc.normal)));
-    EXPECT_NEAR(testing::seen_area(disc, Vec3d(disc.center), d), area, 0.01 * area + 0.002);
+    EXPECT_NEAR(tests::seen_area(disc, Vec3d(disc.center), d), area, 0.01 * area + 0.002);
   }
 }
 
@@ -127,7 +127,7 @@ TEST(Disc, SidesAreSeenAsAskedInEveryStructure) {
     for (const bool one_sided : {false, true}) {
       HitBatch hits;
       TraceContext context;
-      testing::build(scene, {.kind = kind}, one_sided)->closest(rays, hits, context);
+      tests::build(scene, {.kind = kind}, one_sided)->closest(rays, hits, context);
       for (int i = 0; i < 5; ++i) {
         const float expected = one_sided ? one[i] : both[i];
         EXPECT_EQ(hits[i].found() ? hits[i].t : kMiss, expected) << int(kind) << " ray " << i;
@@ -139,11 +139,11 @@ TEST(Disc, IsReadAndWrittenAndItsFaultsAreNamed) {
   const Scene scene = read_objects("disc 1 2 3  0 0 2  4\ndisc 1 2 3 0 1 0 4 2\ns 0 0 0 1\n");
   ASSERT_EQ(scene.discs.size(), 2u);
   EXPECT_EQ(scene.spheres.size(), 1u);
-  EXPECT_TRUE(testing::same(scene.discs[0], Disc{{1, 2, 3}, {0, 0, 1}, 4, 0}));
-  EXPECT_TRUE(testing::same(scene.discs[1], Disc{{1, 2, 3}, {0, 1, 0}, 4, 2}));
+  EXPECT_TRUE(tests::same(scene.discs[0], Disc{{1, 2, 3}, {0, 0, 1}, 4, 0}));
+  EXPECT_TRUE(tests::same(scene.discs[1], Disc{{1, 2, 3}, {0, 1, 0}, 4, 2}));
   EXPECT_THAT(write_nff(scene), HasSubstr("disc 1 2 3 0 0 1 4\ndisc 1 2 3 0 1 0 4 2\n"));
   const auto error = [](const std::string& line) {
-    const auto result = parse_nff(testing::kCamera + testing::kMaterial + line, "x.nff");
+    const auto result = parse_nff(tests::kCamera + tests::kMaterial + line, "x.nff");
     return result ? std::string("sound") : result.error()[0].message;
   };
   EXPECT_EQ(error("disc 0 0 0 0 0 0 1\n"),

@@ -13,10 +13,10 @@
 namespace raio {
 namespace {
 
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using testing::Random;
-using testing::read_objects;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using tests::Random;
+using tests::read_objects;
 
 // Semi-axes from 1 down to a thousandth.
 Ellipsoid random_ellipsoid(Random& random) {
@@ -48,7 +48,7 @@ TEST(Ellipsoid, SilhouetteHasTheAreaOfItsShadow) {
     for (int i = 0; i < 3; ++i)
       parts[i] = size[(i + 1) % 3] * size[(i + 2) % 3] * dot(d, Vec3d(e.axes[i])) / size[i];
     const double area = std::numbers::pi * length(parts);
-    EXPECT_NEAR(testing::seen_area(bake(e), Vec3d(e.center), d), area, 0.01 * area);
+    EXPECT_NEAR(tests::seen_area(bake(e), Vec3d(e.center), d), area, 0.01 * area);
   }
 }
 
@@ -150,11 +150,11 @@ TEST(Ellipsoid, BoundsAreTightAndOverlapsNeverWrongWithNo) {
 TEST(Ellipsoid, IsReadAndWrittenAndItsFaultsAreNamed) {
   const Scene scene = read_objects("ellipsoid 1 2 3  0 2 0  -1 0 0  0 0 0.5\n");
   ASSERT_EQ(scene.ellipsoids.size(), 1u);
-  EXPECT_TRUE(testing::same(scene.ellipsoids[0],
-                            Ellipsoid{{1, 2, 3}, {{0, 2, 0}, {-1, 0, 0}, {0, 0, 0.5f}}}));
+  EXPECT_TRUE(tests::same(scene.ellipsoids[0],
+                          Ellipsoid{{1, 2, 3}, {{0, 2, 0}, {-1, 0, 0}, {0, 0, 0.5f}}}));
   EXPECT_THAT(write_nff(scene), HasSubstr("ellipsoid 1 2 3 0 2 0 -1 0 0 0 0 0.5\n"));
   const auto error = [](const std::string& line) {
-    const auto result = parse_nff(testing::kCamera + testing::kMaterial + line, "x.nff");
+    const auto result = parse_nff(tests::kCamera + tests::kMaterial + line, "x.nff");
     return result ? std::string("sound") : result.error()[0].message;
   };
   EXPECT_EQ(error("ellipsoid 0 0 0 1 0 0 1 1 0 0 0 1\n"),

@@ -56,7 +56,7 @@ void expect_pixels_explained(const Scene& scene, AccelKind kind, int pixels, uin
   std::mt19937 rng(seed);
   for (int k = 0; k < pixels; ++k) {
     const int x = int(rng() % uint32_t(settings.width)), y = int(rng() % uint32_t(settings.height));
-    SCOPED_TRACE(::testing::Message() << scene.name << " pixel " << x << "," << y);
+    SCOPED_TRACE(testing::Message() << scene.name << " pixel " << x << "," << y);
     Vec3d rgb;
     RayCounts counts;
     uint64_t steps = 0, tests = 0;
@@ -102,13 +102,13 @@ int pixels_of_each() {
 }
 
 TEST(Explain, TermsAddUpToThePixelAndLogsToTheCounts) {
-  const Scene scene = testing::random_scene(60, 7);
+  const Scene scene = tests::random_scene(60, 7);
   for (const AccelKind kind : {AccelKind::none, AccelKind::grid, AccelKind::bvh})
     expect_pixels_explained(scene, kind, 40, 1);
 }
 
 TEST(Explain, TermsAddUpInTheOtherModelsOfLight) {
-  const Scene scene = testing::random_scene(60, 7);
+  const Scene scene = tests::random_scene(60, 7);
   for (const ShadingModel shading : {ShadingModel::phong, ShadingModel::blinn_phong})
     for (const Fresnel fresnel : {Fresnel::exact, Fresnel::schlick}) {
       RenderOptions models;
@@ -118,7 +118,7 @@ TEST(Explain, TermsAddUpInTheOtherModelsOfLight) {
 }
 
 TEST(Explain, TermsAddUpWhereMirrorsHaveColours) {
-  Scene scene = testing::random_scene(60, 7);
+  Scene scene = tests::random_scene(60, 7);
   for (size_t m = 0; m < scene.materials.size(); ++m)
     scene.material_specular.push_back({1, 0.25f * float(m % 4), 0.5f});
   RenderOptions models;
@@ -128,7 +128,7 @@ TEST(Explain, TermsAddUpWhereMirrorsHaveColours) {
 }
 
 TEST(Explain, TermsAddUpInTheSharedScenes) {
-  const auto paths = testing::shared_scenes();
+  const auto paths = tests::shared_scenes();
   if (paths.empty()) GTEST_SKIP() << "the shared scenes are not here";
   for (const auto& path : paths) {
     const auto read = read_scene(path.string());
@@ -140,11 +140,11 @@ TEST(Explain, TermsAddUpInTheSharedScenes) {
 
 // In a tree each ray alone costs what its log says.
 TEST(Explain, LogsAreWhatARayOfItsOwnCosts) {
-  const Scene scene = testing::random_scene(400, 3);
+  const Scene scene = tests::random_scene(400, 3);
   for (const AccelKind kind : {AccelKind::none, AccelKind::grid, AccelKind::bvh}) {
     const auto accel = build_accel(scene, {.kind = kind, .counters = true});
     ASSERT_TRUE(accel.has_value());
-    const RayBatch rays = testing::awkward_rays(scene, 500, 9);
+    const RayBatch rays = tests::awkward_rays(scene, 500, 9);
     for (size_t i = 0; i < rays.size(); ++i)
       for (const bool any : {false, true}) {
         RayBatch one;
@@ -169,11 +169,11 @@ TEST(Explain, LogsAreWhatARayOfItsOwnCosts) {
 
 // The cells follow each other face by face, and each is left where the smallest t_max says.
 TEST(Explain, CellsAreThoseOfTheTextbook) {
-  const Scene scene = testing::random_scene(400, 3);
+  const Scene scene = tests::random_scene(400, 3);
   const auto accel = build_accel(
       scene, {.kind = AccelKind::grid, .grid_resolution = {60, 45, 80}, .counters = true});
   ASSERT_TRUE(accel.has_value());
-  const RayBatch rays = testing::awkward_rays(scene, 300, 4);
+  const RayBatch rays = tests::awkward_rays(scene, 300, 4);
   size_t moves = 0;
   for (size_t i = 0; i < rays.size(); ++i) {
     const auto log = (*accel)->log(rays[i], false);
@@ -194,9 +194,9 @@ TEST(Explain, CellsAreThoseOfTheTextbook) {
 
 // Boxes hold those of the children, and every leaf is found in a node above it.
 TEST(Explain, BoxesOfATreeNarrow) {
-  const Scene scene = testing::random_scene(400, 3);
+  const Scene scene = tests::random_scene(400, 3);
   const auto accel = build_accel(scene, {.kind = AccelKind::bvh});
-  const RayBatch rays = testing::awkward_rays(scene, 100, 4);
+  const RayBatch rays = tests::awkward_rays(scene, 100, 4);
   for (size_t i = 0; i < rays.size(); ++i) {
     const auto log = (*accel)->log(rays[i], false);
     for (const TraceLog::Step& step : log->steps) {

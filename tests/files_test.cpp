@@ -11,7 +11,7 @@
 namespace raio {
 namespace {
 
-using ::testing::HasSubstr;
+using testing::HasSubstr;
 
 TEST(Files, OptionsWithoutEffectAreRefused) {
   EXPECT_THAT(error("s 0 0 0 1\n", "a.nff", {.style = AtomStyle::points}),

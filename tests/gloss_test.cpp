@@ -13,10 +13,10 @@
 namespace raio {
 namespace {
 
-using testing::expect_one_picture;
-using testing::picture_of;
-using testing::random_scene;
-using testing::same_bytes;
+using tests::expect_one_picture;
+using tests::picture_of;
+using tests::random_scene;
+using tests::same_bytes;
 
 constexpr double kPi = std::numbers::pi;
 

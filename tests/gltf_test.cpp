@@ -13,9 +13,9 @@
 namespace raio {
 namespace {
 
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::IsEmpty;
 
 std::string base64(std::string_view bytes) {
   constexpr std::string_view kDigits =

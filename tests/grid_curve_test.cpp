@@ -21,7 +21,7 @@ RenderOptions small() {
 constexpr MeasuringEffort kLittle{.close_enough = 1e9, .least_run_s = 0};
 
 TEST(GridCurve, GoesFromCoarseToFine) {
-  const Scene scene = testing::random_scene(400, 3);
+  const Scene scene = tests::random_scene(400, 3);
   RenderControl control;
   int news = 0;
   const auto curve = measure_grid_curve(
@@ -52,7 +52,7 @@ TEST(GridCurve, GoesFromCoarseToFine) {
 }
 
 TEST(GridCurve, CountsAreThoseOfARender) {
-  const Scene scene = testing::random_scene(400, 3);
+  const Scene scene = tests::random_scene(400, 3);
   RenderControl control;
   const auto curve = measure_grid_curve(scene, small(), control, {}, kLittle);
   ASSERT_TRUE(curve.has_value());
@@ -76,7 +76,7 @@ TEST(GridCurve, EndsSoonWhenToldAndRefusesNothing) {
   RenderControl control;
   control.stop = true;
   const auto stopped =
-      measure_grid_curve(testing::random_scene(400, 3), small(), control, {}, kLittle);
+      measure_grid_curve(tests::random_scene(400, 3), small(), control, {}, kLittle);
   ASSERT_TRUE(stopped.has_value());
   EXPECT_FALSE(stopped->finished);
   RenderControl other;

@@ -8,7 +8,7 @@
 namespace raio {
 namespace {
 
-using namespace testing;
+using namespace tests;
 
 TEST(Grid, FindsTheVeryHitsOfBruteForce) {
   for (const ScaleAndShift& place : kScalesAndShifts)

@@ -19,9 +19,9 @@
 namespace raio {
 namespace {
 
-using testing::expect_one_picture;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using tests::expect_one_picture;
 
 namespace fs = std::filesystem;
 
@@ -92,7 +92,7 @@ std::string damaged(std::string text, std::mt19937& random) {
   return text;
 }
 
-class Damaged : public ::testing::TestWithParam<const char*> {};
+class Damaged : public testing::TestWithParam<const char*> {};
 
 TEST_P(Damaged, IsRefusedWithAPlaceOrIsOnePicture) {
   const fs::path path = fs::path(RAIO_SOURCE_DIR) / "scenes" / (GetParam() + std::string(".nff"));
@@ -103,7 +103,7 @@ TEST_P(Damaged, IsRefusedWithAPlaceOrIsOnePicture) {
   int rendered = 0;
   for (int round = 0; round < kRounds; ++round) {
     const std::string text = damaged(whole, random);
-    SCOPED_TRACE(::testing::Message() << GetParam() << " round " << round);
+    SCOPED_TRACE(testing::Message() << GetParam() << " round " << round);
     const auto result = parse_nff(text, "t.nff");
     if (!result) {
       ASSERT_FALSE(result.error().empty());
@@ -115,15 +115,15 @@ TEST_P(Damaged, IsRefusedWithAPlaceOrIsOnePicture) {
     ++rendered;
     ASSERT_THAT(validate(result->scene), IsEmpty());
     expect_one_picture(result->scene, square(6, 3));
-    if (HasFailure()) std::ofstream(::testing::TempDir() + "failed.nff") << text;
+    if (HasFailure()) std::ofstream(testing::TempDir() + "failed.nff") << text;
     ASSERT_FALSE(HasFailure());
   }
   EXPECT_GT(rendered, 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, Damaged,
-                         ::testing::Values("gears", "lattice", "mount", "rings", "shapes",
-                                           "sphereflake", "teapot", "tetra", "tree"),
+                         testing::Values("gears", "lattice", "mount", "rings", "shapes",
+                                         "sphereflake", "teapot", "tetra", "tree"),
                          [](const auto& scene) { return std::string(scene.param); });
 
 // Degenerate and extreme geometry.
@@ -179,7 +179,7 @@ const Case kDegenerate[] = {
     {"TinyThingsFarApart", "s 0 0 0 1e-30\ns 1e30 0 0 1e-30\ns -1e30 0 0 1e-30\n"},
 };
 
-class Degenerate : public ::testing::TestWithParam<Case> {};
+class Degenerate : public testing::TestWithParam<Case> {};
 
 TEST_P(Degenerate, IsRefusedWithAPlaceOrIsOnePicture) {
   const Case& c = GetParam();
@@ -202,7 +202,7 @@ TEST_P(Degenerate, IsRefusedWithAPlaceOrIsOnePicture) {
   expect_one_picture(result->scene, options);
 }
 
-INSTANTIATE_TEST_SUITE_P(Geometry, Degenerate, ::testing::ValuesIn(kDegenerate),
+INSTANTIATE_TEST_SUITE_P(Geometry, Degenerate, testing::ValuesIn(kDegenerate),
                          [](const auto& c) { return std::string(c.param.name); });
 
 TEST(Hostile, CamerasThatSeeNothingAreRefusedWithAPlace) {

@@ -6,15 +6,15 @@
 namespace raio {
 namespace {
 
-using testing::exr_of;
-using testing::ExrLayout;
-using ::testing::HasSubstr;
-using testing::ImageTest;
-using testing::layered;
-using testing::next_random;
-using testing::noise;
-using ::testing::Not;
-using testing::png_of;
+using testing::HasSubstr;
+using testing::Not;
+using tests::exr_of;
+using tests::ExrLayout;
+using tests::ImageTest;
+using tests::layered;
+using tests::next_random;
+using tests::noise;
+using tests::png_of;
 
 TEST_F(ImageTest, BadFilesAreErrorsInOneLine) {
   expect_bad("", "empty");

@@ -17,7 +17,7 @@
 #include "io/image/image.h"
 #include "temporary_folder.h"
 
-namespace raio::testing {
+namespace raio::tests {
 
 namespace fs = std::filesystem;
 
@@ -121,9 +121,9 @@ class ImageTest : public TemporaryFolder {
     const auto image = read(bytes);
     ASSERT_FALSE(image) << why;
     EXPECT_EQ(image.error().kind, ErrorKind::cannot_read);
-    EXPECT_THAT(image.error().text(), ::testing::HasSubstr(in_memory_.string()));
-    EXPECT_THAT(image.error().text(), ::testing::HasSubstr(std::string(why)));
-    EXPECT_THAT(image.error().text(), ::testing::Not(::testing::HasSubstr("\n")));
+    EXPECT_THAT(image.error().text(), testing::HasSubstr(in_memory_.string()));
+    EXPECT_THAT(image.error().text(), testing::HasSubstr(std::string(why)));
+    EXPECT_THAT(image.error().text(), testing::Not(testing::HasSubstr("\n")));
   }
   std::string written(const auto& picture, std::string_view name) {
     const auto done = write_image(picture, file(name));
@@ -142,4 +142,4 @@ class ImageTest : public TemporaryFolder {
   fs::path in_memory_ = "/proc/self/fd/" + std::to_string(memory_);
 };
 
-}  // namespace raio::testing
+}  // namespace raio::tests

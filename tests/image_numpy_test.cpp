@@ -13,10 +13,10 @@
 namespace raio {
 namespace {
 
-using testing::ImageTest;
-using testing::layered;
-using ::testing::MatchesRegex;
-using testing::noise;
+using testing::MatchesRegex;
+using tests::ImageTest;
+using tests::layered;
+using tests::noise;
 
 constexpr std::pair<int, int> kSizes[] = {{1, 1}, {7, 5}, {301, 203}};
 

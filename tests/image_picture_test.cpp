@@ -12,11 +12,11 @@
 namespace raio {
 namespace {
 
-using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using testing::ImageTest;
-using testing::layered;
-using testing::noise;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using tests::ImageTest;
+using tests::layered;
+using tests::noise;
 
 template <class T>
 void expect_equal_bits(const Column<T>& a, const Column<T>& b) {
@@ -61,7 +61,7 @@ TEST_F(ImageTest, ExrLayersAreChannelsOfOnePart) {
     names.emplace_back(i.name());
     if (i.channel().type == Imf::UINT) whole_numbers.emplace_back(i.name());
   }
-  EXPECT_THAT(names, ::testing::UnorderedElementsAre(
+  EXPECT_THAT(names, testing::UnorderedElementsAre(
                          "R", "G", "B", "A", "albedo.R", "albedo.G", "albedo.B", "depth.Z", "id.I",
                          "light.key.R", "light.key.G", "light.key.B", "light.key.A", "normal.X",
                          "normal.Y", "normal.Z", "pair.first", "pair.second", "samples"));
@@ -110,7 +110,7 @@ TEST_F(ImageTest, ReadsLayersByOtherPrograms) {
                           Layer{"mixed", {"V"}, Numbers{7, 7.5f}},
                           Layer{"mixed", {"I"}, Whole{8, 8 + 0xffff'ff00u}}));
 
-  testing::ExrLayout layout;
+  tests::ExrLayout layout;
   layout.channels["coarse.X"] = Imf::Channel(Imf::FLOAT, 2, 2);
   const std::string coarse = exr_of(file("b.exr"), layout);
   EXPECT_EQ(read_good(coarse).width, 4);
@@ -118,7 +118,7 @@ TEST_F(ImageTest, ReadsLayersByOtherPrograms) {
 }
 
 TEST_F(ImageTest, GreyExrHasAlpha) {
-  testing::ExrLayout layout;
+  tests::ExrLayout layout;
   layout.channels = {{"Y", Imf::Channel()}, {"A", Imf::Channel()}};
   const Picture picture = read_whole_good(exr_of(file("a.exr"), layout));
   EXPECT_EQ(picture.color.at(1, 0), Rgb(1.25f));
@@ -192,7 +192,7 @@ TEST_F(ImageTest, PngAlphaComesBackWithinHalfAStep) {
 
 TEST_F(ImageTest, ReadsAlphaOfEveryKindOfPng) {
   const auto read_alpha = [&](int type, int depth, const std::string& row, int width) {
-    const Picture picture = read_whole_good(testing::png_of({type, depth}, width, 1, row));
+    const Picture picture = read_whole_good(tests::png_of({type, depth}, width, 1, row));
     EXPECT_EQ(picture.layers.size(), 0);
     return std::pair(picture.color.pixels, picture.alpha);
   };

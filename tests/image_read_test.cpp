@@ -8,10 +8,10 @@
 namespace raio {
 namespace {
 
-using testing::exr_of;
-using testing::ExrLayout;
-using testing::ImageTest;
-using testing::png_of;
+using tests::exr_of;
+using tests::ExrLayout;
+using tests::ImageTest;
+using tests::png_of;
 
 TEST_F(ImageTest, ReadsEveryKindOfPng) {
   const Rgb red(1, 0, 0), blue(0, 0, 1), third(51 / 255.f, 102 / 255.f, 153 / 255.f);

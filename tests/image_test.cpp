@@ -18,9 +18,9 @@ namespace raio {
 namespace {
 
 namespace fs = std::filesystem;
-using ::testing::HasSubstr;
-using testing::ImageTest;
-using testing::noise;
+using testing::HasSubstr;
+using tests::ImageTest;
+using tests::noise;
 
 void expect_equal_bits(const Image& a, const Image& b) {
   ASSERT_EQ(a.width, b.width);
@@ -206,9 +206,9 @@ TEST_F(ImageTest, PngKeepsMetadata) {
   for (int i = 0; i < count; ++i) found[texts[i].key] = texts[i].text;
   png_destroy_read_struct(&png, &info, nullptr);
   std::fclose(stream);
-  EXPECT_THAT(found, ::testing::UnorderedElementsAre(std::pair("raio.seed", "42"),
-                                                     std::pair("raio.scene", "b\xc3\xa4lle 4"),
-                                                     std::pair("raio.note", "")));
+  EXPECT_THAT(found, testing::UnorderedElementsAre(std::pair("raio.seed", "42"),
+                                                   std::pair("raio.scene", "b\xc3\xa4lle 4"),
+                                                   std::pair("raio.note", "")));
 }
 
 TEST_F(ImageTest, ExrKeepsMetadata) {

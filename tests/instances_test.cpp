@@ -16,18 +16,18 @@
 namespace raio {
 namespace {
 
-using testing::awkward_rays;
-using testing::build;
-using testing::disagreement;
-using ::testing::ElementsAre;
-using testing::expect_one_picture;
-using testing::eye_rays;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
-using testing::picture_of;
-using testing::random_direction;
-using testing::random_scene;
-using testing::two_sided;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using tests::awkward_rays;
+using tests::build;
+using tests::disagreement;
+using tests::expect_one_picture;
+using tests::eye_rays;
+using tests::picture_of;
+using tests::random_direction;
+using tests::random_scene;
+using tests::two_sided;
 
 // A turn and a shift; with `stretch` above 1 also axes of other lengths, mirrored or sheared.
 Matrix random_matrix(std::mt19937& rng, float stretch = 1, bool mirrored = false) {
@@ -86,7 +86,7 @@ TEST(Instances, AllStructuresAgree) {
       ASSERT_THAT(validate(scene), IsEmpty());
       const auto none = build(scene, {.kind = AccelKind::none});
       const RayBatch rays = awkward_rays(scene, 5000, seed), eyes = eye_rays(scene, 64);
-      const auto all = testing::answers(*none, rays), seen = testing::answers(*none, eyes);
+      const auto all = tests::answers(*none, rays), seen = tests::answers(*none, eyes);
       size_t hits = 0, of_copies = 0;
       for (size_t i = 0; i < rays.size(); ++i) {
         const PrimitiveId id = all.closest.item[i];
@@ -226,7 +226,7 @@ TEST(Instances, CopiesAreWhatWrittenOutPrimitivesAre) {
     const auto copies = build(scene, {.kind = AccelKind::bvh}),
                primitives = build(flat, {.kind = AccelKind::bvh});
     const RayBatch rays = awkward_rays(flat, 5000, seed);
-    const auto x = testing::answers(*copies, rays), y = testing::answers(*primitives, rays);
+    const auto x = tests::answers(*copies, rays), y = tests::answers(*primitives, rays);
     size_t other = 0, normals = 0;
     for (size_t i = 0; i < rays.size(); ++i) {
       const Hit p = x.closest[i], q = y.closest[i];
@@ -324,7 +324,7 @@ TEST(Instances, CopiesHaveIdsOfTheirOwn) {
 
 // A copy's own object counts before those within; copies and what is written out have the same.
 TEST(Instances, CopiesBelongToObjects) {
-  Scene scene = testing::nested_scene();
+  Scene scene = tests::nested_scene();
   for (auto* some : {&scene.prototypes[1].instances[1].matrix}) *some = kIdentity;
   const auto accel = build(scene, {.kind = AccelKind::bvh});
   const Geometry& geometry = accel->geometry();
@@ -418,7 +418,7 @@ TEST(Instances, MirroredFrontsStayFronts) {
         for (float x = -0.9f; x < 1; x += 0.137f) {
           RayBatch rays;
           rays.push({{x, y, z}, {0, 0, z > 0 ? -1.0f : 1.0f}});
-          const auto a = testing::answers(*copies, rays), b = testing::answers(*primitives, rays);
+          const auto a = tests::answers(*copies, rays), b = tests::answers(*primitives, rays);
           ASSERT_EQ(a.closest[0].found(), b.closest[0].found()) << x << ' ' << y << ' ' << z;
           if (!a.closest[0].found()) continue;
           ++fronts;

@@ -20,9 +20,9 @@ namespace raio {
 namespace {
 
 namespace fs = std::filesystem;
-using ::testing::AllOf;
-using ::testing::HasSubstr;
-using testing::random_scene;
+using testing::AllOf;
+using testing::HasSubstr;
+using tests::random_scene;
 
 class Job : public TemporaryFolder {
  protected:

@@ -12,7 +12,7 @@
 namespace raio {
 namespace {
 
-using ::testing::HasSubstr;
+using testing::HasSubstr;
 
 TEST(Lammps, DumpsAreFrames) {
   const auto first = read(kDump, "a.dump");

@@ -16,7 +16,7 @@
 namespace raio::view {
 namespace {
 
-using ::testing::HasSubstr;
+using testing::HasSubstr;
 
 TEST(Legend, HasAScaleForEveryViewButThePicture) {
   ViewState state("some.nff", scene(), {});

@@ -11,7 +11,7 @@
 
 namespace {
 
-using ::testing::HasSubstr;
+using testing::HasSubstr;
 using Floats = std::vector<float>;
 
 const raio::Settings& small() {

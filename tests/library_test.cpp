@@ -15,7 +15,7 @@
 
 namespace {
 
-using ::testing::HasSubstr;
+using testing::HasSubstr;
 using Floats = std::vector<float>;
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();

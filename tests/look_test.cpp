@@ -11,9 +11,9 @@
 namespace raio {
 namespace {
 
-using ::testing::HasSubstr;
-using testing::random_scene;
-using testing::same_bytes;
+using testing::HasSubstr;
+using tests::random_scene;
+using tests::same_bytes;
 
 void set(RenderOptions& options, std::string_view name, std::string_view text) {
   const auto spec = std::ranges::find(render_option_table(), name, &OptionSpec::name);
@@ -90,10 +90,10 @@ TEST_F(Look, BackgroundTakesThePlaceOfTheScenes) {
   Scene other = random_scene(30, 2);
   other.background = Rgb(0.5f, 4, 0);
   options_.soft_shadows = true;
-  const Image wanted = testing::expect_one_picture(other, options_);
+  const Image wanted = tests::expect_one_picture(other, options_);
   other.background = Rgb(0.1f);
   set(options_, "background", "0.5,4,0");
-  EXPECT_TRUE(same_bytes(testing::expect_one_picture(other, options_), wanted));
+  EXPECT_TRUE(same_bytes(tests::expect_one_picture(other, options_), wanted));
 }
 
 TEST_F(Look, BackgroundIsTheBytesThatAreWritten) {
@@ -116,7 +116,7 @@ TEST_F(Look, BackgroundOfTheSceneIsNoOther) {
 }
 
 TEST_F(Look, TransparentIsBlackWithAlpha) {
-  const Image wanted = testing::picture_of(scene_of_black_ground(), with_alpha());
+  const Image wanted = tests::picture_of(scene_of_black_ground(), with_alpha());
 
   set(options_, "background", "transparent");
   for (const char* name : {"a.png", "a.exr"}) {
@@ -162,7 +162,7 @@ TEST_F(Look, BackgroundsThatCannotBeAreRefused) {
 }
 
 TEST_F(Look, ToneAndExposureMakeTheBytesOfDisplays) {
-  const Image light = testing::picture_of(scene_, options_);
+  const Image light = tests::picture_of(scene_, options_);
   const std::string plain = bytes("plain.png"), pfm = bytes("plain.pfm");
   bytes("plain.exr");
   const Image exr = *read_image(file("plain.exr"));
@@ -207,7 +207,7 @@ TEST_F(Look, PartsAreShownByTheirTone) {
 
 TEST_F(Look, ToneIsThatOfWhatCoversThePixel) {
   set(options_, "background", "transparent");
-  const Image light = testing::picture_of(scene_of_black_ground(), with_alpha());
+  const Image light = tests::picture_of(scene_of_black_ground(), with_alpha());
   set(options_, "tone", "srgb"), set(options_, "exposure", "1");
   bytes("a.png");
   // Read, colours are multiplied by alpha.

@@ -16,7 +16,7 @@
 namespace raio {
 namespace {
 
-using ::testing::HasSubstr;
+using testing::HasSubstr;
 
 TEST(Ply, PointsAreSpheres) {
   const auto text = read(ply("ascii", 5000, true), "a.ply");
@@ -318,7 +318,7 @@ TEST(Obj, FacesHaveNormalsAndPlaces) {
 }
 
 TEST(Obj, MaterialsComeFromFilesBeside) {
-  const std::filesystem::path folder = ::testing::TempDir() + "raio_obj";
+  const std::filesystem::path folder = testing::TempDir() + "raio_obj";
   std::filesystem::create_directories(folder);
   const auto write = [&](const char* name, std::string_view text) {
     std::ofstream(folder / name) << text;

@@ -66,7 +66,7 @@ TEST(MovingSphere, IsTheSphereThatIsThereAtTheTime) {
 }
 
 TEST(MovingTriangle, IsTheTriangleThatIsThereAtTheTime) {
-  testing::Random random(3);
+  tests::Random random(3);
   const auto point = [&] { return Vec3f(random.in_cube()); };
   int hits = 0;
   for (int k = 0; k < 20'000; ++k) {
@@ -96,7 +96,7 @@ TEST(MovingTriangle, IsTheTriangleThatIsThereAtTheTime) {
 
 // No ray passes between triangles that share an edge, wherever it moves.
 TEST(MovingTriangle, AreWatertightTogether) {
-  testing::Random random(9);
+  tests::Random random(9);
   const auto point = [&] { return Vec3f(random.in_cube()); };
   for (int k = 0; k < 2000; ++k) {
     const Vec3f a = point(), a1 = point(), b = point(), b1 = point();
@@ -119,7 +119,7 @@ TEST(MovingTriangle, AreWatertightTogether) {
 // Wherever the shape is on its way, boxes that it touches are said to be touched; and those said to
 // be are mostly near.
 template <class Shape, class PointOn>
-void check_boxes_on_the_way(const Shape& shape, PointOn&& point_on, testing::Random& random) {
+void check_boxes_on_the_way(const Shape& shape, PointOn&& point_on, tests::Random& random) {
   for (int i = 0; i < 20; ++i) {
     const Vec3d p = point_on(float(random.uniform()));
     Box3d box{p, p};
@@ -130,7 +130,7 @@ void check_boxes_on_the_way(const Shape& shape, PointOn&& point_on, testing::Ran
 }
 
 TEST(Movement, IsBoundedWholeAndTightly) {
-  testing::Random random(5);
+  tests::Random random(5);
   const auto point = [&] { return Vec3f(random.in_cube() * 3.0); };
   for (int k = 0; k < 500; ++k) {
     const MovingSphere s{point(), point(), 0.4f, 0, 1};
@@ -163,10 +163,10 @@ TEST(Movement, IsBoundedWholeAndTightly) {
 
 TEST(Motion, StructuresAgreeOnRaysOfAnyTime) {
   for (const bool one_sided : {false, true}) {
-    const Scene scene = testing::moving_scene(one_sided);
-    const RayBatch rays = testing::at_any_time(testing::awkward_rays(scene, 10'000, 4));
-    const auto oracle = testing::build(scene, {.kind = AccelKind::none}, one_sided);
-    const testing::Answers expected = testing::answers(*oracle, rays);
+    const Scene scene = tests::moving_scene(one_sided);
+    const RayBatch rays = tests::at_any_time(tests::awkward_rays(scene, 10'000, 4));
+    const auto oracle = tests::build(scene, {.kind = AccelKind::none}, one_sided);
+    const tests::Answers expected = tests::answers(*oracle, rays);
     size_t of_moving = 0;
     for (size_t i = 0; i < rays.size(); ++i)
       of_moving += expected.closest[i].found() &&
@@ -174,8 +174,8 @@ TEST(Motion, StructuresAgreeOnRaysOfAnyTime) {
     EXPECT_GT(of_moving, 500u);
     for (const AccelKind kind : {AccelKind::grid, AccelKind::bvh})
       for (const bool coherent : {false, true}) {
-        const auto found = testing::disagreement(
-            expected, *testing::build(scene, {.kind = kind}, one_sided), rays, true, coherent);
+        const auto found = tests::disagreement(
+            expected, *tests::build(scene, {.kind = kind}, one_sided), rays, true, coherent);
         EXPECT_EQ(found.closest + found.occluded, 0u) << int(kind) << coherent << one_sided;
       }
   }
@@ -255,7 +255,7 @@ TEST(Motion, AMovingEdgeIsItsExactRamp) {
 }
 
 TEST(Motion, IsTheSameWithEveryStructureAndAnyNumberOfThreads) {
-  Scene s = testing::moving_scene(7);
+  Scene s = tests::moving_scene(7);
   s.camera = scene("").camera;
   s.camera.movement = CameraMovement{{1, 0.5f, 9}, {0, 0.2f, 0}, 0, 1};
   RenderOptions o;

@@ -7,9 +7,9 @@
 namespace raio {
 namespace {
 
-using namespace raio::testing;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
+using namespace raio::tests;
+using testing::HasSubstr;
+using testing::IsEmpty;
 
 // Damage: whatever the bytes, a sound scene or an error with a place.
 

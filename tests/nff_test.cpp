@@ -20,9 +20,9 @@
 namespace raio {
 namespace {
 
-using namespace raio::testing;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
+using namespace raio::tests;
+using testing::HasSubstr;
+using testing::IsEmpty;
 
 // Numbers.
 
@@ -402,7 +402,7 @@ TEST(NffPieces, TheHeadMayBeAnywhere) {
 }
 
 TEST(NffPieces, LargeFilesAreReadAsTheyAre) {
-  const std::filesystem::path path = std::filesystem::path(::testing::TempDir()) / "large.nff";
+  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "large.nff";
   std::string text = kCamera + kMaterial;
   for (int i = 0; text.size() < 9'000'000; ++i) text += fmt::format("s {} 0 0 1\n", i);
   std::ofstream(path, std::ios::binary) << text;

@@ -12,7 +12,7 @@
 
 #include "io/nff/nff.h"
 
-namespace raio::testing {
+namespace raio::tests {
 
 inline const std::string kCamera =
     "v\nfrom 2 1 1\nat 0 0 0\nup 0 0 1\nangle 45\nhither 1\nresolution 64 48\n";
@@ -32,7 +32,7 @@ inline Scene read(const std::string& text) {
     return {};
   }
   EXPECT_EQ(texts(result->warnings), "");
-  EXPECT_THAT(validate(result->scene), ::testing::IsEmpty());
+  EXPECT_THAT(validate(result->scene), testing::IsEmpty());
   return std::move(result->scene);
 }
 
@@ -219,4 +219,4 @@ inline std::string many_spheres() {
   return text;
 }
 
-}  // namespace raio::testing
+}  // namespace raio::tests

@@ -8,9 +8,9 @@
 namespace raio {
 namespace {
 
-using namespace raio::testing;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
+using namespace raio::tests;
+using testing::HasSubstr;
+using testing::IsEmpty;
 
 TEST(NffWrite, RandomScenesReadBackTheSame) {
   for (uint64_t seed = 0; seed < 200; ++seed) {

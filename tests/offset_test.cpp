@@ -2,11 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cmath>
 #include <optional>
-#include <random>
 
+#include "random_shapes.h"
 #include "shape/cone.h"
 #include "shape/plane.h"
 #include "shape/sphere.h"
@@ -18,43 +17,28 @@
 namespace raio {
 namespace {
 
+using tests::Random;
+
 constexpr int kRays = 150000;
 
-class Random {
- public:
-  explicit Random(uint32_t seed) : engine_(seed) {}
-  double uniform(double lo, double hi) {
-    return std::uniform_real_distribution<double>(lo, hi)(engine_);
-  }
-  Vec3d direction() {
-    std::normal_distribution<double> gauss;
-    const double x = gauss(engine_), y = gauss(engine_), z = gauss(engine_);
-    return normalize(Vec3d(x, y, z));
-  }
-  template <size_t N>
-  double one_of(const std::array<double, N>& values) {
-    return values[engine_() % N];
-  }
-  /// In the half of space of the unit vector n: half of them with a cosine between 1e-4 and 1e-1.
-  Vec3f leaving(Vec3f n) {
-    const double cosine = engine_() % 2 ? uniform(1e-4, 1) : std::pow(10.0, uniform(-4, -1));
-    const Vec3d normal = normalize(Vec3d(n));
-    const Frame<double> f(normal);
-    const double angle = uniform(0, 6.2831853), sine = std::sqrt(1 - cosine * cosine);
-    const Vec3d across = f.u * std::cos(angle) + f.v * std::sin(angle);
-    return Vec3f(normalize(across * sine + normal * cosine));
-  }
+/// A direction in the half of space of the unit vector n: half of them with a cosine between 1e-4
+/// and 1e-1.
+Vec3f leaving_direction(Random& random, Vec3f n) {
+  const bool any = random.uniform() < 0.5;
+  const double cosine = any ? random.uniform(1e-4, 1) : std::pow(10.0, random.uniform(-4, -1));
+  const Vec3d normal = normalize(Vec3d(n));
+  const Frame<double> f(normal);
+  const double angle = random.uniform(0, 6.2831853), sine = std::sqrt(1 - cosine * cosine);
+  const Vec3d across = f.u * std::cos(angle) + f.v * std::sin(angle);
+  return Vec3f(normalize(across * sine + normal * cosine));
+}
 
- private:
-  std::mt19937 engine_;
-};
-
-double random_size(Random& random) { return random.one_of<3>({1e-6, 1, 1e6}); }
-double random_distance(Random& random) { return random.one_of<5>({0.5, 3, 1e2, 1e4, 1e6}); }
+double random_size(Random& random) { return random.one_of({1e-6, 1.0, 1e6}); }
+double random_distance(Random& random) { return random.one_of({0.5, 3.0, 1e2, 1e4, 1e6}); }
 
 Vec3f random_place(Random& random, double size, double farthest) {
   return Vec3f(random.direction() *
-               (size * std::min(farthest, random.one_of<4>({0, 1, 1e3, 1e5}))));
+               (size * std::min(farthest, random.one_of({0.0, 1.0, 1e3, 1e5}))));
 }
 
 Ray ray_to(Vec3d target, Vec3d dir, double distance) {
@@ -86,11 +70,11 @@ TEST(Offset, RaysLeaveASphereAndThoseThatEnterFindItsFarSide) {
     const Vec3f p = center + n * radius;
     const float scale = largest(p) + radius;
 
-    const Ray out{offset_origin(p, n, scale, true), random.leaving(n)};
+    const Ray out{offset_origin(p, n, scale, true), leaving_direction(random, n)};
     const SphereRoots again = sphere_roots(center, radius, out);
     leaving += again.entry <= again.exit && again.exit > 0;
 
-    const Ray in{offset_origin(p, n, scale, false), random.leaving(-n)};
+    const Ray in{offset_origin(p, n, scale, false), leaving_direction(random, -n)};
     const SphereRoots through = sphere_roots(center, radius, in);
     entering += !(through.entry <= 0 && through.exit > 0);
   }
@@ -117,7 +101,7 @@ TEST(Offset, RaysLeaveATriangle) {
     if (!h) continue;
     const Vec3f p = t.a * (1 - h->u - h->v) + t.b * h->u + t.c * h->v;
     for (const bool outside : {true, false}) {
-      const Vec3f dir = random.leaving(outside ? n : -n);
+      const Vec3f dir = leaving_direction(random, outside ? n : -n);
       const Ray out{offset_origin(p, n, largest(p) + edge, outside), dir};
       const auto again = intersect(t.a, t.b, t.c, out, ShearedRay(dir));
       met += again && again->t > 0;
@@ -140,7 +124,7 @@ TEST(Offset, RaysLeaveAPlane) {
     const double height = dot(Vec3d(plane.normal), Vec3d(hit) - Vec3d(plane.point));
     const Vec3f p(Vec3d(hit) - Vec3d(plane.normal) * height);
     for (const bool outside : {true, false}) {
-      const Vec3f dir = random.leaving(outside ? plane.normal : -plane.normal);
+      const Vec3f dir = leaving_direction(random, outside ? plane.normal : -plane.normal);
       const float scale = largest(p);
       const auto again = intersect(plane, {offset_origin(p, plane.normal, scale, outside), dir});
       met += again && *again > 0;
@@ -155,9 +139,9 @@ TEST(Offset, RaysLeaveACone) {
   for (int k = 0; k < kRays; ++k) {
     const double size = random_size(random);
     const Vec3f base = random_place(random, size, 1e3);
-    const double r0 = size * random.one_of<3>({0.03, 0.3, 1});
-    const double r1 = r0 * random.one_of<4>({0, 0.3, 1, 2});
-    const Vec3d height = random.direction() * (size * random.one_of<3>({0.1, 0.5, 1}));
+    const double r0 = size * random.one_of({0.03, 0.3, 1.0});
+    const double r1 = r0 * random.one_of({0.0, 0.3, 1.0, 2.0});
+    const Vec3d height = random.direction() * (size * random.one_of({0.1, 0.5, 1.0}));
     const Cone cone{base, float(r0), Vec3f(Vec3d(base) + height), float(r1)};
     const BakedCone c(cone);
     const Vec3d target = Vec3d(base) + height * random.uniform(0, 1) +
@@ -177,11 +161,13 @@ TEST(Offset, RaysLeaveACone) {
     // Where the wall is nearer to the axis than a few offsets, at the tip, no side can be told.
     if (wall < 16 * offset) continue;
 
-    const ConeRoots again = cone_roots(c, {offset_origin(p, n, scale, true), random.leaving(n)});
+    const ConeRoots again =
+        cone_roots(c, {offset_origin(p, n, scale, true), leaving_direction(random, n)});
     for (int i = 0; i < again.count; ++i) leaving += again.t[i] > 0;
 
     // The near side must not be met again: a root ahead is of the far side, to be left there.
-    const ConeRoots in = cone_roots(c, {offset_origin(p, n, scale, false), random.leaving(-n)});
+    const ConeRoots in =
+        cone_roots(c, {offset_origin(p, n, scale, false), leaving_direction(random, -n)});
     for (int i = 0; i < in.count; ++i) {
       if (!(in.t[i] > 0)) continue;
       ++entered;

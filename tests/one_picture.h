@@ -11,7 +11,7 @@
 #include "render/options.h"
 #include "render/render.h"
 
-namespace raio::testing {
+namespace raio::tests {
 
 inline Image picture_of(const Scene& scene, RenderOptions options) {
   const RenderSettings settings = resolve_options(options, scene);
@@ -51,4 +51,4 @@ inline Image expect_one_picture(const Scene& scene, RenderOptions options) {
   return none;
 }
 
-}  // namespace raio::testing
+}  // namespace raio::tests

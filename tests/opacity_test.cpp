@@ -13,11 +13,11 @@
 namespace raio {
 namespace {
 
-using testing::awkward_rays;
-using testing::expect_one_picture;
-using testing::moving_scene;
-using testing::picture_of;
-using testing::random_scene;
+using tests::awkward_rays;
+using tests::expect_one_picture;
+using tests::moving_scene;
+using tests::picture_of;
+using tests::random_scene;
 
 // Looks down the z axis from above at a white background; what is there is black.
 Scene looking_down() {

@@ -17,9 +17,9 @@
 namespace raio {
 namespace {
 
-using namespace raio::testing;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
+using namespace raio::tests;
+using testing::HasSubstr;
+using testing::IsEmpty;
 
 const std::string kP3fMaterial = "f 1 0.9 0.7 0.5 1 0.8 0.3 0.4 30 0.2 1.5\n";
 

@@ -11,6 +11,7 @@
 #include "base/hash.h"
 #include "integrate/wavefront.h"
 #include "io/nff/nff.h"
+#include "one_picture.h"
 #include "render/options.h"
 #include "render/render.h"
 #include "scenes.h"
@@ -19,13 +20,9 @@
 namespace raio {
 namespace {
 
-using ::testing::HasSubstr;
-using testing::random_scene;
-
-bool same_bytes(const Image& a, const Image& b) {
-  return a.pixels.size() == b.pixels.size() &&
-         std::memcmp(a.pixels.data(), b.pixels.data(), a.pixels.size() * sizeof(Rgb)) == 0;
-}
+using testing::HasSubstr;
+using tests::random_scene;
+using tests::same_bytes;
 
 bool same_film(const Film& a, const Film& b) {
   if (a.tiles() != b.tiles()) return false;

@@ -22,7 +22,7 @@ TEST_F(Pictures, OfAPartAreCutFromTheWhole) {
     for (int x = 0; x < part.width; ++x) EXPECT_EQ(part.at(x, y), whole.at(x + 5, y + 3));
   expect_refusal({"render", "ok.nff", "--crop", "5,3,25,12"}, 2, "--crop: 5,3,25,12 ends outside");
   expect_refusal({"view", "ok.nff", "--crop", "5,3,17,12"}, 2, "--crop: the window shows whole");
-  EXPECT_THAT(raio({"view", "--help"}).out, ::testing::Not(HasSubstr("--crop")));
+  EXPECT_THAT(raio({"view", "--help"}).out, testing::Not(HasSubstr("--crop")));
 }
 
 TEST_F(Pictures, OfATurntableGoAroundTheScene) {
@@ -116,7 +116,7 @@ TEST_F(Pictures, OfATurntableEndWhenInterrupted) {
   const Outcome o = running.wait();
   EXPECT_EQ(o.status, 130) << o.err;
   // On a machine that is too busy it ends without a count.
-  EXPECT_THAT(o.err, ::testing::MatchesRegex(
+  EXPECT_THAT(o.err, testing::MatchesRegex(
                          "raio: interrupted(; [0-9]+ of 100000 pictures were written)?\n"));
 }
 

@@ -289,7 +289,7 @@ TEST(Polygon, ManyCornersAreFast) {
     // Quadratic time would be minutes; the bound leaves room for sanitizers, and the processor's
     // own time does not grow on a busy machine.
     EXPECT_LT(seconds, 10) << name;
-    ::testing::Test::RecordProperty(name, std::to_string(seconds));
+    testing::Test::RecordProperty(name, std::to_string(seconds));
   };
   timed("star", star(n, 1, 0.5));
   timed("thin_star", star(n, 2, 0.001));

@@ -14,7 +14,7 @@ using testing::HasSubstr;
 using testing::Not;
 using testing::StartsWith;
 
-Scene small_scene() {
+Scene lit_scene() {
   Scene s;
   s.camera.from = {0, -4, 0}, s.camera.at = {0, 0, 0}, s.camera.up = {0, 0, 1};
   s.camera.fov_deg = 90;
@@ -28,7 +28,7 @@ Scene small_scene() {
 std::string written(const Scene& scene) { return write_pov(scene, {}); }
 
 TEST(PovWriter, ShapesAreExact) {
-  Scene s = small_scene();
+  Scene s = lit_scene();
   s.planes = {{{0, 0, -1.5f}, {0, 0, 1}}}, s.plane_materials = {0};
   s.spheres = {{{0.1f, 1e-7f, -3}, -0.7f}}, s.sphere_materials = {0};
   s.cones = {{{0, 0, 0}, 1, {0, 0, 2}, 0.5f}, {{0, 0, 0}, 1, {0, 0, 2}, 1}};
@@ -62,7 +62,7 @@ TEST(PovWriter, ShapesAreExact) {
 
 TEST(PovWriter, CameraLightsAndShading) {
   const std::string pov =
-      write_pov(small_scene(), {.name = "x", .width = 600, .height = 300, .depth = 7}, "a comment");
+      write_pov(lit_scene(), {.name = "x", .width = 600, .height = 300, .depth = 7}, "a comment");
   EXPECT_THAT(pov,
               StartsWith("// a comment\n// povray +Ix.pov +Ox.png +W600 +H300 File_Gamma=1.0"));
   for (const char* part :
@@ -76,7 +76,7 @@ TEST(PovWriter, CameraLightsAndShading) {
 
 // Data, which has no lights, is not left in the dark.
 TEST(PovWriter, FiguresHaveASkyAndAKeyLight) {
-  Scene s = small_scene();
+  Scene s = lit_scene();
   s.dialect = Dialect::data, s.lights = {};
   const std::string pov = written(s);
   for (const char* part : {"+A0.1 -D\n", "background { rgb <1, 1, 1> }",
@@ -86,7 +86,7 @@ TEST(PovWriter, FiguresHaveASkyAndAKeyLight) {
 }
 
 TEST(PovWriter, GlassIsOneObjectWithTheShadowOfAnOpaqueOne) {
-  Scene s = small_scene();
+  Scene s = lit_scene();
   s.spheres = {{{0, 0, 0}, 1}, {{2, 0, 0}, 1}, {{4, 0, 0}, 1}};
   s.sphere_materials = {1, 0, 1};
   const std::string pov = written(s);

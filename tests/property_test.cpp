@@ -14,11 +14,11 @@
 namespace raio {
 namespace {
 
-using testing::expect_one_picture;
-using testing::noise;
-using testing::picture_of;
-using testing::random_scene;
-using testing::same_bytes;
+using tests::expect_one_picture;
+using tests::noise;
+using tests::picture_of;
+using tests::random_scene;
+using tests::same_bytes;
 
 #ifdef RAIO_SANITIZED
 constexpr uint32_t kRounds = 4;
@@ -85,7 +85,7 @@ TEST_F(PropertyOfPictures, WhatIsReadBackIsWhatWasWritten) {
   std::mt19937 random(1);
   for (uint32_t round = 0; round < 4 * kRounds; ++round) {
     const int width = 1 + int(random() % 70), height = 1 + int(random() % 70);
-    SCOPED_TRACE(::testing::Message() << width << " x " << height);
+    SCOPED_TRACE(testing::Message() << width << " x " << height);
     const Image image = noise(width, height, round);
     EXPECT_TRUE(std::isinf(compare(image, image).psnr_db));
     for (const char* name : {"a.png", "a.ppm", "a.exr", "a.pfm"}) {

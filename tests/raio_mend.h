@@ -7,7 +7,7 @@
 
 #include "io/raio/format.h"
 
-namespace raio::testing {
+namespace raio::tests {
 
 /// Those of all columns that lie within the bytes, and that of the table; of prototypes, too.
 inline void mend_raio_scene(char* bytes, size_t size, int depth = 0) {
@@ -34,4 +34,4 @@ inline void mend_raio_scene(char* bytes, size_t size, int depth = 0) {
   std::memcpy(bytes, &header, sizeof header);
 }
 
-}  // namespace raio::testing
+}  // namespace raio::tests

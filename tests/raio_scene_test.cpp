@@ -14,8 +14,8 @@ namespace {
 
 using scene_file::Entry;
 using scene_file::Header;
-using ::testing::AllOf;
-using ::testing::HasSubstr;
+using testing::AllOf;
+using testing::HasSubstr;
 
 Scene decoded(std::string_view bytes) {
   auto scene = decode_raio_scene(bytes, nullptr);
@@ -43,12 +43,12 @@ std::string with_entry(std::string bytes, std::string_view name, void (*change)(
     change(entry);
     std::memcpy(at, &entry, sizeof entry);
   }
-  testing::mend_raio_scene(bytes.data(), bytes.size());
+  tests::mend_raio_scene(bytes.data(), bytes.size());
   return bytes;
 }
 
 TEST(RaioScene, KeepsAllOfAScene) {
-  const Scene scene = testing::rich_scene();
+  const Scene scene = tests::rich_scene();
   const std::string bytes = encode_raio_scene(scene);
   const Scene again = decoded(bytes);
   EXPECT_EQ(content_hash(again), content_hash(scene));
@@ -57,21 +57,21 @@ TEST(RaioScene, KeepsAllOfAScene) {
   EXPECT_EQ(again.object_names, scene.object_names);
   EXPECT_EQ(again.object_ranges, scene.object_ranges);
   EXPECT_EQ(again.meshes[1].uv, scene.meshes[1].uv);
-  testing::expect_same(again, scene);
+  tests::expect_same(again, scene);
 }
 
 TEST(RaioScene, KeepsScenesMadeByChance) {
   for (uint64_t seed = 0; seed < 30; ++seed) {
-    Scene scene = testing::RandomScene(seed).make();
+    Scene scene = tests::RandomScene(seed).make();
     scene.origin = {1e9, double(seed), -3};
     const Scene again = decoded(encode_raio_scene(scene));
-    testing::expect_same(again, scene);
+    tests::expect_same(again, scene);
     EXPECT_EQ(content_hash(again), content_hash(scene));
   }
 }
 
 TEST(RaioScene, KeepsCopies) {
-  const Scene scene = testing::nested_scene();
+  const Scene scene = tests::nested_scene();
   ASSERT_TRUE(validate(scene).empty()) << validate(scene).front();
   const std::string bytes = encode_raio_scene(scene);
   const Scene again = decoded(bytes);
@@ -85,11 +85,11 @@ TEST(RaioScene, KeepsCopies) {
             scene.prototypes[1].prototypes[0].object_ranges);
   RenderOptions options;
   options.width = 60, options.height = 40, options.aa = 2;
-  const Image picture = testing::expect_one_picture(again, options);
-  EXPECT_TRUE(testing::same_bytes(picture, testing::picture_of(scene, options)));
+  const Image picture = tests::expect_one_picture(again, options);
+  EXPECT_TRUE(tests::same_bytes(picture, tests::picture_of(scene, options)));
   Scene without = scene;
   without.instances = {}, without.prototypes.clear(), without.object_ranges = {};
-  EXPECT_FALSE(testing::same_bytes(picture, testing::picture_of(without, options)));
+  EXPECT_FALSE(tests::same_bytes(picture, tests::picture_of(without, options)));
 }
 
 TEST(RaioScene, PrototypesAreNestedOnlySoDeep) {
@@ -135,10 +135,10 @@ using RaioSceneFile = TemporaryFolder;
 
 TEST_F(RaioSceneFile, ColumnsAreReadWhereTheyLie) {
   const auto path = file("rich.raio");
-  const Scene scene = testing::rich_scene();
+  const Scene scene = tests::rich_scene();
   ASSERT_TRUE(write_raio_scene(scene, path));
   auto again = read_raio_scene(path);
-  ASSERT_TRUE(again) << testing::texts(again.error());
+  ASSERT_TRUE(again) << tests::texts(again.error());
   EXPECT_EQ(again->name, "rich");
   for_each_column(*again, [](ColumnName column, const auto& array) {
     EXPECT_TRUE(array.is_borrowed() || array.empty()) << column.name;
@@ -152,10 +152,10 @@ TEST_F(RaioSceneFile, ColumnsAreReadWhereTheyLie) {
 
 TEST_F(RaioSceneFile, PrototypesAreReadWhereTheyLie) {
   const auto path = file("copies.raio");
-  const Scene scene = testing::nested_scene();
+  const Scene scene = tests::nested_scene();
   ASSERT_TRUE(write_raio_scene(scene, path));
   const auto again = read_scene(path, {.instances = true});
-  ASSERT_TRUE(again) << testing::texts(again.error());
+  ASSERT_TRUE(again) << tests::texts(again.error());
   EXPECT_TRUE(again->scene.instances.is_borrowed());
   const Scene& object = again->scene.prototypes[1].prototypes[0];
   EXPECT_TRUE(object.spheres.is_borrowed());
@@ -164,13 +164,13 @@ TEST_F(RaioSceneFile, PrototypesAreReadWhereTheyLie) {
   // Who has no copies reads primitives; these are stretched unevenly.
   const auto flat = read_scene(path);
   ASSERT_FALSE(flat);
-  EXPECT_THAT(testing::texts(flat.error()), HasSubstr("spheres are stretched unevenly"));
+  EXPECT_THAT(tests::texts(flat.error()), HasSubstr("spheres are stretched unevenly"));
 }
 
 TEST_F(RaioSceneFile, WhatCannotBeOpenedIsSaid) {
   const auto text = [&](const std::filesystem::path& path) {
     const auto scene = read_raio_scene(path);
-    return scene ? "" : testing::texts(scene.error());
+    return scene ? "" : tests::texts(scene.error());
   };
   EXPECT_THAT(text(file("none.raio")), HasSubstr("No such file"));
   EXPECT_THAT(text(folder()), HasSubstr("this is a folder, expected a file"));
@@ -178,12 +178,12 @@ TEST_F(RaioSceneFile, WhatCannotBeOpenedIsSaid) {
   EXPECT_THAT(text(file("empty.raio")), HasSubstr("not a .raio scene"));
 }
 
-class RaioSceneDamage : public ::testing::TestWithParam<bool> {
+class RaioSceneDamage : public testing::TestWithParam<bool> {
  protected:
   const std::string sound =
-      encode_raio_scene(GetParam() ? testing::nested_scene() : testing::rich_scene());
+      encode_raio_scene(GetParam() ? tests::nested_scene() : tests::rich_scene());
 };
-INSTANTIATE_TEST_SUITE_P(Scenes, RaioSceneDamage, ::testing::Bool(),
+INSTANTIATE_TEST_SUITE_P(Scenes, RaioSceneDamage, testing::Bool(),
                          [](const auto& at) { return at.param ? "Nested" : "Rich"; });
 
 TEST_P(RaioSceneDamage, EveryByteMatters) {
@@ -209,7 +209,7 @@ TEST_P(RaioSceneDamage, DamageThatHashesDoNotShow) {
     for (const int bit : {0, 5, 7}) {
       std::string bytes = sound;
       bytes[at] = char(bytes[at] ^ 1 << bit);
-      testing::mend_raio_scene(bytes.data(), bytes.size());
+      tests::mend_raio_scene(bytes.data(), bytes.size());
       const auto scene = decode_raio_scene(bytes, nullptr);
       if (!scene) {
         ++refused;
@@ -228,7 +228,7 @@ TEST_P(RaioSceneDamage, DamageThatHashesDoNotShow) {
 }
 
 TEST(RaioScene, TablesThatLieAreRefused) {
-  const std::string sound = encode_raio_scene(testing::rich_scene());
+  const std::string sound = encode_raio_scene(tests::rich_scene());
   struct Lie {
     std::string_view column;
     void (*tell)(Entry&);
@@ -258,7 +258,7 @@ TEST(RaioScene, TablesThatLieAreRefused) {
 }
 
 TEST(RaioScene, WhatANewerRaioWroteComesWithAdvice) {
-  std::string bytes = encode_raio_scene(testing::rich_scene());
+  std::string bytes = encode_raio_scene(tests::rich_scene());
   const auto unknown = with_entry(bytes, "cone_opacity", [](Entry& e) {
     e = {.number = e.number, .numbers = e.numbers, .count = e.count, .offset = e.offset};
     std::strcpy(e.name, "fur");
@@ -266,27 +266,27 @@ TEST(RaioScene, WhatANewerRaioWroteComesWithAdvice) {
   EXPECT_THAT(error_of(unknown), AllOf(HasSubstr("column \"fur\" that this Raio does not know"),
                                        HasSubstr("a newer Raio may read it")));
   bytes[offsetof(Header, minor)] = 9;
-  testing::mend_raio_scene(bytes.data(), bytes.size());
+  tests::mend_raio_scene(bytes.data(), bytes.size());
   EXPECT_EQ(error_of(bytes), "") << "what it has is known";
   bytes[offsetof(Header, major)] = 2;
-  testing::mend_raio_scene(bytes.data(), bytes.size());
+  tests::mend_raio_scene(bytes.data(), bytes.size());
   EXPECT_THAT(error_of(bytes),
               AllOf(HasSubstr("format 2, expected format 1"), HasSubstr("a newer Raio")));
 }
 
 TEST(RaioScene, AnUnsoundSceneIsRefused) {
-  Scene scene = testing::rich_scene();
+  Scene scene = tests::rich_scene();
   scene.spheres[3].radius = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(error_of(encode_raio_scene(scene)),
             "broken .raio scene: sphere 3: the radius must be finite and not zero");
-  scene = testing::rich_scene();
+  scene = tests::rich_scene();
   scene.lights[0].position.x = std::numeric_limits<float>::infinity();
   EXPECT_THAT(error_of(encode_raio_scene(scene)), HasSubstr("light 0"));
 }
 
 /// More than a mebibyte, of which hashes and validation make pieces.
 TEST(RaioScene, LongColumns) {
-  Scene scene = testing::rich_scene();
+  Scene scene = tests::rich_scene();
   scene.sphere_colors.clear(), scene.sphere_opacity.clear();
   scene.object_ranges.clear();
   scene.spheres.assign(300'000, {{1, 2, 3}, 1});

@@ -9,20 +9,22 @@
 
 #include "integrate/camera-inl.h"
 #include "io/nff/nff.h"
+#include "one_picture.h"
 #include "render/options.h"
 #include "scenes.h"
 
 namespace raio {
 namespace {
 
-using testing::random_scene;
+using tests::random_scene;
+using tests::same_bytes;
 
-struct Picture {
+struct Rendered {
   Image image;
   RayCounts rays;
 };
 
-Picture picture(const Scene& scene, RenderOptions options) {
+Rendered picture(const Scene& scene, RenderOptions options) {
   const RenderSettings settings = resolve_options(options, scene);
   const auto accel = build_accel(scene, settings.accel, settings.one_sided);
   EXPECT_TRUE(accel.has_value());
@@ -44,11 +46,6 @@ RenderOptions all_effects(AccelKind kind = AccelKind::grid, int side = 64) {
   RenderOptions o = small(kind, side);
   o.aa = 2, o.lens_samples = 2, o.soft_shadows = true, o.dof = true;
   return o;
-}
-
-bool same_bytes(const Image& a, const Image& b) {
-  return a.pixels.size() == b.pixels.size() &&
-         std::memcmp(a.pixels.data(), b.pixels.data(), a.pixels.size() * sizeof(Rgb)) == 0;
 }
 
 Scene looking_down(float height = 5) {
@@ -117,7 +114,7 @@ TEST(Shading, LevelsBelowTheLastAreBackground) {
   for (const int depth : {1, 2, 5, 20}) {
     RenderOptions o = small(AccelKind::none, 16);
     o.depth = depth;
-    const Picture p = picture(s, o);
+    const Rendered p = picture(s, o);
     EXPECT_NEAR(p.image.at(8, 8).x, std::pow(0.5, depth), 1e-6) << depth;
     EXPECT_EQ(p.rays.reflection, 256u * unsigned(depth - 1));
   }
@@ -235,10 +232,10 @@ TEST(Render, AnyNumberOfThreadsGivesTheSameBytes) {
   RenderOptions o = all_effects();
   o.width = 100, o.height = 70;
   o.threads = 1;
-  const Picture one = picture(s, o);
+  const Rendered one = picture(s, o);
   for (const int threads : {2, 3, 7, 16}) {
     o.threads = threads;
-    const Picture many = picture(s, o);
+    const Rendered many = picture(s, o);
     EXPECT_TRUE(same_bytes(one.image, many.image)) << threads;
     EXPECT_EQ(one.rays.total(), many.rays.total());
   }
@@ -280,7 +277,7 @@ TEST(Render, AwayFromTheOriginThePictureHolds) {
 }
 
 TEST(Render, P3dScenesAreTheSameWithEveryStructure) {
-  const auto paths = testing::shared_scenes();
+  const auto paths = tests::shared_scenes();
   if (paths.empty()) GTEST_SKIP() << "the shared scenes are not here";
   for (const auto& path : paths) {
     if (path.parent_path().filename() != "p3d") continue;
@@ -341,7 +338,7 @@ TEST(Render, AFilmIsGoneOnWithToTheSameBytes) {
   RenderOptions request = all_effects(AccelKind::automatic, 100);
   for (const bool sobol : {false, true}) {
     if (sobol) request.aa = request.lens_samples = 0, request.samples = 11;
-    const Picture whole = picture(s, request);
+    const Rendered whole = picture(s, request);
     const RenderSettings o = resolve_options(request, s);
     const auto accel = build_accel(s, o.accel);
     const auto film = make_film(s, o);
@@ -369,7 +366,7 @@ TEST(Render, SobolSamplesAreTheFirstOfMore) {
   RenderOptions request = small(AccelKind::automatic, 40);
   request.soft_shadows = true, request.dof = true;
   request.samples = 5;
-  const Picture few = picture(s, request);
+  const Rendered few = picture(s, request);
   RenderSettings more = resolve_options(request, s);
   more.samples = 50;
   const auto accel = build_accel(s, more.accel);
@@ -393,7 +390,7 @@ TEST(Render, DeepTreesOfGlassStayInBounds) {
   s.lights = {{{2, 3, 9}, std::nullopt}};
   RenderOptions o = small(AccelKind::grid, 8);
   o.depth = 15;
-  const Picture p = picture(s, o);
+  const Rendered p = picture(s, o);
   EXPECT_GT(p.rays.refraction, 10000u);
   for (const Rgb& c : p.image.pixels) EXPECT_TRUE(is_finite(c));
 }

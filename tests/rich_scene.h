@@ -3,7 +3,7 @@
 
 #include "scenes.h"
 
-namespace raio::testing {
+namespace raio::tests {
 
 /// Colours and opacities of all kinds, two meshes (one with normals of its own, one with everything
 /// at its vertices and a texture) and three objects, beside random_scene().
@@ -83,4 +83,4 @@ inline Scene nested_scene() {
   return s;
 }
 
-}  // namespace raio::testing
+}  // namespace raio::tests

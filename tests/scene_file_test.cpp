@@ -3,7 +3,7 @@
 #include <zlib.h>
 
 #include "program.h"
-// Behind it, since they have a namespace raio::testing.
+// Behind it, since they have a namespace raio::tests.
 #include "data_files.h"
 #include "io/plain_scene.h"
 #include "io/raio/raio.h"
@@ -13,8 +13,8 @@
 namespace raio {
 namespace {
 
-using ::testing::AllOf;
-using ::testing::HasSubstr;
+using testing::AllOf;
+using testing::HasSubstr;
 
 std::string packed(std::string_view bytes) {
   z_stream stream{};
@@ -31,7 +31,7 @@ std::string packed(std::string_view bytes) {
 }
 
 std::string errors(const std::expected<ReadScene, Diagnostics>& read) {
-  return read ? "" : testing::texts(read.error());
+  return read ? "" : tests::texts(read.error());
 }
 
 class SceneFiles : public TemporaryFolder {
@@ -44,7 +44,7 @@ class SceneFiles : public TemporaryFolder {
 };
 
 TEST_F(SceneFiles, AreToldApartByTheirContent) {
-  const Scene scene = testing::random_scene(20, 1);
+  const Scene scene = tests::random_scene(20, 1);
   const std::string hash = content_hash(scene);
   const std::string nff = write_nff(scene), raio = encode_raio_scene(scene);
   const std::string nff_hash = content_hash(parse_nff(nff, "a.nff")->scene);
@@ -154,13 +154,13 @@ TEST_F(SceneFiles, ErrorsHaveTheirPlaces) {
   EXPECT_THAT(errors_of("bad.nff.gz", packed("v\nfrom 1 2 x\n")),
               HasSubstr("bad.nff.gz:2:10: error:"));
   EXPECT_EQ(errors(parse_scene("v\nfrom 1 2 x\n", "memory")),
-            testing::texts(parse_nff("v\nfrom 1 2 x\n", "memory").error()));
+            tests::texts(parse_nff("v\nfrom 1 2 x\n", "memory").error()));
   EXPECT_THAT(errors(read_scene(file("none.nff"))), HasSubstr("cannot open the file"));
   EXPECT_THAT(errors(read_scene(folder())), HasSubstr("folder"));
 }
 
 TEST_F(SceneFiles, BrokenGzipIsRefused) {
-  const std::string whole = packed(write_nff(testing::random_scene(200, 1)));
+  const std::string whole = packed(write_nff(tests::random_scene(200, 1)));
   EXPECT_THAT(errors_of("a.gz", whole.substr(0, whole.size() / 2)),
               HasSubstr("broken gzip file: it ends early"));
   EXPECT_THAT(errors_of("a.gz", "\x1f\x8b"), HasSubstr("broken gzip file"));
@@ -171,7 +171,7 @@ TEST_F(SceneFiles, BrokenGzipIsRefused) {
 }
 
 TEST_F(SceneFiles, GzipOfManyMembersIsOneText) {
-  const std::string text = testing::kCamera + testing::kMaterial + "s 0 0 0 1\n";
+  const std::string text = tests::kCamera + tests::kMaterial + "s 0 0 0 1\n";
   put(file("a.nff.gz"), packed(text.substr(0, 20)) + packed(text.substr(20)));
   const auto read = read_scene(file("a.nff.gz"));
   ASSERT_TRUE(read) << errors(read);
@@ -179,7 +179,7 @@ TEST_F(SceneFiles, GzipOfManyMembersIsOneText) {
 }
 
 TEST_F(SceneFiles, AreWrittenBySuffix) {
-  const Scene scene = testing::rich_scene();
+  const Scene scene = tests::rich_scene();
   ASSERT_TRUE(write_scene(scene, file("a.raio")));
   EXPECT_EQ(content_hash(read_scene(file("a.raio"))->scene), content_hash(scene));
   ASSERT_TRUE(write_scene(scene, file("a.nff"), "rich"));
@@ -195,7 +195,7 @@ TEST_F(SceneFiles, AreWrittenBySuffix) {
 
 /// Colours become materials, meshes triangles: what a reader of the NFF has of them.
 TEST_F(SceneFiles, NffHasColorsAndMeshes) {
-  const Scene scene = testing::rich_scene();
+  const Scene scene = tests::rich_scene();
   const auto read = parse_nff(write_nff(scene), "t.nff");
   ASSERT_TRUE(read) << errors(read);
   const Scene& again = read->scene;
@@ -234,7 +234,7 @@ TEST_F(ConvertCommandLine, ThereAndBack) {
 }
 
 TEST_F(ConvertCommandLine, SaysWhatIsLost) {
-  ASSERT_TRUE(write_scene(testing::rich_scene(), file("rich.raio")));
+  ASSERT_TRUE(write_scene(tests::rich_scene(), file("rich.raio")));
   const Outcome done = raio({"convert", "rich.raio", "rich.nff"});
   EXPECT_EQ(done.status, 0);
   EXPECT_THAT(done.err, AllOf(StartsWith("rich.nff: warning: not kept: opacity of "),

@@ -14,12 +14,12 @@
 namespace raio {
 namespace {
 
-using testing::random_scene;
-using testing::rich_scene;
+using tests::random_scene;
+using tests::rich_scene;
 
-using ::testing::ElementsAre;
-using ::testing::IsEmpty;
-using ::testing::SizeIs;
+using testing::ElementsAre;
+using testing::IsEmpty;
+using testing::SizeIs;
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInf = std::numeric_limits<float>::infinity();

@@ -43,7 +43,7 @@ class Watcher {
 };
 
 std::shared_ptr<const Scene> scene() {
-  return std::make_shared<const Scene>(testing::random_scene(30, 7));
+  return std::make_shared<const Scene>(tests::random_scene(30, 7));
 }
 
 RenderOptions options(int width = 64, int height = 48) {
@@ -168,7 +168,7 @@ TEST(Session, SaysWhyThereIsNoPicture) {
 TEST(Session, ShowsViewsAndAnotherScene) {
   Watcher w;
   for (const uint32_t seed : {1u, 2u}) {
-    const auto s = std::make_shared<const Scene>(testing::random_scene(20, seed));
+    const auto s = std::make_shared<const Scene>(tests::random_scene(20, seed));
     for (const View view : {View::normals, View::steps, View::samples}) {
       RenderOptions o = options();
       o.view = view;
@@ -187,7 +187,7 @@ std::shared_ptr<const Scene> version(const std::shared_ptr<const Scene>& scene,
 }
 
 TEST(Session, KeepsTheStructureWhereShapesStayAsTheyAre) {
-  const auto owner = std::make_shared<const Scene>(testing::random_scene(30, 7));
+  const auto owner = std::make_shared<const Scene>(tests::random_scene(30, 7));
   const auto first = version(owner, [&](Scene& s) {
     std::vector<const void*> data;
     for_each_column(*owner, [&](ColumnName, const auto& c) { data.push_back(c.data()); });
@@ -234,7 +234,7 @@ TEST(Session, KeepsTheStructureWhereShapesStayAsTheyAre) {
 
 // One-sided surfaces are those that are opaque.
 TEST(Session, BuildsAnotherStructureWhereGlassTurnsOpaqueOnOneSide) {
-  const auto owner = std::make_shared<const Scene>(testing::random_scene(30, 7));
+  const auto owner = std::make_shared<const Scene>(tests::random_scene(30, 7));
   RenderOptions o = options();
   o.one_sided = true;
   const auto glass = version(owner, [](Scene& s) {
@@ -249,7 +249,7 @@ TEST(Session, BuildsAnotherStructureWhereGlassTurnsOpaqueOnOneSide) {
 
 // So many spheres that brute force takes a while.
 std::shared_ptr<const Scene> slow_scene() {
-  return std::make_shared<const Scene>(testing::random_scene(400, 5));
+  return std::make_shared<const Scene>(tests::random_scene(400, 5));
 }
 RenderOptions slow() {
   RenderOptions o = options(128, 96);

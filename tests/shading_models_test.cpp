@@ -11,10 +11,10 @@
 namespace raio {
 namespace {
 
-using testing::expect_one_picture;
-using testing::picture_of;
-using testing::random_scene;
-using testing::same_bytes;
+using tests::expect_one_picture;
+using tests::picture_of;
+using tests::random_scene;
+using tests::same_bytes;
 
 RenderOptions with_models(ShadingModel shading, Fresnel fresnel) {
   RenderOptions options;
@@ -110,8 +110,7 @@ TEST(ShadingModels, FresnelDividesTheLight) {
         scene.background = Rgb(1, 0.5f, 2);
         for (const Fresnel model : {Fresnel::exact, Fresnel::schlick}) {
           const double part = model == Fresnel::exact ? fresnel(a, eta) : schlick(a, eta);
-          SCOPED_TRACE(::testing::Message()
-                       << ior << " " << inside << " " << degrees << " degrees");
+          SCOPED_TRACE(testing::Message() << ior << " " << inside << " " << degrees << " degrees");
           RenderOptions options = with_models(ShadingModel::nff, model);
           const Rgb both = pixel(scene, options);
           options.no_refraction = true;

@@ -25,7 +25,7 @@ using Vec3r = Vec3<Real>;
 constexpr Real kEpsilon = std::numeric_limits<float>::epsilon();
 constexpr double kPi = std::numbers::pi;
 
-using testing::Random;
+using tests::Random;
 
 Vec3f unit(Vec3d v) { return Vec3f(normalize(v)); }
 

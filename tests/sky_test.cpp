@@ -19,15 +19,15 @@
 namespace raio {
 namespace {
 
-using testing::distinct_texel;
-using testing::expect_one_picture;
-using ::testing::HasSubstr;
-using testing::jpeg_of;
-using testing::picture_of;
-using testing::put_sky;
-using testing::random_scene;
-using testing::same_bytes;
-using testing::sky_of;
+using testing::HasSubstr;
+using tests::distinct_texel;
+using tests::expect_one_picture;
+using tests::jpeg_of;
+using tests::picture_of;
+using tests::put_sky;
+using tests::random_scene;
+using tests::same_bytes;
+using tests::sky_of;
 
 // P3F's words: with ma the size of the largest component, s = (sc / ma + 1) / 2 from the left and
 // t = (tc / ma + 1) / 2 from the bottom, (sc, tc) by face; and back to a direction. Right is
@@ -73,7 +73,7 @@ void expect_near(Rgb a, Rgb b, float by = 2e-6f) {
 
 class Sky : public TemporaryFolder {
  protected:
-  std::shared_ptr<const CubeMap> sky(int side, const testing::TexelColor& color = distinct_texel) {
+  std::shared_ptr<const CubeMap> sky(int side, const tests::TexelColor& color = distinct_texel) {
     put_sky(file("sky"), side, color);
     return sky_of(file("sky"));
   }
@@ -95,7 +95,7 @@ TEST_F(Sky, TexelsAreWhereP3fHasThem) {
       for (int x = 0; x < kSide; ++x) {
         const auto face = CubeFace(f);
         const float s = (float(x) + 0.5f) / kSide, t = 1 - (float(y) + 0.5f) / kSide;
-        SCOPED_TRACE(::testing::Message() << kCubeFaceNames[f] << " " << x << "," << y);
+        SCOPED_TRACE(testing::Message() << kCubeFaceNames[f] << " " << x << "," << y);
         expect_near(seen(towards(face, s, t), map), distinct_texel(face, x, y));
         // Not of unit length: the same.
         expect_near(seen(towards(face, s, t) * 100, map), distinct_texel(face, x, y));

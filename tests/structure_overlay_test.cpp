@@ -13,7 +13,7 @@ namespace {
 
 std::shared_ptr<const BakedScene> bake(int primitives, AccelKind kind) {
   auto baked = std::make_shared<BakedScene>();
-  baked->scene = std::make_shared<const Scene>(testing::random_scene(primitives, 3));
+  baked->scene = std::make_shared<const Scene>(tests::random_scene(primitives, 3));
   auto accel = build_accel(*baked->scene, {.kind = kind});
   EXPECT_TRUE(accel.has_value());
   baked->accel = std::move(*accel);

@@ -12,7 +12,7 @@
 
 namespace raio {
 
-class TemporaryFolder : public ::testing::Test {
+class TemporaryFolder : public testing::Test {
  protected:
   TemporaryFolder() {
     std::string pattern = (std::filesystem::temp_directory_path() / "raio-test-XXXXXX").string();

@@ -17,8 +17,8 @@
 namespace raio {
 namespace {
 
-using ::testing::AllOf;
-using ::testing::HasSubstr;
+using testing::AllOf;
+using testing::HasSubstr;
 
 uint32_t texel(int x, int y) {
   return uint32_t(40 * x + 10) | uint32_t(60 * y + 5) << 8 | 77u << 16;
@@ -107,10 +107,10 @@ Scene textured_square() {
 
 TEST(Textures, AreSeenOnMeshes) {
   const Scene scene = textured_square();
-  ASSERT_THAT(validate(scene), ::testing::IsEmpty());
+  ASSERT_THAT(validate(scene), testing::IsEmpty());
   RenderOptions options;
   options.integrator = IntegratorKind::classic;
-  const Image seen = testing::expect_one_picture(scene, options);
+  const Image seen = tests::expect_one_picture(scene, options);
   for (int y = 0; y < 6; ++y)
     for (int x = 0; x < 6; ++x) {
       const uint32_t at = texel(x, y);
@@ -118,17 +118,17 @@ TEST(Textures, AreSeenOnMeshes) {
       EXPECT_NEAR(seen.at(x, y).y, linear_from_srgb(float(at >> 8 & 255) / 255), 1e-3);
     }
   options.integrator = IntegratorKind::ambient;
-  testing::expect_one_picture(scene, options);
+  tests::expect_one_picture(scene, options);
 }
 
 /// The other triangles of the scene, and a copy, which has its own space.
 TEST(Textures, AreThoseOfTheMaterial) {
   RenderOptions options;
   options.integrator = IntegratorKind::classic;
-  const Image seen = testing::picture_of(textured_square(), options);
+  const Image seen = tests::picture_of(textured_square(), options);
   Scene plain = textured_square();
   plain.meshes[0].materials = {1};
-  EXPECT_NEAR(testing::picture_of(plain, options).at(2, 2).y, 1, 1e-3);
+  EXPECT_NEAR(tests::picture_of(plain, options).at(2, 2).y, 1, 1e-3);
   Scene copied = textured_square();
   Scene object;
   object.materials = copied.materials, object.material_texture = copied.material_texture;
@@ -137,8 +137,8 @@ TEST(Textures, AreThoseOfTheMaterial) {
   copied.meshes.clear();
   copied.prototypes = {object};
   copied.instances = {{0, {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, -6}}};
-  ASSERT_THAT(validate(copied), ::testing::IsEmpty());
-  const Image copy = testing::expect_one_picture(copied, options);
+  ASSERT_THAT(validate(copied), testing::IsEmpty());
+  const Image copy = tests::expect_one_picture(copied, options);
   for (size_t i = 0; i < seen.pixels.size(); ++i)
     for (int k = 0; k < 3; ++k) EXPECT_NEAR(copy.pixels[i][k], seen.pixels[i][k], 1e-3);
 }
@@ -216,7 +216,7 @@ TEST_F(ObjTextures, ComeFromMaterialFiles) {
   const auto read = read_scene(file("a.obj"));
   ASSERT_TRUE(read) << read.error().front().text();
   const Scene& scene = read->scene;
-  ASSERT_THAT(validate(scene), ::testing::IsEmpty());
+  ASSERT_THAT(validate(scene), testing::IsEmpty());
   ASSERT_EQ(scene.textures.size(), 2u);
   EXPECT_EQ(scene.texels.size(), 4u);
   const auto& of = scene.meshes[0].materials;

@@ -15,7 +15,7 @@ inline Camera camera() {
 }
 
 inline std::shared_ptr<const Scene> scene() {
-  Scene s = raio::testing::random_scene(20, 3);
+  Scene s = raio::tests::random_scene(20, 3);
   s.camera = camera();
   s.name = "some";
   return std::make_shared<const Scene>(std::move(s));

@@ -23,7 +23,7 @@
 namespace raio::view {
 namespace {
 
-using ::testing::HasSubstr;
+using testing::HasSubstr;
 
 // The options that a command line of the state would give; they must fit together.
 RenderOptions read_back(const ViewState& state, int samples) {

@@ -19,7 +19,7 @@ namespace raio::view {
 namespace {
 
 using Kind = ExplainedRay::Kind;
-using ::testing::HasSubstr;
+using testing::HasSubstr;
 
 RenderSettings settings_of(const Scene& scene, AccelKind kind, RenderOptions o = {}) {
   o.width = 160, o.height = 120;
@@ -40,7 +40,7 @@ void for_samples(const Scene& scene, AccelKind kind, int pixels, F&& f,
     const int x = int(rng() % 160), y = int(rng() % 120);
     const auto e = explain_sample(scene, **accel, settings, x, y, 0);
     ASSERT_TRUE(e.has_value());
-    SCOPED_TRACE(::testing::Message() << "pixel " << x << "," << y);
+    SCOPED_TRACE(testing::Message() << "pixel " << x << "," << y);
     f(*e, **accel);
   }
 }
@@ -113,14 +113,14 @@ ExplainedRay ray_of(const Accel& accel, const Ray& ray, bool any) {
 }
 
 TEST(WalkWords, TellEveryStepAndTest) {
-  const Scene scene = testing::random_scene(400, 3);
-  const RayBatch rays = testing::awkward_rays(scene, 400, 9);
+  const Scene scene = tests::random_scene(400, 3);
+  const RayBatch rays = tests::awkward_rays(scene, 400, 9);
   for (const AccelKind kind : {AccelKind::none, AccelKind::grid, AccelKind::bvh}) {
     const auto accel = build_accel(scene, {.kind = kind, .counters = true});
     ASSERT_TRUE(accel.has_value());
     for (size_t i = 0; i < rays.size(); ++i)
       for (const bool any : {false, true}) {
-        SCOPED_TRACE(::testing::Message() << "ray " << i << " any " << any);
+        SCOPED_TRACE(testing::Message() << "ray " << i << " any " << any);
         const auto log = (*accel)->log(rays[i], any);
         ASSERT_TRUE(log.has_value());
         expect_told(ray_of(**accel, rays[i], any), *log, kind);
@@ -129,7 +129,7 @@ TEST(WalkWords, TellEveryStepAndTest) {
 }
 
 TEST(WalkWords, TellTheRaysOfASample) {
-  const Scene scene = testing::random_scene(60, 7);
+  const Scene scene = tests::random_scene(60, 7);
   for (const AccelKind kind : {AccelKind::none, AccelKind::grid, AccelKind::bvh})
     for_samples(scene, kind, 20, [&](const Explanation& e, const Accel& accel) {
       for (const ExplainedRay& ray : e.rays) {
@@ -250,10 +250,10 @@ void expect_sums(const Scene& scene, const RenderOptions& options) {
   EXPECT_GT(refractions, 10u);
 }
 
-TEST(WalkWords, TermsOfTheShadingAddUp) { expect_sums(testing::random_scene(60, 7), {}); }
+TEST(WalkWords, TermsOfTheShadingAddUp) { expect_sums(tests::random_scene(60, 7), {}); }
 
 TEST(WalkWords, TermsOfOtherModelsOfLightAddUp) {
-  Scene scene = testing::random_scene(60, 7);
+  Scene scene = tests::random_scene(60, 7);
   for (const bool tinted : {false, true}) {
     for (size_t m = 0; tinted && m < scene.materials.size(); ++m)
       scene.material_specular.push_back({1, 0.25f * float(m % 4), 0.5f});
@@ -267,7 +267,7 @@ TEST(WalkWords, TermsOfOtherModelsOfLightAddUp) {
 
 // Texts.AllAreInPortuguese knows that the table has all; this, that all is taken from the table.
 TEST(WalkWords, AreAllTranslated) {
-  const Scene scene = testing::random_scene(60, 7);
+  const Scene scene = tests::random_scene(60, 7);
   for (const AccelKind kind : {AccelKind::none, AccelKind::grid, AccelKind::bvh}) {
     RenderOptions options;
     if (kind == AccelKind::grid) options.shading = ShadingModel::blinn_phong;

@@ -46,7 +46,7 @@ class TintedMirrors {
 };
 
 Rgb corner_pixel(const Scene& scene, int levels) {
-  const auto accel = raio::testing::build(scene, {});
+  const auto accel = raio::tests::build(scene, {});
   RenderSettings settings;
   settings.background = scene.background;
   settings.camera = scene.camera;

@@ -54,8 +54,8 @@ std::expected<std::unique_ptr<Accel>, Error> build_accel(const Scene& scene,
                                                          const AccelOptions& options,
                                                          bool one_sided, bool with_sources) {
   if (options.kind == AccelKind::embree && options.counters)
-    return std::unexpected(Error{ErrorKind::bad_option, "counters",
-                                 "Embree does not count tests and steps; leave it out"});
+    return std::unexpected(
+        bad_option("counters", "Embree does not count tests and steps; leave it out"));
   const double bytes = Geometry::bytes_to_bake(scene), available = double(available_memory_bytes());
   if (bytes > 0.9 * available)
     return std::unexpected(Error{

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace raio {
 
@@ -43,6 +44,11 @@ struct Error {
 
   friend bool operator==(const Error&, const Error&) = default;
 };
+
+/// That about a setting (bad_option), which the message does not name again.
+inline Error bad_option(std::string_view setting, std::string message) {
+  return {ErrorKind::bad_option, std::string(setting), std::move(message)};
+}
 
 /// A message with what is before the settings in it instead of their backquotes.
 std::string with_settings(std::string_view message, std::string_view before);

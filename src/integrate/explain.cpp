@@ -191,7 +191,7 @@ std::expected<Explanation, Error> explain_sample(const Scene& scene, const Accel
                                                  const RenderSettings& settings, int x, int y,
                                                  uint32_t sample) {
   const auto refuse = [](std::string_view option, std::string message) {
-    return std::unexpected(Error{ErrorKind::bad_option, std::string(option), std::move(message)});
+    return std::unexpected(bad_option(option, std::move(message)));
   };
   if (settings.integrator == IntegratorKind::ambient)
     return refuse(

@@ -106,9 +106,9 @@ void set_figure(RenderOptions& options, const FigureSettings& figure) {
 std::optional<Error> figure_conflict(const RenderOptions& options, const Scene& scene) {
   const IntegratorKind integrator = integrator_of(options, scene);
   const auto refuse = [&](std::string_view option) {
-    return Error{ErrorKind::bad_option, std::string(option),
-                 fmt::format("has no effect with `integrator` {}; leave one of them out",
-                             kIntegratorNames[size_t(integrator)])};
+    return bad_option(option,
+                      fmt::format("has no effect with `integrator` {}; leave one of them out",
+                                  kIntegratorNames[size_t(integrator)]));
   };
   const auto first_of = [&](auto... given) -> std::optional<Error> {
     std::optional<Error> why;
@@ -125,8 +125,8 @@ std::optional<Error> figure_conflict(const RenderOptions& options, const Scene& 
                     Given{options.depth_cue.has_value(), "depth-cue"},
                     Given{options.shadow_catcher, "shadow-catcher"});
   if (options.depth_cue.value_or(0) > 0 && !has_plain_background(options, scene))
-    return Error{ErrorKind::bad_option, "depth-cue",
-                 "fades into a colour; give one as `background`, or leave it out"};
+    return bad_option("depth-cue",
+                      "fades into a colour; give one as `background`, or leave it out");
   if (integrator == IntegratorKind::ambient)
     return first_of(
         Given{options.soft_shadows, "soft-shadows"}, Given{options.light_size > 0, "light-size"},

@@ -37,8 +37,8 @@ class CurveMeasurement {
 
   std::expected<GridCurve, Error> run() {
     if (scene_.primitive_count() == 0)
-      return std::unexpected(Error{ErrorKind::bad_option, "",
-                                   "the scene is empty: there is nothing to put in a grid"});
+      return std::unexpected(
+          bad_option("", "the scene is empty: there is nothing to put in a grid"));
     if (build_and_count() && time_rounds()) {
       curve_.finished = true, curve_.done = 1, curve_.left_s = 0;
       tell();

@@ -108,34 +108,32 @@ std::expected<JobStart, Error> start_by_part(const JobRequest& request) {
 }  // namespace
 
 std::optional<Error> request_conflict(const JobRequest& r) {
-  const auto conflict = [](std::string_view field, std::string message) {
-    return Error{ErrorKind::bad_option, std::string(field), std::move(message)};
-  };
   if (r.scene.empty() && !r.loaded && r.repeat.empty())
-    return conflict("scene", "is missing; give the file of one, or a picture to `repeat`");
+    return bad_option("scene", "is missing; give the file of one, or a picture to `repeat`");
   if (r.checkpoint.empty() && (r.resume || r.add_samples > 0)) {
     const std::string_view field = r.resume ? "resume" : "add-samples";
-    return conflict(
+    return bad_option(
         field, fmt::format("has no effect without `checkpoint`; add `checkpoint` or leave `{}` out",
                            field));
   }
   if (const bool repeats = !r.repeat.empty();
       (repeats || r.add_samples > 0) && !r.of_picture.empty())
-    return conflict(repeats ? "repeat" : "add-samples",
-                    fmt::format("it takes the options of the picture from its file; leave out `{}`",
-                                r.of_picture.front()));
+    return bad_option(
+        repeats ? "repeat" : "add-samples",
+        fmt::format("it takes the options of the picture from its file; leave out `{}`",
+                    r.of_picture.front()));
   if (!r.repeat.empty() && r.add_samples > 0)
-    return conflict("", "`repeat` and `add-samples` make different pictures; give one of them");
+    return bad_option("", "`repeat` and `add-samples` make different pictures; give one of them");
   if (r.shards > 1 && !r.output.empty() && !is_part_path(r.output))
-    return conflict("shard",
-                    "it makes a part of a picture; give that a name in .raio, as in part1.raio");
+    return bad_option("shard",
+                      "it makes a part of a picture; give that a name in .raio, as in part1.raio");
   if (r.shards > 1 && r.time_limit_s > 0)
-    return conflict(
+    return bad_option(
         "", "shards under `time-limit` would not have equally many samples; leave out one of them");
   if (!r.checkpoint.empty() && r.checkpoint == r.output && !is_part_path(r.output))
-    return conflict("", fmt::format("`checkpoint` and the picture cannot both be {}; give one "
-                                    "another name",
-                                    r.checkpoint));
+    return bad_option("", fmt::format("`checkpoint` and the picture cannot both be {}; give one "
+                                      "another name",
+                                      r.checkpoint));
   return std::nullopt;
 }
 

@@ -456,8 +456,7 @@ std::expected<void, Error> set_option(RenderOptions& options, const OptionSpec& 
     Result operator()(OptionSpec::Parse parse) { return parse(options, text); }
   };
   if (auto set = std::visit(Set{options, spec, text}, spec.value); !set)
-    return std::unexpected(
-        Error{ErrorKind::bad_option, std::string(spec.name), std::move(set.error())});
+    return std::unexpected(bad_option(spec.name, std::move(set.error())));
   return {};
 }
 

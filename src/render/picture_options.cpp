@@ -15,10 +15,6 @@
 namespace raio {
 namespace {
 
-Error conflict(std::string_view option, std::string message) {
-  return {ErrorKind::bad_option, std::string(option), std::move(message)};
-}
-
 std::optional<Error> crop_conflict(const RenderOptions& options, const Scene* scene) {
   if (!options.crop || (!scene && options.width == 0)) return std::nullopt;
   int width = options.width, height = options.height;
@@ -27,10 +23,10 @@ std::optional<Error> crop_conflict(const RenderOptions& options, const Scene* sc
     width = settings.width, height = settings.height;
   }
   if (options.crop->x1 <= width && options.crop->y1 <= height) return std::nullopt;
-  return conflict("crop",
-                  fmt::format("{} ends outside the picture, which has {}x{} pixels; choose an X1 "
-                              "of at most {} and a Y1 of at most {}",
-                              crop_text(options), width, height, width, height));
+  return bad_option("crop",
+                    fmt::format("{} ends outside the picture, which has {}x{} pixels; choose an X1 "
+                                "of at most {} and a Y1 of at most {}",
+                                crop_text(options), width, height, width, height));
 }
 
 // The way in which `options` show something else than light, as in "`view` normals"; empty where
@@ -44,8 +40,8 @@ std::optional<Error> look_conflict(const RenderOptions& options) {
   const std::string instead = no_light_in(options);
   if (instead.empty()) return std::nullopt;
   const auto without_effect = [&](std::string_view option, std::string_view but) {
-    return conflict(option,
-                    fmt::format("has no effect with {}{}; leave one of them out", instead, but));
+    return bad_option(option,
+                      fmt::format("has no effect with {}{}; leave one of them out", instead, but));
   };
   if (options.exposure != 0) return without_effect("exposure", "");
   if (options.tone && *options.tone != Tone::none) return without_effect("tone", "");
@@ -57,10 +53,11 @@ std::optional<Error> look_conflict(const RenderOptions& options) {
 std::optional<Error> sky_conflict(const RenderOptions& options, const Scene* scene) {
   if (!scene || scene->sky_folder.empty() || scene->sky || options.background) return std::nullopt;
   if (!no_light_in(options).empty()) return std::nullopt;
-  return conflict("background",
-                  fmt::format("the scene's sky {} could not be read; give the folder of one, or a "
-                              "colour",
-                              scene->sky_folder));
+  return bad_option(
+      "background",
+      fmt::format("the scene's sky {} could not be read; give the folder of one, or a "
+                  "colour",
+                  scene->sky_folder));
 }
 
 }  // namespace
@@ -145,10 +142,10 @@ std::optional<Error> picture_conflict(const RenderOptions& options, const Scene*
 
 std::optional<Error> window_conflict(const RenderOptions& options) {
   if (options.crop)
-    return conflict("crop", "the window shows whole pictures; leave it out, or render to a file");
+    return bad_option("crop", "the window shows whole pictures; leave it out, or render to a file");
   if (options.background && options.background->transparent)
-    return conflict("background",
-                    "the window cannot show transparent; give a colour, or render to a file");
+    return bad_option("background",
+                      "the window cannot show transparent; give a colour, or render to a file");
   return std::nullopt;
 }
 

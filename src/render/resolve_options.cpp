@@ -16,13 +16,9 @@
 namespace raio {
 namespace {
 
-Error conflict(std::string_view option, std::string message) {
-  return {ErrorKind::bad_option, std::string(option), std::move(message)};
-}
-
 Error without(std::string_view option, std::string_view other) {
-  return conflict(option, fmt::format("has no effect without `{0}`; add `{0}` or leave `{1}` out",
-                                      other, option));
+  return bad_option(option, fmt::format("has no effect without `{0}`; add `{0}` or leave `{1}` out",
+                                        other, option));
 }
 
 std::optional<Error> accel_conflict(const RenderOptions& options) {
@@ -30,23 +26,23 @@ std::optional<Error> accel_conflict(const RenderOptions& options) {
   const bool resolution = accel.grid_resolution[0] > 0, factor = accel.grid_factor > 0;
   const bool grid = accel.kind == AccelKind::automatic || accel.kind == AccelKind::grid;
   if (resolution && factor)
-    return conflict("grid-factor", "has no effect beside `grid-resolution`; give one of them");
+    return bad_option("grid-factor", "has no effect beside `grid-resolution`; give one of them");
   if ((resolution || factor) && !grid)
-    return conflict(resolution ? "grid-resolution" : "grid-factor",
-                    fmt::format("has no effect with `accel` {}; leave one of them out",
-                                accel_name(accel.kind)));
+    return bad_option(resolution ? "grid-resolution" : "grid-factor",
+                      fmt::format("has no effect with `accel` {}; leave one of them out",
+                                  accel_name(accel.kind)));
   if (accel.kind != AccelKind::embree) return std::nullopt;
   if (accel.counters)
-    return conflict("counters",
-                    "Embree does not count tests and steps; leave it or `accel` embree out");
+    return bad_option("counters",
+                      "Embree does not count tests and steps; leave it or `accel` embree out");
   if (options.view == View::steps || options.view == View::tests)
-    return conflict("view", fmt::format("Embree does not count {}; leave out `accel` embree",
-                                        view_name(options.view)));
+    return bad_option("view", fmt::format("Embree does not count {}; leave out `accel` embree",
+                                          view_name(options.view)));
   for (const Channel channel : {Channel::steps, Channel::tests})
     if (options.channels.has(channel))
-      return conflict("channels", fmt::format("Embree does not count {}; leave them or `accel` "
-                                              "embree out",
-                                              spec_of(channel).name));
+      return bad_option("channels", fmt::format("Embree does not count {}; leave them or `accel` "
+                                                "embree out",
+                                                spec_of(channel).name));
   return std::nullopt;
 }
 
@@ -56,38 +52,39 @@ std::optional<Error> sample_conflict(const RenderOptions& options) {
   const std::string_view beside = options.aa > 1             ? "aa"
                                   : options.lens_samples > 0 ? "lens-samples"
                                                              : "";
-  if (!beside.empty()) return conflict(beside, "has no effect beside `samples`; give one of them");
+  if (!beside.empty())
+    return bad_option(beside, "has no effect beside `samples`; give one of them");
   if (options.sampler == SamplerKind::jitter)
-    return conflict("sampler",
-                    "jitter takes `aa` and `lens-samples`, which say its cells; leave out "
-                    "`samples` or `sampler` jitter");
+    return bad_option("sampler",
+                      "jitter takes `aa` and `lens-samples`, which say its cells; leave out "
+                      "`samples` or `sampler` jitter");
   return std::nullopt;
 }
 
 std::optional<Error> scene_conflict(const RenderOptions& options, const Scene& scene) {
   if (const auto why = camera_problem(camera_of(scene, options)); !why.empty())
-    return conflict("", fmt::format("`from`, `at`, `up`: {}", why));
+    return bad_option("", fmt::format("`from`, `at`, `up`: {}", why));
   if (auto why = figure_conflict(options, scene)) return why;
   const RenderSettings s = resolve_options(options, scene);
   if (!s.dof && options.aperture > 0) return without("aperture", "dof");
   if (!s.dof && options.focus > 0) return without("focus", "dof");
   if (options.shutter && !scene.moves())
-    return conflict("shutter", "has no effect on a scene in which nothing moves; leave it out");
+    return bad_option("shutter", "has no effect on a scene in which nothing moves; leave it out");
   const bool no_effects = !s.dof && !s.soft_shadows && s.aa == 1 && !is_rough(scene, s) &&
                           s.integrator != IntegratorKind::ambient &&
                           !(scene.moves() && s.shutter_open < s.shutter_close);
   if (s.samples > 1 && no_effects)
-    return conflict(
+    return bad_option(
         "samples",
         "has no effect with `aa` 1 alone; add `dof`, `soft-shadows` or `gloss`, or leave one of "
         "them out");
   if (s.lens_samples > 1 && no_effects)
-    return conflict(
+    return bad_option(
         "lens-samples",
         "has no effect without `dof`, `soft-shadows`, `gloss` or `aa`; add one of them or leave "
         "`lens-samples` out");
   if (const double samples = double(s.aa) * s.aa * s.lens_samples; samples > kMaxSamples)
-    return conflict(
+    return bad_option(
         "aa",
         fmt::format("{:.0f} samples a pixel are too many, {} the most; choose a smaller `aa`{}",
                     samples, kMaxSamples, s.lens_samples > 1 ? " or `lens-samples`" : ""));
@@ -102,8 +99,8 @@ std::optional<Error> option_conflict(const RenderOptions& options, const Scene* 
   if (options.light_size > 0 && !options.soft_shadows) return without("light-size", "soft-shadows");
   const bool of_rays = options.view != View::picture && options.view != View::samples;
   if (of_rays && options.integrator && *options.integrator != IntegratorKind::views)
-    return conflict("view", fmt::format("{} is one of `integrator` views; leave one of them out",
-                                        view_name(options.view)));
+    return bad_option("view", fmt::format("{} is one of `integrator` views; leave one of them out",
+                                          view_name(options.view)));
   if (auto why = picture_conflict(options, scene)) return why;
   if (scene) return scene_conflict(options, *scene);
   if (options.dof == false && options.aperture > 0) return without("aperture", "dof");

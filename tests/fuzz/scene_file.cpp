@@ -11,7 +11,7 @@ extern "C" size_t LLVMFuzzerMutate(uint8_t* data, size_t size, size_t most);
 /// Makes the hashes right, so that a change gets past them.
 extern "C" size_t LLVMFuzzerCustomMutator(uint8_t* data, size_t size, size_t most, unsigned seed) {
   const size_t mutated = LLVMFuzzerMutate(data, size, most);
-  if (seed % 8 != 0) raio::testing::mend_raio_scene(reinterpret_cast<char*>(data), mutated);
+  if (seed % 8 != 0) raio::tests::mend_raio_scene(reinterpret_cast<char*>(data), mutated);
   return mutated;
 }
 

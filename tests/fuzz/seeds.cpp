@@ -72,8 +72,8 @@ void write_jpeg(const fs::path& folder) {
   const std::string rows(size_t(3) * 20 * 20, 'a');
   for (const bool progressive : {false, true})
     put(folder / fmt::format("{}.jpg", progressive ? "progressive" : "baseline"),
-        testing::jpeg_of(20, 20, rows, progressive));
-  put(folder / "grey.jpg", testing::jpeg_of(20, 20, rows.substr(0, 400), false, true));
+        tests::jpeg_of(20, 20, rows, progressive));
+  put(folder / "grey.jpg", tests::jpeg_of(20, 20, rows.substr(0, 400), false, true));
 }
 
 void write_exr(const fs::path& folder) {
@@ -126,9 +126,9 @@ void write_scenes(const fs::path& folder) {
   Scene least;
   least.materials.emplace_back();
   put(folder / "least.raio", encode_raio_scene(least));
-  put(folder / "random.raio", encode_raio_scene(testing::random_scene(4, 1)));
-  put(folder / "rich.raio", encode_raio_scene(testing::rich_scene()));
-  put(folder / "copies.raio", encode_raio_scene(testing::nested_scene()));
+  put(folder / "random.raio", encode_raio_scene(tests::random_scene(4, 1)));
+  put(folder / "rich.raio", encode_raio_scene(tests::rich_scene()));
+  put(folder / "copies.raio", encode_raio_scene(tests::nested_scene()));
 }
 
 void write_all(const fs::path& folder) {

@@ -66,6 +66,8 @@ FileOutcome write_all(int file, std::string_view bytes) {
   return {};
 }
 
+}  // namespace
+
 /// An open file. close() tells of errors that come late, as those of file servers and quotas may.
 class OpenFile {
  public:
@@ -84,6 +86,8 @@ class OpenFile {
  private:
   int id_;
 };
+
+namespace {
 
 /// A new file under a name of its own, gone with this object unless it was moved.
 class TemporaryFile {

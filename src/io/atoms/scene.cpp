@@ -93,11 +93,11 @@ Atoms repeated(const Atoms& atoms, const std::vector<Vec3d>& shifts,
   return out;
 }
 
-class SceneMaker {
+class AtomScene {
  public:
   // `shifts`: to the copies of what the atoms make.
-  SceneMaker(const Atoms& atoms, std::string_view file, const ReadOptions& options, AtomStyle style,
-             std::vector<Vec3d> shifts)
+  AtomScene(const Atoms& atoms, std::string_view file, const ReadOptions& options, AtomStyle style,
+            std::vector<Vec3d> shifts)
       : atoms_(atoms), file_(file), options_(options), style_(style), shifts_(std::move(shifts)) {}
 
   std::expected<ReadScene, Diagnostics> make() {
@@ -420,9 +420,9 @@ std::expected<ReadScene, Diagnostics> scene_of_atoms(const Atoms& atoms, std::st
   const AtomStyle style = style_of(atoms, options);
   const std::vector<Vec3d> shifts = shifts_of(atoms, options.images);
   if (has_bonds(style) && shifts.size() > 1)
-    return SceneMaker(repeated(atoms, shifts, options.images), file, options, style, {Vec3d()})
+    return AtomScene(repeated(atoms, shifts, options.images), file, options, style, {Vec3d()})
         .make();
-  return SceneMaker(atoms, file, options, style, shifts).make();
+  return AtomScene(atoms, file, options, style, shifts).make();
 }
 
 }  // namespace raio

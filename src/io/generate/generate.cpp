@@ -67,7 +67,7 @@ std::span<const SceneRecipe> scene_recipes() { return kRecipes; }
 
 std::expected<Scene, Error> generate_scene(std::string_view name, int size) {
   const auto refused = [](std::string why) {
-    return std::unexpected(Error{ErrorKind::bad_option, "", std::move(why)});
+    return std::unexpected(bad_option("", std::move(why)));
   };
   const auto recipe = std::ranges::find(kRecipes, name, &SceneRecipe::name);
   if (recipe == kRecipes.end()) return refused(unknown_name(name));

@@ -19,8 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kMostCorners = 65535;
-
 // What map_Kd says.
 struct PaintMap {
   fs::path library;  // the MTL file

@@ -11,8 +11,6 @@
 namespace raio {
 namespace {
 
-constexpr long kMostCorners = 65535;
-
 class OffReader {
  public:
   OffReader(const TextBuffer& text, MeshBuilder& out) : words_(text), out_(out) {}
@@ -90,7 +88,7 @@ class OffReader {
 
   void read_face() {
     need_line();
-    const long count = words_.whole("a number of corners, 1 to 65535", 1, kMostCorners);
+    const long count = words_.whole("a number of corners, 1 to 65535", 1, long(kMostCorners));
     corners_.clear();
     for (long k = 0; k < count; ++k) corners_.push_back(words_.vertex(out_.positions.size()));
     const auto of_face = color();

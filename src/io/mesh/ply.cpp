@@ -24,8 +24,6 @@
 namespace raio {
 namespace {
 
-constexpr size_t kMostCorners = 65535;
-
 // What is wanted of a vertex, by the names that programs write.
 enum Wanted : size_t { kX, kY, kZ, kRadius, kRed, kGreen, kBlue, kAlpha, kNx, kNy, kNz, kU, kV };
 constexpr size_t kWanted = 13;

@@ -13,8 +13,6 @@
 namespace raio::nff {
 namespace {
 
-constexpr std::string_view kXyz[] = {"x", "y", "z"};
-
 void read_ellipsoid(Parser& p) {
   Vec3d axes[3];
   double n[3];

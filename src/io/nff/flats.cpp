@@ -15,7 +15,6 @@
 namespace raio::nff {
 namespace {
 
-constexpr std::string_view kXyz[] = {"x", "y", "z"};
 constexpr std::string_view kXyzNormal[] = {
     "x", "y", "z", "the normal's x", "the normal's y", "the normal's z"};
 

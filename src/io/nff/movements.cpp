@@ -11,7 +11,6 @@
 namespace raio::nff {
 namespace {
 
-constexpr std::string_view kXyz[] = {"x", "y", "z"};
 constexpr std::string_view kTimes[] = {"the time of the beginning", "the time of the end"};
 
 /// The points that the numbers make, three each; false if one is too far away.

@@ -18,6 +18,9 @@
 
 namespace raio::nff {
 
+/// The names of the numbers of a point, as messages say them.
+inline constexpr std::string_view kXyz[] = {"x", "y", "z"};
+
 class Parser {
  public:
   Parser(const TextBuffer& text, std::string_view file, TextReport& report);
