@@ -134,6 +134,30 @@ TEST(Panel, EveryFieldOfTheSceneChangesItAndIsUndone) {
   EXPECT_EQ(found, expected);
 }
 
+TEST(Panel, FieldsThatAFigureDoesNotShowAreOff) {
+  const auto begin = [] {
+    ViewState state = state_of_three();
+    state.options.integrator = IntegratorKind::ambient;
+    return state;
+  };
+  ViewState state = begin();
+  Screen screen([&] {
+    ImGui::SetNextWindowPos({0, 0}), ImGui::SetNextWindowSize({kWidth, kHeight});
+    ImGui::Begin("scene", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove);
+    (void)draw_scene(state);
+    ImGui::End();
+  });
+  std::set<std::string> found;
+  for (const ImVec2 place : screen.widgets() | std::views::values) {
+    const ViewState before = state = begin();
+    screen.drag(place);
+    found.insert(difference(before, state));
+  }
+  EXPECT_THAT(found, testing::IsSupersetOf({"from 0", "at 1", "up 2", "angle", "Kd"}));
+  for (const char* off : {"position 0", "position 1", "position 2", "Ks", "shine", "T", "index"})
+    EXPECT_FALSE(found.contains(off)) << off;
+}
+
 // A field that takes text, a list or a picker that opens, a section that closes, a state that
 // changes, a key's command: whatever is under the cursor is one of these.
 TEST(Panel, EverythingUnderTheCursorAnswers) {

@@ -24,13 +24,14 @@ struct Line {
   double (*value)(const GridPoint&);  // 0: unknown
 };
 
-// Both axes are logarithmic.
+// Both axes are logarithmic. The names of the lines stand above them.
 class Plot {
  public:
   Plot(const GridCurve& curve, std::vector<Line> lines, float height_in_ems)
       : curve_(curve), lines_(std::move(lines)) {
     lo_ = ImGui::GetCursorScreenPos();
-    hi_ = {lo_.x + ImGui::GetContentRegionAvail().x, lo_.y + height_in_ems * em()};
+    top_ = lo_.y + 0.2f * em() + float(lines_.size()) * ImGui::GetFontSize();
+    hi_ = {lo_.x + ImGui::GetContentRegionAvail().x, top_ + height_in_ems * em()};
     for (const GridPoint& p : curve.points)
       for (const Line& line : lines_)
         if (const double v = line.value(p); v > 0)
@@ -45,7 +46,7 @@ class Plot {
     draw.AddRectFilled(lo_, hi_, color(p.raised, 0.5f), 0.2f * em());
     for (const auto& [at, ink] :
          {std::pair(double(kReportGridFactor), p.faint), {factor, p.accent}})
-      if (at > 0) draw.AddLine({x(at), lo_.y}, {x(at), hi_.y}, color(ink), 0.12f * em());
+      if (at > 0) draw.AddLine({x(at), top_}, {x(at), hi_.y}, color(ink), 0.12f * em());
     float label_y = lo_.y + 0.2f * em();
     for (const Line& line : lines_) {
       draw_line(draw, line);
@@ -75,7 +76,7 @@ class Plot {
     return lo_.x + (0.04f + 0.92f * float(part)) * (hi_.x - lo_.x);
   }
   float y(double value) const {
-    return hi_.y - float(std::log(value / least_) / std::log(most_ / least_)) * (hi_.y - lo_.y);
+    return hi_.y - float(std::log(value / least_) / std::log(most_ / least_)) * (hi_.y - top_);
   }
   void draw_line(ImDrawList& draw, const Line& line) const {
     const GridPoint* before = nullptr;
@@ -93,6 +94,7 @@ class Plot {
   const GridCurve& curve_;
   std::vector<Line> lines_;
   ImVec2 lo_, hi_;
+  float top_ = 0;  // of the lines' part
   double least_ = std::numeric_limits<double>::infinity(), most_ = 0;
 };
 
@@ -155,13 +157,13 @@ GridPanelResult draw_grid(ViewState& state, const CostFacts& facts) {
   const Plot time(facts.curve,
                   {{tr("seconds"), p.warning,
                     [](const GridPoint& g) { return g.rounds > 0 ? g.seconds.median : 0; }}},
-                  7);
+                  6);
   time.draw(is_grid ? factor : 0);
   const GridPoint* hovered = time.hovered();
   const Plot counts(facts.curve,
                     {{tr("tests a ray"), p.good, [](const GridPoint& g) { return g.tests; }},
                      {tr("steps a ray"), p.busy, [](const GridPoint& g) { return g.steps; }}},
-                    7);
+                    6);
   counts.draw(is_grid ? factor : 0);
   if (!hovered) hovered = counts.hovered();
   if (hovered) draw_tooltip(*hovered);

@@ -31,6 +31,11 @@ bool number_field(const char* label, float& value, float least, float most) {
   return value != before;
 }
 
+// Its light is that of a sky: neither lights nor what mirrors and refracts are in it.
+bool is_figure(const ViewState& state) {
+  return integrator_of(state.options, *state.scene) == IntegratorKind::ambient;
+}
+
 bool draw_camera(ViewState& state) {
   Camera camera = state.camera;
   // In the coordinates of the file.
@@ -86,6 +91,8 @@ void choose(const char* label, int& chosen, size_t count) {
 bool draw_lights(ViewState& state) {
   const auto& lights = state.scene->lights;
   bool changed = false;
+  if (is_figure(state)) faint_text(tr("A figure has the light of a sky instead."));
+  ImGui::BeginDisabled(is_figure(state));
   if (!lights.empty()) {
     choose(trf("light of {}###light", lights.size()).c_str(), state.chosen_light, lights.size());
     Light light = lights[size_t(state.chosen_light)];
@@ -125,6 +132,7 @@ bool draw_lights(ViewState& state) {
     changed = true;
   }
   ImGui::EndDisabled();
+  ImGui::EndDisabled();
   return changed;
 }
 
@@ -136,10 +144,12 @@ bool draw_material(ViewState& state) {
   Material m = materials[size_t(state.chosen_material)];
   bool changed = ImGui::ColorEdit3(tr("colour"), &m.color.x, kColorFlags);
   changed |= number_field(tr("diffuse Kd"), m.kd, 0, 1);
+  ImGui::BeginDisabled(is_figure(state));
   changed |= number_field(tr("mirror Ks"), m.ks, 0, 1);
   changed |= number_field(tr("shine"), m.shine, 0, 1000);
   changed |= number_field(tr("glass T"), m.transmission, 0, 1);
   changed |= number_field(tr("index of refraction"), m.ior, 0.1f, 4);
+  ImGui::EndDisabled();
   if (changed)
     state.scene =
         edited(state.scene, [&](Scene& s) { s.materials[size_t(state.chosen_material)] = m; });

@@ -190,6 +190,7 @@ constexpr auto kTexts = std::to_array<std::pair<const char*, const char*>>({
     {"position", "posição"},
     {"colour of its own", "cor própria"},
     {"its light", "sua luz"},
+    {"A figure has the light of a sky instead.", "Uma figura tem em vez disso a luz de um céu."},
     {"add a light", "nova luz"},
     {"remove it", "remover"},
     {"material of {}###material", "material de {}###material"},

@@ -10,31 +10,24 @@ namespace {
 
 std::atomic<int64_t> disabled{0}, for_test{0};
 
-// What the processor and the system can do, of the sets that Highway compiles for
+// What the processor and the system can do, of the sets that are compiled
 // (hwy/ops/set_macros-inl.h says what each of them takes).
 int64_t detect() {
   int64_t targets = HWY_STATIC_TARGET;
 #if HWY_ARCH_X86_64
   const auto all = [](auto... has) { return (... && (has != 0)); };
-  const bool ssse3 = all(__builtin_cpu_supports("sse2"), __builtin_cpu_supports("ssse3"));
-  const bool sse4 = ssse3 && all(__builtin_cpu_supports("sse4.1"), __builtin_cpu_supports("sse4.2"),
-                                 __builtin_cpu_supports("pclmul"), __builtin_cpu_supports("aes"));
+  const bool sse4 = all(__builtin_cpu_supports("ssse3"), __builtin_cpu_supports("sse4.1"),
+                        __builtin_cpu_supports("sse4.2"), __builtin_cpu_supports("pclmul"),
+                        __builtin_cpu_supports("aes"));
   const bool avx2 = sse4 && all(__builtin_cpu_supports("avx"), __builtin_cpu_supports("avx2"),
                                 __builtin_cpu_supports("bmi"), __builtin_cpu_supports("bmi2"),
                                 __builtin_cpu_supports("fma"), __builtin_cpu_supports("f16c"));
   const bool avx3 =
       avx2 && all(__builtin_cpu_supports("avx512f"), __builtin_cpu_supports("avx512vl"),
                   __builtin_cpu_supports("avx512dq"), __builtin_cpu_supports("avx512bw"));
-  const bool avx3_dl =
-      avx3 && all(__builtin_cpu_supports("vpclmulqdq"), __builtin_cpu_supports("vaes"),
-                  __builtin_cpu_supports("avx512vbmi"), __builtin_cpu_supports("avx512vbmi2"),
-                  __builtin_cpu_supports("avx512vnni"), __builtin_cpu_supports("avx512bitalg"),
-                  __builtin_cpu_supports("avx512vpopcntdq"));
-  if (ssse3) targets |= HWY_SSSE3;
   if (sse4) targets |= HWY_SSE4;
   if (avx2) targets |= HWY_AVX2;
   if (avx3) targets |= HWY_AVX3;
-  if (avx3_dl) targets |= HWY_AVX3_DL;
 #endif
   return targets;
 }
