@@ -20,15 +20,14 @@
 namespace raio {
 namespace {
 
-constexpr std::string_view kCamera =
-    "bclr 0 0 0\nv\nfrom 0 0 10\nat 0 0 0\nup 0 1 0\nangle 40\nhither 0\nresolution 48 36\n"
-    "l 3 5 9 1 1 1\nl -4 2 6 0.5 0.5 0.5\n";
-constexpr std::string_view kMaterial = "f 1 0.8 0.6 0.9 1 1 1 0.2 20 0 1\n";
 constexpr std::string_view kMoving = "sm -2 -0.5 0 1.5 0.75 -1 0.8 0 3\n";
 
 Scene scene(std::string_view shapes) {
-  auto read =
-      parse_nff(std::string(kCamera) + std::string(kMaterial) + std::string(shapes), "moving");
+  const std::string before =
+      "bclr 0 0 0\nv\nfrom 0 0 10\nat 0 0 0\nup 0 1 0\nangle 40\nhither 0\nresolution 48 36\n"
+      "l 3 5 9 1 1 1\nl -4 2 6 0.5 0.5 0.5\n"
+      "f 1 0.8 0.6 0.9 1 1 1 0.2 20 0 1\n";
+  auto read = parse_nff(before + std::string(shapes), "moving");
   EXPECT_TRUE(read);
   return std::move(read->scene);
 }

@@ -155,7 +155,7 @@ TEST(NffDamage, SaysTheSameInTheMiddleOfALongText) {
       scene.spheres.insert(at(scene.spheres), more, unit);
       scene.sphere_materials.insert(at(scene.sphere_materials), more, id);
     }
-    expect_same(scene, large->scene);
+    tests::expect_same(scene, large->scene);
     ASSERT_FALSE(HasFailure());
   }
   EXPECT_GT(read_well, 0);

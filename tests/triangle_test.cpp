@@ -14,7 +14,6 @@ namespace {
 
 using Real = long double;
 using Vec3r = Vec3<Real>;
-constexpr Real kEpsilon = std::numeric_limits<float>::epsilon();
 
 std::optional<TriangleHit> hit(const Triangle& t, const Ray& ray) {
   return intersect(t.a, t.b, t.c, ray, ShearedRay(ray.dir));
@@ -123,7 +122,8 @@ TEST(Triangle, AgreesWithDeterminants) {
     const Vec3r d(ray.dir), e1 = Vec3r(b) - Vec3r(a), e2 = Vec3r(c) - Vec3r(a);
     const Vec3r s = Vec3r(origin) - Vec3r(a), n = cross(e1, e2);
     const Real det = -dot(n, d), scale = length(e1) * length(e2);
-    const Real far = length(s) + length(e1) + length(e2), bound = 8 * kEpsilon * far;
+    const Real far = length(s) + length(e1) + length(e2),
+               bound = 8 * std::numeric_limits<float>::epsilon() * far;
     // The bound, as a shift of the ray, in units of the weights.
     const Real slack = bound * std::max(length(e1), length(e2)) / std::abs(det);
     if (!(slack < 0.1L) || std::abs(det) < 1e-3L * scale) continue;
