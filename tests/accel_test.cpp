@@ -10,7 +10,16 @@
 namespace raio {
 namespace {
 
-using namespace tests;
+using tests::Answers;
+using tests::answers;
+using tests::awkward_rays;
+using tests::build;
+using tests::Disagreement;
+using tests::disagreement;
+using tests::eye_rays;
+using tests::kScalesAndShifts;
+using tests::random_scene;
+using tests::ScaleAndShift;
 
 TEST(Accel, BakingRefusesWhatNoMemoryHolds) {
   Scene scene = random_scene(40, 1);

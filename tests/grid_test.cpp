@@ -8,7 +8,19 @@
 namespace raio {
 namespace {
 
-using namespace tests;
+using tests::Answers;
+using tests::answers;
+using tests::awkward_rays;
+using tests::build;
+using tests::Disagreement;
+using tests::disagreement;
+using tests::eye_rays;
+using tests::kScalesAndShifts;
+using tests::random_direction;
+using tests::random_scene;
+using tests::ScaleAndShift;
+using tests::shadow_rays;
+using tests::two_sided;
 
 TEST(Grid, FindsTheVeryHitsOfBruteForce) {
   for (const ScaleAndShift& place : kScalesAndShifts)

@@ -13,6 +13,7 @@
 #include <random>
 
 #include "io/nff/nff.h"
+#include "nff_text.h"
 #include "one_picture.h"
 #include "temporary_folder.h"
 
@@ -22,6 +23,8 @@ namespace {
 using testing::HasSubstr;
 using testing::IsEmpty;
 using tests::expect_one_picture;
+using tests::read;
+using tests::texts;
 
 namespace fs = std::filesystem;
 
@@ -32,16 +35,10 @@ constexpr int kRounds = 8;
 constexpr int kRounds = 40;
 #endif
 
-const std::string kCamera = "v\nfrom 0 -5 1\nat 0 0 0\nup 0 0 1\nangle 45\n";
+const std::string kFrontCamera = "v\nfrom 0 -5 1\nat 0 0 0\nup 0 0 1\nangle 45\n";
 const std::string kLight = "l 3 -4 5\nl -1 -4 2\n";
-const std::string kMaterial = "f 1 0.5 0.2 0.6 0.4 10 0 1\n";
+const std::string kDullMaterial = "f 1 0.5 0.2 0.6 0.4 10 0 1\n";
 const std::string kGlass = "f 1 1 1 0.1 0.5 10 0.9 1.5\n";
-
-std::string texts(const Diagnostics& diagnostics) {
-  std::string out;
-  for (const Diagnostic& d : diagnostics) out += d.text() + "\n";
-  return out;
-}
 
 RenderOptions square(int side, int depth = 5) {
   RenderOptions o;
@@ -49,16 +46,6 @@ RenderOptions square(int side, int depth = 5) {
   o.aa = 1;
   o.depth = depth;
   return o;
-}
-
-Scene read(const std::string& text) {
-  auto result = parse_nff(text, "t.nff");
-  if (!result) {
-    ADD_FAILURE() << texts(result.error());
-    return {};
-  }
-  EXPECT_THAT(validate(result->scene), IsEmpty());
-  return std::move(result->scene);
 }
 
 // Damaged files.
@@ -183,7 +170,7 @@ class Degenerate : public testing::TestWithParam<Case> {};
 
 TEST_P(Degenerate, IsRefusedWithAPlaceOrIsOnePicture) {
   const Case& c = GetParam();
-  const std::string text = kCamera + kLight + kMaterial + c.text;
+  const std::string text = kFrontCamera + kLight + kDullMaterial + c.text;
   const auto result = parse_nff(text, "t.nff");
   if (c.refused) {
     const std::string said = texts(result ? result->warnings : result.error());
@@ -226,7 +213,7 @@ TEST(Hostile, CamerasAtTheEndOfFloatsSeeOnePicture) {
                              "from 0 -5 1\nat 0 0 0\nup 0 0 1e-45\nangle 1e-30",
                              "from 0 -1e30 1\nat 0 0 0\nup 0 0 1\nangle 1e-28"})
     expect_one_picture(
-        read("v\n" + std::string(camera) + "\n" + kLight + kMaterial + "s 0 0 0 1\n" + kFloor),
+        read("v\n" + std::string(camera) + "\n" + kLight + kDullMaterial + "s 0 0 0 1\n" + kFloor),
         square(16));
 }
 
@@ -240,14 +227,14 @@ TEST(Hostile, ThousandsOfTheSameAreOnePicture) {
     std::string many;
     for (int i = 0; i < 250 * kRounds; ++i) many += text;
     all += many;
-    const Scene scene = read(kCamera + kLight + kMaterial + many);
+    const Scene scene = read(kFrontCamera + kLight + kDullMaterial + many);
     const auto tree = build_accel(scene, {.kind = AccelKind::bvh});
     EXPECT_LT((*tree)->info().bytes, 10 * memory_bytes(scene) + 1'000'000);
     const auto grid = build_accel(scene, {.kind = AccelKind::grid});  // may list each in many cells
     EXPECT_LT((*grid)->info().references, 10'000'000 + 100 * scene.primitive_count());
     expect_one_picture(scene, square(3, 1));
   }
-  expect_one_picture(read(kCamera + kLight + kMaterial + all), square(3, 2));
+  expect_one_picture(read(kFrontCamera + kLight + kDullMaterial + all), square(3, 2));
 }
 
 TEST(Hostile, PolygonsOfManyCornersAreBuiltInBoundedTime) {
@@ -271,7 +258,7 @@ TEST(Hostile, PolygonsOfManyCornersAreBuiltInBoundedTime) {
       {"a line", [&](int i) { return Vec3f(float(i), 0, float(i)); }}};
   for (const auto& [name, corner] : outlines) {
     SCOPED_TRACE(name);
-    Scene scene = read(kCamera + kLight + kMaterial);
+    Scene scene = read(kFrontCamera + kLight + kDullMaterial, true);
     for (int i = 0; i < corners; ++i) scene.positions.push_back(corner(i));
     scene.polygons = {{0, uint32_t(corners)}};
     scene.polygon_materials = {0};
@@ -286,7 +273,7 @@ TEST(Hostile, PolygonsOfManyCornersAreBuiltInBoundedTime) {
 // Found by fuzzing.
 
 TEST(Hostile, TheGridSeesWhatRaysFromAfarMeetByRounding) {
-  const Scene scene = read(kCamera + kLight + kMaterial +
+  const Scene scene = read(kFrontCamera + kLight + kDullMaterial +
                            "s 0 0 0 4294967296\ns -0.1 -0.1 0.6 1e-22\ns 0.4 0.6 0.2 0.02\n"
                            "s -0.4 0.2 0.3 0.02\ns 0.3 0.5 -0.4 0.02\n" +
                            kFloor);
@@ -298,15 +285,15 @@ TEST(Hostile, WhatHasHardlyAnAreaIsReadOrLeftOutForGood) {
        {std::string("mesh 4 2\n0 0 0\n1 0 0\n0.5 1e20 0\n0 1e-20 1e20\n1 2 3\n1 3 4\n"),
         std::string("box 0 0 0 1e20 1 1e-10\n"),
         std::string("pp 4\n0 0 0 0 0 1\n1e20 0 0 0 0 1\n1e20 1 0 0 0 1\n0 1 0 0 0 1\n")}) {
-    const std::string written = write_nff(read(kCamera + kMaterial + objects));
-    EXPECT_EQ(write_nff(read(written)), written);
+    const std::string written = write_nff(read(kFrontCamera + kDullMaterial + objects, true));
+    EXPECT_EQ(write_nff(read(written, true)), written);
   }
 }
 
 // Deep trees of rays.
 
 TEST(Hostile, FacingMirrorsEndAtTheLastLevel) {
-  const Scene scene = read(kCamera + kLight +
+  const Scene scene = read(kFrontCamera + kLight +
                            "f 1 1 1 0.1 1 10 0 1\npl 0 0 -2 1 0 -2 0 1 -2\npl 0 0 2 0 1 2 1 0 2\n");
   expect_one_picture(scene, square(16, kMaxDepth));
 }
@@ -316,7 +303,7 @@ TEST(Hostile, NestedGlassEndsAtTheLastLevel) {
   // Without a mirror's part each hit has one.
   std::string shells = "f 1 1 1 0.1 0 10 0.9 1.5\n";
   for (int i = 1; i <= 40; ++i) shells += "s 0 0 0 " + std::to_string(0.05 * i) + "\n";
-  expect_one_picture(read(kCamera + kLight + shells), square(4, 10));
+  expect_one_picture(read(kFrontCamera + kLight + shells), square(4, 10));
 }
 
 // Sizes that no memory holds, through the program.

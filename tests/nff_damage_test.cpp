@@ -7,9 +7,15 @@
 namespace raio {
 namespace {
 
-using namespace raio::tests;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using tests::expect_same;
+using tests::file_text;
+using tests::kCamera;
+using tests::kMaterial;
+using tests::kSharedFolder;
+using tests::many_spheres;
+using tests::texts;
 
 // Damage: whatever the bytes, a sound scene or an error with a place.
 
@@ -155,7 +161,7 @@ TEST(NffDamage, SaysTheSameInTheMiddleOfALongText) {
       scene.spheres.insert(at(scene.spheres), more, unit);
       scene.sphere_materials.insert(at(scene.sphere_materials), more, id);
     }
-    tests::expect_same(scene, large->scene);
+    expect_same(scene, large->scene);
     ASSERT_FALSE(HasFailure());
   }
   EXPECT_GT(read_well, 0);

@@ -20,9 +20,18 @@
 namespace raio {
 namespace {
 
-using namespace raio::tests;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using tests::corners;
+using tests::expect_same;
+using tests::file_text;
+using tests::kCamera;
+using tests::kMaterial;
+using tests::many_spheres;
+using tests::read;
+using tests::read_objects;
+using tests::same;
+using tests::texts;
 
 // Numbers.
 

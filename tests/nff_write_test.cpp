@@ -8,9 +8,16 @@
 namespace raio {
 namespace {
 
-using namespace raio::tests;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using tests::expect_same;
+using tests::kCamera;
+using tests::kMaterial;
+using tests::kSharedFolder;
+using tests::RandomScene;
+using tests::read;
+using tests::read_objects;
+using tests::texts;
 
 TEST(NffWrite, RandomScenesReadBackTheSame) {
   for (uint64_t seed = 0; seed < 200; ++seed) {

@@ -17,9 +17,20 @@
 namespace raio {
 namespace {
 
-using namespace raio::tests;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using tests::expect_one_picture;
+using tests::expect_same;
+using tests::kCamera;
+using tests::kMaterial;
+using tests::kSharedFolder;
+using tests::many_spheres;
+using tests::picture_of;
+using tests::RandomScene;
+using tests::read;
+using tests::same;
+using tests::same_bytes;
+using tests::texts;
 
 const std::string kP3fMaterial = "f 1 0.9 0.7 0.5 1 0.8 0.3 0.4 30 0.2 1.5\n";
 

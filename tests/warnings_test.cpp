@@ -50,6 +50,11 @@ TEST(SceneWarnings, TellOfDarkness) {
   EXPECT_EQ(found[0].kind, SceneWarning::no_light);
   EXPECT_THAT(found[0].sentence, HasSubstr("no light"));
   EXPECT_EQ(scene_warnings(scene, resolve_options({}, scene), nullptr).size(), 1u);
+  for (const IntegratorKind other : {IntegratorKind::ambient, IntegratorKind::views}) {
+    RenderOptions options;
+    options.integrator = other;
+    EXPECT_TRUE(warnings(scene, options).empty());
+  }
 }
 
 TEST(SceneWarnings, TellHowFarALensSpreadsWhatIsSeen) {

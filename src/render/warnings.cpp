@@ -72,7 +72,7 @@ float plain_number(float value) {
 std::vector<SceneWarning> scene_warnings(const Scene& scene, const RenderSettings& settings,
                                          const Accel* accel) {
   std::vector<SceneWarning> warnings;
-  if (scene.lights.empty() && settings.integrator != IntegratorKind::ambient)
+  if (scene.lights.empty() && settings.integrator == IntegratorKind::classic)
     warnings.push_back(
         {SceneWarning::no_light,
          settings.shading == ShadingModel::nff
