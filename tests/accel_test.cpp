@@ -6,6 +6,7 @@
 #include "io/nff/nff.h"
 #include "render/options.h"
 #include "render/render.h"
+#include "sanitized.h"
 
 namespace raio {
 namespace {
@@ -17,6 +18,7 @@ using tests::build;
 using tests::Disagreement;
 using tests::disagreement;
 using tests::eye_rays;
+using tests::if_sanitized;
 using tests::kScalesAndShifts;
 using tests::random_scene;
 using tests::ScaleAndShift;
@@ -39,8 +41,8 @@ TEST(Accel, EmbreeAgreesWithBruteForce) {
         const Scene scene = random_scene(600, 7, place.scale, place.shift);
         const auto oracle = build(scene, {.kind = AccelKind::none}, one_sided);
         const auto embree = build(scene, {.kind = AccelKind::embree}, one_sided);
-        const Disagreement d =
-            disagreement(*oracle, *embree, awkward_rays(scene, 10003, 4), false, coherent);
+        const RayBatch rays = awkward_rays(scene, if_sanitized(1003, 10003), 4);
+        const Disagreement d = disagreement(*oracle, *embree, rays, false, coherent);
         EXPECT_LE(d.closest, 10u) << "coherent " << coherent << " one-sided " << one_sided;
         EXPECT_LE(d.occluded, 10u) << "coherent " << coherent << " one-sided " << one_sided;
       }
@@ -64,12 +66,7 @@ TEST(Accel, AgreeOnTheStandardScenes) {
   for (const auto& path : paths) {
     const auto read = read_nff(path);
     ASSERT_TRUE(read.has_value()) << path;
-    // Sanitizers make brute force up to a hundred times as slow.
-#ifdef RAIO_SANITIZED
-    constexpr int kRays = 50, kSide = 8;
-#else
-    constexpr int kRays = 1500, kSide = 40;
-#endif
+    constexpr int kRays = if_sanitized(50, 1500), kSide = if_sanitized(8, 40);
     const RayBatch rays = awkward_rays(read->scene, kRays, 5);
     const auto oracle = build(read->scene, {.kind = AccelKind::none});
     const Answers expected = answers(*oracle, rays);

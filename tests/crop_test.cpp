@@ -6,6 +6,7 @@
 #include "one_picture.h"
 #include "render/job.h"
 #include "render/picture.h"
+#include "sanitized.h"
 #include "scenes.h"
 #include "temporary_folder.h"
 
@@ -84,7 +85,7 @@ void expect_cut(const Scene& scene, RenderOptions options) {
 }
 
 TEST(Crop, HasThePixelsOfTheWholePicture) {
-  const Scene scene = random_scene(60, 4);
+  const Scene scene = random_scene(tests::if_sanitized(20, 60), 4);
   for (const AccelKind kind : {AccelKind::none, AccelKind::grid, AccelKind::bvh}) {
     RenderOptions jittered = cropped(kind);
     jittered.aa = 2, jittered.lens_samples = 2;

@@ -15,6 +15,7 @@
 #include "io/nff/nff.h"
 #include "nff_text.h"
 #include "one_picture.h"
+#include "sanitized.h"
 #include "temporary_folder.h"
 
 namespace raio {
@@ -23,17 +24,13 @@ namespace {
 using testing::HasSubstr;
 using testing::IsEmpty;
 using tests::expect_one_picture;
+using tests::if_sanitized;
 using tests::read;
 using tests::texts;
 
 namespace fs = std::filesystem;
 
-// Sanitizers make all of it many times slower; what they look for shows in fewer rounds.
-#ifdef RAIO_SANITIZED
-constexpr int kRounds = 8;
-#else
-constexpr int kRounds = 40;
-#endif
+constexpr int kRounds = if_sanitized(8, 40);
 
 const std::string kFrontCamera = "v\nfrom 0 -5 1\nat 0 0 0\nup 0 0 1\nangle 45\n";
 const std::string kLight = "l 3 -4 5\nl -1 -4 2\n";

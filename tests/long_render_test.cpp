@@ -6,6 +6,7 @@
 #include "io/image/image.h"
 #include "program.h"
 #include "render/part.h"
+#include "sanitized.h"
 
 namespace raio {
 namespace {
@@ -160,11 +161,8 @@ TEST_F(LongRender, MetadataHoldNothingThatChanges) {
 }
 
 TEST_F(LongRender, EndsInTime) {
-#ifdef RAIO_SANITIZED
-  const std::string limit = "4";  // s; one sample of every pixel takes that long on a busy machine
-#else
-  const std::string limit = "0.5";
-#endif
+  // One sample of every pixel takes so many seconds on a busy machine.
+  const std::string limit = tests::if_sanitized("4", "0.5");
   Outcome o = raio(kLong + Arguments{"--time-limit", limit, "-o", "a.png"});
   ASSERT_EQ(o.status, 0) << o.err;
   EXPECT_LT(o.seconds, 20);

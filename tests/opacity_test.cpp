@@ -8,6 +8,7 @@
 #include "accel_rays.h"
 #include "integrate/film.h"
 #include "one_picture.h"
+#include "sanitized.h"
 #include "scenes.h"
 
 namespace raio {
@@ -15,6 +16,7 @@ namespace {
 
 using tests::awkward_rays;
 using tests::expect_one_picture;
+using tests::if_sanitized;
 using tests::moving_scene;
 using tests::picture_of;
 using tests::random_scene;
@@ -169,7 +171,8 @@ Scene with_opacity(Scene scene, uint32_t seed) {
 TEST(Opacity, AllStructuresGiveOnePicture) {
   for (const uint32_t seed : {1u, 2u}) {
     RenderOptions options;
-    options.width = 48, options.height = 40, options.aa = 2, options.soft_shadows = true;
+    options.width = if_sanitized(24, 48), options.height = 40;
+    options.aa = 2, options.soft_shadows = true;
     (void)expect_one_picture(with_opacity(random_scene(120, seed), seed), options);
     (void)expect_one_picture(with_opacity(moving_scene(seed), seed), options);
     options.integrator = IntegratorKind::ambient, options.soft_shadows = false;
@@ -182,7 +185,7 @@ TEST(Opacity, TheTreeFindsTheLayersOfBruteForce) {
     const Scene scene = with_opacity(random_scene(600, 7), 3);
     const auto none = build_accel(scene, {.kind = AccelKind::none}, one_sided);
     const auto tree = build_accel(scene, {.kind = AccelKind::bvh}, one_sided);
-    const RayBatch rays = awkward_rays(scene, 3000, 3);
+    const RayBatch rays = awkward_rays(scene, if_sanitized(500, 3000), 3);
     TraceContext context;
     HitBatch after, first, second;
     after.reset(rays.size());

@@ -15,6 +15,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sanitized.h"
 #include "temporary_folder.h"
 
 namespace raio {
@@ -41,11 +42,7 @@ struct Redirections {
   bool close_output = false;
 };
 
-#ifdef RAIO_SANITIZED
-inline constexpr double kAtOnce = 20;  // seconds
-#else
-inline constexpr double kAtOnce = 1;
-#endif
+inline constexpr double kAtOnce = tests::if_sanitized(20, 1);  // seconds
 
 struct Outcome {
   int status = -1;  // minus the signal that ended it

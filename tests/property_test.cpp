@@ -8,6 +8,7 @@
 #include "io/nff/nff.h"
 #include "noise.h"
 #include "one_picture.h"
+#include "sanitized.h"
 #include "scenes.h"
 #include "temporary_folder.h"
 
@@ -15,18 +16,14 @@ namespace raio {
 namespace {
 
 using tests::expect_one_picture;
+using tests::if_sanitized;
 using tests::noise;
 using tests::picture_of;
 using tests::random_scene;
 using tests::same_bytes;
 
-#ifdef RAIO_SANITIZED
-constexpr uint32_t kRounds = 4;
-constexpr int kSide = 40;
-#else
-constexpr uint32_t kRounds = 24;
-constexpr int kSide = 200;
-#endif
+constexpr uint32_t kRounds = if_sanitized(4, 24);
+constexpr int kSide = if_sanitized(40, 200);
 
 RenderOptions random_options(std::mt19937& random) {
   RenderOptions o;

@@ -11,11 +11,13 @@
 #include "io/nff/nff.h"
 #include "one_picture.h"
 #include "render/options.h"
+#include "sanitized.h"
 #include "scenes.h"
 
 namespace raio {
 namespace {
 
+using tests::if_sanitized;
 using tests::random_scene;
 using tests::same_bytes;
 
@@ -245,7 +247,7 @@ TEST(Render, AnyNumberOfThreadsGivesTheSameBytes) {
 
 TEST(Render, StructuresGiveTheSamePicture) {
   for (const bool one_sided : {false, true}) {
-    const Scene s = random_scene(300, 6);
+    const Scene s = random_scene(if_sanitized(100, 300), 6);
     RenderOptions o = all_effects(AccelKind::none);
     o.one_sided = one_sided;
     const Image none = picture(s, o).image;
@@ -284,11 +286,7 @@ TEST(Render, P3dScenesAreTheSameWithEveryStructure) {
     const auto read = read_nff(path);
     ASSERT_TRUE(read.has_value());
     const bool large = read->scene.primitive_count() > 5000;
-#ifdef RAIO_SANITIZED
-    constexpr int kLarge = 12, kSmall = 24;
-#else
-    constexpr int kLarge = 48, kSmall = 64;
-#endif
+    constexpr int kLarge = if_sanitized(12, 48), kSmall = if_sanitized(24, 64);
     RenderOptions o = large ? small(AccelKind::none, kLarge) : all_effects(AccelKind::none, kSmall);
     const Image none = picture(read->scene, o).image;
     o.accel.kind = AccelKind::grid;

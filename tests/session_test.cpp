@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "integrate/views.h"
+#include "sanitized.h"
 #include "scene/columns.h"
 #include "scenes.h"
 
@@ -249,7 +250,7 @@ TEST(Session, BuildsAnotherStructureWhereGlassTurnsOpaqueOnOneSide) {
 
 // So many spheres that brute force takes a while.
 std::shared_ptr<const Scene> slow_scene() {
-  return std::make_shared<const Scene>(tests::random_scene(400, 5));
+  return std::make_shared<const Scene>(tests::random_scene(tests::if_sanitized(100, 400), 5));
 }
 RenderOptions slow() {
   RenderOptions o = options(128, 96);

@@ -9,6 +9,7 @@
 #include <hwy/foreach_target.h>
 // After foreach_target.h.
 #include "base/wide-inl.h"
+#include "sanitized.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
@@ -36,11 +37,7 @@ HWY_EXPORT(wrong_quotients);
 
 // How a quotient is rounded does not depend on the exponent of x.
 TEST(Wide, QuotientsAreThoseOfDivisionForEveryMantissa) {
-#ifdef RAIO_SANITIZED
-  constexpr uint32_t kStep = 1009;
-#else
-  constexpr uint32_t kStep = 1;
-#endif
+  constexpr uint32_t kStep = tests::if_sanitized(1009, 1);
   std::vector<float> x(16);  // with zeroes
   for (uint32_t mantissa = 0; mantissa < 1u << 23; mantissa += kStep)
     x.push_back(1 + float(mantissa) * 0x1p-23f);
