@@ -1,4 +1,5 @@
 // Files of atoms, and how atoms are drawn.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -298,6 +299,39 @@ TEST(Pdb, AssembliesCopyTheirChains) {
   EXPECT_EQ(read(kPdb, "a.pdb")->scene.cones.size(), 2u);  // few atoms: with bonds
 }
 
+// Some programs name atoms by their elements, or list places one after the other.
+TEST(Pdb, AtomsOfOneNameAreSeveral) {
+  auto atom = [serial = 0](const char* name_and_altloc, const char* residue, double x) mutable {
+    return fmt::format("HETATM{:5} {}{}    {:8.3f}   0.000   0.000  1.00  0.00           C\n",
+                       ++serial, name_and_altloc, residue, x);
+  };
+  const auto spheres = [](const std::string& text) {
+    const auto got = read(text, "a.pdb", {.style = AtomStyle::space_filling});
+    return got ? got->scene.spheres.size() : 0;
+  };
+  std::string ring, blocks, ions, mixed;
+  for (int i = 0; i < 6; ++i) ring += atom(" C   ", "UNL     1", 1.4 * i);
+  EXPECT_EQ(spheres(ring), 6u);
+  for (const char* name : {" N  A", " CA A", " N  B", " CA B"})
+    blocks += atom(name, "ALA A   1", 1);
+  EXPECT_EQ(spheres(blocks), 2u);
+  ions = atom("NA   ", " NA A   1", 0) + atom("CL   ", " CL A   1", 5);
+  EXPECT_EQ(spheres(ions), 2u);
+  mixed = atom(" CA A", "SER A   1", 0) + atom(" CA B", "THR A   1", 1);
+  EXPECT_EQ(spheres(mixed), 1u);
+}
+
+// A part that keeps the head of the whole is drawn as it is, unless the assembly is asked for.
+TEST(Pdb, AnAssemblyOfOtherChainsIsLeftOut) {
+  std::string other(kPdb);
+  other.replace(other.find("CHAINS: A"), 9, "CHAINS: C");
+  const auto got = read(other, "a.pdb", {.style = AtomStyle::space_filling});
+  ASSERT_TRUE(got) << got.error().front().text();
+  EXPECT_EQ(got->scene.spheres.size(), 3u);
+  EXPECT_THAT(error(other, "a.pdb", {.style = AtomStyle::space_filling, .assembly = 1}),
+              HasSubstr("the assembly has no atoms"));
+}
+
 TEST(Pdb, BrokenFilesAreRefused) {
   std::string flat(kPdb);
   flat.replace(flat.find("-1.000000"), 9, " 0.000000");
@@ -321,6 +355,54 @@ TEST(Cif, AtomsAreRead) {
   ASSERT_TRUE(scene) << scene.error().front().text();
   EXPECT_EQ(scene->scene.spheres.size(), 2u);
   EXPECT_EQ(scene->scene.cones.size(), 2u);
+}
+
+TEST(Cif, ColumnsMayBeLeftOut) {
+  const auto few = read(
+      "data_x\nloop_\n_atom_site.id\n_atom_site.type_symbol\n_atom_site.Cartn_x\n"
+      "_atom_site.Cartn_y\n_atom_site.Cartn_z\n1 N 1 2 3\n2 C 2.4 2 3\n",
+      "a.cif");
+  ASSERT_TRUE(few) << few.error().front().text();
+  ASSERT_EQ(few->scene.spheres.size(), 2u);
+  EXPECT_EQ(few->scene.spheres[1].center, Vec3f(2.4f, 2, 3));
+}
+
+// Products of operations, the last applied first; and ranges of which most are not there.
+TEST(Cif, AssembliesMultiplyTheirOperations) {
+  const auto copies = [](const std::string& expression) {
+    return "data_x\nloop_\n_atom_site.id\n_atom_site.type_symbol\n_atom_site.label_asym_id\n"
+           "_atom_site.Cartn_x\n_atom_site.Cartn_y\n_atom_site.Cartn_z\n1 N A 1 2 3\n"
+           "loop_\n_pdbx_struct_assembly_gen.assembly_id\n"
+           "_pdbx_struct_assembly_gen.oper_expression\n_pdbx_struct_assembly_gen.asym_id_list\n1 "
+           "'" +
+           expression +
+           "' A\nloop_\n_pdbx_struct_oper_list.id\n"
+           "_pdbx_struct_oper_list.matrix[1][1]\n_pdbx_struct_oper_list.matrix[1][2]\n"
+           "_pdbx_struct_oper_list.matrix[1][3]\n_pdbx_struct_oper_list.vector[1]\n"
+           "_pdbx_struct_oper_list.matrix[2][1]\n_pdbx_struct_oper_list.matrix[2][2]\n"
+           "_pdbx_struct_oper_list.matrix[2][3]\n_pdbx_struct_oper_list.vector[2]\n"
+           "_pdbx_struct_oper_list.matrix[3][1]\n_pdbx_struct_oper_list.matrix[3][2]\n"
+           "_pdbx_struct_oper_list.matrix[3][3]\n_pdbx_struct_oper_list.vector[3]\n"
+           "1 1 0 0 0 0 1 0 0 0 0 1 0\n2 1 0 0 10 0 1 0 0 0 0 1 0\n"
+           "P 0 -1 0 0 1 0 0 0 0 0 1 0\n";
+  };
+  const auto first_x = [&](const std::string& expression) {
+    const auto got = read(copies(expression), "a.cif", {.style = AtomStyle::space_filling});
+    std::vector<float> x;
+    if (got)
+      for (const Sphere& s : got->scene.spheres) x.push_back(s.center.x);
+    return x;
+  };
+  EXPECT_THAT(first_x("1,2"), ElementsAre(1, 11));
+  EXPECT_THAT(first_x("(1-2)"), ElementsAre(1, 11));
+  EXPECT_THAT(first_x("(1-2000000000)"), ElementsAre(1, 11));
+  EXPECT_THAT(first_x("(2)(P)"), ElementsAre(8));
+  EXPECT_THAT(first_x("(P)(2)"), ElementsAre(-2));
+  EXPECT_THAT(first_x("(1,2)(1-2)"), ElementsAre(1, 11, 11, 21));
+  std::string many;
+  for (int i = 0; i < 30; ++i) many += "(1-2)";
+  EXPECT_THAT(error(copies(many), "a.cif", {.style = AtomStyle::space_filling}),
+              HasSubstr("more than a million copies"));
 }
 
 constexpr std::string_view kSalt =

@@ -70,6 +70,23 @@ TEST(Lammps, DataFilesSayTheirBonds) {
   EXPECT_THAT(with("9 1 2 0.4 2 1 1", "9 1 2 0.4 2 1 z"), HasSubstr("water.lmp:18:15: error"));
 }
 
+TEST(Lammps, TypesMayHaveNames) {
+  std::string text(kData);
+  for (const auto& [from, to] :
+       {std::pair("Masses\n\n1 15.9994 # O\n2 ",
+                  "Atom Type Labels\n\n1 ow\n2 H\n\nMasses\n\now 15.9994\nH "),
+        {"7 1 1 ", "7 1 ow "},
+        {"9 1 2 ", "9 1 H "},
+        {"8 1 2 ", "8 1 H "}})
+    text.replace(text.find(from), std::string_view(from).size(), to);
+  const auto got = read(text, "water.lmp"), as_numbers = read(kData, "water.lmp");
+  ASSERT_TRUE(got) << got.error().front().text();
+  ASSERT_EQ(got->scene.spheres.size(), 3u);
+  for (size_t i = 0; i < 3; ++i)
+    EXPECT_EQ(got->scene.materials[got->scene.sphere_materials[i]].color,
+              as_numbers->scene.materials[as_numbers->scene.sphere_materials[i]].color);
+}
+
 TEST(Lammps, MassesSayMoreThanNames) {
   const auto element_of = [](std::string_view mass) {
     std::string text(kData);

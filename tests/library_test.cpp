@@ -536,6 +536,18 @@ TEST(LibraryInstances, HitsNameTheCopyAndWhatIsCopied) {
   }
 }
 
+TEST(LibraryFilm, AlphaIsAChannel) {
+  const raio::Scene scene = stage();
+  raio::Settings settings = small();
+  const raio::Film film = raio::Job(scene, settings.set("channels", "alpha,depth")).run();
+  EXPECT_EQ(film.channels(), (std::vector<std::string>{"alpha", "depth"}));
+  int components = 0;
+  const Floats alpha = film.channel("alpha", &components), rgba = film.rgba();
+  EXPECT_EQ(components, 1);
+  ASSERT_EQ(4 * alpha.size(), rgba.size());
+  for (size_t i = 0; i < alpha.size(); ++i) EXPECT_EQ(alpha[i], rgba[4 * i + 3]);
+}
+
 TEST(LibraryInstances, NamesMakeObjects) {
   raio::Scene scene = stage();
   const uint32_t number = scene.add_prototype(thing());

@@ -3,6 +3,7 @@
 
 #include "io/image/image.h"
 #include "program.h"
+#include "render/provenance.h"
 
 namespace raio {
 namespace {
@@ -46,6 +47,20 @@ TEST_F(Pictures, OfATurntableGoAroundTheScene) {
   }
   EXPECT_FALSE(get(file("x/t-0001.png")) == get(file("x/t-0002.png")));
   EXPECT_FALSE(std::filesystem::exists(file("x/t.png")));
+}
+
+// Data has the angle of view at which all of it is in the picture, from every side the same.
+TEST_F(Pictures, OfATurntableOfDataHaveOneAngle) {
+  put(file("row.xyz"), "3\n\nC 0 0 0\nC 0 0 2\nC 0 0 4\n");
+  ASSERT_EQ(raio({"render", "row.xyz", "--size", "16x40", "--samples", "2", "--turntable", "2",
+                  "-o", "t.png"})
+                .status,
+            0);
+  const auto angle = [&](const std::string& name) {
+    return std::string(setting(read_metadata(file(name)).value(), "fov"));
+  };
+  EXPECT_NE(angle("t-0001.png"), "");
+  EXPECT_EQ(angle("t-0001.png"), angle("t-0002.png"));
 }
 
 TEST_F(Pictures, OfATurntableAreOfOneReading) {
@@ -93,6 +108,17 @@ TEST_F(Pictures, OfFramesGoIntoFiles) {
   EXPECT_EQ(render("-4:-1:2", "b.ppm").status, 0);
   EXPECT_TRUE(get(file("b-0001.ppm")) == get(file("one.ppm")));
   EXPECT_FALSE(get(file("b-0002.ppm")) == get(file("other.ppm")));
+  const Outcome again =
+      raio({"render", "--repeat", "a-0002.png", "run.xyz", "--frame", "3", "-o", "c.png"});
+  EXPECT_EQ(again.status, 0) << again.err;
+  EXPECT_TRUE(get(file("c.png")) == get(file("a-0002.png")));
+  std::string broken = frames;
+  broken.replace(broken.find("O 3"), 3, "O z");
+  put(file("broken.xyz"), broken);
+  const Outcome half =
+      raio({"render", "broken.xyz", "--frame", "0:4", "--size", "8x8", "-o", "d.png"});
+  EXPECT_EQ(half.status, 2);
+  EXPECT_THAT(half.err, HasSubstr("broken.xyz:12:3: error"));
   const auto refused = [&](std::vector<std::string> more, std::string_view message) {
     more.insert(more.begin(), "render");
     expect_refusal(more, 2, message);

@@ -125,7 +125,8 @@ TEST_F(SceneFiles, TitlesSayNothingOfTheKind) {
   };
   for (const char* title : {"2 atoms", "data_1", "v 1 2 3"})
     EXPECT_EQ(atoms("2\n" + std::string(title) + "\nC 0 0 0\nC 2 0 0\n", "a.xyz"), "2") << title;
-  for (const char* title : {"solid argon", "BMIM BF4 box", "II*", "TITLE  x", "LAMMPS", "OFF on"}) {
+  for (const char* title : {"solid argon", "BMIM BF4 box", "II*", "TITLE  x", "LAMMPS", "OFF on",
+                            "P1 quartz", "216 atoms", "data_run1"}) {
     std::string gro(kGro);
     gro.replace(0, gro.find('\n'), title);
     EXPECT_EQ(atoms(gro, "a.gro"), "4") << title;
@@ -136,6 +137,10 @@ TEST_F(SceneFiles, TitlesSayNothingOfTheKind) {
   const std::string columns = "1\nProperties=pos:R:3:species:S:1\n0 0 0 C\n";
   for (const char* name : {"a.extxyz", "a.xyz", "a"}) EXPECT_EQ(atoms(columns, name), "1");
   EXPECT_EQ(atoms("1\nnothing\nC 0 0 0\n", "a.extxyz"), "1");
+  // No more columns than words, however many are announced.
+  std::string many = "1\nProperties=pos:R:3:";
+  for (int i = 0; i < 9999; ++i) many += "a:R:9999:";
+  EXPECT_THAT(atoms(many + "\n0 0 0 C\n", "a.xyz"), HasSubstr("as many columns as the rows have"));
 }
 
 TEST_F(SceneFiles, TextsOfScenesAreNotTakenForOthers) {

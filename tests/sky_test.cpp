@@ -316,9 +316,13 @@ TEST_F(SkyJob, ShardsMakeTheSamePicture) {
     ASSERT_TRUE(done(r));
     parts.push_back({name, read_part(file(name)).value()});
   }
+  // Parts are merged and written where their sky is not.
+  std::filesystem::rename(file("sky"), file("gone"));
+  EXPECT_TRUE(read_part(file("part0.raio")));
   const auto merged = merge_parts(parts);
   ASSERT_TRUE(merged) << merged.error().text();
   EXPECT_TRUE(write_result(file("merged.png"), *merged));
+  std::filesystem::rename(file("gone"), file("sky"));
   EXPECT_TRUE(same_bytes(picture("merged.png"), picture("whole.png")));
   JobRequest other = request("other.raio", "other");
   other.shard = 1, other.shards = 3;

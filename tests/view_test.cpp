@@ -71,7 +71,6 @@ TEST(ViewState, EveryStateIsACommandLine) {
     if (i & 512) s.camera = orbited(s.camera, {}, 0.1 * i, 0.05);
     if (i & 1024) s.show(View(i % kViews));
     if (i & 2048) s.options.aa = 3, s.options.lens_samples = 2;
-    if (s.options.accel.kind == AccelKind::embree && s.options.view != View::picture) continue;
     const RenderOptions o = read_back(s, 5), wanted = s.request(64, 48, 5);
     EXPECT_EQ(option_arguments(o), option_arguments(wanted));
     const Camera a = camera_of(*s.scene, o);
@@ -108,6 +107,31 @@ TEST(ViewState, AFigureHasNoEffectsOfSurfaces) {
   (void)read_back(state, 4);
   state.options.integrator = IntegratorKind::classic;
   EXPECT_EQ(state.toggle(Command::soft_shadows), "soft shadows on");
+}
+
+// What another scene brought along waits for one in which it has an effect.
+TEST(ViewState, WhatHasNoEffectWaits) {
+  Scene molecule = *scene();
+  molecule.dialect = Dialect::data;
+  ViewState state("some.nff", scene(), {});
+  state.toggle(Command::soft_shadows);
+  state.options.gloss = 0.2f;
+  state.open("some.xyz", std::make_shared<const Scene>(std::move(molecule)));
+  EXPECT_FALSE(read_back(state, 4).soft_shadows);
+  state.options.outline = 2, state.options.look = Look::dark;
+  EXPECT_EQ(read_back(state, 4).outline, 2);
+  state.open("some.nff", scene());
+  EXPECT_TRUE(read_back(state, 4).soft_shadows);
+  EXPECT_FALSE(read_back(state, 4).outline);
+}
+
+TEST(ViewState, ShowsAllOfTheData) {
+  Scene molecule = *scene();
+  molecule.dialect = Dialect::data;
+  molecule.camera.width = 100, molecule.camera.height = 200, molecule.camera.across_deg = 60;
+  const ViewState state("some.xyz", std::make_shared<const Scene>(molecule), {});
+  EXPECT_GT(state.camera.fov_deg, molecule.camera.fov_deg);
+  EXPECT_EQ(state.camera.fov_deg, resolve_options({}, molecule).camera.fov_deg);
 }
 
 TEST(ViewState, SaysWhatKeysDid) {
@@ -347,6 +371,8 @@ TEST(Status, SaysWhatGoesOn) {
   EXPECT_EQ(status_of(facts).kind, Status::Kind::working);
   EXPECT_THAT(status_of(facts).text, HasSubstr("1 of 64 samples a pixel"));
   EXPECT_THAT(status_of(facts).text, HasSubstr(" 0 rays/s"));
+  picture.settings.samples = 0, picture.settings.aa = 3, picture.settings.lens_samples = 1;
+  EXPECT_THAT(status_of(facts).text, HasSubstr("1 of 9 samples a pixel"));
   facts.paused = true;
   EXPECT_EQ(status_of(facts).text, "Paused at 1 sample a pixel; space goes on");
   picture.finished = true;

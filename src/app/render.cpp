@@ -152,14 +152,14 @@ class Pictures {
     do {
       auto read = frames.read(request.read);
       const Diagnostics& said = read ? read->warnings : read.error();
-      if ((!read || !command_.quiet) && index_ == 0) print_diagnostics(said);
+      if (!read || (!command_.quiet && index_ == 0)) print_diagnostics(said);
       if (!read) return status_of(error_of(said.front()));
       if (!camera) {
         const auto count = frames_in(read->frames, request.read.frame);
         if (!count) return bad_input(request.scene + ": " + count.error());
-        count_ = *count, camera = read->scene.camera;
+        count_ = *count, camera = resolve_options(command_.options, read->scene).camera;
       }
-      read->scene.camera = *camera;
+      set_camera(request.options, *camera, read->scene);
       if (command_.color_bar)
         if (const int status = add_color_bar(request, read->colors)) return status;
       request.loaded = std::make_shared<const Scene>(std::move(read->scene));
@@ -192,15 +192,14 @@ class Pictures {
   }
 
   void turn(JobRequest& request, int index) const {
-    const Camera camera = camera_of(*request.loaded, command_.options);
+    const Camera camera = resolve_options(command_.options, *request.loaded).camera;
     set_camera(request.options, turntable_camera(camera, index, of_scene_), *request.loaded);
   }
 
   // One picture. Leaves in the request what the next one of the scene starts from.
   int render(JobRequest& request) {
     bool broken_scene = false;
-    const bool bar_loaded = command_.color_bar && !command_.frames;
-    const bool is_first = !request.loaded || (bar_loaded && !request.built);
+    const bool is_first = command_.frames ? index_ == 0 : !request.built;
     const JobEvents events = {.scene_read =
                                   [&](const Diagnostics& said) {
                                     broken_scene = said.front().severity == Severity::error;

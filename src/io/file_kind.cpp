@@ -133,7 +133,7 @@ bool is_xyz(std::string_view first, std::string_view second, std::string_view th
          std::all_of(&words[1], &words[4], looks_like_number);
 }
 
-FileKind kind_of_text(std::string_view text, std::string_view suffix) {
+FileKind kind_of_text(std::string_view text, std::string_view suffix, bool has_title) {
   constexpr std::string_view kUtf8 = "\xef\xbb\xbf";
   if (trimmed(text.starts_with(kUtf8) ? text.substr(kUtf8.size()) : text).starts_with('{')) {
     // What a glTF file has at its top, in any order; "asset" may come last.
@@ -152,6 +152,7 @@ FileKind kind_of_text(std::string_view text, std::string_view suffix) {
   const std::string_view all = text, first = next_line(), second = next_line();
   if (is_xyz(first, second, next_line())) return kXyz;
   text = all;
+  if (has_title) (void)next_line();
   while (!text.empty()) {
     const std::string_view line = next_line();
     if (line.starts_with("data_")) return kCif;
@@ -189,9 +190,9 @@ FileKind file_kind(std::string_view start, std::string_view suffix, size_t size)
   const bool has_title = suffix == ".gro" || suffix == ".data" || suffix == ".lmp";
   for (const Sign& sign : kStarts)
     if (start.starts_with(sign.start) && !(has_title && may_be_title(sign.kind))) return sign.kind;
-  if (is_bmp(start)) return {"a BMP picture"};
-  if (is_netpbm(start)) return {"a picture (PPM, PGM, PBM or PFM)"};
-  if (const FileKind kind = kind_of_text(start, suffix); !kind.name.empty()) return kind;
+  if (!has_title && is_bmp(start)) return {"a BMP picture"};
+  if (!has_title && is_netpbm(start)) return {"a picture (PPM, PGM, PBM or PFM)"};
+  if (const FileKind kind = kind_of_text(start, suffix, has_title); !kind.name.empty()) return kind;
   if (is_binary_stl(start, size)) return kStl;
   for (const Sign& sign : kSuffixes)
     if (suffix == sign.start) return sign.kind;

@@ -131,16 +131,23 @@ std::vector<float> Film::rgba() const {
 
 std::vector<std::string> Film::channels() const {
   std::vector<std::string> names;
+  if (!data_->picture.alpha.empty()) names.emplace_back("alpha");
   for (const Layer& layer : data_->picture.layers) names.push_back(layer.name);
   return names;
 }
 
 std::vector<float> Film::channel(std::string_view name, int* components) const {
-  const auto& layers = data_->picture.layers;
-  const auto layer = std::ranges::find(layers, name, &Layer::name);
-  if (layer == layers.end())
+  const Picture& p = data_->picture;
+  if (name == "alpha" && !p.alpha.empty()) {
+    if (components) *components = 1;
+    return guarded([&] { return std::vector<float>(p.alpha.begin(), p.alpha.end()); });
+  }
+  const auto layer = std::ranges::find(p.layers, name, &Layer::name);
+  if (layer == p.layers.end()) {
+    const std::vector<std::string> all = channels();
     refuse(fmt::format("the film has no channel '{}'; it has {}", name,
-                       layers.empty() ? "none" : fmt::format("{}", fmt::join(channels(), ", "))));
+                       all.empty() ? "none" : fmt::format("{}", fmt::join(all, ", "))));
+  }
   if (components) *components = int(layer->components.size());
   return guarded([&] {
     return std::visit(

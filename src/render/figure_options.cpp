@@ -103,39 +103,53 @@ void set_figure(RenderOptions& options, const FigureSettings& figure) {
   if (figure.depth_cue != look.depth_cue) options.depth_cue = figure.depth_cue;
 }
 
+namespace {
+
+// Visits the names and values of the options that belong to another way of shading; one that is
+// given differs from the value of its type.
+template <class Options, class Visit>
+void visit_foreign_options(Options& o, const Scene& scene, Visit&& visit) {
+  switch (integrator_of(o, scene)) {
+    case IntegratorKind::classic:
+      visit("look", o.look), visit("occlusion-rays", o.occlusion_rays);
+      visit("occlusion-distance", o.occlusion_distance), visit("key-light", o.key_light);
+      visit("outline", o.outline), visit("depth-cue", o.depth_cue);
+      visit("shadow-catcher", o.shadow_catcher);
+      break;
+    case IntegratorKind::ambient:
+      visit("soft-shadows", o.soft_shadows), visit("light-size", o.light_size);
+      visit("shading", o.shading), visit("fresnel", o.fresnel), visit("gloss", o.gloss);
+      visit("translucency", o.translucency), visit("no-reflection", o.no_reflection);
+      visit("no-refraction", o.no_refraction);
+      break;
+    case IntegratorKind::views:
+      break;
+  }
+}
+
+bool fades_into_nothing(const RenderOptions& options, const Scene& scene) {
+  return options.depth_cue.value_or(0) > 0 && !has_plain_background(options, scene);
+}
+
+}  // namespace
+
 std::optional<Error> figure_conflict(const RenderOptions& options, const Scene& scene) {
-  const IntegratorKind integrator = integrator_of(options, scene);
-  const auto refuse = [&](std::string_view option) {
-    return bad_option(option,
-                      fmt::format("has no effect with `integrator` {}; leave one of them out",
-                                  kIntegratorNames[size_t(integrator)]));
-  };
-  const auto first_of = [&](auto... given) -> std::optional<Error> {
-    std::optional<Error> why;
-    ((given.first && !why ? void(why = refuse(given.second)) : void()), ...);
-    return why;
-  };
-  using Given = std::pair<bool, std::string_view>;
-  if (integrator == IntegratorKind::classic)
-    return first_of(Given{options.look.has_value(), "look"},
-                    Given{options.occlusion_rays > 0, "occlusion-rays"},
-                    Given{options.occlusion_distance > 0, "occlusion-distance"},
-                    Given{options.key_light.has_value(), "key-light"},
-                    Given{options.outline.has_value(), "outline"},
-                    Given{options.depth_cue.has_value(), "depth-cue"},
-                    Given{options.shadow_catcher, "shadow-catcher"});
-  if (options.depth_cue.value_or(0) > 0 && !has_plain_background(options, scene))
-    return bad_option("depth-cue",
-                      "fades into a colour; give one as `background`, or leave it out");
-  if (integrator == IntegratorKind::ambient)
-    return first_of(
-        Given{options.soft_shadows, "soft-shadows"}, Given{options.light_size > 0, "light-size"},
-        Given{options.shading.has_value(), "shading"},
-        Given{options.fresnel.has_value(), "fresnel"}, Given{options.gloss.has_value(), "gloss"},
-        Given{options.translucency.has_value(), "translucency"},
-        Given{options.no_reflection, "no-reflection"},
-        Given{options.no_refraction, "no-refraction"});
-  return std::nullopt;
+  std::optional<Error> why;
+  visit_foreign_options(options, scene, [&](std::string_view option, const auto& value) {
+    if (why || value == std::remove_cvref_t<decltype(value)>()) return;
+    const auto integrator = size_t(integrator_of(options, scene));
+    why =
+        bad_option(option, fmt::format("has no effect with `integrator` {}; leave one of them out",
+                                       kIntegratorNames[integrator]));
+  });
+  if (!why && fades_into_nothing(options, scene))
+    why = bad_option("depth-cue", "fades into a colour; give one as `background`, or leave it out");
+  return why;
+}
+
+void drop_figure_conflicts(RenderOptions& options, const Scene& scene) {
+  visit_foreign_options(options, scene, [](std::string_view, auto& value) { value = {}; });
+  if (fades_into_nothing(options, scene)) options.depth_cue.reset();
 }
 
 }  // namespace raio

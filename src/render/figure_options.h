@@ -32,5 +32,7 @@ void set_figure(RenderOptions& options, const FigureSettings& figure);
 
 /// An option that has an effect with one integrator only, beside another.
 std::optional<Error> figure_conflict(const RenderOptions& options, const Scene& scene);
+/// Leaves out what figure_conflict() refuses.
+void drop_figure_conflicts(RenderOptions& options, const Scene& scene);
 
 }  // namespace raio

@@ -22,7 +22,7 @@ namespace {
 
 // Why the part is not to be merged by itself, or nothing.
 std::string unfinished(const NamedPart& p) {
-  const auto options = options_from(p.part.header.settings);
+  const auto options = options_from(p.part.header.settings, false);
   const uint32_t wanted = options ? uint32_t(samples_per_pixel(*options)) : 0;
   const auto& [header, film] = p.part;
   // Of what was merged before, whole tiles may be missing.

@@ -206,7 +206,7 @@ std::expected<Part, Error> decode_part(std::string_view file) {
     header.settings.emplace_back(key, bytes.text());
   }
   if (bytes.ended) return broken("it ends early");
-  const auto options = options_from(header.settings);
+  const auto options = options_from(header.settings, false);
   if (!options) return broken(options.error().message);
   const Crop frame = options->crop.value_or(Crop{0, 0, options->width, options->height});
   if (width != uint32_t(frame.width()) || height != uint32_t(frame.height()) || width == 0 ||

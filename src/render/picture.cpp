@@ -64,7 +64,7 @@ void tone_map(Image& image, std::span<const float> alpha, Tone tone, float expos
 
 std::expected<void, Error> write_picture(Picture picture, const std::filesystem::path& path,
                                          const Metadata& settings, const Overlay& overlay) {
-  const auto options = options_from(settings);
+  const auto options = options_from(settings, false);
   if (!options)
     return std::unexpected(Error{options.error().kind, path.string(), options.error().message});
   const auto format = image_format(path);
@@ -79,7 +79,7 @@ std::expected<void, Error> write_picture(Picture picture, const std::filesystem:
 std::expected<void, Error> write_result(const std::filesystem::path& path, const Part& part,
                                         const Overlay& overlay) {
   if (is_part_path(path)) return write_part(path, part.header, *part.film);
-  const auto options = options_from(part.header.settings);
+  const auto options = options_from(part.header.settings, false);
   if (!options)
     return std::unexpected(Error{options.error().kind, path.string(), options.error().message});
   RenderSettings settings;

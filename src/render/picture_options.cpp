@@ -110,7 +110,8 @@ std::string background_text(const RenderOptions& options) {
 }
 
 Tone tone_of(const RenderOptions& options, const Scene& scene) {
-  const bool figure = integrator_of(options, scene) == IntegratorKind::ambient;
+  const bool figure =
+      no_light_in(options).empty() && integrator_of(options, scene) == IntegratorKind::ambient;
   return options.tone.value_or(figure ? Tone::srgb : Tone::none);
 }
 

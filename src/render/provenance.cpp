@@ -44,7 +44,7 @@ std::string_view setting(const Metadata& settings, std::string_view key) {
   return found == settings.end() ? std::string_view() : found->second;
 }
 
-std::expected<RenderOptions, Error> options_from(const Metadata& settings) {
+std::expected<RenderOptions, Error> options_from(const Metadata& settings, bool reads_sky) {
   const auto refused = [](std::string why) {
     return std::unexpected(Error{ErrorKind::bad_input, "", std::move(why)});
   };
@@ -54,6 +54,7 @@ std::expected<RenderOptions, Error> options_from(const Metadata& settings) {
   RenderOptions options;
   for (const auto& [key, text] : settings) {
     if (std::ranges::find(kNoOptions, key) != kNoOptions.end()) continue;
+    if (key == "background" && !reads_sky && !setting(settings, "sky_hash").empty()) continue;
     const auto spec = std::ranges::find(table, key, key_of);
     if (spec == table.end() || !spec->of_picture)
       return refused(fmt::format("its setting {} is unknown here", key));

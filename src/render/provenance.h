@@ -21,8 +21,9 @@ std::string_view setting(const Metadata& settings, std::string_view key);
 
 /// The options in the settings that a picture or a part file brought. They need not be trusted; the
 /// error (bad_input) is a sentence about them. That they are resolved does not harm: resolving them
-/// again for the same scene changes nothing.
-std::expected<RenderOptions, Error> options_from(const Metadata& settings);
+/// again for the same scene changes nothing. A sky is a folder, which may have gone since; without
+/// `reads_sky` the background stays open where it is one.
+std::expected<RenderOptions, Error> options_from(const Metadata& settings, bool reads_sky = true);
 
 /// How the settings differ that decide a picture, as in "`aa` 2, not 3; without `samples`, not 7"
 /// with the values of `a` and `b`, to stand in Error::message; empty when they do not. The scene's

@@ -190,8 +190,8 @@ RenderSettings resolve_options(const RenderOptions& o, const Scene& scene) {
   s.sampler = o.samples > 0 ? SamplerKind::sobol : o.sampler.value_or(SamplerKind::jitter);
   s.aa = o.aa, s.lens_samples = o.lens_samples;
   const bool figure = s.integrator == IntegratorKind::ambient;
-  if (figure && o.samples == 0 && o.aa == 0 && o.lens_samples == 0 && !o.sampler &&
-      scene.samples_per_pixel == 0)
+  if (figure && o.samples == 0 && o.aa == 0 && o.lens_samples == 0 &&
+      o.sampler != SamplerKind::jitter && scene.samples_per_pixel == 0)
     s.samples = kFigureSamples, s.sampler = SamplerKind::sobol;
   if (s.samples == 0 && o.aa == 0)
     s.aa = std::max(1, int(std::lround(std::sqrt(double(scene.samples_per_pixel)))));

@@ -197,7 +197,7 @@ Status status_of(const StatusFacts& f) {
   if (f.paused) return {paused, trf("Paused at {}; space goes on", samples)};
   if (f.measuring == Measuring::Work::costs)
     return {measuring, tr("Measuring what effects cost; refining waits")};
-  const int most = f.picture->settings.samples;
+  const int most = f.picture->settings.samples_per_pixel();
   const double sample_s = f.picture->sample_s.median;
   const std::string so_far = trf("Refining: {} of {}", f.picture->samples,
                                  number_of(size_t(most), "sample a pixel", "samples a pixel"));

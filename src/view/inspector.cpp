@@ -66,7 +66,10 @@ void Inspector::restart(int sample) {
 std::optional<std::expected<std::string, Error>> Inspector::poll() {
   auto found = inspection_.poll();
   if (!found || !open_) return std::nullopt;
-  if (found->error) return std::unexpected(*found->error);
+  if (found->error) {
+    close();
+    return std::unexpected(*found->error);
+  }
   take(std::move(found));
   const Inspected& f = *found_;
   if (f.request.is_region())
@@ -97,6 +100,7 @@ void Inspector::take(std::shared_ptr<const Inspected> found) {
         if ((rays[size_t(*k)].kind == ExplainedRay::Kind::shadow) == shadow) open.push_back(*k);
   }
   if (ray_ >= int(rays.size())) ray_ = 0, step_ = -1;
+  steps_.clear();
   choose(ray_, step_);
 }
 

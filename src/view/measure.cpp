@@ -6,6 +6,8 @@
 #include <new>
 #include <utility>
 
+#include "base/parallel.h"
+#include "render/timed_share.h"
 #include "view/texts.h"
 
 namespace raio::view {
@@ -19,6 +21,8 @@ RenderOptions options_of(const ViewState& state, int width, int height) {
   RenderOptions o = state.options;
   set_camera(o, state.camera, *state.scene);
   o.width = width, o.height = height;
+  // The key leaves their number open, which counts as one sample.
+  if (o.aa == 0 && o.samples == 0 && state.endless()) o.samples = kRefineSamples;
   return o;
 }
 
@@ -125,7 +129,16 @@ void Measuring::start_costs(const ViewState& state, std::shared_ptr<const BakedS
         found.progress = {.done = costs.done, .left_s = costs.left_s, .what = {}};
       });
     };
-    const auto costs = measure_effects(*scene, *baked->accel, options, control_, take);
+    // A view of steps has a structure that counts them, which takes longer.
+    std::shared_ptr<const Accel> accel = baked->accel;
+    const RenderSettings s = resolve_options(timed_options(options, *scene), *scene);
+    if (baked->options.counters && !s.accel.counters) {
+      std::expected<std::unique_ptr<Accel>, Error> built;
+      on_threads(s.threads, [&] { built = build_accel(*scene, s.accel, s.one_sided); });
+      if (!built) return with_settings(built.error().message, "");
+      accel = std::move(*built);
+    }
+    const auto costs = measure_effects(*scene, *accel, options, control_, take);
     return costs ? std::string() : with_settings(costs.error().message, "");
   });
 }

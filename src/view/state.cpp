@@ -11,6 +11,7 @@
 #include "integrate/camera.h"
 #include "integrate/classic.h"
 #include "render/effects.h"
+#include "render/figure_options.h"
 #include "view/texts.h"
 
 namespace raio::view {
@@ -28,7 +29,10 @@ const char* effect_name(Command effect) { return key_of(effect).help; }
 }  // namespace
 
 ViewState::ViewState(std::string p, std::shared_ptr<const Scene> s, const RenderOptions& o)
-    : path(std::move(p)), scene(std::move(s)), options(o), camera(camera_of(*scene, o)) {
+    : path(std::move(p)),
+      scene(std::move(s)),
+      options(o),
+      camera(resolve_options(o, *scene).camera) {
   options.from = options.at = options.up = std::nullopt;
   options.fov_deg = 0;
   // What the command line leaves open and the keys walk through.
@@ -40,11 +44,13 @@ ViewState::ViewState(std::string p, std::shared_ptr<const Scene> s, const Render
 
 void ViewState::open(std::string new_path, std::shared_ptr<const Scene> new_scene) {
   const bool same_file = new_path == path;
-  const bool own = same_camera(camera, scene->camera);
+  const bool own = same_camera(camera, own_camera());
   path = std::move(new_path), scene = std::move(new_scene);
-  if (!same_file || own) camera = scene->camera;
+  if (!same_file || own) camera = own_camera();
   if (!same_file) focus_point.reset();
 }
+
+Camera ViewState::own_camera() const { return resolve_options({}, *scene).camera; }
 
 RenderSettings ViewState::resolved() const { return resolve_options(options, *scene); }
 
@@ -163,9 +169,13 @@ RenderOptions ViewState::request(int width, int height, int samples) const {
   if (!dof) o.aperture = o.focus = 0;
   if (!o.soft_shadows) o.light_size = 0;
   if (!scene->moves()) o.shutter = std::nullopt;
+  drop_figure_conflicts(o, *scene);
   if (o.accel.kind != AccelKind::grid) o.accel.grid_factor = 0, o.accel.grid_resolution = {0, 0, 0};
   if (o.accel.grid_resolution[0] > 0) o.accel.grid_factor = 0;
   if (o.accel.kind == AccelKind::embree) o.accel.counters = false;
+  // Embree does not count; the inspector takes the tree, too.
+  if (o.accel.kind == AccelKind::embree && (o.view == View::steps || o.view == View::tests))
+    o.accel.kind = AccelKind::bvh;
   if (o.view != View::picture || o.integrator == IntegratorKind::views)
     o.background = {}, o.tone = {}, o.exposure = 0;
 

@@ -53,6 +53,9 @@ class ViewState {
   /// Another scene. Of the same file the camera stays, unless it was the scene's and that changed.
   void open(std::string new_path, std::shared_ptr<const Scene> new_scene);
 
+  /// The scene's camera, with all data in the picture.
+  Camera own_camera() const;
+
   bool is_on(Command effect) const;
   /// The option of gloss or of translucency.
   std::optional<float>& roughness(Command effect) {

@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <utility>
 
 #include "app/output.h"
+#include "render/figure_options.h"
 #include "render/provenance.h"
 #include "render/render.h"
 #include "view/texts.h"
@@ -125,6 +127,10 @@ bool Viewer::renew() {
   comparison_.end();
   if (const auto why = option_conflict(o, state_.scene.get()))
     return complain(why->text("--")), false;
+  // What waits for another scene or way of shading is told once.
+  const auto waiting = figure_conflict(state_.options, *state_.scene);
+  const std::string option = waiting ? waiting->subject : "";
+  if (std::exchange(waiting_option_, option) != option && waiting) say(waiting->text("--"));
   const double frame_s = is_moving() ? kFrameSeconds : 0;
   moved_ = frame_s > 0;
   pictures_.request(state_, stage_, frame_s);
@@ -224,8 +230,9 @@ bool Viewer::take_picture(Side& side) {
 
 void Viewer::take_scene(const SceneFile::Read& read) {
   if (!read.scene) {
-    errors_ = read.scene.error();
-    return complain(errors_.front().text());
+    // Of another file they are told once; the panel keeps those of the file that is shown.
+    if (read.path == state_.path) errors_ = read.scene.error();
+    return complain(read.scene.error().front().text());
   }
   errors_.clear();
   const bool is_other = read.path != state_.path;

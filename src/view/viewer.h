@@ -155,7 +155,8 @@ class Viewer final : public WindowEvents {
 
   int drawings_ = 3;  // still to do, even if no new picture comes
   double last_step_ = 0, last_draw_ = 0, moving_until_ = 0, focus_until_ = 0;
-  bool moved_ = false;  // the newest request is one of a movement
+  bool moved_ = false;          // the newest request is one of a movement
+  std::string waiting_option_;  // that has no effect in this scene, as was told
   double requested_at_ = 0;
   Message message_;
   bool says_error_ = false, typing_ = false;  // into a field

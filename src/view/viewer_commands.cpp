@@ -46,7 +46,7 @@ void Viewer::obey(const KeySpec& key) {
       return move_camera(fitted(state_.camera, bounds(*state_.scene), stage_.aspect()),
                          tr("the scene fits"));
     case Command::home:
-      return move_camera(state_.scene->camera, tr("the scene's own camera"));
+      return move_camera(state_.own_camera(), tr("the scene's own camera"));
     case Command::show_view:
       state_.show(View(key.key - '1'));
       say(trf("view: {}", tr(key.help)));

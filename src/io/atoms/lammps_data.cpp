@@ -72,6 +72,8 @@ class DataReader {
     const auto words = words_of(plain);
     if (words.empty()) return {};
     const auto comment = words_of(line.substr(std::min(line.size(), plain.size() + 1)));
+    if (words.size() == 3 && words[0] == "Atom" && words[1] == "Type" && words[2] == "Labels")
+      return read_type_labels();
     if (words.size() == 1 && words[0] == "Masses") return read_masses();
     if (words.size() == 1 && words[0] == "Atoms") return read_atoms(line, comment);
     if (words.size() == 1 && words[0] == "Bonds") return read_bonds();
@@ -100,12 +102,28 @@ class DataReader {
     return {};  // of other sections and the header nothing is kept
   }
 
+  // Numbers of types and their names, which the other sections may use instead.
+  Done read_type_labels() {
+    LineReader ahead = lines_;
+    for (auto line = ahead.next_filled(); line; line = ahead.next_filled()) {
+      const auto words = words_of(line->substr(0, line->find('#')));
+      double type = 0;
+      if (words.size() != 2 || !parse_number(words[0].data(), type) || !(type >= 1 && type < 1e6))
+        return {};  // the next section
+      lines_ = ahead;
+      types_[std::string(words[1])] = uint32_t(type);
+    }
+    return {};
+  }
+
   Done read_masses() {
     LineReader ahead = lines_;
     for (auto line = ahead.next_filled(); line; line = ahead.next_filled()) {
       const auto words = words_of(*line);
       double type = 0, mass = 0;
-      if (words.size() < 2 || !parse_number(words[0].data(), type) ||
+      const auto named = words.empty() ? types_.end() : types_.find(words[0]);
+      if (named != types_.end()) type = named->second;
+      if (words.size() < 2 || (named == types_.end() && !parse_number(words[0].data(), type)) ||
           !parse_number(words[1].data(), mass) || !(type >= 1 && type < 1e6))
         return {};  // the next section
       lines_ = ahead;
@@ -114,6 +132,7 @@ class DataReader {
       // "# C" and "#C".
       std::string_view name = comment.empty() ? "" : comment[0].substr(1);
       if (name.empty() && comment.size() > 1) name = comment[1];
+      if (name.empty() && named != types_.end()) name = words[0];
       if (const int element = element_number(name)) named_[uint32_t(type)] = element;
     }
     return {};
@@ -139,6 +158,7 @@ class DataReader {
       return fail(fmt::format("expected {} atoms, found {}", atoms_, left));
     RowLayout layout;
     layout.words = style->words;
+    layout.types = types_;
     if (auto done = read_rows(index_, file_, first_, atoms_, layout, out_); !done) return done;
     lines_ = ahead;
     lines_.skip(atoms_ - 1);
@@ -238,8 +258,9 @@ class DataReader {
   LineReader lines_;
   std::string_view file_;
   size_t atoms_ = 0, bonds_ = 0, first_ = 0;
-  std::map<uint32_t, double> masses_;  // of types
-  std::map<uint32_t, int> named_;      // elements of types, by comments
+  std::map<std::string, uint32_t, std::less<>> types_;  // by their names
+  std::map<uint32_t, double> masses_;                   // of types
+  std::map<uint32_t, int> named_;                       // elements of types, by comments
   std::vector<std::array<uint64_t, 2>> listed_;
   Atoms out_;
 };

@@ -18,8 +18,8 @@ std::expected<ReadScene, Diagnostics> read_by_gemmi(const TextBuffer& text, std:
     return failed(file, printable(wrong));
   }
   if (atoms.frames == 0)
-    return failed(file, cif ? "there are no atoms with Cartesian coordinates (_atom_site.Cartn_x), "
-                              "which mmCIF has"
+    return failed(file, cif ? "there are no atoms that could be read; expected the columns id, "
+                              "type_symbol, Cartn_x, Cartn_y and Cartn_z of _atom_site"
                             : "there are no atoms in this PDB file");
   return scene_of_atoms(atoms, file, options);
 }

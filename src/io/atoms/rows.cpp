@@ -82,6 +82,8 @@ class RowReader {
             uint8_t(is_whole(1) && number < kElements ? int(number) : element_number(text));
         return true;
       case Word::type:
+        if (const auto named = layout_.types.find(text); named != layout_.types.end())
+          return atom.part = named->second, true;
         atom.part = is_whole(1) ? uint32_t(number) : 0;
         return atom.part > 0;
       case Word::residue:

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <functional>
+#include <map>
 #include <span>
 #include <string>
 #include <string_view>
@@ -27,7 +29,8 @@ enum class Word : uint8_t {
 
 struct RowLayout {
   std::vector<Word> words;
-  size_t value = SIZE_MAX;  // the word that Atoms::values has
+  std::map<std::string, uint32_t, std::less<>> types;  // that have names, by these
+  size_t value = SIZE_MAX;                             // the word that Atoms::values has
   // From the coordinates of the file to angstroms: three rows of four numbers.
   std::array<double, 12> to_place = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 

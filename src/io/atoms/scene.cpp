@@ -247,7 +247,11 @@ class AtomScene {
       add_object(&chosen, copies.matrices);
     }
     name_copies();
-    return read_.scene.instances.empty() ? "the assembly has no atoms" : "";
+    if (!read_.scene.instances.empty()) return {};
+    if (options_.assembly) return "the assembly has no atoms";
+    // A part of a file keeps the head of the whole.
+    add_atoms(read_.scene, nullptr);
+    return {};
   }
 
   // So that pictures tell several copies apart: by the channel of objects and by outlines.

@@ -10,6 +10,7 @@
 #include <gemmi/smcif.hpp>
 #include <locale>
 #include <map>
+#include <optional>
 #include <sstream>
 #include <string_view>
 #include <unordered_map>
@@ -41,14 +42,41 @@ struct Kept {
   std::unordered_map<int, uint32_t> serials;
 };
 
+// Of atoms and residues that stand in others' places the first choice. Other atoms may share a
+// name: some programs name them by their elements.
+class FirstChoice {
+ public:
+  bool takes(const gemmi::Residue& residue) {
+    if (residue.atoms.empty()) return false;
+    const char altloc = residue.atoms[0].altloc;
+    if (before_ && before_->seqid == residue.seqid && altloc && before_->atoms[0].altloc &&
+        before_->atoms[0].altloc != altloc)
+      return false;
+    before_ = &residue;
+    chosen_.clear();
+    return true;
+  }
+  bool takes(const gemmi::Atom& atom) {
+    const char chosen = chosen_.emplace(atom.name, atom.altloc).first->second;
+    return !atom.altloc || atom.altloc == chosen;
+  }
+
+ private:
+  const gemmi::Residue* before_ = nullptr;
+  std::map<std::string, char> chosen_;  // by names of atoms
+};
+
 void add_model(const gemmi::Model& model, bool cif, Names& chains, Names& parts, Atoms& out,
                Kept& kept) {
   uint32_t residues = 0;
-  for (const gemmi::Chain& chain : model.chains)
-    for (const gemmi::Residue& residue : chain.first_conformer()) {
+  for (const gemmi::Chain& chain : model.chains) {
+    FirstChoice first;
+    for (const gemmi::Residue& residue : chain.residues) {
+      if (!first.takes(residue)) continue;
       const uint32_t number = chains.number(chain.name);
       const uint32_t part = cif ? parts.number(residue.subchain) : number;
-      for (const gemmi::Atom& atom : residue.first_conformer()) {
+      for (const gemmi::Atom& atom : residue.atoms) {
+        if (!first.takes(atom)) continue;
         Atom a;
         a.place = {float(atom.pos.x), float(atom.pos.y), float(atom.pos.z)};
         const gemmi::Element element = atom.element;
@@ -63,6 +91,7 @@ void add_model(const gemmi::Model& model, bool cif, Names& chains, Names& parts,
       }
       ++residues;
     }
+  }
 }
 
 Cell cell_of(const gemmi::UnitCell& from) {
@@ -239,10 +268,148 @@ std::vector<Assembly> assemblies_of_pdb(std::string_view text, Names& chains) {
   return out;
 }
 
+// The columns that gemmi wants of a table of atoms and that files may leave out.
+void complete_atoms(gemmi::cif::Block& block) {
+  gemmi::cif::Loop* const loop = block.find_loop("_atom_site.Cartn_x").get_loop();
+  if (!loop) return;
+  struct Column {
+    const char *tag, *value, *copied_from, *instead;
+  };
+  constexpr Column kColumns[] = {
+      {"_atom_site.label_atom_id", "X", "_atom_site.type_symbol", "_atom_site.auth_atom_id"},
+      {"_atom_site.label_alt_id", ".", "", ""},
+      {"_atom_site.label_comp_id", "UNL", "", "_atom_site.auth_comp_id"},
+      {"_atom_site.label_asym_id", "A", "_atom_site.auth_asym_id", ""},
+      {"_atom_site.occupancy", "1", "", ""},
+      {"_atom_site.B_iso_or_equiv", "?", "", ""},
+      {"_atom_site.auth_seq_id", "1", "_atom_site.label_seq_id", ""}};
+  const size_t width = loop->tags.size();
+  std::vector<std::pair<std::string, int>> missing;  // a value, or the column that has it, or -1
+  for (const Column& c : kColumns) {
+    if (loop->has_tag(c.tag) || loop->has_tag(c.instead)) continue;
+    missing.emplace_back(c.value, loop->find_tag(c.copied_from));
+    loop->tags.emplace_back(c.tag);
+  }
+  if (missing.empty()) return;
+  std::vector<std::string> values;
+  for (auto row = loop->values.begin(); row != loop->values.end(); row += long(width)) {
+    values.insert(values.end(), row, row + long(width));
+    for (const auto& [value, column] : missing) values.push_back(column < 0 ? value : row[column]);
+  }
+  loop->values = std::move(values);
+}
+
+// _pdbx_struct_assembly_gen of mmCIF: an operation is the product of one of each list, as in
+// "(1-60)(61-88)". Taken out of the file, since gemmi leaves out products, and lists all numbers of
+// whatever range.
+class Assemblies {
+ public:
+  explicit Assemblies(gemmi::cif::Block& block) {
+    gemmi::cif::Table table = block.find("_pdbx_struct_assembly_gen.",
+                                         {"assembly_id", "oper_expression", "asym_id_list"});
+    for (const auto row : table) generators_.push_back({row.str(0), row.str(1), row.str(2)});
+    if (table.ok()) table.erase();
+    std::vector<std::string> tags = {"id"};
+    for (const char* row : {"1", "2", "3"}) {
+      for (const char* column : {"1", "2", "3"})
+        tags.push_back(std::string("matrix[") + row + "][" + column + "]");
+      tags.push_back(std::string("vector[") + row + "]");
+    }
+    for (const auto row : block.find("_pdbx_struct_oper_list.", tags)) {
+      gemmi::Transform t;
+      for (int i = 0; i < 3; ++i) {
+        for (int k = 0; k < 3; ++k) t.mat[i][k] = gemmi::cif::as_number(row[size_t(1 + 4 * i + k)]);
+        t.vec.at(i) = gemmi::cif::as_number(row[size_t(4 + 4 * i)]);
+      }
+      operations_.emplace(row.str(0), t);
+    }
+  }
+
+  std::vector<Assembly> take(Names& parts) const {
+    std::vector<Assembly> out;
+    std::map<std::string, size_t> places;
+    for (const Generator& from : generators_) {
+      const auto [at, is_new] = places.emplace(from.assembly, out.size());
+      if (is_new) out.emplace_back();
+      Assembly::Copies copies;
+      for (const std::string& name : split(from.parts, ','))
+        copies.parts.push_back(parts.number(name));
+      for (const gemmi::Transform& t : operations_of(from.expression)) {
+        std::array<float, 12> matrix{};
+        for (int row = 0; row < 3; ++row) {
+          for (int column = 0; column < 3; ++column)
+            matrix[size_t(row * 4 + column)] = float(t.mat[row][column]);
+          matrix[size_t(row * 4 + 3)] = float(t.vec.at(row));
+        }
+        copies.matrices.push_back(matrix);
+      }
+      out[at->second].copies.push_back(copies);
+    }
+    return out;
+  }
+
+ private:
+  static constexpr size_t kMostCopies = 1000000;
+
+  struct Generator {
+    std::string assembly, expression, parts;
+  };
+
+  static std::vector<std::string> split(const std::string& list, char by) {
+    std::vector<std::string> out;
+    std::istringstream words(list);
+    for (std::string word; std::getline(words, word, by);) {
+      word.erase(std::remove_if(word.begin(), word.end(), [](char c) { return c <= ' '; }),
+                 word.end());
+      if (!word.empty()) out.push_back(word);
+    }
+    return out;
+  }
+
+  std::vector<gemmi::Transform> operations_of(const std::string& expression) const {
+    std::vector<gemmi::Transform> all = {gemmi::Transform()};
+    bool any = false;
+    for (std::string list : split(expression, ')')) {
+      list.erase(std::remove(list.begin(), list.end(), '('), list.end());
+      std::vector<gemmi::Transform> next;
+      for (const std::string& word : split(list, ','))
+        for (const gemmi::Transform& last : named(word))
+          for (const gemmi::Transform& first : all) {
+            if (next.size() == kMostCopies)
+              throw std::runtime_error("its assembly has more than a million copies");
+            next.push_back(first.combine(last));
+          }
+      all = std::move(next), any = true;
+    }
+    return any ? all : std::vector<gemmi::Transform>();
+  }
+
+  // One, or those of a range of numbers.
+  std::vector<gemmi::Transform> named(const std::string& word) const {
+    std::vector<gemmi::Transform> out;
+    const auto at = operations_.find(word);
+    if (at != operations_.end()) return {at->second};
+    const size_t dash = word.find('-', 1);
+    if (dash == std::string::npos) return out;
+    const long low = std::atol(word.c_str()), high = std::atol(word.c_str() + dash + 1);
+    std::map<long, gemmi::Transform> found;
+    for (const auto& [name, t] : operations_)
+      if (const long number = std::atol(name.c_str());
+          number >= low && number <= high && std::to_string(number) == name)
+        found.emplace(number, t);
+    for (const auto& [number, t] : found) out.push_back(t);
+    return out;
+  }
+
+  std::vector<Generator> generators_;
+  std::map<std::string, gemmi::Transform> operations_;
+};
+
 }  // namespace
 
 std::string read_structure(const char* text, size_t size, bool cif, int frame, Atoms& out) try {
   gemmi::Structure s;
+  std::optional<Assemblies> assemblies;
   if (cif) {
     gemmi::cif::Document document = gemmi::cif::read_memory(text, size, "");
     for (gemmi::cif::Block& block : document.blocks)
@@ -253,6 +420,9 @@ std::string read_structure(const char* text, size_t size, bool cif, int frame, A
           out.frames = 1;
         return {};
       }
+    if (document.blocks.empty()) return {};
+    complete_atoms(document.blocks[0]);
+    assemblies.emplace(document.blocks[0]);
     s = gemmi::make_structure(std::move(document));
   } else {
     s = gemmi::read_pdb_from_memory(text, size, "");
@@ -269,29 +439,7 @@ std::string read_structure(const char* text, size_t size, bool cif, int frame, A
   if (s.cell.is_crystal()) out.cell = cell_of(s.cell);
   if (!cif) out.bonds = bonds_of_pdb({text, size}, kept);
   add_links(s, model, kept, out);
-  if (!cif) {
-    out.assemblies = assemblies_of_pdb({text, size}, chains);
-    return {};
-  }
-  for (const gemmi::Assembly& from : s.assemblies) {
-    Assembly assembly;
-    for (const gemmi::Assembly::Gen& generator : from.generators) {
-      Assembly::Copies copies;
-      for (const std::string& name : generator.subchains)
-        copies.parts.push_back(parts.number(name));
-      for (const gemmi::Assembly::Operator& op : generator.operators) {
-        std::array<float, 12> matrix{};
-        for (int row = 0; row < 3; ++row) {
-          for (int column = 0; column < 3; ++column)
-            matrix[size_t(row * 4 + column)] = float(op.transform.mat[row][column]);
-          matrix[size_t(row * 4 + 3)] = float(op.transform.vec.at(row));
-        }
-        copies.matrices.push_back(matrix);
-      }
-      assembly.copies.push_back(copies);
-    }
-    out.assemblies.push_back(assembly);
-  }
+  out.assemblies = cif ? assemblies->take(parts) : assemblies_of_pdb({text, size}, chains);
   return {};
 } catch (const std::bad_alloc&) {
   throw;

@@ -122,8 +122,9 @@ std::expected<ReadScene, Diagnostics> scene_of(const std::expected<Atoms, Diagno
 // --- XYZ and extended XYZ
 constexpr std::string_view kProperties = "Properties=";
 
-// "Properties=species:S:1:pos:R:3:..."; false: it says nothing that atoms could be read by.
-bool read_properties(std::string_view list, std::string_view value, FrameRows& out) {
+// "Properties=species:S:1:pos:R:3:..." of rows of at most `most` words; false: it says nothing that
+// atoms could be read by.
+bool read_properties(std::string_view list, std::string_view value, size_t most, FrameRows& out) {
   if (list.starts_with('"')) list.remove_prefix(1);
   list = list.substr(0, list.find_first_of(" \t\""));
   auto& words = out.layout.words;
@@ -137,7 +138,8 @@ bool read_properties(std::string_view list, std::string_view value, FrameRows& o
     const auto& [name, type, times] = field;
     size_t count = 0;
     const auto [stop, error] = std::from_chars(times.data(), times.data() + times.size(), count);
-    if (error != std::errc() || stop != times.data() + times.size() || count == 0 || count > 9999)
+    if (error != std::errc() || stop != times.data() + times.size() || count == 0 ||
+        count > most - words.size())
       return false;
     const size_t first = words.size();
     words.resize(first + count, Word::skipped);
@@ -188,10 +190,13 @@ FrameRowsOr next_xyz(Trajectory& t) {
   const std::string_view comment = t.lines.next().value_or("");
   out.cell = cell_of_xyz(comment);
   const size_t at = comment.find(kProperties);
+  LineReader ahead = t.lines;
+  const size_t most_words = (ahead.next().value_or("").size() + 1) / 2;
   if (at == std::string_view::npos) {
     out.layout.words = {Word::species, Word::x, Word::y, Word::z};
-  } else if (!read_properties(comment.substr(at + kProperties.size()), t.value, out)) {
-    return t.wrong(comment, comment.data() + at, "Properties= with pos:R:3");
+  } else if (!read_properties(comment.substr(at + kProperties.size()), t.value, most_words, out)) {
+    return t.wrong(comment, comment.data() + at,
+                   "Properties= with pos:R:3 and as many columns as the rows have");
   }
   return out;
 }
