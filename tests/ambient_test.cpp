@@ -247,6 +247,31 @@ TEST(Outline, IsAsWideAsAskedFor) {
     }
 }
 
+// What is left out of the picture may become any ground: the look says which is likely.
+TEST(Outline, IsThatOfTheLookWhereTheBackgroundIsOpen) {
+  FlatFigure figure;
+  figure.scene.discs = {{{0, 0, 0}, {0, 0, 1}, 2.5f}};
+  figure.scene.disc_materials = {0};
+  figure.options.outline = 3;
+  const auto darkest = [&](Look look) {
+    figure.options.look = look;
+    figure.options.background = WrittenColor{{}, true, true};
+    float least = 1;
+    const RenderSettings settings = resolve_options(figure.options, figure.scene);
+    const auto accel = build_accel(figure.scene, settings.accel);
+    RenderControl control;
+    const auto film = make_film(figure.scene, settings);
+    (void)render(figure.scene, **accel, settings, **film, control);
+    const Image colors = (*film)->resolve();
+    const auto alpha = std::get<Column<float>>((*film)->resolve(Channel::alpha));
+    for (size_t i = 0; i < colors.pixels.size(); ++i)
+      if (alpha[i] == 1) least = std::min(least, colors.pixels[i].x);
+    return least;
+  };
+  EXPECT_EQ(darkest(Look::flat), 0);
+  EXPECT_GT(darkest(Look::dark), 0.1f);
+}
+
 // From the nearest corner of the scene to the farthest the background's part grows evenly.
 TEST(DepthCue, GrowsEvenlyWithDepth) {
   FlatFigure figure;

@@ -253,6 +253,15 @@ TEST_F(Commands, ColourBarsThatCannotBeAreRefused) {
 }
 #endif
 
+TEST_F(Commands, ConvertKeepsTheCellOfCopies) {
+  ConvertCommand convert{RAIO_SOURCE_DIR "/scenes/quartz.cif", path("some.raio"), {}};
+  convert.read = {.style = AtomStyle::space_filling, .cell = true, .images = {2, 1, 1}};
+  EXPECT_EQ(run_captured(convert), kDone) << err_;
+  const InfoCommand info{.scene = path("some.raio"), .json = true};
+  EXPECT_EQ(run_captured(info), kDone) << err_;
+  EXPECT_EQ(json::parse(out_)["instances"], 2);
+}
+
 TEST_F(Commands, ConvertKeepsCopiesInRaioScenes) {
   const std::string scene = file("some.pdb", std::string(kPdb));
   ConvertCommand convert{scene, path("some.raio"), {.style = AtomStyle::space_filling}};
@@ -447,6 +456,20 @@ TEST_F(Commands, CompareTellsPicturesApart) {
   EXPECT_EQ(run_captured(command), kDone);
   EXPECT_TRUE(out_.starts_with("\x89PNG"));
   EXPECT_THAT(err_, HasSubstr("PSNR"));
+}
+
+TEST_F(Commands, CompareShowsTheLightOfAnExr) {
+  RenderCommand render;
+  render.scenes = {file("water.xyz", std::string(kWater))};
+  render.options.width = render.options.height = 24, render.options.samples = 4;
+  render.options.exposure = -1;
+  for (const char* name : {"a.png", "a.exr"}) {
+    render.output = path(name);
+    EXPECT_EQ(run_captured(render), kDone) << err_;
+  }
+  const CompareCommand command{
+      .a = path("a.png"), .b = path("a.exr"), .diff = {}, .min_psnr_db = 50};
+  EXPECT_EQ(run_captured(command), kDone) << out_;
 }
 
 TEST_F(Commands, CompareTellsWhereASceneDiffers) {

@@ -65,6 +65,8 @@ TEST(ReadOut, SaysTheValueWithItsUnitAndWhatIsThere) {
   EXPECT_THAT(at(View::materials, middle, Rgb()).text, HasSubstr("material 0"));
   EXPECT_THAT(at(View::tests, middle, heat_color(1)).text, HasSubstr("1 primitive tested"));
   EXPECT_THAT(at(View::tests, middle, heat_color(12)).text, HasSubstr("12 primitives tested"));
+  EXPECT_THAT(at(View::tests, middle, heat_color(6248)).text,
+              HasSubstr(">= 1024 primitives tested"));
   EXPECT_THAT(at(View::normals, middle, Rgb(0.5f, 0, 0.5f)).text,
               HasSubstr("normal 0.00 -1.00 0.00"));
   state.options.focus = 3, state.options.aperture = 0.5f, state.options.dof = true;

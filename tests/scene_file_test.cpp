@@ -244,6 +244,11 @@ TEST_F(ConvertCommandLine, SaysWhatIsLost) {
   EXPECT_EQ(done.status, 0);
   EXPECT_THAT(done.err, AllOf(StartsWith("rich.nff: warning: not kept: opacity of "),
                               HasSubstr("names of 3 objects")));
+  put(file("two.xyz"), "2\n\nC 0 0 0\nC 9 0 0\n");
+  EXPECT_THAT(raio({"convert", "two.xyz", "two.nff"}).err, HasSubstr("the light of figures"));
+  // As wide as it is: the angle of the picture's size.
+  EXPECT_GT(read_nff(file("two.nff"))->scene.camera.fov_deg,
+            read_scene(file("two.xyz"))->scene.camera.fov_deg);
   const Outcome rendered = raio({"render", "rich.raio", "--size", "8x8", "-o", "a.png"});
   EXPECT_EQ(rendered.status, 0);
 }
@@ -254,6 +259,12 @@ TEST_F(ConvertCommandLine, RefusesWhatItCannotWrite) {
   EXPECT_THAT(done.err,
               HasSubstr("expected a file that ends with .nff, .p3f, .raio, .pov or .ply"));
   EXPECT_EQ(raio({"convert", "none.nff", "ok.raio"}).status, 2);
+  put(file("discs.nff"),
+      "v\nfrom 0 0 5\nat 0 0 0\nup 0 1 0\nangle 40\nhither 0\nresolution 8 8\n"
+      "f 1 1 1 1 0 1 0 1\npl 0 0 0 1 0 0 0 1 0\n");
+  const Outcome neither = raio({"convert", "discs.nff", "a.ply"});
+  EXPECT_EQ(neither.status, 2);
+  EXPECT_THAT(neither.err, HasSubstr("PLY holds faces or spheres"));
 }
 
 TEST_F(ConvertCommandLine, StandardInputIsAScene) {

@@ -125,6 +125,16 @@ TEST(ViewState, WhatHasNoEffectWaits) {
   EXPECT_FALSE(read_back(state, 4).outline);
 }
 
+TEST(ViewState, ClickedFocusStaysWithItsScene) {
+  ViewState state("some.nff", scene(), {});
+  state.focus_on({0, 0, 0});
+  EXPECT_GT(state.options.focus, 0);
+  state.open("some.nff", scene());
+  EXPECT_GT(state.options.focus, 0);
+  state.open("other.nff", scene());
+  EXPECT_EQ(state.options.focus, 0);
+}
+
 TEST(ViewState, ShowsAllOfTheData) {
   Scene molecule = *scene();
   molecule.dialect = Dialect::data;

@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kPageWidth = 640, kPageHeight = 130;
 constexpr double kLeft = 40, kRight = 600, kTop = 46, kBottom = 82;
+constexpr double kLabelWidth = 75;
 constexpr int kTicks = 6;  // about so many
 
 // 1, 2 or 5 times a power of ten, so that there are about so many steps in a length.
@@ -30,8 +31,7 @@ struct Tick {
 };
 
 std::vector<Tick> ticks_of(const ColorScale& scale) {
-  // The sum makes 0 of -0.
-  const auto text = [](double value) { return fmt::format("{:.6g}", value + 0.0); };
+  const auto text = [&](double value) { return scale_text(scale, value); };
   const double length = scale.most - scale.least;
   if (length == 0) return {{text(scale.least), 0}};
   std::vector<Tick> ticks;
@@ -149,6 +149,14 @@ std::expected<void, Error> draw_color_bar_on(Picture& picture, const ColorScale&
   return {};
 }
 
+std::string scale_text(const ColorScale& scale, double value) {
+  const double length = std::abs(scale.most - scale.least);
+  const double largest = std::max(std::abs(scale.least), std::abs(scale.most));
+  const int digits =
+      length > 0 ? std::clamp(int(std::ceil(std::log10(largest / length))) + 3, 6, 17) : 6;
+  return fmt::format("{:.{}g}", value + 0.0, digits);  // the sum makes 0 of -0
+}
+
 std::expected<std::string, std::string> draw_color_bar(const ColorScale& scale, PlotFormat format) {
   const auto draw = [&](const Canvas& canvas) {
     canvas.text((kLeft + kRight) / 2, 22, valid_utf8(scale.name), kBlack, Align::center, 22, true,
@@ -161,7 +169,7 @@ std::expected<std::string, std::string> draw_color_bar(const ColorScale& scale, 
     for (const Tick& tick : ticks_of(scale)) {
       const double at = kLeft + tick.part * (kRight - kLeft);
       canvas.line(at, kBottom, at, kBottom + 7, kBlack, 1.5);
-      canvas.text(at, kBottom + 22, tick.text, kBlack, Align::center);
+      canvas.text(at, kBottom + 22, tick.text, kBlack, Align::center, kText, false, kLabelWidth);
     }
   };
   return draw_page(format, draw, kPageWidth, kPageHeight);

@@ -11,7 +11,10 @@
 #include "app/commands.h"
 #include "app/output.h"
 #include "app/terminal.h"
+#include "io/file.h"
 #include "io/image/image.h"
+#include "render/picture.h"
+#include "render/provenance.h"
 #include "render/regions.h"
 
 namespace raio::app {
@@ -96,6 +99,17 @@ std::expected<std::string, int> explained(const CompareCommand& command, const I
   return explained(a, b, regions);
 }
 
+// As it is shown: an EXR holds light, and the tone curve and exposure of its render beside it.
+std::expected<Image, Error> displayed(const std::string& path) {
+  auto picture = read_picture(path);
+  if (!picture) return std::unexpected(std::move(picture.error()));
+  if (lower_suffix(path) == ".exr")
+    if (const auto settings = read_metadata(path))
+      if (const auto o = options_from(*settings, false))  // not of other programs' pictures
+        tone_map(picture->color, picture->alpha, o->tone.value_or(Tone::none), o->exposure);
+  return std::move(picture->color);
+}
+
 }  // namespace
 
 int run(const CompareCommand& command) {
@@ -106,9 +120,9 @@ int run(const CompareCommand& command) {
     if (const auto writable = check_writable(command.diff); !writable)
       return fail(writable.error());
   }
-  const auto a = read_image(command.a);
+  const auto a = displayed(command.a);
   if (!a) return fail(a.error());
-  const auto b = read_image(command.b);
+  const auto b = displayed(command.b);
   if (!b) return fail(b.error());
   if (a->width != b->width || a->height != b->height) {
     return bad_input(fmt::format("{} is {}x{} and {} is {}x{}: only pictures of one size compare",

@@ -14,7 +14,9 @@ int run(const ExportCommand& command) {
   const StopOnSignal stop;
   const std::filesystem::path scene_path(command.scene);
   const std::string output =
-      command.output.empty() ? scene_path.stem().string() + ".pov" : command.output;
+      !command.output.empty()
+          ? command.output
+          : (command.scene == "-" ? "stdin" : scene_path.stem().string()) + ".pov";
   if (output != "-" && std::filesystem::path(output).extension() != ".pov")
     return bad_input(fmt::format("expected a file that ends with .pov, found '{}'", output));
   if (const auto writable = check_writable(output); !writable) return fail(writable.error());

@@ -9,6 +9,7 @@
 #include "app/output.h"
 #include "app/terminal.h"
 #include "app/warnings.h"
+#include "io/fit_camera.h"
 #include "io/scene_file.h"
 #include "render/options.h"
 #include "scene/cube_map.h"
@@ -61,7 +62,7 @@ std::string info_json(const ReadScene& read) {
   json["camera"] = {{"from", json_of(scene.origin + plain(camera.from))},
                     {"at", json_of(scene.origin + plain(camera.at))},
                     {"up", json_of(plain(camera.up))},
-                    {"fov_deg", plain(camera.fov_deg)},
+                    {"fov_deg", plain(fitted_fov_deg(camera))},
                     {"lens_radius", optional(camera.lens_radius)},
                     {"focus_distance", optional(camera.focus_distance)}};
   json["camera"]["movement"] = nullptr;
@@ -135,7 +136,7 @@ std::string info_text(const ReadScene& read) {
     line("", fmt::format("moves to  from {}  at {}  between the times {:g} and {:g}",
                          text_of(scene.origin + plain(m->from)),
                          text_of(scene.origin + plain(m->at)), m->begin, m->end));
-  std::string view = fmt::format("angle {:g} degrees", camera.fov_deg);
+  std::string view = fmt::format("angle {:g} degrees", fitted_fov_deg(camera));
   if (camera.lens_radius) view += fmt::format(", lens radius {:g}", *camera.lens_radius);
   if (camera.focus_distance) view += fmt::format(", in focus at {:g}", *camera.focus_distance);
   line("", view);
@@ -173,8 +174,8 @@ std::string info_text(const ReadScene& read) {
   if (!scene.textures.empty())
     line("textures", fmt::format("{}, {} texels", scene.textures.size(), scene.texels.size()));
   if (const auto& c = read.colors)
-    line("colours",
-         fmt::format("{} from {:.6g} to {:.6g}, {}", c->name, c->least, c->most, c->map));
+    line("colours", fmt::format("{} from {} to {}, {}", c->name, scale_text(*c, c->least),
+                                scale_text(*c, c->most), c->map));
   if (read.frames > 1) line("frames", fmt::format("{}", read.frames));
   line("memory", human_bytes(double(memory_bytes(scene))));
   line("warnings", read.warnings.empty() ? "none" : fmt::format("{}", read.warnings.size()));

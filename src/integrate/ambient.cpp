@@ -33,7 +33,11 @@ class AmbientShading {
         look_(numbers_of(figure_.look)),
         occlusion_sampler_(scene.sampler) {
     occlusion_sampler_.kind = SamplerKind::sobol;  // of each pixel one sequence, shared out
-    if (max_component(scene.settings.background) < 0.1f) line_color_ = Rgb(0.7f);
+    // Lines stand out from the background, or, where that is left out, from the look's.
+    const bool is_open =
+        scene.settings.channels.has(Channel::alpha) && scene.settings.background == Rgb();
+    const Rgb ground = is_open ? look_.background : scene.settings.background;
+    if (max_component(ground) < 0.1f) line_color_ = Rgb(0.7f);
     // Over the viewer's left shoulder; its disc is seen at about eleven degrees.
     to_key_ = normalize(scene.eye.right * -0.45f + scene.eye.up * 0.7f - scene.forward * 0.75f);
     const Frame<float> frame(to_key_);

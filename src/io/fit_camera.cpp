@@ -165,4 +165,9 @@ float fitted_fov_deg(const Camera& camera, int width, int height) {
   return std::max(camera.fov_deg, float(2 * std::atan(half) / kRadians));
 }
 
+float fitted_fov_deg(const Camera& camera) {
+  const bool has_size = camera.width > 0 && camera.height > 0;
+  return has_size ? fitted_fov_deg(camera, camera.width, camera.height) : camera.fov_deg;
+}
+
 }  // namespace raio

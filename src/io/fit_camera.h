@@ -18,5 +18,7 @@ void fit_camera(Scene& scene, FitView view, Vec3f up = {0, 0, 1});
 /// The vertical angle, in degrees, at which the camera sees what it must in a picture so wide and
 /// high.
 float fitted_fov_deg(const Camera& camera, int width, int height);
+/// In a picture of the camera's own size, where it has one.
+float fitted_fov_deg(const Camera& camera);
 
 }  // namespace raio

@@ -9,6 +9,7 @@
 #include <tuple>
 #include <unordered_map>
 
+#include "io/fit_camera.h"
 #include "io/plain_scene.h"
 
 namespace raio {
@@ -72,7 +73,8 @@ class PovWriter {
     const Camera& c = scene_.camera;
     const Vec3d forward = normalize(Vec3d(c.at) - Vec3d(c.from));
     const Vec3d right = normalize(cross(forward, Vec3d(c.up))), up = cross(right, forward);
-    const double height = 2 * std::tan(double(c.fov_deg) * std::numbers::pi / 360);
+    const double angle = double(fitted_fov_deg(c, p.width, p.height)) * std::numbers::pi / 180;
+    const double height = 2 * std::tan(angle / 2);
     line("camera {{ perspective location {}\n  direction {}\n  right {}\n  up {} }}", text(c.from),
          text(forward), text(right * (height * p.width / p.height)), text(up * height));
   }

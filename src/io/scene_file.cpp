@@ -225,12 +225,15 @@ std::string not_kept(const Scene& scene, SceneFormat format) {
   };
   if (format == SceneFormat::nff && scene.dialect == Dialect::nff)
     add(text_of(scene, {Feature::specular_colors, Feature::roughness, Feature::sky}));
+  if (format == SceneFormat::nff && scene.dialect == Dialect::data)
+    add("the light of figures and their background");
   // Mirrors have colours in POV-Ray, highlights those of the lights.
   if (format == SceneFormat::pov) {
     const std::string colors = text_of(scene, {Feature::specular_colors});
     add(colors.empty() ? "" : "in highlights, " + colors);
     add(text_of(scene,
                 {Feature::roughness, Feature::light_extents, Feature::sky, Feature::movement}));
+    if (scene.camera.lens_radius.value_or(0) > 0) add("the camera's lens");
   }
   return lost;
 }
@@ -251,6 +254,11 @@ std::expected<void, Error> write_scene(const Scene& scene, const fs::path& path,
     case SceneFormat::raio:
       return write_raio_scene(scene, path);
     case SceneFormat::ply:
+      if (scene.spheres.empty() && !has_faces(scene))
+        return std::unexpected(
+            Error{ErrorKind::bad_input, "",
+                  "PLY holds faces or spheres, and the scene has neither; choose "
+                  "another format"});
       return write_file(path, write_ply(scene, comment));
     case SceneFormat::pov:
       break;

@@ -1,12 +1,22 @@
 #include "view/controls.h"
 
 #include <imgui.h>
+#include <imgui_internal.h>
 
 #include "view/help.h"
 #include "view/texts.h"
 #include "view/welcome.h"
 
 namespace raio::view {
+
+bool Controls::close() {
+  const bool was_open = files.is_open() || shows_help_;
+  files.close(), shows_help_ = false;
+  // The toolkit leaves menus and pickers open, as its own keys are off.
+  const bool has_menu = !was_open && ImGui::GetCurrentContext()->OpenPopupStack.Size > 0;
+  if (has_menu) ImGui::ClosePopupToLevel(0, false);
+  return was_open || has_menu;
+}
 
 ControlResult Controls::draw(ViewState& state, const Layout& layout, const ControlFacts& facts) {
   ControlResult result;

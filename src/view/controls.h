@@ -45,12 +45,8 @@ class Controls {
     return shows_help_ || files.is_open() ||
            ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel);
   }
-  /// Closes a dialog. Whether one was open.
-  bool close() {
-    const bool was_open = files.is_open() || shows_help_;
-    files.close(), shows_help_ = false;
-    return was_open;
-  }
+  /// Closes a dialog or a menu. Whether one was open.
+  bool close();
 
   /// A frame of it. Changes the state as it is told.
   ControlResult draw(ViewState& state, const Layout& layout, const ControlFacts& facts);

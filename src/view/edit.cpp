@@ -80,7 +80,8 @@ void take_saved(ViewState& state, const SceneWriter::Written& written) {
   state.read_options = {}, state.read_arguments.clear();
   if (state.scene == written.source) {
     state.scene = written.scene;
-    state.options.background.reset();
+    // The scene has it now; that of data is the look's.
+    if (state.scene->dialect != Dialect::data) state.options.background.reset();
     return;
   }
   state.scene = edited(state.scene, [&](Scene& s) {

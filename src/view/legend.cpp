@@ -53,7 +53,9 @@ ReadOut value_of(const ViewState& state, const Pick& pick, const Accel* accel, c
                  int picture_height) {
   const double distance = view_distance(state.camera);
   const auto count = [&](const char* one, const char* many) {
-    return ReadOut{number_of(size_t(std::lround(heat_count(c))), one, many), counted_place(c)};
+    // The scale ends there; there may be more.
+    const auto seen = size_t(std::lround(heat_count(c)));
+    return ReadOut{(seen >= 1024 ? ">= " : "") + number_of(seen, one, many), counted_place(c)};
   };
   switch (state.options.view) {
     case View::picture:

@@ -182,7 +182,7 @@ void Measuring::start_table(const ViewState& state, int width, int height) {
 }
 
 void Measuring::start_curve(const ViewState& state, int width, int height) {
-  curve_options_ = options_without_grid(state, width, height);
+  curve_options_ = options_without_grid(state, width, height), curve_scene_ = state.scene;
   start(Work::curve, [this, scene = state.scene, options = curve_options_] {
     const auto take = [this](const GridCurve& curve) {
       show([&](Found& found) {
@@ -196,7 +196,8 @@ void Measuring::start_curve(const ViewState& state, int width, int height) {
 }
 
 bool Measuring::is_curve_of(const ViewState& state, int width, int height) const {
-  return options_without_grid(state, width, height) == curve_options_;
+  return state.scene == curve_scene_ &&
+         options_without_grid(state, width, height) == curve_options_;
 }
 
 GridCurve Measuring::curve() const {

@@ -86,6 +86,7 @@ class Measuring {
   std::atomic<bool> done_ = false, news_ = false;
   Work work_ = Work::none;
   RenderOptions curve_options_;
+  std::shared_ptr<const Scene> curve_scene_;
   std::string error_;  // the thread's, until done_
   // The thread's, of a table: when the step began, what it is, and what a sample takes with its
   // structure.

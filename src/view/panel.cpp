@@ -192,6 +192,7 @@ void draw_options(ViewState& state, const PanelFacts& facts, PanelResult& result
     state.camera = camera;
     options.from = options.at = options.up = std::nullopt, options.fov_deg = 0;
     state.options = options;
+    state.follow_focus();
     result.changed = true;
   }
   ImGui::PopItemWidth();

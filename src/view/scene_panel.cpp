@@ -60,13 +60,20 @@ bool draw_camera(ViewState& state) {
   return true;
 }
 
+// Light has no upper limit, and so none at all in the widget.
+bool color_field(const char* label, Rgb& color) {
+  if (!ImGui::ColorEdit3(label, &color.x, kColorFlags)) return false;
+  for (int i = 0; i < 3; ++i) color[i] = std::max(color[i], 0.0f);
+  return true;
+}
+
 bool draw_background(ViewState& state) {
   const RenderSettings settings = resolve_options(state.options, *state.scene);
   Rgb color = settings.background;
   if (settings.sky) {
     faint_text(trf("background: the sky {}", settings.sky->folder));
     if (!ImGui::Button(tr("a colour instead"))) return false;
-  } else if (!ImGui::ColorEdit3(tr("background"), &color.x, kColorFlags)) {
+  } else if (!color_field(tr("background"), color)) {
     return false;
   }
   if (state.scene->dialect == Dialect::data) {  // its own is not shown
@@ -105,7 +112,7 @@ bool draw_lights(ViewState& state) {
     }
     Rgb color = light.color.value_or(Rgb(1 / std::sqrt(float(lights.size()))));
     ImGui::BeginDisabled(!has_color);
-    if (ImGui::ColorEdit3(tr("its light"), &color.x, kColorFlags)) {
+    if (color_field(tr("its light"), color)) {
       changed = true;
       light.color = color;
     }
@@ -142,7 +149,7 @@ bool draw_material(ViewState& state) {
   choose(trf("material of {}###material", materials.size()).c_str(), state.chosen_material,
          materials.size());
   Material m = materials[size_t(state.chosen_material)];
-  bool changed = ImGui::ColorEdit3(tr("colour"), &m.color.x, kColorFlags);
+  bool changed = color_field(tr("colour"), m.color);
   changed |= number_field(tr("diffuse Kd"), m.kd, 0, 1);
   ImGui::BeginDisabled(is_figure(state));
   changed |= number_field(tr("mirror Ks"), m.ks, 0, 1);
@@ -150,6 +157,7 @@ bool draw_material(ViewState& state) {
   changed |= number_field(tr("glass T"), m.transmission, 0, 1);
   changed |= number_field(tr("index of refraction"), m.ior, 0.1f, 4);
   ImGui::EndDisabled();
+  if (m.transmission > 0 && !(m.ior > 0)) m.ior = 1;  // as files want it
   if (changed)
     state.scene =
         edited(state.scene, [&](Scene& s) { s.materials[size_t(state.chosen_material)] = m; });

@@ -47,7 +47,9 @@ void ViewState::open(std::string new_path, std::shared_ptr<const Scene> new_scen
   const bool own = same_camera(camera, own_camera());
   path = std::move(new_path), scene = std::move(new_scene);
   if (!same_file || own) camera = own_camera();
-  if (!same_file) focus_point.reset();
+  if (same_file) return follow_focus();
+  if (focus_point && options.focus == followed_focus_) options.focus = 0;
+  focus_point.reset();
 }
 
 Camera ViewState::own_camera() const { return resolve_options({}, *scene).camera; }

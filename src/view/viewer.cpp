@@ -254,6 +254,7 @@ void Viewer::take_scene(const SceneFile::Read& read) {
 void Viewer::take_saved_scene(const SceneWriter::Written& written) {
   if (!written.result) return complain(written.result.error().text("--"));
   take_saved(state_, written);
+  errors_.clear();
   saved_scene_ = written.scene;
   file_.follow(state_.path);
   keeper_.opened(written.path);

@@ -97,8 +97,10 @@ void Viewer::finish(Gestures::Done gesture) {
 void Viewer::switch_effect(Command effect) {
   const auto before = pictures_.main.picture;
   const uint64_t request = pictures_.main.request;
+  const RenderOptions options = state_.options;
   const std::string what = state_.toggle(effect);
   log(what);
+  if (state_.options == options) return say(what);
   if (renew()) say(comparison_.begin(what, before.get(), request));
 }
 
@@ -214,6 +216,9 @@ void Viewer::go_back(bool back) {
     return say(back ? tr("nothing to undo") : tr("nothing to redo"));
   ViewState next = back ? history_.undo() : history_.redo();
   next.paused = state_.paused, next.panel = state_.panel, next.boxes = state_.boxes;
+  // The file is that which was saved or opened last.
+  next.path = state_.path;
+  next.read_options = state_.read_options, next.read_arguments = state_.read_arguments;
   state_ = std::move(next);
   moving_until_ = 0;
   say(back ? tr("undone") : tr("made again"));

@@ -343,6 +343,7 @@ class AtomScene {
     const Vec3d origin(o[0], o[1], o[2]);
     const auto radius = float(kEdgePart * mean);
     const MaterialId id = material(kEdgeColor);
+    for (Scene& object : scene.prototypes) object.materials = scene.materials;
     for (size_t axis = 0; axis < 3; ++axis) {
       const size_t other = (axis + 1) % 3, third = (axis + 2) % 3;
       for (int j = 0; j <= n[other]; ++j)

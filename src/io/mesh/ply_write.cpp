@@ -27,11 +27,6 @@ Bytes stored_bytes(Rgb color) {
           byte_of(srgb_from_linear(color.z)), 0};
 }
 
-bool has_faces(const Scene& scene) {
-  return !scene.triangles.empty() || !scene.polygons.empty() ||
-         std::ranges::any_of(scene.meshes, [](const Mesh& m) { return !m.triangles.empty(); });
-}
-
 class PlyWriter {
  public:
   PlyWriter(const Scene& scene, std::string_view comment)
@@ -94,7 +89,7 @@ class PlyWriter {
     if (clear) properties("uchar", {"alpha"});
     for (size_t i = 0; i < scene_.spheres.size(); ++i) {
       const MaterialId id = scene_.sphere_materials[i];
-      add_place(scene_.spheres[i].center), add(scene_.spheres[i].radius);
+      add_place(scene_.spheres[i].center), add(std::abs(scene_.spheres[i].radius));
       add(stored_bytes(color_of(scene_.sphere_materials, scene_.sphere_colors, i)));
       if (!clear) continue;
       const float own = scene_.sphere_opacity.empty() ? -1 : scene_.sphere_opacity[i];
@@ -208,6 +203,11 @@ class PlyWriter {
 
 }  // namespace
 
+bool has_faces(const Scene& scene) {
+  return !scene.triangles.empty() || !scene.polygons.empty() ||
+         std::ranges::any_of(scene.meshes, [](const Mesh& m) { return !m.triangles.empty(); });
+}
+
 std::string write_ply(const Scene& scene, std::string_view comment) {
   return PlyWriter(scene, comment).write();
 }
@@ -232,7 +232,10 @@ std::string not_in_ply(const Scene& scene) {
   }
   for (const Feature feature : {Feature::textures, Feature::object_names})
     if (const std::string lost_too = text_of(scene, {feature}); !lost_too.empty()) add(lost_too);
-  if (scene.dialect != Dialect::data) add("camera, lights, and materials but for their colours");
+  if (scene.dialect != Dialect::data)
+    add("camera, lights, and materials but for their colours");
+  else if (scene.camera.across_deg == 0)  // not fitted to the data
+    add("camera");
   return lost;
 }
 

@@ -15,6 +15,9 @@ namespace raio {
 /// read_ply() takes them.
 std::string write_ply(const Scene& scene, std::string_view comment = {});
 
+/// Is there a triangle or polygon for a mesh?
+bool has_faces(const Scene& scene);
+
 /// What of the scene write_ply() leaves out, in one line, as text_of() has it; empty: nothing.
 std::string not_in_ply(const Scene& scene);
 

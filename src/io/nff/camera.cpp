@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "io/fit_camera.h"
 #include "io/nff/geometry.h"
 #include "io/nff/parser.h"
 #include "io/nff/writer.h"
@@ -179,7 +180,7 @@ void write_camera(Writer& w) {
   w.position("from", c.from).end_line();
   w.position("at", c.at).end_line();
   w.text().word("up").vector(c.up).end_line();
-  w.text().word("angle").number(c.fov_deg).end_line();
+  w.text().word("angle").number(fitted_fov_deg(c)).end_line();
   w.text().word("hither").number(c.hither).end_line();
   if (c.width > 0 && c.height > 0)
     w.text().word("resolution").number(c.width).number(c.height).end_line();
