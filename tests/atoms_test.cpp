@@ -237,6 +237,13 @@ TEST(Atoms, ColourRangesHoldForAllFrames) {
 }
 
 // The ends of the maps as published.
+TEST(Atoms, NumbersOfAScaleDiffer) {
+  const ColorScale usual{.name = {}, .map = {}, .least = 0, .most = 0.3};
+  EXPECT_EQ(scale_text(usual, 0.1), "0.1");
+  const ColorScale narrow{.name = {}, .map = {}, .least = 1000000, .most = 1000010};
+  EXPECT_EQ(scale_text(narrow, 1000002), "1000002");
+}
+
 TEST(Atoms, ColourMapsAreThePublishedOnes) {
   const auto display = [](std::string_view map, float part) {
     const Rgb c = *map_color(map, part);

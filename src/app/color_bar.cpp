@@ -149,14 +149,6 @@ std::expected<void, Error> draw_color_bar_on(Picture& picture, const ColorScale&
   return {};
 }
 
-std::string scale_text(const ColorScale& scale, double value) {
-  const double length = std::abs(scale.most - scale.least);
-  const double largest = std::max(std::abs(scale.least), std::abs(scale.most));
-  const int digits =
-      length > 0 ? std::clamp(int(std::ceil(std::log10(largest / length))) + 3, 6, 17) : 6;
-  return fmt::format("{:.{}g}", value + 0.0, digits);  // the sum makes 0 of -0
-}
-
 std::expected<std::string, std::string> draw_color_bar(const ColorScale& scale, PlotFormat format) {
   const auto draw = [&](const Canvas& canvas) {
     canvas.text((kLeft + kRight) / 2, 22, valid_utf8(scale.name), kBlack, Align::center, 22, true,

@@ -10,9 +10,6 @@
 
 namespace raio::app {
 
-/// A number of the scale, with as many digits as tell its ends apart.
-std::string scale_text(const ColorScale& scale, double value);
-
 /// A picture of the scale for a figure: its colours with numbers below them and their name above.
 std::expected<std::string, std::string> draw_color_bar(const ColorScale& scale, PlotFormat format);
 

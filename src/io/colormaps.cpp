@@ -151,4 +151,12 @@ std::expected<MappedColors, std::string> map_colors(std::span<const float> value
   return out;
 }
 
+std::string scale_text(const ColorScale& scale, double value) {
+  const double length = std::abs(scale.most - scale.least);
+  const double largest = std::max(std::abs(scale.least), std::abs(scale.most));
+  const int digits =
+      length > 0 ? std::clamp(int(std::ceil(std::log10(largest / length))) + 3, 6, 17) : 6;
+  return fmt::format("{:.{}g}", value + 0.0, digits);  // the sum makes 0 of -0
+}
+
 }  // namespace raio

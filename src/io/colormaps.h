@@ -28,6 +28,8 @@ struct ColorScale {
   std::string map;
   double least = 0, most = 0;
 };
+/// A number of the scale, with as many digits as tell its ends apart.
+std::string scale_text(const ColorScale& scale, double value);
 
 struct MappedColors {
   std::vector<Rgb> colors;
