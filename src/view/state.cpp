@@ -24,15 +24,18 @@ bool same_camera(const Camera& a, const Camera& b) {
   return a.from == b.from && a.at == b.at && a.up == b.up && a.fov_deg == b.fov_deg;
 }
 
+// Windows have any shape: what is to be seen of data is seen in a square and whatever is wider.
+Camera first_camera(RenderOptions o, const Scene& scene) {
+  if (o.width == 0 || o.height == 0) o.width = o.height = 512;
+  return resolve_options(o, scene).camera;
+}
+
 const char* effect_name(Command effect) { return key_of(effect).help; }
 
 }  // namespace
 
 ViewState::ViewState(std::string p, std::shared_ptr<const Scene> s, const RenderOptions& o)
-    : path(std::move(p)),
-      scene(std::move(s)),
-      options(o),
-      camera(resolve_options(o, *scene).camera) {
+    : path(std::move(p)), scene(std::move(s)), options(o), camera(first_camera(o, *scene)) {
   options.from = options.at = options.up = std::nullopt;
   options.fov_deg = 0;
   // What the command line leaves open and the keys walk through.
@@ -52,7 +55,7 @@ void ViewState::open(std::string new_path, std::shared_ptr<const Scene> new_scen
   focus_point.reset();
 }
 
-Camera ViewState::own_camera() const { return resolve_options({}, *scene).camera; }
+Camera ViewState::own_camera() const { return first_camera({}, *scene); }
 
 RenderSettings ViewState::resolved() const { return resolve_options(options, *scene); }
 
