@@ -170,7 +170,7 @@ TEST_P(Degenerate, IsRefusedWithAPlaceOrIsOnePicture) {
   const std::string text = kFrontCamera + kLight + kDullMaterial + c.text;
   const auto result = parse_nff(text, "t.nff");
   if (c.refused) {
-    const std::string said = texts(result ? result->warnings : result.error());
+    const std::string said = texts(result ? result->notices : result.error());
     EXPECT_THAT(said, HasSubstr(c.refused));
     EXPECT_THAT(said, HasSubstr("t.nff:"));
   }

@@ -303,7 +303,7 @@ TEST(Obj, FacesHaveNormalsAndPlaces) {
   const auto mesh = read(std::string(kObj).substr(0, kObj.find("l 1 2")), "a.obj");
   ASSERT_TRUE(mesh) << mesh.error().front().text();
   EXPECT_TRUE(validate(mesh->scene).empty());
-  EXPECT_THAT(mesh->warnings[0].text(), HasSubstr("there is no file \"square.mtl\""));
+  EXPECT_THAT(mesh->notices[0].text(), HasSubstr("there is no file \"square.mtl\""));
   const Mesh& m = mesh->scene.meshes[0];
   ASSERT_EQ(m.triangles.size(), 2u);
   // The first corner has two places on a texture.
@@ -333,14 +333,14 @@ TEST(Obj, MaterialsComeFromFilesBeside) {
   EXPECT_EQ(scene.materials[of[0]].color, Rgb(1, 0, 0));
   EXPECT_EQ(scene.materials[of[1]].color, Rgb(0, 0, 1));
   EXPECT_EQ(scene.material_opacity[of[1]], 0.25f);
-  ASSERT_EQ(mesh->warnings.size(), 1u);
-  EXPECT_EQ(mesh->warnings[0].text(),
+  ASSERT_EQ(mesh->notices.size(), 1u);
+  EXPECT_EQ(mesh->notices[0].text(),
             (folder / "square.mtl").string() +
                 ":4:1: warning: the texture \"a.png\": there is no such file beside it");
   write("square.mtl", "newmtl red one\nKd 1 x 0\n");
   const auto broken = read_scene(folder / "a.obj");
   ASSERT_TRUE(broken);
-  EXPECT_THAT(broken->warnings.at(0).text(),
+  EXPECT_THAT(broken->notices.at(0).text(),
               HasSubstr("\"square.mtl\":2:6: expected a part of a colour"));
   // Several files in one line, and one with a blank in its name.
   write("clear.mtl", "newmtl clear\nKd 0 0 1\n");
@@ -351,7 +351,7 @@ TEST(Obj, MaterialsComeFromFilesBeside) {
     text.replace(text.find("square.mtl"), 10, libraries);
     write("a.obj", text);
     const auto got = read_scene(folder / "a.obj");
-    EXPECT_EQ(got->warnings.size(), libraries == "two words.mtl" ? 1u : 0u) << libraries;
+    EXPECT_EQ(got->notices.size(), libraries == "two words.mtl" ? 1u : 0u) << libraries;
     return got->scene.materials[got->scene.meshes[0].materials[0]].color;
   };
   EXPECT_EQ(red("clear.mtl  square.mtl"), Rgb(1, 0, 0));

@@ -293,7 +293,7 @@ void expect_what_is_said(const std::filesystem::path& folder, const char* suffix
   for (const std::filesystem::path& file : files) {
     const std::string name = file.filename().string();
     const auto result = parse_nff(file_text(file), name);
-    const std::string text = texts(result ? result->warnings : result.error());
+    const std::string text = texts(result ? result->notices : result.error());
     EXPECT_NE(text, "") << name << " is not broken";
     EXPECT_THAT(expected, HasSubstr(text)) << name;
     said += text;
@@ -386,12 +386,12 @@ TEST(NffPieces, WarningsComeInOrderAndAreCounted) {
   for (int i = 0; i < 30; ++i) text += spheres + "p 3 0 0 0 1 1 1 2 2 2\n";
   const auto result = parse_nff(text, "t.nff");
   ASSERT_TRUE(result);
-  ASSERT_EQ(result->warnings.size(), kMaxDiagnostics + 1);
+  ASSERT_EQ(result->notices.size(), kMaxDiagnostics + 1);
   for (size_t i = 0; i < kMaxDiagnostics; ++i) {
-    EXPECT_EQ(size_t(result->warnings[i].line), 8 + (i + 1) * lines);
-    EXPECT_EQ(result->warnings[i].excerpt, "p 3 0 0 0 1 1 1 2 2 2");
+    EXPECT_EQ(size_t(result->notices[i].line), 8 + (i + 1) * lines);
+    EXPECT_EQ(result->notices[i].excerpt, "p 3 0 0 0 1 1 1 2 2 2");
   }
-  EXPECT_EQ(result->warnings.back().message, "10 more warnings not shown");
+  EXPECT_EQ(result->notices.back().message, "10 more warnings not shown");
 }
 
 TEST(NffPieces, TheHeadMayBeAnywhere) {
@@ -404,10 +404,10 @@ TEST(NffPieces, TheHeadMayBeAnywhere) {
   EXPECT_EQ(result->scene.sphere_materials.back(), 1u);
   EXPECT_EQ(result->scene.camera.width, 64);
   EXPECT_EQ(result->scene.lights.size(), 1u);
-  ASSERT_EQ(result->warnings.size(), 3u);
-  EXPECT_THAT(result->warnings[0].message, HasSubstr("an object before any f"));
-  EXPECT_THAT(result->warnings[1].message, HasSubstr("v after objects"));
-  EXPECT_THAT(result->warnings[2].message, HasSubstr("a light after objects"));
+  ASSERT_EQ(result->notices.size(), 3u);
+  EXPECT_THAT(result->notices[0].message, HasSubstr("an object before any f"));
+  EXPECT_THAT(result->notices[1].message, HasSubstr("v after objects"));
+  EXPECT_THAT(result->notices[2].message, HasSubstr("a light after objects"));
 }
 
 TEST(NffPieces, LargeFilesAreReadAsTheyAre) {

@@ -32,7 +32,7 @@ inline Scene read(const std::string& text, bool may_warn = false) {
     return {};
   }
   if (!may_warn) {
-    EXPECT_EQ(texts(result->warnings), "");
+    EXPECT_EQ(texts(result->notices), "");
   }
   EXPECT_THAT(validate(result->scene), testing::IsEmpty());
   return std::move(result->scene);

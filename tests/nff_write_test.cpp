@@ -94,7 +94,7 @@ TEST(NffShared, ReadWithoutWarningAndWriteBackTheSame) {
     SCOPED_TRACE(shared.file);
     const auto result = read_nff(kSharedFolder / shared.file);
     ASSERT_TRUE(result) << texts(result.error());
-    EXPECT_EQ(texts(result->warnings), "");
+    EXPECT_EQ(texts(result->notices), "");
     EXPECT_EQ(count_primitives(result->scene), shared.counts);
     EXPECT_EQ(result->scene.lights.size(), shared.lights);
     EXPECT_THAT(validate(result->scene), IsEmpty());

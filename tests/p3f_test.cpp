@@ -279,7 +279,7 @@ TEST(P3fCourse, AllScenesRender) {
     SCOPED_TRACE(name);
     const auto result = read_scene(course_file(std::string(name) + ".p3f"));
     ASSERT_TRUE(result) << texts(result.error());
-    EXPECT_EQ(texts(result->warnings), "");
+    EXPECT_EQ(texts(result->notices), "");
     const Scene& scene = result->scene;
     EXPECT_EQ(scene.dialect, Dialect::p3f);
     EXPECT_EQ(scene.primitive_count(), primitives);

@@ -45,7 +45,7 @@ std::vector<fs::path> files(const fs::path& folder, std::string_view suffix) {
 
 Scene read_whole(const fs::path& path) {
   const auto read = read_nff(path);
-  const Diagnostics& said = read ? read->warnings : read.error();
+  const Diagnostics& said = read ? read->notices : read.error();
   EXPECT_TRUE(said.empty()) << said.front().text();
   return read ? read->scene : Scene();
 }

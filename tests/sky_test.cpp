@@ -361,7 +361,7 @@ TEST_F(SkyJob, OfAScenesFileIsBesideItOrAbove) {
   ASSERT_TRUE(write_scene(scene, path));
   auto read = read_scene(path);
   ASSERT_TRUE(read && read->scene.sky);
-  EXPECT_TRUE(read->warnings.empty());
+  EXPECT_TRUE(read->notices.empty());
   EXPECT_EQ(read->scene.sky_folder, "sky");
   EXPECT_EQ(read->scene.sky->folder, "sky");
   EXPECT_EQ(read->scene.sky->hash, sky_of(file("sky"))->hash);
@@ -376,8 +376,8 @@ TEST_F(SkyJob, OfAScenesFileIsBesideItOrAbove) {
   read = read_scene(path);
   ASSERT_TRUE(read);
   EXPECT_EQ(read->scene.sky, nullptr);
-  ASSERT_EQ(read->warnings.size(), 1u);
-  EXPECT_EQ(read->warnings[0].message,
+  ASSERT_EQ(read->notices.size(), 1u);
+  EXPECT_EQ(read->notices[0].message,
             "its sky: there is no folder sky beside it or in a folder above");
   const auto why = option_conflict({}, &read->scene);
   ASSERT_TRUE(why);

@@ -229,10 +229,10 @@ TEST_F(ObjTextures, ComeFromMaterialFiles) {
   EXPECT_EQ(scene.meshes[0].uv[plain[2]], (Uv{1, 1}));
   EXPECT_EQ(scene.meshes[0].uv[moved[0]], (Uv{0.5f, 0}));
   EXPECT_EQ(scene.meshes[0].uv[moved[2]], (Uv{2.5f, 3}));
-  ASSERT_EQ(read->warnings.size(), 2u);
-  EXPECT_THAT(read->warnings[0].text(),
+  ASSERT_EQ(read->notices.size(), 2u);
+  EXPECT_THAT(read->notices[0].text(),
               AllOf(HasSubstr("a.mtl:5:1: warning"), HasSubstr("\"-mm\" of map_Kd")));
-  EXPECT_THAT(read->warnings[1].text(), HasSubstr("1 textures of opacity"));
+  EXPECT_THAT(read->notices[1].text(), HasSubstr("1 textures of opacity"));
 }
 
 TEST_F(ObjTextures, ThatCannotBeReadAreTold) {
@@ -243,11 +243,11 @@ TEST_F(ObjTextures, ThatCannotBeReadAreTold) {
   const auto read = read_scene(file("a.obj"));
   ASSERT_TRUE(read) << read.error().front().text();
   EXPECT_TRUE(read->scene.textures.empty());
-  ASSERT_EQ(read->warnings.size(), 2u);
+  ASSERT_EQ(read->notices.size(), 2u);
   EXPECT_THAT(
-      read->warnings[0].text(),
+      read->notices[0].text(),
       AllOf(HasSubstr("a.mtl:2:1: warning: the texture \"a.png\""), HasSubstr("broken PNG")));
-  EXPECT_THAT(read->warnings[1].text(), HasSubstr("a.mtl:4:1: warning: the texture \"b.png\""));
+  EXPECT_THAT(read->notices[1].text(), HasSubstr("a.mtl:4:1: warning: the texture \"b.png\""));
 }
 
 }  // namespace

@@ -97,9 +97,14 @@ std::string info_json(const ReadScene& read) {
     json["colors"] = {{"by", c->name}, {"colormap", c->map}, {"range", {c->least, c->most}}};
 
   json["warnings"] = Json::array();
-  for (const Diagnostic& d : read.warnings) {
-    json["warnings"].push_back(
-        {{"file", d.file}, {"line", d.line}, {"column", d.column}, {"message", d.message}});
+  for (const Diagnostic& d : read.notices) {
+    json["warnings"].push_back({{"kind", severity_name(d.severity)},
+                                {"file", d.file},
+                                {"line", d.line},
+                                {"column", d.column},
+                                {"message", d.sentence()},
+                                {"count", d.count},
+                                {"names", d.names}});
   }
   return json_text(json);
 }
@@ -178,7 +183,7 @@ std::string info_text(const ReadScene& read) {
                                 scale_text(*c, c->most), c->map));
   if (read.frames > 1) line("frames", fmt::format("{}", read.frames));
   line("memory", human_bytes(double(memory_bytes(scene))));
-  line("warnings", read.warnings.empty() ? "none" : fmt::format("{}", read.warnings.size()));
+  line("warnings", read.notices.empty() ? "none" : fmt::format("{}", read.notices.size()));
   return out;
 }
 
@@ -190,7 +195,7 @@ void add_warnings(const InfoCommand& command, ReadScene& read) {
   if (settings.dof)
     if (auto built = build_accel(read.scene, settings.accel)) accel = std::move(*built);
   for (const std::string& line : warning_lines(read.scene, settings, accel.get()))
-    read.warnings.push_back({Severity::warning, command.scene, 0, 0, line, ""});
+    read.notices.push_back({Severity::warning, command.scene, 0, 0, line, ""});
 }
 
 }  // namespace
@@ -208,7 +213,7 @@ int run(const InfoCommand& command) {
   options.instances = true;
   auto read = read_scene(command.scene, options);
   if (read) add_warnings(command, *read);
-  for (const Diagnostic& d : read ? read->warnings : read.error()) print_line(d.text("--"));
+  for (const Diagnostic& d : read ? read->notices : read.error()) print_line(d.text("--"));
   if (!read) return kBadInput;
   if (!command.color_bar.empty()) {
     if (!read->colors)

@@ -122,7 +122,7 @@ class Pictures {
   int load_with_colors(JobRequest& request) {
     request.read.instances = true;
     auto read = read_scene(request.scene, request.read);
-    const Diagnostics& said = read ? read->warnings : read.error();
+    const Diagnostics& said = read ? read->notices : read.error();
     if (!read || !command_.quiet) print_diagnostics(said);
     if (!read) return status_of(error_of(said.front()));
     request.loaded = std::make_shared<const Scene>(std::move(read->scene));
@@ -151,7 +151,7 @@ class Pictures {
     SceneFrames frames(request.scene);
     do {
       auto read = frames.read(request.read);
-      const Diagnostics& said = read ? read->warnings : read.error();
+      const Diagnostics& said = read ? read->notices : read.error();
       if (!read || (!command_.quiet && index_ == 0)) print_diagnostics(said);
       if (!read) return status_of(error_of(said.front()));
       if (!camera) {

@@ -78,7 +78,11 @@ int interrupted() {
 }
 
 void print_diagnostics(const Diagnostics& said) {
-  for (const Diagnostic& d : said) print_line(d.text("--"));
+  constexpr size_t kShown = 5;
+  size_t notices = 0;
+  for (const Diagnostic& d : said)
+    if (d.is_error() || ++notices <= kShown) print_line(d.text("--"));
+  if (notices > kShown) print_line(fmt::format("and {} more: raio info", notices - kShown));
 }
 
 std::expected<Scene, int> load_scene(const std::string& path, bool quiet, Diagnostics* warnings,
@@ -89,8 +93,8 @@ std::expected<Scene, int> load_scene(const std::string& path, bool quiet, Diagno
     const bool machine = result.error().front().message == kNoMemory;
     return std::unexpected(int(machine ? kNoResource : kBadInput));
   }
-  if (!quiet) print_diagnostics(result->warnings);
-  if (warnings) *warnings = std::move(result->warnings);
+  if (!quiet) print_diagnostics(result->notices);
+  if (warnings) *warnings = std::move(result->notices);
   return std::move(result->scene);
 }
 

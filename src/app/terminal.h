@@ -23,7 +23,8 @@ void print_error(std::string_view message);
 /// "raio: interrupted; nothing was written", and the exit status for it.
 int interrupted();
 
-/// What a reader said of a file, line by line.
+/// What a reader said of a file, line by line; of notices the first few, and that `raio info` has
+/// the others.
 void print_diagnostics(const Diagnostics& said);
 
 /// Reads a scene file and prints its diagnostics, of which `warnings` gets the warnings, too; on

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <climits>
 #include <cstdint>
 
 #include "io/nff/text_report.h"
@@ -30,11 +31,41 @@ std::string excerpt_around(std::string_view text, size_t begin, size_t end, size
 
 }  // namespace
 
+std::string_view severity_name(Severity severity) {
+  switch (severity) {
+    case Severity::warning:
+      break;
+    case Severity::error:
+      return "error";
+    case Severity::guessed:
+      return "guessed";
+    case Severity::cut:
+      return "cut";
+    case Severity::left_out:
+      return "left out";
+  }
+  return "warning";
+}
+
+void append(Diagnostics& out, const Notices& notices, std::string_view file) {
+  for (const Notice& n : notices.list())
+    out.push_back({n.severity, std::string(file), int(std::min<size_t>(n.line, INT_MAX)),
+                   n.line > 0, n.message, "", n.count, n.names});
+}
+
+std::string Diagnostic::sentence() const {
+  if (count == 0) return message;
+  std::string out = fmt::format("{} ({}", message, count);
+  for (const std::string& name : names)
+    out += fmt::format("{}{}", &name == &names.front() ? ": " : ", ", name);
+  return out + (names.size() == Notices::kNames && count > names.size() ? ", ...)" : ")");
+}
+
 std::string Diagnostic::text(std::string_view before_settings) const {
   std::string out = file;
   if (line > 0) out += fmt::format(":{}:{}", line, column);
-  out += fmt::format(": {}: {}", severity == Severity::error ? "error" : "warning",
-                     with_settings(message, before_settings));
+  out +=
+      fmt::format(": {}: {}", severity_name(severity), with_settings(sentence(), before_settings));
   if (!excerpt.empty()) out += "  | " + excerpt;
   return out;
 }

@@ -7,10 +7,9 @@
 #include <vector>
 
 #include "base/error.h"
+#include "io/notices.h"
 
 namespace raio {
-
-enum class Severity { warning, error };
 
 /// One finding, with its place.
 struct Diagnostic {
@@ -19,6 +18,12 @@ struct Diagnostic {
   int line = 0, column = 0;  // from 1; 0: about the file as a whole
   std::string message;       // what was found, what was expected, what to do; as in Error
   std::string excerpt;       // the line, shortened around the column; empty for the whole file
+  size_t count = 0;          // of the cases of a Notice; 0: of one, or about the file as a whole
+  std::vector<std::string> names{};  // of the first few; NOLINT(readability-redundant-member-init)
+
+  bool is_error() const { return severity == Severity::error; }
+  /// The message with count and names: "element from the name of the atom (214: CA, CB, ...)".
+  std::string sentence() const;
 
   /// One line: "scene.nff:3:7: error: expected a number for the radius, found \"abc\"  | s 0 0 0
   /// abc". `before_settings` as in Error::text().
@@ -29,6 +34,12 @@ struct Diagnostic {
 Error error_of(const Diagnostic& diagnostic);
 
 using Diagnostics = std::vector<Diagnostic>;
+
+/// "warning", "guessed", ...
+std::string_view severity_name(Severity severity);
+
+/// The notices of a reader, about its file, behind those that `out` has.
+void append(Diagnostics& out, const Notices& notices, std::string_view file);
 
 /// One error about a line of the file, or, without `line`, about the file as a whole.
 std::unexpected<Diagnostics> failed(std::string_view file, std::string message, size_t line = 0);

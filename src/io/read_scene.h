@@ -51,7 +51,7 @@ struct ReadOptions {
 
 struct ReadScene {
   Scene scene;
-  Diagnostics warnings;
+  Diagnostics notices;                    // no errors
   size_t frames = 0;                      // that the file has; 0: it is of a kind that has none
   std::optional<ColorScale> colors = {};  // where numbers are shown as colours
 };

@@ -90,7 +90,7 @@ void add_sky(ReadScene& read, const fs::path& path, std::string_view file) {
   Scene& scene = read.scene;
   if (scene.sky_folder.empty()) return;
   const auto warn = [&](std::string message) {
-    read.warnings.push_back({Severity::warning, std::string(file), 0, 0, std::move(message), ""});
+    read.notices.push_back({Severity::warning, std::string(file), 0, 0, std::move(message), ""});
   };
   const fs::path folder = find_sky(scene.sky_folder, path);
   if (folder.empty())

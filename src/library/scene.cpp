@@ -25,7 +25,7 @@ std::unique_ptr<Scene::Data> taken(std::expected<ReadScene, Diagnostics> read) {
                 first.text(), first.file, first.line, first.column);
   }
   auto data = std::make_unique<Scene::Data>(Scene::Data{std::move(read->scene), {}});
-  for (const Diagnostic& warning : read->warnings) data->warnings.push_back(warning.text());
+  for (const Diagnostic& warning : read->notices) data->warnings.push_back(warning.text());
   return data;
 }
 

@@ -106,7 +106,7 @@ std::expected<void, Error> RenderJob::load() {
     std::expected<ReadScene, Diagnostics> read;
     request_.read.instances = true;
     on_threads(request_.options.threads, [&] { read = read_scene(request_.scene, request_.read); });
-    const Diagnostics& said = read ? read->warnings : read.error();
+    const Diagnostics& said = read ? read->notices : read.error();
     if (events_.scene_read && !said.empty()) events_.scene_read(said);
     if (!read) return std::unexpected(error_of(said.front()));
     scene_ = std::make_shared<const Scene>(std::move(read->scene));

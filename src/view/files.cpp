@@ -51,7 +51,7 @@ void SceneFile::start(std::string path, int threads) {
     on_threads(threads, [&] { read = read_scene(path, options); });
     if (!read) return Read{path, std::unexpected(std::move(read.error())), {}};
     std::vector<std::string> warnings;
-    for (const Diagnostic& d : read->warnings) warnings.push_back(d.text());
+    for (const Diagnostic& d : read->notices) warnings.push_back(d.text());
     return Read{path, std::make_shared<const Scene>(std::move(read->scene)), warnings};
   });
 }

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "io/notices.h"
+
 namespace raio {
 
 struct Atom {
@@ -54,6 +56,7 @@ struct Atoms {
   std::vector<std::array<uint32_t, 2>> bonds;  // that the file lists
   std::vector<BondAcross> bonds_across;        // likewise
   bool finds_bonds = true;                     // whether there are others by distance
+  Notices notices;                             // of what the reader guessed, cut or left out
   // Whether the file has what colours are asked of: chains, residues, B factors and occupancies.
   bool has_residues = false, has_b_factors = false;
 };

@@ -125,6 +125,7 @@ class AtomScene {
     if (auto wrong = add_copies(); !wrong.empty()) return failed(file_, wrong);
     if (options_.cell) add_edges();
     fit_camera(scene, FitView::principal);
+    append(read_.notices, atoms_.notices, file_);
     return std::move(read_);
   }
 

@@ -177,6 +177,7 @@ ReadScene MeshBuilder::finish(Vec3f up) {
   scene_.dialect = Dialect::data;
   scene_.meshes.push_back(std::move(mesh));
   fit_camera(scene_, FitView::three_quarter, up);
+  append(warnings, notices, "");
   return {std::move(scene_), std::move(warnings)};
 }
 

@@ -26,7 +26,7 @@ struct ReadFailure {
 template <class Read>
 std::expected<ReadScene, Diagnostics> read_guarded(std::string_view file, const Read& read) try {
   ReadScene result = read();
-  for (Diagnostic& warning : result.warnings)
+  for (Diagnostic& warning : result.notices)
     if (warning.file.empty()) warning.file = file;
   return result;
 } catch (const ReadFailure& f) {
@@ -81,6 +81,7 @@ class MeshBuilder {
   std::vector<Uv> uv;
   std::vector<Rgb> colors;
   Diagnostics warnings;  // their file may be left out
+  Notices notices;       // of what is guessed, cut or left out
 
   void warn(std::string message) {
     warnings.push_back({Severity::warning, "", 0, 0, std::move(message), ""});

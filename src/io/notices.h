@@ -1,0 +1,57 @@
+// What a reader did with parts of a file that it could not keep as they stand. Also included by
+// atoms/structure.cpp, which is C++17.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace raio {
+
+/// Guessed: the file does not say it, and a rule decided. Cut: part of a number, row or column is
+/// unused. Left out: something of the file is not in the scene.
+enum class Severity : uint8_t { warning, error, guessed, cut, left_out };
+
+/// Cases of one kind: how many there are, the names of the first few, and where the first one is.
+struct Notice {
+  Severity severity = Severity::warning;
+  std::string message;             // "element from the name of the atom"
+  size_t count = 0;                // of cases; 0: it is about the file as a whole
+  std::vector<std::string> names;  // different ones, at most Notices::kNames
+  size_t line = 0;                 // of the first case, from 1; 0: unknown
+};
+
+/// The notices of a reader, each kind of case once.
+class Notices {
+ public:
+  static constexpr size_t kNames = 5;
+
+  /// Counts `count` cases more of what the message says, in the order of the file; 0: something
+  /// about the file as a whole.
+  void add(Severity severity, std::string_view message, std::string_view name = {}, size_t line = 0,
+           size_t count = 1) {
+    auto at = std::find_if(list_.begin(), list_.end(), [&](const Notice& n) {
+      return n.severity == severity && n.message == message;
+    });
+    if (at == list_.end()) {
+      list_.push_back({severity, std::string(message), 0, {}, line});
+      at = list_.end() - 1;
+    }
+    at->count += count;
+    if (!name.empty() && at->names.size() < kNames &&
+        std::find(at->names.begin(), at->names.end(), name) == at->names.end())
+      at->names.emplace_back(name);
+  }
+  /// About the file as a whole.
+  void add_whole(Severity severity, std::string_view message) { add(severity, message, {}, 0, 0); }
+
+  const std::vector<Notice>& list() const { return list_; }
+
+ private:
+  std::vector<Notice> list_;
+};
+
+}  // namespace raio
