@@ -40,7 +40,7 @@ double sky_at(const Scene& scene, float distance = 0) {
   const Image image = picture_of(scene, options);
   double sum = 0;
   for (const Rgb& pixel : image.pixels) sum += double(pixel.x) / 4;
-  return sum / double(numbers_of(Look::paper).sky);
+  return sum / double(numbers_of(Look::paper_1).sky);
 }
 
 TEST(Ambient, AnEmptyFloorSeesAllOfTheSky) {
@@ -92,7 +92,7 @@ TEST(Ambient, AllStructuresGiveOnePicture) {
   RenderOptions options;
   options.width = 40, options.height = 30, options.samples = 3;
   options.integrator = IntegratorKind::ambient;
-  for (const Look look : {Look::paper, Look::dark, Look::flat, Look::matte}) {
+  for (const Look look : {Look::paper_1, Look::flat_1, Look::paper_2, Look::dark_2, Look::matte_2}) {
     options.look = look;
     (void)expect_one_picture(random_scene(200, 4), options);
   }
@@ -115,7 +115,7 @@ TEST(Ambient, IsWhatDataIsRenderedWith) {
   EXPECT_EQ(option_conflict(options, &scene)->subject, "soft-shadows");
   scene.dialect = Dialect::nff;
   options = {};
-  options.look = Look::dark;
+  options.look = Look::dark_1;
   ASSERT_TRUE(option_conflict(options, &scene));
   EXPECT_EQ(option_conflict(options, &scene)->subject, "look");
   options = {};
@@ -211,12 +211,12 @@ struct FlatFigure {
     scene.camera.from = {0, 0, 10}, scene.camera.at = {0, 0, 0}, scene.camera.up = {0, 1, 0};
     scene.camera.fov_deg = 40;
     scene.materials = {{.color = Rgb(1), .kd = 1}};
-    options.look = Look::flat;
+    options.look = Look::flat_1;
     options.width = options.height = 200, options.samples = 16;
     options.occlusion_distance = 1e-3f;
     options.outline = 0;
   }
-  static double sky() { return double(numbers_of(Look::flat).sky); }
+  static double sky() { return double(numbers_of(Look::flat_1).sky); }
 };
 
 // A line along the edge of a disc covers a ring within it of the width that is asked for, however
@@ -232,7 +232,7 @@ TEST(Outline, IsAsWideAsAskedFor) {
       figure.scene.discs = {{{0, 0, away}, {0, 0, 1}, 2.5f}};
       figure.scene.disc_materials = {0};
       // Where nothing but the line is darker than the sky.
-      figure.options.background = WrittenColor{Rgb(numbers_of(Look::flat).sky)};
+      figure.options.background = WrittenColor{Rgb(numbers_of(Look::flat_1).sky)};
       EXPECT_NEAR(double(picture_of(figure.scene, figure.options).at(100, 100).x), figure.sky(),
                   1e-6);
       figure.options.outline = width;
@@ -268,8 +268,8 @@ TEST(Outline, IsThatOfTheLookWhereTheBackgroundIsOpen) {
       if (alpha[i] == 1) least = std::min(least, colors.pixels[i].x);
     return least;
   };
-  EXPECT_EQ(darkest(Look::flat), 0);
-  EXPECT_GT(darkest(Look::dark), 0.1f);
+  EXPECT_EQ(darkest(Look::flat_1), 0);
+  EXPECT_GT(darkest(Look::dark_1), 0.1f);
 }
 
 // From the nearest corner of the scene to the farthest the background's part grows evenly.
@@ -304,7 +304,7 @@ TEST(Ambient, TheBoundHolds) {
   RenderOptions options;
   options.integrator = IntegratorKind::ambient;
   options.width = options.height = 24, options.samples = 1;
-  for (const Look look : {Look::paper, Look::dark}) {
+  for (const Look look : {Look::paper_1, Look::dark_1}) {
     options.look = look;
     const double bound = ambient_bound(scene, resolve_options(options, scene));
     for (const Rgb& pixel : picture_of(scene, options).pixels)

@@ -197,7 +197,7 @@ TEST(Instances, APictureIsOne) {
   RenderOptions options;
   options.width = 48, options.height = 36, options.aa = 2, options.soft_shadows = true;
   expect_one_picture(clear_copies(5), options);
-  options.look = Look::paper;
+  options.look = Look::paper_1;
   options.outline = 1.0f;
   expect_one_picture(clear_copies(6), options);
   Scene only = clear_copies(7);  // with nothing of its own
@@ -249,7 +249,7 @@ TEST(Instances, CopiesAreWhatWrittenOutPrimitivesAre) {
 
     RenderOptions options;
     options.width = 64, options.height = 48;
-    options.look = Look::paper;
+    options.look = Look::paper_1;
     const Image from_copies = picture_of(scene, options), from_flat = picture_of(flat, options);
     size_t different = 0;
     for (size_t i = 0; i < from_flat.pixels.size(); ++i)

@@ -118,7 +118,7 @@ TEST(ViewState, WhatHasNoEffectWaits) {
   state.options.gloss = 0.2f;
   state.open("some.xyz", std::make_shared<const Scene>(std::move(molecule)));
   EXPECT_FALSE(read_back(state, 4).soft_shadows);
-  state.options.outline = 2, state.options.look = Look::dark;
+  state.options.outline = 2, state.options.look = Look::dark_1;
   EXPECT_EQ(read_back(state, 4).outline, 2);
   state.open("some.nff", scene());
   EXPECT_TRUE(read_back(state, 4).soft_shadows);

@@ -65,6 +65,7 @@ class AmbientShading {
   void shade(W& w, int, size_t n, const WideSampler<D>& sampler) {
     Vertices& v = w.vertices();
     for (size_t i = 0; i < n; i += kWidth) store(set3(d, Rgb()), v.radiance, i);
+    if (look_.soft > 0) soften(w, n);
     if (look_.sky > 0) add_sky_light(w, n, sampler.sample());
     if (figure_.key_light && look_.key > 0) add_key_light(w, n, sampler, look_.highlight);
     if (scene_.extent > 0) fade(w, n);
@@ -84,6 +85,7 @@ class AmbientShading {
       store(point, v.point, i), store(offset_point(point, normal, scale, true), v.outside, i);
       store(normal, v.normal, i), store(normal, v.geometric, i);
       store(set3(d, Rgb(1)), v.color, i), store(one, v.kd, i), store(black, v.radiance, i);
+      hn::Store(zero, d, &rim_[i]);
     }
     const bool key = figure_.key_light && look_.key > 0;
     if (look_.sky > 0) add_sky_light(w, n, sampler.sample());
@@ -108,6 +110,22 @@ class AmbientShading {
 
  private:
   static constexpr float kKeyRadius = 0.1f;  // at a distance of 1
+
+  // The colours of LookNumbers::soft, and what dark surfaces mirror of the sky.
+  template <class W>
+  void soften(W& w, size_t n) {
+    Vertices& v = w.vertices();
+    const V one = hn::Set(d, 1), zero = hn::Zero(d);
+    const V soft = hn::Set(d, look_.soft), rim = hn::Set(d, look_.rim);
+    for (size_t i = 0; i < n; i += kWidth) {
+      const V3 color = load(v.color, i);
+      const V brightest = hn::Min(hn::Max(color.x, hn::Max(color.y, color.z)), one);
+      store(color * hn::Sub(one, hn::Mul(soft, brightest)), v.color, i);
+      const V facing = hn::Abs(dot(load(v.normal, i), directions(w.rays().rays, i)));
+      const V aside = hn::Max(hn::Sub(one, facing), zero), black = hn::Sub(one, brightest);
+      hn::Store(hn::Mul(hn::Mul(rim, hn::Mul(black, black)), hn::Mul(aside, aside)), d, &rim_[i]);
+    }
+  }
 
   // The light of the sky, by rays that are dealt as the cosine weighs it: each that leaves brings
   // an equal share. Shirley and Chiu's disc, lifted to the hemisphere after Malley.
@@ -140,7 +158,8 @@ class AmbientShading {
         put_ray(rays, i, load(v.outside, i), dir, tmax, hn::FirstN(d, n - i));
       }
       add_lit(w, n, [&](size_t i, V lit) HWY_ATTR {
-        return load(v.color, i) * hn::Mul(lit, hn::Mul(share, load(v.kd, i)));
+        const V light = hn::Mul(lit, share), mirrored = hn::Mul(light, hn::Load(d, &rim_[i]));
+        return load(v.color, i) * hn::Mul(light, load(v.kd, i)) + V3{mirrored, mirrored, mirrored};
       });
     }
   }
@@ -296,8 +315,9 @@ class AmbientShading {
   LookNumbers look_;
   Sampler occlusion_sampler_;
   Vec3f to_key_, key_u_, key_v_;
-  Rgb line_color_;                    // stands out from the background
-  std::unique_ptr<Vertices> around_;  // what is beside the samples
+  Rgb line_color_;                               // stands out from the background
+  std::unique_ptr<Vertices> around_;             // what is beside the samples
+  alignas(64) float rim_[kChunk + kWidth] = {};  // of the current rays
 };
 
 std::unique_ptr<TileRenderer> make_renderer(const PreparedScene& scene, RenderControl& control) {
@@ -328,7 +348,7 @@ double ambient_bound(const Scene& scene, const RenderSettings& settings) {
   const double light = double(look.sky) + look.key;
   const double background = settings.sky ? double(settings.sky->largest) / 255
                                          : double(max_component(settings.background));
-  return background + std::max(light * surface + look.highlight, 1.0);
+  return background + std::max(light * surface + look.highlight + look.rim, 1.0);
 }
 
 }  // namespace raio

@@ -10,8 +10,10 @@
 namespace raio {
 
 std::expected<void, std::string> parse_look(RenderOptions& options, std::string_view text) {
-  for (size_t i = 0; i < kLooks.size(); ++i)
-    if (text == kLooks[i] || text == kLookNames[i])
+  // The newest version of a look has its name.
+  for (size_t i = kLookNames.size(); i-- > 0;)
+    if (const std::string_view name = kLookNames[i];
+        text == name || text == name.substr(0, name.find('-')))
       return options.look = Look(i), std::expected<void, std::string>();
   return std::unexpected(fmt::format("expected paper, dark, flat or matte, found '{}'", text));
 }
@@ -79,7 +81,7 @@ bool has_plain_background(const RenderOptions& options, const Scene& scene) {
 
 FigureSettings figure_settings(const RenderOptions& options, const Scene& scene) {
   FigureSettings figure;
-  figure.look = options.look.value_or(Look::paper);
+  figure.look = options.look.value_or(FigureSettings().look);
   if (options.occlusion_rays > 0) figure.occlusion_rays = options.occlusion_rays;
   figure.occlusion_distance = options.occlusion_distance;
   figure.key_light = options.key_light.value_or(true);

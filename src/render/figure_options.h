@@ -9,7 +9,7 @@
 namespace raio {
 
 /// As users write them: the newest version of a look goes without its number.
-inline constexpr std::array<std::string_view, 4> kLooks = {"paper", "dark", "flat", "matte"};
+inline constexpr auto kLooks = std::to_array<std::string_view>({"paper", "dark", "flat", "matte"});
 inline constexpr std::array<std::string_view, 2> kOnOff = {"off", "on"};
 
 std::expected<void, std::string> parse_look(RenderOptions& options, std::string_view text);
