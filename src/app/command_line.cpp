@@ -232,6 +232,10 @@ void add_render(CLI::App& app, RenderCommand& render, int& status) {
       ->needs(sub->get_option("--color-bar"))
       ->type_name(value_type("SIDE", kSides))
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+  sub->add_flag("--legend", render.legend,
+                "Draw on the picture which elements, types, chains or residues have which colours");
+  sub->add_flag("--scale-bar", render.scale_bar,
+                "Draw a bar of a round length, which holds at the distance of the point looked at");
   add_number(*sub, "--turntable", render.turntable, 1, kMostPictures,
              "Render N pictures from evenly spaced places around the scene, about the up direction "
              "through the point looked at; picture.png becomes picture-0001.png and so on",

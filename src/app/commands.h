@@ -40,10 +40,13 @@ struct RenderCommand : JobRequest {
   std::string stats;                // file for the statistics; empty: none
   std::string progress = "auto";
   bool quiet = false;
-  int turntable = 0;                     // so many pictures around the scene; 0: one, of its camera
-  std::optional<FrameRange> frames;      // a picture of each; without: of the one that `read` says
-  bool color_bar = false;                // is drawn on pictures
-  std::string color_bar_side = "right";  // or left
+  int turntable = 0;                 // so many pictures around the scene; 0: one, of its camera
+  std::optional<FrameRange> frames;  // a picture of each; without: of the one that `read` says
+  // What is drawn on pictures.
+  bool color_bar = false, legend = false, scale_bar = false;
+  std::string color_bar_side = "right";  // or left; the legend takes the other one
+
+  bool any_annotation() const { return color_bar || legend || scale_bar; }
 };
 int run(const RenderCommand& command);
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <ranges>
 
-#include "app/color_bar.h"
+#include "app/annotations.h"
 #include "app/commands.h"
 #include "app/json.h"
 #include "app/output.h"

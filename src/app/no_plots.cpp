@@ -1,6 +1,6 @@
-// In place of what draws (canvas.cpp, color_bar.cpp, plot.cpp, explain_plot.cpp) in builds with
+// In place of what draws (annotations.cpp, canvas.cpp, plot.cpp, explain_plot.cpp) in builds with
 // RAIO_PLOTS=OFF.
-#include "app/color_bar.h"
+#include "app/annotations.h"
 #include "app/explain.h"
 #include "app/plot.h"
 
@@ -26,6 +26,14 @@ std::expected<std::string, std::string> draw_color_bar(const ColorScale&, PlotFo
 std::expected<void, std::string> check_drawing() { return std::unexpected(kNoPlots); }
 
 std::expected<void, Error> draw_color_bar_on(Picture&, const ColorScale&, bool, bool) {
+  return std::unexpected(Error{ErrorKind::no_resource, "", kNoPlots});
+}
+
+std::expected<void, Error> draw_legend_on(Picture&, std::span<const LegendEntry>, bool, bool) {
+  return std::unexpected(Error{ErrorKind::no_resource, "", kNoPlots});
+}
+
+std::expected<void, Error> draw_scale_bar_on(Picture&, double, std::string_view, bool) {
   return std::unexpected(Error{ErrorKind::no_resource, "", kNoPlots});
 }
 

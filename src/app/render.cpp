@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <climits>
+#include <cmath>
 #include <filesystem>
+#include <numbers>
 #include <utility>
 #include <vector>
 
-#include "app/color_bar.h"
+#include "app/annotations.h"
 #include "app/commands.h"
 #include "app/output.h"
 #include "app/statistics.h"
@@ -105,8 +107,8 @@ class Pictures {
     if (command_.frames) return render_frames(std::move(request));
     index_ = scene_++ * of_scene_;
     if (scenes_ > 1) about_ = request.scene + ": ";
-    if (command_.color_bar)
-      if (const int status = load_with_colors(request)) return status;
+    if (command_.any_annotation())
+      if (const int status = load_to_annotate(request)) return status;
     const fs::path output = request.output;
     for (int i = 0; i < of_scene_; ++i, ++index_) {
       if (command_.turntable > 0) request.output = numbered_path(output, i, of_scene_).string();
@@ -118,27 +120,46 @@ class Pictures {
   }
 
  private:
-  // Reads the scene with the scale of its colours; the exit status.
-  int load_with_colors(JobRequest& request) {
+  // Reads the scene with what is drawn on its pictures; the exit status.
+  int load_to_annotate(JobRequest& request) {
     request.read.instances = true;
     auto read = read_scene(request.scene, request.read);
     const Diagnostics& said = read ? read->notices : read.error();
     if (!read || !command_.quiet) print_diagnostics(said);
     if (!read) return status_of(error_of(said.front()));
-    request.loaded = std::make_shared<const Scene>(std::move(read->scene));
-    return add_color_bar(request, read->colors);
+    return annotate(request, std::move(*read));
   }
 
-  int add_color_bar(JobRequest& request, const std::optional<ColorScale>& colors) const {
-    if (!colors)
+  // Hands the scene to the request, with what is drawn on the picture; the exit status.
+  int annotate(JobRequest& request, ReadScene read) const {
+    if (command_.color_bar && !read.colors)
       return bad_input(about_ +
                        "there is no scale for --color-bar: nothing is coloured by numbers; give "
                        "--color-by with index, bfactor, occupancy or a column of numbers");
-    request.overlay = [colors, left = command_.color_bar_side == "left"](Picture& picture,
-                                                                         bool linear) {
-      return draw_color_bar_on(picture, *colors, left, linear);
+    if (command_.legend && read.legend.empty())
+      return bad_input(about_ +
+                       "there is nothing to write into --legend: no colour has a name; leave it "
+                       "out");
+    request.loaded = std::make_shared<const Scene>(std::move(read.scene));
+    if (!command_.any_annotation()) return kDone;
+    const bool left = command_.color_bar_side == "left";
+    request.overlay = [this, left, colors = read.colors, legend = std::move(read.legend),
+                       unit = read.unit,
+                       scale = pixels_per_unit(request)](Picture& picture, bool linear) {
+      std::expected<void, Error> done;
+      if (command_.color_bar) done = draw_color_bar_on(picture, *colors, left, linear);
+      if (done && command_.legend) done = draw_legend_on(picture, legend, !left, linear);
+      if (done && command_.scale_bar) done = draw_scale_bar_on(picture, scale, unit, linear);
+      return done;
     };
     return kDone;
+  }
+
+  // Where the camera looks at.
+  static double pixels_per_unit(const JobRequest& request) {
+    const RenderSettings s = resolve_options(request.options, *request.loaded);
+    const double distance = double(length(s.camera.at - s.camera.from));
+    return s.height / (2 * distance * std::tan(double(s.camera.fov_deg) * std::numbers::pi / 360));
   }
 
   // Pictures of frames, all as the camera of the first sees them.
@@ -160,9 +181,7 @@ class Pictures {
         count_ = *count, camera = resolve_options(command_.options, read->scene).camera;
       }
       set_camera(request.options, *camera, read->scene);
-      if (command_.color_bar)
-        if (const int status = add_color_bar(request, read->colors)) return status;
-      request.loaded = std::make_shared<const Scene>(std::move(read->scene));
+      if (const int status = annotate(request, std::move(*read))) return status;
       request.built = nullptr;
       request.output = numbered_path(output, index_, count_).string();
       if (const int status = render(request)) return status;
@@ -252,18 +271,23 @@ class Pictures {
   StopOnSignal stop_{&control_};
 };
 
-// Why no bar can be drawn on the pictures, or nothing. Better known before the work than after it.
-std::string color_bar_problem(const RenderCommand& command, const std::vector<JobRequest>& all) {
+// Why nothing can be drawn on the pictures, or nothing. Better known before the work than after it.
+std::string annotation_problem(const RenderCommand& command, const std::vector<JobRequest>& all) {
   if (const auto can = check_drawing(); !can) return can.error();
-  if (command.frames && !command.read.color_range)
+  if (command.color_bar && command.frames && !command.read.color_range)
     return "the frames have one --color-bar only if their colours have one scale; give "
            "--color-range LO,HI";
+  const std::string_view option = command.color_bar ? "--color-bar"
+                                  : command.legend  ? "--legend"
+                                                    : "--scale-bar";
   for (const JobRequest& request : all) {
     if (request.scene.empty())
-      return "--color-bar needs the file with the numbers; name it, beside --repeat";
+      return fmt::format("{} needs the scene's file; name it, beside --repeat", option);
     if (is_part_path(request.output))
-      return "--color-bar is drawn on pictures, and a part file is none; leave it out, or give a "
-             "picture with -o";
+      return fmt::format(
+          "{} is drawn on pictures, and a part file is none; leave it out, or give a "
+          "picture with -o",
+          option);
   }
   return {};
 }
@@ -273,8 +297,8 @@ std::string color_bar_problem(const RenderCommand& command, const std::vector<Jo
 int run(const RenderCommand& command) {
   auto requests = requests_of(command);
   if (!requests) return fail(requests.error());
-  if (command.color_bar)
-    if (const std::string why = color_bar_problem(command, *requests); !why.empty())
+  if (command.any_annotation())
+    if (const std::string why = annotation_problem(command, *requests); !why.empty())
       return bad_input(why);
   Pictures pictures(command, requests->size());
   int status = kDone;

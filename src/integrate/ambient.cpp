@@ -31,6 +31,7 @@ class AmbientShading {
       : scene_(scene),
         figure_(scene.settings.figure),
         look_(numbers_of(figure_.look)),
+        outline_(figure_.outline * scene.settings.line_scale()),
         occlusion_sampler_(scene.sampler) {
     occlusion_sampler_.kind = SamplerKind::sobol;  // of each pixel one sequence, shared out
     // Lines stand out from the background, or, where that is left out, from the look's.
@@ -69,7 +70,7 @@ class AmbientShading {
     if (look_.sky > 0) add_sky_light(w, n, sampler.sample());
     if (figure_.key_light && look_.key > 0) add_key_light(w, n, sampler, look_.highlight);
     if (scene_.extent > 0) fade(w, n);
-    if (figure_.outline > 0) draw_outlines(w, n);
+    if (outline_ > 0) draw_outlines(w, n);
   }
 
   // What arrives on a white floor, against what would if nothing stood on it.
@@ -234,8 +235,8 @@ class AmbientShading {
     for (const auto& [x, y] : kCircle) {
       RayBatch& rays = w.probe_rays();
       rays.resize(n);
-      const V3 aside = set3(
-          d, scene_.eye.per_x * (x * figure_.outline) + scene_.eye.per_y * (y * figure_.outline));
+      const V3 aside =
+          set3(d, scene_.eye.per_x * (x * outline_) + scene_.eye.per_y * (y * outline_));
       for (size_t i = 0; i < n; i += kWidth) {
         const V3 dir = directions(w.rays().rays, i);
         const V along = hn::Max(dot(dir, forward), hn::Set(d, 1e-6f));
@@ -266,7 +267,7 @@ class AmbientShading {
     const Vec3f point = at(v.point), other = at(around_->point);
     const float depth = dot(point - scene_.eye.from, scene_.forward);
     const float behind = dot(other - point, scene_.forward);
-    const float step = 4 * figure_.outline * pixel * depth;  // a slope that passes for a surface
+    const float step = 4 * outline_ * pixel * depth;  // a slope that passes for a surface
     const Geometry& geometry = scene_.accel.geometry();
     if (!geometry.same_object(here, there)) return behind > 0;
     const Vec3f normal = at(v.normal);
@@ -313,6 +314,7 @@ class AmbientShading {
   const PreparedScene& scene_;
   FigureSettings figure_;
   LookNumbers look_;
+  float outline_;  // pixels
   Sampler occlusion_sampler_;
   Vec3f to_key_, key_u_, key_v_;
   Rgb line_color_;                               // stands out from the background

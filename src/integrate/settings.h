@@ -57,6 +57,7 @@ struct RenderSettings {
   float exposure = 0;
 
   int width = 512, height = 512;  // of the whole picture, pixels
+  float dpi = 0;                  // of the printed picture; 0: it has no size in print
   float preview_scale = 1;        // its sides by those of the picture that View::focus judges
   std::optional<Crop> crop;       // a part of it, without which all of it is rendered
   Camera camera;                  // its coordinates are relative to the scene's origin
@@ -88,6 +89,9 @@ struct RenderSettings {
 
   /// What is rendered of the whole picture.
   Crop frame() const { return crop.value_or(Crop{0, 0, width, height}); }
+
+  /// Pixels of a line that is one wide on a display.
+  float line_scale() const { return dpi > 0 ? dpi / 96 : 1; }
 
   int samples_per_pixel() const { return samples > 0 ? samples : aa * aa * lens_samples; }
 

@@ -49,11 +49,21 @@ struct ReadOptions {
   friend bool operator==(const ReadOptions&, const ReadOptions&) = default;
 };
 
+/// What a colour of the scene stands for: an element, a type, a chain, a residue.
+struct LegendEntry {
+  std::string name;
+  Rgb color;  // linear
+};
+
 struct ReadScene {
   Scene scene;
   Diagnostics notices;                    // no errors
   size_t frames = 0;                      // that the file has; 0: it is of a kind that has none
   std::optional<ColorScale> colors = {};  // where numbers are shown as colours
+  // NOLINTBEGIN(readability-redundant-member-init): so that some can be left out
+  std::vector<LegendEntry> legend = {};  // where names are
+  std::string unit = {};                 // of lengths; empty: unknown
+  // NOLINTEND(readability-redundant-member-init)
 };
 
 /// Reads what is in memory, `file` by its name in messages.

@@ -21,7 +21,6 @@ constexpr std::array<std::string_view, kViews> kViewNames = {
 constexpr std::array<std::string_view, 3> kToneNames = {"none", "srgb", "agx"};
 constexpr std::array<std::string_view, 3> kShadingNames = {"nff", "phong", "blinn-phong"};
 constexpr std::array<std::string_view, 3> kFresnelNames = {"none", "exact", "schlick"};
-constexpr int kMaxSide = 1 << 20;
 
 template <class T>
 std::optional<T> parse_number(std::string_view text) {
@@ -44,13 +43,49 @@ bool parse_extents(std::string_view text, std::span<int> out, int most) {
   return text.empty();
 }
 
+// "88mm" or, with a height, "88x66mm"; nothing: it is no length.
+std::optional<PrintSize> parse_print(std::string_view text, bool with_height) {
+  struct Unit {
+    std::string_view name;
+    float mm;
+  };
+  static constexpr Unit kUnits[] = {{"mm", 1}, {"cm", 10}, {"in", 25.4f}, {"pt", 25.4f / 72}};
+  constexpr float kMost = 10'000;
+  const auto unit =
+      std::ranges::find_if(kUnits, [&](const Unit& u) { return text.ends_with(u.name); });
+  if (unit == std::end(kUnits)) return std::nullopt;
+  text.remove_suffix(unit->name.size());
+  const size_t end = std::min(text.find('x'), text.size());
+  if (with_height != (end < text.size())) return std::nullopt;
+  const auto side = [&](std::string_view number) {
+    const float mm = parse_number<float>(number).value_or(-1) * unit->mm;
+    return mm >= 0.1f && mm <= kMost ? mm : 0;
+  };
+  PrintSize print{.width = side(text.substr(0, end))};
+  if (with_height) print.height = side(text.substr(end + 1));
+  if (print.width == 0 || (with_height && print.height == 0)) return std::nullopt;
+  return print;
+}
+
 std::expected<void, std::string> parse_size(RenderOptions& o, std::string_view text) {
+  if (const auto print = parse_print(text, true))
+    return o.print = *print, o.width = o.height = 0, std::expected<void, std::string>();
   std::array<int, 2> size{};
   if (!parse_extents(text, size, kMaxSide))
     return std::unexpected(fmt::format(
-        "expected a size as WIDTHxHEIGHT in pixels, each 1 to {}, as in 640x480, found '{}'",
+        "expected a size as WIDTHxHEIGHT in pixels, each 1 to {}, as in 640x480, or as it is "
+        "printed, as in 88x66mm, found '{}'",
         kMaxSide, text));
-  o.width = size[0], o.height = size[1];
+  o.width = size[0], o.height = size[1], o.print.reset();
+  return {};
+}
+
+std::expected<void, std::string> parse_width(RenderOptions& o, std::string_view text) {
+  const auto print = parse_print(text, false);
+  if (!print)
+    return std::unexpected(fmt::format(
+        "expected the printed width in mm, cm, in or pt, as in 88mm, found '{}'", text));
+  o.print = *print;
   return {};
 }
 
@@ -179,7 +214,12 @@ std::expected<void, std::string> parse_seed(RenderOptions& o, std::string_view t
 // The texts of what the functions above parse; numbers with as many digits as read back to the
 // same.
 std::string size_text(const RenderOptions& o) {
+  if (o.print && o.print->height > 0)
+    return fmt::format("{}x{}mm", o.print->width, o.print->height);
   return o.width > 0 ? fmt::format("{}x{}", o.width, o.height) : "";
+}
+std::string width_text(const RenderOptions& o) {
+  return o.print && o.print->height == 0 ? fmt::format("{}mm", o.print->width) : "";
 }
 std::string accel_text(const RenderOptions& o) { return std::string(accel_name(o.accel.kind)); }
 std::string sampler_text(const RenderOptions& o) {
@@ -227,8 +267,32 @@ std::string vector_text(const RenderOptions& o) {
 
 using Options = RenderOptions;
 constexpr auto kTable = std::to_array<OptionSpec>({
-    {"size", "WxH", "Width and height in pixels (default: the scene's resolution, else 512x512)",
+    {"size", "WxH",
+     "Width and height in pixels, or as printed, as in 88x66mm, with `dpi` (default: the scene's "
+     "resolution, else 512x512)",
      parse_size, 0, 0, size_text},
+    {"width",
+     "LENGTH",
+     "Width of the printed picture, as in 88mm, 8.8cm, 3.5in or 250pt, with `dpi`; the height "
+     "follows from the scene's shape",
+     parse_width,
+     0,
+     0,
+     width_text,
+     {},
+     true,
+     false},
+    {"dpi",
+     "N",
+     "Pixels per inch of the printed picture, which .png and .exr store: outlines and text are as "
+     "large in print as with 96 (default: 300 with `width` or a printed `size`)",
+     +[](Options& o) -> float& { return o.dpi; },
+     10,
+     10000,
+     nullptr,
+     {},
+     true,
+     false},
     {"crop",
      "X0,Y0,X1,Y1",
      "Render these columns and rows of the picture only, from X0,Y0 to before X1,Y1, counted from "

@@ -17,10 +17,22 @@
 
 namespace raio {
 
+/// A picture as large as it is printed, in millimetres; the height 0 follows from the scene's
+/// shape.
+struct PrintSize {
+  float width = 0, height = 0;
+
+  friend bool operator==(const PrintSize&, const PrintSize&) = default;
+};
+inline constexpr float kPrintDpi = 300;
+inline constexpr int kMaxSide = 1 << 20;  // pixels
+
 /// Zero, or nothing, where the scene or a rule decides: resolve_options() fills it in.
 struct RenderOptions {
   AccelOptions accel;
   int width = 0, height = 0;
+  std::optional<PrintSize> print;  // instead of pixels
+  float dpi = 0;                   // pixels per inch; with `print` 0 is kPrintDpi
   std::optional<Crop> crop;
   std::optional<Vec3d> from, at, up;  // of the camera, in the coordinates of the file
   float fov_deg = 0;

@@ -70,6 +70,7 @@ std::expected<void, Error> write_picture(Picture picture, const std::filesystem:
   const auto format = image_format(path);
   const bool for_displays = format == ImageFormat::png || format == ImageFormat::ppm;
   const Tone tone = options->tone.value_or(Tone::none);
+  picture.dpi = options->dpi;
   if (for_displays) tone_map(picture.color, picture.alpha, tone, options->exposure);
   if (overlay)
     if (auto drawn = overlay(picture, !for_displays && tone != Tone::none); !drawn) return drawn;

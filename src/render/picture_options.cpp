@@ -142,6 +142,9 @@ std::optional<Error> picture_conflict(const RenderOptions& options, const Scene*
 }
 
 std::optional<Error> window_conflict(const RenderOptions& options) {
+  if (options.print || options.dpi > 0)
+    return bad_option(options.print ? "width" : "dpi",
+                      "the window has no printed size; leave it out, or render to a file");
   if (options.crop)
     return bad_option("crop", "the window shows whole pictures; leave it out, or render to a file");
   if (options.background && options.background->transparent)

@@ -61,11 +61,21 @@ std::optional<Error> sample_conflict(const RenderOptions& options) {
   return std::nullopt;
 }
 
+std::optional<Error> size_conflict(const RenderOptions& options, const RenderSettings& settings) {
+  if (options.print && (settings.width > kMaxSide || settings.height > kMaxSide))
+    return bad_option("dpi",
+                      fmt::format("a picture of {}x{} pixels is too large, {} the most for a "
+                                  "side; choose fewer",
+                                  settings.width, settings.height, kMaxSide));
+  return std::nullopt;
+}
+
 std::optional<Error> scene_conflict(const RenderOptions& options, const Scene& scene) {
   if (const auto why = camera_problem(camera_of(scene, options)); !why.empty())
     return bad_option("", fmt::format("`from`, `at`, `up`: {}", why));
   if (auto why = figure_conflict(options, scene)) return why;
   const RenderSettings s = resolve_options(options, scene);
+  if (auto why = size_conflict(options, s)) return why;
   if (!s.dof && options.aperture > 0) return without("aperture", "dof");
   if (!s.dof && options.focus > 0) return without("focus", "dof");
   if (options.shutter && !scene.moves())
@@ -94,6 +104,8 @@ std::optional<Error> scene_conflict(const RenderOptions& options, const Scene& s
 }  // namespace
 
 std::optional<Error> option_conflict(const RenderOptions& options, const Scene* scene) {
+  if (options.print && options.width > 0)
+    return bad_option("width", "cannot be combined with `size` in pixels; give one of them");
   if (auto why = accel_conflict(options)) return why;
   if (auto why = sample_conflict(options)) return why;
   if (options.light_size > 0 && !options.soft_shadows) return without("light-size", "soft-shadows");
@@ -161,6 +173,19 @@ IntegratorKind integrator_of(const RenderOptions& o, const Scene& scene) {
                                                                 : IntegratorKind::classic);
 }
 
+namespace {
+
+void set_printed_size(PrintSize size, RenderSettings& s) {
+  if (s.dpi == 0) s.dpi = kPrintDpi;
+  const double shape =
+      size.height > 0 ? double(size.height) / double(size.width) : double(s.height) / s.width;
+  const double width = double(size.width) / 25.4 * double(s.dpi);
+  s.width = std::max(1, int(std::lround(width)));
+  s.height = std::max(1, int(std::lround(width * shape)));
+}
+
+}  // namespace
+
 RenderSettings resolve_options(const RenderOptions& o, const Scene& scene) {
   RenderSettings s;
   s.accel = o.accel;
@@ -182,6 +207,8 @@ RenderSettings resolve_options(const RenderOptions& o, const Scene& scene) {
   s.angle_to_centers = o.angle_to_centers;
   s.width = o.width > 0 ? o.width : s.camera.width > 0 ? s.camera.width : 512;
   s.height = o.height > 0 ? o.height : s.camera.height > 0 ? s.camera.height : 512;
+  s.dpi = o.dpi;
+  if (o.print) set_printed_size(*o.print, s);
   if (!(o.fov_deg > 0)) s.camera.fov_deg = fitted_fov_deg(s.camera, s.width, s.height);
   if (o.crop != Crop{0, 0, s.width, s.height}) s.crop = o.crop;
 
@@ -228,7 +255,7 @@ RenderOptions options_of(const RenderSettings& s, const Scene& scene) {
   if (const Background own = background_of(o, scene); own != Background{s.background, s.sky})
     o.background = WrittenColor{.color = s.background, .sky = s.sky};
   o.exposure = s.exposure;
-  o.width = s.width, o.height = s.height;
+  o.width = s.width, o.height = s.height, o.dpi = s.dpi;
   o.crop = s.crop;
   set_camera(o, s.camera, scene);
   o.angle_to_centers = s.angle_to_centers;

@@ -38,10 +38,11 @@ struct PictureView {
   const Image& color;
   std::span<const float> alpha;
   std::span<const Layer> layers;
+  float dpi = 0;
 
   PictureView(const Image& image) : color(image) {}
   PictureView(const Picture& picture)
-      : color(picture.color), alpha(picture.alpha), layers(picture.layers) {}
+      : color(picture.color), alpha(picture.alpha), layers(picture.layers), dpi(picture.dpi) {}
 };
 
 /// Colours as they are stored: interleaved values of 8 bits, or of 16 with the higher byte first.

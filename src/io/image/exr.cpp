@@ -6,6 +6,7 @@
 #include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfStandardAttributes.h>
 #include <OpenEXR/ImfStringAttribute.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -276,6 +277,7 @@ Decoded<std::string> encode_exr(const PictureView& picture, const Metadata& meta
   add_picture(frame, picture, header.dataWindow(), false);
   for (auto i = frame.begin(); i != frame.end(); ++i)
     header.channels().insert(i.name(), Imf::Channel(i.slice().type));
+  if (picture.dpi > 0) Imf::addXDensity(header, picture.dpi);
   for (const auto& [key, value] : metadata)
     header.insert(metadata_name(key), Imf::StringAttribute(value));
   MemoryWriter memory;

@@ -49,6 +49,7 @@ struct Picture {
   Image color;
   Column<float> alpha;  // a number a pixel, 1 is opaque; empty: there is none
   std::vector<Layer> layers;
+  float dpi = 0;  // pixels per inch, where it has a size in print
 };
 
 /// 0..1 to 0..255, clamped and rounded to nearest; NaN gives 0.

@@ -5,6 +5,7 @@
 #include <png.h>
 
 #include <algorithm>
+#include <cmath>
 #include <csetjmp>
 #include <cstdio>
 #include <cstring>
@@ -175,6 +176,10 @@ Decoded<std::string> encode_png(const PictureView& picture, const Metadata& meta
     png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
     png_set_IHDR(png, writer.info, png_uint_32(image.width), png_uint_32(image.height), 8, colors,
                  PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    if (picture.dpi > 0) {
+      const auto per_meter = png_uint_32(std::lround(double(picture.dpi) / 0.0254));
+      png_set_pHYs(png, writer.info, per_meter, per_meter, PNG_RESOLUTION_METER);
+    }
     png_set_text(png, writer.info, texts.data(), int(texts.size()));
     png_write_info(png, writer.info);
     for (const std::string& band : bands) write_chunk(png, "IDAT", band);
