@@ -37,6 +37,7 @@ double sky_at(const Scene& scene, float distance = 0) {
   options.samples = 1024, options.occlusion_rays = 16;
   options.occlusion_distance = distance;
   options.key_light = false;
+  options.look = Look::paper_1;
   const Image image = picture_of(scene, options);
   double sum = 0;
   for (const Rgb& pixel : image.pixels) sum += double(pixel.x) / 4;
@@ -92,7 +93,8 @@ TEST(Ambient, AllStructuresGiveOnePicture) {
   RenderOptions options;
   options.width = 40, options.height = 30, options.samples = 3;
   options.integrator = IntegratorKind::ambient;
-  for (const Look look : {Look::paper_1, Look::flat_1, Look::paper_2, Look::dark_2, Look::matte_2}) {
+  for (const Look look :
+       {Look::paper_1, Look::flat_1, Look::paper_2, Look::dark_2, Look::matte_2}) {
     options.look = look;
     (void)expect_one_picture(random_scene(200, 4), options);
   }
@@ -298,13 +300,35 @@ TEST(DepthCue, GrowsEvenlyWithDepth) {
   }
 }
 
+// Seen straight from above and at an angle: white keeps apart from the page, no colour clips, and
+// black shows the sky at grazing angles.
+TEST(Ambient, TheSecondPaperLookKeepsForm) {
+  const LookNumbers look = numbers_of(Look::paper_2);
+  for (const float color : {1.0f, 0.5f, 0.0f}) {
+    Scene scene = floor_seen_at({0, 0, 0});
+    scene.materials[0].color = Rgb(color);
+    scene.materials[0].kd = 1;
+    RenderOptions options;
+    options.width = options.height = 1;
+    options.samples = 1024, options.occlusion_rays = 4;
+    options.key_light = false, options.look = Look::paper_2;
+    const Vec3f view = normalize(scene.camera.at - scene.camera.from);
+    const double aside = 1 - std::abs(double(view.z)), black = 1 - double(color);
+    const double soft = double(color) * (1 - double(look.soft * color));
+    const double expected =
+        double(look.sky) * (soft + double(look.rim) * black * black * aside * aside);
+    EXPECT_NEAR(double(picture_of(scene, options).pixels[0].x), expected, 1e-3) << color;
+  }
+  EXPECT_LT((look.sky + look.key) * (1 - look.soft) + look.highlight, 1);
+}
+
 // No sample brings more than the bound.
 TEST(Ambient, TheBoundHolds) {
   const Scene scene = random_scene(300, 9);
   RenderOptions options;
   options.integrator = IntegratorKind::ambient;
   options.width = options.height = 24, options.samples = 1;
-  for (const Look look : {Look::paper_1, Look::dark_1}) {
+  for (const Look look : {Look::paper_1, Look::dark_1, Look::paper_2, Look::dark_2}) {
     options.look = look;
     const double bound = ambient_bound(scene, resolve_options(options, scene));
     for (const Rgb& pixel : picture_of(scene, options).pixels)

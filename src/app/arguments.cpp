@@ -145,6 +145,20 @@ std::vector<const CLI::Option*> add_read_options(CLI::App& app, ReadOptions& opt
              "points' spacing; the elements' radii)",
              "R");
   word(
+      "--smooth",
+      [&options](const std::string& text) {
+        float angle = 0;
+        const char* const end = text.data() + text.size();
+        const auto [stop, error] = std::from_chars(text.data(), end, angle);
+        if (error != std::errc() || stop != end || !(angle >= 0 && angle <= 180))
+          throw CLI::ValidationError(
+              "--smooth", fmt::format("expected degrees from 0 to 180, found '{}'", text));
+        options.smooth = angle;
+      },
+      "Let edges of meshes without normals look round that bend by less than DEG degrees; 0 for "
+      "flat faces (default: 40; 0 for glTF, whose rule it is)",
+      "DEG");
+  word(
       "--assembly",
       [&options](const std::string& text) {
         int number = 0;

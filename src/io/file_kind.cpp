@@ -4,6 +4,7 @@
 
 #include "io/atoms/read.h"
 #include "io/mesh/read.h"
+#include "io/mesh/smooth.h"
 #include "io/nff/text_cursor.h"
 #include "io/scene_file.h"
 
@@ -17,11 +18,12 @@ constexpr FileKind kXyz{"an XYZ file of a molecule", read_xyz, Takes::all};
 constexpr FileKind kGro{"a GRO file of a molecule", read_gro, Takes::all};
 constexpr FileKind kDump{"a LAMMPS dump", read_lammps_dump, Takes::all};
 constexpr FileKind kData{"a LAMMPS data file", read_lammps_data, Takes::all};
-constexpr FileKind kPly{"a PLY file of points or a mesh", read_ply, Takes::points};
-constexpr FileKind kStl{"an STL mesh", read_stl};
-constexpr FileKind kOff{"an OFF mesh", read_off};
-constexpr FileKind kObj{"a Wavefront OBJ mesh", read_obj};
-constexpr FileKind kGltf{"a glTF scene", read_gltf};
+constexpr FileKind kPly{"a PLY file of points or a mesh", read_ply, Takes::points, true,
+                        kSmoothDegrees};
+constexpr FileKind kStl{"an STL mesh", read_stl, Takes::nothing, true, kSmoothDegrees};
+constexpr FileKind kOff{"an OFF mesh", read_off, Takes::nothing, true, kSmoothDegrees};
+constexpr FileKind kObj{"a Wavefront OBJ mesh", read_obj, Takes::nothing, true, kSmoothDegrees};
+constexpr FileKind kGltf{"a glTF scene", read_gltf, Takes::nothing, true};
 
 struct Sign {
   std::string_view start;

@@ -36,7 +36,9 @@ struct ReadOptions {
   std::string color_by = {};  // element, chain, residue, index or a column; empty: as usual
   std::string colormap = {};  // of numbers; empty: viridis
   std::optional<std::array<double, 2>> color_range = {};  // the numbers at its ends; none: theirs
-  float radius = 0;                  // of points that have none, scene units; 0: from their spacing
+  std::optional<float> smooth =
+      {};            // the angle, in degrees, up to which edges of meshes look round
+  float radius = 0;  // of points that have none, scene units; 0: from their spacing
   std::optional<int> assembly = {};  // biological; 0: none; without: 1 where there is one
   int frame = 0;                     // of a trajectory, or model, from 0; negative: from the end
   bool cell = false;                 // the edges of the box that repeats are drawn

@@ -12,6 +12,7 @@
 #include "base/platform/files.h"
 #include "io/cube_map.h"
 #include "io/mesh/read.h"
+#include "io/mesh/smooth.h"
 #include "io/mesh/write.h"
 #include "io/nff/text_cursor.h"
 #include "io/plain_scene.h"
@@ -110,6 +111,7 @@ std::string_view unfit_option(const ReadOptions& options, const FileKind& kind) 
   if (!points && !options.color_by.empty()) return "color-by";
   if (!points && !options.colormap.empty()) return "colormap";
   if (!points && options.color_range) return "color-range";
+  if (!kind.is_mesh && options.smooth) return "smooth";
   if (kind.takes == FileKind::Takes::all) return {};
   if (options.style) return "style";
   if (options.assembly) return "assembly";
@@ -153,6 +155,7 @@ std::expected<ReadScene, Diagnostics> parse(std::shared_ptr<const TextBuffer>& t
                                      : parse_nff(*text, file);
   if (!read) return read;
   read->scene.name = name.stem().string();
+  if (kind.is_mesh) smooth_meshes(read->scene, options.smooth.value_or(kind.smooth));
   if (std::string wrong = apply_instances(options, read->scene); !wrong.empty())
     return failed(file, std::move(wrong));
   return read;

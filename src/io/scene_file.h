@@ -53,6 +53,8 @@ struct FileKind {
   std::string_view name;
   SceneReader read = nullptr;
   Takes takes = Takes::nothing;
+  bool is_mesh = false;
+  float smooth = 0;  // see ReadOptions, where they do not say; degrees
 };
 
 /// What a file seems to be by its first bytes, its lower-case suffix (".obj") and its size. No name
