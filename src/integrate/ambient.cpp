@@ -43,6 +43,10 @@ class AmbientShading {
     to_key_ = normalize(scene.eye.right * -0.45f + scene.eye.up * 0.7f - scene.forward * 0.75f);
     const Frame<float> frame(to_key_);
     key_u_ = frame.u * kKeyRadius, key_v_ = frame.v * kKeyRadius;
+    if (outline_ == 0) return;
+    if (scene.scene.moves()) crease_rays_.add_time();
+    crease_rays_.resize(kChunk + kWidth), crease_hits_.reset(kChunk + kWidth);
+    around_ = std::make_unique_for_overwrite<Vertices>();
   }
 
   static constexpr bool kTints = false;
@@ -66,11 +70,14 @@ class AmbientShading {
   void shade(W& w, int, size_t n, const WideSampler<D>& sampler) {
     Vertices& v = w.vertices();
     for (size_t i = 0; i < n; i += kWidth) store(set3(d, Rgb()), v.radiance, i);
+    if (outline_ > 0) find_outlines(w, n);
+    if (w.stopped()) return;
     if (look_.soft > 0) soften(w, n);
     if (look_.sky > 0) add_sky_light(w, n, sampler.sample());
     if (figure_.key_light && look_.key > 0) add_key_light(w, n, sampler, look_.highlight);
     if (scene_.extent > 0) fade(w, n);
-    if (outline_ > 0) draw_outlines(w, n);
+    for (size_t i = 0; outline_ > 0 && i < n; ++i)
+      if (on_line_[i] != 0) v.radiance.set(i, line_color_);
   }
 
   // What arrives on a white floor, against what would if nothing stood on it.
@@ -86,7 +93,7 @@ class AmbientShading {
       store(point, v.point, i), store(offset_point(point, normal, scale, true), v.outside, i);
       store(normal, v.normal, i), store(normal, v.geometric, i);
       store(set3(d, Rgb(1)), v.color, i), store(one, v.kd, i), store(black, v.radiance, i);
-      hn::Store(zero, d, &rim_[i]);
+      hn::Store(zero, d, &rim_[i]), hn::Store(zero, d, &on_line_[i]);
     }
     const bool key = figure_.key_light && look_.key > 0;
     if (look_.sky > 0) add_sky_light(w, n, sampler.sample());
@@ -156,7 +163,7 @@ class AmbientShading {
         const V across = dot(dir, geometric);
         const V3 out = dir - geometric * hn::Add(across, across);
         dir = select(hn::Lt(across, zero), out, dir);
-        put_ray(rays, i, load(v.outside, i), dir, tmax, hn::FirstN(d, n - i));
+        put_ray(rays, i, load(v.outside, i), dir, tmax, lit_lanes(i, n));
       }
       add_lit(w, n, [&](size_t i, V lit) HWY_ATTR {
         const V light = hn::Mul(lit, share), mirrored = hn::Mul(light, hn::Load(d, &rim_[i]));
@@ -179,8 +186,8 @@ class AmbientShading {
       const V3 dir =
           normalize(d, set3(d, to_key_) + set3(d, key_u_) * disc.x + set3(d, key_v_) * disc.y);
       const M facing =
-          hn::And(hn::FirstN(d, n - i), hn::And(hn::Gt(dot(load(v.normal, i), dir), zero),
-                                                hn::Gt(dot(load(v.geometric, i), dir), zero)));
+          hn::And(lit_lanes(i, n), hn::And(hn::Gt(dot(load(v.normal, i), dir), zero),
+                                           hn::Gt(dot(load(v.geometric, i), dir), zero)));
       put_ray(rays, i, load(v.outside, i), dir, inf, facing);
     }
     const V key = hn::Set(d, look_.key), one = hn::Set(d, 1);
@@ -222,16 +229,25 @@ class AmbientShading {
   // sample is on a line if rays through a circle around it in the picture meet something else. Of
   // two surfaces that meet in the picture the nearer one has the line. What is clear has none.
   template <class W>
-  void draw_outlines(W& w, size_t n) {
+  void find_outlines(W& w, size_t n) {
     static constexpr float kDiagonal = 0.70710678f;
-    static constexpr float kCircle[8][2] = {
-        {1, 0},  {kDiagonal, kDiagonal},   {0, 1},  {-kDiagonal, kDiagonal},
-        {-1, 0}, {-kDiagonal, -kDiagonal}, {0, -1}, {kDiagonal, -kDiagonal}};
-    Vertices& v = w.vertices();
-    if (!around_) around_ = std::make_unique_for_overwrite<Vertices>();
-    std::array<bool, kChunk> on_line{};
+    // Opposite ones first: they decide most.
+    static constexpr float kCircle[8][2] = {{1, 0},
+                                            {-1, 0},
+                                            {0, 1},
+                                            {0, -1},
+                                            {kDiagonal, kDiagonal},
+                                            {-kDiagonal, -kDiagonal},
+                                            {-kDiagonal, kDiagonal},
+                                            {kDiagonal, -kDiagonal}};
+    const Geometry& geometry = scene_.accel.geometry();
+    // Those that cannot have a line count as decided, too.
+    std::array<float, kChunk + kWidth> decided{};
+    for (size_t i = 0; i < n; ++i) {
+      on_line_[i] = 0;
+      decided[i] = !geometry.is_opaque(w.hits().item[i]);
+    }
     const V3 forward = set3(d, scene_.forward);
-    const float pixel = length(scene_.eye.per_y);
     for (const auto& [x, y] : kCircle) {
       RayBatch& rays = w.probe_rays();
       rays.resize(n);
@@ -240,41 +256,64 @@ class AmbientShading {
       for (size_t i = 0; i < n; i += kWidth) {
         const V3 dir = directions(w.rays().rays, i);
         const V along = hn::Max(dot(dir, forward), hn::Set(d, 1e-6f));
+        const M open = hn::Eq(hn::LoadU(d, &decided[i]), hn::Zero(d));
         put_ray(rays, i, origins(w.rays().rays, i), normalize(d, dir + aside * along),
-                hn::Set(d, std::numeric_limits<float>::infinity()), hn::FirstN(d, n - i));
+                hn::Set(d, std::numeric_limits<float>::infinity()),
+                hn::And(open, hn::FirstN(d, n - i)));
       }
       w.probe();
       if (w.stopped()) return;
-      HitBatch& hits = w.probed();
-      std::array<bool, kChunk> missed{};
-      for (size_t i = 0; i < n; ++i)
-        if (missed[i] = !hits[i].found(); missed[i]) hits.set(i, w.hits()[i]);
-      for (size_t i = n; i % kWidth != 0; ++i) rays.set(i, rays[n - 1]), hits.set(i, hits[n - 1]);
-      find_surfaces(scene_.accel.geometry(), scene_.scene, rays, hits, n, *around_);
-      for (size_t i = 0; i < n; ++i)
-        on_line[i] |= missed[i] || is_edge(w.hits()[i].item, hits[i].item, v, i, pixel);
+      find_lines(w, n, decided);
+      for (size_t i = 0; i < n; ++i) decided[i] = std::max(decided[i], on_line_[i]);
     }
-    const Geometry& geometry = scene_.accel.geometry();
-    for (size_t i = 0; i < n; ++i)
-      if (on_line[i] && geometry.is_opaque(w.hits().item[i])) v.radiance.set(i, line_color_);
   }
 
-  // Does a line run between what sample i sees, `here`, and what is `there` beside it, at its side?
-  bool is_edge(PrimitiveId here, PrimitiveId there, const Vertices& v, size_t i,
-               float pixel) const {
-    if (here == there) return false;
-    const auto at = [i](const Floats3& f) { return Vec3f(f.x.at[i], f.y.at[i], f.z.at[i]); };
-    const Vec3f point = at(v.point), other = at(around_->point);
-    const float depth = dot(point - scene_.eye.from, scene_.forward);
-    const float behind = dot(other - point, scene_.forward);
-    const float step = 4 * outline_ * pixel * depth;  // a slope that passes for a surface
+  // Does a line run between what samples see and what the probes meet beside them, at their side?
+  template <class W>
+  void find_lines(W& w, size_t n, const std::array<float, kChunk + kWidth>& decided) {
+    const Vertices& v = w.vertices();
     const Geometry& geometry = scene_.accel.geometry();
-    if (!geometry.same_object(here, there)) return behind > 0;
-    const Vec3f normal = at(v.normal);
-    const bool flat = primitive_kind(here) == PrimitiveKind::triangle;
-    if (behind > step && (!flat || dot(other - point, normal) < -step / 4)) return true;
+    const RayBatch& rays = w.probe_rays();
+    const float pixel = length(scene_.eye.per_y);
+    size_t creases = 0;
+    for (size_t i = 0; i < n; ++i) {
+      if (decided[i] != 0) continue;
+      const PrimitiveId here = w.hits().item[i];
+      const Hit hit = w.probed()[i];
+      if (here == hit.item) continue;
+      const Vec3f point = at(v.point, i);
+      const Ray ray = rays[i];
+      const Vec3f other = ray.origin + ray.dir * hit.t;
+      const float depth = dot(point - scene_.eye.from, scene_.forward);
+      const float behind = dot(other - point, scene_.forward);
+      const float step = 4 * outline_ * pixel * depth;  // a slope that passes for a surface
+      const bool flat = primitive_kind(here) == PrimitiveKind::triangle;
+      if (!hit.found() || (behind > step && !flat)) {
+        on_line_[i] = 1;
+      } else if (behind >= -step && !geometry.same_object(here, hit.item)) {
+        on_line_[i] = behind > 0;
+      } else if (behind > step) {
+        on_line_[i] = dot(other - point, at(v.normal, i)) < -step / 4;
+      } else if (behind >= -step && here < hit.item) {
+        crease_rays_.set(creases, ray), crease_hits_.set(creases, hit);
+        crease_of_[creases++] = uint32_t(i);
+      }
+    }
     // Where two meet at an angle the lower number has the line.
-    return std::abs(behind) <= step && here < there && dot(normal, at(around_->normal)) < 0.5f;
+    if (creases == 0) return;
+    for (size_t i = creases; i % kWidth != 0; ++i)
+      crease_rays_.set(i, crease_rays_[creases - 1]),
+          crease_hits_.set(i, crease_hits_[creases - 1]);
+    find_surfaces(geometry, scene_.scene, crease_rays_, crease_hits_, creases, *around_);
+    for (size_t k = 0; k < creases; ++k)
+      on_line_[crease_of_[k]] = dot(at(v.normal, crease_of_[k]), at(around_->normal, k)) < 0.5f;
+  }
+
+  static Vec3f at(const Floats3& f, size_t i) { return {f.x.at[i], f.y.at[i], f.z.at[i]}; }
+
+  // The first `n` lanes from i on that light arrives at, since they are not on a line.
+  HWY_INLINE M lit_lanes(size_t i, size_t n) const {
+    return hn::And(hn::FirstN(d, n - i), hn::Eq(hn::Load(d, &on_line_[i]), hn::Zero(d)));
   }
 
   // Rays that are not in `mask` count as lit by nothing.
@@ -317,8 +356,14 @@ class AmbientShading {
   float outline_;  // pixels
   Sampler occlusion_sampler_;
   Vec3f to_key_, key_u_, key_v_;
-  Rgb line_color_;                               // stands out from the background
-  std::unique_ptr<Vertices> around_;             // what is beside the samples
+  Rgb line_color_;  // stands out from the background
+  // Of the current rays whether they are on a line; of the probes beside them that need their
+  // normals to tell: rays, hits, surfaces, and which current ray they belong to.
+  alignas(64) float on_line_[kChunk + kWidth] = {};
+  RayBatch crease_rays_;
+  HitBatch crease_hits_;
+  std::unique_ptr<Vertices> around_;
+  std::array<uint32_t, kChunk> crease_of_{};
   alignas(64) float rim_[kChunk + kWidth] = {};  // of the current rays
 };
 
