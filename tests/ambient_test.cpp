@@ -120,6 +120,10 @@ TEST(Ambient, IsWhatDataIsRenderedWith) {
   options.look = Look::dark_1;
   ASSERT_TRUE(option_conflict(options, &scene));
   EXPECT_EQ(option_conflict(options, &scene)->subject, "look");
+  options.view = View::normals;
+  ASSERT_TRUE(option_conflict(options, &scene));
+  EXPECT_EQ(option_conflict(options, &scene)->message,
+            "has no effect with `view` normals; leave one of them out");
   options = {};
   options.shadow_catcher = true;
   EXPECT_EQ(option_conflict(options, &scene)->subject, "shadow-catcher");

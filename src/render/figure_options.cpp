@@ -113,6 +113,7 @@ template <class Options, class Visit>
 void visit_foreign_options(Options& o, const Scene& scene, Visit&& visit) {
   switch (integrator_of(o, scene)) {
     case IntegratorKind::classic:
+    case IntegratorKind::views:
       visit("look", o.look), visit("occlusion-rays", o.occlusion_rays);
       visit("occlusion-distance", o.occlusion_distance), visit("key-light", o.key_light);
       visit("outline", o.outline), visit("depth-cue", o.depth_cue);
@@ -123,8 +124,6 @@ void visit_foreign_options(Options& o, const Scene& scene, Visit&& visit) {
       visit("shading", o.shading), visit("fresnel", o.fresnel), visit("gloss", o.gloss);
       visit("translucency", o.translucency), visit("no-reflection", o.no_reflection);
       visit("no-refraction", o.no_refraction);
-      break;
-    case IntegratorKind::views:
       break;
   }
 }
@@ -139,10 +138,12 @@ std::optional<Error> figure_conflict(const RenderOptions& options, const Scene& 
   std::optional<Error> why;
   visit_foreign_options(options, scene, [&](std::string_view option, const auto& value) {
     if (why || value == std::remove_cvref_t<decltype(value)>()) return;
-    const auto integrator = size_t(integrator_of(options, scene));
-    why =
-        bad_option(option, fmt::format("has no effect with `integrator` {}; leave one of them out",
-                                       kIntegratorNames[integrator]));
+    const auto integrator = integrator_of(options, scene);
+    const std::string other =
+        integrator == IntegratorKind::views && !options.integrator
+            ? fmt::format("`view` {}", view_name(options.view))
+            : fmt::format("`integrator` {}", kIntegratorNames[size_t(integrator)]);
+    why = bad_option(option, fmt::format("has no effect with {}; leave one of them out", other));
   });
   if (!why && fades_into_nothing(options, scene))
     why = bad_option("depth-cue", "fades into a colour; give one as `background`, or leave it out");
