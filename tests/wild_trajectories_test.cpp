@@ -42,11 +42,11 @@ std::string atoms_of(const std::expected<ReadScene, Diagnostics>& got) {
 
 std::string atoms_of(std::string_view text, std::string_view name,
                      const ReadOptions& options = {}) {
-  return atoms_of(read(text, name, options));
+  return atoms_of(parse_scene(text, name, options));
 }
 std::string notices_of(std::string_view text, std::string_view name,
                        const ReadOptions& options = {}) {
-  return notices_of(read(text, name, options));
+  return notices_of(parse_scene(text, name, options));
 }
 
 class WildTrajectory : public testing::Test {
@@ -145,7 +145,8 @@ TEST_F(WildTrajectory, Gro) {
 constexpr std::string_view kBox =
     "title\n\n2 atoms\n2 atom types\n0 10 xlo xhi\n0 10 ylo yhi\n0 10 zlo zhi\n";
 
-std::string data(std::string_view rows, std::string_view style = "", std::string_view header = "") {
+std::string lammps_text(std::string_view rows, std::string_view style = "",
+                        std::string_view header = "") {
   return std::string(kBox) + std::string(header) + "\nAtoms " + std::string(style) + "\n\n" +
          std::string(rows);
 }
@@ -186,20 +187,21 @@ TEST(LammpsStyles, AllHaveTheirColumns) {
                                    {"tri", "7 2 1 9.5 1.5 2.5 3.5"},
                                    {"wavepacket", "2 9.5 1 9.5 1 9.5 9.5 1.5 2.5 3.5"}}) {
     const std::string rows = "1 " + std::string(row) + "\n2 " + std::string(row) + "\n";
-    const auto by_option = read(data(rows), "a.lmp", {.atom_style = std::string(style)});
+    const auto by_option =
+        parse_scene(lammps_text(rows), "a.lmp", {.atom_style = std::string(style)});
     ASSERT_TRUE(by_option) << style << ": " << by_option.error().front().text();
     EXPECT_EQ(by_option->scene.spheres[0].center, Vec3f(1.5f, 2.5f, 3.5f)) << style;
     EXPECT_EQ(by_option->scene.materials[by_option->scene.sphere_materials[0]].color,
               distinct_color(1))
         << style;
-    EXPECT_EQ(atoms_of(data(rows, "# " + std::string(style)), "a.lmp"), atoms_of(by_option));
+    EXPECT_EQ(atoms_of(lammps_text(rows, "# " + std::string(style)), "a.lmp"), atoms_of(by_option));
     EXPECT_NE(find_lammps_style(style), nullptr);
     // With flags, which must be whole numbers.
     if (style == "hybrid" || style == "tdpd") continue;
     const auto flagged = [&](std::string_view flags) {
-      return data("1 " + std::string(row) + std::string(flags) + "\n2 " + std::string(row) +
-                      std::string(flags) + "\n",
-                  "# " + std::string(style));
+      return lammps_text("1 " + std::string(row) + std::string(flags) + "\n2 " + std::string(row) +
+                             std::string(flags) + "\n",
+                         "# " + std::string(style));
     };
     EXPECT_EQ(atoms_of(flagged(" 0 -1 2"), "a.lmp"), atoms_of(by_option));
     EXPECT_THAT(error(flagged(" 0 0.5 0"), "a.lmp"), HasSubstr("an image flag, a whole number"));
@@ -209,7 +211,7 @@ TEST(LammpsStyles, AllHaveTheirColumns) {
 
 TEST(LammpsStyles, AreGuessedByColumns) {
   const auto style = [](std::string_view rows, std::string_view header = "") {
-    const std::string notices = notices_of(data(rows, "", header), "a.lmp");
+    const std::string notices = notices_of(lammps_text(rows, "", header), "a.lmp");
     const size_t at = notices.find("columns: ");
     return at == notices.npos
                ? notices
@@ -226,31 +228,33 @@ TEST(LammpsStyles, AreGuessedByColumns) {
   EXPECT_EQ(style("1 1 0.5 2600.5 2.0 3.0 1.0\n2 1 0.5 2600.5 5.0 6.0 1.0\n"), "sphere");
   EXPECT_EQ(style("1 1 -0.5 1.0 2.0 3.0 0.1 0.2 0.3\n2 1 0.5 4.0 5.0 6.0 0.1 0.2 0.3\n"), "dipole");
   // A full one without charges, or one of the styles with flags and densities.
-  const std::string several = data("1 1 1 0.8 2.0 3.0 1.0\n2 1 1 0.4 5.0 6.0 1.0\n");
+  const std::string several = lammps_text("1 1 1 0.8 2.0 3.0 1.0\n2 1 1 0.4 5.0 6.0 1.0\n");
   EXPECT_THAT(error(several, "a.lmp"),
               HasSubstr("a.lmp:9:1: error: the style of the atoms is not known, and several fit: "
-                        "full, rheo; give `atom-style`"));
+                        "full, rheo; give atom-style"));
   EXPECT_EQ(atoms_of(several, "a.lmp", {.atom_style = "full"}).substr(1), " 2 3 1; ? 5 6 1; ");
-  EXPECT_THAT(error(data("1 1 2.0\n2 1 3.0\n"), "a.lmp"), HasSubstr("rows of 3 such columns"));
+  EXPECT_THAT(error(lammps_text("1 1 2.0\n2 1 3.0\n"), "a.lmp"),
+              HasSubstr("rows of 3 such columns"));
 }
 
 TEST(LammpsStyles, WrongOnesAreRefused) {
-  EXPECT_THAT(error(data("1 1 1.0 2.0 3.0\n2 1 1 2 3\n"), "a.lmp", {.atom_style = "full"}),
-              HasSubstr("a.lmp:11:15: error: expected rows of 7 columns, or of 10"));
-  EXPECT_THAT(error(data("1 1 1.0 2.0 3.0\n2 1 1 2 3\n"), "a.lmp", {.atom_style = "magic"}),
-              HasSubstr("there is no `atom-style` 'magic'; expected one of angle, atomic"));
-  EXPECT_THAT(error(data("1 3 1.0 2.0 3.0\n2 1 1 2 3\n", "# atomic"), "a.lmp"),
+  EXPECT_THAT(error(lammps_text("1 1 1.0 2.0 3.0\n2 1 1 2 3\n"), "a.lmp", {.atom_style = "full"}),
+              HasSubstr("a.lmp:11:13: error: expected rows of 7 columns, or of 10"));
+  EXPECT_THAT(error(lammps_text("1 1 1.0 2.0 3.0\n2 1 1 2 3\n"), "a.lmp", {.atom_style = "magic"}),
+              HasSubstr("there is no atom-style 'magic'; expected one of angle, atomic"));
+  EXPECT_THAT(error(lammps_text("1 3 1.0 2.0 3.0\n2 1 1 2 3\n", "# atomic"), "a.lmp"),
               HasSubstr("a.lmp:11:3: error: expected a type"));
   EXPECT_THAT(error(kWater, "a.xyz", {.atom_style = "full"}),
-              HasSubstr("`atom-style` has no effect on this file"));
+              HasSubstr("atom-style has no effect on this file"));
 }
 
 TEST(LammpsMasses, OfModelsAreNoElements) {
   const auto masses = [](std::string_view m) {
-    return data("1 1 1.0 2.0 3.0\n2 2 4.0 5.0 6.0\n", "# atomic", "\nMasses\n\n" + std::string(m));
+    return lammps_text("1 1 1.0 2.0 3.0\n2 2 4.0 5.0 6.0\n", "# atomic",
+                       "\nMasses\n\n" + std::string(m));
   };
   for (const auto* model : {"1 1\n2 1\n", "1 1.0\n2 10.0\n", "1 1\n2 4\n", "1 72\n2 45\n"}) {
-    const auto got = read(masses(model), "a.lmp");
+    const auto got = parse_scene(masses(model), "a.lmp");
     ASSERT_TRUE(got) << got.error().front().text();
     EXPECT_EQ(got->scene.materials[got->scene.sphere_materials[0]].color, distinct_color(0))
         << model;
@@ -258,7 +262,7 @@ TEST(LammpsMasses, OfModelsAreNoElements) {
         << model;
     EXPECT_THAT(notices_of(got), HasSubstr("guessed: the masses are not those of elements"));
   }
-  const auto real = read(masses("1 12.011\n2 1.008\n"), "a.lmp");
+  const auto real = parse_scene(masses("1 12.011\n2 1.008\n"), "a.lmp");
   EXPECT_EQ(atoms_of(real), "C 1 2 3; H 4 5 6; ");
   EXPECT_THAT(notices_of(real),
               HasSubstr("guessed: elements from the masses of types (2: 1 = C, 2 = H)"));
@@ -270,7 +274,7 @@ TEST(LammpsMasses, OfModelsAreNoElements) {
 TEST(WildXyz, LabelsBeginWithTheirElements) {
   const std::string text =
       "6\n\nC1 0 0 0\nH12 9 0 0\nC_3 18 0 0\nFe3+ 27 0 0\ncl 36 0 0\nBB 45 0 0\n";
-  const auto got = read(text, "a.xyz");
+  const auto got = parse_scene(text, "a.xyz");
   EXPECT_EQ(atoms_of(got), "C 0 0 0; H 9 0 0; C 18 0 0; Fe 27 0 0; Cl 36 0 0; ? 45 0 0; ");
   EXPECT_THAT(notices_of(got), HasSubstr("a.xyz:3:1: guessed: elements from the letters of labels "
                                          "(4: C1, H12, C_3, Fe3+)"));
@@ -298,7 +302,7 @@ TEST(WildDumps, LastFramesMayBeCut) {
   // Wherever the second of two equal frames ends, the first is read; the last row has no second
   // number of its energy, which cannot be told from a whole one.
   for (size_t size = 15; size + 3 < more.size(); ++size) {
-    const auto got = read(more + more.substr(0, size), "a.dump");
+    const auto got = parse_scene(more + more.substr(0, size), "a.dump");
     ASSERT_TRUE(got) << size << ": " << got.error().front().text();
     EXPECT_EQ(got->frames, 1u) << size;
     EXPECT_THAT(notices_of(got), HasSubstr("cut: the last frame is left out")) << size;
