@@ -171,6 +171,11 @@ std::vector<const CLI::Option*> add_read_options(CLI::App& app, ReadOptions& opt
       },
       "Biological assembly of a molecule (default: 1 where there is one, for space-filling)",
       "N|none");
+  word(
+      "--atom-style", [&options](const std::string& text) { options.atom_style = text; },
+      "Style of the atoms of a LAMMPS data file, such as full (default: as its section Atoms has "
+      "it, else by its columns)",
+      "NAME");
   app.add_flag("--cell", options.cell, "Draw the edges of the cell of a crystal or simulation");
   word(
       "--images", [&options](const std::string& text) { options.images = parse_images(text); },

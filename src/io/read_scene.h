@@ -41,6 +41,7 @@ struct ReadOptions {
   float radius = 0;  // of points that have none, scene units; 0: from their spacing
   std::optional<int> assembly = {};  // biological; 0: none; without: 1 where there is one
   int frame = 0;                     // of a trajectory, or model, from 0; negative: from the end
+  std::string atom_style = {};       // of the atoms of LAMMPS data; empty: as the file has it
   bool cell = false;                 // the edges of the box that repeats are drawn
   std::array<int, 3> images = {1, 1, 1};  // copies along its sides
   bool instances = false;  // copies stay such; else they become primitives of their own

@@ -10,6 +10,7 @@
 
 #include "base/memory.h"
 #include "base/platform/files.h"
+#include "io/atoms/read.h"
 #include "io/cube_map.h"
 #include "io/mesh/read.h"
 #include "io/mesh/smooth.h"
@@ -26,7 +27,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kReads =
     "Raio reads NFF, P3F, .raio, PDB, CIF, GRO, XYZ, LAMMPS, PLY, STL, OBJ, OFF and glTF";
-constexpr std::string_view kGzip = "\x1f\x8b";
+constexpr std::string_view kGzip = "\x1f\x8b", kByteOrderMark = "\xef\xbb\xbf";
 
 /// Does the path lead to a regular file that begins as a .raio scene? Pipes and standard input are
 /// not touched, since what is read from them is gone.
@@ -112,6 +113,7 @@ std::string_view unfit_option(const ReadOptions& options, const FileKind& kind) 
   if (!points && !options.colormap.empty()) return "colormap";
   if (!points && options.color_range) return "color-range";
   if (!kind.is_mesh && options.smooth) return "smooth";
+  if (!options.atom_style.empty() && kind.read != read_lammps_data) return "atom-style";
   if (kind.takes == FileKind::Takes::all) return {};
   if (options.style) return "style";
   if (options.assembly) return "assembly";
@@ -145,6 +147,9 @@ std::expected<ReadScene, Diagnostics> parse(std::shared_ptr<const TextBuffer>& t
     text = std::make_shared<const TextBuffer>(*plain);
     if (suffix_of(name.string()) == ".gz") name = name.stem();
   }
+  // Editors show neither the mark nor a column for it.
+  if (text->view().starts_with(kByteOrderMark))
+    text = std::make_shared<const TextBuffer>(text->view().substr(kByteOrderMark.size()));
   const std::string_view bytes = text->view();
   const FileKind kind = file_kind(bytes, suffix_of(name.string()), bytes.size());
   if (!kind.name.empty() && !kind.read)

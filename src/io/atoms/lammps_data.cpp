@@ -10,7 +10,9 @@
 #include <map>
 #include <unordered_map>
 
+#include "base/vec.h"
 #include "io/atoms/colors.h"
+#include "io/atoms/lammps_styles.h"
 #include "io/atoms/read.h"
 #include "io/atoms/rows.h"
 
@@ -19,32 +21,21 @@ namespace {
 
 using Done = std::expected<void, Diagnostics>;
 
-// How atoms are written in each style that is read: id, molecule, type, charge, diameter, density.
-struct Style {
-  std::string_view name;
-  std::vector<Word> words;
-};
-const Style kStyles[] = {
-    {"atomic", {Word::skipped, Word::type, Word::x, Word::y, Word::z}},
-    {"charge", {Word::skipped, Word::type, Word::skipped, Word::x, Word::y, Word::z}},
-    {"bond", {Word::skipped, Word::residue, Word::type, Word::x, Word::y, Word::z}},
-    {"angle", {Word::skipped, Word::residue, Word::type, Word::x, Word::y, Word::z}},
-    {"molecular", {Word::skipped, Word::residue, Word::type, Word::x, Word::y, Word::z}},
-    {"full", {Word::skipped, Word::residue, Word::type, Word::skipped, Word::x, Word::y, Word::z}},
-    {"sphere",
-     {Word::skipped, Word::type, Word::diameter, Word::skipped, Word::x, Word::y, Word::z}}};
-
 // Atoms heavier than it have masses of elements, others those of a model.
 constexpr double kLeastMass = 3, kMassTolerance = 0.5;
+// Whole numbers up to it are masses of models.
+constexpr double kMostModelMass = 10;
 // United atoms, such as CH4, weigh up to this much more than their element.
 constexpr double kHydrogens = 4.5;
+// The first rows, which tell the style.
+constexpr size_t kRowsOfGuess = 1000;
 
 double mass_of(int element) { return gemmi::Element(static_cast<gemmi::El>(element)).weight(); }
 
 class DataReader {
  public:
-  DataReader(const TextBuffer& text, std::string_view file)
-      : index_(text.view()), lines_(index_), file_(file) {}
+  DataReader(const TextBuffer& text, std::string_view file, const ReadOptions& options)
+      : index_(text.view()), lines_(index_), file_(file), style_(options.atom_style) {}
 
   std::expected<Atoms, Diagnostics> read() {
     (void)lines_.next();  // the title
@@ -78,12 +69,22 @@ class DataReader {
     if (words.size() == 1 && words[0] == "Atoms") return read_atoms(line, comment);
     if (words.size() == 1 && words[0] == "Bonds") return read_bonds();
     if (words.size() == 2 && looks_like_number(words[0])) {
+      constexpr std::string_view kOwnSections[] = {"ellipsoids", "lines", "triangles", "bodies"};
+      if (std::ranges::count(kOwnSections, words[1]) > 0 && words[0] != "0")
+        hints_.section = words[1];
       size_t* const into = words[1] == "atoms" ? &atoms_ : words[1] == "bonds" ? &bonds_ : nullptr;
       if (!into) return {};
       const auto [stop, error] = std::from_chars(words[0].begin(), words[0].end(), *into);
       if (error != std::errc() || stop != words[0].end())
         return wrong(line, words[0].data(), fmt::format("the number of {}", words[1]));
     }
+    if (words.size() == 3 && words[1] == "atom" && words[2] == "types")
+      (void)std::from_chars(words[0].begin(), words[0].end(), hints_.types);
+    if (words.size() == 4 && words[3].size() == 4 && words[3].ends_with("vec") &&
+        words[3][0] >= 'a' && words[3][0] <= 'c')
+      return read_three(line, words, box().sides[size_t(words[3][0] - 'a')]);
+    if (words.size() == 5 && words[3] == "abc" && words[4] == "origin")
+      return read_three(line, words, box().origin);
     if (words.size() == 4 && words[2].ends_with("lo") && words[3].ends_with("hi")) {
       const size_t axis = size_t(std::clamp(words[2][0] - 'x', 0, 2));
       double low = 0, high = 0;
@@ -94,12 +95,18 @@ class DataReader {
     }
     if (words.size() == 6 && words[3] == "xy" && words[4] == "xz" && words[5] == "yz") {
       std::array<double, 3> tilt{};
-      for (size_t i = 0; i < 3; ++i)
-        if (!parse_number(words[i].data(), tilt[i])) return wrong(line, words[i].data(), "a tilt");
+      if (auto done = read_three(line, words, tilt); !done) return done;
       Cell& cell = box();
       cell.sides[1][0] = tilt[0], cell.sides[2][0] = tilt[1], cell.sides[2][1] = tilt[2];
     }
     return {};  // of other sections and the header nothing is kept
+  }
+
+  Done read_three(std::string_view line, std::span<const std::string_view> words,
+                  std::array<double, 3>& out) {
+    for (size_t i = 0; i < 3; ++i)
+      if (!parse_number(words[i].data(), out[i])) return wrong(line, words[i].data(), "a number");
+    return {};
   }
 
   // Numbers of types and their names, which the other sections may use instead.
@@ -142,27 +149,67 @@ class DataReader {
     LineReader ahead = lines_;
     const auto first = ahead.next_filled();
     if (!first) return fail("there are no atoms in the section Atoms");
-    const size_t words = words_of(first->substr(0, first->find('#'))).size();
-    const std::string_view name = !comment.empty()           ? comment[0]
-                                  : words == 5 || words == 8 ? std::string_view("atomic")
-                                                             : std::string_view();
-    const auto style = std::ranges::find(kStyles, name, &Style::name);
-    if (style == std::end(kStyles))
-      return wrong(
-          line, line.data() + std::min(line.size(), line.find('#')),
-          "the style of the atoms behind the section's name: Atoms # atomic, charge, bond, "
-          "angle, molecular, full or sphere");
-    first_ = ahead.number() - 1;
+    const size_t row = ahead.number();
+    first_ = row - 1;
     const size_t left = index_.size() - first_;
     if (atoms_ == 0 || atoms_ > left)
       return fail(fmt::format("expected {} atoms, found {}", atoms_, left));
+    const auto words = words_of(first->substr(0, first->find('#')));
+    const LammpsStyle* style =
+        find_lammps_style(style_.empty() && !comment.empty() ? comment[0] : style_);
+    if (!style && !style_.empty())
+      return fail(fmt::format("there is no `atom-style` '{}'; expected one of {}",
+                              printable(style_), lammps_style_names()));
+    if (!style) {
+      const auto guessed = guess_style();
+      if (!guessed)
+        return std::unexpected(
+            Diagnostics{{Severity::error, std::string(file_), int(lines_.number()), 1,
+                         guessed.error(), printable(line)}});
+      style = *guessed;
+    }
+    if (!style->has(words.size()))
+      return wrong_line(
+          file_, row, *first,
+          {words.empty() ? first->data()
+                         : words[std::min(words.size() - 1, style->columns.size())].data(),
+           fmt::format("rows of {} columns, or of {} with image flags, as the style {} has them, "
+                       "instead of {}",
+                       style->columns.size(), style->columns.size() + 3, style->name,
+                       words.size())});
     RowLayout layout;
-    layout.words = style->words;
+    layout.words = style->layout(words.size());
     layout.types = types_;
+    if (hints_.types > 0) layout.most_types = hints_.types;
     if (auto done = read_rows(index_, file_, first_, atoms_, layout, out_); !done) return done;
     lines_ = ahead;
     lines_.skip(atoms_ - 1);
     return {};
+  }
+
+  // By the first rows and what else the file says.
+  std::expected<const LammpsStyle*, std::string> guess_style() {
+    std::vector<std::vector<std::string_view>> rows;
+    LineReader ahead = lines_;
+    while (rows.size() < std::min(atoms_, kRowsOfGuess)) {
+      const auto line = ahead.next_filled();
+      if (!line) break;
+      rows.push_back(words_of(line->substr(0, line->find('#'))));
+    }
+    hints_.bonds = bonds_ > 0, hints_.cell = out_.cell, hints_.labels = &types_;
+    const auto styles = guess_lammps_style(rows, hints_);
+    if (!styles) return std::unexpected(styles.error());
+    std::vector<std::string_view> names;
+    for (const LammpsStyle* style : *styles) names.push_back(style->name);
+    const std::string first(names[0]);
+    names.erase(names.begin());
+    out_.notices.add(Severity::guessed,
+                     names.empty() ? fmt::format("style of the atoms by their columns: {}", first)
+                                   : fmt::format("style of the atoms by their columns: {} (places "
+                                                 "and types are the same in {})",
+                                                 first, fmt::join(names, ", ")),
+                     {}, lines_.number(), 0);
+    return (*styles)[0];
   }
 
   Done read_bonds() {
@@ -212,7 +259,7 @@ class DataReader {
   }
 
   // The copy of `b` that is nearest to `a`, in sides of the box from `b`. The sides are a lower
-  // triangular matrix, so the last one is subtracted first.
+  // triangular matrix, so the last one is subtracted first; those of a general box have parts.
   std::array<int, 3> cells_between(const Atom& a, const Atom& b) const {
     std::array<int, 3> cells{};
     std::array<double, 3> apart{};
@@ -220,7 +267,9 @@ class DataReader {
     for (size_t k = 3; out_.cell && k-- > 0;) {
       const auto& side = out_.cell->sides[k];
       // Half a side is none.
-      const double count = side[k] > 0 ? std::nearbyint(apart[k] / side[k]) : 0;
+      const double count = is_general()  ? std::nearbyint(part_along(k, apart))
+                           : side[k] > 0 ? std::nearbyint(apart[k] / side[k])
+                                         : 0;
       if (!(std::abs(count) < 1e6)) continue;
       cells[k] = int(count);
       for (size_t i = 0; i < 3; ++i) apart[i] -= count * side[i];
@@ -228,28 +277,76 @@ class DataReader {
     return cells;
   }
 
+  bool is_general() const {
+    const auto& sides = out_.cell->sides;
+    return sides[0][1] != 0 || sides[0][2] != 0 || sides[1][2] != 0;
+  }
+
+  // How many sides k of the box a way is.
+  double part_along(size_t k, const std::array<double, 3>& way) const {
+    const auto side = [&](size_t i) {
+      const auto& s = out_.cell->sides[i % 3];
+      return Vec3d(s[0], s[1], s[2]);
+    };
+    const Vec3d normal = cross(side(k + 1), side(k + 2));
+    const double part = dot(Vec3d(way[0], way[1], way[2]), normal) / dot(side(k), normal);
+    return std::isfinite(part) ? part : 0;
+  }
+
   Cell& box() { return out_.cell ? *out_.cell : out_.cell.emplace(); }
 
+  // The element of a mass; 0: of none. Three whole hydrogens and a carbon are no oxygen.
+  static int element_of_mass(double mass) {
+    constexpr double kCarbon = 12.011, kHydrogen = 1.008, kNear = 0.006;
+    for (int hydrogens = 1; hydrogens <= 4; ++hydrogens)
+      if (std::abs(mass - kCarbon - hydrogens * kHydrogen) <= kNear) return 6;
+    const auto difference = [&](int element) { return std::abs(mass_of(element) - mass); };
+    int best = 1;
+    for (int i = 2; i < kElements; ++i)
+      if (difference(i) < difference(best)) best = i;
+    return difference(best) <= kMassTolerance ? best : 0;
+  }
+
+  // Whether masses may be those of elements: some are heavy, and not all small whole numbers.
+  bool has_real_masses() const {
+    const auto any = [&](const auto& is) {
+      return std::ranges::any_of(masses_, [&](const auto& m) { return is(m.second); });
+    };
+    return any([](double m) { return m > kLeastMass; }) &&
+           any([](double m) { return m > kMostModelMass || m != std::floor(m); });
+  }
+
   // By the comment of a mass, unless the mass contradicts it: "CA" is a carbon in many force
-  // fields. Otherwise by the mass, unless the masses are those of a model.
+  // fields. Otherwise by the masses, where all of them are those of elements.
   void name_elements() {
-    const bool real =
-        std::ranges::any_of(masses_, [](const auto& m) { return m.second > kLeastMass; });
+    const bool real = has_real_masses();
     std::map<uint32_t, uint8_t> elements;
+    bool all = real;
     for (const auto& [type, mass] : masses_) {
-      const auto difference = [&](int element) { return std::abs(mass_of(element) - mass); };
       if (const auto named = named_.find(type); named != named_.end()) {
         const double more = mass - mass_of(named->second);
-        if (!real || (more >= -kMassTolerance && more <= kHydrogens)) {
+        if (!real || (more >= -kMassTolerance && more <= kHydrogens))
           elements[type] = uint8_t(named->second);
-          continue;
-        }
       }
-      int best = 1;
-      for (int i = 2; i < kElements; ++i)
-        if (difference(i) < difference(best)) best = i;
-      if (real && difference(best) <= kMassTolerance) elements[type] = uint8_t(best);
+      all = all && (elements.contains(type) || element_of_mass(mass) > 0);
     }
+    for (const auto& [type, mass] : masses_) {
+      if (elements.contains(type)) continue;
+      if (!all && elements.empty() && named_.empty()) break;
+      const int element = real ? element_of_mass(mass) : 0;
+      if (element == 0) {
+        out_.notices.add(Severity::warning, "types without an element", fmt::format("{}", type));
+        continue;
+      }
+      elements[type] = uint8_t(element);
+      out_.notices.add(Severity::guessed, "elements from the masses of types",
+                       fmt::format("{} = {}", type, element_symbol(element)));
+    }
+    if (elements.empty() && !masses_.empty())
+      out_.notices.add_whole(
+          Severity::guessed,
+          "the masses are not those of elements: types have colours, and radii are half of the "
+          "spacing");
     for (Atom& atom : out_.atoms)
       if (const auto at = elements.find(atom.part); at != elements.end()) atom.element = at->second;
   }
@@ -257,6 +354,8 @@ class DataReader {
   const LineIndex index_;
   LineReader lines_;
   std::string_view file_;
+  const std::string_view style_;  // that was asked for, or empty
+  LammpsHints hints_;
   size_t atoms_ = 0, bonds_ = 0, first_ = 0;
   std::map<std::string, uint32_t, std::less<>> types_;  // by their names
   std::map<uint32_t, double> masses_;                   // of types
@@ -272,7 +371,7 @@ std::expected<ReadScene, Diagnostics> read_lammps_data(const TextBuffer& text,
                                                        const ReadOptions& options) {
   if (const std::string wrong = not_text(text.view()); !wrong.empty())
     return std::unexpected(Diagnostics{{Severity::error, std::string(file), 0, 0, wrong, ""}});
-  const auto atoms = DataReader(text, file).read();
+  const auto atoms = DataReader(text, file, options).read();
   if (!atoms) return std::unexpected(atoms.error());
   return scene_of_atoms(*atoms, file, options);
 }

@@ -19,6 +19,8 @@ std::string_view name_of(Word word) {
       return "a type, a whole number from 1";
     case Word::residue:
       return "a whole number";
+    case Word::image:
+      return "an image flag, a whole number";
     case Word::radius:
     case Word::diameter:
       return "a number from 0";
@@ -28,9 +30,27 @@ std::string_view name_of(Word word) {
   return "a number";
 }
 
+// The element of a label such as "C1", "C_3" and "Fe3+": that of the letters before all else.
+int element_of_label(std::string_view label) {
+  const auto other =
+      std::ranges::find_if(label, [](char c) { return (c & ~32) < 'A' || (c & ~32) > 'Z'; });
+  return element_number(label.substr(0, size_t(other - label.begin())));
+}
+
+// "0.15D+01" of Fortran.
+bool parse_fortran(std::string_view text, double& number) {
+  std::array<char, 64> word{};
+  if (text.size() >= word.size() || text.find_first_of("dD") == text.npos) return false;
+  std::ranges::replace_copy_if(
+      text, word.begin(), [](char c) { return c == 'd' || c == 'D'; }, 'e');
+  return parse_number(word.data(), number) != nullptr;
+}
+
 class RowReader {
  public:
-  RowReader(const RowLayout& layout, Atoms& out) : layout_(layout), out_(out) {
+  // `odd`: becomes true where a label is not a plain symbol.
+  RowReader(const RowLayout& layout, Atoms& out, std::atomic<bool>& odd)
+      : layout_(layout), out_(out), odd_(odd) {
     for (size_t k = 0; k < layout.words.size(); ++k)
       if (layout.words[k] != Word::skipped || k == layout.value) last_ = k;
   }
@@ -49,7 +69,9 @@ class RowReader {
       if (at >= line_end || p == at) return LineFault{at, std::string(name_of(word))};
       if (word == Word::skipped && !is_value) continue;
       double number = 0;
-      const bool is_number = parse_number(at, number) != nullptr;
+      const bool is_number =
+          parse_number(at, number) != nullptr || (word != Word::species && word != Word::type &&
+                                                  parse_fortran({at, size_t(p - at)}, number));
       if (is_value) {
         if (!is_number) return LineFault{at, "a number"};
         out_.values[i] = float(number);
@@ -80,12 +102,18 @@ class RowReader {
         // Some programs number elements.
         atom.element =
             uint8_t(is_whole(1) && number < kElements ? int(number) : element_number(text));
+        if (atom.element == 0) {
+          atom.element = uint8_t(element_of_label(text));
+          odd_.store(true, std::memory_order_relaxed);
+        }
         return true;
       case Word::type:
         if (const auto named = layout_.types.find(text); named != layout_.types.end())
           return atom.part = named->second, true;
-        atom.part = is_whole(1) ? uint32_t(number) : 0;
+        atom.part = is_whole(1) && number <= layout_.most_types ? uint32_t(number) : 0;
         return atom.part > 0;
+      case Word::image:
+        return is_number && number == std::floor(number);
       case Word::residue:
         atom.residue = is_whole(0) ? uint32_t(number) : 0;
         return is_whole(0);
@@ -101,8 +129,31 @@ class RowReader {
 
   const RowLayout& layout_;
   Atoms& out_;
+  std::atomic<bool>& odd_;
   size_t last_ = 0;
 };
+
+// Tells the labels that are not plain symbols, in the order of the file.
+void describe_labels(const LineIndex& index, size_t first, const RowLayout& layout, Atoms& out) {
+  const auto column = size_t(std::ranges::find(layout.words, Word::species) - layout.words.begin());
+  const char* p = index.begin_of(first);
+  const char* const end = index.text().data() + index.text().size();
+  for (size_t i = 0; i < out.atoms.size(); ++i) {
+    const char* at = take_line(p, end).data();
+    for (size_t k = 0;; ++k) {
+      at = skip_blanks_in_line(at);
+      if (k == column) break;
+      while (!is_char(*at, kWordEnd)) ++at;
+    }
+    const std::string_view label = word_at(at);
+    const int element = out.atoms[i].element;
+    if (element == 0)
+      out.notices.add(Severity::warning, "labels that are no elements", label, first + i + 1);
+    else if (element_number(label) == 0 && !looks_like_number(label))
+      out.notices.add(Severity::guessed, "elements from the letters of labels", label,
+                      first + i + 1);
+  }
+}
 
 }  // namespace
 
@@ -113,7 +164,10 @@ std::expected<void, Diagnostics> read_rows(const LineIndex& index, std::string_v
   if (layout.has(Word::radius) || layout.has(Word::diameter)) out.radii.resize(count);
   if (layout.value < layout.words.size()) out.values.resize(count);
   out.has_residues = layout.has(Word::residue);
-  return for_lines(index, file, first, count, RowReader(layout, out));
+  std::atomic<bool> odd = false;
+  auto done = for_lines(index, file, first, count, RowReader(layout, out, odd));
+  if (done && odd) describe_labels(index, first, layout, out);
+  return done;
 }
 
 std::vector<std::string_view> words_of(std::string_view line) {

@@ -23,6 +23,7 @@ enum class Word : uint8_t {
   species,  // the symbol or number of an element
   type,     // a whole number from 1
   residue,  // a whole number
+  image,    // a whole number: in which copy of the box
   radius,
   diameter
 };
@@ -30,14 +31,16 @@ enum class Word : uint8_t {
 struct RowLayout {
   std::vector<Word> words;
   std::map<std::string, uint32_t, std::less<>> types;  // that have names, by these
-  size_t value = SIZE_MAX;                             // the word that Atoms::values has
+  uint32_t most_types = UINT32_MAX;
+  size_t value = SIZE_MAX;  // the word that Atoms::values has
   // From the coordinates of the file to angstroms: three rows of four numbers.
   std::array<double, 12> to_place = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 
   bool has(Word word) const { return std::ranges::count(words, word) > 0; }
 };
 
-/// Reads `count` rows, the first of which is line `first` from 0.
+/// Reads `count` rows, the first of which is line `first` from 0. Notices say which labels are not
+/// plain symbols of elements.
 std::expected<void, Diagnostics> read_rows(const LineIndex& index, std::string_view file,
                                            size_t first, size_t count, const RowLayout& layout,
                                            Atoms& out);

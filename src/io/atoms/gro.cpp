@@ -1,0 +1,171 @@
+// GRO of GROMACS: lines of columns that may touch.
+#include <algorithm>
+#include <array>
+
+#include "io/atoms/colors.h"
+#include "io/atoms/trajectory.h"
+
+namespace raio {
+namespace {
+
+// Columns of a line: residue's number and name, atom's name and number, five each, then the place
+// in nanometres (https://manual.gromacs.org/current/reference-manual/file-formats.html#gro).
+constexpr size_t kGroName = 5, kGroPlace = 20;
+
+// The element of an atom that has only a name, such as "CA" in "ALA" and in "CA".
+uint8_t element_of_name(std::string_view residue, std::string_view atom) {
+  const auto letters = [](std::string_view word) {
+    while (!word.empty() && (word[0] == ' ' || (word[0] >= '0' && word[0] <= '9')))
+      word.remove_prefix(1);
+    size_t size = 0;
+    while (size < word.size() && ((word[size] & ~32) >= 'A' && (word[size] & ~32) <= 'Z')) ++size;
+    return word.substr(0, size);
+  };
+  const auto same = [](std::string_view a, std::string_view b) {
+    return std::ranges::equal(a, b, [](char x, char y) { return (x & ~32) == (y & ~32); });
+  };
+  const std::string_view name = letters(atom), group = letters(residue);
+  // Ions are called as their group is, in the force fields of CHARMM by names of their own.
+  constexpr std::pair<std::string_view, std::string_view> kIons[] = {
+      {"SOD", "Na"}, {"POT", "K"}, {"CLA", "Cl"}, {"CAL", "Ca"}, {"CES", "Cs"}, {"LIT", "Li"}};
+  if (same(name, group))
+    for (const auto& [ion, element] : kIons)
+      if (same(name, ion)) return uint8_t(element_number(element));
+  // These names stand for nothing else.
+  constexpr std::string_view kPlain[] = {"CL", "BR", "MG", "ZN", "FE", "MN", "CU", "SI", "LI"};
+  const bool is_ion = same(name, group.substr(0, 2));
+  const bool is_plain = std::ranges::any_of(kPlain, [&](auto word) { return same(word, name); });
+  if (name.size() == 2 && (is_ion || is_plain))
+    if (const int number = element_number(name)) return uint8_t(number);
+  return uint8_t(element_number(name.substr(0, 1)));
+}
+
+FrameRowsOr next_gro(Trajectory& t) {
+  FrameRows out;
+  (void)t.lines.next();  // the title
+  const std::string_view line = t.lines.next().value_or("");
+  const auto count = t.count(line);
+  if (!count) return std::unexpected(count.error());
+  if (auto done = t.expect_rows(*count, 1); !done) return std::unexpected(done.error());
+  out.count = *count;
+  return out;
+}
+
+// The line behind the atoms: the lengths of a box, or all nine numbers of a leaning one, those on
+// the diagonal first; in nanometres.
+std::optional<Cell> cell_of_gro(std::string_view line) {
+  const auto words = words_of(line);
+  std::array<double, 9> number{};
+  if (words.size() != 3 && words.size() != 9) return std::nullopt;
+  for (size_t i = 0; i < words.size(); ++i)
+    if (!parse_number(words[i].data(), number[i])) return std::nullopt;
+  Cell cell;
+  cell.sides = {{{number[0], number[3], number[4]},
+                 {number[5], number[1], number[6]},
+                 {number[7], number[8], number[2]}}};
+  for (auto& side : cell.sides)
+    for (double& x : side) x *= 10;
+  return cell;
+}
+
+// By how many columns numbers of atoms and residues beyond 99,999 move what is behind them, which
+// the first decimal point tells.
+size_t digits_more(std::string_view line, size_t usual_point) {
+  const size_t point = line.find('.', kGroPlace);
+  constexpr size_t kMost = 4;
+  return point != line.npos && point > usual_point && point - usual_point <= kMost
+             ? point - usual_point
+             : 0;
+}
+
+// The residue's number and name, and the atom's name. Either number may be the wider one.
+std::pair<std::string_view, std::string_view> names_of(std::string_view line, size_t wider) {
+  size_t more = 0;
+  while (more < wider && kGroName + more < line.size() && line[0] != ' ' &&
+         line[kGroName + more] >= '0' && line[kGroName + more] <= '9')
+    ++more;
+  line.remove_prefix(std::min(more, line.size()));
+  return {line.substr(0, 2 * kGroName),
+          line.size() > 2 * kGroName ? line.substr(2 * kGroName, kGroName) : ""};
+}
+
+// A number that fills its column but for blanks before and behind it; columns may touch.
+std::optional<LineFault> read_column(std::string_view column, double& value) {
+  std::array<char, 64> word{};
+  std::ranges::copy(column, word.begin());
+  const char* const from = skip_blanks_in_line(word.data());
+  const size_t at = size_t(from - word.data());
+  const char* const stop = parse_number(from, value);
+  if (!stop) return LineFault{column.data() + at, "a coordinate"};
+  const char* const behind = skip_blanks_in_line(stop);
+  if (behind < word.data() + column.size())
+    return LineFault{column.data() + (behind - word.data()),
+                     "a coordinate without a blank inside its column"};
+  return std::nullopt;
+}
+
+std::expected<void, Diagnostics> read_gro_atoms(const Trajectory& t, const FrameRows& frame,
+                                                Atoms& out) {
+  out.atoms.resize(frame.count);
+  out.has_residues = true;
+  const char* p = t.index.begin_of(frame.first);
+  const std::string_view first = take_line(p, t.index.text().data() + t.index.text().size());
+  // As wide as it is from one point to the next.
+  const size_t point = first.find('.', kGroPlace),
+               second = point == std::string_view::npos ? point : first.find('.', point + 1);
+  const size_t width = second == std::string_view::npos ? 0 : second - point;
+  if (width < 2 || width > 40)
+    return wrong_line(t.file, frame.first + 1, first,
+                      {first.data() + std::min(first.size(), kGroPlace),
+                       "three coordinates with decimal points"});
+  auto done = for_lines(t.index, t.file, frame.first, frame.count,
+                        [&](size_t i, std::string_view line) -> std::optional<LineFault> {
+                          Atom& atom = out.atoms[i];
+                          const size_t wider = digits_more(line, point);
+                          for (size_t k = 0; k < 3; ++k) {
+                            const size_t at = std::min(kGroPlace + wider + k * width, line.size());
+                            double value = 0;
+                            if (auto wrong = read_column(line.substr(at, width), value))
+                              return wrong;
+                            atom.place[k] = float(10 * value);
+                          }
+                          const auto [group, name] = names_of(line, wider);
+                          atom.element = element_of_name(group.substr(kGroName), name);
+                          return std::nullopt;
+                        });
+  if (!done) return done;
+  // Numbers of residues begin again at 100,000, so they are counted.
+  const char* const end = t.index.text().data() + t.index.text().size();
+  p = t.index.begin_of(frame.first);
+  uint32_t residues = 0;
+  std::string_view group;
+  for (size_t i = 0; i < out.atoms.size(); ++i) {
+    Atom& atom = out.atoms[i];
+    const std::string_view line = take_line(p, end);
+    const auto [now, name] = names_of(line, digits_more(line, point));
+    if (!group.empty() && now != group) ++residues;
+    group = now;
+    atom.residue = residues;
+    out.notices.add(
+        atom.element ? Severity::guessed : Severity::warning,
+        atom.element ? "elements from the names of atoms" : "names of atoms that are no elements",
+        name.substr(std::min(name.size(), name.find_first_not_of(' '))), frame.first + i + 1);
+  }
+  out.cell = cell_of_gro(take_line(p, end));
+  return {};
+}
+
+}  // namespace
+
+std::expected<ReadScene, Diagnostics> read_gro(const TextBuffer& text, std::string_view file,
+                                               const ReadOptions& options) {
+  auto opened = Trajectory::open(text, file, options);
+  if (!opened) return std::unexpected(opened.error());
+  Trajectory& t = *opened;
+  return scene_of(
+      t.read(options.frame, 1, next_gro,
+             [&](const FrameRows& frame, Atoms& out) { return read_gro_atoms(t, frame, out); }),
+      file, options);
+}
+
+}  // namespace raio
