@@ -16,9 +16,9 @@ namespace {
 bool is_blank(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 
 /// The words of a header or of a plain picture, comments (# to the end of the line) left out.
-class Words {
+class HeaderWords {
  public:
-  explicit Words(std::string_view bytes) : left_(bytes) {}
+  explicit HeaderWords(std::string_view bytes) : left_(bytes) {}
 
   std::string_view next() {
     skip_blanks();
@@ -61,7 +61,7 @@ struct Size {
   size_t values(size_t channels) const { return size_t(width) * size_t(height) * channels; }
 };
 
-Decoded<Size> read_size(Words& words) {
+Decoded<Size> read_size(HeaderWords& words) {
   const auto width = words.number<int>("the width");
   if (!width) return std::unexpected(width.error());
   const auto height = words.number<int>("the height");
@@ -91,7 +91,8 @@ Decoded<Image> fill(const Size& size, bool grey, const Value& value) {
   return image;
 }
 
-Decoded<Image> decode_plain_ppm(Words& words, const Size& size, bool grey, unsigned max_value) {
+Decoded<Image> decode_plain_ppm(HeaderWords& words, const Size& size, bool grey,
+                                unsigned max_value) {
   // Every value is a digit and, but for the last, a blank.
   const size_t needed = 2 * size.values(grey ? 1 : 3) - 1;
   if (words.rest().size() < needed) return too_short(needed, words.rest().size());
@@ -104,7 +105,8 @@ Decoded<Image> decode_plain_ppm(Words& words, const Size& size, bool grey, unsig
   });
 }
 
-Decoded<Image> decode_binary_ppm(Words& words, const Size& size, bool grey, unsigned max_value) {
+Decoded<Image> decode_binary_ppm(HeaderWords& words, const Size& size, bool grey,
+                                 unsigned max_value) {
   const size_t value_bytes = max_value > 255 ? 2 : 1;
   const size_t needed = size.values(grey ? 1 : 3) * value_bytes;
   const std::string_view raster = words.rest();
@@ -119,7 +121,7 @@ Decoded<Image> decode_binary_ppm(Words& words, const Size& size, bool grey, unsi
   });
 }
 
-Decoded<Image> decode_ppm_body(char kind, Words& words) {
+Decoded<Image> decode_ppm_body(char kind, HeaderWords& words) {
   const auto size = read_size(words);
   if (!size) return std::unexpected(size.error());
   const auto max_value = words.number<unsigned>("the largest value");
@@ -132,7 +134,7 @@ Decoded<Image> decode_ppm_body(char kind, Words& words) {
                : decode_binary_ppm(words, *size, grey, *max_value);
 }
 
-Decoded<Image> decode_pfm_body(bool grey, Words& words) {
+Decoded<Image> decode_pfm_body(bool grey, HeaderWords& words) {
   const auto size = read_size(words);
   if (!size) return std::unexpected(size.error());
   const auto scale = words.number<double>("the scale");
@@ -173,7 +175,7 @@ std::string encode_ppm(const Image& image) {
 }
 
 Decoded<Image> decode_ppm(std::string_view bytes) {
-  Words words(bytes.substr(2));
+  HeaderWords words(bytes.substr(2));
   auto image = decode_ppm_body(bytes[1], words);
   if (!image) return std::unexpected(fmt::format("broken PPM: {}", image.error()));
   return image;
@@ -195,7 +197,7 @@ std::string encode_pfm(const Image& image) {
 }
 
 Decoded<Image> decode_pfm(std::string_view bytes) {
-  Words words(bytes.substr(2));
+  HeaderWords words(bytes.substr(2));
   auto image = decode_pfm_body(bytes[1] == 'f', words);
   if (!image) return std::unexpected(fmt::format("broken PFM: {}", image.error()));
   return image;
