@@ -131,6 +131,8 @@ TEST_F(WildMolecule, Pqr) {
   EXPECT_THAT(touching.radii, ElementsAre(1.824f, 1.908f, 0.6f));
   // By its first atom, too.
   EXPECT_EQ(see(wild_text("pqr-shifted.pqr"), "a.pdb", spheres).radii, shifted.radii);
+  EXPECT_THAT(see(wild_text("pqr-shifted.pqr"), "a.pdb", spheres).notices,
+              HasSubstr("guessed: the format PQR"));
 }
 
 TEST_F(WildMolecule, Cif) {
@@ -228,7 +230,7 @@ TEST(PdbText, ShiftedColumnsAreRefused) {
   std::string text = pdb_atom("1", " C", " UNL", "1", -0.169, "C");
   text.insert(26, "   ");
   EXPECT_THAT(see(text, "a.pdb").notices,
-              HasSubstr("a.pdb:1:37: error: expected a coordinate that fits the columns 31 to 38"));
+              HasSubstr("a.pdb:1:36: error: expected a coordinate that fits the columns 31 to 38"));
   std::string blank = pdb_atom("1", " C", " UNL", "1", 12.345, "C");
   blank.replace(32, 6, "12 345");
   EXPECT_THAT(see(blank, "a.pdb").notices, HasSubstr("a.pdb:1:33: error: expected a coordinate"));

@@ -176,6 +176,8 @@ class PdbReader {
                   });
     if (!done) return std::unexpected(done.error());
     guess_elements(rows);
+    if (is_pqr_ && file_.find(".pqr") == std::string_view::npos)
+      out.notices.add_whole(Severity::guessed, "the format PQR, as the lines do not fit PDB");
     Names chains(out.chains);
     if (!is_pqr_) out.assemblies = assemblies_of(lines_of(Record::remark_350), chains);
     std::optional<PdbCrystal> crystal;

@@ -37,7 +37,7 @@ bool is_no_number(std::string_view field) {
 
 // Whether a number goes on in the next field, which a number of its own would fill.
 bool goes_on(std::string_view field, std::string_view next) {
-  if (field.empty() || next.empty() || !is_decimal(field.back())) return false;
+  if (next.empty() || (!is_decimal(field.back()) && field.back() != '.')) return false;
   return next[0] == '.' || (is_decimal(next[0]) && (next.find(' ') != std::string_view::npos));
 }
 
@@ -105,7 +105,9 @@ std::optional<PqrFields> pqr_fields(std::string_view line) {
     else
       word = word.substr(0, cut);
   }
-  if (missing > 0 || words.size() < 4) return std::nullopt;
+  if (missing > 0 || words.size() < 4 || words.size() > 5) return std::nullopt;
+  // With a letter behind it where residues were inserted, and before it where the chain touches.
+  if (std::ranges::none_of(words.back(), is_decimal)) return std::nullopt;
   out.head = std::move(words);
   return out;
 }
@@ -173,7 +175,14 @@ bool is_pqr_line(std::string_view line) {
     return without_blanks(field).empty() || number_in(field);
   };
   if (!read_place(line, numbers) && fits(54) && fits(60)) return false;
-  return pqr_fields(line).has_value();
+  // Occupancy and B factor have two decimals, charge and radius have others.
+  const auto has_two = [](std::string_view number) {
+    const size_t point = number.find('.');
+    return point != std::string_view::npos && number.size() - point == 3;
+  };
+  const auto fields = pqr_fields(line);
+  return fields && fields->element.empty() &&
+         !(has_two(fields->numbers[3]) && has_two(fields->numbers[4]));
 }
 
 void guess_elements(std::vector<PdbRow>& rows) {
