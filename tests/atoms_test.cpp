@@ -435,7 +435,7 @@ TEST(Cif, CrystalsFillTheirCell) {
   std::string text(kSalt);
   text += "loop_\n_symmetry_equiv_pos_as_xyz\n'x,y,z'\n'-x,-y,1/4+z'\n";
   EXPECT_EQ(read(text, "salt.cif")->scene.spheres.size(), 4u);
-  EXPECT_THAT(error(text + "loop_\n_symmetry_equiv_pos_as_xyz\n'x,y'\n", "salt.cif"),
+  EXPECT_THAT(error(std::string(kSalt) + "loop_\n_symmetry_equiv_pos_as_xyz\n'x,y'\n", "salt.cif"),
               HasSubstr("salt.cif: error: "));
   EXPECT_THAT(error(kSalt, "salt.cif", {.frame = 1}), HasSubstr("no frame 1; the file has 1"));
 }

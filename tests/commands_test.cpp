@@ -266,7 +266,7 @@ TEST_F(Commands, ConvertKeepsCopiesInRaioScenes) {
   const std::string scene = file("some.pdb", std::string(kPdb));
   ConvertCommand convert{scene, path("some.raio"), {.style = AtomStyle::space_filling}};
   EXPECT_EQ(run_captured(convert), kDone) << err_;
-  EXPECT_EQ(err_, "");
+  EXPECT_EQ(err_, scene + ":11:1: left out: atoms of alternate conformers (1: ALA A1)\n");
   InfoCommand info{.scene = path("some.raio"), .json = true};
   EXPECT_EQ(run_captured(info), kDone) << err_;
   const json said = json::parse(out_);

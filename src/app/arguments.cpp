@@ -31,11 +31,11 @@ void add_file(CLI::App& app, const std::string& name, std::string& path, const s
 }
 
 void add_scene(CLI::App& app, std::string& path) {
-  add_file(
-      app, "scene", path,
-      "Scene file: NFF, P3F, .raio, PDB, CIF, GRO, XYZ, LAMMPS, PLY, STL, OBJ, OFF or glTF; - is "
-      "standard input",
-      "SCENE");
+  add_file(app, "scene", path,
+           "Scene file: NFF, P3F, .raio, PDB, PQR, CIF, GRO, XYZ, LAMMPS, PLY, STL, OBJ, OFF or "
+           "glTF; - is "
+           "standard input",
+           "SCENE");
   app.get_option("scene")->required();
 }
 

@@ -209,11 +209,11 @@ void add_render(CLI::App& app, RenderCommand& render, int& status) {
                 "raio render balls.nff --aa 16 --shard 1/4 -o part1.raio",
                 "raio render --repeat balls.png balls.nff -o again.png",
                 "raio render balls.nff tree.nff --aa 4 -o pictures/"}));
-  sub->add_option(
-         "scene", render.scenes,
-         "Scene files: NFF, P3F, .raio, PDB, CIF, GRO, XYZ, LAMMPS, PLY, STL, OBJ, OFF or glTF; "
-         "- is standard input; several "
-         "are rendered one after another")
+  sub->add_option("scene", render.scenes,
+                  "Scene files: NFF, P3F, .raio, PDB, PQR, CIF, GRO, XYZ, LAMMPS, PLY, STL, OBJ, "
+                  "OFF or glTF; "
+                  "- is standard input; several "
+                  "are rendered one after another")
       ->check(CLI::Validator(file_name_problem, ""))
       ->type_name("SCENE");
   add_read_options(*sub, render.read, &render.frames);
@@ -404,9 +404,10 @@ void add_export(CLI::App& app, ExportCommand& command, int& status) {
 void add_convert(CLI::App& app, ConvertCommand& command, int& status) {
   auto* sub = app.add_subcommand("convert", "Write a scene in another format");
   sub->footer(examples({"raio convert balls.nff balls.raio", "raio convert balls.raio balls.pov"}));
-  add_file(*sub, "in", command.input,
-           "Scene file: NFF, P3F, .raio, PDB, CIF, GRO, XYZ, LAMMPS, PLY, STL, OBJ, OFF or glTF",
-           "IN");
+  add_file(
+      *sub, "in", command.input,
+      "Scene file: NFF, P3F, .raio, PDB, PQR, CIF, GRO, XYZ, LAMMPS, PLY, STL, OBJ, OFF or glTF",
+      "IN");
   add_read_options(*sub, command.read);
   add_file(*sub, "out", command.output,
            "Scene file: .nff, .p3f, .raio, .ply or .pov by suffix; - writes NFF to standard output",

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 
+#include "io/atoms/pdb_atoms.h"
 #include "io/atoms/read.h"
 #include "io/mesh/read.h"
 #include "io/mesh/smooth.h"
@@ -13,6 +14,7 @@ namespace {
 
 using Takes = FileKind::Takes;
 constexpr FileKind kPdb{"a PDB file of a molecule", read_pdb, Takes::all};
+constexpr FileKind kPqr{"a PQR file of a molecule", read_pqr, Takes::all};
 constexpr FileKind kCif{"a CIF file of a molecule or crystal", read_mmcif, Takes::all};
 constexpr FileKind kXyz{"an XYZ file of a molecule", read_xyz, Takes::all};
 constexpr FileKind kGro{"a GRO file of a molecule", read_gro, Takes::all};
@@ -86,7 +88,7 @@ constexpr Sign kSuffixes[] = {
     {".gro", kGro},    {".xyz", kXyz},
     {".extxyz", kXyz}, {".data", kData},
     {".dump", kDump},  {".lammpstrj", kDump},
-    {".lmp", kData},
+    {".lmp", kData},   {".pqr", kPqr},
 };
 
 std::string_view trimmed(std::string_view line) {
@@ -184,20 +186,37 @@ bool is_netpbm(std::string_view start) {
          is_char(start[2], kBlank);
 }
 
+/// PDB or PQR, whose records are the same: PQR by its suffix or by its first atom.
+FileKind pdb_or_pqr(std::string_view start, std::string_view suffix) {
+  if (suffix == ".pqr") return kPqr;
+  while (!start.empty()) {
+    const size_t end = std::min(start.find('\n'), start.size());
+    const std::string_view line = start.substr(0, end);
+    if (line.starts_with("ATOM") || line.starts_with("HETATM"))
+      return end < start.size() && is_pqr_line(line) ? kPqr : kPdb;
+    start.remove_prefix(std::min(end + 1, start.size()));
+  }
+  return kPdb;
+}
+
 }  // namespace
 
 FileKind file_kind(std::string_view start, std::string_view suffix, size_t size) {
   start = start.substr(0, 4096);
   if (start.starts_with("RAIOSCEN")) return {};
+  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+  if (start.starts_with(kByteOrderMark)) start.remove_prefix(kByteOrderMark.size());
   const bool has_title = suffix == ".gro" || suffix == ".data" || suffix == ".lmp";
   for (const Sign& sign : kStarts)
-    if (start.starts_with(sign.start) && !(has_title && may_be_title(sign.kind))) return sign.kind;
+    if (start.starts_with(sign.start) && !(has_title && may_be_title(sign.kind)))
+      return sign.kind.read == read_pdb ? pdb_or_pqr(start, suffix) : sign.kind;
   if (!has_title && is_bmp(start)) return {"a BMP picture"};
   if (!has_title && is_netpbm(start)) return {"a picture (PPM, PGM, PBM or PFM)"};
   if (const FileKind kind = kind_of_text(start, suffix, has_title); !kind.name.empty()) return kind;
   if (is_binary_stl(start, size)) return kStl;
   for (const Sign& sign : kSuffixes)
-    if (suffix == sign.start) return sign.kind;
+    if (suffix == sign.start)
+      return sign.kind.read == read_pdb ? pdb_or_pqr(start, suffix) : sign.kind;
   return {};
 }
 

@@ -15,6 +15,8 @@ std::string plural(size_t count, std::string_view noun) {
   return text;
 }
 
+void extend_by_copies(Box3f& box, const Scene& scene, const Matrix* matrix);
+
 // Of the scene where `matrix` places it; null: where it is.
 Box3f bounds_of(const Scene& scene, const Matrix* matrix) {
   const Placement place(matrix ? *matrix : kIdentity);
@@ -43,11 +45,36 @@ Box3f bounds_of(const Scene& scene, const Matrix* matrix) {
   for (const Mesh& mesh : scene.meshes)
     for (const TriangleIndices& triangle : mesh.triangles)
       for (const uint32_t corner : triangle) add_point(mesh.positions[corner]);
-  for (const Instance& copy : scene.instances) {
-    const Matrix both = matrix ? joined(*matrix, copy.matrix) : copy.matrix;
-    box.extend(bounds_of(scene.prototypes[copy.prototype], &both));
-  }
+  extend_by_copies(box, scene, matrix);
   return box;
+}
+
+// A copy is looked into only if it may reach out of the box, by the box of its object, as most
+// copies of a large assembly do not. Those that reach furthest come first.
+void extend_by_copies(Box3f& box, const Scene& scene, const Matrix* matrix) {
+  std::vector<Box3f> of_object;
+  for (const Scene& object : scene.prototypes) of_object.push_back(bounds_of(object, nullptr));
+  std::vector<Matrix> matrices;
+  std::vector<Box3d> reach;
+  for (const Instance& copy : scene.instances) {
+    matrices.push_back(matrix ? joined(*matrix, copy.matrix) : copy.matrix);
+    Box3d outer = Placement(matrices.back()).box(of_object[copy.prototype]);
+    // By more than roundings, and than a scale that counts as even is uneven.
+    const Vec3d slack = (outer.hi - outer.lo) * 1e-3 + (abs(outer.lo) + abs(outer.hi)) * 1e-6;
+    reach.push_back({outer.lo - slack, outer.hi + slack});
+  }
+  const auto look_into = [&](size_t i) {
+    for (int axis = 0; axis < 3; ++axis)
+      if (!(reach[i].lo[axis] >= double(box.lo[axis]) && reach[i].hi[axis] <= double(box.hi[axis])))
+        return box.extend(bounds_of(scene.prototypes[scene.instances[i].prototype], &matrices[i]));
+  };
+  for (int axis = 0; axis < 3 && !reach.empty(); ++axis) {
+    const auto low = [&](const Box3d& b) { return b.lo[axis]; };
+    const auto high = [&](const Box3d& b) { return b.hi[axis]; };
+    look_into(size_t(std::ranges::min_element(reach, {}, low) - reach.begin()));
+    look_into(size_t(std::ranges::max_element(reach, {}, high) - reach.begin()));
+  }
+  for (size_t i = 0; i < reach.size(); ++i) look_into(i);
 }
 
 // Of each prototype.

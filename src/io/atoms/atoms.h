@@ -61,10 +61,32 @@ struct Atoms {
   bool has_residues = false, has_b_factors = false;
 };
 
-/// Reads a PDB or CIF text into `out`, of its frames that of the number, negative from the end.
-/// Where a residue has several conformers it is the first. Of a CIF file that gives a crystal by
-/// the parts of its cell, all atoms in one cell. Returns what is wrong, or nothing; a frame that
-/// there is not is no error, but leaves `out` without atoms.
-std::string read_structure(const char* text, size_t size, bool cif, int frame, Atoms& out);
+/// The records CRYST1 and SCALE of a PDB file.
+struct PdbCrystal {
+  std::array<double, 6> lengths_and_angles{};   // zeros: there is none
+  std::string group;                            // Hermann-Mauguin
+  std::optional<std::array<double, 12>> scale;  // three rows of four numbers
+};
+
+/// The cell of these records, by gemmi; nothing where the file says that it is no crystal. Where
+/// SCALE disagrees with CRYST1 it is that of SCALE, and a notice says so.
+std::optional<Cell> cell_of(const PdbCrystal& crystal, Notices& notices);
+
+/// Whether of all copies of the crystal the second place is nearest to the first as it stands.
+bool is_nearest_copy(const PdbCrystal& crystal, const std::array<float, 3>& from,
+                     const std::array<float, 3>& to);
+
+/// Reads a CIF text into `out`, of its frames that of the number, negative from the end. Where a
+/// residue has several conformers it is the first. Of a file that gives a crystal by the parts of
+/// its cell, all atoms in one cell. Returns what is wrong, or nothing; a frame that there is not is
+/// no error, but leaves `out` without atoms.
+struct CifFault {
+  std::string message;
+  size_t line = 0, column = 0;  // from 1; 0: about the file as a whole
+};
+std::optional<CifFault> read_structure(const char* text, size_t size, int frame, Atoms& out);
+
+/// Tells of atoms that are at one place.
+void note_coincident(Atoms& atoms);
 
 }  // namespace raio

@@ -1,39 +1,52 @@
-// PDB and mmCIF, from the text to the scene.
+// CIF and mmCIF, from the text to the scene; and what all molecules are asked.
+#include <bit>
+#include <unordered_set>
+
+#include "io/atoms/element_names.h"
 #include "io/atoms/lines.h"
 #include "io/atoms/read.h"
 #include "io/nff/text_cursor.h"
 
 namespace raio {
-namespace {
-
-std::expected<ReadScene, Diagnostics> read_by_gemmi(const TextBuffer& text, std::string_view file,
-                                                    bool cif, const ReadOptions& options) {
-  Atoms atoms;
-  const std::string_view bytes = text.view();
-  if (std::string wrong = read_structure(bytes.data(), bytes.size(), cif, options.frame, atoms);
-      !wrong.empty()) {
-    // Of several lines the first says what it is; the name of the file is ours to say.
-    wrong = wrong.substr(0, wrong.find('\n'));
-    while (wrong.starts_with(':')) wrong.erase(0, 1);
-    return failed(file, printable(wrong));
-  }
-  if (atoms.frames == 0)
-    return failed(file, cif ? "there are no atoms that could be read; expected the columns id, "
-                              "type_symbol, Cartn_x, Cartn_y and Cartn_z of _atom_site"
-                            : "there are no atoms in this PDB file");
-  return scene_of_atoms(atoms, file, options);
-}
-
-}  // namespace
-
-std::expected<ReadScene, Diagnostics> read_pdb(const TextBuffer& text, std::string_view file,
-                                               const ReadOptions& options) {
-  return read_by_gemmi(text, file, false, options);
-}
 
 std::expected<ReadScene, Diagnostics> read_mmcif(const TextBuffer& text, std::string_view file,
                                                  const ReadOptions& options) {
-  return read_by_gemmi(text, file, true, options);
+  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+  Atoms atoms;
+  std::string_view bytes = text.view();
+  if (bytes.starts_with(kByteOrderMark)) bytes.remove_prefix(kByteOrderMark.size());
+  if (const auto fault = read_structure(bytes.data(), bytes.size(), options.frame, atoms)) {
+    if (fault->column == 0) return failed(file, printable(fault->message), fault->line);
+    const LineIndex index(bytes);
+    const char* p = index.begin_of(fault->line - 1);
+    const std::string_view line = take_line(p, bytes.data() + bytes.size());
+    return wrong_line(file, fault->line, line,
+                      {line.data() + std::min(fault->column - 1, line.size()),
+                       "the syntax of CIF (" + printable(fault->message) + ")"});
+  }
+  if (atoms.frames == 0)
+    return failed(file,
+                  "there are no atoms that could be read; expected the columns Cartn_x, "
+                  "Cartn_y and Cartn_z of _atom_site");
+  note_coincident(atoms);
+  return scene_of_atoms(atoms, file, options);
+}
+
+void note_coincident(Atoms& atoms) {
+  struct Same {
+    size_t operator()(const std::array<float, 3>& p) const {
+      uint64_t hash = 0;
+      for (const float x : p)
+        hash = (hash ^ std::bit_cast<uint32_t>(x + 0.0f)) * 0x9e3779b97f4a7c15u;
+      return hash ^ (hash >> 32);
+    }
+  };
+  std::unordered_set<std::array<float, 3>, Same> places;
+  places.reserve(atoms.atoms.size());
+  size_t count = 0;
+  for (const Atom& atom : atoms.atoms) count += !places.insert(atom.place).second;
+  if (count > 0)
+    atoms.notices.add(Severity::warning, "atoms at the very place of another", {}, 0, count);
 }
 
 }  // namespace raio

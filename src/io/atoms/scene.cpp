@@ -104,9 +104,10 @@ class AtomScene {
     if (atoms_.atoms.empty()) {
       const auto frames = int64_t(atoms_.frames);
       const bool is_there = options_.frame >= -frames && options_.frame < frames;
-      return failed(
-          file_, fmt::format("{} {}{}; the file has {}", is_there ? "frame" : "there is no frame",
-                             options_.frame, is_there ? " has no atoms" : "", frames));
+      return failed(file_,
+                    fmt::format("{} {}{}; the file has {} frame{}",
+                                is_there ? "frame" : "there is no frame", options_.frame,
+                                is_there ? " has no atoms" : "", frames, frames == 1 ? "" : "s"));
     }
     has_elements_ = any_element(atoms_);
     if (!has_elements_ && (atoms_.radii.empty() || std::ranges::count(atoms_.radii, 0.f) > 0)) {

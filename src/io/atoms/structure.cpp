@@ -1,12 +1,11 @@
-// PDB and mmCIF, by gemmi. In C++17: with its headers clang refuses the containers of incomplete
-// types that later versions evaluate at compile time.
+// CIF and mmCIF, and cells, by gemmi. In C++17: with its headers clang refuses the containers of
+// incomplete types that later versions evaluate at compile time.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <exception>
 #include <gemmi/cif.hpp>
 #include <gemmi/mmcif.hpp>
-#include <gemmi/pdb.hpp>
 #include <gemmi/smcif.hpp>
 #include <locale>
 #include <map>
@@ -16,31 +15,17 @@
 #include <unordered_map>
 
 #include "io/atoms/atoms.h"
+#include "io/atoms/element_names.h"
+#include "io/atoms/names.h"
 
 namespace raio {
 namespace {
 
-class Names {
- public:
-  explicit Names(std::vector<std::string>& list) : list_(list) {}
-  uint32_t number(const std::string& name) {
-    const auto [at, is_new] = numbers_.emplace(name, uint32_t(list_.size()));
-    if (is_new) list_.push_back(name);
-    return at->second;
-  }
+using Kept = std::unordered_map<const gemmi::Atom*, uint32_t>;  // their indices
 
- private:
-  std::vector<std::string>& list_;
-  std::map<std::string, uint32_t> numbers_;
-};
-
-// Indices of the atoms that are kept, by gemmi's atom and by serial number; kTwice where several
-// atoms share a number.
-struct Kept {
-  static constexpr uint32_t kTwice = 0xffffffff;
-  std::unordered_map<const gemmi::Atom*, uint32_t> atoms;
-  std::unordered_map<int, uint32_t> serials;
-};
+uint8_t number_of(gemmi::Element element) {
+  return element.elem == gemmi::El::D ? 1 : uint8_t(element.atomic_number());
+}
 
 // Of atoms and residues that stand in others' places the first choice. Other atoms may share a
 // name: some programs name them by their elements.
@@ -66,32 +51,37 @@ class FirstChoice {
   std::map<std::string, char> chosen_;  // by names of atoms
 };
 
-void add_model(const gemmi::Model& model, bool cif, Names& chains, Names& parts, Atoms& out,
-               Kept& kept) {
+void add_model(const gemmi::Model& model, Names& chains, Names& parts, Atoms& out, Kept& kept) {
   uint32_t residues = 0;
+  Cases conformers, second_residues;
   for (const gemmi::Chain& chain : model.chains) {
     FirstChoice first;
     for (const gemmi::Residue& residue : chain.residues) {
-      if (!first.takes(residue)) continue;
-      const uint32_t number = chains.number(chain.name);
-      const uint32_t part = cif ? parts.number(residue.subchain) : number;
+      const std::string name = residue.name + ' ' + chain.name + residue.seqid.str();
+      if (!first.takes(residue)) {
+        second_residues.add(name);
+        continue;
+      }
+      const uint32_t number = chains.number(chain.name), part = parts.number(residue.subchain);
       for (const gemmi::Atom& atom : residue.atoms) {
-        if (!first.takes(atom)) continue;
+        if (!first.takes(atom)) {
+          conformers.add(name);
+          continue;
+        }
         Atom a;
         a.place = {float(atom.pos.x), float(atom.pos.y), float(atom.pos.z)};
-        const gemmi::Element element = atom.element;
-        a.element = element.elem == gemmi::El::D ? 1 : uint8_t(element.atomic_number());
+        a.element = number_of(atom.element);
         a.chain = number, a.part = part, a.residue = residues;
         a.occupancy = atom.occ, a.b_factor = atom.b_iso;
-        const auto index = uint32_t(out.atoms.size());
-        kept.atoms.emplace(&atom, index);
-        const auto [at, is_new] = kept.serials.emplace(atom.serial, index);
-        if (!is_new) at->second = Kept::kTwice;
+        kept.emplace(&atom, uint32_t(out.atoms.size()));
         out.atoms.push_back(a);
       }
       ++residues;
     }
   }
+  conformers.tell(out.notices, Severity::left_out, "atoms of alternate conformers");
+  second_residues.tell(out.notices, Severity::left_out,
+                       "residues that share the number and place of another");
 }
 
 Cell cell_of(const gemmi::UnitCell& from) {
@@ -113,8 +103,8 @@ void add_links(const gemmi::Structure& s, const gemmi::Model& model, const Kept&
     if (link.asu == gemmi::Asu::Any && s.cell.is_crystal() &&
         !s.cell.find_nearest_image(from->pos, to->pos, gemmi::Asu::Any).same_asu())
       continue;
-    const auto a = kept.atoms.find(from), b = kept.atoms.find(to);
-    if (a == kept.atoms.end() || b == kept.atoms.end() || a->second == b->second) continue;
+    const auto a = kept.find(from), b = kept.find(to);
+    if (a == kept.end() || b == kept.end() || a->second == b->second) continue;
     out.bonds.push_back({std::min(a->second, b->second), std::max(a->second, b->second)});
   }
 }
@@ -129,7 +119,8 @@ std::string value_of(gemmi::cif::Block& block, std::initializer_list<const char*
 
 // The operations of a crystal's symmetry, as the file lists them, or else those of its group, by
 // whatever the file calls it.
-std::vector<gemmi::Op> symmetry_of(gemmi::cif::Block& block, const gemmi::SmallStructure& small) {
+std::vector<gemmi::Op> symmetry_of(gemmi::cif::Block& block, const gemmi::SmallStructure& small,
+                                   Notices& notices) {
   std::vector<gemmi::Op> out;
   for (const char* tag : {"_space_group_symop_operation_xyz", "_symmetry_equiv_pos_as_xyz"})
     if (const auto column = block.find_values(tag)) {
@@ -151,6 +142,7 @@ std::vector<gemmi::Op> symmetry_of(gemmi::cif::Block& block, const gemmi::SmallS
     for (const gemmi::Op op : known ? known->operations() : gemmi::symops_from_hall(hall.c_str()))
       out.push_back(op);
   } else if (name.empty() && number.empty()) {
+    notices.add_whole(Severity::guessed, "no symmetry (P 1), as the file tells none");
     out.push_back(gemmi::Op::identity());
   } else {
     throw std::runtime_error("its space group '" + (name.empty() ? number : name) +
@@ -165,117 +157,236 @@ double wrapped(double x) {
   return x > 1 - 1e-4 ? 0 : x;
 }
 
+// The element of a site whose symbol is none: labels of minerals, such as Oa1 and Hw, begin with
+// one.
+uint8_t element_of_label(const std::string& label) {
+  if (const uint8_t element = element_of_symbol(label)) return element;
+  std::string_view letters = label;
+  letters = letters.substr(0, letters.find_first_of("0123456789+-()'_ "));
+  if (letters.size() > 2 && letters[1] >= 'a')
+    if (const uint8_t element = element_of_symbol(letters.substr(0, 2))) return element;
+  return element_of_symbol(letters.substr(0, 1));
+}
+
+// Places in a cell that repeats, in bins, of which only neighbours can be near.
+class Places {
+ public:
+  static constexpr double kSame = 0.1;  // angstroms
+
+  explicit Places(const gemmi::UnitCell& cell) : cell_(cell) {
+    const double reciprocal[3] = {cell.ar, cell.br, cell.cr};
+    for (size_t k = 0; k < 3; ++k) {
+      const double most = 1 / (kSame * reciprocal[k]);
+      bins_[k] = most > 1 ? long(std::min(most, 1000.0)) : 1;
+    }
+  }
+
+  void add(const gemmi::Fractional& place) {
+    const auto [i, j, k] = bin_of(place);
+    places_[key(i, j, k)].push_back(place);
+  }
+  bool has_near(const gemmi::Fractional& place) const {
+    const auto [i, j, k] = bin_of(place);
+    for (long a = -1; a <= 1; ++a)
+      for (long b = -1; b <= 1; ++b)
+        for (long c = -1; c <= 1; ++c)
+          if (const auto at = places_.find(key(i + a, j + b, k + c)); at != places_.end())
+            for (const gemmi::Fractional& other : at->second)
+              if (are_near(place, other)) return true;
+    return false;
+  }
+
+ private:
+  bool are_near(const gemmi::Fractional& a, const gemmi::Fractional& b) const {
+    gemmi::Fractional apart = a - b;
+    apart.x -= std::round(apart.x), apart.y -= std::round(apart.y);
+    apart.z -= std::round(apart.z);
+    return cell_.orthogonalize_difference(apart).length() < kSame;
+  }
+  std::array<long, 3> bin_of(const gemmi::Fractional& p) const {
+    return {long(p.x * double(bins_[0])), long(p.y * double(bins_[1])),
+            long(p.z * double(bins_[2]))};
+  }
+  long key(long i, long j, long k) const {
+    const auto wrap = [](long at, long count) { return ((at % count) + count) % count; };
+    return (wrap(i, bins_[0]) * bins_[1] + wrap(j, bins_[1])) * bins_[2] + wrap(k, bins_[2]);
+  }
+
+  const gemmi::UnitCell& cell_;
+  std::array<long, 3> bins_{};
+  std::unordered_map<long, std::vector<gemmi::Fractional>> places_;
+};
+
+// A site, and where the symmetry puts it.
+struct Site {
+  std::vector<gemmi::Fractional> places;
+  uint8_t element = 0;
+  const gemmi::SmallStructure::Site* from = nullptr;
+};
+
+// Those that are drawn.
+std::vector<Site> sites_of(gemmi::cif::Block& block, const gemmi::SmallStructure& small,
+                           Notices& notices) {
+  std::vector<Site> out;
+  gemmi::cif::Table flags = block.find("_atom_site_", {"label", "?calc_flag"});
+  ElementCases elements;
+  Cases dummies, disordered, placeless;
+  for (size_t i = 0; i < small.sites.size(); ++i) {
+    const gemmi::SmallStructure::Site& site = small.sites[i];
+    const auto flag = flags[i];
+    if (flag.has2(1) && flag.str(1) == "dum") {
+      dummies.add(site.label);
+    } else if (site.disorder_group > 1) {
+      disordered.add(site.label);  // of a disordered part the first choice
+    } else if (!std::isfinite(site.fract.x + site.fract.y + site.fract.z)) {
+      placeless.add(site.label);
+    } else {
+      Site one;
+      one.from = &site;
+      one.element = number_of(site.element);
+      if (one.element == 0 && site.type_symbol != "X") {
+        one.element = element_of_label(site.label);
+        elements.add(one.element, site.label);
+      }
+      out.push_back(one);
+    }
+  }
+  elements.tell(notices);
+  dummies.tell(notices, Severity::left_out, "sites of dummy atoms");
+  disordered.tell(notices, Severity::left_out, "sites of other groups of a disorder");
+  placeless.tell(notices, Severity::left_out, "sites without coordinates");
+  return out;
+}
+
 // A crystal by the parts of its cell, as the CIF of chemistry has it.
 void add_crystal(gemmi::cif::Block& block, Atoms& out) {
   const gemmi::SmallStructure small = gemmi::make_small_structure_from_block(block);
   if (!small.cell.is_crystal())
     throw std::runtime_error("it gives parts of a cell, but not the lengths of the cell's sides");
-  const std::vector<gemmi::Op> symmetry = symmetry_of(block, small);
-  constexpr double kSame = 0.1;  // angstroms, of an atom that an operation leaves where it is
+  const std::vector<gemmi::Op> symmetry = symmetry_of(block, small, out.notices);
   out.frames = 1;
   out.cell = cell_of(small.cell);
   out.has_residues = out.has_b_factors = true;
-  for (size_t i = 0; i < small.sites.size(); ++i) {
-    const gemmi::SmallStructure::Site& site = small.sites[i];
-    // Of a disordered part the first choice.
-    if (site.disorder_group > 1 || !std::isfinite(site.fract.x + site.fract.y + site.fract.z))
-      continue;
-    std::vector<gemmi::Fractional> places;
+  std::vector<Site> sites = sites_of(block, small, out.notices);
+  // Where elements share a site, the most frequent one is drawn.
+  std::vector<Site*> by_occupancy;
+  for (Site& site : sites) by_occupancy.push_back(&site);
+  std::stable_sort(by_occupancy.begin(), by_occupancy.end(),
+                   [](const Site* a, const Site* b) { return a->from->occ > b->from->occ; });
+  Places taken(small.cell);
+  Cases shared;
+  for (Site* site : by_occupancy) {
+    const gemmi::Fractional& at = site->from->fract;
+    Places own(small.cell);  // an operation may leave an atom where it is
+    bool is_first = true;
     for (const gemmi::Op& op : symmetry) {
-      const auto at = op.apply_to_xyz({site.fract.x, site.fract.y, site.fract.z});
-      const gemmi::Fractional place(wrapped(at[0]), wrapped(at[1]), wrapped(at[2]));
-      const auto is_near = [&](const gemmi::Fractional& other) {
-        gemmi::Fractional apart = place - other;
-        apart.x -= std::round(apart.x), apart.y -= std::round(apart.y);
-        apart.z -= std::round(apart.z);
-        return small.cell.orthogonalize_difference(apart).length() < kSame;
-      };
-      if (std::any_of(places.begin(), places.end(), is_near)) continue;
-      places.push_back(place);
+      const auto moved = op.apply_to_xyz({at.x, at.y, at.z});
+      const gemmi::Fractional place(wrapped(moved[0]), wrapped(moved[1]), wrapped(moved[2]));
+      if (is_first && taken.has_near(place)) break;
+      is_first = false;
+      if (own.has_near(place)) continue;
+      own.add(place);
+      site->places.push_back(place);
+    }
+    for (const gemmi::Fractional& place : site->places) taken.add(place);
+    if (site->places.empty()) shared.add(site->from->label);
+  }
+  shared.tell(out.notices, Severity::left_out,
+              "sites at the place of another that is occupied as much or more");
+  for (const Site& site : sites)
+    for (const gemmi::Fractional& place : site.places) {
       const gemmi::Position pos = small.cell.orthogonalize(place);
       Atom atom;
       atom.place = {float(pos.x), float(pos.y), float(pos.z)};
-      const gemmi::Element element = site.element;
-      atom.element = element.elem == gemmi::El::D ? 1 : uint8_t(element.atomic_number());
-      atom.residue = uint32_t(i);
-      atom.occupancy = float(site.occ), atom.b_factor = float(site.u_iso * gemmi::u_to_b());
+      atom.element = site.element;
+      atom.residue = uint32_t(site.from - small.sites.data());
+      atom.occupancy = float(site.from->occ);
+      atom.b_factor = float(site.from->u_iso * gemmi::u_to_b());
       out.atoms.push_back(atom);
     }
-  }
 }
 
-// CONECT records: the number of an atom and of up to four that it is bonded to, five columns each.
-std::vector<std::array<uint32_t, 2>> bonds_of_pdb(std::string_view text, const Kept& kept) {
-  const auto& serials = kept.serials;
-  std::vector<std::array<uint32_t, 2>> out;
-  const std::string_view record = "CONECT";
-  for (size_t end = 0; !text.empty(); text.remove_prefix(std::min(end + 1, text.size()))) {
-    end = std::min(text.find('\n'), text.size());
-    if (text.substr(0, record.size()) != record) continue;
-    const std::string line(text.substr(0, end));
-    const auto atom = [&](size_t k) {
-      const size_t column = record.size() + 5 * k;
-      if (column >= line.size()) return Kept::kTwice;
-      std::string word = line.substr(column, 5);
-      word.resize(5, ' ');
-      const auto at = serials.find(gemmi::pdb_impl::read_serial(word.c_str()));
-      return at == serials.end() ? Kept::kTwice : at->second;
-    };
-    const uint32_t from = atom(0);
-    for (size_t k = 1; k < 5 && from != Kept::kTwice; ++k)
-      if (const uint32_t to = atom(k); to != Kept::kTwice && to != from)
-        out.push_back({std::min(from, to), std::max(from, to)});
+// A ligand of the PDB's dictionary, by its ideal coordinates, else by those of a model or, of a
+// library of restraints, without a prefix: the first of these that no atom lacks.
+void add_component(gemmi::cif::Block& block, Atoms& out) {
+  const std::string prefix = "_chem_comp_atom.";
+  constexpr const char* kPlaces[] = {"pdbx_model_Cartn_x_ideal", "model_Cartn_x", "x"};
+  std::array<std::string, 3> chosen;
+  long fewest = std::numeric_limits<long>::max();
+  for (const std::string x : kPlaces) {
+    std::array<std::string, 3> tags = {x, x, x};
+    const size_t at = x.find('x', x.find("Cartn_") == std::string::npos ? 0 : x.find("Cartn_"));
+    tags[1][at] = 'y', tags[2][at] = 'z';
+    long missing = 0;
+    gemmi::cif::Table table = block.find(prefix, {tags[0], tags[1], tags[2]});
+    for (const auto row : table)
+      for (int k = 0; k < 3; ++k) missing += !std::isfinite(gemmi::cif::as_number(row[size_t(k)]));
+    if (table.ok() && missing < fewest) fewest = missing, chosen = tags;
   }
-  return out;
-}
-
-// Of a PDB text, REMARK 350. Read here since gemmi 0.5 takes matrices by columns, which shift where
-// there are a thousand of them.
-std::vector<Assembly> assemblies_of_pdb(std::string_view text, Names& chains) {
-  std::vector<Assembly> out;
-  std::array<float, 12> matrix{};
-  constexpr std::string_view kRemark = "REMARK 350";
-  for (size_t end = 0; !text.empty(); text.remove_prefix(std::min(end + 1, text.size()))) {
-    end = std::min(text.find('\n'), text.size());
-    if (text.substr(0, 6) == "ATOM  " || text.substr(0, 6) == "HETATM") break;
-    if (text.substr(0, kRemark.size()) != kRemark) continue;
-    const std::string line(text.substr(kRemark.size(), end - kRemark.size()));
-    const size_t colon = line.find(':');
-    if (line.find("BIOMOLECULE:") != std::string::npos) out.emplace_back();
-    if (out.empty()) continue;
-    auto& copies = out.back().copies;
-    if (line.find("APPLY THE FOLLOWING TO CHAINS:") != std::string::npos) copies.emplace_back();
-    if (copies.empty()) continue;
-    if (colon != std::string::npos && line.find("CHAINS:") != std::string::npos) {
-      std::istringstream names(line.substr(colon + 1));
-      for (std::string name; std::getline(names, name, ',');) {
-        name.erase(std::remove_if(name.begin(), name.end(), [](char c) { return c <= ' '; }),
-                   name.end());
-        if (!name.empty()) copies.back().parts.push_back(chains.number(name));
-      }
+  std::map<std::string, uint32_t> indices;
+  ElementCases elements;
+  Cases placeless;
+  for (const auto row : block.find(
+           prefix, {"atom_id", chosen[0], chosen[1], chosen[2], "?type_symbol", "?comp_id"})) {
+    const std::string name = row.str(0);
+    Atom atom;
+    for (size_t k = 0; k < 3; ++k) atom.place[k] = float(gemmi::cif::as_number(row[k + 1]));
+    if (!std::isfinite(atom.place[0] + atom.place[1] + atom.place[2])) {
+      placeless.add(name);
+      continue;
     }
-    const size_t row = line.find("BIOMT");
-    if (row == std::string::npos || row + 5 >= line.size()) continue;
-    const int number = line[row + 5] - '1';
-    if (number < 0 || number > 2) continue;
-    std::istringstream numbers(line.substr(row + 6));
-    numbers.imbue(std::locale::classic());
-    std::string serial;
-    numbers >> serial;
-    for (size_t k = 0; k < 4; ++k) numbers >> matrix[size_t(number) * 4 + k];
-    if (numbers && number == 2) copies.back().matrices.push_back(matrix);
+    if (row.has2(4)) atom.element = element_of_symbol(row.str(4));
+    if (atom.element == 0 && !(row.has2(4) && row.str(4) == "X")) {
+      atom.element = element_of_names(row.has2(5) ? row.str(5) : "", name);
+      elements.add(atom.element, name);
+    }
+    indices.emplace(name, uint32_t(out.atoms.size()));
+    out.atoms.push_back(atom);
   }
-  return out;
+  for (const auto row : block.find("_chem_comp_bond.", {"atom_id_1", "atom_id_2"})) {
+    const auto a = indices.find(row.str(0)), b = indices.find(row.str(1));
+    out.finds_bonds = false;
+    if (a == indices.end() || b == indices.end() || a->second == b->second) continue;
+    out.bonds.push_back({std::min(a->second, b->second), std::max(a->second, b->second)});
+  }
+  elements.tell(out.notices);
+  placeless.tell(out.notices, Severity::left_out, "atoms without coordinates");
+}
+
+// The symbols of atoms that have none, by their names.
+void complete_elements(gemmi::cif::Loop& loop, Notices& notices) {
+  const int symbol = loop.find_tag("_atom_site.type_symbol");
+  const auto either = [&](const char* first, const char* second) {
+    const int at = loop.find_tag(first);
+    return at < 0 ? loop.find_tag(second) : at;
+  };
+  const int name = either("_atom_site.label_atom_id", "_atom_site.auth_atom_id");
+  const int residue = either("_atom_site.label_comp_id", "_atom_site.auth_comp_id");
+  ElementCases elements;
+  for (size_t row = 0; name >= 0 && row < loop.length(); ++row) {
+    std::string& of_row = loop.values[row * loop.width() + size_t(symbol)];
+    const auto at = [&](int column) {
+      return column < 0 ? std::string()
+                        : gemmi::cif::as_string(loop.values[row * loop.width() + size_t(column)]);
+    };
+    if (!gemmi::cif::is_null(of_row)) continue;
+    const uint8_t element = element_of_names(at(residue), at(name));
+    elements.add(element, at(name));
+    of_row = gemmi::Element(static_cast<gemmi::El>(element)).name();
+  }
+  elements.tell(notices);
 }
 
 // The columns that gemmi wants of a table of atoms and that files may leave out.
-void complete_atoms(gemmi::cif::Block& block) {
+void complete_atoms(gemmi::cif::Block& block, Notices& notices) {
   gemmi::cif::Loop* const loop = block.find_loop("_atom_site.Cartn_x").get_loop();
   if (!loop) return;
   struct Column {
     const char *tag, *value, *copied_from, *instead;
   };
-  constexpr Column kColumns[] = {
+  static constexpr Column kColumns[] = {
+      {"_atom_site.id", "1", "", ""},
+      {"_atom_site.type_symbol", "?", "", ""},
       {"_atom_site.label_atom_id", "X", "_atom_site.type_symbol", "_atom_site.auth_atom_id"},
       {"_atom_site.label_alt_id", ".", "", ""},
       {"_atom_site.label_comp_id", "UNL", "", "_atom_site.auth_comp_id"},
@@ -290,13 +401,16 @@ void complete_atoms(gemmi::cif::Block& block) {
     missing.emplace_back(c.value, loop->find_tag(c.copied_from));
     loop->tags.emplace_back(c.tag);
   }
-  if (missing.empty()) return;
-  std::vector<std::string> values;
-  for (auto row = loop->values.begin(); row != loop->values.end(); row += long(width)) {
-    values.insert(values.end(), row, row + long(width));
-    for (const auto& [value, column] : missing) values.push_back(column < 0 ? value : row[column]);
+  if (!missing.empty()) {
+    std::vector<std::string> values;
+    for (auto row = loop->values.begin(); row != loop->values.end(); row += long(width)) {
+      values.insert(values.end(), row, row + long(width));
+      for (const auto& [value, column] : missing)
+        values.push_back(column < 0 ? value : row[column]);
+    }
+    loop->values = std::move(values);
   }
-  loop->values = std::move(values);
+  complete_elements(*loop, notices);
 }
 
 // _pdbx_struct_assembly_gen of mmCIF: an operation is the product of one of each list, as in
@@ -405,46 +519,182 @@ class Assemblies {
   std::map<std::string, gemmi::Transform> operations_;
 };
 
-}  // namespace
+// gemmi's message, which begins with a place, or with the name of the file, which is empty.
+CifFault fault_of(std::string message) {
+  CifFault out;
+  message = message.substr(0, message.find('\n'));
+  const auto number = [&](size_t& to) {
+    const size_t from = message.find_first_not_of(':');
+    const size_t end = std::min(message.find_first_not_of("0123456789", from), message.size());
+    if (from == std::string::npos || end == from) return;
+    to = size_t(std::atol(message.c_str() + from));
+    message.erase(0, end);
+  };
+  number(out.line);
+  if (out.line > 0) number(out.column);
+  message.erase(0, std::min(message.find_first_not_of(": "), message.size()));
+  out.message = message;
+  return out;
+}
 
-std::string read_structure(const char* text, size_t size, bool cif, int frame, Atoms& out) try {
-  gemmi::Structure s;
-  std::optional<Assemblies> assemblies;
-  if (cif) {
-    gemmi::cif::Document document = gemmi::cif::read_memory(text, size, "");
-    for (gemmi::cif::Block& block : document.blocks)
-      if (block.find_values("_atom_site_fract_x")) {
-        if (frame == 0 || frame == -1)
-          add_crystal(block, out);
-        else
-          out.frames = 1;
-        return {};
-      }
-    if (document.blocks.empty()) return {};
-    complete_atoms(document.blocks[0]);
-    assemblies.emplace(document.blocks[0]);
-    s = gemmi::make_structure(std::move(document));
-  } else {
-    s = gemmi::read_pdb_from_memory(text, size, "");
+// Reads on where a strict reader would not, and says so.
+gemmi::cif::Document document_of(const char* text, size_t size, Notices& notices) {
+  namespace cif = gemmi::cif;
+  const auto parse = [](const char* from, size_t count) {
+    cif::Document out;
+    cif::parse_input(out, tao::pegtl::memory_input<>(from, count, ""));
+    return out;
+  };
+  const auto is_plain = [](char c) { return static_cast<unsigned char>(c) < 128; };
+  cif::Document out;
+  try {
+    out = parse(text, size);
+  } catch (const tao::pegtl::parse_error&) {
+    if (std::all_of(text, text + size, is_plain)) throw;
+    std::string plain(text, size);
+    std::replace_if(plain.begin(), plain.end(), [&](char c) { return !is_plain(c); }, '?');
+    out = parse(plain.data(), size);
+    const size_t first = size_t(std::find_if_not(text, text + size, is_plain) - text);
+    notices.add(Severity::warning, "letters beyond ASCII without quotes, which CIF does not allow",
+                {}, 1 + size_t(std::count(text, text + first, '\n')),
+                size_t(std::count_if(text, text + size, [](char c) {
+                  return (static_cast<unsigned char>(c) & 0xc0) == 0xc0;
+                })));
   }
+  try {
+    cif::check_for_duplicates(out);
+  } catch (const std::exception& error) {
+    const CifFault fault = fault_of(error.what());
+    const std::string tag = "duplicate tag ";
+    const size_t at = fault.message.find(tag);
+    notices.add(Severity::warning, "tags or names of blocks given twice, of which the first counts",
+                at == std::string::npos ? "" : fault.message.substr(at + tag.size()), fault.line);
+  }
+  return out;
+}
+
+// Whether a block has anything in a category, by the beginning of its tags.
+bool has_category(const gemmi::cif::Block& block, const std::string& category) {
+  for (const gemmi::cif::Item& item : block.items) {
+    if (item.type == gemmi::cif::ItemType::Pair && item.pair[0].rfind(category, 0) == 0)
+      return true;
+    if (item.type == gemmi::cif::ItemType::Loop && !item.loop.tags.empty() &&
+        item.loop.tags[0].rfind(category, 0) == 0)
+      return true;
+  }
+  return false;
+}
+
+void add_molecule(gemmi::cif::Block& block, int frame, Atoms& out) {
+  complete_atoms(block, out.notices);
+  const Assemblies assemblies(block);
+  gemmi::Structure s = gemmi::make_structure_from_block(block);
   out.frames = s.models.size();
   const long at = frame < 0 ? long(s.models.size()) + frame : frame;
-  if (at < 0 || at >= long(s.models.size())) return {};
+  if (at < 0 || at >= long(s.models.size())) return;
   std::vector<std::string> part_names;
   Names chains(out.chains), parts(part_names);
   Kept kept;
   const gemmi::Model& model = s.models[size_t(at)];
-  add_model(model, cif, chains, parts, out, kept);
+  add_model(model, chains, parts, out, kept);
   out.has_residues = out.has_b_factors = true;
   if (s.cell.is_crystal()) out.cell = cell_of(s.cell);
-  if (!cif) out.bonds = bonds_of_pdb({text, size}, kept);
   add_links(s, model, kept, out);
-  out.assemblies = cif ? assemblies->take(parts) : assemblies_of_pdb({text, size}, chains);
-  return {};
+  out.assemblies = assemblies.take(parts);
+}
+
+// What a block says of atoms.
+enum class Holds { nothing, crystal, molecule, component };
+
+Holds holds(gemmi::cif::Block& block) {
+  if (block.find_values("_atom_site_fract_x")) return Holds::crystal;
+  if (block.find_values("_atom_site.Cartn_x")) return Holds::molecule;
+  for (const char* x : {"pdbx_model_Cartn_x_ideal", "model_Cartn_x", "x"})
+    if (block.find_values(std::string("_chem_comp_atom.") + x)) return Holds::component;
+  return Holds::nothing;
+}
+
+gemmi::UnitCell unit_cell(const PdbCrystal& crystal, bool* disagrees = nullptr) {
+  gemmi::UnitCell cell;
+  const auto& n = crystal.lengths_and_angles;
+  cell.set(n[0], n[1], n[2], n[3], n[4], n[5]);
+  if (crystal.scale) {
+    gemmi::Transform fraction;
+    for (int row = 0; row < 3; ++row) {
+      for (int k = 0; k < 3; ++k) fraction.mat[row][k] = (*crystal.scale)[size_t(4 * row + k)];
+      fraction.vec.at(row) = (*crystal.scale)[size_t(4 * row + 3)];
+    }
+    cell.set_matrices_from_fract(fraction);
+    if (disagrees) *disagrees = cell.explicit_matrices;
+  }
+  return cell;
+}
+
+}  // namespace
+
+std::optional<Cell> cell_of(const PdbCrystal& crystal, Notices& notices) try {
+  bool disagrees = false;
+  const gemmi::UnitCell cell = unit_cell(crystal, &disagrees);
+  if (!cell.is_crystal()) return std::nullopt;
+  if (disagrees)
+    notices.add_whole(Severity::warning,
+                      "the records SCALE disagree with CRYST1; the cell is that of SCALE");
+  return cell_of(cell);
+} catch (const std::runtime_error&) {
+  notices.add_whole(Severity::left_out, "the cell, as CRYST1 has angles that no cell has");
+  return std::nullopt;
+}
+
+bool is_nearest_copy(const PdbCrystal& crystal, const std::array<float, 3>& from,
+                     const std::array<float, 3>& to) try {
+  gemmi::UnitCell cell = unit_cell(crystal);
+  if (!cell.is_crystal()) return true;
+  cell.set_cell_images_from_spacegroup(
+      gemmi::find_spacegroup_by_name(crystal.group, cell.alpha, cell.gamma));
+  return cell
+      .find_nearest_image({from[0], from[1], from[2]}, {to[0], to[1], to[2]}, gemmi::Asu::Any)
+      .same_asu();
+} catch (const std::runtime_error&) {
+  return true;
+}
+
+std::optional<CifFault> read_structure(const char* text, size_t size, int frame, Atoms& out) try {
+  gemmi::cif::Document document = document_of(text, size, out.notices);
+  gemmi::cif::Block* chosen = nullptr;
+  Cases others;
+  bool has_reflections = false;
+  for (gemmi::cif::Block& block : document.blocks) {
+    has_reflections |= has_category(block, "_refln.") || has_category(block, "_refln_");
+    if (holds(block) == Holds::nothing) continue;
+    if (chosen)
+      others.add(block.name);
+    else
+      chosen = &block;
+  }
+  if (!chosen && has_reflections)
+    return CifFault{
+        "this CIF file holds reflections, but no atoms; give the file of the structure"};
+  if (!chosen)
+    return CifFault{
+        "this CIF file holds no atoms; expected coordinates, as _atom_site.Cartn_x, "
+        "_atom_site_fract_x or _chem_comp_atom.model_Cartn_x"};
+  others.tell(out.notices, Severity::left_out, "blocks with atoms behind the first such block");
+  const bool is_only_frame = frame == 0 || frame == -1;
+  switch (holds(*chosen)) {
+    case Holds::molecule:
+      add_molecule(*chosen, frame, out);
+      break;
+    case Holds::crystal:
+      if (is_only_frame) add_crystal(*chosen, out);
+      break;
+    default:
+      if (is_only_frame) add_component(*chosen, out);
+  }
+  return std::nullopt;
 } catch (const std::bad_alloc&) {
   throw;
 } catch (const std::exception& error) {
-  return error.what();
+  return fault_of(error.what());
 }
 
 }  // namespace raio

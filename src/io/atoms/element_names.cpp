@@ -1,0 +1,122 @@
+#include "io/atoms/element_names.h"
+
+#include <algorithm>
+#include <array>
+
+#include "io/atoms/colors.h"
+
+namespace raio {
+namespace {
+
+// Sorted. Amino acids with their protonation states, caps and variants; nucleotides; water; the
+// lipids and sugars of the usual force fields.
+constexpr auto kOrganic = std::to_array<std::string_view>(
+    {"A",   "A3",   "A5",   "ACE",  "ADE",  "ALA",  "AMN", "ARG",  "ASH",  "ASN",  "ASP",  "ASX",
+     "BMA", "C",    "C3",   "C5",   "CHL1", "CHOL", "CSO", "CYM",  "CYS",  "CYT",  "CYX",  "D2O",
+     "DA",  "DA3",  "DA5",  "DC",   "DC3",  "DC5",  "DG",  "DG3",  "DG5",  "DI",   "DLPC", "DMPC",
+     "DOD", "DOPC", "DOPE", "DPPC", "DSPC", "DT",   "DT3", "DT5",  "DU",   "FUC",  "G",    "G3",
+     "G5",  "GAL",  "GLC",  "GLH",  "GLN",  "GLU",  "GLX", "GLY",  "GUA",  "H2O",  "HID",  "HIE",
+     "HIP", "HIS",  "HOH",  "HSD",  "HSE",  "HSP",  "I",   "ILE",  "LEU",  "LYN",  "LYS",  "MAN",
+     "MET", "MSE",  "NAG",  "NH2",  "NMA",  "NME",  "PHE", "POPC", "POPE", "POPG", "POPS", "PRO",
+     "PSU", "PTR",  "PYL",  "RA",   "RC",   "RG",   "RU",  "SEC",  "SEP",  "SER",  "SIA",  "SOL",
+     "SPC", "T",    "T3P",  "T4P",  "THR",  "THY",  "TIP", "TIP2", "TIP3", "TIP4", "TIP5", "TP3",
+     "TP4", "TPO",  "TRP",  "TYR",  "U",    "U3",   "U5",  "UNK",  "URA",  "VAL",  "WAT"});
+static_assert(std::ranges::is_sorted(kOrganic));
+
+bool is_letter(char c) { return (c & ~32) >= 'A' && (c & ~32) <= 'Z'; }
+
+std::string_view letters_of(std::string_view word) {
+  while (!word.empty() && !is_letter(word[0])) word.remove_prefix(1);
+  size_t size = 0;
+  while (size < word.size() && is_letter(word[size])) ++size;
+  return word.substr(0, size);
+}
+
+bool same(std::string_view a, std::string_view b) {
+  return std::ranges::equal(a, b, [](char x, char y) { return (x & ~32) == (y & ~32); });
+}
+
+uint8_t in_organic_residue(std::string_view name) {
+  switch (name[0] & ~32) {
+    case 'C':
+    case 'D':
+    case 'H':
+    case 'N':
+    case 'O':
+    case 'P':
+      return uint8_t(element_number(name.substr(0, 1)));
+    case 'S':
+      // Beads of coarse models are called SC1.
+      if (same(name, "SE")) return uint8_t(element_number("Se"));
+      return same(name, "SC") ? 0 : uint8_t(element_number("S"));
+    default:
+      return 0;  // ambiguous, or no atom at all
+  }
+}
+
+}  // namespace
+
+std::string_view without_blanks(std::string_view text) {
+  while (!text.empty() && text.front() <= ' ' && text.front() >= 0) text.remove_prefix(1);
+  while (!text.empty() && text.back() <= ' ' && text.back() >= 0) text.remove_suffix(1);
+  return text;
+}
+
+bool is_organic_residue(std::string_view residue) {
+  if (std::ranges::binary_search(kOrganic, residue)) return true;
+  // Amino acids at the ends of a chain, NALA and CALA.
+  return residue.size() == 4 && (residue[0] == 'N' || residue[0] == 'C') &&
+         std::ranges::binary_search(kOrganic, residue.substr(1));
+}
+
+uint8_t element_of_symbol(std::string_view symbol) {
+  symbol = without_blanks(symbol);
+  if (symbol.empty() || !is_letter(symbol[0])) return 0;
+  const std::string_view letters = letters_of(symbol);
+  return uint8_t(element_number(letters));
+}
+
+uint8_t element_of_names(std::string_view residue, std::string_view atom, NameField field) {
+  const std::string_view name = letters_of(atom), group = letters_of(residue);
+  if (name.empty()) return 0;
+  if (is_organic_residue(residue)) return in_organic_residue(name);
+  if (same(name, group) && !same(name, "W")) {  // which is coarse water
+    // The force fields of CHARMM have names of their own.
+    constexpr std::pair<std::string_view, std::string_view> kIons[] = {
+        {"SOD", "Na"}, {"POT", "K"},  {"CLA", "Cl"}, {"CAL", "Ca"}, {"CES", "Cs"},
+        {"LIT", "Li"}, {"RUB", "Rb"}, {"BAR", "Ba"}, {"CAD", "Cd"}};
+    for (const auto& [ion, element] : kIons)
+      if (same(name, ion)) return uint8_t(element_number(element));
+    if (const int number = element_number(name)) return uint8_t(number);
+  }
+  if (same(name, "X") || same(name, "DUM")) return 0;
+  // These names stand for nothing else.
+  constexpr std::string_view kPlain[] = {"CL", "BR", "MG", "ZN", "FE", "MN", "CU", "SI", "LI"};
+  const std::string_view pair = name.substr(0, 2);
+  const bool is_plain = std::ranges::any_of(kPlain, [&](auto word) { return same(word, name); });
+  const bool is_written_so =
+      pair.size() == 2 && pair[0] <= 'Z' && pair[1] >= 'a' && name.size() == 2;  // "Fe"
+  if (is_plain || is_written_so || field == NameField::two_letters)
+    if (const int number = element_number(pair)) return uint8_t(number);
+  if (const int number = element_number(name.substr(0, 1))) return uint8_t(number);
+  return uint8_t(element_number(pair));
+}
+
+void Cases::add(std::string_view name, size_t line) {
+  if (count_++ == 0) line_ = line;
+  if (name.empty() || names_.size() == Notices::kNames) return;
+  if (std::ranges::find(names_, name) == names_.end()) names_.emplace_back(name);
+}
+
+void Cases::tell(Notices& notices, Severity severity, std::string_view message) const {
+  if (count_ == 0) return;
+  notices.add(severity, message, {}, line_, count_);
+  for (const std::string& name : names_) notices.add(severity, message, name, line_, 0);
+}
+
+void ElementCases::tell(Notices& notices) const {
+  guessed.tell(notices, Severity::guessed, "elements from names of atoms");
+  unknown.tell(notices, Severity::warning, "atoms whose names say no element");
+}
+
+}  // namespace raio
