@@ -17,6 +17,7 @@ constexpr FileKind kXyz{"an XYZ file of a molecule", read_xyz, Takes::all};
 constexpr FileKind kGro{"a GRO file of a molecule", read_gro, Takes::all};
 constexpr FileKind kDump{"a LAMMPS dump", read_lammps_dump, Takes::all};
 constexpr FileKind kData{"a LAMMPS data file", read_lammps_data, Takes::all};
+constexpr FileKind kSense8{"a scene of Sense8 WorldToolKit, another format that ends with .nff"};
 constexpr FileKind kPly{"a PLY file of points or a mesh", read_ply, Takes::points};
 constexpr FileKind kStl{"an STL mesh", read_stl};
 constexpr FileKind kOff{"an OFF mesh", read_off};
@@ -57,6 +58,9 @@ constexpr Sign kStarts[] = {
     {"STCNOFF", kOff},
     {"COFF", kOff},
     {"NOFF", kOff},
+    {"nff\n", kSense8},
+    {"nff\r", kSense8},
+    {"nff ", kSense8},
     {"Kaydara FBX", {"an FBX scene"}},
     {"BLENDER", {"a Blender file"}},
     {"ITEM: ", kDump},
