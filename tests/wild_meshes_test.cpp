@@ -43,7 +43,7 @@ TEST(WildMeshes, AreReadAsTheirOwnersExpect) {
       {"obj-degenerate.obj", 2, "no triangle has an area"},
       {"obj-utm.obj", 12, ""},
       {"obj-backslash.obj", 1, ""},
-      {"obj-concave-closed.obj", 4, ""},
+      {"obj-concave-closed.obj", 5, ""},
       {"obj-continued.obj", 2, ""},
       {"obj-mixed-colours.obj", 2, ""},
       {"obj-negative-interleaved.obj", 2, ""},
