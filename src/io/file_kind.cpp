@@ -26,6 +26,7 @@ constexpr FileKind kStl{"an STL mesh", read_stl, Takes::nothing, true, kSmoothDe
 constexpr FileKind kOff{"an OFF mesh", read_off, Takes::nothing, true, kSmoothDegrees};
 constexpr FileKind kObj{"a Wavefront OBJ mesh", read_obj, Takes::nothing, true, kSmoothDegrees};
 constexpr FileKind kGltf{"a glTF scene", read_gltf, Takes::nothing, true};
+constexpr FileKind kSense8{"a scene of Sense8 WorldToolKit, another format that ends with .nff"};
 
 struct Sign {
   std::string_view start;
@@ -61,6 +62,9 @@ constexpr Sign kStarts[] = {
     {"STCNOFF", kOff},
     {"COFF", kOff},
     {"NOFF", kOff},
+    {"nff\n", kSense8},
+    {"nff\r", kSense8},
+    {"nff ", kSense8},
     {"Kaydara FBX", {"an FBX scene"}},
     {"BLENDER", {"a Blender file"}},
     {"ITEM: ", kDump},

@@ -91,8 +91,9 @@ std::expected<ReadScene, Diagnostics> parse_raio(std::string_view bytes, std::st
 void add_sky(ReadScene& read, const fs::path& path, std::string_view file) {
   Scene& scene = read.scene;
   if (scene.sky_folder.empty()) return;
-  const auto warn = [&](std::string message) {
-    read.notices.push_back({Severity::warning, std::string(file), 0, 0, std::move(message), ""});
+  const auto warn = [&](const std::string& message) {
+    read.notices.push_back({Severity::left_out, std::string(file), 0, 0,
+                            message + "; the background is that of the scene (bclr)", ""});
   };
   const fs::path folder = find_sky(scene.sky_folder, path);
   if (folder.empty())

@@ -10,6 +10,7 @@
 #include "render/job_start.h"
 #include "render/picture.h"
 #include "render/render.h"
+#include "render/warnings.h"
 
 namespace raio {
 namespace {
@@ -156,6 +157,9 @@ std::expected<void, Error> RenderJob::run() {
                     is_kept ? "what was rendered is kept in " + request_.checkpoint
                             : "nothing was written")});
   describe(samples);
+  if (events_.warning && done.finished && request_.shards == 1)
+    if (const auto why = blank_warning(part_.film->resolve(), settings_, *accel_))
+      events_.warning(Error{ErrorKind::bad_input, "", *why});
   return {};
 }
 

@@ -50,16 +50,6 @@ std::optional<Error> look_conflict(const RenderOptions& options) {
   return std::nullopt;
 }
 
-std::optional<Error> sky_conflict(const RenderOptions& options, const Scene* scene) {
-  if (!scene || scene->sky_folder.empty() || scene->sky || options.background) return std::nullopt;
-  if (!no_light_in(options).empty()) return std::nullopt;
-  return bad_option(
-      "background",
-      fmt::format("the scene's sky {} could not be read; give the folder of one, or a "
-                  "colour",
-                  scene->sky_folder));
-}
-
 }  // namespace
 
 std::expected<void, std::string> parse_crop(RenderOptions& options, std::string_view text) {
@@ -137,7 +127,6 @@ ChannelSet channels_of(const RenderOptions& options) {
 
 std::optional<Error> picture_conflict(const RenderOptions& options, const Scene* scene) {
   if (auto why = look_conflict(options)) return why;
-  if (auto why = sky_conflict(options, scene)) return why;
   return crop_conflict(options, scene);
 }
 

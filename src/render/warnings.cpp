@@ -103,4 +103,21 @@ std::vector<SceneWarning> scene_warnings(const Scene& scene, const RenderSetting
   return warnings;
 }
 
+std::optional<std::string> blank_warning(const Image& picture, const RenderSettings& settings,
+                                         const Accel& accel) {
+  constexpr float kSame = 0.5f / 255;
+  const auto is_background = [&](const Rgb& pixel) {
+    return max_component(abs(pixel - settings.background)) < kSame;
+  };
+  if (settings.sky || !std::ranges::all_of(picture.pixels, is_background)) return std::nullopt;
+  const Camera camera = camera_at(settings.camera, settings.shutter_open);
+  const EyeRays eye(camera, settings.width, settings.height, settings.angle_to_centers);
+  const bool looks_elsewhere = depths_seen(settings, camera, eye, accel).empty();
+  return std::string("the picture shows nothing but its background: ") +
+         (looks_elsewhere
+              ? "the camera looks elsewhere, or what there is has no area or is smaller "
+                "than a pixel"
+              : "surfaces are wholly transparent, or have the colour of the background");
+}
+
 }  // namespace raio

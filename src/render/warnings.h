@@ -1,11 +1,13 @@
 // What is likely to disappoint in a picture that could be rendered as it was asked for.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "accel/accel.h"
 #include "integrate/settings.h"
+#include "io/image/image.h"
 #include "scene/scene.h"
 
 namespace raio {
@@ -29,5 +31,9 @@ struct SceneWarning {
 /// or a pixel). That takes an acceleration structure; without one a lens is not judged.
 std::vector<SceneWarning> scene_warnings(const Scene& scene, const RenderSettings& settings,
                                          const Accel* accel);
+
+/// Why the finished picture may show nothing, where all its pixels are those of the background.
+std::optional<std::string> blank_warning(const Image& picture, const RenderSettings& settings,
+                                         const Accel& accel);
 
 }  // namespace raio

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <utility>
 
 #include "io/fit_camera.h"
 #include "io/points.h"
@@ -83,11 +85,11 @@ double Words::number(std::string_view what) {
   return value;
 }
 
-float Words::coordinate() {
+double Words::wide_coordinate() {
   skip_comment();
   const char* const at = p_;
   const double value = number("a coordinate");
-  if (std::abs(value) <= double(kFarthestPlace)) return float(value);
+  if (std::abs(value) <= double(kFarthestPlace)) return value;
   p_ = at;
   fail_expected("a coordinate of at most 1e25");
 }
@@ -95,6 +97,21 @@ float Words::coordinate() {
 Vec3f Words::place() {
   const float x = coordinate(), y = coordinate();
   return {x, y, coordinate()};
+}
+
+double Words::coordinate_or_nan() {
+  std::string word(peek().substr(0, 9));
+  if (!word.empty() && (word[0] == '-' || word[0] == '+')) word.erase(0, 1);
+  for (char& c : word) c = char(std::tolower(uint8_t(c)));
+  // "-nan(ind)" of Windows
+  if (!word.starts_with("nan") && word != "inf" && word != "infinity") return wide_coordinate();
+  (void)next();
+  return NAN;
+}
+
+Vec3d Words::wide_place() {
+  const double x = coordinate_or_nan(), y = coordinate_or_nan();
+  return {x, y, coordinate_or_nan()};
 }
 
 long Words::whole(std::string_view what, long least, long most) {
@@ -175,10 +192,57 @@ ReadScene MeshBuilder::finish(Vec3f up) {
   mesh.normal_indices = std::move(normal_indices_);
   mesh.materials = std::move(materials_);
   scene_.dialect = Dialect::data;
+  scene_.origin = origin;
   scene_.meshes.push_back(std::move(mesh));
+  note_invisible();
   fit_camera(scene_, FitView::three_quarter, up);
   append(warnings, notices, "");
   return {std::move(scene_), std::move(warnings)};
+}
+
+ReadScene MeshBuilder::finish_points(Vec3f up) {
+  Box3f box;
+  for (const Vec3f& place : positions) box.extend(place);
+  const float radius = mean_spacing(box, positions.size()) / 2;
+  scene_.dialect = Dialect::data;
+  scene_.origin = origin;
+  scene_.materials =
+      std::vector<Material>{{.color = colors.empty() ? kPlainColor : Rgb(1), .kd = 1}};
+  for (const Vec3f& place : positions) scene_.spheres.push_back({place, radius});
+  scene_.sphere_materials = Array<MaterialId>::zeroes(positions.size());
+  scene_.sphere_colors = std::move(colors);
+  fit_camera(scene_, FitView::three_quarter, up);
+  append(warnings, notices, "");
+  return {std::move(scene_), std::move(warnings)};
+}
+
+/// Says why nothing will be seen.
+void MeshBuilder::note_invisible() {
+  const Mesh& mesh = scene_.meshes.back();
+  const auto has_area = [&](const TriangleIndices& t) {
+    const Vec3d a(mesh.positions[t[0]]), b(mesh.positions[t[1]]), c(mesh.positions[t[2]]);
+    return cross(b - a, c - a) != Vec3d();
+  };
+  if (std::ranges::none_of(mesh.triangles, has_area))
+    return notices.add_whole(Severity::warning,
+                             "no triangle has an area, so that nothing is seen; the corners of "
+                             "each are in one line or place");
+  const auto opacity = [&](MaterialId id) {
+    const auto& all = std::as_const(scene_).material_opacity;
+    return all.empty() ? 1 : all[id];
+  };
+  if (std::ranges::all_of(mesh.materials, [&](MaterialId id) { return opacity(id) == 0; }))
+    return notices.add_whole(Severity::warning,
+                             "all its materials are wholly transparent, so that nothing is seen");
+  Box3f box;
+  for (const TriangleIndices& t : mesh.triangles)
+    for (const uint32_t corner : t) box.extend(mesh.positions[corner]);
+  const double size = double(max_component(box.size()));
+  if (size < 1e-15 || size > 1e15)
+    notices.add_whole(Severity::warning,
+                      fmt::format("it is {:g} wide; numbers so far from 1 may be damaged, and its "
+                                  "surfaces may not be seen",
+                                  size));
 }
 
 }  // namespace raio

@@ -55,8 +55,11 @@ class Words {
 
   /// `what` is "a coordinate", say. Of the coordinates of a mesh none may be beyond kFarthestPlace.
   double number(std::string_view what);
-  float coordinate();
+  float coordinate() { return float(wide_coordinate()); }
+  double wide_coordinate();
   Vec3f place();
+  /// Of a mesh that may be far from 0, or with parts that are not finite, which are NaN.
+  Vec3d wide_place();
   /// A whole number from `least` to `most`.
   long whole(std::string_view what, long least, long most);
   /// The number of one of `count` vertices.
@@ -66,6 +69,7 @@ class Words {
 
  private:
   void skip_comment();  // and blanks
+  double coordinate_or_nan();
 
   const char* p_;
   const char* end_;
@@ -82,6 +86,7 @@ class MeshBuilder {
   std::vector<Rgb> colors;
   Diagnostics warnings;  // their file may be left out
   Notices notices;       // of what is guessed, cut or left out
+  Vec3d origin;          // as that of a scene
 
   void warn(std::string message) {
     warnings.push_back({Severity::warning, "", 0, 0, std::move(message), ""});
@@ -111,8 +116,12 @@ class MeshBuilder {
 
   /// The scene with a camera; throws ReadFailure if there are no triangles.
   ReadScene finish(Vec3f up);
+  /// The positions as spheres that do not overlap much, of a file without faces.
+  ReadScene finish_points(Vec3f up);
 
  private:
+  void note_invisible();
+
   Scene scene_;
   TextureReader textures_;
   std::vector<TriangleIndices> triangles_, normal_indices_;

@@ -1,5 +1,6 @@
 // OBJ and MTL of Wavefront (1992): positions, normals, texture coordinates and faces, a keyword a
-// line, and a file of materials beside it. Of curves, surfaces, lines and points nothing is kept.
+// line, and a file of materials beside it. Points are kept where there are no faces; of curves,
+// surfaces and lines nothing is.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,8 +12,10 @@
 #include <unordered_map>
 
 #include "base/srgb.h"
+#include "io/far_origin.h"
 #include "io/mesh/builder.h"
 #include "io/mesh/read.h"
+#include "io/points.h"
 
 namespace raio {
 namespace {
@@ -33,6 +36,7 @@ struct PaintMap {
 struct Paint {
   std::optional<Rgb> color;
   double opacity = 1;
+  bool only_tr = false;  // the opacity is that of Tr, and there is no d
   PaintMap map;
 };
 using Paints = std::map<std::string, Paint, std::less<>>;
@@ -76,19 +80,21 @@ void read_mtl(const TextBuffer& text, const fs::path& library, Paints& out, size
               Diagnostics& warnings) {
   Words words(text);
   Paint* paint = nullptr;
+  bool has_d = false;  // the present one
   const auto read_line = [&] {
     const std::string_view word = words.next();
     if (word == "newmtl") {
-      paint = &out[std::string(words.rest())];
+      paint = &out[std::string(words.rest())], has_d = false;
     } else if (word == "Kd" && paint && looks_like_number(words.peek())) {
       const auto part = [&] { return linear_from_srgb(float(words.number("a part of a colour"))); };
       const float red = part(), green = part();
       paint->color = Rgb(red, green, part());
     } else if (word == "d" && paint) {
       if (words.peek() == "-halo") (void)words.next();
-      paint->opacity = words.number("an opacity");
+      paint->opacity = words.number("an opacity"), paint->only_tr = false, has_d = true;
     } else if (word == "Tr" && paint) {
-      paint->opacity = 1 - words.number("a transparency");
+      const double opacity = 1 - words.number("a transparency");
+      if (!has_d) paint->opacity = opacity, paint->only_tr = true;
     } else if (word == "map_Kd" && paint) {
       paint->map = read_map(words, library, warnings);
     } else if (word == "map_d") {
@@ -99,38 +105,68 @@ void read_mtl(const TextBuffer& text, const fs::path& library, Paints& out, size
   while (words.next_line()) read_line();
 }
 
+/// Thrown where a face or usemtl names what comes behind it.
+struct OutOfOrder {};
+
 class ObjReader {
  public:
-  ObjReader(const TextBuffer& text, const ReadOptions& options, MeshBuilder& out)
-      : words_(text), options_(options), out_(out) {}
+  ObjReader(const TextBuffer& text, const ReadOptions& options, FileOrigin& origin,
+            MeshBuilder& out)
+      : words_(text), start_(words_), options_(options), origin_(origin), out_(out) {}
 
-  void read() {
-    if (!words_.peek().empty()) read_line();
-    while (words_.next_line()) read_line();
-    finish();
+  ReadScene read() {
+    read_lines();
+    return finish();
+  }
+  /// Faces after all that they may name.
+  ReadScene read_in_two_passes() {
+    pass_ = Pass::named;
+    read_lines();
+    words_ = start_;
+    pass_ = Pass::faces;
+    read_lines();
+    return finish();
   }
 
  private:
+  // What is read: all, what faces name, or the faces.
+  enum class Pass : uint8_t { one, named, faces };
+
+  void read_lines() {
+    before_ = {};
+    if (!words_.peek().empty()) read_line();
+    while (words_.next_line()) read_line();
+  }
   void read_line() {
     const std::string_view word = words_.next();
-    if (word == "v")
-      read_vertex();
-    else if (word == "vn")
-      read_normal();
-    else if (word == "vt")
-      read_uv();
-    else if (word == "f" || word == "fo")
-      read_face();
-    else if (word == "usemtl")
-      use(words_.rest());
-    else if (word == "mtllib")
-      read_libraries(words_.rest());
-    else
+    const bool reads_named = pass_ != Pass::faces, reads_faces = pass_ != Pass::named;
+    if (word == "v") {
+      ++before_.places;
+      if (reads_named) read_vertex();
+    } else if (word == "vn") {
+      ++before_.normals;
+      if (reads_named) read_normal();
+    } else if (word == "vt") {
+      ++before_.uvs;
+      if (reads_named) read_uv();
+    } else if (word == "mtllib") {
+      if (reads_named) read_libraries(words_.rest());
+    } else if (!reads_faces) {
       (void)words_.rest();
+    } else if (word == "f" || word == "fo") {
+      read_face();
+    } else if (word == "usemtl") {
+      use(words_.rest());
+    } else if (word == "p") {
+      read_points();
+    } else if (word == "l" || word == "curv" || word == "surf") {
+      out_.notices.add(Severity::left_out, "lines, curves and surfaces of an OBJ file", word,
+                       size_t(words_.line()));
+    }
   }
 
   void read_vertex() {
-    places_.push_back(words_.place());
+    places_.push_back(origin_.local(words_.wide_place()));
     first_uses_.push_back({});
     // Some programs write a weight behind it, others a colour.
     double more[4];
@@ -144,50 +180,100 @@ class ObjReader {
     colors_.back() = {light(0), light(1), light(2)};
   }
   void read_normal() {
-    const Vec3f n = words_.place();
+    const Vec3f n(words_.wide_place());
     const float size = length(n);
+    const bool is_known = !std::isnan(size);
     out_.normals.push_back(size > 0 && std::isfinite(size) ? n / size : Vec3f(0, 0, 1));
+    if (!is_known) unknown_normals_.insert(uint32_t(out_.normals.size() - 1));
   }
   void read_uv() {
     const float u = words_.coordinate();
     uvs_.push_back({u, words_.peek().empty() ? 0 : words_.coordinate()});
   }
 
-  // A number from 1, or from -1 backwards, as an index into `count` things; p moves behind it.
-  uint32_t index_at(const char*& p, const char* end, size_t count, std::string_view what) {
+  // A number from 1, or from -1 backwards from what the file has before this line; 0: none.
+  long index_at(const char*& p, const char* end, size_t before) {
     long number = 0;
     const auto [stop, error] = std::from_chars(p, end, number);
-    if (number < 0) number += long(count) + 1;
-    if (error != std::errc() || number < 1 || number > long(count))
-      words_.fail_expected(count == 0
-                               ? fmt::format("no {}: there are none before this line", what)
-                               : fmt::format("a {} from 1 to {} or -1 to -{}", what, count, count));
+    if (error != std::errc()) return 0;
     p = stop;
+    if (number > long(before) && pass_ == Pass::one) throw OutOfOrder();
+    return number < 0 ? std::max(number + long(before) + 1, 0L) : number;
+  }
+  uint32_t place_at(const char*& p, const char* end) {
+    const size_t count = places_.size();
+    const long number = index_at(p, end, before_.places);
+    if (number < 1 || number > long(count))
+      words_.fail_expected(
+          count == 0 ? "no vertex: there is none"
+                     : fmt::format("a vertex from 1 to {} or -1 to -{}", count, before_.places));
     return uint32_t(number - 1);
+  }
+  // Of normals or texture coordinates, which a face can do without.
+  uint32_t other_at(const char*& p, const char* end, size_t count, size_t before,
+                    std::string_view what) {
+    const std::string_view word(p, size_t(end - p));
+    const char* const from = p;
+    const long number = index_at(p, end, before);
+    if (p == from || (number < 1 && !word.starts_with('-')))
+      words_.fail_expected(fmt::format("a {} from 1 on", what));
+    if (number >= 1 && number <= long(count)) return uint32_t(number - 1);
+    out_.notices.add(Severity::left_out,
+                     fmt::format("{}s that corners of faces name and the file has not", what), {},
+                     size_t(words_.line()));
+    return kNone;
   }
 
   void read_face() {
     corners_.clear(), normals_.clear();
+    bool is_whole = true;
+    size_t smooth = 0;
     for (std::string_view word; !(word = words_.peek()).empty(); (void)words_.next()) {
       const char *p = word.data(), *const end = p + word.size();
-      const uint32_t place = index_at(p, end, places_.size(), "vertex");
-      uint32_t uv = kNone;
+      const uint32_t place = place_at(p, end);
+      uint32_t uv = kNone, normal = kNone;
       if (p != end && *p == '/') {
-        if (++p != end && *p != '/')
-          uv = moved(index_at(p, end, uvs_.size(), "texture coordinate"));
-        if (p != end && *p == '/')
-          normals_.push_back(index_at(++p, end, out_.normals.size(), "normal"));
+        if (++p != end && *p != '/') {
+          uv = other_at(p, end, uvs_.size(), before_.uvs, "texture coordinate");
+          if (uv != kNone) uv = moved(uv);
+        }
+        if (p != end && *p == '/') {
+          if (++p != end)
+            normal = other_at(p, end, out_.normals.size(), before_.normals, "normal");
+          else
+            out_.notices.add(Severity::guessed,
+                             "corners of faces that end with \"/\" have no normal", word,
+                             size_t(words_.line()));
+        }
       }
       if (p != end) words_.fail_expected("a corner such as 1, 1/2, 1//3 or 1/2/3");
-      corners_.push_back(vertex(place, uv));
+      is_whole &= is_place(places_[place]);
+      corners_.push_back(is_whole ? vertex(place, uv) : 0);
+      normals_.push_back(normal);
+      smooth += normal != kNone && !unknown_normals_.contains(normal);
       if (corners_.size() > kMostCorners) words_.fail("a face has at most 65535 corners");
     }
     if (corners_.empty()) words_.fail_expected("the corners of a face");
     if (corners_.size() < 3) return;  // a point or a line
-    if (!normals_.empty() && normals_.size() != corners_.size())
-      words_.fail("some corners of this face have a normal and others have none");
+    if (!is_whole)
+      return out_.notices.add(Severity::left_out, "faces with a vertex that has no finite place",
+                              {}, size_t(words_.line()));
+    if (smooth > 0 && smooth < corners_.size())
+      out_.notices.add(Severity::left_out, "normals of faces of which some corners have none", {},
+                       size_t(words_.line()));
+    if (smooth < corners_.size()) normals_.clear();
     has_smooth_ |= !normals_.empty();
     out_.add_face(corners_, material_ ? *material_ : usual(), normals_);
+  }
+
+  void read_points() {
+    ++point_lines_;
+    while (!words_.peek().empty()) {
+      const std::string_view word = words_.peek();
+      const char* p = word.data();
+      points_.push_back(place_at(p, p + word.size()));
+      (void)words_.next();
+    }
   }
 
   // That of the mesh at this place with these texture coordinates.
@@ -243,16 +329,39 @@ class ObjReader {
     const auto paint = paints_.find(name);
     MaterialId id = 0;
     if (paint == paints_.end()) {
+      if (pass_ == Pass::one && libraries_.empty()) throw OutOfOrder();
       id = usual();
       ++missing_;
     } else {
-      const double a = paint->second.opacity;
       const uint32_t texture = texture_of(paint->second.map);
-      const Rgb usual = texture == kNoTexture ? kPlainColor : Rgb(1);
-      id =
-          out_.paint(paint->second.color.value_or(usual), a >= 0 && a <= 1 ? float(a) : 1, texture);
+      id = out_.paint(color_of(paint->first, paint->second, texture),
+                      opacity_of(paint->first, paint->second), texture);
     }
     return materials_.emplace(std::string(name), id).first->second;
+  }
+
+  // Some programs write black beside a picture that is to be seen as it is.
+  Rgb color_of(std::string_view name, const Paint& paint, uint32_t texture) {
+    if (texture == kNoTexture) return paint.color.value_or(kPlainColor);
+    if (paint.color != Rgb(0)) return paint.color.value_or(Rgb(1));
+    out_.notices.add(Severity::guessed, "textures shown as they are, though Kd is 0 0 0", name);
+    return Rgb(1);
+  }
+  // Nobody writes a file to show nothing, and some programs write Tr 1 for what is opaque.
+  float opacity_of(std::string_view name, const Paint& paint) {
+    const double a = paint.opacity;
+    if (!(a >= 0 && a <= 1)) return 1;
+    if (a > 0) return float(a);
+    const bool all_clear = std::ranges::all_of(
+        paints_, [](const auto& of_name) { return of_name.second.opacity == 0; });
+    if (!paint.only_tr && !all_clear) return 0;
+    out_.notices.add(Severity::guessed,
+                     paint.only_tr ? "materials drawn opaque, though Tr is 1: they have no d, and "
+                                     "some programs mean opaque by it"
+                                   : "materials drawn opaque, though d is 0: else nothing of the "
+                                     "file would be seen",
+                     name);
+    return 1;
   }
 
   uint32_t texture_of(const PaintMap& map) {
@@ -300,7 +409,20 @@ class ObjReader {
     }
   }
 
-  void finish() {
+  ReadScene finish() {
+    out_.origin = origin_.value();
+    const auto unplaced =
+        size_t(std::ranges::count_if(places_, [](const Vec3f& place) { return !is_place(place); }));
+    if (unplaced > 0)
+      out_.notices.add(Severity::left_out, "vertices that have no finite place", {}, 0, unplaced);
+    if (!unknown_normals_.empty())
+      out_.notices.add(Severity::left_out, "normals that are not finite", {}, 0,
+                       unknown_normals_.size());
+    const bool of_points = !out_.has_faces() && unplaced < places_.size();
+    if (of_points) add_points();
+    if (!of_points && point_lines_ > 0)
+      out_.notices.add(Severity::left_out, "lines of points (p), beside faces", {}, 0,
+                       point_lines_);
     if (!out_.colors.empty()) out_.colors.resize(out_.positions.size(), Rgb(1));
     if (!out_.uv.empty()) out_.uv.resize(out_.positions.size());
     if (!has_smooth_) out_.normals.clear();
@@ -309,16 +431,35 @@ class ObjReader {
           fmt::format("{} materials that it names are not in its files of materials", missing_));
     if (left_out_ > 0)
       out_.warn(fmt::format("{} textures of opacity (map_d) are left out", left_out_));
+    return of_points ? out_.finish_points(kUp) : out_.finish(kUp);
+  }
+  // Those that p names, or else all vertices.
+  void add_points() {
+    std::set<uint32_t> chosen(points_.begin(), points_.end());
+    out_.positions.clear(), out_.colors.clear();
+    for (uint32_t i = 0; i < places_.size(); ++i) {
+      if (!is_place(places_[i]) || (!chosen.empty() && !chosen.contains(i))) continue;
+      out_.positions.push_back(places_[i]);
+      if (!colors_.empty()) out_.colors.push_back(i < colors_.size() ? colors_[i] : Rgb(1));
+    }
+    if (out_.positions.empty()) throw ReadFailure{"none of its points has a finite place"};
   }
 
+  static constexpr Vec3f kUp{0, 1, 0};
   static constexpr uint32_t kNone = 0xffffffffu, kMoved = 0x80000000u;
+  struct Counts {
+    size_t places = 0, normals = 0, uvs = 0;
+  };
   struct Use {
     uint32_t vertex = kNone, uv = kNone;
   };
 
-  Words words_;
+  Words words_, start_;
   const ReadOptions& options_;
+  FileOrigin& origin_;
   MeshBuilder& out_;
+  Pass pass_ = Pass::one;
+  Counts before_;  // this line
   // As the file has them.
   std::vector<Vec3f> places_;
   std::vector<Rgb> colors_;
@@ -332,7 +473,9 @@ class ObjReader {
   Paints paints_;
   std::map<std::string, MaterialId, std::less<>> materials_;
   std::optional<MaterialId> material_;  // of the faces to come
-  size_t missing_ = 0, left_out_ = 0;
+  std::set<uint32_t> unknown_normals_;  // those that are not finite
+  std::vector<uint32_t> points_;        // places that p names
+  size_t missing_ = 0, left_out_ = 0, point_lines_ = 0;
   bool has_smooth_ = false;
 };
 
@@ -341,9 +484,15 @@ class ObjReader {
 std::expected<ReadScene, Diagnostics> read_obj(const TextBuffer& bytes, std::string_view file,
                                                const ReadOptions& options) {
   return read_guarded(file, [&] {
-    MeshBuilder builder;
-    ObjReader(bytes, options, builder).read();
-    return builder.finish({0, 1, 0});
+    return read_about([&](FileOrigin& origin) {
+      try {
+        MeshBuilder builder;
+        return ObjReader(bytes, options, origin, builder).read();
+      } catch (const OutOfOrder&) {
+        MeshBuilder builder;
+        return ObjReader(bytes, options, origin, builder).read_in_two_passes();
+      }
+    });
   });
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/srgb.h"
+#include "io/far_origin.h"
 #include "io/mesh/builder.h"
 #include "io/mesh/read.h"
 
@@ -13,7 +14,8 @@ namespace {
 
 class OffReader {
  public:
-  OffReader(const TextBuffer& text, MeshBuilder& out) : words_(text), out_(out) {}
+  OffReader(const TextBuffer& text, FileOrigin& origin, MeshBuilder& out)
+      : words_(text), origin_(origin), out_(out) {}
 
   void read() {
     if (words_.peek().empty()) words_.next_line();
@@ -25,6 +27,7 @@ class OffReader {
     for (size_t i = 0; i < vertices; ++i) read_vertex(i);
     for (size_t i = 0; i < faces; ++i) read_face();
     if (words_.next_line()) words_.fail_expected("the end of the file");
+    out_.origin = origin_.value();
     if (ignored_indices_) out_.warn("colours of faces that are numbers of a table are left out");
   }
 
@@ -50,6 +53,15 @@ class OffReader {
     if (!words_.next_line()) words_.fail_expected("more vertices and faces");
   }
 
+  // What follows may begin a line.
+  void need_word() {
+    if (words_.peek().empty()) need_line();
+  }
+  double coordinate() {
+    need_word();
+    return words_.wide_coordinate();
+  }
+
   // Numbers with a point are parts of one, others of 255.
   std::optional<Rgb> color() {
     double c[4];
@@ -68,7 +80,8 @@ class OffReader {
 
   void read_vertex(size_t i) {
     need_line();
-    out_.positions.push_back(words_.place());
+    const double x = coordinate(), y = coordinate();
+    out_.positions.push_back(origin_.local({x, y, coordinate()}));
     if (has_normals_) {
       const Vec3f n = words_.place();
       const float size = length(n);
@@ -90,7 +103,10 @@ class OffReader {
     need_line();
     const long count = words_.whole("a number of corners, 1 to 65535", 1, long(kMostCorners));
     corners_.clear();
-    for (long k = 0; k < count; ++k) corners_.push_back(words_.vertex(out_.positions.size()));
+    for (long k = 0; k < count; ++k) {
+      need_word();
+      corners_.push_back(words_.vertex(out_.positions.size()));
+    }
     const auto of_face = color();
     (void)words_.rest();
     if (count < 3) return;  // a point or a line
@@ -98,6 +114,7 @@ class OffReader {
   }
 
   Words words_;
+  FileOrigin& origin_;
   MeshBuilder& out_;
   bool has_uv_ = false, has_colors_ = false, has_normals_ = false, ignored_indices_ = false;
   std::vector<uint32_t> corners_;
@@ -108,9 +125,11 @@ class OffReader {
 std::expected<ReadScene, Diagnostics> read_off(const TextBuffer& bytes, std::string_view file,
                                                const ReadOptions& /*options*/) {
   return read_guarded(file, [&] {
-    MeshBuilder builder;
-    OffReader(bytes, builder).read();
-    return builder.finish({0, 0, 1});
+    return read_about([&](FileOrigin& origin) {
+      MeshBuilder builder;
+      OffReader(bytes, origin, builder).read();
+      return builder.finish({0, 0, 1});
+    });
   });
 }
 

@@ -14,11 +14,14 @@
 
 #include "base/parallel.h"
 #include "base/srgb.h"
+#include "io/atoms/rows.h"
 #include "io/colormaps.h"
+#include "io/far_origin.h"
 #include "io/fit_camera.h"
 #include "io/mesh/builder.h"
 #include "io/mesh/ply_rows.h"
 #include "io/mesh/read.h"
+#include "io/mesh/write.h"
 #include "io/points.h"
 
 namespace raio {
@@ -45,19 +48,27 @@ using Values = std::array<double, kWanted>;
 
 class PlyReader {
  public:
-  PlyReader(const TextBuffer& bytes, const ReadOptions& options)
-      : file_(bytes), options_(options) {}
+  PlyReader(const TextBuffer& bytes, const ReadOptions& options, FileOrigin& origin)
+      : file_(bytes), options_(options), origin_(origin) {}
 
   ReadScene read() {
     has_faces_ = std::ranges::any_of(
         file_.elements(), [](const PlyElement& e) { return is_of_faces(e) && e.count > 0; });
+    std::vector<std::pair<const PlyElement*, PlyCursor>> before_vertices;
     for (const PlyElement& element : file_.elements()) {
-      if (element.name == "vertex")
+      if (element.name == "vertex") {
         read_vertices(element);
-      else if (is_of_faces(element))
+      } else if (is_of_faces(element) && count_ > 0) {
         read_faces(element);
-      else
+      } else {
+        if (is_of_faces(element)) before_vertices.emplace_back(&element, file_.at());
         file_.skip(element);
+      }
+    }
+    for (const auto& [element, start] : before_vertices) {
+      if (count_ == 0) break;
+      file_.at() = start;
+      read_faces(*element);
     }
     return finish();
   }
@@ -91,6 +102,8 @@ class PlyReader {
     for (const size_t w : {kX, kY, kZ})
       if (!at_[w]) fail(fmt::format("vertices have no property {}", kNames[w][0]));
     PlyCursor& at = file_.at();
+    note_left_out(element);
+    choose_origin(element);
     if (at.encoding == PlyEncoding::text || element.has_lists()) {
       allocate(element.count);
       file_.read_rows(element, SIZE_MAX, [&](size_t i, const PlyRow& row, const PlyCursor&) {
@@ -114,6 +127,33 @@ class PlyReader {
       });
     });
     at.p += row * element.count;
+  }
+  // Floats are what they are.
+  void choose_origin(const PlyElement& element) {
+    PlyCursor at = file_.at();
+    if (at.encoding != PlyEncoding::text && element.properties[*at_[kX]].type != PlyType::f64)
+      return;
+    std::vector<double> values;
+    for (const PlyProperty& property : element.properties) {
+      values.push_back(property.count ? 0 : at.next(property.type));
+      if (property.count) at.skip(property);
+    }
+    origin_.choose({values[*at_[kX]], values[*at_[kY]], values[*at_[kZ]]});
+    mesh_.origin = origin_.value();
+  }
+  void note_left_out(const PlyElement& element) {
+    const auto has_property = [&](std::string_view name) {
+      return std::ranges::any_of(element.properties,
+                                 [&](const PlyProperty& p) { return p.name == name; });
+    };
+    if (has_property("f_dc_0"))
+      mesh_.notices.add_whole(Severity::left_out,
+                              "the shapes and colours of Gaussian splats (f_dc_0, scale_0, rot_0, "
+                              "...); their centres are drawn as spheres");
+    for (const std::string_view comment : file_.comments())
+      if (comment.starts_with("TextureFile "))
+        mesh_.notices.add(Severity::left_out, "textures of a PLY file; OBJ and glTF can have some",
+                          comment.substr(12));
   }
   static std::string names_of(const PlyElement& element) {
     std::string names;
@@ -143,7 +183,7 @@ class PlyReader {
       return is_whole_[w] ? kLight[size_t(x > 0 ? std::min(x, 255.0) : 0)]
                           : linear_from_srgb(float(x));
     };
-    const Vec3f place = {value(kX), value(kY), value(kZ)};
+    const Vec3f place(Vec3d(get(*at_[kX]), get(*at_[kY]), get(*at_[kZ])) - mesh_.origin);
     if (!places_.empty()) places_[i] = place;
     if (!spheres_.empty()) spheres_[i] = {place, has(kRadius) ? value(kRadius) : 0};
     if (!colors_.empty()) colors_[i] = {light(kRed), light(kGreen), light(kBlue)};
@@ -163,15 +203,15 @@ class PlyReader {
     std::vector<Rgb> colors;        // of each face, where they have some,
     std::vector<size_t> ends;       // and how many triangles there are up to its last one
     std::vector<uint32_t> corners;  // of a face
+    size_t left_out = 0;            // faces with a corner that has no place
   };
   static constexpr uint32_t kApart = 0xffffffffu;  // for -1
 
   void read_faces(const PlyElement& element) {
     if (element.count == 0) return;
-    if (count_ == 0) fail("the faces come before the vertices; write the vertices first");
     file_.check_count(element);
     if (!places_.empty()) {
-      check_places();
+      find_unplaced(places_, [](Vec3f& place) -> Vec3f& { return place; });
       mesh_.positions = std::exchange(places_, {});
     }
     const bool strips = element.name == "tristrips";
@@ -195,6 +235,7 @@ class PlyReader {
         at.fail(fmt::format("a face of {} corners is too large", row.list.size()));
       faces.corners.clear();
       for (const double index : row.list) faces.corners.push_back(vertex(index, i, strips, at));
+      if (!unplaced_.empty()) leave_out_unplaced(faces, strips);
       if (strips)
         split_strip(faces.corners, faces.triangles);
       else if (faces.corners.size() >= 3)
@@ -210,6 +251,9 @@ class PlyReader {
     });
     const MaterialId usual = mesh_.paint(colors_.empty() && !colored_by_ ? kPlainColor : Rgb(1));
     for (Faces& faces : chunks) {
+      if (faces.left_out > 0)
+        mesh_.notices.add(Severity::left_out, "faces with a vertex that has no finite place", {}, 0,
+                          faces.left_out);
       const std::span<const TriangleIndices> triangles = faces.triangles;
       if (!colored) mesh_.add_triangles(triangles, usual);
       for (size_t i = 0, first = 0; i < faces.ends.size(); first = faces.ends[i++])
@@ -217,6 +261,15 @@ class PlyReader {
                             mesh_.paint(faces.colors[i]));
       faces = {};
     }
+  }
+  void leave_out_unplaced(Faces& faces, bool strips) const {
+    const auto is_unplaced = [&](uint32_t corner) { return corner != kApart && unplaced_[corner]; };
+    if (std::ranges::none_of(faces.corners, is_unplaced)) return;
+    ++faces.left_out;
+    if (strips)
+      std::ranges::replace_if(faces.corners, is_unplaced, kApart);
+    else
+      faces.corners.clear();
   }
   uint32_t vertex(double index, size_t face, bool strips, const PlyCursor& at) const {
     if (strips && index == -1) return kApart;
@@ -236,14 +289,38 @@ class PlyReader {
   }
 
   // --- the scene
-  void check_places() const {
-    for (size_t i = 0; i < count_; ++i)
-      if (!is_place(places_.empty() ? spheres_[i].center : places_[i]))
-        fail(fmt::format("vertex {} has no finite place", i));
+  // Notes which vertices have no place, and gives them one that a number can be.
+  template <class T, class Place>
+  void find_unplaced(std::vector<T>& vertices, const Place& place) {
+    size_t count = 0;
+    for (size_t i = 0; i < count_; ++i) {
+      Vec3f& at = place(vertices[i]);
+      if (is_place(at)) {
+        if (origin_.is_far()) origin_.check(Vec3d(at));
+        continue;
+      }
+      if (count++ == 0) unplaced_.resize(count_);
+      unplaced_[i] = true, at = {};
+    }
+    if (count == count_) fail("no vertex has a finite place");
+    if (count > 0)
+      mesh_.notices.add(Severity::left_out, "vertices that have no finite place", {}, 0, count);
+  }
+  void leave_out_unplaced_points() {
+    const auto keep = [&](auto& values) {
+      if (values.empty()) return;
+      size_t kept = 0;
+      for (size_t i = 0; i < values.size(); ++i)
+        if (!unplaced_[i]) values[kept++] = values[i];
+      values.resize(kept);
+    };
+    keep(spheres_), keep(colors_), keep(values_), keep(opacity_);
+    count_ = spheres_.size();
   }
   ReadScene finish() {
     if (count_ == 0) fail("there are no vertices");
-    if (!has_faces_) check_places();
+    if (!has_faces_) find_unplaced(spheres_, [](Sphere& s) -> Vec3f& { return s.center; });
+    if (!has_faces_ && !unplaced_.empty()) leave_out_unplaced_points();
     std::optional<ColorScale> scale;
     if (colored_by_) {
       auto mapped = map_colors(values_, options_.colormap, options_.color_range);
@@ -258,11 +335,36 @@ class PlyReader {
       read = make_mesh();
     } else {
       read.scene.dialect = Dialect::data;
+      read.scene.origin = mesh_.origin;
       make_spheres(read.scene);
       fit_camera(read.scene, FitView::three_quarter);
+      append(read.notices, mesh_.notices, "");
     }
+    set_written_camera(read.scene);
     read.colors = scale;
     return read;
+  }
+  // That of a comment of write_ply().
+  void set_written_camera(Scene& scene) const {
+    for (std::string_view comment : file_.comments()) {
+      if (!comment.starts_with(kPlyCamera)) continue;
+      comment.remove_prefix(kPlyCamera.size());
+      const auto words = words_of(comment);
+      std::array<double, 11> n{};
+      for (size_t i = 0; i < n.size(); ++i)
+        if (words.size() != n.size() || !parse_number(words[i].data(), n[i])) return;
+      Camera camera = scene.camera;
+      camera.from = Vec3f(Vec3d(n[0], n[1], n[2]) - scene.origin);
+      camera.at = Vec3f(Vec3d(n[3], n[4], n[5]) - scene.origin);
+      camera.up = Vec3f(Vec3d(n[6], n[7], n[8]));
+      camera.fov_deg = float(n[9]), camera.across_deg = float(n[10]);
+      // A comment may hold anything.
+      const bool are_angles = camera.fov_deg > 0 && camera.fov_deg < 180 &&
+                              camera.across_deg >= 0 && camera.across_deg < 180;
+      if (are_angles && is_place(camera.from) && is_place(camera.at) && is_place(camera.up) &&
+          camera_problem(camera).empty())
+        scene.camera = camera;
+    }
   }
   static Material paint(Rgb color) { return {.color = color, .kd = 1}; }
 
@@ -318,6 +420,7 @@ class PlyReader {
 
   PlyFile file_;
   const ReadOptions& options_;
+  FileOrigin& origin_;
   size_t count_ = 0;
   std::array<std::optional<size_t>, kWanted> at_;  // among the properties of vertices
   std::array<bool, kWanted> is_whole_{};
@@ -328,6 +431,7 @@ class PlyReader {
   std::vector<float> opacity_, values_;
   std::vector<Rgb> colors_;
   std::vector<Uv> uv_;
+  std::vector<bool> unplaced_;  // vertices without a finite place; empty: there are none
   MeshBuilder mesh_;
 };
 
@@ -335,7 +439,9 @@ class PlyReader {
 
 std::expected<ReadScene, Diagnostics> read_ply(const TextBuffer& bytes, std::string_view file,
                                                const ReadOptions& options) {
-  return read_guarded(file, [&] { return PlyReader(bytes, options).read(); });
+  return read_guarded(file, [&] {
+    return read_about([&](FileOrigin& origin) { return PlyReader(bytes, options, origin).read(); });
+  });
 }
 
 }  // namespace raio

@@ -131,7 +131,7 @@ PlyFile::PlyFile(const TextBuffer& bytes) : at_{bytes.begin(), bytes.end()} {
 }
 
 std::string_view PlyFile::header_line() {
-  const char* const stop = std::find(at_.p, at_.end, '\n');
+  const char* const stop = std::find(at_.p, at_.end, ends_with_cr_ ? '\r' : '\n');
   if (stop == at_.end) fail("the header has no end_header");
   std::string_view line(at_.p, size_t(stop - at_.p));
   if (line.ends_with('\r')) line.remove_suffix(1);
@@ -148,12 +148,16 @@ PlyType PlyFile::type_of(std::string_view name) const {
 }
 
 void PlyFile::read_header() {
+  const std::string_view start(at_.p, std::min(at_.bytes_left(), size_t(5)));
+  ends_with_cr_ = start.starts_with("ply\r") && !start.ends_with('\n');
   if (header_line() != "ply") fail("expected \"ply\"");
   std::optional<PlyEncoding> encoding;
   while (true) {
-    const auto words = words_of(header_line());
+    const std::string_view line = header_line();
+    const auto words = words_of(line);
     const std::string_view word = words.empty() ? "" : words[0];
     if (word == "end_header") break;
+    if (word == "comment") comments_.push_back(line.substr(std::min(line.size(), size_t(8))));
     if (word.empty() || word == "comment" || word == "obj_info") continue;
     if (word == "format" && words.size() == 3) {
       constexpr std::array<std::string_view, 3> kEncodings = {"ascii", "binary_little_endian",

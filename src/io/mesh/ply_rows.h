@@ -92,6 +92,8 @@ class PlyFile {
   explicit PlyFile(const TextBuffer& bytes);
 
   std::span<const PlyElement> elements() const { return elements_; }
+  /// Of the header, behind the word "comment".
+  std::span<const std::string_view> comments() const { return comments_; }
   /// Behind what was read.
   PlyCursor& at() { return at_; }
   [[noreturn]] void fail(std::string message) const { at_.fail(std::move(message)); }
@@ -165,6 +167,8 @@ class PlyFile {
 
   PlyCursor at_;
   std::vector<PlyElement> elements_;
+  std::vector<std::string_view> comments_;
+  bool ends_with_cr_ = false;       // each line of the header, and with nothing else
   std::optional<LineIndex> lines_;  // of text, from body_ on
   const char* body_ = nullptr;
   int header_lines_ = 0;

@@ -65,8 +65,16 @@ class PlyWriter {
   void begin(size_t vertices) {
     out_ = "ply\nformat binary_little_endian 1.0\n";
     if (!comment_.empty()) out_ += fmt::format("comment {}\n", comment_);
+    if (scene_.dialect == Dialect::data) out_ += camera_comment();
     out_ += fmt::format("element vertex {}\n", vertices);
     properties(moved_ ? "double" : "float", {"x", "y", "z"});
+  }
+  std::string camera_comment() const {
+    const Camera& c = scene_.camera;
+    const auto text = [](Vec3d v) { return fmt::format("{} {} {}", v.x, v.y, v.z); };
+    return fmt::format("comment {}{} {} {} {} {}\n", kPlyCamera,
+                       text(scene_.origin + Vec3d(c.from)), text(scene_.origin + Vec3d(c.at)),
+                       text(Vec3d(c.up)), c.fov_deg, c.across_deg);
   }
   void properties(std::string_view type, std::initializer_list<std::string_view> names) {
     for (const std::string_view name : names) out_ += fmt::format("property {} {}\n", type, name);
@@ -232,10 +240,7 @@ std::string not_in_ply(const Scene& scene) {
   }
   for (const Feature feature : {Feature::textures, Feature::object_names})
     if (const std::string lost_too = text_of(scene, {feature}); !lost_too.empty()) add(lost_too);
-  if (scene.dialect != Dialect::data)
-    add("camera, lights, and materials but for their colours");
-  else if (scene.camera.across_deg == 0)  // not fitted to the data
-    add("camera");
+  if (scene.dialect != Dialect::data) add("camera, lights, and materials but for their colours");
   return lost;
 }
 

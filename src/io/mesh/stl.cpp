@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "base/parallel.h"
+#include "io/far_origin.h"
 #include "io/mesh/builder.h"
 #include "io/mesh/read.h"
 #include "io/points.h"
@@ -17,8 +18,7 @@ namespace {
 
 constexpr size_t kHeader = 80, kTriangleBytes = 50, kNormalBytes = 12;
 
-ReadScene scene_of(std::vector<Vec3f> corners) {
-  MeshBuilder builder;
+ReadScene scene_of(std::vector<Vec3f> corners, MeshBuilder builder = {}) {
   const MaterialId plain = builder.paint(kPlainColor);
   if (corners.size() >= size_t(kNoNormal)) throw ReadFailure{"there are too many triangles"};
   builder.positions = std::move(corners);
@@ -27,8 +27,22 @@ ReadScene scene_of(std::vector<Vec3f> corners) {
   return builder.finish({0, 0, 1});
 }
 
+// Of what is named and what there is room for, the file's size decides, unless it ends with bytes
+// that are part of no triangle.
 ReadScene read_binary(std::string_view bytes) {
-  const size_t count = (bytes.size() - kHeader - 4) / kTriangleBytes;
+  uint32_t named;
+  std::memcpy(&named, bytes.data() + kHeader, sizeof named);
+  const size_t body = bytes.size() - kHeader - 4, room = body / kTriangleBytes;
+  const size_t count =
+      named > 0 && body % kTriangleBytes > 0 ? std::min<size_t>(named, room) : room;
+  MeshBuilder builder;
+  if (count != named)
+    builder.notices.add_whole(
+        named > room ? Severity::cut : Severity::guessed,
+        fmt::format("its header says {} triangles, the file has {}, which are read", named, count));
+  if (const size_t spare = body - count * kTriangleBytes; spare > 0)
+    builder.notices.add_whole(
+        Severity::cut, fmt::format("{} bytes behind its {} triangles are not read", spare, count));
   std::vector<Vec3f> corners(3 * count);
   for_each_index(count, [&](size_t i) {
     std::memcpy(&corners[3 * i], bytes.data() + kHeader + 4 + i * kTriangleBytes + kNormalBytes,
@@ -37,25 +51,25 @@ ReadScene read_binary(std::string_view bytes) {
   for (size_t i = 0; i < corners.size(); ++i)
     if (!is_place(corners[i]))
       throw ReadFailure{fmt::format("triangle {} has no finite place", i / 3)};
-  return scene_of(std::move(corners));
+  return scene_of(std::move(corners), std::move(builder));
 }
 
 class TextReader {
  public:
-  explicit TextReader(const TextBuffer& text) : words_(text) {}
+  TextReader(const TextBuffer& text, FileOrigin& origin) : words_(text), origin_(origin) {}
 
   ReadScene read() {
     if (words_.peek().empty()) words_.next_line();
     while (!words_.at_end()) {
       expect("solid");
-      (void)words_.rest();  // its name
-      words_.next_line();
+      skip_to("facet");  // its name
       while (lower(words_.peek()) == "facet") read_facet();
       expect("endsolid");
-      (void)words_.rest();
-      words_.next_line();
+      skip_to("solid");
     }
-    return scene_of(std::move(corners_));
+    MeshBuilder builder;
+    builder.origin = origin_.value();
+    return scene_of(std::move(corners_), std::move(builder));
   }
 
  private:
@@ -69,24 +83,37 @@ class TextReader {
     (void)words_.next();
   }
   void end_line() {
-    if (!words_.peek().empty()) words_.fail_expected("the end of the line");
+    if (words_.peek().empty()) words_.next_line();
+  }
+  // What does not count, up to this word, if it is in the same line with more behind it, or else
+  // to the next line.
+  void skip_to(std::string_view word) {
+    for (; !words_.peek().empty(); (void)words_.next()) {
+      Words ahead = words_;
+      if (lower(ahead.next()) == word && !ahead.peek().empty()) return;
+    }
     words_.next_line();
   }
   void read_facet() {
     expect("facet");
-    (void)words_.rest();  // its normal
-    words_.next_line();
+    skip_to("outer");  // its normal
     expect("outer"), expect("loop"), end_line();
     for (int corner = 0; corner < 3; ++corner) {
       expect("vertex");
-      corners_.push_back(words_.place());
+      corners_.push_back(place());
       end_line();
     }
     expect("endloop"), end_line();
     expect("endfacet"), end_line();
   }
 
+  Vec3f place() {
+    const double x = words_.wide_coordinate(), y = words_.wide_coordinate();
+    return origin_.local({x, y, words_.wide_coordinate()});
+  }
+
   Words words_;
+  FileOrigin& origin_;
   std::vector<Vec3f> corners_;
 };
 
@@ -104,10 +131,14 @@ std::expected<ReadScene, Diagnostics> read_stl(const TextBuffer& bytes, std::str
   return read_guarded(file, [&] {
     const std::string_view view = bytes.view();
     if (is_binary_stl(view, view.size())) return read_binary(view);
-    if (!not_text(view).empty())
+    if (not_text(view).empty())
+      return read_about([&](FileOrigin& origin) { return TextReader(bytes, origin).read(); });
+    if (view.size() < kHeader + 4 + kTriangleBytes)
       throw ReadFailure{
-          "it is neither text nor as long as a binary STL file with its number of triangles"};
-    return TextReader(bytes).read();
+          fmt::format("it is neither text nor a binary STL file, which has {} bytes at least, of "
+                      "one triangle; it has {}",
+                      kHeader + 4 + kTriangleBytes, view.size())};
+    return read_binary(view);
   });
 }
 

@@ -8,6 +8,10 @@
 
 namespace raio {
 
+/// What begins a comment with the camera of data: from, at and up, the vertical angle and the one
+/// across (Camera::across_deg).
+inline constexpr std::string_view kPlyCamera = "raio camera ";
+
 /// The scene as binary PLY. Triangles and polygons as a mesh with the colours of its vertices, and
 /// normals and texture coordinates where there are any; in a scene without them its spheres, as
 /// vertices with radius, colour and, where there is any, opacity. Places are those of the file that

@@ -83,6 +83,8 @@ constexpr std::array kRefused = {
     RefusedWord{
         "am",
         "an ambient light of the AFF dialect (BART): Raio sets it from the lights, take it out"},
+    RefusedWord{
+        "la", "an area light of a student dialect: write \"l\" with x y z width depth n r g b", 12},
     RefusedWord{"la", "an animated light of the AFF dialect (BART): write \"l\""},
     RefusedWord{"a", "an animation of the AFF dialect (BART): Raio renders one frame, take it out"},
     RefusedWord{"k", kAffTransform},
@@ -125,11 +127,12 @@ CameraWord find_camera_word(std::string_view word) {
   return CameraWord::none;
 }
 
-const RefusedWord* find_refused(std::string_view word) {
+const RefusedWord* find_refused(std::string_view word, size_t numbers) {
   // "%" is a comment even when the text sticks to it.
   if (word.starts_with('%')) word = "%";
   for (const RefusedWord& refused : kRefused)
-    if (refused.word == word) return &refused;
+    if (refused.word == word && (refused.numbers == 0 || refused.numbers == numbers))
+      return &refused;
   return nullptr;
 }
 

@@ -51,12 +51,14 @@ enum class CameraWord { none, from, at, up, angle, hither, resolution, aperture,
 struct RefusedWord {
   std::string_view word;
   std::string_view what;  // "a moving sphere of the P3F dialect: ..."
+  size_t numbers = 0;     // behind it in its line; 0: any
 };
 
 /// Null where the word is no keyword.
 const Entity* find_entity(std::string_view word);
 CameraWord find_camera_word(std::string_view word);
-const RefusedWord* find_refused(std::string_view word);
+/// `numbers`: how many are behind it in its line.
+const RefusedWord* find_refused(std::string_view word, size_t numbers = 0);
 
 /// The word of `v` meant by a misspelt one (`in_camera`), or the keyword; empty if none is near.
 std::string_view nearest_word(std::string_view word, bool in_camera);

@@ -55,7 +55,10 @@ const Entity* Parser::entity() {
 }
 
 void Parser::unknown(std::string_view word) {
-  if (const RefusedWord* refused = find_refused(word)) return refuse(*refused, false);
+  p_ += word.size();
+  const size_t numbers = numbers_left_in_line();
+  p_ = begin_;
+  if (const RefusedWord* refused = find_refused(word, numbers)) return refuse(*refused, false);
   std::string message;
   if (looks_like_number(word)) {
     message = fmt::format("expected a keyword, found {}", quoted(word));
