@@ -211,6 +211,7 @@ class AmbientShading {
     if (!around_) around_ = std::make_unique_for_overwrite<Vertices>();
     std::array<bool, kChunk> on_line{};
     const V3 forward = set3(d, scene_.forward);
+    const bool parallel = scene_.eye.parallel;
     const float pixel = length(scene_.eye.per_y);
     for (const auto& [x, y] : kCircle) {
       RayBatch& rays = w.probe_rays();
@@ -218,9 +219,10 @@ class AmbientShading {
       const V3 aside = set3(
           d, scene_.eye.per_x * (x * figure_.outline) + scene_.eye.per_y * (y * figure_.outline));
       for (size_t i = 0; i < n; i += kWidth) {
-        const V3 dir = directions(w.rays().rays, i);
+        const V3 origin = origins(w.rays().rays, i), dir = directions(w.rays().rays, i);
         const V along = hn::Max(dot(dir, forward), hn::Set(d, 1e-6f));
-        put_ray(rays, i, origins(w.rays().rays, i), normalize(d, dir + aside * along),
+        put_ray(rays, i, parallel ? origin + aside : origin,
+                parallel ? dir : normalize(d, dir + aside * along),
                 hn::Set(d, std::numeric_limits<float>::infinity()), hn::FirstN(d, n - i));
       }
       w.probe();
@@ -245,7 +247,8 @@ class AmbientShading {
     if (here == there) return false;
     const auto at = [i](const Floats3& f) { return Vec3f(f.x.at[i], f.y.at[i], f.z.at[i]); };
     const Vec3f point = at(v.point), other = at(around_->point);
-    const float depth = dot(point - scene_.eye.from, scene_.forward);
+    // By which a pixel grows.
+    const float depth = scene_.eye.parallel ? 1 : dot(point - scene_.eye.from, scene_.forward);
     const float behind = dot(other - point, scene_.forward);
     const float step = 4 * figure_.outline * pixel * depth;  // a slope that passes for a surface
     const Geometry& geometry = scene_.accel.geometry();

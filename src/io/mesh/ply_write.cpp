@@ -234,7 +234,7 @@ std::string not_in_ply(const Scene& scene) {
     if (const std::string lost_too = text_of(scene, {feature}); !lost_too.empty()) add(lost_too);
   if (scene.dialect != Dialect::data)
     add("camera, lights, and materials but for their colours");
-  else if (scene.camera.across_deg == 0)  // not fitted to the data
+  else if (scene.camera.across_deg == 0 || scene.camera.is_parallel())  // not fitted to the data
     add("camera");
   return lost;
 }
