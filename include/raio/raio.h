@@ -70,9 +70,14 @@ struct Material {
   double ior = 1;           ///< index of refraction inside, above 0
 };
 
+/// Rays from one point, or side by side; what is as far away as the point looked at is as large in
+/// both.
+enum class Projection { perspective, orthographic };
+
 struct Camera {
   Triple from{0, 0, 1}, at{0, 0, 0}, up{0, 1, 0};
   double fov_deg = 45;  ///< vertical, from edge to edge, between 0 and 180
+  Projection projection = Projection::perspective;
 };
 
 /// `count` elements of N numbers each in memory of the caller: the first at `data`, each `stride`

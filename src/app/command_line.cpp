@@ -397,7 +397,7 @@ void add_export(CLI::App& app, ExportCommand& command, int& status) {
   add_read_options(*sub, command.read);
   add_file(*sub, "-o,--output", command.output,
            "Output file, .pov; - for standard output (default: the scene's name, .pov, here)");
-  add_render_options(*sub, command.options, {"size", "depth"});
+  add_render_options(*sub, command.options, {"size", "projection", "depth"});
   sub->callback([&] { status = run(command); });
 }
 
@@ -429,9 +429,11 @@ void add_compare(CLI::App& app, CompareCommand& compare, int& status) {
            "Write a picture of the differences; - writes PNG to standard output");
   add_file(*sub, "--explain", compare.explain,
            "Tell where the pictures of this scene differ: edges, shadows, mirrors, lit surfaces");
-  add_render_options(*sub, compare.options,
-                     {"from", "at", "up", "fov", "angle-to-centers", "accel", "threads"});
-  for (const char* camera : {"--from", "--at", "--up", "--fov", "--angle-to-centers", "--accel"})
+  add_render_options(
+      *sub, compare.options,
+      {"from", "at", "up", "fov", "projection", "angle-to-centers", "accel", "threads"});
+  for (const char* camera :
+       {"--from", "--at", "--up", "--fov", "--projection", "--angle-to-centers", "--accel"})
     sub->get_option(camera)->needs(sub->get_option("--explain"));
   sub->callback([&] {
     refuse_terminal(compare.diff, "--diff");

@@ -76,6 +76,7 @@ void add_explain(CLI::App& app, ExplainCommand& explain, int& status) {
                       "at",
                       "up",
                       "fov",
+                      "projection",
                       "background",
                       "accel",
                       "grid-factor",

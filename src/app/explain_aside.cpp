@@ -50,6 +50,7 @@ Aside seen_from_aside(const Explanation& sample, const RenderSettings& settings,
               above = cross(right, forward);
   camera.at = Vec3f(box.center());
   camera.fov_deg = 40;
+  camera.projection = Projection::perspective;
   const double tangent = std::tan(double(camera.fov_deg) * std::numbers::pi / 360), margin = 0.86;
   double distance = 0;
   for (const Vec3d& p : points) {

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "app/explain.h"
+#include "integrate/camera.h"
 #include "render/render.h"
 
 namespace raio::app {
@@ -78,7 +79,8 @@ class Drawing {
     look_along();
   }
   void look_along() {
-    forward_ = normalize(Vec3d(camera_.at) - Vec3d(camera_.from));
+    const Vec3d view = Vec3d(camera_.at) - Vec3d(camera_.from);
+    distance_ = length(view), forward_ = normalize(view);
     right_ = normalize(cross(forward_, Vec3d(camera_.up)));
     up_ = cross(right_, forward_);
     scale_ = kPaneHeight / 2 / std::tan(double(camera_.fov_deg) * std::numbers::pi / 360);
@@ -111,7 +113,7 @@ class Drawing {
   };
   Dot project(const Vec3d& p) const {
     const Vec3d v = p - Vec3d(camera_.from);
-    const double z = dot(v, forward_), s = scale_ / z;
+    const double z = dot(v, forward_), s = scale_ / (camera_.is_parallel() ? distance_ : z);
     return {kPaneLeft + kPane / 2 + s * dot(v, right_),
             kPaneTop + kPaneHeight / 2 - s * dot(v, up_), z};
   }
@@ -120,9 +122,9 @@ class Drawing {
   }
   // From where the page is seen.
   bool is_hidden(const Vec3d& p) const {
-    const Vec3d v = p - Vec3d(camera_.from);
+    const Vec3d eye = eye_of(camera_, p), v = p - eye;
     RayBatch one;
-    one.push({camera_.from, Vec3f(normalize(v)), float(length(v) * 0.999)});
+    one.push({Vec3f(eye), Vec3f(normalize(v)), float(length(v) * 0.999)});
     uint8_t hidden[kBatchPad];
     TraceContext context;
     what_.accel.occluded(one, hidden, context);
@@ -250,7 +252,7 @@ class Drawing {
 
   const Explained& what_;
   const Canvas& canvas_;
-  double extent_ = 1, scale_ = 1;
+  double extent_ = 1, scale_ = 1, distance_ = 1;
   Camera camera_;
   Vec3d forward_, right_, up_;
 };

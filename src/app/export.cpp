@@ -20,12 +20,13 @@ int run(const ExportCommand& command) {
   if (output != "-" && std::filesystem::path(output).extension() != ".pov")
     return bad_input(fmt::format("expected a file that ends with .pov, found '{}'", output));
   if (const auto writable = check_writable(output); !writable) return fail(writable.error());
-  const auto scene = load_scene(command.scene, false, nullptr, command.read);
+  auto scene = load_scene(command.scene, false, nullptr, command.read);
   if (!scene) return scene.error();
   if (const std::string lost = not_kept(*scene, SceneFormat::pov); !lost.empty())
     print_line(fmt::format("{}: warning: not kept: {}; a .raio scene keeps all", output, lost));
 
   const RenderSettings settings = resolve_options(command.options, *scene);
+  scene->camera = settings.camera;
   const PovPicture picture{
       .name = output == "-" ? scene->name : std::filesystem::path(output).stem().string(),
       .width = settings.width,

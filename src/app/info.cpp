@@ -63,6 +63,7 @@ std::string info_json(const ReadScene& read) {
                     {"at", json_of(scene.origin + plain(camera.at))},
                     {"up", json_of(plain(camera.up))},
                     {"fov_deg", plain(fitted_fov_deg(camera))},
+                    {"projection", projection_name(camera.projection)},
                     {"lens_radius", optional(camera.lens_radius)},
                     {"focus_distance", optional(camera.focus_distance)}};
   json["camera"]["movement"] = nullptr;
@@ -142,6 +143,7 @@ std::string info_text(const ReadScene& read) {
                          text_of(scene.origin + plain(m->from)),
                          text_of(scene.origin + plain(m->at)), m->begin, m->end));
   std::string view = fmt::format("angle {:g} degrees", fitted_fov_deg(camera));
+  if (camera.is_parallel()) view += ", orthographic";
   if (camera.lens_radius) view += fmt::format(", lens radius {:g}", *camera.lens_radius);
   if (camera.focus_distance) view += fmt::format(", in focus at {:g}", *camera.focus_distance);
   line("", view);

@@ -248,16 +248,18 @@ class AmbientShading {
       decided[i] = !geometry.is_opaque(w.hits().item[i]);
     }
     const V3 forward = set3(d, scene_.forward);
+    const bool parallel = scene_.eye.parallel;
     for (const auto& [x, y] : kCircle) {
       RayBatch& rays = w.probe_rays();
       rays.resize(n);
       const V3 aside =
           set3(d, scene_.eye.per_x * (x * outline_) + scene_.eye.per_y * (y * outline_));
       for (size_t i = 0; i < n; i += kWidth) {
-        const V3 dir = directions(w.rays().rays, i);
+        const V3 origin = origins(w.rays().rays, i), dir = directions(w.rays().rays, i);
         const V along = hn::Max(dot(dir, forward), hn::Set(d, 1e-6f));
         const M open = hn::Eq(hn::LoadU(d, &decided[i]), hn::Zero(d));
-        put_ray(rays, i, origins(w.rays().rays, i), normalize(d, dir + aside * along),
+        put_ray(rays, i, parallel ? origin + aside : origin,
+                parallel ? dir : normalize(d, dir + aside * along),
                 hn::Set(d, std::numeric_limits<float>::infinity()),
                 hn::And(open, hn::FirstN(d, n - i)));
       }
@@ -284,7 +286,8 @@ class AmbientShading {
       const Vec3f point = at(v.point, i);
       const Ray ray = rays[i];
       const Vec3f other = ray.origin + ray.dir * hit.t;
-      const float depth = dot(point - scene_.eye.from, scene_.forward);
+      // By which a pixel grows.
+      const float depth = scene_.eye.parallel ? 1 : dot(point - scene_.eye.from, scene_.forward);
       const float behind = dot(other - point, scene_.forward);
       const float step = 4 * outline_ * pixel * depth;  // a slope that passes for a surface
       const bool flat = primitive_kind(here) == PrimitiveKind::triangle;

@@ -21,12 +21,12 @@ struct WideRay {
 /// The vectors of EyeRays.
 template <class D>
 struct WideEye {
-  Wide3<D> from, right, up, corner, per_x, per_y;
+  Wide3<D> from, right, up, forward, corner, per_x, per_y;
 };
 
 template <class D>
 HWY_INLINE WideEye<D> eye_at_rest(D tag, const EyeRays& eye) {
-  return {set3(tag, eye.from),   set3(tag, eye.right), set3(tag, eye.up),
+  return {set3(tag, eye.from),   set3(tag, eye.right), set3(tag, eye.up),   set3(tag, eye.forward),
           set3(tag, eye.corner), set3(tag, eye.per_x), set3(tag, eye.per_y)};
 }
 
@@ -42,14 +42,24 @@ HWY_INLINE WideEye<D> eye_at(D tag, const EyeRays& eye, V time) {
                     hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
                     hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
   };
-  const Wide3<D> forward = normalize(tag, set3(tag, m.view) + set3(tag, m.view_by) * part);
+  const Wide3<D> view = set3(tag, m.view) + set3(tag, m.view_by) * part;
+  const Wide3<D> forward = normalize(tag, view);
   const Wide3<D> right = normalize(tag, cross(forward, set3(tag, m.up)));
   const Wide3<D> up = cross(right, forward);
-  const V pixel = hn::Set(tag, m.pixel);
-  return {set3(tag, eye.from) + set3(tag, m.from_by) * part,
+  const Wide3<D> from = set3(tag, eye.from) + set3(tag, m.from_by) * part;
+  V pixel = hn::Set(tag, m.pixel);
+  V half_width = hn::Set(tag, m.half_width), half_height = hn::Set(tag, m.half_height);
+  if (eye.parallel) {
+    const V distance = hn::Sqrt(dot(view, view));
+    pixel = hn::Mul(pixel, distance);
+    half_width = hn::Mul(half_width, distance), half_height = hn::Mul(half_height, distance);
+  }
+  const Wide3<D> aside = right * hn::Neg(half_width) + up * half_height;
+  return {from,
           right,
           up,
-          forward - right * hn::Set(tag, m.half_width) + up * hn::Set(tag, m.half_height),
+          forward,
+          eye.parallel ? aside : forward - right * half_width + up * half_height,
           right * pixel,
           up * hn::Neg(pixel)};
 }
@@ -58,6 +68,12 @@ HWY_INLINE WideEye<D> eye_at(D tag, const EyeRays& eye, V time) {
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE WideRay<D> pinhole(D tag, const WideEye<D>& eye, V x, V y) {
   return {eye.from, normalize(tag, eye.corner + eye.per_x * x + eye.per_y * y)};
+}
+
+/// Side by side with the line of sight, through (x, y).
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE WideRay<D> parallel(const WideEye<D>& eye, V x, V y) {
+  return {eye.from + (eye.corner + eye.per_x * x + eye.per_y * y), eye.forward};
 }
 
 /// From `lens` (a point of the unit disc, times `radius`) to the point of the plane in focus that

@@ -15,26 +15,30 @@ namespace raio {
 /// a picture of n + 1 by n + 1 pixels has its rays in the corners of one of n by n from edge to
 /// edge. Pixels are square; right is view x up.
 struct EyeRays {
+  bool parallel;
   Vec3f from;
-  Vec3f right, up;             // unit
-  Vec3f corner, per_x, per_y;  // corner + per_x * x + per_y * y has length 1 along the view
+  Vec3f right, up, forward;  // unit
+  // corner + per_x * x + per_y * y leads from the eye to where the ray through (x, y) is at a
+  // distance of 1 along the view; of parallel rays, to where it starts.
+  Vec3f corner, per_x, per_y;
 
   EyeRays(const Camera& camera, int width, int height, bool angle_to_centers = false)
-      : from(camera.from) {
-    const Vec3d forward = normalize(Vec3d(camera.at) - Vec3d(camera.from));
-    const Vec3d to_right = normalize(cross(forward, Vec3d(camera.up)));
-    const Vec3d to_up = cross(to_right, forward);
+      : parallel(camera.is_parallel()), from(camera.from) {
+    const Vec3d view = Vec3d(camera.at) - Vec3d(camera.from), ahead = normalize(view);
+    const Vec3d to_right = normalize(cross(ahead, Vec3d(camera.up)));
+    const Vec3d to_up = cross(to_right, ahead);
     // Rounded to float, so that the last bit of the system's tangent does not matter.
     float half_height = float(std::tan(double(camera.fov_deg) * std::numbers::pi / 360));
     if (angle_to_centers && height > 1) half_height *= float(height) / float(height - 1);
     const double half_width = double(half_height) * width / height;
-    right = Vec3f(to_right), up = Vec3f(to_up);
-    corner = Vec3f(forward - to_right * half_width + to_up * double(half_height));
-    per_x = Vec3f(to_right * (2 * half_width / width));
-    per_y = Vec3f(to_up * (-2.0 * half_height / height));
+    right = Vec3f(to_right), up = Vec3f(to_up), forward = Vec3f(ahead);
+    const double distance = parallel ? length(view) : 1;  // at which the picture is so large
+    corner = Vec3f((parallel ? Vec3d() : ahead) - to_right * (half_width * distance) +
+                   to_up * (double(half_height) * distance));
+    per_x = Vec3f(to_right * (2 * half_width * distance / width));
+    per_y = Vec3f(to_up * (-2.0 * half_height * distance / height));
     if (const auto& m = camera.movement) {
-      const Vec3d view = Vec3d(camera.at) - Vec3d(camera.from),
-                  view_end = Vec3d(m->at) - Vec3d(m->from);
+      const Vec3d view_end = Vec3d(m->at) - Vec3d(m->from);
       movement = Movement{.from_by = Vec3f(Vec3d(m->from) - Vec3d(camera.from)),
                           .view = Vec3f(view),
                           .view_by = Vec3f(view_end - view),
@@ -57,10 +61,18 @@ struct EyeRays {
   };
   std::optional<Movement> movement;
 
-  /// The ray from the eye through (x, y): pixels from the upper left corner of the picture.
+  /// The ray without a lens through (x, y): pixels from the upper left corner of the picture.
   Ray pinhole(float x, float y, float time = 0) const {
-    return {.origin = from, .dir = normalize(corner + per_x * x + per_y * y), .time = time};
+    const Vec3f towards = corner + per_x * x + per_y * y;
+    if (parallel) return {.origin = from + towards, .dir = forward, .time = time};
+    return {.origin = from, .dir = normalize(towards), .time = time};
   }
 };
+
+/// From where a camera sees a point, as it is at the beginning.
+inline Vec3d eye_of(const Camera& camera, const Vec3d& point) {
+  const Vec3d from(camera.from), forward = normalize(Vec3d(camera.at) - from);
+  return camera.is_parallel() ? point - forward * dot(point - from, forward) : from;
+}
 
 }  // namespace raio

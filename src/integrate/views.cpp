@@ -25,9 +25,9 @@ class ViewsShading {
         distance_(length(scene.settings.camera.at - scene.settings.camera.from)),
         focus_(scene.settings.focus) {
     // A lens of radius R in focus at F blurs what is at depth z over a circle of diameter
-    // 2 R |z - F| / z on the plane in focus.
+    // 2 R |z - F| / z on the plane in focus. Parallel rays have no lens.
     const float pixel = length(scene.eye.per_y) * scene.settings.preview_scale;
-    blur_ = 2 * scene.settings.aperture / (pixel * focus_);
+    if (!scene.eye.parallel) blur_ = 2 * scene.settings.aperture / (pixel * focus_);
   }
 
   static constexpr bool kTints = false;

@@ -271,7 +271,7 @@ class Wavefront final : public TileRenderer {
       const V x = hn::Add(to_float(column_of(pixel)), within.x);
       const V y = hn::Add(to_float(row_of(pixel)), within.y);
       if (eye.movement) wide_eye = eye_at(d, eye, time_of(pixel, hn::FirstN(d, end - i)));
-      WideRay<D> ray = pinhole(d, wide_eye, x, y);
+      WideRay<D> ray = eye.parallel ? parallel(wide_eye, x, y) : pinhole(d, wide_eye, x, y);
       if (settings.dof) {
         const Wide2<D> square = sampler.in_square(place, branch, kLens);
         const Wide2<D> lens = square_to_disc(d, square.x, square.y);

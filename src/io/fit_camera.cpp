@@ -94,6 +94,11 @@ struct Tangents {
   void join(const Tangents& b) { up = std::max(up, b.up), across = std::max(across, b.across); }
 };
 
+// The angle of a picture that must have half of this angle, or more.
+float degrees(double tangent) {
+  return std::clamp(float(2 * std::atan(tangent * kMargin) / kRadians), 0.01f, 170.0f);
+}
+
 }  // namespace
 
 void fit_camera(Scene& scene, FitView view, Vec3f up) {
@@ -153,10 +158,25 @@ void fit_camera(Scene& scene, FitView view, Vec3f up) {
     t.join({(y + r * secant) / z, (x + r * secant_across) / z});
   });
   camera.from = Vec3f(from), camera.at = Vec3f(at), camera.up = Vec3f(to_up);
-  const auto degrees = [](double half) {
-    return std::clamp(float(2 * std::atan(half * kMargin) / kRadians), 0.01f, 170.0f);
-  };
   camera.fov_deg = degrees(tangents.up), camera.across_deg = degrees(tangents.across);
+}
+
+Camera fitted_in_parallel(const Scene& scene, const Camera& camera) {
+  const Vec3d at(camera.at), view = at - Vec3d(camera.from), forward = normalize(view);
+  const Vec3d right = normalize(cross(forward, Vec3d(camera.up))), up = cross(right, forward);
+  const auto needs = sum_up<Needs>(scene, [&](Needs& n, Vec3f center, float radius) {
+    const Vec3d c = Vec3d(center) - at;
+    const double x = dot(c, right), y = dot(c, up), r = double(radius);
+    n.join({r + y, r - y, r + x, r - x});
+  });
+  if (!std::isfinite(needs.above)) return camera;
+  const Vec3d to_middle =
+      right * ((needs.right - needs.left) / 2) + up * ((needs.above - needs.below) / 2);
+  Camera out = camera;
+  out.from = Vec3f(Vec3d(camera.from) + to_middle), out.at = Vec3f(at + to_middle);
+  out.fov_deg = degrees((needs.above + needs.below) / (2 * length(view)));
+  out.across_deg = degrees((needs.right + needs.left) / (2 * length(view)));
+  return out;
 }
 
 float fitted_fov_deg(const Camera& camera, int width, int height) {

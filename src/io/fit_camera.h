@@ -15,6 +15,10 @@ enum class FitView : uint8_t { three_quarter, principal };
 /// otherwise. `up` is what the data calls so; the principal view does not ask.
 void fit_camera(Scene& scene, FitView view, Vec3f up = {0, 0, 1});
 
+/// The camera, which looks at the scene from some direction, moved across it and with other angles,
+/// so that its parallel rays show all of the scene as large as it fits.
+Camera fitted_in_parallel(const Scene& scene, const Camera& camera);
+
 /// The vertical angle, in degrees, at which the camera sees what it must in a picture so wide and
 /// high.
 float fitted_fov_deg(const Camera& camera, int width, int height);

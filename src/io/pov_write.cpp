@@ -67,16 +67,17 @@ class PovWriter {
     line("background {{ rgb {} }}", text(is_figure_ ? Rgb(1) : scene_.background));
   }
 
-  // By its vectors, whose lengths are those of the picture at distance 1: nothing is left for
-  // POV-Ray's own handedness to decide.
+  // By its vectors, whose lengths are those of the picture at distance 1, or, of parallel rays, at
+  // any: nothing is left for POV-Ray's own handedness to decide.
   void camera(const PovPicture& p) {
     const Camera& c = scene_.camera;
-    const Vec3d forward = normalize(Vec3d(c.at) - Vec3d(c.from));
+    const Vec3d view = Vec3d(c.at) - Vec3d(c.from), forward = normalize(view);
     const Vec3d right = normalize(cross(forward, Vec3d(c.up))), up = cross(right, forward);
     const double angle = double(fitted_fov_deg(c, p.width, p.height)) * std::numbers::pi / 180;
-    const double height = 2 * std::tan(angle / 2);
-    line("camera {{ perspective location {}\n  direction {}\n  right {}\n  up {} }}", text(c.from),
-         text(forward), text(right * (height * p.width / p.height)), text(up * height));
+    const double height = 2 * std::tan(angle / 2) * (c.is_parallel() ? length(view) : 1);
+    line("camera {{ {} location {}\n  direction {}\n  right {}\n  up {} }}",
+         c.is_parallel() ? "orthographic" : "perspective", text(c.from), text(forward),
+         text(right * (height * p.width / p.height)), text(up * height));
   }
 
   void lights() {

@@ -234,6 +234,7 @@ std::string not_kept(const Scene& scene, SceneFormat format) {
   };
   if (format == SceneFormat::nff && scene.dialect == Dialect::nff)
     add(text_of(scene, {Feature::specular_colors, Feature::roughness, Feature::sky}));
+  if (format == SceneFormat::nff && scene.camera.is_parallel()) add("the camera's parallel rays");
   if (format == SceneFormat::nff && scene.dialect == Dialect::data)
     add("the light of figures and their background");
   // Mirrors have colours in POV-Ray, highlights those of the lights.

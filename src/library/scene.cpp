@@ -67,6 +67,7 @@ void Scene::set_camera(const Camera& camera) {
   scene.camera.at = Vec3f(vec(camera.at) - scene.origin);
   scene.camera.up = Vec3f(vec(camera.up));
   scene.camera.fov_deg = float(camera.fov_deg), scene.camera.across_deg = 0;
+  scene.camera.projection = raio::Projection(camera.projection);
   scene.camera.movement.reset();
 }
 
@@ -74,7 +75,7 @@ Camera Scene::camera() const {
   const raio::Scene& scene = data_->scene;
   return {triple(scene.origin + Vec3d(scene.camera.from)),
           triple(scene.origin + Vec3d(scene.camera.at)), triple(Vec3d(scene.camera.up)),
-          double(scene.camera.fov_deg)};
+          double(scene.camera.fov_deg), Projection(scene.camera.projection)};
 }
 
 void Scene::set_background(Triple color) {

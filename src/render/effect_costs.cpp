@@ -50,6 +50,8 @@ class Measurement {
                                 .presence = is_in_scene(effect, scene_, base_.settings.fresnel)
                                                 ? EffectCost::in_picture
                                                 : EffectCost::not_in_scene});
+    if (base_.settings.camera.is_parallel())
+      cost(Effect::depth_of_field).presence = EffectCost::not_in_picture;
     const bool empty = scene_.primitive_count() == 0;
     if (empty || (measure_effects() && measure_structure())) {
       costs_.finished = true, costs_.done = 1, costs_.left_s = 0;

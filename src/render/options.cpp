@@ -8,6 +8,7 @@
 
 #include "base/parallel.h"
 #include "integrate/classic.h"
+#include "io/fit_camera.h"
 #include "render/figure_options.h"
 #include "render/picture_options.h"
 
@@ -20,6 +21,7 @@ constexpr std::array<std::string_view, kViews> kViewNames = {
     "picture", "normals", "depth", "ids", "materials", "steps", "tests", "focus", "samples"};
 constexpr std::array<std::string_view, 3> kToneNames = {"none", "srgb", "agx"};
 constexpr std::array<std::string_view, 3> kShadingNames = {"nff", "phong", "blinn-phong"};
+constexpr std::array<std::string_view, 2> kProjectionNames = {"perspective", "orthographic"};
 constexpr std::array<std::string_view, 3> kFresnelNames = {"none", "exact", "schlick"};
 
 template <class T>
@@ -119,6 +121,10 @@ std::expected<void, std::string> parse_tone(RenderOptions& o, std::string_view t
 
 std::expected<void, std::string> parse_shading(RenderOptions& o, std::string_view text) {
   return parse_word<ShadingModel>(kShadingNames, text, o.shading);
+}
+
+std::expected<void, std::string> parse_projection(RenderOptions& o, std::string_view text) {
+  return parse_word<Projection>(kProjectionNames, text, o.projection);
 }
 
 std::expected<void, std::string> parse_fresnel(RenderOptions& o, std::string_view text) {
@@ -237,6 +243,9 @@ std::string shading_text(const RenderOptions& o) {
 std::string shutter_text(const RenderOptions& o) {
   return o.shutter ? fmt::format("{},{}", (*o.shutter)[0], (*o.shutter)[1]) : "";
 }
+std::string projection_text(const RenderOptions& o) {
+  return o.projection ? std::string(projection_name(*o.projection)) : "";
+}
 std::string fresnel_text(const RenderOptions& o) {
   return o.fresnel ? std::string(fresnel_name(*o.fresnel)) : "";
 }
@@ -312,6 +321,10 @@ constexpr auto kTable = std::to_array<OptionSpec>({
      0, 0, vector_text<&Options::up>},
     {"fov", "DEG", "Vertical field of view in degrees (default: the scene's)",
      +[](Options& o) -> float& { return o.fov_deg; }, 0.001, 179},
+    {"projection", "NAME",
+     "Eye rays from one point, perspective, or side by side, orthographic; what is as far away as "
+     "the point looked at is as large in both (default: the scene's)",
+     parse_projection, 0, 0, projection_text, kProjectionNames},
     {"integrator", "NAME", kIntegratorHelp, parse_integrator, 0, 0, integrator_text,
      kIntegratorNames},
     {"view", "NAME",
@@ -496,6 +509,9 @@ std::string_view sampler_name(SamplerKind kind) { return kSamplerNames[size_t(ki
 std::string_view shading_name(ShadingModel model) { return kShadingNames[size_t(model)]; }
 std::string_view fresnel_name(Fresnel fresnel) { return kFresnelNames[size_t(fresnel)]; }
 std::string_view view_name(View view) { return kViewNames[size_t(view)]; }
+std::string_view projection_name(Projection projection) {
+  return kProjectionNames[size_t(projection)];
+}
 
 std::expected<void, Error> set_option(RenderOptions& options, const OptionSpec& spec,
                                       std::string_view text) {
@@ -572,6 +588,11 @@ Vec3d plain(Vec3f value) {
   return out;
 }
 
+// May a camera in place of `own` have been fitted to the data for its parallel rays?
+bool is_refitted(const Camera& camera, const Camera& own) {
+  return camera.is_parallel() && !own.is_parallel() && own.across_deg > 0;
+}
+
 }  // namespace
 
 Camera camera_of(const Scene& scene, const RenderOptions& options) {
@@ -580,6 +601,9 @@ Camera camera_of(const Scene& scene, const RenderOptions& options) {
   if (options.from) camera.from = Vec3f(*options.from - scene.origin);
   if (options.at) camera.at = Vec3f(*options.at - scene.origin);
   if (options.up) camera.up = Vec3f(*options.up);
+  camera.projection = options.projection.value_or(camera.projection);
+  if (is_refitted(camera, scene.camera) && !options.from && !options.at)
+    camera = fitted_in_parallel(scene, camera);
   if (options.fov_deg > 0) camera.fov_deg = options.fov_deg;
   return camera;
 }
@@ -593,11 +617,14 @@ void set_camera(RenderOptions& options, const Camera& camera, const Scene& scene
   };
   // The scene's camera, if it moves, stands still only where a place is given.
   const bool stops = own.movement && !camera.movement;
-  options.from = given(camera.from != own.from || stops, camera.from, scene.origin);
-  options.at = given(camera.at != own.at, camera.at, scene.origin);
+  const bool refits = is_refitted(camera, own);  // unless both places are given
+  options.from = given(camera.from != own.from || stops || refits, camera.from, scene.origin);
+  options.at = given(camera.at != own.at || refits, camera.at, scene.origin);
   options.up = given(camera.up != own.up, camera.up, {});
   // An angle that fits the width is another for a picture of another shape.
   options.fov_deg = camera.fov_deg == own.fov_deg && own.across_deg == 0 ? 0 : camera.fov_deg;
+  options.projection.reset();
+  if (camera.projection != own.projection) options.projection = camera.projection;
 }
 
 }  // namespace raio

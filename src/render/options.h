@@ -36,6 +36,7 @@ struct RenderOptions {
   std::optional<Crop> crop;
   std::optional<Vec3d> from, at, up;  // of the camera, in the coordinates of the file
   float fov_deg = 0;
+  std::optional<Projection> projection;
   std::optional<IntegratorKind> integrator;
   View view = View::picture;
   ChannelSet channels;
@@ -71,7 +72,8 @@ struct RenderOptions {
   friend bool operator==(const RenderOptions&, const RenderOptions&) = default;
 };
 
-/// The scene's camera with what the options say of it.
+/// The scene's camera with what the options say of it. One that was fitted to data is fitted anew
+/// for parallel rays, unless a place is given.
 Camera camera_of(const Scene& scene, const RenderOptions& options);
 
 /// The options that make a camera of the scene that of a picture: what differs from the scene's.
@@ -150,5 +152,6 @@ std::string_view sampler_name(SamplerKind kind);
 std::string_view shading_name(ShadingModel model);
 std::string_view fresnel_name(Fresnel fresnel);
 std::string_view view_name(View view);
+std::string_view projection_name(Projection projection);
 
 }  // namespace raio

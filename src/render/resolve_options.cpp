@@ -70,12 +70,24 @@ std::optional<Error> size_conflict(const RenderOptions& options, const RenderSet
   return std::nullopt;
 }
 
+// Of a picture with parallel rays, which no lens can bend.
+std::optional<Error> lens_conflict(const RenderOptions& options) {
+  constexpr std::string_view kWhy =
+      "a lens needs `projection` perspective; leave it or `projection` orthographic out";
+  if (options.dof == true) return bad_option("dof", std::string(kWhy));
+  if (options.aperture > 0) return bad_option("aperture", std::string(kWhy));
+  if (options.focus > 0) return bad_option("focus", std::string(kWhy));
+  return std::nullopt;
+}
+
 std::optional<Error> scene_conflict(const RenderOptions& options, const Scene& scene) {
   if (const auto why = camera_problem(camera_of(scene, options)); !why.empty())
     return bad_option("", fmt::format("`from`, `at`, `up`: {}", why));
   if (auto why = figure_conflict(options, scene)) return why;
   const RenderSettings s = resolve_options(options, scene);
   if (auto why = size_conflict(options, s)) return why;
+  if (s.camera.is_parallel())
+    if (auto why = lens_conflict(options)) return why;
   if (!s.dof && options.aperture > 0) return without("aperture", "dof");
   if (!s.dof && options.focus > 0) return without("focus", "dof");
   if (options.shutter && !scene.moves())
@@ -114,6 +126,8 @@ std::optional<Error> option_conflict(const RenderOptions& options, const Scene* 
     return bad_option("view", fmt::format("{} is one of `integrator` views; leave one of them out",
                                           view_name(options.view)));
   if (auto why = picture_conflict(options, scene)) return why;
+  if (options.projection == Projection::orthographic)
+    if (auto why = lens_conflict(options)) return why;
   if (scene) return scene_conflict(options, *scene);
   if (options.dof == false && options.aperture > 0) return without("aperture", "dof");
   if (options.dof == false && options.focus > 0) return without("focus", "dof");
@@ -226,7 +240,7 @@ RenderSettings resolve_options(const RenderOptions& o, const Scene& scene) {
 
   s.depth = o.depth;
   s.soft_shadows = o.soft_shadows, s.light_size = o.light_size;
-  s.dof = o.dof.value_or(s.camera.lens_radius.value_or(0) > 0);
+  s.dof = !s.camera.is_parallel() && o.dof.value_or(s.camera.lens_radius.value_or(0) > 0);
   s.focus =
       o.focus > 0 ? o.focus : s.camera.focus_distance.value_or(length(s.camera.at - s.camera.from));
   s.aperture = o.aperture > 0 ? o.aperture : s.camera.lens_radius.value_or(s.focus / 50);

@@ -79,6 +79,9 @@ std::vector<SceneWarning> scene_warnings(const Scene& scene, const RenderSetting
              ? "the scene has no light, so that surfaces show the ambient light alone"
              : "the scene has no light, and the model of light no ambient one, so that "
                "surfaces are black"});
+  if (settings.camera.is_parallel() && settings.camera.lens_radius.value_or(0) > 0)
+    warnings.push_back({SceneWarning::no_lens,
+                        "the scene's lens has no effect on parallel rays, so that all is sharp"});
   if (!settings.dof || !accel) return warnings;
   const Camera camera = camera_at(settings.camera, settings.shutter_open);
   const EyeRays eye(camera, settings.width, settings.height, settings.angle_to_centers);

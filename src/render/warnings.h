@@ -16,6 +16,7 @@ struct SceneWarning {
   enum Kind {
     no_light,  // the scene has no light
     blurred,   // with a lens: hardly anything is sharp
+    no_lens,   // the scene's has no effect on parallel rays
   };
   Kind kind = no_light;
   std::string sentence;  // what was found, without what to do about it

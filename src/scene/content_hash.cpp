@@ -68,6 +68,7 @@ std::string content_hash(const Scene& s) {
     all.add_word("camera across");
     all.add(camera.across_deg);
   }
+  if (camera.is_parallel()) all.add_word("camera orthographic");
   for (size_t i = 0; i < s.lights.size(); ++i)
     if (const auto& extent = s.lights[i].extent) {
       all.add_word("light extent");

@@ -40,13 +40,20 @@ struct CameraMovement {
   friend bool operator==(const CameraMovement&, const CameraMovement&) = default;
 };
 
-/// A pinhole or thin-lens camera. Right is `to_at` x `up`; `up` need not be perpendicular.
+/// How eye rays go: all from one point, or side by side from the plane through it that the line of
+/// sight crosses at a right angle. What is as far away as `at` is as large in both. The numbers
+/// stand in files.
+enum class Projection : uint32_t { perspective, orthographic };
+
+/// A pinhole or thin-lens camera, or one of parallel rays. Right is `to_at` x `up`; `up` need not
+/// be perpendicular.
 struct Camera {
   Vec3f from{0, 0, 0};
   Vec3f at{0, 0, -1};
   Vec3f up{0, 1, 0};
-  float fov_deg = 45;         // vertical, from edge to edge, in (0, 180)
-  float across_deg = 0;       // horizontal at least, whatever the shape of the picture; 0: any
+  float fov_deg = 45;    // vertical, from edge to edge, in (0, 180)
+  float across_deg = 0;  // horizontal at least, whatever the shape of the picture; 0: any
+  Projection projection = Projection::perspective;
   float hither = 0;           // kept for writing; a ray tracer needs no front plane
   int width = 0, height = 0;  // pixels; 0: the file does not say
 
@@ -55,6 +62,8 @@ struct Camera {
   std::optional<float> lens_radius, focus_distance;
 
   std::optional<CameraMovement> movement;
+
+  bool is_parallel() const { return projection == Projection::orthographic; }
 
   friend bool operator==(const Camera&, const Camera&) = default;
 };

@@ -62,6 +62,8 @@ void check_camera(const Camera& camera, Problems& problems) {
                  "camera: the angle must lie between 0 and 180 degrees");
   problems.check(camera.across_deg >= 0 && camera.across_deg < 180,
                  "camera: the angle across must lie between 0 and 180 degrees");
+  problems.check(camera.projection <= Projection::orthographic,
+                 "camera: the projection must be perspective or orthographic");
   problems.check(std::isfinite(camera.hither), "camera: hither must be finite");
   problems.check(camera.width >= 0 && camera.height >= 0 && !camera.width == !camera.height,
                  "camera: the resolution must be two positive numbers, or two zeros for none");

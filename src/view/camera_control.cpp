@@ -55,12 +55,33 @@ Camera orbited(const Camera& camera, Vec3d pivot, double right_rad, double up_ra
   return placed(camera, turn(camera.from), turn(camera.at));
 }
 
+double half_height(const Camera& camera, double depth) {
+  if (camera.is_parallel()) depth = length(Vec3d(camera.at) - Vec3d(camera.from));
+  return depth * std::tan(double(camera.fov_deg) * std::numbers::pi / 360);
+}
+
 Camera panned(const Camera& camera, double depth, double right, double up) {
-  const double height = 2 * depth * std::tan(double(camera.fov_deg) * std::numbers::pi / 360);
+  const double height = 2 * half_height(camera, depth);
   return walked(camera, -right * height, -up * height, 0);
 }
 
+namespace {
+
+Camera zoomed(Camera camera, Vec3d target, double factor) {
+  constexpr double kLeast = 0.001, kMost = 170;  // degrees
+  const double before = double(camera.fov_deg) * std::numbers::pi / 360;
+  const double after = std::atan(std::tan(before) * factor) * 360 / std::numbers::pi;
+  camera.fov_deg = float(std::clamp(after, kLeast, kMost));
+  factor = std::tan(double(camera.fov_deg) * std::numbers::pi / 360) / std::tan(before);
+  const CameraAxes axes(camera);
+  const Vec3d aside = (target - Vec3d(camera.from)) * (1 - factor);
+  return walked(camera, dot(aside, axes.right), dot(aside, axes.up), 0);
+}
+
+}  // namespace
+
 Camera dollied(const Camera& camera, Vec3d target, double factor) {
+  if (camera.is_parallel()) return zoomed(camera, target, factor);
   const Vec3d move = (target - Vec3d(camera.from)) * (1 - factor);
   const CameraAxes axes(camera);
   // The point looked at comes along sideways and keeps its place in depth, as long as it is ahead.
@@ -88,7 +109,10 @@ Camera fitted(const Camera& camera, const Box3f& box, double width_per_height) {
   const Vec3d center = Vec3d(box.lo) * 0.5 + Vec3d(box.hi) * 0.5;
   const double radius = std::max(length(Vec3d(box.hi) - center), 1e-6 * length(center) + 1e-12);
   const double half = std::tan(double(camera.fov_deg) * std::numbers::pi / 360);
-  const double distance = radius / std::sin(std::atan(half * std::min(1.0, width_per_height)));
+  const double least = half * std::min(1.0, width_per_height);
+  // Nearer than the radius, parallel rays would start among what is to be seen.
+  const double distance =
+      radius * (camera.is_parallel() ? std::max(1 / least, 1.01) : 1 / std::sin(std::atan(least)));
   return placed(camera, center - CameraAxes(camera).forward * distance, center);
 }
 

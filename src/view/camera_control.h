@@ -21,12 +21,16 @@ struct CameraAxes {
 /// depth; `up` stays, too.
 Camera orbited(const Camera& camera, Vec3d pivot, double right_rad, double up_rad);
 
+/// Half of the picture's height where something is at `depth` along the line of sight.
+double half_height(const Camera& camera, double depth);
+
 /// Moves the camera across its line of sight, so that what is at `depth` along it moves by (right,
 /// up) in heights of the picture.
 Camera panned(const Camera& camera, double depth, double right, double up);
 
 /// Moves the camera towards `target` (away from it for factors above 1), so that its distance is
 /// `factor` times what it was; the direction of view stays, so `target` stays under the cursor.
+/// With parallel rays, which distance does not change, the picture shows `factor` times as much.
 Camera dollied(const Camera& camera, Vec3d target, double factor);
 
 /// Moves the camera along its own axes, scene units.

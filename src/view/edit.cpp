@@ -36,6 +36,7 @@ Scene as_seen(const Scene& scene, const Camera& camera, const Rgb& background,
   if (camera.from != seen.camera.from || camera.at != seen.camera.at) seen.camera.movement.reset();
   seen.camera.from = camera.from, seen.camera.at = camera.at;
   seen.camera.up = camera.up, seen.camera.fov_deg = camera.fov_deg;
+  seen.camera.projection = camera.projection;
   seen.background = background;
   if (sky == scene.sky) return seen;
   seen.sky = sky;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "integrate/camera.h"
 #include "view/texts.h"
 #include "view/theme.h"
 
@@ -57,13 +58,13 @@ void RayScene::find_hidden(const Camera& camera) {
   is_known_ = true, seen_from_ = camera;
   hidden_.assign(padded(rays_.size() * pieces_), 0);
   if (!hides_ || rays_.empty() || pieces_ < 4) return;
-  const Vec3d eye(camera.from);
   RayBatch batch;
   for (const DrawnRay& r : rays_)
     for (size_t k = 0; k < pieces_; ++k) {
-      const Vec3d v = r.from + (r.to - r.from) * ((double(k) + 0.5) / double(pieces_)) - eye;
+      const Vec3d point = r.from + (r.to - r.from) * ((double(k) + 0.5) / double(pieces_));
+      const Vec3d eye = eye_of(camera, point), v = point - eye;
       const double far = length(v);
-      batch.push({camera.from, far > 0 ? Vec3f(v / far) : Vec3f(0, 0, 1), float(far * 0.999)});
+      batch.push({Vec3f(eye), far > 0 ? Vec3f(v / far) : Vec3f(0, 0, 1), float(far * 0.999)});
     }
   TraceContext context;
   hides_->accel->occluded(batch, hidden_.data(), context);

@@ -79,6 +79,7 @@ ReadOut value_of(const ViewState& state, const Pick& pick, const Accel* accel, c
       return count("sample", "samples");
     case View::focus: {
       if (!pick.hit.found()) return {};
+      if (state.camera.is_parallel()) return {trf("blur {:.3g} pixels", 0), 0.5};
       const RenderSettings s = resolve_options(state.request(1, 1), *state.scene);
       const double tangent = std::tan(double(state.camera.fov_deg) * std::numbers::pi / 360);
       const double blur = 2 * double(s.aperture) * std::abs(pick.depth - double(s.focus)) /

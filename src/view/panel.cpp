@@ -147,7 +147,7 @@ RenderOptions used_options(const ViewState& state, RenderOptions options) {
   if (options.view == View::samples) options.view = View::picture;
   const RenderSettings settings = resolve_options(options, *state.scene);
   RenderOptions used = options_of(settings, *state.scene);
-  used.fov_deg = settings.camera.fov_deg;
+  used.fov_deg = settings.camera.fov_deg, used.projection = settings.camera.projection;
   used.dof = resolve_options(given, *state.scene).dof;
   used.soft_shadows = given.soft_shadows, used.accel.kind = given.accel.kind,
   used.view = given.view;
@@ -189,8 +189,13 @@ void draw_options(ViewState& state, const PanelFacts& facts, PanelResult& result
       result.problem = why;
       continue;
     }
-    state.camera = camera;
+    const bool other_rays = camera.projection != state.camera.projection;
+    if (other_rays)
+      state.set_projection(camera.projection);
+    else
+      state.camera = camera;
     options.from = options.at = options.up = std::nullopt, options.fov_deg = 0;
+    options.projection.reset();
     state.options = options;
     state.follow_focus();
     result.changed = true;

@@ -4,8 +4,6 @@
 #include <imgui.h>
 
 #include <array>
-#include <cmath>
-#include <numbers>
 #include <optional>
 
 #include "view/camera_control.h"
@@ -20,16 +18,17 @@ class Projection {
         from_(camera.from),
         near_(1e-3 * length(Vec3d(camera.at) - from_)),
         center_((stage.lo.x + stage.hi.x) / 2, (stage.lo.y + stage.hi.y) / 2),
-        scale_(double(stage.hi.y - stage.lo.y) / 2 /
-               std::tan(double(camera.fov_deg) * std::numbers::pi / 360)) {}
+        scale_(double(stage.hi.y - stage.lo.y) / 2 / half_height(camera, 1)),
+        parallel_(camera.is_parallel()) {}
 
   /// Nothing for a point that is not in front of the camera.
   std::optional<ImVec2> point(const Vec3d& p) const {
     const Vec3d v = p - from_;
     const double depth = dot(v, axes_.forward);
     if (depth < near_) return std::nullopt;
-    return ImVec2(center_.x + float(scale_ * dot(v, axes_.right) / depth),
-                  center_.y - float(scale_ * dot(v, axes_.up) / depth));
+    const double scale = parallel_ ? scale_ : scale_ / depth;
+    return ImVec2(center_.x + float(scale * dot(v, axes_.right)),
+                  center_.y - float(scale * dot(v, axes_.up)));
   }
   /// The part that is in front of the camera.
   std::optional<std::array<ImVec2, 2>> segment(Vec3d a, Vec3d b) const {
@@ -48,7 +47,8 @@ class Projection {
   Vec3d from_;
   double near_;
   ImVec2 center_;
-  double scale_;
+  double scale_;  // units of the window for one of the scene, at a distance of 1 or at any
+  bool parallel_;
 };
 
 }  // namespace raio::view

@@ -52,6 +52,11 @@ bool draw_camera(ViewState& state) {
   changed |= field(tr("at"), camera.at);
   changed |= vector_field(tr("up"), camera.up, 0.01f);
   changed |= number_field(tr("angle"), camera.fov_deg, 1, 170);
+  bool parallel = camera.is_parallel();
+  if (ImGui::Checkbox(tr("parallel rays"), &parallel)) {
+    state.set_projection(parallel ? raio::Projection::orthographic : raio::Projection::perspective);
+    return true;
+  }
   if (!changed || !is_finite(camera.from) || !is_finite(camera.at) || !is_finite(camera.up) ||
       !camera_problem(camera).empty())
     return false;

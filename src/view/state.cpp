@@ -21,7 +21,8 @@ constexpr std::array kStructures = {AccelKind::bvh, AccelKind::grid, AccelKind::
                                     AccelKind::none};
 
 bool same_camera(const Camera& a, const Camera& b) {
-  return a.from == b.from && a.at == b.at && a.up == b.up && a.fov_deg == b.fov_deg;
+  return a.from == b.from && a.at == b.at && a.up == b.up && a.fov_deg == b.fov_deg &&
+         a.projection == b.projection;
 }
 
 // Windows have any shape: what is to be seen of data is seen in a square and whatever is wider.
@@ -37,7 +38,7 @@ const char* effect_name(Command effect) { return key_of(effect).help; }
 ViewState::ViewState(std::string p, std::shared_ptr<const Scene> s, const RenderOptions& o)
     : path(std::move(p)), scene(std::move(s)), options(o), camera(first_camera(o, *scene)) {
   options.from = options.at = options.up = std::nullopt;
-  options.fov_deg = 0;
+  options.fov_deg = 0, options.projection.reset();
   // What the command line leaves open and the keys walk through.
   const RenderSettings plain = resolve_options(o, *scene);
   options.accel.kind = plain.accel.kind == AccelKind::automatic ? AccelKind::bvh : plain.accel.kind;
@@ -49,15 +50,30 @@ void ViewState::open(std::string new_path, std::shared_ptr<const Scene> new_scen
   const bool same_file = new_path == path;
   const bool own = same_camera(camera, own_camera());
   path = std::move(new_path), scene = std::move(new_scene);
+  if (!same_file) camera.projection = scene->camera.projection;
   if (!same_file || own) camera = own_camera();
   if (same_file) return follow_focus();
   if (focus_point && options.focus == followed_focus_) options.focus = 0;
   focus_point.reset();
 }
 
-Camera ViewState::own_camera() const { return first_camera({}, *scene); }
+Camera ViewState::own_camera() const {
+  RenderOptions o;
+  o.projection = camera.projection;
+  return first_camera(o, *scene);
+}
 
-RenderSettings ViewState::resolved() const { return resolve_options(options, *scene); }
+void ViewState::set_projection(raio::Projection projection) {
+  const bool own = same_camera(camera, own_camera());
+  camera.projection = projection;
+  if (own) camera = own_camera();
+}
+
+RenderSettings ViewState::resolved() const {
+  RenderOptions o = options;
+  set_camera(o, camera, *scene);
+  return resolve_options(o, *scene);
+}
 
 bool ViewState::endless() const {
   return options.sampler != SamplerKind::jitter && options.aa <= 1 && options.lens_samples <= 1;
@@ -120,6 +136,7 @@ std::string ViewState::toggle(Command effect) {
       options.soft_shadows = on;
       break;
     case Command::depth_of_field:
+      if (camera.is_parallel()) return tr("parallel rays have no lens");
       options.dof = on;
       break;
     case Command::structure: {
@@ -172,6 +189,7 @@ RenderOptions ViewState::request(int width, int height, int samples) const {
   // What would be refused as having no effect.
   const bool dof = resolved().dof;
   if (!dof) o.aperture = o.focus = 0;
+  if (camera.is_parallel()) o.dof.reset();
   if (!o.soft_shadows) o.light_size = 0;
   if (!scene->moves()) o.shutter = std::nullopt;
   drop_figure_conflicts(o, *scene);

@@ -71,6 +71,10 @@ class ViewState {
 
   void show(View view) { options.view = view; }
 
+  /// What is as far away as the point looked at stays as large as it is; the scene's own camera
+  /// becomes that which shows all of it in the other projection.
+  void set_projection(raio::Projection projection);
+
   /// What `raio render` would be told for this picture of so many pixels: what has an effect, no
   /// more. `samples`: of a pixel, where their number is open; 0: those that refining ends with.
   RenderOptions request(int width, int height, int samples = 0) const;

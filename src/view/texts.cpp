@@ -186,6 +186,8 @@ constexpr auto kTexts = std::to_array<std::pair<const char*, const char*>>({
     {"from", "de"},
     {"at", "para"},
     {"angle", "ângulo"},
+    {"parallel rays", "raios paralelos"},
+    {"parallel rays have no lens", "raios paralelos não têm lente"},
     {"light of {}###light", "luz de {}###light"},
     {"position", "posição"},
     {"colour of its own", "cor própria"},

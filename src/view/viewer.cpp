@@ -84,7 +84,7 @@ void Viewer::cursor_moved(double x, double y) {
 void Viewer::scrolled(double steps, bool ctrl) {
   needs_drawing();
   if (is_covered() || !stage_.contains(gestures_.x(), gestures_.y())) return;
-  if (ctrl || shows_focus()) {
+  if ((ctrl || shows_focus()) && !state_.camera.is_parallel()) {
     state_.scale_aperture(float(std::pow(1.1, steps)));
     if (!state_.is_on(Command::depth_of_field)) (void)state_.toggle(Command::depth_of_field);
     show_focus();

@@ -168,6 +168,7 @@ void Viewer::move_camera(const Camera& camera, const char* what) {
 
 void Viewer::focus_on(const Pick& pick) {
   if (!pick.hit.found()) return say(tr("nothing there to focus on"));
+  if (state_.camera.is_parallel()) return say(tr("parallel rays have no lens"));
   state_.focus_on(pick.point);
   state_.chosen_material =
       int(pictures_.main.picture->baked->accel->geometry().material_of(pick.hit.item));

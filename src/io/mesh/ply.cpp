@@ -350,7 +350,7 @@ class PlyReader {
       if (!comment.starts_with(kPlyCamera)) continue;
       comment.remove_prefix(kPlyCamera.size());
       const auto words = words_of(comment);
-      std::array<double, 11> n{};
+      std::array<double, 12> n{};
       for (size_t i = 0; i < n.size(); ++i)
         if (words.size() != n.size() || !parse_number(words[i].data(), n[i])) return;
       Camera camera = scene.camera;
@@ -358,6 +358,7 @@ class PlyReader {
       camera.at = Vec3f(Vec3d(n[3], n[4], n[5]) - scene.origin);
       camera.up = Vec3f(Vec3d(n[6], n[7], n[8]));
       camera.fov_deg = float(n[9]), camera.across_deg = float(n[10]);
+      if (n[11] == 1) camera.projection = Projection::orthographic;
       // A comment may hold anything.
       const bool are_angles = camera.fov_deg > 0 && camera.fov_deg < 180 &&
                               camera.across_deg >= 0 && camera.across_deg < 180;

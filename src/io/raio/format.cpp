@@ -42,6 +42,7 @@ Settings settings_of(const Scene& scene) {
   if (c.lens_radius) s.lens_radius = {*c.lens_radius};
   if (c.focus_distance) s.focus_distance = {*c.focus_distance};
   if (c.across_deg > 0) s.camera_across = {c.across_deg};
+  if (c.is_parallel()) s.camera_projection = {uint32_t(c.projection)};
   if (const auto& m = c.movement)
     s.camera_movement = {m->from.x, m->from.y, m->from.z, m->at.x,
                          m->at.y,   m->at.z,   m->begin,  m->end};
@@ -103,7 +104,7 @@ std::string apply(const Settings& s, Scene& scene) {
   const size_t lights = s.light_positions.size();
   if (s.origin.size() != 1 || s.camera.size() != 11 || s.raster.size() != 3 ||
       s.background.size() != 1 || s.lens_radius.size() > 1 || s.focus_distance.size() > 1 ||
-      s.camera_across.size() > 1 ||
+      s.camera_across.size() > 1 || s.camera_projection.size() > 1 ||
       (s.camera_movement.size() != 0 && s.camera_movement.size() != 8))
     return "the columns of the camera and its like have not the numbers that they should";
   if (s.light_colored.size() != lights || s.light_colors.size() != lights)
@@ -115,6 +116,7 @@ std::string apply(const Settings& s, Scene& scene) {
                   .up = {c[6], c[7], c[8]},
                   .fov_deg = c[9],
                   .across_deg = 0,
+                  .projection = {},
                   .hither = c[10],
                   .width = int(s.raster[0]),
                   .height = int(s.raster[1]),
@@ -125,6 +127,10 @@ std::string apply(const Settings& s, Scene& scene) {
   if (!s.camera_across.empty()) {
     scene.camera.across_deg = s.camera_across[0];
     if (!(scene.camera.across_deg > 0)) return "camera_across is not positive";
+  }
+  if (!s.camera_projection.empty()) {
+    scene.camera.projection = Projection(s.camera_projection[0]);
+    if (!scene.camera.is_parallel()) return "camera_projection is not that of parallel rays";
   }
   if (!s.lens_radius.empty()) scene.camera.lens_radius = s.lens_radius[0];
   if (!s.focus_distance.empty()) scene.camera.focus_distance = s.focus_distance[0];

@@ -116,6 +116,7 @@ struct Settings {
   Array<char> sky_folder;
   Array<float> camera_movement;         // 8 or none: from, at, begin, end
   Array<float> camera_across;           // 1 or none: degrees
+  Array<uint32_t> camera_projection;    // 1 or none: Projection, where it is not 0
   std::vector<Array<char>> prototypes;  // each a scene as the bytes of a file
 };
 
@@ -141,6 +142,7 @@ void for_each_settings_column(SettingsType& s, F&& f) {
   f(ColumnName{"sky_folder"}, s.sky_folder);
   f(ColumnName{"camera_movement"}, s.camera_movement);
   f(ColumnName{"camera_across"}, s.camera_across);
+  f(ColumnName{"camera_projection"}, s.camera_projection);
 }
 
 /// Of the columns that are prototypes; their `mesh` is the number of one.
