@@ -103,7 +103,7 @@ std::string_view trimmed(std::string_view line) {
 }
 
 /// The blank-separated words of a line, at most five.
-size_t words_of(std::string_view line, std::array<std::string_view, 5>& words) {
+size_t first_words(std::string_view line, std::array<std::string_view, 5>& words) {
   size_t count = 0;
   for (line = trimmed(line); !line.empty() && count < words.size(); line = trimmed(line)) {
     const size_t end = std::min(line.find_first_of(" \t"), line.size());
@@ -121,7 +121,7 @@ bool all_digits(std::string_view word) {
 /// numbers.
 bool is_obj_line(std::string_view line) {
   std::array<std::string_view, 5> words;
-  const size_t count = words_of(line, words);
+  const size_t count = first_words(line, words);
   if (count < 2) return false;
   const std::string_view word = words[0];
   if (word == "mtllib" || word == "usemtl") return true;
@@ -133,10 +133,10 @@ bool is_obj_line(std::string_view line) {
 /// "12", a line of anything, "C 0 0 0"; or a line that says what is in which column.
 bool is_xyz(std::string_view first, std::string_view second, std::string_view third) {
   std::array<std::string_view, 5> words;
-  if (words_of(first, words) != 1 || !all_digits(words[0])) return false;
+  if (first_words(first, words) != 1 || !all_digits(words[0])) return false;
   if (second.find("Properties=") != second.npos || second.find("Lattice=") != second.npos)
     return true;
-  const size_t count = words_of(third, words);
+  const size_t count = first_words(third, words);
   return count >= 4 && !looks_like_number(words[0]) &&
          std::all_of(&words[1], &words[4], looks_like_number);
 }
@@ -165,7 +165,7 @@ FileKind kind_of_text(std::string_view text, std::string_view suffix, bool has_t
     const std::string_view line = next_line();
     if (line.starts_with("data_")) return kCif;
     std::array<std::string_view, 5> words;
-    if (words_of(line, words) == 2 && words[1] == "atoms" && all_digits(words[0])) return kData;
+    if (first_words(line, words) == 2 && words[1] == "atoms" && all_digits(words[0])) return kData;
     if (is_obj_line(line)) return kObj;
   }
   return {};
