@@ -7,6 +7,7 @@
 #include <numbers>
 #include <random>
 
+#include "integrate/camera.h"
 #include "view/gestures.h"
 #include "view/stage.h"
 #include "view/state.h"
@@ -22,8 +23,15 @@ Vec3d seen(const Camera& c, Vec3d point) {
   const CameraAxes axes(c);
   const Vec3d to = point - Vec3d(c.from);
   const double depth = dot(to, axes.forward);
-  const double half = depth * std::tan(double(c.fov_deg) * std::numbers::pi / 360);
+  const double from = c.is_parallel() ? length(Vec3d(c.at) - Vec3d(c.from)) : depth;
+  const double half = from * std::tan(double(c.fov_deg) * std::numbers::pi / 360);
   return {dot(to, axes.right) / half, dot(to, axes.up) / half, depth};
+}
+
+Camera parallel_camera() {
+  Camera c = camera();
+  c.projection = raio::Projection::orthographic;
+  return c;
 }
 
 void expect_near(Vec3d a, Vec3d b, double error = 1e-4) {
@@ -57,11 +65,12 @@ TEST(CameraControl, StopsShortOfThePoles) {
 }
 
 TEST(CameraControl, PansWhatIsAtTheDepthWithTheHand) {
-  const Camera before = camera();
-  const Vec3d point(0.5, 0, 1);
-  const Vec3d at = seen(before, point);
-  const Camera after = panned(before, at.z, 0.25, 0.1);
-  expect_near(seen(after, point), at + Vec3d(0.5, 0.2, 0));
+  for (const Camera& before : {camera(), parallel_camera()}) {
+    const Vec3d point(0.5, 0, 1);
+    const Vec3d at = seen(before, point);
+    const Camera after = panned(before, at.z, 0.25, 0.1);
+    expect_near(seen(after, point), at + Vec3d(0.5, 0.2, 0));
+  }
 }
 
 TEST(CameraControl, DolliesAboutWhatIsUnderTheCursor) {
@@ -73,6 +82,25 @@ TEST(CameraControl, DolliesAboutWhatIsUnderTheCursor) {
     expect_near(now, {at.x, at.y, at.z * factor});
   }
   EXPECT_EQ(camera_problem(dollied(before, target, 1e-3)), "");
+}
+
+// Which coming nearer would not do.
+TEST(CameraControl, ParallelRaysAreZoomed) {
+  const Camera before = parallel_camera();
+  const Vec3d target(0.8, -1, 1.2), other(0.1, 2, 0.4);
+  const Vec3d at = seen(before, target), there = seen(before, other);
+  for (const double factor : {0.5, 0.9, 1.3}) {
+    const Camera after = dollied(before, target, factor);
+    expect_near(seen(after, target), at);
+    const Vec3d apart = (there - at) * (1 / factor);
+    expect_near(seen(after, other), {at.x + apart.x, at.y + apart.y, there.z});
+  }
+  Camera far = before, near = before;
+  for (int i = 0; i < 1000; ++i) far = dollied(far, target, 1.2), near = dollied(near, target, 0.8);
+  for (const Camera& c : {far, near}) {
+    EXPECT_TRUE(c.fov_deg > 0 && c.fov_deg < 180);
+    expect_near(seen(c, target), at, 1e-2);
+  }
 }
 
 TEST(CameraControl, WalksAlongItsOwnAxes) {
@@ -87,17 +115,49 @@ TEST(CameraControl, WalksAlongItsOwnAxes) {
 TEST(CameraControl, FitsTheWholeBox) {
   Box3f box;
   box.extend(Vec3f(-3, 1, 0)), box.extend(Vec3f(5, 2, 9));
-  for (const double aspect : {0.5, 1.0, 2.0}) {
-    const Camera after = fitted(camera(), box, aspect);
+  for (const double aspect : {0.5, 1.0, 2.0, -0.5, -1.0, -2.0}) {
+    const Camera after = fitted(aspect > 0 ? camera() : parallel_camera(), box, std::abs(aspect));
     for (int corner = 0; corner < 8; ++corner) {
       const Vec3d at =
           seen(after, {corner & 1 ? -3.0 : 5.0, corner & 2 ? 1.0 : 2.0, corner & 4 ? 0.0 : 9.0});
       EXPECT_GT(at.z, 0);
-      EXPECT_LE(std::abs(at.x), aspect);
+      EXPECT_LE(std::abs(at.x), std::abs(aspect));
       EXPECT_LE(std::abs(at.y), 1);
     }
   }
   EXPECT_EQ(fitted(camera(), {}, 1).from, camera().from);
+}
+
+// What is under the cursor is what the picture shows there.
+TEST(CameraControl, PicksWhatParallelRaysHit) {
+  Scene s = *scene();
+  s.camera = parallel_camera();
+  const auto accel = build_accel(s, {});
+  ASSERT_TRUE(accel);
+  const int width = 48, height = 36;
+  const EyeRays rays(s.camera, width, height);
+  int hits = 0;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const double across = (x + 0.5) / width, down = (y + 0.5) / height;
+      const Pick found = pick(**accel, s.camera, across, down, double(width) / height);
+      RayBatch one;
+      one.push(rays.pinhole(float(x) + 0.5f, float(y) + 0.5f));
+      HitBatch hit;
+      hit.reset(1);
+      TraceContext context;
+      (*accel)->closest(one, hit, context);
+      if (!hit[0].found() || !found.hit.found()) continue;
+      ++hits;
+      const Vec3d at = seen(s.camera, found.point);
+      EXPECT_NEAR(at.x, (2 * across - 1) * width / height, 1e-5);
+      EXPECT_NEAR(at.y, 1 - 2 * down, 1e-5);
+      EXPECT_NEAR(at.z, found.depth, 1e-5);
+      if (found.hit.item == hit[0].item) {
+        EXPECT_NEAR(found.depth, double(hit[0].t), 1e-3);
+      }
+    }
+  EXPECT_GT(hits, 400);
 }
 
 TEST(Focus, FollowsThePointWhenTheCameraMoves) {

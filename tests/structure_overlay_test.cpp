@@ -60,8 +60,10 @@ TEST(Projection, PutsPointsWhereRaysThroughThemStart) {
   camera.from = {3, -7, 2}, camera.at = {0.5f, 0, 0.3f}, camera.up = {0.1f, 0, 1};
   camera.fov_deg = 50;
   const Stage stage({0, 0, 400, 300}, 1, 400, 300);
-  const EyeRays rays(camera, 400, 300);
-  const Projection projection(camera, stage);
+  for (const bool parallel : {true, false}) {
+    camera.projection = raio::Projection(parallel);
+    const EyeRays rays(camera, 400, 300);
+    const Projection projection(camera, stage);
   for (const std::array<float, 2> at : {std::array{200.0f, 150.0f}, {20.5f, 11.5f}, {380, 299}}) {
     const Ray ray = rays.pinhole(at[0], at[1]);
     const auto there = projection.point(Vec3d(ray.origin) + Vec3d(ray.dir) * 5.0);
@@ -69,6 +71,8 @@ TEST(Projection, PutsPointsWhereRaysThroughThemStart) {
     EXPECT_NEAR(there->x - stage.lo.x, at[0], 0.01);
     EXPECT_NEAR(there->y - stage.lo.y, at[1], 0.01);
   }
+  }
+  const Projection projection(camera, stage);
   const Vec3d behind = Vec3d(camera.from) * 2.0 - Vec3d(camera.at);
   EXPECT_FALSE(projection.point(behind).has_value());
   EXPECT_FALSE(projection.segment(behind, behind + Vec3d(0.1, 0, 0)).has_value());

@@ -144,6 +144,41 @@ TEST(ViewState, ShowsAllOfTheData) {
   EXPECT_NEAR(state.camera.fov_deg, 60, 1e-4) << "also in a square";
 }
 
+TEST(ViewState, ParallelRaysAreAnotherCameraOfTheSameScene) {
+  const auto read = parse_scene("3\nwater\nO 0 0 0\nH 0.96 0 0\nH -0.24 0.93 0\n", "water.xyz");
+  ASSERT_TRUE(read);
+  const auto water = std::make_shared<const Scene>(read->scene);
+  ViewState state("water.xyz", water, {});
+  const Camera cone = state.camera;
+  RenderOptions asked;
+  asked.projection = raio::Projection::orthographic, asked.width = asked.height = 512;
+  // The scene's own camera is that of the other projection; any other one stays where it is.
+  state.set_projection(raio::Projection::orthographic);
+  EXPECT_EQ(state.camera, resolve_options(asked, *water).camera);
+  EXPECT_EQ(ViewState("water.xyz", water, asked).camera, state.camera);
+  EXPECT_EQ(state.camera, state.own_camera());
+  state.set_projection(raio::Projection::perspective);
+  EXPECT_EQ(state.camera, cone);
+  state.camera = orbited(cone, {}, 0.3, 0.1);
+  Camera turned = state.camera;
+  turned.projection = raio::Projection::orthographic;
+  state.set_projection(raio::Projection::orthographic);
+  EXPECT_EQ(state.camera, turned);
+  const Camera back = camera_of(*water, read_back(state, 5));
+  EXPECT_TRUE(back.is_parallel() && back.from == turned.from && back.at == turned.at);
+  // They have no lens: one that was switched on before waits.
+  EXPECT_EQ(state.toggle(Command::depth_of_field), "parallel rays have no lens");
+  state.options.dof = true, state.options.aperture = 0.3f;
+  EXPECT_FALSE(state.is_on(Command::depth_of_field));
+  EXPECT_FALSE(read_back(state, 5).dof);
+  state.set_projection(raio::Projection::perspective);
+  EXPECT_TRUE(read_back(state, 5).dof);
+  // Another file has its own.
+  state.set_projection(raio::Projection::orthographic);
+  state.open("some.nff", scene());
+  EXPECT_FALSE(state.camera.is_parallel());
+}
+
 TEST(ViewState, SaysWhatKeysDid) {
   ViewState state("some.nff", scene(), {});
   EXPECT_EQ(state.toggle(Command::antialiasing), "antialiasing on");
