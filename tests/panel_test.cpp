@@ -305,7 +305,9 @@ TEST(Panel, EveryEntryOfEveryListIsTaken) {
     for (const ImVec2 entry : entries) {
       state = state_of_three(), problem.clear();
       screen.click(place), screen.click(entry);
-      outcomes.insert(problem.empty() ? option_arguments(state.options) : problem);
+      // The camera of the window has the rays that were chosen.
+      const auto rays = std::string(projection_name(state.camera.projection));
+      outcomes.insert(problem.empty() ? option_arguments(state.options) + rays : problem);
     }
     // What has no effect on this scene is refused, whichever entry it is.
     const bool refused = outcomes.size() == 1 && outcomes.begin()->contains("has no effect");

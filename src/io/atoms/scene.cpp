@@ -118,6 +118,7 @@ class AtomScene {
     Scene& scene = read_.scene;
     scene.dialect = Dialect::data;
     read_.frames = atoms_.frames;
+    if (has_elements_) read_.unit = "Å";  // that of the radii
     if (auto wrong = color_atoms(); !wrong.empty()) return failed(file_, wrong);
     if (has_bonds(style_) && !collect_bonds())
       return failed(file_,
@@ -184,6 +185,7 @@ class AtomScene {
         if (!known[n]) known[n] = material(color(n));
         material_[i] = *known[n];
       }
+      list_colors(by, color);
       return {};
     }
     // Maps have 256 colours, so as many materials do.
@@ -193,6 +195,28 @@ class AtomScene {
     read_.colors = mapped->scale;
     read_.colors->name = by;
     return {};
+  }
+
+  // The legend: each name that an atom has, in order, with its colour. There are too many residues.
+  void list_colors(std::string_view by, Rgb (*color)(uint8_t)) {
+    if (by == "residue") return;
+    std::vector<bool> known;
+    for (const Atom& a : atoms_.atoms) {
+      const size_t n = by == "element" ? a.element : by == "chain" ? a.chain : a.part;
+      if (n >= known.size()) known.resize(n + 1);
+      known[n] = true;
+    }
+    for (size_t n = 0; n < known.size(); ++n) {
+      if (!known[n]) continue;
+      if (by == "element")
+        read_.legend.push_back(
+            {std::string(n == 0 ? "unknown" : element_symbol(int(n))), color(uint8_t(n))});
+      else if (by == "chain")
+        read_.legend.push_back({"chain " + atoms_.chains[n], color(uint8_t(n % kDistinctColors))});
+      else
+        read_.legend.push_back(
+            {fmt::format("type {}", n), color(uint8_t((n - 1) % kDistinctColors))});
+    }
   }
 
   // What colours may be asked of.
