@@ -64,13 +64,13 @@ TEST(Projection, PutsPointsWhereRaysThroughThemStart) {
     camera.projection = raio::Projection(parallel);
     const EyeRays rays(camera, 400, 300);
     const Projection projection(camera, stage);
-  for (const std::array<float, 2> at : {std::array{200.0f, 150.0f}, {20.5f, 11.5f}, {380, 299}}) {
-    const Ray ray = rays.pinhole(at[0], at[1]);
-    const auto there = projection.point(Vec3d(ray.origin) + Vec3d(ray.dir) * 5.0);
-    ASSERT_TRUE(there.has_value());
-    EXPECT_NEAR(there->x - stage.lo.x, at[0], 0.01);
-    EXPECT_NEAR(there->y - stage.lo.y, at[1], 0.01);
-  }
+    for (const std::array<float, 2> at : {std::array{200.0f, 150.0f}, {20.5f, 11.5f}, {380, 299}}) {
+      const Ray ray = rays.pinhole(at[0], at[1]);
+      const auto there = projection.point(Vec3d(ray.origin) + Vec3d(ray.dir) * 5.0);
+      ASSERT_TRUE(there.has_value());
+      EXPECT_NEAR(there->x - stage.lo.x, at[0], 0.01);
+      EXPECT_NEAR(there->y - stage.lo.y, at[1], 0.01);
+    }
   }
   const Projection projection(camera, stage);
   const Vec3d behind = Vec3d(camera.from) * 2.0 - Vec3d(camera.at);

@@ -244,9 +244,8 @@ TEST_F(ObjTextures, ThatCannotBeReadAreTold) {
   ASSERT_TRUE(read) << read.error().front().text();
   EXPECT_TRUE(read->scene.textures.empty());
   ASSERT_EQ(read->notices.size(), 2u);
-  EXPECT_THAT(
-      read->notices[0].text(),
-      AllOf(HasSubstr("a.mtl:2:1: warning: the texture \"a.png\""), HasSubstr("broken PNG")));
+  EXPECT_THAT(read->notices[0].text(), AllOf(HasSubstr("a.mtl:2:1: warning: the texture \"a.png\""),
+                                             HasSubstr("broken PNG")));
   EXPECT_THAT(read->notices[1].text(), HasSubstr("a.mtl:4:1: warning: the texture \"b.png\""));
 }
 

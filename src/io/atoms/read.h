@@ -8,7 +8,8 @@ namespace raio {
 
 std::expected<ReadScene, Diagnostics> read_pdb(const TextBuffer& text, std::string_view file,
                                                const ReadOptions& options);
-/// PQR of PDB2PQR: as PDB, but blanks part the fields, and charge and radius stand behind the place.
+/// PQR of PDB2PQR: as PDB, but blanks part the fields, and charge and radius stand behind the
+/// place.
 std::expected<ReadScene, Diagnostics> read_pqr(const TextBuffer& text, std::string_view file,
                                                const ReadOptions& options);
 std::expected<ReadScene, Diagnostics> read_mmcif(const TextBuffer& text, std::string_view file,
