@@ -63,6 +63,10 @@ TEST(WildMeshes, AreReadAsTheirOwnersExpect) {
       {"stl-one-line.stl", 1, ""},
       {"stl-solid-binary.stl", 2, ""},
       {"stl-upper.stl", 2, ""},
+      {"gltf-unlit-required.gltf", 1, "KHR_materials_unlit"},
+      {"gltf-specgloss-required.gltf", 1, ""},
+      {"gltf-sparse-no-view.gltf", 200, ""},
+      {"gltf-morph-default.gltf", 1, ""},
       {"../molecules/ply-cr-header.ply", 1, ""},
       {"../molecules/ply-faces-first.ply", 1, ""},
   };

@@ -273,11 +273,28 @@ class AtomScene {
       add_object(&chosen, copies.matrices);
     }
     name_copies();
+    if (!options_.assembly && !read_.scene.instances.empty()) tell_assembly();
     if (!read_.scene.instances.empty()) return {};
     if (options_.assembly) return "the assembly has no atoms";
     // A part of a file keeps the head of the whole.
     add_atoms(read_.scene, nullptr);
     return {};
+  }
+
+  // Unless it is what the file has anyway.
+  void tell_assembly() {
+    Scene& scene = read_.scene;
+    size_t drawn = 0;
+    for (const Instance& copy : scene.instances)
+      drawn += scene.prototypes[copy.prototype].spheres.size();
+    if (drawn == atoms_.atoms.size() && scene.instances.size() == 1) return;
+    const size_t count = atoms_.assemblies.size();
+    read_.notices.push_back(
+        {Severity::guessed, std::string(file_), 0, 0,
+         fmt::format("the biological assembly{} is meant, of {} atoms; the file has {}; "
+                     "`assembly` none draws these",
+                     count > 1 ? fmt::format(" 1 of {}", count) : "", drawn, atoms_.atoms.size()),
+         ""});
   }
 
   // So that pictures tell several copies apart: by the channel of objects and by outlines.

@@ -29,6 +29,12 @@ struct Transform {
     const auto row = [&](size_t i) { return m[i] * v.x + m[i + 1] * v.y + m[i + 2] * v.z; };
     return {row(0), row(4), row(8)};
   }
+  // By the cofactors, which are the inverse transposed but for the length.
+  Vec3d normal(Vec3d n) const {
+    const auto row = [&](size_t i) { return Vec3d(m[i], m[i + 1], m[i + 2]); };
+    return {dot(cross(row(4), row(8)), n), dot(cross(row(8), row(0)), n),
+            dot(cross(row(0), row(4)), n)};
+  }
   Matrix matrix() const {
     Matrix out;
     for (size_t i = 0; i < 12; ++i) out[i] = float(m[i]);
@@ -56,6 +62,15 @@ struct Use {
   Transform place;
 };
 
+/// A mesh in a pose of its own: with the weights of its morph targets, and with its skin, which
+/// places it (glTF 2.0, 3.7.2.2 and 3.7.3.1).
+struct PosedUse : Use {
+  const std::vector<double>* weights = nullptr;
+  Index skin;
+};
+
+constexpr Transform kHere{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
+
 bool draws_triangles(const MeshPrimitive& p) { return p.mode >= 4; }
 
 class GltfReader {
@@ -69,6 +84,7 @@ class GltfReader {
     scene_.dialect = Dialect::data;
     find_uses();
     add_materials();
+    place_posed();
     place_meshes();
     tell_left_out();
     if (scene_.primitive_count() == 0)
@@ -86,10 +102,16 @@ class GltfReader {
     warnings_.push_back({Severity::warning, "", 0, 0, std::move(message), ""});
   }
 
+  void take_memory(double bytes) {
+    bytes_ += bytes;
+    if (bytes_ > double(available_memory_bytes()) / 2) throw ReadFailure{std::string(kNoMemory)};
+  }
+
   // --- nodes
   void find_uses() {
-    constexpr Transform kHere{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
     std::vector<std::pair<uint32_t, Transform>> open;
+    std::vector<uint32_t> with_mesh;
+    places_.resize(document_.nodes.size());
     for (size_t i = document_.roots.size(); i-- > 0;) open.emplace_back(document_.roots[i], kHere);
     std::vector<bool> seen(document_.nodes.size());
     while (!open.empty()) {
@@ -101,18 +123,81 @@ class GltfReader {
       seen[number] = true;
       const Node& node = document_.nodes[number];
       const Transform place = around * Transform{node.matrix};
-      if (node.mesh) add_mesh_use(*node.mesh, place);
+      places_[number] = place;
+      if (node.mesh) with_mesh.push_back(number);
       if (node.camera) cameras_.push_back({*node.camera, place});
-      skinned_ += node.skinned && node.mesh;
       for (size_t i = node.children.size(); i-- > 0;) open.emplace_back(node.children[i], place);
     }
+    for (const uint32_t number : with_mesh) add_mesh_uses(number);
   }
-  void add_mesh_use(uint32_t mesh, const Transform& place) {
-    if (!place.is_sound()) {
-      ++unsound_;
-      return;
+
+  void add_mesh_uses(uint32_t number) {
+    const Node& node = document_.nodes[number];
+    const std::vector<double>& weights =
+        node.weights.empty() ? document_.meshes[*node.mesh].weights : node.weights;
+    const bool is_morphed = std::ranges::any_of(weights, [](double w) { return w != 0; });
+    for (const Transform& place : copies_of(number)) {
+      if (node.skin) {
+        posed_.push_back({{*node.mesh, kHere}, &weights, node.skin});
+      } else if (!place.is_sound()) {
+        ++unsound_;
+      } else if (is_morphed) {
+        posed_.push_back({{*node.mesh, place}, &weights, {}});
+      } else {
+        meshes_.push_back({*node.mesh, place});
+      }
     }
-    meshes_.push_back({mesh, place});
+  }
+
+  // The node itself, or its copies by EXT_mesh_gpu_instancing; a skin places its mesh once.
+  std::vector<Transform> copies_of(uint32_t number) {
+    const Node& node = document_.nodes[number];
+    std::array<std::optional<Elements>, 3> columns;
+    size_t count = 0;
+    for (size_t i = 0; i < 3; ++i) {
+      if (!node.copies[i] || node.skin) continue;
+      const uint32_t components = i == 1 ? 4 : 3;
+      columns[i].emplace(document_, buffers_, *node.copies[i], components, components);
+      if (count > 0 && columns[i]->count() != count)
+        throw ReadFailure{fmt::format(
+            "/nodes/{}/extensions/EXT_mesh_gpu_instancing: its accessors have {} and {} elements",
+            number, count, columns[i]->count())};
+      count = columns[i]->count();
+    }
+    if (count == 0) return {*places_[number]};
+    take_memory(double(count) * 3 * sizeof(Transform));
+    std::vector<Transform> out;
+    for (size_t i = 0; i < count; ++i) {
+      const auto row = [&](size_t k, std::array<double, 4> usual) {
+        return columns[k] ? columns[k]->numbers(i) : usual;
+      };
+      const auto shift = row(0, {}), scale = row(2, {1, 1, 1, 0});
+      out.push_back(*places_[number] *
+                    Transform{placement_matrix({shift[0], shift[1], shift[2]}, row(1, {0, 0, 0, 1}),
+                                               {scale[0], scale[1], scale[2]})});
+    }
+    return out;
+  }
+
+  // From the mesh to the scene, for each joint.
+  const std::vector<Transform>& bones_of(uint32_t number) {
+    const Skin& skin = document_.skins[number];
+    bones_.resize(document_.skins.size());
+    std::vector<Transform>& out = bones_[number];
+    if (!out.empty()) return out;
+    std::optional<Elements> inverse;
+    if (skin.inverse_bind) inverse.emplace(document_, buffers_, *skin.inverse_bind, 16, 16);
+    if (skin.joints.empty() || (inverse && inverse->count() < skin.joints.size()))
+      throw ReadFailure{fmt::format("/skins/{}: it has {} joints and {} inverseBindMatrices",
+                                    number, skin.joints.size(), inverse ? inverse->count() : 0)};
+    for (size_t i = 0; i < skin.joints.size(); ++i) {
+      if (!places_[skin.joints[i]])
+        throw ReadFailure{fmt::format("/skins/{}/joints/{}: node {} is not in the scene", number, i,
+                                      skin.joints[i])};
+      const Transform& joint = *places_[skin.joints[i]];
+      out.push_back(inverse ? joint * Transform{inverse->matrix(i)} : joint);
+    }
+    return out;
   }
 
   // --- materials
@@ -120,13 +205,16 @@ class GltfReader {
   void add_materials() {
     std::vector<bool> used(document_.materials.size());
     bool any_plain = false;
-    for (const Use& use : meshes_)
-      for (const MeshPrimitive& p : document_.meshes[use.number]) {
+    const auto take = [&](const Use& use) {
+      for (const MeshPrimitive& p : document_.meshes[use.number].primitives) {
         if (p.material)
           used[*p.material] = true;
         else
           any_plain = true;
       }
+    };
+    for (const Use& use : meshes_) take(use);
+    for (const Use& use : posed_) take(use);
     materials_.resize(used.size());
     size_t no_alpha = 0;
     for (size_t i = 0; i < used.size(); ++i) {
@@ -174,13 +262,24 @@ class GltfReader {
   }
 
   // --- meshes
+  void place_posed() {
+    for (const PosedUse& use : posed_) {
+      for (const MeshPrimitive& p : document_.meshes[use.number].primitives)
+        if (p.mode == 0) add_points(use.number, p, use.place);
+      for (Mesh& mesh : triangles_of(use.number, 1, &use)) {
+        move(mesh, use.place);
+        scene_.meshes.push_back(std::move(mesh));
+      }
+    }
+  }
+
   void place_meshes() {
     std::vector<std::vector<Transform>> places(document_.meshes.size());
     for (const Use& use : meshes_) places[use.number].push_back(use.place);
     for (uint32_t number = 0; number < places.size(); ++number) {
       const auto& all = places[number];
       if (all.empty()) continue;
-      for (const MeshPrimitive& p : document_.meshes[number])
+      for (const MeshPrimitive& p : document_.meshes[number].primitives)
         if (p.mode == 0)
           for (const Transform& place : all) add_points(number, p, place);
       std::vector<Mesh> meshes = triangles_of(number, all.size());
@@ -214,22 +313,24 @@ class GltfReader {
       throw ReadFailure{what + ": it is placed beyond 1e25, or at no place at all"};
   }
 
-  // Of all primitives that have some, in the space of the mesh.
-  std::vector<Mesh> triangles_of(uint32_t number, size_t copies) {
+  // Of all primitives that have some, in the space of the mesh, or in a pose.
+  std::vector<Mesh> triangles_of(uint32_t number, size_t copies, const PosedUse* pose = nullptr) {
     std::vector<Mesh> out;
-    for (size_t i = 0; i < document_.meshes[number].size(); ++i) {
-      const MeshPrimitive& p = document_.meshes[number][i];
+    for (size_t i = 0; i < document_.meshes[number].primitives.size(); ++i) {
+      const MeshPrimitive& p = document_.meshes[number].primitives[i];
       if (p.mode >= 1 && p.mode <= 3) ++lines_;
       if (!draws_triangles(p)) continue;
       if (!p.position) {
         ++nowhere_;
         continue;
       }
-      Mesh mesh = mesh_of(p, fmt::format("/meshes/{}/primitives/{}", number, i));
+      const std::string what = fmt::format("/meshes/{}/primitives/{}", number, i);
+      Mesh mesh = mesh_of(p, what);
+      if (pose) take_pose(mesh, p, *pose, what);
+      for (const uint32_t at : named_) numbers_[at] = kNoNormal;
       // Where copies are asked to be primitives of their own, they will be.
       const double each = sizeof(TriangleIndices) + 3 * (2 * sizeof(Vec3f) + sizeof(Uv));
-      bytes_ += double(mesh.triangles.size()) * each * double(options_.instances ? 1 : copies);
-      if (bytes_ > double(available_memory_bytes()) / 2) throw ReadFailure{std::string(kNoMemory)};
+      take_memory(double(mesh.triangles.size()) * each * double(options_.instances ? 1 : copies));
       if (!mesh.triangles.empty()) out.push_back(std::move(mesh));
     }
     return out;
@@ -294,8 +395,67 @@ class GltfReader {
       const uint32_t a = vertex(at(0)), b = vertex(at(1));
       mesh.triangles.push_back({a, b, vertex(at(2))});
     }
-    for (const uint32_t at : named_) numbers_[at] = kNoNormal;
     return mesh;
+  }
+
+  // Moves the vertices, `named_` of the primitive, by its morph targets and then by its skin.
+  void take_pose(Mesh& mesh, const MeshPrimitive& p, const PosedUse& pose,
+                 const std::string& what) {
+    const auto column = [&](uint32_t accessor, uint32_t components) {
+      Elements found(document_, buffers_, accessor, components, components);
+      if (!named_.empty() && std::ranges::max(named_) >= found.count())
+        throw ReadFailure{fmt::format("{}: accessor {} has {} elements, fewer than POSITION", what,
+                                      accessor, found.count())};
+      return found;
+    };
+    const auto add = [&](auto& to, Index accessor, double weight) {
+      if (!accessor || to.empty()) return;
+      const Elements from = column(*accessor, 3);
+      for (size_t i = 0; i < to.size(); ++i) {
+        const auto x = from.numbers(named_[i]);
+        to[i] = Vec3f(Vec3d(to[i]) + Vec3d(x[0], x[1], x[2]) * weight);
+      }
+    };
+    for (size_t i = 0; i < std::min(p.targets.size(), pose.weights->size()); ++i) {
+      const double weight = (*pose.weights)[i];
+      if (weight == 0) continue;
+      add(mesh.positions, p.targets[i].position, weight);
+      add(mesh.normals, p.targets[i].normal, weight);
+    }
+    for (Vec3f& n : mesh.normals) n = unit(Vec3d(n));
+    if (pose.skin && !p.bones.empty()) {
+      const std::vector<Transform>& bones = bones_of(*pose.skin);
+      std::vector<std::pair<Elements, Elements>> columns;
+      for (const auto& [joints, weights] : p.bones)
+        columns.emplace_back(column(joints, 4), column(weights, 4));
+      for (size_t i = 0; i < mesh.positions.size(); ++i) {
+        const Transform by = blend(bones, columns, named_[i]);
+        mesh.positions[i] = Vec3f(by.point(Vec3d(mesh.positions[i])));
+        if (!mesh.normals.empty()) mesh.normals[i] = unit(by.normal(Vec3d(mesh.normals[i])));
+      }
+    }
+    for (const Vec3f& position : mesh.positions) check_place(Vec3d(position), what);
+  }
+
+  // The mean of the bones by their weights for the vertex.
+  static Transform blend(const std::vector<Transform>& bones,
+                         const std::vector<std::pair<Elements, Elements>>& columns, size_t vertex) {
+    Transform sum{};
+    double total = 0;
+    for (const auto& [joints, weights] : columns) {
+      const auto joint = joints.numbers(vertex), weight = weights.numbers(vertex);
+      for (size_t k = 0; k < 4; ++k) {
+        if (!(weight[k] > 0)) continue;
+        if (!(joint[k] >= 0 && joint[k] < double(bones.size())))
+          throw ReadFailure{fmt::format("{}: joint {} of a skin of {}", joints.place(vertex),
+                                        joint[k], bones.size())};
+        for (size_t j = 0; j < 12; ++j) sum.m[j] += weight[k] * bones[size_t(joint[k])].m[j];
+        total += weight[k];
+      }
+    }
+    if (!(total > 0)) return kHere;
+    for (double& x : sum.m) x /= total;
+    return sum;
   }
 
   static Vec3f position(const Elements& from, size_t i) {
@@ -356,8 +516,7 @@ class GltfReader {
     Box3f box;
     const size_t count = indices ? indices->count() : positions.count();
     const size_t before = scene_.spheres.size();
-    bytes_ += double(count) * (sizeof(Sphere) + sizeof(Rgb) + sizeof(MaterialId));
-    if (bytes_ > double(available_memory_bytes()) / 2) throw ReadFailure{std::string(kNoMemory)};
+    take_memory(double(count) * (sizeof(Sphere) + sizeof(Rgb) + sizeof(MaterialId)));
     for (size_t i = 0; i < count; ++i) {
       const size_t at = indices ? indices->whole(i) : i;
       if (at >= positions.count() || (colors && at >= colors->count()))
@@ -379,8 +538,6 @@ class GltfReader {
     if (nowhere_ > 0) warn(fmt::format("{} primitives without POSITION are left out", nowhere_));
     if (unsound_ > 0)
       warn(fmt::format("{} meshes are left out that are scaled to nothing", unsound_));
-    if (skinned_ > 0)
-      warn(fmt::format("{} meshes are drawn without their skins, as they are stored", skinned_));
   }
 
   // --- camera
@@ -388,7 +545,7 @@ class GltfReader {
     size_t usable = 0;
     const Use* first = nullptr;
     for (const Use& use : cameras_) {
-      if (!document_.cameras[use.number] || !use.place.is_sound()) continue;
+      if (!use.place.is_sound()) continue;
       if (usable++ == 0) first = &use;
     }
     if (first && look_through(*first)) {
@@ -396,11 +553,11 @@ class GltfReader {
       return;
     }
     if (!cameras_.empty())
-      warn("its camera, which is not one of perspective, is left out, and another one is fitted");
+      warn("its camera, which sees nothing, is left out, and another one is fitted");
     fit_camera(scene_, FitView::three_quarter, {0, 1, 0});
   }
   bool look_through(const Use& use) {
-    const PerspectiveCamera& lens = *document_.cameras[use.number];
+    const Lens& lens = document_.cameras[use.number];
     Camera camera;
     const Vec3d from = use.place.point({0, 0, 0});
     const Vec3d forward = use.place.vector({0, 0, -1}), up = use.place.vector({0, 1, 0});
@@ -408,12 +565,21 @@ class GltfReader {
     const Vec3d ahead = forward * (1 / length(forward));
     // As far as the middle of what is seen, which depth of field keeps in focus.
     const double middle = dot((Vec3d(box.lo) + Vec3d(box.hi)) * 0.5 - from, ahead);
-    const double least = 1e-3 * std::max(1.0, length(from));
+    const double least = std::max(1e-3 * std::max(1.0, length(from)), lens.half_height);
     camera.from = Vec3f(from), camera.at = Vec3f(from + ahead * std::max(middle, least));
     camera.up = unit(up);
-    camera.fov_deg = float(lens.fov * 180 / 3.14159265358979323846);
+    constexpr double kDegrees = 180 / 3.14159265358979323846;
+    double tangent = std::tan(lens.fov / 2);
+    camera.fov_deg = float(lens.fov * kDegrees);
+    if (lens.half_height > 0) {
+      camera.projection = Projection::orthographic;
+      tangent = lens.half_height / length(Vec3d(camera.at) - Vec3d(camera.from));
+      camera.fov_deg = float(2 * kDegrees * std::atan(tangent));
+    }
     camera.width = 1200, camera.height = 900;
     if (lens.aspect >= 0.1 && lens.aspect <= 10) {
+      // Narrower pictures show as much across.
+      camera.across_deg = float(2 * kDegrees * std::atan(tangent * lens.aspect));
       if (lens.aspect > 4.0 / 3)
         camera.height = int(std::lround(1200 / lens.aspect));
       else
@@ -433,10 +599,13 @@ class GltfReader {
   Diagnostics warnings_;
   TextureReader textures_;
   std::vector<Use> meshes_, cameras_;
-  std::vector<MaterialId> materials_;  // of the file's, those that are used
+  std::vector<PosedUse> posed_;
+  std::vector<std::vector<Transform>> bones_;     // of each skin, once they are asked for
+  std::vector<std::optional<Transform>> places_;  // of the nodes that the scene has
+  std::vector<MaterialId> materials_;             // of the file's, those that are used
   MaterialId plain_ = 0;
   std::vector<uint32_t> numbers_, named_;  // of vertices in a mesh; kNoNormal: none
-  size_t lines_ = 0, nowhere_ = 0, unsound_ = 0, skinned_ = 0;
+  size_t lines_ = 0, nowhere_ = 0, unsound_ = 0;
   double bytes_ = 0;
 };
 

@@ -49,7 +49,7 @@ struct Accessor {
   Index view;  // none: zeros
   size_t offset = 0, count = 0;
   Component component = Component::f32;
-  uint32_t components = 1;  // 0: a matrix
+  uint32_t components = 1;  // 16: a matrix of 4 x 4; 0: another matrix
   bool normalized = false;
   std::optional<Sparse> sparse;
 };
@@ -72,20 +72,43 @@ struct Paint {
   bool blends = false, masks = false;
   std::optional<TextureUse> texture;
 };
+/// What a morph target adds, at weight 1.
+struct MorphTarget {
+  Index position, normal;
+};
 struct MeshPrimitive {
   uint32_t mode = 4;
   Index position, normal, color, indices, material;
-  std::vector<std::pair<uint32_t, uint32_t>> uv;  // set and accessor
+  std::vector<MorphTarget> targets;
+  std::vector<std::pair<uint32_t, uint32_t>> bones;  // accessors JOINTS_n and WEIGHTS_n
+  std::vector<std::pair<uint32_t, uint32_t>> uv;     // set and accessor
 };
-struct PerspectiveCamera {
-  double fov = 0, aspect = 0;  // vertical, radians; 0: any
+struct MeshDescription {
+  std::vector<MeshPrimitive> primitives;
+  std::vector<double> weights;  // of its morph targets; those that are missing are 0
+};
+struct Skin {
+  Index inverse_bind;            // accessor of matrices; none: each is the identity
+  std::vector<uint32_t> joints;  // nodes
+};
+struct Lens {
+  double fov = 0;          // vertical, radians; of perspective
+  double half_height = 0;  // of what parallel rays see, scene units; 0: it is one of perspective
+  double aspect = 0;       // width over height; 0: any
 };
 struct Node {
   std::array<double, 12> matrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};  // as raio::Matrix
-  Index mesh, camera;
+  Index mesh, camera, skin;
   std::vector<uint32_t> children;
-  bool skinned = false;
+  std::vector<double> weights;  // in place of the mesh's
+  /// EXT_mesh_gpu_instancing: accessors of shifts, quaternions and scales, an element per copy.
+  std::array<Index, 3> copies;
 };
+
+/// What scales, then rotates by the quaternion x, y, z, w, then shifts; rows as in raio::Matrix.
+std::array<double, 12> placement_matrix(const std::array<double, 3>& shift,
+                                        const std::array<double, 4>& rotation,
+                                        const std::array<double, 3>& scale);
 
 struct Document {
   std::vector<Buffer> buffers;
@@ -94,8 +117,9 @@ struct Document {
   std::vector<PictureSource> images;
   std::vector<PictureTexture> textures;
   std::vector<Paint> materials;
-  std::vector<std::vector<MeshPrimitive>> meshes;
-  std::vector<std::optional<PerspectiveCamera>> cameras;  // none: orthographic
+  std::vector<MeshDescription> meshes;
+  std::vector<Skin> skins;
+  std::vector<Lens> cameras;
   std::vector<Node> nodes;
   std::vector<uint32_t> roots;        // of the scene that is shown
   std::vector<std::string> warnings;  // of what is left out
@@ -139,6 +163,8 @@ class Elements {
   uint32_t components() const { return accessor_.components; }
   /// The components of an element; integers become -1 to 1 where they are normalized.
   std::array<double, 4> numbers(size_t i) const;
+  /// The first three rows of a matrix of 4 x 4.
+  std::array<double, 12> matrix(size_t i) const;
   /// A whole number.
   uint32_t whole(size_t i) const;
   /// "/accessors/3, element 7"

@@ -11,6 +11,9 @@
 namespace raio::gltf {
 namespace {
 
+// So many zeros may stand around the numbers of a sparse accessor without a view.
+constexpr size_t kFewZeros = 1'000'000;
+
 [[noreturn]] void fail(std::string message) { throw ReadFailure{std::move(message)}; }
 
 int digit_of_base64(char c) {
@@ -219,9 +222,11 @@ Elements::Elements(const Document& document, const Buffers& buffers, uint32_t ac
   if (accessor_.components < least || accessor_.components > most)
     fail(fmt::format("{}/type: expected {}, found {}", what,
                      least == 1      ? "SCALAR"
+                     : least == 16   ? "MAT4"
                      : least == most ? fmt::format("VEC{}", least)
                                      : fmt::format("VEC{} or VEC{}", least, most),
-                     accessor_.components == 0   ? "a matrix"
+                     accessor_.components == 0   ? "a small matrix"
+                     : accessor_.components > 4  ? "MAT4"
                      : accessor_.components == 1 ? "SCALAR"
                                                  : fmt::format("VEC{}", accessor_.components)));
   size_ = bytes_of(accessor_.component) * accessor_.components;
@@ -233,7 +238,7 @@ Elements::Elements(const Document& document, const Buffers& buffers, uint32_t ac
                        *accessor_.view, what, size_));
     bytes_ = elements(buffers.view(*accessor_.view, what), accessor_.offset, accessor_.count,
                       stride_, size_, what);
-  } else if (accessor_.count > buffers.total_bytes()) {
+  } else if (accessor_.count > std::max(buffers.total_bytes(), accessor_.sparse ? kFewZeros : 0)) {
     fail(fmt::format("{}/count: {} zeros are more than all buffers have bytes", what,
                      accessor_.count));
   }
@@ -264,7 +269,7 @@ const char* Elements::element(size_t i) const {
     if (at != replaced_.end() && *at == i)
       return replacements_.data() + size_t(at - replaced_.begin()) * size_;
   }
-  static constexpr char kZeros[16] = {};
+  static constexpr char kZeros[64] = {};
   return bytes_.empty() ? kZeros : bytes_.data() + i * stride_;
 }
 
@@ -272,8 +277,19 @@ std::array<double, 4> Elements::numbers(size_t i) const {
   std::array<double, 4> out{};
   const char* const from = element(i);
   const size_t step = bytes_of(accessor_.component);
-  for (size_t k = 0; k < accessor_.components; ++k)
+  for (size_t k = 0; k < std::min<size_t>(accessor_.components, 4); ++k)
     out[k] = number_at(from + k * step, accessor_.component, accessor_.normalized);
+  return out;
+}
+
+std::array<double, 12> Elements::matrix(size_t i) const {
+  std::array<double, 12> out{};
+  const char* const from = element(i);
+  const size_t step = bytes_of(accessor_.component);
+  for (size_t row = 0; row < 3; ++row)
+    for (size_t column = 0; column < 4; ++column)
+      out[4 * row + column] =
+          number_at(from + (4 * column + row) * step, accessor_.component, accessor_.normalized);
   return out;
 }
 

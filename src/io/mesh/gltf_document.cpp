@@ -137,6 +137,7 @@ class Parser {
     read_pictures();
     read_materials();
     read_meshes();
+    read_skins();
     read_cameras();
     read_nodes();
     read_scene();
@@ -183,12 +184,20 @@ class Parser {
         "a scene in glTF {}; Raio reads glTF 2.0, which gltf-pipeline makes of it", version)};
   }
 
+  // Those that change neither places nor base colours.
+  static bool is_optional(std::string_view name) {
+    static const std::set<std::string_view> kOptional = {
+        "KHR_animation_pointer", "KHR_lights_punctual", "KHR_xmp_json_ld", "MSFT_lod"};
+    return name.starts_with("KHR_materials_") || kOptional.contains(name);
+  }
+
   void check_extensions() {
-    static const std::set<std::string_view> kKnown = {"KHR_mesh_quantization",
-                                                      "KHR_texture_transform"};
+    static const std::set<std::string_view> kKnown = {
+        "EXT_mesh_gpu_instancing", "KHR_materials_pbrSpecularGlossiness", "KHR_mesh_quantization",
+        "KHR_texture_transform"};
     each("extensionsRequired", [&](const Value& value) {
       const std::string& name = value.string();
-      if (kKnown.contains(name)) return;
+      if (kKnown.contains(name) || is_optional(name)) return;
       const bool packed =
           name == "KHR_draco_mesh_compression" || name.find("meshopt") != std::string::npos;
       value.fail(fmt::format("the file requires the extension {}, which Raio does not know; {}",
@@ -212,7 +221,7 @@ class Parser {
     });
     each("bufferViews", [&](const Value& value) {
       View view{index(value.at("buffer"), "buffers"), bytes_or(value, "byteOffset", 0),
-                value.at("byteLength").whole(1, kMostBytes)};
+                value.at("byteLength").whole(0, kMostBytes)};
       if (const auto stride = value.find("byteStride")) view.stride = stride->whole(4, 252);
       view.compressed = value.extension("EXT_meshopt_compression").has_value();
       const size_t size = out_.buffers[view.buffer].length;
@@ -245,7 +254,7 @@ class Parser {
       else if (type.starts_with("VEC") && type.size() == 4 && type[3] >= '2' && type[3] <= '4')
         a.components = uint32_t(type[3] - '0');
       else if (type == "MAT2" || type == "MAT3" || type == "MAT4")
-        a.components = 0;
+        a.components = type == "MAT4" ? 16 : 0;
       else
         value.at("type").fail_expected("SCALAR, VEC2, VEC3, VEC4, MAT2, MAT3 or MAT4");
       if (const auto sparse = value.find("sparse")) {
@@ -301,20 +310,25 @@ class Parser {
     return use;
   }
 
+  void take_base_color(const Value& from, const char* factor, const char* texture,
+                       Paint& paint) const {
+    if (const auto color = from.find(factor)) {
+      const auto numbers = color->numbers<4>();
+      for (size_t i = 0; i < 4; ++i) {
+        if (numbers[i] < 0 || numbers[i] > 1) color->fail_expected("numbers from 0 to 1");
+        paint.color[i] = float(numbers[i]);
+      }
+    }
+    if (const auto use = from.find(texture)) paint.texture = texture_use(*use);
+  }
+
   void read_materials() {
     each("materials", [&](const Value& value) {
       Paint paint;
-      if (const auto pbr = value.find("pbrMetallicRoughness")) {
-        if (const auto factor = pbr->find("baseColorFactor")) {
-          const auto numbers = factor->numbers<4>();
-          for (size_t i = 0; i < 4; ++i) {
-            if (numbers[i] < 0 || numbers[i] > 1) factor->fail_expected("numbers from 0 to 1");
-            paint.color[i] = float(numbers[i]);
-          }
-        }
-        if (const auto texture = pbr->find("baseColorTexture"))
-          paint.texture = texture_use(*texture);
-      }
+      if (const auto diffuse = value.extension("KHR_materials_pbrSpecularGlossiness"))
+        take_base_color(*diffuse, "diffuseFactor", "diffuseTexture", paint);
+      else if (const auto pbr = value.find("pbrMetallicRoughness"))
+        take_base_color(*pbr, "baseColorFactor", "baseColorTexture", paint);
       if (const auto mode = value.find("alphaMode")) {
         paint.blends = mode->string() == "BLEND", paint.masks = mode->string() == "MASK";
         if (!paint.blends && !paint.masks && mode->string() != "OPAQUE")
@@ -333,6 +347,18 @@ class Parser {
     out.position = find_index(attributes, "POSITION", "accessors");
     out.normal = find_index(attributes, "NORMAL", "accessors");
     out.color = find_index(attributes, "COLOR_0", "accessors");
+    for (int set = 0; set < 64; ++set) {
+      const Index joints =
+          find_index(attributes, fmt::format("JOINTS_{}", set).c_str(), "accessors");
+      const Index weights =
+          find_index(attributes, fmt::format("WEIGHTS_{}", set).c_str(), "accessors");
+      if (!joints || !weights) break;
+      out.bones.emplace_back(*joints, *weights);
+    }
+    if (const auto targets = value.find("targets"))
+      for (size_t i = 0; i < targets->size(); ++i)
+        out.targets.push_back({find_index((*targets)[i], "POSITION", "accessors"),
+                               find_index((*targets)[i], "NORMAL", "accessors")});
     attributes.each([&](const std::string& name, const Value& accessor) {
       constexpr std::string_view kSet = "TEXCOORD_";
       if (!name.starts_with(kSet) || name.size() > kSet.size() + 4) return;
@@ -347,29 +373,51 @@ class Parser {
   }
 
   void read_meshes() {
-    size_t morphed = 0;
     each("meshes", [&](const Value& value) {
-      std::vector<MeshPrimitive> all;
+      MeshDescription mesh;
       const Value primitives = value.at("primitives");
-      for (size_t i = 0; i < primitives.size(); ++i) {
-        all.push_back(primitive(primitives[i]));
-        morphed += primitives[i].has("targets");
-      }
-      out_.meshes.push_back(std::move(all));
+      for (size_t i = 0; i < primitives.size(); ++i)
+        mesh.primitives.push_back(primitive(primitives[i]));
+      mesh.weights = weights_of(value);
+      out_.meshes.push_back(std::move(mesh));
     });
-    if (morphed > 0) warn(fmt::format("morph targets of {} primitives are left out", morphed));
+  }
+
+  // Of morph targets.
+  static std::vector<double> weights_of(const Value& value) {
+    std::vector<double> out;
+    if (const auto weights = value.find("weights"))
+      for (size_t i = 0; i < weights->size(); ++i) out.push_back((*weights)[i].number());
+    return out;
+  }
+
+  void read_skins() {
+    each("skins", [&](const Value& value) {
+      Skin skin{find_index(value, "inverseBindMatrices", "accessors"), {}};
+      const Value joints = value.at("joints");
+      for (size_t i = 0; i < joints.size(); ++i) skin.joints.push_back(index(joints[i], "nodes"));
+      out_.skins.push_back(std::move(skin));
+    });
   }
 
   void read_cameras() {
     each("cameras", [&](const Value& value) {
-      out_.cameras.emplace_back();
-      if (value.at("type").string() != "perspective") return;
+      Lens& camera = out_.cameras.emplace_back();
+      if (value.at("type").string() == "orthographic") {
+        const Value lens = value.at("orthographic");
+        // Negative ones mirror, which exporters do not mean.
+        camera.half_height = std::abs(lens.at("ymag").number());
+        if (camera.half_height == 0) lens.at("ymag").fail_expected("a height that is not 0");
+        camera.aspect = std::abs(lens.at("xmag").number()) / camera.half_height;
+        return;
+      }
+      if (value.at("type").string() != "perspective")
+        value.at("type").fail_expected("perspective or orthographic");
       const Value lens = value.at("perspective");
-      PerspectiveCamera camera{lens.at("yfov").number(), 0};
+      camera.fov = lens.at("yfov").number();
       if (!(camera.fov > 0 && camera.fov < 3.14159))
         lens.at("yfov").fail_expected("an angle between 0 and pi");
       if (const auto aspect = lens.find("aspectRatio")) camera.aspect = aspect->number();
-      out_.cameras.back() = camera;
     });
   }
 
@@ -386,7 +434,14 @@ class Parser {
       }
       node.mesh = find_index(value, "mesh", "meshes");
       node.camera = find_index(value, "camera", "cameras");
-      node.skinned = value.has("skin");
+      node.skin = find_index(value, "skin", "skins");
+      node.weights = weights_of(value);
+      if (const auto copies = value.extension("EXT_mesh_gpu_instancing")) {
+        const Value attributes = copies->at("attributes");
+        node.copies = {find_index(attributes, "TRANSLATION", "accessors"),
+                       find_index(attributes, "ROTATION", "accessors"),
+                       find_index(attributes, "SCALE", "accessors")};
+      }
       if (const auto children = value.find("children"))
         for (size_t i = 0; i < children->size(); ++i)
           node.children.push_back(index((*children)[i], "nodes"));
@@ -394,7 +449,6 @@ class Parser {
     });
   }
 
-  // Scaled, then rotated, then shifted.
   static void place(const Value& value, Node& node) {
     std::array<double, 3> shift{0, 0, 0}, scale{1, 1, 1};
     std::array<double, 4> q{0, 0, 0, 1};
@@ -402,19 +456,9 @@ class Parser {
     if (const auto given = value.find("scale")) scale = given->numbers<3>();
     if (const auto given = value.find("rotation")) {
       q = given->numbers<4>();
-      const double size = std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
-      if (!(size > 0)) given->fail_expected("a quaternion of length 1");
-      for (double& part : q) part /= size;
+      if (q == std::array<double, 4>{}) given->fail_expected("a quaternion of length 1");
     }
-    const auto& [x, y, z, w] = q;
-    const double rows[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)},
-                               {2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)},
-                               {2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)}};
-    for (size_t row = 0; row < 3; ++row) {
-      for (size_t column = 0; column < 3; ++column)
-        node.matrix[4 * row + column] = rows[row][column] * scale[column];
-      node.matrix[4 * row + 3] = shift[row];
-    }
+    node.matrix = placement_matrix(shift, q, scale);
   }
 
   void read_scene() {
@@ -440,6 +484,27 @@ class Parser {
 };
 
 }  // namespace
+
+std::array<double, 12> placement_matrix(const std::array<double, 3>& shift,
+                                        const std::array<double, 4>& rotation,
+                                        const std::array<double, 3>& scale) {
+  auto [x, y, z, w] = rotation;
+  const double size = std::hypot(std::hypot(x, y), std::hypot(z, w));
+  if (size > 0)
+    x /= size, y /= size, z /= size, w /= size;
+  else
+    w = 1;
+  const double rows[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)},
+                             {2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)},
+                             {2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)}};
+  std::array<double, 12> out;
+  for (size_t row = 0; row < 3; ++row) {
+    for (size_t column = 0; column < 3; ++column)
+      out[4 * row + column] = rows[row][column] * scale[column];
+    out[4 * row + 3] = shift[row];
+  }
+  return out;
+}
 
 Document parse_document(std::string_view json) {
   const Json root = parse_json(json);
