@@ -263,12 +263,29 @@ TEST(Opacity, TheTreeFindsTheLayersOfBruteForce) {
         ++found;
       }
     }
-    DepthBatch a, b;
-    a.reset(rays.size()), b.reset(rays.size());
-    (*none)->clear_depths(rays, a, context);
-    (*tree)->clear_depths(rays, b, context);
-    EXPECT_EQ(a.sum, b.sum);
-    EXPECT_EQ(a.largest, b.largest);
+    // Also with limits, at which one of them stops sooner than the other.
+    for (const bool limited : {false, true}) {
+      DepthBatch a, b;
+      a.reset(rays.size()), b.reset(rays.size());
+      for (size_t i = 0; limited && i < rays.size(); ++i)
+        a.limit[i] = b.limit[i] = uint32_t(i % 5) * kHalving / 2;
+      (*none)->clear_depths(rays, a, context);
+      (*tree)->clear_depths(rays, b, context);
+      for (size_t i = 0; i < rays.size(); ++i) {
+        ASSERT_EQ(a.sum[i], b.sum[i]) << i;
+        if (!a.is_stopped(i)) ASSERT_EQ(a.largest[i], b.largest[i]) << i;
+      }
+    }
+    // And by keys, of which each ray has its own.
+    std::vector<uint32_t> keys;
+    for (uint32_t i = 0; i < rays.size(); ++i) keys.push_back(scramble(i));
+    for (size_t i = 0; i < rays.size(); ++i) after.set(i, {.t = 0, .item = 0});
+    (*none)->next_clear(rays, after, first, context, keys.data());
+    (*tree)->next_clear(rays, after, second, context, keys.data());
+    for (size_t i = 0; i < rays.size(); ++i) {
+      ASSERT_EQ(first.item[i], second.item[i]) << i;
+      if (first[i].found()) ASSERT_EQ(first.t[i], second.t[i]) << i;
+    }
   }
 }
 
