@@ -142,12 +142,13 @@ TEST(Instances, WhatIsClearIsMetInOrder) {
       }
     }
     EXPECT_GT(layers, 2u);
-    std::vector<uint32_t> a(padded(rays.size())), b(padded(rays.size()));
-    none->clear_depths(rays, nullptr, a.data(), context);
-    tree->clear_depths(rays, nullptr, b.data(), context);
+    DepthBatch a, b;
+    a.reset(rays.size()), b.reset(rays.size());
+    none->clear_depths(rays, a, context);
+    tree->clear_depths(rays, b, context);
     for (size_t i = 0; i < rays.size(); ++i) {
-      EXPECT_EQ(a[i], b[i]);
-      EXPECT_EQ(a[i], sums[i]);
+      EXPECT_EQ(a.sum[i], b.sum[i]);
+      EXPECT_EQ(a.sum[i], sums[i]);
     }
   }
 }
@@ -175,7 +176,9 @@ TEST(Instances, ClearFacesOnFacesAreAllMet) {
   after.reset(rays.size());
   for (size_t i = 0; i < rays.size(); ++i) after.set(i, {.t = 0, .item = 0});
   TraceContext context;
-  std::vector<uint32_t> sums(rays.size()), depths(padded(rays.size()));
+  std::vector<uint32_t> sums(rays.size());
+  DepthBatch depths;
+  depths.reset(rays.size());
   for (size_t found = 1, layers = 0; found > 0 && layers < 3000; ++layers) {
     tree->next_clear(rays, after, next, context);
     found = 0;
@@ -189,8 +192,8 @@ TEST(Instances, ClearFacesOnFacesAreAllMet) {
       ++found;
     }
   }
-  tree->clear_depths(rays, nullptr, depths.data(), context);
-  for (size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(sums[i], depths[i]) << i;
+  tree->clear_depths(rays, depths, context);
+  for (size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(sums[i], depths.sum[i]) << i;
 }
 
 TEST(Instances, APictureIsOne) {

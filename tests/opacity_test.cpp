@@ -46,8 +46,64 @@ TEST(Opacity, LayersMultiply) {
         scene.disc_materials.push_back(0);
         scene.disc_opacity.push_back(a);
       }
-      EXPECT_NEAR(middle(scene), std::pow(1 - double(a), k), 1e-4) << a << ' ' << k;
+      if (k <= 4) {
+        EXPECT_NEAR(middle(scene), std::pow(1 - double(a), k), 1e-4) << a << ' ' << k;
+        continue;
+      }
+      // Of many layers a pixel sees one: 40,000 of them see what passes, to six deviations at most.
+      RenderOptions options;
+      options.width = options.height = 200;
+      options.tone = Tone::none;
+      double sum = 0;
+      for (const Rgb& c : picture_of(scene, options).pixels) sum += double(c.x);
+      const double passes = std::pow(1 - double(a), k);
+      EXPECT_NEAR(sum / 40000, passes, 6 * std::sqrt(passes / 40000) + 1e-4) << a << ' ' << k;
     }
+}
+
+// A floor in the light below many layers, which hide it from the light, but not from the eye.
+TEST(Opacity, ShadowsOfManyLayersHaveTheRightMean) {
+  for (const auto& [a, k] : {std::pair{0.1f, 20}, std::pair{0.3f, 8}, std::pair{0.5f, 4}}) {
+    Scene scene = looking_down();
+    scene.background = Rgb(0);
+    scene.camera.from = {40, 0, 10};
+    scene.lights = {{{0, 0, 50}, Rgb(1), {}}};
+    scene.materials.push_back({.color = Rgb(1), .kd = 1});
+    scene.planes = {{{0, 0, 0}, {0, 0, 1}}};
+    scene.plane_materials = {1};
+    RenderOptions options;
+    options.width = options.height = 100;
+    options.tone = Tone::none;
+    const auto mean = [&] {
+      double sum = 0;
+      for (const Rgb& c : picture_of(scene, options).pixels) sum += double(c.x);
+      return sum / 10000;
+    };
+    const double lit = mean();
+    for (int i = 0; i < k; ++i) {
+      scene.discs.push_back({{0, 0, 30 + float(i) * 0.1f}, {0, 0, 1}, 3, 0});
+      scene.disc_materials.push_back(0);
+      scene.disc_opacity.push_back(a);
+    }
+    const double passes = std::pow(1 - double(a), k);
+    EXPECT_NEAR(mean(), passes * lit, 0.06 * std::sqrt(passes)) << a << ' ' << k;
+  }
+}
+
+TEST(Opacity, ADepthStopsAsManyAsItIsOpaque) {
+  for (const float a : {0.001f, 0.05f, 0.3f, 0.5f, 0.9f, 0.9999f}) {
+    const uint32_t depth = depth_of_opacity(a);
+    // The least number that is stopped.
+    uint64_t low = 0, high = uint64_t(1) << 32;
+    while (low < high) {
+      const uint64_t middle = (low + high) / 2;
+      if (stops(depth, uint32_t(middle)))
+        high = middle;
+      else
+        low = middle + 1;
+    }
+    EXPECT_NEAR(double(low) / 0x1p32, 1 - double(a), 1e-6) << a;
+  }
 }
 
 TEST(Opacity, OfAMaterialCountsWhereAPrimitiveHasNoneOfItsOwn) {
@@ -207,10 +263,29 @@ TEST(Opacity, TheTreeFindsTheLayersOfBruteForce) {
         ++found;
       }
     }
-    std::vector<uint32_t> a(padded(rays.size())), b(a.size());
-    (*none)->clear_depths(rays, nullptr, a.data(), context);
-    (*tree)->clear_depths(rays, nullptr, b.data(), context);
-    EXPECT_EQ(a, b);
+    // Also with limits, at which one of them stops sooner than the other.
+    for (const bool limited : {false, true}) {
+      DepthBatch a, b;
+      a.reset(rays.size()), b.reset(rays.size());
+      for (size_t i = 0; limited && i < rays.size(); ++i)
+        a.limit[i] = b.limit[i] = uint32_t(i % 5) * kHalving / 2;
+      (*none)->clear_depths(rays, a, context);
+      (*tree)->clear_depths(rays, b, context);
+      for (size_t i = 0; i < rays.size(); ++i) {
+        ASSERT_EQ(a.sum[i], b.sum[i]) << i;
+        if (!a.is_stopped(i)) ASSERT_EQ(a.largest[i], b.largest[i]) << i;
+      }
+    }
+    // And by keys, of which each ray has its own.
+    std::vector<uint32_t> keys;
+    for (uint32_t i = 0; i < rays.size(); ++i) keys.push_back(scramble(i));
+    for (size_t i = 0; i < rays.size(); ++i) after.set(i, {.t = 0, .item = 0});
+    (*none)->next_clear(rays, after, first, context, keys.data());
+    (*tree)->next_clear(rays, after, second, context, keys.data());
+    for (size_t i = 0; i < rays.size(); ++i) {
+      ASSERT_EQ(first.item[i], second.item[i]) << i;
+      if (first[i].found()) ASSERT_EQ(first.t[i], second.t[i]) << i;
+    }
   }
 }
 

@@ -2,6 +2,7 @@
 // that the call costs nothing and a structure may trace its rays together in whatever way suits it.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstdint>
@@ -138,6 +139,38 @@ struct AccelBox {
 /// Instead of a level: those boxes below which there are no others.
 inline constexpr int kLeafBoxes = -1;
 
+/// The optical depths that rays gather on their way, element by element: their sum, and the largest
+/// of them. Once those beside the largest are more than a ray's limit, it is stopped: its sum is
+/// kMostDepth. As sums only grow, it does not matter in which order they are added. A single depth
+/// stops no ray, so that behind one layer there is always as much as passes it.
+class DepthBatch {
+ public:
+  static constexpr uint32_t kNoLimit = 0xffffffffu;
+
+  Column<uint32_t> sum, largest, limit;
+
+  /// Of n rays that have met nothing yet and have no limits; those for which `stopped` is not 0, if
+  /// it is there, are stopped.
+  void reset(size_t n, const uint8_t* stopped = nullptr) {
+    if (n > sum.size()) sum.resize(padded(n)), largest.resize(padded(n)), limit.resize(padded(n));
+    for (size_t i = 0; i < n; ++i) {
+      sum[i] = stopped && stopped[i] ? kMostDepth : 0;
+      largest[i] = 0, limit[i] = kNoLimit;
+    }
+  }
+  void take(size_t i, const DepthBatch& from, size_t k) {
+    sum[i] = from.sum[k], largest[i] = from.largest[k], limit[i] = from.limit[k];
+  }
+  bool is_stopped(size_t i) const { return sum[i] >= kMostDepth; }
+  /// Does the ray go on?
+  bool add(size_t i, uint32_t depth) {
+    largest[i] = std::max(largest[i], depth);
+    sum[i] = std::min(sum[i] + depth, kMostDepth);
+    if (sum[i] - largest[i] > limit[i]) sum[i] = kMostDepth;
+    return !is_stopped(i);
+  }
+};
+
 struct Bvh;       // accel/bvh/bvh.h
 class Instances;  // accel/instances.h
 
@@ -156,13 +189,13 @@ class Accel {
 
   /// A ray meets each clear primitive once, where it first hits it. The hit of this kind with
   /// 0 < t < tmax that comes next behind element i of `after`, which may have t = 0; of equally
-  /// near ones that of the lowest id is first. No hit where there are no more.
+  /// near ones that of the lowest id is first. No hit where there are no more. With `keys`, one
+  /// for each ray, of those hits only that stop it: each as likely as it is opaque, by a hash of
+  /// key and primitive, so that the order in which they are tried does not matter.
   void next_clear(const RayBatch& rays, const HitBatch& after, HitBatch& hits,
-                  TraceContext& context) const;
-  /// The sum of the optical depths of all those hits, at most kMostDepth; 0 of rays for which
-  /// `stopped` is not 0, if it is there.
-  void clear_depths(const RayBatch& rays, const uint8_t* stopped, uint32_t* depths,
-                    TraceContext& context) const;
+                  TraceContext& context, const uint32_t* keys = nullptr) const;
+  /// Adds the optical depths of all hits of this kind, of rays that are not stopped yet.
+  void clear_depths(const RayBatch& rays, DepthBatch& depths, TraceContext& context) const;
   /// As closest(), of what is clear as well as of what is opaque. Shortens rays to the latter.
   void closest_of_all(RayBatch& rays, HitBatch& hits, TraceContext& context) const;
   /// Builds the tree by which these find hits, whatever the structure of what is opaque;
@@ -197,9 +230,8 @@ class Accel {
   virtual AccelInfo describe() const = 0;
 
   void try_all_clear(const RayBatch& rays, const HitBatch& after, HitBatch& hits,
-                     TraceContext& context) const;
-  void sum_all_clear(const RayBatch& rays, const uint8_t* stopped, uint32_t* depths,
-                     TraceContext& context) const;
+                     TraceContext& context, const uint32_t* keys) const;
+  void sum_all_clear(const RayBatch& rays, DepthBatch& depths, TraceContext& context) const;
 
   std::unique_ptr<const Instances> instances_;
   std::unique_ptr<const Bvh> clear_;

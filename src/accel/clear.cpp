@@ -38,13 +38,13 @@ std::optional<std::string> Accel::build_clear() {
 }
 
 void Accel::next_clear(const RayBatch& rays, const HitBatch& after, HitBatch& hits,
-                       TraceContext& context) const {
+                       TraceContext& context, const uint32_t* keys) const {
   hits.reset(rays.size());
   if (clear_)
-    bvh_next_clear(geometry_, *clear_, rays, after, hits, context);
+    bvh_next_clear(geometry_, *clear_, rays, after, hits, context, keys);
   else
-    try_all_clear(rays, after, hits, context);
-  if (instances_) instances_->next_clear(rays, after, hits, context);
+    try_all_clear(rays, after, hits, context, keys);
+  if (instances_) instances_->next_clear(rays, after, hits, context, keys);
 }
 
 void Accel::closest_of_all(RayBatch& rays, HitBatch& hits, TraceContext& context) const {
@@ -62,34 +62,30 @@ void Accel::closest_of_all(RayBatch& rays, HitBatch& hits, TraceContext& context
 }
 
 void Accel::try_all_clear(const RayBatch& rays, const HitBatch& after, HitBatch& hits,
-                          TraceContext& context) const {
+                          TraceContext& context, const uint32_t* keys) const {
   for (size_t i = 0; i < rays.size() && !context.stopped(); ++i) {
     Hit next;
     for_each_clear_hit(geometry_, rays[i], context, [&](const Hit& hit) {
-      if (comes_before(after[i], hit) && (!next.found() || comes_before(hit, next))) next = hit;
+      if (!comes_before(after[i], hit) || (next.found() && !comes_before(hit, next))) return;
+      if (!keys || geometry_.stops(hit.item, keys[i])) next = hit;
     });
     hits.set(i, next);
   }
 }
 
-void Accel::clear_depths(const RayBatch& rays, const uint8_t* stopped, uint32_t* depths,
-                         TraceContext& context) const {
+void Accel::clear_depths(const RayBatch& rays, DepthBatch& depths, TraceContext& context) const {
   if (clear_)
-    bvh_clear_depths(geometry_, *clear_, rays, stopped, depths, context);
+    bvh_clear_depths(geometry_, *clear_, rays, depths, context);
   else
-    sum_all_clear(rays, stopped, depths, context);
-  if (instances_) instances_->add_clear_depths(rays, stopped, depths, context);
+    sum_all_clear(rays, depths, context);
+  if (instances_) instances_->clear_depths(rays, depths, context);
 }
 
-void Accel::sum_all_clear(const RayBatch& rays, const uint8_t* stopped, uint32_t* depths,
-                          TraceContext& context) const {
-  for (size_t i = 0; i < rays.size() && !context.stopped(); ++i) {
-    depths[i] = 0;
-    if (stopped && stopped[i]) continue;
-    for_each_clear_hit(geometry_, rays[i], context, [&](const Hit& hit) {
-      depths[i] = std::min(depths[i] + geometry_.depth_of(hit.item), kMostDepth);
-    });
-  }
+void Accel::sum_all_clear(const RayBatch& rays, DepthBatch& depths, TraceContext& context) const {
+  for (size_t i = 0; i < rays.size() && !context.stopped(); ++i)
+    if (!depths.is_stopped(i))
+      for_each_clear_hit(geometry_, rays[i], context,
+                         [&](const Hit& hit) { depths.add(i, geometry_.depth_of(hit.item)); });
 }
 
 }  // namespace raio

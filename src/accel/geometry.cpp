@@ -62,6 +62,22 @@ float passed(uint32_t depth) {
   return float(exact_exp2(-double(depth) / kHalving));
 }
 
+bool stops(uint32_t depth, uint32_t number) {
+  // The parts that pass a part of a halving, in units of 2^-31. Lines between them are true to
+  // 6e-8.
+  static constexpr uint32_t kSteps = 1024, kStep = kHalving / kSteps;
+  static const auto parts = [] {
+    std::array<uint32_t, kSteps + 1> out{};
+    for (size_t i = 0; i <= kSteps; ++i)
+      out[i] = uint32_t(std::lround(0x1p31 * exact_exp2(-double(i) / kSteps)));
+    return out;
+  }();
+  const uint32_t halvings = depth / kHalving, step = depth % kHalving / kStep;
+  if (halvings >= 31) return true;
+  const uint64_t fall = uint64_t(parts[step] - parts[step + 1]) * (depth % kStep) / kStep;
+  return number >> 1 >= (parts[step] - uint32_t(fall)) >> halvings;
+}
+
 Geometry::Geometry(const Scene& scene, bool one_sided, bool with_sources, float opacity)
     : scene_(&scene),
       with_sources_(with_sources),

@@ -15,6 +15,7 @@
 
 #include "base/box.h"
 #include "base/memory.h"
+#include "base/random.h"
 #include "base/ray.h"
 #include "scene/scene.h"
 #include "shape/triangle.h"
@@ -42,6 +43,9 @@ inline constexpr uint32_t kHalving = 1u << 20, kMostDepth = 64 * kHalving, kOpaq
 uint32_t depth_of_opacity(float opacity);
 /// The part of the light that passes.
 float passed(uint32_t depth);
+/// Does the depth stop one of the rays that have all 32-bit numbers? As many pass as there is light
+/// that passes, to 1e-7.
+bool stops(uint32_t depth, uint32_t number);
 
 /// What tracing wants of a kind, as the kind's bake() returns it. Where that is a type of its own,
 /// it is worked out once and kept, else made of the scene's own pool each time.
@@ -134,6 +138,10 @@ class Geometry {
     return is_copied(id) ? copied_depth(id) : kOpaque;
   }
   bool is_opaque(PrimitiveId id) const { return depth_of(id) == kOpaque; }
+  /// Does the item, which is clear, stop the ray of this key (Accel::next_clear())?
+  bool stops(PrimitiveId id, uint32_t key) const {
+    return raio::stops(depth_of(id), hash_of(key, id));
+  }
   /// Are all of the kind?
   bool all_opaque(PrimitiveKind kind) const { return depths_[size_t(kind)].empty(); }
   /// Those of bounded kinds that let some of the light pass and keep some back; those that are

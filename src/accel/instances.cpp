@@ -19,7 +19,8 @@ struct Moved {
   RayBatch rays;
   HitBatch after, hits;
   std::vector<double> stretch;
-  std::vector<uint32_t> from, depths;
+  DepthBatch depths;
+  std::vector<uint32_t> from, keys;
 };
 
 }  // namespace
@@ -222,9 +223,9 @@ void Instances::occluded(const RayBatch& rays, uint8_t* hit, TraceContext& conte
 }
 
 // What an object finds may lie, by the rounding of distances, before `after` in the space around
-// it; it is then asked for what comes next.
+// it; it is then asked for what comes next. Each copy has a key of its own.
 void Instances::next_clear(const RayBatch& rays, const HitBatch& after, HitBatch& hits,
-                           TraceContext& context) const {
+                           TraceContext& context, const uint32_t* keys) const {
   Moved moved;
   const auto limit = [&](uint32_t i) { return hits[i].found() ? hits.t[i] : rays.tmax[i]; };
   Walk(*this, rays, context).run(limit, [&](uint32_t copy, std::span<const uint32_t> some) {
@@ -234,6 +235,7 @@ void Instances::next_clear(const RayBatch& rays, const HitBatch& after, HitBatch
     size_t n = some.size();
     moved.rays.resize(n), moved.after.reset(n), moved.stretch.resize(n);
     moved.from.assign(some.begin(), some.end());
+    moved.keys.resize(keys ? n : 0);
     for (size_t k = 0; k < n; ++k) {
       Ray ray = rays[some[k]];
       ray.tmax = limit(some[k]);
@@ -241,9 +243,11 @@ void Instances::next_clear(const RayBatch& rays, const HitBatch& after, HitBatch
       moved.rays.set(k, place.to_object(ray, stretch, kSlack));
       const double t = double(after.t[some[k]]) * stretch * (1 - kSlack);
       moved.after.set(k, {.t = float(t), .item = 0});
+      if (keys) moved.keys[k] = hash_of(keys[some[k]], copy);
     }
     while (n > 0 && !context.stopped()) {
-      object.next_clear(moved.rays, moved.after, moved.hits, context);
+      object.next_clear(moved.rays, moved.after, moved.hits, context,
+                        keys ? moved.keys.data() : nullptr);
       size_t kept = 0;
       for (size_t k = 0; k < n; ++k) {
         const Hit there = moved.hits[k];
@@ -262,6 +266,7 @@ void Instances::next_clear(const RayBatch& rays, const HitBatch& after, HitBatch
         }
         moved.rays.set(kept, moved.rays[k]), moved.after.set(kept, there);
         moved.stretch[kept] = moved.stretch[k], moved.from[kept] = i;
+        if (keys) moved.keys[kept] = moved.keys[k];
         ++kept;
       }
       n = kept;
@@ -270,24 +275,22 @@ void Instances::next_clear(const RayBatch& rays, const HitBatch& after, HitBatch
   });
 }
 
-void Instances::add_clear_depths(const RayBatch& rays, const uint8_t* stopped, uint32_t* depths,
-                                 TraceContext& context) const {
+void Instances::clear_depths(const RayBatch& rays, DepthBatch& depths,
+                             TraceContext& context) const {
   Moved moved;
-  const auto limit = [&](uint32_t i) {
-    return (stopped && stopped[i]) || depths[i] >= kMostDepth ? 0.0f : rays.tmax[i];
-  };
+  const auto limit = [&](uint32_t i) { return depths.is_stopped(i) ? 0.0f : rays.tmax[i]; };
   Walk(*this, rays, context).run(limit, [&](uint32_t copy, std::span<const uint32_t> some) {
     const Accel& object = *objects_[copies_[copy].prototype];
     if (!object.geometry().any_clear()) return;
     const Placement place(copies_[copy].matrix);
-    moved.rays.resize(some.size()), moved.depths.resize(padded(some.size()));
+    moved.rays.resize(some.size()), moved.depths.reset(some.size());
     for (size_t k = 0; k < some.size(); ++k) {
       double stretch = 0;
       moved.rays.set(k, place.to_object(rays[some[k]], stretch));
+      moved.depths.take(k, depths, some[k]);
     }
-    object.clear_depths(moved.rays, nullptr, moved.depths.data(), context);
-    for (size_t k = 0; k < some.size(); ++k)
-      depths[some[k]] = std::min(depths[some[k]] + moved.depths[k], kMostDepth);
+    object.clear_depths(moved.rays, moved.depths, context);
+    for (size_t k = 0; k < some.size(); ++k) depths.take(some[k], moved.depths, k);
   });
 }
 

@@ -25,9 +25,8 @@ class Instances {
   void closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const;
   void occluded(const RayBatch& rays, uint8_t* hit, TraceContext& context) const;
   void next_clear(const RayBatch& rays, const HitBatch& after, HitBatch& hits,
-                  TraceContext& context) const;
-  void add_clear_depths(const RayBatch& rays, const uint8_t* stopped, uint32_t* depths,
-                        TraceContext& context) const;
+                  TraceContext& context, const uint32_t* keys) const;
+  void clear_depths(const RayBatch& rays, DepthBatch& depths, TraceContext& context) const;
 
   std::vector<const Geometry*> objects() const;
   void add_to(AccelInfo& info) const;

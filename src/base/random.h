@@ -16,6 +16,11 @@ constexpr uint32_t scramble(uint32_t v) {
   return v ^ (v >> 22);
 }
 
+/// One for a two-word key, of which the first is random itself.
+constexpr uint32_t hash_of(uint32_t key, uint32_t number) {
+  return scramble(key + number * 0x9e3779b9u);
+}
+
 /// Element `i` of a pseudo-random permutation of 0..n-1 chosen by `key`, computed without storing
 /// it. Rounds of "multiply by an odd number, fold the high half onto the low" are bijections on the
 /// next power of two; results outside 0..n-1 are sent round again (cycle walking), which keeps a

@@ -106,11 +106,10 @@ HWY_INLINE V polynomial(V x, V highest, V next, Rest... rest) {
   return polynomial(x, hn::Add(hn::Mul(highest, x), next), rest...);
 }
 
-/// x^y for 0 <= x <= 1 and y >= 0, to an absolute error below 2e-7: what is lost in the exponent
-/// counts little where the power is small. log2 by the series of atanh about sqrt(1/2)..sqrt(2),
-/// exp2 by the Taylor series on -1/2..1/2.
+/// The logarithm to base 2 of a positive normal number, by the series of atanh about
+/// sqrt(1/2)..sqrt(2).
 template <class D, class V = hn::Vec<D>>
-HWY_INLINE V pow_unit(D d, V x, V y) {
+HWY_INLINE V log2_of(D d, V x) {
   const Unsigned<D> du;
   const Signed<D> di;
   const V one = hn::Set(d, 1);
@@ -124,9 +123,15 @@ HWY_INLINE V pow_unit(D d, V x, V y) {
   const V z = hn::Div(hn::Sub(m, one), hn::Add(m, one)), z2 = hn::Mul(z, z);
   const V series = polynomial(z2, hn::Set(d, 1.0f / 11), hn::Set(d, 1.0f / 9), hn::Set(d, 1.0f / 7),
                               hn::Set(d, 1.0f / 5), hn::Set(d, 1.0f / 3), one);
-  const V log2_x =
-      hn::Add(exponent, hn::Mul(hn::Mul(hn::Set(d, 2.88539008f), z), series));  // 2 / ln 2
-  const V p = hn::Mul(y, log2_x);
+  return hn::Add(exponent, hn::Mul(hn::Mul(hn::Set(d, 2.88539008f), z), series));  // 2 / ln 2
+}
+
+/// x^y for 0 <= x <= 1 and y >= 0, to an absolute error below 2e-7: what is lost in the exponent
+/// counts little where the power is small. exp2 by the Taylor series on -1/2..1/2.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V pow_unit(D d, V x, V y) {
+  const Signed<D> di;
+  const V one = hn::Set(d, 1), p = hn::Mul(y, log2_of(d, x));
   // Powers below 2^-126 are zero, as is that of zero, but to the power of zero.
   const V whole = hn::Round(hn::Max(p, hn::Set(d, -126)));
   const V f = hn::Mul(hn::Sub(p, whole), hn::Set(d, float(std::numbers::ln2)));

@@ -165,7 +165,7 @@ class AmbientShading {
         dir = select(hn::Lt(across, zero), out, dir);
         put_ray(rays, i, load(v.outside, i), dir, tmax, lit_lanes(i, n));
       }
-      add_lit(w, n, [&](size_t i, V lit) HWY_ATTR {
+      add_lit(w, n, sampler, kSkyDepth, [&](size_t i, V lit) HWY_ATTR {
         const V light = hn::Mul(lit, share), mirrored = hn::Mul(light, hn::Load(d, &rim_[i]));
         return load(v.color, i) * hn::Mul(light, load(v.kd, i)) + V3{mirrored, mirrored, mirrored};
       });
@@ -191,7 +191,7 @@ class AmbientShading {
       put_ray(rays, i, load(v.outside, i), dir, inf, facing);
     }
     const V key = hn::Set(d, look_.key), one = hn::Set(d, 1);
-    add_lit(w, n, [&](size_t i, V lit) HWY_ATTR {
+    add_lit(w, n, sampler, kKeyDepth, [&](size_t i, V lit) HWY_ATTR {
       const V3 dir = directions(rays, i), normal = load(v.normal, i);
       const V diffuse = hn::Mul(hn::Mul(key, load(v.kd, i)), dot(normal, dir));
       V3 light = load(v.color, i) * hn::Mul(lit, diffuse);
@@ -331,7 +331,7 @@ class AmbientShading {
 
   // Traces the wavefront's shadow rays and adds light(i, share of it that arrives).
   template <class W, class Light>
-  void add_lit(W& w, size_t n, const Light& light) {
+  void add_lit(W& w, size_t n, const WideSampler<D>& sampler, Purpose depth, const Light& light) {
     Vertices& v = w.vertices();
     const RayBatch& rays = w.shadow_rays();
     const V zero = hn::Zero(d);
@@ -340,7 +340,7 @@ class AmbientShading {
       asked += hn::CountTrue(d, hn::And(hn::FirstN(d, n - i), hn::Gt(load(rays.tmax, i), zero)));
     if (asked == 0) return;
     w.counts().shadow += asked;
-    const uint8_t* const hidden = w.occluded();
+    const uint8_t* const hidden = w.occluded(sampler, depth);
     for (size_t i = 0; i < n; i += kWidth) {
       const M sent = hn::And(hn::FirstN(d, n - i), hn::Gt(load(rays.tmax, i), zero));
       const auto stopped = hn::PromoteTo(du, hn::LoadU(hn::Rebind<uint8_t, DU>(), hidden + i));

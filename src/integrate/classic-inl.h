@@ -138,7 +138,7 @@ class PhongShading {
     }
     if (lit == 0) return;
     w.counts().shadow += lit;
-    const uint8_t* const hidden = w.occluded();
+    const uint8_t* const hidden = w.occluded(sampler, kLightDepth + uint32_t(l));
     if constexpr (W::kRecords) w.recorder().shadow_rays(w.rays(), rays, hidden, l, n);
     const float* const shares = w.shares();
     V3 intensity = set3(d, emitter.intensity);

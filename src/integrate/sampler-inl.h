@@ -62,6 +62,11 @@ class WideSampler {
     return in_cell(dealt(block, branch, purpose), bits, s_.samples);
   }
 
+  /// A random word, for hashes to begin with.
+  HWY_INLINE U key(U place, U branch, uint32_t purpose) const {
+    return random(place, sample_, branch, purpose).x;
+  }
+
  private:
   const D d{};
   const Unsigned<D> du{};

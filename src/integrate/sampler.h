@@ -15,6 +15,11 @@
 //   kOcclusion   place in ray tree     the rays of the ambient shading to the sky: of a sample with
 //                                      k of them, samples k s to k s + k - 1
 //   kKeyLight    place in ray tree     its shadow ray to the key light
+//   kLayer       place in ray tree     which of many clear layers a ray shades, in_unit() alone
+//   kLayerKey    place in ray tree     which of the layers behind them stop it, key() alone
+//   kSkyDepth    place in ray tree     through how much a ray to the sky goes, in_unit() alone
+//   kKeyDepth    place in ray tree     likewise to the key light
+//   kLightDepth + i  place in ray tree  likewise to light i
 //
 // A pixel goes by its place in the picture: its column, plus its row times 65536.
 // Branch 1 is the eye ray; the reflected child of branch b is 2b, the refracted one 2b + 1.
@@ -36,7 +41,12 @@ enum Purpose : uint32_t {
   kTranslucency,
   kTime,
   kOcclusion,
-  kKeyLight
+  kKeyLight,
+  kLayer,
+  kLayerKey,
+  kSkyDepth,
+  kKeyDepth,
+  kLightDepth = 0xc0000000u
 };
 
 inline constexpr uint32_t kEyeBranch = 1;

@@ -39,11 +39,13 @@
 
 #include <bit>
 #include <limits>
+#include <span>
 #include <type_traits>
 #include <utility>
 
 #include "integrate/camera-inl.h"
 #include "integrate/features-inl.h"
+#include "integrate/layers-inl.h"
 #include "integrate/sampler-inl.h"
 #include "integrate/surfaces-inl.h"
 #include "integrate/wavefront.h"
@@ -73,7 +75,7 @@ class Wavefront final : public TileRenderer {
         hidden_(padded(kChunk)),
         clear_(scene.accel.geometry().any_clear()) {
     if (clear_) {
-      first_.resize(padded(kChunk)), shares_.resize(padded(kChunk)), depths_.resize(padded(kChunk));
+      first_.resize(padded(kChunk)), shares_.resize(padded(kChunk));
       coverage_.resize(padded(kChunk));
     }
     if (scene.scene.moves()) {
@@ -127,16 +129,13 @@ class Wavefront final : public TileRenderer {
     return hn::Add(hn::ShiftLeft<16>(row_of(pixel)), column_of(pixel));
   }
 
-  // The batch for a Shading's own rays, and what stops them: 0 or 1 each. Those whose tmax is not
-  // positive count as not stopped.
+  // The batch for a Shading's own rays, one for each current ray, and what stops them: 0 or 1 each.
+  // Those whose tmax is not positive count as not stopped. `depth`: places them in what is clear.
   RayBatch& shadow_rays() { return shadow_; }
-  const uint8_t* occluded() {
+  const uint8_t* occluded(const WideSampler<D>& sampler, uint32_t depth) {
     if (moves_) set_times(shadow_);
     scene_.accel.occluded(shadow_, hidden_.data(), context_);
-    if (clear_) {
-      scene_.accel.clear_depths(shadow_, hidden_.data(), depths_.data(), context_);
-      for (size_t i = 0; i < shadow_.size(); ++i) shares_[i] = passed(depths_[i]);
-    }
+    if (clear_) find_shares(sampler, depth);
     return hidden_.data();
   }
   // Rays and hits for a Shading's own questions about what is opaque.
@@ -314,7 +313,7 @@ class Wavefront final : public TileRenderer {
     if (clear_)
       for (size_t i = 0; i < current_.rays.size(); ++i) {
         coverage_[i] = covered(current_.weight[0][i]);
-        first_[i] = current_.weight[0][i] == 1;
+        first_[i] = current_.rays.tmax[i] > 0;
       }
     shade_hits(level, sampler);
   }
@@ -394,53 +393,94 @@ class Wavefront final : public TileRenderer {
   // Of a pixel, what a part of it counts.
   static int64_t covered(float part) { return std::llround(double(part) * double(kFullCoverage)); }
 
-  // Shades what is clear in front of what the current rays hit or miss, one layer after another,
-  // and leaves those with the part of their weights that comes through.
+  // Shades what is clear in front of what the current rays hit or miss and leaves those rays of
+  // which something comes through, with that part of their weights. Those that have met something
+  // are known by their tmax, 0.
   void trace_clear(int level, const WideSampler<D>& sampler) {
     const size_t n = current_.rays.size();
-    std::swap(behind_, current_), std::swap(behind_hits_, hits_);
-    current_.resize(n);
-    if (moves_) layer_.add_time();
-    layer_.resize(n), after_.reset(n), hits_.reset(n);
-    passed_depth_.assign(n, 0), layer_of_.resize(n);
-    for (size_t i = 0; i < n; ++i) {
-      Ray ray = behind_.rays[i];
-      ray.tmax = behind_hits_.t[i];  // of a miss that of the ray
-      layer_.set(i, ray);
-      after_.set(i, Hit{.t = 0, .item = 0});
-      layer_of_[i] = uint32_t(i);
-    }
-    for (bool first = true; layer_.size() > 0; first = false) {
-      scene_.accel.next_clear(layer_, after_, next_, context_);
-      if (context_.stopped()) return;
-      size_t kept = 0;
-      for (size_t i = 0; i < layer_.size(); ++i) {
-        const Hit hit = next_[i];
-        if (!hit.found()) continue;
-        const uint32_t from = layer_of_[i];
-        uint32_t& depth = passed_depth_[from];
-        const float before = passed(depth);
-        depth = std::min(depth + scene_.accel.geometry().depth_of(hit.item), kMostDepth);
-        const float after = passed(depth);
-        current_.set(kept, behind_, from, before - after);
-        hits_.set(kept, hit);
-        coverage_[kept] = covered(before) - covered(after);
-        layer_.set(kept, layer_[i]), after_.set(kept, hit), layer_of_[kept] = from;
-        ++kept;
+    const bool many = layers_.find(scene_.accel, current_.rays, hits_, context_);
+    if (many) {
+      layer_places_.resize(padded(n)), layer_keys_.resize(padded(n));
+      for (size_t i = 0; i < n; i += kWidth) {
+        const U place = place_of(load(current_.pixel, i)), branch = load(current_.branch, i);
+        hn::StoreU(sampler.in_unit(place, branch, kLayer), d, &layer_places_[i]);
+        hn::StoreU(sampler.key(place, branch, kLayerKey), du, &layer_keys_[i]);
       }
-      current_.rays.resize(kept);
-      fill_up(kept);
-      std::fill_n(first_.begin(), kept, first);
+    }
+    layers_.choose(scene_.accel, layer_places_.data(), layer_keys_.data(), context_);
+    if (context_.stopped()) return;
+    std::swap(behind_, current_), std::swap(behind_hits_, hits_);
+    const auto& list = layers_.shaded();
+    if (level == 1 && !list.empty()) add_coverage(n);
+    if (level == 1 && many) add_first_features();
+    for (size_t begin = 0; begin < list.size(); begin += kChunk) {
+      const size_t count = std::min(list.size() - begin, kChunk);
+      take_layers(std::span(list).subspan(begin, count));
+      for (size_t k = 0; k < count; ++k) first_[k] = list[begin + k].first;
       shade_hits(level, sampler);
       if (context_.stopped()) return;
-      layer_.resize(kept);
-      current_.resize(n);
     }
-    std::swap(behind_, current_), std::swap(behind_hits_, hits_);
+    size_t kept = 0;
+    current_.resize(n), hits_.reset(n);
     for (size_t i = 0; i < n; ++i) {
-      const float part = passed(passed_depth_[i]);
-      for (auto& weight : current_.weight) weight[i] *= part;
-      if (part == 0) hits_.item[i] = kNoPrimitive;
+      const float part = layers_.through(i);
+      if (part == 0) continue;
+      current_.set(kept, behind_, i, part), hits_.set(kept, behind_hits_[i]);
+      if (layers_.met(i)) current_.rays.tmax[kept] = 0;
+      ++kept;
+    }
+    current_.rays.resize(kept);
+    fill_up(kept);
+  }
+  // Makes the current rays those behind_ that meet the layers.
+  void take_layers(std::span<const ShadedLayer> layers) {
+    const size_t n = layers.size();
+    current_.resize(n), hits_.reset(n);
+    for (size_t k = 0; k < n; ++k) {
+      current_.set(k, behind_, layers[k].ray, layers[k].part), hits_.set(k, layers[k].hit);
+      coverage_[k] = 0;
+    }
+    current_.rays.resize(n);
+    fill_up(n);
+  }
+  // What eye rays meet that is clear covers of their pixels.
+  void add_coverage(size_t n) {
+    for (size_t i = 0; i < n; ++i) coverage_[i] = kFullCoverage - covered(layers_.through(i));
+    for (size_t i = 0; i < n; i += kWidth)
+      sums_.add(set3(d, Rgb()), &behind_.pixel[i], hn::FirstN(d, n - i), &coverage_[i]);
+  }
+  // Of eye rays whose first layer is not shaded.
+  void add_first_features() {
+    const auto& list = layers_.unshaded_firsts();
+    if (list.empty()) return;
+    counts_.eye_hits += list.size();
+    if (sums_.layout().planes() == 0) return;
+    take_layers(list);
+    if (moves_) set_times(current_.rays);
+    find_surfaces(scene_.accel.geometry(), scene_.scene, current_.rays, hits_, list.size(),
+                  *vertices_);
+    features_.add(current_.rays, hits_, *vertices_, current_.pixel.data(), nullptr, sample_, sums_);
+  }
+
+  // What comes through what is clear, of the shadow rays that are not stopped: all that passes
+  // the densest primitive and a depth of kExactDepth; where there is more, a ray passes the rest or
+  // does not, as often as the light would.
+  void find_shares(const WideSampler<D>& sampler, uint32_t depth) {
+    static constexpr uint32_t kExactDepth = kHalving;
+    const size_t n = shadow_.size();
+    depths_.reset(n, hidden_.data());
+    for (size_t i = 0; i < n; i += kWidth) {
+      const V u =
+          sampler.in_unit(place_of(load(current_.pixel, i)), load(current_.branch, i), depth);
+      const V halvings = hn::Neg(log2_of(d, hn::Sub(hn::Set(d, 1), u)));
+      const auto limit = hn::ConvertTo(Signed<D>(), hn::Mul(halvings, hn::Set(d, kHalving)));
+      hn::StoreU(hn::Add(hn::BitCast(du, limit), hn::Set(du, kExactDepth)), du, &depths_.limit[i]);
+    }
+    scene_.accel.clear_depths(shadow_, depths_, context_);
+    for (size_t i = 0; i < n; ++i) {
+      const uint32_t sum = depths_.sum[i], largest = depths_.largest[i];
+      shares_[i] =
+          depths_.is_stopped(i) ? 0 : passed(largest + std::min(sum - largest, kExactDepth));
     }
   }
 
@@ -594,16 +634,17 @@ class Wavefront final : public TileRenderer {
   HitBatch probed_;
   std::vector<uint8_t> hidden_;
   // Where something is clear: of shadow rays the optical depths and what comes through them; the
-  // rays on their way through layers, what they have met and passed, and where they come from.
+  // layers that rays meet, and those rays as they go on behind them.
   bool clear_ = false;
-  std::vector<uint32_t> depths_;
+  DepthBatch depths_;
   std::vector<float> shares_;
   std::vector<int64_t> coverage_;  // of the current rays
   std::vector<uint8_t> first_;     // likewise: whether they have met nothing before
+  Layers layers_;
+  std::vector<float> layer_places_;
+  std::vector<uint32_t> layer_keys_;
   Paths behind_;
-  HitBatch behind_hits_, after_, next_;
-  RayBatch layer_;
-  std::vector<uint32_t> passed_depth_, layer_of_;
+  HitBatch behind_hits_;
   RayBatch one_;
   HitBatch one_hit_;
   std::vector<uint32_t> ray_steps_, ray_tests_;  // of each current ray, where they are counted

@@ -21,7 +21,7 @@ struct Scratch {
   RayBatch rays;
   HitBatch hits;
   std::vector<uint8_t> occluded;
-  std::vector<uint32_t> depths;
+  DepthBatch depths;
 };
 
 raio::Ray ray_of(const Ray& ray, size_t number, Vec3d scene_origin) {
@@ -141,10 +141,9 @@ void Accel::occluded(size_t count, const Ray* rays, uint8_t* occluded) const {
                  scratch.occluded.resize(padded(n));
                  data_->accel->occluded(scratch.rays, scratch.occluded.data(), context);
                  if (data_->accel->geometry().any_clear()) {
-                   scratch.depths.resize(padded(n));
-                   data_->accel->clear_depths(scratch.rays, scratch.occluded.data(),
-                                              scratch.depths.data(), context);
-                   for (size_t i = 0; i < n; ++i) scratch.occluded[i] |= scratch.depths[i] > 0;
+                   scratch.depths.reset(n, scratch.occluded.data());
+                   data_->accel->clear_depths(scratch.rays, scratch.depths, context);
+                   for (size_t i = 0; i < n; ++i) scratch.occluded[i] = scratch.depths.sum[i] > 0;
                  }
                  std::copy_n(scratch.occluded.begin(), n, occluded + first);
                });

@@ -41,10 +41,12 @@ struct Batch {
   float* t;
   PrimitiveId* item;  // this and the next only where the nearest hit is wanted
   float *u, *v;
-  // Of next_clear, behind which hits, and of depths, where they are added.
+  // Of next_clear, behind which hits and by which keys, if any; of depths, where they are added.
   const float* after_t;
   const PrimitiveId* after_item;
-  uint32_t* depths;
+  const uint32_t* keys;
+  DepthBatch* depths;
+  size_t first_depth;  // there
   // As ShearedRay, where the scene has triangles; the axes by their number in kShearAxes.
   float* shear[3];
   float* axes;
@@ -295,7 +297,8 @@ class Rays {
     float& best = rays_[id].t;
     if (!(t > 0 && t <= best)) return;
     if constexpr (query == Query::depths) {
-      if (t < best) batch_.depths[id] = std::min(batch_.depths[id] + g_.depth_of(item), kMostDepth);
+      if (t < best && !batch_.depths->add(batch_.first_depth + id, g_.depth_of(item)))
+        best = batch_.t[id] = kOccluded;
       return;
     }
     if constexpr (query == Query::next_clear) {
@@ -308,6 +311,8 @@ class Rays {
     }
     PrimitiveId& old = batch_.item[id];
     if (t == best && (old == kNoPrimitive || old <= item)) return;
+    if constexpr (query == Query::next_clear)
+      if (batch_.keys && !g_.stops(item, batch_.keys[id])) return;
     best = batch_.t[id] = t, old = item;
     batch_.u[id] = u, batch_.v[id] = v;
   }

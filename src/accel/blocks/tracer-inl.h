@@ -34,14 +34,13 @@ Scratch<WalkScratch>& own_scratch() {
   return *scratch;
 }
 
-// Where a trace's answers go. Of next_clear also behind which hits, of depths which rays are not
-// asked about, if any.
+// Where a trace's answers go. Of next_clear also behind which hits and by which keys, if any.
 struct TraceOutput {
   HitBatch* hits = nullptr;
   uint8_t* hit = nullptr;
   const HitBatch* after = nullptr;
-  const uint8_t* stopped = nullptr;
-  uint32_t* depths = nullptr;
+  const uint32_t* keys = nullptr;
+  DepthBatch* depths = nullptr;
 };
 
 // Things of a structure of blocks: `empty()`, and walk(structure, without_shared, n, walk_scratch,
@@ -84,11 +83,13 @@ class Tracer {
                .v = kHits ? &hits->v[first] : nullptr,
                .after_t = out.after ? &out.after->t[first] : nullptr,
                .after_item = out.after ? &out.after->item[first] : nullptr,
-               .depths = out.depths ? out.depths + first : nullptr,
+               .keys = out.keys ? out.keys + first : nullptr,
+               .depths = out.depths,
+               .first_depth = first,
                .shear = {scratch_.shear[0], scratch_.shear[1], scratch_.shear[2]},
                .axes = scratch_.shear[3]};
     start(b, &rays.tmax[first]);
-    if (query == Query::depths) start_depths(b, out.stopped ? out.stopped + first : nullptr);
+    if (query == Query::depths) leave_out_stopped(b);
     for (uint32_t i = 0; i < g_.count(PrimitiveKind::plane); ++i) intersect_plane(b, i);
     if (!structure_.empty()) trace_blocks(b);
     if (any) {
@@ -151,12 +152,9 @@ class Tracer {
     for (size_t i = b.count; i < padded(b.count); ++i) b.t[i] = -1;
   }
 
-  // Rays that are known to be stopped are done.
-  void start_depths(Batch& b, const uint8_t* stopped) {
-    for (size_t i = 0; i < b.count; ++i) {
-      b.depths[i] = 0;
-      if (stopped && stopped[i]) b.t[i] = -1;
-    }
+  void leave_out_stopped(Batch& b) {
+    for (size_t i = 0; i < b.count; ++i)
+      if (b.depths->is_stopped(b.first_depth + i)) b.t[i] = kOccluded;
   }
 
   // All rays against one plane, in double and in the order of shape/plane.h.
@@ -204,11 +202,12 @@ class Tracer {
       if (!test<PrimitiveKind::plane>(g_, index, alone)) continue;
       const float t = alone.best.t;
       if (query == Query::depths) {
-        b.depths[i] = std::min(b.depths[i] + g_.depth_of(item), kMostDepth);
+        if (!b.depths->add(b.first_depth + i, g_.depth_of(item))) b.t[i] = kOccluded;
         continue;
       }
       if (query == Query::next_clear &&
-          (t < b.after_t[i] || (t == b.after_t[i] && item <= b.after_item[i])))
+          (t < b.after_t[i] || (t == b.after_t[i] && item <= b.after_item[i]) ||
+           (b.keys && !g_.stops(item, b.keys[i]))))
         continue;
       b.t[i] = any ? kOccluded : t;
       if (kHits) b.item[i] = item;

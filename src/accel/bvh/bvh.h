@@ -51,9 +51,10 @@ void bvh_occluded(const Geometry& geometry, const Bvh& bvh, const RayBatch& rays
 
 /// Accel::next_clear() and Accel::clear_depths() by the tree over what is clear.
 void bvh_next_clear(const Geometry& geometry, const Bvh& bvh, const RayBatch& rays,
-                    const HitBatch& after, HitBatch& hits, TraceContext& context);
+                    const HitBatch& after, HitBatch& hits, TraceContext& context,
+                    const uint32_t* keys);
 void bvh_clear_depths(const Geometry& geometry, const Bvh& bvh, const RayBatch& rays,
-                      const uint8_t* skip, uint32_t* depths, TraceContext& context);
+                      DepthBatch& depths, TraceContext& context);
 
 /// The walk of one ray, which goes to `context.log`: nodes and leaves, without depths and boxes,
 /// and the items that are tested.

@@ -13,15 +13,14 @@ HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
 
 void next_clear(const Geometry& g, const Bvh& bvh, const RayBatch& rays, const HitBatch& after,
-                HitBatch& hits, TraceContext& context) {
-  trace_all<Query::next_clear, StreamScratch>(g, bvh, rays, {.hits = &hits, .after = &after},
-                                              context);
+                HitBatch& hits, TraceContext& context, const uint32_t* keys) {
+  trace_all<Query::next_clear, StreamScratch>(
+      g, bvh, rays, {.hits = &hits, .after = &after, .keys = keys}, context);
 }
 
-void clear_depths(const Geometry& g, const Bvh& bvh, const RayBatch& rays, const uint8_t* skip,
-                  uint32_t* depths, TraceContext& context) {
-  trace_all<Query::depths, StreamScratch>(g, bvh, rays, {.stopped = skip, .depths = depths},
-                                          context);
+void clear_depths(const Geometry& g, const Bvh& bvh, const RayBatch& rays, DepthBatch& depths,
+                  TraceContext& context) {
+  trace_all<Query::depths, StreamScratch>(g, bvh, rays, {.depths = &depths}, context);
 }
 
 }  // namespace raio::HWY_NAMESPACE
@@ -34,13 +33,14 @@ HWY_EXPORT(next_clear);
 HWY_EXPORT(clear_depths);
 
 void bvh_next_clear(const Geometry& geometry, const Bvh& bvh, const RayBatch& rays,
-                    const HitBatch& after, HitBatch& hits, TraceContext& context) {
-  HWY_DYNAMIC_DISPATCH(next_clear)(geometry, bvh, rays, after, hits, context);
+                    const HitBatch& after, HitBatch& hits, TraceContext& context,
+                    const uint32_t* keys) {
+  HWY_DYNAMIC_DISPATCH(next_clear)(geometry, bvh, rays, after, hits, context, keys);
 }
 
 void bvh_clear_depths(const Geometry& geometry, const Bvh& bvh, const RayBatch& rays,
-                      const uint8_t* skip, uint32_t* depths, TraceContext& context) {
-  HWY_DYNAMIC_DISPATCH(clear_depths)(geometry, bvh, rays, skip, depths, context);
+                      DepthBatch& depths, TraceContext& context) {
+  HWY_DYNAMIC_DISPATCH(clear_depths)(geometry, bvh, rays, depths, context);
 }
 
 }  // namespace raio
