@@ -273,7 +273,9 @@ TEST(Opacity, TheTreeFindsTheLayersOfBruteForce) {
       (*tree)->clear_depths(rays, b, context);
       for (size_t i = 0; i < rays.size(); ++i) {
         ASSERT_EQ(a.sum[i], b.sum[i]) << i;
-        if (!a.is_stopped(i)) ASSERT_EQ(a.largest[i], b.largest[i]) << i;
+        if (!a.is_stopped(i)) {
+          ASSERT_EQ(a.largest[i], b.largest[i]) << i;
+        }
       }
     }
     // And by keys, of which each ray has its own.
@@ -284,7 +286,9 @@ TEST(Opacity, TheTreeFindsTheLayersOfBruteForce) {
     (*tree)->next_clear(rays, after, second, context, keys.data());
     for (size_t i = 0; i < rays.size(); ++i) {
       ASSERT_EQ(first.item[i], second.item[i]) << i;
-      if (first[i].found()) ASSERT_EQ(first.t[i], second.t[i]) << i;
+      if (first[i].found()) {
+        ASSERT_EQ(first.t[i], second.t[i]) << i;
+      }
     }
   }
 }
