@@ -1,8 +1,8 @@
-// What rays meet that is clear, and which of it is shaded. A ray that meets few layers shades all
-// of them. Of many it shades those that count most; among the others it chooses one at random, as
-// often as it is seen, so that the picture is the same in the mean: the first of them by how much
-// each counts, those behind without an order, as each layer stops a ray or lets it pass by itself.
-// The first that stops it is the one that is seen.
+// Finds the transparent layers that rays meet and chooses which of them are shaded. A ray that
+// meets few layers shades all of them. Of many, it shades those with the largest weights and
+// chooses one of the others at random, with its weight as the probability, so the mean does not
+// change. Beyond the layers that were found in order, each layer stops the ray with its opacity as
+// the probability; the nearest one that stops the ray is shaded.
 //
 // Enderton, Sintorn, Shirley and Luebke 2010, "Stochastic Transparency", I3D.
 // Once for each instruction set, as foreach_target.h passes again.
@@ -32,8 +32,8 @@ struct ShadedLayer {
 
 class Layers {
  public:
-  // Finds the layers in front of what the rays hit or miss: of each ray all of them, or as many as
-  // are told apart. Are there rays with more, which choose() wants numbers for?
+  // Finds the first layers of each ray, nearest first, in front of its opaque hit. Returns whether
+  // any ray has more layers than it keeps; choose() then needs random numbers.
   bool find(const Accel& accel, const RayBatch& rays, const HitBatch& behind,
             TraceContext& context) {
     const size_t n = rays.size();

@@ -17,9 +17,9 @@
 //   kKeyLight    place in ray tree     its shadow ray to the key light
 //   kLayer       place in ray tree     which of many clear layers a ray shades, in_unit() alone
 //   kLayerKey    place in ray tree     which of the layers behind them stop it, key() alone
-//   kSkyDepth    place in ray tree     through how much a ray to the sky goes, in_unit() alone
-//   kKeyDepth    place in ray tree     likewise to the key light
-//   kLightDepth + i  place in ray tree  likewise to light i
+//   kSkyDepth    place in ray tree     the largest depth a ray to the sky passes, in_unit() alone
+//   kKeyDepth    place in ray tree     the same for the ray to the key light
+//   kLightDepth + i  place in ray tree  the same for the ray to light i
 //
 // A pixel goes by its place in the picture: its column, plus its row times 65536.
 // Branch 1 is the eye ray; the reflected child of branch b is 2b, the refracted one 2b + 1.

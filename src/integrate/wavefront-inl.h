@@ -443,7 +443,7 @@ class Wavefront final : public TileRenderer {
     current_.rays.resize(n);
     fill_up(n);
   }
-  // What eye rays meet that is clear covers of their pixels.
+  // Adds the part of each pixel that the transparent layers of its eye rays cover.
   void add_coverage(size_t n) {
     for (size_t i = 0; i < n; ++i) coverage_[i] = kFullCoverage - covered(layers_.through(i));
     for (size_t i = 0; i < n; i += kWidth)
@@ -462,9 +462,9 @@ class Wavefront final : public TileRenderer {
     features_.add(current_.rays, hits_, *vertices_, current_.pixel.data(), nullptr, sample_, sums_);
   }
 
-  // What comes through what is clear, of the shadow rays that are not stopped: all that passes
-  // the densest primitive and a depth of kExactDepth; where there is more, a ray passes the rest or
-  // does not, as often as the light would.
+  // Finds the part of the light that passes the transparent primitives on each shadow ray. The
+  // densest primitive and a depth of kExactDepth count exactly; whether the ray passes the rest is
+  // drawn at random, with the transmittance as the probability.
   void find_shares(const WideSampler<D>& sampler, uint32_t depth) {
     static constexpr uint32_t kExactDepth = kHalving;
     const size_t n = shadow_.size();

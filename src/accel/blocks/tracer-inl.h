@@ -34,7 +34,7 @@ Scratch<WalkScratch>& own_scratch() {
   return *scratch;
 }
 
-// Where a trace's answers go. Of next_clear also behind which hits and by which keys, if any.
+// The arrays that a trace fills. next_clear also reads `after` and, if they are there, `keys`.
 struct TraceOutput {
   HitBatch* hits = nullptr;
   uint8_t* hit = nullptr;

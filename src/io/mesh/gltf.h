@@ -72,7 +72,7 @@ struct Paint {
   bool blends = false, masks = false;
   std::optional<TextureUse> texture;
 };
-/// What a morph target adds, at weight 1.
+/// The displacements of a morph target at weight 1.
 struct MorphTarget {
   Index position, normal;
 };

@@ -184,7 +184,7 @@ class Parser {
         "a scene in glTF {}; Raio reads glTF 2.0, which gltf-pipeline makes of it", version)};
   }
 
-  // Those that change neither places nor base colours.
+  // Extensions that change neither geometry nor base colours.
   static bool is_optional(std::string_view name) {
     static const std::set<std::string_view> kOptional = {
         "KHR_animation_pointer", "KHR_lights_punctual", "KHR_xmp_json_ld", "MSFT_lod"};
