@@ -311,6 +311,9 @@ TEST(Gltf, SkinsPoseMeshes) {
   EXPECT_EQ(bounds(scene).lo, Vec3f(0, 0, 0));
   EXPECT_EQ(bounds(scene).hi, Vec3f(1, 2, 0));
   EXPECT_THAT(warnings_of(file), IsEmpty());
+  Gltf bare = file;
+  replace(bare.primitives, ", \"JOINTS_0\": 1, \"WEIGHTS_0\": 2", "");
+  EXPECT_THAT(warnings_of(bare), HasSubstr("1 primitives are drawn without their pose"));
   replace(file.more, "[1, 2]", "[1, 2, 0]");
   EXPECT_THAT(read(file.json(), "a.gltf").error().front().text(), HasSubstr("/skins/0"));
 }
@@ -340,6 +343,9 @@ TEST(Gltf, InstancesOfTheExtensionAreCopies) {
   EXPECT_EQ(scene.instances.size(), 2u);
   EXPECT_EQ(bounds(scene).lo, Vec3f(0, 0, 1));
   EXPECT_EQ(bounds(scene).hi, Vec3f(7, 2, 1));
+  replace(file.nodes, "\"mesh\": 0", "\"mesh\": 0, \"skin\": 0");
+  file.more += R"(, "skins": [{"joints": [0]}])";
+  EXPECT_THAT(warnings_of(file), HasSubstr("the copies of 1 meshes with skins are left out"));
 }
 
 TEST(Gltf, OrthographicCamerasSeeTheirHeight) {

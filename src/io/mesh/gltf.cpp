@@ -136,6 +136,8 @@ class GltfReader {
     const std::vector<double>& weights =
         node.weights.empty() ? document_.meshes[*node.mesh].weights : node.weights;
     const bool is_morphed = std::ranges::any_of(weights, [](double w) { return w != 0; });
+    const auto is_there = [](const Index& column) { return column.has_value(); };
+    uncopied_ += node.skin && std::ranges::any_of(node.copies, is_there);
     for (const Transform& place : copies_of(number)) {
       if (node.skin) {
         posed_.push_back({{*node.mesh, kHere}, &weights, node.skin});
@@ -265,7 +267,10 @@ class GltfReader {
   void place_posed() {
     for (const PosedUse& use : posed_) {
       for (const MeshPrimitive& p : document_.meshes[use.number].primitives)
-        if (p.mode == 0) add_points(use.number, p, use.place);
+        if (p.mode == 0) {
+          add_points(use.number, p, use.place);
+          ++unposed_;
+        }
       for (Mesh& mesh : triangles_of(use.number, 1, &use)) {
         move(mesh, use.place);
         scene_.meshes.push_back(std::move(mesh));
@@ -423,6 +428,7 @@ class GltfReader {
       add(mesh.normals, p.targets[i].normal, weight);
     }
     for (Vec3f& n : mesh.normals) n = unit(Vec3d(n));
+    unposed_ += pose.skin && p.bones.empty();
     if (pose.skin && !p.bones.empty()) {
       const std::vector<Transform>& bones = bones_of(*pose.skin);
       std::vector<std::pair<Elements, Elements>> columns;
@@ -538,6 +544,13 @@ class GltfReader {
     if (nowhere_ > 0) warn(fmt::format("{} primitives without POSITION are left out", nowhere_));
     if (unsound_ > 0)
       warn(fmt::format("{} meshes are left out that are scaled to nothing", unsound_));
+    if (unposed_ > 0)
+      warn(
+          fmt::format("{} primitives are drawn without their pose: points, or without JOINTS_0 "
+                      "and WEIGHTS_0 in a skin",
+                      unposed_));
+    if (uncopied_ > 0)
+      warn(fmt::format("the copies of {} meshes with skins are left out", uncopied_));
   }
 
   // --- camera
@@ -605,7 +618,7 @@ class GltfReader {
   std::vector<MaterialId> materials_;             // of the file's, those that are used
   MaterialId plain_ = 0;
   std::vector<uint32_t> numbers_, named_;  // of vertices in a mesh; kNoNormal: none
-  size_t lines_ = 0, nowhere_ = 0, unsound_ = 0;
+  size_t lines_ = 0, nowhere_ = 0, unsound_ = 0, unposed_ = 0, uncopied_ = 0;
   double bytes_ = 0;
 };
 
