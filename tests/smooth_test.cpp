@@ -69,6 +69,7 @@ TEST(Smooth, TrianglesWithoutAreaStayFlat) {
   Scene scene = scene_of(std::move(mesh));
   EXPECT_EQ(smooth_meshes(scene, 40), 1u);
   EXPECT_EQ(scene.meshes[0].normal_indices[4][0], kNoNormal);
+  for (const Vec3f& normal : scene.meshes[0].normals) EXPECT_FLOAT_EQ(length(normal), 1);
 }
 
 // Only meshes of files without normals, and not a file of another kind.

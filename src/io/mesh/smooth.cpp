@@ -79,7 +79,14 @@ class Smoother {
     }
   }
 
-  // Each normal of a place once; false: no corner has another one than its triangle.
+  // A triangle stays flat where a corner has no normal, or all have the triangle's own.
+  bool stays_flat(size_t triangle) const {
+    const std::span<const Vec3f> normals(&corners_[3 * triangle], 3);
+    return std::ranges::find(normals, Vec3f()) != normals.end() ||
+           std::ranges::count(normals, Vec3f(units_[triangle])) == 3;
+  }
+
+  // Each normal of a place once; false: all triangles stay flat.
   bool store() {
     std::vector<Vec3f> normals;
     std::vector<TriangleIndices> indices(mesh_.triangles.size(), kFlatTriangle);
@@ -87,22 +94,14 @@ class Smoother {
       const size_t first = normals.size();
       for (size_t k = first_[place]; k < first_[place + 1]; ++k) {
         const uint32_t corner = around_[k];
+        if (stays_flat(corner / 3)) continue;
         const auto same =
             std::find(normals.begin() + ptrdiff_t(first), normals.end(), corners_[corner]);
         indices[corner / 3][corner % 3] = uint32_t(same - normals.begin());
         if (same == normals.end()) normals.push_back(corners_[corner]);
       }
     }
-    bool any = false;
-    for (size_t i = 0; i < indices.size(); ++i) {
-      const auto is_flat = [&](size_t k) { return corners_[3 * i + k] == Vec3f(units_[i]); };
-      const auto is_known = [&](size_t k) { return corners_[3 * i + k] != Vec3f(); };
-      if ((is_flat(0) && is_flat(1) && is_flat(2)) || !is_known(0) || !is_known(1) || !is_known(2))
-        indices[i] = kFlatTriangle;
-      else
-        any = true;
-    }
-    if (!any) return false;
+    if (normals.empty()) return false;
     mesh_.normals = std::move(normals), mesh_.normal_indices = std::move(indices);
     return true;
   }
