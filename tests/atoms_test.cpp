@@ -372,6 +372,11 @@ TEST(Cif, ColumnsMayBeLeftOut) {
   ASSERT_TRUE(few) << few.error().front().text();
   ASSERT_EQ(few->scene.spheres.size(), 2u);
   EXPECT_EQ(few->scene.spheres[1].center, Vec3f(2.4f, 2, 3));
+  const auto places = read(
+      "data_x\nloop_\n_atom_site.Cartn_x\n_atom_site.Cartn_y\n_atom_site.Cartn_z\n1 2 3\n5 2 3\n",
+      "a.cif");
+  ASSERT_TRUE(places) << places.error().front().text();
+  EXPECT_EQ(places->scene.spheres.size(), 2u);
 }
 
 // Products of operations, the last applied first; and ranges of which most are not there.

@@ -66,6 +66,7 @@ TEST(Smooth, EdgesThatBendMoreStaySharp) {
 TEST(Smooth, TrianglesWithoutAreaStayFlat) {
   Mesh mesh = folded(30, true);
   mesh.triangles.push_back({1, 1, 2});
+  mesh.positions.push_back({9, 9, 9});  // of no triangle
   Scene scene = scene_of(std::move(mesh));
   EXPECT_EQ(smooth_meshes(scene, 40), 1u);
   EXPECT_EQ(scene.meshes[0].normal_indices[4][0], kNoNormal);

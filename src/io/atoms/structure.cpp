@@ -398,7 +398,8 @@ void complete_atoms(gemmi::cif::Block& block, Notices& notices) {
   std::vector<std::pair<std::string, int>> missing;  // a value, or the column that has it, or -1
   for (const Column& c : kColumns) {
     if (loop->has_tag(c.tag) || loop->has_tag(c.instead)) continue;
-    missing.emplace_back(c.value, loop->find_tag(c.copied_from));
+    const int source = loop->find_tag(c.copied_from);
+    missing.emplace_back(c.value, source < int(width) ? source : -1);  // not one of those added
     loop->tags.emplace_back(c.tag);
   }
   if (!missing.empty()) {

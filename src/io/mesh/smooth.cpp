@@ -66,8 +66,8 @@ class Smoother {
   }
 
   void smooth_around(size_t place) {
-    const std::span<const uint32_t> here(&around_[first_[place]],
-                                         first_[place + 1] - first_[place]);
+    const std::span<const uint32_t> here =
+        std::span(around_).subspan(first_[place], first_[place + 1] - first_[place]);
     if (here.size() > kMostAround) return;
     for (const uint32_t corner : here) {
       Vec3d sum;
