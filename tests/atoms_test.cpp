@@ -377,6 +377,14 @@ TEST(Cif, ColumnsMayBeLeftOut) {
       "a.cif");
   ASSERT_TRUE(places) << places.error().front().text();
   EXPECT_EQ(places->scene.spheres.size(), 2u);
+  const auto long_number = read(
+      "data_x\nloop_\n_atom_site.id\n_atom_site.Cartn_x\n_atom_site.Cartn_y\n_atom_site.Cartn_z\n"
+      "66666666666 1 2 3\n",
+      "a.cif");
+  ASSERT_TRUE(long_number) << long_number.error().front().text();
+  EXPECT_THAT(long_number->notices,
+              testing::Contains(testing::ResultOf([](const Diagnostic& d) { return d.text(); },
+                                                  testing::HasSubstr("too many digits (1: 666"))));
 }
 
 // Products of operations, the last applied first; and ranges of which most are not there.

@@ -39,8 +39,9 @@ int element_of_label(std::string_view label) {
 
 // "0.15D+01" of Fortran.
 bool parse_fortran(std::string_view text, double& number) {
-  std::array<char, 64> word{};
-  if (text.size() >= word.size() || text.find_first_of("dD") == text.npos) return false;
+  constexpr size_t kMost = 64;
+  std::array<char, kMost + TextBuffer::kPadding> word{};
+  if (text.size() > kMost || text.find_first_of("dD") == text.npos) return false;
   std::ranges::replace_copy_if(
       text, word.begin(), [](char c) { return c == 'd' || c == 'D'; }, 'e');
   return parse_number(word.data(), number) != nullptr;

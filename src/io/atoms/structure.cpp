@@ -7,6 +7,7 @@
 #include <gemmi/cif.hpp>
 #include <gemmi/mmcif.hpp>
 #include <gemmi/smcif.hpp>
+#include <limits>
 #include <locale>
 #include <map>
 #include <optional>
@@ -353,6 +354,8 @@ void add_component(gemmi::cif::Block& block, Atoms& out) {
   placeless.tell(out.notices, Severity::left_out, "atoms without coordinates");
 }
 
+constexpr size_t kIntDigits = std::numeric_limits<int>::digits10;
+
 // The symbols of atoms that have none, by their names.
 void complete_elements(gemmi::cif::Loop& loop, Notices& notices) {
   const int symbol = loop.find_tag("_atom_site.type_symbol");
@@ -375,6 +378,22 @@ void complete_elements(gemmi::cif::Loop& loop, Notices& notices) {
     of_row = gemmi::Element(static_cast<gemmi::El>(element)).name();
   }
   elements.tell(notices);
+}
+
+// Whole numbers that gemmi has no room for become unknown.
+void cut_numbers(gemmi::cif::Loop& loop, Notices& notices) {
+  Cases cut;
+  for (const char* tag : {"_atom_site.id", "_atom_site.label_seq_id", "_atom_site.auth_seq_id",
+                          "_atom_site.pdbx_formal_charge"}) {
+    const int column = loop.find_tag(tag);
+    for (size_t row = 0; column >= 0 && row < loop.length(); ++row) {
+      std::string& value = loop.values[row * loop.width() + size_t(column)];
+      if (value.size() <= kIntDigits) continue;
+      cut.add(value);
+      value = "?";
+    }
+  }
+  cut.tell(notices, Severity::left_out, "numbers of atoms and residues with too many digits");
 }
 
 // The columns that gemmi wants of a table of atoms and that files may leave out.
@@ -412,6 +431,7 @@ void complete_atoms(gemmi::cif::Block& block, Notices& notices) {
     loop->values = std::move(values);
   }
   complete_elements(*loop, notices);
+  cut_numbers(*loop, notices);
 }
 
 // _pdbx_struct_assembly_gen of mmCIF: an operation is the product of one of each list, as in
