@@ -94,43 +94,58 @@ struct Tangents {
   void join(const Tangents& b) { up = std::max(up, b.up), across = std::max(across, b.across); }
 };
 
+/// How a picture lies in space.
+struct PictureAxes {
+  Vec3d right, up, forward;
+};
+
+PictureAxes axes_towards(Vec3d forward, Vec3d up) {
+  const Vec3d right = normalize(cross(forward, up));
+  return {right, cross(right, forward), forward};
+}
+
+PictureAxes three_quarter(Vec3d up) {
+  const Frame<double> frame(up);  // two axes of the data across the vertical one
+  return axes_towards(normalize(up * 0.55 + frame.u * 0.45 - frame.v * 0.9) * -1.0, up);
+}
+
+PictureAxes axes_from(Side side, Vec3d up) {
+  const Vec3d axis = std::abs(up.x) > 0.9 ? Vec3d(0, 1, 0) : Vec3d(1, 0, 0);
+  const Vec3d right = normalize(axis - up * dot(axis, up)), front = cross(right, up);
+  switch (side) {
+    case Side::front:
+      break;
+    case Side::back:
+      return axes_towards(front, up);
+    case Side::left:
+      return axes_towards(right, up);
+    case Side::right:
+      return axes_towards(right * -1.0, up);
+    case Side::top:
+      return axes_towards(up * -1.0, front * -1.0);
+    case Side::bottom:
+      return axes_towards(up, front);
+    case Side::iso:
+      return axes_towards(normalize(front + right + up) * -1.0, up);
+  }
+  return axes_towards(front * -1.0, up);
+}
+
 // The angle of a picture that must have half of this angle, or more.
 float degrees(double tangent) {
   return std::clamp(float(2 * std::atan(tangent * kMargin) / kRadians), 0.01f, 170.0f);
 }
 
-}  // namespace
+Vec3d middle_of(const Box3f& box) { return (Vec3d(box.lo) + Vec3d(box.hi)) * 0.5; }
 
-void fit_camera(Scene& scene, FitView view, Vec3f up) {
-  Camera& camera = scene.camera;
-  if (camera.width == 0) camera.width = 1200, camera.height = 900;
-  const Box3f box = bounds(scene);
-  if (box.empty()) return;
-  const Vec3d middle = (Vec3d(box.lo) + Vec3d(box.hi)) * 0.5;
-  Vec3d to_up = normalize(Vec3d(up)), to_right, forward;
-  std::optional<std::array<Vec3d, 3>> axes;
-  if (view == FitView::principal) {
-    auto moments = sum_up<Moments>(scene, [&](Moments& m, Vec3f center, float) {
-      const Vec3d c = Vec3d(center) - middle;
-      m.count += 1, m.sum = m.sum + c;
-      const std::array<double, 6> by = {c.x * c.x, c.x * c.y, c.x * c.z,
-                                        c.y * c.y, c.y * c.z, c.z * c.z};
-      for (size_t i = 0; i < by.size(); ++i) m.squares[i] += by[i];
-    });
-    axes = principal_axes(moments);
-  }
-  if (axes) {
-    to_right = (*axes)[0], to_up = (*axes)[1];
-    forward = cross(to_up, to_right);
-  } else {
-    const Frame<double> frame(to_up);  // two axes of the data across the vertical one
-    const Vec3d from = normalize(to_up * 0.55 + frame.u * 0.45 - frame.v * 0.9);
-    forward = from * -1.0;
-    to_right = normalize(cross(forward, to_up));
-    to_up = cross(to_right, forward);
-  }
+// The scene's camera, so that a picture that lies so holds the scene, which has such bounds.
+Camera fitted(const Scene& scene, const Box3f& box, const PictureAxes& axes) {
+  Camera camera = scene.camera;
+  camera.movement.reset();
+  const auto& [to_right, to_up, forward] = axes;
+  const Vec3d middle = middle_of(box);
   const double tangent = std::tan(kFovDeg / 2 * kRadians) / kMargin;
-  const double across = tangent * camera.width / camera.height;
+  const double across = camera.width > 0 ? tangent * camera.width / camera.height : tangent;
   const double secant = std::sqrt(1 + tangent * tangent),
                secant_across = std::sqrt(1 + across * across);
   // A sphere at (x, y, z) before a camera at a distance D from the middle stays below the upper
@@ -159,6 +174,46 @@ void fit_camera(Scene& scene, FitView view, Vec3f up) {
   });
   camera.from = Vec3f(from), camera.at = Vec3f(at), camera.up = Vec3f(to_up);
   camera.fov_deg = degrees(tangents.up), camera.across_deg = degrees(tangents.across);
+  return camera;
+}
+
+}  // namespace
+
+void fit_camera(Scene& scene, FitView view, Vec3f up) {
+  if (scene.camera.width == 0) scene.camera.width = 1200, scene.camera.height = 900;
+  const Box3f box = bounds(scene);
+  if (box.empty()) return;
+  std::optional<std::array<Vec3d, 3>> axes;
+  if (view == FitView::principal) {
+    const Vec3d middle = middle_of(box);
+    auto moments = sum_up<Moments>(scene, [&](Moments& m, Vec3f center, float) {
+      const Vec3d c = Vec3d(center) - middle;
+      m.count += 1, m.sum = m.sum + c;
+      const std::array<double, 6> by = {c.x * c.x, c.x * c.y, c.x * c.z,
+                                        c.y * c.y, c.y * c.z, c.z * c.z};
+      for (size_t i = 0; i < by.size(); ++i) m.squares[i] += by[i];
+    });
+    axes = principal_axes(moments);
+  }
+  scene.camera = fitted(scene, box,
+                        axes ? PictureAxes{(*axes)[0], (*axes)[1], cross((*axes)[1], (*axes)[0])}
+                             : three_quarter(normalize(Vec3d(up))));
+}
+
+Camera fitted_from(const Scene& scene, std::optional<Side> side, Vec3f up) {
+  const Box3f box = bounds(scene);
+  if (box.empty()) return scene.camera;
+  const Vec3d to_up = normalize(Vec3d(up));
+  return fitted(scene, box, side ? axes_from(*side, to_up) : three_quarter(to_up));
+}
+
+Vec3f nearest_axis(Vec3f direction) {
+  int longest = 0;
+  for (const int axis : {1, 2})
+    if (std::abs(direction[axis]) > std::abs(direction[longest])) longest = axis;
+  Vec3f out;
+  out[longest] = std::copysign(1.0f, direction[longest]);
+  return out;
 }
 
 Camera fitted_in_parallel(const Scene& scene, const Camera& camera) {

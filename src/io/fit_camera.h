@@ -1,6 +1,8 @@
 // A camera for data that comes without one.
 #pragma once
 
+#include <optional>
+
 #include "scene/scene.h"
 
 namespace raio {
@@ -14,6 +16,18 @@ enum class FitView : uint8_t { three_quarter, principal };
 /// picture of any shape (Camera::across_deg). Pictures are 1200 x 900 unless the scene says
 /// otherwise. `up` is what the data calls so; the principal view does not ask.
 void fit_camera(Scene& scene, FitView view, Vec3f up = {0, 0, 1});
+
+/// A side of the scene; `iso` is the corner between front, right and top.
+enum class Side : uint8_t { front, back, left, right, top, bottom, iso };
+
+/// The scene's camera moved so that it shows all of the scene as large as it fits, from one of its
+/// sides, or, without one, at an angle from above. With the z axis up the front faces -y, with the
+/// y axis up +z; in both the right side faces +x. In the pictures from above and from below, the
+/// right side is on the right.
+Camera fitted_from(const Scene& scene, std::optional<Side> side, Vec3f up);
+
+/// The axis, x, y or z in either direction, nearest to a direction.
+Vec3f nearest_axis(Vec3f direction);
 
 /// The camera, which looks at the scene from some direction, moved across it and with other angles,
 /// so that its parallel rays show all of the scene as large as it fits.

@@ -8,7 +8,6 @@
 
 #include "base/parallel.h"
 #include "integrate/classic.h"
-#include "io/fit_camera.h"
 #include "render/figure_options.h"
 #include "render/picture_options.h"
 
@@ -22,6 +21,8 @@ constexpr std::array<std::string_view, kViews> kViewNames = {
 constexpr std::array<std::string_view, 3> kToneNames = {"none", "srgb", "agx"};
 constexpr std::array<std::string_view, 3> kShadingNames = {"nff", "phong", "blinn-phong"};
 constexpr std::array<std::string_view, 2> kProjectionNames = {"perspective", "orthographic"};
+constexpr std::array<std::string_view, 7> kSideNames = {"front", "back",   "left", "right",
+                                                        "top",   "bottom", "iso"};
 constexpr std::array<std::string_view, 3> kFresnelNames = {"none", "exact", "schlick"};
 
 template <class T>
@@ -274,6 +275,35 @@ std::string vector_text(const RenderOptions& o) {
   return v ? fmt::format("{},{},{}", v->x, v->y, v->z) : "";
 }
 
+std::expected<void, std::string> parse_from(RenderOptions& o, std::string_view text) {
+  const auto side = std::ranges::find(kSideNames, text);
+  if (side != kSideNames.end()) {
+    o.side = Side(side - kSideNames.begin()), o.from.reset();
+    return {};
+  }
+  const auto parsed = parse_vector<&RenderOptions::from>(o, text);
+  if (!parsed)
+    return std::unexpected(fmt::format(
+        "expected three numbers as X,Y,Z, or front, back, left, right, top, bottom or iso, "
+        "found '{}'",
+        text));
+  o.side.reset();
+  return {};
+}
+std::string from_text(const RenderOptions& o) {
+  return o.side ? std::string(kSideNames[size_t(*o.side)]) : vector_text<&RenderOptions::from>(o);
+}
+
+std::expected<void, std::string> parse_up(RenderOptions& o, std::string_view text) {
+  const bool negative = text.starts_with('-');
+  const std::string_view name = text.substr(negative || text.starts_with('+') ? 1 : 0);
+  if (name != "x" && name != "y" && name != "z") return parse_vector<&RenderOptions::up>(o, text);
+  Vec3d up;
+  up[name[0] - 'x'] = negative ? -1 : 1;
+  o.up = up;
+  return {};
+}
+
 using Options = RenderOptions;
 constexpr auto kTable = std::to_array<OptionSpec>({
     {"size", "WxH",
@@ -313,12 +343,17 @@ constexpr auto kTable = std::to_array<OptionSpec>({
      {},
      true,
      false},
-    {"from", "X,Y,Z", "Position of the camera, in the file's coordinates (default: the scene's)",
-     parse_vector<&Options::from>, 0, 0, vector_text<&Options::from>},
+    {"from", "PLACE",
+     "Position of the camera as X,Y,Z, in the file's coordinates, or the side from which it shows "
+     "all of the scene: front, back, left, right, top, bottom or iso (default: the scene's)",
+     parse_from, 0, 0, from_text},
     {"at", "X,Y,Z", "Point the camera looks at (default: the scene's)", parse_vector<&Options::at>,
      0, 0, vector_text<&Options::at>},
-    {"up", "X,Y,Z", "Up direction of the camera (default: the scene's)", parse_vector<&Options::up>,
-     0, 0, vector_text<&Options::up>},
+    {"up", "AXIS",
+     "Up direction of the camera, as X,Y,Z or x, -x, y, -y, z or -z; a camera that was fitted to "
+     "data is fitted anew unless `from` or `at` has numbers (default: the scene's; with a side, "
+     "the axis nearest to it)",
+     parse_up, 0, 0, vector_text<&Options::up>},
     {"fov", "DEG", "Vertical field of view in degrees (default: the scene's)",
      +[](Options& o) -> float& { return o.fov_deg; }, 0.001, 179},
     {"projection", "NAME",
@@ -593,16 +628,26 @@ bool is_refitted(const Camera& camera, const Camera& own) {
   return camera.is_parallel() && !own.is_parallel() && own.across_deg > 0;
 }
 
+// Do the options turn the scene round, so that the camera is fitted to it?
+bool turns(const RenderOptions& o, const Camera& own) {
+  if (o.from || o.at) return false;
+  return o.side || (o.up && *o.up != Vec3d() && own.across_deg > 0);
+}
+
 }  // namespace
 
 Camera camera_of(const Scene& scene, const RenderOptions& options) {
-  Camera camera = scene.camera;
+  const Camera& own = scene.camera;
+  const bool fits = turns(options, own);
+  Camera camera = fits ? fitted_from(scene, options.side,
+                                     options.up ? Vec3f(*options.up) : nearest_axis(own.up))
+                       : own;
   if (options.from || options.at) camera.movement.reset();
   if (options.from) camera.from = Vec3f(*options.from - scene.origin);
   if (options.at) camera.at = Vec3f(*options.at - scene.origin);
-  if (options.up) camera.up = Vec3f(*options.up);
+  if (options.up && !fits) camera.up = Vec3f(*options.up);
   camera.projection = options.projection.value_or(camera.projection);
-  if (is_refitted(camera, scene.camera) && !options.from && !options.at)
+  if (fits ? camera.is_parallel() : is_refitted(camera, own) && !options.from && !options.at)
     camera = fitted_in_parallel(scene, camera);
   if (options.fov_deg > 0) camera.fov_deg = options.fov_deg;
   return camera;
@@ -617,7 +662,9 @@ void set_camera(RenderOptions& options, const Camera& camera, const Scene& scene
   };
   // The scene's camera, if it moves, stands still only where a place is given.
   const bool stops = own.movement && !camera.movement;
-  const bool refits = is_refitted(camera, own);  // unless both places are given
+  // Unless both places are given.
+  const bool refits = is_refitted(camera, own) || (camera.up != own.up && own.across_deg > 0);
+  options.side.reset();
   options.from = given(camera.from != own.from || stops || refits, camera.from, scene.origin);
   options.at = given(camera.at != own.at || refits, camera.at, scene.origin);
   options.up = given(camera.up != own.up, camera.up, {});
@@ -625,6 +672,11 @@ void set_camera(RenderOptions& options, const Camera& camera, const Scene& scene
   options.fov_deg = camera.fov_deg == own.fov_deg && own.across_deg == 0 ? 0 : camera.fov_deg;
   options.projection.reset();
   if (camera.projection != own.projection) options.projection = camera.projection;
+}
+
+void reset_camera(RenderOptions& options) {
+  options.from = options.at = options.up = std::nullopt;
+  options.side.reset(), options.projection.reset(), options.fov_deg = 0;
 }
 
 }  // namespace raio

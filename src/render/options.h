@@ -14,6 +14,7 @@
 #include "integrate/color_text.h"
 #include "integrate/settings.h"
 #include "integrate/tone.h"
+#include "io/fit_camera.h"
 
 namespace raio {
 
@@ -35,6 +36,7 @@ struct RenderOptions {
   float dpi = 0;                   // pixels per inch; with `print` 0 is kPrintDpi
   std::optional<Crop> crop;
   std::optional<Vec3d> from, at, up;  // of the camera, in the coordinates of the file
+  std::optional<Side> side;           // instead of `from`
   float fov_deg = 0;
   std::optional<Projection> projection;
   std::optional<IntegratorKind> integrator;
@@ -72,12 +74,16 @@ struct RenderOptions {
   friend bool operator==(const RenderOptions&, const RenderOptions&) = default;
 };
 
-/// The scene's camera with what the options say of it. One that was fitted to data is fitted anew
-/// for parallel rays, unless a place is given.
+/// The scene's camera with what the options say of it. It is fitted to the scene where a side is
+/// given. One that was fitted to data is fitted anew for another direction up and for parallel
+/// rays, unless a place is given.
 Camera camera_of(const Scene& scene, const RenderOptions& options);
 
 /// The options that make a camera of the scene that of a picture: what differs from the scene's.
 void set_camera(RenderOptions& options, const Camera& camera, const Scene& scene);
+
+/// Leaves the camera to the scene.
+void reset_camera(RenderOptions& options);
 
 /// Why the options do not go together (bad_option): one that was given and would have no effect
 /// beside the others, or more samples than there can be; nothing when all is well. Without a scene,

@@ -26,9 +26,8 @@ constexpr double kDrawSeconds = 0.1, kTimingSeconds = 0.15, kLongSeconds = 1;
 
 // What the cost of a pixel depends on, but for the camera.
 RenderOptions without_camera(RenderOptions o) {
-  o.from = o.at = o.up = std::nullopt;
-  o.projection.reset();
-  o.fov_deg = 0, o.width = o.height = 0, o.samples = std::min(o.samples, 1);
+  reset_camera(o);
+  o.width = o.height = 0, o.samples = std::min(o.samples, 1);
   return o;
 }
 

@@ -194,8 +194,7 @@ void draw_options(ViewState& state, const PanelFacts& facts, PanelResult& result
       state.set_projection(camera.projection);
     else
       state.camera = camera;
-    options.from = options.at = options.up = std::nullopt, options.fov_deg = 0;
-    options.projection.reset();
+    reset_camera(options);
     state.options = options;
     state.follow_focus();
     result.changed = true;

@@ -37,8 +37,7 @@ const char* effect_name(Command effect) { return key_of(effect).help; }
 
 ViewState::ViewState(std::string p, std::shared_ptr<const Scene> s, const RenderOptions& o)
     : path(std::move(p)), scene(std::move(s)), options(o), camera(first_camera(o, *scene)) {
-  options.from = options.at = options.up = std::nullopt;
-  options.fov_deg = 0, options.projection.reset();
+  reset_camera(options);
   // What the command line leaves open and the keys walk through.
   const RenderSettings plain = resolve_options(o, *scene);
   options.accel.kind = plain.accel.kind == AccelKind::automatic ? AccelKind::bvh : plain.accel.kind;
