@@ -350,6 +350,15 @@ TEST(Pdb, BrokenFilesAreRefused) {
   EXPECT_NE(error("data_x\n_cell.length_a 1\n", "a.cif"), "no error");
 }
 
+// Numbers as long as a reader may copy, and longer ones, which are none.
+TEST(Xyz, NumbersOfFortranMayBeLong) {
+  const std::string digits(58, '0');
+  const auto places = read("1\n\nC 1." + digits + "D+01 2 3\n", "a.xyz");
+  ASSERT_TRUE(places) << places.error().front().text();
+  EXPECT_EQ(places->scene.spheres[0].center, Vec3f(10, 2, 3));
+  EXPECT_FALSE(read("1\n\nC 1." + digits + "0D+01 2 3\n", "a.xyz"));
+}
+
 TEST(Cif, AtomsAreRead) {
   const auto scene = read(
       "data_x\nloop_\n_atom_site.group_PDB\n_atom_site.id\n_atom_site.type_symbol\n"
@@ -379,12 +388,12 @@ TEST(Cif, ColumnsMayBeLeftOut) {
   EXPECT_EQ(places->scene.spheres.size(), 2u);
   const auto long_number = read(
       "data_x\nloop_\n_atom_site.id\n_atom_site.Cartn_x\n_atom_site.Cartn_y\n_atom_site.Cartn_z\n"
-      "66666666666 1 2 3\n",
+      "66666666666 1 2 3\n2147483647 2 2 3\nLONG-NAME-OF-AN-ATOM 3 2 3\n",
       "a.cif");
   ASSERT_TRUE(long_number) << long_number.error().front().text();
   EXPECT_THAT(long_number->notices,
               testing::Contains(testing::ResultOf([](const Diagnostic& d) { return d.text(); },
-                                                  testing::HasSubstr("too many digits (1: 666"))));
+                                                  testing::HasSubstr("beyond 32 bits (1: 666"))));
 }
 
 // Products of operations, the last applied first; and ranges of which most are not there.

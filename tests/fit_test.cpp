@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "app/warnings.h"
 #include "render/options.h"
 
 namespace raio {
@@ -109,6 +110,19 @@ TEST(Fit, CamerasStayWhatTheyAreAsOptions) {
     EXPECT_EQ(again.at, camera.at);
     EXPECT_EQ(again.up, camera.up);
   }
+}
+
+TEST(Fit, TellsWhichUpIsGuessed) {
+  Scene scene = corners();
+  RenderOptions o;
+  EXPECT_EQ(app::up_warning(o, scene), std::nullopt);
+  o.side = Side::front;
+  EXPECT_THAT(app::up_warning(o, scene).value_or(""), HasSubstr("guessed as z,"));
+  o.up = Vec3d(0, 0, 1);
+  EXPECT_EQ(app::up_warning(o, scene), std::nullopt);
+  o.up.reset();
+  fit_camera(scene, FitView::three_quarter, {0, -1, 0});
+  EXPECT_EQ(app::up_warning(o, scene), std::nullopt);  // it is upright
 }
 
 TEST(Fit, WhatASideCannotBe) {

@@ -1,11 +1,13 @@
 // The warnings of render/warnings.h as people read them, with the options that would help.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "accel/accel.h"
 #include "integrate/settings.h"
+#include "render/options.h"
 #include "scene/scene.h"
 
 namespace raio::app {
@@ -14,5 +16,9 @@ namespace raio::app {
 /// judged.
 std::vector<std::string> warning_lines(const Scene& scene, const RenderSettings& settings,
                                        const Accel* accel);
+
+/// Which axis a side of the scene takes for up, where no option says so and the scene's camera is
+/// not upright about it, as when it was fitted to molecules.
+std::optional<std::string> up_warning(const RenderOptions& options, const Scene& scene);
 
 }  // namespace raio::app

@@ -295,12 +295,17 @@ std::string from_text(const RenderOptions& o) {
 }
 
 std::expected<void, std::string> parse_up(RenderOptions& o, std::string_view text) {
-  const bool negative = text.starts_with('-');
-  const std::string_view name = text.substr(negative || text.starts_with('+') ? 1 : 0);
-  if (name != "x" && name != "y" && name != "z") return parse_vector<&RenderOptions::up>(o, text);
-  Vec3d up;
-  up[name[0] - 'x'] = negative ? -1 : 1;
-  o.up = up;
+  const bool is_negative = text.starts_with('-');
+  const std::string_view axis = text.substr(is_negative || text.starts_with('+') ? 1 : 0);
+  if (axis == "x" || axis == "y" || axis == "z") {
+    Vec3d up;
+    up[axis[0] - 'x'] = is_negative ? -1 : 1;
+    o.up = up;
+    return {};
+  }
+  if (!parse_vector<&RenderOptions::up>(o, text))
+    return std::unexpected(
+        fmt::format("expected x, -x, y, -y, z, -z or three numbers as X,Y,Z, found '{}'", text));
   return {};
 }
 
@@ -609,74 +614,6 @@ std::string option_arguments(const RenderOptions& options) {
       out += fmt::format(" --{} {}", spec.name, shell_word(text));
   }
   return out;
-}
-
-namespace {
-
-// What reads back to the same floats, with as few digits as that takes.
-Vec3d plain(Vec3f value) {
-  Vec3d out(value);
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto shorter = parse_number<double>(fmt::format("{}", value[axis]));
-    if (shorter && float(*shorter) == value[axis]) out[axis] = *shorter;
-  }
-  return out;
-}
-
-// May a camera in place of `own` have been fitted to the data for its parallel rays?
-bool is_refitted(const Camera& camera, const Camera& own) {
-  return camera.is_parallel() && !own.is_parallel() && own.across_deg > 0;
-}
-
-// Do the options turn the scene round, so that the camera is fitted to it?
-bool turns(const RenderOptions& o, const Camera& own) {
-  if (o.from || o.at) return false;
-  return o.side || (o.up && *o.up != Vec3d() && own.across_deg > 0);
-}
-
-}  // namespace
-
-Camera camera_of(const Scene& scene, const RenderOptions& options) {
-  const Camera& own = scene.camera;
-  const bool fits = turns(options, own);
-  Camera camera = fits ? fitted_from(scene, options.side,
-                                     options.up ? Vec3f(*options.up) : nearest_axis(own.up))
-                       : own;
-  if (options.from || options.at) camera.movement.reset();
-  if (options.from) camera.from = Vec3f(*options.from - scene.origin);
-  if (options.at) camera.at = Vec3f(*options.at - scene.origin);
-  if (options.up && !fits) camera.up = Vec3f(*options.up);
-  camera.projection = options.projection.value_or(camera.projection);
-  if (fits ? camera.is_parallel() : is_refitted(camera, own) && !options.from && !options.at)
-    camera = fitted_in_parallel(scene, camera);
-  if (options.fov_deg > 0) camera.fov_deg = options.fov_deg;
-  return camera;
-}
-
-void set_camera(RenderOptions& options, const Camera& camera, const Scene& scene) {
-  const Camera& own = scene.camera;
-  const auto given = [](bool differs, Vec3f value, Vec3d origin) -> std::optional<Vec3d> {
-    if (!differs) return std::nullopt;
-    if (origin == Vec3d()) return plain(value);
-    return origin + Vec3d(value);
-  };
-  // The scene's camera, if it moves, stands still only where a place is given.
-  const bool stops = own.movement && !camera.movement;
-  // Unless both places are given.
-  const bool refits = is_refitted(camera, own) || (camera.up != own.up && own.across_deg > 0);
-  options.side.reset();
-  options.from = given(camera.from != own.from || stops || refits, camera.from, scene.origin);
-  options.at = given(camera.at != own.at || refits, camera.at, scene.origin);
-  options.up = given(camera.up != own.up, camera.up, {});
-  // An angle that fits the width is another for a picture of another shape.
-  options.fov_deg = camera.fov_deg == own.fov_deg && own.across_deg == 0 ? 0 : camera.fov_deg;
-  options.projection.reset();
-  if (camera.projection != own.projection) options.projection = camera.projection;
-}
-
-void reset_camera(RenderOptions& options) {
-  options.from = options.at = options.up = std::nullopt;
-  options.side.reset(), options.projection.reset(), options.fov_deg = 0;
 }
 
 }  // namespace raio

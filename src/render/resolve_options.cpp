@@ -11,7 +11,6 @@
 #include "render/figure_options.h"
 #include "render/options.h"
 #include "render/picture_options.h"
-#include "scene/enclosing.h"
 
 namespace raio {
 namespace {
@@ -80,22 +79,22 @@ std::optional<Error> lens_conflict(const RenderOptions& options) {
   return std::nullopt;
 }
 
-std::optional<Error> side_conflict(const RenderOptions& options, const Scene& scene) {
+// Without the scene.
+std::optional<Error> side_conflict(const RenderOptions& options) {
   if (!options.side) return std::nullopt;
   if (options.at)
     return bad_option("at",
                       "cannot be combined with a side in `from`, where the camera looks at "
                       "all of the scene; give `from` numbers or leave `at` out");
   if (options.up == Vec3d()) return bad_option("up", "must not be 0");
-  if (bounds(scene).empty())
-    return bad_option("from",
-                      "a side needs a scene that ends somewhere, and this one has nothing "
-                      "but infinite planes; give numbers");
   return std::nullopt;
 }
 
 std::optional<Error> scene_conflict(const RenderOptions& options, const Scene& scene) {
-  if (auto why = side_conflict(options, scene)) return why;
+  if (options.side && bounds(scene).empty())
+    return bad_option("from",
+                      "a side needs a scene that ends somewhere, and this one has nothing "
+                      "but infinite planes; give numbers");
   if (const auto why = camera_problem(camera_of(scene, options)); !why.empty())
     return bad_option("", fmt::format("`from`, `at`, `up`: {}", why));
   if (auto why = figure_conflict(options, scene)) return why;
@@ -135,6 +134,7 @@ std::optional<Error> option_conflict(const RenderOptions& options, const Scene* 
     return bad_option("width", "cannot be combined with `size` in pixels; give one of them");
   if (auto why = accel_conflict(options)) return why;
   if (auto why = sample_conflict(options)) return why;
+  if (auto why = side_conflict(options)) return why;
   if (options.light_size > 0 && !options.soft_shadows) return without("light-size", "soft-shadows");
   const bool of_rays = options.view != View::picture && options.view != View::samples;
   if (of_rays && options.integrator && *options.integrator != IntegratorKind::views)

@@ -4,6 +4,7 @@
 
 #include "app/output.h"
 #include "app/terminal.h"
+#include "app/warnings.h"
 #include "render/render.h"
 #include "view/texts.h"
 #include "view/viewer.h"
@@ -28,6 +29,7 @@ int open_window(const app::ViewCommand& command) {
   state.read_options = command.read, state.read_arguments = command.read_arguments;
   std::vector<std::string> warnings;
   for (const Diagnostic& d : said) warnings.push_back(d.text());
+  if (auto line = app::up_warning(command.options, *state.scene)) warnings.push_back(*line);
   auto session = std::make_unique<Session>(Window::wake);
   session->request({state.scene, first_request});
 

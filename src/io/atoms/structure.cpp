@@ -1,6 +1,7 @@
 // CIF and mmCIF, and cells, by gemmi. In C++17: with its headers clang refuses the containers of
 // incomplete types that later versions evaluate at compile time.
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <exception>
@@ -354,8 +355,6 @@ void add_component(gemmi::cif::Block& block, Atoms& out) {
   placeless.tell(out.notices, Severity::left_out, "atoms without coordinates");
 }
 
-constexpr size_t kIntDigits = std::numeric_limits<int>::digits10;
-
 // The symbols of atoms that have none, by their names.
 void complete_elements(gemmi::cif::Loop& loop, Notices& notices) {
   const int symbol = loop.find_tag("_atom_site.type_symbol");
@@ -380,20 +379,27 @@ void complete_elements(gemmi::cif::Loop& loop, Notices& notices) {
   elements.tell(notices);
 }
 
-// Whole numbers that gemmi has no room for become unknown.
-void cut_numbers(gemmi::cif::Loop& loop, Notices& notices) {
-  Cases cut;
+// Whole numbers that no int holds, which gemmi would read, become unknown.
+void drop_large_numbers(gemmi::cif::Loop& loop, Notices& notices) {
+  const auto is_too_large = [](std::string_view value) {
+    if (value.size() <= std::numeric_limits<int>::digits10) return false;
+    if (value.front() == '+') value.remove_prefix(1);
+    int number;
+    return std::from_chars(value.data(), value.data() + value.size(), number).ec ==
+           std::errc::result_out_of_range;
+  };
+  Cases dropped;
   for (const char* tag : {"_atom_site.id", "_atom_site.label_seq_id", "_atom_site.auth_seq_id",
                           "_atom_site.pdbx_formal_charge"}) {
     const int column = loop.find_tag(tag);
     for (size_t row = 0; column >= 0 && row < loop.length(); ++row) {
       std::string& value = loop.values[row * loop.width() + size_t(column)];
-      if (value.size() <= kIntDigits) continue;
-      cut.add(value);
+      if (!is_too_large(value)) continue;
+      dropped.add(value);
       value = "?";
     }
   }
-  cut.tell(notices, Severity::left_out, "numbers of atoms and residues with too many digits");
+  dropped.tell(notices, Severity::left_out, "serials, residue numbers and charges beyond 32 bits");
 }
 
 // The columns that gemmi wants of a table of atoms and that files may leave out.
@@ -418,7 +424,8 @@ void complete_atoms(gemmi::cif::Block& block, Notices& notices) {
   for (const Column& c : kColumns) {
     if (loop->has_tag(c.tag) || loop->has_tag(c.instead)) continue;
     const int source = loop->find_tag(c.copied_from);
-    missing.emplace_back(c.value, source < int(width) ? source : -1);  // not one of those added
+    missing.emplace_back(c.value,
+                         source < int(width) ? source : -1);  // the source itself may be missing
     loop->tags.emplace_back(c.tag);
   }
   if (!missing.empty()) {
@@ -431,7 +438,7 @@ void complete_atoms(gemmi::cif::Block& block, Notices& notices) {
     loop->values = std::move(values);
   }
   complete_elements(*loop, notices);
-  cut_numbers(*loop, notices);
+  drop_large_numbers(*loop, notices);
 }
 
 // _pdbx_struct_assembly_gen of mmCIF: an operation is the product of one of each list, as in

@@ -1,0 +1,80 @@
+// The options of the camera: what they make of the scene's, and back.
+#include <fmt/core.h>
+
+#include <charconv>
+#include <string>
+
+#include "render/options.h"
+
+namespace raio {
+namespace {
+
+// What reads back to the same floats, with as few digits as that takes.
+Vec3d plain(Vec3f value) {
+  Vec3d out(value);
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::string text = fmt::format("{}", value[axis]);
+    double shorter = 0;
+    const auto read = std::from_chars(text.data(), text.data() + text.size(), shorter);
+    if (read.ec == std::errc() && float(shorter) == value[axis]) out[axis] = shorter;
+  }
+  return out;
+}
+
+// Does a camera that was fitted to data have to be fitted anew for parallel rays?
+bool is_refitted(const Camera& camera, const Camera& own) {
+  return camera.is_parallel() && !own.is_parallel() && own.across_deg > 0;
+}
+
+// Do the options ask for a camera that is fitted to the scene from another direction?
+bool asks_to_fit(const RenderOptions& o, const Camera& own) {
+  if (o.from || o.at) return false;
+  return o.side || (o.up && *o.up != Vec3d() && own.across_deg > 0);
+}
+
+}  // namespace
+
+Camera camera_of(const Scene& scene, const RenderOptions& options) {
+  const Camera& own = scene.camera;
+  const bool fits = asks_to_fit(options, own);
+  Camera camera = fits ? fitted_from(scene, options.side,
+                                     options.up ? Vec3f(*options.up) : nearest_axis(own.up))
+                       : own;
+  if (options.from || options.at) camera.movement.reset();
+  if (options.from) camera.from = Vec3f(*options.from - scene.origin);
+  if (options.at) camera.at = Vec3f(*options.at - scene.origin);
+  if (options.up && !fits) camera.up = Vec3f(*options.up);
+  camera.projection = options.projection.value_or(camera.projection);
+  if (fits ? camera.is_parallel() : is_refitted(camera, own) && !options.from && !options.at)
+    camera = fitted_in_parallel(scene, camera);
+  if (options.fov_deg > 0) camera.fov_deg = options.fov_deg;
+  return camera;
+}
+
+void set_camera(RenderOptions& options, const Camera& camera, const Scene& scene) {
+  const Camera& own = scene.camera;
+  const auto given = [](bool differs, Vec3f value, Vec3d origin) -> std::optional<Vec3d> {
+    if (!differs) return std::nullopt;
+    if (origin == Vec3d()) return plain(value);
+    return origin + Vec3d(value);
+  };
+  // The scene's camera, if it moves, stands still only where a place is given.
+  const bool stops = own.movement && !camera.movement;
+  // Without both places, camera_of() would fit the camera anew.
+  const bool refits = is_refitted(camera, own) || (camera.up != own.up && own.across_deg > 0);
+  options.side.reset();
+  options.from = given(camera.from != own.from || stops || refits, camera.from, scene.origin);
+  options.at = given(camera.at != own.at || refits, camera.at, scene.origin);
+  options.up = given(camera.up != own.up, camera.up, {});
+  // An angle that fits the width is another for a picture of another shape.
+  options.fov_deg = camera.fov_deg == own.fov_deg && own.across_deg == 0 ? 0 : camera.fov_deg;
+  options.projection.reset();
+  if (camera.projection != own.projection) options.projection = camera.projection;
+}
+
+void reset_camera(RenderOptions& options) {
+  options.from = options.at = options.up = std::nullopt;
+  options.side.reset(), options.projection.reset(), options.fov_deg = 0;
+}
+
+}  // namespace raio
