@@ -31,10 +31,14 @@ std::expected<ReadScene, Diagnostics> read_gro(const TextBuffer& text, std::stri
 using Bonds = std::vector<std::array<uint32_t, 2>>;
 
 /// Pairs of atoms no farther apart than the sum of their covalent radii and 0.45 angstroms, as most
-/// programs have it, but for pairs of hydrogens and atoms of no known element; in order. Takes a
-/// time proportional to the number of atoms. Nothing where thousands of atoms are at one place,
-/// which is no molecule.
+/// programs have it, but for pairs of hydrogens, atoms of no known element, and metals with what an
+/// anion holds apart from them; in order. Takes a time proportional to the number of atoms. Nothing
+/// where thousands of atoms are at one place, which is no molecule.
 std::optional<Bonds> find_bonds(const std::vector<Atom>& atoms);
+
+/// Joins the alpha carbons or phosphorus atoms of neighbouring residues where these are all that a
+/// file has of a chain, so that none of them has a bond. Returns how many bonds are new.
+size_t add_traces(const std::vector<Atom>& atoms, Bonds& bonds);
 
 /// The atoms as spheres and cylinders, as `options` have it, with a camera. An error says which
 /// option does not fit.

@@ -21,6 +21,10 @@ namespace {
 
 // So many atoms are still seen one by one.
 constexpr size_t kFew = 300;
+// So many of carbon alone, as in cages and tubes; they are not behind one another.
+constexpr size_t kFewCarbons = 1000;
+// So large chains are told apart by colour in assemblies of so many atoms.
+constexpr size_t kManyAtoms = 5000, kLargeChain = 500;
 constexpr float kLargest = 1e9f;  // number of a matrix, so that what it moves stays near
 constexpr float kStick = 0.15f, kBond = 0.12f, kBallPart = 0.27f, kPoint = 0.25f;
 constexpr double kEdgePart = 0.005;  // of a cell's mean side, the radius of its edges
@@ -38,7 +42,9 @@ size_t images_of(const ReadOptions& options) {
 }
 
 AtomStyle style_of(const Atoms& atoms, const ReadOptions& options) {
-  const bool few = atoms.atoms.size() <= kFew / images_of(options) &&
+  const bool is_carbon =
+      std::ranges::all_of(atoms.atoms, [](const Atom& a) { return a.element == 6; });
+  const bool few = atoms.atoms.size() <= (is_carbon ? kFewCarbons : kFew) / images_of(options) &&
                    (any_element(atoms) || !atoms.bonds.empty());
   return options.style.value_or(few ? AtomStyle::ball_and_stick : AtomStyle::space_filling);
 }
@@ -124,9 +130,18 @@ class AtomScene {
       return failed(file_,
                     "too many atoms are at one place for bonds between them; choose the `style` "
                     "space-filling or points");
+    // Where most atoms have no bonds, small balls would be all there is.
+    if (!options_.style && has_bonds(style_) && 2 * bonded_atoms() < atoms_.atoms.size()) {
+      style_ = AtomStyle::space_filling;
+      bonds_.clear();
+    }
     if (auto wrong = add_copies(); !wrong.empty()) return failed(file_, wrong);
     if (options_.cell) add_edges();
     fit_camera(scene, FitView::principal);
+    if (atoms_.frames > 1 && options_.frame == 0 && !options_.cache)
+      tell(Severity::left_out,
+           fmt::format("frames or models behind the first ({}); `frame` gives others",
+                       atoms_.frames - 1));
     append(read_.notices, atoms_.notices, file_);
     return std::move(read_);
   }
@@ -143,10 +158,34 @@ class AtomScene {
     return style_ == AtomStyle::ball_and_stick ? kBallPart * whole : whole;
   }
 
+  void tell(Severity severity, std::string what) {
+    read_.notices.push_back({severity, std::string(file_), 0, 0, std::move(what), ""});
+  }
+
   MaterialId material(Rgb color) {
     const auto [at, is_new] = materials_.emplace(std::array{color.x, color.y, color.z}, 0);
     if (is_new) at->second = read_.scene.add_material({.color = color, .kd = 1});
     return at->second;
+  }
+
+  // Several large chains, which colours of elements would hide, seen from outside.
+  bool is_assembly() const {
+    if (style_ != AtomStyle::space_filling || atoms_.chains.size() < 2 ||
+        atoms_.atoms.size() < kManyAtoms)
+      return false;
+    struct Size {
+      size_t atoms = 0, residues = 0;
+    };
+    std::vector<Size> sizes(atoms_.chains.size());
+    for (size_t i = 0; i < atoms_.atoms.size(); ++i) {
+      Size& size = sizes[atoms_.atoms[i].chain];
+      ++size.atoms;
+      size.residues += i == 0 || atoms_.atoms[i - 1].residue != atoms_.atoms[i].residue;
+    }
+    // Residues of water and ions are smaller than those of polymers.
+    return std::ranges::count_if(sizes, [](const Size& s) {
+             return s.atoms >= kLargeChain && s.atoms >= 4 * s.residues;
+           }) > 1;
   }
 
   // A material for each atom; the error.
@@ -154,6 +193,7 @@ class AtomScene {
     const bool has_types = atoms_.atoms[0].part > 0 && atoms_.chains.empty();
     const std::string by = !options_.color_by.empty()    ? options_.color_by
                            : has_types && !has_elements_ ? "type"
+                           : is_assembly()               ? "chain"
                                                          : "element";
     // One of a few colours, as the table below has room for.
     uint8_t (*which)(const Atom&) = nullptr;
@@ -289,12 +329,10 @@ class AtomScene {
       drawn += scene.prototypes[copy.prototype].spheres.size();
     if (drawn == atoms_.atoms.size() && scene.instances.size() == 1) return;
     const size_t count = atoms_.assemblies.size();
-    read_.notices.push_back(
-        {Severity::guessed, std::string(file_), 0, 0,
+    tell(Severity::guessed,
          fmt::format("the biological assembly{} is meant, of {} atoms; the file has {}; "
                      "`assembly` none draws these",
-                     count > 1 ? fmt::format(" 1 of {}", count) : "", drawn, atoms_.atoms.size()),
-         ""});
+                     count > 1 ? fmt::format(" 1 of {}", count) : "", drawn, atoms_.atoms.size()));
   }
 
   // So that pictures tell several copies apart: by the channel of objects and by outlines.
@@ -349,7 +387,15 @@ class AtomScene {
     bonds_.insert(bonds_.end(), found->begin(), found->end());
     std::ranges::sort(bonds_);
     bonds_.erase(std::ranges::unique(bonds_).begin(), bonds_.end());
+    if (const size_t traced = add_traces(atoms_.atoms, bonds_); traced > 0)
+      tell(Severity::guessed, fmt::format("bonds along the chains ({})", traced));
     return true;
+  }
+
+  size_t bonded_atoms() const {
+    std::vector<bool> is_bonded(atoms_.atoms.size());
+    for (const auto& [a, b] : bonds_) is_bonded[a] = is_bonded[b] = true;
+    return size_t(std::ranges::count(is_bonded, true));
   }
 
   // Half of it in the colour of the atom at its end.
@@ -408,7 +454,7 @@ class AtomScene {
   const Atoms& atoms_;
   std::string_view file_;
   const ReadOptions& options_;
-  const AtomStyle style_;
+  AtomStyle style_;
   const std::vector<Vec3d> shifts_;
   bool has_elements_ = false;
   float particle_radius_ = 1;  // of atoms without elements
