@@ -2,6 +2,7 @@
 #pragma once
 
 #include "io/atoms/atoms.h"
+#include "io/far_origin.h"
 #include "io/read_scene.h"
 
 namespace raio {
@@ -44,5 +45,23 @@ size_t add_traces(const std::vector<Atom>& atoms, Bonds& bonds);
 /// option does not fit.
 std::expected<ReadScene, Diagnostics> scene_of_atoms(const Atoms& atoms, std::string_view file,
                                                      const ReadOptions& options);
+
+/// A place near all atoms, if they are far from 0 and were read as they stand; else 0.
+std::array<double, 3> origin_for(const std::vector<Atom>& atoms);
+
+/// The scene of the atoms that read(origin) gives with places relative to an origin. Where they are
+/// far from 0 they are read again, relative to a place near all of them.
+template <class Read>
+std::expected<ReadScene, Diagnostics> scene_about(const Read& read, std::string_view file,
+                                                  const ReadOptions& options) {
+  std::expected<Atoms, Diagnostics> atoms = read(std::array<double, 3>{});
+  if (!atoms) return std::unexpected(atoms.error());
+  if (const auto origin = origin_for(atoms->atoms); origin != std::array<double, 3>{}) {
+    atoms->atoms = {};
+    atoms = read(origin);
+    if (!atoms) return std::unexpected(atoms.error());
+  }
+  return scene_of_atoms(*atoms, file, options);
+}
 
 }  // namespace raio

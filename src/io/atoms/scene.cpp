@@ -104,7 +104,12 @@ class AtomScene {
   // `shifts`: to the copies of what the atoms make.
   AtomScene(const Atoms& atoms, std::string_view file, const ReadOptions& options, AtomStyle style,
             std::vector<Vec3d> shifts)
-      : atoms_(atoms), file_(file), options_(options), style_(style), shifts_(std::move(shifts)) {}
+      : atoms_(atoms),
+        file_(file),
+        options_(options),
+        style_(style),
+        shifts_(std::move(shifts)),
+        origin_(atoms.origin[0], atoms.origin[1], atoms.origin[2]) {}
 
   std::expected<ReadScene, Diagnostics> make() {
     if (atoms_.atoms.empty()) {
@@ -123,6 +128,7 @@ class AtomScene {
     }
     Scene& scene = read_.scene;
     scene.dialect = Dialect::data;
+    scene.origin = origin_;
     read_.frames = atoms_.frames;
     if (has_elements_) read_.unit = "Å";  // that of the radii
     if (auto wrong = color_atoms(); !wrong.empty()) return failed(file_, wrong);
@@ -310,7 +316,7 @@ class AtomScene {
         if (part >= chosen.size()) chosen.resize(size_t(part) + 1);
         chosen[part] = true;
       }
-      add_object(&chosen, copies.matrices);
+      add_object(&chosen, about_origin(copies.matrices));
     }
     name_copies();
     if (!options_.assembly && !read_.scene.instances.empty()) tell_assembly();
@@ -319,6 +325,16 @@ class AtomScene {
     // A part of a file keeps the head of the whole.
     add_atoms(read_.scene, nullptr);
     return {};
+  }
+
+  // The same maps of places that are relative to the origin.
+  std::vector<Matrix> about_origin(std::vector<Matrix> matrices) const {
+    if (origin_ == Vec3d()) return matrices;
+    for (Matrix& m : matrices) {
+      const Vec3d shift = Placement(m).point(origin_) - origin_;
+      for (int axis = 0; axis < 3; ++axis) m[size_t(4 * axis) + 3] = float(shift[axis]);
+    }
+    return matrices;
   }
 
   // Unless it is what the file has anyway.
@@ -429,7 +445,7 @@ class AtomScene {
       mean += length(side[i]) / 3;
     }
     const auto& o = atoms_.cell->origin;
-    const Vec3d origin(o[0], o[1], o[2]);
+    const Vec3d origin = Vec3d(o[0], o[1], o[2]) - origin_;
     const auto radius = float(kEdgePart * mean);
     const MaterialId id = material(kEdgeColor);
     for (Scene& object : scene.prototypes) object.materials = scene.materials;
@@ -456,6 +472,7 @@ class AtomScene {
   const ReadOptions& options_;
   AtomStyle style_;
   const std::vector<Vec3d> shifts_;
+  const Vec3d origin_;
   bool has_elements_ = false;
   float particle_radius_ = 1;  // of atoms without elements
   ReadScene read_;
@@ -490,6 +507,18 @@ std::string cell_problem(const Atoms& atoms, const ReadOptions& options) {
 }
 
 }  // namespace
+
+std::array<double, 3> origin_for(const std::vector<Atom>& atoms) try {
+  FileOrigin origin;
+  for (const Atom& atom : atoms) {
+    (void)origin.local(Vec3d(place_of(atom)));
+    if (!origin.is_far()) return {};
+  }
+  const Vec3d at = origin.value();
+  return {at.x, at.y, at.z};
+} catch (const FileOrigin::NotFar&) {
+  return {};
+}
 
 std::expected<ReadScene, Diagnostics> scene_of_atoms(const Atoms& atoms, std::string_view file,
                                                      const ReadOptions& options) {
