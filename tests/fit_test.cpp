@@ -112,6 +112,20 @@ TEST(Fit, CamerasStayWhatTheyAreAsOptions) {
   }
 }
 
+// The longer side across, the third upright; what is flat is seen from there.
+TEST(Fit, CellsStandUpright) {
+  Scene scene = corners();
+  const std::array<Vec3d, 3> sides = {Vec3d(2, 0, 0), Vec3d(0, 9, 0), Vec3d(0, 1, 5)};
+  fit_camera_to_cell(scene, sides, false);
+  const Vec3d up = normalize(sides[2]), view = Vec3d(scene.camera.at - scene.camera.from);
+  EXPECT_NEAR(dot(Vec3d(scene.camera.up), cross(up, view)), 0, 1e-5);
+  EXPECT_GT(dot(Vec3d(scene.camera.up), up), 0.9);
+  EXPECT_GT(cross(view, Vec3d(scene.camera.up)).y, 0.8 * length(view));
+  EXPECT_LT(view.z, 0);  // from above
+  fit_camera_to_cell(scene, sides, true);
+  EXPECT_NEAR(dot(normalize(Vec3d(scene.camera.at - scene.camera.from)), up), -1, 1e-6);
+}
+
 TEST(Fit, TellsWhichUpIsGuessed) {
   Scene scene = corners();
   RenderOptions o;

@@ -200,6 +200,19 @@ void fit_camera(Scene& scene, FitView view, Vec3f up) {
                              : three_quarter(normalize(Vec3d(up))));
 }
 
+void fit_camera_to_cell(Scene& scene, const std::array<Vec3d, 3>& sides, bool is_flat) {
+  if (scene.camera.width == 0) scene.camera.width = 1200, scene.camera.height = 900;
+  const Box3f box = bounds(scene);
+  if (box.empty()) return;
+  const Vec3d up = normalize(sides[2]);
+  const Vec3d across = length(sides[1]) > length(sides[0]) ? sides[1] : sides[0];
+  const Vec3d right = normalize(across - up * dot(across, up)), front = cross(right, up);
+  scene.camera =
+      fitted(scene, box,
+             is_flat ? axes_towards(up * -1.0, front * -1.0)
+                     : axes_towards(normalize(front + right * 0.3 + up * 0.22) * -1.0, up));
+}
+
 Camera fitted_from(const Scene& scene, std::optional<Side> side, Vec3f up) {
   const Box3f box = bounds(scene);
   if (box.empty()) return scene.camera;

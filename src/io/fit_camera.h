@@ -1,6 +1,7 @@
 // A camera for data that comes without one.
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "scene/scene.h"
@@ -16,6 +17,11 @@ enum class FitView : uint8_t { three_quarter, principal };
 /// picture of any shape (Camera::across_deg). Pictures are 1200 x 900 unless the scene says
 /// otherwise. `up` is what the data calls so; the principal view does not ask.
 void fit_camera(Scene& scene, FitView view, Vec3f up = {0, 0, 1});
+
+/// The same for what lies in a cell with these sides: the third one is upright, the longer of the
+/// others goes across the picture, and it is seen from the front, a little from the right and from
+/// above, or, if it `is_flat`, from the third side.
+void fit_camera_to_cell(Scene& scene, const std::array<Vec3d, 3>& sides, bool is_flat);
 
 /// A side of the scene; `iso` is the corner between front, right and top.
 enum class Side : uint8_t { front, back, left, right, top, bottom, iso };

@@ -16,6 +16,7 @@
 #include "io/colormaps.h"
 #include "io/fit_camera.h"
 #include "io/points.h"
+#include "scene/enclosing.h"
 
 namespace raio {
 namespace {
@@ -31,6 +32,7 @@ constexpr float kStick = 0.15f, kBond = 0.12f, kBallPart = 0.27f, kPoint = 0.25f
 constexpr double kEdgePart = 0.005;  // of a cell's mean side, the radius of its edges
 const Rgb kEdgeColor(0.05f);
 constexpr size_t kMostCells = 10'000'000;
+constexpr double kFlat = 0.1;            // of its width, the height of what is seen from above
 constexpr size_t kMostCompleted = 3000;  // atoms of all copies of a cell
 
 Vec3f place_of(const Atom& atom) { return {atom.place[0], atom.place[1], atom.place[2]}; }
@@ -62,12 +64,15 @@ bool is_sound(const Cell& cell) {
   return is_near(cell.origin) && std::ranges::all_of(cell.sides, is_near);
 }
 
-// Whether the edges of the cell are drawn: by default those of crystals and simulations, but not of
-// molecules with chains and of droplets in large boxes.
-bool draws_cell(const Atoms& atoms, const ReadOptions& options) {
-  if (options.cell) return *options.cell;
+// Whether it is a crystal or a simulation, but no molecule with chains or a drop in a large box.
+bool is_of_cell(const Atoms& atoms) {
   return atoms.cell && atoms.chains.empty() && is_sound(*atoms.cell) && !atoms.atoms.empty() &&
          fill_cell(atoms);
+}
+
+// Whether the edges of the cell are drawn.
+bool draws_cell(const Atoms& atoms, const ReadOptions& options) {
+  return options.cell ? *options.cell : is_of_cell(atoms);
 }
 
 // Whether the atoms on the border of the cell are drawn on all of its sides, as in pictures of
@@ -120,8 +125,9 @@ class AtomScene {
       bonds_.clear();
     }
     if (auto wrong = add_copies(); !wrong.empty()) return failed(file_, wrong);
+    const Box3f box = bounds(scene);
     if (draws_cell(atoms_, options_)) add_edges();
-    fit_camera(scene, FitView::principal);
+    fit(box);
     if (atoms_.frames > 1 && options_.frame == 0 && !options_.cache)
       tell(Severity::left_out,
            fmt::format("frames or models behind the first ({}); `frame` gives others",
@@ -131,6 +137,22 @@ class AtomScene {
   }
 
  private:
+  // The camera; `box` has the atoms.
+  void fit(const Box3f& box) {
+    Scene& scene = read_.scene;
+    if (!is_of_cell(atoms_)) return fit_camera(scene, FitView::principal);
+    std::array<Vec3d, 3> sides;
+    for (size_t i = 0; i < 3; ++i) {
+      const auto& s = atoms_.cell->sides[i];
+      sides[i] = Vec3d(s[0], s[1], s[2]) * options_.images[i];
+    }
+    const auto reach = [&](const Vec3d& side) {
+      return dot(abs(normalize(side)), Vec3d(box.hi) - Vec3d(box.lo));
+    };
+    const bool is_flat = reach(sides[2]) < kFlat * std::min(reach(sides[0]), reach(sides[1]));
+    fit_camera_to_cell(scene, sides, is_flat);
+  }
+
   float radius_of(size_t atom) const {
     if (style_ == AtomStyle::sticks) return kStick;
     if (style_ == AtomStyle::points) return options_.radius > 0 ? options_.radius : kPoint;
