@@ -128,11 +128,8 @@ class PlyReader {
     });
     at.p += row * element.count;
   }
-  // Floats are what they are.
   void choose_origin(const PlyElement& element) {
     PlyCursor at = file_.at();
-    if (at.encoding != PlyEncoding::text && element.properties[*at_[kX]].type != PlyType::f64)
-      return;
     std::vector<double> values;
     for (const PlyProperty& property : element.properties) {
       values.push_back(property.count ? 0 : at.next(property.type));
