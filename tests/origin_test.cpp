@@ -212,6 +212,18 @@ TEST(FarFromZero, FloatsAreExact) {
   const auto places = places_in_file(found->scene);
   ASSERT_EQ(places.size(), floats.size());
   for (size_t i = 0; i < places.size(); ++i) EXPECT_EQ(places[i], floats[i]);
+  ASSERT_EQ(found->notices.size(), 1u);
+  EXPECT_THAT(found->notices[0].message, HasSubstr("floats are multiples of 0.5;"));
+  EXPECT_TRUE(parse_scene(map_ply("double"), "double.ply")->notices.empty());
+}
+
+TEST(FarFromZero, AtomsThatAreFarApartAreToldToBeRounded) {
+  const auto told = [](std::string_view x) {
+    const auto found = parse_scene(fmt::format("2\nwide\nAr 0 0 0\nAr {} 0 0\n", x), "a.xyz");
+    return found->notices.empty() ? std::string() : found->notices[0].message;
+  };
+  EXPECT_EQ(told("100000"), "");
+  EXPECT_THAT(told("1000000.3"), HasSubstr("rounded to multiples of 0.0625"));
 }
 
 TEST(FarFromZero, WideAndNearDataStaysAsItIs) {
