@@ -359,7 +359,8 @@ TEST(Atoms, CagesOfCarbonShowTheirBonds) {
 
 TEST(Atoms, FramesThatAreNotDrawnAreTold) {
   const std::string text = "1\n\nC 0 0 0\n1\n\nC 1 0 0\n1\n\nC 2 0 0\n";
-  EXPECT_THAT(said(text, "a.xyz", {}), HasSubstr("frames or models behind the first (2); frame gives others"));
+  EXPECT_THAT(said(text, "a.xyz", {}),
+              HasSubstr("frames or models behind the first (2); frame gives others"));
   EXPECT_EQ(said(text, "a.xyz", {.frame = 1}), "");
 }
 
@@ -638,6 +639,30 @@ TEST(Atoms, CellsAreThoseOfTheFiles) {
   EXPECT_THAT(error(kPdb, "a.pdb", {.images = {2, 1, 1}}), HasSubstr("images needs a cell"));
   EXPECT_THAT(error("1\nLattice=\"inf 0 0 1 5 0 0 1 6\"\nAr 1 1 1\n", "a.xyz", {.cell = true}),
               HasSubstr("cell"));
+}
+
+// Pictures have the cell of a crystal, with the atoms of its corner, edge and face on all sides.
+TEST(Atoms, SmallCellsAreComplete) {
+  const std::string atoms =
+      "4\nLattice=\"4 0 0 1 5 0 0 1 6\" Origin=\"1 2 3\"\n"
+      "Ar 1 2 3\nNe 3.5 5 6.5\nHe 3 2 3\nKr 2.5 5 3\n";
+  const auto drawn = [&](std::string_view text, ReadOptions options) {
+    options.style = AtomStyle::points;
+    const auto got = read(text, "a.xyz", options);
+    return std::pair(got->scene.spheres.size(), got->scene.cones.size());
+  };
+  EXPECT_EQ(drawn(atoms, {}), std::pair(4zu, 0zu)) << "conversions have the file's atoms";
+  // Eight corners, four edges, two faces and one inside; the edges of the cell have eight balls.
+  EXPECT_EQ(drawn(atoms, kForPictures), std::pair(15zu + 8, 12zu));
+  EXPECT_EQ(drawn(atoms, {.cell = false}), std::pair(4zu, 0zu));
+  EXPECT_EQ(drawn(atoms, {.cell = std::nullopt, .images = {2, 1, 1}}),
+            std::pair(12 + 8 + 4 + 2 + 12zu, 12 + 4zu));
+  // A drop in a box has none, unless it is asked for.
+  const std::string drop = "2\nLattice=\"40 0 0 0 50 0 0 0 60\"\nAr 1 2 3\nAr 4 2 3\n";
+  EXPECT_EQ(drawn(drop, kForPictures), std::pair(2zu, 0zu));
+  EXPECT_EQ(drawn(drop, {.cell = true}), std::pair(2 + 8zu, 12zu));
+  const auto got = read(atoms, "a.xyz", kForPictures);
+  EXPECT_EQ(got->notices.back().message, "copies of atoms on the border of the cell");
 }
 
 // As instances, as primitives and as atoms with bonds between the copies.

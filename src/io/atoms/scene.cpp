@@ -9,6 +9,7 @@
 
 #include "base/parallel.h"
 #include "base/platform/memory.h"
+#include "io/atoms/cells.h"
 #include "io/atoms/colors.h"
 #include "io/atoms/lines.h"
 #include "io/atoms/read.h"
@@ -30,6 +31,7 @@ constexpr float kStick = 0.15f, kBond = 0.12f, kBallPart = 0.27f, kPoint = 0.25f
 constexpr double kEdgePart = 0.005;  // of a cell's mean side, the radius of its edges
 const Rgb kEdgeColor(0.05f);
 constexpr size_t kMostCells = 10'000'000;
+constexpr size_t kMostCompleted = 3000;  // atoms of all copies of a cell
 
 Vec3f place_of(const Atom& atom) { return {atom.place[0], atom.place[1], atom.place[2]}; }
 
@@ -53,50 +55,26 @@ bool has_bonds(AtomStyle style) {
   return style == AtomStyle::ball_and_stick || style == AtomStyle::sticks;
 }
 
-// From the cell to its copies, of which the first is the cell itself.
-std::vector<Vec3d> shifts_of(const Atoms& atoms, const std::array<int, 3>& images) {
-  std::vector<Vec3d> out;
-  if (!atoms.cell) return {Vec3d()};
-  const auto side = [&](size_t i) {
-    const auto& s = atoms.cell->sides[i];
-    return Vec3d(s[0], s[1], s[2]);
+bool is_sound(const Cell& cell) {
+  const auto is_near = [](const std::array<double, 3>& v) {
+    return std::ranges::all_of(v, [](double x) { return std::abs(x) <= double(kLargest); });
   };
-  for (int k = 0; k < images[2]; ++k)
-    for (int j = 0; j < images[1]; ++j)
-      for (int i = 0; i < images[0]; ++i) out.push_back(side(0) * i + side(1) * j + side(2) * k);
-  return out;
+  return is_near(cell.origin) && std::ranges::all_of(cell.sides, is_near);
 }
 
-// With the copies of the cell as atoms, so that bonds lead from one to the next. `shifts` are
-// those of the images.
-Atoms repeated(const Atoms& atoms, const std::vector<Vec3d>& shifts,
-               const std::array<int, 3>& images) {
-  Atoms out = atoms;
-  out.atoms.clear(), out.radii.clear(), out.values.clear(), out.bonds.clear();
-  for (const Vec3d& shift : shifts) {
-    const auto first = uint32_t(out.atoms.size());
-    for (Atom atom : atoms.atoms) {
-      for (size_t i = 0; i < 3; ++i) atom.place[i] += float(shift[int(i)]);
-      out.atoms.push_back(atom);
-    }
-    out.radii.insert(out.radii.end(), atoms.radii.begin(), atoms.radii.end());
-    out.values.insert(out.values.end(), atoms.values.begin(), atoms.values.end());
-    for (const auto& [a, b] : atoms.bonds) out.bonds.push_back({first + a, first + b});
-  }
-  const auto count = uint32_t(atoms.atoms.size());
-  for (uint32_t copy = 0; copy < shifts.size(); ++copy)
-    for (const auto& [bond, cells] : atoms.bonds_across) {
-      uint32_t other = 0, rest = copy;
-      bool inside = true;
-      for (uint32_t k = 0, stride = 1; k < 3; stride *= uint32_t(images[k++])) {
-        const int at = int(rest % uint32_t(images[k])) + cells[k];
-        rest /= uint32_t(images[k]);
-        inside &= at >= 0 && at < images[k];
-        other += uint32_t(at) * stride;
-      }
-      if (inside) out.bonds.push_back({copy * count + bond[0], other * count + bond[1]});
-    }
-  return out;
+// Whether the edges of the cell are drawn: by default those of crystals and simulations, but not of
+// molecules with chains and of droplets in large boxes.
+bool draws_cell(const Atoms& atoms, const ReadOptions& options) {
+  if (options.cell) return *options.cell;
+  return atoms.cell && atoms.chains.empty() && is_sound(*atoms.cell) && !atoms.atoms.empty() &&
+         fill_cell(atoms);
+}
+
+// Whether the atoms on the border of the cell are drawn on all of its sides, as in pictures of
+// crystals. The bonds of a file do not lead to them.
+bool completes_cell(const Atoms& atoms, const ReadOptions& options) {
+  return draws_cell(atoms, options) && any_element(atoms) && atoms.finds_bonds &&
+         atoms.atoms.size() <= kFew && atoms.atoms.size() * images_of(options) <= kMostCompleted;
 }
 
 class AtomScene {
@@ -142,7 +120,7 @@ class AtomScene {
       bonds_.clear();
     }
     if (auto wrong = add_copies(); !wrong.empty()) return failed(file_, wrong);
-    if (options_.cell) add_edges();
+    if (draws_cell(atoms_, options_)) add_edges();
     fit_camera(scene, FitView::principal);
     if (atoms_.frames > 1 && options_.frame == 0 && !options_.cache)
       tell(Severity::left_out,
@@ -484,15 +462,10 @@ class AtomScene {
 // What keeps the cell from being drawn or copied.
 std::string cell_problem(const Atoms& atoms, const ReadOptions& options) {
   const size_t images = images_of(options);
-  const std::string_view asked = options.cell ? "cell" : images > 1 ? "images" : "";
+  const std::string_view asked = options.cell.value_or(false) ? "cell" : images > 1 ? "images" : "";
   if (asked.empty()) return {};
   if (!atoms.cell) return fmt::format("`{}` needs a cell, which the file does not have", asked);
-  const Cell& cell = *atoms.cell;
-  const auto is_sound = [](const std::array<double, 3>& v) {
-    return std::ranges::all_of(v, [](double x) { return std::abs(x) <= double(kLargest); });
-  };
-  if (!is_sound(cell.origin) || !std::ranges::all_of(cell.sides, is_sound))
-    return "the cell has a number that is not finite";
+  if (!is_sound(*atoms.cell)) return "the cell has a number that is not finite";
   if (images > kMostCells)
     return fmt::format("{} copies of the cell are too many; expected at most {}", images,
                        kMostCells);
@@ -545,11 +518,14 @@ std::expected<ReadScene, Diagnostics> scene_of_atoms(const Atoms& atoms, std::st
   if (std::string wrong = cell_problem(atoms, options); !wrong.empty()) return failed(file, wrong);
   const AtomStyle style = style_of(atoms, options);
   const std::vector<Vec3d> shifts = shifts_of(atoms, options.images);
-  auto read =
-      has_bonds(style) && shifts.size() > 1
-          ? AtomScene(repeated(atoms, shifts, options.images), file, options, style, {Vec3d()})
-                .make()
-          : AtomScene(atoms, file, options, style, shifts).make();
+  const bool completes = completes_cell(atoms, options);
+  const bool repeats = completes || (has_bonds(style) && shifts.size() > 1);
+  Atoms whole;
+  if (repeats) whole = repeated(atoms, shifts, options.images);
+  if (completes) complete_border(whole, options.images);
+  auto read = AtomScene(repeats ? whole : atoms, file, options, style,
+                        repeats ? std::vector{Vec3d()} : shifts)
+                  .make();
   constexpr double kFine = 0.01;  // much less than a bond is long
   if (const double step = float_step(double(farthest)); read && step > kFine)
     read->notices.push_back({Severity::cut, std::string(file), 0, 0,
