@@ -131,9 +131,10 @@ std::string info_text(const ReadScene& read) {
   };
 
   const Box3f box = bounds(scene);
-  const bool is_far = scene.origin != Vec3d() && !box.empty();
-  const auto place_text = [&, size = is_far ? double(max_component(box.size())) : 0](Vec3f local) {
-    return text_of(scene.origin + plain(local), size);
+  const double box_size = box.empty() ? 0 : double(max_component(box.size()));
+  const bool is_far = scene.origin != Vec3d();
+  const auto place_text = [&](Vec3f local) {
+    return text_of(scene.origin + plain(local), is_far ? box_size : 0);
   };
 
   line("scene", scene.name);

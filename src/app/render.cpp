@@ -162,11 +162,19 @@ class Pictures {
     return s.height / (2 * distance * std::tan(double(s.camera.fov_deg) * std::numbers::pi / 360));
   }
 
+  // The camera among places that are moved by so much.
+  static Camera moved(Camera camera, Vec3d by) {
+    if (by == Vec3d()) return camera;
+    camera.from = Vec3f(Vec3d(camera.from) + by), camera.at = Vec3f(Vec3d(camera.at) + by);
+    return camera;
+  }
+
   // Pictures of frames, all as the camera of the first sees them.
   int render_frames(JobRequest request) {
     const FrameRange& range = *command_.frames;
     const fs::path output = request.output;
     std::optional<Camera> camera;
+    Vec3d origin;  // of the camera
     request.read.frame = range.first.value_or(0);
     request.read.instances = true;
     SceneFrames frames(request.scene);
@@ -179,8 +187,9 @@ class Pictures {
         const auto count = frames_in(read->frames, request.read.frame);
         if (!count) return bad_input(request.scene + ": " + count.error());
         count_ = *count, camera = resolve_options(command_.options, read->scene).camera;
+        origin = read->scene.origin;
       }
-      set_camera(request.options, *camera, read->scene);
+      set_camera(request.options, moved(*camera, origin - read->scene.origin), read->scene);
       if (const int status = annotate(request, std::move(*read))) return status;
       request.built = nullptr;
       request.output = numbered_path(output, index_, count_).string();
@@ -248,7 +257,7 @@ class Pictures {
 
   void print_warnings(const RenderJob& job) const {
     if (const auto line = up_warning(command_.options, job.scene())) warn(*line);
-    for (const std::string& line : warning_lines(job.scene(), job.settings(), &job.accel()))
+    for (const std::string& line : warning_lines(job.scene(), job.settings(), &job.accel(), true))
       warn(line);
   }
 

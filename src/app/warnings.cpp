@@ -9,11 +9,18 @@
 namespace raio::app {
 
 std::vector<std::string> warning_lines(const Scene& scene, const RenderSettings& settings,
-                                       const Accel* accel) {
+                                       const Accel* accel, bool tries_tree) {
   std::vector<std::string> lines;
   for (const SceneWarning& warning : scene_warnings(scene, settings, accel)) {
     std::string& line = lines.emplace_back(warning.sentence);
     if (warning.aperture > 0) line += fmt::format("; try --aperture {:g}", warning.aperture);
+    if (warning.kind == SceneWarning::no_tree) {
+      line += "; try --accel bvh";
+      const double seconds = tries_tree ? seconds_with_tree(scene, settings) : 0;
+      if (seconds > 0)
+        line += fmt::format(
+            ", which takes about {:.2g} s for this picture, by a trial of some tiles", seconds);
+    }
     if (warning.focus > 0)
       line += fmt::format("{} --focus {:g}", warning.aperture > 0 ? " or" : "; try", warning.focus);
   }

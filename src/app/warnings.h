@@ -12,10 +12,11 @@
 
 namespace raio::app {
 
-/// One line each, without a prefix. Without a structure, the lens is not
-/// judged.
+/// One line each, without a prefix. Without a structure, the lens is not judged. Of brute force
+/// that the file asks for, `tries_tree` tells how long a tree would take, which takes a while
+/// itself.
 std::vector<std::string> warning_lines(const Scene& scene, const RenderSettings& settings,
-                                       const Accel* accel);
+                                       const Accel* accel, bool tries_tree = false);
 
 /// Which axis a side of the scene takes for up, where no option says so and the scene's camera is
 /// not upright about it, as when it was fitted to molecules.

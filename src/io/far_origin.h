@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/box.h"
 #include "scene/scene.h"
@@ -60,6 +61,11 @@ class FileOrigin {
   Vec3d value_;
   double farthest_ = 0;
 };
+
+/// How far the next float is from a number so large: coordinates of that size are multiples of it.
+inline double float_step(double size) {
+  return double(std::nextafter(float(size), std::numeric_limits<float>::infinity()) - float(size));
+}
 
 /// What read(FileOrigin&) gives, with an origin where data is far from 0.
 template <class Read>

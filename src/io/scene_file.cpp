@@ -244,6 +244,9 @@ std::string not_kept(const Scene& scene, SceneFormat format) {
     add(text_of(scene,
                 {Feature::roughness, Feature::light_extents, Feature::sky, Feature::movement}));
     if (scene.camera.lens_radius.value_or(0) > 0) add("the camera's lens");
+    if (const Vec3d& o = scene.origin; o != Vec3d())
+      add(fmt::format("its place far from 0, so that coordinates are relative to {} {} {}", o.x,
+                      o.y, o.z));
   }
   return lost;
 }

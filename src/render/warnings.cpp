@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/clock.h"
 #include "integrate/camera.h"
+#include "render/render.h"
 
 namespace raio {
 namespace {
@@ -82,6 +84,13 @@ std::vector<SceneWarning> scene_warnings(const Scene& scene, const RenderSetting
   if (settings.camera.is_parallel() && settings.camera.lens_radius.value_or(0) > 0)
     warnings.push_back({SceneWarning::no_lens,
                         "the scene's lens has no effect on parallel rays, so that all is sharp"});
+  if (const size_t count = scene.primitive_count(); scene.structure == StructureWish::none &&
+                                                    settings.accel.kind == AccelKind::none &&
+                                                    count > kManyPrimitives)
+    warnings.push_back({SceneWarning::no_tree,
+                        fmt::format("the file asks for brute force, so that each ray is tested "
+                                    "against all of {} primitives",
+                                    count)});
   if (!settings.dof || !accel) return warnings;
   const Camera camera = camera_at(settings.camera, settings.shutter_open);
   const EyeRays eye(camera, settings.width, settings.height, settings.angle_to_centers);
@@ -104,6 +113,24 @@ std::vector<SceneWarning> scene_warnings(const Scene& scene, const RenderSetting
   if (blur(settings.aperture, focus).median <= kLittle) warning.focus = focus;
   warnings.push_back(std::move(warning));
   return warnings;
+}
+
+double seconds_with_tree(const Scene& scene, RenderSettings settings) {
+  constexpr size_t kTiles = 16;
+  settings.accel.kind = AccelKind::bvh;
+  const auto start = Clock::now();
+  const auto tree = build_accel(scene, settings.accel, settings.one_sided);
+  const double build = seconds_since(start);
+  const auto film = make_film(scene, settings);
+  if (!tree || !film) return 0;
+  const auto share = uint32_t(std::max<size_t>(1, (*film)->tiles() / kTiles));
+  RenderControl control;
+  const RenderResult done =
+      render(scene, **tree, settings, **film, control, {.samples = 1, .shards = share});
+  const Crop frame = settings.frame();
+  const double rays = double(frame.width()) * frame.height() * settings.samples_per_pixel();
+  const auto tried = double((*film)->rays().eye);
+  return tried > 0 ? build + done.busy_s * rays / tried / std::max(1, settings.threads) : 0;
 }
 
 std::optional<std::string> blank_warning(const Image& picture, const RenderSettings& settings,

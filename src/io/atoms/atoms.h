@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -97,7 +98,7 @@ struct CifFault {
 };
 std::optional<CifFault> read_structure(const char* text, size_t size, int frame, Atoms& out);
 
-/// Tells of atoms that are at one place.
-void note_coincident(Atoms& atoms);
+/// Tells of atoms that are at one place; name_of() gives the name of an atom by its index.
+void note_coincident(Atoms& atoms, const std::function<std::string(uint32_t)>& name_of);
 
 }  // namespace raio

@@ -27,7 +27,6 @@ std::expected<Atoms, Diagnostics> atoms_of(std::string_view bytes, std::string_v
     return failed(file,
                   "there are no atoms that could be read; expected the columns Cartn_x, "
                   "Cartn_y and Cartn_z of _atom_site");
-  note_coincident(atoms);
   return atoms;
 }
 
@@ -43,7 +42,7 @@ std::expected<ReadScene, Diagnostics> read_mmcif(const TextBuffer& text, std::st
       options);
 }
 
-void note_coincident(Atoms& atoms) {
+void note_coincident(Atoms& atoms, const std::function<std::string(uint32_t)>& name_of) {
   struct Same {
     size_t operator()(const std::array<float, 3>& p) const {
       uint64_t hash = 0;
@@ -55,9 +54,11 @@ void note_coincident(Atoms& atoms) {
   std::unordered_set<std::array<float, 3>, Same> places;
   places.reserve(atoms.atoms.size());
   size_t count = 0;
-  for (const Atom& atom : atoms.atoms) count += !places.insert(atom.place).second;
-  if (count > 0)
-    atoms.notices.add(Severity::warning, "atoms at the very place of another", {}, 0, count);
+  for (uint32_t i = 0; i < atoms.atoms.size(); ++i) {
+    if (places.insert(atoms.atoms[i].place).second) continue;
+    const std::string name = ++count <= Notices::kNames ? name_of(i) : "";
+    atoms.notices.add(Severity::warning, "atoms at the very place of another", name);
+  }
 }
 
 }  // namespace raio

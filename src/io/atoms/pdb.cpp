@@ -191,7 +191,12 @@ class PdbReader {
     if (is_pqr_ && options_.color_by == "radius") out.values = out.radii;
     add_bonds(conect, assembler.serials, out);
     add_links(links, crystal.value_or(PdbCrystal()), out);
-    note_coincident(out);
+    note_coincident(out, [&](uint32_t atom) {
+      const PdbRow& row = rows[assembler.row_of[atom]];
+      const auto part = [&](Span span) { return without_blanks(row.part(span)); };
+      return fmt::format("{} {} {}{}", part(row.name), part(row.residue), part(row.chain),
+                         part(row.sequence));
+    });
     return out;
   }
 

@@ -301,7 +301,7 @@ void PdbAssembler::add(const std::vector<PdbRow>& rows, bool is_pqr, bool with_s
   const auto same = [](const PdbRow& a, const PdbRow& b) {
     return a.part(a.sequence) == b.part(b.sequence) && a.part(a.chain) == b.part(b.chain);
   };
-  out_.atoms.reserve(rows.size());
+  out_.atoms.reserve(rows.size()), row_of.reserve(rows.size());
   out_.has_residues = true, out_.has_b_factors = !is_pqr;
   for (size_t i = 0; i < rows.size(); ++i) {
     const PdbRow& row = rows[i];
@@ -346,6 +346,7 @@ void PdbAssembler::add(const std::vector<PdbRow>& rows, bool is_pqr, bool with_s
       atom.occupancy = row.occupancy, atom.b_factor = row.b_factor;
     }
     out_.atoms.push_back(atom);
+    row_of.push_back(uint32_t(i));
   }
   Notices& n = out_.notices;
   elements.tell(n);

@@ -68,6 +68,7 @@ class PdbAssembler {
 
   Serials serials;
   std::vector<float> charges;
+  std::vector<uint32_t> row_of;  // of each atom
 
  private:
   struct Chosen {

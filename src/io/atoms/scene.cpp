@@ -517,9 +517,12 @@ std::array<double, 3> origin_for(const std::vector<Atom>& atoms) try {
 
 std::expected<ReadScene, Diagnostics> scene_of_atoms(const Atoms& atoms, std::string_view file,
                                                      const ReadOptions& options) {
-  for (size_t i = 0; i < atoms.atoms.size(); ++i)
-    if (!is_place(place_of(atoms.atoms[i])))
-      return failed(file, fmt::format("atom {} has no finite place", i + 1));
+  float farthest = 0;
+  for (size_t i = 0; i < atoms.atoms.size(); ++i) {
+    const Vec3f place = place_of(atoms.atoms[i]);
+    if (!is_place(place)) return failed(file, fmt::format("atom {} has no finite place", i + 1));
+    farthest = std::max(farthest, max_component(abs(place)));
+  }
   for (const Assembly& assembly : atoms.assemblies)
     for (const Assembly::Copies& copies : assembly.copies)
       for (const auto& matrix : copies.matrices)
@@ -538,12 +541,21 @@ std::expected<ReadScene, Diagnostics> scene_of_atoms(const Atoms& atoms, std::st
   const AtomStyle style = style_of(atoms, options);
   const std::vector<Vec3d> shifts = shifts_of(atoms, options.images);
   const bool completes = completes_cell(atoms, options);
-  if (completes || (has_bonds(style) && shifts.size() > 1)) {
-    Atoms whole = repeated(atoms, shifts, options.images);
-    if (completes) complete_border(whole, options.images);
-    return AtomScene(whole, file, options, style, {Vec3d()}).make();
-  }
-  return AtomScene(atoms, file, options, style, shifts).make();
+  const bool repeats = completes || (has_bonds(style) && shifts.size() > 1);
+  Atoms whole;
+  if (repeats) whole = repeated(atoms, shifts, options.images);
+  if (completes) complete_border(whole, options.images);
+  auto read = AtomScene(repeats ? whole : atoms, file, options, style,
+                        repeats ? std::vector{Vec3d()} : shifts)
+                  .make();
+  constexpr double kFine = 0.01;  // much less than a bond is long
+  if (const double step = float_step(double(farthest)); read && step > kFine)
+    read->notices.push_back({Severity::cut, std::string(file), 0, 0,
+                             fmt::format("the atoms are so far apart that their coordinates are "
+                                         "rounded to multiples of {:g}",
+                                         step),
+                             ""});
+  return read;
 }
 
 }  // namespace raio

@@ -306,6 +306,7 @@ void add_crystal(gemmi::cif::Block& block, Atoms& out) {
       atom.b_factor = float(site.from->u_iso * gemmi::u_to_b());
       out.atoms.push_back(atom);
     }
+  note_coincident(out, [&](uint32_t i) { return small.sites[out.atoms[i].residue].label; });
 }
 
 // A ligand of the PDB's dictionary, by its ideal coordinates, else by those of a model or, of a
@@ -326,6 +327,7 @@ void add_component(gemmi::cif::Block& block, Atoms& out) {
     if (table.ok() && missing < fewest) fewest = missing, chosen = tags;
   }
   std::map<std::string, uint32_t> indices;
+  std::vector<std::string> names;
   ElementCases elements;
   Cases placeless;
   for (const auto row : block.find(
@@ -345,6 +347,7 @@ void add_component(gemmi::cif::Block& block, Atoms& out) {
       elements.add(atom.element, name);
     }
     indices.emplace(name, uint32_t(out.atoms.size()));
+    names.push_back(name);
     out.atoms.push_back(atom);
   }
   for (const auto row : block.find("_chem_comp_bond.", {"atom_id_1", "atom_id_2"})) {
@@ -355,6 +358,7 @@ void add_component(gemmi::cif::Block& block, Atoms& out) {
   }
   elements.tell(out.notices);
   placeless.tell(out.notices, Severity::left_out, "atoms without coordinates");
+  note_coincident(out, [&](uint32_t i) { return names[i]; });
 }
 
 // The symbols of atoms that have none, by their names.
@@ -615,6 +619,15 @@ bool has_category(const gemmi::cif::Block& block, const std::string& category) {
   return false;
 }
 
+std::string name_in(const gemmi::Model& model, const Kept& kept, uint32_t index) {
+  for (const gemmi::Chain& chain : model.chains)
+    for (const gemmi::Residue& residue : chain.residues)
+      for (const gemmi::Atom& atom : residue.atoms)
+        if (const auto at = kept.find(&atom); at != kept.end() && at->second == index)
+          return atom.name + ' ' + residue.name + ' ' + chain.name + residue.seqid.str();
+  return {};
+}
+
 void add_molecule(gemmi::cif::Block& block, int frame, Atoms& out) {
   complete_atoms(block, out.notices);
   const Assemblies assemblies(block);
@@ -630,6 +643,7 @@ void add_molecule(gemmi::cif::Block& block, int frame, Atoms& out) {
   out.has_residues = out.has_b_factors = true;
   if (s.cell.is_crystal()) out.cell = cell_of(s.cell);
   add_links(s, model, kept, out);
+  note_coincident(out, [&](uint32_t i) { return name_in(model, kept, i); });
   out.assemblies = assemblies.take(parts);
 }
 

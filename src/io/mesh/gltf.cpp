@@ -6,9 +6,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "base/memory.h"
 #include "base/placement.h"
+#include "io/far_origin.h"
 #include "io/fit_camera.h"
 #include "io/mesh/builder.h"
 #include "io/mesh/read.h"
@@ -35,9 +37,10 @@ struct Transform {
     return {dot(cross(row(4), row(8)), n), dot(cross(row(8), row(0)), n),
             dot(cross(row(0), row(4)), n)};
   }
-  Matrix matrix() const {
+  // To places relative to an origin.
+  Matrix matrix(Vec3d origin = {}) const {
     Matrix out;
-    for (size_t i = 0; i < 12; ++i) out[i] = float(m[i]);
+    for (size_t i = 0; i < 12; ++i) out[i] = float(i % 4 == 3 ? m[i] - origin[int(i / 4)] : m[i]);
     return out;
   }
   bool is_sound() const {
@@ -83,6 +86,7 @@ class GltfReader {
     for (std::string& warning : document_.warnings) warn(std::move(warning));
     scene_.dialect = Dialect::data;
     find_uses();
+    find_origin();
     add_materials();
     place_posed();
     place_meshes();
@@ -202,6 +206,44 @@ class GltfReader {
     return out;
   }
 
+  // Looks at the boxes of meshes where nodes place them, before anything else is read of them.
+  void find_origin() try {
+    FileOrigin found;
+    std::map<uint32_t, Box3d> boxes;
+    const auto is_far = [&](uint32_t number, const Transform& place) {
+      const Box3d some = box_of(number, 1);
+      if (some.empty()) return true;
+      found.choose(place.point(some.lo));
+      if (!found.is_far()) return false;
+      const auto [box, is_new] = boxes.try_emplace(number);
+      if (is_new) box->second = box_of(number);
+      for (int k = 0; k < 8; ++k) (void)found.local(place.point(corner(box->second, k)));
+      return true;
+    };
+    for (const Use& use : meshes_)
+      if (!is_far(use.number, use.place)) return;
+    for (const PosedUse& use : posed_)
+      for (const Transform& place : use.skin ? bones_of(*use.skin) : std::vector{use.place})
+        if (!is_far(use.number, place)) return;
+    scene_.origin = found.value();
+  } catch (const FileOrigin::NotFar&) {
+  }
+
+  // Of all vertices of a mesh, or of the first ones of each primitive.
+  Box3d box_of(uint32_t number, size_t most = SIZE_MAX) const {
+    Box3d box;
+    for (const MeshPrimitive& p : document_.meshes[number].primitives) {
+      if (!p.position || (p.mode > 0 && !draws_triangles(p))) continue;
+      const Elements positions(document_, buffers_, *p.position, 3, 3);
+      for (size_t i = 0; i < std::min(most, positions.count()); ++i)
+        box.extend(Vec3d(position(positions, i)));
+    }
+    return box;
+  }
+  static Vec3d corner(const Box3d& box, int k) {
+    return {k & 1 ? box.hi.x : box.lo.x, k & 2 ? box.hi.y : box.lo.y, k & 4 ? box.hi.z : box.lo.z};
+  }
+
   // --- materials
   // Only those that are used have their textures read.
   void add_materials() {
@@ -265,6 +307,8 @@ class GltfReader {
 
   // --- meshes
   void place_posed() {
+    const Vec3d& o = scene_.origin;
+    const Transform from_origin{{1, 0, 0, o.x, 0, 1, 0, o.y, 0, 0, 1, o.z}};
     for (const PosedUse& use : posed_) {
       for (const MeshPrimitive& p : document_.meshes[use.number].primitives)
         if (p.mode == 0) {
@@ -272,7 +316,7 @@ class GltfReader {
           ++unposed_;
         }
       for (Mesh& mesh : triangles_of(use.number, 1, &use)) {
-        move(mesh, use.place);
+        move(mesh, use.skin ? from_origin : use.place);  // skins place what they move
         scene_.meshes.push_back(std::move(mesh));
       }
     }
@@ -301,21 +345,26 @@ class GltfReader {
       object.materials = scene_.materials;
       object.material_opacity = scene_.material_opacity;
       object.material_texture = scene_.material_texture;
-      const Box3f box = bounds(object);
+      const Box3f whole = bounds(object);
+      const Box3d box{Vec3d(whole.lo), Vec3d(whole.hi)};
       for (const Transform& place : all) {
         for (int k = 0; k < 8; ++k)
-          check_place(place.point(Vec3d(k & 1 ? box.hi.x : box.lo.x, k & 2 ? box.hi.y : box.lo.y,
-                                        k & 4 ? box.hi.z : box.lo.z)),
-                      fmt::format("/meshes/{}", number));
-        scene_.instances.push_back({uint32_t(scene_.prototypes.size()), place.matrix()});
+          (void)placed(place.point(corner(box, k)), fmt::format("/meshes/{}", number));
+        scene_.instances.push_back(
+            {uint32_t(scene_.prototypes.size()), place.matrix(scene_.origin)});
       }
       scene_.prototypes.push_back(std::move(object));
     }
   }
 
-  static void check_place(Vec3d p, const std::string& what) {
-    if (!is_place(Vec3f(p)))
-      throw ReadFailure{what + ": it is placed beyond 1e25, or at no place at all"};
+  static Vec3f checked(Vec3f p, std::string_view what) {
+    if (!is_place(p))
+      throw ReadFailure{std::string(what) + ": it is placed beyond 1e25, or at no place at all"};
+    return p;
+  }
+  // A place of the file as the scene has it.
+  Vec3f placed(Vec3d p, std::string_view what) const {
+    return checked(Vec3f(p - scene_.origin), what);
   }
 
   // Of all primitives that have some, in the space of the mesh, or in a pose.
@@ -429,6 +478,8 @@ class GltfReader {
     }
     for (Vec3f& n : mesh.normals) n = unit(Vec3d(n));
     unposed_ += pose.skin && p.bones.empty();
+    if (pose.skin && p.bones.empty())
+      for (Vec3f& position : mesh.positions) position = placed(Vec3d(position), what);
     if (pose.skin && !p.bones.empty()) {
       const std::vector<Transform>& bones = bones_of(*pose.skin);
       std::vector<std::pair<Elements, Elements>> columns;
@@ -436,11 +487,11 @@ class GltfReader {
         columns.emplace_back(column(joints, 4), column(weights, 4));
       for (size_t i = 0; i < mesh.positions.size(); ++i) {
         const Transform by = blend(bones, columns, named_[i]);
-        mesh.positions[i] = Vec3f(by.point(Vec3d(mesh.positions[i])));
+        mesh.positions[i] = placed(by.point(Vec3d(mesh.positions[i])), what);
         if (!mesh.normals.empty()) mesh.normals[i] = unit(by.normal(Vec3d(mesh.normals[i])));
       }
     }
-    for (const Vec3f& position : mesh.positions) check_place(Vec3d(position), what);
+    for (const Vec3f& position : mesh.positions) (void)checked(position, what);
   }
 
   // The mean of the bones by their weights for the vertex.
@@ -499,13 +550,9 @@ class GltfReader {
     return {number(u), number(1 - v)};
   }
 
-  static void move(Mesh& mesh, const Transform& by) {
+  void move(Mesh& mesh, const Transform& by) const {
     const Placement place(by.matrix());
-    for (Vec3f& p : mesh.positions) {
-      const Vec3d to = by.point(Vec3d(p));
-      check_place(to, "/nodes");
-      p = Vec3f(to);
-    }
+    for (Vec3f& p : mesh.positions) p = placed(by.point(Vec3d(p)), "/nodes");
     for (Vec3f& n : mesh.normals) n = unit(place.normal(Vec3d(n)));
     if (place.determinant() < 0)
       for (TriangleIndices& t : mesh.triangles) std::swap(t[1], t[2]);
@@ -519,6 +566,7 @@ class GltfReader {
     if (p.color) colors.emplace(document_, buffers_, *p.color, 3, 4);
     if (p.indices) indices.emplace(document_, buffers_, *p.indices, 1, 1);
     const Rgb of_material = scene_.materials[material_of(p)].color;
+    const std::string what = fmt::format("/meshes/{}", number);
     Box3f box;
     const size_t count = indices ? indices->count() : positions.count();
     const size_t before = scene_.spheres.size();
@@ -528,10 +576,9 @@ class GltfReader {
       if (at >= positions.count() || (colors && at >= colors->count()))
         throw ReadFailure{
             fmt::format("/meshes/{}: index {} of {} points", number, at, positions.count())};
-      const Vec3d to = by.point(Vec3d(position(positions, at)));
-      check_place(to, fmt::format("/meshes/{}", number));
-      scene_.spheres.push_back({Vec3f(to), 0});
-      box.extend(Vec3f(to));
+      const Vec3f to = placed(by.point(Vec3d(position(positions, at))), what);
+      scene_.spheres.push_back({to, 0});
+      box.extend(to);
       scene_.sphere_materials.push_back(material_of(p));
       scene_.sphere_colors.push_back(colors ? color(*colors, at) * of_material : of_material);
     }
@@ -575,11 +622,12 @@ class GltfReader {
     const Vec3d from = use.place.point({0, 0, 0});
     const Vec3d forward = use.place.vector({0, 0, -1}), up = use.place.vector({0, 1, 0});
     const Box3f box = bounds(scene_);
+    const Vec3d eye = from - scene_.origin;
     const Vec3d ahead = forward * (1 / length(forward));
     // As far as the middle of what is seen, which depth of field keeps in focus.
-    const double middle = dot((Vec3d(box.lo) + Vec3d(box.hi)) * 0.5 - from, ahead);
+    const double middle = dot((Vec3d(box.lo) + Vec3d(box.hi)) * 0.5 - eye, ahead);
     const double least = std::max(1e-3 * std::max(1.0, length(from)), lens.half_height);
-    camera.from = Vec3f(from), camera.at = Vec3f(from + ahead * std::max(middle, least));
+    camera.from = Vec3f(eye), camera.at = Vec3f(eye + ahead * std::max(middle, least));
     camera.up = unit(up);
     constexpr double kDegrees = 180 / 3.14159265358979323846;
     double tangent = std::tan(lens.fov / 2);

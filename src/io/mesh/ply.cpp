@@ -128,11 +128,10 @@ class PlyReader {
     });
     at.p += row * element.count;
   }
-  // Floats are what they are.
   void choose_origin(const PlyElement& element) {
     PlyCursor at = file_.at();
-    if (at.encoding != PlyEncoding::text && element.properties[*at_[kX]].type != PlyType::f64)
-      return;
+    has_floats_ =
+        at.encoding != PlyEncoding::text && element.properties[*at_[kX]].type == PlyType::f32;
     std::vector<double> values;
     for (const PlyProperty& property : element.properties) {
       values.push_back(property.count ? 0 : at.next(property.type));
@@ -296,15 +295,29 @@ class PlyReader {
     for (size_t i = 0; i < count_; ++i) {
       Vec3f& at = place(vertices[i]);
       if (is_place(at)) {
-        if (origin_.is_far()) origin_.check(Vec3d(at));
+        if (!origin_.is_far()) continue;
+        origin_.check(Vec3d(at));
+        farthest_ = std::max(farthest_, max_component(abs(at)));
         continue;
       }
       if (count++ == 0) unplaced_.resize(count_);
       unplaced_[i] = true, at = {};
     }
     if (count == count_) fail("no vertex has a finite place");
+    tell_floats();
     if (count > 0)
       mesh_.notices.add(Severity::left_out, "vertices that have no finite place", {}, 0, count);
+  }
+  // Those of binary files have lost digits that can be seen.
+  void tell_floats() {
+    constexpr double kSeen = 1e-4;  // of what the picture shows
+    const double step = float_step(max_component(abs(mesh_.origin)));
+    if (has_floats_ && origin_.is_far() && step > kSeen * double(farthest_))
+      mesh_.notices.add_whole(
+          Severity::warning,
+          fmt::format("this far from 0, coordinates that are floats are multiples of {:g}; doubles "
+                      "keep more digits",
+                      step));
   }
   void leave_out_unplaced_points() {
     const auto keep = [&](auto& values) {
@@ -422,6 +435,8 @@ class PlyReader {
   PlyFile file_;
   const ReadOptions& options_;
   FileOrigin& origin_;
+  bool has_floats_ = false;  // for coordinates, not as text
+  float farthest_ = 0;       // from the origin, where data is far from 0
   size_t count_ = 0;
   std::array<std::optional<size_t>, kWanted> at_;  // among the properties of vertices
   std::array<bool, kWanted> is_whole_{};

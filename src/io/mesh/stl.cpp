@@ -29,7 +29,7 @@ ReadScene scene_of(std::vector<Vec3f> corners, MeshBuilder builder = {}) {
 
 // Of what is named and what there is room for, the file's size decides, unless it ends with bytes
 // that are part of no triangle.
-ReadScene read_binary(std::string_view bytes) {
+ReadScene read_binary(std::string_view bytes, FileOrigin& origin) {
   uint32_t named;
   std::memcpy(&named, bytes.data() + kHeader, sizeof named);
   const size_t body = bytes.size() - kHeader - 4, room = body / kTriangleBytes;
@@ -51,6 +51,10 @@ ReadScene read_binary(std::string_view bytes) {
   for (size_t i = 0; i < corners.size(); ++i)
     if (!is_place(corners[i]))
       throw ReadFailure{fmt::format("triangle {} has no finite place", i / 3)};
+  if (count > 0) origin.choose(Vec3d(corners[0]));
+  if (origin.is_far())
+    for (Vec3f& corner : corners) corner = origin.local(Vec3d(corner));
+  builder.origin = origin.value();
   return scene_of(std::move(corners), std::move(builder));
 }
 
@@ -130,7 +134,8 @@ std::expected<ReadScene, Diagnostics> read_stl(const TextBuffer& bytes, std::str
                                                const ReadOptions& /*options*/) {
   return read_guarded(file, [&] {
     const std::string_view view = bytes.view();
-    if (is_binary_stl(view, view.size())) return read_binary(view);
+    const auto binary = [&](FileOrigin& origin) { return read_binary(view, origin); };
+    if (is_binary_stl(view, view.size())) return read_about(binary);
     if (not_text(view).empty())
       return read_about([&](FileOrigin& origin) { return TextReader(bytes, origin).read(); });
     if (view.size() < kHeader + 4 + kTriangleBytes)
@@ -138,7 +143,7 @@ std::expected<ReadScene, Diagnostics> read_stl(const TextBuffer& bytes, std::str
           fmt::format("it is neither text nor a binary STL file, which has {} bytes at least, of "
                       "one triangle; it has {}",
                       kHeader + 4 + kTriangleBytes, view.size())};
-    return read_binary(view);
+    return read_about(binary);
   });
 }
 
