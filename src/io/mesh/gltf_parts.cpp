@@ -17,8 +17,8 @@ namespace {
 
 // Programs that show glTF draw each copy by itself, and slow down beyond.
 constexpr size_t kMostPlaced = 10'000, kMostLooks = 256;
-// More of them in place of shapes are of no use to anyone.
-constexpr size_t kMostTriangles = 20'000'000;
+// In place of shapes: as fine as is no more than the first allows, and never more than the second.
+constexpr size_t kGoodTriangles = 4'000'000, kMostTriangles = 20'000'000;
 
 /// By their bytes, of which none is a gap.
 struct SameBytes {
@@ -221,8 +221,8 @@ class Gatherer {
         triangles[size_t(detail)] += triangles_of(unit, detail);
     });
     int detail = kFinest;
-    while (detail >= 0 && triangles[size_t(detail)] > kMostTriangles) --detail;
-    return detail;
+    while (detail > 0 && triangles[size_t(detail)] > kGoodTriangles) --detail;
+    return triangles[size_t(detail)] > kMostTriangles ? -1 : detail;
   }
 
   void add_baked(int detail, bool few_looks) {
