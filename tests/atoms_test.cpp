@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <random>
+#include <set>
 
 #include "base/srgb.h"
 #include "data_files.h"
@@ -20,6 +21,14 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
+
+// What is told of a file.
+std::string said(std::string_view text, std::string_view file, const ReadOptions& options) {
+  std::string out;
+  const auto read_scene = read(text, file, options);
+  for (const Diagnostic& d : read_scene->notices) out += d.text() + '\n';
+  return out;
+}
 
 TEST(Xyz, AtomsBecomeSpheresAndBonds) {
   auto water = read(kWater, "water.xyz");
@@ -277,9 +286,101 @@ TEST(Atoms, BondsAreThoseOfAllPairs) {
         expected.push_back({i, j});
     }
   EXPECT_GT(expected.size(), 100u);
+  // Iron has no bond to what an oxygen atom is between.
+  const auto all = std::set(expected.begin(), expected.end());
+  const auto squared = [&](uint32_t i, uint32_t j) {
+    float sum = 0;
+    for (size_t k = 0; k < 3; ++k)
+      sum += (atoms[i].place[k] - atoms[j].place[k]) * (atoms[i].place[k] - atoms[j].place[k]);
+    return sum;
+  };
+  const auto is_behind = [&](uint32_t iron, uint32_t other) {
+    if (atoms[iron].element != 26 || atoms[other].element == 8) return false;
+    for (uint32_t k = 0; k < atoms.size(); ++k)
+      if (atoms[k].element == 8 && all.contains({std::min(iron, k), std::max(iron, k)}) &&
+          all.contains({std::min(other, k), std::max(other, k)}) &&
+          squared(iron, k) < squared(iron, other))
+        return true;
+    return false;
+  };
+  std::erase_if(expected, [&](const auto& bond) {
+    return is_behind(bond[0], bond[1]) || is_behind(bond[1], bond[0]);
+  });
+  EXPECT_GT(all.size(), expected.size());
   EXPECT_EQ(*find_bonds(atoms), expected);
   // No molecule, and no work for hours.
   EXPECT_FALSE(find_bonds(std::vector<Atom>(200'000)));
+}
+
+// A line of potassium, oxygen and aluminium: the metals touch, but only through the oxygen. Two
+// atoms of a pure metal are bonded.
+TEST(Atoms, MetalsHaveNoBondsThroughAnions) {
+  const std::vector<Atom> mineral = {{.place = {0, 0, 0}, .element = 19},
+                                     {.place = {2.6f, 0, 0}, .element = 8},
+                                     {.place = {3.2f, 1.7f, 0}, .element = 13}};
+  EXPECT_EQ(*find_bonds(mineral), (Bonds{{0, 1}, {1, 2}}));
+  const std::vector<Atom> metal = {{.place = {0, 0, 0}, .element = 29},
+                                   {.place = {2.5f, 0, 0}, .element = 29}};
+  EXPECT_EQ(*find_bonds(metal), (Bonds{{0, 1}}));
+}
+
+// A trace has a bond from each residue to the next, within a chain and where none is missing.
+TEST(Atoms, TracesAreJoined) {
+  const auto alpha = [](int number, char chain, double x) {
+    return fmt::format(
+        "ATOM  {:5}  CA  ALA {}{:4}    {:8.3f}{:8.3f}{:8.3f}  1.00  0.00           C\n", number,
+        chain, number, x, 0.0, 0.0);
+  };
+  const auto trace = read(alpha(1, 'A', 0) + alpha(2, 'A', 3.8) + alpha(3, 'A', 7.6) +
+                              alpha(4, 'A', 15) + alpha(5, 'B', 18.8) + alpha(6, 'B', 22.6),
+                          "a.pdb");
+  ASSERT_TRUE(trace) << trace.error().front().text();
+  EXPECT_EQ(trace->scene.cones.size(), 3u);
+  EXPECT_EQ(trace->notices.back().message, "bonds along the chains (3)");
+}
+
+TEST(Atoms, FewWithoutBondsFillTheirSpace) {
+  const auto gas = read("3\n\nAr 0 0 0\nAr 9 0 0\nAr 0 9 0\n", "a.xyz");
+  ASSERT_TRUE(gas);
+  EXPECT_EQ(gas->scene.spheres[0].radius, van_der_waals_radius(18));
+  const auto asked = read("1\n\nAr 0 0 0\n", "a.xyz", {.style = AtomStyle::ball_and_stick});
+  EXPECT_LT(asked->scene.spheres[0].radius, van_der_waals_radius(18));
+}
+
+TEST(Atoms, CagesOfCarbonShowTheirBonds) {
+  const auto tube = [](std::string_view last) {
+    std::string text = "400\n\n";
+    for (int i = 0; i < 399; ++i) text += fmt::format("C {} 0 0\n", 1.4 * i);
+    return read(text + fmt::format("{} {} 0 0\n", last, 1.4 * 399), "a.xyz");
+  };
+  EXPECT_EQ(tube("C")->scene.cones.size(), 399u);
+  EXPECT_TRUE(tube("N")->scene.cones.empty());
+}
+
+TEST(Atoms, FramesThatAreNotDrawnAreTold) {
+  const std::string text = "1\n\nC 0 0 0\n1\n\nC 1 0 0\n1\n\nC 2 0 0\n";
+  EXPECT_THAT(said(text, "a.xyz", {}),
+              HasSubstr("frames or models behind the first (2); frame gives others"));
+  EXPECT_EQ(said(text, "a.xyz", {.frame = 1}), "");
+}
+
+// Two chains of 3,000 atoms have a colour each; where one is water, elements have.
+TEST(Pdb, LargeAssembliesShowTheirChains) {
+  const auto chains = [](int atoms_of_a_residue) {
+    std::string text;
+    for (int i = 0; i < 6000; ++i)
+      text += fmt::format(
+          "ATOM  {:5}  {}   XYZ {}{:4}    {:8.3f}{:8.3f}{:8.3f}  1.00  0.00           {}\n", i,
+          i % 2 ? 'C' : 'O', i < 3000 ? 'A' : 'B',
+          i < 3000 ? i / 10 : i / atoms_of_a_residue % 1000, double(i % 80), double(i / 80), 0.0,
+          i % 2 ? 'C' : 'O');
+    const auto scene = read(text, "a.pdb");
+    std::string names;
+    for (const LegendEntry& entry : scene->legend) names += entry.name + ' ';
+    return names;
+  };
+  EXPECT_EQ(chains(10), "chain A chain B ");
+  EXPECT_EQ(chains(1), "C O ");
 }
 
 TEST(Pdb, AssembliesCopyTheirChains) {
@@ -538,6 +639,30 @@ TEST(Atoms, CellsAreThoseOfTheFiles) {
   EXPECT_THAT(error(kPdb, "a.pdb", {.images = {2, 1, 1}}), HasSubstr("images needs a cell"));
   EXPECT_THAT(error("1\nLattice=\"inf 0 0 1 5 0 0 1 6\"\nAr 1 1 1\n", "a.xyz", {.cell = true}),
               HasSubstr("cell"));
+}
+
+// Pictures have the cell of a crystal, with the atoms of its corner, edge and face on all sides.
+TEST(Atoms, SmallCellsAreComplete) {
+  const std::string atoms =
+      "4\nLattice=\"4 0 0 1 5 0 0 1 6\" Origin=\"1 2 3\"\n"
+      "Ar 1 2 3\nNe 3.5 5 6.5\nHe 3 2 3\nKr 2.5 5 3\n";
+  const auto drawn = [&](std::string_view text, ReadOptions options) {
+    options.style = AtomStyle::points;
+    const auto got = read(text, "a.xyz", options);
+    return std::pair(got->scene.spheres.size(), got->scene.cones.size());
+  };
+  EXPECT_EQ(drawn(atoms, {}), std::pair(4zu, 0zu)) << "conversions have the file's atoms";
+  // Eight corners, four edges, two faces and one inside; the edges of the cell have eight balls.
+  EXPECT_EQ(drawn(atoms, kForPictures), std::pair(15zu + 8, 12zu));
+  EXPECT_EQ(drawn(atoms, {.cell = false}), std::pair(4zu, 0zu));
+  EXPECT_EQ(drawn(atoms, {.cell = std::nullopt, .images = {2, 1, 1}}),
+            std::pair(12 + 8 + 4 + 2 + 12zu, 12 + 4zu));
+  // A drop in a box has none, unless it is asked for.
+  const std::string drop = "2\nLattice=\"40 0 0 0 50 0 0 0 60\"\nAr 1 2 3\nAr 4 2 3\n";
+  EXPECT_EQ(drawn(drop, kForPictures), std::pair(2zu, 0zu));
+  EXPECT_EQ(drawn(drop, {.cell = true}), std::pair(2 + 8zu, 12zu));
+  const auto got = read(atoms, "a.xyz", kForPictures);
+  EXPECT_EQ(got->notices.back().message, "copies of atoms on the border of the cell");
 }
 
 // As instances, as primitives and as atoms with bonds between the copies.

@@ -255,11 +255,11 @@ TEST_F(Commands, ColourBarsThatCannotBeAreRefused) {
 
 TEST_F(Commands, ConvertKeepsTheCellOfCopies) {
   ConvertCommand convert{RAIO_SOURCE_DIR "/scenes/quartz.cif", path("some.raio"), {}};
-  convert.read = {.style = AtomStyle::space_filling, .cell = true, .images = {2, 1, 1}};
+  convert.read = {.style = AtomStyle::space_filling, .cell = true, .images = {20, 20, 1}};
   EXPECT_EQ(run_captured(convert), kDone) << err_;
   const InfoCommand info{.scene = path("some.raio"), .json = true};
   EXPECT_EQ(run_captured(info), kDone) << err_;
-  EXPECT_EQ(json::parse(out_)["instances"], 2);
+  EXPECT_EQ(json::parse(out_)["instances"], 400);
 }
 
 TEST_F(Commands, ConvertKeepsCopiesInRaioScenes) {

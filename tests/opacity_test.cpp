@@ -46,8 +46,10 @@ TEST(Opacity, LayersMultiply) {
         scene.disc_materials.push_back(0);
         scene.disc_opacity.push_back(a);
       }
-      if (k <= 4) {
-        EXPECT_NEAR(middle(scene), std::pow(1 - double(a), k), 1e-4) << a << ' ' << k;
+      const double passes = std::pow(1 - double(a), k);
+      // Little light behind few layers, and much behind any number, is not drawn at random.
+      if (k == 1 || passes > (k <= 4 ? 1 / 128. : 1 / 8.)) {
+        EXPECT_NEAR(middle(scene), passes, 1e-4) << a << ' ' << k;
         continue;
       }
       // Of many layers a pixel sees one: 40,000 of them see what passes, to six deviations at most.
@@ -56,9 +58,36 @@ TEST(Opacity, LayersMultiply) {
       options.tone = Tone::none;
       double sum = 0;
       for (const Rgb& c : picture_of(scene, options).pixels) sum += double(c.x);
-      const double passes = std::pow(1 - double(a), k);
       EXPECT_NEAR(sum / 40000, passes, 6 * std::sqrt(passes / 40000) + 1e-4) << a << ' ' << k;
     }
+}
+
+// Layers in the light from the eye's side: each is as bright as what passes those before it, and
+// weighs as much again.
+TEST(Opacity, ManyLayersHaveTheRightMean) {
+  for (const auto& [a, k] : {std::pair{0.03f, 40}, std::pair{0.1f, 9}, std::pair{0.1f, 30},
+                             std::pair{0.3f, 6}, std::pair{0.5f, 8}, std::pair{0.9f, 5}}) {
+    Scene scene = looking_down();
+    scene.lights = {{{0, 0, 50}, Rgb(1), {}}};
+    scene.materials.push_back({.color = Rgb(1), .kd = 1});
+    const double passes = 1 - double(a);
+    double expected = std::pow(passes, k);
+    for (int i = 0; i < k; ++i) {
+      const bool is_white = i % 3 == 1;
+      scene.discs.push_back({{0, 0, float(-i) * 0.1f}, {0, 0, 1}, 1, 0});
+      scene.disc_materials.push_back(is_white ? 1 : 0);
+      scene.disc_opacity.push_back(a);
+      if (is_white) expected += double(a) * std::pow(passes, 2 * i);
+    }
+    RenderOptions options;
+    options.width = options.height = 200;
+    options.tone = Tone::none;
+    double sum = 0, squares = 0;
+    for (const Rgb& c : picture_of(scene, options).pixels)
+      sum += double(c.x), squares += double(c.x) * double(c.x);
+    const double mean = sum / 40000, variance = squares / 40000 - mean * mean;
+    EXPECT_NEAR(mean, expected, 5 * std::sqrt(variance / 40000) + 1e-4) << a << ' ' << k;
+  }
 }
 
 // A floor in the light below many layers, which hide it from the light, but not from the eye.

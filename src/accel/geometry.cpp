@@ -55,16 +55,8 @@ uint32_t depth_of_opacity(float opacity) {
   return uint32_t(std::lround(-exact_log2(std::min(passes, 1.0)) * kHalving));
 }
 
-float passed(uint32_t depth) {
-  if (depth == 0) return 1;
-  // Less than a film can tell from nothing.
-  if (depth >= 40 * kHalving) return 0;
-  return float(exact_exp2(-double(depth) / kHalving));
-}
-
-bool stops(uint32_t depth, uint32_t number) {
-  // The parts that pass a part of a halving, in units of 2^-31. Lines between them are true to
-  // 6e-8.
+// What passes a part of a halving, in units of 2^-31. Lines between the entries are true to 6e-8.
+static uint32_t part_of_halving(uint32_t depth) {
   static constexpr uint32_t kSteps = 1024, kStep = kHalving / kSteps;
   static const auto parts = [] {
     std::array<uint32_t, kSteps + 1> out{};
@@ -72,10 +64,21 @@ bool stops(uint32_t depth, uint32_t number) {
       out[i] = uint32_t(std::lround(0x1p31 * exact_exp2(-double(i) / kSteps)));
     return out;
   }();
-  const uint32_t halvings = depth / kHalving, step = depth % kHalving / kStep;
-  if (halvings >= 31) return true;
+  const uint32_t step = depth / kStep;
   const uint64_t fall = uint64_t(parts[step] - parts[step + 1]) * (depth % kStep) / kStep;
-  return number >> 1 >= (parts[step] - uint32_t(fall)) >> halvings;
+  return parts[step] - uint32_t(fall);
+}
+
+float passed(uint32_t depth) {
+  // Less than a film can tell from nothing.
+  if (depth >= 40 * kHalving) return 0;
+  const double halved = double(uint64_t(1) << (depth / kHalving));
+  return float(double(part_of_halving(depth % kHalving)) * 0x1p-31 / halved);
+}
+
+bool stops(uint32_t depth, uint32_t number) {
+  const uint32_t halvings = depth / kHalving;
+  return halvings >= 31 || number >> 1 >= part_of_halving(depth % kHalving) >> halvings;
 }
 
 Geometry::Geometry(const Scene& scene, bool one_sided, bool with_sources, float opacity)

@@ -176,7 +176,15 @@ std::vector<const CLI::Option*> add_read_options(CLI::App& app, ReadOptions& opt
       "Style of the atoms of a LAMMPS data file, such as full (default: as its section Atoms has "
       "it, else by its columns)",
       "NAME");
-  app.add_flag("--cell", options.cell, "Draw the edges of the cell of a crystal or simulation");
+  auto* const cell = app.add_flag_function(
+      "--cell", [&options](int64_t) { options.cell = true; },
+      "Draw the edges of the cell of a crystal or simulation, with the atoms on its border on all "
+      "sides where it is small" +
+          std::string(options.cell ? "" : " (default, but for molecules)"));
+  app.add_flag_function(
+         "--no-cell", [&options](int64_t) { options.cell = false; },
+         "Draw no edges and no atoms twice")
+      ->excludes(cell);
   word(
       "--images", [&options](const std::string& text) { options.images = parse_images(text); },
       "Copies of the cell along its sides, such as 2,2,1 (default: 1,1,1)", "NA,NB,NC");

@@ -63,7 +63,7 @@ struct ViewCommand {
   std::string language;  // of the screen: "en" or "pt"; empty: the system's
   bool log = false;      // say on standard error what happens
   RenderOptions options;
-  ReadOptions read = {};
+  ReadOptions read = kForPictures;
   std::string read_arguments = {};  // as they were given: " --style sticks"
 };
 /// The window, which is a program of its own (ARCHITECTURE.md): what parsed the command line is
@@ -94,7 +94,7 @@ struct ExplainCommand {
   std::string plot = {};             // file; empty: none
   std::optional<Vec3d> plot_from{};  // where the plot is seen from; else from aside
   RenderOptions options;
-  ReadOptions read = {};
+  ReadOptions read = kForPictures;
 };
 int run(const ExplainCommand& command);
 
@@ -108,7 +108,7 @@ int run(const GenerateCommand& command);
 struct ExportCommand {
   std::string scene, output;  // output empty: <scene>.pov here
   RenderOptions options;      // size, depth
-  ReadOptions read = {};
+  ReadOptions read = kForPictures;
 };
 int run(const ExportCommand& command);
 

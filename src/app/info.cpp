@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <ranges>
 
 #include "app/annotations.h"
@@ -24,6 +25,17 @@ Json json_of(Vec3d v) { return Json::array({v.x, v.y, v.z}); }
 
 // Six digits tell people where things are; --json gives all of them.
 std::string text_of(Vec3d v) { return fmt::format("{:.6g} {:.6g} {:.6g}", v.x, v.y, v.z); }
+
+// A place in a scene of that size, or of any where it is 0: six digits of the size, however far the
+// place is from 0.
+std::string text_of(Vec3d v, double size) {
+  const auto digits = [&](double x) {
+    const double more = size > 0 ? std::ceil(std::log10(std::abs(x) / size)) : 0;
+    return 6 + (more > 0 ? int(std::min(more, 9.0)) : 0);
+  };
+  return fmt::format("{:.{}g} {:.{}g} {:.{}g}", v.x, digits(v.x), v.y, digits(v.y), v.z,
+                     digits(v.z));
+}
 
 struct MaterialCounts {
   size_t reflecting = 0, refracting = 0;
@@ -118,6 +130,12 @@ std::string info_text(const ReadScene& read) {
     out += fmt::format("{:<12}{}\n", name, value);
   };
 
+  const Box3f box = bounds(scene);
+  const bool is_far = scene.origin != Vec3d() && !box.empty();
+  const auto place_text = [&, size = is_far ? double(max_component(box.size())) : 0](Vec3f local) {
+    return text_of(scene.origin + plain(local), size);
+  };
+
   line("scene", scene.name);
   if (scene.dialect == Dialect::p3f)
     line("dialect", "P3F: shaded by blinn-phong, with Fresnel's reflection after Schlick");
@@ -129,19 +147,16 @@ std::string info_text(const ReadScene& read) {
     line("instances",
          fmt::format("{}, prototypes {}", scene.instances.size(), scene.prototypes.size()));
 
-  const Box3f box = bounds(scene);
   if (box.empty()) {
     line("bounds", "none: nothing in it has an end");
   } else {
-    line("bounds", fmt::format("{}  to  {}", text_of(scene.origin + plain(box.lo)),
-                               text_of(scene.origin + plain(box.hi))));
+    line("bounds", fmt::format("{}  to  {}", place_text(box.lo), place_text(box.hi)));
   }
-  line("camera", fmt::format("from {}  at {}  up {}", text_of(scene.origin + plain(camera.from)),
-                             text_of(scene.origin + plain(camera.at)), text_of(plain(camera.up))));
+  line("camera", fmt::format("from {}  at {}  up {}", place_text(camera.from),
+                             place_text(camera.at), text_of(plain(camera.up))));
   if (const auto& m = camera.movement)
     line("", fmt::format("moves to  from {}  at {}  between the times {:g} and {:g}",
-                         text_of(scene.origin + plain(m->from)),
-                         text_of(scene.origin + plain(m->at)), m->begin, m->end));
+                         place_text(m->from), place_text(m->at), m->begin, m->end));
   std::string view = fmt::format("angle {:g} degrees", fitted_fov_deg(camera));
   if (camera.is_parallel()) view += ", orthographic";
   if (camera.lens_radius) view += fmt::format(", lens radius {:g}", *camera.lens_radius);
@@ -166,7 +181,7 @@ std::string info_text(const ReadScene& read) {
                                                  : fmt::format("{}", scene.lights.size()));
   constexpr size_t kShown = 10;
   for (const Light& light : scene.lights | std::views::take(kShown)) {
-    std::string text = fmt::format("at {}", text_of(scene.origin + plain(light.position)));
+    std::string text = fmt::format("at {}", place_text(light.position));
     if (light.color) text += "  colour " + text_of(plain(*light.color));
     if (light.extent)
       text += fmt::format("  {:g} x {:g} along x and z", light.extent->width, light.extent->depth);

@@ -21,7 +21,8 @@ enum class Channel : uint8_t {
   samples,
   variance,
   steps,
-  tests
+  tests,
+  position_low
 };
 
 /// How the samples of a pixel become its value. `first` is that of sample 0, for what has no sound
@@ -63,6 +64,9 @@ inline constexpr std::array kChannels = {
                 "cells or nodes that an eye ray visits"},
     ChannelSpec{Channel::tests, "tests", "N", ChannelRule::mean, 1 << 30, false,
                 "primitives that an eye ray is tested against"},
+    ChannelSpec{
+        Channel::position_low, "position_low", "XYZ", ChannelRule::first, 0, false,
+        "what the floats of `position` leave of it; comes with it where data is far from 0"},
 };
 
 constexpr const ChannelSpec& spec_of(Channel channel) { return kChannels[size_t(channel)]; }

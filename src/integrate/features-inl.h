@@ -81,11 +81,12 @@ class Features {
     };
     if (layout.has(Channel::depth))
       set(Channel::depth, 0, hn::BitCast(du, depths_of_hits(scene_, rays, hits, i)));
-    if (layout.has(Channel::position)) {
+    for (const Channel channel : {Channel::position, Channel::position_low}) {
+      if (!layout.has(channel)) continue;
       const V3 point = load(vertices.point, i);
       const V parts[3] = {point.x, point.y, point.z};
       for (size_t c = 0; c < 3; ++c)
-        set(Channel::position, c, in_file(parts[c], scene_.scene.origin[int(c)]));
+        set(channel, c, in_file(parts[c], scene_.scene.origin[int(c)], channel));
     }
     if (layout.has(Channel::id))
       set(Channel::id, 0, of_items([&](PrimitiveId id) {
@@ -96,15 +97,19 @@ class Features {
           of_items([&](PrimitiveId id) { return scene_.accel.geometry().object_of(id); }));
   }
 
-  // A coordinate of points as the file has it.
-  static HWY_INLINE U in_file(V x, double origin) {
+  // A coordinate of points as the file has it, or what a float leaves of it.
+  static HWY_INLINE U in_file(V x, double origin, Channel channel) {
     const hn::CappedTag<double, kWidth> doubles;
     const hn::Rebind<float, decltype(doubles)> halves;
     HWY_ALIGN float parts[kWidth];
     hn::Store(x, d, parts);
     for (size_t k = 0; k < kWidth; k += hn::MaxLanes(doubles)) {
-      const auto wide = hn::PromoteTo(doubles, hn::Load(halves, parts + k));
-      hn::Store(hn::DemoteTo(halves, hn::Add(hn::Set(doubles, origin), wide)), halves, parts + k);
+      const auto wide =
+          hn::Add(hn::Set(doubles, origin), hn::PromoteTo(doubles, hn::Load(halves, parts + k)));
+      auto part = hn::DemoteTo(halves, wide);
+      if (channel == Channel::position_low)
+        part = hn::DemoteTo(halves, hn::Sub(wide, hn::PromoteTo(doubles, part)));
+      hn::Store(part, halves, parts + k);
     }
     return hn::BitCast(du, hn::Load(d, parts));
   }

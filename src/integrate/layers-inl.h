@@ -2,7 +2,8 @@
 // meets few layers shades all of them. Of many, it shades those with the largest weights and
 // chooses one of the others at random, with its weight as the probability, so the mean does not
 // change. Beyond the layers that were found in order, each layer stops the ray with its opacity as
-// the probability; the nearest one that stops the ray is shaded.
+// the probability; the nearest one that stops the ray is shaded. Where much of the light passes all
+// of the layers, what is behind them counts with that part of the light, not at random.
 //
 // Enderton, Sintorn, Shirley and Luebke 2010, "Stochastic Transparency", I3D.
 // Once for each instruction set, as foreach_target.h passes again.
@@ -33,68 +34,72 @@ struct ShadedLayer {
 class Layers {
  public:
   // Finds the first layers of each ray, nearest first, in front of its opaque hit. Returns whether
-  // any ray has more layers than it keeps; choose() then needs random numbers.
+  // any ray may have more layers than it keeps; choose() then needs random numbers.
   bool find(const Accel& accel, const RayBatch& rays, const HitBatch& behind,
             TraceContext& context) {
     const size_t n = rays.size();
-    if (rays.has_time()) going_.add_time();
-    going_.resize(n), after_.reset(n);
-    from_.resize(n), met_.assign(n, {});
+    for (Front* front : {&going_, &many_}) {
+      if (rays.has_time()) front->rays.add_time();
+      front->resize(n);
+    }
+    met_.assign(n, {});
     for (size_t i = 0; i < n; ++i) {
       Ray ray = rays[i];
       ray.tmax = behind.t[i];  // of a miss that of the ray
-      going_.set(i, ray), after_.set(i, Hit{.t = 0, .item = 0});
-      from_[i] = uint32_t(i);
+      going_.set(i, ray, Hit{.t = 0, .item = 0}, uint32_t(i));
     }
+    size_t many = 0;
     for (size_t k = 0; k < kKnown && going_.size() > 0; ++k) {
-      accel.next_clear(going_, after_, next_, context);
+      accel.next_clear(going_.rays, going_.after, next_, context);
       if (context.stopped()) return false;
       layer_[k].reset(n);
       size_t kept = 0;
       for (size_t j = 0; j < going_.size(); ++j) {
         const Hit hit = next_[j];
         if (!hit.found()) continue;
-        Met& met = met_[from_[j]];
-        layer_[k].set(from_[j], hit);
+        const uint32_t i = going_.from[j];
+        Met& met = met_[i];
+        layer_[k].set(i, hit);
         met.depth = std::min(met.depth + accel.geometry().depth_of(hit.item), kMostDepth);
         met.through[met.count++] = passed(met.depth);
         if (met.through[k] == 0) continue;
-        going_.set(kept, going_[j]), after_.set(kept, hit), from_[kept] = from_[j];
-        ++kept;
+        met.is_many = met.through[k] <= kLittle || met.count == kKnown;
+        if (met.is_many)
+          many_.set(many++, going_.rays[j], hit, i);
+        else
+          going_.set(kept++, going_.rays[j], hit, i);
       }
       going_.resize(kept);
     }
-    return going_.size() > 0;
+    many_.resize(many);
+    return many > 0;
   }
 
   // Lists what is shaded, by a random place in [0, 1) and a random key of each ray.
   void choose(const Accel& accel, const float* places, const uint32_t* keys,
               TraceContext& context) {
     shaded_.clear(), unshaded_firsts_.clear();
-    const size_t many = going_.size();
-    for (uint32_t i = 0, next = 0, behind = 0; i < met_.size(); ++i) {
-      const bool is_many = next < many && from_[next] == i;
-      if (!is_many) {
-        list_all(i);
-        continue;
-      }
-      // Those that choose what is behind the known layers move together.
-      if (choose_known(i, places[i])) {
-        going_.set(behind, going_[next]), after_.set(behind, after_[next]);
-        from_[behind++] = i;
-      }
-      if (++next == many) going_.resize(behind);
+    for (uint32_t i = 0; i < met_.size(); ++i)
+      if (!met_[i].is_many) list_all(i);
+    if (many_.size() == 0) return;
+    sum_depths(accel, context);
+    // Those that choose what is behind the known layers move together.
+    size_t kept = 0;
+    parts_.resize(many_.size()), stops_.resize(many_.size());
+    for (size_t j = 0; j < many_.size(); ++j) {
+      const uint32_t i = many_.from[j];
+      // What passes all layers, where that is known.
+      const float behind = depths_.is_stopped(j) ? 0 : passed(depths_.sum[j]);
+      if (!choose_known(i, behind, places[i])) continue;
+      const float passes = behind / met_[i].through[met_[i].count - 1];
+      parts_[kept] = 1 - met_[i].always - behind;
+      stops_[kept] = 1 - passes * passes * passes * passes;
+      static_assert(kTries == 4);
+      many_.set(kept++, many_.rays[j], many_.after[j], i);
     }
-    if (going_.size() == 0) return;
-    keys_.resize(going_.size());
-    for (size_t j = 0; j < keys_.size(); ++j) keys_[j] = keys[from_[j]];
-    accel.next_clear(going_, after_, next_, context, keys_.data());
-    for (size_t j = 0; j < keys_.size(); ++j) {
-      if (!next_[j].found()) continue;
-      Met& met = met_[from_[j]];
-      shaded_.push_back({from_[j], met.goes_on, next_[j]});
-      met.goes_on = 0;
-    }
+    many_.resize(kept);
+    for (uint32_t t = 0; t < kTries && many_.size() > 0; ++t)
+      choose_beyond(accel, t, keys, context);
   }
 
   const std::vector<ShadedLayer>& shaded() const { return shaded_; }
@@ -105,13 +110,31 @@ class Layers {
   float through(size_t i) const { return met_[i].goes_on; }
 
  private:
-  static constexpr size_t kKnown = 5;      // one more than are all shaded
-  static constexpr float kCounts = 0.25f;  // what is always shaded of many
+  static constexpr size_t kKnown = 5;          // one more than are all shaded
+  static constexpr float kLittle = 1 / 128.f;  // of the light, behind which layers are not listed
+  static constexpr float kCounts = 0.28f;      // what is always shaded of many; measured
+  static constexpr uint32_t kTries = 4;        // to find a layer that stops a ray
+  static constexpr uint32_t kExactDepth = 3 * kHalving;  // of all layers
 
   struct Met {
     uint32_t depth = 0, count = 0;
+    bool is_many = false;
     std::array<float, kKnown> through{};  // of the light, to behind each
+    float always = 0;                     // of many, what is always shaded
     float goes_on = 1;
+  };
+
+  // Rays and the layers behind which they look for more.
+  struct Front {
+    RayBatch rays;
+    HitBatch after;
+    std::vector<uint32_t> from;  // which of the rays of find() they are
+
+    size_t size() const { return rays.size(); }
+    void resize(size_t n) { rays.resize(n), after.reset(n), from.resize(n); }
+    void set(size_t i, const Ray& ray, const Hit& hit, uint32_t number) {
+      rays.set(i, ray), after.set(i, hit), from[i] = number;
+    }
   };
 
   void list_all(uint32_t i) {
@@ -122,24 +145,34 @@ class Layers {
     }
   }
 
-  // Does what is behind the known layers go on?
-  bool choose_known(uint32_t i, float place) {
+  // The depths of all layers, if they are small; rays with others are stopped.
+  void sum_depths(const Accel& accel, TraceContext& context) {
+    const size_t n = many_.size();
+    is_dense_.resize(n);
+    for (size_t j = 0; j < n; ++j) is_dense_[j] = met_[many_.from[j]].depth >= kExactDepth;
+    depths_.reset(n, is_dense_.data());
+    std::fill_n(depths_.limit.begin(), n, kExactDepth);
+    accel.clear_depths(many_.rays, depths_, context);
+  }
+
+  // Does the choice fall on what is behind the known layers?
+  bool choose_known(uint32_t i, float behind, float place) {
     Met& met = met_[i];
-    float part[kKnown], rest = 1, before = 1;
-    for (size_t k = 0; k < kKnown; ++k) {
+    float part[kKnown], before = 1;
+    for (size_t k = 0; k < met.count; ++k) {
       part[k] = before - met.through[k], before = met.through[k];
       if (part[k] < kCounts) continue;
       shaded_.push_back({i, part[k], layer_[k][i], k == 0});
-      rest -= part[k];
+      met.always += part[k];
     }
     if (part[0] < kCounts) unshaded_firsts_.push_back({i, 0, layer_[0][i], true});
-    met.goes_on = rest;
+    const float rest = 1 - met.always - behind;
+    met.goes_on = behind;
     float left = place * rest;
-    for (size_t k = 0; k < kKnown; ++k) {
+    for (size_t k = 0; k < met.count; ++k) {
       if (part[k] >= kCounts) continue;
       if (left < part[k]) {
         shaded_.push_back({i, rest, layer_[k][i]});
-        met.goes_on = 0;
         return false;
       }
       left -= part[k];
@@ -147,9 +180,35 @@ class Layers {
     return true;
   }
 
-  RayBatch going_;  // those that meet more
-  HitBatch after_, next_;
-  std::vector<uint32_t> from_, keys_;
+  // Where what passes is known, a ray looks for a layer that stops it several times; the part that
+  // finds one then counts for all. Elsewhere what does not stop goes on.
+  void choose_beyond(const Accel& accel, uint32_t t, const uint32_t* keys, TraceContext& context) {
+    const size_t n = many_.size();
+    keys_.resize(n);
+    for (size_t j = 0; j < n; ++j) keys_[j] = keys[many_.from[j]] + t;
+    accel.next_clear(many_.rays, many_.after, next_, context, keys_.data());
+    size_t kept = 0;
+    for (size_t j = 0; j < n; ++j) {
+      const uint32_t i = many_.from[j];
+      if (next_[j].found()) {
+        shaded_.push_back({i, parts_[j] / stops_[j], next_[j]});
+      } else if (met_[i].goes_on > 0) {
+        parts_[kept] = parts_[j], stops_[kept] = stops_[j];
+        many_.set(kept++, many_.rays[j], many_.after[j], i);
+      } else {
+        met_[i].goes_on = parts_[j];
+      }
+    }
+    many_.resize(kept);
+  }
+
+  Front going_,
+      many_;  // rays that look for the next layer; those that may have more than they keep
+  HitBatch next_;
+  DepthBatch depths_;
+  std::vector<uint8_t> is_dense_;
+  std::vector<float> parts_, stops_;  // of the rays that choose what is behind the known layers
+  std::vector<uint32_t> keys_;
   std::vector<Met> met_;
   std::array<HitBatch, kKnown> layer_;
   std::vector<ShadedLayer> shaded_, unshaded_firsts_;

@@ -466,7 +466,7 @@ class Wavefront final : public TileRenderer {
   // densest primitive and a depth of kExactDepth count exactly; whether the ray passes the rest is
   // drawn at random, with the transmittance as the probability.
   void find_shares(const WideSampler<D>& sampler, uint32_t depth) {
-    static constexpr uint32_t kExactDepth = kHalving;
+    static constexpr uint32_t kExactDepth = kHalving / 2;
     const size_t n = shadow_.size();
     depths_.reset(n, hidden_.data());
     for (size_t i = 0; i < n; i += kWidth) {

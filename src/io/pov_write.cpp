@@ -54,6 +54,11 @@ class PovWriter {
     out_ += '\n';
   }
 
+  // A place where the file has it, in double if the scene has an origin.
+  std::string place(Vec3f p) const {
+    return scene_.origin == Vec3d() ? text(p) : text(scene_.origin + Vec3d(p));
+  }
+
   // Without attenuation of the depth of the ray tree, and with numbers stored as they are.
   void header(const PovPicture& p, std::string_view comment) {
     if (!comment.empty()) line("// {}", comment);
@@ -76,7 +81,7 @@ class PovWriter {
     const double angle = double(fitted_fov_deg(c, p.width, p.height)) * std::numbers::pi / 180;
     const double height = 2 * std::tan(angle / 2) * (c.is_parallel() ? length(view) : 1);
     line("camera {{ {} location {}\n  direction {}\n  right {}\n  up {} }}",
-         c.is_parallel() ? "orthographic" : "perspective", text(c.from), text(forward),
+         c.is_parallel() ? "orthographic" : "perspective", place(c.from), text(forward),
          text(right * (height * p.width / p.height)), text(up * height));
   }
 
@@ -86,7 +91,7 @@ class PovWriter {
     colored_ = std::ranges::any_of(all, [](const Light& l) { return l.color.has_value(); });
     const Rgb uncolored(float(1 / std::sqrt(double(std::max<size_t>(1, all.size())))));
     for (const Light& l : all)
-      line("light_source {{ {} rgb {} }}", text(l.position), text(l.color.value_or(uncolored)));
+      line("light_source {{ {} rgb {} }}", place(l.position), text(l.color.value_or(uncolored)));
   }
 
   // Data has no lights: those of the look `paper` (integrate/figure.h), with a sky that nothing
@@ -98,8 +103,8 @@ class PovWriter {
     const Vec3d right = normalize(cross(forward, Vec3d(c.up))), up = cross(right, forward);
     const Vec3d to_key = normalize(right * -0.45 + up * 0.7 - forward * 0.75);
     const double far = 100 * length(Vec3d(c.at) - Vec3d(c.from));
-    line("light_source {{ {} rgb {} parallel point_at {} }}", text(Vec3d(c.at) + to_key * far),
-         kKey, text(c.at));
+    line("light_source {{ {} rgb {} parallel point_at {} }}",
+         text(scene_.origin + Vec3d(c.at) + to_key * far), kKey, place(c.at));
   }
 
   // POV-Ray takes ambient and diffuse light down by what the pigment lets through; the classic
@@ -169,41 +174,44 @@ class PovWriter {
   }
 
   void shape(const Plane& p, const std::string& texture) {
-    const double distance = dot(Vec3d(p.normal), Vec3d(p.point));
+    const double distance = dot(Vec3d(p.normal), scene_.origin + Vec3d(p.point));
     line("plane {{ {}, {}{} }}", text(p.normal), distance, texture);
   }
   void shape(const Sphere& s, const std::string& texture) {
-    line("sphere {{ {}, {}{} }}", text(s.center), std::abs(s.radius), texture);
+    line("sphere {{ {}, {}{} }}", place(s.center), std::abs(s.radius), texture);
   }
   void shape(const Cone& c, const std::string& texture) {
     const float base = std::abs(c.base_radius), apex = std::abs(c.apex_radius);
     if (base == apex)
-      line("cylinder {{ {}, {}, {} open{} }}", text(c.base), text(c.apex), base, texture);
+      line("cylinder {{ {}, {}, {} open{} }}", place(c.base), place(c.apex), base, texture);
     else
-      line("cone {{ {}, {}, {}, {} open{} }}", text(c.base), base, text(c.apex), apex, texture);
+      line("cone {{ {}, {}, {}, {} open{} }}", place(c.base), base, place(c.apex), apex, texture);
   }
 
   // The unit sphere, under the matrix whose columns are the semi-axes; POV-Ray writes it column by
   // column, with what it adds last.
   void shape(const Ellipsoid& e, const std::string& texture) {
-    const auto numbers = [](Vec3f v) { return fmt::format("{}, {}, {}", v.x, v.y, v.z); };
+    const auto numbers = [](auto v) { return fmt::format("{}, {}, {}", v.x, v.y, v.z); };
     line("sphere {{ 0, 1 matrix <{}, {}, {}, {}>{} }}", numbers(e.axes[0]), numbers(e.axes[1]),
-         numbers(e.axes[2]), numbers(e.center), texture);
+         numbers(e.axes[2]),
+         scene_.origin == Vec3d() ? numbers(e.center) : numbers(scene_.origin + Vec3d(e.center)),
+         texture);
   }
   void shape(const Disc& d, const std::string& texture) {
-    line("disc {{ {}, {}, {}, {}{} }}", text(d.center), text(d.normal), d.radius, d.inner, texture);
+    line("disc {{ {}, {}, {}, {}{} }}", place(d.center), text(d.normal), d.radius, d.inner,
+         texture);
   }
   // POV-Ray has no movement: as it begins.
   void shape(const MovingSphere& s, const std::string& texture) {
     shape(at_time(s, s.begin), texture);
   }
   void shape(const MovingTriangle& t, const std::string& texture) {
-    line("triangle {{ {}, {}, {}{} }}", text(t.from.a), text(t.from.b), text(t.from.c), texture);
+    line("triangle {{ {}, {}, {}{} }}", place(t.from.a), place(t.from.b), place(t.from.c), texture);
   }
   void shape(const Polygon& p, const std::string& texture) {
     fmt::format_to(std::back_inserter(out_), "polygon {{ {}", p.count + 1);
     for (uint32_t k = 0; k <= p.count; ++k)
-      out_ += ", " + text(scene_.positions[p.first + k % p.count]);
+      out_ += ", " + place(scene_.positions[p.first + k % p.count]);
     line("{} }}", texture);
   }
 
@@ -221,6 +229,8 @@ class PovWriter {
     if (smooth) line(" normal_vectors {{ {} }}", normals.vectors);
     line(" face_indices {{ {} }}", corners.indices);
     if (smooth) line(" normal_indices {{ {} }}", normals.indices);
+    // POV-Ray keeps its corners as floats.
+    if (scene_.origin != Vec3d()) line(" translate {}", text(scene_.origin));
     line("{} }}", texture);
   }
 

@@ -42,7 +42,9 @@ struct ReadOptions {
   std::optional<int> assembly = {};  // biological; 0: none; without: 1 where there is one
   int frame = 0;                     // of a trajectory, or model, from 0; negative: from the end
   std::string atom_style = {};       // of the atoms of LAMMPS data; empty: as the file has it
-  bool cell = false;                 // the edges of the box that repeats are drawn
+  // Whether the edges of the box that repeats are drawn, of small cells with all atoms on its
+  // border; none: if the file is of a crystal or a simulation.
+  std::optional<bool> cell = false;
   std::array<int, 3> images = {1, 1, 1};  // copies along its sides
   bool instances = false;  // copies stay such; else they become primitives of their own
   std::optional<std::filesystem::path> folder = {};  // of other files that it names; none: nowhere
@@ -51,6 +53,9 @@ struct ReadOptions {
 
   friend bool operator==(const ReadOptions&, const ReadOptions&) = default;
 };
+
+/// The usual ones of pictures; conversions and counts are of the atoms alone.
+inline const ReadOptions kForPictures{.cell = std::nullopt};
 
 /// What a colour of the scene stands for: an element, a type, a chain, a residue.
 struct LegendEntry {

@@ -118,7 +118,7 @@ std::string_view unfit_option(const ReadOptions& options, const FileKind& kind) 
   if (kind.takes == FileKind::Takes::all) return {};
   if (options.style) return "style";
   if (options.assembly) return "assembly";
-  if (options.cell) return "cell";
+  if (options.cell.value_or(false)) return "cell";
   if (options.images != usual.images) return "images";
   return options.frame != usual.frame ? "frame" : "";
 }

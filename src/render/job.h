@@ -28,7 +28,7 @@ namespace raio {
 /// dash for each underscore: "add-samples".
 struct JobRequest {
   std::string scene;                    // file; empty with `repeat`: of that picture, beside it
-  ReadOptions read;                     // of the file
+  ReadOptions read = kForPictures;      // of the file
   std::shared_ptr<const Scene> loaded;  // instead of what is in the file
   std::shared_ptr<const Accel> built;   // instead of building it, of `loaded` by the same options
   RenderOptions options;

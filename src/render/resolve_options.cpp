@@ -226,6 +226,8 @@ RenderSettings resolve_options(const RenderOptions& o, const Scene& scene) {
   s.view = o.view;
   if (s.integrator == IntegratorKind::views && o.view == View::picture) s.view = View::normals;
   s.channels = channels_of(o);
+  if (s.channels.has(Channel::position) && scene.origin != Vec3d())
+    s.channels.add(Channel::position_low);
   const Background background = background_of(o, scene);
   s.background = background.color, s.sky = background.sky;
   s.tone = tone_of(o, scene), s.exposure = o.exposure;

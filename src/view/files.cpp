@@ -45,7 +45,7 @@ void SceneFile::follow(std::string path) {
 }
 
 void SceneFile::start(std::string path, int threads) {
-  const ReadOptions options = path == path_ ? options_ : ReadOptions();
+  const ReadOptions options = path == path_ ? options_ : kForPictures;
   reading_ = std::async(std::launch::async, [path = std::move(path), options, threads] {
     std::expected<ReadScene, Diagnostics> read;
     on_threads(threads, [&] { read = read_scene(path, options); });

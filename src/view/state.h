@@ -33,10 +33,10 @@ class ViewState {
  public:
   ViewState(std::string path, std::shared_ptr<const Scene> scene, const RenderOptions& options);
 
-  std::string path;              // of the scene's file
-  std::string program = "raio";  // as it was started
-  ReadOptions read_options;      // of the file
-  std::string read_arguments;    // the same as they were given
+  std::string path;                         // of the scene's file
+  std::string program = "raio";             // as it was started
+  ReadOptions read_options = kForPictures;  // of the file
+  std::string read_arguments;               // the same as they were given
   std::shared_ptr<const Scene> scene;
   RenderOptions options;  // also those that wait for an effect to be switched on; not the camera
   Camera camera;

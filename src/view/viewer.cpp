@@ -242,7 +242,7 @@ void Viewer::take_scene(const SceneFile::Read& read) {
   // A new version of the file is a step that can be taken back; another scene is a beginning.
   if (is_other) {
     inspector_.close();
-    state_.read_options = {}, state_.read_arguments.clear();
+    state_.read_options = kForPictures, state_.read_arguments.clear();
     history_ = History<ViewState>(state_);
   }
   saved_scene_ = state_.scene;

@@ -44,6 +44,7 @@ struct BondAcross {
 };
 
 struct Atoms {
+  std::array<double, 3> origin{};  // what the atoms' places are relative to
   std::vector<Atom> atoms;
   std::vector<std::string> chains;
   std::vector<Assembly> assemblies;
@@ -59,6 +60,16 @@ struct Atoms {
   Notices notices;                             // of what the reader guessed, cut or left out
   // Whether the file has what colours are asked of: chains, residues, B factors and occupancies.
   bool has_residues = false, has_b_factors = false;
+
+  /// A place of the file as an atom has it.
+  std::array<float, 3> local(const std::array<double, 3>& place) const {
+    return {float(place[0] - origin[0]), float(place[1] - origin[1]), float(place[2] - origin[2])};
+  }
+  /// Where the atom is in the file.
+  std::array<double, 3> place_of(const Atom& atom) const {
+    return {origin[0] + double(atom.place[0]), origin[1] + double(atom.place[1]),
+            origin[2] + double(atom.place[2])};
+  }
 };
 
 /// The records CRYST1 and SCALE of a PDB file.
@@ -73,8 +84,8 @@ struct PdbCrystal {
 std::optional<Cell> cell_of(const PdbCrystal& crystal, Notices& notices);
 
 /// Whether of all copies of the crystal the second place is nearest to the first as it stands.
-bool is_nearest_copy(const PdbCrystal& crystal, const std::array<float, 3>& from,
-                     const std::array<float, 3>& to);
+bool is_nearest_copy(const PdbCrystal& crystal, const std::array<double, 3>& from,
+                     const std::array<double, 3>& to);
 
 /// Reads a CIF text into `out`, of its frames that of the number, negative from the end. Where a
 /// residue has several conformers it is the first. Of a file that gives a crystal by the parts of

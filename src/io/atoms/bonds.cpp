@@ -1,5 +1,8 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
+#include <span>
 
 #include "io/atoms/colors.h"
 #include "io/atoms/read.h"
@@ -17,12 +20,57 @@ float squared_distance(const Atom& a, const Atom& b) {
   return sum;
 }
 
+// Of nitrogen, oxygen, their columns' next ones and the halogens.
+bool is_anion(uint8_t element) {
+  static constexpr std::array<uint8_t, 9> kAnions = {7, 8, 9, 16, 17, 34, 35, 52, 53};
+  return std::ranges::count(kAnions, element) > 0;
+}
+
 // A cell of a lattice as one number. Cells far apart may share one; what is in them is too far
 // apart to be bonded anyway.
 uint64_t cell_key(const std::array<int64_t, 3>& cell) {
   uint64_t key = 0;
   for (const int64_t c : cell) key = key << 21 | (uint64_t(c) & 0x1fffff);
   return key;
+}
+
+// The atoms that each atom is bonded to.
+class Neighbours {
+ public:
+  Neighbours(size_t atoms, const Bonds& bonds) : first_(atoms + 1) {
+    for (const auto& [a, b] : bonds) ++first_[a], ++first_[b];
+    std::partial_sum(first_.begin(), first_.end(), first_.begin());
+    others_.resize(2 * bonds.size());
+    for (const auto& [a, b] : bonds) others_[--first_[a]] = b, others_[--first_[b]] = a;
+  }
+  std::span<const uint32_t> of(uint32_t atom) const {
+    return std::span(others_).subspan(first_[atom], first_[atom + 1] - first_[atom]);
+  }
+
+ private:
+  std::vector<uint32_t> first_, others_;
+};
+
+// Metals are large, so that the sum of radii also joins them to what is behind the anions around
+// them. Such a bond has an anion that is bonded to both ends and nearer to the metal.
+void drop_bridged(const std::vector<Atom>& atoms, Bonds& bonds) {
+  const auto is_any_metal = [&](const auto& bond) {
+    return is_metal(atoms[bond[0]].element) || is_metal(atoms[bond[1]].element);
+  };
+  if (std::ranges::none_of(bonds, is_any_metal)) return;
+  const Neighbours neighbours(atoms.size(), bonds);
+  const auto is_bridged = [&](uint32_t metal, uint32_t other) {
+    if (!is_metal(atoms[metal].element) || is_anion(atoms[other].element)) return false;
+    const float distance2 = squared_distance(atoms[metal], atoms[other]);
+    return std::ranges::any_of(neighbours.of(metal), [&](uint32_t between) {
+      return is_anion(atoms[between].element) &&
+             squared_distance(atoms[metal], atoms[between]) < distance2 &&
+             std::ranges::count(neighbours.of(other), between) > 0;
+    });
+  };
+  std::erase_if(bonds, [&](const auto& bond) {
+    return is_bridged(bond[0], bond[1]) || is_bridged(bond[1], bond[0]);
+  });
 }
 
 }  // namespace
@@ -62,7 +110,22 @@ std::optional<Bonds> find_bonds(const std::vector<Atom>& atoms) {
     }
     std::sort(bonds.begin() + ptrdiff_t(first), bonds.end());
   }
+  drop_bridged(atoms, bonds);
   return bonds;
+}
+
+size_t add_traces(const std::vector<Atom>& atoms, Bonds& bonds) {
+  std::vector<bool> is_bonded(atoms.size());
+  for (const auto& [a, b] : bonds) is_bonded[a] = is_bonded[b] = true;
+  const size_t before = bonds.size();
+  for (uint32_t i = 1; i < atoms.size(); ++i) {
+    const Atom &a = atoms[i - 1], &b = atoms[i];
+    if (is_bonded[i - 1] || is_bonded[i] || a.element != b.element) continue;
+    const float most = a.element == 6 ? 4.5f : a.element == 15 ? 8.f : 0;  // angstroms
+    if (a.chain == b.chain && a.residue != b.residue && squared_distance(a, b) <= most * most)
+      bonds.push_back({i - 1, i});
+  }
+  return bonds.size() - before;
 }
 
 }  // namespace raio

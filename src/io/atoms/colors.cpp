@@ -38,6 +38,7 @@ gemmi::Element gemmi_element(int number) {
 
 float van_der_waals_radius(int element) { return gemmi_element(element).vdw_r(); }
 float covalent_radius(int element) { return gemmi_element(element).covalent_r(); }
+bool is_metal(int element) { return gemmi_element(element).is_metal(); }
 std::string_view element_symbol(int element) { return gemmi_element(element).name(); }
 
 int element_number(std::string_view symbol) {

@@ -16,6 +16,7 @@ inline constexpr int kElements = 119;
 /// among others).
 float van_der_waals_radius(int element);
 float covalent_radius(int element);
+bool is_metal(int element);
 std::string_view element_symbol(int element);
 /// The number of a symbol in any case; 0: there is none.
 int element_number(std::string_view symbol);

@@ -122,13 +122,14 @@ std::expected<void, Diagnostics> read_gro_atoms(const Trajectory& t, const Frame
                         [&](size_t i, std::string_view line) -> std::optional<LineFault> {
                           Atom& atom = out.atoms[i];
                           const size_t wider = digits_more(line, point);
+                          std::array<double, 3> place{};
                           for (size_t k = 0; k < 3; ++k) {
                             const size_t at = std::min(kGroPlace + wider + k * width, line.size());
-                            double value = 0;
-                            if (auto wrong = read_column(line.substr(at, width), value))
+                            if (auto wrong = read_column(line.substr(at, width), place[k]))
                               return wrong;
-                            atom.place[k] = float(10 * value);
+                            place[k] *= 10;
                           }
+                          atom.place = out.local(place);
                           const auto [group, name] = names_of(line, wider);
                           atom.element = element_of_name(group.substr(kGroName), name);
                           return std::nullopt;
@@ -162,9 +163,11 @@ std::expected<ReadScene, Diagnostics> read_gro(const TextBuffer& text, std::stri
   auto opened = Trajectory::open(text, file, options);
   if (!opened) return std::unexpected(opened.error());
   Trajectory& t = *opened;
-  return scene_of(
-      t.read(options.frame, 1, next_gro,
-             [&](const FrameRows& frame, Atoms& out) { return read_gro_atoms(t, frame, out); }),
+  const auto read_frame = [&](const FrameRows& frame, Atoms& out) {
+    return read_gro_atoms(t, frame, out);
+  };
+  return scene_about(
+      [&](const auto& origin) { return t.read(options.frame, 1, next_gro, origin, read_frame); },
       file, options);
 }
 

@@ -34,8 +34,11 @@ double mass_of(int element) { return gemmi::Element(static_cast<gemmi::El>(eleme
 
 class DataReader {
  public:
-  DataReader(const TextBuffer& text, std::string_view file, const ReadOptions& options)
-      : index_(text.view()), lines_(index_), file_(file), style_(options.atom_style) {}
+  DataReader(const TextBuffer& text, std::string_view file, const ReadOptions& options,
+             const std::array<double, 3>& origin)
+      : index_(text.view()), lines_(index_), file_(file), style_(options.atom_style) {
+    out_.origin = origin;
+  }
 
   std::expected<Atoms, Diagnostics> read() {
     (void)lines_.next();  // the title
@@ -371,9 +374,9 @@ std::expected<ReadScene, Diagnostics> read_lammps_data(const TextBuffer& text,
                                                        const ReadOptions& options) {
   if (const std::string wrong = not_text(text.view()); !wrong.empty())
     return std::unexpected(Diagnostics{{Severity::error, std::string(file), 0, 0, wrong, ""}});
-  const auto atoms = DataReader(text, file, options).read();
-  if (!atoms) return std::unexpected(atoms.error());
-  return scene_of_atoms(*atoms, file, options);
+  return scene_about(
+      [&](const auto& origin) { return DataReader(text, file, options, origin).read(); }, file,
+      options);
 }
 
 }  // namespace raio

@@ -8,14 +8,13 @@
 #include "io/nff/text_cursor.h"
 
 namespace raio {
+namespace {
 
-std::expected<ReadScene, Diagnostics> read_mmcif(const TextBuffer& text, std::string_view file,
-                                                 const ReadOptions& options) {
-  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+std::expected<Atoms, Diagnostics> atoms_of(std::string_view bytes, std::string_view file, int frame,
+                                           const std::array<double, 3>& origin) {
   Atoms atoms;
-  std::string_view bytes = text.view();
-  if (bytes.starts_with(kByteOrderMark)) bytes.remove_prefix(kByteOrderMark.size());
-  if (const auto fault = read_structure(bytes.data(), bytes.size(), options.frame, atoms)) {
+  atoms.origin = origin;
+  if (const auto fault = read_structure(bytes.data(), bytes.size(), frame, atoms)) {
     if (fault->column == 0) return failed(file, printable(fault->message), fault->line);
     const LineIndex index(bytes);
     const char* p = index.begin_of(fault->line - 1);
@@ -29,7 +28,19 @@ std::expected<ReadScene, Diagnostics> read_mmcif(const TextBuffer& text, std::st
                   "there are no atoms that could be read; expected the columns Cartn_x, "
                   "Cartn_y and Cartn_z of _atom_site");
   note_coincident(atoms);
-  return scene_of_atoms(atoms, file, options);
+  return atoms;
+}
+
+}  // namespace
+
+std::expected<ReadScene, Diagnostics> read_mmcif(const TextBuffer& text, std::string_view file,
+                                                 const ReadOptions& options) {
+  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+  std::string_view bytes = text.view();
+  if (bytes.starts_with(kByteOrderMark)) bytes.remove_prefix(kByteOrderMark.size());
+  return scene_about(
+      [&](const auto& origin) { return atoms_of(bytes, file, options.frame, origin); }, file,
+      options);
 }
 
 void note_coincident(Atoms& atoms) {

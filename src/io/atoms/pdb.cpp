@@ -154,26 +154,26 @@ class PdbReader {
     if (options.cache) options.cache->found = found_;
   }
 
-  std::expected<Atoms, Diagnostics> read() {
+  std::expected<Atoms, Diagnostics> read(const std::array<double, 3>& origin) {
     const std::vector<FrameLines>& frames = found_->frames;
     if (std::ranges::none_of(frames, &FrameLines::has_atoms))
       return failed(file_,
                     "there are no atoms in this file; expected lines that begin with ATOM "
                     "or HETATM");
     Atoms out;
-    out.frames = frames.size();
+    out.origin = origin, out.frames = frames.size();
     out.columns =
         is_pqr_ ? std::vector<std::string>{"charge", "radius"} : std::vector<std::string>();
     const long at = options_.frame < 0 ? long(frames.size()) + options_.frame : options_.frame;
     if (at < 0 || at >= long(frames.size()) || !frames[size_t(at)].has_atoms) return out;
     const FrameLines& frame = frames[size_t(at)];
     std::vector<PdbRow> rows(frame.end - frame.first);
-    auto done =
-        for_lines(found_->lines, file_, frame.first, rows.size(),
-                  [&](size_t i, std::string_view line) -> std::optional<LineFault> {
-                    if (record_of(line) != Record::atom) return std::nullopt;
-                    return is_pqr_ ? read_pqr_row(line, rows[i]) : read_pdb_row(line, rows[i]);
-                  });
+    auto done = for_lines(found_->lines, file_, frame.first, rows.size(),
+                          [&](size_t i, std::string_view line) -> std::optional<LineFault> {
+                            if (record_of(line) != Record::atom) return std::nullopt;
+                            return is_pqr_ ? read_pqr_row(line, out, rows[i])
+                                           : read_pdb_row(line, out, rows[i]);
+                          });
     if (!done) return std::unexpected(done.error());
     guess_elements(rows);
     if (is_pqr_ && file_.find(".pqr") == std::string_view::npos)
@@ -234,7 +234,8 @@ class PdbReader {
       const uint32_t a = link.ends[0].atom, b = link.ends[1].atom;
       if (a == kLeftOut || b == kLeftOut || a == b || link.leads_elsewhere) continue;
       // Where it is not said which copy is meant, it is another one if that is nearer.
-      if (!link.says_copy && !is_nearest_copy(crystal, out.atoms[a].place, out.atoms[b].place))
+      if (!link.says_copy &&
+          !is_nearest_copy(crystal, out.place_of(out.atoms[a]), out.place_of(out.atoms[b])))
         continue;
       out.bonds.push_back({std::min(a, b), std::max(a, b)});
     }
@@ -249,9 +250,8 @@ class PdbReader {
 std::expected<ReadScene, Diagnostics> read_rows_of(const TextBuffer& text, std::string_view file,
                                                    bool is_pqr, const ReadOptions& options) {
   if (std::string wrong = not_text(text.view()); !wrong.empty()) return failed(file, wrong);
-  const auto atoms = PdbReader(text, file, is_pqr, options).read();
-  if (!atoms) return std::unexpected(atoms.error());
-  return scene_of_atoms(*atoms, file, options);
+  PdbReader reader(text, file, is_pqr, options);
+  return scene_about([&](const auto& origin) { return reader.read(origin); }, file, options);
 }
 
 }  // namespace

@@ -114,12 +114,12 @@ std::optional<PqrFields> pqr_fields(std::string_view line) {
 
 }  // namespace
 
-std::optional<LineFault> read_pdb_row(std::string_view line, PdbRow& row) {
+std::optional<LineFault> read_pdb_row(std::string_view line, const Atoms& out, PdbRow& row) {
   Numbers numbers;
   if (auto fault = read_place(line, numbers)) return fault;
   row.text = line.data();
   row.has_place = numbers.has_place;
-  for (size_t k = 0; k < 3; ++k) row.place[k] = float(numbers.place[k]);
+  row.place = out.local(numbers.place);
   for (const auto& [from, to] : {std::pair(54uz, &row.occupancy), std::pair(60uz, &row.b_factor)}) {
     const std::string_view field = field_of(line, from, 6);
     if (without_blanks(field).empty()) continue;
@@ -143,7 +143,7 @@ std::optional<LineFault> read_pdb_row(std::string_view line, PdbRow& row) {
   return std::nullopt;
 }
 
-std::optional<LineFault> read_pqr_row(std::string_view line, PdbRow& row) {
+std::optional<LineFault> read_pqr_row(std::string_view line, const Atoms& out, PdbRow& row) {
   const auto fields = pqr_fields(line);
   const LineFault fault{line.data(),
                         "a line of PQR, with the words record, number, atom, residue, chain (or "
@@ -155,7 +155,8 @@ std::optional<LineFault> read_pqr_row(std::string_view line, PdbRow& row) {
   };
   if (head.back().data() + head.back().size() > line.data() + 255) return fault;
   row.text = line.data();
-  for (size_t k = 0; k < 3; ++k) row.place[k] = float(*number_in(fields->numbers[k]));
+  const auto& numbers = fields->numbers;
+  row.place = out.local({*number_in(numbers[0]), *number_in(numbers[1]), *number_in(numbers[2])});
   row.occupancy = float(*number_in(fields->numbers[3]));
   row.b_factor = float(*number_in(fields->numbers[4]));
   if (row.b_factor < 0) return LineFault{fields->numbers[4].data(), "a radius from 0"};

@@ -34,8 +34,9 @@ struct PdbRow {
   std::string_view part(Span span) const { return {text + span.at, span.size}; }
 };
 
-std::optional<LineFault> read_pdb_row(std::string_view line, PdbRow& row);
-std::optional<LineFault> read_pqr_row(std::string_view line, PdbRow& row);
+/// Rows of what becomes `out`.
+std::optional<LineFault> read_pdb_row(std::string_view line, const Atoms& out, PdbRow& row);
+std::optional<LineFault> read_pqr_row(std::string_view line, const Atoms& out, PdbRow& row);
 
 /// Whether a line is of an atom whose fields blanks part, and that does not fit the columns of PDB.
 bool is_pqr_line(std::string_view line);

@@ -51,7 +51,8 @@ class RowReader {
  public:
   // `odd`: becomes true where a label is not a plain symbol.
   RowReader(const RowLayout& layout, Atoms& out, std::atomic<bool>& odd)
-      : layout_(layout), out_(out), odd_(odd) {
+      : layout_(layout), to_place_(layout.to_place), out_(out), odd_(odd) {
+    for (size_t row = 0; row < 3; ++row) to_place_[4 * row + 3] -= out.origin[row];
     for (size_t k = 0; k < layout.words.size(); ++k)
       if (layout.words[k] != Word::skipped || k == layout.value) last_ = k;
   }
@@ -80,7 +81,7 @@ class RowReader {
       if (!take(word, {at, size_t(p - at)}, is_number, number, i, atom, place))
         return LineFault{at, std::string(name_of(word))};
     }
-    const auto& m = layout_.to_place;
+    const auto& m = to_place_;
     for (size_t row = 0; row < 3; ++row)
       atom.place[row] = float(m[4 * row] * place[0] + m[4 * row + 1] * place[1] +
                               m[4 * row + 2] * place[2] + m[4 * row + 3]);
@@ -129,6 +130,7 @@ class RowReader {
   }
 
   const RowLayout& layout_;
+  std::array<double, 12> to_place_;  // relative to the origin
   Atoms& out_;
   std::atomic<bool>& odd_;
   size_t last_ = 0;

@@ -9,6 +9,7 @@
 
 #include "base/parallel.h"
 #include "base/platform/memory.h"
+#include "io/atoms/cells.h"
 #include "io/atoms/colors.h"
 #include "io/atoms/lines.h"
 #include "io/atoms/read.h"
@@ -21,11 +22,16 @@ namespace {
 
 // So many atoms are still seen one by one.
 constexpr size_t kFew = 300;
+// So many of carbon alone, as in cages and tubes; they are not behind one another.
+constexpr size_t kFewCarbons = 1000;
+// So large chains are told apart by colour in assemblies of so many atoms.
+constexpr size_t kManyAtoms = 5000, kLargeChain = 500;
 constexpr float kLargest = 1e9f;  // number of a matrix, so that what it moves stays near
 constexpr float kStick = 0.15f, kBond = 0.12f, kBallPart = 0.27f, kPoint = 0.25f;
 constexpr double kEdgePart = 0.005;  // of a cell's mean side, the radius of its edges
 const Rgb kEdgeColor(0.05f);
 constexpr size_t kMostCells = 10'000'000;
+constexpr size_t kMostCompleted = 3000;  // atoms of all copies of a cell
 
 Vec3f place_of(const Atom& atom) { return {atom.place[0], atom.place[1], atom.place[2]}; }
 
@@ -38,7 +44,9 @@ size_t images_of(const ReadOptions& options) {
 }
 
 AtomStyle style_of(const Atoms& atoms, const ReadOptions& options) {
-  const bool few = atoms.atoms.size() <= kFew / images_of(options) &&
+  const bool is_carbon =
+      std::ranges::all_of(atoms.atoms, [](const Atom& a) { return a.element == 6; });
+  const bool few = atoms.atoms.size() <= (is_carbon ? kFewCarbons : kFew) / images_of(options) &&
                    (any_element(atoms) || !atoms.bonds.empty());
   return options.style.value_or(few ? AtomStyle::ball_and_stick : AtomStyle::space_filling);
 }
@@ -47,50 +55,26 @@ bool has_bonds(AtomStyle style) {
   return style == AtomStyle::ball_and_stick || style == AtomStyle::sticks;
 }
 
-// From the cell to its copies, of which the first is the cell itself.
-std::vector<Vec3d> shifts_of(const Atoms& atoms, const std::array<int, 3>& images) {
-  std::vector<Vec3d> out;
-  if (!atoms.cell) return {Vec3d()};
-  const auto side = [&](size_t i) {
-    const auto& s = atoms.cell->sides[i];
-    return Vec3d(s[0], s[1], s[2]);
+bool is_sound(const Cell& cell) {
+  const auto is_near = [](const std::array<double, 3>& v) {
+    return std::ranges::all_of(v, [](double x) { return std::abs(x) <= double(kLargest); });
   };
-  for (int k = 0; k < images[2]; ++k)
-    for (int j = 0; j < images[1]; ++j)
-      for (int i = 0; i < images[0]; ++i) out.push_back(side(0) * i + side(1) * j + side(2) * k);
-  return out;
+  return is_near(cell.origin) && std::ranges::all_of(cell.sides, is_near);
 }
 
-// With the copies of the cell as atoms, so that bonds lead from one to the next. `shifts` are
-// those of the images.
-Atoms repeated(const Atoms& atoms, const std::vector<Vec3d>& shifts,
-               const std::array<int, 3>& images) {
-  Atoms out = atoms;
-  out.atoms.clear(), out.radii.clear(), out.values.clear(), out.bonds.clear();
-  for (const Vec3d& shift : shifts) {
-    const auto first = uint32_t(out.atoms.size());
-    for (Atom atom : atoms.atoms) {
-      for (size_t i = 0; i < 3; ++i) atom.place[i] += float(shift[int(i)]);
-      out.atoms.push_back(atom);
-    }
-    out.radii.insert(out.radii.end(), atoms.radii.begin(), atoms.radii.end());
-    out.values.insert(out.values.end(), atoms.values.begin(), atoms.values.end());
-    for (const auto& [a, b] : atoms.bonds) out.bonds.push_back({first + a, first + b});
-  }
-  const auto count = uint32_t(atoms.atoms.size());
-  for (uint32_t copy = 0; copy < shifts.size(); ++copy)
-    for (const auto& [bond, cells] : atoms.bonds_across) {
-      uint32_t other = 0, rest = copy;
-      bool inside = true;
-      for (uint32_t k = 0, stride = 1; k < 3; stride *= uint32_t(images[k++])) {
-        const int at = int(rest % uint32_t(images[k])) + cells[k];
-        rest /= uint32_t(images[k]);
-        inside &= at >= 0 && at < images[k];
-        other += uint32_t(at) * stride;
-      }
-      if (inside) out.bonds.push_back({copy * count + bond[0], other * count + bond[1]});
-    }
-  return out;
+// Whether the edges of the cell are drawn: by default those of crystals and simulations, but not of
+// molecules with chains and of droplets in large boxes.
+bool draws_cell(const Atoms& atoms, const ReadOptions& options) {
+  if (options.cell) return *options.cell;
+  return atoms.cell && atoms.chains.empty() && is_sound(*atoms.cell) && !atoms.atoms.empty() &&
+         fill_cell(atoms);
+}
+
+// Whether the atoms on the border of the cell are drawn on all of its sides, as in pictures of
+// crystals. The bonds of a file do not lead to them.
+bool completes_cell(const Atoms& atoms, const ReadOptions& options) {
+  return draws_cell(atoms, options) && any_element(atoms) && atoms.finds_bonds &&
+         atoms.atoms.size() <= kFew && atoms.atoms.size() * images_of(options) <= kMostCompleted;
 }
 
 class AtomScene {
@@ -98,7 +82,12 @@ class AtomScene {
   // `shifts`: to the copies of what the atoms make.
   AtomScene(const Atoms& atoms, std::string_view file, const ReadOptions& options, AtomStyle style,
             std::vector<Vec3d> shifts)
-      : atoms_(atoms), file_(file), options_(options), style_(style), shifts_(std::move(shifts)) {}
+      : atoms_(atoms),
+        file_(file),
+        options_(options),
+        style_(style),
+        shifts_(std::move(shifts)),
+        origin_(atoms.origin[0], atoms.origin[1], atoms.origin[2]) {}
 
   std::expected<ReadScene, Diagnostics> make() {
     if (atoms_.atoms.empty()) {
@@ -117,6 +106,7 @@ class AtomScene {
     }
     Scene& scene = read_.scene;
     scene.dialect = Dialect::data;
+    scene.origin = origin_;
     read_.frames = atoms_.frames;
     if (has_elements_) read_.unit = "Å";  // that of the radii
     if (auto wrong = color_atoms(); !wrong.empty()) return failed(file_, wrong);
@@ -124,9 +114,18 @@ class AtomScene {
       return failed(file_,
                     "too many atoms are at one place for bonds between them; choose the `style` "
                     "space-filling or points");
+    // Where most atoms have no bonds, small balls would be all there is.
+    if (!options_.style && has_bonds(style_) && 2 * bonded_atoms() < atoms_.atoms.size()) {
+      style_ = AtomStyle::space_filling;
+      bonds_.clear();
+    }
     if (auto wrong = add_copies(); !wrong.empty()) return failed(file_, wrong);
-    if (options_.cell) add_edges();
+    if (draws_cell(atoms_, options_)) add_edges();
     fit_camera(scene, FitView::principal);
+    if (atoms_.frames > 1 && options_.frame == 0 && !options_.cache)
+      tell(Severity::left_out,
+           fmt::format("frames or models behind the first ({}); `frame` gives others",
+                       atoms_.frames - 1));
     append(read_.notices, atoms_.notices, file_);
     return std::move(read_);
   }
@@ -143,10 +142,34 @@ class AtomScene {
     return style_ == AtomStyle::ball_and_stick ? kBallPart * whole : whole;
   }
 
+  void tell(Severity severity, std::string what) {
+    read_.notices.push_back({severity, std::string(file_), 0, 0, std::move(what), ""});
+  }
+
   MaterialId material(Rgb color) {
     const auto [at, is_new] = materials_.emplace(std::array{color.x, color.y, color.z}, 0);
     if (is_new) at->second = read_.scene.add_material({.color = color, .kd = 1});
     return at->second;
+  }
+
+  // Several large chains, which colours of elements would hide, seen from outside.
+  bool is_assembly() const {
+    if (style_ != AtomStyle::space_filling || atoms_.chains.size() < 2 ||
+        atoms_.atoms.size() < kManyAtoms)
+      return false;
+    struct Size {
+      size_t atoms = 0, residues = 0;
+    };
+    std::vector<Size> sizes(atoms_.chains.size());
+    for (size_t i = 0; i < atoms_.atoms.size(); ++i) {
+      Size& size = sizes[atoms_.atoms[i].chain];
+      ++size.atoms;
+      size.residues += i == 0 || atoms_.atoms[i - 1].residue != atoms_.atoms[i].residue;
+    }
+    // Residues of water and ions are smaller than those of polymers.
+    return std::ranges::count_if(sizes, [](const Size& s) {
+             return s.atoms >= kLargeChain && s.atoms >= 4 * s.residues;
+           }) > 1;
   }
 
   // A material for each atom; the error.
@@ -154,6 +177,7 @@ class AtomScene {
     const bool has_types = atoms_.atoms[0].part > 0 && atoms_.chains.empty();
     const std::string by = !options_.color_by.empty()    ? options_.color_by
                            : has_types && !has_elements_ ? "type"
+                           : is_assembly()               ? "chain"
                                                          : "element";
     // One of a few colours, as the table below has room for.
     uint8_t (*which)(const Atom&) = nullptr;
@@ -270,7 +294,7 @@ class AtomScene {
         if (part >= chosen.size()) chosen.resize(size_t(part) + 1);
         chosen[part] = true;
       }
-      add_object(&chosen, copies.matrices);
+      add_object(&chosen, about_origin(copies.matrices));
     }
     name_copies();
     if (!options_.assembly && !read_.scene.instances.empty()) tell_assembly();
@@ -281,6 +305,16 @@ class AtomScene {
     return {};
   }
 
+  // The same maps of places that are relative to the origin.
+  std::vector<Matrix> about_origin(std::vector<Matrix> matrices) const {
+    if (origin_ == Vec3d()) return matrices;
+    for (Matrix& m : matrices) {
+      const Vec3d shift = Placement(m).point(origin_) - origin_;
+      for (int axis = 0; axis < 3; ++axis) m[size_t(4 * axis) + 3] = float(shift[axis]);
+    }
+    return matrices;
+  }
+
   // Unless it is what the file has anyway.
   void tell_assembly() {
     Scene& scene = read_.scene;
@@ -289,12 +323,10 @@ class AtomScene {
       drawn += scene.prototypes[copy.prototype].spheres.size();
     if (drawn == atoms_.atoms.size() && scene.instances.size() == 1) return;
     const size_t count = atoms_.assemblies.size();
-    read_.notices.push_back(
-        {Severity::guessed, std::string(file_), 0, 0,
+    tell(Severity::guessed,
          fmt::format("the biological assembly{} is meant, of {} atoms; the file has {}; "
                      "`assembly` none draws these",
-                     count > 1 ? fmt::format(" 1 of {}", count) : "", drawn, atoms_.atoms.size()),
-         ""});
+                     count > 1 ? fmt::format(" 1 of {}", count) : "", drawn, atoms_.atoms.size()));
   }
 
   // So that pictures tell several copies apart: by the channel of objects and by outlines.
@@ -349,7 +381,15 @@ class AtomScene {
     bonds_.insert(bonds_.end(), found->begin(), found->end());
     std::ranges::sort(bonds_);
     bonds_.erase(std::ranges::unique(bonds_).begin(), bonds_.end());
+    if (const size_t traced = add_traces(atoms_.atoms, bonds_); traced > 0)
+      tell(Severity::guessed, fmt::format("bonds along the chains ({})", traced));
     return true;
+  }
+
+  size_t bonded_atoms() const {
+    std::vector<bool> is_bonded(atoms_.atoms.size());
+    for (const auto& [a, b] : bonds_) is_bonded[a] = is_bonded[b] = true;
+    return size_t(std::ranges::count(is_bonded, true));
   }
 
   // Half of it in the colour of the atom at its end.
@@ -383,7 +423,7 @@ class AtomScene {
       mean += length(side[i]) / 3;
     }
     const auto& o = atoms_.cell->origin;
-    const Vec3d origin(o[0], o[1], o[2]);
+    const Vec3d origin = Vec3d(o[0], o[1], o[2]) - origin_;
     const auto radius = float(kEdgePart * mean);
     const MaterialId id = material(kEdgeColor);
     for (Scene& object : scene.prototypes) object.materials = scene.materials;
@@ -408,8 +448,9 @@ class AtomScene {
   const Atoms& atoms_;
   std::string_view file_;
   const ReadOptions& options_;
-  const AtomStyle style_;
+  AtomStyle style_;
   const std::vector<Vec3d> shifts_;
+  const Vec3d origin_;
   bool has_elements_ = false;
   float particle_radius_ = 1;  // of atoms without elements
   ReadScene read_;
@@ -421,15 +462,10 @@ class AtomScene {
 // What keeps the cell from being drawn or copied.
 std::string cell_problem(const Atoms& atoms, const ReadOptions& options) {
   const size_t images = images_of(options);
-  const std::string_view asked = options.cell ? "cell" : images > 1 ? "images" : "";
+  const std::string_view asked = options.cell.value_or(false) ? "cell" : images > 1 ? "images" : "";
   if (asked.empty()) return {};
   if (!atoms.cell) return fmt::format("`{}` needs a cell, which the file does not have", asked);
-  const Cell& cell = *atoms.cell;
-  const auto is_sound = [](const std::array<double, 3>& v) {
-    return std::ranges::all_of(v, [](double x) { return std::abs(x) <= double(kLargest); });
-  };
-  if (!is_sound(cell.origin) || !std::ranges::all_of(cell.sides, is_sound))
-    return "the cell has a number that is not finite";
+  if (!is_sound(*atoms.cell)) return "the cell has a number that is not finite";
   if (images > kMostCells)
     return fmt::format("{} copies of the cell are too many; expected at most {}", images,
                        kMostCells);
@@ -444,6 +480,18 @@ std::string cell_problem(const Atoms& atoms, const ReadOptions& options) {
 }
 
 }  // namespace
+
+std::array<double, 3> origin_for(const std::vector<Atom>& atoms) try {
+  FileOrigin origin;
+  for (const Atom& atom : atoms) {
+    (void)origin.local(Vec3d(place_of(atom)));
+    if (!origin.is_far()) return {};
+  }
+  const Vec3d at = origin.value();
+  return {at.x, at.y, at.z};
+} catch (const FileOrigin::NotFar&) {
+  return {};
+}
 
 std::expected<ReadScene, Diagnostics> scene_of_atoms(const Atoms& atoms, std::string_view file,
                                                      const ReadOptions& options) {
@@ -467,9 +515,12 @@ std::expected<ReadScene, Diagnostics> scene_of_atoms(const Atoms& atoms, std::st
   if (std::string wrong = cell_problem(atoms, options); !wrong.empty()) return failed(file, wrong);
   const AtomStyle style = style_of(atoms, options);
   const std::vector<Vec3d> shifts = shifts_of(atoms, options.images);
-  if (has_bonds(style) && shifts.size() > 1)
-    return AtomScene(repeated(atoms, shifts, options.images), file, options, style, {Vec3d()})
-        .make();
+  const bool completes = completes_cell(atoms, options);
+  if (completes || (has_bonds(style) && shifts.size() > 1)) {
+    Atoms whole = repeated(atoms, shifts, options.images);
+    if (completes) complete_border(whole, options.images);
+    return AtomScene(whole, file, options, style, {Vec3d()}).make();
+  }
   return AtomScene(atoms, file, options, style, shifts).make();
 }
 

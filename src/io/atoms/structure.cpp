@@ -71,7 +71,7 @@ void add_model(const gemmi::Model& model, Names& chains, Names& parts, Atoms& ou
           continue;
         }
         Atom a;
-        a.place = {float(atom.pos.x), float(atom.pos.y), float(atom.pos.z)};
+        a.place = out.local({atom.pos.x, atom.pos.y, atom.pos.z});
         a.element = number_of(atom.element);
         a.chain = number, a.part = part, a.residue = residues;
         a.occupancy = atom.occ, a.b_factor = atom.b_iso;
@@ -299,7 +299,7 @@ void add_crystal(gemmi::cif::Block& block, Atoms& out) {
     for (const gemmi::Fractional& place : site.places) {
       const gemmi::Position pos = small.cell.orthogonalize(place);
       Atom atom;
-      atom.place = {float(pos.x), float(pos.y), float(pos.z)};
+      atom.place = out.local({pos.x, pos.y, pos.z});
       atom.element = site.element;
       atom.residue = uint32_t(site.from - small.sites.data());
       atom.occupancy = float(site.from->occ);
@@ -332,7 +332,9 @@ void add_component(gemmi::cif::Block& block, Atoms& out) {
            prefix, {"atom_id", chosen[0], chosen[1], chosen[2], "?type_symbol", "?comp_id"})) {
     const std::string name = row.str(0);
     Atom atom;
-    for (size_t k = 0; k < 3; ++k) atom.place[k] = float(gemmi::cif::as_number(row[k + 1]));
+    std::array<double, 3> place{};
+    for (size_t k = 0; k < 3; ++k) place[k] = gemmi::cif::as_number(row[k + 1]);
+    atom.place = out.local(place);
     if (!std::isfinite(atom.place[0] + atom.place[1] + atom.place[2])) {
       placeless.add(name);
       continue;
@@ -673,8 +675,8 @@ std::optional<Cell> cell_of(const PdbCrystal& crystal, Notices& notices) try {
   return std::nullopt;
 }
 
-bool is_nearest_copy(const PdbCrystal& crystal, const std::array<float, 3>& from,
-                     const std::array<float, 3>& to) try {
+bool is_nearest_copy(const PdbCrystal& crystal, const std::array<double, 3>& from,
+                     const std::array<double, 3>& to) try {
   gemmi::UnitCell cell = unit_cell(crystal);
   if (!cell.is_crystal()) return true;
   cell.set_cell_images_from_spacegroup(

@@ -273,6 +273,17 @@ class DumpReader {
   std::vector<double> bounds_;  // three rows
 };
 
+template <class Next>
+std::expected<ReadScene, Diagnostics> scene_of_rows(Trajectory& t, const Next& next,
+                                                    const ReadOptions& options) {
+  const auto read_frame = [&](const FrameRows& frame, Atoms& out) {
+    return read_rows(t.index, t.file, frame.first, frame.count, frame.layout, out);
+  };
+  return scene_about(
+      [&](const auto& origin) { return t.read(options.frame, 0, next, origin, read_frame); },
+      t.file, options);
+}
+
 }  // namespace
 
 std::expected<ReadScene, Diagnostics> read_xyz(const TextBuffer& text, std::string_view file,
@@ -280,12 +291,7 @@ std::expected<ReadScene, Diagnostics> read_xyz(const TextBuffer& text, std::stri
   auto opened = Trajectory::open(text, file, options);
   if (!opened) return std::unexpected(opened.error());
   Trajectory& t = *opened;
-  return scene_of(t.read(options.frame, 0, next_xyz,
-                         [&](const FrameRows& frame, Atoms& out) {
-                           return read_rows(t.index, file, frame.first, frame.count, frame.layout,
-                                            out);
-                         }),
-                  file, options);
+  return scene_of_rows(t, next_xyz, options);
 }
 
 std::expected<ReadScene, Diagnostics> read_lammps_dump(const TextBuffer& text,
@@ -295,13 +301,7 @@ std::expected<ReadScene, Diagnostics> read_lammps_dump(const TextBuffer& text,
   if (!opened) return std::unexpected(opened.error());
   Trajectory& t = *opened;
   DumpReader dump(t);
-  return scene_of(t.read(
-                      options.frame, 0, [&](Trajectory&) { return dump.next(); },
-                      [&](const FrameRows& frame, Atoms& out) {
-                        return read_rows(t.index, file, frame.first, frame.count, frame.layout,
-                                         out);
-                      }),
-                  file, options);
+  return scene_of_rows(t, [&](Trajectory&) { return dump.next(); }, options);
 }
 
 }  // namespace raio

@@ -63,10 +63,11 @@ class Trajectory {
   void ends_in_frame(size_t found, size_t count) { cut_ = {found, count}; }
 
   /// All frames are walked over once, by next(), which reads what stands before the atoms of one;
-  /// then the wanted one is read. A last frame that is cut, as the simulation still runs, is left
-  /// out.
+  /// then the wanted one is read, relative to the origin. A last frame that is cut, as the
+  /// simulation still runs, is left out.
   template <class Next, class Read>
   std::expected<Atoms, Diagnostics> read(int frame, size_t lines_behind, const Next& next,
+                                         const std::array<double, 3>& origin,
                                          const Read& read_atoms) {
     std::vector<FrameRows>& frames = found_->frames;
     if (frames.empty() || found_->value != value) {
@@ -90,7 +91,7 @@ class Trajectory {
     }
     if (frames.empty()) return failed(file, "the file has no frames");
     Atoms out;
-    out.frames = frames.size();
+    out.origin = origin, out.frames = frames.size();
     if (!found_->cut.empty()) out.notices.add(Severity::cut, found_->cut, {}, found_->cut_line, 0);
     const long wanted = frame < 0 ? long(frames.size()) + frame : frame;
     if (wanted < 0 || wanted >= long(frames.size())) return out;
@@ -110,12 +111,5 @@ class Trajectory {
   std::optional<std::array<size_t, 2>> cut_;  // how many atoms there are, and how many there
                                               // should be
 };
-
-inline std::expected<ReadScene, Diagnostics> scene_of(
-    const std::expected<Atoms, Diagnostics>& atoms, std::string_view file,
-    const ReadOptions& options) {
-  if (!atoms) return std::unexpected(atoms.error());
-  return scene_of_atoms(*atoms, file, options);
-}
 
 }  // namespace raio

@@ -43,6 +43,10 @@ struct Layer {
   bool operator==(const Layer&) const = default;
 };
 
+/// The end of the name of a layer that has what the floats of another leave of its numbers, which
+/// are the sums of both: "position_low" of "position".
+inline constexpr std::string_view kLowLayer = "_low";
+
 /// What a film resolves to. Colours are premultiplied where there is alpha: of a pixel half covered
 /// by white they are 0.5.
 struct Picture {
@@ -83,7 +87,8 @@ std::expected<void, Error> write_image(const Image& image, const std::filesystem
 /// gets straight alpha, and colours of 0 where nothing is covered. EXR gets premultiplied R, G, B
 /// and A and a channel LAYER.COMPONENT, FLOAT or UINT, for each component of a layer. NPZ gets an
 /// array "rgba" (height, width, 4), premultiplied, alpha 1 where there is none, and one of (height,
-/// width) or (height, width, components) for each layer, float32 or uint32; NPY is "rgba" alone.
+/// width) or (height, width, components) for each layer, float32 or uint32, or float64 for one
+/// whose rest is a layer, too (kLowLayer); NPY is "rgba" alone.
 std::expected<void, Error> write_image(const Picture& picture, const std::filesystem::path& path,
                                        const Metadata& metadata = {});
 

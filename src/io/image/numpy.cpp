@@ -18,24 +18,23 @@ namespace raio {
 
 namespace {
 
-constexpr size_t kNumberBytes = 4;  // of all kinds of numbers here
-
 /// A file in the making: its first bytes, then what `copy` gives of the numbers from `first` to
 /// `end`, which are counted as they lie in the file.
 struct NpyArray {
   std::string name, header;
-  size_t numbers;
+  size_t numbers, number_bytes;
   std::function<void(size_t first, size_t end, uint8_t* out)> copy;
 
-  size_t bytes() const { return header.size() + numbers * kNumberBytes; }
+  size_t bytes() const { return header.size() + numbers * number_bytes; }
 };
 
-/// `components`: 0 for an array with two dimensions. `type` is NumPy's letter for a kind of number.
-std::string npy_header(const Image& image, size_t components, char type) {
+/// `components`: 0 for an array with two dimensions. `type` is NumPy's letter for a kind of number
+/// and its bytes.
+std::string npy_header(const Image& image, size_t components, std::string_view type) {
   constexpr char kByteOrder = std::endian::native == std::endian::little ? '<' : '>';
   const std::string third = components > 0 ? fmt::format(", {}", components) : "";
   std::string text =
-      fmt::format("{{'descr': '{}{}4', 'fortran_order': False, 'shape': ({}, {}{}), }}", kByteOrder,
+      fmt::format("{{'descr': '{}{}', 'fortran_order': False, 'shape': ({}, {}{}), }}", kByteOrder,
                   type, image.height, image.width, third);
   // The numbers begin at a multiple of 64 bytes. A size of 16 bits, little-endian, precedes the
   // text.
@@ -57,22 +56,47 @@ NpyArray rgba_array(const PictureView& picture) {
       out = std::copy_n(reinterpret_cast<const uint8_t*>(rgba), sizeof rgba, out);
     }
   };
-  return {"rgba", npy_header(image, kComponents, 'f'), kComponents * image.pixels.size(), copy};
+  return {"rgba", npy_header(image, kComponents, "f4"), kComponents * image.pixels.size(),
+          sizeof(float), copy};
+}
+
+size_t dimensions_of(const Layer& layer) {
+  return layer.components.size() == 1 ? 0 : layer.components.size();
 }
 
 NpyArray layer_array(const Image& image, const Layer& layer) {
-  const size_t components = layer.components.size();
   return std::visit(
       [&]<class T>(const Column<T>& values) {
-        static_assert(sizeof(T) == kNumberBytes);
         const auto copy = [from = values.data()](size_t first, size_t end, uint8_t* out) {
           std::memcpy(out, from + first, (end - first) * sizeof(T));
         };
-        const char type = std::is_same_v<T, float> ? 'f' : 'u';
-        return NpyArray{layer.name, npy_header(image, components == 1 ? 0 : components, type),
-                        values.size(), copy};
+        const char* const type = std::is_same_v<T, float> ? "f4" : "u4";
+        return NpyArray{layer.name, npy_header(image, dimensions_of(layer), type), values.size(),
+                        sizeof(T), copy};
       },
       layer.values);
+}
+
+/// The layer that has what the floats of this one leave; null: there is none.
+const Layer* low_of(const Layer& layer, std::span<const Layer> layers) {
+  const auto low = std::ranges::find(layers, layer.name + std::string(kLowLayer), &Layer::name);
+  if (low == layers.end()) return nullptr;
+  const auto* const values = std::get_if<Column<float>>(&layer.values);
+  const auto* const rest = std::get_if<Column<float>>(&low->values);
+  return values && rest && values->size() == rest->size() ? &*low : nullptr;
+}
+
+/// The sums of a layer and of what its floats leave, as doubles.
+NpyArray wide_array(const Image& image, const Layer& layer, const Layer& low) {
+  const auto floats = [](const Layer& l) { return std::span(std::get<Column<float>>(l.values)); };
+  const auto copy = [a = floats(layer), b = floats(low)](size_t first, size_t end, uint8_t* out) {
+    for (size_t i = first; i < end; ++i) {
+      const double sum = double(a[i]) + double(b[i]);
+      out = std::copy_n(reinterpret_cast<const uint8_t*>(&sum), sizeof sum, out);
+    }
+  };
+  return {layer.name, npy_header(image, dimensions_of(layer), "f8"), floats(layer).size(),
+          sizeof(double), copy};
 }
 
 /// In bands, the first of which begins with the header.
@@ -84,7 +108,7 @@ Deflated deflate(const NpyArray& array) {
     std::vector<uint8_t> bytes;
     if (band == 0) bytes.assign(array.header.begin(), array.header.end());
     const size_t before = bytes.size();
-    bytes.resize(before + (end - first) * kNumberBytes);
+    bytes.resize(before + (end - first) * array.number_bytes);
     array.copy(first, end, bytes.data() + before);
     return bytes;
   });
@@ -171,7 +195,14 @@ Decoded<std::string> encode_npz(const PictureView& picture) {
     return zip.add(array.name + ".npy", deflate(array));
   };
   bool added = add(rgba_array(picture));
-  for (const Layer& layer : picture.layers) added &= add(layer_array(picture.color, layer));
+  const std::span layers = picture.layers;
+  for (const Layer& layer : layers) {
+    const auto is_rest = [&](const Layer& other) { return low_of(other, layers) == &layer; };
+    if (const Layer* const low = low_of(layer, layers))
+      added &= add(wide_array(picture.color, layer, *low));
+    else if (std::ranges::none_of(layers, is_rest))
+      added &= add(layer_array(picture.color, layer));
+  }
   if (!zip.close() || !added) return std::unexpected("not enough memory");
   return zip.take();
 }
