@@ -194,7 +194,8 @@ TEST_F(SceneFiles, AreWrittenBySuffix) {
   const auto other = write_scene(scene, file("a.obj"));
   ASSERT_FALSE(other);
   EXPECT_EQ(other.error().kind, ErrorKind::bad_input);
-  EXPECT_THAT(other.error().message, HasSubstr("ends with .nff, .p3f, .raio, .pov or .ply"));
+  EXPECT_THAT(other.error().message,
+              HasSubstr("ends with .nff, .p3f, .raio, .pov, .ply, .glb or .gltf"));
   EXPECT_FALSE(std::filesystem::exists(file("a.obj")));
 }
 
@@ -256,8 +257,9 @@ TEST_F(ConvertCommandLine, SaysWhatIsLost) {
 TEST_F(ConvertCommandLine, RefusesWhatItCannotWrite) {
   const Outcome done = raio({"convert", "ok.nff", "ok.obj"});
   EXPECT_EQ(done.status, 2);
-  EXPECT_THAT(done.err,
-              HasSubstr("expected a file that ends with .nff, .p3f, .raio, .pov or .ply"));
+  EXPECT_THAT(
+      done.err,
+      HasSubstr("expected a file that ends with .nff, .p3f, .raio, .pov, .ply, .glb or .gltf"));
   EXPECT_EQ(raio({"convert", "none.nff", "ok.raio"}).status, 2);
   put(file("discs.nff"),
       "v\nfrom 0 0 5\nat 0 0 0\nup 0 1 0\nangle 40\nhither 0\nresolution 8 8\n"

@@ -410,7 +410,8 @@ void add_convert(CLI::App& app, ConvertCommand& command, int& status) {
       "IN");
   add_read_options(*sub, command.read);
   add_file(*sub, "out", command.output,
-           "Scene file: .nff, .p3f, .raio, .ply or .pov by suffix; - writes NFF to standard output",
+           "Scene file: .nff, .p3f, .raio, .ply, .glb, .gltf or .pov by suffix; - writes NFF to "
+           "standard output",
            "OUT");
   for (const char* scene : {"in", "out"}) sub->get_option(scene)->required();
   sub->callback([&] { status = run(command); });

@@ -219,15 +219,18 @@ std::expected<SceneFormat, Error> scene_format(const fs::path& path) {
   if (suffix == ".raio") return SceneFormat::raio;
   if (suffix == ".pov") return SceneFormat::pov;
   if (suffix == ".ply") return SceneFormat::ply;
-  return std::unexpected(Error{
-      ErrorKind::bad_input, "",
-      fmt::format("expected a file that ends with .nff, .p3f, .raio, .pov or .ply, found '{}'",
-                  path.string())});
+  if (suffix == ".glb" || suffix == ".gltf") return SceneFormat::gltf;
+  return std::unexpected(
+      Error{ErrorKind::bad_input, "",
+            fmt::format("expected a file that ends with .nff, .p3f, .raio, .pov, .ply, .glb or "
+                        ".gltf, found '{}'",
+                        path.string())});
 }
 
 std::string not_kept(const Scene& scene, SceneFormat format) {
   if (format == SceneFormat::raio) return "";
   if (format == SceneFormat::ply) return not_in_ply(scene);
+  if (format == SceneFormat::gltf) return not_in_gltf(scene);
   std::string lost = text_of(scene, kNotPlain);
   const auto add = [&](std::string_view more) {
     lost += (lost.empty() || more.empty() ? "" : ", ") + std::string(more);
@@ -273,6 +276,12 @@ std::expected<void, Error> write_scene(const Scene& scene, const fs::path& path,
                   "PLY holds faces or spheres, and the scene has neither; choose "
                   "another format"});
       return write_file(path, write_ply(scene, comment));
+    case SceneFormat::gltf: {
+      const auto form = lower_suffix(path) == ".glb" ? GltfForm::binary : GltfForm::text;
+      const auto bytes = write_gltf(scene, form, comment);
+      if (!bytes) return std::unexpected(Error{ErrorKind::bad_input, "", bytes.error()});
+      return write_file(path, *bytes);
+    }
     case SceneFormat::pov:
       break;
   }

@@ -65,7 +65,7 @@ FileKind file_kind(std::string_view start, std::string_view suffix, size_t size)
 std::vector<std::string_view> scene_suffixes();
 
 /// How scenes can be written.
-enum class SceneFormat { nff, raio, pov, ply };
+enum class SceneFormat { nff, raio, pov, ply, gltf };
 
 /// By suffix, in any case; an error (bad_input) that lists the suffixes otherwise. "-" and .p3f are
 /// NFF, whose dialect is the scene's.

@@ -13,6 +13,7 @@
 #include "io/far_origin.h"
 #include "io/fit_camera.h"
 #include "io/mesh/builder.h"
+#include "io/mesh/gltf_place.h"
 #include "io/mesh/read.h"
 #include "io/points.h"
 #include "io/textures.h"
@@ -21,43 +22,6 @@ namespace raio {
 namespace {
 
 using namespace gltf;
-
-/// As Matrix, in double.
-struct Transform {
-  std::array<double, 12> m;
-
-  Vec3d point(Vec3d p) const { return vector(p) + Vec3d(m[3], m[7], m[11]); }
-  Vec3d vector(Vec3d v) const {
-    const auto row = [&](size_t i) { return m[i] * v.x + m[i + 1] * v.y + m[i + 2] * v.z; };
-    return {row(0), row(4), row(8)};
-  }
-  // By the cofactors, which are the inverse transposed but for the length.
-  Vec3d normal(Vec3d n) const {
-    const auto row = [&](size_t i) { return Vec3d(m[i], m[i + 1], m[i + 2]); };
-    return {dot(cross(row(4), row(8)), n), dot(cross(row(8), row(0)), n),
-            dot(cross(row(0), row(4)), n)};
-  }
-  // To places relative to an origin.
-  Matrix matrix(Vec3d origin = {}) const {
-    Matrix out;
-    for (size_t i = 0; i < 12; ++i) out[i] = float(i % 4 == 3 ? m[i] - origin[int(i / 4)] : m[i]);
-    return out;
-  }
-  bool is_sound() const {
-    const auto is_near = [](double x) { return std::abs(x) <= double(kFarthestPlace); };
-    return std::ranges::all_of(m, is_near) && Placement(matrix()).is_sound();
-  }
-};
-
-Transform operator*(const Transform& a, const Transform& b) {
-  Transform out{};
-  for (size_t column = 0; column < 4; ++column) {
-    const Vec3d v(b.m[column], b.m[column + 4], b.m[column + 8]);
-    const Vec3d to = column == 3 ? a.point(v) : a.vector(v);
-    out.m[column] = to.x, out.m[column + 4] = to.y, out.m[column + 8] = to.z;
-  }
-  return out;
-}
 
 /// A mesh or camera where a node places it.
 struct Use {
@@ -71,8 +35,6 @@ struct PosedUse : Use {
   const std::vector<double>* weights = nullptr;
   Index skin;
 };
-
-constexpr Transform kHere{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
 
 bool draws_triangles(const MeshPrimitive& p) { return p.mode >= 4; }
 
@@ -177,10 +139,10 @@ class GltfReader {
       const auto row = [&](size_t k, std::array<double, 4> usual) {
         return columns[k] ? columns[k]->numbers(i) : usual;
       };
-      const auto shift = row(0, {}), scale = row(2, {1, 1, 1, 0});
+      const auto vector = [](const std::array<double, 4>& v) { return Vec3d(v[0], v[1], v[2]); };
       out.push_back(*places_[number] *
-                    Transform{placement_matrix({shift[0], shift[1], shift[2]}, row(1, {0, 0, 0, 1}),
-                                               {scale[0], scale[1], scale[2]})});
+                    Transform{placement_matrix(
+                        {vector(row(0, {})), row(1, {0, 0, 0, 1}), vector(row(2, {1, 1, 1, 0}))})});
     }
     return out;
   }

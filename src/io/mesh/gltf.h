@@ -105,11 +105,6 @@ struct Node {
   std::array<Index, 3> copies;
 };
 
-/// What scales, then rotates by the quaternion x, y, z, w, then shifts; rows as in raio::Matrix.
-std::array<double, 12> placement_matrix(const std::array<double, 3>& shift,
-                                        const std::array<double, 4>& rotation,
-                                        const std::array<double, 3>& scale);
-
 struct Document {
   std::vector<Buffer> buffers;
   std::vector<View> views;

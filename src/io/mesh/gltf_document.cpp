@@ -8,6 +8,7 @@
 
 #include "io/mesh/builder.h"
 #include "io/mesh/gltf.h"
+#include "io/mesh/gltf_place.h"
 
 namespace raio::gltf {
 namespace {
@@ -450,15 +451,20 @@ class Parser {
   }
 
   static void place(const Value& value, Node& node) {
-    std::array<double, 3> shift{0, 0, 0}, scale{1, 1, 1};
-    std::array<double, 4> q{0, 0, 0, 1};
-    if (const auto given = value.find("translation")) shift = given->numbers<3>();
-    if (const auto given = value.find("scale")) scale = given->numbers<3>();
+    NodePlace place;
+    const auto vector = [&](const char* key, Vec3d& to) {
+      if (const auto given = value.find(key)) {
+        const auto [x, y, z] = given->numbers<3>();
+        to = {x, y, z};
+      }
+    };
+    vector("translation", place.shift), vector("scale", place.scale);
     if (const auto given = value.find("rotation")) {
-      q = given->numbers<4>();
-      if (q == std::array<double, 4>{}) given->fail_expected("a quaternion of length 1");
+      place.rotation = given->numbers<4>();
+      if (place.rotation == std::array<double, 4>{})
+        given->fail_expected("a quaternion of length 1");
     }
-    node.matrix = placement_matrix(shift, q, scale);
+    node.matrix = placement_matrix(place);
   }
 
   void read_scene() {
@@ -485,10 +491,8 @@ class Parser {
 
 }  // namespace
 
-std::array<double, 12> placement_matrix(const std::array<double, 3>& shift,
-                                        const std::array<double, 4>& rotation,
-                                        const std::array<double, 3>& scale) {
-  auto [x, y, z, w] = rotation;
+std::array<double, 12> placement_matrix(const NodePlace& place) {
+  auto [x, y, z, w] = place.rotation;
   const double size = std::hypot(std::hypot(x, y), std::hypot(z, w));
   if (size > 0)
     x /= size, y /= size, z /= size, w /= size;
@@ -500,8 +504,8 @@ std::array<double, 12> placement_matrix(const std::array<double, 3>& shift,
   std::array<double, 12> out;
   for (size_t row = 0; row < 3; ++row) {
     for (size_t column = 0; column < 3; ++column)
-      out[4 * row + column] = rows[row][column] * scale[column];
-    out[4 * row + 3] = shift[row];
+      out[4 * row + column] = rows[row][column] * place.scale[int(column)];
+    out[4 * row + 3] = place.shift[int(row)];
   }
   return out;
 }

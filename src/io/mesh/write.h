@@ -1,6 +1,7 @@
 // Writers of files of meshes and points.
 #pragma once
 
+#include <expected>
 #include <string>
 #include <string_view>
 
@@ -24,5 +25,18 @@ bool has_faces(const Scene& scene);
 
 /// What of the scene write_ply() leaves out, in one line, as text_of() has it; empty: nothing.
 std::string not_in_ply(const Scene& scene);
+
+/// In one binary file, .glb, or as text with its numbers in it.
+enum class GltfForm : uint8_t { binary, text };
+
+/// The scene as glTF 2.0, in light of linear numbers as that has it: triangles by their materials
+/// with the floats of the scene, under a node that is shifted by its origin; materials of
+/// metallic-roughness; camera and lights. Triangles stand for spheres, cones, ellipsoids and discs:
+/// shared ones, in the nodes of up to 10,000 of them, else ones of their own. The error is a
+/// sentence: there is nothing to write, or too much.
+std::expected<std::string, std::string> write_gltf(const Scene& scene, GltfForm form,
+                                                   std::string_view comment = {});
+/// What of the scene write_gltf() leaves out, as not_in_ply().
+std::string not_in_gltf(const Scene& scene);
 
 }  // namespace raio

@@ -1,0 +1,54 @@
+// A scene as what glTF can hold: triangles by their material, and unit shapes with places for those
+// shapes that it has none of. Internal to its writer.
+#pragma once
+
+#include <compare>
+#include <expected>
+#include <string>
+#include <vector>
+
+#include "io/mesh/gltf_shapes.h"
+#include "scene/scene.h"
+
+namespace raio::gltf {
+
+/// What decides a material of glTF: one of the scene's with a colour and an opacity in place of its
+/// own.
+struct Look {
+  MaterialId material = 0;
+  Rgb color;
+  float opacity = 1;
+  uint32_t textured = 0;  // by the material's texture: 0 or 1
+
+  friend bool operator==(const Look&, const Look&) = default;
+};
+
+/// A surface with the number of its look.
+struct SurfacePart {
+  uint32_t surface = 0, look = 0;
+
+  friend auto operator<=>(const SurfacePart&, const SurfacePart&) = default;
+};
+
+struct SurfaceParts {
+  std::vector<Look> looks;
+  std::vector<Surface> surfaces;
+  std::vector<SurfacePart> fixed;  // where they are
+
+  /// A unit shape where it is wanted.
+  struct Copy {
+    SurfacePart part;
+    NodePlace place;
+  };
+  std::vector<Copy> copies;
+};
+
+/// Of all but planes; what moves is where it begins. Spheres, cones, ellipsoids and discs are
+/// copies of unit shapes where they are few, else triangles, the more of them the coarser. The
+/// error says that they are too many.
+std::expected<SurfaceParts, std::string> surface_parts(const Scene& scene);
+
+/// How many spheres, cones and so on become triangles.
+size_t count_curved(const Scene& scene);
+
+}  // namespace raio::gltf
