@@ -223,7 +223,7 @@ TEST(PdbText, SecondResiduesAtOneNumber) {
       see(pdb_atom("1", " C", " UNL", "1", 0, "C") + pdb_atom("2", " C", " UNL", "2", 0, "C"),
           "a.pdb")
           .notices,
-      HasSubstr("warning: atoms at the very place of another (1)"));
+      HasSubstr("warning: atoms at the very place of another (1: C UNL A2)"));
 }
 
 TEST(PdbText, ShiftedColumnsAreRefused) {
