@@ -10,6 +10,7 @@
 
 #include "app/help.h"
 #include "app/outline.h"
+#include "io/atoms/select.h"
 #include "io/colormaps.h"
 
 namespace raio::app {
@@ -176,6 +177,24 @@ std::vector<const CLI::Option*> add_read_options(CLI::App& app, ReadOptions& opt
       "Style of the atoms of a LAMMPS data file, such as full (default: as its section Atoms has "
       "it, else by its columns)",
       "NAME");
+  const auto selection = [&](const std::string& name, std::string& to, const std::string& help) {
+    word(
+        name,
+        [name, &to](const std::string& text) {
+          if (auto why = selection_problem(text); !why.empty())
+            throw CLI::ValidationError(name, why);
+          to = text;
+        },
+        help, "SEL");
+  };
+  selection("--only", options.only,
+            "Draw these atoms alone: water, hydrogen, ion, ligand, protein, nucleic, element C,N, "
+            "type 1,3-5, chain A, residue ALA,5-12 or index 0-99, joined by and, or, not and "
+            "parentheses");
+  selection("--hide", options.hide, "Leave these atoms out");
+  selection("--show", options.show,
+            "Draw these atoms even so" +
+                std::string(options.hide_solvent ? ", such as water around a protein" : ""));
   auto* const cell = app.add_flag_function(
       "--cell", [&options](int64_t) { options.cell = true; },
       "Draw the edges of the cell of a crystal or simulation, with the atoms on its border on all "

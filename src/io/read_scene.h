@@ -46,7 +46,10 @@ struct ReadOptions {
   // border; none: if the file is of a crystal or a simulation.
   std::optional<bool> cell = false;
   std::array<int, 3> images = {1, 1, 1};  // copies along its sides
-  bool instances = false;  // copies stay such; else they become primitives of their own
+  // Which atoms are drawn (io/atoms/select.h); empty: all.
+  std::string only = {}, hide = {}, show = {};
+  bool hide_solvent = false;  // water and ions around a space-filling protein or nucleic acid
+  bool instances = false;     // copies stay such; else they become primitives of their own
   std::optional<std::filesystem::path> folder = {};  // of other files that it names; none: nowhere
   FrameCache* cache = nullptr;  // of the text, where frame after frame is read of it
   // NOLINTEND(readability-redundant-member-init)
@@ -55,7 +58,7 @@ struct ReadOptions {
 };
 
 /// The usual ones of pictures; conversions and counts are of the atoms alone.
-inline const ReadOptions kForPictures{.cell = std::nullopt};
+inline const ReadOptions kForPictures{.cell = std::nullopt, .hide_solvent = true};
 
 /// What a colour of the scene stands for: an element, a type, a chain, a residue.
 struct LegendEntry {

@@ -117,6 +117,9 @@ std::string_view unfit_option(const ReadOptions& options, const FileKind& kind) 
   if (!options.atom_style.empty() && kind.read != read_lammps_data) return "atom-style";
   if (kind.takes == FileKind::Takes::all) return {};
   if (options.style) return "style";
+  if (!options.only.empty()) return "only";
+  if (!options.hide.empty()) return "hide";
+  if (!options.show.empty()) return "show";
   if (options.assembly) return "assembly";
   if (options.cell.value_or(false)) return "cell";
   if (options.images != usual.images) return "images";

@@ -7,6 +7,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "io/notices.h"
@@ -22,6 +23,19 @@ struct Atom {
   uint32_t residue = 0;          // counted through the file
   float occupancy = 1, b_factor = 0;
 };
+
+struct Residue {
+  std::array<char, 8> name{};  // ends with zeros; longer names are cut
+  int number = 0;              // as the file has it
+
+  std::string_view view() const {
+    size_t size = 0;
+    while (size < name.size() && name[size] != 0) ++size;
+    return {name.data(), size};
+  }
+};
+/// Of a name and a number such as "12A", whose letter does not count.
+Residue residue_of(std::string_view name, std::string_view number);
 
 /// A biological assembly: copies of parts, each moved by the matrices.
 struct Assembly {
@@ -48,6 +62,7 @@ struct Atoms {
   std::array<double, 3> origin{};  // what the atoms' places are relative to
   std::vector<Atom> atoms;
   std::vector<std::string> chains;
+  std::vector<Residue> residues;  // by Atom::residue, or empty
   std::vector<Assembly> assemblies;
   std::optional<Cell> cell;
   size_t frames = 1;         // that the file has

@@ -2,26 +2,49 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
+#include <gemmi/resinfo.hpp>
+#include <string>
 
+#include "io/atoms/atoms.h"
 #include "io/atoms/colors.h"
 
 namespace raio {
 namespace {
 
-// Sorted. Amino acids with their protonation states, caps and variants; nucleotides; water; the
-// lipids and sugars of the usual force fields.
-constexpr auto kOrganic = std::to_array<std::string_view>(
-    {"A",   "A3",   "A5",   "ACE",  "ADE",  "ALA",  "AMN", "ARG",  "ASH",  "ASN",  "ASP",  "ASX",
-     "BMA", "C",    "C3",   "C5",   "CHL1", "CHOL", "CSO", "CYM",  "CYS",  "CYT",  "CYX",  "D2O",
-     "DA",  "DA3",  "DA5",  "DC",   "DC3",  "DC5",  "DG",  "DG3",  "DG5",  "DI",   "DLPC", "DMPC",
-     "DOD", "DOPC", "DOPE", "DPPC", "DSPC", "DT",   "DT3", "DT5",  "DU",   "FUC",  "G",    "G3",
-     "G5",  "GAL",  "GLC",  "GLH",  "GLN",  "GLU",  "GLX", "GLY",  "GUA",  "H2O",  "HID",  "HIE",
-     "HIP", "HIS",  "HOH",  "HSD",  "HSE",  "HSP",  "I",   "ILE",  "LEU",  "LYN",  "LYS",  "MAN",
-     "MET", "MSE",  "NAG",  "NH2",  "NMA",  "NME",  "PHE", "POPC", "POPE", "POPG", "POPS", "PRO",
-     "PSU", "PTR",  "PYL",  "RA",   "RC",   "RG",   "RU",  "SEC",  "SEP",  "SER",  "SIA",  "SOL",
-     "SPC", "T",    "T3P",  "T4P",  "THR",  "THY",  "TIP", "TIP2", "TIP3", "TIP4", "TIP5", "TP3",
-     "TP4", "TPO",  "TRP",  "TYR",  "U",    "U3",   "U5",  "UNK",  "URA",  "VAL",  "WAT"});
-static_assert(std::ranges::is_sorted(kOrganic));
+// Amino acids with their protonation states, caps and variants.
+constexpr auto kAmino = std::to_array<std::string_view>(
+    {"ACE", "ALA", "AMN", "ARG", "ASH", "ASN", "ASP", "ASX", "CSO", "CYM", "CYS", "CYX",
+     "GLH", "GLN", "GLU", "GLX", "GLY", "HID", "HIE", "HIP", "HIS", "HSD", "HSE", "HSP",
+     "ILE", "LEU", "LYN", "LYS", "MET", "MSE", "NH2", "NMA", "NME", "PHE", "PRO", "PTR",
+     "PYL", "SEC", "SEP", "SER", "THR", "TPO", "TRP", "TYR", "UNK", "VAL"});
+static_assert(std::ranges::is_sorted(kAmino));
+constexpr auto kNucleotides = std::to_array<std::string_view>(
+    {"A",   "A3",  "A5",  "ADE", "C",  "C3", "C5",  "CYT", "DA", "DA3", "DA5", "DC", "DC3",
+     "DC5", "DG",  "DG3", "DG5", "DI", "DT", "DT3", "DT5", "DU", "G",   "G3",  "G5", "GUA",
+     "I",   "PSU", "RA",  "RC",  "RG", "RU", "T",   "THY", "U",  "U3",  "U5",  "URA"});
+static_assert(std::ranges::is_sorted(kNucleotides));
+constexpr auto kWater =
+    std::to_array<std::string_view>({"D2O", "DOD", "H2O", "HOH", "SOL", "SPC", "T3P", "T4P", "TIP",
+                                     "TIP2", "TIP3", "TIP4", "TIP5", "TP3", "TP4", "WAT"});
+static_assert(std::ranges::is_sorted(kWater));
+// Lipids and sugars of the usual force fields.
+constexpr auto kLipids = std::to_array<std::string_view>(
+    {"BMA", "CHL1", "CHOL", "DLPC", "DMPC", "DOPC", "DOPE", "DPPC", "DSPC", "FUC", "GAL", "GLC",
+     "MAN", "NAG", "POPC", "POPE", "POPG", "POPS", "SIA"});
+static_assert(std::ranges::is_sorted(kLipids));
+
+ResidueKind usual_kind(std::string_view residue) {
+  const auto is_in = [](const auto& names, std::string_view name) {
+    return std::ranges::binary_search(names, name);
+  };
+  // Amino acids at the ends of a chain are NALA and CALA.
+  const bool is_end = residue.size() == 4 && (residue[0] == 'N' || residue[0] == 'C');
+  if (is_in(kAmino, residue) || (is_end && is_in(kAmino, residue.substr(1))))
+    return ResidueKind::protein;
+  if (is_in(kNucleotides, residue)) return ResidueKind::nucleic;
+  return is_in(kWater, residue) ? ResidueKind::water : ResidueKind::other;
+}
 
 bool is_letter(char c) { return (c & ~32) >= 'A' && (c & ~32) <= 'Z'; }
 
@@ -56,17 +79,29 @@ uint8_t in_organic_residue(std::string_view name) {
 
 }  // namespace
 
+Residue residue_of(std::string_view name, std::string_view number) {
+  Residue out;
+  name = without_blanks(name), number = without_blanks(number);
+  std::ranges::copy(name.substr(0, out.name.size()), out.name.begin());
+  (void)std::from_chars(number.data(), number.data() + number.size(), out.number);
+  return out;
+}
+
 std::string_view without_blanks(std::string_view text) {
   while (!text.empty() && text.front() <= ' ' && text.front() >= 0) text.remove_prefix(1);
   while (!text.empty() && text.back() <= ' ' && text.back() >= 0) text.remove_suffix(1);
   return text;
 }
 
+ResidueKind residue_kind(std::string_view residue) {
+  if (const ResidueKind kind = usual_kind(residue); kind != ResidueKind::other) return kind;
+  const gemmi::ResidueInfo info = gemmi::find_tabulated_residue(std::string(residue));
+  if (info.is_amino_acid()) return ResidueKind::protein;
+  return info.is_nucleic_acid() ? ResidueKind::nucleic : ResidueKind::other;
+}
+
 bool is_organic_residue(std::string_view residue) {
-  if (std::ranges::binary_search(kOrganic, residue)) return true;
-  // Amino acids at the ends of a chain, NALA and CALA.
-  return residue.size() == 4 && (residue[0] == 'N' || residue[0] == 'C') &&
-         std::ranges::binary_search(kOrganic, residue.substr(1));
+  return usual_kind(residue) != ResidueKind::other || std::ranges::binary_search(kLipids, residue);
 }
 
 uint8_t element_of_symbol(std::string_view symbol) {

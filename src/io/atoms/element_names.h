@@ -20,6 +20,10 @@ enum class NameField : uint8_t { free, one_letter, two_letters };
 uint8_t element_of_names(std::string_view residue, std::string_view atom,
                          NameField field = NameField::free);
 
+enum class ResidueKind : uint8_t { protein, nucleic, water, other };
+/// By the names of the usual force fields, else by gemmi's table of modified residues.
+ResidueKind residue_kind(std::string_view residue);
+
 /// Whether atoms of this residue have symbols of one letter, but for selenium.
 bool is_organic_residue(std::string_view residue);
 

@@ -138,15 +138,16 @@ std::expected<void, Diagnostics> read_gro_atoms(const Trajectory& t, const Frame
   // Numbers of residues begin again at 100,000, so they are counted.
   const char* const end = t.index.text().data() + t.index.text().size();
   p = t.index.begin_of(frame.first);
-  uint32_t residues = 0;
   std::string_view group;
+  out.residues.clear();
   for (size_t i = 0; i < out.atoms.size(); ++i) {
     Atom& atom = out.atoms[i];
     const std::string_view line = take_line(p, end);
     const auto [now, name] = names_of(line, digits_more(line, point));
-    if (!group.empty() && now != group) ++residues;
+    if (i == 0 || now != group)
+      out.residues.push_back(residue_of(now.substr(kGroName), now.substr(0, kGroName)));
     group = now;
-    atom.residue = residues;
+    atom.residue = uint32_t(out.residues.size() - 1);
     out.notices.add(
         atom.element ? Severity::guessed : Severity::warning,
         atom.element ? "elements from the names of atoms" : "names of atoms that are no elements",

@@ -297,7 +297,7 @@ void PdbAssembler::add(const std::vector<PdbRow>& rows, bool is_pqr, bool with_s
                        std::vector<PdbLink>& links) {
   ElementCases elements;
   std::string_view chain_name;
-  uint32_t chain = 0, residues = 0;
+  uint32_t chain = 0;
   const auto same = [](const PdbRow& a, const PdbRow& b) {
     return a.part(a.sequence) == b.part(b.sequence) && a.part(a.chain) == b.part(b.chain);
   };
@@ -319,7 +319,7 @@ void PdbAssembler::add(const std::vector<PdbRow>& rows, bool is_pqr, bool with_s
     if (!taken) continue;
     const bool is_new = !residue_ || !same(*residue_, row) ||
                         residue_->part(residue_->residue) != row.part(row.residue);
-    if (residue_ && is_new) ++residues;
+    if (is_new) out_.residues.push_back(residue_of(row.part(row.residue), row.part(row.sequence)));
     residue_ = &row;
     if (is_new && !links.empty()) find_ends(row, links);
     if (out_.atoms.empty() || row.part(row.chain) != chain_name)
@@ -338,7 +338,7 @@ void PdbAssembler::add(const std::vector<PdbRow>& rows, bool is_pqr, bool with_s
         end.atom = uint32_t(out_.atoms.size());
     if (row.needs_guess) elements.add(row.element, row.part(row.name), line);
     if (!row.has_numbers) numberless_.add(row.part(row.name), line);
-    Atom atom{row.place, row.element, chain, chain, residues};
+    Atom atom{row.place, row.element, chain, chain, uint32_t(out_.residues.size() - 1)};
     if (is_pqr) {
       charges.push_back(row.occupancy), out_.radii.push_back(row.b_factor);
       if (row.b_factor == 0) radiusless_.add(row.part(row.name), line);

@@ -43,7 +43,7 @@ size_t add_traces(const std::vector<Atom>& atoms, Bonds& bonds);
 
 /// The atoms as spheres and cylinders, as `options` have it, with a camera. An error says which
 /// option does not fit.
-std::expected<ReadScene, Diagnostics> scene_of_atoms(const Atoms& atoms, std::string_view file,
+std::expected<ReadScene, Diagnostics> scene_of_atoms(Atoms atoms, std::string_view file,
                                                      const ReadOptions& options);
 
 /// A place near all atoms, if they are far from 0 and were read as they stand; else 0.
@@ -61,7 +61,7 @@ std::expected<ReadScene, Diagnostics> scene_about(const Read& read, std::string_
     atoms = read(origin);
     if (!atoms) return std::unexpected(atoms.error());
   }
-  return scene_of_atoms(*atoms, file, options);
+  return scene_of_atoms(*std::move(atoms), file, options);
 }
 
 }  // namespace raio

@@ -13,6 +13,7 @@
 #include "io/atoms/colors.h"
 #include "io/atoms/lines.h"
 #include "io/atoms/read.h"
+#include "io/atoms/select.h"
 #include "io/colormaps.h"
 #include "io/fit_camera.h"
 #include "io/points.h"
@@ -515,7 +516,7 @@ std::array<double, 3> origin_for(const std::vector<Atom>& atoms) try {
   return {};
 }
 
-std::expected<ReadScene, Diagnostics> scene_of_atoms(const Atoms& atoms, std::string_view file,
+std::expected<ReadScene, Diagnostics> scene_of_atoms(Atoms atoms, std::string_view file,
                                                      const ReadOptions& options) {
   float farthest = 0;
   for (size_t i = 0; i < atoms.atoms.size(); ++i) {
@@ -538,16 +539,16 @@ std::expected<ReadScene, Diagnostics> scene_of_atoms(const Atoms& atoms, std::st
     if (!(atoms.radii[i] <= kFarthestPlace))
       return failed(file, fmt::format("atom {} has a radius that is too large", i + 1));
   if (std::string wrong = cell_problem(atoms, options); !wrong.empty()) return failed(file, wrong);
+  const bool fills = style_of(atoms, options) == AtomStyle::space_filling;
+  if (auto done = select_atoms(atoms, options, fills); !done) return failed(file, done.error());
   const AtomStyle style = style_of(atoms, options);
   const std::vector<Vec3d> shifts = shifts_of(atoms, options.images);
   const bool completes = completes_cell(atoms, options);
   const bool repeats = completes || (has_bonds(style) && shifts.size() > 1);
-  Atoms whole;
-  if (repeats) whole = repeated(atoms, shifts, options.images);
-  if (completes) complete_border(whole, options.images);
-  auto read = AtomScene(repeats ? whole : atoms, file, options, style,
-                        repeats ? std::vector{Vec3d()} : shifts)
-                  .make();
+  if (repeats) atoms = repeated(atoms, shifts, options.images);
+  if (completes) complete_border(atoms, options.images);
+  auto read =
+      AtomScene(atoms, file, options, style, repeats ? std::vector{Vec3d()} : shifts).make();
   constexpr double kFine = 0.01;  // much less than a bond is long
   if (const double step = float_step(double(farthest)); read && step > kFine)
     read->notices.push_back({Severity::cut, std::string(file), 0, 0,

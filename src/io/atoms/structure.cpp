@@ -54,7 +54,6 @@ class FirstChoice {
 };
 
 void add_model(const gemmi::Model& model, Names& chains, Names& parts, Atoms& out, Kept& kept) {
-  uint32_t residues = 0;
   Cases conformers, second_residues;
   for (const gemmi::Chain& chain : model.chains) {
     FirstChoice first;
@@ -73,12 +72,12 @@ void add_model(const gemmi::Model& model, Names& chains, Names& parts, Atoms& ou
         Atom a;
         a.place = out.local({atom.pos.x, atom.pos.y, atom.pos.z});
         a.element = number_of(atom.element);
-        a.chain = number, a.part = part, a.residue = residues;
+        a.chain = number, a.part = part, a.residue = uint32_t(out.residues.size());
         a.occupancy = atom.occ, a.b_factor = atom.b_iso;
         kept.emplace(&atom, uint32_t(out.atoms.size()));
         out.atoms.push_back(a);
       }
-      ++residues;
+      out.residues.push_back(residue_of(residue.name, residue.seqid.str()));
     }
   }
   conformers.tell(out.notices, Severity::left_out, "atoms of alternate conformers");
