@@ -29,6 +29,8 @@ def compare(args, scene, depth, folder):
     name, (width, height) = scene.stem, args.size.split("x")
     ours, theirs = f"{name}-raio.png", f"{name}-pov.png"
     picture = [scene, "--size", args.size, "--depth", depth]
+    if args.projection:
+        picture += ["--projection", args.projection]
     run([args.raio, "render", *picture, "--no-dof", "--aa", 1, "--quiet", "-o", ours], folder)
     run([args.raio, "export", *picture, "-o", f"{name}.pov"], folder)
     run([args.povray, f"+I{name}.pov", f"+O{theirs}", f"+W{width}", f"+H{height}",
@@ -43,6 +45,7 @@ def main():
     parser.add_argument("scene", nargs="+", type=pathlib.Path, help="NFF files")
     parser.add_argument("--size", default="512x512", help="(%(default)s)")
     parser.add_argument("--depth", type=int, nargs="+", default=[5], help="levels of rays (5)")
+    parser.add_argument("--projection", help="orthographic: the scene as parallel rays show it")
     parser.add_argument("--keep", type=pathlib.Path, help="a folder for the pictures")
     parser.add_argument("--raio", type=pathlib.Path, default=ROOT / "build/release/raio")
     parser.add_argument("--povray", default="povray")
