@@ -1,6 +1,7 @@
 // Atoms as files have them, whatever the format. Also included by structure.cpp, which is C++17.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -87,6 +88,12 @@ struct Atoms {
             origin[2] + double(atom.place[2])};
   }
 };
+
+/// Whether the element of any atom is known.
+inline bool any_element(const Atoms& atoms) {
+  return std::any_of(atoms.atoms.begin(), atoms.atoms.end(),
+                     [](const Atom& a) { return a.element > 0; });
+}
 
 /// The records CRYST1 and SCALE of a PDB file.
 struct PdbCrystal {

@@ -4,17 +4,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <optional>
 
 #include "base/parallel.h"
 #include "base/platform/memory.h"
+#include "io/atoms/atom_colors.h"
 #include "io/atoms/cells.h"
 #include "io/atoms/colors.h"
 #include "io/atoms/lines.h"
 #include "io/atoms/read.h"
 #include "io/atoms/select.h"
-#include "io/colormaps.h"
 #include "io/fit_camera.h"
 #include "io/points.h"
 #include "scene/enclosing.h"
@@ -26,8 +25,6 @@ namespace {
 constexpr size_t kFew = 300;
 // So many of carbon alone, as in cages and tubes; they are not behind one another.
 constexpr size_t kFewCarbons = 1000;
-// So large chains are told apart by colour in assemblies of so many atoms.
-constexpr size_t kManyAtoms = 5000, kLargeChain = 500;
 constexpr float kLargest = 1e9f;  // number of a matrix, so that what it moves stays near
 constexpr float kStick = 0.15f, kBond = 0.12f, kBallPart = 0.27f, kPoint = 0.25f;
 constexpr double kEdgePart = 0.005;  // of a cell's mean side, the radius of its edges
@@ -37,10 +34,6 @@ constexpr double kFlat = 0.1;            // of its width, the height of what is 
 constexpr size_t kMostCompleted = 3000;  // atoms of all copies of a cell
 
 Vec3f place_of(const Atom& atom) { return {atom.place[0], atom.place[1], atom.place[2]}; }
-
-bool any_element(const Atoms& atoms) {
-  return std::ranges::any_of(atoms.atoms, [](const Atom& a) { return a.element > 0; });
-}
 
 size_t images_of(const ReadOptions& options) {
   return size_t(options.images[0]) * size_t(options.images[1]) * size_t(options.images[2]);
@@ -115,7 +108,9 @@ class AtomScene {
     scene.origin = origin_;
     read_.frames = atoms_.frames;
     if (has_elements_) read_.unit = "Å";  // that of the radii
-    if (auto wrong = color_atoms(); !wrong.empty()) return failed(file_, wrong);
+    auto materials = color_atoms(atoms_, options_, style_, read_);
+    if (!materials) return failed(file_, materials.error());
+    material_ = *std::move(materials);
     if (has_bonds(style_) && !collect_bonds())
       return failed(file_,
                     "too many atoms are at one place for bonds between them; choose the `style` "
@@ -167,127 +162,6 @@ class AtomScene {
 
   void tell(Severity severity, std::string what) {
     read_.notices.push_back({severity, std::string(file_), 0, 0, std::move(what), ""});
-  }
-
-  MaterialId material(Rgb color) {
-    const auto [at, is_new] = materials_.emplace(std::array{color.x, color.y, color.z}, 0);
-    if (is_new) at->second = read_.scene.add_material({.color = color, .kd = 1});
-    return at->second;
-  }
-
-  // Several large chains, which colours of elements would hide, seen from outside.
-  bool is_assembly() const {
-    if (style_ != AtomStyle::space_filling || atoms_.chains.size() < 2 ||
-        atoms_.atoms.size() < kManyAtoms)
-      return false;
-    struct Size {
-      size_t atoms = 0, residues = 0;
-    };
-    std::vector<Size> sizes(atoms_.chains.size());
-    for (size_t i = 0; i < atoms_.atoms.size(); ++i) {
-      Size& size = sizes[atoms_.atoms[i].chain];
-      ++size.atoms;
-      size.residues += i == 0 || atoms_.atoms[i - 1].residue != atoms_.atoms[i].residue;
-    }
-    // Residues of water and ions are smaller than those of polymers.
-    return std::ranges::count_if(sizes, [](const Size& s) {
-             return s.atoms >= kLargeChain && s.atoms >= 4 * s.residues;
-           }) > 1;
-  }
-
-  // A material for each atom; the error.
-  std::string color_atoms() {
-    const bool has_types = atoms_.atoms[0].part > 0 && atoms_.chains.empty();
-    const std::string by = !options_.color_by.empty()    ? options_.color_by
-                           : has_types && !has_elements_ ? "type"
-                           : is_assembly()               ? "chain"
-                                                         : "element";
-    // One of a few colours, as the table below has room for.
-    uint8_t (*which)(const Atom&) = nullptr;
-    Rgb (*color)(uint8_t) = [](uint8_t n) { return distinct_color(n); };
-    if (by == "element") {
-      which = [](const Atom& a) { return a.element; };
-      color = [](uint8_t n) { return element_color(n); };
-    }
-    if (by == "chain" && !atoms_.chains.empty())
-      which = [](const Atom& a) { return uint8_t(a.chain % kDistinctColors); };
-    if (by == "residue" && atoms_.has_residues)
-      which = [](const Atom& a) { return uint8_t(a.residue % kDistinctColors); };
-    if (by == "type" && has_types)
-      which = [](const Atom& a) { return uint8_t((a.part - 1) % kDistinctColors); };
-    const auto numbers = which ? std::vector<float>() : numbers_of(by);
-    if (!which && numbers.empty())
-      return fmt::format("cannot colour by '{}'; the file has {}", printable(by),
-                         printable(fmt::format("{}", fmt::join(what_there_is(has_types), ", "))));
-    if (which && (!options_.colormap.empty() || options_.color_range))
-      return fmt::format(
-          "a colour map or range has no effect on atoms coloured by {}; colour them by "
-          "index, bfactor, occupancy or a column of numbers",
-          by);
-    material_.resize(atoms_.atoms.size());
-    if (which) {
-      std::array<std::optional<MaterialId>, 256> known;
-      for (size_t i = 0; i < material_.size(); ++i) {
-        const uint8_t n = which(atoms_.atoms[i]);
-        if (!known[n]) known[n] = material(color(n));
-        material_[i] = *known[n];
-      }
-      list_colors(by, color);
-      return {};
-    }
-    // Maps have 256 colours, so as many materials do.
-    const auto mapped = map_colors(numbers, options_.colormap, options_.color_range);
-    if (!mapped) return mapped.error();
-    for (size_t i = 0; i < material_.size(); ++i) material_[i] = material(mapped->colors[i]);
-    read_.colors = mapped->scale;
-    read_.colors->name = by;
-    return {};
-  }
-
-  // The legend: each name that an atom has, in order, with its colour. There are too many residues.
-  void list_colors(std::string_view by, Rgb (*color)(uint8_t)) {
-    if (by == "residue") return;
-    std::vector<bool> known;
-    for (const Atom& a : atoms_.atoms) {
-      const size_t n = by == "element" ? a.element : by == "chain" ? a.chain : a.part;
-      if (n >= known.size()) known.resize(n + 1);
-      known[n] = true;
-    }
-    for (size_t n = 0; n < known.size(); ++n) {
-      if (!known[n]) continue;
-      if (by == "element")
-        read_.legend.push_back(
-            {std::string(n == 0 ? "unknown" : element_symbol(int(n))), color(uint8_t(n))});
-      else if (by == "chain")
-        read_.legend.push_back({"chain " + atoms_.chains[n], color(uint8_t(n % kDistinctColors))});
-      else
-        read_.legend.push_back(
-            {fmt::format("type {}", n), color(uint8_t((n - 1) % kDistinctColors))});
-    }
-  }
-
-  // What colours may be asked of.
-  std::vector<std::string> what_there_is(bool has_types) const {
-    std::vector<std::string> out = {"element", "index"};
-    if (!atoms_.chains.empty()) out.push_back("chain");
-    if (atoms_.has_residues) out.push_back("residue");
-    if (has_types) out.push_back("type");
-    if (atoms_.has_b_factors) out.insert(out.end(), {"bfactor", "occupancy"});
-    out.insert(out.end(), atoms_.columns.begin(), atoms_.columns.end());
-    return out;
-  }
-
-  // What a colour map makes colours of; nothing: there is no such thing.
-  std::vector<float> numbers_of(std::string_view by) const {
-    const bool known =
-        by == "index" || (atoms_.has_b_factors && (by == "bfactor" || by == "occupancy"));
-    if (!known || !atoms_.values.empty()) return atoms_.values;
-    std::vector<float> out(atoms_.atoms.size());
-    for (size_t i = 0; i < out.size(); ++i)
-      out[i] = by == "index"     ? float(i)
-               : by == "bfactor" ? atoms_.atoms[i].b_factor
-                                 : atoms_.atoms[i].occupancy;
-    return out;
   }
 
   // Of the file, of an assembly or of the cell; the error.
@@ -448,7 +322,7 @@ class AtomScene {
     const auto& o = atoms_.cell->origin;
     const Vec3d origin = Vec3d(o[0], o[1], o[2]) - origin_;
     const auto radius = float(kEdgePart * mean);
-    const MaterialId id = material(kEdgeColor);
+    const MaterialId id = scene.add_material({.color = kEdgeColor, .kd = 1});
     for (Scene& object : scene.prototypes) object.materials = scene.materials;
     for (size_t axis = 0; axis < 3; ++axis) {
       const size_t other = (axis + 1) % 3, third = (axis + 2) % 3;
@@ -477,7 +351,6 @@ class AtomScene {
   bool has_elements_ = false;
   float particle_radius_ = 1;  // of atoms without elements
   ReadScene read_;
-  std::map<std::array<float, 3>, MaterialId> materials_;
   std::vector<MaterialId> material_;  // of each atom
   Bonds bonds_;
 };

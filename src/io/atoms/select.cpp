@@ -252,8 +252,7 @@ class Chooser {
         });
       case hydrogen:
       case element:
-        need(std::ranges::any_of(atoms_.atoms, [](const Atom& a) { return a.element > 0; }),
-             "elements");
+        need(any_element(atoms_), "elements");
         return of_elements(term);
       case type:
         need(atoms_.chains.empty() && atoms_.atoms[0].part > 0, "types");

@@ -1,0 +1,155 @@
+#include "io/atoms/atom_colors.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <optional>
+
+#include "io/atoms/colors.h"
+#include "io/atoms/lines.h"
+#include "io/colormaps.h"
+
+namespace raio {
+namespace {
+
+// So large chains are told apart by colour in assemblies of so many atoms.
+constexpr size_t kManyAtoms = 5000, kLargeChain = 500;
+
+// Several large chains, which colours of elements would hide, seen from outside.
+bool is_assembly(const Atoms& atoms, AtomStyle style) {
+  if (style != AtomStyle::space_filling || atoms.chains.size() < 2 ||
+      atoms.atoms.size() < kManyAtoms)
+    return false;
+  struct Size {
+    size_t atoms = 0, residues = 0;
+  };
+  std::vector<Size> sizes(atoms.chains.size());
+  for (size_t i = 0; i < atoms.atoms.size(); ++i) {
+    Size& size = sizes[atoms.atoms[i].chain];
+    ++size.atoms;
+    size.residues += i == 0 || atoms.atoms[i - 1].residue != atoms.atoms[i].residue;
+  }
+  // Residues of water and ions are smaller than those of polymers.
+  return std::ranges::count_if(sizes, [](const Size& s) {
+           return s.atoms >= kLargeChain && s.atoms >= 4 * s.residues;
+         }) > 1;
+}
+
+// What colours may be asked of.
+std::vector<std::string> what_there_is(const Atoms& atoms, bool has_types) {
+  std::vector<std::string> out = {"element", "index"};
+  if (!atoms.chains.empty()) out.push_back("chain");
+  if (atoms.has_residues) out.push_back("residue");
+  if (has_types) out.push_back("type");
+  if (atoms.has_b_factors) out.insert(out.end(), {"bfactor", "occupancy"});
+  out.insert(out.end(), atoms.columns.begin(), atoms.columns.end());
+  return out;
+}
+
+// What a colour map makes colours of; nothing: there is no such thing.
+std::vector<float> numbers_of(const Atoms& atoms, std::string_view by) {
+  const bool known =
+      by == "index" || (atoms.has_b_factors && (by == "bfactor" || by == "occupancy"));
+  if (!known || !atoms.values.empty()) return atoms.values;
+  std::vector<float> out(atoms.atoms.size());
+  for (size_t i = 0; i < out.size(); ++i)
+    out[i] = by == "index"     ? float(i)
+             : by == "bfactor" ? atoms.atoms[i].b_factor
+                               : atoms.atoms[i].occupancy;
+  return out;
+}
+
+// The legend: each name that an atom has, in order, with its colour. There are too many residues.
+std::vector<LegendEntry> legend_of(const Atoms& atoms, std::string_view by, Rgb (*color)(uint8_t)) {
+  std::vector<LegendEntry> out;
+  if (by == "residue") return out;
+  std::vector<bool> known;
+  for (const Atom& a : atoms.atoms) {
+    const size_t n = by == "element" ? a.element : by == "chain" ? a.chain : a.part;
+    if (n >= known.size()) known.resize(n + 1);
+    known[n] = true;
+  }
+  for (size_t n = 0; n < known.size(); ++n) {
+    if (!known[n]) continue;
+    if (by == "element")
+      out.push_back({std::string(n == 0 ? "unknown" : element_symbol(int(n))), color(uint8_t(n))});
+    else if (by == "chain")
+      out.push_back({"chain " + atoms.chains[n], color(uint8_t(n % kDistinctColors))});
+    else
+      out.push_back({fmt::format("type {}", n), color(uint8_t((n - 1) % kDistinctColors))});
+  }
+  return out;
+}
+
+class Materials {
+ public:
+  explicit Materials(Scene& scene) : scene_(scene) {}
+
+  MaterialId of(Rgb color) {
+    const auto [at, is_new] = known_.emplace(std::array{color.x, color.y, color.z}, 0);
+    if (is_new) at->second = scene_.add_material({.color = color, .kd = 1});
+    return at->second;
+  }
+
+ private:
+  Scene& scene_;
+  std::map<std::array<float, 3>, MaterialId> known_;
+};
+
+}  // namespace
+
+std::expected<std::vector<MaterialId>, std::string> color_atoms(const Atoms& atoms,
+                                                                const ReadOptions& options,
+                                                                AtomStyle style, ReadScene& to) {
+  const bool has_types = atoms.atoms[0].part > 0 && atoms.chains.empty();
+  const std::string by = !options.color_by.empty()          ? options.color_by
+                         : has_types && !any_element(atoms) ? "type"
+                         : is_assembly(atoms, style)        ? "chain"
+                                                            : "element";
+  // One of a few colours, as the table below has room for.
+  uint8_t (*which)(const Atom&) = nullptr;
+  Rgb (*color)(uint8_t) = [](uint8_t n) { return distinct_color(n); };
+  if (by == "element") {
+    which = [](const Atom& a) { return a.element; };
+    color = [](uint8_t n) { return element_color(n); };
+  }
+  if (by == "chain" && !atoms.chains.empty())
+    which = [](const Atom& a) { return uint8_t(a.chain % kDistinctColors); };
+  if (by == "residue" && atoms.has_residues)
+    which = [](const Atom& a) { return uint8_t(a.residue % kDistinctColors); };
+  if (by == "type" && has_types)
+    which = [](const Atom& a) { return uint8_t((a.part - 1) % kDistinctColors); };
+  const auto numbers = which ? std::vector<float>() : numbers_of(atoms, by);
+  if (!which && numbers.empty())
+    return std::unexpected(fmt::format(
+        "cannot colour by '{}'; the file has {}", printable(by),
+        printable(fmt::format("{}", fmt::join(what_there_is(atoms, has_types), ", ")))));
+  if (which && (!options.colormap.empty() || options.color_range))
+    return std::unexpected(
+        fmt::format("a colour map or range has no effect on atoms coloured by {}; colour them by "
+                    "index, bfactor, occupancy or a column of numbers",
+                    by));
+  Materials materials(to.scene);
+  std::vector<MaterialId> out(atoms.atoms.size());
+  if (which) {
+    std::array<std::optional<MaterialId>, 256> known;
+    for (size_t i = 0; i < out.size(); ++i) {
+      const uint8_t n = which(atoms.atoms[i]);
+      if (!known[n]) known[n] = materials.of(color(n));
+      out[i] = *known[n];
+    }
+    to.legend = legend_of(atoms, by, color);
+    return out;
+  }
+  // Maps have 256 colours, so as many materials do.
+  const auto mapped = map_colors(numbers, options.colormap, options.color_range);
+  if (!mapped) return std::unexpected(mapped.error());
+  for (size_t i = 0; i < out.size(); ++i) out[i] = materials.of(mapped->colors[i]);
+  to.colors = mapped->scale;
+  to.colors->name = by;
+  return out;
+}
+
+}  // namespace raio
