@@ -84,7 +84,7 @@ Atoms repeated(const Atoms& atoms, const std::vector<Vec3d>& shifts,
   return out;
 }
 
-bool fill_cell(const Atoms& atoms) {
+bool fill_cell(const Atoms& atoms, int sides) {
   const Parallelepiped cell(*atoms.cell, {1, 1, 1});
   if (cell.is_flat()) return false;
   if (atoms.atoms[0].element > 0 && cell.volume() < kRoom * double(atoms.atoms.size())) return true;
@@ -93,9 +93,10 @@ bool fill_cell(const Atoms& atoms) {
     for (int axis = 0; axis < 3; ++axis) {
       const double part = cell.part(place_of(atoms, i), axis);
       low[axis] = std::min(low[axis], part), high[axis] = std::max(high[axis], part);
-      if (high[axis] - low[axis] > 0.5) return true;
     }
-  return false;
+  int filled = 0;
+  for (int axis = 0; axis < 3; ++axis) filled += high[axis] - low[axis] > 0.5;
+  return filled >= sides;
 }
 
 void complete_border(Atoms& atoms, const std::array<int, 3>& images) {

@@ -204,12 +204,6 @@ class Chooser {
     return stack.back();
   }
 
-  bool any_polymer() const {
-    return std::ranges::any_of(kinds_, [](ResidueKind kind) {
-      return kind == ResidueKind::protein || kind == ResidueKind::nucleic;
-    });
-  }
-
  private:
   template <class Has>
   Mask where(const Has& has) const {
@@ -337,6 +331,13 @@ void keep(Atoms& atoms, const Mask& kept) {
 
 }  // namespace
 
+bool has_polymer(const Atoms& atoms) {
+  return std::ranges::any_of(atoms.residues, [](const Residue& residue) {
+    const ResidueKind kind = residue_kind(residue.view());
+    return kind == ResidueKind::protein || kind == ResidueKind::nucleic;
+  });
+}
+
 std::string selection_problem(std::string_view text) {
   const auto steps = Parser(text).parse();
   return steps ? "" : fmt::format("column {}: {}", steps.error().column, steps.error().text);
@@ -349,7 +350,7 @@ std::expected<void, std::string> select_atoms(Atoms& atoms, const ReadOptions& o
       options.hide_solvent && fills && options.only.empty() && !atoms.residues.empty();
   if (atoms.atoms.empty() || !(asks || hides_solvent)) return {};
   const Chooser chooser(atoms);
-  hides_solvent = hides_solvent && chooser.any_polymer();
+  hides_solvent = hides_solvent && has_polymer(atoms);
   const auto chosen = [&](std::string_view option, const std::string& text) {
     const auto steps = Parser(text).parse();
     if (!steps)

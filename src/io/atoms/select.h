@@ -20,6 +20,9 @@ struct Atoms;
 /// first, then `and`.
 std::string selection_problem(std::string_view text);
 
+/// Whether there are amino acids or nucleotides.
+bool has_polymer(const Atoms& atoms);
+
 /// Leaves out what `only`, `hide` and `show` do not choose, with its bonds. `fills`: the atoms fill
 /// their space, where water and ions would hide a protein. The error says which option does not fit
 /// the file.
