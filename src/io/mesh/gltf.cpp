@@ -599,6 +599,7 @@ class GltfReader {
       tangent = lens.half_height / length(Vec3d(camera.at) - Vec3d(camera.from));
       camera.fov_deg = float(2 * kDegrees * std::atan(tangent));
     }
+    camera.hither = float(lens.near);
     camera.width = 1200, camera.height = 900;
     if (lens.aspect >= 0.1 && lens.aspect <= 10) {
       // Narrower pictures show as much across.

@@ -95,6 +95,7 @@ struct Lens {
   double fov = 0;          // vertical, radians; of perspective
   double half_height = 0;  // of what parallel rays see, scene units; 0: it is one of perspective
   double aspect = 0;       // width over height; 0: any
+  double near = 0;         // where programs of triangles begin the picture; 0: unknown
 };
 struct Node {
   std::array<double, 12> matrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};  // as raio::Matrix

@@ -404,8 +404,12 @@ class Parser {
   void read_cameras() {
     each("cameras", [&](const Value& value) {
       Lens& camera = out_.cameras.emplace_back();
+      const auto take_near = [&](const Value& lens) {
+        if (const auto near = lens.find("znear")) camera.near = std::max(0.0, near->number());
+      };
       if (value.at("type").string() == "orthographic") {
         const Value lens = value.at("orthographic");
+        take_near(lens);
         // Negative ones mirror, which exporters do not mean.
         camera.half_height = std::abs(lens.at("ymag").number());
         if (camera.half_height == 0) lens.at("ymag").fail_expected("a height that is not 0");
@@ -415,6 +419,7 @@ class Parser {
       if (value.at("type").string() != "perspective")
         value.at("type").fail_expected("perspective or orthographic");
       const Value lens = value.at("perspective");
+      take_near(lens);
       camera.fov = lens.at("yfov").number();
       if (!(camera.fov > 0 && camera.fov < 3.14159))
         lens.at("yfov").fail_expected("an angle between 0 and pi");
