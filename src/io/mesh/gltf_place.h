@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "base/placement.h"
 #include "base/vec.h"
@@ -85,6 +86,26 @@ inline std::array<double, 4> rotation_to(Vec3d x, Vec3d y, Vec3d z) {
       std::copysign(std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3])), q[3]);
   for (double& part : q) part /= size;
   return q;
+}
+
+/// The node of a copy; nothing where its matrix shears, which no node can.
+inline std::optional<NodePlace> place_of(const Matrix& m) {
+  std::array<Vec3d, 3> axes;
+  NodePlace place;
+  for (size_t k = 0; k < 3; ++k) {
+    axes[k] = Vec3d(m[k], m[k + 4], m[k + 8]);
+    place.scale[int(k)] = length(axes[k]);
+    place.shift[int(k)] = m[4 * k + 3];
+    axes[k] = axes[k] / place.scale[int(k)];
+  }
+  // Turned as far as the digits of a float go.
+  constexpr double kSlack = 1e-5;
+  for (size_t k = 0; k < 3; ++k)
+    if (std::abs(dot(axes[k], axes[(k + 1) % 3])) > kSlack) return std::nullopt;
+  if (dot(cross(axes[0], axes[1]), axes[2]) < 0) place.scale.x *= -1, axes[0] = -axes[0];
+  const Vec3d z = normalize(cross(axes[0], axes[1]));
+  place.rotation = rotation_to(axes[0], cross(z, axes[0]), z);
+  return place;
 }
 
 }  // namespace raio::gltf

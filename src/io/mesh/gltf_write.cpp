@@ -106,14 +106,14 @@ class GltfWriter {
     json_["asset"] = {{"version", "2.0"}, {"generator", comment}};
     json_["scene"] = 0;
     json_["scenes"] = Json::array({Json{{"nodes", Json::array({0})}}});
-    Json root = {{"name", scene_.name}, {"children", Json::array()}};
+    Json root = {{"name", scene_.name}};
     if (scene_.origin != Vec3d()) root["translation"] = numbers(scene_.origin);
-    json_["nodes"] = Json::array({std::move(root)});
+    add("nodes", std::move(root));
     add_textures();
     for (const Look& look : parts_.looks) add_material(look);
     for (const Surface& surface : parts_.surfaces) add_surface(surface);
-    if (!parts_.fixed.empty()) add_node({{"mesh", add_mesh(parts_.fixed)}});
-    add_copies();
+    meshes_of_objects_.resize(parts_.objects.size());
+    add_object(0, 0);
     add_camera();
     for (const Light& light : scene_.lights) add_light(light);
     return std::move(json_);
@@ -131,9 +131,10 @@ class GltfWriter {
     return to.size() - 1;
   }
   size_t add(const char* name, Json what) { return append(list(name), std::move(what)); }
-  void add_node(Json node) {
+  size_t add_node(Json node, size_t parent = 0) {
     const size_t number = add("nodes", std::move(node));
-    json_["nodes"][0]["children"].push_back(number);
+    json_["nodes"][parent]["children"].push_back(number);
+    return number;
   }
   void use(std::string_view extension) {
     Json& used = list("extensionsUsed");
@@ -223,17 +224,30 @@ class GltfWriter {
     return add("meshes", {{"primitives", std::move(primitives)}});
   }
 
-  void add_copies() {
-    std::map<SurfacePart, size_t> meshes;
-    for (const auto& [part, place] : parts_.copies) {
-      auto at = meshes.find(part);
-      if (at == meshes.end()) at = meshes.emplace(part, add_mesh({&part, 1})).first;
-      Json node = {{"mesh", at->second},
-                   {"translation", numbers(place.shift)},
-                   {"scale", numbers(place.scale)}};
-      if (place.rotation != NodePlace().rotation) node["rotation"] = place.rotation;
-      add_node(std::move(node));
+  static Json node_at(const NodePlace& place) {
+    Json node = {{"translation", numbers(place.shift)}, {"scale", numbers(place.scale)}};
+    if (place.rotation != NodePlace().rotation) node["rotation"] = place.rotation;
+    return node;
+  }
+
+  // In a node and below it.
+  void add_object(uint32_t number, size_t at) {
+    const ObjectParts& object = parts_.objects[number];
+    std::optional<size_t>& mesh = meshes_of_objects_[number];
+    if (!object.fixed.empty()) {
+      if (!mesh) mesh = add_mesh(object.fixed);
+      json_["nodes"][at]["mesh"] = *mesh;
     }
+    for (const auto& [part, place] : object.shapes) {
+      auto shape = meshes_of_shapes_.find(part);
+      if (shape == meshes_of_shapes_.end())
+        shape = meshes_of_shapes_.emplace(part, add_mesh({&part, 1})).first;
+      Json node = node_at(place);
+      node["mesh"] = shape->second;
+      add_node(std::move(node), at);
+    }
+    for (const auto& [copied, place] : object.copies)
+      add_object(copied, add_node(node_at(place), at));
   }
 
   // --- from where, and in what light
@@ -291,6 +305,9 @@ class GltfWriter {
   Json json_;
   std::string binary_;
   std::vector<Json> surfaces_;  // as primitives without a material
+  // The numbers of meshes, of objects once they are in use.
+  std::vector<std::optional<size_t>> meshes_of_objects_;
+  std::map<SurfacePart, size_t> meshes_of_shapes_;
 };
 
 std::string base64_of(std::string_view bytes) {
@@ -340,11 +357,20 @@ std::expected<std::string, std::string> one_file(const Json& json, std::string_v
 
 }  // namespace
 
+bool gltf_keeps_copies(const Scene& scene) {
+  const auto is_node = [](const Instance& copy) { return place_of(copy.matrix).has_value(); };
+  return std::ranges::all_of(scene.instances, is_node) &&
+         std::ranges::all_of(scene.prototypes, gltf_keeps_copies);
+}
+
 std::expected<std::string, std::string> write_gltf(const Scene& scene, GltfForm form,
                                                    std::string_view comment) {
+  if (!gltf_keeps_copies(scene))
+    return std::unexpected("glTF has no nodes that shear, as some of its copies do");
   auto parts = surface_parts(scene);
   if (!parts) return std::unexpected(std::move(parts.error()));
-  if (parts->fixed.empty() && parts->copies.empty())
+  const auto is_empty = [](const ObjectParts& o) { return o.fixed.empty() && o.shapes.empty(); };
+  if (std::ranges::all_of(parts->objects, is_empty))
     return std::unexpected(
         "glTF holds triangles, and the scene has nothing that they can stand for; choose another "
         "format");
