@@ -11,8 +11,8 @@
 #include "data_files.h"
 #include "io/mesh/gltf_parts.h"
 #include "io/mesh/write.h"
+#include "program.h"
 #include "rich_scene.h"
-#include "temporary_folder.h"
 
 namespace raio {
 namespace {
@@ -517,11 +517,27 @@ TEST_F(GltfFile, NamesMayHoldAnything) {
   for (const char* name : {"a.glb", "a.gltf"}) EXPECT_TRUE(read_scene(file(name))) << name;
 }
 
+using GltfCommandLine = CommandLine;
+
+TEST_F(GltfCommandLine, ConvertsWithANotice) {
+  put(file("two.xyz"), "2\n\nC 0 0 0\nC 9 0 0\n");
+  for (const char* name : {"two.glb", "two.gltf"}) {
+    const Outcome done = raio({"convert", "two.xyz", name});
+    EXPECT_EQ(done.status, 0) << done.err;
+    EXPECT_THAT(done.err, HasSubstr("the exact form of 2 round shapes, for which triangles stand"));
+    EXPECT_EQ(raio({"render", "--quiet", name, "--size", "8x8", "-o", "a.png"}).status, 0);
+  }
+  expect_refusal({"convert", "two.xyz", "no/two.glb"}, 3, "no/two.glb");
+  EXPECT_FALSE(std::filesystem::exists(file("no")));
+}
+
 // Whatever a scene can hold becomes a sound one, and what is lost is told.
 TEST(GltfWrite, RichScenes) {
   for (uint32_t seed = 1; seed < 5; ++seed) {
     const Scene scene = tests::rich_scene(seed), again = read_again(scene);
     EXPECT_GT(faces_of(again).size(), 1000u);
+    const Box3f a = bounds(scene), b = bounds(again);
+    EXPECT_LT(length(a.lo - b.lo) + length(a.hi - b.hi), 0.05f * length(a.hi - a.lo));
     for (const char* lost :
          {"1 plane", "round shapes", "names of 3 objects", "roughness", "the background", "lens"})
       EXPECT_THAT(not_in_gltf(scene), HasSubstr(lost));

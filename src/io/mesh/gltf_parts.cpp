@@ -165,7 +165,8 @@ class Gatherer {
   template <class Shape>
   void add_flat(const PoolMembers<Shape>& pool, size_t i, const std::array<Vec3f, 3>& places,
                 const std::array<Vec3f, 3>* normals = nullptr) {
-    const auto &colors = own_->*pool.colors, &opacity = own_->*pool.opacity;
+    const auto& colors = own_->*pool.colors;
+    const auto& opacity = own_->*pool.opacity;
     const Rgb* const color = colors.empty() ? nullptr : &colors[i];
     const Look look =
         look_of((own_->*pool.materials)[i], color, opacity.empty() ? -1 : opacity[i], true);
