@@ -1,6 +1,7 @@
 // Cameras of glTF as those of Raio.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "io/mesh/gltf_nodes.h"
 #include "io/mesh/gltf_primitive.h"
@@ -20,7 +21,7 @@ std::optional<Camera> camera_through(const Lens& lens, const Transform& place, c
   const double least = std::max(1e-3 * std::max(1.0, length(from)), lens.half_height);
   camera.from = Vec3f(eye), camera.at = Vec3f(eye + ahead * std::max(middle, least));
   camera.up = unit(up);
-  constexpr double kDegrees = 180 / 3.14159265358979323846;
+  constexpr double kDegrees = 180 / std::numbers::pi;
   double tangent = std::tan(lens.fov / 2);
   camera.fov_deg = float(lens.fov * kDegrees);
   if (lens.half_height > 0) {

@@ -20,7 +20,8 @@ Json parse_json(std::string_view text) {
     const size_t start = before.rfind('\n') + 1;  // 0 where there is none
     std::string_view why = error.what();
     // The library says where itself, in words of its own.
-    if (const size_t colon = why.find(": "); colon != why.npos) why.remove_prefix(colon + 2);
+    if (const size_t colon = why.find(": "); colon != std::string_view::npos)
+      why.remove_prefix(colon + 2);
     std::string plain(why);
     for (char& c : plain)
       if (uint8_t(c) < 32 || uint8_t(c) >= 127) c = '?';

@@ -32,8 +32,8 @@ class NodeTree {
   const std::vector<PosedUse>& posed() const { return posed_; }
   const std::vector<Use>& cameras() const { return cameras_; }
 
-  /// From the mesh to the scene, for each joint of a skin.
-  const std::vector<Transform>& bones_of(uint32_t skin);
+  /// From the mesh to the scene, for each joint of a skin by its number.
+  const std::vector<Transform>& bones_of(uint32_t number);
 
  private:
   void add_mesh_uses(uint32_t number);

@@ -32,7 +32,7 @@ struct SameBytes {
   }
   template <class T>
   bool operator()(const T& a, const T& b) const {
-    return std::memcmp(&a, &b, sizeof a) == 0;
+    return std::memcmp(&a, &b, sizeof a) == 0;  // NOLINT(bugprone-suspicious-memory-comparison)
   }
 };
 template <class Key>
@@ -61,6 +61,7 @@ void for_each_curved(const Scene& scene, const F& f) {
 template <class F>
 double sum_of_copies(const Scene& scene, const F& count) {
   std::vector<double> of_objects;
+  of_objects.reserve(scene.prototypes.size());
   for (const Scene& object : scene.prototypes) of_objects.push_back(sum_of_copies(object, count));
   double sum = double(count(scene));
   for (const Instance& copy : scene.instances) sum += of_objects[copy.prototype];
@@ -111,6 +112,7 @@ class Gatherer {
     else
       add_shapes();
     std::vector<uint32_t> numbers;
+    numbers.reserve(object.prototypes.size());
     for (const Scene& inner : object.prototypes) numbers.push_back(add_object(inner));
     for (const Instance& copy : object.instances)
       out_.objects[number].copies.push_back(

@@ -176,6 +176,7 @@ void PrimitiveReader::take_pose(Mesh& mesh, const MeshPrimitive& p, const PosedU
   if (pose.skin && !p.bones.empty()) {
     const std::vector<Transform>& bones = nodes_.bones_of(*pose.skin);
     std::vector<std::pair<Elements, Elements>> columns;
+    columns.reserve(p.bones.size());
     for (const auto& [joints, weights] : p.bones)
       columns.emplace_back(column(joints, 4), column(weights, 4));
     for (size_t i = 0; i < mesh.positions.size(); ++i) {
