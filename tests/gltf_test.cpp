@@ -141,9 +141,26 @@ TEST(Gltf, PointsAreSpheresAndLinesAreTold) {
                        {"attributes": {"POSITION": 0}, "mode": 3})";
   EXPECT_EQ(scene_of(file).spheres.size(), 4u);
   EXPECT_EQ(scene_of(file).spheres[3].center, Vec3f(1, 1, 0));
-  EXPECT_THAT(warnings_of(file), HasSubstr("1 primitives of lines are left out"));
+  EXPECT_THAT(warnings_of(file),
+              HasSubstr("left out: primitives of lines (1: /meshes/0/primitives/1)"));
   file.primitives = R"({"attributes": {"POSITION": 0}, "mode": 1})";
   EXPECT_THAT(error(file.json(), "a.gltf"), HasSubstr("nothing to draw but lines"));
+}
+
+// By the names that authors gave, else by JSON pointers; of many the first few.
+TEST(Gltf, NoticesCountAndName) {
+  Gltf file = square();
+  const std::string lens = R"("type": "perspective", "perspective": {"yfov": 1, "znear": 1})";
+  file.nodes =
+      R"({"mesh": 0}, {"camera": 0}, {"camera": 1, "scale": [0, 1, 1]}, {"camera": 1}, {"camera": 2})";
+  file.roots = "2, 0, 1, 3, 4";
+  file.more = R"(, "cameras": [{"name": "Front", )" + lens + R"(}, {"name": "T\u000ap", )" + lens +
+              "}, {" + lens + R"(}], "animations": [{"name": "Walk"}, {}, {}, {}, {}, {}, {}])";
+  EXPECT_EQ(warnings_of(file),
+            "a.gltf: left out: animations (7: \"Walk\", /animations/1, /animations/2, "
+            "/animations/3, /animations/4, ...)\n"
+            "a.gltf: left out: cameras that see nothing (1: \"T\\x0ap\")\n"
+            "a.gltf: left out: cameras behind the first (2: \"T\\x0ap\", /cameras/2)\n");
 }
 
 TEST(Gltf, QuantizedInterleavedAndNormalizedNumbers) {
@@ -205,7 +222,8 @@ TEST(Gltf, AMeshOfSeveralNodesIsStoredOnce) {
   ASSERT_EQ(copies.prototypes.size(), 1u);
   ASSERT_EQ(copies.instances.size(), 3u);
   EXPECT_EQ(copies.instances[1].matrix[3], 3);
-  EXPECT_THAT(warnings_of(file), HasSubstr("1 meshes are left out that are scaled to nothing"));
+  EXPECT_THAT(warnings_of(file),
+              HasSubstr("left out: meshes that are scaled to nothing (1: /meshes/0)"));
   const Scene flat = scene_of(file);
   EXPECT_TRUE(flat.instances.empty());
   EXPECT_EQ(flat.primitive_count(), 3u);
@@ -246,7 +264,8 @@ TEST(Gltf, MaterialsAndTextures) {
   EXPECT_EQ(scene.textures[0].wrap_v, TextureWrap::mirror);
   EXPECT_EQ(scene.texels, Array<uint32_t>({0x0000ff}));
   EXPECT_EQ(scene.meshes[0].uv, Array<Uv>({{0, 1}, {1, 1}, {0, 0}, {0.25f, 0.5f}}));
-  EXPECT_THAT(warnings_of(file), HasSubstr("the alpha of the textures of 1 materials"));
+  EXPECT_THAT(warnings_of(file),
+              HasSubstr("left out: the alpha of textures of materials (1: /materials/0)"));
   replace(file.more, "BLEND", "OPAQUE");
   EXPECT_TRUE(scene_of(file).material_opacity.empty());
   EXPECT_EQ(warnings_of(file), "");
@@ -268,7 +287,7 @@ TEST(Gltf, PicturesThatCannotBeReadAreTold) {
   Gltf file = textured();
   replace(file.more, "data:image/png;base64,", "data:image/png;base64,AAAA");
   EXPECT_THAT(warnings_of(file),
-              HasSubstr("/images/0: it is no picture in PNG or JPEG format, so"));
+              HasSubstr("(1: /images/0: it is no picture in PNG or JPEG format)"));
   EXPECT_TRUE(scene_of(file).material_texture.empty());
   file = textured();
   replace(file.more, "data:image", "https://example.org/data:image");
@@ -299,7 +318,10 @@ TEST(Gltf, SkinsPoseMeshes) {
   EXPECT_THAT(warnings_of(file), IsEmpty());
   Gltf bare = file;
   replace(bare.primitives, ", \"JOINTS_0\": 1, \"WEIGHTS_0\": 2", "");
-  EXPECT_THAT(warnings_of(bare), HasSubstr("1 primitives are drawn without their pose"));
+  EXPECT_THAT(
+      warnings_of(bare),
+      HasSubstr(
+          "the pose of primitives without JOINTS_0 and WEIGHTS_0 (1: /meshes/0/primitives/0)"));
   replace(file.more, "[1, 2]", "[1, 2, 0]");
   EXPECT_THAT(read(file.json(), "a.gltf").error().front().text(), HasSubstr("/skins/0"));
 }
@@ -331,7 +353,7 @@ TEST(Gltf, InstancesOfTheExtensionAreCopies) {
   EXPECT_EQ(bounds(scene).hi, Vec3f(7, 2, 1));
   replace(file.nodes, "\"mesh\": 0", "\"mesh\": 0, \"skin\": 0");
   file.more += R"(, "skins": [{"joints": [0]}])";
-  EXPECT_THAT(warnings_of(file), HasSubstr("the copies of 1 meshes with skins are left out"));
+  EXPECT_THAT(warnings_of(file), HasSubstr("left out: copies of meshes with skins (1: /meshes/0)"));
 }
 
 TEST(Gltf, OrthographicCamerasSeeTheirHeight) {
@@ -381,7 +403,8 @@ TEST(Gltf, WhatItCannotKnowIsRefusedOrTold) {
   Gltf file = square();
   file.more = R"(, "extensionsUsed": ["KHR_materials_specular"], "animations": [{}])";
   EXPECT_THAT(warnings_of(file),
-              AllOf(HasSubstr("left out: \"KHR_materials_specular\""), HasSubstr("1 animations")));
+              AllOf(HasSubstr("left out: what extensions say (1: \"KHR_materials_specular\")"),
+                    HasSubstr("left out: animations (1: /animations/0)")));
   file.more = R"(, "extensionsRequired": ["KHR_texture_transform", "KHR_draco_mesh_compression"])";
   EXPECT_THAT(error(file.json(), "a.gltf"),
               AllOf(HasSubstr("/extensionsRequired/1"), HasSubstr("\"KHR_draco_mesh_compression\""),

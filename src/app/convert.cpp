@@ -14,7 +14,7 @@ int run(const ConvertCommand& command) {
   if (const auto writable = check_writable(command.output); !writable)
     return fail(writable.error());
   ReadOptions read = command.read;
-  read.instances = *format == SceneFormat::raio;  // other formats have no copies
+  read.instances = *format == SceneFormat::raio || *format == SceneFormat::gltf;
   const auto scene = load_scene(command.input, false, nullptr, read);
   if (!scene) return scene.error();
 

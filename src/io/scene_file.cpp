@@ -261,7 +261,9 @@ std::expected<void, Error> write_scene(const Scene& scene, const fs::path& path,
                                        std::string_view comment) try {
   const auto format = scene_format(path);
   if (!format) return std::unexpected(format.error());
-  if (*format != SceneFormat::raio && !scene.instances.empty()) {  // which have no copies
+  const bool keeps_copies =
+      *format == SceneFormat::raio || (*format == SceneFormat::gltf && gltf_keeps_copies(scene));
+  if (!keeps_copies && !scene.instances.empty()) {
     Scene flat = scene;
     if (std::string wrong = apply_instances({}, flat); !wrong.empty())
       return std::unexpected(Error{ErrorKind::bad_input, "", std::move(wrong)});

@@ -74,7 +74,7 @@ std::expected<SceneFormat, Error> scene_format(const std::filesystem::path& path
 /// What of the scene is lost in the format, in one line (text_of), or nothing.
 std::string not_kept(const Scene& scene, SceneFormat format);
 
-/// Writes the scene in the format of the suffix, copies as primitives where it has none of them; a
+/// Writes the scene in the format of the suffix, copies as primitives where it cannot keep them; a
 /// .pov has the scene's resolution, else 512 x 512. `comment` is a line at the head of formats that
 /// have comments.
 std::expected<void, Error> write_scene(const Scene& scene, const std::filesystem::path& path,

@@ -70,6 +70,7 @@ struct TextureUse {
 struct Paint {
   std::array<float, 4> color{1, 1, 1, 1};  // linear
   bool blends = false, masks = false;
+  std::string name;  // here and below: as messages have it, else the JSON pointer
   std::optional<TextureUse> texture;
 };
 /// The displacements of a morph target at weight 1.
@@ -86,6 +87,7 @@ struct MeshPrimitive {
 struct MeshDescription {
   std::vector<MeshPrimitive> primitives;
   std::vector<double> weights;  // of its morph targets; those that are missing are 0
+  std::string name;
 };
 struct Skin {
   Index inverse_bind;            // accessor of matrices; none: each is the identity
@@ -95,6 +97,8 @@ struct Lens {
   double fov = 0;          // vertical, radians; of perspective
   double half_height = 0;  // of what parallel rays see, scene units; 0: it is one of perspective
   double aspect = 0;       // width over height; 0: any
+  double near = 0;         // where programs of triangles begin the picture; 0: unknown
+  std::string name;
 };
 struct Node {
   std::array<double, 12> matrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};  // as raio::Matrix
@@ -116,8 +120,8 @@ struct Document {
   std::vector<Skin> skins;
   std::vector<Lens> cameras;
   std::vector<Node> nodes;
-  std::vector<uint32_t> roots;        // of the scene that is shown
-  std::vector<std::string> warnings;  // of what is left out
+  std::vector<uint32_t> roots;  // of the scene that is shown
+  Notices notices;              // of what is left out
 };
 
 /// Of a .gltf file or the JSON of a .glb.
@@ -181,5 +185,14 @@ class Elements {
 std::string decode_data_uri(std::string_view uri, const std::string& what);
 /// The name of a file, whose %20 and the like are decoded; fails for http: and its like.
 std::string file_of_uri(std::string_view uri, const std::string& what);
+
+/// What is asked for so far, bytes; half of the memory at hand is the most.
+class MemoryCount {
+ public:
+  void take(double bytes);
+
+ private:
+  double bytes_ = 0;
+};
 
 }  // namespace raio::gltf

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "base/memory.h"
 #include "io/mesh/builder.h"
 #include "io/mesh/gltf.h"
 
@@ -306,6 +307,11 @@ uint32_t Elements::whole(size_t i) const {
 std::string Elements::place(size_t i) const {
   return fmt::format("/accessors/{}, element {} (byte {})", number_, i,
                      accessor_.offset + i * stride_);
+}
+
+void MemoryCount::take(double bytes) {
+  bytes_ += bytes;
+  if (bytes_ > double(available_memory_bytes()) / 2) throw ReadFailure{std::string(kNoMemory)};
 }
 
 }  // namespace raio::gltf

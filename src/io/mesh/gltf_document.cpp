@@ -3,128 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "io/mesh/builder.h"
 #include "io/mesh/gltf.h"
+#include "io/mesh/gltf_json.h"
 #include "io/mesh/gltf_place.h"
 
 namespace raio::gltf {
 namespace {
-
-using Json = nlohmann::json;
-
-constexpr size_t kMostBytes = size_t(1) << 50;
-
-std::string text_of(const Json& json) {
-  if (json.is_object()) return "an object";
-  if (json.is_array()) return "an array";
-  if (json.is_string()) return raio::quoted(json.get_ref<const std::string&>());
-  return json.dump();
-}
-
-/// A value and where it stands.
-class Value {
- public:
-  Value(const Json& json, std::string pointer) : json_(&json), pointer_(std::move(pointer)) {}
-
-  const std::string& pointer() const { return pointer_; }
-  [[noreturn]] void fail(std::string_view message) const {
-    throw ReadFailure{fmt::format("{}: {}", pointer_.empty() ? "/" : pointer_, message)};
-  }
-  [[noreturn]] void fail_expected(std::string_view what) const {
-    fail(fmt::format("expected {}, found {}", what, text_of(*json_)));
-  }
-
-  bool has(const char* key) const { return json_->is_object() && json_->contains(key); }
-  bool is_object() const { return json_->is_object(); }
-  Value at(const char* key) const {
-    if (!json_->is_object()) fail_expected("an object");
-    const auto found = json_->find(key);
-    if (found == json_->end()) fail(fmt::format("\"{}\" is missing", key));
-    return {*found, pointer_ + "/" + key};
-  }
-  std::optional<Value> find(const char* key) const {
-    if (!json_->is_object()) fail_expected("an object");
-    if (!json_->contains(key)) return std::nullopt;
-    return at(key);
-  }
-  std::optional<Value> extension(const char* name) const {
-    const auto all = find("extensions");
-    return all ? all->find(name) : std::nullopt;
-  }
-
-  size_t size() const {
-    if (!json_->is_array()) fail_expected("an array");
-    return json_->size();
-  }
-  Value operator[](size_t i) const { return {(*json_)[i], pointer_ + "/" + std::to_string(i)}; }
-  template <class F>  // f(key, value)
-  void each(const F& f) const {
-    if (!json_->is_object()) fail_expected("an object");
-    for (const auto& [key, value] : json_->items()) f(key, Value(value, pointer_ + "/" + key));
-  }
-
-  size_t whole(size_t least, size_t most) const {
-    const double number = json_->is_number() ? json_->get<double>() : -1;
-    if (number >= double(least) && number <= double(most) && number == std::floor(number))
-      return size_t(number);
-    fail_expected(most >= kMostBytes ? fmt::format("a whole number of at least {}", least)
-                                     : fmt::format("a whole number from {} to {}", least, most));
-  }
-  double number() const {
-    if (!json_->is_number()) fail_expected("a number");
-    const double number = json_->get<double>();
-    if (!std::isfinite(number) || std::abs(number) > 1e30)
-      fail_expected("a number of at most 1e30");
-    return number;
-  }
-  const std::string& string() const {
-    if (!json_->is_string()) fail_expected("a string");
-    return json_->get_ref<const std::string&>();
-  }
-  bool truth() const {
-    if (!json_->is_boolean()) fail_expected("true or false");
-    return json_->get<bool>();
-  }
-  template <size_t n>
-  std::array<double, n> numbers() const {
-    if (!json_->is_array() || json_->size() != n) fail_expected(fmt::format("{} numbers", n));
-    std::array<double, n> out;
-    for (size_t i = 0; i < n; ++i) out[i] = (*this)[i].number();
-    return out;
-  }
-
- private:
-  const Json* json_;
-  std::string pointer_;
-};
-
-size_t bytes_or(const Value& object, const char* key, size_t usual) {
-  const auto value = object.find(key);
-  return value ? value->whole(0, kMostBytes) : usual;
-}
-
-Json parse_json(std::string_view text) {
-  try {
-    return Json::parse(text);
-  } catch (const Json::parse_error& error) {
-    const std::string_view before = text.substr(0, std::min(error.byte, text.size()));
-    const auto line = int(std::ranges::count(before, '\n')) + 1;
-    const size_t start = before.rfind('\n') + 1;  // 0 where there is none
-    std::string_view why = error.what();
-    // The library says where itself, in words of its own.
-    if (const size_t colon = why.find(": "); colon != why.npos) why.remove_prefix(colon + 2);
-    std::string plain(why);
-    for (char& c : plain)
-      if (uint8_t(c) < 32 || uint8_t(c) >= 127) c = '?';
-    throw ReadFailure{"its JSON is broken: " + plain, line,
-                      std::max(1, int(before.size() - start))};
-  } catch (const Json::out_of_range&) {
-    throw ReadFailure{"its JSON is broken: a number is too large"};
-  }
-}
 
 class Parser {
  public:
@@ -143,13 +30,12 @@ class Parser {
     read_nodes();
     read_scene();
     if (const auto animations = root_.find("animations"); animations && animations->size() > 0)
-      warn(fmt::format("{} animations are left out", animations->size()));
+      for (size_t i = 0; i < animations->size(); ++i)
+        out_.notices.add(Severity::left_out, "animations", label((*animations)[i]));
     return std::move(out_);
   }
 
  private:
-  void warn(std::string text) { out_.warnings.push_back(std::move(text)); }
-
   size_t count_of(const char* array) const {
     const auto found = root_.find(array);
     return found ? found->size() : 0;
@@ -168,6 +54,13 @@ class Parser {
   Index find_index(const Value& object, const char* key, const char* array) const {
     const auto value = object.find(key);
     return value ? Index(index(*value, array)) : std::nullopt;
+  }
+
+  // The name that authors gave it, else where it stands.
+  static std::string label(const Value& value) {
+    const auto name = value.find("name");
+    return name && name->is_string() && !name->string().empty() ? raio::quoted(name->string())
+                                                                : value.pointer();
   }
 
   void check_version() {
@@ -206,12 +99,11 @@ class Parser {
                              packed ? "write its meshes without compression"
                                     : "write it without, if the program can"));
     });
-    std::string unknown;
     each("extensionsUsed", [&](const Value& value) {
       const std::string& name = value.string();
-      if (!kKnown.contains(name)) unknown += (unknown.empty() ? "" : ", ") + raio::quoted(name);
+      if (!kKnown.contains(name))
+        out_.notices.add(Severity::left_out, "what extensions say", raio::quoted(name));
     });
-    if (!unknown.empty()) warn(fmt::format("what these extensions say is left out: {}", unknown));
   }
 
   void read_buffers() {
@@ -326,6 +218,7 @@ class Parser {
   void read_materials() {
     each("materials", [&](const Value& value) {
       Paint paint;
+      paint.name = label(value);
       if (const auto diffuse = value.extension("KHR_materials_pbrSpecularGlossiness"))
         take_base_color(*diffuse, "diffuseFactor", "diffuseTexture", paint);
       else if (const auto pbr = value.find("pbrMetallicRoughness"))
@@ -376,6 +269,7 @@ class Parser {
   void read_meshes() {
     each("meshes", [&](const Value& value) {
       MeshDescription mesh;
+      mesh.name = label(value);
       const Value primitives = value.at("primitives");
       for (size_t i = 0; i < primitives.size(); ++i)
         mesh.primitives.push_back(primitive(primitives[i]));
@@ -404,8 +298,13 @@ class Parser {
   void read_cameras() {
     each("cameras", [&](const Value& value) {
       Lens& camera = out_.cameras.emplace_back();
+      camera.name = label(value);
+      const auto take_near = [&](const Value& lens) {
+        if (const auto near = lens.find("znear")) camera.near = std::max(0.0, near->number());
+      };
       if (value.at("type").string() == "orthographic") {
         const Value lens = value.at("orthographic");
+        take_near(lens);
         // Negative ones mirror, which exporters do not mean.
         camera.half_height = std::abs(lens.at("ymag").number());
         if (camera.half_height == 0) lens.at("ymag").fail_expected("a height that is not 0");
@@ -415,6 +314,7 @@ class Parser {
       if (value.at("type").string() != "perspective")
         value.at("type").fail_expected("perspective or orthographic");
       const Value lens = value.at("perspective");
+      take_near(lens);
       camera.fov = lens.at("yfov").number();
       if (!(camera.fov > 0 && camera.fov < 3.14159))
         lens.at("yfov").fail_expected("an angle between 0 and pi");
@@ -471,8 +371,9 @@ class Parser {
     const Index shown = find_index(root_, "scene", "scenes");
     const auto scenes = root_.find("scenes");
     if (scenes && scenes->size() > 0) {
-      if (scenes->size() > 1)
-        warn(fmt::format("of {} scenes number {} is shown", scenes->size(), shown.value_or(0)));
+      for (size_t i = 0; i < scenes->size(); ++i)
+        if (i != shown.value_or(0))
+          out_.notices.add(Severity::left_out, "scenes that are not shown", label((*scenes)[i]));
       if (const auto nodes = (*scenes)[shown.value_or(0)].find("nodes"))
         for (size_t i = 0; i < nodes->size(); ++i)
           out_.roots.push_back(index((*nodes)[i], "nodes"));
@@ -490,25 +391,6 @@ class Parser {
 };
 
 }  // namespace
-
-std::array<double, 12> placement_matrix(const NodePlace& place) {
-  auto [x, y, z, w] = place.rotation;
-  const double size = std::hypot(std::hypot(x, y), std::hypot(z, w));
-  if (size > 0)
-    x /= size, y /= size, z /= size, w /= size;
-  else
-    w = 1;
-  const double rows[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)},
-                             {2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)},
-                             {2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)}};
-  std::array<double, 12> out;
-  for (size_t row = 0; row < 3; ++row) {
-    for (size_t column = 0; column < 3; ++column)
-      out[4 * row + column] = rows[row][column] * place.scale[int(column)];
-    out[4 * row + 3] = place.shift[int(row)];
-  }
-  return out;
-}
 
 Document parse_document(std::string_view json) {
   const Json root = parse_json(json);

@@ -4,6 +4,7 @@
 
 #include <cstring>
 #include <map>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <unordered_map>
@@ -15,10 +16,12 @@
 namespace raio::gltf {
 namespace {
 
-// Programs that show glTF draw each copy by itself, and slow down beyond.
-constexpr size_t kMostPlaced = 10'000, kMostLooks = 256;
-// In place of shapes: as fine as is no more than the first allows, and never more than the second.
+// Programs that show glTF draw each node by itself, and slow down beyond.
+constexpr size_t kMostPlaced = 10'000, kMostLooks = 256, kMostNodes = 1'000'000;
+// In place of shapes: as fine as is no more than the first allows and, with all copies, than the
+// last; never more than the second.
 constexpr size_t kGoodTriangles = 4'000'000, kMostTriangles = 20'000'000;
+constexpr double kGoodDrawn = 50e6;
 
 /// By their bytes, of which none is a gap.
 struct SameBytes {
@@ -29,15 +32,15 @@ struct SameBytes {
   }
   template <class T>
   bool operator()(const T& a, const T& b) const {
-    return std::memcmp(&a, &b, sizeof a) == 0;
+    return std::memcmp(&a, &b, sizeof a) == 0;  // NOLINT(bugprone-suspicious-memory-comparison)
   }
 };
 template <class Key>
 using NumberOf = std::unordered_map<Key, uint32_t, SameBytes, SameBytes>;
 
-/// f(index, shape, material, color or null, opacity) for each curved one.
+/// f(shape, material, color or null, opacity) for each curved one that is no object's.
 template <class F>
-void for_each_curved(const Scene& scene, const F& f) {
+void for_each_own(const Scene& scene, const F& f) {
   for_each_pool(scene, [&](PoolKind, auto& shapes, auto& materials, auto& colors, auto& opacity) {
     using Shape = std::remove_cvref_t<decltype(shapes[0])>;
     if constexpr (requires(const Shape& s) { placed(s); })
@@ -47,16 +50,37 @@ void for_each_curved(const Scene& scene, const F& f) {
   });
 }
 
+/// The same for each that is stored, objects' included.
+template <class F>
+void for_each_curved(const Scene& scene, const F& f) {
+  for_each_own(scene, f);
+  for (const Scene& object : scene.prototypes) for_each_curved(object, f);
+}
+
+/// The sum over the scene and all copies, of copies too, of what `count` says of what is their own.
+template <class F>
+double sum_of_copies(const Scene& scene, const F& count) {
+  std::vector<double> of_objects;
+  of_objects.reserve(scene.prototypes.size());
+  for (const Scene& object : scene.prototypes) of_objects.push_back(sum_of_copies(object, count));
+  double sum = double(count(scene));
+  for (const Instance& copy : scene.instances) sum += of_objects[copy.prototype];
+  return sum;
+}
+
+size_t count_own(const Scene& scene) {
+  size_t count = 0;
+  for_each_own(scene, [&](auto&&...) { ++count; });
+  return count;
+}
+
 class Gatherer {
  public:
-  explicit Gatherer(const Scene& scene) : scene_(scene) {}
+  explicit Gatherer(const Scene& scene) : whole_(scene) {}
 
   std::expected<SurfaceParts, std::string> gather() {
-    add_triangles();
-    add_polygons();
-    for (size_t i = 0; i < scene_.moving_triangles.size(); ++i) add_moving_triangle(i);
-    for (const Mesh& mesh : scene_.meshes) add_mesh(mesh);
-    if (std::string wrong = add_curved(); !wrong.empty()) return std::unexpected(std::move(wrong));
+    if (std::string wrong = choose_form(); !wrong.empty()) return std::unexpected(std::move(wrong));
+    add_object(whole_);
     return std::move(out_);
   }
 
@@ -74,11 +98,33 @@ class Gatherer {
     uint8_t normals = 0, uv = 0, colors = 0, unused = 0;
   };
 
+  // Its number. Materials are those of the scene.
+  uint32_t add_object(const Scene& object) {
+    const auto number = uint32_t(out_.objects.size());
+    out_.objects.emplace_back();
+    own_ = &object, fixed_.clear(), corners_.clear();
+    add_triangles();
+    add_polygons();
+    for (const MovingTriangle& t : object.moving_triangles) add_moving_triangle(t);
+    for (const Mesh& mesh : object.meshes) add_mesh(mesh);
+    if (detail_)
+      add_baked(*detail_);
+    else
+      add_shapes();
+    std::vector<uint32_t> numbers;
+    numbers.reserve(object.prototypes.size());
+    for (const Scene& inner : object.prototypes) numbers.push_back(add_object(inner));
+    for (const Instance& copy : object.instances)
+      out_.objects[number].copies.push_back(
+          {numbers[copy.prototype], place_of(copy.matrix).value()});
+    return number;
+  }
+
   // Colours of their own are those of corners, unless they are few.
   Look look_of(MaterialId id, const Rgb* color, float opacity, bool at_corners) const {
-    const float usual = scene_.material_opacity.empty() ? 1 : scene_.material_opacity[id];
+    const float usual = whole_.material_opacity.empty() ? 1 : whole_.material_opacity[id];
     return {id,
-            !color       ? scene_.materials[id].color
+            !color       ? whole_.materials[id].color
             : at_corners ? Rgb(1)
                          : *color,
             opacity >= 0 ? opacity : usual};
@@ -92,7 +138,7 @@ class Gatherer {
     const auto [at, is_new] = fixed_.try_emplace(columns, uint32_t(out_.surfaces.size()));
     if (is_new) {
       out_.surfaces.emplace_back();
-      out_.fixed.push_back({at->second, columns.look});
+      out_.objects.back().fixed.push_back({at->second, columns.look});
     }
     return at->second;
   }
@@ -121,11 +167,11 @@ class Gatherer {
   template <class Shape>
   void add_flat(const PoolMembers<Shape>& pool, size_t i, const std::array<Vec3f, 3>& places,
                 const std::array<Vec3f, 3>* normals = nullptr) {
-    const auto& colors = scene_.*pool.colors;
-    const auto& opacity = scene_.*pool.opacity;
+    const auto& colors = own_->*pool.colors;
+    const auto& opacity = own_->*pool.opacity;
     const Rgb* const color = colors.empty() ? nullptr : &colors[i];
     const Look look =
-        look_of((scene_.*pool.materials)[i], color, opacity.empty() ? -1 : opacity[i], true);
+        look_of((own_->*pool.materials)[i], color, opacity.empty() ? -1 : opacity[i], true);
     std::array<Corner, 3> corners;
     for (size_t k = 0; k < 3; ++k)
       corners[k] = {places[k], normals ? (*normals)[k] : Vec3f(), {}, color ? *color : Rgb()};
@@ -133,33 +179,33 @@ class Gatherer {
   }
 
   void add_triangles() {
-    for (size_t i = 0; i < scene_.triangles.size(); ++i) {
+    for (size_t i = 0; i < own_->triangles.size(); ++i) {
       const auto three = [](const Array<Vec3f>& pool, const TriangleIndices& t) {
         return std::array{pool[t[0]], pool[t[1]], pool[t[2]]};
       };
-      const auto places = three(scene_.positions, scene_.triangles[i]);
-      const auto& normals = scene_.triangle_normals;
+      const auto places = three(own_->positions, own_->triangles[i]);
+      const auto& normals = own_->triangle_normals;
       if (normals.empty() || normals[i][0] == kNoNormal) {
         add_flat(kPoolOf<TriangleIndices>, i, places);
       } else {
-        const auto at_corners = three(scene_.normals, normals[i]);
+        const auto at_corners = three(own_->normals, normals[i]);
         add_flat(kPoolOf<TriangleIndices>, i, places, &at_corners);
       }
     }
   }
 
   void add_polygons() {
-    for (size_t i = 0; i < scene_.polygons.size(); ++i) {
-      const Polygon& polygon = scene_.polygons[i];
-      const std::span<const Vec3f> corners(scene_.positions.data() + polygon.first, polygon.count);
+    for (size_t i = 0; i < own_->polygons.size(); ++i) {
+      const Polygon& polygon = own_->polygons[i];
+      const std::span<const Vec3f> corners(own_->positions.data() + polygon.first, polygon.count);
       for (const TriangleIndices& t : triangulate(corners))
         add_flat(kPoolOf<Polygon>, i, {corners[t[0]], corners[t[1]], corners[t[2]]});
     }
   }
 
-  void add_moving_triangle(size_t i) {
-    const Triangle& t = scene_.moving_triangles[i].from;
-    add_flat(kPoolOf<MovingTriangle>, i, {t.a, t.b, t.c});
+  void add_moving_triangle(const MovingTriangle& t) {
+    add_flat(kPoolOf<MovingTriangle>, size_t(&t - own_->moving_triangles.data()),
+             {t.from.a, t.from.b, t.from.c});
   }
 
   void add_mesh(const Mesh& mesh) {
@@ -167,8 +213,8 @@ class Gatherer {
     for (size_t i = 0; i < mesh.triangles.size(); ++i) {
       const MaterialId id = mesh.materials[mesh.materials.size() == 1 ? 0 : i];
       Look look = look_of(id, nullptr, -1, true);
-      look.textured = !mesh.uv.empty() && !scene_.material_texture.empty() &&
-                      scene_.material_texture[id] != kNoTexture;
+      look.textured = !mesh.uv.empty() && !whole_.material_texture.empty() &&
+                      whole_.material_texture[id] != kNoTexture;
       const bool smooth = !mesh.normals.empty() && normals[i][0] != kNoNormal;
       const Columns columns{number_of(look), smooth, !mesh.uv.empty(), !mesh.colors.empty()};
       std::array<Corner, 3> corners;
@@ -181,58 +227,65 @@ class Gatherer {
     }
   }
 
-  // --- shapes that glTF does not have; what is wrong, or nothing
-  std::string add_curved() {
-    const size_t count = count_curved(scene_);
-    if (count == 0) return {};
+  // --- shapes that glTF does not have
+  // Chooses between unit shapes and triangles of their own. What is wrong, or nothing.
+  std::string choose_form() {
     NumberOf<Look> looks;
-    for_each_curved(scene_, [&](auto&, MaterialId id, const Rgb* color, float opacity) {
+    for_each_curved(whole_, [&](auto&, MaterialId id, const Rgb* color, float opacity) {
       if (looks.size() <= kMostLooks) looks.try_emplace(look_of(id, color, opacity, false), 0);
     });
-    const bool few_looks = looks.size() <= kMostLooks;
-    if (few_looks && count <= kMostPlaced)
-      add_copies();
-    else if (const int detail = affordable_detail(); detail >= 0)
-      add_baked(detail, few_looks);
-    else
+    few_looks_ = looks.size() <= kMostLooks;
+    const double copies = sum_of_copies(whole_, [](const Scene& s) { return s.instances.size(); });
+    if (copies > double(kMostNodes))
       return fmt::format(
-          "glTF has neither spheres nor cylinders, and {} of them are more than triangles can "
-          "stand for; leave some out, or choose another format: .raio keeps all, .ply spheres",
-          count);
-    return {};
+          "glTF has a node for each of {:.0f} copies, and programs that show it take at most about "
+          "{}; leave some out, or choose another format: .raio keeps all",
+          copies, kMostNodes);
+    if (few_looks_ && sum_of_copies(whole_, count_own) <= double(kMostPlaced)) return {};
+    detail_ = affordable_detail();
+    if (*detail_ >= 0) return {};
+    size_t count = 0;
+    for_each_curved(whole_, [&](auto&&...) { ++count; });
+    return fmt::format(
+        "glTF has neither spheres nor cylinders, and {} of them are more than triangles can "
+        "stand for; leave some out, or choose another format: .raio keeps all, .ply spheres",
+        count);
   }
 
-  void add_copies() {
-    std::map<UnitShape, uint32_t> surfaces;
-    for_each_curved(scene_, [&](auto& shape, MaterialId id, const Rgb* color, float opacity) {
+  void add_shapes() {
+    for_each_own(*own_, [&](auto& shape, MaterialId id, const Rgb* color, float opacity) {
       const PlacedShape at = placed(shape);
-      const auto [known, is_new] = surfaces.try_emplace(at.shape, uint32_t(out_.surfaces.size()));
+      const auto [known, is_new] = units_.try_emplace(at.shape, uint32_t(out_.surfaces.size()));
       if (is_new) out_.surfaces.push_back(surface_of(at.shape, kFinest));
-      out_.copies.push_back(
+      out_.objects.back().shapes.push_back(
           {{known->second, number_of(look_of(id, color, opacity, false))}, at.place});
     });
   }
 
   // Negative: even the coarsest is not.
   int affordable_detail() const {
-    std::array<size_t, kFinest + 1> triangles{};
-    for_each_curved(scene_, [&](auto& shape, auto&&...) {
-      const UnitShape unit = placed(shape).shape;
-      for (int detail = 0; detail <= kFinest; ++detail)
-        triangles[size_t(detail)] += triangles_of(unit, detail);
-    });
-    int detail = kFinest;
-    while (detail > 0 && triangles[size_t(detail)] > kGoodTriangles) --detail;
-    return triangles[size_t(detail)] > kMostTriangles ? -1 : detail;
+    for (int detail = kFinest; detail >= 0; --detail) {
+      const auto triangles = [&](auto& shape) { return triangles_of(placed(shape).shape, detail); };
+      size_t stored = 0;
+      for_each_curved(whole_, [&](auto& shape, auto&&...) { stored += triangles(shape); });
+      const double drawn = sum_of_copies(whole_, [&](const Scene& scene) {
+        size_t own = 0;
+        for_each_own(scene, [&](auto& shape, auto&&...) { own += triangles(shape); });
+        return own;
+      });
+      if (stored <= kGoodTriangles && drawn <= kGoodDrawn) return detail;
+      if (detail == 0 && stored <= kMostTriangles) return detail;
+    }
+    return -1;
   }
 
-  void add_baked(int detail, bool few_looks) {
+  void add_baked(int detail) {
     UnitShape known;
     Surface unit = surface_of(known, detail);
-    for_each_curved(scene_, [&](auto& shape, MaterialId id, const Rgb* color, float opacity) {
+    for_each_own(*own_, [&](auto& shape, MaterialId id, const Rgb* color, float opacity) {
       const PlacedShape at = placed(shape);
       if (at.shape != known) known = at.shape, unit = surface_of(known, detail);
-      const bool at_corners = color && !few_looks;
+      const bool at_corners = color && !few_looks_;
       const Columns columns{number_of(look_of(id, color, opacity, at_corners)), true, false,
                             at_corners};
       Surface& to = out_.surfaces[surface_with(columns)];
@@ -248,10 +301,14 @@ class Gatherer {
     });
   }
 
-  const Scene& scene_;
+  const Scene& whole_;
+  const Scene* own_ = nullptr;  // the object at hand, which is the last one of out_.objects
   SurfaceParts out_;
+  bool few_looks_ = true;
+  std::optional<int> detail_;  // of triangles in place of unit shapes
   NumberOf<Look> looks_;
-  NumberOf<Columns> fixed_;
+  std::map<UnitShape, uint32_t> units_;  // with their surfaces
+  NumberOf<Columns> fixed_;              // of the object
   NumberOf<Corner> corners_;
 };
 
@@ -261,10 +318,6 @@ std::expected<SurfaceParts, std::string> surface_parts(const Scene& scene) {
   return Gatherer(scene).gather();
 }
 
-size_t count_curved(const Scene& scene) {
-  size_t count = 0;
-  for_each_curved(scene, [&](auto&&...) { ++count; });
-  return count;
-}
+size_t count_curved(const Scene& scene) { return size_t(sum_of_copies(scene, count_own)); }
 
 }  // namespace raio::gltf

@@ -30,25 +30,37 @@ struct SurfacePart {
   friend auto operator<=>(const SurfacePart&, const SurfacePart&) = default;
 };
 
-struct SurfaceParts {
-  std::vector<Look> looks;
-  std::vector<Surface> surfaces;
+/// What the scene has of its own, or one of its objects.
+struct ObjectParts {
   std::vector<SurfacePart> fixed;  // where they are
 
   /// A unit shape where it is wanted.
-  struct Copy {
+  struct Shape {
     SurfacePart part;
+    NodePlace place;
+  };
+  std::vector<Shape> shapes;
+
+  /// A copy of an object.
+  struct Copy {
+    uint32_t object = 0;  // of SurfaceParts::objects
     NodePlace place;
   };
   std::vector<Copy> copies;
 };
 
-/// Of all but planes; what moves is where it begins. Spheres, cones, ellipsoids and discs are
-/// copies of unit shapes where they are few, else triangles, the more of them the coarser. The
-/// error says that they are too many.
+struct SurfaceParts {
+  std::vector<Look> looks;
+  std::vector<Surface> surfaces;
+  std::vector<ObjectParts> objects;  // the first is the scene
+};
+
+/// Of all but planes; what moves is where it begins. Spheres, cones, ellipsoids and discs are unit
+/// shapes with places where they are few, else triangles, the more of them the coarser. No copy may
+/// shear (gltf_keeps_copies). The error says that the shapes or the copies are too many.
 std::expected<SurfaceParts, std::string> surface_parts(const Scene& scene);
 
-/// How many spheres, cones and so on become triangles.
+/// How many spheres, cones and so on become triangles, with those of copies.
 size_t count_curved(const Scene& scene);
 
 }  // namespace raio::gltf

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "base/placement.h"
 #include "base/vec.h"
@@ -62,29 +63,9 @@ std::array<double, 12> placement_matrix(const NodePlace& place);
 
 /// The quaternion, whose w is not negative, of the rotation that takes the axes to these unit
 /// vectors at right angles (Shepperd 1978, "Quaternion from Rotation Matrix").
-inline std::array<double, 4> rotation_to(Vec3d x, Vec3d y, Vec3d z) {
-  const double four[] = {1 + x.x - y.y - z.z, 1 - x.x + y.y - z.z, 1 - x.x - y.y + z.z,
-                         1 + x.x + y.y + z.z};  // four times the squares
-  const double sums[3] = {x.y + y.x, y.z + z.y, z.x + x.z};
-  const double differences[3] = {y.z - z.y, z.x - x.z, x.y - y.x};
-  std::array<double, 4> q;
-  switch (std::ranges::max_element(four) - four) {
-    case 0:
-      q = {four[0], sums[0], sums[2], differences[0]};
-      break;
-    case 1:
-      q = {sums[0], four[1], sums[1], differences[1]};
-      break;
-    case 2:
-      q = {sums[2], sums[1], four[2], differences[2]};
-      break;
-    default:
-      q = {differences[0], differences[1], differences[2], four[3]};
-  }
-  const double size =
-      std::copysign(std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3])), q[3]);
-  for (double& part : q) part /= size;
-  return q;
-}
+std::array<double, 4> rotation_to(Vec3d x, Vec3d y, Vec3d z);
+
+/// The node of a copy; nothing where its matrix shears, which no node can.
+std::optional<NodePlace> place_of(const Matrix& m);
 
 }  // namespace raio::gltf

@@ -12,6 +12,7 @@
 #include "base/srgb.h"
 #include "io/fit_camera.h"
 #include "io/image/codecs.h"
+#include "io/mesh/gltf_material.h"
 #include "io/mesh/gltf_parts.h"
 #include "io/mesh/write.h"
 #include "scene/columns.h"
@@ -27,77 +28,6 @@ static_assert(std::endian::native == std::endian::little, "numbers are written a
 Json numbers(Vec3d v) { return {v.x, v.y, v.z}; }
 Json numbers(Vec3f v) { return numbers(Vec3d(v)); }
 
-/// The material of metallic-roughness that reflects as much light.
-class GltfMaterial {
- public:
-  GltfMaterial(const Scene& scene, const Look& look)
-      : scene_(scene), look_(look), m_(scene.materials[look.material]) {}
-
-  Json json() const {
-    // Both sides of a surface are seen, as in Raio.
-    Json out = {{"doubleSided", true}};
-    const double transmitted = std::clamp(double(m_.transmission), 0.0, 1.0);
-    Json& pbr = out["pbrMetallicRoughness"];
-    const Vec3d diffuse = light(look_.color * m_.kd);
-    Vec3d base = diffuse;
-    double metallic = 0;
-    if (transmitted > 0) {
-      // Raio does not tint what goes through.
-      base = diffuse + Vec3d(transmitted);
-      const double part = transmitted / (transmitted + brightness(diffuse));
-      out["extensions"] = {{"KHR_materials_transmission", {{"transmissionFactor", part}}},
-                           {"KHR_materials_ior", {{"ior", std::max(1.0, double(m_.ior))}}}};
-    } else if (const Vec3d mirrored = light(scene_.specular_of(look_.material) * m_.ks);
-               brightness(mirrored) > kDielectric) {
-      metallic = metallic_part(brightness(diffuse), brightness(mirrored));
-      base = mixed_base(diffuse, mirrored, metallic);
-    }
-    base = min(base, Vec3d(1));
-    pbr["baseColorFactor"] = {base.x, base.y, base.z, double(look_.opacity)};
-    pbr["metallicFactor"] = metallic;
-    pbr["roughnessFactor"] = roughness();
-    if (look_.textured)
-      pbr["baseColorTexture"] = {{"index", scene_.material_texture[look_.material]}};
-    if (look_.opacity < 1) out["alphaMode"] = "BLEND";
-    return out;
-  }
-
- private:
-  // What a surface of glTF mirrors that is no metal.
-  static constexpr double kDielectric = 0.04;
-
-  // The classic shading computes display values, glTF light.
-  Vec3d light(Rgb color) const {
-    if (scene_.dialect != Dialect::data)
-      for (int i = 0; i < 3; ++i) color[i] = linear_from_srgb(color[i]);
-    return Vec3d(color);
-  }
-  static double brightness(Vec3d c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
-
-  // Where base (1 - metallic) is the diffuse colour and what is mirrored is that of a metal as far
-  // as it is one, as KHR_materials_pbrSpecularGlossiness converts its materials.
-  static double metallic_part(double diffuse, double mirrored) {
-    const double b = diffuse + mirrored - 2 * kDielectric, c = mirrored - kDielectric;
-    return std::min(1.0, 2 * c / (b + std::sqrt(b * b + 4 * kDielectric * c)));
-  }
-  static Vec3d mixed_base(Vec3d diffuse, Vec3d mirrored, double metallic) {
-    const Vec3d of_metal = (mirrored - Vec3d(kDielectric * (1 - metallic))) / metallic;
-    const Vec3d of_diffuse = diffuse / std::max(1 - metallic, 1e-6);
-    const double part = metallic * metallic;
-    return max(min(of_diffuse, Vec3d(1)) * (1 - part) + of_metal * part, Vec3d());
-  }
-
-  // The width of Phong's highlight, as one of microfacets (Walter et al. 2007, "Microfacet Models
-  // for Refraction through Rough Surfaces", EGSR); glTF squares it.
-  double roughness() const {
-    return m_.ks > 0 ? std::sqrt(std::sqrt(2 / (double(m_.shine) + 2))) : 1;
-  }
-
-  const Scene& scene_;
-  const Look& look_;
-  const Material& m_;
-};
-
 class GltfWriter {
  public:
   GltfWriter(const Scene& scene, SurfaceParts parts) : scene_(scene), parts_(std::move(parts)) {}
@@ -107,14 +37,14 @@ class GltfWriter {
     json_["asset"] = {{"version", "2.0"}, {"generator", comment}};
     json_["scene"] = 0;
     json_["scenes"] = Json::array({Json{{"nodes", Json::array({0})}}});
-    Json root = {{"name", scene_.name}, {"children", Json::array()}};
+    Json root = {{"name", scene_.name}};
     if (scene_.origin != Vec3d()) root["translation"] = numbers(scene_.origin);
-    json_["nodes"] = Json::array({std::move(root)});
+    add("nodes", std::move(root));
     add_textures();
     for (const Look& look : parts_.looks) add_material(look);
     for (const Surface& surface : parts_.surfaces) add_surface(surface);
-    if (!parts_.fixed.empty()) add_node({{"mesh", add_mesh(parts_.fixed)}});
-    add_copies();
+    meshes_of_objects_.resize(parts_.objects.size());
+    add_object(0, 0);
     add_camera();
     for (const Light& light : scene_.lights) add_light(light);
     return std::move(json_);
@@ -132,9 +62,10 @@ class GltfWriter {
     return to.size() - 1;
   }
   size_t add(const char* name, Json what) { return append(list(name), std::move(what)); }
-  void add_node(Json node) {
+  size_t add_node(Json node, size_t parent = 0) {
     const size_t number = add("nodes", std::move(node));
-    json_["nodes"][0]["children"].push_back(number);
+    json_["nodes"][parent]["children"].push_back(number);
+    return number;
   }
   void use(std::string_view extension) {
     Json& used = list("extensionsUsed");
@@ -182,7 +113,7 @@ class GltfWriter {
   }
 
   void add_material(const Look& look) {
-    Json material = GltfMaterial(scene_, look).json();
+    Json material = material_of(scene_, look);
     if (material.contains("extensions"))
       for (const auto& [name, value] : material["extensions"].items()) use(name);
     add("materials", std::move(material));
@@ -225,17 +156,30 @@ class GltfWriter {
     return add("meshes", {{"primitives", std::move(primitives)}});
   }
 
-  void add_copies() {
-    std::map<SurfacePart, size_t> meshes;
-    for (const auto& [part, place] : parts_.copies) {
-      auto at = meshes.find(part);
-      if (at == meshes.end()) at = meshes.emplace(part, add_mesh({&part, 1})).first;
-      Json node = {{"mesh", at->second},
-                   {"translation", numbers(place.shift)},
-                   {"scale", numbers(place.scale)}};
-      if (place.rotation != NodePlace().rotation) node["rotation"] = place.rotation;
-      add_node(std::move(node));
+  static Json node_at(const NodePlace& place) {
+    Json node = {{"translation", numbers(place.shift)}, {"scale", numbers(place.scale)}};
+    if (place.rotation != NodePlace().rotation) node["rotation"] = place.rotation;
+    return node;
+  }
+
+  // In a node and below it.
+  void add_object(uint32_t number, size_t at) {
+    const ObjectParts& object = parts_.objects[number];
+    std::optional<size_t>& mesh = meshes_of_objects_[number];
+    if (!object.fixed.empty()) {
+      if (!mesh) mesh = add_mesh(object.fixed);
+      json_["nodes"][at]["mesh"] = *mesh;
     }
+    for (const auto& [part, place] : object.shapes) {
+      auto shape = meshes_of_shapes_.find(part);
+      if (shape == meshes_of_shapes_.end())
+        shape = meshes_of_shapes_.emplace(part, add_mesh({&part, 1})).first;
+      Json node = node_at(place);
+      node["mesh"] = shape->second;
+      add_node(std::move(node), at);
+    }
+    for (const auto& [copied, place] : object.copies)
+      add_object(copied, add_node(node_at(place), at));
   }
 
   // --- from where, and in what light
@@ -293,6 +237,9 @@ class GltfWriter {
   Json json_;
   std::string binary_;
   std::vector<Json> surfaces_;  // as primitives without a material
+  // The numbers of meshes, of objects once they are in use.
+  std::vector<std::optional<size_t>> meshes_of_objects_;
+  std::map<SurfacePart, size_t> meshes_of_shapes_;
 };
 
 std::string base64_of(std::string_view bytes) {
@@ -342,11 +289,20 @@ std::expected<std::string, std::string> one_file(const Json& json, std::string_v
 
 }  // namespace
 
+bool gltf_keeps_copies(const Scene& scene) {
+  const auto is_node = [](const Instance& copy) { return place_of(copy.matrix).has_value(); };
+  return std::ranges::all_of(scene.instances, is_node) &&
+         std::ranges::all_of(scene.prototypes, gltf_keeps_copies);
+}
+
 std::expected<std::string, std::string> write_gltf(const Scene& scene, GltfForm form,
                                                    std::string_view comment) {
+  if (!gltf_keeps_copies(scene))
+    return std::unexpected("glTF has no nodes that shear, as some of its copies do");
   auto parts = surface_parts(scene);
   if (!parts) return std::unexpected(std::move(parts.error()));
-  if (parts->fixed.empty() && parts->copies.empty())
+  const auto is_empty = [](const ObjectParts& o) { return o.fixed.empty() && o.shapes.empty(); };
+  if (std::ranges::all_of(parts->objects, is_empty))
     return std::unexpected(
         "glTF holds triangles, and the scene has nothing that they can stand for; choose another "
         "format");

@@ -30,12 +30,15 @@ std::string not_in_ply(const Scene& scene);
 enum class GltfForm : uint8_t { binary, text };
 
 /// The scene as glTF 2.0, in light of linear numbers as that has it: triangles by their materials
-/// with the floats of the scene, under a node that is shifted by its origin; materials of
-/// metallic-roughness; camera and lights. Triangles stand for spheres, cones, ellipsoids and discs:
-/// shared ones, in the nodes of up to 10,000 of them, else ones of their own. The error is a
-/// sentence: there is nothing to write, or too much.
+/// with the floats of the scene, under a node that is shifted by its origin; copies as nodes with
+/// the meshes of their objects; materials of metallic-roughness; camera and lights. Triangles stand
+/// for spheres, cones, ellipsoids and discs: shared ones, in the nodes of up to 10,000 of them,
+/// else ones of their own. The error is a sentence: there is nothing to write, or too much, or
+/// copies of which gltf_keeps_copies() is false.
 std::expected<std::string, std::string> write_gltf(const Scene& scene, GltfForm form,
                                                    std::string_view comment = {});
+/// Can nodes of glTF be its copies? None shears.
+bool gltf_keeps_copies(const Scene& scene);
 /// What of the scene write_gltf() leaves out, as not_in_ply().
 std::string not_in_gltf(const Scene& scene);
 

@@ -30,7 +30,7 @@ bool set_times(Parser& p, const double* n, float& begin, float& end) {
   return false;
 }
 
-void read_sphere(Parser& p) {
+void read_moving_sphere(Parser& p) {
   static constexpr std::string_view kNames[] = {"x",
                                                 "y",
                                                 "z",
@@ -52,7 +52,7 @@ void read_sphere(Parser& p) {
   p.add(sphere, id);
 }
 
-void read_triangle(Parser& p) {
+void read_moving_triangle(Parser& p) {
   double n[20];
   for (size_t i = 0; i < 6; ++i)
     if (!p.numbers({n + 3 * i, 3}, kXyz, {i < 3 ? "corner" : "the end of corner", i % 3 + 1}))
@@ -127,12 +127,12 @@ constexpr std::array kMovementRows = {
            .usage =
                "sm takes 9 numbers: x y z at the beginning, x y z at the end, the radius, and the "
                "times of both",
-           .read = read_sphere},
+           .read = read_moving_sphere},
     Entity{.word = "tm",
            .noun = "the moving triangle",
            .usage = "tm takes 20 numbers: three corners at the beginning, three at the end, and "
                     "the times of both",
-           .read = read_triangle},
+           .read = read_moving_triangle},
     Entity{.word = "bm",
            .noun = "the moving box",
            .usage = "bm takes 14 numbers: lowest and highest corner at the beginning and at the "

@@ -1,0 +1,112 @@
+// Values of the JSON of a glTF file, which fail by throwing ReadFailure with their JSON pointer
+// (RFC 6901). Internal to its reader.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "io/mesh/builder.h"
+
+namespace raio::gltf {
+
+using Json = nlohmann::json;
+
+inline constexpr size_t kMostBytes = size_t(1) << 50;
+
+/// The text as JSON; fails with the line and column at which it is broken.
+Json parse_json(std::string_view text);
+
+/// As messages name it: "an object", a text in quotation marks, a number.
+std::string text_of(const Json& json);
+
+/// A value and where it stands.
+class Value {
+ public:
+  Value(const Json& json, std::string pointer) : json_(&json), pointer_(std::move(pointer)) {}
+
+  const std::string& pointer() const { return pointer_; }
+  [[noreturn]] void fail(std::string_view message) const {
+    throw ReadFailure{fmt::format("{}: {}", pointer_.empty() ? "/" : pointer_, message)};
+  }
+  [[noreturn]] void fail_expected(std::string_view what) const {
+    fail(fmt::format("expected {}, found {}", what, text_of(*json_)));
+  }
+
+  bool has(const char* key) const { return json_->is_object() && json_->contains(key); }
+  bool is_object() const { return json_->is_object(); }
+  bool is_string() const { return json_->is_string(); }
+  Value at(const char* key) const {
+    if (!json_->is_object()) fail_expected("an object");
+    const auto found = json_->find(key);
+    if (found == json_->end()) fail(fmt::format("\"{}\" is missing", key));
+    return {*found, pointer_ + "/" + key};
+  }
+  std::optional<Value> find(const char* key) const {
+    if (!json_->is_object()) fail_expected("an object");
+    if (!json_->contains(key)) return std::nullopt;
+    return at(key);
+  }
+  std::optional<Value> extension(const char* name) const {
+    const auto all = find("extensions");
+    return all ? all->find(name) : std::nullopt;
+  }
+
+  size_t size() const {
+    if (!json_->is_array()) fail_expected("an array");
+    return json_->size();
+  }
+  Value operator[](size_t i) const { return {(*json_)[i], pointer_ + "/" + std::to_string(i)}; }
+  template <class F>  // f(key, value)
+  void each(const F& f) const {
+    if (!json_->is_object()) fail_expected("an object");
+    for (const auto& [key, value] : json_->items()) f(key, Value(value, pointer_ + "/" + key));
+  }
+
+  size_t whole(size_t least, size_t most) const {
+    const double number = json_->is_number() ? json_->get<double>() : -1;
+    if (number >= double(least) && number <= double(most) && number == std::floor(number))
+      return size_t(number);
+    fail_expected(most >= kMostBytes ? fmt::format("a whole number of at least {}", least)
+                                     : fmt::format("a whole number from {} to {}", least, most));
+  }
+  double number() const {
+    if (!json_->is_number()) fail_expected("a number");
+    const double number = json_->get<double>();
+    if (!std::isfinite(number) || std::abs(number) > 1e30)
+      fail_expected("a number of at most 1e30");
+    return number;
+  }
+  const std::string& string() const {
+    if (!json_->is_string()) fail_expected("a string");
+    return json_->get_ref<const std::string&>();
+  }
+  bool truth() const {
+    if (!json_->is_boolean()) fail_expected("true or false");
+    return json_->get<bool>();
+  }
+  template <size_t n>
+  std::array<double, n> numbers() const {
+    if (!json_->is_array() || json_->size() != n) fail_expected(fmt::format("{} numbers", n));
+    std::array<double, n> out;
+    for (size_t i = 0; i < n; ++i) out[i] = (*this)[i].number();
+    return out;
+  }
+
+ private:
+  const Json* json_;
+  std::string pointer_;
+};
+
+/// The member of the object that counts bytes, or `usual` where there is none.
+inline size_t bytes_or(const Value& object, const char* key, size_t usual) {
+  const auto value = object.find(key);
+  return value ? value->whole(0, kMostBytes) : usual;
+}
+
+}  // namespace raio::gltf

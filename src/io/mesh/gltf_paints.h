@@ -1,0 +1,26 @@
+// Materials of a glTF file with their textures. Internal to its reader.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "io/mesh/gltf_nodes.h"
+#include "scene/scene.h"
+
+namespace raio::gltf {
+
+/// What the materials of the file are in the scene.
+class Paints {
+ public:
+  /// Adds those that meshes in use have, with their textures.
+  Paints(const Document& document, const Buffers& buffers, const ReadOptions& options,
+         const NodeTree& nodes, Scene& scene, Notices& notices);
+
+  MaterialId of(const MeshPrimitive& p) const { return p.material ? of_[*p.material] : plain_; }
+
+ private:
+  std::vector<MaterialId> of_;  // those that are used
+  MaterialId plain_ = 0;
+};
+
+}  // namespace raio::gltf
