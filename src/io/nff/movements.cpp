@@ -30,7 +30,7 @@ bool set_times(Parser& p, const double* n, float& begin, float& end) {
   return false;
 }
 
-void read_sphere(Parser& p) {
+void read_moving_sphere(Parser& p) {
   static constexpr std::string_view kNames[] = {"x",
                                                 "y",
                                                 "z",
@@ -127,7 +127,7 @@ constexpr std::array kMovementRows = {
            .usage =
                "sm takes 9 numbers: x y z at the beginning, x y z at the end, the radius, and the "
                "times of both",
-           .read = read_sphere},
+           .read = read_moving_sphere},
     Entity{.word = "tm",
            .noun = "the moving triangle",
            .usage = "tm takes 20 numbers: three corners at the beginning, three at the end, and "
