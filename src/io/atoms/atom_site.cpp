@@ -106,9 +106,11 @@ std::vector<std::string> AtomSite::sample_tags() {
 
 std::vector<std::string> AtomSite::sample(bool of_residues) const {
   std::vector<std::string> out;
-  const auto add = [&](const SiteRow& row) {
+  // gemmi reads the label's number of the first row of a residue alone.
+  const auto add = [&](const SiteRow& row, bool begins_residue) {
     SiteValues values = values_of(row);
     drop_large_numbers(values, [](SiteColumn, std::string_view) {});
+    if (!begins_residue) values[SiteColumn::label_number] = "?";
     for (const auto& [column, tag] : kSample) out.emplace_back(values[column]);
   };
   std::vector<bool> has_model(models_.size());
@@ -117,16 +119,16 @@ std::vector<std::string> AtomSite::sample(bool of_residues) const {
     const SiteRun& run = runs_[i];
     const bool begins = residue != residues_.end() && residue->run == i;
     if (begins) {
-      if (of_residues || !has_model[residue->model]) add(*run.begin);
+      if (of_residues || !has_model[residue->model]) add(*run.begin, true);
       has_model[residue->model] = true;
       ++residue;
     }
-    const SiteRow* const unreadable =
-        begins && !run.has_label_number
-            ? run.begin
-            : std::find_if(run.begin, run.end, [](const SiteRow& row) { return !row.is_readable; });
-    if (unreadable == run.end) continue;
-    add(*unreadable);
+    const auto is_unreadable = [&](const SiteRow& row) {
+      return !row.is_readable || (begins && &row == run.begin && !run.has_label_number);
+    };
+    const SiteRow* const row = std::find_if(run.begin, run.end, is_unreadable);
+    if (row == run.end) continue;
+    add(*row, begins && row == run.begin);
     break;
   }
   return out;
