@@ -166,6 +166,9 @@ TEST(AtomSite, LinesGiveTheSameAsGemmisRows) {
     expect_same(file_of(rows(), links));
     expect_same(std::string("data_a\n").append(links) + file_of(rows()).substr(10));
   }
+  for (const std::string_view text :
+       {"", "\n", "data_", "loop_", "data_a\nloop_\n", "data_a\nloop_\n_atom_site."})
+    expect_same(text);
   expect_same("data_a\nsave_b\n" + file_of(rows()).substr(10) + "save_\n");
   expect_same(
       "data_a\nloop_\n_chem_comp_atom.atom_id\n_chem_comp_atom.x\n_chem_comp_atom.y\n"

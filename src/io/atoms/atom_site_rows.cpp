@@ -23,6 +23,8 @@ bool is_blank(char c) { return c == ' ' || c == '\t'; }
 bool is_printable(char c) { return c > ' ' && c < 127; }
 
 bool is_keyword(std::string_view word) {
+  const bool may_be = (word.size() > 4 && word[4] == '_') || (word.size() > 6 && word[6] == '_');
+  if (!may_be) return false;
   constexpr std::string_view kKeywords[] = {"data_", "loop_", "global_", "save_", "stop_"};
   return std::ranges::any_of(kKeywords, [&](std::string_view keyword) {
     return std::ranges::equal(word.substr(0, keyword.size()), keyword,

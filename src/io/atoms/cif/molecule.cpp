@@ -24,12 +24,14 @@ AtomSite rows_of(gemmi::cif::Block& block, CutRows* cut, const Atoms& out) {
   return rows;
 }
 
-// All else that gemmi reads of the block. It is slow with many atoms and residues, so that it is
-// given as few as it needs to find what the others tables name.
+// All else that gemmi reads of the block. It is slow with many atoms and residues, so it is given
+// as few as it needs to find what other tables name.
 gemmi::Structure structure_of(gemmi::cif::Block& block, const AtomSite& rows) {
-  // Unused, and the larger of two tables that name all residues.
-  if (gemmi::cif::Table table = block.find_mmcif_category("_pdbx_sifts_xref_db."); table.ok())
-    table.erase();
+  // Large tables that nothing here uses; to gemmi it is an error if the first one names a residue
+  // that has no atoms.
+  for (gemmi::cif::Item& item : block.items)
+    if (item.has_prefix("_pdbx_sifts_xref_db.") || item.has_prefix("_atom_site_anisotrop."))
+      item.erase();
   const bool names_residues =
       block.has_tag("_struct_conn.id") &&
       !block
