@@ -21,8 +21,8 @@ struct ResidueKey {
 };
 struct HashOfKey {
   size_t operator()(const ResidueKey& key) const {
-    return std::hash<std::string_view>()(key.name) ^
-           size_t(key.number.num.value * 256 + (key.number.icode | 0x20)) * 0x9e3779b97f4a7c15u;
+    const size_t number = size_t(key.number.num.value) << 8 | uint8_t(key.number.icode | 0x20);
+    return std::hash<std::string_view>()(key.name) ^ number * 0x9e3779b97f4a7c15u;
   }
 };
 

@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "io/atoms/atom_site.h"
+#include "io/atoms/element_names.h"
 
 namespace raio::cif {
 
@@ -43,7 +44,8 @@ inline bool is_whole(std::string_view text) {
 /// A whole number that no int holds.
 inline bool is_too_large(std::string_view value) {
   if (value.size() <= std::numeric_limits<int>::digits10) return false;
-  if (value.front() == '+') value.remove_prefix(1);
+  value = without_blanks(text_of(value));
+  if (value.starts_with('+')) value.remove_prefix(1);
   int number;
   return std::from_chars(value.data(), value.data() + value.size(), number).ec ==
          std::errc::result_out_of_range;
