@@ -1,5 +1,5 @@
 // What a reader did with parts of a file that it could not keep as they stand. Also included by
-// atoms/structure.cpp, which is C++17.
+// atoms/cif/, which is C++17.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Atoms as files have them, whatever the format. Also included by structure.cpp, which is C++17.
+// Atoms as files have them, whatever the format. Also included by cif/, which is C++17.
 #pragma once
 
 #include <algorithm>
@@ -118,7 +118,10 @@ struct CifFault {
   std::string message;
   size_t line = 0, column = 0;  // from 1; 0: about the file as a whole
 };
-std::optional<CifFault> read_structure(const char* text, size_t size, int frame, Atoms& out);
+/// With `cuts_rows` atoms of mmCIF are read from the lines of the text where they have one each,
+/// with the same result.
+std::optional<CifFault> read_structure(const char* text, size_t size, int frame, Atoms& out,
+                                       bool cuts_rows = true);
 
 /// Tells of atoms that are at one place; name_of() gives the name of an atom by its index.
 void note_coincident(Atoms& atoms, const std::function<std::string(uint32_t)>& name_of);

@@ -1,6 +1,6 @@
 // CIF and mmCIF, from the text to the scene; and what all molecules are asked.
 #include <bit>
-#include <unordered_set>
+#include <vector>
 
 #include "io/atoms/element_names.h"
 #include "io/atoms/lines.h"
@@ -43,19 +43,24 @@ std::expected<ReadScene, Diagnostics> read_mmcif(const TextBuffer& text, std::st
 }
 
 void note_coincident(Atoms& atoms, const std::function<std::string(uint32_t)>& name_of) {
-  struct Same {
-    size_t operator()(const std::array<float, 3>& p) const {
-      uint64_t hash = 0;
-      for (const float x : p)
-        hash = (hash ^ std::bit_cast<uint32_t>(x + 0.0f)) * 0x9e3779b97f4a7c15u;
-      return hash ^ (hash >> 32);
-    }
+  const auto hash_of = [](const std::array<float, 3>& p) {
+    uint64_t hash = 0;
+    for (const float x : p) hash = (hash ^ std::bit_cast<uint32_t>(x + 0.0f)) * 0x9e3779b97f4a7c15u;
+    return size_t(hash ^ (hash >> 32));
   };
-  std::unordered_set<std::array<float, 3>, Same> places;
-  places.reserve(atoms.atoms.size());
+  // Of each place the first atom, counted from 1, at its hash or in the next free slot behind.
+  std::vector<uint32_t> slots(std::bit_ceil(2 * atoms.atoms.size() + 1));
   size_t count = 0;
   for (uint32_t i = 0; i < atoms.atoms.size(); ++i) {
-    if (places.insert(atoms.atoms[i].place).second) continue;
+    const auto& place = atoms.atoms[i].place;
+    if (place != place) continue;  // not a number
+    size_t slot = hash_of(place) & (slots.size() - 1);
+    while (slots[slot] > 0 && atoms.atoms[slots[slot] - 1].place != place)
+      slot = (slot + 1) & (slots.size() - 1);
+    if (slots[slot] == 0) {
+      slots[slot] = i + 1;
+      continue;
+    }
     const std::string name = ++count <= Notices::kNames ? name_of(i) : "";
     atoms.notices.add(Severity::warning, "atoms at the very place of another", name);
   }

@@ -1,5 +1,4 @@
-// Numbers for names in the order in which they come. Also included by structure.cpp, which is
-// C++17.
+// Numbers for names in the order in which they come. Also included by cif/, which is C++17.
 #pragma once
 
 #include <cstdint>

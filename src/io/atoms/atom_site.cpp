@@ -1,0 +1,231 @@
+#include "io/atoms/atom_site.h"
+
+#include <algorithm>
+#include <gemmi/numb.hpp>
+#include <map>
+#include <unordered_map>
+
+#include "io/atoms/element_names.h"
+#include "io/atoms/site_values.h"
+
+namespace raio {
+namespace {
+
+using namespace cif;
+
+// What residues of one chain are told apart by.
+struct ResidueKey {
+  std::string_view name;
+  gemmi::SeqId number;
+  bool operator==(const ResidueKey&) const = default;
+};
+struct HashOfKey {
+  size_t operator()(const ResidueKey& key) const {
+    const size_t number = size_t(key.number.num.value) << 8 | uint8_t(key.number.icode | 0x20);
+    return std::hash<std::string_view>()(key.name) ^ number * 0x9e3779b97f4a7c15u;
+  }
+};
+
+// What gemmi reads of a row, by its name there.
+constexpr std::pair<SiteColumn, const char*> kSample[] = {
+    {SiteColumn::id, "id"},
+    {SiteColumn::symbol, "type_symbol"},
+    {SiteColumn::name, "label_atom_id"},
+    {SiteColumn::conformer, "label_alt_id"},
+    {SiteColumn::residue, "label_comp_id"},
+    {SiteColumn::part, "label_asym_id"},
+    {SiteColumn::label_number, "label_seq_id"},
+    {SiteColumn::insertion, "pdbx_PDB_ins_code"},
+    {SiteColumn::x, "Cartn_x"},
+    {SiteColumn::y, "Cartn_y"},
+    {SiteColumn::z, "Cartn_z"},
+    {SiteColumn::occupancy, "occupancy"},
+    {SiteColumn::b_factor, "B_iso_or_equiv"},
+    {SiteColumn::charge, "pdbx_formal_charge"},
+    {SiteColumn::number, "auth_seq_id"},
+    {SiteColumn::chain, "auth_asym_id"},
+    {SiteColumn::model, "pdbx_PDB_model_num"}};
+
+}  // namespace
+
+template <class Use>
+void AtomSite::for_rows(const Residue& residue, const Use& use) const {
+  for (size_t run = residue.run; run != SIZE_MAX; run = runs_[run].next)
+    for (const SiteRow* row = runs_[run].begin; row != runs_[run].end; ++row) use(*row);
+}
+
+void AtomSite::tell_of_parts(Notices& notices) const {
+  ElementCases elements;
+  for (const Part& part : parts_)
+    for (const auto& [element, name] : part.guesses) elements.add(element, name);
+  elements.tell(notices);
+  Cases dropped;
+  for (const SiteColumn of : kWholeNumbers)
+    for (const Part& part : parts_)
+      for (const auto& [column, value] : part.too_large)
+        if (column == of) dropped.add(value);
+  dropped.tell(notices, Severity::left_out, "serials, residue numbers and charges beyond 32 bits");
+}
+
+void AtomSite::group(Notices& notices) {
+  tell_of_parts(notices);
+  for (const Part& part : parts_)
+    for (size_t i = 0; i < part.runs.size(); ++i) {
+      runs_.push_back(part.runs[i]);
+      const size_t end = i + 1 < part.runs.size() ? part.runs[i + 1].first : part.rows.size();
+      runs_.back().begin = part.rows.data() + part.runs[i].first;
+      runs_.back().end = part.rows.data() + end;
+    }
+  // The residues since the chain last changed; their rows may be apart.
+  std::unordered_map<ResidueKey, size_t, HashOfKey> known;
+  size_t chain = 0, model = 0;
+  for (size_t i = 0; i < runs_.size(); ++i) {
+    const SiteRun& run = runs_[i];
+    const bool is_in_model = i > 0 && run.model == runs_[i - 1].model;
+    if (!is_in_model) {
+      model = size_t(std::ranges::find(models_, run.model) - models_.begin());
+      if (model == models_.size()) models_.push_back(run.model);
+    }
+    if (!is_in_model || run.chain != runs_[i - 1].chain) ++chain, known.clear();
+    const auto [at, is_new] = known.emplace(ResidueKey{run.residue, run.number}, residues_.size());
+    if (is_new) {
+      residues_.push_back({i, i, model, chain});
+    } else {
+      Residue& residue = residues_[at->second];
+      runs_[residue.last_run].next = i;
+      residue.last_run = i;
+    }
+  }
+}
+
+std::vector<std::string> AtomSite::sample_tags() {
+  std::vector<std::string> out;
+  for (const auto& [column, tag] : kSample) out.push_back(std::string("_atom_site.") + tag);
+  return out;
+}
+
+std::vector<std::string> AtomSite::sample(bool of_residues) const {
+  std::vector<std::string> out;
+  // gemmi reads the label's number of the first row of a residue alone.
+  const auto add = [&](const SiteRow& row, bool begins_residue) {
+    SiteValues values = values_of(row);
+    drop_large_numbers(values, [](SiteColumn, std::string_view) {});
+    if (!begins_residue) values[SiteColumn::label_number] = "?";
+    for (const auto& [column, tag] : kSample) out.emplace_back(values[column]);
+  };
+  std::vector<bool> has_model(models_.size());
+  auto residue = residues_.begin();
+  for (size_t i = 0; i < runs_.size(); ++i) {
+    const SiteRun& run = runs_[i];
+    const bool begins = residue != residues_.end() && residue->run == i;
+    if (begins) {
+      if (of_residues || !has_model[residue->model]) add(*run.begin, true);
+      has_model[residue->model] = true;
+      ++residue;
+    }
+    const auto is_unreadable = [&](const SiteRow& row) {
+      return !row.is_readable || (begins && &row == run.begin && !run.has_label_number);
+    };
+    const SiteRow* const row = std::find_if(run.begin, run.end, is_unreadable);
+    if (row == run.end) continue;
+    add(*row, begins && row == run.begin);
+    break;
+  }
+  return out;
+}
+
+std::string AtomSite::name_of(const Residue& residue) const {
+  const SiteRun& run = runs_[residue.run];
+  return std::string(run.residue).append(" ").append(run.chain) + run.number.str();
+}
+
+std::string AtomSite::name_of(const Atoms& atoms, uint32_t atom) const {
+  return std::string(text_of(values_of(*rows_[atom])[SiteColumn::name])) + ' ' +
+         name_of(*taken_[atoms.atoms[atom].residue]);
+}
+
+std::array<double, 3> AtomSite::place_of(uint32_t atom) const {
+  const SiteValues values = values_of(*rows_[atom]);
+  std::array<double, 3> out{};
+  for (size_t k = 0; k < 3; ++k)
+    out[k] = gemmi::cif::as_number(std::string(values[size_t(SiteColumn::x) + k]));
+  return out;
+}
+
+void AtomSite::add_atoms(const Residue& residue, uint32_t chain, uint32_t part, Cases& conformers,
+                         Atoms& out) {
+  bool has_conformers = false;
+  for_rows(residue, [&](const SiteRow& row) { has_conformers |= row.conformer != 0; });
+  // By names. Other atoms may share one: some programs name them by their elements.
+  std::map<std::string_view, char> chosen;
+  for_rows(residue, [&](const SiteRow& row) {
+    if (has_conformers) {
+      const std::string_view name = text_of(values_of(row)[SiteColumn::name]);
+      const char first = chosen.emplace(name, row.conformer).first->second;
+      if (row.conformer && row.conformer != first) return conformers.add(name_of(residue));
+    }
+    out.atoms.push_back({row.place, row.element, chain, part, uint32_t(out.residues.size()),
+                         row.occupancy, row.b_factor});
+    rows_.push_back(&row);
+  });
+}
+
+uint32_t AtomSite::atom_of(const gemmi::AtomAddress& end, const Residue& residue,
+                           size_t first_atom) const {
+  const SiteRow* found = nullptr;
+  for_rows(residue, [&](const SiteRow& row) {
+    const bool is_conformer =
+        row.conformer == 0 || end.altloc == '*' || row.conformer == end.altloc;
+    if (!found && is_conformer && text_of(values_of(row)[SiteColumn::name]) == end.atom_name)
+      found = &row;
+  });
+  const auto at = std::find(rows_.begin() + long(first_atom), rows_.end(), found);
+  return at == rows_.end() || end.atom_name.empty() ? kNoAtom : uint32_t(at - rows_.begin());
+}
+
+std::vector<uint32_t> AtomSite::fill(size_t model, Names& parts,
+                                     const std::vector<gemmi::AtomAddress>& ends, Atoms& out) {
+  Names chains(out.chains);
+  std::vector<uint32_t> atoms_of_ends(ends.size(), kNoAtom);
+  std::unordered_multimap<int, size_t> ends_at;  // by the numbers of residues
+  for (size_t i = 0; i < ends.size(); ++i) ends_at.emplace(ends[i].res_id.seqid.num.value, i);
+  Cases conformers, second_residues;
+  const Residue* before = nullptr;
+  for (const Residue& residue : residues_) {
+    if (residue.model != model) continue;
+    const SiteRun& run = runs_[residue.run];
+    const size_t first_atom = out.atoms.size();
+    if (before && stands_in_place_of(*before, residue)) {
+      second_residues.add(name_of(residue));
+    } else {
+      const uint32_t chain = chains.number(run.chain), part = parts.number(run.part);
+      add_atoms(residue, chain, part, conformers, out);
+      out.residues.push_back(residue_of(run.residue, run.number.str()));
+      taken_.push_back(before = &residue);
+    }
+    for (auto [at, last] = ends_at.equal_range(run.number.num.value); at != last;) {
+      const gemmi::AtomAddress& end = ends[at->second];
+      if (end.chain_name != run.chain || end.res_id.name != run.residue ||
+          end.res_id.seqid != run.number) {
+        ++at;
+        continue;
+      }
+      // Of several such residues the first.
+      atoms_of_ends[at->second] = atom_of(end, residue, first_atom);
+      at = ends_at.erase(at);
+    }
+  }
+  conformers.tell(out.notices, Severity::left_out, "atoms of alternate conformers");
+  second_residues.tell(out.notices, Severity::left_out,
+                       "residues that share the number and place of another");
+  return atoms_of_ends;
+}
+
+bool AtomSite::stands_in_place_of(const Residue& first, const Residue& second) const {
+  const SiteRun &a = runs_[first.run], &b = runs_[second.run];
+  const char conformer = a.begin->conformer, other = b.begin->conformer;
+  return first.chain == second.chain && a.number == b.number && conformer && other &&
+         conformer != other;
+}
+
+}  // namespace raio

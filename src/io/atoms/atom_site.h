@@ -1,0 +1,157 @@
+// The rows of _atom_site of mmCIF, and what they come to. Also included by cif/, which is C++17.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <gemmi/seqid.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "io/atoms/atoms.h"
+#include "io/atoms/element_names.h"
+#include "io/atoms/names.h"
+
+namespace raio {
+
+/// What is wanted of a row.
+enum class SiteColumn : uint8_t {
+  id,
+  symbol,
+  name,
+  name_of_element,  // the name and the residue that elements are told from
+  residue_of_element,
+  conformer,
+  residue,
+  chain,
+  part,
+  label_number,
+  number,
+  insertion,
+  x,
+  y,
+  z,
+  occupancy,
+  b_factor,
+  charge,
+  model
+};
+inline constexpr size_t kSiteColumns = size_t(SiteColumn::model) + 1;
+
+/// The values of a row as the file has them, with quotes.
+struct SiteValues : std::array<std::string_view, kSiteColumns> {
+  using std::array<std::string_view, kSiteColumns>::operator[];
+  std::string_view& operator[](SiteColumn column) { return (*this)[size_t(column)]; }
+  std::string_view operator[](SiteColumn column) const { return (*this)[size_t(column)]; }
+};
+
+/// Columns of whole numbers, in which gemmi reads none that is beyond an int.
+inline constexpr SiteColumn kWholeNumbers[] = {SiteColumn::id, SiteColumn::label_number,
+                                               SiteColumn::number, SiteColumn::charge};
+
+struct SiteRow {
+  const char* line = nullptr;           // where its text begins, or
+  const std::string* values = nullptr;  // gemmi's values
+  std::array<float, 3> place{};
+  float occupancy = 1, b_factor = 0;
+  uint8_t element = 0;
+  char conformer = 0;       // 0: none
+  bool is_readable = true;  // as gemmi reads it
+};
+
+/// Rows of one residue that follow each other.
+struct SiteRun {
+  size_t first = 0;  // of the rows of its part
+  const SiteRow *begin = nullptr, *end = nullptr;
+  std::string_view model, chain, residue, part;
+  gemmi::SeqId number;
+  bool has_label_number = true;  // that is readable, or none
+  size_t next = SIZE_MAX;        // of the same residue
+};
+
+/// The loop of _atom_site in a text.
+struct SiteLoop {
+  std::vector<std::string> tags;
+  size_t line = 0;             // of the word loop_, from 1
+  const char* rows = nullptr;  // where they begin
+};
+
+/// The first such loop, if each tag has a line of its own.
+std::optional<SiteLoop> find_atom_site(std::string_view text);
+
+/// Reads rows on all threads, and groups them to models, chains and residues as gemmi does.
+class AtomSite {
+ public:
+  /// Of columns with these tags; places are relative to the origin.
+  AtomSite(const std::vector<std::string>& tags, const std::array<double, 3>& origin);
+
+  /// Reads the rows at the beginning of a text that have a line each. Returns where the last one
+  /// begins, or the beginning of the text where there is none.
+  const char* add_lines(std::string_view text);
+  /// Reads the rows that gemmi has, but for the first one where lines were read, which end in it.
+  void add_values(std::vector<std::string> values);
+
+  /// Finds residues, chains and models. Notices tell which values were guessed or left out.
+  void group(Notices& notices);
+  size_t models() const { return models_.size(); }
+
+  /// Rows for gemmi, with the tags that it wants: the first one of each model, or of each residue,
+  /// and the first one that gemmi cannot read.
+  static std::vector<std::string> sample_tags();
+  std::vector<std::string> sample(bool of_residues) const;
+
+  /// The atoms of a model, with their residues, but not those that stand in others' places. Returns
+  /// which atoms have the given addresses, or kNoAtom, also where one was left out.
+  std::vector<uint32_t> fill(size_t model, Names& parts,
+                             const std::vector<gemmi::AtomAddress>& ends, Atoms& out);
+  static constexpr uint32_t kNoAtom = UINT32_MAX;
+  /// Of atoms that fill() gave.
+  std::string name_of(const Atoms& atoms, uint32_t atom) const;
+  std::array<double, 3> place_of(uint32_t atom) const;
+
+ private:
+  struct Source {
+    size_t column = SIZE_MAX;
+    std::string_view instead;  // where there is no such column
+  };
+  struct Part {
+    std::vector<SiteRow> rows;
+    std::vector<SiteRun> runs;
+    std::vector<std::pair<uint8_t, std::string_view>> guesses;       // elements by names
+    std::vector<std::pair<SiteColumn, std::string_view>> too_large;  // values
+  };
+  struct Residue {
+    size_t run = 0, last_run = 0, model = 0, chain = 0;
+  };
+  class Reader;
+
+  SiteValues values_of(const SiteRow& row) const;
+  template <class Words>
+  SiteValues select(const Words& words) const;
+  void tell_of_parts(Notices& notices) const;
+  std::string name_of(const Residue& residue) const;
+  bool stands_in_place_of(const Residue& first, const Residue& second) const;
+  void add_atoms(const Residue& residue, uint32_t chain, uint32_t part, Cases& conformers,
+                 Atoms& out);
+  uint32_t atom_of(const gemmi::AtomAddress& end, const Residue& residue, size_t first_atom) const;
+  template <class Use>
+  void for_rows(const Residue& residue, const Use& use) const;
+
+  std::array<Source, kSiteColumns> sources_;
+  size_t width_;
+  bool has_places_ = true;
+  std::array<double, 3> origin_;
+  const char* text_end_ = nullptr;
+  std::vector<std::string> values_;
+  std::vector<Part> parts_;
+  std::vector<SiteRun> runs_;
+  std::vector<Residue> residues_;
+  std::vector<std::string_view> models_;
+  // Of the model that fill() was asked of: its residues and rows.
+  std::vector<const Residue*> taken_;
+  std::vector<const SiteRow*> rows_;
+};
+
+}  // namespace raio

@@ -1,0 +1,211 @@
+#include <cmath>
+#include <cstdlib>
+#include <gemmi/smcif.hpp>
+#include <unordered_map>
+
+#include "io/atoms/cif/cif.h"
+#include "io/atoms/element_names.h"
+
+namespace raio {
+namespace {
+
+// The first of these that the file gives, or nothing.
+std::string value_of(gemmi::cif::Block& block, std::initializer_list<const char*> tags) {
+  for (const char* tag : tags)
+    if (const std::string* value = block.find_value(tag); value && !gemmi::cif::is_null(*value))
+      return gemmi::cif::as_string(*value);
+  return {};
+}
+
+// The operations of a crystal's symmetry, as the file lists them, or else those of its group, by
+// whatever the file calls it.
+std::vector<gemmi::Op> symmetry_of(gemmi::cif::Block& block, const gemmi::SmallStructure& small,
+                                   Notices& notices) {
+  std::vector<gemmi::Op> out;
+  for (const char* tag : {"_space_group_symop_operation_xyz", "_symmetry_equiv_pos_as_xyz"})
+    if (const auto column = block.find_values(tag)) {
+      for (const std::string& text : column)
+        out.push_back(gemmi::parse_triplet(gemmi::cif::as_string(text)));
+      return out;
+    }
+  const std::string& name = small.spacegroup_hm;
+  const std::string hall =
+      value_of(block, {"_space_group_name_Hall", "_symmetry_space_group_name_Hall"});
+  const std::string number =
+      value_of(block, {"_space_group_IT_number", "_symmetry_Int_Tables_number"});
+  const gemmi::SpaceGroup* known =
+      gemmi::find_spacegroup_by_name(name, small.cell.alpha, small.cell.gamma);
+  const int known_number = std::atoi(number.c_str());
+  if (!known && hall.empty() && known_number > 0)
+    known = gemmi::find_spacegroup_by_number(known_number);
+  if (known || !hall.empty()) {
+    for (const gemmi::Op op : known ? known->operations() : gemmi::symops_from_hall(hall.c_str()))
+      out.push_back(op);
+  } else if (name.empty() && number.empty()) {
+    notices.add_whole(Severity::guessed, "no symmetry (P 1), as the file tells none");
+    out.push_back(gemmi::Op::identity());
+  } else {
+    throw std::runtime_error("its space group '" + (name.empty() ? number : name) +
+                             "' is not known, and it lists no symmetry operations");
+  }
+  return out;
+}
+
+// Into the cell, 0 to below 1. What is written with few digits is 0 where it is nearly 1.
+double wrapped(double x) {
+  x -= std::floor(x);
+  return x > 1 - 1e-4 ? 0 : x;
+}
+
+// The element of a site whose symbol is none: labels of minerals, such as Oa1 and Hw, begin with
+// one.
+uint8_t element_of_label(const std::string& label) {
+  if (const uint8_t element = element_of_symbol(label)) return element;
+  std::string_view letters = label;
+  letters = letters.substr(0, letters.find_first_of("0123456789+-()'_ "));
+  if (letters.size() > 2 && letters[1] >= 'a')
+    if (const uint8_t element = element_of_symbol(letters.substr(0, 2))) return element;
+  return element_of_symbol(letters.substr(0, 1));
+}
+
+// Places in a cell that repeats, in bins, of which only neighbours can be near.
+class Places {
+ public:
+  static constexpr double kSame = 0.1;  // angstroms
+
+  explicit Places(const gemmi::UnitCell& cell) : cell_(cell) {
+    const double reciprocal[3] = {cell.ar, cell.br, cell.cr};
+    for (size_t k = 0; k < 3; ++k) {
+      const double most = 1 / (kSame * reciprocal[k]);
+      bins_[k] = most > 1 ? long(std::min(most, 1000.0)) : 1;
+    }
+  }
+
+  void add(const gemmi::Fractional& place) {
+    const auto [i, j, k] = bin_of(place);
+    places_[key(i, j, k)].push_back(place);
+  }
+  bool has_near(const gemmi::Fractional& place) const {
+    const auto [i, j, k] = bin_of(place);
+    for (long a = -1; a <= 1; ++a)
+      for (long b = -1; b <= 1; ++b)
+        for (long c = -1; c <= 1; ++c)
+          if (const auto at = places_.find(key(i + a, j + b, k + c)); at != places_.end())
+            for (const gemmi::Fractional& other : at->second)
+              if (are_near(place, other)) return true;
+    return false;
+  }
+
+ private:
+  bool are_near(const gemmi::Fractional& a, const gemmi::Fractional& b) const {
+    gemmi::Fractional apart = a - b;
+    apart.x -= std::round(apart.x), apart.y -= std::round(apart.y);
+    apart.z -= std::round(apart.z);
+    return cell_.orthogonalize_difference(apart).length() < kSame;
+  }
+  std::array<long, 3> bin_of(const gemmi::Fractional& p) const {
+    return {long(p.x * double(bins_[0])), long(p.y * double(bins_[1])),
+            long(p.z * double(bins_[2]))};
+  }
+  long key(long i, long j, long k) const {
+    const auto wrap = [](long at, long count) { return ((at % count) + count) % count; };
+    return (wrap(i, bins_[0]) * bins_[1] + wrap(j, bins_[1])) * bins_[2] + wrap(k, bins_[2]);
+  }
+
+  const gemmi::UnitCell& cell_;
+  std::array<long, 3> bins_{};
+  std::unordered_map<long, std::vector<gemmi::Fractional>> places_;
+};
+
+// A site, and where the symmetry puts it.
+struct Site {
+  std::vector<gemmi::Fractional> places;
+  uint8_t element = 0;
+  const gemmi::SmallStructure::Site* from = nullptr;
+};
+
+// Those that are drawn.
+std::vector<Site> sites_of(gemmi::cif::Block& block, const gemmi::SmallStructure& small,
+                           Notices& notices) {
+  std::vector<Site> out;
+  gemmi::cif::Table flags = block.find("_atom_site_", {"label", "?calc_flag"});
+  ElementCases elements;
+  Cases dummies, disordered, placeless;
+  for (size_t i = 0; i < small.sites.size(); ++i) {
+    const gemmi::SmallStructure::Site& site = small.sites[i];
+    const auto flag = flags[i];
+    if (flag.has2(1) && flag.str(1) == "dum") {
+      dummies.add(site.label);
+    } else if (site.disorder_group > 1) {
+      disordered.add(site.label);  // of a disordered part the first choice
+    } else if (!std::isfinite(site.fract.x + site.fract.y + site.fract.z)) {
+      placeless.add(site.label);
+    } else {
+      Site one;
+      one.from = &site;
+      one.element = number_of(site.element);
+      if (one.element == 0 && site.type_symbol != "X") {
+        one.element = element_of_label(site.label);
+        elements.add(one.element, site.label);
+      }
+      out.push_back(one);
+    }
+  }
+  elements.tell(notices);
+  dummies.tell(notices, Severity::left_out, "sites of dummy atoms");
+  disordered.tell(notices, Severity::left_out, "sites of other groups of a disorder");
+  placeless.tell(notices, Severity::left_out, "sites without coordinates");
+  return out;
+}
+
+}  // namespace
+
+void add_crystal(gemmi::cif::Block& block, Atoms& out) {
+  const gemmi::SmallStructure small = gemmi::make_small_structure_from_block(block);
+  if (!small.cell.is_crystal())
+    throw std::runtime_error("it gives parts of a cell, but not the lengths of the cell's sides");
+  const std::vector<gemmi::Op> symmetry = symmetry_of(block, small, out.notices);
+  out.frames = 1;
+  out.cell = cell_of(small.cell);
+  out.has_residues = out.has_b_factors = true;
+  std::vector<Site> sites = sites_of(block, small, out.notices);
+  // Where elements share a site, the most frequent one is drawn.
+  std::vector<Site*> by_occupancy;
+  for (Site& site : sites) by_occupancy.push_back(&site);
+  std::stable_sort(by_occupancy.begin(), by_occupancy.end(),
+                   [](const Site* a, const Site* b) { return a->from->occ > b->from->occ; });
+  Places taken(small.cell);
+  Cases shared;
+  for (Site* site : by_occupancy) {
+    const gemmi::Fractional& at = site->from->fract;
+    Places own(small.cell);  // an operation may leave an atom where it is
+    bool is_first = true;
+    for (const gemmi::Op& op : symmetry) {
+      const auto moved = op.apply_to_xyz({at.x, at.y, at.z});
+      const gemmi::Fractional place(wrapped(moved[0]), wrapped(moved[1]), wrapped(moved[2]));
+      if (is_first && taken.has_near(place)) break;
+      is_first = false;
+      if (own.has_near(place)) continue;
+      own.add(place);
+      site->places.push_back(place);
+    }
+    for (const gemmi::Fractional& place : site->places) taken.add(place);
+    if (site->places.empty()) shared.add(site->from->label);
+  }
+  shared.tell(out.notices, Severity::left_out,
+              "sites at the place of another that is occupied as much or more");
+  for (const Site& site : sites)
+    for (const gemmi::Fractional& place : site.places) {
+      const gemmi::Position pos = small.cell.orthogonalize(place);
+      Atom atom;
+      atom.place = out.local({pos.x, pos.y, pos.z});
+      atom.element = site.element;
+      atom.residue = uint32_t(site.from - small.sites.data());
+      atom.occupancy = float(site.from->occ);
+      atom.b_factor = float(site.from->u_iso * gemmi::u_to_b());
+      out.atoms.push_back(atom);
+    }
+  note_coincident(out, [&](uint32_t i) { return small.sites[out.atoms[i].residue].label; });
+}
+
+}  // namespace raio
