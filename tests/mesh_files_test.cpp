@@ -457,6 +457,10 @@ TEST(MeshFiles, StandOnTheirBase) {
   // Without a base, or with one at both ends, it is as in most files.
   EXPECT_EQ(up(pyramid(2, false), "a.obj"), std::pair(y, false));
   EXPECT_EQ(up("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n", "a.obj"), std::pair(y, false));
+  // Nor on a face like others.
+  EXPECT_EQ(
+      up("v 0 -1 0\nv 0 1 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n", "a.obj"),
+      std::pair(y, false));
   EXPECT_EQ(up("OFF 4 1 0\n0 0 0\n1 0 0\n1 1 0.1\n0 1 0\n4 0 1 2 3\n", "a.off").first, y);
   EXPECT_EQ(up("solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 1\n"
                "endloop\nendfacet\nendsolid\n",

@@ -3,10 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
-#include <numeric>
 #include <utility>
+#include <vector>
 
 #include "base/parallel.h"
 #include "io/fit_camera.h"
@@ -183,34 +184,48 @@ void MeshBuilder::add_triangles(std::span<const TriangleIndices> triangles, Mate
 
 namespace {
 
-// How much more of the box's side across an axis is covered by triangles at its lower end than by
-// those at its upper end, from -1 to 1, where nothing overlaps. What stands has a base.
-double base_across(const Mesh& mesh, const Box3f& box, int axis) {
-  constexpr float kThick = 0.02f;  // of the height, where it ends
-  const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-  const Vec3f size = box.size();
-  const float low = box.lo[axis] + kThick * size[axis], high = box.hi[axis] - kThick * size[axis];
-  std::vector<double> sums(chunks_of(mesh.triangles.size()));
-  for_chunks(mesh.triangles.size(), [&](size_t chunk, size_t first, size_t end) {
-    for (size_t i = first; i < end; ++i) {
-      const auto& [ia, ib, ic] = mesh.triangles[i];
-      const Vec3f &a = mesh.positions[ia], &b = mesh.positions[ib], &c = mesh.positions[ic];
-      const bool is_low = a[axis] <= low && b[axis] <= low && c[axis] <= low;
-      const bool is_high = a[axis] >= high && b[axis] >= high && c[axis] >= high;
-      if (is_low == is_high) continue;
-      const Vec3d ab = Vec3d(b) - Vec3d(a), ac = Vec3d(c) - Vec3d(a);
-      sums[chunk] += (is_low ? 0.5 : -0.5) * std::abs(ab[u] * ac[v] - ab[v] * ac[u]);
-    }
-  });
-  return std::accumulate(sums.begin(), sums.end(), 0.0) / (double(size[u]) * double(size[v]));
-}
+// What lies in the six faces of the box, in parts of their areas, where nothing overlaps: the lower
+// ends of x, y and z, then the upper ones. What stands has a base.
+struct Ends {
+  std::array<double, 6> covered{};
 
-// Which axis is up: the usual one, unless the mesh has a base across the other one alone.
+  Ends(const Mesh& mesh, const Box3f& box) {
+    constexpr float kThick = 0.005f;  // of the side
+    const Vec3f low = box.lo + box.size() * kThick, high = box.hi - box.size() * kThick;
+    std::vector<std::array<double, 6>> sums(chunks_of(mesh.triangles.size()));
+    for_chunks(mesh.triangles.size(), [&](size_t chunk, size_t first, size_t end) {
+      for (size_t i = first; i < end; ++i) {
+        const auto& [ia, ib, ic] = mesh.triangles[i];
+        const Vec3f &a = mesh.positions[ia], &b = mesh.positions[ib], &c = mesh.positions[ic];
+        const Vec3f least = min(min(a, b), c), most = max(max(a, b), c);
+        for (int axis = 0; axis < 3; ++axis) {
+          const bool is_low = most[axis] <= low[axis], is_high = least[axis] >= high[axis];
+          if (is_low == is_high) continue;
+          const Vec3d area = cross(Vec3d(b) - Vec3d(a), Vec3d(c) - Vec3d(a));
+          sums[chunk][size_t(is_low ? axis : axis + 3)] += std::abs(area[axis]) / 2;
+        }
+      }
+    });
+    const Vec3d size(box.size());
+    for (size_t i = 0; i < 6; ++i) {
+      for (const auto& sum : sums) covered[i] += sum[i];
+      covered[i] /= size[int(i + 1) % 3] * size[int(i + 2) % 3];
+    }
+  }
+
+  // Is the lower end of the axis a base, and no other end anything like it?
+  bool is_base(UpAxis axis) const {
+    constexpr double kBase = 0.1, kOthers = 0.2;
+    const double base = covered[size_t(axis)];
+    const auto is_less = [&](double other) { return other <= kOthers * base; };
+    return base >= kBase && std::ranges::count_if(covered, is_less) == 5;
+  }
+};
+
+// Which axis is up: the usual one, unless the mesh has a base across the other.
 UpAxis upright(const Mesh& mesh, const Box3f& box, UpAxis usual) {
-  constexpr double kBase = 0.15;
   const UpAxis other = usual == UpAxis::y ? UpAxis::z : UpAxis::y;
-  const auto stands = [&](UpAxis axis) { return base_across(mesh, box, int(axis)) >= kBase; };
-  return !stands(usual) && stands(other) ? other : usual;
+  return Ends(mesh, box).is_base(other) ? other : usual;
 }
 
 }  // namespace
