@@ -49,6 +49,39 @@ TEST(Lammps, DumpsAreFrames) {
   EXPECT_THAT(error("ITEM: TIMESTEP\n0\n", "a.dump"), HasSubstr("ends before the atoms"));
 }
 
+TEST(Lammps, PlacesAreOfOneKind) {
+  // z stands alone, and xs has no ys: neither counts.
+  const auto got = read(
+      "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS pp pp pp\n0 10\n0 10\n0 10\n"
+      "ITEM: ATOMS id z xs zs xu y yu zu\n1 7 0.5 0.7 -5 3 13 27\n",
+      "a.dump");
+  ASSERT_TRUE(got) << got.error().front().text();
+  EXPECT_EQ(got->scene.spheres[0].center, Vec3f(-5, 13, 27));
+}
+
+TEST(Lammps, RowsBeyondTheHeaderAreTold) {
+  std::string text(kData);
+  text.replace(text.find("3 atoms"), 7, "2 atoms");
+  text.replace(text.find("2 bonds"), 7, "1 bonds");
+  const auto got = read(text, "a.data");
+  ASSERT_TRUE(got) << got.error().front().text();
+  EXPECT_EQ(got->scene.spheres.size(), 2u);
+  std::string told;
+  for (const Diagnostic& notice : got->notices) told += notice.text() + '\n';
+  EXPECT_THAT(told, HasSubstr("rows of Atoms beyond the number of atoms in the header (1: 8)"));
+  EXPECT_THAT(told, HasSubstr("rows of Bonds beyond the number of bonds in the header (1: 2)"));
+}
+
+// Densities of rheo are not 0.
+TEST(Lammps, ChargesMayBeZero) {
+  const auto got = read(
+      "LAMMPS data file\n\n2 atoms\n2 atom types\n0 9 xlo xhi\n0 9 ylo yhi\n0 9 zlo zhi\n\n"
+      "Atoms\n\n1 1 1 0.0 1 2 3.5\n2 1 2 0.0 3 4 4.5\n",
+      "a.data");
+  ASSERT_TRUE(got) << got.error().front().text();
+  EXPECT_EQ(got->scene.spheres[0].center, Vec3f(1, 2, 3.5f));
+}
+
 TEST(Lammps, DataFilesSayTheirBonds) {
   const auto water = read(kData, "water.lmp");
   ASSERT_TRUE(water) << water.error().front().text();

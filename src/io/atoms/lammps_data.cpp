@@ -187,7 +187,17 @@ class DataReader {
     if (auto done = read_rows(index_, file_, first_, atoms_, layout, out_); !done) return done;
     lines_ = ahead;
     lines_.skip(atoms_ - 1);
+    tell_rows_beyond("rows of Atoms beyond the number of atoms in the header");
     return {};
+  }
+
+  void tell_rows_beyond(std::string_view message) {
+    LineReader ahead = lines_;
+    for (auto line = ahead.next_filled(); line; line = ahead.next_filled()) {
+      const auto words = words_of(line->substr(0, line->find('#')));
+      if (!words.empty() && !looks_like_number(words[0])) break;
+      if (!words.empty()) out_.notices.add(Severity::left_out, message, words[0], ahead.number());
+    }
   }
 
   // By the first rows and what else the file says.
@@ -228,6 +238,7 @@ class DataReader {
           return wrong(*line, line->data(), "number, type and two atoms of a bond");
       listed_.push_back(ids);
     }
+    tell_rows_beyond("rows of Bonds beyond the number of bonds in the header");
     return {};
   }
 

@@ -59,6 +59,8 @@ class GltfReader {
                                    "triangles or points",
                                    lines_)
                      : "there is nothing to draw: its scene has neither triangles nor points"};
+    if (scene_.spheres.empty() && std::ranges::none_of(scene_.meshes, has_area))
+      warn(std::string(kNoArea));
     set_camera();
     return {std::move(scene_), std::move(warnings_)};
   }
