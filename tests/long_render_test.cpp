@@ -153,6 +153,29 @@ TEST_F(LongRender, APictureIsRepeatedFromItself) {
   expect_refusal({"render", "--repeat", "a.png", "other.nff"}, 2, "the scene is another");
 }
 
+TEST_F(LongRender, APictureOfDataRemembersHowItWasRead) {
+  fs::copy_file(fs::path(RAIO_SOURCE_DIR) / "scenes/quartz.cif", file("quartz.cif"));
+  const auto picture = [](const char* name) {
+    return Arguments{"--quiet", "--size", "33x21", "--samples", "1", "-o", name};
+  };
+  const Arguments reads{"--style", "sticks", "--no-cell", "--images", "2,1,1"};
+  ASSERT_EQ(raio(Arguments{"render", "quartz.cif"} + reads + picture("a.png")).status, 0);
+  EXPECT_EQ(raio({"render", "--quiet", "--repeat", "a.png", "-o", "b.png"}).status, 0);
+  EXPECT_TRUE(same("a.png", "b.png"));
+  // Those that are given replace all that the picture has, as those from before it had any need.
+  EXPECT_EQ(raio(Arguments{"render", "--quiet", "--repeat", "a.png", "-o", "c.png"} + reads).status,
+            0);
+  EXPECT_TRUE(same("a.png", "c.png"));
+  expect_refusal({"render", "--quiet", "--repeat", "a.png", "--style", "sticks"}, 2,
+                 "the scene is another");
+  // What is drawn on the picture comes from the same atoms.
+  ASSERT_EQ(
+      raio({"render", "--quiet", "--repeat", "a.png", "--legend", "--scale-bar", "-o", "d.png"})
+          .status,
+      0);
+  EXPECT_FALSE(same("a.png", "d.png"));
+}
+
 TEST_F(LongRender, MetadataHoldNothingThatChanges) {
   render({"-o", "a.png", "--threads", "1"});
   std::this_thread::sleep_for(std::chrono::milliseconds(1100));

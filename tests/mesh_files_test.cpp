@@ -1,4 +1,5 @@
 // Files of meshes and points.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -10,6 +11,7 @@
 #include "base/srgb.h"
 #include "data_files.h"
 #include "io/colormaps.h"
+#include "io/fit_camera.h"
 #include "io/mesh/write.h"
 #include "io/scene_file.h"
 
@@ -439,6 +441,36 @@ TEST(PlyWrite, TellsWhatItLeavesOut) {
   far.spheres = {{{0.25f, 1, 2}, 1}};
   far.sphere_materials = {0};
   EXPECT_THAT(write_ply(far), HasSubstr("property double x"));
+}
+
+/// A pyramid whose base lies across an axis: 1 is y, 2 is z.
+std::string pyramid(int axis, bool is_closed = true) {
+  std::string out;
+  for (const auto& [u, v] : {std::pair(-1, -1), {1, -1}, {1, 1}, {-1, 1}})
+    out += axis == 1 ? fmt::format("v {} 0 {}\n", u, v) : fmt::format("v {} {} 0\n", u, v);
+  out += axis == 1 ? "v 0 2 0\n" : "v 0 0 2\n";
+  for (int i = 1; i <= 4; ++i) out += fmt::format("f {} {} 5\n", i, i % 4 + 1);
+  return out + (is_closed ? "f 4 3 2 1\n" : "");
+}
+
+TEST(MeshFiles, StandOnTheirBase) {
+  const auto up = [](const std::string& text, const char* name) {
+    const auto got = read(text, name);
+    EXPECT_TRUE(got) << got.error().front().text();
+    return std::pair(nearest_axis(got->scene.camera.up), !got->notices.empty());
+  };
+  const Vec3f y(0, 1, 0), z(0, 0, 1);
+  EXPECT_EQ(up(pyramid(1), "a.obj"), std::pair(y, false));
+  EXPECT_EQ(up(pyramid(2), "a.obj"), std::pair(z, true));
+  // Without a base, or with one at both ends, it is as in most files.
+  EXPECT_EQ(up(pyramid(2, false), "a.obj"), std::pair(y, false));
+  EXPECT_EQ(up("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n", "a.obj"), std::pair(y, false));
+  EXPECT_EQ(up("OFF 4 1 0\n0 0 0\n1 0 0\n1 1 0.1\n0 1 0\n4 0 1 2 3\n", "a.off").first, y);
+  EXPECT_EQ(up("solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 1\n"
+               "endloop\nendfacet\nendsolid\n",
+               "a.stl")
+                .first,
+            z);
 }
 
 }  // namespace

@@ -48,7 +48,7 @@ TEST(WildMeshes, AreReadAsTheirOwnersExpect) {
       {"obj-mixed-colours.obj", 2, ""},
       {"obj-negative-interleaved.obj", 2, ""},
       {"obj-spaces.obj", 2, ""},
-      {"obj-z-up.obj", 6, ""},
+      {"obj-z-up.obj", 6, "z is up"},
       {"off-one-line.off", 2, ""},
       {"off-quads.off", 2, ""},
       {"off-split-lines.off", 2, ""},

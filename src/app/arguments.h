@@ -28,11 +28,9 @@ void add_file(CLI::App& app, const std::string& name, std::string& path, const s
 /// The file that a command is about.
 void add_scene(CLI::App& app, std::string& path);
 
-/// What files of atoms, points and meshes leave open; the options that it adds.
-std::vector<const CLI::Option*> add_read_options(CLI::App& app, ReadOptions& options,
-                                                 std::optional<FrameRange>* frames = nullptr);
-/// Those of the options that were given, as in " --style sticks --cell".
-std::string given_arguments(const std::vector<const CLI::Option*>& options);
+/// What files of atoms, points and meshes leave open: read_option_table(), and ranges of frames.
+void add_read_options(CLI::App& app, ReadOptions& options,
+                      std::optional<FrameRange>* frames = nullptr);
 
 /// A number from `least` to `most`.
 template <class T>

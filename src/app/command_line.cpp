@@ -25,6 +25,7 @@
 #include "app/version.h"
 #include "base/memory.h"
 #include "io/generate/generate.h"
+#include "render/read_options.h"
 #include "render/render.h"
 
 namespace raio::app {
@@ -257,6 +258,9 @@ void add_render(CLI::App& app, RenderCommand& render, int& status) {
     if (sub->get_option("--checkpoint-interval")->count() > 0 && render.checkpoint.empty())
       throw CLI::ParseError("--checkpoint-interval has no effect without --checkpoint; add it",
                             kBadInput);
+    for (const ReadOptionSpec& spec : read_option_table())
+      render.reads_as_given |= sub->count("--" + std::string(spec.name)) > 0;
+    render.reads_as_given |= sub->count("--no-cell") > 0;
     if (render.scenes.empty() && render.repeat.empty())
       throw CLI::ParseError("SCENE is missing; name a file, as in raio render balls.nff",
                             kBadInput);
@@ -273,7 +277,7 @@ void add_view(CLI::App& app, ViewCommand& view, const Invocation& invocation, in
   add_file(*sub, "scene", view.scene,
            "Scene file, of any kind that raio render takes; without one the window offers some",
            "SCENE");
-  const auto read_options = add_read_options(*sub, view.read);
+  add_read_options(*sub, view.read);
   add_render_options(*sub, view.options);
   // Those that the window lacks are known, so that they are refused for the right reason.
   for (const OptionSpec& spec : render_option_table())
@@ -286,8 +290,7 @@ void add_view(CLI::App& app, ViewCommand& view, const Invocation& invocation, in
       ->type_name(value_type("LANGUAGE", kLanguages))
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
   sub->add_flag("--log", view.log, "Log events to standard error, one per line");
-  sub->callback([&, read_options] {
-    view.read_arguments = given_arguments(read_options);
+  sub->callback([&] {
     refuse_conflict(view.options);
     if (const auto why = window_conflict(view.options))
       throw CLI::ParseError(text_of(*why), kBadInput);

@@ -64,7 +64,6 @@ struct ViewCommand {
   bool log = false;      // say on standard error what happens
   RenderOptions options;
   ReadOptions read = kForPictures;
-  std::string read_arguments = {};  // as they were given: " --style sticks"
 };
 /// The window, which is a program of its own (ARCHITECTURE.md): what parsed the command line is
 /// told how to open it, or replaces itself by the program that is.

@@ -15,6 +15,7 @@
 #include "app/terminal.h"
 #include "app/warnings.h"
 #include "io/scene_file.h"
+#include "render/job_start.h"
 #include "render/turntable.h"
 
 namespace raio::app {
@@ -122,16 +123,22 @@ class Pictures {
  private:
   // Reads the scene with what is drawn on its pictures; the exit status.
   int load_to_annotate(JobRequest& request) {
-    request.read.instances = true;
-    auto read = read_scene(request.scene, request.read);
+    JobRequest whole = request;
+    if (!request.repeat.empty()) {
+      auto start = start_by_repeat(request);
+      if (!start) return fail(start.error());
+      whole = std::move(start->request);
+    }
+    whole.read.instances = true;
+    auto read = read_scene(whole.scene, whole.read);
     const Diagnostics& said = read ? read->notices : read.error();
     if (!read || !command_.quiet) print_diagnostics(said);
     if (!read) return status_of(error_of(said.front()));
-    return annotate(request, std::move(*read));
+    return annotate(request, whole.options, std::move(*read));
   }
 
   // Hands the scene to the request, with what is drawn on the picture; the exit status.
-  int annotate(JobRequest& request, ReadScene read) const {
+  int annotate(JobRequest& request, const RenderOptions& options, ReadScene read) const {
     if (command_.color_bar && !read.colors)
       return bad_input(about_ +
                        "there is no scale for --color-bar: nothing is coloured by numbers; give "
@@ -144,8 +151,8 @@ class Pictures {
     if (!command_.any_annotation()) return kDone;
     const bool left = command_.color_bar_side == "left";
     request.overlay = [this, left, colors = read.colors, legend = std::move(read.legend),
-                       unit = read.unit,
-                       scale = pixels_per_unit(request)](Picture& picture, bool linear) {
+                       unit = read.unit, scale = pixels_per_unit(options, *request.loaded)](
+                          Picture& picture, bool linear) {
       std::expected<void, Error> done;
       if (command_.color_bar) done = draw_color_bar_on(picture, *colors, left, linear);
       if (done && command_.legend) done = draw_legend_on(picture, legend, !left, linear);
@@ -156,8 +163,8 @@ class Pictures {
   }
 
   // Where the camera looks at.
-  static double pixels_per_unit(const JobRequest& request) {
-    const RenderSettings s = resolve_options(request.options, *request.loaded);
+  static double pixels_per_unit(const RenderOptions& options, const Scene& scene) {
+    const RenderSettings s = resolve_options(options, scene);
     const double distance = double(length(s.camera.at - s.camera.from));
     return s.height / (2 * distance * std::tan(double(s.camera.fov_deg) * std::numbers::pi / 360));
   }
@@ -190,7 +197,7 @@ class Pictures {
         origin = read->scene.origin;
       }
       set_camera(request.options, moved(*camera, origin - read->scene.origin), read->scene);
-      if (const int status = annotate(request, std::move(*read))) return status;
+      if (const int status = annotate(request, request.options, std::move(*read))) return status;
       request.built = nullptr;
       request.output = numbered_path(output, index_, count_).string();
       if (const int status = render(request)) return status;
@@ -291,8 +298,6 @@ std::string annotation_problem(const RenderCommand& command, const std::vector<J
                                   : command.legend  ? "--legend"
                                                     : "--scale-bar";
   for (const JobRequest& request : all) {
-    if (request.scene.empty())
-      return fmt::format("{} needs the scene's file; name it, beside --repeat", option);
     if (is_part_path(request.output))
       return fmt::format(
           "{} is drawn on pictures, and a part file is none; leave it out, or give a "

@@ -91,7 +91,7 @@ std::expected<void, Error> RenderJob::prepare() {
   const Crop frame = settings_.frame();
   if (auto why = picture_problem(frame.width(), frame.height(), settings_.channels))
     return std::unexpected(std::move(*why));
-  part_.header = {settings_of(*scene_, settings_), request_.shard, request_.shards};
+  part_.header = {settings_of(*scene_, settings_, request_.read), request_.shard, request_.shards};
   auto film = film_of(*start, *scene_, settings_, part_.header.settings, events_.warning);
   if (!film) return std::unexpected(std::move(film.error()));
   part_.film = std::move(*film);
@@ -171,7 +171,7 @@ void RenderJob::describe(const SampleRange& samples) {
   const bool even = samples.fewest == samples.most;
   if (even && settings_.samples > 0) settings_.samples = int(samples.fewest);
   Metadata& kept = part_.header.settings;
-  kept = settings_of(*scene_, settings_);
+  kept = settings_of(*scene_, settings_, request_.read);
   if (!even)
     kept.emplace_back("samples_done", fmt::format("{} to {}", samples.fewest, samples.most));
   else if (settings_.samples == 0)

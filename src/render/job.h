@@ -29,6 +29,7 @@ namespace raio {
 struct JobRequest {
   std::string scene;                    // file; empty with `repeat`: of that picture, beside it
   ReadOptions read = kForPictures;      // of the file
+  bool reads_as_given = false;          // with `repeat`: by `read`, not as that picture says
   std::shared_ptr<const Scene> loaded;  // instead of what is in the file
   std::shared_ptr<const Accel> built;   // instead of building it, of `loaded` by the same options
   RenderOptions options;

@@ -49,24 +49,6 @@ uint32_t samples_done(std::string_view text) {
   return error == std::errc() && end == text_end ? samples : 0;
 }
 
-std::expected<JobStart, Error> start_by_repeat(const JobRequest& request) {
-  auto settings = read_metadata(request.repeat);
-  if (!settings) return std::unexpected(std::move(settings.error()));
-  const auto options = options_from(*settings);
-  if (!options) return std::unexpected(refused(request.repeat, options.error().message));
-  JobStart start{request, std::move(*settings), 0, nullptr};
-  take_picture_options(start.request, *options);
-  start.request.scene = scene_of(request, start.settings);
-  if (const auto done = setting(start.settings, "samples_done"); !done.empty()) {
-    start.samples = samples_done(done);
-    if (start.samples == 0 || start.samples > uint32_t(samples_per_pixel(*options)))
-      return std::unexpected(
-          refused(request.repeat,
-                  fmt::format("it holds {} samples of its pixels, which do not repeat", done)));
-  }
-  return start;
-}
-
 // More samples for a finished part; why not, or nothing.
 std::optional<std::string> add_samples(const Part& part, JobRequest& request) {
   auto options = options_from(part.header.settings);
@@ -106,6 +88,29 @@ std::expected<JobStart, Error> start_by_part(const JobRequest& request) {
 }
 
 }  // namespace
+
+std::expected<JobStart, Error> start_by_repeat(const JobRequest& request) {
+  auto settings = read_metadata(request.repeat);
+  if (!settings) return std::unexpected(std::move(settings.error()));
+  const auto options = options_from(*settings);
+  if (!options) return std::unexpected(refused(request.repeat, options.error().message));
+  JobStart start{request, std::move(*settings), 0, nullptr};
+  take_picture_options(start.request, *options);
+  start.request.scene = scene_of(request, start.settings);
+  if (!request.reads_as_given) {
+    auto read = read_options_from(start.settings);
+    if (!read) return std::unexpected(refused(request.repeat, read.error().message));
+    start.request.read = *std::move(read);
+  }
+  if (const auto done = setting(start.settings, "samples_done"); !done.empty()) {
+    start.samples = samples_done(done);
+    if (start.samples == 0 || start.samples > uint32_t(samples_per_pixel(*options)))
+      return std::unexpected(
+          refused(request.repeat,
+                  fmt::format("it holds {} samples of its pixels, which do not repeat", done)));
+  }
+  return start;
+}
 
 std::optional<Error> request_conflict(const JobRequest& r) {
   if (r.scene.empty() && !r.loaded && r.repeat.empty())

@@ -24,6 +24,9 @@ struct JobStart {
 };
 std::expected<JobStart, Error> find_start(const JobRequest& request);
 
+/// The start of a request with `repeat`, by the settings of that picture.
+std::expected<JobStart, Error> start_by_repeat(const JobRequest& request);
+
 /// The film to work on: the one that `start` brought, if it is of this picture, or an empty one.
 /// `settings` are settings_of() the scene and what is `used`.
 std::expected<std::unique_ptr<Film>, Error> film_of(

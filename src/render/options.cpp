@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "integrate/classic.h"
 #include "render/figure_options.h"
+#include "render/option_text.h"
 #include "render/picture_options.h"
 
 namespace raio {
@@ -24,14 +25,6 @@ constexpr std::array<std::string_view, 2> kProjectionNames = {"perspective", "or
 constexpr std::array<std::string_view, 7> kSideNames = {"front", "back",   "left", "right",
                                                         "top",   "bottom", "iso"};
 constexpr std::array<std::string_view, 3> kFresnelNames = {"none", "exact", "schlick"};
-
-template <class T>
-std::optional<T> parse_number(std::string_view text) {
-  T value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
 
 // "512x512x8" into as many whole numbers as `out` holds.
 bool parse_extents(std::string_view text, std::span<int> out, int most) {
@@ -90,18 +83,6 @@ std::expected<void, std::string> parse_width(RenderOptions& o, std::string_view 
         "expected the printed width in mm, cm, in or pt, as in 88mm, found '{}'", text));
   o.print = *print;
   return {};
-}
-
-// One of `names`, whose place among them is the number of the value.
-template <class Enum, class Value>
-std::expected<void, std::string> parse_word(std::span<const std::string_view> names,
-                                            std::string_view text, Value& value) {
-  for (size_t i = 0; i < names.size(); ++i)
-    if (names[i] == text) return value = Enum(i), std::expected<void, std::string>();
-  std::string accepted(names.front());
-  for (size_t i = 1; i < names.size(); ++i)
-    accepted += fmt::format("{}{}", i + 1 < names.size() ? ", " : " or ", names[i]);
-  return std::unexpected(fmt::format("expected {}, found '{}'", accepted, text));
 }
 
 std::expected<void, std::string> parse_accel(RenderOptions& o, std::string_view text) {

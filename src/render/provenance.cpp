@@ -6,14 +6,24 @@
 #include <array>
 #include <string_view>
 
+#include "render/read_options.h"
+
 namespace raio {
 namespace {
 
 // Names of settings have no dashes.
-std::string key_of(const OptionSpec& spec) {
-  std::string key(spec.name);
+std::string with_underscores(std::string_view name) {
+  std::string key(name);
   std::ranges::replace(key, '-', '_');
   return key;
+}
+
+std::string key_of(const OptionSpec& spec) { return with_underscores(spec.name); }
+
+constexpr std::string_view kRead = "read_";  // options of reading
+
+std::string key_of(const ReadOptionSpec& spec) {
+  return std::string(kRead) + with_underscores(spec.name);
 }
 
 // What stands beside the options.
@@ -22,11 +32,14 @@ constexpr std::array<std::string_view, 6> kNoOptions = {"version", "scene",    "
 
 }  // namespace
 
-Metadata settings_of(const Scene& scene, const RenderSettings& used) {
+Metadata settings_of(const Scene& scene, const RenderSettings& used, const ReadOptions& read) {
   RenderOptions o = options_of(used, scene);
   if (!used.dof) o.aperture = o.focus = 0;  // without effect
   Metadata settings = {
       {"version", RAIO_VERSION}, {"scene", scene.name}, {"scene_hash", content_hash(scene)}};
+  for (const ReadOptionSpec& spec : read_option_table())
+    if (std::string text = spec.text(read); !text.empty())
+      settings.emplace_back(key_of(spec), std::move(text));
   if (used.sky) {
     settings.emplace_back("sky", used.sky->folder);
     settings.emplace_back("sky_hash", hex(used.sky->hash));
@@ -37,6 +50,23 @@ Metadata settings_of(const Scene& scene, const RenderSettings& used) {
       settings.emplace_back(key_of(spec), std::move(text));
   }
   return settings;
+}
+
+std::expected<ReadOptions, Error> read_options_from(const Metadata& settings) {
+  ReadOptions read = kForPictures;
+  for (const auto& [key, text] : settings) {
+    if (!key.starts_with(kRead)) continue;
+    const auto table = read_option_table();
+    const auto spec = std::ranges::find_if(
+        table, [&](const ReadOptionSpec& option) { return key_of(option) == key; });
+    const auto set = spec == table.end()
+                         ? std::expected<void, std::string>(std::unexpected("is unknown here"))
+                         : spec->set(read, text);
+    if (!set)
+      return std::unexpected(
+          Error{ErrorKind::bad_input, "", fmt::format("its setting {}: {}", key, set.error())});
+  }
+  return read;
 }
 
 std::string_view setting(const Metadata& settings, std::string_view key) {
@@ -53,9 +83,10 @@ std::expected<RenderOptions, Error> options_from(const Metadata& settings, bool 
   const auto table = render_option_table();
   RenderOptions options;
   for (const auto& [key, text] : settings) {
-    if (std::ranges::find(kNoOptions, key) != kNoOptions.end()) continue;
+    if (std::ranges::find(kNoOptions, key) != kNoOptions.end() || key.starts_with(kRead)) continue;
     if (key == "background" && !reads_sky && !setting(settings, "sky_hash").empty()) continue;
-    const auto spec = std::ranges::find(table, key, key_of);
+    const auto spec = std::ranges::find_if(
+        table, [&](const OptionSpec& option) { return key_of(option) == key; });
     if (spec == table.end() || !spec->of_picture)
       return refused(fmt::format("its setting {} is unknown here", key));
     if (const auto set = set_option(options, *spec, text); !set)

@@ -8,13 +8,19 @@
 #include <string_view>
 
 #include "io/image/image.h"
+#include "io/read_scene.h"
 #include "render/options.h"
 
 namespace raio {
 
-/// The settings of a picture, for pictures (write_image) and part files (render/part.h). Switches
-/// that are off and numbers that played no part are left out.
-Metadata settings_of(const Scene& scene, const RenderSettings& used);
+/// The settings of a picture, of a scene that was read as `read` says, for pictures (write_image)
+/// and part files (render/part.h). Switches that are off and numbers that played no part are left
+/// out.
+Metadata settings_of(const Scene& scene, const RenderSettings& used,
+                     const ReadOptions& read = kForPictures);
+
+/// How the scene's file was read; the error (bad_input) is a sentence about the settings.
+std::expected<ReadOptions, Error> read_options_from(const Metadata& settings);
 
 /// The value of a setting; empty when it is not there.
 std::string_view setting(const Metadata& settings, std::string_view key);

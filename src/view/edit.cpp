@@ -78,7 +78,7 @@ std::optional<SceneWriter::Written> SceneWriter::poll() {
 
 void take_saved(ViewState& state, const SceneWriter::Written& written) {
   state.path = short_path(written.path);
-  state.read_options = kForPictures, state.read_arguments.clear();
+  state.read_options = kForPictures;
   if (state.scene == written.source) {
     state.scene = written.scene;
     // The scene has it now; that of data is the look's.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/read_options.h"
 #include "view/texts.h"
 
 namespace raio::view {
@@ -280,8 +281,9 @@ std::string Inspector::command_line(const ViewState& state) const {
   RenderOptions o = q.options;
   o.accel.kind = found_->settings.accel.kind;
   return fmt::format("{} explain {}{} --pixel {},{} --sample {}{} --json",
-                     shell_word(state.program), shell_word(state.path), state.read_arguments,
-                     q.pixel[0], q.pixel[1], q.sample, option_arguments(o));
+                     shell_word(state.program), shell_word(state.path),
+                     option_arguments(state.read_options), q.pixel[0], q.pixel[1], q.sample,
+                     option_arguments(o));
 }
 
 std::string Inspector::file_name() const {

@@ -26,7 +26,7 @@ int open_window(const app::ViewCommand& command) {
   ViewState state(command.scene, std::make_shared<const Scene>(std::move(*scene)), command.options);
   const RenderOptions first_request = state.request(resolved.width, resolved.height);
   state.program = command.program;
-  state.read_options = command.read, state.read_arguments = command.read_arguments;
+  state.read_options = command.read;
   std::vector<std::string> warnings;
   for (const Diagnostic& d : said) warnings.push_back(d.text());
   if (auto line = app::up_warning(command.options, *state.scene)) warnings.push_back(*line);

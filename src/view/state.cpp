@@ -12,6 +12,7 @@
 #include "integrate/classic.h"
 #include "render/effects.h"
 #include "render/figure_options.h"
+#include "render/read_options.h"
 #include "view/texts.h"
 
 namespace raio::view {
@@ -223,8 +224,8 @@ RenderOptions ViewState::other_request(int width, int height) const {
 std::string ViewState::command_line(int width, int height, int samples,
                                     const std::string& output) const {
   return fmt::format("{} render {}{}{} -o {}", shell_word(program), shell_word(path),
-                     read_arguments, option_arguments(request(width, height, samples)),
-                     shell_word(output));
+                     option_arguments(read_options),
+                     option_arguments(request(width, height, samples)), shell_word(output));
 }
 
 void ViewState::focus_at(float depth) {

@@ -36,7 +36,6 @@ class ViewState {
   std::string path;                         // of the scene's file
   std::string program = "raio";             // as it was started
   ReadOptions read_options = kForPictures;  // of the file
-  std::string read_arguments;               // the same as they were given
   std::shared_ptr<const Scene> scene;
   RenderOptions options;  // also those that wait for an effect to be switched on; not the camera
   Camera camera;

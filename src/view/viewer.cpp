@@ -242,7 +242,7 @@ void Viewer::take_scene(const SceneFile::Read& read) {
   // A new version of the file is a step that can be taken back; another scene is a beginning.
   if (is_other) {
     inspector_.close();
-    state_.read_options = kForPictures, state_.read_arguments.clear();
+    state_.read_options = kForPictures;
     history_ = History<ViewState>(state_);
   }
   saved_scene_ = state_.scene;
@@ -304,7 +304,8 @@ void Viewer::save_when_whole() {
   const std::string path = free_name(state_.scene->name, std::exchange(to_save_, {}));
   const RenderSettings s = resolve_options(
       state_.request(stage_.picture_width, stage_.picture_height, picture->samples), *state_.scene);
-  writer_.write(picture->image, path, settings_of(*state_.scene, s), command_line(path));
+  writer_.write(picture->image, path, settings_of(*state_.scene, s, state_.read_options),
+                command_line(path));
 }
 
 }  // namespace raio::view

@@ -219,7 +219,7 @@ void Viewer::go_back(bool back) {
   next.paused = state_.paused, next.panel = state_.panel, next.boxes = state_.boxes;
   // The file is that which was saved or opened last.
   next.path = state_.path;
-  next.read_options = state_.read_options, next.read_arguments = state_.read_arguments;
+  next.read_options = state_.read_options;
   state_ = std::move(next);
   moving_until_ = 0;
   say(back ? tr("undone") : tr("made again"));

@@ -369,7 +369,7 @@ std::expected<void, std::string> select_atoms(Atoms& atoms, const ReadOptions& o
              hide = mask_of("hide", options.hide, false),
              show = mask_of("show", options.show, false),
              solvent = hides_solvent ? chosen("hide", "water, ion") : Mask(n, false);
-  if (!options.hide.empty() && std::ranges::find(hide, true) == hide.end())
+  if (!options.hide.empty() && std::ranges::count(hide, true) == 0)
     atoms.notices.add_whole(Severity::warning, "`hide` chooses no atom");
   Mask kept(n);
   size_t left = 0, unasked = 0;

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
+#include "base/parallel.h"
 #include "io/fit_camera.h"
 #include "io/points.h"
 #include "shape/polygon.h"
@@ -179,7 +181,41 @@ void MeshBuilder::add_triangles(std::span<const TriangleIndices> triangles, Mate
   materials_.resize(triangles_.size(), material);
 }
 
-ReadScene MeshBuilder::finish(Vec3f up) {
+namespace {
+
+// How much more of the box's side across an axis is covered by triangles at its lower end than by
+// those at its upper end, from -1 to 1, where nothing overlaps. What stands has a base.
+double base_across(const Mesh& mesh, const Box3f& box, int axis) {
+  constexpr float kThick = 0.02f;  // of the height, where it ends
+  const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+  const Vec3f size = box.size();
+  const float low = box.lo[axis] + kThick * size[axis], high = box.hi[axis] - kThick * size[axis];
+  std::vector<double> sums(chunks_of(mesh.triangles.size()));
+  for_chunks(mesh.triangles.size(), [&](size_t chunk, size_t first, size_t end) {
+    for (size_t i = first; i < end; ++i) {
+      const auto& [ia, ib, ic] = mesh.triangles[i];
+      const Vec3f &a = mesh.positions[ia], &b = mesh.positions[ib], &c = mesh.positions[ic];
+      const bool is_low = a[axis] <= low && b[axis] <= low && c[axis] <= low;
+      const bool is_high = a[axis] >= high && b[axis] >= high && c[axis] >= high;
+      if (is_low == is_high) continue;
+      const Vec3d ab = Vec3d(b) - Vec3d(a), ac = Vec3d(c) - Vec3d(a);
+      sums[chunk] += (is_low ? 0.5 : -0.5) * std::abs(ab[u] * ac[v] - ab[v] * ac[u]);
+    }
+  });
+  return std::accumulate(sums.begin(), sums.end(), 0.0) / (double(size[u]) * double(size[v]));
+}
+
+// Which axis is up: the usual one, unless the mesh has a base across the other one alone.
+UpAxis upright(const Mesh& mesh, const Box3f& box, UpAxis usual) {
+  constexpr double kBase = 0.15;
+  const UpAxis other = usual == UpAxis::y ? UpAxis::z : UpAxis::y;
+  const auto stands = [&](UpAxis axis) { return base_across(mesh, box, int(axis)) >= kBase; };
+  return !stands(usual) && stands(other) ? other : usual;
+}
+
+}  // namespace
+
+ReadScene MeshBuilder::finish(UpAxis usual_up) {
   if (triangles_.empty()) throw ReadFailure{"there are no faces"};
   if (std::ranges::all_of(materials_, [&](MaterialId id) { return id == materials_[0]; }))
     materials_.resize(1);
@@ -194,13 +230,23 @@ ReadScene MeshBuilder::finish(Vec3f up) {
   scene_.dialect = Dialect::data;
   scene_.origin = origin;
   scene_.meshes.push_back(std::move(mesh));
-  note_invisible();
-  fit_camera(scene_, FitView::three_quarter, up);
+  const Mesh& whole = scene_.meshes.back();
+  Box3f box;
+  for (const TriangleIndices& t : whole.triangles)
+    for (const uint32_t corner : t) box.extend(whole.positions[corner]);
+  note_invisible(box);
+  const UpAxis up = upright(whole, box, usual_up);
+  if (up != usual_up)
+    notices.add_whole(Severity::guessed,
+                      fmt::format("{} is up, since the mesh has a flat base across it; `up` gives "
+                                  "another direction",
+                                  up == UpAxis::y ? "y" : "z"));
+  fit_camera(scene_, FitView::three_quarter, up == UpAxis::y ? Vec3f(0, 1, 0) : Vec3f(0, 0, 1));
   append(warnings, notices, "");
   return {std::move(scene_), std::move(warnings)};
 }
 
-ReadScene MeshBuilder::finish_points(Vec3f up) {
+ReadScene MeshBuilder::finish_points() {
   Box3f box;
   for (const Vec3f& place : positions) box.extend(place);
   const float radius = mean_spacing(box, positions.size()) / 2;
@@ -211,7 +257,7 @@ ReadScene MeshBuilder::finish_points(Vec3f up) {
   for (const Vec3f& place : positions) scene_.spheres.push_back({place, radius});
   scene_.sphere_materials = Array<MaterialId>::zeroes(positions.size());
   scene_.sphere_colors = std::move(colors);
-  fit_camera(scene_, FitView::three_quarter, up);
+  fit_camera(scene_, FitView::three_quarter, {0, 1, 0});
   append(warnings, notices, "");
   return {std::move(scene_), std::move(warnings)};
 }
@@ -224,7 +270,7 @@ bool has_area(const Mesh& mesh) {
 }
 
 /// Says why nothing will be seen.
-void MeshBuilder::note_invisible() {
+void MeshBuilder::note_invisible(const Box3f& box) {
   const Mesh& mesh = scene_.meshes.back();
   if (!has_area(mesh)) return notices.add_whole(Severity::warning, kNoArea);
   const auto opacity = [&](MaterialId id) {
@@ -234,9 +280,6 @@ void MeshBuilder::note_invisible() {
   if (std::ranges::all_of(mesh.materials, [&](MaterialId id) { return opacity(id) == 0; }))
     return notices.add_whole(Severity::warning,
                              "all its materials are wholly transparent, so that nothing is seen");
-  Box3f box;
-  for (const TriangleIndices& t : mesh.triangles)
-    for (const uint32_t corner : t) box.extend(mesh.positions[corner]);
   const double size = double(max_component(box.size()));
   if (size < 1e-15 || size > 1e15)
     notices.add_whole(Severity::warning,

@@ -84,6 +84,9 @@ inline constexpr std::string_view kNoArea =
 /// Whether any triangle has an area.
 bool has_area(const Mesh& mesh);
 
+/// Which axis of a mesh points up.
+enum class UpAxis : uint8_t { y = 1, z = 2 };
+
 /// A mesh while it is read, and the materials of its triangles.
 class MeshBuilder {
  public:
@@ -121,13 +124,14 @@ class MeshBuilder {
 
   bool has_faces() const { return !triangles_.empty(); }
 
-  /// The scene with a camera; throws ReadFailure if there are no triangles.
-  ReadScene finish(Vec3f up);
-  /// The positions as spheres that do not overlap much, of a file without faces.
-  ReadScene finish_points(Vec3f up);
+  /// The scene with a camera, which sees the mesh upright (docs/files.md); throws ReadFailure if
+  /// there are no triangles.
+  ReadScene finish(UpAxis usual_up);
+  /// The positions as spheres that do not overlap much, of a file without faces; y is up.
+  ReadScene finish_points();
 
  private:
-  void note_invisible();
+  void note_invisible(const Box3f& box);
 
   Scene scene_;
   TextureReader textures_;

@@ -121,7 +121,8 @@ class Gatherer {
   template <class Shape>
   void add_flat(const PoolMembers<Shape>& pool, size_t i, const std::array<Vec3f, 3>& places,
                 const std::array<Vec3f, 3>* normals = nullptr) {
-    const auto &colors = scene_.*pool.colors, &opacity = scene_.*pool.opacity;
+    const auto& colors = scene_.*pool.colors;
+    const auto& opacity = scene_.*pool.opacity;
     const Rgb* const color = colors.empty() ? nullptr : &colors[i];
     const Look look =
         look_of((scene_.*pool.materials)[i], color, opacity.empty() ? -1 : opacity[i], true);

@@ -1,6 +1,7 @@
 // A scene as glTF 2.0 (Khronos, ISO/IEC 12113).
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <map>
@@ -137,7 +138,8 @@ class GltfWriter {
   }
   void use(std::string_view extension) {
     Json& used = list("extensionsUsed");
-    if (std::ranges::find(used, extension) == used.end()) used.push_back(extension);
+    if (std::find(used.begin(), used.end(), Json(extension)) == used.end())
+      used.push_back(extension);
   }
 
   // --- buffer

@@ -433,7 +433,7 @@ class ObjReader {
           fmt::format("{} materials that it names are not in its files of materials", missing_));
     if (left_out_ > 0)
       out_.warn(fmt::format("{} textures of opacity (map_d) are left out", left_out_));
-    return of_points ? out_.finish_points(kUp) : out_.finish(kUp);
+    return of_points ? out_.finish_points() : out_.finish(UpAxis::y);
   }
   // Those that p names, or else all vertices.
   void add_points() {
@@ -447,7 +447,6 @@ class ObjReader {
     if (out_.positions.empty()) throw ReadFailure{"none of its points has a finite place"};
   }
 
-  static constexpr Vec3f kUp{0, 1, 0};
   static constexpr uint32_t kNone = 0xffffffffu, kMoved = 0x80000000u;
   struct Counts {
     size_t places = 0, normals = 0, uvs = 0;

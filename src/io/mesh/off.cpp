@@ -128,7 +128,7 @@ std::expected<ReadScene, Diagnostics> read_off(const TextBuffer& bytes, std::str
     return read_about([&](FileOrigin& origin) {
       MeshBuilder builder;
       OffReader(bytes, origin, builder).read();
-      return builder.finish({0, 0, 1});
+      return builder.finish(UpAxis::y);
     });
   });
 }

@@ -423,7 +423,7 @@ class PlyReader {
     if (std::ranges::all_of(
             uv_, [](const Uv& at) { return std::isfinite(at[0]) && std::isfinite(at[1]); }))
       mesh_.uv = std::move(uv_);
-    return mesh_.finish({0, 0, 1});
+    return mesh_.finish(UpAxis::y);
   }
 
   static inline const std::array<float, 256> kLight = [] {

@@ -24,7 +24,7 @@ ReadScene scene_of(std::vector<Vec3f> corners, MeshBuilder builder = {}) {
   builder.positions = std::move(corners);
   for (uint32_t i = 0; i < builder.positions.size(); i += 3)
     builder.add_face(std::array{i, i + 1, i + 2}, plain);
-  return builder.finish({0, 0, 1});
+  return builder.finish(UpAxis::z);
 }
 
 // Of what is named and what there is room for, the file's size decides, unless it ends with bytes

@@ -1,0 +1,83 @@
+// Options of reading as texts, and as pictures keep them.
+#include "render/read_options.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "data_files.h"
+#include "render/provenance.h"
+
+namespace raio {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+// Each with another value than it has usually. Whoever gives ReadOptions a field, names it here,
+// and gives it a row of the table or a reason why it needs none.
+ReadOptions unusual() {
+  ReadOptions o = kForPictures;
+  auto& [style, color_by, colormap, color_range, smooth, radius, assembly, frame, atom_style, cell,
+         images, only, hide, show, hide_solvent, instances, folder, cache] = o;
+  style = AtomStyle::sticks, color_by = "forces.1", colormap = "plasma";
+  color_range = {0.1, -2e10}, smooth = 12.5F, radius = 0.3F, assembly = 0, frame = -3;
+  atom_style = "full", cell = false, images = {2, 1, 3};
+  only = "not (water, ion)", hide = "hydrogen", show = "residue HEM,5-12";
+  // The program sets these, not the user.
+  (void)hide_solvent, (void)instances, (void)folder, (void)cache;
+  return o;
+}
+
+Metadata stored(const ReadOptions& read) {
+  const auto water = parse_scene(kWater, "water.xyz", {});
+  return settings_of(water->scene, resolve_options({}, water->scene), read);
+}
+
+TEST(ReadOptionsTest, TextsBringThemBack) {
+  const ReadOptions all = unusual();
+  ReadOptions again = kForPictures;
+  for (const ReadOptionSpec& spec : read_option_table()) {
+    EXPECT_THAT(spec.text(kForPictures), IsEmpty()) << spec.name;
+    const std::string text = spec.text(all);
+    EXPECT_NE(text, "") << spec.name;
+    EXPECT_TRUE(spec.set(again, text).has_value()) << spec.name;
+  }
+  EXPECT_EQ(again, all);
+  EXPECT_EQ(option_arguments(kForPictures), "");
+  EXPECT_EQ(option_arguments({.color_by = "a b", .assembly = 2, .cell = true}),
+            " --color-by 'a b' --assembly 2 --cell");
+  EXPECT_THAT(option_arguments(all), HasSubstr(" --assembly none"));
+  EXPECT_THAT(option_arguments(all), HasSubstr(" --no-cell"));
+}
+
+TEST(ReadOptionsTest, PicturesKeepThem) {
+  const Metadata settings = stored(unusual());
+  EXPECT_EQ(setting(settings, "read_color_by"), "forces.1");
+  const auto read = read_options_from(settings);
+  ASSERT_TRUE(read.has_value());
+  EXPECT_EQ(*read, unusual());
+  EXPECT_TRUE(options_from(settings).has_value());
+  EXPECT_EQ(*read_options_from(stored(kForPictures)), kForPictures);
+}
+
+TEST(ReadOptionsTest, SettingsNeedNotBeTrusted) {
+  EXPECT_EQ(read_options_from({{"read_color", "x"}}).error().message,
+            "its setting read_color: is unknown here");
+  EXPECT_THAT(read_options_from({{"read_only", "watr"}}).error().message,
+              HasSubstr("its setting read_only: column 1: expected water"));
+  for (const auto& [key, text] : {std::pair("read_images", "1,1"),
+                                  {"read_images", "0,1,1"},
+                                  {"read_images", "1,1,1,"},
+                                  {"read_color_range", "1,1"},
+                                  {"read_color_range", "nan,1"},
+                                  {"read_radius", "-1"},
+                                  {"read_radius", "nan"},
+                                  {"read_assembly", "0"},
+                                  {"read_frame", "1:2"},
+                                  {"read_style", "balls"},
+                                  {"read_smooth", "181"}})
+    EXPECT_THAT(read_options_from({{key, text}}).error().message, HasSubstr("expected")) << text;
+}
+
+}  // namespace
+}  // namespace raio
