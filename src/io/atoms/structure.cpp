@@ -288,7 +288,7 @@ std::vector<Site> sites_of(gemmi::cif::Block& block, const gemmi::SmallStructure
       Site one;
       one.from = &site;
       one.element = number_of(site.element);
-      if (one.element == 0 && site.type_symbol != "X") {
+      if (one.element == 0) {
         one.element = element_of_label(site.label);
         elements.add(one.element, site.label);
       }
@@ -384,7 +384,7 @@ void add_component(gemmi::cif::Block& block, Atoms& out) {
       continue;
     }
     if (row.has2(4)) atom.element = element_of_symbol(row.str(4));
-    if (atom.element == 0 && !(row.has2(4) && row.str(4) == "X")) {
+    if (atom.element == 0) {
       atom.element = element_of_names(row.has2(5) ? row.str(5) : "", name);
       elements.add(atom.element, name);
     }
@@ -419,7 +419,7 @@ void complete_elements(gemmi::cif::Loop& loop, Notices& notices) {
       return column < 0 ? std::string()
                         : gemmi::cif::as_string(loop.values[row * loop.width() + size_t(column)]);
     };
-    if (!gemmi::cif::is_null(of_row)) continue;
+    if (!gemmi::cif::is_null(of_row) && of_row != "X") continue;
     const uint8_t element = element_of_names(at(residue), at(name));
     elements.add(element, at(name));
     of_row = gemmi::Element(static_cast<gemmi::El>(element)).name();
