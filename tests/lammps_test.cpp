@@ -72,6 +72,21 @@ TEST(Lammps, RowsBeyondTheHeaderAreTold) {
   EXPECT_THAT(told, HasSubstr("rows of Bonds beyond the number of bonds in the header (1: 2)"));
 }
 
+// LAMMPS does not read the line behind the name of a section.
+TEST(Lammps, CommentsMayStandAboveRows) {
+  std::string text(kData);
+  for (const std::string name : {"Masses\n", "Atoms # full\n", "Bonds\n"}) {
+    ASSERT_NE(text.find(name), text.npos) << name;
+    text.insert(text.find(name) + name.size(), "# columns\n");
+  }
+  const auto plain = read(kData, "a.data"), got = read(text, "a.data");
+  ASSERT_TRUE(got) << got.error().front().text();
+  EXPECT_EQ(got->scene.cones.size(), plain->scene.cones.size());
+  EXPECT_EQ(got->scene.materials[got->scene.sphere_materials[0]].color, element_color(8));
+  text.replace(text.find("Atoms # full"), 12, "Atoms");
+  EXPECT_TRUE(read(text, "a.data")) << "the columns are those of full";
+}
+
 // Densities of rheo are not 0.
 TEST(Lammps, ChargesMayBeZero) {
   const auto got = read(

@@ -112,8 +112,18 @@ class DataReader {
     return {};
   }
 
+  // Lines of comments alone, which may stand between the name of a section and its rows.
+  void skip_comments() {
+    LineReader ahead = lines_;
+    for (auto line = ahead.next_filled(); line; line = ahead.next_filled()) {
+      if (line->find_first_not_of(" \t") != line->find('#')) return;
+      lines_ = ahead;
+    }
+  }
+
   // Numbers of types and their names, which the other sections may use instead.
   Done read_type_labels() {
+    skip_comments();
     LineReader ahead = lines_;
     for (auto line = ahead.next_filled(); line; line = ahead.next_filled()) {
       const auto words = words_of(line->substr(0, line->find('#')));
@@ -127,6 +137,7 @@ class DataReader {
   }
 
   Done read_masses() {
+    skip_comments();
     LineReader ahead = lines_;
     for (auto line = ahead.next_filled(); line; line = ahead.next_filled()) {
       const auto words = words_of(*line);
@@ -149,6 +160,8 @@ class DataReader {
   }
 
   Done read_atoms(std::string_view line, std::span<const std::string_view> comment) {
+    const size_t name = lines_.number();
+    skip_comments();
     LineReader ahead = lines_;
     const auto first = ahead.next_filled();
     if (!first) return fail("there are no atoms in the section Atoms");
@@ -164,11 +177,10 @@ class DataReader {
       return fail(fmt::format("there is no `atom-style` '{}'; expected one of {}",
                               printable(style_), lammps_style_names()));
     if (!style) {
-      const auto guessed = guess_style();
+      const auto guessed = guess_style(name);
       if (!guessed)
-        return std::unexpected(
-            Diagnostics{{Severity::error, std::string(file_), int(lines_.number()), 1,
-                         guessed.error(), printable(line)}});
+        return std::unexpected(Diagnostics{
+            {Severity::error, std::string(file_), int(name), 1, guessed.error(), printable(line)}});
       style = *guessed;
     }
     if (!style->has(words.size()))
@@ -200,8 +212,8 @@ class DataReader {
     }
   }
 
-  // By the first rows and what else the file says.
-  std::expected<const LammpsStyle*, std::string> guess_style() {
+  // By the first rows and what else the file says. `name` is the line of the section's name.
+  std::expected<const LammpsStyle*, std::string> guess_style(size_t name) {
     std::vector<std::vector<std::string_view>> rows;
     LineReader ahead = lines_;
     while (rows.size() < std::min(atoms_, kRowsOfGuess)) {
@@ -221,11 +233,12 @@ class DataReader {
                                    : fmt::format("style of the atoms by their columns: {} (places "
                                                  "and types are the same in {})",
                                                  first, fmt::join(names, ", ")),
-                     {}, lines_.number(), 0);
+                     {}, name, 0);
     return (*styles)[0];
   }
 
   Done read_bonds() {
+    skip_comments();
     if (bonds_ > index_.size()) return fail(fmt::format("there are no {} bonds", bonds_));
     for (size_t i = 0; i < bonds_; ++i) {
       const auto line = lines_.next_filled();
