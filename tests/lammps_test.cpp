@@ -72,6 +72,16 @@ TEST(Lammps, RowsBeyondTheHeaderAreTold) {
   EXPECT_THAT(told, HasSubstr("rows of Bonds beyond the number of bonds in the header (1: 2)"));
 }
 
+// Old files of the style spin have a column before x.
+TEST(Lammps, AtomsAtOnePlaceAreTold) {
+  const auto got = read(
+      "LAMMPS data file\n\n2 atoms\n1 atom types\n0 9 xlo xhi\n0 9 ylo yhi\n0 9 zlo zhi\n\n"
+      "Atoms # spin\n\n7 1 1.72 0.0 0.0 0.0 0.6 -0.8 1.0\n8 1 1.72 0.0 0.0 1.77 0.8 0.6 1.0\n",
+      "a.data");
+  ASSERT_TRUE(got) << got.error().front().text();
+  EXPECT_THAT(got->notices.back().text(), HasSubstr("atoms at the very place of another (1: 8)"));
+}
+
 // LAMMPS does not read the line behind the name of a section.
 TEST(Lammps, CommentsMayStandAboveRows) {
   std::string text(kData);

@@ -46,6 +46,10 @@ class DataReader {
       if (auto done = read_line(*line); !done) return std::unexpected(done.error());
     if (out_.atoms.empty()) return fail("there is no section Atoms");
     name_elements();
+    // As where the columns are not those of the style.
+    note_coincident(out_, [&](uint32_t i) {
+      return std::string(word_at(skip_blanks_in_line(index_.begin_of(first_ + i))));
+    });
     if (auto done = join_bonds(); !done) return std::unexpected(done.error());
     out_.finds_bonds = false;
     return std::move(out_);
