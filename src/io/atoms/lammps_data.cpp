@@ -46,10 +46,7 @@ class DataReader {
       if (auto done = read_line(*line); !done) return std::unexpected(done.error());
     if (out_.atoms.empty()) return fail("there is no section Atoms");
     name_elements();
-    // As where the columns are not those of the style.
-    note_coincident(out_, [&](uint32_t i) {
-      return std::string(word_at(skip_blanks_in_line(index_.begin_of(first_ + i))));
-    });
+    tell_coincident();
     if (auto done = join_bonds(); !done) return std::unexpected(done.error());
     out_.finds_bonds = false;
     return std::move(out_);
@@ -257,6 +254,20 @@ class DataReader {
     }
     tell_rows_beyond("rows of Bonds beyond the number of bonds in the header");
     return {};
+  }
+
+  // Where the columns are not those of the style, many atoms seem to be at one place: then it is so
+  // among the first ones, too, and all are counted.
+  void tell_coincident() {
+    constexpr size_t kFirst = 10'000;
+    std::vector<std::array<float, 3>> places;
+    for (const Atom& atom : std::span(out_.atoms).first(std::min(kFirst, out_.atoms.size())))
+      places.push_back(atom.place);
+    std::ranges::sort(places);
+    if (std::ranges::adjacent_find(places) != places.end())
+      note_coincident(out_, [&](uint32_t i) {
+        return std::string(word_at(skip_blanks_in_line(index_.begin_of(first_ + i))));
+      });
   }
 
   // Bonds name atoms by the numbers that begin their lines.
