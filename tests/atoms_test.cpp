@@ -606,6 +606,20 @@ TEST(Cif, OperationsMayHaveDecimals) {
   }));
 }
 
+TEST(Cif, AnglesThatAreNotGivenAreRightOnes) {
+  const std::string head = "data_a\n_cell_length_a 9\n_cell_length_b 9\n_cell_length_c 9\n";
+  const std::string atom =
+      "loop_\n_atom_site_label\n_atom_site_fract_x\n_atom_site_fract_y\n_atom_site_fract_z\n"
+      "O1 0.1 0.2 0.3\n";
+  const auto got = read(head + "_cell_angle_beta ?\n_cell_angle_gamma 90\n" + atom, "a.cif");
+  ASSERT_TRUE(got) << got.error().front().text();
+  EXPECT_LT(length(got->scene.spheres[0].center - Vec3f(0.9f, 1.8f, 2.7f)), 1e-5f);
+  EXPECT_TRUE(std::ranges::any_of(got->notices, [](const Diagnostic& notice) {
+    return notice.text().contains(
+        "angles of the cell that the file does not give: 90 degrees (2: alpha, beta)");
+  }));
+}
+
 TEST(Cif, WatIsWater) {
   const auto got = read(
       "data_a\n_cell_length_a 9\n_cell_length_b 9\n_cell_length_c 9\n_cell_angle_alpha 90\n"

@@ -302,8 +302,21 @@ std::vector<Site> sites_of(gemmi::cif::Block& block, const gemmi::SmallStructure
   return out;
 }
 
+// Angles of the cell are right ones where a file does not give them, by the dictionary of CIF.
+void complete_angles(gemmi::cif::Block& block, Notices& notices) {
+  for (const char* angle : {"alpha", "beta", "gamma"}) {
+    const std::string tag = std::string("_cell_angle_") + angle;
+    auto values = block.find_values(tag);
+    if (values.length() > 0 && !gemmi::cif::is_null(values[0])) continue;
+    block.set_pair(tag, "90");
+    notices.add(Severity::guessed, "angles of the cell that the file does not give: 90 degrees",
+                angle);
+  }
+}
+
 // A crystal by the parts of its cell, as the CIF of chemistry has it.
 void add_crystal(gemmi::cif::Block& block, Atoms& out) {
+  complete_angles(block, out.notices);
   const gemmi::SmallStructure small = gemmi::make_small_structure_from_block(block);
   if (!small.cell.is_crystal())
     throw std::runtime_error("it gives parts of a cell, but not the lengths of the cell's sides");
