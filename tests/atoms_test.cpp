@@ -124,6 +124,17 @@ TEST(Gro, NamesAreElements) {
               HasSubstr("a.gro:4:32: error: expected a coordinate, found \"1.x61\""));
 }
 
+TEST(Gro, NumbersOfABoxMayTouch) {
+  const auto box = [](std::string_view line) {
+    std::string text(kGro);
+    text.replace(text.rfind("   1.86824   1.86824   1.86824"), 30, line);
+    const auto got = read(text, "a.gro", {.style = AtomStyle::points, .cell = true});
+    return got ? got->scene.cones.front().apex - got->scene.cones.front().base : Vec3f();
+  };
+  EXPECT_FLOAT_EQ(length(box("40000.0000040000.0000020000.00000")), 400000);
+  EXPECT_FLOAT_EQ(length(box("50.0 6 7")), 500);
+}
+
 TEST(Pdb, ListedBondsAreDrawn) {
   const std::string text =
       "HETATM    1  C1  LIG A   1       0.000   0.000   0.000  1.00  0.00           C\n"
@@ -183,6 +194,14 @@ TEST(Xyz, FramesAreChosen) {
     EXPECT_EQ(helium->scene.spheres[0].center.x, 7);
   }
   EXPECT_THAT(error(two, "a.xyz", {.frame = 2}), HasSubstr("there is no frame 2; the file has 2"));
+}
+
+TEST(Xyz, NumbersOfElementsMayBeCalledZ) {
+  const auto got = read("1\nProperties=pos:R:3:Z:I:1\n0 0 0 16\n", "a.xyz");
+  ASSERT_TRUE(got) << got.error().front().text();
+  EXPECT_EQ(got->scene.materials[got->scene.sphere_materials[0]].color, element_color(16));
+  // Not beside symbols.
+  EXPECT_TRUE(read("1\nProperties=Z:I:1:species:S:1:pos:R:3\n16 O 0 0 0\n", "a.xyz"));
 }
 
 TEST(Xyz, FaultsHaveTheirPlace) {
@@ -561,6 +580,84 @@ TEST(Cif, CrystalsFillTheirCell) {
   EXPECT_THAT(error(std::string(kSalt) + "loop_\n_symmetry_equiv_pos_as_xyz\n'x,y'\n", "salt.cif"),
               HasSubstr("salt.cif: error: "));
   EXPECT_THAT(error(kSalt, "salt.cif", {.frame = 1}), HasSubstr("no frame 1; the file has 1"));
+}
+
+TEST(Cif, OperationsMayHaveDecimals) {
+  const auto atoms = [](std::string_view shift) {
+    std::string text(kSalt);
+    const std::string_view name = "_symmetry_space_group_name_H-M 'F m -3 m'\n";
+    text.replace(text.find(name), name.size(),
+                 "loop_\n_symmetry_equiv_pos_as_xyz\nx,y,z\n'x,.5+y," + std::string(shift) + "'\n");
+    const auto got = read(text, "a.cif", {.style = AtomStyle::space_filling});
+    return got ? std::to_string(got->scene.spheres.size()) : got.error().front().text();
+  };
+  EXPECT_EQ(atoms("0.6667+z"), "4");
+  EXPECT_EQ(atoms("z-0.33"), "4");
+  EXPECT_THAT(atoms("z+0.11"), HasSubstr("found 'x,.5+y,z+0.11'"));
+  EXPECT_THAT(atoms("q"), HasSubstr("expected operations of symmetry such as 'x,y,z+1/2'"));
+  EXPECT_THAT(atoms("y"), HasSubstr("found 'x,.5+y,y'")) << "a plane";
+  std::string text(kSalt);
+  const std::string_view number = "_symmetry_space_group_name_H-M 'F m -3 m'\n";
+  text.insert(text.find(number) + number.size(), "loop_\n_symmetry_equiv_pos_as_xyz\nx,y,z\n");
+  const auto told = read(text, "a.cif");
+  ASSERT_TRUE(told) << told.error().front().text();
+  EXPECT_TRUE(std::ranges::any_of(told->notices, [](const Diagnostic& notice) {
+    return notice.text().contains("are not those of its space group 'F m -3 m'");
+  }));
+}
+
+TEST(Cif, AnglesThatAreNotGivenAreRightOnes) {
+  const std::string head = "data_a\n_cell_length_a 9\n_cell_length_b 9\n_cell_length_c 9\n";
+  const std::string atom =
+      "loop_\n_atom_site_label\n_atom_site_fract_x\n_atom_site_fract_y\n_atom_site_fract_z\n"
+      "O1 0.1 0.2 0.3\n";
+  const auto got = read(head + "_cell_angle_beta ?\n_cell_angle_gamma 90\n" + atom, "a.cif");
+  ASSERT_TRUE(got) << got.error().front().text();
+  EXPECT_LT(length(got->scene.spheres[0].center - Vec3f(0.9f, 1.8f, 2.7f)), 1e-5f);
+  EXPECT_TRUE(std::ranges::any_of(got->notices, [](const Diagnostic& notice) {
+    return notice.text().contains(
+        "angles of the cell that the file does not give: 90 degrees (2: alpha, beta)");
+  }));
+}
+
+TEST(Cif, WatIsWater) {
+  const auto got = read(
+      "data_a\n_cell_length_a 9\n_cell_length_b 9\n_cell_length_c 9\n_cell_angle_alpha 90\n"
+      "_cell_angle_beta 90\n_cell_angle_gamma 90\nloop_\n_atom_site_label\n_atom_site_fract_x\n"
+      "_atom_site_fract_y\n_atom_site_fract_z\nWat1 0.1 0.1 0.1\nW1 0.5 0.5 0.5\n",
+      "a.cif");
+  ASSERT_TRUE(got) << got.error().front().text();
+  const Scene& scene = got->scene;
+  EXPECT_EQ(scene.materials[scene.sphere_materials[0]].color, element_color(8));
+  EXPECT_EQ(scene.materials[scene.sphere_materials[1]].color, element_color(74));
+}
+
+TEST(Cif, MatricesThatDisagreeAreTold) {
+  const auto told = [](std::string_view matrix) {
+    const auto got = read(
+        "data_a\n_cell.length_a 10\n_cell.length_b 10\n_cell.length_c 10\n_cell.angle_alpha 90\n"
+        "_cell.angle_beta 90\n_cell.angle_gamma 90\n" +
+            std::string(matrix) +
+            "loop_\n_atom_site.id\n_atom_site.type_symbol\n_atom_site.label_atom_id\n"
+            "_atom_site.label_comp_id\n_atom_site.label_asym_id\n_atom_site.label_seq_id\n"
+            "_atom_site.Cartn_x\n_atom_site.Cartn_y\n_atom_site.Cartn_z\n1 C CA ALA A 1 1 2 3\n",
+        "a.cif");
+    return !got || std::ranges::any_of(got->notices, [](const Diagnostic& notice) {
+      return notice.text().contains("fract_transf_matrix disagrees with _cell");
+    });
+  };
+  const auto matrix = [](std::string_view first) {
+    std::string out = "_atom_sites.fract_transf_matrix[1][1] " + std::string(first) + "\n";
+    for (const std::string_view rest : {"[1][2] 0", "[1][3] 0", "[2][1] 0", "[2][2] 0.1",
+                                        "[2][3] 0", "[3][1] 0", "[3][2] 0", "[3][3] 0.1"})
+      out += "_atom_sites.fract_transf_matrix" + std::string(rest) + "\n";
+    for (const char axis : {'1', '2', '3'})
+      out += std::string("_atom_sites.fract_transf_vector[") + axis + "] 0\n";
+    return out;
+  };
+  EXPECT_TRUE(told(matrix("0.09")));
+  EXPECT_FALSE(told(matrix("0.1")));
+  EXPECT_FALSE(told(""));
 }
 
 TEST(Cif, GroupsHaveSeveralNames) {

@@ -135,6 +135,12 @@ TEST(Gltf, StripsAndFans) {
   EXPECT_EQ(corners(scene_of(file)), std::vector({a, b, c}));  // the fourth is left over
 }
 
+TEST(Gltf, TrianglesWithoutAreaAreTold) {
+  Gltf file = square();
+  file.primitives = R"({"attributes": {"POSITION": 0}, "indices": 1})";
+  file.add(packed(0u, 1u, 1u), kU32, 3, "SCALAR");
+  EXPECT_THAT(warnings_of(file), HasSubstr("no triangle has an area"));
+}
 TEST(Gltf, PointsAreSpheresAndLinesAreTold) {
   Gltf file = square();
   file.primitives = R"({"attributes": {"POSITION": 0}, "mode": 0},

@@ -49,6 +49,64 @@ TEST(Lammps, DumpsAreFrames) {
   EXPECT_THAT(error("ITEM: TIMESTEP\n0\n", "a.dump"), HasSubstr("ends before the atoms"));
 }
 
+TEST(Lammps, PlacesAreOfOneKind) {
+  // z stands alone, and xs has no ys: neither counts.
+  const auto got = read(
+      "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS pp pp pp\n0 10\n0 10\n0 10\n"
+      "ITEM: ATOMS id z xs zs xu y yu zu\n1 7 0.5 0.7 -5 3 13 27\n",
+      "a.dump");
+  ASSERT_TRUE(got) << got.error().front().text();
+  EXPECT_EQ(got->scene.spheres[0].center, Vec3f(-5, 13, 27));
+}
+
+TEST(Lammps, RowsBeyondTheHeaderAreTold) {
+  std::string text(kData);
+  text.replace(text.find("3 atoms"), 7, "2 atoms");
+  text.replace(text.find("2 bonds"), 7, "1 bonds");
+  const auto got = read(text, "a.data");
+  ASSERT_TRUE(got) << got.error().front().text();
+  EXPECT_EQ(got->scene.spheres.size(), 2u);
+  std::string told;
+  for (const Diagnostic& notice : got->notices) told += notice.text() + '\n';
+  EXPECT_THAT(told, HasSubstr("rows of Atoms beyond the number of atoms in the header (1: 8)"));
+  EXPECT_THAT(told, HasSubstr("rows of Bonds beyond the number of bonds in the header (1: 2)"));
+}
+
+// Old files of the style spin have a column before x.
+TEST(Lammps, AtomsAtOnePlaceAreTold) {
+  const auto got = read(
+      "LAMMPS data file\n\n2 atoms\n1 atom types\n0 9 xlo xhi\n0 9 ylo yhi\n0 9 zlo zhi\n\n"
+      "Atoms # spin\n\n7 1 1.72 0.0 0.0 0.0 0.6 -0.8 1.0\n8 1 1.72 0.0 0.0 1.77 0.8 0.6 1.0\n",
+      "a.data");
+  ASSERT_TRUE(got) << got.error().front().text();
+  EXPECT_THAT(got->notices.back().text(), HasSubstr("atoms at the very place of another (1: 8)"));
+}
+
+// LAMMPS does not read the line behind the name of a section.
+TEST(Lammps, CommentsMayStandAboveRows) {
+  std::string text(kData);
+  for (const std::string name : {"Masses\n", "Atoms # full\n", "Bonds\n"}) {
+    ASSERT_NE(text.find(name), text.npos) << name;
+    text.insert(text.find(name) + name.size(), "# columns\n");
+  }
+  const auto plain = read(kData, "a.data"), got = read(text, "a.data");
+  ASSERT_TRUE(got) << got.error().front().text();
+  EXPECT_EQ(got->scene.cones.size(), plain->scene.cones.size());
+  EXPECT_EQ(got->scene.materials[got->scene.sphere_materials[0]].color, element_color(8));
+  text.replace(text.find("Atoms # full"), 12, "Atoms");
+  EXPECT_TRUE(read(text, "a.data")) << "the columns are those of full";
+}
+
+// Densities of rheo are not 0.
+TEST(Lammps, ChargesMayBeZero) {
+  const auto got = read(
+      "LAMMPS data file\n\n2 atoms\n2 atom types\n0 9 xlo xhi\n0 9 ylo yhi\n0 9 zlo zhi\n\n"
+      "Atoms\n\n1 1 1 0.0 1 2 3.5\n2 1 2 0.0 3 4 4.5\n",
+      "a.data");
+  ASSERT_TRUE(got) << got.error().front().text();
+  EXPECT_EQ(got->scene.spheres[0].center, Vec3f(1, 2, 3.5f));
+}
+
 TEST(Lammps, DataFilesSayTheirBonds) {
   const auto water = read(kData, "water.lmp");
   ASSERT_TRUE(water) << water.error().front().text();

@@ -355,6 +355,14 @@ TEST(Obj, MaterialsComeFromFilesBeside) {
   std::filesystem::remove_all(folder);
 }
 
+TEST(Obj, FacesOfFewCornersAreTold) {
+  const auto got = read("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2\nf 3\n", "a.obj");
+  ASSERT_TRUE(got) << got.error().front().text();
+  ASSERT_EQ(got->notices.size(), 1u);
+  EXPECT_THAT(got->notices[0].text(),
+              HasSubstr("5:1: left out: faces of fewer than three corners"));
+}
+
 TEST(Obj, BrokenFilesAreRefused) {
   EXPECT_THAT(error("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", "a.obj"),
               HasSubstr("a.obj:4:7: error: expected a vertex from 1 to 3 or -1 to -3"));

@@ -173,6 +173,10 @@ TEST(PdbText, WaterAtTheLeftEdge) {
   EXPECT_EQ(see(text, "a.pdb").elements, "O H C Zn");
   EXPECT_EQ(see(pdb_atom("1", "QX", " LIG", "2", 5), "a.pdb").notices,
             "a.pdb:1:1: warning: atoms whose names say no element (1: QX)\n");
+  EXPECT_EQ(see(pdb_atom("1", "X", " SYS", "1", 0, "X") + pdb_atom("2", "UNK", " UNX", "2", 9, "X"),
+                "a.pdb")
+                .notices,
+            "a.pdb:1:1: warning: atoms whose names say no element (2: X, UNK)\n");
 }
 
 TEST(PdbText, ElementsByTheRulesOfPdb) {

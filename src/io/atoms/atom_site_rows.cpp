@@ -213,7 +213,7 @@ class AtomSite::Reader {
 
   uint8_t element_of(const SiteValues& values) {
     using enum SiteColumn;
-    if (!is_null(values[symbol])) {
+    if (!is_null(values[symbol]) && text_of(values[symbol]) != "X") {
       word_.assign(text_of(values[symbol]));
       return uint8_t(gemmi::Element(word_).atomic_number());
     }

@@ -124,7 +124,7 @@ uint8_t element_of_names(std::string_view residue, std::string_view atom, NameFi
       if (same(name, ion)) return uint8_t(element_number(element));
     if (const int number = element_number(name)) return uint8_t(number);
   }
-  if (same(name, "X") || same(name, "DUM")) return 0;
+  if (same(name, "X") || same(name, "UNK") || same(name, "DUM")) return 0;
   // These names stand for nothing else.
   constexpr std::string_view kPlain[] = {"CL", "BR", "MG", "ZN", "FE", "MN", "CU", "SI", "LI"};
   const std::string_view pair = name.substr(0, 2);

@@ -51,14 +51,33 @@ FrameRowsOr next_gro(Trajectory& t) {
   return out;
 }
 
+// The numbers of a line. Those of a huge box touch: then they are as wide as it is from one point
+// to the next.
+std::vector<std::string_view> numbers_of_box(std::string_view line) {
+  line = line.substr(0, line.find_last_not_of(" \t\r") + 1);
+  const auto words = words_of(line);
+  const size_t points = size_t(std::ranges::count(line, '.'));
+  if (points <= words.size()) return words;
+  const size_t point = line.find('.'), width = line.find('.', point + 1) - point;
+  std::vector<std::string_view> out;
+  for (size_t i = points; i-- > 0;) {
+    const size_t end = line.size() - std::min(line.size(), i * width);
+    out.push_back(line.substr(end - std::min(end, width), std::min(end, width)));
+  }
+  return out;
+}
+
 // The line behind the atoms: the lengths of a box, or all nine numbers of a leaning one, those on
 // the diagonal first; in nanometres.
 std::optional<Cell> cell_of_gro(std::string_view line) {
-  const auto words = words_of(line);
+  const auto words = numbers_of_box(line);
   std::array<double, 9> number{};
   if (words.size() != 3 && words.size() != 9) return std::nullopt;
-  for (size_t i = 0; i < words.size(); ++i)
-    if (!parse_number(words[i].data(), number[i])) return std::nullopt;
+  for (size_t i = 0; i < words.size(); ++i) {
+    std::array<char, 64> word{};
+    words[i].copy(word.data(), word.size() - 1);
+    if (!parse_number(skip_blanks_in_line(word.data()), number[i])) return std::nullopt;
+  }
   Cell cell;
   cell.sides = {{{number[0], number[3], number[4]},
                  {number[5], number[1], number[6]},
@@ -153,7 +172,11 @@ std::expected<void, Diagnostics> read_gro_atoms(const Trajectory& t, const Frame
         atom.element ? "elements from the names of atoms" : "names of atoms that are no elements",
         name.substr(std::min(name.size(), name.find_first_not_of(' '))), frame.first + i + 1);
   }
-  out.cell = cell_of_gro(take_line(p, end));
+  const std::string_view box = take_line(p, end);
+  out.cell = cell_of_gro(box);
+  if (!out.cell && !words_of(box).empty())
+    out.notices.add(Severity::left_out, "a box that is neither three numbers nor nine", {},
+                    frame.first + out.atoms.size() + 1);
   return {};
 }
 

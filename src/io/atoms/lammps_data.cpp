@@ -46,6 +46,7 @@ class DataReader {
       if (auto done = read_line(*line); !done) return std::unexpected(done.error());
     if (out_.atoms.empty()) return fail("there is no section Atoms");
     name_elements();
+    tell_coincident();
     if (auto done = join_bonds(); !done) return std::unexpected(done.error());
     out_.finds_bonds = false;
     return std::move(out_);
@@ -112,8 +113,18 @@ class DataReader {
     return {};
   }
 
+  // Lines of comments alone, which may stand between the name of a section and its rows.
+  void skip_comments() {
+    LineReader ahead = lines_;
+    for (auto line = ahead.next_filled(); line; line = ahead.next_filled()) {
+      if (line->find_first_not_of(" \t") != line->find('#')) return;
+      lines_ = ahead;
+    }
+  }
+
   // Numbers of types and their names, which the other sections may use instead.
   Done read_type_labels() {
+    skip_comments();
     LineReader ahead = lines_;
     for (auto line = ahead.next_filled(); line; line = ahead.next_filled()) {
       const auto words = words_of(line->substr(0, line->find('#')));
@@ -127,6 +138,7 @@ class DataReader {
   }
 
   Done read_masses() {
+    skip_comments();
     LineReader ahead = lines_;
     for (auto line = ahead.next_filled(); line; line = ahead.next_filled()) {
       const auto words = words_of(*line);
@@ -149,6 +161,8 @@ class DataReader {
   }
 
   Done read_atoms(std::string_view line, std::span<const std::string_view> comment) {
+    const size_t name = lines_.number();
+    skip_comments();
     LineReader ahead = lines_;
     const auto first = ahead.next_filled();
     if (!first) return fail("there are no atoms in the section Atoms");
@@ -164,11 +178,10 @@ class DataReader {
       return fail(fmt::format("there is no `atom-style` '{}'; expected one of {}",
                               printable(style_), lammps_style_names()));
     if (!style) {
-      const auto guessed = guess_style();
+      const auto guessed = guess_style(name);
       if (!guessed)
-        return std::unexpected(
-            Diagnostics{{Severity::error, std::string(file_), int(lines_.number()), 1,
-                         guessed.error(), printable(line)}});
+        return std::unexpected(Diagnostics{
+            {Severity::error, std::string(file_), int(name), 1, guessed.error(), printable(line)}});
       style = *guessed;
     }
     if (!style->has(words.size()))
@@ -187,11 +200,21 @@ class DataReader {
     if (auto done = read_rows(index_, file_, first_, atoms_, layout, out_); !done) return done;
     lines_ = ahead;
     lines_.skip(atoms_ - 1);
+    tell_rows_beyond("rows of Atoms beyond the number of atoms in the header");
     return {};
   }
 
-  // By the first rows and what else the file says.
-  std::expected<const LammpsStyle*, std::string> guess_style() {
+  void tell_rows_beyond(std::string_view message) {
+    LineReader ahead = lines_;
+    for (auto line = ahead.next_filled(); line; line = ahead.next_filled()) {
+      const auto words = words_of(line->substr(0, line->find('#')));
+      if (!words.empty() && !looks_like_number(words[0])) break;
+      if (!words.empty()) out_.notices.add(Severity::left_out, message, words[0], ahead.number());
+    }
+  }
+
+  // By the first rows and what else the file says. `name` is the line of the section's name.
+  std::expected<const LammpsStyle*, std::string> guess_style(size_t name) {
     std::vector<std::vector<std::string_view>> rows;
     LineReader ahead = lines_;
     while (rows.size() < std::min(atoms_, kRowsOfGuess)) {
@@ -211,11 +234,12 @@ class DataReader {
                                    : fmt::format("style of the atoms by their columns: {} (places "
                                                  "and types are the same in {})",
                                                  first, fmt::join(names, ", ")),
-                     {}, lines_.number(), 0);
+                     {}, name, 0);
     return (*styles)[0];
   }
 
   Done read_bonds() {
+    skip_comments();
     if (bonds_ > index_.size()) return fail(fmt::format("there are no {} bonds", bonds_));
     for (size_t i = 0; i < bonds_; ++i) {
       const auto line = lines_.next_filled();
@@ -228,7 +252,22 @@ class DataReader {
           return wrong(*line, line->data(), "number, type and two atoms of a bond");
       listed_.push_back(ids);
     }
+    tell_rows_beyond("rows of Bonds beyond the number of bonds in the header");
     return {};
+  }
+
+  // Where the columns are not those of the style, many atoms seem to be at one place: then it is so
+  // among the first ones, too, and all are counted.
+  void tell_coincident() {
+    constexpr size_t kFirst = 10'000;
+    std::vector<std::array<float, 3>> places;
+    for (const Atom& atom : std::span(out_.atoms).first(std::min(kFirst, out_.atoms.size())))
+      places.push_back(atom.place);
+    std::ranges::sort(places);
+    if (std::ranges::adjacent_find(places) != places.end())
+      note_coincident(out_, [&](uint32_t i) {
+        return std::string(word_at(skip_blanks_in_line(index_.begin_of(first_ + i))));
+      });
   }
 
   // Bonds name atoms by the numbers that begin their lines.

@@ -29,8 +29,8 @@ constexpr LammpsStyle kLammpsStyles[] = {
     {"mdpd", "itpxyz"},
     {"mesont", "imtnnppprxyz"},
     {"peri", "itppxyz"},
-    {"rheo", "itnpxyz"},
-    {"rheo/thermal", "itnprxyz"},
+    {"rheo", "itnvxyz"},
+    {"rheo/thermal", "itnvrxyz"},
     {"smd", "itmpppprrrxyz"},
     {"sph", "itprrxyz"},
     {"spin", "itxyzrrrr"},
@@ -119,7 +119,7 @@ class StyleGuess {
   size_t whole_reals(const LammpsStyle& style) const {
     size_t count = 0;
     for (size_t k = 0; k < style.columns.size(); ++k)
-      count += columns_[k].whole && std::string_view("dprxyz").contains(style.columns[k]);
+      count += columns_[k].whole && std::string_view("dpvrxyz").contains(style.columns[k]);
     return count;
   }
 
@@ -137,6 +137,8 @@ class StyleGuess {
       case 'd':
       case 'p':
         return column.numbers && column.least >= 0;
+      case 'v':
+        return column.numbers && column.least > 0;
       default:
         return column.numbers;
     }

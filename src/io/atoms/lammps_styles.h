@@ -16,8 +16,8 @@ namespace raio {
 struct LammpsStyle {
   std::string_view name;
   /// A letter a column: i, the atom's number; m, its molecule; t, its type; x, y and z; d, a
-  /// diameter; n, a whole number; p, a number from 0; r, any number; and, at the end, *, further
-  /// ones.
+  /// diameter; n, a whole number; p, a number from 0; v, one above 0; r, any number; and, at the
+  /// end, *, further ones.
   std::string_view columns;
 
   /// Whether rows of so many words are those of this style, which three image flags may follow.

@@ -136,9 +136,8 @@ std::optional<LineFault> read_pdb_row(std::string_view line, const Atoms& out, P
   row.residue = span_of(line, 17, is_wide ? 4 : 3);
   row.chain = span_of(line, is_wide ? 21 : 20, is_wide ? 1 : 2);
   row.sequence = {22, 5};
-  const std::string_view symbol = without_blanks(field_of(line, 76, 2));
-  row.element = element_of_symbol(symbol);
-  row.needs_guess = row.element == 0 && symbol != "X";
+  row.element = element_of_symbol(field_of(line, 76, 2));
+  row.needs_guess = row.element == 0;
   row.field = field_of_name(line.substr(12, 4));
   return std::nullopt;
 }

@@ -36,6 +36,9 @@ bool read_properties(std::string_view list, std::string_view value, size_t most,
     const size_t first = words.size();
     words.resize(first + count, Word::skipped);
     if (name == "species" && count == 1) words[first] = Word::species;
+    const bool has_symbols = list.find("species:") != list.npos || out.layout.has(Word::species);
+    if (name == "Z" && type == "I" && count == 1 && !has_symbols)  // numbers of elements
+      words[first] = Word::species;
     if (name == "radius" && count == 1) words[first] = Word::radius;
     if (name == "pos" && count == 3)
       words[first] = Word::x, words[first + 1] = Word::y, words[first + 2] = Word::z;
@@ -136,23 +139,35 @@ FrameRowsOr next_xyz(Trajectory& t) {
 
 // --- LAMMPS dumps
 // The words behind "ITEM: ATOMS".
-constexpr std::pair<std::string_view, Word> kDumpWords[] = {{"x", Word::x},
-                                                            {"y", Word::y},
-                                                            {"z", Word::z},
-                                                            {"xu", Word::x},
-                                                            {"yu", Word::y},
-                                                            {"zu", Word::z},
-                                                            {"xs", Word::x},
-                                                            {"ys", Word::y},
-                                                            {"zs", Word::z},
-                                                            {"xsu", Word::x},
-                                                            {"ysu", Word::y},
-                                                            {"zsu", Word::z},
-                                                            {"element", Word::species},
+constexpr std::pair<std::string_view, Word> kDumpWords[] = {{"element", Word::species},
                                                             {"type", Word::type},
                                                             {"mol", Word::residue},
                                                             {"radius", Word::radius},
                                                             {"diameter", Word::diameter}};
+
+// What stands behind x, y and z in the words for places: nothing, "u" for unwrapped ones, "s" for
+// parts of the box, or "su". Of several kinds the first that all three axes have counts.
+std::optional<std::string_view> kind_of_places(std::span<const std::string_view> words) {
+  const auto has = [&](char axis, std::string_view kind) {
+    return std::ranges::any_of(words, [&](std::string_view word) {
+      return word.starts_with(axis) && word.substr(1) == kind;
+    });
+  };
+  for (const std::string_view word : words)
+    if (const auto kind = word.substr(1);
+        word.starts_with('x') && (kind == "" || kind == "u" || kind == "s" || kind == "su") &&
+        has('y', kind) && has('z', kind))
+      return kind;
+  return std::nullopt;
+}
+
+Word dump_word(std::string_view word, std::string_view kind_of_places) {
+  if (word.substr(1) == kind_of_places)
+    for (const auto& [axis, is] : {std::pair{'x', Word::x}, {'y', Word::y}, {'z', Word::z}})
+      if (word[0] == axis) return is;
+  const auto at = std::ranges::find(kDumpWords, word, &std::pair<std::string_view, Word>::first);
+  return at == std::end(kDumpWords) ? Word::skipped : at->second;
+}
 
 class DumpReader {
  public:
@@ -213,27 +228,21 @@ class DumpReader {
 
   std::expected<void, Diagnostics> read_words(std::string_view line, std::string_view item,
                                               FrameRows& out) {
-    bool scaled = false;
     auto words = words_of(item);
     words.erase(words.begin());
+    const auto kind = kind_of_places(words);
+    if (!kind)
+      return t_.wrong(line, line.data() + line.size(),
+                      "columns of places such as x y z or xs ys zs");
     for (const std::string_view word : words) {
-      const auto at =
-          std::ranges::find(kDumpWords, word, &std::pair<std::string_view, Word>::first);
-      const Word is = at == std::end(kDumpWords) ? Word::skipped : at->second;
-      // Of "x" and "xu" the first counts.
-      const bool again = is != Word::skipped && out.layout.has(is);
-      out.layout.words.push_back(again ? Word::skipped : is);
-      if (is == Word::x && !again) scaled = word.starts_with("xs");
+      const Word is = dump_word(word, *kind);
+      out.layout.words.push_back(is != Word::skipped && out.layout.has(is) ? Word::skipped : is);
       if (is != Word::species) {
         if (word == t_.value) out.layout.value = out.layout.words.size() - 1;
         out.columns.emplace_back(word);
       }
     }
-    for (const Word word : {Word::x, Word::y, Word::z})
-      if (!out.layout.has(word))
-        return t_.wrong(line, line.data() + line.size(),
-                        "columns of places such as x y z or xs ys zs");
-    if (!scaled) return {};
+    if (!kind->starts_with('s')) return {};
     if (!out.cell)
       return failed(t_.file, "scaled places need ITEM: BOX BOUNDS before them", t_.lines.number());
     // They are parts of the box.

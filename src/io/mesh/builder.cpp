@@ -277,17 +277,17 @@ ReadScene MeshBuilder::finish_points() {
   return {std::move(scene_), std::move(warnings)};
 }
 
+bool has_area(const Mesh& mesh) {
+  return std::ranges::any_of(mesh.triangles, [&](const TriangleIndices& t) {
+    const Vec3d a(mesh.positions[t[0]]), b(mesh.positions[t[1]]), c(mesh.positions[t[2]]);
+    return cross(b - a, c - a) != Vec3d();
+  });
+}
+
 /// Says why nothing will be seen.
 void MeshBuilder::note_invisible(const Box3f& box) {
   const Mesh& mesh = scene_.meshes.back();
-  const auto has_area = [&](const TriangleIndices& t) {
-    const Vec3d a(mesh.positions[t[0]]), b(mesh.positions[t[1]]), c(mesh.positions[t[2]]);
-    return cross(b - a, c - a) != Vec3d();
-  };
-  if (std::ranges::none_of(mesh.triangles, has_area))
-    return notices.add_whole(Severity::warning,
-                             "no triangle has an area, so that nothing is seen; the corners of "
-                             "each are in one line or place");
+  if (!has_area(mesh)) return notices.add_whole(Severity::warning, kNoArea);
   const auto opacity = [&](MaterialId id) {
     const auto& all = std::as_const(scene_).material_opacity;
     return all.empty() ? 1 : all[id];

@@ -77,6 +77,13 @@ class Words {
   int line_ = 1;
 };
 
+/// What is told of meshes without has_area().
+inline constexpr std::string_view kNoArea =
+    "no triangle has an area, so that nothing is seen; the corners of each are in one line or "
+    "place";
+/// Whether any triangle has an area.
+bool has_area(const Mesh& mesh);
+
 /// Which axis of a mesh points up.
 enum class UpAxis : uint8_t { y = 1, z = 2 };
 

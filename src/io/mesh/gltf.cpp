@@ -44,6 +44,8 @@ class GltfReader {
                                    "triangles or points",
                                    lines_)
                      : "there is nothing to draw: its scene has neither triangles nor points"};
+    if (scene_.spheres.empty() && std::ranges::none_of(scene_.meshes, has_area))
+      notices_.add_whole(Severity::warning, kNoArea);
     set_camera();
     ReadScene out{std::move(scene_), {}};
     append(out.notices, notices_, "");

@@ -254,7 +254,9 @@ class ObjReader {
       if (corners_.size() > kMostCorners) words_.fail("a face has at most 65535 corners");
     }
     if (corners_.empty()) words_.fail_expected("the corners of a face");
-    if (corners_.size() < 3) return;  // a point or a line
+    if (corners_.size() < 3)
+      return out_.notices.add(Severity::left_out, "faces of fewer than three corners", {},
+                              size_t(words_.line()));
     if (!is_whole)
       return out_.notices.add(Severity::left_out, "faces with a vertex that has no finite place",
                               {}, size_t(words_.line()));

@@ -39,7 +39,7 @@ void add_component(gemmi::cif::Block& block, Atoms& out) {
       continue;
     }
     if (row.has2(4)) atom.element = element_of_symbol(row.str(4));
-    if (atom.element == 0 && !(row.has2(4) && row.str(4) == "X")) {
+    if (atom.element == 0) {
       atom.element = element_of_names(row.has2(5) ? row.str(5) : "", name);
       elements.add(atom.element, name);
     }

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <gemmi/smcif.hpp>
@@ -17,24 +19,66 @@ std::string value_of(gemmi::cif::Block& block, std::initializer_list<const char*
   return {};
 }
 
+// An operation such as 'x,y,z+1/2', or with decimals, as in '0.5-x,y,.6667+z', of which every
+// lattice has multiples of 1/24.
+gemmi::Op operation(const std::string& text) try {
+  constexpr int kParts = gemmi::Op::DEN;
+  std::string in_parts;
+  for (size_t i = 0; i < text.size();) {
+    const size_t end = std::min(text.find_first_not_of("0123456789.", i), text.size());
+    const std::string number = text.substr(i, end - i);
+    double value = 0;
+    if (number.find('.') == std::string::npos) {
+      in_parts += number.empty() ? text.substr(i, 1) : number;
+    } else {
+      std::from_chars(number.data(), number.data() + number.size(), value);
+      constexpr double kRounded = 0.1;  // 0.33 is a third
+      const long parts = std::lround(value * kParts);
+      if (std::abs(value * kParts - double(parts)) > kRounded) throw std::runtime_error(number);
+      in_parts += std::to_string(parts) + '/' + std::to_string(kParts);
+    }
+    i = std::max(end, i + 1);
+  }
+  const gemmi::Op out = gemmi::parse_triplet(in_parts);
+  if (std::abs(out.det_rot()) != kParts * kParts * kParts) throw std::runtime_error(in_parts);
+  return out;
+} catch (const std::runtime_error&) {
+  throw std::runtime_error("expected operations of symmetry such as 'x,y,z+1/2', found '" + text +
+                           "'");
+}
+
+// Whether these turn and mirror as the group does, whatever the origin.
+bool are_of_group(const std::vector<gemmi::Op>& operations, const gemmi::SpaceGroup& group) {
+  std::vector<gemmi::Op::Rot> listed, known;
+  for (const gemmi::Op& op : operations) listed.push_back(op.rot);
+  for (const gemmi::Op op : group.operations()) known.push_back(op.rot);
+  std::sort(listed.begin(), listed.end());
+  std::sort(known.begin(), known.end());
+  return listed == known;
+}
+
 // The operations of a crystal's symmetry, as the file lists them, or else those of its group, by
 // whatever the file calls it.
 std::vector<gemmi::Op> symmetry_of(gemmi::cif::Block& block, const gemmi::SmallStructure& small,
                                    Notices& notices) {
   std::vector<gemmi::Op> out;
+  const std::string& name = small.spacegroup_hm;
+  const gemmi::SpaceGroup* known =
+      gemmi::find_spacegroup_by_name(name, small.cell.alpha, small.cell.gamma);
   for (const char* tag : {"_space_group_symop_operation_xyz", "_symmetry_equiv_pos_as_xyz"})
     if (const auto column = block.find_values(tag)) {
-      for (const std::string& text : column)
-        out.push_back(gemmi::parse_triplet(gemmi::cif::as_string(text)));
+      for (const std::string& text : column) out.push_back(operation(gemmi::cif::as_string(text)));
+      if (known && !are_of_group(out, *known))
+        notices.add_whole(Severity::warning,
+                          "the operations of symmetry that it lists are not those of its space "
+                          "group '" +
+                              name + "'; they count");
       return out;
     }
-  const std::string& name = small.spacegroup_hm;
   const std::string hall =
       value_of(block, {"_space_group_name_Hall", "_symmetry_space_group_name_Hall"});
   const std::string number =
       value_of(block, {"_space_group_IT_number", "_symmetry_Int_Tables_number"});
-  const gemmi::SpaceGroup* known =
-      gemmi::find_spacegroup_by_name(name, small.cell.alpha, small.cell.gamma);
   const int known_number = std::atoi(number.c_str());
   if (!known && hall.empty() && known_number > 0)
     known = gemmi::find_spacegroup_by_number(known_number);
@@ -63,6 +107,7 @@ uint8_t element_of_label(const std::string& label) {
   if (const uint8_t element = element_of_symbol(label)) return element;
   std::string_view letters = label;
   letters = letters.substr(0, letters.find_first_of("0123456789+-()'_ "));
+  if (letters.substr(0, 2) == "Wa") return element_of_symbol("O");  // water, such as Wat1
   if (letters.size() > 2 && letters[1] >= 'a')
     if (const uint8_t element = element_of_symbol(letters.substr(0, 2))) return element;
   return element_of_symbol(letters.substr(0, 1));
@@ -144,7 +189,7 @@ std::vector<Site> sites_of(gemmi::cif::Block& block, const gemmi::SmallStructure
       Site one;
       one.from = &site;
       one.element = number_of(site.element);
-      if (one.element == 0 && site.type_symbol != "X") {
+      if (one.element == 0) {
         one.element = element_of_label(site.label);
         elements.add(one.element, site.label);
       }
@@ -158,9 +203,22 @@ std::vector<Site> sites_of(gemmi::cif::Block& block, const gemmi::SmallStructure
   return out;
 }
 
+// Angles of the cell are right ones where a file does not give them, by the dictionary of CIF.
+void complete_angles(gemmi::cif::Block& block, Notices& notices) {
+  for (const char* angle : {"alpha", "beta", "gamma"}) {
+    const std::string tag = std::string("_cell_angle_") + angle;
+    auto values = block.find_values(tag);
+    if (values.length() > 0 && !gemmi::cif::is_null(values[0])) continue;
+    block.set_pair(tag, "90");
+    notices.add(Severity::guessed, "angles of the cell that the file does not give: 90 degrees",
+                angle);
+  }
+}
+
 }  // namespace
 
 void add_crystal(gemmi::cif::Block& block, Atoms& out) {
+  complete_angles(block, out.notices);
   const gemmi::SmallStructure small = gemmi::make_small_structure_from_block(block);
   if (!small.cell.is_crystal())
     throw std::runtime_error("it gives parts of a cell, but not the lengths of the cell's sides");

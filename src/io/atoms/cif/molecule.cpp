@@ -74,6 +74,10 @@ void add_molecule(gemmi::cif::Block& block, CutRows* cut, int frame, Atoms& out)
   const std::vector<uint32_t> atoms = rows.fill(size_t(at), parts, ends, out);
   out.has_residues = out.has_b_factors = true;
   if (s.cell.is_crystal()) out.cell = cell_of(s.cell);
+  if (s.cell.explicit_matrices)
+    out.notices.add_whole(Severity::warning,
+                          "the matrix _atom_sites.fract_transf_matrix disagrees with _cell; the "
+                          "cell is that of the matrix");
   const auto position = [&](uint32_t atom) {
     const auto [x, y, z] = rows.place_of(atom);
     return gemmi::Position(x, y, z);
