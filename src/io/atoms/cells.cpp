@@ -84,7 +84,7 @@ Atoms repeated(const Atoms& atoms, const std::vector<Vec3d>& shifts,
   return out;
 }
 
-bool fill_cell(const Atoms& atoms, int sides) {
+bool fill_cell(const Atoms& atoms) {
   const Parallelepiped cell(*atoms.cell, {1, 1, 1});
   if (cell.is_flat()) return false;
   if (atoms.atoms[0].element > 0 && cell.volume() < kRoom * double(atoms.atoms.size())) return true;
@@ -96,7 +96,7 @@ bool fill_cell(const Atoms& atoms, int sides) {
     }
   int filled = 0;
   for (int axis = 0; axis < 3; ++axis) filled += high[axis] - low[axis] > 0.5;
-  return filled >= sides;
+  return filled >= 2;
 }
 
 void complete_border(Atoms& atoms, const std::array<int, 3>& images) {

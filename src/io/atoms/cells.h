@@ -17,9 +17,9 @@ std::vector<Vec3d> shifts_of(const Atoms& atoms, const std::array<int, 3>& image
 Atoms repeated(const Atoms& atoms, const std::vector<Vec3d>& shifts,
                const std::array<int, 3>& images);
 
-/// Do the atoms reach over half of the cell along so many of its sides, or have they no more room
-/// than those of crystals? Not if it is flat.
-bool fill_cell(const Atoms& atoms, int sides);
+/// Do the atoms reach over half of the cell along two of its sides, or have they no more room than
+/// those of crystals? Not if it is flat.
+bool fill_cell(const Atoms& atoms);
 
 /// Adds the atoms that lie on a face, edge or corner of all `images` of the cell on the opposite
 /// ones, too, where there is none yet. A notice counts them.

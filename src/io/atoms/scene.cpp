@@ -58,11 +58,11 @@ bool is_sound(const Cell& cell) {
   return is_near(cell.origin) && std::ranges::all_of(cell.sides, is_near);
 }
 
-// Whether it is a crystal or a simulation, but no molecule with chains or a drop in a large box; a
-// protein may reach through its box.
+// Whether it is a crystal or a simulation, but no molecule with chains, and no drop, tube or
+// protein in a large box.
 bool is_of_cell(const Atoms& atoms) {
   return atoms.cell && atoms.chains.empty() && is_sound(*atoms.cell) && !atoms.atoms.empty() &&
-         fill_cell(atoms, has_polymer(atoms) ? 2 : 1);
+         fill_cell(atoms);
 }
 
 // Whether the edges of the cell are drawn.
