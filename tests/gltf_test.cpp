@@ -357,6 +357,7 @@ TEST(Gltf, InstancesOfTheExtensionAreCopies) {
   EXPECT_EQ(scene.instances.size(), 2u);
   EXPECT_EQ(bounds(scene).lo, Vec3f(0, 0, 1));
   EXPECT_EQ(bounds(scene).hi, Vec3f(7, 2, 1));
+  EXPECT_EQ(warnings_of(file), "");
   replace(file.nodes, "\"mesh\": 0", "\"mesh\": 0, \"skin\": 0");
   file.more += R"(, "skins": [{"joints": [0]}])";
   EXPECT_THAT(warnings_of(file), HasSubstr("left out: copies of meshes with skins (1: /meshes/0)"));

@@ -44,7 +44,10 @@ class GltfReader {
                                    "triangles or points",
                                    lines_)
                      : "there is nothing to draw: its scene has neither triangles nor points"};
-    if (scene_.spheres.empty() && std::ranges::none_of(scene_.meshes, has_area))
+    const auto is_seen = [](const Scene& scene) {
+      return !scene.spheres.empty() || std::ranges::any_of(scene.meshes, has_area);
+    };
+    if (!is_seen(scene_) && std::ranges::none_of(scene_.prototypes, is_seen))
       notices_.add_whole(Severity::warning, kNoArea);
     set_camera();
     ReadScene out{std::move(scene_), {}};
