@@ -583,16 +583,18 @@ std::string option_text(const RenderOptions& options, const OptionSpec& spec) {
   return std::visit(Text{o, spec}, spec.value);
 }
 
+std::string option_argument(std::string_view name, bool is_switch, std::string_view text) {
+  return is_switch ? fmt::format(" --{}{}", text == "false" ? "no-" : "", name)
+                   : fmt::format(" --{} {}", name, shell_word(text));
+}
+
 std::string option_arguments(const RenderOptions& options) {
   const RenderOptions usual;
   std::string out;
   for (const OptionSpec& spec : kTable) {
     const std::string text = option_text(options, spec);
     if (text == option_text(usual, spec)) continue;
-    if (spec.is_switch())
-      out += fmt::format(" --{}{}", text == "false" ? "no-" : "", spec.name);
-    else
-      out += fmt::format(" --{} {}", spec.name, shell_word(text));
+    out += option_argument(spec.name, spec.is_switch(), text);
   }
   return out;
 }

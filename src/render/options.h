@@ -149,6 +149,9 @@ std::string option_text(const RenderOptions& options, const OptionSpec& spec);
 /// are as always and as a shell wants it.
 std::string option_arguments(const RenderOptions& options);
 
+/// An option as part of these: " --aa 4".
+std::string option_argument(std::string_view name, bool is_switch, std::string_view text);
+
 /// `word` as a shell wants it.
 std::string shell_word(std::string_view word);
 

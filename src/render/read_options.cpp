@@ -173,11 +173,7 @@ std::string option_arguments(const ReadOptions& options) {
   std::string out;
   for (const ReadOptionSpec& spec : kTable) {
     const std::string text = spec.text(options);
-    if (text.empty()) continue;
-    if (spec.is_switch())
-      out += fmt::format(" --{}{}", text == "false" ? "no-" : "", spec.name);
-    else
-      out += fmt::format(" --{} {}", spec.name, shell_word(text));
+    if (!text.empty()) out += option_argument(spec.name, spec.is_switch(), text);
   }
   return out;
 }
