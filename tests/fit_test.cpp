@@ -127,16 +127,115 @@ TEST(Fit, CellsStandUpright) {
 }
 
 TEST(Fit, TellsWhichUpIsGuessed) {
+  using testing::ElementsAre, testing::IsEmpty;
   Scene scene = corners();
   RenderOptions o;
-  EXPECT_EQ(app::up_warning(o, scene), std::nullopt);
+  EXPECT_THAT(app::camera_warnings(o, scene), IsEmpty());
   o.side = Side::front;
-  EXPECT_THAT(app::up_warning(o, scene).value_or(""), HasSubstr("guessed as z,"));
+  EXPECT_THAT(app::camera_warnings(o, scene), ElementsAre(HasSubstr("guessed as z,")));
   o.up = Vec3d(0, 0, 1);
-  EXPECT_EQ(app::up_warning(o, scene), std::nullopt);
+  EXPECT_THAT(app::camera_warnings(o, scene), IsEmpty());
   o.up.reset();
   fit_camera(scene, FitView::three_quarter, {0, -1, 0});
-  EXPECT_EQ(app::up_warning(o, scene), std::nullopt);  // it is upright
+  EXPECT_THAT(app::camera_warnings(o, scene), IsEmpty());  // it is upright
+}
+
+// A cube of 5 x 5 x 5 spheres.
+Scene cube() {
+  Scene s = corners();
+  s.spheres.clear();
+  for (int i = 0; i < 125; ++i)
+    s.spheres.push_back({Vec3f(float(i % 5), float(i / 5 % 5), float(i / 25)), 0.5f});
+  s.sphere_materials.assign(s.spheres.size(), 0);
+  return s;
+}
+
+// Of the picture, whose edges are at -1 and 1, the part that the first 125 spheres take.
+struct Span {
+  double lowest = 1e9, highest = -1e9;
+
+  void add(double at, double radius) {
+    lowest = std::min(lowest, at - radius), highest = std::max(highest, at + radius);
+  }
+  double size() const { return (highest - lowest) / 2; }
+  bool is_inside() const { return lowest > -1 && highest < 1; }
+};
+
+std::array<Span, 2> part_of_picture(const Scene& scene, const Camera& c) {
+  const Vec3d view = Vec3d(c.at) - Vec3d(c.from), forward = normalize(view),
+              right = normalize(cross(forward, Vec3d(c.up))), up = cross(right, forward);
+  std::array<Span, 2> out;
+  for (size_t i = 0; i < 125; ++i) {
+    const Vec3d p = Vec3d(scene.spheres[i].center) - Vec3d(c.from);
+    const double depth = c.is_parallel() ? length(view) : dot(p, forward);
+    const auto edge = [&](float degrees) {
+      return depth * std::tan(double(degrees) * std::numbers::pi / 360);
+    };
+    out[0].add(dot(p, right) / edge(c.across_deg), 0.5 / edge(c.across_deg));
+    out[1].add(dot(p, up) / edge(c.fov_deg), 0.5 / edge(c.fov_deg));
+  }
+  return out;
+}
+
+// Do they fill the picture?
+void expect_full(const Scene& scene, const Camera& camera) {
+  const auto [across, up] = part_of_picture(scene, camera);
+  EXPECT_TRUE(across.is_inside() && up.is_inside());
+  EXPECT_GT(std::max(across.size(), up.size()), 0.85);
+}
+void expect_tiny(const Scene& scene, const Camera& camera) {
+  for (const Span& part : part_of_picture(scene, camera)) EXPECT_LT(part.size(), 0.1);
+}
+
+TEST(Fit, MostLeavesOutWhatIsFarAway) {
+  using testing::ElementsAre, testing::IsEmpty;
+  const Scene near = cube();
+  EXPECT_EQ(most_of(near).outside, 0u);
+  Scene stray = near;
+  stray.spheres.push_back({{900, 0, 0}, 0.5f}), stray.sphere_materials.push_back(0);
+  Scene ground = near;
+  ground.positions = {{-700, -700, -1}, {700, -700, -1}, {700, 700, -1}, {-700, 700, -1}};
+  ground.triangles = {{0, 1, 2}, {0, 2, 3}}, ground.triangle_materials = {0, 0};
+  Scene globe = near;  // a ground whose surface is near and its centre far away
+  globe.spheres.push_back({{2, 2, -1001}, 1000}), globe.sphere_materials.push_back(0);
+  for (Scene* scene : {&stray, &ground, &globe}) {
+    const Scene turned = *scene;
+    fit_camera(*scene, FitView::three_quarter);
+    expect_tiny(*scene, scene->camera);
+    for (const char* projection : {"perspective", "orthographic"}) {
+      const Camera most = camera_with(*scene, {{"fit", "most"}, {"projection", projection}});
+      expect_full(*scene, most);
+      EXPECT_LT(
+          length(normalize(most.at - most.from) - normalize(scene->camera.at - scene->camera.from)),
+          1e-5f);
+    }
+    for (const auto& [option, value] :
+         {std::pair("from", "top"), std::pair("up", "y"), std::pair("up", "1,2,3")})
+      expect_full(turned, camera_with(turned, {{"fit", "most"}, {option, value}}));
+    RenderOptions o;
+    EXPECT_THAT(app::camera_warnings(o, *scene), ElementsAre(HasSubstr("--fit most shows")));
+    o.fit = Fit::most;
+    EXPECT_THAT(app::camera_warnings(o, *scene), ElementsAre(HasSubstr("fitted without")));
+    o.fit = Fit::all;
+    EXPECT_THAT(app::camera_warnings(o, *scene), IsEmpty());
+    expect_tiny(*scene, camera_of(*scene, o));
+  }
+  EXPECT_NEAR(most_of(stray).radius, kFarAway * 3.5, kFarAway);
+  EXPECT_EQ(most_of(stray).outside, 1u);
+}
+
+// The camera of a file keeps its direction, whether or not it says how wide it is.
+TEST(Fit, AlongTheCameraOfAFile) {
+  for (const float across : {0.0f, 60.0f}) {
+    Scene scene = cube();
+    scene.camera.across_deg = across;
+    EXPECT_EQ(app::camera_warnings({}, scene).size(), 0u);
+    const Camera fitted = camera_with(scene, {{"fit", "all"}});
+    EXPECT_LT(
+        length(normalize(fitted.at - fitted.from) - normalize(scene.camera.at - scene.camera.from)),
+        1e-5f);
+    expect_full(scene, fitted);
+  }
 }
 
 TEST(Fit, WhatASideCannotBe) {
@@ -145,6 +244,12 @@ TEST(Fit, WhatASideCannotBe) {
   o.side = Side::front, o.at = Vec3d(1, 2, 3);
   EXPECT_THAT(option_conflict(o, &scene)->message, HasSubstr("cannot be combined with a side"));
   o.at.reset(), o.up = Vec3d();
+  EXPECT_THAT(option_conflict(o, &scene)->message, HasSubstr("must not be 0"));
+  o.up.reset(), o.fit = Fit::most;
+  EXPECT_EQ(option_conflict(o, &scene), std::nullopt);
+  o.side.reset(), o.from = Vec3d(1, 2, 3);
+  EXPECT_THAT(option_conflict(o, &scene)->message, HasSubstr("cannot be combined with a place"));
+  o.from.reset(), o.up = Vec3d();
   EXPECT_THAT(option_conflict(o, &scene)->message, HasSubstr("must not be 0"));
   o.up.reset();
   scene.spheres = {}, scene.sphere_materials = {};

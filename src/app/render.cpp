@@ -263,7 +263,7 @@ class Pictures {
   void warn(const std::string& what) const { print_line("raio: warning: " + about_ + what); }
 
   void print_warnings(const RenderJob& job) const {
-    if (const auto line = up_warning(command_.options, job.scene())) warn(*line);
+    for (const std::string& line : camera_warnings(command_.options, job.scene())) warn(line);
     for (const std::string& line : warning_lines(job.scene(), job.settings(), &job.accel(), true))
       warn(line);
   }

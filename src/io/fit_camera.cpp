@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <optional>
 #include <vector>
 
+#include "base/random.h"
 #include "scene/enclosing.h"
 
 namespace raio {
@@ -138,9 +140,54 @@ float degrees(double tangent) {
 
 Vec3d middle_of(const Box3f& box) { return (Vec3d(box.lo) + Vec3d(box.hi)) * 0.5; }
 
-// The scene's camera, so that a picture that lies so holds the scene, which has such bounds.
-Camera fitted(const Scene& scene, const Box3f& box, const PictureAxes& axes) {
-  Camera camera = scene.camera;
+/// Spheres that enclose a scene.
+struct Places {
+  struct Place {
+    Vec3f center;
+    float radius;
+  };
+  std::vector<Place> all;
+
+  void join(const Places& b) { all.insert(all.end(), b.all.begin(), b.all.end()); }
+};
+
+struct Extent {
+  Box3f box;
+
+  void join(const Extent& b) { box.extend(b.box); }
+};
+
+/// What a camera shows of a scene.
+class Shown {
+ public:
+  Shown(const Scene& scene, Fit fit) : scene_(scene) {
+    if (fit == Fit::most) most_ = most_of(scene);
+  }
+
+  /// sum_up() of it alone.
+  template <class Sum, class Add>
+  Sum sum(const Add& add) const {
+    if (!most_) return sum_up<Sum>(scene_, add);
+    return sum_up<Sum>(scene_, [&](Sum& sum, Vec3f center, float radius) {
+      if (most_->has(center, radius)) add(sum, center, radius);
+    });
+  }
+
+  Box3f box() const {
+    if (!most_) return bounds(scene_);
+    return sum<Extent>([](Extent& e, Vec3f center, float radius) {
+             e.box.extend(center - Vec3f(radius)), e.box.extend(center + Vec3f(radius));
+           })
+        .box;
+  }
+
+ private:
+  const Scene& scene_;
+  std::optional<MostOfScene> most_;
+};
+
+// The camera moved, so that a picture that lies so holds what is shown, which has such bounds.
+Camera fitted(const Shown& shown, const Box3f& box, Camera camera, const PictureAxes& axes) {
   camera.movement.reset();
   const auto& [to_right, to_up, forward] = axes;
   const Vec3d middle = middle_of(box);
@@ -150,7 +197,7 @@ Camera fitted(const Scene& scene, const Box3f& box, const PictureAxes& axes) {
                secant_across = std::sqrt(1 + across * across);
   // A sphere at (x, y, z) before a camera at a distance D from the middle stays below the upper
   // edge if y + radius / cos <= (D + z) tan, and so on.
-  const auto needs = sum_up<Needs>(scene, [&](Needs& n, Vec3f center, float radius) {
+  const auto needs = shown.sum<Needs>([&](Needs& n, Vec3f center, float radius) {
     const Vec3d c = Vec3d(center) - middle;
     const double x = dot(c, to_right), y = dot(c, to_up), z = dot(c, forward);
     const double high = double(radius) * secant - z * tangent,
@@ -166,7 +213,7 @@ Camera fitted(const Scene& scene, const Box3f& box, const PictureAxes& axes) {
   const Vec3d at = middle + to_right * ((needs.right - needs.left) / 2) +
                    to_up * ((needs.above - needs.below) / 2);
   const Vec3d from = at - forward * distance;
-  const auto tangents = sum_up<Tangents>(scene, [&](Tangents& t, Vec3f center, float radius) {
+  const auto tangents = shown.sum<Tangents>([&](Tangents& t, Vec3f center, float radius) {
     const Vec3d c = Vec3d(center) - from;
     const double x = std::abs(dot(c, to_right)), y = std::abs(dot(c, to_up)), r = double(radius),
                  z = std::max(dot(c, forward), 1e-6 * distance);
@@ -195,7 +242,7 @@ void fit_camera(Scene& scene, FitView view, Vec3f up) {
     });
     axes = principal_axes(moments);
   }
-  scene.camera = fitted(scene, box,
+  scene.camera = fitted(Shown(scene, Fit::all), box, scene.camera,
                         axes ? PictureAxes{(*axes)[0], (*axes)[1], cross((*axes)[1], (*axes)[0])}
                              : three_quarter(normalize(Vec3d(up))));
 }
@@ -208,16 +255,59 @@ void fit_camera_to_cell(Scene& scene, const std::array<Vec3d, 3>& sides, bool is
   const Vec3d across = length(sides[1]) > length(sides[0]) ? sides[1] : sides[0];
   const Vec3d right = normalize(across - up * dot(across, up)), front = cross(right, up);
   scene.camera =
-      fitted(scene, box,
+      fitted(Shown(scene, Fit::all), box, scene.camera,
              is_flat ? axes_towards(up * -1.0, front * -1.0)
                      : axes_towards(normalize(front + right * 0.3 + up * 0.22) * -1.0, up));
 }
 
-Camera fitted_from(const Scene& scene, std::optional<Side> side, Vec3f up) {
-  const Box3f box = bounds(scene);
+MostOfScene most_of(const Scene& scene) {
+  constexpr size_t kEnough = size_t(1) << 20;
+  const auto every = uint32_t(1 + scene.primitive_count() / kEnough);
+  auto places = sum_up<Places>(scene, [&](Places& p, Vec3f c, float radius) {
+                  const auto word = [](float x) { return std::bit_cast<uint32_t>(x); };
+                  const uint32_t key = hash_of(hash_of(scramble(word(c.x)), word(c.y)), word(c.z));
+                  if (key % every == 0) p.all.push_back({c, radius});
+                }).all;
+  MostOfScene out;
+  out.places = places.size();
+  if (places.empty()) return out;
+  const auto quantile = [&](double part, const auto& of) {
+    const auto at = places.begin() + std::ptrdiff_t(part * double(places.size() - 1));
+    std::ranges::nth_element(places, at, {}, of);
+    return of(*at);
+  };
+  for (int axis = 0; axis < 3; ++axis)
+    out.center[axis] = quantile(0.5, [&](const auto& p) { return p.center[axis]; });
+  const auto reach = [&](const Places::Place& p) {
+    return length(Vec3d(p.center) - Vec3d(out.center)) + double(p.radius);
+  };
+  out.radius = kFarAway * quantile(0.75, reach);
+  Box3f all, inside;
+  for (const Places::Place& p : places) {
+    const bool is_inside = reach(p) <= out.radius;
+    if (!is_inside) ++out.outside;
+    for (Box3f* box : {&all, is_inside ? &inside : &all})
+      box->extend(p.center - Vec3f(p.radius)), box->extend(p.center + Vec3f(p.radius));
+  }
+  if (out.outside > 0)
+    out.shrinks = length(Vec3d(all.size())) / std::max(length(Vec3d(inside.size())), 1e-300);
+  return out;
+}
+
+Camera fitted_from(const Scene& scene, std::optional<Side> side, Vec3f up, Fit fit) {
+  const Shown shown(scene, fit);
+  const Box3f box = shown.box();
   if (box.empty()) return scene.camera;
   const Vec3d to_up = normalize(Vec3d(up));
-  return fitted(scene, box, side ? axes_from(*side, to_up) : three_quarter(to_up));
+  return fitted(shown, box, scene.camera, side ? axes_from(*side, to_up) : three_quarter(to_up));
+}
+
+Camera fitted_along(const Scene& scene, const Camera& camera, Fit fit) {
+  const Shown shown(scene, fit);
+  const Box3f box = shown.box();
+  if (box.empty()) return camera;
+  const Vec3d view = Vec3d(camera.at) - Vec3d(camera.from);
+  return fitted(shown, box, camera, axes_towards(normalize(view), Vec3d(camera.up)));
 }
 
 Vec3f nearest_axis(Vec3f direction) {
@@ -229,10 +319,10 @@ Vec3f nearest_axis(Vec3f direction) {
   return out;
 }
 
-Camera fitted_in_parallel(const Scene& scene, const Camera& camera) {
+Camera fitted_in_parallel(const Scene& scene, const Camera& camera, Fit fit) {
   const Vec3d at(camera.at), view = at - Vec3d(camera.from), forward = normalize(view);
   const Vec3d right = normalize(cross(forward, Vec3d(camera.up))), up = cross(right, forward);
-  const auto needs = sum_up<Needs>(scene, [&](Needs& n, Vec3f center, float radius) {
+  const auto needs = Shown(scene, fit).sum<Needs>([&](Needs& n, Vec3f center, float radius) {
     const Vec3d c = Vec3d(center) - at;
     const double x = dot(c, right), y = dot(c, up), r = double(radius);
     n.join({r + y, r - y, r + x, r - x});

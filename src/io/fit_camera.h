@@ -26,18 +26,44 @@ void fit_camera_to_cell(Scene& scene, const std::array<Vec3d, 3>& sides, bool is
 /// A side of the scene; `iso` is the corner between front, right and top.
 enum class Side : uint8_t { front, back, left, right, top, bottom, iso };
 
-/// The scene's camera moved so that it shows all of the scene as large as it fits, from one of its
-/// sides, or, without one, at an angle from above. With the z axis up the front faces -y, with the
-/// y axis up +z; in both the right side faces +x. In the pictures from above and from below, the
-/// right side is on the right.
-Camera fitted_from(const Scene& scene, std::optional<Side> side, Vec3f up);
+/// What a fitted camera shows: all of the scene, or most of it, without what lies far from the
+/// rest, such as ground planes and stray atoms.
+enum class Fit : uint8_t { all, most };
+
+/// The part of a scene that Fit::most shows: what lies in a sphere. Its centre is the median of the
+/// places along each axis, its radius kFarAway times the distance in which three quarters lie.
+/// Places are the centres of spheres, the corners of triangles and polygons, and those of the boxes
+/// of all else, each with the radius that belongs to it. Of a million places and more it is that of
+/// a sample that does not depend on threads.
+struct MostOfScene {
+  Vec3d center;
+  double radius = 0;
+  size_t places = 0, outside = 0;  // of the sample
+  /// The size of all of the scene over that of this part; 1 where nothing is outside.
+  double shrinks = 1;
+
+  bool has(Vec3f place, float its_radius) const {
+    return length(Vec3d(place) - center) + double(its_radius) <= radius;
+  }
+};
+inline constexpr double kFarAway = 3;  // a cube, evenly filled, reaches 1.9 times as far
+MostOfScene most_of(const Scene& scene);
+
+/// The scene's camera moved so that it shows the scene as large as it fits, from one of its sides,
+/// or, without one, at an angle from above. With the z axis up the front faces -y, with the y axis
+/// up +z; in both the right side faces +x. In the pictures from above and from below, the right
+/// side is on the right.
+Camera fitted_from(const Scene& scene, std::optional<Side> side, Vec3f up, Fit fit = Fit::all);
+
+/// The camera moved likewise, without another direction.
+Camera fitted_along(const Scene& scene, const Camera& camera, Fit fit);
 
 /// The axis, x, y or z in either direction, nearest to a direction.
 Vec3f nearest_axis(Vec3f direction);
 
 /// The camera, which looks at the scene from some direction, moved across it and with other angles,
-/// so that its parallel rays show all of the scene as large as it fits.
-Camera fitted_in_parallel(const Scene& scene, const Camera& camera);
+/// so that its parallel rays show the scene as large as it fits.
+Camera fitted_in_parallel(const Scene& scene, const Camera& camera, Fit fit = Fit::all);
 
 /// The vertical angle, in degrees, at which the camera sees what it must in a picture so wide and
 /// high.

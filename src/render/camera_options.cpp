@@ -27,26 +27,31 @@ bool is_refitted(const Camera& camera, const Camera& own) {
 }
 
 // Do the options ask for a camera that is fitted to the scene from another direction?
-bool asks_to_fit(const RenderOptions& o, const Camera& own) {
+bool asks_to_turn(const RenderOptions& o, const Camera& own) {
   if (o.from || o.at) return false;
-  return o.side || (o.up && *o.up != Vec3d() && own.across_deg > 0);
+  return o.side || (o.up && *o.up != Vec3d() && (own.across_deg > 0 || o.fit));
 }
 
 }  // namespace
 
 Camera camera_of(const Scene& scene, const RenderOptions& options) {
   const Camera& own = scene.camera;
-  const bool fits = asks_to_fit(options, own);
-  Camera camera = fits ? fitted_from(scene, options.side,
-                                     options.up ? Vec3f(*options.up) : nearest_axis(own.up))
-                       : own;
+  const bool turns = asks_to_turn(options, own);
+  const Fit fit = options.fit.value_or(Fit::all);
+  Camera camera = own;
+  if (turns)
+    camera = fitted_from(scene, options.side,
+                         options.up ? Vec3f(*options.up) : nearest_axis(own.up), fit);
+  else if (options.fit)
+    camera = fitted_along(scene, own, fit);
   if (options.from || options.at) camera.movement.reset();
   if (options.from) camera.from = Vec3f(*options.from - scene.origin);
   if (options.at) camera.at = Vec3f(*options.at - scene.origin);
-  if (options.up && !fits) camera.up = Vec3f(*options.up);
+  if (options.up && !turns) camera.up = Vec3f(*options.up);
   camera.projection = options.projection.value_or(camera.projection);
-  if (fits ? camera.is_parallel() : is_refitted(camera, own) && !options.from && !options.at)
-    camera = fitted_in_parallel(scene, camera);
+  if (turns || options.fit ? camera.is_parallel()
+                           : is_refitted(camera, own) && !options.from && !options.at)
+    camera = fitted_in_parallel(scene, camera, fit);
   if (options.fov_deg > 0) camera.fov_deg = options.fov_deg;
   return camera;
 }
@@ -62,7 +67,7 @@ void set_camera(RenderOptions& options, const Camera& camera, const Scene& scene
   const bool stops = own.movement && !camera.movement;
   // Without both places, camera_of() would fit the camera anew.
   const bool refits = is_refitted(camera, own) || (camera.up != own.up && own.across_deg > 0);
-  options.side.reset();
+  options.side.reset(), options.fit.reset();
   options.from = given(camera.from != own.from || stops || refits, camera.from, scene.origin);
   options.at = given(camera.at != own.at || refits, camera.at, scene.origin);
   options.up = given(camera.up != own.up, camera.up, {});
@@ -74,7 +79,7 @@ void set_camera(RenderOptions& options, const Camera& camera, const Scene& scene
 
 void reset_camera(RenderOptions& options) {
   options.from = options.at = options.up = std::nullopt;
-  options.side.reset(), options.projection.reset(), options.fov_deg = 0;
+  options.side.reset(), options.fit.reset(), options.projection.reset(), options.fov_deg = 0;
 }
 
 }  // namespace raio

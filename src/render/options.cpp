@@ -24,6 +24,7 @@ constexpr std::array<std::string_view, 3> kShadingNames = {"nff", "phong", "blin
 constexpr std::array<std::string_view, 2> kProjectionNames = {"perspective", "orthographic"};
 constexpr std::array<std::string_view, 7> kSideNames = {"front", "back",   "left", "right",
                                                         "top",   "bottom", "iso"};
+constexpr std::array<std::string_view, 2> kFitNames = {"all", "most"};
 constexpr std::array<std::string_view, 3> kFresnelNames = {"none", "exact", "schlick"};
 
 // "512x512x8" into as many whole numbers as `out` holds.
@@ -107,6 +108,10 @@ std::expected<void, std::string> parse_shading(RenderOptions& o, std::string_vie
 
 std::expected<void, std::string> parse_projection(RenderOptions& o, std::string_view text) {
   return parse_word<Projection>(kProjectionNames, text, o.projection);
+}
+
+std::expected<void, std::string> parse_fit(RenderOptions& o, std::string_view text) {
+  return parse_word<Fit>(kFitNames, text, o.fit);
 }
 
 std::expected<void, std::string> parse_fresnel(RenderOptions& o, std::string_view text) {
@@ -228,6 +233,9 @@ std::string shutter_text(const RenderOptions& o) {
 std::string projection_text(const RenderOptions& o) {
   return o.projection ? std::string(projection_name(*o.projection)) : "";
 }
+std::string fit_text(const RenderOptions& o) {
+  return o.fit ? std::string(kFitNames[size_t(*o.fit)]) : "";
+}
 std::string fresnel_text(const RenderOptions& o) {
   return o.fresnel ? std::string(fresnel_name(*o.fresnel)) : "";
 }
@@ -340,6 +348,11 @@ constexpr auto kTable = std::to_array<OptionSpec>({
      "data is fitted anew unless `from` or `at` has numbers (default: the scene's; with a side, "
      "the axis nearest to it)",
      parse_up, 0, 0, vector_text<&Options::up>},
+    {"fit", "NAME",
+     "Move the camera without turning it, so that it shows all of the scene, or most, without what "
+     "lies far from the rest, such as ground planes and stray atoms (default: the scene's camera; "
+     "all for data without one)",
+     parse_fit, 0, 0, fit_text, kFitNames},
     {"fov", "DEG", "Vertical field of view in degrees (default: the scene's)",
      +[](Options& o) -> float& { return o.fov_deg; }, 0.001, 179},
     {"projection", "NAME",

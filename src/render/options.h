@@ -37,6 +37,7 @@ struct RenderOptions {
   std::optional<Crop> crop;
   std::optional<Vec3d> from, at, up;  // of the camera, in the coordinates of the file
   std::optional<Side> side;           // instead of `from`
+  std::optional<Fit> fit;
   float fov_deg = 0;
   std::optional<Projection> projection;
   std::optional<IntegratorKind> integrator;
@@ -74,9 +75,9 @@ struct RenderOptions {
   friend bool operator==(const RenderOptions&, const RenderOptions&) = default;
 };
 
-/// The scene's camera with what the options say of it. It is fitted to the scene where a side is
-/// given. One that was fitted to data is fitted anew for another direction up and for parallel
-/// rays, unless a place is given.
+/// The scene's camera with what the options say of it. It is fitted to the scene where a side or
+/// `fit` is given. One that was fitted to data is fitted anew for another direction up and for
+/// parallel rays, unless a place is given.
 Camera camera_of(const Scene& scene, const RenderOptions& options);
 
 /// The options that make a camera of the scene that of a picture: what differs from the scene's.

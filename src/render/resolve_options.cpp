@@ -80,7 +80,12 @@ std::optional<Error> lens_conflict(const RenderOptions& options) {
 }
 
 // Without the scene.
-std::optional<Error> side_conflict(const RenderOptions& options) {
+std::optional<Error> fit_conflict(const RenderOptions& options) {
+  if (options.fit && (options.from || options.at))
+    return bad_option("fit",
+                      "cannot be combined with a place of the camera; leave it or the numbers in "
+                      "`from` and `at` out");
+  if (options.fit && options.up == Vec3d()) return bad_option("up", "must not be 0");
   if (!options.side) return std::nullopt;
   if (options.at)
     return bad_option("at",
@@ -91,10 +96,10 @@ std::optional<Error> side_conflict(const RenderOptions& options) {
 }
 
 std::optional<Error> scene_conflict(const RenderOptions& options, const Scene& scene) {
-  if (options.side && bounds(scene).empty())
-    return bad_option("from",
-                      "a side needs a scene that ends somewhere, and this one has nothing "
-                      "but infinite planes; give numbers");
+  if ((options.side || options.fit) && bounds(scene).empty())
+    return bad_option(options.fit ? "fit" : "from",
+                      "needs a scene that ends somewhere, and this one has nothing but infinite "
+                      "planes; give the camera's place in numbers");
   if (const auto why = camera_problem(camera_of(scene, options)); !why.empty())
     return bad_option("", fmt::format("`from`, `at`, `up`: {}", why));
   if (auto why = figure_conflict(options, scene)) return why;
@@ -134,7 +139,7 @@ std::optional<Error> option_conflict(const RenderOptions& options, const Scene* 
     return bad_option("width", "cannot be combined with `size` in pixels; give one of them");
   if (auto why = accel_conflict(options)) return why;
   if (auto why = sample_conflict(options)) return why;
-  if (auto why = side_conflict(options)) return why;
+  if (auto why = fit_conflict(options)) return why;
   if (options.light_size > 0 && !options.soft_shadows) return without("light-size", "soft-shadows");
   const bool of_rays = options.view != View::picture && options.view != View::samples;
   if (of_rays && options.integrator && *options.integrator != IntegratorKind::views)

@@ -29,7 +29,7 @@ int open_window(const app::ViewCommand& command) {
   state.read_options = command.read;
   std::vector<std::string> warnings;
   for (const Diagnostic& d : said) warnings.push_back(d.text());
-  if (auto line = app::up_warning(command.options, *state.scene)) warnings.push_back(*line);
+  for (auto& line : app::camera_warnings(command.options, *state.scene)) warnings.push_back(line);
   auto session = std::make_unique<Session>(Window::wake);
   session->request({state.scene, first_request});
 
