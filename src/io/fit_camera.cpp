@@ -272,7 +272,7 @@ MostOfScene most_of(const Scene& scene) {
   out.places = places.size();
   if (places.empty()) return out;
   const auto quantile = [&](double part, const auto& of) {
-    const auto at = places.begin() + std::ptrdiff_t(part * double(places.size() - 1));
+    const auto at = places.begin() + std::ptrdiff_t(std::ceil(part * double(places.size() - 1)));
     std::ranges::nth_element(places, at, {}, of);
     return of(*at);
   };
@@ -282,6 +282,8 @@ MostOfScene most_of(const Scene& scene) {
     return length(Vec3d(p.center) - Vec3d(out.center)) + double(p.radius);
   };
   out.radius = kFarAway * quantile(0.75, reach);
+  // Of what is at one place but for a few nothing is near.
+  if (out.radius == 0) out.radius = std::numeric_limits<double>::infinity();
   Box3f all, inside;
   for (const Places::Place& p : places) {
     const bool is_inside = reach(p) <= out.radius;
