@@ -51,6 +51,13 @@ inline constexpr std::string_view kDump =
     "ITEM: BOX BOUNDS xy xz yz pp pp pp\n0 12 2\n0 10 0\n0 10 0\n"
     "ITEM: ATOMS id element xs ys zs diameter\n1 Fe 0.5 0.5 0.5 3\n";
 
+inline constexpr std::string_view kSalt =
+    "data_salt\n_cell_length_a 5.64\n_cell_length_b 5.64\n_cell_length_c 5.64\n"
+    "_cell_angle_alpha 90\n_cell_angle_beta 90\n_cell_angle_gamma 90\n"
+    "_symmetry_space_group_name_H-M 'F m -3 m'\n"
+    "loop_\n_atom_site_label\n_atom_site_fract_x\n_atom_site_fract_y\n_atom_site_fract_z\n"
+    "Na1 0 0 0\nCl1 0.5 0.5 0.5000(1)\n";
+
 inline constexpr std::string_view kData =
     "LAMMPS data file\n\n3 atoms\n2 bonds\n2 atom types\n0 20 xlo xhi\n0 20 ylo yhi\n"
     "0 20 zlo zhi\n\nMasses\n\n1 15.9994 # O\n2 1.008\n\nAtoms # full\n\n"

@@ -108,5 +108,34 @@ TEST(SceneWarnings, JudgeTheScenesHere) {
   }
 }
 
+// With and without alpha, beside which colours have no background.
+TEST(SceneWarnings, TellOfBlankPictures) {
+  Scene scene = wall(4);
+  const auto blank = [&](const char* background, bool alpha) {
+    RenderOptions options;
+    for (const OptionSpec& spec : render_option_table())
+      if (spec.name == "background") {
+        EXPECT_TRUE(set_option(options, spec, background));
+      }
+    if (alpha) options.channels.add(Channel::alpha);
+    const RenderSettings settings = resolve_options(options, scene);
+    const auto accel = build_accel(scene, settings.accel);
+    auto film = make_film(scene, settings);
+    RenderControl control;
+    render(scene, **accel, settings, **film, control);
+    return blank_warning(**film, settings, **accel);
+  };
+  for (const bool is_ahead : {true, false}) {
+    if (!is_ahead) scene.planes[0].point = {0, 0, 4}, scene.camera.at = {0, 0, -1};
+    for (const char* background : {"transparent", "0.2,0.3,0.4"})
+      for (const bool alpha : {true, false})
+        EXPECT_EQ(blank(background, alpha).has_value(), !is_ahead) << background << alpha;
+  }
+  scene = wall(4);
+  scene.materials.front().color = {};  // black before black
+  EXPECT_EQ(blank("transparent", true), std::nullopt);
+  EXPECT_THAT(blank("black", false).value_or(""), HasSubstr("colour of the background"));
+}
+
 }  // namespace
 }  // namespace raio

@@ -158,7 +158,7 @@ std::expected<void, Error> RenderJob::run() {
                             : "nothing was written")});
   describe(samples);
   if (events_.warning && done.finished && request_.shards == 1)
-    if (const auto why = blank_warning(part_.film->resolve(), settings_, *accel_))
+    if (const auto why = blank_warning(*part_.film, settings_, *accel_))
       events_.warning(Error{ErrorKind::bad_input, "", *why});
   return {};
 }

@@ -133,13 +133,19 @@ double seconds_with_tree(const Scene& scene, RenderSettings settings) {
   return tried > 0 ? build + done.busy_s * rays / tried / std::max(1, settings.threads) : 0;
 }
 
-std::optional<std::string> blank_warning(const Image& picture, const RenderSettings& settings,
+std::optional<std::string> blank_warning(const Film& film, const RenderSettings& settings,
                                          const Accel& accel) {
-  constexpr float kSame = 0.5f / 255;
   const auto is_background = [&](const Rgb& pixel) {
+    constexpr float kSame = 0.5f / 255;
     return max_component(abs(pixel - settings.background)) < kSame;
   };
-  if (settings.sky || !std::ranges::all_of(picture.pixels, is_background)) return std::nullopt;
+  const auto is_clear = [](float alpha) { return alpha == 0; };
+  // Colours beside alpha have no background.
+  const bool is_blank =
+      settings.channels.has(Channel::alpha)
+          ? std::ranges::all_of(std::get<Column<float>>(film.resolve(Channel::alpha)), is_clear)
+          : !settings.sky && std::ranges::all_of(film.resolve().pixels, is_background);
+  if (!is_blank) return std::nullopt;
   const Camera camera = camera_at(settings.camera, settings.shutter_open);
   const EyeRays eye(camera, settings.width, settings.height, settings.angle_to_centers);
   const bool looks_elsewhere = depths_seen(settings, camera, eye, accel).empty();

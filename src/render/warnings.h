@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "accel/accel.h"
+#include "integrate/film.h"
 #include "integrate/settings.h"
-#include "io/image/image.h"
 #include "scene/scene.h"
 
 namespace raio {
@@ -43,7 +43,7 @@ std::vector<SceneWarning> scene_warnings(const Scene& scene, const RenderSetting
 double seconds_with_tree(const Scene& scene, RenderSettings settings);
 
 /// Why the finished picture may show nothing, where all its pixels are those of the background.
-std::optional<std::string> blank_warning(const Image& picture, const RenderSettings& settings,
+std::optional<std::string> blank_warning(const Film& film, const RenderSettings& settings,
                                          const Accel& accel);
 
 }  // namespace raio

@@ -28,10 +28,11 @@ void check_shape(const Sphere& s, Must&& must) {
 /// With a radius that is not negative.
 inline Sphere bake(const Sphere& s) { return {s.center, std::abs(s.radius)}; }
 
-inline Box3f bounds(const Sphere& s) {
+inline Box3d exact_bounds(const Sphere& s) {
   const Vec3d c(s.center), r(std::abs(double(s.radius)));
-  return rounded_out({c - r, c + r});
+  return {c - r, c + r};
 }
+inline Box3f bounds(const Sphere& s) { return rounded_out(exact_bounds(s)); }
 
 /// The distances at which a ray enters and leaves; `entry > exit` when it misses.
 struct SphereRoots {

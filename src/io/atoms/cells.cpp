@@ -89,14 +89,16 @@ bool fill_cell(const Atoms& atoms) {
   if (cell.is_flat()) return false;
   if (atoms.atoms[0].element > 0 && cell.volume() < kRoom * double(atoms.atoms.size())) return true;
   Vec3d low(1e300), high(-1e300);
-  for (size_t i = 0; i < atoms.atoms.size(); ++i)
+  for (size_t i = 0; i < atoms.atoms.size(); ++i) {
+    int filled = 0;
     for (int axis = 0; axis < 3; ++axis) {
       const double part = cell.part(place_of(atoms, i), axis);
       low[axis] = std::min(low[axis], part), high[axis] = std::max(high[axis], part);
+      filled += high[axis] - low[axis] > 0.5;
     }
-  int filled = 0;
-  for (int axis = 0; axis < 3; ++axis) filled += high[axis] - low[axis] > 0.5;
-  return filled >= 2;
+    if (filled >= 2) return true;
+  }
+  return false;
 }
 
 void complete_border(Atoms& atoms, const std::array<int, 3>& images) {

@@ -73,8 +73,9 @@ bool draws_cell(const Atoms& atoms, const ReadOptions& options) {
 // Whether the atoms on the border of the cell are drawn on all of its sides, as in pictures of
 // crystals. The bonds of a file do not lead to them.
 bool completes_cell(const Atoms& atoms, const ReadOptions& options) {
-  return draws_cell(atoms, options) && any_element(atoms) && atoms.finds_bonds &&
-         atoms.atoms.size() <= kFew && atoms.atoms.size() * images_of(options) <= kMostCompleted;
+  return atoms.finds_bonds && atoms.atoms.size() <= kFew &&
+         atoms.atoms.size() * images_of(options) <= kMostCompleted && any_element(atoms) &&
+         draws_cell(atoms, options);
 }
 
 class AtomScene {

@@ -219,7 +219,12 @@ void complete_angles(gemmi::cif::Block& block, Notices& notices) {
 
 void add_crystal(gemmi::cif::Block& block, Atoms& out) {
   complete_angles(block, out.notices);
-  const gemmi::SmallStructure small = gemmi::make_small_structure_from_block(block);
+  gemmi::SmallStructure small = gemmi::make_small_structure_from_block(block);
+  // gemmi takes a side of exactly 1 for that of no cell.
+  const auto is_given = [&](const char* side) { return !value_of(block, {side}).empty(); };
+  if (gemmi::UnitCell& cell = small.cell; cell.a == 1 && is_given("_cell_length_a") &&
+                                          is_given("_cell_length_b") && is_given("_cell_length_c"))
+    cell.set(std::nextafter(1.0, 2.0), cell.b, cell.c, cell.alpha, cell.beta, cell.gamma);
   if (!small.cell.is_crystal())
     throw std::runtime_error("it gives parts of a cell, but not the lengths of the cell's sides");
   const std::vector<gemmi::Op> symmetry = symmetry_of(block, small, out.notices);
@@ -227,6 +232,9 @@ void add_crystal(gemmi::cif::Block& block, Atoms& out) {
   out.cell = cell_of(small.cell);
   out.has_residues = out.has_b_factors = true;
   std::vector<Site> sites = sites_of(block, small, out.notices);
+  if (sites.empty() && !small.sites.empty())
+    throw std::runtime_error(
+        "it has atom sites, but none with coordinates, but for dummy and disordered ones");
   // Where elements share a site, the most frequent one is drawn.
   std::vector<Site*> by_occupancy;
   for (Site& site : sites) by_occupancy.push_back(&site);
