@@ -190,7 +190,7 @@ void expect_tiny(const Scene& scene, const Camera& camera) {
 TEST(Fit, MostLeavesOutWhatIsFarAway) {
   using testing::ElementsAre, testing::IsEmpty;
   const Scene near = cube();
-  EXPECT_EQ(most_of(near).outside, 0u);
+  EXPECT_EQ(part_outside(near, most_of(near)), 0);
   Scene stray = near;
   stray.spheres.push_back({{900, 0, 0}, 0.5f}), stray.sphere_materials.push_back(0);
   Scene ground = near;
@@ -221,7 +221,7 @@ TEST(Fit, MostLeavesOutWhatIsFarAway) {
     expect_tiny(*scene, camera_of(*scene, o));
   }
   EXPECT_NEAR(most_of(stray).radius, kFarAway * 3.5, kFarAway);
-  EXPECT_EQ(most_of(stray).outside, 1u);
+  EXPECT_EQ(part_outside(stray, most_of(stray)), 1.0 / 126);
 }
 
 // The camera of a file keeps its direction, whether or not it says how wide it is.

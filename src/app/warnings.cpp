@@ -36,11 +36,13 @@ std::optional<std::string> fit_warning(const RenderOptions& options, const Scene
   if (!leaves_out && !options.side && scene.camera.across_deg <= 0) return std::nullopt;
   const MostOfScene most = most_of(scene);
   constexpr double kMuchSmaller = 3;
-  if (most.outside == 0 || (!leaves_out && most.shrinks < kMuchSmaller)) return std::nullopt;
+  if (!leaves_out && most.shrinks < kMuchSmaller) return std::nullopt;
+  const double part = part_outside(scene, most);
+  if (part == 0) return std::nullopt;
   const Vec3d center = Vec3d(most.center) + scene.origin;
-  const std::string outside = fmt::format(
-      "{:.2g} % of the scene, farther than {:.3g} from {:.4g},{:.4g},{:.4g}",
-      100 * double(most.outside) / double(most.places), most.radius, center.x, center.y, center.z);
+  const std::string outside =
+      fmt::format("{:.2g} % of the scene, farther than {:.3g} from {:.4g},{:.4g},{:.4g}",
+                  100 * part, most.radius, center.x, center.y, center.z);
   if (leaves_out) return fmt::format("the camera is fitted without {}", outside);
   if (!options.side && !shows_all(scene.camera, scene)) return std::nullopt;
   return fmt::format(

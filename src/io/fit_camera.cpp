@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <optional>
 #include <vector>
 
-#include "base/random.h"
 #include "scene/enclosing.h"
 
 namespace raio {
@@ -154,6 +152,9 @@ struct Places {
 struct Extent {
   Box3f box;
 
+  void add(Vec3f center, float radius) {
+    box.extend(center - Vec3f(radius)), box.extend(center + Vec3f(radius));
+  }
   void join(const Extent& b) { box.extend(b.box); }
 };
 
@@ -175,10 +176,7 @@ class Shown {
 
   Box3f box() const {
     if (!most_) return bounds(scene_);
-    return sum<Extent>([](Extent& e, Vec3f center, float radius) {
-             e.box.extend(center - Vec3f(radius)), e.box.extend(center + Vec3f(radius));
-           })
-        .box;
+    return sum<Extent>([](Extent& e, Vec3f center, float radius) { e.add(center, radius); }).box;
   }
 
  private:
@@ -261,15 +259,12 @@ void fit_camera_to_cell(Scene& scene, const std::array<Vec3d, 3>& sides, bool is
 }
 
 MostOfScene most_of(const Scene& scene) {
-  constexpr size_t kEnough = size_t(1) << 20;
-  const auto every = uint32_t(1 + scene.primitive_count() / kEnough);
-  auto places = sum_up<Places>(scene, [&](Places& p, Vec3f c, float radius) {
-                  const auto word = [](float x) { return std::bit_cast<uint32_t>(x); };
-                  const uint32_t key = hash_of(hash_of(scramble(word(c.x)), word(c.y)), word(c.z));
-                  if (key % every == 0) p.all.push_back({c, radius});
-                }).all;
+  constexpr size_t kEnough = size_t(1) << 16;
+  // Odd, as the rows of many lattices are not.
+  const size_t every = (scene.primitive_count() / kEnough) | 1;
+  const auto keep = [](Places& p, Vec3f c, float radius) { p.all.push_back({c, radius}); };
+  auto places = sum_up<Places>(scene, keep, every).all;
   MostOfScene out;
-  out.places = places.size();
   if (places.empty()) return out;
   const auto quantile = [&](double part, const auto& of) {
     const auto at = places.begin() + std::ptrdiff_t(std::ceil(part * double(places.size() - 1)));
@@ -284,16 +279,24 @@ MostOfScene most_of(const Scene& scene) {
   out.radius = kFarAway * quantile(0.75, reach);
   // Of what is at one place but for a few nothing is near.
   if (out.radius == 0) out.radius = std::numeric_limits<double>::infinity();
-  Box3f all, inside;
-  for (const Places::Place& p : places) {
-    const bool is_inside = reach(p) <= out.radius;
-    if (!is_inside) ++out.outside;
-    for (Box3f* box : {&all, is_inside ? &inside : &all})
-      box->extend(p.center - Vec3f(p.radius)), box->extend(p.center + Vec3f(p.radius));
-  }
-  if (out.outside > 0)
-    out.shrinks = length(Vec3d(all.size())) / std::max(length(Vec3d(inside.size())), 1e-300);
+  Extent inside;
+  for (const Places::Place& p : places)
+    if (reach(p) <= out.radius) inside.add(p.center, p.radius);
+  const double size = length(Vec3d(inside.box.size()));
+  if (size > 0) out.shrinks = length(Vec3d(bounds(scene).size())) / size;
   return out;
+}
+
+double part_outside(const Scene& scene, const MostOfScene& most) {
+  struct Counts {
+    size_t all = 0, outside = 0;
+
+    void join(const Counts& b) { all += b.all, outside += b.outside; }
+  };
+  const auto counts = sum_up<Counts>(scene, [&](Counts& n, Vec3f center, float radius) {
+    ++n.all, n.outside += !most.has(center, radius);
+  });
+  return counts.all > 0 ? double(counts.outside) / double(counts.all) : 0;
 }
 
 Camera fitted_from(const Scene& scene, std::optional<Side> side, Vec3f up, Fit fit) {

@@ -31,23 +31,23 @@ enum class Side : uint8_t { front, back, left, right, top, bottom, iso };
 enum class Fit : uint8_t { all, most };
 
 /// The part of a scene that Fit::most shows: what lies in a sphere. Its centre is the median of the
-/// places along each axis, its radius kFarAway times the distance in which three quarters lie.
+/// places along each axis, its radius kFarAway times the distance within which three quarters lie.
 /// Places are the centres of spheres, the corners of triangles and polygons, and those of the boxes
-/// of all else, each with the radius that belongs to it. Of a million places and more it is that of
-/// a sample that does not depend on threads.
+/// of all else, each with the radius that belongs to it; of many they are a sample.
 struct MostOfScene {
-  Vec3d center;
+  Vec3f center;
   double radius = 0;
-  size_t places = 0, outside = 0;  // of the sample
-  /// The size of all of the scene over that of this part; 1 where nothing is outside.
-  double shrinks = 1;
+  double shrinks = 1;  // the size of all of the scene over that of this part
 
   bool has(Vec3f place, float its_radius) const {
-    return length(Vec3d(place) - center) + double(its_radius) <= radius;
+    return length(Vec3d(place) - Vec3d(center)) + double(its_radius) <= radius;
   }
 };
 inline constexpr double kFarAway = 3;  // a cube, evenly filled, reaches 1.9 times as far
 MostOfScene most_of(const Scene& scene);
+
+/// The part of the places that are outside, 0 to 1.
+double part_outside(const Scene& scene, const MostOfScene& most);
 
 /// The scene's camera moved so that it shows the scene as large as it fits, from one of its sides,
 /// or, without one, at an angle from above. With the z axis up the front faces -y, with the y axis

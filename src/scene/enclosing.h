@@ -26,10 +26,10 @@ void enclose(const Scene& scene, size_t i, F&& f) {
   }
 }
 
-/// Calls add(sum, centre, radius) for all of a scene and joins the sums in an order that does not
-/// depend on threads.
+/// Calls add(sum, centre, radius) for all of a scene, or of each of its lists for the first of
+/// `every` so many, and joins the sums in an order that does not depend on threads.
 template <class Sum, class Add>
-Sum sum_up(const Scene& scene, const Add& add) {
+Sum sum_up(const Scene& scene, const Add& add, size_t every = 1) {
   Sum total;
   for (const Instance& copy : scene.instances) {
     const Placement place(copy.matrix);
@@ -38,13 +38,14 @@ Sum sum_up(const Scene& scene, const Add& add) {
       add(sum, Vec3f(place.point(Vec3d(center))), float(scale * double(radius)));
     };
     using Moved = std::function<void(Sum&, Vec3f, float)>;
-    total.join(sum_up<Sum>(scene.prototypes[copy.prototype], Moved(moved)));
+    total.join(sum_up<Sum>(scene.prototypes[copy.prototype], Moved(moved), every));
   }
-  const auto sum_each = [&](size_t count, const auto& one) {
+  const auto sum_each = [&](size_t all, const auto& one) {
+    const size_t count = (all + every - 1) / every;
     std::vector<Sum> sums(chunks_of(count));
     for_chunks(count, [&](size_t c, size_t first, size_t end) {
       for (size_t i = first; i < end; ++i)
-        one(i, [&](Vec3f center, float radius) { add(sums[c], center, radius); });
+        one(i * every, [&](Vec3f center, float radius) { add(sums[c], center, radius); });
     });
     for (const Sum& s : sums) total.join(s);
   };
