@@ -257,15 +257,20 @@ class AtomScene {
       return !chosen || (part < chosen->size() && (*chosen)[part]);
     };
     std::vector<uint32_t> some;
-    for (uint32_t i = 0; i < atoms_.atoms.size(); ++i)
+    for (uint32_t i = 0; chosen && i < atoms_.atoms.size(); ++i)
       if (is_chosen(i)) some.push_back(i);
-    scene.spheres.resize(some.size());
-    scene.sphere_materials.resize(some.size());
+    const size_t count = chosen ? some.size() : atoms_.atoms.size();
+    // The ends of the cell's edges come behind the atoms, which then need not move.
+    size_t ends = 1;
+    for (const int n : options_.images) ends *= size_t(n) + 1;
+    scene.spheres.reserve(count + ends), scene.spheres.resize(count);
+    scene.sphere_materials.reserve(count + ends), scene.sphere_materials.resize(count);
     Sphere* const spheres = scene.spheres.data();
     MaterialId* const materials = scene.sphere_materials.data();
-    for_each_index(some.size(), [&](size_t i) {
-      spheres[i] = {place_of(atoms_.atoms[some[i]]), radius_of(some[i])};
-      materials[i] = material_[some[i]];
+    for_each_index(count, [&](size_t i) {
+      const size_t atom = chosen ? some[i] : i;
+      spheres[i] = {place_of(atoms_.atoms[atom]), radius_of(atom)};
+      materials[i] = material_[atom];
     });
     for (const auto& [a, b] : bonds_)
       if (is_chosen(a) && is_chosen(b)) add_bond(scene, a, b);
