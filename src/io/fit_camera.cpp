@@ -184,6 +184,24 @@ class Shown {
   std::optional<MostOfScene> most_;
 };
 
+Camera fitted_in_parallel(const Shown& shown, const Camera& camera) {
+  const Vec3d at(camera.at), view = at - Vec3d(camera.from), forward = normalize(view);
+  const Vec3d right = normalize(cross(forward, Vec3d(camera.up))), up = cross(right, forward);
+  const auto needs = shown.sum<Needs>([&](Needs& n, Vec3f center, float radius) {
+    const Vec3d c = Vec3d(center) - at;
+    const double x = dot(c, right), y = dot(c, up), r = double(radius);
+    n.join({r + y, r - y, r + x, r - x});
+  });
+  if (!std::isfinite(needs.above)) return camera;
+  const Vec3d to_middle =
+      right * ((needs.right - needs.left) / 2) + up * ((needs.above - needs.below) / 2);
+  Camera out = camera;
+  out.from = Vec3f(Vec3d(camera.from) + to_middle), out.at = Vec3f(at + to_middle);
+  out.fov_deg = degrees((needs.above + needs.below) / (2 * length(view)));
+  out.across_deg = degrees((needs.right + needs.left) / (2 * length(view)));
+  return out;
+}
+
 // The camera moved, so that a picture that lies so holds what is shown, which has such bounds.
 Camera fitted(const Shown& shown, const Box3f& box, Camera camera, const PictureAxes& axes) {
   camera.movement.reset();
@@ -219,7 +237,7 @@ Camera fitted(const Shown& shown, const Box3f& box, Camera camera, const Picture
   });
   camera.from = Vec3f(from), camera.at = Vec3f(at), camera.up = Vec3f(to_up);
   camera.fov_deg = degrees(tangents.up), camera.across_deg = degrees(tangents.across);
-  return camera;
+  return camera.is_parallel() ? fitted_in_parallel(shown, camera) : camera;
 }
 
 }  // namespace
@@ -299,12 +317,13 @@ double part_outside(const Scene& scene, const MostOfScene& most) {
   return counts.all > 0 ? double(counts.outside) / double(counts.all) : 0;
 }
 
-Camera fitted_from(const Scene& scene, std::optional<Side> side, Vec3f up, Fit fit) {
+Camera fitted_from(const Scene& scene, const Camera& camera, std::optional<Side> side, Vec3f up,
+                   Fit fit) {
   const Shown shown(scene, fit);
   const Box3f box = shown.box();
-  if (box.empty()) return scene.camera;
+  if (box.empty()) return camera;
   const Vec3d to_up = normalize(Vec3d(up));
-  return fitted(shown, box, scene.camera, side ? axes_from(*side, to_up) : three_quarter(to_up));
+  return fitted(shown, box, camera, side ? axes_from(*side, to_up) : three_quarter(to_up));
 }
 
 Camera fitted_along(const Scene& scene, const Camera& camera, Fit fit) {
@@ -324,22 +343,8 @@ Vec3f nearest_axis(Vec3f direction) {
   return out;
 }
 
-Camera fitted_in_parallel(const Scene& scene, const Camera& camera, Fit fit) {
-  const Vec3d at(camera.at), view = at - Vec3d(camera.from), forward = normalize(view);
-  const Vec3d right = normalize(cross(forward, Vec3d(camera.up))), up = cross(right, forward);
-  const auto needs = Shown(scene, fit).sum<Needs>([&](Needs& n, Vec3f center, float radius) {
-    const Vec3d c = Vec3d(center) - at;
-    const double x = dot(c, right), y = dot(c, up), r = double(radius);
-    n.join({r + y, r - y, r + x, r - x});
-  });
-  if (!std::isfinite(needs.above)) return camera;
-  const Vec3d to_middle =
-      right * ((needs.right - needs.left) / 2) + up * ((needs.above - needs.below) / 2);
-  Camera out = camera;
-  out.from = Vec3f(Vec3d(camera.from) + to_middle), out.at = Vec3f(at + to_middle);
-  out.fov_deg = degrees((needs.above + needs.below) / (2 * length(view)));
-  out.across_deg = degrees((needs.right + needs.left) / (2 * length(view)));
-  return out;
+Camera fitted_in_parallel(const Scene& scene, const Camera& camera) {
+  return fitted_in_parallel(Shown(scene, Fit::all), camera);
 }
 
 float fitted_fov_deg(const Camera& camera, int width, int height) {

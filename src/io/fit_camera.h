@@ -49,21 +49,22 @@ MostOfScene most_of(const Scene& scene);
 /// The part of the places that are outside, 0 to 1.
 double part_outside(const Scene& scene, const MostOfScene& most);
 
-/// The scene's camera moved so that it shows the scene as large as it fits, from one of its sides,
-/// or, without one, at an angle from above. With the z axis up the front faces -y, with the y axis
-/// up +z; in both the right side faces +x. In the pictures from above and from below, the right
-/// side is on the right.
-Camera fitted_from(const Scene& scene, std::optional<Side> side, Vec3f up, Fit fit = Fit::all);
+/// The camera moved so that it shows the scene as large as it fits, from one of its sides, or,
+/// without one, at an angle from above. With the z axis up the front faces -y, with the y axis up
+/// +z; in both the right side faces +x. In the pictures from above and from below, the right side
+/// is on the right.
+Camera fitted_from(const Scene& scene, const Camera& camera, std::optional<Side> side, Vec3f up,
+                   Fit fit);
 
-/// The camera moved likewise, without another direction.
+/// Likewise, without another direction.
 Camera fitted_along(const Scene& scene, const Camera& camera, Fit fit);
 
 /// The axis, x, y or z in either direction, nearest to a direction.
 Vec3f nearest_axis(Vec3f direction);
 
 /// The camera, which looks at the scene from some direction, moved across it and with other angles,
-/// so that its parallel rays show the scene as large as it fits.
-Camera fitted_in_parallel(const Scene& scene, const Camera& camera, Fit fit = Fit::all);
+/// so that its parallel rays show all of the scene as large as it fits.
+Camera fitted_in_parallel(const Scene& scene, const Camera& camera);
 
 /// The vertical angle, in degrees, at which the camera sees what it must in a picture so wide and
 /// high.

@@ -39,19 +39,18 @@ Camera camera_of(const Scene& scene, const RenderOptions& options) {
   const bool turns = asks_to_turn(options, own);
   const Fit fit = options.fit.value_or(Fit::all);
   Camera camera = own;
+  camera.projection = options.projection.value_or(own.projection);
   if (turns)
-    camera = fitted_from(scene, options.side,
+    camera = fitted_from(scene, camera, options.side,
                          options.up ? Vec3f(*options.up) : nearest_axis(own.up), fit);
   else if (options.fit)
-    camera = fitted_along(scene, own, fit);
+    camera = fitted_along(scene, camera, fit);
+  else if (is_refitted(camera, own) && !options.from && !options.at)
+    camera = fitted_in_parallel(scene, camera);
   if (options.from || options.at) camera.movement.reset();
   if (options.from) camera.from = Vec3f(*options.from - scene.origin);
   if (options.at) camera.at = Vec3f(*options.at - scene.origin);
   if (options.up && !turns) camera.up = Vec3f(*options.up);
-  camera.projection = options.projection.value_or(camera.projection);
-  if (turns || options.fit ? camera.is_parallel()
-                           : is_refitted(camera, own) && !options.from && !options.at)
-    camera = fitted_in_parallel(scene, camera, fit);
   if (options.fov_deg > 0) camera.fov_deg = options.fov_deg;
   return camera;
 }

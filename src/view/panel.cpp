@@ -184,7 +184,9 @@ void draw_options(ViewState& state, const PanelFacts& facts, PanelResult& result
       result.problem = why->text("--");
       continue;
     }
-    const Camera camera = camera_of(*state.scene, options);
+    // It fits the camera of the window, which the options have as a place.
+    const Camera camera = options.fit ? fitted_along(*state.scene, state.camera, *options.fit)
+                                      : camera_of(*state.scene, options);
     if (const auto why = camera_problem(camera); !why.empty()) {
       result.problem = why;
       continue;
