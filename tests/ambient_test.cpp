@@ -228,29 +228,34 @@ struct FlatFigure {
 // A line along the edge of a disc covers a ring within it of the width that is asked for, however
 // far away the disc is. Of a straight edge the circle of eight probes finds cos(a) of the width,
 // with an angle a between the edge's normal and the next probe of at most 22.5 degrees: 0.974 of it
-// in the mean.
+// in the mean. Four that turn, on a larger circle, find as much.
 TEST(Outline, IsAsWideAsAskedFor) {
   const double least = std::cos(std::numbers::pi / 8);
   const double mean = std::sin(std::numbers::pi / 8) / (std::numbers::pi / 8);
-  for (const float width : {1.5f, 3.0f, 6.0f})
-    for (const float away : {0.0f, -8.0f}) {
-      FlatFigure figure;
-      figure.scene.discs = {{{0, 0, away}, {0, 0, 1}, 2.5f}};
-      figure.scene.disc_materials = {0};
-      // Where nothing but the line is darker than the sky.
-      figure.options.background = WrittenColor{Rgb(numbers_of(Look::flat_1).sky)};
-      EXPECT_NEAR(double(picture_of(figure.scene, figure.options).at(100, 100).x), figure.sky(),
-                  1e-6);
-      figure.options.outline = width;
-      double dark = 0;  // pixels
-      for (const Rgb& pixel : picture_of(figure.scene, figure.options).pixels)
-        dark += 1 - double(pixel.x) / figure.sky();
-      const double radius = 2.5 / (10 - double(away)) / std::tan(20 * std::numbers::pi / 180) * 100;
-      const double inner = std::sqrt(radius * radius - dark / std::numbers::pi);
-      EXPECT_NEAR((radius - inner) / (mean * double(width)), 1, 0.02) << width << ' ' << away;
-      EXPECT_GE(radius - inner, least * double(width) - 0.02);
-      EXPECT_LE(radius - inner, double(width) + 0.02);
-    }
+  for (const auto& [look, width, away] : {std::tuple(Look::flat_1, 1.5f, 0.0f),
+                                          {Look::flat_1, 3.0f, -8.0f},
+                                          {Look::flat_1, 6.0f, 0.0f},
+                                          {Look::flat_2, 1.5f, -8.0f},
+                                          {Look::flat_2, 3.0f, 0.0f},
+                                          {Look::flat_2, 6.0f, -8.0f}}) {
+    FlatFigure figure;
+    figure.options.look = look;
+    figure.scene.discs = {{{0, 0, away}, {0, 0, 1}, 2.5f}};
+    figure.scene.disc_materials = {0};
+    // Where nothing but the line is darker than the sky.
+    figure.options.background = WrittenColor{Rgb(numbers_of(Look::flat_1).sky)};
+    EXPECT_NEAR(double(picture_of(figure.scene, figure.options).at(100, 100).x), figure.sky(),
+                1e-6);
+    figure.options.outline = width;
+    double dark = 0;  // pixels
+    for (const Rgb& pixel : picture_of(figure.scene, figure.options).pixels)
+      dark += 1 - double(pixel.x) / figure.sky();
+    const double radius = 2.5 / (10 - double(away)) / std::tan(20 * std::numbers::pi / 180) * 100;
+    const double inner = std::sqrt(radius * radius - dark / std::numbers::pi);
+    EXPECT_NEAR((radius - inner) / (mean * double(width)), 1, 0.02) << width << ' ' << away;
+    EXPECT_GE(radius - inner, least * double(width) - 0.02);
+    EXPECT_LE(radius - inner, double(width) + 0.02);
+  }
 }
 
 // What is left out of the picture may become any ground: the look says which is likely.

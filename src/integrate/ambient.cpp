@@ -31,7 +31,7 @@ class AmbientShading {
       : scene_(scene),
         figure_(scene.settings.figure),
         look_(numbers_of(figure_.look)),
-        outline_(figure_.outline * scene.settings.line_scale()),
+        outline_(figure_.outline * scene.settings.line_scale() * (look_.turns ? kTurningReach : 1)),
         occlusion_sampler_(scene.sampler) {
     occlusion_sampler_.kind = SamplerKind::sobol;  // of each pixel one sequence, shared out
     // Lines stand out from the background, or, where that is left out, from the look's.
@@ -70,7 +70,7 @@ class AmbientShading {
   void shade(W& w, int, size_t n, const WideSampler<D>& sampler) {
     Vertices& v = w.vertices();
     for (size_t i = 0; i < n; i += kWidth) store(set3(d, Rgb()), v.radiance, i);
-    if (outline_ > 0) find_outlines(w, n);
+    if (outline_ > 0) find_outlines(w, n, sampler.sample());
     if (w.stopped()) return;
     if (look_.soft > 0) soften(w, n);
     if (look_.sky > 0) add_sky_light(w, n, sampler.sample());
@@ -225,11 +225,39 @@ class AmbientShading {
                    hn::Set(d, figure_.depth_cue));
   }
 
+  // Over all directions of an edge, four points of a circle as much larger reach as far as eight.
+  static constexpr float kTurningReach = 1.0823922f;
+  // How far the circle's points are turned for a sample: as cosine and sine of sixteenths of a
+  // right angle, far from those of the samples before.
+  static std::array<float, 2> turn_of(uint32_t sample) {
+    static constexpr float kTurns[16][2] = {
+        {1, 0},
+        {0.707106781f, 0.707106781f},
+        {0.923879533f, 0.382683432f},
+        {0.382683432f, 0.923879533f},
+        {0.980785280f, 0.195090322f},
+        {0.555570233f, 0.831469612f},
+        {0.831469612f, 0.555570233f},
+        {0.195090322f, 0.980785280f},
+        {0.995184727f, 0.098017140f},
+        {0.634393284f, 0.773010453f},
+        {0.881921264f, 0.471396737f},
+        {0.290284677f, 0.956940336f},
+        {0.956940336f, 0.290284677f},
+        {0.471396737f, 0.881921264f},
+        {0.773010453f, 0.634393284f},
+        {0.098017140f, 0.995184727f},
+    };
+    // Samples of one column of cells are not turned alike.
+    const auto& [c, s] = kTurns[(sample + 7 * (sample / 16)) % 16];
+    return {c, s};
+  }
+
   // Feature lines after Choudhury and Parker 2009, "Ray Tracing NPR-Style Feature Lines", NPAR: a
   // sample is on a line if rays through a circle around it in the picture meet something else. Of
   // two surfaces that meet in the picture the nearer one has the line. What is clear has none.
   template <class W>
-  void find_outlines(W& w, size_t n) {
+  void find_outlines(W& w, size_t n, uint32_t sample) {
     static constexpr float kDiagonal = 0.70710678f;
     // Opposite ones first: they decide most.
     static constexpr float kCircle[8][2] = {{1, 0},
@@ -249,11 +277,12 @@ class AmbientShading {
     }
     const V3 forward = set3(d, scene_.forward);
     const bool parallel = scene_.eye.parallel;
-    for (const auto& [x, y] : kCircle) {
+    const auto [c, s] = look_.turns ? turn_of(sample) : std::array{1.0f, 0.0f};
+    for (const auto& [x, y] : std::span(kCircle).first(look_.turns ? 4 : 8)) {
       RayBatch& rays = w.probe_rays();
       rays.resize(n);
-      const V3 aside =
-          set3(d, scene_.eye.per_x * (x * outline_) + scene_.eye.per_y * (y * outline_));
+      const V3 aside = set3(d, scene_.eye.per_x * ((x * c - y * s) * outline_) +
+                                   scene_.eye.per_y * ((x * s + y * c) * outline_));
       for (size_t i = 0; i < n; i += kWidth) {
         const V3 origin = origins(w.rays().rays, i), dir = directions(w.rays().rays, i);
         const V along = hn::Max(dot(dir, forward), hn::Set(d, 1e-6f));
@@ -356,7 +385,7 @@ class AmbientShading {
   const PreparedScene& scene_;
   FigureSettings figure_;
   LookNumbers look_;
-  float outline_;  // pixels
+  float outline_;  // radius of the circle, pixels
   Sampler occlusion_sampler_;
   Vec3f to_key_, key_u_, key_v_;
   Rgb line_color_;  // stands out from the background

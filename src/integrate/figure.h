@@ -11,10 +11,10 @@ namespace raio {
 
 /// Named looks. The number is the version, which pictures store: a look that changes becomes a new
 /// one, so that an old name gives the old picture. The numbers of the enumerators stand in files.
-enum class Look : uint8_t { paper_1, dark_1, flat_1, matte_1, paper_2, dark_2, matte_2 };
+enum class Look : uint8_t { paper_1, dark_1, flat_1, matte_1, paper_2, dark_2, matte_2, flat_2 };
 
 inline constexpr auto kLookNames = std::to_array<std::string_view>(
-    {"paper-1", "dark-1", "flat-1", "matte-1", "paper-2", "dark-2", "matte-2"});
+    {"paper-1", "dark-1", "flat-1", "matte-1", "paper-2", "dark-2", "matte-2", "flat-2"});
 
 /// A look as light: a white surface has as much of it from a whole sky as `sky`, from the key light
 /// in front of it as `key`.
@@ -29,6 +29,8 @@ struct LookNumbers {
   float soft = 0;
   /// Sky that black surfaces mirror at grazing angles, so that dark meshes keep their form.
   float rim = 0;
+  /// Do the rays that look for outlines turn from sample to sample? Half of them suffice then.
+  bool turns = false;
 };
 
 constexpr LookNumbers numbers_of(Look look) {
@@ -43,13 +45,15 @@ constexpr LookNumbers numbers_of(Look look) {
     case Look::matte_1:
       return {grey, 0.75f, 0.4f, 0, 1, 0, 0};
     case Look::dark_2:
-      return {dark, 0.35f, 0.75f, 0.1f, 40, 0, 0.3f, 0.2f, 0.1f};
+      return {dark, 0.35f, 0.75f, 0.1f, 40, 0, 0.3f, 0.2f, 0.1f, true};
     case Look::matte_2:
-      return {grey, 0.75f, 0.4f, 0, 1, 0, 0, 0.2f, 0.05f};
+      return {grey, 0.75f, 0.4f, 0, 1, 0, 0, 0.2f, 0.05f, true};
+    case Look::flat_2:
+      return {Rgb(1), 0.95f, 0, 0, 1, 1.6f, 0, 0, 0, true};
     case Look::paper_2:
       break;
   }
-  return {Rgb(1), 0.62f, 0.5f, 0.06f, 30, 0, 0, 0.22f, 0.12f};
+  return {Rgb(1), 0.62f, 0.5f, 0.06f, 30, 0, 0, 0.22f, 0.12f, true};
 }
 
 /// What a figure is made with, besides what all pictures have.
