@@ -195,6 +195,12 @@ TEST(Xyz, FramesAreChosen) {
   EXPECT_THAT(error(two, "a.xyz", {.frame = 2}), HasSubstr("there is no frame 2; the file has 2"));
 }
 
+TEST(Xyz, AtomsAtOnePlaceAreTold) {
+  EXPECT_THAT(said("3\n\nC 0 0 0\nO 0 0 1.2\nN 0 0 0\n", "a.xyz", {}),
+              HasSubstr("warning: atoms at the very place of another (1: 3)"));
+  EXPECT_EQ(said("2\n\nC 0 0 0\nO 0 0 1.2\n", "a.xyz", {}), "");
+}
+
 TEST(Xyz, NumbersOfElementsMayBeCalledZ) {
   const auto got = read("1\nProperties=pos:R:3:Z:I:1\n0 0 0 16\n", "a.xyz");
   ASSERT_TRUE(got) << got.error().front().text();
