@@ -313,7 +313,8 @@ TEST(Panel, EveryEntryOfEveryListIsTaken) {
     }
     // What has no effect on this scene is refused, whichever entry it is. All of it is most of it.
     const bool refused = outcomes.size() == 1 && outcomes.begin()->contains("has no effect");
-    EXPECT_TRUE(refused || moves || outcomes.size() == entries.size()) << testing::PrintToString(outcomes);
+    EXPECT_TRUE(refused || moves || outcomes.size() == entries.size())
+        << testing::PrintToString(outcomes);
     EXPECT_GT(entries.size(), 1u);
     ++lists;
   }
