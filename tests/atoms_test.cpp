@@ -224,6 +224,14 @@ TEST(Xyz, FaultsHaveTheirPlace) {
 TEST(Atoms, ColoursAreNamed) {
   EXPECT_THAT(error(kWater, "a.xyz", {.color_by = "mass"}), HasSubstr("cannot colour by 'mass'"));
   // What the file does not have, and what it has of the same name.
+  // What a file has no numbers of is not coloured by them.
+  const std::string short_lines = "ATOM      1  CA  ALA A   1       1.000   2.000   3.000\n";
+  for (const char* by : {"bfactor", "occupancy"}) {
+    EXPECT_THAT(error(short_lines, "a.pdb", {.color_by = by}), HasSubstr("cannot colour by"));
+    EXPECT_THAT(error(kSalt, "a.cif", {.color_by = by}), HasSubstr("cannot colour by"));
+    EXPECT_TRUE(read(short_lines.substr(0, short_lines.size() - 1) + "  0.50 12.00\n", "a.pdb",
+                     {.color_by = by}));
+  }
   EXPECT_THAT(error(kWater, "a.xyz", {.color_by = "bfactor"}),
               HasSubstr("cannot colour by 'bfactor'; the file has element, index"));
   EXPECT_THAT(error(kWater, "a.xyz", {.color_by = "chain"}), HasSubstr("cannot colour by"));
@@ -556,6 +564,13 @@ TEST(Atoms, SmallCellsAreComplete) {
   EXPECT_EQ(drawn(atoms, {.cell = false}), std::pair(4zu, 0zu));
   EXPECT_EQ(drawn(atoms, {.cell = std::nullopt, .images = {2, 1, 1}}),
             std::pair(12 + 8 + 4 + 2 + 12zu, 12 + 4zu));
+  // None in a direction in which the file says that nothing repeats, and none in frames.
+  std::string slab = atoms;
+  slab.insert(slab.find(" Origin"), " pbc=\"T F T\"");
+  EXPECT_EQ(drawn(slab, kForPictures), std::pair(9zu + 8, 12zu));
+  EXPECT_THAT(said(slab, "a.xyz", {.cell = std::nullopt, .images = {1, 2, 1}}),
+              HasSubstr("nothing repeats along b"));
+  EXPECT_EQ(drawn(atoms + atoms, kForPictures), std::pair(4zu + 8, 12zu));
   // A drop in a box has none, unless it is asked for.
   const std::string drop = "2\nLattice=\"40 0 0 0 50 0 0 0 60\"\nAr 1 2 3\nAr 4 2 3\n";
   EXPECT_EQ(drawn(drop, kForPictures), std::pair(2zu, 0zu));

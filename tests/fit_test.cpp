@@ -238,6 +238,30 @@ TEST(Fit, AlongTheCameraOfAFile) {
   }
 }
 
+// An angle that is given chooses the distance.
+TEST(Fit, AllIsInThePictureAtAnyAngle) {
+  const Scene scene = cube();
+  for (const char* angle : {"5", "60", "120"})
+    for (const char* projection : {"perspective", "orthographic"})
+      for (const auto& [option, value] : {std::pair("from", "front"), {"fit", "all"}}) {
+        const Camera camera =
+            camera_with(scene, {{option, value}, {"fov", angle}, {"projection", projection}});
+        const auto [across, up] = part_of_picture(scene, camera);
+        EXPECT_TRUE(across.is_inside() && up.is_inside()) << angle << option << projection;
+        EXPECT_GT(std::max(across.size(), up.size()), 0.6) << angle << option << projection;
+        if (!camera.is_parallel()) {
+          EXPECT_FLOAT_EQ(camera.fov_deg, std::stof(angle));
+        }
+      }
+}
+
+// A camera that was fitted to data is upright wherever it is put.
+TEST(Fit, CamerasKeepWhatIsUp) {
+  Scene scene = cube();
+  fit_camera(scene, FitView::three_quarter);
+  EXPECT_EQ(camera_with(scene, {{"from", "9,0,4"}}).up, Vec3f(0, 0, 1));
+}
+
 TEST(Fit, WhatASideCannotBe) {
   Scene scene = corners();
   RenderOptions o;

@@ -169,11 +169,13 @@ TEST_F(LongRender, APictureOfDataRemembersHowItWasRead) {
   expect_refusal({"render", "--quiet", "--repeat", "a.png", "--style", "sticks"}, 2,
                  "the scene is another");
   // What is drawn on the picture comes from the same atoms.
-  ASSERT_EQ(
-      raio({"render", "--quiet", "--repeat", "a.png", "--legend", "--scale-bar", "-o", "d.png"})
-          .status,
-      0);
+  ASSERT_EQ(raio({"render", "--quiet", "--repeat", "a.png", "--scale-bar", "-o", "d.png"}).status,
+            0);
   EXPECT_FALSE(same("a.png", "d.png"));
+  expect_refusal({"render", "--quiet", "--repeat", "a.png", "--legend", "-o", "e.png"}, 2,
+                 "no room for --legend");
+  expect_refusal({"render", "--quiet", "quartz.cif", "--legend", "--view", "depth", "-o", "e.png"},
+                 2, "--legend cannot be combined with --view depth");
 }
 
 TEST_F(LongRender, MetadataHoldNothingThatChanges) {

@@ -67,11 +67,12 @@ Ink map_ink(const ColorScale& scale, int i) {
 struct Measures {
   double text, margin, line;
 
-  explicit Measures(const Picture& picture) {
+  explicit Measures(const Picture& picture)
+      : Measures(picture.color.width, picture.color.height, picture.dpi) {}
+  Measures(int width, int height, float dpi) {
     constexpr double kPoints = 7, kPointsPerInch = 72;
-    const double size = std::min<double>(picture.color.height, 0.75 * picture.color.width);
-    text = picture.dpi > 0 ? kPoints / kPointsPerInch * double(picture.dpi)
-                           : std::max(0.032 * size, 7.0);
+    const double size = std::min<double>(height, 0.75 * width);
+    text = dpi > 0 ? kPoints / kPointsPerInch * double(dpi) : std::max(0.032 * size, 7.0);
     margin = 0.045 * size;
     line = std::max(1.0, text / 16);
   }
@@ -180,10 +181,21 @@ std::expected<void, Error> draw_color_bar_on(Picture& picture, const ColorScale&
                  });
 }
 
+// Of a line of the legend, and of the disc before its name with the gap behind it, in heights of
+// its text.
+constexpr double kLegendRow = 1.5, kLegendIndent = 2.5;
+
+bool has_room_for_legend(int width, int height, float dpi) {
+  constexpr double kLetters = 3;  // of about half a height each, and "chain" shrunk to them
+  const Measures at(width, height, dpi);
+  return 0.3 * width >= (kLegendIndent + kLetters) * at.text &&
+         height - 2 * at.margin >= 2 * kLegendRow * at.text;
+}
+
 std::expected<void, Error> draw_legend_on(Picture& picture, std::span<const LegendEntry> entries,
                                           bool left, bool linear) {
   const Measures at(picture);
-  const double row = 1.5 * at.text, radius = 0.42 * at.text;
+  const double row = kLegendRow * at.text, radius = 0.42 * at.text;
   const int width = picture.color.width, height = picture.color.height;
   const auto room = size_t(std::max(1.0, (height - 2 * at.margin) / row));
   const size_t rows = std::min(room, entries.size());
@@ -191,7 +203,7 @@ std::expected<void, Error> draw_legend_on(Picture& picture, std::span<const Lege
   const PixelBox box{left ? 0 : width - wide, 0, wide,
                      std::clamp(int(at.margin + row * (double(rows) + 0.5)), 1, height)};
   return draw_on(picture, box, left, linear, [&](const Canvas& canvas, Ink ink, Ink page) {
-    const double widest = wide - at.margin - 2.5 * at.text;
+    const double widest = wide - at.margin - kLegendIndent * at.text;
     std::vector<std::string> names;
     double longest = 0;
     for (size_t i = 0; i < rows; ++i) {

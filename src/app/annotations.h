@@ -27,6 +27,9 @@ std::expected<void, Error> draw_color_bar_on(Picture& picture, const ColorScale&
 std::expected<void, Error> draw_legend_on(Picture& picture, std::span<const LegendEntry> entries,
                                           bool left, bool linear);
 
+/// Whether a picture of this size has room for some of it: two lines of a few letters.
+bool has_room_for_legend(int width, int height, float dpi);
+
 /// A bar of a round length, at most a quarter of the picture wide, in its lower left corner.
 /// `pixels_per_unit` is the size of a unit of the scene in the picture.
 std::expected<void, Error> draw_scale_bar_on(Picture& picture, double pixels_per_unit,

@@ -33,6 +33,8 @@ std::expected<void, Error> draw_legend_on(Picture&, std::span<const LegendEntry>
   return std::unexpected(Error{ErrorKind::no_resource, "", kNoPlots});
 }
 
+bool has_room_for_legend(int, int, float) { return true; }
+
 std::expected<void, Error> draw_scale_bar_on(Picture&, double, std::string_view, bool) {
   return std::unexpected(Error{ErrorKind::no_resource, "", kNoPlots});
 }

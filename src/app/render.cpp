@@ -145,14 +145,26 @@ class Pictures {
                        "--color-by with index, bfactor, occupancy or a column of numbers");
     if (command_.legend && read.legend.empty())
       return bad_input(about_ +
-                       "there is nothing to write into --legend: no colour has a name; leave it "
-                       "out");
+                       "there is nothing to write into --legend: colours by numbers, residues and "
+                       "materials have no names; leave it out");
+    if ((command_.legend || command_.color_bar) && options.view != View::picture)
+      return bad_input(
+          fmt::format("{}--{} cannot be combined with --view {}, which has other colours; leave "
+                      "one of them out",
+                      about_, command_.legend ? "legend" : "color-bar", view_name(options.view)));
     request.loaded = std::make_shared<const Scene>(std::move(read.scene));
     if (!command_.any_annotation()) return kDone;
+    if (option_conflict(options, request.loaded.get())) return kDone;  // which the job will tell
+    const RenderSettings settings = resolve_options(options, *request.loaded);
+    if (command_.legend && !has_room_for_legend(settings.width, settings.height, settings.dpi))
+      return bad_input(about_ +
+                       fmt::format("a picture of {}x{} pixels has no room for --legend; make "
+                                   "it larger or --dpi smaller, or leave one of them out",
+                                   settings.width, settings.height));
     const bool left = command_.color_bar_side == "left";
     request.overlay = [this, left, colors = read.colors, legend = std::move(read.legend),
-                       unit = read.unit, scale = pixels_per_unit(options, *request.loaded)](
-                          Picture& picture, bool linear) {
+                       unit = read.unit,
+                       scale = pixels_per_unit(settings)](Picture& picture, bool linear) {
       std::expected<void, Error> done;
       if (command_.color_bar) done = draw_color_bar_on(picture, *colors, left, linear);
       if (done && command_.legend) done = draw_legend_on(picture, legend, !left, linear);
@@ -163,8 +175,7 @@ class Pictures {
   }
 
   // Where the camera looks at.
-  static double pixels_per_unit(const RenderOptions& options, const Scene& scene) {
-    const RenderSettings s = resolve_options(options, scene);
+  static double pixels_per_unit(const RenderSettings& s) {
     const double distance = double(length(s.camera.at - s.camera.from));
     return s.height / (2 * distance * std::tan(double(s.camera.fov_deg) * std::numbers::pi / 360));
   }
@@ -263,7 +274,8 @@ class Pictures {
   void warn(const std::string& what) const { print_line("raio: warning: " + about_ + what); }
 
   void print_warnings(const RenderJob& job) const {
-    for (const std::string& line : camera_warnings(command_.options, job.scene())) warn(line);
+    if (command_.repeat.empty())  // its camera stands in the picture
+      for (const std::string& line : camera_warnings(command_.options, job.scene())) warn(line);
     for (const std::string& line : warning_lines(job.scene(), job.settings(), &job.accel(), true))
       warn(line);
   }

@@ -97,11 +97,12 @@ struct Tangents {
 /// How a picture lies in space.
 struct PictureAxes {
   Vec3d right, up, forward;
+  Vec3d upright;  // what the data calls up, so that the camera is upright in other places, too
 };
 
 PictureAxes axes_towards(Vec3d forward, Vec3d up) {
   const Vec3d right = normalize(cross(forward, up));
-  return {right, cross(right, forward), forward};
+  return {right, cross(right, forward), forward, up};
 }
 
 PictureAxes three_quarter(Vec3d up) {
@@ -203,11 +204,14 @@ Camera fitted_in_parallel(const Shown& shown, const Camera& camera) {
 }
 
 // The camera moved, so that a picture that lies so holds what is shown, which has such bounds.
-Camera fitted(const Shown& shown, const Box3f& box, Camera camera, const PictureAxes& axes) {
+// At that angle, or a long lens, the distance is chosen.
+Camera fitted(const Shown& shown, const Box3f& box, Camera camera, const PictureAxes& axes,
+              float fov_deg = 0) {
   camera.movement.reset();
-  const auto& [to_right, to_up, forward] = axes;
+  const auto& [to_right, to_up, forward, upright] = axes;
   const Vec3d middle = middle_of(box);
-  const double tangent = std::tan(kFovDeg / 2 * kRadians) / kMargin;
+  const double angle = fov_deg > 0 ? double(fov_deg) : kFovDeg;
+  const double tangent = std::tan(angle / 2 * kRadians) / kMargin;
   const double across = camera.width > 0 ? tangent * camera.width / camera.height : tangent;
   const double secant = std::sqrt(1 + tangent * tangent),
                secant_across = std::sqrt(1 + across * across);
@@ -235,7 +239,7 @@ Camera fitted(const Shown& shown, const Box3f& box, Camera camera, const Picture
                  z = std::max(dot(c, forward), 1e-6 * distance);
     t.join({(y + r * secant) / z, (x + r * secant_across) / z});
   });
-  camera.from = Vec3f(from), camera.at = Vec3f(at), camera.up = Vec3f(to_up);
+  camera.from = Vec3f(from), camera.at = Vec3f(at), camera.up = Vec3f(upright);
   camera.fov_deg = degrees(tangents.up), camera.across_deg = degrees(tangents.across);
   return camera.is_parallel() ? fitted_in_parallel(shown, camera) : camera;
 }
@@ -259,7 +263,7 @@ void fit_camera(Scene& scene, FitView view, Vec3f up) {
     axes = principal_axes(moments);
   }
   scene.camera = fitted(Shown(scene, Fit::all), box, scene.camera,
-                        axes ? PictureAxes{(*axes)[0], (*axes)[1], cross((*axes)[1], (*axes)[0])}
+                        axes ? axes_towards(cross((*axes)[1], (*axes)[0]), (*axes)[1])
                              : three_quarter(normalize(Vec3d(up))));
 }
 
@@ -318,20 +322,20 @@ double part_outside(const Scene& scene, const MostOfScene& most) {
 }
 
 Camera fitted_from(const Scene& scene, const Camera& camera, std::optional<Side> side, Vec3f up,
-                   Fit fit) {
+                   Fit fit, float fov_deg) {
   const Shown shown(scene, fit);
   const Box3f box = shown.box();
   if (box.empty()) return camera;
   const Vec3d to_up = normalize(Vec3d(up));
-  return fitted(shown, box, camera, side ? axes_from(*side, to_up) : three_quarter(to_up));
+  return fitted(shown, box, camera, side ? axes_from(*side, to_up) : three_quarter(to_up), fov_deg);
 }
 
-Camera fitted_along(const Scene& scene, const Camera& camera, Fit fit) {
+Camera fitted_along(const Scene& scene, const Camera& camera, Fit fit, float fov_deg) {
   const Shown shown(scene, fit);
   const Box3f box = shown.box();
   if (box.empty()) return camera;
   const Vec3d view = Vec3d(camera.at) - Vec3d(camera.from);
-  return fitted(shown, box, camera, axes_towards(normalize(view), Vec3d(camera.up)));
+  return fitted(shown, box, camera, axes_towards(normalize(view), Vec3d(camera.up)), fov_deg);
 }
 
 Vec3f nearest_axis(Vec3f direction) {

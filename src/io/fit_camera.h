@@ -52,12 +52,12 @@ double part_outside(const Scene& scene, const MostOfScene& most);
 /// The camera moved so that it shows the scene as large as it fits, from one of its sides, or,
 /// without one, at an angle from above. With the z axis up the front faces -y, with the y axis up
 /// +z; in both the right side faces +x. In the pictures from above and from below, the right side
-/// is on the right.
+/// is on the right. Its vertical angle is the one that is given, or less where the width decides.
 Camera fitted_from(const Scene& scene, const Camera& camera, std::optional<Side> side, Vec3f up,
-                   Fit fit);
+                   Fit fit, float fov_deg = 0);
 
 /// Likewise, without another direction.
-Camera fitted_along(const Scene& scene, const Camera& camera, Fit fit);
+Camera fitted_along(const Scene& scene, const Camera& camera, Fit fit, float fov_deg = 0);
 
 /// The axis, x, y or z in either direction, nearest to a direction.
 Vec3f nearest_axis(Vec3f direction);

@@ -1,6 +1,7 @@
 // The options of the camera: what they make of the scene's, and back.
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <charconv>
 #include <string>
 
@@ -41,17 +42,21 @@ Camera camera_of(const Scene& scene, const RenderOptions& options) {
   Camera camera = own;
   camera.projection = options.projection.value_or(own.projection);
   if (turns)
-    camera = fitted_from(scene, camera, options.side,
-                         options.up ? Vec3f(*options.up) : nearest_axis(own.up), fit);
+    camera =
+        fitted_from(scene, camera, options.side,
+                    options.up ? Vec3f(*options.up) : nearest_axis(own.up), fit, options.fov_deg);
   else if (options.fit)
-    camera = fitted_along(scene, camera, fit);
+    camera = fitted_along(scene, camera, fit, options.fov_deg);
   else if (is_refitted(camera, own) && !options.from && !options.at)
     camera = fitted_in_parallel(scene, camera);
   if (options.from || options.at) camera.movement.reset();
   if (options.from) camera.from = Vec3f(*options.from - scene.origin);
   if (options.at) camera.at = Vec3f(*options.at - scene.origin);
   if (options.up && !turns) camera.up = Vec3f(*options.up);
-  if (options.fov_deg > 0) camera.fov_deg = options.fov_deg;
+  // Where it chose the distance, no angle is too small for the scene.
+  if (options.fov_deg > 0)
+    camera.fov_deg =
+        turns || options.fit ? std::max(camera.fov_deg, options.fov_deg) : options.fov_deg;
   return camera;
 }
 

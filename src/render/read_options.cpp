@@ -121,8 +121,8 @@ constexpr ReadOptionSpec kTable[] = {
                             : std::string();
      }},
     {"radius", "R",
-     "Radius of points that have none, and of atoms, in scene units (default: half of the points' "
-     "spacing; the elements' radii)",
+     "Radius of points that have none, and of atoms that fill their space, in scene units; balls "
+     "between sticks have 0.27 of it (default: half of the points' spacing; the elements' radii)",
      set_radius,
      [](const ReadOptions& o) { return o.radius > 0 ? fmt::format("{}", o.radius) : ""; }},
     {"smooth", "DEG",

@@ -43,15 +43,16 @@ std::vector<std::string> what_there_is(const Atoms& atoms, bool has_types) {
   if (!atoms.chains.empty()) out.push_back("chain");
   if (atoms.has_residues) out.push_back("residue");
   if (has_types) out.push_back("type");
-  if (atoms.has_b_factors) out.insert(out.end(), {"bfactor", "occupancy"});
+  if (atoms.has_b_factors) out.push_back("bfactor");
+  if (atoms.has_occupancies) out.push_back("occupancy");
   out.insert(out.end(), atoms.columns.begin(), atoms.columns.end());
   return out;
 }
 
 // What a colour map makes colours of; nothing: there is no such thing.
 std::vector<float> numbers_of(const Atoms& atoms, std::string_view by) {
-  const bool known =
-      by == "index" || (atoms.has_b_factors && (by == "bfactor" || by == "occupancy"));
+  const bool known = by == "index" || (by == "bfactor" && atoms.has_b_factors) ||
+                     (by == "occupancy" && atoms.has_occupancies);
   if (!known || !atoms.values.empty()) return atoms.values;
   std::vector<float> out(atoms.atoms.size());
   for (size_t i = 0; i < out.size(); ++i)

@@ -50,7 +50,8 @@ struct Assembly {
 /// The box that atoms repeat in without end.
 struct Cell {
   std::array<double, 3> origin{};
-  std::array<std::array<double, 3>, 3> sides{};  // a, b and c
+  std::array<std::array<double, 3>, 3> sides{};   // a, b and c
+  std::array<bool, 3> repeats{true, true, true};  // along these
 };
 
 /// A bond to an atom of another copy of the cell, so many sides away.
@@ -76,7 +77,7 @@ struct Atoms {
   bool finds_bonds = true;                     // whether there are others by distance
   Notices notices;                             // of what the reader guessed, cut or left out
   // Whether the file has what colours are asked of: chains, residues, B factors and occupancies.
-  bool has_residues = false, has_b_factors = false;
+  bool has_residues = false, has_b_factors = false, has_occupancies = false;
 
   /// A place of the file as an atom has it.
   std::array<float, 3> local(const std::array<double, 3>& place) const {

@@ -112,6 +112,7 @@ void complete_border(Atoms& atoms, const std::array<int, 3>& images) {
   const size_t before = atoms.atoms.size();
   // Axis by axis, so that an atom on an edge comes to the other three.
   for (int axis = 0; axis < 3; ++axis) {
+    if (!atoms.cell->repeats[size_t(axis)]) continue;
     const Vec3d side = cell.side(axis);
     const double height = cell.height(axis);
     for (size_t i = 0, n = atoms.atoms.size(); i < n; ++i) {

@@ -120,11 +120,12 @@ std::optional<LineFault> read_pdb_row(std::string_view line, const Atoms& out, P
   row.text = line.data();
   row.has_place = numbers.has_place;
   row.place = out.local(numbers.place);
-  for (const auto& [from, to] : {std::pair(54uz, &row.occupancy), std::pair(60uz, &row.b_factor)}) {
+  for (const auto& [from, to, has] : {std::tuple(54uz, &row.occupancy, &row.has_occupancy),
+                                      std::tuple(60uz, &row.b_factor, &row.has_b_factor)}) {
     const std::string_view field = field_of(line, from, 6);
     if (without_blanks(field).empty()) continue;
     const auto value = number_in(field);
-    if (value) *to = float(*value);
+    if (value) *to = float(*value), *has = true;
     row.has_numbers &= value.has_value();
   }
   // Of six digits where nothing stands behind five.
@@ -301,7 +302,7 @@ void PdbAssembler::add(const std::vector<PdbRow>& rows, bool is_pqr, bool with_s
     return a.part(a.sequence) == b.part(b.sequence) && a.part(a.chain) == b.part(b.chain);
   };
   out_.atoms.reserve(rows.size()), row_of.reserve(rows.size());
-  out_.has_residues = true, out_.has_b_factors = !is_pqr;
+  out_.has_residues = true;
   for (size_t i = 0; i < rows.size(); ++i) {
     const PdbRow& row = rows[i];
     if (!row.text) continue;
@@ -343,6 +344,7 @@ void PdbAssembler::add(const std::vector<PdbRow>& rows, bool is_pqr, bool with_s
       if (row.b_factor == 0) radiusless_.add(row.part(row.name), line);
     } else {
       atom.occupancy = row.occupancy, atom.b_factor = row.b_factor;
+      out_.has_occupancies |= row.has_occupancy, out_.has_b_factors |= row.has_b_factor;
     }
     out_.atoms.push_back(atom);
     row_of.push_back(uint32_t(i));

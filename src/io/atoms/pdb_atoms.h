@@ -25,6 +25,7 @@ struct PdbRow {
   const char* text = nullptr;
   std::array<float, 3> place{};
   float occupancy = 1, b_factor = 0;  // of PQR charge and radius
+  bool has_occupancy = false, has_b_factor = false;
   Span serial, name, residue, chain, sequence;
   char conformer = ' ';
   uint8_t element = 0;

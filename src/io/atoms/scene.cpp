@@ -71,9 +71,9 @@ bool draws_cell(const Atoms& atoms, const ReadOptions& options) {
 }
 
 // Whether the atoms on the border of the cell are drawn on all of its sides, as in pictures of
-// crystals. The bonds of a file do not lead to them.
+// crystals. The bonds of a file do not lead to them, and in frames they would come and go.
 bool completes_cell(const Atoms& atoms, const ReadOptions& options) {
-  return atoms.finds_bonds && atoms.atoms.size() <= kFew &&
+  return atoms.finds_bonds && atoms.frames <= 1 && atoms.atoms.size() <= kFew &&
          atoms.atoms.size() * images_of(options) <= kMostCompleted && any_element(atoms) &&
          draws_cell(atoms, options);
 }
@@ -126,6 +126,11 @@ class AtomScene {
     const Box3f box = bounds(scene);
     if (draws_cell(atoms_, options_)) add_edges();
     fit(box);
+    for (size_t i = 0; i < 3 && atoms_.cell; ++i)
+      if (options_.images[i] > 1 && !atoms_.cell->repeats[i])
+        tell(Severity::warning, fmt::format("the file says that nothing repeats along {}; `images` "
+                                            "copies it even so",
+                                            "abc"[i]));
     if (atoms_.frames > 1 && options_.frame == 0 && !options_.cache)
       tell(Severity::left_out,
            fmt::format("frames or models behind the first ({}); `frame` gives others",

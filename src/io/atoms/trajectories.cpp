@@ -85,6 +85,18 @@ std::optional<Cell> cell_of_xyz(std::string_view comment) {
   Cell cell;
   cell.origin = numbers_in<3>(comment, "origin=").value_or(cell.origin);
   for (size_t i = 0; i < 9; ++i) cell.sides[i / 3][i % 3] = (*sides)[i];
+  // pbc="T T F" or pbc=[true, true, false].
+  if (const size_t at = behind(comment, "pbc="); at != comment.npos) {
+    size_t axis = 0;
+    for (const char* p = comment.data() + at + 1; p < comment.data() + comment.size() && axis < 3;
+         ++p) {
+      const char before = p[-1];
+      if (before != '"' && before != '[' && before != ' ' && before != ',') continue;
+      const char first = char(*p | 32);
+      if (first == 't' || first == 'f' || *p == '0' || *p == '1')
+        cell.repeats[axis++] = first == 't' || *p == '1';
+    }
+  }
   return cell;
 }
 
@@ -197,6 +209,10 @@ class DumpReader {
         if (!count) return std::unexpected(count.error());
         out.count = *count, has_count = true;
       } else if (item.starts_with("BOX BOUNDS")) {
+        // "pp pp ff", behind other words where the box is tilted.
+        const auto words = words_of(item);
+        for (size_t i = 0; i < 3; ++i)
+          repeats_[i] = words.size() < 5 || !is_wall(words[words.size() - 3 + i]);
         if (auto done = read_bounds(); !done) return done;
       } else if (item.starts_with("ATOMS")) {
         if (!has_count)
@@ -209,6 +225,11 @@ class DumpReader {
         (void)t_.lines.next();  // of TIMESTEP, UNITS and TIME
       }
     }
+  }
+
+  // Fixed, shrink-wrapped, or so with a minimum, on the lower side.
+  static bool is_wall(std::string_view word) {
+    return word.size() == 2 && (word[0] == 'f' || word[0] == 's' || word[0] == 'm');
   }
 
   std::expected<void, Diagnostics> read_bounds() {
@@ -261,6 +282,7 @@ class DumpReader {
     if (b.empty()) return std::nullopt;
     const size_t each = b.size() / 3;
     Cell cell;
+    cell.repeats = repeats_;
     if (each == 4) {
       for (size_t row = 0; row < 3; ++row) {
         std::copy_n(&b[4 * row], 3, cell.sides[row].begin());
@@ -280,6 +302,7 @@ class DumpReader {
 
   Trajectory& t_;
   std::vector<double> bounds_;  // three rows
+  std::array<bool, 3> repeats_{true, true, true};
 };
 
 template <class Next>

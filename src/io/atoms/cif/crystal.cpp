@@ -230,7 +230,10 @@ void add_crystal(gemmi::cif::Block& block, Atoms& out) {
   const std::vector<gemmi::Op> symmetry = symmetry_of(block, small, out.notices);
   out.frames = 1;
   out.cell = cell_of(small.cell);
-  out.has_residues = out.has_b_factors = true;
+  out.has_residues = true;
+  out.has_occupancies = block.has_tag("_atom_site_occupancy");
+  out.has_b_factors =
+      block.has_tag("_atom_site_U_iso_or_equiv") || block.has_tag("_atom_site_B_iso_or_equiv");
   std::vector<Site> sites = sites_of(block, small, out.notices);
   if (sites.empty() && !small.sites.empty())
     throw std::runtime_error(

@@ -58,6 +58,8 @@ std::vector<gemmi::Connection> links_of(const gemmi::Structure& s) {
 }  // namespace
 
 void add_molecule(gemmi::cif::Block& block, CutRows* cut, int frame, Atoms& out) {
+  out.has_occupancies = block.has_tag("_atom_site.occupancy");
+  out.has_b_factors = block.has_tag("_atom_site.B_iso_or_equiv");
   AtomSite rows = rows_of(block, cut, out);
   rows.group(out.notices);
   const Assemblies assemblies(block);
@@ -72,7 +74,7 @@ void add_molecule(gemmi::cif::Block& block, CutRows* cut, int frame, Atoms& out)
   std::vector<std::string> part_names;
   Names parts(part_names);
   const std::vector<uint32_t> atoms = rows.fill(size_t(at), parts, ends, out);
-  out.has_residues = out.has_b_factors = true;
+  out.has_residues = true;
   if (s.cell.is_crystal()) out.cell = cell_of(s.cell);
   if (s.cell.explicit_matrices)
     out.notices.add_whole(Severity::warning,
