@@ -207,6 +207,17 @@ TEST(Cif, GroupsHaveSeveralNames) {
   EXPECT_THAT(error(no_cell, "a.cif"), HasSubstr("not the lengths of the cell's sides"));
 }
 
+// One atom in pairs, beside a loop of the same category, which is no pair.
+TEST(Cif, PairsAndALoopOfOneCategory) {
+  const std::string text =
+      "data_x\nloop_\n_atom_site.id\n_atom_site.label_seq_id\n1 1\n2 1\n_atom_site.Cartn_x 1\n"
+      "_atom_site.Cartn_y 2\n_atom_site.Cartn_z 3\n_atom_site.type_symbol C\n";
+  const auto scene = read(text, "a.cif");
+  ASSERT_TRUE(scene) << scene.error().front().text();
+  ASSERT_EQ(scene->scene.spheres.size(), 1u);
+  EXPECT_EQ(scene->scene.spheres[0].center, Vec3f(1, 2, 3));
+}
+
 // A side of 1 is one, unless the file has none.
 TEST(Cif, CellsMayBeOfSizeOne) {
   const auto with_sides = [](const char* b) {

@@ -15,7 +15,7 @@ AtomSite rows_of(gemmi::cif::Block& block, CutRows* cut, const Atoms& out) {
     tags = item->loop.tags, values = std::move(item->loop.values);
   } else {
     for (const gemmi::cif::Item& pair : block.items)
-      if (pair.has_prefix("_atom_site."))
+      if (pair.type == gemmi::cif::ItemType::Pair && pair.has_prefix("_atom_site."))
         tags.push_back(pair.pair[0]), values.push_back(pair.pair[1]);
   }
   AtomSite rows =
