@@ -242,7 +242,7 @@ TEST(Outline, IsAsWideAsAskedFor) {
     figure.options.look = look;
     figure.scene.discs = {{{0, 0, away}, {0, 0, 1}, 2.5f}};
     figure.scene.disc_materials = {0};
-    // Where nothing but the line is darker than the sky.
+    // The disc is as bright as this background, so only the line is darker.
     figure.options.background = WrittenColor{Rgb(numbers_of(Look::flat_1).sky)};
     EXPECT_NEAR(double(picture_of(figure.scene, figure.options).at(100, 100).x), figure.sky(),
                 1e-6);

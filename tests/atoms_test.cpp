@@ -224,7 +224,7 @@ TEST(Xyz, FaultsHaveTheirPlace) {
 TEST(Atoms, ColoursAreNamed) {
   EXPECT_THAT(error(kWater, "a.xyz", {.color_by = "mass"}), HasSubstr("cannot colour by 'mass'"));
   // What the file does not have, and what it has of the same name.
-  // What a file has no numbers of is not coloured by them.
+  // Missing numbers are refused, not replaced by defaults.
   const std::string short_lines = "ATOM      1  CA  ALA A   1       1.000   2.000   3.000\n";
   for (const char* by : {"bfactor", "occupancy"}) {
     EXPECT_THAT(error(short_lines, "a.pdb", {.color_by = by}), HasSubstr("cannot colour by"));

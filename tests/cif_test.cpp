@@ -235,7 +235,7 @@ TEST(Cif, SitesMustHaveCoordinates) {
   const std::string text =
       "data_x\n_cell_length_a 5\n_cell_length_b 5\n_cell_length_c 5\nloop_\n_atom_site_label\n"
       "_atom_site_fract_x\n_atom_site_fract_y\n_atom_site_fract_z\nC1 ? ? ?\nO1 . . .\n";
-  EXPECT_THAT(error(text, "a.cif"), HasSubstr("atom sites, but none with coordinates"));
+  EXPECT_THAT(error(text, "a.cif"), HasSubstr("none of its atom sites has coordinates"));
 }
 
 }  // namespace

@@ -18,9 +18,8 @@ namespace raio::app {
 std::vector<std::string> warning_lines(const Scene& scene, const RenderSettings& settings,
                                        const Accel* accel, bool tries_tree = false);
 
-/// What was guessed about the camera: which axis a side of the scene takes for up, where no option
-/// says so and the scene's camera is not upright about it, as when it was fitted to molecules; what
-/// `fit` most leaves out; how small most of the scene is where all of it is shown by default.
+/// Guesses about the camera. They name the up axis of a side that was taken from a tilted camera,
+/// what `fit` most leaves out, and stray parts that make the rest of a default picture small.
 std::vector<std::string> camera_warnings(const RenderOptions& options, const Scene& scene);
 
 }  // namespace raio::app

@@ -159,7 +159,7 @@ struct Extent {
   void join(const Extent& b) { box.extend(b.box); }
 };
 
-/// What a camera shows of a scene.
+/// The part of a scene that a camera is fitted to.
 class Shown {
  public:
   Shown(const Scene& scene, Fit fit) : scene_(scene) {
@@ -203,8 +203,8 @@ Camera fitted_in_parallel(const Shown& shown, const Camera& camera) {
   return out;
 }
 
-// The camera moved, so that a picture that lies so holds what is shown, which has such bounds.
-// At that angle, or a long lens, the distance is chosen.
+// Moves the camera so that a picture with these axes holds `shown`, whose bounds are `box`. The
+// vertical angle, 0 for that of a long lens, decides the distance.
 Camera fitted(const Shown& shown, const Box3f& box, Camera camera, const PictureAxes& axes,
               float fov_deg = 0) {
   camera.movement.reset();
@@ -299,7 +299,7 @@ MostOfScene most_of(const Scene& scene) {
     return length(Vec3d(p.center) - Vec3d(out.center)) + double(p.radius);
   };
   out.radius = kFarAway * quantile(0.75, reach);
-  // Of what is at one place but for a few nothing is near.
+  // Three quarters share one place: no distance tells which of the others are strays.
   if (out.radius == 0) out.radius = std::numeric_limits<double>::infinity();
   Extent inside;
   for (const Places::Place& p : places)

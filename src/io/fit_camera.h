@@ -26,8 +26,8 @@ void fit_camera_to_cell(Scene& scene, const std::array<Vec3d, 3>& sides, bool is
 /// A side of the scene; `iso` is the corner between front, right and top.
 enum class Side : uint8_t { front, back, left, right, top, bottom, iso };
 
-/// What a fitted camera shows: all of the scene, or most of it, without what lies far from the
-/// rest, such as ground planes and stray atoms.
+/// Whether a camera is fitted to all of the scene, or to most of it, without distant parts such as
+/// ground planes and stray atoms.
 enum class Fit : uint8_t { all, most };
 
 /// The part of a scene that Fit::most shows: what lies in a sphere. Its centre is the median of the

@@ -53,7 +53,7 @@ Camera camera_of(const Scene& scene, const RenderOptions& options) {
   if (options.from) camera.from = Vec3f(*options.from - scene.origin);
   if (options.at) camera.at = Vec3f(*options.at - scene.origin);
   if (options.up && !turns) camera.up = Vec3f(*options.up);
-  // Where it chose the distance, no angle is too small for the scene.
+  // A fitted camera may need a larger angle, for example with parallel rays.
   if (options.fov_deg > 0)
     camera.fov_deg =
         turns || options.fit ? std::max(camera.fov_deg, options.fov_deg) : options.fov_deg;

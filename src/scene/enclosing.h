@@ -26,8 +26,8 @@ void enclose(const Scene& scene, size_t i, F&& f) {
   }
 }
 
-/// Calls add(sum, centre, radius) for all of a scene, or of each of its lists for the first of
-/// `every` so many, and joins the sums in an order that does not depend on threads.
+/// Calls add(sum, centre, radius) for each `every`-th primitive of each list of a scene. Joins the
+/// sums in an order that does not depend on threads.
 template <class Sum, class Add>
 Sum sum_up(const Scene& scene, const Add& add, size_t every = 1) {
   Sum total;

@@ -128,9 +128,10 @@ class AtomScene {
     fit(box);
     for (size_t i = 0; i < 3 && atoms_.cell; ++i)
       if (options_.images[i] > 1 && !atoms_.cell->repeats[i])
-        tell(Severity::warning, fmt::format("the file says that nothing repeats along {}; `images` "
-                                            "copies it even so",
-                                            "abc"[i]));
+        tell(Severity::warning,
+             fmt::format("the file says that nothing repeats along {}, but `images` "
+                         "asks for copies",
+                         "abc"[i]));
     if (atoms_.frames > 1 && options_.frame == 0 && !options_.cache)
       tell(Severity::left_out,
            fmt::format("frames or models behind the first ({}); `frame` gives others",

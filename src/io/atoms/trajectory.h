@@ -99,8 +99,7 @@ class Trajectory {
     out.columns = chosen.columns;
     out.cell = chosen.cell;
     if (auto done = read_atoms(chosen, out); !done) return std::unexpected(done.error());
-    constexpr size_t kFew =
-        100'000;  // to look for twins of more takes a part of the time of reading
+    constexpr size_t kFew = 100'000;  // the search would slow the reading of larger frames
     if (out.atoms.size() <= kFew)
       note_coincident(out, [](uint32_t i) { return std::to_string(i + 1); });
     return out;

@@ -237,7 +237,7 @@ void add_crystal(gemmi::cif::Block& block, Atoms& out) {
   std::vector<Site> sites = sites_of(block, small, out.notices);
   if (sites.empty() && !small.sites.empty())
     throw std::runtime_error(
-        "it has atom sites, but none with coordinates, but for dummy and disordered ones");
+        "none of its atom sites has coordinates, apart from dummy and disordered ones");
   // Where elements share a site, the most frequent one is drawn.
   std::vector<Site*> by_occupancy;
   for (Site& site : sites) by_occupancy.push_back(&site);
