@@ -158,15 +158,31 @@ TEST(Select, BondsGoWithTheirAtoms) {
   EXPECT_EQ(bonds("type 2"), 0u);
 }
 
+size_t spheres(std::string_view text, const char* name, const std::string& selection) {
+  return read(text, name, {.style = AtomStyle::space_filling, .only = selection})
+      ->scene.spheres.size();
+}
+
 TEST(Select, TypesAndMolecules) {
-  const auto spheres = [](std::string_view text, const char* name, const std::string& selection) {
-    return read(text, name, {.style = AtomStyle::space_filling, .only = selection})
-        ->scene.spheres.size();
-  };
   EXPECT_EQ(spheres(kData, "a.data", "type 2"), 2u);
   EXPECT_EQ(spheres(kData, "a.data", "residue 1"), 3u);
   EXPECT_EQ(spheres(kDump, "a.dump", "type 1"), 1u);
   EXPECT_EQ(spheres(kWater, "a.xyz", "hydrogen"), 2u);
+}
+
+TEST(Select, TypesByTheNamesThatLammpsGivesThem) {
+  std::string text = "names\n\n2 atoms\n2 atom types\n0 9 xlo xhi\n0 9 ylo yhi\n0 9 zlo zhi\n\n";
+  const std::string rows = "Atoms # atomic\n\n1 1 1 1 1\n2 2 4 4 4\n";
+  const std::string named = text + "Atom Type Labels\n\n1 head\n2 tail\n\n" + rows;
+  EXPECT_EQ(spheres(named, "a.lmp", "type tail"), 1u);
+  EXPECT_EQ(spheres(named, "a.lmp", "type head,2"), 2u);
+  EXPECT_THAT(error(named, "a.lmp", {.only = "type feet"}),
+              HasSubstr("only names type feet; the file has head, tail"));
+  EXPECT_THAT(error(text + rows, "a.lmp", {.only = "type head"}),
+              HasSubstr("only needs names of types, which the file does not have"));
+  const auto got = read(named, "a.lmp", {.only = "type tail"});
+  ASSERT_TRUE(got && got->legend.size() == 1);
+  EXPECT_EQ(got->legend[0].name, "tail");
 }
 
 TEST(Select, IndexColorsAreThoseOfTheFile) {
@@ -203,8 +219,8 @@ TEST(Select, WhatCannotBeRead) {
   EXPECT_EQ(selection_problem("chain"), "column 6: expected a value, found the end");
   EXPECT_EQ(selection_problem("element Xx"),
             "column 9: expected the symbol of an element, found 'Xx'");
-  EXPECT_EQ(selection_problem("type A"),
-            "column 6: expected a number or a range such as 1-5, found 'A'");
+  EXPECT_EQ(selection_problem("index A"),
+            "column 7: expected a number or a range such as 1-5, found 'A'");
   EXPECT_THAT(selection_problem("index 5-1"), HasSubstr("from the lower to the higher number"));
   EXPECT_THAT(selection_problem(std::string(5000, '(')), HasSubstr("fewer parentheses"));
   EXPECT_THAT(selection_problem("index 99999999999"), HasSubstr("expected a number"));

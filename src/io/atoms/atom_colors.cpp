@@ -62,6 +62,12 @@ std::vector<float> numbers_of(const Atoms& atoms, std::string_view by) {
   return out;
 }
 
+std::string name_of_type(const Atoms& atoms, size_t number) {
+  for (const auto& [name, of_name] : atoms.types)
+    if (of_name == number) return name;
+  return fmt::format("type {}", number);
+}
+
 // The legend: each name that an atom has, in order, with its colour. There are too many residues.
 std::vector<LegendEntry> legend_of(const Atoms& atoms, std::string_view by, Rgb (*color)(uint8_t)) {
   std::vector<LegendEntry> out;
@@ -79,7 +85,7 @@ std::vector<LegendEntry> legend_of(const Atoms& atoms, std::string_view by, Rgb 
     else if (by == "chain")
       out.push_back({"chain " + atoms.chains[n], color(uint8_t(n % kDistinctColors))});
     else
-      out.push_back({fmt::format("type {}", n), color(uint8_t((n - 1) % kDistinctColors))});
+      out.push_back({name_of_type(atoms, n), color(uint8_t((n - 1) % kDistinctColors))});
   }
   return out;
 }

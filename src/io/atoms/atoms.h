@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -66,6 +67,7 @@ struct Atoms {
   std::vector<std::string> chains;
   std::vector<Residue> residues;  // by Atom::residue, or empty
   std::vector<Assembly> assemblies;
+  std::map<std::string, uint32_t, std::less<>> types;  // the numbers of those that have a name
   std::optional<Cell> cell;
   size_t frames = 1;         // that the file has
   std::vector<float> radii;  // of the atoms, or empty

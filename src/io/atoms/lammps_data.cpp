@@ -132,7 +132,7 @@ class DataReader {
       if (words.size() != 2 || !parse_number(words[0].data(), type) || !(type >= 1 && type < 1e6))
         return {};  // the next section
       lines_ = ahead;
-      types_[std::string(words[1])] = uint32_t(type);
+      out_.types[std::string(words[1])] = uint32_t(type);
     }
     return {};
   }
@@ -143,9 +143,9 @@ class DataReader {
     for (auto line = ahead.next_filled(); line; line = ahead.next_filled()) {
       const auto words = words_of(*line);
       double type = 0, mass = 0;
-      const auto named = words.empty() ? types_.end() : types_.find(words[0]);
-      if (named != types_.end()) type = named->second;
-      if (words.size() < 2 || (named == types_.end() && !parse_number(words[0].data(), type)) ||
+      const auto named = words.empty() ? out_.types.end() : out_.types.find(words[0]);
+      if (named != out_.types.end()) type = named->second;
+      if (words.size() < 2 || (named == out_.types.end() && !parse_number(words[0].data(), type)) ||
           !parse_number(words[1].data(), mass) || !(type >= 1 && type < 1e6))
         return {};  // the next section
       lines_ = ahead;
@@ -154,7 +154,7 @@ class DataReader {
       // "# C" and "#C".
       std::string_view name = comment.empty() ? "" : comment[0].substr(1);
       if (name.empty() && comment.size() > 1) name = comment[1];
-      if (name.empty() && named != types_.end()) name = words[0];
+      if (name.empty() && named != out_.types.end()) name = words[0];
       if (const int element = element_number(name)) named_[uint32_t(type)] = element;
     }
     return {};
@@ -195,7 +195,7 @@ class DataReader {
                        words.size())});
     RowLayout layout;
     layout.words = style->layout(words.size());
-    layout.types = types_;
+    layout.types = out_.types;
     if (hints_.types > 0) layout.most_types = hints_.types;
     if (auto done = read_rows(index_, file_, first_, atoms_, layout, out_); !done) return done;
     lines_ = ahead;
@@ -222,7 +222,7 @@ class DataReader {
       if (!line) break;
       rows.push_back(words_of(line->substr(0, line->find('#'))));
     }
-    hints_.bonds = bonds_ > 0, hints_.cell = out_.cell, hints_.labels = &types_;
+    hints_.bonds = bonds_ > 0, hints_.cell = out_.cell, hints_.labels = &out_.types;
     const auto styles = guess_lammps_style(rows, hints_);
     if (!styles) return std::unexpected(styles.error());
     std::vector<std::string_view> names;
@@ -399,9 +399,8 @@ class DataReader {
   const std::string_view style_;  // that was asked for, or empty
   LammpsHints hints_;
   size_t atoms_ = 0, bonds_ = 0, first_ = 0;
-  std::map<std::string, uint32_t, std::less<>> types_;  // by their names
-  std::map<uint32_t, double> masses_;                   // of types
-  std::map<uint32_t, int> named_;                       // elements of types, by comments
+  std::map<uint32_t, double> masses_;  // of types
+  std::map<uint32_t, int> named_;      // elements of types, by comments
   std::vector<std::array<uint64_t, 2>> listed_;
   Atoms out_;
 };

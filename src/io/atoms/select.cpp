@@ -7,6 +7,7 @@
 #include <charconv>
 #include <climits>
 #include <numeric>
+#include <ranges>
 #include <span>
 #include <vector>
 
@@ -151,8 +152,7 @@ class Parser {
       out.ranges.push_back(range);
       return;
     }
-    if (out.what == Term::What::type || out.what == Term::What::index)
-      fail("expected a number or a range such as 1-5");
+    if (out.what == Term::What::index) fail("expected a number or a range such as 1-5");
     if (out.what == Term::What::element && element_number(word_) == 0)
       fail("expected the symbol of an element");
     out.names.emplace_back(word_);
@@ -211,8 +211,16 @@ class Chooser {
     for (uint32_t i = 0; i < out.size(); ++i) out[i] = has(atoms_.atoms[i], i);
     return out;
   }
-  void need(bool is_there, std::string_view what) const {
+  static void need(bool is_there, std::string_view what) {
     if (!is_there) throw Unfit{fmt::format("needs {}, which the file does not have", what)};
+  }
+
+  [[noreturn]] static void fail_unnamed(std::string_view what, std::string_view name,
+                                        const auto& names) {
+    constexpr size_t kMost = 20;
+    throw Unfit{fmt::format("names {} {}; the file has {}{}", what, name,
+                            fmt::join(names | std::views::take(kMost), ", "),
+                            names.size() > kMost ? " and more" : "")};
   }
 
   // A single atom of a metal or halogen.
@@ -249,8 +257,7 @@ class Chooser {
         need(any_element(atoms_), "elements");
         return of_elements(term);
       case type:
-        need(atoms_.chains.empty() && atoms_.atoms[0].part > 0, "types");
-        return where([&](const Atom& a, uint32_t) { return term.has(int(a.part)); });
+        return of_types(term);
       case chain:
         return of_chains(term);
       case residue:
@@ -268,17 +275,24 @@ class Chooser {
     return where([&](const Atom& a, uint32_t) { return wanted[a.element]; });
   }
 
+  Mask of_types(const Term& term) const {
+    need(atoms_.chains.empty() && atoms_.atoms[0].part > 0, "types");
+    need(!atoms_.types.empty() || term.names.empty(), "names of types");
+    Term wanted = term;
+    for (const std::string& name : term.names) {
+      const auto at = atoms_.types.find(name);
+      if (at == atoms_.types.end()) fail_unnamed("type", name, atoms_.types | std::views::keys);
+      wanted.ranges.push_back({int(at->second), int(at->second)});
+    }
+    return where([&](const Atom& a, uint32_t) { return wanted.has(int(a.part)); });
+  }
+
   Mask of_chains(const Term& term) const {
     need(!atoms_.chains.empty(), "chains");
     Mask wanted(atoms_.chains.size());
     for (const std::string& name : term.names) {
       const auto at = std::ranges::find(atoms_.chains, name);
-      if (at == atoms_.chains.end())
-        throw Unfit{fmt::format(
-            "names chain {}; the file has {}{}", name,
-            fmt::join(std::span(atoms_.chains).first(std::min(atoms_.chains.size(), kMostNames)),
-                      ", "),
-            atoms_.chains.size() > kMostNames ? " and more" : "")};
+      if (at == atoms_.chains.end()) fail_unnamed("chain", name, atoms_.chains);
       wanted[size_t(at - atoms_.chains.begin())] = true;
     }
     return where([&](const Atom& a, uint32_t) { return wanted[a.chain]; });
@@ -300,8 +314,6 @@ class Chooser {
     }
     return where([&](const Atom& a, uint32_t) { return wanted[a.residue]; });
   }
-
-  static constexpr size_t kMostNames = 20;  // of an error
 
   const Atoms& atoms_;
   std::vector<uint32_t> residue_sizes_;
