@@ -180,7 +180,7 @@ class RAIO_API Scene {
   /// and so on, prototypes, instances and named objects count, not camera, lights and background;
   /// planes and what moves are refused. Materials that are not there yet come behind those that
   /// are.
-  uint32_t add_prototype(const Scene& object);
+  uint32_t add_prototype(const Scene& prototype);
 
   // A copy is stored as its matrix: three rows of four numbers, which make (a b c d) * (x y z 1) of
   // a point of the object. Rays meet it as they do the same primitives moved, also mirrored,

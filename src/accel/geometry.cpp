@@ -421,6 +421,7 @@ std::optional<std::string> Geometry::add_objects(std::vector<const Geometry*> ob
   for (size_t k = 0; k < kPrimitiveKinds; ++k) {
     const auto kind = PrimitiveKind(k);
     std::vector<size_t> of_one;
+    of_one.reserve(objects_.size());
     for (const Geometry* object : objects_) of_one.push_back(object->count_all(kind));
     if (std::ranges::count(of_one, 0) == std::ssize(of_one)) continue;
     Column<uint32_t>& first = first_copied_[k];

@@ -41,6 +41,7 @@ std::expected<std::unique_ptr<const Instances>, Error> Instances::build(const Ac
 
 std::vector<const Geometry*> Instances::objects() const {
   std::vector<const Geometry*> out;
+  out.reserve(objects_.size());
   for (const auto& object : objects_) out.push_back(&object->geometry());
   return out;
 }
@@ -158,8 +159,8 @@ class Instances::Walk {
       const float x = (box.lo[a] - slab.above) * slab.inverse;
       const float y = (box.hi[a] - slab.below) * slab.inverse;
       const float enters = x < y ? x : y, leaves = x < y ? y : x;
-      if (enters > begin) begin = enters;
-      if (leaves < last) last = leaves;
+      begin = std::max(begin, enters);
+      last = std::min(last, leaves);
     }
     return begin <= last * float(1 + kSlack);
   }

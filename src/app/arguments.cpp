@@ -71,9 +71,10 @@ void add_read_options(CLI::App& app, ReadOptions& options, std::optional<FrameRa
     const std::string name = "--" + std::string(spec.name);
     const bool may_be_range = frames && spec.name == "frame";
     const auto set = [&options, &spec, name, frames, may_be_range](const std::string& text) {
-      if (may_be_range && (*frames = parse_frames(text))) {
+      if (may_be_range) {
+        *frames = parse_frames(text);
         options.frame = 0;
-        return;
+        if (*frames) return;
       }
       if (auto done = spec.set(options, text); !done)
         throw CLI::ValidationError(

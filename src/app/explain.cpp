@@ -148,9 +148,12 @@ void add_log(Json& json, const TraceLog& log, bool grid) {
     if (test.repeated) one["repeated"] = true;
     tests.push_back(std::move(one));
   }
-  if (grid) json["cells"] = std::move(places), json["t_max"] = std::move(leaving);
-  if (grid) json["t_delta"] = json_of(log.t_delta);
-  if (tree) json["nodes"] = std::move(places);
+  if (grid) {
+    json["cells"] = std::move(places), json["t_max"] = std::move(leaving);
+    json["t_delta"] = json_of(log.t_delta);
+  } else if (tree) {
+    json["nodes"] = std::move(places);
+  }
   json["tests"] = std::move(tests);
   json["counts"] = {{"steps", log.count_steps()}, {"tests", log.count_tests()}};
 }
@@ -221,6 +224,7 @@ RenderSettings explained_settings(RenderOptions options, const Scene& scene) {
 
 std::vector<std::optional<TraceLog>> logs_of(const Explanation& sample, const Accel& accel) {
   std::vector<std::optional<TraceLog>> logs;
+  logs.reserve(sample.rays.size());
   for (const ExplainedRay& r : sample.rays)
     logs.push_back(r.traced ? accel.log(r.ray, r.kind == Kind::shadow) : std::nullopt);
   return logs;

@@ -39,7 +39,10 @@ class Array {
       : own_(std::move(other.own_)), seen_(other.seen_), keep_(std::move(other.keep_)) {
     other.clear();
   }
-  Array& operator=(const Array& other) { return *this = Array(other); }
+  Array& operator=(const Array& other) {
+    if (this != &other) *this = Array(other);
+    return *this;
+  }
   Array& operator=(Array&& other) noexcept {
     own_ = std::move(other.own_), seen_ = other.seen_, keep_ = std::move(other.keep_);
     other.clear();

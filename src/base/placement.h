@@ -19,8 +19,7 @@ inline constexpr Matrix kIdentity = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 class Placement {
  public:
   explicit Placement(const Matrix& m) : shift_(m[3], m[7], m[11]) {
-    for (int i = 0; i < 3; ++i)
-      rows_[i] = Vec3d(m[size_t(4 * i)], m[size_t(4 * i) + 1], m[size_t(4 * i) + 2]);
+    for (size_t i = 0; i < 3; ++i) rows_[i] = Vec3d(m[4 * i], m[4 * i + 1], m[4 * i + 2]);
     for (int i = 0; i < 3; ++i) columns_[i] = Vec3d(rows_[0][i], rows_[1][i], rows_[2][i]);
     determinant_ = dot(columns_[0], cross(columns_[1], columns_[2]));
     for (int i = 0; i < 3; ++i)
@@ -94,11 +93,11 @@ inline Matrix joined(const Matrix& a, const Matrix& b) {
   const Placement first(a), second(b);
   Matrix out;
   const Vec3d shift = first.point(Vec3d(b[3], b[7], b[11]));
-  for (int j = 0; j < 3; ++j) {
-    const Vec3d column = first.vector(Vec3d(b[size_t(j)], b[size_t(j) + 4], b[size_t(j) + 8]));
-    for (int i = 0; i < 3; ++i) out[size_t(4 * i + j)] = float(column[i]);
+  for (size_t j = 0; j < 3; ++j) {
+    const Vec3d column = first.vector(Vec3d(b[j], b[j + 4], b[j + 8]));
+    for (int i = 0; i < 3; ++i) out[4 * size_t(i) + j] = float(column[i]);
   }
-  for (int i = 0; i < 3; ++i) out[size_t(4 * i) + 3] = float(shift[i]);
+  for (int i = 0; i < 3; ++i) out[4 * size_t(i) + 3] = float(shift[i]);
   return out;
 }
 

@@ -34,18 +34,18 @@
 namespace raio {
 
 enum Purpose : uint32_t {
-  kPixel,
-  kLens,
-  kLight,
+  kPixel = 0,
+  kLens = 1,
+  kLight = 2,
   kGloss = 0x80000000u,
-  kTranslucency,
-  kTime,
-  kOcclusion,
-  kKeyLight,
-  kLayer,
-  kLayerKey,
-  kSkyDepth,
-  kKeyDepth,
+  kTranslucency = 0x80000001u,
+  kTime = 0x80000002u,
+  kOcclusion = 0x80000003u,
+  kKeyLight = 0x80000004u,
+  kLayer = 0x80000005u,
+  kLayerKey = 0x80000006u,
+  kSkyDepth = 0x80000007u,
+  kKeyDepth = 0x80000008u,
   kLightDepth = 0xc0000000u
 };
 

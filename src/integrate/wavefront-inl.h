@@ -65,7 +65,7 @@ class Wavefront final : public TileRenderer {
   Wavefront(const PreparedScene& scene, RenderControl& control, Recorder recorder = {})
       : scene_(scene),
         control_(control),
-        recorder_(recorder),
+        recorder_(std::move(recorder)),
         shading_(scene),
         features_(scene),
         counts_rays_(scene.settings.channels.has(Channel::steps) ||

@@ -19,7 +19,7 @@ inline constexpr std::string_view kColormaps[] = {"viridis", "plasma", "cividis"
 inline constexpr int kMapColors = 256;
 
 /// The colour of a part, 0 to 1, in a map of that name; nothing: there is none.
-std::optional<Rgb> map_color(std::string_view map, float part);
+std::optional<Rgb> map_color(std::string_view name, float part);
 
 /// Which numbers have which colours: those of the map from its first for `least` to its last for
 /// `most`.
@@ -40,7 +40,7 @@ struct MappedColors {
 /// ends, or else goes from the least to the largest of the values; what is no number has the map's
 /// first colour. Without a map's name viridis. The error says which maps there are.
 std::expected<MappedColors, std::string> map_colors(
-    std::span<const float> values, std::string_view map,
+    std::span<const float> values, std::string_view name,
     std::optional<std::array<double, 2>> range = std::nullopt);
 
 }  // namespace raio

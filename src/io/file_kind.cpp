@@ -134,7 +134,8 @@ bool is_obj_line(std::string_view line) {
 bool is_xyz(std::string_view first, std::string_view second, std::string_view third) {
   std::array<std::string_view, 5> words;
   if (first_words(first, words) != 1 || !all_digits(words[0])) return false;
-  if (second.find("Properties=") != second.npos || second.find("Lattice=") != second.npos)
+  if (second.find("Properties=") != std::string_view::npos ||
+      second.find("Lattice=") != std::string_view::npos)
     return true;
   const size_t count = first_words(third, words);
   return count >= 4 && !looks_like_number(words[0]) &&

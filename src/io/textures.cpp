@@ -12,7 +12,9 @@ namespace raio {
 
 namespace fs = std::filesystem;
 
-std::expected<Texture, std::string> TextureReader::decode(Scene& scene, std::string_view bytes) {
+namespace {
+
+std::expected<Texture, std::string> decode(Scene& scene, std::string_view bytes) {
   const auto rows = decode_rows(bytes);
   if (!rows) return std::unexpected(rows.error());
   const size_t width = size_t(rows->width), height = size_t(rows->height);
@@ -28,6 +30,8 @@ std::expected<Texture, std::string> TextureReader::decode(Scene& scene, std::str
   for (size_t y = 0; y < height; ++y) put_texels(*rows, int(y), texels + y * width);
   return Texture{uint32_t(first), uint32_t(width), uint32_t(height)};
 }
+
+}  // namespace
 
 std::expected<uint32_t, std::string> TextureReader::add(Scene& scene, std::string_view bytes,
                                                         TextureWrap wrap_u, TextureWrap wrap_v) {

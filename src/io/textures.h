@@ -22,8 +22,6 @@ class TextureReader {
                                            TextureWrap wrap_v = TextureWrap::repeat);
 
  private:
-  std::expected<Texture, std::string> decode(Scene& scene, std::string_view bytes);
-
   // By the hash of their bytes, also those that are none.
   std::map<std::pair<uint64_t, uint64_t>, std::expected<Texture, std::string>> known_;
 };

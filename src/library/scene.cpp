@@ -492,9 +492,9 @@ raio::Scene object_of(const raio::Scene& scene) {
 
 }  // namespace
 
-uint32_t Scene::add_prototype(const Scene& added) {
+uint32_t Scene::add_prototype(const Scene& prototype) {
   return guarded([&] {
-    raio::Scene object = object_of(added.data_->scene);
+    raio::Scene object = object_of(prototype.data_->scene);
     if (!object.planes.empty()) refuse("an infinite plane cannot be copied");
     if (object.moves()) refuse("what moves cannot be copied");
     if (1 + depth_of(object) > kMostNested)

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -75,7 +76,7 @@ class CurveMeasurement {
     const double primitives = double(scene_.primitive_count());
     double slowest = 0;
     for (float factor = kLeastGridFactor; factor <= kMostGridFactor * 1.01f;
-         factor *= std::sqrt(2.0f)) {
+         factor *= std::numbers::sqrt2_v<float>) {
       if (std::pow(double(factor), 3) * primitives > kMostCells) break;
       Grid grid{.settings = settings_, .accel = {}, .seconds = {}};
       grid.settings.accel.grid_factor = factor;

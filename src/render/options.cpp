@@ -125,7 +125,7 @@ std::expected<void, std::string> parse_roughness(RenderOptions& o, std::string_v
   const auto value = parse_number<float>(text);
   if (!value || !(*value >= 0 && *value <= kMost))
     return std::unexpected(fmt::format("expected a number from 0 to {}, found '{}'", kMost, text));
-  o.*kNumber = *value;
+  o.*kNumber = value;
   return {};
 }
 

@@ -78,12 +78,13 @@ std::string crop_text(const RenderOptions& options) {
 }
 
 std::expected<void, std::string> parse_background(RenderOptions& options, std::string_view text) {
-  if (auto color = parse_color(text)) {
+  auto color = parse_color(text);
+  if (color) {
     options.background = std::move(*color);
     return {};
-  } else if (std::error_code ignored; !std::filesystem::is_directory(text, ignored)) {
-    return std::unexpected(color.error() + "; nor is there a folder of that name, for a sky");
   }
+  if (std::error_code ignored; !std::filesystem::is_directory(text, ignored))
+    return std::unexpected(color.error() + "; nor is there a folder of that name, for a sky");
   auto sky = read_cube_map(text);
   if (!sky) return std::unexpected(sky.error().text());
   options.background = WrittenColor{.color = {}, .sky = std::move(*sky)};

@@ -73,7 +73,7 @@ Set set_radius(ReadOptions& o, std::string_view text) {
 Set set_smooth(ReadOptions& o, std::string_view text) {
   const auto angle = parse_number<float>(text);
   if (!angle || !(*angle >= 0 && *angle <= 180)) return wrong("degrees from 0 to 180", text);
-  return o.smooth = *angle, Set();
+  return o.smooth = angle, Set();
 }
 
 Set set_assembly(ReadOptions& o, std::string_view text) {

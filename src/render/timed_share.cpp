@@ -31,7 +31,7 @@ MedianInterval median_interval(std::vector<double> values) {
   return {values[outside], median, values[n - 1 - outside]};
 }
 
-RenderOptions timed_options(RenderOptions options, const Scene& scene) {
+RenderOptions timed_options(const RenderOptions& options, const Scene& scene) {
   RenderOptions o = options;
   o.samples = 0, o.sampler = SamplerKind::jitter;
   o.view = View::picture, o.integrator = std::nullopt, o.channels = {};

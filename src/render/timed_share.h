@@ -40,7 +40,7 @@ struct MeasuringEffort {
 
 /// The options with the samples of the benchmark: 9 a pixel with antialiasing, 3 with depth of
 /// field, 27 with both; of the picture itself, without view and channels.
-RenderOptions timed_options(RenderOptions options, const Scene& scene);
+RenderOptions timed_options(const RenderOptions& options, const Scene& scene);
 
 struct TimedRun {
   double seconds = 0;  // of a share those for which threads work, divided among them

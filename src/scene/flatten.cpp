@@ -192,6 +192,7 @@ class Flattener {
 // Of what a scene and its copies are as primitives of their own.
 double flat_bytes(const Scene& scene) {
   std::vector<double> of_one;
+  of_one.reserve(scene.prototypes.size());
   double sum = double(memory_bytes(scene));
   for (const Scene& object : scene.prototypes) of_one.push_back(flat_bytes(object));
   for (const Instance& copy : scene.instances) sum += of_one[copy.prototype];

@@ -62,6 +62,7 @@ void extend_by_copies(Box3f& box, const Scene& scene, const Matrix* matrix) {
   std::vector<Box3f> of_object;
   for (const Scene& object : scene.prototypes) of_object.push_back(bounds_of(object, nullptr));
   std::vector<Matrix> matrices;
+  matrices.reserve(scene.instances.size());
   std::vector<Box3d> reach;
   for (const Instance& copy : scene.instances) {
     matrices.push_back(matrix ? joined(*matrix, copy.matrix) : copy.matrix);

@@ -361,6 +361,7 @@ constexpr uint64_t kMostCopied = uint64_t(kPrimitiveKinds) * kMaxPrimitivesPerKi
 
 Expanded expanded(const Scene& scene) {
   std::vector<Expanded> of_one;
+  of_one.reserve(scene.prototypes.size());
   for (const Scene& object : scene.prototypes) of_one.push_back(expanded(object));
   Expanded sum;
   for_each_pool(scene,

@@ -133,7 +133,7 @@ struct ShapeHit {
 
 /// A shape as it is at a time, which those that do not move do not depend on.
 template <class Shape>
-constexpr const Shape& at_time(const Shape& shape, float) {
+constexpr Shape at_time(const Shape& shape, float) {
   return shape;
 }
 

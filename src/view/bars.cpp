@@ -134,6 +134,7 @@ void draw_tool_bar(const Rect& where, const ViewState& state, const ToolFacts& f
   begin_bar("tool bar", where);
   const auto tools = tools_of(state, facts);
   std::vector<float> widths;
+  widths.reserve(tools.size());
   for (const Tool& tool : tools) widths.push_back(tool.width());
   const float margin = std::round(0.4f * em());
   const size_t fit = tools_that_fit(widths, where.width() - 2 * margin, kSide * em());

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 
 #include "render/read_options.h"
 #include "view/texts.h"
@@ -97,8 +98,8 @@ void Inspector::take(std::shared_ptr<const Inspected> found) {
     order_.push_back(i);
     const auto& below = children_[size_t(i)];
     for (const bool shadow : {false, true})
-      for (auto k = below.rbegin(); k != below.rend(); ++k)
-        if ((rays[size_t(*k)].kind == ExplainedRay::Kind::shadow) == shadow) open.push_back(*k);
+      for (const int k : below | std::views::reverse)
+        if ((rays[size_t(k)].kind == ExplainedRay::Kind::shadow) == shadow) open.push_back(k);
   }
   if (ray_ >= int(rays.size())) ray_ = 0, step_ = -1;
   steps_.clear();

@@ -66,7 +66,7 @@ InspectorResult Inspector::draw_panel(const Rect& where, double now) {
   if (found_ && !has_pixel()) draw_region();
   if (has_pixel() && !result.closed) {
     if (open_section("Tree of rays", true)) {
-      ImGui::BeginChild("tree", {0, 9.5f * em()}, 0, ImGuiWindowFlags_HorizontalScrollbar);
+      ImGui::BeginChild("tree", {0, 9.5f * em()}, false, ImGuiWindowFlags_HorizontalScrollbar);
       draw_tree(0);
       ImGui::EndChild();
     }

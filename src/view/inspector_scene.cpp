@@ -146,6 +146,7 @@ void draw_ray_legend(const Rect& area, bool has_boxes) {
     bool dotted;
   };
   std::vector<Entry> entries;
+  entries.reserve(kRayKinds + 2);
   for (int k = 0; k < kRayKinds; ++k)
     entries.push_back({tr(name_of(RayKind(k))), color_of(RayKind(k)), false});
   entries.push_back({tr("behind something"), color(palette().text), true});

@@ -41,7 +41,7 @@ class MemoryKeeper {
   const Memory& memory() const { return memory_; }
   void opened(const std::string& path);
   /// A language counts once it has been changed.
-  void looks(const Look& look, Language language);
+  void looks(const Look& look, Language now);
 
  private:
   Memory memory_;

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <gemmi/elem.hpp>
 #include <gemmi/numb.hpp>
+#include <ranges>
 #include <span>
 
 #include "base/parallel.h"
@@ -59,7 +60,8 @@ bool split(std::string_view line, std::span<std::string_view> out) {
     if (p == end) return count == out.size();
     if (count == out.size()) return false;
     const char* const from = p;
-    if (!(p = end_of_value(p, end))) return false;
+    p = end_of_value(p, end);
+    if (!p) return false;
     out[count] = {from, p};
   }
 }
@@ -259,8 +261,8 @@ const char* AtomSite::add_lines(std::string_view text) {
     }
   });
   if (last < chunks) parts_.resize(last + 1);
-  for (auto part = parts_.rbegin(); part != parts_.rend(); ++part)
-    if (!part->rows.empty()) return part->rows.back().line;
+  for (const Part& part : parts_ | std::views::reverse)
+    if (!part.rows.empty()) return part.rows.back().line;
   return text.data();
 }
 

@@ -55,7 +55,7 @@ FrameRowsOr next_gro(Trajectory& t) {
 // to the next.
 std::vector<std::string_view> numbers_of_box(std::string_view line) {
   line = line.substr(0, line.find_last_not_of(" \t\r") + 1);
-  const auto words = words_of(line);
+  auto words = words_of(line);
   const size_t points = size_t(std::ranges::count(line, '.'));
   if (points <= words.size()) return words;
   const size_t point = line.find('.'), width = line.find('.', point + 1) - point;
@@ -92,7 +92,7 @@ std::optional<Cell> cell_of_gro(std::string_view line) {
 size_t digits_more(std::string_view line, size_t usual_point) {
   const size_t point = line.find('.', kGroPlace);
   constexpr size_t kMost = 4;
-  return point != line.npos && point > usual_point && point - usual_point <= kMost
+  return point != std::string_view::npos && point > usual_point && point - usual_point <= kMost
              ? point - usual_point
              : 0;
 }

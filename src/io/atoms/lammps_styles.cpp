@@ -213,6 +213,7 @@ std::expected<std::vector<const LammpsStyle*>, std::string> guess_lammps_style(
   };
   if (std::ranges::all_of(some, [&](auto* s) { return family(s) == family(some[0]); })) return some;
   std::vector<std::string_view> names;
+  names.reserve(some.size());
   for (const LammpsStyle* s : some) names.push_back(s->name);
   return std::unexpected(fmt::format(
       "the style of the atoms is not known, and several fit: {}; give `atom-style`, or write it "

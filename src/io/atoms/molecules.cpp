@@ -1,5 +1,7 @@
 // CIF and mmCIF, from the text to the scene; and what all molecules are asked.
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <vector>
 
 #include "io/atoms/element_names.h"
@@ -53,7 +55,7 @@ void note_coincident(Atoms& atoms, const std::function<std::string(uint32_t)>& n
   size_t count = 0;
   for (uint32_t i = 0; i < atoms.atoms.size(); ++i) {
     const auto& place = atoms.atoms[i].place;
-    if (place != place) continue;  // not a number
+    if (std::ranges::any_of(place, [](float x) { return std::isnan(x); })) continue;
     size_t slot = hash_of(place) & (slots.size() - 1);
     while (slots[slot] > 0 && atoms.atoms[slots[slot] - 1].place != place)
       slot = (slot + 1) & (slots.size() - 1);

@@ -145,9 +145,9 @@ std::optional<LineFault> read_pdb_row(std::string_view line, const Atoms& out, P
 
 std::optional<LineFault> read_pqr_row(std::string_view line, const Atoms& out, PdbRow& row) {
   const auto fields = pqr_fields(line);
-  const LineFault fault{line.data(),
-                        "a line of PQR, with the words record, number, atom, residue, chain (or "
-                        "none), number, x, y, z, charge and radius"};
+  LineFault fault{line.data(),
+                  "a line of PQR, with the words record, number, atom, residue, chain (or "
+                  "none), number, x, y, z, charge and radius"};
   if (!fields) return fault;
   const auto& head = fields->head;
   const auto span = [&](std::string_view part) {

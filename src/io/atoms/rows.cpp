@@ -41,7 +41,7 @@ int element_of_label(std::string_view label) {
 bool parse_fortran(std::string_view text, double& number) {
   constexpr size_t kMost = 64;
   std::array<char, kMost + TextBuffer::kPadding> word{};
-  if (text.size() > kMost || text.find_first_of("dD") == text.npos) return false;
+  if (text.size() > kMost || text.find_first_of("dD") == std::string_view::npos) return false;
   std::ranges::replace_copy_if(
       text, word.begin(), [](char c) { return c == 'd' || c == 'D'; }, 'e');
   return parse_number(word.data(), number) != nullptr;

@@ -188,6 +188,7 @@ class AtomScene {
     }
     if (wanted == 0) {
       std::vector<Matrix> matrices;
+      matrices.reserve(shifts_.size());
       for (const Vec3d& s : shifts_)
         matrices.push_back({1, 0, 0, float(s.x), 0, 1, 0, float(s.y), 0, 0, 1, float(s.z)});
       add_object(nullptr, matrices);

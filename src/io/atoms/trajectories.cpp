@@ -36,7 +36,8 @@ bool read_properties(std::string_view list, std::string_view value, size_t most,
     const size_t first = words.size();
     words.resize(first + count, Word::skipped);
     if (name == "species" && count == 1) words[first] = Word::species;
-    const bool has_symbols = list.find("species:") != list.npos || out.layout.has(Word::species);
+    const bool has_symbols =
+        list.find("species:") != std::string_view::npos || out.layout.has(Word::species);
     if (name == "Z" && type == "I" && count == 1 && !has_symbols)  // numbers of elements
       words[first] = Word::species;
     if (name == "radius" && count == 1) words[first] = Word::radius;
@@ -56,7 +57,7 @@ size_t behind(std::string_view comment, std::string_view word) {
   const auto found = std::ranges::search(comment, word, [](char c, char w) {
     return c == w || (c >= 'A' && c <= 'Z' && char(c | 32) == w);
   });
-  return found.empty() ? comment.npos : size_t(found.end() - comment.begin());
+  return found.empty() ? std::string_view::npos : size_t(found.end() - comment.begin());
 }
 
 // The numbers of a word such as Lattice="4 0 0 0 4 0 0 0 4" or Lattice=[[4,0,0],[0,4,0],[0,0,4]];
@@ -65,7 +66,7 @@ template <size_t count>
 std::optional<std::array<double, count>> numbers_in(std::string_view comment,
                                                     std::string_view word) {
   const size_t at = behind(comment, word);
-  if (at == comment.npos) return std::nullopt;
+  if (at == std::string_view::npos) return std::nullopt;
   std::string list(comment.substr(at));
   if (list.starts_with('"')) list = list.substr(1, list.find('"', 1) - 1);
   if (list.starts_with('['))
@@ -86,7 +87,7 @@ std::optional<Cell> cell_of_xyz(std::string_view comment) {
   cell.origin = numbers_in<3>(comment, "origin=").value_or(cell.origin);
   for (size_t i = 0; i < 9; ++i) cell.sides[i / 3][i % 3] = (*sides)[i];
   // pbc="T T F" or pbc=[true, true, false].
-  if (const size_t at = behind(comment, "pbc="); at != comment.npos) {
+  if (const size_t at = behind(comment, "pbc="); at != std::string_view::npos) {
     size_t axis = 0;
     for (const char* p = comment.data() + at + 1; p < comment.data() + comment.size() && axis < 3;
          ++p) {
@@ -167,7 +168,7 @@ std::optional<std::string_view> kind_of_places(std::span<const std::string_view>
   };
   for (const std::string_view word : words)
     if (const auto kind = word.substr(1);
-        word.starts_with('x') && (kind == "" || kind == "u" || kind == "s" || kind == "su") &&
+        word.starts_with('x') && (kind.empty() || kind == "u" || kind == "s" || kind == "su") &&
         has('y', kind) && has('z', kind))
       return kind;
   return std::nullopt;

@@ -30,7 +30,7 @@ std::expected<size_t, Diagnostics> Trajectory::count(std::string_view line, size
 size_t Trajectory::filled_lines() const {
   const std::string_view text = index.text();
   const size_t last = text.find_last_not_of(" \t\r\n");
-  if (last == text.npos) return 0;
+  if (last == std::string_view::npos) return 0;
   const std::string_view behind = text.substr(last + 1);
   const auto ends = size_t(std::ranges::count(behind, '\n'));
   return ends == 0 ? index.size() : index.size() - (ends - 1) - (text.back() != '\n');

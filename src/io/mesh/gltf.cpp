@@ -77,6 +77,7 @@ class GltfReader {
         if (!is_far(use.number, place)) return;
     scene_.origin = found.value();
   } catch (const FileOrigin::NotFar&) {
+    scene_.origin = {};
   }
 
   // Of all vertices of a mesh, or of the first ones of each primitive.

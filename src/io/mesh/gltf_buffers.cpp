@@ -37,7 +37,10 @@ std::string decode_base64(std::string_view text, const std::string& what) {
       fail(fmt::format("{}: expected a digit of base64, found {} as character {} of them", what,
                        raio::quoted(text.substr(i, 1)), i + 1));
     bits = bits << 6 | uint32_t(digit);
-    if ((count += 6) >= 8) out += char(bits >> (count -= 8) & 255);
+    count += 6;
+    if (count < 8) continue;
+    count -= 8;
+    out += char(bits >> count & 255);
   }
   return out;
 }
@@ -134,7 +137,9 @@ size_t bytes_of(Component component) {
 // A header of 12 bytes, then chunks, each a length, a type and bytes.
 Chunks chunks_of(std::string_view file) {
   constexpr uint32_t kJson = 0x4e4f534a, kBinary = 0x004e4942;
-  const auto fail = [](std::string message) { throw ReadFailure{"broken .glb: " + message}; };
+  const auto fail = [](const std::string& message) {
+    throw ReadFailure{"broken .glb: " + message};
+  };
   if (file.size() < 12) fail("it ends within its header");
   if (const uint32_t version = load<uint32_t>(file.data() + 4); version != 2)
     throw ReadFailure{fmt::format("a binary scene in glTF {}; Raio reads glTF 2.0{}", version,
@@ -163,14 +168,14 @@ Chunks chunks_of(std::string_view file) {
 
 std::string decode_data_uri(std::string_view uri, const std::string& what) {
   const size_t comma = uri.find(',');
-  if (comma == uri.npos) fail(fmt::format("{}: its data: URI has no comma", what));
+  if (comma == std::string_view::npos) fail(fmt::format("{}: its data: URI has no comma", what));
   const std::string_view head = uri.substr(0, comma), data = uri.substr(comma + 1);
   return head.ends_with(";base64") ? decode_base64(data, what) : decode_percent(data);
 }
 
 std::string file_of_uri(std::string_view uri, const std::string& what) {
   const size_t colon = uri.find("://");
-  if (colon != uri.npos && colon < 10)
+  if (colon != std::string_view::npos && colon < 10)
     fail(fmt::format("{}: {} is not in a file beside it; fetch it, and name it there", what,
                      raio::quoted(uri)));
   return decode_percent(uri);

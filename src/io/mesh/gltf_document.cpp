@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <set>
 
 #include "io/mesh/builder.h"
@@ -316,7 +317,7 @@ class Parser {
       const Value lens = value.at("perspective");
       take_near(lens);
       camera.fov = lens.at("yfov").number();
-      if (!(camera.fov > 0 && camera.fov < 3.14159))
+      if (!(camera.fov > 0 && camera.fov < 0.999999 * std::numbers::pi))
         lens.at("yfov").fail_expected("an angle between 0 and pi");
       if (const auto aspect = lens.find("aspectRatio")) camera.aspect = aspect->number();
     });

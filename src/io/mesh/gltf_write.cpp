@@ -57,7 +57,7 @@ class GltfWriter {
     if (out.is_null()) out = Json::array();
     return out;
   }
-  size_t append(Json& to, Json what) {
+  static size_t append(Json& to, Json what) {
     to.push_back(std::move(what));
     return to.size() - 1;
   }

@@ -233,7 +233,8 @@ class ObjReader {
       const uint32_t place = place_at(p, end);
       uint32_t uv = kNone, normal = kNone;
       if (p != end && *p == '/') {
-        if (++p != end && *p != '/') {
+        ++p;
+        if (p != end && *p != '/') {
           uv = other_at(p, end, uvs_.size(), before_.uvs, "texture coordinate");
           if (uv != kNone) uv = moved(uv);
         }
@@ -387,7 +388,8 @@ class ObjReader {
   // One, whose name may have blanks in it, or several.
   void read_libraries(std::string_view names) {
     std::error_code error;
-    if (names.find(' ') == names.npos || fs::is_regular_file(library_file(names), error))
+    if (names.find(' ') == std::string_view::npos ||
+        fs::is_regular_file(library_file(names), error))
       return read_library(std::string(names));
     for (const auto word : std::views::split(names, ' '))
       if (!word.empty()) read_library(std::string(std::string_view(word)));

@@ -116,6 +116,7 @@ class PlyReader {
     allocate(element.count);
     if (row > at.bytes_left() / element.count) fail("the file ends within its vertices");
     std::vector<size_t> offsets;
+    offsets.reserve(element.properties.size());
     size_t offset = 0;
     for (const PlyProperty& property : element.properties)
       offsets.push_back(std::exchange(offset, offset + size_of(property.type)));

@@ -195,7 +195,8 @@ class PlyWriter {
       return hash128({reinterpret_cast<const char*>(&c), sizeof c}).first;
     }
     bool operator()(const Corner& a, const Corner& b) const {
-      return std::memcmp(&a, &b, sizeof a) == 0;
+      // -0 is not 0 here, and a NaN is itself.
+      return std::memcmp(&a, &b, sizeof a) == 0;  // NOLINT(bugprone-suspicious-memory-comparison)
     }
   };
 

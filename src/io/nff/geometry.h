@@ -47,7 +47,7 @@ inline std::array<std::array<Vec3f, 4>, 6> box_faces(Vec3f lo, Vec3f hi) {
   for (int a = 0; a < 3; ++a) {
     const int u = (a + 1) % 3, v = (a + 2) % 3;
     for (const bool high : {false, true}) {
-      std::array<Vec3f, 4>& face = faces[size_t(2 * a + high)];
+      std::array<Vec3f, 4>& face = faces[2 * size_t(a) + high];
       for (int i = 0; i < 4; ++i) {
         // On the low side the other two axes in turn run clockwise.
         const bool across = i == 1 || i == 2, along = i >= 2;

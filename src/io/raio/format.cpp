@@ -105,7 +105,7 @@ std::string apply(const Settings& s, Scene& scene) {
   if (s.origin.size() != 1 || s.camera.size() != 11 || s.raster.size() != 3 ||
       s.background.size() != 1 || s.lens_radius.size() > 1 || s.focus_distance.size() > 1 ||
       s.camera_across.size() > 1 || s.camera_projection.size() > 1 ||
-      (s.camera_movement.size() != 0 && s.camera_movement.size() != 8))
+      (!s.camera_movement.empty() && s.camera_movement.size() != 8))
     return "the columns of the camera and its like have not the numbers that they should";
   if (s.light_colored.size() != lights || s.light_colors.size() != lights)
     return "the columns of the lights differ in length";

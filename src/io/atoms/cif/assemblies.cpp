@@ -38,8 +38,9 @@ Assemblies::Assemblies(gemmi::cif::Block& block) {
   for (const auto row : block.find("_pdbx_struct_oper_list.", tags)) {
     gemmi::Transform t;
     for (int i = 0; i < 3; ++i) {
-      for (int k = 0; k < 3; ++k) t.mat[i][k] = gemmi::cif::as_number(row[size_t(1 + 4 * i + k)]);
-      t.vec.at(i) = gemmi::cif::as_number(row[size_t(4 + 4 * i)]);
+      for (int k = 0; k < 3; ++k)
+        t.mat[i][k] = gemmi::cif::as_number(row[4 * size_t(i) + size_t(k) + 1]);
+      t.vec.at(i) = gemmi::cif::as_number(row[4 * size_t(i) + 4]);
     }
     operations_.emplace(row.str(0), t);
   }
@@ -58,8 +59,8 @@ std::vector<Assembly> Assemblies::take(Names& parts) const {
       std::array<float, 12> matrix{};
       for (int row = 0; row < 3; ++row) {
         for (int column = 0; column < 3; ++column)
-          matrix[size_t(row * 4 + column)] = float(t.mat[row][column]);
-        matrix[size_t(row * 4 + 3)] = float(t.vec.at(row));
+          matrix[4 * size_t(row) + size_t(column)] = float(t.mat[row][column]);
+        matrix[4 * size_t(row) + 3] = float(t.vec.at(row));
       }
       copies.matrices.push_back(matrix);
     }

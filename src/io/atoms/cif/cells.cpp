@@ -13,8 +13,9 @@ gemmi::UnitCell unit_cell(const PdbCrystal& crystal, bool* disagrees = nullptr) 
   if (crystal.scale) {
     gemmi::Transform fraction;
     for (int row = 0; row < 3; ++row) {
-      for (int k = 0; k < 3; ++k) fraction.mat[row][k] = (*crystal.scale)[size_t(4 * row + k)];
-      fraction.vec.at(row) = (*crystal.scale)[size_t(4 * row + 3)];
+      for (int k = 0; k < 3; ++k)
+        fraction.mat[row][k] = (*crystal.scale)[4 * size_t(row) + size_t(k)];
+      fraction.vec.at(row) = (*crystal.scale)[4 * size_t(row) + 3];
     }
     cell.set_matrices_from_fract(fraction);
     if (disagrees) *disagrees = cell.explicit_matrices;

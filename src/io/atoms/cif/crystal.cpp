@@ -240,6 +240,7 @@ void add_crystal(gemmi::cif::Block& block, Atoms& out) {
         "none of its atom sites has coordinates, apart from dummy and disordered ones");
   // Where elements share a site, the most frequent one is drawn.
   std::vector<Site*> by_occupancy;
+  by_occupancy.reserve(sites.size());
   for (Site& site : sites) by_occupancy.push_back(&site);
   std::stable_sort(by_occupancy.begin(), by_occupancy.end(),
                    [](const Site* a, const Site* b) { return a->from->occ > b->from->occ; });
