@@ -6,12 +6,13 @@
 #include <numbers>
 
 #include "app/warnings.h"
+#include "io/fit_camera.h"
 #include "render/options.h"
 
 namespace raio {
 namespace {
 
-using testing::HasSubstr;
+using testing::HasSubstr, testing::IsEmpty;
 
 Scene corners() {
   Scene s;
@@ -83,6 +84,21 @@ TEST(Fit, PicturesHoldAllAsLargeAsItFits) {
       EXPECT_LT(largest, 1);
       EXPECT_GT(largest, 0.9);
     }
+}
+
+TEST(Fit, TheSmallestScenesHaveACamera) {
+  for (const float size : {1e-45f, 1e-40f, 1e-33f, 1e-28f, 1e-10f}) {
+    Scene scene = corners();
+    scene.spheres = {}, scene.sphere_materials = {};
+    Mesh& mesh = scene.meshes.emplace_back();
+    mesh.positions = std::vector<Vec3f>{{0, 0, 0}, {0, 0, 0}, {0, size, 0}};
+    mesh.triangles = std::vector<TriangleIndices>{{0, 1, 2}};
+    mesh.materials = std::vector<MaterialId>{0};
+    for (const FitView view : {FitView::principal, FitView::three_quarter}) {
+      fit_camera(scene, view);
+      EXPECT_THAT(validate(scene), IsEmpty()) << size;
+    }
+  }
 }
 
 TEST(Fit, UpTurnsFittedCamerasAlone) {

@@ -227,8 +227,8 @@ Camera fitted(const Shown& shown, const Box3f& box, Camera camera, const Picture
   double distance = std::max((needs.above + needs.below) / (2 * tangent),
                              (needs.right + needs.left) / (2 * across));
   const double size = length(Vec3d(box.hi) - Vec3d(box.lo));
-  // More than floats there are apart.
-  const double apart = 1e-4 * max_component(abs(middle));
+  // More than floats there are apart, 1e-45 at the origin.
+  const double apart = std::max(1e-4 * max_component(abs(middle)), 1e-30);
   distance = std::max({distance, size > 0 ? size * 1e-3 : 1.0, apart});
   const Vec3d at = middle + to_right * ((needs.right - needs.left) / 2) +
                    to_up * ((needs.above - needs.below) / 2);
