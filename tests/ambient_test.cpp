@@ -115,6 +115,10 @@ TEST(Ambient, IsWhatDataIsRenderedWith) {
   options.soft_shadows = true;
   ASSERT_TRUE(option_conflict(options, &scene));
   EXPECT_EQ(option_conflict(options, &scene)->subject, "soft-shadows");
+  options = {};
+  options.depth = 4;
+  ASSERT_TRUE(option_conflict(options, &scene));
+  EXPECT_EQ(option_conflict(options, &scene)->subject, "depth");
   scene.dialect = Dialect::nff;
   options = {};
   options.look = Look::dark_1;

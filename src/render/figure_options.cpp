@@ -107,23 +107,23 @@ void set_figure(RenderOptions& options, const FigureSettings& figure) {
 
 namespace {
 
-// Visits the names and values of the options that belong to another way of shading; one that is
-// given differs from the value of its type.
-template <class Options, class Visit>
-void visit_foreign_options(Options& o, const Scene& scene, Visit&& visit) {
-  switch (integrator_of(o, scene)) {
+// Visits the names and members of the options that belong to another way of shading.
+void visit_foreign_options(const RenderOptions& options, const Scene& scene, auto&& visit) {
+  using O = RenderOptions;
+  switch (integrator_of(options, scene)) {
     case IntegratorKind::classic:
     case IntegratorKind::views:
-      visit("look", o.look), visit("occlusion-rays", o.occlusion_rays);
-      visit("occlusion-distance", o.occlusion_distance), visit("key-light", o.key_light);
-      visit("outline", o.outline), visit("depth-cue", o.depth_cue);
-      visit("shadow-catcher", o.shadow_catcher);
+      visit("look", &O::look), visit("occlusion-rays", &O::occlusion_rays);
+      visit("occlusion-distance", &O::occlusion_distance), visit("key-light", &O::key_light);
+      visit("outline", &O::outline), visit("depth-cue", &O::depth_cue);
+      visit("shadow-catcher", &O::shadow_catcher);
       break;
     case IntegratorKind::ambient:
-      visit("soft-shadows", o.soft_shadows), visit("light-size", o.light_size);
-      visit("shading", o.shading), visit("fresnel", o.fresnel), visit("gloss", o.gloss);
-      visit("translucency", o.translucency), visit("no-reflection", o.no_reflection);
-      visit("no-refraction", o.no_refraction);
+      visit("depth", &O::depth), visit("soft-shadows", &O::soft_shadows);
+      visit("light-size", &O::light_size), visit("shading", &O::shading);
+      visit("fresnel", &O::fresnel), visit("gloss", &O::gloss);
+      visit("translucency", &O::translucency), visit("no-reflection", &O::no_reflection);
+      visit("no-refraction", &O::no_refraction);
       break;
   }
 }
@@ -136,8 +136,8 @@ bool fades_into_nothing(const RenderOptions& options, const Scene& scene) {
 
 std::optional<Error> figure_conflict(const RenderOptions& options, const Scene& scene) {
   std::optional<Error> why;
-  visit_foreign_options(options, scene, [&](std::string_view option, const auto& value) {
-    if (why || value == std::remove_cvref_t<decltype(value)>()) return;
+  visit_foreign_options(options, scene, [&](std::string_view option, auto member) {
+    if (why || options.*member == RenderOptions().*member) return;
     const auto integrator = integrator_of(options, scene);
     const std::string other =
         integrator == IntegratorKind::views && !options.integrator
@@ -151,7 +151,9 @@ std::optional<Error> figure_conflict(const RenderOptions& options, const Scene& 
 }
 
 void drop_figure_conflicts(RenderOptions& options, const Scene& scene) {
-  visit_foreign_options(options, scene, [](std::string_view, auto& value) { value = {}; });
+  visit_foreign_options(options, scene, [&](std::string_view, auto member) {
+    options.*member = RenderOptions().*member;
+  });
   if (fades_into_nothing(options, scene)) options.depth_cue.reset();
 }
 

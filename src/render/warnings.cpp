@@ -151,8 +151,8 @@ std::optional<std::string> blank_warning(const Film& film, const RenderSettings&
   const bool looks_elsewhere = depths_seen(settings, camera, eye, accel).empty();
   return std::string("the picture shows nothing but its background: ") +
          (looks_elsewhere
-              ? "the camera looks elsewhere, or what there is has no area or is smaller "
-                "than a pixel"
+              ? "the camera looks elsewhere, or what there is has no area, has no opacity or is "
+                "smaller than a pixel"
               : "surfaces are wholly transparent, or have the colour of the background");
 }
 

@@ -178,8 +178,9 @@ class AtomScene {
     const int wanted =
         options_.assembly.value_or(has && style_ == AtomStyle::space_filling ? 1 : 0);
     if (wanted < 0 || size_t(wanted) > atoms_.assemblies.size())
-      return fmt::format("there is no assembly {}; the file has {}", wanted,
-                         atoms_.assemblies.size());
+      return atoms_.assemblies.empty() ? "the file has no assemblies; leave out `assembly`"
+                                       : fmt::format("there is no assembly {}; the file has {}",
+                                                     wanted, atoms_.assemblies.size());
     if (wanted > 0 && copied)
       return "an assembly is no part of the cell; leave out `assembly` or `images`";
     if (wanted == 0 && shifts_.size() == 1) {
