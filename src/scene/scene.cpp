@@ -60,6 +60,7 @@ Box3f bounds_of(const Scene& scene, const Matrix* matrix) {
 // copies of a large assembly do not. Those that reach furthest come first.
 void extend_by_copies(Box3f& box, const Scene& scene, const Matrix* matrix) {
   std::vector<Box3f> of_object;
+  of_object.reserve(scene.prototypes.size());
   for (const Scene& object : scene.prototypes) of_object.push_back(bounds_of(object, nullptr));
   std::vector<Matrix> matrices;
   matrices.reserve(scene.instances.size());

@@ -174,8 +174,7 @@ std::string decode_data_uri(std::string_view uri, const std::string& what) {
 }
 
 std::string file_of_uri(std::string_view uri, const std::string& what) {
-  const size_t colon = uri.find("://");
-  if (colon != std::string_view::npos && colon < 10)
+  if (uri.find("://") < 10)  // behind a scheme
     fail(fmt::format("{}: {} is not in a file beside it; fetch it, and name it there", what,
                      raio::quoted(uri)));
   return decode_percent(uri);
