@@ -133,7 +133,10 @@ HWY_INLINE V pow_unit(D d, V x, V y) {
   const Signed<D> di;
   const V one = hn::Set(d, 1), p = hn::Mul(y, log2_of(d, x));
   // Powers below 2^-126 are zero, as is that of zero, but to the power of zero.
-  const V whole = hn::Round(hn::Max(p, hn::Set(d, -126)));
+  // The sum rounds to the nearest whole number. hn::Round() without SIMD makes 1 of the float below
+  // 1/2.
+  const V shift = hn::Set(d, 3 << 22);
+  const V whole = hn::Sub(hn::Add(hn::Max(p, hn::Set(d, -126)), shift), shift);
   const V f = hn::Mul(hn::Sub(p, whole), hn::Set(d, float(std::numbers::ln2)));
   const V e = polynomial(f, hn::Set(d, 1.0f / 5040), hn::Set(d, 1.0f / 720), hn::Set(d, 1.0f / 120),
                          hn::Set(d, 1.0f / 24), hn::Set(d, 1.0f / 6), hn::Set(d, 0.5f), one, one);
