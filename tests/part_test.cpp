@@ -6,6 +6,7 @@
 #include <hwy/targets.h>
 
 #include <cstring>
+#include <limits>
 #include <random>
 
 #include "base/hash.h"
@@ -257,6 +258,36 @@ TEST(PartFile, IsNotTrusted) {
     for (size_t k = 1 + rng() % 3; k > 0; --k) b[rng() % most] = char(rng());
     if (const auto decoded = decode_part(sealed(b))) decoded->film->resolve();
   }
+}
+
+TEST(PartFile, NumbersOfChannelsAreNotTrusted) {
+  RenderOptions request = sobol(3);
+  for (const ChannelSpec& spec : kChannels) request.channels.add(spec.channel);
+  const Studio studio(request);
+  auto made = make_film(studio.scene, studio.options);
+  ASSERT_TRUE(made);
+  Film& film = **made;
+  studio.add_to(film);
+  const PartHeader header{settings_of(studio.scene, studio.options), 0, 1};
+  const auto back = decode_part(encode_part(header, film));
+  ASSERT_TRUE(back) << back.error().text();
+  EXPECT_TRUE(same_film(*back->film, film));
+
+  const TileSamples good = film.copy(0);
+  const size_t pixels = good.sums.size() / 4;
+  ASSERT_GT(good.planes.size(), 10 * pixels);
+  for (size_t plane = 0; plane < good.planes.size() / pixels; ++plane)
+    for (const int64_t number : {int64_t(1) << 62, -(int64_t(1) << 62)}) {
+      TileSamples bad = good;
+      bad.planes[plane * pixels + 7] = number;
+      EXPECT_FALSE(film.can_hold(0, bad)) << plane;
+    }
+  TileSamples bad = good;
+  for (int64_t& number : bad.planes) number = std::numeric_limits<int64_t>::max();
+  film.replace(0, bad);
+  const auto refused = decode_part(encode_part(header, film));
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().text(), HasSubstr("a sum beyond what its samples can bring"));
 }
 
 TEST(PartFile, HugeSizesInSmallFilesAreRefused) {

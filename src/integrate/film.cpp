@@ -134,6 +134,34 @@ void Film::replace(size_t tile, const TileSamples& by) {
   if (by.samples == 1) squares_.clear(tile);
 }
 
+bool Film::can_hold(size_t tile, const TileSamples& numbers) const {
+  const double samples = numbers.samples;
+  // A sample may add to a number several times, each time rounded.
+  constexpr double kSlack = 1 + 1e-3;
+  const double most = samples * (bound_ * scale_ + 1), coverage = samples * double(kFullCoverage);
+  for (size_t i = 0; i < numbers.sums.size(); ++i)
+    if (std::abs(double(numbers.sums[i])) > (i % 4 < 3 ? most : coverage)) return false;
+  const double square = samples * (bound_ * bound_ * square_scale_ + 1);
+  const int64_t* p = numbers.planes.data();
+  bool can = true;
+  for_numbers(this->tile(tile), [&](Channel channel, size_t, int, int) {
+    const auto number = double(*p++);
+    const ChannelSpec& spec = spec_of(channel);
+    switch (spec.rule) {
+      case ChannelRule::first:
+        can &= number >= 0 && number <= double(std::numeric_limits<uint32_t>::max());
+        break;
+      case ChannelRule::mean:
+        can &= std::abs(number) <= samples * spec.bound * fixed_scale(spec) * kSlack;
+        break;
+      case ChannelRule::derived:
+        can &= number >= 0 && number <= square;
+        break;
+    }
+  });
+  return can;
+}
+
 template <class F>
 void Film::for_numbers(const Tile& tile, F&& f) const {
   for (const ChannelSpec& spec : kChannels) {

@@ -4,7 +4,6 @@
 #include <zlib.h>
 
 #include <bit>
-#include <cmath>
 #include <new>
 #include <vector>
 
@@ -131,15 +130,11 @@ std::string take_tile(Taker& bytes, size_t index, const PartHeader& header, Film
   const size_t pixels = size_t(place.x1 - place.x0) * size_t(place.y1 - place.y0);
   tile.sums = decode_numbers(bytes.text(), 4 * pixels);
   if (tile.sums.empty()) return "not as many sums as it has pixels";
-  const double most = tile.samples * (film.bound() * film.scale() + 1);
-  const auto most_coverage = double(tile.samples) * double(kFullCoverage);
-  for (size_t i = 0; i < tile.sums.size(); ++i)
-    if (!(std::abs(double(tile.sums[i])) <= (i % 4 < 3 ? most : most_coverage)))
-      return "a sum beyond what its samples can bring";
   if (const int planes = film.layout().planes(); planes > 0) {
     tile.planes = decode_numbers(bytes.text(), size_t(planes) * pixels);
     if (tile.planes.empty()) return "not as many numbers of its channels as it has pixels";
   }
+  if (!film.can_hold(index, tile)) return "a sum beyond what its samples can bring";
   film.replace(index, tile);
   return {};
 }
