@@ -219,12 +219,14 @@ TEST(Session, KeepsTheStructureWhereShapesStayAsTheyAre) {
       EXPECT_FALSE(same_bits(*p->image, *last->image));
       last = p;
     }
-    // Other shapes, or the same ones of other materials, want another structure.
+    // Other shapes, the same ones of other materials, or other opacities want another structure.
     const auto moved = version(first, [](Scene& s) { s.spheres[0].center.x += 0.5f; });
     const auto painted = version(first, [](Scene& s) {
       s.sphere_materials[0] = (s.sphere_materials[0] + 1) % uint32_t(s.materials.size());
     });
-    for (const auto& s : {moved, painted}) {
+    const auto clear = version(
+        first, [](Scene& s) { s.material_opacity = std::vector<float>(s.materials.size(), 0.5f); });
+    for (const auto& s : {moved, painted, clear}) {
       const auto p = w.whole(w.session.request({s, o}));
       EXPECT_NE(p->baked->accel, last->baked->accel);
       EXPECT_TRUE(same_bits(*p->image, rendered(*s, o)));

@@ -52,14 +52,15 @@ bool bakes_alike(const Scene& a, const Scene& b, bool one_sided) {
     same = same && size == column.size() && (size == 0 || data == column.data());
   });
   if (!same) return false;
-  // Of materials, whether they are opaque, and the colours that triangles take from them.
+  // Of materials, whether they are opaque, the colours that triangles take from them, and
+  // opacities.
   const bool with_colors = any_colors(a);
   for (size_t m = 0; m < a.materials.size(); ++m) {
     const Material &x = a.materials[m], &y = b.materials[m];
     if (one_sided && (x.transmission == 0) != (y.transmission == 0)) return false;
     if (with_colors && x.color != y.color) return false;
   }
-  return true;
+  return std::ranges::equal(a.material_opacity, b.material_opacity);
 }
 
 // The tiles that the film has, over an enlarged preview.
