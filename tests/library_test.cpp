@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 #include <random>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
@@ -391,6 +392,8 @@ TEST(LibraryAccel, AHitSaysWhereAndWhat) {
   EXPECT_EQ(triangle.material, 0u);
   EXPECT_FALSE(accel.closest({{11, 2, 3}, {0, 0, -1}, 2.5}).found());
   EXPECT_FALSE(accel.closest({{11, 2, 3}, {0, 0, 1}}).found());
+  for (const double length : {1e-300, 1e-160, 1e160, 1e300})
+    EXPECT_EQ(accel.closest({{11, 2, 3}, {0, 0, -length}}).distance, 3) << length;
   EXPECT_THAT(refusal([&] { accel.closest({{0, 0, 0}, {0, 0, 0}}); }),
               HasSubstr("ray 0: the direction is zero"));
   EXPECT_THAT(refusal([&] { accel.occluded({{double(kNan), 0, 0}, {0, 0, 1}}); }),
@@ -638,6 +641,18 @@ TEST(LibraryJob, TellsItsProgressAndCanBeCancelled) {
   } catch (const raio::Error& error) {
     EXPECT_EQ(error.kind(), raio::ErrorKind::cancelled);
   }
+}
+
+TEST(LibraryJob, ThrowsOnWhatACallbackThrows) {
+  const raio::Scene scene = everything(nullptr);
+  raio::Job job(scene, raio::Settings().set("size", "2000x2000").set("aa", "16"));
+  int calls = 0;
+  job.on_progress([&](const raio::Progress&) {
+    ++calls;
+    throw std::out_of_range("the caller's own");
+  });
+  EXPECT_THROW(job.run(), std::out_of_range);
+  EXPECT_EQ(calls, 1);
 }
 
 }  // namespace

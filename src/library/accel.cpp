@@ -25,11 +25,15 @@ struct Scratch {
 };
 
 raio::Ray ray_of(const Ray& ray, size_t number, Vec3d scene_origin) {
-  const Vec3d origin = vec(ray.origin), direction = vec(ray.direction);
+  const Vec3d origin = vec(ray.origin);
+  Vec3d direction = vec(ray.direction);
   if (!is_finite(origin) || !is_finite(direction) || std::isnan(ray.length) ||
       !std::isfinite(ray.time))
     refuse(fmt::format("ray {}: a number is not finite", number));
-  if (!(length(direction) > 0)) refuse(fmt::format("ray {}: the direction is zero", number));
+  const double longest = max_component(abs(direction));
+  if (longest == 0) refuse(fmt::format("ray {}: the direction is zero", number));
+  // Squares of such numbers leave the range of doubles.
+  if (longest > 1e150 || longest < 1e-150) direction = direction / longest;
   return {Vec3f(origin - scene_origin), Vec3f(normalize(direction)), float(ray.length),
           float(ray.time)};
 }

@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <exception>
 #include <utility>
 
 #include "base/clock.h"
@@ -234,18 +235,30 @@ void Job::on_progress(std::function<void(const Progress&)> callback) {
 
 namespace {
 
-// Tells of a render's progress while it lives.
+// Tells of a render's progress until it is finished. What the callback throws stops the render.
 class Teller {
  public:
-  Teller(const RenderControl& control, const std::function<void(const Progress&)>& tell) {
+  Teller(RenderControl& control, const std::function<void(const Progress&)>& tell) {
     if (!tell) return;
     ticker_ = Ticker(0.1, [&, start = Clock::now()] {
-      const double total = double(std::max<uint64_t>(1, control.work_total));
-      tell({double(control.work_done) / total, control.rays_done, seconds_since(start)});
+      if (thrown_) return;
+      try {
+        const double total = double(std::max<uint64_t>(1, control.work_total));
+        tell({double(control.work_done) / total, control.rays_done, seconds_since(start)});
+      } catch (...) {
+        thrown_ = std::current_exception();
+        control.stop = true;
+      }
     });
+  }
+  // Throws what the callback threw.
+  void finish() {
+    ticker_ = {};
+    if (thrown_) std::rethrow_exception(thrown_);
   }
 
  private:
+  std::exception_ptr thrown_;
   Ticker ticker_;
 };
 
@@ -255,7 +268,7 @@ Film Job::run() {
   return guarded([&] {
     const raio::Scene& scene = *data_->scene;
     const RenderSettings& settings = data_->settings;
-    const Teller teller(data_->control, data_->on_progress);
+    Teller teller(data_->control, data_->on_progress);
     const auto film = make_film(scene, settings);
     if (!film) fail(film.error());
     std::shared_ptr<const raio::Accel> accel = data_->accel;
@@ -266,8 +279,9 @@ Film Job::run() {
       if (!built) fail(built.error());
       accel = std::move(*built);
     }
-    if (!render(scene, *accel, settings, **film, data_->control).finished)
-      throw Error(ErrorKind::cancelled, "the render was cancelled");
+    const bool finished = render(scene, *accel, settings, **film, data_->control).finished;
+    teller.finish();
+    if (!finished) throw Error(ErrorKind::cancelled, "the render was cancelled");
     return Film(std::make_unique<Film::Data>(
         Film::Data{picture_of(**film, settings), settings_of(scene, settings)}));
   });
