@@ -66,7 +66,8 @@ TEST(Inspection, ARegionHasTheRaysOfItsPixels) {
   for (const RegionRay& r : row->rays) ++found[size_t(r.kind)];
   for (int x = 0; x < 40; ++x) {
     q.pixel = q.last = {x, 14};
-    for (const ExplainedRay& r : inspect(q, false)->sample.rays) ++expected[size_t(kind_of(r))];
+    const auto pixel = inspect(q, false);
+    for (const ExplainedRay& r : pixel->sample.rays) ++expected[size_t(kind_of(r))];
   }
   EXPECT_EQ(found, expected);
   EXPECT_EQ(found[size_t(RayKind::eye)], 40u);
