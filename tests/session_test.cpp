@@ -250,6 +250,23 @@ TEST(Session, BuildsAnotherStructureWhereGlassTurnsOpaqueOnOneSide) {
   EXPECT_TRUE(same_bits(*clear->image, rendered(*glass, o)));
 }
 
+// A newer wish ends a render anywhere, also between the layers that a ray meets.
+TEST(Session, EndsAmongTransparentLayers) {
+  const auto owner = std::make_shared<const Scene>(tests::random_scene(200, 7));
+  const auto clear = version(
+      owner, [](Scene& s) { s.material_opacity = std::vector<float>(s.materials.size(), 0.3f); });
+  RenderOptions o = options(128, 96);
+  o.samples = 4;
+  Watcher w;
+  for (int i = 0; i < tests::if_sanitized(100, 300); ++i) {
+    o.seed = uint32_t(i);
+    w.session.request({clear, o});
+    std::this_thread::sleep_for(std::chrono::microseconds(997 * i % 20000));
+  }
+  o.seed = 1;
+  EXPECT_TRUE(same_bits(*w.whole(w.session.request({clear, o}), 4)->image, rendered(*clear, o)));
+}
+
 // So many spheres that brute force takes a while.
 std::shared_ptr<const Scene> slow_scene() {
   return std::make_shared<const Scene>(tests::random_scene(tests::if_sanitized(100, 400), 5));

@@ -34,7 +34,8 @@ struct ShadedLayer {
 class Layers {
  public:
   // Finds the first layers of each ray, nearest first, in front of its opaque hit. Returns whether
-  // any ray may have more layers than it keeps; choose() then needs random numbers.
+  // any ray may have more layers than it keeps; choose() then needs random numbers. There is
+  // nothing to choose from where the trace was stopped.
   bool find(const Accel& accel, const RayBatch& rays, const HitBatch& behind,
             TraceContext& context) {
     const size_t n = rays.size();

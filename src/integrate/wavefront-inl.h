@@ -399,6 +399,7 @@ class Wavefront final : public TileRenderer {
   void trace_clear(int level, const WideSampler<D>& sampler) {
     const size_t n = current_.rays.size();
     const bool many = layers_.find(scene_.accel, current_.rays, hits_, context_);
+    if (context_.stopped()) return;
     if (many) {
       layer_places_.resize(padded(n)), layer_keys_.resize(padded(n));
       for (size_t i = 0; i < n; i += kWidth) {
