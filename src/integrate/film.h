@@ -154,8 +154,8 @@ class Film {
   /// A tile as it is, to be kept elsewhere, and a tile as it shall be.
   TileSamples copy(size_t tile) const;
   void replace(size_t tile, const TileSamples& by);
-  /// Whether so many samples can have brought these numbers, as many as the tile has. Others could
-  /// overflow when samples are added.
+  /// Whether numbers.samples samples can add up to these numbers, of which there are as many as the
+  /// tile holds. Larger ones could overflow when more samples are added.
   bool can_hold(size_t tile, const TileSamples& numbers) const;
 
   /// The mean of each pixel's samples; black where there are none.
