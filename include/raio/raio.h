@@ -356,8 +356,8 @@ class RAIO_API Job {
   Job(const Job&) = delete;
   Job& operator=(const Job&) = delete;
 
-  /// Called some ten times a second while run() works, from a thread of its own. What it throws
-  /// ends run(), which throws it on.
+  /// Called some ten times a second while run() works, from a thread of its own. If it throws,
+  /// run() stops and rethrows the exception.
   void on_progress(std::function<void(const Progress&)> callback);
 
   /// Works on as many threads as the setting `threads` says, this one among them, and returns when
