@@ -238,7 +238,7 @@ TEST(Accel, CountersCountAndEmbreeSaysThatItDoesNot) {
       ->closest(rays, hits, grid);
   EXPECT_GT(grid.steps, rays.size());
   EXPECT_LT(grid.tests, none.tests / 5);
-  EXPECT_GE(grid.tests, 3 * rays.size());  // giants
+  EXPECT_GE(grid.tests, 3 * rays.size());  // oversized primitives
   EXPECT_FALSE(build_accel(scene, {.kind = AccelKind::embree, .counters = true}).has_value());
 }
 

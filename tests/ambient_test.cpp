@@ -37,11 +37,11 @@ double sky_at(const Scene& scene, float distance = 0) {
   options.samples = 1024, options.occlusion_rays = 16;
   options.occlusion_distance = distance;
   options.key_light = false;
-  options.look = Look::paper_1;
+  options.look = FigureStyle::paper_1;
   const Image image = picture_of(scene, options);
   double sum = 0;
   for (const Rgb& pixel : image.pixels) sum += double(pixel.x) / 4;
-  return sum / double(numbers_of(Look::paper_1).sky);
+  return sum / double(params_of(FigureStyle::paper_1).sky);
 }
 
 TEST(Ambient, AnEmptyFloorSeesAllOfTheSky) {
@@ -93,8 +93,8 @@ TEST(Ambient, AllStructuresGiveOnePicture) {
   RenderOptions options;
   options.width = 40, options.height = 30, options.samples = 3;
   options.integrator = IntegratorKind::ambient;
-  for (const Look look :
-       {Look::paper_1, Look::flat_1, Look::paper_2, Look::dark_2, Look::matte_2}) {
+  for (const FigureStyle look : {FigureStyle::paper_1, FigureStyle::flat_1, FigureStyle::paper_2,
+                                 FigureStyle::dark_2, FigureStyle::matte_2}) {
     options.look = look;
     (void)expect_one_picture(random_scene(200, 4), options);
   }
@@ -121,7 +121,7 @@ TEST(Ambient, IsWhatDataIsRenderedWith) {
   EXPECT_EQ(option_conflict(options, &scene)->subject, "depth");
   scene.dialect = Dialect::nff;
   options = {};
-  options.look = Look::dark_1;
+  options.look = FigureStyle::dark_1;
   ASSERT_TRUE(option_conflict(options, &scene));
   EXPECT_EQ(option_conflict(options, &scene)->subject, "look");
   options.view = View::normals;
@@ -221,12 +221,12 @@ struct FlatFigure {
     scene.camera.from = {0, 0, 10}, scene.camera.at = {0, 0, 0}, scene.camera.up = {0, 1, 0};
     scene.camera.fov_deg = 40;
     scene.materials = {{.color = Rgb(1), .kd = 1}};
-    options.look = Look::flat_1;
+    options.look = FigureStyle::flat_1;
     options.width = options.height = 200, options.samples = 16;
     options.occlusion_distance = 1e-3f;
     options.outline = 0;
   }
-  static double sky() { return double(numbers_of(Look::flat_1).sky); }
+  static double sky() { return double(params_of(FigureStyle::flat_1).sky); }
 };
 
 // A line along the edge of a disc covers a ring within it of the width that is asked for, however
@@ -236,18 +236,18 @@ struct FlatFigure {
 TEST(Outline, IsAsWideAsAskedFor) {
   const double least = std::cos(std::numbers::pi / 8);
   const double mean = std::sin(std::numbers::pi / 8) / (std::numbers::pi / 8);
-  for (const auto& [look, width, away] : {std::tuple(Look::flat_1, 1.5f, 0.0f),
-                                          {Look::flat_1, 3.0f, -8.0f},
-                                          {Look::flat_1, 6.0f, 0.0f},
-                                          {Look::flat_2, 1.5f, -8.0f},
-                                          {Look::flat_2, 3.0f, 0.0f},
-                                          {Look::flat_2, 6.0f, -8.0f}}) {
+  for (const auto& [look, width, away] : {std::tuple(FigureStyle::flat_1, 1.5f, 0.0f),
+                                          {FigureStyle::flat_1, 3.0f, -8.0f},
+                                          {FigureStyle::flat_1, 6.0f, 0.0f},
+                                          {FigureStyle::flat_2, 1.5f, -8.0f},
+                                          {FigureStyle::flat_2, 3.0f, 0.0f},
+                                          {FigureStyle::flat_2, 6.0f, -8.0f}}) {
     FlatFigure figure;
     figure.options.look = look;
     figure.scene.discs = {{{0, 0, away}, {0, 0, 1}, 2.5f}};
     figure.scene.disc_materials = {0};
     // The disc is as bright as this background, so only the line is darker.
-    figure.options.background = WrittenColor{Rgb(numbers_of(Look::flat_1).sky)};
+    figure.options.background = WrittenColor{Rgb(params_of(FigureStyle::flat_1).sky)};
     EXPECT_NEAR(double(picture_of(figure.scene, figure.options).at(100, 100).x), figure.sky(),
                 1e-6);
     figure.options.outline = width;
@@ -268,7 +268,7 @@ TEST(Outline, IsThatOfTheLookWhereTheBackgroundIsOpen) {
   figure.scene.discs = {{{0, 0, 0}, {0, 0, 1}, 2.5f}};
   figure.scene.disc_materials = {0};
   figure.options.outline = 3;
-  const auto darkest = [&](Look look) {
+  const auto darkest = [&](FigureStyle look) {
     figure.options.look = look;
     figure.options.background = WrittenColor{{}, true, true};
     float least = 1;
@@ -283,8 +283,8 @@ TEST(Outline, IsThatOfTheLookWhereTheBackgroundIsOpen) {
       if (alpha[i] == 1) least = std::min(least, colors.pixels[i].x);
     return least;
   };
-  EXPECT_EQ(darkest(Look::flat_1), 0);
-  EXPECT_GT(darkest(Look::dark_1), 0.1f);
+  EXPECT_EQ(darkest(FigureStyle::flat_1), 0);
+  EXPECT_GT(darkest(FigureStyle::dark_1), 0.1f);
 }
 
 // From the nearest corner of the scene to the farthest the background's part grows evenly.
@@ -316,7 +316,7 @@ TEST(DepthCue, GrowsEvenlyWithDepth) {
 // Seen straight from above and at an angle: white keeps apart from the page, no colour clips, and
 // black shows the sky at grazing angles.
 TEST(Ambient, TheSecondPaperLookKeepsForm) {
-  const LookNumbers look = numbers_of(Look::paper_2);
+  const StyleParams look = params_of(FigureStyle::paper_2);
   for (const float color : {1.0f, 0.5f, 0.0f}) {
     Scene scene = floor_seen_at({0, 0, 0});
     scene.materials[0].color = Rgb(color);
@@ -324,7 +324,7 @@ TEST(Ambient, TheSecondPaperLookKeepsForm) {
     RenderOptions options;
     options.width = options.height = 1;
     options.samples = 1024, options.occlusion_rays = 4;
-    options.key_light = false, options.look = Look::paper_2;
+    options.key_light = false, options.look = FigureStyle::paper_2;
     const Vec3f view = normalize(scene.camera.at - scene.camera.from);
     const double aside = 1 - std::abs(double(view.z)), black = 1 - double(color);
     const double soft = double(color) * (1 - double(look.soft * color));
@@ -341,7 +341,8 @@ TEST(Ambient, TheBoundHolds) {
   RenderOptions options;
   options.integrator = IntegratorKind::ambient;
   options.width = options.height = 24, options.samples = 1;
-  for (const Look look : {Look::paper_1, Look::dark_1, Look::paper_2, Look::dark_2}) {
+  for (const FigureStyle look :
+       {FigureStyle::paper_1, FigureStyle::dark_1, FigureStyle::paper_2, FigureStyle::dark_2}) {
     options.look = look;
     const double bound = ambient_bound(scene, resolve_options(options, scene));
     for (const Rgb& pixel : picture_of(scene, options).pixels)

@@ -78,8 +78,8 @@ TEST(Fit, PicturesHoldAllAsLargeAsItFits) {
           const double tangent = std::tan(double(degrees) * std::numbers::pi / 360);
           return (std::abs(along) + double(sphere.radius)) / (depth * tangent);
         };
-        largest =
-            std::max({largest, part(dot(p, right), c.across_deg), part(dot(p, up), c.fov_deg)});
+        largest = std::max(
+            {largest, part(dot(p, right), c.horizontal_fov_deg), part(dot(p, up), c.fov_deg)});
       }
       EXPECT_LT(largest, 1);
       EXPECT_GT(largest, 0.9);
@@ -187,7 +187,7 @@ std::array<Span, 2> part_of_picture(const Scene& scene, const Camera& c) {
     const auto edge = [&](float degrees) {
       return depth * std::tan(double(degrees) * std::numbers::pi / 360);
     };
-    out[0].add(dot(p, right) / edge(c.across_deg), 0.5 / edge(c.across_deg));
+    out[0].add(dot(p, right) / edge(c.horizontal_fov_deg), 0.5 / edge(c.horizontal_fov_deg));
     out[1].add(dot(p, up) / edge(c.fov_deg), 0.5 / edge(c.fov_deg));
   }
   return out;
@@ -244,7 +244,7 @@ TEST(Fit, MostLeavesOutWhatIsFarAway) {
 TEST(Fit, AlongTheCameraOfAFile) {
   for (const float across : {0.0f, 60.0f}) {
     Scene scene = cube();
-    scene.camera.across_deg = across;
+    scene.camera.horizontal_fov_deg = across;
     EXPECT_EQ(app::camera_warnings({}, scene).size(), 0u);
     const Camera fitted = camera_with(scene, {{"fit", "all"}});
     EXPECT_LT(

@@ -78,7 +78,7 @@ class FileReader {
     if (key == "at") out_.camera.at = vec(floats(line, 3));
     if (key == "up") out_.camera.up = vec(floats(line, 3));
     if (key == "angle") line >> out_.camera.fov_deg;
-    if (key == "hither") line >> out_.camera.hither;
+    if (key == "hither") line >> out_.camera.near_clip;
     if (key == "resolution") line >> out_.camera.width >> out_.camera.height;
     if (key == "b") out_.background = vec(floats(line, 3));
     if (key == "l") {
@@ -207,7 +207,7 @@ void expect_same(const Listing& ours, const Listing& theirs) {
   EXPECT_EQ(vec_text(ours.camera.at), vec_text(theirs.camera.at));
   EXPECT_EQ(vec_text(ours.camera.up), vec_text(theirs.camera.up));
   EXPECT_EQ(ours.camera.fov_deg, theirs.camera.fov_deg);
-  EXPECT_EQ(ours.camera.hither, theirs.camera.hither);
+  EXPECT_EQ(ours.camera.near_clip, theirs.camera.near_clip);
   EXPECT_EQ(ours.camera.width, theirs.camera.width);
   EXPECT_EQ(ours.camera.height, theirs.camera.height);
   EXPECT_EQ(ours.background, theirs.background);

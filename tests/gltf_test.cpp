@@ -375,7 +375,7 @@ TEST(Gltf, OrthographicCamerasSeeTheirHeight) {
   EXPECT_EQ(camera.at, Vec3f(0, 2, 0));
   constexpr float kDegrees = 180 / 3.14159265f;
   EXPECT_FLOAT_EQ(camera.fov_deg, 2 * std::atan(3 / 9.f) * kDegrees);
-  EXPECT_FLOAT_EQ(camera.across_deg, 2 * std::atan(6 / 9.f) * kDegrees);
+  EXPECT_FLOAT_EQ(camera.horizontal_fov_deg, 2 * std::atan(6 / 9.f) * kDegrees);
   EXPECT_EQ(camera.height, 600);
 }
 
@@ -401,7 +401,7 @@ TEST(Gltf, TheCameraIsThatOfTheFile) {
   EXPECT_EQ(camera.from, Vec3f(0, 2, 9));
   EXPECT_EQ(camera.at, Vec3f(0, 2, 0));
   EXPECT_FLOAT_EQ(camera.fov_deg, 90);
-  EXPECT_NEAR(camera.across_deg, 126.8699f, 1e-3f);  // twice as wide as high
+  EXPECT_NEAR(camera.horizontal_fov_deg, 126.8699f, 1e-3f);  // twice as wide as high
   EXPECT_EQ(camera.width, 1200);
   EXPECT_EQ(camera.height, 600);
 }

@@ -67,7 +67,7 @@ TEST(Grid, RaysThatTravelTogetherFindTheVeryHitsOfBruteForce) {
   }
 }
 
-// Two crowds far apart: rays of all sorts from one to the other, over cells that list nothing.
+// Two ray groups far apart: rays of all sorts from one to the other, over cells that list nothing.
 TEST(Grid, EmptySpaceIsSkippedWithoutALoss) {
   Scene scene;
   scene.materials = {{}};
@@ -175,7 +175,7 @@ TEST(Grid, ListsShellsAndNotBalls) {
   scene.sphere_materials.assign(5, 0);
   const AccelInfo info =
       build(scene, {.kind = AccelKind::grid, .grid_resolution = {70, 70, 70}})->info();
-  ASSERT_EQ(info.giants, 0u);
+  ASSERT_EQ(info.oversized, 0u);
   // A sphere of radius 10 cells meets about 6 pi r^2 = 1885 of them; its box has 8000, its ball
   // 4189.
   EXPECT_GT(info.references, 5u * 1500);
@@ -185,7 +185,7 @@ TEST(Grid, ListsShellsAndNotBalls) {
 TEST(Grid, KeepsGiantsOut) {
   Scene scene = random_scene(400, 3);
   const AccelInfo info = build(scene, {.kind = AccelKind::grid})->info();
-  EXPECT_EQ(info.giants, 3u);  // the plane and the two triangles of the floor
+  EXPECT_EQ(info.oversized, 3u);  // the plane and the two triangles of the floor
 }
 
 TEST(Grid, SurvivesFlatScenesAndHeapsOfLargePrimitives) {

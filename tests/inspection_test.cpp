@@ -80,9 +80,9 @@ TEST(Inspection, ARegionHasTheRaysOfItsPixels) {
   q.options.width = q.options.height = 300;
   q.pixel = {0, 0}, q.last = {299, 299};
   const auto all = inspect(q, false);
-  EXPECT_LE(all->pixels, size_t(kMostRegionPixels));
-  EXPECT_GT(all->pixels, size_t(kMostRegionPixels) / 4);
-  EXPECT_LE(all->rays.size(), kMostRegionRays);
+  EXPECT_LE(all->pixels, size_t(kMaxRegionPixels));
+  EXPECT_GT(all->pixels, size_t(kMaxRegionPixels) / 4);
+  EXPECT_LE(all->rays.size(), kMaxRegionRays);
 }
 
 TEST(Inspection, FiltersByKindLevelAndWhatIsHit) {

@@ -72,7 +72,7 @@ Scene copied_scene(uint32_t seed, bool evenly = false) {
 }
 
 // Some of it clear: of the objects some, and of the scene's own.
-Scene clear_copies(uint32_t seed, bool evenly = false) {
+Scene transparent_instances(uint32_t seed, bool evenly = false) {
   Scene scene = copied_scene(seed, evenly);
   scene.prototypes[0].sphere_opacity.assign(scene.prototypes[0].spheres.size(), 0.4f);
   scene.prototypes[0].sphere_opacity[1] = 1;
@@ -84,7 +84,7 @@ Scene clear_copies(uint32_t seed, bool evenly = false) {
 TEST(Instances, AllStructuresAgree) {
   for (const uint32_t seed : {1u, 2u, 3u, 4u})
     for (const bool clear : {false, true}) {
-      const Scene scene = clear ? clear_copies(seed) : copied_scene(seed);
+      const Scene scene = clear ? transparent_instances(seed) : copied_scene(seed);
       ASSERT_THAT(validate(scene), IsEmpty());
       const auto none = build(scene, {.kind = AccelKind::none});
       const RayBatch rays = awkward_rays(scene, if_sanitized(1000, 5000), seed),
@@ -114,7 +114,7 @@ TEST(Instances, AllStructuresAgree) {
 
 TEST(Instances, WhatIsClearIsMetInOrder) {
   for (const uint32_t seed : {1u, 2u, 3u}) {
-    const Scene scene = clear_copies(seed);
+    const Scene scene = transparent_instances(seed);
     const auto none = build(scene, {.kind = AccelKind::none});
     const auto tree = build(scene, {.kind = AccelKind::bvh});
     const RayBatch rays = awkward_rays(scene, 2000, seed);
@@ -125,8 +125,8 @@ TEST(Instances, WhatIsClearIsMetInOrder) {
     std::vector<uint32_t> sums(rays.size());
     size_t layers = 0, found = 1;
     for (; found > 0 && layers < 100; ++layers) {
-      none->next_clear(rays, after, first, context);
-      tree->next_clear(rays, after, second, context);
+      none->next_transparent(rays, after, first, context);
+      tree->next_transparent(rays, after, second, context);
       found = 0;
       for (size_t i = 0; i < rays.size(); ++i) {
         ASSERT_EQ(first[i].item, second[i].item) << layers << ' ' << i;
@@ -136,7 +136,7 @@ TEST(Instances, WhatIsClearIsMetInOrder) {
         }
         ASSERT_EQ(first.t[i], second.t[i]);
         ASSERT_TRUE(comes_before(after[i], first[i]));
-        sums[i] = std::min(sums[i] + none->geometry().depth_of(first.item[i]), kMostDepth);
+        sums[i] = std::min(sums[i] + none->geometry().depth_of(first.item[i]), kMaxOpticalDepth);
         after.set(i, first[i]);
         ++found;
       }
@@ -144,8 +144,8 @@ TEST(Instances, WhatIsClearIsMetInOrder) {
     EXPECT_GT(layers, 2u);
     DepthBatch a, b;
     a.reset(rays.size()), b.reset(rays.size());
-    none->clear_depths(rays, a, context);
-    tree->clear_depths(rays, b, context);
+    none->transparent_depths(rays, a, context);
+    tree->transparent_depths(rays, b, context);
     for (size_t i = 0; i < rays.size(); ++i) {
       EXPECT_EQ(a.sum[i], b.sum[i]);
       EXPECT_EQ(a.sum[i], sums[i]);
@@ -180,30 +180,30 @@ TEST(Instances, ClearFacesOnFacesAreAllMet) {
   DepthBatch depths;
   depths.reset(rays.size());
   for (size_t found = 1, layers = 0; found > 0 && layers < 3000; ++layers) {
-    tree->next_clear(rays, after, next, context);
+    tree->next_transparent(rays, after, next, context);
     found = 0;
     for (size_t i = 0; i < rays.size(); ++i) {
       if (!next[i].found()) {
         after.set(i, {.t = std::numeric_limits<float>::infinity(), .item = 0});
         continue;
       }
-      sums[i] = std::min(sums[i] + tree->geometry().depth_of(next.item[i]), kMostDepth);
+      sums[i] = std::min(sums[i] + tree->geometry().depth_of(next.item[i]), kMaxOpticalDepth);
       after.set(i, next[i]);
       ++found;
     }
   }
-  tree->clear_depths(rays, depths, context);
+  tree->transparent_depths(rays, depths, context);
   for (size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(sums[i], depths.sum[i]) << i;
 }
 
 TEST(Instances, APictureIsOne) {
   RenderOptions options;
   options.width = 48, options.height = 36, options.aa = 2, options.soft_shadows = true;
-  expect_one_picture(clear_copies(5), options);
-  options.look = Look::paper_1;
+  expect_one_picture(transparent_instances(5), options);
+  options.look = FigureStyle::paper_1;
   options.outline = 1.0f;
-  expect_one_picture(clear_copies(6), options);
-  Scene only = clear_copies(7);  // with nothing of its own
+  expect_one_picture(transparent_instances(6), options);
+  Scene only = transparent_instances(7);  // with nothing of its own
   Scene scene;
   scene.camera = only.camera, scene.lights = only.lights, scene.materials = only.materials;
   scene.prototypes = only.prototypes, scene.instances = only.instances;
@@ -213,7 +213,7 @@ TEST(Instances, APictureIsOne) {
 // As far as roundings go: a ray that only just meets a shape may miss the other.
 TEST(Instances, CopiesAreWhatWrittenOutPrimitivesAre) {
   for (const uint32_t seed : {1u, 2u, 3u}) {
-    const Scene scene = clear_copies(seed, true);
+    const Scene scene = transparent_instances(seed, true);
     Scene flat = scene;
     ASSERT_EQ(flatten_instances(flat), "");
     EXPECT_THAT(validate(flat), IsEmpty());
@@ -252,7 +252,7 @@ TEST(Instances, CopiesAreWhatWrittenOutPrimitivesAre) {
 
     RenderOptions options;
     options.width = 64, options.height = 48;
-    options.look = Look::paper_1;
+    options.look = FigureStyle::paper_1;
     const Image from_copies = picture_of(scene, options), from_flat = picture_of(flat, options);
     size_t different = 0;
     for (size_t i = 0; i < from_flat.pixels.size(); ++i)

@@ -26,7 +26,7 @@ raio::Scene row(const Floats& opacity, bool stored = true) {
   const Floats radii(opacity.size(), 1);
   Floats centers;
   for (size_t i = 0; i < opacity.size(); ++i) centers.insert(centers.end(), {0, 0, -4 * float(i)});
-  raio::Look look(0);
+  raio::Appearance look(0);
   if (stored) look.opacity = {opacity.data(), opacity.size()};
   scene.add_spheres({centers.data(), opacity.size()}, {radii.data(), radii.size()}, look);
   scene.set_camera({{0, 0, 9}, {0, 0, 0}, {0, 1, 0}, 30});
@@ -96,9 +96,10 @@ TEST_F(LibraryData, RaysMeetWhatIsClear) {
 TEST_F(LibraryData, OpacityIsThatOfTheStructure) {
   const raio::Scene scene = row({1}, false);
   const auto clear = raio::Settings(small()).set("opacity", "0.5");
-  const raio::Accel opaque(scene), built_clear(scene, clear);
-  EXPECT_EQ(raio::Job(built_clear, small()).run().rgba(), raio::Job(scene, clear).run().rgba());
-  EXPECT_EQ(raio::Job(built_clear, clear).run().rgba(), raio::Job(scene, clear).run().rgba());
+  const raio::Accel opaque(scene), built_transparent(scene, clear);
+  EXPECT_EQ(raio::Job(built_transparent, small()).run().rgba(),
+            raio::Job(scene, clear).run().rgba());
+  EXPECT_EQ(raio::Job(built_transparent, clear).run().rgba(), raio::Job(scene, clear).run().rgba());
   EXPECT_NE(raio::Job(scene, clear).run().rgba(), raio::Job(scene, small()).run().rgba());
   try {
     raio::Job job(opaque, clear);

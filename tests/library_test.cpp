@@ -73,7 +73,8 @@ std::vector<Ball> balls(int count) {
 
 // With `keep` as in an array of Ball that someone holds.
 void add_balls(raio::Scene& scene, const std::vector<Ball>& all,
-               const std::shared_ptr<const void>& keep = nullptr, const raio::Look& look = 1) {
+               const std::shared_ptr<const void>& keep = nullptr,
+               const raio::Appearance& look = 1) {
   scene.add_spheres({all.data()->center, all.size(), sizeof(Ball), keep},
                     {&all.data()->radius, all.size(), sizeof(Ball), keep}, look);
 }
@@ -145,7 +146,7 @@ TEST(Library, ColoursTakeThePlaceOfTheMaterials) {
   raio::Scene colored = stage(), materials = stage();
   // Those before and after without colours keep that of their material.
   add_balls(colored, {all[0], all[1]});
-  raio::Look look = 1;
+  raio::Appearance look = 1;
   const Floats colors = {1, 0, 0, 0, 0.5f, 1}, opacity = {1, 1};
   look.colors = {colors.data(), 2};
   look.opacity = {opacity.data(), 2};
@@ -181,7 +182,7 @@ raio::Scene everything(const std::shared_ptr<const void>& keep) {
   static const std::vector<Corners> kTriangles = {{{0, 1, 2}}};
   static const std::vector<Point> kColors(20, {{0.25f, 0.5f, 1}});
   raio::Scene scene = stage();
-  raio::Look look = 1;
+  raio::Appearance look = 1;
   look.colors = {kColors[0].x, 20, 12, keep};
   add_balls(scene, kBalls, keep, look);
   scene.add_cones({kPegs[0].start, 2, sizeof(Peg), keep}, {kPegs[0].end, 2, sizeof(Peg), keep},
@@ -312,7 +313,7 @@ TEST(Library, RefusesColumnsThatCannotBeAndLeavesTheScene) {
               HasSubstr("position 1 is not finite"));
   EXPECT_THAT(refusal([&] { scene.add_triangles(two, {}, {xyz.data(), 1}); }),
               HasSubstr("there are 2 positions but 1 normals"));
-  raio::Look look;
+  raio::Appearance look;
   look.colors = {xyz.data(), 1};
   EXPECT_EQ(refusal([&] { scene.add_spheres(two, radii, look); }),
             "there are 2 primitives but 1 colours");

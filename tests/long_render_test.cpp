@@ -282,10 +282,10 @@ TEST_F(LongRender, StaysWithinItsMemory) {
     refused({"--memory-limit", size}, "as in 900M or 4G");
   render({"--memory-limit", "1G", "-o", "a.png"});
   refused({"--memory-limit", "0.25G", "--size", "9000x9000"}, "choose a smaller --size", 3);
-  const Outcome crowd =
+  const Outcome group =
       raio({"render", "ok.nff", "--memory-limit", "64M", "--threads", "64", "--size", "500x500"});
-  EXPECT_EQ(crowd.status, 3);
-  EXPECT_THAT(crowd.err, HasSubstr("fewer --threads"));
+  EXPECT_EQ(group.status, 3);
+  EXPECT_THAT(group.err, HasSubstr("fewer --threads"));
   std::string many(kScene);
   for (int i = 0; i < 3000000; ++i) many += "s 1 2 3 4\n";
   put(file("many.nff"), many);

@@ -321,7 +321,8 @@ TEST(Motion, ACameraThatIsGivenStandsStill) {
   set_camera(again, still, moving);
   EXPECT_EQ(resolve_options(again, moving).camera, still);
   // And one that fits the width has the angle that is given.
-  moving.camera.across_deg = 60, o.fov_deg = moving.camera.fov_deg, o.width = 200, o.height = 500;
+  moving.camera.horizontal_fov_deg = 60, o.fov_deg = moving.camera.fov_deg, o.width = 200,
+  o.height = 500;
   again.width = o.width, again.height = o.height;
   const Camera narrow = resolve_options(o, moving).camera;
   set_camera(again, narrow, moving);

@@ -104,7 +104,7 @@ TEST(NffRead, CameraBackgroundLightsAndMaterial) {
   EXPECT_EQ(scene.camera.at, Vec3f(0, 0, 0));
   EXPECT_EQ(scene.camera.up, Vec3f(0, 0, 1));
   EXPECT_EQ(scene.camera.fov_deg, 45);
-  EXPECT_EQ(scene.camera.hither, 1);
+  EXPECT_EQ(scene.camera.near_clip, 1);
   EXPECT_EQ(scene.camera.width, 64);
   EXPECT_EQ(scene.camera.height, 48);
   EXPECT_FALSE(scene.camera.lens_radius || scene.camera.focus_distance);

@@ -104,7 +104,7 @@ inline void expect_same(const Scene& a, const Scene& b) {
   EXPECT_EQ(a.camera.at, b.camera.at);
   EXPECT_EQ(a.camera.up, b.camera.up);
   EXPECT_EQ(a.camera.fov_deg, b.camera.fov_deg);
-  EXPECT_EQ(a.camera.hither, b.camera.hither);
+  EXPECT_EQ(a.camera.near_clip, b.camera.near_clip);
   EXPECT_EQ(a.camera.width, b.camera.width);
   EXPECT_EQ(a.camera.height, b.camera.height);
   EXPECT_EQ(a.camera.lens_radius, b.camera.lens_radius);

@@ -278,8 +278,8 @@ TEST(Opacity, TheTreeFindsTheLayersOfBruteForce) {
     size_t found = 1;
     for (int layer = 0; found > 0; ++layer) {
       ASSERT_LT(layer, 500);
-      (*none)->next_clear(rays, after, first, context);
-      (*tree)->next_clear(rays, after, second, context);
+      (*none)->next_transparent(rays, after, first, context);
+      (*tree)->next_transparent(rays, after, second, context);
       found = 0;
       for (size_t i = 0; i < rays.size(); ++i) {
         ASSERT_EQ(first.item[i], second.item[i]) << layer << ' ' << i;
@@ -298,8 +298,8 @@ TEST(Opacity, TheTreeFindsTheLayersOfBruteForce) {
       a.reset(rays.size()), b.reset(rays.size());
       for (size_t i = 0; limited && i < rays.size(); ++i)
         a.limit[i] = b.limit[i] = uint32_t(i % 5) * kHalving / 2;
-      (*none)->clear_depths(rays, a, context);
-      (*tree)->clear_depths(rays, b, context);
+      (*none)->transparent_depths(rays, a, context);
+      (*tree)->transparent_depths(rays, b, context);
       for (size_t i = 0; i < rays.size(); ++i) {
         ASSERT_EQ(a.sum[i], b.sum[i]) << i;
         if (!a.is_stopped(i)) {
@@ -311,8 +311,8 @@ TEST(Opacity, TheTreeFindsTheLayersOfBruteForce) {
     std::vector<uint32_t> keys;
     for (uint32_t i = 0; i < rays.size(); ++i) keys.push_back(scramble(i));
     for (size_t i = 0; i < rays.size(); ++i) after.set(i, {.t = 0, .item = 0});
-    (*none)->next_clear(rays, after, first, context, keys.data());
-    (*tree)->next_clear(rays, after, second, context, keys.data());
+    (*none)->next_transparent(rays, after, first, context, keys.data());
+    (*tree)->next_transparent(rays, after, second, context, keys.data());
     for (size_t i = 0; i < rays.size(); ++i) {
       ASSERT_EQ(first.item[i], second.item[i]) << i;
       if (first[i].found()) {

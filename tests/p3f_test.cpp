@@ -41,7 +41,7 @@ TEST(P3f, EveryEntityIsRead) {
            kP3fMaterial + "s 0 0 0 1\n" + "f 1 1 1 0 1 1 1 0.2 20 1 1.35 0.25\nbox 0 0 0 1 2 3\n" +
            "mesh 3 1\n0 0 0\n1 0 0\n0 1 0\n-3 -2 -1\npl 0 0 0 1 0 0 0 1 0\n");
   EXPECT_EQ(s.dialect, Dialect::p3f);
-  EXPECT_EQ(s.structure, StructureWish::grid);
+  EXPECT_EQ(s.structure, AccelHint::grid);
   EXPECT_EQ(s.samples_per_pixel, 9);
   EXPECT_EQ(s.sky_folder, "the sky");
   EXPECT_EQ(s.background, Rgb(0.1f, 0.2f, 0.3f));
@@ -105,7 +105,7 @@ Scene random_p3f(uint64_t seed) {
   std::mt19937_64 random(seed);
   const auto unit = [&] { return float(random() % 1001) / 1000; };
   s.dialect = Dialect::p3f;
-  s.structure = StructureWish(random() % 4);
+  s.structure = AccelHint(random() % 4);
   if (random() % 2) s.sky_folder = "sky box";
   for (size_t m = 0; m < s.materials.size(); ++m) {
     s.material_specular.push_back({unit(), unit(), unit()});
@@ -162,11 +162,11 @@ TEST(P3f, WhatItSaysIsInTheHash) {
   EXPECT_EQ(std::ranges::adjacent_find(names), names.end());
   // No picture depends on the structure.
   Scene other = scene;
-  other.structure = StructureWish((uint32_t(scene.structure) + 1) % 4);
+  other.structure = AccelHint((uint32_t(scene.structure) + 1) % 4);
   EXPECT_EQ(content_hash(other), content_hash(scene));
 }
 
-TEST(P3f, WishesHoldUnlessOptionsSayOtherwise) {
+TEST(P3f, HintsHoldUnlessOptionsSayOtherwise) {
   const std::string scene = kCamera + "aperture 2\nfocal 1\n";
   const Scene nff = read("accel 1\nspp 9\n" + scene + kMaterial + "s 0 0 0 1\n");
   const Scene p3f = read("accel 0\nspp 16\n" + scene + kP3fMaterial + "s 0 0 0 1\n");
@@ -250,13 +250,13 @@ TEST(P3f, RectanglesOfLightCastTheirPenumbra) {
 TEST(P3f, WhatOtherFormatsLoseIsSaid) {
   Scene s = read("env sky\n" + kCamera + "l 1 2 3 1 1 4 1 1 1\n" + kP3fMaterial +
                  "s 0 0 0 1\nf 1 1 1 0 1 1 1 0.2 20 1 1.35 0.25\ns 1 0 0 1\n");
-  EXPECT_EQ(not_kept(s, SceneFormat::raio), "");
-  EXPECT_EQ(not_kept(s, SceneFormat::nff), "");
-  EXPECT_EQ(not_kept(s, SceneFormat::pov),
+  EXPECT_EQ(lost_features(s, SceneFormat::raio), "");
+  EXPECT_EQ(lost_features(s, SceneFormat::nff), "");
+  EXPECT_EQ(lost_features(s, SceneFormat::pov),
             "in highlights, specular colours of 1 material, roughness of 1 material, extents of 1 "
             "light, the sky in sky");
   s.dialect = Dialect::nff;
-  EXPECT_EQ(not_kept(s, SceneFormat::nff),
+  EXPECT_EQ(lost_features(s, SceneFormat::nff),
             "specular colours of 1 material, roughness of 1 material, the sky in sky");
 }
 

@@ -255,7 +255,8 @@ TEST(Parallel, PicturesAndPartsKnowTheirRays) {
       const auto again = options_from(stored);
       ASSERT_TRUE(again) << again.error().text();
       Camera camera = resolve_options(*again, *s).camera;
-      camera.across_deg = settings.camera.across_deg;  // of no effect where an angle is given
+      camera.horizontal_fov_deg =
+          settings.camera.horizontal_fov_deg;  // of no effect where an angle is given
       EXPECT_EQ(camera, settings.camera);
       EXPECT_EQ(settings_of(*s, resolve_options(*again, *s)), stored);
     }
@@ -368,8 +369,8 @@ TEST(Parallel, ScenesKeepTheirRays) {
   EXPECT_EQ(again->camera, s.camera);
   EXPECT_EQ(encode_raio_scene(*again), stored);
   EXPECT_THAT(bytes, testing::Not(HasSubstr("camera_projection"))) << "files are as they were";
-  EXPECT_EQ(not_kept(s, SceneFormat::nff), "the camera's parallel rays");
-  EXPECT_EQ(not_kept(s, SceneFormat::pov), "");
+  EXPECT_EQ(lost_features(s, SceneFormat::nff), "the camera's parallel rays");
+  EXPECT_EQ(lost_features(s, SceneFormat::pov), "");
   s.camera.projection = Projection(2);
   EXPECT_THAT(validate(s), testing::ElementsAre(HasSubstr("projection")));
 }

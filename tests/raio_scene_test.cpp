@@ -53,7 +53,7 @@ TEST(RaioScene, KeepsAllOfAScene) {
   const Scene again = decoded(bytes);
   EXPECT_EQ(content_hash(again), content_hash(scene));
   EXPECT_EQ(encode_raio_scene(again), bytes);
-  EXPECT_EQ(again.camera.hither, 1);
+  EXPECT_EQ(again.camera.near_clip, 1);
   EXPECT_EQ(again.object_names, scene.object_names);
   EXPECT_EQ(again.object_ranges, scene.object_ranges);
   EXPECT_EQ(again.meshes[1].uv, scene.meshes[1].uv);
@@ -96,14 +96,14 @@ TEST(RaioScene, PrototypesAreNestedOnlySoDeep) {
   Scene inner;
   inner.materials.emplace_back();
   inner.spheres = {{{0, 0, 0}, 1}}, inner.sphere_materials = {0};
-  for (int depth = 1; depth <= kMostNested + 1; ++depth) {
+  for (int depth = 1; depth <= kMaxNested + 1; ++depth) {
     Scene outer;
     outer.materials = inner.materials;
     outer.prototypes = {inner};
     outer.instances = {{0, kIdentity}};
     inner = outer;
     const std::string error = error_of(encode_raio_scene(inner));
-    if (depth <= kMostNested)
+    if (depth <= kMaxNested)
       EXPECT_EQ(error, "") << depth;
     else
       EXPECT_THAT(error, HasSubstr("prototypes are nested more than 16 deep"));

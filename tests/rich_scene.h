@@ -27,7 +27,7 @@ inline Scene rich_scene(uint32_t seed = 1) {
   for (size_t m = 0; m < s.materials.size(); ++m)
     s.material_specular.push_back(color()), s.material_roughness.push_back(unit(rng));
   s.camera.lens_radius = 0.01f;
-  s.camera.hither = 1;
+  s.camera.near_clip = 1;
 
   Mesh pyramid;
   pyramid.positions = {{0.1f, -0.5f, 0}, {0.6f, -0.5f, 0}, {0.3f, -0.1f, 0}, {0.3f, -0.3f, 0.7f}};

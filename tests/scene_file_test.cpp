@@ -215,9 +215,9 @@ TEST_F(SceneFiles, NffHasColorsAndMeshes) {
     EXPECT_EQ(after.color, scene.sphere_colors[i]);
     EXPECT_EQ(after.ks, before.ks);
   }
-  EXPECT_EQ(not_kept(scene, SceneFormat::raio), "");
+  EXPECT_EQ(lost_features(scene, SceneFormat::raio), "");
   EXPECT_THAT(
-      not_kept(scene, SceneFormat::nff),
+      lost_features(scene, SceneFormat::nff),
       AllOf(HasSubstr("opacity of 10 spheres"), HasSubstr("colours of the vertices of 1 mesh"),
             HasSubstr("texture coordinates of 1 mesh"), HasSubstr("names of 3 objects"),
             HasSubstr("specular colours of "), HasSubstr("roughness of ")));

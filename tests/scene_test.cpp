@@ -170,7 +170,7 @@ TEST(Scene, EachFaultIsNamed) {
        "camera: the angle must lie between 0 and 180 degrees"},
       {[](Scene& s) { s.camera.fov_deg = kNan; },
        "camera: the angle must lie between 0 and 180 degrees"},
-      {[](Scene& s) { s.camera.hither = kInf; }, "camera: hither must be finite"},
+      {[](Scene& s) { s.camera.near_clip = kInf; }, "camera: hither must be finite"},
       {[](Scene& s) { s.camera.width = 5; },
        "camera: the resolution must be two positive numbers, or two zeros for none"},
       {[](Scene& s) { s.camera.lens_radius = -1.0f; },

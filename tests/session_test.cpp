@@ -108,7 +108,7 @@ TEST(Session, EndsWithTheSamplesOfTheOptions) {
   }
 }
 
-TEST(Session, TheNewestWishWins) {
+TEST(Session, TheNewestRequestWins) {
   const auto s = scene();
   Watcher w;
   uint64_t request = 0;

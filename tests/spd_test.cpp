@@ -104,8 +104,8 @@ TEST(Spd, PlainGridHasNoGiantsAndNoMailbox) {
   o.accel.grid_plain = true;
   const auto b = picture(plain, plain_rays);
   EXPECT_TRUE(a == b);
-  EXPECT_GT(usual.giants, 0u);
-  EXPECT_EQ(plain.giants, 0u);
+  EXPECT_GT(usual.oversized, 0u);
+  EXPECT_EQ(plain.oversized, 0u);
   EXPECT_EQ(plain.cells, 800u);
   EXPECT_GE(plain.references, 400u);  // the floor in all cells of a layer
   EXPECT_GT(plain_rays.tests, usual_rays.tests);

@@ -36,8 +36,8 @@ TEST(StructureOverlay, ShowsTheLargestBoxesOfTheLevel) {
   EXPECT_EQ(overlay.facts().all, 1u);
   EXPECT_EQ(overlay.facts().levels, leaves.levels);
   overlay.choose({.shown = true}, bake(60000, AccelKind::bvh));
-  EXPECT_EQ(overlay.facts().drawn, kMostBoxes);
-  EXPECT_GT(overlay.facts().all, 2 * kMostBoxes);
+  EXPECT_EQ(overlay.facts().drawn, kMaxBoxes);
+  EXPECT_GT(overlay.facts().all, 2 * kMaxBoxes);
   overlay.choose({.shown = true}, bake(500, AccelKind::grid));
   EXPECT_GT(overlay.facts().all, 0u);
   EXPECT_EQ(overlay.facts().levels, 0);

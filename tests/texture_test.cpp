@@ -152,8 +152,8 @@ TEST(Textures, AreKeptByRaioScenesOnly) {
   EXPECT_EQ(again->material_texture, scene.material_texture);
   EXPECT_EQ(content_hash(*again), content_hash(scene));
   for (const SceneFormat format : {SceneFormat::nff, SceneFormat::pov, SceneFormat::ply})
-    EXPECT_THAT(not_kept(scene, format), HasSubstr("textures of 1 material"));
-  EXPECT_EQ(not_kept(scene, SceneFormat::raio), "");
+    EXPECT_THAT(lost_features(scene, format), HasSubstr("textures of 1 material"));
+  EXPECT_EQ(lost_features(scene, SceneFormat::raio), "");
 }
 
 TEST(Textures, CountInTheHash) {

@@ -118,7 +118,7 @@ TEST(ViewState, WhatHasNoEffectWaits) {
   state.options.gloss = 0.2f;
   state.open("some.xyz", std::make_shared<const Scene>(std::move(molecule)));
   EXPECT_FALSE(read_back(state, 4).soft_shadows);
-  state.options.outline = 2, state.options.look = Look::dark_1;
+  state.options.outline = 2, state.options.look = FigureStyle::dark_1;
   EXPECT_EQ(read_back(state, 4).outline, 2);
   state.open("some.nff", scene());
   EXPECT_TRUE(read_back(state, 4).soft_shadows);
@@ -138,7 +138,7 @@ TEST(ViewState, ClickedFocusStaysWithItsScene) {
 TEST(ViewState, ShowsAllOfTheData) {
   Scene molecule = *scene();
   molecule.dialect = Dialect::data;
-  molecule.camera.across_deg = 60;
+  molecule.camera.horizontal_fov_deg = 60;
   const ViewState state("some.xyz", std::make_shared<const Scene>(molecule), {});
   EXPECT_GT(state.camera.fov_deg, molecule.camera.fov_deg);
   EXPECT_NEAR(state.camera.fov_deg, 60, 1e-4) << "also in a square";

@@ -25,11 +25,11 @@ class TintedMirrors {
 
   template <class W>
   void shade(W& w, int, size_t n, const WideSampler<D>&) const {
-    for (size_t i = 0; i < n; i += kWidth) store(set3(d, Rgb()), w.vertices().radiance, i);
+    for (size_t i = 0; i < n; i += kWidth) store(set3(d, Rgb()), w.points().radiance, i);
   }
   template <class W>
   void spawn(W& w, int level, size_t n) const {
-    const Vertices& v = w.vertices();
+    const SurfacePoints& v = w.points();
     typename W::Children children(w, level, n);
     for (size_t i = 0; i < n; i += kWidth) {
       const V3 in = directions(w.rays().rays, i), normal = load(v.normal, i);

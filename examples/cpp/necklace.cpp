@@ -32,7 +32,7 @@ raio::Scene necklace() {
     pearls->push_back({{x, y, 0}, i % 2 == 0 ? 0.45f : 0.3f});
     colors.insert(colors.end(), {0.9f, 0.2f, float(i) / 24});
   }
-  raio::Look look = pearl;
+  raio::Appearance look = pearl;
   look.colors = {colors.data(), 24};  // copied
   scene.add_spheres({pearls->data()->center, 24, sizeof(Pearl), pearls},
                     {&pearls->data()->radius, 24, sizeof(Pearl), pearls}, look);

@@ -98,8 +98,8 @@ struct Column {
 };
 
 /// What the primitives of one call look like; a number is the material of all of them.
-struct Look {
-  Look(uint32_t material_number = 0) : material(material_number) {}
+struct Appearance {
+  Appearance(uint32_t material_number = 0) : material(material_number) {}
 
   uint32_t material;
   /// Red, green and blue of each, in place of the material's colour, or none. Read in place where
@@ -147,34 +147,34 @@ class RAIO_API Scene {
 
   /// In place: x y z radius, both columns in steps of 16 bytes.
   void add_spheres(const Column<float, 3>& centers, const Column<float>& radii,
-                   const Look& look = {});
+                   const Appearance& look = {});
   /// From a circle around `starts` to one around `ends`, without caps; equal radii make cylinders.
   /// In place: start, its radius, end, its radius, in steps of 32 bytes.
   void add_cones(const Column<float, 3>& starts, const Column<float, 3>& ends,
                  const Column<float>& start_radii, const Column<float>& end_radii,
-                 const Look& look = {});
+                 const Appearance& look = {});
   /// `axes`: three vectors each, from the centre to the surface, perpendicular to each other. In
   /// place: centre and axes, in steps of 48 bytes.
   void add_ellipsoids(const Column<float, 3>& centers, const Column<float, 9>& axes,
-                      const Look& look = {});
+                      const Appearance& look = {});
   /// Flat; rings where there are inner radii. Normals are brought to length 1. In place: centre,
   /// normal of length 1, radius, inner radius, in steps of 32 bytes.
   void add_discs(const Column<float, 3>& centers, const Column<float, 3>& normals,
                  const Column<float>& radii, const Column<float>& inner_radii = {},
-                 const Look& look = {});
+                 const Appearance& look = {});
   /// Triangles of their own vertices, three indices each; with a normal for each vertex they are
   /// smooth. In place: each column with a stride of 12, normals only of length 1.
   void add_triangles(const Column<float, 3>& positions, const Column<uint32_t, 3>& triangles,
-                     const Column<float, 3>& normals = {}, const Look& look = {});
+                     const Column<float, 3>& normals = {}, const Appearance& look = {});
 
   /// Spheres that move evenly from `starts`, where they are until the time `begin`, to `ends`,
   /// where they are from `end` on. The setting `shutter` says of which times a picture is.
   void add_moving_spheres(const Column<float, 3>& starts, const Column<float, 3>& ends,
                           const Column<float>& radii, double begin, double end,
-                          const Look& look = {});
+                          const Appearance& look = {});
   /// Triangles whose corners move likewise: three points each.
   void add_moving_triangles(const Column<float, 9>& starts, const Column<float, 9>& ends,
-                            double begin, double end, const Look& look = {});
+                            double begin, double end, const Appearance& look = {});
 
   /// Stores an object that add_instances() copies, and returns its number. Of the scene its spheres
   /// and so on, prototypes, instances and named objects count, not camera, lights and background;

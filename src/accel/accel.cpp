@@ -65,7 +65,7 @@ std::expected<std::unique_ptr<Accel>, Error> build_accel(const Scene& scene,
   auto accel = make_accel(Geometry(scene, one_sided, with_sources, options.opacity), options);
   if (!accel) return std::unexpected(Error{ErrorKind::no_resource, "", std::move(accel.error())});
   if (options.kind != AccelKind::none)
-    if (auto error = (*accel)->build_clear())
+    if (auto error = (*accel)->build_transparent())
       return std::unexpected(Error{ErrorKind::no_resource, "", std::move(*error)});
   if (!scene.instances.empty()) {
     auto instances = Instances::build(**accel, options, one_sided, with_sources);

@@ -125,8 +125,8 @@ struct AccelInfo {
   size_t cells = 0;       // of a grid, nodes of a tree
   size_t references = 0;  // primitives listed in all cells together
   std::array<int, 3> resolution{0, 0, 0};
-  size_t giants = 0;  // primitives kept outside and tested by every ray
-  size_t copies = 0;  // of objects that have a structure of their own, which counts once
+  size_t oversized = 0;  // primitives kept outside and tested by every ray
+  size_t copies = 0;     // of objects that have a structure of their own, which counts once
 };
 
 /// A box of a structure, for people to look at.
@@ -141,8 +141,8 @@ inline constexpr int kLeafBoxes = -1;
 
 /// The optical depths that rays gather on their way, element by element: their sum, and the largest
 /// of them. Once those beside the largest are more than a ray's limit, it is stopped: its sum is
-/// kMostDepth. As sums only grow, it does not matter in which order they are added. A single depth
-/// stops no ray, so that behind one layer there is always as much as passes it.
+/// kMaxOpticalDepth. As sums only grow, it does not matter in which order they are added. A single
+/// depth stops no ray, so that behind one layer there is always as much as passes it.
 class DepthBatch {
  public:
   static constexpr uint32_t kNoLimit = 0xffffffffu;
@@ -154,19 +154,19 @@ class DepthBatch {
   void reset(size_t n, const uint8_t* stopped = nullptr) {
     if (n > sum.size()) sum.resize(padded(n)), largest.resize(padded(n)), limit.resize(padded(n));
     for (size_t i = 0; i < n; ++i) {
-      sum[i] = stopped && stopped[i] ? kMostDepth : 0;
+      sum[i] = stopped && stopped[i] ? kMaxOpticalDepth : 0;
       largest[i] = 0, limit[i] = kNoLimit;
     }
   }
   void take(size_t i, const DepthBatch& from, size_t k) {
     sum[i] = from.sum[k], largest[i] = from.largest[k], limit[i] = from.limit[k];
   }
-  bool is_stopped(size_t i) const { return sum[i] >= kMostDepth; }
+  bool is_stopped(size_t i) const { return sum[i] >= kMaxOpticalDepth; }
   /// Does the ray go on?
   bool add(size_t i, uint32_t depth) {
     largest[i] = std::max(largest[i], depth);
-    sum[i] = std::min(sum[i] + depth, kMostDepth);
-    if (sum[i] - largest[i] > limit[i]) sum[i] = kMostDepth;
+    sum[i] = std::min(sum[i] + depth, kMaxOpticalDepth);
+    if (sum[i] - largest[i] > limit[i]) sum[i] = kMaxOpticalDepth;
     return !is_stopped(i);
   }
 };
@@ -192,15 +192,15 @@ class Accel {
   /// near ones that of the lowest id is first. No hit where there are no more. With `keys`, one
   /// for each ray, of those hits only that stop it: each as likely as it is opaque, by a hash of
   /// key and primitive, so that the order in which they are tried does not matter.
-  void next_clear(const RayBatch& rays, const HitBatch& after, HitBatch& hits,
-                  TraceContext& context, const uint32_t* keys = nullptr) const;
+  void next_transparent(const RayBatch& rays, const HitBatch& after, HitBatch& hits,
+                        TraceContext& context, const uint32_t* keys = nullptr) const;
   /// Adds the optical depths of all hits of this kind, of rays that are not stopped yet.
-  void clear_depths(const RayBatch& rays, DepthBatch& depths, TraceContext& context) const;
+  void transparent_depths(const RayBatch& rays, DepthBatch& depths, TraceContext& context) const;
   /// As closest(), of what is clear as well as of what is opaque. Shortens rays to the latter.
   void closest_of_all(RayBatch& rays, HitBatch& hits, TraceContext& context) const;
   /// Builds the tree by which these find hits, whatever the structure of what is opaque;
   /// without it they try all primitives. The error is one line: memory that would not suffice.
-  std::optional<std::string> build_clear();
+  std::optional<std::string> build_transparent();
 
   /// From now on the copies of the scene's instances are met as well. The error is one line.
   std::optional<std::string> add_instances(std::unique_ptr<const Instances> instances);
@@ -229,12 +229,12 @@ class Accel {
   virtual void find_any(const RayBatch& rays, uint8_t* hit, TraceContext& context) const = 0;
   virtual AccelInfo describe() const = 0;
 
-  void try_all_clear(const RayBatch& rays, const HitBatch& after, HitBatch& hits,
-                     TraceContext& context, const uint32_t* keys) const;
-  void sum_all_clear(const RayBatch& rays, DepthBatch& depths, TraceContext& context) const;
+  void try_all_transparent(const RayBatch& rays, const HitBatch& after, HitBatch& hits,
+                           TraceContext& context, const uint32_t* keys) const;
+  void sum_all_transparent(const RayBatch& rays, DepthBatch& depths, TraceContext& context) const;
 
   std::unique_ptr<const Instances> instances_;
-  std::unique_ptr<const Bvh> clear_;
+  std::unique_ptr<const Bvh> transparent_;
 };
 
 /// Bakes the scene, which must outlive the result, and builds the structure that `options` ask for

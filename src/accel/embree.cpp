@@ -116,7 +116,7 @@ class Embree final : public Accel {
   AccelInfo describe() const override {
     return {.name = "embree",
             .bytes = geometry_.bytes() + size_t(bytes_.load()),
-            .giants = geometry_.count(PrimitiveKind::plane)};
+            .oversized = geometry_.count(PrimitiveKind::plane)};
   }
 
  private:

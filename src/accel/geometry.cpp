@@ -85,11 +85,11 @@ Geometry::Geometry(const Scene& scene, bool one_sided, bool with_sources, float 
     : scene_(&scene),
       with_sources_(with_sources),
       any_colors_(raio::any_colors(scene)),
-      any_clear_(opacity < 1 || raio::any_clear(scene)),
+      any_transparent_(opacity < 1 || raio::any_transparent(scene)),
       opacity_(opacity) {
   bake_triangles();
   bake_colors();
-  if (any_clear_) bake_depths();
+  if (any_transparent_) bake_depths();
   for_each_kind([&]<PrimitiveKind kind> {
     if constexpr (kKeepsBaked<kind>) {
       const auto& shapes = scene.*kPoolOf<PrimitiveType<kind>>.shapes;
@@ -127,7 +127,7 @@ double Geometry::bytes_to_bake(const Scene& s) {
   });
   return joined + triangles * sizeof(Facet) + baked + 2 * piece * pieces +
          own * (sizeof(Sides) +
-                (raio::any_clear(s) ? sizeof(uint32_t) + 2 * sizeof(PrimitiveId) : 0));
+                (raio::any_transparent(s) ? sizeof(uint32_t) + 2 * sizeof(PrimitiveId) : 0));
 }
 
 // Triangles without area are left out, since no ray can hit one.
@@ -182,7 +182,7 @@ void Geometry::join_meshes() {
             own_vertex_normals_.size(), own_normals_);
     append(own_positions_, mesh.positions), append(own_vertex_normals_, mesh.normals);
   }
-  // Vertices that have none get what is `usual`.
+  // SurfacePoints that have none get what is `usual`.
   const auto join = [&]<class T>(Column<T>& to, Array<T> Mesh::* column, const T& usual) {
     if (std::ranges::all_of(s.meshes, [&](const Mesh& mesh) { return (mesh.*column).empty(); }))
       return;
@@ -322,7 +322,7 @@ std::vector<PrimitiveId> Geometry::list(const Wanted& wanted) const {
   return out;
 }
 
-std::vector<PrimitiveId> Geometry::list_clear() const {
+std::vector<PrimitiveId> Geometry::list_transparent() const {
   return list([](uint32_t depth) { return depth != kOpaque && depth > 0; });
 }
 
@@ -435,7 +435,7 @@ std::optional<std::string> Geometry::add_objects(std::vector<const Geometry*> ob
                std::string(kPrimitiveKindNames[k]) + "s together";
     }
   }
-  for (const Geometry* object : objects_) any_clear_ |= object->any_clear();
+  for (const Geometry* object : objects_) any_transparent_ |= object->any_transparent();
   return std::nullopt;
 }
 

@@ -38,8 +38,9 @@ struct Facet {
 
 /// The optical depth of an opacity a: light that passes a depth of n is 2^(-n / kHalving) of what
 /// it was, 1 - a. Depths are whole numbers, so that it does not matter in which order they are
-/// added; a sum counts up to kMostDepth, where nothing is left.
-inline constexpr uint32_t kHalving = 1u << 20, kMostDepth = 64 * kHalving, kOpaque = 0xffffffffu;
+/// added; a sum counts up to kMaxOpticalDepth, where nothing is left.
+inline constexpr uint32_t kHalving = 1u << 20, kMaxOpticalDepth = 64 * kHalving,
+                          kOpaque = 0xffffffffu;
 uint32_t depth_of_opacity(float opacity);
 /// The part of the light that passes.
 float passed(uint32_t depth);
@@ -138,7 +139,7 @@ class Geometry {
     return is_copied(id) ? copied_depth(id) : kOpaque;
   }
   bool is_opaque(PrimitiveId id) const { return depth_of(id) == kOpaque; }
-  /// Does the item, which is clear, stop the ray of this key (Accel::next_clear())?
+  /// Does the item, which is clear, stop the ray of this key (Accel::next_transparent())?
   bool stops(PrimitiveId id, uint32_t key) const {
     return raio::stops(depth_of(id), hash_of(key, id));
   }
@@ -146,9 +147,9 @@ class Geometry {
   bool all_opaque(PrimitiveKind kind) const { return depths_[size_t(kind)].empty(); }
   /// Those of bounded kinds that let some of the light pass and keep some back; those that are
   /// opaque, where not all are. In the order of their ids.
-  std::vector<PrimitiveId> list_clear() const;
+  std::vector<PrimitiveId> list_transparent() const;
   std::vector<PrimitiveId> list_opaque() const;
-  bool any_clear() const { return any_clear_; }
+  bool any_transparent() const { return any_transparent_; }
 
   /// The objects of the scene's instances as they are baked, one for each prototype. The error is
   /// one line: more copies than have ids.
@@ -206,7 +207,7 @@ class Geometry {
   template <class Wanted>
   std::vector<PrimitiveId> list(const Wanted& wanted) const;
   bool wants_sources() const {
-    return with_sources_ || any_colors_ || any_clear_ || !scene_->object_ranges.empty();
+    return with_sources_ || any_colors_ || any_transparent_ || !scene_->object_ranges.empty();
   }
   template <PrimitiveKind kind>
   void list_sides(bool one_sided);
@@ -217,7 +218,7 @@ class Geometry {
   std::vector<const Geometry*> objects_;
   // By kind, the index of the first item of each instance; empty: no object has any.
   std::array<Column<uint32_t>, kPrimitiveKinds> first_copied_;
-  bool with_sources_ = false, any_colors_ = false, any_clear_ = false;
+  bool with_sources_ = false, any_colors_ = false, any_transparent_ = false;
   float opacity_ = 1;
   // The scene's own where it has no meshes, else those below.
   std::span<const Vec3f> positions_, normals_;

@@ -102,9 +102,9 @@ void Instances::split(uint32_t node, std::span<uint32_t> instances,
 
 // All rays of a batch go down the tree together: each node passes on those that meet its box, the
 // nearer child first, seen from the first of them.
-class Instances::Walk {
+class Instances::Traversal {
  public:
-  Walk(const Instances& in, const RayBatch& rays, TraceContext& context)
+  Traversal(const Instances& in, const RayBatch& rays, TraceContext& context)
       : in_(in), rays_(rays), context_(context) {}
 
   // Calls visit(instance, rays) for the copies that rays may meet; limit(i) is how far ray i still
@@ -184,7 +184,7 @@ class Instances::Walk {
 void Instances::closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const {
   Moved moved;
   const auto limit = [&](uint32_t i) { return hits[i].found() ? hits.t[i] : rays.tmax[i]; };
-  Walk(*this, rays, context).run(limit, [&](uint32_t copy, std::span<const uint32_t> some) {
+  Traversal(*this, rays, context).run(limit, [&](uint32_t copy, std::span<const uint32_t> some) {
     const Placement place(copies_[copy].matrix);
     moved.rays.resize(some.size()), moved.stretch.resize(some.size());
     for (size_t k = 0; k < some.size(); ++k) {
@@ -209,7 +209,7 @@ void Instances::occluded(const RayBatch& rays, uint8_t* hit, TraceContext& conte
   Moved moved;
   const auto limit = [&](uint32_t i) { return hit[i] ? 0.0f : rays.tmax[i]; };
   std::vector<uint8_t> found;
-  Walk(*this, rays, context).run(limit, [&](uint32_t copy, std::span<const uint32_t> some) {
+  Traversal(*this, rays, context).run(limit, [&](uint32_t copy, std::span<const uint32_t> some) {
     const Placement place(copies_[copy].matrix);
     moved.rays.resize(some.size()), found.resize(padded(some.size()));
     for (size_t k = 0; k < some.size(); ++k) {
@@ -225,13 +225,13 @@ void Instances::occluded(const RayBatch& rays, uint8_t* hit, TraceContext& conte
 
 // What an object finds may lie, by the rounding of distances, before `after` in the space around
 // it; it is then asked for what comes next. Each copy has a key of its own.
-void Instances::next_clear(const RayBatch& rays, const HitBatch& after, HitBatch& hits,
-                           TraceContext& context, const uint32_t* keys) const {
+void Instances::next_transparent(const RayBatch& rays, const HitBatch& after, HitBatch& hits,
+                                 TraceContext& context, const uint32_t* keys) const {
   Moved moved;
   const auto limit = [&](uint32_t i) { return hits[i].found() ? hits.t[i] : rays.tmax[i]; };
-  Walk(*this, rays, context).run(limit, [&](uint32_t copy, std::span<const uint32_t> some) {
+  Traversal(*this, rays, context).run(limit, [&](uint32_t copy, std::span<const uint32_t> some) {
     const Accel& object = *objects_[copies_[copy].prototype];
-    if (!object.geometry().any_clear()) return;
+    if (!object.geometry().any_transparent()) return;
     const Placement place(copies_[copy].matrix);
     size_t n = some.size();
     moved.rays.resize(n), moved.after.reset(n), moved.stretch.resize(n);
@@ -247,8 +247,8 @@ void Instances::next_clear(const RayBatch& rays, const HitBatch& after, HitBatch
       if (keys) moved.keys[k] = hash_of(keys[some[k]], copy);
     }
     while (n > 0 && !context.stopped()) {
-      object.next_clear(moved.rays, moved.after, moved.hits, context,
-                        keys ? moved.keys.data() : nullptr);
+      object.next_transparent(moved.rays, moved.after, moved.hits, context,
+                              keys ? moved.keys.data() : nullptr);
       size_t kept = 0;
       for (size_t k = 0; k < n; ++k) {
         const Hit there = moved.hits[k];
@@ -276,13 +276,13 @@ void Instances::next_clear(const RayBatch& rays, const HitBatch& after, HitBatch
   });
 }
 
-void Instances::clear_depths(const RayBatch& rays, DepthBatch& depths,
-                             TraceContext& context) const {
+void Instances::transparent_depths(const RayBatch& rays, DepthBatch& depths,
+                                   TraceContext& context) const {
   Moved moved;
   const auto limit = [&](uint32_t i) { return depths.is_stopped(i) ? 0.0f : rays.tmax[i]; };
-  Walk(*this, rays, context).run(limit, [&](uint32_t copy, std::span<const uint32_t> some) {
+  Traversal(*this, rays, context).run(limit, [&](uint32_t copy, std::span<const uint32_t> some) {
     const Accel& object = *objects_[copies_[copy].prototype];
-    if (!object.geometry().any_clear()) return;
+    if (!object.geometry().any_transparent()) return;
     const Placement place(copies_[copy].matrix);
     moved.rays.resize(some.size()), moved.depths.reset(some.size());
     for (size_t k = 0; k < some.size(); ++k) {
@@ -290,7 +290,7 @@ void Instances::clear_depths(const RayBatch& rays, DepthBatch& depths,
       moved.rays.set(k, place.to_object(rays[some[k]], stretch));
       moved.depths.take(k, depths, some[k]);
     }
-    object.clear_depths(moved.rays, moved.depths, context);
+    object.transparent_depths(moved.rays, moved.depths, context);
     for (size_t k = 0; k < some.size(); ++k) depths.take(some[k], moved.depths, k);
   });
 }

@@ -24,9 +24,9 @@ class Instances {
   // As of Accel, going on from what was found among the scene's own primitives.
   void closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const;
   void occluded(const RayBatch& rays, uint8_t* hit, TraceContext& context) const;
-  void next_clear(const RayBatch& rays, const HitBatch& after, HitBatch& hits,
-                  TraceContext& context, const uint32_t* keys) const;
-  void clear_depths(const RayBatch& rays, DepthBatch& depths, TraceContext& context) const;
+  void next_transparent(const RayBatch& rays, const HitBatch& after, HitBatch& hits,
+                        TraceContext& context, const uint32_t* keys) const;
+  void transparent_depths(const RayBatch& rays, DepthBatch& depths, TraceContext& context) const;
 
   std::vector<const Geometry*> objects() const;
   void add_to(AccelInfo& info) const;
@@ -39,7 +39,7 @@ class Instances {
     uint8_t axis = kLeaf;
   };
   static constexpr uint8_t kLeaf = 3;
-  class Walk;
+  class Traversal;
 
   explicit Instances(const Accel& around)
       : geometry_(around.geometry()), copies_(geometry_.scene().instances) {}

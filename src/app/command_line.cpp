@@ -31,7 +31,7 @@
 namespace raio::app {
 namespace {
 
-constexpr double kLeastMemory = 64 << 20;  // for threads and what libraries need
+constexpr double kMinMemory = 64 << 20;  // for threads and what libraries need
 
 // How the program was started.
 struct Invocation {
@@ -140,7 +140,7 @@ void add_memory_limit(CLI::App& app) {
     const size_t unit = end < text_end ? std::string_view("KMGT").find(*end) : 0;
     const double bytes = value * std::exp2(end < text_end ? 10.0 * double(unit + 1) : 0);
     if (error != std::errc() || text_end - end > 1 || unit == std::string_view::npos ||
-        !(bytes >= kLeastMemory && bytes <= 1e18))
+        !(bytes >= kMinMemory && bytes <= 1e18))
       throw CLI::ValidationError(
           "--memory-limit",
           fmt::format("expected a size of 64M or more, as in 900M or 4G, found '{}'", text));
@@ -237,7 +237,7 @@ void add_render(CLI::App& app, RenderCommand& render, int& status) {
                 "Draw on the picture which elements, types, chains or residues have which colours");
   sub->add_flag("--scale-bar", render.scale_bar,
                 "Draw a bar of a round length, which holds at the distance of the point looked at");
-  add_number(*sub, "--turntable", render.turntable, 1, kMostPictures,
+  add_number(*sub, "--turntable", render.turntable, 1, kMaxPictures,
              "Render N pictures from evenly spaced places around the scene, about the up direction "
              "through the point looked at; picture.png becomes picture-0001.png and so on",
              "N");

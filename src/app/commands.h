@@ -24,7 +24,7 @@ enum Exit : int {
   kInterrupted = 130,  // Ctrl-C
 };
 
-inline constexpr int kMostPictures = 100000;  // of a command
+inline constexpr int kMaxPictures = 100000;  // of a command
 
 // Frames of a trajectory, as Python slices a list: from `first` to before `last`, either counted
 // from the end where it is negative.

@@ -18,7 +18,7 @@ int run(const ConvertCommand& command) {
   const auto scene = load_scene(command.input, false, nullptr, read);
   if (!scene) return scene.error();
 
-  if (const std::string lost = not_kept(*scene, *format); !lost.empty())
+  if (const std::string lost = lost_features(*scene, *format); !lost.empty())
     print_line(
         fmt::format("{}: warning: not kept: {}; a .raio scene keeps all", command.output, lost));
   const auto comment = fmt::format("{}, written by raio {}", scene->name, RAIO_VERSION);

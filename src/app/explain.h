@@ -40,12 +40,12 @@ std::string explained_json(const Explained& what);
 std::expected<std::string, std::string> draw_explained(const Explained& what, PlotFormat format);
 
 /// Where the rays are seen from aside, and about how large what they hit is.
-struct Aside {
+struct SideView {
   Camera camera;
   double extent = 1;
 };
-Aside seen_from_aside(const Explanation& sample, const RenderSettings& settings,
-                      double width_per_height);
+SideView side_view(const Explanation& sample, const RenderSettings& settings,
+                   double width_per_height);
 /// Where a ray ends in a drawing: one that hits nothing is cut off.
 Vec3d drawn_end(const ExplainedRay& ray, const std::optional<TraceLog>& log, double extent);
 

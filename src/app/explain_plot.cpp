@@ -1,4 +1,4 @@
-// The rays of a sample drawn into the scene, as someone sees them who stands aside.
+// The rays of a sample drawn into the scene, as seen from the side.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,16 +18,16 @@ constexpr double kPaneLeft = 40, kPaneTop = 110, kPane = 1020, kPaneHeight = 850
 constexpr double kListLeft = 1090, kListRight = 1560, kRow = 28;
 constexpr int kRows = 28;
 
-struct Look {
+struct RayStyle {
   Ink ink;
   double width;
   const char* name;
 };
-constexpr Look kEye{kBlack, 4, "eye ray"}, kReflected{kVermilion, 4, "reflected"},
+constexpr RayStyle kEye{kBlack, 4, "eye ray"}, kReflected{kVermilion, 4, "reflected"},
     kRefracted{kBlue, 4, "refracted"}, kLit{kGreen, 2, "to a light"},
     kStopped{kPurple, 2, "in shadow"};
 
-Look look_of(const ExplainedRay& r) {
+RayStyle look_of(const ExplainedRay& r) {
   switch (r.kind) {
     case Kind::eye:
       return kEye;
@@ -71,9 +71,9 @@ class Drawing {
   Vec3d end_of(size_t i) const { return drawn_end(what_.sample.rays[i], what_.logs[i], extent_); }
 
   void find_camera() {
-    const Aside aside = seen_from_aside(what_.sample, what_.settings, kPane / kPaneHeight);
-    extent_ = aside.extent;
-    camera_ = what_.plot_camera.value_or(aside.camera);
+    const SideView from_the_side = side_view(what_.sample, what_.settings, kPane / kPaneHeight);
+    extent_ = from_the_side.extent;
+    camera_ = what_.plot_camera.value_or(from_the_side.camera);
     if (what_.plot_from) camera_.from = Vec3f(*what_.plot_from - what_.scene.origin);
     if (!camera_problem(camera_).empty()) camera_ = what_.settings.camera;
     look_along();
@@ -151,7 +151,7 @@ class Drawing {
   }
 
   void draw_ray(const ExplainedRay& r) const {
-    const Look look = look_of(r);
+    const RayStyle look = look_of(r);
     const size_t i = size_t(&r - what_.sample.rays.data());
     draw_segment(Vec3d(r.ray.origin), end_of(i), look.ink, look.width);
   }
@@ -192,7 +192,7 @@ class Drawing {
     const auto& rays = what_.sample.rays;
     for (size_t i = 0; i < rays.size() && rows < kRows; ++i, ++rows, y += kRow) {
       const ExplainedRay& r = rays[i];
-      const Look look = look_of(r);
+      const RayStyle look = look_of(r);
       const double x = kListLeft + 14.0 * (r.level - 1) + (r.kind == Kind::shadow ? 14 : 0);
       if (r.kind == Kind::shadow) {
         canvas_.line(x - 8, y, x + 8, y, look.ink, 3);
@@ -235,7 +235,7 @@ class Drawing {
     const Vec3d& rgb = what_.sample.rgb;
     canvas_.box(kListRight - 58, y - 16, 56, 32, {part(rgb.x), part(rgb.y), part(rgb.z)});
     double x = kPaneLeft;
-    for (const Look& look : {kEye, kReflected, kRefracted, kLit, kStopped}) {
+    for (const RayStyle& look : {kEye, kReflected, kRefracted, kLit, kStopped}) {
       canvas_.line(x, 980, x + 34, 980, look.ink, look.width);
       canvas_.text(x + 44, 980, look.name, kBlack, Align::left, 16);
       x += 74 + canvas_.text_width(look.name, 16);

@@ -22,7 +22,7 @@ int run(const ExportCommand& command) {
   if (const auto writable = check_writable(output); !writable) return fail(writable.error());
   auto scene = load_scene(command.scene, false, nullptr, command.read);
   if (!scene) return scene.error();
-  if (const std::string lost = not_kept(*scene, SceneFormat::pov); !lost.empty())
+  if (const std::string lost = lost_features(*scene, SceneFormat::pov); !lost.empty())
     print_line(fmt::format("{}: warning: not kept: {}; a .raio scene keeps all", output, lost));
 
   const RenderSettings settings = resolve_options(command.options, *scene);

@@ -58,7 +58,7 @@ std::string info_json(const ReadScene& read) {
   json["samples_per_pixel"] =
       scene.samples_per_pixel > 0 ? Json(scene.samples_per_pixel) : Json(nullptr);
   json["accel"] =
-      scene.structure == StructureWish::any ? Json(nullptr) : Json(accel_name(wished_accel(scene)));
+      scene.structure == AccelHint::any ? Json(nullptr) : Json(accel_name(hinted_accel(scene)));
   const auto counts = count_primitives(scene);
   for (size_t i = 0; i < counts.size(); ++i) json["primitives"][kShapeKindNames[i]] = counts[i];
   json["instances"] = scene.instances.size();
@@ -167,8 +167,8 @@ std::string info_text(const ReadScene& read) {
                                       : std::string("not given"));
   if (scene.samples_per_pixel > 0)
     line("samples", fmt::format("{} a pixel", scene.samples_per_pixel));
-  if (scene.structure != StructureWish::any)
-    line("structure", fmt::format("{}, as the file asks", accel_name(wished_accel(scene))));
+  if (scene.structure != AccelHint::any)
+    line("structure", fmt::format("{}, as the file asks", accel_name(hinted_accel(scene))));
   // Files of data have neither background nor lights.
   const bool is_data = scene.dialect == Dialect::data;
   line("background",

@@ -18,8 +18,8 @@ namespace raio::app {
 namespace {
 
 constexpr double kRowsTop = 222, kRowsBottom = 880;
-constexpr double kGroupGap = 26;    // between the rows of two structures
-constexpr double kMostHeight = 44;  // of a row, where there are few
+constexpr double kGroupGap = 26;   // between the rows of two structures
+constexpr double kMaxHeight = 44;  // of a row, where there are few
 constexpr double kLabelGap = 10;
 
 // From left to right: dots for the effects, samples, bars of seconds, dots of costs, their numbers.
@@ -84,7 +84,7 @@ class Plot {
       if (another) groups_.push_back(row.combination.accel);
     }
     const double gaps = double(groups_.size() - 1) * kGroupGap;
-    height_ = std::min(kMostHeight, (kRowsBottom - kRowsTop - gaps) / double(table.rows.size()));
+    height_ = std::min(kMaxHeight, (kRowsBottom - kRowsTop - gaps) / double(table.rows.size()));
     text_ = std::min(kText, 0.8 * height_);
     marker_ = std::min(kMarkerRadius, 0.42 * height_);
     fit_seconds();

@@ -230,9 +230,9 @@ class Pictures {
     if (to <= from)
       return std::unexpected(fmt::format("no frame is in this range; the file has {}", of_file));
     const int64_t count = (to - from + range.step - 1) / range.step;
-    if (count > kMostPictures)
+    if (count > kMaxPictures)
       return std::unexpected(
-          fmt::format("{} pictures are too many; expected at most {}", count, kMostPictures));
+          fmt::format("{} pictures are too many; expected at most {}", count, kMaxPictures));
     first = int(from);
     return int(count);
   }

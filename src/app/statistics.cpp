@@ -75,9 +75,9 @@ std::string summary(const std::string& output, const RenderFigures& made) {
   const std::string samples = made.samples == wanted
                                   ? fmt::format("{}", wanted)
                                   : fmt::format("{} of {}", made.samples, wanted);
-  const bool as_wished =
-      made.scene->structure != StructureWish::any && o.accel.kind == wished_accel(*made.scene);
-  const std::string wish = as_wished ? " as the scene asks" : "";
+  const bool as_hinted =
+      made.scene->structure != AccelHint::any && o.accel.kind == hinted_accel(*made.scene);
+  const std::string wish = as_hinted ? " as the scene asks" : "";
   const Crop frame = o.frame();
   const std::string whole = o.crop ? fmt::format(" of {}x{}", o.width, o.height) : "";
   return fmt::format(

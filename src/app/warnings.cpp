@@ -25,7 +25,7 @@ std::optional<std::string> up_warning(const RenderOptions& options, const Scene&
 
 // Is it a camera that shows all of the scene as large as it fits? That of a file is not.
 bool shows_all(const Camera& camera, const Scene& scene) {
-  if (camera.across_deg <= 0) return false;
+  if (camera.horizontal_fov_deg <= 0) return false;
   const Camera fitted = fitted_along(scene, camera, Fit::all);
   return length(fitted.from - camera.from) < 0.01f * length(fitted.at - fitted.from);
 }
@@ -33,7 +33,7 @@ bool shows_all(const Camera& camera, const Scene& scene) {
 std::optional<std::string> fit_warning(const RenderOptions& options, const Scene& scene) {
   if (options.from || options.at || options.fit == Fit::all) return std::nullopt;
   const bool leaves_out = options.fit == Fit::most;
-  if (!leaves_out && !options.side && scene.camera.across_deg <= 0) return std::nullopt;
+  if (!leaves_out && !options.side && scene.camera.horizontal_fov_deg <= 0) return std::nullopt;
   const MostOfScene most = most_of(scene);
   constexpr double kMuchSmaller = 3;
   if (!leaves_out && most.shrinks < kMuchSmaller) return std::nullopt;

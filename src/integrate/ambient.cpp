@@ -30,7 +30,7 @@ class AmbientShading {
   explicit AmbientShading(const PreparedScene& scene)
       : scene_(scene),
         figure_(scene.settings.figure),
-        look_(numbers_of(figure_.look)),
+        look_(params_of(figure_.look)),
         outline_(figure_.outline * scene.settings.line_scale() * (look_.turns ? kTurningReach : 1)),
         occlusion_sampler_(scene.sampler) {
     occlusion_sampler_.kind = SamplerKind::sobol;  // of each pixel one sequence, shared out
@@ -46,7 +46,7 @@ class AmbientShading {
     if (outline_ == 0) return;
     if (scene.scene.moves()) crease_rays_.add_time();
     crease_rays_.resize(kChunk + kWidth), crease_hits_.reset(kChunk + kWidth);
-    around_ = std::make_unique_for_overwrite<Vertices>();
+    around_ = std::make_unique_for_overwrite<SurfacePoints>();
   }
 
   static constexpr bool kTints = false;
@@ -68,7 +68,7 @@ class AmbientShading {
 
   template <class W>
   void shade(W& w, int, size_t n, const WideSampler<D>& sampler) {
-    Vertices& v = w.vertices();
+    SurfacePoints& v = w.points();
     for (size_t i = 0; i < n; i += kWidth) store(set3(d, Rgb()), v.radiance, i);
     if (outline_ > 0) find_outlines(w, n, sampler.sample());
     if (w.stopped()) return;
@@ -83,7 +83,7 @@ class AmbientShading {
   // What arrives on a white floor, against what would if nothing stood on it.
   template <class W>
   void shade_floor(W& w, size_t n, const WideSampler<D>& sampler) {
-    Vertices& v = w.vertices();
+    SurfacePoints& v = w.points();
     const V one = hn::Set(d, 1), zero = hn::Zero(d);
     const V3 normal = set3(d, scene_.floor_normal), black = set3(d, Rgb());
     for (size_t i = 0; i < n; i += kWidth) {
@@ -119,10 +119,10 @@ class AmbientShading {
  private:
   static constexpr float kKeyRadius = 0.1f;  // at a distance of 1
 
-  // The colours of LookNumbers::soft, and what dark surfaces mirror of the sky.
+  // The colours of StyleParams::soft, and what dark surfaces mirror of the sky.
   template <class W>
   void soften(W& w, size_t n) {
-    Vertices& v = w.vertices();
+    SurfacePoints& v = w.points();
     const V one = hn::Set(d, 1), zero = hn::Zero(d);
     const V soft = hn::Set(d, look_.soft), rim = hn::Set(d, look_.rim);
     for (size_t i = 0; i < n; i += kWidth) {
@@ -139,7 +139,7 @@ class AmbientShading {
   // an equal share. Shirley and Chiu's disc, lifted to the hemisphere after Malley.
   template <class W>
   void add_sky_light(W& w, size_t n, uint32_t sample) {
-    Vertices& v = w.vertices();
+    SurfacePoints& v = w.points();
     const auto rays_each = uint32_t(figure_.occlusion_rays);
     const V share = hn::Set(d, look_.sky / float(rays_each)), one = hn::Set(d, 1);
     const V zero = hn::Zero(d);
@@ -175,7 +175,7 @@ class AmbientShading {
   // A disc far away: diffuse light and a highlight after Blinn.
   template <class W>
   void add_key_light(W& w, size_t n, const WideSampler<D>& sampler, float highlight) {
-    Vertices& v = w.vertices();
+    SurfacePoints& v = w.points();
     const V zero = hn::Zero(d), inf = hn::Set(d, std::numeric_limits<float>::infinity());
     RayBatch& rays = w.shadow_rays();
     rays.resize(n);
@@ -208,7 +208,7 @@ class AmbientShading {
   // Into the background, with depth.
   template <class W>
   void fade(W& w, size_t n) const {
-    Vertices& v = w.vertices();
+    SurfacePoints& v = w.points();
     const V one = hn::Set(d, 1);
     const V3 background = set3(d, scene_.settings.background);
     for (size_t i = 0; i < n; i += kWidth) {
@@ -302,7 +302,7 @@ class AmbientShading {
   // Does a line run between what samples see and what the probes meet beside them, at their side?
   template <class W>
   void find_lines(W& w, size_t n, const std::array<float, kChunk + kWidth>& decided) {
-    const Vertices& v = w.vertices();
+    const SurfacePoints& v = w.points();
     const Geometry& geometry = scene_.accel.geometry();
     const RayBatch& rays = w.probe_rays();
     const float pixel = length(scene_.eye.per_y);
@@ -361,7 +361,7 @@ class AmbientShading {
   // Traces the wavefront's shadow rays and adds light(i, share of it that arrives).
   template <class W, class Light>
   void add_lit(W& w, size_t n, const WideSampler<D>& sampler, Purpose depth, const Light& light) {
-    Vertices& v = w.vertices();
+    SurfacePoints& v = w.points();
     const RayBatch& rays = w.shadow_rays();
     const V zero = hn::Zero(d);
     size_t asked = 0;
@@ -384,7 +384,7 @@ class AmbientShading {
 
   const PreparedScene& scene_;
   FigureSettings figure_;
-  LookNumbers look_;
+  StyleParams look_;
   float outline_;  // radius of the circle, pixels
   Sampler occlusion_sampler_;
   Vec3f to_key_, key_u_, key_v_;
@@ -394,7 +394,7 @@ class AmbientShading {
   alignas(64) float on_line_[kChunk + kWidth] = {};
   RayBatch crease_rays_;
   HitBatch crease_hits_;
-  std::unique_ptr<Vertices> around_;
+  std::unique_ptr<SurfacePoints> around_;
   std::array<uint32_t, kChunk> crease_of_{};
   alignas(64) float rim_[kChunk + kWidth] = {};  // of the current rays
 };
@@ -418,7 +418,7 @@ std::unique_ptr<TileRenderer> make_ambient_renderer(const PreparedScene& scene,
 }
 
 double ambient_bound(const Scene& scene, const RenderSettings& settings) {
-  const LookNumbers look = numbers_of(settings.figure.look);
+  const StyleParams look = params_of(settings.figure.look);
   const float own_color = brightest_color(scene);  // may take the place of a material's
   const float tint = brightest_tint(scene);
   double surface = 0;

@@ -83,9 +83,9 @@ class PhongShading {
 
   template <class W>
   void shade(W& w, int, size_t n, const WideSampler<D>& sampler) {
-    Vertices& v = w.vertices();
+    SurfacePoints& v = w.points();
     if constexpr (kModels) {
-      look_up_materials_beside(v, n);
+      gather_other_materials(v, n);
       sampler_ = &sampler;
     }
     const V3 ambient = set3(d, ambient_);
@@ -105,7 +105,7 @@ class PhongShading {
   template <class W>
   HWY_NOINLINE void add_light(W& w, size_t l, size_t n, const WideSampler<D>& sampler) {
     const PreparedScene::Emitter& emitter = scene_.emitters[l];
-    Vertices& v = w.vertices();
+    SurfacePoints& v = w.points();
     const V zero = hn::Zero(d);
     RayBatch& rays = w.shadow_rays();
     rays.resize(n);
@@ -179,11 +179,11 @@ class PhongShading {
 
   // Does Fresnel's reflectance say what is mirrored where T > 0?
   bool divides() const { return kModels && scene_.settings.fresnel != Fresnel::none; }
-  HWY_INLINE V reflectance_at(const Vertices& v, size_t i, const V3& in) const {
+  HWY_INLINE V reflectance_at(const SurfacePoints& v, size_t i, const V3& in) const {
     return reflectance(scene_.settings.fresnel, in, load(v.normal, i), load(v.eta, i));
   }
   // How much the mirrored ray counts: a number for NFF, else one for each of red, green and blue.
-  HWY_INLINE auto mirrored_part(const Vertices& v, size_t i, const V3& in) const {
+  HWY_INLINE auto mirrored_part(const SurfacePoints& v, size_t i, const V3& in) const {
     const V ks = load(v.ks, i);
     if constexpr (kModels) {
       const V3 tinted = load(v.specular, i) * ks;
@@ -199,7 +199,7 @@ class PhongShading {
   static HWY_INLINE V most_of(const V3& part) { return largest(part); }
 
   // The columns beside the materials.
-  void look_up_materials_beside(Vertices& v, size_t n) const {
+  void gather_other_materials(SurfacePoints& v, size_t n) const {
     const auto& colors = scene_.scene.material_specular;
     const auto& roughness = scene_.scene.material_roughness;
     for (size_t i = 0; i < n; ++i) {
@@ -213,7 +213,7 @@ class PhongShading {
   template <class W>
   HWY_INLINE V3 spread(W& w, size_t i, const V3& dir, const V3& side, Purpose purpose,
                        const std::optional<float>& set) const {
-    const V roughness = set ? hn::Set(d, *set) : load(w.vertices().roughness, i);
+    const V roughness = set ? hn::Set(d, *set) : load(w.points().roughness, i);
     const V zero = hn::Zero(d), one = hn::Set(d, 1), two = hn::Set(d, 2);
     const M rough = hn::Gt(roughness, zero);
     if (hn::AllFalse(d, rough)) return dir;
@@ -237,7 +237,7 @@ class PhongShading {
   // geometric one decides.
   template <class W>
   void reflect_rays(W& w, int level, size_t n) {
-    const Vertices& v = w.vertices();
+    const SurfacePoints& v = w.points();
     typename W::Children children(w, level, n);
     for (size_t i = 0; i < n; i += kWidth) {
       const auto part = mirrored_part(v, i, directions(w.rays().rays, i));
@@ -256,7 +256,7 @@ class PhongShading {
 
   template <class W>
   void refract_rays(W& w, int level, size_t n) {
-    const Vertices& v = w.vertices();
+    const SurfacePoints& v = w.points();
     typename W::Children children(w, level, n);
     for (size_t i = 0; i < n; i += kWidth) {
       const V transmission = load(v.transmission, i);

@@ -16,8 +16,8 @@ namespace {
 
 // Puts those of what the rays i, i + 1, ... hit into the lanes of `color`. Called for scenes that
 // have any. A lane behind the last hit may hold whatever an earlier batch left there, also no item.
-inline void look_up_colors(const Geometry& geometry, const HitBatch& hits, size_t i,
-                           Floats3& color) {
+inline void gather_colors(const Geometry& geometry, const HitBatch& hits, size_t i,
+                          Floats3& color) {
   for (size_t k = i; k < i + kWidth; ++k) {
     const PrimitiveId item = hits.item[k];
     const std::span<const Rgb> colors = geometry.colors(primitive_kind(item));

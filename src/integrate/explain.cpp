@@ -36,9 +36,9 @@ class RayRecorder {
 
   void begin_sample(uint32_t sample) { recording_ = sample == sample_; }
 
-  // All current rays, with what they hit. `seen_there` knows what those bring that hit nothing.
+  // All current rays, with what they hit. `escaped_there` knows what those bring that hit nothing.
   template <class SeenThere>
-  void traced(int level, const Paths& current, const HitBatch& hits, SeenThere&& seen_there) {
+  void traced(int level, const Paths& current, const HitBatch& hits, SeenThere&& escaped_there) {
     for (size_t i = 0; recording_ && i < current.rays.size(); ++i) {
       const uint32_t branch = current.branch[i];
       places_[branch] = int(out_.rays.size());
@@ -46,25 +46,25 @@ class RayRecorder {
           add(level == 1 ? Kind::eye : child_kind(branch % 2), level == 1 ? -1 : find(branch / 2),
               current.rays[i], weight_of(current, i));
       r.hit = hits[i];
-      if (!r.hit.found()) set_background(r, seen_there(r.ray.dir, r.weight));
+      if (!r.hit.found()) set_background(r, escaped_there(r.ray.dir, r.weight));
     }
   }
 
   // Children of current rays, beyond the last level.
   template <class SeenThere>
   void untraced(const Paths& current, size_t first, const V3& origin, const V3& dir,
-                const Weight& weight, uint32_t side, M mask, SeenThere&& seen_there) {
+                const Weight& weight, uint32_t side, M mask, SeenThere&& escaped_there) {
     const V chosen = hn::IfThenElseZero(mask, hn::Set(d, 1));
     for (size_t k = 0; recording_ && k < kWidth && first + k < current.rays.size(); ++k) {
       if (lane(chosen, k) == 0) continue;
       ExplainedRay& r = add(child_kind(side), find(current.branch[first + k]),
                             {lane(origin, k), lane(dir, k)}, Rgb(lane(weight, k)));
       r.traced = false;
-      set_background(r, seen_there(r.ray.dir, r.weight));
+      set_background(r, escaped_there(r.ray.dir, r.weight));
     }
   }
 
-  void ambient(const Paths& current, const Vertices& v, size_t n) {
+  void ambient(const Paths& current, const SurfacePoints& v, size_t n) {
     for (size_t i = 0; recording_ && i < n; ++i)
       out_.rays[size_t(find(current.branch[i]))].ambient = element(v.radiance, i);
   }
@@ -100,7 +100,7 @@ class RayRecorder {
     }
   }
 
-  void shaded(const Paths& current, const Vertices& v, size_t n, const TileSums& sums) {
+  void shaded(const Paths& current, const SurfacePoints& v, size_t n, const TileSums& sums) {
     for (size_t i = 0; recording_ && i < n; ++i) {
       ExplainedRay& r = out_.rays[size_t(find(current.branch[i]))];
       r.surface =
@@ -131,7 +131,7 @@ class RayRecorder {
   }
   ExplainedRay& add(Kind kind, int parent, const Ray& ray, Rgb weight) {
     const int level = parent < 0 ? 1 : out_.rays[size_t(parent)].level + 1;
-    if (out_.rays.size() >= kMostExplainedRays) control_.stop = true;
+    if (out_.rays.size() >= kMaxExplainedRays) control_.stop = true;
     out_.rays.push_back(
         {.kind = kind, .parent = parent, .level = level, .ray = ray, .weight = weight});
     return out_.rays.back();
@@ -197,14 +197,14 @@ std::expected<Explanation, Error> explain_sample(const Scene& scene, const Accel
     return refuse(
         "integrator",
         "the rays of `integrator` ambient cannot be explained; give `integrator` classic");
-  if (accel.geometry().any_clear())
+  if (accel.geometry().any_transparent())
     return refuse("", "rays through surfaces of an opacity below 1 cannot be explained yet");
   auto out = HWY_NAMESPACE::explain(scene, accel, settings, x, y, sample);
   if (out) return std::move(*out);
   return std::unexpected(Error{ErrorKind::no_resource, "",
                                fmt::format("the sample has more than {} rays; choose a smaller "
                                            "`depth`",
-                                           kMostExplainedRays)});
+                                           kMaxExplainedRays)});
 }
 
 }  // namespace raio

@@ -49,7 +49,7 @@ struct Explanation {
 };
 
 /// More are not kept.
-inline constexpr size_t kMostExplainedRays = 100000;
+inline constexpr size_t kMaxExplainedRays = 100000;
 
 /// Renders sample `sample` of the pixel at (x, y) of the whole picture by the classic shading. The
 /// error (no_resource): more rays.

@@ -44,7 +44,7 @@ class Features {
 
   // Adds those of all `rays`, which hit something, to the sums of `pixels`; of those rays only for
   // which `counts` is not 0, if it is there.
-  void add(const RayBatch& rays, const HitBatch& hits, const Vertices& vertices,
+  void add(const RayBatch& rays, const HitBatch& hits, const SurfacePoints& vertices,
            const uint32_t* pixels, const uint8_t* counts, uint32_t sample, TileSums& sums) const {
     const FilmLayout& layout = sums.layout();
     const bool normals = layout.has(Channel::normal), albedo = layout.has(Channel::albedo);
@@ -70,8 +70,9 @@ class Features {
 
  private:
   template <class Set>
-  HWY_INLINE void set_firsts(const RayBatch& rays, const HitBatch& hits, const Vertices& vertices,
-                             size_t i, const Set& set, const FilmLayout& layout) const {
+  HWY_INLINE void set_firsts(const RayBatch& rays, const HitBatch& hits,
+                             const SurfacePoints& vertices, size_t i, const Set& set,
+                             const FilmLayout& layout) const {
     // value(item) of the lanes.
     const auto of_items = [&](auto&& value) HWY_ATTR {
       HWY_ALIGN uint32_t values[kWidth] = {};

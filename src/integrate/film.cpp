@@ -35,7 +35,7 @@ Film::Film(int width, int height, double bound, int tile_side, ChannelSet channe
       height_(height),
       tile_side_(tile_side),
       columns_((width + tile_side - 1) / tile_side),
-      bound_(std::clamp(bound, kLeastBound, kMostBound)),
+      bound_(std::clamp(bound, kMinBound, kMaxBound)),
       scale_(scale_for(bound_)),
       square_scale_(scale_for(bound_ * bound_)),
       layout_(channels),

@@ -28,11 +28,11 @@ struct RayCounts {
   friend bool operator==(const RayCounts&, const RayCounts&) = default;
 };
 
-/// A rectangle of pixels, at most kMostTileSide wide and high.
+/// A rectangle of pixels, at most kMaxTileSide wide and high.
 struct Tile {
   int x0, y0, x1, y1;
 };
-inline constexpr int kTileSide = 32, kMostTileSide = 64;
+inline constexpr int kTileSide = 32, kMaxTileSide = 64;
 
 /// Of a pixel's samples: red, green, blue and coverage, so that one SIMD instruction adds to all.
 struct alignas(32) PixelSums : std::array<int64_t, 4> {};
@@ -104,10 +104,10 @@ struct TileSamples {
 /// Safe to read and to copy from while others add to it.
 class Film {
  public:
-  static constexpr double kLeastBound = 1e-30, kMostBound = 1e38;
+  static constexpr double kMinBound = 1e-30, kMaxBound = 1e38;
 
   /// No sample of a pixel brings more than `bound`, which is moved between these two. The tiles'
-  /// side is a multiple of 8, at most kMostTileSide; the picture is the same with any.
+  /// side is a multiple of 8, at most kMaxTileSide; the picture is the same with any.
   Film(int width, int height, double bound, int tile_side = kTileSide, ChannelSet channels = {});
 
   int width() const { return width_; }

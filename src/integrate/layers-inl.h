@@ -51,7 +51,7 @@ class Layers {
     }
     size_t many = 0;
     for (size_t k = 0; k < kKnown && going_.size() > 0; ++k) {
-      accel.next_clear(going_.rays, going_.after, next_, context);
+      accel.next_transparent(going_.rays, going_.after, next_, context);
       if (context.stopped()) return false;
       layer_[k].reset(n);
       size_t kept = 0;
@@ -61,7 +61,7 @@ class Layers {
         const uint32_t i = going_.from[j];
         Met& met = met_[i];
         layer_[k].set(i, hit);
-        met.depth = std::min(met.depth + accel.geometry().depth_of(hit.item), kMostDepth);
+        met.depth = std::min(met.depth + accel.geometry().depth_of(hit.item), kMaxOpticalDepth);
         met.through[met.count++] = passed(met.depth);
         if (met.through[k] == 0) continue;
         met.is_many = met.through[k] <= kLittle || met.count == kKnown;
@@ -153,7 +153,7 @@ class Layers {
     for (size_t j = 0; j < n; ++j) is_dense_[j] = met_[many_.from[j]].depth >= kExactDepth;
     depths_.reset(n, is_dense_.data());
     std::fill_n(depths_.limit.begin(), n, kExactDepth);
-    accel.clear_depths(many_.rays, depths_, context);
+    accel.transparent_depths(many_.rays, depths_, context);
   }
 
   // Does the choice fall on what is behind the known layers?
@@ -187,7 +187,7 @@ class Layers {
     const size_t n = many_.size();
     keys_.resize(n);
     for (size_t j = 0; j < n; ++j) keys_[j] = keys[many_.from[j]] + t;
-    accel.next_clear(many_.rays, many_.after, next_, context, keys_.data());
+    accel.next_transparent(many_.rays, many_.after, next_, context, keys_.data());
     size_t kept = 0;
     for (size_t j = 0; j < n; ++j) {
       const uint32_t i = many_.from[j];

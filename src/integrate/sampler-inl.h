@@ -23,7 +23,8 @@ class WideSampler {
   WideSampler(const Sampler& sampler, uint32_t sample)
       : s_(sampler),
         sample_(sample),
-        deal_(sampler.kind == SamplerKind::jitter ? sampler.deal(sample) : Sampler::Deal()) {}
+        permutation_(sampler.kind == SamplerKind::jitter ? sampler.permutation(sample)
+                                                         : Sampler::Permutation()) {}
 
   uint32_t sample() const { return sample_; }
 
@@ -82,9 +83,10 @@ class WideSampler {
     const U which = hn::Add(hn::And(order.x, hn::Set(du, count - 1)), hn::Set(du, first));
     U place;
     if constexpr (hn::MaxLanes(D()) == Sampler::kPermutations)  // all in one register
-      place = hn::TableLookupLanes(hn::LoadU(du, deal_.data()), hn::IndicesFromVec(du, which));
+      place =
+          hn::TableLookupLanes(hn::LoadU(du, permutation_.data()), hn::IndicesFromVec(du, which));
     else
-      place = hn::GatherIndex(du, deal_.data(), hn::BitCast(di, which));
+      place = hn::GatherIndex(du, permutation_.data(), hn::BitCast(di, which));
     const V samples = hn::Set(d, float(s_.samples));
     const V turn = hn::Floor(hn::Mul(to_unit(d, order.y), samples));
     const V sum = hn::Add(hn::ConvertTo(d, hn::BitCast(di, place)), turn);
@@ -146,7 +148,7 @@ class WideSampler {
 
   const Sampler& s_;
   uint32_t sample_;
-  Sampler::Deal deal_;
+  Sampler::Permutation permutation_;
 };
 
 }  // namespace raio::HWY_NAMESPACE

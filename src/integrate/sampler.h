@@ -80,9 +80,9 @@ struct Sampler {
   static constexpr Share share(uint32_t purpose) {
     return purpose == kPixel ? Share{0, 4} : purpose == kLens ? Share{4, 4} : Share{8, 8};
   }
-  using Deal = std::array<uint32_t, kPermutations>;
-  Deal deal(uint32_t sample) const {
-    Deal out;
+  using Permutation = std::array<uint32_t, kPermutations>;
+  Permutation permutation(uint32_t sample) const {
+    Permutation out;
     for (uint32_t i = 0; i < kPermutations; ++i)
       out[i] = permute(sample, samples, seed + scramble(i));
     return out;

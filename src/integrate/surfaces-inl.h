@@ -46,7 +46,7 @@ struct PointColumns {  // of other kinds, whose points are worked out one by one
   Floats3 point;
   Floats extent;
 };
-union LookedUp {
+union Gathered {
   TriangleColumns triangle;
   SphereColumns sphere;
   ConeColumns cone;
@@ -54,8 +54,8 @@ union LookedUp {
 };
 
 // What was hit and is being shaded.
-struct Vertices {
-  LookedUp looked_up;
+struct SurfacePoints {
+  Gathered gathered;
   // `outside`: off the surface. Normals towards the ray, when find_surfaces() is done; before,
   // where a kind looks them up, outwards, and `normal` only in scenes with smooth triangles.
   Floats3 point, outside, normal, geometric;
@@ -74,13 +74,13 @@ struct Vertices {
 };
 
 // Rays and their hits in the space of an object, and what it is there.
-struct Vertices::Copied {
+struct SurfacePoints::Copied {
   RayBatch rays;
   HitBatch hits;
   std::vector<uint32_t> lanes;
   std::vector<const Geometry*> objects;  // of each lane; null: the scene's own
   std::vector<uint32_t> instances;
-  Vertices vertices;
+  SurfacePoints vertices;
 };
 
 // Lane i for all that follow it in the register.
@@ -102,29 +102,30 @@ struct WideSurfaces {
   V extent;  // what the shape adds to the scale of shape/offset.h
 };
 
-// A surface kernel has two halves: look_up() of what ray i hit, without waiting for anything that
-// can be worked out for many together, which is work_out() for the lanes from i on; what it makes
+// A surface kernel has two halves: gather() of what ray i hit, without waiting for anything that
+// can be worked out for many together, which is evaluate() for the lanes from i on; what it makes
 // of lanes that hit other kinds does not count. This is the kernel of kinds that are rare in large
 // numbers.
 template <PrimitiveKind kind>
 struct SurfaceKernel {
   static constexpr bool kSameAtAllPoints = false;
 
-  static void look_up(const SurfaceInput& in, size_t i, Vertices& v) {
+  static void gather(const SurfaceInput& in, size_t i, SurfacePoints& v) {
     const uint32_t index = primitive_index(in.hits.item[i]);
     const Ray ray = in.rays[i];
     const SurfacePoint s =
         surface_point(at_time(in.geometry.get<kind>(index), ray.time), ray.at(in.hits.t[i]));
-    v.looked_up.other.point.set(i, s.point);
-    v.looked_up.other.extent.at[i] = s.extent;
+    v.gathered.other.point.set(i, s.point);
+    v.gathered.other.extent.at[i] = s.extent;
     v.geometric.set(i, s.normal);
     v.material[i] = in.geometry.material_of(in.hits.item[i]);
   }
-  static HWY_INLINE WideSurfaces work_out(const SurfaceInput& in, size_t i, M, const Vertices& v) {
+  static HWY_INLINE WideSurfaces evaluate(const SurfaceInput& in, size_t i, M,
+                                          const SurfacePoints& v) {
     const V3 geometric = load(v.geometric, i);
-    return {load(v.looked_up.other.point, i), geometric,
+    return {load(v.gathered.other.point, i), geometric,
             in.geometry.any_smooth() ? normalize(d, geometric) : geometric,
-            load(v.looked_up.other.extent, i)};
+            load(v.gathered.other.extent, i)};
   }
 };
 
@@ -132,20 +133,21 @@ template <>
 struct SurfaceKernel<PrimitiveKind::sphere> {
   static constexpr bool kSameAtAllPoints = true;  // what is looked up
 
-  static void look_up(const SurfaceInput& in, size_t i, Vertices& v) {
+  static void gather(const SurfaceInput& in, size_t i, SurfacePoints& v) {
     const uint32_t index = primitive_index(in.hits.item[i]);
     const Sphere s = in.geometry.sphere(index);
-    v.looked_up.sphere.center.set(i, s.center);
-    v.looked_up.sphere.radius.at[i] = s.radius;
+    v.gathered.sphere.center.set(i, s.center);
+    v.gathered.sphere.radius.at[i] = s.radius;
     v.material[i] = in.geometry.scene().sphere_materials[index];
   }
-  static HWY_INLINE void spread(size_t i, Vertices& v) {
-    spread_lane(v.looked_up.sphere.center, i), spread_lane(v.looked_up.sphere.radius, i);
+  static HWY_INLINE void spread(size_t i, SurfacePoints& v) {
+    spread_lane(v.gathered.sphere.center, i), spread_lane(v.gathered.sphere.radius, i);
   }
   // The point is put back on the surface along the radius.
-  static HWY_INLINE WideSurfaces work_out(const SurfaceInput& in, size_t i, M, const Vertices& v) {
-    const V3 center = load(v.looked_up.sphere.center, i);
-    const V radius = load(v.looked_up.sphere.radius, i);
+  static HWY_INLINE WideSurfaces evaluate(const SurfaceInput& in, size_t i, M,
+                                          const SurfacePoints& v) {
+    const V3 center = load(v.gathered.sphere.center, i);
+    const V radius = load(v.gathered.sphere.radius, i);
     const V3 at = origins(in.rays, i) + directions(in.rays, i) * load(in.hits.t, i);
     const V3 outward = normalize(d, at - center);
     return {center + outward * radius, outward, outward, radius};
@@ -156,12 +158,12 @@ template <>
 struct SurfaceKernel<PrimitiveKind::triangle> {
   static constexpr bool kSameAtAllPoints = true;  // where it is flat
 
-  static void look_up(const SurfaceInput& in, size_t i, Vertices& v) {
+  static void gather(const SurfaceInput& in, size_t i, SurfacePoints& v) {
     const uint32_t index = primitive_index(in.hits.item[i]);
     const TriangleIndices& at = in.geometry.corners(index);
     const Facet& facet = in.geometry.facet(index);
     for (size_t c = 0; c < 3; ++c)
-      v.looked_up.triangle.corner[c].set(i, in.geometry.positions()[at[c]]);
+      v.gathered.triangle.corner[c].set(i, in.geometry.positions()[at[c]]);
     v.geometric.set(i, facet.normal);
     v.normal.set(i, facet.normal);
     if (const TriangleIndices* corners = in.geometry.corner_normals(index)) {
@@ -173,13 +175,14 @@ struct SurfaceKernel<PrimitiveKind::triangle> {
     }
     v.material[i] = facet.material;
   }
-  static HWY_INLINE void spread(size_t i, Vertices& v) {
-    for (Floats3& corner : v.looked_up.triangle.corner) spread_lane(corner, i);
+  static HWY_INLINE void spread(size_t i, SurfacePoints& v) {
+    for (Floats3& corner : v.gathered.triangle.corner) spread_lane(corner, i);
     spread_lane(v.geometric, i), spread_lane(v.normal, i);
   }
   // By the corners' weights.
-  static HWY_INLINE WideSurfaces work_out(const SurfaceInput& in, size_t i, M, const Vertices& v) {
-    const Floats3(&corner)[3] = v.looked_up.triangle.corner;
+  static HWY_INLINE WideSurfaces evaluate(const SurfaceInput& in, size_t i, M,
+                                          const SurfacePoints& v) {
+    const Floats3(&corner)[3] = v.gathered.triangle.corner;
     const V3 a = load(corner[0], i), ab = load(corner[1], i) - a, ac = load(corner[2], i) - a;
     const V longest = hn::Max(largest(ab), largest(ac));
     const V3 geometric = load(v.geometric, i);
@@ -200,23 +203,23 @@ template <>
 struct SurfaceKernel<PrimitiveKind::cone> {
   static constexpr bool kSameAtAllPoints = false;  // points have normals of their own
 
-  static void look_up(const SurfaceInput& in, size_t i, Vertices& v) {
+  static void gather(const SurfaceInput& in, size_t i, SurfacePoints& v) {
     const uint32_t index = primitive_index(in.hits.item[i]);
     const BakedCone& c = in.geometry.get<PrimitiveKind::cone>(index);
-    ConeColumns& to = v.looked_up.cone;
+    ConeColumns& to = v.gathered.cone;
     to.base.set(i, c.base), to.axis.set(i, c.axis);
     to.height.at[i] = c.height, to.base_radius.at[i] = c.base_radius, to.slope.at[i] = c.slope;
     v.material[i] = in.geometry.scene().cone_materials[index];
   }
 
   // surface_point(), in double.
-  static HWY_INLINE WideSurfaces work_out(const SurfaceInput& in, size_t i, M cones,
-                                          const Vertices& v) {
+  static HWY_INLINE WideSurfaces evaluate(const SurfaceInput& in, size_t i, M cones,
+                                          const SurfacePoints& v) {
     using Doubles = hn::CappedTag<double, kWidth>;
     const Doubles wide;
     const hn::Rebind<float, Doubles> narrow;
     using W3 = Wide3<Doubles>;
-    const ConeColumns& c = v.looked_up.cone;
+    const ConeColumns& c = v.gathered.cone;
     const V3 at = origins(in.rays, i) + directions(in.rays, i) * load(in.hits.t, i);
     HWY_ALIGN float p[3][kWidth], n[3][kWidth];
     hn::Store(at.x, d, p[0]), hn::Store(at.y, d, p[1]), hn::Store(at.z, d, p[2]);
@@ -303,9 +306,9 @@ HWY_INLINE Row store_rows(const Row (&rows)[4], Floats3& to, size_t i) {
   return hn::BitCast(kRow, hn::InterleaveUpper(pairs, zw01, zw23));
 }
 
-// SurfaceKernel::look_up() of rays i .. i + 3 if all of them hit triangles, else false: row by row,
+// SurfaceKernel::gather() of rays i .. i + 3 if all of them hit triangles, else false: row by row,
 // since storing number by number is what takes the time.
-HWY_INLINE bool look_up_triangles(const SurfaceInput& in, size_t i, Vertices& v) {
+HWY_INLINE bool gather_triangles(const SurfaceInput& in, size_t i, SurfacePoints& v) {
   const HitBatch& hits = in.hits;
   const auto is_triangle = [](PrimitiveId id) {
     return primitive_kind(id) == PrimitiveKind::triangle;
@@ -329,7 +332,7 @@ HWY_INLINE bool look_up_triangles(const SurfaceInput& in, size_t i, Vertices& v)
       normal[k] = hn::Add(hn::Add(weighted(0, 1 - b1 - b2), weighted(1, b1)), weighted(2, b2));
     }
   }
-  for (size_t c = 0; c < 3; ++c) store_rows(corner[c], v.looked_up.triangle.corner[c], i);
+  for (size_t c = 0; c < 3; ++c) store_rows(corner[c], v.gathered.triangle.corner[c], i);
   if (geometry.any_smooth()) store_rows(normal, v.normal, i);
   const hn::RebindToUnsigned<decltype(kRow)> ids;
   const Row material = store_rows(facet, v.geometric, i);
@@ -337,16 +340,16 @@ HWY_INLINE bool look_up_triangles(const SurfaceInput& in, size_t i, Vertices& v)
   return true;
 }
 #else
-bool look_up_triangles(const SurfaceInput&, size_t, Vertices&) { return false; }
+bool gather_triangles(const SurfaceInput&, size_t, SurfacePoints&) { return false; }
 #endif
 
-void look_up(const SurfaceInput& in, size_t i, Vertices& v) {
+void gather(const SurfaceInput& in, size_t i, SurfacePoints& v) {
   with_kind(primitive_kind(in.hits.item[i]),
-            [&]<PrimitiveKind kind> { SurfaceKernel<kind>::look_up(in, i, v); });
+            [&]<PrimitiveKind kind> { SurfaceKernel<kind>::gather(in, i, v); });
 }
 
 // What rays i, i + 1, ... in the lanes hit, which often is the same.
-void look_up_lanes(const SurfaceInput& in, size_t i, Vertices& v) {
+void gather_lanes(const SurfaceInput& in, size_t i, SurfacePoints& v) {
   const PrimitiveId first = in.hits.item[i];
   if (hn::AllTrue(du, hn::Eq(load(in.hits.item, i), hn::Set(du, first)))) {
     bool done = false;
@@ -356,7 +359,7 @@ void look_up_lanes(const SurfaceInput& in, size_t i, Vertices& v) {
         if (primitive_kind(first) != kind) return;
         if (kind == PrimitiveKind::triangle && in.geometry.corner_normals(primitive_index(first)))
           return;
-        Kernel::look_up(in, i, v);
+        Kernel::gather(in, i, v);
         Kernel::spread(i, v);
         hn::Store(hn::Set(du, v.material[i]), du, v.material + i);
         done = true;
@@ -365,13 +368,13 @@ void look_up_lanes(const SurfaceInput& in, size_t i, Vertices& v) {
     if (done) return;
   }
   for (size_t k = i; k < i + kWidth; k += 4) {
-    if (look_up_triangles(in, k, v)) continue;
-    for (size_t j = k; j < std::min(k + 4, i + kWidth); ++j) look_up(in, j, v);
+    if (gather_triangles(in, k, v)) continue;
+    for (size_t j = k; j < std::min(k + 4, i + kWidth); ++j) gather(in, j, v);
   }
 }
 
 // Neighbours are mostly of one material.
-void look_up_materials(const Material* materials, size_t i, Vertices& v) {
+void gather_materials(const Material* materials, size_t i, SurfacePoints& v) {
   constexpr size_t kNumbers = sizeof(Material) / sizeof(float);
   static_assert(kNumbers == 8, "gathered by a shift");
   const std::pair<Floats*, size_t> columns[] = {
@@ -401,8 +404,8 @@ void look_up_materials(const Material* materials, size_t i, Vertices& v) {
 // Puts the surfaces of one kind, those in `lanes`, where find_surfaces() looks for them, in columns
 // that are not filled yet. Out of line, so that a rare kind takes no registers from the others.
 template <PrimitiveKind kind>
-HWY_NOINLINE void place_surfaces(const SurfaceInput& in, size_t i, M lanes, Vertices& v) {
-  const WideSurfaces found = SurfaceKernel<kind>::work_out(in, i, lanes, v);
+HWY_NOINLINE void place_surfaces(const SurfaceInput& in, size_t i, M lanes, SurfacePoints& v) {
+  const WideSurfaces found = SurfaceKernel<kind>::evaluate(in, i, lanes, v);
   const auto put = [&](V from, Floats& to)
                        HWY_ATTR { hn::BlendedStore(from, lanes, d, to.at + i); };
   const auto put3 = [&](const V3& from, Floats3& to)
@@ -415,17 +418,17 @@ HWY_NOINLINE void place_surfaces(const SurfaceInput& in, size_t i, M lanes, Vert
 // Materials and textures are those of `scene`, the one that is rendered, which may be a later
 // version of the one that the structure was built from.
 void find_own_surfaces(const Geometry& geometry, const Scene& scene, const RayBatch& rays,
-                       const HitBatch& hits, size_t n, Vertices& v) {
+                       const HitBatch& hits, size_t n, SurfacePoints& v) {
   const SurfaceInput in = {geometry, rays, hits};
-  for (size_t i = 0; i < n; i += kWidth) look_up_lanes(in, i, v);
+  for (size_t i = 0; i < n; i += kWidth) gather_lanes(in, i, v);
   const bool colored = geometry.any_colors();
   const bool tinted = !geometry.vertex_colors().empty();
   const bool textured = !geometry.texture_coordinates().empty() && !scene.material_texture.empty();
   const V zero = hn::Zero(d);
   const M all = hn::FirstN(d, kWidth);
   for (size_t i = 0; i < n; i += kWidth) {
-    look_up_materials(scene.materials.data(), i, v);
-    if (colored) look_up_colors(geometry, hits, i, v.color);
+    gather_materials(scene.materials.data(), i, v);
+    if (colored) gather_colors(geometry, hits, i, v.color);
     if (tinted) tint_by_vertices(geometry, hits, i, v.color);
     if (textured) tint_by_textures(geometry, scene, hits, i, v.material, v.color);
     const auto finish = [&](const WideSurfaces& s) RAIO_INLINE_LAMBDA {
@@ -445,9 +448,9 @@ void find_own_surfaces(const Geometry& geometry, const Scene& scene, const RayBa
     };
     // Neighbours are mostly of one kind.
     if (all_are(PrimitiveKind::triangle)) {
-      finish(SurfaceKernel<PrimitiveKind::triangle>::work_out(in, i, all, v));
+      finish(SurfaceKernel<PrimitiveKind::triangle>::evaluate(in, i, all, v));
     } else if (all_are(PrimitiveKind::sphere)) {
-      finish(SurfaceKernel<PrimitiveKind::sphere>::work_out(in, i, all, v));
+      finish(SurfaceKernel<PrimitiveKind::sphere>::evaluate(in, i, all, v));
     } else {
       visit_kinds([&]<PrimitiveKind kind>() HWY_ATTR {
         const M in_lanes = hn::RebindMask(d, hn::Eq(kinds, hn::Set(du, uint32_t(kind))));
@@ -459,27 +462,29 @@ void find_own_surfaces(const Geometry& geometry, const Scene& scene, const RayBa
 }
 
 // Of v, what find_surfaces() makes.
-void copy_vertex(const Vertices& from, size_t k, Vertices& v, size_t i) {
-  for (Floats3 Vertices::* c : {&Vertices::point, &Vertices::outside, &Vertices::normal,
-                                &Vertices::geometric, &Vertices::color})
+void copy_surface_point(const SurfacePoints& from, size_t k, SurfacePoints& v, size_t i) {
+  for (Floats3 SurfacePoints::* c :
+       {&SurfacePoints::point, &SurfacePoints::outside, &SurfacePoints::normal,
+        &SurfacePoints::geometric, &SurfacePoints::color})
     (v.*c).x.at[i] = (from.*c).x.at[k], (v.*c).y.at[i] = (from.*c).y.at[k],
     (v.*c).z.at[i] = (from.*c).z.at[k];
-  for (Floats Vertices::* c : {&Vertices::scale, &Vertices::kd, &Vertices::ks, &Vertices::shine,
-                               &Vertices::transmission, &Vertices::ior, &Vertices::eta})
+  for (Floats SurfacePoints::* c :
+       {&SurfacePoints::scale, &SurfacePoints::kd, &SurfacePoints::ks, &SurfacePoints::shine,
+        &SurfacePoints::transmission, &SurfacePoints::ior, &SurfacePoints::eta})
     (v.*c).at[i] = (from.*c).at[k];
   v.material[i] = from.material[k];
 }
 
 void find_surfaces(const Geometry& geometry, const Scene& scene, const RayBatch& rays,
-                   const HitBatch& hits, size_t n, Vertices& v);
+                   const HitBatch& hits, size_t n, SurfacePoints& v);
 
 // Surfaces of copies are worked out in the space of their object, one object after another, and
 // moved to where the copies are.
 HWY_NOINLINE void find_copied_surfaces(const Geometry& geometry, const Scene& scene,
                                        const RayBatch& rays, const HitBatch& hits, size_t n,
-                                       Vertices& v) {
-  if (!v.copied) v.copied = std::make_unique<Vertices::Copied>();
-  Vertices::Copied& there = *v.copied;
+                                       SurfacePoints& v) {
+  if (!v.copied) v.copied = std::make_unique<SurfacePoints::Copied>();
+  SurfacePoints::Copied& there = *v.copied;
   const Array<Instance>& copies = geometry.scene().instances;
   there.objects.assign(n, nullptr), there.instances.resize(n);
   if (rays.has_time() && !there.rays.has_time()) there.rays.add_time();
@@ -518,7 +523,7 @@ HWY_NOINLINE void find_copied_surfaces(const Geometry& geometry, const Scene& sc
       find_own_surfaces(geometry, scene, there.rays, there.hits, count, there.vertices);
     for (size_t k = 0; k < count; ++k) {
       const size_t i = there.lanes[k];
-      copy_vertex(there.vertices, k, v, i);
+      copy_surface_point(there.vertices, k, v, i);
       if (!object) continue;
       const Placement place(copies[there.instances[i]].matrix);
       const auto at = [&](const Floats3& f) { return Vec3d(f.x.at[i], f.y.at[i], f.z.at[i]); };
@@ -531,11 +536,11 @@ HWY_NOINLINE void find_copied_surfaces(const Geometry& geometry, const Scene& sc
       v.scale.at[i] = scale;
     }
   }
-  for (size_t i = n; i % kWidth != 0; ++i) copy_vertex(v, n - 1, v, i);
+  for (size_t i = n; i % kWidth != 0; ++i) copy_surface_point(v, n - 1, v, i);
 }
 
 void find_surfaces(const Geometry& geometry, const Scene& scene, const RayBatch& rays,
-                   const HitBatch& hits, size_t n, Vertices& v) {
+                   const HitBatch& hits, size_t n, SurfacePoints& v) {
   if (geometry.has_copies() && n > 0)
     find_copied_surfaces(geometry, scene, rays, hits, n, v);
   else

@@ -37,7 +37,7 @@ constexpr size_t kWidth = hn::MaxLanes(D());
 // Rays traced at a time. Bounds the memory of a ray tree: a level that has so many goes before
 // others, so that none ever holds more than these and the children of another such chunk.
 constexpr size_t kChunk = 1024;
-constexpr size_t kTilePixels = size_t(kMostTileSide) * kMostTileSide;
+constexpr size_t kTilePixels = size_t(kMaxTileSide) * kMaxTileSide;
 
 // A cache line more than needed: columns that lie a multiple of 4096 bytes apart would share the
 // same few lines of the cache.
@@ -177,7 +177,7 @@ class TileSums {
       own_squares_.assign(size_t(layout_->squares()) * plane_size_, 0);
       sums_ = {own_.data(), own_means_.data(), own_squares_.data(), nullptr};
     }
-    is_clamped_ = bound_ == Film::kMostBound;
+    is_clamped_ = bound_ == Film::kMaxBound;
     square_scale_ = film.square_scale();
     before_.resize(is_clamped_ || layout_->squares() > 0 ? plane_size_ : 0);
   }

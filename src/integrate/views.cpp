@@ -50,7 +50,7 @@ class ViewsShading {
 
   template <class W>
   void shade(W& w, int, size_t n, const WideSampler<D>&) const {
-    Vertices& v = w.vertices();
+    SurfacePoints& v = w.points();
     const V half = hn::Set(d, 0.5f);
     for (size_t i = 0; i < n; i += kWidth) {
       V3 radiance = set3(d, Rgb());
@@ -83,7 +83,7 @@ class ViewsShading {
 
   template <class W>
   Rgb color(W& w, size_t i, float depth) const {
-    const Vertices& v = w.vertices();
+    const SurfacePoints& v = w.points();
     if (view_ == View::depth) return Rgb(distance_ / (distance_ + depth));
     const Vec3f normal = {v.normal.x.at[i], v.normal.y.at[i], v.normal.z.at[i]};
     const float shade = 0.4f + 0.6f * std::abs(dot(normal, w.rays().rays[i].dir));

@@ -19,11 +19,11 @@
 //                                             only the shadows are seen. If so it also has
 //     bool has_floor()                          whether there is one,
 //     float floor_distance(ray)                 how far away it is; 0: nowhere, and
-//     void shade_floor(wavefront, n, sampler)   sets vertices().kd to the part of the background
+//     void shade_floor(wavefront, n, sampler)   sets points().kd to the part of the background
 //                                               that its shadows take from the n current rays
 //   bool counts_rays()                        wants each eye ray's own steps and tests,
 //   void begin(wavefront, n)                  which it gets here, before misses are dropped
-//   void shade(wavefront, level, n, sampler)  sets vertices().radiance of the n current rays, which
+//   void shade(wavefront, level, n, sampler)  sets points().radiance of the n current rays, which
 //                                             all hit something
 //   void spawn(wavefront, level, n)           adds their children
 //
@@ -71,10 +71,10 @@ class Wavefront final : public TileRenderer {
         counts_rays_(scene.settings.channels.has(Channel::steps) ||
                      scene.settings.channels.has(Channel::tests) || shading_.counts_rays()),
         waiting_(size_t(shading_.levels()) + 1),
-        vertices_(std::make_unique_for_overwrite<Vertices>()),
+        points_(std::make_unique_for_overwrite<SurfacePoints>()),
         hidden_(padded(kChunk)),
-        clear_(scene.accel.geometry().any_clear()) {
-    if (clear_) {
+        transparent_(scene.accel.geometry().any_transparent()) {
+    if (transparent_) {
       first_.resize(padded(kChunk)), shares_.resize(padded(kChunk));
       coverage_.resize(padded(kChunk));
     }
@@ -111,7 +111,7 @@ class Wavefront final : public TileRenderer {
   const PreparedScene& scene() const { return scene_; }
   const Paths& rays() const { return current_; }
   const HitBatch& hits() const { return hits_; }
-  Vertices& vertices() { return *vertices_; }
+  SurfacePoints& points() { return *points_; }
   RayCounts& counts() { return counts_; }
   Recorder& recorder() { return recorder_; }
   bool stopped() const { return context_.stopped(); }
@@ -135,7 +135,7 @@ class Wavefront final : public TileRenderer {
   const uint8_t* occluded(const WideSampler<D>& sampler, uint32_t depth) {
     if (moves_) set_times(shadow_);
     scene_.accel.occluded(shadow_, hidden_.data(), context_);
-    if (clear_) find_shares(sampler, depth);
+    if (transparent_) find_shares(sampler, depth);
     return hidden_.data();
   }
   // Rays and hits for a Shading's own questions about what is opaque.
@@ -148,7 +148,7 @@ class Wavefront final : public TileRenderer {
   HitBatch& probed() { return probed_; }
 
   // How much of the light comes through what is clear, of those that are not stopped; null: all.
-  const float* shares() const { return clear_ ? shares_.data() : nullptr; }
+  const float* shares() const { return transparent_ ? shares_.data() : nullptr; }
 
   // The children that the current rays send to the next level; after the last level they bring the
   // background.
@@ -169,8 +169,9 @@ class Wavefront final : public TileRenderer {
       const auto weight = scaled(w_.current_.weights(i), part);
       if (last_) {
         if constexpr (kRecords)
-          w_.recorder_.untraced(w_.current_, i, origin, dir, weight, side, mask, w_.seen_there());
-        w_.add_seen(weight, dir, &w_.current_.pixel[i], mask);
+          w_.recorder_.untraced(w_.current_, i, origin, dir, weight, side, mask,
+                                w_.escaped_there());
+        w_.add_escaped(weight, dir, &w_.current_.pixel[i], mask);
         return 0;
       }
       const U branch = load(w_.current_.branch, i);
@@ -294,12 +295,12 @@ class Wavefront final : public TileRenderer {
     else
       scene_.accel.closest(current_.rays, hits_, context_);
     if (context_.stopped()) return;
-    if constexpr (kRecords) recorder_.traced(level, current_, hits_, seen_there());
+    if constexpr (kRecords) recorder_.traced(level, current_, hits_, escaped_there());
     if (level == 1 && counts_rays_) {
       add_costs();
       shading_.begin(*this, current_.rays.size());
     }
-    if (clear_) trace_clear(level, sampler);
+    if (transparent_) trace_transparent(level, sampler);
     if (context_.stopped()) return;
     bool seen = level > 1 || !sums_.layout().has(Channel::alpha);
     if constexpr (Shading::kFloor)
@@ -310,7 +311,7 @@ class Wavefront final : public TileRenderer {
       }
     // A picture with alpha is to be laid over another background.
     drop_misses(seen);
-    if (clear_)
+    if (transparent_)
       for (size_t i = 0; i < current_.rays.size(); ++i) {
         coverage_[i] = covered(current_.weight[0][i]);
         first_[i] = current_.rays.tmax[i] > 0;
@@ -324,20 +325,20 @@ class Wavefront final : public TileRenderer {
     if (n == 0) return;
     if (level == 1)
       counts_.eye_hits +=
-          clear_ ? size_t(std::count(first_.begin(), first_.begin() + ptrdiff_t(n), 1)) : n;
+          transparent_ ? size_t(std::count(first_.begin(), first_.begin() + ptrdiff_t(n), 1)) : n;
     if (moves_) set_times(current_.rays);  // those that are left
-    find_surfaces(scene_.accel.geometry(), scene_.scene, current_.rays, hits_, n, *vertices_);
+    find_surfaces(scene_.accel.geometry(), scene_.scene, current_.rays, hits_, n, *points_);
     if (level == 1 && sums_.layout().planes() > 0)
-      features_.add(current_.rays, hits_, *vertices_, current_.pixel.data(),
-                    clear_ ? first_.data() : nullptr, sample_, sums_);
+      features_.add(current_.rays, hits_, *points_, current_.pixel.data(),
+                    transparent_ ? first_.data() : nullptr, sample_, sums_);
     shading_.shade(*this, level, n, sampler);
     if (context_.stopped()) return;
-    if constexpr (kRecords) recorder_.shaded(current_, *vertices_, n, sums_);
+    if constexpr (kRecords) recorder_.shaded(current_, *points_, n, sums_);
     const int64_t coverage = level == 1 ? kFullCoverage : 0;
     for (size_t i = 0; i < n; i += kWidth) {
-      const V3 light = load(vertices_->radiance, i) * current_.weights(i);
+      const V3 light = load(points_->radiance, i) * current_.weights(i);
       const uint32_t* const pixels = &current_.pixel[i];
-      if (clear_ && level == 1)
+      if (transparent_ && level == 1)
         sums_.add(light, pixels, hn::FirstN(d, n - i), &coverage_[i]);
       else
         sums_.add(light, pixels, hn::FirstN(d, n - i), coverage);
@@ -365,7 +366,7 @@ class Wavefront final : public TileRenderer {
     current_.rays.resize(missed);
     fill_up(missed);
     if (moves_) set_times(current_.rays);
-    Floats& dark = vertices_->kd;
+    Floats& dark = points_->kd;
     std::fill_n(dark.at, missed + kWidth, 0.0f);
     if (met > 0) {
       current_.rays.resize(met);
@@ -380,7 +381,7 @@ class Wavefront final : public TileRenderer {
       const M mask = hn::FirstN(d, missed - i);
       if (seen) {
         const V left = hn::Sub(hn::Set(d, 1), load(dark, i));
-        add_seen(scaled(current_.weights(i), left), directions(current_.rays, i), pixels, mask);
+        add_escaped(scaled(current_.weights(i), left), directions(current_.rays, i), pixels, mask);
         continue;
       }
       for (size_t k = i; k < std::min(i + kWidth, missed); ++k)
@@ -396,7 +397,7 @@ class Wavefront final : public TileRenderer {
   // Shades what is clear in front of what the current rays hit or miss and leaves those rays of
   // which something comes through, with that part of their weights. Those that have met something
   // are known by their tmax, 0.
-  void trace_clear(int level, const WideSampler<D>& sampler) {
+  void trace_transparent(int level, const WideSampler<D>& sampler) {
     const size_t n = current_.rays.size();
     const bool many = layers_.find(scene_.accel, current_.rays, hits_, context_);
     if (context_.stopped()) return;
@@ -459,8 +460,8 @@ class Wavefront final : public TileRenderer {
     take_layers(list);
     if (moves_) set_times(current_.rays);
     find_surfaces(scene_.accel.geometry(), scene_.scene, current_.rays, hits_, list.size(),
-                  *vertices_);
-    features_.add(current_.rays, hits_, *vertices_, current_.pixel.data(), nullptr, sample_, sums_);
+                  *points_);
+    features_.add(current_.rays, hits_, *points_, current_.pixel.data(), nullptr, sample_, sums_);
   }
 
   // Finds the part of the light that passes the transparent primitives on each shadow ray. The
@@ -477,7 +478,7 @@ class Wavefront final : public TileRenderer {
       const auto limit = hn::ConvertTo(Signed<D>(), hn::Mul(halvings, hn::Set(d, kHalving)));
       hn::StoreU(hn::Add(hn::BitCast(du, limit), hn::Set(du, kExactDepth)), du, &depths_.limit[i]);
     }
-    scene_.accel.clear_depths(shadow_, depths_, context_);
+    scene_.accel.transparent_depths(shadow_, depths_, context_);
     for (size_t i = 0; i < n; ++i) {
       const uint32_t sum = depths_.sum[i], largest = depths_.largest[i];
       shares_[i] =
@@ -556,8 +557,8 @@ class Wavefront final : public TileRenderer {
       const M found = hn::And(in, hn::RebindMask(d, hn::Ne(item, hn::Set(du, kNoPrimitive))));
       const size_t count = hn::CountTrue(d, found);
       if (seen)
-        add_seen(current_.weights(i), directions(rays, i), &current_.pixel[i],
-                 hn::AndNot(found, in));
+        add_escaped(current_.weights(i), directions(rays, i), &current_.pixel[i],
+                    hn::AndNot(found, in));
       if (count > 0 && (kept < i || count < kWidth)) {
         put(load(hits_.t, i), found, hits_.t, kept), put(item, found, hits_.item, kept);
         put(load(hits_.u, i), found, hits_.u, kept), put(load(hits_.v, i), found, hits_.v, kept);
@@ -576,7 +577,7 @@ class Wavefront final : public TileRenderer {
   }
 
   // For a Recorder: what a ray of some direction and weight brings that hits nothing.
-  auto seen_there() const {
+  auto escaped_there() const {
     return [this](Vec3f dir, Rgb weight) HWY_ATTR {
       Rgb background = shading_.background();
       if constexpr (Shading::kSky)
@@ -589,8 +590,8 @@ class Wavefront final : public TileRenderer {
   }
 
   // What rays bring that hit nothing.
-  HWY_INLINE void add_seen(const typename Paths::Weight& weight, const V3& dir,
-                           const uint32_t* pixels, M mask) {
+  HWY_INLINE void add_escaped(const typename Paths::Weight& weight, const V3& dir,
+                              const uint32_t* pixels, M mask) {
     if constexpr (Shading::kSky)
       if (shading_.has_sky()) return add_sky(weight, dir, pixels, mask);
     add_background(weight, pixels, mask);
@@ -630,13 +631,13 @@ class Wavefront final : public TileRenderer {
   std::vector<Paths> waiting_;                      // by level
   Paths current_;                                   // being traced, with their hits
   HitBatch hits_;
-  std::unique_ptr<Vertices> vertices_;
+  std::unique_ptr<SurfacePoints> points_;
   RayBatch shadow_, probes_;
   HitBatch probed_;
   std::vector<uint8_t> hidden_;
   // Where something is clear: of shadow rays the optical depths and what comes through them; the
   // layers that rays meet, and those rays as they go on behind them.
-  bool clear_ = false;
+  bool transparent_ = false;
   DepthBatch depths_;
   std::vector<float> shares_;
   std::vector<int64_t> coverage_;  // of the current rays

@@ -55,12 +55,12 @@ void PreparedScene::lay_floor() {
     double height = std::numeric_limits<double>::infinity();
     void join(const Lowest& b) { height = std::min(height, b.height); }
   };
-  constexpr double kLeastSine = 0.479;
+  constexpr double kMinSine = 0.479;
   const Vec3d up = normalize(Vec3d(settings.camera.up)), along(forward);
   Vec3d normal = up;
-  if (dot(up, along) > -kLeastSine) {
+  if (dot(up, along) > -kMinSine) {
     const Vec3d upright = normalize(up - along * dot(up, along));
-    normal = normalize(upright * std::sqrt(1 - kLeastSine * kLeastSine) - along * kLeastSine);
+    normal = normalize(upright * std::sqrt(1 - kMinSine * kMinSine) - along * kMinSine);
   }
   const Lowest lowest = sum_up<Lowest>(scene, [&](Lowest& l, Vec3f center, float radius) {
     l.height = std::min(l.height, dot(Vec3d(center), normal) - double(radius));

@@ -199,7 +199,7 @@ Camera fitted_in_parallel(const Shown& shown, const Camera& camera) {
   Camera out = camera;
   out.from = Vec3f(Vec3d(camera.from) + to_middle), out.at = Vec3f(at + to_middle);
   out.fov_deg = degrees((needs.above + needs.below) / (2 * length(view)));
-  out.across_deg = degrees((needs.right + needs.left) / (2 * length(view)));
+  out.horizontal_fov_deg = degrees((needs.right + needs.left) / (2 * length(view)));
   return out;
 }
 
@@ -240,7 +240,7 @@ Camera fitted(const Shown& shown, const Box3f& box, Camera camera, const Picture
     t.join({(y + r * secant) / z, (x + r * secant_across) / z});
   });
   camera.from = Vec3f(from), camera.at = Vec3f(at), camera.up = Vec3f(upright);
-  camera.fov_deg = degrees(tangents.up), camera.across_deg = degrees(tangents.across);
+  camera.fov_deg = degrees(tangents.up), camera.horizontal_fov_deg = degrees(tangents.across);
   return camera.is_parallel() ? fitted_in_parallel(shown, camera) : camera;
 }
 
@@ -352,8 +352,8 @@ Camera fitted_in_parallel(const Scene& scene, const Camera& camera) {
 }
 
 float fitted_fov_deg(const Camera& camera, int width, int height) {
-  if (camera.across_deg <= 0) return camera.fov_deg;
-  const double half = std::tan(double(camera.across_deg) / 2 * kRadians) * height / width;
+  if (camera.horizontal_fov_deg <= 0) return camera.fov_deg;
+  const double half = std::tan(double(camera.horizontal_fov_deg) / 2 * kRadians) * height / width;
   return std::max(camera.fov_deg, float(2 * std::atan(half) / kRadians));
 }
 

@@ -14,7 +14,7 @@ namespace raio {
 enum class FitView : uint8_t { three_quarter, principal };
 
 /// Gives the scene a camera that shows all of it but infinite planes, as large as it fits into a
-/// picture of any shape (Camera::across_deg). Pictures are 1200 x 900 unless the scene says
+/// picture of any shape (Camera::horizontal_fov_deg). Pictures are 1200 x 900 unless the scene says
 /// otherwise. `up` is what the data calls so; the principal view does not ask.
 void fit_camera(Scene& scene, FitView view, Vec3f up = {0, 0, 1});
 

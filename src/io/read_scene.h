@@ -22,7 +22,7 @@ class TextBuffer;  // io/nff/text_cursor.h
 enum class AtomStyle { space_filling, ball_and_stick, sticks, points };
 
 /// Copies of a cell along one of its sides.
-inline constexpr int kMostImages = 1000;
+inline constexpr int kMaxImages = 1000;
 
 /// What a reader keeps of a text from one frame to the next; only it knows what that is.
 struct FrameCache {

@@ -230,7 +230,7 @@ std::expected<SceneFormat, Error> scene_format(const fs::path& path) {
                         path.string())});
 }
 
-std::string not_kept(const Scene& scene, SceneFormat format) {
+std::string lost_features(const Scene& scene, SceneFormat format) {
   if (format == SceneFormat::raio) return "";
   if (format == SceneFormat::ply) return not_in_ply(scene);
   if (format == SceneFormat::gltf) return not_in_gltf(scene);

@@ -72,7 +72,7 @@ enum class SceneFormat { nff, raio, pov, ply, gltf };
 std::expected<SceneFormat, Error> scene_format(const std::filesystem::path& path);
 
 /// What of the scene is lost in the format, in one line (text_of), or nothing.
-std::string not_kept(const Scene& scene, SceneFormat format);
+std::string lost_features(const Scene& scene, SceneFormat format);
 
 /// Writes the scene in the format of the suffix, copies as primitives where it cannot keep them; a
 /// .pov has the scene's resolution, else 512 x 512. `comment` is a line at the head of formats that

@@ -22,9 +22,9 @@ std::expected<Texture, std::string> decode(Scene& scene, std::string_view bytes)
     return std::unexpected(fmt::format("it has {} x {} pixels; expected at most {} x {}", width,
                                        height, kLargestTexture, kLargestTexture));
   const size_t first = scene.texels.size();
-  if (first + width * height > kMostTexels)
+  if (first + width * height > kMaxTexels)
     return std::unexpected(
-        fmt::format("the pictures have more than {} pixels together", kMostTexels));
+        fmt::format("the pictures have more than {} pixels together", kMaxTexels));
   scene.texels.resize(first + width * height);
   uint32_t* const texels = scene.texels.data() + first;
   for (size_t y = 0; y < height; ++y) put_texels(*rows, int(y), texels + y * width);

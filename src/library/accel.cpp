@@ -144,9 +144,9 @@ void Accel::occluded(size_t count, const Ray* rays, uint8_t* occluded) const {
                [&](Scratch& scratch, size_t first, size_t n, TraceContext& context) {
                  scratch.occluded.resize(padded(n));
                  data_->accel->occluded(scratch.rays, scratch.occluded.data(), context);
-                 if (data_->accel->geometry().any_clear()) {
+                 if (data_->accel->geometry().any_transparent()) {
                    scratch.depths.reset(n, scratch.occluded.data());
-                   data_->accel->clear_depths(scratch.rays, scratch.depths, context);
+                   data_->accel->transparent_depths(scratch.rays, scratch.depths, context);
                    for (size_t i = 0; i < n; ++i) scratch.occluded[i] = scratch.depths.sum[i] > 0;
                  }
                  std::copy_n(scratch.occluded.begin(), n, occluded + first);

@@ -236,9 +236,9 @@ void Job::on_progress(std::function<void(const Progress&)> callback) {
 namespace {
 
 // Tells of a render's progress until it is finished. What the callback throws stops the render.
-class Teller {
+class ProgressReporter {
  public:
-  Teller(RenderControl& control, const std::function<void(const Progress&)>& tell) {
+  ProgressReporter(RenderControl& control, const std::function<void(const Progress&)>& tell) {
     if (!tell) return;
     ticker_ = Ticker(0.1, [&, start = Clock::now()] {
       if (thrown_) return;
@@ -268,7 +268,7 @@ Film Job::run() {
   return guarded([&] {
     const raio::Scene& scene = *data_->scene;
     const RenderSettings& settings = data_->settings;
-    Teller teller(data_->control, data_->on_progress);
+    ProgressReporter teller(data_->control, data_->on_progress);
     const auto film = make_film(scene, settings);
     if (!film) fail(film.error());
     std::shared_ptr<const raio::Accel> accel = data_->accel;

@@ -66,7 +66,7 @@ void Scene::set_camera(const Camera& camera) {
   scene.camera.from = Vec3f(vec(camera.from) - scene.origin);
   scene.camera.at = Vec3f(vec(camera.at) - scene.origin);
   scene.camera.up = Vec3f(vec(camera.up));
-  scene.camera.fov_deg = float(camera.fov_deg), scene.camera.across_deg = 0;
+  scene.camera.fov_deg = float(camera.fov_deg), scene.camera.horizontal_fov_deg = 0;
   scene.camera.projection = raio::Projection(camera.projection);
   scene.camera.movement.reset();
 }
@@ -212,8 +212,9 @@ void check_shapes(const Array<T>& shapes, std::string_view kind) {
 }
 
 // What primitives look like that were added together.
-struct Looks {
-  Looks(const raio::Scene& scene, const Look& look, size_t count) : material(look.material) {
+struct PoolAppearance {
+  PoolAppearance(const raio::Scene& scene, const Appearance& look, size_t count)
+      : material(look.material) {
     if (material >= scene.materials.size())
       refuse(
           fmt::format("there is no material {}, but {} of them", material, scene.materials.size()));
@@ -255,7 +256,7 @@ float opacity_of(const raio::Scene& scene, MaterialId id) {
 
 // Nothing is refused here.
 template <class Shape>
-void append(raio::Scene& scene, Array<Shape> shapes, Looks looks) {
+void append(raio::Scene& scene, Array<Shape> shapes, PoolAppearance looks) {
   constexpr PoolMembers<Shape> pool = kPoolOf<Shape>;
   const size_t before = (scene.*pool.shapes).size();
   Array<MaterialId>& ids = scene.*pool.materials;
@@ -271,20 +272,20 @@ void append(raio::Scene& scene, Array<Shape> shapes, Looks looks) {
 }  // namespace
 
 void Scene::add_spheres(const Column<float, 3>& centers, const Column<float>& radii,
-                        const Look& look) {
+                        const Appearance& look) {
   guarded([&] {
     auto spheres = gathered<Sphere>({part("centres", centers, offsetof(Sphere, center)),
                                      part("radii", radii, offsetof(Sphere, radius))});
     place(data_->scene, spheres, &Sphere::center);
     check_shapes(spheres, "sphere");
-    Looks looks(data_->scene, look, spheres.size());
+    PoolAppearance looks(data_->scene, look, spheres.size());
     append(data_->scene, std::move(spheres), std::move(looks));
   });
 }
 
 void Scene::add_cones(const Column<float, 3>& starts, const Column<float, 3>& ends,
                       const Column<float>& start_radii, const Column<float>& end_radii,
-                      const Look& look) {
+                      const Appearance& look) {
   guarded([&] {
     auto cones =
         gathered<Cone>({part("starts", starts, offsetof(Cone, base)),
@@ -293,26 +294,26 @@ void Scene::add_cones(const Column<float, 3>& starts, const Column<float, 3>& en
                         part("radii of the ends", end_radii, offsetof(Cone, apex_radius))});
     place(data_->scene, cones, &Cone::base, &Cone::apex);
     check_shapes(cones, "cone");
-    Looks looks(data_->scene, look, cones.size());
+    PoolAppearance looks(data_->scene, look, cones.size());
     append(data_->scene, std::move(cones), std::move(looks));
   });
 }
 
 void Scene::add_ellipsoids(const Column<float, 3>& centers, const Column<float, 9>& axes,
-                           const Look& look) {
+                           const Appearance& look) {
   guarded([&] {
     auto ellipsoids = gathered<Ellipsoid>({part("centres", centers, offsetof(Ellipsoid, center)),
                                            part("axes", axes, offsetof(Ellipsoid, axes))});
     place(data_->scene, ellipsoids, &Ellipsoid::center);
     check_shapes(ellipsoids, "ellipsoid");
-    Looks looks(data_->scene, look, ellipsoids.size());
+    PoolAppearance looks(data_->scene, look, ellipsoids.size());
     append(data_->scene, std::move(ellipsoids), std::move(looks));
   });
 }
 
 void Scene::add_discs(const Column<float, 3>& centers, const Column<float, 3>& normals,
                       const Column<float>& radii, const Column<float>& inner_radii,
-                      const Look& look) {
+                      const Appearance& look) {
   guarded([&] {
     Part inner = part("inner radii", inner_radii, offsetof(Disc, inner));
     inner.optional = true;
@@ -322,7 +323,7 @@ void Scene::add_discs(const Column<float, 3>& centers, const Column<float, 3>& n
     place(data_->scene, discs, &Disc::center);
     make_unit(discs, "disc", &Disc::normal);
     check_shapes(discs, "disc");
-    Looks looks(data_->scene, look, discs.size());
+    PoolAppearance looks(data_->scene, look, discs.size());
     append(data_->scene, std::move(discs), std::move(looks));
   });
 }
@@ -341,7 +342,7 @@ Array<Shape> gathered_moving(std::initializer_list<Part> parts, double begin, do
 
 void Scene::add_moving_spheres(const Column<float, 3>& starts, const Column<float, 3>& ends,
                                const Column<float>& radii, double begin, double end,
-                               const Look& look) {
+                               const Appearance& look) {
   guarded([&] {
     auto spheres =
         gathered_moving<MovingSphere>({part("starts", starts, offsetof(MovingSphere, center)),
@@ -350,13 +351,13 @@ void Scene::add_moving_spheres(const Column<float, 3>& starts, const Column<floa
                                       begin, end);
     place(data_->scene, spheres, &MovingSphere::center, &MovingSphere::to);
     check_shapes(spheres, "moving sphere");
-    Looks looks(data_->scene, look, spheres.size());
+    PoolAppearance looks(data_->scene, look, spheres.size());
     append(data_->scene, std::move(spheres), std::move(looks));
   });
 }
 
 void Scene::add_moving_triangles(const Column<float, 9>& starts, const Column<float, 9>& ends,
-                                 double begin, double end, const Look& look) {
+                                 double begin, double end, const Appearance& look) {
   guarded([&] {
     auto triangles =
         gathered_moving<MovingTriangle>({part("starts", starts, offsetof(MovingTriangle, from)),
@@ -367,7 +368,7 @@ void Scene::add_moving_triangles(const Column<float, 9>& starts, const Column<fl
         for (Vec3f* p : {&t.from.a, &t.from.b, &t.from.c, &t.to.a, &t.to.b, &t.to.c})
           *p = Vec3f(Vec3d(*p) - origin);
     check_shapes(triangles, "moving triangle");
-    Looks looks(data_->scene, look, triangles.size());
+    PoolAppearance looks(data_->scene, look, triangles.size());
     append(data_->scene, std::move(triangles), std::move(looks));
   });
 }
@@ -387,7 +388,7 @@ Array<TriangleIndices> behind(size_t first, Array<TriangleIndices> corners) {
 }  // namespace
 
 void Scene::add_triangles(const Column<float, 3>& positions, const Column<uint32_t, 3>& triangles,
-                          const Column<float, 3>& normals, const Look& look) {
+                          const Column<float, 3>& normals, const Appearance& look) {
   guarded([&] {
     raio::Scene& scene = data_->scene;
     const Part smooth = part("normals", normals);
@@ -406,7 +407,7 @@ void Scene::add_triangles(const Column<float, 3>& positions, const Column<uint32
     const size_t first = scene.positions.size(), first_normal = scene.normals.size();
     if (first + points.size() >= kNoNormal)
       refuse(fmt::format("{} vertices are more than can be numbered", first + points.size()));
-    Looks looks(scene, look, corners.size());
+    PoolAppearance looks(scene, look, corners.size());
 
     // Normals are kept from the first smooth triangle on.
     const size_t before = scene.triangles.size();
@@ -430,9 +431,9 @@ uint32_t texture_of(const raio::Scene& scene, MaterialId id) {
 
 // Moves the textures of an object to the scene, and names them by their numbers there.
 void take_textures(raio::Scene& scene, raio::Scene& object) {
-  if (object.texels.size() > kMostTexels - scene.texels.size())
+  if (object.texels.size() > kMaxTexels - scene.texels.size())
     refuse(fmt::format("the textures have {} texels, more than {}",
-                       scene.texels.size() + object.texels.size(), kMostTexels));
+                       scene.texels.size() + object.texels.size(), kMaxTexels));
   const auto first = uint32_t(scene.textures.size()), first_texel = uint32_t(scene.texels.size());
   for (Texture& texture : object.textures) texture.first += first_texel;
   for (uint32_t& texture : object.material_texture)
@@ -497,8 +498,8 @@ uint32_t Scene::add_prototype(const Scene& prototype) {
     raio::Scene object = object_of(prototype.data_->scene);
     if (!object.planes.empty()) refuse("an infinite plane cannot be copied");
     if (object.moves()) refuse("what moves cannot be copied");
-    if (1 + depth_of(object) > kMostNested)
-      refuse(fmt::format("prototypes are nested more than {} deep", kMostNested));
+    if (1 + depth_of(object) > kMaxNested)
+      refuse(fmt::format("prototypes are nested more than {} deep", kMaxNested));
     if (const auto problems = validate(object); !problems.empty()) refuse(problems.front());
     raio::Scene& scene = data_->scene;
     const std::vector<std::string> names = std::exchange(object.object_names, {});

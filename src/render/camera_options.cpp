@@ -24,13 +24,13 @@ Vec3d plain(Vec3f value) {
 
 // Does a camera that was fitted to data have to be fitted anew for parallel rays?
 bool is_refitted(const Camera& camera, const Camera& own) {
-  return camera.is_parallel() && !own.is_parallel() && own.across_deg > 0;
+  return camera.is_parallel() && !own.is_parallel() && own.horizontal_fov_deg > 0;
 }
 
 // Do the options ask for a camera that is fitted to the scene from another direction?
 bool asks_to_turn(const RenderOptions& o, const Camera& own) {
   if (o.from || o.at) return false;
-  return o.side || (o.up && *o.up != Vec3d() && (own.across_deg > 0 || o.fit));
+  return o.side || (o.up && *o.up != Vec3d() && (own.horizontal_fov_deg > 0 || o.fit));
 }
 
 }  // namespace
@@ -70,13 +70,15 @@ void set_camera(RenderOptions& options, const Camera& camera, const Scene& scene
   // The scene's camera, if it moves, stands still only where a place is given.
   const bool stops = own.movement && !camera.movement;
   // Without both places, camera_of() would fit the camera anew.
-  const bool refits = is_refitted(camera, own) || (camera.up != own.up && own.across_deg > 0);
+  const bool refits =
+      is_refitted(camera, own) || (camera.up != own.up && own.horizontal_fov_deg > 0);
   options.side.reset(), options.fit.reset();
   options.from = given(camera.from != own.from || stops || refits, camera.from, scene.origin);
   options.at = given(camera.at != own.at || refits, camera.at, scene.origin);
   options.up = given(camera.up != own.up, camera.up, {});
   // An angle that fits the width is another for a picture of another shape.
-  options.fov_deg = camera.fov_deg == own.fov_deg && own.across_deg == 0 ? 0 : camera.fov_deg;
+  options.fov_deg =
+      camera.fov_deg == own.fov_deg && own.horizontal_fov_deg == 0 ? 0 : camera.fov_deg;
   options.projection.reset();
   if (camera.projection != own.projection) options.projection = camera.projection;
 }

@@ -13,7 +13,7 @@
 namespace raio {
 namespace {
 
-constexpr size_t kFewestRounds = 5, kFewestSlowRounds = 3, kMostRounds = 25;
+constexpr size_t kFewestRounds = 5, kFewestSlowRounds = 3, kMaxRounds = 25;
 constexpr double kCostPatienceSeconds = 15;  // then as few rounds as there are may do
 constexpr double kNewsSeconds = 0.5;
 constexpr uint32_t kProbeShards = 64;
@@ -231,7 +231,7 @@ class Measurement {
     c.without.seconds = median_interval(without.seconds).median / without.part;
     const bool close = c.factor.half_width() <= effort_.close_enough;
     const auto rounds = size_t(c.rounds);
-    c.finished = (rounds >= kFewestRounds && close) || rounds >= kMostRounds ||
+    c.finished = (rounds >= kFewestRounds && close) || rounds >= kMaxRounds ||
                  (rounds >= kFewestSlowRounds && !patient);
   }
 

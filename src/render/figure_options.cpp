@@ -14,7 +14,7 @@ std::expected<void, std::string> parse_look(RenderOptions& options, std::string_
   for (size_t i = kLookNames.size(); i-- > 0;)
     if (const std::string_view name = kLookNames[i];
         text == name || text == name.substr(0, name.find('-')))
-      return options.look = Look(i), std::expected<void, std::string>();
+      return options.look = FigureStyle(i), std::expected<void, std::string>();
   return std::unexpected(fmt::format("expected paper, dark, flat or matte, found '{}'", text));
 }
 
@@ -86,7 +86,7 @@ FigureSettings figure_settings(const RenderOptions& options, const Scene& scene)
   figure.occlusion_distance = options.occlusion_distance;
   figure.key_light = options.key_light.value_or(true);
   figure.shadow_catcher = options.shadow_catcher;
-  const LookNumbers look = numbers_of(figure.look);
+  const StyleParams look = params_of(figure.look);
   figure.outline = options.outline.value_or(look.outline);
   const bool fades = has_plain_background(options, scene);
   figure.depth_cue = options.depth_cue.value_or(fades ? look.depth_cue : 0);
@@ -100,7 +100,7 @@ void set_figure(RenderOptions& options, const FigureSettings& figure) {
   options.occlusion_distance = figure.occlusion_distance;
   if (figure.key_light != usual.key_light) options.key_light = figure.key_light;
   options.shadow_catcher = figure.shadow_catcher;
-  const LookNumbers look = numbers_of(figure.look);
+  const StyleParams look = params_of(figure.look);
   if (figure.outline != look.outline) options.outline = figure.outline;
   if (figure.depth_cue != look.depth_cue) options.depth_cue = figure.depth_cue;
 }

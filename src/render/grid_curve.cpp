@@ -18,8 +18,8 @@
 namespace raio {
 namespace {
 
-constexpr double kMostCells = 1 << 24;
-constexpr size_t kFewestCurveRounds = 5, kMostCurveRounds = 15;
+constexpr double kMaxCells = 1 << 24;
+constexpr size_t kFewestCurveRounds = 5, kMaxCurveRounds = 15;
 constexpr uint32_t kCurveProbeShards = 16;
 
 class CurveMeasurement {
@@ -75,9 +75,9 @@ class CurveMeasurement {
   bool build_and_count() {
     const double primitives = double(scene_.primitive_count());
     double slowest = 0;
-    for (float factor = kLeastGridFactor; factor <= kMostGridFactor * 1.01f;
+    for (float factor = kMinGridFactor; factor <= kMaxGridFactor * 1.01f;
          factor *= std::numbers::sqrt2_v<float>) {
-      if (std::pow(double(factor), 3) * primitives > kMostCells) break;
+      if (std::pow(double(factor), 3) * primitives > kMaxCells) break;
       Grid grid{.settings = settings_, .accel = {}, .seconds = {}};
       grid.settings.accel.grid_factor = factor;
       const auto start = Clock::now();
@@ -123,7 +123,7 @@ class CurveMeasurement {
 
   // In an order that is turned round every other time.
   bool time_rounds() {
-    for (size_t round = 1; round <= kMostCurveRounds; ++round) {
+    for (size_t round = 1; round <= kMaxCurveRounds; ++round) {
       const auto start = Clock::now();
       for (size_t i = 0; i < grids_.size(); ++i)
         if (!time(round % 2 ? i : grids_.size() - 1 - i)) return false;

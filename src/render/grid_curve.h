@@ -19,7 +19,7 @@ namespace raio {
 
 /// Cells a side per cube root of the number of primitives: the factor that the report has, and the
 /// least and the greatest that are measured.
-inline constexpr float kReportGridFactor = 2, kLeastGridFactor = 0.25f, kMostGridFactor = 8;
+inline constexpr float kReportGridFactor = 2, kMinGridFactor = 0.25f, kMaxGridFactor = 8;
 
 struct GridPoint {
   float factor = 0;

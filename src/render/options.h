@@ -61,7 +61,7 @@ struct RenderOptions {
   std::optional<Fresnel> fresnel;
   std::optional<float> gloss, translucency;
   std::optional<std::array<float, 2>> shutter;  // opens and closes
-  std::optional<Look> look;
+  std::optional<FigureStyle> look;
   int occlusion_rays = 0;
   float occlusion_distance = 0;
   std::optional<bool> key_light;
@@ -105,7 +105,7 @@ RenderSettings resolve_options(const RenderOptions& options, const Scene& scene)
 IntegratorKind integrator_of(const RenderOptions& options, const Scene& scene);
 
 /// The structure that the scene's file asks for, or automatic.
-AccelKind wished_accel(const Scene& scene);
+AccelKind hinted_accel(const Scene& scene);
 
 /// The options that resolve to these settings and leave nothing open but the scene's own camera.
 RenderOptions options_of(const RenderSettings& settings, const Scene& scene);

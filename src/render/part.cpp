@@ -77,9 +77,9 @@ std::string encode_tile(const TileSamples& tile) {
 }
 
 /// Takes from the front; after the end all is zero and `ended` is set.
-class Taker {
+class ByteReader {
  public:
-  explicit Taker(std::string_view bytes) : left_(bytes) {}
+  explicit ByteReader(std::string_view bytes) : left_(bytes) {}
 
   template <class T>
   T number() {
@@ -119,7 +119,7 @@ std::vector<int64_t> decode_numbers(std::string_view bytes, size_t count) {
 }
 
 // What is wrong with the tile, or nothing.
-std::string take_tile(Taker& bytes, size_t index, const PartHeader& header, Film& film) {
+std::string take_tile(ByteReader& bytes, size_t index, const PartHeader& header, Film& film) {
   TileSamples tile;
   tile.samples = bytes.number<uint32_t>();
   if (tile.samples == 0) return {};
@@ -176,7 +176,7 @@ std::expected<Part, Error> decode_part(std::string_view file) {
   };
   const auto broken = [&](const std::string& why) { return refused("broken part file: " + why); };
   if (!file.starts_with(kMagic)) return refused("it is not a Raio part file");
-  Taker bytes(file);
+  ByteReader bytes(file);
   bytes.take(kMagic.size());
   if (const auto format = bytes.number<uint32_t>(); format != kFormat)
     return refused(fmt::format(
@@ -187,7 +187,7 @@ std::expected<Part, Error> decode_part(std::string_view file) {
   std::string hash;
   put_hash(hash, hash128(file.substr(0, file.size() - kHashBytes)));
   if (!file.ends_with(hash)) return broken("its bytes are not those that were written");
-  bytes = Taker(file.substr(0, file.size() - kHashBytes));
+  bytes = ByteReader(file.substr(0, file.size() - kHashBytes));
   bytes.take(kMagic.size() + sizeof kFormat);
 
   Part part;
@@ -207,9 +207,9 @@ std::expected<Part, Error> decode_part(std::string_view file) {
   if (width != uint32_t(frame.width()) || height != uint32_t(frame.height()) || width == 0 ||
       options->width == 0)
     return broken("its size is not that of its settings");
-  if (tile_side == 0 || tile_side % 8 != 0 || tile_side > uint32_t(kMostTileSide))
+  if (tile_side == 0 || tile_side % 8 != 0 || tile_side > uint32_t(kMaxTileSide))
     return broken(fmt::format("tiles of {} pixels", tile_side));
-  if (!(bound >= Film::kLeastBound && bound <= Film::kMostBound))
+  if (!(bound >= Film::kMinBound && bound <= Film::kMaxBound))
     return broken("no bound of its samples");
   if (header.shard >= header.shards) return broken("no such shard");
   // Each tile takes four bytes at least, so that no short file asks for the memory of a large film.

@@ -110,7 +110,7 @@ Background background_of(const RenderOptions& options, const Scene& scene) {
   if (!no_light_in(options).empty()) return {scene.background, nullptr};
   if (!options.background && scene.dialect == Dialect::data &&
       integrator_of(options, scene) == IntegratorKind::ambient)
-    return {numbers_of(options.look.value_or(FigureSettings().look)).background, nullptr};
+    return {params_of(options.look.value_or(FigureSettings().look)).background, nullptr};
   if (!options.background) return {scene.background, scene.sky};
   const WrittenColor& written = *options.background;
   if (!written.encoded || tone_of(options, scene) == Tone::none)

@@ -85,8 +85,8 @@ Set set_assembly(ReadOptions& o, std::string_view text) {
 Set set_images(ReadOptions& o, std::string_view text) {
   std::array<int, 3> images{};
   if (!parse_list(text, images) || std::ranges::min(images) < 1 ||
-      std::ranges::max(images) > kMostImages)
-    return wrong(fmt::format("three numbers from 1 to {}, as in 2,2,1", kMostImages), text);
+      std::ranges::max(images) > kMaxImages)
+    return wrong(fmt::format("three numbers from 1 to {}, as in 2,2,1", kMaxImages), text);
   return o.images = images, Set();
 }
 

@@ -24,7 +24,7 @@ std::optional<Error> picture_problem(int width, int height, ChannelSet channels)
   const size_t pixels = size_t(width) * size_t(height);
   // The film, of whole tiles, and the pictures in float and in bytes that are made of it.
   const auto whole = [](int side) {
-    return std::min(2.0 * side, std::ceil(double(side) / kMostTileSide) * kMostTileSide);
+    return std::min(2.0 * side, std::ceil(double(side) / kMaxTileSide) * kMaxTileSide);
   };
   const FilmLayout layout(channels);
   const double sums = layout.means() + layout.squares(), firsts = layout.firsts();
@@ -50,11 +50,11 @@ std::expected<std::unique_ptr<Film>, Error> make_film(const Scene& scene,
   // Large tiles fill more batches with the rays of later levels, as long as there are enough of
   // them for all threads.
   constexpr int kTiles = 64;
-  const auto across = [](int pixels) { return (pixels + kMostTileSide - 1) / kMostTileSide; };
+  const auto across = [](int pixels) { return (pixels + kMaxTileSide - 1) / kMaxTileSide; };
   const bool large = double(across(width)) * across(height) >= kTiles;
   return std::make_unique<Film>(width, height,
                                 integrator(settings.integrator).bound(scene, settings),
-                                large ? kMostTileSide : kTileSide, settings.channels);
+                                large ? kMaxTileSide : kTileSide, settings.channels);
 }
 
 namespace {

@@ -168,15 +168,15 @@ constexpr Usual usual(Dialect dialect) {
 
 }  // namespace
 
-AccelKind wished_accel(const Scene& scene) {
+AccelKind hinted_accel(const Scene& scene) {
   switch (scene.structure) {
-    case StructureWish::any:
+    case AccelHint::any:
       break;
-    case StructureWish::none:
+    case AccelHint::none:
       return AccelKind::none;
-    case StructureWish::grid:
+    case AccelHint::grid:
       return AccelKind::grid;
-    case StructureWish::bvh:
+    case AccelHint::bvh:
       return AccelKind::bvh;
   }
   return AccelKind::automatic;
@@ -226,7 +226,7 @@ RenderSettings resolve_options(const RenderOptions& o, const Scene& scene) {
   s.accel.opacity = o.opacity.value_or(1);
   const bool asks_for_grid = o.accel.grid_factor > 0 || o.accel.grid_resolution[0] > 0;
   if (o.accel.kind == AccelKind::automatic)
-    s.accel.kind = asks_for_grid ? AccelKind::grid : wished_accel(scene);
+    s.accel.kind = asks_for_grid ? AccelKind::grid : hinted_accel(scene);
   s.integrator = integrator_of(o, scene);
   s.view = o.view;
   if (s.integrator == IntegratorKind::views && o.view == View::picture) s.view = View::normals;

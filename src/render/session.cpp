@@ -16,9 +16,9 @@ constexpr double kPatienceSeconds = 0.06;  // without a picture; then there is a
 constexpr double kPreviewSeconds = 0.03;
 // Of the sides: pictures that may take unknown time. The first costs little whatever a pixel takes,
 // the other is large enough to tell that from it.
-constexpr double kLeastScale = 1.0 / 32, kProbeScale = 1.0 / 8;
-constexpr double kMostPartSeconds = 0.5;  // of a sample that is shown in parts
-constexpr uint32_t kMostParts = 64;
+constexpr double kMinScale = 1.0 / 32, kProbeScale = 1.0 / 8;
+constexpr double kMaxPartSeconds = 0.5;  // of a sample that is shown in parts
+constexpr uint32_t kMaxParts = 64;
 
 // Of a sample's time: until whoever shows the picture has drawn it; of all runs together; of one
 // which drawing its parts could not slow down by much.
@@ -249,7 +249,7 @@ bool Session::render_scaled(double scale, SessionPicture& next) {
 // What a pixel takes, by the smallest of pictures, and by a larger one where that takes little.
 bool Session::probe(SessionPicture& next) {
   if (pixel_s_ > 0) return true;
-  if (!render_scaled(kLeastScale, next)) return false;
+  if (!render_scaled(kMinScale, next)) return false;
   if (expected_s(next) * kProbeScale * kProbeScale > kPreviewSeconds) return true;
   pixel_s_ = 0;
   return render_scaled(kProbeScale, next);
@@ -258,11 +258,11 @@ bool Session::probe(SessionPicture& next) {
 // The finest picture that takes `seconds`.
 bool Session::preview(double seconds, SessionPicture& next) {
   if (!probe(next)) return false;
-  const double scale = std::max(std::sqrt(std::min(1.0, seconds / expected_s(next))), kLeastScale);
+  const double scale = std::max(std::sqrt(std::min(1.0, seconds / expected_s(next))), kMinScale);
   // The smaller of the probe's may be there already.
-  const double least_width = 1.5 * kLeastScale * next.settings.width;
+  const double least_width = 1.5 * kMinScale * next.settings.width;
   const bool is_there =
-      next.image && scale <= 1.5 * kLeastScale && next.image->width <= std::max(1.0, least_width);
+      next.image && scale <= 1.5 * kMinScale && next.image->width <= std::max(1.0, least_width);
   if (!is_there && !render_scaled(scale, next)) return false;
   publish(next);
   return true;
@@ -299,9 +299,9 @@ void Session::refine(SessionPicture& next) {
 bool Session::first_sample(Film& film, double expected, SessionPicture& next) {
   const BakedScene& baked = *next.baked;
   const bool long_wait = expected > kPatienceSeconds;
-  const double part_s = std::clamp(expected / 8, kPassSeconds, kMostPartSeconds);
+  const double part_s = std::clamp(expected / 8, kPassSeconds, kMaxPartSeconds);
   const auto parts =
-      long_wait ? uint32_t(std::clamp(expected / part_s, 1.0, double(kMostParts))) : 1;
+      long_wait ? uint32_t(std::clamp(expected / part_s, 1.0, double(kMaxParts))) : 1;
   begin_stage(SessionProgress::sample, expected);
   const std::shared_ptr<const Image> preview = next.image;
   double seconds = 0;
@@ -338,8 +338,8 @@ bool Session::time_sample(SessionPicture& next) {
                      [&] { return control_.stop.load(); });
     }
     const BakedScene& baked = *next.baked;
-    constexpr size_t kLeastRuns = 3;  // or their spread would not show
-    for (double all = 0; runs_s.size() < kLeastRuns || all < kTimingSeconds; all += runs_s.back()) {
+    constexpr size_t kMinRuns = 3;  // or their spread would not show
+    for (double all = 0; runs_s.size() < kMinRuns || all < kTimingSeconds; all += runs_s.back()) {
       const auto film = make_film(*baked.scene, next.settings);
       if (!film) return fail(film.error(), next);
       const RenderResult done =

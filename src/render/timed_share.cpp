@@ -11,7 +11,7 @@
 namespace raio {
 namespace {
 
-constexpr double kMostRunSeconds = 0.6;  // expected of the slowest run
+constexpr double kMaxRunSeconds = 0.6;  // expected of the slowest run
 
 }  // namespace
 
@@ -61,7 +61,7 @@ uint32_t share_for(const Scene& scene, const RenderSettings& settings, double se
   if (!film) return 1;
   const size_t tiles = (*film)->tiles(), threads = size_t(std::max(1, settings.threads));
   const auto most = uint32_t(std::clamp(tiles / (per_thread * threads), size_t(1), tiles));
-  auto share = uint32_t(std::clamp(std::ceil(seconds / kMostRunSeconds), 1.0, double(most)));
+  auto share = uint32_t(std::clamp(std::ceil(seconds / kMaxRunSeconds), 1.0, double(most)));
   size_t columns = 0;
   while (columns < tiles && (*film)->tile(columns).y0 == 0) ++columns;
   while (share > 1 && std::gcd(size_t(share), columns) > 1) --share;

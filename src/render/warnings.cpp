@@ -12,11 +12,11 @@
 namespace raio {
 namespace {
 
-constexpr int kSide = 24;              // eye rays along each side of the picture
-constexpr float kMuch = 0.02f;         // spread of half of what is seen, in heights of the picture
-constexpr float kLittle = 0.01f;       // likewise, for what is proposed instead
-constexpr float kSharp = 0.005f;       // in heights of the picture; a pixel where that is more
-constexpr float kLeastSharp = 0.025f;  // of what is seen
+constexpr int kSide = 24;            // eye rays along each side of the picture
+constexpr float kMuch = 0.02f;       // spread of half of what is seen, in heights of the picture
+constexpr float kLittle = 0.01f;     // likewise, for what is proposed instead
+constexpr float kSharp = 0.005f;     // in heights of the picture; a pixel where that is more
+constexpr float kMinSharp = 0.025f;  // of what is seen
 
 // How far along the view the things are that the picture's pixels show, nearest first.
 std::vector<float> depths_seen(const RenderSettings& settings, const Camera& camera,
@@ -46,7 +46,7 @@ struct Blur {
   float median = 0;       // in heights of the picture
   float sharp_share = 0;  // of what is seen
 
-  bool is_too_much() const { return median > kMuch && sharp_share < kLeastSharp; }
+  bool is_too_much() const { return median > kMuch && sharp_share < kMinSharp; }
 };
 
 // A lens of radius R in focus at F spreads what is at depth z over a circle of diameter
@@ -84,7 +84,7 @@ std::vector<SceneWarning> scene_warnings(const Scene& scene, const RenderSetting
   if (settings.camera.is_parallel() && settings.camera.lens_radius.value_or(0) > 0)
     warnings.push_back({SceneWarning::no_lens,
                         "the scene's lens has no effect on parallel rays, so that all is sharp"});
-  if (const size_t count = scene.primitive_count(); scene.structure == StructureWish::none &&
+  if (const size_t count = scene.primitive_count(); scene.structure == AccelHint::none &&
                                                     settings.accel.kind == AccelKind::none &&
                                                     count > kManyPrimitives)
     warnings.push_back({SceneWarning::no_tree,
@@ -139,11 +139,12 @@ std::optional<std::string> blank_warning(const Film& film, const RenderSettings&
     constexpr float kSame = 0.5f / 255;
     return max_component(abs(pixel - settings.background)) < kSame;
   };
-  const auto is_clear = [](float alpha) { return alpha == 0; };
+  const auto is_transparent = [](float alpha) { return alpha == 0; };
   // Colours beside alpha have no background.
   const bool is_blank =
       settings.channels.has(Channel::alpha)
-          ? std::ranges::all_of(std::get<Column<float>>(film.resolve(Channel::alpha)), is_clear)
+          ? std::ranges::all_of(std::get<Column<float>>(film.resolve(Channel::alpha)),
+                                is_transparent)
           : !settings.sky && std::ranges::all_of(film.resolve().pixels, is_background);
   if (!is_blank) return std::nullopt;
   const Camera camera = camera_at(settings.camera, settings.shutter_open);

@@ -64,9 +64,9 @@ std::string content_hash(const Scene& s) {
   }
   if (s.dialect == Dialect::p3f) all.add_word("dialect p3f");
   if (s.dialect == Dialect::data) all.add_word("dialect data");
-  if (camera.across_deg > 0) {
+  if (camera.horizontal_fov_deg > 0) {
     all.add_word("camera across");
-    all.add(camera.across_deg);
+    all.add(camera.horizontal_fov_deg);
   }
   if (camera.is_parallel()) all.add_word("camera orthographic");
   for (size_t i = 0; i < s.lights.size(); ++i)

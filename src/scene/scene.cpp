@@ -148,7 +148,7 @@ size_t memory_bytes(const Scene& scene) {
   return bytes;
 }
 
-bool any_clear(const Scene& scene) {
+bool any_transparent(const Scene& scene) {
   const auto any = [](const Array<float>& opacity) {
     return std::ranges::any_of(opacity, [](float o) { return o < 1; });
   };
@@ -156,7 +156,7 @@ bool any_clear(const Scene& scene) {
   for_each_pool(scene, [&](PoolKind, auto&, auto&, auto&, const Array<float>& opacity) {
     clear = clear || any(opacity);
   });
-  return clear || std::ranges::any_of(scene.prototypes, [](auto& s) { return any_clear(s); });
+  return clear || std::ranges::any_of(scene.prototypes, [](auto& s) { return any_transparent(s); });
 }
 
 bool any_colors(const Scene& scene) {

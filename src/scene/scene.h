@@ -51,10 +51,10 @@ struct Camera {
   Vec3f from{0, 0, 0};
   Vec3f at{0, 0, -1};
   Vec3f up{0, 1, 0};
-  float fov_deg = 45;    // vertical, from edge to edge, in (0, 180)
-  float across_deg = 0;  // horizontal at least, whatever the shape of the picture; 0: any
+  float fov_deg = 45;            // vertical, from edge to edge, in (0, 180)
+  float horizontal_fov_deg = 0;  // horizontal at least, whatever the shape of the picture; 0: any
   Projection projection = Projection::perspective;
-  float hither = 0;           // kept for writing; a ray tracer needs no front plane
+  float near_clip = 0;        // kept for writing; a ray tracer needs no front plane
   int width = 0, height = 0;  // pixels; 0: the file does not say
 
   // The thin lens, where the file gives one (P3F): radius and distance of the plane in focus, scene
@@ -92,11 +92,11 @@ struct Texture {
   friend bool operator==(const Texture&, const Texture&) = default;
 };
 inline constexpr uint32_t kNoTexture = 0xffffffffu;
-inline constexpr uint32_t kLargestTexture = 16384;      // a side, texels
-inline constexpr size_t kMostTexels = size_t(1) << 28;  // of all together
+inline constexpr uint32_t kLargestTexture = 16384;     // a side, texels
+inline constexpr size_t kMaxTexels = size_t(1) << 28;  // of all together
 
 /// More points of a light are not asked for.
-inline constexpr int kMostLightPoints = 1'000'000;
+inline constexpr int kMaxLightPoints = 1'000'000;
 
 /// The sides of a light along x and z, scene units, and how many points of it the file asks for
 /// (kept for writing: a sample takes one, however many there are of it).
@@ -121,7 +121,7 @@ enum class Dialect : uint32_t { nff, p3f, data };
 
 /// The acceleration structure that a file asks for (P3F `accel`); no picture depends on it. The
 /// numbers stand in files.
-enum class StructureWish : uint32_t { any, none, grid, bvh };
+enum class AccelHint : uint32_t { any, none, grid, bvh };
 
 /// A triangle or polygon corner list is indices into `Scene::positions`.
 using TriangleIndices = std::array<uint32_t, 3>;
@@ -180,9 +180,9 @@ struct ObjectRange {
 };
 
 /// So deep at most are prototypes within prototypes.
-inline constexpr int kMostNested = 16;
+inline constexpr int kMaxNested = 16;
 /// More copies than these, with those of copies, cannot be rendered.
-inline constexpr uint64_t kMostCopies = 100'000'000;
+inline constexpr uint64_t kMaxCopies = 100'000'000;
 
 /// A copy of an object, where the matrix places it.
 struct Instance {
@@ -218,7 +218,7 @@ struct Scene {
   Dialect dialect = Dialect::nff;
   // What the file asks for, unless an option says otherwise.
   int samples_per_pixel = 0;  // P3F `spp`; 0: none
-  StructureWish structure = StructureWish::any;
+  AccelHint structure = AccelHint::any;
   std::string sky_folder;  // P3F env: the folder of a cube map, relative to the scene's file or one
                            // of its parents; empty: none
   /// What is in that folder, in place of `background`. read_scene() reads it; null where it could
@@ -363,7 +363,7 @@ std::string flatten_instances(Scene& scene);
 Box3f bounds(const Scene& scene);
 
 /// Is the opacity of anything below 1?
-bool any_clear(const Scene& scene);
+bool any_transparent(const Scene& scene);
 
 /// Does any primitive have a colour of its own?
 bool any_colors(const Scene& scene);
@@ -405,7 +405,7 @@ Camera camera_at(const Camera& camera, float time);
 std::string camera_problem(const Camera& camera);
 
 /// A name of all that a picture can depend on, 32 hexadecimal digits: the same for two files that
-/// differ in comments, spelling or name only. `hither` and the names of objects do not count.
+/// differ in comments, spelling or name only. `near_clip` and the names of objects do not count.
 std::string content_hash(const Scene& scene);
 
 /// What makes a scene unfit for rendering, one sentence each, naming the element by its index;

@@ -60,11 +60,11 @@ void check_camera(const Camera& camera, Problems& problems) {
   problems.check(why.empty(), "camera: ", why);
   problems.check(camera.fov_deg > 0 && camera.fov_deg < 180,
                  "camera: the angle must lie between 0 and 180 degrees");
-  problems.check(camera.across_deg >= 0 && camera.across_deg < 180,
+  problems.check(camera.horizontal_fov_deg >= 0 && camera.horizontal_fov_deg < 180,
                  "camera: the angle across must lie between 0 and 180 degrees");
   problems.check(camera.projection <= Projection::orthographic,
                  "camera: the projection must be perspective or orthographic");
-  problems.check(std::isfinite(camera.hither), "camera: hither must be finite");
+  problems.check(std::isfinite(camera.near_clip), "camera: hither must be finite");
   problems.check(camera.width >= 0 && camera.height >= 0 && !camera.width == !camera.height,
                  "camera: the resolution must be two positive numbers, or two zeros for none");
   problems.check(!camera.lens_radius || at_least_zero(*camera.lens_radius),
@@ -124,8 +124,8 @@ void check_textures(const Scene& scene, Problems& problems) {
     problems.check(texture == kNoTexture || texture < scene.textures.size(), "material ", i,
                    ": texture ", size_t(texture), " of ", scene.textures.size());
   }
-  problems.check(scene.texels.size() <= kMostTexels, "there are ", scene.texels.size(),
-                 " texels, more than ", kMostTexels);
+  problems.check(scene.texels.size() <= kMaxTexels, "there are ", scene.texels.size(),
+                 " texels, more than ", kMaxTexels);
   for (size_t i = 0; i < scene.textures.size(); ++i) {
     const Texture& t = scene.textures[i];
     const bool has_size =
@@ -320,8 +320,8 @@ void check_all_pools(const Scene& scene, Problems& problems) {
 /// Copies, of objects that are sound. `names`: how many objects with a name there are; `depth`: how
 /// many prototypes are around.
 void check_instances(const Scene& scene, size_t names, int depth, Problems& problems) {
-  if (depth == kMostNested && !scene.prototypes.empty())
-    return problems.check(false, "prototypes are nested more than ", size_t(kMostNested), " deep");
+  if (depth == kMaxNested && !scene.prototypes.empty())
+    return problems.check(false, "prototypes are nested more than ", size_t(kMaxNested), " deep");
   for (size_t i = 0; i < scene.prototypes.size(); ++i) {
     const Scene& object = scene.prototypes[i];
     Problems own;
@@ -357,7 +357,7 @@ void check_instances(const Scene& scene, size_t names, int depth, Problems& prob
 struct Expanded {
   uint64_t copies = 0, primitives = 0;
 };
-constexpr uint64_t kMostCopied = uint64_t(kPrimitiveKinds) * kMaxPrimitivesPerKind;
+constexpr uint64_t kMaxCopied = uint64_t(kPrimitiveKinds) * kMaxPrimitivesPerKind;
 
 Expanded expanded(const Scene& scene) {
   std::vector<Expanded> of_one;
@@ -368,8 +368,8 @@ Expanded expanded(const Scene& scene) {
                 [&](PoolKind, const auto& shapes, auto&...) { sum.primitives += shapes.size(); });
   for (const Mesh& mesh : scene.meshes) sum.primitives += mesh.triangles.size();
   for (const Instance& copy : scene.instances) {
-    sum.copies = std::min(sum.copies + 1 + of_one[copy.prototype].copies, kMostCopies + 1);
-    sum.primitives = std::min(sum.primitives + of_one[copy.prototype].primitives, kMostCopied + 1);
+    sum.copies = std::min(sum.copies + 1 + of_one[copy.prototype].copies, kMaxCopies + 1);
+    sum.primitives = std::min(sum.primitives + of_one[copy.prototype].primitives, kMaxCopied + 1);
   }
   return sum;
 }
@@ -391,9 +391,9 @@ std::vector<std::string> validate(const Scene& scene) {
   if (const auto sound = problems.take(); !sound.empty()) return sound;
   // Counted last, as prototypes that there are not have no size.
   const Expanded all = expanded(scene);
-  problems.check(all.copies <= kMostCopies && all.primitives <= kMostCopied, "there are more than ",
-                 size_t(all.copies > kMostCopies ? kMostCopies : kMostCopied),
-                 all.copies > kMostCopies ? " copies" : " primitives",
+  problems.check(all.copies <= kMaxCopies && all.primitives <= kMaxCopied, "there are more than ",
+                 size_t(all.copies > kMaxCopies ? kMaxCopies : kMaxCopied),
+                 all.copies > kMaxCopies ? " copies" : " primitives",
                  " with those of copies, more than can be rendered");
   return problems.take();
 }

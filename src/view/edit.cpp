@@ -59,7 +59,7 @@ void SceneWriter::write(const ViewState& state, const std::string& path) {
           auto scene = edited(source, [&](Scene& s) { s = as_seen(s, camera, background, sky); });
           const auto written = write_scene(*scene, path, scene->name + ", written by raio view");
           if (!written) return {path, source, source, std::unexpected(written.error())};
-          const std::string lost = not_kept(*scene, *format);
+          const std::string lost = lost_features(*scene, *format);
           scene = edited(scene,
                          [&](Scene& s) { s.name = std::filesystem::path(path).stem().string(); });
           return {path, source, scene, lost};

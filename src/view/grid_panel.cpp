@@ -70,9 +70,9 @@ class Plot {
  private:
   float x(double factor) const {
     const double part =
-        std::log(std::clamp(factor, double(kLeastGridFactor), double(kMostGridFactor)) /
-                 kLeastGridFactor) /
-        std::log(double(kMostGridFactor) / kLeastGridFactor);
+        std::log(std::clamp(factor, double(kMinGridFactor), double(kMaxGridFactor)) /
+                 kMinGridFactor) /
+        std::log(double(kMaxGridFactor) / kMinGridFactor);
     return lo_.x + (0.04f + 0.92f * float(part)) * (hi_.x - lo_.x);
   }
   float y(double value) const {
@@ -133,7 +133,7 @@ GridPanelResult draw_grid(ViewState& state, const CostFacts& facts) {
   float factor = state.options.accel.grid_factor;
   ImGui::BeginDisabled(!is_grid);
   ImGui::PushItemWidth(9 * em());
-  if (ImGui::SliderFloat(tr("cells a side: factor"), &factor, kLeastGridFactor, kMostGridFactor,
+  if (ImGui::SliderFloat(tr("cells a side: factor"), &factor, kMinGridFactor, kMaxGridFactor,
                          factor > 0 ? "%.3g" : tr("best"),
                          ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp)) {
     state.options.accel.grid_factor = factor, state.options.accel.grid_resolution = {};

@@ -61,19 +61,19 @@ void inspect_region(Inspected& out, const std::atomic<bool>& stop) {
   const int width = q.last[0] - q.pixel[0] + 1, height = q.last[1] - q.pixel[1] + 1;
   int step = 1;
   const auto along = [&](int n) { return (n + step - 1) / step; };
-  while (double(along(width)) * along(height) > kMostRegionPixels) ++step;
+  while (double(along(width)) * along(height) > kMaxRegionPixels) ++step;
   RayBatch stopped;
   std::vector<size_t> places;
-  const double extent = out.aside.extent;
+  const double extent = out.side_view.extent;
   for (int y = 0; y < height; y += step)
     for (int x = 0; x < width; x += step) {
-      if (stop || out.rays.size() >= kMostRegionRays) break;
+      if (stop || out.rays.size() >= kMaxRegionRays) break;
       const auto one = explain_sample(*q.scene, accel, out.settings, q.pixel[0] + x, q.pixel[1] + y,
                                       uint32_t(q.sample));
       if (!one) continue;
       ++out.pixels;
       for (const ExplainedRay& r : one->rays) {
-        if (out.rays.size() >= kMostRegionRays) break;
+        if (out.rays.size() >= kMaxRegionRays) break;
         RegionRay ray{kind_of(r), r.level, Vec3d(r.ray.origin),
                       app::drawn_end(r, std::nullopt, extent)};
         if (r.hit.found()) ray.item = r.hit.item, ray.material = r.surface->material;
@@ -137,8 +137,8 @@ std::shared_ptr<const Inspected> inspect(const InspectionRequest& request,
     out->error = sample.error();
     return out;
   }
-  out->aside = app::seen_from_aside(*sample, out->settings,
-                                    double(out->settings.width) / out->settings.height);
+  out->side_view =
+      app::side_view(*sample, out->settings, double(out->settings.width) / out->settings.height);
   if (request.is_region()) {
     inspect_region(*out, stop);
   } else {

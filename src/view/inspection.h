@@ -17,8 +17,8 @@
 namespace raio::view {
 
 /// A region has no more pixels, evenly chosen, and no more rays.
-inline constexpr int kMostRegionPixels = 4096;
-inline constexpr size_t kMostRegionRays = 20000;
+inline constexpr int kMaxRegionPixels = 4096;
+inline constexpr size_t kMaxRegionRays = 20000;
 
 enum class RayKind : uint8_t { eye, reflected, refracted, lit, stopped };
 inline constexpr int kRayKinds = 5;
@@ -63,7 +63,7 @@ struct Inspected {
   InspectionRequest request;
   RenderSettings settings;
   std::shared_ptr<const BakedScene> baked;
-  app::Aside aside;
+  app::SideView side_view;
   std::optional<Error> error;
   // Of one pixel:
   Explanation sample;

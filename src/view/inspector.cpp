@@ -106,13 +106,14 @@ void Inspector::take(std::shared_ptr<const Inspected> found) {
   choose(ray_, step_);
 }
 
-std::vector<WalkStep> Inspector::steps_of(int ray) const {
+std::vector<TraversalStep> Inspector::steps_of(int ray) const {
   const auto i = size_t(ray);
   const ExplainedRay& r = found_->sample.rays[i];
-  std::vector<WalkStep> steps;
-  if (found_->logs[i]) steps = walk_words(r, *found_->logs[i], found_->settings.accel.kind);
+  std::vector<TraversalStep> steps;
+  if (found_->logs[i]) steps = traversal_words(r, *found_->logs[i], found_->settings.accel.kind);
   const double end = steps.empty() ? 0 : steps.back().t;
-  for (WalkStep& s : shading_words(found_->sample, *found_->request.scene, found_->settings, i)) {
+  for (TraversalStep& s :
+       shading_words(found_->sample, *found_->request.scene, found_->settings, i)) {
     s.t = std::max(s.t, end);
     steps.push_back(std::move(s));
   }
@@ -209,7 +210,7 @@ std::vector<DrawnRay> Inspector::pixel_rays() const {
   for (size_t i = 0; i < rays.size(); ++i) {
     const ExplainedRay& r = rays[i];
     DrawnRay d{.from = Vec3d(r.ray.origin),
-               .to = app::drawn_end(r, found_->logs[i], found_->aside.extent),
+               .to = app::drawn_end(r, found_->logs[i], found_->side_view.extent),
                .kind = kind_of(r)};
     d.chosen = int(i) == ray_;
     const bool later = step_ >= 0 && places_in_order_[i] > here;
@@ -243,7 +244,7 @@ void Inspector::update_scene() {
   scene_.set(pixel_rays(), found_->baked);
   const auto& log = found_->logs[size_t(ray_)];
   if (step_ < 0 || step_ >= int(steps_.size())) return;
-  const WalkStep& now = steps_[size_t(step_)];
+  const TraversalStep& now = steps_[size_t(step_)];
   int last = -1;
   for (int k = 0; k <= step_; ++k) last = std::max(last, steps_[size_t(k)].log_step);
   if (log) {

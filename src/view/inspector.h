@@ -11,7 +11,7 @@
 #include "view/inspection.h"
 #include "view/inspector_scene.h"
 #include "view/state.h"
-#include "view/walk_words.h"
+#include "view/traversal_words.h"
 
 namespace raio::view {
 
@@ -67,7 +67,7 @@ class Inspector {
  private:
   void take(std::shared_ptr<const Inspected> found);
   void choose(int ray, int step);
-  std::vector<WalkStep> steps_of(int ray) const;
+  std::vector<TraversalStep> steps_of(int ray) const;
   void go(int by);
   void update_scene();
   std::vector<DrawnRay> pixel_rays() const;
@@ -93,7 +93,7 @@ class Inspector {
   std::vector<int> places_in_order_;
   int ray_ = 0, step_ = -1;     // -1: the ray as a whole
   bool brings_ray_in_ = false;  // scrolls the tree of rays to it
-  std::vector<WalkStep> steps_;
+  std::vector<TraversalStep> steps_;
   bool playing_ = false;
   double next_step_at_ = 0;
   float speed_ = 3;  // steps a second

@@ -111,7 +111,7 @@ void Inspector::draw_head(InspectorResult& result) {
     text(brief(Vec3f(rgb)));
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", exact(Vec3f(rgb)).c_str());
   }
-  if (ImGui::Button(tr("from aside"))) result.camera = found_->aside.camera;
+  if (ImGui::Button(tr("from aside"))) result.camera = found_->side_view.camera;
   ImGui::SameLine();
   if (ImGui::Button(tr("from the eye"))) result.camera = eye_;
   if (!has_pixel()) return;
@@ -223,7 +223,7 @@ void Inspector::draw_walk(double now) {
   // Of one height, so that nothing jumps from step to step.
   ImGui::BeginChild("step", {0, 12 * em()});
   if (step_ >= 0) {
-    const WalkStep& s = steps_[size_t(step_)];
+    const TraversalStep& s = steps_[size_t(step_)];
     wrapped(s.words);
     if (!s.formula.empty()) {
       ImGui::PushStyleColor(ImGuiCol_Text, palette().accent);
@@ -277,15 +277,15 @@ void Inspector::draw_ray() const {
 void Inspector::draw_sum() const {
   Vec3d sum;
   const auto& rays = found_->sample.rays;
-  constexpr size_t kMostRows = 200;
+  constexpr size_t kMaxRows = 200;
   size_t rows = 0;
   for (const int i : order_) {
     const ExplainedRay& r = rays[size_t(i)];
     if (r.kind == Kind::shadow) continue;
     sum = sum + r.brings;
-    if (++rows <= kMostRows) row(trf("ray {}", i).c_str(), r.brings);
+    if (++rows <= kMaxRows) row(trf("ray {}", i).c_str(), r.brings);
   }
-  if (rows > kMostRows) faint_text(trf("and {} more", rows - kMostRows));
+  if (rows > kMaxRows) faint_text(trf("and {} more", rows - kMaxRows));
   ImGui::Separator();
   row(sum == found_->sample.rgb ? tr("= the sample") : tr("sum"), sum);
 }

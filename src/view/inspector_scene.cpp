@@ -10,7 +10,7 @@
 namespace raio::view {
 namespace {
 
-constexpr size_t kMostPieces = 6000;  // of all rays together: a few milliseconds of tracing
+constexpr size_t kMaxPieces = 6000;  // of all rays together: a few milliseconds of tracing
 
 bool is_light() { return palette().ground.x > 0.5f; }
 
@@ -49,7 +49,7 @@ const char* name_of(RayKind kind) {
 
 void RayScene::set(std::vector<DrawnRay> rays, std::shared_ptr<const BakedScene> hides) {
   rays_ = std::move(rays), hides_ = std::move(hides);
-  pieces_ = rays_.empty() ? 1 : std::clamp(kMostPieces / rays_.size(), size_t(1), size_t(48));
+  pieces_ = rays_.empty() ? 1 : std::clamp(kMaxPieces / rays_.size(), size_t(1), size_t(48));
   is_known_ = false;
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kMostRecent = 12;
+constexpr size_t kMaxRecent = 12;
 
 const char* variable(const char* name) {
   const char* const value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe)
@@ -32,7 +32,7 @@ void Memory::opened(const std::string& path) {
   const std::string whole = fs::absolute(path, ignored).lexically_normal().string();
   std::erase(recent, whole);
   recent.insert(recent.begin(), whole);
-  if (recent.size() > kMostRecent) recent.resize(kMostRecent);
+  if (recent.size() > kMaxRecent) recent.resize(kMaxRecent);
 }
 
 fs::path memory_file() {
@@ -52,7 +52,7 @@ Memory recall(const fs::path& file) {
     if (line == "projector") memory.look.projector = true;
     if (line == "language en") memory.language = Language::english;
     if (line == "language pt") memory.language = Language::portuguese;
-    if (line.starts_with("recent ") && memory.recent.size() < kMostRecent &&
+    if (line.starts_with("recent ") && memory.recent.size() < kMaxRecent &&
         fs::exists(line.substr(7), ignored))
       memory.recent.push_back(line.substr(7));
   }
@@ -78,7 +78,7 @@ void MemoryKeeper::opened(const std::string& path) {
   remember(memory_, memory_file());
 }
 
-void MemoryKeeper::looks(const Look& look, Language now) {
+void MemoryKeeper::looks(const Theme& look, Language now) {
   Memory next = memory_;
   next.look = look;
   if (std::exchange(language_, now) != now) next.language = now;

@@ -14,7 +14,7 @@
 namespace raio::view {
 
 struct Memory {
-  Look look;
+  Theme look;
   std::optional<Language> language;  // none: nobody has chosen one
   std::vector<std::string> recent;   // absolute paths, the newest first
 
@@ -41,7 +41,7 @@ class MemoryKeeper {
   const Memory& memory() const { return memory_; }
   void opened(const std::string& path);
   /// A language counts once it has been changed.
-  void looks(const Look& look, Language now);
+  void looks(const Theme& look, Language now);
 
  private:
   Memory memory_;

@@ -18,7 +18,7 @@ struct PanelFacts {
   CostFacts costs;
   Diagnostics errors;                 // of the file on the disk, when it is not that of the scene
   std::vector<std::string> warnings;  // of the scene, one line each
-  Look look;
+  Theme look;
   BoxFacts boxes;
 };
 

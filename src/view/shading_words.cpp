@@ -1,9 +1,9 @@
-// The shading of a hit, told term by term (view/walk_words.h).
+// The shading of a hit, told term by term (view/traversal_words.h).
 #include <algorithm>
 #include <cmath>
 
 #include "view/texts.h"
-#include "view/walk_words.h"
+#include "view/traversal_words.h"
 
 namespace raio::view {
 namespace {
@@ -20,13 +20,13 @@ std::string numbers(Vec3<T> v) {
 // One where red, green and blue are alike.
 std::string weight_text(Rgb w) { return w == Rgb(w.x) ? number(w.x) : numbers(w); }
 
-class ShadingTeller {
+class ShadingNarrator {
  public:
-  ShadingTeller(const Explanation& sample, const Scene& scene, const RenderSettings& settings,
-                size_t ray)
+  ShadingNarrator(const Explanation& sample, const Scene& scene, const RenderSettings& settings,
+                  size_t ray)
       : sample_(sample), scene_(scene), settings_(settings), id_(ray), ray_(sample.rays[ray]) {}
 
-  std::vector<WalkStep> tell() && {
+  std::vector<TraversalStep> tell() && {
     if (ray_.kind == Kind::shadow) {
       light(sample_.rays[size_t(ray_.parent)], size_t(ray_.light), &ray_);
     } else if (!ray_.surface) {
@@ -247,14 +247,14 @@ class ShadingTeller {
   const RenderSettings& settings_;
   size_t id_;
   const ExplainedRay& ray_;
-  std::vector<WalkStep> out_;
+  std::vector<TraversalStep> out_;
 };
 
 }  // namespace
 
-std::vector<WalkStep> shading_words(const Explanation& sample, const Scene& scene,
-                                    const RenderSettings& settings, size_t ray) {
-  return ShadingTeller(sample, scene, settings, ray).tell();
+std::vector<TraversalStep> shading_words(const Explanation& sample, const Scene& scene,
+                                         const RenderSettings& settings, size_t ray) {
+  return ShadingNarrator(sample, scene, settings, ray).tell();
 }
 
 }  // namespace raio::view

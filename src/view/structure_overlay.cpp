@@ -36,16 +36,16 @@ void StructureOverlay::choose(const BoxLook& look, std::shared_ptr<const BakedSc
     accel.boxes(kLeafBoxes,
                 [&](const AccelBox& b) { facts_.levels = std::max(facts_.levels, b.level); });
   const auto keep_largest = [&] {
-    if (boxes_.size() <= kMostBoxes) return;
-    std::ranges::nth_element(boxes_, boxes_.begin() + kMostBoxes, std::ranges::greater(), area_of);
-    boxes_.resize(kMostBoxes);
+    if (boxes_.size() <= kMaxBoxes) return;
+    std::ranges::nth_element(boxes_, boxes_.begin() + kMaxBoxes, std::ranges::greater(), area_of);
+    boxes_.resize(kMaxBoxes);
   };
   accel.boxes(look.level, [&](const AccelBox& b) {
     facts_.most = std::max(facts_.most, b.primitives);
     if (b.primitives < size_t(look.fewest)) return;
     ++facts_.all;
     boxes_.push_back(b);
-    if (boxes_.size() == 2 * kMostBoxes) keep_largest();
+    if (boxes_.size() == 2 * kMaxBoxes) keep_largest();
   });
   keep_largest();
   facts_.drawn = boxes_.size();

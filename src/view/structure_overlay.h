@@ -19,7 +19,7 @@ struct BoxFacts {
 };
 
 /// Where there are more, the largest ones are drawn.
-inline constexpr size_t kMostBoxes = 3000;
+inline constexpr size_t kMaxBoxes = 3000;
 
 class StructureOverlay {
  public:

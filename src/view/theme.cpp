@@ -74,7 +74,7 @@ constexpr std::array kOtherScripts = {
     "/usr/share/fonts/truetype/droid/DroidSansFallbackFull.ttf",
     "/usr/share/fonts/opentype/ipafont-gothic/ipag.ttf",
     "/usr/share/fonts/truetype/nanum/NanumGothic.ttf"};
-constexpr size_t kMostLetters = 2000;  // of them; each takes room in a texture
+constexpr size_t kMaxLetters = 2000;  // of them; each takes room in a texture
 
 std::set<ImWchar> g_letters;  // that names have
 bool g_wants_letters = false;
@@ -120,7 +120,7 @@ ImFont* load(const std::array<const char*, N>& files, float size, const ImWchar*
   return nullptr;
 }
 
-void load_fonts(const Look& look, float scale) {
+void load_fonts(const Theme& look, float scale) {
   ImGuiIO& io = ImGui::GetIO();
   io.Fonts->Clear();
   g_wants_letters = false;
@@ -168,7 +168,7 @@ void set_colors(const Palette& p) {
 
 }  // namespace
 
-void apply_look(const Look& look, float scale) {
+void apply_look(const Theme& look, float scale) {
   g_palette = look.light ? kLight : kDark;
   if (look.projector) g_palette.faint = g_palette.text;  // no grey that a hall cannot read
   g_em = em_of(look, scale);
@@ -198,7 +198,7 @@ void show_letters(std::string_view text) {
     at += std::max(1, ImTextCharFromUtf8(&letter, at, end));
     // What is beyond ImWchar has no glyph.
     if (letter <= 0xff || letter >= IM_UNICODE_CODEPOINT_INVALID) continue;
-    if (g_letters.size() < kMostLetters && g_letters.insert(ImWchar(letter)).second)
+    if (g_letters.size() < kMaxLetters && g_letters.insert(ImWchar(letter)).second)
       g_wants_letters = true;
   }
 }
@@ -207,7 +207,7 @@ bool wants_letters() { return g_wants_letters; }
 
 const Palette& palette() { return g_palette; }
 float em() { return g_em; }
-float em_of(const Look& look, float scale) {
+float em_of(const Theme& look, float scale) {
   return std::round(kTextSize * scale * (look.projector ? kProjector : 1));
 }
 ImFont* heading_font() { return g_heading; }

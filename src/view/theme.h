@@ -9,11 +9,11 @@
 namespace raio::view {
 
 /// What the user chooses.
-struct Look {
+struct Theme {
   bool light = false;
   bool projector = false;  // large, heavier type and stronger contrast, for the last row of a hall
 
-  friend bool operator==(const Look&, const Look&) = default;
+  friend bool operator==(const Theme&, const Theme&) = default;
 };
 
 struct Palette {
@@ -28,7 +28,7 @@ struct Palette {
 };
 
 /// Sets style and fonts for a screen on which text is `scale` times its usual size. Between frames.
-void apply_look(const Look& look, float scale);
+void apply_look(const Theme& look, float scale);
 
 /// Notes the letters of a name from outside, in whatever script, when it is drawn. Those that no
 /// font of this machine has are shown as "?".
@@ -40,7 +40,7 @@ const Palette& palette();
 /// The height of the text in window units, of which all distances are multiples.
 float em();
 /// The same before any look was applied.
-float em_of(const Look& look, float scale);
+float em_of(const Theme& look, float scale);
 ImFont* heading_font();
 ImFont* title_font();
 

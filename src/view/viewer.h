@@ -92,7 +92,7 @@ class Viewer final : public WindowEvents {
   void switch_panel();
   void switch_boxes();
   void switch_picking();
-  void switch_look(bool Look::* what);
+  void switch_look(bool Theme::* what);
   void switch_full_screen();
   // The costs, which are measured unasked, make way for what is asked for.
   void switch_work(Measuring::Work work, const char* what);

@@ -32,9 +32,9 @@ void Viewer::obey(const KeySpec& key) {
     case Command::inspect:
       return switch_picking();
     case Command::theme:
-      return switch_look(&Look::light);
+      return switch_look(&Theme::light);
     case Command::projector:
-      return switch_look(&Look::projector);
+      return switch_look(&Theme::projector);
     case Command::full_screen:
       return switch_full_screen();
     case Command::measure:
@@ -136,11 +136,11 @@ void Viewer::switch_picking() {
                               : tr("no pixel chosen"));
 }
 
-void Viewer::switch_look(bool Look::* what) {
-  Look look = window_.look();
+void Viewer::switch_look(bool Theme::* what) {
+  Theme look = window_.look();
   look.*what = !(look.*what);
   window_.set_look(look);
-  if (what == &Look::projector) return say(look.projector ? tr("big type") : tr("usual type"));
+  if (what == &Theme::projector) return say(look.projector ? tr("big type") : tr("usual type"));
   say(look.light ? tr("light colours") : tr("dark colours"));
 }
 

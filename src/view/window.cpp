@@ -24,7 +24,7 @@ const auto g_start = std::chrono::steady_clock::now();
 std::string g_glfw_problem;
 std::atomic<bool> g_open = false;
 
-constexpr float kLeastHeight = 800;
+constexpr float kMinHeight = 800;
 
 void set_up_imgui(GLFWwindow* window) {
   IMGUI_CHECKVERSION();
@@ -46,7 +46,7 @@ std::string no_window(std::string_view why) {
 
 std::expected<std::unique_ptr<Window>, std::string> Window::open(int picture_width,
                                                                  int picture_height,
-                                                                 const Look& look) {
+                                                                 const Theme& look) {
   glfwSetErrorCallback([](int, const char* text) { g_glfw_problem = text; });
   if (!glfwInit()) return std::unexpected(no_window("there is no display"));
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
@@ -71,9 +71,8 @@ std::expected<std::unique_ptr<Window>, std::string> Window::open(int picture_wid
   const int width = int(float(picture_width) * unit + kPanelEms * em);
   const int height =
       int(float(picture_height) * unit + std::floor(kToolBarEms * em) + std::ceil(kStatusEms * em));
-  glfwSetWindowSize(
-      handle, std::min(width, most_width),
-      std::min(std::max(height, int(kLeastHeight * window->text_scale_)), most_height));
+  glfwSetWindowSize(handle, std::min(width, most_width),
+                    std::min(std::max(height, int(kMinHeight * window->text_scale_)), most_height));
   glfwShowWindow(handle);
   return window;
 }
@@ -182,7 +181,7 @@ float Window::pixels_per_unit() const {
   return pixels > 0 && width() > 0 ? float(pixels / width()) : 1.0f;
 }
 
-void Window::set_look(const Look& look) { look_ = look, has_new_look_ = true; }
+void Window::set_look(const Theme& look) { look_ = look, has_new_look_ = true; }
 
 bool Window::is_full_screen() const { return glfwGetWindowMonitor(window_) != nullptr; }
 void Window::set_full_screen(bool on) {

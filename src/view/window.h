@@ -31,7 +31,7 @@ class Window {
   /// is one line that says what to do instead.
   static std::expected<std::unique_ptr<Window>, std::string> open(int picture_width,
                                                                   int picture_height,
-                                                                  const Look& look);
+                                                                  const Theme& look);
   ~Window();
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
@@ -55,8 +55,8 @@ class Window {
   double height() const;
   float pixels_per_unit() const;  // of the window's coordinates
 
-  void set_look(const Look& look);  // from the next frame on
-  const Look& look() const { return look_; }
+  void set_look(const Theme& look);  // from the next frame on
+  const Theme& look() const { return look_; }
   bool is_full_screen() const;
   void set_full_screen(bool on);
 
@@ -76,7 +76,7 @@ class Window {
   GLFWwindow* window_;
   WindowEvents* events_ = nullptr;
   float text_scale_ = 1;
-  Look look_;
+  Theme look_;
   bool has_new_look_ = false;
   std::vector<int> typed_;  // keys pressed since the last frame
   int left_ = 0, top_ = 0;  // before it became full screen, with its size

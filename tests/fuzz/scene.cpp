@@ -10,7 +10,7 @@
 namespace raio::fuzz {
 namespace {
 
-constexpr size_t kMostPrimitives = 100, kMostLights = 10;
+constexpr size_t kMaxPrimitives = 100, kMaxLights = 10;
 
 Image picture(const Scene& scene, AccelKind kind) {
   RenderOptions options;
@@ -62,7 +62,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const auto again = parse_nff(written, "fuzz.nff");
   fuzz::require(again.has_value(), "what is written can be read");
   fuzz::require(write_nff(again->scene) == written, "what is read back is the same");
-  if (scene.primitive_count() <= fuzz::kMostPrimitives && scene.lights.size() <= fuzz::kMostLights)
+  if (scene.primitive_count() <= fuzz::kMaxPrimitives && scene.lights.size() <= fuzz::kMaxLights)
     fuzz::check_pictures(scene);
   return 0;
 }

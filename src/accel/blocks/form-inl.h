@@ -140,7 +140,7 @@ class BeamMaker {
   static constexpr float kMaxSpreadToPoint = 0.05f;  // besides that of what they end in
   // Primitives tested, per ray. Where they are smaller than the rays are apart, the beam meets most
   // that no ray does, and each ray on its own is faster.
-  static constexpr float kMostTests = any ? 2 : 4;
+  static constexpr float kMaxTests = any ? 2 : 4;
 
   // The number of rays that are not done, and, unless they are too few, their extents.
   HWY_INLINE float measure(size_t first, Extents& origins, Extents& dirs, Extents& ends) const {
@@ -278,7 +278,7 @@ class BeamMaker {
     put(offsetof(Beam, t), hn::IfThenElse(hn::AndNot(done, formed), t, hn::Set(f, -1)));
     put(offsetof(Beam, axes), hn::BitCast(f, hn::ConvertTo(ints, common_axes)));
     put(offsetof(Beam, tests_left),
-        hn::BitCast(f, hn::ConvertTo(ints, hn::Mul(alive, hn::Set(f, kMostTests)))));
+        hn::BitCast(f, hn::ConvertTo(ints, hn::Mul(alive, hn::Set(f, kMaxTests)))));
     // Of triangles more may be rounded: three products, and the test of each ray.
     put(offsetof(Beam, shifted), hn::Mul(hn::MulAdd(slack, hn::Set(f, 3), start), to_unit));
     put(offsetof(Beam, unused), zero);

@@ -1,6 +1,6 @@
-// Rays each on their own, as a crowd that walks tree or grid: one ray against the eight primitives
-// of a block. Included by blocks_tracer-inl.h and the walks only, once for each instruction set.
-// Once for each instruction set, as foreach_target.h passes again.
+// Rays each on their own, as a ray group that walks tree or grid: one ray against the eight
+// primitives of a block. Included by blocks_tracer-inl.h and the walks only, once for each
+// instruction set. Once for each instruction set, as foreach_target.h passes again.
 #if defined(RAIO_ACCEL_BLOCKS_RAYS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAIO_ACCEL_BLOCKS_RAYS_INL_H_
 #undef RAIO_ACCEL_BLOCKS_RAYS_INL_H_
@@ -17,7 +17,7 @@ namespace raio::HWY_NAMESPACE {
 
 // What rays want to know: of what is opaque the nearest hit, or whether there is one; of what is
 // clear the next hit behind another, or the sum of the optical depths.
-enum class Query : uint8_t { closest, any, next_clear, depths };
+enum class Query : uint8_t { closest, any, next_transparent, depths };
 
 constexpr size_t kChunk = 1024;          // rays that travel together
 constexpr float kOccluded = -kInfinity;  // the distance of an any-hit ray that has hit
@@ -41,7 +41,8 @@ struct Batch {
   float* t;
   PrimitiveId* item;  // this and the next only where the nearest hit is wanted
   float *u, *v;
-  // Of next_clear, behind which hits and by which keys, if any; of depths, where they are added.
+  // Of next_transparent, behind which hits and by which keys, if any; of depths, where they are
+  // added.
   const float* after_t;
   const PrimitiveId* after_item;
   const uint32_t* keys;
@@ -301,7 +302,7 @@ class Rays {
         best = batch_.t[id] = kOccluded;
       return;
     }
-    if constexpr (query == Query::next_clear) {
+    if constexpr (query == Query::next_transparent) {
       const float after = batch_.after_t[id];
       if (t < after || (t == after && item <= batch_.after_item[id])) return;
     }
@@ -311,7 +312,7 @@ class Rays {
     }
     PrimitiveId& old = batch_.item[id];
     if (t == best && (old == kNoPrimitive || old <= item)) return;
-    if constexpr (query == Query::next_clear)
+    if constexpr (query == Query::next_transparent)
       if (batch_.keys && !g_.stops(item, batch_.keys[id])) return;
     best = batch_.t[id] = t, old = item;
     batch_.u[id] = u, batch_.v[id] = v;
@@ -433,7 +434,8 @@ class Rays {
     for (int i = 0; i < kBlockWidth && items[i] != kNoPrimitive; ++i) {
       RayQuery alone(batch_.ray(id));
       // So that one that is equally near counts, too.
-      if (query == Query::closest || query == Query::next_clear) alone.best.item = kNoPrimitive - 1;
+      if (query == Query::closest || query == Query::next_transparent)
+        alone.best.item = kNoPrimitive - 1;
       if (!test_primitive(g_, items[i], alone)) continue;
       take(id, alone.best.t, items[i], alone.best.u, alone.best.v);
       if (any) return;

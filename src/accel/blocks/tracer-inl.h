@@ -17,24 +17,26 @@ HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
 
 // What a thread keeps for all its batches.
-template <class WalkScratch>
+template <class TraversalScratch>
 struct Scratch {
   // Columns of a batch that its rays do not bring along.
   alignas(64) float t[kChunk + 16];  // not a multiple of 4096 bytes, see integrate/tile-inl.h
   alignas(64) float shear[4][kChunk + 16];
   RayScratch rays;
   BeamScratch beams;
-  WalkScratch walk;
+  TraversalScratch traversal;
 };
 
 // One for both kinds of rays: it fills most of the second cache.
-template <class WalkScratch>
-Scratch<WalkScratch>& own_scratch() {
-  static thread_local const auto scratch = std::make_unique_for_overwrite<Scratch<WalkScratch>>();
+template <class TraversalScratch>
+Scratch<TraversalScratch>& own_scratch() {
+  static thread_local const auto scratch =
+      std::make_unique_for_overwrite<Scratch<TraversalScratch>>();
   return *scratch;
 }
 
-// The arrays that a trace fills. next_clear also reads `after` and, if they are there, `keys`.
+// The arrays that a trace fills. next_transparent also reads `after` and, if they are there,
+// `keys`.
 struct TraceOutput {
   HitBatch* hits = nullptr;
   uint8_t* hit = nullptr;
@@ -43,20 +45,21 @@ struct TraceOutput {
   DepthBatch* depths = nullptr;
 };
 
-// Things of a structure of blocks: `empty()`, and walk(structure, without_shared, n, walk_scratch,
-// crowd), which takes the first n of `walk_scratch.ids` through it. A crowd (Rays, Beams) knows
-// what they are; those that have met the shared blocks go without them. `RayCrowd`: Rays, or what
-// also keeps a log.
-template <Query query, class Structure, class WalkScratch, template <Query> class RayCrowd = Rays>
+// Things of a structure of blocks: `empty()`, and traverse(structure, without_shared, n,
+// traversal_scratch, ray group), which takes the first n of `traversal_scratch.ids` through it. A
+// ray group (Rays, Beams) knows what they are; those that have met the shared blocks go without
+// them. `GroupOfRays`: Rays, or what also keeps a log.
+template <Query query, class Structure, class TraversalScratch,
+          template <Query> class GroupOfRays = Rays>
 class Tracer {
  public:
   static constexpr bool any = query == Query::any;
-  static constexpr bool kClear = query == Query::next_clear || query == Query::depths;
+  static constexpr bool kClear = query == Query::next_transparent || query == Query::depths;
   // Where rays keep their hits.
-  static constexpr bool kHits = query == Query::closest || query == Query::next_clear;
+  static constexpr bool kHits = query == Query::closest || query == Query::next_transparent;
 
   Tracer(const Geometry& geometry, const Structure& structure, bool alone,
-         Scratch<WalkScratch>& scratch, TraceContext& context)
+         Scratch<TraversalScratch>& scratch, TraceContext& context)
       : g_(geometry),
         structure_(structure),
         scratch_(scratch),
@@ -103,9 +106,9 @@ class Tracer {
  private:
   // Rays that keep together as beams, then all others each on its own.
   void trace_blocks(Batch& b) {
-    RayCrowd<query> rays(g_, structure_, b, scratch_.rays, context_);
+    GroupOfRays<query> rays(g_, structure_, b, scratch_.rays, context_);
     Beams<any> beams(structure_, b, scratch_.beams, context_);
-    WalkScratch& lists = scratch_.walk;
+    TraversalScratch& lists = scratch_.traversal;
     lists.reserve(kChunk + kPacket);
     const uint32_t packets = uint32_t(padded(b.count) / kPacket);
     uint32_t alone[kPackets];
@@ -126,7 +129,7 @@ class Tracer {
         }
       }
     }
-    if (n > 0) walk(structure_, false, n, lists, beams);
+    if (n > 0) traverse(structure_, false, n, lists, beams);
     if (beams_)
       for (uint32_t p = 0; p < packets; ++p)
         if (beams.gave_up(p)) alone[n_alone++] = p;
@@ -136,7 +139,7 @@ class Tracer {
     n = 0;
     for (size_t i = 0; i < n_alone; ++i)
       n = rays.add_packet(size_t(alone[i]) * kPacket, lists.ids.data(), n);
-    if (n > 0) walk(structure_, beams_, n, lists, rays);
+    if (n > 0) traverse(structure_, beams_, n, lists, rays);
   }
 
   void start(Batch& b, const float* tmax) {
@@ -205,7 +208,7 @@ class Tracer {
         if (!b.depths->add(b.first_depth + i, g_.depth_of(item))) b.t[i] = kOccluded;
         continue;
       }
-      if (query == Query::next_clear &&
+      if (query == Query::next_transparent &&
           (t < b.after_t[i] || (t == b.after_t[i] && item <= b.after_item[i]) ||
            (b.keys && !g_.stops(item, b.keys[i]))))
         continue;
@@ -216,7 +219,7 @@ class Tracer {
 
   const Geometry& g_;
   const Structure& structure_;
-  Scratch<WalkScratch>& scratch_;
+  Scratch<TraversalScratch>& scratch_;
   TraceContext& context_;
   static constexpr size_t kFew = 32;  // measured
   // Of a test, in that of a sphere: 2 of a triangle, 4 in double.
@@ -229,13 +232,14 @@ class Tracer {
   bool few_;    // so few primitives that every ray is tested against all
 };
 
-template <Query query, class WalkScratch, template <Query> class RayCrowd = Rays, class Structure>
+template <Query query, class TraversalScratch, template <Query> class GroupOfRays = Rays,
+          class Structure>
 void trace_all(const Geometry& g, const Structure& structure, const RayBatch& rays,
                const TraceOutput& out, TraceContext& context) {
   // A ray by itself is told what it alone would cost.
   const bool alone = rays.size() == 1;
-  Tracer<query, Structure, WalkScratch, RayCrowd> tracer(g, structure, alone,
-                                                         own_scratch<WalkScratch>(), context);
+  Tracer<query, Structure, TraversalScratch, GroupOfRays> tracer(
+      g, structure, alone, own_scratch<TraversalScratch>(), context);
   for (size_t i = 0; i < rays.size() && !context.stopped(); i += kChunk) tracer.trace(rays, i, out);
 }
 

@@ -426,8 +426,9 @@ float triangle_width(const Column<TriangleBlock>& blocks) {
 std::expected<Bvh, std::string> build_bvh(const Geometry& geometry, size_t available, bool clear) {
   Bvh out;
   std::vector<PrimitiveId> some;
-  if (geometry.any_clear()) some = clear ? geometry.list_clear() : geometry.list_opaque();
-  Builder builder(geometry, geometry.any_clear() ? &some : nullptr);
+  if (geometry.any_transparent())
+    some = clear ? geometry.list_transparent() : geometry.list_opaque();
+  Builder builder(geometry, geometry.any_transparent() ? &some : nullptr);
   if (auto error = builder.build(available, out)) return std::unexpected(*error);
   if (out.empty()) return out;
   constexpr int kFew = 4;  // measured

@@ -33,7 +33,7 @@ class BvhAccel final : public Accel {
   }
   AccelInfo describe() const override {
     size_t references = 0;
-    if (geometry_.any_clear())
+    if (geometry_.any_transparent())
       references = geometry_.list_opaque().size();
     else
       for_each_bounded_kind([&]<PrimitiveKind kind> { references += geometry_.count(kind); });
@@ -41,7 +41,7 @@ class BvhAccel final : public Accel {
             .bytes = geometry_.bytes() + bvh_.bytes(),
             .cells = bvh_.nodes.size(),
             .references = references,
-            .giants = geometry_.count(PrimitiveKind::plane)};
+            .oversized = geometry_.count(PrimitiveKind::plane)};
   }
 
  private:

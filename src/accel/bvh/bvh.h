@@ -36,7 +36,7 @@ struct Bvh : Blocks {
 };
 
 /// The tree over all items but planes that are opaque, or over those that are `clear`
-/// (Geometry::list_clear()); the same for any number of threads. The error is one line:
+/// (Geometry::list_transparent()); the same for any number of threads. The error is one line:
 /// more than `available` bytes would be needed.
 std::expected<Bvh, std::string> build_bvh(const Geometry& geometry,
                                           size_t available = available_memory_bytes(),
@@ -49,12 +49,12 @@ void bvh_closest(const Geometry& geometry, const Bvh& bvh, const RayBatch& rays,
 void bvh_occluded(const Geometry& geometry, const Bvh& bvh, const RayBatch& rays, uint8_t* hit,
                   TraceContext& context);
 
-/// Accel::next_clear() and Accel::clear_depths() by the tree over what is clear.
-void bvh_next_clear(const Geometry& geometry, const Bvh& bvh, const RayBatch& rays,
-                    const HitBatch& after, HitBatch& hits, TraceContext& context,
-                    const uint32_t* keys);
-void bvh_clear_depths(const Geometry& geometry, const Bvh& bvh, const RayBatch& rays,
-                      DepthBatch& depths, TraceContext& context);
+/// Accel::next_transparent() and Accel::transparent_depths() by the tree over what is clear.
+void bvh_next_transparent(const Geometry& geometry, const Bvh& bvh, const RayBatch& rays,
+                          const HitBatch& after, HitBatch& hits, TraceContext& context,
+                          const uint32_t* keys);
+void bvh_transparent_depths(const Geometry& geometry, const Bvh& bvh, const RayBatch& rays,
+                            DepthBatch& depths, TraceContext& context);
 
 /// The walk of one ray, which goes to `context.log`: nodes and leaves, without depths and boxes,
 /// and the items that are tested.

@@ -11,10 +11,10 @@ namespace {
 
 constexpr int kCellBits = 12;
 constexpr size_t kCells = size_t(1) << kCellBits;
-constexpr int kMostBits = 6;  // along an axis
-constexpr int kMostLayers = 1 << kMostBits;
+constexpr int kMaxBits = 6;  // along an axis
+constexpr int kMaxLayers = 1 << kMaxBits;
 constexpr size_t kLeaf = size_t(1) << 15;  // items that need no further plan
-constexpr size_t kMostChunks = 32, kChunk = size_t(1) << 15;
+constexpr size_t kMaxChunks = 32, kChunk = size_t(1) << 15;
 constexpr size_t kBuffer = 256;
 
 using Make = std::function<void(size_t, BuildRange)>;
@@ -36,7 +36,7 @@ std::array<int, 3> layers(Vec3f size) {
   for (int bit = 0; bit < kCellBits; ++bit) {
     int widest = -1;
     for (int a = 0; a < 3; ++a)
-      if (n[a] < kMostLayers &&
+      if (n[a] < kMaxLayers &&
           (widest < 0 || size[a] / float(n[a]) > size[widest] / float(n[widest])))
         widest = a;
     n[widest] *= 2;
@@ -62,7 +62,7 @@ class Planner {
  public:
   Planner(std::span<PrimitiveId> out, const Make& make)
       : out_(out), make_(make), binning_(sampled_binning(out.size(), make, n_)) {
-    chunks_ = std::clamp<size_t>(out.size() / kChunk, 1, kMostChunks);
+    chunks_ = std::clamp<size_t>(out.size() / kChunk, 1, kMaxChunks);
   }
 
   BuildPlan plan() {
@@ -132,7 +132,7 @@ class Planner {
 
   void split(uint32_t node, const Region& region, int depth) {
     const size_t begin = plan_.nodes[node].begin, end = plan_.nodes[node].end;
-    Bins<kMostLayers> bins;
+    Bins<kMaxLayers> bins;
     BinSplit best;
     if (end - begin > kLeaf && depth < kPlanDepth) {
       for_cells(region, [&](int x, int y, int z) {
@@ -159,7 +159,7 @@ class Planner {
     const uint32_t kid = uint32_t(plan_.nodes.size());
     plan_.nodes[node].below = kid, plan_.nodes[node].above = kid + 1;
     plan_.nodes.push_back({begin, middle, bins.box(a, 0, best.bin)});
-    plan_.nodes.push_back({middle, end, bins.box(a, best.bin, kMostLayers)});
+    plan_.nodes.push_back({middle, end, bins.box(a, best.bin, kMaxLayers)});
     split(kid, below, depth + 1);
     split(kid + 1, above, depth + 1);
   }

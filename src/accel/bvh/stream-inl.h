@@ -74,60 +74,61 @@ HWY_INLINE int later(const float* enter, unsigned mask, int c) {
 
 // The subtree at `ref` with one alone, which needs no lists, and leaves out what lies behind its
 // hit.
-template <class Crowd>
-HWY_INLINE void walk_alone(const Bvh& bvh, uint32_t ref, uint32_t id, StreamScratch& scratch,
-                           Crowd& crowd) {
+template <class RayGroup>
+HWY_INLINE void traverse_alone(const Bvh& bvh, uint32_t ref, uint32_t id, StreamScratch& scratch,
+                               RayGroup& group) {
   int top = 0;
   while (true) {
     if (ref_pool(ref) == Pool::nodes) {
-      crowd.visits(ref, 1);
+      group.visits(ref, 1);
       const BvhNode& node = bvh.nodes[ref_index(ref)];
       V8 nearest[kParts];
       for (V8& x : nearest) x = hn::Set(kEight, kInfinity);
       const BoxLanes boxes(node.boxes, node.child);
-      const unsigned mask = crowd.intersect(id, boxes, Crowd::kAny ? nullptr : nearest);
+      const unsigned mask = group.intersect(id, boxes, RayGroup::kAny ? nullptr : nearest);
       alignas(32) float enter[kBlockWidth];
-      if (!Crowd::kAny)
+      if (!RayGroup::kAny)
         for (int p = 0; p < kParts; ++p) hn::Store(nearest[p], kEight, enter + p * kLanes8);
       int kept = top;
       for_bits(mask, [&](int c) {
-        const int place = Crowd::kAny ? kept++ : top + later(enter, mask, c);
+        const int place = RayGroup::kAny ? kept++ : top + later(enter, mask, c);
         scratch.waiting[place] = node.child[c];
-        if (!Crowd::kAny) scratch.enter[place] = enter[c];
+        if (!RayGroup::kAny) scratch.enter[place] = enter[c];
         prefetch(bvh, node.child[c]);
       });
       top += int(hwy::PopCount(mask));
     } else {
-      crowd.leaf(ref, &id, 1);
-      if (!(crowd.end(id) > 0)) return;
+      group.leaf(ref, &id, 1);
+      if (!(group.end(id) > 0)) return;
     }
     do {
       if (top == 0) return;
       ref = scratch.waiting[--top];
-    } while (!Crowd::kAny && !(scratch.enter[top] <= crowd.end(id)));
+    } while (!RayGroup::kAny && !(scratch.enter[top] <= group.end(id)));
   }
 }
 
-// Walks the tree with those in `lists.ids[0 .. count)`. A Crowd knows what they are: `intersect(id,
-// boxes, nearest)` says which boxes one meets, `leaf(ref, ids, n)` tests a leaf's primitives;
-// `kAny`: for any hit, not the nearest.
-template <class Crowd>
-void walk(const Bvh& bvh, bool without_shared, size_t count, StreamScratch& lists, Crowd& crowd) {
+// Walks the tree with those in `lists.ids[0 .. count)`. A RayGroup knows what they are:
+// `intersect(id, boxes, nearest)` says which boxes one meets, `leaf(ref, ids, n)` tests a leaf's
+// primitives; `kAny`: for any hit, not the nearest.
+template <class RayGroup>
+void traverse(const Bvh& bvh, bool without_shared, size_t count, StreamScratch& lists,
+              RayGroup& group) {
   Waiting* const stack = lists.stack;
   stack[0] = {pool_ref(Pool::nodes, 0), 0, uint32_t(count), uint32_t(count)};
   for (int top = 1; top > 0;) {
     const Waiting w = stack[--top];
     const size_t n = w.end - w.begin;
     if (ref_pool(w.ref) != Pool::nodes) {
-      crowd.leaf(w.ref, lists.ids.data() + w.begin, n);
+      group.leaf(w.ref, lists.ids.data() + w.begin, n);
       continue;
     }
     if (n == 1 && w.used > count) {
-      walk_alone(bvh, w.ref, lists.ids[w.begin], lists, crowd);
+      traverse_alone(bvh, w.ref, lists.ids[w.begin], lists, group);
       continue;
     }
     lists.reserve(w.used + kBlockWidth * n + kIdLanes);
-    crowd.visits(w.ref, n);
+    group.visits(w.ref, n);
     uint32_t* const ids = lists.ids.data();
     const BvhNode& node = bvh.nodes[ref_index(w.ref)];
     const BoxLanes boxes(node.boxes, node.child);
@@ -136,7 +137,7 @@ void walk(const Bvh& bvh, bool without_shared, size_t count, StreamScratch& list
     unsigned any = 0;
     for (size_t i = 0; i < n; ++i) {
       const unsigned mask =
-          crowd.intersect(ids[w.begin + i], boxes, Crowd::kAny ? nullptr : nearest);
+          group.intersect(ids[w.begin + i], boxes, RayGroup::kAny ? nullptr : nearest);
       lists.met[i] = uint8_t(mask);
       any |= mask;
     }
@@ -159,7 +160,7 @@ void walk(const Bvh& bvh, bool without_shared, size_t count, StreamScratch& list
       }
       end[c] = used;
       // Of shadow rays most are stopped soonest where most of them go.
-      if (Crowd::kAny) enter[c] = -float(used - begin[c]);
+      if (RayGroup::kAny) enter[c] = -float(used - begin[c]);
       prefetch(bvh, node.child[c]);
     });
     for_bits(any, [&](int c) {

@@ -31,15 +31,15 @@ class Baker {
 
   std::expected<GridBlocks, std::string> bake(size_t available) {
     set_lattice();
-    const std::vector<PrimitiveId> giants = bounded_giants();
+    const std::vector<PrimitiveId> oversized = bounded_oversized();
     const size_t count = cells_.lattice.cells();
     std::vector<Counts> blocks(chunks_of(count));
     for_chunks(count, [&](size_t c, size_t first, size_t end) {
       for (size_t cell = first; cell < end; ++cell) count_blocks(list(cell), blocks[c]);
     });
-    // Where those of each chunk begin in the pools, those of the giants first.
+    // Where those of each chunk begin in the pools, those of the oversized primitives first.
     Counts next{};
-    for_blocks(giants, [&](Pool pool, auto) {
+    for_blocks(oversized, [&](Pool pool, auto) {
       out_.shared.push_back(pool_ref(pool, next[size_t(pool)]++));
     });
     for (Counts& chunk : blocks)
@@ -56,7 +56,7 @@ class Baker {
     out_.begin.resize(count + 1);
     out_.begin[count] = next[0];
     size_t giant = 0;
-    for_blocks(giants, [&](Pool, auto items) { out_.fill(g_, out_.shared[giant++], items); });
+    for_blocks(oversized, [&](Pool, auto items) { out_.fill(g_, out_.shared[giant++], items); });
     for_chunks(count, [&](size_t c, size_t first, size_t end) {
       for (size_t cell = first; cell < end; ++cell) fill(cell, blocks[c]);
     });
@@ -150,18 +150,18 @@ class Baker {
   }
 
   // In ascending order; planes are met by the tracer.
-  std::vector<PrimitiveId> bounded_giants() {
-    std::vector<PrimitiveId> giants;
-    for (const PrimitiveId id : cells_.giants) {
+  std::vector<PrimitiveId> bounded_oversized() {
+    std::vector<PrimitiveId> oversized;
+    for (const PrimitiveId id : cells_.oversized) {
       const bool bounded =
           with_kind(primitive_kind(id), []<PrimitiveKind kind> { return kIsBounded<kind>; });
       if (!bounded) continue;
-      giants.push_back(id);
+      oversized.push_back(id);
       const Box3f box = g_.bounds(id);
       out_.reach = std::max(out_.reach, max_component(max(abs(box.lo), abs(box.hi))));
     }
-    std::ranges::sort(giants);
-    return giants;
+    std::ranges::sort(oversized);
+    return oversized;
   }
 
   const Geometry& g_;

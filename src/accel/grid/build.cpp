@@ -9,8 +9,9 @@ namespace {
 
 // A primitive as large as the scene would be listed in every cell that it passes, and one that is
 // larger than all the rest together would leave the rest a few cells (the "teapot in a stadium").
-// Such giants, and infinite planes, stay out; every ray tests them first, so only few are worth it.
-constexpr size_t kMaxGiants = 16;
+// Such oversized primitives, and infinite planes, stay out; every ray tests them first, so only few
+// are worth it.
+constexpr size_t kMaxOversized = 16;
 constexpr float kGiantShare = 0.5f;  // of the surface of the box of all that is left
 
 // The report's mFactor, 2, suits cells that list primitives one by one. Where eight blocks of eight
@@ -37,7 +38,7 @@ bool touches(const Geometry& g, PrimitiveId id, const Box3d& box) {
 // An axis on which the box is thinner than a cell has one and leaves the formula, so that a flat
 // scene gets square cells and not a line of infinitely many.
 std::array<int, 3> report_resolution(Vec3d size, double count, double factor) {
-  constexpr int kMostPerAxis = 1 << 20;
+  constexpr int kMaxPerAxis = 1 << 20;
   std::array<int, 3> n{1, 1, 1};
   std::array<bool, 3> thin{};
   for (int pass = 0; pass < 3; ++pass) {
@@ -54,7 +55,7 @@ std::array<int, 3> report_resolution(Vec3d size, double count, double factor) {
         thin[a] = again = true;
         n[a] = 1;
       } else {
-        n[a] = int(std::min(factor * size[a] / s + 1, double(kMostPerAxis)));
+        n[a] = int(std::min(factor * size[a] / s + 1, double(kMaxPerAxis)));
       }
     }
     if (!again) break;
@@ -69,7 +70,7 @@ class GridBuilder : GridCells {
   std::expected<GridCells, std::string> build(const AccelOptions& options) {
     by_boxes_ = options.grid_plain;
     collect_items();
-    if (!options.grid_plain) pull_giants();
+    if (!options.grid_plain) pull_oversized();
     if (rest_.empty()) {
       begin.assign(2, 0);
       lattice = Lattice(Box3d{Vec3d(0.0), Vec3d(1.0)}, {1, 1, 1});
@@ -83,7 +84,7 @@ class GridBuilder : GridCells {
  private:
   void collect_items() {
     for_each_kind([&]<PrimitiveKind kind> {
-      auto& to = kIsBounded<kind> ? rest_ : giants;
+      auto& to = kIsBounded<kind> ? rest_ : oversized;
       for (uint32_t i = 0; i < g_.count(kind); ++i)
         if (const PrimitiveId id = primitive_id(kind, i); g_.is_opaque(id)) to.push_back(id);
     });
@@ -98,15 +99,15 @@ class GridBuilder : GridCells {
   }
 
   // Again and again, since what is left without one giant may have its own.
-  void pull_giants() {
-    const size_t most = giants.size() + kMaxGiants;
+  void pull_oversized() {
+    const size_t most = oversized.size() + kMaxOversized;
     while (!rest_.empty()) {
       const float limit = kGiantShare * bounds_of_rest().half_area();
       std::vector<uint32_t> large;
-      for (uint32_t i = 0; i < rest_.size() && large.size() <= kMaxGiants; ++i)
+      for (uint32_t i = 0; i < rest_.size() && large.size() <= kMaxOversized; ++i)
         if (boxes_[i].half_area() >= limit) large.push_back(i);
-      if (large.empty() || giants.size() + large.size() > most) break;
-      for (const uint32_t i : large) giants.push_back(rest_[i]), rest_[i] = kNoPrimitive;
+      if (large.empty() || oversized.size() + large.size() > most) break;
+      for (const uint32_t i : large) oversized.push_back(rest_[i]), rest_[i] = kNoPrimitive;
       size_t kept = 0;
       for (size_t i = 0; i < rest_.size(); ++i)
         if (rest_[i] != kNoPrimitive) rest_[kept] = rest_[i], boxes_[kept++] = boxes_[i];
@@ -218,7 +219,7 @@ class GridBuilder : GridCells {
   }
 
   const Geometry& g_;
-  std::vector<PrimitiveId> rest_;  // all but giants
+  std::vector<PrimitiveId> rest_;  // all but oversized primitives
   std::vector<Box3f> boxes_;       // theirs
   double pad_ = 0;
   bool by_boxes_ = false;  // list what is no piece in all cells that its box touches

@@ -15,7 +15,7 @@ AccelInfo info_of(const GridCells& cells, size_t bytes) {
           .cells = cells.lattice.cells(),
           .references = cells.items.size(),
           .resolution = cells.lattice.n,
-          .giants = cells.giants.size()};
+          .oversized = cells.oversized.size()};
 }
 
 // `listed` tells how many primitives a cell lists.
@@ -113,11 +113,11 @@ class CountingGrid final : public Accel {
   RayQuery trace(const Ray& ray, TraceContext& context, Log log) const {
     RayQuery query(ray);
     if (!(ray.tmax > 0)) return query;
-    for (const PrimitiveId id : cells_.giants) {
+    for (const PrimitiveId id : cells_.oversized) {
       ++context.tests, log.test(id);
       if (test_primitive(geometry_, id, query) && any) return query;
     }
-    if (!cells_.items.empty()) walk<any>(query, context, log);
+    if (!cells_.items.empty()) traverse<any>(query, context, log);
     return query;
   }
 
@@ -136,7 +136,7 @@ class CountingGrid final : public Accel {
   // In double throughout: in scalar code it costs the same, and the cell that the ray is in is then
   // never in doubt, however far the ray comes from.
   template <bool any, class Log>
-  void walk(RayQuery& query, TraceContext& context, Log& log) const {
+  void traverse(RayQuery& query, TraceContext& context, Log& log) const {
     const Vec3d o(query.ray.origin), d(query.ray.dir);
     const double size = max_component(abs(o)), slack = hit_error(std::max(size, cells_.reach));
     Box3d box = cells_.lattice.box;

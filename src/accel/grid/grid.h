@@ -53,7 +53,7 @@ constexpr double hit_error(double largest) {
 }
 
 struct GridCells {
-  std::vector<PrimitiveId> giants;  // in no cell; every ray tests them first
+  std::vector<PrimitiveId> oversized;  // in no cell; every ray tests them first
   Lattice lattice;
   std::vector<uint32_t> begin;     // per cell, and one more: where its list starts
   std::vector<PrimitiveId> items;  // ascending in each cell

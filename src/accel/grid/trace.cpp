@@ -7,7 +7,7 @@
 #include <hwy/foreach_target.h>
 // After foreach_target.h.
 #include "accel/blocks/tracer-inl.h"
-#include "accel/grid/walk-inl.h"
+#include "accel/grid/traversal-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {

@@ -12,7 +12,7 @@ namespace {
 
 constexpr float kTolerance = 0.45f, kLeast = 0.4f;
 // Matter has some dozens in a cell of a few angstroms.
-constexpr size_t kMostInCell = 1000;
+constexpr size_t kMaxInCell = 1000;
 
 float squared_distance(const Atom& a, const Atom& b) {
   float sum = 0;
@@ -89,8 +89,8 @@ std::optional<Bonds> find_bonds(const std::vector<Atom>& atoms) {
   std::vector<std::pair<uint64_t, uint32_t>> in_cells(atoms.size());
   for (uint32_t i = 0; i < atoms.size(); ++i) in_cells[i] = {cell_key(cell_of(atoms[i])), i};
   std::ranges::sort(in_cells);
-  for (size_t i = kMostInCell; i < in_cells.size(); ++i)
-    if (in_cells[i].first == in_cells[i - kMostInCell].first) return std::nullopt;
+  for (size_t i = kMaxInCell; i < in_cells.size(); ++i)
+    if (in_cells[i].first == in_cells[i - kMaxInCell].first) return std::nullopt;
   for (uint32_t i = 0; i < atoms.size(); ++i) {
     const Atom& a = atoms[i];
     const auto cell = cell_of(a);

@@ -22,9 +22,9 @@ namespace {
 using Done = std::expected<void, Diagnostics>;
 
 // Atoms heavier than it have masses of elements, others those of a model.
-constexpr double kLeastMass = 3, kMassTolerance = 0.5;
+constexpr double kMinMass = 3, kMassTolerance = 0.5;
 // Whole numbers up to it are masses of models.
-constexpr double kMostModelMass = 10;
+constexpr double kMaxModelMass = 10;
 // United atoms, such as CH4, weigh up to this much more than their element.
 constexpr double kHydrogens = 4.5;
 // The first rows, which tell the style.
@@ -354,8 +354,8 @@ class DataReader {
     const auto any = [&](const auto& is) {
       return std::ranges::any_of(masses_, [&](const auto& m) { return is(m.second); });
     };
-    return any([](double m) { return m > kLeastMass; }) &&
-           any([](double m) { return m > kMostModelMass || m != std::floor(m); });
+    return any([](double m) { return m > kMinMass; }) &&
+           any([](double m) { return m > kMaxModelMass || m != std::floor(m); });
   }
 
   // By the comment of a mass, unless the mass contradicts it: "CA" is a carbon in many force

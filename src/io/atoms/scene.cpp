@@ -29,9 +29,9 @@ constexpr float kLargest = 1e9f;  // number of a matrix, so that what it moves s
 constexpr float kStick = 0.15f, kBond = 0.12f, kBallPart = 0.27f, kPoint = 0.25f;
 constexpr double kEdgePart = 0.005;  // of a cell's mean side, the radius of its edges
 const Rgb kEdgeColor(0.05f);
-constexpr size_t kMostCells = 10'000'000;
-constexpr double kFlat = 0.1;            // of its width, the height of what is seen from above
-constexpr size_t kMostCompleted = 3000;  // atoms of all copies of a cell
+constexpr size_t kMaxCells = 10'000'000;
+constexpr double kFlat = 0.1;           // of its width, the height of what is seen from above
+constexpr size_t kMaxCompleted = 3000;  // atoms of all copies of a cell
 
 Vec3f place_of(const Atom& atom) { return {atom.place[0], atom.place[1], atom.place[2]}; }
 
@@ -74,7 +74,7 @@ bool draws_cell(const Atoms& atoms, const ReadOptions& options) {
 // crystals. The bonds of a file do not lead to them, and in frames they would come and go.
 bool completes_cell(const Atoms& atoms, const ReadOptions& options) {
   return atoms.finds_bonds && atoms.frames <= 1 && atoms.atoms.size() <= kFew &&
-         atoms.atoms.size() * images_of(options) <= kMostCompleted && any_element(atoms) &&
+         atoms.atoms.size() * images_of(options) <= kMaxCompleted && any_element(atoms) &&
          draws_cell(atoms, options);
 }
 
@@ -377,9 +377,9 @@ std::string cell_problem(const Atoms& atoms, const ReadOptions& options) {
   if (asked.empty()) return {};
   if (!atoms.cell) return fmt::format("`{}` needs a cell, which the file does not have", asked);
   if (!is_sound(*atoms.cell)) return "the cell has a number that is not finite";
-  if (images > kMostCells)
+  if (images > kMaxCells)
     return fmt::format("{} copies of the cell are too many; expected at most {}", images,
-                       kMostCells);
+                       kMaxCells);
   // Of each atom with its bonds, or of each copy.
   const double bytes = has_bonds(style_of(atoms, options)) ? 300.0 * double(atoms.atoms.size())
                        : options.instances                 ? 200.0

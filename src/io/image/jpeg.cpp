@@ -15,7 +15,7 @@ namespace {
 
 /// Files that go over the picture again and again do so for this long; those of programs have a
 /// dozen scans.
-constexpr int kMostScans = 200;
+constexpr int kMaxScans = 200;
 
 struct Failure {
   jpeg_error_mgr manager;  // first, as libjpeg knows no more of it
@@ -42,8 +42,8 @@ void ignore_message(j_common_ptr) {}
 
 void count_scans(j_common_ptr jpeg) {
   auto* failure = reinterpret_cast<Failure*>(jpeg->err);
-  if (reinterpret_cast<j_decompress_ptr>(jpeg)->input_scan_number <= kMostScans) return;
-  std::snprintf(failure->text, sizeof failure->text, "more than %d scans", kMostScans);
+  if (reinterpret_cast<j_decompress_ptr>(jpeg)->input_scan_number <= kMaxScans) return;
+  std::snprintf(failure->text, sizeof failure->text, "more than %d scans", kMaxScans);
   std::longjmp(failure->back, 1);
 }
 

@@ -14,7 +14,7 @@
 namespace raio {
 
 /// Of a face, in any file.
-inline constexpr size_t kMostCorners = 65535;
+inline constexpr size_t kMaxCorners = 65535;
 
 /// Why a file cannot be read; thrown inside a reader, and made Diagnostics where it ends.
 struct ReadFailure {

@@ -29,11 +29,11 @@ std::optional<Camera> camera_through(const Lens& lens, const Transform& place, c
     tangent = lens.half_height / length(Vec3d(camera.at) - Vec3d(camera.from));
     camera.fov_deg = float(2 * kDegrees * std::atan(tangent));
   }
-  camera.hither = float(lens.near);
+  camera.near_clip = float(lens.near);
   camera.width = 1200, camera.height = 900;
   if (lens.aspect >= 0.1 && lens.aspect <= 10) {
     // Narrower pictures show as much across.
-    camera.across_deg = float(2 * kDegrees * std::atan(tangent * lens.aspect));
+    camera.horizontal_fov_deg = float(2 * kDegrees * std::atan(tangent * lens.aspect));
     if (lens.aspect > 4.0 / 3)
       camera.height = int(std::lround(1200 / lens.aspect));
     else

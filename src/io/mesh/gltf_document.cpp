@@ -109,13 +109,13 @@ class Parser {
 
   void read_buffers() {
     each("buffers", [&](const Value& value) {
-      Buffer buffer{value.at("byteLength").whole(1, kMostBytes), {}};
+      Buffer buffer{value.at("byteLength").whole(1, kMaxBytes), {}};
       if (const auto uri = value.find("uri")) buffer.uri = uri->string();
       out_.buffers.push_back(std::move(buffer));
     });
     each("bufferViews", [&](const Value& value) {
       View view{index(value.at("buffer"), "buffers"), bytes_or(value, "byteOffset", 0),
-                value.at("byteLength").whole(0, kMostBytes)};
+                value.at("byteLength").whole(0, kMaxBytes)};
       if (const auto stride = value.find("byteStride")) view.stride = stride->whole(4, 252);
       view.compressed = value.extension("EXT_meshopt_compression").has_value();
       const size_t size = out_.buffers[view.buffer].length;

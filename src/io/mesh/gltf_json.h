@@ -17,7 +17,7 @@ namespace raio::gltf {
 
 using Json = nlohmann::json;
 
-inline constexpr size_t kMostBytes = size_t(1) << 50;
+inline constexpr size_t kMaxBytes = size_t(1) << 50;
 
 /// The text as JSON; fails with the line and column at which it is broken.
 Json parse_json(std::string_view text);
@@ -72,8 +72,8 @@ class Value {
     const double number = json_->is_number() ? json_->get<double>() : -1;
     if (number >= double(least) && number <= double(most) && number == std::floor(number))
       return size_t(number);
-    fail_expected(most >= kMostBytes ? fmt::format("a whole number of at least {}", least)
-                                     : fmt::format("a whole number from {} to {}", least, most));
+    fail_expected(most >= kMaxBytes ? fmt::format("a whole number of at least {}", least)
+                                    : fmt::format("a whole number from {} to {}", least, most));
   }
   double number() const {
     if (!json_->is_number()) fail_expected("a number");
@@ -106,7 +106,7 @@ class Value {
 /// The member of the object that counts bytes, or `usual` where there is none.
 inline size_t bytes_or(const Value& object, const char* key, size_t usual) {
   const auto value = object.find(key);
-  return value ? value->whole(0, kMostBytes) : usual;
+  return value ? value->whole(0, kMaxBytes) : usual;
 }
 
 }  // namespace raio::gltf

@@ -12,7 +12,7 @@ using Json = nlohmann::json;
 
 class GltfMaterial {
  public:
-  GltfMaterial(const Scene& scene, const Look& look)
+  GltfMaterial(const Scene& scene, const GltfAppearance& look)
       : scene_(scene), look_(look), m_(scene.materials[look.material]) {}
 
   Json json() const {
@@ -76,12 +76,14 @@ class GltfMaterial {
   }
 
   const Scene& scene_;
-  const Look& look_;
+  const GltfAppearance& look_;
   const Material& m_;
 };
 
 }  // namespace
 
-Json material_of(const Scene& scene, const Look& look) { return GltfMaterial(scene, look).json(); }
+Json material_of(const Scene& scene, const GltfAppearance& look) {
+  return GltfMaterial(scene, look).json();
+}
 
 }  // namespace raio::gltf

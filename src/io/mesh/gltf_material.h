@@ -9,6 +9,6 @@ namespace raio::gltf {
 
 /// The material of metallic-roughness that reflects as much light. Textures have the numbers that
 /// they have in the scene.
-nlohmann::json material_of(const Scene& scene, const Look& look);
+nlohmann::json material_of(const Scene& scene, const GltfAppearance& look);
 
 }  // namespace raio::gltf

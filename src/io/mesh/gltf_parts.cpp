@@ -17,10 +17,10 @@ namespace raio::gltf {
 namespace {
 
 // Programs that show glTF draw each node by itself, and slow down beyond.
-constexpr size_t kMostPlaced = 10'000, kMostLooks = 256, kMostNodes = 1'000'000;
+constexpr size_t kMaxPlaced = 10'000, kMaxLooks = 256, kMaxNodes = 1'000'000;
 // In place of shapes: as fine as is no more than the first allows and, with all copies, than the
 // last; never more than the second.
-constexpr size_t kGoodTriangles = 4'000'000, kMostTriangles = 20'000'000;
+constexpr size_t kGoodTriangles = 4'000'000, kMaxTriangles = 20'000'000;
 constexpr double kGoodDrawn = 50e6;
 
 /// By their bytes, of which none is a gap.
@@ -121,7 +121,7 @@ class Gatherer {
   }
 
   // Colours of their own are those of corners, unless they are few.
-  Look look_of(MaterialId id, const Rgb* color, float opacity, bool at_corners) const {
+  GltfAppearance look_of(MaterialId id, const Rgb* color, float opacity, bool at_corners) const {
     const float usual = whole_.material_opacity.empty() ? 1 : whole_.material_opacity[id];
     return {id,
             !color       ? whole_.materials[id].color
@@ -129,7 +129,7 @@ class Gatherer {
                          : *color,
             opacity >= 0 ? opacity : usual};
   }
-  uint32_t number_of(const Look& look) {
+  uint32_t number_of(const GltfAppearance& look) {
     const auto [at, is_new] = looks_.try_emplace(look, uint32_t(out_.looks.size()));
     if (is_new) out_.looks.push_back(look);
     return at->second;
@@ -170,7 +170,7 @@ class Gatherer {
     const auto& colors = own_->*pool.colors;
     const auto& opacity = own_->*pool.opacity;
     const Rgb* const color = colors.empty() ? nullptr : &colors[i];
-    const Look look =
+    const GltfAppearance look =
         look_of((own_->*pool.materials)[i], color, opacity.empty() ? -1 : opacity[i], true);
     std::array<Corner, 3> corners;
     for (size_t k = 0; k < 3; ++k)
@@ -212,7 +212,7 @@ class Gatherer {
     const auto& normals = mesh.normal_indices.empty() ? mesh.triangles : mesh.normal_indices;
     for (size_t i = 0; i < mesh.triangles.size(); ++i) {
       const MaterialId id = mesh.materials[mesh.materials.size() == 1 ? 0 : i];
-      Look look = look_of(id, nullptr, -1, true);
+      GltfAppearance look = look_of(id, nullptr, -1, true);
       look.textured = !mesh.uv.empty() && !whole_.material_texture.empty() &&
                       whole_.material_texture[id] != kNoTexture;
       const bool smooth = !mesh.normals.empty() && normals[i][0] != kNoNormal;
@@ -230,18 +230,18 @@ class Gatherer {
   // --- shapes that glTF does not have
   // Chooses between unit shapes and triangles of their own. What is wrong, or nothing.
   std::string choose_form() {
-    NumberOf<Look> looks;
+    NumberOf<GltfAppearance> looks;
     for_each_curved(whole_, [&](auto&, MaterialId id, const Rgb* color, float opacity) {
-      if (looks.size() <= kMostLooks) looks.try_emplace(look_of(id, color, opacity, false), 0);
+      if (looks.size() <= kMaxLooks) looks.try_emplace(look_of(id, color, opacity, false), 0);
     });
-    few_looks_ = looks.size() <= kMostLooks;
+    few_looks_ = looks.size() <= kMaxLooks;
     const double copies = sum_of_copies(whole_, [](const Scene& s) { return s.instances.size(); });
-    if (copies > double(kMostNodes))
+    if (copies > double(kMaxNodes))
       return fmt::format(
           "glTF has a node for each of {:.0f} copies, and programs that show it take at most about "
           "{}; leave some out, or choose another format: .raio keeps all",
-          copies, kMostNodes);
-    if (few_looks_ && sum_of_copies(whole_, count_own) <= double(kMostPlaced)) return {};
+          copies, kMaxNodes);
+    if (few_looks_ && sum_of_copies(whole_, count_own) <= double(kMaxPlaced)) return {};
     detail_ = affordable_detail();
     if (*detail_ >= 0) return {};
     size_t count = 0;
@@ -274,7 +274,7 @@ class Gatherer {
         return own;
       });
       if (stored <= kGoodTriangles && drawn <= kGoodDrawn) return detail;
-      if (detail == 0 && stored <= kMostTriangles) return detail;
+      if (detail == 0 && stored <= kMaxTriangles) return detail;
     }
     return -1;
   }
@@ -306,7 +306,7 @@ class Gatherer {
   SurfaceParts out_;
   bool few_looks_ = true;
   std::optional<int> detail_;  // of triangles in place of unit shapes
-  NumberOf<Look> looks_;
+  NumberOf<GltfAppearance> looks_;
   std::map<UnitShape, uint32_t> units_;  // with their surfaces
   NumberOf<Columns> fixed_;              // of the object
   NumberOf<Corner> corners_;

@@ -14,13 +14,13 @@ namespace raio::gltf {
 
 /// What decides a material of glTF: one of the scene's with a colour and an opacity in place of its
 /// own.
-struct Look {
+struct GltfAppearance {
   MaterialId material = 0;
   Rgb color;
   float opacity = 1;
   uint32_t textured = 0;  // by the material's texture: 0 or 1
 
-  friend bool operator==(const Look&, const Look&) = default;
+  friend bool operator==(const GltfAppearance&, const GltfAppearance&) = default;
 };
 
 /// A surface with the number of its look.
@@ -50,7 +50,7 @@ struct ObjectParts {
 };
 
 struct SurfaceParts {
-  std::vector<Look> looks;
+  std::vector<GltfAppearance> looks;
   std::vector<Surface> surfaces;
   std::vector<ObjectParts> objects;  // the first is the scene
 };

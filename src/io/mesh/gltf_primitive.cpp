@@ -86,7 +86,7 @@ Mesh PrimitiveReader::read(const MeshPrimitive& p, const std::string& what, cons
   return mesh;
 }
 
-// Vertices that a primitive names, each once: several primitives may share long columns.
+// SurfacePoints that a primitive names, each once: several primitives may share long columns.
 Mesh PrimitiveReader::mesh_of(const MeshPrimitive& p, const std::string& what) {
   const Elements positions(document_, buffers_, *p.position, 3, 3);
   const auto column = [&](Index accessor, uint32_t least, uint32_t most,

@@ -41,7 +41,7 @@ class GltfWriter {
     if (scene_.origin != Vec3d()) root["translation"] = numbers(scene_.origin);
     add("nodes", std::move(root));
     add_textures();
-    for (const Look& look : parts_.looks) add_material(look);
+    for (const GltfAppearance& look : parts_.looks) add_material(look);
     for (const Surface& surface : parts_.surfaces) add_surface(surface);
     meshes_of_objects_.resize(parts_.objects.size());
     add_object(0, 0);
@@ -112,7 +112,7 @@ class GltfWriter {
     }
   }
 
-  void add_material(const Look& look) {
+  void add_material(const GltfAppearance& look) {
     Json material = material_of(scene_, look);
     if (material.contains("extensions"))
       for (const auto& [name, value] : material["extensions"].items()) use(name);
@@ -191,7 +191,7 @@ class GltfWriter {
     const double aspect =
         c.width > 0 && c.height > 0 ? double(c.width) / c.height : 1;  // as pictures of 512 x 512
     // Programs of triangles need a plane where the picture begins.
-    const double near = c.hither > 0 ? double(c.hither) : length(view) / 1000;
+    const double near = c.near_clip > 0 ? double(c.near_clip) : length(view) / 1000;
     Json camera;
     if (c.is_parallel()) {
       const double height = std::tan(angle / 2) * length(view);

@@ -252,7 +252,7 @@ class ObjReader {
       corners_.push_back(is_whole ? vertex(place, uv) : 0);
       normals_.push_back(normal);
       smooth += normal != kNone && !unknown_normals_.contains(normal);
-      if (corners_.size() > kMostCorners) words_.fail("a face has at most 65535 corners");
+      if (corners_.size() > kMaxCorners) words_.fail("a face has at most 65535 corners");
     }
     if (corners_.empty()) words_.fail_expected("the corners of a face");
     if (corners_.size() < 3)
@@ -355,9 +355,9 @@ class ObjReader {
     const double a = paint.opacity;
     if (!(a >= 0 && a <= 1)) return 1;
     if (a > 0) return float(a);
-    const bool all_clear = std::ranges::all_of(
+    const bool all_transparent = std::ranges::all_of(
         paints_, [](const auto& of_name) { return of_name.second.opacity == 0; });
-    if (!paint.only_tr && !all_clear) return 0;
+    if (!paint.only_tr && !all_transparent) return 0;
     out_.notices.add(Severity::guessed,
                      paint.only_tr ? "materials drawn opaque, though Tr is 1: they have no d, and "
                                      "some programs mean opaque by it"

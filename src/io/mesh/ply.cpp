@@ -231,7 +231,7 @@ class PlyReader {
     file_.read_rows(element, *corners, [&](size_t i, const PlyRow& row, const PlyCursor& at) {
       Faces& faces = chunks[i / kLoopChunk];
       if (i % kLoopChunk == 0) faces = {};  // what another try may have left
-      if (!strips && row.list.size() > kMostCorners)
+      if (!strips && row.list.size() > kMaxCorners)
         at.fail(fmt::format("a face of {} corners is too large", row.list.size()));
       faces.corners.clear();
       for (const double index : row.list) faces.corners.push_back(vertex(index, i, strips, at));
@@ -371,11 +371,11 @@ class PlyReader {
       camera.from = Vec3f(Vec3d(n[0], n[1], n[2]) - scene.origin);
       camera.at = Vec3f(Vec3d(n[3], n[4], n[5]) - scene.origin);
       camera.up = Vec3f(Vec3d(n[6], n[7], n[8]));
-      camera.fov_deg = float(n[9]), camera.across_deg = float(n[10]);
+      camera.fov_deg = float(n[9]), camera.horizontal_fov_deg = float(n[10]);
       if (n[11] == 1) camera.projection = Projection::orthographic;
       // A comment may hold anything.
       const bool are_angles = camera.fov_deg > 0 && camera.fov_deg < 180 &&
-                              camera.across_deg >= 0 && camera.across_deg < 180;
+                              camera.horizontal_fov_deg >= 0 && camera.horizontal_fov_deg < 180;
       if (are_angles && is_place(camera.from) && is_place(camera.at) && is_place(camera.up) &&
           camera_problem(camera).empty())
         scene.camera = camera;

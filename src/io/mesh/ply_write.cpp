@@ -74,7 +74,7 @@ class PlyWriter {
     const auto text = [](Vec3d v) { return fmt::format("{} {} {}", v.x, v.y, v.z); };
     return fmt::format("comment {}{} {} {} {} {} {}\n", kPlyCamera,
                        text(scene_.origin + Vec3d(c.from)), text(scene_.origin + Vec3d(c.at)),
-                       text(Vec3d(c.up)), c.fov_deg, c.across_deg, int(c.is_parallel()));
+                       text(Vec3d(c.up)), c.fov_deg, c.horizontal_fov_deg, int(c.is_parallel()));
   }
   void properties(std::string_view type, std::initializer_list<std::string_view> names) {
     for (const std::string_view name : names) out_ += fmt::format("property {} {}\n", type, name);

@@ -68,7 +68,7 @@ class Smoother {
   void smooth_around(size_t place) {
     const std::span<const uint32_t> here =
         std::span(around_).subspan(first_[place], first_[place + 1] - first_[place]);
-    if (here.size() > kMostAround) return;
+    if (here.size() > kMaxAround) return;
     for (const uint32_t corner : here) {
       Vec3d sum;
       for (const uint32_t other : here)
@@ -108,7 +108,7 @@ class Smoother {
 
   // Where more triangles meet, as in the hub of a fan, they stay flat, since each is held against
   // all others.
-  static constexpr size_t kMostAround = 1000;
+  static constexpr size_t kMaxAround = 1000;
 
   Mesh& mesh_;
   const float least_cosine_;

@@ -10,7 +10,7 @@
 namespace raio {
 
 /// What begins a comment with the camera of data: from, at and up, the vertical angle and the one
-/// across (Camera::across_deg).
+/// across (Camera::horizontal_fov_deg).
 inline constexpr std::string_view kPlyCamera = "raio camera ";
 
 /// The scene as binary PLY. Triangles and polygons as a mesh with the colours of its vertices, and

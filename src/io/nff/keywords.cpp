@@ -10,7 +10,7 @@ namespace raio::nff {
 namespace {
 
 constexpr std::array kFamilies = {&kCameras,   &kSurroundings, &kRounds, &kFlats,
-                                  &kAdditions, &kMovements,    &kWishes};
+                                  &kAdditions, &kMovements,    &kHints};
 
 std::vector<std::string_view> keywords() {
   std::vector<std::string_view> words;

@@ -39,7 +39,7 @@ struct Entity {
 
 /// In the order in which messages list them.
 using Family = std::span<const Entity>;
-extern const Family kCameras, kSurroundings, kRounds, kFlats, kAdditions, kMovements, kWishes;
+extern const Family kCameras, kSurroundings, kRounds, kFlats, kAdditions, kMovements, kHints;
 
 /// The keyword that has a part in how the reader recovers from errors.
 inline constexpr std::string_view kCameraKeyword = "v";

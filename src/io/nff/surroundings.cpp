@@ -51,9 +51,9 @@ void read_light(Parser& p) {
   if (more == 6 && negative({n + 3, 2}))
     return p.reject(
         fmt::format("the sides of a light must not be negative, found {} and {}", n[3], n[4]));
-  if (more == 6 && !(n[5] >= 1 && n[5] <= kMostLightPoints && n[5] == std::floor(n[5])))
+  if (more == 6 && !(n[5] >= 1 && n[5] <= kMaxLightPoints && n[5] == std::floor(n[5])))
     return p.reject(fmt::format("the points of a light are a whole number from 1 to {}, found {}",
-                                kMostLightPoints, n[5]));
+                                kMaxLightPoints, n[5]));
   if (p.seen.object)
     p.warn_once(p.seen.late_light, "a light after objects; NFF wants all lights before");
   Light light;
@@ -129,10 +129,9 @@ void read_samples(Parser& p) {
 }
 
 void read_accel(Parser& p) {
-  constexpr StructureWish kWishes[] = {StructureWish::none, StructureWish::grid,
-                                       StructureWish::bvh};
+  constexpr AccelHint kHints[] = {AccelHint::none, AccelHint::grid, AccelHint::bvh};
   if (const auto structure = p.whole_number("the structure", 0, 2))
-    p.scene().structure = kWishes[size_t(*structure)];
+    p.scene().structure = kHints[size_t(*structure)];
 }
 
 constexpr std::string_view kMtvColors =
@@ -166,7 +165,7 @@ constexpr std::array kSurroundingRows = {
            .if_word = kMtvColors},
 };
 
-constexpr std::array kWishRows = {
+constexpr std::array kHintRows = {
     Entity{.word = "env",
            .noun = "the sky",
            .usage = "env takes the folder of the six pictures of a sky",
@@ -187,14 +186,14 @@ constexpr std::array kWishRows = {
 }  // namespace
 
 constinit const Family kSurroundings = kSurroundingRows;
-constinit const Family kWishes = kWishRows;
+constinit const Family kHints = kHintRows;
 
 void write_surroundings(Writer& w) {
   const Scene& scene = w.scene();
   const bool p3f = scene.dialect == Dialect::p3f;
   w.text().word(p3f ? "bclr" : "b").vector(scene.background).end_line();
   if (!scene.sky_folder.empty() && p3f) w.text().word("env").word(scene.sky_folder).end_line();
-  if (scene.structure != StructureWish::any)
+  if (scene.structure != AccelHint::any)
     w.text().word("accel").number(uint32_t(scene.structure) - 1).end_line();
   if (scene.samples_per_pixel > 0) w.text().word("spp").number(scene.samples_per_pixel).end_line();
   const Rgb usual(float(1 / std::sqrt(double(std::max<size_t>(1, scene.lights.size())))));

@@ -36,12 +36,12 @@ Settings settings_of(const Scene& scene) {
   Settings s;
   const Camera& c = scene.camera;
   s.origin = {scene.origin};
-  s.camera = {c.from.x, c.from.y, c.from.z, c.at.x,    c.at.y,  c.at.z,
-              c.up.x,   c.up.y,   c.up.z,   c.fov_deg, c.hither};
+  s.camera = {c.from.x, c.from.y, c.from.z, c.at.x,    c.at.y,     c.at.z,
+              c.up.x,   c.up.y,   c.up.z,   c.fov_deg, c.near_clip};
   s.raster = {uint32_t(c.width), uint32_t(c.height), uint32_t(scene.samples_per_pixel)};
   if (c.lens_radius) s.lens_radius = {*c.lens_radius};
   if (c.focus_distance) s.focus_distance = {*c.focus_distance};
-  if (c.across_deg > 0) s.camera_across = {c.across_deg};
+  if (c.horizontal_fov_deg > 0) s.camera_across = {c.horizontal_fov_deg};
   if (c.is_parallel()) s.camera_projection = {uint32_t(c.projection)};
   if (const auto& m = c.movement)
     s.camera_movement = {m->from.x, m->from.y, m->from.z, m->at.x,
@@ -57,7 +57,7 @@ Settings settings_of(const Scene& scene) {
       const LightExtent e = light.extent.value_or(LightExtent{.points = 0});
       s.light_extents.push_back({e.width, e.depth, float(e.points)});
     }
-  if (scene.dialect != Dialect::nff || scene.structure != StructureWish::any)
+  if (scene.dialect != Dialect::nff || scene.structure != AccelHint::any)
     s.dialect = {uint32_t(scene.dialect), uint32_t(scene.structure)};
   s.sky_folder.insert(s.sky_folder.end(), scene.sky_folder.begin(), scene.sky_folder.end());
   for (const std::string& name : scene.object_names) {
@@ -81,7 +81,7 @@ std::string apply_extents(const Array<Vec3f>& extents, Scene& scene) {
   for (size_t i = 0; i < extents.size(); ++i) {
     const Vec3f e = extents[i];
     if (e == Vec3f()) continue;
-    if (!(e.z >= 1 && e.z <= kMostLightPoints && e.z == std::floor(e.z)))
+    if (!(e.z >= 1 && e.z <= kMaxLightPoints && e.z == std::floor(e.z)))
       return "light_extents has a number of points that is none";
     scene.lights[i].extent = LightExtent{e.x, e.y, int(e.z)};
     any = true;
@@ -92,9 +92,9 @@ std::string apply_extents(const Array<Vec3f>& extents, Scene& scene) {
 std::string apply_dialect(const Array<uint32_t>& numbers, Scene& scene) {
   if (numbers.empty()) return {};
   if (numbers.size() != 2 || numbers[0] > uint32_t(Dialect::data) ||
-      numbers[1] > uint32_t(StructureWish::bvh) || numbers[0] + numbers[1] == 0)
+      numbers[1] > uint32_t(AccelHint::bvh) || numbers[0] + numbers[1] == 0)
     return "dialect has not two numbers that mean something";
-  scene.dialect = Dialect(numbers[0]), scene.structure = StructureWish(numbers[1]);
+  scene.dialect = Dialect(numbers[0]), scene.structure = AccelHint(numbers[1]);
   return {};
 }
 
@@ -115,9 +115,9 @@ std::string apply(const Settings& s, Scene& scene) {
                   .at = {c[3], c[4], c[5]},
                   .up = {c[6], c[7], c[8]},
                   .fov_deg = c[9],
-                  .across_deg = 0,
+                  .horizontal_fov_deg = 0,
                   .projection = {},
-                  .hither = c[10],
+                  .near_clip = c[10],
                   .width = int(s.raster[0]),
                   .height = int(s.raster[1]),
                   .lens_radius = {},
@@ -125,8 +125,8 @@ std::string apply(const Settings& s, Scene& scene) {
                   .movement = {}};
   scene.samples_per_pixel = int(s.raster[2]);
   if (!s.camera_across.empty()) {
-    scene.camera.across_deg = s.camera_across[0];
-    if (!(scene.camera.across_deg > 0)) return "camera_across is not positive";
+    scene.camera.horizontal_fov_deg = s.camera_across[0];
+    if (!(scene.camera.horizontal_fov_deg > 0)) return "camera_across is not positive";
   }
   if (!s.camera_projection.empty()) {
     scene.camera.projection = Projection(s.camera_projection[0]);

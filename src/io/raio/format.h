@@ -111,7 +111,7 @@ struct Settings {
   Array<Rgb> light_colors;        // black where it has none
   Array<char> object_names;       // one after another
   Array<uint32_t> object_name_ends;
-  Array<uint32_t> dialect;     // 2 or none: Dialect and StructureWish, where not both are 0
+  Array<uint32_t> dialect;     // 2 or none: Dialect and AccelHint, where not both are 0
   Array<Vec3f> light_extents;  // width, depth, points; zeros for lights that have none
   Array<char> sky_folder;
   Array<float> camera_movement;         // 8 or none: from, at, begin, end

@@ -122,9 +122,10 @@ std::set<std::string_view> known_names() {
 }
 
 /// Gives the columns of the table to those of `settings` and `scene`, whose order is the same.
-class Taker {
+class SectionReader {
  public:
-  Taker(const Table& table, const std::shared_ptr<const void>& keep) : table_(table), keep_(keep) {}
+  SectionReader(const Table& table, const std::shared_ptr<const void>& keep)
+      : table_(table), keep_(keep) {}
 
   template <class T>
   void operator()(std::string_view name, uint32_t mesh, Array<T>& array) {
@@ -185,10 +186,10 @@ std::expected<Scene, std::string> decode(std::string_view bytes,
   Settings settings;
   const auto meshes = count_of(table, false), prototypes = count_of(table, true);
   if (!meshes || !prototypes) return std::unexpected((meshes ? prototypes : meshes).error());
-  if (*prototypes > 0 && depth == kMostNested)
-    return broken("prototypes are nested more than {} deep", kMostNested);
+  if (*prototypes > 0 && depth == kMaxNested)
+    return broken("prototypes are nested more than {} deep", kMaxNested);
   scene.meshes.resize(*meshes), settings.prototypes.resize(*prototypes);
-  Taker take(table, keep);
+  SectionReader take(table, keep);
   for_each_file_column(settings, scene, take);
   if (auto done = take.done(); !done) return std::unexpected(done.error());
   if (const std::string wrong = apply(settings, scene); !wrong.empty()) return broken("{}", wrong);

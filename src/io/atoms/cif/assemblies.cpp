@@ -9,7 +9,7 @@
 namespace raio {
 namespace {
 
-constexpr size_t kMostCopies = 1000000;
+constexpr size_t kMaxCopies = 1000000;
 
 std::vector<std::string> split(const std::string& list, char by) {
   std::vector<std::string> out;
@@ -78,7 +78,7 @@ std::vector<gemmi::Transform> Assemblies::operations_of(const std::string& expre
     for (const std::string& word : split(list, ','))
       for (const gemmi::Transform& last : named(word))
         for (const gemmi::Transform& first : all) {
-          if (next.size() == kMostCopies)
+          if (next.size() == kMaxCopies)
             throw std::runtime_error("its assembly has more than a million copies");
           next.push_back(first.combine(last));
         }

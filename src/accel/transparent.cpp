@@ -11,7 +11,8 @@ namespace {
 
 // Calls f(hit) for the first hit of the ray on each clear primitive.
 template <class F>
-void for_each_clear_hit(const Geometry& geometry, const Ray& ray, TraceContext& context, F&& f) {
+void for_each_transparent_hit(const Geometry& geometry, const Ray& ray, TraceContext& context,
+                              F&& f) {
   if (!(ray.tmax > 0)) return;
   for_each_kind([&]<PrimitiveKind kind> {
     if (geometry.all_opaque(kind)) return;
@@ -29,43 +30,43 @@ void for_each_clear_hit(const Geometry& geometry, const Ray& ray, TraceContext& 
 Accel::Accel(Geometry geometry) : geometry_(std::move(geometry)) {}
 Accel::~Accel() = default;
 
-std::optional<std::string> Accel::build_clear() {
-  if (!geometry_.any_clear()) return std::nullopt;
+std::optional<std::string> Accel::build_transparent() {
+  if (!geometry_.any_transparent()) return std::nullopt;
   auto bvh = build_bvh(geometry_, available_memory_bytes(), true);
   if (!bvh) return std::move(bvh.error());
-  clear_ = std::make_unique<const Bvh>(std::move(*bvh));
+  transparent_ = std::make_unique<const Bvh>(std::move(*bvh));
   return std::nullopt;
 }
 
-void Accel::next_clear(const RayBatch& rays, const HitBatch& after, HitBatch& hits,
-                       TraceContext& context, const uint32_t* keys) const {
+void Accel::next_transparent(const RayBatch& rays, const HitBatch& after, HitBatch& hits,
+                             TraceContext& context, const uint32_t* keys) const {
   hits.reset(rays.size());
-  if (clear_)
-    bvh_next_clear(geometry_, *clear_, rays, after, hits, context, keys);
+  if (transparent_)
+    bvh_next_transparent(geometry_, *transparent_, rays, after, hits, context, keys);
   else
-    try_all_clear(rays, after, hits, context, keys);
-  if (instances_) instances_->next_clear(rays, after, hits, context, keys);
+    try_all_transparent(rays, after, hits, context, keys);
+  if (instances_) instances_->next_transparent(rays, after, hits, context, keys);
 }
 
 void Accel::closest_of_all(RayBatch& rays, HitBatch& hits, TraceContext& context) const {
   closest(rays, hits, context);
-  if (!geometry_.any_clear()) return;
+  if (!geometry_.any_transparent()) return;
   HitBatch after, clear;
   after.reset(rays.size());
   for (size_t i = 0; i < rays.size(); ++i) {
     if (hits[i].found()) rays.tmax[i] = hits.t[i];
     after.set(i, {.t = 0, .item = 0});
   }
-  next_clear(rays, after, clear, context);
+  next_transparent(rays, after, clear, context);
   for (size_t i = 0; i < rays.size(); ++i)
     if (clear[i].found()) hits.set(i, clear[i]);
 }
 
-void Accel::try_all_clear(const RayBatch& rays, const HitBatch& after, HitBatch& hits,
-                          TraceContext& context, const uint32_t* keys) const {
+void Accel::try_all_transparent(const RayBatch& rays, const HitBatch& after, HitBatch& hits,
+                                TraceContext& context, const uint32_t* keys) const {
   for (size_t i = 0; i < rays.size() && !context.stopped(); ++i) {
     Hit next;
-    for_each_clear_hit(geometry_, rays[i], context, [&](const Hit& hit) {
+    for_each_transparent_hit(geometry_, rays[i], context, [&](const Hit& hit) {
       if (!comes_before(after[i], hit) || (next.found() && !comes_before(hit, next))) return;
       if (!keys || geometry_.stops(hit.item, keys[i])) next = hit;
     });
@@ -73,19 +74,22 @@ void Accel::try_all_clear(const RayBatch& rays, const HitBatch& after, HitBatch&
   }
 }
 
-void Accel::clear_depths(const RayBatch& rays, DepthBatch& depths, TraceContext& context) const {
-  if (clear_)
-    bvh_clear_depths(geometry_, *clear_, rays, depths, context);
+void Accel::transparent_depths(const RayBatch& rays, DepthBatch& depths,
+                               TraceContext& context) const {
+  if (transparent_)
+    bvh_transparent_depths(geometry_, *transparent_, rays, depths, context);
   else
-    sum_all_clear(rays, depths, context);
-  if (instances_) instances_->clear_depths(rays, depths, context);
+    sum_all_transparent(rays, depths, context);
+  if (instances_) instances_->transparent_depths(rays, depths, context);
 }
 
-void Accel::sum_all_clear(const RayBatch& rays, DepthBatch& depths, TraceContext& context) const {
+void Accel::sum_all_transparent(const RayBatch& rays, DepthBatch& depths,
+                                TraceContext& context) const {
   for (size_t i = 0; i < rays.size() && !context.stopped(); ++i)
     if (!depths.is_stopped(i))
-      for_each_clear_hit(geometry_, rays[i], context,
-                         [&](const Hit& hit) { depths.add(i, geometry_.depth_of(hit.item)); });
+      for_each_transparent_hit(geometry_, rays[i], context, [&](const Hit& hit) {
+        depths.add(i, geometry_.depth_of(hit.item));
+      });
 }
 
 }  // namespace raio

@@ -33,9 +33,9 @@ std::vector<Vec3d> points_to_see(const Explanation& sample, const RenderSettings
 }  // namespace
 
 // The direction of the eye ray, turned about the vertical, from above; as near as all points allow.
-Aside seen_from_aside(const Explanation& sample, const RenderSettings& settings,
-                      double width_per_height) {
-  Aside out{.camera = settings.camera};
+SideView side_view(const Explanation& sample, const RenderSettings& settings,
+                   double width_per_height) {
+  SideView out{.camera = settings.camera};
   const std::vector<Vec3d> points = points_to_see(sample, settings);
   Box3d box;
   for (const Vec3d& p : points) box.extend(p);

@@ -1,7 +1,7 @@
-// The walk through the cells of a grid: what one of a crowd sweeps, a ray or a beam, is cut into
-// slices one cell thick across its main axis; the lanes work out for eight slices at once which
-// cells of each it may touch. No step waits for the one before. Cells know how far from them the
-// next is that lists anything, and so many slices are skipped. Included by grid_trace.cpp only,
+// The walk through the cells of a grid: what one of a ray group sweeps, a ray or a beam, is cut
+// into slices one cell thick across its main axis; the lanes work out for eight slices at once
+// which cells of each it may touch. No step waits for the one before. Cells know how far from them
+// the next is that lists anything, and so many slices are skipped. Included by grid_trace.cpp only,
 // once for each instruction set.
 //
 // Wald, Ize, Kensler, Knoll and Parker 2006, "Ray Tracing Animated Scenes using Coherent Grid
@@ -23,10 +23,10 @@
 HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
 
-template <class Crowd>
+template <class RayGroup>
 class Sweeper {
  public:
-  Sweeper(const GridBlocks& blocks, Crowd& crowd) : b_(blocks), crowd_(crowd) {
+  Sweeper(const GridBlocks& blocks, RayGroup& group) : b_(blocks), group_(group) {
     size_t pitch = 1;
     for (int a = 0; a < 3; ++a) pitch_[a] = ptrdiff_t(pitch), pitch *= size_t(b_.n[a]);
   }
@@ -34,11 +34,11 @@ class Sweeper {
   HWY_INLINE void sweep(uint32_t id) {
     if (!start(id)) return visit(0, uint32_t(b_.groups.size()), id);
     for (int next = 0; next < count_;) {
-      unsigned left = work_out(next, crowd_.end(id));
+      unsigned left = evaluate(next, group_.end(id));
       int done = kLanes8;
       while (left) {
         const int i = int(hwy::Num0BitsBelowLS1Bit_Nonzero32(left));
-        if (enter_[i] > crowd_.end(id)) return;
+        if (enter_[i] > group_.end(id)) return;
         // To where something may be again.
         const int to = i + 1 + int(float(visit_slice(next + i, i, id)) * pace_);
         done = std::max(done, to);
@@ -52,7 +52,7 @@ class Sweeper {
   // The main axis is that along which most cells are crossed for sure. False where numbers leave
   // the range of floats.
   HWY_INLINE bool start(uint32_t id) {
-    const Sweep s = crowd_.sweep(id);
+    const Sweep s = group_.sweep(id);
     float size = b_.reach;
     for (int a = 0; a < 3; ++a) size = std::max(size, std::abs(s.o[a]));
     const float width = s.start + 2 * kSlack * size;
@@ -74,7 +74,7 @@ class Sweeper {
     // Of 0.0f and -0.0f the first, so that along the axis this is one, too.
     pace_ = std::min(1.0f, slowest[k_] / std::max({0.0f, fastest[u_], fastest[v_]}));
     const bool up = s.d[k_] > 0;
-    const float last = float(b_.n[k_] - 1), t = crowd_.end(id);
+    const float last = float(b_.n[k_] - 1), t = group_.end(id);
     const auto slice = [&](float x) { return int(std::min(std::max(0.0f, x), last)); };
     step_ = up ? 1 : -1;
     first_ = slice(up ? low_[k_] : high_[k_]);
@@ -86,7 +86,7 @@ class Sweeper {
 
   // Where the slices from `next` on, as many as there are lanes, are entered, and which of their
   // cells may be touched. The bits of those that have any.
-  HWY_INLINE unsigned work_out(int next, float end) {
+  HWY_INLINE unsigned evaluate(int next, float end) {
     const auto& f = kEight;
     const hn::RebindToSigned<decltype(kEight)> ints;
     const bool up = step_ > 0;
@@ -131,13 +131,13 @@ class Sweeper {
   HWY_INLINE void visit(uint32_t first, uint32_t end, uint32_t id) {
     for (uint32_t i = first; i < end; ++i) {
       const BlockGroup& group = b_.groups[i];
-      for_bits(crowd_.intersect(id, BoxLanes(group.boxes, group.block)),
-               [&](int k) { crowd_.leaf(group.block[k], &id, 1); });
+      for_bits(group_.intersect(id, BoxLanes(group.boxes, group.block)),
+               [&](int k) { group_.leaf(group.block[k], &id, 1); });
     }
   }
 
   const GridBlocks& b_;
-  Crowd& crowd_;
+  RayGroup& group_;
   ptrdiff_t pitch_[3];
   // Of what is on its way. In cells: at a distance of t, coordinate a lies between low + t *
   // low_rate and high + t * high_rate.
@@ -150,15 +150,15 @@ class Sweeper {
   alignas(32) int32_t u0_[kLanes8], u1_[kLanes8], v0_[kLanes8], v1_[kLanes8];
 };
 
-template <class Crowd>
-void walk(const GridBlocks& blocks, bool without_shared, size_t count, IdLists& lists,
-          Crowd& crowd) {
+template <class RayGroup>
+void traverse(const GridBlocks& blocks, bool without_shared, size_t count, IdLists& lists,
+              RayGroup& group) {
   if (!without_shared)
-    for (const uint32_t ref : blocks.shared) crowd.leaf(ref, lists.ids.data(), count);
+    for (const uint32_t ref : blocks.shared) group.leaf(ref, lists.ids.data(), count);
   if (blocks.groups.empty()) return;
-  Sweeper<Crowd> sweeper(blocks, crowd);
+  Sweeper<RayGroup> sweeper(blocks, group);
   for (size_t i = 0; i < count; ++i)
-    if (crowd.end(lists.ids[i]) > 0) sweeper.sweep(lists.ids[i]);
+    if (group.end(lists.ids[i]) > 0) sweeper.sweep(lists.ids[i]);
 }
 
 }  // namespace raio::HWY_NAMESPACE

@@ -1,6 +1,6 @@
 // A ray's walk and its shading in words: each step of the log is told, in both languages, and the
 // numbers are those of the ray.
-#include "view/walk_words.h"
+#include "view/traversal_words.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -45,7 +45,7 @@ void for_samples(const Scene& scene, AccelKind kind, int pixels, F&& f,
   }
 }
 
-std::string value_of(const WalkStep& step, std::string_view name) {
+std::string value_of(const TraversalStep& step, std::string_view name) {
   for (const auto& [key, value] : step.variables)
     if (key == name) return value;
   return "";
@@ -63,12 +63,12 @@ Vec3d vector_of(const std::string& text) {
 }
 
 void expect_told(const ExplainedRay& ray, const TraceLog& log, AccelKind kind) {
-  const std::vector<WalkStep> steps = walk_words(ray, log, kind);
+  const std::vector<TraversalStep> steps = traversal_words(ray, log, kind);
   ASSERT_FALSE(steps.empty());
   size_t tests = 0;
   int last_step = -1;
   std::set<std::string> tested;
-  for (const WalkStep& step : steps) {
+  for (const TraversalStep& step : steps) {
     EXPECT_FALSE(step.words.empty());
     if (step.test >= 0) {
       EXPECT_EQ(step.test, int(tests)) << "in the order of the log";
@@ -87,7 +87,7 @@ void expect_told(const ExplainedRay& ray, const TraceLog& log, AccelKind kind) {
   }
   const auto repeated = size_t(std::ranges::count_if(log.tests, &TraceLog::Test::repeated));
   EXPECT_EQ(tests + log.unlisted, log.count_tests() + repeated);
-  const WalkStep& end = steps.back();
+  const TraversalStep& end = steps.back();
   EXPECT_EQ(end.test, -1);
   if (ray.hit.found()) {
     EXPECT_THAT(end.words,
@@ -112,7 +112,7 @@ ExplainedRay ray_of(const Accel& accel, const Ray& ray, bool any) {
   return out;
 }
 
-TEST(WalkWords, TellEveryStepAndTest) {
+TEST(TraversalWords, TellEveryStepAndTest) {
   const Scene scene = tests::random_scene(400, 3);
   const RayBatch rays = tests::awkward_rays(scene, 400, 9);
   for (const AccelKind kind : {AccelKind::none, AccelKind::grid, AccelKind::bvh}) {
@@ -128,13 +128,13 @@ TEST(WalkWords, TellEveryStepAndTest) {
   }
 }
 
-TEST(WalkWords, TellTheRaysOfASample) {
+TEST(TraversalWords, TellTheRaysOfASample) {
   const Scene scene = tests::random_scene(60, 7);
   for (const AccelKind kind : {AccelKind::none, AccelKind::grid, AccelKind::bvh})
     for_samples(scene, kind, 20, [&](const Explanation& e, const Accel& accel) {
       for (const ExplainedRay& ray : e.rays) {
         if (!ray.traced) {
-          EXPECT_EQ(walk_words(ray, {}, kind).size(), 1u);
+          EXPECT_EQ(traversal_words(ray, {}, kind).size(), 1u);
           continue;
         }
         const auto log = accel.log(ray.ray, ray.kind == Kind::shadow);
@@ -145,7 +145,7 @@ TEST(WalkWords, TellTheRaysOfASample) {
 }
 
 // A row of 4 cells of length 1, with spheres in the first, third and last.
-TEST(WalkWords, TellAWalkThatIsKnown) {
+TEST(TraversalWords, TellAWalkThatIsKnown) {
   Scene scene;
   scene.materials = {{}};
   scene.spheres = {
@@ -156,7 +156,7 @@ TEST(WalkWords, TellAWalkThatIsKnown) {
   ASSERT_TRUE(accel.has_value());
   const Ray ray{{-1, 0.73f, 0.73f}, {1, 0, 0}};  // past all spheres, through all cells
   auto log = (*accel)->log(ray, false);
-  auto steps = walk_words(ray_of(**accel, ray, false), *log, AccelKind::grid);
+  auto steps = traversal_words(ray_of(**accel, ray, false), *log, AccelKind::grid);
   EXPECT_EQ(steps.front().words, "The ray enters the grid in cell (0, 0, 0) at t = 1");
   EXPECT_NEAR(std::atof(value_of(steps.front(), "tMax.x").c_str()), 2, 1e-4);
   EXPECT_EQ(value_of(steps.front(), "tDelta.x"), "1");
@@ -167,7 +167,7 @@ TEST(WalkWords, TellAWalkThatIsKnown) {
 
   const Ray middle{{1.5f, 0.5f, 0.5f}, {1, 0, 0}};
   log = (*accel)->log(middle, false);
-  steps = walk_words(ray_of(**accel, middle, false), *log, AccelKind::grid);
+  steps = traversal_words(ray_of(**accel, middle, false), *log, AccelKind::grid);
   ASSERT_EQ(steps.size(), 4u);
   EXPECT_EQ(steps[0].words, "The ray starts in cell (1, 0, 0) of the grid");
   EXPECT_THAT(steps[1].words,
@@ -177,7 +177,7 @@ TEST(WalkWords, TellAWalkThatIsKnown) {
   EXPECT_EQ(steps[3].words,
             "The hit of sphere 1 at t = 0.75 lies in this cell (t <= min tMax), so the walk ends");
   log = (*accel)->log(middle, true);
-  steps = walk_words(ray_of(**accel, middle, true), *log, AccelKind::grid);
+  steps = traversal_words(ray_of(**accel, middle, true), *log, AccelKind::grid);
   EXPECT_EQ(steps.back().words,
             "Any hit ends the walk of a shadow ray: sphere 1 is in front of the light");
 }
@@ -189,7 +189,7 @@ Rgb rgb_of(const std::string& text) {
 }
 
 // A ray's weight is that of the ray before it, times the factors that the step names.
-void expect_weight(const WalkStep& step, Rgb before, const std::string& weight) {
+void expect_weight(const TraversalStep& step, Rgb before, const std::string& weight) {
   Rgb expected = before;
   for (const char* factor : {"Ks", "specular", "Kr", "T", "1 - Kr"})
     if (const std::string v = value_of(step, factor); !v.empty()) expected = expected * rgb_of(v);
@@ -210,11 +210,11 @@ void expect_sums(const Scene& scene, const RenderOptions& options) {
   const auto check = [&](const Explanation& e, const Accel&) {
     for (size_t i = 0; i < e.rays.size(); ++i) {
       const ExplainedRay& ray = e.rays[i];
-      const std::vector<WalkStep> steps = shading_words(e, scene, settings, i);
+      const std::vector<TraversalStep> steps = shading_words(e, scene, settings, i);
       ASSERT_FALSE(steps.empty());
       if (ray.kind == Kind::shadow) continue;
       Vec3d sum, told;
-      for (const WalkStep& step : steps) {
+      for (const TraversalStep& step : steps) {
         for (const char* term : {"ambient", "diffuse", "highlight", "background"})
           if (const std::string v = value_of(step, term); !v.empty()) sum = sum + vector_of(v);
         if (const std::string v = value_of(step, "C"); !v.empty()) told = vector_of(v);
@@ -250,9 +250,9 @@ void expect_sums(const Scene& scene, const RenderOptions& options) {
   EXPECT_GT(refractions, 10u);
 }
 
-TEST(WalkWords, TermsOfTheShadingAddUp) { expect_sums(tests::random_scene(60, 7), {}); }
+TEST(TraversalWords, TermsOfTheShadingAddUp) { expect_sums(tests::random_scene(60, 7), {}); }
 
-TEST(WalkWords, TermsOfOtherModelsOfLightAddUp) {
+TEST(TraversalWords, TermsOfOtherModelsOfLightAddUp) {
   Scene scene = tests::random_scene(60, 7);
   for (const bool tinted : {false, true}) {
     for (size_t m = 0; tinted && m < scene.materials.size(); ++m)
@@ -266,7 +266,7 @@ TEST(WalkWords, TermsOfOtherModelsOfLightAddUp) {
 }
 
 // Texts.AllAreInPortuguese knows that the table has all; this, that all is taken from the table.
-TEST(WalkWords, AreAllTranslated) {
+TEST(TraversalWords, AreAllTranslated) {
   const Scene scene = tests::random_scene(60, 7);
   for (const AccelKind kind : {AccelKind::none, AccelKind::grid, AccelKind::bvh}) {
     RenderOptions options;
@@ -280,7 +280,8 @@ TEST(WalkWords, AreAllTranslated) {
         for (const bool walk : {true, false}) {
           const auto told = [&](Language language) {
             set_language(language);
-            auto steps = walk ? walk_words(ray, log, kind) : shading_words(e, scene, settings, i);
+            auto steps =
+                walk ? traversal_words(ray, log, kind) : shading_words(e, scene, settings, i);
             set_language(Language::english);
             return steps;
           };

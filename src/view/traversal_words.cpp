@@ -1,4 +1,4 @@
-#include "view/walk_words.h"
+#include "view/traversal_words.h"
 
 #include <algorithm>
 #include <cmath>
@@ -55,12 +55,12 @@ const char* formula_of(PrimitiveKind kind) {
   return "";
 }
 
-class WalkTeller {
+class TraversalNarrator {
  public:
-  WalkTeller(const ExplainedRay& ray, const TraceLog& log, AccelKind kind)
+  TraversalNarrator(const ExplainedRay& ray, const TraceLog& log, AccelKind kind)
       : ray_(ray), log_(log), grid_(kind == AccelKind::grid), nearest_(ray.ray.tmax) {}
 
-  std::vector<WalkStep> tell() && {
+  std::vector<TraversalStep> tell() && {
     if (!ray_.traced) {
       add(tr("The ray is beyond the last level and is not traced"));
       return std::move(out_);
@@ -79,7 +79,7 @@ class WalkTeller {
  private:
   bool shadow() const { return ray_.kind == Kind::shadow; }
 
-  WalkStep& add(std::string words, std::string formula = {}, Variables variables = {}) {
+  TraversalStep& add(std::string words, std::string formula = {}, Variables variables = {}) {
     out_.push_back({.words = std::move(words),
                     .formula = std::move(formula),
                     .variables = std::move(variables),
@@ -286,13 +286,14 @@ class WalkTeller {
   bool grid_;
   double nearest_, reached_ = 0;
   int at_ = -1;  // the step of the log
-  std::vector<WalkStep> out_;
+  std::vector<TraversalStep> out_;
 };
 
 }  // namespace
 
-std::vector<WalkStep> walk_words(const ExplainedRay& ray, const TraceLog& log, AccelKind kind) {
-  return WalkTeller(ray, log, kind).tell();
+std::vector<TraversalStep> traversal_words(const ExplainedRay& ray, const TraceLog& log,
+                                           AccelKind kind) {
+  return TraversalNarrator(ray, log, kind).tell();
 }
 
 }  // namespace raio::view
