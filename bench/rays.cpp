@@ -23,8 +23,9 @@ constexpr double kGrazingOfEmbree = 0.005;  // share of rays, or of pixels
 
 // Without the smoothing of triangles' normals.
 Surface flat_surface(const Geometry& geometry, const Ray& ray, const Hit& hit) {
-  if (primitive_kind(hit.item) != PrimitiveKind::triangle) return surface_at(geometry, ray, hit);
-  const uint32_t i = primitive_index(hit.item);
+  if (hit.instance || geometry.kind_of(hit.primitive) != PrimitiveKind::triangle)
+    return surface_at(geometry, ray, hit);
+  const uint32_t i = geometry.index_of(PrimitiveKind::triangle, hit.primitive);
   const Triangle t = geometry.triangle(i);
   const Vec3f ab = t.b - t.a, ac = t.c - t.a;
   const float longest = std::max(max_component(abs(ab)), max_component(abs(ac)));
@@ -112,7 +113,7 @@ double differing_rays(const Accel& accel, const Accel& none, const Recording& ra
   size_t differing = 0;
   for (size_t i = 0; i < found.size(); ++i)
     differing += kind == RayKind::shadow ? found[i].found() != expected[i].found()
-                                         : found[i].item != expected.item[i] ||
+                                         : found[i].primitive != expected.primitive[i] ||
                                                (found[i].found() && found[i].t != expected.t[i]);
   return found.empty() ? 0 : double(differing) / double(found.size());
 }
@@ -154,11 +155,11 @@ size_t trace_batch(const Accel& accel, const RayBatch& rays, RayKind kind, HitBa
     hidden.resize(std::max(hidden.size(), padded(rays.size())));
     accel.occluded(rays, hidden.data(), context);
     hits.reset(rays.size());
-    for (size_t i = 0; i < rays.size(); ++i) hits.item[i] = hidden[i] ? 0 : kNoPrimitive;
+    for (size_t i = 0; i < rays.size(); ++i) hits.primitive[i] = hidden[i] ? 0 : kNoPrimitive;
   } else {
     accel.closest(rays, hits, context);
   }
-  for (size_t i = 0; i < rays.size(); ++i) found += hits.item[i] != kNoPrimitive;
+  for (size_t i = 0; i < rays.size(); ++i) found += hits.primitive[i] != kNoPrimitive;
   return found;
 }
 

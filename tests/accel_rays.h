@@ -141,7 +141,7 @@ inline Disagreement disagreement(const Answers& oracle, const Accel& accel, cons
     if (!exact && i % 5 == 3) continue;  // along edges of boxes: in or out are both right
     EXPECT_EQ(oracle.occluded[i] != 0, a.found()) << "the oracle disagrees with itself, ray " << i;
     const bool same =
-        exact ? a.item == b.item && (!a.found() || a.t == b.t)
+        exact ? a.primitive == b.primitive && a.instance == b.instance && (!a.found() || a.t == b.t)
               : a.found() == b.found() && (!a.found() || std::abs(a.t - b.t) <= 1e-4f * a.t);
     out.closest += !same;
     out.occluded += oracle.occluded[i] != found.occluded[i];

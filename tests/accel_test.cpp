@@ -163,7 +163,8 @@ TEST(Accel, EqualDistancesGiveTheLowestPrimitive) {
     HitBatch hits;
     TraceContext context;
     build(scene, {.kind = kind})->closest(rays, hits, context);
-    EXPECT_EQ(hits.item[0], primitive_id(PrimitiveKind::sphere, first)) << accel_name(kind);
+    EXPECT_EQ(hits.primitive[0], accel->geometry().id_of(PrimitiveKind::sphere, first))
+        << accel_name(kind);
   }
 }
 

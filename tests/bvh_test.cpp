@@ -245,7 +245,7 @@ class TreeCheck {
     levels = std::max(levels, depth);
     if (ref_pool(ref) != Pool::nodes) {
       ++blocks;
-      const PrimitiveId* items = b_.items(ref);
+      const PrimitiveId* items = b_.primitives(ref);
       for (int k = 0; k < kBlockWidth; ++k) {
         if (items[k] == kNoPrimitive) continue;
         ++seen[items[k]];

@@ -153,7 +153,7 @@ TEST(CameraControl, PicksWhatParallelRaysHit) {
       EXPECT_NEAR(at.x, (2 * across - 1) * width / height, 1e-5);
       EXPECT_NEAR(at.y, 1 - 2 * down, 1e-5);
       EXPECT_NEAR(at.z, found.depth, 1e-5);
-      if (found.hit.item == hit[0].item) {
+      if (found.hit.primitive == hit[0].primitive) {
         EXPECT_NEAR(found.depth, double(hit[0].t), 1e-3);
       }
     }
@@ -194,7 +194,7 @@ TEST(Gestures, NoDragFlingsTheSceneAway) {
         const CameraAxes axes(before);
         const double half = std::tan(double(before.fov_deg) * std::numbers::pi / 360);
         Pick pick;
-        pick.hit = {}, pick.hit.item = 1, pick.hit.t = 1;
+        pick.hit = {}, pick.hit.primitive = 1, pick.hit.t = 1;
         pick.depth = times * distance;
         pick.point = Vec3d(before.from) + (axes.forward + axes.right * ((x / 256 - 1) * half) +
                                            axes.up * ((1 - y / 256) * half)) *

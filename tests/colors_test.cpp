@@ -133,19 +133,19 @@ TEST(Meshes, NothingIsCopiedWithoutThem) {
   const Geometry geometry(scene);
   EXPECT_EQ(geometry.positions().data(), scene.positions.data());
   EXPECT_FALSE(geometry.any_colors());
-  EXPECT_EQ(geometry.object_of(primitive_id(PrimitiveKind::triangle, 0)), 0u);
+  EXPECT_EQ(geometry.object_of(geometry.id_of(PrimitiveKind::triangle, 0)), 0u);
 }
 
 TEST(Objects, AreKnownOfWhatRaysHit) {
   const Scene s = rich_scene();
   const Geometry geometry(s);
-  EXPECT_EQ(geometry.object_of(primitive_id(PrimitiveKind::sphere, 2)), 1u);
-  EXPECT_EQ(geometry.object_of(primitive_id(PrimitiveKind::sphere, 6)), 3u);
-  EXPECT_EQ(geometry.object_of(primitive_id(PrimitiveKind::plane, 0)), 0u);
-  EXPECT_EQ(geometry.object_of(primitive_id(PrimitiveKind::cone, 0)), 0u);
+  EXPECT_EQ(geometry.object_of(geometry.id_of(PrimitiveKind::sphere, 2)), 1u);
+  EXPECT_EQ(geometry.object_of(geometry.id_of(PrimitiveKind::sphere, 6)), 3u);
+  EXPECT_EQ(geometry.object_of(geometry.id_of(PrimitiveKind::plane, 0)), 0u);
+  EXPECT_EQ(geometry.object_of(geometry.id_of(PrimitiveKind::cone, 0)), 0u);
   std::array<size_t, 4> triangles{};
   for (uint32_t i = 0; i < geometry.count(PrimitiveKind::triangle); ++i)
-    ++triangles.at(geometry.object_of(primitive_id(PrimitiveKind::triangle, i)));
+    ++triangles.at(geometry.object_of(geometry.id_of(PrimitiveKind::triangle, i)));
   EXPECT_EQ(triangles[1], 0u);
   EXPECT_EQ(triangles[2], 3u) << "of the pyramid";
   EXPECT_EQ(triangles[3], 2u) << "of the floor, a polygon of four corners";

@@ -75,9 +75,9 @@ void expect_pixels_explained(const Scene& scene, AccelKind kind, int pixels, uin
         // The last that was nearest is what was hit, or what stopped a shadow ray.
         PrimitiveId last = kNoPrimitive;
         for (const TraceLog::Test& test : log->tests)
-          if (test.nearest) last = test.item;
+          if (test.nearest) last = test.primitive;
         EXPECT_EQ(last != kNoPrimitive, shadow ? r.occluded : r.hit.found());
-        EXPECT_TRUE(shadow || last == r.hit.item);
+        EXPECT_TRUE(shadow || last == r.hit.primitive);
       }
     }
     RenderSettings cropped = settings;

@@ -135,7 +135,7 @@ TEST(Grid, BlocksHoldWhatCellsListAndTheirBoxesToo) {
       for (size_t k = 0; k < kBlockWidth; ++k) {
         const uint32_t ref = group.block[k];
         if (ref == kNoPrimitive) continue;
-        const PrimitiveId* const items = blocks->items(ref);
+        const PrimitiveId* const items = blocks->primitives(ref);
         for (size_t n = 0; n < kBlockWidth && items[n] != kNoPrimitive; ++n)
           found.push_back(items[n]);
         for (int a = 0; a < 3; ++a)

@@ -74,7 +74,7 @@ TEST(Inspection, ARegionHasTheRaysOfItsPixels) {
   for (const RegionRay& r : row->rays) {
     // A ray that is stopped is stopped by something.
     if (r.kind == RayKind::stopped) {
-      EXPECT_NE(r.item, kNoPrimitive);
+      EXPECT_TRUE(r.hit.has_value());
     }
   }
   q.options.width = q.options.height = 300;
@@ -87,7 +87,7 @@ TEST(Inspection, ARegionHasTheRaysOfItsPixels) {
 
 TEST(Inspection, FiltersByKindLevelAndWhatIsHit) {
   RegionRay eye, mirrored;
-  eye.item = primitive_id(PrimitiveKind::sphere, 3), eye.material = 2;
+  eye.hit = PrimitiveKind::sphere, eye.material = 2;
   mirrored.kind = RayKind::reflected, mirrored.level = 2;
   RayFilter filter;
   EXPECT_TRUE(filter.passes(eye) && filter.passes(mirrored));

@@ -5,7 +5,9 @@
 
 #include <cmath>
 #include <random>
+#include <set>
 
+#include "accel/primitive_numbers.h"
 #include "accel_rays.h"
 #include "integrate/film.h"
 #include "integrate/surface.h"
@@ -92,9 +94,8 @@ TEST(Instances, AllStructuresAgree) {
       const auto all = tests::answers(*none, rays), seen = tests::answers(*none, eyes);
       size_t hits = 0, of_copies = 0;
       for (size_t i = 0; i < rays.size(); ++i) {
-        const PrimitiveId id = all.closest.item[i];
         hits += all.closest[i].found();
-        of_copies += all.closest[i].found() && none->geometry().is_copied(id);
+        of_copies += all.closest[i].found() && all.closest.instance[i] != 0;
       }
       EXPECT_GT(hits, rays.size() / 10);
       EXPECT_GT(of_copies, rays.size() / 20);
@@ -106,7 +107,7 @@ TEST(Instances, AllStructuresAgree) {
         EXPECT_EQ(d.closest + d.occluded, 0u) << seed << ' ' << accel_name(options.kind);
         const auto e = disagreement(seen, *accel, eyes, true, true);
         EXPECT_EQ(e.closest + e.occluded, 0u) << seed << ' ' << accel_name(options.kind);
-        EXPECT_EQ(accel->info().copies, 11u);
+        EXPECT_EQ(accel->info().instances, 11u);
         EXPECT_GT(accel->info().bytes, build(scene, {.kind = AccelKind::none})->info().bytes);
       }
     }
@@ -120,7 +121,7 @@ TEST(Instances, WhatIsClearIsMetInOrder) {
     const RayBatch rays = awkward_rays(scene, 2000, seed);
     HitBatch after, first, second;
     after.reset(rays.size());
-    for (size_t i = 0; i < rays.size(); ++i) after.set(i, {.t = 0, .item = 0});
+    for (size_t i = 0; i < rays.size(); ++i) after.set(i, {.t = 0, .primitive = 0});
     TraceContext context;
     std::vector<uint32_t> sums(rays.size());
     size_t layers = 0, found = 1;
@@ -129,14 +130,17 @@ TEST(Instances, WhatIsClearIsMetInOrder) {
       tree->next_transparent(rays, after, second, context);
       found = 0;
       for (size_t i = 0; i < rays.size(); ++i) {
-        ASSERT_EQ(first[i].item, second[i].item) << layers << ' ' << i;
+        ASSERT_EQ(first[i].primitive, second[i].primitive) << layers << ' ' << i;
+        ASSERT_EQ(first[i].instance, second[i].instance) << layers << ' ' << i;
         if (!first[i].found()) {
-          after.set(i, {.t = std::numeric_limits<float>::infinity(), .item = 0});
+          after.set(i, {.t = std::numeric_limits<float>::infinity(), .primitive = 0});
           continue;
         }
         ASSERT_EQ(first.t[i], second.t[i]);
         ASSERT_TRUE(comes_before(after[i], first[i]));
-        sums[i] = std::min(sums[i] + none->geometry().depth_of(first.item[i]), kMaxOpticalDepth);
+        sums[i] = std::min(
+            sums[i] + none->geometry().object_at(first.instance[i]).depth_of(first.primitive[i]),
+            kMaxOpticalDepth);
         after.set(i, first[i]);
         ++found;
       }
@@ -174,7 +178,7 @@ TEST(Instances, ClearFacesOnFacesAreAllMet) {
   const RayBatch rays = awkward_rays(scene, 4000, 7);
   HitBatch after, next;
   after.reset(rays.size());
-  for (size_t i = 0; i < rays.size(); ++i) after.set(i, {.t = 0, .item = 0});
+  for (size_t i = 0; i < rays.size(); ++i) after.set(i, {.t = 0, .primitive = 0});
   TraceContext context;
   std::vector<uint32_t> sums(rays.size());
   DepthBatch depths;
@@ -184,10 +188,12 @@ TEST(Instances, ClearFacesOnFacesAreAllMet) {
     found = 0;
     for (size_t i = 0; i < rays.size(); ++i) {
       if (!next[i].found()) {
-        after.set(i, {.t = std::numeric_limits<float>::infinity(), .item = 0});
+        after.set(i, {.t = std::numeric_limits<float>::infinity(), .primitive = 0});
         continue;
       }
-      sums[i] = std::min(sums[i] + tree->geometry().depth_of(next.item[i]), kMaxOpticalDepth);
+      sums[i] = std::min(
+          sums[i] + tree->geometry().object_at(next.instance[i]).depth_of(next.primitive[i]),
+          kMaxOpticalDepth);
       after.set(i, next[i]);
       ++found;
     }
@@ -305,27 +311,93 @@ TEST(Instances, AStretchedBallIsAnEllipsoid) {
   }
 }
 
-TEST(Instances, CopiesHaveIdsOfTheirOwn) {
-  const Scene scene = copied_scene(1);
+// Calls f(object, id, instance) for all primitives of instances, those within instances included.
+void for_each_instanced(const Geometry& geometry, auto&& f, InstanceId around = 0) {
+  for (uint32_t i = 0; i < geometry.scene().instances.size(); ++i) {
+    const Geometry& object = geometry.placed(geometry.instance_id(i)).object;
+    for_each_kind([&]<PrimitiveKind kind> {
+      for (uint32_t k = 0; k < object.count(kind); ++k)
+        f(object, object.id_of(kind, k), around + geometry.instance_id(i));
+    });
+    if (object.has_instances()) for_each_instanced(object, f, around + geometry.instance_id(i));
+  }
+}
+
+TEST(Instances, HaveIdsOfTheirOwn) {
+  for (const bool nested : {false, true}) {
+    const Scene scene = nested ? tests::nested_scene() : copied_scene(1);
+    const auto accel = build(scene, {.kind = AccelKind::bvh});
+    const Geometry& geometry = accel->geometry();
+    const PrimitiveNumbers numbers(geometry);
+    std::set<uint64_t> seen;
+    std::set<InstanceId> instances;
+    for_each_kind([&]<PrimitiveKind kind> {
+      for (uint32_t i = 0; i < geometry.count(kind); ++i) {
+        const PrimitiveId id = geometry.id_of(kind, i);
+        EXPECT_EQ(geometry.kind_of(id), kind);
+        EXPECT_EQ(geometry.index_of(id), i);
+        seen.insert(numbers.number(id, 0));
+      }
+    });
+    for_each_instanced(geometry, [&](const Geometry& object, PrimitiveId id, InstanceId instance) {
+      ASSERT_LE(instance, geometry.count_instances());
+      instances.insert(instance);
+      EXPECT_EQ(&geometry.object_at(instance), &object);
+      EXPECT_EQ(geometry.material_of(id, instance), object.material_of(id));
+      const Hit hit{1, id, 0, 0, instance};
+      EXPECT_TRUE(geometry.same_object(hit, hit));
+      seen.insert(numbers.number(id, instance));
+    });
+    EXPECT_EQ(instances.size(), geometry.count_instances());
+    // 1, 2, ... without a gap.
+    EXPECT_EQ(seen.size(), numbers.count());
+    EXPECT_EQ(*seen.begin(), 1u);
+    EXPECT_EQ(*seen.rbegin(), numbers.count());
+    // Polygons count as their triangles.
+    EXPECT_GE(numbers.count(), scene.primitive_count());
+  }
+}
+
+// 60,000 instances of 10,000 triangles: more than fit where an id has a few bits for the kind.
+TEST(Instances, MayShowMorePrimitivesThanOneObjectHolds) {
+  constexpr uint32_t kSide = 100, kInstances = 60'000, kRow = 300;
+  Scene scene;
+  scene.materials.emplace_back();
+  Scene object;
+  object.materials = scene.materials;
+  // Triangles side by side in the plane z = 0, each in a cell of size 1 / kSide.
+  for (uint32_t i = 0; i < kSide * kSide; ++i) {
+    const float x = float(i % kSide) / kSide, y = float(i / kSide) / kSide, e = 1.0f / kSide;
+    const auto first = uint32_t(object.positions.size());
+    for (const Vec3f corner : {Vec3f(x, y, 0), Vec3f(x + e, y, 0), Vec3f(x, y + e, 0)})
+      object.positions.push_back(corner);
+    object.triangles.push_back({first, first + 1, first + 2});
+    object.triangle_materials.push_back(0);
+  }
+  scene.prototypes.push_back(object);
+  for (uint32_t i = 0; i < kInstances; ++i)
+    scene.instances.push_back(
+        {0, {1, 0, 0, float(i % kRow), 0, 1, 0, float(i / kRow), 0, 0, 1, 0}});
+  ASSERT_THAT(validate(scene), IsEmpty());
   const auto accel = build(scene, {.kind = AccelKind::bvh});
-  const Geometry& geometry = accel->geometry();
-  size_t all = 0;
-  for_each_kind([&]<PrimitiveKind kind> {
-    const size_t own = geometry.count(kind), count = geometry.count_all(kind);
-    all += count;
-    for (size_t i = own; i < count; ++i) {
-      const PrimitiveId id = primitive_id(kind, uint32_t(i));
-      ASSERT_TRUE(geometry.is_copied(id));
-      const Geometry::Origin from = geometry.origin_of(id);
-      EXPECT_EQ(&from.object.scene(), &scene.prototypes[scene.instances[from.instance].prototype]);
-      EXPECT_EQ(geometry.id_in(from.instance, from.id), id);
-      EXPECT_EQ(geometry.material_of(id), from.object.material_of(from.id));
-      EXPECT_EQ(geometry.object_of(id), 0u);
-      EXPECT_TRUE(geometry.same_object(id, primitive_id(kind, uint32_t(own))));
-    }
-  });
-  // Polygons count as their triangles.
-  EXPECT_GE(all, scene.primitive_count());
+  const PrimitiveNumbers numbers(accel->geometry());
+  EXPECT_EQ(numbers.count(), uint64_t(kInstances) * kSide * kSide);
+  RayBatch rays;
+  for (const uint32_t i : {0u, 53'687u, 53'688u, kInstances - 1})
+    rays.push({{float(i % kRow) + 0.993f, float(i / kRow) + 0.992f, 5}, {0, 0, -1}});
+  HitBatch hits;
+  hits.reset(rays.size());
+  TraceContext context;
+  accel->closest(rays, hits, context);
+  size_t k = 0;
+  for (const uint32_t i : {0u, 53'687u, 53'688u, kInstances - 1}) {
+    const Hit hit = hits[k++];
+    ASSERT_TRUE(hit.found());
+    EXPECT_EQ(hit.t, 5);
+    EXPECT_EQ(accel->geometry().placed(hit.instance).index, i);
+    EXPECT_EQ(hit.primitive, kSide * kSide - 1);
+    EXPECT_EQ(numbers.number(hit.primitive, hit.instance), uint64_t(i + 1) * kSide * kSide);
+  }
 }
 
 // A copy's own object counts before those within; copies and what is written out have the same.
@@ -334,13 +406,15 @@ TEST(Instances, CopiesBelongToObjects) {
   for (auto* some : {&scene.prototypes[1].instances[1].matrix}) *some = kIdentity;
   const auto accel = build(scene, {.kind = AccelKind::bvh});
   const Geometry& geometry = accel->geometry();
-  const auto sphere = [&](uint32_t i) {
-    return primitive_id(PrimitiveKind::sphere, uint32_t(scene.spheres.size()) + i);
-  };
+  std::vector<Hit> spheres;
+  for_each_instanced(geometry, [&](const Geometry& object, PrimitiveId id, InstanceId instance) {
+    if (object.kind_of(id) == PrimitiveKind::sphere) spheres.push_back({1, id, 0, 0, instance});
+  });
+  const auto sphere = [&](uint32_t i) { return spheres.at(i); };
   // Two of the first copy, four of each of the others.
   const uint32_t objects[] = {2, 0, 1, 1, 1, 1, 1, 1, 1, 1};
   for (uint32_t i = 0; i < std::size(objects); ++i)
-    EXPECT_EQ(geometry.object_of(sphere(i)), objects[i]) << i;
+    EXPECT_EQ(geometry.object_of(sphere(i).primitive, sphere(i).instance), objects[i]) << i;
   EXPECT_TRUE(geometry.same_object(sphere(2), sphere(9)));  // of a range of copies
   EXPECT_FALSE(geometry.same_object(sphere(0), sphere(1)));
   EXPECT_FALSE(geometry.same_object(sphere(1), sphere(2)));
@@ -354,8 +428,8 @@ TEST(Instances, CopiesBelongToObjects) {
   scene.object_ranges = {};
   const auto others = build(scene, {.kind = AccelKind::bvh});
   const Geometry& there = others->geometry();
-  EXPECT_EQ(there.object_of(sphere(2)), 2u);
-  EXPECT_EQ(there.object_of(sphere(4)), 2u);
+  EXPECT_EQ(there.object_of(sphere(2).primitive, sphere(2).instance), 2u);
+  EXPECT_EQ(there.object_of(sphere(4).primitive, sphere(4).instance), 2u);
   EXPECT_TRUE(there.same_object(sphere(2), sphere(2)));
   EXPECT_FALSE(there.same_object(sphere(2), sphere(4)));  // copies within a copy
   EXPECT_FALSE(there.same_object(sphere(2), sphere(6)));

@@ -168,8 +168,9 @@ TEST(Motion, StructuresAgreeOnRaysOfAnyTime) {
     const tests::Answers expected = tests::answers(*oracle, rays);
     size_t of_moving = 0;
     for (size_t i = 0; i < rays.size(); ++i)
-      of_moving += expected.closest[i].found() &&
-                   primitive_kind(expected.closest[i].item) >= PrimitiveKind::moving_sphere;
+      of_moving +=
+          expected.closest[i].found() &&
+          oracle->geometry().kind_of(expected.closest[i].primitive) >= PrimitiveKind::moving_sphere;
     EXPECT_GT(of_moving, 500u);
     for (const AccelKind kind : {AccelKind::grid, AccelKind::bvh})
       for (const bool coherent : {false, true}) {

@@ -274,7 +274,7 @@ TEST(Opacity, TheTreeFindsTheLayersOfBruteForce) {
     TraceContext context;
     HitBatch after, first, second;
     after.reset(rays.size());
-    for (size_t i = 0; i < rays.size(); ++i) after.set(i, {.t = 0, .item = 0});
+    for (size_t i = 0; i < rays.size(); ++i) after.set(i, {.t = 0, .primitive = 0});
     size_t found = 1;
     for (int layer = 0; found > 0; ++layer) {
       ASSERT_LT(layer, 500);
@@ -282,7 +282,7 @@ TEST(Opacity, TheTreeFindsTheLayersOfBruteForce) {
       (*tree)->next_transparent(rays, after, second, context);
       found = 0;
       for (size_t i = 0; i < rays.size(); ++i) {
-        ASSERT_EQ(first.item[i], second.item[i]) << layer << ' ' << i;
+        ASSERT_EQ(first.primitive[i], second.primitive[i]) << layer << ' ' << i;
         if (!first[i].found()) {
           after.set(i, {});  // behind everything
           continue;
@@ -310,11 +310,11 @@ TEST(Opacity, TheTreeFindsTheLayersOfBruteForce) {
     // And by keys, of which each ray has its own.
     std::vector<uint32_t> keys;
     for (uint32_t i = 0; i < rays.size(); ++i) keys.push_back(scramble(i));
-    for (size_t i = 0; i < rays.size(); ++i) after.set(i, {.t = 0, .item = 0});
+    for (size_t i = 0; i < rays.size(); ++i) after.set(i, {.t = 0, .primitive = 0});
     (*none)->next_transparent(rays, after, first, context, keys.data());
     (*tree)->next_transparent(rays, after, second, context, keys.data());
     for (size_t i = 0; i < rays.size(); ++i) {
-      ASSERT_EQ(first.item[i], second.item[i]) << i;
+      ASSERT_EQ(first.primitive[i], second.primitive[i]) << i;
       if (first[i].found()) {
         ASSERT_EQ(first.t[i], second.t[i]) << i;
       }

@@ -62,8 +62,9 @@ Vec3d vector_of(const std::string& text) {
   return v;
 }
 
-void expect_told(const ExplainedRay& ray, const TraceLog& log, AccelKind kind) {
-  const std::vector<TraversalStep> steps = traversal_words(ray, log, kind);
+void expect_told(const ExplainedRay& ray, const TraceLog& log, const Geometry& geometry,
+                 AccelKind kind) {
+  const std::vector<TraversalStep> steps = traversal_words(ray, log, geometry, kind);
   ASSERT_FALSE(steps.empty());
   size_t tests = 0;
   int last_step = -1;
@@ -90,10 +91,10 @@ void expect_told(const ExplainedRay& ray, const TraceLog& log, AccelKind kind) {
   const TraversalStep& end = steps.back();
   EXPECT_EQ(end.test, -1);
   if (ray.hit.found()) {
-    EXPECT_THAT(end.words,
-                HasSubstr(fmt::format("{} {} at t = {:.4g}",
-                                      kPrimitiveKindNames[size_t(primitive_kind(ray.hit.item))],
-                                      primitive_index(ray.hit.item), ray.hit.t)));
+    EXPECT_THAT(end.words, HasSubstr(fmt::format(
+                               "{} {} at t = {:.4g}",
+                               kPrimitiveKindNames[size_t(geometry.kind_of(ray.hit.primitive))],
+                               geometry.index_of(ray.hit.primitive), ray.hit.t)));
     EXPECT_GE(end.t, double(ray.hit.t) * (1 - 1e-6));
   }
   if (kind != AccelKind::grid) return;
@@ -123,7 +124,7 @@ TEST(TraversalWords, TellEveryStepAndTest) {
         SCOPED_TRACE(testing::Message() << "ray " << i << " any " << any);
         const auto log = (*accel)->log(rays[i], any);
         ASSERT_TRUE(log.has_value());
-        expect_told(ray_of(**accel, rays[i], any), *log, kind);
+        expect_told(ray_of(**accel, rays[i], any), *log, (*accel)->geometry(), kind);
       }
   }
 }
@@ -134,12 +135,12 @@ TEST(TraversalWords, TellTheRaysOfASample) {
     for_samples(scene, kind, 20, [&](const Explanation& e, const Accel& accel) {
       for (const ExplainedRay& ray : e.rays) {
         if (!ray.traced) {
-          EXPECT_EQ(traversal_words(ray, {}, kind).size(), 1u);
+          EXPECT_EQ(traversal_words(ray, {}, accel.geometry(), kind).size(), 1u);
           continue;
         }
         const auto log = accel.log(ray.ray, ray.kind == Kind::shadow);
         ASSERT_TRUE(log.has_value());
-        expect_told(ray, *log, kind);
+        expect_told(ray, *log, accel.geometry(), kind);
       }
     });
 }
@@ -156,7 +157,8 @@ TEST(TraversalWords, TellAWalkThatIsKnown) {
   ASSERT_TRUE(accel.has_value());
   const Ray ray{{-1, 0.73f, 0.73f}, {1, 0, 0}};  // past all spheres, through all cells
   auto log = (*accel)->log(ray, false);
-  auto steps = traversal_words(ray_of(**accel, ray, false), *log, AccelKind::grid);
+  auto steps =
+      traversal_words(ray_of(**accel, ray, false), *log, (*accel)->geometry(), AccelKind::grid);
   EXPECT_EQ(steps.front().words, "The ray enters the grid in cell (0, 0, 0) at t = 1");
   EXPECT_NEAR(std::atof(value_of(steps.front(), "tMax.x").c_str()), 2, 1e-4);
   EXPECT_EQ(value_of(steps.front(), "tDelta.x"), "1");
@@ -167,7 +169,8 @@ TEST(TraversalWords, TellAWalkThatIsKnown) {
 
   const Ray middle{{1.5f, 0.5f, 0.5f}, {1, 0, 0}};
   log = (*accel)->log(middle, false);
-  steps = traversal_words(ray_of(**accel, middle, false), *log, AccelKind::grid);
+  steps =
+      traversal_words(ray_of(**accel, middle, false), *log, (*accel)->geometry(), AccelKind::grid);
   ASSERT_EQ(steps.size(), 4u);
   EXPECT_EQ(steps[0].words, "The ray starts in cell (1, 0, 0) of the grid");
   EXPECT_THAT(steps[1].words,
@@ -177,7 +180,8 @@ TEST(TraversalWords, TellAWalkThatIsKnown) {
   EXPECT_EQ(steps[3].words,
             "The hit of sphere 1 at t = 0.75 lies in this cell (t <= min tMax), so the walk ends");
   log = (*accel)->log(middle, true);
-  steps = traversal_words(ray_of(**accel, middle, true), *log, AccelKind::grid);
+  steps =
+      traversal_words(ray_of(**accel, middle, true), *log, (*accel)->geometry(), AccelKind::grid);
   EXPECT_EQ(steps.back().words,
             "Any hit ends the walk of a shadow ray: sphere 1 is in front of the light");
 }
@@ -280,8 +284,8 @@ TEST(TraversalWords, AreAllTranslated) {
         for (const bool walk : {true, false}) {
           const auto told = [&](Language language) {
             set_language(language);
-            auto steps =
-                walk ? traversal_words(ray, log, kind) : shading_words(e, scene, settings, i);
+            auto steps = walk ? traversal_words(ray, log, accel.geometry(), kind)
+                              : shading_words(e, scene, settings, i);
             set_language(Language::english);
             return steps;
           };

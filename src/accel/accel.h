@@ -94,17 +94,21 @@ class RayBatch {
 class HitBatch {
  public:
   Column<float> t;
-  Column<PrimitiveId> item;
+  Column<PrimitiveId> primitive;
   Column<float> u, v;
+  Column<InstanceId> instance;  // 0 unless the scene has instances
 
-  /// Makes room for at least n hits, all unset.
+  /// Makes room for at least n hits, all unset but that they belong to no instance.
   void reset(size_t n) {
     if (n <= t.size()) return;
     n = padded(n);
-    t.resize(n), item.resize(n), u.resize(n), v.resize(n);
+    t.resize(n), primitive.resize(n), u.resize(n), v.resize(n);
+    instance.assign(n, 0);
   }
-  void set(size_t i, const Hit& h) { t[i] = h.t, item[i] = h.item, u[i] = h.u, v[i] = h.v; }
-  Hit operator[](size_t i) const { return {t[i], item[i], u[i], v[i]}; }
+  void set(size_t i, const Hit& h) {
+    t[i] = h.t, primitive[i] = h.primitive, u[i] = h.u, v[i] = h.v, instance[i] = h.instance;
+  }
+  Hit operator[](size_t i) const { return {t[i], primitive[i], u[i], v[i], instance[i]}; }
 };
 
 /// What tracing a batch may read and must count into; one per thread.
@@ -126,7 +130,7 @@ struct AccelInfo {
   size_t references = 0;  // primitives listed in all cells together
   std::array<int, 3> resolution{0, 0, 0};
   size_t oversized = 0;  // primitives kept outside and tested by every ray
-  size_t copies = 0;     // of objects that have a structure of their own, which counts once
+  size_t instances = 0;  // of objects that have a structure of their own, which counts once
 };
 
 /// A box of a structure, for people to look at.
@@ -202,7 +206,7 @@ class Accel {
   /// without it they try all primitives. The error is one line: memory that would not suffice.
   std::optional<std::string> build_transparent();
 
-  /// From now on the copies of the scene's instances are met as well. The error is one line.
+  /// From now on rays hit the scene's instances, too. The error is one line.
   std::optional<std::string> add_instances(std::unique_ptr<const Instances> instances);
 
   /// What a ray does on its own, step by step, to find its nearest hit, or any hit: the tests and
@@ -224,7 +228,7 @@ class Accel {
   Geometry geometry_;
 
  private:
-  // The same without copies: what a structure does.
+  // The same without instances: what a structure does.
   virtual void find_closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const = 0;
   virtual void find_any(const RayBatch& rays, uint8_t* hit, TraceContext& context) const = 0;
   virtual AccelInfo describe() const = 0;

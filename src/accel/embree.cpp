@@ -92,10 +92,10 @@ class Embree final : public Accel {
       query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
       call<kEmbree, rtcIntersect1>(scene_, &embree, &query);
       if (query.hit.geomID != RTC_INVALID_GEOMETRY_ID)
-        hits.set(i,
-                 refined(rays[i], {query.ray.tfar,
-                                   primitive_id(PrimitiveKind(query.hit.geomID), query.hit.primID),
-                                   query.hit.u, query.hit.v}));
+        hits.set(
+            i, refined(rays[i], {query.ray.tfar,
+                                 geometry_.id_of(PrimitiveKind(query.hit.geomID), query.hit.primID),
+                                 query.hit.u, query.hit.v}));
     }
   }
 
@@ -129,9 +129,7 @@ class Embree final : public Accel {
 
   // What is clear is not in Embree's scene, which leaves out what is no number.
   static constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  bool is_here(PrimitiveKind kind, uint32_t i) const {
-    return geometry_.is_opaque(primitive_id(kind, i));
-  }
+  bool is_here(PrimitiveKind kind, uint32_t i) const { return geometry_.is_opaque(kind, i); }
 
   void add_spheres() {
     const size_t n = geometry_.count(PrimitiveKind::sphere);
@@ -196,12 +194,12 @@ class Embree final : public Accel {
     const unsigned n = args->N;
     for (unsigned i = 0; i < n; ++i) {
       if (args->valid[i] != -1) continue;
-      const PrimitiveId id = primitive_id(PrimitiveKind(RTCHitN_geomID(args->hit, n, i)),
-                                          RTCHitN_primID(args->hit, n, i));
+      const auto kind = PrimitiveKind(RTCHitN_geomID(args->hit, n, i));
       const float cosine = RTCHitN_Ng_x(args->hit, n, i) * RTCRayN_dir_x(args->ray, n, i) +
                            RTCHitN_Ng_y(args->hit, n, i) * RTCRayN_dir_y(args->ray, n, i) +
                            RTCHitN_Ng_z(args->hit, n, i) * RTCRayN_dir_z(args->ray, n, i);
-      if (!visible(self.geometry_.sides_of(id), cosine)) args->valid[i] = 0;
+      if (!visible(self.geometry_.sides_of(kind, RTCHitN_primID(args->hit, n, i)), cosine))
+        args->valid[i] = 0;
     }
   }
 
@@ -275,7 +273,7 @@ class Embree final : public Accel {
   // A grazing hit that Raio's test does not see stays as it is.
   Hit refined(const Ray& ray, const Hit& hit) const {
     RayQuery query(ray);
-    return test_primitive(geometry_, hit.item, query) ? query.best : hit;
+    return test_primitive(geometry_, hit.primitive, query) ? query.best : hit;
   }
 
   // Lanes first .. first + 7 of the batch; `tfar` and `valid` are set by the caller.
@@ -307,7 +305,7 @@ class Embree final : public Accel {
         hits.set(first + k,
                  refined(rays[first + k],
                          {query.ray.tfar[k],
-                          primitive_id(PrimitiveKind(query.hit.geomID[k]), query.hit.primID[k]),
+                          geometry_.id_of(PrimitiveKind(query.hit.geomID[k]), query.hit.primID[k]),
                           query.hit.u[k], query.hit.v[k]}));
   }
 

@@ -88,6 +88,12 @@ Geometry::Geometry(const Scene& scene, bool one_sided, bool with_sources, float 
       any_transparent_(opacity < 1 || raio::any_transparent(scene)),
       opacity_(opacity) {
   bake_triangles();
+  for_each_kind([&]<PrimitiveKind kind> {
+    size_t count = facets_.size();
+    if constexpr (kind != PrimitiveKind::triangle)
+      count = (scene.*kPoolOf<PrimitiveType<kind>>.shapes).size();
+    first_[size_t(kind) + 1] = first_[size_t(kind)] + PrimitiveId(count);
+  });
   bake_colors();
   if (any_transparent_) bake_depths();
   for_each_kind([&]<PrimitiveKind kind> {
@@ -117,7 +123,7 @@ double Geometry::bytes_to_bake(const Scene& s) {
   if (pieces > 0) pieces += triangles;
   double piece = sizeof(Facet) + 2 * sizeof(TriangleIndices);
   if (raio::any_colors(s) || !s.object_ranges.empty()) piece += sizeof(uint32_t) + sizeof(Rgb);
-  double baked = 0, own = triangles + pieces;  // of its own, not of its copies
+  double baked = 0, own = triangles + pieces;  // without instances
   for_each_kind([&]<PrimitiveKind kind> {
     if constexpr (kind != PrimitiveKind::triangle) {
       const auto count = double((s.*kPoolOf<PrimitiveType<kind>>.shapes).size());
@@ -296,7 +302,7 @@ void Geometry::bake_depths() {
       } else {
         const Array<float>& own = s.*kPoolOf<PrimitiveType<kind>>.opacity;
         if (!own.empty()) return own[i];
-        return opacity_of(material_of(primitive_id(kind, uint32_t(i))));
+        return opacity_of(material_of(id_of(kind, uint32_t(i))));
       }
     };
     std::atomic<bool> any = false;
@@ -317,7 +323,7 @@ std::vector<PrimitiveId> Geometry::list(const Wanted& wanted) const {
   std::vector<PrimitiveId> out;
   for_each_bounded_kind([&]<PrimitiveKind kind> {
     for (uint32_t i = 0; i < count(kind); ++i)
-      if (const PrimitiveId id = primitive_id(kind, i); wanted(depth_of(id))) out.push_back(id);
+      if (wanted(depth_of(kind, i))) out.push_back(id_of(kind, i));
   });
   return out;
 }
@@ -339,17 +345,18 @@ std::span<const Rgb> Geometry::colors(PrimitiveKind kind) const {
   });
 }
 
-uint32_t Geometry::object_of(PrimitiveId id) const {
+uint32_t Geometry::object_of(PrimitiveId id, InstanceId instance) const {
   const Scene& s = *scene_;
-  if (is_copied(id)) {
-    const Origin from = origin_of(id);
-    const uint32_t own = raio::object_of(s, PoolKind::instance, from.instance);
-    return own ? own : from.object.object_of(from.id);
+  if (instance) {
+    const Placed at = placed(instance);
+    const uint32_t own = raio::object_of(s, PoolKind::instance, at.index);
+    return own ? own : at.object.object_of(id, at.inner);
   }
   if (s.object_ranges.empty()) return 0;
-  const uint32_t index = primitive_index(id);
-  if (primitive_kind(id) != PrimitiveKind::triangle)
-    return with_kind(primitive_kind(id), [&]<PrimitiveKind kind> {
+  const PrimitiveKind its_kind = kind_of(id);
+  const uint32_t index = index_of(its_kind, id);
+  if (its_kind != PrimitiveKind::triangle)
+    return with_kind(its_kind, [&]<PrimitiveKind kind> {
       if constexpr (kind == PrimitiveKind::triangle)
         return uint32_t(0);
       else
@@ -362,15 +369,19 @@ uint32_t Geometry::object_of(PrimitiveId id) const {
   return raio::object_of(s, PoolKind::mesh, mesh_of(source));
 }
 
-bool Geometry::same_object(PrimitiveId a, PrimitiveId b) const {
-  const uint32_t object = object_of(a);
-  if (object != object_of(b)) return false;
-  if (object == 0 || !is_copied(a) || !is_copied(b)) return true;
-  const Origin from = origin_of(a), other = origin_of(b);
-  // The copies themselves belong to it, or what they show does.
-  const uint32_t own = raio::object_of(*scene_, PoolKind::instance, from.instance);
-  if (own || raio::object_of(*scene_, PoolKind::instance, other.instance)) return true;
-  return from.instance == other.instance && from.object.same_object(from.id, other.id);
+bool Geometry::same_object(const Hit& a, const Hit& b) const {
+  return same_object(a.primitive, a.instance, b.primitive, b.instance);
+}
+
+bool Geometry::same_object(PrimitiveId a, InstanceId in_a, PrimitiveId b, InstanceId in_b) const {
+  const uint32_t object = object_of(a, in_a);
+  if (object != object_of(b, in_b)) return false;
+  if (object == 0 || !in_a || !in_b) return true;
+  const Placed at = placed(in_a), other = placed(in_b);
+  // The instances themselves belong to it, or what they show does.
+  const uint32_t own = raio::object_of(*scene_, PoolKind::instance, at.index);
+  if (own || raio::object_of(*scene_, PoolKind::instance, other.index)) return true;
+  return at.index == other.index && at.object.same_object(a, at.inner, b, other.inner);
 }
 
 // Which side of each primitive is seen, for the kinds that have one of which it is not both.
@@ -383,9 +394,8 @@ void Geometry::list_sides(bool one_sided) {
     bool inside_only = false;
     if constexpr (!kIsTriangle)
       inside_only = only_inside_seen((s.*kPoolOf<PrimitiveType<kind>>.shapes)[i]);
-    const MaterialId material = material_of(primitive_id(kind, uint32_t(i)));
-    const bool opaque =
-        s.materials[material].transmission == 0 && is_opaque(primitive_id(kind, uint32_t(i)));
+    const MaterialId material = material_of(id_of(kind, uint32_t(i)));
+    const bool opaque = s.materials[material].transmission == 0 && is_opaque(kind, uint32_t(i));
     return inside_only ? Sides::inside : one_sided && opaque ? Sides::outside : Sides::both;
   };
   std::atomic<bool> any = false;
@@ -400,67 +410,55 @@ void Geometry::list_sides(bool one_sided) {
   for_each_index(sides.size(), [&](size_t i) { sides[i] = side(i); });
 }
 
-size_t Geometry::count(PrimitiveKind kind) const {
-  return with_kind(kind, [&]<PrimitiveKind k> {
-    if constexpr (k == PrimitiveKind::triangle)
-      return facets_.size();
-    else
-      return (scene_->*kPoolOf<PrimitiveType<k>>.shapes).size();
-  });
-}
-
-size_t Geometry::count_all(PrimitiveKind kind) const {
-  const auto& first = first_copied_[size_t(kind)];
-  if (first.empty()) return count(kind);
-  return first.back() + objects_[scene_->instances[first.size() - 1].prototype]->count_all(kind);
+uint64_t Geometry::count_all(PrimitiveKind kind) const {
+  uint64_t sum = count(kind);
+  for (const Instance& instance : scene_->instances)
+    if (has_instances()) sum += objects_[instance.prototype]->count_all(kind);
+  return sum;
 }
 
 std::optional<std::string> Geometry::add_objects(std::vector<const Geometry*> objects) {
   objects_ = std::move(objects);
-  const Array<Instance>& copies = scene_->instances;
-  for (size_t k = 0; k < kPrimitiveKinds; ++k) {
-    const auto kind = PrimitiveKind(k);
-    std::vector<size_t> of_one;
-    of_one.reserve(objects_.size());
-    for (const Geometry* object : objects_) of_one.push_back(object->count_all(kind));
-    if (std::ranges::count(of_one, 0) == std::ssize(of_one)) continue;
-    Column<uint32_t>& first = first_copied_[k];
-    first.resize(copies.size());
-    size_t next = count(kind);
-    for (size_t i = 0; i < copies.size(); ++i) {
-      first[i] = uint32_t(next);
-      next += of_one[copies[i].prototype];
-      if (next > kMaxPrimitivesPerKind)
-        return "the copies have more than " + std::to_string(kMaxPrimitivesPerKind) + " " +
-               std::string(kPrimitiveKindNames[k]) + "s together";
+  const Array<Instance>& instances = scene_->instances;
+  inverses_.resize(instances.size());
+  for_each_index(instances.size(),
+                 [&](size_t i) { inverses_[i] = Placement(instances[i].matrix).inverse(); });
+  instance_count_ = instances.size();
+  const auto has_own = [](const Geometry* object) { return object->has_instances(); };
+  if (std::ranges::any_of(objects_, has_own)) {
+    first_instance_.resize(instances.size());
+    instance_count_ = 0;
+    for (size_t i = 0; i < instances.size() && instance_count_ <= kMaxInstances; ++i) {
+      first_instance_[i] = InstanceId(instance_count_ + 1);
+      instance_count_ += 1 + objects_[instances[i].prototype]->count_instances();
     }
   }
+  if (instance_count_ > kMaxInstances)
+    return "there are more than " + std::to_string(kMaxInstances) +
+           " instances with those within instances";
   for (const Geometry* object : objects_) any_transparent_ |= object->any_transparent();
   return std::nullopt;
 }
 
-Geometry::Origin Geometry::origin_of(PrimitiveId copied) const {
-  const PrimitiveKind kind = primitive_kind(copied);
-  const auto& first = first_copied_[size_t(kind)];
-  // Of those that begin at the same index the last has some.
-  const auto behind = std::upper_bound(first.begin(), first.end(), primitive_index(copied));
-  const auto instance = uint32_t(behind - first.begin()) - 1;
-  return {*objects_[scene_->instances[instance].prototype],
-          primitive_id(kind, primitive_index(copied) - first[instance]), instance};
+Geometry::Placed Geometry::placed(InstanceId instance) const {
+  uint32_t index = instance - 1;
+  if (!first_instance_.empty())
+    index =
+        uint32_t(std::ranges::upper_bound(first_instance_, instance) - first_instance_.begin()) - 1;
+  return {*objects_[scene_->instances[index].prototype], index, instance - instance_id(index)};
 }
 
-uint32_t Geometry::copied_depth(PrimitiveId id) const {
-  const Origin from = origin_of(id);
-  return from.object.depth_of(from.id);
+const Geometry& Geometry::object_at(InstanceId instance) const {
+  if (!instance) return *this;
+  const Placed at = placed(instance);
+  return at.object.object_at(at.inner);
 }
 
-MaterialId Geometry::material_of(PrimitiveId id) const {
-  if (is_copied(id)) {
-    const Origin from = origin_of(id);
-    return from.object.material_of(from.id);
-  }
-  const uint32_t i = primitive_index(id);
-  return with_kind(primitive_kind(id), [&]<PrimitiveKind kind> {
+MaterialId Geometry::material_of(PrimitiveId id, InstanceId instance) const {
+  if (instance) return object_at(instance).material_of(id);
+  const PrimitiveKind its_kind = kind_of(id);
+  const uint32_t i = index_of(its_kind, id);
+  return with_kind(its_kind, [&]<PrimitiveKind kind> {
     if constexpr (kind == PrimitiveKind::triangle)
       return facets_[i].material;
     else
@@ -470,9 +468,9 @@ MaterialId Geometry::material_of(PrimitiveId id) const {
 
 // NOLINTNEXTLINE(readability-convert-member-functions-to-static): get() reads members
 Box3f Geometry::bounds(PrimitiveId id) const {
-  return with_kind(primitive_kind(id), [&]<PrimitiveKind kind> {
+  return with_kind(kind_of(id), [&]<PrimitiveKind kind> {
     if constexpr (kIsBounded<kind>)
-      return raio::bounds(get<kind>(primitive_index(id)));
+      return raio::bounds(get<kind>(index_of(kind, id)));
     else
       return Box3f();
   });
@@ -488,8 +486,7 @@ size_t Geometry::bytes() const {
   });
   for (const auto& s : sides_) sum += column_bytes(s);
   for (const auto& depths : depths_) sum += column_bytes(depths);
-  for (const auto& first : first_copied_) sum += column_bytes(first);
-  return sum;
+  return sum + column_bytes(inverses_) + column_bytes(first_instance_);
 }
 
 }  // namespace raio

@@ -15,20 +15,13 @@
 
 #include "base/box.h"
 #include "base/memory.h"
+#include "base/placement.h"
 #include "base/random.h"
 #include "base/ray.h"
 #include "scene/scene.h"
 #include "shape/triangle.h"
 
 namespace raio {
-
-constexpr PrimitiveId primitive_id(PrimitiveKind kind, uint32_t index) {
-  return uint32_t(kind) << kPrimitiveIndexBits | index;
-}
-constexpr PrimitiveKind primitive_kind(PrimitiveId id) {
-  return PrimitiveKind(id >> kPrimitiveIndexBits);
-}
-constexpr uint32_t primitive_index(PrimitiveId id) { return id & (kMaxPrimitivesPerKind - 1); }
 
 /// What shading wants of a triangle: 16 bytes.
 struct Facet {
@@ -75,15 +68,35 @@ class Geometry {
 
   const Scene& scene() const { return *scene_; }
 
-  /// Without those of copies: what a structure is built over.
-  size_t count(PrimitiveKind kind) const;
-  /// With them. Their ids follow those of the scene's own primitives, copy by copy.
-  size_t count_all(PrimitiveKind kind) const;
-  Sides sides_of(PrimitiveId id) const {
-    const auto& s = sides_[size_t(primitive_kind(id))];
-    return s.empty() ? Sides::both : s[primitive_index(id)];
+  /// Without those of instances: what a structure is built over.
+  size_t count(PrimitiveKind kind) const { return first_[size_t(kind) + 1] - first_[size_t(kind)]; }
+  /// With those of instances.
+  uint64_t count_all(PrimitiveKind kind) const;
+
+  /// Primitive `index` of a kind.
+  PrimitiveId id_of(PrimitiveKind kind, uint32_t index) const {
+    return first_[size_t(kind)] + index;
   }
-  /// Are both sides of all items of the kind seen?
+  PrimitiveKind kind_of(PrimitiveId id) const {
+    size_t kind = kPrimitiveKinds - 1;
+    while (kind > 0 && id < first_[kind]) --kind;
+    return PrimitiveKind(kind);
+  }
+  /// Its index, where the kind is known.
+  uint32_t index_of(PrimitiveKind kind, PrimitiveId id) const { return id - first_[size_t(kind)]; }
+  uint32_t index_of(PrimitiveId id) const { return index_of(kind_of(id), id); }
+  /// A number that does not depend on how many primitives of other kinds there are.
+  uint32_t key_of(PrimitiveKind kind, uint32_t index) const { return uint32_t(kind) << 29 ^ index; }
+  uint32_t key_of(PrimitiveId id) const {
+    const PrimitiveKind kind = kind_of(id);
+    return key_of(kind, index_of(kind, id));
+  }
+
+  Sides sides_of(PrimitiveKind kind, uint32_t index) const {
+    const auto& s = sides_[size_t(kind)];
+    return s.empty() ? Sides::both : s[index];
+  }
+  /// Are both sides of all primitives of the kind seen?
   bool two_sided(PrimitiveKind kind) const { return sides_[size_t(kind)].empty(); }
 
   /// Primitive i of a kind, baked: by value or by reference.
@@ -108,11 +121,12 @@ class Geometry {
 
   /// Indices into positions().
   const TriangleIndices& corners(uint32_t triangle) const { return triangles_[triangle]; }
-  /// Tells the processor that the item will be asked for soon.
+  /// Tells the processor that the primitive will be asked for soon.
   void prefetch(PrimitiveId id) const {
-    const uint32_t i = primitive_index(id);
-    if (primitive_kind(id) == PrimitiveKind::sphere) __builtin_prefetch(&scene_->spheres[i]);
-    if (primitive_kind(id) == PrimitiveKind::triangle) __builtin_prefetch(&triangles_[i]);
+    const PrimitiveKind kind = kind_of(id);
+    const uint32_t i = index_of(kind, id);
+    if (kind == PrimitiveKind::sphere) __builtin_prefetch(&scene_->spheres[i]);
+    if (kind == PrimitiveKind::triangle) __builtin_prefetch(&triangles_[i]);
   }
 
   const Facet& facet(uint32_t triangle) const { return facets_[triangle]; }
@@ -132,16 +146,22 @@ class Geometry {
   /// Of positions(), where materials have textures and meshes coordinates for them; else empty.
   std::span<const Uv> texture_coordinates() const { return own_uv_; }
 
-  /// The optical depth of an item; kOpaque where nothing passes.
-  uint32_t depth_of(PrimitiveId id) const {
-    const auto& depths = depths_[size_t(primitive_kind(id))];
-    if (primitive_index(id) < depths.size()) return depths[primitive_index(id)];
-    return is_copied(id) ? copied_depth(id) : kOpaque;
+  /// The optical depth of a primitive; kOpaque where nothing passes.
+  uint32_t depth_of(PrimitiveKind kind, uint32_t index) const {
+    const auto& depths = depths_[size_t(kind)];
+    return depths.empty() ? kOpaque : depths[index];
   }
-  bool is_opaque(PrimitiveId id) const { return depth_of(id) == kOpaque; }
-  /// Does the item, which is clear, stop the ray of this key (Accel::next_transparent())?
-  bool stops(PrimitiveId id, uint32_t key) const {
-    return raio::stops(depth_of(id), hash_of(key, id));
+  uint32_t depth_of(PrimitiveId id) const {
+    const PrimitiveKind kind = kind_of(id);
+    return depth_of(kind, index_of(kind, id));
+  }
+  bool is_opaque(PrimitiveKind kind, uint32_t index) const {
+    return depth_of(kind, index) == kOpaque;
+  }
+  /// Does the primitive, which is transparent, stop the ray of this key
+  /// (Accel::next_transparent())?
+  bool stops(PrimitiveKind kind, uint32_t index, uint32_t key) const {
+    return raio::stops(depth_of(kind, index), hash_of(key, key_of(kind, index)));
   }
   /// Are all of the kind?
   bool all_opaque(PrimitiveKind kind) const { return depths_[size_t(kind)].empty(); }
@@ -152,24 +172,27 @@ class Geometry {
   bool any_transparent() const { return any_transparent_; }
 
   /// The objects of the scene's instances as they are baked, one for each prototype. The error is
-  /// one line: more copies than have ids.
+  /// one line: more instances than have ids.
   std::optional<std::string> add_objects(std::vector<const Geometry*> objects);
-  bool has_copies() const { return !objects_.empty(); }
-  /// Does the item belong to a copy?
-  bool is_copied(PrimitiveId id) const {
-    return has_copies() && primitive_index(id) >= count(primitive_kind(id));
-  }
-  /// Where it comes from: the object, its id there and the number of the instance.
-  struct Origin {
+  bool has_instances() const { return !objects_.empty(); }
+  /// Those within instances included.
+  uint64_t count_instances() const { return instance_count_; }
+  /// The instance of this number: its index in Scene::instances, the object that it shows, and the
+  /// number in that object, which is 0 unless the object has instances itself.
+  struct Placed {
     const Geometry& object;
-    PrimitiveId id = kNoPrimitive;
-    uint32_t instance = 0;
+    uint32_t index = 0;
+    InstanceId inner = 0;
   };
-  Origin origin_of(PrimitiveId copied) const;
+  Placed placed(InstanceId instance) const;
   /// The other way.
-  PrimitiveId id_in(uint32_t instance, PrimitiveId id) const {
-    const auto kind = size_t(primitive_kind(id));
-    return primitive_id(PrimitiveKind(kind), first_copied_[kind][instance] + primitive_index(id));
+  InstanceId instance_id(uint32_t index, InstanceId inner = 0) const {
+    return (first_instance_.empty() ? index + 1 : first_instance_[index]) + inner;
+  }
+  /// The object that has the primitives of an instance, or this for number 0.
+  const Geometry& object_at(InstanceId instance) const;
+  Placement placement(uint32_t index) const {
+    return {scene_->instances[index].matrix, inverses_[index]};
   }
 
   /// Where a triangle comes from: its number among the scene's own triangles, those of meshes and
@@ -180,13 +203,13 @@ class Geometry {
   /// How many triangles the scene and its meshes have, those without area included.
   size_t count_of_triangles() const;
 
-  /// The id of the object (Scene::object_names) to which the item belongs; 0: to none. That of a
-  /// copy is the outermost that a copy around it belongs to, else that of the item in its object.
-  uint32_t object_of(PrimitiveId id) const;
-  /// Do both belong to the same object or to none? What has its object from a prototype belongs to
-  /// another one in each copy.
-  bool same_object(PrimitiveId a, PrimitiveId b) const;
-  MaterialId material_of(PrimitiveId id) const;
+  /// The id of the object (Scene::object_names) to which the primitive belongs; 0: to none. In an
+  /// instance it is the outermost that an instance around it belongs to, else its own.
+  uint32_t object_of(PrimitiveId id, InstanceId instance = 0) const;
+  /// Do both belong to the same object or to none? A primitive that has its object from a prototype
+  /// belongs to another one in each instance.
+  bool same_object(const Hit& a, const Hit& b) const;
+  MaterialId material_of(PrimitiveId id, InstanceId instance = 0) const;
 
   /// About how many bytes baking `scene` takes, those that it frees again included.
   static double bytes_to_bake(const Scene& scene);
@@ -212,12 +235,14 @@ class Geometry {
   template <PrimitiveKind kind>
   void list_sides(bool one_sided);
 
-  uint32_t copied_depth(PrimitiveId id) const;
+  bool same_object(PrimitiveId a, InstanceId in_a, PrimitiveId b, InstanceId in_b) const;
 
   const Scene* scene_;
+  std::array<PrimitiveId, kPrimitiveKinds + 1> first_{};  // of each kind; the last: how many
   std::vector<const Geometry*> objects_;
-  // By kind, the index of the first item of each instance; empty: no object has any.
-  std::array<Column<uint32_t>, kPrimitiveKinds> first_copied_;
+  Column<Placement::Inverse> inverses_;  // of the instances
+  Column<InstanceId> first_instance_;    // of each instance; empty: no object has instances
+  uint64_t instance_count_ = 0;
   bool with_sources_ = false, any_colors_ = false, any_transparent_ = false;
   float opacity_ = 1;
   // The scene's own where it has no meshes, else those below.

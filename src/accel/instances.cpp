@@ -47,7 +47,7 @@ std::vector<const Geometry*> Instances::objects() const {
 }
 
 void Instances::add_to(AccelInfo& info) const {
-  info.copies = copies_.size();
+  info.instances = instances_.size();
   info.bytes += nodes_.size() * sizeof(Node);
   for (const auto& object : objects_) {
     const AccelInfo of_one = object->info();
@@ -60,9 +60,9 @@ void Instances::build_tree() {
   std::vector<Box3f> of_object, boxes;
   for (const auto& object : objects_) of_object.push_back(bounds(object->geometry().scene()));
   std::vector<uint32_t> some;
-  for (const Instance& copy : copies_) {
-    const Placement place(copy.matrix);
-    const Box3f& box = boxes.emplace_back(rounded_out(place.box(of_object[copy.prototype])));
+  for (const Instance& instance : instances_) {
+    const Placement place(instance.matrix);
+    const Box3f& box = boxes.emplace_back(rounded_out(place.box(of_object[instance.prototype])));
     if (box.empty()) continue;
     some.push_back(uint32_t(boxes.size() - 1));
     slack_ = std::max(slack_, kSlack * place.condition());
@@ -77,7 +77,7 @@ void Instances::build_tree() {
 }
 
 // Halves along the longest side of the box around the middles, which keeps the depth at the
-// logarithm of the number of copies, wherever they are.
+// logarithm of the number of instances, wherever they are.
 void Instances::split(uint32_t node, std::span<uint32_t> instances,
                       const std::vector<Box3f>& boxes) {
   Box3f around, middles;
@@ -107,16 +107,16 @@ class Instances::Traversal {
   Traversal(const Instances& in, const RayBatch& rays, TraceContext& context)
       : in_(in), rays_(rays), context_(context) {}
 
-  // Calls visit(instance, rays) for the copies that rays may meet; limit(i) is how far ray i still
-  // goes, not positive: nowhere.
+  // Calls visit(instance, rays) for the instances that rays may hit; limit(i) is how far ray i
+  // still goes, not positive: nowhere.
   template <class Limit, class Visit>
   void run(const Limit& limit, const Visit& visit) {
     for (uint32_t i = 0; i < rays_.size(); ++i)
       if (limit(i) > 0) lists_.push_back(i);
     if (in_.nodes_.empty()) {
       const std::vector<uint32_t> all = lists_;
-      for (uint32_t copy = 0; copy < in_.copies_.size() && !context_.stopped(); ++copy)
-        visit(copy, std::span<const uint32_t>(all));
+      for (uint32_t i = 0; i < in_.instances_.size() && !context_.stopped(); ++i)
+        visit(i, std::span<const uint32_t>(all));
       return;
     }
     slabs_.resize(rays_.size());
@@ -184,115 +184,120 @@ class Instances::Traversal {
 void Instances::closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const {
   Moved moved;
   const auto limit = [&](uint32_t i) { return hits[i].found() ? hits.t[i] : rays.tmax[i]; };
-  Traversal(*this, rays, context).run(limit, [&](uint32_t copy, std::span<const uint32_t> some) {
-    const Placement place(copies_[copy].matrix);
-    moved.rays.resize(some.size()), moved.stretch.resize(some.size());
-    for (size_t k = 0; k < some.size(); ++k) {
-      Ray ray = rays[some[k]];
-      ray.tmax = limit(some[k]);
-      moved.rays.set(k, place.to_object(ray, moved.stretch[k], kSlack));
-    }
-    objects_[copies_[copy].prototype]->closest(moved.rays, moved.hits, context);
-    for (size_t k = 0; k < some.size(); ++k) {
-      Hit hit = moved.hits[k];
-      if (!hit.found()) continue;
-      const uint32_t i = some[k];
-      hit.t = float(double(hit.t) / moved.stretch[k]);
-      hit.item = geometry_.id_in(copy, hit.item);
-      const Hit best = hits[i];
-      if (best.found() ? comes_before(hit, best) : hit.t < rays.tmax[i]) hits.set(i, hit);
-    }
-  });
+  Traversal(*this, rays, context)
+      .run(limit, [&](uint32_t instance, std::span<const uint32_t> some) {
+        const Placement place = geometry_.placement(instance);
+        moved.rays.resize(some.size()), moved.stretch.resize(some.size());
+        for (size_t k = 0; k < some.size(); ++k) {
+          Ray ray = rays[some[k]];
+          ray.tmax = limit(some[k]);
+          moved.rays.set(k, place.to_object(ray, moved.stretch[k], kSlack));
+        }
+        objects_[instances_[instance].prototype]->closest(moved.rays, moved.hits, context);
+        for (size_t k = 0; k < some.size(); ++k) {
+          Hit hit = moved.hits[k];
+          if (!hit.found()) continue;
+          const uint32_t i = some[k];
+          hit.t = float(double(hit.t) / moved.stretch[k]);
+          hit.instance = geometry_.instance_id(instance, hit.instance);
+          const Hit best = hits[i];
+          if (best.found() ? comes_before(hit, best) : hit.t < rays.tmax[i]) hits.set(i, hit);
+        }
+      });
 }
 
 void Instances::occluded(const RayBatch& rays, uint8_t* hit, TraceContext& context) const {
   Moved moved;
   const auto limit = [&](uint32_t i) { return hit[i] ? 0.0f : rays.tmax[i]; };
   std::vector<uint8_t> found;
-  Traversal(*this, rays, context).run(limit, [&](uint32_t copy, std::span<const uint32_t> some) {
-    const Placement place(copies_[copy].matrix);
-    moved.rays.resize(some.size()), found.resize(padded(some.size()));
-    for (size_t k = 0; k < some.size(); ++k) {
-      double stretch = 0;
-      Ray ray = rays[some[k]];
-      ray.tmax = limit(some[k]);
-      moved.rays.set(k, place.to_object(ray, stretch));
-    }
-    objects_[copies_[copy].prototype]->occluded(moved.rays, found.data(), context);
-    for (size_t k = 0; k < some.size(); ++k) hit[some[k]] |= found[k];
-  });
+  Traversal(*this, rays, context)
+      .run(limit, [&](uint32_t instance, std::span<const uint32_t> some) {
+        const Placement place = geometry_.placement(instance);
+        moved.rays.resize(some.size()), found.resize(padded(some.size()));
+        for (size_t k = 0; k < some.size(); ++k) {
+          double stretch = 0;
+          Ray ray = rays[some[k]];
+          ray.tmax = limit(some[k]);
+          moved.rays.set(k, place.to_object(ray, stretch));
+        }
+        objects_[instances_[instance].prototype]->occluded(moved.rays, found.data(), context);
+        for (size_t k = 0; k < some.size(); ++k) hit[some[k]] |= found[k];
+      });
 }
 
 // What an object finds may lie, by the rounding of distances, before `after` in the space around
-// it; it is then asked for what comes next. Each copy has a key of its own.
+// it; it is then asked for what comes next. Each instance has a key of its own.
 void Instances::next_transparent(const RayBatch& rays, const HitBatch& after, HitBatch& hits,
                                  TraceContext& context, const uint32_t* keys) const {
   Moved moved;
   const auto limit = [&](uint32_t i) { return hits[i].found() ? hits.t[i] : rays.tmax[i]; };
-  Traversal(*this, rays, context).run(limit, [&](uint32_t copy, std::span<const uint32_t> some) {
-    const Accel& object = *objects_[copies_[copy].prototype];
-    if (!object.geometry().any_transparent()) return;
-    const Placement place(copies_[copy].matrix);
-    size_t n = some.size();
-    moved.rays.resize(n), moved.after.reset(n), moved.stretch.resize(n);
-    moved.from.assign(some.begin(), some.end());
-    moved.keys.resize(keys ? n : 0);
-    for (size_t k = 0; k < n; ++k) {
-      Ray ray = rays[some[k]];
-      ray.tmax = limit(some[k]);
-      double& stretch = moved.stretch[k];
-      moved.rays.set(k, place.to_object(ray, stretch, kSlack));
-      const double t = double(after.t[some[k]]) * stretch * (1 - kSlack);
-      moved.after.set(k, {.t = float(t), .item = 0});
-      if (keys) moved.keys[k] = hash_of(keys[some[k]], copy);
-    }
-    while (n > 0 && !context.stopped()) {
-      object.next_transparent(moved.rays, moved.after, moved.hits, context,
-                              keys ? moved.keys.data() : nullptr);
-      size_t kept = 0;
-      for (size_t k = 0; k < n; ++k) {
-        const Hit there = moved.hits[k];
-        if (!there.found()) continue;
-        const uint32_t i = moved.from[k];
-        Hit hit = there;
-        hit.t = float(double(hit.t) / moved.stretch[k]);
-        hit.item = geometry_.id_in(copy, hit.item);
-        if (comes_before(after[i], hit)) {
-          const Hit best = hits[i];
-          if (best.found() ? comes_before(hit, best) : hit.t < rays.tmax[i]) hits.set(i, hit);
-          // A hit farther away in the object may round to the same distance outside, where a lower
-          // id comes first.
-          if (hit.t > hits.t[i]) continue;
-          moved.rays.tmax[k] = std::min(moved.rays.tmax[k], float(double(there.t) * (1 + kSlack)));
+  Traversal(*this, rays, context)
+      .run(limit, [&](uint32_t instance, std::span<const uint32_t> some) {
+        const Accel& object = *objects_[instances_[instance].prototype];
+        if (!object.geometry().any_transparent()) return;
+        const Placement place = geometry_.placement(instance);
+        size_t n = some.size();
+        moved.rays.resize(n), moved.after.reset(n), moved.stretch.resize(n);
+        moved.from.assign(some.begin(), some.end());
+        moved.keys.resize(keys ? n : 0);
+        for (size_t k = 0; k < n; ++k) {
+          Ray ray = rays[some[k]];
+          ray.tmax = limit(some[k]);
+          double& stretch = moved.stretch[k];
+          moved.rays.set(k, place.to_object(ray, stretch, kSlack));
+          const double t = double(after.t[some[k]]) * stretch * (1 - kSlack);
+          moved.after.set(k, {.t = float(t), .primitive = 0});
+          if (keys) moved.keys[k] = hash_of(keys[some[k]], instance);
         }
-        moved.rays.set(kept, moved.rays[k]), moved.after.set(kept, there);
-        moved.stretch[kept] = moved.stretch[k], moved.from[kept] = i;
-        if (keys) moved.keys[kept] = moved.keys[k];
-        ++kept;
-      }
-      n = kept;
-      moved.rays.resize(n);
-    }
-  });
+        while (n > 0 && !context.stopped()) {
+          object.next_transparent(moved.rays, moved.after, moved.hits, context,
+                                  keys ? moved.keys.data() : nullptr);
+          size_t kept = 0;
+          for (size_t k = 0; k < n; ++k) {
+            const Hit there = moved.hits[k];
+            if (!there.found()) continue;
+            const uint32_t i = moved.from[k];
+            Hit hit = there;
+            hit.t = float(double(hit.t) / moved.stretch[k]);
+            hit.instance = geometry_.instance_id(instance, hit.instance);
+            if (comes_before(after[i], hit)) {
+              const Hit best = hits[i];
+              if (best.found() ? comes_before(hit, best) : hit.t < rays.tmax[i]) hits.set(i, hit);
+              // A hit farther away in the object may round to the same distance outside, where a
+              // lower id comes first.
+              if (hit.t > hits.t[i]) continue;
+              moved.rays.tmax[k] =
+                  std::min(moved.rays.tmax[k], float(double(there.t) * (1 + kSlack)));
+            }
+            moved.rays.set(kept, moved.rays[k]), moved.after.set(kept, there);
+            moved.stretch[kept] = moved.stretch[k], moved.from[kept] = i;
+            if (keys) moved.keys[kept] = moved.keys[k];
+            ++kept;
+          }
+          n = kept;
+          moved.rays.resize(n);
+        }
+      });
 }
 
 void Instances::transparent_depths(const RayBatch& rays, DepthBatch& depths,
                                    TraceContext& context) const {
   Moved moved;
   const auto limit = [&](uint32_t i) { return depths.is_stopped(i) ? 0.0f : rays.tmax[i]; };
-  Traversal(*this, rays, context).run(limit, [&](uint32_t copy, std::span<const uint32_t> some) {
-    const Accel& object = *objects_[copies_[copy].prototype];
-    if (!object.geometry().any_transparent()) return;
-    const Placement place(copies_[copy].matrix);
-    moved.rays.resize(some.size()), moved.depths.reset(some.size());
-    for (size_t k = 0; k < some.size(); ++k) {
-      double stretch = 0;
-      moved.rays.set(k, place.to_object(rays[some[k]], stretch));
-      moved.depths.take(k, depths, some[k]);
-    }
-    object.transparent_depths(moved.rays, moved.depths, context);
-    for (size_t k = 0; k < some.size(); ++k) depths.take(some[k], moved.depths, k);
-  });
+  Traversal(*this, rays, context)
+      .run(limit, [&](uint32_t instance, std::span<const uint32_t> some) {
+        const Accel& object = *objects_[instances_[instance].prototype];
+        if (!object.geometry().any_transparent()) return;
+        const Placement place = geometry_.placement(instance);
+        moved.rays.resize(some.size()), moved.depths.reset(some.size());
+        for (size_t k = 0; k < some.size(); ++k) {
+          double stretch = 0;
+          moved.rays.set(k, place.to_object(rays[some[k]], stretch));
+          moved.depths.take(k, depths, some[k]);
+        }
+        object.transparent_depths(moved.rays, moved.depths, context);
+        for (size_t k = 0; k < some.size(); ++k) depths.take(some[k], moved.depths, k);
+      });
 }
 
 }  // namespace raio

@@ -1,5 +1,5 @@
-// Copies of objects: a tree over the boxes of the instances, whose leaves are structures of their
-// own. A ray goes on in the space of the object, so that a copy costs its matrix and no more.
+// Instances of objects: a tree over their boxes, whose leaves are the structures of the objects. A
+// ray goes on in the space of the object, so an instance costs its matrix and no more.
 #pragma once
 
 #include <expected>
@@ -15,7 +15,7 @@ namespace raio {
 class Instances {
  public:
   /// For those of the scene of `around`, which must outlive the result. Objects have structures by
-  /// the same options; of kind `none`, all rays try all copies. Errors as of build_accel().
+  /// the same options; of kind `none`, all rays try all instances. Errors as of build_accel().
   static std::expected<std::unique_ptr<const Instances>, Error> build(const Accel& around,
                                                                       const AccelOptions& options,
                                                                       bool one_sided,
@@ -42,12 +42,12 @@ class Instances {
   class Traversal;
 
   explicit Instances(const Accel& around)
-      : geometry_(around.geometry()), copies_(geometry_.scene().instances) {}
+      : geometry_(around.geometry()), instances_(geometry_.scene().instances) {}
   void build_tree();
   void split(uint32_t node, std::span<uint32_t> instances, const std::vector<Box3f>& boxes);
 
   const Geometry& geometry_;
-  const Array<Instance>& copies_;
+  const Array<Instance>& instances_;
   std::vector<std::unique_ptr<const Accel>> objects_;
   Column<Node> nodes_;  // the root first; empty: none
   double slack_ = 0;    // of boxes, relative to coordinates

@@ -24,10 +24,10 @@ class None final : public Accel {
     bool done = false;
     for_each_kind([&]<PrimitiveKind kind> {
       for (uint32_t i = 0; i < geometry_.count(kind) && !done; ++i) {
-        if (!geometry_.is_opaque(primitive_id(kind, i))) continue;
+        if (!geometry_.is_opaque(kind, i)) continue;
         RayQuery alone(ray);
         const bool hit = test<kind>(geometry_, i, alone);
-        hit ? log.add_test(primitive_id(kind, i)) : void(++log.unlisted);
+        hit ? log.add_test(geometry_.id_of(kind, i)) : void(++log.unlisted);
         done = hit && any;
       }
     });
@@ -55,7 +55,7 @@ class None final : public Accel {
     if (geometry_.all_opaque(kind)) {
       while (i < n && !(test<kind>(geometry_, i, query) && any)) ++i;
     } else {
-      const auto opaque = [&](uint32_t k) { return geometry_.is_opaque(primitive_id(kind, k)); };
+      const auto opaque = [&](uint32_t k) { return geometry_.is_opaque(kind, k); };
       while (i < n && !(opaque(i) && test<kind>(geometry_, i, query) && any)) ++i;
     }
     if (counters_) context.tests += std::min(i + 1, n);

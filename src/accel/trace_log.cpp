@@ -18,9 +18,9 @@ void judge_tests(TraceLog& log, const Geometry& geometry, const Ray& ray) {
   RayQuery nearest(ray);
   for (TraceLog::Test& test : log.tests) {
     RayQuery alone(ray);
-    if (test.repeated || !test_primitive(geometry, test.item, alone)) continue;
+    if (test.repeated || !test_primitive(geometry, test.primitive, alone)) continue;
     test.t = alone.best.t;
-    test.nearest = nearest.offer(alone.best.t, test.item);
+    test.nearest = nearest.offer(alone.best.t, test.primitive);
   }
 }
 

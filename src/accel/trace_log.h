@@ -17,7 +17,7 @@ class Geometry;
 struct TraceLog {
   /// Of the ray and a primitive.
   struct Test {
-    PrimitiveId item = kNoPrimitive;
+    PrimitiveId primitive = kNoPrimitive;
     bool repeated = false;                             // not tested: it was, in a cell before
     float t = std::numeric_limits<float>::infinity();  // of the hit; infinite where it is missed
     bool nearest = false;                              // nearer than all hits before
@@ -38,7 +38,7 @@ struct TraceLog {
   std::optional<double> enter;  // of a grid: where the ray enters it; nothing where it does not
   uint64_t unlisted = 0;        // tests without a structure, of which only the hits are listed
 
-  void add_test(PrimitiveId item, bool repeated = false) { tests.push_back({item, repeated}); }
+  void add_test(PrimitiveId id, bool repeated = false) { tests.push_back({id, repeated}); }
 
   /// As they are counted: of a tree without its leaves, and without repetitions.
   uint64_t count_steps() const;

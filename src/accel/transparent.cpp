@@ -9,7 +9,7 @@
 namespace raio {
 namespace {
 
-// Calls f(hit) for the first hit of the ray on each clear primitive.
+// Calls f(kind, index, hit) for the first hit of the ray on each clear primitive.
 template <class F>
 void for_each_transparent_hit(const Geometry& geometry, const Ray& ray, TraceContext& context,
                               F&& f) {
@@ -17,10 +17,10 @@ void for_each_transparent_hit(const Geometry& geometry, const Ray& ray, TraceCon
   for_each_kind([&]<PrimitiveKind kind> {
     if (geometry.all_opaque(kind)) return;
     for (uint32_t i = 0; i < geometry.count(kind); ++i) {
-      const uint32_t depth = geometry.depth_of(primitive_id(kind, i));
+      const uint32_t depth = geometry.depth_of(kind, i);
       if (depth == kOpaque || depth == 0) continue;
       ++context.tests;
-      if (RayQuery query(ray); test<kind>(geometry, i, query)) f(query.best);
+      if (RayQuery query(ray); test<kind>(geometry, i, query)) f(kind, i, query.best);
     }
   });
 }
@@ -41,11 +41,20 @@ std::optional<std::string> Accel::build_transparent() {
 void Accel::next_transparent(const RayBatch& rays, const HitBatch& after, HitBatch& hits,
                              TraceContext& context, const uint32_t* keys) const {
   hits.reset(rays.size());
-  if (transparent_)
-    bvh_next_transparent(geometry_, *transparent_, rays, after, hits, context, keys);
-  else
-    try_all_transparent(rays, after, hits, context, keys);
-  if (instances_) instances_->next_transparent(rays, after, hits, context, keys);
+  const auto find = [&](const HitBatch& behind) {
+    if (transparent_)
+      bvh_next_transparent(geometry_, *transparent_, rays, behind, hits, context, keys);
+    else
+      try_all_transparent(rays, behind, hits, context, keys);
+  };
+  if (!instances_) return find(after);
+  // Of equally near hits those on instances come behind all that find() looks for.
+  HitBatch behind = after;
+  for (size_t i = 0; i < rays.size(); ++i)
+    if (after.instance[i]) behind.primitive[i] = kNoPrimitive, behind.instance[i] = 0;
+  find(behind);
+  std::fill_n(hits.instance.begin(), rays.size(), 0);
+  instances_->next_transparent(rays, after, hits, context, keys);
 }
 
 void Accel::closest_of_all(RayBatch& rays, HitBatch& hits, TraceContext& context) const {
@@ -55,7 +64,7 @@ void Accel::closest_of_all(RayBatch& rays, HitBatch& hits, TraceContext& context
   after.reset(rays.size());
   for (size_t i = 0; i < rays.size(); ++i) {
     if (hits[i].found()) rays.tmax[i] = hits.t[i];
-    after.set(i, {.t = 0, .item = 0});
+    after.set(i, {.t = 0, .primitive = 0});
   }
   next_transparent(rays, after, clear, context);
   for (size_t i = 0; i < rays.size(); ++i)
@@ -66,10 +75,11 @@ void Accel::try_all_transparent(const RayBatch& rays, const HitBatch& after, Hit
                                 TraceContext& context, const uint32_t* keys) const {
   for (size_t i = 0; i < rays.size() && !context.stopped(); ++i) {
     Hit next;
-    for_each_transparent_hit(geometry_, rays[i], context, [&](const Hit& hit) {
-      if (!comes_before(after[i], hit) || (next.found() && !comes_before(hit, next))) return;
-      if (!keys || geometry_.stops(hit.item, keys[i])) next = hit;
-    });
+    for_each_transparent_hit(
+        geometry_, rays[i], context, [&](PrimitiveKind kind, uint32_t index, const Hit& hit) {
+          if (!comes_before(after[i], hit) || (next.found() && !comes_before(hit, next))) return;
+          if (!keys || geometry_.stops(kind, index, keys[i])) next = hit;
+        });
     hits.set(i, next);
   }
 }
@@ -87,9 +97,10 @@ void Accel::sum_all_transparent(const RayBatch& rays, DepthBatch& depths,
                                 TraceContext& context) const {
   for (size_t i = 0; i < rays.size() && !context.stopped(); ++i)
     if (!depths.is_stopped(i))
-      for_each_transparent_hit(geometry_, rays[i], context, [&](const Hit& hit) {
-        depths.add(i, geometry_.depth_of(hit.item));
-      });
+      for_each_transparent_hit(geometry_, rays[i], context,
+                               [&](PrimitiveKind kind, uint32_t index, const Hit&) {
+                                 depths.add(i, geometry_.depth_of(kind, index));
+                               });
 }
 
 }  // namespace raio

@@ -80,7 +80,8 @@ class TextTree {
     }
     const ExplainedRay::Surface& s = *r.surface;
     line(in, "hits",
-         fmt::format("{} at a distance of {}{}", name_of(r.hit.item), r.hit.t, cost(i)));
+         fmt::format("{} at a distance of {}{}", name_of(geometry(), r.hit.primitive), r.hit.t,
+                     cost(i)));
     line(in, "point", text_of(place(what_.scene, s.point)));
     line(in, "normal", text_of(s.normal));
     line(in, "material",
@@ -104,10 +105,14 @@ class TextTree {
                     fmt::format("diffuse {}, highlight {}{}", text_of(r.diffuse),
                                 text_of(r.highlight), cost(k)));
       const TraceLog::Test* const by = stopper(what_.logs[k]);
-      return line(in, name, (by ? "in the shadow of " + name_of(by->item) : "in shadow") + cost(k));
+      return line(
+          in, name,
+          (by ? "in the shadow of " + name_of(geometry(), by->primitive) : "in shadow") + cost(k));
     }
     line(in, name, "behind the surface");
   }
+
+  const Geometry& geometry() const { return what_.accel.geometry(); }
 
   const Explained& what_;
   std::vector<std::vector<size_t>> children_;  // of each ray
@@ -118,13 +123,13 @@ template <class T>
 Json json_of(Vec3<T> v) {
   return {plain(v.x), plain(v.y), plain(v.z)};
 }
-Json json_of(PrimitiveId id) {
-  return {{"kind", kPrimitiveKindNames[size_t(primitive_kind(id))]},
-          {"index", primitive_index(id)}};
+Json json_of(const Geometry& geometry, PrimitiveId id) {
+  return {{"kind", kPrimitiveKindNames[size_t(geometry.kind_of(id))]},
+          {"index", geometry.index_of(id)}};
 }
 Json distance(float t) { return std::isfinite(t) ? Json(plain(t)) : Json(nullptr); }
 
-void add_log(Json& json, const TraceLog& log, bool grid) {
+void add_log(Json& json, const TraceLog& log, const Geometry& geometry, bool grid) {
   const bool tree = !grid && !log.steps.empty();
   Json places = Json::array(), leaving = Json::array(), tests = Json::array();
   for (const TraceLog::Step& step : log.steps) {
@@ -142,7 +147,7 @@ void add_log(Json& json, const TraceLog& log, bool grid) {
   for (size_t k = 0; k < log.tests.size(); ++k) {
     while (next < log.steps.size() && log.steps[next].first_test <= k) ++next;
     const TraceLog::Test& test = log.tests[k];
-    Json one{{"primitive", json_of(test.item)}};
+    Json one{{"primitive", json_of(geometry, test.primitive)}};
     if (!log.steps.empty()) one["step"] = next == 0 ? Json(nullptr) : Json(next - 1);
     one["t"] = distance(test.t), one["nearest"] = test.nearest;
     if (test.repeated) one["repeated"] = true;
@@ -173,7 +178,8 @@ Json json_of(const Explained& what, size_t id) {
             {"tmax", distance(r.ray.tmax)},
             {"traced", r.traced},
             {"t", hit ? distance(by ? by->t : r.hit.t) : Json(nullptr)},
-            {"primitive", hit ? json_of(by ? by->item : r.hit.item) : Json(nullptr)},
+            {"primitive", hit ? json_of(what.accel.geometry(), by ? by->primitive : r.hit.primitive)
+                              : Json(nullptr)},
             {"weight", json_of(r.weight)},
             {"terms",
              {{"ambient", json_of(r.ambient)},
@@ -198,14 +204,17 @@ Json json_of(const Explained& what, size_t id) {
                        {"transmission", plain(s.transmission)},
                        {"eta", plain(s.eta)}};
   }
-  if (what.logs[id]) add_log(json, *what.logs[id], what.settings.accel.kind == AccelKind::grid);
+  if (what.logs[id])
+    add_log(json, *what.logs[id], what.accel.geometry(),
+            what.settings.accel.kind == AccelKind::grid);
   return json;
 }
 
 }  // namespace
 
-std::string name_of(PrimitiveId id) {
-  return fmt::format("{} {}", kPrimitiveKindNames[size_t(primitive_kind(id))], primitive_index(id));
+std::string name_of(const Geometry& geometry, PrimitiveId id) {
+  return fmt::format("{} {}", kPrimitiveKindNames[size_t(geometry.kind_of(id))],
+                     geometry.index_of(id));
 }
 
 const TraceLog::Test* stopper(const std::optional<TraceLog>& log) {

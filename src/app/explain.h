@@ -50,7 +50,7 @@ SideView side_view(const Explanation& sample, const RenderSettings& settings,
 Vec3d drawn_end(const ExplainedRay& ray, const std::optional<TraceLog>& log, double extent);
 
 /// "sphere 12".
-std::string name_of(PrimitiveId id);
+std::string name_of(const Geometry& geometry, PrimitiveId id);
 /// Of a shadow ray: the test that stopped it; null if there is none or nothing was logged.
 const TraceLog::Test* stopper(const std::optional<TraceLog>& log);
 

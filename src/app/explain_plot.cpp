@@ -211,16 +211,19 @@ class Drawing {
     const ExplainedRay& r = what_.sample.rays[i];
     if (r.kind == Kind::shadow) {
       const TraceLog::Test* const by = r.occluded ? stopper(what_.logs[i]) : nullptr;
-      if (by) return fmt::format("light {} is behind {}", r.light, name_of(by->item));
+      if (by)
+        return fmt::format("light {} is behind {}", r.light,
+                           name_of(what_.accel.geometry(), by->primitive));
       const Vec3d light = r.diffuse + r.highlight;
       return r.occluded ? fmt::format("light {} is hidden", r.light)
                         : fmt::format("light {}: {:.3f} {:.3f} {:.3f}", r.light, light.x, light.y,
                                       light.z);
     }
-    const std::string hit = !r.traced ? "beyond the last level"
-                            : r.hit.found()
-                                ? fmt::format("{}, t = {:.4g}", name_of(r.hit.item), r.hit.t)
-                                : "background";
+    const std::string hit =
+        !r.traced       ? "beyond the last level"
+        : r.hit.found() ? fmt::format("{}, t = {:.4g}",
+                                      name_of(what_.accel.geometry(), r.hit.primitive), r.hit.t)
+                        : "background";
     return fmt::format("{}, weight {:.3g}", hit, r.weight.x);
   }
 

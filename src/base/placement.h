@@ -18,25 +18,30 @@ inline constexpr Matrix kIdentity = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 /// A matrix with its inverse, in double: from an object's own space into the one around it.
 class Placement {
  public:
-  explicit Placement(const Matrix& m) : shift_(m[3], m[7], m[11]) {
+  using Inverse = std::array<Vec3d, 3>;  // the rows of that of A
+
+  explicit Placement(const Matrix& m) : Placement(m, Inverse()) {
+    const double by = determinant();
+    for (size_t i = 0; i < 3; ++i)
+      inverse_[i] = cross(column((i + 1) % 3), column((i + 2) % 3)) / by;
+  }
+  Placement(const Matrix& m, const Inverse& inverse)
+      : shift_(m[3], m[7], m[11]), inverse_(inverse) {
     for (size_t i = 0; i < 3; ++i) rows_[i] = Vec3d(m[4 * i], m[4 * i + 1], m[4 * i + 2]);
-    for (int i = 0; i < 3; ++i) columns_[i] = Vec3d(rows_[0][i], rows_[1][i], rows_[2][i]);
-    determinant_ = dot(columns_[0], cross(columns_[1], columns_[2]));
-    for (int i = 0; i < 3; ++i)
-      inverse_[i] = cross(columns_[(i + 1) % 3], columns_[(i + 2) % 3]) / determinant_;
   }
 
-  double determinant() const { return determinant_; }
+  const Inverse& inverse() const { return inverse_; }
+  double determinant() const { return dot(column(0), cross(column(1), column(2))); }
   /// Are all numbers finite, and is there an inverse that a float can tell from none?
   bool is_sound() const {
-    return std::isfinite(determinant_) && is_finite(Vec3f(shift_)) &&
-           std::abs(determinant_) >
-               1e-9 * length(columns_[0]) * length(columns_[1]) * length(columns_[2]);
+    return std::isfinite(determinant()) && is_finite(Vec3f(shift_)) &&
+           std::abs(determinant()) >
+               1e-9 * length(column(0)) * length(column(1)) * length(column(2));
   }
   /// By how much a length grows at most.
   double longest() const {
-    return std::sqrt(dot(columns_[0], columns_[0]) + dot(columns_[1], columns_[1]) +
-                     dot(columns_[2], columns_[2]));
+    return std::sqrt(dot(column(0), column(0)) + dot(column(1), column(1)) +
+                     dot(column(2), column(2)));
   }
   /// How much further the longest axis of what the map makes of a ball reaches than the shortest,
   /// at most: by so much errors grow on the way to the object and back.
@@ -46,10 +51,10 @@ class Placement {
   }
   /// By how much all lengths grow, 1 where that is nearly so; 0 where they grow unevenly.
   double scale() const {
-    const double s = std::cbrt(std::abs(determinant_)), slack = 1e-4 * s * s;
-    for (int i = 0; i < 3; ++i)
-      if (std::abs(dot(columns_[i], columns_[i]) - s * s) > slack ||
-          std::abs(dot(columns_[i], columns_[(i + 1) % 3])) > slack)
+    const double s = std::cbrt(std::abs(determinant())), slack = 1e-4 * s * s;
+    for (size_t i = 0; i < 3; ++i)
+      if (std::abs(dot(column(i), column(i)) - s * s) > slack ||
+          std::abs(dot(column(i), column((i + 1) % 3))) > slack)
         return 0;
     return std::abs(s - 1) < 1e-4 ? 1 : s;
   }
@@ -84,8 +89,10 @@ class Placement {
   }
 
  private:
-  Vec3d rows_[3], columns_[3], shift_, inverse_[3];
-  double determinant_ = 0;
+  Vec3d column(size_t i) const { return {rows_[0][int(i)], rows_[1][int(i)], rows_[2][int(i)]}; }
+
+  Vec3d rows_[3], shift_;
+  Inverse inverse_;
 };
 
 /// First `b`, then `a`.

@@ -18,27 +18,33 @@ struct Ray {
   Vec3f at(float t) const { return origin + dir * t; }
 };
 
-/// What a structure stores and a ray finds: 3 bits of shape kind, 29 bits of index in that kind's
-/// pool. Ids order by kind, then by index; where several hits are equally near, the lowest id is
-/// the hit, so that every structure gives the same answer.
+/// The number of a primitive in its object, where those of each kind follow those of the kind
+/// before (PrimitiveKind); accel/geometry.h gives its kind and its index in the kind's pool.
 using PrimitiveId = uint32_t;
 inline constexpr PrimitiveId kNoPrimitive = 0xffffffffu;
-inline constexpr int kPrimitiveIndexBits = 29;
-inline constexpr uint32_t kMaxPrimitivesPerKind = 1u << kPrimitiveIndexBits;
+inline constexpr uint32_t kMaxPrimitives = 0xfffffffeu;  // of an object
 
-/// 16 bytes. `u`, `v` are the barycentric weights of a triangle's second and third corner.
+/// The number of an instance, those within instances included: instance i of the scene has the
+/// number i + 1, or a larger one where instances before it hold instances themselves. 0: none, for
+/// the scene's own primitives.
+using InstanceId = uint32_t;
+inline constexpr uint32_t kMaxInstances = 0xfffffffeu;
+
+/// `u`, `v` are the barycentric weights of a triangle's second and third corner.
 struct Hit {
   float t = std::numeric_limits<float>::infinity();
-  PrimitiveId item = kNoPrimitive;
+  PrimitiveId primitive = kNoPrimitive;  // of the object that the instance shows
   float u = 0, v = 0;
+  InstanceId instance = 0;
 
-  bool found() const { return item != kNoPrimitive; }
+  bool found() const { return primitive != kNoPrimitive; }
 };
-static_assert(sizeof(Hit) == 16);
 
-/// The order of hits along a ray.
+/// The order of hits along a ray. Of equally near ones the lowest ids come first, so that every
+/// structure finds the same.
 inline bool comes_before(const Hit& a, const Hit& b) {
-  return a.t < b.t || (a.t == b.t && a.item < b.item);
+  if (a.t != b.t) return a.t < b.t;
+  return a.instance != b.instance ? a.instance < b.instance : a.primitive < b.primitive;
 }
 
 }  // namespace raio

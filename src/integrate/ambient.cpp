@@ -273,7 +273,8 @@ class AmbientShading {
     std::array<float, kChunk + kWidth> decided{};
     for (size_t i = 0; i < n; ++i) {
       on_line_[i] = 0;
-      decided[i] = !geometry.is_opaque(w.hits().item[i]);
+      const Hit hit = w.hits()[i];
+      decided[i] = geometry.object_at(hit.instance).depth_of(hit.primitive) != kOpaque;
     }
     const V3 forward = set3(d, scene_.forward);
     const bool parallel = scene_.eye.parallel;
@@ -309,9 +310,8 @@ class AmbientShading {
     size_t creases = 0;
     for (size_t i = 0; i < n; ++i) {
       if (decided[i] != 0) continue;
-      const PrimitiveId here = w.hits().item[i];
-      const Hit hit = w.probed()[i];
-      if (here == hit.item) continue;
+      const Hit here = w.hits()[i], hit = w.probed()[i];
+      if (here.primitive == hit.primitive && here.instance == hit.instance) continue;
       const Vec3f point = at(v.point, i);
       const Ray ray = rays[i];
       const Vec3f other = ray.origin + ray.dir * hit.t;
@@ -319,14 +319,15 @@ class AmbientShading {
       const float depth = scene_.eye.parallel ? 1 : dot(point - scene_.eye.from, scene_.forward);
       const float behind = dot(other - point, scene_.forward);
       const float step = 4 * outline_ * pixel * depth;  // a slope that passes for a surface
-      const bool flat = primitive_kind(here) == PrimitiveKind::triangle;
+      const bool flat = PrimitiveKind(v.kind[i]) == PrimitiveKind::triangle;
       if (!hit.found() || (behind > step && !flat)) {
         on_line_[i] = 1;
-      } else if (behind >= -step && !geometry.same_object(here, hit.item)) {
+      } else if (behind >= -step && !geometry.same_object(here, hit)) {
         on_line_[i] = behind > 0;
       } else if (behind > step) {
         on_line_[i] = dot(other - point, at(v.normal, i)) < -step / 4;
-      } else if (behind >= -step && here < hit.item) {
+      } else if (behind >= -step && std::pair(here.instance, here.primitive) <
+                                        std::pair(hit.instance, hit.primitive)) {
         crease_rays_.set(creases, ray), crease_hits_.set(creases, hit);
         crease_of_[creases++] = uint32_t(i);
       }

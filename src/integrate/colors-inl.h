@@ -7,6 +7,8 @@
 #define RAIO_INTEGRATE_COLORS_INL_H_
 #endif
 
+#include <optional>
+
 #include "integrate/tile-inl.h"
 #include "scene/texture.h"
 
@@ -14,29 +16,39 @@ HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
 namespace {
 
-// Puts those of what the rays i, i + 1, ... hit into the lanes of `color`. Called for scenes that
-// have any. A lane behind the last hit may hold whatever an earlier batch left there, also no item.
-inline void gather_colors(const Geometry& geometry, const HitBatch& hits, size_t i,
+// Hits, with the kind of each primitive and its index among those of the kind. A lane behind the
+// last hit may hold what an earlier batch left there.
+struct HitColumns {
+  const HitBatch& hits;
+  const uint32_t *kind, *index;
+
+  // The triangle that ray i hits, if it is one.
+  std::optional<uint32_t> triangle(const Geometry& geometry, size_t i) const {
+    constexpr auto kTriangle = PrimitiveKind::triangle;
+    if (PrimitiveKind(kind[i]) != kTriangle || index[i] >= geometry.count(kTriangle)) return {};
+    return index[i];
+  }
+};
+
+// Puts the colours of the primitives that the rays i, i + 1, ... hit into the lanes of `color`.
+// Called for scenes that have any.
+inline void gather_colors(const Geometry& geometry, const HitColumns& hit, size_t i,
                           Floats3& color) {
   for (size_t k = i; k < i + kWidth; ++k) {
-    const PrimitiveId item = hits.item[k];
-    const std::span<const Rgb> colors = geometry.colors(primitive_kind(item));
-    if (primitive_index(item) < colors.size()) color.set(k, colors[primitive_index(item)]);
+    const std::span<const Rgb> colors = geometry.colors(PrimitiveKind(hit.kind[k]));
+    if (hit.index[k] < colors.size()) color.set(k, colors[hit.index[k]]);
   }
 }
 
 // Multiplies those of the vertices of triangles into it, likewise.
-inline void tint_by_vertices(const Geometry& geometry, const HitBatch& hits, size_t i,
+inline void tint_by_vertices(const Geometry& geometry, const HitColumns& hit, size_t i,
                              Floats3& color) {
   const std::span<const Rgb> tints = geometry.vertex_colors();
   for (size_t k = i; k < i + kWidth; ++k) {
-    const PrimitiveId item = hits.item[k];
-    const uint32_t index = primitive_index(item);
-    if (primitive_kind(item) != PrimitiveKind::triangle ||
-        index >= geometry.count(PrimitiveKind::triangle))
-      continue;
-    const TriangleIndices& at = geometry.corners(index);
-    const float u = hits.u[k], v = hits.v[k];
+    const std::optional<uint32_t> triangle = hit.triangle(geometry, k);
+    if (!triangle) continue;
+    const TriangleIndices& at = geometry.corners(*triangle);
+    const float u = hit.hits.u[k], v = hit.hits.v[k];
     const Rgb tint = tints[at[0]] * (1 - u - v) + tints[at[1]] * u + tints[at[2]] * v;
     color.x.at[k] *= std::max(tint.x, 0.0f), color.y.at[k] *= std::max(tint.y, 0.0f);
     color.z.at[k] *= std::max(tint.z, 0.0f);
@@ -45,19 +57,16 @@ inline void tint_by_vertices(const Geometry& geometry, const HitBatch& hits, siz
 
 // Multiplies those of textures into it, likewise. Those of a scene's materials may differ in size
 // from lane to lane, so they are looked up one by one.
-inline void tint_by_textures(const Geometry& geometry, const Scene& scene, const HitBatch& hits,
+inline void tint_by_textures(const Geometry& geometry, const Scene& scene, const HitColumns& hit,
                              size_t i, const MaterialId* materials, Floats3& color) {
   const std::span<const Uv> uv = geometry.texture_coordinates();
   for (size_t k = i; k < i + kWidth; ++k) {
-    const PrimitiveId item = hits.item[k];
-    const uint32_t index = primitive_index(item);
-    if (primitive_kind(item) != PrimitiveKind::triangle ||
-        index >= geometry.count(PrimitiveKind::triangle))
-      continue;
+    const std::optional<uint32_t> triangle = hit.triangle(geometry, k);
+    if (!triangle) continue;
     const uint32_t texture = scene.material_texture[materials[k]];
     if (texture == kNoTexture) continue;
-    const TriangleIndices& at = geometry.corners(index);
-    const float b1 = hits.u[k], b2 = hits.v[k], b0 = 1 - b1 - b2;
+    const TriangleIndices& at = geometry.corners(*triangle);
+    const float b1 = hit.hits.u[k], b2 = hit.hits.v[k], b0 = 1 - b1 - b2;
     const auto along = [&](size_t axis) {
       return uv[at[0]][axis] * b0 + uv[at[1]][axis] * b1 + uv[at[2]][axis] * b2;
     };

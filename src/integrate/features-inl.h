@@ -8,8 +8,9 @@
 #endif
 
 #include <algorithm>
-#include <array>
+#include <memory>
 
+#include "accel/primitive_numbers.h"
 #include "integrate/camera-inl.h"
 #include "integrate/surfaces-inl.h"
 #include "integrate/wavefront.h"
@@ -36,11 +37,11 @@ HWY_INLINE V depths_of_hits(const PreparedScene& scene, const RayBatch& rays, co
 
 class Features {
  public:
-  explicit Features(const PreparedScene& scene) : scene_(scene) {
-    for (size_t k = 1; k < kPrimitiveKinds; ++k)
-      first_number_[k] =
-          first_number_[k - 1] + uint32_t(scene.accel.geometry().count_all(PrimitiveKind(k - 1)));
-  }
+  explicit Features(const PreparedScene& scene)
+      : scene_(scene),
+        ids_(scene.settings.channels.has(Channel::id)
+                 ? std::make_unique<PrimitiveNumbers>(scene.accel.geometry())
+                 : nullptr) {}
 
   // Adds those of all `rays`, which hit something, to the sums of `pixels`; of those rays only for
   // which `counts` is not 0, if it is there.
@@ -73,11 +74,11 @@ class Features {
   HWY_INLINE void set_firsts(const RayBatch& rays, const HitBatch& hits,
                              const SurfacePoints& vertices, size_t i, const Set& set,
                              const FilmLayout& layout) const {
-    // value(item) of the lanes.
-    const auto of_items = [&](auto&& value) HWY_ATTR {
+    // value(primitive, instance) of the lanes.
+    const auto of_hits = [&](auto&& value) HWY_ATTR {
       HWY_ALIGN uint32_t values[kWidth] = {};
       for (size_t k = i; k < std::min(i + kWidth, rays.size()); ++k)
-        values[k - i] = value(hits.item[k]);
+        values[k - i] = value(hits.primitive[k], hits.instance[k]);
       return hn::Load(du, values);
     };
     if (layout.has(Channel::depth))
@@ -90,12 +91,13 @@ class Features {
         set(channel, c, in_file(parts[c], scene_.scene.origin[int(c)], channel));
     }
     if (layout.has(Channel::id))
-      set(Channel::id, 0, of_items([&](PrimitiveId id) {
-            return first_number_[size_t(primitive_kind(id))] + primitive_index(id) + 1;
+      set(Channel::id, 0, of_hits([&](PrimitiveId id, InstanceId instance) {
+            return uint32_t(ids_->number(id, instance));
           }));
     if (layout.has(Channel::object))
-      set(Channel::object, 0,
-          of_items([&](PrimitiveId id) { return scene_.accel.geometry().object_of(id); }));
+      set(Channel::object, 0, of_hits([&](PrimitiveId id, InstanceId instance) {
+            return scene_.accel.geometry().object_of(id, instance);
+          }));
   }
 
   // A coordinate of points as the file has it, or what a float leaves of it.
@@ -116,7 +118,7 @@ class Features {
   }
 
   const PreparedScene& scene_;
-  std::array<uint32_t, kPrimitiveKinds> first_number_{};  // of each kind, in the channel `id`
+  std::unique_ptr<const PrimitiveNumbers> ids_;  // for the channel `id`
 };
 
 }  // namespace

@@ -47,7 +47,7 @@ class Layers {
     for (size_t i = 0; i < n; ++i) {
       Ray ray = rays[i];
       ray.tmax = behind.t[i];  // of a miss that of the ray
-      going_.set(i, ray, Hit{.t = 0, .item = 0}, uint32_t(i));
+      going_.set(i, ray, Hit{.t = 0, .primitive = 0}, uint32_t(i));
     }
     size_t many = 0;
     for (size_t k = 0; k < kKnown && going_.size() > 0; ++k) {
@@ -61,7 +61,9 @@ class Layers {
         const uint32_t i = going_.from[j];
         Met& met = met_[i];
         layer_[k].set(i, hit);
-        met.depth = std::min(met.depth + accel.geometry().depth_of(hit.item), kMaxOpticalDepth);
+        met.depth =
+            std::min(met.depth + accel.geometry().object_at(hit.instance).depth_of(hit.primitive),
+                     kMaxOpticalDepth);
         met.through[met.count++] = passed(met.depth);
         if (met.through[k] == 0) continue;
         met.is_many = met.through[k] <= kLittle || met.count == kKnown;

@@ -20,27 +20,28 @@ SurfacePoint triangle_point(const Geometry& geometry, uint32_t index, Vec3f p, c
 }  // namespace
 
 Surface surface_at(const Geometry& geometry, const Ray& ray, const Hit& hit) {
-  if (geometry.is_copied(hit.item)) {
-    const Geometry::Origin from = geometry.origin_of(hit.item);
-    const Placement place(geometry.scene().instances[from.instance].matrix);
+  if (hit.instance) {
+    const Geometry::Placed at = geometry.placed(hit.instance);
+    const Placement place = geometry.placement(at.index);
     double stretch = 0;
     const Ray there = place.to_object(ray, stretch);
-    Surface surface =
-        surface_at(from.object, there, {float(double(hit.t) * stretch), from.id, hit.u, hit.v});
+    Surface surface = surface_at(
+        at.object, there, {float(double(hit.t) * stretch), hit.primitive, hit.u, hit.v, at.inner});
     surface.point = Vec3f(place.point(Vec3d(surface.point)));
     surface.normal = Vec3f(place.normal(Vec3d(surface.normal)));
     surface.extent *= float(place.longest());
     return surface;
   }
-  const uint32_t index = primitive_index(hit.item);
+  const PrimitiveKind its_kind = geometry.kind_of(hit.primitive);
+  const uint32_t index = geometry.index_of(its_kind, hit.primitive);
   const Vec3f p = ray.at(hit.t);
-  const SurfacePoint point = with_kind(primitive_kind(hit.item), [&]<PrimitiveKind kind> {
+  const SurfacePoint point = with_kind(its_kind, [&]<PrimitiveKind kind> {
     if constexpr (kind == PrimitiveKind::triangle)
       return triangle_point(geometry, index, p, hit);
     else
       return surface_point(at_time(geometry.get<kind>(index), ray.time), p);
   });
-  return {point, geometry.material_of(hit.item)};
+  return {point, geometry.material_of(hit.primitive)};
 }
 
 }  // namespace raio

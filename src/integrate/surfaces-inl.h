@@ -61,6 +61,8 @@ struct SurfacePoints {
   Floats3 point, outside, normal, geometric;
   Floats scale;  // of shape/offset.h
   alignas(64) MaterialId material[kChunk + 16];
+  // Of the primitives that were hit: the kind, and the index among those of the kind.
+  alignas(64) uint32_t kind[kChunk + 16], index[kChunk + 16];
   Floats3 color;
   Floats kd, ks, shine, transmission, ior;
   Floats eta;        // for refraction
@@ -69,18 +71,18 @@ struct SurfacePoints {
   Floats3 specular;  // the colour of highlight and mirror
   Floats roughness;
 
-  struct Copied;
-  std::unique_ptr<Copied> copied;  // in scenes with copies
+  struct Instanced;
+  std::unique_ptr<Instanced> instanced;  // in scenes with instances
 };
 
 // Rays and their hits in the space of an object, and what it is there.
-struct SurfacePoints::Copied {
+struct SurfacePoints::Instanced {
   RayBatch rays;
   HitBatch hits;
   std::vector<uint32_t> lanes;
   std::vector<const Geometry*> objects;  // of each lane; null: the scene's own
-  std::vector<uint32_t> instances;
-  SurfacePoints vertices;
+  std::vector<uint32_t> indices;         // of the instances
+  SurfacePoints points;
 };
 
 // Lane i for all that follow it in the register.
@@ -111,14 +113,14 @@ struct SurfaceKernel {
   static constexpr bool kSameAtAllPoints = false;
 
   static void gather(const SurfaceInput& in, size_t i, SurfacePoints& v) {
-    const uint32_t index = primitive_index(in.hits.item[i]);
+    const uint32_t index = v.index[i];
     const Ray ray = in.rays[i];
     const SurfacePoint s =
         surface_point(at_time(in.geometry.get<kind>(index), ray.time), ray.at(in.hits.t[i]));
     v.gathered.other.point.set(i, s.point);
     v.gathered.other.extent.at[i] = s.extent;
     v.geometric.set(i, s.normal);
-    v.material[i] = in.geometry.material_of(in.hits.item[i]);
+    v.material[i] = in.geometry.material_of(in.hits.primitive[i]);
   }
   static HWY_INLINE WideSurfaces evaluate(const SurfaceInput& in, size_t i, M,
                                           const SurfacePoints& v) {
@@ -134,7 +136,7 @@ struct SurfaceKernel<PrimitiveKind::sphere> {
   static constexpr bool kSameAtAllPoints = true;  // what is looked up
 
   static void gather(const SurfaceInput& in, size_t i, SurfacePoints& v) {
-    const uint32_t index = primitive_index(in.hits.item[i]);
+    const uint32_t index = v.index[i];
     const Sphere s = in.geometry.sphere(index);
     v.gathered.sphere.center.set(i, s.center);
     v.gathered.sphere.radius.at[i] = s.radius;
@@ -159,7 +161,7 @@ struct SurfaceKernel<PrimitiveKind::triangle> {
   static constexpr bool kSameAtAllPoints = true;  // where it is flat
 
   static void gather(const SurfaceInput& in, size_t i, SurfacePoints& v) {
-    const uint32_t index = primitive_index(in.hits.item[i]);
+    const uint32_t index = v.index[i];
     const TriangleIndices& at = in.geometry.corners(index);
     const Facet& facet = in.geometry.facet(index);
     for (size_t c = 0; c < 3; ++c)
@@ -204,7 +206,7 @@ struct SurfaceKernel<PrimitiveKind::cone> {
   static constexpr bool kSameAtAllPoints = false;  // points have normals of their own
 
   static void gather(const SurfaceInput& in, size_t i, SurfacePoints& v) {
-    const uint32_t index = primitive_index(in.hits.item[i]);
+    const uint32_t index = v.index[i];
     const BakedCone& c = in.geometry.get<PrimitiveKind::cone>(index);
     ConeColumns& to = v.gathered.cone;
     to.base.set(i, c.base), to.axis.set(i, c.axis);
@@ -252,7 +254,7 @@ struct SurfaceKernel<PrimitiveKind::cone> {
       const auto secant = hn::Sqrt(hn::Add(hn::Set(wide, 1.0), hn::Mul(slope, slope)));
       put(point - normal * hn::Div(error, secant), p);
     }
-    if (any_on_axis) set_tips(in, i, cones, p, n);
+    if (any_on_axis) set_tips(in, i, cones, v, p, n);
     const V3 geometric = {hn::Load(d, n[0]), hn::Load(d, n[1]), hn::Load(d, n[2])};
     const V height = load(c.height, i), base = load(c.base_radius, i), slope = load(c.slope, i);
     return {{hn::Load(d, p[0]), hn::Load(d, p[1]), hn::Load(d, p[2])},
@@ -263,14 +265,13 @@ struct SurfaceKernel<PrimitiveKind::cone> {
 
  private:
   // Tips have no normal of their own.
-  static void set_tips(const SurfaceInput& in, size_t i, M cones, float (*p)[kWidth],
-                       float (*n)[kWidth]) {
+  static void set_tips(const SurfaceInput& in, size_t i, M cones, const SurfacePoints& v,
+                       float (*p)[kWidth], float (*n)[kWidth]) {
     HWY_ALIGN float is_cone[kWidth];
     hn::Store(hn::IfThenElseZero(cones, hn::Set(d, 1)), d, is_cone);
     for (size_t k = 0; k < kWidth; ++k) {
       if (is_cone[k] == 0) continue;
-      const uint32_t index = primitive_index(in.hits.item[i + k]);
-      const SurfacePoint s = surface_point(in.geometry.get<PrimitiveKind::cone>(index),
+      const SurfacePoint s = surface_point(in.geometry.get<PrimitiveKind::cone>(v.index[i + k]),
                                            in.rays[i + k].at(in.hits.t[i + k]));
       for (int a = 0; a < 3; ++a) p[a][k] = s.point[a], n[a][k] = s.normal[a];
     }
@@ -310,14 +311,12 @@ HWY_INLINE Row store_rows(const Row (&rows)[4], Floats3& to, size_t i) {
 // since storing number by number is what takes the time.
 HWY_INLINE bool gather_triangles(const SurfaceInput& in, size_t i, SurfacePoints& v) {
   const HitBatch& hits = in.hits;
-  const auto is_triangle = [](PrimitiveId id) {
-    return primitive_kind(id) == PrimitiveKind::triangle;
-  };
-  if (!std::all_of(&hits.item[i], &hits.item[i] + 4, is_triangle)) return false;
+  const auto is_triangle = [](uint32_t kind) { return kind == uint32_t(PrimitiveKind::triangle); };
+  if (!std::all_of(v.kind + i, v.kind + i + 4, is_triangle)) return false;
   const Geometry& geometry = in.geometry;
   Row corner[3][4], facet[4], normal[4];
   for (size_t k = 0; k < 4; ++k) {
-    const uint32_t index = primitive_index(hits.item[i + k]);
+    const uint32_t index = v.index[i + k];
     const TriangleIndices& at = geometry.corners(index);
     for (size_t c = 0; c < 3; ++c) corner[c][k] = load_row(geometry.positions()[at[c]]);
     // A facet is a row: its normal, and its material for the fourth number.
@@ -343,22 +342,36 @@ HWY_INLINE bool gather_triangles(const SurfaceInput& in, size_t i, SurfacePoints
 bool gather_triangles(const SurfaceInput&, size_t, SurfacePoints&) { return false; }
 #endif
 
+// Kinds follow each other in the ids of primitives, so the last that begins at or before an id is
+// its kind.
+HWY_INLINE void find_kinds(const SurfaceInput& in, size_t i, SurfacePoints& v) {
+  const U ids = load(in.hits.primitive, i);
+  U kind = hn::Zero(du), first = hn::Zero(du);
+  for_each_kind([&]<PrimitiveKind k>() HWY_ATTR {
+    if (in.geometry.count(k) == 0) return;
+    const U begin = hn::Set(du, in.geometry.id_of(k, 0));
+    const auto from_here = hn::Ge(ids, begin);
+    kind = hn::IfThenElse(from_here, hn::Set(du, uint32_t(k)), kind);
+    first = hn::IfThenElse(from_here, begin, first);
+  });
+  hn::Store(kind, du, v.kind + i), hn::Store(hn::Sub(ids, first), du, v.index + i);
+}
+
 void gather(const SurfaceInput& in, size_t i, SurfacePoints& v) {
-  with_kind(primitive_kind(in.hits.item[i]),
+  with_kind(PrimitiveKind(v.kind[i]),
             [&]<PrimitiveKind kind> { SurfaceKernel<kind>::gather(in, i, v); });
 }
 
 // What rays i, i + 1, ... in the lanes hit, which often is the same.
 void gather_lanes(const SurfaceInput& in, size_t i, SurfacePoints& v) {
-  const PrimitiveId first = in.hits.item[i];
-  if (hn::AllTrue(du, hn::Eq(load(in.hits.item, i), hn::Set(du, first)))) {
+  const PrimitiveId first = in.hits.primitive[i];
+  if (hn::AllTrue(du, hn::Eq(load(in.hits.primitive, i), hn::Set(du, first)))) {
     bool done = false;
     visit_kinds([&]<PrimitiveKind kind>() HWY_ATTR {
       using Kernel = SurfaceKernel<kind>;
       if constexpr (Kernel::kSameAtAllPoints) {
-        if (primitive_kind(first) != kind) return;
-        if (kind == PrimitiveKind::triangle && in.geometry.corner_normals(primitive_index(first)))
-          return;
+        if (PrimitiveKind(v.kind[i]) != kind) return;
+        if (kind == PrimitiveKind::triangle && in.geometry.corner_normals(v.index[i])) return;
         Kernel::gather(in, i, v);
         Kernel::spread(i, v);
         hn::Store(hn::Set(du, v.material[i]), du, v.material + i);
@@ -420,7 +433,7 @@ HWY_NOINLINE void place_surfaces(const SurfaceInput& in, size_t i, M lanes, Surf
 void find_own_surfaces(const Geometry& geometry, const Scene& scene, const RayBatch& rays,
                        const HitBatch& hits, size_t n, SurfacePoints& v) {
   const SurfaceInput in = {geometry, rays, hits};
-  for (size_t i = 0; i < n; i += kWidth) gather_lanes(in, i, v);
+  for (size_t i = 0; i < n; i += kWidth) find_kinds(in, i, v), gather_lanes(in, i, v);
   const bool colored = geometry.any_colors();
   const bool tinted = !geometry.vertex_colors().empty();
   const bool textured = !geometry.texture_coordinates().empty() && !scene.material_texture.empty();
@@ -428,9 +441,10 @@ void find_own_surfaces(const Geometry& geometry, const Scene& scene, const RayBa
   const M all = hn::FirstN(d, kWidth);
   for (size_t i = 0; i < n; i += kWidth) {
     gather_materials(scene.materials.data(), i, v);
-    if (colored) gather_colors(geometry, hits, i, v.color);
-    if (tinted) tint_by_vertices(geometry, hits, i, v.color);
-    if (textured) tint_by_textures(geometry, scene, hits, i, v.material, v.color);
+    const HitColumns hit = {hits, v.kind, v.index};
+    if (colored) gather_colors(geometry, hit, i, v.color);
+    if (tinted) tint_by_vertices(geometry, hit, i, v.color);
+    if (textured) tint_by_textures(geometry, scene, hit, i, v.material, v.color);
     const auto finish = [&](const WideSurfaces& s) RAIO_INLINE_LAMBDA {
       const M entering = hn::Lt(dot(s.geometric, directions(rays, i)), zero);
       const V3 normal = select(entering, s.normal, -s.normal);
@@ -442,7 +456,7 @@ void find_own_surfaces(const Geometry& geometry, const Scene& scene, const RayBa
       const V ior = load(v.ior, i);
       store(hn::IfThenElse(entering, hn::Div(hn::Set(d, 1), ior), ior), v.eta, i);
     };
-    const auto kinds = hn::ShiftRight<kPrimitiveIndexBits>(load(hits.item, i));
+    const U kinds = hn::Load(du, v.kind + i);
     const auto all_are = [&](PrimitiveKind kind) RAIO_INLINE_LAMBDA {
       return hn::AllTrue(du, hn::Eq(kinds, hn::Set(du, uint32_t(kind))));
     };
@@ -472,28 +486,27 @@ void copy_surface_point(const SurfacePoints& from, size_t k, SurfacePoints& v, s
        {&SurfacePoints::scale, &SurfacePoints::kd, &SurfacePoints::ks, &SurfacePoints::shine,
         &SurfacePoints::transmission, &SurfacePoints::ior, &SurfacePoints::eta})
     (v.*c).at[i] = (from.*c).at[k];
-  v.material[i] = from.material[k];
+  v.material[i] = from.material[k], v.kind[i] = from.kind[k], v.index[i] = from.index[k];
 }
 
 void find_surfaces(const Geometry& geometry, const Scene& scene, const RayBatch& rays,
                    const HitBatch& hits, size_t n, SurfacePoints& v);
 
-// Surfaces of copies are worked out in the space of their object, one object after another, and
-// moved to where the copies are.
-HWY_NOINLINE void find_copied_surfaces(const Geometry& geometry, const Scene& scene,
-                                       const RayBatch& rays, const HitBatch& hits, size_t n,
-                                       SurfacePoints& v) {
-  if (!v.copied) v.copied = std::make_unique<SurfacePoints::Copied>();
-  SurfacePoints::Copied& there = *v.copied;
-  const Array<Instance>& copies = geometry.scene().instances;
-  there.objects.assign(n, nullptr), there.instances.resize(n);
+// Surfaces of instances are evaluated in the space of their object, one object after another, and
+// moved to where the instances are.
+HWY_NOINLINE void find_instanced_surfaces(const Geometry& geometry, const Scene& scene,
+                                          const RayBatch& rays, const HitBatch& hits, size_t n,
+                                          SurfacePoints& v) {
+  if (!v.instanced) v.instanced = std::make_unique<SurfacePoints::Instanced>();
+  SurfacePoints::Instanced& there = *v.instanced;
+  there.objects.assign(n, nullptr), there.indices.resize(n);
   if (rays.has_time() && !there.rays.has_time()) there.rays.add_time();
   there.rays.resize(n), there.hits.reset(n);
   std::vector<const Geometry*> objects;
   for (size_t i = 0; i < n; ++i) {
-    if (geometry.is_copied(hits.item[i])) {
-      const Geometry::Origin from = geometry.origin_of(hits.item[i]);
-      there.objects[i] = &from.object, there.instances[i] = from.instance;
+    if (hits.instance[i]) {
+      const Geometry::Placed at = geometry.placed(hits.instance[i]);
+      there.objects[i] = &at.object, there.indices[i] = at.index;
     }
     if (std::ranges::find(objects, there.objects[i]) == objects.end())
       objects.push_back(there.objects[i]);
@@ -509,23 +522,22 @@ HWY_NOINLINE void find_copied_surfaces(const Geometry& geometry, const Scene& sc
       Ray ray = rays[i];
       Hit hit = hits[i];
       if (object) {
-        const Placement place(copies[there.instances[i]].matrix);
         double stretch = 0;
-        ray = place.to_object(ray, stretch);
+        ray = geometry.placement(there.indices[i]).to_object(ray, stretch);
         hit.t = float(double(hit.t) * stretch);
-        hit.item = geometry.origin_of(hit.item).id;
+        hit.instance -= geometry.instance_id(there.indices[i]);
       }
       there.rays.set(k, ray), there.hits.set(k, hit);
     }
     if (object)
-      find_surfaces(*object, scene, there.rays, there.hits, count, there.vertices);
+      find_surfaces(*object, scene, there.rays, there.hits, count, there.points);
     else
-      find_own_surfaces(geometry, scene, there.rays, there.hits, count, there.vertices);
+      find_own_surfaces(geometry, scene, there.rays, there.hits, count, there.points);
     for (size_t k = 0; k < count; ++k) {
       const size_t i = there.lanes[k];
-      copy_surface_point(there.vertices, k, v, i);
+      copy_surface_point(there.points, k, v, i);
       if (!object) continue;
-      const Placement place(copies[there.instances[i]].matrix);
+      const Placement place = geometry.placement(there.indices[i]);
       const auto at = [&](const Floats3& f) { return Vec3d(f.x.at[i], f.y.at[i], f.z.at[i]); };
       const Vec3f point(place.point(at(v.point))), normal(place.normal(at(v.normal)));
       const Vec3f geometric(place.normal(at(v.geometric)));
@@ -541,8 +553,8 @@ HWY_NOINLINE void find_copied_surfaces(const Geometry& geometry, const Scene& sc
 
 void find_surfaces(const Geometry& geometry, const Scene& scene, const RayBatch& rays,
                    const HitBatch& hits, size_t n, SurfacePoints& v) {
-  if (geometry.has_copies() && n > 0)
-    find_copied_surfaces(geometry, scene, rays, hits, n, v);
+  if (geometry.has_instances() && n > 0)
+    find_instanced_surfaces(geometry, scene, rays, hits, n, v);
   else
     find_own_surfaces(geometry, scene, rays, hits, n, v);
 }

@@ -70,6 +70,7 @@ class Wavefront final : public TileRenderer {
         features_(scene),
         counts_rays_(scene.settings.channels.has(Channel::steps) ||
                      scene.settings.channels.has(Channel::tests) || shading_.counts_rays()),
+        instanced_(scene.accel.geometry().has_instances()),
         waiting_(size_t(shading_.levels()) + 1),
         points_(std::make_unique_for_overwrite<SurfacePoints>()),
         hidden_(padded(kChunk)),
@@ -355,7 +356,7 @@ class Wavefront final : public TileRenderer {
     size_t missed = 0, met = 0;
     for (const bool on_floor : {true, false}) {
       for (size_t i = 0; i < n; ++i) {
-        if (behind_hits_.item[i] != kNoPrimitive) continue;
+        if (behind_hits_.primitive[i] != kNoPrimitive) continue;
         const float t = shading_.floor_distance(behind_.rays[i]);
         if ((t > 0) != on_floor) continue;
         hits_.t[missed] = t;
@@ -552,16 +553,17 @@ class Wavefront final : public TileRenderer {
       const size_t soon = i + 64;  // measured
       for (size_t k = soon; k < std::min(soon + kWidth, n); k += 4)
         sums_.prefetch(current_.pixel[k]);
-      const U item = load(hits_.item, i);
+      const U primitive = load(hits_.primitive, i);
       const M in = hn::FirstN(d, n - i);
-      const M found = hn::And(in, hn::RebindMask(d, hn::Ne(item, hn::Set(du, kNoPrimitive))));
+      const M found = hn::And(in, hn::RebindMask(d, hn::Ne(primitive, hn::Set(du, kNoPrimitive))));
       const size_t count = hn::CountTrue(d, found);
       if (seen)
         add_escaped(current_.weights(i), directions(rays, i), &current_.pixel[i],
                     hn::AndNot(found, in));
       if (count > 0 && (kept < i || count < kWidth)) {
-        put(load(hits_.t, i), found, hits_.t, kept), put(item, found, hits_.item, kept);
+        put(load(hits_.t, i), found, hits_.t, kept), put(primitive, found, hits_.primitive, kept);
         put(load(hits_.u, i), found, hits_.u, kept), put(load(hits_.v, i), found, hits_.v, kept);
+        if (instanced_) put(load(hits_.instance, i), found, hits_.instance, kept);
         current_.put(origins(rays, i), directions(rays, i), load(rays.tmax, i),
                      load(current_.pixel, i), load(current_.branch, i), current_.weights(i), found,
                      kept);
@@ -617,6 +619,7 @@ class Wavefront final : public TileRenderer {
   Shading shading_;
   Features features_;
   const bool counts_rays_;
+  const bool instanced_;  // the scene has instances
   TraceContext context_;
   bool moves_ = false;        // something in the scene
   std::vector<float> times_;  // of a sample of each pixel, by its number in the tile

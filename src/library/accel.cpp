@@ -80,24 +80,19 @@ constexpr Kind kind_of(PrimitiveKind kind) {
 
 Hit hit_of(const Accel::Data& data, const raio::Ray& ray, const raio::Hit& found) {
   if (!found.found()) return {};
-  const Geometry* geometry = &data.accel->geometry();
-  const Surface surface = surface_at(*geometry, ray, found);
-  PrimitiveId id = found.item;
-  int64_t instance = -1;
-  while (geometry->is_copied(id)) {
-    const Geometry::Origin from = geometry->origin_of(id);
-    if (instance < 0) instance = from.instance;
-    geometry = &from.object, id = from.id;
-  }
+  const Geometry& whole = data.accel->geometry();
+  const Geometry& geometry = whole.object_at(found.instance);
+  const Surface surface = surface_at(whole, ray, found);
+  const PrimitiveKind kind = geometry.kind_of(found.primitive);
   Hit hit{double(found.t),
-          kind_of(primitive_kind(id)),
-          primitive_index(id),
+          kind_of(kind),
+          geometry.index_of(kind, found.primitive),
           surface.material,
           triple(data.scene.origin + Vec3d(surface.point)),
           triple(Vec3d(surface.normal))};
-  hit.instance = instance;
+  if (found.instance) hit.instance = whole.placed(found.instance).index;
   if (hit.kind != Kind::triangle) return hit;
-  const size_t source = geometry->source_of(hit.index), triangles = geometry->count_of_triangles();
+  const size_t source = geometry.source_of(hit.index), triangles = geometry.count_of_triangles();
   if (source < triangles) {
     hit.index = uint32_t(source), hit.u = double(found.u), hit.v = double(found.v);
   } else {

@@ -14,7 +14,8 @@ namespace raio {
 namespace {
 
 struct Pixel {
-  PrimitiveId item = kNoPrimitive;
+  PrimitiveId primitive = kNoPrimitive;
+  InstanceId instance = 0;
   MaterialId material = 0;
   Vec3f point, normal;  // towards the ray
   uint64_t seen = 0;    // a bit for each light, which it shares with every 64th after it
@@ -39,7 +40,11 @@ void look(const Scene& scene, const Accel& accel, const EyeRays& eye, float time
     if (!hits[x].found()) continue;
     const Surface s = surface_at(accel.geometry(), rays[x], hits[x]);
     const Vec3f normal = dot(s.normal, rays[x].dir) < 0 ? s.normal : -s.normal;
-    row[x] = {.item = hits[x].item, .material = s.material, .point = s.point, .normal = normal};
+    row[x] = {.primitive = hits[x].primitive,
+              .instance = hits[x].instance,
+              .material = s.material,
+              .point = s.point,
+              .normal = normal};
     const float size = std::max({std::abs(s.point.x), std::abs(s.point.y), std::abs(s.point.z)});
     // The point may be off the surface by what the ray's length was rounded.
     outside[x] = offset_origin(s.point, normal, size + s.extent + hits[x].t, true);
@@ -49,7 +54,7 @@ void look(const Scene& scene, const Accel& accel, const EyeRays& eye, float time
     for (size_t x = 0; x < row.size(); ++x) {
       const Vec3f to_light = scene.lights[l].position - outside[x];
       const float distance = length(to_light);
-      const bool faces = row[x].item != kNoPrimitive && dot(to_light, row[x].normal) > 0;
+      const bool faces = row[x].primitive != kNoPrimitive && dot(to_light, row[x].normal) > 0;
       rays.set(x, {outside[x], to_light / distance,
                    faces ? distance * (1 - 4 * std::numeric_limits<float>::epsilon()) : -1, time});
     }
@@ -67,8 +72,9 @@ void look(const Scene& scene, const Accel& accel, const EyeRays& eye, float time
 
 // Does a surface end, or fold, between two neighbours?
 bool is_edge(const Pixel& a, const Pixel& b) {
-  if (a.item == b.item) return false;
-  if (a.item == kNoPrimitive || b.item == kNoPrimitive || a.material != b.material) return true;
+  if (a.primitive == b.primitive && a.instance == b.instance) return false;
+  if (a.primitive == kNoPrimitive || b.primitive == kNoPrimitive || a.material != b.material)
+    return true;
   constexpr float kCrease = 0.9f;  // the cosine of 26 degrees
   const Vec3f apart = b.point - a.point;
   return dot(a.normal, b.normal) < kCrease || std::abs(dot(apart, a.normal)) > 0.5f * length(apart);
@@ -87,7 +93,7 @@ Region region_of(const Scene& scene, const std::vector<Pixel>& pixels, int width
       if (is_edge(p, other)) return Region::edge;
       border |= p.seen != other.seen;
     }
-  if (p.item == kNoPrimitive) return Region::background;
+  if (p.primitive == kNoPrimitive) return Region::background;
   const Material& m = scene.materials[p.material];
   if (m.ks > 0 || m.transmission > 0) return Region::mirror;
   return border ? Region::shadow_border : p.hidden ? Region::shadow : Region::lit;

@@ -181,8 +181,6 @@ struct ObjectRange {
 
 /// So deep at most are prototypes within prototypes.
 inline constexpr int kMaxNested = 16;
-/// More copies than these, with those of copies, cannot be rendered.
-inline constexpr uint64_t kMaxCopies = 100'000'000;
 
 /// A copy of an object, where the matrix places it.
 struct Instance {

@@ -167,8 +167,6 @@ void check_pools(const Scene& scene, Problems& problems) {
                            const Array<Rgb>& colors, const Array<float>& opacity) {
     const std::string_view kind = kPoolNames[size_t(pool)];
     const size_t count = shapes.size();
-    problems.check(count <= kMaxPrimitivesPerKind, "there are ", count, " ", kind, "s, more than ",
-                   size_t(kMaxPrimitivesPerKind));
     problems.check(ids.size() == count, "there are ", count, " ", kind, "s but ", ids.size(),
                    " materials for them");
     problems.check(colors.empty() || colors.size() == count, "there are ", count, " ", kind,
@@ -276,9 +274,15 @@ void check_meshes(const Scene& scene, Problems& problems) {
     normals += mesh.normals.size();
   }
   for (const Polygon& polygon : scene.polygons) triangles += polygon.count;
-  // Geometry has one list of all.
-  problems.check(triangles <= kMaxPrimitivesPerKind && positions < kNoNormal && normals < kNoNormal,
-                 "there are ", triangles, " triangles of ", positions, " positions and ", normals,
+  // Geometry numbers all primitives in one list.
+  size_t primitives = triangles;
+  for_each_kind([&]<PrimitiveKind kind> {
+    if constexpr (kind != PrimitiveKind::triangle)
+      primitives += (scene.*kPoolOf<PrimitiveType<kind>>.shapes).size();
+  });
+  problems.check(primitives <= kMaxPrimitives && positions < kNoNormal && normals < kNoNormal,
+                 "there are ", primitives, " primitives, ", triangles, " of them triangles of ",
+                 positions, " positions and ", normals,
                  " normals with those of meshes and polygons, more than can be rendered");
 }
 
@@ -353,11 +357,11 @@ void check_instances(const Scene& scene, size_t names, int depth, Problems& prob
   });
 }
 
-// What there is with what copies show, not counted further than to more than can be.
+// What there is with what instances show, not counted further than to more than can be.
 struct Expanded {
-  uint64_t copies = 0, primitives = 0;
+  uint64_t instances = 0, primitives = 0;
 };
-constexpr uint64_t kMaxCopied = uint64_t(kPrimitiveKinds) * kMaxPrimitivesPerKind;
+constexpr uint64_t kMaxShown = uint64_t(1) << 62;
 
 Expanded expanded(const Scene& scene) {
   std::vector<Expanded> of_one;
@@ -368,8 +372,9 @@ Expanded expanded(const Scene& scene) {
                 [&](PoolKind, const auto& shapes, auto&...) { sum.primitives += shapes.size(); });
   for (const Mesh& mesh : scene.meshes) sum.primitives += mesh.triangles.size();
   for (const Instance& copy : scene.instances) {
-    sum.copies = std::min(sum.copies + 1 + of_one[copy.prototype].copies, kMaxCopies + 1);
-    sum.primitives = std::min(sum.primitives + of_one[copy.prototype].primitives, kMaxCopied + 1);
+    sum.instances =
+        std::min(sum.instances + 1 + of_one[copy.prototype].instances, uint64_t(kMaxInstances) + 1);
+    sum.primitives = std::min(sum.primitives + of_one[copy.prototype].primitives, kMaxShown + 1);
   }
   return sum;
 }
@@ -391,10 +396,11 @@ std::vector<std::string> validate(const Scene& scene) {
   if (const auto sound = problems.take(); !sound.empty()) return sound;
   // Counted last, as prototypes that there are not have no size.
   const Expanded all = expanded(scene);
-  problems.check(all.copies <= kMaxCopies && all.primitives <= kMaxCopied, "there are more than ",
-                 size_t(all.copies > kMaxCopies ? kMaxCopies : kMaxCopied),
-                 all.copies > kMaxCopies ? " copies" : " primitives",
-                 " with those of copies, more than can be rendered");
+  problems.check(all.instances <= kMaxInstances && all.primitives <= kMaxShown,
+                 "there are more than ",
+                 size_t(all.instances > kMaxInstances ? uint64_t(kMaxInstances) : kMaxShown),
+                 all.instances > kMaxInstances ? " instances" : " primitives",
+                 " with those of instances, more than can be rendered");
   return problems.take();
 }
 

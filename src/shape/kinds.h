@@ -35,8 +35,8 @@ struct Disc;
 struct MovingSphere;
 struct MovingTriangle;
 
-/// The kinds that structures store and rays meet; the upper bits of a PrimitiveId. Ids order by
-/// kind, so a new kind goes to the end.
+/// The kinds that structures store and rays hit, in the order of their PrimitiveIds: a new kind
+/// goes to the end.
 enum class PrimitiveKind : uint32_t {
   plane,
   sphere,

@@ -50,7 +50,9 @@ void find_stoppers(std::vector<RegionRay>& rays, const RayBatch& stopped,
   for (size_t k = 0; k < places.size(); ++k) {
     if (!hits[k].found()) continue;
     RegionRay& r = rays[places[k]];
-    r.item = hits[k].item, r.material = accel.geometry().material_of(r.item);
+    const Geometry& geometry = accel.geometry().object_at(hits[k].instance);
+    r.hit = geometry.kind_of(hits[k].primitive);
+    r.material = geometry.material_of(hits[k].primitive);
     r.to = Vec3d(stopped[k].at(hits[k].t));
   }
 }
@@ -76,7 +78,8 @@ void inspect_region(Inspected& out, const std::atomic<bool>& stop) {
         if (out.rays.size() >= kMaxRegionRays) break;
         RegionRay ray{kind_of(r), r.level, Vec3d(r.ray.origin),
                       app::drawn_end(r, std::nullopt, extent)};
-        if (r.hit.found()) ray.item = r.hit.item, ray.material = r.surface->material;
+        if (r.hit.found())
+          ray.hit = accel.geometry().kind_of(r.hit.primitive), ray.material = r.surface->material;
         if (ray.kind == RayKind::stopped) stopped.push(r.ray), places.push_back(out.rays.size());
         out.rays.push_back(ray);
       }
@@ -102,16 +105,15 @@ RayKind kind_of(const ExplainedRay& ray) {
 
 bool RayFilter::passes(const RegionRay& ray) const {
   if (!kinds[size_t(ray.kind)] || (level > 0 && ray.level != level)) return false;
-  const bool found = ray.item != kNoPrimitive;
   switch (hits) {
     case Hits::anything:
       return true;
     case Hits::nothing:
-      return !found;
+      return !ray.hit;
     case Hits::kind:
-      return found && int(primitive_kind(ray.item)) == number;
+      return ray.hit && int(*ray.hit) == number;
     case Hits::material:
-      return found && int(ray.material) == number;
+      return ray.hit && int(ray.material) == number;
   }
   return true;
 }

@@ -28,8 +28,8 @@ struct RegionRay {
   RayKind kind = RayKind::eye;
   int level = 1;
   Vec3d from, to;
-  PrimitiveId item = kNoPrimitive;  // that is hit; of a stopped ray, the nearest in its way
-  MaterialId material = 0;          // of that
+  std::optional<PrimitiveKind> hit{};  // of a stopped ray, the nearest primitive in its way
+  MaterialId material = 0;             // of that
 };
 
 /// Which rays are shown.

@@ -110,7 +110,9 @@ std::vector<TraversalStep> Inspector::steps_of(int ray) const {
   const auto i = size_t(ray);
   const ExplainedRay& r = found_->sample.rays[i];
   std::vector<TraversalStep> steps;
-  if (found_->logs[i]) steps = traversal_words(r, *found_->logs[i], found_->settings.accel.kind);
+  if (found_->logs[i])
+    steps = traversal_words(r, *found_->logs[i], found_->baked->accel->geometry(),
+                            found_->settings.accel.kind);
   const double end = steps.empty() ? 0 : steps.back().t;
   for (TraversalStep& s :
        shading_words(found_->sample, *found_->request.scene, found_->settings, i)) {
@@ -188,15 +190,17 @@ std::string Inspector::walk(Walk where, double now) {
 std::string Inspector::label_of(int ray) const {
   const ExplainedRay& r = found_->sample.rays[size_t(ray)];
   const auto& log = found_->logs[size_t(ray)];
+  const Geometry& geometry = found_->baked->accel->geometry();
   if (r.kind == ExplainedRay::Kind::shadow) {
     const TraceLog::Test* by = r.occluded ? app::stopper(log) : nullptr;
-    if (by) return trf("light {} is behind {}", r.light, app::name_of(by->item));
+    if (by) return trf("light {} is behind {}", r.light, app::name_of(geometry, by->primitive));
     return r.occluded ? trf("light {} is hidden", r.light) : trf("light {} shines", r.light);
   }
-  const std::string hit = !r.traced ? tr("beyond the last level")
-                          : r.hit.found()
-                              ? fmt::format("{}, t {:.4g}", app::name_of(r.hit.item), r.hit.t)
-                              : tr("background");
+  const std::string hit =
+      !r.traced ? tr("beyond the last level")
+      : r.hit.found()
+          ? fmt::format("{}, t {:.4g}", app::name_of(geometry, r.hit.primitive), r.hit.t)
+          : tr("background");
   return fmt::format("{}  {}: {}, {:.3g}", ray, tr(name_of(kind_of(r))), hit, r.weight.x);
 }
 

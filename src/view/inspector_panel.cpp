@@ -250,7 +250,7 @@ void Inspector::draw_ray() const {
   }
   if (r.surface) {
     const ExplainedRay::Surface& s = *r.surface;
-    row(tr("hits"), app::name_of(r.hit.item));
+    row(tr("hits"), app::name_of(found_->baked->accel->geometry(), r.hit.primitive));
     row("t", fmt::format("{}", r.hit.t));
     row(tr("point"), place(s.point));
     row(tr("normal"), s.normal);

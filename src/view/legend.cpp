@@ -70,7 +70,9 @@ ReadOut value_of(const ViewState& state, const Pick& pick, const Accel* accel, c
       return {};
     case View::materials:
       if (!pick.hit.found() || !accel) return {};
-      return {trf("material {}", accel->geometry().material_of(pick.hit.item)), {}};
+      return {
+          trf("material {}", accel->geometry().material_of(pick.hit.primitive, pick.hit.instance)),
+          {}};
     case View::steps:
       return count("node or cell visited", "nodes or cells visited");
     case View::tests:
@@ -96,7 +98,7 @@ std::string what_is_there(const Pick& pick, const Accel* accel) {
   std::string text = pick.what;
   if (accel) {
     const Geometry& geometry = accel->geometry();
-    if (const uint32_t object = geometry.object_of(pick.hit.item))
+    if (const uint32_t object = geometry.object_of(pick.hit.primitive, pick.hit.instance))
       text += " \xc2\xb7 " + geometry.scene().object_names[object - 1];
   }
   return text + " \xc2\xb7 " + trf("distance {:.4g}", pick.depth);

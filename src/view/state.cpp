@@ -278,8 +278,9 @@ Pick pick(const Accel& accel, const Camera& camera, double x, double y, double w
   out.point = Vec3d(ray.origin) + Vec3d(ray.dir) * double(out.hit.t);
   out.depth =
       double(out.hit.t) * dot(Vec3d(ray.dir), normalize(Vec3d(camera.at) - Vec3d(camera.from)));
-  out.what = fmt::format("{} {}", kPrimitiveKindNames[size_t(primitive_kind(out.hit.item))],
-                         primitive_index(out.hit.item));
+  const Geometry& geometry = accel.geometry().object_at(out.hit.instance);
+  out.what = fmt::format("{} {}", kPrimitiveKindNames[size_t(geometry.kind_of(out.hit.primitive))],
+                         geometry.index_of(out.hit.primitive));
   return out;
 }
 

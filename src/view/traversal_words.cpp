@@ -17,11 +17,6 @@ constexpr char kAxes[] = "xyz";
 std::string value_text(double x) { return fmt::format("{:.6g}", x); }
 std::string brief(double x) { return fmt::format("{:.4g}", x); }
 
-std::string name_of(PrimitiveId id) {
-  return fmt::format("{} {}", tr(kPrimitiveKindNames[size_t(primitive_kind(id))].data()),
-                     primitive_index(id));
-}
-
 std::string cell_text(const TraceLog::Step& s) {
   return fmt::format("({}, {}, {})", s.cell[0], s.cell[1], s.cell[2]);
 }
@@ -57,8 +52,13 @@ const char* formula_of(PrimitiveKind kind) {
 
 class TraversalNarrator {
  public:
-  TraversalNarrator(const ExplainedRay& ray, const TraceLog& log, AccelKind kind)
-      : ray_(ray), log_(log), grid_(kind == AccelKind::grid), nearest_(ray.ray.tmax) {}
+  TraversalNarrator(const ExplainedRay& ray, const TraceLog& log, const Geometry& geometry,
+                    AccelKind kind)
+      : ray_(ray),
+        log_(log),
+        geometry_(geometry),
+        grid_(kind == AccelKind::grid),
+        nearest_(ray.ray.tmax) {}
 
   std::vector<TraversalStep> tell() && {
     if (!ray_.traced) {
@@ -107,12 +107,17 @@ class TraversalNarrator {
     tests(0, first);
   }
 
+  std::string name_of(PrimitiveId id) const {
+    return fmt::format("{} {}", tr(kPrimitiveKindNames[size_t(geometry_.kind_of(id))].data()),
+                       geometry_.index_of(id));
+  }
+
   void tests(size_t first, size_t end) {
     for (size_t i = first; i < end; ++i) test(i);
   }
   void test(size_t i) {
     const TraceLog::Test& test = log_.tests[i];
-    const std::string name = name_of(test.item);
+    const std::string name = name_of(test.primitive);
     if (test.repeated) {
       add(trf("{}: already tested in a cell before (mailbox), skipped", name)).test = int(i);
       return;
@@ -128,7 +133,7 @@ class TraversalNarrator {
     else
       words = trf("Test {}: hit at t = {}, the nearest so far", name, brief(test.t));
     if (test.nearest) nearest_ = test.t;
-    add(words, formula_of(primitive_kind(test.item)), std::move(variables)).test = int(i);
+    add(words, formula_of(geometry_.kind_of(test.primitive)), std::move(variables)).test = int(i);
   }
 
   // ---- The grid.
@@ -183,7 +188,7 @@ class TraversalNarrator {
     std::string formula = "t <= min(tMax.x, tMax.y, tMax.z)", words;
     reached_ = std::max(reached_, std::min(leave, nearest_));
     if (ray_.hit.found()) {
-      const std::string name = name_of(ray_.hit.item), t = brief(ray_.hit.t);
+      const std::string name = name_of(ray_.hit.primitive), t = brief(ray_.hit.t);
       if (ray_.hit.t <= leave) {
         words = trf("The hit of {} at t = {} lies in this cell (t <= min tMax), so the walk ends",
                     name, t);
@@ -269,7 +274,7 @@ class TraversalNarrator {
     if (by) reached_ = std::max(reached_, double(shadow() ? by->t : ray_.hit.t));
     if (shadow() && by)
       add(trf("Any hit ends the walk of a shadow ray: {} is in front of the light",
-              name_of(by->item)),
+              name_of(by->primitive)),
           "0 < t < tMax", {{"t", value_text(by->t)}, {"tMax", value_text(ray_.ray.tmax)}});
     else if (shadow())
       add(tr("Nothing is left to test: nothing is in front of the light"));
@@ -277,12 +282,13 @@ class TraversalNarrator {
       add(tr("Nothing is left to test: the ray hits nothing"));
     else
       add(trf("Nothing is left to test that could be nearer: the hit is that of {} at t = {}",
-              name_of(ray_.hit.item), brief(ray_.hit.t)),
+              name_of(ray_.hit.primitive), brief(ray_.hit.t)),
           "", {{"t", value_text(ray_.hit.t)}});
   }
 
   const ExplainedRay& ray_;
   const TraceLog& log_;
+  const Geometry& geometry_;
   bool grid_;
   double nearest_, reached_ = 0;
   int at_ = -1;  // the step of the log
@@ -292,8 +298,8 @@ class TraversalNarrator {
 }  // namespace
 
 std::vector<TraversalStep> traversal_words(const ExplainedRay& ray, const TraceLog& log,
-                                           AccelKind kind) {
-  return TraversalNarrator(ray, log, kind).tell();
+                                           const Geometry& geometry, AccelKind kind) {
+  return TraversalNarrator(ray, log, geometry, kind).tell();
 }
 
 }  // namespace raio::view

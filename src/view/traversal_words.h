@@ -25,7 +25,7 @@ struct TraversalStep {
 /// Every listed test is a step; the last step tells how the walk ends and what is hit. In a grid
 /// `t` never decreases.
 std::vector<TraversalStep> traversal_words(const ExplainedRay& ray, const TraceLog& log,
-                                           AccelKind kind);
+                                           const Geometry& geometry, AccelKind kind);
 
 /// What ray `ray` of the sample brings, term by term as in docs/shading.md; of a shadow ray, the
 /// terms of its light. The variables "ambient", "diffuse" and "highlight" of the steps add up to

@@ -170,8 +170,8 @@ void Viewer::focus_on(const Pick& pick) {
   if (!pick.hit.found()) return say(tr("nothing there to focus on"));
   if (state_.camera.is_parallel()) return say(tr("parallel rays have no lens"));
   state_.focus_on(pick.point);
-  state_.chosen_material =
-      int(pictures_.main.picture->baked->accel->geometry().material_of(pick.hit.item));
+  state_.chosen_material = int(pictures_.main.picture->baked->accel->geometry().material_of(
+      pick.hit.primitive, pick.hit.instance));
   show_focus();
   say(trf("focus on {}, distance {:.6g}; while the colours show, the wheel sets the aperture",
           pick.what, state_.options.focus));

@@ -75,7 +75,7 @@ class Beams {
   }
   template <PrimitiveKind kind>
   HWY_INLINE void leaf(const Block<kind>& block, const uint32_t* ids, size_t n) {
-    const BoxLanes boxes(block.boxes, block.item);
+    const BoxLanes boxes(block.boxes, block.primitive);
     leaf(block, ids, n, [&](uint32_t id) HWY_ATTR { return intersect(id, boxes); });
   }
 
@@ -115,7 +115,7 @@ class Beams {
   template <class Block>
   HWY_INLINE void intersect_block(const Block& block, uint32_t id) {
     BeamCandidate* found = scratch_.candidates;
-    for (int k = 0; k < kBlockWidth && block.item[k] != kNoPrimitive; ++k)
+    for (int k = 0; k < kBlockWidth && block.primitive[k] != kNoPrimitive; ++k)
       context_.tests += kPacket, found = intersect<false>(block, k, id, found);
     offer(block, found);
   }
@@ -195,27 +195,27 @@ class Beams {
   }
 
   // Takes hits of rays i, i + 1, ... that are nearer; at equal distance the lower id.
-  HWY_INLINE void offer(size_t i, V16 t, PrimitiveId item, V16 u, V16 v) const {
+  HWY_INLINE void offer(size_t i, V16 t, PrimitiveId primitive, V16 u, V16 v) const {
     const auto& f = kSixteen;
     const hn::RebindToUnsigned<decltype(kSixteen)> id;
     const V16 best = hn::Load(f, batch_.t + i);
-    const auto old = hn::Load(id, batch_.item + i);
-    // No item is the highest id of all, but what ends there is not met.
+    const auto old = hn::Load(id, batch_.primitive + i);
+    // No primitive has the highest id of all, but a hit where the ray ends does not count.
     const auto lower =
-        hn::And(hn::Lt(hn::Set(id, item), old), hn::Ne(old, hn::Set(id, kNoPrimitive)));
+        hn::And(hn::Lt(hn::Set(id, primitive), old), hn::Ne(old, hn::Set(id, kNoPrimitive)));
     const M16 nearer = hn::Or(hn::Lt(t, best), hn::And(hn::Eq(t, best), hn::RebindMask(f, lower)));
     const M16 taken = hn::And(nearer, hn::Gt(t, hn::Zero(f)));
     hn::BlendedStore(t, taken, f, batch_.t + i);
     hn::BlendedStore(u, taken, f, batch_.u + i);
     hn::BlendedStore(v, taken, f, batch_.v + i);
-    hn::BlendedStore(hn::Set(id, item), hn::RebindMask(id, taken), id, batch_.item + i);
+    hn::BlendedStore(hn::Set(id, primitive), hn::RebindMask(id, taken), id, batch_.primitive + i);
   }
 
   HWY_INLINE void offer(const SphereBlock& block, const BeamCandidate* end) const {
     const V16 none = hn::Zero(kSixteen);
     for (const BeamCandidate* c = scratch_.candidates; c < end; ++c) {
       const V16 middle = hn::Load(kSixteen, c->t), d2 = hn::Load(kSixteen, c->det);
-      offer(c->ray, chord_distance(kSixteen, middle, d2), block.item[c->lane], none, none);
+      offer(c->ray, chord_distance(kSixteen, middle, d2), block.primitive[c->lane], none, none);
     }
   }
   HWY_INLINE void offer(const TriangleBlock& block, const BeamCandidate* end) const {
@@ -223,7 +223,7 @@ class Beams {
       const V16 det = hn::Load(kSixteen, c->det);
       const auto divided = [&](const float* x)
                                HWY_ATTR { return hn::Div(hn::Load(kSixteen, x), det); };
-      offer(c->ray, divided(c->t), block.item[c->lane], divided(c->u), divided(c->v));
+      offer(c->ray, divided(c->t), block.primitive[c->lane], divided(c->u), divided(c->v));
     }
   }
   template <PrimitiveKind kind>
@@ -339,7 +339,8 @@ class Beams {
       if (any)
         occlude(first + i, in, distance);
       else
-        offer(first + i, hn::IfThenElseZero(in, distance), block.item[k], hn::Zero(f), hn::Zero(f));
+        offer(first + i, hn::IfThenElseZero(in, distance), block.primitive[k], hn::Zero(f),
+              hn::Zero(f));
     }
     return found;
   }

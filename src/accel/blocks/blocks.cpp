@@ -3,22 +3,22 @@
 namespace raio {
 namespace {
 
-using Items = std::span<const PrimitiveId>;
+using Ids = std::span<const PrimitiveId>;
 
-void fill_block(const Geometry& g, Items items, SphereBlock& block) {
+void fill_block(const Geometry& g, Ids ids, SphereBlock& block) {
   for (size_t i = 0; i < size_t(kBlockWidth); ++i) {
     constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-    const Sphere s =
-        i < items.size() ? g.sphere(primitive_index(items[i])) : Sphere{{0, 0, 0}, kNone};
+    const Sphere s = i < ids.size() ? g.sphere(g.index_of(PrimitiveKind::sphere, ids[i]))
+                                    : Sphere{{0, 0, 0}, kNone};
     block.x[i] = s.center.x, block.y[i] = s.center.y, block.z[i] = s.center.z;
     block.radius[i] = s.radius;
   }
 }
 
-void fill_block(const Geometry& g, Items items, TriangleBlock& block) {
+void fill_block(const Geometry& g, Ids ids, TriangleBlock& block) {
   for (size_t i = 0; i < size_t(kBlockWidth); ++i) {  // three equal corners have no area
-    const Triangle t =
-        i < items.size() ? g.triangle(primitive_index(items[i])) : Triangle{{}, {}, {}};
+    const Triangle t = i < ids.size() ? g.triangle(g.index_of(PrimitiveKind::triangle, ids[i]))
+                                      : Triangle{{}, {}, {}};
     for (int a = 0; a < 3; ++a) {
       block.corner[0][a][i] = t.a[a];
       block.corner[1][a][i] = t.b[a];
@@ -28,11 +28,11 @@ void fill_block(const Geometry& g, Items items, TriangleBlock& block) {
 }
 
 template <PrimitiveKind kind>
-void fill_block(const Geometry& g, Items items, Block<kind>& block) {
+void fill_block(const Geometry& g, Ids ids, Block<kind>& block) {
   block = {};
   block.boxes.set_empty();
-  for (size_t i = 0; i < items.size(); ++i) {
-    const auto& baked = g.get<kind>(primitive_index(items[i]));
+  for (size_t i = 0; i < ids.size(); ++i) {
+    const auto& baked = g.get<kind>(g.index_of(kind, ids[i]));
     block.boxes.set(i, bounds(baked));
     const auto numbers = numbers_of(baked);
     // Of one template, so that columns and numbers have the same order.
@@ -48,22 +48,22 @@ void fill_block(const Geometry& g, Items items, Block<kind>& block) {
 
 // What lambdas with a template of kinds use of an object is not seen as its use.
 // NOLINTBEGIN(readability-convert-member-functions-to-static)
-const PrimitiveId* Blocks::items(uint32_t ref) const {
+const PrimitiveId* Blocks::primitives(uint32_t ref) const {
   return with_kind(PrimitiveKind(ref_pool(ref)), [&]<PrimitiveKind kind>() -> const PrimitiveId* {
     if constexpr (kIsBounded<kind>)
-      return of<kind>()[ref_index(ref)].item;
+      return of<kind>()[ref_index(ref)].primitive;
     else
       return nullptr;
   });
 }
 
-void Blocks::fill(const Geometry& geometry, uint32_t ref, Items items) {
+void Blocks::fill(const Geometry& geometry, uint32_t ref, Ids ids) {
   with_kind(PrimitiveKind(ref_pool(ref)), [&]<PrimitiveKind kind> {
     if constexpr (kIsBounded<kind>) {
       auto& block = of<kind>()[ref_index(ref)];
-      fill_block(geometry, items, block);
+      fill_block(geometry, ids, block);
       for (size_t i = 0; i < size_t(kBlockWidth); ++i)
-        block.item[i] = i < items.size() ? items[i] : kNoPrimitive;
+        block.primitive[i] = i < ids.size() ? ids[i] : kNoPrimitive;
     }
   });
 }

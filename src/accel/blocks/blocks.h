@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <limits>
 #include <span>
 #include <tuple>
@@ -19,15 +20,21 @@ namespace raio {
 
 inline constexpr int kBlockWidth = 8;
 
-/// What a reference names: 3 bits of this, 29 bits of index into that pool. The blocks of a kind
-/// are in the pool of its number; planes, which have none, leave theirs to nodes.
+/// What a reference names: its upper bits are this, the others an index into that pool. The blocks
+/// of a kind are in the pool of its number; planes, which have none, leave theirs to nodes.
 enum class Pool : uint32_t { nodes };
 inline constexpr size_t kPools = kPrimitiveKinds;
+inline constexpr int kRefIndexBits = 32 - std::bit_width(kPools - 1);
+/// The reference of all bits set names nothing.
+inline constexpr uint32_t kMaxInPool = (uint32_t(1) << kRefIndexBits) - 1;
+static_assert(kMaxInPool >= 1u << 28, "the pools leave too few bits for an index");
 static_assert(!kIsBounded<PrimitiveKind(Pool::nodes)>);
 constexpr Pool pool_of(PrimitiveKind kind) { return Pool(kind); }
-constexpr uint32_t pool_ref(Pool pool, uint32_t index) { return uint32_t(pool) << 29 | index; }
-constexpr Pool ref_pool(uint32_t ref) { return Pool(ref >> 29); }
-constexpr uint32_t ref_index(uint32_t ref) { return ref & 0x1fffffffu; }
+constexpr uint32_t pool_ref(Pool pool, uint32_t index) {
+  return uint32_t(pool) << kRefIndexBits | index;
+}
+constexpr Pool ref_pool(uint32_t ref) { return Pool(ref >> kRefIndexBits); }
+constexpr uint32_t ref_index(uint32_t ref) { return ref & kMaxInPool; }
 
 /// Eight boxes: planes[0] the lower ones, planes[1] the upper, per axis.
 struct alignas(32) EightBoxes {
@@ -59,17 +66,17 @@ template <PrimitiveKind kind>
 struct alignas(32) Block {
   EightBoxes boxes;
   NumberColumns<kind> numbers;
-  PrimitiveId item[kBlockWidth];
+  PrimitiveId primitive[kBlockWidth];
 };
 template <>
 struct alignas(32) Block<PrimitiveKind::sphere> {
   float x[kBlockWidth], y[kBlockWidth], z[kBlockWidth], radius[kBlockWidth];
-  PrimitiveId item[kBlockWidth];
+  PrimitiveId primitive[kBlockWidth];
 };
 template <>
 struct alignas(32) Block<PrimitiveKind::triangle> {
   float corner[3][3][kBlockWidth];  // [corner][axis]
-  PrimitiveId item[kBlockWidth];
+  PrimitiveId primitive[kBlockWidth];
 };
 using SphereBlock = Block<PrimitiveKind::sphere>;
 using TriangleBlock = Block<PrimitiveKind::triangle>;
@@ -107,15 +114,15 @@ struct Blocks {
     return std::get<size_t(kind)>(columns);
   }
 
-  /// The eight items of a block, those that it lacks last.
-  const PrimitiveId* items(uint32_t ref) const;
-  size_t count_items(uint32_t ref) const {
-    const PrimitiveId* const first = items(ref);
+  /// The eight primitives of a block, those that it lacks last.
+  const PrimitiveId* primitives(uint32_t ref) const;
+  size_t count_primitives(uint32_t ref) const {
+    const PrimitiveId* const first = primitives(ref);
     return size_t(std::find(first, first + kBlockWidth, kNoPrimitive) - first);
   }
 
   /// Bakes up to eight primitives of one kind into the block that `ref` names.
-  void fill(const Geometry& geometry, uint32_t ref, std::span<const PrimitiveId> items);
+  void fill(const Geometry& geometry, uint32_t ref, std::span<const PrimitiveId> ids);
 
   /// By number of blocks per Pool.
   static double bytes_of(const std::array<uint32_t, kPools>& counts);

@@ -76,7 +76,7 @@ struct BoxLanes {
         planes[0][a][p] = hn::Min(hn::Min(corner(0), corner(1)), corner(2));
         planes[1][a][p] = hn::Max(hn::Max(corner(0), corner(1)), corner(2));
       }
-    exist = named(block.item);
+    exist = named(block.primitive);
   }
 
   // Those of lanes 0-7 that have a name; kNoChild and kNoPrimitive are all bits set.

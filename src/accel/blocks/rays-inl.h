@@ -39,12 +39,12 @@ struct Batch {
   const float *o[3], *d[3];
   const float* time;  // null: 0
   float* t;
-  PrimitiveId* item;  // this and the next only where the nearest hit is wanted
+  PrimitiveId* primitive;  // this and the next only where the nearest hit is wanted
   float *u, *v;
   // Of next_transparent, behind which hits and by which keys, if any; of depths, where they are
   // added.
   const float* after_t;
-  const PrimitiveId* after_item;
+  const PrimitiveId* after_primitive;
   const uint32_t* keys;
   DepthBatch* depths;
   size_t first_depth;  // there
@@ -229,9 +229,9 @@ class Rays {
   // foreseen wrongly; then those that met something. For any hit the first says it all.
   template <PrimitiveKind kind>
   HWY_INLINE void leaf(const Block<kind>& block, const uint32_t* ids, size_t n) {
-    context_.tests += hwy::PopCount(BoxLanes::named(block.item)) * n;
+    context_.tests += hwy::PopCount(BoxLanes::named(block.primitive)) * n;
     if (!g_.two_sided(kind)) {
-      for (size_t i = 0; i < n; ++i) intersect_items(block.item, ids[i]);
+      for (size_t i = 0; i < n; ++i) intersect_one_by_one<kind>(block.primitive, ids[i]);
       return;
     }
     if constexpr (kTestedInFloat<kind>)
@@ -256,7 +256,7 @@ class Rays {
       }
       for (size_t i = 0; i < found; ++i) {
         const Candidate& c = candidates_[i];
-        for_bits(c.mask, [&](int k) { offer<kind>(c, k, block.item[k]); });
+        for_bits(c.mask, [&](int k) { offer<kind>(c, k, block.primitive[k]); });
       }
     }
   }
@@ -284,37 +284,39 @@ class Rays {
   }
 
   template <PrimitiveKind kind>
-  HWY_INLINE void offer(const Candidate& c, int k, PrimitiveId item) {
+  HWY_INLINE void offer(const Candidate& c, int k, PrimitiveId primitive) {
     if (kind == PrimitiveKind::triangle) {
       const float det = c.det[k];
-      return take(c.id, c.t[k] / det, item, c.u[k] / det, c.v[k] / det);
+      return take<kind>(c.id, c.t[k] / det, primitive, c.u[k] / det, c.v[k] / det);
     }
     const float half = std::sqrt(c.det[k]);
-    take(c.id, c.t[k] - half > 0 ? c.t[k] - half : c.t[k] + half, item, 0, 0);
+    take<kind>(c.id, c.t[k] - half > 0 ? c.t[k] - half : c.t[k] + half, primitive, 0, 0);
   }
 
   // Takes a hit if it is the nearest; of equally near ones that of the lowest id.
-  HWY_INLINE void take(uint32_t id, float t, PrimitiveId item, float u, float v) {
+  template <PrimitiveKind kind>
+  HWY_INLINE void take(uint32_t id, float t, PrimitiveId primitive, float u, float v) {
     float& best = rays_[id].t;
     if (!(t > 0 && t <= best)) return;
     if constexpr (query == Query::depths) {
-      if (t < best && !batch_.depths->add(batch_.first_depth + id, g_.depth_of(item)))
+      if (t < best && !batch_.depths->add(batch_.first_depth + id,
+                                          g_.depth_of(kind, g_.index_of(kind, primitive))))
         best = batch_.t[id] = kOccluded;
       return;
     }
     if constexpr (query == Query::next_transparent) {
       const float after = batch_.after_t[id];
-      if (t < after || (t == after && item <= batch_.after_item[id])) return;
+      if (t < after || (t == after && primitive <= batch_.after_primitive[id])) return;
     }
     if (any) {
       if (t < best) best = batch_.t[id] = kOccluded;
       return;
     }
-    PrimitiveId& old = batch_.item[id];
-    if (t == best && (old == kNoPrimitive || old <= item)) return;
+    PrimitiveId& old = batch_.primitive[id];
+    if (t == best && (old == kNoPrimitive || old <= primitive)) return;
     if constexpr (query == Query::next_transparent)
-      if (batch_.keys && !g_.stops(item, batch_.keys[id])) return;
-    best = batch_.t[id] = t, old = item;
+      if (batch_.keys && !g_.stops(kind, g_.index_of(kind, primitive), batch_.keys[id])) return;
+    best = batch_.t[id] = t, old = primitive;
     batch_.u[id] = u, batch_.v[id] = v;
   }
 
@@ -369,7 +371,7 @@ class Rays {
   // whosever they are.
   template <PrimitiveKind kind>
   HWY_INLINE void leaf_in_double(const Block<kind>& block, const uint32_t* ids, size_t n) {
-    const BoxLanes boxes(block.boxes, block.item);
+    const BoxLanes boxes(block.boxes, block.primitive);
     for (size_t first = 0; first < n; first += kCandidates) {
       size_t found = 0;
       for (size_t i = first; i < std::min(n, first + kCandidates); ++i)
@@ -426,18 +428,19 @@ class Rays {
     hn::Store(hit.t, f, t);
     const unsigned exist = (1u << std::min(end - first, size_t(kLanesD))) - 1;
     for_bits(bits(f, hit.in) & exist,
-             [&](int i) { take(uint32_t(id[i]), t[i], block.item[lane[i]], 0, 0); });
+             [&](int i) { take<kind>(uint32_t(id[i]), t[i], block.primitive[lane[i]], 0, 0); });
   }
 
   // One after another, for the rare surfaces that are seen from one side only.
-  void intersect_items(const PrimitiveId* items, uint32_t id) {
-    for (int i = 0; i < kBlockWidth && items[i] != kNoPrimitive; ++i) {
+  template <PrimitiveKind kind>
+  void intersect_one_by_one(const PrimitiveId* primitives, uint32_t id) {
+    for (int i = 0; i < kBlockWidth && primitives[i] != kNoPrimitive; ++i) {
       RayQuery alone(batch_.ray(id));
       // So that one that is equally near counts, too.
       if (query == Query::closest || query == Query::next_transparent)
-        alone.best.item = kNoPrimitive - 1;
-      if (!test_primitive(g_, items[i], alone)) continue;
-      take(id, alone.best.t, items[i], alone.best.u, alone.best.v);
+        alone.best.primitive = kNoPrimitive - 1;
+      if (!test<kind>(g_, g_.index_of(kind, primitives[i]), alone)) continue;
+      take<kind>(id, alone.best.t, primitives[i], alone.best.u, alone.best.v);
       if (any) return;
     }
   }

@@ -81,11 +81,11 @@ class Tracer {
                .d = {&rays.dx[first], &rays.dy[first], &rays.dz[first]},
                .time = rays.has_time() ? &rays.time[first] : nullptr,
                .t = kHits ? &hits->t[first] : scratch_.t,
-               .item = kHits ? &hits->item[first] : nullptr,
+               .primitive = kHits ? &hits->primitive[first] : nullptr,
                .u = kHits ? &hits->u[first] : nullptr,
                .v = kHits ? &hits->v[first] : nullptr,
                .after_t = out.after ? &out.after->t[first] : nullptr,
-               .after_item = out.after ? &out.after->item[first] : nullptr,
+               .after_primitive = out.after ? &out.after->primitive[first] : nullptr,
                .keys = out.keys ? out.keys + first : nullptr,
                .depths = out.depths,
                .first_depth = first,
@@ -149,7 +149,7 @@ class Tracer {
       const V16 t = hn::Load(f, tmax + i), done = hn::Set(f, -1);
       hn::Store(hn::IfThenElse(hn::Gt(t, hn::Zero(f)), t, done), f, b.t + i);
       if (!kHits) continue;
-      hn::Store(hn::Set(ids, kNoPrimitive), ids, b.item + i);
+      hn::Store(hn::Set(ids, kNoPrimitive), ids, b.primitive + i);
       hn::Store(hn::Zero(f), f, b.u + i), hn::Store(hn::Zero(f), f, b.v + i);
     }
     for (size_t i = b.count; i < padded(b.count); ++i) b.t[i] = -1;
@@ -162,12 +162,12 @@ class Tracer {
 
   // All rays against one plane, in double and in the order of shape/plane.h.
   void intersect_plane(Batch& b, uint32_t index) {
-    const uint32_t depth = g_.depth_of(primitive_id(PrimitiveKind::plane, index));
+    const uint32_t depth = g_.depth_of(PrimitiveKind::plane, index);
     if (depth == 0 || (depth == kOpaque) == kClear) return;
     context_.tests += b.count;
     if (kClear || !g_.two_sided(PrimitiveKind::plane)) return intersect_plane_one_by_one(b, index);
     const Plane& plane = g_.plane(index);
-    const PrimitiveId item = primitive_id(PrimitiveKind::plane, index);
+    const PrimitiveId id = g_.id_of(PrimitiveKind::plane, index);
     const DemotedTag f;
     const auto& wide = kDoubles;
     const VD normal[3] = {hn::Set(wide, double(plane.normal.x)),
@@ -193,27 +193,28 @@ class Tracer {
       hn::BlendedStore(any ? hn::Set(f, kOccluded) : t, taken, f, b.t + i);
       if (any) continue;
       const hn::RebindToUnsigned<DemotedTag> ids;
-      hn::BlendedStore(hn::Set(ids, item), hn::RebindMask(ids, taken), ids, b.item + i);
+      hn::BlendedStore(hn::Set(ids, id), hn::RebindMask(ids, taken), ids, b.primitive + i);
     }
   }
 
   void intersect_plane_one_by_one(Batch& b, uint32_t index) {
-    const PrimitiveId item = primitive_id(PrimitiveKind::plane, index);
+    const PrimitiveId id = g_.id_of(PrimitiveKind::plane, index);
     for (size_t i = 0; i < b.count; ++i) {
       RayQuery alone(b.ray(i));
-      if (kHits) alone.best.item = b.item[i];
+      if (kHits) alone.best.primitive = b.primitive[i];
       if (!test<PrimitiveKind::plane>(g_, index, alone)) continue;
       const float t = alone.best.t;
       if (query == Query::depths) {
-        if (!b.depths->add(b.first_depth + i, g_.depth_of(item))) b.t[i] = kOccluded;
+        if (!b.depths->add(b.first_depth + i, g_.depth_of(PrimitiveKind::plane, index)))
+          b.t[i] = kOccluded;
         continue;
       }
       if (query == Query::next_transparent &&
-          (t < b.after_t[i] || (t == b.after_t[i] && item <= b.after_item[i]) ||
-           (b.keys && !g_.stops(item, b.keys[i]))))
+          (t < b.after_t[i] || (t == b.after_t[i] && id <= b.after_primitive[i]) ||
+           (b.keys && !g_.stops(PrimitiveKind::plane, index, b.keys[i]))))
         continue;
       b.t[i] = any ? kOccluded : t;
-      if (kHits) b.item[i] = item;
+      if (kHits) b.primitive[i] = id;
     }
   }
 

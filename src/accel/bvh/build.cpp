@@ -102,22 +102,18 @@ class Builder {
 
   // The error, or nothing.
   std::optional<std::string> build(size_t available, Bvh& out) {
-    std::array<size_t, kPrimitiveKinds> counts{};
-    for_each_bounded_kind([&]<PrimitiveKind kind> { counts[size_t(kind)] = g_.count(kind); });
-    const size_t count =
-        some_ ? some_->size() : std::accumulate(counts.begin(), counts.end(), size_t(0));
+    size_t bounded = 0;
+    for_each_bounded_kind([&]<PrimitiveKind kind> { bounded += g_.count(kind); });
+    const size_t count = some_ ? some_->size() : bounded;
     hasty_ = count > kLarge;
     if (count == 0) return std::nullopt;
     const double order_bytes =
         double(count) * 2 * sizeof(PrimitiveId);  // and once more while they move
     if (auto error = refusal(order_bytes + least_bytes(), available)) return error;
     order_.resize(count);
-    const auto nth = [&](size_t i) {
-      if (some_) return (*some_)[i];
-      size_t kind = 0;
-      while (i >= counts[kind]) i -= counts[kind++];
-      return primitive_id(PrimitiveKind(kind), uint32_t(i));
-    };
+    // Planes, which are in no tree, have the ids before those of all others.
+    const PrimitiveId first = PrimitiveId(g_.count(PrimitiveKind::plane));
+    const auto nth = [&](size_t i) { return some_ ? (*some_)[i] : first + PrimitiveId(i); };
     Child all{0, count, {}};
     Arena arena(spare_);
     if (count > kPlanAbove) {
@@ -132,6 +128,9 @@ class Builder {
     std::vector<Part*> parts;
     std::array<uint32_t, kPools> total{};
     place(root, parts, total);
+    if (std::ranges::max(total) > kMaxInPool)
+      return fmt::format("a tree over the scene would have more than {} nodes or leaves of a kind",
+                         kMaxInPool);
     const double bytes = double(total[0]) * 2 * sizeof(BvhNode) + Blocks::bytes_of(total);
     if (auto error = refusal(order_bytes + bytes, available)) return error;
     out.nodes.resize(total[0]);
@@ -162,7 +161,7 @@ class Builder {
   }
 
   PrimitiveId id(const Child& c, size_t i) const {
-    return c.items ? c.items[i].item() : order_[c.begin + i];
+    return c.items ? c.items[i].id() : order_[c.begin + i];
   }
 
   auto ids_of(const Child& child) const {
@@ -172,7 +171,7 @@ class Builder {
   // In ascending order, so kinds do not mix between equal ends.
   bool is_leaf(const Child& c) const {
     return c.size() <= size_t(kBlockWidth) &&
-           primitive_kind(id(c, 0)) == primitive_kind(id(c, c.size() - 1));
+           g_.kind_of(id(c, 0)) == g_.kind_of(id(c, c.size() - 1));
   }
 
   // The range as a part of its own: with a node, be it needed or not, for the root.
@@ -206,8 +205,8 @@ class Builder {
   }
 
   uint32_t add_leaf(const Child& child, Part& part) {
-    for (size_t i = 0; i < child.size(); ++i) order_[child.begin + i] = child.items[i].item();
-    const Pool pool = pool_of(primitive_kind(order_[child.begin]));
+    for (size_t i = 0; i < child.size(); ++i) order_[child.begin + i] = child.items[i].id();
+    const Pool pool = pool_of(g_.kind_of(order_[child.begin]));
     part.leaf_sizes.push_back(uint8_t(child.size()));
     return pool_ref(pool, part.counts[size_t(pool)]++);
   }
@@ -302,11 +301,11 @@ class Builder {
   // Where kinds part a range: in the last splits, since leaves do not mix them; and at the root,
   // where few of a kind are a leaf of their own, which rays meet early and are the shorter for.
   // Else 0.
-  static size_t part_kinds(const Child& child, int depth) {
+  size_t part_kinds(const Child& child, int depth) const {
     constexpr size_t kFew = kBlockWidth;
     const size_t n = child.size();
     if (n > kFew && depth > 0) return 0;
-    const auto kind = [&](size_t i) { return primitive_kind(child.items[i].item()); };
+    const auto kind = [&](size_t i) { return g_.kind_of(child.items[i].id()); };
     size_t first = 1, last = 1;
     while (first <= kFew && first < n && kind(first) == kind(0)) ++first;
     if (first <= kFew) return first;
@@ -348,8 +347,8 @@ class Builder {
     for (size_t k = 0; k < out.size(); ++k) {
       const PrimitiveId id = ids(first + k);
       g_.prefetch(ids(std::min(first + k + kAhead, count - 1)));
-      if (primitive_kind(id) == PrimitiveKind::sphere) {
-        const Sphere& s = g_.scene().spheres[primitive_index(id)];
+      if (g_.kind_of(id) == PrimitiveKind::sphere) {
+        const Sphere& s = g_.scene().spheres[g_.index_of(PrimitiveKind::sphere, id)];
         const Float4 center = {s.center.x, s.center.y, s.center.z, 0};
         const Float4 r = splat(std::abs(s.radius));
         BuildBox box{center - r, -center - r};
@@ -393,7 +392,7 @@ class Builder {
       constexpr size_t kAhead = 32;
       if (rest.size() > kAhead + size)
         for (size_t i = 0; i < size; ++i) g_.prefetch(rest[kAhead + i]);
-      const Pool pool = pool_of(primitive_kind(ids[0]));
+      const Pool pool = pool_of(g_.kind_of(ids[0]));
       out.fill(g_, pool_ref(pool, next[size_t(pool)]++), ids);
     }
   }
@@ -433,7 +432,8 @@ std::expected<Bvh, std::string> build_bvh(const Geometry& geometry, size_t avail
   if (out.empty()) return out;
   constexpr int kFew = 4;  // measured
   for (const uint32_t ref : out.nodes[0].child)
-    if (ref != kNoChild && ref_pool(ref) != Pool::nodes && out.items(ref)[kFew] == kNoPrimitive)
+    if (ref != kNoChild && ref_pool(ref) != Pool::nodes &&
+        out.primitives(ref)[kFew] == kNoPrimitive)
       out.shared.push_back(ref);
   // A beam meets many triangles that none of its rays does where they are small. Measured.
   const auto& triangles = out.of<PrimitiveKind::triangle>();

@@ -38,10 +38,10 @@ struct BuildBox {
 
 /// A primitive: its box, and its id in the fourth lane.
 struct BuildItem : BuildBox {
-  PrimitiveId item() const { return std::bit_cast<PrimitiveId>(float(lo[3])); }
-  void set(const BuildBox& box, PrimitiveId item) {
+  PrimitiveId id() const { return std::bit_cast<PrimitiveId>(float(lo[3])); }
+  void set(const BuildBox& box, PrimitiveId id) {
     lo = box.lo, minus_hi = box.minus_hi;
-    lo[3] = std::bit_cast<float>(item), minus_hi[3] = 0;
+    lo[3] = std::bit_cast<float>(id), minus_hi[3] = 0;
   }
 };
 

@@ -58,7 +58,7 @@ class BvhAccel final : public Accel {
   size_t see_below(uint32_t ref, const Box3f& box, int depth, int level,
                    const std::function<void(const AccelBox&)>& see) const {
     const bool leaf = ref_pool(ref) != Pool::nodes;
-    size_t count = leaf ? bvh_.count_items(ref) : 0;
+    size_t count = leaf ? bvh_.count_primitives(ref) : 0;
     if (!leaf) {
       const BvhNode& node = bvh_.nodes[ref_index(ref)];
       for (size_t c = 0; c < kBlockWidth; ++c)

@@ -90,7 +90,7 @@ class Planner {
     }
     parallel_for(chunks_, [&](size_t c) {
       for_items(make_, begin(c), begin(c + 1), [&](const BuildItem& item) {
-        out_[next[c][leaf_of_[cell_of(item)]]++] = item.item();
+        out_[next[c][leaf_of_[cell_of(item)]]++] = item.id();
       });
     });
     return std::move(plan_);

@@ -36,8 +36,8 @@ class LoggedRays : public Rays<query> {
   }
   HWY_NOINLINE void leaf(uint32_t ref, const uint32_t* ids, size_t n) {
     add_step(ref, true);
-    const PrimitiveId* const items = bvh_.items(ref);
-    for (int i = 0; i < kBlockWidth && items[i] != kNoPrimitive; ++i) log_.add_test(items[i]);
+    const PrimitiveId* const listed = bvh_.primitives(ref);
+    for (int i = 0; i < kBlockWidth && listed[i] != kNoPrimitive; ++i) log_.add_test(listed[i]);
     Rays<query>::leaf(ref, ids, n);
   }
 
@@ -52,8 +52,8 @@ class LoggedRays : public Rays<query> {
 
 void log(const Geometry& g, const Bvh& bvh, const RayBatch& ray, bool any, TraceContext& context) {
   for (uint32_t i = 0; i < g.count(PrimitiveKind::plane); ++i)
-    if (const PrimitiveId id = primitive_id(PrimitiveKind::plane, i); g.is_opaque(id))
-      context.log->add_test(id);
+    if (g.is_opaque(PrimitiveKind::plane, i))
+      context.log->add_test(g.id_of(PrimitiveKind::plane, i));
   HitBatch hits;
   hits.reset(1);
   uint8_t hit[kChunk];  // of which one counts

@@ -15,11 +15,11 @@ using Counts = std::array<uint32_t, kPools>;  // the nodes are groups
 
 // Calls f(pool, items) for the blocks that ascending items make.
 template <class F>
-void for_blocks(std::span<const PrimitiveId> items, F&& f) {
+void for_blocks(const Geometry& g, std::span<const PrimitiveId> items, F&& f) {
   while (!items.empty()) {
-    const PrimitiveKind kind = primitive_kind(items[0]);
+    const PrimitiveKind kind = g.kind_of(items[0]);
     size_t n = 1;
-    while (n < std::min(items.size(), size_t(kBlockWidth)) && primitive_kind(items[n]) == kind) ++n;
+    while (n < std::min(items.size(), size_t(kBlockWidth)) && g.kind_of(items[n]) == kind) ++n;
     f(pool_of(kind), items.first(n));
     items = items.subspan(n);
   }
@@ -39,7 +39,7 @@ class Baker {
     });
     // Where those of each chunk begin in the pools, those of the oversized primitives first.
     Counts next{};
-    for_blocks(oversized, [&](Pool pool, auto) {
+    for_blocks(g_, oversized, [&](Pool pool, auto) {
       out_.shared.push_back(pool_ref(pool, next[size_t(pool)]++));
     });
     for (Counts& chunk : blocks)
@@ -56,7 +56,8 @@ class Baker {
     out_.begin.resize(count + 1);
     out_.begin[count] = next[0];
     size_t giant = 0;
-    for_blocks(oversized, [&](Pool, auto items) { out_.fill(g_, out_.shared[giant++], items); });
+    for_blocks(g_, oversized,
+               [&](Pool, auto items) { out_.fill(g_, out_.shared[giant++], items); });
     for_chunks(count, [&](size_t c, size_t first, size_t end) {
       for (size_t cell = first; cell < end; ++cell) fill(cell, blocks[c]);
     });
@@ -65,9 +66,9 @@ class Baker {
   }
 
  private:
-  static void count_blocks(std::span<const PrimitiveId> items, Counts& counts) {
+  void count_blocks(std::span<const PrimitiveId> items, Counts& counts) const {
     uint32_t n = 0;
-    for_blocks(items, [&](Pool pool, auto) { ++counts[size_t(pool)], ++n; });
+    for_blocks(g_, items, [&](Pool pool, auto) { ++counts[size_t(pool)], ++n; });
     counts[0] += (n + kBlockWidth - 1) / kBlockWidth;
   }
 
@@ -76,7 +77,7 @@ class Baker {
     out_.begin[cell] = next[0];
     const Box3f around = box_of(cell);
     size_t n = 0;
-    for_blocks(list(cell), [&](Pool pool, auto items) {
+    for_blocks(g_, list(cell), [&](Pool pool, auto items) {
       const uint32_t ref = pool_ref(pool, next[size_t(pool)]++);
       out_.fill(g_, ref, items);
       Box3f box;
@@ -154,7 +155,7 @@ class Baker {
     std::vector<PrimitiveId> oversized;
     for (const PrimitiveId id : cells_.oversized) {
       const bool bounded =
-          with_kind(primitive_kind(id), []<PrimitiveKind kind> { return kIsBounded<kind>; });
+          with_kind(g_.kind_of(id), []<PrimitiveKind kind> { return kIsBounded<kind>; });
       if (!bounded) continue;
       oversized.push_back(id);
       const Box3f box = g_.bounds(id);

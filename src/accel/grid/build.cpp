@@ -26,9 +26,9 @@ constexpr size_t kFew = 32;
 constexpr double kNear = 16;
 
 bool touches(const Geometry& g, PrimitiveId id, const Box3d& box) {
-  return with_kind(primitive_kind(id), [&]<PrimitiveKind kind> {
+  return with_kind(g.kind_of(id), [&]<PrimitiveKind kind> {
     if constexpr (kIsBounded<kind>)
-      return overlaps(g.get<kind>(primitive_index(id)), box);
+      return overlaps(g.get<kind>(g.index_of(kind, id)), box);
     else
       return true;
   });
@@ -86,7 +86,7 @@ class GridBuilder : GridCells {
     for_each_kind([&]<PrimitiveKind kind> {
       auto& to = kIsBounded<kind> ? rest_ : oversized;
       for (uint32_t i = 0; i < g_.count(kind); ++i)
-        if (const PrimitiveId id = primitive_id(kind, i); g_.is_opaque(id)) to.push_back(id);
+        if (g_.is_opaque(kind, i)) to.push_back(g_.id_of(kind, i));
     });
     boxes_.resize(rest_.size());
     parallel_for(rest_.size(), [&](size_t i) { boxes_[i] = g_.bounds(rest_[i]); });
@@ -174,8 +174,8 @@ class GridBuilder : GridCells {
 
   // Of a polygon.
   bool is_piece(PrimitiveId id) const {
-    return primitive_kind(id) == PrimitiveKind::triangle &&
-           primitive_index(id) >= g_.scene().triangles.size();
+    return g_.kind_of(id) == PrimitiveKind::triangle &&
+           g_.index_of(PrimitiveKind::triangle, id) >= g_.scene().triangles.size();
   }
 
   template <class F>

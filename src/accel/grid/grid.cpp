@@ -126,8 +126,8 @@ class CountingGrid final : public Accel {
     bool done = false;
     for_each_bounded_kind([&]<PrimitiveKind kind> {
       for (uint32_t i = 0; !done && i < geometry_.count(kind); ++i) {
-        if (!geometry_.is_opaque(primitive_id(kind, i))) continue;
-        ++context.tests, log.test(primitive_id(kind, i));
+        if (!geometry_.is_opaque(kind, i)) continue;
+        ++context.tests, log.test(geometry_.id_of(kind, i));
         done = test<kind>(geometry_, i, query) && any;
       }
     });
@@ -230,7 +230,7 @@ class Grid final : public Accel {
       size_t count = 0;
       for (uint32_t g = blocks_.begin[cell]; g < blocks_.begin[cell + 1]; ++g)
         for (const uint32_t block : blocks_.groups[g].block)
-          if (block != kNoPrimitive) count += blocks_.count_items(block);
+          if (block != kNoPrimitive) count += blocks_.count_primitives(block);
       return count;
     };
     see_cells(lattice_, listed, see);

@@ -112,12 +112,12 @@ void Parser::finish() {
   if (!seen.camera && !seen.camera_lost)
     report_.error("there is no camera: expected v with from, at, up and angle");
   if (!seen.object) report_.warning("there is no object in the file");
-  constexpr size_t kMost = kMaxPrimitivesPerKind;
-  size_t most = 0;
-  for_each_pool([&](auto pool) { most = std::max(most, (scene_.*pool.shapes).size()); });
-  if (most > kMost || std::max(scene_.positions.size(), scene_.normals.size()) >= kNoNormal)
+  size_t count = 0;
+  for_each_pool([&](auto pool) { count += (scene_.*pool.shapes).size(); });
+  if (count > kMaxPrimitives ||
+      std::max(scene_.positions.size(), scene_.normals.size()) >= kNoNormal)
     report_.error(
-        fmt::format("the scene has more than {} objects of a kind, or too many corners", kMost));
+        fmt::format("the scene has more than {} primitives, or too many corners", kMaxPrimitives));
   if (scene_.materials.empty()) scene_.materials.emplace_back();
   // P3F measures the lens across (camera.cpp).
   if (scene_.dialect == Dialect::p3f && scene_.camera.lens_radius) *scene_.camera.lens_radius /= 2;
