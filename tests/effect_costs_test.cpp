@@ -1,6 +1,6 @@
 // What effects cost: counts are those of direct renders, and what cannot matter has no cost. Times
 // are not asserted beyond that they are some.
-#include "render/effect_costs.h"
+#include "measure/effect_costs.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // The curve over grids: counts are those of direct renders, the points those that were asked for.
 // Times are not asserted beyond that they are some.
-#include "render/grid_curve.h"
+#include "measure/grid_curve.h"
 
 #include <gtest/gtest.h>
 

@@ -19,7 +19,7 @@
 #include <optional>
 #include <thread>
 
-#include "render/timed_share.h"
+#include "base/median.h"
 #include "window_driver.h"
 
 namespace {

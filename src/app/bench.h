@@ -1,6 +1,6 @@
 // The benchmark for people and for programs: how it is asked for (bench.cpp), and the forms in
 // which its table is given, text, CSV and JSON (bench_format.cpp). Measuring is in
-// render/benchmark.h, the report of 2018 in bench_report.h, the picture in plot.h.
+// measure/benchmark.h, the report of 2018 in bench_report.h, the picture in plot.h.
 #pragma once
 
 #include <expected>
@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "render/benchmark.h"
+#include "measure/benchmark.h"
 
 namespace raio::app {
 

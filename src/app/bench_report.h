@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "render/benchmark.h"
+#include "measure/benchmark.h"
 
 namespace raio::app {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "io/read_scene.h"
-#include "render/benchmark.h"
+#include "measure/benchmark.h"
 #include "render/job.h"
 #include "render/options.h"
 

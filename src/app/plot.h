@@ -6,7 +6,7 @@
 #include <string>
 
 #include "app/canvas.h"
-#include "render/benchmark.h"
+#include "measure/benchmark.h"
 
 namespace raio::app {
 

@@ -12,9 +12,9 @@
 
 #include "accel/accel.h"
 #include "base/clock.h"
+#include "base/median.h"
 #include "integrate/film.h"
 #include "io/image/image.h"
-#include "render/effect_costs.h"
 #include "render/options.h"
 #include "render/render.h"
 #include "scene/scene.h"

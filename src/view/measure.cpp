@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "base/parallel.h"
-#include "render/timed_share.h"
+#include "measure/timed_share.h"
 #include "view/texts.h"
 
 namespace raio::view {

@@ -12,9 +12,9 @@
 #include <thread>
 
 #include "base/clock.h"
-#include "render/benchmark.h"
-#include "render/effect_costs.h"
-#include "render/grid_curve.h"
+#include "measure/benchmark.h"
+#include "measure/effect_costs.h"
+#include "measure/grid_curve.h"
 #include "render/session.h"
 #include "view/state.h"
 

@@ -10,7 +10,7 @@
 
 #include "integrate/camera.h"
 #include "integrate/classic.h"
-#include "render/effects.h"
+#include "measure/effects.h"
 #include "render/figure_options.h"
 #include "render/read_options.h"
 #include "view/texts.h"

@@ -1,4 +1,4 @@
-#include "render/effect_costs.h"
+#include "measure/effect_costs.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include "base/clock.h"
 #include "base/parallel.h"
-#include "render/timed_share.h"
+#include "measure/timed_share.h"
 
 namespace raio {
 namespace {
@@ -29,11 +29,11 @@ struct Variant {
   EffectCost::Side counted{};
 };
 
-class Measurement {
+class EffectMeasurement {
  public:
-  Measurement(const Scene& scene, const Accel& accel, const RenderOptions& options,
-              RenderControl& control, const std::function<void(const EffectCosts&)>& on_news,
-              const MeasuringEffort& effort)
+  EffectMeasurement(const Scene& scene, const Accel& accel, const RenderOptions& options,
+                    RenderControl& control, const std::function<void(const EffectCosts&)>& on_news,
+                    const MeasuringEffort& effort)
       : scene_(scene),
         options_(timed_options(options, scene)),
         control_(control),
@@ -285,7 +285,7 @@ class Measurement {
 std::expected<EffectCosts, Error> measure_effects(
     const Scene& scene, const Accel& accel, const RenderOptions& options, RenderControl& control,
     const std::function<void(const EffectCosts&)>& on_news, const MeasuringEffort& effort) {
-  return Measurement(scene, accel, options, control, on_news, effort).run();
+  return EffectMeasurement(scene, accel, options, control, on_news, effort).run();
 }
 
 }  // namespace raio

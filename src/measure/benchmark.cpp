@@ -1,4 +1,4 @@
-#include "render/benchmark.h"
+#include "measure/benchmark.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "render/grid_curve.h"
+#include "measure/grid_curve.h"
 
 #include <fmt/format.h>
 

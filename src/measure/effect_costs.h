@@ -11,9 +11,9 @@
 #include "accel/accel.h"
 #include "integrate/control.h"
 #include "integrate/film.h"
-#include "render/effects.h"
+#include "measure/effects.h"
+#include "measure/timed_share.h"
 #include "render/options.h"
-#include "render/timed_share.h"
 #include "scene/scene.h"
 
 namespace raio {

@@ -1,11 +1,11 @@
-#include "render/timed_share.h"
+#include "measure/timed_share.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <utility>
 
-#include "render/effects.h"
+#include "measure/effects.h"
 #include "render/render.h"
 
 namespace raio {
@@ -14,22 +14,6 @@ namespace {
 constexpr double kMaxRunSeconds = 0.6;  // expected of the slowest run
 
 }  // namespace
-
-MedianInterval median_interval(std::vector<double> values) {
-  std::ranges::sort(values);
-  const size_t n = values.size(), half = n / 2;
-  // The median lies below the (k + 1)th least value with the probability that at most k of n tosses
-  // of a coin show heads; likewise at the other end.
-  size_t outside = 0;
-  double term = std::pow(0.5, double(n)), below = term;
-  for (size_t k = 1; k < half; ++k) {
-    term *= double(n - k + 1) / double(k), below += term;
-    if (2 * below > 0.1) break;
-    outside = k;
-  }
-  const double median = n % 2 ? values[half] : (values[half - 1] + values[half]) / 2;
-  return {values[outside], median, values[n - 1 - outside]};
-}
 
 RenderOptions timed_options(const RenderOptions& options, const Scene& scene) {
   RenderOptions o = options;

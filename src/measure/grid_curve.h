@@ -11,8 +11,8 @@
 
 #include "base/error.h"
 #include "integrate/control.h"
+#include "measure/timed_share.h"
 #include "render/options.h"
-#include "render/timed_share.h"
 #include "scene/scene.h"
 
 namespace raio {

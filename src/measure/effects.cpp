@@ -1,4 +1,4 @@
-#include "render/effects.h"
+#include "measure/effects.h"
 
 #include <algorithm>
 #include <array>

@@ -15,7 +15,7 @@
 #include "accel/accel.h"
 #include "integrate/control.h"
 #include "io/image/image.h"
-#include "render/effects.h"
+#include "measure/effects.h"
 #include "render/options.h"
 #include "scene/scene.h"
 
