@@ -39,8 +39,7 @@ class Recorder {
   void tile(const EyeRays& eye, int x0, int y0, int x1, int y1) {
     RayBatch rays;
     const auto bit = [](int i, int from, int to) { return (i >> from & 1) << to; };
-    for (int i = 0; i < kTileSide * kTileSide;
-         ++i) {  // as the renderer: integrate/classic_trace.cpp
+    for (int i = 0; i < kTileSide * kTileSide; ++i) {  // as the renderer
       const int x = x0 + (i & 3) + bit(i, 4, 2) + bit(i, 6, 3) + bit(i, 7, 4);
       const int y = y0 + bit(i, 2, 0) + bit(i, 3, 1) + bit(i, 5, 2) + bit(i, 8, 3) + bit(i, 9, 4);
       if (x < x1 && y < y1) rays.push(eye.pinhole(float(x) + 0.5f, float(y) + 0.5f));

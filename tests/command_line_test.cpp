@@ -93,11 +93,11 @@ TEST_F(CommandLine, RefusesWrongUsage) {
   expect_usage_error({"render", "ok.nff", "--siz", "3x3"}, "did you mean --size?");
   expect_usage_error({"render", "ok.nff", "--soft-shadow"}, "did you mean --soft-shadows?");
   expect_usage_error({"render", "ok.nff", "-x"}, "no option -x");
-  expect_usage_error({"render", "ok.nff", "--size"}, "--size wants a value");
-  expect_usage_error({"render", "ok.nff", "--stats", "-o", "x.png"}, "--stats wants a value");
-  expect_usage_error({"render", "ok.nff", "--aa="}, "--aa wants a value");
-  expect_usage_error({"render", ""}, "name of a file");
-  expect_usage_error({"render", "ok.nff", "-o", ""}, "name of a file");
+  expect_usage_error({"render", "ok.nff", "--size"}, "--size needs a value");
+  expect_usage_error({"render", "ok.nff", "--stats", "-o", "x.png"}, "--stats needs a value");
+  expect_usage_error({"render", "ok.nff", "--aa="}, "--aa needs a value");
+  expect_usage_error({"render", ""}, "expected a file name");
+  expect_usage_error({"render", "ok.nff", "-o", ""}, "expected a file name");
   expect_refusal({"compare", "a.png"}, 2, "B is missing");
   expect_refusal({"generate", "bals"}, 2, "balls");
   expect_refusal({"generate", "balls", "--size", "x"}, 2, "1 to 1000000");
@@ -209,7 +209,7 @@ TEST_F(CommandLine, HelpIsNarrowAndComplete) {
     EXPECT_THAT(o.out, HasSubstr("Usage: raio "));
     EXPECT_THAT(o.out, HasSubstr("Example"));
     for (size_t at = 0, end = 0; (end = o.out.find('\n', at)) != o.out.npos; at = end + 1) {
-      EXPECT_LE(end - at, 100u) << o.out.substr(at, end - at);
+      EXPECT_LE(end - at, 80u) << o.out.substr(at, end - at);
       EXPECT_FALSE(end > at && o.out[end - 1] == ' ') << o.out.substr(at, end - at);
     }
   }
@@ -223,8 +223,25 @@ TEST_F(CommandLine, HelpIsNarrowAndComplete) {
   EXPECT_EQ(raio({"help", "render"}).out, help);
   EXPECT_EQ(raio({"help", "spd", "verify"}).out, raio({"spd", "verify", "--help"}).out);
   EXPECT_EQ(raio({"help"}).out, raio({"--help"}).out);
+  for (const std::string_view group : kOptionGroups)
+    EXPECT_THAT(help, HasSubstr("\n\n" + std::string(group) + ":\n  -"));
+  EXPECT_LT(help.find("\n\nCamera:\n"), help.find("  --fov DEG "));
+  EXPECT_LT(help.find("  --fov DEG "), help.find("\n\nSampling:\n"));
   expect_refusal({"help", "rendr"}, 2, "did you mean render?");
   expect_refusal({"help", "render", "verify"}, 2, "no command 'verify'");
+}
+
+TEST_F(CommandLine, BriefHelpFitsOnAScreen) {
+  for (const char* command : {"render", "view", "explain"}) {
+    const std::string help = raio({command, "-h"}).out;
+    EXPECT_LE(std::ranges::count(help, '\n'), 24) << help;
+    for (const auto line : std::views::split(help, '\n')) EXPECT_LE(line.size(), 80u);
+    for (const char* text : {"Usage: raio ", "\n  --size ", "\n  --accel ", " --help\n"})
+      EXPECT_THAT(help, HasSubstr(text));
+  }
+  EXPECT_THAT(raio({"render", "-h"}).out, HasSubstr("\n  -o, --output IMAGE "));
+  EXPECT_THAT(raio({"explain", "-h"}).out, HasSubstr("\n  --pixel X,Y ")) << "it is required";
+  EXPECT_EQ(raio({"info", "-h"}).out, raio({"info", "--help"}).out) << "it has few options";
 }
 
 TEST_F(CommandLine, SaysWhichVersionItIs) {

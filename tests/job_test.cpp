@@ -188,7 +188,7 @@ TEST_F(Job, SamplesAreAdded) {
   more.checkpoint = few.output, more.add_samples = 4;
   EXPECT_TRUE(bytes(more) == whole);
   more.add_samples = kMaxSamples;
-  EXPECT_THAT(error(more).message, HasSubstr("samples a pixel cannot be"));
+  EXPECT_THAT(error(more).message, HasSubstr("samples per pixel are possible"));
   more.of_picture = {"depth"};
   EXPECT_EQ(error(more).text("--"),
             "--add-samples: it takes the options of the picture from its file; leave out --depth");
@@ -206,7 +206,7 @@ TEST_F(Job, APictureIsRepeatedFromItself) {
   again.loaded = std::make_shared<const Scene>(random_scene(40, 4));
   const Error other = error(again);
   EXPECT_EQ(other.kind, ErrorKind::bad_input);
-  EXPECT_EQ(other.text(), again.repeat + ": the scene is another");
+  EXPECT_EQ(other.text(), again.repeat + ": the scene differs");
 
   // Of another version it is repeated with a warning.
   Metadata settings = *read_metadata(r.output);
@@ -277,7 +277,8 @@ TEST_F(Job, AFolderThatVanishesLosesTheCheckpointOnly) {
   ASSERT_FALSE(job.kept());
   EXPECT_EQ(job.kept().error().kind, ErrorKind::cannot_write);
   EXPECT_EQ(job.kept().error().subject, r.checkpoint);
-  for (const Error& warning : warnings) EXPECT_THAT(warning.text(), HasSubstr("work goes on"));
+  for (const Error& warning : warnings)
+    EXPECT_THAT(warning.text(), HasSubstr("rendering continues"));
   EXPECT_LE(warnings.size(), 1u);
   EXPECT_TRUE(job.write());
   EXPECT_TRUE(read_image(r.output));
@@ -406,9 +407,10 @@ TEST(Error, TextIsOneLine) {
   using enum ErrorKind;
   EXPECT_EQ((Error{cannot_read, "a\nb", "it is\tempty"}.text()), "cannot read a b: it is empty");
   EXPECT_EQ((Error{bad_input, "s.nff", "no number", {3, 7}}.text()), "s.nff:3:7: no number");
-  const Error e{bad_option, "grid-factor", "has no effect beside `grid-resolution`; `x y`, 'a`b"};
-  EXPECT_EQ(e.text(), "grid-factor: has no effect beside grid-resolution; `x y`, 'a`b");
-  EXPECT_EQ(e.text("--"), "--grid-factor: has no effect beside --grid-resolution; `x y`, 'a`b");
+  const Error e{bad_option, "grid-factor",
+                "cannot be combined with `grid-resolution`; `x y`, 'a`b"};
+  EXPECT_EQ(e.text(), "grid-factor: cannot be combined with grid-resolution; `x y`, 'a`b");
+  EXPECT_EQ(e.text("--"), "--grid-factor: cannot be combined with --grid-resolution; `x y`, 'a`b");
   EXPECT_EQ((Error{bad_input, "`aa`", "leave `aa` out"}.text("--")), "`aa`: leave --aa out");
   EXPECT_EQ(with_settings("```a``", "-"), "``-a`");
 }

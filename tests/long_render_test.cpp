@@ -63,7 +63,7 @@ TEST_F(LongRender, ACheckpointIsKeptAndGoneOnWith) {
   resume({"--samples", "12", "--depth", "2"}, "--depth 5, not 2");
   resume({"--aa", "2"}, "--sampler sobol, not jitter");
   put(file("ok.nff"), replaced("0.8 0.2 10", "0.8 0.2 11"));
-  resume({"--samples", "12"}, "the scene is another");
+  resume({"--samples", "12"}, "the scene differs");
 }
 
 TEST_F(LongRender, ResumeWithoutAFileBegins) {
@@ -150,7 +150,7 @@ TEST_F(LongRender, APictureIsRepeatedFromItself) {
   ASSERT_TRUE(write_image(Image(2, 2), file("foreign.png"), {{"note", "none"}}).has_value());
   expect_refusal({"render", "--repeat", "foreign.png", "ok.nff"}, 2, "no settings of Raio's");
   put(file("other.nff"), replaced("angle 40", "angle 41"));
-  expect_refusal({"render", "--repeat", "a.png", "other.nff"}, 2, "the scene is another");
+  expect_refusal({"render", "--repeat", "a.png", "other.nff"}, 2, "the scene differs");
 }
 
 TEST_F(LongRender, APictureOfDataRemembersHowItWasRead) {
@@ -167,7 +167,7 @@ TEST_F(LongRender, APictureOfDataRemembersHowItWasRead) {
             0);
   EXPECT_TRUE(same("a.png", "c.png"));
   expect_refusal({"render", "--quiet", "--repeat", "a.png", "--style", "sticks"}, 2,
-                 "the scene is another");
+                 "the scene differs");
   // What is drawn on the picture comes from the same atoms.
   ASSERT_EQ(raio({"render", "--quiet", "--repeat", "a.png", "--scale-bar", "-o", "d.png"}).status,
             0);

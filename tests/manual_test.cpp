@@ -74,7 +74,7 @@ TEST_F(Manual, PageHasEveryCommandAndOption) {
   const std::string page = raio({"manual", "--man"}).out;
   for (const char* section :
        {".TH RAIO 1 ", "\n.SH NAME\n", "\n.SH SYNOPSIS\n", "\n.SS raio render ",
-        "\n.SS raio spd verify ", "\n.SH EXIT STATUS\n"})
+        "\n.SS raio spd verify ", "\n.B Long renders\n", "\n.SH EXIT STATUS\n"})
     EXPECT_THAT(page, HasSubstr(section));
   for (const OptionSpec& option : render_option_table()) {
     std::string name;

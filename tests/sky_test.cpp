@@ -284,7 +284,7 @@ TEST_F(SkyJob, IsNamedAndHashedInThePicture) {
   std::filesystem::copy(file("other"), file("sky"));
   const auto refused = done(again);
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().text(), file("a.png").string() + ": the sky is another");
+  EXPECT_EQ(refused.error().text(), file("a.png").string() + ": the sky differs");
 }
 
 TEST_F(SkyJob, GoesOnUnderTheSameSkyOnly) {
@@ -297,7 +297,7 @@ TEST_F(SkyJob, GoesOnUnderTheSameSkyOnly) {
   set(under_other.options, file("other").string());
   const auto refused = done(under_other);
   ASSERT_FALSE(refused);
-  EXPECT_THAT(refused.error().text(), HasSubstr("the sky is another"));
+  EXPECT_THAT(refused.error().text(), HasSubstr("the sky differs"));
   under_other.options.background->sky = nullptr;
   EXPECT_FALSE(done(under_other)) << "under a colour";
   set(r.options, file("copy").string());  // the same pictures
@@ -332,8 +332,7 @@ TEST_F(SkyJob, ShardsMakeTheSamePicture) {
     parts.push_back({name, read_part(file(name)).value()});
   const auto refused = merge_parts(parts);
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().text(),
-            "other.raio: it does not go with part0.raio: the sky is another");
+  EXPECT_EQ(refused.error().text(), "other.raio: it does not match part0.raio: the sky differs");
 }
 
 TEST_F(SkyJob, OptionsTakeThePlaceOfTheScenes) {

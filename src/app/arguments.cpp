@@ -15,9 +15,9 @@
 namespace raio::app {
 
 std::string file_name_problem(const std::string& text) {
-  if (text.empty()) return "expected the name of a file, found nothing";
+  if (text.empty()) return "expected a file name, found nothing";
   if (text.size() > 1 && text[0] == '-')
-    return fmt::format("expected the name of a file, found '{0}'; if that is one, write ./{0}",
+    return fmt::format("expected a file name, found '{0}'; for a file of that name write ./{0}",
                        text);
   return {};
 }
@@ -32,8 +32,7 @@ void add_file(CLI::App& app, const std::string& name, std::string& path, const s
 
 void add_scene(CLI::App& app, std::string& path) {
   add_file(app, "scene", path,
-           "Scene file: NFF, P3F, .raio, PDB, PQR, CIF, GRO, XYZ, LAMMPS, PLY, STL, OBJ, OFF or "
-           "glTF; - is "
+           "NFF, P3F, .raio, PDB, PQR, CIF, GRO, XYZ, LAMMPS, PLY, STL, OBJ, OFF or glTF; - is "
            "standard input",
            "SCENE");
   app.get_option("scene")->required();
@@ -41,7 +40,7 @@ void add_scene(CLI::App& app, std::string& path) {
 
 namespace {
 
-// "A:B" or "A:B:STEP", any of which may be left out; nothing: it is none.
+// "A:B" or "A:B:STEP"; each number may be missing.
 std::optional<FrameRange> parse_frames(std::string_view text) {
   FrameRange out;
   std::optional<int> step;
@@ -68,6 +67,7 @@ std::optional<FrameRange> parse_frames(std::string_view text) {
 
 void add_read_options(CLI::App& app, ReadOptions& options, std::optional<FrameRange>* frames) {
   for (const ReadOptionSpec& spec : read_option_table()) {
+    begin_group(app, spec.group);
     const std::string name = "--" + std::string(spec.name);
     const bool may_be_range = frames && spec.name == "frame";
     const auto set = [&options, &spec, name, frames, may_be_range](const std::string& text) {
@@ -89,19 +89,20 @@ void add_read_options(CLI::App& app, ReadOptions& options, std::optional<FrameRa
           app.add_flag_function(name, [set](int64_t) { set("true"); }, std::string(spec.help));
       app.add_flag_function(
              "--no-" + std::string(spec.name), [set](int64_t) { set("false"); },
-             "Draw no edges and no atoms twice")
+             "Draw no edges and repeat no atoms")
           ->excludes(option);
       continue;
     }
     app.add_option_function<std::string>(
            name, set,
            std::string(spec.help) + (may_be_range
-                                         ? "; A:B:STEP renders every STEP-th from A to before B to "
-                                           "picture-0001.png and so on"
+                                         ? "; A:B:STEP renders every STEP-th frame from A up to "
+                                           "but not including B, to picture-0001.png and so on"
                                          : ""))
         ->type_name(value_type(may_be_range ? "N|A:B[:STEP]" : spec.value_name, spec.words))
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
   }
+  end_groups(app);
 }
 
 std::string examples(std::initializer_list<std::string_view> lines) {
@@ -118,6 +119,7 @@ void add_render_options(CLI::App& app, RenderOptions& options,
                         std::initializer_list<std::string_view> wanted) {
   for (const OptionSpec& spec : render_option_table()) {
     if (wanted.size() > 0 && std::ranges::find(wanted, spec.name) == wanted.end()) continue;
+    begin_group(app, spec.group);
     const std::string name = "--" + std::string(spec.name);
     const auto set = [&options, &spec, name](const std::string& text) {
       if (auto done = set_option(options, spec, text); !done)
@@ -129,7 +131,7 @@ void add_render_options(CLI::App& app, RenderOptions& options,
           ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
       continue;
     }
-    // A switch that the scene can set has a way to say no.
+    // A scene can turn some switches on; --no-... turns them off.
     const bool optional =
         std::holds_alternative<std::optional<bool>& (*)(RenderOptions&)>(spec.value);
     app.add_flag_function(
@@ -137,6 +139,7 @@ void add_render_options(CLI::App& app, RenderOptions& options,
         [set](int64_t count) { set(count > 0 ? "true" : "false"); },
         with_settings(spec.help, "--"));
   }
+  end_groups(app);
 }
 
 }  // namespace raio::app

@@ -1,5 +1,5 @@
-// What the command line's options are made of: kinds of values with their checks, and what several
-// commands have in common. Of an option given twice the last one counts.
+// Building blocks of the command line: options by type of value, with their checks, and options
+// that several commands share. Of an option given twice the last one counts.
 #pragma once
 
 #include <fmt/format.h>
@@ -19,16 +19,16 @@
 
 namespace raio::app {
 
-/// Why a text is no name of a file; empty if it is.
+/// Why the text is not a file name; empty if it is.
 std::string file_name_problem(const std::string& text);
 
 void add_file(CLI::App& app, const std::string& name, std::string& path, const std::string& help,
               const std::string& value_name = "FILE");
 
-/// The file that a command is about.
+/// The scene file of a command.
 void add_scene(CLI::App& app, std::string& path);
 
-/// What files of atoms, points and meshes leave open: read_option_table(), and ranges of frames.
+/// The options of read_option_table(); with `frames`, --frame also takes ranges.
 void add_read_options(CLI::App& app, ReadOptions& options,
                       std::optional<FrameRange>* frames = nullptr);
 
@@ -50,18 +50,17 @@ void add_number(CLI::App& app, const std::string& name, T& value, T least, T mos
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
 }
 
-/// Gives a command the options of render_option_table() that are `wanted`, or all when it is empty.
+/// Adds the `wanted` options of render_option_table(), or all if that list is empty.
 void add_render_options(CLI::App& app, RenderOptions& options,
                         std::initializer_list<std::string_view> wanted = {});
 
-/// Throws what CLI11 reports where options do not go together.
+/// Throws a CLI::ParseError for options that cannot be combined.
 void refuse_conflict(const RenderOptions& options);
 
 /// The end of a command's help.
 std::string examples(std::initializer_list<std::string_view> lines);
 
-/// Runs all of a command, from reading the scene to writing the picture, on the threads that it is
-/// given.
+/// Runs a whole command, from reading to writing, on the number of threads that it asks for.
 template <class Command>
 int run_on_threads(const Command& command) {
   if (command.options.threads > 1 && !kHasThreads)

@@ -31,7 +31,7 @@
 namespace raio::app {
 namespace {
 
-constexpr double kMinMemory = 64 << 20;  // for threads and what libraries need
+constexpr double kMinMemory = 64 << 20;  // for threads and libraries
 
 // How the program was started.
 struct Invocation {
@@ -42,7 +42,7 @@ struct Invocation {
 void add_progress(CLI::App& app, std::string& mode) {
   const auto check = [](const std::string& text) -> std::string {
     if (text == "on" && !kHasThreads)
-      return "this build has no threads, and so no progress line; leave it out";
+      return "this build has no threads and no progress line; leave it out";
     if (text == "auto" || text == "on" || text == "off") return {};
     return fmt::format("expected auto, on or off, found '{}'", text);
   };
@@ -70,12 +70,11 @@ std::string recipe_list() {
   return "Scenes:\n" + two_columns(rows);
 }
 
-// The bytes of a picture are no text.
 void refuse_terminal(const std::string& output, std::string_view option) {
   if (is_standard_output(output) && standard_output_is_terminal())
     throw CLI::ParseError(
-        fmt::format("{0} - would write the picture's bytes to the terminal; redirect standard "
-                    "output, as in {0} - > picture.png, or name a file, as in {0} picture.png",
+        fmt::format("{0} - would write the picture to the terminal; redirect standard output, as "
+                    "in {0} - > picture.png, or name a file, as in {0} picture.png",
                     option),
         kBadInput);
 }
@@ -84,14 +83,15 @@ int usage_error(const CLI::App& command, const std::string& message) {
   return bad_input(fmt::format("{}; see {} --help", message, full_name(command)));
 }
 
-// What CLI11 throws: also the request for help or the version, which is no error.
+// CLI11 also throws where help or the version is asked for.
 int report(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App* command = &app;
   for (auto chosen = app.get_subcommands(); !chosen.empty(); chosen = command->get_subcommands())
     command = chosen.front();
   if (dynamic_cast<const CLI::CallForVersion*>(&error))
     return deliver("-", error.what() + std::string("\n"));
-  if (error.get_exit_code() == 0) return deliver("-", command->help());
+  if (dynamic_cast<const CLI::CallForHelp*>(&error)) return deliver("-", brief_help(*command));
+  if (dynamic_cast<const CLI::CallForAllHelp*>(&error)) return deliver("-", help_text(*command));
   return usage_error(*command, error.what());
 }
 
@@ -105,33 +105,33 @@ void add_shard(CLI::App& app, RenderCommand& render) {
     const auto second = slash ? std::from_chars(first.ptr + 1, end, count) : first;
     if (!slash || second.ec != std::errc() || second.ptr != end || number < 1 || number > count)
       throw CLI::ValidationError(
-          "--shard", fmt::format("expected which of how many, as in 2/5, found '{}'", text));
+          "--shard",
+          fmt::format("expected a part and the number of parts, as in 2/5, found '{}'", text));
     render.shard = number - 1, render.shards = count;
   };
-  app.add_option_function<std::string>(
-         "--shard", set, "Render part I of N of the picture into a part file for raio merge")
+  app.add_option_function<std::string>("--shard", set,
+                                       "Render part I of N into a part file for raio merge")
       ->type_name("I/N")
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
 }
 
-// Where a thread is not to be had, memory for its stack may be what is missing.
-constexpr std::string_view kWhatMayDo = "a larger --memory-limit or fewer --threads may help";
+// A thread that cannot start may lack memory for its stack.
+constexpr std::string_view kMemoryAdvice = "a larger --memory-limit or fewer --threads may help";
 
-// Libraries end the program where they cannot have a thread or memory; then it is said so, once and
-// without more of it.
+// Libraries terminate when a thread or memory is refused. Reports that once, without allocating.
 [[noreturn]] void end_without_memory() {
   static std::atomic_flag ending;
-  while (ending.test_and_set()) {  // another thread has it, and ends this one soon
+  while (ending.test_and_set()) {  // another thread is ending the program
   }
   remove_unfinished_files();
   char error[128];
-  *fmt::format_to_n(error, sizeof(error) - 1, "raio: error: out of memory; {}\n", kWhatMayDo).out =
-      0;
-  std::fputs(error, stderr);  // which has no buffer
+  *fmt::format_to_n(error, sizeof(error) - 1, "raio: error: out of memory; {}\n", kMemoryAdvice)
+       .out = 0;
+  std::fputs(error, stderr);  // unbuffered
   std::_Exit(kNoResource);
 }
 
-// "4G": bytes, or with a letter KiB, MiB, GiB, TiB. Counts from the moment it is read.
+// "4G": bytes, or KiB, MiB, GiB, TiB with a letter. The limit holds from parsing on.
 void add_memory_limit(CLI::App& app) {
   const auto set = [](const std::string& text) {
     double value = 0;
@@ -150,7 +150,8 @@ void add_memory_limit(CLI::App& app) {
   };
   app.add_option_function<std::string>(
          "--memory-limit", set,
-         "Exit rather than use more memory than this; K, M, G and T are powers of 1024")
+         "Exit rather than use more memory than SIZE, as in 4G; K, M, G and T are powers of 1024 "
+         "bytes (default: no limit)")
       ->type_name("SIZE")
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
 }
@@ -160,19 +161,19 @@ void add_long_render(CLI::App& app, RenderCommand& render) {
            "Save progress to this part file at intervals, on interruption and at the end");
   add_number(app, "--checkpoint-interval", render.checkpoint_interval_s, 0.01, 1e6,
              "Seconds between writes of --checkpoint (default: 60)", "SECONDS");
-  app.add_flag("--resume", render.resume, "Continue from the file of --checkpoint if it exists");
+  app.add_flag("--resume", render.resume, "Continue from the --checkpoint file if it exists");
   add_number(app, "--add-samples", render.add_samples, 1, kMaxSamples,
-             "Add N samples per pixel to the picture in --checkpoint, with the options saved there",
+             "Add N samples per pixel to the --checkpoint file, with the options stored in it",
              "N");
   add_number(app, "--time-limit", render.time_limit_s, 0.001, 1e9,
-             "Stop after about this time, with as many samples as every pixel has by then",
+             "Stop after about this many seconds; all pixels then have equally many samples",
              "SECONDS");
   add_memory_limit(app);
   add_shard(app, render);
   add_file(
       app, "--repeat", render.repeat,
-      "Render this picture (PNG or EXR) again with the settings stored in it; without SCENE, from "
-      "the scene file of that name beside it",
+      "Render this PNG or EXR again with the settings stored in it; without SCENE, the scene file "
+      "of that name beside it",
       "IMAGE");
 }
 
@@ -180,9 +181,10 @@ void refuse_for_many_pictures(const RenderCommand& render) {
   const bool frames = render.frames.has_value(), turns = render.turntable > 0;
   if (!turns && !frames && render.scenes.size() < 2) return;
   const auto refuse = [](const std::string& why) { throw CLI::ParseError(why, kBadInput); };
-  if (frames && turns) refuse("--frame A:B and --turntable are two ways; leave out one");
+  if (frames && turns)
+    refuse("--frame A:B cannot be combined with --turntable; leave one of them out");
   if (frames && (render.scenes.size() > 1 || render.scenes == std::vector<std::string>{"-"}))
-    refuse("--frame A:B is about one file, not standard input or several");
+    refuse("--frame A:B needs one scene file, not standard input or several");
   for (const auto& [option, given] : {std::pair("--checkpoint", !render.checkpoint.empty()),
                                       {"--resume", render.resume},
                                       {"--add-samples", render.add_samples > 0},
@@ -190,15 +192,14 @@ void refuse_for_many_pictures(const RenderCommand& render) {
                                       {"--repeat", !render.repeat.empty()},
                                       {"--stats", !render.stats.empty()}})
     if (given)
-      refuse(fmt::format("{} is about one picture; {}", option,
+      refuse(fmt::format("{} works for one picture only; {}", option,
                          frames  ? "leave it out, or give one frame"
                          : turns ? "leave it out, or leave out --turntable"
                                  : "give one scene"));
   if (is_standard_output(render.output))
     refuse(fmt::format("standard output takes one picture; name {}",
-                       turns || frames
-                           ? "a file, as in -o turn.png, which gives turn-0001.png and so on"
-                           : "a folder, as in -o pictures/"));
+                       turns || frames ? "a file, as in -o turn.png, for turn-0001.png and so on"
+                                       : "a folder, as in -o pictures/"));
 }
 
 void add_render(CLI::App& app, RenderCommand& render, int& status) {
@@ -211,39 +212,42 @@ void add_render(CLI::App& app, RenderCommand& render, int& status) {
                 "raio render --repeat balls.png balls.nff -o again.png",
                 "raio render balls.nff tree.nff --aa 4 -o pictures/"}));
   sub->add_option("scene", render.scenes,
-                  "Scene files: NFF, P3F, .raio, PDB, PQR, CIF, GRO, XYZ, LAMMPS, PLY, STL, OBJ, "
-                  "OFF or glTF; "
-                  "- is standard input; several "
-                  "are rendered one after another")
+                  "NFF, P3F, .raio, PDB, PQR, CIF, GRO, XYZ, LAMMPS, PLY, STL, OBJ, OFF or glTF; - "
+                  "is standard input; several files are rendered one after another")
       ->check(CLI::Validator(file_name_problem, ""))
       ->type_name("SCENE");
   add_read_options(*sub, render.read, &render.frames);
+  begin_group(*sub, OptionGroup::output);
   add_file(*sub, "-o,--output", render.output,
-           "Output picture: .png .exr .npz .npy .ppm .pfm by suffix, or .raio for a part file; - "
-           "writes PNG to standard output; a folder, with / at the end, gets a PNG of the scene's "
-           "name (default: that name, here)",
+           "Output picture; .png .exr .npz .npy .ppm .pfm by suffix, or .raio for a part file; - "
+           "writes PNG to standard output; a name that ends in / is a folder for SCENE.png "
+           "(default: SCENE.png)",
            "IMAGE");
   add_render_options(*sub, render.options);
+  begin_group(*sub, OptionGroup::figures);
   sub->add_flag("--color-bar", render.color_bar,
-                "Draw on the picture which numbers have which colours, with --color-by");
+                "Draw a colour bar with the values of --color-by on the picture");
   static constexpr std::string_view kSides[] = {"right", "left"};
   sub->add_option("--color-bar-side", render.color_bar_side,
-                  "Where --color-bar is drawn: right or left (default: right)")
+                  "Side of --color-bar: right or left (default: right)")
       ->check(CLI::IsMember({"right", "left"}).description(""))
       ->needs(sub->get_option("--color-bar"))
       ->type_name(value_type("SIDE", kSides))
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
   sub->add_flag("--legend", render.legend,
-                "Draw on the picture which elements, types, chains or residues have which colours");
+                "Draw a legend of elements, types, chains or residues on the picture");
   sub->add_flag("--scale-bar", render.scale_bar,
-                "Draw a bar of a round length, which holds at the distance of the point looked at");
+                "Draw a scale bar, valid at the distance of the point looked at");
+  begin_group(*sub, OptionGroup::output);
   add_number(*sub, "--turntable", render.turntable, 1, kMaxPictures,
-             "Render N pictures from evenly spaced places around the scene, about the up direction "
-             "through the point looked at; picture.png becomes picture-0001.png and so on",
+             "Render N pictures from positions evenly spaced around the scene, about the up "
+             "direction through the point looked at, to picture-0001.png and so on",
              "N");
-  add_file(*sub, "--stats", render.stats, "Write statistics as JSON; - for standard output");
+  begin_group(*sub, OptionGroup::diagnostics);
+  add_file(*sub, "--stats", render.stats, "Write times and counts as JSON; - for standard output");
   sub->add_flag("--quiet", render.quiet, "Print errors only");
   add_progress(*sub, render.progress);
+  begin_group(*sub, OptionGroup::long_renders);
   add_long_render(*sub, render);
   sub->callback([&, sub] {
     for (const OptionSpec& spec : render_option_table())
@@ -252,8 +256,8 @@ void add_render(CLI::App& app, RenderCommand& render, int& status) {
         render.of_picture.emplace_back(spec.name);
     if (!kHasThreads && sub->get_option("--checkpoint-interval")->count() > 0)
       throw CLI::ParseError(
-          "this build has no threads, so that --checkpoint is written when the render ends; leave "
-          "out --checkpoint-interval",
+          "this build has no threads and writes --checkpoint only at the end; leave out "
+          "--checkpoint-interval",
           kBadInput);
     if (sub->get_option("--checkpoint-interval")->count() > 0 && render.checkpoint.empty())
       throw CLI::ParseError("--checkpoint-interval has no effect without --checkpoint; add it",
@@ -275,27 +279,28 @@ void add_view(CLI::App& app, ViewCommand& view, const Invocation& invocation, in
   auto* sub = app.add_subcommand("view", "Explore a scene in a window");
   sub->footer(examples({"raio view balls.nff --soft-shadows"}));
   add_file(*sub, "scene", view.scene,
-           "Scene file, of any kind that raio render takes; without one the window offers some",
+           "Scene file, of any format that raio render reads (default: choose in the window)",
            "SCENE");
   add_read_options(*sub, view.read);
   add_render_options(*sub, view.options);
-  // Those that the window lacks are known, so that they are refused for the right reason.
+  // Hidden, not unknown: window_conflict() says why the window refuses them.
   for (const OptionSpec& spec : render_option_table())
     if (!spec.of_window) sub->get_option("--" + std::string(spec.name))->group("");
   static constexpr std::string_view kLanguages[] = {"en", "pt"};
-  sub->add_option("--language", view.language,
-                  "Language of the window: en or pt (Portuguese); default: the one chosen last, "
-                  "else the system's")
+  sub->add_option(
+         "--language", view.language,
+         "Language of the window: en or pt (Portuguese) (default: the last chosen, else the "
+         "system's)")
       ->check(CLI::IsMember({"en", "pt"}).description(""))
       ->type_name(value_type("LANGUAGE", kLanguages))
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-  sub->add_flag("--log", view.log, "Log events to standard error, one per line");
+  sub->add_flag("--log", view.log, "Log events to standard error");
   sub->callback([&] {
     refuse_conflict(view.options);
     if (const auto why = window_conflict(view.options))
       throw CLI::ParseError(text_of(*why), kBadInput);
     view.program = invocation.argv[0];
-    // What the arguments mean is found out here; the window itself is another program.
+    // The window is another program, but its arguments are checked here.
     status = invocation.open_window ? invocation.open_window(view)
                                     : become_view_program(invocation.argv);
   });
@@ -304,11 +309,12 @@ void add_view(CLI::App& app, ViewCommand& view, const Invocation& invocation, in
 void add_merge(CLI::App& app, MergeCommand& merge, int& status) {
   auto* sub = app.add_subcommand("merge", "Merge the parts of a picture rendered with --shard");
   sub->footer(examples({"raio merge part1.raio part2.raio part3.raio -o balls.png"}));
-  sub->add_option("parts", merge.parts, "Part files of one picture")->required()->type_name("PART");
+  sub->add_option("parts", merge.parts, "Part files of the same picture")
+      ->required()
+      ->type_name("PART");
   add_file(*sub, "-o,--output", merge.output,
-           "Output picture: .png .exr .npz .npy .ppm .pfm by suffix, or .raio for a part file; - "
-           "writes PNG to "
-           "standard output",
+           "Output picture; .png .exr .npz .npy .ppm .pfm by suffix, or .raio for a part file; - "
+           "writes PNG to standard output",
            "IMAGE");
   sub->get_option("--output")->required();
   sub->add_flag("--quiet", merge.quiet, "Print errors only");
@@ -318,7 +324,6 @@ void add_merge(CLI::App& app, MergeCommand& merge, int& status) {
   });
 }
 
-// A list of words, which `parse` turns into a value.
 template <class T>
 void add_list(CLI::App& app, const std::string& name, T& value,
               std::expected<T, std::string> (*parse)(std::string_view), const std::string& help) {
@@ -341,23 +346,21 @@ void add_bench(CLI::App& app, BenchCommand& bench, int& status) {
   add_scene(*sub, bench.scene);
   add_file(*sub, "--json", bench.json, "Write the table as JSON; - for standard output");
   add_file(*sub, "--csv", bench.csv, "Write the table as CSV; - for standard output");
-  add_file(*sub, "--plot", bench.plot, "Draw the table: .png .svg .pdf by suffix");
+  add_file(*sub, "--plot", bench.plot, "Plot the table; .png .svg .pdf by suffix");
   BenchmarkRequest& request = bench.request;
   add_list(*sub, "--accel", request.structures, parse_structures,
-           "Structures to be timed: none (brute force), grid, bvh, embree (default: "
-           "none,grid,bvh)");
+           "Structures to time: none (brute force), grid, bvh, embree (default: none,grid,bvh)");
   std::string words;
   for (const BenchmarkEffect& effect : kBenchmarkEffects)
     words += (words.empty() ? "" : ", ") + effect_word(effect);
-  add_list(
-      *sub, "--effects", request.effects, parse_effects,
-      "Effects of which all combinations are timed: " + words +
-          fmt::format("; none for the plain picture alone (default: aa,soft-shadows,dof). Gloss "
-                      "and translucency take the roughness of the options, else of the "
-                      "materials, else {}",
-                      kUsualRoughness));
+  add_list(*sub, "--effects", request.effects, parse_effects,
+           "Effects to time in all combinations: " + words +
+               fmt::format("; none for the plain picture alone; roughness comes from --gloss and "
+                           "--translucency, else from the materials, else it is {} (default: "
+                           "aa,soft-shadows,dof)",
+                           kUsualRoughness));
   add_number(*sub, "--repeat", request.repeat, 1, 1000,
-             "Renders of each combination; the median counts (default: 1)", "N");
+             "Renders of each combination; the table shows the median (default: 1)", "N");
   add_render_options(*sub, request.options,
                      {"size", "grid-factor", "light-size", "aperture", "focus", "depth", "gloss",
                       "translucency", "shutter", "one-sided", "threads", "seed"});
@@ -377,7 +380,7 @@ void add_info(CLI::App& app, InfoCommand& info, int& status) {
   add_read_options(*sub, info.read);
   sub->add_flag("--json", info.json, "Print one JSON object");
   add_file(*sub, "--color-bar", info.color_bar,
-           "Draw which numbers have which colours: .png .svg .pdf by suffix");
+           "Draw a colour bar with the values of --color-by; .png .svg .pdf by suffix");
   sub->callback([&] { status = run(info); });
 }
 
@@ -394,12 +397,12 @@ void add_generate(CLI::App& app, GenerateCommand& generate, int& status) {
 }
 
 void add_export(CLI::App& app, ExportCommand& command, int& status) {
-  auto* sub = app.add_subcommand("export", "Convert a scene to POV-Ray, which renders it alike");
+  auto* sub = app.add_subcommand("export", "Convert a scene to POV-Ray");
   sub->footer(examples({"raio export balls.nff -o balls.pov"}));
   add_scene(*sub, command.scene);
   add_read_options(*sub, command.read);
   add_file(*sub, "-o,--output", command.output,
-           "Output file, .pov; - for standard output (default: the scene's name, .pov, here)");
+           "Output file, .pov; - for standard output (default: SCENE.pov)");
   add_render_options(*sub, command.options, {"size", "projection", "depth"});
   sub->callback([&] { status = run(command); });
 }
@@ -407,15 +410,13 @@ void add_export(CLI::App& app, ExportCommand& command, int& status) {
 void add_convert(CLI::App& app, ConvertCommand& command, int& status) {
   auto* sub = app.add_subcommand("convert", "Write a scene in another format");
   sub->footer(examples({"raio convert balls.nff balls.raio", "raio convert balls.raio balls.pov"}));
-  add_file(
-      *sub, "in", command.input,
-      "Scene file: NFF, P3F, .raio, PDB, PQR, CIF, GRO, XYZ, LAMMPS, PLY, STL, OBJ, OFF or glTF",
-      "IN");
+  add_file(*sub, "in", command.input,
+           "NFF, P3F, .raio, PDB, PQR, CIF, GRO, XYZ, LAMMPS, PLY, STL, OBJ, OFF or glTF", "IN");
   add_read_options(*sub, command.read);
-  add_file(*sub, "out", command.output,
-           "Scene file: .nff, .p3f, .raio, .ply, .glb, .gltf or .pov by suffix; - writes NFF to "
-           "standard output",
-           "OUT");
+  add_file(
+      *sub, "out", command.output,
+      ".nff, .p3f, .raio, .ply, .glb, .gltf or .pov by suffix; - writes NFF to standard output",
+      "OUT");
   for (const char* scene : {"in", "out"}) sub->get_option(scene)->required();
   sub->callback([&] { status = run(command); });
 }
@@ -430,9 +431,10 @@ void add_compare(CLI::App& app, CompareCommand& compare, int& status) {
   add_number(*sub, "--min-psnr", compare.min_psnr_db, 0.0, 1000.0,
              "Exit with status 1 if the PSNR is below X dB", "X");
   add_file(*sub, "--diff", compare.diff,
-           "Write a picture of the differences; - writes PNG to standard output");
+           "Write the differences as a picture; - writes PNG to standard output");
   add_file(*sub, "--explain", compare.explain,
-           "Tell where the pictures of this scene differ: edges, shadows, mirrors, lit surfaces");
+           "Classify the differences by what this scene shows there: edges, shadows, mirrors, lit "
+           "surfaces");
   add_render_options(
       *sub, compare.options,
       {"from", "at", "up", "fov", "projection", "angle-to-centers", "accel", "threads"});
@@ -453,8 +455,7 @@ void add_spd(CLI::App& app, SpdVerifyCommand& verify, int& status) {
       "verify", "Check counts of rays, cells and tests against the published ones");
   sub->footer(examples({"raio spd verify", "raio spd verify balls tree old/gears.nff --json"}));
   sub->add_option("scenes", verify.scenes,
-                  "Names of standard scenes, generated on the spot, or files with those names "
-                  "(default: all)")
+                  "Names of standard scenes, or files with these names (default: all)")
       ->type_name(value_type("SCENE", recipe_names()));
   sub->add_flag("--json", verify.json, "Print one JSON object");
   add_render_options(*sub, verify.options, {"threads"});
@@ -465,8 +466,8 @@ void add_spd(CLI::App& app, SpdVerifyCommand& verify, int& status) {
 int parse_and_run(std::vector<std::string> arguments, const Invocation& invocation) {
   CLI::App app("Raio: a fast, reproducible ray tracer for scenes, molecules, particles and meshes");
   app.name("raio");
-  app.formatter(std::make_shared<HelpFormatter>());
-  app.set_help_flag("-h,--help", "Print this help");
+  app.set_help_flag("-h", "Print the most common options");
+  app.set_help_all_flag("--help", "Print all options; of one given twice the last counts");
   app.set_version_flag("--version", version_text(),
                        "Print the version and the commit it was built from");
   app.footer(examples({"raio generate balls -o balls.nff",
@@ -499,14 +500,14 @@ int parse_and_run(std::vector<std::string> arguments, const Invocation& invocati
   add_manual_commands(app, status);
 
   if (arguments.empty()) {
-    for (const auto line : std::views::split(short_help(app), '\n'))
+    for (const auto line : std::views::split(list_of_commands(app), '\n'))
       print_line({line.begin(), line.end()});
     return kBadInput;
   }
   if (const std::string why = usage_problem(app, arguments); !why.empty())
     return usage_error(chosen_command(app, arguments), why);
   try {
-    std::ranges::reverse(arguments);  // the order that CLI11 takes
+    std::ranges::reverse(arguments);  // as CLI11 wants them
     app.parse(std::move(arguments));
   } catch (const CLI::ParseError& error) {
     return report(app, error);
@@ -520,9 +521,9 @@ int run_command_line(int argc, char** argv, OpenWindow open_window) {
   try {
     return parse_and_run({argv + std::min(argc, 1), argv + argc}, {argv, open_window});
   } catch (const std::bad_alloc&) {
-    return no_resource(fmt::format("out of memory; {}", kWhatMayDo));
+    return no_resource(fmt::format("out of memory; {}", kMemoryAdvice));
   } catch (const std::exception& error) {
-    return no_resource(fmt::format("{}; {}", error.what(), kWhatMayDo));
+    return no_resource(fmt::format("{}; {}", error.what(), kMemoryAdvice));
   }
 }
 

@@ -37,12 +37,6 @@ std::string spaced_path(const CLI::App& command) {
   return name.substr(std::min(name.find(' '), name.size()));
 }
 
-// The help's first clause.
-std::string clause(const std::string& help) {
-  const size_t end = std::min({help.find(" ("), help.find(": "), help.find("; ")});
-  return help.substr(0, end);
-}
-
 // With what a shell would take for its own behind backslashes.
 std::string escaped(std::string_view text, std::string_view special) {
   std::string out;
@@ -170,7 +164,7 @@ std::string zsh_option(const CLI::Option& option) {
     std::string spec = names.size() > 1 ? fmt::format("({})", fmt::join(names, " ")) : "";
     spec += name;
     if (takes_value(option)) spec += name.starts_with("--") ? "=" : "+";
-    spec += fmt::format("[{}]", escaped(clause(option.get_description()), "[]:\\"));
+    spec += fmt::format("[{}]", escaped(first_clause(option), "[]:\\"));
     if (takes_value(option)) spec += zsh_value(option);
     out += " \\\n        " + zsh_quoted(spec);
   }
@@ -270,7 +264,7 @@ std::string fish(const CLI::App& app) {
       for (const std::string& name : option->get_snames()) out += " -s " + name;
       for (const std::string& name : option->get_lnames()) out += " -l " + name;
       if (takes_value(*option)) out += fish_value(*option);
-      out += " -d " + fish_quoted(clause(option->get_description())) + "\n";
+      out += " -d " + fish_quoted(first_clause(*option)) + "\n";
     }
   }
   return out;

@@ -9,7 +9,7 @@
 namespace raio::app {
 namespace {
 
-// "12,40": a column and a row.
+// "12,40": column, row.
 void add_pixel(CLI::App& app, std::array<int, 2>& pixel) {
   const auto set = [&pixel](const std::string& text) {
     const char* const end = text.data() + text.size();
@@ -23,7 +23,7 @@ void add_pixel(CLI::App& app, std::array<int, 2>& pixel) {
                       text));
   };
   app.add_option_function<std::string>(
-         "--pixel", set, "The pixel: column and row, counted from 0 at the upper left")
+         "--pixel", set, "Column and row of the pixel, counted from 0 at the upper left")
       ->type_name("X,Y")
       ->required()
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
@@ -52,7 +52,7 @@ void add_place(CLI::App& app, const std::string& name, std::optional<Vec3d>& pla
 }  // namespace
 
 void add_explain(CLI::App& app, ExplainCommand& explain, int& status) {
-  auto* sub = app.add_subcommand("explain", "Tell what a pixel is made of, ray by ray");
+  auto* sub = app.add_subcommand("explain", "Trace one pixel and explain its colour, ray by ray");
   sub->footer(examples({"raio explain balls.nff --pixel 256,256",
                         "raio explain balls.nff --pixel 256,256 --accel grid --aa 4 --sample 7 "
                         "--json",
@@ -61,14 +61,14 @@ void add_explain(CLI::App& app, ExplainCommand& explain, int& status) {
   add_read_options(*sub, explain.read);
   add_pixel(*sub, explain.pixel);
   add_number(*sub, "--sample", explain.sample, 0, kMaxSamples,
-             "Which sample of the pixel, counted from 0 (default: 0)", "N");
+             "Sample of the pixel, counted from 0 (default: 0)", "N");
   sub->add_flag("--json", explain.json,
                 "Print one JSON object, with the cells or nodes that each ray visits and the "
-                "primitives that it is tested against");
+                "primitives it is tested against");
   add_file(*sub, "--plot", explain.plot,
-           "Draw the rays into the scene, seen from aside: .png .svg .pdf by suffix");
+           "Draw the rays in the scene, seen from the side; .png .svg .pdf by suffix");
   add_place(*sub, "--plot-from", explain.plot_from,
-            "Where --plot is seen from (default: aside and above)");
+            "Position of the viewer of --plot (default: to the side and above)");
   add_render_options(*sub, explain.options,
                      {"size",
                       "integrator",
@@ -106,7 +106,8 @@ void add_explain(CLI::App& app, ExplainCommand& explain, int& status) {
     if (explain.plot_from && explain.plot.empty())
       throw CLI::ParseError("--plot-from has no effect without --plot; add it", kBadInput);
     if (explain.plot == "-")
-      throw CLI::ParseError("--plot: standard output has the text; name a file", kBadInput);
+      throw CLI::ParseError("--plot cannot use standard output, where the text goes; name a file",
+                            kBadInput);
     refuse_conflict(explain.options);
     status = run_on_threads(explain);
   });

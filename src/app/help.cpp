@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 
 #include "app/outline.h"
@@ -13,8 +14,14 @@ namespace {
 
 using Rows = std::vector<std::pair<std::string, std::string>>;
 
-constexpr size_t kColumns = 100;
-constexpr size_t kWidestName = 26;  // a longer one has its text on the next line
+constexpr size_t kColumns = 80;
+constexpr size_t kWidestName = 26;  // the text of a longer one starts on the next line
+
+// brief_help() of a command with more options than kManyOptions shows these.
+constexpr size_t kManyOptions = 30;
+constexpr auto kCommonOptions = std::to_array<std::string_view>(
+    {"--output", "--size", "--aa", "--soft-shadows", "--dof", "--from", "--fit", "--background",
+     "--look", "--style", "--color-by", "--accel"});
 
 // Breaks between words; every line but the first is indented.
 std::string wrapped(std::string_view text, size_t indent, size_t first_column) {
@@ -47,6 +54,11 @@ Rows command_rows(const CLI::App& app) {
   for (const CLI::App* command : commands(app))
     rows.emplace_back(command->get_name(), command->get_description());
   return rows;
+}
+
+std::string usage(const CLI::App& command) {
+  return fmt::format("{}\n\nUsage: {}{}\n", wrapped(command.get_description(), 0, 0),
+                     full_name(command), usage_of_arguments(command));
 }
 
 std::string with_suggestion(std::string message, std::string_view word,
@@ -85,13 +97,13 @@ std::string arguments_problem(const CLI::App& command, std::span<const std::stri
       const std::string name = argument.substr(0, is_long ? argument.find('=') : 2);
       const CLI::Option* option = command.get_option_no_throw(name);
       if (!option) return unknown_option(command, name);
-      if (option == command.get_help_ptr()) return {};
+      if (option == command.get_help_ptr() || option == command.get_help_all_ptr()) return {};
       if (!takes_value(*option)) continue;
       const bool apart = argument == name;
       if (apart) ++i;
       const bool nothing = apart ? i == arguments.size() || is_option(command, arguments[i])
                                  : argument == name + "=";
-      if (nothing) return fmt::format("{} wants a value: {}", name, option_name(*option));
+      if (nothing) return fmt::format("{} needs a value: {}", name, option_name(*option));
     }
   }
   if (given < wanted.size() && wanted[given]->get_required())
@@ -116,23 +128,44 @@ std::string two_columns(std::span<const std::pair<std::string, std::string>> row
   return out;
 }
 
-std::string HelpFormatter::make_help(const CLI::App* app, std::string, CLI::AppFormatMode) const {
-  Rows arguments, options;
-  for (const CLI::Option* o : positionals(*app))
+std::string help_text(const CLI::App& command) {
+  Rows arguments;
+  for (const CLI::Option* o : positionals(command))
     arguments.emplace_back(value_name(*o), o->get_description());
-  for (const CLI::Option* o : named_options(*app))
-    options.emplace_back(option_name(*o), o->get_description());
-
-  std::string out = wrapped(app->get_description(), 0, 0) + "\n\n";
-  out += "Usage: " + full_name(*app) + usage_of_arguments(*app) + "\n";
+  std::string out = usage(command);
   const auto section = [&](std::string_view title, const Rows& rows) {
     if (!rows.empty()) out += fmt::format("\n{}:\n{}", title, two_columns(rows));
   };
   section("Arguments", arguments);
-  section("Commands", command_rows(*app));
-  section("Options", options);
-  if (!app->get_footer().empty()) out += "\n" + app->get_footer();
+  section("Commands", command_rows(command));
+  for (const auto& [title, options] : option_sections(command)) {
+    Rows rows;
+    for (const CLI::Option* o : options) rows.emplace_back(option_name(*o), o->get_description());
+    section(title, rows);
+  }
+  if (!command.get_footer().empty()) out += "\n" + command.get_footer();
   return out;
+}
+
+std::string brief_help(const CLI::App& command) {
+  if (named_options(command).size() <= kManyOptions) return help_text(command);
+  Rows rows;
+  for (const CLI::Option* o : positionals(command))
+    rows.emplace_back(value_name(*o),
+                      o->get_description().substr(0, o->get_description().find(';')));
+  for (const CLI::Option* o : named_options(command))
+    if (o->get_required()) rows.emplace_back(option_name(*o), first_clause(*o));
+  for (const std::string_view name : kCommonOptions)
+    if (const CLI::Option* o = command.get_option_no_throw(std::string(name))) {
+      const auto words = value_words(*o);
+      rows.emplace_back(option_name(*o),
+                        fmt::format("{}{}{}", first_clause(*o), words.empty() ? "" : ": ",
+                                    fmt::join(words, ", ")));
+    }
+  const std::string examples = command.get_footer();
+  return usage(command) + "\n" + two_columns(rows) +
+         fmt::format("\nAll options, with defaults and units: {} --help\n", full_name(command)) +
+         examples.substr(0, examples.find('\n', examples.find('\n') + 1) + 1);
 }
 
 std::string unknown_command(const CLI::App& app, std::string_view name) {
@@ -141,13 +174,10 @@ std::string unknown_command(const CLI::App& app, std::string_view name) {
   return with_suggestion(fmt::format("there is no command '{}'", name), name, names);
 }
 
-std::string help_text(const CLI::App& command) {
-  return HelpFormatter().make_help(&command, {}, CLI::AppFormatMode::Normal);
-}
-
-std::string short_help(const CLI::App& app) {
-  return fmt::format("Usage: {}{}\n\nCommands:\n{}\nMore by {} help COMMAND.", full_name(app),
-                     usage_of_arguments(app), two_columns(command_rows(app)), full_name(app));
+std::string list_of_commands(const CLI::App& app) {
+  return fmt::format("Usage: {}{}\n\nCommands:\n{}\nOptions of a command: {} help COMMAND.",
+                     full_name(app), usage_of_arguments(app), two_columns(command_rows(app)),
+                     full_name(app));
 }
 
 const CLI::App& chosen_command(const CLI::App& app, std::span<const std::string> arguments) {

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::array<std::string_view, 3> kShells = {"bash", "zsh", "fish"};
 
-// Text for troff: what it would take for its own is escaped.
+// Escapes text for troff.
 std::string troff(std::string_view text) {
   std::string out;
   bool line_begins = true;
@@ -35,7 +35,7 @@ std::string troff(std::string_view text) {
   return out;
 }
 
-// ".TP" and what follows it: "\fB--size\fR \fIWxH\fR" over its text.
+// A ".TP" paragraph: "\fB--size\fR \fIWxH\fR" over its description.
 std::string troff_entry(const CLI::Option& option) {
   std::string names;
   for (const std::string& name : option_names(option))
@@ -46,16 +46,20 @@ std::string troff_entry(const CLI::Option& option) {
                      troff(option.get_description()));
 }
 
-// Options that several commands have in the same words are explained at the first.
+// An option that an earlier command explained in the same words is only named.
 std::string troff_options(const CLI::App& command, std::set<std::string>& explained) {
   std::string out;
   std::vector<std::string> again;
   for (const CLI::Option* option : positionals(command)) out += troff_entry(*option);
-  for (const CLI::Option* option : named_options(command)) {
-    if (const std::string entry = troff_entry(*option); explained.insert(entry).second)
-      out += entry;
-    else
-      again.push_back(fmt::format("\\fB{}\\fR", troff(option_names(*option).back())));
+  for (const auto& [title, options] : option_sections(command)) {
+    std::string entries;
+    for (const CLI::Option* option : options) {
+      if (const std::string entry = troff_entry(*option); explained.insert(entry).second)
+        entries += entry;
+      else
+        again.push_back(fmt::format("\\fB{}\\fR", troff(option_names(*option).back())));
+    }
+    if (!entries.empty()) out += fmt::format(".PP\n.B {}\n{}", title, entries);
   }
   if (!again.empty()) out += fmt::format(".PP\nAlso, as above: {}.\n", fmt::join(again, ", "));
   return out;
@@ -68,8 +72,8 @@ std::string troff_footer(const CLI::App& command) {
 
 constexpr std::string_view kExitStatus =
     ".SH EXIT STATUS\n"
-    ".TP\n0\nDone.\n"
-    ".TP\n1\nA check that was asked for failed.\n"
+    ".TP\n0\nSuccess.\n"
+    ".TP\n1\nA requested check failed.\n"
     ".TP\n2\nBad usage or bad input.\n"
     ".TP\n3\nA file could not be written, or memory or another resource ran out.\n"
     ".TP\n130\nInterrupted.\n";
@@ -80,7 +84,7 @@ void add_help(CLI::App& app, int& status) {
   std::vector<std::string> names;
   for (const CLI::App* command : commands(app)) names.push_back(command->get_name());
   const std::vector<std::string_view> offered(names.begin(), names.end());
-  sub->add_option("command", *words, "The command, as in spd verify (default: the program itself)")
+  sub->add_option("command", *words, "Command, as in spd verify (default: the program itself)")
       ->type_name(value_type("COMMAND", offered));
   sub->footer("Example:\n  raio help render\n");
   sub->callback([&app, &status, words] {
@@ -138,15 +142,15 @@ void add_manual_commands(CLI::App& app, int& status) {
 
   auto* manual = app.add_subcommand("manual", "Print the help of all commands");
   const auto as_page = std::make_shared<bool>(false);
-  manual->add_flag("--man", *as_page, "As the source of a page for man(1)");
+  manual->add_flag("--man", *as_page, "Print a page for man(1) instead");
   manual->footer("Example:\n  raio manual --man > raio.1\n");
   manual->callback([&app, &status, as_page] {
     status = deliver("-", *as_page ? manual_page(app) : manual_text(app));
   });
 
-  auto* script = app.add_subcommand("completion", "Print a script that completes in a shell");
+  auto* script = app.add_subcommand("completion", "Print a shell completion script");
   const auto shell = std::make_shared<std::string>();
-  script->add_option("shell", *shell, "The shell: bash, zsh or fish")
+  script->add_option("shell", *shell, "Shell: bash, zsh or fish")
       ->required()
       ->type_name(value_type("SHELL", kShells));
   script->footer("Examples:\n  source <(raio completion bash)\n  raio completion fish | source\n");

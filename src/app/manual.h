@@ -1,4 +1,4 @@
-// The program describing itself: the commands help, version, manual and completion.
+// The commands help, version, manual and completion.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -6,18 +6,16 @@
 
 namespace raio::app {
 
-/// Adds the four commands; what they print goes to standard output. To be called last, when `app`
-/// has all others.
+/// Adds the four commands, which print to standard output. `app` must have all others by then.
 void add_manual_commands(CLI::App& app, int& status);
 
-/// Everything that help says of all commands, one after the other.
+/// The help of all commands, one after the other.
 std::string manual_text(const CLI::App& app);
 
-/// The same as a page of section 1 for man(1), in the macros of man(7).
+/// The same as a page for man(1), in the macros of man(7).
 std::string manual_page(const CLI::App& app);
 
-/// A script for the shell "bash", "zsh" or "fish" that completes commands, options, their words,
-/// and names of files.
+/// A completion script for the shell "bash", "zsh" or "fish": commands, options, words and files.
 std::string completion(const CLI::App& app, std::string_view shell);
 
 }  // namespace raio::app

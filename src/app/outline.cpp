@@ -5,6 +5,11 @@
 #include <algorithm>
 
 namespace raio::app {
+namespace {
+
+constexpr const char* kOwnOptions = "Options";  // CLI11's own default
+
+}  // namespace
 
 std::string value_type(std::string_view value_name, std::span<const std::string_view> words) {
   return words.empty() ? std::string(value_name)
@@ -34,15 +39,36 @@ std::vector<std::string> option_names(const CLI::Option& option) {
   return names;
 }
 
+std::string first_clause(const CLI::Option& option) {
+  const std::string help = option.get_description();
+  return help.substr(0, std::min({help.find(" ("), help.find(": "), help.find("; ")}));
+}
+
 std::vector<const CLI::Option*> positionals(const CLI::App& app) {
   return app.get_options([](const CLI::Option* o) { return o->get_positional(); });
 }
 
 std::vector<const CLI::Option*> named_options(const CLI::App& app) {
   return app.get_options([](const CLI::Option* o) {
-    return !o->get_positional() && !o->get_group().empty();  // without a group it is to be hidden
+    return !o->get_positional() && !o->get_group().empty();  // no group: hidden
   });
 }
+
+std::vector<OptionSection> option_sections(const CLI::App& app) {
+  std::vector<OptionSection> sections = {{kOwnOptions, {}}};
+  for (const std::string_view title : kOptionGroups) sections.push_back({title, {}});
+  for (const CLI::Option* option : named_options(app))
+    std::ranges::find(sections, option->get_group(), &OptionSection::title)
+        ->options.push_back(option);
+  std::erase_if(sections, [](const OptionSection& s) { return s.options.empty(); });
+  return sections;
+}
+
+void begin_group(CLI::App& app, OptionGroup group) {
+  app.option_defaults()->group(std::string(kOptionGroups[size_t(group)]));
+}
+
+void end_groups(CLI::App& app) { app.option_defaults()->group(kOwnOptions); }
 
 std::vector<const CLI::App*> commands(const CLI::App& app) {
   return app.get_subcommands([](const CLI::App*) { return true; });

@@ -1,6 +1,4 @@
-// The commands of the program and their options as they are described to people: what help, the
-// manual page and completion have in common. All of it is read from CLI11's tree, where it is said
-// once.
+// Commands and options as help, manual page and completion describe them, read from CLI11's tree.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -9,12 +7,14 @@
 #include <string_view>
 #include <vector>
 
+#include "render/options.h"
+
 namespace raio::app {
 
-/// The text that CLI11 keeps with an option whose value is one of some words: "NAME:{auto,grid}".
+/// "NAME:{auto,grid}": the type that CLI11 keeps for an option with a list of words.
 std::string value_type(std::string_view value_name, std::span<const std::string_view> words);
 
-/// "NAME" of it, and "auto", "grid".
+/// "NAME" and "auto", "grid" of such a type.
 std::string value_name(const CLI::Option& option);
 std::vector<std::string> value_words(const CLI::Option& option);
 
@@ -24,22 +24,36 @@ bool is_list(const CLI::Option& option);
 /// "-o", "--output".
 std::vector<std::string> option_names(const CLI::Option& option);
 
-/// The arguments of a command that have no name, in order; the options that have one; the commands
-/// of a command.
+/// The help text of an option up to its first parenthesis, colon or semicolon.
+std::string first_clause(const CLI::Option& option);
+
+/// The positional arguments of a command, its other options, and its commands.
 std::vector<const CLI::Option*> positionals(const CLI::App& app);
 std::vector<const CLI::Option*> named_options(const CLI::App& app);
 std::vector<const CLI::App*> commands(const CLI::App& app);
 
+/// The named options under the titles of the help: first "Options", which are the command's own,
+/// then kOptionGroups (render/options.h).
+struct OptionSection {
+  std::string_view title;
+  std::vector<const CLI::Option*> options;
+};
+std::vector<OptionSection> option_sections(const CLI::App& app);
+
+/// Options added to `app` between these calls are in this section; others in "Options".
+void begin_group(CLI::App& app, OptionGroup group);
+void end_groups(CLI::App& app);
+
 /// The command of `app` with this name, or null.
 const CLI::App* find_command(const CLI::App& app, std::string_view name);
 
-/// `app` and all commands below it, each before its own.
+/// `app` and all commands below it, parents first.
 std::vector<const CLI::App*> all_commands(const CLI::App& app);
 
 /// "raio spd verify".
 std::string full_name(const CLI::App& command);
 
-/// " SCENE [OPTION ...]": what follows the name of a command.
+/// " SCENE [OPTION ...]", the usage after the name of a command.
 std::string usage_of_arguments(const CLI::App& app);
 
 }  // namespace raio::app

@@ -34,7 +34,7 @@ struct Error {
 
   /// What was found, what was expected, what to do. Settings stand in backquotes, by the names that
   /// the table in render/options.h and the fields of JobRequest (render/job.h) give them:
-  /// "has no effect beside `grid-resolution`; give one of them".
+  /// "cannot be combined with `grid-resolution`; leave one of them out".
   std::string message;
   Place place = {};
 

@@ -8,8 +8,8 @@
 
 namespace raio {
 
-/// One independent word for a one-word key: `pcg` of Jarzynski and Olano 2020, "Hash Functions
-/// for GPU Rendering", JCGT 9(3), after O'Neill 2014.
+/// One independent word for a one-word key: the function pcg of Jarzynski and Olano 2020, "Hash
+/// Functions for GPU Rendering", JCGT 9(3), after O'Neill 2014.
 constexpr uint32_t scramble(uint32_t v) {
   v = v * 747796405u + 2891336453u;
   v = ((v >> ((v >> 28) + 4)) ^ v) * 277803737u;

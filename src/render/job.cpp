@@ -34,7 +34,7 @@ class RenderJob::Checkpoint {
     ticker_ = Ticker(request.checkpoint_interval_s, [this, warning] {
       auto written = write();
       if (!written && !told_ && warning) {
-        written.error().message += "; the work goes on";
+        written.error().message += "; rendering continues";
         warning(written.error());
       }
       told_ = !written;

@@ -62,7 +62,8 @@ std::optional<std::string> add_samples(const Part& part, JobRequest& request) {
         "it is not finished: its tiles have {} to {} samples a pixel; `resume` it first",
         has.fewest, has.most);
   if (has.most + uint64_t(request.add_samples) > uint64_t(kMaxSamples))
-    return fmt::format("more than {} samples a pixel cannot be", kMaxSamples);
+    return fmt::format("at most {} samples per pixel are possible; choose a smaller `add-samples`",
+                       kMaxSamples);
   options->samples = int(has.most) + request.add_samples;
   take_picture_options(request, *options);
   return std::nullopt;
@@ -194,7 +195,7 @@ std::expected<std::unique_ptr<Film>, Error> film_of(
   auto film = make_film(scene, used);
   if (!film || !start.film) return film;
   if (start.film->bound() != (*film)->bound())
-    return std::unexpected(refused(file, "its film is not made for the scene"));
+    return std::unexpected(refused(file, "its film was made for another scene"));
   for (size_t t = 0; t < start.film->tiles(); ++t)
     if (const uint32_t has = start.film->samples(t); has > uint32_t(used.samples_per_pixel()))
       return std::unexpected(refused(

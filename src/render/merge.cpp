@@ -41,13 +41,13 @@ std::string unfinished(const NamedPart& p) {
 std::string misfit(const NamedPart& first, const NamedPart& p) {
   const Metadata &a = p.part.header.settings, &b = first.part.header.settings;
   if (std::string why = difference(a, b); !why.empty())
-    return fmt::format("it does not go with {}: {}{}", first.name, why,
+    return fmt::format("it does not match {}: {}{}", first.name, why,
                        setting(a, "samples") != setting(b, "samples")
                            ? "; `add-samples` makes up for fewer samples"
                            : "");
   const Film &film = *p.part.film, &whole = *first.part.film;
   if (film.tile_side() != whole.tile_side() || film.bound() != whole.bound())
-    return fmt::format("it does not go with {}: their films are not made alike", first.name);
+    return fmt::format("it does not match {}: tile size or bound differs", first.name);
   return {};
 }
 

@@ -299,15 +299,17 @@ std::expected<void, std::string> parse_up(RenderOptions& o, std::string_view tex
 }
 
 using Options = RenderOptions;
+using enum OptionGroup;
 constexpr auto kTable = std::to_array<OptionSpec>({
-    {"size", "WxH",
-     "Width and height in pixels, or as printed, as in 88x66mm, with `dpi` (default: the scene's "
-     "resolution, else 512x512)",
+    {output, "size", "WxH",
+     "Width and height in pixels; or in print, as in 88x66mm, at `dpi` (default: the scene's, else "
+     "512x512)",
      parse_size, 0, 0, size_text},
-    {"width",
+    {output,
+     "width",
      "LENGTH",
-     "Width of the printed picture, as in 88mm, 8.8cm, 3.5in or 250pt, with `dpi`; the height "
-     "follows from the scene's shape",
+     "Width of the printed picture, as in 88mm, 8.8cm, 3.5in or 250pt, at `dpi`; the height "
+     "follows from the scene's aspect ratio",
      parse_width,
      0,
      0,
@@ -315,10 +317,11 @@ constexpr auto kTable = std::to_array<OptionSpec>({
      {},
      true,
      false},
-    {"dpi",
+    {output,
+     "dpi",
      "N",
-     "Pixels per inch of the printed picture, which .png and .exr store: outlines and text are as "
-     "large in print as with 96 (default: 300 with `width` or a printed `size`)",
+     "Pixels per inch in print, stored in .png and .exr; outlines and text keep the printed size "
+     "that they have at 96 (default: 300 with `width` or a printed `size`)",
      +[](Options& o) -> float& { return o.dpi; },
      10,
      10000,
@@ -326,10 +329,11 @@ constexpr auto kTable = std::to_array<OptionSpec>({
      {},
      true,
      false},
-    {"crop",
+    {output,
+     "crop",
      "X0,Y0,X1,Y1",
-     "Render these columns and rows of the picture only, from X0,Y0 to before X1,Y1, counted from "
-     "its upper left corner; the pixels are those of the whole picture (default: all)",
+     "Render only columns X0 to X1-1 and rows Y0 to Y1-1, counted from the upper left; the pixels "
+     "equal those of the whole picture (default: all)",
      parse_crop,
      0,
      0,
@@ -337,174 +341,170 @@ constexpr auto kTable = std::to_array<OptionSpec>({
      {},
      true,
      false},
-    {"from", "PLACE",
-     "Position of the camera as X,Y,Z, in the file's coordinates, or the side from which it shows "
-     "all of the scene: front, back, left, right, top, bottom or iso (default: the scene's)",
+    {camera, "from", "PLACE",
+     "Camera position X,Y,Z in the file's coordinates; or a side that shows the whole scene: "
+     "front, back, left, right, top, bottom or iso (default: the scene's)",
      parse_from, 0, 0, from_text},
-    {"at", "X,Y,Z", "Point the camera looks at (default: the scene's)", parse_vector<&Options::at>,
-     0, 0, vector_text<&Options::at>},
-    {"up", "AXIS",
-     "Up direction of the camera, as X,Y,Z or x, -x, y, -y, z or -z; a camera that was fitted to "
-     "data is fitted anew unless `from` or `at` has numbers (default: the scene's; with a side, "
-     "the axis nearest to it)",
+    {camera, "at", "X,Y,Z", "Point the camera looks at (default: the scene's)",
+     parse_vector<&Options::at>, 0, 0, vector_text<&Options::at>},
+    {camera, "up", "AXIS",
+     "Up direction of the camera: X,Y,Z or x, -x, y, -y, z or -z; a camera fitted to data is "
+     "fitted again unless `from` or `at` gives a point (default: the scene's; with a side, the "
+     "axis nearest to it)",
      parse_up, 0, 0, vector_text<&Options::up>},
-    {"fit", "NAME",
-     "Move the camera without turning it, so that it shows all of the scene, or most, without what "
-     "lies far from the rest, such as ground planes and stray atoms (default: the scene's camera; "
-     "all for data without one)",
+    {camera, "fit", "NAME",
+     "Move the camera without turning it: all shows the whole scene, most ignores ground planes "
+     "and stray atoms (default: the scene's camera; all for data without one)",
      parse_fit, 0, 0, fit_text, kFitNames},
-    {"fov", "DEG", "Vertical field of view in degrees (default: the scene's)",
+    {camera, "fov", "DEG", "Vertical field of view in degrees (default: the scene's)",
      +[](Options& o) -> float& { return o.fov_deg; }, 0.001, 179},
-    {"projection", "NAME",
-     "Eye rays from one point, perspective, or side by side, orthographic; what is as far away as "
-     "the point looked at is as large in both (default: the scene's)",
+    {camera, "projection", "NAME",
+     "Eye rays from one point (perspective) or parallel (orthographic); both show the same size at "
+     "the distance of the point looked at (default: the scene's)",
      parse_projection, 0, 0, projection_text, kProjectionNames},
-    {"integrator", "NAME", kIntegratorHelp, parse_integrator, 0, 0, integrator_text,
+    {effects, "integrator", "NAME", kIntegratorHelp, parse_integrator, 0, 0, integrator_text,
      kIntegratorNames},
-    {"view", "NAME",
-     "What the picture shows: the picture, normals, depth, ids, materials, the steps and tests of "
-     "the acceleration structure, the focus of a lens, or samples (default: picture)",
+    {diagnostics, "view", "NAME",
+     "Show normals, depth, ids, materials, traversal steps, intersection tests, focus or samples "
+     "instead of the picture (default: picture)",
      parse_view, 0, 0, view_text, kViewNames},
-    {"channels", "LIST",
-     "Keep these beside the colours, as numbers: alpha, depth, position, normal, albedo, id, "
-     "object, samples, variance, steps, tests; .exr and .npz hold all of them, .png alpha alone",
+    {output, "channels", "LIST",
+     "Also store these channels (AOVs): alpha, depth, position, normal, albedo, id, object, "
+     "samples, variance, steps, tests; .exr and .npz store all, .png only alpha",
      parse_channels, 0, 0, channels_text},
-    {"background", "COLOR|FOLDER",
-     "What rays see that hit nothing: a name as in white, '#rrggbb', R,G,B where 1 is white; "
-     "transparent, for black that is left out of the picture, with alpha; or the folder of a sky, "
-     "with right, left, top, bottom, front and back as .jpg or .png (default: the scene's; of "
-     "figures the look's)",
+    {output, "background", "COLOR|FOLDER",
+     "Colour behind the scene: a name such as white, '#rrggbb' or R,G,B with 1 for white; or "
+     "transparent, which stores alpha; or a folder with the six pictures of a sky: right, left, "
+     "top, bottom, front and back as .jpg or .png (default: the scene's; for figures the look's)",
      parse_background, 0, 0, background_text},
-    {"exposure", "EV",
+    {output, "exposure", "EV",
      "Multiply the colours of .png and .ppm by 2 to the power of EV; other formats keep the "
-     "numbers "
-     "as computed (default: 0)",
+     "computed values (default: 0)",
      +[](Options& o) -> float& { return o.exposure; }, -100, 100},
-    {"tone", "NAME",
-     "Curve from light to the colours of .png and .ppm: none, the numbers themselves; srgb, the "
-     "curve of displays; or agx, which compresses highlights instead of clipping them (default: "
-     "none; srgb for figures)",
+    {output, "tone", "NAME",
+     "Tone curve of .png and .ppm: none keeps the values, srgb encodes for displays, agx also "
+     "compresses highlights (default: none; srgb for figures)",
      parse_tone, 0, 0, tone_text, kToneNames},
-    {"accel", "NAME",
-     "Acceleration structure: none, grid, bvh, embree, or auto, as the scene says, else bvh "
-     "(default: auto)",
+    {diagnostics, "accel", "NAME",
+     "Acceleration structure: none (brute force), grid, bvh, embree, or auto, which is the "
+     "scene's, else bvh (default: auto)",
      parse_accel, 0, 0, accel_text, kAccelNames},
-    {"grid-factor", "M",
-     "Resolution of the uniform grid: cells per side are M times the cube root of the number of "
-     "primitives (default: 0.3; one cell for up to 32 primitives)",
+    {diagnostics, "grid-factor", "M",
+     "Resolution of the uniform grid: M times the cube root of the number of primitives, in cells "
+     "per side (default: 0.3; one cell for up to 32 primitives)",
      +[](Options& o) -> float& { return o.accel.grid_factor; }, 0.01, 100},
-    {"grid-resolution", "XxYxZ",
-     "Exact number of cells of the uniform grid, instead of `grid-factor`", parse_resolution, 0, 0,
+    {diagnostics, "grid-resolution", "XxYxZ",
+     "Exact number of cells of the uniform grid; replaces `grid-factor`", parse_resolution, 0, 0,
      resolution_text},
-    {"aa", "N",
-     "Antialiasing: N x N jittered cells per pixel; 1 is one ray through the centre "
-     "(default: as the scene says, else 1; figures have 64 samples)",
+    {sampling, "aa", "N",
+     "Antialiasing with N x N jittered samples per pixel; 1 is one ray through the centre "
+     "(default: the scene's, else 1; figures have 64 samples)",
      +[](Options& o) -> int& { return o.aa; }, 1, 256},
-    {"soft-shadows", "", "Render lights as squares facing the point looked at, not as points",
+    {effects, "soft-shadows", "",
+     "Soft shadows; lights become squares that face the point looked at",
      +[](Options& o) -> bool& { return o.soft_shadows; }},
-    {"light-size", "S",
+    {effects, "light-size", "S",
      "Side of the square lights of `soft-shadows`, in scene units (default: a tenth of the light's "
      "distance to the point looked at)",
      +[](Options& o) -> float& { return o.light_size; }, 1e-30, 1e30},
-    {"dof", "",
-     "Depth of field: a thin lens instead of a pinhole (default: if the scene has a lens)",
+    {effects, "dof", "",
+     "Depth of field; a thin lens replaces the pinhole (default: on if the scene has a lens)",
      +[](Options& o) -> std::optional<bool>& { return o.dof; }},
-    {"aperture", "R",
+    {effects, "aperture", "R",
      "Lens radius for `dof`, in scene units (default: the scene's, else a fiftieth of the focus "
      "distance)",
      +[](Options& o) -> float& { return o.aperture; }, 1e-30, 1e30},
-    {"focus", "D",
+    {effects, "focus", "D",
      "Distance to the plane in focus for `dof`, in scene units (default: the scene's, else the "
      "distance to the point looked at)",
      +[](Options& o) -> float& { return o.focus; }, 1e-30, 1e30},
-    {"lens-samples", "K",
+    {sampling, "lens-samples", "K",
      "Rays per cell of a pixel, stratified over the lens and the lights (default: 1)",
      +[](Options& o) -> int& { return o.lens_samples; }, 1, 65536},
-    {"samples", "N",
-     "Samples per pixel, any number, over its whole area (its centre with `aa` 1); implies "
-     "`sampler` sobol and replaces `aa` and `lens-samples`",
+    {sampling, "samples", "N",
+     "N samples per pixel over its whole area (through its centre with `aa` 1); implies `sampler` "
+     "sobol, replaces `aa` and `lens-samples`",
      +[](Options& o) -> int& { return o.samples; }, 1, kMaxSamples},
-    {"sampler", "NAME",
-     "Sampling pattern: jitter, random points in equal cells, or sobol, a scrambled Sobol "
-     "sequence, "
-     "well distributed after any number of samples (default: jitter; sobol with `samples`)",
+    {sampling, "sampler", "NAME",
+     "Sampling pattern: jitter, random points in equal cells; or sobol, a scrambled Sobol "
+     "sequence, well distributed after any number of samples (default: jitter; sobol with "
+     "`samples`)",
      parse_sampler, 0, 0, sampler_text, kSamplerNames},
-    {"depth", "N", "Maximum ray depth; the eye ray is level 1 (default: 5)",
+    {effects, "depth", "N", "Maximum ray depth; the eye ray is level 1 (default: 5)",
      +[](Options& o) -> int& { return o.depth; }, 1, kMaxDepth},
-    {"no-reflection", "", "Trace no reflected rays; highlights of the lights stay",
+    {effects, "no-reflection", "", "Trace no reflected rays; highlights of the lights stay",
      +[](Options& o) -> bool& { return o.no_reflection; }},
-    {"no-refraction", "", "Trace no refracted rays; transparent surfaces become opaque",
+    {effects, "no-refraction", "", "Trace no refracted rays; transparent surfaces become opaque",
      +[](Options& o) -> bool& { return o.no_refraction; }},
-    {"shading", "NAME",
-     "Light at surfaces: nff; or phong or blinn-phong, without ambient light and with that "
-     "highlight (default: nff; blinn-phong for P3F scenes)",
+    {effects, "shading", "NAME",
+     "Shading model: nff; or phong or blinn-phong, which have no ambient light (default: nff; "
+     "blinn-phong for P3F scenes)",
      parse_shading, 0, 0, shading_text, kShadingNames},
-    {"fresnel", "NAME",
-     "Reflected and refracted light where T is above 0: none, by Ks and T; exact, by Fresnel's "
-     "equations; or schlick, by Schlick's approximation (default: none; schlick for P3F scenes)",
+    {effects, "fresnel", "NAME",
+     "Split of light between reflection and refraction where T is above 0: none uses Ks and T, "
+     "exact Fresnel's equations, schlick Schlick's approximation (default: none; schlick for P3F "
+     "scenes)",
      parse_fresnel, 0, 0, fresnel_text, kFresnelNames},
-    {"gloss", "R",
-     "Spread mirrored rays by R, as rough surfaces do: 0 is a perfect mirror, 0.1 a brushed one "
-     "(default: the roughness of each material)",
+    {effects, "gloss", "R",
+     "Roughness of mirrors: 0 is perfect, 0.1 brushed metal (default: each material's)",
      parse_roughness<&Options::gloss>, 0, 0, roughness_text<&Options::gloss>},
-    {"translucency", "R",
-     "Spread refracted rays by R likewise (default: the roughness of each material)",
+    {effects, "translucency", "R",
+     "Roughness of refraction: 0 is clear glass (default: each material's)",
      parse_roughness<&Options::translucency>, 0, 0, roughness_text<&Options::translucency>},
-    {"shutter", "T0,T1",
-     "Open the shutter from time T0 to T1: what moves in the scene is blurred; equal times show "
-     "one moment (default: the whole movement)",
+    {effects, "shutter", "T0,T1",
+     "Motion blur: the shutter is open from time T0 to T1; equal times show one moment (default: "
+     "the whole movement)",
      parse_shutter, 0, 0, shutter_text},
-    {"opacity", "A",
-     "Opacity of all that has none of its own: A is the part of the light from behind that is kept "
-     "back (default: 1)",
+    {figures, "opacity", "A",
+     "Opacity of everything that has none of its own: 0 is invisible, 1 opaque (default: 1)",
      parse_opacity, 0, 0, opacity_text},
-    {"look", "NAME",
-     "How figures of `integrator` ambient look: paper, with a soft light on white; dark; flat, "
-     "without a key light, with outlines; or matte; a number holds its version, as in paper-1 "
-     "(default: paper)",
+    {figures, "look", "NAME",
+     "Look of figures: paper, soft light on white; dark; flat, outlines without a key light; or "
+     "matte; a number fixes the version, as in paper-1 (default: paper)",
      parse_look, 0, 0, look_text, kLooks},
-    {"occlusion-rays", "N",
-     "Rays to the sky from each surface that a sample sees, with `integrator` ambient (default: 2)",
+    {figures, "occlusion-rays", "N",
+     "Rays to the sky from each surface point, with `integrator` ambient (default: 2)",
      +[](Options& o) -> int& { return o.occlusion_rays; }, 1, 4096},
-    {"occlusion-distance", "D",
-     "With `integrator` ambient, hide no sky behind what is farther away than D, in scene units "
-     "(default: any distance)",
+    {figures, "occlusion-distance", "D",
+     "Surfaces farther away than D scene units hide no sky, with `integrator` ambient (default: "
+     "any distance)",
      +[](Options& o) -> float& { return o.occlusion_distance; }, 1e-30, 1e30},
-    {"key-light", "on|off",
-     "Light figures from over the viewer's left shoulder, with soft shadows, with `integrator` "
-     "ambient (default: on)",
+    {figures, "key-light", "on|off",
+     "Light over the viewer's left shoulder, with soft shadows, with `integrator` ambient "
+     "(default: on)",
      parse_key_light, 0, 0, key_light_text, kOnOff},
-    {"outline", "W",
-     "Draw the edges of figures W pixels wide, where depth jumps, faces meet or objects end, with "
-     "`integrator` ambient; 0 for none (default: as the look has it)",
+    {figures, "outline", "W",
+     "Outlines W pixels wide where depth jumps, faces meet or objects end, with `integrator` "
+     "ambient; 0 for none (default: the look's)",
      parse_outline, 0, 0, outline_text},
-    {"depth-cue", "X",
-     "Fade figures into the background with distance, up to the part X of what is farthest, with "
-     "`integrator` ambient (default: as the look has it)",
+    {figures, "depth-cue", "X",
+     "Fade into the background with distance, with `integrator` ambient: the farthest point fades "
+     "by X, from 0 to 1 (default: the look's)",
      parse_depth_cue, 0, 0, depth_cue_text},
-    {"shadow-catcher", "",
-     "Let figures cast their shadows on the background, as if they stood on a floor, with "
-     "`integrator` ambient",
+    {figures, "shadow-catcher", "",
+     "Cast shadows on the background, as on a floor, with `integrator` ambient",
      +[](Options& o) -> bool& { return o.shadow_catcher; }},
-    {"one-sided", "", "Cull back faces of opaque surfaces, as the NFF specification says",
+    {effects, "one-sided", "", "Cull back faces of opaque surfaces, as the NFF specification says",
      +[](Options& o) -> bool& { return o.one_sided; }},
-    {"angle-to-centers", "",
-     "Measure the angle of view between the centres of the outermost pixels, as the NFF "
+    {camera, "angle-to-centers", "",
+     "Measure the field of view between the centres of the outermost pixels, as the NFF "
      "specification says, not between their edges",
      +[](Options& o) -> bool& { return o.angle_to_centers; }},
-    {"threads",
+    {diagnostics,
+     "threads",
      "N",
-     "Number of threads, on which the picture does not depend (default: one per core)",
+     "Number of threads; the picture does not depend on it (default: one per core)",
      +[](Options& o) -> int& { return o.threads; },
      1,
      4096,
      nullptr,
      {},
      false},
-    {"seed", "N", "Seed of the random numbers (default: 0)", parse_seed, 0, 0, seed_text},
-    {"counters",
+    {sampling, "seed", "N", "Seed of the random numbers (default: 0)", parse_seed, 0, 0, seed_text},
+    {diagnostics,
+     "counters",
      "",
-     "Count intersection tests and traversal steps for the statistics, at some cost in time",
+     "Count intersection tests and traversal steps for the statistics; costs some time",
      +[](Options& o) -> bool& { return o.accel.counters; },
      0,
      0,

@@ -2,6 +2,7 @@
 // are made; what it comes to for a scene is integrate/settings.h.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <expected>
 #include <optional>
@@ -113,10 +114,26 @@ RenderOptions options_of(const RenderSettings& settings, const Scene& scene);
 /// Of options that leave nothing open about samples, such as those of options_of().
 int samples_per_pixel(const RenderOptions& options);
 
-/// One option. The value is reached through `value`, or parsed by it where it is not one number.
+/// The sections of the help, in its order.
+enum class OptionGroup : uint8_t {
+  input,
+  output,
+  camera,
+  sampling,
+  effects,
+  figures,
+  long_renders,
+  diagnostics,
+};
+inline constexpr auto kOptionGroups =
+    std::to_array<std::string_view>({"Input", "Output", "Camera", "Sampling", "Effects", "Figures",
+                                     "Long renders", "Speed and diagnostics"});
+
+/// One option. `value` reaches its number or switch, or parses anything else.
 struct OptionSpec {
   using Parse = std::expected<void, std::string> (*)(RenderOptions&, std::string_view);
 
+  OptionGroup group;
   std::string_view name;        // --name on the command line
   std::string_view value_name;  // "N"; empty for a switch
   std::string_view help;        // with the default and the unit; settings as in Error::message
@@ -135,7 +152,7 @@ struct OptionSpec {
   bool is_switch() const { return value_name.empty(); }
 };
 
-/// All options, in the order of the help.
+/// All options, in the order of a command line; the help sorts them by group.
 std::span<const OptionSpec> render_option_table();
 
 /// Sets one option from text ("true" or "false" for a switch). The error (bad_option) says what was

@@ -129,12 +129,12 @@ std::string take_tile(ByteReader& bytes, size_t index, const PartHeader& header,
   const Tile place = film.tile(index);
   const size_t pixels = size_t(place.x1 - place.x0) * size_t(place.y1 - place.y0);
   tile.sums = decode_numbers(bytes.text(), 4 * pixels);
-  if (tile.sums.empty()) return "not as many sums as it has pixels";
+  if (tile.sums.empty()) return "the number of sums differs from that of pixels";
   if (const int planes = film.layout().planes(); planes > 0) {
     tile.planes = decode_numbers(bytes.text(), size_t(planes) * pixels);
-    if (tile.planes.empty()) return "not as many numbers of its channels as it has pixels";
+    if (tile.planes.empty()) return "the number of channel values differs from that of pixels";
   }
-  if (!film.can_hold(index, tile)) return "a sum beyond what its samples can bring";
+  if (!film.can_hold(index, tile)) return "a sum exceeds the bound of its samples";
   film.replace(index, tile);
   return {};
 }
@@ -183,10 +183,10 @@ std::expected<Part, Error> decode_part(std::string_view file) {
         "a part file of format {}, which this version does not read (it reads {}); go on "
         "with it by the version of Raio that wrote it, or render anew",
         format, kFormat));
-  if (bytes.left() < kHashBytes) return broken("it ends early");
+  if (bytes.left() < kHashBytes) return broken("the file is truncated");
   std::string hash;
   put_hash(hash, hash128(file.substr(0, file.size() - kHashBytes)));
-  if (!file.ends_with(hash)) return broken("its bytes are not those that were written");
+  if (!file.ends_with(hash)) return broken("its checksum is wrong");
   bytes = ByteReader(file.substr(0, file.size() - kHashBytes));
   bytes.take(kMagic.size() + sizeof kFormat);
 
@@ -200,13 +200,13 @@ std::expected<Part, Error> decode_part(std::string_view file) {
     const std::string_view key = bytes.text();
     header.settings.emplace_back(key, bytes.text());
   }
-  if (bytes.ended) return broken("it ends early");
+  if (bytes.ended) return broken("the file is truncated");
   const auto options = options_from(header.settings, false);
   if (!options) return broken(options.error().message);
   const Crop frame = options->crop.value_or(Crop{0, 0, options->width, options->height});
   if (width != uint32_t(frame.width()) || height != uint32_t(frame.height()) || width == 0 ||
       options->width == 0)
-    return broken("its size is not that of its settings");
+    return broken("its size differs from its settings");
   if (tile_side == 0 || tile_side % 8 != 0 || tile_side > uint32_t(kMaxTileSide))
     return broken(fmt::format("tiles of {} pixels", tile_side));
   if (!(bound >= Film::kMinBound && bound <= Film::kMaxBound))
@@ -214,7 +214,7 @@ std::expected<Part, Error> decode_part(std::string_view file) {
   if (header.shard >= header.shards) return broken("no such shard");
   // Each tile takes four bytes at least, so that no short file asks for the memory of a large film.
   const uint64_t tiles = uint64_t((width - 1) / tile_side + 1) * ((height - 1) / tile_side + 1);
-  if (tiles > bytes.left() / 4) return broken("it ends early");
+  if (tiles > bytes.left() / 4) return broken("the file is truncated");
   if (auto why = picture_problem(int(width), int(height), options->channels))
     return std::unexpected(std::move(*why));
 
@@ -223,7 +223,7 @@ std::expected<Part, Error> decode_part(std::string_view file) {
   for (size_t t = 0; t < tiles; ++t)
     if (const std::string wrong = take_tile(bytes, t, header, *part.film); !wrong.empty())
       return broken(fmt::format("tile {}: {}", t, wrong));
-  if (bytes.ended || bytes.left() > 0) return broken("it does not end where its tiles do");
+  if (bytes.ended || bytes.left() > 0) return broken("bytes follow its last tile");
   return part;
 }
 

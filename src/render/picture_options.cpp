@@ -84,7 +84,7 @@ std::expected<void, std::string> parse_background(RenderOptions& options, std::s
     return {};
   }
   if (std::error_code ignored; !std::filesystem::is_directory(text, ignored))
-    return std::unexpected(color.error() + "; nor is there a folder of that name, for a sky");
+    return std::unexpected(color.error() + "; and no folder has that name");
   auto sky = read_cube_map(text);
   if (!sky) return std::unexpected(sky.error().text());
   options.background = WrittenColor{.color = {}, .sky = std::move(*sky)};

@@ -79,7 +79,7 @@ std::expected<RenderOptions, Error> options_from(const Metadata& settings, bool 
     return std::unexpected(Error{ErrorKind::bad_input, "", std::move(why)});
   };
   if (setting(settings, "version").empty() || setting(settings, "scene_hash").empty())
-    return refused("it has no settings of Raio's");
+    return refused("it stores no settings of Raio");
   const auto table = render_option_table();
   RenderOptions options;
   for (const auto& [key, text] : settings) {
@@ -94,20 +94,20 @@ std::expected<RenderOptions, Error> options_from(const Metadata& settings, bool 
   }
   if (const auto why = option_conflict(options))
     return refused(
-        fmt::format("its settings do not go together: `{}`: {}", why->subject, why->message));
+        fmt::format("its settings cannot be combined: `{}`: {}", why->subject, why->message));
   return options;
 }
 
 std::string difference(const Metadata& a, const Metadata& b) {
   // What comes from the scene then differs, too.
-  if (setting(a, "scene_hash") != setting(b, "scene_hash")) return "the scene is another";
+  if (setting(a, "scene_hash") != setting(b, "scene_hash")) return "the scene differs";
   std::string out;
   const auto add = [&](const std::string& what) { out += (out.empty() ? "" : "; ") + what; };
   if (const auto in_a = setting(a, "version"), in_b = setting(b, "version"); in_a != in_b)
     add(fmt::format("made by Raio {}, not {}", in_a, in_b));
   // A sky is the same wherever it is kept.
   const auto sky = setting(a, "sky_hash"), other_sky = setting(b, "sky_hash");
-  if (!sky.empty() && !other_sky.empty() && sky != other_sky) add("the sky is another");
+  if (!sky.empty() && !other_sky.empty() && sky != other_sky) add("the sky differs");
   for (const OptionSpec& spec : render_option_table()) {
     if (spec.name == "background" && !sky.empty() && !other_sky.empty()) continue;
     const std::string key = key_of(spec);

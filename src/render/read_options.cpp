@@ -96,72 +96,73 @@ Set set_frame(ReadOptions& o, std::string_view text) {
   return o.frame = *frame, Set();
 }
 
+using enum OptionGroup;
 constexpr ReadOptionSpec kTable[] = {
-    {"style", "NAME",
-     "Draw atoms so: space-filling, ball-and-stick, sticks or points (default: space-filling; "
+    {figures, "style", "NAME",
+     "Atom style: space-filling, ball-and-stick, sticks or points (default: space-filling; "
      "ball-and-stick for up to 300 atoms)",
      [](ReadOptions& o, std::string_view text) {
        return parse_word<AtomStyle>(kStyles, text, o.style);
      },
      [](const ReadOptions& o) { return std::string(o.style ? kStyles[size_t(*o.style)] : ""); },
      kStyles},
-    {"color-by", "NAME",
-     "Colour by element, chain, residue, type, index, bfactor, occupancy or a column of numbers of "
-     "the file (default: element; chain for large assemblies)",
+    {figures, "color-by", "NAME",
+     "Colour by a property: element, chain, residue, type, index, bfactor, occupancy or a numeric "
+     "column of the file (default: element; chain for large assemblies)",
      set_word<&ReadOptions::color_by>, word<&ReadOptions::color_by>},
-    {"colormap", "NAME",
-     "Colours of numbers: viridis, plasma, cividis or coolwarm (default: viridis)",
+    {figures, "colormap", "NAME",
+     "Colour map for numbers: viridis, plasma, cividis or coolwarm (default: viridis)",
      set_word<&ReadOptions::colormap>, word<&ReadOptions::colormap>, kColormaps},
-    {"color-range", "LO,HI",
-     "Numbers that have the first and the last colour of the map (default: the least and the "
-     "largest)",
-     set_range,
+    {figures, "color-range", "LO,HI",
+     "Values at the two ends of the colour map (default: the smallest and the largest)", set_range,
      [](const ReadOptions& o) {
        return o.color_range ? fmt::format("{},{}", (*o.color_range)[0], (*o.color_range)[1])
                             : std::string();
      }},
-    {"radius", "R",
-     "Radius of points that have none, and of atoms that fill their space, in scene units; balls "
-     "between sticks have 0.27 of it (default: half of the points' spacing; the elements' radii)",
+    {figures, "radius", "R",
+     "Radius of points without one and of space-filling atoms, in scene units; ball-and-stick "
+     "takes 0.27 of it (default: half the spacing of points; van der Waals radii of atoms)",
      set_radius,
      [](const ReadOptions& o) { return o.radius > 0 ? fmt::format("{}", o.radius) : ""; }},
-    {"smooth", "DEG",
-     "Let edges of meshes without normals look round that bend by less than DEG degrees; 0 for "
-     "flat faces (default: 40; 0 for glTF, whose rule it is)",
+    {input, "smooth", "DEG",
+     "Smooth the edges of meshes without normals that bend by less than DEG degrees; 0 keeps faces "
+     "flat (default: 40; 0 for glTF, as its specification says)",
      set_smooth, [](const ReadOptions& o) { return o.smooth ? fmt::format("{}", *o.smooth) : ""; }},
-    {"assembly", "N|none",
-     "Biological assembly of a molecule (default: 1 where there is one, for space-filling)",
+    {input, "assembly", "N|none",
+     "Biological assembly of a molecule (default: 1 for space-filling, if the file has one)",
      set_assembly,
      [](const ReadOptions& o) {
        return !o.assembly ? "" : *o.assembly == 0 ? "none" : fmt::format("{}", *o.assembly);
      }},
-    {"atom-style", "NAME",
-     "Style of the atoms of a LAMMPS data file, such as full (default: as its section Atoms has "
-     "it, else by its columns)",
+    {input, "atom-style", "NAME",
+     "Atom style of a LAMMPS data file, such as full (default: from its section Atoms, else from "
+     "its columns)",
      set_word<&ReadOptions::atom_style>, word<&ReadOptions::atom_style>},
-    {"only", "SEL",
-     "Draw these atoms alone: water, hydrogen, ion, ligand, protein, nucleic, element C,N, type "
+    {input, "only", "SEL",
+     "Draw only these atoms: water, hydrogen, ion, ligand, protein, nucleic, element C,N, type "
      "1,3-5, chain A, residue ALA,5-12 or index 0-99, joined by and, or, not and parentheses",
      set_selection<&ReadOptions::only>, word<&ReadOptions::only>},
-    {"hide", "SEL", "Leave these atoms out", set_selection<&ReadOptions::hide>,
+    {input, "hide", "SEL", "Hide these atoms", set_selection<&ReadOptions::hide>,
      word<&ReadOptions::hide>},
-    {"show", "SEL", "Draw these atoms even so, such as water around a protein",
+    {input, "show", "SEL",
+     "Draw these atoms although they are hidden, such as water around a protein",
      set_selection<&ReadOptions::show>, word<&ReadOptions::show>},
-    {"cell", "",
-     "Draw the edges of the cell, with the atoms on its border on all sides where it is small "
-     "(default of pictures of crystals and simulations)",
+    {input, "cell", "",
+     "Draw the edges of the unit cell; in a small one, repeat the atoms on its border on all sides "
+     "(default: on in pictures of crystals and simulations)",
      [](ReadOptions& o, std::string_view text) { return o.cell = text == "true", Set(); },
      [](const ReadOptions& o) {
        return std::string(!o.cell ? "" : *o.cell ? "true" : "false");
      }},
-    {"images", "NA,NB,NC", "Copies of the cell along its sides, such as 2,2,1 (default: 1,1,1)",
-     set_images,
+    {input, "images", "NA,NB,NC",
+     "Repeat the unit cell along its sides, as in 2,2,1 (default: 1,1,1)", set_images,
      [](const ReadOptions& o) {
        const auto& n = o.images;
        return n == ReadOptions().images ? "" : fmt::format("{},{},{}", n[0], n[1], n[2]);
      }},
-    {"frame", "N",
-     "Frame of a trajectory or model of a molecule, from 0; negative from the end (default: 0)",
+    {input, "frame", "N",
+     "Frame of a trajectory or model of a molecule, from 0; negative counts from the end (default: "
+     "0)",
      set_frame, [](const ReadOptions& o) { return o.frame ? fmt::format("{}", o.frame) : ""; }},
 };
 

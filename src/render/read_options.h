@@ -8,11 +8,13 @@
 #include <string_view>
 
 #include "io/read_scene.h"
+#include "render/options.h"
 
 namespace raio {
 
 /// One option of ReadOptions.
 struct ReadOptionSpec {
+  OptionGroup group;
   std::string_view name;        // --name on the command line
   std::string_view value_name;  // "N"; empty for a switch
   std::string_view help;        // with the default and the unit; settings as in Error::message

@@ -25,7 +25,8 @@ std::optional<Error> accel_conflict(const RenderOptions& options) {
   const bool resolution = accel.grid_resolution[0] > 0, factor = accel.grid_factor > 0;
   const bool grid = accel.kind == AccelKind::automatic || accel.kind == AccelKind::grid;
   if (resolution && factor)
-    return bad_option("grid-factor", "has no effect beside `grid-resolution`; give one of them");
+    return bad_option("grid-factor",
+                      "cannot be combined with `grid-resolution`; leave one of them out");
   if ((resolution || factor) && !grid)
     return bad_option(resolution ? "grid-resolution" : "grid-factor",
                       fmt::format("has no effect with `accel` {}; leave one of them out",
@@ -52,7 +53,7 @@ std::optional<Error> sample_conflict(const RenderOptions& options) {
                                   : options.lens_samples > 0 ? "lens-samples"
                                                              : "";
   if (!beside.empty())
-    return bad_option(beside, "has no effect beside `samples`; give one of them");
+    return bad_option(beside, "cannot be combined with `samples`; leave one of them out");
   if (options.sampler == SamplerKind::jitter)
     return bad_option("sampler",
                       "jitter takes `aa` and `lens-samples`, which say its cells; leave out "

@@ -78,12 +78,12 @@ std::vector<SceneWarning> scene_warnings(const Scene& scene, const RenderSetting
     warnings.push_back(
         {SceneWarning::no_light,
          settings.shading == ShadingModel::nff
-             ? "the scene has no light, so that surfaces show the ambient light alone"
+             ? "the scene has no light; surfaces show ambient light only"
              : "the scene has no light, and the model of light no ambient one, so that "
                "surfaces are black"});
   if (settings.camera.is_parallel() && settings.camera.lens_radius.value_or(0) > 0)
     warnings.push_back({SceneWarning::no_lens,
-                        "the scene's lens has no effect on parallel rays, so that all is sharp"});
+                        "the scene's lens has no effect on parallel rays; everything is sharp"});
   if (const size_t count = scene.primitive_count(); scene.structure == AccelHint::none &&
                                                     settings.accel.kind == AccelKind::none &&
                                                     count > kManyPrimitives)

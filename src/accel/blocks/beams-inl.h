@@ -1,7 +1,7 @@
 // Rays that keep together, as a ray group that walks tree or grid, sixteen at a time: a beam, the
 // intervals of their origins and directions, meets what any of them could meet, with one test for
 // all; in the leaves one primitive is tested against the sixteen rays. Included by
-// blocks_tracer-inl.h only, once for each instruction set.
+// blocks/tracer-inl.h only, once for each instruction set.
 //
 // Wald, Boulos and Shirley 2007, "Ray Tracing Deformable Scenes Using Dynamic Bounding Volume
 // Hierarchies", ACM TOG 26(1).

@@ -1,6 +1,6 @@
 // Makes beams of rays that keep together, sixteen rays each: first what a beam's rays have in
 // common, their extents; then, sixteen beams in the lanes, what the walk wants of them. Included by
-// blocks_beams-inl.h only, once for each instruction set.
+// blocks/beams-inl.h only, once for each instruction set.
 // Once for each instruction set, as foreach_target.h passes again.
 #if defined(RAIO_ACCEL_BLOCKS_FORM_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAIO_ACCEL_BLOCKS_FORM_INL_H_
@@ -19,7 +19,7 @@ constexpr size_t kPackets = kChunk / kPacket;
 struct alignas(16) Beam {
   static constexpr uint32_t kMixed = std::size(kShearAxes);  // `axes` where those of rays differ
 
-  float inverse[2][3], offset[2][3];  // see BoxLanes::meet
+  float inverse[2][3], offset[2][3];  // see BoxLanes::intersect
   // The cone around all rays: at a distance of s its radius is start + s * widening.
   float o[3], d[3], start, widening;
   float t;             // of the farthest ray; not positive: all are done

@@ -1,7 +1,7 @@
 // What rays and blocks in SIMD lanes have in common: tags, boxes, and the numbers of blocks as
 // lanes want them. The arithmetic of primitives ends shape/<kind>.h: lane by lane that of the
 // scalar tests, so that hits are those of brute force to the last bit, on every machine. Included
-// by blocks_rays-inl.h only, once for each instruction set, as foreach_target.h passes again.
+// by blocks/rays-inl.h only, once for each instruction set, as foreach_target.h passes again.
 #if defined(RAIO_ACCEL_BLOCKS_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAIO_ACCEL_BLOCKS_LANES_INL_H_
 #undef RAIO_ACCEL_BLOCKS_LANES_INL_H_

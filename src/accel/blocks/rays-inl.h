@@ -1,5 +1,5 @@
 // Rays each on their own, as a ray group that walks tree or grid: one ray against the eight
-// primitives of a block. Included by blocks_tracer-inl.h and the walks only, once for each
+// primitives of a block. Included by blocks/tracer-inl.h and the walks only, once for each
 // instruction set. Once for each instruction set, as foreach_target.h passes again.
 #if defined(RAIO_ACCEL_BLOCKS_RAYS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAIO_ACCEL_BLOCKS_RAYS_INL_H_
@@ -90,7 +90,7 @@ constexpr size_t column_of(size_t offset_of_member) { return offset_of_member / 
 
 // What boxes and spheres want of a ray: one cache line.
 struct alignas(64) StreamRay {
-  float inverse[3], lower[3], upper[3];  // see BoxLanes::meet
+  float inverse[3], lower[3], upper[3];  // see BoxLanes::intersect
   float t;
   float o[3], d[3];
 

@@ -1,5 +1,5 @@
 // A batch of rays through a structure of blocks, be it tree or grid: rays that keep together go as
-// beams, the others each on their own. Included by bvh_trace.cpp and grid_trace.cpp only, once for
+// beams, the others each on their own. Included by bvh/trace.cpp and grid/trace.cpp only, once for
 // each instruction set.
 // Once for each instruction set, as foreach_target.h passes again.
 #if defined(RAIO_ACCEL_BLOCKS_TRACER_INL_H_) == defined(HWY_TARGET_TOGGLE)

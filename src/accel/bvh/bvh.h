@@ -1,6 +1,6 @@
 // Raio's own fastest structure: a tree of boxes, eight children a node, eight primitives a leaf,
 // both laid out so that one SIMD instruction meets all eight. Built by build.cpp, walked by
-// bvh_trace.cpp.
+// bvh/trace.cpp.
 //
 // Wald, Benthin and Boulos 2008, "Getting Rid of Packets: Efficient SIMD Single-Ray Traversal using
 // Multi-branching BVHs", IRT; Dammertz, Hanika and Keller 2008, "Shallow Bounding Volume

@@ -1,7 +1,7 @@
 // The walk of the eight-wide tree that all rays of a batch make together: at each node a list of
 // those that meet it, each tested against the eight boxes. What one ray would wait for (the next
 // node, the outcome of a comparison) the processor finds in the work of the others. Included by
-// bvh_trace.cpp only, once for each instruction set.
+// bvh/trace.cpp only, once for each instruction set.
 //
 // Tsakok 2009, "Faster Incoherent Rays: Multi-BVH Ray Stream Tracing", HPG; Barringer and
 // Akenine-Moeller 2014, "Dynamic Ray Stream Traversal", ACM TOG 33(4).

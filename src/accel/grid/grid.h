@@ -1,7 +1,7 @@
 // The uniform grid: equal cells over the bounds of all primitives, each with the list of those that
-// touch it. grid_build.cpp makes it. With counters it is walked cell by cell, one ray at a time
-// (grid.cpp); else what the cells list is baked into blocks (grid_bake.cpp), through which the rays
-// of a batch are swept (grid_trace.cpp).
+// touch it. grid/build.cpp makes it. With counters it is walked cell by cell, one ray at a time
+// (grid.cpp); else what the cells list is baked into blocks (grid/bake.cpp), through which the rays
+// of a batch are swept (grid/trace.cpp).
 //
 // Fujimoto, Tanaka and Iwata 1986, "ARTS: Accelerated Ray-Tracing System", IEEE CG&A 6(4).
 #pragma once

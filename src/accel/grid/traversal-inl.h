@@ -1,7 +1,7 @@
 // The walk through the cells of a grid: what one of a ray group sweeps, a ray or a beam, is cut
 // into slices one cell thick across its main axis; the lanes work out for eight slices at once
 // which cells of each it may touch. No step waits for the one before. Cells know how far from them
-// the next is that lists anything, and so many slices are skipped. Included by grid_trace.cpp only,
+// the next is that lists anything, and so many slices are skipped. Included by grid/trace.cpp only,
 // once for each instruction set.
 //
 // Wald, Ize, Kensler, Knoll and Parker 2006, "Ray Tracing Animated Scenes using Coherent Grid

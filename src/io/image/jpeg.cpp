@@ -1,4 +1,4 @@
-// JPEG by libjpeg(-turbo). Its errors are jumps, as those of libpng: what may fail is called under
+// JPEG by libjpeg. Its errors are jumps, as those of libpng: what may fail is called under
 // setjmp() and owns nothing.
 #include <fmt/format.h>
 
