@@ -41,7 +41,7 @@ TEST(Lammps, DumpsAreFrames) {
     return error(text, "a.dump");
   };
   EXPECT_THAT(with("ATOMS\n2", "ATOMS\n99"), HasSubstr("expected 99 atoms, found 2"));
-  EXPECT_THAT(with("xs ys zs c_pe", "xs ys c_pe"), HasSubstr("columns of places"));
+  EXPECT_THAT(with("xs ys zs c_pe", "xs ys c_pe"), HasSubstr("position columns"));
   EXPECT_THAT(with("1 1 0.5 0.25", "1 1 0.5 a"),
               HasSubstr("a.dump:10:9: error: expected a coordinate"));
   EXPECT_THAT(with("-1 1\n0 4", "-1 1\n0"), HasSubstr("as many numbers in each line"));
