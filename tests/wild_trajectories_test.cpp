@@ -242,7 +242,7 @@ TEST(LammpsStyles, WrongOnesAreRefused) {
   EXPECT_THAT(error(lammps_text("1 1 1.0 2.0 3.0\n2 1 1 2 3\n"), "a.lmp", {.atom_style = "full"}),
               HasSubstr("a.lmp:11:13: error: expected rows of 7 columns, or of 10"));
   EXPECT_THAT(error(lammps_text("1 1 1.0 2.0 3.0\n2 1 1 2 3\n"), "a.lmp", {.atom_style = "magic"}),
-              HasSubstr("there is no atom-style 'magic'; expected one of angle, atomic"));
+              HasSubstr("unknown atom-style 'magic'; expected one of angle, atomic"));
   EXPECT_THAT(error(lammps_text("1 3 1.0 2.0 3.0\n2 1 1 2 3\n", "# atomic"), "a.lmp"),
               HasSubstr("a.lmp:11:3: error: expected a type"));
   EXPECT_THAT(error(kWater, "a.xyz", {.atom_style = "full"}),
