@@ -139,7 +139,7 @@ TEST(AtomSite, ResiduesAreGatheredAndTheFirstAlternatesTaken) {
                               "chain A\nchain B\nresidue ALA 1\nresidue CYS 2\nresidue GLY 2\n"
                               "residue CYS 1\nresidue A 7\nresidue HOH 7\nbond 3 6\n"));
   EXPECT_THAT(all, HasSubstr("atoms of alternate conformers 1 0 ALA A1\n"));
-  EXPECT_THAT(all, HasSubstr("residues that share the number and place of another 1 0 SER A2\n"));
+  EXPECT_THAT(all, HasSubstr("residues with the number and position of another 1 0 SER A2\n"));
   EXPECT_THAT(seen(file_of(rows(), kAuthLinks)), HasSubstr("residue HOH 7\nbond 3 6\nside"));
 }
 

@@ -197,7 +197,7 @@ TEST(Xyz, FramesAreChosen) {
 
 TEST(Xyz, AtomsAtOnePlaceAreTold) {
   EXPECT_THAT(said("3\n\nC 0 0 0\nO 0 0 1.2\nN 0 0 0\n", "a.xyz", {}),
-              HasSubstr("warning: atoms at the very place of another (1: 3)"));
+              HasSubstr("warning: atoms at the same position as another (1: 3)"));
   EXPECT_EQ(said("2\n\nC 0 0 0\nO 0 0 1.2\n", "a.xyz", {}), "");
 }
 
@@ -392,7 +392,7 @@ TEST(Atoms, CagesOfCarbonShowTheirBonds) {
 TEST(Atoms, FramesThatAreNotDrawnAreTold) {
   const std::string text = "1\n\nC 0 0 0\n1\n\nC 1 0 0\n1\n\nC 2 0 0\n";
   EXPECT_THAT(said(text, "a.xyz", {}),
-              HasSubstr("frames or models behind the first (2); frame gives others"));
+              HasSubstr("frames or models after the first (2); frame selects one"));
   EXPECT_EQ(said(text, "a.xyz", {.frame = 1}), "");
 }
 
@@ -435,7 +435,7 @@ TEST(Pdb, AssembliesCopyTheirChains) {
   EXPECT_EQ(object_of(copied->scene, PoolKind::instance, 1), 2u);
   EXPECT_EQ(object_of(whole->scene, PoolKind::sphere, 3), 2u);
   EXPECT_EQ(copied->scene.camera.from, whole->scene.camera.from);
-  EXPECT_THAT(error(kPdb, "a.pdb", {.assembly = 2}), HasSubstr("no assembly 2; the file has 1"));
+  EXPECT_THAT(error(kPdb, "a.pdb", {.assembly = 2}), HasSubstr("assembly 2 does not exist; the file has 1"));
   EXPECT_THAT(error("1\n\nC 0 0 0\n", "a.xyz", {.assembly = 1}), HasSubstr("has no assemblies"));
   EXPECT_EQ(read(kPdb, "a.pdb")->scene.cones.size(), 2u);  // few atoms: with bonds
 }
@@ -570,14 +570,14 @@ TEST(Atoms, SmallCellsAreComplete) {
   slab.insert(slab.find(" Origin"), " pbc=\"T F T\"");
   EXPECT_EQ(drawn(slab, kForPictures), std::pair(9zu + 8, 12zu));
   EXPECT_THAT(said(slab, "a.xyz", {.cell = std::nullopt, .images = {1, 2, 1}}),
-              HasSubstr("nothing repeats along b"));
+              HasSubstr("the file is not periodic along b"));
   EXPECT_EQ(drawn(atoms + atoms, kForPictures), std::pair(4zu + 8, 12zu));
   // A drop in a box has none, unless it is asked for.
   const std::string drop = "2\nLattice=\"40 0 0 0 50 0 0 0 60\"\nAr 1 2 3\nAr 4 2 3\n";
   EXPECT_EQ(drawn(drop, kForPictures), std::pair(2zu, 0zu));
   EXPECT_EQ(drawn(drop, {.cell = true}), std::pair(2 + 8zu, 12zu));
   const auto got = read(atoms, "a.xyz", kForPictures);
-  EXPECT_EQ(got->notices.back().message, "copies of atoms on the border of the cell");
+  EXPECT_EQ(got->notices.back().message, "images of atoms on the faces of the cell");
 }
 
 // As instances, as primitives and as atoms with bonds between the copies.
@@ -600,7 +600,7 @@ TEST(Atoms, ImagesFillTheirCells) {
   EXPECT_EQ(bonds->scene.spheres[15].center, Vec3f(10.5f, 9, 0));
   EXPECT_THAT(
       error(chain, "a.xyz", {.style = AtomStyle::space_filling, .images = {1000, 1000, 1000}}),
-      HasSubstr("copies of the cell are too many; expected at most 10000000"));
+      HasSubstr("images of the cell are too many; expected at most 10000000"));
   const std::string crystal =
       "CRYST1   10.000   20.000   30.000  90.00  90.00  90.00 P 1           1\n";
   EXPECT_THAT(error(crystal + std::string(kPdb), "a.pdb", {.assembly = 1, .images = {1, 2, 1}}),

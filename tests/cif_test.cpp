@@ -119,7 +119,7 @@ TEST(Cif, OperationsMayHaveDecimals) {
   EXPECT_EQ(atoms("0.6667+z"), "4");
   EXPECT_EQ(atoms("z-0.33"), "4");
   EXPECT_THAT(atoms("z+0.11"), HasSubstr("found 'x,.5+y,z+0.11'"));
-  EXPECT_THAT(atoms("q"), HasSubstr("expected operations of symmetry such as 'x,y,z+1/2'"));
+  EXPECT_THAT(atoms("q"), HasSubstr("expected symmetry operations such as 'x,y,z+1/2'"));
   EXPECT_THAT(atoms("y"), HasSubstr("found 'x,.5+y,y'")) << "a plane";
   std::string text(kSalt);
   const std::string_view number = "_symmetry_space_group_name_H-M 'F m -3 m'\n";
@@ -127,7 +127,7 @@ TEST(Cif, OperationsMayHaveDecimals) {
   const auto told = read(text, "a.cif");
   ASSERT_TRUE(told) << told.error().front().text();
   EXPECT_TRUE(std::ranges::any_of(told->notices, [](const Diagnostic& notice) {
-    return notice.text().contains("are not those of its space group 'F m -3 m'");
+    return notice.text().contains("differ from those of its space group 'F m -3 m'");
   }));
 }
 
@@ -141,7 +141,7 @@ TEST(Cif, AnglesThatAreNotGivenAreRightOnes) {
   EXPECT_LT(length(got->scene.spheres[0].center - Vec3f(0.9f, 1.8f, 2.7f)), 1e-5f);
   EXPECT_TRUE(std::ranges::any_of(got->notices, [](const Diagnostic& notice) {
     return notice.text().contains(
-        "angles of the cell that the file does not give: 90 degrees (2: alpha, beta)");
+        "missing angles of the cell, taken as 90 degrees (2: alpha, beta)");
   }));
 }
 
@@ -204,7 +204,7 @@ TEST(Cif, GroupsHaveSeveralNames) {
   EXPECT_EQ(atoms("_symmetry_space_group_name_H-M 'R -3 m'\n", "57"), "2");
   std::string no_cell(kSalt);
   no_cell.erase(no_cell.find("_cell_length_a"), no_cell.find("_symmetry") - no_cell.find("_cell"));
-  EXPECT_THAT(error(no_cell, "a.cif"), HasSubstr("not the lengths of the cell's sides"));
+  EXPECT_THAT(error(no_cell, "a.cif"), HasSubstr("fractional coordinates without cell lengths"));
 }
 
 // One atom in pairs, beside a loop of the same category, which is no pair.
@@ -228,7 +228,8 @@ TEST(Cif, CellsMayBeOfSizeOne) {
   const auto scene = read(with_sides("2"), "a.cif", {.cell = false});
   ASSERT_TRUE(scene) << scene.error().front().text();
   EXPECT_LT(length(scene->scene.spheres[0].center - Vec3f(0.25f, 1, 0.75f)), 1e-6f);
-  EXPECT_THAT(error(with_sides("?"), "a.cif"), HasSubstr("not the lengths of the cell's sides"));
+  EXPECT_THAT(error(with_sides("?"), "a.cif"),
+              HasSubstr("fractional coordinates without cell lengths"));
 }
 
 TEST(Cif, SitesMustHaveCoordinates) {

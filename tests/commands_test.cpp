@@ -267,8 +267,8 @@ TEST_F(Commands, ConvertKeepsCopiesInRaioScenes) {
   ConvertCommand convert{scene, path("some.raio"), {.style = AtomStyle::space_filling}};
   EXPECT_EQ(run_captured(convert), kDone) << err_;
   EXPECT_EQ(err_, scene +
-                      ": guessed: the biological assembly is meant, of 4 atoms; the file has 3; "
-                      "--assembly none draws these\n" +
+                      ": guessed: the biological assembly of 4 atoms is drawn; the file lists 3; "
+                      "--assembly none draws those\n" +
                       scene + ":11:1: left out: atoms of alternate conformers (1: ALA A1)\n");
   InfoCommand info{.scene = path("some.raio"), .json = true};
   EXPECT_EQ(run_captured(info), kDone) << err_;

@@ -147,7 +147,7 @@ TEST(Disc, IsReadAndWrittenAndItsFaultsAreNamed) {
     return result ? std::string("sound") : result.error()[0].message;
   };
   EXPECT_EQ(error("disc 0 0 0 0 0 0 1\n"),
-            "the normal of the disc is zero, expected the direction it faces");
+            "the normal of the disc is zero, expected the direction that it faces");
   EXPECT_EQ(error("disc 0 0 0 0 0 1 -1\n"), "the radius must be above 0, found -1");
   EXPECT_EQ(error("disc 0 0 0 0 0 1 1 2\n"),
             "the inner radius must be at least 0 and below the radius, 1, found 2");

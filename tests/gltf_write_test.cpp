@@ -403,7 +403,7 @@ TEST(GltfWrite, ManyShapesHaveFewerTriangles) {
   ASSERT_EQ(copies->objects.size(), 2u);
   EXPECT_EQ(copies->surfaces[0].triangles.size(), 100u * 20);
   EXPECT_THAT(write_gltf(spheres(1'000'001), GltfForm::binary).error(),
-              HasSubstr("1000001 of them are more than triangles can stand for"));
+              HasSubstr("1000001 of them are too many to convert to triangles"));
 }
 
 // --- places

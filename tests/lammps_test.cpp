@@ -41,7 +41,7 @@ TEST(Lammps, DumpsAreFrames) {
     return error(text, "a.dump");
   };
   EXPECT_THAT(with("ATOMS\n2", "ATOMS\n99"), HasSubstr("expected 99 atoms, found 2"));
-  EXPECT_THAT(with("xs ys zs c_pe", "xs ys c_pe"), HasSubstr("columns of places"));
+  EXPECT_THAT(with("xs ys zs c_pe", "xs ys c_pe"), HasSubstr("position columns"));
   EXPECT_THAT(with("1 1 0.5 0.25", "1 1 0.5 a"),
               HasSubstr("a.dump:10:9: error: expected a coordinate"));
   EXPECT_THAT(with("-1 1\n0 4", "-1 1\n0"), HasSubstr("as many numbers in each line"));
@@ -68,8 +68,8 @@ TEST(Lammps, RowsBeyondTheHeaderAreTold) {
   EXPECT_EQ(got->scene.spheres.size(), 2u);
   std::string told;
   for (const Diagnostic& notice : got->notices) told += notice.text() + '\n';
-  EXPECT_THAT(told, HasSubstr("rows of Atoms beyond the number of atoms in the header (1: 8)"));
-  EXPECT_THAT(told, HasSubstr("rows of Bonds beyond the number of bonds in the header (1: 2)"));
+  EXPECT_THAT(told, HasSubstr("rows of Atoms beyond the header's number of atoms (1: 8)"));
+  EXPECT_THAT(told, HasSubstr("rows of Bonds beyond the header's number of bonds (1: 2)"));
 }
 
 // Old files of the style spin have a column before x.
@@ -79,7 +79,8 @@ TEST(Lammps, AtomsAtOnePlaceAreTold) {
       "Atoms # spin\n\n7 1 1.72 0.0 0.0 0.0 0.6 -0.8 1.0\n8 1 1.72 0.0 0.0 1.77 0.8 0.6 1.0\n",
       "a.data");
   ASSERT_TRUE(got) << got.error().front().text();
-  EXPECT_THAT(got->notices.back().text(), HasSubstr("atoms at the very place of another (1: 8)"));
+  EXPECT_THAT(got->notices.back().text(),
+              HasSubstr("atoms at the same position as another (1: 8)"));
 }
 
 // LAMMPS does not read the line behind the name of a section.
@@ -122,7 +123,7 @@ TEST(Lammps, DataFilesSayTheirBonds) {
     return error(text, "water.lmp");
   };
   EXPECT_EQ(with("Atoms # full", "Atoms # magic"), "no error") << "the columns are those of full";
-  EXPECT_THAT(with("1 7 8", "1 7 6"), HasSubstr("a bond names atom 6"));
+  EXPECT_THAT(with("1 7 8", "1 7 6"), HasSubstr("a bond refers to atom 6"));
   EXPECT_THAT(with("3 atoms", "3000 atoms"), HasSubstr("expected 3000 atoms"));
   EXPECT_THAT(with("9 1 2 0.4 2 1 1", "9 1 2 0.4 2 1 z"), HasSubstr("water.lmp:18:15: error"));
 }

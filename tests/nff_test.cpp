@@ -406,8 +406,8 @@ TEST(NffPieces, TheHeadMayBeAnywhere) {
   EXPECT_EQ(result->scene.lights.size(), 1u);
   ASSERT_EQ(result->notices.size(), 3u);
   EXPECT_THAT(result->notices[0].message, HasSubstr("an object before any f"));
-  EXPECT_THAT(result->notices[1].message, HasSubstr("v after objects"));
-  EXPECT_THAT(result->notices[2].message, HasSubstr("a light after objects"));
+  EXPECT_THAT(result->notices[1].message, HasSubstr("v follows objects"));
+  EXPECT_THAT(result->notices[2].message, HasSubstr("a light follows objects"));
 }
 
 TEST(NffPieces, LargeFilesAreReadAsTheyAre) {

@@ -404,7 +404,7 @@ TEST_F(FarFiles, AtomsAtOnePlaceAreNamed) {
       "ATOM      2  CB  ALA A   1       1.000   1.000   2.000  1.00  0.00           C\n"
       "ATOM      3  OG  SER B   7       1.000   1.000   2.000  1.00  0.00           O\n");
   EXPECT_THAT(raio({"info", file("same.pdb").string()}).err,
-              HasSubstr("atoms at the very place of another (2: CB ALA A1, OG SER B7)"));
+              HasSubstr("atoms at the same position as another (2: CB ALA A1, OG SER B7)"));
 }
 
 // A file that asks for brute force, with so many spheres.

@@ -179,7 +179,7 @@ TEST(Select, TypesByTheNamesThatLammpsGivesThem) {
   EXPECT_THAT(error(named, "a.lmp", {.only = "type feet"}),
               HasSubstr("only names type feet; the file has head, tail"));
   EXPECT_THAT(error(text + rows, "a.lmp", {.only = "type head"}),
-              HasSubstr("only needs names of types, which the file does not have"));
+              HasSubstr("only needs names of types, but the file has none"));
   const auto got = read(named, "a.lmp", {.only = "type tail"});
   ASSERT_TRUE(got && got->legend.size() == 1);
   EXPECT_EQ(got->legend[0].name, "tail");
@@ -197,7 +197,7 @@ TEST(Select, WhatAFileDoesNotHave) {
     return error(text, name, {.only = selection});
   };
   EXPECT_THAT(wrong(kWater, "a.xyz", "water"),
-              HasSubstr("only needs names of residues, which the file does not have"));
+              HasSubstr("only needs names of residues, but the file has none"));
   EXPECT_THAT(wrong(kWater, "a.xyz", "chain A"), HasSubstr("only needs chains"));
   EXPECT_THAT(wrong(kWater, "a.xyz", "residue 1"), HasSubstr("only needs residues"));
   EXPECT_THAT(wrong(pdb(), "a.pdb", "type 1"), HasSubstr("only needs types"));
@@ -221,7 +221,7 @@ TEST(Select, WhatCannotBeRead) {
             "column 9: expected the symbol of an element, found 'Xx'");
   EXPECT_EQ(selection_problem("index A"),
             "column 7: expected a number or a range such as 1-5, found 'A'");
-  EXPECT_THAT(selection_problem("index 5-1"), HasSubstr("from the lower to the higher number"));
+  EXPECT_THAT(selection_problem("index 5-1"), HasSubstr("that begins with its lower number"));
   EXPECT_THAT(selection_problem(std::string(5000, '(')), HasSubstr("fewer parentheses"));
   EXPECT_THAT(selection_problem("index 99999999999"), HasSubstr("expected a number"));
 }

@@ -36,11 +36,11 @@ TEST(WildMeshes, AreReadAsTheirOwnersExpect) {
   const std::tuple<const char*, size_t, const char*> cases[] = {
       {"obj-tr-one.obj", 1, "Tr is 1"},
       {"obj-kd-zero.obj", 1, "Kd is 0 0 0 (1: m)"},
-      {"obj-trailing-slash.obj", 2, "corners of faces that end with"},
+      {"obj-trailing-slash.obj", 2, "face vertices that end with"},
       {"obj-normals-after.obj", 1, ""},
       {"obj-nan.obj", 1, "vertices that have no finite place (1)"},
       {"obj-nan-normal.obj", 2, "normals that are not finite (1)"},
-      {"obj-degenerate.obj", 2, "no triangle has an area"},
+      {"obj-degenerate.obj", 2, "all triangles have zero area"},
       {"obj-utm.obj", 12, ""},
       {"obj-backslash.obj", 1, ""},
       {"obj-concave-closed.obj", 5, ""},
@@ -108,9 +108,9 @@ TEST(WildMeshes, FacesMayNameWhatTheFileHasNot) {
   const auto got = read("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1/7 2/1/7 3/1/7\n", "a.obj");
   ASSERT_TRUE(got);
   EXPECT_EQ(triangles(*got), 1u);
-  EXPECT_THAT(told(*got), HasSubstr("texture coordinates that corners of faces name and the file "
-                                    "has not (3)"));
-  EXPECT_THAT(told(*got), HasSubstr("normals that corners of faces name"));
+  EXPECT_THAT(told(*got),
+              HasSubstr("texture coordinates that faces refer to and the file does not have (3)"));
+  EXPECT_THAT(told(*got), HasSubstr("normals that faces refer to"));
 }
 
 TEST(WildMeshes, PlacesFarFromZeroKeepTheirDigits) {
@@ -159,7 +159,7 @@ TEST(WildMeshes, StlMayHaveSpareBytes) {
   const auto got = read(stl, "a.stl");
   ASSERT_TRUE(got);
   EXPECT_EQ(triangles(*got), 2u);
-  EXPECT_THAT(told(*got), HasSubstr("1 bytes behind its 2 triangles"));
+  EXPECT_THAT(told(*got), HasSubstr("1 bytes after its 2 triangles"));
 }
 
 TEST(WildMeshes, AreaLightsOfStudentsAreNamed) {

@@ -155,9 +155,10 @@ TEST_F(WildMolecule, Cif) {
   EXPECT_THAT(see_file("cif-no-symmetry.cif").notices, HasSubstr("guessed: no symmetry"));
   EXPECT_EQ(see_file("cif-duplicate-tag.cif").elements, "C");
   EXPECT_THAT(see_file("cif-duplicate-tag.cif").notices,
-              HasSubstr("duplicate-tag.cif:3:1: warning: tags or names of blocks given twice"));
+              HasSubstr("duplicate-tag.cif:3:1: warning: duplicate tags or block names"));
   EXPECT_EQ(see_file("cif-nonascii-comment.cif").elements, "C");
-  EXPECT_THAT(see_file("cif-nonascii-comment.cif").notices, HasSubstr("letters beyond ASCII"));
+  EXPECT_THAT(see_file("cif-nonascii-comment.cif").notices,
+              HasSubstr("unquoted non-ASCII letters"));
 }
 
 std::string pdb_atom(std::string_view serial, std::string_view name, std::string_view residue,
@@ -172,11 +173,11 @@ TEST(PdbText, WaterAtTheLeftEdge) {
                            pdb_atom("3", "CA", " LIG", "2", 5) + pdb_atom("4", "ZN", " ZN", "3", 9);
   EXPECT_EQ(see(text, "a.pdb").elements, "O H C Zn");
   EXPECT_EQ(see(pdb_atom("1", "QX", " LIG", "2", 5), "a.pdb").notices,
-            "a.pdb:1:1: warning: atoms whose names say no element (1: QX)\n");
+            "a.pdb:1:1: warning: atoms with names that do not determine an element (1: QX)\n");
   EXPECT_EQ(see(pdb_atom("1", "X", " SYS", "1", 0, "X") + pdb_atom("2", "UNK", " UNX", "2", 9, "X"),
                 "a.pdb")
                 .notices,
-            "a.pdb:1:1: warning: atoms whose names say no element (2: X, UNK)\n");
+            "a.pdb:1:1: warning: atoms with names that do not determine an element (2: X, UNK)\n");
 }
 
 TEST(PdbText, ElementsByTheRulesOfPdb) {
@@ -200,7 +201,7 @@ TEST(PdbText, ModelsWithoutEnds) {
   EXPECT_THAT(got.places, ElementsAre(Vec3f(2, 0, 0)));
   EXPECT_EQ(see("MODEL        1\nENDMDL\nMODEL        2\n" + atom + "ENDMDL\n", "a.pdb").notices,
             "a.pdb: error: frame 0 has no atoms; the file has 2 frames");
-  EXPECT_THAT(see("HEADER    nothing\nEND\n", "a.pdb").notices, HasSubstr("no atoms in this file"));
+  EXPECT_THAT(see("HEADER    nothing\nEND\n", "a.pdb").notices, HasSubstr("the file has no atoms"));
 }
 
 TEST(PdbText, NumbersInHexadecimal) {
@@ -208,7 +209,7 @@ TEST(PdbText, NumbersInHexadecimal) {
       pdb_atom("1869f", " C", " UNL", "1", 0, "C") + pdb_atom("186a0", " C", " UNL", "1", 5, "C");
   EXPECT_EQ(see(text + "CONECT1869f186a0\n", "a.pdb").bonds, 1u);
   EXPECT_THAT(see(text + "CONECT1869f    7\n", "a.pdb").notices,
-              HasSubstr("bonds of CONECT to atoms that are not there (1)"));
+              HasSubstr("CONECT bonds to atoms that do not exist (1)"));
 }
 
 TEST(PdbText, SecondResiduesAtOneNumber) {
@@ -218,7 +219,7 @@ TEST(PdbText, SecondResiduesAtOneNumber) {
   const Seen got = see(microhet, "a.pdb");
   EXPECT_EQ(got.elements, "C O");
   EXPECT_THAT(got.notices,
-              HasSubstr("residues that share the number and place of another (1: PRO A22)"));
+              HasSubstr("residues with the number and position of another (1: PRO A22)"));
   // Numbers that all are alike say nothing.
   std::string alike = microhet;
   alike.replace(alike.rfind("   0.200"), 8, "   9.000");
@@ -227,14 +228,14 @@ TEST(PdbText, SecondResiduesAtOneNumber) {
       see(pdb_atom("1", " C", " UNL", "1", 0, "C") + pdb_atom("2", " C", " UNL", "2", 0, "C"),
           "a.pdb")
           .notices,
-      HasSubstr("warning: atoms at the very place of another (1: C UNL A2)"));
+      HasSubstr("warning: atoms at the same position as another (1: C UNL A2)"));
 }
 
 TEST(PdbText, ShiftedColumnsAreRefused) {
   std::string text = pdb_atom("1", " C", " UNL", "1", -0.169, "C");
   text.insert(26, "   ");
   EXPECT_THAT(see(text, "a.pdb").notices,
-              HasSubstr("a.pdb:1:36: error: expected a coordinate that fits the columns 31 to 38"));
+              HasSubstr("a.pdb:1:36: error: expected a coordinate within columns 31 to 38"));
   std::string blank = pdb_atom("1", " C", " UNL", "1", 12.345, "C");
   blank.replace(32, 6, "12 345");
   EXPECT_THAT(see(blank, "a.pdb").notices, HasSubstr("a.pdb:1:33: error: expected a coordinate"));
@@ -242,9 +243,9 @@ TEST(PdbText, ShiftedColumnsAreRefused) {
   stars.replace(30, 8, "********");
   const Seen got = see(pdb_atom("1", " C", " UNL", "1", 1, "C") + stars, "a.pdb");
   EXPECT_EQ(got.elements, "C");
-  EXPECT_THAT(got.notices, HasSubstr("atoms whose coordinates are no numbers (1: C)"));
+  EXPECT_THAT(got.notices, HasSubstr("atoms with coordinates that are not numbers (1: C)"));
   EXPECT_THAT(see(stars.substr(0, 50), "a.pdb").notices,
-              HasSubstr("expected three coordinates in the columns 31 to 54, found the end"));
+              HasSubstr("expected three coordinates in columns 31 to 54, found the end"));
 }
 
 TEST(PdbText, ScaleMayDisagree) {
@@ -257,7 +258,7 @@ TEST(PdbText, ScaleMayDisagree) {
   const std::string atom = pdb_atom("1", " C", " UNL", "1", 1, "C");
   EXPECT_THAT(see(cell + atom, "a.pdb").notices, IsEmpty());
   const Seen got = see(cell + scale + atom, "a.pdb", {.images = {2, 1, 1}});
-  EXPECT_THAT(got.notices, HasSubstr("SCALE disagree with CRYST1"));
+  EXPECT_THAT(got.notices, HasSubstr("SCALE records disagree with CRYST1"));
   EXPECT_FLOAT_EQ(got.places[1].x, 21);
 }
 
@@ -271,7 +272,7 @@ TEST(PqrText, ChainsAndColumns) {
   EXPECT_TRUE(parse_scene(text, "a.pqr", {.color_by = "charge"}));
   EXPECT_TRUE(parse_scene(text, "a.pqr", {.color_by = "chain"}));
   EXPECT_THAT(see("ATOM 1 N ALA A 1 1.0 2.0\n", "a.pqr").notices,
-              HasSubstr("a.pqr:1:1: error: expected a line of PQR"));
+              HasSubstr("a.pqr:1:1: error: expected a PQR line"));
 }
 
 constexpr std::string_view kSmallCell =
@@ -286,13 +287,13 @@ TEST(CifText, LabelsStandForSymbols) {
                            "Hw ? 0.5 0.5 0 .\nOc ? 0.5 0 0.5 .\nC9 C 0.1 0.1 0.1 2\n",
                        "a.cif");
   EXPECT_EQ(got.elements, "S P O O H O") << got.notices;
-  EXPECT_THAT(got.notices, HasSubstr("groups of a disorder (1: C9)"));
+  EXPECT_THAT(got.notices, HasSubstr("disorder groups (1: C9)"));
 }
 
 TEST(CifText, WhatAFileIs) {
   EXPECT_THAT(see("data_r\nloop_\n_refln_index_h\n_refln_index_k\n1 2\n", "a.cif").notices,
-              HasSubstr("holds reflections, but no atoms"));
-  EXPECT_THAT(see("data_r\n_struct.title x\n", "a.cif").notices, HasSubstr("holds no atoms"));
+              HasSubstr("has reflections but no atoms"));
+  EXPECT_THAT(see("data_r\n_struct.title x\n", "a.cif").notices, HasSubstr("has no atoms"));
   EXPECT_THAT(see("data_r\nloop_\n_a\n'x\n", "a.cif").notices, HasSubstr("a.cif:4:"));
 }
 

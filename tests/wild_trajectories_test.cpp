@@ -79,7 +79,7 @@ class WildTrajectory : public testing::Test {
 TEST_F(WildTrajectory, DataFiles) {
   const auto charge = get("data-charge-no-style.lmp");
   EXPECT_EQ(atoms_of(charge).substr(1), " 1 2 3; ? 4 5 6; ");
-  EXPECT_THAT(notices_of(charge), HasSubstr("style of the atoms by their columns: charge"));
+  EXPECT_THAT(notices_of(charge), HasSubstr("atom style from the columns: charge"));
   EXPECT_EQ(atoms("data-comments.lmp"), "C 1 2 3; C 4 5 6; ");
   const auto electron = get("data-electron-no-style.lmp");
   EXPECT_EQ(atoms_of(electron).substr(1), " 1 2 3.5; ? 4 5 6.5; ");
@@ -115,15 +115,16 @@ TEST_F(WildTrajectory, Xyz) {
   EXPECT_EQ(atoms("xyz-indent-trailing.xyz"), "C 0 0 0; O 1.2 0 0; ");
   const auto isotopes = get("xyz-isotopes-dummies.xyz");
   EXPECT_THAT(atoms_of(isotopes), HasSubstr("H 0 0 0; H 2 0 0; ? 4 0 0; "));
-  EXPECT_THAT(notices_of(isotopes), HasSubstr("labels that are no elements (4: X, Xx, Du, Bq)"));
+  EXPECT_THAT(notices_of(isotopes), HasSubstr("labels that are not elements (4: X, Xx, Du, Bq)"));
   EXPECT_THAT(atoms("xyz-lattice-only.xyz"), HasSubstr("O 0.07 0 0; H "));
   EXPECT_EQ(cell("xyz-lattice-only.xyz"), "10 0 0; 0 10 0; 0 0 10; ");
   EXPECT_EQ(atoms("xyz-numbers.xyz"), "O 0 0 0; H 0.96 0 0; H -0.24 0.93 0; ");
   EXPECT_EQ(atoms("xyz-tabs-crlf-noeol.xyz"), "C 0 -3e-06 0; O 1.2 0 0; ");
   const auto cut = get("xyz-truncated-last.xyz", {.frame = -1});
   EXPECT_EQ(atoms_of(cut), "C 0 0 0; O 1.2 0 0; ");
-  EXPECT_THAT(notices_of(cut), HasSubstr(":5:1: cut: the last frame is left out: the file ends "
-                                         "behind 1 of its 2 atoms"));
+  EXPECT_THAT(
+      notices_of(cut),
+      HasSubstr(":5:1: cut: the last frame is left out: the file ends after 1 of its 2 atoms"));
   EXPECT_EQ(cell("extxyz-lattice-brackets.xyz"), "4 0 0; 0 4 0; 0 0 4; ");
   EXPECT_EQ(atoms("extxyz-lower.xyz"), "C 0 0 0; O 1.2 0 0; ");
   EXPECT_EQ(cell("extxyz-lower.xyz"), "4 0 0; 0 4 0; 0 0 4; ");
@@ -136,7 +137,7 @@ TEST_F(WildTrajectory, Gro) {
   EXPECT_EQ(atoms_of(elements),
             "Na 0 0 0; Cl 4 0 0; Ca 8 0 0; C 12 0 0; Mg 16 0 0; Zn 20 0 0; H 24 0 0; H 28 0 0; O "
             "32 0 0; ? 36 0 0; ");
-  EXPECT_THAT(notices_of(elements), HasSubstr("names of atoms that are no elements (1: MW)"));
+  EXPECT_THAT(notices_of(elements), HasSubstr("atom names that are not elements (1: MW)"));
   EXPECT_EQ(atoms("gro-precision.gro"), "O 1.23457 2 3; ");
   EXPECT_EQ(atoms("gro-six-digits.gro"), "O 102.21 106.29 101.22; H 101.28 106.27 101.59; ");
   EXPECT_EQ(atoms("gro-wrap.gro"), "W 1 2 3; W 4 5 6; W 7 8 9; ");
@@ -230,7 +231,7 @@ TEST(LammpsStyles, AreGuessedByColumns) {
   // A full one without charges, or one of the styles with flags and densities.
   const std::string several = lammps_text("1 1 1 0.8 2.0 3.0 1.0\n2 1 1 0.4 5.0 6.0 1.0\n");
   EXPECT_THAT(error(several, "a.lmp"),
-              HasSubstr("a.lmp:9:1: error: the style of the atoms is not known, and several fit: "
+              HasSubstr("a.lmp:9:1: error: the atom style is not given, and several match: "
                         "full, rheo; give atom-style"));
   EXPECT_EQ(atoms_of(several, "a.lmp", {.atom_style = "full"}).substr(1), " 2 3 1; ? 5 6 1; ");
   EXPECT_THAT(error(lammps_text("1 1 2.0\n2 1 3.0\n"), "a.lmp"),
@@ -241,7 +242,7 @@ TEST(LammpsStyles, WrongOnesAreRefused) {
   EXPECT_THAT(error(lammps_text("1 1 1.0 2.0 3.0\n2 1 1 2 3\n"), "a.lmp", {.atom_style = "full"}),
               HasSubstr("a.lmp:11:13: error: expected rows of 7 columns, or of 10"));
   EXPECT_THAT(error(lammps_text("1 1 1.0 2.0 3.0\n2 1 1 2 3\n"), "a.lmp", {.atom_style = "magic"}),
-              HasSubstr("there is no atom-style 'magic'; expected one of angle, atomic"));
+              HasSubstr("unknown atom-style 'magic'; expected one of angle, atomic"));
   EXPECT_THAT(error(lammps_text("1 3 1.0 2.0 3.0\n2 1 1 2 3\n", "# atomic"), "a.lmp"),
               HasSubstr("a.lmp:11:3: error: expected a type"));
   EXPECT_THAT(error(kWater, "a.xyz", {.atom_style = "full"}),
@@ -260,7 +261,7 @@ TEST(LammpsMasses, OfModelsAreNoElements) {
         << model;
     EXPECT_EQ(got->scene.materials[got->scene.sphere_materials[1]].color, distinct_color(1))
         << model;
-    EXPECT_THAT(notices_of(got), HasSubstr("guessed: the masses are not those of elements"));
+    EXPECT_THAT(notices_of(got), HasSubstr("guessed: masses do not match elements"));
   }
   const auto real = parse_scene(masses("1 12.011\n2 1.008\n"), "a.lmp");
   EXPECT_EQ(atoms_of(real), "C 1 2 3; H 4 5 6; ");
@@ -276,10 +277,11 @@ TEST(WildXyz, LabelsBeginWithTheirElements) {
       "6\n\nC1 0 0 0\nH12 9 0 0\nC_3 18 0 0\nFe3+ 27 0 0\ncl 36 0 0\nBB 45 0 0\n";
   const auto got = parse_scene(text, "a.xyz");
   EXPECT_EQ(atoms_of(got), "C 0 0 0; H 9 0 0; C 18 0 0; Fe 27 0 0; Cl 36 0 0; ? 45 0 0; ");
-  EXPECT_THAT(notices_of(got), HasSubstr("a.xyz:3:1: guessed: elements from the letters of labels "
-                                         "(4: C1, H12, C_3, Fe3+)"));
   EXPECT_THAT(notices_of(got),
-              HasSubstr("a.xyz:8:1: warning: labels that are no elements (1: BB)"));
+              HasSubstr("a.xyz:3:1: guessed: elements from the leading letters of labels "
+                        "(4: C1, H12, C_3, Fe3+)"));
+  EXPECT_THAT(notices_of(got),
+              HasSubstr("a.xyz:8:1: warning: labels that are not elements (1: BB)"));
   EXPECT_EQ(notices_of(kWater, "a.xyz"), "");
 }
 
@@ -290,7 +292,7 @@ TEST(WildXyz, ByteOrderMarksAreNoLetters) {
 }
 
 TEST(WildXyz, OthersOfItsSuffixAreNamed) {
-  EXPECT_THAT(error("0 1.5 2\n1 2 3\n", "a.xyz"), HasSubstr("these are points"));
+  EXPECT_THAT(error("0 1.5 2\n1 2 3\n", "a.xyz"), HasSubstr("these lines are points"));
   EXPECT_THAT(error("2 water\n1 O 0 0 0 1 2\n2 H 1 0 0 2 1\n", "a.xyz"), HasSubstr("Tinker"));
   EXPECT_THAT(error("1\n10 10 10 90 90 90\n1 O 0 0 0 1\n", "a.xyz"), HasSubstr("Tinker"));
 }
@@ -308,7 +310,7 @@ TEST(WildDumps, LastFramesMayBeCut) {
     EXPECT_THAT(notices_of(got), HasSubstr("cut: the last frame is left out")) << size;
   }
   EXPECT_THAT(notices_of(more + more.substr(0, more.rfind("2 2 1")), "a.dump"),
-              HasSubstr("a.dump:12:1: cut: the last frame is left out: the file ends behind 1 of "
+              HasSubstr("a.dump:12:1: cut: the last frame is left out: the file ends after 1 of "
                         "its 2 atoms"));
   EXPECT_THAT(error(more.substr(0, more.rfind("2 2 1")), "a.dump"),
               HasSubstr("expected 2 atoms, found 1"));

@@ -14,10 +14,10 @@
 namespace raio {
 namespace {
 
-// So large chains are told apart by colour in assemblies of so many atoms.
+// Assemblies of this many atoms are coloured by chain if they have large chains.
 constexpr size_t kManyAtoms = 5000, kLargeChain = 500;
 
-// Several large chains, which colours of elements would hide, seen from outside.
+// Whether the atoms have several large chains, seen from outside, which element colours would hide.
 bool is_assembly(const Atoms& atoms, AtomStyle style) {
   if (style != AtomStyle::space_filling || atoms.chains.size() < 2 ||
       atoms.atoms.size() < kManyAtoms)
@@ -31,13 +31,13 @@ bool is_assembly(const Atoms& atoms, AtomStyle style) {
     ++size.atoms;
     size.residues += i == 0 || atoms.atoms[i - 1].residue != atoms.atoms[i].residue;
   }
-  // Residues of water and ions are smaller than those of polymers.
+  // Residues of water and ions have fewer atoms than those of polymers.
   return std::ranges::count_if(sizes, [](const Size& s) {
            return s.atoms >= kLargeChain && s.atoms >= 4 * s.residues;
          }) > 1;
 }
 
-// What colours may be asked of.
+// The values that `color_by` may take.
 std::vector<std::string> what_there_is(const Atoms& atoms, bool has_types) {
   std::vector<std::string> out = {"element", "index"};
   if (!atoms.chains.empty()) out.push_back("chain");
@@ -49,7 +49,7 @@ std::vector<std::string> what_there_is(const Atoms& atoms, bool has_types) {
   return out;
 }
 
-// What a colour map makes colours of; nothing: there is no such thing.
+// The numbers that a colour map shows; empty if there are none of this name.
 std::vector<float> numbers_of(const Atoms& atoms, std::string_view by) {
   const bool known = by == "index" || (by == "bfactor" && atoms.has_b_factors) ||
                      (by == "occupancy" && atoms.has_occupancies);
@@ -68,7 +68,7 @@ std::string name_of_type(const Atoms& atoms, size_t number) {
   return fmt::format("type {}", number);
 }
 
-// The legend: each name that an atom has, in order, with its colour. There are too many residues.
+// The legend: each name in use, in order, with its colour. There are too many residues for one.
 std::vector<LegendEntry> legend_of(const Atoms& atoms, std::string_view by, Rgb (*color)(uint8_t)) {
   std::vector<LegendEntry> out;
   if (by == "residue") return out;
@@ -115,7 +115,7 @@ std::expected<std::vector<MaterialId>, std::string> color_atoms(const Atoms& ato
                          : has_types && !any_element(atoms) ? "type"
                          : is_assembly(atoms, style)        ? "chain"
                                                             : "element";
-  // One of a few colours, as the table below has room for.
+  // Picks one of the few colours of the table below.
   uint8_t (*which)(const Atom&) = nullptr;
   Rgb (*color)(uint8_t) = [](uint8_t n) { return distinct_color(n); };
   if (by == "element") {
@@ -150,7 +150,7 @@ std::expected<std::vector<MaterialId>, std::string> color_atoms(const Atoms& ato
     to.legend = legend_of(atoms, by, color);
     return out;
   }
-  // Maps have 256 colours, so as many materials do.
+  // Maps have 256 colours, so 256 materials suffice.
   const auto mapped = map_colors(numbers, options.colormap, options.color_range);
   if (!mapped) return std::unexpected(mapped.error());
   for (size_t i = 0; i < out.size(); ++i) out[i] = materials.of(mapped->colors[i]);

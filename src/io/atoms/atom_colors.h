@@ -1,4 +1,4 @@
-// The colours of atoms, by what `color_by` of ReadOptions names.
+// Colours of atoms, chosen by `color_by` of ReadOptions.
 #pragma once
 
 #include <expected>
@@ -10,8 +10,8 @@
 
 namespace raio {
 
-/// The materials of the atoms, of which there is at least one; adds them to the scene, with their
-/// legend or the scale of their numbers. The error says what the file does not have.
+/// The material of each atom, at least one; adds them to the scene, with the legend or the colour
+/// scale. The error says what the file does not have.
 std::expected<std::vector<MaterialId>, std::string> color_atoms(const Atoms& atoms,
                                                                 const ReadOptions& options,
                                                                 AtomStyle style, ReadScene& to);

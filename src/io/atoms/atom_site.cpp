@@ -13,7 +13,7 @@ namespace {
 
 using namespace cif;
 
-// What residues of one chain are told apart by.
+// Identifies a residue within a chain.
 struct ResidueKey {
   std::string_view name;
   gemmi::SeqId number;
@@ -26,7 +26,7 @@ struct HashOfKey {
   }
 };
 
-// What gemmi reads of a row, by its name there.
+// The columns that gemmi reads, by its names.
 constexpr std::pair<SiteColumn, const char*> kSample[] = {
     {SiteColumn::id, "id"},
     {SiteColumn::symbol, "type_symbol"},
@@ -64,7 +64,8 @@ void AtomSite::tell_of_parts(Notices& notices) const {
     for (const Part& part : parts_)
       for (const auto& [column, value] : part.too_large)
         if (column == of) dropped.add(value);
-  dropped.tell(notices, Severity::left_out, "serials, residue numbers and charges beyond 32 bits");
+  dropped.tell(notices, Severity::left_out,
+               "serials, residue numbers and charges that do not fit in 32 bits");
 }
 
 void AtomSite::group(Notices& notices) {
@@ -76,7 +77,7 @@ void AtomSite::group(Notices& notices) {
       runs_.back().begin = part.rows.data() + part.runs[i].first;
       runs_.back().end = part.rows.data() + end;
     }
-  // The residues since the chain last changed; their rows may be apart.
+  // The residues since the chain last changed; their rows need not be contiguous.
   std::unordered_map<ResidueKey, size_t, HashOfKey> known;
   size_t chain = 0, model = 0;
   for (size_t i = 0; i < runs_.size(); ++i) {
@@ -106,7 +107,7 @@ std::vector<std::string> AtomSite::sample_tags() {
 
 std::vector<std::string> AtomSite::sample(bool of_residues) const {
   std::vector<std::string> out;
-  // gemmi reads the label's number of the first row of a residue alone.
+  // gemmi reads the label number of a residue from its first row only.
   const auto add = [&](const SiteRow& row, bool begins_residue) {
     SiteValues values = values_of(row);
     drop_large_numbers(values, [](SiteColumn, std::string_view) {});
@@ -156,7 +157,7 @@ void AtomSite::add_atoms(const Residue& residue, uint32_t chain, uint32_t part, 
                          Atoms& out) {
   bool has_conformers = false;
   for_rows(residue, [&](const SiteRow& row) { has_conformers |= row.conformer != 0; });
-  // By names. Other atoms may share one: some programs name them by their elements.
+  // By name, since some programs name several atoms by their element alone.
   std::map<std::string_view, char> chosen;
   for_rows(residue, [&](const SiteRow& row) {
     if (has_conformers) {
@@ -187,7 +188,7 @@ std::vector<uint32_t> AtomSite::fill(size_t model, Names& parts,
                                      const std::vector<gemmi::AtomAddress>& ends, Atoms& out) {
   Names chains(out.chains);
   std::vector<uint32_t> atoms_of_ends(ends.size(), kNoAtom);
-  std::unordered_multimap<int, size_t> ends_at;  // by the numbers of residues
+  std::unordered_multimap<int, size_t> ends_at;  // by residue number
   for (size_t i = 0; i < ends.size(); ++i) ends_at.emplace(ends[i].res_id.seqid.num.value, i);
   Cases conformers, second_residues;
   const Residue* before = nullptr;
@@ -210,14 +211,14 @@ std::vector<uint32_t> AtomSite::fill(size_t model, Names& parts,
         ++at;
         continue;
       }
-      // Of several such residues the first.
+      // Takes the first of several such residues.
       atoms_of_ends[at->second] = atom_of(end, residue, first_atom);
       at = ends_at.erase(at);
     }
   }
   conformers.tell(out.notices, Severity::left_out, "atoms of alternate conformers");
   second_residues.tell(out.notices, Severity::left_out,
-                       "residues that share the number and place of another");
+                       "residues with the number and position of another");
   return atoms_of_ends;
 }
 

@@ -1,4 +1,5 @@
-// The rows of _atom_site of mmCIF, and what they come to. Also included by cif/, which is C++17.
+// The rows of _atom_site of mmCIF and the atoms made of them. Also included by cif/, which is
+// C++17.
 #pragma once
 
 #include <array>
@@ -16,12 +17,12 @@
 
 namespace raio {
 
-/// What is wanted of a row.
+/// The columns that are read.
 enum class SiteColumn : uint8_t {
   id,
   symbol,
   name,
-  name_of_element,  // the name and the residue that elements are told from
+  name_of_element,  // name and residue for guessing the element
   residue_of_element,
   conformer,
   residue,
@@ -40,81 +41,81 @@ enum class SiteColumn : uint8_t {
 };
 inline constexpr size_t kSiteColumns = size_t(SiteColumn::model) + 1;
 
-/// The values of a row as the file has them, with quotes.
+/// The values of a row as in the file, with quotes.
 struct SiteValues : std::array<std::string_view, kSiteColumns> {
   using std::array<std::string_view, kSiteColumns>::operator[];
   std::string_view& operator[](SiteColumn column) { return (*this)[size_t(column)]; }
   std::string_view operator[](SiteColumn column) const { return (*this)[size_t(column)]; }
 };
 
-/// Columns of whole numbers, in which gemmi reads none that is beyond an int.
+/// Columns of whole numbers; gemmi ignores values that do not fit in an int.
 inline constexpr SiteColumn kWholeNumbers[] = {SiteColumn::id, SiteColumn::label_number,
                                                SiteColumn::number, SiteColumn::charge};
 
 struct SiteRow {
-  const char* line = nullptr;           // where its text begins, or
-  const std::string* values = nullptr;  // gemmi's values
+  const char* line = nullptr;           // the start of its text, or
+  const std::string* values = nullptr;  // the values from gemmi
   std::array<float, 3> place{};
   float occupancy = 1, b_factor = 0;
   uint8_t element = 0;
   char conformer = 0;       // 0: none
-  bool is_readable = true;  // as gemmi reads it
+  bool is_readable = true;  // whether gemmi can read it
 };
 
-/// Rows of one residue that follow each other.
+/// Consecutive rows of one residue.
 struct SiteRun {
-  size_t first = 0;  // of the rows of its part
+  size_t first = 0;  // index in its part
   const SiteRow *begin = nullptr, *end = nullptr;
   std::string_view model, chain, residue, part;
   gemmi::SeqId number;
-  bool has_label_number = true;  // that is readable, or none
-  size_t next = SIZE_MAX;        // of the same residue
+  bool has_label_number = true;  // the label number is readable, or missing
+  size_t next = SIZE_MAX;        // the next run of the same residue
 };
 
 /// The loop of _atom_site in a text.
 struct SiteLoop {
   std::vector<std::string> tags;
-  size_t line = 0;             // of the word loop_, from 1
-  const char* rows = nullptr;  // where they begin
+  size_t line = 0;             // line of the word loop_, from 1
+  const char* rows = nullptr;  // the start of the rows
 };
 
-/// The first such loop, if each tag has a line of its own.
+/// The first such loop, if each tag is on its own line.
 std::optional<SiteLoop> find_atom_site(std::string_view text);
 
-/// Reads rows on all threads, and groups them to models, chains and residues as gemmi does.
+/// Reads rows in parallel and groups them into models, chains and residues as gemmi does.
 class AtomSite {
  public:
-  /// Of columns with these tags; places are relative to the origin.
+  /// For columns with these tags; positions are relative to the origin.
   AtomSite(const std::vector<std::string>& tags, const std::array<double, 3>& origin);
 
-  /// Reads the rows at the beginning of a text that have a line each. Returns where the last one
-  /// begins, or the beginning of the text where there is none.
+  /// Reads rows at the beginning of the text that have one line each. Returns the start of the last
+  /// one, or of the text if there is none.
   const char* add_lines(std::string_view text);
-  /// Reads the rows that gemmi has, but for the first one where lines were read, which end in it.
+  /// Reads the rows from gemmi; the first one is skipped if lines were read, since these end in it.
   void add_values(std::vector<std::string> values);
 
-  /// Finds residues, chains and models. Notices tell which values were guessed or left out.
+  /// Finds residues, chains and models. Notices report guessed and skipped values.
   void group(Notices& notices);
   size_t models() const { return models_.size(); }
 
-  /// Rows for gemmi, with the tags that it wants: the first one of each model, or of each residue,
-  /// and the first one that gemmi cannot read.
+  /// Rows for gemmi, with the tags that it needs: the first row of each model or residue, and the
+  /// first row that gemmi cannot read.
   static std::vector<std::string> sample_tags();
   std::vector<std::string> sample(bool of_residues) const;
 
-  /// The atoms of a model, with their residues, but not those that stand in others' places. Returns
-  /// which atoms have the given addresses, or kNoAtom, also where one was left out.
+  /// Adds the atoms of a model with their residues, without alternates. Returns the atoms with the
+  /// given addresses, or kNoAtom if there is none or it was left out.
   std::vector<uint32_t> fill(size_t model, Names& parts,
                              const std::vector<gemmi::AtomAddress>& ends, Atoms& out);
   static constexpr uint32_t kNoAtom = UINT32_MAX;
-  /// Of atoms that fill() gave.
+  /// The name of an atom that fill() added.
   std::string name_of(const Atoms& atoms, uint32_t atom) const;
   std::array<double, 3> place_of(uint32_t atom) const;
 
  private:
   struct Source {
     size_t column = SIZE_MAX;
-    std::string_view instead;  // where there is no such column
+    std::string_view instead;  // used if the column is missing
   };
   struct Part {
     std::vector<SiteRow> rows;
@@ -149,7 +150,7 @@ class AtomSite {
   std::vector<SiteRun> runs_;
   std::vector<Residue> residues_;
   std::vector<std::string_view> models_;
-  // Of the model that fill() was asked of: its residues and rows.
+  // Residues and rows of the model that fill() read last.
   std::vector<const Residue*> taken_;
   std::vector<const SiteRow*> rows_;
 };

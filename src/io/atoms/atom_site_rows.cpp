@@ -33,7 +33,7 @@ bool is_keyword(std::string_view word) {
   });
 }
 
-// The end of a value in one line that begins at `p`; null: it is none, or none that is plain.
+// The end of a plain value that begins at `p` and lies on one line; null if there is none.
 const char* end_of_value(const char* p, const char* end) {
   const char first = *p;
   if (first == '\'' || first == '"') {
@@ -50,7 +50,8 @@ const char* end_of_value(const char* p, const char* end) {
   return p;
 }
 
-// The values of a line; whether there are as many as expected and nothing else.
+// Splits a line into values; false if their number is not the expected one or anything else
+// follows.
 bool split(std::string_view line, std::span<std::string_view> out) {
   if (line.starts_with(';')) return false;
   const char *p = line.data(), *const end = p + line.size();
@@ -70,7 +71,7 @@ bool split(std::string_view line, std::span<std::string_view> out) {
 
 std::optional<SiteLoop> find_atom_site(std::string_view text) {
   const char *p = text.data(), *const end = p + text.size();
-  bool is_in_text = false;  // of a field between lines that begin with a semicolon
+  bool is_in_text = false;  // inside a field between lines that begin with a semicolon
   SiteLoop loop;
   for (size_t number = 1; p < end; ++number) {
     const char* const from = p;
@@ -97,7 +98,7 @@ AtomSite::AtomSite(const std::vector<std::string>& tags, const std::array<double
     : width_(tags.size()), origin_(origin) {
   struct Wanted {
     SiteColumn column;
-    std::array<std::string_view, 3> tags;  // the first of these that there is
+    std::array<std::string_view, 3> tags;  // the first of these that exists
     std::string_view instead;
   };
   using enum SiteColumn;
@@ -157,7 +158,7 @@ SiteValues AtomSite::values_of(const SiteRow& row) const {
   return select(words);
 }
 
-// Reads rows one after another.
+// Reads rows in sequence.
 class AtomSite::Reader {
  public:
   Reader(const AtomSite& site, Part& out) : site_(site), out_(out) {}
@@ -192,7 +193,7 @@ class AtomSite::Reader {
   }
 
  private:
-  // By the values that residues are told apart by.
+  // Whether the values differ in what identifies a residue.
   bool begins_run(const SiteValues& values) {
     using enum SiteColumn;
     bool is_same = !out_.runs.empty();

@@ -1,4 +1,4 @@
-// Atoms as files have them, whatever the format. Also included by cif/, which is C++17.
+// Atoms as files have them, in any format. Also included by cif/, which is C++17.
 #pragma once
 
 #include <algorithm>
@@ -18,8 +18,8 @@ namespace raio {
 
 struct Atom {
   std::array<float, 3> place{};  // angstroms
-  uint8_t element = 0;           // its number; 0: unknown
-  uint32_t chain = 0;            // into Atoms::chains
+  uint8_t element = 0;           // atomic number; 0: unknown
+  uint32_t chain = 0;            // index into Atoms::chains
   uint32_t part = 0;             // what assemblies name, as `chain` where they name chains; or the
                                  // type, from 1, of LAMMPS
   uint32_t residue = 0;          // counted through the file
@@ -28,7 +28,7 @@ struct Atom {
 
 struct Residue {
   std::array<char, 8> name{};  // ends with zeros; longer names are cut
-  int number = 0;              // as the file has it
+  int number = 0;              // as in the file
 
   std::string_view view() const {
     size_t size = 0;
@@ -36,10 +36,10 @@ struct Residue {
     return {name.data(), size};
   }
 };
-/// Of a name and a number such as "12A", whose letter does not count.
+/// From a name and a number such as "12A"; the letter is ignored.
 Residue residue_of(std::string_view name, std::string_view number);
 
-/// A biological assembly: copies of parts, each moved by the matrices.
+/// A biological assembly: parts, each transformed by the matrices.
 struct Assembly {
   struct Copies {
     std::vector<uint32_t> parts;
@@ -48,44 +48,43 @@ struct Assembly {
   std::vector<Copies> copies;
 };
 
-/// The box that atoms repeat in without end.
+/// The unit cell or simulation box, repeated without end.
 struct Cell {
   std::array<double, 3> origin{};
   std::array<std::array<double, 3>, 3> sides{};   // a, b and c
-  std::array<bool, 3> repeats{true, true, true};  // along these
+  std::array<bool, 3> repeats{true, true, true};  // by axis
 };
 
-/// A bond to an atom of another copy of the cell, so many sides away.
+/// A bond to an atom in another image of the cell, this many sides away.
 struct BondAcross {
   std::array<uint32_t, 2> atoms{};
-  std::array<int, 3> cells{};  // from the first atom's to the second one's
+  std::array<int, 3> cells{};  // from the first atom's image to the second's
 };
 
 struct Atoms {
-  std::array<double, 3> origin{};  // what the atoms' places are relative to
+  std::array<double, 3> origin{};  // positions of atoms are relative to it
   std::vector<Atom> atoms;
   std::vector<std::string> chains;
-  std::vector<Residue> residues;  // by Atom::residue, or empty
+  std::vector<Residue> residues;  // indexed by Atom::residue, or empty
   std::vector<Assembly> assemblies;
-  std::map<std::string, uint32_t, std::less<>> types;  // the numbers of those that have a name
+  std::map<std::string, uint32_t, std::less<>> types;  // numbers of named types
   std::optional<Cell> cell;
-  size_t frames = 1;         // that the file has
-  std::vector<float> radii;  // of the atoms, or empty
-  std::vector<float>
-      values;  // the atoms' numbers of the column that colours were asked of, or empty
-  std::vector<std::string> columns;            // of numbers, which colours could be asked of
-  std::vector<std::array<uint32_t, 2>> bonds;  // that the file lists
+  size_t frames = 1;                 // in the file
+  std::vector<float> radii;          // per atom, or empty
+  std::vector<float> values;         // per atom, of the column that `color_by` names, or empty
+  std::vector<std::string> columns;  // names of numeric columns that `color_by` may take
+  std::vector<std::array<uint32_t, 2>> bonds;  // listed in the file
   std::vector<BondAcross> bonds_across;        // likewise
-  bool finds_bonds = true;                     // whether there are others by distance
-  Notices notices;                             // of what the reader guessed, cut or left out
-  // Whether the file has what colours are asked of: chains, residues, B factors and occupancies.
+  bool finds_bonds = true;                     // whether bonds are also found by distance
+  Notices notices;                             // on what the reader guessed, cut or left out
+  // Whether the file has these, for `color_by`.
   bool has_residues = false, has_b_factors = false, has_occupancies = false;
 
-  /// A place of the file as an atom has it.
+  /// A position of the file, relative to the origin.
   std::array<float, 3> local(const std::array<double, 3>& place) const {
     return {float(place[0] - origin[0]), float(place[1] - origin[1]), float(place[2] - origin[2])};
   }
-  /// Where the atom is in the file.
+  /// The position of the atom in the file.
   std::array<double, 3> place_of(const Atom& atom) const {
     return {origin[0] + double(atom.place[0]), origin[1] + double(atom.place[1]),
             origin[2] + double(atom.place[2])};
@@ -98,35 +97,37 @@ inline bool any_element(const Atoms& atoms) {
                      [](const Atom& a) { return a.element > 0; });
 }
 
-/// The records CRYST1 and SCALE of a PDB file.
+/// The CRYST1 and SCALE records of a PDB file.
 struct PdbCrystal {
   std::array<double, 6> lengths_and_angles{};   // zeros: there is none
-  std::string group;                            // Hermann-Mauguin
+  std::string group;                            // Hermann-Mauguin symbol
   std::optional<std::array<double, 12>> scale;  // three rows of four numbers
 };
 
-/// The cell of these records, by gemmi; nothing where the file says that it is no crystal. Where
-/// SCALE disagrees with CRYST1 it is that of SCALE, and a notice says so.
+/// The unit cell by gemmi; nothing if the file says that it is not a crystal. If SCALE disagrees
+/// with CRYST1, SCALE is used, with a notice.
 std::optional<Cell> cell_of(const PdbCrystal& crystal, Notices& notices);
 
-/// Whether of all copies of the crystal the second place is nearest to the first as it stands.
+/// Whether the second position, untransformed, is the nearest of all its symmetry mates to the
+/// first.
 bool is_nearest_copy(const PdbCrystal& crystal, const std::array<double, 3>& from,
                      const std::array<double, 3>& to);
 
-/// Reads a CIF text into `out`, of its frames that of the number, negative from the end. Where a
-/// residue has several conformers it is the first. Of a file that gives a crystal by the parts of
-/// its cell, all atoms in one cell. Returns what is wrong, or nothing; a frame that there is not is
-/// no error, but leaves `out` without atoms.
+/// Reads a CIF text into `out`: the frame with this index, negative from the end, and the first
+/// conformer of each residue. A crystal given by its asymmetric unit becomes all atoms of one unit
+/// cell. Returns the fault, or nothing. A frame that does not exist is not a fault, but leaves
+/// `out` without atoms.
 struct CifFault {
   std::string message;
-  size_t line = 0, column = 0;  // from 1; 0: about the file as a whole
+  size_t line = 0, column = 0;  // from 1; 0: about the whole file
 };
-/// With `cuts_rows` atoms of mmCIF are read from the lines of the text where they have one each,
-/// with the same result.
+/// With `cuts_rows`, atoms of mmCIF with one line each are read from the text directly, with the
+/// same result.
 std::optional<CifFault> read_structure(const char* text, size_t size, int frame, Atoms& out,
                                        bool cuts_rows = true);
 
-/// Tells of atoms that are at one place; name_of() gives the name of an atom by its index.
+/// Adds a notice about atoms at the same position; name_of() gives the name of an atom by its
+/// index.
 void note_coincident(Atoms& atoms, const std::function<std::string(uint32_t)>& name_of);
 
 }  // namespace raio

@@ -11,7 +11,7 @@ namespace raio {
 namespace {
 
 constexpr float kTolerance = 0.45f, kLeast = 0.4f;
-// Matter has some dozens in a cell of a few angstroms.
+// Real matter has a few dozen atoms in a cell of a few angstroms.
 constexpr size_t kMaxInCell = 1000;
 
 float squared_distance(const Atom& a, const Atom& b) {
@@ -20,21 +20,20 @@ float squared_distance(const Atom& a, const Atom& b) {
   return sum;
 }
 
-// Of nitrogen, oxygen, their columns' next ones and the halogens.
+// Nitrogen, oxygen, the elements below them and the halogens.
 bool is_anion(uint8_t element) {
   static constexpr std::array<uint8_t, 9> kAnions = {7, 8, 9, 16, 17, 34, 35, 52, 53};
   return std::ranges::count(kAnions, element) > 0;
 }
 
-// A cell of a lattice as one number. Cells far apart may share one; what is in them is too far
-// apart to be bonded anyway.
+// Hashes a cell of the grid. Distant cells may collide; their atoms are too far apart to be bonded.
 uint64_t cell_key(const std::array<int64_t, 3>& cell) {
   uint64_t key = 0;
   for (const int64_t c : cell) key = key << 21 | (uint64_t(c) & 0x1fffff);
   return key;
 }
 
-// The atoms that each atom is bonded to.
+// The atoms bonded to each atom.
 class Neighbours {
  public:
   Neighbours(size_t atoms, const Bonds& bonds) : first_(atoms + 1) {
@@ -51,8 +50,8 @@ class Neighbours {
   std::vector<uint32_t> first_, others_;
 };
 
-// Metals are large, so that the sum of radii also joins them to what is behind the anions around
-// them. Such a bond has an anion that is bonded to both ends and nearer to the metal.
+// Metals are large, so the sum of radii also bonds them to atoms behind their ligand anions. Such a
+// bond is bridged by an anion that is bonded to both ends and closer to the metal.
 void drop_bridged(const std::vector<Atom>& atoms, Bonds& bonds) {
   const auto is_any_metal = [&](const auto& bond) {
     return is_metal(atoms[bond[0]].element) || is_metal(atoms[bond[1]].element);

@@ -8,11 +8,11 @@ namespace raio {
 namespace {
 
 constexpr double kOnBorder = 0.02;  // angstroms
-constexpr double kRoom = 100;       // of an atom, cubic angstroms
+constexpr double kRoom = 100;       // volume per atom, cubic angstroms
 
 Vec3d vec_of(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
 
-// All images of a cell.
+// The parallelepiped of all images of a cell.
 class Parallelepiped {
  public:
   Parallelepiped(const Cell& cell, const std::array<int, 3>& images)
@@ -24,16 +24,16 @@ class Parallelepiped {
   bool is_flat() const { return !(volume() > 0); }
   double volume() const { return std::abs(volume_); }
   Vec3d side(int axis) const { return side_[size_t(axis)]; }
-  // Between the faces that the side joins.
+  // The distance between the two faces that the side connects.
   double height(int axis) const { return volume() / length(face_[size_t(axis)]); }
-  // Where a place is along a side: 0 to 1 inside.
+  // The fractional coordinate of a position along a side: 0 to 1 inside.
   double part(const Vec3d& place, int axis) const {
     return dot(place - origin_, face_[size_t(axis)]) / volume_;
   }
 
  private:
   Vec3d origin_;
-  std::array<Vec3d, 3> side_, face_;  // a face is normal to the other two sides
+  std::array<Vec3d, 3> side_, face_;  // a face normal is perpendicular to the other two sides
   double volume_;
 };
 
@@ -110,7 +110,7 @@ void complete_border(Atoms& atoms, const std::array<int, 3>& images) {
     return false;
   };
   const size_t before = atoms.atoms.size();
-  // Axis by axis, so that an atom on an edge comes to the other three.
+  // One axis at a time, so that an atom on an edge gets three images.
   for (int axis = 0; axis < 3; ++axis) {
     if (!atoms.cell->repeats[size_t(axis)]) continue;
     const Vec3d side = cell.side(axis);
@@ -129,7 +129,7 @@ void complete_border(Atoms& atoms, const std::array<int, 3>& images) {
     }
   }
   if (const size_t added = atoms.atoms.size() - before; added > 0)
-    atoms.notices.add(Severity::guessed, "copies of atoms on the border of the cell", {}, 0, added);
+    atoms.notices.add(Severity::guessed, "images of atoms on the faces of the cell", {}, 0, added);
 }
 
 }  // namespace raio

@@ -1,4 +1,4 @@
-// Copies of a cell, and of what is on its border.
+// Periodic images of a cell, and atoms on its faces.
 #pragma once
 
 #include <array>
@@ -9,20 +9,20 @@
 
 namespace raio {
 
-/// From the cell to its copies, of which the first is the cell itself.
+/// Translations from the cell to its images; the first image is the cell itself.
 std::vector<Vec3d> shifts_of(const Atoms& atoms, const std::array<int, 3>& images);
 
-/// With the copies of the cell as atoms, so that bonds lead from one to the next. `shifts` are
-/// those of the images.
+/// The atoms of all images, so that bonds connect neighbouring images. `shifts` are from
+/// shifts_of().
 Atoms repeated(const Atoms& atoms, const std::vector<Vec3d>& shifts,
                const std::array<int, 3>& images);
 
-/// Do the atoms reach over half of the cell along two of its sides, or have they no more room than
-/// those of crystals? Not if it is flat.
+/// Whether the atoms span more than half of the cell along two of its sides, or are as dense as in
+/// a crystal. False if the cell is flat.
 bool fill_cell(const Atoms& atoms);
 
-/// Adds the atoms that lie on a face, edge or corner of all `images` of the cell on the opposite
-/// ones, too, where there is none yet. A notice counts them.
+/// Repeats atoms on a face, edge or corner of the block of all `images` on the opposite ones,
+/// unless there is an atom already. A notice counts them.
 void complete_border(Atoms& atoms, const std::array<int, 3>& images);
 
 }  // namespace raio

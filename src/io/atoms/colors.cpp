@@ -11,7 +11,7 @@
 namespace raio {
 namespace {
 
-// As Jmol has them; the unknown one, in front, is grey.
+// Jmol's table; the first entry, for unknown elements, is grey.
 constexpr auto kJmol = std::to_array<uint32_t>(
     {0xb4b4b4, 0xffffff, 0xd9ffff, 0xcc80ff, 0xc2ff00, 0xffb5b5, 0x909090, 0x3050f8, 0xff0d0d,
      0x90e050, 0xb3e3f5, 0xab5cf2, 0x8aff00, 0xbfa6a6, 0xf0c8a0, 0xff8000, 0xffff30, 0x1ff01f,
@@ -42,7 +42,7 @@ bool is_metal(int element) { return gemmi_element(element).is_metal(); }
 std::string_view element_symbol(int element) { return gemmi_element(element).name(); }
 
 int element_number(std::string_view symbol) {
-  // By its letters as numbers from 1; that of a single letter stands where the second would be 0.
+  // Indexed by the letters as numbers from 1; a single letter has 0 as its second.
   constexpr size_t kLetters = 27;
   static const auto kNumbers = [] {
     std::array<uint8_t, kLetters * kLetters> numbers{};

@@ -1,5 +1,5 @@
-// What atoms look like: sizes and colours of elements, and colours of what has no colour of its
-// own. All colours are linear.
+// Radii and colours of elements, and colours for values without one of their own. All colours are
+// linear.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace raio {
 
-/// Numbers from 1 to 118; 0 is unknown.
+/// Atomic numbers from 1 to 118; 0 is unknown.
 inline constexpr int kElements = 119;
 
 /// Van der Waals and covalent radii in angstroms, after gemmi's tables (Bondi 1964 and Cordero 2008
@@ -18,7 +18,7 @@ float van_der_waals_radius(int element);
 float covalent_radius(int element);
 bool is_metal(int element);
 std::string_view element_symbol(int element);
-/// The number of a symbol in any case; 0: there is none.
+/// The atomic number of a symbol in any case; 0 if there is none.
 int element_number(std::string_view symbol);
 
 /// Jmol's colour of an element (https://jmol.sourceforge.net/jscolors/).
@@ -26,8 +26,8 @@ Rgb element_color(int element);
 
 inline constexpr uint32_t kDistinctColors = 8;
 
-/// The n-th of eight colours that all people can tell apart, again and again. Okabe and Ito 2008,
-/// "Color Universal Design".
+/// The n-th of eight colours that people with colour blindness can tell apart, repeated. Okabe and
+/// Ito 2008, "Color Universal Design".
 Rgb distinct_color(uint32_t n);
 
 }  // namespace raio

@@ -28,7 +28,7 @@ constexpr auto kWater =
     std::to_array<std::string_view>({"D2O", "DOD", "H2O", "HOH", "SOL", "SPC", "T3P", "T4P", "TIP",
                                      "TIP2", "TIP3", "TIP4", "TIP5", "TP3", "TP4", "WAT"});
 static_assert(std::ranges::is_sorted(kWater));
-// Lipids and sugars of the usual force fields.
+// Lipids and sugars of common force fields.
 constexpr auto kLipids = std::to_array<std::string_view>(
     {"BMA", "CHL1", "CHOL", "DLPC", "DMPC", "DOPC", "DOPE", "DPPC", "DSPC", "FUC", "GAL", "GLC",
      "MAN", "NAG", "POPC", "POPE", "POPG", "POPS", "SIA"});
@@ -38,7 +38,7 @@ ResidueKind usual_kind(std::string_view residue) {
   const auto is_in = [](const auto& names, std::string_view name) {
     return std::ranges::binary_search(names, name);
   };
-  // Amino acids at the ends of a chain are NALA and CALA.
+  // Terminal amino acids have names such as NALA and CALA.
   const bool is_end = residue.size() == 4 && (residue[0] == 'N' || residue[0] == 'C');
   if (is_in(kAmino, residue) || (is_end && is_in(kAmino, residue.substr(1))))
     return ResidueKind::protein;
@@ -69,7 +69,7 @@ uint8_t in_organic_residue(std::string_view name) {
     case 'P':
       return uint8_t(element_number(name.substr(0, 1)));
     case 'S':
-      // Beads of coarse models are called SC1.
+      // Coarse-grained models have beads called SC1.
       if (same(name, "SE")) return uint8_t(element_number("Se"));
       return same(name, "SC") ? 0 : uint8_t(element_number("S"));
     default:
@@ -115,8 +115,8 @@ uint8_t element_of_names(std::string_view residue, std::string_view atom, NameFi
   const std::string_view name = letters_of(atom), group = letters_of(residue);
   if (name.empty()) return 0;
   if (is_organic_residue(residue)) return in_organic_residue(name);
-  if (same(name, group) && !same(name, "W")) {  // which is coarse water
-    // The force fields of CHARMM have names of their own.
+  if (same(name, group) && !same(name, "W")) {  // W is coarse-grained water
+    // CHARMM force fields have their own names of ions.
     constexpr std::pair<std::string_view, std::string_view> kIons[] = {
         {"SOD", "Na"}, {"POT", "K"},  {"CLA", "Cl"}, {"CAL", "Ca"}, {"CES", "Cs"},
         {"LIT", "Li"}, {"RUB", "Rb"}, {"BAR", "Ba"}, {"CAD", "Cd"}};
@@ -125,7 +125,7 @@ uint8_t element_of_names(std::string_view residue, std::string_view atom, NameFi
     if (const int number = element_number(name)) return uint8_t(number);
   }
   if (same(name, "X") || same(name, "UNK") || same(name, "DUM")) return 0;
-  // These names stand for nothing else.
+  // Unambiguous names.
   constexpr std::string_view kPlain[] = {"CL", "BR", "MG", "ZN", "FE", "MN", "CU", "SI", "LI"};
   const std::string_view pair = name.substr(0, 2);
   const bool is_plain = std::ranges::any_of(kPlain, [&](auto word) { return same(word, name); });
@@ -151,7 +151,7 @@ void Cases::tell(Notices& notices, Severity severity, std::string_view message) 
 
 void ElementCases::tell(Notices& notices) const {
   guessed.tell(notices, Severity::guessed, "elements from names of atoms");
-  unknown.tell(notices, Severity::warning, "atoms whose names say no element");
+  unknown.tell(notices, Severity::warning, "atoms with names that do not determine an element");
 }
 
 }  // namespace raio

@@ -1,4 +1,4 @@
-// Elements of atoms that have only names.
+// Guesses elements of atoms that have only names.
 #pragma once
 
 #include <cstddef>
@@ -11,28 +11,28 @@
 
 namespace raio {
 
-/// What the place of a name in its field says: in PDB files symbols end in the second of the four
-/// columns, so that " CA " is carbon and "CA  " calcium.
+/// The alignment of a name in its field: in PDB files a symbol ends in the second of four columns,
+/// so " CA " is carbon and "CA  " is calcium.
 enum class NameField : uint8_t { free, one_letter, two_letters };
 
-/// The element of an atom by its name and its residue's; 0: unknown. Atoms of amino acids,
-/// nucleotides, water and lipids have symbols of one letter; an ion is called as its residue.
+/// The element of an atom by its name and its residue's name; 0 if unknown. Atoms of amino acids,
+/// nucleotides, water and lipids have one-letter symbols; an ion has the name of its residue.
 uint8_t element_of_names(std::string_view residue, std::string_view atom,
                          NameField field = NameField::free);
 
 enum class ResidueKind : uint8_t { protein, nucleic, water, other };
-/// By the names of the usual force fields, else by gemmi's table of modified residues.
+/// By residue names of common force fields, else by gemmi's table of modified residues.
 ResidueKind residue_kind(std::string_view residue);
 
-/// Whether atoms of this residue have symbols of one letter, but for selenium.
+/// Whether atoms of this residue have one-letter symbols, apart from selenium.
 bool is_organic_residue(std::string_view residue);
 
-/// The element that a symbol with a charge or a number begins with, such as "Fe3+"; 0: none.
+/// The element at the start of a symbol with a charge or a number, such as "Fe3+"; 0 if none.
 uint8_t element_of_symbol(std::string_view symbol);
 
 std::string_view without_blanks(std::string_view text);
 
-/// Cases of one notice, collected in the order of the file.
+/// Collects the cases of one notice in the order of the file.
 class Cases {
  public:
   void add(std::string_view name, size_t line = 0);
@@ -44,7 +44,7 @@ class Cases {
   std::vector<std::string> names_;
 };
 
-/// Elements that were guessed or are unknown, as notices.
+/// Notices about guessed and unknown elements.
 struct ElementCases {
   Cases guessed, unknown;
 

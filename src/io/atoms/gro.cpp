@@ -1,4 +1,4 @@
-// GRO of GROMACS: lines of columns that may touch.
+// GRO of GROMACS: lines of fixed columns that may touch.
 #include <algorithm>
 #include <array>
 
@@ -8,11 +8,11 @@
 namespace raio {
 namespace {
 
-// Columns of a line: residue's number and name, atom's name and number, five each, then the place
-// in nanometres (https://manual.gromacs.org/current/reference-manual/file-formats.html#gro).
+// Columns of a line: residue number and name, atom name and number, five each, then the position in
+// nanometres (https://manual.gromacs.org/current/reference-manual/file-formats.html#gro).
 constexpr size_t kGroName = 5, kGroPlace = 20;
 
-// The element of an atom that has only a name, such as "CA" in "ALA" and in "CA".
+// The element of an atom by its name, such as "CA" in "ALA" and in "CA".
 uint8_t element_of_name(std::string_view residue, std::string_view atom) {
   const auto letters = [](std::string_view word) {
     while (!word.empty() && (word[0] == ' ' || (word[0] >= '0' && word[0] <= '9')))
@@ -25,13 +25,13 @@ uint8_t element_of_name(std::string_view residue, std::string_view atom) {
     return std::ranges::equal(a, b, [](char x, char y) { return (x & ~32) == (y & ~32); });
   };
   const std::string_view name = letters(atom), group = letters(residue);
-  // Ions are called as their group is, in the force fields of CHARMM by names of their own.
+  // Ions have the name of their residue, or CHARMM's own names.
   constexpr std::pair<std::string_view, std::string_view> kIons[] = {
       {"SOD", "Na"}, {"POT", "K"}, {"CLA", "Cl"}, {"CAL", "Ca"}, {"CES", "Cs"}, {"LIT", "Li"}};
   if (same(name, group))
     for (const auto& [ion, element] : kIons)
       if (same(name, ion)) return uint8_t(element_number(element));
-  // These names stand for nothing else.
+  // Unambiguous names.
   constexpr std::string_view kPlain[] = {"CL", "BR", "MG", "ZN", "FE", "MN", "CU", "SI", "LI"};
   const bool is_ion = same(name, group.substr(0, 2));
   const bool is_plain = std::ranges::any_of(kPlain, [&](auto word) { return same(word, name); });
@@ -51,8 +51,8 @@ FrameRowsOr next_gro(Trajectory& t) {
   return out;
 }
 
-// The numbers of a line. Those of a huge box touch: then they are as wide as it is from one point
-// to the next.
+// The numbers of a line. In a huge box they touch; then the distance between decimal points is the
+// width of each.
 std::vector<std::string_view> numbers_of_box(std::string_view line) {
   line = line.substr(0, line.find_last_not_of(" \t\r") + 1);
   auto words = words_of(line);
@@ -67,8 +67,8 @@ std::vector<std::string_view> numbers_of_box(std::string_view line) {
   return out;
 }
 
-// The line behind the atoms: the lengths of a box, or all nine numbers of a leaning one, those on
-// the diagonal first; in nanometres.
+// The line after the atoms, in nanometres: the lengths of a box, or the nine numbers of a triclinic
+// one, the diagonal first.
 std::optional<Cell> cell_of_gro(std::string_view line) {
   const auto words = numbers_of_box(line);
   std::array<double, 9> number{};
@@ -87,8 +87,8 @@ std::optional<Cell> cell_of_gro(std::string_view line) {
   return cell;
 }
 
-// By how many columns numbers of atoms and residues beyond 99,999 move what is behind them, which
-// the first decimal point tells.
+// How many columns wider the numbers of atoms and residues beyond 99,999 are, found by the first
+// decimal point.
 size_t digits_more(std::string_view line, size_t usual_point) {
   const size_t point = line.find('.', kGroPlace);
   constexpr size_t kMost = 4;
@@ -97,7 +97,7 @@ size_t digits_more(std::string_view line, size_t usual_point) {
              : 0;
 }
 
-// The residue's number and name, and the atom's name. Either number may be the wider one.
+// The residue number and name, and the atom name. Either number may be the wider one.
 std::pair<std::string_view, std::string_view> names_of(std::string_view line, size_t wider) {
   size_t more = 0;
   while (more < wider && kGroName + more < line.size() && line[0] != ' ' &&
@@ -108,7 +108,7 @@ std::pair<std::string_view, std::string_view> names_of(std::string_view line, si
           line.size() > 2 * kGroName ? line.substr(2 * kGroName, kGroName) : ""};
 }
 
-// A number that fills its column but for blanks before and behind it; columns may touch.
+// A number that fills its column apart from blanks around it; columns may touch.
 std::optional<LineFault> read_column(std::string_view column, double& value) {
   std::array<char, 64> word{};
   std::ranges::copy(column, word.begin());
@@ -129,7 +129,7 @@ std::expected<void, Diagnostics> read_gro_atoms(const Trajectory& t, const Frame
   out.has_residues = true;
   const char* p = t.index.begin_of(frame.first);
   const std::string_view first = take_line(p, t.index.text().data() + t.index.text().size());
-  // As wide as it is from one point to the next.
+  // The distance between decimal points is the width of a column.
   const size_t point = first.find('.', kGroPlace),
                second = point == std::string_view::npos ? point : first.find('.', point + 1);
   const size_t width = second == std::string_view::npos ? 0 : second - point;
@@ -154,7 +154,7 @@ std::expected<void, Diagnostics> read_gro_atoms(const Trajectory& t, const Frame
                           return std::nullopt;
                         });
   if (!done) return done;
-  // Numbers of residues begin again at 100,000, so they are counted.
+  // Residue numbers wrap at 100,000, so residues are counted.
   const char* const end = t.index.text().data() + t.index.text().size();
   p = t.index.begin_of(frame.first);
   std::string_view group;
@@ -169,13 +169,13 @@ std::expected<void, Diagnostics> read_gro_atoms(const Trajectory& t, const Frame
     atom.residue = uint32_t(out.residues.size() - 1);
     out.notices.add(
         atom.element ? Severity::guessed : Severity::warning,
-        atom.element ? "elements from the names of atoms" : "names of atoms that are no elements",
+        atom.element ? "elements from the names of atoms" : "atom names that are not elements",
         name.substr(std::min(name.size(), name.find_first_not_of(' '))), frame.first + i + 1);
   }
   const std::string_view box = take_line(p, end);
   out.cell = cell_of_gro(box);
   if (!out.cell && !words_of(box).empty())
-    out.notices.add(Severity::left_out, "a box that is neither three numbers nor nine", {},
+    out.notices.add(Severity::left_out, "a box with neither three nor nine numbers", {},
                     frame.first + out.atoms.size() + 1);
   return {};
 }

@@ -1,4 +1,4 @@
-// The data files that LAMMPS begins with: a header, then sections, such as Masses, Atoms and Bonds
+// LAMMPS data files: a header, then sections such as Masses, Atoms and Bonds
 // (https://docs.lammps.org/read_data.html).
 #include <fmt/format.h>
 
@@ -21,13 +21,13 @@ namespace {
 
 using Done = std::expected<void, Diagnostics>;
 
-// Atoms heavier than it have masses of elements, others those of a model.
+// Masses are those of elements if any atom is heavier, else those of a model.
 constexpr double kMinMass = 3, kMassTolerance = 0.5;
-// Whole numbers up to it are masses of models.
+// Whole numbers up to here are masses of models.
 constexpr double kMaxModelMass = 10;
-// United atoms, such as CH4, weigh up to this much more than their element.
+// United atoms, such as CH4, are up to this much heavier than their element.
 constexpr double kHydrogens = 4.5;
-// The first rows, which tell the style.
+// The first rows, from which the style is guessed.
 constexpr size_t kRowsOfGuess = 1000;
 
 double mass_of(int element) { return gemmi::Element(static_cast<gemmi::El>(element)).weight(); }
@@ -44,7 +44,7 @@ class DataReader {
     (void)lines_.next();  // the title
     for (auto line = lines_.next_filled(); line; line = lines_.next_filled())
       if (auto done = read_line(*line); !done) return std::unexpected(done.error());
-    if (out_.atoms.empty()) return fail("there is no section Atoms");
+    if (out_.atoms.empty()) return fail("the file has no section Atoms");
     name_elements();
     tell_coincident();
     if (auto done = join_bonds(); !done) return std::unexpected(done.error());
@@ -61,7 +61,7 @@ class DataReader {
     return wrong_line(file_, lines_.number(), line, {at, std::move(expected)});
   }
 
-  // A line of the header, or the name of a section with all that is in it.
+  // Reads a line of the header, or a section after its name.
   Done read_line(std::string_view line) {
     const std::string_view plain = line.substr(0, line.find('#'));
     const auto words = words_of(plain);
@@ -103,7 +103,7 @@ class DataReader {
       Cell& cell = box();
       cell.sides[1][0] = tilt[0], cell.sides[2][0] = tilt[1], cell.sides[2][1] = tilt[2];
     }
-    return {};  // of other sections and the header nothing is kept
+    return {};  // other sections and header lines are not used
   }
 
   Done read_three(std::string_view line, std::span<const std::string_view> words,
@@ -113,7 +113,7 @@ class DataReader {
     return {};
   }
 
-  // Lines of comments alone, which may stand between the name of a section and its rows.
+  // Skips comment lines between the name of a section and its rows.
   void skip_comments() {
     LineReader ahead = lines_;
     for (auto line = ahead.next_filled(); line; line = ahead.next_filled()) {
@@ -122,7 +122,7 @@ class DataReader {
     }
   }
 
-  // Numbers of types and their names, which the other sections may use instead.
+  // Numbers and names of types; other sections may use either.
   Done read_type_labels() {
     skip_comments();
     LineReader ahead = lines_;
@@ -165,7 +165,7 @@ class DataReader {
     skip_comments();
     LineReader ahead = lines_;
     const auto first = ahead.next_filled();
-    if (!first) return fail("there are no atoms in the section Atoms");
+    if (!first) return fail("the section Atoms has no rows");
     const size_t row = ahead.number();
     first_ = row - 1;
     const size_t left = index_.size() - first_;
@@ -175,8 +175,8 @@ class DataReader {
     const LammpsStyle* style =
         find_lammps_style(style_.empty() && !comment.empty() ? comment[0] : style_);
     if (!style && !style_.empty())
-      return fail(fmt::format("there is no `atom-style` '{}'; expected one of {}",
-                              printable(style_), lammps_style_names()));
+      return fail(fmt::format("unknown `atom-style` '{}'; expected one of {}", printable(style_),
+                              lammps_style_names()));
     if (!style) {
       const auto guessed = guess_style(name);
       if (!guessed)
@@ -189,7 +189,7 @@ class DataReader {
           file_, row, *first,
           {words.empty() ? first->data()
                          : words[std::min(words.size() - 1, style->columns.size())].data(),
-           fmt::format("rows of {} columns, or of {} with image flags, as the style {} has them, "
+           fmt::format("rows of {} columns, or of {} with image flags, for the style {}, "
                        "instead of {}",
                        style->columns.size(), style->columns.size() + 3, style->name,
                        words.size())});
@@ -200,7 +200,7 @@ class DataReader {
     if (auto done = read_rows(index_, file_, first_, atoms_, layout, out_); !done) return done;
     lines_ = ahead;
     lines_.skip(atoms_ - 1);
-    tell_rows_beyond("rows of Atoms beyond the number of atoms in the header");
+    tell_rows_beyond("rows of Atoms beyond the header's number of atoms");
     return {};
   }
 
@@ -213,7 +213,7 @@ class DataReader {
     }
   }
 
-  // By the first rows and what else the file says. `name` is the line of the section's name.
+  // Guesses from the first rows and other hints. `name` is the line of the section's name.
   std::expected<const LammpsStyle*, std::string> guess_style(size_t name) {
     std::vector<std::vector<std::string_view>> rows;
     LineReader ahead = lines_;
@@ -230,9 +230,9 @@ class DataReader {
     const std::string first(names[0]);
     names.erase(names.begin());
     out_.notices.add(Severity::guessed,
-                     names.empty() ? fmt::format("style of the atoms by their columns: {}", first)
-                                   : fmt::format("style of the atoms by their columns: {} (places "
-                                                 "and types are the same in {})",
+                     names.empty() ? fmt::format("atom style from the columns: {}", first)
+                                   : fmt::format("atom style from the columns: {} (positions "
+                                                 "and types are in the same columns in {})",
                                                  first, fmt::join(names, ", ")),
                      {}, name, 0);
     return (*styles)[0];
@@ -240,7 +240,8 @@ class DataReader {
 
   Done read_bonds() {
     skip_comments();
-    if (bonds_ > index_.size()) return fail(fmt::format("there are no {} bonds", bonds_));
+    if (bonds_ > index_.size())
+      return fail(fmt::format("{} bonds are too many for the file", bonds_));
     for (size_t i = 0; i < bonds_; ++i) {
       const auto line = lines_.next_filled();
       if (!line) return fail(fmt::format("expected {} bonds, found {}", bonds_, i));
@@ -249,15 +250,14 @@ class DataReader {
       for (size_t k = 0; k < 2; ++k)
         if (words.size() < 4 ||
             std::from_chars(words[2 + k].begin(), words[2 + k].end(), ids[k]).ec != std::errc())
-          return wrong(*line, line->data(), "number, type and two atoms of a bond");
+          return wrong(*line, line->data(), "the number, type and two atoms of a bond");
       listed_.push_back(ids);
     }
-    tell_rows_beyond("rows of Bonds beyond the number of bonds in the header");
+    tell_rows_beyond("rows of Bonds beyond the header's number of bonds");
     return {};
   }
 
-  // Where the columns are not those of the style, many atoms seem to be at one place: then it is so
-  // among the first ones, too, and all are counted.
+  // If the style is wrong, many atoms coincide, among the first ones, too; then all are counted.
   void tell_coincident() {
     constexpr size_t kFirst = 10'000;
     std::vector<std::array<float, 3>> places;
@@ -270,7 +270,7 @@ class DataReader {
       });
   }
 
-  // Bonds name atoms by the numbers that begin their lines.
+  // Bonds refer to atoms by their ids.
   Done join_bonds() {
     if (listed_.empty()) return {};
     std::unordered_map<uint64_t, uint32_t> atom_of;
@@ -287,7 +287,7 @@ class DataReader {
       for (size_t k = 0; k < 2; ++k) {
         const auto at = atom_of.find(ids[k]);
         if (at == atom_of.end())
-          return fail(fmt::format("a bond names atom {}, which there is not", ids[k]));
+          return fail(fmt::format("a bond refers to atom {}, which does not exist", ids[k]));
         bond[k] = at->second;
       }
       if (bond[0] == bond[1]) continue;
@@ -300,15 +300,16 @@ class DataReader {
     return {};
   }
 
-  // The copy of `b` that is nearest to `a`, in sides of the box from `b`. The sides are a lower
-  // triangular matrix, so the last one is subtracted first; those of a general box have parts.
+  // The image of `b` that is nearest to `a`, in box sides from `b`. The sides form a lower
+  // triangular matrix, so the last one is subtracted first; a general box needs fractional
+  // coordinates.
   std::array<int, 3> cells_between(const Atom& a, const Atom& b) const {
     std::array<int, 3> cells{};
     std::array<double, 3> apart{};
     for (size_t i = 0; i < 3; ++i) apart[i] = double(a.place[i]) - double(b.place[i]);
     for (size_t k = 3; out_.cell && k-- > 0;) {
       const auto& side = out_.cell->sides[k];
-      // Half a side is none.
+      // Half a side rounds to none.
       const double count = is_general()  ? std::nearbyint(part_along(k, apart))
                            : side[k] > 0 ? std::nearbyint(apart[k] / side[k])
                                          : 0;
@@ -324,7 +325,7 @@ class DataReader {
     return sides[0][1] != 0 || sides[0][2] != 0 || sides[1][2] != 0;
   }
 
-  // How many sides k of the box a way is.
+  // The component of a vector along side k of the box, in sides.
   double part_along(size_t k, const std::array<double, 3>& way) const {
     const auto side = [&](size_t i) {
       const auto& s = out_.cell->sides[i % 3];
@@ -337,7 +338,7 @@ class DataReader {
 
   Cell& box() { return out_.cell ? *out_.cell : out_.cell.emplace(); }
 
-  // The element of a mass; 0: of none. Three whole hydrogens and a carbon are no oxygen.
+  // The element with this mass; 0 if none. Carbon with three or more hydrogens is not oxygen.
   static int element_of_mass(double mass) {
     constexpr double kCarbon = 12.011, kHydrogen = 1.008, kNear = 0.006;
     for (int hydrogens = 1; hydrogens <= 4; ++hydrogens)
@@ -349,7 +350,8 @@ class DataReader {
     return difference(best) <= kMassTolerance ? best : 0;
   }
 
-  // Whether masses may be those of elements: some are heavy, and not all small whole numbers.
+  // Whether the masses may be those of elements: some are heavy, and not all are small whole
+  // numbers.
   bool has_real_masses() const {
     const auto any = [&](const auto& is) {
       return std::ranges::any_of(masses_, [&](const auto& m) { return is(m.second); });
@@ -359,7 +361,7 @@ class DataReader {
   }
 
   // By the comment of a mass, unless the mass contradicts it: "CA" is a carbon in many force
-  // fields. Otherwise by the masses, where all of them are those of elements.
+  // fields. Otherwise by the masses, if all of them are those of elements.
   void name_elements() {
     const bool real = has_real_masses();
     std::map<uint32_t, uint8_t> elements;
@@ -377,7 +379,7 @@ class DataReader {
       if (!all && elements.empty() && named_.empty()) break;
       const int element = real ? element_of_mass(mass) : 0;
       if (element == 0) {
-        out_.notices.add(Severity::warning, "types without an element", fmt::format("{}", type));
+        out_.notices.add(Severity::warning, "types of unknown element", fmt::format("{}", type));
         continue;
       }
       elements[type] = uint8_t(element);
@@ -385,10 +387,10 @@ class DataReader {
                        fmt::format("{} = {}", type, element_symbol(element)));
     }
     if (elements.empty() && !masses_.empty())
-      out_.notices.add_whole(
-          Severity::guessed,
-          "the masses are not those of elements: types have colours, and radii are half of the "
-          "spacing");
+      out_.notices.add_whole(Severity::guessed,
+                             "masses do not match elements; atoms are coloured by type, and radii "
+                             "are half of the mean "
+                             "spacing");
     for (Atom& atom : out_.atoms)
       if (const auto at = elements.find(atom.part); at != elements.end()) atom.element = at->second;
   }
@@ -396,11 +398,11 @@ class DataReader {
   const LineIndex index_;
   LineReader lines_;
   std::string_view file_;
-  const std::string_view style_;  // that was asked for, or empty
+  const std::string_view style_;  // requested style, or empty
   LammpsHints hints_;
   size_t atoms_ = 0, bonds_ = 0, first_ = 0;
-  std::map<uint32_t, double> masses_;  // of types
-  std::map<uint32_t, int> named_;      // elements of types, by comments
+  std::map<uint32_t, double> masses_;  // by type
+  std::map<uint32_t, int> named_;      // elements of types, from comments
   std::vector<std::array<uint64_t, 2>> listed_;
   Atoms out_;
 };

@@ -8,7 +8,7 @@
 namespace raio {
 namespace {
 
-// https://docs.lammps.org/read_data.html; those that are met more often come first.
+// https://docs.lammps.org/read_data.html; common styles come first.
 constexpr LammpsStyle kLammpsStyles[] = {
     {"atomic", "itxyz"},
     {"charge", "itrxyz"},
@@ -41,7 +41,7 @@ constexpr LammpsStyle kLammpsStyles[] = {
     {"hybrid", "itxyz*"},
 };
 
-// A letter of LammpsStyle::columns.
+// The meaning of a letter of LammpsStyle::columns.
 Word word_of_letter(char letter) {
   switch (letter) {
     case 'm':
@@ -63,7 +63,7 @@ Word word_of_letter(char letter) {
 
 bool is_open(const LammpsStyle& style) { return style.columns.ends_with('*'); }
 
-// What is alike in all words of a column.
+// Properties shared by all words of a column.
 struct StyleColumn {
   bool numbers = true, whole = true, labels = true;
   double least = std::numeric_limits<double>::infinity(), largest = -least;
@@ -98,7 +98,7 @@ class StyleGuess {
     return true;
   }
 
-  // Atoms in their box, at different places.
+  // Whether the atoms are in their box, at different positions.
   bool is_in_box(const LammpsStyle& style) const {
     const size_t x = style.columns.find('x');
     bool differ = rows_ < 2;
@@ -108,14 +108,14 @@ class StyleGuess {
       if (!hints_.cell) continue;
       double low = hints_.cell->origin[axis], high = low;
       for (const auto& side : hints_.cell->sides) (side[axis] < 0 ? low : high) += side[axis];
-      constexpr double kBeyond = 0.01;  // atoms move a little before they are put back
+      constexpr double kBeyond = 0.01;  // atoms move slightly between reneighbourings
       const double margin = kBeyond * (high - low);
       if (column.least < low - margin || column.largest > high + margin) return false;
     }
     return differ;
   }
 
-  // Columns of real numbers that hold whole ones only.
+  // The number of real-valued columns that contain whole numbers only.
   size_t whole_reals(const LammpsStyle& style) const {
     size_t count = 0;
     for (size_t k = 0; k < style.columns.size(); ++k)
@@ -144,8 +144,7 @@ class StyleGuess {
     }
   }
 
-  // Files with bonds have styles with molecules; the styles of bodies and the like need a section
-  // of them.
+  // Files with bonds have molecular styles; styles such as body need a section of their own.
   bool has_sections(const LammpsStyle& style) const {
     if (hints_.bonds && !style.columns.contains('m')) return false;
     constexpr std::pair<std::string_view, std::string_view> kSections[] = {
@@ -196,7 +195,7 @@ std::expected<std::vector<const LammpsStyle*>, std::string> guess_lammps_style(
     if (guess.fits(style)) some.push_back(&style);
   if (some.empty())
     return std::unexpected(
-        fmt::format("the style of the atoms is not known, and rows of {} such columns fit none; "
+        fmt::format("the atom style is not given, and rows of {} such columns match no style; "
                     "give `atom-style`: {}",
                     rows.empty() ? 0 : rows[0].size(), lammps_style_names()));
   const auto keep = [&](const auto& is_good) {
@@ -216,8 +215,8 @@ std::expected<std::vector<const LammpsStyle*>, std::string> guess_lammps_style(
   names.reserve(some.size());
   for (const LammpsStyle* s : some) names.push_back(s->name);
   return std::unexpected(fmt::format(
-      "the style of the atoms is not known, and several fit: {}; give `atom-style`, or write it "
-      "behind the section's name: Atoms # {}",
+      "the atom style is not given, and several match: {}; give `atom-style`, or write it "
+      "after the section's name: Atoms # {}",
       fmt::join(names, ", "), names[0]));
 }
 

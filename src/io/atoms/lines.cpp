@@ -12,7 +12,7 @@ LineIndex::LineIndex(std::string_view text) : text_(text) {
   before_.resize(chunks + 1);
   parallel_for(chunks, [&](size_t c) {
     const std::string_view chunk = text_.substr(c * kChunk, kChunk);
-    // Faster than byte by byte, as lines are longer than a register.
+    // Faster than byte by byte, since lines are longer than a register.
     const char *p = chunk.data(), *const end = p + chunk.size();
     while ((p = static_cast<const char*>(std::memchr(p, '\n', size_t(end - p))))) {
       ++before_[c + 1];

@@ -1,4 +1,4 @@
-// Lines of a text of one atom each, read on all threads.
+// Texts with one atom per line, read in parallel.
 #pragma once
 
 #include <fmt/format.h>
@@ -17,21 +17,21 @@
 
 namespace raio {
 
-/// Where lines begin, counted on all threads.
+/// Index of line starts, built in parallel.
 class LineIndex {
  public:
   explicit LineIndex(std::string_view text);
   std::string_view text() const { return text_; }
   size_t size() const { return before_.back() + (!text_.empty() && text_.back() != '\n'); }
-  /// Where the line of this number, from 0, begins; the end of the text behind the last one.
+  /// The start of a line, counted from 0; the end of the text after the last one.
   const char* begin_of(size_t line) const;
 
  private:
   std::string_view text_;
-  std::vector<size_t> before_;  // how many lines end before each chunk, and in all
+  std::vector<size_t> before_;  // number of lines that end before each chunk, and the total
 };
 
-/// The line at `p`, without its end, which `p` then is behind.
+/// The line at `p`, without its end; `p` moves to the next line.
 inline std::string_view take_line(const char*& p, const char* end) {
   const char* const from = p;
   const void* const found = std::memchr(p, '\n', size_t(end - p));
@@ -41,7 +41,7 @@ inline std::string_view take_line(const char*& p, const char* end) {
   return {from, size_t(to - from)};
 }
 
-/// Lines one after another.
+/// Reads lines in sequence.
 class LineReader {
  public:
   explicit LineReader(const LineIndex& index) : index_(&index), p_(index.text().data()) {}
@@ -53,7 +53,7 @@ class LineReader {
   }
   /// The next line that is not blank.
   std::optional<std::string_view> next_filled();
-  /// Whether only blanks are left.
+  /// Whether only blanks remain.
   bool at_end() const {
     return std::all_of(p_, end(), [](char c) { return is_char(c, kBlank); });
   }
@@ -61,7 +61,7 @@ class LineReader {
     number_ += lines;
     p_ = index_->begin_of(number_);
   }
-  /// How many lines were read, which is the number of the last one, from 1.
+  /// The number of lines read, which is the number of the last one, from 1.
   size_t number() const { return number_; }
 
  private:
@@ -72,21 +72,21 @@ class LineReader {
   size_t number_ = 0;
 };
 
-/// Of what a file holds, so that a message is one line of text.
+/// Text from a file on one printable line, for messages.
 std::string printable(std::string_view text);
 
-/// What is wrong with a line, and where in it.
+/// An error in a line, and its position.
 struct LineFault {
   const char* at;
   std::string expected;
 };
 
-/// An error about a place in a line: what was expected there, and what is there.
+/// An error at a position in a line: what was expected and found there.
 std::unexpected<Diagnostics> wrong_line(std::string_view file, size_t number, std::string_view line,
                                         const LineFault& fault);
 
-/// Calls read(i, line) for lines first ... first + count - 1, from 0, with i from 0, on all
-/// threads. It returns an optional LineFault, of which the first of the file is returned.
+/// Calls read(i, line) for lines first ... first + count - 1 (from 0, with i from 0), in parallel.
+/// It returns an optional LineFault; the first fault in the file is returned.
 template <class Read>
 std::expected<void, Diagnostics> for_lines(const LineIndex& index, std::string_view file,
                                            size_t first, size_t count, const Read& read) {

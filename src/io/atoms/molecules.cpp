@@ -1,4 +1,4 @@
-// CIF and mmCIF, from the text to the scene; and what all molecules are asked.
+// CIF and mmCIF, from text to scene, and helpers for all molecules.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -27,7 +27,7 @@ std::expected<Atoms, Diagnostics> atoms_of(std::string_view bytes, std::string_v
   }
   if (atoms.frames == 0)
     return failed(file,
-                  "there are no atoms that could be read; expected the columns Cartn_x, "
+                  "no atom can be read; expected the columns Cartn_x, "
                   "Cartn_y and Cartn_z of _atom_site");
   return atoms;
 }
@@ -50,7 +50,7 @@ void note_coincident(Atoms& atoms, const std::function<std::string(uint32_t)>& n
     for (const float x : p) hash = (hash ^ std::bit_cast<uint32_t>(x + 0.0f)) * 0x9e3779b97f4a7c15u;
     return size_t(hash ^ (hash >> 32));
   };
-  // Of each place the first atom, counted from 1, at its hash or in the next free slot behind.
+  // A hash table with linear probing: the first atom at each position, counted from 1.
   std::vector<uint32_t> slots(std::bit_ceil(2 * atoms.atoms.size() + 1));
   size_t count = 0;
   for (uint32_t i = 0; i < atoms.atoms.size(); ++i) {
@@ -64,7 +64,7 @@ void note_coincident(Atoms& atoms, const std::function<std::string(uint32_t)>& n
       continue;
     }
     const std::string name = ++count <= Notices::kNames ? name_of(i) : "";
-    atoms.notices.add(Severity::warning, "atoms at the very place of another", name);
+    atoms.notices.add(Severity::warning, "atoms at the same position as another", name);
   }
 }
 

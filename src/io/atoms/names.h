@@ -1,4 +1,4 @@
-// Numbers for names in the order in which they come. Also included by cif/, which is C++17.
+// Numbers names in the order of first use. Also included by cif/, which is C++17.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// PDB and PQR, whose records have the same names: PDB by columns, PQR by blanks.
+// PDB and PQR. Both have the same records: PDB in fixed columns, PQR separated by blanks.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -30,7 +30,7 @@ enum class Record : uint8_t {
   link
 };
 
-// Programs write them in lower case, too, and blanks behind them are cut.
+// Programs also write records in lower case, and without trailing blanks.
 Record record_of(std::string_view line) {
   std::array<char, 6> upper{};
   for (size_t i = 0; i < upper.size(); ++i) {
@@ -53,7 +53,7 @@ Record record_of(std::string_view line) {
   return Record::other;
 }
 
-// A record, or lines of atoms with none of these between them.
+// A record, or consecutive atom lines.
 struct Mark {
   Record record = Record::other;
   size_t line = 0, end = 0;  // from 0
@@ -63,7 +63,7 @@ struct FrameLines {
   size_t first = 0, end = 0;
   bool has_atoms = false;
   std::optional<size_t> cryst1;
-  std::array<size_t, 3> scale{};  // 0: there is none
+  std::array<size_t, 3> scale{};  // 0: missing
 };
 
 struct FoundPdb {
@@ -92,7 +92,7 @@ std::vector<Mark> marks_of(const LineIndex& index) {
   return out;
 }
 
-// MODEL and ENDMDL part frames, whatever their numbers, and so does END where atoms follow.
+// Frames are separated by MODEL and ENDMDL, whatever their numbers, and by END if atoms follow.
 std::vector<FrameLines> frames_of(const std::vector<Mark>& marks) {
   std::vector<FrameLines> out;
   FrameLines now;
@@ -122,7 +122,7 @@ std::vector<FrameLines> frames_of(const std::vector<Mark>& marks) {
         if (!first_cryst1) first_cryst1 = cryst1;
         break;
       case Record::scale:
-        // Its number is looked up where it is read.
+        // The row's number is parsed later.
         for (size_t& row : scale)
           if (row == 0) {
             row = mark.line;
@@ -133,7 +133,7 @@ std::vector<FrameLines> frames_of(const std::vector<Mark>& marks) {
         break;
     }
   close();
-  // A record behind the atoms.
+  // A record after the atoms.
   for (FrameLines& frame : out)
     if (!frame.cryst1) frame.cryst1 = first_cryst1;
   return out;
@@ -158,7 +158,7 @@ class PdbReader {
     const std::vector<FrameLines>& frames = found_->frames;
     if (std::ranges::none_of(frames, &FrameLines::has_atoms))
       return failed(file_,
-                    "there are no atoms in this file; expected lines that begin with ATOM "
+                    "the file has no atoms; expected lines that begin with ATOM "
                     "or HETATM");
     Atoms out;
     out.origin = origin, out.frames = frames.size();
@@ -177,7 +177,8 @@ class PdbReader {
     if (!done) return std::unexpected(done.error());
     guess_elements(rows);
     if (is_pqr_ && file_.find(".pqr") == std::string_view::npos)
-      out.notices.add_whole(Severity::guessed, "the format PQR, as the lines do not fit PDB");
+      out.notices.add_whole(Severity::guessed,
+                            "the format PQR, since the lines do not fit the columns of PDB");
     Names chains(out.chains);
     if (!is_pqr_) out.assemblies = assemblies_of(lines_of(Record::remark_350), chains);
     std::optional<PdbCrystal> crystal;
@@ -238,7 +239,7 @@ class PdbReader {
     for (const PdbLink& link : links) {
       const uint32_t a = link.ends[0].atom, b = link.ends[1].atom;
       if (a == kLeftOut || b == kLeftOut || a == b || link.leads_elsewhere) continue;
-      // Where it is not said which copy is meant, it is another one if that is nearer.
+      // If the record does not say which symmetry mate is meant, the nearest one is.
       if (!link.says_copy &&
           !is_nearest_copy(crystal, out.place_of(out.atoms[a]), out.place_of(out.atoms[b])))
         continue;

@@ -19,14 +19,14 @@ std::string_view field_of(std::string_view line, size_t from, size_t count) {
   return from < line.size() ? line.substr(from, count) : std::string_view();
 }
 
-// Without blanks around it.
+// The field without blanks around it.
 Span span_of(std::string_view line, size_t from, size_t count) {
   const std::string_view text = without_blanks(field_of(line, from, count));
   return text.empty() ? Span{uint8_t(from), 0}
                       : Span{uint8_t(text.data() - line.data()), uint8_t(text.size())};
 }
 
-// What programs write for a number that has no room, or none.
+// Placeholders that programs write for missing or too long numbers.
 bool is_no_number(std::string_view field) {
   field = without_blanks(field);
   if (field.empty()) return false;
@@ -35,7 +35,7 @@ bool is_no_number(std::string_view field) {
   return field.size() == 3 && (field[0] | 32) == 'n' && (field[1] | 32) == 'a';
 }
 
-// Whether a number goes on in the next field, which a number of its own would fill.
+// Whether a number continues in the next field, which a number of its own would fill.
 bool goes_on(std::string_view field, std::string_view next) {
   if (next.empty() || (!is_decimal(field.back()) && field.back() != '.')) return false;
   return next[0] == '.' || (is_decimal(next[0]) && (next.find(' ') != std::string_view::npos));
@@ -48,7 +48,7 @@ struct Numbers {
 
 std::optional<LineFault> read_place(std::string_view line, Numbers& out) {
   if (line.size() < kPlaceEnd)
-    return LineFault{line.data() + line.size(), "three coordinates in the columns 31 to 54"};
+    return LineFault{line.data() + line.size(), "three coordinates in columns 31 to 54"};
   for (size_t k = 0; k < 3; ++k) {
     const size_t from = kPlace + k * kWidth;
     const std::string_view field = line.substr(from, kWidth);
@@ -60,7 +60,7 @@ std::optional<LineFault> read_place(std::string_view line, Numbers& out) {
     if (!value || goes_on(field, field_of(line, from + kWidth, k < 2 ? kWidth : 6))) {
       const size_t blanks = std::min(field.find_first_not_of(' '), kWidth - 1);
       return LineFault{field.data() + blanks,
-                       fmt::format("a coordinate that fits the columns {} to {} (here columns are "
+                       fmt::format("a coordinate within columns {} to {} (these columns are "
                                    "shifted; if blanks separate the fields, name the file .pqr)",
                                    from + 1, from + kWidth)};
     }
@@ -76,7 +76,7 @@ NameField field_of_name(std::string_view field) {
   return field[3] == ' ' ? NameField::two_letters : NameField::free;
 }
 
-// The fields of a line of a PQR text; numbers may touch where one is negative.
+// The fields of a PQR line; negative numbers may touch the number before.
 struct PqrFields {
   std::vector<std::string_view> head;  // serial, name, residue, chain or not, number
   std::array<std::string_view, 5> numbers;
@@ -106,7 +106,7 @@ std::optional<PqrFields> pqr_fields(std::string_view line) {
       word = word.substr(0, cut);
   }
   if (missing > 0 || words.size() < 4 || words.size() > 5) return std::nullopt;
-  // With a letter behind it where residues were inserted, and before it where the chain touches.
+  // The residue number may have an insertion code after it, and a chain before it.
   if (std::ranges::none_of(words.back(), is_decimal)) return std::nullopt;
   out.head = std::move(words);
   return out;
@@ -128,11 +128,11 @@ std::optional<LineFault> read_pdb_row(std::string_view line, const Atoms& out, P
     if (value) *to = float(*value), *has = true;
     row.has_numbers &= value.has_value();
   }
-  // Of six digits where nothing stands behind five.
+  // The serial has six digits if the column after the fifth is a digit.
   row.serial = span_of(line, 6, is_decimal(line[11]) ? 6 : 5);
   row.name = span_of(line, 12, 4);
   row.conformer = line[16];
-  // Names of residues have four letters in some force fields.
+  // Residue names have four letters in some force fields.
   const bool is_wide = line[20] != ' ' && is_organic_residue(line.substr(17, 4));
   row.residue = span_of(line, 17, is_wide ? 4 : 3);
   row.chain = span_of(line, is_wide ? 21 : 20, is_wide ? 1 : 2);
@@ -146,7 +146,7 @@ std::optional<LineFault> read_pdb_row(std::string_view line, const Atoms& out, P
 std::optional<LineFault> read_pqr_row(std::string_view line, const Atoms& out, PdbRow& row) {
   const auto fields = pqr_fields(line);
   LineFault fault{line.data(),
-                  "a line of PQR, with the words record, number, atom, residue, chain (or "
+                  "a PQR line of the words record, number, atom, residue, chain (or "
                   "none), number, x, y, z, charge and radius"};
   if (!fields) return fault;
   const auto& head = fields->head;
@@ -159,7 +159,7 @@ std::optional<LineFault> read_pqr_row(std::string_view line, const Atoms& out, P
   row.place = out.local({*number_in(numbers[0]), *number_in(numbers[1]), *number_in(numbers[2])});
   row.occupancy = float(*number_in(fields->numbers[3]));
   row.b_factor = float(*number_in(fields->numbers[4]));
-  if (row.b_factor < 0) return LineFault{fields->numbers[4].data(), "a radius from 0"};
+  if (row.b_factor < 0) return LineFault{fields->numbers[4].data(), "a radius of 0 or more"};
   row.serial = span(head[0]), row.name = span(head[1]), row.residue = span(head[2]);
   row.sequence = span(head.back());
   row.chain = head.size() > 4 ? span(head[3]) : Span{};
@@ -176,7 +176,7 @@ bool is_pqr_line(std::string_view line) {
     return without_blanks(field).empty() || number_in(field);
   };
   if (!read_place(line, numbers) && fits(54) && fits(60)) return false;
-  // Occupancy and B factor have two decimals, charge and radius have others.
+  // Occupancy and B factor have two decimals; charge and radius do not.
   const auto has_two = [](std::string_view number) {
     const size_t point = number.find('.');
     return point != std::string_view::npos && number.size() - point == 3;
@@ -188,7 +188,7 @@ bool is_pqr_line(std::string_view line) {
 
 void guess_elements(std::vector<PdbRow>& rows) {
   const auto residue = [](const PdbRow& row) { return row.part(row.residue); };
-  // Of a program that does not know where symbols belong.
+  // The writing program does not align symbols.
   std::atomic<bool> left_aligned = false;
   for_each_index(rows.size(), [&](size_t i) {
     const PdbRow& row = rows[i];
@@ -226,7 +226,7 @@ std::optional<PdbLink> link_of(std::string_view line, bool is_ssbond) {
   return out;
 }
 
-// Of the atoms and residues that stand in others' places the first choice.
+// Keeps the first of alternate conformers and residues.
 bool PdbAssembler::takes(const PdbRow& row, size_t line) {
   if (!takes_residue(row, line)) return false;
   if (row.conformer == ' ') return true;
@@ -239,7 +239,7 @@ bool PdbAssembler::takes(const PdbRow& row, size_t line) {
   return false;
 }
 
-// Whether a residue is the first with its number, or does not stand in that one's place.
+// Whether a residue is the first with its number, or is not at the position of that one.
 bool PdbAssembler::takes_residue(const PdbRow& row, size_t line) {
   const std::string_view name = row.part(row.residue);
   if (name == position_->part(position_->residue)) return true;
@@ -250,7 +250,7 @@ bool PdbAssembler::takes_residue(const PdbRow& row, size_t line) {
     find_chosen();
     const auto at = chosen_.find(row.part(row.name));
     if (at == chosen_.end()) return true;
-    constexpr float kNear = 0.8f;  // angstroms, below any distance of atoms
+    constexpr float kNear = 0.8f;  // angstroms; less than any interatomic distance
     float squares = 0;
     for (size_t k = 0; k < 3; ++k) {
       const float apart = row.place[k] - out_.atoms[at->second.atom].place[k];
@@ -279,7 +279,7 @@ void PdbAssembler::find_chosen() {
   taken_.clear();
 }
 
-// The ends of links in the row's residue; nothing of what it is not.
+// Finds the ends of links in the row's residue.
 void PdbAssembler::find_ends(const PdbRow& row, std::vector<PdbLink>& links) {
   const auto key = [](std::string_view residue, std::string_view chain, std::string_view number) {
     return fmt::format("{}|{}|{}", residue, chain, without_blanks(number));
@@ -352,9 +352,9 @@ void PdbAssembler::add(const std::vector<PdbRow>& rows, bool is_pqr, bool with_s
   Notices& n = out_.notices;
   elements.tell(n);
   conformers_.tell(n, Severity::left_out, "atoms of alternate conformers");
-  residues_.tell(n, Severity::left_out, "residues that share the number and place of another");
-  placeless_.tell(n, Severity::left_out, "atoms whose coordinates are no numbers");
-  numberless_.tell(n, Severity::left_out, "occupancies or B factors that are no numbers");
+  residues_.tell(n, Severity::left_out, "residues with the number and position of another");
+  placeless_.tell(n, Severity::left_out, "atoms with coordinates that are not numbers");
+  numberless_.tell(n, Severity::left_out, "occupancies or B factors that are not numbers");
   radiusless_.tell(n, Severity::guessed, "van der Waals radii of atoms with a radius of 0");
 }
 

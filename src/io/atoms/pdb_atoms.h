@@ -1,4 +1,4 @@
-// Lines of atoms of PDB and PQR texts, and what they come to.
+// Atom lines of PDB and PQR, and the atoms made of them.
 #pragma once
 
 #include <array>
@@ -20,11 +20,11 @@ struct Span {
   uint8_t at = 0, size = 0;
 };
 
-/// A line, which is of an atom where it has a text.
+/// A line; it is an atom if it has a text.
 struct PdbRow {
   const char* text = nullptr;
   std::array<float, 3> place{};
-  float occupancy = 1, b_factor = 0;  // of PQR charge and radius
+  float occupancy = 1, b_factor = 0;  // charge and radius in PQR
   bool has_occupancy = false, has_b_factor = false;
   Span serial, name, residue, chain, sequence;
   char conformer = ' ';
@@ -35,17 +35,18 @@ struct PdbRow {
   std::string_view part(Span span) const { return {text + span.at, span.size}; }
 };
 
-/// Rows of what becomes `out`.
+/// Reads a row of atoms that will be added to `out`.
 std::optional<LineFault> read_pdb_row(std::string_view line, const Atoms& out, PdbRow& row);
 std::optional<LineFault> read_pqr_row(std::string_view line, const Atoms& out, PdbRow& row);
 
-/// Whether a line is of an atom whose fields blanks part, and that does not fit the columns of PDB.
+/// Whether this is an atom line with fields separated by blanks that does not fit the columns of
+/// PDB.
 bool is_pqr_line(std::string_view line);
 
-/// The elements of rows that do not tell them.
+/// Guesses elements of rows that have none.
 void guess_elements(std::vector<PdbRow>& rows);
 
-/// A bond of LINK or SSBOND.
+/// A bond of a LINK or SSBOND record.
 struct PdbLink {
   struct End {
     std::string_view residue, chain, sequence, name;  // no name: the first sulphur
@@ -58,7 +59,7 @@ struct PdbLink {
 
 std::optional<PdbLink> link_of(std::string_view line, bool is_ssbond);
 
-/// Makes atoms of rows, one after the other.
+/// Converts rows to atoms, one at a time.
 class PdbAssembler {
  public:
   PdbAssembler(Atoms& out, Names& chains, size_t first_line)
@@ -69,7 +70,7 @@ class PdbAssembler {
 
   Serials serials;
   std::vector<float> charges;
-  std::vector<uint32_t> row_of;  // of each atom
+  std::vector<uint32_t> row_of;  // by atom
 
  private:
   struct Chosen {
@@ -86,13 +87,14 @@ class PdbAssembler {
   Atoms& out_;
   Names& chains_;
   const size_t first_line_;
-  const PdbRow* position_ = nullptr;  // the first row of this chain and number
-  const PdbRow* residue_ = nullptr;   // the last one that was taken
-  std::string_view left_out_;         // the name of a residue that stands in another's place
-  std::vector<std::pair<std::string_view, Chosen>> taken_;  // of the position, until searched
-  std::unordered_map<std::string_view, Chosen> chosen_;     // of these, by name
+  const PdbRow* position_ = nullptr;  // the first row of this chain and residue number
+  const PdbRow* residue_ = nullptr;   // the last residue that was kept
+  std::string_view left_out_;         // name of a residue at the position of another
+  std::vector<std::pair<std::string_view, Chosen>>
+      taken_;  // at this chain and number; moved to chosen_ when searched
+  std::unordered_map<std::string_view, Chosen> chosen_;  // by atom name
   bool is_searched_ = false;
-  std::unordered_map<std::string, std::vector<PdbLink::End*>> ends_;  // of links, by residue
+  std::unordered_map<std::string, std::vector<PdbLink::End*>> ends_;  // ends of links by residue
   const std::vector<PdbLink::End*>* ends_here_ = nullptr;
   Cases conformers_, residues_, placeless_, numberless_, radiusless_;
 };

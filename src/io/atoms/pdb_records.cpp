@@ -25,8 +25,8 @@ std::optional<std::array<double, count>> numbers_in(std::string_view line,
   return out;
 }
 
-// The numbers of the serials in a run of digits without blanks: the first as wide as it has to be,
-// the others of five or six columns.
+// Splits a run of digits without blanks into serial numbers: the first is as wide as necessary, the
+// others have five or six columns.
 bool split_run(std::string_view run, const Serials& serials, bool is_first,
                std::vector<uint64_t>& out) {
   if (run.empty()) return true;
@@ -57,7 +57,7 @@ std::vector<uint64_t> serials_of(std::string_view line, const Serials& serials) 
   std::vector<uint64_t> by_words;
   for (const std::string_view word : words_of(columns(line, kRecord, 6 * kMost))) {
     if (split_run(word, serials, true, by_words)) continue;
-    // That of an atom that is not there holds its place.
+    // A missing atom still takes its place in the list.
     by_words.push_back(UINT64_MAX);
   }
   return fits && out.size() >= by_words.size() ? out : by_words;
@@ -91,7 +91,7 @@ PdbCrystal crystal_of(std::string_view cryst1, const std::array<std::string_view
     }
   }
   if (!cell) {
-    notices.add_whole(Severity::left_out, "the cell, as CRYST1 does not have six numbers");
+    notices.add_whole(Severity::left_out, "the cell, since CRYST1 does not have six numbers");
     return out;
   }
   out.lengths_and_angles = *cell;
@@ -133,7 +133,7 @@ std::vector<Assembly> assemblies_of(const std::vector<PdbLine>& remarks, Names& 
     if (row == std::string_view::npos || row + 5 >= line.size()) continue;
     const auto number = size_t(line[row + 5] - '1');
     if (number > 2) continue;
-    // In words, as the columns shift where there are a thousand matrices.
+    // As words, since columns shift beyond 999 matrices.
     const auto words = words_of(line.substr(row + 6));
     bool all = words.size() > 4;
     for (size_t k = 0; k < 4 && all; ++k) {
@@ -157,7 +157,7 @@ std::optional<uint64_t> serial_in(std::string_view field) {
     return value;
   };
   if (const auto decimal = value_in(10)) return decimal;
-  // Hybrid-36 begins with letters where five digits end (http://cci.lbl.gov/hybrid_36).
+  // Hybrid-36 continues with letters after five digits (http://cci.lbl.gov/hybrid_36).
   constexpr uint64_t kFirst = 10ull * 36 * 36 * 36 * 36, kDecimals = 100'000;
   if (field.size() == 5 && (field[0] & ~32) >= 'A' && (field[0] & ~32) <= 'Z')
     if (const auto value = value_in(36)) {
@@ -184,8 +184,8 @@ void add_bonds(const std::vector<PdbLine>& conect, const Serials& serials, Atoms
       if (const uint32_t to = atom(list[k]); to < kLeftOut && to != from)
         out.bonds.push_back({std::min(from, to), std::max(from, to)});
   }
-  twice.tell(out.notices, Severity::left_out, "bonds of CONECT by numbers that several atoms have");
-  missing.tell(out.notices, Severity::left_out, "bonds of CONECT to atoms that are not there");
+  twice.tell(out.notices, Severity::left_out, "CONECT bonds with serials that several atoms have");
+  missing.tell(out.notices, Severity::left_out, "CONECT bonds to atoms that do not exist");
 }
 
 }  // namespace raio

@@ -30,14 +30,14 @@ std::string_view name_of(Word word) {
   return "a number";
 }
 
-// The element of a label such as "C1", "C_3" and "Fe3+": that of the letters before all else.
+// The element of a label such as "C1", "C_3" and "Fe3+", from its leading letters.
 int element_of_label(std::string_view label) {
   const auto other =
       std::ranges::find_if(label, [](char c) { return (c & ~32) < 'A' || (c & ~32) > 'Z'; });
   return element_number(label.substr(0, size_t(other - label.begin())));
 }
 
-// "0.15D+01" of Fortran.
+// Fortran numbers such as "0.15D+01".
 bool parse_fortran(std::string_view text, double& number) {
   constexpr size_t kMost = 64;
   std::array<char, kMost + TextBuffer::kPadding> word{};
@@ -49,7 +49,7 @@ bool parse_fortran(std::string_view text, double& number) {
 
 class RowReader {
  public:
-  // `odd`: becomes true where a label is not a plain symbol.
+  // `odd` becomes true if a label is not a plain symbol.
   RowReader(const RowLayout& layout, Atoms& out, std::atomic<bool>& odd)
       : layout_(layout), to_place_(layout.to_place), out_(out), odd_(odd) {
     for (size_t row = 0; row < 3; ++row) to_place_[4 * row + 3] -= out.origin[row];
@@ -101,7 +101,7 @@ class RowReader {
         place[size_t(word) - size_t(Word::x)] = number;
         return is_number;
       case Word::species:
-        // Some programs number elements.
+        // Some programs write atomic numbers.
         atom.element =
             uint8_t(is_whole(1) && number < kElements ? int(number) : element_number(text));
         if (atom.element == 0) {
@@ -136,7 +136,7 @@ class RowReader {
   size_t last_ = 0;
 };
 
-// Tells the labels that are not plain symbols, in the order of the file.
+// Adds notices about labels that are not plain symbols, in the order of the file.
 void describe_labels(const LineIndex& index, size_t first, const RowLayout& layout, Atoms& out) {
   const auto column = size_t(std::ranges::find(layout.words, Word::species) - layout.words.begin());
   const char* p = index.begin_of(first);
@@ -151,9 +151,9 @@ void describe_labels(const LineIndex& index, size_t first, const RowLayout& layo
     const std::string_view label = word_at(at);
     const int element = out.atoms[i].element;
     if (element == 0)
-      out.notices.add(Severity::warning, "labels that are no elements", label, first + i + 1);
+      out.notices.add(Severity::warning, "labels that are not elements", label, first + i + 1);
     else if (element_number(label) == 0 && !looks_like_number(label))
-      out.notices.add(Severity::guessed, "elements from the letters of labels", label,
+      out.notices.add(Severity::guessed, "elements from the leading letters of labels", label,
                       first + i + 1);
   }
 }

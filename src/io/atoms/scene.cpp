@@ -1,4 +1,4 @@
-// From atoms to a scene.
+// Converts atoms to a scene.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,17 +21,18 @@
 namespace raio {
 namespace {
 
-// So many atoms are still seen one by one.
+// Up to this many atoms are easily seen individually.
 constexpr size_t kFew = 300;
-// So many of carbon alone, as in cages and tubes; they are not behind one another.
+// The same for pure carbon, such as cages and tubes, where few atoms hide each other.
 constexpr size_t kFewCarbons = 1000;
-constexpr float kLargest = 1e9f;  // number of a matrix, so that what it moves stays near
+constexpr float kLargest =
+    1e9f;  // largest element of a matrix, so that transformed positions stay in range
 constexpr float kStick = 0.15f, kBond = 0.12f, kBallPart = 0.27f, kPoint = 0.25f;
-constexpr double kEdgePart = 0.005;  // of a cell's mean side, the radius of its edges
+constexpr double kEdgePart = 0.005;  // radius of the cell's edges, relative to its mean side
 const Rgb kEdgeColor(0.05f);
 constexpr size_t kMaxCells = 10'000'000;
-constexpr double kFlat = 0.1;           // of its width, the height of what is seen from above
-constexpr size_t kMaxCompleted = 3000;  // atoms of all copies of a cell
+constexpr double kFlat = 0.1;           // height over width below which the view is from above
+constexpr size_t kMaxCompleted = 3000;  // over all images of a cell
 
 Vec3f place_of(const Atom& atom) { return {atom.place[0], atom.place[1], atom.place[2]}; }
 
@@ -58,20 +59,21 @@ bool is_sound(const Cell& cell) {
   return is_near(cell.origin) && std::ranges::all_of(cell.sides, is_near);
 }
 
-// Whether it is a crystal or a simulation, but no molecule with chains, and no drop, tube or
+// Whether this is a crystal or a simulation, not a molecule with chains, nor a droplet, tube or
 // protein in a large box.
 bool is_of_cell(const Atoms& atoms) {
   return atoms.cell && atoms.chains.empty() && is_sound(*atoms.cell) && !atoms.atoms.empty() &&
          fill_cell(atoms);
 }
 
-// Whether the edges of the cell are drawn.
+// Whether to draw the edges of the cell.
 bool draws_cell(const Atoms& atoms, const ReadOptions& options) {
   return options.cell ? *options.cell : is_of_cell(atoms);
 }
 
-// Whether the atoms on the border of the cell are drawn on all of its sides, as in pictures of
-// crystals. The bonds of a file do not lead to them, and in frames they would come and go.
+// Whether atoms on the faces of the cell are repeated on all its sides, as is usual for crystals.
+// Not if the file lists bonds, which do not lead to the images, or has frames, in which images
+// would come and go.
 bool completes_cell(const Atoms& atoms, const ReadOptions& options) {
   return atoms.finds_bonds && atoms.frames <= 1 && atoms.atoms.size() <= kFew &&
          atoms.atoms.size() * images_of(options) <= kMaxCompleted && any_element(atoms) &&
@@ -80,7 +82,7 @@ bool completes_cell(const Atoms& atoms, const ReadOptions& options) {
 
 class AtomScene {
  public:
-  // `shifts`: to the copies of what the atoms make.
+  // `shifts` are the translations to the images.
   AtomScene(const Atoms& atoms, std::string_view file, const ReadOptions& options, AtomStyle style,
             std::vector<Vec3d> shifts)
       : atoms_(atoms),
@@ -109,15 +111,15 @@ class AtomScene {
     scene.dialect = Dialect::data;
     scene.origin = origin_;
     read_.frames = atoms_.frames;
-    if (has_elements_) read_.unit = "Å";  // that of the radii
+    if (has_elements_) read_.unit = "Å";  // from the radii
     auto materials = color_atoms(atoms_, options_, style_, read_);
     if (!materials) return failed(file_, materials.error());
     material_ = *std::move(materials);
     if (has_bonds(style_) && !collect_bonds())
       return failed(file_,
-                    "too many atoms are at one place for bonds between them; choose the `style` "
+                    "too many atoms are at one position to find bonds; choose the `style` "
                     "space-filling or points");
-    // Where most atoms have no bonds, small balls would be all there is.
+    // If most atoms have no bonds, the small balls would be all there is to see.
     if (!options_.style && has_bonds(style_) && 2 * bonded_atoms() < atoms_.atoms.size()) {
       style_ = AtomStyle::space_filling;
       bonds_.clear();
@@ -128,20 +130,19 @@ class AtomScene {
     fit(box);
     for (size_t i = 0; i < 3 && atoms_.cell; ++i)
       if (options_.images[i] > 1 && !atoms_.cell->repeats[i])
-        tell(Severity::warning,
-             fmt::format("the file says that nothing repeats along {}, but `images` "
-                         "asks for copies",
-                         "abc"[i]));
+        tell(Severity::warning, fmt::format("the file is not periodic along {}, but `images` "
+                                            "repeats it",
+                                            "abc"[i]));
     if (atoms_.frames > 1 && options_.frame == 0 && !options_.cache)
       tell(Severity::left_out,
-           fmt::format("frames or models behind the first ({}); `frame` gives others",
+           fmt::format("frames or models after the first ({}); `frame` selects one",
                        atoms_.frames - 1));
     append(read_.notices, atoms_.notices, file_);
     return std::move(read_);
   }
 
  private:
-  // The camera; `box` has the atoms.
+  // Fits the camera; `box` bounds the atoms.
   void fit(const Box3f& box) {
     Scene& scene = read_.scene;
     if (!is_of_cell(atoms_)) return fit_camera(scene, FitView::principal);
@@ -160,7 +161,8 @@ class AtomScene {
   float radius_of(size_t atom) const {
     if (style_ == AtomStyle::sticks) return kStick;
     if (style_ == AtomStyle::points) return options_.radius > 0 ? options_.radius : kPoint;
-    const bool has_own = !atoms_.radii.empty() && atoms_.radii[atom] > 0;  // a point has none
+    const bool has_own =
+        !atoms_.radii.empty() && atoms_.radii[atom] > 0;  // a PQR atom may have radius 0
     const float whole = has_own               ? atoms_.radii[atom]
                         : options_.radius > 0 ? options_.radius
                         : has_elements_       ? van_der_waals_radius(atoms_.atoms[atom].element)
@@ -172,17 +174,17 @@ class AtomScene {
     read_.notices.push_back({severity, std::string(file_), 0, 0, std::move(what), ""});
   }
 
-  // Of the file, of an assembly or of the cell; the error.
+  // Adds the instances of the file, an assembly or the cell; returns the error.
   std::string add_copies() {
     const bool copied = images_of(options_) > 1, has = !atoms_.assemblies.empty() && !copied;
     const int wanted =
         options_.assembly.value_or(has && style_ == AtomStyle::space_filling ? 1 : 0);
     if (wanted < 0 || size_t(wanted) > atoms_.assemblies.size())
       return atoms_.assemblies.empty() ? "the file has no assemblies; leave out `assembly`"
-                                       : fmt::format("there is no assembly {}; the file has {}",
+                                       : fmt::format("assembly {} does not exist; the file has {}",
                                                      wanted, atoms_.assemblies.size());
     if (wanted > 0 && copied)
-      return "an assembly is no part of the cell; leave out `assembly` or `images`";
+      return "an assembly cannot be repeated with the cell; leave out `assembly` or `images`";
     if (wanted == 0 && shifts_.size() == 1) {
       add_atoms(read_.scene, nullptr);
       return {};
@@ -207,12 +209,12 @@ class AtomScene {
     if (!options_.assembly && !read_.scene.instances.empty()) tell_assembly();
     if (!read_.scene.instances.empty()) return {};
     if (options_.assembly) return "the assembly has no atoms";
-    // A part of a file keeps the head of the whole.
+    // A part of a file keeps the header of the whole.
     add_atoms(read_.scene, nullptr);
     return {};
   }
 
-  // The same maps of places that are relative to the origin.
+  // The same transformations for positions relative to the origin.
   std::vector<Matrix> about_origin(std::vector<Matrix> matrices) const {
     if (origin_ == Vec3d()) return matrices;
     for (Matrix& m : matrices) {
@@ -222,7 +224,7 @@ class AtomScene {
     return matrices;
   }
 
-  // Unless it is what the file has anyway.
+  // Adds a notice, unless the assembly is what the file lists.
   void tell_assembly() {
     Scene& scene = read_.scene;
     size_t drawn = 0;
@@ -231,12 +233,12 @@ class AtomScene {
     if (drawn == atoms_.atoms.size() && scene.instances.size() == 1) return;
     const size_t count = atoms_.assemblies.size();
     tell(Severity::guessed,
-         fmt::format("the biological assembly{} is meant, of {} atoms; the file has {}; "
-                     "`assembly` none draws these",
+         fmt::format("the biological assembly{} of {} atoms is drawn; the file lists {}; "
+                     "`assembly` none draws those",
                      count > 1 ? fmt::format(" 1 of {}", count) : "", drawn, atoms_.atoms.size()));
   }
 
-  // So that pictures tell several copies apart: by the channel of objects and by outlines.
+  // Gives instances names, so that the channel of objects and outlines distinguish them.
   void name_copies() {
     Scene& scene = read_.scene;
     const size_t count = scene.instances.size();
@@ -246,7 +248,7 @@ class AtomScene {
     }
   }
 
-  // The chosen parts, moved by each of the matrices.
+  // Adds an object of the chosen parts, with an instance per matrix.
   void add_object(const std::vector<bool>* chosen, const std::vector<Matrix>& matrices) {
     Scene& scene = read_.scene;
     Scene object;
@@ -258,7 +260,7 @@ class AtomScene {
     scene.prototypes.push_back(std::move(object));
   }
 
-  // Those whose parts are chosen, with the bonds between them; null: all.
+  // The atoms of the chosen parts with the bonds between them; null: all.
   void add_atoms(Scene& scene, const std::vector<bool>* chosen) const {
     const auto is_chosen = [&](uint32_t i) {
       const uint32_t part = atoms_.atoms[i].part;
@@ -268,7 +270,7 @@ class AtomScene {
     for (uint32_t i = 0; chosen && i < atoms_.atoms.size(); ++i)
       if (is_chosen(i)) some.push_back(i);
     const size_t count = chosen ? some.size() : atoms_.atoms.size();
-    // The ends of the cell's edges come behind the atoms, which then need not move.
+    // The corners of the cell come after the atoms, which then keep their indices.
     size_t ends = 1;
     for (const int n : options_.images) ends *= size_t(n) + 1;
     scene.spheres.reserve(count + ends), scene.spheres.resize(count);
@@ -284,7 +286,7 @@ class AtomScene {
       if (is_chosen(a) && is_chosen(b)) add_bond(scene, a, b);
   }
 
-  // False: so many atoms are at one place that they are none.
+  // False if too many atoms are at one position.
   bool collect_bonds() {
     bonds_ = atoms_.bonds;
     if (!atoms_.finds_bonds) return true;
@@ -304,7 +306,7 @@ class AtomScene {
     return size_t(std::ranges::count(is_bonded, true));
   }
 
-  // Half of it in the colour of the atom at its end.
+  // Half of the bond in the colour of its first atom.
   void add_bond(Scene& scene, uint32_t a, uint32_t b) const {
     const float radius = style_ == AtomStyle::sticks ? kStick : kBond;
     const Vec3f from = place_of(atoms_.atoms[a]), to = place_of(atoms_.atoms[b]);
@@ -318,12 +320,12 @@ class AtomScene {
   }
 
   static void add_cylinder(Scene& scene, Vec3f from, Vec3f to, float radius, MaterialId id) {
-    if (from == to) return;  // atoms at one place
+    if (from == to) return;  // atoms at the same position
     scene.cones.push_back({from, radius, to, radius});
     scene.cone_materials.push_back(id);
   }
 
-  // Of all cells, as lines through them along each of the sides, round at their ends.
+  // The edges of all images of the cell, as lines along each side, with round ends.
   void add_edges() {
     Scene& scene = read_.scene;
     const auto& n = options_.images;
@@ -346,7 +348,7 @@ class AtomScene {
           const Vec3d from = origin + side[other] * j + side[third] * k;
           const Vec3d to = from + side[axis] * n[axis];
           add_cylinder(scene, Vec3f(from), Vec3f(to), radius, id);
-          // Where lines of several axes end, one of them has the ball.
+          // Where lines of several axes end, one of them adds the ball.
           const auto ends = [&](size_t a, int at) { return a < axis && (at == 0 || at == n[a]); };
           if (ends(other, j) || ends(third, k)) continue;
           for (const Vec3d& end : {from, to}) {
@@ -364,29 +366,30 @@ class AtomScene {
   const std::vector<Vec3d> shifts_;
   const Vec3d origin_;
   bool has_elements_ = false;
-  float particle_radius_ = 1;  // of atoms without elements
+  float particle_radius_ = 1;  // for atoms of unknown element
   ReadScene read_;
-  std::vector<MaterialId> material_;  // of each atom
+  std::vector<MaterialId> material_;  // by atom
   Bonds bonds_;
 };
 
-// What keeps the cell from being drawn or copied.
+// The reason why the cell cannot be drawn or repeated; empty if it can.
 std::string cell_problem(const Atoms& atoms, const ReadOptions& options) {
   const size_t images = images_of(options);
   const std::string_view asked = options.cell.value_or(false) ? "cell" : images > 1 ? "images" : "";
   if (asked.empty()) return {};
-  if (!atoms.cell) return fmt::format("`{}` needs a cell, which the file does not have", asked);
+  if (!atoms.cell) return fmt::format("`{}` needs a cell, but the file has none", asked);
   if (!is_sound(*atoms.cell)) return "the cell has a number that is not finite";
   if (images > kMaxCells)
-    return fmt::format("{} copies of the cell are too many; expected at most {}", images,
+    return fmt::format("{} images of the cell are too many; expected at most {}", images,
                        kMaxCells);
-  // Of each atom with its bonds, or of each copy.
+  // Bytes per atom with its bonds, or per instance.
   const double bytes = has_bonds(style_of(atoms, options)) ? 300.0 * double(atoms.atoms.size())
                        : options.instances                 ? 200.0
                                                            : 60.0 * double(atoms.atoms.size());
   if (images > 1 && bytes * double(images) > 0.5 * double(available_memory_bytes()))
-    return fmt::format("{} copies of {} atoms need more memory than there is; give fewer `images`",
-                       images, atoms.atoms.size());
+    return fmt::format(
+        "{} images of {} atoms need more memory than is available; give fewer `images`", images,
+        atoms.atoms.size());
   return {};
 }
 
@@ -409,7 +412,9 @@ std::expected<ReadScene, Diagnostics> scene_of_atoms(Atoms atoms, std::string_vi
   float farthest = 0;
   for (size_t i = 0; i < atoms.atoms.size(); ++i) {
     const Vec3f place = place_of(atoms.atoms[i]);
-    if (!is_place(place)) return failed(file, fmt::format("atom {} has no finite place", i + 1));
+    if (!is_place(place))
+      return failed(file,
+                    fmt::format("atom {} has a coordinate that is too large or not finite", i + 1));
     farthest = std::max(farthest, max_component(abs(place)));
   }
   for (const Assembly& assembly : atoms.assemblies)
@@ -417,7 +422,8 @@ std::expected<ReadScene, Diagnostics> scene_of_atoms(Atoms atoms, std::string_vi
       for (const auto& matrix : copies.matrices)
         for (const float number : matrix)
           if (!(std::abs(number) <= kLargest))
-            return failed(file, "a matrix of an assembly has a number that is not finite");
+            return failed(file,
+                          "a matrix of an assembly has a number that is too large or not finite");
   for (const Assembly& assembly : atoms.assemblies)
     for (const Assembly::Copies& copies : assembly.copies)
       for (const auto& matrix : copies.matrices)
@@ -437,7 +443,7 @@ std::expected<ReadScene, Diagnostics> scene_of_atoms(Atoms atoms, std::string_vi
   if (completes) complete_border(atoms, options.images);
   auto read =
       AtomScene(atoms, file, options, style, repeats ? std::vector{Vec3d()} : shifts).make();
-  constexpr double kFine = 0.01;  // much less than a bond is long
+  constexpr double kFine = 0.01;  // much shorter than a bond
   if (const double step = float_step(double(farthest)); read && step > kFine)
     read->notices.push_back({Severity::cut, std::string(file), 0, 0,
                              fmt::format("the atoms are so far apart that their coordinates are "

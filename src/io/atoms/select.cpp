@@ -18,7 +18,7 @@
 namespace raio {
 namespace {
 
-using Mask = std::vector<bool>;  // of the atoms
+using Mask = std::vector<bool>;  // one per atom
 
 struct Term {
   enum class What : uint8_t {
@@ -37,7 +37,7 @@ struct Term {
   };
   What what = What::all;
   std::vector<std::string> names;
-  std::vector<std::array<int, 2>> ranges;  // both ends are in
+  std::vector<std::array<int, 2>> ranges;  // inclusive
 
   bool has(int number) const {
     return std::ranges::any_of(
@@ -49,7 +49,7 @@ constexpr auto kTerms = std::to_array<std::string_view>(
     {"all", "water", "hydrogen", "ion", "ligand", "protein", "nucleic", "element", "type", "chain",
      "residue", "index"});  // in the order of Term::What
 
-/// In the order in which it is worked out: operators stand behind what they join.
+/// A step in evaluation order: operators follow their operands (postfix).
 struct Step {
   enum class Op : uint8_t { term, both, either, negate };
   Op op = Op::term;
@@ -81,7 +81,7 @@ class Parser {
                                        word_.empty() ? "the end" : fmt::format("'{}'", word_))};
   }
 
-  // A parenthesis, a comma, or what is up to the next one or a blank.
+  // Advances to the next token: a parenthesis, a comma or a word.
   void next() {
     at_ = std::min(text_.find_first_not_of(" \t", at_ + word_.size()), text_.size());
     size_t size = 0;
@@ -148,7 +148,7 @@ class Parser {
       range[1] = range[0];
     const bool is_range = last.ec == std::errc() && last.ptr == end;
     if (!is_name && is_range) {
-      if (range[1] < range[0]) fail("expected a range from the lower to the higher number");
+      if (range[1] < range[0]) fail("expected a range that begins with its lower number");
       out.ranges.push_back(range);
       return;
     }
@@ -159,7 +159,7 @@ class Parser {
   }
 
   std::string_view text_, word_;
-  size_t at_ = 0;  // of the word
+  size_t at_ = 0;  // of the current word
   std::vector<Step> steps_;
 };
 
@@ -168,12 +168,12 @@ bool is_same(std::string_view a, std::string_view b) {
       a, b, {}, [](char c) { return c & ~32; }, [](char c) { return c & ~32; });
 }
 
-// A selection that asks for what the file does not have.
+// A selection that needs data that the file does not have.
 struct Unfit {
   std::string text;
 };
 
-// Answers what terms ask of the atoms.
+// Evaluates terms over the atoms.
 class Chooser {
  public:
   explicit Chooser(const Atoms& atoms) : atoms_(atoms) {
@@ -183,7 +183,7 @@ class Chooser {
     for (const Residue& residue : atoms.residues) kinds_.push_back(residue_kind(residue.view()));
   }
 
-  // Throws an Unfit that says what the file does not have.
+  // Throws an Unfit that names the missing data.
   Mask chosen(const std::vector<Step>& steps) const {
     std::vector<Mask> stack;
     for (const Step& step : steps) {
@@ -212,7 +212,7 @@ class Chooser {
     return out;
   }
   static void need(bool is_there, std::string_view what) {
-    if (!is_there) throw Unfit{fmt::format("needs {}, which the file does not have", what)};
+    if (!is_there) throw Unfit{fmt::format("needs {}, but the file has none", what)};
   }
 
   [[noreturn]] static void fail_unnamed(std::string_view what, std::string_view name,
@@ -223,7 +223,7 @@ class Chooser {
                             names.size() > kMost ? " and more" : "")};
   }
 
-  // A single atom of a metal or halogen.
+  // Whether it is a single metal or halogen atom.
   bool is_ion(const Atom& atom) const {
     constexpr std::array<uint8_t, 4> kHalogens = {9, 17, 35, 53};
     return residue_sizes_[atom.residue] == 1 &&
@@ -298,7 +298,7 @@ class Chooser {
     return where([&](const Atom& a, uint32_t) { return wanted[a.chain]; });
   }
 
-  // By their names and numbers; where there are no names, numbers are those of molecules.
+  // By residue name and number; without names, numbers are molecule ids.
   Mask of_residues(const Term& term) const {
     need(atoms_.has_residues, "residues");
     need(!kinds_.empty() || term.names.empty(), "names of residues");

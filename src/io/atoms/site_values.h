@@ -1,4 +1,4 @@
-// Values of CIF as gemmi reads them, but without exceptions.
+// Values of CIF as gemmi reads them, without exceptions.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace raio::cif {
 
 inline bool is_null(std::string_view value) { return value == "?" || value == "."; }
 
-/// Without quotes, or the lines that begin with semicolons.
+/// The text of a value without quotes or enclosing semicolon lines.
 inline std::string_view text_of(std::string_view value) {
   if (value.empty() || is_null(value)) return {};
   if (value[0] == '"' || value[0] == '\'') return value.substr(1, value.size() - 2);
@@ -26,7 +26,7 @@ inline std::string_view text_of(std::string_view value) {
   return value;
 }
 
-/// The only character of a value, or 0 of an empty one.
+/// The single character of a value; 0 if it is empty.
 inline std::optional<char> char_of(std::string_view value, char null) {
   if (is_null(value)) return null;
   const std::string_view text = value.size() < 2 ? value : text_of(value);
@@ -41,7 +41,7 @@ inline bool is_whole(std::string_view text) {
   return !text.empty() && std::ranges::all_of(text, gemmi::is_digit);
 }
 
-/// A whole number that no int holds.
+/// Whether a whole number does not fit in an int.
 inline bool is_too_large(std::string_view value) {
   if (value.size() <= std::numeric_limits<int>::digits10) return false;
   value = without_blanks(text_of(value));
@@ -51,7 +51,7 @@ inline bool is_too_large(std::string_view value) {
          std::errc::result_out_of_range;
 }
 
-/// Calls dropped(column, value) for whole numbers beyond an int, which become unknown.
+/// Replaces whole numbers that do not fit in an int by "?" and calls dropped(column, value).
 template <class Dropped>
 void drop_large_numbers(SiteValues& values, const Dropped& dropped) {
   for (const SiteColumn column : kWholeNumbers)
@@ -61,7 +61,7 @@ void drop_large_numbers(SiteValues& values, const Dropped& dropped) {
     }
 }
 
-/// A number, which may have a letter behind it as old files have it, and an insertion code.
+/// A residue number, optionally followed by an insertion code, as in old files.
 inline std::optional<gemmi::SeqId> seqid_of(std::string_view number, std::string_view insertion) {
   gemmi::SeqId out;
   const auto code = char_of(insertion, ' ');

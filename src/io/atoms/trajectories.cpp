@@ -1,4 +1,4 @@
-// XYZ and dumps of LAMMPS.
+// XYZ and LAMMPS dumps.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,8 +14,8 @@ namespace {
 // --- XYZ and extended XYZ
 constexpr std::string_view kProperties = "properties=";
 
-// "Properties=species:S:1:pos:R:3:..." of rows of at most `most` words; false: it says nothing that
-// atoms could be read by.
+// Parses "Properties=species:S:1:pos:R:3:..." of rows of at most `most` words; false if it has no
+// usable position.
 bool read_properties(std::string_view list, std::string_view value, size_t most, FrameRows& out) {
   if (list.starts_with('"')) list.remove_prefix(1);
   list = list.substr(0, list.find_first_of(" \t\""));
@@ -52,7 +52,7 @@ bool read_properties(std::string_view list, std::string_view value, size_t most,
   return out.layout.has(Word::x);
 }
 
-// Where a word such as "lattice=", in any case, ends in a comment; npos: it is not in there.
+// The end of a key such as "lattice=", in any case, in a comment; npos if it is missing.
 size_t behind(std::string_view comment, std::string_view word) {
   const auto found = std::ranges::search(comment, word, [](char c, char w) {
     return c == w || (c >= 'A' && c <= 'Z' && char(c | 32) == w);
@@ -60,8 +60,8 @@ size_t behind(std::string_view comment, std::string_view word) {
   return found.empty() ? std::string_view::npos : size_t(found.end() - comment.begin());
 }
 
-// The numbers of a word such as Lattice="4 0 0 0 4 0 0 0 4" or Lattice=[[4,0,0],[0,4,0],[0,0,4]];
-// nothing: there are not so many.
+// The numbers of an entry such as Lattice="4 0 0 0 4 0 0 0 4" or Lattice=[[4,0,0],[0,4,0],[0,0,4]];
+// nothing if their number differs.
 template <size_t count>
 std::optional<std::array<double, count>> numbers_in(std::string_view comment,
                                                     std::string_view word) {
@@ -71,7 +71,7 @@ std::optional<std::array<double, count>> numbers_in(std::string_view comment,
   if (list.starts_with('"')) list = list.substr(1, list.find('"', 1) - 1);
   if (list.starts_with('['))
     std::ranges::replace_if(list, [](char c) { return c == '[' || c == ']' || c == ','; }, ' ');
-  list.append(TextBuffer::kPadding, ' ');  // as numbers are read
+  list.append(TextBuffer::kPadding, ' ');  // padding for the number parser
   std::array<double, count> out{};
   const auto words = words_of(list);
   if (words.size() < count) return std::nullopt;
@@ -101,14 +101,14 @@ std::optional<Cell> cell_of_xyz(std::string_view comment) {
   return cell;
 }
 
-// What a file is that has the suffix of XYZ and is none, by its first lines; empty: it may be one.
+// Recognises other formats with the suffix of XYZ by their first lines; empty if it may be XYZ.
 std::string_view other_than_xyz(LineReader lines) {
   constexpr std::string_view kPoints =
-      "these are points, x y z in each line, and no atoms; XYZ begins with the number of atoms and "
-      "a comment, and has an element before each x y z; write points as PLY";
+      "these lines are points, x y z each, not atoms; XYZ begins with the number of atoms and "
+      "a comment and has an element before each x y z; write points as PLY";
   constexpr std::string_view kTinker =
-      "this looks like an XYZ file of Tinker, whose lines have a number before the name and the "
-      "bonds behind the place; convert it to plain XYZ: element x y z in each line";
+      "this looks like a Tinker XYZ file, which has a number before each name and the bonds after "
+      "the coordinates; convert it to plain XYZ: element x y z in each line";
   const auto has_place = [](std::span<const std::string_view> words) {
     return words.size() >= 3 && std::ranges::all_of(words.first(3), looks_like_number);
   };
@@ -117,7 +117,7 @@ std::string_view other_than_xyz(LineReader lines) {
   };
   const auto first = words_of(lines.next_filled().value_or(""));
   if (has_place(first)) return kPoints;
-  // A box may stand before the atoms.
+  // A line with the box may precede the atoms.
   for (int i = 0; i < 2; ++i) {
     const auto words = words_of(lines.next().value_or(""));
     if (words.size() >= 6 && words[0] == "1" && !looks_like_number(words[1]) &&
@@ -151,15 +151,15 @@ FrameRowsOr next_xyz(Trajectory& t) {
 }
 
 // --- LAMMPS dumps
-// The words behind "ITEM: ATOMS".
+// The words after "ITEM: ATOMS".
 constexpr std::pair<std::string_view, Word> kDumpWords[] = {{"element", Word::species},
                                                             {"type", Word::type},
                                                             {"mol", Word::residue},
                                                             {"radius", Word::radius},
                                                             {"diameter", Word::diameter}};
 
-// What stands behind x, y and z in the words for places: nothing, "u" for unwrapped ones, "s" for
-// parts of the box, or "su". Of several kinds the first that all three axes have counts.
+// The suffix of x, y and z in the column names: none, "u" for unwrapped, "s" for scaled, or "su".
+// The first kind that all three axes have is used.
 std::optional<std::string_view> kind_of_places(std::span<const std::string_view> words) {
   const auto has = [&](char axis, std::string_view kind) {
     return std::ranges::any_of(words, [&](std::string_view word) {
@@ -195,7 +195,7 @@ class DumpReader {
   }
 
  private:
-  // All that stands before the atoms.
+  // Reads all lines before the atoms.
   std::expected<void, Diagnostics> read_header(FrameRows& out) {
     bounds_.clear();
     bool has_count = false;
@@ -210,7 +210,7 @@ class DumpReader {
         if (!count) return std::unexpected(count.error());
         out.count = *count, has_count = true;
       } else if (item.starts_with("BOX BOUNDS")) {
-        // "pp pp ff", behind other words where the box is tilted.
+        // "pp pp ff", after other words if the box is triclinic.
         const auto words = words_of(item);
         for (size_t i = 0; i < 3; ++i)
           repeats_[i] = words.size() < 5 || !is_wall(words[words.size() - 3 + i]);
@@ -223,12 +223,12 @@ class DumpReader {
         out.cell = box();
         return read_words(*line, item, out);
       } else {
-        (void)t_.lines.next();  // of TIMESTEP, UNITS and TIME
+        (void)t_.lines.next();  // the value of TIMESTEP, UNITS or TIME
       }
     }
   }
 
-  // Fixed, shrink-wrapped, or so with a minimum, on the lower side.
+  // Whether the lower boundary is fixed or shrink-wrapped, with or without a minimum.
   static bool is_wall(std::string_view word) {
     return word.size() == 2 && (word[0] == 'f' || word[0] == 's' || word[0] == 'm');
   }
@@ -255,7 +255,7 @@ class DumpReader {
     const auto kind = kind_of_places(words);
     if (!kind)
       return t_.wrong(line, line.data() + line.size(),
-                      "columns of places such as x y z or xs ys zs");
+                      "position columns such as x y z or xs ys zs");
     for (const std::string_view word : words) {
       const Word is = dump_word(word, *kind);
       out.layout.words.push_back(is != Word::skipped && out.layout.has(is) ? Word::skipped : is);
@@ -266,8 +266,9 @@ class DumpReader {
     }
     if (!kind->starts_with('s')) return {};
     if (!out.cell)
-      return failed(t_.file, "scaled places need ITEM: BOX BOUNDS before them", t_.lines.number());
-    // They are parts of the box.
+      return failed(t_.file, "scaled positions need ITEM: BOX BOUNDS before the atoms",
+                    t_.lines.number());
+    // Scaled positions are fractions of the box.
     for (size_t i = 0; i < 3; ++i) {
       for (size_t side = 0; side < 3; ++side)
         out.layout.to_place[4 * i + side] = out.cell->sides[side][i];
@@ -276,8 +277,9 @@ class DumpReader {
     return {};
   }
 
-  // Bounds with a tilt are those of the tilted box (https://docs.lammps.org/Howto_triclinic.html);
-  // with four numbers a line they are its sides and its origin.
+  // With tilt factors the bounds enclose the triclinic box
+  // (https://docs.lammps.org/Howto_triclinic.html); four numbers per line are its sides and its
+  // origin.
   std::optional<Cell> box() const {
     const auto& b = bounds_;
     if (b.empty()) return std::nullopt;

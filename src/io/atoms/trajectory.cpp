@@ -51,7 +51,7 @@ std::expected<void, Diagnostics> Trajectory::expect_rows(size_t count, size_t he
 }
 
 void Trajectory::leave_out_last(size_t line) {
-  found_->cut = fmt::format("the last frame is left out: the file ends behind {} of its {} atoms",
+  found_->cut = fmt::format("the last frame is left out: the file ends after {} of its {} atoms",
                             (*cut_)[0], (*cut_)[1]);
   found_->cut_line = line;
 }

@@ -1,4 +1,4 @@
-// Texts whose frames follow one another, an atom a line.
+// Texts with consecutive frames, one line per atom.
 #pragma once
 
 #include <charconv>
@@ -9,30 +9,29 @@
 
 namespace raio {
 
-/// A frame of a file: how many atoms, the first of them on which line, from 0.
+/// A frame of a file: its number of atoms and the line of the first one, from 0.
 struct FrameRows {
   size_t first = 0, count = 0;
   RowLayout layout;
-  std::vector<std::string> columns;  // of numbers
+  std::vector<std::string> columns;  // names of numeric columns
   std::optional<Cell> cell;
 };
 using FrameRowsOr = std::expected<FrameRows, Diagnostics>;
 
-/// A text of frames, whatever the format.
+/// A text of frames, in any format.
 class Trajectory {
  public:
-  /// The trajectory that a text is, or what else it is; what is found in it is kept in
-  /// options.cache.
+  /// Opens a trajectory, or says what else the text is; findings are stored in options.cache.
   static std::expected<Trajectory, Diagnostics> open(const TextBuffer& text, std::string_view file,
                                                      const ReadOptions& options);
 
  private:
-  // What is found once, for all frames that are read: where lines begin, and the frames.
+  // Found once and reused for all frames: line starts and frames.
   struct Found {
     LineIndex lines;
     std::vector<FrameRows> frames;
-    std::string value;  // as Trajectory has it
-    std::string cut;    // of the last frame, which is not among the frames; or empty
+    std::string value;  // Trajectory::value
+    std::string cut;    // why the last frame was left out; or empty
     size_t cut_line = 0;
   };
 
@@ -49,22 +48,22 @@ class Trajectory {
   const LineIndex& index;
   LineReader lines;
   const std::string_view file;
-  const std::string_view value;  // the column that colours are asked of
+  const std::string_view value;  // the column that `color_by` names
 
   bool is_first_frame() const { return found_->frames.empty(); }
   std::unexpected<Diagnostics> wrong(std::string_view line, const char* at, std::string expected) {
     return wrong_line(file, lines.number(), line, {at, std::move(expected)});
   }
-  /// A number of atoms, at least so many.
+  /// Parses a number of atoms, at least `least`.
   std::expected<size_t, Diagnostics> count(std::string_view line, size_t least = 1);
-  /// An error unless the file has so many lines behind the next `header` ones.
+  /// An error unless the file has this many lines after the next `header` ones.
   std::expected<void, Diagnostics> expect_rows(size_t count, size_t header);
-  /// The frame that next() fails at is the last one, and the file ends in it.
+  /// Records that the file ends within the frame where next() fails.
   void ends_in_frame(size_t found, size_t count) { cut_ = {found, count}; }
 
-  /// All frames are walked over once, by next(), which reads what stands before the atoms of one;
-  /// then the wanted one is read, relative to the origin. A last frame that is cut, as the
-  /// simulation still runs, is left out.
+  /// Scans all frames once with next(), which reads the lines before a frame's atoms; then reads
+  /// the requested frame, relative to the origin. An incomplete last frame, written while the
+  /// simulation runs, is left out.
   template <class Next, class Read>
   std::expected<Atoms, Diagnostics> read(int frame, size_t lines_behind, const Next& next,
                                          const std::array<double, 3>& origin,
@@ -89,7 +88,7 @@ class Trajectory {
       }
       if (lines_behind == 0) check_last_row();
     }
-    if (frames.empty()) return failed(file, "the file has no frames");
+    if (frames.empty()) return failed(file, "the file has no complete frame");
     Atoms out;
     out.origin = origin, out.frames = frames.size();
     if (!found_->cut.empty()) out.notices.add(Severity::cut, found_->cut, {}, found_->cut_line, 0);
@@ -99,7 +98,7 @@ class Trajectory {
     out.columns = chosen.columns;
     out.cell = chosen.cell;
     if (auto done = read_atoms(chosen, out); !done) return std::unexpected(done.error());
-    constexpr size_t kFew = 100'000;  // the search would slow the reading of larger frames
+    constexpr size_t kFew = 100'000;  // larger frames would be slowed by the search
     if (out.atoms.size() <= kFew)
       note_coincident(out, [](uint32_t i) { return std::to_string(i + 1); });
     return out;
@@ -111,7 +110,7 @@ class Trajectory {
   void check_last_row();
   size_t filled_lines() const;
 
-  std::optional<std::array<size_t, 2>> cut_;  // how many atoms there are, and how many there
+  std::optional<std::array<size_t, 2>> cut_;  // atoms found and expected
                                               // should be
 };
 

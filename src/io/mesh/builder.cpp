@@ -25,7 +25,7 @@ Words::Words(const TextBuffer& text)
 
 void Words::skip_comment() {
   p_ = skip_blanks_in_line(p_);
-  // A line may go on in the next one.
+  // A backslash at its end continues a line.
   while (*p_ == '\\' && (p_[1] == '\n' || (p_[1] == '\r' && p_[2] == '\n'))) {
     p_ += p_[1] == '\n' ? 2 : 3;
     ++line_;
@@ -60,7 +60,8 @@ bool Words::next_line() {
   (void)rest();
   do {
     if (at_end()) return false;
-    // Of the end "\r\n" one line is counted.
+    // The line end "\r
+    // " counts once.
     line_ += *p_ == '\n' || p_[1] != '\n';
     line_start_ = ++p_;
     skip_comment();
@@ -94,7 +95,7 @@ double Words::wide_coordinate() {
   const double value = number("a coordinate");
   if (std::abs(value) <= double(kFarthestPlace)) return value;
   p_ = at;
-  fail_expected("a coordinate of at most 1e25");
+  fail_expected("a coordinate between -1e25 and 1e25");
 }
 
 Vec3f Words::place() {
@@ -106,7 +107,7 @@ double Words::coordinate_or_nan() {
   std::string word(peek().substr(0, 9));
   if (!word.empty() && (word[0] == '-' || word[0] == '+')) word.erase(0, 1);
   for (char& c : word) c = char(std::tolower(uint8_t(c)));
-  // "-nan(ind)" of Windows
+  // "-nan(ind)" is written on Windows
   if (!word.starts_with("nan") && word != "inf" && word != "infinity") return wide_coordinate();
   (void)next();
   return NAN;
@@ -150,7 +151,7 @@ MaterialId MeshBuilder::paint(Rgb color) {
 void MeshBuilder::add_face(std::span<const uint32_t> corners, MaterialId material,
                            std::span<const uint32_t> face_normals) {
   constexpr TriangleIndices kFlat{kNoNormal, kNoNormal, kNoNormal};
-  // Only where a face is smooth do the others have to say that they are not.
+  // Flat faces need the marker only if some face is smooth.
   if (!face_normals.empty()) normal_indices_.resize(triangles_.size(), kFlat);
   const bool any_smooth = !face_normals.empty() || !normal_indices_.empty();
   const auto add = [&](size_t a, size_t b, size_t c) {
@@ -184,13 +185,14 @@ void MeshBuilder::add_triangles(std::span<const TriangleIndices> triangles, Mate
 
 namespace {
 
-// What lies in the six faces of the box, in parts of their areas, where nothing overlaps: the lower
-// ends of x, y and z, then the upper ones. What stands has a base.
+// The area of triangles at the six faces of the bounding box, relative to the area of the face,
+// without overlaps: first the lower ends of x, y and z, then the upper ones. An object that stands
+// has a base.
 struct Ends {
   std::array<double, 6> covered{};
 
   Ends(const Mesh& mesh, const Box3f& box) {
-    constexpr float kThick = 0.005f;  // of the side
+    constexpr float kThick = 0.005f;  // of the side's length
     const Vec3f low = box.lo + box.size() * kThick, high = box.hi - box.size() * kThick;
     std::vector<std::array<double, 6>> sums(chunks_of(mesh.triangles.size()));
     for_chunks(mesh.triangles.size(), [&](size_t chunk, size_t first, size_t end) {
@@ -213,7 +215,7 @@ struct Ends {
     }
   }
 
-  // Is the lower end of the axis a base, and no other end anything like it?
+  // Whether the lower end of the axis is a base and no other end is similar.
   bool is_base(UpAxis axis) const {
     constexpr double kBase = 0.1, kOthers = 0.2;
     const double base = covered[size_t(axis)];
@@ -222,7 +224,7 @@ struct Ends {
   }
 };
 
-// Which axis is up: the usual one, unless the mesh has a base across the other.
+// Guesses the up axis: the usual one, unless the mesh has a base across the other.
 UpAxis upright(const Mesh& mesh, const Box3f& box, UpAxis usual) {
   const UpAxis other = usual == UpAxis::y ? UpAxis::z : UpAxis::y;
   return Ends(mesh, box).is_base(other) ? other : usual;
@@ -231,7 +233,7 @@ UpAxis upright(const Mesh& mesh, const Box3f& box, UpAxis usual) {
 }  // namespace
 
 ReadScene MeshBuilder::finish(UpAxis usual_up) {
-  if (triangles_.empty()) throw ReadFailure{"there are no faces"};
+  if (triangles_.empty()) throw ReadFailure{"the file has no faces"};
   if (std::ranges::all_of(materials_, [&](MaterialId id) { return id == materials_[0]; }))
     materials_.resize(1);
   Mesh mesh;
@@ -253,8 +255,8 @@ ReadScene MeshBuilder::finish(UpAxis usual_up) {
   const UpAxis up = upright(whole, box, usual_up);
   if (up != usual_up)
     notices.add_whole(Severity::guessed,
-                      fmt::format("{} is up, since the mesh has a flat base across it; `up` gives "
-                                  "another direction",
+                      fmt::format("{} is up, since the mesh has a flat base across it; `up` sets "
+                                  "another axis",
                                   up == UpAxis::y ? "y" : "z"));
   fit_camera(scene_, FitView::three_quarter, up == UpAxis::y ? Vec3f(0, 1, 0) : Vec3f(0, 0, 1));
   append(warnings, notices, "");
@@ -284,7 +286,7 @@ bool has_area(const Mesh& mesh) {
   });
 }
 
-/// Says why nothing will be seen.
+/// Warns if nothing can be seen.
 void MeshBuilder::note_invisible(const Box3f& box) {
   const Mesh& mesh = scene_.meshes.back();
   if (!has_area(mesh)) return notices.add_whole(Severity::warning, kNoArea);
@@ -294,13 +296,14 @@ void MeshBuilder::note_invisible(const Box3f& box) {
   };
   if (std::ranges::all_of(mesh.materials, [&](MaterialId id) { return opacity(id) == 0; }))
     return notices.add_whole(Severity::warning,
-                             "all its materials are wholly transparent, so that nothing is seen");
+                             "all materials are fully transparent, so nothing is visible");
   const double size = double(max_component(box.size()));
   if (size < 1e-15 || size > 1e15)
-    notices.add_whole(Severity::warning,
-                      fmt::format("it is {:g} wide; numbers so far from 1 may be damaged, and its "
-                                  "surfaces may not be seen",
-                                  size));
+    notices.add_whole(
+        Severity::warning,
+        fmt::format("the mesh is {:g} wide; numbers so far from 1 lose precision, and its "
+                    "surfaces may be invisible",
+                    size));
 }
 
 }  // namespace raio

@@ -1,4 +1,4 @@
-// What the readers of meshes share: the words of a text, and the mesh they gather.
+// Shared by the readers of meshes: the words of a text, and the mesh under construction.
 #pragma once
 
 #include <map>
@@ -13,16 +13,16 @@
 
 namespace raio {
 
-/// Of a face, in any file.
+/// Maximum number of vertices of a face.
 inline constexpr size_t kMaxCorners = 65535;
 
-/// Why a file cannot be read; thrown inside a reader, and made Diagnostics where it ends.
+/// Why a file cannot be read; thrown within a reader and converted to Diagnostics by it.
 struct ReadFailure {
   std::string message;
-  int line = 0, column = 0;  // from 1; 0: about the file as a whole
+  int line = 0, column = 0;  // from 1; 0: about the whole file
 };
 
-/// What `read` returns, or the diagnostics of the failure that it throws.
+/// The result of `read`, or the diagnostics of the failure that it throws.
 template <class Read>
 std::expected<ReadScene, Diagnostics> read_guarded(std::string_view file, const Read& read) try {
   ReadScene result = read();
@@ -34,35 +34,34 @@ std::expected<ReadScene, Diagnostics> read_guarded(std::string_view file, const 
       Diagnostics{{Severity::error, std::string(file), f.line, f.column, f.message, ""}});
 }
 
-/// Words of a text one after another, comments behind # left out. A line that ends with a backslash
-/// goes on in the next.
+/// Reads the words of a text, skipping comments after #. A backslash at its end continues a line.
 class Words {
  public:
-  /// Throws ReadFailure if the bytes are no text.
+  /// Throws ReadFailure if the bytes are not text.
   explicit Words(const TextBuffer& text);
 
   bool at_end() const { return p_ == end_; }
   int line() const { return line_; }
   size_t bytes_left() const { return size_t(end_ - p_); }
 
-  /// The next word of this line; empty: there is none. What is next() can be looked at before.
+  /// The next word of this line without consuming it; empty if there is none.
   std::string_view peek();
   std::string_view next();
-  /// What is left of the line, without the blanks around it.
+  /// The rest of the line, without the blanks around it.
   std::string_view rest();
-  /// To the next line that has a word; false: there is none.
+  /// Moves to the next line with a word; false if there is none.
   bool next_line();
 
-  /// `what` is "a coordinate", say. Of the coordinates of a mesh none may be beyond kFarthestPlace.
+  /// `what` is "a coordinate", say. Coordinates must not exceed kFarthestPlace.
   double number(std::string_view what);
   float coordinate() { return float(wide_coordinate()); }
   double wide_coordinate();
   Vec3f place();
-  /// Of a mesh that may be far from 0, or with parts that are not finite, which are NaN.
+  /// For meshes that may be far from 0; coordinates that are not finite become NaN.
   Vec3d wide_place();
   /// A whole number from `least` to `most`.
   long whole(std::string_view what, long least, long most);
-  /// The number of one of `count` vertices.
+  /// The index of one of `count` vertices.
   uint32_t vertex(size_t count);
   [[noreturn]] void fail(std::string message) const;
   [[noreturn]] void fail_expected(std::string_view what);
@@ -77,57 +76,57 @@ class Words {
   int line_ = 1;
 };
 
-/// What is told of meshes without has_area().
+/// The notice about meshes without has_area().
 inline constexpr std::string_view kNoArea =
-    "no triangle has an area, so that nothing is seen; the corners of each are in one line or "
-    "place";
+    "all triangles have zero area, so nothing is visible; the vertices of each are collinear or "
+    "coincide";
 /// Whether any triangle has an area.
 bool has_area(const Mesh& mesh);
 
 /// Which axis of a mesh points up.
 enum class UpAxis : uint8_t { y = 1, z = 2 };
 
-/// A mesh while it is read, and the materials of its triangles.
+/// A mesh under construction, and the materials of its triangles.
 class MeshBuilder {
  public:
-  // Of the vertices; normals and colours as Mesh has them.
+  // Per vertex; normals and colours as in Mesh.
   std::vector<Vec3f> positions, normals;
   std::vector<Uv> uv;
   std::vector<Rgb> colors;
-  Diagnostics warnings;  // their file may be left out
-  Notices notices;       // of what is guessed, cut or left out
-  Vec3d origin;          // as that of a scene
+  Diagnostics warnings;  // their file may be omitted
+  Notices notices;       // about guessed, cut and skipped data
+  Vec3d origin;          // as Scene::origin
 
   void warn(std::string message) {
     warnings.push_back({Severity::warning, "", 0, 0, std::move(message), ""});
   }
 
-  /// The material of a display colour in linear light; one for each colour.
+  /// The material of a display colour in linear light; equal colours share one.
   MaterialId paint(Rgb color);
   MaterialId paint(Rgb color, float opacity, uint32_t texture = kNoTexture) {
     return scene_.add_material({.color = color, .kd = 1}, Rgb(1), 0, opacity, texture);
   }
-  /// As TextureReader::add().
+  /// See TextureReader::add().
   std::expected<uint32_t, std::string> add_texture(std::string_view bytes, TextureWrap wrap) {
     return textures_.add(scene_, bytes, wrap, wrap);
   }
 
-  /// The triangles of a face with these corners, of which there are three at least, and as many
-  /// normals, none for a flat face.
+  /// Adds the triangles of a face with at least three vertices; as many normals, or none for a flat
+  /// face.
   void add_face(std::span<const uint32_t> corners, MaterialId material,
                 std::span<const uint32_t> face_normals = {});
 
-  /// Appends the triangles of a flat face. Any number of threads may do so at once.
+  /// Appends the triangles of a flat face; thread-safe.
   void split_face(std::span<const uint32_t> corners, std::vector<TriangleIndices>& out) const;
-  /// Those of faces that split_face() gave.
+  /// Adds triangles from split_face().
   void add_triangles(std::span<const TriangleIndices> triangles, MaterialId material);
 
   bool has_faces() const { return !triangles_.empty(); }
 
-  /// The scene with a camera, which sees the mesh upright (docs/files.md); throws ReadFailure if
+  /// The scene with a camera that shows the mesh upright (docs/files.md); throws ReadFailure if
   /// there are no triangles.
   ReadScene finish(UpAxis usual_up);
-  /// The positions as spheres that do not overlap much, of a file without faces; y is up.
+  /// The scene of a file without faces: the positions as spheres with little overlap; y is up.
   ReadScene finish_points();
 
  private:
@@ -138,10 +137,10 @@ class MeshBuilder {
   std::vector<TriangleIndices> triangles_, normal_indices_;
   std::vector<MaterialId> materials_;
   std::map<std::array<float, 3>, MaterialId> paints_;
-  std::vector<Vec3f> around_;  // the corners of a face
+  std::vector<Vec3f> around_;  // the vertices of a face
 };
 
-/// The colour of a mesh that has none.
+/// The colour of a mesh without colours.
 inline constexpr Rgb kPlainColor{0.6f, 0.6f, 0.6f};
 
 }  // namespace raio

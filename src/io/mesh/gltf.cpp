@@ -1,5 +1,5 @@
-// glTF 2.0 of Khronos (ISO/IEC 12113), as text with files beside it or in one binary file: nodes,
-// meshes and the base colours of materials become a scene.
+// glTF 2.0 of Khronos (ISO/IEC 12113), as text with separate files or as one binary file. Its
+// nodes, meshes and base colours become a scene.
 #include "io/mesh/gltf.h"
 
 #include <fmt/format.h>
@@ -39,11 +39,10 @@ class GltfReader {
     place_posed();
     place_meshes();
     if (scene_.primitive_count() == 0)
-      throw ReadFailure{
-          lines_ > 0 ? fmt::format("there is nothing to draw but lines, in {} primitives; expected "
-                                   "triangles or points",
-                                   lines_)
-                     : "there is nothing to draw: its scene has neither triangles nor points"};
+      throw ReadFailure{lines_ > 0 ? fmt::format("all {} primitives are lines; expected "
+                                                 "triangles or points",
+                                                 lines_)
+                                   : "the scene has no primitives; expected triangles or points"};
     const auto is_seen = [](const Scene& scene) {
       return !scene.spheres.empty() || std::ranges::any_of(scene.meshes, has_area);
     };
@@ -56,7 +55,7 @@ class GltfReader {
   }
 
  private:
-  // Looks at the boxes of meshes where nodes place them, before anything else is read of them.
+  // Chooses the origin from the bounding boxes of placed meshes, before anything else is read.
   void find_origin() try {
     FileOrigin found;
     std::map<uint32_t, Box3d> boxes;
@@ -80,7 +79,7 @@ class GltfReader {
     scene_.origin = {};
   }
 
-  // Of all vertices of a mesh, or of the first ones of each primitive.
+  // Bounds all vertices of a mesh, or the first ones of each primitive.
   Box3d box_of(uint32_t number, size_t most = SIZE_MAX) const {
     Box3d box;
     for (const MeshPrimitive& p : document_.meshes[number].primitives) {
@@ -106,7 +105,7 @@ class GltfReader {
           notices_.add(Severity::left_out, "the pose of points", document_.meshes[use.number].name);
         }
       for (Mesh& mesh : triangles_of(use.number, 1, &use)) {
-        move(mesh, use.skin ? from_origin : use.place);  // skins place what they move
+        move(mesh, use.skin ? from_origin : use.place);  // skins include the node's transformation
         scene_.meshes.push_back(std::move(mesh));
       }
     }
@@ -147,12 +146,12 @@ class GltfReader {
     }
   }
 
-  // A place of the file as the scene has it.
+  // A position of the file, relative to the scene's origin.
   Vec3f placed(Vec3d p, std::string_view what) const {
     return checked(Vec3f(p - scene_.origin), what);
   }
 
-  // Of all primitives that have some, in the space of the mesh, or in a pose.
+  // The triangles of all primitives that have some, in the mesh's space or in a pose.
   std::vector<Mesh> triangles_of(uint32_t number, size_t copies, const PosedUse* pose = nullptr) {
     std::vector<Mesh> out;
     for (size_t i = 0; i < document_.meshes[number].primitives.size(); ++i) {
@@ -169,7 +168,7 @@ class GltfReader {
       }
       Mesh mesh = primitives_.read(p, what, pose, scene_.origin);
       mesh.materials = {paints_.of(p)};
-      // Where copies are asked to be primitives of their own, they will be.
+      // Instances that are requested as primitives are stored as such.
       const double each = sizeof(TriangleIndices) + 3 * (2 * sizeof(Vec3f) + sizeof(Uv));
       memory_.take(double(mesh.triangles.size()) * each * double(options_.instances ? 1 : copies));
       if (!mesh.triangles.empty()) out.push_back(std::move(mesh));
@@ -185,7 +184,7 @@ class GltfReader {
       for (TriangleIndices& t : mesh.triangles) std::swap(t[1], t[2]);
   }
 
-  // As spheres of one size.
+  // Adds points as spheres of one size.
   void add_points(uint32_t number, const MeshPrimitive& p, const Transform& by) {
     if (!p.position) return;
     const Elements positions(document_, buffers_, *p.position, 3, 3);
@@ -218,7 +217,7 @@ class GltfReader {
     for (const Use& use : nodes_.cameras()) {
       const Lens& lens = document_.cameras[use.number];
       if (found) {
-        notices_.add(Severity::left_out, "cameras behind the first", lens.name);
+        notices_.add(Severity::left_out, "further cameras", lens.name);
       } else if (const auto camera = use.place.is_sound() ? camera_through(lens, use.place, scene_)
                                                           : std::nullopt) {
         scene_.camera = *camera, found = true;

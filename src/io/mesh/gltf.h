@@ -1,6 +1,6 @@
-// What a glTF 2.0 file says (Khronos, ISO/IEC 12113), as plain data: its JSON is read in one place,
-// its buffers in another. Internal to the reader, whose failures are ReadFailure; those of the JSON
-// name values by their JSON pointers (RFC 6901).
+// The contents of a glTF 2.0 file (Khronos, ISO/IEC 12113) as plain data; JSON and buffers are read
+// separately. Internal to the reader. Failures are ReadFailure; those in the JSON name values by
+// their JSON pointers (RFC 6901).
 #pragma once
 
 #include <array>
@@ -16,9 +16,9 @@
 
 namespace raio::gltf {
 
-using Index = std::optional<uint32_t>;  // into one of the arrays of Document; checked
+using Index = std::optional<uint32_t>;  // checked index into an array of Document
 
-/// As the numbers of componentType.
+/// Values of componentType.
 enum class Component : uint32_t {
   i8 = 5120,
   u8 = 5121,
@@ -35,10 +35,10 @@ struct Buffer {
 };
 struct View {
   uint32_t buffer = 0;
-  size_t offset = 0, length = 0, stride = 0;  // 0: elements one after another
+  size_t offset = 0, length = 0, stride = 0;  // 0: tightly packed
   bool compressed = false;                    // by EXT_meshopt_compression
 };
-/// Numbers that take the place of some of an accessor's.
+/// Replacements for some elements of an accessor.
 struct Sparse {
   size_t count = 0;
   uint32_t indices_view = 0, values_view = 0;
@@ -61,7 +61,7 @@ struct PictureTexture {
   Index image;
   TextureWrap wrap_u = TextureWrap::repeat, wrap_v = TextureWrap::repeat;
 };
-/// A texture with the coordinates of the set TEXCOORD_`set`, moved by KHR_texture_transform.
+/// A texture with the coordinates TEXCOORD_`set`, transformed by KHR_texture_transform.
 struct TextureUse {
   uint32_t texture = 0, set = 0;
   std::array<double, 2> offset{0, 0}, scale{1, 1};
@@ -70,7 +70,7 @@ struct TextureUse {
 struct Paint {
   std::array<float, 4> color{1, 1, 1, 1};  // linear
   bool blends = false, masks = false;
-  std::string name;  // here and below: as messages have it, else the JSON pointer
+  std::string name;  // here and below: for messages, else the JSON pointer
   std::optional<TextureUse> texture;
 };
 /// The displacements of a morph target at weight 1.
@@ -82,11 +82,11 @@ struct MeshPrimitive {
   Index position, normal, color, indices, material;
   std::vector<MorphTarget> targets;
   std::vector<std::pair<uint32_t, uint32_t>> bones;  // accessors JOINTS_n and WEIGHTS_n
-  std::vector<std::pair<uint32_t, uint32_t>> uv;     // set and accessor
+  std::vector<std::pair<uint32_t, uint32_t>> uv;     // set and accessor index
 };
 struct MeshDescription {
   std::vector<MeshPrimitive> primitives;
-  std::vector<double> weights;  // of its morph targets; those that are missing are 0
+  std::vector<double> weights;  // of its morph targets; missing ones are 0
   std::string name;
 };
 struct Skin {
@@ -94,18 +94,19 @@ struct Skin {
   std::vector<uint32_t> joints;  // nodes
 };
 struct Lens {
-  double fov = 0;          // vertical, radians; of perspective
-  double half_height = 0;  // of what parallel rays see, scene units; 0: it is one of perspective
+  double fov = 0;          // vertical, radians; for perspective
+  double half_height = 0;  // orthographic, scene units; 0: perspective
   double aspect = 0;       // width over height; 0: any
-  double near = 0;         // where programs of triangles begin the picture; 0: unknown
+  double near = 0;         // near clipping plane; 0: unknown
   std::string name;
 };
 struct Node {
   std::array<double, 12> matrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};  // as raio::Matrix
   Index mesh, camera, skin;
   std::vector<uint32_t> children;
-  std::vector<double> weights;  // in place of the mesh's
-  /// EXT_mesh_gpu_instancing: accessors of shifts, quaternions and scales, an element per copy.
+  std::vector<double> weights;  // override the mesh's
+  /// EXT_mesh_gpu_instancing: accessors of translations, rotations and scales, one element per
+  /// instance.
   std::array<Index, 3> copies;
 };
 
@@ -120,11 +121,11 @@ struct Document {
   std::vector<Skin> skins;
   std::vector<Lens> cameras;
   std::vector<Node> nodes;
-  std::vector<uint32_t> roots;  // of the scene that is shown
-  Notices notices;              // of what is left out
+  std::vector<uint32_t> roots;  // of the default scene
+  Notices notices;              // about skipped data
 };
 
-/// Of a .gltf file or the JSON of a .glb.
+/// Parses a .gltf file or the JSON of a .glb.
 Document parse_document(std::string_view json);
 
 /// The parts of a .glb.
@@ -134,10 +135,10 @@ struct Chunks {
 };
 Chunks chunks_of(std::string_view file);
 
-/// The bytes of the buffers, and their numbers.
+/// The bytes of all buffers, and their total size.
 class Buffers {
  public:
-  /// `chunk`: the binary part of a .glb; empty: there is none.
+  /// `chunk`: the binary chunk of a .glb; empty if there is none.
   Buffers(const Document& document, std::optional<std::string_view> chunk,
           const ReadOptions& options);
 
@@ -151,20 +152,20 @@ class Buffers {
   size_t total_ = 0;
 };
 
-/// One accessor, whose elements are read one by one.
+/// Reads the elements of one accessor.
 class Elements {
  public:
-  /// `least` to `most` components are asked for.
+  /// The number of components must be from `least` to `most`.
   Elements(const Document& document, const Buffers& buffers, uint32_t accessor, uint32_t least,
            uint32_t most);
 
   size_t count() const { return accessor_.count; }
   uint32_t components() const { return accessor_.components; }
-  /// The components of an element; integers become -1 to 1 where they are normalized.
+  /// The components of an element; normalized integers become -1 to 1.
   std::array<double, 4> numbers(size_t i) const;
-  /// The first three rows of a matrix of 4 x 4.
+  /// The first three rows of a 4 x 4 matrix.
   std::array<double, 12> matrix(size_t i) const;
-  /// A whole number.
+  /// An element as a whole number.
   uint32_t whole(size_t i) const;
   /// "/accessors/3, element 7"
   std::string place(size_t i) const;
@@ -176,17 +177,17 @@ class Elements {
   const Accessor& accessor_;
   uint32_t number_;
   size_t stride_ = 0, size_ = 0;
-  std::string_view bytes_;          // from the first element on; empty: zeros
-  std::vector<uint32_t> replaced_;  // elements, ascending
+  std::string_view bytes_;          // from the first element; empty: all zeros
+  std::vector<uint32_t> replaced_;  // indices of sparse elements, ascending
   std::string_view replacements_;
 };
 
-/// The bytes of a data: URI, or why they are none. `what`: its JSON pointer.
+/// Decodes a data: URI; fails with its JSON pointer `what`.
 std::string decode_data_uri(std::string_view uri, const std::string& what);
-/// The name of a file, whose %20 and the like are decoded; fails for http: and its like.
+/// The file name in a URI, with %20 and the like decoded; fails for http: and similar schemes.
 std::string file_of_uri(std::string_view uri, const std::string& what);
 
-/// What is asked for so far, bytes; half of the memory at hand is the most.
+/// Memory requested so far, in bytes; at most half of what is available.
 class MemoryCount {
  public:
   void take(double bytes);

@@ -1,4 +1,4 @@
-// The bytes that a glTF file names, and the numbers in them.
+// Buffers of a glTF file, and the numbers in them.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 namespace raio::gltf {
 namespace {
 
-// So many zeros may stand around the numbers of a sparse accessor without a view.
+// Maximum count of a sparse accessor that has no bufferView.
 constexpr size_t kFewZeros = 1'000'000;
 
 [[noreturn]] void fail(std::string message) { throw ReadFailure{std::move(message)}; }
@@ -21,7 +21,7 @@ int digit_of_base64(char c) {
   if (c >= 'A' && c <= 'Z') return c - 'A';
   if (c >= 'a' && c <= 'z') return c - 'a' + 26;
   if (c >= '0' && c <= '9') return c - '0' + 52;
-  if (c == '+' || c == '-') return 62;  // or as in URLs
+  if (c == '+' || c == '-') return 62;  // URL-safe variant
   return c == '/' || c == '_' ? 63 : -1;
 }
 
@@ -104,14 +104,14 @@ uint32_t whole_at(const char* from, Component component) {
   }
 }
 
-/// `count` elements of `size` bytes, each `stride` after the one before.
+/// Extracts `count` elements of `size` bytes at intervals of `stride`.
 std::string_view elements(std::string_view bytes, size_t offset, size_t count, size_t stride,
                           size_t size, const std::string& what) {
   const bool fits = offset <= bytes.size() && size <= bytes.size() - offset &&
                     count - 1 <= (bytes.size() - offset - size) / stride;
   if (!fits)
     fail(
-        fmt::format("{}: {} elements of {} bytes from byte {} on do not fit into its bufferView "
+        fmt::format("{}: {} elements of {} bytes from byte {} do not fit in its bufferView "
                     "of {} bytes",
                     what, count, size, offset, bytes.size()));
   return bytes.substr(offset);
@@ -134,7 +134,7 @@ size_t bytes_of(Component component) {
   return 4;
 }
 
-// A header of 12 bytes, then chunks, each a length, a type and bytes.
+// A header of 12 bytes, then chunks, each with length, type and data.
 Chunks chunks_of(std::string_view file) {
   constexpr uint32_t kJson = 0x4e4f534a, kBinary = 0x004e4942;
   const auto fail = [](const std::string& message) {
@@ -143,10 +143,10 @@ Chunks chunks_of(std::string_view file) {
   if (file.size() < 12) fail("it ends within its header");
   if (const uint32_t version = load<uint32_t>(file.data() + 4); version != 2)
     throw ReadFailure{fmt::format("a binary scene in glTF {}; Raio reads glTF 2.0{}", version,
-                                  version == 1 ? ", which gltf-pipeline makes of it" : "")};
+                                  version == 1 ? "; convert it with gltf-pipeline" : "")};
   const size_t size = load<uint32_t>(file.data() + 8);
   if (size > file.size())
-    fail(fmt::format("it has {} bytes, expected {}: it was cut", file.size(), size));
+    fail(fmt::format("it has {} bytes, expected {}; it is truncated", file.size(), size));
   file = file.substr(0, size);
   Chunks out;
   for (size_t at = 12, number = 0; at < file.size(); ++number) {
@@ -154,10 +154,10 @@ Chunks chunks_of(std::string_view file) {
     const size_t length = load<uint32_t>(file.data() + at);
     const uint32_t type = load<uint32_t>(file.data() + at + 4);
     if (length > file.size() - at - 8)
-      fail(fmt::format("the chunk at byte {} has {} bytes, of which there are {}", at, length,
+      fail(fmt::format("the chunk at byte {} has {} bytes, but only {} remain", at, length,
                        file.size() - at - 8));
     const std::string_view bytes = file.substr(at + 8, length);
-    if (number == 0 && type != kJson) fail("its first chunk, at byte 12, is not of JSON");
+    if (number == 0 && type != kJson) fail("its first chunk, at byte 12, is not JSON");
     if (number == 0) out.json = bytes;
     if (number == 1 && type == kBinary) out.binary = bytes;
     at += 8 + length;
@@ -174,8 +174,8 @@ std::string decode_data_uri(std::string_view uri, const std::string& what) {
 }
 
 std::string file_of_uri(std::string_view uri, const std::string& what) {
-  if (uri.find("://") < 10)  // behind a scheme
-    fail(fmt::format("{}: {} is not in a file beside it; fetch it, and name it there", what,
+  if (uri.find("://") < 10)  // after a scheme
+    fail(fmt::format("{}: {} is not a local file; download it and change the uri", what,
                      raio::quoted(uri)));
   return decode_percent(uri);
 }
@@ -188,14 +188,14 @@ Buffers::Buffers(const Document& document, std::optional<std::string_view> chunk
     const Buffer& buffer = document.buffers[i];
     const std::string what = fmt::format("/buffers/{}", i);
     if (!buffer.uri) {
-      // One without data, to be used by an extension, matters only if it is used.
+      // A buffer without data, meant for an extension, is an error only if it is used.
       if (i == 0 && chunk) bytes_[0] = *chunk;
     } else if (buffer.uri->starts_with("data:")) {
       bytes_[i] = own_[i] = decode_data_uri(*buffer.uri, what + "/uri");
     } else {
       const std::string name = file_of_uri(*buffer.uri, what + "/uri");
       auto bytes = options.folder ? read_beside(*options.folder, name)
-                                  : std::unexpected("there is no folder to look for it in");
+                                  : std::unexpected("the scene has no folder to search");
       if (!bytes) fail(fmt::format("{}/uri: {}: {}", what, raio::quoted(name), bytes.error()));
       bytes_[i] = own_[i] = std::move(*bytes);
     }
@@ -214,8 +214,8 @@ std::string_view Buffers::view(uint32_t number, const std::string& user) const {
     fail(fmt::format(
         "{}: {}", user,
         view.compressed
-            ? "it is compressed by EXT_meshopt_compression, which Raio does not know; "
-              "write it without"
+            ? "it uses EXT_meshopt_compression, which is not supported; "
+              "export without compression"
             : fmt::format("/buffers/{} has neither a uri nor bytes in the file", view.buffer)));
   return bytes.substr(view.offset, view.length);
 }
@@ -239,13 +239,13 @@ Elements::Elements(const Document& document, const Buffers& buffers, uint32_t ac
     const size_t stride = document.views[*accessor_.view].stride;
     stride_ = stride > 0 ? stride : size_;
     if (stride_ < size_)
-      fail(fmt::format("/bufferViews/{}/byteStride: it is less than an element of {}, {} bytes",
+      fail(fmt::format("/bufferViews/{}/byteStride: it is smaller than an element of {}, {} bytes",
                        *accessor_.view, what, size_));
     bytes_ = elements(buffers.view(*accessor_.view, what), accessor_.offset, accessor_.count,
                       stride_, size_, what);
   } else if (accessor_.count > std::max(buffers.total_bytes(), accessor_.sparse ? kFewZeros : 0)) {
-    fail(fmt::format("{}/count: {} zeros are more than all buffers have bytes", what,
-                     accessor_.count));
+    fail(fmt::format("{}/count: {} elements without a bufferView exceed the size of all buffers",
+                     what, accessor_.count));
   }
   if (accessor_.sparse) take_sparse(buffers);
 }

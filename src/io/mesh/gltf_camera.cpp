@@ -1,4 +1,4 @@
-// Cameras of glTF as those of Raio.
+// Converts glTF cameras.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -16,7 +16,7 @@ std::optional<Camera> camera_through(const Lens& lens, const Transform& place, c
   const Box3f box = bounds(scene);
   const Vec3d eye = from - scene.origin;
   const Vec3d ahead = forward * (1 / length(forward));
-  // As far as the middle of what is seen, which depth of field keeps in focus.
+  // The distance to the middle of the visible part, where depth of field focuses.
   const double middle = dot((Vec3d(box.lo) + Vec3d(box.hi)) * 0.5 - eye, ahead);
   const double least = std::max(1e-3 * std::max(1.0, length(from)), lens.half_height);
   camera.from = Vec3f(eye), camera.at = Vec3f(eye + ahead * std::max(middle, least));
@@ -32,7 +32,7 @@ std::optional<Camera> camera_through(const Lens& lens, const Transform& place, c
   camera.near_clip = float(lens.near);
   camera.width = 1200, camera.height = 900;
   if (lens.aspect >= 0.1 && lens.aspect <= 10) {
-    // Narrower pictures show as much across.
+    // Keeps the horizontal field of view in narrower pictures.
     camera.horizontal_fov_deg = float(2 * kDegrees * std::atan(tangent * lens.aspect));
     if (lens.aspect > 4.0 / 3)
       camera.height = int(std::lround(1200 / lens.aspect));

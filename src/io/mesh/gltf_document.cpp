@@ -48,8 +48,7 @@ class Parser {
   }
   uint32_t index(const Value& value, const char* array) const {
     const size_t count = std::min(count_of(array), size_t(0xfffffffe));
-    if (count == 0)
-      value.fail(fmt::format("it names one of \"{}\", of which there are none", array));
+    if (count == 0) value.fail(fmt::format("it refers to \"{}\", but the file has none", array));
     return uint32_t(value.whole(0, count - 1));
   }
   Index find_index(const Value& object, const char* key, const char* array) const {
@@ -57,7 +56,7 @@ class Parser {
     return value ? Index(index(*value, array)) : std::nullopt;
   }
 
-  // The name that authors gave it, else where it stands.
+  // The author's name, else the JSON pointer.
   static std::string label(const Value& value) {
     const auto name = value.find("name");
     return name && name->is_string() && !name->string().empty() ? raio::quoted(name->string())
@@ -65,7 +64,7 @@ class Parser {
   }
 
   void check_version() {
-    // Version 1 has objects where version 2 has arrays, and need not say what it is.
+    // Version 1 has objects instead of arrays and need not state its version.
     if (const auto meshes = root_.find("meshes"); meshes && meshes->is_object()) fail_old("1");
     const std::string& version = root_.at("asset").at("version").string();
     if (version.starts_with("1.") || version == "1") fail_old(version);
@@ -76,10 +75,10 @@ class Parser {
 
   [[noreturn]] static void fail_old(std::string_view version) {
     throw ReadFailure{fmt::format(
-        "a scene in glTF {}; Raio reads glTF 2.0, which gltf-pipeline makes of it", version)};
+        "a scene in glTF {}; Raio reads glTF 2.0, convert it with gltf-pipeline", version)};
   }
 
-  // Extensions that change neither geometry nor base colours.
+  // Extensions that affect neither geometry nor base colours.
   static bool is_optional(std::string_view name) {
     static const std::set<std::string_view> kOptional = {
         "KHR_animation_pointer", "KHR_lights_punctual", "KHR_xmp_json_ld", "MSFT_lod"};
@@ -95,15 +94,14 @@ class Parser {
       if (kKnown.contains(name) || is_optional(name)) return;
       const bool packed =
           name == "KHR_draco_mesh_compression" || name.find("meshopt") != std::string::npos;
-      value.fail(fmt::format("the file requires the extension {}, which Raio does not know; {}",
+      value.fail(fmt::format("the file requires the extension {}, which is not supported; {}",
                              raio::quoted(name),
-                             packed ? "write its meshes without compression"
-                                    : "write it without, if the program can"));
+                             packed ? "export without mesh compression" : "export without it"));
     });
     each("extensionsUsed", [&](const Value& value) {
       const std::string& name = value.string();
       if (!kKnown.contains(name))
-        out_.notices.add(Severity::left_out, "what extensions say", raio::quoted(name));
+        out_.notices.add(Severity::left_out, "extensions", raio::quoted(name));
     });
   }
 
@@ -279,7 +277,7 @@ class Parser {
     });
   }
 
-  // Of morph targets.
+  // Weights of morph targets.
   static std::vector<double> weights_of(const Value& value) {
     std::vector<double> out;
     if (const auto weights = value.find("weights"))
@@ -306,9 +304,9 @@ class Parser {
       if (value.at("type").string() == "orthographic") {
         const Value lens = value.at("orthographic");
         take_near(lens);
-        // Negative ones mirror, which exporters do not mean.
+        // Negative values mirror, which exporters do not intend.
         camera.half_height = std::abs(lens.at("ymag").number());
-        if (camera.half_height == 0) lens.at("ymag").fail_expected("a height that is not 0");
+        if (camera.half_height == 0) lens.at("ymag").fail_expected("a non-zero height");
         camera.aspect = std::abs(lens.at("xmag").number()) / camera.half_height;
         return;
       }
@@ -374,7 +372,8 @@ class Parser {
     if (scenes && scenes->size() > 0) {
       for (size_t i = 0; i < scenes->size(); ++i)
         if (i != shown.value_or(0))
-          out_.notices.add(Severity::left_out, "scenes that are not shown", label((*scenes)[i]));
+          out_.notices.add(Severity::left_out, "scenes other than the default",
+                           label((*scenes)[i]));
       if (const auto nodes = (*scenes)[shown.value_or(0)].find("nodes"))
         for (size_t i = 0; i < nodes->size(); ++i)
           out_.roots.push_back(index((*nodes)[i], "nodes"));

@@ -17,18 +17,17 @@ Json parse_json(std::string_view text) {
   } catch (const Json::parse_error& error) {
     const std::string_view before = text.substr(0, std::min(error.byte, text.size()));
     const auto line = int(std::ranges::count(before, '\n')) + 1;
-    const size_t start = before.rfind('\n') + 1;  // 0 where there is none
+    const size_t start = before.rfind('\n') + 1;  // 0 in the first line
     std::string_view why = error.what();
-    // The library says where itself, in words of its own.
+    // Drop the library's own prefix with its location.
     if (const size_t colon = why.find(": "); colon != std::string_view::npos)
       why.remove_prefix(colon + 2);
     std::string plain(why);
     for (char& c : plain)
       if (uint8_t(c) < 32 || uint8_t(c) >= 127) c = '?';
-    throw ReadFailure{"its JSON is broken: " + plain, line,
-                      std::max(1, int(before.size() - start))};
+    throw ReadFailure{"broken JSON: " + plain, line, std::max(1, int(before.size() - start))};
   } catch (const Json::out_of_range&) {
-    throw ReadFailure{"its JSON is broken: a number is too large"};
+    throw ReadFailure{"broken JSON: a number is too large"};
   }
 }
 

@@ -1,5 +1,5 @@
-// Values of the JSON of a glTF file, which fail by throwing ReadFailure with their JSON pointer
-// (RFC 6901). Internal to its reader.
+// Values of the JSON of a glTF file. Failures are ReadFailure with the JSON pointer (RFC 6901).
+// Internal to the reader.
 #pragma once
 
 #include <fmt/format.h>
@@ -19,13 +19,13 @@ using Json = nlohmann::json;
 
 inline constexpr size_t kMaxBytes = size_t(1) << 50;
 
-/// The text as JSON; fails with the line and column at which it is broken.
+/// Parses JSON; fails with the line and column of a syntax error.
 Json parse_json(std::string_view text);
 
-/// As messages name it: "an object", a text in quotation marks, a number.
+/// Describes a value in messages: "an object", a quoted string, a number.
 std::string text_of(const Json& json);
 
-/// A value and where it stands.
+/// A value with its JSON pointer.
 class Value {
  public:
   Value(const Json& json, std::string pointer) : json_(&json), pointer_(std::move(pointer)) {}
@@ -79,7 +79,7 @@ class Value {
     if (!json_->is_number()) fail_expected("a number");
     const double number = json_->get<double>();
     if (!std::isfinite(number) || std::abs(number) > 1e30)
-      fail_expected("a number of at most 1e30");
+      fail_expected("a number between -1e30 and 1e30");
     return number;
   }
   const std::string& string() const {
@@ -103,7 +103,7 @@ class Value {
   std::string pointer_;
 };
 
-/// The member of the object that counts bytes, or `usual` where there is none.
+/// A byte count of the object, or `usual` if it is missing.
 inline size_t bytes_or(const Value& object, const char* key, size_t usual) {
   const auto value = object.find(key);
   return value ? value->whole(0, kMaxBytes) : usual;

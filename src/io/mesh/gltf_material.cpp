@@ -16,7 +16,7 @@ class GltfMaterial {
       : scene_(scene), look_(look), m_(scene.materials[look.material]) {}
 
   Json json() const {
-    // Both sides of a surface are seen, as in Raio.
+    // Raio shows both sides of surfaces.
     Json out = {{"doubleSided", true}};
     const double transmitted = std::clamp(double(m_.transmission), 0.0, 1.0);
     Json& pbr = out["pbrMetallicRoughness"];
@@ -24,7 +24,7 @@ class GltfMaterial {
     Vec3d base = diffuse;
     double metallic = 0;
     if (transmitted > 0) {
-      // Raio does not tint what goes through.
+      // Raio does not tint transmitted light.
       base = diffuse + Vec3d(transmitted);
       const double part = transmitted / (transmitted + brightness(diffuse));
       out["extensions"] = {{"KHR_materials_transmission", {{"transmissionFactor", part}}},
@@ -45,10 +45,10 @@ class GltfMaterial {
   }
 
  private:
-  // What a surface of glTF mirrors that is no metal.
+  // Reflectance of a non-metal in glTF.
   static constexpr double kDielectric = 0.04;
 
-  // The classic shading computes display values, glTF light.
+  // Classic shading computes display values, glTF linear light.
   Vec3d light(Rgb color) const {
     if (scene_.dialect != Dialect::data)
       for (int i = 0; i < 3; ++i) color[i] = linear_from_srgb(color[i]);
@@ -56,8 +56,8 @@ class GltfMaterial {
   }
   static double brightness(Vec3d c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
 
-  // Where base (1 - metallic) is the diffuse colour and what is mirrored is that of a metal as far
-  // as it is one, as KHR_materials_pbrSpecularGlossiness converts its materials.
+  // The metallic factor for which base (1 - metallic) is the diffuse colour and the specular part
+  // is that of the metal; the conversion of KHR_materials_pbrSpecularGlossiness.
   static double metallic_part(double diffuse, double mirrored) {
     const double b = diffuse + mirrored - 2 * kDielectric, c = mirrored - kDielectric;
     return std::min(1.0, 2 * c / (b + std::sqrt(b * b + 4 * kDielectric * c)));
@@ -69,8 +69,8 @@ class GltfMaterial {
     return max(min(of_diffuse, Vec3d(1)) * (1 - part) + of_metal * part, Vec3d());
   }
 
-  // The width of Phong's highlight, as one of microfacets (Walter et al. 2007, "Microfacet Models
-  // for Refraction through Rough Surfaces", EGSR); glTF squares it.
+  // Converts the width of Phong's highlight to a microfacet roughness (Walter et al. 2007,
+  // "Microfacet Models for Refraction through Rough Surfaces", EGSR); glTF squares it.
   double roughness() const {
     return m_.ks > 0 ? std::sqrt(std::sqrt(2 / (double(m_.shine) + 2))) : 1;
   }

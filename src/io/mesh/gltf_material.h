@@ -1,4 +1,4 @@
-// Materials as glTF has them, internal to its writer.
+// Converts materials to glTF; internal to its writer.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -7,8 +7,8 @@
 
 namespace raio::gltf {
 
-/// The material of metallic-roughness that reflects as much light. Textures have the numbers that
-/// they have in the scene.
+/// The metallic-roughness material with the same reflectance. Texture indices are those of the
+/// scene.
 nlohmann::json material_of(const Scene& scene, const GltfAppearance& look);
 
 }  // namespace raio::gltf

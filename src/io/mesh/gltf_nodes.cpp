@@ -20,8 +20,8 @@ NodeTree::NodeTree(const Document& document, const Buffers& buffers, MemoryCount
     const auto [number, around] = open.back();
     open.pop_back();
     if (seen[number])
-      throw ReadFailure{
-          fmt::format("/nodes/{}: the node is reached twice; expected a tree of nodes", number)};
+      throw ReadFailure{fmt::format(
+          "/nodes/{}: the node is reached more than once; expected a tree of nodes", number)};
     seen[number] = true;
     const Node& node = document_.nodes[number];
     const Transform place = around * Transform{node.matrix};
@@ -41,12 +41,12 @@ void NodeTree::add_mesh_uses(uint32_t number) {
   const auto is_there = [](const Index& column) { return column.has_value(); };
   const std::string& name = document_.meshes[*node.mesh].name;
   if (node.skin && std::ranges::any_of(node.copies, is_there))
-    notices_.add(Severity::left_out, "copies of meshes with skins", name);
+    notices_.add(Severity::left_out, "instances of skinned meshes", name);
   for (const Transform& place : copies_of(number)) {
     if (node.skin) {
       posed_.push_back({{*node.mesh, kHere}, &weights, node.skin});
     } else if (!place.is_sound()) {
-      notices_.add(Severity::left_out, "meshes that are scaled to nothing", name);
+      notices_.add(Severity::left_out, "meshes with a scale of 0", name);
     } else if (is_morphed) {
       posed_.push_back({{*node.mesh, place}, &weights, {}});
     } else {
@@ -55,7 +55,8 @@ void NodeTree::add_mesh_uses(uint32_t number) {
   }
 }
 
-// The node itself, or its copies by EXT_mesh_gpu_instancing; a skin places its mesh once.
+// The node's transformations, one per instance of EXT_mesh_gpu_instancing; a skin places its mesh
+// once.
 std::vector<Transform> NodeTree::copies_of(uint32_t number) const {
   const Node& node = document_.nodes[number];
   std::array<std::optional<Elements>, 3> columns;

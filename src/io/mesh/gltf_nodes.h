@@ -1,4 +1,4 @@
-// Where the nodes of a glTF file place its meshes and cameras. Internal to its reader.
+// Traverses the nodes of a glTF file. Internal to its reader.
 #pragma once
 
 #include <optional>
@@ -9,21 +9,21 @@
 
 namespace raio::gltf {
 
-/// A mesh or camera where a node places it.
+/// A mesh or camera with its transformation.
 struct Use {
   uint32_t number = 0;
   Transform place;
 };
 
-/// A mesh in a pose of its own: with the weights of its morph targets, and with its skin, which
-/// places it (glTF 2.0, 3.7.2.2 and 3.7.3.1).
+/// A posed mesh, with its own morph weights and a skin, which places it (glTF 2.0, 3.7.2.2 and
+/// 3.7.3.1).
 struct PosedUse : Use {
   const std::vector<double>* weights = nullptr;
   Index skin;
 };
 
-/// The nodes of the scene that is shown. What the constructor leaves out it tells; it throws
-/// ReadFailure where the nodes are no tree.
+/// The nodes of the default scene. The constructor adds notices about skipped data and throws
+/// ReadFailure if the nodes are not a tree.
 class NodeTree {
  public:
   NodeTree(const Document& document, const Buffers& buffers, MemoryCount& memory, Notices& notices);
@@ -32,7 +32,7 @@ class NodeTree {
   const std::vector<PosedUse>& posed() const { return posed_; }
   const std::vector<Use>& cameras() const { return cameras_; }
 
-  /// From the mesh to the scene, for each joint of a skin by its number.
+  /// The transformation from mesh to scene of each joint of a skin.
   const std::vector<Transform>& bones_of(uint32_t number);
 
  private:
@@ -45,11 +45,11 @@ class NodeTree {
   Notices& notices_;
   std::vector<Use> meshes_, cameras_;
   std::vector<PosedUse> posed_;
-  std::vector<std::vector<Transform>> bones_;     // of each skin, once they are asked for
-  std::vector<std::optional<Transform>> places_;  // of the nodes that the scene has
+  std::vector<std::vector<Transform>> bones_;     // by skin, computed on first use
+  std::vector<std::optional<Transform>> places_;  // by node; none outside the scene
 };
 
-/// The camera with a lens in a place, which looks at the scene; nothing: it would see nothing.
+/// A camera at this transformation, directed at the scene; nothing if it would see nothing.
 std::optional<Camera> camera_through(const Lens& lens, const Transform& place, const Scene& scene);
 
 }  // namespace raio::gltf

@@ -9,7 +9,7 @@
 namespace raio::gltf {
 namespace {
 
-/// The textures of a file, of which the scene gets those that are asked for.
+/// Decodes textures on first use.
 class Pictures {
  public:
   Pictures(const Document& document, const Buffers& buffers, const ReadOptions& options,
@@ -37,8 +37,7 @@ class Pictures {
 
  private:
   void tell(std::string_view why) {
-    notices_.add(Severity::left_out, "textures that cannot be read, so that colours are plain",
-                 why);
+    notices_.add(Severity::left_out, "unreadable textures, replaced by plain colours", why);
   }
 
   template <class Add>
@@ -48,7 +47,7 @@ class Pictures {
     if (image.uri.starts_with("data:")) return add(decode_data_uri(image.uri, what + "/uri"));
     const std::string name = file_of_uri(image.uri, what + "/uri");
     const auto bytes = options_.folder ? read_beside(*options_.folder, name)
-                                       : std::unexpected("there is no folder to look for it in");
+                                       : std::unexpected("the scene has no folder to search");
     if (!bytes) return std::unexpected(fmt::format("{}: {}", raio::quoted(name), bytes.error()));
     return add(*bytes);
   } catch (const ReadFailure& failure) {
@@ -87,7 +86,7 @@ Paints::Paints(const Document& document, const Buffers& buffers, const ReadOptio
     const uint32_t texture =
         paint.texture ? pictures.texture_of(paint.texture->texture) : kNoTexture;
     if (texture != kNoTexture && (paint.blends || paint.masks))
-      notices.add(Severity::left_out, "the alpha of textures of materials", paint.name);
+      notices.add(Severity::left_out, "alpha of textures", paint.name);
     const Rgb color(paint.color[0], paint.color[1], paint.color[2]);
     of_[i] = scene.add_material({.color = color, .kd = 1}, Rgb(1), 0,
                                 paint.blends ? paint.color[3] : 1, texture);

@@ -9,17 +9,17 @@
 
 namespace raio::gltf {
 
-/// What the materials of the file are in the scene.
+/// Maps the materials of the file to those of the scene.
 class Paints {
  public:
-  /// Adds those that meshes in use have, with their textures.
+  /// Adds the materials of meshes in use, with their textures.
   Paints(const Document& document, const Buffers& buffers, const ReadOptions& options,
          const NodeTree& nodes, Scene& scene, Notices& notices);
 
   MaterialId of(const MeshPrimitive& p) const { return p.material ? of_[*p.material] : plain_; }
 
  private:
-  std::vector<MaterialId> of_;  // those that are used
+  std::vector<MaterialId> of_;  // for materials in use
   MaterialId plain_ = 0;
 };
 

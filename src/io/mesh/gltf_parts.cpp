@@ -16,14 +16,14 @@
 namespace raio::gltf {
 namespace {
 
-// Programs that show glTF draw each node by itself, and slow down beyond.
+// glTF viewers draw each node separately and slow down beyond these numbers.
 constexpr size_t kMaxPlaced = 10'000, kMaxLooks = 256, kMaxNodes = 1'000'000;
-// In place of shapes: as fine as is no more than the first allows and, with all copies, than the
-// last; never more than the second.
+// Tessellation is as fine as possible with at most kGoodTriangles triangles stored and 50 million
+// drawn; never more than kMaxTriangles.
 constexpr size_t kGoodTriangles = 4'000'000, kMaxTriangles = 20'000'000;
 constexpr double kGoodDrawn = 50e6;
 
-/// By their bytes, of which none is a gap.
+/// Compares bytes; the types have no padding.
 struct SameBytes {
   template <class T>
   size_t operator()(const T& value) const {
@@ -38,7 +38,7 @@ struct SameBytes {
 template <class Key>
 using NumberOf = std::unordered_map<Key, uint32_t, SameBytes, SameBytes>;
 
-/// f(shape, material, color or null, opacity) for each curved one that is no object's.
+/// Calls f(shape, material, color or null, opacity) for each curved shape outside objects.
 template <class F>
 void for_each_own(const Scene& scene, const F& f) {
   for_each_pool(scene, [&](PoolKind, auto& shapes, auto& materials, auto& colors, auto& opacity) {
@@ -50,14 +50,14 @@ void for_each_own(const Scene& scene, const F& f) {
   });
 }
 
-/// The same for each that is stored, objects' included.
+/// The same for each stored shape, including those in objects.
 template <class F>
 void for_each_curved(const Scene& scene, const F& f) {
   for_each_own(scene, f);
   for (const Scene& object : scene.prototypes) for_each_curved(object, f);
 }
 
-/// The sum over the scene and all copies, of copies too, of what `count` says of what is their own.
+/// Sums `count` over the scene and all instances, nested ones included.
 template <class F>
 double sum_of_copies(const Scene& scene, const F& count) {
   std::vector<double> of_objects;
@@ -92,13 +92,13 @@ class Gatherer {
     uint32_t surface = 0;
   };
   static_assert(sizeof(Corner) == 48);
-  // What decides a surface that is fixed: it has one look, and all of it the same columns.
+  // Identifies a surface without instances: one appearance, and the same columns everywhere.
   struct Columns {
     uint32_t look = 0;
     uint8_t normals = 0, uv = 0, colors = 0, unused = 0;
   };
 
-  // Its number. Materials are those of the scene.
+  // Returns the object's index. Materials are those of the scene.
   uint32_t add_object(const Scene& object) {
     const auto number = uint32_t(out_.objects.size());
     out_.objects.emplace_back();
@@ -120,7 +120,7 @@ class Gatherer {
     return number;
   }
 
-  // Colours of their own are those of corners, unless they are few.
+  // Colours become materials if there are few, else vertex colours.
   GltfAppearance look_of(MaterialId id, const Rgb* color, float opacity, bool at_corners) const {
     const float usual = whole_.material_opacity.empty() ? 1 : whole_.material_opacity[id];
     return {id,
@@ -143,7 +143,7 @@ class Gatherer {
     return at->second;
   }
 
-  // The corners tell apart what the columns do not have.
+  // Vertices are identical only if the columns they have are.
   void add_face(const Columns& columns, std::array<Corner, 3> corners) {
     const uint32_t number = surface_with(columns);
     Surface& surface = out_.surfaces[number];
@@ -163,7 +163,7 @@ class Gatherer {
     surface.triangles.push_back(face);
   }
 
-  // Of a pool without normals.
+  // For pools without normals.
   template <class Shape>
   void add_flat(const PoolMembers<Shape>& pool, size_t i, const std::array<Vec3f, 3>& places,
                 const std::array<Vec3f, 3>* normals = nullptr) {
@@ -228,7 +228,7 @@ class Gatherer {
   }
 
   // --- shapes that glTF does not have
-  // Chooses between unit shapes and triangles of their own. What is wrong, or nothing.
+  // Chooses between instanced unit shapes and separate triangles. Returns the error, or nothing.
   std::string choose_form() {
     NumberOf<GltfAppearance> looks;
     for_each_curved(whole_, [&](auto&, MaterialId id, const Rgb* color, float opacity) {
@@ -238,7 +238,7 @@ class Gatherer {
     const double copies = sum_of_copies(whole_, [](const Scene& s) { return s.instances.size(); });
     if (copies > double(kMaxNodes))
       return fmt::format(
-          "glTF has a node for each of {:.0f} copies, and programs that show it take at most about "
+          "glTF needs a node for each of {:.0f} instances, and viewers handle at most about "
           "{}; leave some out, or choose another format: .raio keeps all",
           copies, kMaxNodes);
     if (few_looks_ && sum_of_copies(whole_, count_own) <= double(kMaxPlaced)) return {};
@@ -247,8 +247,8 @@ class Gatherer {
     size_t count = 0;
     for_each_curved(whole_, [&](auto&&...) { ++count; });
     return fmt::format(
-        "glTF has neither spheres nor cylinders, and {} of them are more than triangles can "
-        "stand for; leave some out, or choose another format: .raio keeps all, .ply spheres",
+        "glTF has no spheres or cylinders, and {} of them are too many to convert to "
+        "triangles; leave some out, or choose another format: .raio keeps all, .ply spheres",
         count);
   }
 
@@ -262,7 +262,7 @@ class Gatherer {
     });
   }
 
-  // Negative: even the coarsest is not.
+  // Negative: even the coarsest level is too expensive.
   int affordable_detail() const {
     for (int detail = kFinest; detail >= 0; --detail) {
       const auto triangles = [&](auto& shape) { return triangles_of(placed(shape).shape, detail); };
@@ -302,13 +302,13 @@ class Gatherer {
   }
 
   const Scene& whole_;
-  const Scene* own_ = nullptr;  // the object at hand, which is the last one of out_.objects
+  const Scene* own_ = nullptr;  // the current object, the last one of out_.objects
   SurfaceParts out_;
   bool few_looks_ = true;
-  std::optional<int> detail_;  // of triangles in place of unit shapes
+  std::optional<int> detail_;  // level of separate triangles
   NumberOf<GltfAppearance> looks_;
-  std::map<UnitShape, uint32_t> units_;  // with their surfaces
-  NumberOf<Columns> fixed_;              // of the object
+  std::map<UnitShape, uint32_t> units_;  // by their unit shape
+  NumberOf<Columns> fixed_;              // of the current object
   NumberOf<Corner> corners_;
 };
 

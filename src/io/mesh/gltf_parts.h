@@ -1,5 +1,5 @@
-// A scene as what glTF can hold: triangles by their material, and unit shapes with places for those
-// shapes that it has none of. Internal to its writer.
+// Converts a scene to what glTF can store: triangles grouped by material, and unit shapes with
+// transformations for other shapes. Internal to its writer.
 #pragma once
 
 #include <compare>
@@ -12,38 +12,37 @@
 
 namespace raio::gltf {
 
-/// What decides a material of glTF: one of the scene's with a colour and an opacity in place of its
-/// own.
+/// Identifies a glTF material: a material of the scene with its own colour and opacity.
 struct GltfAppearance {
   MaterialId material = 0;
   Rgb color;
   float opacity = 1;
-  uint32_t textured = 0;  // by the material's texture: 0 or 1
+  uint32_t textured = 0;  // whether the material's texture applies: 0 or 1
 
   friend bool operator==(const GltfAppearance&, const GltfAppearance&) = default;
 };
 
-/// A surface with the number of its look.
+/// A surface with its appearance's index.
 struct SurfacePart {
   uint32_t surface = 0, look = 0;
 
   friend auto operator<=>(const SurfacePart&, const SurfacePart&) = default;
 };
 
-/// What the scene has of its own, or one of its objects.
+/// The contents of the scene or of one of its objects.
 struct ObjectParts {
-  std::vector<SurfacePart> fixed;  // where they are
+  std::vector<SurfacePart> fixed;  // with positions in place
 
-  /// A unit shape where it is wanted.
+  /// A unit shape with its transformation.
   struct Shape {
     SurfacePart part;
     NodePlace place;
   };
   std::vector<Shape> shapes;
 
-  /// A copy of an object.
+  /// An instance of an object.
   struct Copy {
-    uint32_t object = 0;  // of SurfaceParts::objects
+    uint32_t object = 0;  // index into SurfaceParts::objects
     NodePlace place;
   };
   std::vector<Copy> copies;
@@ -52,15 +51,16 @@ struct ObjectParts {
 struct SurfaceParts {
   std::vector<GltfAppearance> looks;
   std::vector<Surface> surfaces;
-  std::vector<ObjectParts> objects;  // the first is the scene
+  std::vector<ObjectParts> objects;  // the first one is the scene
 };
 
-/// Of all but planes; what moves is where it begins. Spheres, cones, ellipsoids and discs are unit
-/// shapes with places where they are few, else triangles, the more of them the coarser. No copy may
-/// shear (gltf_keeps_copies). The error says that the shapes or the copies are too many.
+/// Converts everything but planes; moving shapes at their start. Few spheres, cones, ellipsoids and
+/// discs become unit shapes with transformations, many become triangles, coarser the more there
+/// are. No instance may shear (gltf_keeps_copies). The error says that there are too many shapes or
+/// instances.
 std::expected<SurfaceParts, std::string> surface_parts(const Scene& scene);
 
-/// How many spheres, cones and so on become triangles, with those of copies.
+/// The number of spheres, cones and so on that become triangles, including instances.
 size_t count_curved(const Scene& scene);
 
 }  // namespace raio::gltf

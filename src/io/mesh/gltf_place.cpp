@@ -55,7 +55,7 @@ std::optional<NodePlace> place_of(const Matrix& m) {
     place.shift[int(k)] = m[4 * k + 3];
     axes[k] = axes[k] / place.scale[int(k)];
   }
-  // Turned as far as the digits of a float go.
+  // Tolerance of the precision of floats.
   constexpr double kSlack = 1e-5;
   for (size_t k = 0; k < 3; ++k)
     if (std::abs(dot(axes[k], axes[(k + 1) % 3])) > kSlack) return std::nullopt;

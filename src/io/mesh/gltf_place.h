@@ -1,4 +1,4 @@
-// Where nodes of glTF place things, in double: for its reader and its writer.
+// Transformations of glTF nodes in double, for reader and writer.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 
 namespace raio::gltf {
 
-/// As Matrix, in double.
+/// Like Matrix, in double.
 struct Transform {
   std::array<double, 12> m;
 
@@ -21,13 +21,13 @@ struct Transform {
     const auto row = [&](size_t i) { return m[i] * v.x + m[i + 1] * v.y + m[i + 2] * v.z; };
     return {row(0), row(4), row(8)};
   }
-  // By the cofactors, which are the inverse transposed but for the length.
+  // Uses cofactors: the inverse transpose up to a factor.
   Vec3d normal(Vec3d n) const {
     const auto row = [&](size_t i) { return Vec3d(m[i], m[i + 1], m[i + 2]); };
     return {dot(cross(row(4), row(8)), n), dot(cross(row(8), row(0)), n),
             dot(cross(row(0), row(4)), n)};
   }
-  // To places relative to an origin.
+  // Relative to an origin.
   Matrix matrix(Vec3d origin = {}) const {
     Matrix out;
     for (size_t i = 0; i < 12; ++i) out[i] = float(i % 4 == 3 ? m[i] - origin[int(i / 4)] : m[i]);
@@ -51,7 +51,7 @@ inline Transform operator*(const Transform& a, const Transform& b) {
 
 inline constexpr Transform kHere{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
 
-/// What a node says: it scales, then rotates by the quaternion x, y, z, w, then shifts.
+/// A node's transformation: scale, then rotation by the quaternion x, y, z, w, then translation.
 struct NodePlace {
   Vec3d shift;
   std::array<double, 4> rotation{0, 0, 0, 1};
@@ -61,11 +61,11 @@ struct NodePlace {
 /// Rows as in raio::Matrix.
 std::array<double, 12> placement_matrix(const NodePlace& place);
 
-/// The quaternion, whose w is not negative, of the rotation that takes the axes to these unit
-/// vectors at right angles (Shepperd 1978, "Quaternion from Rotation Matrix").
+/// The quaternion, with w >= 0, that rotates the axes to these orthonormal vectors (Shepperd 1978,
+/// "Quaternion from Rotation Matrix").
 std::array<double, 4> rotation_to(Vec3d x, Vec3d y, Vec3d z);
 
-/// The node of a copy; nothing where its matrix shears, which no node can.
+/// The node of an instance; nothing if its matrix shears, which nodes cannot express.
 std::optional<NodePlace> place_of(const Matrix& m);
 
 }  // namespace raio::gltf

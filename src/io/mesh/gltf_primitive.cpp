@@ -16,7 +16,7 @@ Vec3f normal(const Elements& from, size_t i) {
   return unit({x[0], x[1], x[2]});
 }
 
-// From the upper left corner downwards, as glTF has them, to those of Mesh.
+// glTF's texture coordinates run down from the upper left corner; Mesh's run up.
 Uv coordinates_of(const Elements& from, size_t i, const TextureUse* use) {
   const auto x = from.numbers(i);
   double u = x[0], v = x[1];
@@ -32,7 +32,7 @@ Uv coordinates_of(const Elements& from, size_t i, const TextureUse* use) {
   return {number(u), number(1 - v)};
 }
 
-// The mean of the bones by their weights for the vertex.
+// The mean of the joints' transformations, weighted for the vertex.
 Transform blend(const std::vector<Transform>& bones,
                 const std::vector<std::pair<Elements, Elements>>& columns, size_t vertex) {
   Transform sum{};
@@ -58,7 +58,8 @@ Transform blend(const std::vector<Transform>& bones,
 Vec3f position(const Elements& from, size_t i) {
   const auto x = from.numbers(i);
   const Vec3f p{float(x[0]), float(x[1]), float(x[2])};
-  if (!is_place(p)) throw ReadFailure{from.place(i) + ": expected coordinates of at most 1e25"};
+  if (!is_place(p))
+    throw ReadFailure{from.place(i) + ": expected coordinates between -1e25 and 1e25"};
   return p;
 }
 Vec3f unit(Vec3d v) {
@@ -74,7 +75,8 @@ Rgb color(const Elements& from, size_t i) {
 
 Vec3f checked(Vec3f p, std::string_view what) {
   if (!is_place(p))
-    throw ReadFailure{std::string(what) + ": it is placed beyond 1e25, or at no place at all"};
+    throw ReadFailure{std::string(what) +
+                      ": its transformation gives coordinates beyond 1e25 or not finite"};
   return p;
 }
 
@@ -86,7 +88,7 @@ Mesh PrimitiveReader::read(const MeshPrimitive& p, const std::string& what, cons
   return mesh;
 }
 
-// SurfacePoints that a primitive names, each once: several primitives may share long columns.
+// Stores each used vertex once: primitives may share long accessors.
 Mesh PrimitiveReader::mesh_of(const MeshPrimitive& p, const std::string& what) {
   const Elements positions(document_, buffers_, *p.position, 3, 3);
   const auto column = [&](Index accessor, uint32_t least, uint32_t most,
@@ -135,7 +137,7 @@ Mesh PrimitiveReader::mesh_of(const MeshPrimitive& p, const std::string& what) {
     const auto at = [&](size_t k) -> size_t {
       if (p.mode == 4) return 3 * i + k;
       if (p.mode == 6) return k == 0 ? 0 : i + k;
-      return k == 0 || i % 2 == 0 ? i + k : i + 3 - k;  // a strip turns every other triangle
+      return k == 0 || i % 2 == 0 ? i + k : i + 3 - k;  // strips alternate orientation
     };
     const uint32_t a = vertex(at(0)), b = vertex(at(1));
     mesh.triangles.push_back({a, b, vertex(at(2))});
@@ -143,7 +145,7 @@ Mesh PrimitiveReader::mesh_of(const MeshPrimitive& p, const std::string& what) {
   return mesh;
 }
 
-// Moves the vertices, `named_` of the primitive, by its morph targets and then by its skin.
+// Moves the vertices `named_` of the primitive by its morph targets, then by its skin.
 void PrimitiveReader::take_pose(Mesh& mesh, const MeshPrimitive& p, const PosedUse& pose,
                                 Vec3d origin, const std::string& what) {
   const auto placed = [&](Vec3d at) { return checked(Vec3f(at - origin), what); };

@@ -1,4 +1,4 @@
-// The vertices and triangles of the primitives of a glTF file. Internal to its reader.
+// Vertices and triangles of glTF primitives. Internal to the reader.
 #pragma once
 
 #include <string>
@@ -12,13 +12,13 @@ namespace raio::gltf {
 
 inline bool draws_triangles(const MeshPrimitive& p) { return p.mode >= 4; }
 
-/// The position in element i of an accessor; fails beyond kFarthestPlace.
+/// The position in an accessor's element i; fails beyond kFarthestPlace.
 Vec3f position(const Elements& from, size_t i);
-/// The colour, each part from 0 to 1.
+/// The colour, clamped to 0 to 1.
 Rgb color(const Elements& from, size_t i);
-/// Of length 1; z where it has none.
+/// Normalized; z for a zero vector.
 Vec3f unit(Vec3d v);
-/// The place itself; fails if it is beyond kFarthestPlace. `what`: its JSON pointer.
+/// Returns the position; fails beyond kFarthestPlace. `what`: its JSON pointer.
 Vec3f checked(Vec3f p, std::string_view what);
 
 class PrimitiveReader {
@@ -27,8 +27,8 @@ class PrimitiveReader {
                   Notices& notices)
       : document_(document), buffers_(buffers), nodes_(nodes), notices_(notices) {}
 
-  /// The triangles without a material: in the space of the mesh, or in a pose, which is relative to
-  /// `origin` where a skin places it. `what`: the JSON pointer of the primitive.
+  /// The triangles, without a material: in the mesh's space, or posed and relative to `origin` if a
+  /// skin places it. `what`: the JSON pointer of the primitive.
   Mesh read(const MeshPrimitive& p, const std::string& what, const PosedUse* pose, Vec3d origin);
 
  private:
@@ -40,7 +40,7 @@ class PrimitiveReader {
   const Buffers& buffers_;
   NodeTree& nodes_;
   Notices& notices_;
-  std::vector<uint32_t> numbers_, named_;  // of vertices in a mesh; kNoNormal: none
+  std::vector<uint32_t> numbers_, named_;  // vertex indices in the mesh; kNoNormal: unused
 };
 
 }  // namespace raio::gltf

@@ -7,8 +7,8 @@
 namespace raio::gltf {
 namespace {
 
-/// Rings of `sides` + 1 points between two radii, so that each face has a normal of its own at a
-/// tip.
+/// A frustum between two rings of `sides` + 1 points, so that each face has its own normal at an
+/// apex.
 Surface between_rings(double y0, double r0, double y1, double r1, Vec3d normal_at_x, int sides) {
   Surface out;
   for (int i = 0; i < sides; ++i) {
@@ -32,7 +32,7 @@ std::array<double, 4> rotation_of_y(Vec3d to) {
   return rotation_to(frame.v, y, frame.u);
 }
 
-// An icosahedron whose faces are split in four.
+// An icosahedron with each face subdivided into four, repeatedly.
 Surface unit_sphere(int splits) {
   const double t = std::numbers::phi;
   std::vector<Vec3d> at = {{-1, t, 0}, {1, t, 0}, {-1, -t, 0}, {1, -t, 0},

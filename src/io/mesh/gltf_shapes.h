@@ -1,5 +1,5 @@
-// Triangles for the shapes that glTF does not have, internal to its writer. Each is a unit shape in
-// a place: the sphere of radius 1 around 0; the frustum of radius 1 at y = 0 and `ratio` at y = 1,
+// Triangles for shapes that glTF does not have; internal to its writer. Each is a transformed unit
+// shape: the sphere of radius 1 around 0; the frustum of radius 1 at y = 0 and `ratio` at y = 1,
 // without caps; the ring in the plane y = 0 from radius `ratio` to 1.
 #pragma once
 
@@ -13,11 +13,11 @@
 
 namespace raio::gltf {
 
-/// Triangles with the columns that they have; others are empty.
+/// Triangles with optional attributes; missing ones are empty.
 struct Surface {
   std::vector<Vec3f> positions, normals;
   std::vector<Uv> uv;
-  std::vector<Rgb> colors;  // which are multiplied by that of the material
+  std::vector<Rgb> colors;  // multiplied by the material's colour
   std::vector<TriangleIndices> triangles;
 };
 
@@ -29,8 +29,8 @@ struct UnitShape {
   friend auto operator<=>(const UnitShape&, const UnitShape&) = default;
 };
 
-/// From 0 to here: a sphere is an icosahedron whose faces are split in four `detail` times, what is
-/// round has 8 << `detail` sides.
+/// The finest level. A sphere is an icosahedron subdivided `detail` times; other round shapes have
+/// 8 << `detail` sides.
 inline constexpr int kFinest = 3;
 Surface surface_of(const UnitShape& shape, int detail);
 size_t triangles_of(const UnitShape& shape, int detail);
@@ -43,6 +43,6 @@ PlacedShape placed(const Sphere& s);
 PlacedShape placed(const Cone& c);
 PlacedShape placed(const Ellipsoid& e);
 PlacedShape placed(const Disc& d);
-PlacedShape placed(const MovingSphere& s);  // where it begins
+PlacedShape placed(const MovingSphere& s);  // at its start
 
 }  // namespace raio::gltf

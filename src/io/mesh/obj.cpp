@@ -1,6 +1,6 @@
-// OBJ and MTL of Wavefront (1992): positions, normals, texture coordinates and faces, a keyword a
-// line, and a file of materials beside it. Points are kept where there are no faces; of curves,
-// surfaces and lines nothing is.
+// OBJ and MTL of Wavefront (1992): positions, normals, texture coordinates and faces, one keyword
+// per line, and a separate file of materials. Points are read if there are no faces; curves,
+// surfaces and lines are skipped.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,11 +22,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What map_Kd says.
+// The arguments of map_Kd.
 struct PaintMap {
   fs::path library;  // the MTL file
   int line = 0;
-  std::string name;  // of the picture, from that file on; empty: there is none
+  std::string name;  // of the picture, relative to that file; empty: none
   bool clamp = false;
   std::array<float, 2> offset{0, 0}, scale{1, 1};
 
@@ -36,12 +36,12 @@ struct PaintMap {
 struct Paint {
   std::optional<Rgb> color;
   double opacity = 1;
-  bool only_tr = false;  // the opacity is that of Tr, and there is no d
+  bool only_tr = false;  // the opacity is from Tr, without d
   PaintMap map;
 };
 using Paints = std::map<std::string, Paint, std::less<>>;
 
-// The line of a map_Kd behind its keyword. Options that are not known are told.
+// Reads a map_Kd line after its keyword. Unknown options give a warning.
 PaintMap read_map(Words& words, const fs::path& library, Diagnostics& warnings) {
   PaintMap map;
   map.library = library, map.line = words.line();
@@ -60,7 +60,7 @@ PaintMap read_map(Words& words, const fs::path& library, Diagnostics& warnings) 
     } else if (option == "-clamp") {
       map.clamp = words.next() == "on";
     } else if (option == "-blendu" || option == "-blendv" || option == "-texres") {
-      (void)words.next();  // how it is filtered
+      (void)words.next();  // texture filtering
     } else {
       const bool takes_numbers = option == "-t" || option == "-mm" || option == "-boost";
       for (int i = 0; i < 3 && takes_numbers && looks_like_number(words.peek()); ++i)
@@ -75,12 +75,12 @@ PaintMap read_map(Words& words, const fs::path& library, Diagnostics& warnings) 
   return map;
 }
 
-// What the words of an MTL file say of its materials; throws ReadFailure. `left_out`: textures.
+// Reads the materials of an MTL file; throws ReadFailure. `left_out` counts skipped textures.
 void read_mtl(const TextBuffer& text, const fs::path& library, Paints& out, size_t& left_out,
               Diagnostics& warnings) {
   Words words(text);
   Paint* paint = nullptr;
-  bool has_d = false;  // the present one
+  bool has_d = false;  // for the current material
   const auto read_line = [&] {
     const std::string_view word = words.next();
     if (word == "newmtl") {
@@ -105,7 +105,7 @@ void read_mtl(const TextBuffer& text, const fs::path& library, Paints& out, size
   while (words.next_line()) read_line();
 }
 
-/// Thrown where a face or usemtl names what comes behind it.
+/// Thrown if a face or usemtl refers to something later in the file.
 struct OutOfOrder {};
 
 class ObjReader {
@@ -118,7 +118,7 @@ class ObjReader {
     read_lines();
     return finish();
   }
-  /// Faces after all that they may name.
+  /// Reads faces after everything that they may refer to.
   ReadScene read_in_two_passes() {
     pass_ = Pass::named;
     read_lines();
@@ -129,7 +129,7 @@ class ObjReader {
   }
 
  private:
-  // What is read: all, what faces name, or the faces.
+  // What a pass reads: everything, everything but faces, or faces.
   enum class Pass : uint8_t { one, named, faces };
 
   void read_lines() {
@@ -168,7 +168,7 @@ class ObjReader {
   void read_vertex() {
     places_.push_back(origin_.local(words_.wide_place()));
     first_uses_.push_back({});
-    // Some programs write a weight behind it, others a colour.
+    // Some programs append a weight, others a colour.
     double more[4];
     size_t count = 0;
     while (count < 4 && !words_.peek().empty()) more[count++] = words_.number("a number");
@@ -191,7 +191,7 @@ class ObjReader {
     uvs_.push_back({u, words_.peek().empty() ? 0 : words_.coordinate()});
   }
 
-  // A number from 1, or from -1 backwards from what the file has before this line; 0: none.
+  // An index from 1, or from -1 backwards relative to this line; 0 if there is none.
   long index_at(const char*& p, const char* end, size_t before) {
     long number = 0;
     const auto [stop, error] = std::from_chars(p, end, number);
@@ -206,10 +206,11 @@ class ObjReader {
     if (number < 1 || number > long(count))
       words_.fail_expected(
           count == 0 ? "no vertex: there is none"
-                     : fmt::format("a vertex from 1 to {} or -1 to -{}", count, before_.places));
+                     : fmt::format("a vertex from 1 to {} or -1 to -{} (vertices count from 1)",
+                                   count, before_.places));
     return uint32_t(number - 1);
   }
-  // Of normals or texture coordinates, which a face can do without.
+  // An optional index of a normal or texture coordinate.
   uint32_t other_at(const char*& p, const char* end, size_t count, size_t before,
                     std::string_view what) {
     const std::string_view word(p, size_t(end - p));
@@ -219,7 +220,7 @@ class ObjReader {
       words_.fail_expected(fmt::format("a {} from 1 on", what));
     if (number >= 1 && number <= long(count)) return uint32_t(number - 1);
     out_.notices.add(Severity::left_out,
-                     fmt::format("{}s that corners of faces name and the file has not", what), {},
+                     fmt::format("{}s that faces refer to and the file does not have", what), {},
                      size_t(words_.line()));
     return kNone;
   }
@@ -243,18 +244,18 @@ class ObjReader {
             normal = other_at(p, end, out_.normals.size(), before_.normals, "normal");
           else
             out_.notices.add(Severity::guessed,
-                             "corners of faces that end with \"/\" have no normal", word,
+                             "face vertices that end with \"/\", read without a normal", word,
                              size_t(words_.line()));
         }
       }
-      if (p != end) words_.fail_expected("a corner such as 1, 1/2, 1//3 or 1/2/3");
+      if (p != end) words_.fail_expected("a face vertex such as 1, 1/2, 1//3 or 1/2/3");
       is_whole &= is_place(places_[place]);
       corners_.push_back(is_whole ? vertex(place, uv) : 0);
       normals_.push_back(normal);
       smooth += normal != kNone && !unknown_normals_.contains(normal);
       if (corners_.size() > kMaxCorners) words_.fail("a face has at most 65535 corners");
     }
-    if (corners_.empty()) words_.fail_expected("the corners of a face");
+    if (corners_.empty()) words_.fail_expected("the vertices of a face");
     if (corners_.size() < 3)
       return out_.notices.add(Severity::left_out, "faces of fewer than three corners", {},
                               size_t(words_.line()));
@@ -279,7 +280,7 @@ class ObjReader {
     }
   }
 
-  // That of the mesh at this place with these texture coordinates.
+  // The mesh's vertex with this position and these texture coordinates.
   uint32_t vertex(uint32_t place, uint32_t uv) {
     Use& first = first_uses_[place];
     if (first.vertex == kNone) first = {add_vertex(place, uv), uv};
@@ -302,7 +303,7 @@ class ObjReader {
     }
     return uint32_t(number);
   }
-  // Texture coordinates where the material's picture is moved or scaled.
+  // Texture coordinates transformed by the material's map_Kd options.
   uint32_t moved(uint32_t uv) {
     if (uvs_.size() >= kMoved) words_.fail("there are too many texture coordinates");
     if (!map_) return uv;
@@ -334,7 +335,7 @@ class ObjReader {
     if (paint == paints_.end()) {
       if (pass_ == Pass::one && libraries_.empty()) throw OutOfOrder();
       id = usual();
-      ++missing_;
+      missing_.emplace_back(name);
     } else {
       const uint32_t texture = texture_of(paint->second.map);
       id = out_.paint(color_of(paint->first, paint->second, texture),
@@ -343,14 +344,14 @@ class ObjReader {
     return materials_.emplace(std::string(name), id).first->second;
   }
 
-  // Some programs write black beside a picture that is to be seen as it is.
+  // Some programs write black for a texture that is meant to be shown unchanged.
   Rgb color_of(std::string_view name, const Paint& paint, uint32_t texture) {
     if (texture == kNoTexture) return paint.color.value_or(kPlainColor);
     if (paint.color != Rgb(0)) return paint.color.value_or(Rgb(1));
-    out_.notices.add(Severity::guessed, "textures shown as they are, though Kd is 0 0 0", name);
+    out_.notices.add(Severity::guessed, "textures shown unchanged, although Kd is 0 0 0", name);
     return Rgb(1);
   }
-  // Nobody writes a file to show nothing, and some programs write Tr 1 for what is opaque.
+  // A fully transparent file is not intended, and some programs write Tr 1 for opaque.
   float opacity_of(std::string_view name, const Paint& paint) {
     const double a = paint.opacity;
     if (!(a >= 0 && a <= 1)) return 1;
@@ -385,7 +386,7 @@ class ObjReader {
     std::ranges::replace(path, '\\', '/');
     return options_.folder ? *options_.folder / path : fs::path();
   }
-  // One, whose name may have blanks in it, or several.
+  // One file name, possibly with blanks, or several.
   void read_libraries(std::string_view names) {
     std::error_code error;
     if (names.find(' ') == std::string_view::npos ||
@@ -398,7 +399,7 @@ class ObjReader {
     if (!libraries_.insert(name).second) return;
     const fs::path file = library_file(name);
     std::error_code error;
-    // Not what would wait for somebody to write to it.
+    // Not a pipe, which could block.
     if (!options_.folder || !fs::is_regular_file(file, error))
       return out_.warn(
           fmt::format("its materials: there is no file {} beside it", raio::quoted(name)));
@@ -430,14 +431,14 @@ class ObjReader {
     if (!out_.colors.empty()) out_.colors.resize(out_.positions.size(), Rgb(1));
     if (!out_.uv.empty()) out_.uv.resize(out_.positions.size());
     if (!has_smooth_) out_.normals.clear();
-    if (missing_ > 0 && !paints_.empty())
-      out_.warn(
-          fmt::format("{} materials that it names are not in its files of materials", missing_));
+    if (!paints_.empty())
+      for (const std::string& name : missing_)
+        out_.notices.add(Severity::warning, "materials that are not in its MTL files", name);
     if (left_out_ > 0)
       out_.warn(fmt::format("{} textures of opacity (map_d) are left out", left_out_));
     return of_points ? out_.finish_points() : out_.finish(UpAxis::y);
   }
-  // Those that p names, or else all vertices.
+  // The vertices that p refers to, or else all vertices.
   void add_points() {
     std::set<uint32_t> chosen(points_.begin(), points_.end());
     out_.positions.clear(), out_.colors.clear();
@@ -446,7 +447,7 @@ class ObjReader {
       out_.positions.push_back(places_[i]);
       if (!colors_.empty()) out_.colors.push_back(i < colors_.size() ? colors_[i] : Rgb(1));
     }
-    if (out_.positions.empty()) throw ReadFailure{"none of its points has a finite place"};
+    if (out_.positions.empty()) throw ReadFailure{"no point has a finite position"};
   }
 
   static constexpr uint32_t kNone = 0xffffffffu, kMoved = 0x80000000u;
@@ -462,23 +463,24 @@ class ObjReader {
   FileOrigin& origin_;
   MeshBuilder& out_;
   Pass pass_ = Pass::one;
-  Counts before_;  // this line
-  // As the file has them.
+  Counts before_;  // at this line
+  // As in the file.
   std::vector<Vec3f> places_;
   std::vector<Rgb> colors_;
   std::vector<Uv> uvs_, moved_uvs_;
   std::map<std::pair<const PaintMap*, uint32_t>, uint32_t> moved_;  // to moved_uvs_ and kMoved
-  const PaintMap* map_ = nullptr;                      // of the faces to come, where it moves
-  std::vector<Use> first_uses_;                        // of each place
-  std::unordered_map<uint64_t, uint32_t> other_uses_;  // by place and texture coordinates
-  std::vector<uint32_t> corners_, normals_;            // of a face
+  const PaintMap* map_ = nullptr;  // of the current material, if it transforms coordinates
+  std::vector<Use> first_uses_;    // of each position
+  std::unordered_map<uint64_t, uint32_t> other_uses_;  // by position and texture coordinates
+  std::vector<uint32_t> corners_, normals_;            // of the current face
   std::set<std::string> libraries_;
   Paints paints_;
   std::map<std::string, MaterialId, std::less<>> materials_;
-  std::optional<MaterialId> material_;  // of the faces to come
-  std::set<uint32_t> unknown_normals_;  // those that are not finite
-  std::vector<uint32_t> points_;        // places that p names
-  size_t missing_ = 0, left_out_ = 0, point_lines_ = 0;
+  std::optional<MaterialId> material_;  // of the next faces
+  std::set<uint32_t> unknown_normals_;  // not finite
+  std::vector<uint32_t> points_;        // positions that p refers to
+  std::vector<std::string> missing_;    // materials that are not in the MTL files
+  size_t left_out_ = 0, point_lines_ = 0;
   bool has_smooth_ = false;
 };
 

@@ -21,14 +21,14 @@ class OffReader {
     if (words_.peek().empty()) words_.next_line();
     read_header();
     if (words_.peek().empty()) words_.next_line();
-    // A vertex takes six bytes at least, a face four.
+    // A vertex takes at least six bytes, a face four.
     const auto vertices = size_t(words_.whole("the number of vertices", 1, most(6)));
     const auto faces = size_t(words_.whole("the number of faces", 1, most(4)));
     for (size_t i = 0; i < vertices; ++i) read_vertex(i);
     for (size_t i = 0; i < faces; ++i) read_face();
     if (words_.next_line()) words_.fail_expected("the end of the file");
     out_.origin = origin_.value();
-    if (ignored_indices_) out_.warn("colours of faces that are numbers of a table are left out");
+    if (ignored_indices_) out_.warn("face colours that are indices of a colour table are left out");
   }
 
  private:
@@ -53,7 +53,7 @@ class OffReader {
     if (!words_.next_line()) words_.fail_expected("more vertices and faces");
   }
 
-  // What follows may begin a line.
+  // The next word may be on a new line.
   void need_word() {
     if (words_.peek().empty()) need_line();
   }
@@ -62,7 +62,7 @@ class OffReader {
     return words_.wide_coordinate();
   }
 
-  // Numbers with a point are parts of one, others of 255.
+  // Numbers with a decimal point are fractions, others are from 0 to 255.
   std::optional<Rgb> color() {
     double c[4];
     int count = 0;

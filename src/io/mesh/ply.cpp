@@ -1,5 +1,5 @@
-// The Polygon File Format of Greg Turk (1994): a header that names elements and their properties,
-// then the elements, as text or as numbers of either byte order.
+// The Polygon File Format of Greg Turk (1994): a header that declares elements and their
+// properties, then the elements, as text or binary in either byte order.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -27,7 +27,7 @@
 namespace raio {
 namespace {
 
-// What is wanted of a vertex, by the names that programs write.
+// Vertex properties, with the names that programs use.
 enum Wanted : size_t { kX, kY, kZ, kRadius, kRed, kGreen, kBlue, kAlpha, kNx, kNy, kNz, kU, kV };
 constexpr size_t kWanted = 13;
 constexpr std::array<std::array<std::string_view, 4>, kWanted> kNames = {
@@ -93,7 +93,7 @@ class PlyReader {
           at_[w] = k, is_whole_[w] = is_whole(property.type);
       if (!options_.color_by.empty() && property.name == options_.color_by) colored_by_ = k;
     }
-    // Without the other two it is no colour.
+    // "r" alone is not a colour.
     if (at_[kRed] && !at_[kGreen] && !at_[kBlue] && element.properties[*at_[kRed]].name == "r")
       at_[kRadius] = std::exchange(at_[kRed], std::nullopt);
     if (!options_.color_by.empty() && !colored_by_)
@@ -111,7 +111,7 @@ class PlyReader {
       });
       return;
     }
-    // Of rows all alike only what is wanted is looked at.
+    // With rows of fixed size, only the wanted properties are read.
     const size_t row = element.row_bytes();
     allocate(element.count);
     if (row > at.bytes_left() / element.count) fail("the file ends within its vertices");
@@ -177,7 +177,7 @@ class PlyReader {
   template <class Get>
   void put(size_t i, const Get& get) {
     const auto value = [&](Wanted w) { return float(get(*at_[w])); };
-    // A text may have numbers that no byte has.
+    // A text may have values beyond a byte.
     const auto light = [&](Wanted w) {
       const double x = get(*at_[w]);
       return is_whole_[w] ? kLight[size_t(x > 0 ? std::min(x, 255.0) : 0)]
@@ -196,16 +196,16 @@ class PlyReader {
     if (!uv_.empty()) uv_[i] = {value(kU), value(kV)};
   }
 
-  // --- faces, and strips of triangles that -1 parts
-  // Of a chunk of rows.
+  // --- faces, and triangle strips separated by -1
+  // The faces of a chunk of rows.
   struct Faces {
     std::vector<TriangleIndices> triangles;
     std::vector<Rgb> colors;        // of each face, where they have some,
     std::vector<size_t> ends;       // and how many triangles there are up to its last one
     std::vector<uint32_t> corners;  // of a face
-    size_t left_out = 0;            // faces with a corner that has no place
+    size_t left_out = 0;            // faces with a vertex without a finite position
   };
-  static constexpr uint32_t kApart = 0xffffffffu;  // for -1
+  static constexpr uint32_t kApart = 0xffffffffu;  // marks -1
 
   void read_faces(const PlyElement& element) {
     if (element.count == 0) return;
@@ -225,12 +225,12 @@ class PlyReader {
           color[c] = k;
     }
     if (!corners) fail(fmt::format("elements {} have no list vertex_indices", element.name));
-    // Colours of the vertices, of which those by a property are a kind, count for more.
+    // Vertex colours, including those by `color_by`, take precedence.
     const bool colored = colors_.empty() && !colored_by_ && color[0] && color[1] && color[2];
     std::vector<Faces> chunks(chunks_of(element.count));
     file_.read_rows(element, *corners, [&](size_t i, const PlyRow& row, const PlyCursor& at) {
       Faces& faces = chunks[i / kLoopChunk];
-      if (i % kLoopChunk == 0) faces = {};  // what another try may have left
+      if (i % kLoopChunk == 0) faces = {};  // a previous attempt may have left some
       if (!strips && row.list.size() > kMaxCorners)
         at.fail(fmt::format("a face of {} corners is too large", row.list.size()));
       faces.corners.clear();
@@ -282,14 +282,14 @@ class PlyReader {
     for (size_t k = 0; k < strip.size(); ++k) {
       if (strip[k] == kApart) first = k + 1;
       if (k < first + 2 || strip[k] == kApart) continue;
-      // Each second one turns the other way.
+      // Every second triangle is reversed.
       const bool turned = (k - first) % 2 == 1;
       out.push_back({strip[k - 2 + turned], strip[k - 1 - turned], strip[k]});
     }
   }
 
   // --- the scene
-  // Notes which vertices have no place, and gives them one that a number can be.
+  // Finds vertices without a finite position and gives them a finite one.
   template <class T, class Place>
   void find_unplaced(std::vector<T>& vertices, const Place& place) {
     size_t count = 0;
@@ -309,9 +309,9 @@ class PlyReader {
     if (count > 0)
       mesh_.notices.add(Severity::left_out, "vertices that have no finite place", {}, 0, count);
   }
-  // Those of binary files have lost digits that can be seen.
+  // Binary floats far from 0 have lost visible digits.
   void tell_floats() {
-    constexpr double kSeen = 1e-4;  // of what the picture shows
+    constexpr double kSeen = 1e-4;  // relative to the extent of the picture
     const double step = float_step(max_component(abs(mesh_.origin)));
     if (has_floats_ && origin_.is_far() && step > kSeen * double(farthest_))
       mesh_.notices.add_whole(
@@ -358,7 +358,7 @@ class PlyReader {
     read.colors = scale;
     return read;
   }
-  // That of a comment of write_ply().
+  // Restores the camera from a comment of write_ply().
   void set_written_camera(Scene& scene) const {
     for (std::string_view comment : file_.comments()) {
       if (!comment.starts_with(kPlyCamera)) continue;
@@ -373,7 +373,7 @@ class PlyReader {
       camera.up = Vec3f(Vec3d(n[6], n[7], n[8]));
       camera.fov_deg = float(n[9]), camera.horizontal_fov_deg = float(n[10]);
       if (n[11] == 1) camera.projection = Projection::orthographic;
-      // A comment may hold anything.
+      // A comment may contain anything.
       const bool are_angles = camera.fov_deg > 0 && camera.fov_deg < 180 &&
                               camera.horizontal_fov_deg >= 0 && camera.horizontal_fov_deg < 180;
       if (are_angles && is_place(camera.from) && is_place(camera.at) && is_place(camera.up) &&
@@ -384,7 +384,7 @@ class PlyReader {
   static Material paint(Rgb color) { return {.color = color, .kd = 1}; }
 
   void set_radii() {
-    // All faces are edges or corners.
+    // All faces are degenerate.
     if (spheres_.empty())
       for (const Vec3f& place : mesh_.positions) spheres_.push_back({place, 0});
     if (has(kRadius)) {
@@ -436,19 +436,19 @@ class PlyReader {
   PlyFile file_;
   const ReadOptions& options_;
   FileOrigin& origin_;
-  bool has_floats_ = false;  // for coordinates, not as text
-  float farthest_ = 0;       // from the origin, where data is far from 0
+  bool has_floats_ = false;  // coordinates are binary floats
+  float farthest_ = 0;       // from the origin; 0 if data is near it
   size_t count_ = 0;
-  std::array<std::optional<size_t>, kWanted> at_;  // among the properties of vertices
+  std::array<std::optional<size_t>, kWanted> at_;  // indices of vertex properties
   std::array<bool, kWanted> is_whole_{};
-  std::optional<size_t> colored_by_;  // by the property of vertices
+  std::optional<size_t> colored_by_;  // index of the vertex property for colours
   bool has_faces_ = false;
-  std::vector<Sphere> spheres_;          // the vertices, of a file without faces,
-  std::vector<Vec3f> places_, normals_;  // and of one with some
+  std::vector<Sphere> spheres_;          // vertices of a file without faces,
+  std::vector<Vec3f> places_, normals_;  // and of one with faces
   std::vector<float> opacity_, values_;
   std::vector<Rgb> colors_;
   std::vector<Uv> uv_;
-  std::vector<bool> unplaced_;  // vertices without a finite place; empty: there are none
+  std::vector<bool> unplaced_;  // vertices without a finite position; empty: none
   MeshBuilder mesh_;
 };
 

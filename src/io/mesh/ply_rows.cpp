@@ -85,9 +85,9 @@ const char* PlyCursor::parse_not_finite(PlyType type, double& value) const {
 
 size_t PlyCursor::next_count(const PlyProperty& list) {
   const double count = next(*list.count);
-  // A number takes a byte at least, in text two.
+  // A number takes at least one byte, in text two.
   if (!(count >= 0 && count <= double(end - p)))
-    fail(fmt::format("a list of {} numbers does not fit into the file", count));
+    fail(fmt::format("a list of {} numbers does not fit in the file", count));
   return size_t(count);
 }
 
@@ -102,7 +102,7 @@ void PlyCursor::next_list(const PlyProperty& property, std::vector<double>& out)
   if (count > bytes_left() / size) fail("the file ends within its elements");
   const bool swap = encoding == PlyEncoding::big;
   out.resize(count);
-  if (property.type == PlyType::i32)  // nearly always
+  if (property.type == PlyType::i32)  // the usual case
     for (size_t k = 0; k < count; ++k) out[k] = double(number_at<int32_t>(p + k * size, swap));
   else
     for (size_t k = 0; k < count; ++k) out[k] = ply_number(p + k * size, property.type, swap);
@@ -189,10 +189,10 @@ void PlyFile::read_header() {
 
 // --- rows
 void PlyFile::check_count(const PlyElement& element) const {
-  // No element takes less than a byte.
+  // An element takes at least one byte.
   if (element.properties.empty() || element.count > at_.bytes_left())
-    fail(fmt::format("the {} elements {} that the header names do not fit into the file",
-                     element.count, raio::quoted(element.name)));
+    fail(fmt::format("the header's {} elements {} do not fit in the file", element.count,
+                     raio::quoted(element.name)));
   if (element.count >= (size_t(1) << 29))
     fail(fmt::format("{} elements {} are too many", element.count, raio::quoted(element.name)));
 }

@@ -1,4 +1,4 @@
-// The header of a PLY file, and the rows of numbers and lists behind it.
+// The header of a PLY file, and its rows of numbers and lists.
 #pragma once
 
 #include <array>
@@ -28,7 +28,7 @@ constexpr size_t size_of(PlyType type) {
 struct PlyProperty {
   std::string name;
   PlyType type = PlyType::f32;
-  std::optional<PlyType> count;  // of a list
+  std::optional<PlyType> count;  // the count's type if this is a list
 };
 struct PlyElement {
   std::string name;
@@ -36,14 +36,14 @@ struct PlyElement {
   std::vector<PlyProperty> properties;
 
   bool has_lists() const;
-  /// Of a binary row without lists.
+  /// The size of a binary row without lists.
   size_t row_bytes() const;
 };
 
-/// A binary number, whose bytes are those of the other order if `swap`.
+/// Reads a binary number; `swap` reverses its bytes.
 double ply_number(const char* p, PlyType type, bool swap);
 
-/// A place among the numbers of a file.
+/// A read position in the elements.
 struct PlyCursor {
   const char* p;
   const char* end;
@@ -70,42 +70,42 @@ struct PlyCursor {
   }
   void next_list(const PlyProperty& property, std::vector<double>& out);
   void skip(const PlyProperty& property);
-  void skip(const PlyElement& element);  // a row
+  void skip(const PlyElement& element);  // skips a row
 
  private:
   size_t next_count(const PlyProperty& list);
   double next_binary(PlyType type);
-  /// "nan" and "inf", which other programs write for what they do not know; fails of all else.
+  /// Parses "nan" and "inf", which other programs write for unknown values; fails otherwise.
   const char* parse_not_finite(PlyType type, double& value) const;
 };
 
-/// Of one row.
+/// The values of a row.
 struct PlyRow {
-  std::vector<double> values;  // of each property; of lists nothing
-  std::vector<double> list;    // the wanted one
+  std::vector<double> values;  // by property; lists have none
+  std::vector<double> list;    // the requested list
 };
 
-/// A PLY file whose elements are read one after another; all that fails throws ReadFailure.
+/// A PLY file whose elements are read in sequence; failures throw ReadFailure.
 class PlyFile {
  public:
   /// Reads the header.
   explicit PlyFile(const TextBuffer& bytes);
 
   std::span<const PlyElement> elements() const { return elements_; }
-  /// Of the header, behind the word "comment".
+  /// Comments of the header, after the word "comment".
   std::span<const std::string_view> comments() const { return comments_; }
-  /// Behind what was read.
+  /// The position after what was read.
   PlyCursor& at() { return at_; }
   [[noreturn]] void fail(std::string message) const { at_.fail(std::move(message)); }
 
-  /// Refuses what cannot fit into the file.
+  /// Fails if the elements cannot fit in the file.
   void check_count(const PlyElement& element) const;
   void skip(const PlyElement& element);
 
-  /// Calls take(i, row, cursor) for the rows of an element, with the list of the property of this
-  /// number; the cursor is behind the row. On all threads where rows can be found without reading
-  /// them, and else, or if anything fails there, one after another from the first on, so that what
-  /// is told is about the first fault. The rows of a loop's chunk (kLoopChunk) are in order.
+  /// Calls take(i, row, cursor) for each row of an element, with the list of this property; the
+  /// cursor is after the row. Runs in parallel if rows can be found without parsing. Otherwise, or
+  /// on any failure, reads in sequence from the first row on, so that the first fault is reported.
+  /// Rows of a loop chunk (kLoopChunk) are in order.
   template <class Take>
   void read_rows(const PlyElement& element, size_t list, const Take& take) {
     if (!read_on_threads(element, list, take)) {
@@ -121,8 +121,8 @@ class PlyFile {
   std::string_view header_line();
   PlyType type_of(std::string_view name) const;
   void read_header();
-  // Where each chunk of rows begins; of text if each row is a line. Nothing where it does not pay
-  // or cannot be told.
+  // The start of each chunk of rows, in text only if each row is a line. Empty if parallel reading
+  // is impossible or does not pay.
   std::vector<PlyCursor> chunk_starts(const PlyElement& element);
 
   static void read_row(PlyCursor& at, const PlyElement& element, size_t list, PlyRow& row) {
@@ -168,8 +168,8 @@ class PlyFile {
   PlyCursor at_;
   std::vector<PlyElement> elements_;
   std::vector<std::string_view> comments_;
-  bool ends_with_cr_ = false;       // each line of the header, and with nothing else
-  std::optional<LineIndex> lines_;  // of text, from body_ on
+  bool ends_with_cr_ = false;       // whether header lines end with CR alone
+  std::optional<LineIndex> lines_;  // of a text, from body_ on
   const char* body_ = nullptr;
   int header_lines_ = 0;
 };

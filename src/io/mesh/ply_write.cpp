@@ -19,7 +19,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "numbers are written as they are");
 
-using Bytes = std::array<uint8_t, 4>;  // the last is not used
+using Bytes = std::array<uint8_t, 4>;  // the last one is unused
 
 uint8_t byte_of(float value) { return uint8_t(std::lround(std::clamp(value, 0.0f, 1.0f) * 255)); }
 Bytes stored_bytes(Rgb color) {
@@ -41,7 +41,7 @@ class PlyWriter {
   }
 
  private:
-  // A corner of a triangle with all that PLY says of it.
+  // A vertex with all attributes that PLY stores.
   struct Corner {
     Vec3f place, normal;
     Uv uv;
@@ -195,7 +195,7 @@ class PlyWriter {
       return hash128({reinterpret_cast<const char*>(&c), sizeof c}).first;
     }
     bool operator()(const Corner& a, const Corner& b) const {
-      // -0 is not 0 here, and a NaN is itself.
+      // Distinguishes -0 from 0, and a NaN equals itself.
       return std::memcmp(&a, &b, sizeof a) == 0;  // NOLINT(bugprone-suspicious-memory-comparison)
     }
   };
@@ -241,7 +241,7 @@ std::string not_in_ply(const Scene& scene) {
   }
   for (const Feature feature : {Feature::textures, Feature::object_names})
     if (const std::string lost_too = text_of(scene, {feature}); !lost_too.empty()) add(lost_too);
-  if (scene.dialect != Dialect::data) add("camera, lights, and materials but for their colours");
+  if (scene.dialect != Dialect::data) add("camera, lights, and materials except colours");
   return lost;
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 constexpr TriangleIndices kFlatTriangle{kNoNormal, kNoNormal, kNoNormal};
 
-// For each vertex the number of its place, from 0 in the order of x, y and z.
+// Numbers distinct positions, in the order of x, y and z, and returns the number of each vertex.
 std::vector<uint32_t> places_of(const Array<Vec3f>& positions, uint32_t& count) {
   std::vector<uint32_t> order(positions.size()), place(positions.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -51,7 +51,7 @@ class Smoother {
   }
 
  private:
-  // Corners, numbered 3 triangle + corner, around each place, in the order of the file.
+  // Lists the corners (3 triangle + corner) around each position, in the order of the file.
   void find_neighbours() {
     uint32_t places = 0;
     const std::vector<uint32_t> place = places_of(mesh_.positions, places);
@@ -79,14 +79,14 @@ class Smoother {
     }
   }
 
-  // A triangle stays flat where a corner has no normal, or all have the triangle's own.
+  // A triangle stays flat if a corner has no normal, or all corners have the triangle's own.
   bool stays_flat(size_t triangle) const {
     const std::span<const Vec3f> normals(&corners_[3 * triangle], 3);
     return std::ranges::find(normals, Vec3f()) != normals.end() ||
            std::ranges::count(normals, Vec3f(units_[triangle])) == 3;
   }
 
-  // Each normal of a place once; false: all triangles stay flat.
+  // Stores each normal of a position once; false if all triangles stay flat.
   bool store() {
     std::vector<Vec3f> normals;
     std::vector<TriangleIndices> indices(mesh_.triangles.size(), kFlatTriangle);
@@ -106,15 +106,15 @@ class Smoother {
     return true;
   }
 
-  // Where more triangles meet, as in the hub of a fan, they stay flat, since each is held against
-  // all others.
+  // Triangles stay flat if more than this many share a vertex, as in the hub of a fan, since each
+  // is compared with all others.
   static constexpr size_t kMaxAround = 1000;
 
   Mesh& mesh_;
   const float least_cosine_;
-  std::vector<Vec3d> areas_, units_;      // of triangles
-  std::vector<Vec3f> corners_;            // their normals
-  std::vector<uint32_t> first_, around_;  // of each place, into around_
+  std::vector<Vec3d> areas_, units_;      // per triangle
+  std::vector<Vec3f> corners_;            // per-corner normals
+  std::vector<uint32_t> first_, around_;  // by position: where its entries of around_ begin
 };
 
 size_t smooth_all(Scene& scene, float least_cosine) {

@@ -1,5 +1,5 @@
-// STL, of 3D Systems (1988): triangles with their corners, as text or in 50 bytes each. Each has a
-// normal, too, which its corners give as well.
+// STL of 3D Systems (1988): triangles with their vertices, as text or in 50 bytes each. The normals
+// are ignored, since the vertices determine them.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -27,8 +27,8 @@ ReadScene scene_of(std::vector<Vec3f> corners, MeshBuilder builder = {}) {
   return builder.finish(UpAxis::z);
 }
 
-// Of what is named and what there is room for, the file's size decides, unless it ends with bytes
-// that are part of no triangle.
+// The size of the file decides between the declared number and the available room, unless the file
+// ends with trailing bytes.
 ReadScene read_binary(std::string_view bytes, FileOrigin& origin) {
   uint32_t named;
   std::memcpy(&named, bytes.data() + kHeader, sizeof named);
@@ -42,7 +42,7 @@ ReadScene read_binary(std::string_view bytes, FileOrigin& origin) {
         fmt::format("its header says {} triangles, the file has {}, which are read", named, count));
   if (const size_t spare = body - count * kTriangleBytes; spare > 0)
     builder.notices.add_whole(
-        Severity::cut, fmt::format("{} bytes behind its {} triangles are not read", spare, count));
+        Severity::cut, fmt::format("{} bytes after its {} triangles are not read", spare, count));
   std::vector<Vec3f> corners(3 * count);
   for_each_index(count, [&](size_t i) {
     std::memcpy(&corners[3 * i], bytes.data() + kHeader + 4 + i * kTriangleBytes + kNormalBytes,
@@ -50,7 +50,8 @@ ReadScene read_binary(std::string_view bytes, FileOrigin& origin) {
   });
   for (size_t i = 0; i < corners.size(); ++i)
     if (!is_place(corners[i]))
-      throw ReadFailure{fmt::format("triangle {} has no finite place", i / 3)};
+      throw ReadFailure{
+          fmt::format("triangle {} has a coordinate that is too large or not finite", i / 3)};
   if (count > 0) origin.choose(Vec3d(corners[0]));
   if (origin.is_far())
     for (Vec3f& corner : corners) corner = origin.local(Vec3d(corner));
@@ -89,8 +90,7 @@ class TextReader {
   void end_line() {
     if (words_.peek().empty()) words_.next_line();
   }
-  // What does not count, up to this word, if it is in the same line with more behind it, or else
-  // to the next line.
+  // Skips to this word if it follows in the same line with more after it, or else to the next line.
   void skip_to(std::string_view word) {
     for (; !words_.peek().empty(); (void)words_.next()) {
       Words ahead = words_;
@@ -140,7 +140,7 @@ std::expected<ReadScene, Diagnostics> read_stl(const TextBuffer& bytes, std::str
       return read_about([&](FileOrigin& origin) { return TextReader(bytes, origin).read(); });
     if (view.size() < kHeader + 4 + kTriangleBytes)
       throw ReadFailure{
-          fmt::format("it is neither text nor a binary STL file, which has {} bytes at least, of "
+          fmt::format("it is neither a text nor a binary STL file; expected at least {} bytes for "
                       "one triangle; it has {}",
                       kHeader + 4 + kTriangleBytes, view.size())};
     return read_about(binary);

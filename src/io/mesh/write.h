@@ -9,37 +9,36 @@
 
 namespace raio {
 
-/// What begins a comment with the camera of data: from, at and up, the vertical angle and the one
-/// across (Camera::horizontal_fov_deg).
+/// The start of a comment with the camera: from, at and up, the vertical angle and the horizontal
+/// one (Camera::horizontal_fov_deg).
 inline constexpr std::string_view kPlyCamera = "raio camera ";
 
-/// The scene as binary PLY. Triangles and polygons as a mesh with the colours of its vertices, and
-/// normals and texture coordinates where there are any; in a scene without them its spheres, as
-/// vertices with radius, colour and, where there is any, opacity. Places are those of the file that
-/// the scene is from, as doubles where the scene has an origin. Colours are display values, as
-/// read_ply() takes them.
+/// The scene as binary PLY. Triangles and polygons become a mesh with vertex colours and optional
+/// normals and texture coordinates. A scene without them writes its spheres as vertices with
+/// radius, colour and, if present, opacity. Positions are those of the scene's file, as doubles if
+/// the scene has an origin. Colours are display values, as read_ply() expects them.
 std::string write_ply(const Scene& scene, std::string_view comment = {});
 
-/// Is there a triangle or polygon for a mesh?
+/// Whether the scene has a triangle or polygon.
 bool has_faces(const Scene& scene);
 
-/// What of the scene write_ply() leaves out, in one line, as text_of() has it; empty: nothing.
+/// Features that write_ply() loses, in one line, as text_of() has it; empty: none.
 std::string not_in_ply(const Scene& scene);
 
-/// In one binary file, .glb, or as text with its numbers in it.
+/// One binary .glb file, or text with embedded buffers.
 enum class GltfForm : uint8_t { binary, text };
 
-/// The scene as glTF 2.0, in light of linear numbers as that has it: triangles by their materials
-/// with the floats of the scene, under a node that is shifted by its origin; copies as nodes with
-/// the meshes of their objects; materials of metallic-roughness; camera and lights. Triangles stand
-/// for spheres, cones, ellipsoids and discs: shared ones, in the nodes of up to 10,000 of them,
-/// else ones of their own. The error is a sentence: there is nothing to write, or too much, or
-/// copies of which gltf_keeps_copies() is false.
+/// The scene as glTF 2.0 in linear light: triangles grouped by material, with the scene's floats,
+/// under a root node translated by its origin; instances as nodes with their object's meshes;
+/// metallic-roughness materials; camera and lights. Spheres, cones, ellipsoids and discs become
+/// triangles: up to 10,000 of them share meshes through nodes, more have their own triangles. The
+/// error is a sentence: nothing to write, too much, or instances for which gltf_keeps_copies() is
+/// false.
 std::expected<std::string, std::string> write_gltf(const Scene& scene, GltfForm form,
                                                    std::string_view comment = {});
-/// Can nodes of glTF be its copies? None shears.
+/// Whether nodes can express all instances, that is, none shears.
 bool gltf_keeps_copies(const Scene& scene);
-/// What of the scene write_gltf() leaves out, as not_in_ply().
+/// Features that write_gltf() loses, as not_in_ply().
 std::string not_in_gltf(const Scene& scene);
 
 }  // namespace raio

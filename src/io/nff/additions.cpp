@@ -60,7 +60,8 @@ void read_disc(Parser& p) {
     return;
   const MaterialId id = p.material_here();
   const auto normal = unit_normal({n[3], n[4], n[5]});
-  if (!normal) return p.reject("the normal of the disc is zero, expected the direction it faces");
+  if (!normal)
+    return p.reject("the normal of the disc is zero, expected the direction that it faces");
   const Disc disc{p.place({n[0], n[1], n[2]}), *normal, float(n[6]), float(n[7])};
   if (p.too_far(disc.center)) return;
   if (!(disc.radius > 0))

@@ -12,7 +12,7 @@
 namespace raio::nff {
 namespace {
 
-/// What `v` says, as written.
+/// The parameters of `v`, as written.
 struct CameraText {
   Vec3d from, at, up;
   double angle = 0, hither = 0, aperture = 0, focal = 0;
@@ -20,7 +20,7 @@ struct CameraText {
   std::set<CameraWord> seen;
   CameraWord last = CameraWord::none;
   bool usual_order = true;
-  bool damaged = false;  // a piece was lost to an error
+  bool damaged = false;  // an error hid one of its parameters
 
   bool has(CameraWord word) const { return seen.contains(word); }
 };
@@ -40,7 +40,7 @@ bool read_piece(Parser& p, CameraWord word, CameraText& v) {
   };
   const auto check = [&](bool sound, std::string_view fault) {
     if (!sound) p.reject(std::string(fault), p.last_word());
-    return true;  // read in full, sound or not
+    return true;  // read completely, valid or not
   };
   switch (word) {
     case CameraWord::from:
@@ -75,11 +75,12 @@ bool read_piece(Parser& p, CameraWord word, CameraText& v) {
 }
 
 void choose_origin(Parser& p, const CameraText& v) {
-  constexpr double kFar = 1000;  // here a float still resolves a few hundredths of a pixel
+  constexpr double kFar =
+      1000;  // beyond it a float resolves no more than a few hundredths of a pixel
   const double distance = length(v.at - v.from);
   const bool first = !p.seen.object && p.scene().lights.empty();
   if (!first || !(distance > 0) || !(max_component(abs(v.at)) > kFar * distance)) return;
-  // A multiple of a power of two near the distance: few digits, and no rounding in differences.
+  // A multiple of a power of two near the distance: it has few digits, and subtracting it is exact.
   const double unit = std::exp2(std::round(std::log2(distance)));
   for (int a = 0; a < 3; ++a) p.scene().origin[a] = std::round(v.at[a] / unit) * unit;
 }
@@ -102,10 +103,11 @@ void set_camera(Parser& p, const CameraText& v) {
                                    {CameraWord::up, "up"},
                                    {CameraWord::angle, "angle"}})
     if (!v.has(word)) missing += fmt::format("{}\"{}\"", missing.empty() ? "" : ", ", name);
-  if (!missing.empty()) return p.reject(fmt::format("v lacks {}", missing));
+  if (!missing.empty()) return p.reject(fmt::format("v has no {}", missing));
   if (!v.usual_order)
-    p.warn("the pieces of v are not in the usual order: from, at, up, angle, hither, resolution");
-  if (p.seen.object) p.warn("v after objects; NFF wants it first");
+    p.warn(
+        "the parameters of v are out of order, expected from, at, up, angle, hither, resolution");
+  if (p.seen.object) p.warn("v follows objects, but NFF requires it first");
   choose_origin(p, v);
   Camera& out = p.scene().camera;
   out.from = p.place(v.from);
@@ -156,7 +158,7 @@ void read_camera(Parser& p) {
       p.pass(word);
       p.skip_to_entity(true);
     } else {
-      break;  // the next entity, or something that the next entity's reader will name
+      break;  // the next entity, or a word that the next entity's reader reports
     }
   }
   set_camera(p, v);
@@ -184,7 +186,7 @@ void write_camera(Writer& w) {
   w.text().word("hither").number(c.near_clip).end_line();
   if (c.width > 0 && c.height > 0)
     w.text().word("resolution").number(c.width).number(c.height).end_line();
-  // As doubles, so that the reader's product rounds to the same float.
+  // In double, so that the reader's product rounds to the same float.
   if (c.lens_radius) {
     const double measured = w.scene().dialect == Dialect::p3f ? 2 : 1;  // across, or the radius
     w.text().word("aperture").number(measured * double(*c.lens_radius) / pixel_size(c)).end_line();

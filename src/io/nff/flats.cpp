@@ -18,9 +18,10 @@ namespace {
 constexpr std::string_view kXyzNormal[] = {
     "x", "y", "z", "the normal's x", "the normal's y", "the normal's z"};
 
-/// Have the corners an area, but for the last digits of decimal fractions, which are not exact: are
-/// they neither all in line nor in loops that cancel? By Newell's sum, twice the area along the
-/// normal. What is kept is asked as floats, too, so that it is kept again when written and read.
+/// Whether the polygon has an area: its vertices are neither collinear nor in loops that cancel.
+/// Uses Newell's sum, which is twice the area along the normal. The tolerance ignores the last
+/// digits, since decimal fractions are not exact. The test is repeated in float, so that a polygon
+/// that is kept is also kept after it is written and read.
 template <class T>
 bool has_area(std::span<const Vec3<T>> corners) {
   Vec3d sum;
@@ -39,7 +40,7 @@ bool has_area(std::span<const Vec3<T>> corners) {
 
 constexpr TriangleIndices kFlat = {kNoNormal, kNoNormal, kNoNormal};
 
-/// Normals are kept from the first smooth triangle on.
+/// Stores normals from the first smooth triangle on.
 void add_triangle(Parser& p, const TriangleIndices& corners, const TriangleIndices& normals) {
   Scene& scene = p.scene();
   if (normals != kFlat) scene.triangle_normals.resize(scene.triangles.size(), kFlat);
@@ -68,28 +69,28 @@ void add_smooth(Parser& p) {
   };
   if (placed.size() == 3) return add({0, 1, 2});
   for (const std::array<uint32_t, 3>& t : triangulate(placed))
-    // Corners in line leave pieces without area, which cover nothing.
+    // Collinear vertices leave triangles of zero area, which cover nothing.
     if (has_area<float>(std::array{placed[t[0]], placed[t[1]], placed[t[2]]})) add(t);
 }
 
-/// Reads n corners. False if an error was reported.
+/// Reads n vertices. False if an error was reported.
 bool read_corners(Parser& p, size_t n, bool smooth) {
   auto& [written, placed, normals] = p.corners;
   written.clear(), placed.clear(), normals.clear();
   bool sound = true;
   for (size_t i = 1; i <= n; ++i) {
     double x[6];
-    const char* const corner = p.next();
+    const char* const vertex = p.next();
     if (!p.numbers({x, size_t(smooth ? 6 : 3)},
-                   smooth ? Parser::Names(kXyzNormal) : Parser::Names(kXyz), {"corner", i}))
+                   smooth ? Parser::Names(kXyzNormal) : Parser::Names(kXyz), {"vertex", i}))
       return false;
     written.push_back({x[0], x[1], x[2]});
     placed.push_back(p.place(written.back()));
-    if (p.too_far(placed.back(), corner)) sound = false;
+    if (p.too_far(placed.back(), vertex)) sound = false;
     if (smooth) {
       const auto normal = unit_normal({x[3], x[4], x[5]});
       if (!normal)
-        p.reject(fmt::format("the normal of corner {} is zero", i), corner), sound = false;
+        p.reject(fmt::format("the normal of vertex {} is zero", i), vertex), sound = false;
       normals.push_back(normal.value_or(Vec3f()));
     }
   }
@@ -97,12 +98,13 @@ bool read_corners(Parser& p, size_t n, bool smooth) {
 }
 
 void read_polygon(Parser& p, bool smooth) {
-  const auto n = p.count("the number of corners", 3, smooth ? 12 : 6);
+  const auto n = p.count("the number of vertices", 3, smooth ? 12 : 6);
   if (!n) return;
   p.material_here();
   if (!read_corners(p, *n, smooth)) return;
   if (!has_area<double>(p.corners.written) || !has_area<float>(p.corners.placed))
-    return p.warn("left out: a polygon without area (its corners repeat, are in line or cross)");
+    return p.warn(
+        "left out: a polygon of zero area (its vertices coincide, are collinear or cross)");
   smooth ? add_smooth(p) : add_flat(p, p.corners.placed);
 }
 
@@ -112,7 +114,7 @@ void read_plane(Parser& p) {
     if (!p.numbers({n + 3 * i, 3}, kXyz, {"point", i + 1})) return;
   const MaterialId id = p.material_here();
   const auto normal = plane_normal({n[0], n[1], n[2]}, {n[3], n[4], n[5]}, {n[6], n[7], n[8]});
-  if (!normal) return p.reject("the three points are in line, they make no plane");
+  if (!normal) return p.reject("the three points are collinear, expected points that span a plane");
   const Plane plane{p.place({n[0], n[1], n[2]}), *normal};
   if (p.too_far(plane.point)) return;
   p.add(plane, id);
@@ -155,7 +157,7 @@ void read_faces(Parser& p, size_t first, size_t vertices, size_t faces) {
     if (!sound) continue;
     const auto& at = p.scene().positions;
     if (!has_area<float>(std::array{at[face[0]], at[face[1]], at[face[2]]}))
-      p.warn(fmt::format("left out: face {} has no area", i), here);
+      p.warn(fmt::format("left out: face {} has zero area", i), here);
     else
       add_triangle(p, face, kFlat);
   }
@@ -181,11 +183,11 @@ void read_mesh(Parser& p) {
 constexpr std::array kFlatRows = {
     Entity{.word = "p",
            .noun = "the polygon",
-           .usage = "p takes a count and as many corners of 3 numbers",
+           .usage = "p takes a count, then that many vertices of 3 numbers",
            .read = [](Parser& p) { read_polygon(p, false); }},
     Entity{.word = "pp",
            .noun = "the smooth polygon",
-           .usage = "pp takes a count and as many corners of 6 numbers",
+           .usage = "pp takes a count, then that many vertices of 6 numbers",
            .read = [](Parser& p) { read_polygon(p, true); }},
     Entity{.word = "pl",
            .noun = "the plane",
@@ -195,17 +197,17 @@ constexpr std::array kFlatRows = {
            .noun = "the box",
            .usage = "box takes 6 numbers: lowest and highest corner",
            .read = read_box},
-    Entity{
-        .word = "mesh",
-        .noun = "the mesh",
-        .usage = "mesh takes two counts, as many vertices of 3 numbers, as many faces of 3 indices",
-        .read = read_mesh},
+    Entity{.word = "mesh",
+           .noun = "the mesh",
+           .usage =
+               "mesh takes two counts, then that many vertices of 3 numbers and faces of 3 indices",
+           .read = read_mesh},
 };
 
-/// A vector of length 1 in double that rounds to the float normal. A rounded unit vector is a
-/// little longer or shorter than 1, and dividing by its length can round elsewhere; moving each
-/// component by the same part of half its last bit reaches length 1 without leaving the floats'
-/// rounding range.
+/// A vector of length 1 in double that rounds to the float normal. The length of a rounded unit
+/// vector is not exactly 1, and dividing by it can change the rounding. So each component moves by
+/// the same fraction of half its last bit, which reaches length 1 and stays within the range that
+/// rounds to the float.
 Vec3d unrounded(Vec3f normal) {
   const Vec3d n(normal);
   Vec3d half_bit;
@@ -249,8 +251,9 @@ void write_shape(Writer& w, const Plane& plane, size_t) {
   Vec3d point = w.scene().origin + Vec3d(plane.point);
   if (plain)
     for (int a = 0; a < 3; ++a) point[a] = as_read(plane.point[a]);
-  // Edges whose cross product is n over its largest component, without a difference of products:
-  // for that component along z they are (1, 0, -n.x/n.z) and (0, 1, -n.y/n.z).
+  // Edges such that their cross product is n over its largest component, computed without a
+  // difference of products: with that component along z they are (1, 0, -n.x/n.z) and (0, 1,
+  // -n.y/n.z).
   const int k = max_axis(abs(n)), i = (k + 1) % 3, j = (k + 2) % 3;
   const auto edges = [&](double size) {
     Vec3d u, v;
@@ -259,15 +262,15 @@ void write_shape(Writer& w, const Plane& plane, size_t) {
     if (n[k] < 0) std::swap(u, v);
     return std::pair(point + u, point + v);
   };
-  // Longer edges keep more digits of a plane that is nearly upright or far away; the shortest that
-  // read back will do.
+  // Longer edges keep more digits of a plane that is nearly vertical or far away. Use the shortest
+  // edges that read back exactly.
   double size = 1;
   const auto reads_back = [&] {
     const auto [b, c] = edges(size);
     return plane_normal(point, b, c) == plane.normal;
   };
   while (size < 1e30 && !reads_back()) size *= 1024;
-  if (!reads_back()) size = 1;  // a normal that no rounding gives: as near as can be
+  if (!reads_back()) size = 1;  // no rounding gives this normal; write the nearest
   const auto [b, c] = edges(size);
   if (plain)
     w.text().word("pl").vector(plane.point);

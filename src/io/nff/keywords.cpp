@@ -65,8 +65,9 @@ constexpr std::array kRefused = {
     RefusedWord{"ms", kMovingSphere},
     RefusedWord{"time0", kShutter},
     RefusedWord{"time1", kShutter},
-    RefusedWord{"yon",
-                "a back plane of the Graphics Gems V dialect: NFF sees to infinity, take it out"},
+    RefusedWord{
+        "yon",
+        "a far clipping plane of the Graphics Gems V dialect: NFF sees to infinity, take it out"},
     RefusedWord{"lensRadius", kStudentLens},
     RefusedWord{"apperture", kStudentLens},
     RefusedWord{"focalp", kStudentLens},
@@ -106,7 +107,7 @@ constexpr std::array kRefused = {
     RefusedWord{"triangles", kAffMesh},
     RefusedWord{"i", kAffFile},
     RefusedWord{"d", "a level of detail of the AFF dialect (BART): take it out"},
-    RefusedWord{"%", "a comment of the AFF dialect (BART): NFF's begin with \"#\""},
+    RefusedWord{"%", "a comment of the AFF dialect (BART): begin NFF comments with \"#\""},
     RefusedWord{"light", kPrt},
     RefusedWord{"background", kPrt},
     RefusedWord{"surface", kPrt},
@@ -128,7 +129,7 @@ CameraWord find_camera_word(std::string_view word) {
 }
 
 const RefusedWord* find_refused(std::string_view word, size_t numbers) {
-  // "%" is a comment even when the text sticks to it.
+  // "%" begins a comment even without a blank after it.
   if (word.starts_with('%')) word = "%";
   for (const RefusedWord& refused : kRefused)
     if (refused.word == word && (refused.numbers == 0 || refused.numbers == numbers))

@@ -1,10 +1,9 @@
-// What an NFF text is made of: a row for each keyword, the words of `v`, and the words of dialects
-// that are not read. For the NFF reader.
+// The words of an NFF text: keywords, the parameters of `v`, and words of dialects that Raio
+// refuses. For the NFF reader.
 //
-// A row stands with the functions that read and write what it names, in the file of its family:
-// camera.cpp, surroundings.cpp, rounds.cpp (NFF's), flats.cpp (NFF's and P3F's), additions.cpp
-// (Raio's own) and movements.cpp (P3F's and Raio's own). A new keyword is a row there and nothing
-// elsewhere.
+// Each keyword has a row beside its reader and writer, in the file of its family: camera.cpp,
+// surroundings.cpp, rounds.cpp (NFF), flats.cpp (NFF and P3F), additions.cpp (Raio) and
+// movements.cpp (P3F and Raio). A new keyword is one row there.
 #pragma once
 
 #include <cstddef>
@@ -16,23 +15,23 @@ namespace raio::nff {
 
 class Parser;
 
-/// What it may mean that so many numbers too many follow an entity.
+/// Advice for an entity that is followed by this many extra numbers.
 struct Surplus {
   size_t numbers = 0;
   std::string_view advice = {};  // NOLINT(readability-redundant-member-init)
 };
 
-/// What begins with a keyword.
+/// A keyword and its reader.
 struct Entity {
-  /// What it leaves behind: a material or objects and nothing else, or something else, too.
+  /// The effect of the entity: it adds a material or objects only, or changes something else, too.
   enum class Leaves { objects, more };
 
   std::string_view word;   // the keyword
   std::string_view noun;   // in messages: "the sphere"
-  std::string_view usage;  // for numbers too many: "s takes 4 numbers: x y z radius"
-  void (*read)(Parser&);   // what follows the keyword
+  std::string_view usage;  // after extra numbers: "s takes 4 numbers: x y z radius"
+  void (*read)(Parser&);   // reads the numbers after the keyword
   Leaves leaves = Leaves::objects;
-  /// What a word in the place of a number may mean.
+  /// Advice if a word takes the place of a number.
   std::string_view if_word = {};  // NOLINT(readability-redundant-member-init)
   Surplus surplus = {};
 };
@@ -41,26 +40,27 @@ struct Entity {
 using Family = std::span<const Entity>;
 extern const Family kCameras, kSurroundings, kRounds, kFlats, kAdditions, kMovements, kHints;
 
-/// The keyword that has a part in how the reader recovers from errors.
+/// The keyword that error recovery treats specially.
 inline constexpr std::string_view kCameraKeyword = "v";
 
-/// What begins a piece of `v`, in the usual order.
+/// The parameters of `v`, in the usual order.
 enum class CameraWord { none, from, at, up, angle, hither, resolution, aperture, focal };
 
-/// A word of a dialect that is not read.
+/// A word of a dialect that Raio refuses.
 struct RefusedWord {
   std::string_view word;
   std::string_view what;  // "a moving sphere of the P3F dialect: ..."
-  size_t numbers = 0;     // behind it in its line; 0: any
+  size_t numbers = 0;     // that follow on its line; 0: any
 };
 
-/// Null where the word is no keyword.
+/// Null if the word is not a keyword.
 const Entity* find_entity(std::string_view word);
 CameraWord find_camera_word(std::string_view word);
-/// `numbers`: how many are behind it in its line.
+/// `numbers`: how many follow on its line.
 const RefusedWord* find_refused(std::string_view word, size_t numbers = 0);
 
-/// The word of `v` meant by a misspelt one (`in_camera`), or the keyword; empty if none is near.
+/// The parameter of `v` (`in_camera`) or the keyword that is closest to a misspelt word; empty if
+/// none is close.
 std::string_view nearest_word(std::string_view word, bool in_camera);
 
 /// All keywords, for "expected one of ...".

@@ -1,4 +1,4 @@
-// What moves: the spheres of P3F, and the triangles, boxes and camera that Raio adds.
+// Moving primitives and cameras: P3F's spheres, and Raio's triangles, boxes and camera.
 #include <fmt/format.h>
 
 #include <array>
@@ -11,9 +11,9 @@
 namespace raio::nff {
 namespace {
 
-constexpr std::string_view kTimes[] = {"the time of the beginning", "the time of the end"};
+constexpr std::string_view kTimes[] = {"the start time", "the end time"};
 
-/// The points that the numbers make, three each; false if one is too far away.
+/// Converts the numbers, three each, to points; false if one is too far away.
 bool place(Parser& p, const double* n, std::initializer_list<Vec3f*> points) {
   for (Vec3f* point : points) {
     *point = p.place({n[0], n[1], n[2]});
@@ -26,7 +26,7 @@ bool place(Parser& p, const double* n, std::initializer_list<Vec3f*> points) {
 bool set_times(Parser& p, const double* n, float& begin, float& end) {
   begin = float(n[0]), end = float(n[1]);
   if (begin < end) return true;
-  p.reject(fmt::format("the end must be after the beginning, {}, found {}", n[0], n[1]));
+  p.reject(fmt::format("the end time must be after the start time, {}, found {}", n[0], n[1]));
   return false;
 }
 
@@ -38,8 +38,8 @@ void read_moving_sphere(Parser& p) {
                                                 "y at the end",
                                                 "z at the end",
                                                 "the radius",
-                                                "the time of the beginning",
-                                                "the time of the end"};
+                                                "the start time",
+                                                "the end time"};
   double n[9];
   if (!p.numbers(n, kNames)) return;
   const MaterialId id = p.material_here();
@@ -67,20 +67,11 @@ void read_moving_triangle(Parser& p) {
 }
 
 void read_box(Parser& p) {
-  static constexpr std::string_view kNames[] = {"lowest x",
-                                                "lowest y",
-                                                "lowest z",
-                                                "highest x",
-                                                "highest y",
-                                                "highest z",
-                                                "the end's low x",
-                                                "the end's low y",
-                                                "the end's low z",
-                                                "the end's high x",
-                                                "the end's high y",
-                                                "the end's high z",
-                                                "the time of the beginning",
-                                                "the time of the end"};
+  static constexpr std::string_view kNames[] = {
+      "lowest x",        "lowest y",         "lowest z",         "highest x",
+      "highest y",       "highest z",        "the end's low x",  "the end's low y",
+      "the end's low z", "the end's high x", "the end's high y", "the end's high z",
+      "the start time",  "the end time"};
   double n[14];
   if (!p.numbers(n, kNames)) return;
   const MaterialId id = p.material_here();
@@ -100,19 +91,14 @@ void read_box(Parser& p) {
 }
 
 void read_camera_movement(Parser& p) {
-  static constexpr std::string_view kNames[] = {"x of from",
-                                                "y of from",
-                                                "z of from",
-                                                "x of at",
-                                                "y of at",
-                                                "z of at",
-                                                "the time of the beginning",
-                                                "the time of the end"};
+  static constexpr std::string_view kNames[] = {"x of from",      "y of from",   "z of from",
+                                                "x of at",        "y of at",     "z of at",
+                                                "the start time", "the end time"};
   double n[8];
   if (!p.numbers(n, kNames)) return;
   Camera& camera = p.scene().camera;
-  if (!p.seen.camera) return p.reject("vm before v: the movement of the camera follows the camera");
-  if (camera.movement) return p.reject("a second vm; the camera moves once");
+  if (!p.seen.camera) return p.reject("vm before v, expected the camera before its movement");
+  if (camera.movement) return p.reject("a second vm, expected at most one");
   CameraMovement movement;
   if (!place(p, n, {&movement.from, &movement.at}) ||
       !set_times(p, n + 6, movement.begin, movement.end))
@@ -125,23 +111,24 @@ constexpr std::array kMovementRows = {
     Entity{.word = "sm",
            .noun = "the moving sphere",
            .usage =
-               "sm takes 9 numbers: x y z at the beginning, x y z at the end, the radius, and the "
-               "times of both",
+               "sm takes 9 numbers: x y z at the start, x y z at the end, radius, start time, end "
+               "time",
            .read = read_moving_sphere},
     Entity{.word = "tm",
            .noun = "the moving triangle",
-           .usage = "tm takes 20 numbers: three corners at the beginning, three at the end, and "
-                    "the times of both",
+           .usage =
+               "tm takes 20 numbers: three vertices at the start, three at the end, start time, "
+               "end time",
            .read = read_moving_triangle},
     Entity{.word = "bm",
            .noun = "the moving box",
-           .usage = "bm takes 14 numbers: lowest and highest corner at the beginning and at the "
-                    "end, and the times of both",
+           .usage = "bm takes 14 numbers: lowest and highest corner at the start and at the end, "
+                    "start time, end time",
            .read = read_box},
     Entity{.word = "vm",
            .noun = "the movement of the camera",
-           .usage = "vm takes 8 numbers: from and at where the movement ends, and the times of its "
-                    "beginning and end",
+           .usage = "vm takes 8 numbers: from and at at the end of the movement, start time, end "
+                    "time",
            .read = read_camera_movement,
            .leaves = Entity::Leaves::more},
 };

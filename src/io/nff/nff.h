@@ -11,11 +11,10 @@ namespace raio {
 
 class TextBuffer;  // io/nff/text_cursor.h
 
-/// Reads a whole file: all of NFF 3.9, `pl`, coloured lights (docs/nff.md) and P3F but for its
-/// motion (docs/p3f.md); the scene's dialect is P3F where the file has a material of 11 or 12
-/// numbers or a sky. Returns every error of the file, not only the first (at most kMaxDiagnostics,
-/// then a line that says how many more), or a scene that passes validate() with the warnings it
-/// raised.
+/// Reads a whole file: NFF 3.9, `pl`, coloured lights, Raio's keywords (docs/nff.md) and P3F
+/// (docs/p3f.md). The dialect is P3F if the file has a sky or a material of 11 or 12 numbers.
+/// Returns a scene that passes validate(), with its warnings, or all errors of the file: at most
+/// kMaxDiagnostics, then a line with the number of further ones.
 std::expected<ReadScene, Diagnostics> read_nff(const std::filesystem::path& path);
 
 /// The same for text in memory; `file` is the name in messages.
@@ -24,9 +23,10 @@ std::expected<ReadScene, Diagnostics> parse_nff(const TextBuffer& text, std::str
 
 inline constexpr size_t kMaxDiagnostics = 20;
 
-/// The scene as NFF, or as P3F where that is its dialect, every number with the fewest digits that
-/// read back to the same float. Pools are written kind by kind; smooth triangles as `pp`, P3F's
-/// lens after `resolution`; what NFF has no words for as plain_scene() (io/plain_scene.h) has it.
+/// The scene as NFF, or as P3F if that is its dialect. Every number has the fewest digits that read
+/// back to the same float. Primitives are written kind by kind, smooth triangles as `pp`, P3F's
+/// lens after `resolution`; features that NFF cannot express are converted by plain_scene()
+/// (io/plain_scene.h).
 std::string write_nff(const Scene& scene, std::string_view comment = {});
 
 }  // namespace raio

@@ -1,6 +1,6 @@
-// One pass over an NFF text. Internal to the reader: read.cpp walks from entity to entity, reads
-// numbers and recovers from errors; pieces.cpp has long texts read in pieces, on all threads. What
-// an entity takes stands in the file of its family (keywords.h), which uses the public part.
+// One pass over an NFF text. Internal to the reader: read.cpp goes from entity to entity, reads
+// numbers and recovers from errors; pieces.cpp reads long texts in pieces, in parallel. The readers
+// of entities (keywords.h) use the public part.
 #pragma once
 
 #include <optional>
@@ -18,45 +18,46 @@
 
 namespace raio::nff {
 
-/// The names of the numbers of a point, as messages say them.
+/// The coordinates of a point, as in messages.
 inline constexpr std::string_view kXyz[] = {"x", "y", "z"};
 
 class Parser {
  public:
   Parser(const TextBuffer& text, std::string_view file, TextReport& report);
 
-  /// Reads the whole text. The scene is sound if the report has no error afterwards.
+  /// Reads the whole text. The scene is valid if the report has no error afterwards.
   Scene run();
 
   using Names = std::span<const std::string_view>;
 
-  /// Which of many a number belongs to: "corner 3".
+  /// Which vertex, say, a number belongs to: "vertex 3".
   struct Item {
     std::string_view noun;
     size_t number = 0;
   };
 
-  // Numbers. On an error they report, skip to the next entity and return false or nothing.
+  // Numbers. On an error these functions report it, skip to the next entity and return false or
+  // nothing.
   bool numbers(std::span<double> out, Names names, Item item);
   bool numbers(std::span<double> out, Names names) { return numbers(out, names, Item()); }
   std::optional<long> whole_number(std::string_view name, long least, long most);
-  /// How many things follow; not more than the rest of the text can hold.
+  /// Reads how many items follow; more than the rest of the text can hold is an error.
   std::optional<size_t> count(std::string_view name, size_t least, size_t least_bytes_each);
   size_t numbers_left_in_line() const;
-  /// What stands in the line up to a comment, without blanks around it.
+  /// The rest of the line up to a comment, without blanks around it.
   std::string_view rest_of_line();
 
-  /// Where the entity begins.
+  /// The start of the entity.
   const char* begin() const { return begin_; }
-  /// Where the next word begins, which all of the above start from. The text ends with a zero.
+  /// The start of the next word, where all of the above begin. The text ends with a zero byte.
   const char* next() { return p_ = skip_blanks(p_); }
   void pass(std::string_view word) { p_ += word.size(); }
-  /// Where the number begins that was just read.
+  /// The start of the number that was read last.
   const char* last_word() const;
   void skip_to_entity(bool in_camera);
 
-  // What is wrong with an entity that was read to its end: it is left out, nothing is skipped. The
-  // place is that of the entity, or `where`.
+  // Reports an error in an entity that was read completely: the entity is left out, and nothing is
+  // skipped. The location is the start of the entity, or `where`.
   void reject(std::string message, const char* where = nullptr) {
     report_.error(offset(where ? where : begin_), std::move(message));
   }
@@ -64,7 +65,7 @@ class Parser {
     report_.warning(offset(where ? where : begin_), std::move(message));
   }
   void warn_once(bool& warned, std::string message);
-  /// The next word is of a dialect that is not read.
+  /// Reports that the next word belongs to a dialect that Raio refuses.
   void refuse(const RefusedWord& word, bool in_camera);
   int line_of(const char* p) const { return report_.line_of(offset(p)); }
 
@@ -77,12 +78,12 @@ class Parser {
     reject("too far from the camera for a float", where);
     return true;
   }
-  /// Of the object being read.
+  /// The material of the object being read.
   MaterialId material_here() {
     seen.object = true;
     return material_ ? *material_ : default_material();
   }
-  /// A material with what the columns beside it say (Scene::add_material).
+  /// A material and its values in the columns beside it (Scene::add_material).
   struct Surface {
     Material material;
     Rgb specular{1};
@@ -98,15 +99,15 @@ class Parser {
     (scene_.*pool.materials).push_back(material);
   }
 
-  /// What has come so far, as later entities and the end of the text ask for it.
+  /// What was read so far, for later entities and for the checks at the end.
   struct Seen {
-    const char* camera = nullptr;  // where the first one begins
+    const char* camera = nullptr;  // the start of the first one
     bool camera_lost = false;      // an error may have hidden it
     bool object = false, background = false, sky = false;
-    bool late_light = false, no_material = false;  // these have been warned of
+    bool late_light = false, no_material = false;  // whether these warnings were given
   } seen;
 
-  /// The corners of the polygon being read. Here, so that their memory is used again.
+  /// The vertices of the polygon being read; a member so that its memory is reused.
   struct Corners {
     std::vector<Vec3d> written;
     std::vector<Vec3f> placed;  // the same relative to the origin
@@ -123,7 +124,7 @@ class Parser {
   void read(Piece& piece) const;
   void append(Piece& piece);
 
-  // Walking. `p_` is behind what has been read.
+  // Traversal of entities. `p_` is after the last word read.
   void walk(const char* end);
   const Entity* entity();
   void unknown(std::string_view word);
@@ -141,16 +142,16 @@ class Parser {
   TextReport& report_;
   const char* p_;
   const char* begin_;               // of the entity being read
-  const Entity* entity_ = nullptr;  // its row; between entities that of the last one
+  const Entity* entity_ = nullptr;  // its row; between entities the row of the last one
   Scene scene_;
 
   struct SurfaceHash {
     size_t operator()(const Surface& s) const;
   };
   std::unordered_map<Surface, MaterialId, SurfaceHash> material_ids_;
-  std::optional<MaterialId> material_;  // of the last `f`
+  std::optional<MaterialId> material_;  // set by the last `f`
 
-  std::set<std::string_view> refused_;  // each dialect's word is reported once
+  std::set<std::string_view> refused_;  // each word of a dialect is reported once
 };
 
 }  // namespace raio::nff

@@ -1,9 +1,9 @@
-// Long texts are read in pieces, on all threads, with the same scene and the same messages as in
-// one go. A piece begins with a keyword that is the first word of its line. There the reader always
-// begins an entity, whatever went wrong before: no entity takes a keyword for a part of itself, and
-// none skips one that begins a line. So pieces can be read each for itself, by the reader itself,
-// if they hold nothing but objects and materials, which are then joined in the order of the text. A
-// piece with anything else or with an error is read again in its turn, by the reader of the whole.
+// Reads long texts in pieces, in parallel, with the same scene and messages as in one pass. A piece
+// begins with a keyword that is the first word of its line. The reader always begins an entity
+// there, whatever went wrong before: no entity takes a keyword as part of itself, and none skips a
+// keyword that begins a line. So pieces with nothing but objects and materials are read
+// independently and joined in the order of the text. A piece with anything else or with an error is
+// read again in its turn, by the reader of the whole text.
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "io/nff/parser.h"
@@ -12,17 +12,17 @@ namespace raio::nff {
 namespace {
 
 constexpr size_t kPieceBytes = 128 * 1024;
-constexpr size_t kPiecesAtOnce = 64;  // bounds the memory that they take beside the scene
+constexpr size_t kPiecesAtOnce = 64;  // bounds their memory beside the scene
 
-/// The one of several functions that fits best.
+/// Picks an overload by the argument's type.
 template <class... F>
 struct Overloaded : F... {
   using F::operator()...;
 };
 
-/// Appends, and changes what it appends by `change` first. `whole` is how much longer the text is
-/// than the part read so far: what the pool will need if the rest is like that part. Memory that
-/// stays unused costs nothing, but moving a large pool does.
+/// Appends elements, each after `change`. `whole` is the length of the text relative to the part
+/// read so far; it predicts the final size of the pool. Unused reserve costs nothing, but moving a
+/// large pool does.
 template <class T, class Change>
 void append_changed(Array<T>& pool, Array<T>& more, double whole, Change change) {
   const size_t size = pool.size() + more.size();
@@ -39,12 +39,12 @@ void append_changed(Array<T>& pool, Array<T>& more, double whole, Change change)
 struct Parser::Piece {
   const char *begin, *end;
   TextReport report;
-  bool plain = false;       // and so what follows holds
-  Scene scene = {};         // its material 0 stands for the one that the piece begins with
-  MaterialId material = 0;  // that it ends with
+  bool plain = false;       // only then the members below are set
+  Scene scene = {};         // its material 0 stands for the current material at the piece's start
+  MaterialId material = 0;  // current at the piece's end
 };
 
-/// For a piece.
+/// A parser for a piece.
 Parser::Parser(const Parser& whole, const char* begin, TextReport& report)
     : text_(whole.text_), report_(report), p_(begin), begin_(begin), material_(0) {
   scene_.origin = whole.scene_.origin;
@@ -62,7 +62,8 @@ const char* Parser::next_cut(const char* begin) const {
   }
 }
 
-/// Reads from a cut to the end of the text. While some pieces are joined the next ones are read.
+/// Reads from a cut to the end of the text. The next pieces are read while finished ones are
+/// joined.
 void Parser::read_pieces(const char* cut) {
   std::vector<Piece> pieces = some_pieces(cut), next;
   while (!pieces.empty()) {

@@ -12,7 +12,7 @@ namespace raio {
 namespace nff {
 namespace {
 
-/// Numbers from here on round to infinity as a float.
+/// Larger numbers round to infinity as a float.
 constexpr double kBeyondFloat = 0x1.ffffffp127;
 
 }  // namespace
@@ -24,8 +24,8 @@ Parser::Parser(const TextBuffer& text, std::string_view file, TextReport& report
 }
 
 Scene Parser::run() {
-  // What pieces rely on must be known before them: the origin, which may change up to the first
-  // object, and that there is a material.
+  // Pieces rely on two facts that must be known before them: the origin, which may change up to the
+  // first object, and the existence of a material.
   const char* cut = p_;
   do walk(cut = next_cut(cut));
   while (cut < text_.end() && !(seen.object && material_));
@@ -39,7 +39,7 @@ void Parser::walk(const char* end) {
   while ((p_ = skip_blanks(p_)) < end) entity();
 }
 
-/// Reads what begins at `p_`, and says what it was: nothing for an unknown word.
+/// Reads the entity at `p_` and returns its row; null for an unknown keyword.
 const Entity* Parser::entity() {
   begin_ = p_;
   const std::string_view word = word_at(p_);
@@ -88,7 +88,7 @@ void Parser::refuse(const RefusedWord& word, bool in_camera) {
 }
 
 void Parser::skip_to_entity(bool in_camera) {
-  // A misspelt keyword begins an entity, too. Numbers begin none.
+  // A misspelt keyword begins an entity, too; a number does not.
   const auto begins = [&](std::string_view word) {
     if (looks_like_number(word)) return false;
     if (find_camera_word(word) != CameraWord::none) return in_camera;
@@ -117,9 +117,10 @@ void Parser::finish() {
   if (count > kMaxPrimitives ||
       std::max(scene_.positions.size(), scene_.normals.size()) >= kNoNormal)
     report_.error(
-        fmt::format("the scene has more than {} primitives, or too many corners", kMaxPrimitives));
+        fmt::format("the scene has too many objects or vertices, expected at most {} primitives",
+                    kMaxPrimitives));
   if (scene_.materials.empty()) scene_.materials.emplace_back();
-  // P3F measures the lens across (camera.cpp).
+  // P3F's aperture is a diameter (camera.cpp).
   if (scene_.dialect == Dialect::p3f && scene_.camera.lens_radius) *scene_.camera.lens_radius /= 2;
 }
 
@@ -163,12 +164,12 @@ std::string Parser::number_fault(std::string_view word) const {
     if (unsigned_word == name) return ", which is not finite";
   if (!looks_like_number(word)) return "";
   double value;
-  if (parse_number(word.data(), value)) return ", beyond the range of a float (3.4e38)";
+  if (parse_number(word.data(), value)) return ", which is too large for a float (3.4e38)";
   const std::string_view mantissa = word.substr(0, word.find_first_of("eE"));
   if (std::count(mantissa.begin(), mantissa.end(), '.') > 1)
     return ", which has two decimal points";
-  if (word.find(',') != std::string_view::npos) return ": a comma is no part of a number";
-  return ": text sticks to the number";
+  if (word.find(',') != std::string_view::npos) return ", which contains a comma";
+  return ", which has text after the number";
 }
 
 const char* Parser::last_word() const {
@@ -198,8 +199,8 @@ std::optional<size_t> Parser::count(std::string_view name, size_t least, size_t 
   if (size_t(*n) * least_bytes_each <= left) return size_t(*n);
   const char* const word = last_word();
   report_.error(offset(word),
-                fmt::format("{} of {} is {}, more than the {} bytes left in the file can hold",
-                            name, entity_->noun, *n, left));
+                fmt::format("{} of {} is {}, too large for the {} bytes left in the file", name,
+                            entity_->noun, *n, left));
   skip_to_entity(false);
   return std::nullopt;
 }
@@ -247,7 +248,7 @@ size_t Parser::SurfaceHash::operator()(const Surface& s) const {
   uint64_t hash = 0;
   for (const float x : {m.color.x, m.color.y, m.color.z, m.kd, m.ks, m.shine, m.transmission, m.ior,
                         s.specular.x, s.specular.y, s.specular.z, s.roughness})
-    // Adding zero makes both zeros the same, as they compare equal.
+    // Adding zero turns -0 into 0, which compares equal.
     hash = (std::rotl(hash, 23) ^ std::bit_cast<uint32_t>(x + 0.0f)) * 0x9e3779b97f4a7c15u;
   return size_t(hash ^ hash >> 32);
 }

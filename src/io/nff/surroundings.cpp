@@ -1,4 +1,4 @@
-// What is around the objects: background, lights, materials, and P3F's requests.
+// The surroundings of the objects: background, lights, materials, and P3F's requests.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@ void read_background(Parser& p) {
   double n[3];
   if (!p.numbers(n, kRgb)) return;
   if (negative(n)) return p.reject("a colour must not be negative");
-  if (p.seen.background) p.warn("the background is given again; the last one counts");
+  if (p.seen.background) p.warn("a second background; the last one is used");
   p.seen.background = true;
   p.scene().background = Rgb(float(n[0]), float(n[1]), float(n[2]));
 }
@@ -35,13 +35,13 @@ void read_light(Parser& p) {
   if (more != 0 && more != 3 && more != 6) {
     const std::string_view advice =
         more == 4
-            ? ": an intensity of the ENFF dialect, write x y z r g b with r g b multiplied by it"
-        : more == 9 ? ": an area light of a student dialect, write x y z width depth n r g b"
+            ? "; an intensity of the ENFF dialect: write x y z r g b with r g b multiplied by it"
+        : more == 9 ? "; an area light of a student dialect: write x y z width depth n r g b"
                     : "";
-    p.reject(
-        fmt::format("a light takes 3, 6 or 9 numbers on its line, x y z, then r g b, or then width "
-                    "depth n r g b, found {}{}",
-                    3 + more, advice));
+    p.reject(fmt::format(
+        "a light takes 3, 6 or 9 numbers on its line, x y z, x y z r g b or x y z width "
+        "depth n r g b, found {}{}",
+        3 + more, advice));
     return p.skip_to_entity(false);
   }
   if (more == 6 && !p.numbers({n + 3, 3}, kExtent)) return;
@@ -49,13 +49,14 @@ void read_light(Parser& p) {
   if (more > 0 && !p.numbers(color, kRgb)) return;
   if (more > 0 && negative(color)) return p.reject("a colour must not be negative");
   if (more == 6 && negative({n + 3, 2}))
-    return p.reject(
-        fmt::format("the sides of a light must not be negative, found {} and {}", n[3], n[4]));
+    return p.reject(fmt::format(
+        "the width and depth of a light must not be negative, found {} and {}", n[3], n[4]));
   if (more == 6 && !(n[5] >= 1 && n[5] <= kMaxLightPoints && n[5] == std::floor(n[5])))
-    return p.reject(fmt::format("the points of a light are a whole number from 1 to {}, found {}",
-                                kMaxLightPoints, n[5]));
+    return p.reject(
+        fmt::format("the number of points of a light must be whole, from 1 to {}, found {}",
+                    kMaxLightPoints, n[5]));
   if (p.seen.object)
-    p.warn_once(p.seen.late_light, "a light after objects; NFF wants all lights before");
+    p.warn_once(p.seen.late_light, "a light follows objects, but NFF requires all lights first");
   Light light;
   light.position = p.place({n[0], n[1], n[2]});
   if (p.too_far(light.position)) return;
@@ -64,7 +65,7 @@ void read_light(Parser& p) {
   p.scene().lights.push_back(light);
 }
 
-// P3F says the highlight's colour, too, and may say how rough the surface is.
+// P3F adds the colour of the highlight and, optionally, the roughness of the surface.
 void read_material(Parser& p) {
   static constexpr std::string_view kNff[] = {"red", "green", "blue", "Kd",
                                               "Ks",  "Shine", "T",    "ior"};
@@ -72,17 +73,17 @@ void read_material(Parser& p) {
       "red",           "green", "blue",  "Kd", "specular red", "specular green",
       "specular blue", "Ks",    "Shine", "T",  "ior",          "roughness"};
   double n[12] = {};
-  // In messages; numbers that are missing or broken may belong to either.
+  // Only for messages: missing or malformed numbers may belong to either dialect.
   const bool expects_p3f = p.scene().dialect == Dialect::p3f || p.numbers_left_in_line() > 8;
   if (!p.numbers({n, 8}, expects_p3f ? Parser::Names(kP3f) : kNff)) return;
   const size_t more = p.numbers_left_in_line();
   const bool p3f = more == 3 || more == 4;
   if (more > 0 && !p3f) {
     p.reject(
-        fmt::format("f takes 8 numbers, r g b Kd Ks Shine T ior, or 11 or 12, r g b Kd sr sg sb "
-                    "Ks Shine T ior and roughness, found {}{}",
+        fmt::format("f takes 8, 11 or 12 numbers, r g b Kd Ks Shine T ior or r g b Kd sr sg sb Ks "
+                    "Shine T ior [roughness], found {}{}",
                     8 + more,
-                    more == 1 ? ": Ka of the ENFF dialect or glossiness of a student one, "
+                    more == 1 ? "; Ka of the ENFF dialect or glossiness of a student dialect: "
                                 "take it out"
                               : ""));
     return p.skip_to_entity(false);
@@ -106,19 +107,19 @@ void read_material(Parser& p) {
   for (size_t i = 3; i < count; ++i)
     if (n[i] < 0) return p.reject(fmt::format("{} must not be negative, found {}", names[i], n[i]));
   if (m.transmission > 0 && m.ior == 0)
-    p.reject("T is above 0, so ior must be too: 1 for a surface that does not bend light");
+    p.reject("T is above 0 and ior is 0, expected ior above 0; 1 does not refract");
 }
 
 void read_sky(Parser& p) {
   const std::string_view folder = p.rest_of_line();
   p.scene().dialect = Dialect::p3f;
   if (folder.empty())
-    return p.reject(
-        "env takes a folder on its line, that of the six pictures of a sky, found none");
+    return p.reject("env takes the folder of a sky's six pictures on its line, found none");
   if (std::ranges::any_of(folder, [](char c) { return uint8_t(c) < 32; }))
-    return p.reject(fmt::format("the folder of env is {}, expected a name in one line without tabs",
-                                quoted(folder)));
-  if (p.seen.sky) p.warn("the sky is given again; the last one counts");
+    return p.reject(
+        fmt::format("the folder of env is {}, expected a name without tabs or control characters",
+                    quoted(folder)));
+  if (p.seen.sky) p.warn("a second sky; the last one is used");
   p.seen.sky = true;
   p.scene().sky_folder = folder;
 }
@@ -135,7 +136,7 @@ void read_accel(Parser& p) {
 }
 
 constexpr std::string_view kMtvColors =
-    "names of colours are of the MTV dialect, write r g b as numbers";
+    "colour names belong to the MTV dialect; write r g b as numbers";
 
 constexpr std::array kSurroundingRows = {
     Entity{.word = "b",
@@ -153,14 +154,15 @@ constexpr std::array kSurroundingRows = {
     Entity{.word = "l",
            .noun = "the light",
            .usage =
-               "l takes 3, 6 or 9 numbers on its line: x y z, then r g b, or then width depth n "
+               "l takes 3, 6 or 9 numbers on its line: x y z, x y z r g b or x y z width depth n "
                "r g b",
            .read = read_light,
            .leaves = Entity::Leaves::more},
     Entity{.word = "f",
            .noun = "the material",
-           .usage = "f takes 8 numbers, r g b Kd Ks Shine T ior, or on one line 11 or 12: r g b Kd "
-                    "sr sg sb Ks Shine T ior and roughness",
+           .usage =
+               "f takes 8 numbers, r g b Kd Ks Shine T ior, or, on one line, 11 or 12, r g b Kd "
+               "sr sg sb Ks Shine T ior [roughness]",
            .read = read_material,
            .if_word = kMtvColors},
 };
@@ -168,7 +170,7 @@ constexpr std::array kSurroundingRows = {
 constexpr std::array kHintRows = {
     Entity{.word = "env",
            .noun = "the sky",
-           .usage = "env takes the folder of the six pictures of a sky",
+           .usage = "env takes the folder of a sky's six pictures",
            .read = read_sky,
            .leaves = Entity::Leaves::more},
     Entity{.word = "spp",

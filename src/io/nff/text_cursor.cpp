@@ -28,8 +28,8 @@ TextBuffer::TextBuffer(std::string_view text) {
   std::memset(bytes_.get() + size_, 0, kPadding);
 }
 
-// A mapping of the file would save the copy, a few per cent of reading a scene, but a file that is
-// cut while it is mapped ends the program.
+// Mapping the file would save the copy, a few per cent of the time to read a scene, but a file that
+// is truncated while it is mapped ends the program.
 std::expected<TextBuffer, std::string> TextBuffer::read_file(const std::filesystem::path& path) {
   auto file = InputFile::open(path);
   if (!file) return std::unexpected(fmt::format("cannot open the file: {}", file.error()));
@@ -37,13 +37,13 @@ std::expected<TextBuffer, std::string> TextBuffer::read_file(const std::filesyst
     return std::unexpected("this is a folder, expected a file");
   if (file->kind() == InputFile::Kind::device)
     return std::unexpected("this is a device, expected a file");
-  // A scene takes about as much again as its text; and a pipe may never end.
+  // A scene takes about as much memory again as its text, and a pipe may never end.
   const size_t most = available_memory_bytes() / 2;
   const auto too_large = [] { return std::unexpected(std::string(kNoMemory)); };
   if (file->rest() > most) return too_large();
   TextBuffer text;
   try {
-    // By one more than what is known, so that the end is seen without growing.
+    // One byte more than expected, so that the end is seen without growing.
     text.reserve(std::max<size_t>(file->rest() + 1, 4096));
     for (;;) {
       if (text.size_ == text.capacity_) text.reserve(2 * text.capacity_);
@@ -63,8 +63,9 @@ std::expected<TextBuffer, std::string> TextBuffer::read_file(const std::filesyst
 std::string not_text(std::string_view bytes) {
   if (bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff"))
     return "this is UTF-16 text, expected ASCII or UTF-8";
-  // Zero bytes are looked for everywhere, as a cursor would take one for the end; other control
-  // bytes only at the beginning, which is enough to know a binary file.
+  // Zero bytes are searched for everywhere, since a cursor takes one for the end of the text. Other
+  // control characters are searched for at the beginning only, which is enough to detect a binary
+  // file.
   size_t at = bytes.find('\0');
   for (size_t i = 0; i < std::min<size_t>(bytes.size(), 4096); ++i)
     if ((uint8_t(bytes[i]) < 32 || bytes[i] == 127) && !is_char(bytes[i], kBlank)) {
@@ -94,7 +95,7 @@ const char* parse_long_number(const char* begin, const char* end, long written_e
   double magnitude = 0;
   const auto [stop, error] = std::from_chars(unsigned_begin, end, magnitude);
   if (error == std::errc::result_out_of_range) {
-    // Too large or too small: the place of the first digit that is not zero tells.
+    // Out of range, too large or too small: the position of the first non-zero digit decides.
     const std::string_view word(unsigned_begin, size_t(end - unsigned_begin));
     const std::string_view digits = word.substr(0, word.find_first_of("eE"));
     const size_t first = digits.find_first_of("123456789");

@@ -1,4 +1,4 @@
-// Words and numbers from text held whole in memory, at memory speed. For the readers of this room.
+// Words and numbers from text in memory, at memory speed. For the readers of this room.
 #pragma once
 
 #include <array>
@@ -13,15 +13,16 @@
 
 namespace raio {
 
-/// A text followed by zero bytes, so that a cursor needs no end checks: a zero ends every word, and
-/// eight bytes may be loaded at any place. The text itself must hold no zero byte (see not_text()).
+/// A text followed by zero bytes, so that a cursor needs no end checks: a zero byte ends every
+/// word, and eight bytes may be loaded anywhere. The text itself must contain no zero byte (see
+/// not_text()).
 class TextBuffer {
  public:
   static constexpr size_t kPadding = 16;
 
   explicit TextBuffer(std::string_view text);
 
-  /// A whole file, or one line that says why it cannot be read.
+  /// Reads a whole file; the error is one line with the reason.
   static std::expected<TextBuffer, std::string> read_file(const std::filesystem::path& path);
 
   const char* begin() const { return bytes_.get(); }
@@ -36,11 +37,10 @@ class TextBuffer {
   size_t size_ = 0, capacity_ = 0;
 };
 
-/// Why the bytes are not text that a reader could take for a scene: one line, or nothing when they
-/// may be.
+/// One line that says why the bytes cannot be the text of a scene; empty if they may be.
 std::string not_text(std::string_view bytes);
 
-/// A word as a message shows it: quoted, shortened, unprintable bytes as \xNN.
+/// A word for messages: quoted, shortened, unprintable bytes as \xNN.
 std::string quoted(std::string_view word);
 
 enum CharClass : uint8_t { kWordChar = 0, kBlank = 1, kLineEnd = 2, kWordEnd = 4 };
@@ -55,7 +55,7 @@ inline constexpr std::array<uint8_t, 256> kCharClass = [] {
 
 inline bool is_char(char c, uint8_t wanted) { return kCharClass[uint8_t(c)] & wanted; }
 
-/// The next word, comment-free; at the end of the text a pointer to its closing zero.
+/// The next word, after comments; at the end of the text its closing zero byte.
 inline const char* skip_blanks(const char* p) {
   for (;;) {
     while (is_char(*p, kBlank)) ++p;
@@ -64,7 +64,7 @@ inline const char* skip_blanks(const char* p) {
   }
 }
 
-/// The next word of the same line, or where the line ends.
+/// The next word of the same line, or the end of the line.
 inline const char* skip_blanks_in_line(const char* p) {
   while (is_char(*p, kBlank) && !is_char(*p, kLineEnd)) ++p;
   return p;
@@ -76,9 +76,9 @@ inline std::string_view word_at(const char* p) {
   return {p, size_t(end - p)};
 }
 
-/// Appends the digits at `p` to `value` and returns where they end. Eight at a time: bytes that are
-/// not digits are found by carries into their top bits, and the digits are joined in pairs by three
-/// multiplications. `value` wraps after 19 digits.
+/// Appends the digits at `p` to `value` and returns their end. Eight at a time: carries into the
+/// top bits find bytes that are not digits, and three multiplications join the digits in pairs.
+/// `value` wraps after 19 digits.
 inline const char* parse_digits(const char* p, uint64_t& value) {
   static constexpr std::array<uint32_t, 9> kPowers = {1,      10,      100,      1000,     10000,
                                                       100000, 1000000, 10000000, 100000000};
@@ -91,7 +91,7 @@ inline const char* parse_digits(const char* p, uint64_t& value) {
         (digits | ((digits & 0x7f7f7f7f7f7f7f7fu) + 0x7676767676767676u)) & 0x8080808080808080u;
     const int count = others ? std::countr_zero(others) / 8 : 8;
     if (count == 0) return p;
-    digits <<= 8 * (8 - count);  // zeros in front
+    digits <<= 8 * (8 - count);  // leading zeros
     digits = (digits * 10 + (digits >> 8)) & 0x00ff00ff00ff00ffu;
     digits = (digits * 100 + (digits >> 16)) & 0x0000ffff0000ffffu;
     digits = (digits * 10000 + (digits >> 32)) & 0xffffffffu;
@@ -101,15 +101,15 @@ inline const char* parse_digits(const char* p, uint64_t& value) {
   }
 }
 
-/// parse_number for what the fast path leaves, long mantissas and large exponents: the word from
-/// `begin` to `end`, of which the part behind an "e" says `written_exponent`.
+/// The slow path of parse_number, for long mantissas and large exponents: the word from `begin` to
+/// `end` with the exponent `written_exponent`.
 const char* parse_long_number(const char* begin, const char* end, long written_exponent,
                               double& value);
 
-/// A decimal number that fills its whole word: the nearest double to what is written (numbers
-/// beyond the range of a double give an infinity). Returns where it ends, or nullptr if the word is
-/// no number. Up to 2^53 with a power of ten up to 10^22, both exact, one rounding remains: Clinger
-/// 1990, "How to Read Floating Point Numbers Accurately", PLDI.
+/// Parses a decimal number that fills its word, rounded to the nearest double (infinity if too
+/// large). Returns its end, or nullptr if the word is not a number. Mantissas up to 2^53 and powers
+/// of ten up to 10^22 are exact, so one rounding remains: Clinger 1990, "How to Read Floating Point
+/// Numbers Accurately", PLDI.
 inline const char* parse_number(const char* const begin, double& value) {
   static constexpr std::array<double, 23> kPowers = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
                                                      1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
@@ -149,7 +149,7 @@ inline const char* parse_number(const char* const begin, double& value) {
   return p;
 }
 
-/// May the word have been meant as a number?
+/// Whether the word may be meant as a number.
 inline bool looks_like_number(std::string_view word) {
   const size_t sign = !word.empty() && (word[0] == '-' || word[0] == '+');
   const size_t at = sign + (word.size() > sign && word[sign] == '.');

@@ -1,5 +1,5 @@
-// Collects what a reader finds in a text. The reader knows offsets; lines and columns are counted
-// here, and only for what is kept.
+// Collects the findings of a reader. The reader passes offsets; lines and columns are computed
+// here, and only for findings that are kept.
 #pragma once
 
 #include <string>
@@ -13,30 +13,29 @@ namespace raio {
 
 class TextReport {
  public:
-  /// `text` must live as long as the report. Of errors and of warnings at most `most` are kept
-  /// each.
+  /// `text` must outlive the report. Keeps at most `most` errors and `most` warnings.
   TextReport(std::string_view text, std::string_view file, size_t most)
       : text_(text), file_(file), most_(most) {}
 
   void error(size_t offset, std::string message) { add(errors_, offset, std::move(message)); }
   void warning(size_t offset, std::string message) { add(warnings_, offset, std::move(message)); }
 
-  /// About the text as a whole.
+  /// A finding about the whole text.
   void error(std::string message) { add(errors_, kWholeFile, std::move(message)); }
   void warning(std::string message) { add(warnings_, kWholeFile, std::move(message)); }
 
   bool failed() const { return errors_.count > 0; }
 
-  /// An empty report of the same text, for a later part of it that is read on another thread, and
-  /// the taking of what it found in the end, as if it had been reported here.
+  /// An empty report for a later part of the text that another thread reads, and a function that
+  /// appends its findings afterwards, as if they had been reported here.
   TextReport of_part() const { return {text_, file_, most_}; }
   void append(TextReport part);
 
-  /// The line of an offset, from 1. Ascending offsets cost one pass over the text in all.
+  /// The line of an offset, from 1. Ascending offsets cost one pass over the text in total.
   int line_of(size_t offset);
 
-  /// In the order of the text, what concerns the whole file last; a closing line says how many more
-  /// there were.
+  /// Findings in the order of the text, those about the whole file last, then a line with the
+  /// number of further ones.
   Diagnostics errors() { return placed(errors_, Severity::error); }
   Diagnostics warnings() { return placed(warnings_, Severity::warning); }
 
@@ -48,7 +47,7 @@ class TextReport {
     std::string message;
   };
   struct Findings {
-    std::vector<Finding> kept;  // by offset
+    std::vector<Finding> kept;  // sorted by offset
     size_t count = 0;
   };
 
@@ -59,7 +58,7 @@ class TextReport {
   std::string file_;
   size_t most_;
   Findings errors_, warnings_;
-  size_t counted_ = 0;  // line_ is the line of this offset
+  size_t counted_ = 0;  // the offset that line_ belongs to
   int line_ = 1;
 };
 

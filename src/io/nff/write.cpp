@@ -10,7 +10,7 @@ namespace raio {
 namespace nff {
 namespace {
 
-/// The fewest digits that give the number back.
+/// The shortest decimal that reads back as the number.
 class Digits {
  public:
   template <class Number>
@@ -18,7 +18,7 @@ class Digits {
 
   std::string_view view() const { return {text_, size_t(size_)}; }
 
-  /// What a reader makes of them: of the digits of a float, not always that float in double.
+  /// The double that a reader gets from the digits of a float, which may differ from the float.
   double read() const {
     double value = 0;
     parse_number(text_, value);
@@ -30,8 +30,8 @@ class Digits {
   ptrdiff_t size_;
 };
 
-/// Readers round twice, to a double and then to a float. Of all floats one only, 7.038531e-26, goes
-/// wrong that way and needs a double's digits.
+/// Readers round twice, to a double and then to a float. That is wrong for one float only,
+/// 7.038531e-26, which needs a double's digits.
 Digits digits_of(float x) {
   const Digits digits(x);
   return float(digits.read()) == x ? digits : Digits(double(x));
@@ -64,8 +64,8 @@ std::string Writer::write(std::string_view comment) {
   return text_.take();
 }
 
-/// Makes material `id` the current one. The reader numbers materials as they come, so those before
-/// it that nothing has used yet are written first.
+/// Makes material `id` the current one. The reader numbers materials in order, so earlier ones that
+/// nothing has used yet are written first.
 void Writer::use(MaterialId id) {
   if (id == current_) return;
   while (next_material_ <= id) material(next_material_++);

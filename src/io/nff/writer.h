@@ -1,5 +1,5 @@
-// What the writers of entities share. Internal to this folder: write.cpp goes through the scene,
-// and each kind of primitive is written in the file that reads it.
+// Shared by the writers of entities. Internal to this folder: write.cpp goes through the scene, and
+// each kind of primitive is written beside its reader.
 #pragma once
 
 #include <string>
@@ -10,8 +10,8 @@
 
 namespace raio::nff {
 
-/// Text that grows, with a blank between the words of a line. A number has the fewest digits that
-/// give it back.
+/// A text under construction, with a blank between the words of a line. A number gets the fewest
+/// digits that read back to it.
 class Text {
  public:
   Text& word(std::string_view word) {
@@ -38,7 +38,7 @@ class Text {
   std::string out_;
 };
 
-/// What a reader makes of the digits of a float: not always that float in double.
+/// The double that a reader gets from the digits of a float, which may differ from the float.
 double as_read(float x);
 
 class Writer {
@@ -49,7 +49,7 @@ class Writer {
 
   const Scene& scene() const { return scene_; }
   Text& text() { return text_; }
-  /// A point where the file has it, in double if the scene has an origin.
+  /// A point in the file's coordinates, in double if the scene has an origin.
   Text& position(std::string_view keyword, Vec3f p) {
     if (!keyword.empty()) text_.word(keyword);
     return scene_.origin == Vec3d() ? text_.vector(p) : text_.vector(scene_.origin + Vec3d(p));
@@ -70,8 +70,8 @@ void write_camera_movement(Writer& w);
 void write_surroundings(Writer& w);
 void write_material(Writer& w, MaterialId id);
 
-/// An element of a pool, and its index there. Defined for each pool beside its reader; where one is
-/// missing, the linker names it.
+/// Writes element `i` of a pool. Defined for each pool beside its reader; if one is missing, the
+/// linker names it.
 template <class Shape>
 void write_shape(Writer&, const Shape&, size_t);
 

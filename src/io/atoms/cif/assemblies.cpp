@@ -87,7 +87,7 @@ std::vector<gemmi::Transform> Assemblies::operations_of(const std::string& expre
   return any ? all : std::vector<gemmi::Transform>();
 }
 
-// One, or those of a range of numbers.
+// The operation, or all operations in a range of numbers.
 std::vector<gemmi::Transform> Assemblies::named(const std::string& word) const {
   std::vector<gemmi::Transform> out;
   const auto at = operations_.find(word);

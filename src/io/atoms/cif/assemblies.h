@@ -1,4 +1,4 @@
-// Assemblies of mmCIF.
+// Biological assemblies of mmCIF.
 #pragma once
 
 #include <gemmi/cifdoc.hpp>
@@ -12,15 +12,15 @@
 
 namespace raio {
 
-/// _pdbx_struct_assembly_gen of mmCIF: an operation is the product of one of each list, as in
+/// _pdbx_struct_assembly_gen of mmCIF: an operation is the product of one from each list, as in
 /// "(1-60)(61-88)".
 class Assemblies {
  public:
-  /// Takes the lists out of the block, since gemmi leaves out products, and lists all numbers of
-  /// whatever range.
+  /// Removes the lists from the block, since gemmi ignores products and expands any range of
+  /// numbers.
   explicit Assemblies(gemmi::cif::Block& block);
 
-  /// Copies of the parts by their names. Throws where there are more than a million.
+  /// The parts by name, with their transformations. Throws if there are more than a million.
   std::vector<Assembly> take(Names& parts) const;
 
  private:

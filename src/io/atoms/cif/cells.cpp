@@ -1,4 +1,4 @@
-// Cells by gemmi.
+// Unit cells by gemmi.
 #include <gemmi/unitcell.hpp>
 
 #include "io/atoms/cif/cif.h"
@@ -38,10 +38,10 @@ std::optional<Cell> cell_of(const PdbCrystal& crystal, Notices& notices) try {
   if (!cell.is_crystal()) return std::nullopt;
   if (disagrees)
     notices.add_whole(Severity::warning,
-                      "the records SCALE disagree with CRYST1; the cell is that of SCALE");
+                      "the SCALE records disagree with CRYST1; SCALE is used for the cell");
   return cell_of(cell);
 } catch (const std::runtime_error&) {
-  notices.add_whole(Severity::left_out, "the cell, as CRYST1 has angles that no cell has");
+  notices.add_whole(Severity::left_out, "the cell, since the angles in CRYST1 are impossible");
   return std::nullopt;
 }
 

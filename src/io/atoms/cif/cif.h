@@ -1,5 +1,5 @@
-// CIF and mmCIF by gemmi. What includes its documents is C++17: later versions evaluate containers
-// of incomplete types at compile time, which clang refuses.
+// CIF and mmCIF by gemmi. Files that include its documents are C++17: later standards evaluate
+// containers of incomplete types at compile time, which clang rejects.
 #pragma once
 
 #include <gemmi/cifdoc.hpp>
@@ -15,20 +15,20 @@ inline uint8_t number_of(gemmi::Element element) { return uint8_t(element.atomic
 
 Cell cell_of(const gemmi::UnitCell& from);
 
-/// A crystal by the parts of its cell, as the CIF of chemistry has it.
+/// A crystal given by its asymmetric unit, as in small-molecule CIF.
 void add_crystal(gemmi::cif::Block& block, Atoms& out);
 
-/// A ligand of the PDB's dictionary, by its ideal coordinates, else by those of a model or, of a
-/// library of restraints, without a prefix: the first of these that no atom lacks.
+/// A ligand of the PDB's chemical component dictionary, by its ideal coordinates, those of a model
+/// or, in a library of restraints, those without a prefix: the first of these that all atoms have.
 void add_component(gemmi::cif::Block& block, Atoms& out);
 
-/// Rows of _atom_site that were read from the text and cut out of what gemmi got of it.
+/// Rows of _atom_site that were read from the text and removed before gemmi parsed it.
 struct CutRows {
-  int line = 0;  // of the loop that they are from
+  int line = 0;  // line of their loop
   AtomSite rows;
 };
 
-/// The model of the number, negative from the end, of mmCIF; `cut` may be null.
+/// The model of mmCIF with this index, negative from the end; `cut` may be null.
 void add_molecule(gemmi::cif::Block& block, CutRows* cut, int frame, Atoms& out);
 
 }  // namespace raio

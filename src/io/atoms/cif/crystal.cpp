@@ -11,7 +11,7 @@
 namespace raio {
 namespace {
 
-// The first of these that the file gives, or nothing.
+// The value of the first of these tags that the file has, or nothing.
 std::string value_of(gemmi::cif::Block& block, std::initializer_list<const char*> tags) {
   for (const char* tag : tags)
     if (const std::string* value = block.find_value(tag); value && !gemmi::cif::is_null(*value))
@@ -19,8 +19,8 @@ std::string value_of(gemmi::cif::Block& block, std::initializer_list<const char*
   return {};
 }
 
-// An operation such as 'x,y,z+1/2', or with decimals, as in '0.5-x,y,.6667+z', of which every
-// lattice has multiples of 1/24.
+// A symmetry operation such as 'x,y,z+1/2', or with decimals, as in '0.5-x,y,.6667+z'. Translations
+// of every lattice are multiples of 1/24.
 gemmi::Op operation(const std::string& text) try {
   constexpr int kParts = gemmi::Op::DEN;
   std::string in_parts;
@@ -43,11 +43,11 @@ gemmi::Op operation(const std::string& text) try {
   if (std::abs(out.det_rot()) != kParts * kParts * kParts) throw std::runtime_error(in_parts);
   return out;
 } catch (const std::runtime_error&) {
-  throw std::runtime_error("expected operations of symmetry such as 'x,y,z+1/2', found '" + text +
+  throw std::runtime_error("expected symmetry operations such as 'x,y,z+1/2', found '" + text +
                            "'");
 }
 
-// Whether these turn and mirror as the group does, whatever the origin.
+// Whether the rotations and reflections are those of the group, whatever the origin.
 bool are_of_group(const std::vector<gemmi::Op>& operations, const gemmi::SpaceGroup& group) {
   std::vector<gemmi::Op::Rot> listed, known;
   for (const gemmi::Op& op : operations) listed.push_back(op.rot);
@@ -57,8 +57,7 @@ bool are_of_group(const std::vector<gemmi::Op>& operations, const gemmi::SpaceGr
   return listed == known;
 }
 
-// The operations of a crystal's symmetry, as the file lists them, or else those of its group, by
-// whatever the file calls it.
+// The symmetry operations that the file lists, or those of its space group, by any of its names.
 std::vector<gemmi::Op> symmetry_of(gemmi::cif::Block& block, const gemmi::SmallStructure& small,
                                    Notices& notices) {
   std::vector<gemmi::Op> out;
@@ -70,9 +69,9 @@ std::vector<gemmi::Op> symmetry_of(gemmi::cif::Block& block, const gemmi::SmallS
       for (const std::string& text : column) out.push_back(operation(gemmi::cif::as_string(text)));
       if (known && !are_of_group(out, *known))
         notices.add_whole(Severity::warning,
-                          "the operations of symmetry that it lists are not those of its space "
+                          "the listed symmetry operations differ from those of its space "
                           "group '" +
-                              name + "'; they count");
+                              name + "'; the listed ones are used");
       return out;
     }
   const std::string hall =
@@ -86,23 +85,22 @@ std::vector<gemmi::Op> symmetry_of(gemmi::cif::Block& block, const gemmi::SmallS
     for (const gemmi::Op op : known ? known->operations() : gemmi::symops_from_hall(hall.c_str()))
       out.push_back(op);
   } else if (name.empty() && number.empty()) {
-    notices.add_whole(Severity::guessed, "no symmetry (P 1), as the file tells none");
+    notices.add_whole(Severity::guessed, "no symmetry (P 1), since the file gives none");
     out.push_back(gemmi::Op::identity());
   } else {
-    throw std::runtime_error("its space group '" + (name.empty() ? number : name) +
-                             "' is not known, and it lists no symmetry operations");
+    throw std::runtime_error("unknown space group '" + (name.empty() ? number : name) +
+                             "', and the file lists no symmetry operations");
   }
   return out;
 }
 
-// Into the cell, 0 to below 1. What is written with few digits is 0 where it is nearly 1.
+// Maps into the cell, 0 to below 1. Values just below 1, written with few digits, become 0.
 double wrapped(double x) {
   x -= std::floor(x);
   return x > 1 - 1e-4 ? 0 : x;
 }
 
-// The element of a site whose symbol is none: labels of minerals, such as Oa1 and Hw, begin with
-// one.
+// The element of a site without a symbol: labels of minerals, such as Oa1 and Hw, begin with one.
 uint8_t element_of_label(const std::string& label) {
   if (const uint8_t element = element_of_symbol(label)) return element;
   std::string_view letters = label;
@@ -113,7 +111,7 @@ uint8_t element_of_label(const std::string& label) {
   return element_of_symbol(letters.substr(0, 1));
 }
 
-// Places in a cell that repeats, in bins, of which only neighbours can be near.
+// Positions in a periodic cell, binned so that a search visits neighbouring bins only.
 class Places {
  public:
   static constexpr double kSame = 0.1;  // angstroms
@@ -162,14 +160,14 @@ class Places {
   std::unordered_map<long, std::vector<gemmi::Fractional>> places_;
 };
 
-// A site, and where the symmetry puts it.
+// A site and its symmetry mates.
 struct Site {
   std::vector<gemmi::Fractional> places;
   uint8_t element = 0;
   const gemmi::SmallStructure::Site* from = nullptr;
 };
 
-// Those that are drawn.
+// The sites that are drawn.
 std::vector<Site> sites_of(gemmi::cif::Block& block, const gemmi::SmallStructure& small,
                            Notices& notices) {
   std::vector<Site> out;
@@ -182,7 +180,7 @@ std::vector<Site> sites_of(gemmi::cif::Block& block, const gemmi::SmallStructure
     if (flag.has2(1) && flag.str(1) == "dum") {
       dummies.add(site.label);
     } else if (site.disorder_group > 1) {
-      disordered.add(site.label);  // of a disordered part the first choice
+      disordered.add(site.label);  // of a disordered part the first group is kept
     } else if (!std::isfinite(site.fract.x + site.fract.y + site.fract.z)) {
       placeless.add(site.label);
     } else {
@@ -198,20 +196,19 @@ std::vector<Site> sites_of(gemmi::cif::Block& block, const gemmi::SmallStructure
   }
   elements.tell(notices);
   dummies.tell(notices, Severity::left_out, "sites of dummy atoms");
-  disordered.tell(notices, Severity::left_out, "sites of other groups of a disorder");
+  disordered.tell(notices, Severity::left_out, "sites of alternative disorder groups");
   placeless.tell(notices, Severity::left_out, "sites without coordinates");
   return out;
 }
 
-// Angles of the cell are right ones where a file does not give them, by the dictionary of CIF.
+// By the CIF dictionary, missing cell angles are 90 degrees.
 void complete_angles(gemmi::cif::Block& block, Notices& notices) {
   for (const char* angle : {"alpha", "beta", "gamma"}) {
     const std::string tag = std::string("_cell_angle_") + angle;
     auto values = block.find_values(tag);
     if (values.length() > 0 && !gemmi::cif::is_null(values[0])) continue;
     block.set_pair(tag, "90");
-    notices.add(Severity::guessed, "angles of the cell that the file does not give: 90 degrees",
-                angle);
+    notices.add(Severity::guessed, "missing angles of the cell, taken as 90 degrees", angle);
   }
 }
 
@@ -220,13 +217,14 @@ void complete_angles(gemmi::cif::Block& block, Notices& notices) {
 void add_crystal(gemmi::cif::Block& block, Atoms& out) {
   complete_angles(block, out.notices);
   gemmi::SmallStructure small = gemmi::make_small_structure_from_block(block);
-  // gemmi takes a side of exactly 1 for that of no cell.
+  // gemmi takes a side of exactly 1 for a missing cell.
   const auto is_given = [&](const char* side) { return !value_of(block, {side}).empty(); };
   if (gemmi::UnitCell& cell = small.cell; cell.a == 1 && is_given("_cell_length_a") &&
                                           is_given("_cell_length_b") && is_given("_cell_length_c"))
     cell.set(std::nextafter(1.0, 2.0), cell.b, cell.c, cell.alpha, cell.beta, cell.gamma);
   if (!small.cell.is_crystal())
-    throw std::runtime_error("it gives parts of a cell, but not the lengths of the cell's sides");
+    throw std::runtime_error(
+        "fractional coordinates without cell lengths; expected _cell_length_a, _b and _c");
   const std::vector<gemmi::Op> symmetry = symmetry_of(block, small, out.notices);
   out.frames = 1;
   out.cell = cell_of(small.cell);
@@ -238,7 +236,7 @@ void add_crystal(gemmi::cif::Block& block, Atoms& out) {
   if (sites.empty() && !small.sites.empty())
     throw std::runtime_error(
         "none of its atom sites has coordinates, apart from dummy and disordered ones");
-  // Where elements share a site, the most frequent one is drawn.
+  // The most frequent element of a shared site is drawn.
   std::vector<Site*> by_occupancy;
   by_occupancy.reserve(sites.size());
   for (Site& site : sites) by_occupancy.push_back(&site);
@@ -248,7 +246,7 @@ void add_crystal(gemmi::cif::Block& block, Atoms& out) {
   Cases shared;
   for (Site* site : by_occupancy) {
     const gemmi::Fractional& at = site->from->fract;
-    Places own(small.cell);  // an operation may leave an atom where it is
+    Places own(small.cell);  // an operation may map an atom onto itself
     bool is_first = true;
     for (const gemmi::Op& op : symmetry) {
       const auto moved = op.apply_to_xyz({at.x, at.y, at.z});
@@ -263,7 +261,7 @@ void add_crystal(gemmi::cif::Block& block, Atoms& out) {
     if (site->places.empty()) shared.add(site->from->label);
   }
   shared.tell(out.notices, Severity::left_out,
-              "sites at the place of another that is occupied as much or more");
+              "sites at the position of another with the same or a higher occupancy");
   for (const Site& site : sites)
     for (const gemmi::Fractional& place : site.places) {
       const gemmi::Position pos = small.cell.orthogonalize(place);

@@ -7,7 +7,7 @@
 namespace raio {
 namespace {
 
-// The rows of the block, with those that were cut out of it.
+// The rows of the block, including those removed before parsing.
 AtomSite rows_of(gemmi::cif::Block& block, CutRows* cut, const Atoms& out) {
   gemmi::cif::Item* const item = block.find_values("_atom_site.Cartn_x").item();
   std::vector<std::string> tags, values;
@@ -24,11 +24,11 @@ AtomSite rows_of(gemmi::cif::Block& block, CutRows* cut, const Atoms& out) {
   return rows;
 }
 
-// All else that gemmi reads of the block. It is slow with many atoms and residues, so it is given
-// as few as it needs to find what other tables name.
+// Everything else that gemmi reads of the block. It is slow with many atoms and residues, so it
+// gets only those that other tables refer to.
 gemmi::Structure structure_of(gemmi::cif::Block& block, const AtomSite& rows) {
-  // Large tables that nothing here uses; to gemmi it is an error if the first one names a residue
-  // that has no atoms.
+  // Large tables that are not used here. gemmi fails if the first of them names a residue without
+  // atoms.
   for (gemmi::cif::Item& item : block.items)
     if (item.has_prefix("_pdbx_sifts_xref_db.") || item.has_prefix("_atom_site_anisotrop."))
       item.erase();
@@ -45,8 +45,8 @@ gemmi::Structure structure_of(gemmi::cif::Block& block, const AtomSite& rows) {
   return gemmi::make_structure_from_block(block);
 }
 
-// Those between molecules and within them, of struct_conn: no hydrogen bonds, and none that leads
-// to a copy of the crystal.
+// Connections of struct_conn between and within molecules, without hydrogen bonds and bonds to
+// symmetry mates.
 std::vector<gemmi::Connection> links_of(const gemmi::Structure& s) {
   std::vector<gemmi::Connection> out;
   for (const gemmi::Connection& link : s.connections)
@@ -77,9 +77,10 @@ void add_molecule(gemmi::cif::Block& block, CutRows* cut, int frame, Atoms& out)
   out.has_residues = true;
   if (s.cell.is_crystal()) out.cell = cell_of(s.cell);
   if (s.cell.explicit_matrices)
-    out.notices.add_whole(Severity::warning,
-                          "the matrix _atom_sites.fract_transf_matrix disagrees with _cell; the "
-                          "cell is that of the matrix");
+    out.notices.add_whole(
+        Severity::warning,
+        "_atom_sites.fract_transf_matrix disagrees with _cell; the matrix is used "
+        "for the cell");
   const auto position = [&](uint32_t atom) {
     const auto [x, y, z] = rows.place_of(atom);
     return gemmi::Position(x, y, z);
@@ -87,7 +88,7 @@ void add_molecule(gemmi::cif::Block& block, CutRows* cut, int frame, Atoms& out)
   for (size_t i = 0; i < links.size(); ++i) {
     const uint32_t a = atoms[2 * i], b = atoms[2 * i + 1];
     if (a == AtomSite::kNoAtom || b == AtomSite::kNoAtom || a == b) continue;
-    // Where it is not said which copy is meant, it is another one if that is nearer.
+    // If the file does not say which symmetry mate is meant, the nearest one is.
     if (links[i].asu == gemmi::Asu::Any && s.cell.is_crystal() &&
         !s.cell.find_nearest_image(position(a), position(b), gemmi::Asu::Any).same_asu())
       continue;

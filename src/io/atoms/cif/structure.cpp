@@ -9,7 +9,8 @@
 namespace raio {
 namespace {
 
-// gemmi's message, which begins with a place, or with the name of the file, which is empty.
+// Converts gemmi's message, which begins with a location, or with the name of the file, which is
+// empty.
 CifFault fault_of(std::string message) {
   CifFault out;
   message = message.substr(0, message.find('\n'));
@@ -33,7 +34,7 @@ gemmi::cif::Document parse(const char* text, size_t size) {
   return out;
 }
 
-// Reads on where a strict reader would not, and says so.
+// Parses tolerantly where a strict reader would stop, with a notice.
 gemmi::cif::Document document_of(const char* text, size_t size, Notices& notices) {
   namespace cif = gemmi::cif;
   const auto is_plain = [](char c) { return static_cast<unsigned char>(c) < 128; };
@@ -46,8 +47,8 @@ gemmi::cif::Document document_of(const char* text, size_t size, Notices& notices
     std::replace_if(plain.begin(), plain.end(), [&](char c) { return !is_plain(c); }, '?');
     out = parse(plain.data(), size);
     const size_t first = size_t(std::find_if_not(text, text + size, is_plain) - text);
-    notices.add(Severity::warning, "letters beyond ASCII without quotes, which CIF does not allow",
-                {}, 1 + size_t(std::count(text, text + first, '\n')),
+    notices.add(Severity::warning, "unquoted non-ASCII letters, which CIF does not allow", {},
+                1 + size_t(std::count(text, text + first, '\n')),
                 size_t(std::count_if(text, text + size, [](char c) {
                   return (static_cast<unsigned char>(c) & 0xc0) == 0xc0;
                 })));
@@ -58,20 +59,20 @@ gemmi::cif::Document document_of(const char* text, size_t size, Notices& notices
     const CifFault fault = fault_of(error.what());
     const std::string tag = "duplicate tag ";
     const size_t at = fault.message.find(tag);
-    notices.add(Severity::warning, "tags or names of blocks given twice, of which the first counts",
+    notices.add(Severity::warning, "duplicate tags or block names; the first one is used",
                 at == std::string::npos ? "" : fault.message.substr(at + tag.size()), fault.line);
   }
   return out;
 }
 
-// A document, and the rows of it that are not in it.
+// A document, and the rows that were removed from it.
 struct Parsed {
   gemmi::cif::Document document;
   std::optional<CutRows> cut;
 };
 
-// gemmi takes many times as long for a row as reading lines on all threads does. Nothing where
-// there is something to tell of, since lines have other numbers then.
+// gemmi takes many times as long for a row as reading lines in parallel. Nothing if there are
+// notices, since removed lines change the line numbers.
 std::optional<Parsed> parse_without_rows(std::string_view text, const Atoms& out) try {
   const auto loop = find_atom_site(text);
   if (!loop) return std::nullopt;
@@ -89,7 +90,7 @@ std::optional<Parsed> parse_without_rows(std::string_view text, const Atoms& out
   return std::nullopt;
 }
 
-// Whether a block has anything in a category, by the beginning of its tags.
+// Whether a block has a tag of this category.
 bool has_category(const gemmi::cif::Block& block, const std::string& category) {
   for (const gemmi::cif::Item& item : block.items) {
     if (item.type == gemmi::cif::ItemType::Pair && item.pair[0].rfind(category, 0) == 0)
@@ -101,7 +102,7 @@ bool has_category(const gemmi::cif::Block& block, const std::string& category) {
   return false;
 }
 
-// What a block says of atoms.
+// The kind of atoms in a block.
 enum class Holds { nothing, crystal, molecule, component };
 
 Holds holds(gemmi::cif::Block& block) {
@@ -132,12 +133,12 @@ std::optional<CifFault> read_structure(const char* text, size_t size, int frame,
   }
   if (!chosen && has_reflections)
     return CifFault{
-        "this CIF file holds reflections, but no atoms; give the file of the structure"};
+        "this CIF file has reflections but no atoms; read the coordinate file of the structure"};
   if (!chosen)
     return CifFault{
-        "this CIF file holds no atoms; expected coordinates, as _atom_site.Cartn_x, "
+        "this CIF file has no atoms; expected coordinates: _atom_site.Cartn_x, "
         "_atom_site_fract_x or _chem_comp_atom.model_Cartn_x"};
-  others.tell(out.notices, Severity::left_out, "blocks with atoms behind the first such block");
+  others.tell(out.notices, Severity::left_out, "further blocks with atoms");
   const bool is_only_frame = frame == 0 || frame == -1;
   switch (holds(*chosen)) {
     case Holds::molecule:
