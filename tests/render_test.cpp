@@ -502,7 +502,7 @@ TEST(Film, VarianceOfADimPictureIsThatOfABrightOne) {
     for (Light& light : scene.lights) light.color = Rgb(color);
     for (Material& material : scene.materials) material.ks = material.transmission = 0;
     // Of nothing; its colour lets the film of the dim lights hold 1e5, too.
-    scene.materials.push_back({.color = Rgb(color < 1 ? 5e5f : 1.0f)});
+    scene.materials.push_back({.color = Rgb(color < 1 ? 1e6f : 1.0f)});
     scene.background = Rgb();
     RenderOptions options = small();
     options.integrator = IntegratorKind::classic;

@@ -154,10 +154,10 @@ const Layer& Film::Data::layer(std::string_view name) const {
 
 std::vector<float> Film::channel(std::string_view name, int* components) const {
   return guarded([&] {
-    const Column<float>& alpha = data_->picture.alpha;
+    const raio::Column<float>& alpha = data_->picture.alpha;
     const bool is_alpha = name == "alpha" && !alpha.empty();
     const Layer* const layer = is_alpha ? nullptr : &data_->layer(name);
-    const auto* const values = is_alpha ? &alpha : std::get_if<Column<float>>(&layer->values);
+    const auto* const values = is_alpha ? &alpha : std::get_if<raio::Column<float>>(&layer->values);
     if (!values)
       refuse(fmt::format("channel '{}' has whole numbers; read it with integers()", name));
     if (components) *components = layer ? int(layer->components.size()) : 1;
@@ -169,7 +169,7 @@ std::vector<uint32_t> Film::integers(std::string_view name) const {
   return guarded([&] {
     const bool is_alpha = name == "alpha" && !data_->picture.alpha.empty();
     const auto* const values =
-        is_alpha ? nullptr : std::get_if<Column<uint32_t>>(&data_->layer(name).values);
+        is_alpha ? nullptr : std::get_if<raio::Column<uint32_t>>(&data_->layer(name).values);
     if (!values)
       refuse(fmt::format("channel '{}' has numbers with fractions; read it with channel()", name));
     return std::vector<uint32_t>(values->begin(), values->end());
