@@ -307,8 +307,7 @@ TEST(PartFile, NumbersOfChannelsAreNotTrusted) {
   EXPECT_EQ(error([](TileSamples&) {}), "");
   EXPECT_THAT(error([](TileSamples& t) { t.means[0] = std::numeric_limits<int64_t>::max(); }),
               HasSubstr("a sum beyond what its samples can bring"));
-  for (const auto& [count, x, y] :
-       {std::tuple(1u << 30, 0u, 0u), {1u, 99u, 0u}, {1u, 0u, 99u}, {0u, 1u, 0u}})
+  for (const auto& [count, x, y] : {std::tuple(1u << 30, 0u, 0u), {1u, 99u, 0u}, {1u, 0u, 99u}})
     EXPECT_THAT(error([&](TileSamples& t) { t.nans = {count, x, y}; }), HasSubstr("NaN"));
   EXPECT_EQ(error([](TileSamples& t) { t.nans = {1, 3, 2}; }), "");
   EXPECT_THAT(error([](TileSamples& t) { ++t.rays.eye; }), HasSubstr("counts of rays"));
@@ -473,7 +472,8 @@ TEST(Merge, SpansInAnyOrderAreTheWhole) {
     for (size_t t = 0; t < tiles; ++t) {
       std::vector<std::pair<size_t, uint32_t>> order;  // part, sample
       for (uint32_t k = 0; k < 12;)
-        for (uint32_t i = rng() % count, end = k + 1 + rng() % 6; k < std::min(end, 12u); ++k)
+        for (uint32_t i = uint32_t(rng() % count), end = k + 1 + uint32_t(rng() % 6);
+             k < std::min(end, 12u); ++k)
           order.emplace_back(i, k);
       std::ranges::shuffle(order, rng);
       for (const auto& [i, k] : order) parts[i].part.film->add(t, samples[k][t]);
@@ -482,7 +482,8 @@ TEST(Merge, SpansInAnyOrderAreTheWhole) {
     const auto merged = merge_parts(parts);
     ASSERT_TRUE(merged) << merged.error().text();
     ASSERT_TRUE(missing_samples(*merged, 1).empty());
-    ASSERT_TRUE(encode_part(merged->header, *merged->film) == bytes) << round;
+    ASSERT_TRUE(same_film(*merged->film, *whole.film)) << round;
+    if (round % 100 == 0) ASSERT_TRUE(encode_part(merged->header, *merged->film) == bytes) << round;
   }
   // What is rendered in several goes, out of order.
   Part goes = make({.samples = 9, .first_sample = 5});
@@ -500,12 +501,12 @@ TEST(SampleSet, IsASetOfNumbers) {
     std::vector<bool> has(20);
     SampleSet set;
     for (int i = 0; i < 6; ++i) {
-      const uint32_t first = rng() % 20, end = first + rng() % (21 - first);
+      const uint32_t first = uint32_t(rng() % 20), end = first + uint32_t(rng() % (21 - first));
       const SampleSet missing = set.missing({first, end});
       set.add(missing);
       std::fill(has.begin() + first, has.begin() + std::max(first, end), true);
     }
-    const uint32_t first = rng() % 20, end = first + rng() % (21 - first);
+    const uint32_t first = uint32_t(rng() % 20), end = first + uint32_t(rng() % (21 - first));
     uint32_t count = 0, gaps = 0;
     for (uint32_t k = 0; k < 20; ++k) {
       const bool is_there = set.count({k, k + 1}) == 1;
