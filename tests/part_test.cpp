@@ -483,7 +483,9 @@ TEST(Merge, SpansInAnyOrderAreTheWhole) {
     ASSERT_TRUE(merged) << merged.error().text();
     ASSERT_TRUE(missing_samples(*merged, 1).empty());
     ASSERT_TRUE(same_film(*merged->film, *whole.film)) << round;
-    if (round % 100 == 0) ASSERT_TRUE(encode_part(merged->header, *merged->film) == bytes) << round;
+    if (round % 100 == 0) {
+      ASSERT_TRUE(encode_part(merged->header, *merged->film) == bytes) << round;
+    }
   }
   // What is rendered in several goes, out of order.
   Part goes = make({.samples = 9, .first_sample = 5});
