@@ -302,6 +302,7 @@ TEST_F(CommandLine, StatisticsFollowTheirSchema) {
   EXPECT_EQ(s.at("resolution"), (json{30, 20}));
   EXPECT_EQ(s.at("effects"), (json{{"aa", 2}, {"soft_shadows", false}, {"dof", false}}));
   EXPECT_EQ(s.at("seed"), 9);
+  EXPECT_EQ(s.at("nan_samples"), (json{{"count", 0}, {"first_pixel", nullptr}}));
   EXPECT_EQ(s.at("threads"), 2);
   EXPECT_EQ(s.at("primitives").at("sphere"), 2);
   EXPECT_EQ(s.at("accelerator").at("name"), "grid");

@@ -552,6 +552,28 @@ TEST(LibraryFilm, AlphaIsAChannel) {
   for (size_t i = 0; i < alpha.size(); ++i) EXPECT_EQ(alpha[i], rgba[4 * i + 3]);
 }
 
+TEST(LibraryFilm, IdsAreIntegers) {
+  raio::Settings settings = small();
+  const raio::Film film = raio::Job(stage(), settings.set("channels", "alpha,depth,id")).run();
+  EXPECT_EQ(film.integers("id").size(), size_t(film.width()) * size_t(film.height()));
+  EXPECT_EQ(film.nan_samples(), 0u);
+  const auto error = [](auto&& call) -> std::string {
+    try {
+      call();
+    } catch (const raio::Error& e) {
+      return e.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(error([&] { (void)film.channel("id"); }),
+            "channel 'id' has whole numbers; read it with integers()");
+  for (const char* name : {"alpha", "depth"})
+    EXPECT_NE(error([&] { (void)film.integers(name); }).find("read it with channel()"),
+              std::string::npos);
+  EXPECT_EQ(error([&] { (void)film.integers("normal"); }),
+            "the film has no channel 'normal'; it has alpha, depth, id");
+}
+
 TEST(LibraryInstances, NamesMakeObjects) {
   raio::Scene scene = stage();
   const uint32_t number = scene.add_prototype(thing());
@@ -561,10 +583,10 @@ TEST(LibraryInstances, NamesMakeObjects) {
   scene.add_instances(number, {right.data(), 1}, "right");
   raio::Settings settings = small();
   const raio::Film film = raio::Job(scene, settings.set("channels", "object,id")).run();
-  const Floats objects = film.channel("object"), ids = film.channel("id");
+  const std::vector<uint32_t> objects = film.integers("object"), ids = film.integers("id");
   std::array<size_t, 3> counts{};
   for (size_t i = 0; i < objects.size(); ++i) {
-    const auto object = size_t(objects[i]);
+    const size_t object = objects[i];
     ASSERT_LT(object, 3u);
     ++counts[object];
     EXPECT_EQ(object == 0, ids[i] == 0);

@@ -129,6 +129,42 @@ TEST_F(LongRender, ShardsMergeToTheSameBytes) {
   expect_refusal({"merge", "-o", "z.png"}, 2, "PART is missing");
 }
 
+TEST_F(LongRender, SampleRangesMergeToTheSameBytes) {
+  const Arguments all = {"--size", "60x40", "--samples", "9", "--soft-shadows"};
+  const auto part = [&](const Arguments& options, const std::string& name) {
+    render(all + options + Arguments{"-o", name, "--stats", "s.json"});
+  };
+  render(all + Arguments{"-o", "whole.png"});
+  part({"--sample-range", "4:9"}, "late.raio");
+  part({"--sample-range", "0:4", "--shard", "1/2"}, "a.raio");
+  part({"--sample-range", "0:2", "--shard", "2/2"}, "b.raio");
+  part({"--sample-range", "2:4", "--shard", "2/2"}, "c.raio");
+  expect_refusal({"merge", "late.raio", "a.raio", "c.raio", "-o", "x.png"}, 2,
+                 "samples 0:2 are missing in 2 of 4 tiles");
+  expect_refusal({"merge", "late.raio", "b.raio", "late.raio", "-o", "x.png"}, 2,
+                 "both have samples 4:9 in 4 of the 4 tiles");
+  EXPECT_EQ(raio({"merge", "late.raio", "c.raio", "a.raio", "-o", "most.raio", "--quiet"}).status,
+            0);
+  EXPECT_EQ(raio({"merge", "b.raio", "most.raio", "-o", "x.png", "--quiet"}).status, 0);
+  EXPECT_TRUE(same("x.png", "whole.png"));
+  // A part with gaps is gone on with like any other.
+  render(all + Arguments{"--checkpoint", "most.raio", "--resume", "-o", "y.png"});
+  EXPECT_TRUE(same("y.png", "whole.png"));
+
+  for (const char* range : {"4", ":4", "4:", "4:4", "5:4", "-1:4", "0:4:2", "a:b"})
+    refused({"--sample-range", range, "-o", "x.raio"}, "as in 0:64 or 64:128");
+  refused({"--sample-range", "0:4", "-o", "x.png"}, ".raio");
+  refused({"--sample-range", "0:4", "--time-limit", "3", "-o", "x.raio"}, "--time-limit");
+  refused({"--sample-range", "0:10", "--samples", "9", "-o", "x.raio"},
+          "ends beyond the 9 samples of a pixel");
+  refused({"--sample-range", "0:4", "--add-samples", "2", "--checkpoint", "c.raio"},
+          "--add-samples");
+  part({"--sample-range", "0:4", "--checkpoint", "d.raio"}, "d2.raio");
+  refused({"--size", "60x40", "--samples", "9", "--soft-shadows", "--checkpoint", "d.raio",
+           "--resume", "-o", "x.png"},
+          "add --sample-range 0:4");
+}
+
 TEST_F(LongRender, APictureIsRepeatedFromItself) {
   for (const Arguments& options : {Arguments{"--aa", "2", "--dof", "--seed", "5"},
                                    {"--samples", "7", "--light-size", "0.3", "--size", "33x21"},

@@ -275,19 +275,88 @@ TEST(PartFile, NumbersOfChannelsAreNotTrusted) {
 
   const TileSamples good = film.copy(0);
   const size_t pixels = good.sums.size() / 4;
-  ASSERT_GT(good.planes.size(), 10 * pixels);
-  for (size_t plane = 0; plane < good.planes.size() / pixels; ++plane)
-    for (const int64_t number : {int64_t(1) << 62, -(int64_t(1) << 62)}) {
-      TileSamples bad = good;
-      bad.planes[plane * pixels + 7] = number;
-      EXPECT_FALSE(film.can_hold(0, bad)) << plane;
-    }
-  TileSamples bad = good;
-  for (int64_t& number : bad.planes) number = std::numeric_limits<int64_t>::max();
-  film.replace(0, bad);
-  const auto refused = decode_part(encode_part(header, film));
-  ASSERT_FALSE(refused);
-  EXPECT_THAT(refused.error().text(), HasSubstr("a sum exceeds the bound of its samples"));
+  EXPECT_TRUE(film.can_hold(good));
+  EXPECT_GT(good.means.size(), 7 * pixels);
+  EXPECT_EQ(good.squares.size(), 3 * pixels);
+  const auto holds = [&](auto change) {
+    TileSamples bad = good;
+    change(bad);
+    return film.can_hold(bad);
+  };
+  for (const int64_t number :
+       {int64_t(1) << 62, -(int64_t(1) << 62), std::numeric_limits<int64_t>::min()}) {
+    for (size_t i = 7; i < good.means.size(); i += pixels)
+      EXPECT_FALSE(holds([&](TileSamples& t) { t.means[i] = number; })) << i;
+    for (size_t c = 0; c < 4; ++c)
+      EXPECT_FALSE(holds([&](TileSamples& t) { t.sums[4 * 7 + c] = number; })) << c;
+  }
+  for (size_t c = 0; c < 3; ++c) {
+    const size_t i = c * pixels + 7;
+    EXPECT_FALSE(holds([&](TileSamples& t) { t.squares[i] = ~Uint128(0); }));
+    EXPECT_FALSE(holds([&](TileSamples& t) { t.squares[i] = Uint128(1) << 110; }));
+    EXPECT_FALSE(holds([&](TileSamples& t) { t.sums[4 * 7 + c] = 1000, t.squares[i] = 1; }));
+  }
+
+  const auto error = [&](auto change) {
+    TileSamples bad = good;
+    change(bad);
+    film.replace(0, bad);
+    const auto refused = decode_part(encode_part(header, film));
+    return refused ? "" : refused.error().text();
+  };
+  EXPECT_EQ(error([](TileSamples&) {}), "");
+  EXPECT_THAT(error([](TileSamples& t) { t.means[0] = std::numeric_limits<int64_t>::max(); }),
+              HasSubstr("a sum exceeds the bound of its samples"));
+  for (const auto& [count, x, y] : {std::tuple(1u << 30, 0u, 0u), {1u, 99u, 0u}, {1u, 0u, 99u}})
+    EXPECT_THAT(error([&](TileSamples& t) { t.nans = {count, x, y}; }), HasSubstr("NaN"));
+  EXPECT_EQ(error([](TileSamples& t) { t.nans = {1, 3, 2}; }), "");
+  EXPECT_THAT(error([](TileSamples& t) { ++t.rays.eye; }), HasSubstr("counts of rays"));
+  EXPECT_THAT(error([](TileSamples& t) { t.rays.eye_hits = t.rays.eye + 1; }),
+              HasSubstr("counts of rays"));
+  EXPECT_THAT(error([](TileSamples& t) { t.rays.shadow = ~uint64_t(0); }),
+              HasSubstr("counts of rays"));
+  EXPECT_THAT(error([](TileSamples& t) { t.samples = SampleSpan{0, 4}; }),
+              HasSubstr("samples 0:4, after 0 and of 0:3"));
+}
+
+TEST(PartFile, SpansAreNotTrusted) {
+  const Studio studio(sobol(9));
+  const auto error = [&](std::vector<uint32_t> spans, SampleSpan of = {}) {
+    Part part = studio.part({.samples = 1});
+    part.header.samples = of;
+    std::string bytes = encode_part(part.header, *part.film);
+    bytes.resize(bytes.size() - 16);
+    // Those of the first tile: one, from 0 to before 1.
+    const std::string one("\1\0\0\0\0\0\0\0\1\0\0\0", 12);
+    const size_t at = bytes.find(one + std::string("\0\4\0\0", 4));
+    EXPECT_NE(at, std::string::npos);
+    std::string changed;
+    spans.insert(spans.begin(), uint32_t(spans.size() / 2));
+    for (const uint32_t n : spans)
+      for (int i = 0; i < 4; ++i) changed += char(n >> 8 * i & 255);
+    bytes.replace(at, one.size(), changed);
+    const auto decoded = decode_part(sealed(bytes));
+    return decoded ? "" : decoded.error().text();
+  };
+  EXPECT_EQ(error({0, 1}), "");
+  EXPECT_EQ(error({8, 9}), "");
+  EXPECT_THAT(error({9, 10}), HasSubstr("samples 9:10"));
+  EXPECT_THAT(error({1, 1}), HasSubstr("samples 1:1"));
+  EXPECT_THAT(error({2, 1}), HasSubstr("samples 2:1"));
+  EXPECT_THAT(error({0, 2, 1, 3}), HasSubstr("samples 1:3, after 2"));
+  EXPECT_THAT(error({0, 2, 2, 3}), HasSubstr("samples 2:3, after 2"));
+  EXPECT_THAT(error({4, 5, 0, 1}), HasSubstr("samples 0:1, after 5"));
+  EXPECT_THAT(error({0, 1}, {2, 5}), HasSubstr("of 2:5"));
+  EXPECT_THAT(error({0, 1}, {2, 10}), HasSubstr("samples 2:10 of 9"));
+  EXPECT_THAT(error({0, 1}, {3, 2}), HasSubstr("samples 3:2 of 9"));
+  EXPECT_THAT(error({0, 1, 0xffffffff, 0}), HasSubstr("samples 4294967295:0"));
+}
+
+TEST(PartFile, OfAnOlderFormatIsRefusedWithAdvice) {
+  const auto decoded = decode_part(std::string("RAIOPART\2\0\0\0", 12));
+  ASSERT_FALSE(decoded);
+  EXPECT_THAT(decoded.error().text(),
+              HasSubstr("format 2, which this version does not read (it reads 3); finish it with"));
 }
 
 TEST(PartFile, HugeSizesInSmallFilesAreRefused) {
@@ -317,7 +386,7 @@ TEST(Merge, ShardsMakeTheWholePicture) {
         parts.push_back({std::to_string(i), studio.part({.shard = i, .shards = shards})});
       const auto merged = merge_parts(parts);
       ASSERT_TRUE(merged.has_value()) << merged.error().text();
-      EXPECT_EQ(missing_tiles(*merged, shards), "");
+      EXPECT_EQ(missing_samples(*merged, shards), "");
       EXPECT_EQ(encode_part(merged->header, *merged->film), encode_part(whole.header, *whole.film));
     }
   }
@@ -341,12 +410,9 @@ TEST(Merge, SaysWhatDoesNotFit) {
   EXPECT_THAT(two(shard(studio, 0, 3), shard(longer, 1, 3)),
               HasSubstr("s1: it does not match s0: samples 6, not 5; add-samples"));
   EXPECT_THAT(two(shard(studio, 0, 3), shard(jitter, 1, 3)), HasSubstr("without samples, not 5"));
-  EXPECT_THAT(two(shard(studio, 0, 3), shard(studio, 0, 3)), HasSubstr("both have 4 of the 12"));
-  EXPECT_THAT(two(shard(studio, 0, 3), shard(studio, 1, 2)), HasSubstr("both have 2 of the 12"));
-  NamedPart begun = shard(studio, 1, 3);
-  begun.part.film->replace(4, {});
-  EXPECT_THAT(two(shard(studio, 0, 3), std::move(begun)),
-              HasSubstr("s1: it is not finished: 1 of its 4 tiles"));
+  EXPECT_THAT(two(shard(studio, 0, 3), shard(studio, 0, 3)),
+              HasSubstr("s0 both have samples 0:5 in 4 of the 12 tiles"));
+  EXPECT_THAT(two(shard(studio, 0, 3), shard(studio, 1, 2)), HasSubstr("in 2 of the 12"));
   NamedPart sides{"side", studio.part({}, 16)};
   EXPECT_THAT(two(shard(studio, 0, 3), std::move(sides)), HasSubstr("tile size or bound differs"));
 
@@ -354,7 +420,108 @@ TEST(Merge, SaysWhatDoesNotFit) {
   some.push_back(shard(studio, 0, 3)), some.push_back(shard(studio, 2, 3));
   const auto merged = merge_parts(some);
   ASSERT_TRUE(merged.has_value()) << merged.error().text();
-  EXPECT_EQ(missing_tiles(*merged, 3), "4 of 12 tiles are missing: shard 2/3");
+  EXPECT_EQ(missing_samples(*merged, 3), "4 of 12 tiles are missing: shard 2/3");
+}
+
+TEST(Merge, SaysWhichSamplesAreMissing) {
+  const Studio studio(sobol(9));
+  const auto merged = [&](std::initializer_list<RenderTask> tasks) {
+    std::vector<NamedPart> parts;
+    for (const RenderTask& task : tasks) parts.push_back({"p", studio.part(task)});
+    const auto all = merge_parts(parts);
+    EXPECT_TRUE(all);
+    return missing_samples(*all, 3);
+  };
+  EXPECT_EQ(merged({{.samples = 9, .first_sample = 7}, {.samples = 5, .first_sample = 2}}),
+            "samples 0:2,5:7 are missing in 12 of 12 tiles");
+  EXPECT_EQ(
+      merged({{.samples = 4, .shard = 1, .shards = 3}, {.samples = 3, .shard = 2, .shards = 3}}),
+      "4 of 12 tiles are missing: shard 1/3; samples 4:9 are missing in 1 of 12 tiles, "
+      "others in 7");
+}
+
+// All channels, each by its own rule.
+TEST(Merge, SpansInAnyOrderAreTheWhole) {
+  RenderOptions request = sobol(12);
+  for (const ChannelSpec& spec : kChannels) request.channels.add(spec.channel);
+  const Studio studio(request);
+  const auto make = [&](const RenderTask& task) {
+    Part part{{settings_of(studio.scene, studio.options), task.shard, task.shards},
+              *make_film(studio.scene, studio.options)};
+    studio.add_to(*part.film, task);
+    return part;
+  };
+  const Part whole = make({});
+  const std::string bytes = encode_part(whole.header, *whole.film);
+  const size_t tiles = whole.film->tiles();
+  // Each sample by itself, from which any span is made.
+  std::vector<std::vector<TileSamples>> samples(12);
+  for (uint32_t k = 0; k < 12; ++k) {
+    const Part one = make({.samples = k + 1, .first_sample = k});
+    for (size_t t = 0; t < tiles; ++t) samples[k].push_back(one.film->copy(t));
+  }
+  std::mt19937 rng(7);
+  for (int round = 0; round < 1000; ++round) {
+    // Random spans of random tiles in up to five parts.
+    const size_t count = 1 + rng() % 5;
+    std::vector<NamedPart> parts;
+    for (size_t i = 0; i < count; ++i)
+      parts.push_back(
+          {std::to_string(i), {whole.header, *make_film(studio.scene, studio.options)}});
+    for (size_t t = 0; t < tiles; ++t) {
+      std::vector<std::pair<size_t, uint32_t>> order;  // part, sample
+      for (uint32_t k = 0; k < 12;)
+        for (uint32_t i = uint32_t(rng() % count), end = k + 1 + uint32_t(rng() % 6);
+             k < std::min(end, 12u); ++k)
+          order.emplace_back(i, k);
+      std::ranges::shuffle(order, rng);
+      for (const auto& [i, k] : order) parts[i].part.film->add(t, samples[k][t]);
+    }
+    std::ranges::shuffle(parts, rng);
+    const auto merged = merge_parts(parts);
+    ASSERT_TRUE(merged) << merged.error().text();
+    ASSERT_TRUE(missing_samples(*merged, 1).empty());
+    ASSERT_TRUE(same_film(*merged->film, *whole.film)) << round;
+    if (round % 100 == 0) {
+      ASSERT_TRUE(encode_part(merged->header, *merged->film) == bytes) << round;
+    }
+  }
+  // What is rendered in several goes, out of order.
+  Part goes = make({.samples = 9, .first_sample = 5});
+  studio.add_to(*goes.film, {.samples = 4, .first_sample = 2, .shard = 1, .shards = 2});
+  auto back = decode_part(encode_part(goes.header, *goes.film));
+  ASSERT_TRUE(back) << back.error().text();
+  EXPECT_TRUE(same_film(*back->film, *goes.film));
+  studio.add_to(*back->film);
+  EXPECT_TRUE(encode_part(back->header, *back->film) == bytes);
+}
+
+TEST(SampleSet, IsASetOfNumbers) {
+  std::mt19937 rng(3);
+  for (int round = 0; round < 2000; ++round) {
+    std::vector<bool> has(20);
+    SampleSet set;
+    for (int i = 0; i < 6; ++i) {
+      const uint32_t first = uint32_t(rng() % 20), end = first + uint32_t(rng() % (21 - first));
+      const SampleSet missing = set.missing({first, end});
+      set.add(missing);
+      std::fill(has.begin() + first, has.begin() + std::max(first, end), true);
+    }
+    const uint32_t first = uint32_t(rng() % 20), end = first + uint32_t(rng() % (21 - first));
+    uint32_t count = 0, gaps = 0;
+    for (uint32_t k = 0; k < 20; ++k) {
+      const bool is_there = set.count({k, k + 1}) == 1;
+      EXPECT_EQ(is_there, has[k]);
+      EXPECT_EQ(!set.overlap(SampleSpan{k, k + 1}).empty(), has[k]);
+      if (k >= first && k < end) count += has[k], gaps += !has[k];
+    }
+    EXPECT_EQ(set.count({first, end}), count);
+    EXPECT_EQ(set.missing({first, end}).count(), gaps);
+    for (size_t i = 1; i < set.spans().size(); ++i)
+      EXPECT_LT(set.spans()[i - 1].end, set.spans()[i].first);
+  }
+  EXPECT_EQ(SampleSet().end(), 0u);
+  EXPECT_EQ(text_of(SampleSet({2, 5})), "2:5");
 }
 
 TEST(SameBytes, AnyThreadsTilesShardsAndPasses) {
@@ -416,7 +583,7 @@ TEST(TimeLimit, LeavesWholePasses) {
     const auto done = render(studio.scene, *studio.accel, studio.options, *part.film, control,
                              {.seconds = seconds});
     EXPECT_FALSE(done.finished);
-    const SampleRange samples = samples_of(part);
+    const SampleCounts samples = samples_of(part);
     if (seconds < 1e-3) {
       EXPECT_EQ(samples.most, 0u);
       continue;

@@ -406,7 +406,8 @@ void add(Film& film, Rgb rgb) {
   const Vec3d v = Vec3d(rgb) * film.scale();
   std::vector<PixelSums> sums(film.tile_sums());
   sums[0] = {{std::llrint(v.x), std::llrint(v.y), std::llrint(v.z)}};
-  film.add(0, 1, {sums.data()}, {});
+  const uint32_t sample = film.samples(0).end();
+  film.add(0, SampleSpan{sample, sample + 1}, {sums.data()}, {});
 }
 
 TEST(Film, SumsDoNotDependOnOrder) {
@@ -416,7 +417,7 @@ TEST(Film, SumsDoNotDependOnOrder) {
   Film forward(1, 1, 10), backward(1, 1, 10);
   for (const Rgb& v : values) add(forward, v);
   for (size_t i = values.size(); i-- > 0;) add(backward, values[i]);
-  EXPECT_EQ(forward.samples(0), 1000u);
+  EXPECT_EQ(forward.samples(0), SampleSet({0, 1000}));
   EXPECT_TRUE(same_bytes(forward.resolve(), backward.resolve()));
 }
 
@@ -459,6 +460,76 @@ TEST(Film, VarianceIsThatOfTheSamples) {
   EXPECT_GT(most, 0.01);
 }
 
+// Random samples of a dim, a bright and a middling component of one film: what 100 films say of 64
+// samples each, against what all of these samples differ by.
+TEST(Film, VarianceIsRightForDimAndBright) {
+  constexpr int kSeeds = 100, kSamples = 64;
+  constexpr double kValues[] = {1e-4, 1e5, 1};
+  ChannelSet channels;
+  channels.add(Channel::variance);
+  double said[3] = {}, sum[3] = {}, squares[3] = {};
+  for (uint32_t seed = 0; seed < kSeeds; ++seed) {
+    std::mt19937 rng(seed);
+    Film film(1, 1, 2e5, kTileSide, channels);
+    for (uint32_t k = 0; k < kSamples; ++k) {
+      TileSamples sample;
+      sample.samples = SampleSpan{k, k + 1};
+      for (int c = 0; c < 3; ++c) {
+        const double value = kValues[c] * (0.5 + 1e-9 * double(rng() % 1000000000));
+        const auto fixed = std::llrint(value * film.scale());
+        sample.sums.push_back(fixed);
+        sample.squares.push_back(Uint128(fixed) * Uint128(fixed));
+        sum[c] += value / kValues[c], squares[c] += std::pow(value / kValues[c], 2);
+      }
+      sample.sums.push_back(kFullCoverage);
+      EXPECT_TRUE(film.can_hold(sample));
+      film.add(0, sample);
+    }
+    const auto variance = std::get<Column<float>>(film.resolve(Channel::variance));
+    for (size_t c = 0; c < 3; ++c) said[c] += double(variance[c]) / kSeeds;
+  }
+  for (size_t c = 0; c < 3; ++c) {
+    const double n = kSamples * kSeeds, mean = sum[c] / n;
+    const double expected = (squares[c] / n - mean * mean) * n / (n - 1);
+    EXPECT_NEAR(said[c] / (kValues[c] * kValues[c]) / expected, 1, 0.01) << kValues[c];
+  }
+}
+
+// The same of pictures, whose light changes nothing but their scale.
+TEST(Film, VarianceOfADimPictureIsThatOfABrightOne) {
+  const auto variance = [](float color) {
+    Scene scene = random_scene(30, 5);
+    for (Light& light : scene.lights) light.color = Rgb(color);
+    for (Material& material : scene.materials) material.ks = material.transmission = 0;
+    // Of nothing; its colour lets the film of the dim lights hold 1e5, too.
+    scene.materials.push_back({.color = Rgb(color < 1 ? 1e6f : 1.0f)});
+    scene.background = Rgb();
+    RenderOptions options = small();
+    options.integrator = IntegratorKind::classic;
+    options.shading = ShadingModel::phong;  // no ambient light
+    options.samples = 32, options.soft_shadows = true;
+    options.channels.add(Channel::variance);
+    const RenderSettings settings = resolve_options(options, scene);
+    const auto accel = build_accel(scene, settings.accel);
+    const auto film = make_film(scene, settings);
+    EXPECT_GT((*film)->bound(), 1e5);
+    RenderControl control;
+    EXPECT_TRUE(render(scene, **accel, settings, **film, control).finished);
+    return std::get<Column<float>>((*film)->resolve(Channel::variance));
+  };
+  const float dim = 1e-4f, bright = 1e5f;
+  const Column<float> of_dim = variance(dim), of_bright = variance(bright);
+  double dims = 0, brights = 0;
+  size_t noisy = 0;
+  for (size_t i = 0; i < of_dim.size(); ++i) {
+    const double a = double(of_dim[i]) / (double(dim) * dim);
+    const double b = double(of_bright[i]) / (double(bright) * bright);
+    dims += a, brights += b, noisy += b > 1e-3;
+  }
+  EXPECT_GT(noisy, 20u);
+  EXPECT_NEAR(dims / brights, 1, 0.01);
+}
+
 TEST(Film, HoldsBrightAndDim) {
   Film film(1, 1, 1e6);
   for (int i = 0; i < 4; ++i) add(film, Rgb(1e6f, 1, 1e-5f));
@@ -485,16 +556,16 @@ TEST(Film, TilesAreFilledWhereTheyAre) {
       PixelSums* const left = film.begin(t).sums;
       ASSERT_NE(left, nullptr);
       std::fill_n(left, film.tile_sums(), PixelSums{{1, 2, 3}});
-      EXPECT_EQ(film.samples(t), 0u);
+      EXPECT_TRUE(film.samples(t).empty());
       EXPECT_EQ(film.copy(t), TileSamples());
       PixelSums* const sums = film.begin(t).sums;
       for (size_t i = 0; i < film.tile_sums(); ++i) ASSERT_EQ(sums[i], PixelSums()) << i;
       fill(t, sums, film.scale());
-      film.add(t, 1, {sums}, {.eye = t});
+      film.add(t, SampleSpan{0, 1}, {sums}, {.eye = t});
       EXPECT_EQ(film.begin(t).sums, nullptr);
       std::vector<PixelSums> more(film.tile_sums());
       fill(t, more.data(), 3 * film.scale());
-      film.add(t, 1, {more.data()}, {.eye = 1});
+      film.add(t, SampleSpan{1, 2}, {more.data()}, {.eye = 1});
     }
     Film copied(width, height, 1000, 24);
     for (size_t t = 0; t < film.tiles(); ++t) {

@@ -55,8 +55,68 @@ Rgb corner_pixel(const Scene& scene, int levels) {
   const PreparedScene prepared(scene, *accel, settings);
   RenderControl control;
   Film film(4, 4, 1);
-  Wavefront<TintedMirrors>(prepared, control).render(0, 1, film);
+  Wavefront<TintedMirrors>(prepared, control).render(0, {0, 1}, film);
   return film.resolve().at(0, 0);
+}
+
+// Brings NaN in odd samples, and what is beyond all bounds in sample 2.
+class Faulty {
+ public:
+  explicit Faulty(const PreparedScene&) {}
+
+  static constexpr bool kSky = true, kFloor = false;
+  static constexpr bool kTints = false;
+  static int levels() { return 1; }
+  static Rgb background() { return {}; }
+  static bool has_sky() { return true; }
+  V3 sky(const V3& dir) const {
+    const float limits[] = {0.25f, std::numeric_limits<float>::quiet_NaN(),
+                            std::numeric_limits<float>::infinity()};
+    const V right = hn::IfThenElse(hn::Gt(dir.x, hn::Zero(d)), hn::Set(d, limits[sample_ % 3]),
+                                   hn::Set(d, 0.5f));
+    return {right, hn::Set(d, 0.5f), hn::Set(d, 0.5f)};
+  }
+  static bool counts_rays() { return true; }
+  template <class W>
+  void begin(W&, size_t) {
+    ++sample_;
+  }
+  template <class W>
+  void shade(W&, int, size_t, const WideSampler<D>&) const {}
+  template <class W>
+  void spawn(W&, int, size_t) const {}
+
+ private:
+  int sample_ = -1;
+};
+
+TEST(Wavefront, CountsNanAsBlack) {
+  Scene scene;
+  scene.materials = {Material()};
+  scene.camera.from = {0, 0, 1}, scene.camera.at = {0, 0, 0};
+  const auto accel = raio::tests::build(scene, {});
+  RenderSettings settings;
+  settings.camera = scene.camera;
+  settings.width = settings.height = 4;
+  settings.samples = 3;
+  settings.channels.add(Channel::variance);
+  const PreparedScene prepared(scene, *accel, settings);
+  RenderControl control;
+  Film film(4, 4, 1, kTileSide, settings.channels);
+  Wavefront<Faulty> wavefront(prepared, control);
+  wavefront.render(0, {0, 2}, film);
+  EXPECT_EQ(film.nans(), (NanSamples{8, 2, 0}));
+  EXPECT_EQ(film.resolve().at(0, 0), Rgb(0.5f));
+  EXPECT_EQ(film.resolve().at(2, 0), Rgb(0.125f, 0.25f, 0.25f));
+  wavefront.render(0, {2, 3}, film);  // beyond the bound it counts as the bound
+  EXPECT_EQ(film.nans().count, 8u);
+  EXPECT_FLOAT_EQ(film.resolve().at(3, 3).x, 1.25f / 3);
+  EXPECT_TRUE(film.can_hold(film.copy(0)));
+  NanSamples both{1, 3, 1};
+  both += {2, 0, 2};
+  EXPECT_EQ(both, (NanSamples{3, 3, 1}));
+  both += {1, 2, 1};
+  EXPECT_EQ(both, (NanSamples{4, 2, 1}));
 }
 
 TEST(Wavefront, WeighsRaysByColor) {

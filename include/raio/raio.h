@@ -328,9 +328,13 @@ class RAIO_API Film {
   std::vector<float> rgba() const;
   /// The channels asked for, by name ("depth", "normal").
   std::vector<std::string> channels() const;
-  /// The numbers of a channel, `components` for each pixel, row by row; whole numbers as floats.
-  /// The error names the channels that there are.
+  /// The numbers of a channel, `components` for each pixel, row by row. The error names the
+  /// channels that there are; `id`, `object` and `samples` are read with integers().
   std::vector<float> channel(std::string_view name, int* components = nullptr) const;
+  /// The same for the channels of whole numbers, one for each pixel.
+  std::vector<uint32_t> integers(std::string_view name) const;
+  /// How many samples were not a number (NaN). They count as black.
+  uint64_t nan_samples() const;
 
   /// Writes a picture whole or not at all: .png .exr .npz .npy .ppm .pfm by suffix; .png and .ppm
   /// with the settings `exposure` and `tone`. The error says what the format cannot keep.

@@ -115,6 +115,29 @@ void add_shard(CLI::App& app, RenderCommand& render) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
 }
 
+// "20:40", samples 20 to 39.
+void add_sample_range(CLI::App& app, RenderCommand& render) {
+  const auto set = [&render](const std::string& text) {
+    const char* const end = text.data() + text.size();
+    SampleSpan range;
+    const auto first = std::from_chars(text.data(), end, range.first);
+    const bool colon = first.ec == std::errc() && first.ptr != end && *first.ptr == ':';
+    const auto second = colon ? std::from_chars(first.ptr + 1, end, range.end) : first;
+    if (!colon || second.ec != std::errc() || second.ptr != end || range.empty())
+      throw CLI::ValidationError(
+          "--sample-range",
+          fmt::format("expected the first sample and the end, as in 0:64 or 64:128, found '{}'",
+                      text));
+    render.sample_range = range;
+  };
+  app.add_option_function<std::string>(
+         "--sample-range", set,
+         "Render samples A to before B of every pixel, counted from 0, into a part file for raio "
+         "merge")
+      ->type_name("A:B")
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+}
+
 // A thread that cannot start may lack memory for its stack.
 constexpr std::string_view kMemoryAdvice = "a larger --memory-limit or fewer --threads may help";
 
@@ -170,6 +193,7 @@ void add_long_render(CLI::App& app, RenderCommand& render) {
              "SECONDS");
   add_memory_limit(app);
   add_shard(app, render);
+  add_sample_range(app, render);
   add_file(
       app, "--repeat", render.repeat,
       "Render this PNG or EXR again with the settings stored in it; without SCENE, the scene file "
@@ -189,6 +213,7 @@ void refuse_for_many_pictures(const RenderCommand& render) {
                                       {"--resume", render.resume},
                                       {"--add-samples", render.add_samples > 0},
                                       {"--shard", render.shards > 1},
+                                      {"--sample-range", !render.sample_range.empty()},
                                       {"--repeat", !render.repeat.empty()},
                                       {"--stats", !render.stats.empty()}})
     if (given)
@@ -307,7 +332,8 @@ void add_view(CLI::App& app, ViewCommand& view, const Invocation& invocation, in
 }
 
 void add_merge(CLI::App& app, MergeCommand& merge, int& status) {
-  auto* sub = app.add_subcommand("merge", "Merge the parts of a picture rendered with --shard");
+  auto* sub = app.add_subcommand(
+      "merge", "Merge the parts of a picture rendered with --shard and --sample-range");
   sub->footer(examples({"raio merge part1.raio part2.raio part3.raio -o balls.png"}));
   sub->add_option("parts", merge.parts, "Part files of the same picture")
       ->required()

@@ -7,6 +7,7 @@
 #include "app/terminal.h"
 #include "render/part.h"
 #include "render/picture.h"
+#include "render/warnings.h"
 
 namespace raio::app {
 
@@ -29,11 +30,16 @@ int run(const MergeCommand& command) {
   }
   const auto merged = merge_parts(parts);
   if (!merged) return fail(merged.error());
-  const std::string missing = missing_tiles(*merged, shards);
+  const std::string missing = missing_samples(*merged, shards);
   if (!missing.empty() && !to_part)
-    return bad_input(missing + "; add the parts that have them, or merge to a part (-o NAME.raio)");
+    return bad_input(missing +
+                     "; add the parts that have them, finish parts with --checkpoint and --resume, "
+                     "or merge to a part (-o NAME.raio)");
 
   if (const auto written = write_result(output, *merged); !written) return fail(written.error());
+  const auto options = options_from(merged->header.settings, false);
+  if (const auto why = nan_warning(*merged->film, options ? options->crop : std::nullopt))
+    print_line("raio: warning: " + *why);
   if (!command.quiet)
     print_line(fmt::format("{}: {}x{}, {} part{}{}",
                            is_standard_output(output) ? "picture" : output, merged->film->width(),

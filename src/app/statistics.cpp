@@ -18,7 +18,7 @@ double rays_per_s(const RenderFigures& made) {
 }  // namespace
 
 Json statistics(const RenderFigures& made) {
-  const auto& [scene, o, accel, times, rays, rays_before, samples] = made;
+  const auto& [scene, o, accel, times, rays, rays_before, samples, nans] = made;
   Json primitives;
   const auto counts = count_primitives(*scene);
   for (size_t i = 0; i < counts.size(); ++i)
@@ -59,6 +59,9 @@ Json statistics(const RenderFigures& made) {
         {"shadow_hits", rays.shadow_hits},
         {"total", rays.total()}}},
       {"rays_per_s", rays_per_s(made)},
+      {"nan_samples",
+       {{"count", nans.count},
+        {"first_pixel", nans.count > 0 ? Json{nans.x, nans.y} : Json(nullptr)}}},
   };
   if (o.accel.counters) {
     const double total = double(std::max<uint64_t>(1, rays.total()));

@@ -25,9 +25,9 @@ enum class Channel : uint8_t {
   position_low
 };
 
-/// How the samples of a pixel become its value. `first` is that of sample 0, for what has no sound
-/// mean: the distance to two things, the number of one. `derived` is worked out from the film when
-/// it is resolved.
+/// How the samples of a pixel become its value. `first` is that of the lowest sample that the film
+/// has, for what has no sound mean: the distance to two things, the number of one. `derived` is
+/// worked out from the film when it is resolved.
 enum class ChannelRule : uint8_t { mean, first, derived };
 
 struct ChannelSpec {

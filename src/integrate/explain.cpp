@@ -161,16 +161,12 @@ std::optional<Explanation> explain(const Scene& scene, const Accel& accel, Rende
   settings.channels = {};
   const PreparedScene prepared(scene, accel, settings);
   Film film(1, 1, classic_bound(scene, settings));
-  TileSamples before = film.copy(0);  // as if all samples before this had been rendered
-  before.samples = sample;
-  before.sums.assign(4, 0);
-  if (sample > 0) film.replace(0, before);
   Explanation out;
   RenderControl control;
   const auto render = [&]<class Shading> {
     using Recorder = RayRecorder<Shading>;
     const Recorder recorder(sample, film.scale(), control, out);
-    Wavefront<Shading, Recorder>(prepared, control, recorder).render(0, sample + 1, film);
+    Wavefront<Shading, Recorder>(prepared, control, recorder).render(0, {sample, sample + 1}, film);
   };
   if (needs_models(scene, settings))
     render.template operator()<ModelShading>();

@@ -49,7 +49,7 @@ class Features {
            const uint32_t* pixels, const uint8_t* counts, uint32_t sample, TileSums& sums) const {
     const FilmLayout& layout = sums.layout();
     const bool normals = layout.has(Channel::normal), albedo = layout.has(Channel::albedo);
-    const bool firsts = sample == 0 && layout.firsts() > 0;
+    const bool firsts = sums.is_first(sample);
     for (size_t i = 0; i < rays.size(); i += kWidth) {
       M mask = hn::FirstN(d, rays.size() - i);
       if (counts) {

@@ -12,6 +12,7 @@
 
 #include "base/memory.h"
 #include "integrate/channels.h"
+#include "integrate/sample_set.h"
 #include "io/image/image.h"
 
 namespace raio {
@@ -28,6 +29,15 @@ struct RayCounts {
   friend bool operator==(const RayCounts&, const RayCounts&) = default;
 };
 
+/// Samples whose colour was not a number and counts as black.
+struct NanSamples {
+  uint64_t count = 0;
+  uint32_t x = 0, y = 0;  // the first pixel of the film that has one, row by row; 0 without any
+
+  NanSamples& operator+=(const NanSamples& b);
+  friend bool operator==(const NanSamples&, const NanSamples&) = default;
+};
+
 /// A rectangle of pixels, at most kMaxTileSide wide and high.
 struct Tile {
   int x0, y0, x1, y1;
@@ -36,6 +46,8 @@ inline constexpr int kTileSide = 32, kMaxTileSide = 64;
 
 /// Of a pixel's samples: red, green, blue and coverage, so that one SIMD instruction adds to all.
 struct alignas(32) PixelSums : std::array<int64_t, 4> {};
+
+__extension__ typedef unsigned __int128 Uint128;
 
 /// What a sample that something covers adds to the coverage.
 inline constexpr int64_t kFullCoverage = int64_t(1) << 24;
@@ -49,8 +61,8 @@ constexpr double fixed_scale(const ChannelSpec& spec) {
 }
 
 /// Where the channels of a film are among its planes, each of which holds one number a pixel: sums
-/// of what the samples bring, sums of its squares, and what sample 0 brought. Alpha is in
-/// PixelSums, the number of samples with the tile.
+/// of what the samples bring, sums of the squares of their colours, and what the lowest sample
+/// brought. Alpha is in PixelSums, the number of samples with the tile.
 class FilmLayout {
  public:
   explicit FilmLayout(ChannelSet channels) : channels_(channels) {
@@ -82,24 +94,26 @@ class FilmLayout {
   int means_ = 0, squares_ = 0, firsts_ = 0;
 };
 
-/// What a film holds of a tile.
+/// What a film holds of a tile. Row by row, all empty without samples: r, g, b and coverage for
+/// each pixel; and plane by plane, as FilmLayout numbers them, the numbers of the channels.
 struct TileSamples {
-  uint32_t samples = 0;  // 0 .. samples - 1 of all its pixels
+  SampleSet samples;
   RayCounts rays;
-  // Row by row, empty without samples: r, g, b and coverage for each pixel; and plane by plane, in
-  // the order of kChannels, the numbers of the channels.
-  std::vector<int64_t> sums, planes;
+  NanSamples nans;
+  std::vector<int64_t> sums, means;
+  std::vector<Uint128> squares;
+  std::vector<uint32_t> firsts;
 
   friend bool operator==(const TileSamples&, const TileSamples&) = default;
 };
 
-/// The sums of a picture's samples and, for each tile, how many there are: a tile holds samples
-/// 0 .. n - 1 of all its pixels or it would not be here, so that a film is a sound picture at any
-/// moment, and all that is needed to go on with it.
+/// The sums of a picture's samples and, for each tile, which samples these are: of all its pixels
+/// the same. A film is a sound picture at any moment, and all that is needed to go on with it.
 ///
 /// Sums are integers (fixed point): adding integers is associative, so that the same samples give
 /// the same bytes in whatever order, tiles, threads, shards or resumes they are added. The unit is
 /// a power of two chosen from an upper bound of what a sample can bring, so that no sum overflows.
+/// Squares are exact: with a sample below 2^39 units, 2^24 of them stay below 2^102.
 ///
 /// Safe to read and to copy from while others add to it.
 class Film {
@@ -115,14 +129,12 @@ class Film {
   /// A value v counts as the integer nearest to min(v, bound) * scale.
   double bound() const { return bound_; }
   double scale() const { return scale_; }
-  /// Likewise for the square of a value, of which the channel `variance` is made.
-  double square_scale() const { return square_scale_; }
   int tile_side() const { return tile_side_; }
   const FilmLayout& layout() const { return layout_; }
 
   size_t tiles() const { return states_.size(); }
   Tile tile(size_t index) const;
-  uint32_t samples(size_t tile) const;
+  SampleSet samples(size_t tile) const;
 
   /// From row to row of a tile's sums: a power of two.
   size_t row_stride() const { return std::bit_ceil(size_t(std::min(tile_side_, width_))); }
@@ -134,11 +146,12 @@ class Film {
     return (sums + kLanes - 1) / kLanes * kLanes;
   }
 
-  /// What the samples of a tile add up to: tile_sums() sums, and as many numbers for each plane of
-  /// the layout. A single sample has no squares yet: they follow from its sums.
+  /// What samples of a tile add up to: tile_sums() sums, and as many numbers for each plane of the
+  /// layout. Without `firsts` no sample among them is lower than those of the tile.
   struct Sums {
     PixelSums* sums = nullptr;
-    int64_t *means = nullptr, *squares = nullptr;
+    int64_t* means = nullptr;
+    Uint128* squares = nullptr;
     uint32_t* firsts = nullptr;
   };
 
@@ -147,16 +160,19 @@ class Film {
   /// samples.
   Sums begin(size_t tile);
 
-  /// Adds `samples` samples of a tile and what they have cost. The sums are those of begin() unless
-  /// it had samples.
-  void add(size_t tile, uint32_t samples, const Sums& by, const RayCounts& rays);
+  /// Adds samples that the tile lacks, and what they have cost. The sums are those of begin()
+  /// unless it had samples.
+  void add(size_t tile, SampleSpan samples, const Sums& by, const RayCounts& rays,
+           const NanSamples& nans = {});
 
-  /// A tile as it is, to be kept elsewhere, and a tile as it shall be.
+  /// A tile as it is, to be kept elsewhere. The same to be added, of samples that the tile lacks;
+  /// and as the tile shall be.
   TileSamples copy(size_t tile) const;
+  void add(size_t tile, const TileSamples& by);
   void replace(size_t tile, const TileSamples& by);
-  /// Whether numbers.samples samples can add up to these numbers, of which there are as many as the
-  /// tile holds. Larger ones could overflow when more samples are added.
-  bool can_hold(size_t tile, const TileSamples& numbers) const;
+  /// Whether so many samples can add up to these numbers, of which there are as many as the tile
+  /// holds. Others could overflow when more samples are added, or when they are resolved.
+  bool can_hold(const TileSamples& numbers) const;
 
   /// The mean of each pixel's samples; black where there are none.
   Image resolve() const;
@@ -166,6 +182,7 @@ class Film {
   Values resolve(Channel channel) const;
 
   RayCounts rays() const;
+  NanSamples nans() const;
 
  private:
   // Zeroes that cost nothing before they are used.
@@ -192,31 +209,31 @@ class Film {
   };
 
   struct TileState {
-    uint32_t samples = 0;
+    SampleSet samples;
     bool begun = false;  // without samples its numbers may not be zero
     RayCounts rays;
+    NanSamples nans;
   };
 
   std::mutex& mutex(size_t tile) const { return mutexes_[tile % mutexes_.size()]; }
   void clear(size_t tile);
-  void add_squares_of_sums(size_t tile);
+  void add_to_state(size_t tile, const SampleSet& samples, const RayCounts& rays,
+                    const NanSamples& nans);
   // Of a pixel of the picture in a tile that has samples.
-  int64_t held(Channel channel, size_t tile, int x, int y, size_t component) const;
-  void hold(Channel channel, size_t tile, int x, int y, size_t component, int64_t value);
   float value(Channel channel, size_t tile, int x, int y, size_t component) const;
+  float variance(size_t tile, size_t pixel, size_t component) const;
   // Of row `y` of the picture.
   size_t row_start(int y) const { return size_t(y % tile_side_) * row_stride(); }
-  PixelSums* row(size_t tile, int y) const { return sums_.of(tile) + row_start(y); }
-  // Calls f(channel, component, x, y) for all numbers of a tile's channels, in the order in which
-  // TileSamples has them.
+  size_t pixel_of(int x, int y) const { return row_start(y) + size_t(x % tile_side_); }
+  // Calls f(index) for the numbers of so many planes, plane by plane and row by row.
   template <class F>
-  void for_numbers(const Tile& tile, F&& f) const;
+  void for_numbers(const Tile& tile, int planes, F&& f) const;
 
   template <class F>
   void for_tiles(F&& f) const;
 
   int width_, height_, tile_side_, columns_;
-  double bound_, scale_, square_scale_;
+  double bound_, scale_;
   FilmLayout layout_;
   // Of what follows, each for some of the tiles: a prime number, so that threads that work half or
   // a third of the picture apart do not wait for each other.
@@ -224,7 +241,8 @@ class Film {
   std::vector<TileState> states_;
   Tiles<PixelSums> sums_;
   // Plane by plane of each tile; apart, so that what is not used yet takes no memory.
-  Tiles<int64_t> means_, squares_;
+  Tiles<int64_t> means_;
+  Tiles<Uint128> squares_;
   Tiles<uint32_t> firsts_;
 };
 

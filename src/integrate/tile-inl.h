@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <utility>
@@ -166,35 +167,51 @@ struct PathRays {
 // where it has no samples of the tile yet, so that nothing is to be moved.
 class TileSums {
  public:
-  void begin(Film& film, size_t tile) {
+  // `first`: the lowest sample that is to come.
+  void begin(Film& film, size_t tile, uint32_t first) {
     bound_ = film.bound(), scale_ = film.scale();
+    largest_ = float(bound_);
+    if (double(largest_) > bound_) largest_ = std::nextafter(largest_, 0.0f);
     layout_ = &film.layout();
     plane_size_ = film.tile_sums();
+    tile_ = film.tile(tile), row_bits_ = std::countr_zero(film.row_stride());
+    nans_ = {};
     sums_ = film.begin(tile);
     if (!sums_.sums) {
+      const bool is_lowest = first < film.samples(tile).first();
       own_.assign(plane_size_, PixelSums());
       own_means_.assign(size_t(layout_->means()) * plane_size_, 0);
       own_squares_.assign(size_t(layout_->squares()) * plane_size_, 0);
-      sums_ = {own_.data(), own_means_.data(), own_squares_.data(), nullptr};
+      own_firsts_.assign(is_lowest ? size_t(layout_->firsts()) * plane_size_ : 0, 0);
+      sums_ = {own_.data(), own_means_.data(), own_squares_.data(),
+               is_lowest ? own_firsts_.data() : nullptr};
     }
+    first_ = first;
     is_clamped_ = bound_ == Film::kMaxBound;
-    square_scale_ = film.square_scale();
     before_.resize(is_clamped_ || layout_->squares() > 0 ? plane_size_ : 0);
   }
 
   // Around each sample. What its rays bring together is beyond the film's bound only where that is
   // the most that there is, with lights near the end of floats: then no more than it counts.
-  void begin_sample(uint32_t sample) {
-    if (is_clamped_ || sample > 0) std::copy_n(sums_.sums, before_.size(), before_.begin());
+  void begin_sample() {
+    std::copy_n(sums_.sums, before_.size(), before_.begin());
+    nan_pixels_.clear();
   }
-  void end_sample(uint32_t sample) {
+  void end_sample() {
     const auto most = int64_t(bound_ * scale_);
     for (size_t i = 0; is_clamped_ && i < before_.size(); ++i)
       for (size_t c = 0; c < 3; ++c)
         sums_.sums[i][c] = std::min(sums_.sums[i][c], before_[i][c] + most);
-    // Squares of sample 0 follow from its sums, as long as there is no other.
-    if (layout_->squares() > 0 && sample > 0) add_squares(sample == 1 && sums_.sums != own_.data());
+    if (layout_->squares() > 0) add_squares();
+    if (!nan_pixels_.empty()) count_nans();
   }
+
+  // Whether the tile has no lower sample, of which its channels whose rule is `first` would be.
+  bool is_first(uint32_t sample) const {
+    return layout_->firsts() > 0 && sums_.firsts && sample == first_;
+  }
+  // The samples whose colours were not numbers.
+  const NanSamples& nans() const { return nans_; }
 
   // Adds to the sums of a channel whose rule is `mean` the values in `mask`, one for each of
   // `pixels`; or sets the values of one whose rule is `first`.
@@ -202,7 +219,8 @@ class TileSums {
     const ChannelSpec& spec = spec_of(channel);
     const V most = hn::Set(d, float(spec.bound)), least = hn::Neg(most);
     const auto scale = hn::Set(kDoubles, fixed_scale(spec));
-    const V parts[3] = {values.x, values.y, values.z};
+    const V3 numbers = without_nans(values, pixels, mask);
+    const V parts[3] = {numbers.x, numbers.y, numbers.z};
     int64_t* const plane = sums_.means + layout_->plane(channel) * plane_size_;
     for (size_t c = 0; c < 3; ++c) {
       HWY_ALIGN float part[kWidth];
@@ -216,8 +234,9 @@ class TileSums {
     }
   }
   HWY_INLINE void add_mean(Channel channel, uint32_t value, uint32_t pixel) {
+    const auto most = uint32_t(spec_of(channel).bound);
     sums_.means[layout_->plane(channel) * plane_size_ + pixel] +=
-        int64_t(fixed_scale(spec_of(channel))) * value;
+        int64_t(fixed_scale(spec_of(channel))) * int64_t(std::min(value, most));
   }
   HWY_INLINE void set_first(Channel channel, size_t component, U values, const uint32_t* pixels,
                             M mask) {
@@ -233,6 +252,7 @@ class TileSums {
   }
 
   // The values in `mask`, one for each of `pixels`, with as much coverage, or with that of each.
+  // What is beyond the film's bound counts as the bound, what is not a number as black.
   HWY_INLINE void add(const V3& values, const uint32_t* pixels, M mask, int64_t coverage = 0) {
     add(values, pixels, mask, [&](size_t) HWY_ATTR { return hn::Set(kIntegers, coverage); });
   }
@@ -246,9 +266,11 @@ class TileSums {
     add_each(pixels, mask, [&](size_t) { return &value; });
   }
   PixelSums fixed(Rgb value) const {
-    HWY_ALIGN float channels[3][kWidth] = {{value.x}, {value.y}, {value.z}};
     PixelSums sums{};
-    for (size_t c = 0; c < 3; ++c) sums[c] = hn::GetLane(to_fixed(channels[c]));
+    for (size_t c = 0; c < 3; ++c) {
+      const float in = std::min(std::max(value[int(c)], -largest_), largest_);
+      sums[c] = std::isnan(value[int(c)]) ? 0 : std::llrint(double(in) * scale_);
+    }
     return sums;
   }
 
@@ -269,6 +291,11 @@ class TileSums {
     HWY_ALIGN float channels[3][kWidth];
     hn::Store(values.x, d, channels[0]), hn::Store(values.y, d, channels[1]);
     hn::Store(values.z, d, channels[2]);
+    const V most = hn::Set(d, largest_);
+    const M sound =
+        hn::And(hn::Le(hn::Abs(values.x), most),
+                hn::And(hn::Le(hn::Abs(values.y), most), hn::Le(hn::Abs(values.z), most)));
+    if (HWY_UNLIKELY(!hn::AllTrue(d, sound))) mend(values, pixels, mask, channels);
     for (size_t k = 0; k < kWidth; k += hn::MaxLanes(kDoubles)) {
       const auto column = [&](size_t c) HWY_ATTR { return to_fixed(channels[c] + k); };
       hn::StoreInterleaved4(column(0), column(1), column(2), coverage(k), kIntegers,
@@ -294,44 +321,63 @@ class TileSums {
       f(hwy::Num0BitsBelowLS1Bit_Nonzero32(lanes));
   }
 
-  // What the sample adds to the sums of squares, and what the only one before it has not added.
-  void add_squares(bool one_before) {
-    const auto unit = hn::Set(kDoubles, 1 / scale_), scale = hn::Set(kDoubles, square_scale_);
-    const auto square = [&](hn::Vec<decltype(kIntegers)> sum) HWY_ATTR {
-      const auto value = hn::Mul(hn::ConvertTo(kDoubles, sum), unit);
-      return hn::ConvertTo(kIntegers, hn::Round(hn::Mul(hn::Mul(value, value), scale)));
-    };
-    for (size_t i = 0; i < plane_size_; i += hn::MaxLanes(kDoubles)) {
-      hn::Vec<decltype(kIntegers)> now[4], before[4];
-      hn::LoadInterleaved4(kIntegers, sums_.sums[i].data(), now[0], now[1], now[2], now[3]);
-      hn::LoadInterleaved4(kIntegers, before_[i].data(), before[0], before[1], before[2],
-                           before[3]);
-      for (size_t c = 0; c < 3; ++c) {
-        int64_t* const squares = sums_.squares + c * plane_size_ + i;
-        auto sum = hn::Add(hn::Load(kIntegers, squares), square(hn::Sub(now[c], before[c])));
-        if (one_before) sum = hn::Add(sum, square(before[c]));
-        hn::Store(sum, kIntegers, squares);
-      }
-    }
+  // Black where a component is not a number; the pixels of those in `mask` are noted.
+  HWY_INLINE V3 without_nans(const V3& values, const uint32_t* pixels, M mask) {
+    const M nan = hn::Or(hn::IsNaN(values.x), hn::Or(hn::IsNaN(values.y), hn::IsNaN(values.z)));
+    if (HWY_LIKELY(hn::AllFalse(d, nan))) return values;
+    for_lanes(hn::And(nan, mask), [&](size_t k) { nan_pixels_.push_back(pixels[k]); });
+    return {hn::IfThenZeroElse(nan, values.x), hn::IfThenZeroElse(nan, values.y),
+            hn::IfThenZeroElse(nan, values.z)};
+  }
+  HWY_NOINLINE void mend(const V3& values, const uint32_t* pixels, M mask,
+                         float (&channels)[3][kWidth]) {
+    const V3 numbers = without_nans(values, pixels, mask);
+    const V most = hn::Set(d, largest_), least = hn::Neg(most);
+    hn::Store(hn::Min(hn::Max(numbers.x, least), most), d, channels[0]);
+    hn::Store(hn::Min(hn::Max(numbers.y, least), most), d, channels[1]);
+    hn::Store(hn::Min(hn::Max(numbers.z, least), most), d, channels[2]);
+  }
+  // The pixels are numbered row by row.
+  void count_nans() {
+    std::ranges::sort(nan_pixels_);
+    const auto repeated = std::ranges::unique(nan_pixels_);
+    nan_pixels_.erase(repeated.begin(), repeated.end());
+    const uint32_t pixel = nan_pixels_.front(), column = pixel & ((1u << row_bits_) - 1);
+    nans_ += {nan_pixels_.size(), uint32_t(tile_.x0) + column,
+              uint32_t(tile_.y0) + (pixel >> row_bits_)};
   }
 
-  // A value beyond what floats hold counts as the bound.
+  void add_squares() {
+    for (size_t i = 0; i < plane_size_; ++i)
+      for (size_t c = 0; c < 3; ++c) {
+        const int64_t value = sums_.sums[i][c] - before_[i][c];
+        const auto magnitude = Uint128(value < 0 ? -value : value);
+        sums_.squares[c * plane_size_ + i] += magnitude * magnitude;
+      }
+  }
+
+  // Of values within the bound.
   HWY_INLINE hn::Vec<decltype(kIntegers)> to_fixed(const float* values) const {
     const auto v = hn::PromoteTo(kDoubles, hn::Load(kHalves, values));
-    const auto bound = hn::Set(kDoubles, bound_);
-    const auto clamped = hn::IfThenElse(hn::Lt(v, bound), v, bound);
-    return hn::ConvertTo(kIntegers, hn::Round(hn::Mul(clamped, hn::Set(kDoubles, scale_))));
+    return hn::ConvertTo(kIntegers, hn::Round(hn::Mul(v, hn::Set(kDoubles, scale_))));
   }
 
   double bound_ = 1, scale_ = 1;
+  float largest_ = 1;  // float within the bound
   Film::Sums sums_;
   const FilmLayout* layout_ = nullptr;
   Column<PixelSums> own_;  // unless they are the film's
-  Column<int64_t> own_means_, own_squares_;
+  Column<int64_t> own_means_;
+  Column<Uint128> own_squares_;
+  Column<uint32_t> own_firsts_;
   Column<PixelSums> before_;  // the sample
   bool is_clamped_ = false;
+  uint32_t first_ = 0;
   size_t plane_size_ = 0;
-  double square_scale_ = 1;
+  Tile tile_{};
+  int row_bits_ = 0;
+  std::vector<uint32_t> nan_pixels_;  // of the sample, some of them repeatedly
+  NanSamples nans_;
 };
 
 }  // namespace

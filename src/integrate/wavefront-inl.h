@@ -86,26 +86,25 @@ class Wavefront final : public TileRenderer {
     context_.stop = &control.stop;
   }
 
-  void render(size_t tile, uint32_t samples, Film& film) override {
+  void render(size_t tile, SampleSpan samples, Film& film) override {
     list_pixels(in_picture(film.tile(tile)), std::countr_zero(film.row_stride()));
-    sums_.begin(film, tile);
+    sums_.begin(film, tile, samples.first);
     background_ = sums_.fixed(shading_.background());
     for (Paths& w : waiting_) w.rays.clear();  // left over where a render was stopped
     counts_ = {};
     context_.tests = context_.steps = 0;
-    const uint32_t first = film.samples(tile);
-    for (sample_ = first; sample_ < samples; ++sample_) {
+    for (sample_ = samples.first; sample_ < samples.end; ++sample_) {
       const uint64_t before = counts_.total();
-      sums_.begin_sample(sample_);
+      sums_.begin_sample();
       if constexpr (kRecords) recorder_.begin_sample(sample_);
       add_sample(WideSampler<D>(scene_.sampler, sample_));
       if (context_.stopped()) return;
-      sums_.end_sample(sample_);
+      sums_.end_sample();
       control_.rays_done += counts_.total() - before;
       ++control_.work_done;
     }
     counts_.tests = context_.tests, counts_.steps = context_.steps;
-    film.add(tile, samples - first, sums_.all(), counts_);
+    film.add(tile, samples, sums_.all(), counts_, sums_.nans());
   }
 
   // What a Shading works on: the current rays with their hits and the surfaces there.

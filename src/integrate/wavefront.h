@@ -50,9 +50,9 @@ class TileRenderer {
  public:
   virtual ~TileRenderer() = default;
 
-  /// Adds what a tile of the film, which no one else adds to meanwhile, lacks of `samples` samples;
-  /// nothing when told to stop.
-  virtual void render(size_t tile, uint32_t samples, Film& film) = 0;
+  /// Adds samples that a tile of the film lacks, which no one else adds to meanwhile; nothing when
+  /// told to stop.
+  virtual void render(size_t tile, SampleSpan samples, Film& film) = 0;
 };
 
 }  // namespace raio

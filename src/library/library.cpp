@@ -107,6 +107,11 @@ std::vector<Settings::Option> Settings::options() {
 struct Film::Data {
   Picture picture;
   Metadata settings;
+  uint64_t nan_samples;
+
+  std::vector<std::string> channels() const;
+  // The error names the channels that there are.
+  const Layer& layer(std::string_view name) const;
 };
 
 Film::Film(std::unique_ptr<Data> data) : data_(std::move(data)) {}
@@ -130,32 +135,48 @@ std::vector<float> Film::rgba() const {
   });
 }
 
-std::vector<std::string> Film::channels() const {
+std::vector<std::string> Film::Data::channels() const {
   std::vector<std::string> names;
-  if (!data_->picture.alpha.empty()) names.emplace_back("alpha");
-  for (const Layer& layer : data_->picture.layers) names.push_back(layer.name);
+  if (!picture.alpha.empty()) names.emplace_back("alpha");
+  for (const Layer& layer : picture.layers) names.push_back(layer.name);
   return names;
 }
 
+std::vector<std::string> Film::channels() const { return data_->channels(); }
+
+const Layer& Film::Data::layer(std::string_view name) const {
+  const auto found = std::ranges::find(picture.layers, name, &Layer::name);
+  if (found != picture.layers.end()) return *found;
+  const std::vector<std::string> all = channels();
+  refuse(fmt::format("the film has no channel '{}'; it has {}", name,
+                     all.empty() ? "none" : fmt::format("{}", fmt::join(all, ", "))));
+}
+
 std::vector<float> Film::channel(std::string_view name, int* components) const {
-  const Picture& p = data_->picture;
-  if (name == "alpha" && !p.alpha.empty()) {
-    if (components) *components = 1;
-    return guarded([&] { return std::vector<float>(p.alpha.begin(), p.alpha.end()); });
-  }
-  const auto layer = std::ranges::find(p.layers, name, &Layer::name);
-  if (layer == p.layers.end()) {
-    const std::vector<std::string> all = channels();
-    refuse(fmt::format("the film has no channel '{}'; it has {}", name,
-                       all.empty() ? "none" : fmt::format("{}", fmt::join(all, ", "))));
-  }
-  if (components) *components = int(layer->components.size());
   return guarded([&] {
-    return std::visit(
-        [](const auto& values) { return std::vector<float>(values.begin(), values.end()); },
-        layer->values);
+    const raio::Column<float>& alpha = data_->picture.alpha;
+    const bool is_alpha = name == "alpha" && !alpha.empty();
+    const Layer* const layer = is_alpha ? nullptr : &data_->layer(name);
+    const auto* const values = is_alpha ? &alpha : std::get_if<raio::Column<float>>(&layer->values);
+    if (!values)
+      refuse(fmt::format("channel '{}' has whole numbers; read it with integers()", name));
+    if (components) *components = layer ? int(layer->components.size()) : 1;
+    return std::vector<float>(values->begin(), values->end());
   });
 }
+
+std::vector<uint32_t> Film::integers(std::string_view name) const {
+  return guarded([&] {
+    const bool is_alpha = name == "alpha" && !data_->picture.alpha.empty();
+    const auto* const values =
+        is_alpha ? nullptr : std::get_if<raio::Column<uint32_t>>(&data_->layer(name).values);
+    if (!values)
+      refuse(fmt::format("channel '{}' has numbers with fractions; read it with channel()", name));
+    return std::vector<uint32_t>(values->begin(), values->end());
+  });
+}
+
+uint64_t Film::nan_samples() const { return data_->nan_samples; }
 
 void Film::write(const std::string& path) const {
   guarded([&] {
@@ -282,8 +303,8 @@ Film Job::run() {
     const bool finished = render(scene, *accel, settings, **film, data_->control).finished;
     teller.finish();
     if (!finished) throw Error(ErrorKind::cancelled, "the render was cancelled");
-    return Film(std::make_unique<Film::Data>(
-        Film::Data{picture_of(**film, settings), settings_of(scene, settings)}));
+    return Film(std::make_unique<Film::Data>(Film::Data{
+        picture_of(**film, settings), settings_of(scene, settings), (*film)->nans().count}));
   });
 }
 

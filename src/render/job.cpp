@@ -91,7 +91,15 @@ std::expected<void, Error> RenderJob::prepare() {
   const Crop frame = settings_.frame();
   if (auto why = picture_problem(frame.width(), frame.height(), settings_.channels))
     return std::unexpected(std::move(*why));
-  part_.header = {settings_of(*scene_, settings_, request_.read), request_.shard, request_.shards};
+  if (const uint32_t samples = samples_ > 0 ? samples_ : uint32_t(settings_.samples_per_pixel());
+      request_.sample_range.end > samples)
+    return std::unexpected(bad_option(
+        "sample-range",
+        fmt::format("ends beyond the {} samples of a pixel; expected A:B with B at most {}, found "
+                    "{}",
+                    samples, samples, text_of(request_.sample_range))));
+  part_.header = {settings_of(*scene_, settings_, request_.read), request_.shard, request_.shards,
+                  request_.sample_range};
   auto film = film_of(*start, *scene_, settings_, part_.header.settings, events_.warning);
   if (!film) return std::unexpected(std::move(film.error()));
   part_.film = std::move(*film);
@@ -134,7 +142,9 @@ std::expected<void, Error> RenderJob::build() {
 }
 
 std::expected<void, Error> RenderJob::run() {
-  RenderTask task{samples_, request_.shard, request_.shards, 0};
+  const SampleSpan range = request_.sample_range;
+  RenderTask task{range.empty() ? samples_ : range.end, range.first, request_.shard,
+                  request_.shards, 0};
   if (const double limit = request_.time_limit_s; limit > 0)
     task.seconds = std::max(limit - seconds(), 1e-3);
   Checkpoint checkpoint(request_, part_, events_.warning);
@@ -149,7 +159,7 @@ std::expected<void, Error> RenderJob::run() {
                                          request_.checkpoint)
                            : std::string(kNothing));
   }
-  const SampleRange samples = samples_of(part_);
+  const SampleCounts samples = samples_of(part_);
   if (!done.finished && samples.fewest == 0)
     return std::unexpected(Error{
         ErrorKind::no_resource, "",
@@ -157,25 +167,29 @@ std::expected<void, Error> RenderJob::run() {
                     is_kept ? "what was rendered is kept in " + request_.checkpoint
                             : "nothing was written")});
   describe(samples);
-  if (events_.warning && done.finished && request_.shards == 1)
+  if (!events_.warning) return {};
+  if (done.finished && !request_.is_partial())
     if (const auto why = blank_warning(*part_.film, settings_, *accel_))
       events_.warning(Error{ErrorKind::bad_input, "", *why});
+  if (const auto why = nan_warning(*part_.film, settings_.crop))
+    events_.warning(Error{ErrorKind::bad_input, "", *why});
   return {};
 }
 
 // The time may have sufficed for some samples only. Of samples by Sobol's sequence the first are a
-// picture of their own, and the settings say so; of others they say how many there are.
-void RenderJob::describe(const SampleRange& samples) {
+// picture of their own, and the settings say so; of others they say which there are.
+void RenderJob::describe(const SampleCounts& samples) {
   const auto wanted = uint32_t(settings_.samples_per_pixel());
-  if (samples.fewest == wanted || samples.most == 0) return;
-  const bool even = samples.fewest == samples.most;
-  if (even && settings_.samples > 0) settings_.samples = int(samples.fewest);
+  if (request_.is_partial() || samples.fewest == wanted || samples.most == 0) return;
+  const bool are_first = samples.alike && samples.samples == SampleSet({0, samples.most});
+  if (are_first && settings_.samples > 0) settings_.samples = int(samples.most);
   Metadata& kept = part_.header.settings;
   kept = settings_of(*scene_, settings_, request_.read);
-  if (!even)
-    kept.emplace_back("samples_done", fmt::format("{} to {}", samples.fewest, samples.most));
-  else if (settings_.samples == 0)
-    kept.emplace_back("samples_done", fmt::format("{}", samples.fewest));
+  if (are_first && settings_.samples > 0) return;
+  kept.emplace_back("samples_done", are_first ? fmt::format("{}", samples.most)
+                                    : samples.alike
+                                        ? text_of(samples.samples)
+                                        : fmt::format("{} to {}", samples.fewest, samples.most));
 }
 
 std::expected<void, Error> RenderJob::write() {
@@ -193,7 +207,12 @@ RenderFigures RenderJob::figures() const {
                         times_,
                         part_.film->rays(),
                         rays_before_,
-                        samples_of(part_).fewest};
+                        samples_of(part_).fewest,
+                        part_.film->nans()};
+  if (figures.nans.count > 0) {
+    const Crop frame = settings_.frame();
+    figures.nans.x += uint32_t(frame.x0), figures.nans.y += uint32_t(frame.y0);
+  }
   figures.times.total = seconds();
   return figures;
 }

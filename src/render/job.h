@@ -44,6 +44,10 @@ struct JobRequest {
   int add_samples = 0;             // to those of each pixel in the checkpoint
   double time_limit_s = 0;         // from the making of the job; 0: none
   uint32_t shard = 0, shards = 1;  // as in RenderTask
+  SampleSpan sample_range = {};    // only these samples of each pixel; empty: all
+
+  /// Whether only a part of a picture is asked for.
+  bool is_partial() const { return shards > 1 || !sample_range.empty(); }
 };
 
 /// What a job tells while it works, from any thread of it. Empty functions are not called.
@@ -69,6 +73,7 @@ struct RenderFigures {
   RayCounts rays;
   uint64_t rays_before = 0;
   uint32_t samples = 0;  // that every pixel has
+  NanSamples nans;       // of the whole picture, too; its pixel counts in the whole picture
 };
 
 /// prepare(), run() and write(), once each and in this order, each only if the one before went
@@ -119,7 +124,7 @@ class RenderJob {
   double seconds() const { return seconds_since(begin_); }
   std::expected<void, Error> load();
   std::expected<void, Error> build();
-  void describe(const SampleRange& samples);
+  void describe(const SampleCounts& samples);
 
   Clock::time_point begin_ = Clock::now();
   JobRequest request_;

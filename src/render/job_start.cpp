@@ -53,7 +53,7 @@ uint32_t samples_done(std::string_view text) {
 std::optional<std::string> add_samples(const Part& part, JobRequest& request) {
   auto options = options_from(part.header.settings);
   if (!options) return options.error().message;
-  const SampleRange has = samples_of(part);
+  const SampleCounts has = samples_of(part);
   if (!is_extensible(options->samples))
     return "its samples share out the cells of `aa` and `lens-samples`, so that none can be added; "
            "pictures made with `samples` take more";
@@ -61,6 +61,9 @@ std::optional<std::string> add_samples(const Part& part, JobRequest& request) {
     return fmt::format(
         "it is not finished: its tiles have {} to {} samples a pixel; `resume` it first",
         has.fewest, has.most);
+  if (has.samples != SampleSet({0, has.most}) || !has.alike)
+    return fmt::format("its tiles lack samples, of which they have {}; `resume` it first",
+                       text_of(has.samples));
   if (has.most + uint64_t(request.add_samples) > uint64_t(kMaxSamples))
     return fmt::format("at most {} samples per pixel are possible; choose a smaller `add-samples`",
                        kMaxSamples);
@@ -79,6 +82,14 @@ std::expected<JobStart, Error> start_by_part(const JobRequest& request) {
         request.checkpoint, header.shards > 1
                                 ? fmt::format("it is shard {} of a picture; add `shard` {}", is, is)
                                 : "it is no shard of a picture; leave out `shard`"));
+  }
+  if (header.samples != request.sample_range) {
+    const std::string is = text_of(header.samples);
+    return std::unexpected(refused(
+        request.checkpoint,
+        is.empty()
+            ? "it holds all samples of its pixels; leave out `sample-range`"
+            : fmt::format("it holds the samples {} of its pixels; add `sample-range` {}", is, is)));
   }
   JobStart start{request, header.settings, 0, nullptr};
   if (request.add_samples > 0)
@@ -130,12 +141,18 @@ std::optional<Error> request_conflict(const JobRequest& r) {
                     r.of_picture.front()));
   if (!r.repeat.empty() && r.add_samples > 0)
     return bad_option("", "`repeat` and `add-samples` make different pictures; give one of them");
-  if (r.shards > 1 && !r.output.empty() && !is_part_path(r.output))
-    return bad_option("shard",
+  const std::string_view partial = r.shards > 1 ? "shard" : "sample-range";
+  if (r.is_partial() && !r.output.empty() && !is_part_path(r.output))
+    return bad_option(partial,
                       "it makes a part of a picture; give that a name in .raio, as in part1.raio");
-  if (r.shards > 1 && r.time_limit_s > 0)
-    return bad_option(
-        "", "shards under `time-limit` would not have equally many samples; leave out one of them");
+  if (r.is_partial() && r.time_limit_s > 0)
+    return bad_option("", fmt::format("parts by `{}` under `time-limit` would not have equally "
+                                      "many samples; leave out one of them",
+                                      partial));
+  if (!r.sample_range.empty() && r.add_samples > 0)
+    return bad_option("",
+                      "`sample-range` says which samples there are, and `add-samples` how many "
+                      "more; leave out one of them");
   if (!r.checkpoint.empty() && r.checkpoint == r.output && !is_part_path(r.output))
     return bad_option("", fmt::format("`checkpoint` and the picture cannot both be {}; give one "
                                       "another name",
@@ -197,7 +214,7 @@ std::expected<std::unique_ptr<Film>, Error> film_of(
   if (start.film->bound() != (*film)->bound())
     return std::unexpected(refused(file, "its film was made for another scene"));
   for (size_t t = 0; t < start.film->tiles(); ++t)
-    if (const uint32_t has = start.film->samples(t); has > uint32_t(used.samples_per_pixel()))
+    if (const uint32_t has = start.film->samples(t).end(); has > uint32_t(used.samples_per_pixel()))
       return std::unexpected(refused(
           file, fmt::format("it has {} samples a pixel already; ask for at least as many", has)));
   return std::move(start.film);

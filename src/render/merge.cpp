@@ -2,41 +2,30 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "render/part.h"
 
 namespace raio {
 
-SampleRange samples_of(const Part& part) {
+SampleCounts samples_of(const Part& part) {
   const auto& [header, film] = part;
-  SampleRange range{~0u, 0};
+  SampleCounts counts;
   for (size_t t = header.shard; t < film->tiles(); t += header.shards) {
-    range.fewest = std::min(range.fewest, film->samples(t));
-    range.most = std::max(range.most, film->samples(t));
+    const SampleSet samples = film->samples(t);
+    const uint32_t count = samples.count();
+    if (t == header.shard) {
+      counts = {count, count, true, samples};
+      continue;
+    }
+    counts.fewest = std::min(counts.fewest, count), counts.most = std::max(counts.most, count);
+    counts.alike &= samples == counts.samples;
   }
-  return range.fewest > range.most ? SampleRange{} : range;
+  return counts;
 }
 
 namespace {
-
-// Why the part is not to be merged by itself, or nothing.
-std::string unfinished(const NamedPart& p) {
-  const auto options = options_from(p.part.header.settings, false);
-  const uint32_t wanted = options ? uint32_t(samples_per_pixel(*options)) : 0;
-  const auto& [header, film] = p.part;
-  // Of what was merged before, whole tiles may be missing.
-  const uint32_t fewest = header.shards > 1 ? 0 : 1;
-  size_t tiles = 0, lacking = 0;
-  for (size_t t = header.shard; t < film->tiles(); t += header.shards) {
-    const uint32_t samples = film->samples(t);
-    ++tiles, lacking += samples >= fewest && samples < wanted;
-  }
-  if (lacking == 0) return {};
-  return fmt::format(
-      "it is not finished: {} of its {} tiles lack samples; `resume` it as `checkpoint` first",
-      lacking, tiles);
-}
 
 std::string misfit(const NamedPart& first, const NamedPart& p) {
   const Metadata &a = p.part.header.settings, &b = first.part.header.settings;
@@ -51,52 +40,77 @@ std::string misfit(const NamedPart& first, const NamedPart& p) {
   return {};
 }
 
+// Adds the part after those `before` it to the film; why not, or nothing.
+std::string add_part(Film& film, const NamedPart& p, std::span<const NamedPart> before) {
+  size_t twice = 0;
+  SampleSpan both;
+  std::string_view other;
+  for (size_t t = 0; t < film.tiles(); ++t) {
+    const SampleSet samples = p.part.film->samples(t);
+    const SampleSpan here = film.samples(t).overlap(samples);
+    if (here.empty()) {
+      film.add(t, p.part.film->copy(t));
+      continue;
+    }
+    if (++twice > 1) continue;
+    both = here;
+    // The film of the first part has what the others brought.
+    other = before.front().name;
+    for (const NamedPart& b : before.subspan(1))
+      if (!b.part.film->samples(t).overlap({here}).empty()) other = b.name;
+  }
+  if (twice == 0) return {};
+  return fmt::format(
+      "it and {} both have samples {}:{} in {} of the {} tiles; leave out one of them", other,
+      both.first, both.end, twice, film.tiles());
+}
+
 }  // namespace
 
 std::expected<Part, Error> merge_parts(std::span<NamedPart> parts) {
-  const auto refused = [](const NamedPart& part, std::string why) {
-    return std::unexpected(Error{ErrorKind::bad_input, part.name, std::move(why)});
-  };
-  for (const NamedPart& p : parts) {
-    if (std::string why = misfit(parts.front(), p); !why.empty()) return refused(p, why);
-    if (std::string why = unfinished(p); !why.empty()) return refused(p, why);
-  }
-  Film& film = *parts.front().part.film;
-  std::vector<size_t> owner(film.tiles(), 0);
+  Part& first = parts.front().part;
   for (size_t i = 1; i < parts.size(); ++i) {
-    const NamedPart& p = parts[i];
-    size_t twice = 0, other = 0;
-    for (size_t t = 0; t < film.tiles(); ++t) {
-      if (p.part.film->samples(t) == 0) continue;
-      if (film.samples(t) > 0) {
-        ++twice, other = owner[t];
-        continue;
-      }
-      film.replace(t, p.part.film->copy(t));
-      owner[t] = i;
-    }
-    if (twice > 0)
-      return refused(p,
-                     fmt::format("it and {} both have {} of the {} tiles; each may be there once",
-                                 parts[other].name, twice, film.tiles()));
+    std::string why = misfit(parts.front(), parts[i]);
+    if (why.empty()) why = add_part(*first.film, parts[i], parts.first(i));
+    if (!why.empty())
+      return std::unexpected(Error{ErrorKind::bad_input, parts[i].name, std::move(why)});
   }
-  return Part{{parts.front().part.header.settings, 0, 1}, std::move(parts.front().part.film)};
+  // Which the merged part need not have ended with.
+  std::erase_if(first.header.settings, [](const auto& s) { return s.first == "samples_done"; });
+  return Part{{first.header.settings, 0, 1}, std::move(first.film)};
 }
 
-std::string missing_tiles(const Part& part, uint32_t shards) {
+std::string missing_samples(const Part& part, uint32_t shards) {
   const Film& film = *part.film;
+  const auto options = options_from(part.header.settings, false);
+  const SampleSpan wanted{0, options ? uint32_t(samples_per_pixel(*options)) : 1};
   std::vector<size_t> missing(shards), all(shards);
-  size_t total = 0;
+  size_t tiles = 0, with_gaps = 0;
+  SampleSet gaps;  // of the first tile that has some
+  bool alike = true;
   for (size_t t = 0; t < film.tiles(); ++t) {
-    const bool lacks = film.samples(t) == 0;
-    ++all[t % shards], missing[t % shards] += lacks, total += lacks;
+    const SampleSet samples = film.samples(t);
+    ++all[t % shards];
+    if (samples.empty()) {
+      ++missing[t % shards], ++tiles;
+    } else if (const SampleSet here = samples.missing(wanted); !here.empty()) {
+      if (++with_gaps == 1) gaps = here;
+      alike &= here == gaps;
+    }
   }
-  if (total == 0) return {};
-  std::string named;
-  for (uint32_t i = 0; i < shards; ++i)
-    if (shards > 1 && missing[i] > 0 && missing[i] == all[i])
-      named += fmt::format("{}{}/{}", named.empty() ? ": shard " : ", ", i + 1, shards);
-  return fmt::format("{} of {} tiles are missing{}", total, film.tiles(), named);
+  std::string text;
+  if (tiles > 0) {
+    text = fmt::format("{} of {} tiles are missing", tiles, film.tiles());
+    std::string_view before = ": ";
+    for (uint32_t i = 0; i < shards; ++i)
+      if (shards > 1 && missing[i] > 0 && missing[i] == all[i])
+        text += fmt::format("{}shard {}/{}", std::exchange(before, ", "), i + 1, shards);
+  }
+  if (with_gaps > 0)
+    text += fmt::format("{}samples {} are missing in {} of {} tiles{}", text.empty() ? "" : "; ",
+                        text_of(gaps), alike ? with_gaps : 1, film.tiles(),
+                        alike ? "" : fmt::format(", others in {}", with_gaps - 1));
+  return text;
 }
 
 }  // namespace raio

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <bit>
+#include <limits>
 #include <new>
 #include <vector>
 
@@ -14,7 +16,7 @@ namespace raio {
 namespace {
 
 constexpr std::string_view kMagic = "RAIOPART";
-constexpr uint32_t kFormat = 2;
+constexpr uint32_t kFormat = 3;
 constexpr size_t kHashBytes = 16;
 
 // Numbers have the lowest byte first.
@@ -38,25 +40,29 @@ constexpr std::array kRayCounts = {
     &RayCounts::shadow, &RayCounts::shadow_hits, &RayCounts::tests,      &RayCounts::steps};
 
 // All lowest bytes, then all second ones, and so on: the upper ones are alike, as deflate likes it.
-std::string to_planes(std::span<const int64_t> sums) {
-  std::string planes(sums.size() * 8, '\0');
-  for (size_t plane = 0; plane < 8; ++plane)
-    for (size_t i = 0; i < sums.size(); ++i)
-      planes[plane * sums.size() + i] = char(uint64_t(sums[i]) >> 8 * plane & 255);
+template <class T>
+std::string to_planes(std::span<const T> numbers) {
+  std::string planes(numbers.size() * sizeof(T), '\0');
+  for (size_t plane = 0; plane < sizeof(T); ++plane)
+    for (size_t i = 0; i < numbers.size(); ++i)
+      planes[plane * numbers.size() + i] = char(numbers[i] >> 8 * plane & 255);
   return planes;
 }
 
-std::vector<int64_t> from_planes(std::string_view planes) {
-  std::vector<int64_t> sums(planes.size() / 8);
-  for (size_t plane = 0; plane < 8; ++plane)
-    for (size_t i = 0; i < sums.size(); ++i)
-      sums[i] |= int64_t(uint64_t(uint8_t(planes[plane * sums.size() + i])) << 8 * plane);
-  return sums;
+template <class T>
+std::vector<T> from_planes(std::string_view planes) {
+  std::vector<T> numbers(planes.size() / sizeof(T));
+  for (size_t plane = sizeof(T); plane-- > 0;)
+    for (size_t i = 0; i < numbers.size(); ++i)
+      numbers[i] = T(numbers[i] << 8 | T(uint8_t(planes[plane * numbers.size() + i])));
+  return numbers;
 }
 
 // What deflate cannot make smaller stays as it is.
-void put_numbers(std::string& out, std::span<const int64_t> numbers) {
-  const std::string planes = to_planes(numbers);
+template <class T>
+void put_numbers(std::string& out, const std::vector<T>& numbers) {
+  if (numbers.empty()) return;
+  const std::string planes = to_planes(std::span(numbers));
   std::string packed(compressBound(planes.size()), '\0');
   uLongf size = packed.size();
   const int done = compress2(reinterpret_cast<Bytef*>(packed.data()), &size,
@@ -68,11 +74,15 @@ void put_numbers(std::string& out, std::span<const int64_t> numbers) {
 // Without its samples a tile is its zero alone.
 std::string encode_tile(const TileSamples& tile) {
   std::string out;
-  put(out, tile.samples);
-  if (tile.samples == 0) return out;
+  put(out, uint32_t(tile.samples.spans().size()));
+  if (tile.samples.empty()) return out;
+  for (const SampleSpan& span : tile.samples.spans()) put(out, span.first), put(out, span.end);
   for (const auto count : kRayCounts) put(out, tile.rays.*count);
+  put(out, tile.nans.count), put(out, tile.nans.x), put(out, tile.nans.y);
   put_numbers(out, tile.sums);
-  if (!tile.planes.empty()) put_numbers(out, tile.planes);
+  put_numbers(out, tile.means);
+  put_numbers(out, tile.squares);
+  put_numbers(out, tile.firsts);
   return out;
 }
 
@@ -107,39 +117,88 @@ class ByteReader {
   std::string_view left_;
 };
 
-// So many numbers; nothing when the bytes do not hold them.
-std::vector<int64_t> decode_numbers(std::string_view bytes, size_t count) {
-  if (bytes.size() == count * 8) return from_planes(bytes);
-  std::string planes(count * 8, '\0');
-  uLongf size = planes.size();
-  const int done = uncompress(reinterpret_cast<Bytef*>(planes.data()), &size,
-                              reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
-  if (done != Z_OK || size != planes.size()) return {};
-  return from_planes(planes);
+// Takes so many numbers; false when the bytes do not hold them.
+template <class T>
+bool take_numbers(ByteReader& bytes, size_t count, std::vector<T>& numbers) {
+  if (count == 0) return true;
+  const std::string_view text = bytes.text();
+  std::string planes;
+  if (text.size() != count * sizeof(T)) {
+    planes.resize(count * sizeof(T));
+    uLongf size = planes.size();
+    const int done = uncompress(reinterpret_cast<Bytef*>(planes.data()), &size,
+                                reinterpret_cast<const Bytef*>(text.data()), text.size());
+    if (done != Z_OK || size != planes.size()) return false;
+  }
+  numbers = from_planes<T>(planes.empty() ? text : planes);
+  return true;
 }
 
-// What is wrong with the tile, or nothing.
-std::string take_tile(ByteReader& bytes, size_t index, const PartHeader& header, Film& film) {
+// Those of a tile; what is wrong with them, or nothing.
+std::string take_samples(ByteReader& bytes, SampleSpan within, SampleSet& samples) {
+  const auto count = bytes.number<uint32_t>();
+  uint32_t end = 0;  // of the span before
+  for (uint32_t i = 0; i < count; ++i) {
+    const auto first = bytes.number<uint32_t>();
+    const SampleSpan span{first, bytes.number<uint32_t>()};
+    if (bytes.ended) return "its samples end early";
+    if (span.empty() || span.first < within.first || span.end > within.end ||
+        (i > 0 && span.first <= end))
+      return fmt::format("samples {}:{}, after {} and of {}:{}", span.first, span.end, end,
+                         within.first, within.end);
+    end = span.end;
+    samples.append(span);
+  }
+  return {};
+}
+
+bool are_sound(const RayCounts& rays, uint64_t eye, size_t tiles) {
+  // The film's sum does not overflow.
+  const uint64_t most = std::numeric_limits<uint64_t>::max() / kRayCounts.size() / tiles;
+  return rays.eye == eye && rays.eye_hits <= rays.eye && rays.shadow_hits <= rays.shadow &&
+         std::ranges::all_of(kRayCounts, [&](auto count) { return rays.*count <= most; });
+}
+
+bool are_sound(const NanSamples& nans, uint64_t samples, const Tile& tile) {
+  if (nans.count == 0) return nans == NanSamples();
+  return nans.count <= samples && nans.x >= uint32_t(tile.x0) && nans.x < uint32_t(tile.x1) &&
+         nans.y >= uint32_t(tile.y0) && nans.y < uint32_t(tile.y1);
+}
+
+// What is wrong with the tile, or nothing. `within`: samples that it may have.
+std::string take_tile(ByteReader& bytes, size_t index, const PartHeader& header, SampleSpan within,
+                      Film& film) {
   TileSamples tile;
-  tile.samples = bytes.number<uint32_t>();
-  if (tile.samples == 0) return {};
-  if (tile.samples > uint32_t(kMaxSamples)) return fmt::format("{} samples", tile.samples);
+  if (std::string wrong = take_samples(bytes, within, tile.samples); !wrong.empty()) return wrong;
+  if (tile.samples.empty()) return {};
   if (index % header.shards != header.shard) return "not of the shard";
-  for (const auto count : kRayCounts) tile.rays.*count = bytes.number<uint64_t>();
   const Tile place = film.tile(index);
   const size_t pixels = size_t(place.x1 - place.x0) * size_t(place.y1 - place.y0);
-  tile.sums = decode_numbers(bytes.text(), 4 * pixels);
-  if (tile.sums.empty()) return "the number of sums differs from that of pixels";
-  if (const int planes = film.layout().planes(); planes > 0) {
-    tile.planes = decode_numbers(bytes.text(), size_t(planes) * pixels);
-    if (tile.planes.empty()) return "the number of channel values differs from that of pixels";
-  }
-  if (!film.can_hold(index, tile)) return "a sum exceeds the bound of its samples";
+  const uint64_t all = uint64_t(tile.samples.count()) * pixels;
+  for (const auto count : kRayCounts) tile.rays.*count = bytes.number<uint64_t>();
+  if (!are_sound(tile.rays, all, film.tiles())) return "counts of rays are out of range";
+  tile.nans.count = bytes.number<uint64_t>();
+  tile.nans.x = bytes.number<uint32_t>(), tile.nans.y = bytes.number<uint32_t>();
+  if (!are_sound(tile.nans, all, place)) return "the count of NaN samples is out of range";
+  const FilmLayout& layout = film.layout();
+  if (!take_numbers(bytes, 4 * pixels, tile.sums) ||
+      !take_numbers(bytes, size_t(layout.means()) * pixels, tile.means) ||
+      !take_numbers(bytes, size_t(layout.squares()) * pixels, tile.squares) ||
+      !take_numbers(bytes, size_t(layout.firsts()) * pixels, tile.firsts))
+    return "the number of values differs from that of pixels";
+  if (!film.can_hold(tile)) return "a sum exceeds the bound of its samples";
   film.replace(index, tile);
   return {};
 }
 
 }  // namespace
+
+std::string text_of(const SampleSet& samples) {
+  std::string text;
+  for (const SampleSpan& s : samples.spans())
+    text += fmt::format("{}{}:{}", text.empty() ? "" : ",", s.first, s.end);
+  return text;
+}
 
 bool is_part_path(const std::filesystem::path& path) { return path.extension() == ".raio"; }
 
@@ -150,6 +209,7 @@ std::string encode_part(const PartHeader& header, const Film& film) {
   put(out, std::bit_cast<uint64_t>(film.bound()));
   put(out, header.shard);
   put(out, header.shards);
+  put(out, header.samples.first), put(out, header.samples.end);
   put(out, uint32_t(header.settings.size()));
   for (const auto& [key, value] : header.settings) put_text(out, key), put_text(out, value);
 
@@ -180,8 +240,8 @@ std::expected<Part, Error> decode_part(std::string_view file) {
   bytes.take(kMagic.size());
   if (const auto format = bytes.number<uint32_t>(); format != kFormat)
     return refused(fmt::format(
-        "a part file of format {}, which this version does not read (it reads {}); go on "
-        "with it by the version of Raio that wrote it, or render anew",
+        "a part file of format {}, which this version does not read (it reads {}); finish it "
+        "with the version of Raio that wrote it, or render anew",
         format, kFormat));
   if (bytes.left() < kHashBytes) return broken("the file is truncated");
   std::string hash;
@@ -196,6 +256,8 @@ std::expected<Part, Error> decode_part(std::string_view file) {
   const auto tile_side = bytes.number<uint32_t>();
   const auto bound = std::bit_cast<double>(bytes.number<uint64_t>());
   header.shard = bytes.number<uint32_t>(), header.shards = bytes.number<uint32_t>();
+  header.samples.first = bytes.number<uint32_t>();
+  header.samples.end = bytes.number<uint32_t>();
   for (auto count = bytes.number<uint32_t>(); count > 0 && !bytes.ended; --count) {
     const std::string_view key = bytes.text();
     header.settings.emplace_back(key, bytes.text());
@@ -212,6 +274,13 @@ std::expected<Part, Error> decode_part(std::string_view file) {
   if (!(bound >= Film::kMinBound && bound <= Film::kMaxBound))
     return broken("no bound of its samples");
   if (header.shard >= header.shards) return broken("no such shard");
+  SampleSpan within{0, uint32_t(samples_per_pixel(*options))};
+  if (header.samples != SampleSpan()) {
+    if (header.samples.empty() || header.samples.end > within.end)
+      return broken(
+          fmt::format("samples {}:{} of {}", header.samples.first, header.samples.end, within.end));
+    within = header.samples;
+  }
   // Each tile takes four bytes at least, so that no short file asks for the memory of a large film.
   const uint64_t tiles = uint64_t((width - 1) / tile_side + 1) * ((height - 1) / tile_side + 1);
   if (tiles > bytes.left() / 4) return broken("the file is truncated");
@@ -221,7 +290,7 @@ std::expected<Part, Error> decode_part(std::string_view file) {
   part.film =
       std::make_unique<Film>(int(width), int(height), bound, int(tile_side), options->channels);
   for (size_t t = 0; t < tiles; ++t)
-    if (const std::string wrong = take_tile(bytes, t, header, *part.film); !wrong.empty())
+    if (const std::string wrong = take_tile(bytes, t, header, within, *part.film); !wrong.empty())
       return broken(fmt::format("tile {}: {}", t, wrong));
   if (bytes.ended || bytes.left() > 0) return broken("bytes follow its last tile");
   return part;

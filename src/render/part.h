@@ -19,6 +19,7 @@ namespace raio {
 struct PartHeader {
   Metadata settings;               // settings_of() the picture
   uint32_t shard = 0, shards = 1;  // which tiles are here, as in RenderTask
+  SampleSpan samples = {};         // which samples are; empty: all that the settings say
 };
 
 struct Part {
@@ -40,10 +41,15 @@ std::expected<Part, Error> decode_part(std::string_view file);
 std::expected<Part, Error> read_part(const std::filesystem::path& path);
 
 /// How many samples the tiles of a part have, of those that its shard is about.
-struct SampleRange {
+struct SampleCounts {
   uint32_t fewest = 0, most = 0;
+  bool alike = true;  // all have the same samples:
+  SampleSet samples;  // of the first of them
 };
-SampleRange samples_of(const Part& part);
+SampleCounts samples_of(const Part& part);
+
+/// "0:20,50:100", each span from its first sample to before its end.
+std::string text_of(const SampleSet& samples);
 
 /// A part with its name, for messages.
 struct NamedPart {
@@ -52,12 +58,11 @@ struct NamedPart {
 };
 
 /// All of them in the film of the first, to the same bytes as if one render had made them. The
-/// error (bad_input) says what does not fit together: settings that differ, parts that are not
-/// finished, tiles that two have.
+/// error (bad_input) says what does not fit together: settings that differ, samples that two have.
 std::expected<Part, Error> merge_parts(std::span<NamedPart> parts);
 
-/// Which tiles a part lacks, in the words of the shards that it was made of; nothing when it has
-/// all. `shards`: into how many the picture was split.
-std::string missing_tiles(const Part& part, uint32_t shards);
+/// Which tiles and samples a part lacks, tiles in the words of the shards that it was made of;
+/// nothing when it has all. `shards`: into how many the picture was split.
+std::string missing_samples(const Part& part, uint32_t shards);
 
 }  // namespace raio

@@ -27,11 +27,11 @@ std::optional<Error> picture_problem(int width, int height, ChannelSet channels)
     return std::min(2.0 * side, std::ceil(double(side) / kMaxTileSide) * kMaxTileSide);
   };
   const FilmLayout layout(channels);
-  const double sums = layout.means() + layout.squares(), firsts = layout.firsts();
-  const double bytes =
-      whole(width) * whole(height) *
-          (sizeof(PixelSums) + sums * sizeof(int64_t) + firsts * sizeof(uint32_t)) +
-      double(pixels) * (sizeof(Rgb) + 6 + (sums + firsts) * sizeof(float));
+  const double means = layout.means(), squares = layout.squares(), firsts = layout.firsts();
+  const double bytes = whole(width) * whole(height) *
+                           (sizeof(PixelSums) + means * sizeof(int64_t) +
+                            squares * sizeof(Uint128) + firsts * sizeof(uint32_t)) +
+                       double(pixels) * (sizeof(Rgb) + 6 + double(layout.planes()) * sizeof(float));
   if (const double available = double(available_memory_bytes()); bytes > 0.9 * available)
     return refused(fmt::format("a picture of {}x{} pixels needs {:.1f} GB and {:.1f} GB are free",
                                width, height, bytes * 1e-9, available * 1e-9));
@@ -66,15 +66,15 @@ class Work {
       : film_(film),
         control_(control),
         threads_(scene.settings.threads),
-        target_(task.samples > 0 ? task.samples : scene.sampler.samples),
+        wanted_{task.first_sample, task.samples > 0 ? task.samples : scene.sampler.samples},
         seconds_(task.seconds),
         renderers_([&scene, &control] {
           return integrator(scene.settings.integrator).make(scene, control);
         }) {
     uint64_t total = 0;
     for (size_t t = task.shard; t < film.tiles(); t += task.shards)
-      if (const uint32_t done = film.samples(t); done < target_)
-        tiles_.push_back(t), total += target_ - done;
+      if (const uint32_t missing = film.samples(t).missing(wanted_).count(); missing > 0)
+        tiles_.push_back(t), total += missing;
     control.rays_done = 0, control.work_done = 0;
     control.work_total = total;
   }
@@ -82,40 +82,41 @@ class Work {
   double busy_s() const { return 1e-9 * double(busy_ns_); }
 
   /// Whether all is done.
-  bool run() { return seconds_ > 0 ? run_in_time() : add_up_to(target_); }
+  bool run() { return seconds_ > 0 ? run_in_time() : add_up_to(wanted_.end); }
 
  private:
   bool late() const { return seconds_ > 0 && seconds_since(start_) >= seconds_; }
   bool ended() const { return control_.stop || late(); }
 
-  // Whether all tiles have so many samples now. A tile gets its samples in portions, so that what
-  // is in the film is never far behind.
-  bool add_up_to(uint32_t samples) {
+  // Whether all tiles have the samples before `end` now. A tile gets its samples in portions, so
+  // that what is in the film is never far behind.
+  bool add_up_to(uint32_t end) {
     constexpr uint32_t kPortion = 64;
     on_threads(threads_, [&] {
       parallel_for(tiles_.size(), [&](size_t i) {
         const size_t tile = tiles_[i];
         const auto start = Clock::now();
-        for (uint32_t n; (n = film_.samples(tile)) < samples && !ended();)
-          renderers_.local()->render(tile, std::min(n + kPortion, samples), film_);
+        for (SampleSpan next; !(next = missing(tile, end)).empty() && !ended();)
+          renderers_.local()->render(tile, {next.first, std::min(next.first + kPortion, next.end)},
+                                     film_);
         busy_ns_ += std::chrono::nanoseconds(Clock::now() - start).count();
       });
     });
-    return samples_of_all().first >= samples;
+    return reached_by_all().first >= end;
   }
 
   // Pass by pass, each half as large as all before it, and the last as large as there is time for.
   bool run_in_time() {
-    auto [whole, most] = samples_of_all();
+    auto [whole, most] = reached_by_all();
     uint32_t next = std::max(most, whole + 1);  // evens out what was begun
     std::vector<TileSamples> before;
-    for (double a_sample = 0; whole < target_;) {
+    for (double a_sample = 0; whole < wanted_.end;) {
       before.clear();
       for (const size_t t : tiles_) before.push_back(film_.copy(t));
       const auto pass_start = Clock::now();
       if (!add_up_to(next)) {
         // A tile that is ahead of others has samples that not all of them have.
-        if (!control_.stop && whole > 0)
+        if (!control_.stop && whole > wanted_.first)
           for (size_t i = 0; i < tiles_.size(); ++i) film_.replace(tiles_[i], before[i]);
         return false;
       }
@@ -123,26 +124,32 @@ class Work {
       whole = next;
       const double fit = 0.9 * (seconds_ - seconds_since(start_)) / std::max(a_sample, 1e-9);
       if (fit < 1) break;
-      const uint32_t grown = std::min(target_ - whole, std::max(1u, whole / 2));
+      const uint32_t grown =
+          std::min(wanted_.end - whole, std::max(1u, (whole - wanted_.first) / 2));
       next = whole + uint32_t(std::min(double(grown), fit));
     }
-    return whole >= target_;
+    return whole >= wanted_.end;
   }
 
-  // Of the task's tiles: the fewest samples that one has, and the most.
-  std::pair<uint32_t, uint32_t> samples_of_all() const {
-    uint32_t fewest = target_, most = 0;
+  SampleSpan missing(size_t tile, uint32_t end) const {
+    return film_.samples(tile).first_missing({wanted_.first, end});
+  }
+
+  // Of the task's tiles: the end of the samples that all have without a gap, and of those that one
+  // has.
+  std::pair<uint32_t, uint32_t> reached_by_all() const {
+    uint32_t whole = wanted_.end, most = wanted_.first;
     for (const size_t t : tiles_) {
-      fewest = std::min(fewest, film_.samples(t));
-      most = std::max(most, film_.samples(t));
+      whole = std::min(whole, missing(t, wanted_.end).first);
+      most = std::clamp(film_.samples(t).end(), most, wanted_.end);
     }
-    return {fewest, most};
+    return {whole, most};
   }
 
   Film& film_;
   RenderControl& control_;
   int threads_;
-  uint32_t target_;
+  SampleSpan wanted_;
   double seconds_;
   Clock::time_point start_ = Clock::now();
   std::vector<size_t> tiles_;  // that lack samples
@@ -165,7 +172,7 @@ Image picture_of(const Film& film, View view) {
   if (view != View::samples) return film.resolve();
   Image image(film.width(), film.height());
   for (size_t t = 0; t < film.tiles(); ++t) {
-    const Rgb color = heat_color(film.samples(t));
+    const Rgb color = heat_color(film.samples(t).count());
     const Tile tile = film.tile(t);
     for (int y = tile.y0; y < tile.y1; ++y)
       for (int x = tile.x0; x < tile.x1; ++x) image.at(x, y) = color;

@@ -17,6 +17,7 @@ namespace raio {
 /// What to do to a film.
 struct RenderTask {
   uint32_t samples = 0;            // each pixel shall have so many; 0: all that the options say
+  uint32_t first_sample = 0;       // of these, only from this one on
   uint32_t shard = 0, shards = 1;  // only the tiles whose number is `shard` modulo `shards`
   double seconds = 0;              // not much longer than this; 0: as long as it takes
 };
@@ -41,7 +42,7 @@ std::expected<std::unique_ptr<Film>, Error> make_film(const Scene& scene,
 ///
 /// With a limit of time it goes over all tiles pass by pass, and what is in the film at the end is
 /// whole passes: all tiles have the same number of samples, unless not even the first of them, or
-/// what the film had begun before, could be finished.
+/// what the film had before, could be finished.
 RenderResult render(const Scene& scene, const Accel& accel, const RenderSettings& settings,
                     Film& film, RenderControl& control, const RenderTask& task = {});
 

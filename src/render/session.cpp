@@ -67,7 +67,7 @@ bool bakes_alike(const Scene& a, const Scene& b, bool one_sided) {
 Image over_preview(const Film& film, View view, const Image& preview) {
   Image image = picture_of(film, view);
   for (size_t t = 0; t < film.tiles(); ++t) {
-    if (film.samples(t) > 0) continue;
+    if (!film.samples(t).empty()) continue;
     const Tile tile = film.tile(t);
     for (int y = tile.y0; y < tile.y1; ++y)
       for (int x = tile.x0; x < tile.x1; ++x)

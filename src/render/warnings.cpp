@@ -133,6 +133,16 @@ double seconds_with_tree(const Scene& scene, RenderSettings settings) {
   return tried > 0 ? build + done.busy_s * rays / tried / std::max(1, settings.threads) : 0;
 }
 
+std::optional<std::string> nan_warning(const Film& film, const std::optional<Crop>& crop) {
+  const NanSamples nans = film.nans();
+  if (nans.count == 0) return std::nullopt;
+  const Crop frame = crop.value_or(Crop());
+  return fmt::format("{} {} not a number (NaN) and {} as black; the first pixel with one is {},{}",
+                     nans.count, nans.count == 1 ? "sample is" : "samples are",
+                     nans.count == 1 ? "counts" : "count", nans.x + uint32_t(frame.x0),
+                     nans.y + uint32_t(frame.y0));
+}
+
 std::optional<std::string> blank_warning(const Film& film, const RenderSettings& settings,
                                          const Accel& accel) {
   const auto is_background = [&](const Rgb& pixel) {

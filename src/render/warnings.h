@@ -46,4 +46,8 @@ double seconds_with_tree(const Scene& scene, RenderSettings settings);
 std::optional<std::string> blank_warning(const Film& film, const RenderSettings& settings,
                                          const Accel& accel);
 
+/// How many samples of the film were not a number, and which pixel is the first that has one, by
+/// its place in the picture of which the film is a part. Nothing where there are none.
+std::optional<std::string> nan_warning(const Film& film, const std::optional<Crop>& crop);
+
 }  // namespace raio

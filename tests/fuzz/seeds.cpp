@@ -115,7 +115,11 @@ void write_parts(const fs::path& folder) {
     for (size_t t = 0; t < film.tiles(); t += shards) {
       const Tile tile = film.tile(t);
       const auto pixels = size_t(tile.x1 - tile.x0) * size_t(tile.y1 - tile.y0);
-      film.replace(t, {3, {}, std::vector<int64_t>(4 * pixels, int64_t(t) * 1000), {}});
+      TileSamples samples;
+      samples.samples = SampleSpan{0, 3};
+      samples.rays.eye = 3 * pixels;
+      samples.sums.assign(4 * pixels, int64_t(t) * 1000);
+      film.replace(t, samples);
     }
     put(folder / fmt::format("{}.raio", shards),
         encode_part({settings_of(scene, options), 0, shards}, film));
