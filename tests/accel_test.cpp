@@ -162,7 +162,8 @@ TEST(Accel, EqualDistancesGiveTheLowestPrimitive) {
   for (const AccelKind kind : {AccelKind::none, AccelKind::grid, AccelKind::bvh}) {
     HitBatch hits;
     TraceContext context;
-    build(scene, {.kind = kind})->closest(rays, hits, context);
+    const auto accel = build(scene, {.kind = kind});
+    accel->closest(rays, hits, context);
     EXPECT_EQ(hits.primitive[0], accel->geometry().id_of(PrimitiveKind::sphere, first))
         << accel_name(kind);
   }

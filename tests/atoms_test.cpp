@@ -435,7 +435,8 @@ TEST(Pdb, AssembliesCopyTheirChains) {
   EXPECT_EQ(object_of(copied->scene, PoolKind::instance, 1), 2u);
   EXPECT_EQ(object_of(whole->scene, PoolKind::sphere, 3), 2u);
   EXPECT_EQ(copied->scene.camera.from, whole->scene.camera.from);
-  EXPECT_THAT(error(kPdb, "a.pdb", {.assembly = 2}), HasSubstr("assembly 2 does not exist; the file has 1"));
+  EXPECT_THAT(error(kPdb, "a.pdb", {.assembly = 2}),
+              HasSubstr("assembly 2 does not exist; the file has 1"));
   EXPECT_THAT(error("1\n\nC 0 0 0\n", "a.xyz", {.assembly = 1}), HasSubstr("has no assemblies"));
   EXPECT_EQ(read(kPdb, "a.pdb")->scene.cones.size(), 2u);  // few atoms: with bonds
 }

@@ -398,6 +398,15 @@ TEST(Instances, MayShowMorePrimitivesThanOneObjectHolds) {
     EXPECT_EQ(hit.primitive, kSide * kSide - 1);
     EXPECT_EQ(numbers.number(hit.primitive, hit.instance), uint64_t(i + 1) * kSide * kSide);
   }
+
+  // The channel `id` has 32 bits.
+  RenderOptions options;
+  options.channels.add(Channel::id);
+  EXPECT_FALSE(option_conflict(options, &scene));
+  scene.instances.resize(430'000);
+  const auto why = option_conflict(options, &scene);
+  ASSERT_TRUE(why);
+  EXPECT_THAT(why->text(), HasSubstr("more primitives than `id` has numbers"));
 }
 
 // A copy's own object counts before those within; copies and what is written out have the same.

@@ -87,7 +87,8 @@ class ViewsShading {
     if (view_ == View::depth) return Rgb(distance_ / (distance_ + depth));
     const Vec3f normal = {v.normal.x.at[i], v.normal.y.at[i], v.normal.z.at[i]};
     const float shade = 0.4f + 0.6f * std::abs(dot(normal, w.rays().rays[i].dir));
-    if (view_ == View::ids) return id_color(key_of(w.scene().accel.geometry(), w.hits()[i])) * shade;
+    if (view_ == View::ids)
+      return id_color(key_of(w.scene().accel.geometry(), w.hits()[i])) * shade;
     if (view_ == View::materials) return id_color(v.material[i]) * shade;
     return focus_color(depth) * shade;
   }

@@ -97,6 +97,11 @@ std::optional<Error> fit_conflict(const RenderOptions& options) {
 }
 
 std::optional<Error> scene_conflict(const RenderOptions& options, const Scene& scene) {
+  if (options.channels.has(Channel::id) && scene.primitive_count() > kMaxPrimitives)
+    return bad_option("channels",
+                      fmt::format("the scene has more primitives than `id` has numbers, {}; leave "
+                                  "it out",
+                                  kMaxPrimitives));
   if ((options.side || options.fit) && bounds(scene).empty())
     return bad_option(options.fit ? "fit" : "from",
                       "needs a scene that ends somewhere, and this one has nothing but infinite "
