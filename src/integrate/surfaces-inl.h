@@ -350,7 +350,7 @@ HWY_INLINE void find_kinds(const SurfaceInput& in, size_t i, SurfacePoints& v) {
   for_each_kind([&]<PrimitiveKind k>() HWY_ATTR {
     if (in.geometry.count(k) == 0) return;
     const U begin = hn::Set(du, in.geometry.id_of(k, 0));
-    const auto from_here = hn::Ge(ids, begin);
+    const auto from_here = hn::Not(hn::Lt(ids, begin));
     kind = hn::IfThenElse(from_here, hn::Set(du, uint32_t(k)), kind);
     first = hn::IfThenElse(from_here, begin, first);
   });
