@@ -36,7 +36,7 @@ TEST_F(CommandLine, RefusesWhatIsNoScene) {
         {"empty", std::string(), "the file is empty"},
         {"count", replaced("p 4", "p 4000000000"), "4000000000"},
         {"nan", replaced("s 0 0 0 1", "s nan 0 0 1"), "not finite"},
-        {"huge", replaced("s 0 0 0 1", "s 1e39 0 0 1"), "range"}}) {
+        {"huge", replaced("s 0 0 0 1", "s 1e39 0 0 1"), "too large for a float"}}) {
     put(file("bad.nff"), bytes);
     expect_refusal({"render", "bad.nff", "-o", "x.png"}, 2, message);
     expect_refusal({"info", "bad.nff"}, 2, message);

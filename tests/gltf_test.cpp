@@ -413,7 +413,7 @@ TEST(Gltf, WhatItCannotKnowIsRefusedOrTold) {
   file.more = R"(, "extensionsRequired": ["KHR_texture_transform", "KHR_draco_mesh_compression"])";
   EXPECT_THAT(error(file.json(), "a.gltf"),
               AllOf(HasSubstr("/extensionsRequired/1"), HasSubstr("\"KHR_draco_mesh_compression\""),
-                    HasSubstr("without compression")));
+                    HasSubstr("without mesh compression")));
   EXPECT_THAT(error(R"({"asset": {"version": "1.0"}, "meshes": {}})", "a.gltf"),
               HasSubstr("a scene in glTF 1; Raio reads glTF 2.0"));
   EXPECT_THAT(error(R"({"asset": {"version": "1.0"}})", "a.gltf"), HasSubstr("in glTF 1.0;"));

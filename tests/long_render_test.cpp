@@ -184,7 +184,7 @@ TEST_F(LongRender, APictureIsRepeatedFromItself) {
   EXPECT_EQ(raio({"render", "ok.nff", "-o", "plain.ppm"}).status, 0);
   expect_refusal({"render", "--repeat", "plain.ppm", "ok.nff"}, 2, "only pictures in PNG and EXR");
   ASSERT_TRUE(write_image(Image(2, 2), file("foreign.png"), {{"note", "none"}}).has_value());
-  expect_refusal({"render", "--repeat", "foreign.png", "ok.nff"}, 2, "no settings of Raio's");
+  expect_refusal({"render", "--repeat", "foreign.png", "ok.nff"}, 2, "no settings of Raio");
   put(file("other.nff"), replaced("angle 40", "angle 41"));
   expect_refusal({"render", "--repeat", "a.png", "other.nff"}, 2, "the scene differs");
 }

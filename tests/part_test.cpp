@@ -151,7 +151,7 @@ TEST(Provenance, RefusesWhatItDoesNotKnow) {
   EXPECT_THAT(error(with("aa", "0")), HasSubstr("aa: expected"));
   EXPECT_THAT(error(with("frobnicate", "1")), HasSubstr("frobnicate is unknown"));
   EXPECT_THAT(error(with("threads", "1")), HasSubstr("threads is unknown"));
-  EXPECT_THAT(error(with("light_size", "1")), HasSubstr("do not go together"));
+  EXPECT_THAT(error(with("light_size", "1")), HasSubstr("cannot be combined"));
 }
 
 TEST(Provenance, DifferencesAreNamed) {

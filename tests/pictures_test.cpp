@@ -79,12 +79,12 @@ TEST_F(Pictures, OfATurntableGoIntoFiles) {
     more.insert(more.begin(), {"render", "ok.nff", "--turntable", "4"});
     expect_refusal(more, 2, message);
   };
-  refused({"--checkpoint", "c.raio"}, "--checkpoint is about one picture");
-  refused({"--shard", "1/2", "-o", "x.raio"}, "--shard is about one picture");
-  refused({"--repeat", "a.png"}, "--repeat is about one picture");
-  refused({"--stats", "x.json"}, "--stats is about one picture");
-  refused({"--resume"}, "--resume is about one picture");
-  refused({"--add-samples", "3"}, "--add-samples is about one picture");
+  refused({"--checkpoint", "c.raio"}, "--checkpoint works for one picture only");
+  refused({"--shard", "1/2", "-o", "x.raio"}, "--shard works for one picture only");
+  refused({"--repeat", "a.png"}, "--repeat works for one picture only");
+  refused({"--stats", "x.json"}, "--stats works for one picture only");
+  refused({"--resume"}, "--resume works for one picture only");
+  refused({"--add-samples", "3"}, "--add-samples works for one picture only");
   refused({"-o", "-"}, "standard output takes one picture");
   expect_refusal({"render", "ok.nff", "--turntable", "0"}, 2, "from 1 to 100000");
   expect_refusal({"render", "ok.nff", "--turntable", "2", "-o", "no/x.png"}, 3, "no/x-0001.png");
@@ -128,9 +128,9 @@ TEST_F(Pictures, OfFramesGoIntoFiles) {
   refused({"run.xyz", "--frame", "1:2:0"}, "a range such as 0:100:5, found '1:2:0'");
   refused({"run.xyz", "--frame", "x"}, "expected the number of a frame");
   refused({"ok.nff", "--frame", "0:2"}, "has no effect on this file");
-  refused({"-", "--frame", "0:2"}, "about one file");
-  refused({"run.xyz", "--frame", "0:2", "--turntable", "3"}, "two ways");
-  refused({"run.xyz", "--frame", "0:2", "--shard", "1/2"}, "--shard is about one picture");
+  refused({"-", "--frame", "0:2"}, "needs one scene file");
+  refused({"run.xyz", "--frame", "0:2", "--turntable", "3"}, "cannot be combined with --turntable");
+  refused({"run.xyz", "--frame", "0:2", "--shard", "1/2"}, "--shard works for one picture only");
 }
 
 TEST_F(Pictures, OfATurntableEndWhenInterrupted) {
@@ -203,7 +203,7 @@ TEST_F(Pictures, OfSeveralScenesHaveNamesOfTheirOwn) {
         {"--add-samples", "2"}}) {
     std::vector<std::string> arguments = {"render", "ok.nff", "a.nff", "-o", "x/"};
     arguments.insert(arguments.end(), about_one.begin(), about_one.end());
-    expect_refusal(arguments, 2, about_one.front() + " is about one picture; give one scene");
+    expect_refusal(arguments, 2, about_one.front() + " works for one picture only; give one scene");
   }
 }
 

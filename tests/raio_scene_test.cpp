@@ -114,7 +114,7 @@ TEST(RaioScene, MoreCopiesThanCanBeAreRefused) {
   Scene inner;
   inner.materials.emplace_back();
   inner.spheres = {{{0, 0, 0}, 1}}, inner.sphere_materials = {0};
-  for (int depth = 0; depth < 9; ++depth) {  // 10^9 copies
+  for (int depth = 0; depth < 10; ++depth) {  // 10^10 instances
     Scene outer;
     outer.materials = inner.materials;
     outer.prototypes = {inner};
@@ -122,7 +122,7 @@ TEST(RaioScene, MoreCopiesThanCanBeAreRefused) {
     inner = outer;
   }
   EXPECT_THAT(error_of(encode_raio_scene(inner)),
-              HasSubstr("there are more than 100000000 copies with those of copies"));
+              HasSubstr("there are more than 4294967294 instances with those of instances"));
 }
 
 TEST(RaioScene, AnEmptySceneIsAFile) {

@@ -488,8 +488,8 @@ TEST(SkyOption, SaysWhatItTakes) {
   const auto done = set_option(o, *spec, "no/such folder");
   ASSERT_FALSE(done);
   EXPECT_THAT(done.error().text(), HasSubstr("expected a colour"));
-  EXPECT_THAT(done.error().text(), HasSubstr("found 'no/such folder'; nor is there a folder of "
-                                             "that name, for a sky"));
+  EXPECT_THAT(done.error().text(), HasSubstr("found 'no/such folder'; and no folder has that "
+                                             "name"));
 }
 
 }  // namespace

@@ -27,9 +27,8 @@ AccelResult make_accel(Geometry&& geometry, const AccelOptions& options) {
 
 void Accel::closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const {
   find_closest(rays, hits, context);
-  if (!instances_) return;
   std::fill_n(hits.instance.begin(), rays.size(), 0);
-  instances_->closest(rays, hits, context);
+  if (instances_) instances_->closest(rays, hits, context);
 }
 
 void Accel::occluded(const RayBatch& rays, uint8_t* hit, TraceContext& context) const {

@@ -46,6 +46,7 @@ void Accel::next_transparent(const RayBatch& rays, const HitBatch& after, HitBat
       bvh_next_transparent(geometry_, *transparent_, rays, behind, hits, context, keys);
     else
       try_all_transparent(rays, behind, hits, context, keys);
+    std::fill_n(hits.instance.begin(), rays.size(), 0);
   };
   if (!instances_) return find(after);
   // Of equally near hits those on instances come behind all that find() looks for.
@@ -53,7 +54,6 @@ void Accel::next_transparent(const RayBatch& rays, const HitBatch& after, HitBat
   for (size_t i = 0; i < rays.size(); ++i)
     if (after.instance[i]) behind.primitive[i] = kNoPrimitive, behind.instance[i] = 0;
   find(behind);
-  std::fill_n(hits.instance.begin(), rays.size(), 0);
   instances_->next_transparent(rays, after, hits, context, keys);
 }
 
