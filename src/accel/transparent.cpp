@@ -1,4 +1,4 @@
-// What rays meet that is clear: by a tree of its own, or by trying all of it.
+// Hits on transparent primitives, by a tree of their own or by testing all of them.
 #include <algorithm>
 
 #include "accel/accel.h"

@@ -20,8 +20,8 @@ namespace raio {
 
 inline constexpr int kBlockWidth = 8;
 
-/// What a reference names: its upper bits are this, the others an index into that pool. The blocks
-/// of a kind are in the pool of its number; planes, which have none, leave theirs to nodes.
+/// A reference names a pool in its upper bits and an index into that pool in the others. The blocks
+/// of a kind are in the pool of its number; planes have no blocks, so their pool holds the nodes.
 enum class Pool : uint32_t { nodes };
 inline constexpr size_t kPools = kPrimitiveKinds;
 inline constexpr int kRefIndexBits = 32 - std::bit_width(kPools - 1);

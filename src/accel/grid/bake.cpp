@@ -37,7 +37,7 @@ class Baker {
     for_chunks(count, [&](size_t c, size_t first, size_t end) {
       for (size_t cell = first; cell < end; ++cell) count_blocks(list(cell), blocks[c]);
     });
-    // Where those of each chunk begin in the pools, those of the oversized primitives first.
+    // The first block of each chunk in the pools. Blocks of oversized primitives come first.
     Counts next{};
     for_blocks(g_, oversized, [&](Pool pool, auto) {
       out_.shared.push_back(pool_ref(pool, next[size_t(pool)]++));
