@@ -1,4 +1,4 @@
-// Axis-aligned boxes. Everyone may use it.
+// Axis-aligned boxes.
 #pragma once
 
 #include <cmath>
@@ -17,7 +17,8 @@ struct Box3 {
   constexpr Vec3<T> size() const { return hi - lo; }
   constexpr Vec3<T> center() const { return lo * T(0.5) + hi * T(0.5); }
 
-  /// Half the surface: the measure of how likely a random ray is to meet the box. 0 when empty.
+  /// Half the surface area, which is proportional to the probability that a random ray hits the
+  /// box. 0 if empty.
   constexpr T half_area() const {
     if (empty()) return 0;
     const Vec3<T> s = size();
@@ -32,7 +33,6 @@ struct Box3 {
 using Box3f = Box3<float>;
 using Box3d = Box3<double>;
 
-/// The smallest box of floats around `box`.
 /// Calls f(from, to) for each of the twelve edges.
 template <class T, class F>
 void for_each_edge(const Box3<T>& box, F&& f) {
@@ -45,6 +45,7 @@ void for_each_edge(const Box3<T>& box, F&& f) {
       if (!(k & bit)) f(corner(k), corner(k | bit));
 }
 
+/// The smallest box of floats around `box`.
 inline Box3f rounded_out(const Box3d& box) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   Box3f out;

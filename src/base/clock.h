@@ -1,4 +1,4 @@
-// The clock by which work is timed.
+// The clock for measuring time.
 #pragma once
 
 #include <chrono>

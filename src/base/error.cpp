@@ -21,7 +21,7 @@ std::string with_settings(std::string_view message, std::string_view before) {
     if (open == std::string_view::npos) break;
     message.remove_prefix(open + 1);
     const size_t close = message.find('`');
-    // Backquotes around anything else are someone's own.
+    // Other backquotes belong to the message.
     if (close == std::string_view::npos || !is_setting(message.substr(0, close))) {
       out += '`';
       continue;

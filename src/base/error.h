@@ -1,5 +1,5 @@
-// What went wrong: the one type in which every room says so. Where a list with places is wanted, as
-// for scene files, there are Diagnostics (io/diagnostics.h), each of which can become an Error.
+// The error type of all rooms. Scene files return lists of Diagnostic instead, with places
+// (io/diagnostics.h); each can become an Error.
 #pragma once
 
 #include <cstdint>
@@ -9,14 +9,14 @@
 
 namespace raio {
 
-/// Whose fault it is, and so what may be done about it.
+/// The cause of an error, and so who can fix it.
 enum class ErrorKind : uint8_t {
-  bad_input,     // what was read is not what it should be, or not for this
-  bad_option,    // a setting that cannot be, or does not go with the others
+  bad_input,     // the input is malformed or unsuitable
+  bad_option,    // a setting is invalid or contradicts others
   cannot_read,   // a file
   cannot_write,  // a file
-  no_resource,   // memory, time or a library that is not there
-  stopped,       // someone said so
+  no_resource,   // too little memory or time, or a missing library
+  stopped,       // cancelled by the caller
 };
 
 struct Error {
@@ -28,29 +28,29 @@ struct Error {
 
   ErrorKind kind = ErrorKind::bad_input;
 
-  /// What it is about, where that is not said in `message`: a file as the caller named it or, of
-  /// bad_option, a setting ("grid-factor").
+  /// The file as the caller named it or, for bad_option, a setting ("grid-factor"); empty if
+  /// `message` names it.
   std::string subject;
 
-  /// What was found, what was expected, what to do. Settings stand in backquotes, by the names that
-  /// the table in render/options.h and the fields of JobRequest (render/job.h) give them:
-  /// "cannot be combined with `grid-resolution`; leave one of them out".
+  /// What was found, what was expected, what to do. Settings stand in backquotes, named as in the
+  /// table of render/options.h or the fields of JobRequest (render/job.h): "cannot be combined with
+  /// `grid-resolution`; leave one of them out".
   std::string message;
   Place place = {};
 
-  /// All of it in one line without control characters. `before_settings` goes before the names of
-  /// settings, as they are given: "--" on a command line.
+  /// The whole error as one line without control characters. `before_settings` precedes the names
+  /// of settings: "--" on a command line.
   std::string text(std::string_view before_settings = {}) const;
 
   friend bool operator==(const Error&, const Error&) = default;
 };
 
-/// That about a setting (bad_option), which the message does not name again.
+/// An error about a setting (bad_option); the message need not repeat its name.
 inline Error bad_option(std::string_view setting, std::string message) {
   return {ErrorKind::bad_option, std::string(setting), std::move(message)};
 }
 
-/// A message with what is before the settings in it instead of their backquotes.
+/// The message with the prefix `before_settings` instead of backquotes around settings.
 std::string with_settings(std::string_view message, std::string_view before);
 
 }  // namespace raio

@@ -17,7 +17,7 @@ uint64_t finish(uint64_t h) {
   return h ^ h >> 33;
 }
 
-// Up to eight bytes, the first the lowest; on any machine.
+// Reads up to eight bytes as a little-endian number.
 uint64_t little_endian(const char* bytes, size_t count) {
   uint64_t value = 0;
   if constexpr (std::endian::native == std::endian::little) {

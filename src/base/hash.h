@@ -1,6 +1,5 @@
-// A name of 128 bits for any bytes: MurmurHash3_x64_128 of Austin Appleby (2011, public domain).
-// Different bytes have different names but by an accident that nobody will see; who wants to can
-// make two that collide, so it proves nothing about who wrote them.
+// A 128-bit hash of bytes: MurmurHash3_x64_128 of Austin Appleby (2011, public domain). Accidental
+// collisions are negligible; deliberate ones are easy, so it proves nothing about authorship.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +16,7 @@ struct Hash128 {
 
 Hash128 hash128(std::string_view bytes);
 
-/// 32 hexadecimal digits.
+/// The hash as 32 hexadecimal digits.
 std::string hex(const Hash128& hash);
 
 }  // namespace raio

@@ -1,6 +1,5 @@
-// Functions of C libraries that few runs of the program want. The library is loaded when it is
-// first asked for and not with the program, of whose start it would take a part in every run.
-// Everyone may use it; headers of the library are compiled against as ever.
+// Functions of C libraries that few runs need. The library is loaded at the first call instead of
+// with the program, which would start more slowly. Code still compiles against its headers.
 #pragma once
 
 #include <source_location>
@@ -11,7 +10,7 @@
 
 namespace raio {
 
-/// The name of a C function: compilers write it where they name the template's arguments.
+/// The name of a C function, from the compiler's spelling of the template arguments.
 template <auto* function>
 constexpr std::string_view function_name() {
   std::string_view text = std::source_location::current().function_name();
@@ -20,7 +19,7 @@ constexpr std::string_view function_name() {
   return text.substr(text.find_last_of("&: ") + 1);  // clang has an &, GCC the namespace
 }
 
-/// Calls a function of a library that has been loaded.
+/// Calls a function of a loaded library.
 template <const char* file, auto* function>
 decltype(auto) call(auto... arguments) {
   static auto* const found = reinterpret_cast<decltype(function)>(

@@ -1,24 +1,24 @@
-// How closely a median is known.
+// A median with its confidence interval.
 #pragma once
 
 #include <vector>
 
 namespace raio {
 
-/// A median, and an interval around it.
+/// A median and an interval around it.
 struct MedianInterval {
   double low = 0, median = 0, high = 0;
 
-  /// As a part of the median.
+  /// Relative to the median.
   double half_width() const { return median > 0 ? (high - low) / 2 / median : 0; }
 
   friend bool operator==(const MedianInterval&, const MedianInterval&) = default;
 };
 
-/// Of at least one value. The interval contains the median of the values' distribution, whatever
-/// that is, with a probability of at least 90 %: it ends at two of the values in order, which are
-/// chosen by the sign test. Fewer than five values cannot be that sure; theirs reaches from the
-/// least to the most.
+/// The median of at least one value. The interval contains the median of the underlying
+/// distribution, whatever that is, with a probability of at least 90 %; its ends are order
+/// statistics chosen by the sign test. Fewer than five values cannot reach 90 %: then the interval
+/// spans all values.
 MedianInterval median_interval(std::vector<double> values);
 
 }  // namespace raio

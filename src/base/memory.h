@@ -1,4 +1,4 @@
-// Memory laid out for wide loads. Everyone may use it, and what the system says of memory.
+// Allocators and arrays for SIMD loads.
 #pragma once
 
 #include <cstddef>
@@ -11,8 +11,8 @@
 
 namespace raio {
 
-/// For std::vector: elements start at a cache line, and new ones are left unset, also those of
-/// types with initial values.
+/// An allocator for std::vector: the data starts at a cache line, and new elements are
+/// uninitialized, even of types with initial values.
 template <class T>
 struct CacheLineAllocator {
   static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
@@ -33,7 +33,7 @@ struct CacheLineAllocator {
   friend bool operator==(CacheLineAllocator, CacheLineAllocator) { return true; }
 };
 
-/// One number of many things, as SIMD instructions want it.
+/// An array of one component of many elements, for SIMD loads.
 template <class T>
 using Column = std::vector<T, CacheLineAllocator<T>>;
 

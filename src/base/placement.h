@@ -1,4 +1,4 @@
-// Affine maps that place copies of objects. Everyone may use it.
+// Affine transformations of instances.
 #pragma once
 
 #include <algorithm>
@@ -11,14 +11,14 @@
 
 namespace raio {
 
-/// x becomes A x + b: three rows of four numbers, the last of which is b's.
+/// The transformation x -> A x + b: three rows of A, each followed by its component of b.
 using Matrix = std::array<float, 12>;
 inline constexpr Matrix kIdentity = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 
-/// A matrix with its inverse, in double: from an object's own space into the one around it.
+/// A matrix with its inverse, in double: from an object's space to the enclosing one.
 class Placement {
  public:
-  using Inverse = std::array<Vec3d, 3>;  // the rows of that of A
+  using Inverse = std::array<Vec3d, 3>;  // rows of the inverse of A
 
   explicit Placement(const Matrix& m) : Placement(m, Inverse()) {
     const double by = determinant();
@@ -32,24 +32,24 @@ class Placement {
 
   const Inverse& inverse() const { return inverse_; }
   double determinant() const { return dot(column(0), cross(column(1), column(2))); }
-  /// Are all numbers finite, and is there an inverse that a float can tell from none?
+  /// Whether all numbers are finite and the matrix is invertible in float precision.
   bool is_sound() const {
     return std::isfinite(determinant()) && is_finite(Vec3f(shift_)) &&
            std::abs(determinant()) >
                1e-9 * length(column(0)) * length(column(1)) * length(column(2));
   }
-  /// By how much a length grows at most.
+  /// The maximum factor by which a length grows.
   double longest() const {
     return std::sqrt(dot(column(0), column(0)) + dot(column(1), column(1)) +
                      dot(column(2), column(2)));
   }
-  /// How much further the longest axis of what the map makes of a ball reaches than the shortest,
-  /// at most: by so much errors grow on the way to the object and back.
+  /// An upper bound of the ratio of the longest to the shortest axis of a transformed ball. Errors
+  /// grow by this factor on the way to the object and back.
   double condition() const {
     return longest() * std::sqrt(dot(inverse_[0], inverse_[0]) + dot(inverse_[1], inverse_[1]) +
                                  dot(inverse_[2], inverse_[2]));
   }
-  /// By how much all lengths grow, 1 where that is nearly so; 0 where they grow unevenly.
+  /// The factor by which all lengths grow, exactly 1 if almost 1; 0 if the scaling is not uniform.
   double scale() const {
     const double s = std::cbrt(std::abs(determinant())), slack = 1e-4 * s * s;
     for (size_t i = 0; i < 3; ++i)
@@ -61,11 +61,11 @@ class Placement {
 
   Vec3d point(Vec3d p) const { return vector(p) + shift_; }
   Vec3d vector(Vec3d v) const { return {dot(rows_[0], v), dot(rows_[1], v), dot(rows_[2], v)}; }
-  /// Of the surface that the map makes of one with the unit normal n, on the same side.
+  /// The unit normal of the transformed surface, on the same side as n.
   Vec3d normal(Vec3d n) const {
     return normalize(inverse_[0] * n.x + inverse_[1] * n.y + inverse_[2] * n.z);
   }
-  /// Around what the map makes of the box.
+  /// The bounding box of the transformed box.
   Box3d box(const Box3f& b) const {
     Box3d out;
     if (b.empty()) return out;
@@ -75,8 +75,8 @@ class Placement {
     return out;
   }
 
-  /// The ray in the object's space, with a direction of length 1. What is at a distance t in that
-  /// space is at t / `stretch` on the ray itself. With `slack`, it reaches a little further.
+  /// The ray in the object's space, with a direction of length 1. A distance t there is t /
+  /// `stretch` on the original ray. With `slack`, the ray reaches a little further.
   Ray to_object(const Ray& ray, double& stretch, double slack = 0) const {
     const Vec3d from = Vec3d(ray.origin) - shift_, along(ray.dir);
     const auto back = [this](Vec3d v) {
@@ -95,7 +95,7 @@ class Placement {
   Inverse inverse_;
 };
 
-/// First `b`, then `a`.
+/// The product: first `b`, then `a`.
 inline Matrix joined(const Matrix& a, const Matrix& b) {
   const Placement first(a), second(b);
   Matrix out;

@@ -1,4 +1,4 @@
-// The word that was meant, for messages about one that is not known.
+// Suggests the intended word in messages about unknown words.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace raio {
 
-/// Insertions, deletions and replacements between two words (Levenshtein 1966), one row at a time.
+/// Edit distance (Levenshtein 1966), computed row by row.
 inline size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<size_t> row(b.size() + 1);
   for (size_t j = 0; j <= b.size(); ++j) row[j] = j;
@@ -26,8 +26,8 @@ inline size_t edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
-/// The nearest of the lower-case `candidates`, or nothing where none is near: of long words two
-/// letters may be wrong, of words of one letter none but its case.
+/// The nearest of the lower-case `candidates`, or nothing if none is near: long words may have two
+/// wrong letters, words of one letter only a wrong case.
 inline std::string_view nearest_word(std::string_view word,
                                      std::span<const std::string_view> candidates) {
   constexpr size_t kLongest = 24;

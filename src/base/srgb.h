@@ -1,4 +1,4 @@
-// From light to display values and back.
+// Conversion between linear light and display values.
 #pragma once
 
 #include <array>
@@ -12,9 +12,9 @@ namespace raio {
 /// values 1.
 float srgb_from_linear(float linear);
 float linear_from_srgb(float encoded);
-/// Of each display value of 8 bits.
+/// A table for all 8-bit display values.
 const std::array<float, 256>& linear_from_srgb_bytes();
-/// Of a display value 0xrrggbb.
+/// The linear colour of a display value 0xrrggbb.
 Rgb linear_from_srgb(uint32_t rrggbb);
 
 }  // namespace raio

@@ -1,6 +1,5 @@
-// Three-component vectors, the one arithmetic type of the program: points, directions and colours.
-// Everyone may use it. Built with floating-point contraction off, so that the same expression has
-// the same bits on every machine.
+// Three-component vectors: points, directions and colours. Built without floating-point
+// contraction, so an expression has the same bits on every machine.
 #pragma once
 
 #include <algorithm>
@@ -81,13 +80,14 @@ T length(Vec3<T> a) {
   return std::sqrt(dot(a, a));
 }
 
-/// `a` at unit length. `a` must not be zero.
+/// `a` normalized; it must not be zero.
 template <class T>
 Vec3<T> normalize(Vec3<T> a) {
   return a / length(a);
 }
 
-/// `a` at unit length, for `a` that is so but for rounding: one step of Newton's method.
+/// Normalizes a vector that is already of unit length except for rounding: one step of Newton's
+/// method.
 template <class T>
 Vec3<T> renormalize(Vec3<T> a) {
   return a * (T(1.5) - T(0.5) * dot(a, a));
@@ -98,8 +98,8 @@ bool is_finite(Vec3<T> a) {
   return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
 }
 
-/// Two unit vectors that with the unit vector `n` form a right-handed frame (u, v, n).
-/// Duff et al. 2017, "Building an Orthonormal Basis, Revisited", JCGT 6(1).
+/// Two unit vectors that form a right-handed frame (u, v, n) with the unit vector `n`. Duff et al.
+/// 2017, "Building an Orthonormal Basis, Revisited", JCGT 6(1).
 template <class T>
 struct Frame {
   Vec3<T> u, v;

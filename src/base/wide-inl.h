@@ -1,8 +1,7 @@
-// Arithmetic on many lanes at once (Highway), and the few transcendental functions and random
-// numbers of the hot path. Everyone may include it, in a file that is compiled once for each
-// instruction set. All is made of +, -, *, / and square roots, which IEEE 754 defines to the last
-// bit: lanes have the same bits on every machine, which the system's own functions do not. Once for
-// each instruction set, as foreach_target.h passes again.
+// SIMD arithmetic (Highway), with the few transcendental functions and random numbers of the hot
+// path. Include it in files compiled once per instruction set. Everything consists of +, -, *, /
+// and square roots, which IEEE 754 defines exactly, so all machines compute the same bits; the
+// system's functions do not. foreach_target.h includes this file once per instruction set.
 #if defined(RAIO_BASE_WIDE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAIO_BASE_WIDE_INL_H_
 #undef RAIO_BASE_WIDE_INL_H_
@@ -20,7 +19,7 @@ HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Tags of as many unsigned or signed 32-bit lanes as a tag of floats has.
+/// Tags of unsigned or signed 32-bit lanes, as many as a tag of floats has.
 template <class D>
 using Unsigned = hn::RebindToUnsigned<D>;
 template <class D>
@@ -63,7 +62,7 @@ template <class D>
 HWY_INLINE hn::Vec<D> length(const Wide3<D>& a) {
   return hn::Sqrt(dot(a, a));
 }
-/// The largest magnitude of a component.
+/// The largest absolute component.
 template <class D>
 HWY_INLINE hn::Vec<D> largest(const Wide3<D>& a) {
   return hn::Max(hn::Max(hn::Abs(a.x), hn::Abs(a.y)), hn::Abs(a.z));
@@ -72,7 +71,7 @@ template <class D>
 HWY_INLINE Wide3<D> normalize(D d, const Wide3<D>& a) {
   return a * hn::Div(hn::Set(d, 1), length(a));
 }
-/// As base/vec.h has it: for vectors that are of unit length but for rounding.
+/// As in base/vec.h: for vectors of unit length except for rounding.
 template <class D>
 HWY_INLINE Wide3<D> renormalize(D d, const Wide3<D>& a) {
   return a * hn::Sub(hn::Set(d, 1.5f), hn::Mul(hn::Set(d, 0.5f), dot(a, a)));
@@ -83,11 +82,11 @@ HWY_INLINE Wide3<D> select(M mask, const Wide3<D>& yes, const Wide3<D>& no) {
           hn::IfThenElse(mask, yes.z, no.z)};
 }
 
-/// x / n, for an x of 0 or from 2^-24 to n + 1. Rounded as division is, but quicker where the
-/// machine fuses products and sums: the error of a rounded quotient, exact, puts it right.
+/// x / n, for x = 0 or x from 2^-24 to n + 1. Correctly rounded, but faster than division where
+/// fused multiply-add exists: it gives the exact error of a rounded quotient, which corrects it.
 /// Markstein 1990, "Computation of Elementary Functions on the IBM RISC System/6000 Processor", IBM
-/// JRD 34(1). All mantissas have been tried with every n that goes this way, and some of these are
-/// in tests/wide_test.cpp.
+/// JRD 34(1). All mantissas were tried with every n computed this way; tests/wide_test.cpp repeats
+/// some.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V divide(D d, V x, uint32_t n) {
   const V by = hn::Set(d, float(n));
@@ -96,7 +95,7 @@ HWY_INLINE V divide(D d, V x, uint32_t n) {
   return hn::MulAdd(hn::NegMulAdd(quotient, by, x), inverse, quotient);
 }
 
-/// Horner's rule, the last coefficient first.
+/// Horner's rule; coefficients from the highest to the lowest degree.
 template <class V>
 HWY_INLINE V polynomial(V, V highest) {
   return highest;
@@ -126,15 +125,14 @@ HWY_INLINE V log2_of(D d, V x) {
   return hn::Add(exponent, hn::Mul(hn::Mul(hn::Set(d, 2.88539008f), z), series));  // 2 / ln 2
 }
 
-/// x^y for 0 <= x <= 1 and y >= 0, to an absolute error below 2e-7: what is lost in the exponent
-/// counts little where the power is small. exp2 by the Taylor series on -1/2..1/2.
+/// x^y for 0 <= x <= 1 and y >= 0, with an absolute error below 2e-7: errors in the exponent matter
+/// little where the power is small. exp2 uses the Taylor series on -1/2..1/2.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V pow_unit(D d, V x, V y) {
   const Signed<D> di;
   const V one = hn::Set(d, 1), p = hn::Mul(y, log2_of(d, x));
-  // Powers below 2^-126 are zero, as is that of zero, but to the power of zero.
-  // The sum rounds to the nearest whole number. hn::Round() without SIMD makes 1 of the float below
-  // 1/2.
+  // Powers below 2^-126 are zero, as are powers of zero except 0^0. Adding `shift` rounds to the
+  // nearest integer; hn::Round() without SIMD rounds the largest float below 1/2 to 1.
   const V shift = hn::Set(d, 3 << 22);
   const V whole = hn::Sub(hn::Add(hn::Max(p, hn::Set(d, -126)), shift), shift);
   const V f = hn::Mul(hn::Sub(p, whole), hn::Set(d, float(std::numbers::ln2)));
@@ -152,9 +150,9 @@ struct Wide2 {
   hn::Vec<D> x, y;
 };
 
-/// The unit square onto the unit disc, keeping areas (uniform in, uniform out) and neighbourhoods.
-/// Shirley and Chiu 1997, "A Low Distortion Map Between Disk and Square", JGT 2(3). Sine and cosine
-/// of at most pi/4 by their Taylor series.
+/// Maps the unit square to the unit disc, keeping areas and neighbourhoods. Shirley and Chiu 1997,
+/// "A Low Distortion Map Between Disk and Square", JGT 2(3). Sine and cosine of at most pi/4 by
+/// Taylor series.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE Wide2<D> square_to_disc(D d, V u, V v) {
   const V one = hn::Set(d, 1), two = hn::Set(d, 2);
@@ -176,8 +174,8 @@ struct Wide4 {
   hn::Vec<DU> x, y, z, w;
 };
 
-/// Four independent 32-bit words for a four-word key.
-/// pcg4d: Jarzynski and Olano 2020, "Hash Functions for GPU Rendering", JCGT 9(3).
+/// Four independent 32-bit words from a key of four: pcg4d of Jarzynski and Olano 2020, "Hash
+/// Functions for GPU Rendering", JCGT 9(3).
 template <class DU>
 HWY_INLINE Wide4<DU> hash4(DU du, Wide4<DU> v) {
   const auto times = hn::Set(du, 1664525u), plus = hn::Set(du, 1013904223u);
@@ -194,7 +192,7 @@ HWY_INLINE Wide4<DU> hash4(DU du, Wide4<DU> v) {
   return v;
 }
 
-/// Uniform in [0, 1): the 24 high bits, all of which a float holds exactly.
+/// Uniform in [0, 1): the 24 high bits, which a float holds exactly.
 template <class D>
 HWY_INLINE hn::Vec<D> to_unit(D d, hn::Vec<Unsigned<D>> bits) {
   return hn::Mul(hn::ConvertTo(d, hn::BitCast(Signed<D>(), hn::ShiftRight<8>(bits))),

@@ -27,12 +27,12 @@ std::expected<fs::path, std::string> folder_of(const fs::path& path) {
   fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
   std::error_code error;
   if (!fs::is_directory(folder, error))
-    return std::unexpected("the folder " + folder.string() + " does not exist or is no folder");
+    return std::unexpected("the folder " + folder.string() + " does not exist or is not a folder");
   return folder;
 }
 
 std::string cannot_create(const fs::path& folder, int error) {
-  return "cannot make a file in the folder " + folder.string() + ": " + system_reason(error);
+  return "cannot create a file in the folder " + folder.string() + ": " + system_reason(error);
 }
 
 UnfinishedFiles& unfinished_files() {
@@ -50,9 +50,9 @@ std::expected<MappedFile, std::string> MappedFile::open(const fs::path& path) tr
   auto file = InputFile::open(path);
   if (!file) return std::unexpected("cannot open the file: " + file.error());
   if (file->kind() == InputFile::Kind::folder)
-    return std::unexpected("this is a folder, expected a file");
+    return std::unexpected("found a folder, expected a file");
   if (file->kind() == InputFile::Kind::device)
-    return std::unexpected("this is a device, expected a file");
+    return std::unexpected("found a device, expected a file");
   MappedFile out;
   out.mapped_ = file->rest() > 0 ? file->map(file->rest()) : nullptr;
   if (out.mapped_) {
@@ -74,7 +74,7 @@ std::expected<MappedFile, std::string> MappedFile::open(const fs::path& path) tr
     if (size == bytes.size()) bytes.resize(2 * size);
   }
 } catch (const std::bad_alloc&) {
-  return std::unexpected("there is not enough memory for the file");
+  return std::unexpected("not enough memory for the file");
 }
 
 MappedFile::MappedFile(MappedFile&& other) noexcept

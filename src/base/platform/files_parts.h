@@ -1,4 +1,4 @@
-// What the ways to write files share, whatever the system. For this folder.
+// Shared by the implementations of files.h.
 #pragma once
 
 #include <expected>
@@ -11,19 +11,19 @@
 
 namespace raio {
 
-/// The system's words for an errno.
+/// The system's text for an errno.
 std::string system_reason(int error);
 
-/// Where a chain of links ends, with a path that exists or that may come to exist.
+/// Follows a chain of links to a path that exists or can be created.
 std::expected<std::filesystem::path, std::string> resolve_links(std::filesystem::path path);
 
-/// The folder to make a file in that is to become `path`.
+/// The folder in which to create the temporary file for `path`.
 std::expected<std::filesystem::path, std::string> folder_of(const std::filesystem::path& path);
 
-/// "cannot make a file in the folder FOLDER: WHY"
+/// "cannot create a file in the folder FOLDER: WHY"
 std::string cannot_create(const std::filesystem::path& folder, int error);
 
-/// The temporary files there are, for remove_unfinished_files().
+/// The existing temporary files, for remove_unfinished_files().
 struct UnfinishedFiles {
   std::mutex mutex;
   std::set<std::filesystem::path> paths;

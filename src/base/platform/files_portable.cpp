@@ -1,4 +1,4 @@
-// In standard C++: C's streams, which tell the reason of a failure, and std::filesystem.
+// Standard C++: C streams, which report reasons of failures, and std::filesystem.
 #include <atomic>
 #include <cerrno>
 #include <chrono>
@@ -41,13 +41,13 @@ FileOutcome close(Stream stream) {
   return std::fclose(stream.release()) == 0 ? FileOutcome() : failed(errno);
 }
 
-/// A new file under a name of its own, gone with this object unless it was moved.
+/// A new temporary file, removed with this object unless it was moved into place.
 class TemporaryFile {
  public:
   using Created = std::expected<std::unique_ptr<TemporaryFile>, std::string>;
 
   static Created create(const fs::path& folder) {
-    // Of other programs beside this one the time tells it apart.
+    // The time distinguishes files of concurrent programs.
     static std::atomic<unsigned> counter = 0;
     static const auto start = std::chrono::system_clock::now().time_since_epoch().count();
     for (int attempt = 0; attempt < 1000; ++attempt) {
@@ -62,7 +62,7 @@ class TemporaryFile {
     return std::unexpected(cannot_create(folder, errno));
   }
   ~TemporaryFile() {
-    stream_.reset();  // first, for systems that remove no open file
+    stream_.reset();  // first, for systems that cannot remove open files
     const std::lock_guard lock(unfinished_files().mutex);
     unfinished_files().paths.erase(path_);
     std::error_code ignored;
@@ -95,11 +95,11 @@ class TemporaryFile {
 
 struct Target {
   fs::path path, folder;  // with links resolved, unless written directly; its folder
-  fs::perms permissions = fs::perms::unknown;  // when it exists
-  bool direct = false;                         // no regular file: to be written where it is
+  fs::perms permissions = fs::perms::unknown;  // if it exists
+  bool direct = false;                         // not a regular file: written in place
 };
 
-/// What `path` leads to. The error is why nothing can be written there.
+/// Resolves `path`. The error says why it cannot be written.
 std::expected<Target, std::string> find_target(const fs::path& path) {
   if (path.empty()) return failed(ENOENT);
   Target target{path, {}};
@@ -159,7 +159,7 @@ FileOutcome replace_file(const fs::path& path, std::string_view bytes, Until) {
 FileOutcome check_replaceable(const fs::path& path) {
   const auto target = find_target(path);
   if (!target) return std::unexpected(target.error());
-  if (target->direct) return {};  // to open it may wait or be taken for a message
+  if (target->direct) return {};  // opening it may block or be taken for a message
   const auto temporary = TemporaryFile::create(target->folder);
   return temporary ? FileOutcome() : std::unexpected(temporary.error());
 }
@@ -196,7 +196,7 @@ std::expected<size_t, std::string> InputFile::read(char* to, size_t bytes) {
   return got;
 }
 
-// NOLINTNEXTLINE(readability-convert-member-functions-to-static): it has a file where one is mapped
+// NOLINTNEXTLINE(readability-convert-member-functions-to-static): the mapped version has state
 const std::byte* InputFile::map(size_t) const { return nullptr; }
 
 void unmap_file(const std::byte*, size_t) {}

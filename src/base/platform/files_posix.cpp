@@ -23,9 +23,8 @@ namespace fs = std::filesystem;
 
 std::unexpected<std::string> failed(int error) { return std::unexpected(system_reason(error)); }
 
-/// While it lives, a write to a pipe that nobody reads or beyond the limit of file sizes does not
-/// end the program by a signal but fails like any other. The signals concerned come to the thread
-/// that writes.
+/// While it lives, a write to a pipe without a reader, or beyond the limit of file sizes, fails
+/// instead of ending the program by a signal. These signals go to the writing thread.
 class QuietSignals {
  public:
   QuietSignals() {
@@ -51,7 +50,7 @@ class QuietSignals {
 
 FileOutcome write_all(int file, std::string_view bytes) {
   const QuietSignals quiet;
-  // Linux writes at most 2 GiB at once; what is left comes in the next round.
+  // Linux writes at most 2 GiB per call.
   while (!bytes.empty()) {
     const ssize_t count = ::write(file, bytes.data(), bytes.size());
     if (count > 0) {
@@ -68,7 +67,7 @@ FileOutcome write_all(int file, std::string_view bytes) {
 
 }  // namespace
 
-/// An open file. close() tells of errors that come late, as those of file servers and quotas may.
+/// An open file. close() reports late errors, for instance of file servers and quotas.
 class OpenFile {
  public:
   explicit OpenFile(int id) : id_(id) {}
@@ -79,7 +78,7 @@ class OpenFile {
   int id() const { return id_; }
   FileOutcome close() {
     const int id = std::exchange(id_, -1);
-    // On Linux the file is closed even when the call was interrupted.
+    // Linux closes the file even if the call is interrupted.
     return id < 0 || ::close(id) == 0 || errno == EINTR ? FileOutcome() : failed(errno);
   }
 
@@ -89,14 +88,14 @@ class OpenFile {
 
 namespace {
 
-/// A new file under a name of its own, gone with this object unless it was moved.
+/// A new temporary file, removed with this object unless it was moved into place.
 class TemporaryFile {
  public:
   using Created = std::expected<std::unique_ptr<TemporaryFile>, std::string>;
 
-  /// `mode`: its permissions before the umask.
+  /// `mode`: the permissions before the umask.
   static Created create(const fs::path& folder, mode_t mode) {
-    // The name is short, so that it is allowed wherever the target's is.
+    // Short, so that it is valid wherever the target's name is.
     static std::atomic<unsigned> counter = 0;
     for (int attempt = 0; attempt < 1000; ++attempt) {
       fs::path path = folder / (".raio-" + std::to_string(::getpid()) + "-" +
@@ -134,13 +133,13 @@ class TemporaryFile {
 
 struct Target {
   fs::path path;    // with links resolved, unless written directly
-  fs::path folder;  // of `path`
+  fs::path folder;  // that contains `path`
   bool exists = false;
-  bool direct = false;   // no regular file, or one without a name: to be written where it is
-  struct stat status{};  // when it exists
+  bool direct = false;   // not a regular file, or one without a name: written in place
+  struct stat status{};  // if it exists
 };
 
-/// What `path` leads to. The error is why nothing can be written there.
+/// Resolves `path`. The error says why it cannot be written.
 std::expected<Target, std::string> find_target(const fs::path& path) {
   if (path.empty()) return failed(ENOENT);
   Target target;
@@ -159,7 +158,7 @@ std::expected<Target, std::string> find_target(const fs::path& path) {
                           found.st_dev == target.status.st_dev &&
                           found.st_ino == target.status.st_ino;
   if (target.exists && !found_same) {
-    // A link of /proc to an open file that was removed or never had a name.
+    // A link in /proc to an open file that was deleted or never had a name.
     target.path = path;
     target.direct = true;
     return target;
@@ -180,7 +179,7 @@ FileOutcome write_directly(const Target& target, std::string_view bytes) {
 }
 
 FileOutcome replace(const Target& target, std::string_view bytes, Until until) {
-  // What others may not read of the old file they must not read of the new one at any time.
+  // The new file is never readable by anyone who may not read the old one.
   const auto temporary = TemporaryFile::create(target.folder, target.exists ? 0600 : 0666);
   if (!temporary) return std::unexpected(temporary.error());
   OpenFile& file = (*temporary)->file();
@@ -196,7 +195,7 @@ FileOutcome check(const Target& target) {
     const auto temporary = TemporaryFile::create(target.folder, 0600);
     return temporary ? FileOutcome() : std::unexpected(temporary.error());
   }
-  // Who reads a pipe would take an opening and closing for the end.
+  // A reader of a pipe would take opening and closing for the end of the data.
   if (S_ISFIFO(target.status.st_mode)) {
     const bool allowed = ::faccessat(AT_FDCWD, target.path.c_str(), W_OK, AT_EACCESS) == 0;
     return allowed ? FileOutcome() : failed(errno);
@@ -213,9 +212,9 @@ InputFile::Kind kind_of(int file, mode_t mode) {
   return ::isatty(file) ? InputFile::Kind::terminal : InputFile::Kind::device;
 }
 
-/// The bytes from `start` on, on all threads; as many as there are in one piece from the first on.
-/// Where a read fails or ends early (the file was cut meanwhile), it stops without an error: the
-/// next read tells.
+/// Reads from `start` on all threads; returns the length of the contiguous part read. If a read
+/// fails or ends early (the file was truncated meanwhile), it stops without an error: the next read
+/// reports it.
 size_t read_chunks(int file, size_t start, char* to, size_t chunks, size_t chunk_size) {
   std::vector<size_t> read(chunks, 0);
   parallel_for(chunks, [&](size_t i) {
@@ -255,7 +254,7 @@ FileOutcome check_standard_output() {
 
 struct InputFile::Handle {
   OpenFile file;
-  size_t at, left;  // where a regular file stands, and what is read on all threads
+  size_t at, left;  // position in a regular file, and bytes to read on all threads
 };
 
 InputFile::InputFile(Handle handle, Kind kind, size_t rest)
@@ -284,7 +283,7 @@ std::expected<size_t, std::string> InputFile::read(char* to, size_t bytes) {
   if (const size_t chunks = std::min(bytes, handle_->left) / kChunk; chunks > 0) {
     const size_t got = read_chunks(file, handle_->at, to, chunks, kChunk);
     handle_->at += got;
-    handle_->left = 0;  // the rest in order: it is little, or the file is not what it was
+    handle_->left = 0;  // read the rest in order: it is small, or the file has changed
     if (got > 0 && ::lseek(file, off_t(handle_->at), SEEK_SET) >= 0) return got;
   }
   for (;;) {

@@ -1,4 +1,4 @@
-// Shared libraries that are loaded when they are wanted. For base/lazy_library.h.
+// Shared libraries loaded on demand. For base/lazy_library.h.
 #pragma once
 
 #include <expected>
@@ -6,12 +6,11 @@
 
 namespace raio {
 
-/// Loads a shared library for good, by its name as the linker has it ("libcairo.so.2"). The error
-/// is one line.
+/// Loads a shared library permanently, by its linker name ("libcairo.so.2"). The error is one line.
 std::expected<void, std::string> load_library(const char* file);
 
-/// The address of a function of a library that has been loaded. Throws std::runtime_error if there
-/// is none: then it is not the version that was compiled against.
+/// The address of a function in a loaded library. Throws std::runtime_error if it is missing: then
+/// the library is not the version compiled against.
 void* library_function(const char* file, const std::string& name);
 
 }  // namespace raio

@@ -1,4 +1,4 @@
-// Standard C++ loads no libraries.
+// Standard C++ cannot load libraries.
 #include <stdexcept>
 
 #include "base/platform/library.h"
@@ -7,11 +7,11 @@ namespace raio {
 
 std::expected<void, std::string> load_library(const char* file) {
   return std::unexpected("cannot load a library, " + std::string(file) +
-                         ": this build loads none; use one with RAIO_POSIX=ON");
+                         ": this build cannot load libraries; use one with RAIO_POSIX=ON");
 }
 
 void* library_function(const char* file, const std::string& name) {
-  throw std::runtime_error("no " + name + ": the library " + file + " is not loaded");
+  throw std::runtime_error("no function " + name + ": the library " + file + " is not loaded");
 }
 
 }  // namespace raio

@@ -8,7 +8,7 @@ namespace raio {
 
 std::expected<void, std::string> load_library(const char* file) {
   if (::dlopen(file, RTLD_NOW)) return {};
-  // NOLINTNEXTLINE(concurrency-mt-unsafe): each thread has its own
+  // NOLINTNEXTLINE(concurrency-mt-unsafe): the error is per thread
   return std::unexpected("cannot load a library, " + std::string(::dlerror()) +
                          "; install its package (on Debian: libembree3-3, libcairo2)");
 }
@@ -16,7 +16,7 @@ std::expected<void, std::string> load_library(const char* file) {
 void* library_function(const char* file, const std::string& name) {
   void* const library = ::dlopen(file, RTLD_NOW | RTLD_NOLOAD);
   void* const function = library ? ::dlsym(library, name.c_str()) : nullptr;
-  if (!function) throw std::runtime_error("no " + name + " in the library " + file);
+  if (!function) throw std::runtime_error("no function " + name + " in the library " + file);
   return function;
 }
 

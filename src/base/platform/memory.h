@@ -1,6 +1,6 @@
-// Memory from the system, and how much of it there is to take. Everyone may use it; the latter
-// before large allocations, since systems that promise more than they have end the process later
-// instead of refusing now. What memory is laid out for is in base/memory.h.
+// Memory of the operating system, and how much is available. Ask before large allocations: systems
+// that overcommit kill the process later instead of refusing at once. Memory layouts are in
+// base/memory.h.
 #pragma once
 
 #include <cstddef>
@@ -9,31 +9,29 @@
 
 namespace raio {
 
-/// Memory for `bytes`, at a cache line; large ones in huge pages where the system has them, which
-/// it hands out faster and finds faster at random places.
+/// Allocates `bytes`, aligned to a cache line. Large blocks use huge pages where available, which
+/// are allocated faster and cause fewer TLB misses.
 void* allocate_lines(size_t bytes);
 void free_lines(void* p, size_t bytes);
 
-/// Zeroes, of which those who use them first pay for the parts that they use, where the system has
-/// such; large ones in huge pages, too. Throws std::bad_alloc.
+/// Zeroed memory; where the system supports it, pages cost nothing until they are used. Large
+/// blocks use huge pages, too. Throws std::bad_alloc.
 void* map_zeroes(size_t bytes);
 void unmap_zeroes(void* p, size_t bytes);
 
-/// Bytes that can be taken without pushing anything else out, by the system's own estimate, and
-/// within the limits that this process has. More than any machine has where the system does not
-/// tell.
+/// Bytes available without swapping, by the system's estimate and within this process's limits. A
+/// huge number if the system does not say.
 size_t available_memory_bytes();
 
-/// The process gets no more memory than this from now on: what would take it beyond fails with
-/// std::bad_alloc. Counted is what it asked for, also where it was never used, without the program
-/// itself and its libraries. The error is one line.
+/// Limits the memory of this process: allocations beyond fail with std::bad_alloc. Counts requested
+/// memory, used or not, but not the program itself and its libraries. The error is one line.
 std::expected<void, std::string> limit_memory(size_t bytes);
 
-/// To be called for much memory that is about to be filled: asks the system for large pages there
-/// (Linux: 2 MB, not 4 kB), which come several times faster than small ones.
+/// Call before filling much memory: asks the system for large pages (Linux: 2 MB instead of 4 kB),
+/// which are several times faster to obtain.
 void use_large_pages(void* begin, size_t bytes);
 
-/// The largest resident size of this process so far; 0 where the system does not tell.
+/// The peak resident size of this process; 0 if unknown.
 size_t peak_memory_bytes();
 
 }  // namespace raio

@@ -1,4 +1,4 @@
-// In standard C++, which knows nothing of how much memory there is.
+// Standard C++ cannot tell how much memory there is.
 #include <cstring>
 #include <limits>
 #include <new>

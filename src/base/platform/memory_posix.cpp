@@ -28,8 +28,8 @@ size_t mapped_size(size_t bytes) {
   return (bytes + page - 1) / page * page;
 }
 
-// The beginning of a file of /proc. A stream's first use would cost 0.1 ms, more than reading a
-// small scene.
+// The beginning of a file in /proc. The first use of a stream would cost 0.1 ms, more than reading
+// a small scene.
 std::array<char, 512> read_start(const char* path) {
   std::array<char, 512> text{};
   if (const int file = ::open(path, O_RDONLY | O_CLOEXEC); file >= 0) {
@@ -40,14 +40,14 @@ std::array<char, 512> read_start(const char* path) {
 }
 
 size_t free_memory_bytes() {
-  const auto text = read_start("/proc/meminfo");  // the third line tells
+  const auto text = read_start("/proc/meminfo");  // MemAvailable is the third line
   constexpr std::string_view kKey = "MemAvailable:";
   if (const char* line = std::strstr(text.data(), kKey.data()))
     return std::strtoull(line + kKey.size(), nullptr, 10) * 1024;
   return size_t(sysconf(_SC_PHYS_PAGES)) * size_t(sysconf(_SC_PAGESIZE));
 }
 
-// What RLIMIT_DATA counts.
+// The memory that RLIMIT_DATA counts.
 size_t data_bytes() {
   auto text = read_start("/proc/self/statm");
   char* at = text.data();
@@ -68,7 +68,7 @@ void free_lines(void* p, size_t bytes) { ::operator delete(p, alignment(bytes));
 
 void* map_zeroes(size_t bytes) {
   const size_t size = mapped_size(bytes), large = size_t(kLargePage);
-  const size_t spare = size < large ? 0 : large;  // to begin at a large page
+  const size_t spare = size < large ? 0 : large;  // to align to a large page
   void* const map =
       ::mmap(nullptr, size + spare, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (map == MAP_FAILED) throw std::bad_alloc();
@@ -105,7 +105,7 @@ void use_large_pages(void* begin, size_t bytes) {
   constexpr size_t kLarge = size_t(kLargePage);
   const size_t skip = -reinterpret_cast<uintptr_t>(begin) % kLarge;  // to whole pages
   if (bytes < skip + kLarge) return;
-  // Where it is refused, the memory works as before.
+  // If refused, the memory still works.
   ::madvise(static_cast<char*>(begin) + skip, (bytes - skip) / kLarge * kLarge, MADV_HUGEPAGE);
 }
 

@@ -1,12 +1,11 @@
-// What the machine computes with. Which instructions it has is Highway's to ask
-// (base/platform/instruction_sets.cpp).
+// The processor. Highway finds its instruction sets (base/platform/instruction_sets.cpp).
 #pragma once
 
 #include <string>
 
 namespace raio {
 
-/// The model name of the first processor; "unknown processor" where the system does not tell.
+/// The model name of the first processor; "unknown processor" if unavailable.
 std::string processor_name();
 
 }  // namespace raio
