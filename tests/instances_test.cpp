@@ -307,7 +307,7 @@ TEST(Instances, AStretchedBallIsAnEllipsoid) {
     EXPECT_GT(seen, 10u);
     EXPECT_LE(different, 4u) << k;
     std::string error = flatten_instances(scene);
-    EXPECT_THAT(error, HasSubstr("copies of spheres are stretched unevenly"));
+    EXPECT_THAT(error, HasSubstr("instances of spheres have a non-uniform scale"));
   }
 }
 
@@ -554,12 +554,12 @@ TEST(Instances, EachFaultIsNamed) {
       {[](Scene& s) {
          s.prototypes[1].planes = {{{0, 0, 0}, {0, 0, 1}}}, s.prototypes[1].plane_materials = {0};
        },
-       "prototype 1: an infinite plane cannot be copied"},
+       "prototype 1: an infinite plane cannot be instanced"},
       {[](Scene& s) {
          s.prototypes[1].moving_spheres = {{{0, 0, 0}, {1, 0, 0}, 1, 0, 1}};
          s.prototypes[1].moving_sphere_materials = {0};
        },
-       "prototype 1: what moves cannot be copied"},
+       "prototype 1: moving primitives cannot be instanced"},
       {[](Scene& s) { s.prototypes[1].materials[0].kd = 0.123f; },
        "prototype 1: its materials are not those of the scene"},
       {[](Scene& s) { s.prototypes[1].object_names = {"x"}; },

@@ -496,8 +496,8 @@ raio::Scene object_of(const raio::Scene& scene) {
 uint32_t Scene::add_prototype(const Scene& prototype) {
   return guarded([&] {
     raio::Scene object = object_of(prototype.data_->scene);
-    if (!object.planes.empty()) refuse("an infinite plane cannot be copied");
-    if (object.moves()) refuse("what moves cannot be copied");
+    if (!object.planes.empty()) refuse("an infinite plane cannot be instanced");
+    if (object.moves()) refuse("moving primitives cannot be instanced");
     if (1 + depth_of(object) > kMaxNested)
       refuse(fmt::format("prototypes are nested more than {} deep", kMaxNested));
     if (const auto problems = validate(object); !problems.empty()) refuse(problems.front());

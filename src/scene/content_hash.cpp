@@ -8,16 +8,16 @@ namespace raio {
 namespace {
 
 static_assert(std::endian::native == std::endian::little,
-              "pools are hashed as they lie in memory, which other machines shall agree with");
+              "pools are hashed as stored in memory, which must be the same on all machines");
 
-/// Gathers plain values, whose bytes all count.
+/// Collects plain values without padding.
 class Gatherer {
  public:
   template <class... T>
   void add(const T&... values) {
     (bytes_.append(reinterpret_cast<const char*>(&values), sizeof values), ...);
   }
-  // Elements are numbers of four bytes, so that there is nothing between them.
+  // Elements are four-byte numbers, without padding in between.
   template <class T>
   void add_column(ColumnName column, const Array<T>& array) {
     static_assert(alignof(T) == 4);
@@ -33,7 +33,7 @@ class Gatherer {
     add(uint32_t(value.has_value()), value.value_or(T()));
   }
 
-  // What is usual adds nothing, so that scenes from before it was known keep their names.
+  // Defaults add nothing, so older scenes keep their hashes.
   void add_word(std::string_view word) { bytes_.append(word); }
 
   std::string name() const { return hex(hash128(bytes_)); }
@@ -59,7 +59,7 @@ std::string content_hash(const Scene& s) {
   const auto add = [&](ColumnName name, const auto& array) { all.add_column(name, array); };
   for_each_own_column(s, add);
   for (const Mesh& mesh : s.meshes) {
-    all.add('m');  // so that no column can pass for one of the mesh before
+    all.add('m');  // so that columns of successive meshes cannot be confused
     for_each_mesh_column(mesh, add);
   }
   if (s.dialect == Dialect::p3f) all.add_word("dialect p3f");

@@ -8,7 +8,7 @@
 namespace raio {
 namespace {
 
-// The texel of the face itself that is nearest to where a direction meets it.
+// The face's own texel nearest to a direction.
 size_t nearest(const CubeMap& map, Vec3f direction) {
   const CubePlace place = cube_place(direction);
   const auto texel = [&](float along) {
@@ -27,7 +27,7 @@ uint32_t mean(std::array<uint32_t, 3> texels) {
   return out;
 }
 
-// The texels around a face, from those of its neighbours.
+// Fills the border of a face from its neighbours.
 void surround(CubeMap& map, CubeFace face) {
   const int n = map.side;
   const auto outside = [&](int column, int row) {
@@ -51,7 +51,7 @@ void surround(CubeMap& map, CubeFace face) {
 CubePlace cube_place(Vec3f d) {
   const float x = std::abs(d.x), y = std::abs(d.y), z = std::abs(d.z);
   if (x >= y && x >= z) {
-    // Who looks towards +z with +y above has -x at the right.
+    // Looking towards +z with +y up, -x is at the right.
     if (d.x > 0) return {CubeFace::left, d.z / x, d.y / x};
     return {CubeFace::right, -d.z / x, d.y / x};
   }
@@ -82,7 +82,7 @@ Vec3f cube_direction(const CubePlace& p) {
 }
 
 void CubeMap::finish() {
-  // Their own texels first: neighbours read them. Those around are not read but in the corners.
+  // The faces' own texels first: neighbours read them. Border texels are only read at corners.
   parallel_for(kCubeFaces, [&](size_t face) { surround(*this, CubeFace(face)); });
   std::array<Hash128, kCubeFaces + 1> hashes;
   std::array<uint8_t, kCubeFaces> most{};

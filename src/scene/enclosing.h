@@ -1,4 +1,4 @@
-// Sums over spheres that enclose all of a scene but infinite planes.
+// Sums over spheres that enclose all of a scene except infinite planes.
 #pragma once
 
 #include <cmath>
@@ -26,8 +26,8 @@ void enclose(const Scene& scene, size_t i, F&& f) {
   }
 }
 
-/// Calls add(sum, centre, radius) for each `every`-th primitive of each list of a scene. Joins the
-/// sums in an order that does not depend on threads.
+/// Calls add(sum, centre, radius) for every `every`-th primitive of each pool. Adds the sums in an
+/// order that does not depend on threads.
 template <class Sum, class Add>
 Sum sum_up(const Scene& scene, const Add& add, size_t every = 1) {
   Sum total;

@@ -1,4 +1,4 @@
-// Copies of objects as primitives of their own, for what has no instances.
+// Converts instances to primitives, for code without instancing.
 #include <algorithm>
 #include <atomic>
 #include <optional>
@@ -14,7 +14,7 @@
 namespace raio {
 namespace {
 
-// What a map makes of a shape; nothing: no shape of the kind.
+// The transformed shape; nothing if it is no shape of this kind.
 std::optional<Sphere> moved(const Sphere& s, const Placement& by) {
   if (by.scale() == 0) return std::nullopt;
   return Sphere{Vec3f(by.point(Vec3d(s.center))), float(by.scale() * double(s.radius))};
@@ -43,18 +43,18 @@ std::optional<Disc> moved(const Disc& disc, const Placement& by) {
   out.inner = float(by.scale() * double(disc.inner));
   return out;
 }
-template <class Shape>  // of which validate() lets no object have any
+template <class Shape>  // validate() keeps these out of objects
 std::optional<Shape> moved(const Shape& shape, const Placement&) {
   return shape;
 }
 
-// So that a mirrored triangle's front stays what the map makes of its front.
+// So that the front of a mirrored triangle is the image of its front.
 TriangleIndices turned(const TriangleIndices& t, bool mirrored) {
   return mirrored ? TriangleIndices{t[0], t[2], t[1]} : t;
 }
 
-// Appends a column that is parallel to a pool of `before` elements, of which `count` come. Where
-// only one of both has any, the others have what is `usual` for their materials.
+// Appends a column parallel to a pool of `before` elements, which gets `count` more. If only one of
+// both has values, the others get their materials' `usual` value.
 template <class T, class Usual>
 void append(Array<T>& to, const Array<MaterialId>& materials, size_t before, const Array<T>& from,
             size_t count, const Usual& usual) {
@@ -70,8 +70,8 @@ class Flattener {
  public:
   explicit Flattener(Scene& scene) : scene_(scene) {}
 
-  // All that `object` has, moved by the matrix. It belongs to `owner`, or, if that is 0, to
-  // whatever it belongs to in the object.
+  // Adds all of `object`, transformed by the matrix. It belongs to `owner` or, if that is 0, to its
+  // owner within the object.
   void add(const Scene& object, const Matrix& matrix, uint32_t owner) {
     const Placement by(matrix);
     const size_t positions = scene_.positions.size();
@@ -97,7 +97,7 @@ class Flattener {
           owner ? owner : object_of(object, PoolKind::instance, i));
     }
   }
-  // To be called at the end.
+  // Call at the end.
   void sort_ranges() {
     Array<ObjectRange>& all = scene_.object_ranges;
     if (all.empty()) return;
@@ -124,7 +124,7 @@ class Flattener {
     to.resize(scene_.triangles.size() + object.triangles.size(), kFlat);
   }
 
-  // Gives them corners in the other order.
+  // Reverses the order of their vertices.
   void turn(std::span<Polygon> polygons) {
     Array<Vec3f>& positions = scene_.positions;
     for (Polygon& polygon : polygons) {
@@ -134,7 +134,7 @@ class Flattener {
     }
   }
 
-  // The objects of `count` elements of a pool that come behind `before`.
+  // The object ranges of `count` elements of a pool after the first `before`.
   void add_ranges(const Scene& object, PoolKind pool, size_t before, size_t count, uint32_t owner) {
     if (owner && count > 0)
       scene_.object_ranges.push_back({pool, uint32_t(before), uint32_t(count), owner});
@@ -181,15 +181,15 @@ class Flattener {
       return scene_.material_opacity.empty() ? 1 : scene_.material_opacity[id];
     });
     if (lost)
-      error_ = "copies of " + std::string(kPoolNames[size_t(pool.kind)]) +
-               "s are stretched unevenly, and such shapes are drawn as instances only";
+      error_ = "instances of " + std::string(kPoolNames[size_t(pool.kind)]) +
+               "s have a non-uniform scale, and such shapes cannot become primitives";
   }
 
   Scene& scene_;
   std::string error_;
 };
 
-// Of what a scene and its copies are as primitives of their own.
+// The size of a scene with its instances converted to primitives, bytes.
 double flat_bytes(const Scene& scene) {
   std::vector<double> of_one;
   of_one.reserve(scene.prototypes.size());
@@ -203,12 +203,12 @@ double flat_bytes(const Scene& scene) {
 
 std::string flatten_instances(Scene& scene) {
   if (scene.instances.empty()) {
-    scene.prototypes.clear();  // of which there is no copy
+    scene.prototypes.clear();  // none has instances any more
     return {};
   }
   if (const double bytes = flat_bytes(scene); bytes > 0.5 * double(available_memory_bytes()))
-    return "its copies as primitives of their own would take " +
-           std::to_string(uint64_t(bytes * 1e-9) + 1) + " GB, more than there is";
+    return "its instances as primitives would take " + std::to_string(uint64_t(bytes * 1e-9) + 1) +
+           " GB, more than is available";
   const Array<Instance> copies = std::move(scene.instances);
   const std::vector<Scene> objects = std::move(scene.prototypes);
   const Array<ObjectRange> ranges = std::move(scene.object_ranges);

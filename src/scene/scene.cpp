@@ -17,13 +17,13 @@ std::string plural(size_t count, std::string_view noun) {
 
 void extend_by_copies(Box3f& box, const Scene& scene, const Matrix* matrix);
 
-// Of the scene where `matrix` places it; null: where it is.
+// The bounds of the scene transformed by `matrix`; null: untransformed.
 Box3f bounds_of(const Scene& scene, const Matrix* matrix) {
   const Placement place(matrix ? *matrix : kIdentity);
   const double scale = place.scale();
   Box3f box;
   const auto add_point = [&](Vec3f p) { box.extend(matrix ? Vec3f(place.point(Vec3d(p))) : p); };
-  // Of all spheres, rounded once, which takes a fraction of the time.
+  // Bounds all spheres, rounded once, which is several times faster.
   Box3d of_spheres;
   if (!matrix)
     for (const Sphere& sphere : scene.spheres) of_spheres.extend(exact_bounds(sphere));
@@ -43,7 +43,7 @@ Box3f bounds_of(const Scene& scene, const Matrix* matrix) {
           box.extend(rounded_out(place.box(own)));
       }
   });
-  // By index, as a position may belong to nothing.
+  // By index, as a position may be unused.
   for (const TriangleIndices& triangle : scene.triangles)
     for (const uint32_t corner : triangle) add_point(scene.positions[corner]);
   for (const Polygon& polygon : scene.polygons)
@@ -56,8 +56,8 @@ Box3f bounds_of(const Scene& scene, const Matrix* matrix) {
   return box;
 }
 
-// A copy is looked into only if it may reach out of the box, by the box of its object, as most
-// copies of a large assembly do not. Those that reach furthest come first.
+// Descends into an instance only if the bounds of its object extend beyond the box; in a large
+// assembly most do not. Those that extend furthest come first.
 void extend_by_copies(Box3f& box, const Scene& scene, const Matrix* matrix) {
   std::vector<Box3f> of_object;
   of_object.reserve(scene.prototypes.size());
@@ -68,7 +68,7 @@ void extend_by_copies(Box3f& box, const Scene& scene, const Matrix* matrix) {
   for (const Instance& copy : scene.instances) {
     matrices.push_back(matrix ? joined(*matrix, copy.matrix) : copy.matrix);
     Box3d outer = Placement(matrices.back()).box(of_object[copy.prototype]);
-    // By more than roundings, and than a scale that counts as even is uneven.
+    // More than rounding, and than the tolerance of a uniform scale.
     const Vec3d slack = (outer.hi - outer.lo) * 1e-3 + (abs(outer.lo) + abs(outer.hi)) * 1e-6;
     reach.push_back({outer.lo - slack, outer.hi + slack});
   }
@@ -86,7 +86,7 @@ void extend_by_copies(Box3f& box, const Scene& scene, const Matrix* matrix) {
   for (size_t i = 0; i < reach.size(); ++i) look_into(i);
 }
 
-// Of each prototype.
+// The number of instances of each prototype.
 std::vector<size_t> count_copies(const Scene& scene) {
   std::vector<size_t> copies(scene.prototypes.size());
   for (const Instance& copy : scene.instances) ++copies[copy.prototype];
@@ -281,13 +281,14 @@ std::string camera_problem(const Camera& camera) {
   if (!(length(cross(view, up)) > 1e-7 * length(view) * length(up)))
     return "up is parallel to the line of sight";
   if (const auto& m = camera.movement) {
-    // The line of sight changes evenly, and so does its product with `up`: how near to zero?
+    // The line of sight changes linearly, and so does its product with `up`: how near to zero?
     const Vec3d end = Vec3d(m->at) - Vec3d(m->from);
     const Vec3d first = cross(view, up), way = cross(end, up) - first;
     const double way2 = dot(way, way);
     const double part = way2 > 0 ? std::clamp(-dot(first, way) / way2, 0.0, 1.0) : 0;
     if (!(length(first + way * part) > 1e-7 * (length(view) + length(end)) * length(up)))
-      return "on the way of the camera, up is parallel to the line of sight, or from and at meet";
+      return "during the camera's movement, up becomes parallel to the line of sight, or from and "
+             "at coincide";
   }
   return {};
 }

@@ -9,13 +9,13 @@
 namespace raio {
 namespace {
 
-// Two texels along one side and how far the place is from the first to the second.
+// Two neighbouring texels and the position between them.
 struct Between {
   size_t first = 0, second = 0;
   float part = 0;
 };
 
-// `x`: the place, from 0 to 1 along the side.
+// `x`: the coordinate, from 0 to 1 along the side.
 Between between_texels(float x, uint32_t side, TextureWrap wrap) {
   if (!std::isfinite(x)) x = 0;
   switch (wrap) {
@@ -30,7 +30,7 @@ Between between_texels(float x, uint32_t side, TextureWrap wrap) {
       if (x > 1) x = 2 - x;
       break;
   }
-  // Centres of texels are whole numbers; -0.5 to side - 0.5.
+  // Texel centres are whole numbers; -0.5 to side - 0.5.
   const float along = x * float(side) - 0.5f, whole = std::floor(along);
   const auto texel = [&](int i) {
     if (i >= 0 && i < int(side)) return size_t(i);

@@ -1,5 +1,5 @@
-// What makes a scene unfit for rendering. Scenes may have millions of elements and come straight
-// from a file, so they are looked at on all threads; sentences are made only of what is wrong.
+// Checks whether a scene can be rendered. Scenes may have millions of elements, straight from a
+// file, so all threads check them; only faults are formatted.
 
 #include <algorithm>
 #include <string_view>
@@ -11,7 +11,7 @@
 namespace raio {
 namespace {
 
-/// Sentences about what is wrong, not more than anyone reads.
+/// Sentences about faults, limited to a readable number.
 class Problems {
  public:
   template <class... Parts>
@@ -61,7 +61,7 @@ void check_camera(const Camera& camera, Problems& problems) {
   problems.check(camera.fov_deg > 0 && camera.fov_deg < 180,
                  "camera: the angle must lie between 0 and 180 degrees");
   problems.check(camera.horizontal_fov_deg >= 0 && camera.horizontal_fov_deg < 180,
-                 "camera: the angle across must lie between 0 and 180 degrees");
+                 "camera: the horizontal angle must lie between 0 and 180 degrees");
   problems.check(camera.projection <= Projection::orthographic,
                  "camera: the projection must be perspective or orthographic");
   problems.check(std::isfinite(camera.near_clip), "camera: hither must be finite");
@@ -104,7 +104,7 @@ void check_lights_and_materials(const Scene& scene, Problems& problems) {
                    scene.materials.size(), " materials but ", count, " ", what, " for them");
   };
   parallel(scene.material_specular.size(), "specular colours");
-  parallel(scene.material_roughness.size(), "numbers of roughness");
+  parallel(scene.material_roughness.size(), "roughness values");
   parallel(scene.material_opacity.size(), "opacities");
   parallel(scene.material_texture.size(), "textures");
   for (size_t i = 0; i < scene.material_specular.size(); ++i)
@@ -134,11 +134,11 @@ void check_textures(const Scene& scene, Problems& problems) {
     problems.check(!has_size || size_t(t.first) + size_t(t.width) * t.height <= scene.texels.size(),
                    "texture ", i, ": its texels must be those of the scene");
     problems.check(t.wrap_u <= TextureWrap::mirror && t.wrap_v <= TextureWrap::mirror, "texture ",
-                   i, ": what is beyond its edges must be 0, 1 or 2");
+                   i, ": the wrap mode must be 0, 1 or 2");
   }
 }
 
-/// Calls check(problems, i) for 0 .. count - 1 on all threads. The sentences are in order.
+/// Calls check(problems, i) for 0 .. count - 1 on all threads. The sentences stay in order.
 template <class F>
 void check_each(size_t count, Problems& problems, const F& check) {
   constexpr size_t kChunk = 1 << 16;
@@ -154,13 +154,13 @@ void check_each(size_t count, Problems& problems, const F& check) {
   for (Problems& chunk : chunks) problems.append(std::move(chunk));
 }
 
-/// Triangles and polygons are indices, which check_triangles() and check_polygons() follow.
+/// Triangles and polygons are indices, checked by check_triangles() and check_polygons().
 template <class Check>
 void check_shape(const TriangleIndices&, const Check&) {}
 template <class Check>
 void check_shape(const Polygon&, const Check&) {}
 
-/// One kind's pool beside its materials, colours and opacities.
+/// Checks a kind's pool with its materials, colours and opacities.
 void check_pools(const Scene& scene, Problems& problems) {
   const size_t materials = scene.materials.size();
   for_each_pool(scene, [&](PoolKind pool, const auto& shapes, const Array<MaterialId>& ids,
@@ -192,7 +192,7 @@ void check_pools(const Scene& scene, Problems& problems) {
   });
 }
 
-/// Triangles with their vertices: those of the scene, or of a mesh, which `whose` names.
+/// Triangles with their vertices: of the scene, or of the mesh named by `whose`.
 struct Triangles {
   std::string whose;
   const Array<Vec3f>&positions, &normals;
@@ -210,7 +210,7 @@ void check_triangles(const Triangles& t, Problems& problems) {
   });
   check_each(t.triangles.size(), problems, [&](Problems& p, size_t i) {
     for (const uint32_t corner : t.triangles[i])
-      p.check(corner < t.positions.size(), whose, "triangle ", i, ": corner ", size_t(corner),
+      p.check(corner < t.positions.size(), whose, "triangle ", i, ": vertex ", size_t(corner),
               " of ", t.positions.size(), " positions");
   });
   problems.check(t.normal_indices.empty() || t.normal_indices.size() == t.triangles.size(), whose,
@@ -229,9 +229,9 @@ void check_polygons(const Scene& scene, Problems& problems) {
   check_each(scene.polygons.size(), problems, [&](Problems& p, size_t i) {
     const Polygon& polygon = scene.polygons[i];
     p.check(polygon.count >= 4, "polygon ", i, ": ", size_t(polygon.count),
-            " corners, fewer than 4");
+            " vertices, fewer than 4");
     p.check(size_t(polygon.first) + polygon.count <= scene.positions.size(), "polygon ", i,
-            ": corners up to ", size_t(polygon.first) + polygon.count, " of ",
+            ": vertices up to ", size_t(polygon.first) + polygon.count, " of ",
             scene.positions.size(), " positions");
   });
 }
@@ -257,7 +257,7 @@ void check_mesh(const Scene& scene, size_t number, Problems& problems) {
   });
   problems.check(mesh.materials.size() == 1 || mesh.materials.size() == mesh.triangles.size(),
                  whose, "there are ", mesh.triangles.size(), " triangles but ",
-                 mesh.materials.size(), " materials, expected 1 or one for each");
+                 mesh.materials.size(), " materials, expected 1 or one per triangle");
   check_each(mesh.materials.size(), problems, [&](Problems& p, size_t i) {
     p.check(mesh.materials[i] < scene.materials.size(), whose, "material ",
             size_t(mesh.materials[i]), " of ", scene.materials.size());
@@ -286,7 +286,7 @@ void check_meshes(const Scene& scene, Problems& problems) {
                  " normals with those of meshes and polygons, more than can be rendered");
 }
 
-// `names`: how many objects there are.
+// `names`: the number of objects.
 void check_objects(const Scene& scene, size_t names, Problems& problems) {
   std::array<size_t, kPoolNames.size()> counts{};
   for_each_pool(scene, [&](PoolKind pool, const auto& shapes, auto&...) {
@@ -309,7 +309,7 @@ void check_objects(const Scene& scene, size_t names, Problems& problems) {
     const ObjectRange& before = ranges[i - 1];
     p.check(before.pool < r.pool ||
                 (before.pool == r.pool && size_t(before.first) + before.count <= size_t(r.first)),
-            "object range ", i, ": it must come behind the one before, and not overlap it");
+            "object range ", i, ": it must follow the range before without overlap");
   });
 }
 
@@ -321,8 +321,8 @@ void check_all_pools(const Scene& scene, Problems& problems) {
   check_meshes(scene, problems);
 }
 
-/// Copies, of objects that are sound. `names`: how many objects with a name there are; `depth`: how
-/// many prototypes are around.
+/// Checks instances and their prototypes. `names`: the number of object names; `depth`: the number
+/// of enclosing prototypes.
 void check_instances(const Scene& scene, size_t names, int depth, Problems& problems) {
   if (depth == kMaxNested && !scene.prototypes.empty())
     return problems.check(false, "prototypes are nested more than ", size_t(kMaxNested), " deep");
@@ -343,8 +343,8 @@ void check_instances(const Scene& scene, size_t names, int depth, Problems& prob
         object.material_texture.empty() || object.material_texture.size() == scene.materials.size(),
         "it has textures of ", object.material_texture.size(), " of the scene's ",
         scene.materials.size(), " materials");
-    own.check(object.planes.empty(), "an infinite plane cannot be copied");
-    own.check(!object.moves(), "what moves cannot be copied");
+    own.check(object.planes.empty(), "an infinite plane cannot be instanced");
+    own.check(!object.moves(), "moving primitives cannot be instanced");
     for (const std::string& sentence : own.take())
       problems.check(false, "prototype ", i, ": ", sentence);
   }
@@ -357,7 +357,7 @@ void check_instances(const Scene& scene, size_t names, int depth, Problems& prob
   });
 }
 
-// What there is with what instances show, not counted further than to more than can be.
+// The total number with the contents of instances, saturated just above the limits.
 struct Expanded {
   uint64_t instances = 0, primitives = 0;
 };
@@ -394,7 +394,7 @@ std::vector<std::string> validate(const Scene& scene) {
   check_instances(scene, scene.object_names.size(), 0, problems);
   check_objects(scene, scene.object_names.size(), problems);
   if (const auto sound = problems.take(); !sound.empty()) return sound;
-  // Counted last, as prototypes that there are not have no size.
+  // Counted last, since invalid prototype indices have no size.
   const Expanded all = expanded(scene);
   problems.check(all.instances <= kMaxInstances && all.primitives <= kMaxShown,
                  "there are more than ",

@@ -11,8 +11,7 @@
 
 namespace raio {
 
-/// A cylinder is the cone of two equal radii. As NFF has it: with negative radii only the inside is
-/// seen.
+/// A cylinder has two equal radii. As in NFF, only the inside is visible if the radii are negative.
 struct Cone {
   Vec3f base;
   float base_radius = 0;
@@ -27,7 +26,7 @@ constexpr ShapeKind shape_kind(const Cone& c) {
 }
 inline bool only_inside_seen(const Cone& c) { return c.base_radius < 0 || c.apex_radius < 0; }
 
-/// Calls must(sound, "what is expected") for each thing that has to hold.
+/// Calls must(sound, "what is expected") for each condition.
 template <class Must>
 void check_shape(const Cone& c, Must&& must) {
   const double base = c.base_radius, apex = c.apex_radius;
@@ -38,8 +37,8 @@ void check_shape(const Cone& c, Must&& must) {
   must(!(base * apex < 0), "one radius is negative and the other is not");
 }
 
-/// What an intersection wants of a cone; made once when a scene is baked.
-/// At height z above the base (0 <= z <= height) the radius is base_radius + slope * z.
+/// A cone prepared for intersection when a scene is baked. At height z above the base (0 <= z <=
+/// height) the radius is base_radius + slope * z.
 struct BakedCone {
   Vec3f base, axis;  // axis: unit, from base to apex
   float height = 0, base_radius = 0, slope = 0;
@@ -58,7 +57,7 @@ struct BakedCone {
 
 inline BakedCone bake(const Cone& c) { return BakedCone(c); }
 
-/// The same numbers with names only: of one cone, or each a column of many.
+/// The same members as plain numbers: of one cone, or each a column for many.
 template <class T>
 struct ConeNumbers {
   T base[3], axis[3], height, base_radius, slope;
@@ -71,11 +70,10 @@ inline ConeNumbers<float> numbers_of(const BakedCone& c) {
           c.slope};
 }
 
-/// Around the baked surface, which is where rays meet it: the ulps by which baking moves it are
-/// inside.
+/// Bounds of the baked surface, which rays hit; baking moves it by some ulps.
 inline Box3f bounds(const BakedCone& c) {
   const Vec3d base(c.base), axis = normalize(Vec3d(c.axis));
-  // A circle of normal n reaches r * sqrt(1 - n_x^2) along x; in this form nothing cancels.
+  // A circle with normal n extends r * sqrt(1 - n_x^2) along x; this form avoids cancellation.
   const Vec3d reach(std::hypot(axis.y, axis.z), std::hypot(axis.z, axis.x),
                     std::hypot(axis.x, axis.y));
   Box3d box;
@@ -89,8 +87,7 @@ inline Box3f bounds(const BakedCone& c) {
 
 inline Box3f bounds(const Cone& c) { return bounds(BakedCone(c)); }
 
-/// Up to two hits in order of distance; `cosine` has the sign of dot(outward normal, ray
-/// direction).
+/// Up to two hits by distance; `cosine` has the sign of dot(outward normal, ray direction).
 struct ConeRoots {
   int count = 0;
   float t[2] = {};
@@ -98,8 +95,8 @@ struct ConeRoots {
 };
 
 /// Solves |x|^2 - z^2 = (r + k z)^2 along the ray, with the origin moved to the ray's point nearest
-/// to the middle of the axis. In double: the terms of a thin cone seen from afar cancel by the
-/// square of distance over radius, which is more than a float can lose.
+/// to the middle of the axis. In double: for a thin, distant cone, cancellation grows with the
+/// square of distance over radius, too much for a float.
 inline ConeRoots cone_roots(const BakedCone& c, const Ray& ray) {
   const Vec3d d(ray.dir), axis(c.axis);
   const double r = c.base_radius, k = c.slope, h = c.height;
@@ -107,7 +104,7 @@ inline ConeRoots cone_roots(const BakedCone& c, const Ray& ray) {
   const double shift = -dot(from_base - axis * (0.5 * h), d) / dot(d, d);
   const Vec3d o = from_base + d * shift;
   const double oz = dot(o, axis), dz = dot(d, axis);
-  // Components across the axis, by subtraction of vectors: no difference of large squares.
+  // Components perpendicular to the axis, by subtracting vectors, not large squares.
   const Vec3d o_across = o - axis * oz, d_across = d - axis * dz;
   const double o_r = r + k * oz, d_r = k * dz;
   const double a = dot(d_across, d_across) - d_r * d_r;
@@ -128,7 +125,7 @@ inline ConeRoots cone_roots(const BakedCone& c, const Ray& ray) {
   }
   const double disc = b * b - a * q;
   if (!(disc >= 0)) return out;
-  // The root of larger magnitude first, the other from the product: neither cancels.
+  // The root of larger magnitude first, the other from the product, without cancellation.
   const double big = b >= 0 ? -b - std::sqrt(disc) : -b + std::sqrt(disc);
   double s0 = big / a, s1 = big != 0 ? q / big : s0;
   if (s0 > s1) std::swap(s0, s1);
@@ -144,13 +141,13 @@ inline std::optional<ShapeHit> first_hit(const BakedCone& c, const Ray& ray, Sid
   return std::nullopt;
 }
 
-/// The outward unit normal at `p`, a point of the surface.
+/// The outward unit normal at `p`, a point on the surface.
 inline Vec3f cone_normal(const BakedCone& c, Vec3f p) {
   const Vec3d axis(c.axis), x = Vec3d(p) - Vec3d(c.base);
   const double z = dot(x, axis);
   const Vec3d across = x - axis * z;
   const double rho = length(across);
-  // A point on the axis is the tip, where no normal is right; any across the axis will do.
+  // On the axis is the tip, which has no normal; any direction across the axis will do.
   const Vec3d out = rho > 0 ? across / rho : Frame<double>(axis).u;
   return Vec3f(normalize(out - axis * double(c.slope)));
 }
@@ -159,14 +156,14 @@ inline SurfacePoint surface_point(const BakedCone& c, Vec3f p) {
   const Vec3f normal = cone_normal(c, p);
   const Vec3d axis(c.axis), x = Vec3d(p) - Vec3d(c.base);
   const double z = dot(x, axis), rho = length(x - axis * z);
-  // Along the normal to the surface: the radial error, times the cosine of the slope.
+  // Along the surface normal: the radial error times the cosine of the slope.
   const double error = rho - (c.base_radius + c.slope * z);
   p = Vec3f(Vec3d(p) - Vec3d(normal) * (error / std::sqrt(1 + double(c.slope) * c.slope)));
   const float extent = c.height + std::max(c.base_radius, c.base_radius + c.slope * c.height);
   return {p, normal, extent};
 }
 
-/// The distance of a point to the surface: exact, in the half plane of the axis and the point.
+/// The exact distance of a point to the surface, in the half plane of axis and point.
 inline double cone_distance(const BakedCone& c, Vec3d p) {
   const Vec3d axis(c.axis), x = p - Vec3d(c.base);
   const double z = dot(x, axis), rho = length(x - axis * z);
@@ -176,11 +173,11 @@ inline double cone_distance(const BakedCone& c, Vec3d p) {
   return std::hypot(rho - (c.base_radius + s * dr), z - s * h);
 }
 
-/// May the surface touch the box? Never wrong with "no".
+/// Whether the surface may touch the box; "no" is always right.
 inline bool overlaps(const BakedCone& c, const Box3d& box) {
   return may_touch(box, [&](const Box3d& part) {
     const Vec3d center = part.center();
-    // The axis is of unit length to a float's precision, and so are distances measured with it.
+    // The axis has unit length only to float precision, and so have distances along it.
     const double slack =
         std::numeric_limits<float>::epsilon() * (length(center - Vec3d(c.base)) + c.height);
     return cone_distance(c, center) > 0.5 * length(part.size()) + slack;
@@ -196,8 +193,8 @@ inline bool overlaps(const BakedCone& c, const Box3d& box) {
 HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
 
-// The first hits in front of the rays with cones. first_hit() explains; the order of operations is
-// its.
+// The first hits of rays and cones in front of the origins; same order of operations as
+// first_hit(), which explains them.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE FirstHits<D> first_hits(D d, const ConeNumbers<V>& c, const V* origin, const V* dir) {
   const auto dot3 = [&](const V* x, const V* y) {
@@ -247,9 +244,9 @@ HWY_INLINE FirstHits<D> first_hits(D d, const ConeNumbers<V>& c, const V* origin
   return first_of(d, in0, hn::Add(s0, shift), in1, hn::Add(s1, shift));
 }
 
-// Cones i, i + 1, ... of the columns whose axes the line of a ray passes further away than their
-// largest radius: |(o - base) . (d x axis)| / |d x axis|, but for rounding, here and in the test in
-// double, which goes by the square of the height. `slack`: that rounding, in parts of the numbers.
+// Marks cones i, i + 1, ... that the line of a ray passes further from the axis than their largest
+// radius: |(o - base) . (d x axis)| / |d x axis|. `slack` is the relative rounding error, here and
+// in the double test, which depends on the square of the height.
 template <class F, size_t n>
 HWY_INLINE hn::Mask<F> passes_by(F f, const ConeNumbers<float[n]>& c, int i, const float* origin,
                                  const float* dir, float slack) {
@@ -273,7 +270,7 @@ HWY_INLINE hn::Mask<F> passes_by(F f, const ConeNumbers<float[n]>& c, int i, con
   return hn::Gt(apart, hn::Mul(reach, across));
 }
 
-// Who has no such function is tested whenever its box is met: that shall not happen to cones.
+// Kinds without this function are tested at every box hit; cones must have it.
 static_assert(requires(ConeNumbers<float[8]> c, const float* ray) {
   passes_by(hn::CappedTag<float, 8>(), c, 0, ray, ray, 0.0f);
 });

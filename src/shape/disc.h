@@ -14,8 +14,8 @@
 
 namespace raio {
 
-/// The points of a plane from `inner` to `radius` away from the centre. The outside is where the
-/// normal, of unit length, points to.
+/// The points of a plane from `inner` to `radius` away from the centre. The unit normal points
+/// outward.
 struct Disc {
   Vec3f center, normal;
   float radius = 0, inner = 0;
@@ -36,7 +36,7 @@ void check_shape(const Disc& d, Must&& must) {
 // NOLINTNEXTLINE(bugprone-return-const-ref-from-parameter): the scene keeps it
 inline const Disc& bake(const Disc& d) { return d; }
 
-/// The numbers of a disc with names only: of one, or each a column of many.
+/// The members of a disc as plain numbers: of one, or each a column for many.
 template <class T>
 struct DiscNumbers {
   T center[3], normal[3], radius, inner;
@@ -49,16 +49,16 @@ inline DiscNumbers<float> numbers_of(const Disc& d) {
 }
 
 inline Box3f bounds(const Disc& d) {
-  // A circle of normal n reaches r * sqrt(1 - n_x^2) along x; in this form nothing cancels.
+  // A circle with normal n extends r * sqrt(1 - n_x^2) along x; this form avoids cancellation.
   const Vec3d n = normalize(Vec3d(d.normal)), center(d.center);
   const Vec3d reach =
       Vec3d(std::hypot(n.y, n.z), std::hypot(n.z, n.x), std::hypot(n.x, n.y)) * double(d.radius);
   return rounded_out({center - reach, center + reach});
 }
 
-/// The plane is met as in plane.h, in double, and the distance from the centre follows from there:
-/// the differences are of the size of the disc and not of its distance. A parallel ray meets
-/// nothing: its distance is infinite or not a number.
+/// Intersects the plane in double as plane.h does, then computes the distance from the centre from
+/// differences of the disc's size, not of its distance. A parallel ray misses: its distance is
+/// infinite or NaN.
 inline std::optional<ShapeHit> first_hit(const Disc& disc, const Ray& ray, Sides sides) {
   const Vec3d normal(disc.normal), dir(ray.dir);
   const Vec3d to_center = Vec3d(disc.center) - Vec3d(ray.origin);
@@ -85,11 +85,11 @@ inline double disc_distance(const Disc& d, Vec3d p) {
   return std::hypot(z, std::max({0.0, rho - d.radius, d.inner - rho}));
 }
 
-/// May the disc touch the box? Never wrong with "no".
+/// Whether the disc may touch the box; "no" is always right.
 inline bool overlaps(const Disc& d, const Box3d& box) {
   return may_touch(box, [&](const Box3d& part) {
     const Vec3d center = part.center(), half = part.size() * 0.5, normal(d.normal);
-    // The normal is of unit length to a float's precision, and so are distances measured with it.
+    // The normal has unit length only to float precision, and so have distances along it.
     const double slack =
         std::numeric_limits<float>::epsilon() * (length(center - Vec3d(d.center)) + length(half));
     const double height = std::abs(dot(normal, center - Vec3d(d.center)));

@@ -15,8 +15,7 @@
 
 namespace raio {
 
-/// The unit sphere, stretched along three semi-axes that are perpendicular to each other. Both
-/// sides are seen.
+/// The unit sphere stretched along three perpendicular semi-axes. Both sides are visible.
 struct Ellipsoid {
   Vec3f center;
   Vec3f axes[3];
@@ -25,15 +24,15 @@ struct Ellipsoid {
 constexpr ShapeKind shape_kind(const Ellipsoid&) { return ShapeKind::ellipsoid; }
 inline bool only_inside_seen(const Ellipsoid&) { return false; }
 
-/// What an intersection wants of an ellipsoid; made once when a scene is baked: the points x with
-/// |to_unit (x - center)| = 1. `to_unit` has rows.
+/// An ellipsoid prepared for intersection when a scene is baked: the points x with |to_unit (x -
+/// center)| = 1. `to_unit` consists of rows.
 struct BakedEllipsoid {
   Vec3f center;
   Vec3f to_unit[3];
   float extent = 0;  // the longest semi-axis
 
   BakedEllipsoid() = default;
-  /// The rows are the inverse of the matrix whose columns are the semi-axes.
+  /// The rows are the inverse of the matrix with the semi-axes as columns.
   explicit BakedEllipsoid(const Ellipsoid& e) : center(e.center) {
     for (int i = 0; i < 3; ++i) {
       const Vec3d axis(e.axes[i]);
@@ -46,7 +45,7 @@ struct BakedEllipsoid {
 
 inline BakedEllipsoid bake(const Ellipsoid& e) { return BakedEllipsoid(e); }
 
-/// May semi-axes as far from a right angle as this be written in a file? Decimals are rounded.
+/// Tolerance of the cosine between semi-axes: files have rounded decimals.
 inline constexpr double kRightAngle = 1e-4;
 
 template <class Must>
@@ -68,7 +67,7 @@ void check_shape(const Ellipsoid& e, Must&& must) {
        "a semi-axis is too short or too long for a float");
 }
 
-/// The numbers of a baked ellipsoid with names only: of one, or each a column of many.
+/// The members of a baked ellipsoid as plain numbers: of one, or each a column for many.
 template <class T>
 struct EllipsoidNumbers {
   T center[3], to_unit[3][3];
@@ -82,8 +81,8 @@ inline EllipsoidNumbers<float> numbers_of(const BakedEllipsoid& e) {
   return out;
 }
 
-/// Around the baked surface: along x it reaches as far as the x components of the semi-axes are
-/// long together, which are the columns of the inverse of `to_unit`.
+/// Bounds of the baked surface. Its extent along x is the length of the vector of the semi-axes' x
+/// components; the semi-axes are the columns of the inverse of `to_unit`.
 inline Box3f bounds(const BakedEllipsoid& e) {
   Vec3d axes[3];
   for (int i = 0; i < 3; ++i) {
@@ -95,14 +94,14 @@ inline Box3f bounds(const BakedEllipsoid& e) {
   return rounded_out({Vec3d(e.center) - reach, Vec3d(e.center) + reach});
 }
 
-/// The distances at which a ray enters and leaves; `entry > exit` when it misses.
+/// The distances at which a ray enters and leaves; `entry > exit` if it misses.
 struct EllipsoidRoots {
   float entry = 1, exit = 0;
 };
 
-/// As spheres (sphere.h), after the ray went where the ellipsoid is the unit sphere: from the ray's
-/// point nearest to the centre, so that what cancels is of the size of the ellipsoid and not of its
-/// distance. In double, since a flat one stretches the rounding of a ray by its proportions.
+/// Transforms the ray to the unit sphere, then proceeds as sphere.h: from the ray's point nearest
+/// to the centre, so cancellation depends on the ellipsoid's size, not on its distance. In double,
+/// since a flat ellipsoid magnifies the rounding of a ray by its proportions.
 inline EllipsoidRoots ellipsoid_roots(const BakedEllipsoid& e, const Ray& ray) {
   const Vec3d from_center = Vec3d(ray.origin) - Vec3d(e.center), dir(ray.dir);
   Vec3d o, d;
@@ -125,7 +124,7 @@ inline std::optional<ShapeHit> first_hit(const BakedEllipsoid& e, const Ray& ray
   return std::nullopt;
 }
 
-/// Two steps of Newton's method along the gradient put the point back on the surface.
+/// Two Newton steps along the gradient put the point back on the surface.
 inline SurfacePoint surface_point(const BakedEllipsoid& e, Vec3f point) {
   Vec3d p = Vec3d(point) - Vec3d(e.center), gradient;
   for (int step = 0; step < 3; ++step) {
@@ -141,8 +140,8 @@ inline SurfacePoint surface_point(const BakedEllipsoid& e, Vec3f point) {
   return {Vec3f(Vec3d(e.center) + p), Vec3f(normalize(gradient)), e.extent};
 }
 
-/// May the surface touch the box? Never wrong with "no": where the ellipsoid is the unit sphere, no
-/// point of a box is further from its middle than the columns of `to_unit` allow.
+/// Whether the surface may touch the box; "no" is always right: in the space of the unit sphere,
+/// the columns of `to_unit` limit the distance of a box's points from its middle.
 inline bool overlaps(const BakedEllipsoid& e, const Box3d& box) {
   return may_touch(box, [&](const Box3d& part) {
     const Vec3d middle = part.center(), half = part.size() * 0.5;

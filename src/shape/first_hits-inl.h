@@ -1,5 +1,5 @@
-// What shapes in SIMD lanes have in common, for the end of each shape/<kind>.h.
-// Once for each instruction set, as foreach_target.h passes again.
+// Shared by the SIMD ends of all shape/<kind>.h. Included once per instruction set
+// (foreach_target.h).
 #if defined(RAIO_SHAPE_FIRST_HITS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAIO_SHAPE_FIRST_HITS_INL_H_
 #undef RAIO_SHAPE_FIRST_HITS_INL_H_
@@ -21,13 +21,13 @@ HWY_INLINE V dot(D, V ax, V ay, V az, V bx, V by, V bz) {
   return hn::Add(hn::Add(hn::Mul(ax, bx), hn::Mul(ay, by)), hn::Mul(az, bz));
 }
 
-// For a lambda that is to be inlined wherever it is called.
+// For a lambda that must be inlined at every call.
 #ifndef RAIO_INLINE_LAMBDA
 #define RAIO_INLINE_LAMBDA HWY_ATTR __attribute__((always_inline))
 #endif
 
-// for_each_kind() and for_each_bounded_kind() for code in lanes: a function that is compiled for
-// one instruction set is not inlined into one for all.
+// for_each_kind() and for_each_bounded_kind() for SIMD code: a function compiled for one
+// instruction set is not inlined into one for all.
 template <class F>
 HWY_INLINE void visit_kinds(F&& f) {
   [&]<size_t... k>(std::index_sequence<k...>) HWY_ATTR {
@@ -41,7 +41,7 @@ HWY_INLINE void visit_bounded_kinds(F&& f) {
   });
 }
 
-// The first hits in front of rays, of shapes that are tested in the double lanes of a tag D.
+// The first hits in front of rays, for shapes tested in double lanes of a tag D.
 template <class D>
 struct FirstHits {
   using Floats = hn::Rebind<float, D>;
@@ -49,8 +49,8 @@ struct FirstHits {
   hn::Vec<Floats> t;
 };
 
-// To float as a cast does: too large becomes infinite. Where there are no instructions for vectors,
-// Highway's own makes it the largest float, which would be nearer than the end of an endless ray.
+// Converts to float like a cast: overflow becomes infinite. Highway's scalar fallback gives the
+// largest float instead, which is nearer than the end of an infinite ray.
 template <class F, class V>
 HWY_INLINE hn::Vec<F> narrowed(F f, V x) {
 #if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128
@@ -65,7 +65,7 @@ HWY_INLINE hn::Vec<F> narrowed(F f, V x) {
 #endif
 }
 
-// Of two places on each ray, where the masks say that there are any, the first in front of it.
+// Of two hits per ray, valid where the masks are set, the first in front of the origin.
 template <class D, class V = hn::Vec<D>, class M = hn::Mask<D>>
 HWY_INLINE FirstHits<D> first_of(D tag, M in0, V t0, M in1, V t1) {
   const typename FirstHits<D>::Floats f;

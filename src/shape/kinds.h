@@ -1,16 +1,16 @@
-// The list of kinds, written once, and what all kinds share.
+// The list of primitive kinds, and what all kinds share.
 //
 // To add a kind:
-// 1. shape/<kind>.h: the struct with its faults, whether only its inside is seen, its baked form
-//    and the numbers of that, and of the baked form bounds, overlap with a box, the first hit of a
-//    ray and the surface at a hit; at its end, once for each instruction set, the first hits of
-//    many rays in SIMD lanes, with the bits of the scalar one;
-// 2. here: at the end of PrimitiveKind, its name and its type; a ShapeKind, which users count; at
-//    the end of the file, its header;
+// 1. shape/<kind>.h: the struct with its faults, whether only its inside is visible, its baked
+//    form and the plain numbers of that. For the baked form: bounds, overlap with a box, first hit
+//    of a ray, surface at a hit. At the end, once per instruction set, the first hits of many rays
+//    in SIMD lanes, with the bits of the scalar version;
+// 2. here: its name and type at the end of PrimitiveKind; a ShapeKind, for users' counts; its
+//    header at the end of the file;
 // 3. scene/scene.h: its pool, a PoolKind with its name, and a line in kScenePools;
 // 4. io/nff/additions.cpp: its keyword, reader and writer;
 // 5. io/pov_write.cpp: its writer.
-// Everything else is driven by these lists, and does not compile or link where a part is missing.
+// These lists drive everything else, which does not compile or link if a part is missing.
 #ifndef RAIO_SHAPE_KINDS_H_
 #define RAIO_SHAPE_KINDS_H_
 
@@ -35,8 +35,7 @@ struct Disc;
 struct MovingSphere;
 struct MovingTriangle;
 
-/// The kinds that structures store and rays hit, in the order of their PrimitiveIds: a new kind
-/// goes to the end.
+/// Kinds that structures store and rays hit, in the order of PrimitiveIds: append new kinds.
 enum class PrimitiveKind : uint32_t {
   plane,
   sphere,
@@ -65,11 +64,12 @@ inline constexpr bool kIsOneOf<T, std::tuple<Types...>> = (std::is_same_v<T, Typ
 template <class T>
 concept Primitive = kIsOneOf<T, PrimitiveTypes>;
 
-/// Primitives of an infinite kind have no bounds and are in no structure: every ray tests them.
+/// Primitives of an infinite kind have no bounds and are in no structure: every ray is tested with
+/// each of them.
 template <PrimitiveKind kind>
 inline constexpr bool kIsBounded = kind != PrimitiveKind::plane;
 
-/// Is a primitive of the kind elsewhere at another time?
+/// Whether a primitive of the kind moves.
 template <PrimitiveKind kind>
 inline constexpr bool kMoves =
     kind == PrimitiveKind::moving_sphere || kind == PrimitiveKind::moving_triangle;
@@ -82,7 +82,7 @@ constexpr void for_each_kind(F&& f) {
   }(std::make_index_sequence<kPrimitiveKinds>());
 }
 
-/// The same for the kinds that have bounds.
+/// The same for kinds with bounds.
 template <class F>
 constexpr void for_each_bounded_kind(F&& f) {
   for_each_kind([&]<PrimitiveKind kind> {
@@ -90,7 +90,7 @@ constexpr void for_each_bounded_kind(F&& f) {
   });
 }
 
-/// What f.operator()<kind>() returns for a kind known at run time.
+/// The result of f.operator()<kind>() for a kind known at run time.
 template <size_t first = 0, class F>
 constexpr decltype(auto) with_kind(PrimitiveKind kind, F&& f) {
   if constexpr (first + 1 < kPrimitiveKinds)
@@ -98,7 +98,7 @@ constexpr decltype(auto) with_kind(PrimitiveKind kind, F&& f) {
   return f.template operator()<PrimitiveKind(first)>();
 }
 
-/// What users count: a polygon is stored as triangles, a cylinder is a cone.
+/// Shapes as users count them: a polygon is stored as triangles, a cylinder is a cone.
 enum class ShapeKind : uint8_t {
   plane,
   sphere,
@@ -114,24 +114,24 @@ inline constexpr auto kShapeKindNames = std::to_array<std::string_view>(
     {"plane", "sphere", "triangle", "polygon", "cone", "cylinder", "ellipsoid", "disc"});
 inline constexpr int kShapeKinds = int(kShapeKindNames.size());
 
-/// Which side of a surface can be seen. Of a polygon the outside is where its corners run
-/// counter-clockwise; of a plane likewise by its three points.
+/// The visible sides of a surface. The outside of a polygon is where its vertices appear
+/// counter-clockwise; likewise for the three points of a plane.
 enum class Sides : uint8_t { both, outside, inside };
 
-/// Is a surface seen by a ray for which dot(outward normal, direction) has the sign of `cosine`?
+/// Whether a ray sees the surface if dot(outward normal, direction) has the sign of `cosine`.
 inline bool visible(Sides sides, float cosine) {
   return sides == Sides::both || (sides == Sides::outside) == (cosine < 0);
 }
 
-/// Is the length 1, but for a few of a float's last bits?
+/// Whether the length is 1 except for a few of a float's last bits.
 inline bool is_unit(Vec3f n) { return std::abs(length(Vec3d(n)) - 1) < 1e-4; }
 
-/// Where a ray first meets the seen side of a shape, at t > 0; `u` and `v` as in Hit.
+/// The first hit on a visible side of a shape, at t > 0; `u` and `v` as in Hit.
 struct ShapeHit {
   float t = 0, u = 0, v = 0;
 };
 
-/// A shape as it is at a time, which those that do not move do not depend on.
+/// A shape at a given time; only moving shapes depend on it.
 template <class Shape>
 constexpr Shape at_time(const Shape& shape, float) {
   return shape;
@@ -139,16 +139,16 @@ constexpr Shape at_time(const Shape& shape, float) {
 
 /// The surface at a hit.
 struct SurfacePoint {
-  Vec3f point;       // on the surface, nearer to it than origin + t * dir
+  Vec3f point;       // on the surface: more exact than origin + t * dir
   Vec3f normal;      // unit, outward
-  float extent = 0;  // what the shape adds to the scale of shape/offset.h
+  float extent = 0;  // added to the scale of shape/offset.h
 };
 
 }  // namespace raio
 
 #endif  // RAIO_SHAPE_KINDS_H_
 
-// All kinds in SIMD lanes, for accel/blocks/lanes-inl.h, once for each instruction set.
+// The SIMD code of all kinds, for accel/blocks/lanes-inl.h, once per instruction set.
 #ifdef RAIO_KINDS_IN_LANES
 #include "shape/cone.h"
 #include "shape/disc.h"

@@ -1,4 +1,4 @@
-// Even movements between two times.
+// Uniform movements between two times.
 #ifndef RAIO_SHAPE_MOVEMENT_H_
 #define RAIO_SHAPE_MOVEMENT_H_
 
@@ -9,7 +9,7 @@
 
 namespace raio {
 
-/// The part of a movement that is done at `time`: 0 until `begin`, 1 from `end` on.
+/// The completed fraction of a movement: 0 until `begin`, 1 from `end`.
 inline double part_moved(float begin, float end, float time) {
   const double part = (double(time) - double(begin)) / (double(end) - double(begin));
   return std::min(std::max(part, 0.0), 1.0);

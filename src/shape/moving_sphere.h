@@ -16,8 +16,7 @@
 
 namespace raio {
 
-/// At rest at `center` until the time `begin` and at `to` from `end` on; in between it moves
-/// evenly.
+/// At rest at `center` until the time `begin` and at `to` from `end`; uniform movement in between.
 struct MovingSphere {
   Vec3f center, to;
   float radius = 0;
@@ -37,7 +36,7 @@ void check_shape(const MovingSphere& s, Must&& must) {
 // NOLINTNEXTLINE(bugprone-return-const-ref-from-parameter): the scene keeps it
 inline const MovingSphere& bake(const MovingSphere& s) { return s; }
 
-/// The numbers of a moving sphere with names only: of one, or each a column of many.
+/// The members of a moving sphere as plain numbers: of one, or each a column for many.
 template <class T>
 struct MovingSphereNumbers {
   T center[3], to[3], radius, begin, end;
@@ -50,14 +49,14 @@ inline Vec3d center_at(const MovingSphere& s, float time) {
   return between(s.center, s.to, part_moved(s.begin, s.end, time));
 }
 
-/// Those of the whole movement.
+/// Bounds of the whole movement.
 inline Box3f bounds(const MovingSphere& s) {
   Box3f box = bounds(Sphere{s.center, s.radius});
   box.extend(bounds(Sphere{s.to, s.radius}));
   return box;
 }
 
-/// As the float test of sphere.h, at the ray's time, in double.
+/// The float test of sphere.h, in double, at the ray's time.
 inline std::optional<ShapeHit> first_hit(const MovingSphere& s, const Ray& ray, Sides sides) {
   const Vec3d dir(ray.dir), to_center = center_at(s, ray.time) - Vec3d(ray.origin);
   const double dir2 = dot(dir, dir), radius = s.radius;
@@ -72,12 +71,12 @@ inline std::optional<ShapeHit> first_hit(const MovingSphere& s, const Ray& ray, 
   return std::nullopt;
 }
 
-/// What it is at a time, for the surface at a hit.
+/// The sphere at a time, for the surface at a hit.
 inline Sphere at_time(const MovingSphere& s, float time) {
   return {Vec3f(center_at(s, time)), s.radius};
 }
 
-/// May the sphere touch the box on its way? Never wrong with "no".
+/// Whether the moving sphere may touch the box; "no" is always right.
 inline bool overlaps(const MovingSphere& s, const Box3d& box) {
   const Vec3d from(s.center), way = Vec3d(s.to) - from;
   const double way2 = dot(way, way);
@@ -85,7 +84,7 @@ inline bool overlaps(const MovingSphere& s, const Box3d& box) {
     const Vec3d center = part.center(), half = part.size() * 0.5;
     const double at = way2 > 0 ? std::clamp(dot(center - from, way) / way2, 0.0, 1.0) : 0;
     const double distance = length(center - (from + way * at));
-    // Far more than what is rounded in double.
+    // Far above the rounding of doubles.
     const double slack = std::numeric_limits<float>::epsilon() * (distance + length(half));
     return distance > length(half) + double(s.radius) + slack;
   });

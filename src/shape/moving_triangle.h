@@ -1,4 +1,4 @@
-// Triangles whose corners move along straight lines.
+// Triangles with vertices that move along straight lines.
 #ifndef RAIO_SHAPE_MOVING_TRIANGLE_H_
 #define RAIO_SHAPE_MOVING_TRIANGLE_H_
 
@@ -16,8 +16,7 @@
 
 namespace raio {
 
-/// At rest as `from` until the time `begin` and as `to` from `end` on; in between each corner moves
-/// evenly.
+/// At rest as `from` until the time `begin` and as `to` from `end`; uniform movement in between.
 struct MovingTriangle {
   Triangle from, to;
   float begin = 0, end = 1;
@@ -29,17 +28,17 @@ inline bool only_inside_seen(const MovingTriangle&) { return false; }
 template <class Must>
 void check_shape(const MovingTriangle& t, Must&& must) {
   for (const Vec3f corner : {t.from.a, t.from.b, t.from.c, t.to.a, t.to.b, t.to.c})
-    must(is_finite(corner), "the corners must be finite");
+    must(is_finite(corner), "the vertices must be finite");
   check_times(t.begin, t.end, must);
 }
 
 // NOLINTNEXTLINE(bugprone-return-const-ref-from-parameter): the scene keeps it
 inline const MovingTriangle& bake(const MovingTriangle& t) { return t; }
 
-/// The numbers of a moving triangle with names only: of one, or each a column of many.
+/// The members of a moving triangle as plain numbers: of one, or each a column for many.
 template <class T>
 struct MovingTriangleNumbers {
-  T from[3][3], to[3][3];  // corner, then axis
+  T from[3][3], to[3][3];  // vertex, then axis
   T begin, end;
 };
 inline MovingTriangleNumbers<float> numbers_of(const MovingTriangle& t) {
@@ -50,21 +49,20 @@ inline MovingTriangleNumbers<float> numbers_of(const MovingTriangle& t) {
           t.end};
 }
 
-/// Those of the whole movement.
+/// Bounds of the whole movement.
 inline Box3f bounds(const MovingTriangle& t) {
   Box3f box = bounds(t.from);
   box.extend(bounds(t.to));
   return box;
 }
 
-/// How far from the ray, as a part of the distance of the corners, a point that is found on it may
-/// be.
+/// The maximum distance of a found point from the ray, relative to the distance of the vertices.
 inline constexpr double kOffRay = 8 * double(std::numeric_limits<float>::epsilon());
 
-/// By the volumes that the ray spans with the edges (Plücker's test), in double, of the corners at
-/// the ray's time. Two triangles of the same movement compute a shared edge from the same rounded
-/// products, so that no ray passes between them. The volumes of a triangle seen edge-on may be
-/// nothing but rounding; the point that they give is then not on the ray.
+/// Plücker's test in double, with the vertices at the ray's time: the signs of the volumes that the
+/// ray spans with the edges. Two triangles with the same movement compute a shared edge from the
+/// same rounded products, so no ray passes between them. For a triangle seen edge-on the volumes
+/// may be mere rounding errors; then the resulting point is not on the ray.
 inline std::optional<ShapeHit> first_hit(const MovingTriangle& t, const Ray& ray, Sides sides) {
   const double part = part_moved(t.begin, t.end, ray.time);
   const Vec3d dir(ray.dir), origin(ray.origin);
@@ -78,12 +76,12 @@ inline std::optional<ShapeHit> first_hit(const MovingTriangle& t, const Ray& ray
   const double along = dot(point, dir) / dot(dir, dir);
   const Vec3d off = point - dir * along;
   const double most = max_component(abs(point)) * kOffRay;
-  if (!(dot(off, off) <= most * most)) return std::nullopt;  // not, either, where det is 0
+  if (!(dot(off, off) <= most * most)) return std::nullopt;  // rejects det = 0, too
   if (!(float(along) > 0) || !visible(sides, float(-det))) return std::nullopt;
   return ShapeHit{float(along)};
 }
 
-/// What it is at a time, for the surface at a hit.
+/// The triangle at a time, for the surface at a hit.
 inline Triangle at_time(const MovingTriangle& t, float time) {
   const double part = part_moved(t.begin, t.end, time);
   return {Vec3f(between(t.from.a, t.to.a, part)), Vec3f(between(t.from.b, t.to.b, part)),
@@ -100,9 +98,9 @@ inline SurfacePoint surface_point(const Triangle& t, Vec3f p) {
   return {Vec3f(Vec3d(p) - n * height), normal, extent};
 }
 
-/// May the triangle touch the box on its way? Never wrong with "no": it stays within the convex
-/// hull of both its places, which a plane divides from the box. Tried are the planes of the
-/// triangle at both ends and those along an edge of the hull and one of the box.
+/// Whether the moving triangle may touch the box; "no" is always right. The triangle stays in the
+/// convex hull of both its places; this tries planes that separate the hull from the box: the
+/// triangle's planes at both ends, and those spanned by an edge of the hull and one of the box.
 inline bool overlaps(const MovingTriangle& t, const Box3d& box) {
   const Vec3d center = box.center(), half = box.size() * 0.5;
   Vec3d corners[6];
@@ -116,7 +114,7 @@ inline bool overlaps(const MovingTriangle& t, const Box3d& box) {
       lo = std::min(lo, x), hi = std::max(hi, x);
     }
     const double reach = dot(abs(axis), half);
-    // Far more than what is rounded in double.
+    // Far above the rounding of doubles.
     const double slack =
         std::numeric_limits<float>::epsilon() * std::max({reach, std::abs(lo), std::abs(hi)});
     return lo > reach + slack || -hi > reach + slack;

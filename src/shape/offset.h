@@ -1,4 +1,4 @@
-// Starting a ray on a surface that it must not meet again at once.
+// Offsets ray origins from a surface, so that rays do not hit it again at once.
 #pragma once
 
 #include <limits>
@@ -7,18 +7,17 @@
 
 namespace raio {
 
-/// `point`, moved off the surface it lies on to the side that the unit normal points to
-/// (`along_normal`) or to the other. The move is k float epsilons of `scale`, the size of the
-/// numbers that a test of the shape reckons with: the largest coordinate of the point, plus a
-/// sphere's radius, a triangle's longest edge, a cone's height and larger radius, or nothing for a
-/// plane. The point must have been put back on the surface after the hit, since a distance along a
-/// ray from afar is rounded by more than this.
+/// `point`, moved off its surface to the side of the unit normal (`along_normal`) or to the other.
+/// The move is k float epsilons of `scale`, the magnitude of the numbers in the shape's test: the
+/// largest coordinate of the point, plus a sphere's radius, a triangle's longest edge, a cone's
+/// height and larger radius, or nothing for a plane. The point must have been moved back onto the
+/// surface after the hit, since a distance along a ray from afar is rounded by more than this.
 ///
-/// k pays for the rounding of the point, of the moved point (together one epsilon of the scale) and
-/// of the test that the new ray is put to. It was found by trying: with some millions of rays down
-/// to a cosine of 1e-4, at sizes of 1e-6 to 1e6 and up to 1e5 sizes from the origin, k = 1 let
-/// spheres and triangles be met again, k = 2 a plane, k = 4 three triangles in six million, k = 8
-/// none. Four times that is used.
+/// k covers the rounding of the point, of the moved point (together one epsilon of the scale) and
+/// of the next ray's test. It was found by experiment, with millions of rays at cosines down to
+/// 1e-4, sizes of 1e-6 to 1e6 and up to 1e5 sizes from the origin: k = 1 failed for spheres and
+/// triangles, k = 2 for a plane, k = 4 for three triangles in six million, k = 8 for none. We use
+/// four times that.
 inline float offset_length(float scale) {
   constexpr float k = 32;
   return k * std::numeric_limits<float>::epsilon() * scale;

@@ -1,13 +1,13 @@
-// The overlap of curved shapes and boxes by splitting the box.
+// Overlap of curved shapes and boxes, by subdividing the box.
 #pragma once
 
 #include "base/box.h"
 
 namespace raio {
 
-/// False if `apart(box)` is sure that the shape does not touch the box, or sure of all its parts. A
-/// box is split in eight while it may touch: where `apart` goes by the distance from the box's
-/// centre, two splits leave a "yes" at most an eighth of the box's diagonal too generous.
+/// False if `apart(box)` is sure that the shape does not touch the box, or is sure for all its
+/// parts. A box that may touch is split in eight. If `apart` uses the distance from the box's
+/// centre, then after two splits a "yes" is wrong by at most an eighth of the box's diagonal.
 template <class Apart>
 bool may_touch(const Box3d& box, Apart&& apart, int splits = 2) {
   if (apart(box)) return false;

@@ -28,8 +28,8 @@ inline const Plane& bake(const Plane& p) { return p; }
 
 /// The distance to the plane along the ray; nothing for a parallel ray.
 inline std::optional<float> intersect(const Plane& plane, const Ray& ray) {
-  // In double: the plane's point may lie far from both ray and scene, and the cosine of a grazing
-  // ray is the small sum of large products.
+  // In double: the plane's point may be far from ray and scene, and the cosine of a grazing ray is
+  // a small sum of large products.
   const Vec3d normal(plane.normal);
   const double along = dot(normal, Vec3d(ray.dir));
   if (along == 0) return std::nullopt;

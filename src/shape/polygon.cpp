@@ -16,14 +16,13 @@ struct Point {
   friend bool operator==(const Point&, const Point&) = default;
 };
 
-/// Twice the signed area; positive when a, b, c run counter-clockwise. Exact for float coordinates
-/// of like magnitude: their differences have few enough bits for the products to be exact in
-/// double.
+/// Twice the signed area; positive if a, b, c are counter-clockwise. Exact for floats of similar
+/// magnitude: the products of their differences fit in a double.
 double orient(Point a, Point b, Point c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-/// Twice the vector area. Corners are taken relative to the first, which keeps the digits of a
+/// Twice the vector area. Vertices are relative to the first, which preserves the precision of a
 /// small polygon far from the origin.
 Vec3d newell(std::span<const Vec3f> corners) {
   Vec3d sum;
@@ -38,15 +37,15 @@ Vec3d newell(std::span<const Vec3f> corners) {
   return sum;
 }
 
-/// The view along the coordinate axis nearest to the normal, from the side where the corners run
-/// counter-clockwise: areas shrink least and no coordinate is rounded.
+/// The projection along the coordinate axis nearest to the normal, seen from the side where the
+/// vertices are counter-clockwise: areas shrink least, and no coordinate is rounded.
 struct Projection {
   int u = 0, v = 1;
 
   explicit Projection(std::span<const Vec3f> corners) {
     const Vec3d normal = newell(corners);
     int axis = max_axis(abs(normal));
-    if (normal == Vec3d()) {  // a line, or loops that cancel: look along the shortest side
+    if (normal == Vec3d()) {  // collinear, or loops that cancel: project along the shortest side
       Box3d box;
       for (const Vec3f& p : corners) box.extend(Vec3d(p));
       axis = max_axis(-box.size());
@@ -58,8 +57,8 @@ struct Projection {
   Point operator()(const Vec3f& p) const { return {p[u], p[v]}; }
 };
 
-/// Of the two diagonals the one whose smaller triangle is the larger: that is the inner one of a
-/// concave quadrangle, and makes no triangle flat that need not be.
+/// Chooses the diagonal with the larger smaller triangle: the inner one in a concave quadrilateral,
+/// and no degenerate triangle without need.
 Triangles split_quad(std::span<const Vec3f> corners) {
   const Projection project(corners);
   const Point a = project(corners[0]), b = project(corners[1]), c = project(corners[2]),
@@ -70,7 +69,8 @@ Triangles split_quad(std::span<const Vec3f> corners) {
   return {{1, 2, 3}, {3, 0, 1}};
 }
 
-/// Strictly convex: every corner turns left, and there is one rightmost corner, so they turn once.
+/// Whether it is strictly convex: every vertex turns left, and only one is rightmost, so the
+/// outline turns once.
 bool is_convex(std::span<const Point> p) {
   const size_t n = p.size();
   const auto left_of = [](Point a, Point b) { return a.x < b.x || (a.x == b.x && a.y < b.y); };
@@ -84,8 +84,8 @@ bool is_convex(std::span<const Point> p) {
   return rightmost == 1;
 }
 
-/// Cuts the corners first..last of a convex polygon off along the chord between them, halving the
-/// run each time: no fan of slivers, and a depth of the logarithm of the number of corners.
+/// Cuts the vertices first..last of a convex polygon off along their chord, halving the run each
+/// time: no fan of slivers, and logarithmic depth.
 void split_run(uint32_t first, uint32_t last, Triangles& out) {
   if (last - first < 2) return;
   const uint32_t middle = first + (last - first) / 2;
@@ -94,17 +94,16 @@ void split_run(uint32_t first, uint32_t last, Triangles& out) {
   split_run(middle, last, out);
 }
 
-/// Cuts ears off a ring of corners until a triangle is left.
+/// Clips ears off a ring of vertices until a triangle is left.
 ///
-/// An ear is a corner that turns left and whose triangle has no other corner in it; only corners
-/// that do not turn left need be asked, and these are kept in the cells of a uniform grid. Cutting
-/// elsewhere never makes an ear of a corner that was none, so a corner is tested once and then
-/// again only when a neighbour is cut: at most 3 n tests. Corners wait for the next round once a
-/// neighbour is cut, which makes rounds that halve a convex stretch, where cutting in order would
-/// make a fan.
+/// An ear is a vertex that turns left and has no other vertex in its triangle. Only vertices that
+/// do not turn left can be inside; these are kept in a uniform grid. Clipping elsewhere never makes
+/// an ear of a vertex, so each is tested once, and again only when a neighbour is cut: at most 3 n
+/// tests. Once a neighbour is cut, a vertex waits for the next round: each round halves a convex
+/// stretch, where clipping in order would produce a fan.
 ///
-/// Polygons that touch or cross themselves can run out of ears. Then the demands are lowered for
-/// one cut (see `Demand`), in a search that goes on where the last one ended and has limited
+/// Polygons that touch or cross themselves can run out of ears. Then the requirements are lowered
+/// for one cut (see `Demand`), in a search that resumes where the last one ended and has limited
 /// patience.
 class EarCutter {
  public:
@@ -151,15 +150,15 @@ class EarCutter {
   struct Link {
     uint32_t before = 0, after = 0;
     uint32_t next_in_cell = kNone;
-    uint32_t touched = 0;  // the last round in which a neighbour was cut
+    uint32_t touched = 0;  // the last round that cut a neighbour
     bool cut = false;
     bool blunt = false;  // does not turn left
     bool in_grid = false;
   };
 
-  /// What is asked of a corner that is cut, in falling order. `proper`: turns left and the closed
-  /// triangle is free, or a repeated corner or the tip of a spike, which has no area. `touching`:
-  /// the open triangle is free, or the corner is straight. `convex`: turns left. `none`: nothing.
+  /// Requirements on a vertex to be cut, from the strictest. `proper`: it turns left and its closed
+  /// triangle is empty, or it repeats another or is the tip of a spike, without area. `touching`:
+  /// its open triangle is empty, or it is straight. `convex`: it turns left. `none`: nothing.
   enum class Demand { proper, touching, convex, none };
 
   double turn(uint32_t b) const { return orient(p_[links_[b].before], p_[b], p_[links_[b].after]); }
@@ -176,8 +175,8 @@ class EarCutter {
     return demand == Demand::convex || is_free(b, demand == Demand::proper);
   }
 
-  /// The next corner around the ring that meets the highest demand any corner meets; once the
-  /// patience is used up, the next corner.
+  /// The next vertex around the ring that satisfies the strictest requirement any vertex satisfies;
+  /// when the patience is used up, the next vertex.
   uint32_t least_bad(uint32_t cursor, size_t& patience) {
     while (links_[cursor].cut) cursor = links_[cursor].after;
     for (const Demand demand : {Demand::touching, Demand::convex}) {
@@ -204,9 +203,8 @@ class EarCutter {
     }
   }
 
-  // The grid: over the bounding rectangle, about one cell for each blunt corner. A cell is a list
-  // linked through the corners; corners that are cut or turn left by now are dropped when a search
-  // meets them.
+  // A grid over the bounding rectangle with about one cell per blunt vertex. A cell is a list
+  // linked through the vertices; searches drop vertices that are cut or turn left by now.
 
   void make_grid() {
     Point lo = p_[0], hi = p_[0];
@@ -236,19 +234,19 @@ class EarCutter {
     link.in_grid = true;
   }
 
-  /// Is no blunt corner in the triangle of corner b? Goes through the cells that the triangle
+  /// Whether the triangle of vertex b contains no blunt vertex. Visits the cells that the triangle
   /// touches, row by row.
   bool is_free(uint32_t b, bool closed) {
     const std::array<Point, 3> g{in_cells(p_[links_[b].before]), in_cells(p_[b]),
                                  in_cells(p_[links_[b].after])};
-    // In cells; far above the rounding of the coordinates here (2^-52 of at most some thousands).
+    // In cells; far above the rounding of coordinates here (2^-52 of at most some thousands).
     constexpr double kSlack = 1e-6;
     constexpr double kFlat =
-        1e-3;  // where an edge crosses a row is not worked out below this slope
+        1e-3;  // intersections of edges and rows are not computed below this slope
     const int first = clamped(std::min({g[0].y, g[1].y, g[2].y}) - kSlack);
     const int last = clamped(std::max({g[0].y, g[1].y, g[2].y}) + kSlack);
     for (int row = first; row <= last; ++row) {
-      // Of each edge, the stretch within the row.
+      // The interval of each edge within the row.
       double from = side_, to = 0;
       for (int i = 0; i < 3; ++i) {
         Point s = g[i], e = g[(i + 1) % 3];
@@ -286,7 +284,7 @@ class EarCutter {
     return false;
   }
 
-  /// Is corner i in the way of cutting off corner b?
+  /// Whether vertex i prevents cutting off vertex b.
   bool blocks(uint32_t i, uint32_t b, bool closed) const {
     const uint32_t ia = links_[b].before, ic = links_[b].after;
     if (i == ia || i == b || i == ic) return false;
@@ -294,15 +292,15 @@ class EarCutter {
     const double u = orient(a, m, q), v = orient(m, c, q), w = orient(c, a, q);
     if (!closed) return u > 0 && v > 0 && w > 0;
     if (u < 0 || v < 0 || w < 0) return false;
-    // At the same place as a corner of the triangle: in the way if an edge leads into the triangle.
+    // At the same place as a vertex of the triangle: blocks if an edge leads into the triangle.
     if (q == a) return leads_between(i, m, c);
     if (q == m) return leads_between(i, c, a);
     if (q == c) return leads_between(i, a, m);
     return true;
   }
 
-  /// Does an edge of corner i lead between the directions to `from` and, counter-clockwise, to
-  /// `to`, or is all between them outside the polygon at corner i?
+  /// Whether an edge of vertex i lies between the directions to `from` and, counter-clockwise, to
+  /// `to`, or everything between them is outside the polygon at vertex i.
   bool leads_between(uint32_t i, Point from, Point to) const {
     const Point q = p_[i], before = p_[links_[i].before], after = p_[links_[i].after];
     const auto between = [&](Point x) { return orient(q, from, x) > 0 && orient(q, x, to) > 0; };

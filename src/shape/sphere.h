@@ -10,7 +10,7 @@
 
 namespace raio {
 
-/// As NFF has it: a negative radius is a sphere of which only the inside is seen.
+/// As in NFF, only the inside is visible if the radius is negative.
 struct Sphere {
   Vec3f center;
   float radius = 0;
@@ -25,7 +25,7 @@ void check_shape(const Sphere& s, Must&& must) {
   must(std::isfinite(s.radius) && s.radius != 0, "the radius must be finite and not zero");
 }
 
-/// With a radius that is not negative.
+/// The same sphere with a positive radius.
 inline Sphere bake(const Sphere& s) { return {s.center, std::abs(s.radius)}; }
 
 inline Box3d exact_bounds(const Sphere& s) {
@@ -34,15 +34,15 @@ inline Box3d exact_bounds(const Sphere& s) {
 }
 inline Box3f bounds(const Sphere& s) { return rounded_out(exact_bounds(s)); }
 
-/// The distances at which a ray enters and leaves; `entry > exit` when it misses.
+/// The distances at which a ray enters and leaves; `entry > exit` if it misses.
 struct SphereRoots {
   float entry = 1, exit = 0;
 };
 
-/// The ray's point nearest to the centre is found first and the half chord from there, so that what
-/// cancels is of the size of the sphere and not of its distance: Haines, Guenther and
-/// Akenine-Moeller 2019, "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems,
-/// chapter 7. The radius must not be negative.
+/// Finds the ray's point nearest to the centre, then half the chord, so cancellation depends on the
+/// sphere's size, not on its distance: Haines, Guenther and Akenine-Moeller 2019, "Precision
+/// Improvements for Ray/Sphere Intersection", Ray Tracing Gems, chapter 7. The radius must not be
+/// negative.
 inline SphereRoots sphere_roots(Vec3f center, float radius, const Ray& ray) {
   const Vec3f to_center = center - ray.origin;
   const float middle = dot(to_center, ray.dir);
@@ -66,8 +66,8 @@ inline SurfacePoint surface_point(const Sphere& s, Vec3f p) {
   return {s.center + normal * s.radius, normal, s.radius};
 }
 
-/// Does the surface (a shell, not the ball) touch the box? Exact but for rounding, and then never
-/// wrong with "no".
+/// Whether the surface (a shell, not the ball) touches the box. Exact except for rounding; "no" is
+/// always right.
 inline bool overlaps(const Sphere& s, const Box3d& box) {
   double nearest = 0, farthest = 0, largest = 0;
   for (int a = 0; a < 3; ++a) {
@@ -78,8 +78,8 @@ inline bool overlaps(const Sphere& s, const Box3d& box) {
     farthest += far * far;
     largest = std::max({largest, std::abs(box.lo[a]), std::abs(box.hi[a])});
   }
-  // The differences are rounded by half an ulp of the largest coordinate, the lengths by two of
-  // their own.
+  // Rounding: half an ulp of the largest coordinate for the differences, two of their own ulps for
+  // the lengths.
   const double r = std::abs(double(s.radius));
   const double slack = 4 * std::numeric_limits<double>::epsilon() * (largest + r);
   return std::sqrt(nearest) <= r + slack && r - slack <= std::sqrt(farthest);
@@ -94,8 +94,8 @@ inline bool overlaps(const Sphere& s, const Box3d& box) {
 HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
 
-// Which lines of rays hit the spheres whose centres lie at (x, y, z) from their origins, and by
-// middle and square of half of the chord where.
+// Which lines of rays hit the spheres at centres (x, y, z) relative to their origins; gives the
+// middle of the chord and the square of half its length.
 template <class D>
 struct SphereLanes {
   hn::Mask<D> in;

@@ -6,7 +6,7 @@
 namespace raio {
 namespace {
 
-/// The sum of the components' magnitudes.
+/// The sum of absolute components.
 double norm1(Vec3d v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); }
 
 }  // namespace
@@ -16,9 +16,9 @@ bool overlaps(const Triangle& triangle, const Box3d& box) {
   const Vec3d center = box.center(), half = box.size() * 0.5;
   const std::array<Vec3d, 3> p{corner[0] - center, corner[1] - center, corner[2] - center};
 
-  // Corners and half sizes come out of the subtractions with an error of half an ulp of the largest
-  // coordinate, and each dot product adds a few more: 8 ulps, times the length of the axis, are
-  // beyond what rounding can do to a projection. So a "no" is true even for boxes that only touch.
+  // The subtractions round vertices and half sizes by half an ulp of the largest coordinate, and
+  // each dot product adds a few more: 8 ulps times the length of the axis exceed any rounding of a
+  // projection. So a "no" is right even for boxes that only touch.
   const double largest = std::max(
       {norm1(corner[0]), norm1(corner[1]), norm1(corner[2]), norm1(box.lo), norm1(box.hi)});
   const double ulps = 8 * std::numeric_limits<double>::epsilon() * largest;
@@ -33,8 +33,8 @@ bool overlaps(const Triangle& triangle, const Box3d& box) {
     const double hi = std::max({corner[0][a], corner[1][a], corner[2][a]});
     if (lo > box.hi[a] || hi < box.lo[a]) return false;
   }
-  // An axis of length zero (of an edge or triangle without extent) separates nothing, and the axes
-  // that are left are all that a segment or a point needs.
+  // An axis of length zero (of a degenerate edge or triangle) separates nothing; the others suffice
+  // for a segment or a point.
   const std::array<Vec3d, 3> edge{corner[1] - corner[0], corner[2] - corner[1],
                                   corner[0] - corner[2]};
   if (separates(cross(edge[0], edge[1]), norm1(edge[0]) * norm1(edge[1]))) return false;

@@ -25,15 +25,15 @@ inline Box3f bounds(const Triangle& t) {
   return {min(t.a, min(t.b, t.c)), max(t.a, max(t.b, t.c))};
 }
 
-/// The unit normal of the side from which the corners run counter-clockwise; zero for a triangle
-/// without area. In double, so that slivers far from the origin keep their direction.
+/// The unit normal of the side from which the vertices appear counter-clockwise; zero for a
+/// triangle without area. In double, so that slivers far from the origin keep their direction.
 inline Vec3f triangle_normal(const Triangle& t) {
   const Vec3d a(t.a), n = cross(Vec3d(t.b) - a, Vec3d(t.c) - a);
   const double len = length(n);
   return len > 0 ? Vec3f(n / len) : Vec3f();
 }
 
-/// A ray prepared for triangles: the axis permutation and shear that make it (0, 0, 1).
+/// A ray prepared for triangles: the axis permutation and the shear that make it (0, 0, 1).
 struct ShearedRay {
   int kx = 0, ky = 1, kz = 2;
   float sx = 0, sy = 0, sz = 1;
@@ -49,7 +49,7 @@ struct ShearedRay {
   }
 };
 
-/// Of how far the corners are from the ray, across it.
+/// Relative to the distance of the vertices from the ray, measured across it.
 inline constexpr float kEdgeSlack = 8 * std::numeric_limits<float>::epsilon();
 
 struct TriangleHit {
@@ -57,13 +57,13 @@ struct TriangleHit {
   float cosine = 0;  // sign of dot(normal, direction)
 };
 
-/// Watertight: two triangles compute a shared edge from the same rounded products, so that their
-/// edge functions are exact negatives of each other and no ray can pass between them. Woop, Benthin
-/// and Wald 2013, "Watertight Ray/Triangle Intersection", JCGT 2(1). We need no second pass in
-/// double: an edge function that rounds to zero counts as inside for both triangles. Of a triangle
-/// seen edge-on all three may be nothing but rounding, wherever in its plane the ray passes; so the
-/// ray must also pass through the corners' bounds, but for a few epsilons of their distance, by
-/// which an edge function may be wrong. Relies on contraction being off.
+/// Watertight: two triangles compute a shared edge from the same rounded products, so their edge
+/// functions are exact negatives and no ray passes between them. Woop, Benthin and Wald 2013,
+/// "Watertight Ray/Triangle Intersection", JCGT 2(1). No second pass in double is needed: an edge
+/// function that rounds to zero counts as inside for both triangles. For a triangle seen edge-on
+/// all three may be mere rounding errors, wherever in its plane the ray passes; so the ray must
+/// also pass through the bounds of the vertices, extended by a few epsilons of their distance, the
+/// error of an edge function. Needs contraction off.
 inline std::optional<TriangleHit> intersect(Vec3f a, Vec3f b, Vec3f c, const Ray& ray,
                                             const ShearedRay& s) {
   a = a - ray.origin, b = b - ray.origin, c = c - ray.origin;
@@ -81,8 +81,8 @@ inline std::optional<TriangleHit> intersect(Vec3f a, Vec3f b, Vec3f c, const Ray
   const float slack = kEdgeSlack * std::max({-x0, x1, -y0, y1});
   if (x0 > slack || -x1 > slack || y0 > slack || -y1 > slack) return std::nullopt;
   const float t = (u * (s.sz * a[s.kz]) + v * (s.sz * b[s.kz]) + w * (s.sz * c[s.kz])) / det;
-  // Divisions, since 1 / det can be infinite. det is positive when the corners run clockwise as
-  // seen along the ray's (mirrored) frame.
+  // Divisions, since 1 / det can be infinite. det is positive if the vertices are clockwise along
+  // the ray's (mirrored) frame.
   return TriangleHit{t, v / det, w / det, -det};
 }
 
@@ -93,8 +93,8 @@ inline std::optional<ShapeHit> first_hit(const Triangle& t, const Ray& ray,
   return ShapeHit{hit->t, hit->u, hit->v};
 }
 
-/// Does the triangle touch the box? Separating axes of Akenine-Moeller 2001, "Fast 3D Triangle-Box
-/// Overlap Testing", JGT 6(1): exact but for rounding, in double.
+/// Whether the triangle touches the box, by the separating axes of Akenine-Moeller 2001, "Fast 3D
+/// Triangle-Box Overlap Testing", JGT 6(1): exact except for rounding, in double.
 bool overlaps(const Triangle& triangle, const Box3d& box);
 
 }  // namespace raio
@@ -106,8 +106,8 @@ bool overlaps(const Triangle& triangle, const Box3d& box);
 HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
 
-// Distances and weights of the triangles with sheared corners (x, y, z), all still to be divided by
-// `det`, and which of them the lines of the rays hit.
+// Distances and weights, still to be divided by `det`, of triangles with sheared vertices (x, y,
+// z), and which of them the lines of the rays hit.
 template <class D>
 struct TriangleLanes {
   hn::Mask<D> in;
@@ -125,7 +125,7 @@ HWY_INLINE TriangleLanes<D> edge_test(D d, const V* x, const V* y, const V* z) {
   const auto both = hn::And(hn::Lt(smallest, zero), hn::Gt(largest, zero));
   return {hn::AndNot(both, hn::Ne(det, zero)), det, t, v, w};
 }
-// And which of them are passed near enough, for those seen edge-on.
+// Which triangles are near enough to the ray, for those seen edge-on.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE hn::Mask<D> within_reach(D d, const V* x, const V* y) {
   const V x0 = hn::Min(hn::Min(x[0], x[1]), x[2]), x1 = hn::Max(hn::Max(x[0], x[1]), x[2]);
