@@ -290,18 +290,17 @@ TEST(Library, RefusesColumnsThatCannotBeAndLeavesTheScene) {
   EXPECT_THAT(refusal([&] { scene.add_spheres({xyz.data(), 2, 0}, radii); }),
               HasSubstr("the stride of the centres is 0"));
   EXPECT_EQ(refusal([&] { scene.add_spheres(two, {ones.data(), 1}); }),
-            "there are 2 centres but 1 radii");
-  EXPECT_EQ(refusal([&] { scene.add_spheres(two, {}); }), "there are 2 centres but 0 radii");
+            "found 2 centres but 1 radii");
+  EXPECT_EQ(refusal([&] { scene.add_spheres(two, {}); }), "found 2 centres but 0 radii");
   EXPECT_THAT(refusal([&] { scene.add_spheres(two, {bad.data(), 2}); }),
               HasSubstr("sphere 1: the radius must be finite"));
   EXPECT_THAT(refusal([&] { scene.add_spheres({infinite.data(), 2}, radii); }),
               HasSubstr("sphere 1: the centre must be finite"));
-  EXPECT_THAT(refusal([&] { scene.add_spheres(two, radii, 7); }),
-              HasSubstr("there is no material 7"));
+  EXPECT_THAT(refusal([&] { scene.add_spheres(two, radii, 7); }), HasSubstr("unknown material 7"));
   EXPECT_THAT(refusal([&] { scene.add_discs(two, {infinite.data(), 2}, radii); }),
               HasSubstr("the normal of disc 0 is zero or not finite"));
   EXPECT_THAT(refusal([&] { scene.add_discs(two, two, radii, {ones.data(), 1}); }),
-              HasSubstr("there are 2 centres but 1 inner radii"));
+              HasSubstr("found 2 centres but 1 inner radii"));
   const Floats skew = {1, 0, 0, 1, 1, 0, 0, 0, 1};
   EXPECT_THAT(refusal([&] { scene.add_ellipsoids({xyz.data(), 1}, {skew.data(), 1}); }),
               HasSubstr("perpendicular"));
@@ -312,11 +311,11 @@ TEST(Library, RefusesColumnsThatCannotBeAndLeavesTheScene) {
   EXPECT_THAT(refusal([&] { scene.add_triangles({infinite.data(), 2}, {}); }),
               HasSubstr("position 1 is not finite"));
   EXPECT_THAT(refusal([&] { scene.add_triangles(two, {}, {xyz.data(), 1}); }),
-              HasSubstr("there are 2 positions but 1 normals"));
+              HasSubstr("found 2 positions but 1 normals"));
   raio::Appearance look;
   look.colors = {xyz.data(), 1};
   EXPECT_EQ(refusal([&] { scene.add_spheres(two, radii, look); }),
-            "there are 2 primitives but 1 colours");
+            "found 2 primitives but 1 colours");
   look.colors = {};
   look.opacity = {bad.data(), 2};
   EXPECT_THAT(refusal([&] { scene.add_spheres(two, radii, look); }), HasSubstr("opacity 1 is nan"));
@@ -566,7 +565,7 @@ TEST(LibraryFilm, IdsAreIntegers) {
     return "";
   };
   EXPECT_EQ(error([&] { (void)film.channel("id"); }),
-            "channel 'id' has whole numbers; read it with integers()");
+            "channel 'id' has integers; read it with integers()");
   for (const char* name : {"alpha", "depth"})
     EXPECT_NE(error([&] { (void)film.integers(name); }).find("read it with channel()"),
               std::string::npos);
@@ -611,7 +610,7 @@ TEST(LibraryInstances, RefusesWhatCannotBeCopied) {
   };
   const Floats none(12), zero = {0, 0, 0}, one = {1};
   EXPECT_THAT(error([&] { scene.add_instances(0, {none.data(), 1}); }),
-              HasSubstr("instance 0: there is no prototype 0, but 0 of them"));
+              HasSubstr("instance 0: unknown prototype 0, expected a number below 0"));
   const uint32_t number = scene.add_prototype(thing());
   EXPECT_THAT(error([&] { scene.add_instances(number, {none.data(), 1}); }),
               HasSubstr("instance 0: the matrix must be finite and have an inverse"));
@@ -619,7 +618,7 @@ TEST(LibraryInstances, RefusesWhatCannotBeCopied) {
               HasSubstr("the matrices are a null pointer"));
   raio::Scene moving = stage();
   moving.add_moving_spheres({zero.data(), 1}, {zero.data(), 1}, {one.data(), 1}, 0, 1);
-  EXPECT_THAT(error([&] { scene.add_prototype(moving); }), HasSubstr("what moves"));
+  EXPECT_THAT(error([&] { scene.add_prototype(moving); }), HasSubstr("moving primitives"));
   raio::Scene deep = thing();
   for (int i = 0; i < 15; ++i) {
     raio::Scene around;

@@ -122,7 +122,7 @@ TEST(RaioScene, MoreCopiesThanCanBeAreRefused) {
     inner = outer;
   }
   EXPECT_THAT(error_of(encode_raio_scene(inner)),
-              HasSubstr("there are more than 4294967294 instances with those of instances"));
+              HasSubstr("there are more than 4294967294 instances in total"));
 }
 
 TEST(RaioScene, AnEmptySceneIsAFile) {

@@ -61,7 +61,7 @@ std::expected<std::unique_ptr<Accel>, Error> build_accel(const Scene& scene,
   if (bytes > 0.9 * available)
     return std::unexpected(Error{
         ErrorKind::no_resource, "",
-        fmt::format("to prepare the scene for tracing would take {:.1f} GB and {:.1f} GB are free",
+        fmt::format("preparing the scene for tracing would take {:.1f} GB and {:.1f} GB are free",
                     bytes * 1e-9, available * 1e-9)});
   auto accel = make_accel(Geometry(scene, one_sided, with_sources, options.opacity), options);
   if (!accel) return std::unexpected(Error{ErrorKind::no_resource, "", std::move(accel.error())});

@@ -1,5 +1,5 @@
-// Structures that find what rays hit, behind one interface: whole batches of rays go through it, so
-// that the call costs nothing and a structure may trace its rays together in whatever way suits it.
+// The common interface of acceleration structures. Whole batches of rays go through it, so the cost
+// of virtual calls vanishes and a structure may trace its rays together as it likes.
 #pragma once
 
 #include <algorithm>
@@ -24,43 +24,43 @@ enum class AccelKind { automatic, none, grid, bvh, embree };
 
 struct AccelOptions {
   AccelKind kind = AccelKind::automatic;
-  float grid_factor = 0;  // cells a side per cube root of the number of primitives; 0: best
-  std::array<int, 3> grid_resolution{0, 0, 0};  // cells along x, y, z; 0 0 0: by grid_factor
-  // To be held against published counts: all primitives in the grid, each in the cells that its box
-  // touches, and none remembered from one cell to the next.
+  float grid_factor = 0;  // cells per side, per cube root of the number of primitives; 0: automatic
+  std::array<int, 3> grid_resolution{0, 0, 0};  // cells along x, y, z; 0 0 0: from grid_factor
+  // For comparison with published counts: all primitives in the grid, each in the cells that its
+  // box overlaps, and no mailboxing.
   bool grid_plain = false;
-  // Count tests and steps. Costs a few per cent; the grid then walks cell by cell, several times as
-  // long.
+  // Count tests and steps. Costs a few per cent; the grid then traverses cell by cell, which takes
+  // several times as long.
   bool counters = false;
 
-  float opacity = 1;  // of what has none of its own, by itself or by its material
+  float opacity = 1;  // of primitives without one of their own or of their material
 
   friend bool operator==(const AccelOptions&, const AccelOptions&) = default;
 };
 
-/// The capacity of batches is a multiple of this, so that wide loads and stores of the last
-/// elements stay inside.
+/// Capacities of batches are multiples of this, so that SIMD accesses to the last elements stay
+/// inside.
 inline constexpr size_t kBatchPad = 16;
 constexpr size_t padded(size_t n) { return (n + kBatchPad - 1) / kBatchPad * kBatchPad; }
 
-/// Rays as the walks want them: one array per component, of which the first size() elements count.
-/// A ray with tmax <= 0 meets nothing.
+/// Rays as a structure of arrays; the first size() elements are valid. A ray with tmax <= 0 hits
+/// nothing.
 class RayBatch {
  public:
   Column<float> ox, oy, oz, dx, dy, dz, tmax;
-  Column<float> time;  // empty without has_time()
+  Column<float> time;  // empty unless has_time()
 
   size_t size() const { return size_; }
   size_t capacity() const { return tmax.size(); }
   void clear() { size_ = 0; }
-  /// Have the rays times of their own, rather than all 0?
+  /// Whether rays have their own times; otherwise all are 0.
   bool has_time() const { return has_time_; }
-  /// From now on; unset.
+  /// Adds times, which are uninitialized.
   void add_time() {
     has_time_ = true;
     time.resize(capacity());
   }
-  /// Elements beyond the old size are unset.
+  /// New elements are uninitialized.
   void resize(size_t n) {
     if (n > capacity()) grow(n);
     size_ = n;
@@ -90,7 +90,7 @@ class RayBatch {
   bool has_time_ = false;
 };
 
-/// What the rays of a batch hit, element by element; see Hit.
+/// The hits of a batch of rays; see Hit.
 class HitBatch {
  public:
   Column<float> t;
@@ -98,7 +98,7 @@ class HitBatch {
   Column<float> u, v;
   Column<InstanceId> instance;  // 0 unless the scene has instances
 
-  /// Makes room for at least n hits, all unset but that they belong to no instance.
+  /// Makes room for at least n hits, uninitialized except for `instance`, which is 0.
   void reset(size_t n) {
     if (n <= t.size()) return;
     n = padded(n);
@@ -111,50 +111,50 @@ class HitBatch {
   Hit operator[](size_t i) const { return {t[i], primitive[i], u[i], v[i], instance[i]}; }
 };
 
-/// What tracing a batch may read and must count into; one per thread.
+/// Input and counters for tracing a batch; one per thread.
 struct TraceContext {
-  const std::atomic<bool>* stop = nullptr;  // asks to give up; results are then without meaning
-  bool coherent = false;                    // neighbours in the batch go nearly the same way
-  uint64_t tests = 0;  // pairs of ray and primitive; counted for sure with AccelOptions::counters
-  uint64_t steps = 0;  // cells or nodes visited; likewise
+  const std::atomic<bool>* stop = nullptr;  // asks to stop; results are then meaningless
+  bool coherent = false;                    // neighbours in the batch have similar directions
+  uint64_t tests = 0;       // pairs of ray and primitive; complete with AccelOptions::counters
+  uint64_t steps = 0;       // cells or nodes visited; likewise
   TraceLog* log = nullptr;  // for Accel::log()
 
   bool stopped() const { return stop && stop->load(std::memory_order_relaxed); }
 };
 
-/// What a structure is made of, for people and statistics.
+/// Properties of a structure, for users and statistics.
 struct AccelInfo {
   std::string name;
-  size_t bytes = 0;       // with what it has of the geometry besides the scene
-  size_t cells = 0;       // of a grid, nodes of a tree
-  size_t references = 0;  // primitives listed in all cells together
+  size_t bytes = 0;       // including the geometry's memory, without the scene
+  size_t cells = 0;       // of a grid; nodes of a tree
+  size_t references = 0;  // entries in the lists of all cells
   std::array<int, 3> resolution{0, 0, 0};
-  size_t oversized = 0;  // primitives kept outside and tested by every ray
-  size_t instances = 0;  // of objects that have a structure of their own, which counts once
+  size_t oversized = 0;  // primitives outside the structure, tested with every ray
+  size_t instances = 0;  // of objects with their own structures, which count once
 };
 
-/// A box of a structure, for people to look at.
+/// A box of a structure, for display.
 struct AccelBox {
   Box3f box{};
-  int level = 0;          // of a tree; 0: the root's box, and all cells of a grid
-  size_t primitives = 0;  // that it lists, or that are below it
+  int level = 0;          // in a tree, 0 being the root; 0 for all cells of a grid
+  size_t primitives = 0;  // listed in it or below it
 };
 
-/// Instead of a level: those boxes below which there are no others.
+/// A pseudo-level: boxes without boxes below.
 inline constexpr int kLeafBoxes = -1;
 
-/// The optical depths that rays gather on their way, element by element: their sum, and the largest
-/// of them. Once those beside the largest are more than a ray's limit, it is stopped: its sum is
-/// kMaxOpticalDepth. As sums only grow, it does not matter in which order they are added. A single
-/// depth stops no ray, so that behind one layer there is always as much as passes it.
+/// The sum of the optical depths along each ray, and the largest of them. When the sum without the
+/// largest exceeds a ray's limit, the ray stops: its sum becomes kMaxOpticalDepth. Sums only grow,
+/// so the order of additions does not matter. A single depth stops no ray, so what is behind one
+/// layer always gets the light that passes it.
 class DepthBatch {
  public:
   static constexpr uint32_t kNoLimit = 0xffffffffu;
 
   Column<uint32_t> sum, largest, limit;
 
-  /// Of n rays that have met nothing yet and have no limits; those for which `stopped` is not 0, if
-  /// it is there, are stopped.
+  /// Resets n rays to no depth and no limits; those with a nonzero `stopped`, if given, are
+  /// stopped.
   void reset(size_t n, const uint8_t* stopped = nullptr) {
     if (n > sum.size()) sum.resize(padded(n)), largest.resize(padded(n)), limit.resize(padded(n));
     for (size_t i = 0; i < n; ++i) {
@@ -166,7 +166,7 @@ class DepthBatch {
     sum[i] = from.sum[k], largest[i] = from.largest[k], limit[i] = from.limit[k];
   }
   bool is_stopped(size_t i) const { return sum[i] >= kMaxOpticalDepth; }
-  /// Does the ray go on?
+  /// Whether the ray continues.
   bool add(size_t i, uint32_t depth) {
     largest[i] = std::max(largest[i], depth);
     sum[i] = std::min(sum[i] + depth, kMaxOpticalDepth);
@@ -185,38 +185,38 @@ class Accel {
   Accel(const Accel&) = delete;
   Accel& operator=(const Accel&) = delete;
 
-  /// The nearest hit of each ray with 0 < t < tmax on what is opaque (Geometry::is_opaque()).
+  /// The nearest hit of each ray with 0 < t < tmax on opaque primitives (Geometry::is_opaque()).
   void closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const;
 
-  /// Is there any such hit? 1 or 0 per ray; `hit` has room for padded(rays.size()).
+  /// Whether there is such a hit: 1 or 0 per ray; `hit` has room for padded(rays.size()).
   void occluded(const RayBatch& rays, uint8_t* hit, TraceContext& context) const;
 
-  /// A ray meets each clear primitive once, where it first hits it. The hit of this kind with
-  /// 0 < t < tmax that comes next behind element i of `after`, which may have t = 0; of equally
-  /// near ones that of the lowest id is first. No hit where there are no more. With `keys`, one
-  /// for each ray, of those hits only that stop it: each as likely as it is opaque, by a hash of
-  /// key and primitive, so that the order in which they are tried does not matter.
+  /// A ray meets each transparent primitive once, at its first hit. Finds the next such hit with 0
+  /// < t < tmax after element i of `after`, which may have t = 0; among equally near hits the
+  /// lowest id comes first. No hit if there are no more. With `keys`, one per ray, only hits that
+  /// stop the ray count: each with the probability of its opacity, by a hash of key and primitive,
+  /// so the order of tests does not matter.
   void next_transparent(const RayBatch& rays, const HitBatch& after, HitBatch& hits,
                         TraceContext& context, const uint32_t* keys = nullptr) const;
-  /// Adds the optical depths of all hits of this kind, of rays that are not stopped yet.
+  /// Adds the optical depths of all such hits, for rays that are not stopped yet.
   void transparent_depths(const RayBatch& rays, DepthBatch& depths, TraceContext& context) const;
-  /// As closest(), of what is clear as well as of what is opaque. Shortens rays to the latter.
+  /// closest() for transparent and opaque primitives together. Shortens rays to the opaque hit.
   void closest_of_all(RayBatch& rays, HitBatch& hits, TraceContext& context) const;
-  /// Builds the tree by which these find hits, whatever the structure of what is opaque;
-  /// without it they try all primitives. The error is one line: memory that would not suffice.
+  /// Builds the tree for transparent hits, whatever the structure of opaque primitives; without it,
+  /// all are tested. The error is one line: not enough memory.
   std::optional<std::string> build_transparent();
 
-  /// From now on rays hit the scene's instances, too. The error is one line.
+  /// From now on, rays also hit the scene's instances. The error is one line.
   std::optional<std::string> add_instances(std::unique_ptr<const Instances> instances);
 
-  /// What a ray does on its own, step by step, to find its nearest hit, or any hit: the tests and
-  /// steps that are counted for it, one by one. Nothing where the structure cannot tell: Embree,
-  /// and a grid without AccelOptions::counters.
+  /// Traces one ray by itself and logs, one by one, the tests and steps counted for its nearest
+  /// hit, or any hit. Nothing if the structure cannot tell: Embree, and a grid without
+  /// AccelOptions::counters.
   virtual std::optional<TraceLog> log(const Ray& ray, bool any) const;
 
-  /// Calls `see` for the boxes at a level of a tree and for the leaves above it, or for all leaves;
-  /// for the cells of a grid that list something, whatever the level. For none where there is no
-  /// structure, or one that does not show its boxes: Embree.
+  /// Calls `see` for the boxes at a level of a tree and the leaves above it, or for all leaves; for
+  /// a grid, for all non-empty cells at any level. Not called without a structure, or by Embree,
+  /// which hides its boxes.
   virtual void boxes(int level, const std::function<void(const AccelBox&)>& see) const;
 
   AccelInfo info() const;
@@ -228,7 +228,7 @@ class Accel {
   Geometry geometry_;
 
  private:
-  // The same without instances: what a structure does.
+  // The same without instances, implemented by each structure.
   virtual void find_closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const = 0;
   virtual void find_any(const RayBatch& rays, uint8_t* hit, TraceContext& context) const = 0;
   virtual AccelInfo describe() const = 0;
@@ -241,10 +241,9 @@ class Accel {
   std::unique_ptr<const Bvh> transparent_;
 };
 
-/// Bakes the scene, which must outlive the result, and builds the structure that `options` ask for
-/// (`automatic`: the best for the scene). `one_sided` and `with_sources` as for Geometry.
-/// Errors: memory that would not suffice (no_resource), options that do not fit together
-/// (bad_option).
+/// Bakes the scene, which must outlive the result, and builds the structure selected by `options`
+/// (`automatic`: the best for the scene). `one_sided` and `with_sources` as for Geometry. Errors:
+/// not enough memory (no_resource), options that contradict each other (bad_option).
 std::expected<std::unique_ptr<Accel>, Error> build_accel(const Scene& scene,
                                                          const AccelOptions& options,
                                                          bool one_sided = false,

@@ -1,12 +1,10 @@
-// Embree 3 behind the interface of the other structures: a yardstick for speed and a third opinion
-// on hits.
+// Embree 3 behind the common interface: a yardstick for speed and an independent oracle of hits.
 //
 // Used as its documentation advises: a high-quality build; robust mode, which closes the edges
-// between triangles; packets of eight, told when they are coherent; denormals
-// flushed while it runs. What Embree does not have, all but spheres and triangles, is user
-// geometry with Raio's own test, and infinite planes are tested before it. Which primitive is hit
-// is Embree's word; where on it is then found by Raio's own test, since mirrors make a picture's
-// difference of the last bits of a distance.
+// between triangles; packets of eight, with the coherence flag; denormals flushed while it runs.
+// Kinds that Embree does not have, all but spheres and triangles, are user geometry with Raio's
+// test; infinite planes are tested first. Embree decides which primitive is hit; Raio's test then
+// finds the point, since mirrors magnify differences in the last bits of a distance.
 #include <embree3/rtcore.h>
 #include <fmt/core.h>
 
@@ -24,10 +22,10 @@
 namespace raio {
 namespace {
 
-// Only who asks for it loads it.
+// Loaded only on demand.
 constexpr char kEmbree[] = "libembree3.so.3";
 
-// Flushes denormals while it lives, where the machine has such a switch.
+// Flushes denormals while it lives, if the machine can.
 class FlushDenormals {
  public:
 #if defined(__SSE__)
@@ -57,7 +55,7 @@ class Embree final : public Accel {
     if (auto loaded = load_library(kEmbree); !loaded) return loaded.error();
     device_ = call<kEmbree, rtcNewDevice>(nullptr);
     if (!device_)
-      return fmt::format("Embree does not start (error {})",
+      return fmt::format("Embree cannot start (error {})",
                          int(call<kEmbree, rtcGetDeviceError>(nullptr)));
     call<kEmbree, rtcSetDeviceMemoryMonitorFunction>(device_, count_bytes, this);
     scene_ = call<kEmbree, rtcNewScene>(device_);
@@ -74,7 +72,7 @@ class Embree final : public Accel {
     call<kEmbree, rtcCommitScene>(scene_);
     const RTCError error = call<kEmbree, rtcGetDeviceError>(device_);
     if (error != RTC_ERROR_NONE)
-      return fmt::format("Embree could not build its structure (error {}{})", int(error),
+      return fmt::format("Embree cannot build its structure (error {}{})", int(error),
                          error == RTC_ERROR_OUT_OF_MEMORY ? ": out of memory" : "");
     return std::nullopt;
   }
@@ -120,14 +118,14 @@ class Embree final : public Accel {
   }
 
  private:
-  // The geometry's number in the Embree scene is its PrimitiveKind.
+  // The geometry's id in the Embree scene is its PrimitiveKind.
   void attach(RTCGeometry geometry, PrimitiveKind kind) {
     call<kEmbree, rtcCommitGeometry>(geometry);
     call<kEmbree, rtcAttachGeometryByID>(scene_, geometry, unsigned(kind));
     call<kEmbree, rtcReleaseGeometry>(geometry);
   }
 
-  // What is clear is not in Embree's scene, which leaves out what is no number.
+  // Transparent primitives become NaN, which Embree leaves out.
   static constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   bool is_here(PrimitiveKind kind, uint32_t i) const { return geometry_.is_opaque(kind, i); }
 
@@ -167,7 +165,7 @@ class Embree final : public Accel {
     attach(g, PrimitiveKind::triangle);
   }
 
-  // A kind that Embree has not.
+  // A kind that Embree does not have.
   template <PrimitiveKind kind>
   void add_own() {
     const size_t n = geometry_.count(kind);
@@ -270,13 +268,13 @@ class Embree final : public Accel {
     return query;
   }
 
-  // A grazing hit that Raio's test does not see stays as it is.
+  // A grazing hit that Raio's test misses stays as it is.
   Hit refined(const Ray& ray, const Hit& hit) const {
     RayQuery query(ray);
     return test_primitive(geometry_, hit.primitive, query) ? query.best : hit;
   }
 
-  // Lanes first .. first + 7 of the batch; `tfar` and `valid` are set by the caller.
+  // Lanes first .. first + 7 of the batch; the caller sets `tfar` and `valid`.
   static void fill(RTCRay8& out, const RayBatch& rays, size_t first, unsigned lanes) {
     for (unsigned k = 0; k < lanes; ++k) {
       const size_t i = first + k;

@@ -18,7 +18,7 @@ size_t column_bytes(const Column<T>& v) {
 
 constexpr TriangleIndices kFlat = {kNoNormal, kNoNormal, kNoNormal};
 
-// Triangles on their way to their places.
+// Intermediate triangles.
 struct Pieces {
   std::vector<TriangleIndices> corners, normals;
   std::vector<Facet> facets;
@@ -55,7 +55,8 @@ uint32_t depth_of_opacity(float opacity) {
   return uint32_t(std::lround(-exact_log2(std::min(passes, 1.0)) * kHalving));
 }
 
-// What passes a part of a halving, in units of 2^-31. Lines between the entries are true to 6e-8.
+// The transmittance of a fraction of a halving, in units of 2^-31. Linear interpolation is accurate
+// to 6e-8.
 static uint32_t part_of_halving(uint32_t depth) {
   static constexpr uint32_t kSteps = 1024, kStep = kHalving / kSteps;
   static const auto parts = [] {
@@ -70,7 +71,7 @@ static uint32_t part_of_halving(uint32_t depth) {
 }
 
 float passed(uint32_t depth) {
-  // Less than a film can tell from nothing.
+  // Too little for a film to record.
   if (depth >= 40 * kHalving) return 0;
   const double halved = double(uint64_t(1) << (depth / kHalving));
   return float(double(part_of_halving(depth % kHalving)) * 0x1p-31 / halved);
@@ -109,7 +110,7 @@ Geometry::Geometry(const Scene& scene, bool one_sided, bool with_sources, float 
 
 double Geometry::bytes_to_bake(const Scene& s) {
   double pieces = 0, triangles = double(s.triangles.size());
-  double joined = 0;  // what meshes have is copied, and with it what the scene has of the kind
+  double joined = 0;  // meshes' data is copied, and with it the scene's of the same kind
   for (const Mesh& mesh : s.meshes) {
     triangles += double(mesh.triangles.size());
     // With vertex colours, which any mesh may have.
@@ -136,7 +137,7 @@ double Geometry::bytes_to_bake(const Scene& s) {
                 (raio::any_transparent(s) ? sizeof(uint32_t) + 2 * sizeof(PrimitiveId) : 0));
 }
 
-// Triangles without area are left out, since no ray can hit one.
+// Triangles without area are dropped, since no ray can hit them.
 void Geometry::bake_triangles() {
   const Scene& s = *scene_;
   positions_ = s.positions, normals_ = s.normals;
@@ -152,7 +153,7 @@ void Geometry::bake_triangles() {
   if (any_flat || !s.polygons.empty()) bake_polygons();
 }
 
-// Makes one list of the scene's own triangles and, behind them, those of meshes.
+// Concatenates the scene's own triangles and those of meshes.
 void Geometry::join_meshes() {
   const Scene& s = *scene_;
   size_t positions = s.positions.size(), normals = s.normals.size(), count = s.triangles.size();
@@ -188,7 +189,7 @@ void Geometry::join_meshes() {
             own_vertex_normals_.size(), own_normals_);
     append(own_positions_, mesh.positions), append(own_vertex_normals_, mesh.normals);
   }
-  // SurfacePoints that have none get what is `usual`.
+  // Elements without values get the `usual` one.
   const auto join = [&]<class T>(Column<T>& to, Array<T> Mesh::* column, const T& usual) {
     if (std::ranges::all_of(s.meshes, [&](const Mesh& mesh) { return (mesh.*column).empty(); }))
       return;
@@ -206,7 +207,7 @@ void Geometry::join_meshes() {
   triangles_ = own_triangles_, triangle_normals_ = own_normals_;
 }
 
-// The mesh of triangle number `i`, counted with the scene's own.
+// The mesh of triangle `i`, counted with the scene's own.
 size_t Geometry::mesh_of(size_t i) const {
   return size_t(std::ranges::upper_bound(mesh_begin_, i) - mesh_begin_.begin()) - 1;
 }
@@ -217,7 +218,7 @@ size_t Geometry::count_of_triangles() const {
                              : mesh_begin_.back() + scene_->meshes.back().triangles.size();
 }
 
-// Of the scene's own or of a mesh, before any is left out.
+// Of the scene's own or of a mesh, before any is dropped.
 MaterialId Geometry::triangle_material(size_t i) const {
   const Scene& s = *scene_;
   if (i < s.triangles.size()) return s.triangle_materials[i];
@@ -226,7 +227,7 @@ MaterialId Geometry::triangle_material(size_t i) const {
   return materials[materials.size() == 1 ? 0 : i - mesh_begin_[m]];
 }
 
-// Puts the pieces of polygons after the triangles with an area.
+// Appends the pieces of polygons to the triangles with area.
 void Geometry::bake_polygons() {
   const Scene& s = *scene_;
   const size_t n = triangles_.size(), count = n + s.polygons.size();
@@ -258,7 +259,7 @@ void Geometry::bake_polygons() {
   triangle_normals_ = own_normals_;
 }
 
-// A triangle without a colour of its own has its material's, where others have one.
+// If others have colours, a triangle without one gets its material's.
 void Geometry::bake_colors() {
   const Scene& s = *scene_;
   if (s.triangle_colors.empty() && s.polygon_colors.empty()) return;
@@ -278,7 +279,7 @@ void Geometry::bake_colors() {
   triangle_colors_ = own_colors_;
 }
 
-// Of a triangle with an area, or of a piece of a polygon.
+// Of a triangle with area, or of a piece of a polygon.
 float Geometry::triangle_opacity(size_t i) const {
   const Scene& s = *scene_;
   const size_t source = source_of(uint32_t(i)), polygons = count_of_triangles();
@@ -287,7 +288,7 @@ float Geometry::triangle_opacity(size_t i) const {
   return opacity_of(facets_[i].material);
 }
 
-// Of what has none of its own.
+// Of primitives without their own.
 float Geometry::opacity_of(MaterialId id) const {
   const Array<float>& opacity = scene_->material_opacity;
   return opacity.empty() || opacity[id] == 1 ? opacity_ : opacity[id];
@@ -378,17 +379,18 @@ bool Geometry::same_object(PrimitiveId a, InstanceId in_a, PrimitiveId b, Instan
   if (object != object_of(b, in_b)) return false;
   if (object == 0 || !in_a || !in_b) return true;
   const Placed at = placed(in_a), other = placed(in_b);
-  // The instances themselves belong to it, or what they show does.
+  // The instances themselves belong to it, or their contents do.
   const uint32_t own = raio::object_of(*scene_, PoolKind::instance, at.index);
   if (own || raio::object_of(*scene_, PoolKind::instance, other.index)) return true;
   return at.index == other.index && at.object.same_object(a, at.inner, b, other.inner);
 }
 
-// Which side of each primitive is seen, for the kinds that have one of which it is not both.
+// The visible side of each primitive, for kinds with one-sided primitives.
 template <PrimitiveKind kind>
 void Geometry::list_sides(bool one_sided) {
   constexpr bool kIsTriangle = kind == PrimitiveKind::triangle;
-  if (kIsTriangle && !one_sided) return;  // of large scenes most, and never seen from inside only
+  if (kIsTriangle && !one_sided)
+    return;  // most triangles of large scenes are never visible from inside only
   const Scene& s = *scene_;
   const auto side = [&](size_t i) {
     bool inside_only = false;
@@ -434,8 +436,8 @@ std::optional<std::string> Geometry::add_objects(std::vector<const Geometry*> ob
     }
   }
   if (instance_count_ > kMaxInstances)
-    return "there are more than " + std::to_string(kMaxInstances) +
-           " instances with those within instances";
+    return "the scene has more than " + std::to_string(kMaxInstances) +
+           " instances, nested ones included";
   for (const Geometry* object : objects_) any_transparent_ |= object->any_transparent();
   return std::nullopt;
 }

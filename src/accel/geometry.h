@@ -1,7 +1,6 @@
-// A scene as structures and shading see it: the kinds that rays meet, polygons cut into triangles,
-// those of meshes behind the scene's own, what a hit wants to know worked out beforehand. Made once
-// from a Scene, whose own pools it reads in place wherever it can: large scenes are not stored
-// twice.
+// A scene prepared for structures and shading: the kinds that rays hit, polygons as triangles,
+// meshes' triangles after the scene's own, and values precomputed for hits. Made once from a Scene,
+// whose pools it reads in place where possible: large scenes are not stored twice.
 #pragma once
 
 #include <array>
@@ -23,32 +22,32 @@
 
 namespace raio {
 
-/// What shading wants of a triangle: 16 bytes.
+/// A triangle's data for shading: 16 bytes.
 struct Facet {
-  Vec3f normal;  // of the polygon, for a piece of one
+  Vec3f normal;  // of the polygon, for its pieces
   MaterialId material = 0;
 };
 
-/// The optical depth of an opacity a: light that passes a depth of n is 2^(-n / kHalving) of what
-/// it was, 1 - a. Depths are whole numbers, so that it does not matter in which order they are
-/// added; a sum counts up to kMaxOpticalDepth, where nothing is left.
+/// The optical depth of an opacity a: a depth of n transmits 2^(-n / kHalving) of the light, 1 - a.
+/// Depths are integers, so the order of additions does not matter; sums saturate at
+/// kMaxOpticalDepth, which transmits nothing.
 inline constexpr uint32_t kHalving = 1u << 20, kMaxOpticalDepth = 64 * kHalving,
                           kOpaque = 0xffffffffu;
 uint32_t depth_of_opacity(float opacity);
-/// The part of the light that passes.
+/// The transmittance.
 float passed(uint32_t depth);
-/// Does the depth stop one of the rays that have all 32-bit numbers? As many pass as there is light
-/// that passes, to 1e-7.
+/// Whether the depth stops the ray with this 32-bit number. The fraction of all numbers that pass
+/// is the transmittance, to 1e-7.
 bool stops(uint32_t depth, uint32_t number);
 
-/// What tracing wants of a kind, as the kind's bake() returns it. Where that is a type of its own,
-/// it is worked out once and kept, else made of the scene's own pool each time.
+/// The type that tracing uses for a kind, as returned by its bake(). If it differs from the pool's
+/// type, it is computed once and stored, else made from the scene's pool each time.
 template <PrimitiveKind kind>
 using Baked = std::remove_cvref_t<decltype(bake(std::declval<const PrimitiveType<kind>&>()))>;
 template <PrimitiveKind kind>
 inline constexpr bool kKeepsBaked = !std::is_same_v<Baked<kind>, PrimitiveType<kind>>;
 
-/// By kind, for those that keep what is baked.
+/// By kind, for those stored in baked form.
 template <class = std::make_index_sequence<kPrimitiveKinds>>
 struct BakedColumnsOf;
 template <size_t... k>
@@ -59,18 +58,18 @@ struct BakedColumnsOf<std::index_sequence<k...>> {
 
 class Geometry {
  public:
-  /// `scene` must outlive the result. With `one_sided`, opaque surfaces are seen from outside only,
-  /// as the NFF text has it. `with_sources`: source_of() will be asked. `opacity`: of what has
-  /// none.
+  /// `scene` must outlive the result. With `one_sided`, opaque surfaces are visible from outside
+  /// only, as in the NFF text. `with_sources`: source_of() will be called. `opacity`: of primitives
+  /// without their own.
   explicit Geometry(const Scene& scene, bool one_sided = false, bool with_sources = false,
                     float opacity = 1);
   Geometry(Geometry&&) = default;
 
   const Scene& scene() const { return *scene_; }
 
-  /// Without those of instances: what a structure is built over.
+  /// Without instances: the primitives in a structure.
   size_t count(PrimitiveKind kind) const { return first_[size_t(kind) + 1] - first_[size_t(kind)]; }
-  /// With those of instances.
+  /// With instances.
   uint64_t count_all(PrimitiveKind kind) const;
 
   /// Primitive `index` of a kind.
@@ -82,10 +81,10 @@ class Geometry {
     while (kind > 0 && id < first_[kind]) --kind;
     return PrimitiveKind(kind);
   }
-  /// Its index, where the kind is known.
+  /// Its index, if the kind is known.
   uint32_t index_of(PrimitiveKind kind, PrimitiveId id) const { return id - first_[size_t(kind)]; }
   uint32_t index_of(PrimitiveId id) const { return index_of(kind_of(id), id); }
-  /// A number that does not depend on how many primitives of other kinds there are.
+  /// A number that does not depend on the number of primitives of other kinds.
   uint32_t key_of(PrimitiveKind kind, uint32_t index) const { return uint32_t(kind) << 29 ^ index; }
   uint32_t key_of(PrimitiveId id) const {
     const PrimitiveKind kind = kind_of(id);
@@ -96,7 +95,7 @@ class Geometry {
     const auto& s = sides_[size_t(kind)];
     return s.empty() ? Sides::both : s[index];
   }
-  /// Are both sides of all primitives of the kind seen?
+  /// Whether both sides of all primitives of the kind are visible.
   bool two_sided(PrimitiveKind kind) const { return sides_[size_t(kind)].empty(); }
 
   /// Primitive i of a kind, baked: by value or by reference.
@@ -111,7 +110,7 @@ class Geometry {
       return bake((scene_->*kPoolOf<PrimitiveType<kind>>.shapes)[i]);
     }
   }
-  /// The scene's, or, where it has meshes, copies of those and of the meshes'.
+  /// The scene's own or, if it has meshes, a copy of both.
   std::span<const Vec3f> positions() const { return positions_; }
   std::span<const Vec3f> normals() const { return normals_; }
 
@@ -121,7 +120,7 @@ class Geometry {
 
   /// Indices into positions().
   const TriangleIndices& corners(uint32_t triangle) const { return triangles_[triangle]; }
-  /// Tells the processor that the primitive will be asked for soon.
+  /// Prefetches the primitive.
   void prefetch(PrimitiveId id) const {
     const PrimitiveKind kind = kind_of(id);
     const uint32_t i = index_of(kind, id);
@@ -130,7 +129,7 @@ class Geometry {
   }
 
   const Facet& facet(uint32_t triangle) const { return facets_[triangle]; }
-  /// The normals at a triangle's corners, or null where it is flat.
+  /// The normals at a triangle's vertices, or null if it is flat.
   const TriangleIndices* corner_normals(uint32_t triangle) const {
     if (triangle >= triangle_normals_.size() || triangle_normals_[triangle][0] == kNoNormal)
       return nullptr;
@@ -138,15 +137,15 @@ class Geometry {
   }
   bool any_smooth() const { return !triangle_normals_.empty(); }
 
-  /// A colour for each item of the kind, or empty: those of the materials count for all of them.
+  /// A colour per item of the kind, or empty: then the materials' colours apply.
   std::span<const Rgb> colors(PrimitiveKind kind) const;
   bool any_colors() const { return any_colors_; }
-  /// Of positions(), each multiplied into the colours of its triangles; or empty.
+  /// By index in positions(), multiplied into the colours of triangles; or empty.
   std::span<const Rgb> vertex_colors() const { return own_vertex_colors_; }
-  /// Of positions(), where materials have textures and meshes coordinates for them; else empty.
+  /// By index in positions(), if materials have textures and meshes coordinates; else empty.
   std::span<const Uv> texture_coordinates() const { return own_uv_; }
 
-  /// The optical depth of a primitive; kOpaque where nothing passes.
+  /// The optical depth of a primitive; kOpaque if nothing passes.
   uint32_t depth_of(PrimitiveKind kind, uint32_t index) const {
     const auto& depths = depths_[size_t(kind)];
     return depths.empty() ? kOpaque : depths[index];
@@ -158,64 +157,63 @@ class Geometry {
   bool is_opaque(PrimitiveKind kind, uint32_t index) const {
     return depth_of(kind, index) == kOpaque;
   }
-  /// Does the primitive, which is transparent, stop the ray of this key
-  /// (Accel::next_transparent())?
+  /// Whether the transparent primitive stops the ray with this key (Accel::next_transparent()).
   bool stops(PrimitiveKind kind, uint32_t index, uint32_t key) const {
     return raio::stops(depth_of(kind, index), hash_of(key, key_of(kind, index)));
   }
-  /// Are all of the kind?
+  /// Whether all of the kind are opaque.
   bool all_opaque(PrimitiveKind kind) const { return depths_[size_t(kind)].empty(); }
-  /// Those of bounded kinds that let some of the light pass and keep some back; those that are
-  /// opaque, where not all are. In the order of their ids.
+  /// Primitives of bounded kinds that transmit some light and absorb some; and the opaque ones, if
+  /// not all are. In the order of ids.
   std::vector<PrimitiveId> list_transparent() const;
   std::vector<PrimitiveId> list_opaque() const;
   bool any_transparent() const { return any_transparent_; }
 
-  /// The objects of the scene's instances as they are baked, one for each prototype. The error is
-  /// one line: more instances than have ids.
+  /// Adds the baked objects of the scene's instances, one per prototype. The error is one line:
+  /// more instances than ids.
   std::optional<std::string> add_objects(std::vector<const Geometry*> objects);
   bool has_instances() const { return !objects_.empty(); }
-  /// Those within instances included.
+  /// Nested ones included.
   uint64_t count_instances() const { return instance_count_; }
-  /// The instance of this number: its index in Scene::instances, the object that it shows, and the
-  /// number in that object, which is 0 unless the object has instances itself.
+  /// The instance with this number: its index in Scene::instances, its object, and the number
+  /// within that object, which is 0 unless the object has instances.
   struct Placed {
     const Geometry& object;
     uint32_t index = 0;
     InstanceId inner = 0;
   };
   Placed placed(InstanceId instance) const;
-  /// The other way.
+  /// The inverse.
   InstanceId instance_id(uint32_t index, InstanceId inner = 0) const {
     return (first_instance_.empty() ? index + 1 : first_instance_[index]) + inner;
   }
-  /// The object that has the primitives of an instance, or this for number 0.
+  /// The object with the primitives of an instance; this one for number 0.
   const Geometry& object_at(InstanceId instance) const;
   Placement placement(uint32_t index) const {
     return {scene_->instances[index].matrix, inverses_[index]};
   }
 
-  /// Where a triangle comes from: its number among the scene's own triangles, those of meshes and
-  /// the polygons, in this order.
+  /// The origin of a triangle: its index among the scene's own triangles, those of meshes and the
+  /// polygons, in this order.
   size_t source_of(uint32_t triangle) const {
     return sources_.empty() ? triangle : sources_[triangle];
   }
-  /// How many triangles the scene and its meshes have, those without area included.
+  /// The number of triangles of the scene and its meshes, those without area included.
   size_t count_of_triangles() const;
 
-  /// The id of the object (Scene::object_names) to which the primitive belongs; 0: to none. In an
-  /// instance it is the outermost that an instance around it belongs to, else its own.
+  /// The id of the object (Scene::object_names) that owns the primitive; 0: none. In an instance,
+  /// the outermost owner of the enclosing instances, else the primitive's own.
   uint32_t object_of(PrimitiveId id, InstanceId instance = 0) const;
-  /// Do both belong to the same object or to none? A primitive that has its object from a prototype
-  /// belongs to another one in each instance.
+  /// Whether both belong to the same object or to none. An object within a prototype is a different
+  /// one in each instance.
   bool same_object(const Hit& a, const Hit& b) const;
   MaterialId material_of(PrimitiveId id, InstanceId instance = 0) const;
 
-  /// About how many bytes baking `scene` takes, those that it frees again included.
+  /// Approximate memory for baking `scene`, in bytes, including temporary memory.
   static double bytes_to_bake(const Scene& scene);
 
   Box3f bounds(PrimitiveId id) const;  // not for planes, which have none
-  size_t bytes() const;                // besides the scene
+  size_t bytes() const;                // without the scene
 
  private:
   void bake_triangles();
@@ -238,30 +236,30 @@ class Geometry {
   bool same_object(PrimitiveId a, InstanceId in_a, PrimitiveId b, InstanceId in_b) const;
 
   const Scene* scene_;
-  std::array<PrimitiveId, kPrimitiveKinds + 1> first_{};  // of each kind; the last: how many
+  std::array<PrimitiveId, kPrimitiveKinds + 1> first_{};  // of each kind; the last: the total
   std::vector<const Geometry*> objects_;
-  Column<Placement::Inverse> inverses_;  // of the instances
-  Column<InstanceId> first_instance_;    // of each instance; empty: no object has instances
+  Column<Placement::Inverse> inverses_;  // by instance
+  Column<InstanceId> first_instance_;    // by instance; empty: no object has instances
   uint64_t instance_count_ = 0;
   bool with_sources_ = false, any_colors_ = false, any_transparent_ = false;
   float opacity_ = 1;
-  // The scene's own where it has no meshes, else those below.
+  // The scene's own if it has no meshes, else those below.
   std::span<const Vec3f> positions_, normals_;
   Column<Vec3f> own_positions_, own_vertex_normals_;
   Column<Rgb> own_vertex_colors_;
   Column<Uv> own_uv_;
-  // The scene's own where every primitive is a triangle with an area, else those below.
+  // The scene's own if every primitive is a triangle with area, else those below.
   std::span<const TriangleIndices> triangles_, triangle_normals_;
   Column<TriangleIndices> own_triangles_, own_normals_;
-  // How many triangles come before each mesh's: the scene's own and those of the meshes before.
+  // The number of triangles before each mesh's: the scene's own and those of earlier meshes.
   std::vector<uint32_t> mesh_begin_;
-  // Of each triangle its source_of(). Empty where that is its index, or where nothing asks.
+  // source_of() of each triangle. Empty if it is the index, or never requested.
   Column<uint32_t> sources_;
   std::span<const Rgb> triangle_colors_;
   Column<Rgb> own_colors_;
   Column<Facet> facets_;
   BakedColumnsOf<>::type baked_;
-  std::array<Column<Sides>, kPrimitiveKinds> sides_;      // empty: both sides of all
+  std::array<Column<Sides>, kPrimitiveKinds> sides_;      // empty: all are two-sided
   std::array<Column<uint32_t>, kPrimitiveKinds> depths_;  // empty: all are opaque
 };
 

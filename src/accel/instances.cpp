@@ -8,7 +8,7 @@
 namespace raio {
 namespace {
 
-// Rays are rounded where they enter the space of an object, by so much of their coordinates or
+// The rounding error of rays that enter an object's space, relative to their coordinates or
 // distances.
 constexpr double kSlack = 2e-6;
 
@@ -67,7 +67,7 @@ void Instances::build_tree() {
     some.push_back(uint32_t(boxes.size() - 1));
     slack_ = std::max(slack_, kSlack * place.condition());
   }
-  // So that no box loses what a ray meets that was rounded where it entered the object's space.
+  // Widens boxes by the rounding of rays that enter the object's space.
   for (const uint32_t i : some)
     boxes[i].pad(float(slack_ * std::max(largest(boxes[i].lo), largest(boxes[i].hi))));
   if (some.empty()) return;
@@ -76,8 +76,8 @@ void Instances::build_tree() {
   split(0, some, boxes);
 }
 
-// Halves along the longest side of the box around the middles, which keeps the depth at the
-// logarithm of the number of instances, wherever they are.
+// Splits at the median along the longest side of the box of the centres: the depth is logarithmic
+// in the number of instances, wherever they are.
 void Instances::split(uint32_t node, std::span<uint32_t> instances,
                       const std::vector<Box3f>& boxes) {
   Box3f around, middles;
@@ -100,15 +100,15 @@ void Instances::split(uint32_t node, std::span<uint32_t> instances,
   split(children + 1, instances.subspan(size_t(half)), boxes);
 }
 
-// All rays of a batch go down the tree together: each node passes on those that meet its box, the
-// nearer child first, seen from the first of them.
+// All rays of a batch descend the tree together: each node passes on those that hit its box, the
+// nearer child first, as seen from the first ray.
 class Instances::Traversal {
  public:
   Traversal(const Instances& in, const RayBatch& rays, TraceContext& context)
       : in_(in), rays_(rays), context_(context) {}
 
-  // Calls visit(instance, rays) for the instances that rays may hit; limit(i) is how far ray i
-  // still goes, not positive: nowhere.
+  // Calls visit(instance, rays) for the instances that rays may hit; limit(i) is the remaining
+  // length of ray i; not positive: none.
   template <class Limit, class Visit>
   void run(const Limit& limit, const Visit& visit) {
     for (uint32_t i = 0; i < rays_.size(); ++i)
@@ -165,7 +165,7 @@ class Instances::Traversal {
     return begin <= last * float(1 + kSlack);
   }
 
-  // Of an axis: where a ray begins, with slack to both sides, and 1 over its direction.
+  // For an axis: the ray's origin with slack to both sides, and 1 over its direction.
   struct Slab {
     float above, below, inverse;
   };
@@ -177,7 +177,7 @@ class Instances::Traversal {
   const RayBatch& rays_;
   TraceContext& context_;
   std::vector<Slabs> slabs_;
-  std::vector<uint32_t> lists_;  // those of the nodes on the way down, one behind the other
+  std::vector<uint32_t> lists_;  // of the nodes on the way down, concatenated
   std::vector<uint32_t> some_;
 };
 
@@ -225,8 +225,8 @@ void Instances::occluded(const RayBatch& rays, uint8_t* hit, TraceContext& conte
       });
 }
 
-// What an object finds may lie, by the rounding of distances, before `after` in the space around
-// it; it is then asked for what comes next. Each instance has a key of its own.
+// By rounding, a hit found in an object may lie before `after` outside it; then the object is asked
+// for the next one. Each instance has its own key.
 void Instances::next_transparent(const RayBatch& rays, const HitBatch& after, HitBatch& hits,
                                  TraceContext& context, const uint32_t* keys) const {
   Moved moved;

@@ -1,5 +1,5 @@
-// Instances of objects: a tree over their boxes, whose leaves are the structures of the objects. A
-// ray goes on in the space of the object, so an instance costs its matrix and no more.
+// Instances of objects: a tree over their boxes with the objects' structures as leaves. A ray
+// continues in the object's space, so an instance costs only its matrix.
 #pragma once
 
 #include <expected>
@@ -14,14 +14,15 @@ namespace raio {
 
 class Instances {
  public:
-  /// For those of the scene of `around`, which must outlive the result. Objects have structures by
-  /// the same options; of kind `none`, all rays try all instances. Errors as of build_accel().
+  /// For the instances of the scene of `around`, which must outlive the result. Objects have
+  /// structures with the same options; with kind `none`, all rays try all instances. Errors as in
+  /// build_accel().
   static std::expected<std::unique_ptr<const Instances>, Error> build(const Accel& around,
                                                                       const AccelOptions& options,
                                                                       bool one_sided,
                                                                       bool with_sources);
 
-  // As of Accel, going on from what was found among the scene's own primitives.
+  // As in Accel, starting from the hits on the scene's own primitives.
   void closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const;
   void occluded(const RayBatch& rays, uint8_t* hit, TraceContext& context) const;
   void next_transparent(const RayBatch& rays, const HitBatch& after, HitBatch& hits,
@@ -32,7 +33,7 @@ class Instances {
   void add_to(AccelInfo& info) const;
 
  private:
-  // A node of the tree has two children, side by side, or is a leaf of one instance.
+  // A node has two adjacent children, or is a leaf with one instance.
   struct Node {
     Box3f box;
     uint32_t first = 0;  // child, or instance
@@ -49,7 +50,7 @@ class Instances {
   const Geometry& geometry_;
   const Array<Instance>& instances_;
   std::vector<std::unique_ptr<const Accel>> objects_;
-  Column<Node> nodes_;  // the root first; empty: none
+  Column<Node> nodes_;  // the root first; empty: no instances
   double slack_ = 0;    // of boxes, relative to coordinates
 };
 

@@ -1,12 +1,12 @@
-// One ray against primitives of the baked geometry. Every structure of Raio's own ends here, so all
-// of them find the same hits to the last bit.
+// Tests one ray with primitives of the baked geometry. All of Raio's structures end here, so they
+// find exactly the same hits.
 #pragma once
 
 #include "accel/geometry.h"
 
 namespace raio {
 
-/// A ray on its way: what is prepared once, and the nearest hit so far.
+/// A ray with its precomputed values and the nearest hit so far.
 struct RayQuery {
   Ray ray;
   ShearedRay sheared;
@@ -14,7 +14,7 @@ struct RayQuery {
 
   explicit RayQuery(const Ray& r) : ray(r), sheared(r.dir) { best.t = r.tmax; }
 
-  /// Keeps a hit if it is the nearest; of equally near ones, that of the lowest id.
+  /// Takes a hit if it is the nearest; among equally near ones, the lowest id.
   bool offer(float t, PrimitiveId id, float u = 0, float v = 0) {
     if (!(t > 0 && (t < best.t || (t == best.t && best.found() && id < best.primitive))))
       return false;
@@ -23,7 +23,7 @@ struct RayQuery {
   }
 };
 
-/// Ray and primitive i of a kind; true where the hit is kept.
+/// Tests the ray with primitive i of a kind; true if the hit is taken.
 template <PrimitiveKind kind>
 bool test(const Geometry& g, uint32_t i, RayQuery& q) {
   const auto& primitive = g.get<kind>(i);

@@ -1,4 +1,4 @@
-// In place of embree.cpp in builds with RAIO_EMBREE=OFF.
+// Replaces embree.cpp in builds with RAIO_EMBREE=OFF.
 #include "accel/structures.h"
 
 namespace raio {

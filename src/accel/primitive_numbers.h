@@ -1,5 +1,5 @@
-// The numbers that users see in the channel `id`: 1, 2, ... over all primitives, kind by kind; of a
-// kind those of the scene come first, then those of the instances, one instance after another.
+// The numbers in the channel `id`: 1, 2, ... over all primitives, kind by kind; within a kind, the
+// scene's own come first, then those of the instances, one instance after another.
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@ class PrimitiveNumbers {
     list(geometry, next, 0);
   }
 
-  /// How many primitives there are, and the highest number.
+  /// The number of primitives, which is the highest number.
   uint64_t count() const { return begin_.back(); }
   uint64_t number(PrimitiveId id, InstanceId instance) const {
     const Geometry& object = geometry_.object_at(instance);
@@ -31,7 +31,7 @@ class PrimitiveNumbers {
   }
 
  private:
-  // The instances of `geometry` have the numbers behind `around`.
+  // Numbers the instances of `geometry` after `around`.
   void list(const Geometry& geometry, std::array<uint64_t, kPrimitiveKinds>& next,
             InstanceId around) {
     const auto& instances = geometry.scene().instances;

@@ -1,5 +1,4 @@
-// The makers of each structure, for build_accel and for tests of one of them. Each stands in a file
-// of its own with its walk.
+// Constructors of the structures, for build_accel and for tests of single ones.
 #pragma once
 
 #include "accel/accel.h"
@@ -8,7 +7,7 @@ namespace raio {
 
 using AccelResult = std::expected<std::unique_ptr<Accel>, std::string>;
 
-/// No structure: every ray against every primitive. The oracle of all others.
+/// No structure: every ray is tested with every primitive. The oracle of the others.
 std::unique_ptr<Accel> make_none(Geometry geometry, const AccelOptions& options);
 
 /// The uniform grid.
@@ -17,7 +16,7 @@ AccelResult make_grid(Geometry geometry, const AccelOptions& options);
 /// The eight-wide tree of boxes: bvh.h.
 AccelResult make_bvh(Geometry geometry);
 
-/// Embree 3, as its documentation advises. It does not count, whatever the options say.
+/// Embree 3, used as its documentation advises. It never counts.
 AccelResult make_embree(Geometry geometry, const AccelOptions& options);
 
 }  // namespace raio

@@ -1,4 +1,4 @@
-// Hits on transparent primitives, by a tree of their own or by testing all of them.
+// Hits on transparent primitives, by a separate tree or by testing all of them.
 #include <algorithm>
 
 #include "accel/accel.h"
@@ -9,7 +9,7 @@
 namespace raio {
 namespace {
 
-// Calls f(kind, index, hit) for the first hit of the ray on each clear primitive.
+// Calls f(kind, index, hit) for the first hit of the ray on each transparent primitive.
 template <class F>
 void for_each_transparent_hit(const Geometry& geometry, const Ray& ray, TraceContext& context,
                               F&& f) {
@@ -49,7 +49,7 @@ void Accel::next_transparent(const RayBatch& rays, const HitBatch& after, HitBat
     std::fill_n(hits.instance.begin(), rays.size(), 0);
   };
   if (!instances_) return find(after);
-  // Of equally near hits those on instances come behind all that find() looks for.
+  // Equally near hits on instances come after all that find() looks for.
   HitBatch behind = after;
   for (size_t i = 0; i < rays.size(); ++i)
     if (after.instance[i]) behind.primitive[i] = kNoPrimitive, behind.instance[i] = 0;

@@ -12,7 +12,7 @@ HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
 namespace {
 
-// Two unit vectors across n and each other, as Frame in base/vec.h.
+// Two unit vectors perpendicular to n and each other, as Frame in base/vec.h.
 struct WideFrame {
   V3 u, v;
 
@@ -33,13 +33,14 @@ class AmbientShading {
         look_(params_of(figure_.look)),
         outline_(figure_.outline * scene.settings.line_scale() * (look_.turns ? kTurningReach : 1)),
         occlusion_sampler_(scene.sampler) {
-    occlusion_sampler_.kind = SamplerKind::sobol;  // of each pixel one sequence, shared out
-    // Lines stand out from the background, or, where that is left out, from the look's.
+    occlusion_sampler_.kind =
+        SamplerKind::sobol;  // one sequence per pixel, split among its surfaces
+    // Lines contrast with the background or, if that is omitted, with the style's.
     const bool is_open =
         scene.settings.channels.has(Channel::alpha) && scene.settings.background == Rgb();
     const Rgb ground = is_open ? look_.background : scene.settings.background;
     if (max_component(ground) < 0.1f) line_color_ = Rgb(0.7f);
-    // Over the viewer's left shoulder; its disc is seen at about eleven degrees.
+    // Over the viewer's left shoulder; its disc spans about eleven degrees.
     to_key_ = normalize(scene.eye.right * -0.45f + scene.eye.up * 0.7f - scene.forward * 0.75f);
     const Frame<float> frame(to_key_);
     key_u_ = frame.u * kKeyRadius, key_v_ = frame.v * kKeyRadius;
@@ -80,7 +81,7 @@ class AmbientShading {
       if (on_line_[i] != 0) v.radiance.set(i, line_color_);
   }
 
-  // What arrives on a white floor, against what would if nothing stood on it.
+  // Sets the light on a white floor relative to that on an empty floor.
   template <class W>
   void shade_floor(W& w, size_t n, const WideSampler<D>& sampler) {
     SurfacePoints& v = w.points();
@@ -107,7 +108,8 @@ class AmbientShading {
       }
       V dark = hn::Sub(one, hn::Div(load(v.radiance, i).x, all));
       if (scene_.extent > 0) dark = hn::Mul(dark, hn::Sub(one, depth_cue(load(v.point, i))));
-      // Less is how the sums are rounded: what is in no shadow is the background itself.
+      // Smaller values are rounding errors of the sums: outside shadows, the background stays
+      // exact.
       dark = hn::IfThenElseZero(hn::Gt(dark, hn::Set(d, 1e-5f)), hn::Min(dark, one));
       store(dark, v.kd, i);
     }
@@ -117,9 +119,9 @@ class AmbientShading {
   void spawn(W&, int, size_t) const {}
 
  private:
-  static constexpr float kKeyRadius = 0.1f;  // at a distance of 1
+  static constexpr float kKeyRadius = 0.1f;  // at distance 1
 
-  // The colours of StyleParams::soft, and what dark surfaces mirror of the sky.
+  // The colours of StyleParams::soft, and the sky mirrored by dark surfaces.
   template <class W>
   void soften(W& w, size_t n) {
     SurfacePoints& v = w.points();
@@ -135,8 +137,8 @@ class AmbientShading {
     }
   }
 
-  // The light of the sky, by rays that are dealt as the cosine weighs it: each that leaves brings
-  // an equal share. Shirley and Chiu's disc, lifted to the hemisphere after Malley.
+  // Sky light, by rays with a cosine-weighted density: each unoccluded one contributes equally.
+  // Shirley and Chiu's disc, projected onto the hemisphere after Malley.
   template <class W>
   void add_sky_light(W& w, size_t n, uint32_t sample) {
     SurfacePoints& v = w.points();
@@ -159,7 +161,7 @@ class AmbientShading {
         const V3 normal = load(v.normal, i), geometric = load(v.geometric, i);
         const WideFrame frame(normal);
         V3 dir = frame.u * disc.x + frame.v * disc.y + normal * up;
-        // A smooth normal leans: what would go into the surface is turned out of it.
+        // A smooth normal may tilt: directions into the surface are mirrored out of it.
         const V across = dot(dir, geometric);
         const V3 out = dir - geometric * hn::Add(across, across);
         dir = select(hn::Lt(across, zero), out, dir);
@@ -172,7 +174,7 @@ class AmbientShading {
     }
   }
 
-  // A disc far away: diffuse light and a highlight after Blinn.
+  // A distant disc: diffuse light and a highlight after Blinn.
   template <class W>
   void add_key_light(W& w, size_t n, const WideSampler<D>& sampler, float highlight) {
     SurfacePoints& v = w.points();
@@ -205,7 +207,7 @@ class AmbientShading {
     });
   }
 
-  // Into the background, with depth.
+  // Fades into the background with depth.
   template <class W>
   void fade(W& w, size_t n) const {
     SurfacePoints& v = w.points();
@@ -217,7 +219,7 @@ class AmbientShading {
     }
   }
 
-  // The part of the background in what is at the points.
+  // The fraction of the background at the points.
   HWY_INLINE V depth_cue(const V3& point) const {
     const V depth = dot(point - set3(d, scene_.eye.from), set3(d, scene_.forward));
     const V far = hn::Div(hn::Sub(depth, hn::Set(d, scene_.nearest)), hn::Set(d, scene_.extent));
@@ -225,10 +227,11 @@ class AmbientShading {
                    hn::Set(d, figure_.depth_cue));
   }
 
-  // Over all directions of an edge, four points of a circle as much larger reach as far as eight.
+  // Four points of a circle, rotated per sample, reach as far over all edge directions as eight if
+  // this much larger.
   static constexpr float kTurningReach = 1.0823922f;
-  // How far the circle's points are turned for a sample: as cosine and sine of sixteenths of a
-  // right angle, far from those of the samples before.
+  // The rotation of the circle's points for a sample: cosine and sine of sixteenths of a right
+  // angle, far from those of the previous samples.
   static std::array<float, 2> turn_of(uint32_t sample) {
     static constexpr float kTurns[16][2] = {
         {1, 0},
@@ -248,18 +251,18 @@ class AmbientShading {
         {0.773010453f, 0.634393284f},
         {0.098017140f, 0.995184727f},
     };
-    // Samples of one column of cells are not turned alike.
+    // Samples in one column of cells get different rotations.
     const auto& [c, s] = kTurns[(sample + 7 * (sample / 16)) % 16];
     return {c, s};
   }
 
   // Feature lines after Choudhury and Parker 2009, "Ray Tracing NPR-Style Feature Lines", NPAR: a
-  // sample is on a line if rays through a circle around it in the picture meet something else. Of
-  // two surfaces that meet in the picture the nearer one has the line. What is clear has none.
+  // sample is on a line if rays through a circle around it in the picture hit something else. Of
+  // two adjacent surfaces the nearer one has the line. Transparent surfaces have none.
   template <class W>
   void find_outlines(W& w, size_t n, uint32_t sample) {
     static constexpr float kDiagonal = 0.70710678f;
-    // Opposite ones first: they decide most.
+    // Opposite points first: they decide most samples.
     static constexpr float kCircle[8][2] = {{1, 0},
                                             {-1, 0},
                                             {0, 1},
@@ -269,7 +272,7 @@ class AmbientShading {
                                             {-kDiagonal, kDiagonal},
                                             {kDiagonal, -kDiagonal}};
     const Geometry& geometry = scene_.accel.geometry();
-    // Those that cannot have a line count as decided, too.
+    // Samples that cannot have a line count as decided, too.
     std::array<float, kChunk + kWidth> decided{};
     for (size_t i = 0; i < n; ++i) {
       on_line_[i] = 0;
@@ -300,7 +303,7 @@ class AmbientShading {
     }
   }
 
-  // Does a line run between what samples see and what the probes meet beside them, at their side?
+  // Whether a line runs between samples and the hits of their probes at one side.
   template <class W>
   void find_lines(W& w, size_t n, const std::array<float, kChunk + kWidth>& decided) {
     const SurfacePoints& v = w.points();
@@ -315,10 +318,11 @@ class AmbientShading {
       const Vec3f point = at(v.point, i);
       const Ray ray = rays[i];
       const Vec3f other = ray.origin + ray.dir * hit.t;
-      // By which a pixel grows.
+      // The growth of a pixel with distance.
       const float depth = scene_.eye.parallel ? 1 : dot(point - scene_.eye.from, scene_.forward);
       const float behind = dot(other - point, scene_.forward);
-      const float step = 4 * outline_ * pixel * depth;  // a slope that passes for a surface
+      const float step =
+          4 * outline_ * pixel * depth;  // the maximum step within a surface, as a slope
       const bool flat = PrimitiveKind(v.kind[i]) == PrimitiveKind::triangle;
       if (!hit.found() || (behind > step && !flat)) {
         on_line_[i] = 1;
@@ -332,7 +336,7 @@ class AmbientShading {
         crease_of_[creases++] = uint32_t(i);
       }
     }
-    // Where two meet at an angle the lower number has the line.
+    // Where two surfaces meet at an angle, the one with the lower number has the line.
     if (creases == 0) return;
     for (size_t i = creases; i % kWidth != 0; ++i)
       crease_rays_.set(i, crease_rays_[creases - 1]),
@@ -344,12 +348,12 @@ class AmbientShading {
 
   static Vec3f at(const Floats3& f, size_t i) { return {f.x.at[i], f.y.at[i], f.z.at[i]}; }
 
-  // The first `n` lanes from i on that light arrives at, since they are not on a line.
+  // The first `n` lanes from i that receive light, since they are not on a line.
   HWY_INLINE M lit_lanes(size_t i, size_t n) const {
     return hn::And(hn::FirstN(d, n - i), hn::Eq(hn::Load(d, &on_line_[i]), hn::Zero(d)));
   }
 
-  // Rays that are not in `mask` count as lit by nothing.
+  // Rays that are not in `mask` count as unlit.
   static HWY_INLINE void put_ray(RayBatch& rays, size_t i, const V3& origin, const V3& dir, V tmax,
                                  M mask) {
     hn::Store(origin.x, d, &rays.ox[i]), hn::Store(origin.y, d, &rays.oy[i]);
@@ -359,7 +363,7 @@ class AmbientShading {
     hn::Store(hn::IfThenElse(mask, tmax, hn::Set(d, -1)), d, &rays.tmax[i]);
   }
 
-  // Traces the wavefront's shadow rays and adds light(i, share of it that arrives).
+  // Traces the wavefront's shadow rays and adds light(i, the unoccluded share).
   template <class W, class Light>
   void add_lit(W& w, size_t n, const WideSampler<D>& sampler, Purpose depth, const Light& light) {
     SurfacePoints& v = w.points();
@@ -389,9 +393,9 @@ class AmbientShading {
   float outline_;  // radius of the circle, pixels
   Sampler occlusion_sampler_;
   Vec3f to_key_, key_u_, key_v_;
-  Rgb line_color_;  // stands out from the background
-  // Of the current rays whether they are on a line; of the probes beside them that need their
-  // normals to tell: rays, hits, surfaces, and which current ray they belong to.
+  Rgb line_color_;  // contrasts with the background
+  // For current rays: whether they are on a line. For undecided probes, which need normals: rays,
+  // hits, surfaces, and the current ray they belong to.
   alignas(64) float on_line_[kChunk + kWidth] = {};
   RayBatch crease_rays_;
   HitBatch crease_hits_;
@@ -420,7 +424,7 @@ std::unique_ptr<TileRenderer> make_ambient_renderer(const PreparedScene& scene,
 
 double ambient_bound(const Scene& scene, const RenderSettings& settings) {
   const StyleParams look = params_of(settings.figure.look);
-  const float own_color = brightest_color(scene);  // may take the place of a material's
+  const float own_color = brightest_color(scene);  // may override a material's
   const float tint = brightest_tint(scene);
   double surface = 0;
   for (const Material& m : scene.materials)

@@ -1,5 +1,5 @@
-// The integrator `ambient` for figures (docs/ambient.md): diffuse surfaces under a white sky, which
-// is hidden from them where other things are near, and one key light that goes with the camera.
+// The integrator `ambient` for figures (docs/ambient.md): diffuse surfaces with ambient occlusion
+// under a white sky, and one key light that moves with the camera.
 #pragma once
 
 #include "integrate/wavefront.h"

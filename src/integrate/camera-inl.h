@@ -1,5 +1,5 @@
-// The eye rays of camera.h for many places of the picture at once.
-// Once for each instruction set, as foreach_target.h passes again.
+// The eye rays of camera.h for many points of the picture at once. Included once per instruction
+// set (foreach_target.h).
 #if defined(RAIO_INTEGRATE_CAMERA_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAIO_INTEGRATE_CAMERA_INL_H_
 #undef RAIO_INTEGRATE_CAMERA_INL_H_
@@ -30,7 +30,7 @@ HWY_INLINE WideEye<D> eye_at_rest(D tag, const EyeRays& eye) {
           set3(tag, eye.corner), set3(tag, eye.per_x), set3(tag, eye.per_y)};
 }
 
-/// As a moving camera has them at a time.
+/// The vectors of a moving camera at a time.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE WideEye<D> eye_at(D tag, const EyeRays& eye, V time) {
   const EyeRays::Movement& m = *eye.movement;
@@ -64,20 +64,20 @@ HWY_INLINE WideEye<D> eye_at(D tag, const EyeRays& eye, V time) {
           up * hn::Neg(pixel)};
 }
 
-/// From the eye through (x, y): pixels from the upper left corner of the picture.
+/// From the eye through (x, y), in pixels from the upper left corner of the picture.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE WideRay<D> pinhole(D tag, const WideEye<D>& eye, V x, V y) {
   return {eye.from, normalize(tag, eye.corner + eye.per_x * x + eye.per_y * y)};
 }
 
-/// Side by side with the line of sight, through (x, y).
+/// Parallel to the line of sight, through (x, y).
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE WideRay<D> parallel(const WideEye<D>& eye, V x, V y) {
   return {eye.from + (eye.corner + eye.per_x * x + eye.per_y * y), eye.forward};
 }
 
-/// From `lens` (a point of the unit disc, times `radius`) to the point of the plane in focus that
-/// the pinhole would see at (x, y). Cook, Porter and Carpenter 1984, "Distributed Ray Tracing".
+/// From `lens` (a point of the unit disc, times `radius`) to the point of the focal plane that the
+/// pinhole would see at (x, y). Cook, Porter and Carpenter 1984, "Distributed Ray Tracing".
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE WideRay<D> thin_lens(D tag, const WideEye<D>& eye, V x, V y, const Wide2<D>& lens,
                                 float radius, float focus) {

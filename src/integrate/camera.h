@@ -1,5 +1,4 @@
-// Where eye rays go. Made for many places of the picture at once by camera-inl.h, which also has
-// the thin lens.
+// Eye rays. camera-inl.h computes them for many points of the picture at once, and the thin lens.
 #pragma once
 
 #include <cmath>
@@ -11,15 +10,15 @@
 
 namespace raio {
 
-/// The angle is vertical, from edge to edge, or from centre to centre of the outermost pixels: then
-/// a picture of n + 1 by n + 1 pixels has its rays in the corners of one of n by n from edge to
-/// edge. Pixels are square; right is view x up.
+/// The angle is vertical, from edge to edge or between the centres of the outermost pixels: then a
+/// picture of n + 1 by n + 1 pixels has its rays at the corners of one of n by n from edge to edge.
+/// Pixels are square; right is view x up.
 struct EyeRays {
   bool parallel;
   Vec3f from;
   Vec3f right, up, forward;  // unit
-  // corner + per_x * x + per_y * y leads from the eye to where the ray through (x, y) is at a
-  // distance of 1 along the view; of parallel rays, to where it starts.
+  // corner + per_x * x + per_y * y leads from the eye to the point at distance 1 along the view on
+  // the ray through (x, y); for parallel rays, to its origin.
   Vec3f corner, per_x, per_y;
 
   EyeRays(const Camera& camera, int width, int height, bool angle_to_centers = false)
@@ -32,7 +31,7 @@ struct EyeRays {
     if (angle_to_centers && height > 1) half_height *= float(height) / float(height - 1);
     const double half_width = double(half_height) * width / height;
     right = Vec3f(to_right), up = Vec3f(to_up), forward = Vec3f(ahead);
-    const double distance = parallel ? length(view) : 1;  // at which the picture is so large
+    const double distance = parallel ? length(view) : 1;  // where the picture has this size
     corner = Vec3f((parallel ? Vec3d() : ahead) - to_right * (half_width * distance) +
                    to_up * (double(half_height) * distance));
     per_x = Vec3f(to_right * (2 * half_width * distance / width));
@@ -51,17 +50,17 @@ struct EyeRays {
     }
   }
 
-  /// Of a camera that moves: what it takes to have all of the above at a time, in float. The above
-  /// is that of the beginning.
+  /// For a moving camera: what it takes to compute the above, in float, for any time. The above is
+  /// for the beginning.
   struct Movement {
     Vec3f from_by, view, view_by;  // at = from + view
     Vec3f up;
     float begin, end;
-    float half_width, half_height, pixel;  // of the picture at a distance of 1
+    float half_width, half_height, pixel;  // of the picture at distance 1
   };
   std::optional<Movement> movement;
 
-  /// The ray without a lens through (x, y): pixels from the upper left corner of the picture.
+  /// The ray without a lens through (x, y), in pixels from the upper left corner of the picture.
   Ray pinhole(float x, float y, float time = 0) const {
     const Vec3f towards = corner + per_x * x + per_y * y;
     if (parallel) return {.origin = from + towards, .dir = forward, .time = time};
@@ -69,7 +68,7 @@ struct EyeRays {
   }
 };
 
-/// From where a camera sees a point, as it is at the beginning.
+/// The eye of the camera at the beginning, for a point that it sees.
 inline Vec3d eye_of(const Camera& camera, const Vec3d& point) {
   const Vec3d from(camera.from), forward = normalize(Vec3d(camera.at) - from);
   return camera.is_parallel() ? point - forward * dot(point - from, forward) : from;

@@ -1,5 +1,5 @@
-// The classic shading (integrate/classic.h) as a Shading of the wavefront, as wide as the machine's
-// registers. Once for each instruction set, as foreach_target.h passes again.
+// The classic shading (integrate/classic.h) as a Shading of the wavefront, in SIMD. Included once
+// per instruction set (foreach_target.h).
 #if defined(RAIO_INTEGRATE_CLASSIC_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAIO_INTEGRATE_CLASSIC_INL_H_
 #undef RAIO_INTEGRATE_CLASSIC_INL_H_
@@ -20,8 +20,8 @@ HWY_INLINE V3 reflect(const V3& dir, const V3& n) {
   return dir - n * hn::Mul(hn::Set(d, 2), dot(dir, n));
 }
 
-// Snell's law, for n on the side that `dir` comes from; `in` loses the lanes of total internal
-// reflection.
+// Snell's law, for n on the incoming side of `dir`; removes lanes with total internal reflection
+// from `in`.
 HWY_INLINE V3 refract(const V3& dir, const V3& n, V eta, M& in) {
   const V one = hn::Set(d, 1), cosine = hn::Neg(dot(dir, n));
   const V k = hn::Sub(one, hn::Mul(hn::Mul(eta, eta), hn::Sub(one, hn::Mul(cosine, cosine))));
@@ -30,8 +30,8 @@ HWY_INLINE V3 refract(const V3& dir, const V3& n, V eta, M& in) {
   return renormalize(d, dir * eta + n * hn::Sub(hn::Mul(eta, cosine), root));
 }
 
-// The part of unpolarised light that is mirrored, for n on the side that `dir` comes from; 1 at
-// total internal reflection. Schlick's approximation takes the angle on the thinner side.
+// The reflectance for unpolarised light, for n on the incoming side of `dir`; 1 at total internal
+// reflection. Schlick's approximation uses the angle on the less dense side.
 HWY_INLINE V reflectance(Fresnel fresnel, const V3& dir, const V3& n, V eta) {
   const V zero = hn::Zero(d), one = hn::Set(d, 1), tiny = hn::Set(d, 1e-30f);
   const V in = hn::Min(hn::Max(hn::Neg(dot(dir, n)), zero), one);
@@ -53,8 +53,8 @@ HWY_INLINE V reflectance(Fresnel fresnel, const V3& dir, const V3& n, V eta) {
   return hn::IfThenElse(hn::Lt(k, zero), one, part);
 }
 
-// With kModels as the settings' models and the materials' specular colours have it; without, as
-// NFF does, free of the choice.
+// With kModels, uses the settings' models and the materials' specular colours; without, shades as
+// NFF does, without the cost of the choice.
 template <bool kModels>
 class PhongShading {
  public:
@@ -101,7 +101,7 @@ class PhongShading {
   }
 
  private:
-  // What light l brings to the vertices that it sees.
+  // Adds the contribution of light l to the surface points that it reaches.
   template <class W>
   HWY_NOINLINE void add_light(W& w, size_t l, size_t n, const WideSampler<D>& sampler) {
     const PreparedScene::Emitter& emitter = scene_.emitters[l];
@@ -123,11 +123,11 @@ class PhongShading {
       const V distance = length(to_light);
       const M apart = hn::Gt(distance, zero);
       const V3 dir = to_light * hn::IfThenElseZero(apart, hn::Div(hn::Set(d, 1), distance));
-      // Nothing from behind the surface, even where a smooth triangle's normal leans that way.
+      // No light from behind the surface, even where a smooth triangle's normal tilts that way.
       const M facing =
           hn::And(hn::FirstN(d, n - i), hn::And(hn::Gt(dot(load(v.normal, i), dir), zero),
                                                 hn::Gt(dot(load(v.geometric, i), dir), zero)));
-      // Ends at the light: short of it by what the division above may have rounded.
+      // Ends just short of the light, by the possible rounding of the division above.
       const V tmax = hn::Mul(distance, hn::Set(d, 1 - 4 * std::numeric_limits<float>::epsilon()));
       hn::Store(outside.x, d, &rays.ox[i]), hn::Store(outside.y, d, &rays.oy[i]);
       hn::Store(outside.z, d, &rays.oz[i]);
@@ -168,8 +168,7 @@ class PhongShading {
     }
   }
 
-  // Of Phong's angle between the mirrored light and the eye, or of Blinn's between the normal and
-  // the direction halfway between them.
+  // Phong: between the mirrored light and the eye. Blinn: between the normal and the half vector.
   HWY_INLINE V highlight_cosine(const V3& to_light, const V3& normal, const V3& in) const {
     if constexpr (kModels)
       if (scene_.settings.shading == ShadingModel::blinn_phong)
@@ -177,12 +176,12 @@ class PhongShading {
     return hn::Neg(dot(reflect(-to_light, normal), in));
   }
 
-  // Does Fresnel's reflectance say what is mirrored where T > 0?
+  // Whether Fresnel's reflectance determines the mirrored part where T > 0.
   bool divides() const { return kModels && scene_.settings.fresnel != Fresnel::none; }
   HWY_INLINE V reflectance_at(const SurfacePoints& v, size_t i, const V3& in) const {
     return reflectance(scene_.settings.fresnel, in, load(v.normal, i), load(v.eta, i));
   }
-  // How much the mirrored ray counts: a number for NFF, else one for each of red, green and blue.
+  // The weight of the mirrored ray: one number for NFF, else red, green and blue.
   HWY_INLINE auto mirrored_part(const SurfacePoints& v, size_t i, const V3& in) const {
     const V ks = load(v.ks, i);
     if constexpr (kModels) {
@@ -198,7 +197,7 @@ class PhongShading {
   static HWY_INLINE V most_of(V part) { return part; }
   static HWY_INLINE V most_of(const V3& part) { return largest(part); }
 
-  // The columns beside the materials.
+  // The columns parallel to the materials.
   void gather_other_materials(SurfacePoints& v, size_t n) const {
     const auto& colors = scene_.scene.material_specular;
     const auto& roughness = scene_.scene.material_roughness;
@@ -208,7 +207,7 @@ class PhongShading {
     }
   }
 
-  // The direction in the lobe of a rough surface (docs/shading.md): that of a perfect one, plus
+  // A direction in the lobe of a rough surface (docs/shading.md): that of a perfect one, plus
   // roughness times a point of the unit sphere. It stays on the side of `side`, a unit vector.
   template <class W>
   HWY_INLINE V3 spread(W& w, size_t i, const V3& dir, const V3& side, Purpose purpose,
@@ -220,7 +219,7 @@ class PhongShading {
     const Wide2<D> square =
         sampler_->in_square(w.place_of(load(w.rays().pixel, i)), load(w.rays().branch, i), purpose);
     const Wide2<D> disc = square_to_disc(d, square.x, square.y);
-    // Of a disc onto the sphere, keeping areas.
+    // Maps the disc to the sphere, keeping areas.
     const V r2 = hn::Add(hn::Mul(disc.x, disc.x), hn::Mul(disc.y, disc.y));
     const V scale = hn::Mul(two, hn::Sqrt(hn::Max(hn::Sub(one, r2), zero)));
     const V3 on_sphere = {hn::Mul(disc.x, scale), hn::Mul(disc.y, scale),
@@ -234,7 +233,7 @@ class PhongShading {
   }
 
   // A smooth triangle's normal can send a ray through the surface that it should leave; then the
-  // geometric one decides.
+  // geometric normal decides.
   template <class W>
   void reflect_rays(W& w, int level, size_t n) {
     const SurfacePoints& v = w.points();
@@ -285,7 +284,7 @@ class PhongShading {
   Rgb ambient_;                                        // times the material's colour
   bool any_mirror_ = false, any_transparent_ = false;  // among the materials
   bool rough_ = false;
-  const WideSampler<D>* sampler_ = nullptr;  // of the sample that is being shaded
+  const WideSampler<D>* sampler_ = nullptr;  // of the current sample
 };
 
 using ClassicShading = PhongShading<false>;

@@ -1,5 +1,5 @@
-// The classic shading's renderer, compiled once for each instruction set (Highway's foreach_target)
-// and chosen when the program runs.
+// The classic shading's renderer, compiled once per instruction set (Highway's foreach_target) and
+// selected at run time.
 #include "integrate/classic.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -34,7 +34,7 @@ std::unique_ptr<TileRenderer> make_classic_renderer(const PreparedScene& scene,
 double classic_bound(const Scene& scene, const RenderSettings& settings) {
   double light = 0.1;  // ambient
   for (const Light& l : scene.lights) light += l.color ? max_component(*l.color) : 1.0;
-  const float own_color = brightest_color(scene);  // may take the place of a material's
+  const float own_color = brightest_color(scene);  // may override a material's
   const float tint = brightest_tint(scene);
   double brightest = 0, gain = 0;
   for (size_t i = 0; i < scene.materials.size(); ++i) {

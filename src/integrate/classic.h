@@ -1,6 +1,6 @@
 // The classic shading (docs/shading.md): Phong's light, hard or soft shadows, mirror reflection and
-// refraction, as NFF tracers have had it since Whitted 1980, "An Improved Illumination Model for
-// Shaded Display", CACM 23(6).
+// refraction, as in NFF tracers since Whitted 1980, "An Improved Illumination Model for Shaded
+// Display", CACM 23(6).
 #pragma once
 
 #include <algorithm>
@@ -9,19 +9,19 @@
 
 namespace raio {
 
-/// Do rays spread by `roughness`, or, without it, by that of any material?
+/// Whether rays are spread by `roughness` or, without it, by that of any material.
 inline bool spreads(const Scene& scene, const std::optional<float>& roughness) {
   if (roughness) return *roughness > 0;
   return std::ranges::any_of(scene.material_roughness, [](float r) { return r > 0; });
 }
 
-/// Do mirrored or refracted rays spread?
+/// Whether mirrored or refracted rays are spread.
 inline bool is_rough(const Scene& scene, const RenderSettings& s) {
   return (s.reflection && spreads(scene, s.gloss)) ||
          (s.refraction && spreads(scene, s.translucency));
 }
 
-/// Does the picture take more than the light of NFF and a background of one colour?
+/// Whether the picture needs more than NFF's light and a uniform background.
 inline bool needs_models(const Scene& scene, const RenderSettings& s) {
   return s.shading != ShadingModel::nff || s.fresnel != Fresnel::none || s.sky ||
          !scene.material_specular.empty() || is_rough(scene, s);
@@ -32,7 +32,7 @@ double classic_bound(const Scene& scene, const RenderSettings& settings);
 std::unique_ptr<TileRenderer> make_classic_renderer(const PreparedScene& scene,
                                                     RenderControl& control);
 
-/// The same for what needs_models(), which make_classic_renderer() chooses.
+/// The renderer for pictures that needs_models(); make_classic_renderer() selects it.
 std::unique_ptr<TileRenderer> make_model_renderer(const PreparedScene& scene,
                                                   RenderControl& control);
 

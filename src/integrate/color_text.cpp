@@ -33,7 +33,7 @@ Rgb rgb_of(uint32_t bits) {
   return {part(16), part(8), part(0)};
 }
 
-// The digits after '#', three or six.
+// Parses the digits after '#', three or six.
 std::optional<Rgb> parse_digits(std::string_view digits) {
   if (digits.size() != 3 && digits.size() != 6) return std::nullopt;
   uint32_t bits = 0;

@@ -1,5 +1,5 @@
-// The colours that primitives have of their own, in place of their materials'.
-// Once for each instruction set, as foreach_target.h passes again.
+// Colours of primitives that override their materials'. Included once per instruction set
+// (foreach_target.h).
 #if defined(RAIO_INTEGRATE_COLORS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAIO_INTEGRATE_COLORS_INL_H_
 #undef RAIO_INTEGRATE_COLORS_INL_H_
@@ -16,13 +16,13 @@ HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
 namespace {
 
-// Hits, with the kind of each primitive and its index among those of the kind. A lane behind the
-// last hit may hold what an earlier batch left there.
+// Hits, with each primitive's kind and its index in the pool. Lanes after the last hit may hold
+// stale values of an earlier batch.
 struct HitColumns {
   const HitBatch& hits;
   const uint32_t *kind, *index;
 
-  // The triangle that ray i hits, if it is one.
+  // The triangle that ray i hits, if any.
   std::optional<uint32_t> triangle(const Geometry& geometry, size_t i) const {
     constexpr auto kTriangle = PrimitiveKind::triangle;
     if (PrimitiveKind(kind[i]) != kTriangle || index[i] >= geometry.count(kTriangle)) return {};
@@ -30,8 +30,8 @@ struct HitColumns {
   }
 };
 
-// Puts the colours of the primitives that the rays i, i + 1, ... hit into the lanes of `color`.
-// Called for scenes that have any.
+// Gathers the colours of the primitives hit by rays i, i + 1, ... into the lanes of `color`. Called
+// for scenes with such colours.
 inline void gather_colors(const Geometry& geometry, const HitColumns& hit, size_t i,
                           Floats3& color) {
   for (size_t k = i; k < i + kWidth; ++k) {
@@ -40,7 +40,7 @@ inline void gather_colors(const Geometry& geometry, const HitColumns& hit, size_
   }
 }
 
-// Multiplies those of the vertices of triangles into it, likewise.
+// Multiplies by the vertex colours of triangles.
 inline void tint_by_vertices(const Geometry& geometry, const HitColumns& hit, size_t i,
                              Floats3& color) {
   const std::span<const Rgb> tints = geometry.vertex_colors();
@@ -55,8 +55,8 @@ inline void tint_by_vertices(const Geometry& geometry, const HitColumns& hit, si
   }
 }
 
-// Multiplies those of textures into it, likewise. Those of a scene's materials may differ in size
-// from lane to lane, so they are looked up one by one.
+// Multiplies by textures. Their sizes may differ from lane to lane, so they are looked up one by
+// one.
 inline void tint_by_textures(const Geometry& geometry, const Scene& scene, const HitColumns& hit,
                              size_t i, const MaterialId* materials, Floats3& color) {
   const std::span<const Uv> uv = geometry.texture_coordinates();

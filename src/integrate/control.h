@@ -1,4 +1,4 @@
-// What a render shares with whoever watches it from another thread.
+// Shared by a render and its observers in other threads.
 #pragma once
 
 #include <atomic>

@@ -1,5 +1,5 @@
-// A wavefront of one pixel whose Recorder writes down its rays. All instruction sets give the same
-// numbers, so the one that every machine has will do.
+// A wavefront of one pixel with a Recorder that logs its rays. All instruction sets give the same
+// numbers, so the baseline suffices.
 #include "integrate/explain.h"
 
 #include <fmt/core.h>
@@ -24,7 +24,7 @@ float lane(V v, size_t k) {
 Vec3f lane(const V3& v, size_t k) { return {lane(v.x, k), lane(v.y, k), lane(v.z, k)}; }
 Vec3f element(const Floats3& f, size_t i) { return {f.x.at[i], f.y.at[i], f.z.at[i]}; }
 
-// `Shading`: whose rays are recorded.
+// `Shading`: of the recorded rays.
 template <class Shading>
 class RayRecorder {
  public:
@@ -36,7 +36,7 @@ class RayRecorder {
 
   void begin_sample(uint32_t sample) { recording_ = sample == sample_; }
 
-  // All current rays, with what they hit. `escaped_there` knows what those bring that hit nothing.
+  // Records all current rays with their hits. `escaped_there` evaluates rays that hit nothing.
   template <class SeenThere>
   void traced(int level, const Paths& current, const HitBatch& hits, SeenThere&& escaped_there) {
     for (size_t i = 0; recording_ && i < current.rays.size(); ++i) {
@@ -50,7 +50,7 @@ class RayRecorder {
     }
   }
 
-  // Children of current rays, beyond the last level.
+  // Records children of current rays beyond the last level.
   template <class SeenThere>
   void untraced(const Paths& current, size_t first, const V3& origin, const V3& dir,
                 const Weight& weight, uint32_t side, M mask, SeenThere&& escaped_there) {
@@ -69,7 +69,7 @@ class RayRecorder {
       out_.rays[size_t(find(current.branch[i]))].ambient = element(v.radiance, i);
   }
 
-  // Those of the n current rays that face light l.
+  // Records shadow rays of the n current rays that face light l.
   void shadow_rays(const Paths& current, const RayBatch& rays, const uint8_t* hidden, size_t l,
                    size_t n) {
     shadow_of_.assign(n, -1);
@@ -88,14 +88,14 @@ class RayRecorder {
       out_.rays.push_back(r);
     }
   }
-  // What that light brings to current rays first, first + 1, ...
+  // Records the light's contribution to current rays first, first + 1, ...
   void lit(size_t first, size_t n, const V3& diffuse, const V3& both) {
     for (size_t i = first; recording_ && i < std::min(first + kWidth, n); ++i) {
       if (shadow_of_[i] < 0) continue;
       ExplainedRay& r = out_.rays[size_t(shadow_of_[i])];
       if (r.occluded) continue;
       r.diffuse = Vec3d(lane(diffuse, i - first));
-      // Exact, so that the two add up to the float that the surface takes.
+      // Exact, so that the two add up to the surface's float.
       r.highlight = Vec3d(lane(both, i - first)) - r.diffuse;
     }
   }
@@ -123,7 +123,7 @@ class RayRecorder {
  private:
   using Kind = ExplainedRay::Kind;
 
-  // A place in the ray tree (integrate/sampler.h) tells the rays of a pixel's sample apart.
+  // The branch in the ray tree (integrate/sampler.h) identifies the rays of a sample.
   int find(uint32_t branch) const { return places_.at(branch); }
   static Rgb weight_of(const Paths& current, size_t i) {
     const auto& w = current.weight;
@@ -149,8 +149,8 @@ class RayRecorder {
   RenderControl& control_;
   Explanation& out_;
   bool recording_ = false;
-  std::unordered_map<uint32_t, int> places_;  // of rays among all, by branch
-  std::vector<int> shadow_of_;                // of each current ray; -1: none
+  std::unordered_map<uint32_t, int> places_;  // index of rays by branch
+  std::vector<int> shadow_of_;                // by current ray; -1: none
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// One sample of a pixel, told ray by ray: what each ray meets, what it brings, and why.
+// One sample of a pixel, explained ray by ray: what each ray hits, what it contributes, and why.
 #pragma once
 
 #include <cstdint>
@@ -23,36 +23,36 @@ struct ExplainedRay {
   };
 
   Kind kind = Kind::eye;
-  int parent = -1;  // of whose hit point it starts, by its place in Explanation::rays
+  int parent = -1;  // the ray that spawned it, as an index in Explanation::rays
   int level = 1;
-  int light = -1;  // of a shadow ray
+  int light = -1;  // for a shadow ray
   Ray ray{};
-  bool traced = true;     // else beyond the last level: it brings the background
-  bool occluded = false;  // of a shadow ray
-  Hit hit{};              // of any other
+  bool traced = true;     // else beyond the last level: it gets the background
+  bool occluded = false;  // for a shadow ray
+  Hit hit{};              // for other rays
   Rgb weight{};           // in the pixel
   std::optional<Surface> surface{};
 
   // Radiance. That of a surface is float(float(ambient + light 0) + light 1) ..., where a light is
-  // float(diffuse + highlight) of its shadow ray, if that is not occluded.
+  // float(diffuse + highlight) of its shadow ray, if unoccluded.
   Rgb ambient{}, background{};
   Vec3d diffuse{}, highlight{};
-  // Of all but shadow rays, whose terms the surface sums up: exactly what they add to the pixel,
-  // weight * radiance as the film rounds it.
+  // For all except shadow rays, which are part of the surface's sum: the exact contribution to the
+  // pixel, weight * radiance as rounded by the film.
   Vec3d brings{};
 };
 
 struct Explanation {
-  std::vector<ExplainedRay> rays;  // a parent before its children
-  Vec3d rgb;                       // the sum of what the rays bring
+  std::vector<ExplainedRay> rays;  // parents before their children
+  Vec3d rgb;                       // the sum of the rays' contributions
   RayCounts counts;
 };
 
-/// More are not kept.
+/// The maximum number of rays recorded.
 inline constexpr size_t kMaxExplainedRays = 100000;
 
-/// Renders sample `sample` of the pixel at (x, y) of the whole picture by the classic shading. The
-/// error (no_resource): more rays.
+/// Renders sample `sample` of the pixel at (x, y) of the whole picture with the classic shading.
+/// The error (no_resource): more rays.
 std::expected<Explanation, Error> explain_sample(const Scene& scene, const Accel& accel,
                                                  const RenderSettings& settings, int x, int y,
                                                  uint32_t sample);

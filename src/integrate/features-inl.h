@@ -1,5 +1,4 @@
-// The channels of the surfaces that eye rays hit: what a film keeps of them beside the colours.
-// Once for each instruction set, as foreach_target.h passes again.
+// Channels of the surfaces that eye rays hit. Included once per instruction set (foreach_target.h).
 #if defined(RAIO_INTEGRATE_FEATURES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAIO_INTEGRATE_FEATURES_INL_H_
 #undef RAIO_INTEGRATE_FEATURES_INL_H_
@@ -19,8 +18,8 @@ HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
 namespace {
 
-// How far along the line of sight rays i, i + 1, ... hit something, from the camera on, wherever on
-// the lens they start.
+// The depths of the hits of rays i, i + 1, ... along the line of sight, from the camera, wherever
+// on the lens they start.
 HWY_INLINE V depths_of_hits(const PreparedScene& scene, const RayBatch& rays, const HitBatch& hits,
                             size_t i) {
   const V3 points = origins(rays, i) + directions(rays, i) * load(hits.t, i);
@@ -43,8 +42,8 @@ class Features {
                  ? std::make_unique<PrimitiveNumbers>(scene.accel.geometry())
                  : nullptr) {}
 
-  // Adds those of all `rays`, which hit something, to the sums of `pixels`; of those rays only for
-  // which `counts` is not 0, if it is there.
+  // Adds the values of all `rays`, which hit something, to the sums of `pixels`; if `counts` is
+  // given, only of rays where it is not 0.
   void add(const RayBatch& rays, const HitBatch& hits, const SurfacePoints& vertices,
            const uint32_t* pixels, const uint8_t* counts, uint32_t sample, TileSums& sums) const {
     const FilmLayout& layout = sums.layout();
@@ -100,7 +99,7 @@ class Features {
           }));
   }
 
-  // A coordinate of points as the file has it, or what a float leaves of it.
+  // A coordinate of points as in the file, or the rounding error of its float.
   static HWY_INLINE U in_file(V x, double origin, Channel channel) {
     const hn::CappedTag<double, kWidth> doubles;
     const hn::Rebind<float, decltype(doubles)> halves;

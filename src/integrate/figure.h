@@ -1,4 +1,4 @@
-// How figures look: what the integrator `ambient` takes from users.
+// The style of figures: user settings of the integrator `ambient`.
 #pragma once
 
 #include <array>
@@ -9,8 +9,8 @@
 
 namespace raio {
 
-/// Named looks. The number is the version, which pictures store: a look that changes becomes a new
-/// one, so that an old name gives the old picture. The numbers of the enumerators stand in files.
+/// Named styles. The number is the version, which pictures store: a changed style gets a new one,
+/// so an old name gives the old picture. The enumerators' values are stored in files.
 enum class FigureStyle : uint8_t {
   paper_1,
   dark_1,
@@ -25,20 +25,20 @@ enum class FigureStyle : uint8_t {
 inline constexpr auto kLookNames = std::to_array<std::string_view>(
     {"paper-1", "dark-1", "flat-1", "matte-1", "paper-2", "dark-2", "matte-2", "flat-2"});
 
-/// A look as light: a white surface has as much of it from a whole sky as `sky`, from the key light
-/// in front of it as `key`.
+/// A style's light: a white surface receives `sky` from an unobstructed sky and `key` from the key
+/// light facing it.
 struct StyleParams {
   Rgb background;  // linear
   float sky, key;
   float highlight, shine;  // of the key light, as `ks` and `shine` of a Material
   float outline;           // width, pixels
   float depth_cue;
-  /// Bright colours c become c (1 - soft max(c)), so that white stands out from paper and saturated
+  /// Bright colours c become c (1 - soft max(c)), so that white contrasts with paper and saturated
   /// colours do not clip.
   float soft = 0;
-  /// Sky that black surfaces mirror at grazing angles, so that dark meshes keep their form.
+  /// Sky mirrored by black surfaces at grazing angles, so that dark meshes keep their form.
   float rim = 0;
-  /// Do the rays that look for outlines turn from sample to sample? Half of them suffice then.
+  /// Whether the outline probes rotate from sample to sample. Half of them suffice then.
   bool turns = false;
 };
 
@@ -65,14 +65,14 @@ constexpr StyleParams params_of(FigureStyle look) {
   return {Rgb(1), 0.62f, 0.5f, 0.06f, 30, 0, 0, 0.22f, 0.12f, true};
 }
 
-/// What a figure is made with, besides what all pictures have.
+/// The settings of a figure, besides those of all pictures.
 struct FigureSettings {
   FigureStyle look = FigureStyle::paper_2;
-  int occlusion_rays = 2;        // of each surface that is seen, for a sample
-  float occlusion_distance = 0;  // what is farther away hides no sky, scene units; 0: any distance
+  int occlusion_rays = 2;        // per visible surface and sample
+  float occlusion_distance = 0;  // farther occluders are ignored, scene units; 0: any distance
   bool key_light = true;
   float outline = 0;    // width, pixels
-  float depth_cue = 0;  // the part of the background in what is farthest away
+  float depth_cue = 0;  // the fraction of the background at the farthest point
   bool shadow_catcher = false;
 
   friend bool operator==(const FigureSettings&, const FigureSettings&) = default;

@@ -27,8 +27,8 @@ NanSamples& NanSamples::operator+=(const NanSamples& b) {
 
 namespace {
 
-// The sum of the most samples that there can be stays below 2^62; and no finer than 2^-40, where a
-// picture has no more to say.
+// Leaves room for the sum of the maximum number of samples below 2^62; the unit is at least 2^-40,
+// since pictures need no finer one.
 double scale_for(double bound) {
   int exponent = 0;
   std::frexp(bound * kMaxSamples, &exponent);
@@ -168,7 +168,7 @@ void Film::replace(size_t tile, const TileSamples& by) {
 
 bool Film::can_hold(const TileSamples& numbers) const {
   const uint32_t samples = numbers.samples.count();
-  // A sample may add to a number several times, each time rounded.
+  // A sample may add to a value several times, rounded each time.
   constexpr double kSlack = 1 + 1e-3;
   const double sample = bound_ * scale_ + 1, most = samples * sample;
   const double coverage = samples * double(kFullCoverage);
@@ -202,7 +202,7 @@ void Film::for_numbers(const Tile& tile, int planes, F&& f) const {
       for (int x = tile.x0; x < tile.x1; ++x) f(plane * tile_sums() + pixel_of(x, y));
 }
 
-// Calls f(tile, its place) for all tiles that have samples.
+// Calls f(tile, its index) for all tiles that have samples.
 template <class F>
 void Film::for_tiles(F&& f) const {
   parallel_for(tiles(), [&](size_t t) {
@@ -235,12 +235,12 @@ float Film::value(Channel channel, size_t tile, int x, int y, size_t component) 
     return float(double(sum) / (fixed_scale(spec) * states_[tile].samples.count()));
   }
   const uint32_t first = firsts_.of(tile)[at];
-  // No surface is at distance zero: nothing was found.
+  // No surface is at distance zero: nothing was hit.
   if (channel == Channel::depth && first == 0) return std::numeric_limits<float>::infinity();
   return std::bit_cast<float>(first);
 }
 
-// In integers, where nothing is lost between a large mean and a small variance.
+// In integers, which lose nothing between a large mean and a small variance.
 float Film::variance(size_t tile, size_t pixel, size_t component) const {
   const uint32_t n = states_[tile].samples.count();
   if (n < 2) return 0;

@@ -1,4 +1,4 @@
-// Where samples are added up.
+// Sums of samples.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@
 
 namespace raio {
 
-/// How many rays of each kind were traced. A hit is counted where the ray met something.
+/// The number of rays traced, by kind. Hits are rays that hit something.
 struct RayCounts {
   uint64_t eye = 0, eye_hits = 0;
   uint64_t reflection = 0, refraction = 0;
@@ -29,10 +29,10 @@ struct RayCounts {
   friend bool operator==(const RayCounts&, const RayCounts&) = default;
 };
 
-/// Samples whose colour was not a number and counts as black.
+/// Samples with NaN colours, which count as black.
 struct NanSamples {
   uint64_t count = 0;
-  uint32_t x = 0, y = 0;  // the first pixel of the film that has one, row by row; 0 without any
+  uint32_t x = 0, y = 0;  // the first such pixel of the film, row by row; 0 if none
 
   NanSamples& operator+=(const NanSamples& b);
   friend bool operator==(const NanSamples&, const NanSamples&) = default;
@@ -44,25 +44,25 @@ struct Tile {
 };
 inline constexpr int kTileSide = 32, kMaxTileSide = 64;
 
-/// Of a pixel's samples: red, green, blue and coverage, so that one SIMD instruction adds to all.
+/// A pixel's sums of red, green, blue and coverage; one SIMD instruction adds to all.
 struct alignas(32) PixelSums : std::array<int64_t, 4> {};
 
 __extension__ typedef unsigned __int128 Uint128;
 
-/// What a sample that something covers adds to the coverage.
+/// The coverage of a sample that hits something.
 inline constexpr int64_t kFullCoverage = int64_t(1) << 24;
 
-/// A value v of a channel whose rule is `mean` counts as the integer nearest to v * this, which
-/// leaves room for the sum of kMaxSamples of them.
+/// A value v of a channel with the rule `mean` counts as the integer nearest to v * this, which
+/// leaves room for the sum of kMaxSamples values.
 constexpr double fixed_scale(const ChannelSpec& spec) {
   double scale = double(1 << 24);
   while (scale * spec.bound > double(int64_t(1) << 38)) scale /= 2;
   return scale;
 }
 
-/// Where the channels of a film are among its planes, each of which holds one number a pixel: sums
-/// of what the samples bring, sums of the squares of their colours, and what the lowest sample
-/// brought. Alpha is in PixelSums, the number of samples with the tile.
+/// Maps the channels of a film to its planes of one number per pixel: sums of values, sums of
+/// squared colours, and the values of the lowest sample. Alpha is in PixelSums; the number of
+/// samples is stored per tile.
 class FilmLayout {
  public:
   explicit FilmLayout(ChannelSet channels) : channels_(channels) {
@@ -80,7 +80,7 @@ class FilmLayout {
   bool has_planes(Channel channel) const {
     return has(channel) && channel != Channel::alpha && channel != Channel::samples;
   }
-  /// How many there are of each.
+  /// The number of planes of each rule.
   int means() const { return means_; }
   int squares() const { return squares_; }
   int firsts() const { return firsts_; }
@@ -94,8 +94,8 @@ class FilmLayout {
   int means_ = 0, squares_ = 0, firsts_ = 0;
 };
 
-/// What a film holds of a tile. Row by row, all empty without samples: r, g, b and coverage for
-/// each pixel; and plane by plane, as FilmLayout numbers them, the numbers of the channels.
+/// A tile's numbers in a film, all empty without samples. Row by row: r, g, b and coverage per
+/// pixel; and plane by plane, as in FilmLayout, the numbers of the channels.
 struct TileSamples {
   SampleSet samples;
   RayCounts rays;
@@ -107,21 +107,21 @@ struct TileSamples {
   friend bool operator==(const TileSamples&, const TileSamples&) = default;
 };
 
-/// The sums of a picture's samples and, for each tile, which samples these are: of all its pixels
-/// the same. A film is a sound picture at any moment, and all that is needed to go on with it.
+/// The sums of a picture's samples and, for each tile, which samples these are, the same for all
+/// its pixels. A film is a valid picture at any moment, and contains all that is needed to resume.
 ///
-/// Sums are integers (fixed point): adding integers is associative, so that the same samples give
-/// the same bytes in whatever order, tiles, threads, shards or resumes they are added. The unit is
-/// a power of two chosen from an upper bound of what a sample can bring, so that no sum overflows.
-/// Squares are exact: with a sample below 2^39 units, 2^24 of them stay below 2^102.
+/// Sums are integers (fixed point). Integer addition is associative, so the same samples give the
+/// same bytes in any order of tiles, threads, shards and resumes. The unit is a power of two chosen
+/// from an upper bound of a sample, so that no sum overflows. Squares are exact: with a sample
+/// below 2^39 units, 2^24 of them stay below 2^102.
 ///
 /// Safe to read and to copy from while others add to it.
 class Film {
  public:
   static constexpr double kMinBound = 1e-30, kMaxBound = 1e38;
 
-  /// No sample of a pixel brings more than `bound`, which is moved between these two. The tiles'
-  /// side is a multiple of 8, at most kMaxTileSide; the picture is the same with any.
+  /// `bound`, clamped to the range of the two constants above, limits a sample's value. The tiles'
+  /// side is a multiple of 8, at most kMaxTileSide; it does not affect the picture.
   Film(int width, int height, double bound, int tile_side = kTileSide, ChannelSet channels = {});
 
   int width() const { return width_; }
@@ -138,16 +138,16 @@ class Film {
 
   /// From row to row of a tile's sums: a power of two.
   size_t row_stride() const { return std::bit_ceil(size_t(std::min(tile_side_, width_))); }
-  /// Of a tile, with those between its rows and, of tiles at the edge, beyond them; and so many
-  /// more that SIMD instructions never end between two tiles.
+  /// The number of sums of a tile, with padding between rows and beyond the picture's edge, and
+  /// enough more that SIMD instructions never straddle two tiles.
   size_t tile_sums() const {
     constexpr size_t kLanes = 16;
     const size_t sums = row_stride() * size_t(std::min(tile_side_, height_));
     return (sums + kLanes - 1) / kLanes * kLanes;
   }
 
-  /// What samples of a tile add up to: tile_sums() sums, and as many numbers for each plane of the
-  /// layout. Without `firsts` no sample among them is lower than those of the tile.
+  /// Sums of a tile's samples: tile_sums() sums, and as many numbers per plane of the layout.
+  /// Without `firsts`, no sample among them is lower than those of the tile.
   struct Sums {
     PixelSums* sums = nullptr;
     int64_t* means = nullptr;
@@ -155,29 +155,27 @@ class Film {
     uint32_t* firsts = nullptr;
   };
 
-  /// Those of a tile that has no samples yet, all zero, to be filled where they are; the film has
-  /// nothing of them before add(), and all is as it was if that never comes. Null where there are
-  /// samples.
+  /// The zeroed sums of a tile that has no samples yet, to be filled in place; the film ignores
+  /// them until add(), and stays unchanged if that is never called. Null if there are samples.
   Sums begin(size_t tile);
 
-  /// Adds samples that the tile lacks, and what they have cost. The sums are those of begin()
-  /// unless it had samples.
+  /// Adds samples missing from the tile, and their cost. The sums are those of begin() unless the
+  /// tile had samples.
   void add(size_t tile, SampleSpan samples, const Sums& by, const RayCounts& rays,
            const NanSamples& nans = {});
 
-  /// A tile as it is, to be kept elsewhere. The same to be added, of samples that the tile lacks;
-  /// and as the tile shall be.
   TileSamples copy(size_t tile) const;
+  /// Adds samples from such a copy; the tile must not have them yet.
   void add(size_t tile, const TileSamples& by);
   void replace(size_t tile, const TileSamples& by);
-  /// Whether so many samples can add up to these numbers, of which there are as many as the tile
-  /// holds. Others could overflow when more samples are added, or when they are resolved.
+  /// Whether this many samples can add up to these numbers, as many as a tile has. Others could
+  /// overflow when samples are added or resolved.
   bool can_hold(const TileSamples& numbers) const;
 
-  /// The mean of each pixel's samples; black where there are none.
+  /// The mean of each pixel's samples; black without samples.
   Image resolve() const;
 
-  /// A channel that the film has, `components` numbers a pixel, row by row.
+  /// The values of a channel of the film, `components` per pixel, row by row.
   using Values = std::variant<Column<float>, Column<uint32_t>>;
   Values resolve(Channel channel) const;
 
@@ -185,7 +183,7 @@ class Film {
   NanSamples nans() const;
 
  private:
-  // Zeroes that cost nothing before they are used.
+  // Zeroes that cost nothing until they are used.
   template <class T>
   struct Unmap {
     size_t bytes;
@@ -210,7 +208,7 @@ class Film {
 
   struct TileState {
     SampleSet samples;
-    bool begun = false;  // without samples its numbers may not be zero
+    bool begun = false;  // without samples, its numbers may be nonzero
     RayCounts rays;
     NanSamples nans;
   };
@@ -219,13 +217,13 @@ class Film {
   void clear(size_t tile);
   void add_to_state(size_t tile, const SampleSet& samples, const RayCounts& rays,
                     const NanSamples& nans);
-  // Of a pixel of the picture in a tile that has samples.
+  // For a pixel of the picture, in a tile that has samples.
   float value(Channel channel, size_t tile, int x, int y, size_t component) const;
   float variance(size_t tile, size_t pixel, size_t component) const;
-  // Of row `y` of the picture.
+  // For row `y` of the picture.
   size_t row_start(int y) const { return size_t(y % tile_side_) * row_stride(); }
   size_t pixel_of(int x, int y) const { return row_start(y) + size_t(x % tile_side_); }
-  // Calls f(index) for the numbers of so many planes, plane by plane and row by row.
+  // Calls f(index) for the numbers of several planes, plane by plane and row by row.
   template <class F>
   void for_numbers(const Tile& tile, int planes, F&& f) const;
 
@@ -235,12 +233,12 @@ class Film {
   int width_, height_, tile_side_, columns_;
   double bound_, scale_;
   FilmLayout layout_;
-  // Of what follows, each for some of the tiles: a prime number, so that threads that work half or
-  // a third of the picture apart do not wait for each other.
+  // Each guards some tiles of the following: a prime number, so that threads half or a third of the
+  // picture apart do not contend.
   mutable std::array<std::mutex, 61> mutexes_;
   std::vector<TileState> states_;
   Tiles<PixelSums> sums_;
-  // Plane by plane of each tile; apart, so that what is not used yet takes no memory.
+  // Tile by tile, plane by plane; separate, so that unused ones take no memory.
   Tiles<int64_t> means_;
   Tiles<Uint128> squares_;
   Tiles<uint32_t> firsts_;

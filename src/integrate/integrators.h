@@ -1,5 +1,5 @@
-// The list of ways of shading, from which the command line takes their names. To add one: its file
-// (ARCHITECTURE.md has the recipe), a word and a name here, a line in integrators.cpp.
+// The list of integrators, which provides the command line's names. To add one: its source file
+// (see the recipe in ARCHITECTURE.md), a word and a name here, a line in integrators.cpp.
 #pragma once
 
 #include <array>
@@ -25,9 +25,9 @@ struct RenderSettings;
 struct Scene;
 
 struct Integrator {
-  /// No sample of the scene brings more than this to a pixel.
+  /// An upper bound of a sample's value in this scene.
   double (*bound)(const Scene&, const RenderSettings&);
-  /// Renders tiles with the best instruction set that this machine has.
+  /// Renders tiles with the machine's best instruction set.
   std::unique_ptr<TileRenderer> (*make)(const PreparedScene&, RenderControl&);
 };
 

@@ -1,12 +1,12 @@
-// Finds the transparent layers that rays meet and chooses which of them are shaded. A ray that
-// meets few layers shades all of them. Of many, it shades those with the largest weights and
-// chooses one of the others at random, with its weight as the probability, so the mean does not
-// change. Beyond the layers that were found in order, each layer stops the ray with its opacity as
-// the probability; the nearest one that stops the ray is shaded. Where much of the light passes all
-// of the layers, what is behind them counts with that part of the light, not at random.
+// Finds the transparent layers along rays and chooses which of them are shaded. If there are few,
+// all are shaded. Of many, those with the largest weights are shaded, and one of the others is
+// chosen at random, with a probability proportional to its weight, so the mean does not change.
+// Beyond the layers found in order, each layer stops the ray with its opacity as the probability;
+// the nearest that does is shaded. If much light passes all layers, what is behind them counts with
+// the transmittance, not at random.
 //
-// Enderton, Sintorn, Shirley and Luebke 2010, "Stochastic Transparency", I3D.
-// Once for each instruction set, as foreach_target.h passes again.
+// Enderton, Sintorn, Shirley and Luebke 2010, "Stochastic Transparency", I3D. Included once per
+// instruction set (foreach_target.h).
 #if defined(RAIO_INTEGRATE_LAYERS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAIO_INTEGRATE_LAYERS_INL_H_
 #undef RAIO_INTEGRATE_LAYERS_INL_H_
@@ -23,7 +23,7 @@ HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
 namespace {
 
-// A layer that a ray shades.
+// A layer to be shaded.
 struct ShadedLayer {
   uint32_t ray;
   float part;  // of the ray's weight
@@ -34,8 +34,8 @@ struct ShadedLayer {
 class Layers {
  public:
   // Finds the first layers of each ray, nearest first, in front of its opaque hit. Returns whether
-  // any ray may have more layers than it keeps; choose() then needs random numbers. There is
-  // nothing to choose from where the trace was stopped.
+  // any ray may have more than are kept; then choose() needs random numbers. If the trace was
+  // stopped, there are no layers.
   bool find(const Accel& accel, const RayBatch& rays, const HitBatch& behind,
             TraceContext& context) {
     const size_t n = rays.size();
@@ -46,7 +46,7 @@ class Layers {
     met_.assign(n, {});
     for (size_t i = 0; i < n; ++i) {
       Ray ray = rays[i];
-      ray.tmax = behind.t[i];  // of a miss that of the ray
+      ray.tmax = behind.t[i];  // for a miss, that of the ray
       going_.set(i, ray, Hit{.t = 0, .primitive = 0}, uint32_t(i));
     }
     size_t many = 0;
@@ -78,7 +78,7 @@ class Layers {
     return many > 0;
   }
 
-  // Lists what is shaded, by a random place in [0, 1) and a random key of each ray.
+  // Lists the layers to shade, given a random position in [0, 1) and a random key per ray.
   void choose(const Accel& accel, const float* places, const uint32_t* keys,
               TraceContext& context) {
     shaded_.clear(), unshaded_firsts_.clear();
@@ -86,12 +86,12 @@ class Layers {
       if (!met_[i].is_many) list_all(i);
     if (many_.size() == 0) return;
     sum_depths(accel, context);
-    // Those that choose what is behind the known layers move together.
+    // Rays that continue behind the known layers are compacted.
     size_t kept = 0;
     parts_.resize(many_.size()), stops_.resize(many_.size());
     for (size_t j = 0; j < many_.size(); ++j) {
       const uint32_t i = many_.from[j];
-      // What passes all layers, where that is known.
+      // The transmittance of all layers, if known.
       const float behind = depths_.is_stopped(j) ? 0 : passed(depths_.sum[j]);
       if (!choose_known(i, behind, places[i])) continue;
       const float passes = behind / met_[i].through[met_[i].count - 1];
@@ -106,32 +106,33 @@ class Layers {
   }
 
   const std::vector<ShadedLayer>& shaded() const { return shaded_; }
-  // The first layers that are not among them.
+  // The first layers of rays, if not shaded.
   const std::vector<ShadedLayer>& unshaded_firsts() const { return unshaded_firsts_; }
   bool met(size_t i) const { return met_[i].count > 0; }
-  // The part of ray i's weight that what is behind the layers counts.
+  // The weight of what is behind the layers, relative to that of ray i.
   float through(size_t i) const { return met_[i].goes_on; }
 
  private:
-  static constexpr size_t kKnown = 5;          // one more than are all shaded
-  static constexpr float kLittle = 1 / 128.f;  // of the light, behind which layers are not listed
-  static constexpr float kCounts = 0.28f;      // what is always shaded of many; measured
-  static constexpr uint32_t kTries = 4;        // to find a layer that stops a ray
+  static constexpr size_t kKnown = 5;          // one more than the maximum that are all shaded
+  static constexpr float kLittle = 1 / 128.f;  // transmittance below which layers are not listed
+  static constexpr float kCounts =
+      0.28f;  // weight above which one of many is always shaded; measured
+  static constexpr uint32_t kTries = 4;  // attempts to find a layer that stops a ray
   static constexpr uint32_t kExactDepth = 3 * kHalving;  // of all layers
 
   struct Met {
     uint32_t depth = 0, count = 0;
     bool is_many = false;
-    std::array<float, kKnown> through{};  // of the light, to behind each
-    float always = 0;                     // of many, what is always shaded
+    std::array<float, kKnown> through{};  // transmittance to behind each
+    float always = 0;                     // of many, the weight that is always shaded
     float goes_on = 1;
   };
 
-  // Rays and the layers behind which they look for more.
+  // Rays that look for more layers behind those found.
   struct Front {
     RayBatch rays;
     HitBatch after;
-    std::vector<uint32_t> from;  // which of the rays of find() they are
+    std::vector<uint32_t> from;  // their indices among the rays of find()
 
     size_t size() const { return rays.size(); }
     void resize(size_t n) { rays.resize(n), after.reset(n), from.resize(n); }
@@ -148,7 +149,7 @@ class Layers {
     }
   }
 
-  // The depths of all layers, if they are small; rays with others are stopped.
+  // Sums the depths of all layers, if small; other rays are stopped.
   void sum_depths(const Accel& accel, TraceContext& context) {
     const size_t n = many_.size();
     is_dense_.resize(n);
@@ -158,7 +159,7 @@ class Layers {
     accel.transparent_depths(many_.rays, depths_, context);
   }
 
-  // Does the choice fall on what is behind the known layers?
+  // Whether a layer behind the known ones is chosen.
   bool choose_known(uint32_t i, float behind, float place) {
     Met& met = met_[i];
     float part[kKnown], before = 1;
@@ -183,8 +184,8 @@ class Layers {
     return true;
   }
 
-  // Where what passes is known, a ray looks for a layer that stops it several times; the part that
-  // finds one then counts for all. Elsewhere what does not stop goes on.
+  // If the transmittance is known, a ray looks several times for a layer that stops it; the
+  // fraction of successful attempts then scales the weight. Otherwise unstopped rays continue.
   void choose_beyond(const Accel& accel, uint32_t t, const uint32_t* keys, TraceContext& context) {
     const size_t n = many_.size();
     keys_.resize(n);
@@ -206,11 +207,11 @@ class Layers {
   }
 
   Front going_,
-      many_;  // rays that look for the next layer; those that may have more than they keep
+      many_;  // rays that look for the next layer, and those that may have more than they keep
   HitBatch next_;
   DepthBatch depths_;
   std::vector<uint8_t> is_dense_;
-  std::vector<float> parts_, stops_;  // of the rays that choose what is behind the known layers
+  std::vector<float> parts_, stops_;  // of rays that choose a layer behind the known ones
   std::vector<uint32_t> keys_;
   std::vector<Met> met_;
   std::array<HitBatch, kKnown> layer_;

@@ -1,5 +1,5 @@
-// The renderer of the other models of light, apart from classic.cpp so that the compiler makes the
-// same of that as without them.
+// The renderer of the other shading models, separate from classic.cpp so that the compiler
+// generates the same code for that as without them.
 #include "integrate/classic.h"
 
 #undef HWY_TARGET_INCLUDE

@@ -1,4 +1,4 @@
-// Which samples of its pixels a tile of a film holds.
+// The set of samples that a tile of a film holds.
 #pragma once
 
 #include <algorithm>
@@ -28,14 +28,14 @@ class SampleSet {
 
   const std::vector<SampleSpan>& spans() const { return spans_; }
   bool empty() const { return spans_.empty(); }
-  /// The lowest sample; of an empty set the largest number.
+  /// The lowest sample; for an empty set the largest number.
   uint32_t first() const {
     return empty() ? std::numeric_limits<uint32_t>::max() : spans_.front().first;
   }
   /// One past the highest sample; 0 for an empty set.
   uint32_t end() const { return empty() ? 0 : spans_.back().end; }
 
-  /// How many samples there are, in all or within a span.
+  /// The number of samples, in total or within a span.
   uint32_t count() const { return count({0, end()}); }
   uint32_t count(SampleSpan within) const {
     uint32_t count = 0;
@@ -46,8 +46,8 @@ class SampleSet {
     return count;
   }
 
-  /// The first samples of `wanted` that are missing, up to the next one that is not. If there are
-  /// none, the span is empty and its `first` is at least wanted.end.
+  /// The first contiguous missing samples of `wanted`. If none are missing, the span is empty and
+  /// its `first` is at least wanted.end.
   SampleSpan first_missing(SampleSpan wanted) const {
     uint32_t first = wanted.first;
     for (const SampleSpan& s : spans_) {
@@ -58,14 +58,14 @@ class SampleSet {
     return {first, std::max(first, wanted.end)};
   }
 
-  /// All samples of `wanted` that are missing.
+  /// All missing samples of `wanted`.
   SampleSet missing(SampleSpan wanted) const {
     SampleSet all;
     for (SampleSpan s; !(s = first_missing(wanted)).empty(); wanted.first = s.end) all.append(s);
     return all;
   }
 
-  /// The first samples that are in both sets; empty if there are none.
+  /// The first contiguous samples that are in both sets; empty if there are none.
   SampleSpan overlap(const SampleSet& other) const {
     for (auto a = spans_.begin(), b = other.spans_.begin();
          a != spans_.end() && b != other.spans_.end(); a->end < b->end ? ++a : ++b)
@@ -73,7 +73,7 @@ class SampleSet {
     return {};
   }
 
-  /// Adds samples behind all that there are, with a gap.
+  /// Appends samples after all others, with a gap.
   void append(SampleSpan span) {
     assert(!span.empty() && (empty() || span.first > end()));
     spans_.push_back(span);

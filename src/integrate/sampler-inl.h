@@ -1,5 +1,5 @@
-// The numbers of sampler.h for many pixels at once, all of the same sample.
-// Once for each instruction set, as foreach_target.h passes again.
+// The random numbers of sampler.h for many pixels at once, for one sample. Included once per
+// instruction set (foreach_target.h).
 #if defined(RAIO_INTEGRATE_SAMPLER_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAIO_INTEGRATE_SAMPLER_INL_H_
 #undef RAIO_INTEGRATE_SAMPLER_INL_H_
@@ -28,8 +28,8 @@ class WideSampler {
 
   uint32_t sample() const { return sample_; }
 
-  /// In the unit pixel: its centre for one cell, else a random point of one of its cells. The cells
-  /// are taken in an order of the pixel's own.
+  /// In the unit pixel: its centre for one cell, else a random point in one of its cells, in an
+  /// order that depends on the pixel.
   HWY_INLINE Wide2<D> in_pixel(U place) const {
     if (s_.aa == 1) return {hn::Set(d, 0.5f), hn::Set(d, 0.5f)};
     const U branch = hn::Set(du, kEyeBranch);
@@ -41,10 +41,10 @@ class WideSampler {
     return {in_cell(hn::Sub(turn, hn::Mul(row, aa)), r.x, s_.aa), in_cell(row, r.y, s_.aa)};
   }
 
-  /// In the unit square, for one of the other purposes. The samples of a pixel share out the square
-  /// among them, one random point in each of `samples` equal cells, dealt in an order of the
-  /// pixel's block: rays of neighbours then keep together, and which cell of the pixel goes with
-  /// which cell of a light is random still, by the order in which the pixel takes its own.
+  /// In the unit square, for the other purposes. The samples of a pixel stratify the square: one
+  /// random point in each of `samples` equal cells, in an order shared by the pixel's block, which
+  /// keeps rays of neighbours coherent. Each pixel takes its own cells in a different order, so the
+  /// pairing of pixel cells with light cells is still random.
   HWY_INLINE Wide2<D> in_square(U place, U branch, uint32_t purpose) const {
     if (s_.kind == SamplerKind::sobol) return sobol(place, branch, purpose);
     const U block = hn::And(hn::ShiftRight<kBlockShift>(place), hn::Set(du, 0x3fff3fffu));
@@ -55,7 +55,7 @@ class WideSampler {
             in_cell(row, r.y, s_.rows)};
   }
 
-  /// In [0, 1), one random number in each of `samples` equal parts.
+  /// In [0, 1), one random number in each of `samples` equal intervals.
   HWY_INLINE V in_unit(U place, U branch, uint32_t purpose) const {
     if (s_.kind == SamplerKind::sobol) return sobol(place, branch, purpose).x;
     const U block = hn::And(hn::ShiftRight<kBlockShift>(place), hn::Set(du, 0x3fff3fffu));
@@ -63,7 +63,7 @@ class WideSampler {
     return in_cell(dealt(block, branch, purpose), bits, s_.samples);
   }
 
-  /// A random word, for hashes to begin with.
+  /// A random word to start hashes.
   HWY_INLINE U key(U place, U branch, uint32_t purpose) const {
     return random(place, sample_, branch, purpose).x;
   }
@@ -76,7 +76,7 @@ class WideSampler {
   HWY_INLINE Wide4<Unsigned<D>> random(U key, uint32_t sample, U branch, uint32_t purpose) const {
     return hash4(du, {key, hn::Set(du, sample), branch, hn::Set(du, s_.seed + purpose)});
   }
-  // Where the sample stands in the order that belongs to `key`: 0 .. samples - 1.
+  // The sample's position in the permutation chosen by `key`: 0 .. samples - 1.
   HWY_INLINE V dealt(U key, U branch, uint32_t purpose) const {
     const auto order = random(key, ~0u, branch, purpose);
     const auto [first, count] = Sampler::share(purpose);
@@ -94,11 +94,10 @@ class WideSampler {
   }
 
   // The sample's point of Sobol's two-dimensional sequence, shuffled and scrambled after Owen 1995
-  // for each group of pixels, branch and purpose; by hashing, as Burley 2020, "Practical Hash-based
-  // Owen Scrambling", JCGT 9(4). After any number of samples they are about as even as can be, and
-  // those of different purposes know nothing of each other. The pixels of a group complete each
-  // other by their keys, of which each purpose and branch has the table rolled by some amount of
-  // its own.
+  // for each group of pixels, branch and purpose, by hashing as in Burley 2020, "Practical
+  // Hash-based Owen Scrambling", JCGT 9(4). Any number of samples is nearly optimally even, and
+  // different purposes are independent. The pixels of a group complement each other by their keys;
+  // each purpose and branch shifts that table cyclically by its own offset.
   HWY_INLINE Wide2<D> sobol(U place, U branch, uint32_t purpose) const {
     const U group = hn::And(hn::ShiftRight<kGroupShift>(place), hn::Set(du, 0x07ff07ffu));
     const auto hash = random(group, ~0u, branch, purpose);
@@ -106,9 +105,9 @@ class WideSampler {
     const U at = hn::Or(rolled, hn::ShiftRight<16 - kGroupShift>(rolled));
     const U key = hn::GatherIndex(du, kScreenKeys.data(),
                                   hn::BitCast(di, hn::And(at, hn::Set(du, kGroup * kGroup - 1))));
-    // Bits stand as in the index, the first digit of a coordinate lowest. Those of the first
-    // coordinate are the index's; bit j of the second is the sum of the index's bits k for which
-    // the binomial of k over j is odd, those whose number k has all bits of j.
+    // Bits are in the order of the index, with the first digit of a coordinate lowest. The first
+    // coordinate has the index's bits; bit j of the second is the sum modulo 2 of the index's bits
+    // k with an odd binomial k over j, that is, where k has all bits of j.
     const U x = reverse_bits(scramble_below(reverse_bits(hn::Set(du, sample_)), hash.x));
     U y = hn::Xor(x, hn::ShiftRight<1>(hn::And(x, hn::Set(du, 0xaaaaaaaau))));
     y = hn::Xor(y, hn::ShiftRight<2>(hn::And(y, hn::Set(du, 0xccccccccu))));
@@ -121,8 +120,8 @@ class WideSampler {
     return {owen(hn::Xor(x, hn::And(key, hn::Set(du, 0xffffu))), hash.y),
             owen(hn::Xor(y, hn::ShiftRight<16>(key)), hash.z)};
   }
-  // Each bit is flipped or not by a hash of the bits below it (Laine and Karras 2011; the constants
-  // are of Vegdahl 2021, "Building a Better LK Hash").
+  // Flips each bit depending on a hash of the lower bits (Laine and Karras 2011; constants from
+  // Vegdahl 2021, "Building a Better LK Hash").
   HWY_INLINE U scramble_below(U v, U seed) const {
     v = hn::Xor(v, hn::Mul(v, hn::Set(du, 0x3d20adeau)));
     v = hn::Add(v, seed);

@@ -1,27 +1,26 @@
-// Where the samples of a pixel go: its cells, the lens, the lights. Drawn for many pixels at once
-// by sampler-inl.h.
+// The distribution of a pixel's samples: its cells, the lens, the lights. sampler-inl.h draws them
+// for many pixels at once.
 //
 // The table of dimensions. Each row is a pair of numbers in the unit square, a function of
-// (seed, pixel, sample, branch, purpose), so that effects can be switched without moving the
-// others:
+// (seed, pixel, sample, branch, purpose), so switching one effect does not move the others:
 //
-//   purpose      branch                what it places
+//   purpose      branch                what it positions
 //   kPixel       1                     the eye ray in its cell of the pixel
 //   kLens        1                     the eye ray on the lens
 //   kLight + i   place in ray tree     the shadow ray on light i
 //   kGloss       place in ray tree     the mirrored ray of a rough surface in its lobe
 //   kTranslucency  place in ray tree   the refracted ray of one
-//   kTime        the eye ray's         the moment of the shutter, in_unit() alone
-//   kOcclusion   place in ray tree     the rays of the ambient shading to the sky: of a sample with
-//                                      k of them, samples k s to k s + k - 1
+//   kTime        the eye ray's         the time within the shutter, in_unit() only
+//   kOcclusion   place in ray tree     ambient shading's rays to the sky: with k rays per sample,
+//                                      sample s takes points k s to k s + k - 1
 //   kKeyLight    place in ray tree     its shadow ray to the key light
-//   kLayer       place in ray tree     which of many clear layers a ray shades, in_unit() alone
-//   kLayerKey    place in ray tree     which of the layers behind them stop it, key() alone
-//   kSkyDepth    place in ray tree     the largest depth a ray to the sky passes, in_unit() alone
+//   kLayer       place in ray tree     which of many transparent layers to shade, in_unit()
+//   kLayerKey    place in ray tree     which of the layers behind them stop it, key() only
+//   kSkyDepth    place in ray tree     the largest depth a ray to the sky passes, in_unit()
 //   kKeyDepth    place in ray tree     the same for the ray to the key light
 //   kLightDepth + i  place in ray tree  the same for the ray to light i
 //
-// A pixel goes by its place in the picture: its column, plus its row times 65536.
+// A pixel is identified by its column plus 65536 times its row.
 // Branch 1 is the eye ray; the reflected child of branch b is 2b, the refracted one 2b + 1.
 #pragma once
 
@@ -51,12 +50,12 @@ enum Purpose : uint32_t {
 
 inline constexpr uint32_t kEyeBranch = 1;
 
-/// Blocks of pixels are 4 x 4 of them; the rays of a block are traced together.
+/// Blocks of 4 x 4 pixels; the rays of a block are traced together.
 inline constexpr int kBlockShift = 2;
 
 struct Sampler {
   SamplerKind kind;
-  uint32_t seed, aa, per_cell;      // jitter: aa x aa cells a pixel, per_cell samples in each
+  uint32_t seed, aa, per_cell;      // jitter: aa x aa cells per pixel, per_cell samples in each
   uint32_t samples, columns, rows;  // jitter: the unit square in `samples` equal cells
 
   explicit Sampler(const RenderSettings& o)
@@ -69,10 +68,10 @@ struct Sampler {
     rows = samples / columns;
   }
 
-  /// Where one sample stands in some permutations of 0 .. samples - 1, of which each pixel or block
-  /// of pixels takes one, turned round by an amount of its own. Those for the places in the pixel,
-  /// for the lens and for the lights are different ones: with the same for two of them, a cell of
-  /// the one would always go with the same cell of the other, and no number of samples would help.
+  /// One sample's position in several permutations of 0 .. samples - 1; each pixel or block of
+  /// pixels uses one, rotated by its own offset. Pixel positions, lens and lights use different
+  /// ones: with the same for two of them, a cell of one would always be paired with the same cell
+  /// of the other, and no number of samples would converge.
   static constexpr uint32_t kPermutations = 16;
   struct Share {
     uint32_t first, count;  // a power of two

@@ -1,6 +1,6 @@
-// The light of a sky (scene/cube_map.h) from any direction, as wide as the machine's registers. All
-// of it is arithmetic of IEEE 754, so that a direction has the same light in every lane. Once for
-// each instruction set, as foreach_target.h passes again.
+// Samples a sky (scene/cube_map.h) in any direction, in SIMD. Pure IEEE 754 arithmetic, so a
+// direction gets the same light in every lane. Included once per instruction set
+// (foreach_target.h).
 #if defined(RAIO_INTEGRATE_SKY_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAIO_INTEGRATE_SKY_INL_H_
 #undef RAIO_INTEGRATE_SKY_INL_H_
@@ -15,8 +15,8 @@ HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
 namespace {
 
-// Column and row of a direction on its face, in texels from the centre of the first one around it,
-// and the face's number: cube_place() for all lanes.
+// cube_place() for all lanes: a direction's column and row on its face, in texels from the centre
+// of the first border texel, and the face's number.
 struct WideCubePlace {
   V column, row;
   U face;
@@ -32,7 +32,7 @@ HWY_INLINE WideCubePlace wide_cube_place(const V3& dir, int side) {
   const V s = hn::IfThenElse(hn::Or(ahead, on_y), hn::Neg(across), across);
   const V t = hn::IfThenElse(on_y, hn::IfThenElse(ahead, hn::Neg(dir.z), dir.z), dir.y);
   const V one = hn::Set(d, 1), by = hn::Abs(main);
-  // To texels, where centres are whole numbers and the texel around the face comes first.
+  // To texels: centres are whole numbers, and the border texel comes first.
   const V half = hn::Set(d, float(side) / 2), first = hn::Set(d, 0.5f);
   const auto number = [](M mask, uint32_t n) HWY_ATTR {
     return hn::IfThenElseZero(hn::RebindMask(du, mask), hn::Set(du, n));
@@ -45,8 +45,8 @@ HWY_INLINE WideCubePlace wide_cube_place(const V3& dir, int side) {
           hn::Add(axis, number(hn::Not(ahead), 1))};
 }
 
-// Bilinear between the four nearest texels. Whatever the direction, also one that is no number,
-// texels of the map are read.
+// Bilinear between the four nearest texels. For any direction, even NaN, it reads texels of the
+// map.
 HWY_INLINE V3 sky_towards(const CubeMap& sky, const V3& dir) {
   using DI = Signed<D>;
   const DI di;

@@ -5,7 +5,7 @@
 namespace raio {
 namespace {
 
-// Where the ray says, and with the smooth normal of a triangle that has one.
+// At the ray's hit, with the smooth normal if the triangle has one.
 SurfacePoint triangle_point(const Geometry& geometry, uint32_t index, Vec3f p, const Hit& hit) {
   SurfacePoint point{p, geometry.facet(index).normal, 0};
   if (const TriangleIndices* corners = geometry.corner_normals(index)) {

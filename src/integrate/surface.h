@@ -1,5 +1,5 @@
-// What shading wants to know of one hit. Those of spheres, triangles and cones it works out many at
-// a time (surfaces-inl.h).
+// The surface at one hit. surfaces-inl.h computes those of spheres, triangles and cones many at a
+// time.
 #pragma once
 
 #include "accel/geometry.h"
@@ -11,7 +11,7 @@ struct Surface : SurfacePoint {
   MaterialId material = 0;
 };
 
-/// Of any kind, one at a time: for views of a scene's parts and for what was clicked.
+/// For any kind, one at a time: for views of a scene's parts and for mouse picks.
 Surface surface_at(const Geometry& geometry, const Ray& ray, const Hit& hit);
 
 }  // namespace raio

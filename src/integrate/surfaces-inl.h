@@ -1,5 +1,5 @@
-// The surfaces that rays hit, as all shading sees them: points, normals and materials.
-// Once for each instruction set, as foreach_target.h passes again.
+// The surfaces that rays hit, shared by all shadings: points, normals and materials. Included once
+// per instruction set (foreach_target.h).
 #if defined(RAIO_INTEGRATE_SURFACES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAIO_INTEGRATE_SURFACES_INL_H_
 #undef RAIO_INTEGRATE_SURFACES_INL_H_
@@ -29,8 +29,8 @@ HWY_INLINE V3 offset_point(const V3& point, const V3& geometric, V scale, bool a
   return point + geometric * hn::Mul(hn::Set(d, along_normal ? k : -k), scale);
 }
 
-// What is looked up of the surfaces that rays hit, kind by kind: a kind has names of its own for
-// the same columns, and of each lane only the numbers of the kind that its ray hit count.
+// Columns gathered for the surfaces that rays hit, by kind: each kind names the shared columns
+// differently, and in each lane only the numbers of its ray's kind are valid.
 struct TriangleColumns {
   Floats3 corner[3];
 };
@@ -42,7 +42,7 @@ struct ConeColumns {  // as BakedCone
   Floats3 base, axis;
   Floats height, base_radius, slope;
 };
-struct PointColumns {  // of other kinds, whose points are worked out one by one
+struct PointColumns {  // for other kinds, evaluated one by one
   Floats3 point;
   Floats extent;
 };
@@ -53,21 +53,21 @@ union Gathered {
   PointColumns other;
 };
 
-// What was hit and is being shaded.
+// The hits being shaded.
 struct SurfacePoints {
   Gathered gathered;
-  // `outside`: off the surface. Normals towards the ray, when find_surfaces() is done; before,
-  // where a kind looks them up, outwards, and `normal` only in scenes with smooth triangles.
+  // `outside`: offset off the surface. After find_surfaces(), normals face the ray; before, as
+  // gathered, they face outward, with `normal` only in scenes with smooth triangles.
   Floats3 point, outside, normal, geometric;
   Floats scale;  // of shape/offset.h
   alignas(64) MaterialId material[kChunk + 16];
-  // Of the primitives that were hit: the kind, and the index among those of the kind.
+  // For the primitives hit: the kind, and the index within the kind.
   alignas(64) uint32_t kind[kChunk + 16], index[kChunk + 16];
   Floats3 color;
   Floats kd, ks, shine, transmission, ior;
   Floats eta;        // for refraction
   Floats3 radiance;  // towards the ray, so far
-  // Of models of light other than NFF's, which look them up themselves.
+  // For other shading models than NFF's, which gather them.
   Floats3 specular;  // the colour of highlight and mirror
   Floats roughness;
 
@@ -75,23 +75,23 @@ struct SurfacePoints {
   std::unique_ptr<Instanced> instanced;  // in scenes with instances
 };
 
-// Rays and their hits in the space of an object, and what it is there.
+// Rays and hits in the space of an object, and the surfaces there.
 struct SurfacePoints::Instanced {
   RayBatch rays;
   HitBatch hits;
   std::vector<uint32_t> lanes;
-  std::vector<const Geometry*> objects;  // of each lane; null: the scene's own
+  std::vector<const Geometry*> objects;  // by lane; null: the scene's own
   std::vector<uint32_t> indices;         // of the instances
   SurfacePoints points;
 };
 
-// Lane i for all that follow it in the register.
+// Copies lane i to all later lanes of the register.
 HWY_INLINE void spread_lane(Floats& f, size_t i) { store(hn::Set(d, f.at[i]), f, i); }
 HWY_INLINE void spread_lane(Floats3& f, size_t i) {
   spread_lane(f.x, i), spread_lane(f.y, i), spread_lane(f.z, i);
 }
 
-// What find_surfaces() works on.
+// The input of find_surfaces().
 struct SurfaceInput {
   const Geometry& geometry;
   const RayBatch& rays;
@@ -101,12 +101,12 @@ struct SurfaceInput {
 // Surfaces in the lanes, normals outward.
 struct WideSurfaces {
   V3 point, geometric, normal;
-  V extent;  // what the shape adds to the scale of shape/offset.h
+  V extent;  // added to the scale of shape/offset.h
 };
 
-// A surface kernel has two halves: gather() of what ray i hit, without waiting for anything that
-// can be worked out for many together, which is evaluate() for the lanes from i on; what it makes
-// of lanes that hit other kinds does not count. This is the kernel of kinds that are rare in large
+// A surface kernel has two halves: gather() reads the data of ray i's hit, without computations
+// that suit many at once; these are in evaluate(), for the lanes from i. Its results for lanes of
+// other kinds are ignored. This is the kernel of kinds that rarely occur in large numbers.
 // numbers.
 template <PrimitiveKind kind>
 struct SurfaceKernel {
@@ -133,7 +133,7 @@ struct SurfaceKernel {
 
 template <>
 struct SurfaceKernel<PrimitiveKind::sphere> {
-  static constexpr bool kSameAtAllPoints = true;  // what is looked up
+  static constexpr bool kSameAtAllPoints = true;  // the gathered data
 
   static void gather(const SurfaceInput& in, size_t i, SurfacePoints& v) {
     const uint32_t index = v.index[i];
@@ -145,7 +145,7 @@ struct SurfaceKernel<PrimitiveKind::sphere> {
   static HWY_INLINE void spread(size_t i, SurfacePoints& v) {
     spread_lane(v.gathered.sphere.center, i), spread_lane(v.gathered.sphere.radius, i);
   }
-  // The point is put back on the surface along the radius.
+  // Moves the point back onto the surface along the radius.
   static HWY_INLINE WideSurfaces evaluate(const SurfaceInput& in, size_t i, M,
                                           const SurfacePoints& v) {
     const V3 center = load(v.gathered.sphere.center, i);
@@ -158,7 +158,7 @@ struct SurfaceKernel<PrimitiveKind::sphere> {
 
 template <>
 struct SurfaceKernel<PrimitiveKind::triangle> {
-  static constexpr bool kSameAtAllPoints = true;  // where it is flat
+  static constexpr bool kSameAtAllPoints = true;  // for flat ones
 
   static void gather(const SurfaceInput& in, size_t i, SurfacePoints& v) {
     const uint32_t index = v.index[i];
@@ -181,7 +181,7 @@ struct SurfaceKernel<PrimitiveKind::triangle> {
     for (Floats3& corner : v.gathered.triangle.corner) spread_lane(corner, i);
     spread_lane(v.geometric, i), spread_lane(v.normal, i);
   }
-  // By the corners' weights.
+  // By barycentric weights.
   static HWY_INLINE WideSurfaces evaluate(const SurfaceInput& in, size_t i, M,
                                           const SurfacePoints& v) {
     const Floats3(&corner)[3] = v.gathered.triangle.corner;
@@ -190,7 +190,7 @@ struct SurfaceKernel<PrimitiveKind::triangle> {
     const V3 geometric = load(v.geometric, i);
     V3 normal = geometric;
     if (in.geometry.any_smooth()) {
-      // Files wind some patches the other way round than their normals point.
+      // In files, the winding of some patches contradicts their normals.
       const V3 smooth = load(v.normal, i), unit = normalize(d, smooth);
       const V side = dot(smooth, geometric);
       normal = select(hn::Gt(side, hn::Zero(d)), unit, -unit);
@@ -203,7 +203,7 @@ struct SurfaceKernel<PrimitiveKind::triangle> {
 
 template <>
 struct SurfaceKernel<PrimitiveKind::cone> {
-  static constexpr bool kSameAtAllPoints = false;  // points have normals of their own
+  static constexpr bool kSameAtAllPoints = false;  // each point has its own normal
 
   static void gather(const SurfaceInput& in, size_t i, SurfacePoints& v) {
     const uint32_t index = v.index[i];
@@ -264,7 +264,7 @@ struct SurfaceKernel<PrimitiveKind::cone> {
   }
 
  private:
-  // Tips have no normal of their own.
+  // Tips have no normal.
   static void set_tips(const SurfaceInput& in, size_t i, M cones, const SurfacePoints& v,
                        float (*p)[kWidth], float (*n)[kWidth]) {
     HWY_ALIGN float is_cone[kWidth];
@@ -282,7 +282,7 @@ struct SurfaceKernel<PrimitiveKind::cone> {
 const hn::CappedTag<float, 4> kRow;
 using Row = hn::Vec<decltype(kRow)>;
 
-// Three numbers, and not what follows them.
+// Loads three numbers, and not what follows.
 HWY_INLINE Row load_row(const Vec3f& a) {
 #if HWY_MEM_OPS_MIGHT_FAULT
   const hn::CappedTag<float, 2> two;
@@ -293,7 +293,7 @@ HWY_INLINE Row load_row(const Vec3f& a) {
 #endif
 }
 
-// Rows as elements i .. i + 3 of three columns; the fourth is returned.
+// Stores rows as elements i .. i + 3 of three columns; returns the fourth.
 HWY_INLINE Row store_rows(const Row (&rows)[4], Floats3& to, size_t i) {
   const hn::Repartition<double, decltype(kRow)> pairs;
   const auto pair = [&](Row a) HWY_ATTR { return hn::BitCast(pairs, a); };
@@ -307,8 +307,8 @@ HWY_INLINE Row store_rows(const Row (&rows)[4], Floats3& to, size_t i) {
   return hn::BitCast(kRow, hn::InterleaveUpper(pairs, zw01, zw23));
 }
 
-// SurfaceKernel::gather() of rays i .. i + 3 if all of them hit triangles, else false: row by row,
-// since storing number by number is what takes the time.
+// SurfaceKernel::gather() of rays i .. i + 3 if all hit triangles, else false: row by row, since
+// storing number by number is the expensive part.
 HWY_INLINE bool gather_triangles(const SurfaceInput& in, size_t i, SurfacePoints& v) {
   const HitBatch& hits = in.hits;
   const auto is_triangle = [](uint32_t kind) { return kind == uint32_t(PrimitiveKind::triangle); };
@@ -319,7 +319,7 @@ HWY_INLINE bool gather_triangles(const SurfaceInput& in, size_t i, SurfacePoints
     const uint32_t index = v.index[i + k];
     const TriangleIndices& at = geometry.corners(index);
     for (size_t c = 0; c < 3; ++c) corner[c][k] = load_row(geometry.positions()[at[c]]);
-    // A facet is a row: its normal, and its material for the fourth number.
+    // A facet is a row: its normal, and its material as the fourth number.
     static_assert(sizeof(Facet) == 4 * sizeof(float) && offsetof(Facet, normal) == 0 &&
                   offsetof(Facet, material) == 3 * sizeof(float));
     facet[k] = normal[k] = hn::LoadU(kRow, &geometry.facet(index).normal.x);
@@ -342,8 +342,8 @@ HWY_INLINE bool gather_triangles(const SurfaceInput& in, size_t i, SurfacePoints
 bool gather_triangles(const SurfaceInput&, size_t, SurfacePoints&) { return false; }
 #endif
 
-// Kinds follow each other in the ids of primitives, so the last that begins at or before an id is
-// its kind.
+// Kinds follow each other in the ids of primitives, so an id's kind is the last that begins at or
+// before it.
 HWY_INLINE void find_kinds(const SurfaceInput& in, size_t i, SurfacePoints& v) {
   const U ids = load(in.hits.primitive, i);
   U kind = hn::Zero(du), first = hn::Zero(du);
@@ -362,7 +362,7 @@ void gather(const SurfaceInput& in, size_t i, SurfacePoints& v) {
             [&]<PrimitiveKind kind> { SurfaceKernel<kind>::gather(in, i, v); });
 }
 
-// What rays i, i + 1, ... in the lanes hit, which often is the same.
+// Gathers for the hits of rays i, i + 1, ... in the lanes; often these are on the same primitive.
 void gather_lanes(const SurfaceInput& in, size_t i, SurfacePoints& v) {
   const PrimitiveId first = in.hits.primitive[i];
   if (hn::AllTrue(du, hn::Eq(load(in.hits.primitive, i), hn::Set(du, first)))) {
@@ -386,7 +386,7 @@ void gather_lanes(const SurfaceInput& in, size_t i, SurfacePoints& v) {
   }
 }
 
-// Neighbours are mostly of one material.
+// Neighbours mostly have the same material.
 void gather_materials(const Material* materials, size_t i, SurfacePoints& v) {
   constexpr size_t kNumbers = sizeof(Material) / sizeof(float);
   static_assert(kNumbers == 8, "gathered by a shift");
@@ -414,8 +414,8 @@ void gather_materials(const Material* materials, size_t i, SurfacePoints& v) {
   }
 }
 
-// Puts the surfaces of one kind, those in `lanes`, where find_surfaces() looks for them, in columns
-// that are not filled yet. Out of line, so that a rare kind takes no registers from the others.
+// Stores the surfaces of one kind, those in `lanes`, into columns that are not filled yet. Out of
+// line, so that a rare kind takes no registers from the others.
 template <PrimitiveKind kind>
 HWY_NOINLINE void place_surfaces(const SurfaceInput& in, size_t i, M lanes, SurfacePoints& v) {
   const WideSurfaces found = SurfaceKernel<kind>::evaluate(in, i, lanes, v);
@@ -427,9 +427,9 @@ HWY_NOINLINE void place_surfaces(const SurfaceInput& in, size_t i, M lanes, Surf
   put(found.extent, v.scale);
 }
 
-// Where n rays hit: points, normals towards the ray, and all that is the same for every light.
-// Materials and textures are those of `scene`, the one that is rendered, which may be a later
-// version of the one that the structure was built from.
+// The surfaces at the hits of n rays: points, normals towards the ray, and everything that does not
+// depend on lights. Materials and textures are those of `scene`, which is rendered and may be a
+// later version of the one that the structure was built from.
 void find_own_surfaces(const Geometry& geometry, const Scene& scene, const RayBatch& rays,
                        const HitBatch& hits, size_t n, SurfacePoints& v) {
   const SurfaceInput in = {geometry, rays, hits};
@@ -460,7 +460,7 @@ void find_own_surfaces(const Geometry& geometry, const Scene& scene, const RayBa
     const auto all_are = [&](PrimitiveKind kind) RAIO_INLINE_LAMBDA {
       return hn::AllTrue(du, hn::Eq(kinds, hn::Set(du, uint32_t(kind))));
     };
-    // Neighbours are mostly of one kind.
+    // Neighbours mostly are of one kind.
     if (all_are(PrimitiveKind::triangle)) {
       finish(SurfaceKernel<PrimitiveKind::triangle>::evaluate(in, i, all, v));
     } else if (all_are(PrimitiveKind::sphere)) {
@@ -475,7 +475,7 @@ void find_own_surfaces(const Geometry& geometry, const Scene& scene, const RayBa
   }
 }
 
-// Of v, what find_surfaces() makes.
+// Copies the results of find_surfaces() in v.
 void copy_surface_point(const SurfacePoints& from, size_t k, SurfacePoints& v, size_t i) {
   for (Floats3 SurfacePoints::* c :
        {&SurfacePoints::point, &SurfacePoints::outside, &SurfacePoints::normal,
@@ -493,7 +493,7 @@ void find_surfaces(const Geometry& geometry, const Scene& scene, const RayBatch&
                    const HitBatch& hits, size_t n, SurfacePoints& v);
 
 // Surfaces of instances are evaluated in the space of their object, one object after another, and
-// moved to where the instances are.
+// transformed to the scene.
 HWY_NOINLINE void find_instanced_surfaces(const Geometry& geometry, const Scene& scene,
                                           const RayBatch& rays, const HitBatch& hits, size_t n,
                                           SurfacePoints& v) {
@@ -516,7 +516,7 @@ HWY_NOINLINE void find_instanced_surfaces(const Geometry& geometry, const Scene&
     for (uint32_t i = 0; i < n; ++i)
       if (there.objects[i] == object) there.lanes.push_back(i);
     const size_t count = there.lanes.size();
-    // The last is repeated, so that the lanes behind it hold something sensible.
+    // The last is repeated, so that the remaining lanes hold valid values.
     for (size_t k = 0; k < count || k % kWidth != 0; ++k) {
       const size_t i = there.lanes[std::min(k, count - 1)];
       Ray ray = rays[i];

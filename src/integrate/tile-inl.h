@@ -1,5 +1,5 @@
-// What the wavefront works on: columns of numbers for the rays of a tile, and the tile's part of
-// the film. Once for each instruction set, as foreach_target.h passes again.
+// The wavefront's data: columns for the rays of a tile, and the tile's part of the film. Included
+// once per instruction set (foreach_target.h).
 #if defined(RAIO_INTEGRATE_TILE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAIO_INTEGRATE_TILE_INL_H_
 #undef RAIO_INTEGRATE_TILE_INL_H_
@@ -35,13 +35,13 @@ using M = hn::Mask<D>;
 using V3 = Wide3<D>;
 constexpr size_t kWidth = hn::MaxLanes(D());
 
-// Rays traced at a time. Bounds the memory of a ray tree: a level that has so many goes before
-// others, so that none ever holds more than these and the children of another such chunk.
+// Rays traced at a time. Bounds the memory of the ray tree: a level with this many rays goes before
+// others, so none ever holds more than these and the children of another chunk.
 constexpr size_t kChunk = 1024;
 constexpr size_t kTilePixels = size_t(kMaxTileSide) * kMaxTileSide;
 
-// A cache line more than needed: columns that lie a multiple of 4096 bytes apart would share the
-// same few lines of the cache.
+// A cache line more than needed: columns at multiples of 4096 bytes would share the same few cache
+// lines.
 struct alignas(64) Floats {
   float at[kChunk + 16];
 };
@@ -62,8 +62,8 @@ HWY_INLINE void store(const V3& v, Floats3& f, size_t i) {
 HWY_INLINE V load(const Column<float>& c, size_t i) { return hn::LoadU(d, &c[i]); }
 HWY_INLINE U load(const Column<uint32_t>& c, size_t i) { return hn::LoadU(du, &c[i]); }
 
-// The lanes of `v` in `mask`, one after another from element i on; what follows them is
-// overwritten. (Compressing while storing is slow on some machines.)
+// Stores the lanes of `v` in `mask` contiguously from element i; what follows them is overwritten.
+// (Compressing stores are slow on some machines.)
 template <class T>
 HWY_INLINE void put(hn::Vec<hn::Rebind<T, D>> v, M mask, T* column, size_t i) {
   const hn::Rebind<T, D> tag;
@@ -86,7 +86,7 @@ HWY_INLINE void put(const V3& origin, const V3& dir, V tmax, M mask, RayBatch& r
   put(tmax, mask, rays.tmax, i);
 }
 
-// What a ray counts in its pixel: a number, or one for each of red, green and blue.
+// A ray's weight in its pixel: one number, or one for each of red, green and blue.
 HWY_INLINE V scaled(V weight, V part) { return hn::Mul(weight, part); }
 HWY_INLINE V3 scaled(const V3& weight, V part) { return weight * part; }
 HWY_INLINE V3 scaled(const V3& weight, const V3& part) { return weight * part; }
@@ -95,8 +95,8 @@ HWY_INLINE M is_whole(const V3& weight) {
   return hn::And(is_whole(weight.x), hn::And(is_whole(weight.y), is_whole(weight.z)));
 }
 
-// Rays on their way, with the number of the pixel in the tile, the place in the ray tree
-// (integrate/sampler.h) and the weight in the pixel.
+// Rays with their pixel's number in the tile, the branch of the ray tree (integrate/sampler.h) and
+// the weight in the pixel.
 template <bool tinted>
 struct PathRays {
   using Weight = std::conditional_t<tinted, V3, V>;
@@ -113,7 +113,7 @@ struct PathRays {
       return one;
   }
 
-  // Room for n rays and what `put` overwrites after them.
+  // Makes room for n rays and what `put` overwrites after them.
   void resize(size_t n) {
     rays.resize(n + kBatchPad);
     rays.resize(n);
@@ -138,13 +138,13 @@ struct PathRays {
     else
       return load(weight[0], i);
   }
-  // Makes element i that of another's element k, with `part` of its weight.
+  // Sets element i to element k of `from`, with `part` of its weight.
   void set(size_t i, const PathRays& from, size_t k, float part = 1) {
     rays.set(i, from.rays[k]);
     pixel[i] = from.pixel[k], branch[i] = from.branch[k];
     for (size_t c = 0; c < weight.size(); ++c) weight[c][i] = from.weight[c][k] * part;
   }
-  // Moves the last rays of `from`, at most `count`, here in place of what was here.
+  // Replaces this with the last rays of `from`, at most `count`, which are removed there.
   void take_last(size_t count, PathRays& from) {
     rays.clear();
     if (from.rays.size() <= count) return std::swap(*this, from);
@@ -163,11 +163,11 @@ struct PathRays {
   }
 };
 
-// The pixels' sums in the tile that is being rendered, in the film's fixed point: the film's own
-// where it has no samples of the tile yet, so that nothing is to be moved.
+// The pixels' sums in the current tile, in the film's fixed point: the film's own memory if it has
+// no samples of the tile yet, so that nothing is copied.
 class TileSums {
  public:
-  // `first`: the lowest sample that is to come.
+  // `first`: the lowest sample to come.
   void begin(Film& film, size_t tile, uint32_t first) {
     bound_ = film.bound(), scale_ = film.scale();
     largest_ = float(bound_);
@@ -191,8 +191,8 @@ class TileSums {
     before_.resize(is_clamped_ || layout_->squares() > 0 ? plane_size_ : 0);
   }
 
-  // Around each sample. What its rays bring together is beyond the film's bound only where that is
-  // the most that there is, with lights near the end of floats: then no more than it counts.
+  // Call before and after each sample. The sum of its rays can exceed the film's bound only if that
+  // is the maximum, with lights near the largest float: then it is clamped.
   void begin_sample() {
     std::copy_n(sums_.sums, before_.size(), before_.begin());
     nan_pixels_.clear();
@@ -206,15 +206,15 @@ class TileSums {
     if (!nan_pixels_.empty()) count_nans();
   }
 
-  // Whether the tile has no lower sample, of which its channels whose rule is `first` would be.
+  // Whether the tile has no lower sample, so that this one sets channels with the rule `first`.
   bool is_first(uint32_t sample) const {
     return layout_->firsts() > 0 && sums_.firsts && sample == first_;
   }
-  // The samples whose colours were not numbers.
+  // The samples with NaN colours.
   const NanSamples& nans() const { return nans_; }
 
-  // Adds to the sums of a channel whose rule is `mean` the values in `mask`, one for each of
-  // `pixels`; or sets the values of one whose rule is `first`.
+  // Adds the values in `mask`, one per entry of `pixels`, to a channel with the rule `mean`; or
+  // sets the values of one with the rule `first`.
   HWY_INLINE void add_mean(Channel channel, const V3& values, const uint32_t* pixels, M mask) {
     const ChannelSpec& spec = spec_of(channel);
     const V most = hn::Set(d, float(spec.bound)), least = hn::Neg(most);
@@ -246,13 +246,13 @@ class TileSums {
     for_lanes(mask, [&](size_t k) { plane[pixels[k]] = value[k]; });
   }
 
-  // Asks the memory for those of four pixels in a row.
+  // Prefetches four pixels in a row.
   HWY_INLINE void prefetch(uint32_t pixel) const {
     hwy::Prefetch(sums_.sums + pixel), hwy::Prefetch(sums_.sums + pixel + 2);
   }
 
-  // The values in `mask`, one for each of `pixels`, with as much coverage, or with that of each.
-  // What is beyond the film's bound counts as the bound, what is not a number as black.
+  // Adds the values in `mask`, one per entry of `pixels`, with the same coverage or one each.
+  // Values beyond the film's bound are clamped, NaN counts as black.
   HWY_INLINE void add(const V3& values, const uint32_t* pixels, M mask, int64_t coverage = 0) {
     add(values, pixels, mask, [&](size_t) HWY_ATTR { return hn::Set(kIntegers, coverage); });
   }
@@ -261,7 +261,7 @@ class TileSums {
         [&](size_t k) HWY_ATTR { return hn::LoadU(kIntegers, coverage + k); });
   }
 
-  // The same value, as fixed() has it, for all of them.
+  // Adds the same fixed() value to all of them.
   HWY_INLINE void add(const PixelSums& value, const uint32_t* pixels, M mask) {
     add_each(pixels, mask, [&](size_t) { return &value; });
   }
@@ -321,7 +321,7 @@ class TileSums {
       f(hwy::Num0BitsBelowLS1Bit_Nonzero32(lanes));
   }
 
-  // Black where a component is not a number; the pixels of those in `mask` are noted.
+  // Replaces NaN by black and notes the pixels of such lanes in `mask`.
   HWY_INLINE V3 without_nans(const V3& values, const uint32_t* pixels, M mask) {
     const M nan = hn::Or(hn::IsNaN(values.x), hn::Or(hn::IsNaN(values.y), hn::IsNaN(values.z)));
     if (HWY_LIKELY(hn::AllFalse(d, nan))) return values;
@@ -337,7 +337,7 @@ class TileSums {
     hn::Store(hn::Min(hn::Max(numbers.y, least), most), d, channels[1]);
     hn::Store(hn::Min(hn::Max(numbers.z, least), most), d, channels[2]);
   }
-  // The pixels are numbered row by row.
+  // Pixels are numbered row by row.
   void count_nans() {
     std::ranges::sort(nan_pixels_);
     const auto repeated = std::ranges::unique(nan_pixels_);
@@ -356,27 +356,27 @@ class TileSums {
       }
   }
 
-  // Of values within the bound.
+  // For values within the bound.
   HWY_INLINE hn::Vec<decltype(kIntegers)> to_fixed(const float* values) const {
     const auto v = hn::PromoteTo(kDoubles, hn::Load(kHalves, values));
     return hn::ConvertTo(kIntegers, hn::Round(hn::Mul(v, hn::Set(kDoubles, scale_))));
   }
 
   double bound_ = 1, scale_ = 1;
-  float largest_ = 1;  // float within the bound
+  float largest_ = 1;  // the largest float within the bound
   Film::Sums sums_;
   const FilmLayout* layout_ = nullptr;
   Column<PixelSums> own_;  // unless they are the film's
   Column<int64_t> own_means_;
   Column<Uint128> own_squares_;
   Column<uint32_t> own_firsts_;
-  Column<PixelSums> before_;  // the sample
+  Column<PixelSums> before_;  // before the sample
   bool is_clamped_ = false;
   uint32_t first_ = 0;
   size_t plane_size_ = 0;
   Tile tile_{};
   int row_bits_ = 0;
-  std::vector<uint32_t> nan_pixels_;  // of the sample, some of them repeatedly
+  std::vector<uint32_t> nan_pixels_;  // of the sample, possibly repeated
   NanSamples nans_;
 };
 

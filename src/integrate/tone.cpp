@@ -16,9 +16,9 @@ Vec3d times(const Rows& m, Vec3d v) { return {dot(m[0], v), dot(m[1], v), dot(m[
 
 // AgX by the fit of Benjamin Wrensch, "Minimal AgX Implementation" (2023,
 // https://iolite-engine.com/blog_posts/minimal_agx_implementation): the inset of the primaries,
-// which lets pure colours reach white, and its inverse; light in stops, of which the view shows
-// those from kDarkest to kBrightest; the contrast curve as a polynomial of degree six, whose mean
-// square error is 3.7e-6. What comes out is encoded for the display.
+// which lets pure colours reach white, and its inverse; light in stops from kDarkest to kBrightest;
+// the contrast curve as a polynomial of degree six, with a mean square error of 3.7e-6. The result
+// is encoded for the display.
 constexpr Rows kInset = {{{0.842479062253094, 0.0784335999999992, 0.0792237451477643},
                           {0.0423282422610123, 0.878468636469772, 0.0791661274605434},
                           {0.0423756549057051, 0.0784336, 0.879142973793104}}};
@@ -28,7 +28,7 @@ constexpr Rows kOutset = {{{1.19687900512017, -0.0980208811401368, -0.0990297440
 constexpr double kDarkest = -12.47393, kBrightest = 4.026069;
 
 double agx_contrast(double linear) {
-  // The light of kDarkest, so that the logarithm has something to work on.
+  // At least kDarkest, so that the logarithm is finite.
   const double stops = exact_log2(std::max(linear, 0x1p-13));
   const double x = unit((stops - kDarkest) / (kBrightest - kDarkest));
   double y = 15.5;
@@ -38,7 +38,7 @@ double agx_contrast(double linear) {
 
 Rgb agx(Rgb linear) {
   Vec3d color;
-  // No colour is brighter than what becomes white, and infinity times zero is no number.
+  // Nothing is brighter than white, and infinity times zero would be NaN.
   for (int c = 0; c < 3; ++c)
     color[c] = linear[c] > 0 ? double(std::min(linear[c], std::numeric_limits<float>::max())) : 0;
   color = times(kInset, color);

@@ -11,7 +11,7 @@ HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
 namespace {
 
-// A bright colour that has nothing to do with those of neighbouring ids.
+// A bright colour, unrelated to those of neighbouring ids.
 Rgb id_color(uint32_t id) {
   const uint32_t bits = scramble(id);
   const auto part = [&](int shift) { return 0.25f + 0.75f * float(bits >> shift & 255) / 255; };
@@ -24,8 +24,8 @@ class ViewsShading {
       : view_(scene.settings.view),
         distance_(length(scene.settings.camera.at - scene.settings.camera.from)),
         focus_(scene.settings.focus) {
-    // A lens of radius R in focus at F blurs what is at depth z over a circle of diameter
-    // 2 R |z - F| / z on the plane in focus. Parallel rays have no lens.
+    // A lens of radius R focused at F blurs a point at depth z over a circle of diameter 2 R |z -
+    // F| / z on the focal plane. Parallel rays have no lens.
     const float pixel = length(scene.eye.per_y) * scene.settings.preview_scale;
     if (!scene.eye.parallel) blur_ = 2 * scene.settings.aperture / (pixel * focus_);
   }

@@ -1,6 +1,5 @@
-// Pictures of what is behind a picture, for those who look for a mistake or explain how it is done:
-// what eye rays intersect, and what it costs to find that. They go through pixels, lens and
-// antialiasing as those of any other picture do.
+// Diagnostic pictures, for finding mistakes and for teaching: what eye rays hit, and what it costs
+// to find that. Pixels, lens and antialiasing are as in any other picture.
 #pragma once
 
 #include "integrate/wavefront.h"
@@ -10,14 +9,14 @@ namespace raio {
 /// The integrator `views` shows, by RenderSettings::view:
 ///
 ///   normals    x, y and z of the normal towards the eye, -1 to 1 as red, green and blue 0 to 1
-///   depth      grey D / (D + z): z the surface's distance along the line of sight, D that of the
-///              point looked at
-///   ids        a colour of its own for every primitive that rays meet (polygons: their triangles)
-///   materials  a colour of its own for every material
+///   depth      grey D / (D + z): z is the surface's distance along the line of sight, D that of
+///              the point looked at
+///   ids        a colour for every primitive that rays hit (polygons: their triangles)
+///   materials  a colour for every material
 ///   steps      heat_color() of the cells or nodes visited
 ///   tests      heat_color() of the primitives tested
 ///   focus      green where the lens blurs by less than a pixel; more and more red in front of the
-///              plane in focus, blue behind it
+///              focal plane, blue behind it
 double views_bound(const Scene& scene, const RenderSettings& settings);
 
 std::unique_ptr<TileRenderer> make_views_renderer(const PreparedScene& scene,

@@ -1,35 +1,33 @@
-// The wavefront: what all ways of shading share. It owns the tile's pixels, the rays that wait by
-// level of the ray tree, what they weigh in their pixels, the intersections, and the sums that go
-// to the film; a way of shading, `Shading`, says what is seen at the surfaces and which rays go on.
+// The wavefront, shared by all integrators. It owns the tile's pixels, the rays waiting on each
+// level of the ray tree, their weights in their pixels, the intersections, and the sums for the
+// film. A `Shading` decides what surfaces emit and which rays follow.
 //
-// Rays go in batches, each of one level: eye rays of a tile, then the shadow rays of their hits
-// light by light; their children wait as the next level until they fill a batch. A ray carries the
-// weight with which it counts in its pixel, so none waits for another.
+// Rays are traced in batches, each of one level: eye rays of a tile, then the shadow rays of their
+// hits, light by light; children wait for the next level until they fill a batch. A ray carries its
+// weight in its pixel, so none waits for another.
 //
 // A Shading has
 //   Shading(const PreparedScene&)
-//   static constexpr bool kTints              children may weigh unlike in red, green and blue
+//   static constexpr bool kTints              weights may differ in red, green and blue
 //   int levels()                              of the ray tree
-//   Rgb background()                          what rays that hit nothing bring
-//   static constexpr bool kSky                that may depend on their direction. If so it also has
-//     bool has_sky()                            whether it does, and
-//     V3 sky(direction)                         what they bring then
-//   static constexpr bool kFloor              there may be a floor that eye rays alone meet, of
-//   which
-//                                             only the shadows are seen. If so it also has
-//     bool has_floor()                          whether there is one,
-//     float floor_distance(ray)                 how far away it is; 0: nowhere, and
+//   Rgb background()                          the light of rays that hit nothing
+//   static constexpr bool kSky                it may depend on their direction; then also
+//     bool has_sky()                            whether it does
+//     V3 sky(direction)                         their light
+//   static constexpr bool kFloor              there may be a floor that only eye rays hit, with
+//                                             visible shadows only; then also
+//     bool has_floor()                          whether there is one
+//     float floor_distance(ray)                 its distance; 0: none
 //     void shade_floor(wavefront, n, sampler)   sets points().kd to the part of the background
-//                                               that its shadows take from the n current rays
-//   bool counts_rays()                        wants each eye ray's own steps and tests,
-//   void begin(wavefront, n)                  which it gets here, before misses are dropped
-//   void shade(wavefront, level, n, sampler)  sets points().radiance of the n current rays, which
-//                                             all hit something
+//                                               that its shadows absorb for the n current rays
+//   bool counts_rays()                        needs each eye ray's own steps and tests
+//   void begin(wavefront, n)                  receives these, before misses are dropped
+//   void shade(wavefront, level, n, sampler)  sets points().radiance of the n current rays, all of
+//                                             which hit something
 //   void spawn(wavefront, level, n)           adds their children
 //
-// A Recorder (integrate/explain.cpp has one) is told what becomes of each ray; with Unrecorded none
-// of that is compiled.
-// Once for each instruction set, as foreach_target.h passes again.
+// A Recorder (integrate/explain.cpp has one) is notified of each ray; with Unrecorded none of that
+// is compiled. Included once per instruction set (foreach_target.h).
 #if defined(RAIO_INTEGRATE_WAVEFRONT_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAIO_INTEGRATE_WAVEFRONT_INL_H_
 #undef RAIO_INTEGRATE_WAVEFRONT_INL_H_
@@ -90,7 +88,7 @@ class Wavefront final : public TileRenderer {
     list_pixels(in_picture(film.tile(tile)), std::countr_zero(film.row_stride()));
     sums_.begin(film, tile, samples.first);
     background_ = sums_.fixed(shading_.background());
-    for (Paths& w : waiting_) w.rays.clear();  // left over where a render was stopped
+    for (Paths& w : waiting_) w.rays.clear();  // left over if a render was stopped
     counts_ = {};
     context_.tests = context_.steps = 0;
     for (sample_ = samples.first; sample_ < samples.end; ++sample_) {
@@ -107,7 +105,7 @@ class Wavefront final : public TileRenderer {
     film.add(tile, samples, sums_.all(), counts_, sums_.nans());
   }
 
-  // What a Shading works on: the current rays with their hits and the surfaces there.
+  // The input of a Shading: the current rays with their hits and the surfaces there.
   const PreparedScene& scene() const { return scene_; }
   const Paths& rays() const { return current_; }
   const HitBatch& hits() const { return hits_; }
@@ -115,7 +113,7 @@ class Wavefront final : public TileRenderer {
   RayCounts& counts() { return counts_; }
   Recorder& recorder() { return recorder_; }
   bool stopped() const { return context_.stopped(); }
-  // Of current ray i, in begin(), where rays are counted.
+  // For current ray i, in begin(), if rays are counted.
   uint32_t steps(size_t i) const { return ray_steps_[i]; }
   uint32_t tests(size_t i) const { return ray_tests_[i]; }
 
@@ -124,13 +122,14 @@ class Wavefront final : public TileRenderer {
     sums_.add(radiance * current_.weights(i), &current_.pixel[i], mask);
   }
 
-  // As integrate/sampler.h has it.
+  // As in integrate/sampler.h.
   HWY_INLINE U place_of(U pixel) const {
     return hn::Add(hn::ShiftLeft<16>(row_of(pixel)), column_of(pixel));
   }
 
-  // The batch for a Shading's own rays, one for each current ray, and what stops them: 0 or 1 each.
-  // Those whose tmax is not positive count as not stopped. `depth`: places them in what is clear.
+  // The batch of a Shading's own rays, one per current ray, and whether they are occluded: 0 or 1
+  // each. Those with tmax <= 0 count as unoccluded. `depth`: the purpose of random numbers for
+  // transparent primitives.
   RayBatch& shadow_rays() { return shadow_; }
   const uint8_t* occluded(const WideSampler<D>& sampler, uint32_t depth) {
     if (moves_) set_times(shadow_);
@@ -138,7 +137,7 @@ class Wavefront final : public TileRenderer {
     if (transparent_) find_shares(sampler, depth);
     return hidden_.data();
   }
-  // Rays and hits for a Shading's own questions about what is opaque.
+  // Rays and hits for a Shading's other queries of opaque primitives.
   RayBatch& probe_rays() { return probes_; }
   const HitBatch& probe() {
     if (moves_) set_times(probes_);
@@ -147,11 +146,10 @@ class Wavefront final : public TileRenderer {
   }
   HitBatch& probed() { return probed_; }
 
-  // How much of the light comes through what is clear, of those that are not stopped; null: all.
+  // The transmittance of transparent primitives for unoccluded rays; null: all 1.
   const float* shares() const { return transparent_ ? shares_.data() : nullptr; }
 
-  // The children that the current rays send to the next level; after the last level they bring the
-  // background.
+  // Children of the current rays, for the next level; after the last level they get the background.
   class Children {
    public:
     Children(Wavefront& wavefront, int level, size_t n)
@@ -161,9 +159,9 @@ class Wavefront final : public TileRenderer {
       size_ = out_->rays.size();
       out_->resize(size_ + n);
     }
-    // Of current rays i, i + 1, ... in `mask`, with `part` of their weights, a V or, where rays are
-    // tinted, a V3. The number of rays to be traced. `side`: 0 for the reflected child, 1 for the
-    // refracted one.
+    // Adds children of current rays i, i + 1, ... in `mask`, with `part` of their weights, a V or,
+    // if rays are tinted, a V3. Returns the number of rays to be traced. `side`: 0 for the
+    // reflected child, 1 for the refracted one.
     template <class Part>
     size_t add(size_t i, const V3& origin, const V3& dir, const Part& part, uint32_t side, M mask) {
       const auto weight = scaled(w_.current_.weights(i), part);
@@ -194,9 +192,8 @@ class Wavefront final : public TileRenderer {
   };
 
  private:
-  // The tile's pixels, numbered row by row as the film has them, in blocks of 4 x 2, two of
-  // which make 4 x 4, four of which make 8 x 8, and so on: structures take neighbours of the batch
-  // together.
+  // The tile's pixels, numbered row by row as in the film, in blocks of 4 x 2, two of which form 4
+  // x 4, four of which form 8 x 8, and so on: structures trace neighbours of the batch together.
   void list_pixels(const Tile& tile, int row_bits) {
     const Tile before = std::exchange(tile_, tile);
     const int bits_before = std::exchange(row_bits_, row_bits);
@@ -220,12 +217,12 @@ class Wavefront final : public TileRenderer {
       pixels_ += hn::CountTrue(du, in);
     }
   }
-  // A tile of the film, which may hold a part of the picture only, by its place in the whole.
+  // Maps a tile of the film, which may be cropped, to the whole picture.
   Tile in_picture(const Tile& tile) const {
     const Crop frame = scene_.settings.frame();
     return {tile.x0 + frame.x0, tile.y0 + frame.y0, tile.x1 + frame.x0, tile.y1 + frame.y0};
   }
-  // Where in the picture the tile's pixels are.
+  // The tile's pixels' positions in the picture.
   HWY_INLINE U column_of(U pixel) const {
     return hn::Add(hn::And(pixel, hn::Set(du, (1u << row_bits_) - 1)),
                    hn::Set(du, uint32_t(tile_.x0)));
@@ -237,8 +234,8 @@ class Wavefront final : public TileRenderer {
     if (moves_) draw_times(sampler);
     const size_t deepest = waiting_.size() - 1;
     for (size_t eye = 0;;) {
-      // The deepest level that fills a batch, or else eye rays, or else, as long as children may
-      // come, the first that waits.
+      // The deepest level that fills a batch, else eye rays, else, while children may come, the
+      // first level with rays.
       size_t level = deepest;
       while (level > 0 && waiting_[level].rays.size() < kChunk) --level;
       if (level == 0) {
@@ -254,7 +251,7 @@ class Wavefront final : public TileRenderer {
     }
   }
 
-  // Those of a chunk of the tile's pixels from `first` on; the end of the chunk.
+  // Makes eye rays for a chunk of the tile's pixels from `first`; returns the end of the chunk.
   size_t make_eye_rays(size_t first, const WideSampler<D>& sampler) {
     const RenderSettings& settings = scene_.settings;
     const EyeRays& eye = scene_.eye;
@@ -284,12 +281,12 @@ class Wavefront final : public TileRenderer {
     return end;
   }
 
-  // The last rays that wait at `level`: what they bring goes to the film, their children wait one
-  // further.
+  // Traces the last waiting rays of `level`: their light goes to the film, their children to the
+  // next level.
   void trace_level(int level, const WideSampler<D>& sampler) {
     current_.take_last(kChunk, waiting_[size_t(level)]);
     if (moves_) set_times(current_.rays);
-    context_.coherent = level <= 3;  // eye rays and their first children mostly keep together
+    context_.coherent = level <= 3;  // eye rays and their first children are mostly coherent
     if (level == 1 && counts_rays_)
       trace_one_by_one();
     else
@@ -309,7 +306,7 @@ class Wavefront final : public TileRenderer {
         if (context_.stopped()) return;
         seen = false;
       }
-    // A picture with alpha is to be laid over another background.
+    // A picture with alpha gets its background later.
     drop_misses(seen);
     if (transparent_)
       for (size_t i = 0; i < current_.rays.size(); ++i) {
@@ -319,14 +316,14 @@ class Wavefront final : public TileRenderer {
     shade_hits(level, sampler);
   }
 
-  // Shades what the current rays hit, all of them something, and sends their children.
+  // Shades the hits of the current rays and spawns their children.
   void shade_hits(int level, const WideSampler<D>& sampler) {
     const size_t n = current_.rays.size();
     if (n == 0) return;
     if (level == 1)
       counts_.eye_hits +=
           transparent_ ? size_t(std::count(first_.begin(), first_.begin() + ptrdiff_t(n), 1)) : n;
-    if (moves_) set_times(current_.rays);  // those that are left
+    if (moves_) set_times(current_.rays);  // of the remaining rays
     find_surfaces(scene_.accel.geometry(), scene_.scene, current_.rays, hits_, n, *points_);
     if (level == 1 && sums_.layout().planes() > 0)
       features_.add(current_.rays, hits_, *points_, current_.pixel.data(),
@@ -346,8 +343,8 @@ class Wavefront final : public TileRenderer {
     shading_.spawn(*this, level, n);
   }
 
-  // Gives the rays that hit nothing the background, if it is `seen`, or else the coverage of a
-  // floor's shadow before it.
+  // Gives rays that hit nothing the background, if it is `seen`, else the coverage of a floor's
+  // shadow in front of it.
   void add_floor(bool seen, const WideSampler<D>& sampler) {
     const size_t n = current_.rays.size();
     std::swap(behind_, current_), std::swap(behind_hits_, hits_);
@@ -391,12 +388,11 @@ class Wavefront final : public TileRenderer {
     std::swap(behind_, current_), std::swap(behind_hits_, hits_);
   }
 
-  // Of a pixel, what a part of it counts.
+  // The coverage of a part of a pixel.
   static int64_t covered(float part) { return std::llround(double(part) * double(kFullCoverage)); }
 
-  // Shades what is clear in front of what the current rays hit or miss and leaves those rays of
-  // which something comes through, with that part of their weights. Those that have met something
-  // are known by their tmax, 0.
+  // Shades transparent layers in front of the current rays' hits and keeps the rays that pass, with
+  // their transmittance as weight. tmax is 0 for rays that hit something.
   void trace_transparent(int level, const WideSampler<D>& sampler) {
     const size_t n = current_.rays.size();
     const bool many = layers_.find(scene_.accel, current_.rays, hits_, context_);
@@ -434,7 +430,7 @@ class Wavefront final : public TileRenderer {
     current_.rays.resize(kept);
     fill_up(kept);
   }
-  // Makes the current rays those behind_ that meet the layers.
+  // Makes those of behind_ that hit the layers the current rays.
   void take_layers(std::span<const ShadedLayer> layers) {
     const size_t n = layers.size();
     current_.resize(n), hits_.reset(n);
@@ -445,13 +441,13 @@ class Wavefront final : public TileRenderer {
     current_.rays.resize(n);
     fill_up(n);
   }
-  // Adds the part of each pixel that the transparent layers of its eye rays cover.
+  // Adds the coverage of each pixel by its eye rays' transparent layers.
   void add_coverage(size_t n) {
     for (size_t i = 0; i < n; ++i) coverage_[i] = kFullCoverage - covered(layers_.through(i));
     for (size_t i = 0; i < n; i += kWidth)
       sums_.add(set3(d, Rgb()), &behind_.pixel[i], hn::FirstN(d, n - i), &coverage_[i]);
   }
-  // Of eye rays whose first layer is not shaded.
+  // For eye rays with a first layer that is not shaded.
   void add_first_features() {
     const auto& list = layers_.unshaded_firsts();
     if (list.empty()) return;
@@ -464,9 +460,9 @@ class Wavefront final : public TileRenderer {
     features_.add(current_.rays, hits_, *points_, current_.pixel.data(), nullptr, sample_, sums_);
   }
 
-  // Finds the part of the light that passes the transparent primitives on each shadow ray. The
-  // densest primitive and a depth of kExactDepth count exactly; whether the ray passes the rest is
-  // drawn at random, with the transmittance as the probability.
+  // Finds the transmittance of transparent primitives on each shadow ray. The densest primitive and
+  // a depth of kExactDepth count exactly; whether the ray passes the rest is random, with the
+  // transmittance as the probability.
   void find_shares(const WideSampler<D>& sampler, uint32_t depth) {
     static constexpr uint32_t kExactDepth = kHalving / 2;
     const size_t n = shadow_.size();
@@ -486,20 +482,20 @@ class Wavefront final : public TileRenderer {
     }
   }
 
-  // The moments of rays that are, one for one, the current ones or come from them: that of the
-  // sample of the pixel.
+  // Sets the times of rays that correspond one by one to the current ones: the times of their
+  // pixels' samples.
   void set_times(RayBatch& rays) {
     if (!rays.has_time()) rays.add_time();
     for (size_t i = 0; i < rays.size(); i += kWidth)
       hn::StoreU(time_of(load(current_.pixel, i), hn::FirstN(d, rays.size() - i)), d,
                  &rays.time[i]);
   }
-  // Lanes that are not in `mask` may have the number of no pixel.
+  // Lanes outside `mask` may have invalid pixel numbers.
   HWY_INLINE V time_of(U pixel, M mask) const {
     const U known = hn::IfThenElseZero(hn::RebindMask(du, mask), pixel);
     return hn::GatherIndex(d, times_.data(), hn::BitCast(Signed<D>(), known));
   }
-  // Of all pixels of the tile.
+  // For all pixels of the tile.
   void draw_times(const WideSampler<D>& sampler) {
     const RenderSettings& s = scene_.settings;
     const V length = hn::Set(d, s.shutter_close - s.shutter_open);
@@ -516,7 +512,7 @@ class Wavefront final : public TileRenderer {
     }
   }
 
-  // Each ray by itself, so that what it costs can be told from what others cost.
+  // Traces rays one by one, so that each ray's cost is known.
   void trace_one_by_one() {
     const size_t n = current_.rays.size();
     hits_.reset(n);
@@ -541,14 +537,14 @@ class Wavefront final : public TileRenderer {
     add(Channel::tests, ray_tests_);
   }
 
-  // Gives the background, if it is `seen`, to the rays that hit nothing and moves the others
-  // together. The lanes after the last of them repeat it, so that they hold something sensible.
+  // Gives the background, if it is `seen`, to rays that hit nothing and compacts the others. Lanes
+  // after the last repeat it, so that they hold valid values.
   void drop_misses(bool seen) {
     RayBatch& rays = current_.rays;
     const size_t n = rays.size();
     size_t kept = 0;
     for (size_t i = 0; i < n; i += kWidth) {
-      // Sums that are asked for much earlier than they are wanted have left the cache by then.
+      // Sums prefetched much earlier would have left the cache.
       const size_t soon = i + 64;  // measured
       for (size_t k = soon; k < std::min(soon + kWidth, n); k += 4)
         sums_.prefetch(current_.pixel[k]);
@@ -577,7 +573,7 @@ class Wavefront final : public TileRenderer {
       current_.set(i, current_, kept - 1), hits_.set(i, hits_[kept - 1]);
   }
 
-  // For a Recorder: what a ray of some direction and weight brings that hits nothing.
+  // For a Recorder: the light of a ray of some direction and weight that hits nothing.
   auto escaped_there() const {
     return [this](Vec3f dir, Rgb weight) HWY_ATTR {
       Rgb background = shading_.background();
@@ -590,7 +586,7 @@ class Wavefront final : public TileRenderer {
     };
   }
 
-  // What rays bring that hit nothing.
+  // Adds the light of rays that hit nothing.
   HWY_INLINE void add_escaped(const typename Paths::Weight& weight, const V3& dir,
                               const uint32_t* pixels, M mask) {
     if constexpr (Shading::kSky)
@@ -620,13 +616,13 @@ class Wavefront final : public TileRenderer {
   const bool counts_rays_;
   const bool instanced_;  // the scene has instances
   TraceContext context_;
-  bool moves_ = false;        // something in the scene
-  std::vector<float> times_;  // of a sample of each pixel, by its number in the tile
+  bool moves_ = false;        // something in the scene moves
+  std::vector<float> times_;  // per pixel of the tile, for the sample
   TileSums sums_;
   uint32_t sample_ = 0;
-  PixelSums background_{};  // of weight 1
-  Tile tile_{};             // of which these are:
-  int row_bits_ = 0;        // of a pixel's number, those that count within a row
+  PixelSums background_{};  // for weight 1
+  Tile tile_{};             // the tile of the following:
+  int row_bits_ = 0;        // bits of a pixel's number within a row
   RayCounts counts_;
   size_t pixels_ = 0;
   alignas(64) uint32_t pixel_[kTilePixels + 16]{};  // their numbers
@@ -637,13 +633,13 @@ class Wavefront final : public TileRenderer {
   RayBatch shadow_, probes_;
   HitBatch probed_;
   std::vector<uint8_t> hidden_;
-  // Where something is clear: of shadow rays the optical depths and what comes through them; the
-  // layers that rays meet, and those rays as they go on behind them.
+  // With transparent primitives: shadow rays' optical depths and transmittances; layers along rays,
+  // and the rays continuing behind them.
   bool transparent_ = false;
   DepthBatch depths_;
   std::vector<float> shares_;
   std::vector<int64_t> coverage_;  // of the current rays
-  std::vector<uint8_t> first_;     // likewise: whether they have met nothing before
+  std::vector<uint8_t> first_;     // likewise: whether they have hit nothing before
   Layers layers_;
   std::vector<float> layer_places_;
   std::vector<uint32_t> layer_keys_;
@@ -651,7 +647,7 @@ class Wavefront final : public TileRenderer {
   HitBatch behind_hits_;
   RayBatch one_;
   HitBatch one_hit_;
-  std::vector<uint32_t> ray_steps_, ray_tests_;  // of each current ray, where they are counted
+  std::vector<uint32_t> ray_steps_, ray_tests_;  // of each current ray, if counted
 };
 
 }  // namespace

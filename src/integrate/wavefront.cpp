@@ -47,9 +47,9 @@ void PreparedScene::measure_depth() {
   nearest = std::max(nearest, 0.0f), extent = farthest - nearest;
 }
 
-// Across the camera's up direction, under the lowest point. A camera that looks along the floor, or
-// from below, has it raised towards the eye, to the angle at which data is seen from above
-// (io/fit_camera.cpp).
+// Perpendicular to the camera's up direction, under the lowest point. If the camera looks along the
+// floor or from below, the floor is tilted towards the eye, to the angle of the default view of
+// data (io/fit_camera.cpp).
 void PreparedScene::lay_floor() {
   struct Lowest {
     double height = std::numeric_limits<double>::infinity();
@@ -67,7 +67,7 @@ void PreparedScene::lay_floor() {
   });
   if (!std::isfinite(lowest.height)) return;
   const Box3f box = bounds(scene);
-  constexpr float kFar = 100;  // times the scene's size its shadows are not to be seen
+  constexpr float kFar = 100;  // times the scene's size, beyond which shadows are not visible
   floor_normal = Vec3f(normal), floor_height = float(lowest.height);
   floor_distance = kFar * (length(box.hi - box.lo) + length(settings.camera.at - eye.from));
 }

@@ -1,5 +1,5 @@
-// A scene made ready for rendering, and what renders its tiles. The wavefront itself, which all
-// ways of shading share, is wavefront-inl.h.
+// A scene prepared for rendering, and the renderer of its tiles. The wavefront itself is
+// wavefront-inl.h.
 #pragma once
 
 #include <array>
@@ -15,9 +15,9 @@
 
 namespace raio {
 
-/// What all tiles share. Immutable.
+/// Shared by all tiles. Immutable.
 struct PreparedScene {
-  /// A light with its intensity, and the square or rectangle that it is for soft shadows.
+  /// A light with its intensity, and its square or rectangle for soft shadows.
   struct Emitter {
     Vec3f position;
     Rgb intensity;
@@ -29,10 +29,10 @@ struct PreparedScene {
   RenderSettings settings;
   EyeRays eye;
   Vec3f forward;  // the unit vector along the line of sight
-  // Of all that has bounds, along it: where the depth cue of figures begins and how far it goes.
+  // The extent of all finite primitives along it: where depth cueing of figures begins and how far
+  // it goes.
   float nearest = 0, extent = 0;
-  // The floor that catches shadows: points whose dot product with the normal is the height; rays
-  // meet it up to a distance.
+  // The floor that catches shadows: points with normal . p = height; rays hit it up to a distance.
   Vec3f floor_normal;
   float floor_height = 0, floor_distance = 0;
   Sampler sampler;
@@ -45,13 +45,13 @@ struct PreparedScene {
   void lay_floor();
 };
 
-/// Renders tiles, one after another; one per thread, whose buffers it keeps.
+/// Renders tiles, one after another; one per thread, with its own buffers.
 class TileRenderer {
  public:
   virtual ~TileRenderer() = default;
 
-  /// Adds samples that a tile of the film lacks, which no one else adds to meanwhile; nothing when
-  /// told to stop.
+  /// Adds samples that the tile of the film does not have; no other thread may add to the tile
+  /// meanwhile. Does nothing when told to stop.
   virtual void render(size_t tile, SampleSpan samples, Film& film) = 0;
 };
 

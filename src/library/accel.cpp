@@ -1,4 +1,4 @@
-// Accel of the public interface: structures that trace rays of the caller's own, a batch at a time.
+// Accel of the public interface: traces the caller's rays, a batch at a time.
 #include "accel/accel.h"
 
 #include <fmt/format.h>
@@ -16,7 +16,7 @@ using namespace library;  // NOLINT(google-build-using-namespace)
 
 namespace {
 
-// Kept by each thread: a single ray shall not pay for memory.
+// Kept per thread: a single ray must not allocate memory.
 struct Scratch {
   RayBatch rays;
   HitBatch hits;
@@ -38,11 +38,11 @@ raio::Ray ray_of(const Ray& ray, size_t number, Vec3d scene_origin) {
           float(ray.time)};
 }
 
-// Calls trace(scratch, first, count, context) for some rays after the others.
+// Calls trace(scratch, first, count, context) for chunks of the rays.
 template <class Trace>
 void in_batches(const Accel::Data& data, size_t count, const Ray* rays, const void* results,
                 const Trace& trace) {
-  if (count > 0 && !(rays && results)) refuse("the rays or their results are a null pointer");
+  if (count > 0 && !(rays && results)) refuse("rays or results are a null pointer");
   constexpr size_t kBatch = 1024;
   thread_local Scratch scratch;
   if (!scratch.rays.has_time()) scratch.rays.add_time();

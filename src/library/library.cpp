@@ -1,5 +1,5 @@
-// The public interface (include/raio/raio.h) over the rooms: plain values in and out, failures as
-// exceptions, nothing else. Scenes are in scene.cpp, structures in accel.cpp.
+// The public interface (include/raio/raio.h): plain values in and out, failures as exceptions,
+// nothing else. Scenes are in scene.cpp, structures in accel.cpp.
 #include "library/library.h"
 
 #include <fmt/format.h>
@@ -60,7 +60,7 @@ namespace {
 const OptionSpec& spec_of(std::string_view name) {
   for (const OptionSpec& spec : render_option_table())
     if (spec.name == name) return spec;
-  refuse(fmt::format("there is no setting '{}'", name));
+  refuse(fmt::format("unknown setting '{}'", name));
 }
 
 }  // namespace
@@ -110,7 +110,7 @@ struct Film::Data {
   uint64_t nan_samples;
 
   std::vector<std::string> channels() const;
-  // The error names the channels that there are.
+  // The error names the available channels.
   const Layer& layer(std::string_view name) const;
 };
 
@@ -158,8 +158,7 @@ std::vector<float> Film::channel(std::string_view name, int* components) const {
     const bool is_alpha = name == "alpha" && !alpha.empty();
     const Layer* const layer = is_alpha ? nullptr : &data_->layer(name);
     const auto* const values = is_alpha ? &alpha : std::get_if<raio::Column<float>>(&layer->values);
-    if (!values)
-      refuse(fmt::format("channel '{}' has whole numbers; read it with integers()", name));
+    if (!values) refuse(fmt::format("channel '{}' has integers; read it with integers()", name));
     if (components) *components = layer ? int(layer->components.size()) : 1;
     return std::vector<float>(values->begin(), values->end());
   });
@@ -170,8 +169,7 @@ std::vector<uint32_t> Film::integers(std::string_view name) const {
     const bool is_alpha = name == "alpha" && !data_->picture.alpha.empty();
     const auto* const values =
         is_alpha ? nullptr : std::get_if<raio::Column<uint32_t>>(&data_->layer(name).values);
-    if (!values)
-      refuse(fmt::format("channel '{}' has numbers with fractions; read it with channel()", name));
+    if (!values) refuse(fmt::format("channel '{}' has floats; read it with channel()", name));
     return std::vector<uint32_t>(values->begin(), values->end());
   });
 }
@@ -195,14 +193,14 @@ struct Job::Data {
 
 namespace {
 
-// The options of a picture whose structure is there.
+// Options of a picture with the given structure.
 RenderOptions options_with(const Accel::Data& built, RenderOptions options) {
   for (const auto name : {"accel", "grid-factor", "grid-resolution", "one-sided", "opacity"}) {
     const OptionSpec& spec = spec_of(name);
     const std::string asked = option_text(options, spec), is = option_text(built.options, spec);
     if (asked != is && asked != option_text({}, spec))
       refuse(
-          fmt::format("{} is {}, but the structure was built with{}; leave it out, or build "
+          fmt::format("{} is {}, but the structure was built with{}; omit it, or build "
                       "another structure",
                       name, asked, is.empty() ? "out it" : " " + is));
   }
@@ -214,7 +212,7 @@ RenderOptions options_with(const Accel::Data& built, RenderOptions options) {
   return options;
 }
 
-// Of a picture of the scene. Data that were read have the background of the look, unless another
+// Settings for a picture of the scene. Data files get the background of the style, unless another
 // was set.
 RenderSettings settings_of(RenderOptions options, const raio::Scene& scene, bool has_background) {
   if (const auto why = option_conflict(options, &scene)) fail(*why);
@@ -244,7 +242,7 @@ Job::Job(const Accel& accel, const Settings& settings) {
     data_->settings = settings_of(options_with(*built, settings.data().options), *data_->scene,
                                   built->has_background);
     if (data_->settings.accel.counters && !built->options.accel.counters)
-      refuse("what the settings ask for is counted only by a structure built with counters");
+      refuse("these settings need a structure that was built with counters");
   });
 }
 
@@ -256,7 +254,7 @@ void Job::on_progress(std::function<void(const Progress&)> callback) {
 
 namespace {
 
-// Tells of a render's progress until it is finished. What the callback throws stops the render.
+// Reports a render's progress until it is finished. If the callback throws, the render stops.
 class ProgressReporter {
  public:
   ProgressReporter(RenderControl& control, const std::function<void(const Progress&)>& tell) {
@@ -272,7 +270,7 @@ class ProgressReporter {
       }
     });
   }
-  // Throws what the callback threw.
+  // Rethrows the callback's exception.
   void finish() {
     ticker_ = {};
     if (thrown_) std::rethrow_exception(thrown_);

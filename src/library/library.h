@@ -1,5 +1,5 @@
-// What the sources of the public interface share: its values as those of the rooms, failures as
-// exceptions, and what is behind its classes.
+// Shared by the sources of the public interface: conversion of values and failures, and the data
+// behind its classes.
 #pragma once
 
 #define RAIO_LIBRARY_SOURCE
@@ -18,7 +18,7 @@
 #include "render/options.h"
 #include "scene/scene.h"
 
-// Not in raio::v1, of which every name is exported.
+// Not in raio::v1, where every name is exported.
 namespace raio::library {
 
 inline Vec3d vec(const v1::Triple& t) { return {t[0], t[1], t[2]}; }
@@ -28,7 +28,7 @@ inline Rgb rgb(const v1::Triple& t) { return Rgb(vec(t)); }
 [[noreturn]] void refuse(const std::string& message);
 [[noreturn]] void fail(const Error& error);
 
-// Runs out of memory as an Error, too.
+// Converts std::bad_alloc to an Error, too.
 template <class F>
 auto guarded(F&& f) try {
   return f();
@@ -45,7 +45,7 @@ namespace raio::v1 {
 struct Scene::Data {
   raio::Scene scene;
   std::vector<std::string> warnings;
-  bool has_background = false;  // that was set, which data that were read do not have
+  bool has_background = false;  // was set; data files have none
 };
 
 struct Settings::Data {
@@ -54,8 +54,8 @@ struct Settings::Data {
 
 struct Accel::Data {
   raio::Scene scene;
-  bool has_background = false;  // as the Scene had it
-  RenderOptions options;        // of which those about structures, as they were resolved, matter
+  bool has_background = false;  // as in the Scene
+  RenderOptions options;        // those of the structure, as resolved, matter
   std::unique_ptr<raio::Accel> accel;
 };
 

@@ -1,5 +1,5 @@
-// Scene of the public interface: files, and what callers add in columns of their own, which are
-// read in place or gathered.
+// Scene of the public interface: files, and the caller's columns, which are read in place or
+// copied.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -91,7 +91,7 @@ void Scene::add_light(Triple position, std::optional<Triple> color) {
 
 namespace {
 
-// Those of prototypes are the scene's.
+// Prototypes use the scene's materials.
 void share_materials(const raio::Scene& scene, std::vector<raio::Scene>& prototypes) {
   for (raio::Scene& object : prototypes) {
     object.materials = scene.materials;
@@ -117,7 +117,7 @@ uint32_t Scene::add_material(const Material& m) {
 
 namespace {
 
-// A column of any kind: `bytes` of each element, which are those of a struct from `offset` on.
+// An untyped column: `bytes` per element, the members of a struct from `offset`.
 struct Part {
   std::string_view name;
   const void* data;
@@ -139,15 +139,15 @@ Part part(std::string_view name, const Column<T, N>& c, size_t offset = 0) {
 
 void check_part(const Part& p, std::string_view beside, size_t count) {
   if (p.count != count)
-    refuse(fmt::format("there are {} {} but {} {}", count, beside, p.count, p.name));
+    refuse(fmt::format("found {} {} but {} {}", count, beside, p.count, p.name));
   if (count > 0 && !p.data) refuse(fmt::format("the {} are a null pointer", p.name));
   if (p.stride == 0)
     refuse(
         fmt::format("the stride of the {} is 0, expected the bytes from one to the next", p.name));
 }
 
-// The structs that the parts make, of which those that are not given stay zero; in place if they
-// lie as in an array of such structs that the caller keeps.
+// An array of structs from the parts; missing ones stay zero. In place if the caller keeps memory
+// in the layout of such an array.
 template <class T>
 Array<T> gathered(std::initializer_list<Part> parts) {
   const Part& first = *parts.begin();
@@ -173,7 +173,7 @@ Array<T> gathered(std::initializer_list<Part> parts) {
   return all;
 }
 
-// The first are taken as they lie.
+// The first ones are taken in place.
 template <class T>
 void join(Array<T>& to, Array<T> more) {
   if (to.empty())
@@ -211,13 +211,13 @@ void check_shapes(const Array<T>& shapes, std::string_view kind) {
   }
 }
 
-// What primitives look like that were added together.
+// The appearance of primitives added together.
 struct PoolAppearance {
   PoolAppearance(const raio::Scene& scene, const Appearance& look, size_t count)
       : material(look.material) {
     if (material >= scene.materials.size())
-      refuse(
-          fmt::format("there is no material {}, but {} of them", material, scene.materials.size()));
+      refuse(fmt::format("unknown material {}, expected a number below {}", material,
+                         scene.materials.size()));
     const Part look_colors = part("colours", look.colors);
     const Part look_opacity = part("opacities", look.opacity);
     for (const Part& p : {look_colors, look_opacity})
@@ -239,8 +239,8 @@ struct PoolAppearance {
   Array<float> opacity;
 };
 
-// Puts `more`, or the default of each material, behind what the first `before` primitives have,
-// where any has something.
+// Appends `more`, or the material's default for each, to the values of the first `before`
+// primitives, if there are any values.
 template <class T, class Default>
 void join_looks(Array<T>& to, Array<T> more, const Array<MaterialId>& materials, size_t before,
                 const Default& default_of) {
@@ -254,7 +254,7 @@ float opacity_of(const raio::Scene& scene, MaterialId id) {
   return scene.material_opacity.empty() ? 1 : scene.material_opacity[id];
 }
 
-// Nothing is refused here.
+// Nothing fails from here.
 template <class Shape>
 void append(raio::Scene& scene, Array<Shape> shapes, PoolAppearance looks) {
   constexpr PoolMembers<Shape> pool = kPoolOf<Shape>;
@@ -330,7 +330,7 @@ void Scene::add_discs(const Column<float, 3>& centers, const Column<float, 3>& n
 
 namespace {
 
-// Shapes that move, all from `begin` to `end`; the rest of them from the parts.
+// Moving shapes, all from `begin` to `end`; the parts have the other members.
 template <class Shape>
 Array<Shape> gathered_moving(std::initializer_list<Part> parts, double begin, double end) {
   Array<Shape> shapes = gathered<Shape>(parts);
@@ -377,7 +377,7 @@ namespace {
 
 constexpr TriangleIndices kFlat = {kNoNormal, kNoNormal, kNoNormal};
 
-// The corners of vertices that lie behind `first` others.
+// Indices of vertices that come after `first` others.
 Array<TriangleIndices> behind(size_t first, Array<TriangleIndices> corners) {
   if (first == 0) return corners;
   for (TriangleIndices& t : corners)
@@ -403,13 +403,13 @@ void Scene::add_triangles(const Column<float, 3>& positions, const Column<uint32
     for (size_t i = 0; i < corners.size(); ++i)
       for (const uint32_t vertex : corners[i])
         if (vertex >= points.size())
-          refuse(fmt::format("triangle {} names vertex {} of {}", i, vertex, points.size()));
+          refuse(fmt::format("triangle {} refers to vertex {} of {}", i, vertex, points.size()));
     const size_t first = scene.positions.size(), first_normal = scene.normals.size();
     if (first + points.size() >= kNoNormal)
-      refuse(fmt::format("{} vertices are more than can be numbered", first + points.size()));
+      refuse(fmt::format("{} vertices exceed the range of indices", first + points.size()));
     PoolAppearance looks(scene, look, corners.size());
 
-    // Normals are kept from the first smooth triangle on.
+    // Normals are stored from the first smooth triangle on.
     const size_t before = scene.triangles.size();
     if (smooth.given()) {
       if (scene.triangle_normals.size() < before) scene.triangle_normals.resize(before, kFlat);
@@ -429,10 +429,10 @@ uint32_t texture_of(const raio::Scene& scene, MaterialId id) {
   return scene.material_texture.empty() ? kNoTexture : scene.material_texture[id];
 }
 
-// Moves the textures of an object to the scene, and names them by their numbers there.
+// Moves the textures of an object to the scene and renumbers them.
 void take_textures(raio::Scene& scene, raio::Scene& object) {
   if (object.texels.size() > kMaxTexels - scene.texels.size())
-    refuse(fmt::format("the textures have {} texels, more than {}",
+    refuse(fmt::format("the textures have {} texels, the maximum is {}",
                        scene.texels.size() + object.texels.size(), kMaxTexels));
   const auto first = uint32_t(scene.textures.size()), first_texel = uint32_t(scene.texels.size());
   for (Texture& texture : object.textures) texture.first += first_texel;
@@ -443,7 +443,7 @@ void take_textures(raio::Scene& scene, raio::Scene& object) {
   object.textures = {}, object.texels = {};
 }
 
-// The number in `scene` of each material of `object`; those that it does not have are added.
+// The numbers in `scene` of the materials of `object`; missing ones are added.
 std::vector<MaterialId> numbers_in(raio::Scene& scene, const raio::Scene& object) {
   std::vector<MaterialId> numbers;
   for (MaterialId id = 0; id < object.materials.size(); ++id) {
@@ -464,7 +464,7 @@ std::vector<MaterialId> numbers_in(raio::Scene& scene, const raio::Scene& object
   return numbers;
 }
 
-// Of an object and those within it: other numbers of materials and of named objects.
+// Renumbers materials and named objects of an object and those within it.
 void renumber(raio::Scene& object, const std::vector<MaterialId>& materials, uint32_t names) {
   const auto change = [&](Array<MaterialId>& ids) {
     for (MaterialId& id : ids) id = materials[id];
@@ -481,7 +481,7 @@ int depth_of(const raio::Scene& scene) {
   return depth;
 }
 
-// What is there of an object besides what it looks like from somewhere.
+// The contents of an object, without camera, lights and background.
 raio::Scene object_of(const raio::Scene& scene) {
   raio::Scene object = scene;
   object.name.clear();
@@ -519,13 +519,13 @@ void append_instances(raio::Scene& scene, Array<Instance> copies, std::string_vi
   for (size_t i = 0; i < copies.size(); ++i) {
     const Instance& copy = std::as_const(copies)[i];
     if (copy.prototype >= scene.prototypes.size())
-      refuse(fmt::format("instance {}: there is no prototype {}, but {} of them", i, copy.prototype,
-                         scene.prototypes.size()));
+      refuse(fmt::format("instance {}: unknown prototype {}, expected a number below {}", i,
+                         copy.prototype, scene.prototypes.size()));
     if (!Placement(copy.matrix).is_sound())
       refuse(fmt::format("instance {}: the matrix must be finite and have an inverse", i));
     far |= scene.prototypes[copy.prototype].origin != Vec3d();
   }
-  // From the caller's coordinates to those that are stored.
+  // From the caller's coordinates to the stored ones.
   for (size_t i = 0; far && i < copies.size(); ++i) {
     Instance& copy = copies[i];
     const Vec3d shift =

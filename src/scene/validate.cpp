@@ -400,7 +400,7 @@ std::vector<std::string> validate(const Scene& scene) {
                  "there are more than ",
                  size_t(all.instances > kMaxInstances ? uint64_t(kMaxInstances) : kMaxShown),
                  all.instances > kMaxInstances ? " instances" : " primitives",
-                 " with those of instances, more than can be rendered");
+                 " in total, more than can be rendered");
   return problems.take();
 }
 

@@ -1,11 +1,10 @@
-// Rays that keep together, as a ray group that walks tree or grid, sixteen at a time: a beam, the
-// intervals of their origins and directions, meets what any of them could meet, with one test for
-// all; in the leaves one primitive is tested against the sixteen rays. Included by
-// blocks/tracer-inl.h only, once for each instruction set.
+// The ray group of beams, for traversing tree or grid. A beam is sixteen coherent rays, bounded by
+// intervals of their origins and directions: one test finds whatever any of them might hit. In
+// leaves, one primitive is tested against the sixteen rays. Included by blocks/tracer-inl.h only,
+// once per instruction set (foreach_target.h).
 //
 // Wald, Boulos and Shirley 2007, "Ray Tracing Deformable Scenes Using Dynamic Bounding Volume
 // Hierarchies", ACM TOG 26(1).
-// Once for each instruction set, as foreach_target.h passes again.
 #if defined(RAIO_ACCEL_BLOCKS_BEAMS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAIO_ACCEL_BLOCKS_BEAMS_INL_H_
 #undef RAIO_ACCEL_BLOCKS_BEAMS_INL_H_
@@ -26,14 +25,14 @@ class Beams {
   Beams(const Blocks& blocks, const Batch& batch, BeamScratch& scratch, TraceContext& context)
       : blocks_(blocks), batch_(batch), scratch_(scratch), context_(context) {}
 
-  // The sixteen rays from 16 * id against everything, for trees that are but a few blocks.
+  // Tests the sixteen rays from 16 * id with everything, for trees of a few blocks.
   HWY_INLINE void intersect_all(uint32_t id) {
     visit_bounded_kinds([&]<PrimitiveKind kind>() HWY_ATTR {
       for (const auto& block : blocks_.of<kind>()) intersect_block(block, id);
     });
   }
 
-  // The sixteen rays against all primitives of a block.
+  // Tests the sixteen rays with all primitives of a block.
   HWY_INLINE void intersect_block(uint32_t ref, uint32_t id) {
     visit_pool(blocks_, ref_pool(ref), [&](const auto& blocks) RAIO_INLINE_LAMBDA {
       intersect_block(blocks[ref_index(ref)], id);
@@ -79,9 +78,9 @@ class Beams {
     leaf(block, ids, n, [&](uint32_t id) HWY_ATTR { return intersect(id, boxes); });
   }
 
-  // First all beams, which say by `near` what they come near; then the rays of those, one primitive
-  // for sixteen; then the primitives that one of the rays may hit: each without a branch that
-  // depends on what is met, since half of those would be foreseen wrongly.
+  // First, `near` culls primitives for all beams; then each remaining primitive is tested with the
+  // beam's sixteen rays; then the primitives that a ray may hit. No step branches on results, since
+  // half of those branches would be mispredicted.
   template <class Block, class Near>
   HWY_INLINE void leaf(const Block& block, const uint32_t* ids, size_t n, Near&& near) {
     const hn::RebindToUnsigned<decltype(kEight)> lanes;
@@ -120,7 +119,7 @@ class Beams {
     offer(block, found);
   }
 
-  // How far the beam's rays reach after a leaf.
+  // Updates the farthest reach of the beam's rays after a leaf.
   HWY_INLINE void see_end(uint32_t id) {
     V16 farthest = hn::Zero(kSixteen);
     for (int k = 0; k < kPacket; k += kLanes16)
@@ -130,7 +129,7 @@ class Beams {
     b.t = t == 0 || b.tests_left < 0 ? -1 : t;
   }
 
-  // Which of the spheres reach into the cone around the beam.
+  // Which spheres overlap the cone around the beam.
   HWY_INLINE unsigned near_spheres(const SphereBlock& block, uint32_t id) const {
     const auto& f = kEight;
     const Beam& b = scratch_.beams[id];
@@ -154,10 +153,10 @@ class Beams {
     return mask;
   }
 
-  // Which of the triangles a line of the beam may pass through: not those of which all lines pass
-  // one edge on the one side and another on the other. Of a line of origin o and direction d and an
-  // edge e from a corner x, d . ((x - o) x e) tells the side; where d differs by `turned` and o by
-  // `shifted`, that differs by no more than turned . |(x - o) x e| + shifted |e|.
+  // Which triangles a line of the beam may pass through: excludes those for which all lines pass
+  // one edge on one side and another edge on the other. For a line with origin o and direction d,
+  // and an edge e from a vertex x, the sign of d . ((x - o) x e) tells the side; if d varies by
+  // `turned` and o by `shifted`, it varies by at most turned . |(x - o) x e| + shifted |e|.
   HWY_INLINE unsigned near_triangles(const TriangleBlock& block, const EdgeLanes& edges,
                                      uint32_t id) const {
     const auto& f = kEight;
@@ -186,7 +185,7 @@ class Beams {
     return mask;
   }
 
-  // Hits at `t`, of any-hit rays i, i + 1, ... in lanes of `valid`.
+  // Records hits at `t` for any-hit rays i, i + 1, ... in the lanes of `valid`.
   HWY_INLINE void occlude(size_t i, M16 valid, V16 t) const {
     const auto& f = kSixteen;
     const V16 end = hn::Load(f, batch_.t + i);
@@ -200,7 +199,7 @@ class Beams {
     const hn::RebindToUnsigned<decltype(kSixteen)> id;
     const V16 best = hn::Load(f, batch_.t + i);
     const auto old = hn::Load(id, batch_.primitive + i);
-    // No primitive has the highest id of all, but a hit where the ray ends does not count.
+    // No primitive has the highest id, but a hit at the ray's end does not count.
     const auto lower =
         hn::And(hn::Lt(hn::Set(id, primitive), old), hn::Ne(old, hn::Set(id, kNoPrimitive)));
     const M16 nearer = hn::Or(hn::Lt(t, best), hn::And(hn::Eq(t, best), hn::RebindMask(f, lower)));
@@ -229,9 +228,9 @@ class Beams {
   template <PrimitiveKind kind>
   HWY_INLINE void offer(const Block<kind>&, const BeamCandidate*) const {}
 
-  // The sixteen rays of `id` against primitive k. What they may hit goes to `found`, whose new end
-  // is returned, or is settled here. `in_beam`: they are a beam that comes near; others mostly
-  // miss, and are left at once.
+  // Tests the sixteen rays of `id` with primitive k. Appends possible hits to `found`, the new end
+  // of which is returned, or settles them here. `in_beam`: the rays form a beam near the primitive;
+  // otherwise most miss and return early.
   template <bool in_beam>
   HWY_INLINE BeamCandidate* intersect(const SphereBlock& block, int k, uint32_t id,
                                       BeamCandidate* found) const {
@@ -296,7 +295,7 @@ class Beams {
       if (any) {
         occlude(i, hit.in, hn::Div(hit.t, hit.det));
       } else {
-        // Zero is in front of no ray.
+        // Zero is not in front of the origin.
         hn::Store(hn::IfThenElseZero(hit.in, hit.t), f, found->t);
         hn::Store(hit.det, f, found->det);
         hn::Store(hit.u, f, found->u), hn::Store(hit.v, f, found->v);

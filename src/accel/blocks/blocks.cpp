@@ -16,7 +16,7 @@ void fill_block(const Geometry& g, Ids ids, SphereBlock& block) {
 }
 
 void fill_block(const Geometry& g, Ids ids, TriangleBlock& block) {
-  for (size_t i = 0; i < size_t(kBlockWidth); ++i) {  // three equal corners have no area
+  for (size_t i = 0; i < size_t(kBlockWidth); ++i) {  // three equal vertices have no area
     const Triangle t = i < ids.size() ? g.triangle(g.index_of(PrimitiveKind::triangle, ids[i]))
                                       : Triangle{{}, {}, {}};
     for (int a = 0; a < 3; ++a) {
@@ -35,7 +35,7 @@ void fill_block(const Geometry& g, Ids ids, Block<kind>& block) {
     const auto& baked = g.get<kind>(g.index_of(kind, ids[i]));
     block.boxes.set(i, bounds(baked));
     const auto numbers = numbers_of(baked);
-    // Of one template, so that columns and numbers have the same order.
+    // From the same template, so columns and numbers have the same order.
     constexpr size_t kColumns = sizeof numbers / sizeof(float);
     static_assert(sizeof block.numbers == kColumns * sizeof(float[kBlockWidth]));
     const auto* const from = reinterpret_cast<const float*>(&numbers);
@@ -46,7 +46,7 @@ void fill_block(const Geometry& g, Ids ids, Block<kind>& block) {
 
 }  // namespace
 
-// What lambdas with a template of kinds use of an object is not seen as its use.
+// clang-tidy does not see uses of members in lambdas with template parameters.
 // NOLINTBEGIN(readability-convert-member-functions-to-static)
 const PrimitiveId* Blocks::primitives(uint32_t ref) const {
   return with_kind(PrimitiveKind(ref_pool(ref)), [&]<PrimitiveKind kind>() -> const PrimitiveId* {

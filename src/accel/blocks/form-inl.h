@@ -1,7 +1,6 @@
-// Makes beams of rays that keep together, sixteen rays each: first what a beam's rays have in
-// common, their extents; then, sixteen beams in the lanes, what the walk wants of them. Included by
-// blocks/beams-inl.h only, once for each instruction set.
-// Once for each instruction set, as foreach_target.h passes again.
+// Forms beams of sixteen coherent rays each: first the extents of a beam's rays; then, with sixteen
+// beams in the lanes, the values that traversal needs. Included by blocks/beams-inl.h only, once
+// per instruction set (foreach_target.h).
 #if defined(RAIO_ACCEL_BLOCKS_FORM_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAIO_ACCEL_BLOCKS_FORM_INL_H_
 #undef RAIO_ACCEL_BLOCKS_FORM_INL_H_
@@ -17,22 +16,22 @@ namespace raio::HWY_NAMESPACE {
 constexpr size_t kPackets = kChunk / kPacket;
 
 struct alignas(16) Beam {
-  static constexpr uint32_t kMixed = std::size(kShearAxes);  // `axes` where those of rays differ
+  static constexpr uint32_t kMixed = std::size(kShearAxes);  // `axes` if the rays' axes differ
 
   float inverse[2][3], offset[2][3];  // see BoxLanes::intersect
-  // The cone around all rays: at a distance of s its radius is start + s * widening.
+  // The cone around all rays: its radius at distance s is start + s * widening.
   float o[3], d[3], start, widening;
   float t;             // of the farthest ray; not positive: all are done
-  uint32_t axes;       // of all rays in kShearAxes, or kMixed
-  int32_t tests_left;  // negative: it has met too much, and its rays go on alone
-  // How far, with all that may be rounded, the rays' directions (times some number) are from d
-  // along each axis, and their origins (times the same) from o.
+  uint32_t axes;       // of all rays, in kShearAxes, or kMixed
+  int32_t tests_left;  // negative: too many tests, its rays continue singly
+  // The maximum deviation, rounding included, of the rays' directions (scaled) from d along each
+  // axis, and of their origins (scaled likewise) from o.
   float turned[3], shifted;
   uint32_t unused;
 };
 static_assert(sizeof(Beam) % (4 * sizeof(float)) == 0);
 
-// Of four numbers of sixteen rays, the smallest and largest each.
+// The minimum and maximum of four values over sixteen rays.
 constexpr int kSteps = kPacket / kLanes8;
 const hn::CappedTag<float, 4> kFour;
 struct alignas(16) Extents {
@@ -80,21 +79,21 @@ struct alignas(16) Extents {
 };
 
 // Rays `ray`, `ray` + 1, ... of a beam, some of which may hit primitive `lane` of a leaf, and
-// where: columns as those of Candidate.
+// where: columns as in Candidate.
 struct alignas(64) BeamCandidate {
   float t[kLanes16], det[kLanes16], u[kLanes16], v[kLanes16];
   uint32_t ray, lane;
 };
 
-// What a thread keeps for its beams.
+// A thread's memory for beams.
 struct BeamScratch {
-  // Of a beam and a primitive of a leaf: kBlockWidth * id + lane. What is stored beside the last is
-  // overwritten.
+  // Pairs of a beam and a primitive in a leaf: kBlockWidth * id + lane. Entries after the last may
+  // be overwritten.
   static constexpr size_t kPairs = 40;
   uint32_t pairs[kPairs + kBlockWidth];
   BeamCandidate candidates[kPairs * (kPacket / kLanes16) + 1];
   Beam beams[kPackets];
-  // Of packet after packet: how many rays are not done, and the extents.
+  // Per packet: the number of active rays, and the extents.
   alignas(64) float alive[kPackets];
   enum { origins_and_t, directions_and_axes, ends, kinds };
   float lo_hi[kinds][8][kPackets];
@@ -106,7 +105,7 @@ class BeamMaker {
   BeamMaker(const Blocks& blocks, const Batch& batch, BeamScratch& scratch)
       : blocks_(blocks), batch_(batch), scratch_(scratch) {}
 
-  // To be called for all packets of the batch before beams are formed.
+  // Call for all packets of the batch before forming beams.
   HWY_INLINE void measure(size_t packets) {
     for (size_t p = 0; p < packets; p += 4) {
       Extents x[BeamScratch::kinds][4] = {};
@@ -118,7 +117,7 @@ class BeamMaker {
     }
   }
 
-  // Beams first, first + 1, ... + 15. The bits of those whose rays do keep together, or are done.
+  // Forms beams first, first + 1, ... + 15; returns the bits of those that are coherent or done.
   HWY_INLINE unsigned form(size_t first) {
     alignas(64) float rows[kBeamFloats][kPacket];
     unsigned formed = 0;
@@ -135,14 +134,14 @@ class BeamMaker {
   static constexpr size_t kBeamFloats = sizeof(Beam) / sizeof(float);
   static constexpr int kKinds = any ? 3 : 2;
   // Measured.
-  static constexpr int kFewest = any ? 8 : 3;        // rays that count
+  static constexpr int kFewest = any ? 8 : 3;        // active rays
   static constexpr float kMaxSpread = 0.4f;          // of the directions, over three axes
-  static constexpr float kMaxSpreadToPoint = 0.05f;  // besides that of what they end in
-  // Primitives tested, per ray. Where they are smaller than the rays are apart, the beam meets most
-  // that no ray does, and each ray on its own is faster.
+  static constexpr float kMaxSpreadToPoint = 0.05f;  // plus the spread of their end points
+  // Primitives tested per ray. If primitives are smaller than the distance between rays, a beam
+  // mostly tests primitives that no ray hits, and single rays are faster.
   static constexpr float kMaxTests = any ? 2 : 4;
 
-  // The number of rays that are not done, and, unless they are too few, their extents.
+  // The number of active rays and, unless there are too few, their extents.
   HWY_INLINE float measure(size_t first, Extents& origins, Extents& dirs, Extents& ends) const {
     const auto& f = kEight;
     M8 counts[kSteps];
@@ -153,7 +152,7 @@ class BeamMaker {
     }
     const int n_alive = int(hwy::PopCount(alive));
     if (n_alive < kFewest) return float(n_alive);
-    // Those that are done stand aside: in the place of one that is not.
+    // Inactive rays are replaced by an active one.
     const size_t one = first + hwy::Num0BitsBelowLS1Bit_Nonzero32(alive);
     V8 o[4][kSteps], d[4][kSteps];
     for (int s = 0; s < kSteps; ++s) {
@@ -174,7 +173,7 @@ class BeamMaker {
     return float(n_alive);
   }
 
-  // Intervals of three coordinates, beam by beam.
+  // Intervals of three coordinates, one per beam.
   struct Box {
     V16 lo[3], hi[3];
     HWY_INLINE V16 extent() const {
@@ -200,13 +199,13 @@ class BeamMaker {
     return b;
   }
 
-  // As many beams as there are lanes, from packet p on, into the columns from `i` on.
+  // Forms as many beams as there are lanes, from packet p, into the columns from `i`.
   HWY_INLINE unsigned form_lanes(size_t p, float (*columns)[kPacket], int i) const {
     const auto& f = kSixteen;
     const hn::RebindToSigned<decltype(kSixteen)> ints;
     const V16 zero = hn::Zero(f), one = hn::Set(f, 1), half = hn::Set(f, 0.5f);
     const V16 rounding = hn::Set(f, 8 * kEpsilon);
-    // Into the column of a member of Beam, or of the n-th number of one.
+    // Stores the column of a member of Beam, or of the n-th element of one.
     const auto put = [&](size_t member, V16 x, size_t n = 0)
                          HWY_ATTR { hn::Store(x, f, columns[column_of(member) + n] + i); };
     const V16 alive = hn::Load(f, scratch_.alive + p);
@@ -226,14 +225,14 @@ class BeamMaker {
         hn::IfThenElse(hn::Eq(first_axes, axes), axes, hn::Set(f, float(Beam::kMixed)));
 
     V16 size = hn::Max(hn::Set(f, blocks_.reach), origins.largest());
-    // Shadow rays that end in one point (a light) are taken from there: their origins lie apart,
-    // and as an interval of origins they would meet much that none of them meets. (The order of
-    // what they meet is then from the light, which is as good for any hit.)
+    // Shadow rays that end in one point (a light) are reversed to start there: their origins are
+    // far apart, and an interval of origins would overlap much that no ray hits. (Hits are then
+    // ordered from the light, which is fine for any-hit.)
     if (any) {
       const Box ends = box(BeamScratch::ends, p);
       const M16 end = hn::Lt(t, hn::Set(f, kInfinity));
       formed = hn::And(formed, hn::Le(origins.extent(), hn::Set(f, blocks_.farthest_apart)));
-      // Directions to a light that has a size differ by its own, which counts less.
+      // Directions to an area light differ by its size, which counts less.
       const V16 to_point = hn::Sub(apart, hn::Div(ends.extent(), t));
       formed = hn::AndNot(hn::AndNot(hn::Lt(to_point, hn::Set(f, kMaxSpreadToPoint)), end), formed);
       const M16 back = hn::And(end, hn::Lt(ends.extent(), origins.extent()));
@@ -249,7 +248,7 @@ class BeamMaker {
     const V16 slack = hn::Mul(size, hn::Set(f, 2 * kSlack));
     V16 d[3];
     for (size_t a = 0; a < 3; ++a) {
-      // The sign of a direction is that of all, so that these are the earliest and latest.
+      // All directions have the same sign, so these are the earliest and latest.
       const V16 lower = finite_inverse(f, dirs.hi[a]), upper = finite_inverse(f, dirs.lo[a]);
       put(offsetof(Beam, inverse), lower, a), put(offsetof(Beam, inverse), upper, 3 + a);
       put(offsetof(Beam, offset), hn::Mul(hn::Add(origins.hi[a], slack), lower), a);
@@ -258,7 +257,7 @@ class BeamMaker {
           a);
       d[a] = hn::Mul(hn::Add(dirs.lo[a], dirs.hi[a]), half);
     }
-    // The middle is not far from unit length: one step of Newton's method, squared error.
+    // The middle is almost of unit length: one Newton step, error squared.
     const V16 error = hn::Sub(one, dot(f, d[0], d[1], d[2], d[0], d[1], d[2]));
     const V16 to_unit = hn::MulAdd(half, error, one);
     for (size_t a = 0; a < 3; ++a) {
@@ -267,8 +266,8 @@ class BeamMaker {
       put(offsetof(Beam, turned), hn::Mul(half_size, to_unit), a);
     }
     // |o_i + s d_i - (o + s d)| <= start + s spread, and s <= (along + radius + start) / (1 -
-    // spread) where a sphere is met whose centre lies `along` the axis. The middle of unit vectors'
-    // box may be longer than they are.
+    // spread) for a sphere that is hit, with its centre `along` the axis. The centre of the box of
+    // unit vectors may be longer than they are.
     const V16 spread = hn::Add(hn::MulAdd(half, dirs.diagonal(), hn::Abs(error)), rounding);
     const V16 start = hn::MulAdd(half, origins.diagonal(), slack);
     put(offsetof(Beam, start), start);
@@ -279,7 +278,7 @@ class BeamMaker {
     put(offsetof(Beam, axes), hn::BitCast(f, hn::ConvertTo(ints, common_axes)));
     put(offsetof(Beam, tests_left),
         hn::BitCast(f, hn::ConvertTo(ints, hn::Mul(alive, hn::Set(f, kMaxTests)))));
-    // Of triangles more may be rounded: three products, and the test of each ray.
+    // Triangles round more: three products, and the test of each ray.
     put(offsetof(Beam, shifted), hn::Mul(hn::MulAdd(slack, hn::Set(f, 3), start), to_unit));
     put(offsetof(Beam, unused), zero);
     return bits(f, hn::Or(formed, done));

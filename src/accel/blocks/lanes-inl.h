@@ -1,7 +1,7 @@
-// What rays and blocks in SIMD lanes have in common: tags, boxes, and the numbers of blocks as
-// lanes want them. The arithmetic of primitives ends shape/<kind>.h: lane by lane that of the
-// scalar tests, so that hits are those of brute force to the last bit, on every machine. Included
-// by blocks/rays-inl.h only, once for each instruction set, as foreach_target.h passes again.
+// Shared by SIMD code for rays and blocks: tags, boxes, and loading the numbers of blocks. The
+// tests of primitives are at the ends of shape/<kind>.h: each lane computes exactly the scalar
+// test, so hits equal those of brute force on every machine. Included by blocks/rays-inl.h only,
+// once per instruction set (foreach_target.h).
 #if defined(RAIO_ACCEL_BLOCKS_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAIO_ACCEL_BLOCKS_LANES_INL_H_
 #undef RAIO_ACCEL_BLOCKS_LANES_INL_H_
@@ -24,8 +24,8 @@ HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Where the machine has fewer lanes, everything is done in several steps.
-constexpr int kPacket = 16;  // rays that are neighbours in the batch
+// Machines with fewer lanes take several steps.
+constexpr int kPacket = 16;  // neighbouring rays in the batch
 const hn::CappedTag<float, kBlockWidth> kEight;
 const hn::CappedTag<float, kPacket> kSixteen;
 const hn::CappedTag<double, 8> kDoubles;
@@ -54,7 +54,7 @@ HWY_INLINE void for_bits(unsigned mask, F&& f) {
   for (; mask; mask &= mask - 1) f(int(hwy::Num0BitsBelowLS1Bit_Nonzero32(mask)));
 }
 
-// Eight boxes ready to be met by ray after ray.
+// Eight boxes, to be intersected with many rays.
 struct BoxLanes {
   V8 planes[2][3][kParts];
   unsigned exist;
@@ -79,7 +79,7 @@ struct BoxLanes {
     exist = named(block.primitive);
   }
 
-  // Those of lanes 0-7 that have a name; kNoChild and kNoPrimitive are all bits set.
+  // Mask of lanes 0-7 that are used; kNoChild and kNoPrimitive have all bits set.
   static HWY_INLINE unsigned named(const uint32_t* names) {
     const hn::RebindToUnsigned<decltype(kEight)> tag;
     unsigned mask = 0;
@@ -88,9 +88,9 @@ struct BoxLanes {
     return mask;
   }
 
-  // A lower plane at x is met at x * inverse[0] - offset[0], an upper one by [1]. Which of the
-  // boxes are met before `tmax`; where they are entered goes to `nearest`, if wanted, where that is
-  // nearer.
+  // The ray hits a lower plane at x at x * inverse[0] - offset[0], an upper one with [1]. Returns
+  // which boxes it hits before `tmax`; where it enters them nearer than `nearest`, if given,
+  // updates that.
   HWY_INLINE unsigned intersect(const float* lower_inverse, const float* upper_inverse,
                                 const float* lower_offset, const float* upper_offset, float tmax,
                                 V8* nearest = nullptr) const {
@@ -113,10 +113,10 @@ struct BoxLanes {
   }
 };
 
-// The edges of eight triangles, each from its corner to the next.
+// The edges of eight triangles, each from its vertex to the next.
 struct EdgeLanes {
-  V8 edge[3][3][kParts];  // [corner][axis]
-  V8 size[3][kParts];     // the sum of its parts along the axes, at least its length
+  V8 edge[3][3][kParts];  // [vertex][axis]
+  V8 size[3][kParts];     // the 1-norm, an upper bound of the length
 
   HWY_INLINE explicit EdgeLanes(const TriangleBlock& block) {
     for (int c = 0; c < 3; ++c)
@@ -133,14 +133,14 @@ struct EdgeLanes {
   }
 };
 
-// Boxes are widened by what a float hit, and the reckoning above, may be off by: a few epsilons of
-// the numbers at hand (shape/sphere.h, triangle.h). Ize 2013, "Robust BVH Ray Traversal", JCGT
-// 2(2). It is done where it is free: lower planes are met from an origin this much further up,
-// upper planes from one further down.
+// Boxes are widened by the rounding errors of a float hit and of the arithmetic above: a few
+// epsilons of the numbers involved (shape/sphere.h, triangle.h). Ize 2013, "Robust BVH Ray
+// Traversal", JCGT 2(2). Widening is free: lower planes use an origin this much higher, upper
+// planes one this much lower.
 constexpr float kSlack = 16 * kEpsilon;
 
-// Not so large that a product with a coordinate could overflow. Over the length of a scene,
-// directions that are nearer to zero leave the slack no more than zero itself.
+// Small enough that products with coordinates cannot overflow. Over the length of a scene,
+// directions closer to zero consume no more slack than zero itself.
 constexpr float kLargestInverse = 1e18f;
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V finite_inverse(D d, V x) {
@@ -149,14 +149,14 @@ HWY_INLINE V finite_inverse(D d, V x) {
                         hn::Div(hn::Set(d, 1), x));
 }
 
-// The axes of ShearedRay by one number: its kz, plus 3 where the ray goes down that axis.
+// The axes of ShearedRay as one number: its kz, plus 3 if the ray descends along it.
 constexpr uint8_t kShearAxes[6][3] = {{1, 2, 0}, {2, 0, 1}, {0, 1, 2},
                                       {2, 1, 0}, {0, 2, 1}, {1, 0, 2}};
 
 using DemotedTag = hn::Rebind<float, decltype(kDoubles)>;
 
-// Kinds that are tested in float stand by the million in scenes, and are inlined wherever they are
-// tested; the others, in double, are called, so that their registers are not taken from the first.
+// Kinds tested in float occur in millions, so their tests are inlined. Those tested in double are
+// called, which keeps registers free for the former.
 template <PrimitiveKind kind>
 constexpr bool kTestedInFloat = kind == PrimitiveKind::sphere || kind == PrimitiveKind::triangle;
 
@@ -165,7 +165,7 @@ HWY_NOINLINE void call_apart(const F& f, const Blocks& blocks) {
   f(blocks);
 }
 
-// f(column of blocks) for the kind whose blocks are in the pool.
+// Calls f(array of blocks) for the kind with this pool.
 template <size_t k = 0, class F>
 HWY_INLINE void visit_pool(const Blocks& blocks, Pool pool, F&& f) {
   constexpr auto kind = PrimitiveKind(k);
@@ -181,8 +181,7 @@ HWY_INLINE void visit_pool(const Blocks& blocks, Pool pool, F&& f) {
   }
 }
 
-// The first hits of a kind that is tested in double. `time`: makes the rays' times, for kinds that
-// move.
+// The first hits of a kind tested in double. `time` computes the rays' times, for moving kinds.
 template <PrimitiveKind kind, class Numbers, class Time>
 HWY_INLINE auto first_hits_at(const Numbers& numbers, const VD* origin, const VD* dir,
                               const Time& time) {
@@ -192,7 +191,7 @@ HWY_INLINE auto first_hits_at(const Numbers& numbers, const VD* origin, const VD
     return first_hits(kDoubles, numbers, origin, dir);
 }
 
-// The numbers of primitives in double: what `load` makes of each column.
+// The numbers of primitives in double: `load` applied to each column.
 template <template <class> class Numbers, class Load>
 HWY_INLINE Numbers<VD> widened(const Numbers<float[kBlockWidth]>& columns, Load&& load) {
   constexpr size_t kColumns = sizeof columns / sizeof(float[kBlockWidth]);

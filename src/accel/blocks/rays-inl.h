@@ -1,6 +1,6 @@
-// Rays each on their own, as a ray group that walks tree or grid: one ray against the eight
-// primitives of a block. Included by blocks/tracer-inl.h and the walks only, once for each
-// instruction set. Once for each instruction set, as foreach_target.h passes again.
+// The ray group of single rays, for traversing tree or grid: one ray is tested with the eight
+// primitives of a block. Included by blocks/tracer-inl.h and the traversals only, once per
+// instruction set (foreach_target.h).
 #if defined(RAIO_ACCEL_BLOCKS_RAYS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAIO_ACCEL_BLOCKS_RAYS_INL_H_
 #undef RAIO_ACCEL_BLOCKS_RAYS_INL_H_
@@ -15,14 +15,14 @@
 HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
 
-// What rays want to know: of what is opaque the nearest hit, or whether there is one; of what is
-// clear the next hit behind another, or the sum of the optical depths.
+// What rays look for: the nearest opaque hit, or any; the next transparent hit after another, or
+// the sum of optical depths.
 enum class Query : uint8_t { closest, any, next_transparent, depths };
 
 constexpr size_t kChunk = 1024;          // rays that travel together
-constexpr float kOccluded = -kInfinity;  // the distance of an any-hit ray that has hit
+constexpr float kOccluded = -kInfinity;  // the distance of an any-hit ray after a hit
 
-// Which rays or beams a walk takes along.
+// The rays or beams in a traversal.
 struct IdLists {
   std::vector<uint32_t> ids;
 
@@ -31,24 +31,23 @@ struct IdLists {
   }
 };
 
-// The part of a batch that travels together, at most kChunk rays, with the nearest hits so far.
-// Columns have room for whole packets, where rays past the end are done. A ray is done when its
-// distance is not positive: nothing is nearer.
+// At most kChunk rays of a batch that travel together, with their nearest hits so far. Columns have
+// room for whole packets; rays beyond the end are done. A ray is done if its distance is not
+// positive: nothing is nearer.
 struct Batch {
   size_t count;
   const float *o[3], *d[3];
   const float* time;  // null: 0
   float* t;
-  PrimitiveId* primitive;  // this and the next only where the nearest hit is wanted
+  PrimitiveId* primitive;  // this and the next only for the nearest hit
   float *u, *v;
-  // Of next_transparent, behind which hits and by which keys, if any; of depths, where they are
-  // added.
+  // For next_transparent: the previous hits and the keys, if any; for depths: where to add them.
   const float* after_t;
   const PrimitiveId* after_primitive;
   const uint32_t* keys;
   DepthBatch* depths;
-  size_t first_depth;  // there
-  // As ShearedRay, where the scene has triangles; the axes by their number in kShearAxes.
+  size_t first_depth;  // index in it
+  // As in ShearedRay, if the scene has triangles; axes as indices in kShearAxes.
   float* shear[3];
   float* axes;
 
@@ -78,17 +77,17 @@ struct Batch {
   }
 };
 
-// What a ray or a beam sweeps: at a distance of t all of it lies around o + t d, within a radius of
-// start + t * widening.
+// The volume swept by a ray or beam: at distance t it lies around o + t d, within a radius of start
+// + t * widening.
 struct Sweep {
   const float *o, *d;
   float start, widening;
 };
 
-// Structures of four-byte members are made from columns: the number of the column of a member.
+// Structs of four-byte members are transposed from columns: the column of a member.
 constexpr size_t column_of(size_t offset_of_member) { return offset_of_member / sizeof(float); }
 
-// What boxes and spheres want of a ray: one cache line.
+// The values of a ray for boxes and spheres: one cache line.
 struct alignas(64) StreamRay {
   float inverse[3], lower[3], upper[3];  // see BoxLanes::intersect
   float t;
@@ -97,17 +96,17 @@ struct alignas(64) StreamRay {
   static constexpr size_t kFloats = 16;
 };
 static_assert(sizeof(StreamRay) == StreamRay::kFloats * sizeof(float));
-// What triangles want besides.
+// Additional values for triangles.
 struct alignas(16) StreamShear {
   float x, y, z, axes;
 };
-// As the columns of a Batch follow one another.
+// In the order of the columns of Batch.
 static_assert(column_of(offsetof(StreamShear, x)) == 0 &&
               column_of(offsetof(StreamShear, y)) == 1 &&
               column_of(offsetof(StreamShear, z)) == 2 &&
               column_of(offsetof(StreamShear, axes)) == 3);
 
-// Four columns of four into four rows.
+// Transposes four columns of four.
 HWY_INLINE void transpose(const float* column, size_t step, float* row, size_t row_step) {
 #if HWY_TARGET == HWY_SCALAR
   for (size_t i = 0; i < 4; ++i)
@@ -126,17 +125,17 @@ HWY_INLINE void transpose(const float* column, size_t step, float* row, size_t r
 #endif
 }
 
-// A ray that may hit some of a leaf's eight primitives: which, and what tells where.
+// A ray that may hit some of a leaf's eight primitives: which, and where.
 struct alignas(64) Candidate {
-  float t[kBlockWidth];    // the distance; of spheres the middle of the chord, of triangles t * det
-  float det[kBlockWidth];  // of spheres the square of half of the chord
+  float t[kBlockWidth];  // the distance; for spheres the middle of the chord, for triangles t * det
+  float det[kBlockWidth];                // for spheres the square of half the chord
   float u[kBlockWidth], v[kBlockWidth];  // times det
   uint32_t id;
   unsigned mask;
 };
 constexpr size_t kCandidates = 64;
 
-// Pairs of a ray and one of a block's primitives that it may hit.
+// Pairs of a ray and a primitive of a block that it may hit.
 struct alignas(64) Pairs {
   int32_t id[kBlockWidth * kCandidates], lane[kBlockWidth * kCandidates];
 };
@@ -152,7 +151,7 @@ template <Query query>
 class Rays {
  public:
   static constexpr bool any = query == Query::any;
-  static constexpr bool kAny = any || query == Query::depths;  // in whatever order
+  static constexpr bool kAny = any || query == Query::depths;  // in any order
 
   Rays(const Geometry& geometry, const Blocks& blocks, const Batch& batch, RayScratch& scratch,
        TraceContext& context)
@@ -165,7 +164,7 @@ class Rays {
         pairs_(scratch.pairs),
         context_(context) {}
 
-  // Makes the rays of a packet ready and adds to the list those that are not done.
+  // Prepares the rays of a packet and appends the active ones to the list.
   HWY_INLINE size_t add_packet(size_t first, uint32_t* ids, size_t n) {
     alignas(64) float columns[StreamRay::kFloats][kPacket];
     const auto& f = kSixteen;
@@ -208,7 +207,7 @@ class Rays {
     return n;
   }
 
-  // So many at node `ref` of a tree.
+  // Counts visits of node `ref` of a tree.
   void visits(uint32_t, size_t n) { context_.steps += n; }
   float end(uint32_t id) const { return rays_[id].t; }
   Sweep sweep(uint32_t id) const { return {rays_[id].o, rays_[id].d, 0, 0}; }
@@ -225,8 +224,8 @@ class Rays {
   }
 
  private:
-  // First all rays, without a branch that depends on what they meet, since half of those would be
-  // foreseen wrongly; then those that met something. For any hit the first says it all.
+  // First all rays, without branches on results, since half would be mispredicted; then those with
+  // candidates. For any-hit, the first step suffices.
   template <PrimitiveKind kind>
   HWY_INLINE void leaf(const Block<kind>& block, const uint32_t* ids, size_t n) {
     context_.tests += hwy::PopCount(BoxLanes::named(block.primitive)) * n;
@@ -261,7 +260,7 @@ class Rays {
     }
   }
 
-  // An any-hit ray.
+  // For an any-hit ray.
   template <class Block>
   HWY_INLINE void occlude(const Block& block, uint32_t id) {
     const auto& f = kEight;
@@ -293,7 +292,7 @@ class Rays {
     take<kind>(c.id, c.t[k] - half > 0 ? c.t[k] - half : c.t[k] + half, primitive, 0, 0);
   }
 
-  // Takes a hit if it is the nearest; of equally near ones that of the lowest id.
+  // Takes a hit if it is the nearest; among equally near ones, the lowest id.
   template <PrimitiveKind kind>
   HWY_INLINE void take(uint32_t id, float t, PrimitiveId primitive, float u, float v) {
     float& best = rays_[id].t;
@@ -330,7 +329,7 @@ class Rays {
                                   hn::Sub(hn::Load(f, block.y + i), hn::Set(f, r.o[1])),
                                   hn::Sub(hn::Load(f, block.z + i), hn::Set(f, r.o[2])), radius,
                                   hn::Set(f, r.d[0]), hn::Set(f, r.d[1]), hn::Set(f, r.d[2]));
-      // Neither behind the ray nor beyond what it has hit; the root is for later.
+      // Neither behind the origin nor beyond the nearest hit; the root is computed later.
       const V8 half = hn::Mul(radius, hn::Set(f, 1 + 4 * kEpsilon));
       const M8 near = hn::And(hn::Ge(hn::Add(hit.middle, half), hn::Zero(f)),
                               hn::Le(hn::Sub(hit.middle, half), hn::Set(f, r.t)));
@@ -359,16 +358,15 @@ class Rays {
       auto hit = edge_test(f, x, y, z);
       hit.in = hn::And(hit.in, within_reach(f, x, y));
       mask |= bits(f, hit.in) << i;
-      // Zero is in front of no ray.
+      // Zero is not in front of the origin.
       hn::Store(hn::IfThenElseZero(hit.in, hit.t), f, c.t + i), hn::Store(hit.det, f, c.det + i);
       hn::Store(hit.u, f, c.u + i), hn::Store(hit.v, f, c.v + i);
     }
     return mask;
   }
 
-  // In double, which is dear: most primitives are missed by their boxes or by what passes_by()
-  // tells of their kind, and those that are not are tested as many at a time as there are lanes,
-  // whosever they are.
+  // Tests in double are expensive: boxes and passes_by() cull most primitives, and the remaining
+  // pairs fill all lanes, whatever ray they belong to.
   template <PrimitiveKind kind>
   HWY_INLINE void leaf_in_double(const Block<kind>& block, const uint32_t* ids, size_t n) {
     const BoxLanes boxes(block.boxes, block.primitive);
@@ -384,7 +382,7 @@ class Rays {
     }
   }
 
-  // Which of the primitives a ray may hit.
+  // Which primitives a ray may hit.
   template <PrimitiveKind kind>
   HWY_INLINE unsigned near(const Block<kind>& block, const BoxLanes& boxes, uint32_t id) const {
     const unsigned mask = intersect(id, boxes);
@@ -397,7 +395,7 @@ class Rays {
     return mask & ~aside;
   }
 
-  // Pairs first, first + 1, ... in the lanes, but none from `end` on.
+  // Tests pairs first, first + 1, ... in the lanes, none from `end`.
   template <PrimitiveKind kind>
   HWY_INLINE void intersect_pairs(const Block<kind>& block, size_t first, size_t end) {
     const DemotedTag f;
@@ -410,7 +408,7 @@ class Rays {
       return hn::PromoteTo(kDoubles, hn::GatherIndex(f, from, of_ray));
     };
     const auto numbers = widened(block.numbers, [&](const float* column) HWY_ATTR {
-      // Out of one register where it holds the column, which is quicker than gathering.
+      // A permutation of one register that holds the column is faster than a gather.
       if constexpr (kLanesD == kBlockWidth)
         return hn::PromoteTo(kDoubles, hn::TableLookupLanes(hn::Load(f, column),
                                                             hn::IndicesFromVec(f, of_primitive)));
@@ -431,12 +429,12 @@ class Rays {
              [&](int i) { take<kind>(uint32_t(id[i]), t[i], block.primitive[lane[i]], 0, 0); });
   }
 
-  // One after another, for the rare surfaces that are seen from one side only.
+  // One by one, for the rare surfaces visible from one side only.
   template <PrimitiveKind kind>
   void intersect_one_by_one(const PrimitiveId* primitives, uint32_t id) {
     for (int i = 0; i < kBlockWidth && primitives[i] != kNoPrimitive; ++i) {
       RayQuery alone(batch_.ray(id));
-      // So that one that is equally near counts, too.
+      // So that an equally near hit counts, too.
       if (query == Query::closest || query == Query::next_transparent)
         alone.best.primitive = kNoPrimitive - 1;
       if (!test<kind>(g_, g_.index_of(kind, primitives[i]), alone)) continue;

@@ -1,7 +1,6 @@
-// A batch of rays through a structure of blocks, be it tree or grid: rays that keep together go as
-// beams, the others each on their own. Included by bvh/trace.cpp and grid/trace.cpp only, once for
-// each instruction set.
-// Once for each instruction set, as foreach_target.h passes again.
+// Traces a batch of rays through blocks in a tree or grid: coherent rays as beams, the others
+// singly. Included by bvh/trace.cpp and grid/trace.cpp only, once per instruction set
+// (foreach_target.h).
 #if defined(RAIO_ACCEL_BLOCKS_TRACER_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAIO_ACCEL_BLOCKS_TRACER_INL_H_
 #undef RAIO_ACCEL_BLOCKS_TRACER_INL_H_
@@ -16,10 +15,10 @@
 HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
 
-// What a thread keeps for all its batches.
+// A thread's memory for all its batches.
 template <class TraversalScratch>
 struct Scratch {
-  // Columns of a batch that its rays do not bring along.
+  // Columns of a batch that its rays do not provide.
   alignas(64) float t[kChunk + 16];  // not a multiple of 4096 bytes, see integrate/tile-inl.h
   alignas(64) float shear[4][kChunk + 16];
   RayScratch rays;
@@ -27,7 +26,7 @@ struct Scratch {
   TraversalScratch traversal;
 };
 
-// One for both kinds of rays: it fills most of the second cache.
+// Shared by both kinds of rays: it fills most of the L2 cache.
 template <class TraversalScratch>
 Scratch<TraversalScratch>& own_scratch() {
   static thread_local const auto scratch =
@@ -35,8 +34,7 @@ Scratch<TraversalScratch>& own_scratch() {
   return *scratch;
 }
 
-// The arrays that a trace fills. next_transparent also reads `after` and, if they are there,
-// `keys`.
+// The outputs of a trace. next_transparent also reads `after` and, if given, `keys`.
 struct TraceOutput {
   HitBatch* hits = nullptr;
   uint8_t* hit = nullptr;
@@ -45,17 +43,17 @@ struct TraceOutput {
   DepthBatch* depths = nullptr;
 };
 
-// Things of a structure of blocks: `empty()`, and traverse(structure, without_shared, n,
-// traversal_scratch, ray group), which takes the first n of `traversal_scratch.ids` through it. A
-// ray group (Rays, Beams) knows what they are; those that have met the shared blocks go without
-// them. `GroupOfRays`: Rays, or what also keeps a log.
+// Traces through a `Structure` of blocks with `empty()` and traverse(structure, without_shared, n,
+// traversal_scratch, ray group), which traces the first n of `traversal_scratch.ids`. A ray group
+// (Rays, Beams) knows what the ids are; those already tested with the shared blocks skip them.
+// `GroupOfRays`: Rays, or one that also logs.
 template <Query query, class Structure, class TraversalScratch,
           template <Query> class GroupOfRays = Rays>
 class Tracer {
  public:
   static constexpr bool any = query == Query::any;
   static constexpr bool kClear = query == Query::next_transparent || query == Query::depths;
-  // Where rays keep their hits.
+  // Whether rays record hits.
   static constexpr bool kHits = query == Query::closest || query == Query::next_transparent;
 
   Tracer(const Geometry& geometry, const Structure& structure, bool alone,
@@ -96,7 +94,7 @@ class Tracer {
     for (uint32_t i = 0; i < g_.count(PrimitiveKind::plane); ++i) intersect_plane(b, i);
     if (!structure_.empty()) trace_blocks(b);
     if (any) {
-      // What a byte is stored to might be anything, so that it is told apart from the rest here.
+      // A local copy: byte stores may alias anything.
       const float* const t = b.t;
       uint8_t* const hit = out.hit + first;
       for (size_t i = 0, count = b.count; i < count; ++i) hit[i] = t[i] == kOccluded;
@@ -104,7 +102,7 @@ class Tracer {
   }
 
  private:
-  // Rays that keep together as beams, then all others each on its own.
+  // Coherent rays as beams, then all others singly.
   void trace_blocks(Batch& b) {
     GroupOfRays<query> rays(g_, structure_, b, scratch_.rays, context_);
     Beams<any> beams(structure_, b, scratch_.beams, context_);
@@ -160,7 +158,7 @@ class Tracer {
       if (b.depths->is_stopped(b.first_depth + i)) b.t[i] = kOccluded;
   }
 
-  // All rays against one plane, in double and in the order of shape/plane.h.
+  // All rays with one plane, in double, with the operations of shape/plane.h.
   void intersect_plane(Batch& b, uint32_t index) {
     const uint32_t depth = g_.depth_of(PrimitiveKind::plane, index);
     if (depth == 0 || (depth == kOpaque) == kClear) return;
@@ -184,10 +182,10 @@ class Tracer {
       const VD along = dot(wide, normal[0], normal[1], normal[2], d[0], d[1], d[2]);
       const VD height =
           dot(wide, normal[0], normal[1], normal[2], to_plane[0], to_plane[1], to_plane[2]);
-      // For a parallel ray infinite or not a number, neither of which is nearer than anything.
+      // Infinite or NaN for a parallel ray; neither is nearer than anything.
       const auto t = narrowed(f, hn::Div(height, along));
       const auto best = hn::Load(f, b.t + i);
-      // Planes have the lowest ids of all, and come in their order: the first stays.
+      // Planes have the lowest ids and come in order: the first stays.
       const auto taken = hn::And(hn::Gt(t, hn::Zero(f)), hn::Lt(t, best));
       if (hn::AllFalse(f, taken)) continue;
       hn::BlendedStore(any ? hn::Set(f, kOccluded) : t, taken, f, b.t + i);
@@ -223,21 +221,21 @@ class Tracer {
   Scratch<TraversalScratch>& scratch_;
   TraceContext& context_;
   static constexpr size_t kFew = 32;  // measured
-  // Of a test, in that of a sphere: 2 of a triangle, 4 in double.
+  // The cost of a test relative to a sphere's: 2 for a triangle, 4 in double.
   template <PrimitiveKind kind>
   static constexpr size_t kWork = kind == PrimitiveKind::sphere     ? 1
                                   : kind == PrimitiveKind::triangle ? 2
                                                                     : 4;
 
-  bool beams_;  // not for a ray alone, nor where surfaces are seen from one side only
-  bool few_;    // so few primitives that every ray is tested against all
+  bool beams_;  // not for a single ray, nor with one-sided surfaces
+  bool few_;    // so few primitives that every ray is tested with all
 };
 
 template <Query query, class TraversalScratch, template <Query> class GroupOfRays = Rays,
           class Structure>
 void trace_all(const Geometry& g, const Structure& structure, const RayBatch& rays,
                const TraceOutput& out, TraceContext& context) {
-  // A ray by itself is told what it alone would cost.
+  // A single ray reports what it alone would cost.
   const bool alone = rays.size() == 1;
   Tracer<query, Structure, TraversalScratch, GroupOfRays> tracer(
       g, structure, alone, own_scratch<TraversalScratch>(), context);

@@ -1,6 +1,5 @@
-// Bins along the three axes, and the best split between them by the surface area heuristic: Wald
-// 2007, "On fast Construction of SAH-based Bounding Volume Hierarchies", IRT. For the builder of
-// the eight-wide tree.
+// Binned surface area heuristic along three axes: Wald 2007, "On fast Construction of SAH-based
+// Bounding Volume Hierarchies", IRT. For the builder of the eight-wide tree.
 #pragma once
 
 #include <algorithm>
@@ -11,9 +10,9 @@
 
 namespace raio {
 
-/// Half the surfaces of three boxes, in three lanes.
+/// Half the surface areas of three boxes, in three lanes.
 inline Float4 half_areas(const BuildBox& a, const BuildBox& b, const BuildBox& c) {
-  // Sizes, negated; signs go with the products.
+  // Sizes, negated; the signs cancel in the products.
   const Float4 sa = a.lo + a.minus_hi, sb = b.lo + b.minus_hi, sc = c.lo + c.minus_hi;
   const Float4 xy = __builtin_shufflevector(sa, sb, 0, 4, 1, 5);
   const Float4 z = __builtin_shufflevector(sa, sb, 2, 6, 2, 6);
@@ -23,7 +22,7 @@ inline Float4 half_areas(const BuildBox& a, const BuildBox& b, const BuildBox& c
   return x * y + y * w + w * x;
 }
 
-/// Between bins bin - 1 and bin of an axis; axis -1 for none.
+/// Between bins bin - 1 and bin of an axis; axis -1: none.
 struct BinSplit {
   int axis = -1;
   int bin = 0;
@@ -46,8 +45,8 @@ class Bins {
     return sum;
   }
 
-  /// Over the first `count` bins, all three axes at once. Each of the eight lanes of a block costs
-  /// about the same as all eight.
+  /// The best split over the first `count` bins, all three axes at once. One lane of a block costs
+  /// about as much as all eight.
   BinSplit best(int32_t total, int count = kCount) const {
     const auto cost = [&](const BuildBox* sums, Int4 n) {
       const Int4 blocks = (n + (kBlockWidth - 1)) >> std::countr_zero(unsigned(kBlockWidth));
@@ -63,7 +62,7 @@ class Bins {
     }
     std::fill_n(sums, 3, BuildBox());
     n = Int4{};
-    // An empty side costs infinity times zero, which is less than nothing.
+    // An empty side costs infinity times zero, NaN, which compares as not less.
     Float4 least = splat(std::numeric_limits<float>::infinity());
     Int4 bins{};
     for (int b = 1; b < count; ++b) {
@@ -86,13 +85,13 @@ class Bins {
   std::array<int32_t, 4> counts_[kCount] = {};
 };
 
-/// The bins of centres (times two) between two points, as many along each axis as asked. Centres
-/// outside go to the outermost bins.
+/// Bins for centres (times two) between two points, with the requested numbers along the axes.
+/// Centres outside go to the outermost bins.
 struct Binning {
   Float4 origin, per_unit{}, last{};
   Int4 mask{};
 
-  /// An axis on which the points are one, or too near to divide, has one bin.
+  /// An axis on which the points coincide, or are too close to divide, has one bin.
   Binning(Float4 from, Float4 to, const std::array<int, 3>& counts) : origin(from) {
     for (int a = 0; a < 3; ++a) {
       const float scale = float(counts[a]) * (1 - 1e-6f) / (to[a] - from[a]);
@@ -101,7 +100,7 @@ struct Binning {
       mask[a] = counts[a] - 1;
     }
   }
-  /// The bins along the axes; also of numbers that are none, which are in the first.
+  /// The bins along the axes; NaN goes to the first.
   Int4 of(Float4 center2) const {
     const Float4 x = (center2 - origin) * per_unit;
     return __builtin_convertvector(min(last, x > 0 ? x : Float4{}), Int4);

@@ -1,8 +1,8 @@
-// Top down by the surface area heuristic: a node's range is split in two, and the child of largest
-// surface again, until there are eight. First the nodes are made, in parts, each by one task, and
-// ids brought into the order of the leaves; boxes of items exist only for those that a task works
-// on. Then all sizes are known, and the parts go to their places in the tree's pools, in parallel
-// again. The tree is the same for any number of threads.
+// Builds top down by the surface area heuristic: a node's range is split in two, then the child
+// with the largest surface area, until there are eight. Tasks first make nodes in parts and sort
+// ids in the order of the leaves; boxes exist only for the items of running tasks. Then all sizes
+// are known, and the parts are copied in parallel to their places in the tree's pools. The tree
+// does not depend on the number of threads.
 #include "accel/bvh/build.h"
 
 #include <fmt/core.h>
@@ -19,25 +19,25 @@
 namespace raio {
 namespace {
 
-constexpr size_t kTask = 4096;  // items worth a task
-// Above so many items the splits are found in haste. Measured: an eighth less time, and 2 % more
-// tests a ray; small scenes, which are built in no time, would be rendered up to 5 % slower.
+constexpr size_t kTask = 4096;  // the minimum number of items for a task
+// Above this many items, splits are found in fast mode. Measured: an eighth less time and 2 % more
+// tests per ray; small scenes, built in no time, would render up to 5 % slower.
 constexpr size_t kLarge = size_t(1) << 20;
 
-// A child to be: items begin .. end - 1 of the builder's order.
+// A future child: items begin .. end - 1 of the builder's order.
 struct Child {
   size_t begin = 0, end = 0;
   BuildBox box;
-  BuildItem* items = nullptr;       // once they have been made
-  const BuildPlan* plan = nullptr;  // has the splits, from its node `node` on
+  BuildItem* items = nullptr;       // once they exist
+  const BuildPlan* plan = nullptr;  // has the splits, from its node `node`
   uint32_t node = 0;
 
   size_t size() const { return end - begin; }
   BuildRange range() const { return {items, size()}; }
 };
 
-// What one task makes: the nodes over a range, children named by their place in this part; or one
-// node whose children are parts of their own.
+// The result of one task: the nodes over a range, with children as indices in this part; or one
+// node with children that are parts themselves.
 struct Part {
   size_t first = 0;  // of its items
   std::vector<BvhNode> nodes;
@@ -56,13 +56,13 @@ struct Part {
   }
 };
 
-// Columns that nobody uses just now, so that not each of them is new memory.
+// Unused columns, kept for reuse.
 class SpareItems {
  public:
   Column<BuildItem> take() {
     const std::lock_guard lock(mutex_);
     if (spare_.empty()) {
-      spare_.reserve(++made_);  // so that giving back cannot fail
+      spare_.reserve(++made_);  // so that returning one cannot fail
       return {};
     }
     Column<BuildItem> items = std::move(spare_.back());
@@ -80,7 +80,7 @@ class SpareItems {
   size_t made_ = 0;
 };
 
-// What the children of some nodes refer to.
+// Referenced by the children of some nodes.
 struct Arena {
   explicit Arena(SpareItems& s) : spare(s) {}
   ~Arena() {
@@ -100,7 +100,7 @@ class Builder {
   Builder(const Geometry& geometry, const std::vector<PrimitiveId>* some)
       : g_(geometry), some_(some) {}
 
-  // The error, or nothing.
+  // Returns the error, or nothing.
   std::optional<std::string> build(size_t available, Bvh& out) {
     size_t bounded = 0;
     for_each_bounded_kind([&]<PrimitiveKind kind> { bounded += g_.count(kind); });
@@ -111,7 +111,7 @@ class Builder {
         double(count) * 2 * sizeof(PrimitiveId);  // and once more while they move
     if (auto error = refusal(order_bytes + least_bytes(), available)) return error;
     order_.resize(count);
-    // Planes, which are in no tree, have the ids before those of all others.
+    // Planes, which are in no tree, have the lowest ids.
     const PrimitiveId first = PrimitiveId(g_.count(PrimitiveKind::plane));
     const auto nth = [&](size_t i) { return some_ ? (*some_)[i] : first + PrimitiveId(i); };
     Child all{0, count, {}};
@@ -146,7 +146,7 @@ class Builder {
   }
 
  private:
-  // Of blocks that are all full.
+  // If all blocks are full.
   double least_bytes() const {
     if (some_) return double(some_->size()) * sizeof(SphereBlock) / kBlockWidth;
     double bytes = 0;
@@ -174,7 +174,7 @@ class Builder {
            g_.kind_of(id(c, 0)) == g_.kind_of(id(c, c.size() - 1));
   }
 
-  // The range as a part of its own: with a node, be it needed or not, for the root.
+  // Makes the range a part, with a node even if not needed, for the root.
   void make_part(Child child, int depth, Part& part, bool is_root = false) {
     part.first = child.begin;
     if (child.size() > kTask) return make_parts(child, depth, part);
@@ -189,7 +189,7 @@ class Builder {
     }
   }
 
-  // The node, and each child as a part of its own.
+  // Makes the node, and each child as a part.
   void make_parts(const Child& child, int depth, Part& part) {
     Arena arena(spare_);
     std::array<Child, kBlockWidth> children;
@@ -231,8 +231,8 @@ class Builder {
     for (size_t i = 0; i < children.size(); ++i) node.boxes.set(i, children[i].box.box());
   }
 
-  // The children of a node, in the order of their items; how many there are. Without `arena` the
-  // child has its items.
+  // Finds the children of a node, in the order of their items, and returns their number. Without
+  // `arena` the child has its items.
   size_t open(const Child& child, int depth, std::array<Child, kBlockWidth>& out,
               Column<BuildItem>& scratch, Arena* arena) {
     std::array<float, kBlockWidth> areas;  // of those that can be opened
@@ -286,11 +286,11 @@ class Builder {
             whole.items ? whole.items + first : nullptr};
   }
 
-  // Node `node` of the plan of which `child` is a node.
+  // The child for node `node` of the plan of which `child` is a node.
   static Child planned(const Child& child, uint32_t node) {
     const BuildPlan::Node& from = child.plan->nodes[child.node];
     const BuildPlan::Node& to = child.plan->nodes[node];
-    const size_t all = child.begin - from.begin;  // where the plan's items begin
+    const size_t all = child.begin - from.begin;  // index of the plan's first item
     return {.begin = all + to.begin,
             .end = all + to.end,
             .box = to.box,
@@ -298,9 +298,9 @@ class Builder {
             .node = node};
   }
 
-  // Where kinds part a range: in the last splits, since leaves do not mix them; and at the root,
-  // where few of a kind are a leaf of their own, which rays meet early and are the shorter for.
-  // Else 0.
+  // Where to split a range by kind: in the last splits, since leaves do not mix kinds; and at the
+  // root, where a few primitives of a kind become a leaf that rays test early, which shortens them.
+  // Otherwise 0.
   size_t part_kinds(const Child& child, int depth) const {
     constexpr size_t kFew = kBlockWidth;
     const size_t n = child.size();
@@ -313,10 +313,10 @@ class Builder {
     return last <= kFew ? n - last : 0;
   }
 
-  // Its items have the ids ids(0), ids(1) ...
+  // Makes its items, with the ids ids(0), ids(1) ...
   void make_items(Child& child, const auto& ids, Arena& arena) {
     Column<BuildItem>& items = arena.items.emplace_back(arena.spare.take());
-    items.clear();  // so that a larger one copies nothing
+    items.clear();  // so that growing copies nothing
     items.resize(child.size());
     child.items = items.data();
     for_chunks(child.size(), [&](size_t, size_t first, size_t end) {
@@ -341,7 +341,7 @@ class Builder {
     plan(child, [&](size_t i) { return copy[i]; }, arena);
   }
 
-  // The items of ids(first) and of those that follow, of `count` in all.
+  // Fills the items of ids(first) and following, `count` in total.
   void fill_items(const auto& ids, size_t first, size_t count, BuildRange out) const {
     constexpr size_t kAhead = 16;
     for (size_t k = 0; k < out.size(); ++k) {
@@ -352,7 +352,7 @@ class Builder {
         const Float4 center = {s.center.x, s.center.y, s.center.z, 0};
         const Float4 r = splat(std::abs(s.radius));
         BuildBox box{center - r, -center - r};
-        // Away by an ulp or two, since the subtraction may have been rounded up by half an ulp.
+        // Widens by an ulp or two, since the subtraction may have rounded up by half an ulp.
         constexpr float kUlp = std::numeric_limits<float>::epsilon();
         box.lo -= abs(box.lo) * kUlp;
         box.minus_hi -= abs(box.minus_hi) * kUlp;
@@ -366,7 +366,7 @@ class Builder {
     }
   }
 
-  // Lists the parts in the order of their items, and finds their places in the pools.
+  // Lists the parts in the order of their items and assigns their places in the pools.
   void place(Part& part, std::vector<Part*>& parts, std::array<uint32_t, kPools>& total) const {
     part.begin = total;
     for (size_t k = 0; k < kPools; ++k) total[k] += part.counts[k];
@@ -400,12 +400,12 @@ class Builder {
   const Geometry& g_;
   const std::vector<PrimitiveId>* some_;
   bool hasty_ = false;
-  Column<PrimitiveId> order_;  // in the end that of the leaves
+  Column<PrimitiveId> order_;  // finally that of the leaves
   SpareItems spare_;
   PerThread<Column<BuildItem>> scratches_{[] { return Column<BuildItem>(); }};
 };
 
-// How wide the median of some of the triangles is.
+// The median width of a sample of triangles.
 float triangle_width(const Column<TriangleBlock>& blocks) {
   constexpr size_t kSamples = 256;
   std::vector<float> widths;
@@ -435,7 +435,7 @@ std::expected<Bvh, std::string> build_bvh(const Geometry& geometry, size_t avail
     if (ref != kNoChild && ref_pool(ref) != Pool::nodes &&
         out.primitives(ref)[kFew] == kNoPrimitive)
       out.shared.push_back(ref);
-  // A beam meets many triangles that none of its rays does where they are small. Measured.
+  // If triangles are small, a beam tests many that none of its rays hits. Measured.
   const auto& triangles = out.of<PrimitiveKind::triangle>();
   if (!triangles.empty() && triangles.size() == out.Blocks::count())
     out.farthest_apart = 8 * triangle_width(triangles);

@@ -1,6 +1,6 @@
-// The parts of which the builder of the eight-wide tree is made: primitives as boxes, the split of
-// a range of them in two, and the plan of the many splits at the top of a large tree. For
-// build.cpp, which makes nodes and blocks of them.
+// Components of the builder of the eight-wide tree: primitives as boxes, splits of a range in two,
+// and the plan of the splits at the top of a large tree. For build.cpp, which makes nodes and
+// blocks.
 #pragma once
 
 #include <bit>
@@ -14,8 +14,8 @@
 
 namespace raio {
 
-/// Vectors of four, of the compiler's own: every machine has them, so that trees are the same
-/// everywhere, and nothing here is worth a choice of instruction set at run time.
+/// Vectors of four, as compiler extensions: available on every machine, so trees are identical;
+/// nothing here justifies a choice of instruction set at run time.
 using Float4 = float __attribute__((vector_size(16)));
 using Int4 = int32_t __attribute__((vector_size(16)));
 
@@ -24,8 +24,8 @@ inline Float4 min(Float4 a, Float4 b) { return a < b ? a : b; }
 inline Float4 max(Float4 a, Float4 b) { return a > b ? a : b; }
 inline Float4 abs(Float4 a) { return max(a, -a); }
 
-/// Lower ends and negated upper ends: so a box grows by minima alone, and centre and size are one
-/// subtraction and one addition. Empty at first.
+/// Lower ends and negated upper ends: a box grows by minima alone, and centre and size take one
+/// subtraction and one addition. Initially empty.
 struct BuildBox {
   Float4 lo = splat(std::numeric_limits<float>::infinity());
   Float4 minus_hi = lo;
@@ -45,39 +45,40 @@ struct BuildItem : BuildBox {
   }
 };
 
-/// Items in ascending order of their ids; every split keeps that order.
+/// Items in ascending order of ids; every split preserves it.
 using BuildRange = std::span<BuildItem>;
 
 BuildBox box_of(BuildRange range);
 
-/// A range in two, with the box of each part; `middle` is 0 when no plane parts the centres.
+/// A range split in two, with the box of each part; `middle` is 0 if no plane separates the
+/// centres.
 struct BuildSplit {
   size_t middle = 0;
   BuildBox below{}, above{};
 };
 
-/// The best of the splits between bins of all axes. In haste it is judged by fewer of many items,
-/// and few items are split along one axis. `scratch` grows to the size of the range.
+/// The best split between bins of all axes. In fast mode, many items are sampled, and few items are
+/// split along one axis only. `scratch` grows to the size of the range.
 BuildSplit split_by_cost(BuildRange range, bool hasty, Column<BuildItem>& scratch);
 
 /// The splits at the top of a tree over many items, found on a lattice of cells and their boxes
-/// instead of the items, which then move to their places once instead of once for each split.
+/// instead of the items, which then move once instead of once per split.
 struct BuildPlan {
   struct Node {
     size_t begin = 0, end = 0;
     BuildBox box;
-    uint32_t below = 0, above = 0;  // 0: splits end here
+    uint32_t below = 0, above = 0;  // 0: no further split
   };
   std::vector<Node> nodes;  // the first spans all
 };
 
-/// Above so many items a plan pays.
+/// The minimum number of items for a plan.
 inline constexpr size_t kPlanAbove = size_t(1) << 17;
-/// The most splits on a way down through a plan.
+/// The maximum depth of a plan.
 inline constexpr int kPlanDepth = 18;
 
-/// Makes the items 0 .. out.size() - 1 by `make`, twice each, and puts their ids in `out`, ordered
-/// by the plan's leaves and by number within each.
+/// Makes the items 0 .. out.size() - 1 with `make`, twice each, and writes their ids to `out`, by
+/// leaves of the plan and by number within each.
 BuildPlan make_plan(std::span<PrimitiveId> out,
                     const std::function<void(size_t first, BuildRange)>& make);
 

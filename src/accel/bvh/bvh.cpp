@@ -45,7 +45,7 @@ class BvhAccel final : public Accel {
   }
 
  private:
-  // The root's box, which no node has.
+  // The root's box, which no node stores.
   Box3f whole() const {
     const BvhNode& root = bvh_.nodes[0];
     Box3f box;
@@ -54,7 +54,7 @@ class BvhAccel final : public Accel {
     return box;
   }
 
-  // How many primitives are in this node or leaf.
+  // The number of primitives in this node or leaf.
   size_t see_below(uint32_t ref, const Box3f& box, int depth, int level,
                    const std::function<void(const AccelBox&)>& see) const {
     const bool leaf = ref_pool(ref) != Pool::nodes;
@@ -70,7 +70,7 @@ class BvhAccel final : public Accel {
     return count;
   }
 
-  // A parent, which has the boxes of its children, comes before them.
+  // A parent, which has its children's boxes, comes first.
   void find_boxes(TraceLog& log) const {
     struct Place {
       int depth = 0;

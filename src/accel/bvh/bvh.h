@@ -1,5 +1,5 @@
-// Raio's own fastest structure: a tree of boxes, eight children a node, eight primitives a leaf,
-// both laid out so that one SIMD instruction meets all eight. Built by build.cpp, walked by
+// Raio's fastest structure: a tree of boxes with eight children per node and eight primitives per
+// leaf, both laid out for SIMD: one instruction tests all eight. Built by build.cpp, traversed by
 // bvh/trace.cpp.
 //
 // Wald, Benthin and Boulos 2008, "Getting Rid of Packets: Efficient SIMD Single-Ray Traversal using
@@ -15,8 +15,7 @@
 
 namespace raio {
 
-/// Levels of nodes: so many are split by cost; from there on ranges are halved, at most 30 times,
-/// and then parted by kind.
+/// Levels of nodes split by cost; below, ranges are halved, at most 30 times, then split by kind.
 inline constexpr int kBvhCostLevels = 48;
 inline constexpr int kBvhMaxLevels = kBvhCostLevels + 30 + 3;
 
@@ -35,29 +34,30 @@ struct Bvh : Blocks {
   size_t bytes() const { return Blocks::bytes() + nodes.size() * sizeof(BvhNode); }
 };
 
-/// The tree over all items but planes that are opaque, or over those that are `clear`
-/// (Geometry::list_transparent()); the same for any number of threads. The error is one line:
+/// Builds the tree over all opaque items except planes, or over transparent ones if `clear` is set
+/// (Geometry::list_transparent()); independent of the number of threads. The error is one line:
 /// more than `available` bytes would be needed.
 std::expected<Bvh, std::string> build_bvh(const Geometry& geometry,
                                           size_t available = available_memory_bytes(),
                                           bool clear = false);
 
-/// The walks, for the best instruction set that this machine has. Hits are those of brute force, to
-/// the last bit. Sixteen neighbours of a batch that keep together travel as one.
+/// Traversal with the machine's best instruction set. Hits are exactly those of brute force.
+/// Sixteen coherent neighbours of a batch travel as one beam.
 void bvh_closest(const Geometry& geometry, const Bvh& bvh, const RayBatch& rays, HitBatch& hits,
                  TraceContext& context);
 void bvh_occluded(const Geometry& geometry, const Bvh& bvh, const RayBatch& rays, uint8_t* hit,
                   TraceContext& context);
 
-/// Accel::next_transparent() and Accel::transparent_depths() by the tree over what is clear.
+/// Accel::next_transparent() and Accel::transparent_depths() with the tree over transparent
+/// primitives.
 void bvh_next_transparent(const Geometry& geometry, const Bvh& bvh, const RayBatch& rays,
                           const HitBatch& after, HitBatch& hits, TraceContext& context,
                           const uint32_t* keys);
 void bvh_transparent_depths(const Geometry& geometry, const Bvh& bvh, const RayBatch& rays,
                             DepthBatch& depths, TraceContext& context);
 
-/// The walk of one ray, which goes to `context.log`: nodes and leaves, without depths and boxes,
-/// and the items that are tested.
+/// Traverses with one ray and logs to `context.log`: nodes and leaves, without depths and boxes,
+/// and the items tested.
 void bvh_log(const Geometry& geometry, const Bvh& bvh, const RayBatch& ray, bool any,
              TraceContext& context);
 

@@ -1,5 +1,5 @@
-// A lattice of cells over the centres takes the place of the items: one pass finds each cell's box
-// and count, the splits are between layers of cells, and a second pass moves the items.
+// A lattice of cells over the centres replaces the items: one pass computes each cell's box and
+// count, splits are between layers of cells, and a second pass moves the items.
 #include <array>
 #include <utility>
 
@@ -30,7 +30,7 @@ void for_items(const Make& make, size_t first, size_t end, F&& f) {
   }
 }
 
-// Cells as near to cubes as powers of two allow.
+// Cells as close to cubes as powers of two allow.
 std::array<int, 3> layers(Vec3f size) {
   std::array<int, 3> n{1, 1, 1};
   for (int bit = 0; bit < kCellBits; ++bit) {
@@ -44,7 +44,7 @@ std::array<int, 3> layers(Vec3f size) {
   return n;
 }
 
-// The centres' box by a sample: a few far away, which it may miss, make no difference to the rest.
+// The bounds of the centres, from a sample: outliers that it misses do not matter to the rest.
 Binning sampled_binning(size_t count, const Make& make, std::array<int, 3>& n) {
   constexpr size_t kSamples = 4096, kStride = 2654435761;  // prime
   Float4 from = splat(std::numeric_limits<float>::infinity()), to = -from;
@@ -80,7 +80,7 @@ class Planner {
     for (const Cell& cell : cells_) plan_.nodes[0].box.extend(cell.box);
     split(0, {{0, 0, 0}, n_}, 0);
 
-    // Where each chunk puts its next item of each leaf.
+    // Where each chunk writes its next item of each leaf.
     std::vector<std::vector<size_t>> next(chunks_, std::vector<size_t>(leaf_begin_.size()));
     for (size_t c = 0; c < chunks_; ++c)
       for (size_t i = 0; i < kCells; ++i) next[c][leaf_of_[i]] += tables[c][i].count;

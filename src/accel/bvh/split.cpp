@@ -7,11 +7,11 @@ namespace raio {
 namespace {
 
 constexpr int kBins = 16;
-// Of more items than twice this, some tell as well where to split.
+// Above twice this many items, a sample finds the split as well.
 constexpr size_t kSamples = 512, kFewSamples = 64;
 
-// Keeps the order of both parts. Without a branch that could be mispredicted, since half of them
-// would be: each item is written to both places and one of them then counts.
+// Stable partition without a branch, since half would be mispredicted: each item is written to both
+// places, and only one of the two indices advances.
 template <class Below>
 size_t partition(BuildRange range, Column<BuildItem>& scratch, Below&& below) {
   if (scratch.size() < range.size()) scratch.resize(range.size());
@@ -27,13 +27,13 @@ size_t partition(BuildRange range, Column<BuildItem>& scratch, Below&& below) {
   return kept;
 }
 
-// Of at most so many items as two blocks hold: the best split into two blocks along the axis on
-// which their centres lie furthest apart.
+// For at most as many items as two blocks hold: the best split into two blocks along the axis with
+// the largest extent of centres.
 BuildSplit split_in_two_blocks(BuildRange range, int axis, Column<BuildItem>& scratch) {
   constexpr size_t kMost = 2 * kBlockWidth;
   const size_t n = range.size();
-  // Centres as integers in the same order, the last bits exchanged for the item's number, so that
-  // no two are equal.
+  // Centres as integers in the same order; the item's number replaces the last bits, so that no two
+  // are equal.
   Int4 keys[kMost / 4] = {}, ranks[kMost / 4] = {};
   for (size_t i = 0; i < n; ++i) {
     const auto bits = std::bit_cast<int32_t>(range[i].center2(axis));

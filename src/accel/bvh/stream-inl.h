@@ -1,11 +1,10 @@
-// The walk of the eight-wide tree that all rays of a batch make together: at each node a list of
-// those that meet it, each tested against the eight boxes. What one ray would wait for (the next
-// node, the outcome of a comparison) the processor finds in the work of the others. Included by
-// bvh/trace.cpp only, once for each instruction set.
+// Traverses the eight-wide tree with all rays of a batch together: each node has a list of the rays
+// that hit it, and each is tested with the eight boxes. Where one ray would wait (for the next
+// node, for a comparison), the processor works on the others. Included by bvh/trace.cpp only, once
+// per instruction set (foreach_target.h).
 //
 // Tsakok 2009, "Faster Incoherent Rays: Multi-BVH Ray Stream Tracing", HPG; Barringer and
 // Akenine-Moeller 2014, "Dynamic Ray Stream Traversal", ACM TOG 33(4).
-// Once for each instruction set, as foreach_target.h passes again.
 #if defined(RAIO_ACCEL_BVH_STREAM_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAIO_ACCEL_BVH_STREAM_INL_H_
 #undef RAIO_ACCEL_BVH_STREAM_INL_H_
@@ -21,11 +20,11 @@
 HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
 
-// A child that waits, with the list of those that meet it.
+// A pending child, with the list of rays that hit it.
 struct Waiting {
   uint32_t ref;
   uint32_t begin, end;  // of its list
-  uint32_t used;        // where all lists of its node end
+  uint32_t used;        // end of all lists of its node
 };
 constexpr int kStack = (kBlockWidth - 1) * kBvhMaxLevels + 1;
 
@@ -33,9 +32,9 @@ const hn::CappedTag<uint32_t, 16> kIds;
 constexpr size_t kIdLanes = hn::MaxLanes(decltype(kIds)());
 
 struct StreamScratch : IdLists {
-  uint8_t met[kChunk + 16];  // by place in a list: which of the eight boxes
+  uint8_t met[kChunk + 16];  // by position in a list: which of the eight boxes
   Waiting stack[kStack];
-  // Of one that walks alone.
+  // For a single ray or beam.
   uint32_t waiting[kStack];
   float enter[kStack];
 };
@@ -51,7 +50,7 @@ HWY_INLINE void prefetch(const Bvh& bvh, uint32_t ref) {
              [&](const auto& blocks) RAIO_INLINE_LAMBDA { lines(blocks.data() + i); });
 }
 
-// The root's, a bit each.
+// Mask of the root's children.
 HWY_INLINE unsigned shared_children(const Bvh& bvh) {
   unsigned mask = 0;
   for (const uint32_t block : bvh.shared)
@@ -59,9 +58,8 @@ HWY_INLINE unsigned shared_children(const Bvh& bvh) {
   return mask;
 }
 
-// Of the children in `mask`, how many are to be taken after child c, which is entered at enter[c]:
-// its place in a stack from which the nearest comes first. To sort them in would take branches that
-// no processor foresees.
+// How many of the children in `mask` come after child c, entered at enter[c]: its place in a stack
+// with the nearest on top. Insertion sort would mispredict its branches.
 HWY_INLINE int later(const float* enter, unsigned mask, int c) {
   unsigned farther = 0, same = 0;
   for (int p = 0; p < kParts; ++p) {
@@ -72,8 +70,8 @@ HWY_INLINE int later(const float* enter, unsigned mask, int c) {
   return int(hwy::PopCount(mask & (farther | (same & ((1u << c) - 1)))));
 }
 
-// The subtree at `ref` with one alone, which needs no lists, and leaves out what lies behind its
-// hit.
+// Traverses the subtree at `ref` with a single ray or beam, without lists, skipping whatever lies
+// behind its hit.
 template <class RayGroup>
 HWY_INLINE void traverse_alone(const Bvh& bvh, uint32_t ref, uint32_t id, StreamScratch& scratch,
                                RayGroup& group) {
@@ -108,9 +106,9 @@ HWY_INLINE void traverse_alone(const Bvh& bvh, uint32_t ref, uint32_t id, Stream
   }
 }
 
-// Walks the tree with those in `lists.ids[0 .. count)`. A RayGroup knows what they are:
-// `intersect(id, boxes, nearest)` says which boxes one meets, `leaf(ref, ids, n)` tests a leaf's
-// primitives; `kAny`: for any hit, not the nearest.
+// Traverses the tree with `lists.ids[0 .. count)`. A RayGroup knows what they are: `intersect(id,
+// boxes, nearest)` tests one with eight boxes, `leaf(ref, ids, n)` tests a leaf's primitives;
+// `kAny`: for any hit, not the nearest.
 template <class RayGroup>
 void traverse(const Bvh& bvh, bool without_shared, size_t count, StreamScratch& lists,
               RayGroup& group) {
@@ -147,7 +145,7 @@ void traverse(const Bvh& bvh, bool without_shared, size_t count, StreamScratch& 
     hn::StoreU(hn::Zero(bytes), bytes, lists.met + n);
     alignas(32) float enter[kBlockWidth];
     for (int p = 0; p < kParts; ++p) hn::Store(nearest[p], kEight, enter + p * kLanes8);
-    // The lists of the children, who then wait so that the nearest is taken first.
+    // Makes the lists of the children and pushes them so that the nearest comes first.
     uint32_t used = w.used;
     uint32_t begin[kBlockWidth], end[kBlockWidth];
     for_bits(any, [&](int c) {
@@ -159,7 +157,7 @@ void traverse(const Bvh& bvh, bool without_shared, size_t count, StreamScratch& 
         used += uint32_t(hn::CountTrue(kIds, in));
       }
       end[c] = used;
-      // Of shadow rays most are stopped soonest where most of them go.
+      // Shadow rays: most are stopped soonest where most of them go.
       if (RayGroup::kAny) enter[c] = -float(used - begin[c]);
       prefetch(bvh, node.child[c]);
     });

@@ -1,5 +1,5 @@
-// The walks of the eight-wide tree, compiled once for each instruction set (Highway's
-// foreach_target) and chosen when the program runs.
+// Traversal of the eight-wide tree, compiled once per instruction set (Highway's foreach_target)
+// and selected at run time.
 #include "accel/bvh/bvh.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -22,7 +22,7 @@ void occluded(const Geometry& g, const Bvh& bvh, const RayBatch& rays, uint8_t* 
   trace_all<Query::any, StreamScratch>(g, bvh, rays, {.hit = hit}, context);
 }
 
-// Rays that write down where they go.
+// Rays that log their path.
 template <Query query>
 class LoggedRays : public Rays<query> {
  public:
@@ -56,7 +56,7 @@ void log(const Geometry& g, const Bvh& bvh, const RayBatch& ray, bool any, Trace
       context.log->add_test(g.id_of(PrimitiveKind::plane, i));
   HitBatch hits;
   hits.reset(1);
-  uint8_t hit[kChunk];  // of which one counts
+  uint8_t hit[kChunk];  // only the first counts
   if (any)
     trace_all<Query::any, StreamScratch, LoggedRays>(g, bvh, ray, {.hit = hit}, context);
   else

@@ -1,5 +1,5 @@
-// The walks of the tree over what is clear, compiled once for each instruction set (Highway's
-// foreach_target) and chosen when the program runs.
+// Traversal of the tree over transparent primitives, compiled once per instruction set (Highway's
+// foreach_target) and selected at run time.
 #include "accel/bvh/bvh.h"
 
 #undef HWY_TARGET_INCLUDE

@@ -1,5 +1,5 @@
-// Bakes what the cells of a grid list into blocks: chunks of cells in parallel, each into its own
-// part of the pools, so that threads do not matter.
+// Bakes the lists of grid cells into blocks: chunks of cells in parallel, each into its own part of
+// the pools, so the result does not depend on threads.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace {
 
 using Counts = std::array<uint32_t, kPools>;  // the nodes are groups
 
-// Calls f(pool, items) for the blocks that ascending items make.
+// Calls f(pool, items) for the blocks formed by ascending items.
 template <class F>
 void for_blocks(const Geometry& g, std::span<const PrimitiveId> items, F&& f) {
   while (!items.empty()) {
@@ -72,7 +72,7 @@ class Baker {
     counts[0] += (n + kBlockWidth - 1) / kBlockWidth;
   }
 
-  // The cell's groups and blocks, from `next` on, which it moves.
+  // Fills the cell's groups and blocks from `next`, and advances it.
   void fill(size_t cell, Counts& next) {
     out_.begin[cell] = next[0];
     const Box3f around = box_of(cell);
@@ -94,7 +94,7 @@ class Baker {
     });
   }
 
-  // With what hits of rays from afar may lie beside it.
+  // Extended by the rounding of hits from afar.
   Box3f box_of(size_t cell) const {
     const Lattice& cells = cells_.lattice;
     const double pad = 2 * hit_error(cells_.near);
@@ -123,7 +123,7 @@ class Baker {
   }
 
   // Rosenfeld and Pfaltz 1966, "Sequential Operations in Digital Picture Processing", JACM 13(4):
-  // neighbours that come before, and then, backwards, those that come after.
+  // earlier neighbours, then, backwards, later ones.
   void measure_emptiness() {
     const auto& n = out_.n;
     const Lattice& cells = cells_.lattice;
@@ -150,7 +150,7 @@ class Baker {
     pass(0), pass(1);
   }
 
-  // In ascending order; planes are met by the tracer.
+  // In ascending order; the tracer handles planes.
   std::vector<PrimitiveId> bounded_oversized() {
     std::vector<PrimitiveId> oversized;
     for (const PrimitiveId id : cells_.oversized) {

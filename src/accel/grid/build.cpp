@@ -1,4 +1,4 @@
-// Finds the cells of each primitive, in parallel, and sorts them by cell.
+// Finds the cells of each primitive in parallel and sorts the references by cell.
 #include <fmt/core.h>
 
 #include "accel/grid/grid.h"
@@ -7,22 +7,21 @@
 namespace raio {
 namespace {
 
-// A primitive as large as the scene would be listed in every cell that it passes, and one that is
-// larger than all the rest together would leave the rest a few cells (the "teapot in a stadium").
-// Such oversized primitives, and infinite planes, stay out; every ray tests them first, so only few
-// are worth it.
+// A primitive as large as the scene would be listed in every cell that it crosses, and one larger
+// than all the rest together would leave the rest only a few cells (the "teapot in a stadium").
+// Such oversized primitives, and infinite planes, stay outside; every ray is tested with them
+// first, so only few are worthwhile.
 constexpr size_t kMaxOversized = 16;
-constexpr float kGiantShare = 0.5f;  // of the surface of the box of all that is left
+constexpr float kGiantShare = 0.5f;  // of the surface area of the box of the remaining ones
 
-// The report's mFactor, 2, suits cells that list primitives one by one. Where eight blocks of eight
-// are met at once, cells that hold some dozens are best (docs/performance.md).
+// The report's mFactor, 2, suits cells that list single primitives. With blocks of eight in groups
+// of eight, cells with some dozens are best (docs/performance.md).
 constexpr double kFactor = 0.3;
-// So few primitives are one cell, unless asked otherwise.
+// This few primitives are one cell, unless a resolution is requested.
 constexpr size_t kFew = 32;
 
-// Rays that come from beyond the camera, and from that many times as far as the primitives reach,
-// are no longer walked through cells but tested against everything: what they meet is a matter of
-// rounding.
+// Rays from beyond the camera, and from this many times the extent of the primitives, are not
+// traversed through cells but tested with everything: their hits are dominated by rounding.
 constexpr double kNear = 16;
 
 bool touches(const Geometry& g, PrimitiveId id, const Box3d& box) {
@@ -35,8 +34,8 @@ bool touches(const Geometry& g, PrimitiveId id, const Box3d& box) {
 }
 
 // M * side / s + 1 cells along each side, s = cbrt(volume / N): cells are cubes, M^3 * N of them.
-// An axis on which the box is thinner than a cell has one and leaves the formula, so that a flat
-// scene gets square cells and not a line of infinitely many.
+// An axis on which the box is thinner than a cell gets one and leaves the formula, so a flat scene
+// gets square cells and not a line of infinitely many.
 std::array<int, 3> report_resolution(Vec3d size, double count, double factor) {
   constexpr int kMaxPerAxis = 1 << 20;
   std::array<int, 3> n{1, 1, 1};
@@ -98,7 +97,7 @@ class GridBuilder : GridCells {
     return all;
   }
 
-  // Again and again, since what is left without one giant may have its own.
+  // Repeatedly, since without one oversized primitive the rest may have its own.
   void pull_oversized() {
     const size_t most = oversized.size() + kMaxOversized;
     while (!rest_.empty()) {
@@ -115,14 +114,14 @@ class GridBuilder : GridCells {
     }
   }
 
-  // An error in one line, or nothing.
+  // Returns the error in one line, or nothing.
   std::optional<std::string> choose_resolution(const AccelOptions& options) {
     const Box3f tight = bounds_of_rest();
     reach = max_component(max(abs(Vec3d(tight.lo)), abs(Vec3d(tight.hi))));
     Box3d box{Vec3d(tight.lo), Vec3d(tight.hi)};
     // Gives a flat scene's box a thickness.
     box.pad(hit_error(std::max(reach, double(std::numeric_limits<float>::min()))));
-    // Cells are so much wider than they seem.
+    // Cells are effectively this much wider.
     near = std::max(kNear * reach, 2 * double(max_component(abs(g_.scene().camera.from))));
     pad_ = hit_error(near);
 
@@ -132,8 +131,8 @@ class GridBuilder : GridCells {
                                             : kFactor;
     lattice = Lattice(box, forced ? options.grid_resolution
                                   : report_resolution(box.size(), double(rest_.size()), factor));
-    // Many primitives that each span many cells would take a list beyond any memory; cells grow
-    // until the lists are in proportion to the scene.
+    // If many primitives span many cells each, the lists would exceed any memory; cells grow until
+    // the lists are proportional to the scene.
     const double most_visits = options.grid_factor > 0 ? 1e7 + 100.0 * double(rest_.size())
                                                        : 2.5e5 + 16.0 * double(rest_.size());
     while (!forced && (visits() > most_visits || double(lattice.cells()) > most_visits)) {
@@ -142,7 +141,7 @@ class GridBuilder : GridCells {
     }
     const double bytes = 4.0 * double(lattice.cells()) + 16.0 * (forced ? visits() : 0);
     const double available = double(available_memory_bytes());
-    constexpr double kMost = 4e9;  // of cells, and of primitives in them
+    constexpr double kMost = 4e9;  // of cells, and of references
     if (bytes > 0.8 * available || double(lattice.cells()) >= kMost || visits() >= kMost)
       return fmt::format(
           "a grid of {}x{}x{} cells would take up to {:.1f} GB and {:.1f} GB are free; choose "
@@ -151,7 +150,7 @@ class GridBuilder : GridCells {
     return std::nullopt;
   }
 
-  // The cells that a box touches: [lo, hi] per axis.
+  // The cells that a box overlaps: [lo, hi] per axis.
   struct Range {
     std::array<int, 3> lo, hi;
     double count() const {
@@ -172,7 +171,7 @@ class GridBuilder : GridCells {
     return sum;
   }
 
-  // Of a polygon.
+  // Whether it is a piece of a polygon.
   bool is_piece(PrimitiveId id) const {
     return g_.kind_of(id) == PrimitiveKind::triangle &&
            g_.index_of(PrimitiveKind::triangle, id) >= g_.scene().triangles.size();
@@ -192,8 +191,8 @@ class GridBuilder : GridCells {
         }
   }
 
-  // Chunks of items find their cells in parallel; then one counting sort over the chunks in order,
-  // which leaves each list ascending whatever the number of threads.
+  // Chunks of items find their cells in parallel; then one counting sort over the chunks in order
+  // keeps each list ascending for any number of threads.
   void list_references() {
     constexpr size_t kItemsPerChunk = 1024;
     struct Reference {
@@ -219,10 +218,10 @@ class GridBuilder : GridCells {
   }
 
   const Geometry& g_;
-  std::vector<PrimitiveId> rest_;  // all but oversized primitives
-  std::vector<Box3f> boxes_;       // theirs
+  std::vector<PrimitiveId> rest_;  // all except oversized primitives
+  std::vector<Box3f> boxes_;       // of rest_
   double pad_ = 0;
-  bool by_boxes_ = false;  // list what is no piece in all cells that its box touches
+  bool by_boxes_ = false;  // list all except pieces in every cell that their box overlaps
 };
 
 }  // namespace

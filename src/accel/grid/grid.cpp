@@ -1,5 +1,5 @@
-// The grid's two faces: with counters the walk of Amanatides and Woo 1987, "A Fast Voxel Traversal
-// Algorithm for Ray Tracing", Eurographics, cell by cell, one ray at a time, so that tests and
+// Both traversals of the grid: with counters that of Amanatides and Woo 1987, "A Fast Voxel
+// Traversal Algorithm for Ray Tracing", Eurographics, cell by cell, one ray at a time, so tests and
 // steps are those of the textbook; else the fast one through the same cells.
 #include "accel/grid/grid.h"
 
@@ -18,7 +18,7 @@ AccelInfo info_of(const GridCells& cells, size_t bytes) {
           .oversized = cells.oversized.size()};
 }
 
-// `listed` tells how many primitives a cell lists.
+// `listed` returns the number of primitives in a cell.
 template <class Listed>
 void see_cells(const Lattice& lattice, Listed&& listed,
                const std::function<void(const AccelBox&)>& see) {
@@ -30,9 +30,8 @@ void see_cells(const Lattice& lattice, Listed&& listed,
           see({.box = lattice.box_of({x, y, z}), .primitives = count});
 }
 
-// The primitives that a ray met last, so that one listed in several cells is mostly tested once: a
-// table of a few entries, kept with the ray and not with the primitive, so that threads do not meet
-// in it.
+// The primitives that a ray was tested with last, so that one listed in several cells is mostly
+// tested once. A table of a few entries per ray, not per primitive, so threads share nothing.
 class Mailbox {
  public:
   Mailbox() { seen_.fill(kNoPrimitive); }
@@ -47,7 +46,7 @@ class Mailbox {
   std::array<PrimitiveId, 8> seen_;
 };
 
-// What a walk tells, to no one or to a TraceLog.
+// Events of a traversal, discarded or sent to a TraceLog.
 struct Unlogged {
   void enter(double) {}
   template <class Axes>
@@ -133,8 +132,8 @@ class CountingGrid final : public Accel {
     });
   }
 
-  // In double throughout: in scalar code it costs the same, and the cell that the ray is in is then
-  // never in doubt, however far the ray comes from.
+  // In double throughout: in scalar code it costs the same, and the ray's cell is never in doubt,
+  // however far away it starts.
   template <bool any, class Log>
   void traverse(RayQuery& query, TraceContext& context, Log& log) const {
     const Vec3d o(query.ray.origin), d(query.ray.dir);
@@ -159,8 +158,8 @@ class CountingGrid final : public Accel {
     if (size > cells_.near) return all<any>(query, context, log);
 
     // Per axis: cells left before the ray leaves the grid, the step through the lists, and the
-    // parameter of the next plane as start + i * stride, which does not drift as a running sum
-    // would. Taken earlier by the error of a hit, so that one near it does not end the walk.
+    // parameter of the next plane as start + i * stride, which does not drift like a running sum.
+    // Reduced by the error of a hit, so that a hit near the plane does not end the traversal.
     struct Axis {
       int left = 0;
       ptrdiff_t step = 0;

@@ -1,7 +1,7 @@
-// The uniform grid: equal cells over the bounds of all primitives, each with the list of those that
-// touch it. grid/build.cpp makes it. With counters it is walked cell by cell, one ray at a time
-// (grid.cpp); else what the cells list is baked into blocks (grid/bake.cpp), through which the rays
-// of a batch are swept (grid/trace.cpp).
+// The uniform grid: equal cells over the bounds of all primitives, each with a list of the
+// primitives that overlap it. Built by grid/build.cpp. With counters it is traversed cell by cell,
+// one ray at a time (grid.cpp); otherwise the lists are baked into blocks (grid/bake.cpp), and
+// batches of rays traverse them (grid/trace.cpp).
 //
 // Fujimoto, Tanaka and Iwata 1986, "ARTS: Accelerated Ray-Tracing System", IEEE CG&A 6(4).
 #pragma once
@@ -20,7 +20,7 @@ namespace raio {
 struct Lattice {
   Box3d box;
   std::array<int, 3> n{1, 1, 1};
-  Vec3d cell, per_unit;  // size of a cell and its reciprocal
+  Vec3d cell, per_unit;  // the size of a cell and its reciprocal
 
   Lattice() = default;
   Lattice(const Box3d& b, std::array<int, 3> counts) : box(b), n(counts) {
@@ -46,42 +46,42 @@ struct Lattice {
   }
 };
 
-/// A hit is computed in floats: from where it belongs it may lie a few roundings of the largest
-/// number away, that of the ray's origin or of the scene.
+/// The error of a hit computed in floats: a few roundings of the largest number involved, of the
+/// ray's origin or of the scene.
 constexpr double hit_error(double largest) {
   return 16 * double(std::numeric_limits<float>::epsilon()) * largest;
 }
 
 struct GridCells {
-  std::vector<PrimitiveId> oversized;  // in no cell; every ray tests them first
+  std::vector<PrimitiveId> oversized;  // in no cell; every ray is tested with them first
   Lattice lattice;
-  std::vector<uint32_t> begin;     // per cell, and one more: where its list starts
+  std::vector<uint32_t> begin;     // per cell, plus one: where its list starts
   std::vector<PrimitiveId> items;  // ascending in each cell
-  double reach = 0;                // the largest coordinate of what is listed
-  double near = 0;  // rays that start with coordinates up to this find it in its cells
+  double reach = 0;                // the largest absolute coordinate of listed primitives
+  double near = 0;  // rays with origins up to this coordinate find them in their cells
 };
 
-/// The same for any number of threads. The error is one line.
+/// The result does not depend on the number of threads. The error is one line.
 std::expected<GridCells, std::string> build_grid(const Geometry& geometry,
                                                  const AccelOptions& options);
 
-/// Up to eight blocks of a cell, with the boxes around what of them lies in it.
+/// Up to eight blocks of a cell, with the boxes around their parts inside it.
 struct BlockGroup {
   EightBoxes boxes;
   uint32_t block[kBlockWidth];
 };
 
-/// The most that GridBlocks::empty_around tells.
+/// The maximum of GridBlocks::empty_around.
 inline constexpr int kFarthest = 255;
 
-/// The cells as the fast walk wants them: what they list, eight primitives at a time.
+/// The cells for the fast traversal: their lists as blocks of eight primitives.
 struct GridBlocks : Blocks {
   std::array<int, 3> n{0, 0, 0};
   std::array<float, 3> lo{}, per_unit{};
-  Column<uint32_t> begin;  // per cell, and one more: where its groups start
+  Column<uint32_t> begin;  // per cell, plus one: where its groups start
   Column<BlockGroup> groups;
-  // Per cell, how many steps from neighbour to neighbour, straight or diagonal, lead to one that
-  // lists something, or more.
+  // Per cell, the number of steps between neighbours, straight or diagonal, to the nearest
+  // non-empty cell, or a lower bound.
   Column<uint8_t> empty_around;
 
   bool empty() const { return groups.empty() && shared.empty(); }
@@ -95,8 +95,7 @@ struct GridBlocks : Blocks {
 std::expected<GridBlocks, std::string> bake_grid(const Geometry& geometry, const GridCells& cells,
                                                  size_t available = available_memory_bytes());
 
-/// The walks, for the best instruction set that this machine has. Hits are those of brute force, to
-/// the last bit.
+/// Traversal with the machine's best instruction set. Hits are exactly those of brute force.
 void grid_closest(const Geometry& geometry, const GridBlocks& blocks, const RayBatch& rays,
                   HitBatch& hits, TraceContext& context);
 void grid_occluded(const Geometry& geometry, const GridBlocks& blocks, const RayBatch& rays,

@@ -1,5 +1,5 @@
-// The walks through the cells of the grid, compiled once for each instruction set (Highway's
-// foreach_target) and chosen when the program runs.
+// Traversal of the cells of the grid, compiled once per instruction set (Highway's foreach_target)
+// and selected at run time.
 #include "accel/grid/grid.h"
 
 #undef HWY_TARGET_INCLUDE

@@ -1,15 +1,14 @@
-// The walk through the cells of a grid: what one of a ray group sweeps, a ray or a beam, is cut
-// into slices one cell thick across its main axis; the lanes work out for eight slices at once
-// which cells of each it may touch. No step waits for the one before. Cells know how far from them
-// the next is that lists anything, and so many slices are skipped. Included by grid/trace.cpp only,
-// once for each instruction set.
+// Traverses the cells of a grid. The volume swept by a ray or beam is cut into slices one cell
+// thick across its main axis; the lanes compute for eight slices at once which cells each may
+// overlap. No step waits for the previous one. Cells know their distance to the nearest non-empty
+// cell, and that many slices are skipped. Included by grid/trace.cpp only, once per instruction set
+// (foreach_target.h).
 //
 // Wald, Ize, Kensler, Knoll and Parker 2006, "Ray Tracing Animated Scenes using Coherent Grid
 // Traversal", ACM TOG 25(3).
 //
 // Cohen and Sheffer 1994, "Proximity Clouds: An Acceleration Technique for 3D Grid Traversal", The
 // Visual Computer 11(1).
-// Once for each instruction set, as foreach_target.h passes again.
 #if defined(RAIO_ACCEL_GRID_WALK_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAIO_ACCEL_GRID_WALK_INL_H_
 #undef RAIO_ACCEL_GRID_WALK_INL_H_
@@ -39,7 +38,7 @@ class Sweeper {
       while (left) {
         const int i = int(hwy::Num0BitsBelowLS1Bit_Nonzero32(left));
         if (enter_[i] > group_.end(id)) return;
-        // To where something may be again.
+        // To the next slice that may be non-empty.
         const int to = i + 1 + int(float(visit_slice(next + i, i, id)) * pace_);
         done = std::max(done, to);
         left = to < kLanes8 ? left >> to << to : 0;
@@ -49,8 +48,8 @@ class Sweeper {
   }
 
  private:
-  // The main axis is that along which most cells are crossed for sure. False where numbers leave
-  // the range of floats.
+  // Chooses the main axis: the one along which most cells are certainly crossed. False if numbers
+  // leave the range of floats.
   HWY_INLINE bool start(uint32_t id) {
     const Sweep s = group_.sweep(id);
     float size = b_.reach;
@@ -71,7 +70,7 @@ class Sweeper {
     u_ = k_ == 2 ? 0 : k_ + 1, v_ = k_ == 0 ? 2 : k_ - 1;
     sum += (sum + float(b_.n[k_])) / slowest[k_];
     if (!(slowest[k_] > 0 && sum < kInfinity)) return false;
-    // Of 0.0f and -0.0f the first, so that along the axis this is one, too.
+    // max() prefers 0.0f to a later -0.0f, so a ray along the main axis has pace 1.
     pace_ = std::min(1.0f, slowest[k_] / std::max({0.0f, fastest[u_], fastest[v_]}));
     const bool up = s.d[k_] > 0;
     const float last = float(b_.n[k_] - 1), t = group_.end(id);
@@ -84,8 +83,8 @@ class Sweeper {
     return true;
   }
 
-  // Where the slices from `next` on, as many as there are lanes, are entered, and which of their
-  // cells may be touched. The bits of those that have any.
+  // Computes where the slices from `next`, as many as there are lanes, are entered and which of
+  // their cells may be overlapped. Returns the bits of those with any.
   HWY_INLINE unsigned evaluate(int next, float end) {
     const auto& f = kEight;
     const hn::RebindToSigned<decltype(kEight)> ints;
@@ -114,7 +113,7 @@ class Sweeper {
     return bits(f, in);
   }
 
-  // How many steps from it, at the least, nothing is listed either.
+  // Tests a slice; returns the minimum number of steps to a non-empty slice.
   HWY_INLINE int visit_slice(int number, int i, uint32_t id) {
     const ptrdiff_t slice = (first_ + number * step_) * pitch_[k_];
     int free = kFarthest;
@@ -139,13 +138,13 @@ class Sweeper {
   const GridBlocks& b_;
   RayGroup& group_;
   ptrdiff_t pitch_[3];
-  // Of what is on its way. In cells: at a distance of t, coordinate a lies between low + t *
-  // low_rate and high + t * high_rate.
+  // The swept volume, in cells: at distance t, coordinate a is between low + t * low_rate and high
+  // + t * high_rate.
   float low_[3], high_[3], low_rate_[3], high_rate_[3];
   int k_, u_, v_;             // the main axis and the others
-  int step_, first_, count_;  // slices first, first + step, ..., so many
-  float pace_;                // steps along the main axis for one along any
-  // Of the slices in the lanes, the first and last cells along u and v.
+  int step_, first_, count_;  // `count_` slices first, first + step, ...
+  float pace_;                // steps along the main axis per step along any
+  // The first and last cells along u and v of the slices in the lanes.
   alignas(32) float enter_[kLanes8];
   alignas(32) int32_t u0_[kLanes8], u1_[kLanes8], v0_[kLanes8], v1_[kLanes8];
 };
