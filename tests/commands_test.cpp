@@ -389,7 +389,7 @@ TEST_F(Commands, InfoWarnsOfWhatWouldDisappoint) {
   const std::string_view size = "resolution 40 30";
   blurred.replace(blurred.find(size), size.size(), "resolution 40 30\naperture 30 focal 0.2");
   EXPECT_EQ(run_captured(InfoCommand{.scene = file("blurred.p3f", blurred)}), kDone);
-  EXPECT_THAT(err_, HasSubstr("the lens blurs nearly all of the picture"));
+  EXPECT_THAT(err_, HasSubstr("the lens blurs nearly the whole picture"));
   EXPECT_THAT(err_, HasSubstr("; try --aperture 0."));
   EXPECT_THAT(out_, HasSubstr("warnings    1\n"));
 }

@@ -288,7 +288,8 @@ TEST(Fit, WhatASideCannotBe) {
   o.up.reset(), o.fit = Fit::most;
   EXPECT_EQ(option_conflict(o, &scene), std::nullopt);
   o.side.reset(), o.from = Vec3d(1, 2, 3);
-  EXPECT_THAT(option_conflict(o, &scene)->message, HasSubstr("cannot be combined with a place"));
+  EXPECT_THAT(option_conflict(o, &scene)->message,
+              HasSubstr("cannot be combined with a camera position"));
   o.from.reset(), o.up = Vec3d();
   EXPECT_THAT(option_conflict(o, &scene)->message, HasSubstr("must not be 0"));
   o.up.reset();

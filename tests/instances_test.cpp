@@ -408,7 +408,7 @@ TEST(Instances, MayShowMorePrimitivesThanOneObjectHolds) {
   scene.instances.resize(430'000);
   const auto why = option_conflict(options, &scene);
   ASSERT_TRUE(why);
-  EXPECT_THAT(why->text(), HasSubstr("more primitives than id has numbers"));
+  EXPECT_THAT(why->text(), HasSubstr("more primitives than id can number"));
 }
 
 // A copy's own object counts before those within; copies and what is written out have the same.
@@ -605,12 +605,12 @@ TEST(Instances, UnevenCopiesOfRoundShapesAreNotWrittenOut) {
     return flatten_instances(scene);
   };
   EXPECT_THAT(error([](Scene& s) { s.cones = {{{0, 0, 0}, 1, {0, 0, 1}, 1}}; }),
-              HasSubstr("cones are stretched unevenly"));
+              HasSubstr("cones have a non-uniform scale"));
   EXPECT_THAT(error([](Scene& s) { s.discs = {{{0, 0, 0}, {0, 0, 1}, 1, 0}}; }),
-              HasSubstr("discs are stretched unevenly"));
+              HasSubstr("discs have a non-uniform scale"));
   EXPECT_THAT(
       error([](Scene& s) { s.ellipsoids = {{{0, 0, 0}, {{2, 0, 0}, {0, 1, 0}, {0, 0, 0.5f}}}}; }),
-      HasSubstr("ellipsoids are stretched unevenly"));
+      HasSubstr("ellipsoids have a non-uniform scale"));
 }
 
 }  // namespace

@@ -116,7 +116,7 @@ TEST_F(Job, ResumedItIsTheWhole) {
   const Error fewer = error(more);
   EXPECT_EQ(fewer.kind, ErrorKind::bad_input);
   EXPECT_EQ(fewer.subject, more.checkpoint);
-  EXPECT_THAT(fewer.message, HasSubstr("6 samples a pixel already"));
+  EXPECT_THAT(fewer.message, HasSubstr("already has 6 samples per pixel"));
   more.options.samples = 6, more.options.depth = 2;
   EXPECT_THAT(error(more).text("--"), HasSubstr("--depth 5, not 2"));
 }
@@ -132,7 +132,7 @@ TEST_F(Job, StoppedItKeepsWhatThereIs) {
     const auto run = job.run();
     ASSERT_FALSE(run);
     EXPECT_EQ(run.error().kind, ErrorKind::stopped);
-    EXPECT_THAT(run.error().text("--"), HasSubstr("c.raio, and --resume goes on"));
+    EXPECT_THAT(run.error().text("--"), HasSubstr("c.raio, and --resume continues"));
   }
   EXPECT_FALSE(fs::exists(r.output));
   r.resume = true;
@@ -191,7 +191,7 @@ TEST_F(Job, SamplesAreAdded) {
   EXPECT_THAT(error(more).message, HasSubstr("samples per pixel are possible"));
   more.of_picture = {"depth"};
   EXPECT_EQ(error(more).text("--"),
-            "--add-samples: it takes the options of the picture from its file; leave out --depth");
+            "--add-samples: it takes the options from the picture's file; leave out --depth");
 }
 
 TEST_F(Job, APictureIsRepeatedFromItself) {

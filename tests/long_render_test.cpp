@@ -59,7 +59,7 @@ TEST_F(LongRender, ACheckpointIsKeptAndGoneOnWith) {
   const auto resume = [&](Arguments more, std::string_view message) {
     refused(more + Arguments{"-o", "x.png", "--checkpoint", "c.raio", "--resume"}, message);
   };
-  resume({"--samples", "5"}, "12 samples a pixel already");
+  resume({"--samples", "5"}, "already has 12 samples per pixel");
   resume({"--samples", "12", "--depth", "2"}, "--depth 5, not 2");
   resume({"--aa", "2"}, "--sampler sobol, not jitter");
   put(file("ok.nff"), replaced("0.8 0.2 10", "0.8 0.2 11"));
@@ -84,7 +84,7 @@ TEST_F(LongRender, SamplesAreAdded) {
     return Arguments{"render", "ok.nff", "--add-samples", "7", "--checkpoint", part, "-o", "x.png"};
   };
   render({"--aa", "2", "-o", "cells.raio"});
-  expect_refusal(add("cells.raio"), 2, "share out the cells");
+  expect_refusal(add("cells.raio"), 2, "its samples are cells of");
   expect_refusal(add("none.raio"), 2, "No such file");
   expect_refusal(add("part.raio") + Arguments{"--depth", "3"}, 2, "leave out --depth");
 }
@@ -98,7 +98,7 @@ TEST_F(LongRender, InterruptedItKeepsWhatThereIs) {
     running.send(signal);
     const Outcome o = running.wait();
     EXPECT_EQ(o.status, 130) << o.err;
-    EXPECT_THAT(o.err, HasSubstr("kept in c.raio, and --resume goes on"));
+    EXPECT_THAT(o.err, HasSubstr("the samples so far are in c.raio, and --resume continues"));
     EXPECT_EQ(names(), (std::vector<std::string>{"c.raio", "ok.nff"}));
     const auto part = read_part(file("c.raio"));
     ASSERT_TRUE(part.has_value()) << part.error().text();
@@ -156,7 +156,7 @@ TEST_F(LongRender, SampleRangesMergeToTheSameBytes) {
   refused({"--sample-range", "0:4", "-o", "x.png"}, ".raio");
   refused({"--sample-range", "0:4", "--time-limit", "3", "-o", "x.raio"}, "--time-limit");
   refused({"--sample-range", "0:10", "--samples", "9", "-o", "x.raio"},
-          "ends beyond the 9 samples of a pixel");
+          "exceeds the 9 samples per pixel");
   refused({"--sample-range", "0:4", "--add-samples", "2", "--checkpoint", "c.raio"},
           "--add-samples");
   part({"--sample-range", "0:4", "--checkpoint", "d.raio"}, "d2.raio");

@@ -384,7 +384,7 @@ TEST(Motion, TheShutterIsOfScenesThatMove) {
   const Scene still = scene("s 0 0 0 1\n"), moving = scene(kMoving);
   const auto why = option_conflict(o, &still);
   ASSERT_TRUE(why);
-  EXPECT_EQ(why->message, "has no effect on a scene in which nothing moves; leave it out");
+  EXPECT_EQ(why->message, "has no effect on a scene without motion; leave it out");
   EXPECT_FALSE(option_conflict(o, &moving));
   EXPECT_EQ(resolve_options({}, moving).shutter_close, 3);
   EXPECT_EQ(

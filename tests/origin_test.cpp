@@ -423,8 +423,8 @@ TEST_F(FarFiles, BruteForceOfManyPrimitivesIsTold) {
             std::string::npos);
   const std::string said =
       raio({"render", file("many.p3f").string(), "-o", file("a.png").string()}).err;
-  EXPECT_THAT(said, testing::ContainsRegex("asks for brute force, so that each ray is tested "
-                                           "against all of 10001 primitives; try --accel bvh, "
+  EXPECT_THAT(said, testing::ContainsRegex("requests brute force, so each ray is tested with "
+                                           "all of 10001 primitives; try --accel bvh, "
                                            "which takes about [0-9.e-]+ s for this picture"));
   EXPECT_EQ(
       raio({"render", file("many.p3f").string(), "--accel", "bvh", "-o", file("a.png").string()})

@@ -356,7 +356,7 @@ TEST(PartFile, OfAnOlderFormatIsRefusedWithAdvice) {
   const auto decoded = decode_part(std::string("RAIOPART\2\0\0\0", 12));
   ASSERT_FALSE(decoded);
   EXPECT_THAT(decoded.error().text(),
-              HasSubstr("format 2, which this version does not read (it reads 3); finish it with"));
+              HasSubstr("format 2, which this version cannot read (it reads 3); finish it with"));
 }
 
 TEST(PartFile, HugeSizesInSmallFilesAreRefused) {

@@ -164,7 +164,7 @@ TEST_F(RaioSceneFile, PrototypesAreReadWhereTheyLie) {
   // Who has no copies reads primitives; these are stretched unevenly.
   const auto flat = read_scene(path);
   ASSERT_FALSE(flat);
-  EXPECT_THAT(tests::texts(flat.error()), HasSubstr("spheres are stretched unevenly"));
+  EXPECT_THAT(tests::texts(flat.error()), HasSubstr("spheres have a non-uniform scale"));
 }
 
 TEST_F(RaioSceneFile, WhatCannotBeOpenedIsSaid) {

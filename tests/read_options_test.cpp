@@ -62,7 +62,7 @@ TEST(ReadOptionsTest, PicturesKeepThem) {
 
 TEST(ReadOptionsTest, SettingsNeedNotBeTrusted) {
   EXPECT_EQ(read_options_from({{"read_color", "x"}}).error().message,
-            "its setting read_color: is unknown here");
+            "its setting read_color: is unknown to this version");
   EXPECT_THAT(read_options_from({{"read_only", "watr"}}).error().message,
               HasSubstr("its setting read_only: column 1: expected water"));
   for (const auto& [key, text] : {std::pair("read_images", "1,1"),

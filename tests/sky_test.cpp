@@ -488,8 +488,9 @@ TEST(SkyOption, SaysWhatItTakes) {
   const auto done = set_option(o, *spec, "no/such folder");
   ASSERT_FALSE(done);
   EXPECT_THAT(done.error().text(), HasSubstr("expected a colour"));
-  EXPECT_THAT(done.error().text(), HasSubstr("found 'no/such folder'; and no folder has that "
-                                             "name"));
+  EXPECT_THAT(done.error().text(),
+              HasSubstr("found 'no/such folder'; and there is no folder with that "
+                        "name"));
 }
 
 }  // namespace

@@ -181,7 +181,7 @@ TEST(Textures, ThatAreNoneAreRefused) {
   EXPECT_THAT(problem([](Scene& s) { s.textures[0].width = 0; }), HasSubstr("the sides"));
   EXPECT_THAT(problem([](Scene& s) { s.textures[0].height = 0xffffffff; }), HasSubstr("the sides"));
   EXPECT_THAT(problem([](Scene& s) { s.textures[0].wrap_v = TextureWrap(3); }),
-              HasSubstr("beyond its edges"));
+              HasSubstr("the wrap mode"));
 }
 
 TEST(Textures, PicturesAreStoredOnce) {

@@ -134,7 +134,7 @@ TEST(SceneWarnings, TellOfBlankPictures) {
   scene = wall(4);
   scene.materials.front().color = {};  // black before black
   EXPECT_EQ(blank("transparent", true), std::nullopt);
-  EXPECT_THAT(blank("black", false).value_or(""), HasSubstr("colour of the background"));
+  EXPECT_THAT(blank("black", false).value_or(""), HasSubstr("background's colour"));
 }
 
 }  // namespace

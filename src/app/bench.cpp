@@ -143,7 +143,7 @@ std::string absence_of_effects(const BenchmarkRequest& request, const Scene& sce
       return fmt::format("{0} has no effect on a scene without {1}; leave {0} out of --effects",
                          effect_word(effect), effect.wants);
   if (request.options.shutter && !scene.moves())
-    return "--shutter has no effect on a scene in which nothing moves; leave it out";
+    return "--shutter has no effect on a scene without motion; leave it out";
   return {};
 }
 

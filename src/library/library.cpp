@@ -200,7 +200,7 @@ RenderOptions options_with(const Accel::Data& built, RenderOptions options) {
     const std::string asked = option_text(options, spec), is = option_text(built.options, spec);
     if (asked != is && asked != option_text({}, spec))
       refuse(
-          fmt::format("{} is {}, but the structure was built with{}; omit it, or build "
+          fmt::format("{} is {}, but the structure was built with{}; leave it out, or build "
                       "another structure",
                       name, asked, is.empty() ? "out it" : " " + is));
   }

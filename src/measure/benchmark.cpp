@@ -14,16 +14,16 @@ namespace raio {
 
 namespace {
 
-// The share of pixels in which the structures' pictures may differ by more than 8 of 255: rays that
-// graze an edge may fall on either side of it.
+// The fraction of pixels in which the structures' pictures may differ by more than 8 of 255: rays
+// that graze an edge may fall on either side of it.
 constexpr double kAllowedDisagreement = 0.001;
 
 using Failure = BenchmarkFailure;
 
-// Those of `combined` that are not among `effects` are off.
+// Switches off effects in `combined` but not in `effects`.
 RenderOptions with_effects(RenderOptions options, EffectSet effects, EffectSet combined,
                            const Scene& scene) {
-  // The effects say how many samples there are, and in cells, as the report has them.
+  // The effects determine the number of samples, in cells as in the report.
   options.samples = 0, options.sampler = SamplerKind::jitter;
   options.view = View::picture, options.integrator = IntegratorKind::classic;
   options.channels = {};
@@ -98,8 +98,8 @@ class Measurement {
     return Rendered{std::max(result.seconds, 1e-9), std::move(*film)};
   }
 
-  // Do the structures see the same picture? Brute force is the judge where it takes part. Also
-  // warms the machine up.
+  // Whether the structures give the same picture, judged by brute force if it takes part. Also
+  // warms up the machine.
   std::expected<void, Failure> compare_plain() {
     const auto& kinds = request_.structures;
     const bool brute_force = std::ranges::count(kinds, AccelKind::none) > 0;
@@ -119,8 +119,8 @@ class Measurement {
     return {};
   }
 
-  // What costs little comes first, so that an interrupted or watched run has shown most by then:
-  // the structures before brute force, few samples before many.
+  // Cheap combinations come first, so that an interrupted or watched run has shown most by then:
+  // structures before brute force, few samples before many.
   std::expected<void, Failure> time_all() {
     struct Place {
       bool brute_force;
@@ -226,7 +226,7 @@ std::expected<double, std::string> check_agreement(AccelKind kind, const Image& 
   if (differing <= kAllowedDisagreement) return differing;
   return std::unexpected(fmt::format(
       "the pictures of {} and {} differ in {:.3g} % of the pixels (allowed {:.3g} %), so their "
-      "times mean nothing",
+      "times are not comparable",
       accel_name(kind), accel_name(other), 100 * differing, 100 * kAllowedDisagreement));
 }
 

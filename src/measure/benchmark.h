@@ -1,6 +1,6 @@
-// What effects cost and what structures gain: times a scene with combinations of both, after making
-// sure that all structures see the same picture. An effect is timed once it has a line in
-// kBenchmarkEffects; requests, tables and plots take it from there.
+// The costs of effects and the gains of structures: times a scene with combinations of both, after
+// checking that all structures give the same picture. To time another effect, add a line to
+// kBenchmarkEffects; requests, tables and plots follow.
 #pragma once
 
 #include <array>
@@ -28,13 +28,13 @@ struct BenchmarkEffect {
   std::string_view short_name;              // for people, in a narrow column
   std::array<std::string_view, 2> heading;  // for people, in two lines
   bool by_default;
-  int samples;  // a pixel gets so many times the samples that it gets without the effect
-  std::string_view wants = {};  // of a scene, without which it is refused
+  int samples;                  // the factor by which it increases the number of samples
+  std::string_view wants = {};  // required in the scene, else it is refused
 };
 
-/// The first three are those of the report of 2018, which takes 1 sample a pixel without effects, 3
-/// with depth of field, 9 with antialiasing and 27 with both. They are off where they are not
-/// combined; the others are then as options and scene say.
+/// The first three are those of the report of 2018, which takes 1 sample per pixel without effects,
+/// 3 with depth of field, 9 with antialiasing and 27 with both. These are off unless combined; the
+/// others then follow options and scene.
 inline constexpr auto kBenchmarkEffects = std::to_array<BenchmarkEffect>({
     {Effect::antialiasing, "aa", "AA", {"anti-", "aliasing"}, true, 9},
     {Effect::soft_shadows, "soft_shadows", "soft", {"soft", "shadows"}, true, 1},
@@ -47,7 +47,7 @@ inline constexpr auto kBenchmarkEffects = std::to_array<BenchmarkEffect>({
 /// A set of effects: bit i stands for kBenchmarkEffects[i].
 using EffectSet = uint32_t;
 
-/// The effect of that name alone; empty when there is none.
+/// The effect with that name alone; empty if unknown.
 constexpr EffectSet effect_named(std::string_view name) {
   for (size_t i = 0; i < kBenchmarkEffects.size(); ++i)
     if (kBenchmarkEffects[i].name == name) return EffectSet(1) << i;
@@ -78,37 +78,37 @@ std::string short_label(const Combination& combination);
 struct BenchmarkRequest {
   /// Each at most once, and not AccelKind::automatic.
   std::vector<AccelKind> structures = {AccelKind::none, AccelKind::grid, AccelKind::bvh};
-  /// All subsets of these are timed, the empty one included.
+  /// All subsets of these are timed, including the empty one.
   EffectSet effects = default_effects();
   int repeat = 1;
-  /// The scene's view and all that is no effect and no number of samples: size, camera, depth,
-  /// lens, size of the lights, cells of the grid, threads, seed.
+  /// The scene's view and everything except effects and numbers of samples: size, camera, depth,
+  /// lens, light size, grid cells, threads, seed.
   RenderOptions options;
 };
 
-/// The rows of a request, by structure; effects count up in binary, the last of them fastest.
+/// The rows of a request, by structure; effects count in binary, the last fastest.
 std::vector<Combination> combinations(const BenchmarkRequest& request);
 
-/// The least, the median and the most of some values, of which there is at least one.
+/// Minimum, median and maximum of at least one value.
 struct Spread {
   double least = 0, median = 0, most = 0;
 
-  /// Half of what lies between the least and the most, as a part of the median.
+  /// Half the range, relative to the median.
   double half_width() const { return (most - least) / 2 / median; }
 };
 Spread spread_of(std::vector<double> values);
 
 struct BenchmarkRow {
   Combination combination;
-  std::vector<double> runs_s;  // rendering alone, one a round; never empty
-  uint64_t rays = 0;           // of one run
+  std::vector<double> runs_s;  // rendering only, one per round; never empty
+  uint64_t rays = 0;           // per run
 
   Spread seconds() const { return spread_of(runs_s); }
   double rays_per_s() const { return double(rays) / seconds().median; }
 };
 
-/// How many times as long a row takes as a base that was measured with it, round by round: a
-/// machine that is slower in one round than in another does not change it.
+/// The time of a row relative to a base measured with it, round by round, so that a machine that is
+/// slower in one round than in another does not matter.
 Spread ratio_of(const BenchmarkRow& row, const BenchmarkRow& base);
 
 struct BenchmarkStructure {
@@ -123,43 +123,45 @@ struct BenchmarkTable {
   uint32_t seed = 0;
   std::vector<BenchmarkStructure> structures;
   EffectSet effects = 0;               // that were combined
-  std::optional<double> disagreement;  // largest share of pixels in which two structures' plain
-                                       // pictures differ; nothing where there is one structure
+  std::optional<double> disagreement;  // largest fraction of pixels in which the plain pictures of
+                                       // two structures differ; nothing for one structure
   std::vector<BenchmarkRow> rows;      // in the order of combinations()
 
-  /// Do programs read of kBenchmarkEffects[i] whether it was on? Of the report's always, of the
-  /// others where they were combined.
+  /// Whether machine-readable output lists kBenchmarkEffects[i]: always for the report's, for
+  /// others if they were combined.
   bool lists(size_t i) const { return kBenchmarkEffects[i].by_default || (effects >> i & 1); }
 
-  /// Null when it was not measured.
+  /// Null if it was not measured.
   const BenchmarkRow* find(const Combination& combination) const;
 
-  /// The row's cost: how many times as long as the same structure takes without effects.
+  /// The row's cost: its time relative to the same structure without effects.
   Spread relative_cost(const BenchmarkRow& row) const;
 };
 
 struct BenchmarkFailure {
   enum Kind { stopped, no_resource, disagreement } kind;
-  std::string message;  // one line; empty when stopped
+  std::string message;  // one line; empty if stopped
 };
 
-/// The render that begins now.
+/// The render that starts now.
 struct BenchmarkStep {
   Combination combination;
-  int number = 0, count = 0;  // which of how many that are timed, from 1; 0: one to be compared
-  const BenchmarkTable* so_far = nullptr;  // its rows may have no runs yet; for the call only
+  int number = 0,
+      count = 0;  // index of the timed render, from 1, and their number; 0: a comparison
+  const BenchmarkTable* so_far = nullptr;  // its rows may be incomplete; valid during the call only
 };
 
-/// Builds the structures, holds their pictures without effects against each other, and times the
-/// combinations of the request, of which `control` shows how far the present one has come. The runs
-/// of a structure go in rounds, each over all its rows, so that a drift of the machine meets all
-/// rows alike. `on_step` is called before each render, outside of what is timed.
+/// Builds the structures, compares their pictures without effects, and times the combinations of
+/// the request; `control` shows the progress of the current one. The runs of a structure go in
+/// rounds over all its rows, so a drift of the machine affects all rows alike. `on_step` is called
+/// before each render, outside of the timed part.
 std::expected<BenchmarkTable, BenchmarkFailure> measure_benchmark(
     const Scene& scene, const BenchmarkRequest& request, RenderControl& control,
     const std::function<void(const BenchmarkStep&)>& on_step = {});
 
-/// The share of pixels in which the picture of `kind` differs by more than 8 of 255 from that of
-/// another structure. An error, one line, when it is more than 0.001: fast and wrong is no result.
+/// The fraction of pixels in which the picture of `kind` differs by more than 8 of 255 from that of
+/// another structure. An error, one line, if it exceeds 0.001: a fast but wrong picture is no
+/// result.
 std::expected<double, std::string> check_agreement(AccelKind kind, const Image& picture,
                                                    AccelKind other, const Image& of_other);
 

@@ -14,18 +14,18 @@ namespace raio {
 namespace {
 
 constexpr size_t kFewestRounds = 5, kFewestSlowRounds = 3, kMaxRounds = 25;
-constexpr double kCostPatienceSeconds = 15;  // then as few rounds as there are may do
+constexpr double kCostPatienceSeconds = 15;  // after that, the minimum number of rounds suffices
 constexpr double kNewsSeconds = 0.5;
 constexpr uint32_t kProbeShards = 64;
 
-// One of the pictures that are compared.
+// One of the compared pictures.
 struct Variant {
   RenderSettings settings;
   const Accel* accel = nullptr;
   const Accel* counting = nullptr;  // the same with counters
-  uint32_t share = 1;               // a run renders one of so many tiles,
+  uint32_t share = 1;               // a run renders every `share`th tile,
   double part = 1;                  // which is this part of the picture's work
-  std::vector<double> seconds{};    // round by round, of a run
+  std::vector<double> seconds{};    // per round, of a run
   EffectCost::Side counted{};
 };
 
@@ -82,7 +82,7 @@ class EffectMeasurement {
     costs_.done = passed / std::max(passed + left_s, 1e-9);
   }
 
-  // Which structures count for those that are timed.
+  // Builds the counting structures of the timed ones.
   bool build_counting(Variant& v) {
     const AccelKind kind = v.settings.accel.kind;
     const bool has_steps = kind != AccelKind::embree;
@@ -139,14 +139,14 @@ class EffectMeasurement {
     return true;
   }
 
-  // What all tiles take, told from some; nothing when told to stop.
+  // Estimates the time of all tiles from some; nothing when told to stop.
   std::optional<double> probe(const Variant& v, uint32_t shards) {
     const auto some = run_share(v, *v.accel, shards);
     if (!some) return std::nullopt;
     return some->seconds / part_of_picture(std::max<uint64_t>(1, some->pixels));
   }
 
-  // All but the structure.
+  // All except the structure.
   bool measure_effects() {
     std::vector<std::pair<Effect, Variant>> others;
     double most_samples = 1;
@@ -182,7 +182,7 @@ class EffectMeasurement {
     return compare(base_, others);
   }
 
-  // Do rays of a picture with the effect have to do with it?
+  // Whether the effect matters to the rays of a picture that has it.
   static bool meets(Effect effect, const RayCounts& with) {
     switch (effect) {
       case Effect::reflection:
@@ -235,10 +235,10 @@ class EffectMeasurement {
                  (rounds >= kFewestSlowRounds && !patient);
   }
 
-  // The structure against brute force, which has time for a few tiles only. Tiles differ so much in
-  // difficulty for the structure that those few would not represent the picture (a third off on
-  // sphereflake), so it renders more of them. Brute force takes the same time for every ray, within
-  // 5 %, so its seconds are scaled by the numbers of rays.
+  // Compares the structure with brute force, which has time for a few tiles only. The structure's
+  // tiles differ so much in difficulty that these few would not represent the picture (a third off
+  // on sphereflake), so it renders more. Brute force takes the same time for every ray, within 5 %,
+  // so its seconds are scaled by the numbers of rays.
   bool measure_structure() {
     EffectCost& c = cost(Effect::structure);
     const RenderOptions o = with_effect(options_, Effect::structure, !c.on, scene_);
@@ -253,7 +253,7 @@ class EffectMeasurement {
     const auto whole_s = probe(slow, kProbeShards * kProbeShards);
     const auto fast_s = probe(fast, kProbeShards);
     if (!whole_s || !fast_s) return false;
-    // The probe's tile was one thread's.
+    // The probe's tile was rendered by one thread.
     const uint32_t share = share_for(scene_, base.settings, *whole_s / base.settings.threads, 1);
     expect(*whole_s / base.settings.threads / share * double(kFewestSlowRounds + 1));
     if (!count(base, share, c.pixels) || !count(other, share, c.pixels)) return false;

@@ -1,5 +1,5 @@
-// What each effect costs a picture: the picture is rendered with and without it, in turns, on the
-// same pixels and with all samples, until the ratio of their times is known closely. Rays, tests
+// The cost of each effect in a picture: the picture is rendered with and without it, alternately,
+// on the same pixels and with all samples, until the ratio of times is known precisely. Rays, tests
 // and steps of both are counted exactly.
 #pragma once
 
@@ -24,43 +24,42 @@ struct EffectCost {
   enum Presence : uint8_t {
     in_picture,
     not_in_scene,    // is_in_scene() says so
-    not_in_picture,  // no ray of this picture has to do with it
+    not_in_picture,  // no ray of this picture is affected
   } presence = in_picture;
 
-  int rounds = 0;           // that were measured; 0: nothing of what follows is known yet
-  bool finished = false;    // no more will be
-  MedianInterval factor{};  // seconds with it by seconds without it, round by round
+  int rounds = 0;           // measured rounds; 0: the following is unknown
+  bool finished = false;    // no more rounds follow
+  MedianInterval factor{};  // the ratio of times with and without it, per round
 
   struct Side {
-    double seconds = 0;      // of the whole picture; median
+    double seconds = 0;      // for the whole picture; median
     RayCounts rays;          // of `pixels`
     bool has_steps = false;  // the rays' tests and steps are counted
   };
   Side with{}, without{};
-  uint64_t pixels = 0;  // whose rays were counted; `seconds` are scaled to the picture
+  uint64_t pixels = 0;  // with counted rays; `seconds` are scaled to the picture
 };
 
 struct EffectCosts {
   int width = 0, height = 0;
   std::vector<EffectCost> effects;  // in the order of kEffects
   bool finished = false;
-  double done = 0, left_s = 0;  // 0 to 1, and what it will take at least until that is 1
+  double done = 0, left_s = 0;  // 0 to 1, and the minimum remaining time
 };
 
-/// Measures the costs of all effects for a picture with `options`, whose view, channels and numbers
-/// of samples do not count: samples are those of the benchmark, 9 a pixel with antialiasing, 3 with
-/// depth of field, 27 with both. `accel` is the structure that the options ask for.
+/// Measures the costs of all effects for a picture with `options`, ignoring view, channels and
+/// numbers of samples: samples are those of the benchmark, 9 per pixel with antialiasing, 3 with
+/// depth of field, 27 with both. `accel` is the structure selected by the options.
 ///
-/// Each round renders the picture as it is, and then with each effect switched, in an order that
-/// is turned round every other time, on as many threads as a render; an effect drops out when the
-/// interval of its ratio is as close to the median as `effort` says, or when time is up. Of
-/// pictures that take long, every nth tile is rendered, the same in all rounds; brute force, which
-/// takes longest, renders fewer tiles than the structure that it is compared with, and its seconds
-/// are scaled by the numbers of rays. Tests and steps are those of a structure with
-/// AccelOptions::counters.
+/// Each round renders the picture as it is, and then with each effect switched, in an order that is
+/// reversed every other time, with as many threads as a render; an effect is finished when the
+/// interval of its ratio is as close to the median as `effort` says, or when time is up. For slow
+/// pictures every nth tile is rendered, the same in all rounds. Brute force, the slowest, renders
+/// fewer tiles than the structure it is compared with, and its seconds are scaled by the numbers of
+/// rays. Tests and steps are those of a structure with AccelOptions::counters.
 ///
-/// `on_news` gets what is known so far, after each round and now and then between two runs, outside
-/// of what is timed. Told to stop by `control` it ends soon, without `finished`. Errors: those of
+/// `on_news` gets the results so far, after each round and occasionally between two runs, outside
+/// of the timed part. When `control` says stop, it ends soon, without `finished`. Errors: those of
 /// make_film() and build_accel().
 std::expected<EffectCosts, Error> measure_effects(
     const Scene& scene, const Accel& accel, const RenderOptions& options, RenderControl& control,

@@ -10,7 +10,7 @@
 namespace raio {
 namespace {
 
-// Is there a primitive whose material is one of those?
+// Whether a primitive has one of these materials.
 template <class Fits>
 bool any_material(const Scene& scene, Fits&& fits) {
   std::vector<uint8_t> wanted;
@@ -26,14 +26,14 @@ bool any_material(const Scene& scene, Fits&& fits) {
          });
 }
 
-// Says nothing where the materials say the same.
+// Sets nothing if the materials already say the same.
 void switch_roughness(std::optional<float>& given, bool on, const Scene& scene) {
   if (on == spreads(scene, given)) return;
   const bool by_materials = spreads(scene, std::nullopt);
   given = on == by_materials ? std::nullopt : std::optional(on ? kUsualRoughness : 0);
 }
 
-// The moment of a picture without motion is that at which its shutter opens.
+// A picture without motion shows the time at which its shutter opens.
 void switch_motion(RenderOptions& o, bool on, const Scene& scene) {
   if (on == is_on(Effect::motion, o, scene)) return;
   const float open = resolve_options(o, scene).shutter_open;

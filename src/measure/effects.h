@@ -1,5 +1,5 @@
-// What a picture can be rendered with and without: what is on by the options, and the options that
-// switch it. Their costs are measured by effect_costs.h and benchmark.h.
+// The effects of a picture: which are on by the options, and the options that switch them.
+// effect_costs.h and benchmark.h measure their costs.
 #pragma once
 
 #include <array>
@@ -11,9 +11,9 @@
 
 namespace raio {
 
-/// What can be switched on and off. The structure is off where brute force takes its place, gloss
-/// and translucency where no mirrored or refracted ray spreads, motion where the shutter closes as
-/// it opens.
+/// Effects that can be switched. The structure is off if brute force replaces it, gloss and
+/// translucency if no mirrored or refracted ray spreads, motion if the shutter closes when it
+/// opens.
 enum class Effect : uint8_t {
   antialiasing,
   soft_shadows,
@@ -29,19 +29,19 @@ inline constexpr auto kEffects = std::to_array<Effect>(
     {Effect::antialiasing, Effect::soft_shadows, Effect::depth_of_field, Effect::reflection,
      Effect::refraction, Effect::gloss, Effect::translucency, Effect::motion, Effect::structure});
 
-/// The roughness of gloss and translucency that are switched on where no material has one.
+/// The roughness for gloss and translucency if no material has one.
 inline constexpr float kUsualRoughness = 0.1f;
 
 bool is_on(Effect effect, const RenderOptions& options, const Scene& scene);
 
-/// The same options with the effect on or off; what is on already stays as it is. The samples are
-/// those of the benchmark; the structure that is on is the tree; the roughness is that of the
-/// materials, or kUsualRoughness where all are smooth; the shutter is open for the whole movement.
+/// The options with the effect on or off; if already so, they are unchanged. Samples are those of
+/// the benchmark; the structure is the tree; the roughness is that of the materials, or
+/// kUsualRoughness if all are smooth; the shutter is open for the whole movement.
 RenderOptions with_effect(RenderOptions options, Effect effect, bool on, const Scene& scene);
 
-/// Can the effect change any picture of the scene? Refraction and translucency want a surface that
-/// lets light through, reflection and gloss one that mirrors (glass, too, where `fresnel` divides
-/// its light), soft shadows a light, motion what moves, all of them something to hit.
+/// Whether the effect can change any picture of the scene. Refraction and translucency need a
+/// transmitting surface, reflection and gloss a mirror (or glass, if `fresnel` splits its light),
+/// soft shadows a light, motion a moving primitive, and all need something to hit.
 bool is_in_scene(Effect effect, const Scene& scene, Fresnel fresnel);
 
 }  // namespace raio

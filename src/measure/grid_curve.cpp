@@ -39,7 +39,7 @@ class CurveMeasurement {
   std::expected<GridCurve, Error> run() {
     if (scene_.primitive_count() == 0)
       return std::unexpected(
-          bad_option("", "the scene is empty: there is nothing to put in a grid"));
+          bad_option("", "the scene is empty, so there is nothing to put in a grid"));
     if (build_and_count() && time_rounds()) {
       curve_.finished = true, curve_.done = 1, curve_.left_s = 0;
       tell();
@@ -52,7 +52,7 @@ class CurveMeasurement {
   struct Grid {
     RenderSettings settings;
     std::unique_ptr<Accel> accel;
-    std::vector<double> seconds;  // round by round, of the whole picture
+    std::vector<double> seconds;  // per round, for the whole picture
   };
 
   bool fail(Error why) {
@@ -71,7 +71,7 @@ class CurveMeasurement {
     return accel;
   }
 
-  // The share of the picture that is rendered is that which suits the slowest grid.
+  // The rendered fraction of the picture suits the slowest grid.
   bool build_and_count() {
     const double primitives = double(scene_.primitive_count());
     double slowest = 0;
@@ -82,7 +82,7 @@ class CurveMeasurement {
       grid.settings.accel.grid_factor = factor;
       const auto start = Clock::now();
       auto accel = build(grid.settings);
-      // The finer ones would need still more.
+      // Finer grids would need still more memory.
       if (!accel) break;
       GridPoint point{.factor = factor, .build_s = seconds_since(start)};
       grid.accel = std::move(*accel);
@@ -121,7 +121,7 @@ class CurveMeasurement {
     return true;
   }
 
-  // In an order that is turned round every other time.
+  // The order is reversed every other time.
   bool time_rounds() {
     for (size_t round = 1; round <= kMaxCurveRounds; ++round) {
       const auto start = Clock::now();

@@ -1,4 +1,4 @@
-// Parts of a picture rendered again and again, for those who measure: effect_costs.h, grid_curve.h.
+// Repeated renders of parts of a picture, for effect_costs.h and grid_curve.h.
 #pragma once
 
 #include <cstdint>
@@ -16,18 +16,19 @@
 
 namespace raio {
 
-/// How closely the costs are measured.
+/// The precision of measured costs.
 struct MeasuringEffort {
-  double close_enough = 0.03;  // half of the interval of a ratio, as a part of the median
-  double least_run_s = 0.02;   // shorter runs are repeated, to be above the clock's noise
+  double close_enough = 0.03;  // half the interval of a ratio, relative to the median
+  double least_run_s = 0.02;   // shorter runs are repeated, to exceed the clock's noise
 };
 
-/// The options with the samples of the benchmark: 9 a pixel with antialiasing, 3 with depth of
-/// field, 27 with both; of the picture itself, without view and channels.
+/// The options with the benchmark's samples: 9 per pixel with antialiasing, 3 with depth of field,
+/// 27 with both; for the picture itself, without view and channels.
 RenderOptions timed_options(const RenderOptions& options, const Scene& scene);
 
 struct TimedRun {
-  double seconds = 0;  // of a share those for which threads work, divided among them
+  double seconds =
+      0;  // for a part of the picture, the threads' working time divided by their number
   RayCounts rays;
   uint64_t pixels = 0;  // that were rendered
 };
@@ -37,11 +38,11 @@ std::expected<std::optional<TimedRun>, Error> render_share(const Scene& scene, c
                                                            const RenderSettings& settings,
                                                            uint32_t share, RenderControl& control);
 
-/// So many tiles a thread are enough that all threads end together.
+/// Enough tiles per thread for all threads to end together.
 inline constexpr size_t kTilesPerThread = 8;
 
-/// Every how manieth tile is worth rendering where all of them take `seconds`: so that a run is
-/// short, but leaves each thread `per_thread` tiles, and not those of the same columns.
+/// Chooses n for rendering every nth tile if all take `seconds`: short runs, but with `per_thread`
+/// tiles for each thread, and not all in the same columns.
 uint32_t share_for(const Scene& scene, const RenderSettings& settings, double seconds,
                    size_t per_thread);
 

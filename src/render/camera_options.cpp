@@ -1,4 +1,4 @@
-// The options of the camera: what they make of the scene's, and back.
+// Options of the camera: applied to the scene's, and derived from a camera.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 namespace raio {
 namespace {
 
-// What reads back to the same floats, with as few digits as that takes.
+// The shortest decimals that read back as the same floats.
 Vec3d plain(Vec3f value) {
   Vec3d out(value);
   for (int axis = 0; axis < 3; ++axis) {
@@ -22,12 +22,12 @@ Vec3d plain(Vec3f value) {
   return out;
 }
 
-// Does a camera that was fitted to data have to be fitted anew for parallel rays?
+// Whether a camera fitted to data must be fitted again for parallel rays.
 bool is_refitted(const Camera& camera, const Camera& own) {
   return camera.is_parallel() && !own.is_parallel() && own.horizontal_fov_deg > 0;
 }
 
-// Do the options ask for a camera that is fitted to the scene from another direction?
+// Whether the options fit the camera to the scene from another direction.
 bool asks_to_turn(const RenderOptions& o, const Camera& own) {
   if (o.from || o.at) return false;
   return o.side || (o.up && *o.up != Vec3d() && (own.horizontal_fov_deg > 0 || o.fit));
@@ -67,16 +67,16 @@ void set_camera(RenderOptions& options, const Camera& camera, const Scene& scene
     if (origin == Vec3d()) return plain(value);
     return origin + Vec3d(value);
   };
-  // The scene's camera, if it moves, stands still only where a place is given.
+  // A moving scene camera stands still only if a position is given.
   const bool stops = own.movement && !camera.movement;
-  // Without both places, camera_of() would fit the camera anew.
+  // Without both positions, camera_of() would fit the camera again.
   const bool refits =
       is_refitted(camera, own) || (camera.up != own.up && own.horizontal_fov_deg > 0);
   options.side.reset(), options.fit.reset();
   options.from = given(camera.from != own.from || stops || refits, camera.from, scene.origin);
   options.at = given(camera.at != own.at || refits, camera.at, scene.origin);
   options.up = given(camera.up != own.up, camera.up, {});
-  // An angle that fits the width is another for a picture of another shape.
+  // An angle that fits the width depends on the picture's aspect ratio.
   options.fov_deg =
       camera.fov_deg == own.fov_deg && own.horizontal_fov_deg == 0 ? 0 : camera.fov_deg;
   options.projection.reset();

@@ -10,7 +10,7 @@
 namespace raio {
 
 std::expected<void, std::string> parse_look(RenderOptions& options, std::string_view text) {
-  // The newest version of a look has its name.
+  // The newest version of a style has the plain name.
   for (size_t i = kLookNames.size(); i-- > 0;)
     if (const std::string_view name = kLookNames[i];
         text == name || text == name.substr(0, name.find('-')))
@@ -36,7 +36,7 @@ std::string key_light_text(const RenderOptions& options) {
 
 namespace {
 
-// Zero is a choice of its own: it switches off what a look has.
+// Zero is a valid value: it switches off a property of the style.
 std::expected<void, std::string> parse_part(std::string_view text, float most,
                                             std::optional<float>& out) {
   float value = -1;
@@ -71,7 +71,7 @@ std::string depth_cue_text(const RenderOptions& options) { return text_of(option
 
 namespace {
 
-// Has the background one colour, which depth cue can fade into?
+// Whether the background is one colour, for depth cueing to fade into.
 bool has_plain_background(const RenderOptions& options, const Scene& scene) {
   const bool transparent = options.background && options.background->transparent;
   return !transparent && !background_of(options, scene).sky;
@@ -107,7 +107,7 @@ void set_figure(RenderOptions& options, const FigureSettings& figure) {
 
 namespace {
 
-// Visits the names and members of the options that belong to another way of shading.
+// Visits the names and members of options that belong to another integrator.
 void visit_foreign_options(const RenderOptions& options, const Scene& scene, auto&& visit) {
   using O = RenderOptions;
   switch (integrator_of(options, scene)) {

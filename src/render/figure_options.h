@@ -1,5 +1,5 @@
-// The options of figures, those of the integrator `ambient`; as picture_options.h for the table of
-// options.cpp.
+// Options of figures, with the integrator `ambient`; for the table of options.cpp, like
+// picture_options.h.
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@
 
 namespace raio {
 
-/// As users write them: the newest version of a look goes without its number.
+/// As users write them: the newest version of a style has no number.
 inline constexpr auto kLooks = std::to_array<std::string_view>({"paper", "dark", "flat", "matte"});
 inline constexpr std::array<std::string_view, 2> kOnOff = {"off", "on"};
 
@@ -23,16 +23,16 @@ std::string outline_text(const RenderOptions& options);
 std::expected<void, std::string> parse_depth_cue(RenderOptions& options, std::string_view text);
 std::string depth_cue_text(const RenderOptions& options);
 
-/// Samples of a pixel where neither the user nor the scene says how many.
+/// Samples per pixel if neither the user nor the scene says.
 inline constexpr int kFigureSamples = 64;
 
 FigureSettings figure_settings(const RenderOptions& options, const Scene& scene);
-/// The options that come to these settings.
+/// The options that resolve to these settings.
 void set_figure(RenderOptions& options, const FigureSettings& figure);
 
-/// An option that has an effect with one integrator only, beside another.
+/// An option that has no effect with the selected integrator.
 std::optional<Error> figure_conflict(const RenderOptions& options, const Scene& scene);
-/// Leaves out what figure_conflict() refuses.
+/// Removes options that figure_conflict() refuses.
 void drop_figure_conflicts(RenderOptions& options, const Scene& scene);
 
 }  // namespace raio

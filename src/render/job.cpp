@@ -23,8 +23,8 @@ constexpr std::string_view kNothing = "interrupted; nothing was written";
 
 }  // namespace
 
-/// Writes a film to a part file at intervals while it lives; without threads at the end only. A
-/// failure is told once and does not disturb the work.
+/// Writes a film to a part file at intervals while it lives; without threads, only at the end. A
+/// failure is reported once and does not disturb the work.
 class RenderJob::Checkpoint {
  public:
   Checkpoint(const JobRequest& request, const Part& part,
@@ -41,7 +41,7 @@ class RenderJob::Checkpoint {
     });
   }
 
-  /// Now, and no more afterwards.
+  /// Writes it now, for the last time.
   std::expected<void, Error> finish() {
     if (path_.empty()) return {};
     ticker_ = {};
@@ -53,7 +53,7 @@ class RenderJob::Checkpoint {
 
   std::string path_;
   const Part& part_;
-  bool told_ = false;  // of a failure
+  bool told_ = false;  // reported a failure
   Ticker ticker_;
 };
 
@@ -61,7 +61,7 @@ RenderJob::RenderJob(JobRequest request, JobEvents events, RenderControl* contro
     : request_(std::move(request)),
       events_(std::move(events)),
       control_(control ? *control : own_control_) {
-  // What the job before has left there.
+  // Resets the counts of the previous job.
   control_.rays_done = control_.work_done = control_.work_total = 0;
 }
 
@@ -82,7 +82,8 @@ std::expected<void, Error> RenderJob::prepare() {
   if (!start) return std::unexpected(std::move(start.error()));
   request_ = start->request;
   samples_ = start->samples;
-  if (auto why = check_output()) return std::unexpected(std::move(*why));  // what the start brought
+  if (auto why = check_output())
+    return std::unexpected(std::move(*why));  // which the start determined
   if (auto loaded = load(); !loaded) return loaded;
 
   if (auto why = option_conflict(request_.options, scene_.get()))
@@ -95,7 +96,7 @@ std::expected<void, Error> RenderJob::prepare() {
       request_.sample_range.end > samples)
     return std::unexpected(bad_option(
         "sample-range",
-        fmt::format("ends beyond the {} samples of a pixel; expected A:B with B at most {}, found "
+        fmt::format("exceeds the {} samples per pixel; expected A:B with B at most {}, found "
                     "{}",
                     samples, samples, text_of(request_.sample_range))));
   part_.header = {settings_of(*scene_, settings_, request_.read), request_.shard, request_.shards,
@@ -154,18 +155,18 @@ std::expected<void, Error> RenderJob::run() {
   const bool is_kept = !request_.checkpoint.empty() && kept_;
   if (!done.finished && control_.stop) {
     if (!kept_) return kept_;
-    return stopped(is_kept ? fmt::format("interrupted; what was rendered is kept in {}, and "
-                                         "`resume` goes on",
-                                         request_.checkpoint)
-                           : std::string(kNothing));
+    return stopped(
+        is_kept ? fmt::format("interrupted; the samples so far are in {}, and `resume` continues",
+                              request_.checkpoint)
+                : std::string(kNothing));
   }
   const SampleCounts samples = samples_of(part_);
   if (!done.finished && samples.fewest == 0)
-    return std::unexpected(Error{
-        ErrorKind::no_resource, "",
-        fmt::format("{} s were too short for one sample of every pixel; {}", request_.time_limit_s,
-                    is_kept ? "what was rendered is kept in " + request_.checkpoint
-                            : "nothing was written")});
+    return std::unexpected(
+        Error{ErrorKind::no_resource, "",
+              fmt::format("{} s were too short for one sample per pixel; {}", request_.time_limit_s,
+                          is_kept ? "the samples so far are in " + request_.checkpoint
+                                  : "nothing was written")});
   describe(samples);
   if (!events_.warning) return {};
   if (done.finished && !request_.is_partial())
@@ -176,8 +177,8 @@ std::expected<void, Error> RenderJob::run() {
   return {};
 }
 
-// The time may have sufficed for some samples only. Of samples by Sobol's sequence the first are a
-// picture of their own, and the settings say so; of others they say which there are.
+// The time may have sufficed for some samples only. The first samples of Sobol's sequence are a
+// valid picture, and the settings say so; for other samplers the settings list the samples.
 void RenderJob::describe(const SampleCounts& samples) {
   const auto wanted = uint32_t(settings_.samples_per_pixel());
   if (request_.is_partial() || samples.fewest == wanted || samples.most == 0) return;

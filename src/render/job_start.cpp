@@ -19,10 +19,10 @@ Error refused(std::string_view file, std::string why) {
   return {ErrorKind::bad_input, std::string(file), std::move(why)};
 }
 
-/// Whole samples by Sobol's sequence, to which any number may be added.
+/// Whether samples are a prefix of Sobol's sequence, which can be extended.
 bool is_extensible(int samples) { return samples > 0; }
 
-// Beside the picture, if the request does not name one.
+// In the picture's folder, unless the request names one.
 std::string scene_of(const JobRequest& request, const Metadata& settings) {
   if (!request.scene.empty()) return request.scene;
   const fs::path name = fs::path(setting(settings, "scene")).filename();
@@ -34,14 +34,14 @@ std::string scene_of(const JobRequest& request, const Metadata& settings) {
   return path + ".nff";
 }
 
-// What the picture does not depend on stays as the request has it.
+// Options without effect on the picture stay as in the request.
 void take_picture_options(JobRequest& request, RenderOptions options) {
   options.threads = request.options.threads;
   options.accel.counters = request.options.accel.counters;
   request.options = options;
 }
 
-// Of a picture that a time limit ended: the number of its samples, or 0 where it has none.
+// For a picture ended by a time limit: its number of samples, or 0 if it has none.
 uint32_t samples_done(std::string_view text) {
   uint32_t samples = 0;
   const char* const text_end = text.data() + text.size();
@@ -49,20 +49,20 @@ uint32_t samples_done(std::string_view text) {
   return error == std::errc() && end == text_end ? samples : 0;
 }
 
-// More samples for a finished part; why not, or nothing.
+// Adds samples to a finished part; returns an error or nothing.
 std::optional<std::string> add_samples(const Part& part, JobRequest& request) {
   auto options = options_from(part.header.settings);
   if (!options) return options.error().message;
   const SampleCounts has = samples_of(part);
   if (!is_extensible(options->samples))
-    return "its samples share out the cells of `aa` and `lens-samples`, so that none can be added; "
-           "pictures made with `samples` take more";
+    return "its samples are cells of `aa` and `lens-samples`, so none can be added; pictures made "
+           "with `samples` can be extended";
   if (has.fewest != has.most)
     return fmt::format(
-        "it is not finished: its tiles have {} to {} samples a pixel; `resume` it first",
+        "it is not finished: its tiles have {} to {} samples per pixel; `resume` it first",
         has.fewest, has.most);
   if (has.samples != SampleSet({0, has.most}) || !has.alike)
-    return fmt::format("its tiles lack samples, of which they have {}; `resume` it first",
+    return fmt::format("some tiles have only the samples {}; `resume` it first",
                        text_of(has.samples));
   if (has.most + uint64_t(request.add_samples) > uint64_t(kMaxSamples))
     return fmt::format("at most {} samples per pixel are possible; choose a smaller `add-samples`",
@@ -81,15 +81,14 @@ std::expected<JobStart, Error> start_by_part(const JobRequest& request) {
     return std::unexpected(refused(
         request.checkpoint, header.shards > 1
                                 ? fmt::format("it is shard {} of a picture; add `shard` {}", is, is)
-                                : "it is no shard of a picture; leave out `shard`"));
+                                : "it is not a shard; leave out `shard`"));
   }
   if (header.samples != request.sample_range) {
     const std::string is = text_of(header.samples);
-    return std::unexpected(refused(
-        request.checkpoint,
-        is.empty()
-            ? "it holds all samples of its pixels; leave out `sample-range`"
-            : fmt::format("it holds the samples {} of its pixels; add `sample-range` {}", is, is)));
+    return std::unexpected(
+        refused(request.checkpoint,
+                is.empty() ? "it has all samples; leave out `sample-range`"
+                           : fmt::format("it has the samples {}; add `sample-range` {}", is, is)));
   }
   JobStart start{request, header.settings, 0, nullptr};
   if (request.add_samples > 0)
@@ -117,16 +116,15 @@ std::expected<JobStart, Error> start_by_repeat(const JobRequest& request) {
   if (const auto done = setting(start.settings, "samples_done"); !done.empty()) {
     start.samples = samples_done(done);
     if (start.samples == 0 || start.samples > uint32_t(samples_per_pixel(*options)))
-      return std::unexpected(
-          refused(request.repeat,
-                  fmt::format("it holds {} samples of its pixels, which do not repeat", done)));
+      return std::unexpected(refused(
+          request.repeat, fmt::format("it has only {} samples and cannot be repeated", done)));
   }
   return start;
 }
 
 std::optional<Error> request_conflict(const JobRequest& r) {
   if (r.scene.empty() && !r.loaded && r.repeat.empty())
-    return bad_option("scene", "is missing; give the file of one, or a picture to `repeat`");
+    return bad_option("scene", "is missing; give a scene file, or a picture to `repeat`");
   if (r.checkpoint.empty() && (r.resume || r.add_samples > 0)) {
     const std::string_view field = r.resume ? "resume" : "add-samples";
     return bad_option(
@@ -135,28 +133,28 @@ std::optional<Error> request_conflict(const JobRequest& r) {
   }
   if (const bool repeats = !r.repeat.empty();
       (repeats || r.add_samples > 0) && !r.of_picture.empty())
-    return bad_option(
-        repeats ? "repeat" : "add-samples",
-        fmt::format("it takes the options of the picture from its file; leave out `{}`",
-                    r.of_picture.front()));
+    return bad_option(repeats ? "repeat" : "add-samples",
+                      fmt::format("it takes the options from the picture's file; leave out `{}`",
+                                  r.of_picture.front()));
   if (!r.repeat.empty() && r.add_samples > 0)
     return bad_option("", "`repeat` and `add-samples` make different pictures; give one of them");
   const std::string_view partial = r.shards > 1 ? "shard" : "sample-range";
   if (r.is_partial() && !r.output.empty() && !is_part_path(r.output))
-    return bad_option(partial,
-                      "it makes a part of a picture; give that a name in .raio, as in part1.raio");
+    return bad_option(
+        partial,
+        "it renders a part of a picture; choose a name that ends in .raio, as in part1.raio");
   if (r.is_partial() && r.time_limit_s > 0)
-    return bad_option("", fmt::format("parts by `{}` under `time-limit` would not have equally "
-                                      "many samples; leave out one of them",
+    return bad_option("", fmt::format("parts by `{}` with `time-limit` would have different "
+                                      "numbers of samples; leave one of them out",
                                       partial));
   if (!r.sample_range.empty() && r.add_samples > 0)
     return bad_option("",
-                      "`sample-range` says which samples there are, and `add-samples` how many "
-                      "more; leave out one of them");
+                      "`sample-range` says which samples to render, and `add-samples` how many "
+                      "more; leave one of them out");
   if (!r.checkpoint.empty() && r.checkpoint == r.output && !is_part_path(r.output))
-    return bad_option("", fmt::format("`checkpoint` and the picture cannot both be {}; give one "
-                                      "another name",
-                                      r.checkpoint));
+    return bad_option(
+        "", fmt::format("`checkpoint` and the picture cannot both be {}; rename one of them",
+                        r.checkpoint));
   return std::nullopt;
 }
 
@@ -164,10 +162,9 @@ std::expected<JobStart, Error> find_start(const JobRequest& request) {
   std::error_code ignored;
   const bool is_there = !request.checkpoint.empty() && fs::exists(request.checkpoint, ignored);
   if (is_there && !request.resume && request.add_samples == 0)
-    return std::unexpected(
-        refused(request.checkpoint,
-                "it exists; `resume` goes on with it, otherwise remove it or give `checkpoint` "
-                "another name"));
+    return std::unexpected(refused(request.checkpoint,
+                                   "it already exists; add `resume` to continue it, else remove it "
+                                   "or choose another name for `checkpoint`"));
   if (is_there || request.add_samples > 0) {
     auto start = start_by_part(request);
     if (!start || request.repeat.empty()) return start;
@@ -188,7 +185,7 @@ std::expected<std::unique_ptr<Film>, Error> film_of(
   const std::string& file = repeats ? request.repeat : request.checkpoint;
   if (!start.settings.empty()) {
     Metadata before = start.settings;
-    // Of samples by Sobol's sequence any number is the beginning of more.
+    // Any number of samples of Sobol's sequence can be extended.
     if (is_extensible(used.samples) && !repeats)
       for (auto& [key, text] : before)
         if (key == "samples") text = setting(settings, "samples");
@@ -212,11 +209,11 @@ std::expected<std::unique_ptr<Film>, Error> film_of(
   auto film = make_film(scene, used);
   if (!film || !start.film) return film;
   if (start.film->bound() != (*film)->bound())
-    return std::unexpected(refused(file, "its film was made for another scene"));
+    return std::unexpected(refused(file, "its film belongs to another scene"));
   for (size_t t = 0; t < start.film->tiles(); ++t)
     if (const uint32_t has = start.film->samples(t).end(); has > uint32_t(used.samples_per_pixel()))
       return std::unexpected(refused(
-          file, fmt::format("it has {} samples a pixel already; ask for at least as many", has)));
+          file, fmt::format("it already has {} samples per pixel; request at least as many", has)));
   return std::move(start.film);
 }
 

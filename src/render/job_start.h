@@ -1,5 +1,5 @@
-// Where a RenderJob starts: what a picture to be repeated or a part file brings, and whether it
-// fits.
+// Where a RenderJob starts: the contents of a picture to repeat or of a part file, and whether they
+// fit.
 #pragma once
 
 #include <expected>
@@ -11,24 +11,24 @@
 
 namespace raio {
 
-/// Why the fields of the request do not go together (bad_option), or nothing. The options' own
-/// conflicts are option_conflict()'s.
+/// Why the fields of the request contradict each other (bad_option), or nothing. Conflicts of
+/// options are found by option_conflict().
 std::optional<Error> request_conflict(const JobRequest& request);
 
 struct JobStart {
-  JobRequest request;           // with the options and the scene that a picture or a part brought
+  JobRequest request;           // with the options and the scene of the picture or part
   Metadata settings;            // of that picture or part; empty: none
-  uint32_t samples = 0;         // of a pixel, when not all that the options say
+  uint32_t samples = 0;         // per pixel, if not as many as the options say
   std::unique_ptr<Film> film;   // of a part
-  Metadata film_settings = {};  // of that part, where `settings` are a picture's
+  Metadata film_settings = {};  // of that part, if `settings` are a picture's
 };
 std::expected<JobStart, Error> find_start(const JobRequest& request);
 
-/// The start of a request with `repeat`, by the settings of that picture.
+/// The start of a request with `repeat`, by that picture's settings.
 std::expected<JobStart, Error> start_by_repeat(const JobRequest& request);
 
-/// The film to work on: the one that `start` brought, if it is of this picture, or an empty one.
-/// `settings` are settings_of() the scene and what is `used`.
+/// The film to work on: that of `start`, if it belongs to this picture, or an empty one. `settings`
+/// are settings_of() the scene and `used`.
 std::expected<std::unique_ptr<Film>, Error> film_of(
     JobStart& start, const Scene& scene, const RenderSettings& used, const Metadata& settings,
     const std::function<void(const Error&)>& warning);

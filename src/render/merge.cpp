@@ -1,4 +1,4 @@
-// Parts of a picture put together.
+// Merges parts of a picture.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -32,7 +32,7 @@ std::string misfit(const NamedPart& first, const NamedPart& p) {
   if (std::string why = difference(a, b); !why.empty())
     return fmt::format("it does not match {}: {}{}", first.name, why,
                        setting(a, "samples") != setting(b, "samples")
-                           ? "; `add-samples` makes up for fewer samples"
+                           ? "; `add-samples` adds missing samples"
                            : "");
   const Film &film = *p.part.film, &whole = *first.part.film;
   if (film.tile_side() != whole.tile_side() || film.bound() != whole.bound())
@@ -40,7 +40,7 @@ std::string misfit(const NamedPart& first, const NamedPart& p) {
   return {};
 }
 
-// Adds the part after those `before` it to the film; why not, or nothing.
+// Adds the part after those `before` it to the film; returns an error or nothing.
 std::string add_part(Film& film, const NamedPart& p, std::span<const NamedPart> before) {
   size_t twice = 0;
   SampleSpan both;
@@ -54,14 +54,14 @@ std::string add_part(Film& film, const NamedPart& p, std::span<const NamedPart> 
     }
     if (++twice > 1) continue;
     both = here;
-    // The film of the first part has what the others brought.
+    // The first part's film has the samples of the others.
     other = before.front().name;
     for (const NamedPart& b : before.subspan(1))
       if (!b.part.film->samples(t).overlap({here}).empty()) other = b.name;
   }
   if (twice == 0) return {};
   return fmt::format(
-      "it and {} both have samples {}:{} in {} of the {} tiles; leave out one of them", other,
+      "it and {} both have samples {}:{} in {} of the {} tiles; leave one of them out", other,
       both.first, both.end, twice, film.tiles());
 }
 
@@ -75,7 +75,7 @@ std::expected<Part, Error> merge_parts(std::span<NamedPart> parts) {
     if (!why.empty())
       return std::unexpected(Error{ErrorKind::bad_input, parts[i].name, std::move(why)});
   }
-  // Which the merged part need not have ended with.
+  // The merged part may have other final values.
   std::erase_if(first.header.settings, [](const auto& s) { return s.first == "samples_done"; });
   return Part{{first.header.settings, 0, 1}, std::move(first.film)};
 }
@@ -86,7 +86,7 @@ std::string missing_samples(const Part& part, uint32_t shards) {
   const SampleSpan wanted{0, options ? uint32_t(samples_per_pixel(*options)) : 1};
   std::vector<size_t> missing(shards), all(shards);
   size_t tiles = 0, with_gaps = 0;
-  SampleSet gaps;  // of the first tile that has some
+  SampleSet gaps;  // of the first tile with gaps
   bool alike = true;
   for (size_t t = 0; t < film.tiles(); ++t) {
     const SampleSet samples = film.samples(t);

@@ -1,4 +1,4 @@
-// How texts become the values of options.
+// Conversion of texts to values of options.
 #pragma once
 
 #include <fmt/format.h>
@@ -12,7 +12,7 @@
 
 namespace raio {
 
-/// A number that is all of the text.
+/// A number that is the whole text.
 template <class T>
 std::optional<T> parse_number(std::string_view text) {
   T value{};
@@ -21,7 +21,7 @@ std::optional<T> parse_number(std::string_view text) {
   return value;
 }
 
-/// One of `names`, whose place among them is the number of the value.
+/// One of `names`; its index is the value.
 template <class Enum, class Value>
 std::expected<void, std::string> parse_word(std::span<const std::string_view> names,
                                             std::string_view text, Value& value) {

@@ -27,7 +27,7 @@ constexpr std::array<std::string_view, 7> kSideNames = {"front", "back",   "left
 constexpr std::array<std::string_view, 2> kFitNames = {"all", "most"};
 constexpr std::array<std::string_view, 3> kFresnelNames = {"none", "exact", "schlick"};
 
-// "512x512x8" into as many whole numbers as `out` holds.
+// Parses "512x512x8" into as many integers as `out` has.
 bool parse_extents(std::string_view text, std::span<int> out, int most) {
   for (size_t i = 0; i < out.size(); ++i) {
     const size_t end = i + 1 < out.size() ? text.find('x') : text.size();
@@ -40,7 +40,7 @@ bool parse_extents(std::string_view text, std::span<int> out, int most) {
   return text.empty();
 }
 
-// "88mm" or, with a height, "88x66mm"; nothing: it is no length.
+// Parses "88mm" or, with a height, "88x66mm"; nothing if it is no length.
 std::optional<PrintSize> parse_print(std::string_view text, bool with_height) {
   struct Unit {
     std::string_view name;
@@ -69,10 +69,10 @@ std::expected<void, std::string> parse_size(RenderOptions& o, std::string_view t
     return o.print = *print, o.width = o.height = 0, std::expected<void, std::string>();
   std::array<int, 2> size{};
   if (!parse_extents(text, size, kMaxSide))
-    return std::unexpected(fmt::format(
-        "expected a size as WIDTHxHEIGHT in pixels, each 1 to {}, as in 640x480, or as it is "
-        "printed, as in 88x66mm, found '{}'",
-        kMaxSide, text));
+    return std::unexpected(
+        fmt::format("expected a size as WIDTHxHEIGHT in pixels, each 1 to {}, as in 640x480, or in "
+                    "print, as in 88x66mm, found '{}'",
+                    kMaxSide, text));
   o.width = size[0], o.height = size[1], o.print.reset();
   return {};
 }
@@ -118,7 +118,7 @@ std::expected<void, std::string> parse_fresnel(RenderOptions& o, std::string_vie
   return parse_word<Fresnel>(kFresnelNames, text, o.fresnel);
 }
 
-// Zero is a choice of its own here: it switches off what materials ask for.
+// Zero is a valid value: it switches off the materials' roughness.
 template <std::optional<float> RenderOptions::* kNumber>
 std::expected<void, std::string> parse_roughness(RenderOptions& o, std::string_view text) {
   constexpr float kMost = 1000;
@@ -129,7 +129,7 @@ std::expected<void, std::string> parse_roughness(RenderOptions& o, std::string_v
   return {};
 }
 
-// "0,0.5"
+// Parses "0,0.5".
 std::expected<void, std::string> parse_shutter(RenderOptions& o, std::string_view text) {
   constexpr float kMost = 1e30f, kNone = std::numeric_limits<float>::quiet_NaN();
   const size_t comma = std::min(text.find(','), text.size());
@@ -143,7 +143,7 @@ std::expected<void, std::string> parse_shutter(RenderOptions& o, std::string_vie
   return {};
 }
 
-// "depth,normal"
+// Parses "depth,normal".
 std::expected<void, std::string> parse_channels(RenderOptions& o, std::string_view text) {
   ChannelSet channels;
   while (true) {
@@ -168,7 +168,7 @@ std::expected<void, std::string> parse_view(RenderOptions& o, std::string_view t
   return parse_word<View>(kViewNames, text, o.view);
 }
 
-// "1,2.5,-3"
+// Parses "1,2.5,-3".
 template <std::optional<Vec3d> RenderOptions::* kVector>
 std::expected<void, std::string> parse_vector(RenderOptions& o, std::string_view text) {
   Vec3d v;
@@ -204,8 +204,7 @@ std::expected<void, std::string> parse_seed(RenderOptions& o, std::string_view t
   return {};
 }
 
-// The texts of what the functions above parse; numbers with as many digits as read back to the
-// same.
+// The texts of values parsed above; numbers have the shortest decimals that read back the same.
 std::string size_text(const RenderOptions& o) {
   if (o.print && o.print->height > 0)
     return fmt::format("{}x{}mm", o.print->width, o.print->height);
@@ -575,7 +574,7 @@ std::expected<void, Error> set_option(RenderOptions& options, const OptionSpec& 
 }
 
 std::string option_text(const RenderOptions& options, const OptionSpec& spec) {
-  RenderOptions o = options;  // which the table's functions may change
+  RenderOptions o = options;  // a copy that the table's functions may change
   struct Text {
     RenderOptions& o;
     const OptionSpec& spec;
@@ -587,7 +586,7 @@ std::string option_text(const RenderOptions& options, const OptionSpec& spec) {
     std::string operator()(int& (*value)(RenderOptions&)) {
       return value(o) == 0 ? "" : fmt::format("{}", value(o));
     }
-    // With as many digits as read back to the same number.
+    // With the shortest decimals that read back the same.
     std::string operator()(float& (*value)(RenderOptions&)) {
       return value(o) == 0 ? "" : fmt::format("{}", value(o));
     }

@@ -1,5 +1,5 @@
-// What users may ask of a picture, and the one table of it from which the command line and its help
-// are made; what it comes to for a scene is integrate/settings.h.
+// The options of a picture, in one table that feeds the command line and its help;
+// integrate/settings.h has the resolved values for a scene.
 #pragma once
 
 #include <array>
@@ -19,8 +19,8 @@
 
 namespace raio {
 
-/// A picture as large as it is printed, in millimetres; the height 0 follows from the scene's
-/// shape.
+/// The size of the printed picture in millimetres; the height 0 follows from the scene's aspect
+/// ratio.
 struct PrintSize {
   float width = 0, height = 0;
 
@@ -29,14 +29,14 @@ struct PrintSize {
 inline constexpr float kPrintDpi = 300;
 inline constexpr int kMaxSide = 1 << 20;  // pixels
 
-/// Zero, or nothing, where the scene or a rule decides: resolve_options() fills it in.
+/// Zero or empty values are left to the scene or a rule: resolve_options() fills them in.
 struct RenderOptions {
   AccelOptions accel;
   int width = 0, height = 0;
   std::optional<PrintSize> print;  // instead of pixels
-  float dpi = 0;                   // pixels per inch; with `print` 0 is kPrintDpi
+  float dpi = 0;                   // pixels per inch; 0 is kPrintDpi with `print`
   std::optional<Crop> crop;
-  std::optional<Vec3d> from, at, up;  // of the camera, in the coordinates of the file
+  std::optional<Vec3d> from, at, up;  // of the camera, in the file's coordinates
   std::optional<Side> side;           // instead of `from`
   std::optional<Fit> fit;
   float fov_deg = 0;
@@ -45,16 +45,16 @@ struct RenderOptions {
   View view = View::picture;
   ChannelSet channels;
   std::optional<WrittenColor> background;
-  float exposure = 0;  // stops
+  float exposure = 0;  // in stops
   std::optional<Tone> tone;
-  int aa = 0;  // cells along a side of the pixel; 1: its centre; resolved to 0: all of it
+  int aa = 0;  // cells along a pixel's side; 1: its centre; resolved to 0: the whole pixel
   bool soft_shadows = false;
   float light_size = 0;
   std::optional<bool> dof;
   float aperture = 0;
   float focus = 0;
   int lens_samples = 0;
-  int samples = 0;  // of a pixel in all, instead of aa x aa x lens_samples
+  int samples = 0;  // per pixel in total, instead of aa x aa x lens_samples
   std::optional<SamplerKind> sampler;
   int depth = 5;
   bool no_reflection = false, no_refraction = false;
@@ -69,52 +69,52 @@ struct RenderOptions {
   std::optional<float> outline, depth_cue, opacity;
   bool shadow_catcher = false;
   bool one_sided = false;
-  bool angle_to_centers = false;  // of view: see EyeRays
+  bool angle_to_centers = false;  // for the field of view: see EyeRays
   int threads = 0;
   uint32_t seed = 0;
 
   friend bool operator==(const RenderOptions&, const RenderOptions&) = default;
 };
 
-/// The scene's camera with what the options say of it. It is fitted to the scene where a side or
-/// `fit` is given. One that was fitted to data is fitted anew for another direction up and for
-/// parallel rays, unless a place is given.
+/// The scene's camera, modified by the options. A side or `fit` fits it to the scene. A camera
+/// fitted to data is fitted again for another up direction and for parallel rays, unless a position
+/// is given.
 Camera camera_of(const Scene& scene, const RenderOptions& options);
 
-/// The options that make a camera of the scene that of a picture: what differs from the scene's.
+/// Sets the options that turn the scene's camera into a picture's: the differences.
 void set_camera(RenderOptions& options, const Camera& camera, const Scene& scene);
 
 /// Leaves the camera to the scene.
 void reset_camera(RenderOptions& options);
 
-/// Why the options do not go together (bad_option): one that was given and would have no effect
-/// beside the others, or more samples than there can be; nothing when all is well. Without a scene,
-/// what depends on it passes.
+/// Why the options cannot be combined (bad_option): one would have no effect with the others, or
+/// there would be too many samples; nothing if all is well. Without a scene, whatever depends on it
+/// passes.
 std::optional<Error> option_conflict(const RenderOptions& options, const Scene* scene = nullptr);
 
-/// Why a picture with these options cannot be watched in a window (bad_option), or nothing.
+/// Why a picture with these options cannot be shown in a window (bad_option), or nothing.
 std::optional<Error> window_conflict(const RenderOptions& options);
 
-/// The channels that are asked for by name, and alpha for a transparent background.
+/// The channels requested by name, and alpha for a transparent background.
 ChannelSet channels_of(const RenderOptions& options);
 
-/// What the options come to for `scene`: where they leave something open, the scene's own requests
-/// (resolution, samples, lens, structure), else the default of its dialect that the table states.
+/// Resolves the options for `scene`: open values come from the scene's requests (resolution,
+/// samples, lens, structure), else from the default of its dialect as stated in the table.
 RenderSettings resolve_options(const RenderOptions& options, const Scene& scene);
 
-/// What makes the picture.
+/// The integrator of the picture.
 IntegratorKind integrator_of(const RenderOptions& options, const Scene& scene);
 
-/// The structure that the scene's file asks for, or automatic.
+/// The structure requested by the scene's file, or automatic.
 AccelKind hinted_accel(const Scene& scene);
 
-/// The options that resolve to these settings and leave nothing open but the scene's own camera.
+/// The options that resolve to these settings and leave only the scene's own camera open.
 RenderOptions options_of(const RenderSettings& settings, const Scene& scene);
 
-/// Of options that leave nothing open about samples, such as those of options_of().
+/// For options with resolved samples, such as those of options_of().
 int samples_per_pixel(const RenderOptions& options);
 
-/// The sections of the help, in its order.
+/// The sections of the help, in order.
 enum class OptionGroup : uint8_t {
   input,
   output,
@@ -129,7 +129,7 @@ inline constexpr auto kOptionGroups =
     std::to_array<std::string_view>({"Input", "Output", "Camera", "Sampling", "Effects", "Figures",
                                      "Long renders", "Speed and diagnostics"});
 
-/// One option. `value` reaches its number or switch, or parses anything else.
+/// One option. `value` refers to its number or switch, or parses anything else.
 struct OptionSpec {
   using Parse = std::expected<void, std::string> (*)(RenderOptions&, std::string_view);
 
@@ -140,14 +140,14 @@ struct OptionSpec {
   std::variant<bool& (*)(RenderOptions&), std::optional<bool>& (*)(RenderOptions&),
                int& (*)(RenderOptions&), float& (*)(RenderOptions&), Parse>
       value;
-  double least = 0, most = 0;  // of a number
+  double least = 0, most = 0;  // for a number
 
-  /// For a value that is parsed: its text, empty where none is given, and the words that it may be.
+  /// For a parsed value: its text, empty if not given, and the accepted words.
   std::string (*text)(const RenderOptions&) = nullptr;
   std::span<const std::string_view> words = {};  // NOLINT(readability-redundant-member-init)
 
-  bool of_picture = true;  // a picture depends on it
-  bool of_window = true;   // pictures that are watched as they grow have it, too
+  bool of_picture = true;  // it affects the picture
+  bool of_window = true;   // it also applies to progressive pictures in the window
 
   bool is_switch() const { return value_name.empty(); }
 };
@@ -160,17 +160,17 @@ std::span<const OptionSpec> render_option_table();
 std::expected<void, Error> set_option(RenderOptions& options, const OptionSpec& spec,
                                       std::string_view text);
 
-/// The value of an option as set_option() takes it; empty where it is not given.
+/// The value of an option in the form of set_option(); empty if not given.
 std::string option_text(const RenderOptions& options, const OptionSpec& spec);
 
-/// What the command line needs to have these options: " --aa 4 --soft-shadows", without those that
-/// are as always and as a shell wants it.
+/// The command-line arguments for these options: " --aa 4 --soft-shadows", without defaults and
+/// quoted for a shell.
 std::string option_arguments(const RenderOptions& options);
 
-/// An option as part of these: " --aa 4".
+/// One option as an argument: " --aa 4".
 std::string option_argument(std::string_view name, bool is_switch, std::string_view text);
 
-/// `word` as a shell wants it.
+/// `word`, quoted for a shell if necessary.
 std::string shell_word(std::string_view word);
 
 /// Names as on the command line.

@@ -19,7 +19,7 @@ constexpr std::string_view kMagic = "RAIOPART";
 constexpr uint32_t kFormat = 3;
 constexpr size_t kHashBytes = 16;
 
-// Numbers have the lowest byte first.
+// Numbers are little-endian.
 template <class T>
 void put(std::string& out, T value) {
   for (size_t i = 0; i < sizeof value; ++i) out += char(uint64_t(value) >> 8 * i & 255);
@@ -39,7 +39,8 @@ constexpr std::array kRayCounts = {
     &RayCounts::eye,    &RayCounts::eye_hits,    &RayCounts::reflection, &RayCounts::refraction,
     &RayCounts::shadow, &RayCounts::shadow_hits, &RayCounts::tests,      &RayCounts::steps};
 
-// All lowest bytes, then all second ones, and so on: the upper ones are alike, as deflate likes it.
+// All lowest bytes, then all second ones, and so on: the upper bytes are similar, which deflate
+// compresses well.
 template <class T>
 std::string to_planes(std::span<const T> numbers) {
   std::string planes(numbers.size() * sizeof(T), '\0');
@@ -58,7 +59,7 @@ std::vector<T> from_planes(std::string_view planes) {
   return numbers;
 }
 
-// What deflate cannot make smaller stays as it is.
+// Data that deflate cannot shrink stays as it is.
 template <class T>
 void put_numbers(std::string& out, const std::vector<T>& numbers) {
   if (numbers.empty()) return;
@@ -71,7 +72,7 @@ void put_numbers(std::string& out, const std::vector<T>& numbers) {
   put_text(out, done == Z_OK && size < planes.size() ? packed : planes);
 }
 
-// Without its samples a tile is its zero alone.
+// A tile without samples is a single zero.
 std::string encode_tile(const TileSamples& tile) {
   std::string out;
   put(out, uint32_t(tile.samples.spans().size()));
@@ -86,7 +87,7 @@ std::string encode_tile(const TileSamples& tile) {
   return out;
 }
 
-/// Takes from the front; after the end all is zero and `ended` is set.
+/// Reads from the front; after the end everything is zero and `ended` is set.
 class ByteReader {
  public:
   explicit ByteReader(std::string_view bytes) : left_(bytes) {}
@@ -117,7 +118,7 @@ class ByteReader {
   std::string_view left_;
 };
 
-// Takes so many numbers; false when the bytes do not hold them.
+// Reads several numbers; false if there are not enough bytes.
 template <class T>
 bool take_numbers(ByteReader& bytes, size_t count, std::vector<T>& numbers) {
   if (count == 0) return true;
@@ -134,10 +135,10 @@ bool take_numbers(ByteReader& bytes, size_t count, std::vector<T>& numbers) {
   return true;
 }
 
-// Those of a tile; what is wrong with them, or nothing.
+// Reads a tile's samples; returns the error, or nothing.
 std::string take_samples(ByteReader& bytes, SampleSpan within, SampleSet& samples) {
   const auto count = bytes.number<uint32_t>();
-  uint32_t end = 0;  // of the span before
+  uint32_t end = 0;  // of the previous span
   for (uint32_t i = 0; i < count; ++i) {
     const auto first = bytes.number<uint32_t>();
     const SampleSpan span{first, bytes.number<uint32_t>()};
@@ -153,7 +154,7 @@ std::string take_samples(ByteReader& bytes, SampleSpan within, SampleSet& sample
 }
 
 bool are_sound(const RayCounts& rays, uint64_t eye, size_t tiles) {
-  // The film's sum does not overflow.
+  // The film's sum must not overflow.
   const uint64_t most = std::numeric_limits<uint64_t>::max() / kRayCounts.size() / tiles;
   return rays.eye == eye && rays.eye_hits <= rays.eye && rays.shadow_hits <= rays.shadow &&
          std::ranges::all_of(kRayCounts, [&](auto count) { return rays.*count <= most; });
@@ -165,13 +166,13 @@ bool are_sound(const NanSamples& nans, uint64_t samples, const Tile& tile) {
          nans.y >= uint32_t(tile.y0) && nans.y < uint32_t(tile.y1);
 }
 
-// What is wrong with the tile, or nothing. `within`: samples that it may have.
+// Returns the tile's error, or nothing. `within`: samples that it may have.
 std::string take_tile(ByteReader& bytes, size_t index, const PartHeader& header, SampleSpan within,
                       Film& film) {
   TileSamples tile;
   if (std::string wrong = take_samples(bytes, within, tile.samples); !wrong.empty()) return wrong;
   if (tile.samples.empty()) return {};
-  if (index % header.shards != header.shard) return "not of the shard";
+  if (index % header.shards != header.shard) return "not part of the shard";
   const Tile place = film.tile(index);
   const size_t pixels = size_t(place.x1 - place.x0) * size_t(place.y1 - place.y0);
   const uint64_t all = uint64_t(tile.samples.count()) * pixels;
@@ -185,7 +186,7 @@ std::string take_tile(ByteReader& bytes, size_t index, const PartHeader& header,
       !take_numbers(bytes, size_t(layout.means()) * pixels, tile.means) ||
       !take_numbers(bytes, size_t(layout.squares()) * pixels, tile.squares) ||
       !take_numbers(bytes, size_t(layout.firsts()) * pixels, tile.firsts))
-    return "the number of values differs from that of pixels";
+    return "the number of values differs from the number of pixels";
   if (!film.can_hold(tile)) return "a sum exceeds the bound of its samples";
   film.replace(index, tile);
   return {};
@@ -239,10 +240,10 @@ std::expected<Part, Error> decode_part(std::string_view file) {
   ByteReader bytes(file);
   bytes.take(kMagic.size());
   if (const auto format = bytes.number<uint32_t>(); format != kFormat)
-    return refused(fmt::format(
-        "a part file of format {}, which this version does not read (it reads {}); finish it "
-        "with the version of Raio that wrote it, or render anew",
-        format, kFormat));
+    return refused(
+        fmt::format("the part file has format {}, which this version cannot read (it reads {}); "
+                    "finish it with the version of Raio that wrote it, or render again",
+                    format, kFormat));
   if (bytes.left() < kHashBytes) return broken("the file is truncated");
   std::string hash;
   put_hash(hash, hash128(file.substr(0, file.size() - kHashBytes)));
@@ -272,8 +273,8 @@ std::expected<Part, Error> decode_part(std::string_view file) {
   if (tile_side == 0 || tile_side % 8 != 0 || tile_side > uint32_t(kMaxTileSide))
     return broken(fmt::format("tiles of {} pixels", tile_side));
   if (!(bound >= Film::kMinBound && bound <= Film::kMaxBound))
-    return broken("no bound of its samples");
-  if (header.shard >= header.shards) return broken("no such shard");
+    return broken("invalid bound of samples");
+  if (header.shard >= header.shards) return broken("invalid shard");
   SampleSpan within{0, uint32_t(samples_per_pixel(*options))};
   if (header.samples != SampleSpan()) {
     if (header.samples.empty() || header.samples.end > within.end)
@@ -281,7 +282,7 @@ std::expected<Part, Error> decode_part(std::string_view file) {
           fmt::format("samples {}:{} of {}", header.samples.first, header.samples.end, within.end));
     within = header.samples;
   }
-  // Each tile takes four bytes at least, so that no short file asks for the memory of a large film.
+  // Each tile takes at least four bytes, so a short file cannot request the memory of a large film.
   const uint64_t tiles = uint64_t((width - 1) / tile_side + 1) * ((height - 1) / tile_side + 1);
   if (tiles > bytes.left() / 4) return broken("the file is truncated");
   if (auto why = picture_problem(int(width), int(height), options->channels))

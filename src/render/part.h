@@ -1,6 +1,6 @@
-// Part files (.raio): a film, whole or not, with all that decides its picture, so that it can be
-// gone on with elsewhere and later. A checkpoint is one, a shard, a picture to which samples may be
-// added. docs/long-renders.md has their layout.
+// Part files (.raio): a film, complete or not, with everything that determines its picture, so that
+// it can be resumed elsewhere. Checkpoints, shards and pictures to refine are part files. Their
+// layout is in docs/long-renders.md.
 #pragma once
 
 #include <expected>
@@ -18,8 +18,8 @@ namespace raio {
 
 struct PartHeader {
   Metadata settings;               // settings_of() the picture
-  uint32_t shard = 0, shards = 1;  // which tiles are here, as in RenderTask
-  SampleSpan samples = {};         // which samples are; empty: all that the settings say
+  uint32_t shard = 0, shards = 1;  // the tiles of this part, as in RenderTask
+  SampleSpan samples = {};         // the samples of this part; empty: all of the settings
 };
 
 struct Part {
@@ -27,28 +27,28 @@ struct Part {
   std::unique_ptr<Film> film;
 };
 
-/// Whether the name says that the file is one.
+/// Whether the suffix is that of a part file.
 bool is_part_path(const std::filesystem::path& path);
 
-/// The film as it is at some moment while others may add to it: each tile is whole.
+/// A snapshot of the film while others may add to it: each tile is consistent.
 std::string encode_part(const PartHeader& header, const Film& film);
 std::expected<void, Error> write_part(const std::filesystem::path& path, const PartHeader& header,
                                       const Film& film);
 
-/// The file need not be trusted: what comes back is a sound film of the size that its settings say.
-/// The error of decode_part has no subject.
+/// The file is not trusted: the result is a valid film of the size in its settings. The error has
+/// no subject.
 std::expected<Part, Error> decode_part(std::string_view file);
 std::expected<Part, Error> read_part(const std::filesystem::path& path);
 
-/// How many samples the tiles of a part have, of those that its shard is about.
+/// The number of samples in the tiles of a part, within its shard.
 struct SampleCounts {
   uint32_t fewest = 0, most = 0;
-  bool alike = true;  // all have the same samples:
-  SampleSet samples;  // of the first of them
+  bool alike = true;  // all tiles have the same samples
+  SampleSet samples;  // of the first tile
 };
 SampleCounts samples_of(const Part& part);
 
-/// "0:20,50:100", each span from its first sample to before its end.
+/// "0:20,50:100": each span as first sample and end, exclusive.
 std::string text_of(const SampleSet& samples);
 
 /// A part with its name, for messages.
@@ -57,12 +57,12 @@ struct NamedPart {
   Part part;
 };
 
-/// All of them in the film of the first, to the same bytes as if one render had made them. The
-/// error (bad_input) says what does not fit together: settings that differ, samples that two have.
+/// Merges all parts into the film of the first, giving the bytes of a single render. The error
+/// (bad_input) names the contradiction: different settings, samples in two parts.
 std::expected<Part, Error> merge_parts(std::span<NamedPart> parts);
 
-/// Which tiles and samples a part lacks, tiles in the words of the shards that it was made of;
-/// nothing when it has all. `shards`: into how many the picture was split.
+/// The missing tiles and samples of a part, tiles by shard; nothing if it is complete. `shards`:
+/// the number of shards of the picture.
 std::string missing_samples(const Part& part, uint32_t shards);
 
 }  // namespace raio

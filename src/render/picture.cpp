@@ -11,7 +11,7 @@
 namespace raio {
 namespace {
 
-// The channels that are layers.
+// The channels that become layers.
 std::vector<const ChannelSpec*> layers_of(ChannelSet channels) {
   std::vector<const ChannelSpec*> layers;
   for (const ChannelSpec& spec : kChannels)

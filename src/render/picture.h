@@ -1,5 +1,5 @@
-// What becomes of a film: the picture with its channels, in a file of the format that keeps them,
-// or the film itself in a part file.
+// Output of a film: a picture with its channels, in a format that can store them, or the film
+// itself in a part file.
 #pragma once
 
 #include <expected>
@@ -16,33 +16,32 @@
 
 namespace raio {
 
-/// What the film shows, as picture_of(film, settings.view) has it, with all the channels that the
-/// film has: alpha as such, the others as layers with the names and components of kChannels, as
-/// Film::resolve() gives them. A picture with alpha has no background in its colours.
+/// The film's picture, as picture_of(film, settings.view), with all its channels: alpha as such,
+/// the others as layers with names and components of kChannels, as given by Film::resolve(). If it
+/// has alpha, its colours have no background.
 Picture picture_of(const Film& film, const RenderSettings& settings);
 
-/// Makes colours those of a display, by exposure and tone curve; they are premultiplied by `alpha`
-/// (which may be empty) and stay so. With `none` and 0 they stay as they are.
+/// Converts colours to display values by exposure and tone curve; they are premultiplied by `alpha`
+/// (which may be empty) and stay so. `none` and 0 leave them unchanged.
 void tone_map(Image& image, std::span<const float> alpha, Tone tone, float exposure_ev);
 
-/// Draws on a picture that is about to be written. Its colours are those of a display, or, if
-/// `linear`, the light that the sRGB curve makes such.
+/// Draws on a picture before it is written. Its colours are display values or, if `linear`, light
+/// for the sRGB curve.
 using Overlay = std::function<std::expected<void, Error>(Picture&, bool linear)>;
 
-/// write_image() with the tone and exposure of the settings, which are settings_of() the picture,
-/// in the formats that are for displays: PNG and PPM. `overlay`, if any, comes last.
+/// write_image() with tone and exposure of the settings, settings_of() the picture, in display
+/// formats: PNG and PPM. `overlay`, if any, is drawn last.
 std::expected<void, Error> write_picture(Picture picture, const std::filesystem::path& path,
                                          const Metadata& settings, const Overlay& overlay = {});
 
-/// Why a picture with these channels cannot go to `path`, nor a part file if the name is that of
-/// one, as far as can be told now: an unknown suffix, a format that does not keep the channels
-/// (bad_input), a place that cannot be written to. For callers that are about to compute for long.
+/// Why a picture with these channels, or a part file if the suffix is that of one, cannot be
+/// written to `path`, as far as can be known in advance: an unknown suffix, a format without the
+/// channels (bad_input), an unwritable place. Call it before long computations.
 std::optional<Error> output_problem(const std::filesystem::path& path, ChannelSet channels = {});
 
-/// Writes a part file where the name is that of one, else the picture with its channels as
-/// write_picture() does, and the settings either way. A part file cannot say less than all of its
-/// tiles; whether the tiles of a picture are complete is not asked here. A part file has no
-/// overlay.
+/// Writes a part file if the suffix is that of one, else the picture with its channels as
+/// write_picture() does; both with the settings. A part file stores which samples are missing; a
+/// picture does not, and completeness is not checked here. A part file has no overlay.
 std::expected<void, Error> write_result(const std::filesystem::path& path, const Part& part,
                                         const Overlay& overlay = {});
 

@@ -29,8 +29,8 @@ std::optional<Error> crop_conflict(const RenderOptions& options, const Scene* sc
                                 crop_text(options), width, height, width, height));
 }
 
-// The way in which `options` show something else than light, as in "`view` normals"; empty where
-// they do not.
+// The option by which `options` show something other than light, as in "`view` normals"; empty if
+// they show light.
 std::string no_light_in(const RenderOptions& options) {
   if (options.view != View::picture) return fmt::format("`view` {}", view_name(options.view));
   return options.integrator == IntegratorKind::views ? "`integrator` views" : "";
@@ -84,7 +84,7 @@ std::expected<void, std::string> parse_background(RenderOptions& options, std::s
     return {};
   }
   if (std::error_code ignored; !std::filesystem::is_directory(text, ignored))
-    return std::unexpected(color.error() + "; and no folder has that name");
+    return std::unexpected(color.error() + "; and there is no folder with that name");
   auto sky = read_cube_map(text);
   if (!sky) return std::unexpected(sky.error().text());
   options.background = WrittenColor{.color = {}, .sky = std::move(*sky)};
@@ -139,7 +139,7 @@ std::optional<Error> window_conflict(const RenderOptions& options) {
     return bad_option("crop", "the window shows whole pictures; leave it out, or render to a file");
   if (options.background && options.background->transparent)
     return bad_option("background",
-                      "the window cannot show transparent; give a colour, or render to a file");
+                      "the window cannot show transparency; give a colour, or render to a file");
   return std::nullopt;
 }
 

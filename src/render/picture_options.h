@@ -1,5 +1,5 @@
-// The options that say which part of a picture there is and on what ground: their texts, and what
-// they do not go with. The table of options (render/options.h) names them.
+// The options of crop and background: their texts, and conflicts with others. The table of options
+// (render/options.h) refers to them.
 #pragma once
 
 #include <expected>
@@ -12,21 +12,20 @@
 
 namespace raio {
 
-/// "X0,Y0,X1,Y1", as OptionSpec::Parse and OptionSpec::text have it.
+/// "X0,Y0,X1,Y1", for OptionSpec::Parse and OptionSpec::text.
 std::expected<void, std::string> parse_crop(RenderOptions& options, std::string_view text);
 std::string crop_text(const RenderOptions& options);
 
-/// Likewise, as parse_color() has it, or the folder of a sky, which is read.
+/// The same for a colour as in parse_color(), or the folder of a sky, which is read.
 std::expected<void, std::string> parse_background(RenderOptions& options, std::string_view text);
 std::string background_text(const RenderOptions& options);
 
-/// The curve of display formats: that of displays for figures, else none, unless the options say.
+/// The tone curve of display formats if the options do not say: srgb for figures, else none.
 Tone tone_of(const RenderOptions& options, const Scene& scene);
 
-/// What rays bring that hit nothing: RenderSettings::background and sky. The scene's own where the
-/// options do not say, and for data, which has none, that of the look; no sky where they do not
-/// show light. Display values of colours are the light
-/// of which a tone curve makes them again.
+/// The light of rays that hit nothing: RenderSettings::background and sky. If the options do not
+/// say, the scene's own, or for data, which has none, the style's; no sky unless the picture shows
+/// light. Display values become the light from which the tone curve produces them.
 struct Background {
   Rgb color;
   std::shared_ptr<const CubeMap> sky;
@@ -35,7 +34,7 @@ struct Background {
 };
 Background background_of(const RenderOptions& options, const Scene& scene);
 
-/// Their share of option_conflict(). Without a scene, what depends on it passes.
+/// Part of option_conflict(). Without a scene, whatever depends on it passes.
 std::optional<Error> picture_conflict(const RenderOptions& options, const Scene* scene);
 
 }  // namespace raio

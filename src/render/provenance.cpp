@@ -11,7 +11,7 @@
 namespace raio {
 namespace {
 
-// Names of settings have no dashes.
+// Names of settings have underscores instead of dashes.
 std::string with_underscores(std::string_view name) {
   std::string key(name);
   std::ranges::replace(key, '-', '_');
@@ -20,13 +20,13 @@ std::string with_underscores(std::string_view name) {
 
 std::string key_of(const OptionSpec& spec) { return with_underscores(spec.name); }
 
-constexpr std::string_view kRead = "read_";  // options of reading
+constexpr std::string_view kRead = "read_";  // prefix of reading options
 
 std::string key_of(const ReadOptionSpec& spec) {
   return std::string(kRead) + with_underscores(spec.name);
 }
 
-// What stands beside the options.
+// Settings that are not options.
 constexpr std::array<std::string_view, 6> kNoOptions = {"version", "scene",    "scene_hash",
                                                         "sky",     "sky_hash", "samples_done"};
 
@@ -34,7 +34,7 @@ constexpr std::array<std::string_view, 6> kNoOptions = {"version", "scene",    "
 
 Metadata settings_of(const Scene& scene, const RenderSettings& used, const ReadOptions& read) {
   RenderOptions o = options_of(used, scene);
-  if (!used.dof) o.aperture = o.focus = 0;  // without effect
+  if (!used.dof) o.aperture = o.focus = 0;  // unused
   Metadata settings = {
       {"version", RAIO_VERSION}, {"scene", scene.name}, {"scene_hash", content_hash(scene)}};
   for (const ReadOptionSpec& spec : read_option_table())
@@ -59,9 +59,10 @@ std::expected<ReadOptions, Error> read_options_from(const Metadata& settings) {
     const auto table = read_option_table();
     const auto spec = std::ranges::find_if(
         table, [&](const ReadOptionSpec& option) { return key_of(option) == key; });
-    const auto set = spec == table.end()
-                         ? std::expected<void, std::string>(std::unexpected("is unknown here"))
-                         : spec->set(read, text);
+    const auto set =
+        spec == table.end()
+            ? std::expected<void, std::string>(std::unexpected("is unknown to this version"))
+            : spec->set(read, text);
     if (!set)
       return std::unexpected(
           Error{ErrorKind::bad_input, "", fmt::format("its setting {}: {}", key, set.error())});
@@ -79,7 +80,7 @@ std::expected<RenderOptions, Error> options_from(const Metadata& settings, bool 
     return std::unexpected(Error{ErrorKind::bad_input, "", std::move(why)});
   };
   if (setting(settings, "version").empty() || setting(settings, "scene_hash").empty())
-    return refused("it stores no settings of Raio");
+    return refused("it has no settings of Raio");
   const auto table = render_option_table();
   RenderOptions options;
   for (const auto& [key, text] : settings) {
@@ -88,7 +89,7 @@ std::expected<RenderOptions, Error> options_from(const Metadata& settings, bool 
     const auto spec = std::ranges::find_if(
         table, [&](const OptionSpec& option) { return key_of(option) == key; });
     if (spec == table.end() || !spec->of_picture)
-      return refused(fmt::format("its setting {} is unknown here", key));
+      return refused(fmt::format("its setting {} is unknown to this version", key));
     if (const auto set = set_option(options, *spec, text); !set)
       return refused(fmt::format("its setting {}: {}", key, set.error().message));
   }
@@ -99,13 +100,13 @@ std::expected<RenderOptions, Error> options_from(const Metadata& settings, bool 
 }
 
 std::string difference(const Metadata& a, const Metadata& b) {
-  // What comes from the scene then differs, too.
+  // Then values from the scene differ, too.
   if (setting(a, "scene_hash") != setting(b, "scene_hash")) return "the scene differs";
   std::string out;
   const auto add = [&](const std::string& what) { out += (out.empty() ? "" : "; ") + what; };
   if (const auto in_a = setting(a, "version"), in_b = setting(b, "version"); in_a != in_b)
     add(fmt::format("made by Raio {}, not {}", in_a, in_b));
-  // A sky is the same wherever it is kept.
+  // A sky's location does not matter.
   const auto sky = setting(a, "sky_hash"), other_sky = setting(b, "sky_hash");
   if (!sky.empty() && !other_sky.empty() && sky != other_sky) add("the sky differs");
   for (const OptionSpec& spec : render_option_table()) {

@@ -23,7 +23,7 @@ Set wrong(std::string_view expected, std::string_view text) {
   return std::unexpected(fmt::format("expected {}, found '{}'", expected, text));
 }
 
-// Numbers with commas between them, as many as there is room for.
+// Comma-separated numbers, as many as fit.
 template <class T, size_t n>
 bool parse_list(std::string_view text, std::array<T, n>& out) {
   for (size_t i = 0; i < n; ++i) {

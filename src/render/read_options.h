@@ -1,5 +1,5 @@
-// What users may ask of files of data, and the one table of it from which the command line, its
-// help and the settings of pictures are made.
+// The options for reading data files, in one table that feeds the command line, its help and the
+// settings of pictures.
 #pragma once
 
 #include <expected>
@@ -21,7 +21,7 @@ struct ReadOptionSpec {
 
   /// Sets it from text ("true" or "false" for a switch); the error says what was expected.
   std::expected<void, std::string> (*set)(ReadOptions&, std::string_view);
-  /// Its value as set() takes it; empty where pictures have it so anyway.
+  /// Its value in the form of set(); empty for the default.
   std::string (*text)(const ReadOptions&);
   std::span<const std::string_view> words = {};  // NOLINT(readability-redundant-member-init)
 
@@ -31,7 +31,7 @@ struct ReadOptionSpec {
 /// All of them, in the order of the help.
 std::span<const ReadOptionSpec> read_option_table();
 
-/// What the command line needs to have these options: " --style sticks --cell".
+/// The command-line arguments for these options: " --style sticks --cell".
 std::string option_arguments(const ReadOptions& options);
 
 }  // namespace raio

@@ -18,11 +18,11 @@ struct Pixel {
   InstanceId instance = 0;
   MaterialId material = 0;
   Vec3f point, normal;  // towards the ray
-  uint64_t seen = 0;    // a bit for each light, which it shares with every 64th after it
-  bool hidden = false;  // some light that it faces
+  uint64_t seen = 0;    // a bit per visible light, shared with every 64th after it
+  bool hidden = false;  // some light that it faces is occluded
 };
 
-// A row, its shadow rays light by light.
+// Computes a row, with its shadow rays light by light.
 void look(const Scene& scene, const Accel& accel, const EyeRays& eye, float time, int y,
           const std::atomic<bool>& stop, std::span<Pixel> row) {
   RayBatch rays;
@@ -46,7 +46,7 @@ void look(const Scene& scene, const Accel& accel, const EyeRays& eye, float time
               .point = s.point,
               .normal = normal};
     const float size = std::max({std::abs(s.point.x), std::abs(s.point.y), std::abs(s.point.z)});
-    // The point may be off the surface by what the ray's length was rounded.
+    // The point may be off the surface by the rounding of the ray's length.
     outside[x] = offset_origin(s.point, normal, size + s.extent + hits[x].t, true);
   }
   std::vector<uint8_t> occluded(padded(row.size()));
@@ -70,7 +70,7 @@ void look(const Scene& scene, const Accel& accel, const EyeRays& eye, float time
   }
 }
 
-// Does a surface end, or fold, between two neighbours?
+// Whether a surface ends, or has a crease, between two neighbours.
 bool is_edge(const Pixel& a, const Pixel& b) {
   if (a.primitive == b.primitive && a.instance == b.instance) return false;
   if (a.primitive == kNoPrimitive || b.primitive == kNoPrimitive || a.material != b.material)

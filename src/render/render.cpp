@@ -22,7 +22,7 @@ std::optional<Error> picture_problem(int width, int height, ChannelSet channels)
     return Error{ErrorKind::no_resource, "", why + "; choose a smaller `size`"};
   };
   const size_t pixels = size_t(width) * size_t(height);
-  // The film, of whole tiles, and the pictures in float and in bytes that are made of it.
+  // The film, of whole tiles, and the float and byte pictures made from it.
   const auto whole = [](int side) {
     return std::min(2.0 * side, std::ceil(double(side) / kMaxTileSide) * kMaxTileSide);
   };
@@ -35,7 +35,7 @@ std::optional<Error> picture_problem(int width, int height, ChannelSet channels)
   if (const double available = double(available_memory_bytes()); bytes > 0.9 * available)
     return refused(fmt::format("a picture of {}x{} pixels needs {:.1f} GB and {:.1f} GB are free",
                                width, height, bytes * 1e-9, available * 1e-9));
-  // The sampler numbers them.
+  // The sampler numbers pixels in 32 bits.
   if (pixels > std::numeric_limits<uint32_t>::max())
     return refused(fmt::format("a picture of {}x{} has more than {} pixels", width, height,
                                std::numeric_limits<uint32_t>::max()));
@@ -47,8 +47,8 @@ std::expected<std::unique_ptr<Film>, Error> make_film(const Scene& scene,
   const int width = settings.frame().width(), height = settings.frame().height();
   if (auto why = picture_problem(width, height, settings.channels))
     return std::unexpected(std::move(*why));
-  // Large tiles fill more batches with the rays of later levels, as long as there are enough of
-  // them for all threads.
+  // Large tiles fill more batches with rays of later levels, as long as there are enough tiles for
+  // all threads.
   constexpr int kTiles = 64;
   const auto across = [](int pixels) { return (pixels + kMaxTileSide - 1) / kMaxTileSide; };
   const bool large = double(across(width)) * across(height) >= kTiles;
@@ -81,15 +81,15 @@ class Work {
 
   double busy_s() const { return 1e-9 * double(busy_ns_); }
 
-  /// Whether all is done.
+  /// Whether everything is done.
   bool run() { return seconds_ > 0 ? run_in_time() : add_up_to(wanted_.end); }
 
  private:
   bool late() const { return seconds_ > 0 && seconds_since(start_) >= seconds_; }
   bool ended() const { return control_.stop || late(); }
 
-  // Whether all tiles have the samples before `end` now. A tile gets its samples in portions, so
-  // that what is in the film is never far behind.
+  // Returns whether all tiles have the samples before `end` now. A tile gets its samples in
+  // portions, so the film is never far behind.
   bool add_up_to(uint32_t end) {
     constexpr uint32_t kPortion = 64;
     on_threads(threads_, [&] {
@@ -105,17 +105,17 @@ class Work {
     return reached_by_all().first >= end;
   }
 
-  // Pass by pass, each half as large as all before it, and the last as large as there is time for.
+  // Pass by pass, each half as large as all before it, and the last as large as time permits.
   bool run_in_time() {
     auto [whole, most] = reached_by_all();
-    uint32_t next = std::max(most, whole + 1);  // evens out what was begun
+    uint32_t next = std::max(most, whole + 1);  // completes a partial pass
     std::vector<TileSamples> before;
     for (double a_sample = 0; whole < wanted_.end;) {
       before.clear();
       for (const size_t t : tiles_) before.push_back(film_.copy(t));
       const auto pass_start = Clock::now();
       if (!add_up_to(next)) {
-        // A tile that is ahead of others has samples that not all of them have.
+        // A tile that is ahead of others has samples that not all have.
         if (!control_.stop && whole > wanted_.first)
           for (size_t i = 0; i < tiles_.size(); ++i) film_.replace(tiles_[i], before[i]);
         return false;
@@ -135,8 +135,8 @@ class Work {
     return film_.samples(tile).first_missing({wanted_.first, end});
   }
 
-  // Of the task's tiles: the end of the samples that all have without a gap, and of those that one
-  // has.
+  // Among the task's tiles: the end of the samples that all have without gaps, and of those that
+  // any has.
   std::pair<uint32_t, uint32_t> reached_by_all() const {
     uint32_t whole = wanted_.end, most = wanted_.first;
     for (const size_t t : tiles_) {
@@ -152,7 +152,7 @@ class Work {
   SampleSpan wanted_;
   double seconds_;
   Clock::time_point start_ = Clock::now();
-  std::vector<size_t> tiles_;  // that lack samples
+  std::vector<size_t> tiles_;  // with missing samples
   std::atomic<int64_t> busy_ns_ = 0;
   PerThread<std::unique_ptr<TileRenderer>> renderers_;
 };

@@ -1,4 +1,4 @@
-// From a scene and its structure to a film: eye rays, shading, tiles on all cores.
+// Renders a scene with its structure to a film: eye rays, shading, tiles on all cores.
 #pragma once
 
 #include <expected>
@@ -14,40 +14,39 @@
 
 namespace raio {
 
-/// What to do to a film.
+/// What to add to a film.
 struct RenderTask {
-  uint32_t samples = 0;            // each pixel shall have so many; 0: all that the options say
-  uint32_t first_sample = 0;       // of these, only from this one on
-  uint32_t shard = 0, shards = 1;  // only the tiles whose number is `shard` modulo `shards`
-  double seconds = 0;              // not much longer than this; 0: as long as it takes
+  uint32_t samples = 0;            // the target per pixel; 0: as many as the options say
+  uint32_t first_sample = 0;       // skip the samples before this one
+  uint32_t shard = 0, shards = 1;  // only tiles with number = `shard` modulo `shards`
+  double seconds = 0;              // approximate limit; 0: none
 };
 
 struct RenderResult {
-  bool finished = false;  // all of the task is done: nobody said stop, and the time sufficed
+  bool finished = false;  // the whole task is done: not stopped, and time sufficed
   double seconds = 0;
-  double busy_s = 0;  // of all threads together, without those that wait for the last tiles
+  double busy_s = 0;  // of all threads together, without waiting for the last tiles
 };
 
-/// Why there cannot be a picture of these many pixels, or nothing: memory that would not suffice
-/// (no_resource). For callers that want to know it before they build a structure.
+/// Why a picture of this many pixels is impossible, or nothing: not enough memory (no_resource).
+/// Lets callers find out before they build a structure.
 std::optional<Error> picture_problem(int width, int height, ChannelSet channels = {});
 
-/// An empty film for the part of a picture that is rendered, or picture_problem().
+/// An empty film for the rendered part of a picture, or picture_problem().
 std::expected<std::unique_ptr<Film>, Error> make_film(const Scene& scene,
                                                       const RenderSettings& settings);
 
-/// Adds what the film lacks. Told to stop it ends soon, and what it has done by then is in the
-/// film: the same call goes on from there, to the same bytes. More samples than a film has can be
-/// added where the sampler deals them without regard to their number (SamplerKind::sobol).
+/// Adds what the film does not have yet. When told to stop it ends soon, and the film has the work
+/// done by then: the same call resumes from there, to the same bytes. More samples can be added
+/// later if the sampler's points do not depend on their number (SamplerKind::sobol).
 ///
-/// With a limit of time it goes over all tiles pass by pass, and what is in the film at the end is
-/// whole passes: all tiles have the same number of samples, unless not even the first of them, or
-/// what the film had before, could be finished.
+/// With a time limit it goes over all tiles pass by pass, and the film ends with whole passes: all
+/// tiles have the same number of samples, unless not even the first pass, or one begun earlier,
+/// could be finished.
 RenderResult render(const Scene& scene, const Accel& accel, const RenderSettings& settings,
                     Film& film, RenderControl& control, const RenderTask& task = {});
 
-/// What the film shows: its picture, or for View::samples heat_color() of the samples of each
-/// pixel.
+/// The film's picture, or for View::samples heat_color() of the samples per pixel.
 Image picture_of(const Film& film, View view = View::picture);
 
 }  // namespace raio

@@ -1,4 +1,4 @@
-// What options come to with a scene, and which do not fit together.
+// Resolves options for a scene, and finds those that cannot be combined.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -40,13 +40,13 @@ std::optional<Error> accel_conflict(const RenderOptions& options) {
                                           view_name(options.view)));
   for (const Channel channel : {Channel::steps, Channel::tests})
     if (options.channels.has(channel))
-      return bad_option("channels", fmt::format("Embree does not count {}; leave them or `accel` "
-                                                "embree out",
-                                                spec_of(channel).name));
+      return bad_option("channels",
+                        fmt::format("Embree does not count {}; leave them or `accel` embree out",
+                                    spec_of(channel).name));
   return std::nullopt;
 }
 
-// Without the scene.
+// Checks that need no scene.
 std::optional<Error> sample_conflict(const RenderOptions& options) {
   if (options.samples == 0) return std::nullopt;
   const std::string_view beside = options.aa > 1             ? "aa"
@@ -56,21 +56,22 @@ std::optional<Error> sample_conflict(const RenderOptions& options) {
     return bad_option(beside, "cannot be combined with `samples`; leave one of them out");
   if (options.sampler == SamplerKind::jitter)
     return bad_option("sampler",
-                      "jitter takes `aa` and `lens-samples`, which say its cells; leave out "
-                      "`samples` or `sampler` jitter");
+                      "jitter takes its cells from `aa` and `lens-samples`; leave out `samples` or "
+                      "`sampler` jitter");
   return std::nullopt;
 }
 
 std::optional<Error> size_conflict(const RenderOptions& options, const RenderSettings& settings) {
   if (options.print && (settings.width > kMaxSide || settings.height > kMaxSide))
-    return bad_option("dpi",
-                      fmt::format("a picture of {}x{} pixels is too large, {} the most for a "
-                                  "side; choose fewer",
-                                  settings.width, settings.height, kMaxSide));
+    return bad_option(
+        "dpi",
+        fmt::format(
+            "a picture of {}x{} pixels is too large, the maximum side is {}; choose a smaller size",
+            settings.width, settings.height, kMaxSide));
   return std::nullopt;
 }
 
-// Of a picture with parallel rays, which no lens can bend.
+// For parallel rays, which no lens can bend.
 std::optional<Error> lens_conflict(const RenderOptions& options) {
   constexpr std::string_view kWhy =
       "a lens needs `projection` perspective; leave it or `projection` orthographic out";
@@ -80,32 +81,32 @@ std::optional<Error> lens_conflict(const RenderOptions& options) {
   return std::nullopt;
 }
 
-// Without the scene.
+// Checks that need no scene.
 std::optional<Error> fit_conflict(const RenderOptions& options) {
   if (options.fit && (options.from || options.at))
     return bad_option("fit",
-                      "cannot be combined with a place of the camera; leave it or the numbers in "
+                      "cannot be combined with a camera position; leave it or the numbers in "
                       "`from` and `at` out");
   if (options.fit && options.up == Vec3d()) return bad_option("up", "must not be 0");
   if (!options.side) return std::nullopt;
   if (options.at)
     return bad_option("at",
-                      "cannot be combined with a side in `from`, where the camera looks at "
-                      "all of the scene; give `from` numbers or leave `at` out");
+                      "cannot be combined with a side in `from`, where the camera looks at the "
+                      "whole scene; give `from` numbers or leave `at` out");
   if (options.up == Vec3d()) return bad_option("up", "must not be 0");
   return std::nullopt;
 }
 
 std::optional<Error> scene_conflict(const RenderOptions& options, const Scene& scene) {
   if (options.channels.has(Channel::id) && scene.primitive_count() > kMaxPrimitives)
-    return bad_option("channels",
-                      fmt::format("the scene has more primitives than `id` has numbers, {}; leave "
-                                  "it out",
-                                  kMaxPrimitives));
+    return bad_option(
+        "channels",
+        fmt::format("the scene has more primitives than `id` can number, {}; leave it out",
+                    kMaxPrimitives));
   if ((options.side || options.fit) && bounds(scene).empty())
     return bad_option(options.fit ? "fit" : "from",
-                      "needs a scene that ends somewhere, and this one has nothing but infinite "
-                      "planes; give the camera's place in numbers");
+                      "needs a bounded scene, and this one has only infinite planes; give the "
+                      "camera's position in numbers");
   if (const auto why = camera_problem(camera_of(scene, options)); !why.empty())
     return bad_option("", fmt::format("`from`, `at`, `up`: {}", why));
   if (auto why = figure_conflict(options, scene)) return why;
@@ -116,25 +117,24 @@ std::optional<Error> scene_conflict(const RenderOptions& options, const Scene& s
   if (!s.dof && options.aperture > 0) return without("aperture", "dof");
   if (!s.dof && options.focus > 0) return without("focus", "dof");
   if (options.shutter && !scene.moves())
-    return bad_option("shutter", "has no effect on a scene in which nothing moves; leave it out");
+    return bad_option("shutter", "has no effect on a scene without motion; leave it out");
   const bool no_effects = !s.dof && !s.soft_shadows && s.aa == 1 && !is_rough(scene, s) &&
                           s.integrator != IntegratorKind::ambient &&
                           !(scene.moves() && s.shutter_open < s.shutter_close);
   if (s.samples > 1 && no_effects)
-    return bad_option(
-        "samples",
-        "has no effect with `aa` 1 alone; add `dof`, `soft-shadows` or `gloss`, or leave one of "
-        "them out");
+    return bad_option("samples",
+                      "has no effect with only `aa` 1; add `dof`, `soft-shadows` or `gloss`, or "
+                      "leave one of them out");
   if (s.lens_samples > 1 && no_effects)
-    return bad_option(
-        "lens-samples",
-        "has no effect without `dof`, `soft-shadows`, `gloss` or `aa`; add one of them or leave "
-        "`lens-samples` out");
+    return bad_option("lens-samples",
+                      "has no effect without `dof`, `soft-shadows`, `gloss` or `aa`; add one of "
+                      "them or leave `lens-samples` out");
   if (const double samples = double(s.aa) * s.aa * s.lens_samples; samples > kMaxSamples)
     return bad_option(
         "aa",
-        fmt::format("{:.0f} samples a pixel are too many, {} the most; choose a smaller `aa`{}",
-                    samples, kMaxSamples, s.lens_samples > 1 ? " or `lens-samples`" : ""));
+        fmt::format(
+            "{:.0f} samples per pixel are too many, the maximum is {}; choose a smaller `aa`{}",
+            samples, kMaxSamples, s.lens_samples > 1 ? " or `lens-samples`" : ""));
   return std::nullopt;
 }
 
@@ -142,14 +142,14 @@ std::optional<Error> scene_conflict(const RenderOptions& options, const Scene& s
 
 std::optional<Error> option_conflict(const RenderOptions& options, const Scene* scene) {
   if (options.print && options.width > 0)
-    return bad_option("width", "cannot be combined with `size` in pixels; give one of them");
+    return bad_option("width", "cannot be combined with `size` in pixels; leave one of them out");
   if (auto why = accel_conflict(options)) return why;
   if (auto why = sample_conflict(options)) return why;
   if (auto why = fit_conflict(options)) return why;
   if (options.light_size > 0 && !options.soft_shadows) return without("light-size", "soft-shadows");
   const bool of_rays = options.view != View::picture && options.view != View::samples;
   if (of_rays && options.integrator && *options.integrator != IntegratorKind::views)
-    return bad_option("view", fmt::format("{} is one of `integrator` views; leave one of them out",
+    return bad_option("view", fmt::format("{} belongs to `integrator` views; leave one of them out",
                                           view_name(options.view)));
   if (auto why = picture_conflict(options, scene)) return why;
   if (options.projection == Projection::orthographic)
@@ -162,7 +162,7 @@ std::optional<Error> option_conflict(const RenderOptions& options, const Scene* 
 
 namespace {
 
-// What a file of the dialect means where it says nothing.
+// The defaults of a dialect.
 struct Usual {
   ShadingModel shading;
   Fresnel fresnel;
@@ -190,7 +190,7 @@ AccelKind hinted_accel(const Scene& scene) {
 
 namespace {
 
-// From the first movement's beginning to the last one's end.
+// From the start of the first movement to the end of the last.
 std::array<float, 2> usual_shutter(const Scene& scene) {
   if (!scene.moves()) return {0, 1};
   std::array shutter = {std::numeric_limits<float>::infinity(),

@@ -12,30 +12,30 @@ namespace raio {
 namespace {
 
 constexpr double kPassSeconds = 0.05;      // of refinement, between two pictures
-constexpr double kPatienceSeconds = 0.06;  // without a picture; then there is a preview first
+constexpr double kPatienceSeconds = 0.06;  // without a picture; beyond that, a preview comes first
 constexpr double kPreviewSeconds = 0.03;
-// Of the sides: pictures that may take unknown time. The first costs little whatever a pixel takes,
-// the other is large enough to tell that from it.
+// Scales of the sides for pictures of unknown cost. The first is cheap at any cost per pixel; the
+// second is large enough to measure it.
 constexpr double kMinScale = 1.0 / 32, kProbeScale = 1.0 / 8;
 constexpr double kMaxPartSeconds = 0.5;  // of a sample that is shown in parts
 constexpr uint32_t kMaxParts = 64;
 
-// Of a sample's time: until whoever shows the picture has drawn it; of all runs together; of one
-// which drawing its parts could not slow down by much.
+// Relative to a sample's time: time for drawing the picture; for all timing runs together; above
+// which drawing its parts cannot slow it down much.
 constexpr double kDrawSeconds = 0.1, kTimingSeconds = 0.15, kLongSeconds = 1;
 
-// What the cost of a pixel depends on, but for the camera.
+// What a pixel's cost depends on, except the camera.
 RenderOptions without_camera(RenderOptions o) {
   reset_camera(o);
   o.width = o.height = 0, o.samples = std::min(o.samples, 1);
   return o;
 }
 
-// Is the structure of one scene good for the other, too? So it is where both read the same arrays
-// and differ only in what structures and accel/geometry.h do not ask for: lights, background,
-// materials. Never compares the elements of large arrays.
+// Whether one scene's structure is valid for the other: both read the same arrays and differ only
+// where structures and accel/geometry.h do not look: lights, background, materials. Never compares
+// elements of large arrays.
 bool bakes_alike(const Scene& a, const Scene& b, bool one_sided) {
-  // A grid's cells are as wide as rays from the camera want them.
+  // The widths of a grid's cells depend on the camera.
   if (&a == &b) return true;
   if (a.origin != b.origin || a.camera.from != b.camera.from) return false;
   if (a.meshes.size() != b.meshes.size() || a.materials.size() != b.materials.size()) return false;
@@ -52,8 +52,7 @@ bool bakes_alike(const Scene& a, const Scene& b, bool one_sided) {
     same = same && size == column.size() && (size == 0 || data == column.data());
   });
   if (!same) return false;
-  // Of materials, whether they are opaque, the colours that triangles take from them, and
-  // opacities.
+  // Materials: whether they are opaque, triangle colours that come from them, and opacities.
   const bool with_colors = any_colors(a);
   for (size_t m = 0; m < a.materials.size(); ++m) {
     const Material &x = a.materials[m], &y = b.materials[m];
@@ -63,7 +62,7 @@ bool bakes_alike(const Scene& a, const Scene& b, bool one_sided) {
   return std::ranges::equal(a.material_opacity, b.material_opacity);
 }
 
-// The tiles that the film has, over an enlarged preview.
+// The film's finished tiles over an enlarged preview.
 Image over_preview(const Film& film, View view, const Image& preview) {
   Image image = picture_of(film, view);
   for (size_t t = 0; t < film.tiles(); ++t) {
@@ -131,7 +130,7 @@ std::optional<SessionProgress> Session::progress() const {
   const double of_part =
       double(control_.work_done) / double(std::max<uint64_t>(1, control_.work_total));
   p.share = std::min(1.0, (stage_->part + std::min(1.0, of_part)) / stage_->parts);
-  // What was expected counts less and less.
+  // The initial estimate counts less and less.
   const double all_s = p.share > 0 ? p.passed_s / p.share : stage_->expected_s;
   p.left_s = std::max(
       0.0, p.share * all_s + (1 - p.share) * std::max(stage_->expected_s, p.passed_s) - p.passed_s);
@@ -183,14 +182,14 @@ void Session::serve(const SessionRequest& request, SessionPicture& next) {
   if (!bake(request, next)) return;
   if (request.frame_s > 0) {
     preview(request.frame_s, next);
-    // Stopped for taking too long: the next one shall be coarser.
+    // Stopped for taking too long: the next one must be coarser.
     if (control_.stop) pixel_s_ *= 4;
   } else {
     refine(next);
   }
 }
 
-// Makes sure that there is the structure of the request.
+// Ensures that the request's structure exists.
 bool Session::bake(const SessionRequest& request, SessionPicture& next) {
   const AccelOptions& o = next.settings.accel;
   const bool keeps_structure = baked_ && baked_->options == o &&
@@ -221,12 +220,12 @@ bool Session::bake(const SessionRequest& request, SessionPicture& next) {
   return !control_.stop;
 }
 
-// What a sample of the whole picture takes, as far as is known.
+// The expected time of a sample of the whole picture.
 double Session::expected_s(const SessionPicture& next) const {
   return pixel_s_ * next.settings.width * next.settings.height;
 }
 
-// The picture with sides of `scale` of the size in full.
+// Renders the picture with sides scaled by `scale`.
 bool Session::render_scaled(double scale, SessionPicture& next) {
   const auto start = Clock::now();
   RenderSettings settings = next.settings;
@@ -241,12 +240,12 @@ bool Session::render_scaled(double scale, SessionPicture& next) {
   next.image = std::make_shared<Image>(picture_of(**film, settings.view));
   const double seconds = seconds_since(start);
   const double pixel_s = seconds / (double(settings.width) * settings.height);
-  // One number for all sizes: what small pictures cost more, tells against the next one's.
+  // One number for all sizes: the overhead of small pictures makes the next ones more cautious.
   pixel_s_ = pixel_s_ > 0 ? (pixel_s_ + pixel_s) / 2 : pixel_s;
   return true;
 }
 
-// What a pixel takes, by the smallest of pictures, and by a larger one where that takes little.
+// Measures the cost of a pixel with the smallest picture, and with a larger one if that is fast.
 bool Session::probe(SessionPicture& next) {
   if (pixel_s_ > 0) return true;
   if (!render_scaled(kMinScale, next)) return false;
@@ -259,7 +258,7 @@ bool Session::probe(SessionPicture& next) {
 bool Session::preview(double seconds, SessionPicture& next) {
   if (!probe(next)) return false;
   const double scale = std::max(std::sqrt(std::min(1.0, seconds / expected_s(next))), kMinScale);
-  // The smaller of the probe's may be there already.
+  // The probe's smaller picture may be there already.
   const double least_width = 1.5 * kMinScale * next.settings.width;
   const bool is_there =
       next.image && scale <= 1.5 * kMinScale && next.image->width <= std::max(1.0, least_width);
@@ -295,7 +294,7 @@ void Session::refine(SessionPicture& next) {
   }
 }
 
-// In parts, where it takes long, so that there is something to see meanwhile.
+// In parts if it takes long, so that something is visible meanwhile.
 bool Session::first_sample(Film& film, double expected, SessionPicture& next) {
   const BakedScene& baked = *next.baked;
   const bool long_wait = expected > kPatienceSeconds;
@@ -326,7 +325,7 @@ bool Session::first_sample(Film& film, double expected, SessionPicture& next) {
   return true;
 }
 
-// What the first sample takes when no one draws.
+// Times the first sample while nothing is drawn.
 bool Session::time_sample(SessionPicture& next) {
   std::vector<double> runs_s;
   if (next.render_s >= kLongSeconds) {
@@ -338,7 +337,7 @@ bool Session::time_sample(SessionPicture& next) {
                      [&] { return control_.stop.load(); });
     }
     const BakedScene& baked = *next.baked;
-    constexpr size_t kMinRuns = 3;  // or their spread would not show
+    constexpr size_t kMinRuns = 3;  // fewer would not show their spread
     for (double all = 0; runs_s.size() < kMinRuns || all < kTimingSeconds; all += runs_s.back()) {
       const auto film = make_film(*baked.scene, next.settings);
       if (!film) return fail(film.error(), next);

@@ -1,5 +1,5 @@
-// Rendering for someone who watches and keeps changing their mind: a thread that always works on
-// the newest request. No window in it: a window says what it wants and looks at what there is.
+// Interactive rendering: a thread that always works on the newest request. Independent of any
+// window, which makes requests and shows the pictures.
 #pragma once
 
 #include <condition_variable>
@@ -21,73 +21,73 @@
 
 namespace raio {
 
-/// A scene with its structure, which is that of an earlier version of the scene where only lights,
+/// A scene with its structure, possibly that of an earlier version of the scene if only lights,
 /// background or materials have changed since.
 struct BakedScene {
   std::shared_ptr<const Scene> scene;
   AccelOptions options;
   bool one_sided = false;
-  std::shared_ptr<const Accel> accel;  // keeps the scene of which it was built
+  std::shared_ptr<const Accel> accel;  // keeps its scene alive
   AccelInfo info;
   double build_s = 0;
 };
 
 struct SessionRequest {
   std::shared_ptr<const Scene> scene;
-  RenderOptions options;  // as the command line has them, with a size
-  /// While something moves: a picture in about so many seconds, as fine as that allows. 0: in full,
-  /// sample after sample until there are as many as the options say.
+  RenderOptions options;  // as on the command line, with a size
+  /// During movements: the target time of a picture, as fine as that permits. 0: full size, sample
+  /// after sample until there are as many as the options say.
   double frame_s = 0;
 };
 
-/// What there is to see. Immutable once handed out.
+/// The current picture. Immutable once published.
 struct SessionPicture {
-  uint64_t request = 0;  // the number of the request that it answers
+  uint64_t request = 0;  // the request that it answers
   std::shared_ptr<const Image> image;
-  int samples = 0;  // of every pixel; 0: a preview, coarse in part or whole, without figures
+  int samples = 0;  // per pixel; 0: a preview, coarse in part or whole, without figures
   bool finished = false;
-  RenderSettings settings;  // of the size in full
+  RenderSettings settings;  // for the full size
   std::shared_ptr<const BakedScene> baked;
-  /// Seconds that a sample of all pixels takes, told from whole samples that were rendered while
-  /// nothing was to be shown, or from one that took long. Zero until there are some.
+  /// Seconds for a sample of all pixels, from whole samples rendered while nothing was shown, or
+  /// from a slow one. Zero until measured.
   MedianInterval sample_s{};
   double render_s = 0;         // all samples together
   RayCounts rays;              // likewise
   std::optional<Error> error;  // why the request got no picture; the image is an older one
 };
 
-/// How far a request is that has no whole sample yet.
+/// The progress of a request without a whole sample yet.
 struct SessionProgress {
   enum Stage { structure, sample } stage = structure;
   double passed_s = 0;  // since the stage began
   double share = 0;     // of the sample, 0 to 1
-  double left_s = 0;    // that it is expected to take; 0 while nothing is known
+  double left_s = 0;    // expected remaining time; 0 while unknown
 };
 
 class Session {
  public:
-  /// `on_picture` is called from the session's thread when there is a new picture.
+  /// `on_picture` is called from the session's thread for each new picture.
   explicit Session(std::function<void()> on_picture = [] {});
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// Replaces what was requested before, whose work ends at once; only a frame of a movement is
-  /// left to end by itself when the movement goes on, or there would never be any. Never waits for
-  /// rays. Returns the request's number, 1 for the first.
+  /// Replaces the previous request and stops its work at once, except that a frame of a movement is
+  /// finished while the movement continues, or there would never be one. Never waits for rays.
+  /// Returns the request's number, from 1.
   uint64_t request(SessionRequest request);
 
-  /// Nothing is requested any more. Does not wait either.
+  /// Cancels the request. Does not wait either.
   void rest();
 
-  /// Paused, a request gets its first sample and no more.
+  /// While paused, a request gets only its first sample.
   void pause(bool paused);
 
-  /// Whether the machine is left alone: all is done that was requested, or paused. Once a paused
-  /// session is idle it stays so until the next request.
+  /// Whether nothing is left to do: all requested work is done, or paused. A paused idle session
+  /// stays idle until the next request.
   bool is_idle() const;
 
-  /// Of the request that is being worked on; nothing once it has a whole sample.
+  /// For the current request; nothing once it has a whole sample.
   std::optional<SessionProgress> progress() const;
 
   /// The newest picture; null before the first.
@@ -110,27 +110,27 @@ class Session {
   void publish(const SessionPicture& next);
 
   std::function<void()> on_picture_;
-  mutable std::mutex mutex_;  // guards what follows
+  mutable std::mutex mutex_;  // guards the following
   std::condition_variable news_;
-  std::optional<SessionRequest> request_;  // not yet taken up
+  std::optional<SessionRequest> request_;  // not yet started
   uint64_t requests_ = 0;
   bool paused_ = false, ending_ = false, waiting_ = false;
   struct Stage {
     SessionProgress::Stage stage = SessionProgress::structure;
     Clock::time_point start;
     double expected_s = 0;
-    uint32_t part = 0, parts = 0;  // that are rendered one after the other
+    uint32_t part = 0, parts = 0;  // parts of a sample, rendered one after the other
   };
   std::optional<Stage> stage_;
-  std::optional<Clock::time_point> frame_must_end_;  // that of a movement, which is being rendered
+  std::optional<Clock::time_point> frame_must_end_;  // deadline of the movement's current frame
   std::shared_ptr<const SessionPicture> picture_;
 
   RenderControl control_;
-  // The session thread's own.
+  // Used by the session's thread only.
   std::shared_ptr<const BakedScene> baked_;
-  // What besides the camera the last request asked for.
+  // The last request without the camera.
   std::pair<std::shared_ptr<const Scene>, RenderOptions> like_;
-  double pixel_s_ = 0;  // what a sample of a pixel takes with that; 0: unknown
+  double pixel_s_ = 0;  // cost of a pixel's sample with that request; 0: unknown
   std::thread thread_;
 };
 

@@ -10,7 +10,7 @@
 namespace raio {
 namespace {
 
-// Taylor's series of sine and cosine on -pi/4..pi/4.
+// Taylor series of sine and cosine on -pi/4..pi/4.
 std::pair<double, double> sine_and_cosine(double angle) {
   const double square = angle * angle;
   double sine = 1, cosine = 1;
@@ -19,9 +19,9 @@ std::pair<double, double> sine_and_cosine(double angle) {
   return {sine * angle, cosine};
 }
 
-// Of index / count of a full turn.
+// For index / count of a full turn.
 std::pair<double, double> turn(int index, int count) {
-  // The nearest quarter turn, and what is left of it, in eighths of `count` at most.
+  // The nearest quarter turn, and the rest in eighths, at most `count`.
   const int64_t part = ((int64_t(index) % count) + count) % count;
   const int64_t quarter = (8 * part + count) / (2 * int64_t(count));
   const double left = double(4 * part - quarter * count) / (4.0 * count);

@@ -12,13 +12,14 @@
 namespace raio {
 namespace {
 
-constexpr int kSide = 24;            // eye rays along each side of the picture
-constexpr float kMuch = 0.02f;       // spread of half of what is seen, in heights of the picture
-constexpr float kLittle = 0.01f;     // likewise, for what is proposed instead
-constexpr float kSharp = 0.005f;     // in heights of the picture; a pixel where that is more
-constexpr float kMinSharp = 0.025f;  // of what is seen
+constexpr int kSide = 24;  // eye rays along each side of the picture
+constexpr float kMuch =
+    0.02f;  // spread of half of the visible points, relative to the picture's height
+constexpr float kLittle = 0.01f;     // likewise, for the proposed lens
+constexpr float kSharp = 0.005f;     // relative to the picture's height; a pixel if that is more
+constexpr float kMinSharp = 0.025f;  // fraction of the visible points
 
-// How far along the view the things are that the picture's pixels show, nearest first.
+// The depths of visible points along the view, nearest first.
 std::vector<float> depths_seen(const RenderSettings& settings, const Camera& camera,
                                const EyeRays& eye, const Accel& accel) {
   const Crop frame = settings.frame();
@@ -41,16 +42,16 @@ std::vector<float> depths_seen(const RenderSettings& settings, const Camera& cam
   return depths;
 }
 
-/// How a lens blurs what the picture shows.
+/// The blur of a lens in the picture.
 struct Blur {
-  float median = 0;       // in heights of the picture
-  float sharp_share = 0;  // of what is seen
+  float median = 0;       // relative to the picture's height
+  float sharp_share = 0;  // of the visible points
 
   bool is_too_much() const { return median > kMuch && sharp_share < kMinSharp; }
 };
 
-// A lens of radius R in focus at F spreads what is at depth z over a circle of diameter
-// 2 R |z - F| / (z F) at depth 1, where the picture is `height` high.
+// A lens of radius R focused at F spreads a point at depth z over a circle of diameter 2 R |z - F|
+// / (z F) at depth 1, where the picture has the height `height`.
 Blur blur_of(const std::vector<float>& depths, float aperture, float focus, float height,
              float pixel) {
   std::vector<float> spread;
@@ -63,7 +64,7 @@ Blur blur_of(const std::vector<float>& depths, float aperture, float focus, floa
   return {spread[spread.size() / 2], float(first_blurred - spread.begin()) / float(spread.size())};
 }
 
-// Two digits of it, rounded down.
+// Two digits, rounded down.
 float plain_number(float value) {
   const float unit = std::pow(10.0f, std::floor(std::log10(value)) - 1);
   return float(std::floor(double(value) / unit + 1e-6) * unit);
@@ -76,21 +77,21 @@ std::vector<SceneWarning> scene_warnings(const Scene& scene, const RenderSetting
   std::vector<SceneWarning> warnings;
   if (scene.lights.empty() && settings.integrator == IntegratorKind::classic)
     warnings.push_back(
-        {SceneWarning::no_light,
-         settings.shading == ShadingModel::nff
-             ? "the scene has no light; surfaces show ambient light only"
-             : "the scene has no light, and the model of light no ambient one, so that "
-               "surfaces are black"});
+        {SceneWarning::no_light, settings.shading == ShadingModel::nff
+                                     ? "the scene has no light; surfaces show ambient light only"
+                                     : "the scene has no light, and this shading model no ambient "
+                                       "light, so surfaces are black"});
   if (settings.camera.is_parallel() && settings.camera.lens_radius.value_or(0) > 0)
     warnings.push_back({SceneWarning::no_lens,
                         "the scene's lens has no effect on parallel rays; everything is sharp"});
   if (const size_t count = scene.primitive_count(); scene.structure == AccelHint::none &&
                                                     settings.accel.kind == AccelKind::none &&
                                                     count > kManyPrimitives)
-    warnings.push_back({SceneWarning::no_tree,
-                        fmt::format("the file asks for brute force, so that each ray is tested "
-                                    "against all of {} primitives",
-                                    count)});
+    warnings.push_back(
+        {SceneWarning::no_tree,
+         fmt::format(
+             "the file requests brute force, so each ray is tested with all of {} primitives",
+             count)});
   if (!settings.dof || !accel) return warnings;
   const Camera camera = camera_at(settings.camera, settings.shutter_open);
   const EyeRays eye(camera, settings.width, settings.height, settings.angle_to_centers);
@@ -104,10 +105,10 @@ std::vector<SceneWarning> scene_warnings(const Scene& scene, const RenderSetting
   if (!now.is_too_much()) return warnings;
 
   SceneWarning warning{SceneWarning::blurred,
-                       fmt::format("the lens blurs nearly all of the picture: half of what is seen "
-                                   "is spread over {:.0f} pixels or more",
+                       fmt::format("the lens blurs nearly the whole picture: half of the visible "
+                                   "points are spread over {:.0f} pixels or more",
                                    now.median * float(settings.height))};
-  // The spread grows with the radius of the lens.
+  // The spread is proportional to the radius of the lens.
   warning.aperture = plain_number(settings.aperture * kLittle / now.median);
   const float focus = plain_number(depths[depths.size() / 2]);
   if (blur(settings.aperture, focus).median <= kLittle) warning.focus = focus;
@@ -150,7 +151,7 @@ std::optional<std::string> blank_warning(const Film& film, const RenderSettings&
     return max_component(abs(pixel - settings.background)) < kSame;
   };
   const auto is_transparent = [](float alpha) { return alpha == 0; };
-  // Colours beside alpha have no background.
+  // With alpha, colours have no background.
   const bool is_blank =
       settings.channels.has(Channel::alpha)
           ? std::ranges::all_of(std::get<Column<float>>(film.resolve(Channel::alpha)),
@@ -160,11 +161,10 @@ std::optional<std::string> blank_warning(const Film& film, const RenderSettings&
   const Camera camera = camera_at(settings.camera, settings.shutter_open);
   const EyeRays eye(camera, settings.width, settings.height, settings.angle_to_centers);
   const bool looks_elsewhere = depths_seen(settings, camera, eye, accel).empty();
-  return std::string("the picture shows nothing but its background: ") +
-         (looks_elsewhere
-              ? "the camera looks elsewhere, or what there is has no area, has no opacity or is "
-                "smaller than a pixel"
-              : "surfaces are wholly transparent, or have the colour of the background");
+  return std::string("the picture shows only its background: ") +
+         (looks_elsewhere ? "the camera looks elsewhere, or the primitives have no area, no "
+                            "opacity or are smaller than a pixel"
+                          : "surfaces are fully transparent, or have the background's colour");
 }
 
 }  // namespace raio

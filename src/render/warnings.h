@@ -1,4 +1,4 @@
-// What is likely to disappoint in a picture that could be rendered as it was asked for.
+// Probable disappointments in a picture, although its options are valid.
 #pragma once
 
 #include <optional>
@@ -17,37 +17,36 @@ struct SceneWarning {
     no_light,  // the scene has no light
     blurred,   // with a lens: hardly anything is sharp
     no_lens,   // the scene's has no effect on parallel rays
-    no_tree,   // the file asks for brute force, of many primitives
+    no_tree,   // the file requests brute force for many primitives
   };
   Kind kind = no_light;
-  std::string sentence;  // what was found, without what to do about it
+  std::string sentence;  // what was found, without advice
 
-  /// Of `blurred`, in scene units: a lens that blurs little with the same focus, and a focus with
-  /// which the same lens does; 0 where there is none.
+  /// For `blurred`, in scene units: a lens that blurs little at the same focus, and a focus for
+  /// which the same lens does; 0 if there is none.
   float aperture = 0, focus = 0;
 };
 
-/// A file may ask for brute force, as many do that have few primitives; of more it is a mistake.
+/// Many files with few primitives request brute force; with more it is a mistake.
 inline constexpr size_t kManyPrimitives = 10'000;
 
-/// What a picture with these settings would suffer from. A lens is judged by a few hundred eye
-/// rays: it blurs too much when it spreads half of what they hit over more than 2 % of the
-/// picture's height and leaves less than a fortieth of it sharp (to half a per cent of the height,
-/// or a pixel). That takes an acceleration structure; without one a lens is not judged.
+/// The problems of a picture with these settings. A lens is judged by a few hundred eye rays: it
+/// blurs too much if it spreads half of the hits over more than 2 % of the picture's height and
+/// leaves less than a fortieth sharp (to half a per cent of the height, or a pixel). That needs an
+/// acceleration structure; without one, lenses are not judged.
 std::vector<SceneWarning> scene_warnings(const Scene& scene, const RenderSettings& settings,
                                          const Accel* accel);
 
-/// How long the picture would take with a tree in place of brute force, by a trial: to build one,
-/// and for each sample of each pixel as long as for the first ones of some tiles. 0: it cannot be
-/// tried.
+/// Estimates the picture's time with a tree instead of brute force by a trial: building one, and
+/// rendering the first samples of some tiles. 0: impossible.
 double seconds_with_tree(const Scene& scene, RenderSettings settings);
 
-/// Why the finished picture may show nothing, where all its pixels are those of the background.
+/// Why the finished picture may be empty, if all its pixels are those of the background.
 std::optional<std::string> blank_warning(const Film& film, const RenderSettings& settings,
                                          const Accel& accel);
 
-/// How many samples of the film were not a number, and which pixel is the first that has one, by
-/// its place in the picture of which the film is a part. Nothing where there are none.
+/// The number of NaN samples in the film, and the first pixel with one, in coordinates of the whole
+/// picture. Nothing if there are none.
 std::optional<std::string> nan_warning(const Film& film, const std::optional<Crop>& crop);
 
 }  // namespace raio
