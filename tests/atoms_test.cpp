@@ -76,7 +76,7 @@ TEST(Xyz, ColumnsAreColoursAndRadii) {
       HasSubstr("the file has element, index, pos.1, pos.2, pos.3, radius, forces.1, forces.2, "
                 "charge"));
   EXPECT_THAT(error(text, "a.xyz", {.color_by = "charge", .colormap = "jet"}),
-              HasSubstr("no colour map 'jet'"));
+              HasSubstr("unknown colour map 'jet'"));
 }
 
 // Read in many pieces at once; the first fault is told, whichever thread meets one first.
@@ -241,7 +241,7 @@ TEST(Atoms, ColoursAreNamed) {
   ASSERT_TRUE(own && own->colors);
   EXPECT_EQ(own->colors->most, 0.5);
   EXPECT_THAT(error(kWater, "a.xyz", {.color_by = "index", .colormap = "jet"}),
-              HasSubstr("no colour map 'jet'"));
+              HasSubstr("unknown colour map 'jet'"));
   EXPECT_THAT(error(kWater, "a.xyz", {.colormap = "viridis"}), HasSubstr("has no effect"));
   const auto by_index = read(kWater, "a.xyz", {.color_by = "index"});
   EXPECT_EQ(by_index->scene.materials[by_index->scene.sphere_materials[0]].color,

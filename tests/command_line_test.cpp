@@ -83,7 +83,7 @@ TEST_F(CommandLine, DoesItsWorkWhenStandardErrorIsFull) {
 
 TEST_F(CommandLine, RefusesWrongUsage) {
   expect_usage_error({"rendr", "ok.nff"}, "did you mean render?");
-  expect_refusal({"spd"}, 2, "a command is missing; see raio spd --help");
+  expect_refusal({"spd"}, 2, "expected a command; see raio spd --help");
   expect_refusal({"spd", "verfy"}, 2, "did you mean verify?; see raio spd --help");
   expect_refusal({"spd", "verify", "--jso"}, 2, "--json?; see raio spd verify --help");
   expect_usage_error({"frobnicate"}, "'frobnicate'");

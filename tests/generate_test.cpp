@@ -431,11 +431,11 @@ TEST(GenerateScene, NamesWhatThereIsWhenTheNameIsUnknown) {
 
 TEST(GenerateScene, NamesTheRangeWhenTheSizeIsOutOfIt) {
   EXPECT_EQ(generate_scene("balls", 8).error().message,
-            "the size of 'balls' must be from 1 to 7; 8 was asked for");
+            "the size of 'balls' must be from 1 to 7, found 8");
   EXPECT_EQ(generate_scene("balls", -1).error().message,
-            "the size of 'balls' must be from 1 to 7; -1 was asked for");
+            "the size of 'balls' must be from 1 to 7, found -1");
   EXPECT_EQ(generate_scene("mount_low", 2).error().message,
-            "'mount_low' has one size; 2 was asked for");
+            "'mount_low' has only one size, found 2");
 }
 
 }  // namespace

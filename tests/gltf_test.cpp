@@ -290,8 +290,7 @@ TEST(Gltf, TexturesMayBeMoved) {
 TEST(Gltf, PicturesThatCannotBeReadAreTold) {
   Gltf file = textured();
   replace(file.more, "data:image/png;base64,", "data:image/png;base64,AAAA");
-  EXPECT_THAT(warnings_of(file),
-              HasSubstr("(1: /images/0: it is no picture in PNG or JPEG format)"));
+  EXPECT_THAT(warnings_of(file), HasSubstr("(1: /images/0: expected a PNG or JPEG picture)"));
   EXPECT_TRUE(scene_of(file).material_texture.empty());
   file = textured();
   replace(file.more, "data:image", "https://example.org/data:image");
@@ -505,7 +504,7 @@ TEST_F(GltfFiles, BuffersAndPicturesLieBeside) {
   const auto missing = read_scene(this->file("a.gltf"));
   ASSERT_FALSE(missing);
   EXPECT_THAT(missing.error().front().text(),
-              HasSubstr("/buffers/0/uri: \"my square.bin\": there is no such file"));
+              HasSubstr("/buffers/0/uri: \"my square.bin\": the file does not exist"));
 }
 
 TEST(Gltf, TheSceneOfTheManualIsRead) {

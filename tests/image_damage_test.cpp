@@ -18,7 +18,7 @@ using tests::png_of;
 
 TEST_F(ImageTest, BadFilesAreErrorsInOneLine) {
   expect_bad("", "empty");
-  expect_bad("GIF89a", "no picture in PNG, JPEG, EXR, PFM or PPM");
+  expect_bad("GIF89a", "expected a PNG, JPEG, EXR, PFM or PPM picture");
   expect_bad("P4 1 1 \xff", "no picture");
   expect_bad("P6", "the file ends before the width");
   expect_bad("P6 x 1 255 ", "expected the width, found \"x\"");
@@ -27,17 +27,17 @@ TEST_F(ImageTest, BadFilesAreErrorsInOneLine) {
   expect_bad("P6 -1 -1 255 ", "-1 x -1 pixels");
   expect_bad("P6 20000 20000 255 ", "more than 268435456 pixels");
   expect_bad("P6 2147483647 2147483647 255 ", "more than 268435456 pixels");
-  expect_bad("P6 10000 10000 255 ab", "300000000 bytes of pixels expected, 2 there");
-  expect_bad("P3 10000 10000 255 1 2 3", "599999999 bytes of pixels expected, 5 there");
+  expect_bad("P6 10000 10000 255 ab", "expected 300000000 bytes of pixels, found 2");
+  expect_bad("P3 10000 10000 255 1 2 3", "expected 599999999 bytes of pixels, found 5");
   expect_bad("P6 1 1 65536 abc", "from 1 to 65535");
   expect_bad("P6 1 1 0 abc", "from 1 to 65535");
-  expect_bad("P6 1 1 10 \x01\x02\x0b", "a value of 11, the largest is 10");
-  expect_bad("P3 1 1 10 1 2 11", "a value of 11, the largest is 10");
+  expect_bad("P6 1 1 10 \x01\x02\x0b", "a value of 11 exceeds the maximum of 10");
+  expect_bad("P3 1 1 10 1 2 11", "a value of 11 exceeds the maximum of 10");
   expect_bad("P3 1 1 10 1 -2 11", "expected a value, found \"-2\"");
   expect_bad("P2 2 1 10 1      ", "the file ends before a value");
-  expect_bad("PF 1 1 0 abcdefghijkl", "a scale that is not zero");
-  expect_bad("PF 1 1 nan abcdefghijkl", "a scale that is not zero");
-  expect_bad("PF 10000 10000 -1 ab", "1200000000 bytes of pixels expected");
+  expect_bad("PF 1 1 0 abcdefghijkl", "a non-zero scale");
+  expect_bad("PF 1 1 nan abcdefghijkl", "a non-zero scale");
+  expect_bad("PF 10000 10000 -1 ab", "expected 1200000000 bytes of pixels");
   expect_bad("\x89PNG\r\n\x1a\n", "broken PNG: the file ends early");
   expect_bad("\x76\x2f\x31\x01", "broken EXR");
   EXPECT_THAT(read_image(file("missing.png")).error().text(), HasSubstr("No such file"));

@@ -225,10 +225,10 @@ TEST_F(ImageTest, PicturesOfColoursAloneAreImages) {
 TEST_F(ImageTest, WhatAFormatCannotKeepIsRefusedWithAdvice) {
   using enum ImageFormat;
   const std::vector<std::string> none, depth = {"depth"}, two = {"depth", "normal"};
-  const char* const kToPlain = "; give the picture a name in .exr or .npz";
-  const char* const kToAlpha = "; give the picture a name in .png, .exr, .npz or .npy";
-  const std::string only = " keeps colours only, not ",
-                    and_alpha = " keeps colours and alpha only, not ";
+  const char* const kToPlain = "; choose a name that ends in .exr or .npz";
+  const char* const kToAlpha = "; choose a name that ends in .png, .exr, .npz or .npy";
+  const std::string only = " stores only colours, not ",
+                    and_alpha = " stores only colours and alpha, not ";
   for (const ImageFormat format : {png, exr, pfm, ppm, npz, npy})
     EXPECT_EQ(unkept(format, false, none), "");
   for (const ImageFormat format : {png, exr, npz, npy}) EXPECT_EQ(unkept(format, true, none), "");
@@ -238,13 +238,13 @@ TEST_F(ImageTest, WhatAFormatCannotKeepIsRefusedWithAdvice) {
   EXPECT_EQ(unkept(pfm, true, none), "PFM" + only + "alpha" + kToAlpha);
   EXPECT_EQ(unkept(ppm, true, two), "PPM" + only + "alpha, depth, normal" + kToPlain);
   EXPECT_EQ(unkept(pfm, false, two), "PFM" + only + "depth, normal" + kToPlain);
-  EXPECT_THAT(unkept(npz, false, std::vector<std::string>{"rgba"}), HasSubstr("another name"));
+  EXPECT_THAT(unkept(npz, false, std::vector<std::string>{"rgba"}), HasSubstr("rename the layer"));
 
   for (const char* name : {"a.png", "a.pfm", "a.ppm", "a.npy"}) {
     const auto done = write_image(layered(2, 2), file(name));
     ASSERT_FALSE(done) << name;
     EXPECT_EQ(done.error().kind, ErrorKind::bad_input);
-    EXPECT_THAT(done.error().text(), HasSubstr("only, not "));
+    EXPECT_THAT(done.error().text(), HasSubstr("stores only colours"));
     EXPECT_THAT(done.error().text(), HasSubstr(file(name).string()));
   }
   EXPECT_EQ(entries(), 0);

@@ -78,7 +78,7 @@ TEST_F(LongRender, SamplesAreAdded) {
   const Outcome o = raio({"render", "ok.nff", "--add-samples", "7", "--checkpoint", "part.raio",
                           "-o", "more.exr", "--threads", "3"});
   EXPECT_EQ(o.status, 0) << o.err;
-  EXPECT_THAT(o.err, HasSubstr("12 samples a pixel"));
+  EXPECT_THAT(o.err, HasSubstr("12 samples per pixel"));
   EXPECT_TRUE(same("more.exr", "whole.exr"));
   const auto add = [](std::string part) {
     return Arguments{"render", "ok.nff", "--add-samples", "7", "--checkpoint", part, "-o", "x.png"};
@@ -182,7 +182,7 @@ TEST_F(LongRender, APictureIsRepeatedFromItself) {
 
   expect_refusal({"render", "--repeat", "a.png", "--aa", "3", "-o", "x.png"}, 2, "leave out --aa");
   EXPECT_EQ(raio({"render", "ok.nff", "-o", "plain.ppm"}).status, 0);
-  expect_refusal({"render", "--repeat", "plain.ppm", "ok.nff"}, 2, "only pictures in PNG and EXR");
+  expect_refusal({"render", "--repeat", "plain.ppm", "ok.nff"}, 2, "only PNG and EXR pictures");
   ASSERT_TRUE(write_image(Image(2, 2), file("foreign.png"), {{"note", "none"}}).has_value());
   expect_refusal({"render", "--repeat", "foreign.png", "ok.nff"}, 2, "no settings of Raio");
   put(file("other.nff"), replaced("angle 40", "angle 41"));
@@ -234,7 +234,7 @@ TEST_F(LongRender, EndsInTime) {
                            "9",      "--size", "400x300", "--time-limit", limit};
   o = raio(cells + Arguments{"-o", "a.png"});
   ASSERT_EQ(o.status, 0) << o.err;
-  EXPECT_THAT(o.err, HasSubstr(" of 589824 samples a pixel"));
+  EXPECT_THAT(o.err, HasSubstr(" of 589824 samples per pixel"));
   EXPECT_EQ(raio({"render", "--repeat", "a.png", "ok.nff", "-o", "b.png"}).status, 0);
   EXPECT_TRUE(same("a.png", "b.png"));
 

@@ -123,7 +123,7 @@ TEST_F(Pictures, OfFramesGoIntoFiles) {
     more.insert(more.begin(), "render");
     expect_refusal(more, 2, message);
   };
-  refused({"run.xyz", "--frame", "3:3"}, "no frame is in this range; the file has 5");
+  refused({"run.xyz", "--frame", "3:3"}, "this range contains no frame; the file has 5");
   refused({"run.xyz", "--frame", "7:9"}, "there is no frame 7; the file has 5");
   refused({"run.xyz", "--frame", "1:2:0"}, "a range such as 0:100:5, found '1:2:0'");
   refused({"run.xyz", "--frame", "x"}, "expected the number of a frame");
@@ -191,7 +191,8 @@ TEST_F(Pictures, OfSeveralScenesHaveNamesOfTheirOwn) {
   put(file("a.nff"), kScene);
   expect_refusal({"render", "ok.nff", "a.nff", "other/ok.p3f", "-o", "x/"}, 2,
                  "ok.nff and other/ok.p3f would both become ok.png");
-  expect_refusal({"render", "ok.nff", "a.nff", "-o", "x.png"}, 2, "go into a folder, as in -o");
+  expect_refusal({"render", "ok.nff", "a.nff", "-o", "x.png"}, 2,
+                 "need an output folder, as in -o");
   expect_refusal({"render", "ok.nff", "a.nff", "-o", "-"}, 2, "standard output takes one picture");
   expect_refusal({"render", "ok.nff", "a.nff", "-o", "ok.nff/x/"}, 3, "ok.nff/x/");
   for (const std::vector<std::string>& about_one :

@@ -71,7 +71,7 @@ TEST_F(SceneFiles, OfOtherKindsSayWhatTheySeemToBe) {
       {"a.ppm", "P6\n1 1\n255\nabc", "a picture (PPM, PGM, PBM or PFM)"},
       {"a.exr", "\x76\x2f\x31\x01", "an OpenEXR picture"},
       {"a.raio", "RAIOPART\1\0\0\0",
-       "a part file of a render, which raio merge makes a picture of"},
+       "a part file of a render, which raio merge turns into a picture"},
       {"a.html", "<!DOCTYPE html>", "an XML file"},
   };
   for (const Other& other : others)
@@ -243,7 +243,7 @@ TEST_F(ConvertCommandLine, SaysWhatIsLost) {
   ASSERT_TRUE(write_scene(tests::rich_scene(), file("rich.raio")));
   const Outcome done = raio({"convert", "rich.raio", "rich.nff"});
   EXPECT_EQ(done.status, 0);
-  EXPECT_THAT(done.err, AllOf(StartsWith("rich.nff: warning: not kept: opacity of "),
+  EXPECT_THAT(done.err, AllOf(StartsWith("rich.nff: warning: lost in this format: opacity of "),
                               HasSubstr("names of 3 objects")));
   put(file("two.xyz"), "2\n\nC 0 0 0\nC 9 0 0\n");
   EXPECT_THAT(raio({"convert", "two.xyz", "two.nff"}).err, HasSubstr("the light of figures"));
@@ -266,7 +266,7 @@ TEST_F(ConvertCommandLine, RefusesWhatItCannotWrite) {
       "f 1 1 1 1 0 1 0 1\npl 0 0 0 1 0 0 0 1 0\n");
   const Outcome neither = raio({"convert", "discs.nff", "a.ply"});
   EXPECT_EQ(neither.status, 2);
-  EXPECT_THAT(neither.err, HasSubstr("PLY holds faces or spheres"));
+  EXPECT_THAT(neither.err, HasSubstr("PLY stores faces or spheres"));
 }
 
 TEST_F(ConvertCommandLine, StandardInputIsAScene) {

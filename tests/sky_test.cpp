@@ -376,9 +376,10 @@ TEST_F(SkyJob, OfAScenesFileIsBesideItOrAbove) {
   ASSERT_TRUE(read);
   EXPECT_EQ(read->scene.sky, nullptr);
   ASSERT_EQ(read->notices.size(), 1u);
-  EXPECT_EQ(read->notices[0].message,
-            "its sky: there is no folder sky beside it or in a folder above; the background is "
-            "that of the scene (bclr)");
+  EXPECT_EQ(
+      read->notices[0].message,
+      "its sky: found no folder sky next to the file or in a parent folder; the background is "
+      "that of the scene (bclr)");
   EXPECT_FALSE(option_conflict({}, &read->scene));
   RenderOptions white;
   set(white, "#ffffff");
@@ -431,7 +432,7 @@ TEST_F(Sky, WhatIsWrongWithFacesIsNamed) {
             "sky: the face top (sky/top.png) has 9 x 9 pixels, but the face right "
             "(sky/right.png) has 8 x 8 pixels; expected faces of one size");
   put(file("sky/top.png"), "GIF89a");
-  EXPECT_EQ(error(), "sky: the face top (sky/top.png): it is no picture in PNG or JPEG format");
+  EXPECT_EQ(error(), "sky: the face top (sky/top.png): expected a PNG or JPEG picture");
   put(file("sky/top.png"), "");
   EXPECT_EQ(error(), "sky: the face top (sky/top.png): the file is empty");
   put_sky(file("sky"), 8);

@@ -194,7 +194,7 @@ TEST(Textures, PicturesAreStoredOnce) {
   EXPECT_EQ(reader.add(scene, png), 0u);
   EXPECT_EQ(reader.add(scene, png, TextureWrap::clamp), 1u);
   EXPECT_EQ(scene.texels, Array<uint32_t>({0, 255}));
-  EXPECT_THAT(reader.add(scene, "GIF8").error(), HasSubstr("no picture in PNG or JPEG"));
+  EXPECT_THAT(reader.add(scene, "GIF8").error(), HasSubstr("expected a PNG or JPEG picture"));
   EXPECT_THAT(reader.add(scene, png.substr(0, 50)).error(), HasSubstr("broken PNG"));
 }
 

@@ -16,9 +16,9 @@ namespace {
 constexpr double kPageWidth = 640, kPageHeight = 130;
 constexpr double kLeft = 40, kRight = 600, kTop = 46, kBottom = 82;
 constexpr double kLabelWidth = 75;
-constexpr int kTicks = 6;  // about so many
+constexpr int kTicks = 6;  // approximate number
 
-// 1, 2 or 5 times a power of ten, so that there are about so many steps in a length.
+// The round step, 1, 2 or 5 times a power of ten, that divides a length into about kTicks parts.
 double round_step(double length) {
   const double step = length / kTicks, power = std::pow(10, std::floor(std::log10(step)));
   for (const double digit : {1.0, 2.0, 5.0})
@@ -26,7 +26,7 @@ double round_step(double length) {
   return 10 * power;
 }
 
-// The largest of these that is no longer than a length.
+// The largest such number that does not exceed a length.
 double round_length(double longest) {
   const double power = std::pow(10, std::floor(std::log10(longest)));
   for (const double digit : {5.0, 2.0})
@@ -47,7 +47,7 @@ std::vector<Tick> ticks_of(const ColorScale& scale) {
   const double low = std::min(scale.least, scale.most), high = std::max(scale.least, scale.most);
   const double step = round_step(high - low);
   const double first = std::ceil(low / step - 1e-9);
-  // Counted, since a large number plus one may be itself.
+  // Counted, since a large number plus one may equal itself.
   for (int i = 0; i <= 2 * kTicks; ++i)
     if (const double value = (first + i) * step; value <= high + 1e-9 * step)
       ticks.push_back({text(value), (value - scale.least) / length});
@@ -78,10 +78,10 @@ struct Measures {
   }
 };
 
-// Of an upright bar of colours.
+// For a vertical colour bar.
 struct Layout : Measures {
   double width, height, top, tick;
-  double edge;  // the outer one of all
+  double edge;  // outermost
   bool left;
 
   Layout(const Picture& picture, bool at_left) : Measures(picture), left(at_left) {
@@ -92,7 +92,7 @@ struct Layout : Measures {
   }
 };
 
-// Where the bar is, with its name and numbers.
+// The position of the bar with its name and numbers.
 PixelBox place_of(const Image& image, const Layout& at) {
   const int wide =
       std::clamp(int(0.4 * image.width + at.width + at.margin + 2 * at.text), 1, image.width);
@@ -101,8 +101,7 @@ PixelBox place_of(const Image& image, const Layout& at) {
   return {at.left ? 0 : image.width - wide, top, wide, bottom - top};
 }
 
-// The middle of what the picture shows at its edge there, as it is displayed; where it is clear, on
-// white.
+// The middle colour of the picture's edge there, as displayed; transparent parts are on white.
 Ink page_of(const Picture& picture, const PixelBox& box, bool left, bool linear) {
   const Image& image = picture.color;
   const int wide = std::max(1, box.width / 3), begin = left ? 0 : image.width - wide;
@@ -121,7 +120,7 @@ Ink page_of(const Picture& picture, const PixelBox& box, bool left, bool linear)
   return {middle(values[0]), middle(values[1]), middle(values[2])};
 }
 
-// Draws on a box of the picture with an ink that stands out from the page there.
+// Draws on a box of the picture with an ink that contrasts with the page there.
 std::expected<void, Error> draw_on(
     Picture& picture, const PixelBox& box, bool left, bool linear,
     const std::function<void(const Canvas&, Ink ink, Ink page)>& draw) {
@@ -157,7 +156,7 @@ void draw_upright(const Canvas& canvas, const ColorScale& scale, const Layout& a
   const double bottom = at.top + at.height;
   canvas.box(x - at.line, at.top - at.line, at.width + 2 * at.line, at.height + 2 * at.line, ink);
   for (int i = kMapColors; i-- > 0;)
-    // To the lower end, so that no gap shows between two of them.
+    // To the lower end, so that no gap is visible between two of them.
     canvas.box(x, bottom - at.height * (i + 1) / kMapColors, at.width,
                at.height * (i + 1) / kMapColors, map_ink(scale, i));
   for (const Tick& tick : ticks) {
@@ -181,12 +180,12 @@ std::expected<void, Error> draw_color_bar_on(Picture& picture, const ColorScale&
                  });
 }
 
-// Of a line of the legend, and of the disc before its name with the gap behind it, in heights of
-// its text.
+// Heights relative to the text: of a line of the legend, and of the disc in front of the name with
+// its gap.
 constexpr double kLegendRow = 1.5, kLegendIndent = 2.5;
 
 bool has_room_for_legend(int width, int height, float dpi) {
-  constexpr double kLetters = 3;  // of about half a height each, and "chain" shrunk to them
+  constexpr double kLetters = 3;  // of about half a height each, to which "chain" would shrink
   const Measures at(width, height, dpi);
   return 0.3 * width >= (kLegendIndent + kLetters) * at.text &&
          height - 2 * at.margin >= 2 * kLegendRow * at.text;
@@ -251,7 +250,7 @@ std::expected<std::string, std::string> draw_color_bar(const ColorScale& scale, 
                 kRight - kLeft);
     const double width = (kRight - kLeft) / kMapColors;
     for (int i = 0; i < kMapColors; ++i)
-      // To the right end, so that no gap shows between two of them.
+      // To the right end, so that no gap is visible between two of them.
       canvas.box(kLeft + i * width, kTop, kRight - kLeft - i * width, kBottom - kTop,
                  map_ink(scale, i));
     for (const Tick& tick : ticks_of(scale)) {

@@ -40,7 +40,7 @@ void add_scene(CLI::App& app, std::string& path) {
 
 namespace {
 
-// "A:B" or "A:B:STEP"; each number may be missing.
+// Parses "A:B" or "A:B:STEP"; each number may be missing.
 std::optional<FrameRange> parse_frames(std::string_view text) {
   FrameRange out;
   std::optional<int> step;
@@ -131,7 +131,7 @@ void add_render_options(CLI::App& app, RenderOptions& options,
           ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
       continue;
     }
-    // A scene can turn some switches on; --no-... turns them off.
+    // A scene can turn on some switches; --no-... turns them off.
     const bool optional =
         std::holds_alternative<std::optional<bool>& (*)(RenderOptions&)>(spec.value);
     app.add_flag_function(

@@ -1,5 +1,5 @@
-// Building blocks of the command line: options by type of value, with their checks, and options
-// that several commands share. Of an option given twice the last one counts.
+// Building blocks of the command line: options by type of value, with checks, and options shared by
+// several commands. If an option is repeated, the last one counts.
 #pragma once
 
 #include <fmt/format.h>
@@ -19,7 +19,7 @@
 
 namespace raio::app {
 
-/// Why the text is not a file name; empty if it is.
+/// Why the text is not a file name; empty if it is one.
 std::string file_name_problem(const std::string& text);
 
 void add_file(CLI::App& app, const std::string& name, std::string& path, const std::string& help,
@@ -60,7 +60,7 @@ void refuse_conflict(const RenderOptions& options);
 /// The end of a command's help.
 std::string examples(std::initializer_list<std::string_view> lines);
 
-/// Runs a whole command, from reading to writing, on the number of threads that it asks for.
+/// Runs a whole command, from reading to writing, with the requested number of threads.
 template <class Command>
 int run_on_threads(const Command& command) {
   if (command.options.threads > 1 && !kHasThreads)

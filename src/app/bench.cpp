@@ -20,8 +20,8 @@ namespace {
 constexpr std::array kStructures = {AccelKind::none, AccelKind::grid, AccelKind::bvh,
                                     AccelKind::embree};
 
-// The places in `words` of the items of a list with commas; nothing when one is not among them or
-// comes twice, or when the list is empty.
+// The indices in `words` of a comma-separated list of items; nothing if one is unknown or repeated,
+// or the list is empty.
 std::optional<std::vector<size_t>> places_of(std::string_view list,
                                              const std::vector<std::string>& words) {
   std::vector<size_t> places;
@@ -35,7 +35,7 @@ std::optional<std::vector<size_t>> places_of(std::string_view list,
   return places;
 }
 
-// Usage and targets, before minutes of work are spent; the exit status.
+// Checks usage and targets before minutes of work; returns the exit status.
 int check_targets(const BenchCommand& command) {
   if (command.json == "-" && command.csv == "-")
     return bad_input("--json and --csv cannot both go to standard output; give one of them a file");
@@ -126,11 +126,11 @@ std::string bench_conflict(const BenchmarkRequest& request) {
        {std::pair("gloss", o.gloss), std::pair("translucency", o.translucency)})
     if (roughness == 0 && (request.effects & effect_named(word)))
       return fmt::format(
-          "--{0} 0 has no effect beside {0} among --effects; give a roughness above 0, or leave "
+          "--{0} 0 cannot be combined with {0} in --effects; give a roughness above 0, or leave "
           "one of them out",
           word);
   if (o.shutter && (*o.shutter)[0] == (*o.shutter)[1] && (request.effects & effect_named("motion")))
-    return "--shutter closes as it opens, which is no motion; give two times, or leave motion out "
+    return "--shutter closes when it opens, so nothing moves; give two times, or leave motion out "
            "of --effects";
   return {};
 }
@@ -160,7 +160,7 @@ int run(const BenchCommand& command) {
   const auto table =
       measure_benchmark(*scene, command.request, control, [&](const BenchmarkStep& step) {
         const std::string label = short_label(step.combination);
-        line.reset();  // wipes the one before
+        line.reset();  // wipes the previous one
         line.emplace(control, command.progress,
                      step.number > 0 ? fmt::format("{}/{} {}", step.number, step.count, label)
                                      : "comparing " + label);

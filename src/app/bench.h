@@ -1,6 +1,6 @@
-// The benchmark for people and for programs: how it is asked for (bench.cpp), and the forms in
-// which its table is given, text, CSV and JSON (bench_format.cpp). Measuring is in
-// measure/benchmark.h, the report of 2018 in bench_report.h, the picture in plot.h.
+// The command `raio bench`: its arguments (bench.cpp) and the formats of its table: text, CSV and
+// JSON (bench_format.cpp). measure/benchmark.h measures, bench_report.h has the report of 2018,
+// plot.h the picture.
 #pragma once
 
 #include <expected>
@@ -12,35 +12,34 @@
 
 namespace raio::app {
 
-/// "grid,bvh": structures, each once, out of none, grid, bvh and embree. The error says what was
-/// found and what is accepted.
+/// Parses "grid,bvh": structures, each once, among none, grid, bvh and embree. The error says what
+/// was found and what is accepted.
 std::expected<std::vector<AccelKind>, std::string> parse_structures(std::string_view list);
 
-/// "aa,soft-shadows": effects, each once, or "none". Likewise.
+/// Parses "aa,soft-shadows": effects, each once, or "none". Likewise.
 std::expected<EffectSet, std::string> parse_effects(std::string_view list);
 
 /// An effect on the command line: "soft-shadows".
 std::string effect_word(const BenchmarkEffect& effect);
 
-/// Which option would have no effect because of what is not timed, and what to do, in one line;
-/// empty when all is well.
+/// Names an option without effect on what is timed, and what to do, in one line; empty if there is
+/// none.
 std::string bench_conflict(const BenchmarkRequest& request);
 
-/// Which of the effects to be timed would be none in the scene, and what to do; empty when all is
-/// well.
+/// Names a timed effect that cannot occur in the scene, and what to do; empty if there is none.
 std::string absence_of_effects(const BenchmarkRequest& request, const Scene& scene);
 
-/// Three digits that mean something, never an exponent: "0.0123", "4.56", "98.4", "1260".
+/// Three significant digits, never an exponent: "0.0123", "4.56", "98.4", "1260".
 std::string three_digits(double value);
 
-/// For people, in at most 100 columns with the effects of the report: the table, what was built,
-/// and what becomes of the report's claims.
+/// For people, in at most 100 columns with the report's effects: the table, the structures, and the
+/// verdicts on the report's claims.
 std::string table_text(const BenchmarkTable& table);
 
-/// One line per row under a line of names; unknown is empty. Times in seconds.
+/// One line per row under a line of names; empty if unknown. Times in seconds.
 std::string table_csv(const BenchmarkTable& table);
 
-/// One JSON object; unknown is null.
+/// One JSON object; null if unknown.
 std::string table_json(const BenchmarkTable& table);
 
 }  // namespace raio::app

@@ -35,7 +35,7 @@ std::string structure_line(const BenchmarkStructure& structure) {
   return line + fmt::format(", built in {}", human_seconds(structure.build_s));
 }
 
-// The names of the effects, each in a place of its own.
+// The names of the effects, each in its own column.
 std::string effect_cells(EffectSet combined, EffectSet on) {
   if (!on) return "none";
   std::string cells;
@@ -66,7 +66,7 @@ std::vector<Column> columns_of(const BenchmarkTable& table) {
        -std::max(effects, 7),
        true,
        [&](const auto& row) { return effect_cells(table.effects, row.combination.effects); }},
-      {{"samples", "a pixel"},
+      {{"samples", "/ pixel"},
        7,
        true,
        [](const auto& row) {
@@ -126,7 +126,7 @@ std::string rows_text(const BenchmarkTable& table) {
   for (const BenchmarkRow& row : table.rows) {
     const AccelKind accel = row.combination.accel;
     if (&row != &table.rows.front() && accel != (&row)[-1].combination.accel) out += "\n";
-    // Brute force as the report calls it.
+    // Brute force, as the report calls it.
     out += line(accel == AccelKind::none ? "no grid" : accel_name(accel),
                 [&](const Column& column) { return column.cell(row); });
   }
@@ -141,14 +141,14 @@ std::string notes_text(const BenchmarkTable& table) {
     out += fmt::format("The structures' plain pictures differ in {:.3g} % of the pixels.\n",
                        100 * *table.disagreement);
   else
-    out += "There is only one structure, so its picture was compared with no other.\n";
+    out += "There is only one structure, so its picture could not be compared.\n";
   if (table.repeat > 1)
     out += fmt::format(
-        "Medians of {} runs, ± half of what lies between the least and the most. The runs of a\n"
+        "Medians of {} runs, ± half of the range. The runs of a\n"
         "structure went in rounds over all its rows, so that a drift of the machine meets all "
         "alike.\n",
         table.repeat);
-  out += "cost: against the same structure without effects, in the same round.\n";
+  out += "cost: relative to the same structure without effects, in the same round.\n";
   if (report_knows(table))
     out +=
         fmt::format("report: {}; - where unknown.\nspeed-up: report over ours.\n", kReportSource);
@@ -186,7 +186,7 @@ std::string table_text(const BenchmarkTable& table) {
 
 std::string table_csv(const BenchmarkTable& table) {
   const auto optional = [](std::optional<double> v) { return v ? fmt::format("{}", *v) : ""; };
-  // A name may hold a comma or a quote (RFC 4180).
+  // A name may contain a comma or a quote (RFC 4180).
   std::string scene = "\"";
   for (const char c : table.scene) scene += c == '"' ? "\"\"" : std::string(1, c);
   scene += "\"";

@@ -19,13 +19,13 @@ constexpr EffectSet kAa = effect_named("aa"), kSoft = effect_named("soft_shadows
                     kDof = effect_named("dof"), kAll = kAa | kSoft | kDof;
 static_assert(kAa != 0 && kSoft != 0 && kDof != 0);
 
-// Seconds of balls_medium in the order of the report's table: effects count up in binary, depth of
+// Seconds of balls_medium in the order of the report's table: effects count in binary, depth of
 // field fastest, then antialiasing, then soft shadows; first without grid, then with it.
 constexpr std::array<double, 16> kMediumSeconds = {
     24.251, 67.004, 198.190, 596.887, 26.352, 70.007, 222.732, 608.145,
     4.507,  11.897, 32.634,  95.047,  4.543,  12.335, 33.084,  98.400};
 
-// What is known of a combination's time, the report's or ours.
+// A known time of a combination, the report's or ours.
 struct Known {
   double seconds;
   std::string text;  // "24.251 s"
@@ -50,7 +50,7 @@ class Times {
     return Known{time->seconds, time->text() + " s", time->more_than};
   }
 
-  /// How many times as long with the first effects as with the others.
+  /// The ratio of times with the first effects to those with the others.
   std::optional<double> ratio(AccelKind accel, EffectSet effects, EffectSet others = 0) const {
     if (table_) {
       const auto *row = row_of({accel, effects}), *base = row_of({accel, others});
@@ -70,7 +70,7 @@ class Times {
   const BenchmarkTable* table_;
 };
 
-// What a claim is about: a number to judge it by, and all of it for people.
+// The evidence for a claim: a number to judge it by, and the details as text.
 struct Figure {
   double value;
   std::string text;
@@ -86,7 +86,7 @@ std::optional<Figure> gain(const Times& times, EffectSet effects) {
 
 std::optional<Figure> plain_gain(const Times& times) { return gain(times, 0); }
 
-// The gain with all effects over that without any.
+// The gain with all effects relative to that without any.
 std::optional<Figure> gain_kept(const Times& times) {
   const auto all = gain(times, kAll), plain = gain(times, 0);
   if (!all || !plain) return std::nullopt;
@@ -97,7 +97,7 @@ std::optional<Figure> gain_kept(const Times& times) {
 constexpr std::array<std::pair<AccelKind, std::string_view>, 2> kStructures = {
     {{AccelKind::none, "no grid"}, {AccelKind::grid, "grid"}}};
 
-// Antialiasing's cost over that of the dearest other effect, where it is the lowest.
+// Antialiasing's cost relative to the most expensive other effect, at its lowest.
 std::optional<Figure> antialiasing_lead(const Times& times) {
   std::optional<Figure> found;
   for (const auto& [accel, name] : kStructures) {
@@ -113,7 +113,7 @@ std::optional<Figure> antialiasing_lead(const Times& times) {
   return found;
 }
 
-// The most by which soft shadows multiply the time of a picture, whatever else is on.
+// The largest factor by which soft shadows increase the time of a picture, whatever else is on.
 std::optional<Figure> soft_shadow_cost(const Times& times) {
   std::optional<Figure> found;
   for (const auto& [accel, name] : kStructures) {
@@ -132,12 +132,12 @@ std::optional<Figure> soft_shadow_cost(const Times& times) {
 struct ClaimSpec {
   std::string_view claim, scene;
   std::optional<Figure> (*figure)(const Times& times);
-  /// Do our figures bear the claim out?
+  /// Whether our figures confirm the claim.
   bool (*holds)(double ours, double reports);
 };
 
-// A number in words stands for what is rounded to it. Soft shadows cost next to nothing where they
-// cost no more than they did in the report; a gain is kept that has lost less than a tenth.
+// Numbers in words stand for what rounds to them. Soft shadows cost next to nothing if they cost no
+// more than in the report; a gain is kept if it is at most a tenth smaller.
 constexpr auto kClaims = std::to_array<ClaimSpec>({
     {"balls_high without effects: from more than an hour to 12 s by the grid, about 300 times",
      kHigh, plain_gain, [](double ours, double) { return std::lround(ours / 100) == 3; }},
@@ -201,7 +201,7 @@ std::string_view verdict_words(Verdict verdict) {
     case Verdict::unknown:
       break;
   }
-  return "cannot be told from these rows";
+  return "undecided by these rows";
 }
 
 std::vector<ReportClaim> report_claims(const BenchmarkTable& table) {

@@ -19,7 +19,7 @@ namespace raio::app {
 
 namespace {
 
-// Only who draws a plot loads it, and the fifteen libraries that it wants.
+// Only drawing a plot loads it, with its fifteen dependencies.
 constexpr char kCairo[] = "libcairo.so.2";
 
 cairo_status_t append(void* bytes, const unsigned char* data, unsigned int size) {
@@ -50,7 +50,7 @@ cairo_surface_t* make_surface(PlotFormat format, double width, double height, st
 }  // namespace
 
 Canvas::Canvas(cairo_t* cairo) : cairo_(cairo) {
-  // Unhinted widths grow in step with the size, in the picture as in the vector formats.
+  // Unhinted widths scale continuously with the size, in pictures as in vector formats.
   const std::unique_ptr<cairo_font_options_t, void (*)(cairo_font_options_t*)> options(
       call<kCairo, cairo_font_options_create>(),
       [](auto* o) { call<kCairo, cairo_font_options_destroy>(o); });
@@ -200,7 +200,7 @@ std::expected<PlotFormat, std::string> plot_format(const std::filesystem::path& 
   if (suffix == ".svg") return PlotFormat::svg;
   if (suffix == ".pdf") return PlotFormat::pdf;
   return std::unexpected(
-      fmt::format("{}: a plot's file ends in .png, .svg or .pdf", path.string()));
+      fmt::format("{}: expected a plot file that ends in .png, .svg or .pdf", path.string()));
 }
 
 std::expected<void, std::string> check_drawing() { return load_library(kCairo); }

@@ -1,5 +1,4 @@
-// A page that plots are drawn on: Cairo with the few strokes that they are made of, their colours,
-// and the formats that a page can be kept in.
+// A page for plots: Cairo with a few strokes, colours, and output formats.
 #pragma once
 
 #include <expected>
@@ -22,8 +21,8 @@ struct Ink {
   int r, g, b;  // 0..255
 };
 
-// Okabe and Ito's palette, whose colours remain distinct to colour-blind eyes; the two blues also
-// differ in lightness, so that a print in grey works.
+// Okabe and Ito's palette, with colours that remain distinct to colour-blind eyes; the two blues
+// also differ in lightness, so that a grey print works.
 inline constexpr Ink kBlack{26, 26, 31}, kGrey{107, 107, 115}, kFaint{224, 224, 230};
 inline constexpr Ink kSkyBlue{86, 180, 233}, kBlue{0, 114, 178}, kVermilion{213, 94, 0};
 inline constexpr Ink kGreen{0, 158, 115}, kPurple{204, 121, 167};
@@ -37,10 +36,10 @@ class Canvas {
 
   double text_width(const std::string& text, double size, bool bold = false) const;
 
-  /// `y` is the middle of the small letters' height. Text wider than `max_width` is set smaller.
+  /// `y` is the middle of the small letters. Text wider than `max_width` is set smaller.
   void text(double x, double y, const std::string& text, Ink ink, Align align = Align::left,
             double size = kText, bool bold = false, double max_width = kWidth) const;
-  /// The same, with a rim in another ink that keeps it apart from what is below it.
+  /// The same, with a rim in another ink for contrast with what is below.
   void rimmed_text(double x, double y, const std::string& text, Ink ink, Ink rim, Align align,
                    double size, double max_width) const;
   void upright_text(double x, double y, const std::string& words, Ink ink) const;
@@ -48,29 +47,29 @@ class Canvas {
   void box(double x, double y, double w, double h, Ink ink) const;
   void line(double x0, double y0, double x1, double y1, Ink ink, double width,
             bool dotted = false) const;
-  /// Its pixels in a box of that size, as they are displayed.
+  /// Draws the displayed pixels in a box of that size.
   void image(double x, double y, double w, double h, const Image& image) const;
-  /// What is drawn outside this box is left out, until `draw` returns.
+  /// Clips the drawing of `draw` to this box.
   void clipped(double x, double y, double w, double h, const std::function<void()>& draw) const;
   void disc(double x, double y, double radius, Ink ink) const;
-  /// With a white rim, which keeps it apart from a bar below it.
+  /// With a white rim for contrast with a bar below.
   void diamond(double x, double y, Ink ink, double radius = kMarkerRadius) const;
 
  private:
   void set(Ink ink) const;
   void set_font(double size, bool bold) const;
-  // Chooses the font and goes to where the text begins.
+  // Sets the font and moves to the start of the text.
   void begin_text(double x, double y, const std::string& text, Align align, double size, bool bold,
                   double max_width) const;
 
   _cairo* cairo_;
 };
 
-/// "12.3 ms" beside a bar, "10 ms" at an axis.
+/// "12.3 ms" next to a bar, "10 ms" at an axis.
 std::string seconds_label(double seconds);
 std::string tick_label(double seconds);
 
-/// Cairo refuses text that is no UTF-8, which a file's name need not be.
+/// Cairo refuses text that is not UTF-8, but a file name may be any bytes.
 std::string valid_utf8(const std::string& text);
 
 enum class PlotFormat { png, svg, pdf };
@@ -78,21 +77,21 @@ enum class PlotFormat { png, svg, pdf };
 /// By suffix, in any case; the error lists the suffixes.
 std::expected<PlotFormat, std::string> plot_format(const std::filesystem::path& path);
 
-/// Can anything be drawn? The error is one line.
+/// Whether drawing is possible. The error is one line.
 std::expected<void, std::string> check_drawing();
 
-/// So many pixels of a page, from a place of it on.
+/// A rectangle of pixels in a page.
 struct PixelBox {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
-/// What `draw` puts on that part of a clear page, row by row from the top, colours premultiplied,
+/// The result of `draw` on that part of a transparent page, row by row from the top, premultiplied,
 /// as 0xaarrggbb. The error is one line.
 std::expected<std::vector<uint32_t>, std::string> draw_pixels(
     const std::function<void(const Canvas&)>& draw, const PixelBox& box);
 
-/// The file's bytes: a white page of so many pixels, or the same in vectors, with what `draw` puts
-/// on it. The error is one line.
+/// The bytes of a file with the result of `draw` on a white page of this many pixels, or the same
+/// in vectors. The error is one line.
 std::expected<std::string, std::string> draw_page(PlotFormat format,
                                                   const std::function<void(const Canvas&)>& draw,
                                                   double width = kWidth, double height = kHeight);

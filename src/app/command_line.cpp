@@ -83,7 +83,7 @@ int usage_error(const CLI::App& command, const std::string& message) {
   return bad_input(fmt::format("{}; see {} --help", message, full_name(command)));
 }
 
-// CLI11 also throws where help or the version is asked for.
+// CLI11 also throws for help and version.
 int report(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App* command = &app;
   for (auto chosen = app.get_subcommands(); !chosen.empty(); chosen = command->get_subcommands())
@@ -95,7 +95,7 @@ int report(const CLI::App& app, const CLI::ParseError& error) {
   return usage_error(*command, error.what());
 }
 
-// "2/5", the second of five.
+// Parses "2/5", the second of five.
 void add_shard(CLI::App& app, RenderCommand& render) {
   const auto set = [&render](const std::string& text) {
     const char* const end = text.data() + text.size();
@@ -115,7 +115,7 @@ void add_shard(CLI::App& app, RenderCommand& render) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
 }
 
-// "20:40", samples 20 to 39.
+// Parses "20:40", samples 20 to 39.
 void add_sample_range(CLI::App& app, RenderCommand& render) {
   const auto set = [&render](const std::string& text) {
     const char* const end = text.data() + text.size();
@@ -138,10 +138,10 @@ void add_sample_range(CLI::App& app, RenderCommand& render) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
 }
 
-// A thread that cannot start may lack memory for its stack.
+// A thread may fail to start for lack of memory for its stack.
 constexpr std::string_view kMemoryAdvice = "a larger --memory-limit or fewer --threads may help";
 
-// Libraries terminate when a thread or memory is refused. Reports that once, without allocating.
+// Libraries terminate if a thread or memory is refused. Reports that once, without allocating.
 [[noreturn]] void end_without_memory() {
   static std::atomic_flag ending;
   while (ending.test_and_set()) {  // another thread is ending the program
@@ -154,7 +154,7 @@ constexpr std::string_view kMemoryAdvice = "a larger --memory-limit or fewer --t
   std::_Exit(kNoResource);
 }
 
-// "4G": bytes, or KiB, MiB, GiB, TiB with a letter. The limit holds from parsing on.
+// Parses "4G": bytes, or KiB, MiB, GiB, TiB with a letter. The limit takes effect during parsing.
 void add_memory_limit(CLI::App& app) {
   const auto set = [](const std::string& text) {
     double value = 0;
@@ -189,16 +189,15 @@ void add_long_render(CLI::App& app, RenderCommand& render) {
              "Add N samples per pixel to the --checkpoint file, with the options stored in it",
              "N");
   add_number(app, "--time-limit", render.time_limit_s, 0.001, 1e9,
-             "Stop after about this many seconds; all pixels then have equally many samples",
+             "Stop after about this many seconds; all pixels then have the same number of samples",
              "SECONDS");
   add_memory_limit(app);
   add_shard(app, render);
   add_sample_range(app, render);
-  add_file(
-      app, "--repeat", render.repeat,
-      "Render this PNG or EXR again with the settings stored in it; without SCENE, the scene file "
-      "of that name beside it",
-      "IMAGE");
+  add_file(app, "--repeat", render.repeat,
+           "Render this PNG or EXR again with the settings stored in it; without SCENE, use the "
+           "stored scene name in the folder of the picture",
+           "IMAGE");
 }
 
 void refuse_for_many_pictures(const RenderCommand& render) {
@@ -493,7 +492,7 @@ int parse_and_run(std::vector<std::string> arguments, const Invocation& invocati
   CLI::App app("Raio: a fast, reproducible ray tracer for scenes, molecules, particles and meshes");
   app.name("raio");
   app.set_help_flag("-h", "Print the most common options");
-  app.set_help_all_flag("--help", "Print all options; of one given twice the last counts");
+  app.set_help_all_flag("--help", "Print all options; if one is repeated, the last counts");
   app.set_version_flag("--version", version_text(),
                        "Print the version and the commit it was built from");
   app.footer(examples({"raio generate balls -o balls.nff",
@@ -533,7 +532,7 @@ int parse_and_run(std::vector<std::string> arguments, const Invocation& invocati
   if (const std::string why = usage_problem(app, arguments); !why.empty())
     return usage_error(chosen_command(app, arguments), why);
   try {
-    std::ranges::reverse(arguments);  // as CLI11 wants them
+    std::ranges::reverse(arguments);  // as CLI11 expects them
     app.parse(std::move(arguments));
   } catch (const CLI::ParseError& error) {
     return report(app, error);

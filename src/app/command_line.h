@@ -6,7 +6,7 @@
 namespace raio::app {
 
 /// Parses, runs the subcommand, and returns the exit status. Never throws. Without `open_window`,
-/// `raio view` becomes the program that has it.
+/// `raio view` replaces itself by the window's program.
 int run_command_line(int argc, char** argv, OpenWindow open_window = nullptr);
 
 }  // namespace raio::app

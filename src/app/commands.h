@@ -1,5 +1,5 @@
 // The subcommands of the program. Each does what its help says, prints, and returns the exit
-// status. This room is the only one that prints.
+// status. Only this room prints.
 #pragma once
 
 #include <array>
@@ -18,31 +18,31 @@ namespace raio::app {
 /// Exit statuses, the same for every command.
 enum Exit : int {
   kDone = 0,
-  kCheckFailed = 1,    // a check that the user asked for failed
+  kCheckFailed = 1,    // a requested check failed
   kBadInput = 2,       // bad usage or bad input
-  kNoResource = 3,     // could not write, or ran out of something
+  kNoResource = 3,     // could not write, or a resource ran out
   kInterrupted = 130,  // Ctrl-C
 };
 
-inline constexpr int kMaxPictures = 100000;  // of a command
+inline constexpr int kMaxPictures = 100000;  // per command
 
-// Frames of a trajectory, as Python slices a list: from `first` to before `last`, either counted
-// from the end where it is negative.
+// Frames of a trajectory, as a Python slice: `first` up to but not including `last`; negative
+// numbers count from the end.
 struct FrameRange {
   std::optional<int> first, last;
   int step = 1;
 };
 
-// Of one or many pictures. An output that is empty means <scene>.png here, one that is a folder
-// <scene>.png there.
+// Renders one or many pictures. An empty output means <scene>.png in the current folder; a folder,
+// <scene>.png in it.
 struct RenderCommand : JobRequest {
-  std::vector<std::string> scenes;  // files; `scene` is set to each of them
+  std::vector<std::string> scenes;  // files; `scene` is set to each in turn
   std::string stats;                // file for the statistics; empty: none
   std::string progress = "auto";
   bool quiet = false;
-  int turntable = 0;                 // so many pictures around the scene; 0: one, of its camera
-  std::optional<FrameRange> frames;  // a picture of each; without: of the one that `read` says
-  // What is drawn on pictures.
+  int turntable = 0;                 // number of pictures around the scene; 0: one, by its camera
+  std::optional<FrameRange> frames;  // one picture each; absent: only the frame in `read`
+  // Annotations of pictures.
   bool color_bar = false, legend = false, scale_bar = false;
   std::string color_bar_side = "right";  // or left; the legend takes the other one
 
@@ -60,18 +60,18 @@ int run(const MergeCommand& command);
 struct ViewCommand {
   std::string scene;     // empty: the window offers some
   std::string program;   // as it was started: "./raio"
-  std::string language;  // of the screen: "en" or "pt"; empty: the system's
-  bool log = false;      // say on standard error what happens
+  std::string language;  // of the window: "en" or "pt"; empty: the system's
+  bool log = false;      // log events to standard error
   RenderOptions options;
   ReadOptions read = kForPictures;
 };
-/// The window, which is a program of its own (ARCHITECTURE.md): what parsed the command line is
-/// told how to open it, or replaces itself by the program that is.
+/// Opens the window, which is a separate program (ARCHITECTURE.md): either directly, or by
+/// replacing this process.
 using OpenWindow = int (*)(const ViewCommand&);
 
 struct BenchCommand {
   std::string scene;
-  std::string json, csv, plot;  // files; empty: none. "-" as json or csv: instead of the table
+  std::string json, csv, plot;  // files; empty: none. "-" for json or csv replaces the table
   std::string progress = "auto";
   BenchmarkRequest request;
 };
@@ -80,7 +80,7 @@ int run(const BenchCommand& command);
 struct InfoCommand {
   std::string scene;
   bool json = false;
-  std::string color_bar = {};  // NOLINT(readability-redundant-member-init): can be left out
+  std::string color_bar = {};  // NOLINT(readability-redundant-member-init): optional
   ReadOptions read = {};
 };
 int run(const InfoCommand& command);
@@ -91,7 +91,7 @@ struct ExplainCommand {
   int sample = 0;
   bool json = false;
   std::string plot = {};             // file; empty: none
-  std::optional<Vec3d> plot_from{};  // where the plot is seen from; else from aside
+  std::optional<Vec3d> plot_from{};  // viewpoint of the plot; absent: from the side
   RenderOptions options;
   ReadOptions read = kForPictures;
 };
@@ -105,7 +105,7 @@ struct GenerateCommand {
 int run(const GenerateCommand& command);
 
 struct ExportCommand {
-  std::string scene, output;  // output empty: <scene>.pov here
+  std::string scene, output;  // output empty: <scene>.pov in the current folder
   RenderOptions options;      // size, depth
   ReadOptions read = kForPictures;
 };
@@ -128,7 +128,7 @@ int run(const SpdVerifyCommand& command);
 struct CompareCommand {
   std::string a, b, diff;
   double min_psnr_db = -1;  // negative: no check
-  std::string explain{};    // the scene that both show; empty: none
+  std::string explain{};    // the scene of both pictures; empty: none
   RenderOptions options{};  // its camera, structure, threads
 };
 int run(const CompareCommand& command);

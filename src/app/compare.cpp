@@ -34,21 +34,21 @@ std::string figures(const ImageDifference& d) {
       decibels(d.psnr_db), d.rmse, d.largest, 100 * d.above_8);
 }
 
-// Where pictures of a scene differ, and what that may come from.
+// Regions where pictures of a scene differ, and likely causes.
 constexpr std::array<std::string_view, kRegionNames.size()> kCauses = {
-    "what is drawn there, the background, or the camera",
-    "antialiasing, or the camera by part of a pixel; whole objects: geometry",
-    "reflected and refracted rays: their parts, depth, and clamping",
-    "the places and sizes of lights, or the number of samples",
+    "objects there, the background, or the camera",
+    "antialiasing, or the camera by a fraction of a pixel; whole objects: geometry",
+    "reflected and refracted rays: weights, depth, and clamping",
+    "positions and sizes of lights, or the number of samples",
     "shadow rays that start inside or end beyond the light; ambient light",
-    "the model of light: diffuse part, highlights, intensities; where B is much darker, shadow "
+    "the shading model: diffuse part, highlights, intensities; where B is much darker, shadow "
     "rays "
     "that start inside or end beyond the light",
 };
 
 struct RegionSum {
   size_t pixels = 0, apart = 0;
-  double lighter = 0;  // B than A, summed over those apart
+  double lighter = 0;  // B than A, summed over pixels above 8
 };
 
 std::string explained(const Image& a, const Image& b, const std::vector<Region>& regions) {
@@ -99,13 +99,13 @@ std::expected<std::string, int> explained(const CompareCommand& command, const I
   return explained(a, b, regions);
 }
 
-// As it is shown: an EXR holds light, and the tone curve and exposure of its render beside it.
+// As displayed: an EXR holds light, with the tone curve and exposure of its render in its settings.
 std::expected<Image, Error> displayed(const std::string& path) {
   auto picture = read_picture(path);
   if (!picture) return std::unexpected(std::move(picture.error()));
   if (lower_suffix(path) == ".exr")
     if (const auto settings = read_metadata(path))
-      if (const auto o = options_from(*settings, false))  // not of other programs' pictures
+      if (const auto o = options_from(*settings, false))  // not for other programs' pictures
         tone_map(picture->color, picture->alpha, o->tone.value_or(Tone::none), o->exposure);
   return std::move(picture->color);
 }
@@ -125,8 +125,9 @@ int run(const CompareCommand& command) {
   const auto b = displayed(command.b);
   if (!b) return fail(b.error());
   if (a->width != b->width || a->height != b->height) {
-    return bad_input(fmt::format("{} is {}x{} and {} is {}x{}: only pictures of one size compare",
-                                 command.a, a->width, a->height, command.b, b->width, b->height));
+    return bad_input(
+        fmt::format("{} is {}x{} and {} is {}x{}; expected two pictures of the same size",
+                    command.a, a->width, a->height, command.b, b->width, b->height));
   }
 
   const ImageDifference difference = compare(*a, *b);
@@ -137,7 +138,7 @@ int run(const CompareCommand& command) {
     text += *where;
   }
   if (command.diff == "-") {
-    // Standard output belongs to the picture.
+    // Standard output has the picture.
     for (const auto line : std::views::split(text.substr(0, text.size() - 1), '\n'))
       print_line(std::string_view(line.begin(), line.end()));
   } else if (const int status = deliver("-", text)) {
@@ -148,7 +149,7 @@ int run(const CompareCommand& command) {
     if (!written) return fail(written.error());
   }
   if (command.min_psnr_db >= 0 && !(difference.psnr_db >= command.min_psnr_db)) {
-    print_error(fmt::format("the PSNR is {}, below the {:g} dB asked for",
+    print_error(fmt::format("the PSNR is {}, below the required {:g} dB",
                             decibels(difference.psnr_db), command.min_psnr_db));
     return kCheckFailed;
   }

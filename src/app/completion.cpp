@@ -1,5 +1,5 @@
-// Completion scripts, one generator a shell. All know the same: which command the line is in, the
-// options of each command, and of each value its words or which files it may be.
+// Completion scripts, with one generator per shell. All know the same: the current command, the
+// options of each command, and for each value its words or file types.
 #include <fmt/ranges.h>
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 namespace raio::app {
 namespace {
 
-// Suffixes of the files that a value may be, by its name in the help; "*" for any.
+// Suffixes of the files allowed for a value, by its name in the help; "*" for any.
 std::vector<std::string> file_suffixes(const CLI::Option& option) {
   const std::string name = value_name(option);
   if (name == "OUT") return {"nff", "p3f", "raio", "ply", "pov"};
@@ -31,13 +31,13 @@ bool is_any(const std::vector<std::string>& suffixes) {
   return suffixes == std::vector<std::string>{"*"};
 }
 
-// " spd verify"; nothing for the program itself.
+// " spd verify"; empty for the program itself.
 std::string spaced_path(const CLI::App& command) {
   const std::string name = full_name(command);
   return name.substr(std::min(name.find(' '), name.size()));
 }
 
-// With what a shell would take for its own behind backslashes.
+// Escapes characters that are special to a shell with backslashes.
 std::string escaped(std::string_view text, std::string_view special) {
   std::string out;
   for (const char c : text) {
@@ -54,7 +54,7 @@ std::string all_names(const CLI::App& command) {
   return fmt::format("{}", fmt::join(out, " "));
 }
 
-// The cases ` spd'|' spd verify' by which bash and zsh walk to the command of the line.
+// The cases ` spd'|' spd verify' with which bash and zsh find the current command.
 std::string known_paths(const CLI::App& app) {
   std::vector<std::string> paths;
   for (const CLI::App* command : all_commands(app))
@@ -110,7 +110,7 @@ std::string bash(const CLI::App& app) {
   out += fmt::format("      {}) command+=\" ${{COMP_WORDS[i]}}\" ;;\n      *) break ;;\n",
                      known_paths(app));
   out += "    esac\n  done\n  case \"$command $prev\" in\n";
-  std::map<std::string, std::vector<std::string>> cases;  // by what they offer
+  std::map<std::string, std::vector<std::string>> cases;  // by their completions
   for (const CLI::App* command : all_commands(app)) {
     const std::string path = spaced_path(*command);
     for (const CLI::Option* option : named_options(*command))
@@ -134,7 +134,7 @@ std::string bash(const CLI::App& app) {
   return out + "    *)\n      case \"$command\" in\n" + of_commands + std::string(kBashEnd);
 }
 
-// What _arguments does for a value: ":NAME:ACTION", in single quotes.
+// The value specification of _arguments: ":NAME:ACTION", in single quotes.
 std::string zsh_value(const CLI::Option& option) {
   const std::vector<std::string> words = value_words(option), suffixes = file_suffixes(option);
   std::string files = "_files";
@@ -184,7 +184,7 @@ std::string zsh(const CLI::App& app) {
   std::string out(kZshBegin);
   out +=
       fmt::format("      ({}) command+=\" $words[i]\" ;;\n      (*) break ;;\n", known_paths(app));
-  // _arguments takes the first word for the command.
+  // _arguments takes the first word as the command.
   out += "    esac\n  done\n  shift $((i - 2)) words\n  ((CURRENT -= i - 2))\n  case $command in\n";
   for (const CLI::App* command : all_commands(app)) {
     const std::string path = spaced_path(*command);
@@ -210,7 +210,7 @@ std::string zsh(const CLI::App& app) {
 
 std::string fish_quoted(std::string_view text) { return "'" + escaped(text, "'\\") + "'"; }
 
-// " -x -a 'auto none'", of a value or an argument.
+// " -x -a 'auto none'", for a value or an argument.
 std::string fish_value(const CLI::Option& option) {
   const std::vector<std::string> words = value_words(option), suffixes = file_suffixes(option);
   if (is_any(suffixes)) return " -r -F";

@@ -19,8 +19,8 @@ int run(const ConvertCommand& command) {
   if (!scene) return scene.error();
 
   if (const std::string lost = lost_features(*scene, *format); !lost.empty())
-    print_line(
-        fmt::format("{}: warning: not kept: {}; a .raio scene keeps all", command.output, lost));
+    print_line(fmt::format("{}: warning: lost in this format: {}; a .raio scene stores everything",
+                           command.output, lost));
   const auto comment = fmt::format("{}, written by raio {}", scene->name, RAIO_VERSION);
   const auto written = write_scene(*scene, command.output, comment);
   return written ? int(kDone) : fail(written.error());

@@ -21,13 +21,13 @@ using Kind = ExplainedRay::Kind;
 constexpr std::string_view kKindNames[] = {"eye", "reflection", "refraction", "shadow"};
 std::string_view word_of(Kind kind) { return kKindNames[size_t(kind)]; }
 
-// The shortest digits that give the number back.
+// The shortest digits that read back as the same number.
 std::string text_of(Vec3f v) { return fmt::format("{} {} {}", v.x, v.y, v.z); }
 std::string text_of(Vec3d v) { return text_of(Vec3f(v)); }
-// Places are told as the scene's file has them.
+// Positions in the coordinates of the scene's file.
 Vec3d place(const Scene& scene, Vec3f p) { return scene.origin + plain(p); }
 
-// One number where the colours count alike.
+// A single number if the colours have equal weights.
 std::string text_of_weight(Rgb w) { return w == Rgb(w.x) ? fmt::format("{}", w.x) : text_of(w); }
 
 std::string counted(uint64_t count, std::string_view one, std::string_view many) {
@@ -72,9 +72,8 @@ class TextTree {
     line(in, "direction", text_of(r.ray.dir));
     if (!r.surface) {
       line(in, r.traced ? "hits" : "ends",
-           r.traced
-               ? "nothing" + cost(i)
-               : fmt::format("beyond level {}, the last that is traced", what_.settings.depth));
+           r.traced ? "nothing" + cost(i)
+                    : fmt::format("beyond level {}, the last one traced", what_.settings.depth));
       line(in, "background", text_of(r.background));
       return;
     }
@@ -115,7 +114,7 @@ class TextTree {
   const Geometry& geometry() const { return what_.accel.geometry(); }
 
   const Explained& what_;
-  std::vector<std::vector<size_t>> children_;  // of each ray
+  std::vector<std::vector<size_t>> children_;  // by ray
   std::string out_;
 };
 
@@ -264,7 +263,7 @@ int run(const ExplainCommand& command) {
   if (!scene) return scene.error();
   RenderOptions options = command.options;
   if (options.accel.kind == AccelKind::embree)
-    return bad_input("--accel: Embree does not tell what it does; choose none, grid or bvh");
+    return bad_input("--accel: Embree does not log its steps; choose none, grid or bvh");
   options.accel.counters = true;
   if (const auto why = option_conflict(options, &*scene)) return fail(*why);
   const RenderSettings settings = explained_settings(options, *scene);

@@ -1,4 +1,4 @@
-// What raio explain tells of a sample: as text, as JSON, and drawn into the scene.
+// The output of `raio explain`: text, JSON, or a drawing of the scene.
 #pragma once
 
 #include <array>
@@ -21,37 +21,37 @@ struct Explained {
   std::array<int, 2> pixel;  // column, row
   int number;                // of the sample
   const Explanation& sample;
-  const std::vector<std::optional<TraceLog>>& logs;  // of each ray
-  std::optional<Vec3d> plot_from{};                  // where the drawing is seen from
-  std::optional<Camera> plot_camera{};               // or all of that; else from aside
+  const std::vector<std::optional<TraceLog>>& logs;  // by ray
+  std::optional<Vec3d> plot_from{};                  // viewpoint of the drawing
+  std::optional<Camera> plot_camera{};               // or the whole camera; absent: from the side
 };
 
-/// The options as they have to be for rays that are told: with counters, and a structure that does
-/// tell what it does. The caller has refused or replaced Embree.
+/// The options needed for explained rays: with counters, and a structure that can log. The caller
+/// has refused or replaced Embree.
 RenderSettings explained_settings(RenderOptions options, const Scene& scene);
-/// What each ray did in the structure; nothing for rays that were not traced.
+/// The log of each ray in the structure; nothing for rays that were not traced.
 std::vector<std::optional<TraceLog>> logs_of(const Explanation& sample, const Accel& accel);
 
 std::string explained_text(const Explained& what);
 std::string explained_json(const Explained& what);
 
-/// The file's bytes: the rays in the scene, seen from aside or from where `what` says, beside
-/// what they hit. The error is one line.
+/// The bytes of a drawing of the rays in the scene, from the side or the viewpoint in `what`, with
+/// a list of their hits. The error is one line.
 std::expected<std::string, std::string> draw_explained(const Explained& what, PlotFormat format);
 
-/// Where the rays are seen from aside, and about how large what they hit is.
+/// A viewpoint at the side of the rays, and the approximate size of what they hit.
 struct SideView {
   Camera camera;
   double extent = 1;
 };
 SideView side_view(const Explanation& sample, const RenderSettings& settings,
                    double width_per_height);
-/// Where a ray ends in a drawing: one that hits nothing is cut off.
+/// The end of a ray in a drawing: one that hits nothing is cut off.
 Vec3d drawn_end(const ExplainedRay& ray, const std::optional<TraceLog>& log, double extent);
 
 /// "sphere 12".
 std::string name_of(const Geometry& geometry, PrimitiveId id);
-/// Of a shadow ray: the test that stopped it; null if there is none or nothing was logged.
+/// For a shadow ray: the test that stopped it; null if none or not logged.
 const TraceLog::Test* stopper(const std::optional<TraceLog>& log);
 
 }  // namespace raio::app

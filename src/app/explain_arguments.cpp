@@ -9,7 +9,7 @@
 namespace raio::app {
 namespace {
 
-// "12,40": column, row.
+// Parses "12,40": column, row.
 void add_pixel(CLI::App& app, std::array<int, 2>& pixel) {
   const auto set = [&pixel](const std::string& text) {
     const char* const end = text.data() + text.size();

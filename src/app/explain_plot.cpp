@@ -1,4 +1,4 @@
-// The rays of a sample drawn into the scene, as seen from the side.
+// Draws the rays of a sample in the scene, seen from the side.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -49,11 +49,12 @@ class Drawing {
 
   void draw() {
     canvas_.text(kPaneLeft, 44, valid_utf8(what_.scene.name), kBlack, Align::left, 34, true, 700);
-    canvas_.text(kPaneLeft, 84,
-                 fmt::format("pixel {},{} of {}x{}, sample {}: the rays that make its colour",
-                             what_.pixel[0], what_.pixel[1], what_.settings.width,
-                             what_.settings.height, what_.number),
-                 kGrey);
+    canvas_.text(
+        kPaneLeft, 84,
+        fmt::format("pixel {},{} of {}x{}, sample {}: the rays that contribute to its colour",
+                    what_.pixel[0], what_.pixel[1], what_.settings.width, what_.settings.height,
+                    what_.number),
+        kGrey);
     canvas_.image(kPaneLeft, kPaneTop, kPane, kPaneHeight, faded(render_scene()));
     canvas_.clipped(kPaneLeft, kPaneTop, kPane, kPaneHeight, [&] {
       draw_structure();
@@ -101,7 +102,7 @@ class Drawing {
     return (*film)->resolve();
   }
 
-  // Pale, so that lines are seen on it.
+  // Pale, so that lines stand out.
   static Image faded(Image image) {
     for (Rgb& p : image.pixels)
       for (int c = 0; c < 3; ++c) p[c] = 0.55f + 0.45f * std::min(p[c], 1.0f);
@@ -120,7 +121,7 @@ class Drawing {
   bool in_front(const Vec3d& p) const {
     return dot(p - Vec3d(camera_.from), forward_) > 0.02 * extent_;
   }
-  // From where the page is seen.
+  // Whether something lies between the viewer and p.
   bool is_hidden(const Vec3d& p) const {
     const Vec3d eye = eye_of(camera_, p), v = p - eye;
     RayBatch one;
@@ -131,7 +132,7 @@ class Drawing {
     return hidden[0] != 0;
   }
 
-  // In pieces, those behind something dotted.
+  // In pieces; dotted where hidden.
   void draw_segment(const Vec3d& from, const Vec3d& to, Ink ink, double width) const {
     constexpr int kPieces = 96;
     const auto at = [&](double part) { return from + (to - from) * part; };

@@ -1,4 +1,4 @@
-// Where someone stands who looks at the rays of a sample from aside.
+// A viewpoint at the side of a sample's rays.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -12,8 +12,8 @@ namespace {
 
 using Kind = ExplainedRay::Kind;
 
-// What is to be seen: the surfaces that are hit, and the eye, or half of the way to it where that
-// would make the others too small.
+// The points to show: the surfaces hit, and the eye, or a point halfway to it if that would make
+// the others too small.
 std::vector<Vec3d> points_to_see(const Explanation& sample, const RenderSettings& settings) {
   Box3d hits;
   for (const ExplainedRay& r : sample.rays)
@@ -32,7 +32,8 @@ std::vector<Vec3d> points_to_see(const Explanation& sample, const RenderSettings
 
 }  // namespace
 
-// The direction of the eye ray, turned about the vertical, from above; as near as all points allow.
+// The direction of the eye ray, rotated about the vertical, from above; as near as all points
+// permit.
 SideView side_view(const Explanation& sample, const RenderSettings& settings,
                    double width_per_height) {
   SideView out{.camera = settings.camera};

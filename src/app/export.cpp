@@ -23,7 +23,8 @@ int run(const ExportCommand& command) {
   auto scene = load_scene(command.scene, false, nullptr, command.read);
   if (!scene) return scene.error();
   if (const std::string lost = lost_features(*scene, SceneFormat::pov); !lost.empty())
-    print_line(fmt::format("{}: warning: not kept: {}; a .raio scene keeps all", output, lost));
+    print_line(fmt::format("{}: warning: lost in this format: {}; a .raio scene stores everything",
+                           output, lost));
 
   const RenderSettings settings = resolve_options(command.options, *scene);
   scene->camera = settings.camera;

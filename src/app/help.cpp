@@ -15,7 +15,7 @@ namespace {
 using Rows = std::vector<std::pair<std::string, std::string>>;
 
 constexpr size_t kColumns = 80;
-constexpr size_t kWidestName = 26;  // the text of a longer one starts on the next line
+constexpr size_t kWidestName = 26;  // the text of a longer name starts on the next line
 
 // brief_help() of a command with more options than kManyOptions shows these.
 constexpr size_t kManyOptions = 30;
@@ -23,7 +23,7 @@ constexpr auto kCommonOptions = std::to_array<std::string_view>(
     {"--output", "--size", "--aa", "--soft-shadows", "--dof", "--from", "--fit", "--background",
      "--look", "--style", "--color-by", "--accel"});
 
-// Breaks between words; every line but the first is indented.
+// Breaks between words; all lines except the first are indented.
 std::string wrapped(std::string_view text, size_t indent, size_t first_column) {
   std::string out;
   size_t column = first_column;
@@ -72,14 +72,14 @@ std::string unknown_option(const CLI::App& app, std::string_view name) {
   std::vector<std::string> names;
   for (const CLI::Option* o : app.get_options())
     for (const std::string& known : o->get_lnames()) names.push_back("--" + known);
-  return with_suggestion(fmt::format("there is no option {}", name), name, names);
+  return with_suggestion(fmt::format("unknown option {}", name), name, names);
 }
 
 bool is_option(const CLI::App& command, const std::string& argument) {
   return argument.size() > 1 && argument[0] == '-' && command.get_option_no_throw(argument);
 }
 
-// After the command's name. A list comes last.
+// Checks the arguments after the command's name. A list comes last.
 std::string arguments_problem(const CLI::App& command, std::span<const std::string> arguments) {
   const auto wanted = positionals(command);
   const bool list = !wanted.empty() && is_list(*wanted.back());
@@ -171,7 +171,7 @@ std::string brief_help(const CLI::App& command) {
 std::string unknown_command(const CLI::App& app, std::string_view name) {
   std::vector<std::string> names;
   for (const CLI::App* command : commands(app)) names.push_back(command->get_name());
-  return with_suggestion(fmt::format("there is no command '{}'", name), name, names);
+  return with_suggestion(fmt::format("unknown command '{}'", name), name, names);
 }
 
 std::string list_of_commands(const CLI::App& app) {
@@ -186,7 +186,7 @@ const CLI::App& chosen_command(const CLI::App& app, std::span<const std::string>
 }
 
 std::string usage_problem(const CLI::App& app, std::span<const std::string> arguments) {
-  if (arguments.empty()) return "a command is missing";
+  if (arguments.empty()) return "expected a command";
   const std::string& first = arguments.front();
   if (const CLI::App* command = find_command(app, first)) {
     const auto rest = arguments.subspan(1);

@@ -16,10 +16,10 @@ std::string two_columns(std::span<const std::pair<std::string, std::string>> row
 /// All of a command's help: --help.
 std::string help_text(const CLI::App& command);
 
-/// The same for a command with few options; of others the most common ones, on one screen: -h.
+/// The same for a command with few options; for others the most common options, on one screen: -h.
 std::string brief_help(const CLI::App& command);
 
-/// "there is no command 'rendr'; did you mean render?"
+/// "unknown command 'rendr'; did you mean render?"
 std::string unknown_command(const CLI::App& app, std::string_view name);
 
 /// Usage and commands, for a call without arguments.

@@ -23,11 +23,11 @@ constexpr std::string_view kDialectNames[] = {"nff", "p3f", "data"};
 
 Json json_of(Vec3d v) { return Json::array({v.x, v.y, v.z}); }
 
-// Six digits tell people where things are; --json gives all of them.
+// Six digits are enough for people; --json gives all.
 std::string text_of(Vec3d v) { return fmt::format("{:.6g} {:.6g} {:.6g}", v.x, v.y, v.z); }
 
-// A place in a scene of that size, or of any where it is 0: six digits of the size, however far the
-// place is from 0.
+// A position in a scene of that size, or of unknown size if 0: six digits relative to the size,
+// however far the position is from 0.
 std::string text_of(Vec3d v, double size) {
   const auto digits = [&](double x) {
     const double more = size > 0 ? std::ceil(std::log10(std::abs(x) / size)) : 0;
@@ -149,7 +149,7 @@ std::string info_text(const ReadScene& read) {
          fmt::format("{}, prototypes {}", scene.instances.size(), scene.prototypes.size()));
 
   if (box.empty()) {
-    line("bounds", "none: nothing in it has an end");
+    line("bounds", "none: nothing in it is bounded");
   } else {
     line("bounds", fmt::format("{}  to  {}", place_text(box.lo), place_text(box.hi)));
   }
@@ -166,10 +166,10 @@ std::string info_text(const ReadScene& read) {
   line("resolution", camera.width > 0 ? fmt::format("{}x{}", camera.width, camera.height)
                                       : std::string("not given"));
   if (scene.samples_per_pixel > 0)
-    line("samples", fmt::format("{} a pixel", scene.samples_per_pixel));
+    line("samples", fmt::format("{} per pixel", scene.samples_per_pixel));
   if (scene.structure != AccelHint::any)
-    line("structure", fmt::format("{}, as the file asks", accel_name(hinted_accel(scene))));
-  // Files of data have neither background nor lights.
+    line("structure", fmt::format("{}, requested by the file", accel_name(hinted_accel(scene))));
+  // Data files have neither background nor lights.
   const bool is_data = scene.dialect == Dialect::data;
   line("background",
        is_data ? "none; that of the look, white by default" : text_of(plain(scene.background)));
@@ -205,8 +205,8 @@ std::string info_text(const ReadScene& read) {
   return out;
 }
 
-// What a picture without options would suffer from. Few scenes have a lens, and only those take a
-// structure to judge it.
+// Warnings about a picture without options. Few scenes have a lens, and only those need a structure
+// to judge it.
 void add_warnings(const InfoCommand& command, ReadScene& read) {
   const RenderSettings settings = resolve_options({}, read.scene);
   std::unique_ptr<Accel> accel;
@@ -226,7 +226,7 @@ int run(const InfoCommand& command) {
     if (const auto writable = check_writable(command.color_bar); !writable)
       return fail(writable.error());
   }
-  // Not load_scene: the warnings are part of what is asked for.
+  // Not load_scene: the warnings are part of the output.
   ReadOptions options = command.read;
   options.instances = true;
   auto read = read_scene(command.scene, options);
@@ -236,7 +236,7 @@ int run(const InfoCommand& command) {
   if (!command.color_bar.empty()) {
     if (!read->colors)
       return bad_input(
-          "there is no scale for --color-bar: nothing is coloured by numbers; give --color-by with "
+          "--color-bar has no scale, since nothing is coloured by numbers; give --color-by with "
           "index, bfactor, occupancy or a column of numbers");
     const auto bar = draw_color_bar(*read->colors, *plot_format(command.color_bar));
     if (!bar) return no_resource(bar.error());

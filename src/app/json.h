@@ -1,4 +1,4 @@
-// JSON as all commands write it.
+// JSON output of all commands.
 #pragma once
 
 #include <array>
@@ -12,11 +12,11 @@ namespace raio::app {
 
 using Json = nlohmann::ordered_json;
 
-/// Indented, with a line end; an array of numbers stands on one line. A file's name or an excerpt
-/// may be no valid UTF-8; what is not is replaced rather than refused.
+/// Indented, with a final line end; an array of numbers is one line. Invalid UTF-8, as file names
+/// and excerpts may contain, is replaced rather than refused.
 std::string json_text(const Json& json);
 
-/// The double that has the float's shortest digits, so that 0.1f is shown as 0.1.
+/// The double with the float's shortest digits, so that 0.1f appears as 0.1.
 inline double plain(float value) {
   std::array<char, 32> text;
   double result = value;

@@ -84,7 +84,7 @@ void add_help(CLI::App& app, int& status) {
   std::vector<std::string> names;
   for (const CLI::App* command : commands(app)) names.push_back(command->get_name());
   const std::vector<std::string_view> offered(names.begin(), names.end());
-  sub->add_option("command", *words, "Command, as in spd verify (default: the program itself)")
+  sub->add_option("command", *words, "Command, as in spd verify (default: raio itself)")
       ->type_name(value_type("COMMAND", offered));
   sub->footer("Example:\n  raio help render\n");
   sub->callback([&app, &status, words] {

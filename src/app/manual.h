@@ -6,7 +6,7 @@
 
 namespace raio::app {
 
-/// Adds the four commands, which print to standard output. `app` must have all others by then.
+/// Adds the four commands, which print to standard output. `app` must have all others already.
 void add_manual_commands(CLI::App& app, int& status);
 
 /// The help of all commands, one after the other.

@@ -1,5 +1,5 @@
-// In place of what draws (annotations.cpp, canvas.cpp, plot.cpp, explain_plot.cpp) in builds with
-// RAIO_PLOTS=OFF.
+// Replaces the sources that draw (annotations.cpp, canvas.cpp, plot.cpp, explain_plot.cpp) in
+// builds with RAIO_PLOTS=OFF.
 #include "app/annotations.h"
 #include "app/explain.h"
 #include "app/plot.h"

@@ -1,4 +1,4 @@
-// In place of view_program.cpp in builds with RAIO_WINDOW=OFF.
+// Replaces view_program.cpp in builds with RAIO_WINDOW=OFF.
 #include "app/output.h"
 
 namespace raio::app {

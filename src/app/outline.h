@@ -1,4 +1,4 @@
-// Commands and options as help, manual page and completion describe them, read from CLI11's tree.
+// Commands and options for help, manual page and completion, read from CLI11's tree.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -11,7 +11,7 @@
 
 namespace raio::app {
 
-/// "NAME:{auto,grid}": the type that CLI11 keeps for an option with a list of words.
+/// "NAME:{auto,grid}": the type that CLI11 stores for an option with a list of words.
 std::string value_type(std::string_view value_name, std::span<const std::string_view> words);
 
 /// "NAME" and "auto", "grid" of such a type.
@@ -32,8 +32,8 @@ std::vector<const CLI::Option*> positionals(const CLI::App& app);
 std::vector<const CLI::Option*> named_options(const CLI::App& app);
 std::vector<const CLI::App*> commands(const CLI::App& app);
 
-/// The named options under the titles of the help: first "Options", which are the command's own,
-/// then kOptionGroups (render/options.h).
+/// The named options by section of the help: first "Options", the command's own, then kOptionGroups
+/// (render/options.h).
 struct OptionSection {
   std::string_view title;
   std::vector<const CLI::Option*> options;

@@ -1,5 +1,5 @@
-// How commands hand over what they made: bytes into files or to standard output, failures as one
-// line on standard error and an exit status.
+// Output of commands: bytes into files or to standard output, failures as one line on standard
+// error and an exit status.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace raio::app {
 
-/// An error in the words of the command line, where settings are options.
+/// The error in terms of the command line, where settings are options.
 inline std::string text_of(const Error& error) { return error.text("--"); }
 
 inline int status_of(const Error& error) {
@@ -21,7 +21,7 @@ inline int status_of(const Error& error) {
   return ran_out ? kNoResource : kBadInput;
 }
 
-/// Prints the error; the exit status for it.
+/// Prints the error; returns its exit status.
 inline int fail(const Error& error) {
   if (error.kind == ErrorKind::stopped)
     print_line("raio: " + text_of(error));
@@ -30,13 +30,13 @@ inline int fail(const Error& error) {
   return status_of(error);
 }
 
-/// Prints what the user has to change; the exit status for it.
+/// Prints what the user has to change; returns the exit status.
 inline int bad_input(std::string_view message) {
   print_error(message);
   return kBadInput;
 }
 
-/// Prints what ran out; the exit status for it.
+/// Prints what ran out; returns the exit status.
 inline int no_resource(std::string_view message) {
   print_error(message);
   return kNoResource;

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kRowsTop = 222, kRowsBottom = 880;
 constexpr double kGroupGap = 26;   // between the rows of two structures
-constexpr double kMaxHeight = 44;  // of a row, where there are few
+constexpr double kMaxHeight = 44;  // of a row, if there are few
 constexpr double kLabelGap = 10;
 
 // From left to right: dots for the effects, samples, bars of seconds, dots of costs, their numbers.
@@ -32,7 +32,7 @@ constexpr Ink kReport = kVermilion;
 
 struct Structure {
   std::string_view name;
-  Ink bar, on_bar;  // on_bar: of what is written there
+  Ink bar, on_bar;  // on_bar: of text on the bar
 };
 
 Structure structure_of(AccelKind kind) {
@@ -48,7 +48,7 @@ Structure structure_of(AccelKind kind) {
   }
 }
 
-// Values to pixels, logarithmic.
+// Maps values to pixels, logarithmically.
 struct Axis {
   double left, right;
   double lo = 1, decades = 1;  // lo: at `left`
@@ -57,8 +57,8 @@ struct Axis {
   double x(double value) const { return left + std::log10(value / lo) * pixels_per_decade(); }
   double hi() const { return lo * std::pow(10, decades); }
 
-  /// Lines at all digits of all decades, from the top of the rows to their bottom; those that
-  /// `name` gives a text are longer.
+  /// Lines at all digits of all decades, over the height of the rows; those that `name` labels are
+  /// longer.
   template <class Name>
   void draw(const Canvas& canvas, Name name) const {
     for (double decade = std::pow(10, std::floor(std::log10(lo))); decade <= hi() * 1.001;
@@ -110,20 +110,20 @@ class Plot {
     return canvas_.text_width(text, text_, bold);
   }
 
-  // Is the report's marker far enough right of the bar for our label to stand between them?
+  // Whether the report's marker is far enough right of the bar for our label between them.
   bool marker_is_clear(const BenchmarkRow& row, const ReportTime& report) const {
     return seconds_.x(report.seconds) - marker_ >
            seconds_.x(row.seconds().median) + width_of(ours_label(row)) + 2 * kLabelGap;
   }
 
-  // From the decade below the shortest time to where the widest label still fits beside its bar.
+  // From the decade below the shortest time to where the widest label still fits right of its bar.
   void fit_seconds() {
     double shortest = std::numeric_limits<double>::infinity();
     for (const BenchmarkRow& row : table_.rows) shortest = std::min(shortest, row.seconds().median);
     seconds_.lo = std::pow(10, std::floor(std::log10(0.8 * shortest)));
     seconds_.decades = std::numeric_limits<double>::infinity();
-    // Where labels stand depends on the scale. The first round takes the worst case; the wider
-    // scale that the second finds only moves markers further from their bars.
+    // The positions of labels depend on the scale. The first round assumes the worst case; the
+    // wider scale found by the second only moves markers further from their bars.
     for (int round = 0; round < 2; ++round) {
       double decades = 1;
       for (const BenchmarkRow& row : table_.rows) {
@@ -188,7 +188,7 @@ class Plot {
     entry("technical report of 2018, on its own machine");
   }
 
-  // Where the n-th of the effects that were combined has its dots, and how wide its column is.
+  // The position of the dots of the n-th combined effect, and the width of its column.
   std::pair<double, double> effect_column(size_t n) const {
     const double width = (kEffectsRight - kEffectsLeft) / std::popcount(table_.effects);
     return {kEffectsLeft + (double(n) + 0.5) * width, width};
@@ -205,14 +205,14 @@ class Plot {
                      false, width - 6);
     }
     canvas_.text(kSamplesRight, kTop, "samples", kGrey, Align::right, kSize);
-    canvas_.text(kSamplesRight, kTop + kLine, "a pixel", kGrey, Align::right, kSize);
+    canvas_.text(kSamplesRight, kTop + kLine, "per pixel", kGrey, Align::right, kSize);
     canvas_.text(kOurCostRight, kTop + kLine, "Raio", kGrey, Align::right, kSize);
     if (report_knows(table_))
       canvas_.text(kReportCostRight, kTop + kLine, "report", kReport, Align::right, kSize);
   }
 
   void draw_axes() const {
-    // With few decades there is room to name the 2s and 5s as well.
+    // With few decades there is room to label the 2s and 5s as well.
     const bool name_all = seconds_.pixels_per_decade() > 420;
     seconds_.draw(canvas_, [&](double value, int digit) {
       const bool named = digit == 1 || (name_all && (digit == 2 || digit == 5));
@@ -226,7 +226,7 @@ class Plot {
       canvas_.text((axis.left + axis.right) / 2, kRowsBottom + 56, text, kGrey, Align::center);
     };
     caption(seconds_, "rendering time, logarithmic: shorter is better");
-    caption(costs_, "cost: times as long as without effects");
+    caption(costs_, "cost: time relative to no effects");
   }
 
   void draw_effects(const BenchmarkRow& row, double y) const {
@@ -240,7 +240,7 @@ class Plot {
                  Align::right, text_);
   }
 
-  // On white, over the lines of the axis; where it ends.
+  // On white, over the lines of the axis; returns its end.
   double label(double x, double y, const std::string& text, Ink color, bool bold) const {
     const double width = width_of(text, bold);
     canvas_.box(x - 4, y - 0.6 * text_, width + 8, 1.2 * text_, kWhite);
@@ -266,7 +266,7 @@ class Plot {
       if (marker - marker_ > ours_end + 3 * kLabelGap)
         canvas_.line(ours_end + kLabelGap, y, marker - marker_ - 6, y, kReport, 2.5, true);
     } else if (marker > end + marker_ && end - kBarsLeft > width_of(ours) + 2 * kLabelGap) {
-      // The marker stands where the label would: the label goes into the bar.
+      // The marker is where the label would be: the label goes into the bar.
       canvas_.text(end - kLabelGap, y, ours, structure.on_bar, Align::right, text_);
     } else {
       // The marker is on the bar: both labels come after both.
@@ -277,7 +277,7 @@ class Plot {
     canvas_.diamond(marker, y, kReport, marker_);
   }
 
-  // Ours as a dot with its spread; the report's beside it, joined by a line.
+  // Ours as a dot with its spread; the report's joined to it by a line.
   void draw_cost(const BenchmarkRow& row, double y) const {
     const Ink ink = structure_of(row.combination.accel).bar;
     const Spread ours = table_.relative_cost(row);

@@ -1,5 +1,5 @@
 // The benchmark as a picture for a talk or a page: bars of seconds and dots of relative costs on
-// logarithmic axes, with the report's beside them where they are known.
+// logarithmic axes, with the report's figures if known.
 #pragma once
 
 #include <expected>
@@ -10,7 +10,7 @@
 
 namespace raio::app {
 
-/// The file's bytes: 1600 x 1000 pixels, or the same page in vectors. The error is one line.
+/// The bytes of a file: 1600 x 1000 pixels, or the same page in vectors. The error is one line.
 std::expected<std::string, std::string> draw_plot(const BenchmarkTable& table, PlotFormat format);
 
 }  // namespace raio::app

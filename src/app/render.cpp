@@ -28,8 +28,8 @@ std::string picture_name(const JobRequest& request) {
   return (named == "-" ? "stdin" : fs::path(named).stem().string()) + ".png";
 }
 
-// The folder that the pictures go to, made if it is not there; empty if `output` names none. Of one
-// scene, the name of a folder is taken for that of a picture, unless a slash tells.
+// The folder for the pictures, created if missing; empty if `output` names none. With one scene, a
+// name without a final slash is taken for a picture.
 std::expected<fs::path, Error> folder_of(const std::string& output, bool many) {
   std::error_code error;
   const bool is_folder = output.ends_with('/') || (many && fs::is_directory(output, error));
@@ -39,7 +39,7 @@ std::expected<fs::path, Error> folder_of(const std::string& output, bool many) {
   return fs::path(output) / "";
 }
 
-// What the command asks of each scene.
+// The requests of the command, one per scene.
 std::expected<std::vector<JobRequest>, Error> requests_of(const RenderCommand& command) {
   const auto refused = [](std::string why) {
     return std::unexpected(Error{ErrorKind::bad_input, "", std::move(why)});
@@ -54,13 +54,13 @@ std::expected<std::vector<JobRequest>, Error> requests_of(const RenderCommand& c
                                    other.scene, scene, picture_name(request)));
     requests.push_back(request);
   }
-  if (requests.empty()) requests.push_back(request);  // the scene of a picture to be repeated
+  if (requests.empty()) requests.push_back(request);  // the scene of a picture to repeat
   const bool many = requests.size() > 1;
   const auto folder = folder_of(command.output, many);
   if (!folder) return std::unexpected(folder.error());
   if (many && folder->empty() && !command.output.empty())
     return refused(
-        fmt::format("the pictures of several scenes go into a folder, as in -o "
+        fmt::format("several scenes need an output folder, as in -o "
                     "pictures/; found -o {}",
                     command.output));
   for (JobRequest& one : requests)
@@ -68,7 +68,7 @@ std::expected<std::vector<JobRequest>, Error> requests_of(const RenderCommand& c
   return requests;
 }
 
-// Where the statistics cannot go is better known before the work than after it; the exit status.
+// Detects bad targets of the statistics before the work; returns the exit status.
 int check_stats(const RenderCommand& command, const std::string& output) {
   const std::string& stats = command.stats;
   if (stats.empty()) return kDone;
@@ -84,7 +84,7 @@ int check_stats(const RenderCommand& command, const std::string& output) {
   return kDone;
 }
 
-// The picture or part, the statistics, the line that says so; the exit status.
+// Writes the picture or part, the statistics, and the summary line; returns the exit status.
 int write_results(RenderJob& job, const RenderCommand& command, const std::string& output) {
   if (const auto written = job.write(); !written) return fail(written.error());
   const RenderFigures figures = job.figures();
@@ -94,7 +94,7 @@ int write_results(RenderJob& job, const RenderCommand& command, const std::strin
   return kDone;
 }
 
-/// The pictures of a command, one after another; what asks it to end, ends all of them.
+/// Renders the pictures of a command, one after another; an interruption ends them all.
 class Pictures {
  public:
   Pictures(const RenderCommand& command, size_t scenes)
@@ -103,7 +103,7 @@ class Pictures {
         scenes_(int(scenes)),
         count_(of_scene_ * scenes_) {}
 
-  // Of the next scene; the exit status. The first failure ends them.
+  // Renders the next scene and returns the exit status. The first failure ends them.
   int render_scene(JobRequest request) {
     if (command_.frames) return render_frames(std::move(request));
     index_ = scene_++ * of_scene_;
@@ -121,7 +121,7 @@ class Pictures {
   }
 
  private:
-  // Reads the scene with what is drawn on its pictures; the exit status.
+  // Reads the scene and the annotations of its pictures; returns the exit status.
   int load_to_annotate(JobRequest& request) {
     JobRequest whole = request;
     if (!request.repeat.empty()) {
@@ -137,15 +137,15 @@ class Pictures {
     return annotate(request, whole.options, std::move(*read));
   }
 
-  // Hands the scene to the request, with what is drawn on the picture; the exit status.
+  // Passes the scene and the annotations to the request; returns the exit status.
   int annotate(JobRequest& request, const RenderOptions& options, ReadScene read) const {
     if (command_.color_bar && !read.colors)
       return bad_input(about_ +
-                       "there is no scale for --color-bar: nothing is coloured by numbers; give "
+                       "--color-bar has no scale, since nothing is coloured by numbers; give "
                        "--color-by with index, bfactor, occupancy or a column of numbers");
     if (command_.legend && read.legend.empty())
       return bad_input(about_ +
-                       "there is nothing to write into --legend: colours by numbers, residues and "
+                       "--legend would be empty, since colours by numbers, residues and "
                        "materials have no names; leave it out");
     if ((command_.legend || command_.color_bar) && options.view != View::picture)
       return bad_input(
@@ -154,7 +154,7 @@ class Pictures {
                       about_, command_.legend ? "legend" : "color-bar", view_name(options.view)));
     request.loaded = std::make_shared<const Scene>(std::move(read.scene));
     if (!command_.any_annotation()) return kDone;
-    if (option_conflict(options, request.loaded.get())) return kDone;  // which the job will tell
+    if (option_conflict(options, request.loaded.get())) return kDone;  // the job reports it
     const RenderSettings settings = resolve_options(options, *request.loaded);
     if (command_.legend && !has_room_for_legend(settings.width, settings.height, settings.dpi))
       return bad_input(about_ +
@@ -174,20 +174,20 @@ class Pictures {
     return kDone;
   }
 
-  // Where the camera looks at.
+  // At the point looked at.
   static double pixels_per_unit(const RenderSettings& s) {
     const double distance = double(length(s.camera.at - s.camera.from));
     return s.height / (2 * distance * std::tan(double(s.camera.fov_deg) * std::numbers::pi / 360));
   }
 
-  // The camera among places that are moved by so much.
+  // The camera relative to an origin shifted by `by`.
   static Camera moved(Camera camera, Vec3d by) {
     if (by == Vec3d()) return camera;
     camera.from = Vec3f(Vec3d(camera.from) + by), camera.at = Vec3f(Vec3d(camera.at) + by);
     return camera;
   }
 
-  // Pictures of frames, all as the camera of the first sees them.
+  // Renders pictures of frames, all with the camera of the first.
   int render_frames(JobRequest request) {
     const FrameRange& range = *command_.frames;
     const fs::path output = request.output;
@@ -218,8 +218,7 @@ class Pictures {
     return kDone;
   }
 
-  // How many of a file's frames are in the range, or what is wrong with it. `first` becomes that of
-  // the first one.
+  // The number of frames in the range, or an error. Sets `first` to the number of the first one.
   std::expected<int, std::string> frames_in(size_t of_file, int& first) const {
     const FrameRange& range = *command_.frames;
     const auto all = int64_t(of_file);
@@ -228,7 +227,7 @@ class Pictures {
     int64_t to = range.last.value_or(int(std::min<int64_t>(all, INT_MAX)));
     to = std::min(to < 0 ? all + to : to, all);
     if (to <= from)
-      return std::unexpected(fmt::format("no frame is in this range; the file has {}", of_file));
+      return std::unexpected(fmt::format("this range contains no frame; the file has {}", of_file));
     const int64_t count = (to - from + range.step - 1) / range.step;
     if (count > kMaxPictures)
       return std::unexpected(
@@ -242,7 +241,7 @@ class Pictures {
     set_camera(request.options, turntable_camera(camera, index, of_scene_), *request.loaded);
   }
 
-  // One picture. Leaves in the request what the next one of the scene starts from.
+  // Renders one picture. Leaves data for the scene's next picture in the request.
   int render(JobRequest& request) {
     bool broken_scene = false;
     const bool is_first = command_.frames ? index_ == 0 : !request.built;
@@ -274,13 +273,13 @@ class Pictures {
   void warn(const std::string& what) const { print_line("raio: warning: " + about_ + what); }
 
   void print_warnings(const RenderJob& job) const {
-    if (command_.repeat.empty())  // its camera stands in the picture
+    if (command_.repeat.empty())  // its camera is in the picture
       for (const std::string& line : camera_warnings(command_.options, job.scene())) warn(line);
     for (const std::string& line : warning_lines(job.scene(), job.settings(), &job.accel(), true))
       warn(line);
   }
 
-  // Says why, and what there is of other pictures; the exit status.
+  // Says why, and how many pictures were written; returns the exit status.
   int ended(const Error& why) const {
     if (why.kind == ErrorKind::stopped) {
       if (written_ == 0) return fail(why);
@@ -293,18 +292,18 @@ class Pictures {
   }
 
   const RenderCommand& command_;
-  int of_scene_, scenes_, count_;  // pictures of a scene, scenes, pictures in all
+  int of_scene_, scenes_, count_;  // pictures of a scene, scenes, total pictures
   int scene_ = 0, index_ = 0, written_ = 0;
-  std::string about_;  // goes before what is said, where there are several scenes
+  std::string about_;  // prefix of messages if there are several scenes
   RenderControl control_;
   StopOnSignal stop_{&control_};
 };
 
-// Why nothing can be drawn on the pictures, or nothing. Better known before the work than after it.
+// Why the pictures cannot be annotated, or nothing. Checked before the work.
 std::string annotation_problem(const RenderCommand& command, const std::vector<JobRequest>& all) {
   if (const auto can = check_drawing(); !can) return can.error();
   if (command.color_bar && command.frames && !command.read.color_range)
-    return "the frames have one --color-bar only if their colours have one scale; give "
+    return "frames need a common scale for --color-bar; give "
            "--color-range LO,HI";
   const std::string_view option = command.color_bar ? "--color-bar"
                                   : command.legend  ? "--legend"
@@ -312,7 +311,7 @@ std::string annotation_problem(const RenderCommand& command, const std::vector<J
   for (const JobRequest& request : all) {
     if (is_part_path(request.output))
       return fmt::format(
-          "{} is drawn on pictures, and a part file is none; leave it out, or give a "
+          "{} is drawn on pictures, not on part files; leave it out, or give a "
           "picture with -o",
           option);
   }

@@ -19,13 +19,14 @@ std::string known_names() {
   return names;
 }
 
-// What is transparent sends a reflected ray too, whatever its Ks: so little that nobody sees it.
+// In the databases, transparent surfaces send reflected rays whatever their Ks; this adds a Ks too
+// small to be visible.
 void mirror_what_is_transparent(Scene& scene) {
   for (Material& m : scene.materials)
     if (m.transmission > 0 && m.ks == 0) m.ks = 1e-20f;
 }
 
-// As the databases' author wants them to be counted.
+// Settings as the databases' author prescribes for counting.
 RenderSettings prescribed(const SpdVerifyCommand& command, const Scene& scene) {
   RenderOptions o;
   o.width = o.height = 513, o.angle_to_centers = true;
@@ -39,7 +40,7 @@ struct Counted {
   AccelInfo accel;
 };
 
-// The error is the exit status; what is to be said is said.
+// The error is the exit status; messages have been printed.
 std::expected<Counted, int> count(const Scene& scene, const RenderSettings& options,
                                   RenderControl& control, const SpdVerifyCommand& command,
                                   const std::string& label) {
@@ -84,11 +85,11 @@ int run(const SpdVerifyCommand& command) {
   std::vector<std::string> wanted = command.scenes;
   if (wanted.empty())
     for (const PublishedScene& scene : kPublished) wanted.emplace_back(scene.name);
-  // All of them before the work on the first.
+  // Checks all before the work on the first.
   for (const std::string& path : wanted)
     if (!find_published(std::filesystem::path(path).stem().string()))
       return bad_input(
-          fmt::format("nothing was published about '{}'; there are {}, and files of "
+          fmt::format("'{}' has no published counts; expected {}, or a file with one of "
                       "these names",
                       path, known_names()));
   std::vector<SpdScene> scenes;

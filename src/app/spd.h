@@ -1,5 +1,5 @@
-// Raio's counts in the standard scenes beside those that others have published: `raio spd verify`.
-// Measuring is in spd.cpp, judging here and in spd_judge.cpp, with the forms of the result.
+// `raio spd verify`: Raio's counts in the standard scenes next to published ones. spd.cpp counts;
+// spd_judge.cpp judges and formats.
 #pragma once
 
 #include <span>
@@ -13,20 +13,20 @@ namespace raio::app {
 
 enum class SpdVerdict { ok, known, off };
 
-/// A count of Raio's beside what was published, where it was.
+/// One of Raio's counts, with the published ones if there are any.
 struct SpdRow {
   std::string_view what;
   double ours = 0;
   std::optional<double> haines, havran;
-  double allowed = 0;  // as a part of the published count
-  double known = 0;    // the departure from Havran's count that docs/verify.md explains
+  double allowed = 0;  // relative to the published count
+  double known = 0;    // the deviation from Havran's count that docs/verify.md explains
 
-  /// Off when it is further than `allowed` from one of the two; known when it is where a known
-  /// departure puts it.
+  /// Off if it deviates by more than `allowed` from one of them; known if a known deviation
+  /// explains it.
   SpdVerdict verdict() const;
 };
 
-/// What Raio's uniform grid of a certain resolution counted.
+/// The counts of Raio's uniform grid at some resolution.
 struct SpdGridCounts {
   uint64_t references = 0;
   double tests = 0, steps = 0;  // per ray
@@ -46,8 +46,8 @@ struct SpdScene {
 /// The published scene of that name, or null.
 const PublishedScene* find_published(std::string_view name);
 
-/// Rows for all counts that were published and are not zero. How far they may be apart follows from
-/// how far the two authors are.
+/// Rows for all published nonzero counts. The allowed deviation depends on that between the two
+/// authors.
 SpdScene beside_published(const PublishedScene& published, const RayCounts& rays,
                           std::span<const SpdGridCounts> grids);
 

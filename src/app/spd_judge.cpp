@@ -9,8 +9,8 @@
 namespace raio::app {
 namespace {
 
-// The two authors are this near to one another in most scenes, and a little more; where one scene
-// has them further apart, their distance there counts.
+// The two authors deviate by less than this in most scenes; where they deviate more, that deviation
+// counts.
 constexpr double kEyeHits = 0.005, kSecondary = 0.04, kShadow = 0.02, kGrid = 0.1;
 constexpr double kBeyond = 0.005;
 
@@ -130,7 +130,7 @@ SpdScene beside_published(const PublishedScene& published, const RayCounts& rays
   };
   add(row("eye, that hit", rays.eye_hits, by_haines(&HainesCounts::eye_hits), havran.eye_hits,
           kEyeHits));
-  // Havran has the sum of both only.
+  // Havran gives only the sum of both.
   const bool glass = haines && haines->refraction > 0;
   const auto reflection = by_haines(&HainesCounts::reflection);
   if (glass) {
@@ -166,8 +166,8 @@ bool any_off(std::span<const SpdScene> scenes) {
 std::string spd_text(std::span<const SpdScene> scenes) {
   std::string out =
       "513x513 rays through the corners of 512x512 pixels, depth 5\n"
-      "apart: Raio's count against the published one. known: further apart than allowed, as\n"
-      "docs/verify.md discusses, and by no more than it says.\n\n";
+      "apart: Raio's count relative to the published one. known: a deviation larger than\nallowed, "
+      "within what docs/verify.md explains.\n\n";
   out += rays_text(scenes);
   if (std::ranges::any_of(scenes, [](const SpdScene& s) { return !s.grids.empty(); }))
     out += "\nThe plain uniform grid, without mailbox, at Havran's resolutions\n\n" +

@@ -1,9 +1,9 @@
-// What others have counted in the Standard Procedural Databases at their default sizes.
+// Published counts for the Standard Procedural Databases at their default sizes.
 //
 // Haines: the table of 1987 in the databases' Readme.txt. Havran: Havran and Sixta 1999, the
-// databases' docs/havran_stats_grids.txt. Both send 513 x 513 rays through the corners of 512 x 512
-// pixels, five levels deep, reflected and refracted rays from all that is transparent, a shadow ray
-// to every light that a surface faces.
+// databases' docs/havran_stats_grids.txt. Both trace 513 x 513 rays through the corners of 512 x
+// 512 pixels, five levels deep, with reflected and refracted rays from all transparent surfaces and
+// a shadow ray to every light that a surface faces.
 #pragma once
 
 #include <array>
@@ -21,15 +21,15 @@ struct HavranCounts {
   uint64_t eye_hits, secondary, shadow, blocked;  // secondary: reflection and refraction
 };
 
-/// Havran's uniform grid: each primitive in all cells that its box touches, tested again in each.
+/// Havran's uniform grid: each primitive in all cells that its box overlaps, without mailboxing.
 struct HavranGrid {
   std::array<int, 3> resolution;
   uint64_t references;
   double tests, steps;  // per ray
 };
 
-/// By how much Raio's counts are known to be away from Havran's, as a part of his, for reasons
-/// that docs/verify.md gives. Zero: not at all.
+/// Known deviations of Raio's counts from Havran's, relative to his, explained in docs/verify.md.
+/// Zero: none.
 struct Departures {
   double blocked = 0;
   struct Grid {
@@ -42,7 +42,7 @@ struct PublishedScene {
   std::string_view name;
   std::optional<HainesCounts> haines;
   HavranCounts havran;
-  std::array<HavranGrid, 2> grids;  // about one cell a primitive, and ten
+  std::array<HavranGrid, 2> grids;  // about one cell per primitive, and ten
   Departures known;
 };
 

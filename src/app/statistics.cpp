@@ -80,11 +80,11 @@ std::string summary(const std::string& output, const RenderFigures& made) {
                                   : fmt::format("{} of {}", made.samples, wanted);
   const bool as_hinted =
       made.scene->structure != AccelHint::any && o.accel.kind == hinted_accel(*made.scene);
-  const std::string wish = as_hinted ? " as the scene asks" : "";
+  const std::string wish = as_hinted ? " as the scene requests" : "";
   const Crop frame = o.frame();
   const std::string whole = o.crop ? fmt::format(" of {}x{}", o.width, o.height) : "";
   return fmt::format(
-      "{}: {}x{}{}, {} {} a pixel, {}: load {}, build {}, render {} ({}rays/s), write {}",
+      "{}: {}x{}{}, {} {} per pixel, {}: load {}, build {}, render {} ({}rays/s), write {}",
       is_standard_output(output) ? "picture" : output, frame.width(), frame.height(), whole,
       samples, wanted == 1 ? "sample" : "samples", made.accel.name + wish,
       human_seconds(times.load), human_seconds(times.build), human_seconds(times.render),

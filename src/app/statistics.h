@@ -1,5 +1,4 @@
-// What a render says of itself when it is done: --stats (docs/statistics.md) and the line on
-// standard error.
+// The statistics of a render: --stats (docs/statistics.md) and the line on standard error.
 #pragma once
 
 #include <string>
@@ -11,7 +10,7 @@ namespace raio::app {
 
 Json statistics(const RenderFigures& made);
 
-/// "balls.png: 512x512, 1 sample a pixel, bvh: load 1 ms, ...".
+/// "balls.png: 512x512, 1 sample per pixel, bvh: load 1 ms, ...".
 std::string summary(const std::string& output, const RenderFigures& made);
 
 }  // namespace raio::app

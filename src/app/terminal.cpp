@@ -15,7 +15,7 @@
 namespace raio::app {
 namespace {
 
-// What stands in the last line of the terminal and is to be wiped before the next.
+// The text in the terminal's last line, to be wiped before the next.
 std::mutex g_terminal_mutex;
 size_t g_progress_width = 0;
 
@@ -30,7 +30,7 @@ std::string wiped_progress() {
 }
 
 void show_progress(std::string text) {
-  // A character in the last column would begin a new line on some terminals.
+  // A character in the last column would start a new line on some terminals.
   const size_t most = terminal_columns() - 1;
   if (text.size() > most) text.resize(most);
   const std::lock_guard lock(g_terminal_mutex);
@@ -38,7 +38,7 @@ void show_progress(std::string text) {
   put(fmt::format("\r{:<{}}", text, before));
 }
 
-// Three digits, with a letter for the power of a thousand before the unit.
+// Three digits, with a prefix for the power of a thousand.
 std::string scaled(double value, std::string_view unit) {
   constexpr std::string_view kLetters = " kMGTP";
   size_t power = 0;
@@ -103,7 +103,7 @@ ProgressLine::ProgressLine(const RenderControl& control, std::string_view mode, 
   const auto show = [&control, start = Clock::now(), label = std::move(label)] {
     show_progress(progress_text(control, seconds_since(start), label));
   };
-  if (mode == "on") show();  // who asked for it sees it however short the work is
+  if (mode == "on") show();  // always shown, however short the work
   ticker_ = Ticker(0.25, show);
 }
 

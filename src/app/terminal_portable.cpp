@@ -1,4 +1,4 @@
-// In standard C++, which knows no terminals, two signals and no other programs.
+// Standard C++, which has no terminals, only two signals and no other programs.
 #include <array>
 #include <atomic>
 #include <csignal>
@@ -17,7 +17,7 @@ std::atomic<RenderControl*> g_control{nullptr};
 static_assert(std::atomic<RenderControl*>::is_always_lock_free &&
               decltype(RenderControl::stop)::is_always_lock_free);
 
-// Only what a signal handler may do.
+// Restricted to what a signal handler may do.
 void on_signal(int signal) {
   std::signal(signal, SIG_DFL);  // so that the next one ends the program
   if (RenderControl* const control = g_control)

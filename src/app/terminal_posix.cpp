@@ -1,4 +1,4 @@
-// The terminal, signals and programs as POSIX has them.
+// Terminal, signals and programs with POSIX.
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
@@ -20,12 +20,12 @@ namespace {
 
 constexpr std::array kStopSignals = {SIGINT, SIGTERM, SIGHUP};
 
-// How long a command that was asked to end may take for it.
+// How long a command may take to stop.
 constexpr int kPatienceMs = 300;
 
 std::atomic<int> g_wake{-1};
 
-// Only what a signal handler may do.
+// Restricted to what a signal handler may do.
 void on_signal(int) {
   const int error = errno;
   const char byte = 0;
@@ -45,14 +45,14 @@ bool is_terminal() { return ::isatty(STDERR_FILENO) != 0; }
 bool standard_output_is_terminal() { return ::isatty(STDOUT_FILENO) == 1; }
 
 struct StopOnSignal::State {
-  int wake[2] = {-1, -1};  // a pipe: a byte from the signal handler, closed from the destructor
+  int wake[2] = {-1, -1};  // a pipe: a byte from the signal handler, closed by the destructor
   std::array<struct sigaction, kStopSignals.size()> before{};
   std::atomic<bool> patient{false};
   std::thread thread;
 };
 
 StopOnSignal::StopOnSignal(RenderControl* control) : state_(std::make_unique<State>()) {
-  if (::pipe2(state_->wake, O_CLOEXEC) != 0) return;  // signals then do what they do by themselves
+  if (::pipe2(state_->wake, O_CLOEXEC) != 0) return;  // signals then have their default actions
   g_wake = state_->wake[1];
   auto& before = state_->before;
   for (size_t i = 0; i < kStopSignals.size(); ++i) {

@@ -1,4 +1,4 @@
-// Which Raio this is, for people and for those who cite it.
+// The version, for people and for citations.
 #pragma once
 
 #include <string>
@@ -6,8 +6,8 @@
 
 namespace raio::app {
 
-/// The commit that the program was built from, as cmake/commit.cmake found it at the last build;
-/// without a hash where the source was no git work tree.
+/// The commit of the build, as found by cmake/commit.cmake; without a hash if the source was not a
+/// git work tree.
 struct Commit {
   std::string_view hash, date;  // "abc1234", "2026-11-22"
   bool modified = false;        // the work tree differed from the commit

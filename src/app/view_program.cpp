@@ -1,4 +1,4 @@
-// Starts the window, which is a program of its own.
+// Starts the window, which is a separate program.
 #include <fmt/core.h>
 #include <unistd.h>
 

@@ -23,7 +23,7 @@ std::optional<std::string> up_warning(const RenderOptions& options, const Scene&
       up[axis] < 0 ? "-" : "", "xyz"[axis]);
 }
 
-// Is it a camera that shows all of the scene as large as it fits? That of a file is not.
+// Whether the camera fits the whole scene as large as possible. A file's camera does not.
 bool shows_all(const Camera& camera, const Scene& scene) {
   if (camera.horizontal_fov_deg <= 0) return false;
   const Camera fitted = fitted_along(scene, camera, Fit::all);
@@ -43,11 +43,11 @@ std::optional<std::string> fit_warning(const RenderOptions& options, const Scene
   const std::string outside =
       fmt::format("{:.2g} % of the scene, farther than {:.3g} from {:.4g},{:.4g},{:.4g}",
                   100 * part, most.radius, center.x, center.y, center.z);
-  if (leaves_out) return fmt::format("the camera is fitted without {}", outside);
+  if (leaves_out) return fmt::format("the camera fit ignores {}", outside);
   if (!options.side && !shows_all(scene.camera, scene)) return std::nullopt;
   return fmt::format(
-      "the camera shows all, also {}, which makes the rest {:.2g} times smaller; --fit most shows "
-      "the rest alone",
+      "the camera shows everything, including {}, which makes the rest {:.2g} times smaller; --fit "
+      "most shows only the rest",
       outside, most.shrinks);
 }
 
@@ -64,7 +64,7 @@ std::vector<std::string> warning_lines(const Scene& scene, const RenderSettings&
       const double seconds = tries_tree ? seconds_with_tree(scene, settings) : 0;
       if (seconds > 0)
         line += fmt::format(
-            ", which takes about {:.2g} s for this picture, by a trial of some tiles", seconds);
+            ", which takes about {:.2g} s for this picture, estimated from some tiles", seconds);
     }
     if (warning.focus > 0)
       line += fmt::format("{} --focus {:g}", warning.aperture > 0 ? " or" : "; try", warning.focus);

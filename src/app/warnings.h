@@ -1,4 +1,4 @@
-// The warnings of render/warnings.h as people read them, with the options that would help.
+// The warnings of render/warnings.h as text, with the options that would help.
 #pragma once
 
 #include <optional>
@@ -12,14 +12,13 @@
 
 namespace raio::app {
 
-/// One line each, without a prefix. Without a structure, the lens is not judged. Of brute force
-/// that the file asks for, `tries_tree` tells how long a tree would take, which takes a while
-/// itself.
+/// One line each, without a prefix. Without a structure, the lens is not judged. If the file
+/// requests brute force, `tries_tree` estimates the time with a tree, which takes some time itself.
 std::vector<std::string> warning_lines(const Scene& scene, const RenderSettings& settings,
                                        const Accel* accel, bool tries_tree = false);
 
-/// Guesses about the camera. They name the up axis of a side that was taken from a tilted camera,
-/// what `fit` most leaves out, and stray parts that make the rest of a default picture small.
+/// Warnings about guesses: the up axis of a side view of a tilted camera, what `fit` most ignores,
+/// and stray parts that make the rest of a default picture small.
 std::vector<std::string> camera_warnings(const RenderOptions& options, const Scene& scene);
 
 }  // namespace raio::app

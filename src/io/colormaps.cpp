@@ -113,7 +113,7 @@ std::optional<Map> find_map(std::string_view name) {
   return out;
 }
 
-// Where NaN is, the first.
+// NaN gives the first.
 const Rgb& color_in(const Map& map, float part) {
   return map[part > 0 ? size_t(std::min(part, 1.0f) * (kMapColors - 1) + 0.5f) : 0];
 }
@@ -133,7 +133,7 @@ std::expected<MappedColors, std::string> map_colors(std::span<const float> value
   const auto map = find_map(name);
   if (!map)
     return std::unexpected(
-        fmt::format("there is no colour map '{}'; expected {}", name, fmt::join(kColormaps, ", ")));
+        fmt::format("unknown colour map '{}'; expected {}", name, fmt::join(kColormaps, ", ")));
   double least = 0, most = 0;
   bool any = false;
   for (const float value : values) {
@@ -156,7 +156,7 @@ std::string scale_text(const ColorScale& scale, double value) {
   const double largest = std::max(std::abs(scale.least), std::abs(scale.most));
   const int digits =
       length > 0 ? std::clamp(int(std::ceil(std::log10(largest / length))) + 3, 6, 17) : 6;
-  return fmt::format("{:.{}g}", value + 0.0, digits);  // the sum makes 0 of -0
+  return fmt::format("{:.{}g}", value + 0.0, digits);  // the sum turns -0 into 0
 }
 
 }  // namespace raio

@@ -1,4 +1,4 @@
-// Maps from numbers to colours, which are linear.
+// Maps from numbers to linear colours.
 #pragma once
 
 #include <array>
@@ -15,20 +15,19 @@ namespace raio {
 
 inline constexpr std::string_view kColormaps[] = {"viridis", "plasma", "cividis", "coolwarm"};
 
-/// How many colours a map has.
+/// The number of colours of a map.
 inline constexpr int kMapColors = 256;
 
-/// The colour of a part, 0 to 1, in a map of that name; nothing: there is none.
+/// The colour at a position from 0 to 1 in the map of that name; nothing if unknown.
 std::optional<Rgb> map_color(std::string_view name, float part);
 
-/// Which numbers have which colours: those of the map from its first for `least` to its last for
-/// `most`.
+/// Maps numbers to colours: the map's first for `least` to its last for `most`.
 struct ColorScale {
   std::string name;  // of the numbers
   std::string map;
   double least = 0, most = 0;
 };
-/// A number of the scale, with as many digits as tell its ends apart.
+/// A number of the scale, with enough digits to distinguish its ends.
 std::string scale_text(const ColorScale& scale, double value);
 
 struct MappedColors {
@@ -36,9 +35,9 @@ struct MappedColors {
   ColorScale scale;
 };
 
-/// A colour for each value. The scale is the range, beyond which values have the colours of its
-/// ends, or else goes from the least to the largest of the values; what is no number has the map's
-/// first colour. Without a map's name viridis. The error says which maps there are.
+/// A colour per value. The scale is the given range, beyond which values have the colours of its
+/// ends, or else the range of the values; NaN gets the map's first colour. The default map is
+/// viridis. The error lists the maps.
 std::expected<MappedColors, std::string> map_colors(
     std::span<const float> values, std::string_view name,
     std::optional<std::array<double, 2>> range = std::nullopt);

@@ -36,10 +36,10 @@ Error refused(const fs::path& folder, std::string why) {
   return {ErrorKind::bad_input, folder.string(), std::move(why)};
 }
 
-/// The file of each face; empty where there is none.
+/// Finds the file of each face; the error names missing ones.
 std::expected<Files, Error> find_faces(const fs::path& folder) {
   std::error_code error;
-  std::vector<std::pair<std::string, fs::path>> entries;  // by name in small letters
+  std::vector<std::pair<std::string, fs::path>> entries;  // by lower-case name
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error))
     entries.emplace_back(lower(entry->path().filename().string()), entry->path());
@@ -72,7 +72,7 @@ std::string size_of(const PixelRows& rows) {
   return fmt::format("{} x {} pixels", rows.width, rows.height);
 }
 
-/// One face, or why it is none.
+/// Reads one face.
 std::expected<PixelRows, Error> read_face(const fs::path& folder, size_t face,
                                           const fs::path& file) {
   const auto bytes = read_file(file, kMaxFileBytes);

@@ -13,7 +13,7 @@ namespace {
 
 bool ends_line(char c) { return c == '\n' || c == '\r'; }
 
-/// The line [begin, end) on one line of plain ASCII, at most about 80 characters around `at`.
+/// The line [begin, end) as one line of ASCII, at most about 80 characters around `at`.
 std::string excerpt_around(std::string_view text, size_t begin, size_t end, size_t at) {
   constexpr size_t kWhole = 80, kBefore = 40, kAfter = 40;
   size_t from = begin, to = end;
@@ -96,7 +96,7 @@ int TextReport::line_of(size_t offset) {
   if (offset < counted_) counted_ = 0, line_ = 1;
   for (; counted_ < offset; ++counted_) {
     const char c = text_[counted_];
-    // A line ends with LF, CR or CR LF; of the pair the LF counts.
+    // A line ends with LF, CR or CR LF; for the pair, the LF counts.
     const bool pair = c == '\r' && counted_ + 1 < text_.size() && text_[counted_ + 1] == '\n';
     line_ += ends_line(c) && !pair;
   }

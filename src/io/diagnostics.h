@@ -1,4 +1,4 @@
-// What readers say of their input. The library never prints; whoever called does.
+// Diagnostics of readers. The library never prints; callers do.
 #pragma once
 
 #include <expected>
@@ -11,14 +11,14 @@
 
 namespace raio {
 
-/// One finding, with its place.
+/// One finding, with its location.
 struct Diagnostic {
   Severity severity = Severity::error;
   std::string file;
   int line = 0, column = 0;  // from 1; 0: about the file as a whole
   std::string message;       // what was found, what was expected, what to do; as in Error
   std::string excerpt;       // the line, shortened around the column; empty for the whole file
-  size_t count = 0;          // of the cases of a Notice; 0: of one, or about the file as a whole
+  size_t count = 0;          // cases of a Notice; 0: one case, or about the file as a whole
   std::vector<std::string> names{};  // of the first few; NOLINT(readability-redundant-member-init)
 
   bool is_error() const { return severity == Severity::error; }
@@ -30,7 +30,7 @@ struct Diagnostic {
   std::string text(std::string_view before_settings = {}) const;
 };
 
-/// The same as one Error, bad_input or, for kNoMemory, no_resource.
+/// As an Error: bad_input or, for kNoMemory, no_resource.
 Error error_of(const Diagnostic& diagnostic);
 
 using Diagnostics = std::vector<Diagnostic>;
@@ -38,13 +38,13 @@ using Diagnostics = std::vector<Diagnostic>;
 /// "warning", "guessed", ...
 std::string_view severity_name(Severity severity);
 
-/// The notices of a reader, about its file, behind those that `out` has.
+/// Appends the notices of a reader, about its file.
 void append(Diagnostics& out, const Notices& notices, std::string_view file);
 
-/// One error about a line of the file, or, without `line`, about the file as a whole.
+/// One error about a line of the file or, without `line`, about the file as a whole.
 std::unexpected<Diagnostics> failed(std::string_view file, std::string message, size_t line = 0);
 
-/// The one message that is not about the input but about the machine.
-inline constexpr std::string_view kNoMemory = "there is not enough memory for the scene";
+/// The one message about the machine, not the input.
+inline constexpr std::string_view kNoMemory = "not enough memory for the scene";
 
 }  // namespace raio

@@ -1,5 +1,5 @@
-// Data far from 0, such as maps in UTM, whose digits a float does not hold: a reader subtracts a
-// place near all of it, in double, before it rounds.
+// Data far from 0, such as UTM maps, exceeds the digits of a float: a reader subtracts a nearby
+// origin, in double, before it rounds.
 #pragma once
 
 #include <algorithm>
@@ -11,11 +11,11 @@
 
 namespace raio {
 
-/// What a scene's coordinates are relative to while its file is read. The first place proposes it,
-/// and all others must be near; where one is not, reading begins again without (read_about()).
+/// The origin of a scene's coordinates while its file is read. The first position proposes it, and
+/// all others must be near; if one is not, reading restarts without (read_about()).
 class FileOrigin {
  public:
-  /// Thrown where data is not far from 0 after all.
+  /// Thrown if data is not far from 0 after all.
   struct NotFar {};
 
   FileOrigin() = default;
@@ -25,25 +25,25 @@ class FileOrigin {
     return origin;
   }
 
-  /// A place of the file, relative to the origin; NaN stays what it is.
+  /// A position of the file, relative to the origin; NaN stays NaN.
   Vec3f local(Vec3d place) {
     if (!is_chosen_) choose(place);
     const Vec3d near = place - value_;
     if (is_far()) check(near);
     return Vec3f(near);
   }
-  /// Proposes it, once, by the first place.
+  /// Proposes it, once, from the first position.
   void choose(Vec3d place) {
     const double largest = max_component(abs(place));
     if (is_chosen_ || !std::isfinite(place.x + place.y + place.z)) return;
     is_chosen_ = true;
     if (!(largest >= kFar && largest <= kFarthest)) return;
-    // A round number, which doubles hold and people read.
+    // A round number, exact in doubles and readable.
     const double unit = std::pow(10, std::floor(std::log10(largest / kFar)));
     for (int a = 0; a < 3; ++a) value_[a] = std::round(place[a] / unit) * unit;
     farthest_ = largest / kTimesExtent;
   }
-  /// Of a place relative to the origin.
+  /// Checks a position relative to the origin.
   void check(Vec3d near) const {
     if (max_component(abs(near)) > farthest_) throw NotFar{};
   }
@@ -52,9 +52,10 @@ class FileOrigin {
   Vec3d value() const { return value_; }
 
  private:
-  // A float has seven digits: below, 0.001 is kept. Beyond, a double has no more than a float has.
+  // A float has seven digits: below kFar, 0.001 is exact enough. Beyond kFarthest, a double is no
+  // better than a float.
   static constexpr double kFar = 4096, kFarthest = 1e12;
-  // What is as wide as a hundredth of its distance keeps five digits of its own.
+  // Data with an extent above a hundredth of its distance keeps five digits.
   static constexpr double kTimesExtent = 100;
 
   bool is_chosen_ = false;
@@ -62,12 +63,12 @@ class FileOrigin {
   double farthest_ = 0;
 };
 
-/// How far the next float is from a number so large: coordinates of that size are multiples of it.
+/// The spacing of floats at this size; coordinates of that size are multiples of it.
 inline double float_step(double size) {
   return double(std::nextafter(float(size), std::numeric_limits<float>::infinity()) - float(size));
 }
 
-/// What read(FileOrigin&) gives, with an origin where data is far from 0.
+/// The result of read(FileOrigin&), with an origin if data is far from 0.
 template <class Read>
 auto read_about(const Read& read) {
   try {

@@ -26,7 +26,7 @@ Error write_error(const fs::path& path, std::string_view why) {
 }
 
 Error memory_error(const fs::path& path) {
-  return {ErrorKind::no_resource, shown(path).string(), "there is not enough memory for it"};
+  return {ErrorKind::no_resource, shown(path).string(), "not enough memory"};
 }
 
 std::string lower_suffix(const fs::path& path) {
@@ -58,7 +58,7 @@ std::expected<std::string, Error> read_file(const fs::path& path, size_t max_byt
   if (!file) return error(file.error());
   if (file->kind() == Kind::folder) return error(std::generic_category().message(EISDIR));
   if (file->kind() == Kind::device || file->kind() == Kind::terminal)
-    return error("it is a device, no file");
+    return error("found a device, expected a file");
 
   std::string bytes(std::min(file->rest(), max_bytes) + 1, '\0');
   size_t size = 0;

@@ -1,5 +1,5 @@
-// Whole files in and out. A file is replaced whole or not at all, whatever goes wrong on the way,
-// and every failure is told in one line. For everyone who keeps results.
+// Reads and writes whole files. A file is replaced whole or not at all, whatever goes wrong, and
+// every failure is one line. For all code that stores results.
 #pragma once
 
 #include <cstddef>
@@ -13,24 +13,24 @@
 
 namespace raio {
 
-/// "cannot read PATH: WHY", "cannot write PATH: WHY", and that there was no memory to do it.
+/// "cannot read PATH: WHY", "cannot write PATH: WHY", or out of memory.
 Error read_error(const std::filesystem::path& path, std::string_view why);
 Error write_error(const std::filesystem::path& path, std::string_view why);
 Error memory_error(const std::filesystem::path& path);
 
-/// A name's ending, ".png", in small letters.
+/// A name's suffix, ".png", in lower case.
 std::string lower_suffix(const std::filesystem::path& path);
 
 /// "-" and "/dev/stdout".
 bool is_standard_output(const std::filesystem::path& path);
 
-/// `bytes` under `path`, whole or not at all, as replace_file() says; "-" is standard output.
-/// Errors are cannot_write; a pipe that nobody reads is one, too.
+/// Writes `bytes` to `path`, whole or not at all, with replace_file(); "-" is standard output.
+/// Errors are cannot_write, also for a pipe without a reader.
 std::expected<void, Error> write_file(const std::filesystem::path& path, std::string_view bytes,
                                       Until until = Until::written);
 
-/// Could write_file succeed, as far as can be told now? Asked before long work. Leaves nothing
-/// behind.
+/// Whether write_file would succeed, as far as can be known in advance. Call it before long work.
+/// Leaves nothing behind.
 std::expected<void, Error> check_writable(const std::filesystem::path& path);
 
 /// All bytes of a file or pipe. An error (cannot_read) for folders, devices and more than

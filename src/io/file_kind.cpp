@@ -1,4 +1,4 @@
-// What files seem to be that are neither NFF nor .raio.
+// Recognizes files that are neither NFF nor .raio.
 #include <algorithm>
 #include <array>
 
@@ -34,7 +34,7 @@ struct Sign {
 };
 
 constexpr Sign kStarts[] = {
-    {"RAIOPART", {"a part file of a render, which raio merge makes a picture of"}},
+    {"RAIOPART", {"a part file of a render, which raio merge turns into a picture"}},
     {"\x89PNG", {"a PNG picture"}},
     {"\xff\xd8\xff", {"a JPEG picture"}},
     {"GIF8", {"a GIF picture"}},
@@ -117,8 +117,7 @@ bool all_digits(std::string_view word) {
   return !word.empty() && std::ranges::all_of(word, [](char c) { return c >= '0' && c <= '9'; });
 }
 
-/// NFF has a `v` too, but nothing behind it in its line that is a number, and an `f` of eight
-/// numbers.
+/// NFF also has `v`, but without a number on its line, and an `f` with eight numbers.
 bool is_obj_line(std::string_view line) {
   std::array<std::string_view, 5> words;
   const size_t count = first_words(line, words);
@@ -130,7 +129,7 @@ bool is_obj_line(std::string_view line) {
          words[1].find('/') != std::string_view::npos;
 }
 
-/// "12", a line of anything, "C 0 0 0"; or a line that says what is in which column.
+/// "12", a line of anything, "C 0 0 0"; or a line that describes the columns.
 bool is_xyz(std::string_view first, std::string_view second, std::string_view third) {
   std::array<std::string_view, 5> words;
   if (first_words(first, words) != 1 || !all_digits(words[0])) return false;
@@ -145,7 +144,7 @@ bool is_xyz(std::string_view first, std::string_view second, std::string_view th
 FileKind kind_of_text(std::string_view text, std::string_view suffix, bool has_title) {
   constexpr std::string_view kUtf8 = "\xef\xbb\xbf";
   if (trimmed(text.starts_with(kUtf8) ? text.substr(kUtf8.size()) : text).starts_with('{')) {
-    // What a glTF file has at its top, in any order; "asset" may come last.
+    // Top-level keys of glTF, in any order; "asset" may come last.
     constexpr std::string_view kTop[] = {"\"asset\"", "\"accessors\"", "\"bufferViews\""};
     const bool is_gltf = suffix == ".gltf" || std::ranges::any_of(kTop, [&](auto word) {
                            return text.find(word) != std::string_view::npos;
@@ -172,13 +171,13 @@ FileKind kind_of_text(std::string_view text, std::string_view suffix, bool has_t
   return {};
 }
 
-/// "BM", the size, four bytes of zero.
+/// "BM", the size, four zero bytes.
 bool is_bmp(std::string_view start) {
   return start.starts_with("BM") && start.size() > 10 &&
          start.substr(6, 4) == std::string_view("\0\0\0\0", 4);
 }
 
-/// Could it be the title of another file, which may be anything?
+/// Whether the start could be a title, which may be any text.
 bool may_be_title(const FileKind& kind) {
   return kind.read == read_stl || kind.read == read_off || kind.read == read_pdb ||
          kind.read == read_mmcif || kind.read == read_lammps_data;
@@ -191,7 +190,7 @@ bool is_netpbm(std::string_view start) {
          is_char(start[2], kBlank);
 }
 
-/// PDB or PQR, whose records are the same: PQR by its suffix or by its first atom.
+/// PDB or PQR, with the same records: PQR by its suffix or by its first atom.
 FileKind pdb_or_pqr(std::string_view start, std::string_view suffix) {
   if (suffix == ".pqr") return kPqr;
   while (!start.empty()) {

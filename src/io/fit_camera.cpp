@@ -28,9 +28,9 @@ struct Moments {
   }
 };
 
-/// The eigenvectors of the covariance, that of the largest eigenvalue first. Jacobi 1846; for three
-/// rows it ends after a few sweeps. Nothing for what extends as far in all directions, such as a
-/// crystal, where they would be those of the rounding errors.
+/// The eigenvectors of the covariance, largest eigenvalue first. Jacobi 1846; three rows take a few
+/// sweeps. Nothing if the extent is the same in all directions, as for a crystal: then they would
+/// be mere rounding errors.
 std::optional<std::array<Vec3d, 3>> principal_axes(const Moments& m) {
   const Vec3d mean = m.sum / m.count;
   const auto entry = [&](size_t place, double a, double b) {
@@ -65,7 +65,7 @@ std::optional<std::array<Vec3d, 3>> principal_axes(const Moments& m) {
   std::array<Vec3d, 3> out;
   for (size_t i = 0; i < 3; ++i) {
     const Vec3d v = axes[size_t(order[i])];
-    // Of both directions the one that does not depend on how the axes were found.
+    // Of both signs, the one that does not depend on how the axes were found.
     const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
     const double sign = std::abs(v.x) > 0.99 * largest   ? v.x
                         : std::abs(v.y) > 0.99 * largest ? v.y
@@ -75,8 +75,8 @@ std::optional<std::array<Vec3d, 3>> principal_axes(const Moments& m) {
   return out;
 }
 
-/// What the picture must hold, above the middle, below it and on each side: how far the edges must
-/// be away for it, measured where the camera is.
+/// What the picture must contain, above the middle, below it and on each side: the required
+/// distances of the edges, at the camera.
 struct Needs {
   double above = -std::numeric_limits<double>::infinity(), below = above, right = above,
          left = above;
@@ -87,17 +87,17 @@ struct Needs {
   }
 };
 
-/// The tangents of half the angles that the picture must have.
+/// Tangents of half the required angles.
 struct Tangents {
   double up = 0, across = 0;
 
   void join(const Tangents& b) { up = std::max(up, b.up), across = std::max(across, b.across); }
 };
 
-/// How a picture lies in space.
+/// The picture's axes in space.
 struct PictureAxes {
   Vec3d right, up, forward;
-  Vec3d upright;  // what the data calls up, so that the camera is upright in other places, too
+  Vec3d upright;  // up in the data, so that the camera is upright elsewhere, too
 };
 
 PictureAxes axes_towards(Vec3d forward, Vec3d up) {
@@ -106,7 +106,7 @@ PictureAxes axes_towards(Vec3d forward, Vec3d up) {
 }
 
 PictureAxes three_quarter(Vec3d up) {
-  const Frame<double> frame(up);  // two axes of the data across the vertical one
+  const Frame<double> frame(up);  // two axes of the data perpendicular to the vertical one
   return axes_towards(normalize(up * 0.55 + frame.u * 0.45 - frame.v * 0.9) * -1.0, up);
 }
 
@@ -132,7 +132,7 @@ PictureAxes axes_from(Side side, Vec3d up) {
   return axes_towards(front * -1.0, up);
 }
 
-// The angle of a picture that must have half of this angle, or more.
+// The angle of a picture with at least this half angle.
 float degrees(double tangent) {
   return std::clamp(float(2 * std::atan(tangent * kMargin) / kRadians), 0.01f, 170.0f);
 }
@@ -166,7 +166,7 @@ class Shown {
     if (fit == Fit::most) most_ = most_of(scene);
   }
 
-  /// sum_up() of it alone.
+  /// sum_up() of this part.
   template <class Sum, class Add>
   Sum sum(const Add& add) const {
     if (!most_) return sum_up<Sum>(scene_, add);
@@ -203,8 +203,8 @@ Camera fitted_in_parallel(const Shown& shown, const Camera& camera) {
   return out;
 }
 
-// Moves the camera so that a picture with these axes holds `shown`, whose bounds are `box`. The
-// vertical angle, 0 for that of a long lens, decides the distance.
+// Moves the camera so that a picture with these axes contains `shown`, with the bounds `box`. The
+// vertical angle, 0 for that of a long lens, determines the distance.
 Camera fitted(const Shown& shown, const Box3f& box, Camera camera, const PictureAxes& axes,
               float fov_deg = 0) {
   camera.movement.reset();
@@ -215,8 +215,8 @@ Camera fitted(const Shown& shown, const Box3f& box, Camera camera, const Picture
   const double across = camera.width > 0 ? tangent * camera.width / camera.height : tangent;
   const double secant = std::sqrt(1 + tangent * tangent),
                secant_across = std::sqrt(1 + across * across);
-  // A sphere at (x, y, z) before a camera at a distance D from the middle stays below the upper
-  // edge if y + radius / cos <= (D + z) tan, and so on.
+  // A sphere at (x, y, z), seen from a distance D of the middle, stays below the upper edge if y +
+  // radius / cos <= (D + z) tan, and so on.
   const auto needs = shown.sum<Needs>([&](Needs& n, Vec3f center, float radius) {
     const Vec3d c = Vec3d(center) - middle;
     const double x = dot(c, to_right), y = dot(c, to_up), z = dot(c, forward);
@@ -227,7 +227,7 @@ Camera fitted(const Shown& shown, const Box3f& box, Camera camera, const Picture
   double distance = std::max((needs.above + needs.below) / (2 * tangent),
                              (needs.right + needs.left) / (2 * across));
   const double size = length(Vec3d(box.hi) - Vec3d(box.lo));
-  // More than floats there are apart, 1e-45 at the origin.
+  // More than the spacing of floats, 1e-45 at the origin.
   const double apart = std::max(1e-4 * max_component(abs(middle)), 1e-30);
   distance = std::max({distance, size > 0 ? size * 1e-3 : 1.0, apart});
   const Vec3d at = middle + to_right * ((needs.right - needs.left) / 2) +
@@ -282,7 +282,7 @@ void fit_camera_to_cell(Scene& scene, const std::array<Vec3d, 3>& sides, bool is
 
 MostOfScene most_of(const Scene& scene) {
   constexpr size_t kEnough = size_t(1) << 16;
-  // Odd, as the rows of many lattices are not.
+  // Odd, unlike the row lengths of many lattices.
   const size_t every = (scene.primitive_count() / kEnough) | 1;
   const auto keep = [](Places& p, Vec3f c, float radius) { p.all.push_back({c, radius}); };
   auto places = sum_up<Places>(scene, keep, every).all;
@@ -299,7 +299,7 @@ MostOfScene most_of(const Scene& scene) {
     return length(Vec3d(p.center) - Vec3d(out.center)) + double(p.radius);
   };
   out.radius = kFarAway * quantile(0.75, reach);
-  // Three quarters share one place: no distance tells which of the others are strays.
+  // Three quarters coincide: no distance tells which of the others are strays.
   if (out.radius == 0) out.radius = std::numeric_limits<double>::infinity();
   Extent inside;
   for (const Places::Place& p : places)

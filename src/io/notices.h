@@ -1,5 +1,5 @@
-// What a reader did with parts of a file that it could not keep as they stand. Also included by
-// atoms/cif/, which is C++17.
+// What a reader did with parts of a file that do not fit a scene. Also included by atoms/cif/,
+// which is C++17.
 #pragma once
 
 #include <algorithm>
@@ -11,26 +11,26 @@
 
 namespace raio {
 
-/// Guessed: the file does not say it, and a rule decided. Cut: part of a number, row or column is
-/// unused. Left out: something of the file is not in the scene.
+/// Guessed: a rule decided, since the file does not say. Cut: part of a number, row or column is
+/// unused. Left out: something is not in the scene.
 enum class Severity : uint8_t { warning, error, guessed, cut, left_out };
 
-/// Cases of one kind: how many there are, the names of the first few, and where the first one is.
+/// Cases of one kind: their number, the names of the first few, and the location of the first.
 struct Notice {
   Severity severity = Severity::warning;
   std::string message;             // "element from the name of the atom"
-  size_t count = 0;                // of cases; 0: it is about the file as a whole
-  std::vector<std::string> names;  // different ones, at most Notices::kNames
+  size_t count = 0;                // number of cases; 0: about the file as a whole
+  std::vector<std::string> names;  // distinct, at most Notices::kNames
   size_t line = 0;                 // of the first case, from 1; 0: unknown
 };
 
-/// The notices of a reader, each kind of case once.
+/// The notices of a reader, one per kind of case.
 class Notices {
  public:
   static constexpr size_t kNames = 5;
 
-  /// Counts `count` cases more of what the message says, in the order of the file; 0: something
-  /// about the file as a whole.
+  /// Counts `count` more cases of the message, in the order of the file; 0: about the file as a
+  /// whole.
   void add(Severity severity, std::string_view message, std::string_view name = {}, size_t line = 0,
            size_t count = 1) {
     auto at = std::find_if(list_.begin(), list_.end(), [&](const Notice& n) {

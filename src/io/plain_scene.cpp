@@ -9,7 +9,7 @@
 namespace raio {
 namespace {
 
-/// A material with another colour, each once.
+/// Materials with other colours, each stored once.
 class Recolored {
  public:
   explicit Recolored(Scene& scene) : scene_(scene) {}
@@ -34,7 +34,7 @@ class Recolored {
     friend bool operator==(const Key&, const Key&) = default;
   };
   struct KeyHash {
-    // Colours are not negative, so equal ones have equal bits but for zeros.
+    // Colours are not negative, so equal ones have equal bits except for zeros.
     size_t operator()(const Key& k) const {
       const float numbers[] = {k.color.x + 0.0f, k.color.y + 0.0f, k.color.z + 0.0f,
                                std::bit_cast<float>(k.material)};

@@ -1,15 +1,15 @@
-// Scenes in the words of formats that know materials and triangles only.
+// Scenes for formats with only materials and triangles.
 #pragma once
 
 #include "scene/scene.h"
 
 namespace raio {
 
-/// Is the scene one already?
+/// Whether the scene is already plain.
 bool is_plain(const Scene& scene);
 
-/// The scene that looks the same with colours of primitives made materials and meshes made
-/// triangles of the scene. Without what text_of() says of kNotPlain.
+/// A scene of the same appearance: colours of primitives become materials, meshes become triangles
+/// of the scene. Without the features that text_of() names for kNotPlain.
 Scene plain_scene(const Scene& scene);
 
 inline constexpr std::initializer_list<Feature> kNotPlain = {

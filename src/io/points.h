@@ -1,4 +1,4 @@
-// Places that files of data give.
+// Positions in data files.
 #pragma once
 
 #include <cmath>
@@ -8,7 +8,7 @@
 
 namespace raio {
 
-/// Beyond it what is computed of places might not stay finite.
+/// Beyond this, values computed from positions might overflow.
 inline constexpr float kFarthestPlace = 1e25f;
 
 inline bool is_place(Vec3f p) {
@@ -16,8 +16,8 @@ inline bool is_place(Vec3f p) {
   return is_near(p.x) && is_near(p.y) && is_near(p.z);
 }
 
-/// How far points are from each other that fill a box evenly, in as many dimensions as it has; 1
-/// for a single one.
+/// The spacing of points that fill a box evenly, in as many dimensions as it has; 1 for a single
+/// point.
 inline float mean_spacing(const Box3f& box, size_t points) {
   const double longest = double(max_component(box.size()));
   double volume = 1;

@@ -54,10 +54,10 @@ class PovWriter {
     out_ += '\n';
   }
 
-  // Without attenuation of the depth of the ray tree, and with numbers stored as they are.
+  // No attenuation by depth in the ray tree, and no gamma for numbers.
   void header(const PovPicture& p, std::string_view comment) {
     if (!comment.empty()) line("// {}", comment);
-    // POV-Ray bounds objects by floats, which cut off parts of what is far from 0.
+    // POV-Ray bounds objects in floats, which cuts off parts far from 0.
     if (scene_.origin != Vec3d())
       line("#declare Origin = {};  // what all coordinates are relative to", text(scene_.origin));
     line("// povray +I{0}.pov +O{0}.png +W{1} +H{2} {3} -D", p.name, p.width, p.height,
@@ -70,8 +70,8 @@ class PovWriter {
     line("background {{ rgb {} }}", text(is_figure_ ? Rgb(1) : scene_.background));
   }
 
-  // By its vectors, whose lengths are those of the picture at distance 1, or, of parallel rays, at
-  // any: nothing is left for POV-Ray's own handedness to decide.
+  // By its vectors, with the lengths of the picture at distance 1, or at any distance for parallel
+  // rays: nothing depends on POV-Ray's handedness.
   void camera(const PovPicture& p) {
     const Camera& c = scene_.camera;
     const Vec3d view = Vec3d(c.at) - Vec3d(c.from), forward = normalize(view);
@@ -92,8 +92,7 @@ class PovWriter {
       line("light_source {{ {} rgb {} }}", text(l.position), text(l.color.value_or(uncolored)));
   }
 
-  // Data has no lights: those of the look `paper` (integrate/figure.h), with a sky that nothing
-  // hides.
+  // Data has no lights: those of the style `paper` (integrate/figure.h), with an unobstructed sky.
   static constexpr double kSky = 0.6, kKey = 0.6;
   void key_light() {
     const Camera& c = scene_.camera;
@@ -105,8 +104,8 @@ class PovWriter {
          kKey, text(c.at));
   }
 
-  // POV-Ray takes ambient and diffuse light down by what the pigment lets through; the classic
-  // shading does not, so they are brought up before.
+  // POV-Ray reduces ambient and diffuse light by the pigment's transmittance; the classic shading
+  // does not, so they are increased here.
   void material(MaterialId id) {
     const Material& m = scene_.materials[id];
     const bool p3f = scene_.dialect == Dialect::p3f, divides = p3f && m.transmission > 0;
@@ -141,9 +140,9 @@ class PovWriter {
     return items;
   }
 
-  // What is of one material. Glass is one object, so that POV-Ray knows of each surface that it
-  // leads out of what another one leads into. Its shadow is that of an opaque one, since in the
-  // classic shading all that is in the way of a light hides it.
+  // Shapes of one material. Glass is one object, so that POV-Ray knows which surface leads out of
+  // which medium. Its shadow is that of an opaque one, since in the classic shading everything
+  // blocks light.
   void objects(std::span<const Item> items) {
     const MaterialId id = items.front().material;
     const Material& m = scene_.materials[id];
@@ -155,7 +154,7 @@ class PovWriter {
     line("object {{ Glass{} pigment {{ rgb 0 }} no_image no_reflection }}", id);
   }
 
-  // `texture`: what each object has behind its shape.
+  // `texture`: appended to each shape.
   void shapes(std::span<const Item> items, const std::string& texture) {
     std::vector<uint32_t> flat, smooth;
     for (const Item& item : items) {
@@ -186,8 +185,8 @@ class PovWriter {
       line("cone {{ {}, {}, {}, {} open{} }}", text(c.base), base, text(c.apex), apex, texture);
   }
 
-  // The unit sphere, under the matrix whose columns are the semi-axes; POV-Ray writes it column by
-  // column, with what it adds last.
+  // The unit sphere, transformed by the matrix with the semi-axes as columns; POV-Ray writes it
+  // column by column, with the translation last.
   void shape(const Ellipsoid& e, const std::string& texture) {
     const auto numbers = [](Vec3f v) { return fmt::format("{}, {}, {}", v.x, v.y, v.z); };
     line("sphere {{ 0, 1 matrix <{}, {}, {}, {}>{} }}", numbers(e.axes[0]), numbers(e.axes[1]),
@@ -196,7 +195,7 @@ class PovWriter {
   void shape(const Disc& d, const std::string& texture) {
     line("disc {{ {}, {}, {}, {}{} }}", text(d.center), text(d.normal), d.radius, d.inner, texture);
   }
-  // POV-Ray has no movement: as it begins.
+  // POV-Ray has no moving primitives: uses the start.
   void shape(const MovingSphere& s, const std::string& texture) {
     shape(at_time(s, s.begin), texture);
   }
@@ -227,7 +226,7 @@ class PovWriter {
     line("{} }}", texture);
   }
 
-  // Of a pool of vectors those that the triangles name, under new numbers, and these.
+  // The vectors of a pool used by the triangles, renumbered, with the new indices.
   struct Lists {
     std::string vectors, indices;
   };
@@ -245,7 +244,7 @@ class PovWriter {
   }
 
   const Scene& scene_;
-  const bool is_figure_;  // of data, which Raio lights by itself
+  const bool is_figure_;  // for data, which Raio lights itself
   bool colored_ = false;
   std::string out_;
 };

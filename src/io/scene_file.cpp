@@ -29,8 +29,8 @@ constexpr std::string_view kReads =
     "Raio reads NFF, P3F, .raio, PDB, CIF, GRO, XYZ, LAMMPS, PLY, STL, OBJ, OFF and glTF";
 constexpr std::string_view kGzip = "\x1f\x8b", kByteOrderMark = "\xef\xbb\xbf";
 
-/// Does the path lead to a regular file that begins as a .raio scene? Pipes and standard input are
-/// not touched, since what is read from them is gone.
+/// Whether the path leads to a regular file that starts like a .raio scene. Does not read pipes and
+/// standard input, since that consumes them.
 bool leads_to_raio(const fs::path& path) {
   std::error_code error;
   if (path == "/dev/stdin" || !fs::is_regular_file(path, error)) return false;
@@ -41,14 +41,14 @@ bool leads_to_raio(const fs::path& path) {
   return count && is_raio_scene({start, *count});
 }
 
-/// What gzip has packed, one member after another, or why it cannot be had.
+/// Decompresses all members of a gzip file; the error says what is broken.
 std::expected<std::string, std::string> unpacked(std::string_view bytes) {
   z_stream stream{};
   constexpr int kGzipOnly = 15 + 16;
   if (inflateInit2(&stream, kGzipOnly) != Z_OK) return std::unexpected(std::string(kNoMemory));
   const std::unique_ptr<z_stream, int (*)(z_stream*)> end(&stream, inflateEnd);
   const size_t most = available_memory_bytes() / 2;
-  constexpr size_t kPiece = size_t(1) << 30;  // what zlib counts is an unsigned int
+  constexpr size_t kPiece = size_t(1) << 30;  // zlib counts in unsigned int
   std::string out(std::max<size_t>(4096, 4 * bytes.size()), '\0');
   size_t size = 0;
   for (;;) {
@@ -76,7 +76,7 @@ std::expected<std::string, std::string> unpacked(std::string_view bytes) {
   return out;
 }
 
-/// `name`: what the file is called without its compression.
+/// `name`: of the file without compression.
 std::string suffix_of(std::string_view name) { return lower_suffix(fs::path(name)); }
 
 std::expected<ReadScene, Diagnostics> parse_raio(std::string_view bytes, std::string_view file,
@@ -86,8 +86,8 @@ std::expected<ReadScene, Diagnostics> parse_raio(std::string_view bytes, std::st
   return ReadScene{std::move(*scene), {}};
 }
 
-/// Reads the sky that the scene of a file names, if any. A scene without it is still one to look
-/// at, convert or render on another background.
+/// Reads the sky named by the scene, if any. Without it the scene can still be viewed, converted or
+/// rendered on another background.
 void add_sky(ReadScene& read, const fs::path& path, std::string_view file) {
   Scene& scene = read.scene;
   if (scene.sky_folder.empty()) return;
@@ -97,15 +97,14 @@ void add_sky(ReadScene& read, const fs::path& path, std::string_view file) {
   };
   const fs::path folder = find_sky(scene.sky_folder, path);
   if (folder.empty())
-    return warn(fmt::format("its sky: there is no folder {} beside it or in a folder above",
+    return warn(fmt::format("its sky: found no folder {} next to the file or in a parent folder",
                             scene.sky_folder));
   auto sky = read_cube_map(folder, scene.sky_folder);
   if (!sky) return warn("its sky: " + sky.error().text());
   scene.sky = std::move(*sky);
 }
 
-/// The first of the options that is given although the file leaves nothing open for it; empty:
-/// none.
+/// The first given option that has no effect on this file; empty: none.
 std::string_view unfit_option(const ReadOptions& options, const FileKind& kind) {
   const ReadOptions usual;
   const bool points = kind.takes != FileKind::Takes::nothing;
@@ -130,18 +129,18 @@ std::unexpected<Diagnostics> unfit(std::string_view file, std::string_view optio
   return failed(file, fmt::format("`{}` has no effect on this file; leave it out", option));
 }
 
-/// Makes primitives of copies unless they are to stay. What is wrong with them, or nothing.
+/// Converts instances to primitives, unless they are kept. Returns the error, or nothing.
 std::string apply_instances(const ReadOptions& options, Scene& scene) {
   if (options.instances) return {};
   const bool any = !scene.instances.empty();
   if (std::string wrong = flatten_instances(scene); !wrong.empty() || !any) return wrong;
-  // A copy may be moved or stretched beyond what a number can be.
+  // Transformed primitives may exceed the range of numbers.
   const auto problems = validate(scene);
-  return problems.empty() ? "" : "its copies as primitives of their own: " + problems.front();
+  return problems.empty() ? "" : "its instances as primitives: " + problems.front();
 }
 
-/// Whatever is in memory, packed or not. `name` is the file without folder. Both become those of
-/// what was unpacked.
+/// Parses what is in memory, compressed or not. `name` is the file without folder; both become
+/// those of the decompressed file.
 std::expected<ReadScene, Diagnostics> parse(std::shared_ptr<const TextBuffer>& text,
                                             std::string_view file, fs::path& name,
                                             const ReadOptions& options) {
@@ -151,7 +150,7 @@ std::expected<ReadScene, Diagnostics> parse(std::shared_ptr<const TextBuffer>& t
     text = std::make_shared<const TextBuffer>(*plain);
     if (suffix_of(name.string()) == ".gz") name = name.stem();
   }
-  // Editors show neither the mark nor a column for it.
+  // Editors neither show the mark nor count a column for it.
   if (text->view().starts_with(kByteOrderMark))
     text = std::make_shared<const TextBuffer>(text->view().substr(kByteOrderMark.size()));
   const std::string_view bytes = text->view();
@@ -209,7 +208,7 @@ std::expected<ReadScene, Diagnostics> SceneFrames::read(const ReadOptions& optio
   here.cache = &cache_;
   if (!standard_input) here.folder = opened.parent_path();
   auto read = parse(text_, file, name_, here);
-  // Of what comes from elsewhere, beside where one is.
+  // Standard input has no folder.
   if (read) add_sky(*read, opened == "/dev/stdin" ? fs::path("-") : opened, file);
   return read;
 } catch (const std::bad_alloc&) {
@@ -243,7 +242,7 @@ std::string lost_features(const Scene& scene, SceneFormat format) {
   if (format == SceneFormat::nff && scene.camera.is_parallel()) add("the camera's parallel rays");
   if (format == SceneFormat::nff && scene.dialect == Dialect::data)
     add("the light of figures and their background");
-  // Mirrors have colours in POV-Ray, highlights those of the lights.
+  // In POV-Ray mirrors have colours, but highlights only those of lights.
   if (format == SceneFormat::pov) {
     const std::string colors = text_of(scene, {Feature::specular_colors});
     add(colors.empty() ? "" : "in highlights, " + colors);
@@ -251,8 +250,7 @@ std::string lost_features(const Scene& scene, SceneFormat format) {
                 {Feature::roughness, Feature::light_extents, Feature::sky, Feature::movement}));
     if (scene.camera.lens_radius.value_or(0) > 0) add("the camera's lens");
     if (const Vec3d& o = scene.origin; o != Vec3d())
-      add(fmt::format("its place far from 0, so that coordinates are relative to {} {} {}", o.x,
-                      o.y, o.z));
+      add(fmt::format("its distance from 0; coordinates are relative to {} {} {}", o.x, o.y, o.z));
   }
   return lost;
 }
@@ -278,7 +276,7 @@ std::expected<void, Error> write_scene(const Scene& scene, const fs::path& path,
       if (scene.spheres.empty() && !has_faces(scene))
         return std::unexpected(
             Error{ErrorKind::bad_input, "",
-                  "PLY holds faces or spheres, and the scene has neither; choose "
+                  "PLY stores faces or spheres, and the scene has neither; choose "
                   "another format"});
       return write_file(path, write_ply(scene, comment));
     case SceneFormat::gltf: {

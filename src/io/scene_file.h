@@ -1,5 +1,5 @@
-// Scene files of any kind: what they are is told by their content, then by their suffix. For all
-// who open what a user names.
+// Scene files of any format, detected by content, then by suffix. For all code that opens the
+// user's files.
 #pragma once
 
 #include <expected>
@@ -17,66 +17,66 @@
 namespace raio {
 
 /// Reads an NFF or P3F text (read_nff), a .raio scene (read_raio_scene) or a file of atoms, points
-/// or meshes (file_kind), also compressed by gzip; "-" is standard input. The errors of a file of
-/// another kind are one that says what it seems to be. The scene's sky is read, too; where it
-/// cannot be, a warning says why and Scene::sky is null.
+/// or meshes (file_kind), optionally gzip-compressed; "-" is standard input. For an unsupported
+/// format, the error says what the file seems to be. The scene's sky is read, too; if that fails, a
+/// warning says why and Scene::sky is null.
 std::expected<ReadScene, Diagnostics> read_scene(const std::filesystem::path& path,
                                                  const ReadOptions& options = {});
 
-/// A file of which frame after frame is read. It is opened, unpacked and searched for its frames
-/// once, so that the next frame of a trajectory takes as long whatever the number of frames; of a
-/// PDB or CIF file each reads all models.
+/// A file that is read frame by frame. It is opened, decompressed and searched for frames once, so
+/// the time per frame of a trajectory does not depend on the number of frames; for PDB and CIF,
+/// each frame reads all models.
 class SceneFrames {
  public:
   explicit SceneFrames(std::filesystem::path path) : path_(std::move(path)) {}
-  /// As read_scene(). The options may differ from one call to the next.
+  /// As read_scene(). The options may differ between calls.
   std::expected<ReadScene, Diagnostics> read(const ReadOptions& options);
 
  private:
   std::filesystem::path path_;
   std::shared_ptr<const TextBuffer> text_;
-  std::filesystem::path name_;  // without the suffix of what was unpacked
+  std::filesystem::path name_;  // without the suffix of compression
   FrameCache cache_;
 };
 
-/// The same for bytes in memory, without the sky; `file` is the name in messages, whose suffix
-/// counts and which the scene is called by.
+/// The same for bytes in memory, without the sky; `file` is the name in messages; its suffix is
+/// used for detection, its stem becomes the scene's name.
 std::expected<ReadScene, Diagnostics> parse_scene(std::string_view bytes, std::string_view file,
                                                   const ReadOptions& options = {});
 
-/// A kind of file other than NFF, P3F and .raio: "a Wavefront OBJ mesh", and what reads it; null
-/// for one that Raio cannot read.
+/// A format other than NFF, P3F and .raio: "a Wavefront OBJ mesh", and its reader; null if Raio
+/// cannot read it.
 struct FileKind {
-  /// Which of the options that readers have it leaves open.
+  /// Which reader options apply to it.
   enum class Takes : uint8_t { nothing, points, all };
 
   std::string_view name;
   SceneReader read = nullptr;
   Takes takes = Takes::nothing;
   bool is_mesh = false;
-  float smooth = 0;  // see ReadOptions, where they do not say; degrees
+  float smooth = 0;  // default of ReadOptions; degrees
 };
 
-/// What a file seems to be by its first bytes, its lower-case suffix (".obj") and its size. No name
-/// for what may be NFF, P3F or .raio.
+/// Detects a file's format by its first bytes, its lower-case suffix (".obj") and its size. No name
+/// if it may be NFF, P3F or .raio.
 FileKind file_kind(std::string_view start, std::string_view suffix, size_t size);
 
-/// Suffixes that files of scenes and data have, without the dot: for those who offer files.
+/// Suffixes of scene and data files, without the dot, for file dialogs.
 std::vector<std::string_view> scene_suffixes();
 
-/// How scenes can be written.
+/// Formats for writing scenes.
 enum class SceneFormat { nff, raio, pov, ply, gltf };
 
-/// By suffix, in any case; an error (bad_input) that lists the suffixes otherwise. "-" and .p3f are
-/// NFF, whose dialect is the scene's.
+/// By suffix, in any case; otherwise an error (bad_input) that lists the suffixes. "-" and .p3f are
+/// NFF, in the scene's dialect.
 std::expected<SceneFormat, Error> scene_format(const std::filesystem::path& path);
 
-/// What of the scene is lost in the format, in one line (text_of), or nothing.
+/// What the format loses of the scene, in one line (text_of), or nothing.
 std::string lost_features(const Scene& scene, SceneFormat format);
 
-/// Writes the scene in the format of the suffix, copies as primitives where it cannot keep them; a
-/// .pov has the scene's resolution, else 512 x 512. `comment` is a line at the head of formats that
-/// have comments.
+/// Writes the scene in the format of the suffix, with instances as primitives if the format has
+/// none; a .pov uses the scene's resolution, else 512 x 512. `comment` is a line at the head of
+/// formats with comments.
 std::expected<void, Error> write_scene(const Scene& scene, const std::filesystem::path& path,
                                        std::string_view comment = {});
 

@@ -24,7 +24,7 @@ std::expected<Texture, std::string> decode(Scene& scene, std::string_view bytes)
   const size_t first = scene.texels.size();
   if (first + width * height > kMaxTexels)
     return std::unexpected(
-        fmt::format("the pictures have more than {} pixels together", kMaxTexels));
+        fmt::format("the pictures have more than {} pixels in total", kMaxTexels));
   scene.texels.resize(first + width * height);
   uint32_t* const texels = scene.texels.data() + first;
   for (size_t y = 0; y < height; ++y) put_texels(*rows, int(y), texels + y * width);
@@ -54,7 +54,7 @@ std::expected<std::string, std::string> read_beside(const fs::path& folder, std:
   std::ranges::replace(path, '\\', '/');
   const fs::path file = folder / path;
   std::error_code error;
-  if (!fs::is_regular_file(file, error)) return std::unexpected("there is no such file beside it");
+  if (!fs::is_regular_file(file, error)) return std::unexpected("the file does not exist");
   auto bytes = read_file(file, size_t(1) << 31);
   if (!bytes) return std::unexpected(bytes.error().message);
   return std::move(*bytes);

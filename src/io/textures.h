@@ -1,4 +1,4 @@
-// Pictures in files of data to textures of a scene.
+// Textures of data files.
 #pragma once
 
 #include <expected>
@@ -14,20 +14,19 @@ namespace raio {
 
 class TextureReader {
  public:
-  /// The number of a texture with the picture, a whole PNG or JPEG file, which is decoded and
-  /// stored once, however often it comes; or why there is none. 16 bits become 8, and alpha is
-  /// dropped.
+  /// The index of a texture with the picture, a whole PNG or JPEG file, which is decoded and stored
+  /// once; or an error. 16 bits become 8, and alpha is dropped.
   std::expected<uint32_t, std::string> add(Scene& scene, std::string_view bytes,
                                            TextureWrap wrap_u = TextureWrap::repeat,
                                            TextureWrap wrap_v = TextureWrap::repeat);
 
  private:
-  // By the hash of their bytes, also those that are none.
+  // By the hash of their bytes, including invalid ones.
   std::map<std::pair<uint64_t, uint64_t>, std::expected<Texture, std::string>> known_;
 };
 
-/// The bytes of the file that a file of data names, from `folder` on, or why there are none. What
-/// would wait for somebody to write to it is not read.
+/// The bytes of a file referenced by a data file, relative to `folder`, or an error. Does not read
+/// files that would block, such as pipes.
 std::expected<std::string, std::string> read_beside(const std::filesystem::path& folder,
                                                     std::string_view name);
 

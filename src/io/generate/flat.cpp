@@ -17,12 +17,12 @@ constexpr int kGearCorners = 4 * kTeeth;
 struct Gear {
   Vec3d center;  // of the upper face
   double outer_radius, inner_radius, thickness;
-  double turn;  // where the first tooth points, radians
+  double turn;  // the direction of the first tooth, radians
 };
 
-/// Two faces of 144 corners each, not convex, and the rim between them.
+/// Two concave faces of 144 vertices each, and the rim between them.
 void add_gear(SceneMaker& maker, const Gear& gear) {
-  // Corners of a tooth and the gap after it, in tooth widths from the middle of the tooth.
+  // Vertices of a tooth and the gap after it, in tooth widths from the middle of the tooth.
   constexpr std::array<double, 4> kPlaces = {-0.19, 0.19, 0.3, 0.7};
   std::array<Vec3d, kGearCorners> top, bottom;
   for (int i = 0; i < kGearCorners; ++i) {
@@ -30,8 +30,8 @@ void add_gear(SceneMaker& maker, const Gear& gear) {
     const double radius = i % 4 < 2 ? gear.outer_radius : gear.inner_radius;
     top[i] = gear.center + Vec3d(std::cos(angle), std::sin(angle), 0) * radius;
   }
-  // Seen from below the corners run the other way; starting at a tooth's far corner keeps the first
-  // angle convex, which is what tells readers where a polygon's front is.
+  // Seen from below, the order is reversed; starting at a tooth's far vertex keeps the first angle
+  // convex, which readers use to find a polygon's front.
   const Vec3d down{0, 0, -gear.thickness};
   for (int i = 0; i < kGearCorners; ++i) {
     bottom[i] = top[(kGearCorners + 1 - i) % kGearCorners] + down;
@@ -44,7 +44,7 @@ void add_gear(SceneMaker& maker, const Gear& gear) {
   maker.face(bottom);
 }
 
-/// A colour of sevenths that looks random, as bright as can be; one gear in five is glass.
+/// A random-looking colour in sevenths, as bright as possible; one gear in five is glass.
 Material gear_material(int x, int y, int z) {
   const auto channel = [](int n, int factor) { return 0.01 + n * factor % 7 / 7.0; };
   const Vec3d color(channel(3 * x + 2 * y + z + 1, 5), channel(3 * y + 2 * z + x + 1, 3),
@@ -57,7 +57,7 @@ Material gear_material(int x, int y, int z) {
   return {.color = brightest, .kd = 1, .shine = kNoHighlight, .ior = 0};
 }
 
-/// A tetrahedron around `center`, its corners at four corners of the cube of half the side `half`.
+/// A tetrahedron around `center`, with its vertices at four corners of a cube of side 2 `half`.
 void split_tetra(SceneMaker& maker, Vec3d center, double half, int levels) {
   constexpr std::array<Vec3d, 4> kCorners = {Vec3d{-1, -1, 1}, Vec3d{-1, 1, -1}, Vec3d{1, -1, -1},
                                              Vec3d{1, 1, 1}};
@@ -75,9 +75,9 @@ void split_tetra(SceneMaker& maker, Vec3d center, double half, int levels) {
   maker.triangle({v[1], v[0], v[3]});
 }
 
-/// A normal deviate that is a function of `seed`, by the polar method from a small linear
-/// congruential generator (Press et al., Numerical Recipes, the table of constants for "quick and
-/// dirty" generators).
+/// A normal deviate as a function of `seed`, by the polar method with a small linear congruential
+/// generator (Press et al., Numerical Recipes, the table of constants for "quick and dirty"
+/// generators).
 double normal_deviate(int64_t seed) {
   constexpr int64_t kModulus = 134456, kFactor = 8121, kStep = 28411;
   const auto next = [&] {
@@ -93,18 +93,18 @@ double normal_deviate(int64_t seed) {
   return v * std::sqrt(-2 * std::log(r2) / r2);
 }
 
-/// The seed of grid point (x, y) among 2^size + 1 per side. A poor hash, kept as it is because
-/// everyone's mountain has it: it is little more than 128 x + 32768 y of the place in the unit
-/// square, so that the terrain repeats itself. Points shared by two sizes have the same seed.
+/// The seed of grid point (x, y) among 2^size + 1 per side. A poor hash, kept because the published
+/// mountains have it: it is little more than 128 x + 32768 y of the position in the unit square, so
+/// the terrain repeats. Points shared by two sizes have the same seed.
 int64_t mountain_seed(uint64_t x, uint64_t y, int size) {
   constexpr int64_t kMountain = 21;
   const uint64_t hash = (x << 23 >> size) + (y << 15 >> size) + (x << 7 >> size);
   return kMountain + int64_t(hash & 0xffff);
 }
 
-/// Heights on a grid of 2^size + 1 points a side over the square from -1 to 1, the border's corners
-/// at 0, row by row. Midpoints are displaced on ever finer grids, after Fournier, Fussell and
-/// Carpenter 1982, "Computer Rendering of Stochastic Models", CACM 25(6), for squares.
+/// Heights on a grid of 2^size + 1 points per side over the square from -1 to 1, with a border of
+/// 0, row by row. Midpoint displacement on ever finer grids, after Fournier, Fussell and Carpenter
+/// 1982, "Computer Rendering of Stochastic Models", CACM 25(6), for squares.
 std::vector<double> mountain_heights(int size) {
   constexpr double kFractalDimension = 2.2;
   const double ratio = 2 / std::exp2(1 / (kFractalDimension - 1));
@@ -119,7 +119,7 @@ std::vector<double> mountain_heights(int size) {
       for (int x = 0; x <= cells; x += half) {
         const bool new_x = x / half % 2 == 1, new_y = y / half % 2 == 1;
         if (!new_x && !new_y) continue;
-        // The points of the coarser grid around: left and right, below and above, or four corners.
+        // The neighbours on the coarser grid: left and right, below and above, or four corners.
         const int dx = new_x ? half : 0, dy = new_y ? half : 0;
         double middle = (at(x - dx, y - dy) + at(x + dx, y + dy)) / 2;
         double reach = rise;
@@ -153,7 +153,7 @@ void add_mountain(SceneMaker& maker, int size) {
   }
 }
 
-/// Four balls of glass, one on three, of the given radii, in the places where balls of 0.17 touch.
+/// Four glass balls, one on three, of the given radii, at positions where balls of 0.17 touch.
 void add_glass_pyramid(SceneMaker& maker, float ior, const std::array<double, 4>& radii) {
   maker.use({.color = {1, 1, 1},
              .kd = 0.1f,
@@ -174,7 +174,7 @@ void add_glass_pyramid(SceneMaker& maker, float ior, const std::array<double, 4>
 SceneMaker mount_scene() { return {{-1.6, 1.6, 1.7}, {0, 0, 0}, kAxisZ, 45, 0.01f}; }
 constexpr Vec3d kMountLight{-100, -100, 100};
 
-/// As the report has it: a white light, and glass of another kind and size.
+/// As in the report: a white light, and glass of another kind and size.
 Scene report_mount(int size) {
   SceneMaker maker = mount_scene();
   maker.white_light(kMountLight);
@@ -195,7 +195,7 @@ Scene make_gears(int size) {
   maker.face({{2, 2, 0}, {-2, 2, 0}, {-2, -2, 0}, {2, -2, 0}});
 
   // Teeth are a tenth of the radius deep, and neighbours mesh: the row of gears is 2 wide. Radii
-  // are a little less than half the distance, so that no two surfaces are in the same place.
+  // are slightly less than half the distance, so that no two surfaces coincide.
   constexpr double kTooth = 0.1, kClearance = 0.995;
   const double radius = 1 / (size - (size - 1) * kTooth / 2);
   const double step = radius * (2 - kTooth), start = -1 + radius;
@@ -214,7 +214,7 @@ Scene make_gears(int size) {
   return maker.finish();
 }
 
-/// The view is Kay and Kajiya's, 1986, "Ray Tracing Complex Scenes".
+/// The view is from Kay and Kajiya 1986, "Ray Tracing Complex Scenes".
 Scene make_tetra(int size) {
   SceneMaker maker({1.022846, -3.177154, -2.174512}, {-0.004103, -0.004103, 0.216539},
                    {-0.816497, -0.816497, 0.816497}, 45, 1);

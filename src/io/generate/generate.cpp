@@ -19,7 +19,8 @@ constexpr std::array kRecipes = {
                 make_gears},
     SceneRecipe{"lattice", 12, 128,
                 "Mirror balls joined by rods: (N+1)^3 spheres, 3N(N+1)^2 cylinders", make_lattice},
-    SceneRecipe{"mount", 6, 11, "Glass balls before a fractal mountain: 2*4^N triangles, 4 spheres",
+    SceneRecipe{"mount", 6, 11,
+                "Glass balls in front of a fractal mountain: 2*4^N triangles, 4 spheres",
                 make_mount},
     SceneRecipe{
         "rings", 7, 80,
@@ -58,7 +59,7 @@ std::string unknown_name(std::string_view name) {
     if (!names.empty()) names += ", ";
     names += recipe.name;
   }
-  return fmt::format("no scene is called '{}'; there are {}", name, names);
+  return fmt::format("unknown scene '{}'; expected {}", name, names);
 }
 
 }  // namespace
@@ -73,9 +74,9 @@ std::expected<Scene, Error> generate_scene(std::string_view name, int size) {
   if (recipe == kRecipes.end()) return refused(unknown_name(name));
   if (size < 0 || size > recipe->max_size) {
     if (recipe->max_size == 0) {
-      return refused(fmt::format("'{}' has one size; {} was asked for", name, size));
+      return refused(fmt::format("'{}' has only one size, found {}", name, size));
     }
-    return refused(fmt::format("the size of '{}' must be from 1 to {}; {} was asked for", name,
+    return refused(fmt::format("the size of '{}' must be from 1 to {}, found {}", name,
                                recipe->max_size, size));
   }
   Scene scene = recipe->make(size == 0 ? recipe->default_size : size);

@@ -1,7 +1,7 @@
-// What the recipes of the procedural scenes are written with, and the recipes themselves. Only for
-// io/generate*.cpp; everyone else asks io/generate/generate.h.
+// Building blocks and declarations of the recipes of procedural scenes. Internal to this folder;
+// others include io/generate/generate.h.
 //
-// Recipes compute in double and round once, when a thing enters the scene: a recursion of ten
+// Recipes compute in double and round once, when a primitive enters the scene: a recursion of ten
 // levels then gives the published coordinates to their last printed digit.
 #pragma once
 
@@ -13,7 +13,7 @@
 
 namespace raio {
 
-/// A linear map, by what it makes of the three axes.
+/// A linear map, by the images of the three axes.
 struct LinearMap {
   Vec3d x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
 
@@ -29,37 +29,37 @@ LinearMap rotation(Vec3d axis, double angle);
 
 inline constexpr Vec3d kAxisX{1, 0, 0}, kAxisY{0, 1, 0}, kAxisZ{0, 0, 1};
 
-/// The exponent at which a material's highlight is no longer seen.
+/// The exponent at which a material's highlight is invisible.
 inline constexpr float kNoHighlight = 100000;
 
-/// A scene in the making. What is added has the material given last to `use`.
+/// A scene under construction. Added primitives have the material last passed to `use`.
 class SceneMaker {
  public:
-  /// With the sky blue and the 512 x 512 pixels that all these scenes have.
+  /// With the sky blue and the 512 x 512 pixels of all these scenes.
   SceneMaker(Vec3d from, Vec3d at, Vec3d up, float fov_deg, float hither);
 
   void light(Vec3d position);
   void white_light(Vec3d position);
 
-  /// Equal materials are kept once.
+  /// Equal materials are stored once.
   void use(const Material& material);
 
   void sphere(Vec3d center, double radius);
   void cone(Vec3d base, double base_radius, Vec3d apex, double apex_radius);
   void cylinder(Vec3d from, Vec3d to, double radius) { cone(from, radius, to, radius); }
 
-  /// A flat face of three corners, or of four and more, counter-clockwise seen from outside.
+  /// A flat face of three or more vertices, counter-clockwise from outside.
   void face(std::span<const Vec3d> corners);
   void face(std::initializer_list<Vec3d> corners) { face({corners.begin(), corners.size()}); }
 
-  /// Corners and normals (unit) that triangles share, by index.
+  /// Vertices and unit normals shared by triangles, by index.
   uint32_t position(Vec3d p);
   uint32_t normal(Vec3d n);
   void triangle(TriangleIndices positions);
-  /// All triangles of a scene are smooth, or none is.
+  /// All triangles of a scene are smooth, or none.
   void smooth_triangle(TriangleIndices positions, TriangleIndices normals);
 
-  /// The scene; nothing may be added afterwards.
+  /// Returns the scene; add nothing afterwards.
   Scene finish() { return std::move(scene_); }
 
  private:

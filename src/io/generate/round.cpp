@@ -17,8 +17,8 @@ constexpr std::array<Vec3d, 3> kFlakeLights = {Vec3d{4, 3, 2}, Vec3d{1, -4, 4}, 
 constexpr std::array<Vec3d, 4> kFlakeFloorCorners = {Vec3d{12, 12, -0.5}, Vec3d{-12, 12, -0.5},
                                                      Vec3d{-12, -12, -0.5}, Vec3d{12, -12, -0.5}};
 
-/// Where nine children sit on a parent that grows along +z: six around its equator and three above,
-/// each at 60 degrees from its nearest neighbours.
+/// The positions of nine children on a parent that grows along +z: six around its equator and three
+/// above, each 60 degrees from its nearest neighbours.
 std::array<Vec3d, 9> flake_directions() {
   const auto direction = [](double longitude_deg, double z) {
     const double angle = longitude_deg * pi / 180, across = std::sqrt(1 - z * z);
@@ -33,8 +33,8 @@ std::array<Vec3d, 9> flake_directions() {
   return out;
 }
 
-/// The rotation by the shortest way from +z to the unit vector `d`. Near the poles there is no axis
-/// to speak of; there the published scene turns by nothing, or by half a turn about y.
+/// The shortest rotation from +z to the unit vector `d`. Near the poles its axis is undefined;
+/// there the published scene rotates by nothing, or by half a turn about y.
 LinearMap rotation_from_z(Vec3d d) {
   constexpr double kPole = 0.9999;
   if (d.z >= kPole) return {};
@@ -66,7 +66,7 @@ void add_flake(SceneMaker& maker, int size, float ks, float shine) {
   grow_flake(maker, flake_directions(), {{0, 0, 0}, 0.5, kAxisZ}, size);
 }
 
-/// As the report has it: white lights, and the floor cut in two.
+/// As in the report: white lights, and the floor cut in two.
 Scene report_flake(int size, float ks, float shine) {
   SceneMaker maker = flake_scene();
   for (const Vec3d light : kFlakeLights) maker.white_light(light);
@@ -78,8 +78,8 @@ Scene report_flake(int size, float ks, float shine) {
   return maker.finish();
 }
 
-/// The middles of the edges of a dodecahedron, as six pentagons: one around the z axis, and five
-/// more tilted by the angle between faces. Shrunk so that tubes of `tube` stay inside the unit
+/// The midpoints of the edges of a dodecahedron, as six pentagons: one around the z axis, and five
+/// tilted by the angle between faces. Scaled so that tubes of radius `tube` stay inside the unit
 /// sphere.
 std::array<std::array<Vec3d, 5>, 6> linked_pentagons(double tube) {
   const double radius = 1 / (1 + tube);
@@ -99,7 +99,7 @@ std::array<std::array<Vec3d, 5>, 6> linked_pentagons(double tube) {
 
 constexpr double kTube = 0.07412;
 
-/// One object of the pyramid: six rings of their own colours.
+/// One element of the pyramid: six rings with different colours.
 void add_rings(SceneMaker& maker, const std::array<std::array<Vec3d, 5>, 6>& rings, Vec3d at) {
   constexpr std::array<Rgb, 6> kColors = {Rgb{1, 0, 0}, Rgb{0, 1, 0}, Rgb{0, 0, 1},
                                           Rgb{0, 1, 1}, Rgb{1, 0, 1}, Rgb{1, 1, 0}};
@@ -113,8 +113,8 @@ void add_rings(SceneMaker& maker, const std::array<std::array<Vec3d, 5>, 6>& rin
   }
 }
 
-/// A branch and all that grows from it, after Aono and Kunii 1984, "Botanical Tree Image
-/// Generation", IEEE CG&A 4(5). In the branch's own frame it reaches from 0 to z = 1.
+/// A branch and everything that grows from it, after Aono and Kunii 1984, "Botanical Tree Image
+/// Generation", IEEE CG&A 4(5). In its own frame the branch extends from 0 to z = 1.
 void grow_branch(SceneMaker& maker, Vec3d base, const LinearMap& frame, double radius, int levels) {
   constexpr double kTaper = 0.67;
   struct Fork {
@@ -152,8 +152,8 @@ Scene make_balls_medium(int) { return report_flake(2, 0.7f, 190.0827f); }
 Scene make_balls_high(int) { return report_flake(4, 0.5f, 3.0827f); }
 
 Scene make_rings(int size) {
-  // From this distance a ball of radius 1 just fills the 45 degrees of the view; layers lie as far
-  // apart.
+  // At this distance a ball of radius 1 just fills the 45 degrees of the view; layers have the same
+  // spacing.
   const double spread = 1 / std::sin(pi / 8);
   const Vec3d eye{-1, -spread, 0.5};
   SceneMaker maker(eye, eye + kAxisY, kAxisZ, 45, 1);
@@ -216,7 +216,7 @@ Scene make_lattice(int size) {
   maker.use({.color = Rgb(0.9f), .kd = 0.5f, .ks = 0.5f, .shine = 3.0827f, .ior = 0});
   for_each_node(size, size, size, [&](Vec3d node) { maker.sphere(node, ball); });
 
-  // Rods begin just below the surface of a ball, as deep as the published scene has it.
+  // Rods start just below the surface of a ball, as deep as in the published scene.
   const double start = 0.99 * ball * (1 - std::sqrt(rod / ball));
   for (int axis = 0; axis < 3; ++axis) {
     Vec3d along;

@@ -1,7 +1,7 @@
 // Martin Newell's teapot with Frank Crow's bottom: 32 bicubic Bezier patches. Crow 1987, "The
 // Origins of the Teapot", IEEE CG&A 7(1), lists 306 control points; all follow from the curves
-// below, because rim, body, lid and bottom are surfaces of revolution and handle and spout are
-// mirrored.
+// below, because rim, body, lid and bottom are surfaces of revolution, and handle and spout are
+// symmetric.
 #include <array>
 #include <vector>
 
@@ -12,10 +12,11 @@ namespace {
 
 using Patch = std::array<std::array<Vec3d, 4>, 4>;
 
-/// A control point of an outline that is turned about the z axis.
+/// A control point of a profile that is revolved about the z axis.
 struct Outline {
   double radius, height;
-  // How far the quarter circle's inner control points reach out. A true circle wants 0.5523 of the
+  // The distance of a quarter circle's inner control points. The best circle takes 0.5523 of the
+  // radius; Newell took 0.56.
   // radius; Newell took 0.56.
   double reach = 0.56 * radius;
 };
@@ -28,7 +29,7 @@ constexpr OutlineCurve kKnob = {{{0, 3.15}, {0.8, 3.15, 0.45}, {0, 2.85}, {0.2, 
 constexpr OutlineCurve kLid = {{{0.2, 2.7}, {0.4, 2.55}, {1.3, 2.55}, {1.3, 2.4}}};
 constexpr OutlineCurve kBottom = {{{0, 0}, {1.425, 0}, {1.5, 0.075}, {1.5, 0.15}}};
 
-/// Control points of a bent tube in the plane y = 0: its two sides and half its width across.
+/// Control points of a bent tube in the plane y = 0: its two sides and half its width.
 struct Tube {
   double near_x, near_z, far_x, far_z, half_width;
 };
@@ -51,7 +52,7 @@ constexpr TubeCurve kUpperSpout = {{{2.7, 2.4, 3.3, 2.4, 0.25},
                                     {2.9, 2.475, 3.45, 2.5125, 0.15},
                                     {2.8, 2.4, 3.2, 2.4, 0.15}}};
 
-/// Four quarters, each a quarter turn on; `sense` is 1 for counter-clockwise seen from above, or
+/// Four quarters, each rotated by a quarter turn; `sense` is 1 for counter-clockwise from above, or
 /// -1.
 void add_revolved(std::vector<Patch>& patches, const OutlineCurve& curve, double sense) {
   Patch patch;
@@ -70,7 +71,7 @@ void add_revolved(std::vector<Patch>& patches, const OutlineCurve& curve, double
   }
 }
 
-/// Two halves, of which one goes round from the near side to the far side and the other back.
+/// Two halves: one from the near side to the far side, the other back.
 void add_tube(std::vector<Patch>& patches, const TubeCurve& curve) {
   Patch there, back;
   for (int row = 0; row < 4; ++row) {
@@ -123,9 +124,8 @@ Vec3d blend(const Patch& patch, const std::array<double, 4>& rows,
   return sum;
 }
 
-/// A mesh of `size` x `size` squares, each two smooth triangles. The edges of the knob and of the
-/// bottom that shrink to a point on the axis give single triangles there, with the normal up or
-/// down.
+/// A mesh of `size` x `size` squares, each two smooth triangles. Edges of the knob and the bottom
+/// that degenerate to a point on the axis give single triangles there, with the normal up or down.
 void add_patch(SceneMaker& maker, const Patch& patch, int size) {
   struct Corner {
     uint32_t position, normal;

@@ -22,7 +22,7 @@ struct Deflater {
   Deflater& operator=(const Deflater&) = delete;
   ~Deflater() { deflateEnd(&stream); }
 
-  /// All of `bytes` for themselves; more can follow, unless these are the last.
+  /// Compresses `bytes` independently; more can follow, unless these are the last.
   std::string compress(std::vector<uint8_t>& bytes, bool last) {
     deflateReset(&stream);
     constexpr size_t kFlushBytes = 16;

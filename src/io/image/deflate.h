@@ -1,5 +1,5 @@
-// Compression on all threads, which neither libpng nor zip libraries have: bytes are made and
-// compressed in bands, whose streams in a row are one. For the formats that contain deflate
+// Deflate compression with all threads, which neither libpng nor zip libraries support: bytes are
+// produced and compressed in bands; their concatenated streams form one. For formats with deflate
 // streams.
 #pragma once
 
@@ -12,7 +12,7 @@
 
 namespace raio {
 
-/// One of zlib's check sums, of which those of parts can be combined.
+/// One of zlib's checksums; those of parts can be combined.
 struct CheckSum {
   uLong (*of)(uLong start, const Bytef* bytes, z_size_t size);
   uLong (*combine)(uLong first, uLong second, z_off_t second_size);
@@ -21,13 +21,13 @@ inline constexpr CheckSum kAdler32{adler32_z, adler32_combine}, kCrc32{crc32_z, 
 
 /// A raw deflate stream (RFC 1951).
 struct Deflated {
-  std::vector<std::string> bands;  // of the stream, in a row
+  std::vector<std::string> bands;  // of the stream, in order
   uint64_t bytes = 0;              // before compression
-  uint32_t check_sum = 0;          // of these
+  uint32_t check_sum = 0;          // of the uncompressed bytes
 };
 
-/// The bytes of bands 0, 1 and so on, one after the other, at least one band. `make` is called on
-/// all threads. Which bands there are must not depend on the number of threads, since it shows.
+/// Compresses the bytes of bands 0, 1 and so on, at least one band. Calls `make` on all threads.
+/// The division into bands affects the result, so it must not depend on the number of threads.
 /// Throws std::bad_alloc.
 Deflated deflate_bands(size_t bands, const CheckSum& check_sum,
                        const std::function<std::vector<uint8_t>(size_t band)>& make);

@@ -1,4 +1,4 @@
-// OpenEXR by its C++ library, on memory.
+// OpenEXR through its C++ library, in memory.
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfCompression.h>
 #include <OpenEXR/ImfFrameBuffer.h>
@@ -63,19 +63,19 @@ class MemoryReader : public Imf::IStream {
   uint64_t position_ = 0;
 };
 
-/// A look at the headers before the library sees them: it asks for memory as they say. EXR is a
-/// sequence of attributes (name, type, size, value), names and types ended by a zero byte, a header
-/// by an empty name.
+/// Checks the headers before the library sees them, since it allocates memory as they say. EXR is a
+/// sequence of attributes (name, type, size, value); names and types end with a zero byte, a header
+/// with an empty name.
 class HeaderCheck {
  public:
   explicit HeaderCheck(std::string_view bytes) : bytes_(bytes), left_(bytes) {}
 
-  /// What is wrong, or nothing.
+  /// Returns the error, or nothing.
   std::string problem() {
     constexpr uint32_t kDeepFile = 1 << 11, kManyParts = 1 << 12;
     if (left_.size() < 8) return "the file ends early";
     const uint32_t version = number(left_, 4);
-    if (version & kDeepFile) return "it holds deep data, which is not read";
+    if (version & kDeepFile) return "it has deep data, which is not supported";
     left_.remove_prefix(8);
     std::string found = header();
     if (!(version & kManyParts)) return found;
@@ -90,9 +90,8 @@ class HeaderCheck {
     return value;
   }
 
-  /// The bytes of a pixel with all channels of a channel list: a name that a zero byte ends, the
-  /// type, four bytes that do not matter here, the steps between samples in x and y. Steps of zero
-  /// or less are left to the library.
+  /// The bytes per pixel of a channel list: a name with a zero byte, the type, four irrelevant
+  /// bytes, the sampling steps in x and y. Steps of zero or less are left to the library.
   static double pixel_bytes(std::string_view list) {
     double bytes = 0;
     for (;;) {
@@ -133,8 +132,8 @@ class HeaderCheck {
     left_.remove_prefix(1);
     if (std::string wrong = size_problem(width, height); !wrong.empty()) return wrong;
     if (tile > uint64_t(kMaxPixels)) return "tiles of an impossible size";
-    // No compression gets far beyond deflate's 1032 to one, but that PXR24 drops a quarter of the
-    // bits first and DWA nearly all of an even block of 8 x 8 pixels.
+    // Compression does not exceed deflate's 1032 to one, except that PXR24 first drops a quarter of
+    // the bits and DWA nearly all of an even block of 8 x 8 pixels.
     const bool dwa = compression == Imf::DWAA_COMPRESSION || compression == Imf::DWAB_COMPRESSION;
     const double most = (dwa ? 1400.0 * 64 : 1400.0) * double(bytes_.size());
     if (double(width) * double(height) * std::max(bytes_a_pixel, 2.0) > most)
@@ -145,7 +144,7 @@ class HeaderCheck {
   std::string_view bytes_, left_;
 };
 
-/// Numbers that are read or written in place, one of `stride` in a pixel.
+/// Numbers read or written in place, one per `stride` values.
 template <class T>
 void add_slice(Imf::FrameBuffer& frame, const std::string& name, const T* first, size_t stride,
                const Imath::Box2i& window) {
@@ -154,7 +153,7 @@ void add_slice(Imf::FrameBuffer& frame, const std::string& name, const T* first,
   frame.insert(name, Imf::Slice::Make(type, first, window, pixel, row));
 }
 
-/// All that there is of the picture.
+/// Adds everything in the picture.
 void add_picture(Imf::FrameBuffer& frame, const PictureView& picture, const Imath::Box2i& window,
                  bool grey) {
   const Rgb* const pixels = picture.color.pixels.data();
@@ -180,7 +179,7 @@ bool is_whole(const Imf::Channel* channel) {
   return channel && channel->xSampling == 1 && channel->ySampling == 1;
 }
 
-/// Whether the picture is grey, or an error that names the channels when they are no R, G, B and no
+/// Whether the picture is grey, or an error that names the channels if they are neither R, G, B nor
 /// Y.
 Decoded<bool> is_grey(const Imf::ChannelList& channels) {
   const auto whole = [&](const char* name) { return is_whole(channels.findChannel(name)); };
@@ -193,15 +192,14 @@ Decoded<bool> is_grey(const Imf::ChannelList& channels) {
                   fmt::join(names, ", ")));
 }
 
-/// What layers there are beside colours and alpha, with their values yet to be read, of `pixels`
-/// pixels.
+/// Finds the layers besides colours and alpha, with values of `pixels` pixels yet to be read.
 Decoded<std::vector<Layer>> find_layers(const Imf::ChannelList& channels, bool grey,
                                         size_t pixels) {
   const std::string_view colors = grey ? "YA" : "RGBA";
   const auto color = [](std::string_view among, const std::string& name) {
     return name.size() == 1 ? among.find(name) : std::string_view::npos;
   };
-  using Key = std::pair<std::string, bool>;  // the name, and whether its numbers are whole ones
+  using Key = std::pair<std::string, bool>;  // the name, and whether its numbers are integers
   std::map<Key, std::vector<std::string>> found;
   size_t count = 0;
   for (auto i = channels.begin(); i != channels.end(); ++i, ++count) {
@@ -230,7 +228,7 @@ Decoded<std::vector<Layer>> find_layers(const Imf::ChannelList& channels, bool g
   return layers;
 }
 
-/// Reads the colours and, when they are wanted, all the rest.
+/// Reads the colours and, if wanted, the rest.
 Decoded<Picture> read_exr(std::string_view bytes, bool all) try {
   if (const std::string problem = HeaderCheck(bytes).problem(); !problem.empty())
     return std::unexpected("broken EXR: " + problem);
@@ -271,7 +269,7 @@ Decoded<std::string> encode_exr(const PictureView& picture, const Metadata& meta
   const Image& image = picture.color;
   Imf::Header header(image.width, image.height, 1, Imath::V2f(0, 0), 1, Imf::INCREASING_Y,
                      Imf::ZIP_COMPRESSION);
-  // A good deal faster than the library's own choice, and hardly larger.
+  // Much faster than the library's default, and hardly larger.
   header.zipCompressionLevel() = 1;
   Imf::FrameBuffer frame;
   add_picture(frame, picture, header.dataWindow(), false);

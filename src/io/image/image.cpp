@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Enough for the largest picture in the most spacious format, P3 with four characters a value.
+/// Enough for the largest picture in the largest format, P3 with four characters per value.
 constexpr size_t kMaxFileBytes = size_t(1) << 32;
 
 Decoded<std::string> encode(const PictureView& picture, ImageFormat format,
@@ -49,19 +49,19 @@ bool is_plain(std::string_view word) {
   return std::ranges::all_of(word, [](char c) { return c > ' ' && c <= '~'; });
 }
 
-/// One of the names that is there twice.
+/// A name that occurs twice.
 std::optional<std::string> doubled(std::vector<std::string> names) {
   std::ranges::sort(names);
   const auto found = std::ranges::adjacent_find(names);
   return found == names.end() ? std::nullopt : std::optional(*found);
 }
 
-/// Whether a channel of EXR can have the layer's name alone, without a dot and a component.
+/// Whether an EXR channel can have the layer's name alone, without a dot and a component.
 bool can_stand_alone(std::string_view name) {
   return !name.contains('.') && name != "R" && name != "G" && name != "B" && name != "A";
 }
 
-/// Why the layer cannot be written beside a picture of `pixels` pixels, or nothing.
+/// Why the layer cannot be written with a picture of `pixels` pixels, or nothing.
 std::string layer_problem(const Layer& layer, size_t pixels) {
   constexpr size_t kLongest = 200;  // EXR's names of channels have at most 255 characters
   if (layer.name.empty() || layer.name.size() > kLongest || !is_plain(layer.name) ||
@@ -91,8 +91,8 @@ std::string problem(const PictureView& picture, const Metadata& metadata) {
   const Image& image = picture.color;
   const size_t pixels = image.pixels.size();
   if (image.width < 1 || image.height < 1 || pixels != size_t(image.width) * size_t(image.height))
-    return fmt::format("no picture has {} x {} pixels, {} of them there", image.width, image.height,
-                       pixels);
+    return fmt::format("a picture of {} x {} pixels with {} pixels of data is invalid", image.width,
+                       image.height, pixels);
   if (!picture.alpha.empty() && picture.alpha.size() != pixels)
     return fmt::format("alpha of {} pixels does not fit {} pixels", picture.alpha.size(), pixels);
   for (const Layer& layer : picture.layers)
@@ -123,7 +123,7 @@ std::expected<void, Error> write(const PictureView& picture, const fs::path& pat
   return std::unexpected(memory_error(path));
 }
 
-/// What `decode` makes of the bytes of a file.
+/// Decodes the bytes of a file.
 template <class T>
 std::expected<T, Error> read(const fs::path& path, Decoded<T> (*decode)(std::string_view)) try {
   const auto bytes = read_file(path, kMaxFileBytes);
@@ -137,8 +137,9 @@ std::expected<T, Error> read(const fs::path& path, Decoded<T> (*decode)(std::str
 
 void require_same_size(const Image& a, const Image& b) {
   if (a.width != b.width || a.height != b.height)
-    throw std::invalid_argument(fmt::format("pictures of {} x {} and {} x {} do not compare",
-                                            a.width, a.height, b.width, b.height));
+    throw std::invalid_argument(
+        fmt::format("pictures of {} x {} and {} x {} pixels cannot be compared", a.width, a.height,
+                    b.width, b.height));
 }
 
 }  // namespace
@@ -174,8 +175,7 @@ void put_texels(const PixelRows& rows, int y, uint32_t* to) {
 Decoded<PixelRows> decode_rows(std::string_view bytes) {
   if (bytes.starts_with(kPngBegin)) return png_rows(bytes, false);
   if (bytes.starts_with(kJpegBegin)) return jpeg_rows(bytes);
-  return std::unexpected(bytes.empty() ? "the file is empty"
-                                       : "it is no picture in PNG or JPEG format");
+  return std::unexpected(bytes.empty() ? "the file is empty" : "expected a PNG or JPEG picture");
 }
 
 Decoded<Image> decode_image(std::string_view bytes) {
@@ -190,7 +190,7 @@ Decoded<Image> decode_image(std::string_view bytes) {
   for (const std::string_view magic : {"P2", "P3", "P5", "P6"})
     if (bytes.starts_with(magic)) return decode_ppm(bytes);
   return std::unexpected(bytes.empty() ? "the file is empty"
-                                       : "it is no picture in PNG, JPEG, EXR, PFM or PPM format");
+                                       : "expected a PNG, JPEG, EXR, PFM or PPM picture");
 }
 
 Decoded<Picture> decode_picture(std::string_view bytes) {
@@ -204,11 +204,12 @@ Decoded<Picture> decode_picture(std::string_view bytes) {
 Decoded<Metadata> decode_metadata(std::string_view bytes) {
   if (bytes.starts_with(kPngBegin)) return png_metadata(bytes);
   if (bytes.starts_with(kExrBegin)) return exr_metadata(bytes);
-  return std::unexpected("only pictures in PNG and EXR format keep settings");
+  return std::unexpected("only PNG and EXR pictures store settings");
 }
 
 std::string size_problem(long long width, long long height) {
-  if (width < 1 || height < 1) return fmt::format("a size of {} x {} pixels", width, height);
+  if (width < 1 || height < 1)
+    return fmt::format("an invalid size of {} x {} pixels", width, height);
   if (width > kMaxPixels || height > kMaxPixels / width)
     return fmt::format("{} x {} are more than {} pixels", width, height, kMaxPixels);
   return {};
@@ -228,7 +229,7 @@ std::expected<ImageFormat, Error> image_format(const fs::path& path) {
     return ImageFormat::png;
   return std::unexpected(
       Error{ErrorKind::bad_input, path.string(),
-            "the name of a picture ends in .png, .exr, .pfm, .ppm, .npz or .npy"});
+            "expected a name that ends in .png, .exr, .pfm, .ppm, .npz or .npy"});
 }
 
 std::string unkept(ImageFormat format, bool alpha, std::span<const std::string> layers) {
@@ -236,16 +237,16 @@ std::string unkept(ImageFormat format, bool alpha, std::span<const std::string> 
   if (format == ImageFormat::exr) return {};
   if (format == ImageFormat::npz) {
     if (std::ranges::find(lost, "rgba") == lost.end()) return {};
-    return "NPZ calls the colours rgba; give the layer another name";
+    return "NPZ uses the name rgba for colours; rename the layer";
   }
   const bool keeps_alpha = format == ImageFormat::png || format == ImageFormat::npy;
   const bool layered = !lost.empty();
   if (alpha && !keeps_alpha) lost.insert(lost.begin(), "alpha");
   if (lost.empty()) return {};
   constexpr std::array kNames = {"PNG", "EXR", "PFM", "PPM", "NPZ", "NPY"};
-  return fmt::format("{} keeps {} only, not {}; give the picture a name in {}", kNames[int(format)],
-                     keeps_alpha ? "colours and alpha" : "colours", fmt::join(lost, ", "),
-                     layered ? ".exr or .npz" : ".png, .exr, .npz or .npy");
+  return fmt::format("{} stores only {}, not {}; choose a name that ends in {}",
+                     kNames[int(format)], keeps_alpha ? "colours and alpha" : "colours",
+                     fmt::join(lost, ", "), layered ? ".exr or .npz" : ".png, .exr, .npz or .npy");
 }
 
 std::expected<void, Error> write_image(const Image& image, const fs::path& path,

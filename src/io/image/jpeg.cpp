@@ -1,10 +1,10 @@
-// JPEG by libjpeg. Its errors are jumps, as those of libpng: what may fail is called under
-// setjmp() and owns nothing.
+// JPEG through libjpeg. Its errors are jumps, like those of libpng: code that may fail is called
+// under setjmp() and owns nothing.
 #include <fmt/format.h>
 
 #include <csetjmp>
 #include <cstdio>
-// Which needs FILE.
+// It needs FILE.
 #include <jerror.h>
 #include <jpeglib.h>
 
@@ -13,12 +13,12 @@
 namespace raio {
 namespace {
 
-/// Files that go over the picture again and again do so for this long; those of programs have a
-/// dozen scans.
+/// Malicious files repeat scans endlessly, which costs this much at most; ordinary files have a
+/// dozen.
 constexpr int kMaxScans = 200;
 
 struct Failure {
-  jpeg_error_mgr manager;  // first, as libjpeg knows no more of it
+  jpeg_error_mgr manager;  // first, since libjpeg knows only this part
   std::jmp_buf back;
   char text[JMSG_LENGTH_MAX] = "not enough memory";
 };
@@ -29,8 +29,8 @@ struct Failure {
   std::longjmp(failure->back, 1);
 }
 
-// Messages of level -1 tell of damage, after which libjpeg would go on with a guess; but for some
-// oddities of other programs, which do no harm.
+// Messages of level -1 report damage, after which libjpeg would guess; except for some harmless
+// quirks of other programs.
 void take_message(j_common_ptr jpeg, int level) {
   if (level >= 0) return;
   for (const int harmless : {JWRN_EXTRANEOUS_DATA, JWRN_ADOBE_XFORM, JWRN_NOT_SEQUENTIAL})
@@ -63,7 +63,7 @@ struct Decompressor {
   Decompressor& operator=(const Decompressor&) = delete;
   ~Decompressor() { jpeg_destroy_decompress(&jpeg); }
 
-  /// Runs `step`; false when libjpeg gave up, of which `failure` tells.
+  /// Runs `step`; false if libjpeg gave up, as described by `failure`.
   template <class Step>
   bool guarded(const Step& step) {
     if (setjmp(failure.back)) return false;
@@ -92,7 +92,7 @@ Decoded<PixelRows> jpeg_rows(std::string_view bytes) {
   const size_t width = jpeg.image_width, height = jpeg.image_height;
   if (const std::string problem = size_problem(int64_t(width), int64_t(height)); !problem.empty())
     return broken(problem);
-  // Huffman's codes give each block of 8 x 8 a bit at least.
+  // Huffman codes take at least a bit per block of 8 x 8.
   if (!jpeg.arith_code && width * height / 512 > bytes.size())
     return broken(fmt::format("too short for {} x {} pixels", width, height));
 

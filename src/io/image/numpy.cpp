@@ -1,5 +1,5 @@
 // NumPy's arrays: NPY, "A Simple File Format for NumPy Arrays" (NEP 1), version 1.0, and NPZ, a zip
-// archive of such files, by minizip, which is given what is compressed already.
+// archive of such files, through minizip, which receives compressed data.
 #include <fmt/format.h>
 #include <minizip/zip.h>
 
@@ -18,8 +18,8 @@ namespace raio {
 
 namespace {
 
-/// A file in the making: its first bytes, then what `copy` gives of the numbers from `first` to
-/// `end`, which are counted as they lie in the file.
+/// A file under construction: its first bytes, then the numbers from `first` to `end` provided by
+/// `copy`, in file order.
 struct NpyArray {
   std::string name, header;
   size_t numbers, number_bytes;
@@ -28,16 +28,15 @@ struct NpyArray {
   size_t bytes() const { return header.size() + numbers * number_bytes; }
 };
 
-/// `components`: 0 for an array with two dimensions. `type` is NumPy's letter for a kind of number
-/// and its bytes.
+/// `components`: 0 for an array with two dimensions. `type` is NumPy's letter for a number type,
+/// with its size in bytes.
 std::string npy_header(const Image& image, size_t components, std::string_view type) {
   constexpr char kByteOrder = std::endian::native == std::endian::little ? '<' : '>';
   const std::string third = components > 0 ? fmt::format(", {}", components) : "";
   std::string text =
       fmt::format("{{'descr': '{}{}', 'fortran_order': False, 'shape': ({}, {}{}), }}", kByteOrder,
                   type, image.height, image.width, third);
-  // The numbers begin at a multiple of 64 bytes. A size of 16 bits, little-endian, precedes the
-  // text.
+  // The numbers start at a multiple of 64 bytes. A 16-bit size, little-endian, precedes the text.
   constexpr size_t kBefore = 10, kAligned = 64;
   const size_t whole = (kBefore + text.size() + 1 + kAligned - 1) / kAligned * kAligned;
   text.resize(whole - kBefore - 1, ' ');
@@ -77,7 +76,7 @@ NpyArray layer_array(const Image& image, const Layer& layer) {
       layer.values);
 }
 
-/// The layer that has what the floats of this one leave; null: there is none.
+/// The layer with the rounding errors of this one's floats; null if there is none.
 const Layer* low_of(const Layer& layer, std::span<const Layer> layers) {
   const auto low = std::ranges::find(layers, layer.name + std::string(kLowLayer), &Layer::name);
   if (low == layers.end()) return nullptr;
@@ -86,7 +85,7 @@ const Layer* low_of(const Layer& layer, std::span<const Layer> layers) {
   return values && rest && values->size() == rest->size() ? &*low : nullptr;
 }
 
-/// The sums of a layer and of what its floats leave, as doubles.
+/// The sums of a layer and its rounding errors, as doubles.
 NpyArray wide_array(const Image& image, const Layer& layer, const Layer& low) {
   const auto floats = [](const Layer& l) { return std::span(std::get<Column<float>>(l.values)); };
   const auto copy = [a = floats(layer), b = floats(low)](size_t first, size_t end, uint8_t* out) {
@@ -99,7 +98,7 @@ NpyArray wide_array(const Image& image, const Layer& layer, const Layer& low) {
           sizeof(double), copy};
 }
 
-/// In bands, the first of which begins with the header.
+/// In bands, the first of which starts with the header.
 Deflated deflate(const NpyArray& array) {
   constexpr size_t kBand = 1 << 16;  // numbers, whole pixels of "rgba"
   const size_t bands = (array.numbers - 1) / kBand + 1;
@@ -120,7 +119,9 @@ class Zip {
   Zip() {
     zlib_filefunc64_def calls{};
     calls.zopen64_file = [](void* zip, const void*, int) { return zip; };
-    calls.zread_file = [](void*, void*, void*, uLong) -> uLong { return 0; };  // of old archives
+    calls.zread_file = [](void*, void*, void*, uLong) -> uLong {
+      return 0;
+    };  // for existing archives
     calls.zwrite_file = [](void* zip, void*, const void* bytes, uLong count) {
       return static_cast<Zip*>(zip)->write(static_cast<const char*>(bytes), count);
     };
@@ -140,12 +141,12 @@ class Zip {
   Zip& operator=(const Zip&) = delete;
   ~Zip() { (void)close(); }
 
-  /// Whether there was memory for it, here and below.
+  /// Whether there was enough memory, here and below.
   bool add(const std::string& name, const Deflated& deflated) {
     zip_fileinfo info{};
     info.dosDate = (1 << 5 | 1) << 16;  // 1980-01-01, so that the same picture has the same bytes
     constexpr int kRaw = 1, kLevel = 1, kMadeOnDos = 0, kNoFlags = 0;
-    // Longer ones need other headers, also where compression makes them a little longer.
+    // Longer ones need other headers, even if only compression makes them longer.
     constexpr uint64_t kLong = 0xf000'0000;
     bool added = zipOpenNewFileInZip4_64(file_, name.c_str(), &info, nullptr, 0, nullptr, 0,
                                          nullptr, Z_DEFLATED, kLevel, kRaw, -MAX_WBITS,
@@ -165,7 +166,7 @@ class Zip {
   std::string take() { return std::move(bytes_); }
 
  private:
-  /// For C, which no exception may cross.
+  /// Called from C, which exceptions must not cross.
   uLong write(const char* bytes, size_t count) noexcept try {
     if (position_ + count > bytes_.size()) bytes_.resize(position_ + count);
     std::copy_n(bytes, count, bytes_.data() + position_);

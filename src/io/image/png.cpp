@@ -1,6 +1,6 @@
-// PNG by libpng. Its errors are jumps (setjmp, longjmp), which must not cross anything with a
-// destructor: all calls that can fail are made from lambdas under guarded(), with every object that
-// owns memory outside.
+// PNG through libpng. Its errors are jumps (setjmp, longjmp), which must not cross anything with a
+// destructor: all calls that can fail are in lambdas under guarded(), with owners of memory
+// outside.
 #include <fmt/format.h>
 #include <png.h>
 
@@ -31,7 +31,7 @@ void fail(png_structp png, png_const_charp text) {
 
 void ignore_warning(png_structp, png_const_charp) {}
 
-/// Runs `step`; false when libpng gave up, of which ErrorText tells. What `step` calls must own
+/// Runs `step`; false if libpng gave up, as described by ErrorText. What `step` calls must own
 /// nothing.
 template <class Step>
 bool guarded(png_structp png, const Step& step) {
@@ -80,7 +80,7 @@ struct Writer {
   ~Writer() { png_destroy_write_struct(&png, &info); }
 };
 
-/// tEXt, or iTXt for values that Latin-1 might not hold. The strings must stay where they are.
+/// tEXt, or iTXt for values beyond Latin-1. The strings must not move.
 png_text text_chunk(std::string& name, std::string& value) {
   const bool ascii = std::ranges::all_of(value, [](unsigned char c) { return c < 128; });
   png_text text{};
@@ -90,12 +90,12 @@ png_text text_chunk(std::string& name, std::string& value) {
   return text;
 }
 
-// Writing: libpng cannot compress on several threads, so it is given the compressed pixels.
+// Writing: libpng cannot compress with several threads, so it receives compressed pixels.
 
-/// So that zlib's lengths and PNG's can hold a row.
+/// Limits a row to the lengths of zlib and PNG.
 constexpr size_t kWidest = size_t(1) << 28;
 
-/// A pixel with straight alpha. An opaque one has the bytes that it has without alpha.
+/// A pixel with straight alpha. An opaque one has the same bytes as without alpha.
 png_byte* put_straight(const Rgb& color, float alpha, png_byte* out) {
   const uint8_t opacity = to_byte(alpha);
   const float covered = std::min(alpha, 1.0f);
@@ -109,7 +109,7 @@ size_t bytes_a_row(const PictureView& picture) {
   return 1 + (picture.alpha.empty() ? 3 : 4) * size_t(picture.color.width);
 }
 
-/// Rows as PNG wants them, a byte for the filter before each.
+/// Rows in PNG's layout, each after a filter byte.
 std::vector<png_byte> filtered_rows(const PictureView& picture, int first, int end) {
   std::vector<png_byte> rows(bytes_a_row(picture) * size_t(end - first));
   png_byte* out = rows.data();
@@ -131,8 +131,8 @@ std::vector<png_byte> filtered_rows(const PictureView& picture, int first, int e
   return rows;
 }
 
-/// The picture as one zlib stream (RFC 1950) in parts. The height of a band is a matter of the
-/// width and the channels alone.
+/// The picture as one zlib stream (RFC 1950) in parts. The height of a band depends only on width
+/// and channels.
 std::vector<std::string> zlib_stream(const PictureView& picture) {
   constexpr size_t kBandBytes = 1 << 16;  // the file is 2 % larger than without bands
   const int rows = picture.color.height;
@@ -201,7 +201,7 @@ Decoded<PixelRows> png_rows(std::string_view bytes, bool with_alpha) {
   const bool begun = guarded(png, [&] {
     png_set_read_fn(png, &left, take_bytes);
     png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
-    // Colour spaces, texts and the like are not even looked at.
+    // Ignores colour spaces, texts and so on.
     png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
     png_read_info(png, reader.info);
     stored_row = png_get_rowbytes(png, reader.info);
@@ -212,7 +212,7 @@ Decoded<PixelRows> png_rows(std::string_view bytes, bool with_alpha) {
   const auto height = png_get_image_height(png, reader.info);
   if (const std::string problem = size_problem(width, height); !problem.empty())
     return broken(problem);
-  // Deflate makes 258 bytes of no less than two bits.
+  // Deflate needs at least two bits for 258 bytes.
   if (stored_row * height / 1032 > bytes.size())
     return broken(fmt::format("too short for {} x {} pixels", width, height));
 
@@ -231,7 +231,7 @@ Decoded<PixelRows> png_rows(std::string_view bytes, bool with_alpha) {
   const int bit_depth = png_get_bit_depth(png, reader.info);
   const bool known = channels == 3 || (with_alpha && channels == 4);
   if (!known || row_bytes != size_t(width) * size_t(channels) * size_t(bit_depth / 8))
-    return broken("a layout of pixels that is not known");
+    return broken("an unknown pixel layout");
   PixelRows rows{int(width), int(height), channels, bit_depth, {}};
   rows.bytes.resize(row_bytes * height);
   const bool done = guarded(png, [&] {
@@ -268,7 +268,7 @@ Decoded<Metadata> png_metadata(std::string_view bytes) {
     png_set_read_fn(png, &left, take_bytes);
     png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
     png_set_chunk_malloc_max(png, 1 << 20);
-    png_read_info(png, reader.info);  // up to the pixels, where write_image has the texts
+    png_read_info(png, reader.info);  // up to the pixels, where write_image puts the texts
     count = png_get_text(png, reader.info, &texts, nullptr);
   });
   if (!done) return std::unexpected(fmt::format("broken PNG: {}", reader.error.text));

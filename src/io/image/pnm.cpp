@@ -1,4 +1,4 @@
-// PPM and its grey kin, and PFM: a few words of text, then the values.
+// PPM, its grey variants, and PFM: a few words of text, then the values.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace {
 
 bool is_blank(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 
-/// The words of a header or of a plain picture, comments (# to the end of the line) left out.
+/// The words of a header or of a plain picture, without comments (# to the end of the line).
 class PnmWords {
  public:
   explicit PnmWords(std::string_view bytes) : left_(bytes) {}
@@ -29,7 +29,7 @@ class PnmWords {
     return word;
   }
 
-  /// The next word as a number that fills it. On failure the error names what was expected.
+  /// The next word as a number. On failure the error names what was expected.
   template <class T>
   Decoded<T> number(std::string_view what) {
     const std::string_view word = next();
@@ -41,7 +41,7 @@ class PnmWords {
                      : fmt::format("expected {}, found \"{}\"", what, word.substr(0, 20)));
   }
 
-  /// What follows the one blank after the last word: the values of a binary picture.
+  /// The data after the one blank that follows the last word: the values of a binary picture.
   std::string_view rest() const { return left_.substr(left_.empty() ? 0 : 1); }
 
  private:
@@ -73,7 +73,7 @@ Decoded<Size> read_size(PnmWords& words) {
 
 std::unexpected<std::string> too_short(size_t needed, size_t there) {
   return std::unexpected(
-      fmt::format("the file ends early: {} bytes of pixels expected, {} there", needed, there));
+      fmt::format("the file ends early: expected {} bytes of pixels, found {}", needed, there));
 }
 
 /// Fills an image from `value`, called once per value in the file's order; an error ends it.
@@ -92,14 +92,15 @@ Decoded<Image> fill(const Size& size, bool grey, const Value& value) {
 }
 
 Decoded<Image> decode_plain_ppm(PnmWords& words, const Size& size, bool grey, unsigned max_value) {
-  // Every value is a digit and, but for the last, a blank.
+  // Every value has a digit and, except for the last, a blank.
   const size_t needed = 2 * size.values(grey ? 1 : 3) - 1;
   if (words.rest().size() < needed) return too_short(needed, words.rest().size());
   return fill(size, grey, [&]() -> Decoded<float> {
     const auto value = words.number<unsigned>("a value");
     if (!value) return std::unexpected(value.error());
     if (*value > max_value)
-      return std::unexpected(fmt::format("a value of {}, the largest is {}", *value, max_value));
+      return std::unexpected(
+          fmt::format("a value of {} exceeds the maximum of {}", *value, max_value));
     return float(*value) / float(max_value);
   });
 }
@@ -114,7 +115,8 @@ Decoded<Image> decode_binary_ppm(PnmWords& words, const Size& size, bool grey, u
     unsigned value = uint8_t(*p++);
     if (value_bytes == 2) value = value << 8 | uint8_t(*p++);
     if (value > max_value)
-      return std::unexpected(fmt::format("a value of {}, the largest is {}", value, max_value));
+      return std::unexpected(
+          fmt::format("a value of {} exceeds the maximum of {}", value, max_value));
     return float(value) / float(max_value);
   });
 }
@@ -138,7 +140,7 @@ Decoded<Image> decode_pfm_body(bool grey, PnmWords& words) {
   const auto scale = words.number<double>("the scale");
   if (!scale) return std::unexpected(scale.error());
   if (!std::isfinite(*scale) || *scale == 0)
-    return std::unexpected("expected a scale that is not zero, its sign the byte order");
+    return std::unexpected("expected a non-zero scale; its sign is the byte order");
   const size_t needed = size->values(grey ? 1 : 3) * 4;
   const std::string_view raster = words.rest();
   if (raster.size() < needed) return too_short(needed, raster.size());

@@ -73,7 +73,7 @@ Settings settings_of(const Scene& scene) {
 
 namespace {
 
-// The extents of lights that are there already.
+// Sets the extents of existing lights.
 std::string apply_extents(const Array<Vec3f>& extents, Scene& scene) {
   if (extents.empty()) return {};
   if (extents.size() != scene.lights.size()) return "light_extents differs in length from lights";
@@ -82,18 +82,18 @@ std::string apply_extents(const Array<Vec3f>& extents, Scene& scene) {
     const Vec3f e = extents[i];
     if (e == Vec3f()) continue;
     if (!(e.z >= 1 && e.z <= kMaxLightPoints && e.z == std::floor(e.z)))
-      return "light_extents has a number of points that is none";
+      return "light_extents has an invalid number of points";
     scene.lights[i].extent = LightExtent{e.x, e.y, int(e.z)};
     any = true;
   }
-  return any ? "" : "light_extents has none";
+  return any ? "" : "light_extents has no light with an extent";
 }
 
 std::string apply_dialect(const Array<uint32_t>& numbers, Scene& scene) {
   if (numbers.empty()) return {};
   if (numbers.size() != 2 || numbers[0] > uint32_t(Dialect::data) ||
       numbers[1] > uint32_t(AccelHint::bvh) || numbers[0] + numbers[1] == 0)
-    return "dialect has not two numbers that mean something";
+    return "dialect must be two valid numbers";
   scene.dialect = Dialect(numbers[0]), scene.structure = AccelHint(numbers[1]);
   return {};
 }
@@ -106,7 +106,7 @@ std::string apply(const Settings& s, Scene& scene) {
       s.background.size() != 1 || s.lens_radius.size() > 1 || s.focus_distance.size() > 1 ||
       s.camera_across.size() > 1 || s.camera_projection.size() > 1 ||
       (!s.camera_movement.empty() && s.camera_movement.size() != 8))
-    return "the columns of the camera and its like have not the numbers that they should";
+    return "the columns of the settings have wrong lengths";
   if (s.light_colored.size() != lights || s.light_colors.size() != lights)
     return "the columns of the lights differ in length";
   scene.origin = s.origin[0];
@@ -130,7 +130,7 @@ std::string apply(const Settings& s, Scene& scene) {
   }
   if (!s.camera_projection.empty()) {
     scene.camera.projection = Projection(s.camera_projection[0]);
-    if (!scene.camera.is_parallel()) return "camera_projection is not that of parallel rays";
+    if (!scene.camera.is_parallel()) return "camera_projection is not orthographic";
   }
   if (!s.lens_radius.empty()) scene.camera.lens_radius = s.lens_radius[0];
   if (!s.focus_distance.empty()) scene.camera.focus_distance = s.focus_distance[0];
@@ -141,9 +141,9 @@ std::string apply(const Settings& s, Scene& scene) {
     if (s.light_colored[i] > 1) return "light_colored is neither 0 nor 1";
     scene.lights.push_back({s.light_positions[i], {}, {}});
     if (s.light_colored[i]) scene.lights.back().color = s.light_colors[i];
-    // Bit for bit, as there is one file only for a scene.
+    // Bit for bit, since a scene has exactly one file.
     else if (std::bit_cast<std::array<uint32_t, 3>>(s.light_colors[i]) != std::array<uint32_t, 3>())
-      return "a light without colour has one";
+      return "a light without a colour has a nonzero one";
   }
   if (std::string wrong = apply_extents(s.light_extents, scene); !wrong.empty()) return wrong;
   if (std::string wrong = apply_dialect(s.dialect, scene); !wrong.empty()) return wrong;
@@ -154,7 +154,7 @@ std::string apply(const Settings& s, Scene& scene) {
     scene.object_names.emplace_back(s.object_names.data() + begin, end - begin);
     begin = end;
   }
-  if (begin != s.object_names.size()) return "object_names is longer than its names";
+  if (begin != s.object_names.size()) return "object_names has bytes after the last name";
   return {};
 }
 

@@ -1,10 +1,9 @@
-// How a .raio scene lies in its file (docs/raio-scene.md). Internal to this room; the fuzzer of the
-// format uses it, too.
+// The layout of a .raio scene (docs/raio-scene.md). Internal to this room and the format's fuzzer.
 //
-// A header, a table of columns, the columns. Everything is little endian and begins at a multiple
-// of 64 bytes; what lies between is zero. Columns stand in the file in the order of the table, and
-// in the table in that of for_each_file_column(), without those that are empty. So there is one
-// file only for a scene, and no byte that does not matter.
+// A header, a table of columns, the columns. Everything is little-endian and starts at a multiple
+// of 64 bytes; gaps are zero. Columns are stored in the order of the table, which is that of
+// for_each_file_column() without empty ones. So a scene has exactly one file, and every byte
+// matters.
 #pragma once
 
 #include <bit>
@@ -17,12 +16,12 @@
 namespace raio::scene_file {
 
 static_assert(std::endian::native == std::endian::little,
-              "columns are read where they lie, with the lowest byte first");
+              "columns are read in place, little-endian");
 
 inline constexpr std::string_view kMagic = "RAIOSCEN";
 inline constexpr uint32_t kByteOrder = 0x01020304;
-/// A file of another major version cannot be read. One of a later minor version can, unless it has
-/// columns that came with it.
+/// Files of another major version cannot be read. Those of a later minor version can, unless they
+/// have columns added by it.
 inline constexpr uint32_t kMajor = 1, kMinor = 0;
 inline constexpr size_t kAlignment = 64;
 inline constexpr uint32_t kNoMesh = 0xffffffffu;
@@ -38,7 +37,7 @@ struct Header {
 };
 static_assert(sizeof(Header) == 64);
 
-/// What the elements of a column are made of.
+/// The type of a column's numbers.
 enum class Number : uint32_t { u8 = 1, u32 = 2, f32 = 3, f64 = 4 };
 
 constexpr size_t bytes_of(Number number) {
@@ -55,17 +54,17 @@ constexpr size_t bytes_of(Number number) {
 }
 
 struct Entry {
-  char name[32] = {};          // with zeros behind
-  Number number = Number::u8;  // an element is
-  uint32_t numbers = 0;        // so many of them
-  uint32_t mesh = kNoMesh;     // to which the column belongs, or which prototype it is
+  char name[32] = {};          // zero-terminated
+  Number number = Number::u8;  // the type of numbers
+  uint32_t numbers = 0;        // per element
+  uint32_t mesh = kNoMesh;     // the column's mesh, or the prototype's index
   uint32_t zero = 0;
   uint64_t count = 0, offset = 0;
   Hash128 hash{};  // column_hash() of its bytes
 };
 static_assert(sizeof(Entry) == 80);
 
-/// A type of elements as a file names it. A new one is a line; primitives are made of floats.
+/// The stored form of an element type. A new type is a line; primitives consist of floats.
 template <class T>
 struct Element;
 template <Number n, uint32_t count>
@@ -85,7 +84,7 @@ template <> struct Element<Material> : Numbers<Number::f32, 8> {};
 template <Primitive T> struct Element<T> : Numbers<Number::f32, sizeof(T) / sizeof(float)> {};
 template <> struct Element<Polygon> : Numbers<Number::u32, 2> {};
 template <> struct Element<ObjectRange> : Numbers<Number::u32, 4> {};
-// A number and a matrix, whose floats a file calls what takes as many bytes.
+// A number and a matrix; the file declares them as 32-bit words of one type.
 template <> struct Element<Instance> : Numbers<Number::u32, 13> {};
 template <> struct Element<Texture> : Numbers<Number::u32, 5> {};
 // clang-format on
@@ -94,12 +93,12 @@ constexpr size_t aligned(size_t offset) {
   return (offset + kAlignment - 1) / kAlignment * kAlignment;
 }
 
-/// hash128 of a short column; of a long one, that of the hashes of its mebibytes, on all threads.
+/// hash128 of a short column; for a long one, that of the hashes of its mebibytes, on all threads.
 Hash128 column_hash(std::string_view bytes);
-/// Of the header, whose `hash` does not count, and the table.
+/// The hash of the header, except its `hash`, and the table.
 Hash128 table_hash(Header header, std::string_view table);
 
-/// What a scene has besides its columns, as columns.
+/// The scene's members that are not columns, as columns.
 struct Settings {
   Array<Vec3d> origin;                       // 1
   Array<float> camera;                       // 11: from, at, up, angle, hither
@@ -108,11 +107,11 @@ struct Settings {
   Array<Rgb> background;                     // 1
   Array<Vec3f> light_positions;
   Array<uint32_t> light_colored;  // 1: the light has a colour
-  Array<Rgb> light_colors;        // black where it has none
-  Array<char> object_names;       // one after another
+  Array<Rgb> light_colors;        // black if it has none
+  Array<char> object_names;       // concatenated
   Array<uint32_t> object_name_ends;
-  Array<uint32_t> dialect;     // 2 or none: Dialect and AccelHint, where not both are 0
-  Array<Vec3f> light_extents;  // width, depth, points; zeros for lights that have none
+  Array<uint32_t> dialect;     // 2 or none: Dialect and AccelHint, unless both are 0
+  Array<Vec3f> light_extents;  // width, depth, points; zeros for lights without
   Array<char> sky_folder;
   Array<float> camera_movement;         // 8 or none: from, at, begin, end
   Array<float> camera_across;           // 1 or none: degrees
@@ -121,7 +120,7 @@ struct Settings {
 };
 
 Settings settings_of(const Scene& scene);
-/// What is wrong with the settings, or nothing, and the scene has them.
+/// Applies the settings to the scene; returns the error, or nothing.
 std::string apply(const Settings& settings, Scene& scene);
 
 template <class SettingsType, class F>
@@ -145,11 +144,11 @@ void for_each_settings_column(SettingsType& s, F&& f) {
   f(ColumnName{"camera_projection"}, s.camera_projection);
 }
 
-/// Of the columns that are prototypes; their `mesh` is the number of one.
+/// The name of columns that are prototypes; their `mesh` is the index.
 inline constexpr std::string_view kPrototype = "prototype";
 
-/// Calls f(name, mesh, array) for all columns of a file in their order. `mesh` is kNoMesh, or that
-/// to which the array belongs.
+/// Calls f(name, mesh, array) for all columns of a file in order. `mesh` is kNoMesh, or the mesh
+/// that the array belongs to.
 template <class SettingsType, class SceneType, class F>
 void for_each_file_column(SettingsType& settings, SceneType& scene, F&& f) {
   uint32_t mesh = kNoMesh;

@@ -24,9 +24,9 @@ std::unexpected<std::string> broken(fmt::format_string<Args...> format, Args&&..
   return std::unexpected(std::string(kBroken) + fmt::format(format, std::forward<Args>(args)...));
 }
 
-constexpr std::string_view kNewer = "a newer Raio may read it, and write it as NFF";
+constexpr std::string_view kNewer = "a newer Raio can read it, and write it as NFF";
 
-/// A file whose header and table are sound: every column lies in the file, behind the one before.
+/// A valid header and table: every column is in the file, after the previous one.
 class Table {
  public:
   Checked check(std::string_view file);
@@ -60,7 +60,7 @@ Checked Table::check(std::string_view file) {
   if (auto sound = check_header(); !sound) return sound;
   const std::string_view table = file.substr(sizeof(Header), header_.columns * sizeof(Entry));
   if (table_hash(header_, table) != header_.hash)
-    return broken("the bytes of its table are not those that were written");
+    return broken("the checksum of its table is wrong");
   entries_.resize(header_.columns);
   if (!entries_.empty()) std::memcpy(entries_.data(), table.data(), table.size());
   size_t end = sizeof(Header) + table.size();
@@ -68,7 +68,7 @@ Checked Table::check(std::string_view file) {
     if (auto sound = check_entry(i, end); !sound) return sound;
     end = entries_[i].offset + bytes(i).size();
   }
-  if (end != file.size()) return broken("it does not end where its last column does");
+  if (end != file.size()) return broken("it does not end with its last column");
   return {};
 }
 
@@ -76,21 +76,20 @@ Checked Table::check_header() {
   if (!is_raio_scene(file_)) return std::unexpected("not a .raio scene");
   if (file_.size() < sizeof(Header)) return broken("it ends early");
   std::memcpy(&header_, file_.data(), sizeof(Header));
-  if (header_.byte_order != kByteOrder) return broken("its bytes are in another order, or damaged");
+  if (header_.byte_order != kByteOrder) return broken("its byte order differs, or it is damaged");
   if (header_.major != kMajor)
     return std::unexpected(fmt::format("a .raio scene of format {}, expected format {}; {}",
                                        header_.major, kMajor, kNewer));
   if (header_.file_size != file_.size())
-    return broken("it has {} bytes, expected {}: it was cut or added to", file_.size(),
-                  header_.file_size);
+    return broken("it has {} bytes, expected {}", file_.size(), header_.file_size);
   if (header_.columns > (file_.size() - sizeof(Header)) / sizeof(Entry))
-    return broken("it ends in its table of {} columns", header_.columns);
+    return broken("it ends within its table of {} columns", header_.columns);
   if (std::ranges::any_of(header_.zeros, [](char c) { return c != 0; }))
-    return broken("its header has bytes that are not zero behind its end");
+    return broken("its header is followed by nonzero padding");
   return {};
 }
 
-// `end`: where the column before ends.
+// `end`: of the previous column.
 Checked Table::check_entry(size_t i, size_t end) {
   const Entry& e = entries_[i];
   const char* const name_end = std::ranges::find(e.name, '\0');
@@ -103,11 +102,12 @@ Checked Table::check_entry(size_t i, size_t end) {
                   uint32_t(e.number));
   if (e.offset != aligned(end) || e.offset > file_.size() ||
       e.count > (file_.size() - e.offset) / element || e.count == 0)
-    return broken("{} has {} elements at byte {}, which is not in the file behind the one before",
-                  column(i), e.count, e.offset);
+    return broken(
+        "{} has {} elements at byte {}, which overlaps the previous column or exceeds the file",
+        column(i), e.count, e.offset);
   const std::string_view gap = file_.substr(end, e.offset - end);
   if (gap.find_first_not_of('\0') != std::string_view::npos)
-    return broken("there are bytes before {} that are not zero", column(i));
+    return broken("the padding before {} is not zero", column(i));
   return {};
 }
 
@@ -121,7 +121,7 @@ std::set<std::string_view> known_names() {
   return names;
 }
 
-/// Gives the columns of the table to those of `settings` and `scene`, whose order is the same.
+/// Assigns the columns of the table to those of `settings` and `scene`, in the same order.
 class SectionReader {
  public:
   SectionReader(const Table& table, const std::shared_ptr<const void>& keep)
@@ -146,9 +146,9 @@ class SectionReader {
     if (!wrong_.empty()) return broken("{}", wrong_);
     if (at_ == table_.size()) return {};
     if (known_names().contains(table_.name(at_)))
-      return broken("{} is not in its place", table_.column(at_));
+      return broken("{} is out of order", table_.column(at_));
     return std::unexpected(fmt::format(
-        "a .raio scene of format {}.{} with a {} that this Raio does not know, which reads format "
+        "a .raio scene of format {}.{} with a {}, which is unknown to this Raio; it reads format "
         "{}.{}; {}",
         kMajor, table_.minor(), table_.column(at_), kMajor, kMinor, kNewer));
   }
@@ -160,8 +160,8 @@ class SectionReader {
   std::string wrong_;
 };
 
-// How many meshes, or prototypes, the columns of a table are of. Each has one at least, so that
-// there are no more of them than columns.
+// The number of meshes, or prototypes, with columns in the table. Each has at least one, so there
+// are no more of them than columns.
 std::expected<size_t, std::string> count_of(const Table& table, bool prototypes) {
   size_t count = 0;
   for (size_t i = 0; i < table.size(); ++i)
@@ -173,14 +173,14 @@ std::expected<size_t, std::string> count_of(const Table& table, bool prototypes)
   return count;
 }
 
-// A scene whose numbers are still to be looked at; `depth`: how many prototypes are around it.
+// A scene with numbers yet to be validated; `depth`: the number of enclosing prototypes.
 std::expected<Scene, std::string> decode(std::string_view bytes,
                                          const std::shared_ptr<const void>& keep, int depth) {
   Table table;
   if (auto sound = table.check(bytes); !sound) return std::unexpected(sound.error());
   for (size_t i = 0; i < table.size(); ++i)
     if (column_hash(table.bytes(i)) != table[i].hash)
-      return broken("the bytes of {} are not those that were written", table.column(i));
+      return broken("the checksum of {} is wrong", table.column(i));
 
   Scene scene;
   Settings settings;
