@@ -333,7 +333,7 @@ TEST(Obj, MaterialsComeFromFilesBeside) {
   ASSERT_EQ(mesh->notices.size(), 1u);
   EXPECT_EQ(mesh->notices[0].text(),
             (folder / "square.mtl").string() +
-                ":4:1: warning: the texture \"a.png\": there is no such file beside it");
+                ":4:1: warning: the texture \"a.png\": the file does not exist");
   write("square.mtl", "newmtl red one\nKd 1 x 0\n");
   const auto broken = read_scene(folder / "a.obj");
   ASSERT_TRUE(broken);
