@@ -190,7 +190,7 @@ TEST(Dialogs, EverythingInTheInspectorsPanelAnswers) {
     if (next_sample.x > 0) screen.click(next_sample), wait();
     ImGuiWindow* const panel = ImGui::FindWindowByName("inspector");
     for (const char* section :
-         {"###Tree of rays", "###Step by step", "###The ray", "###What adds up to the colour"})
+         {"###Tree of rays", "###Step by step", "###The ray", "###Contributions to the colour"})
       panel->StateStorage.SetInt(panel->GetID(section), 1);
     screen.frame();
     result = {};
@@ -220,7 +220,7 @@ TEST(Dialogs, EverythingInTheInspectorsPanelAnswers) {
 
 TEST(Message, KeepsOffTheLegendAndWithinThePicture) {
   Screen screen([] {
-    const std::string message = "soft shadows on: 204 ms a sample, before 96.4 ms";
+    const std::string message = "soft shadows on: 204 ms per sample, before 96.4 ms";
     for (const float width : {400.0f, 700.0f, 1000.0f, 2000.0f}) {
       const Rect picture{0, 40, width, 800};
       const Rect legend =

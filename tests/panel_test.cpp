@@ -43,7 +43,7 @@ std::string difference(const ViewState& a, const ViewState& b) {
   if (a.scene->lights.size() != b.scene->lights.size()) return "fewer lights";
   const Light &l = a.scene->lights[1], &m = b.scene->lights[1];
   if (!(l.position == m.position)) return axes("position", l.position, m.position);
-  if (l.color.has_value() != m.color.has_value()) return "colour of its own";
+  if (l.color.has_value() != m.color.has_value()) return "own colour";
   if (l.color && *l.color != *m.color) return axes("its light", *l.color, *m.color);
   const auto of_second = [](const ViewState& s) {
     return s.scene->materials[s.scene->sphere_materials[1]];
@@ -122,7 +122,7 @@ TEST(Panel, EveryFieldOfTheSceneChangesItAndIsUndone) {
                                     "material of +",
                                     "material of -",
                                     "fewer lights",
-                                    "colour of its own",
+                                    "own colour",
                                     "Kd",
                                     "Ks",
                                     "shine",

@@ -82,7 +82,7 @@ void expect_told(const ExplainedRay& ray, const TraceLog& log, const Geometry& g
   EXPECT_EQ(last_step, int(log.steps.size()) - 1);
   // Below what is behind the hit there is nothing to go into.
   for (size_t k = 1; k < steps.size(); ++k) {
-    if (!steps[k - 1].words.ends_with("none of its children is met") || steps[k].log_step < 0)
+    if (!steps[k - 1].words.ends_with("none of its children is hit") || steps[k].log_step < 0)
       continue;
     EXPECT_LE(log.steps[size_t(steps[k].log_step)].depth, 1);
   }
@@ -178,12 +178,12 @@ TEST(TraversalWords, TellAWalkThatIsKnown) {
   EXPECT_EQ(steps[1].formula, "x := x + step.x\ntMax.x := tMax.x + tDelta.x");
   EXPECT_EQ(steps[2].words, "Test sphere 1: hit at t = 0.75, the nearest so far");
   EXPECT_EQ(steps[3].words,
-            "The hit of sphere 1 at t = 0.75 lies in this cell (t <= min tMax), so the walk ends");
+            "The hit of sphere 1 at t = 0.75 lies in this cell (t <= min tMax), so the traversal ends");
   log = (*accel)->log(middle, true);
   steps =
       traversal_words(ray_of(**accel, middle, true), *log, (*accel)->geometry(), AccelKind::grid);
   EXPECT_EQ(steps.back().words,
-            "Any hit ends the walk of a shadow ray: sphere 1 is in front of the light");
+            "Any hit ends the traversal of a shadow ray: sphere 1 is in front of the light");
 }
 
 // One number, or one for each of red, green and blue.

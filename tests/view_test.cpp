@@ -283,7 +283,7 @@ TEST(ViewState, AnAngleToCentersIsAWiderOneToEdges) {
 TEST(Comparison, ComparesWholeSamplesOfOneSize) {
   Comparison c;
   const SessionPicture before = timed_picture(1, 0.028), after = timed_picture(2, 0.05);
-  EXPECT_EQ(c.begin("structure bvh", &before, 1), "structure bvh: waits for a whole sample");
+  EXPECT_EQ(c.begin("structure bvh", &before, 1), "structure bvh: waiting for a whole sample");
   EXPECT_FALSE(c.take(before, 2));
   SessionPicture preview = after;
   preview.samples = 0;
@@ -291,17 +291,17 @@ TEST(Comparison, ComparesWholeSamplesOfOneSize) {
   SessionPicture untimed = after;
   untimed.sample_s = {};
   EXPECT_FALSE(c.take(untimed, 2));
-  EXPECT_EQ(c.take(after, 2), "structure bvh: 50 ms a sample, before 28 ms");
+  EXPECT_EQ(c.take(after, 2), "structure bvh: 50 ms per sample, before 28 ms");
   EXPECT_FALSE(c.take(after, 2)) << "said once";
 
   (void)c.begin("structure bvh", &before, 1);
   EXPECT_EQ(c.take(timed_picture(2, 0.05, 65), 2),
-            "structure bvh: 50 ms a sample, before another size");
+            "structure bvh: 50 ms per sample, different size before");
   // One that takes long is timed once.
   SessionPicture slow = timed_picture(3, 2.5);
   slow.sample_s = {2.5, 2.5, 2.5};
   c.begin("structure none", &after, 2);
-  EXPECT_EQ(c.take(slow, 3), "structure none: ~2.5 s a sample, before 50 ms");
+  EXPECT_EQ(c.take(slow, 3), "structure none: ~2.5 s per sample, before 50 ms");
 }
 
 TEST(Comparison, PreviewsAndOlderPicturesDoNotCount) {
@@ -312,7 +312,7 @@ TEST(Comparison, PreviewsAndOlderPicturesDoNotCount) {
   for (const auto& [before, request] :
        {std::pair<const SessionPicture*, uint64_t>(nullptr, 1), {&preview, 1}, {&older, 2}}) {
     (void)c.begin("structure bvh", before, request);
-    EXPECT_EQ(c.take(after, 3), "structure bvh: 50 ms a sample, no whole sample before");
+    EXPECT_EQ(c.take(after, 3), "structure bvh: 50 ms per sample, no whole sample before");
   }
   (void)c.begin("structure bvh", &older, 1);
   c.end();
@@ -414,15 +414,15 @@ TEST(Status, SaysWhatGoesOn) {
   picture.settings.samples = 64;
   facts.picture = &picture;
   EXPECT_EQ(status_of(facts).kind, Status::Kind::working);
-  EXPECT_THAT(status_of(facts).text, HasSubstr("1 of 64 samples a pixel"));
+  EXPECT_THAT(status_of(facts).text, HasSubstr("1 of 64 samples per pixel"));
   EXPECT_THAT(status_of(facts).text, HasSubstr(" 0 rays/s"));
   picture.settings.samples = 0, picture.settings.aa = 3, picture.settings.lens_samples = 1;
-  EXPECT_THAT(status_of(facts).text, HasSubstr("1 of 9 samples a pixel"));
+  EXPECT_THAT(status_of(facts).text, HasSubstr("1 of 9 samples per pixel"));
   facts.paused = true;
-  EXPECT_EQ(status_of(facts).text, "Paused at 1 sample a pixel; space goes on");
+  EXPECT_EQ(status_of(facts).text, "Paused at 1 sample per pixel; space resumes");
   picture.finished = true;
   EXPECT_EQ(status_of(facts).kind, Status::Kind::done);
-  EXPECT_EQ(status_of(facts).text, "Finished: 1 sample a pixel");
+  EXPECT_EQ(status_of(facts).text, "Finished: 1 sample per pixel");
   picture.error = Error{ErrorKind::no_resource, "", "no memory"};
   EXPECT_EQ(status_of(facts).kind, Status::Kind::failed);
 }

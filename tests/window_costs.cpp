@@ -266,7 +266,7 @@ class Trial {
     std::this_thread::sleep_for(std::chrono::milliseconds(300 + 400 * (number % 5)));
     window.key(XK_g);
     const auto line = window.wait_for(
-        "structure bvh: ~?([0-9.]+) ([a-z]+)( ±([0-9]+)%)? a sample, "
+        "structure bvh: ~?([0-9.]+) ([a-z]+)( ±([0-9]+)%)? per sample, "
         "(no whole sample before|before ~?([0-9.]+) ([a-z]+)( ±([0-9]+)%)?)",
         from);
     if (!line) return fmt::print("{}", window.log()), false;

@@ -192,7 +192,7 @@ TEST_F(WindowTest, TakesBackEveryChangeAndMakesItAgain) {
   for (size_t i = 1; i < sums.size(); ++i) {
     from = window->mark();
     window->key(XK_y, Held::ctrl);
-    ASSERT_TRUE(window->wait_for("made again", from)) << window->log();
+    ASSERT_TRUE(window->wait_for("redone", from)) << window->log();
     EXPECT_EQ(window->picture(from)->sum, sums[i]) << i;
   }
   from = window->mark();
@@ -264,11 +264,11 @@ TEST_F(WindowTest, EveryOtherKeyAnswers) {
   // A key that is pressed again at once counts as held.
   says(XK_space, "paused");
   says(XK_f, "the scene fits");
-  says(XK_space, "goes on");
+  says(XK_space, "resumed");
   says(XK_Home, "the scene's own camera");
   says(XK_c, "copied: .* render scene.nff .* -o scene.png");
   says(XK_z, "undone", Held::ctrl);
-  says(XK_z, "made again", Held::ctrl_shift);
+  says(XK_z, "redone", Held::ctrl_shift);
   says(XK_x, "side by side");
   says(XK_r, "reflection off");
   says(XK_x, "one picture");
@@ -286,7 +286,7 @@ TEST_F(WindowTest, ToolsDoWhatTheirKeysDo) {
                                 {249, "reflection off"},
                                 {279, "refraction off"},
                                 {90, "undone"},
-                                {120, "made again"}}) {
+                                {120, "redone"}}) {
     const size_t from = window->mark();
     window->move(x - left, 21 - top);
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
@@ -330,7 +330,7 @@ TEST_F(WindowTest, MeasuresWhatEffectsCostAtRestAndStopsForInput) {
   size_t from = window->mark();
   window->key(XK_s);
   ASSERT_TRUE(window->picture(from)) << window->log();
-  ASSERT_TRUE(window->wait_for("soft shadows off: .* a sample, before ", from)) << window->log();
+  ASSERT_TRUE(window->wait_for("soft shadows off: .* per sample, before ", from)) << window->log();
   costs = window->wait_for("measures the costs", from);
   ASSERT_TRUE(costs) << window->log();
   ASSERT_TRUE(window->wait_for("measured the costs", costs->next)) << window->log();

@@ -175,8 +175,8 @@ Status status_of(const StatusFacts& f) {
   if (f.picture && f.picture->error && f.picture->request == f.request)
     return {failed, f.picture->error->text()};
   const bool is_new = f.picture && f.picture->request == f.request && f.picture->samples > 0;
-  const std::string samples =
-      number_of(f.picture ? size_t(f.picture->samples) : 0, "sample a pixel", "samples a pixel");
+  const std::string samples = number_of(f.picture ? size_t(f.picture->samples) : 0,
+                                        "sample per pixel", "samples per pixel");
   if (f.moving && f.picture && f.picture->image) {
     const Image& image = *f.picture->image;
     return {moving, trf("Moving: {} x {} of {} x {} pixels", image.width, image.height,
@@ -188,20 +188,20 @@ Status status_of(const StatusFacts& f) {
     return {measuring, tr("Measuring grids from coarse to fine; n stops")};
   if (!is_new) {
     if (f.paused && f.picture && f.picture->request == f.request)
-      return {paused, tr("Paused; space goes on")};
+      return {paused, tr("Paused; space resumes")};
     if (f.progress && f.progress->stage != SessionProgress::structure && f.progress->share > 0)
       return {working, trf("Rendering the first sample: {:.0f} %, {:.0f} s left",
                            100 * f.progress->share, f.progress->left_s)};
     return {working, trf("Rendering the first sample, {:.0f} s", f.since_request_s)};
   }
   if (f.picture->finished) return {done, trf("Finished: {}", samples)};
-  if (f.paused) return {paused, trf("Paused at {}; space goes on", samples)};
+  if (f.paused) return {paused, trf("Paused at {}; space resumes", samples)};
   if (f.measuring == Measuring::Work::costs)
-    return {measuring, tr("Measuring what effects cost; refining waits")};
+    return {measuring, tr("Measuring the costs of effects; refinement waits")};
   const int most = f.picture->settings.samples_per_pixel();
   const double sample_s = f.picture->sample_s.median;
   const std::string so_far = trf("Refining: {} of {}", f.picture->samples,
-                                 number_of(size_t(most), "sample a pixel", "samples a pixel"));
+                                 number_of(size_t(most), "sample per pixel", "samples per pixel"));
   if (!(sample_s > 0)) return {working, so_far};
   const double rays = double(f.picture->rays.total()) / (sample_s * f.picture->samples);
   return {working, trf("{}, {} each, {}", so_far, app::human_seconds(sample_s),

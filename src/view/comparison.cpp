@@ -34,16 +34,16 @@ std::string Comparison::begin(std::string what, const SessionPicture* before, ui
     before_s_ = before->sample_s;
     width_ = before->settings.width, height_ = before->settings.height;
   }
-  return trf("{}: waits for a whole sample", what_);
+  return trf("{}: waiting for a whole sample", what_);
 }
 
 std::optional<std::string> Comparison::take(const SessionPicture& picture, uint64_t request) {
   if (what_.empty() || !has_time(picture, request)) return std::nullopt;
   const bool same_size = picture.settings.width == width_ && picture.settings.height == height_;
   const std::string before = !before_s_   ? tr("no whole sample before")
-                             : !same_size ? tr("before another size")
+                             : !same_size ? tr("different size before")
                                           : trf("before {}", text_of_seconds(*before_s_));
-  return trf("{}: {} a sample, {}", std::exchange(what_, {}), text_of_seconds(picture.sample_s),
+  return trf("{}: {} per sample, {}", std::exchange(what_, {}), text_of_seconds(picture.sample_s),
              before);
 }
 

@@ -110,13 +110,13 @@ void draw_statistics(const CostFacts& facts) {
        (image.width == facts.picture_width ? "" : trf(", now {} x {}", image.width, image.height)));
   text(picture.samples == 0
            ? tr("preview")
-           : number_of(size_t(picture.samples), "sample a pixel", "samples a pixel") +
+           : number_of(size_t(picture.samples), "sample per pixel", "samples per pixel") +
                  (picture.finished ? tr(", done") : ""));
   // Of previews there are no figures.
   const double sample_s = picture.samples > 0 ? picture.sample_s.median : 0;
   if (sample_s > 0) {
     const std::string time = text_of_seconds(picture.sample_s);
-    text(trf("{} a sample of all pixels", time));
+    text(trf("{} per sample of all pixels", time));
     const RayCounts& rays = picture.rays;
     const double seconds = sample_s * picture.samples;
     const auto rate = [&](uint64_t count) {
@@ -130,10 +130,10 @@ void draw_statistics(const CostFacts& facts) {
       if (count == 0) continue;
       const std::string per_second = rate(count);
       const double per_eye_ray = double(count) / double(std::max<uint64_t>(1, rays.eye));
-      text("    " + trf("{}: {}, {:.2f} an eye ray", name, per_second, per_eye_ray));
+      text("    " + trf("{}: {}, {:.2f} per eye ray", name, per_second, per_eye_ray));
     }
   } else {
-    faint_text(tr("waits for a whole sample"));
+    faint_text(tr("waiting for a whole sample"));
   }
   const std::string bytes = human_bytes(double(baked.info.bytes)),
                     time = human_seconds(baked.build_s),
@@ -151,8 +151,8 @@ void draw_costs(const CostFacts& facts) {
     text(fmt::format("{}: {}; {}", tr("measuring"), text_of_progress(facts.progress),
                      tr("space stops")));
   else if (facts.are_old)
-    faint_text(facts.costs.effects.empty() ? tr("measured when the picture rests")
-                                           : tr("before the last change; measured at rest"));
+    faint_text(facts.costs.effects.empty() ? tr("measured when idle")
+                                           : tr("from before the last change; measured when idle"));
   // One scale for all effects; without a structure a picture takes so long that it has its own.
   const auto most = [&](bool is_structure) {
     double seconds = 1e-9;
@@ -188,7 +188,7 @@ void draw_costs(const CostFacts& facts) {
   }
   if (facts.costs.effects.empty()) return;
   faint_text(tr("upper bar with it, lower without; 9 samples"));
-  faint_text(tr("a pixel with AA, 3 with DOF, 27 with both"));
+  faint_text(tr("per pixel with AA, 3 with DOF, 27 with both"));
 }
 
 bool draw_table(const CostFacts& facts) {

@@ -103,12 +103,12 @@ std::optional<std::string> FileDialog::draw(const Layout& layout) {
   ImGui::EndChild();
   if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
   ImGui::SetNextItemWidth(-1);
-  if (ImGui::InputTextWithHint("##name", tr("name of the file"), &name_,
+  if (ImGui::InputTextWithHint("##name", tr("file name"), &name_,
                                ImGuiInputTextFlags_EnterReturnsTrue))
     wanted = name_;
   std::error_code ignored;
   const bool exists = !name_.empty() && fs::is_regular_file(folder_ / name_, ignored);
-  faint_text(saves && exists ? tr("this file is there and will be replaced") : " ");
+  faint_text(saves && exists ? tr("this file exists and will be replaced") : " ");
   const char* const action = !saves ? tr("Open") : exists ? tr("Replace") : tr("Save");
   if (ImGui::Button(fmt::format("{}###do", action).c_str(), {7 * em(), 0})) wanted = name_;
   ImGui::SameLine();

@@ -108,7 +108,7 @@ void draw_tooltip(const GridPoint& p) {
   if (p.rounds > 0)
     text(fmt::format("{} ({} - {})", human_seconds(p.seconds.median), human_seconds(p.seconds.low),
                      human_seconds(p.seconds.high)));
-  text(trf("{:.3g} tests, {:.3g} steps a ray", p.tests, p.steps));
+  text(trf("{:.3g} tests, {:.3g} steps per ray", p.tests, p.steps));
   const std::string bytes = app::human_bytes(double(p.bytes)), time = human_seconds(p.build_s);
   text(trf("{}, built in {}", bytes, time));
   ImGui::EndTooltip();
@@ -119,7 +119,7 @@ void draw_words(const GridCurve& curve) {
   const GridPoint* const best = curve.fastest();
   if (!best) return;
   const std::string seconds = human_seconds(best->seconds.median);
-  text(trf("least: {} at factor {:.3g}", seconds, best->factor));
+  text(trf("minimum: {} at factor {:.3g}", seconds, best->factor));
   const double report = curve.seconds_at(kReportGridFactor);
   if (report > 0)
     text(trf("the report's factor 2: {:.3g} times as long", report / best->seconds.median));
@@ -133,7 +133,7 @@ GridPanelResult draw_grid(ViewState& state, const CostFacts& facts) {
   float factor = state.options.accel.grid_factor;
   ImGui::BeginDisabled(!is_grid);
   ImGui::PushItemWidth(9 * em());
-  if (ImGui::SliderFloat(tr("cells a side: factor"), &factor, kMinGridFactor, kMaxGridFactor,
+  if (ImGui::SliderFloat(tr("cells per side: factor"), &factor, kMinGridFactor, kMaxGridFactor,
                          factor > 0 ? "%.3g" : tr("best"),
                          ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp)) {
     state.options.accel.grid_factor = factor, state.options.accel.grid_resolution = {};
@@ -141,7 +141,7 @@ GridPanelResult draw_grid(ViewState& state, const CostFacts& facts) {
   }
   ImGui::PopItemWidth();
   ImGui::EndDisabled();
-  if (!is_grid) faint_text(tr("g changes the structure to the grid"));
+  if (!is_grid) faint_text(tr("g switches to the grid"));
   if (facts.measuring == Measuring::Work::curve) {
     text(fmt::format("{}: {}; {}", tr("measuring"), text_of_progress(facts.progress),
                      tr("n stops")));
@@ -161,8 +161,8 @@ GridPanelResult draw_grid(ViewState& state, const CostFacts& facts) {
   time.draw(is_grid ? factor : 0);
   const GridPoint* hovered = time.hovered();
   const Plot counts(facts.curve,
-                    {{tr("tests a ray"), p.good, [](const GridPoint& g) { return g.tests; }},
-                     {tr("steps a ray"), p.busy, [](const GridPoint& g) { return g.steps; }}},
+                    {{tr("tests per ray"), p.good, [](const GridPoint& g) { return g.tests; }},
+                     {tr("steps per ray"), p.busy, [](const GridPoint& g) { return g.steps; }}},
                     6);
   counts.draw(is_grid ? factor : 0);
   if (!hovered) hovered = counts.hovered();
@@ -170,7 +170,7 @@ GridPanelResult draw_grid(ViewState& state, const CostFacts& facts) {
   faint_text(tr("factor 0.25 to 8; grey line: 2, as in the report"));
   draw_words(facts.curve);
   if (facts.is_curve_old && facts.measuring != Measuring::Work::curve)
-    faint_text(tr("of the picture before the last change"));
+    faint_text(tr("from before the last change"));
   return result;
 }
 

@@ -76,7 +76,7 @@ bool draw_help(const Layout& layout, std::string& sought) {
     open = false;
   ImGui::BeginChild("lines");
   const auto lines = help_lines(sought);
-  if (lines.empty()) faint_text(tr("Nothing has all of these words."));
+  if (lines.empty()) faint_text(tr("Nothing matches all of these words."));
   draw_lines(lines, false);
   draw_lines(lines, true);
   ImGui::EndChild();

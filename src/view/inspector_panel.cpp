@@ -72,7 +72,7 @@ InspectorResult Inspector::draw_panel(const Rect& where, double now) {
     }
     if (open_section("Step by step", true)) draw_walk(now);
     if (open_section("The ray", true)) draw_ray();
-    if (open_section("What adds up to the colour", true)) draw_sum();
+    if (open_section("Contributions to the colour", true)) draw_sum();
   }
   ImGui::End();
   return result;
@@ -88,7 +88,7 @@ void Inspector::draw_head(InspectorResult& result) {
                      : trf("Pixel {},{} of {} x {}", q.pixel[0], q.pixel[1], q.options.width,
                            q.options.height));
   ImGui::PopFont();
-  if (!found_) return faint_text(tr("looking ..."));
+  if (!found_) return faint_text(tr("tracing ..."));
   if (const int samples = found_->settings.samples_per_pixel(); samples > 1) {
     int sample = request_.sample;
     ImGui::SetNextItemWidth(9 * em());
@@ -111,7 +111,7 @@ void Inspector::draw_head(InspectorResult& result) {
     text(brief(Vec3f(rgb)));
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", exact(Vec3f(rgb)).c_str());
   }
-  if (ImGui::Button(tr("from aside"))) result.camera = found_->side_view.camera;
+  if (ImGui::Button(tr("from the side"))) result.camera = found_->side_view.camera;
   ImGui::SameLine();
   if (ImGui::Button(tr("from the eye"))) result.camera = eye_;
   if (!has_pixel()) return;
@@ -137,7 +137,7 @@ void Inspector::draw_region() {
     ++counts[size_t(r.kind)], deepest = std::max(deepest, r.level);
     shown += filter_.passes(r);
   }
-  faint_text(number_of(found_->pixels, "pixel looked into", "pixels looked into"));
+  faint_text(number_of(found_->pixels, "pixel inspected", "pixels inspected"));
   bool changed = false;
   for (int k = 0; k < kRayKinds; ++k) {
     ImGui::PushStyleColor(ImGuiCol_CheckMark, ImGui::ColorConvertU32ToFloat4(color_of(RayKind(k))));
@@ -212,7 +212,7 @@ void Inspector::draw_walk(double now) {
   ImGui::SameLine();
   ImGui::SetNextItemWidth(-1);
   ImGui::SliderFloat("##speed", &speed_, 0.5f, 1000, "%.3g/s", ImGuiSliderFlags_Logarithmic);
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", tr("Steps a second"));
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", tr("Steps per second"));
   if (steps_.empty()) return faint_text(tr("The ray has no steps"));
   int step = step_ + 1;
   ImGui::SetNextItemWidth(-1);
@@ -270,7 +270,7 @@ void Inspector::draw_ray() const {
   } else {
     row(tr("background"), r.background);
   }
-  row(tr("brings"), r.brings);
+  row(tr("contributes"), r.brings);
 }
 
 // Exact: the sums of pixels are made of these very numbers.

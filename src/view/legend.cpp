@@ -132,7 +132,7 @@ Legend legend_of(const ViewState& state) {
     case View::samples:
       return heat_legend("samples of a pixel");
     case View::focus:
-      return {tr("blur by the lens, at a pixel's width"),
+      return {tr("lens blur, relative to a pixel"),
               {{Rgb(0.9f, 0.2f, 0.1f), tr("in front")},
                {Rgb(0.2f, 0.8f, 0.2f), tr("sharp")},
                {Rgb(0.1f, 0.3f, 1), tr("behind")}},

@@ -115,7 +115,7 @@ std::optional<std::string> Measuring::poll() {
     if (control_.stop) forget_costs();
     return "";
   }
-  if (control_.stop) return tr("stopped; what was measured by then stays");
+  if (control_.stop) return tr("stopped; the results so far are kept");
   return work == Work::table ? tr("measured the table") : tr("measured the curve");
 }
 

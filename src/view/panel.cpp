@@ -75,7 +75,7 @@ void draw_head(const ViewState& state, const PanelFacts& facts) {
   if (errors + warnings == 0) return faint_text(tr("no warnings"));
   const Palette& p = palette();
   ImGui::PushStyleColor(ImGuiCol_Text, errors > 0 ? p.bad : p.warning);
-  text(errors > 0 ? number_of(errors, "error", "errors") + tr(", this is the scene from before")
+  text(errors > 0 ? number_of(errors, "error", "errors") + tr(", showing the previous scene")
                   : number_of(warnings, "warning", "warnings"));
   ImGui::PopStyleColor();
   if (!ImGui::IsItemHovered()) return;
@@ -218,12 +218,12 @@ void draw_boxes(ViewState& state, const PanelFacts& facts, PanelResult& result) 
   (void)ImGui::SliderInt(tr("level"), &look.level, kLeafBoxes, std::max(boxes.levels, 0),
                          level.c_str(), ImGuiSliderFlags_AlwaysClamp);
   ImGui::EndDisabled();
-  (void)ImGui::SliderInt(tr("at least primitives"), &look.fewest, 1, int(boxes.most), "%d",
+  (void)ImGui::SliderInt(tr("minimum primitives"), &look.fewest, 1, int(boxes.most), "%d",
                          ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_Logarithmic);
   ImGui::PopItemWidth();
   (void)ImGui::Checkbox(tr("coloured by level"), &look.by_level);
   faint_text(!look.shown      ? std::string(tr("not shown"))
-             : boxes.all == 0 ? std::string(tr("there is no structure that could be seen"))
+             : boxes.all == 0 ? std::string(tr("there is no structure to show"))
              : boxes.drawn == boxes.all
                  ? number_of(boxes.all, "box", "boxes")
                  : trf("the largest {} of {} boxes", boxes.drawn, boxes.all));

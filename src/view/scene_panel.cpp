@@ -77,7 +77,7 @@ bool draw_background(ViewState& state) {
   Rgb color = settings.background;
   if (settings.sky) {
     faint_text(trf("background: the sky {}", settings.sky->folder));
-    if (!ImGui::Button(tr("a colour instead"))) return false;
+    if (!ImGui::Button(tr("use a colour instead"))) return false;
   } else if (!color_field(tr("background"), color)) {
     return false;
   }
@@ -103,7 +103,7 @@ void choose(const char* label, int& chosen, size_t count) {
 bool draw_lights(ViewState& state) {
   const auto& lights = state.scene->lights;
   bool changed = false;
-  if (is_figure(state)) faint_text(tr("A figure has the light of a sky instead."));
+  if (is_figure(state)) faint_text(tr("Figures are lit by a sky instead."));
   ImGui::BeginDisabled(is_figure(state));
   if (!lights.empty()) {
     choose(trf("light of {}###light", lights.size()).c_str(), state.chosen_light, lights.size());
@@ -111,7 +111,7 @@ bool draw_lights(ViewState& state) {
     light.position = light.position + Vec3f(state.scene->origin);
     changed = vector_field(tr("position"), light.position, speed_of(state.camera));
     bool has_color = light.color.has_value();
-    if (ImGui::Checkbox(tr("colour of its own"), &has_color)) {
+    if (ImGui::Checkbox(tr("own colour"), &has_color)) {
       changed = true;
       light.color = has_color ? std::optional(Rgb(1)) : std::nullopt;
     }
@@ -138,7 +138,7 @@ bool draw_lights(ViewState& state) {
   }
   ImGui::SameLine();
   ImGui::BeginDisabled(state.scene->lights.empty());
-  if (ImGui::Button(tr("remove it"))) {
+  if (ImGui::Button(tr("remove"))) {
     const auto which = state.chosen_light;
     state.scene = edited(state.scene, [&](Scene& s) { s.lights.erase(s.lights.begin() + which); });
     changed = true;

@@ -30,8 +30,8 @@ class ShadingNarrator {
     if (ray_.kind == Kind::shadow) {
       light(sample_.rays[size_t(ray_.parent)], size_t(ray_.light), &ray_);
     } else if (!ray_.surface) {
-      add(ray_.traced ? tr("The ray hits nothing: it brings the background")
-                      : tr("The ray is beyond the last level: it brings the background"),
+      add(ray_.traced ? tr("The ray hits nothing: it gets the background")
+                      : tr("The ray is beyond the last level: it gets the background"),
           "C = background", {{"background", numbers(ray_.background)}});
       sum(ray_.background);
     } else {
@@ -65,7 +65,7 @@ class ShadingNarrator {
     bool any_color = false;
     for (const Light& l : scene_.lights) any_color |= l.color.has_value();
     const bool none = settings_.shading != ShadingModel::nff;
-    add(none        ? tr("Ambient light: none in this model of light")
+    add(none        ? tr("Ambient light: none in this shading model")
         : any_color ? tr("Ambient light: none, since lights of the scene have colours")
                     : tr("Ambient light, the same everywhere"),
         "ambient = A colour",
@@ -78,17 +78,17 @@ class ShadingNarrator {
   void light(const ExplainedRay& at, size_t l, const ExplainedRay* shadow) {
     const Surface& s = *at.surface;
     if (!shadow) {
-      add(trf("Light {} is behind the surface and brings nothing", l), "N.L <= 0");
+      add(trf("Light {} is behind the surface and contributes nothing", l), "N.L <= 0");
       return;
     }
     if (shadow->occluded) {
-      add(trf("Light {} is stopped by what is in front of it and brings nothing", l));
+      add(trf("Light {} is occluded and contributes nothing", l));
       return;
     }
     const Rgb intensity =
         scene_.lights[l].color.value_or(Rgb(float(1 / std::sqrt(double(scene_.lights.size())))));
     const Vec3d n(s.normal), to_light(shadow->ray.dir), v = -Vec3d(at.ray.dir);
-    add(trf("Light {}, diffuse: the more, the more it is in front of the surface", l),
+    add(trf("Light {}, diffuse: the brighter, the more directly the light faces the surface", l),
         "diffuse = I Kd colour (N.L)",
         {{"I", numbers(intensity)},
          {"Kd", number(s.kd)},
@@ -112,12 +112,12 @@ class ShadingNarrator {
                       {"V", numbers(v)},
                       {halfway ? "N.H" : "R.V", number(halfway ? dot(n, to) : dot(to, v))},
                       {"highlight", numbers(term)}});
-    add(halfway
-            ? trf("Light {}, highlight: the more, the nearer H, halfway to the eye, is to the "
-                  "normal",
-                  l)
-            : trf("Light {}, highlight: the more, the nearer its mirrored direction is to the eye",
-                  l),
+    add(halfway ? trf("Light {}, highlight: the brighter, the closer H, halfway to the eye, is to "
+                      "the normal",
+                      l)
+                : trf("Light {}, highlight: the brighter, the closer its mirrored direction is to "
+                      "the eye",
+                      l),
         fmt::format("{}\nhighlight = I {} max(0, {})^Shine",
                     halfway ? "H = (L + V) / |L + V|" : "R = 2 (N.L) N - L", ks_name(s),
                     halfway ? "N.H" : "R.V"),
@@ -187,7 +187,7 @@ class ShadingNarrator {
     const std::string part = by_angle       ? number(reflectance(s))
                              : is_tinted(s) ? numbers(s.specular * s.ks)
                                             : number(s.ks);
-    add(trf("The mirrored ray has direction R and counts {} times as much as this one", part),
+    add(trf("The mirrored ray has direction R and {} times the weight of this one", part),
         fmt::format("R = D - 2 (D.N) N\n{}weight' = {} weight",
                     by_angle ? reflectance_formula() + "\n" : "", by_angle ? "Kr" : ks_name(s)),
         std::move(variables));
@@ -197,7 +197,7 @@ class ShadingNarrator {
   // The direction that the ray really takes.
   void rough(float roughness, Vec3f dir) {
     if (!(roughness > 0)) return;
-    add(tr("The surface is rough: a random point S of the unit sphere moves the direction"),
+    add(tr("The surface is rough: a random point S of the unit sphere perturbs the direction"),
         "direction = normalize(direction + roughness S)",
         {{"roughness", number(roughness)}, {"direction", numbers(dir)}});
   }
@@ -233,7 +233,7 @@ class ShadingNarrator {
     variables.insert(variables.end(), {{"D'", numbers(dir)},
                                        {by_angle ? "1 - Kr" : "T", number(part)},
                                        {"weight'", weight_text(to->weight)}});
-    add(trf("The refracted ray follows Snell's law and counts {} times as much as this one",
+    add(trf("The refracted ray follows Snell's law and has {} times the weight of this one",
             number(part)),
         fmt::format("c = -D.N\nk = 1 - eta^2 (1 - c^2)\nD' = eta D + (eta c - sqrt k) N\n"
                     "weight' = {} weight",

@@ -102,8 +102,7 @@ class TraversalNarrator {
     else if (!grid_ && first > 0 && !log_.steps.empty())
       add(tr("Planes have no box: every ray is tested against them first"));
     if (log_.unlisted > 0)
-      add(trf("The ray is tested against one primitive after the other; it misses {}",
-              log_.unlisted));
+      add(trf("The ray is tested against all primitives in turn; it misses {}", log_.unlisted));
     tests(0, first);
   }
 
@@ -119,7 +118,7 @@ class TraversalNarrator {
     const TraceLog::Test& test = log_.tests[i];
     const std::string name = name_of(test.primitive);
     if (test.repeated) {
-      add(trf("{}: already tested in a cell before (mailbox), skipped", name)).test = int(i);
+      add(trf("{}: already tested in an earlier cell (mailbox), skipped", name)).test = int(i);
       return;
     }
     Variables variables{{tr("nearest t so far"), value_text(nearest_)}, {"t", value_text(test.t)}};
@@ -190,10 +189,11 @@ class TraversalNarrator {
     if (ray_.hit.found()) {
       const std::string name = name_of(ray_.hit.primitive), t = brief(ray_.hit.t);
       if (ray_.hit.t <= leave) {
-        words = trf("The hit of {} at t = {} lies in this cell (t <= min tMax), so the walk ends",
-                    name, t);
+        words =
+            trf("The hit of {} at t = {} lies in this cell (t <= min tMax), so the traversal ends",
+                name, t);
       } else {
-        words = trf("The ray leaves the grid; the nearest hit is that of {} at t = {}", name, t);
+        words = trf("The ray leaves the grid; the nearest hit is {} at t = {}", name, t);
         formula.clear(), reached_ = std::max(reached_, nearest_);
       }
     } else if (nearest_ <= leave) {
@@ -213,9 +213,10 @@ class TraversalNarrator {
   // ---- The tree.
   void box(const TraceLog::Step& s) {
     if (!s.leaf && s.depth == 0) {
-      add(trf(
-          "The walk begins at the root of the tree, node {}, and tests the boxes of its children",
-          s.node));
+      add(
+          trf("The traversal starts at the root of the tree, node {}, and tests the boxes of its "
+              "children",
+              s.node));
       return;
     }
     double near = 0, far = ray_.ray.tmax;
@@ -233,9 +234,9 @@ class TraversalNarrator {
     slabs.insert(slabs.begin(), {{"near", value_text(near)}, {"far", value_text(far)}});
     add(near > nearest_ && (s.leaf || !goes_deeper()) ? words_behind(s, near)
         : s.leaf
-            ? trf("Level {}: the ray meets the box of leaf {} between t = {} and t = {}: {}",
+            ? trf("Level {}: the ray hits the box of leaf {} between t = {} and t = {}: {}",
                   s.depth, s.node, brief(near), brief(far), count_of_tests())
-            : trf("Level {}: the ray meets the box of node {} between t = {} and t = {}: go in",
+            : trf("Level {}: the ray hits the box of node {} between t = {} and t = {}: enter it",
                   s.depth, s.node, brief(near), brief(far)),
         "t1 = (lo - O) / D, t2 = (hi - O) / D\nnear = max(0, min(t1, t2) of x, y, z)\n"
         "far = min(tmax, max(t1, t2) of x, y, z)\nnear <= far",
@@ -246,12 +247,12 @@ class TraversalNarrator {
     const std::string from = brief(near);
     if (s.leaf)
       return trf(
-          "Level {}: the box of leaf {} begins at t = {}, behind the hit, but it was waiting: "
-          "{}",
+          "Level {}: the box of leaf {} begins at t = {}, behind the hit, but was already on the "
+          "stack: {}",
           s.depth, s.node, from, count_of_tests());
     return trf(
-        "Level {}: the box of node {} begins at t = {}, behind the hit, but it was waiting: "
-        "none of its children is met",
+        "Level {}: the box of node {} begins at t = {}, behind the hit, but was already on the "
+        "stack: none of its children is hit",
         s.depth, s.node, from);
   }
   bool goes_deeper() const {
@@ -273,7 +274,7 @@ class TraversalNarrator {
     const TraceLog::Test* const by = stopper();
     if (by) reached_ = std::max(reached_, double(shadow() ? by->t : ray_.hit.t));
     if (shadow() && by)
-      add(trf("Any hit ends the walk of a shadow ray: {} is in front of the light",
+      add(trf("Any hit ends the traversal of a shadow ray: {} is in front of the light",
               name_of(by->primitive)),
           "0 < t < tMax", {{"t", value_text(by->t)}, {"tMax", value_text(ray_.ray.tmax)}});
     else if (shadow())
@@ -281,7 +282,7 @@ class TraversalNarrator {
     else if (!by)
       add(tr("Nothing is left to test: the ray hits nothing"));
     else
-      add(trf("Nothing is left to test that could be nearer: the hit is that of {} at t = {}",
+      add(trf("Nothing left to test can be nearer: the hit is {} at t = {}",
               name_of(ray_.hit.primitive), brief(ray_.hit.t)),
           "", {{"t", value_text(ray_.hit.t)}});
   }

@@ -259,7 +259,7 @@ void Viewer::take_saved_scene(const SceneWriter::Written& written) {
   file_.follow(state_.path);
   keeper_.opened(written.path);
   say(trf("saved the scene as {}", written.path) +
-      (written.result->empty() ? "" : "; " + trf("not kept: {}", *written.result)));
+      (written.result->empty() ? "" : "; " + trf("lost: {}", *written.result)));
   renew();
 }
 

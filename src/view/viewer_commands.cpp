@@ -106,7 +106,7 @@ void Viewer::switch_effect(Command effect) {
 
 void Viewer::switch_split() {
   state_.split = !state_.split;
-  say(state_.split ? tr("side by side with the last effect switched") : tr("one picture"));
+  say(state_.split ? tr("side by side: with and without the last effect") : tr("one picture"));
   renew();
 }
 
@@ -114,7 +114,7 @@ void Viewer::switch_pause() {
   state_.paused = !state_.paused;
   if (measuring_.work() == Measuring::Work::costs) measuring_.cancel(), costs_are_old_ = true;
   pictures_.pause(state_.paused || measuring_.busy());
-  say(state_.paused ? tr("paused") : tr("goes on"));
+  say(state_.paused ? tr("paused") : tr("resumed"));
 }
 
 void Viewer::switch_panel() {
@@ -132,7 +132,7 @@ void Viewer::switch_boxes() {
 void Viewer::switch_picking() {
   if (state_.path.empty()) return;
   inspector_.pick(!inspector_.is_picking());
-  say(inspector_.is_picking() ? tr("click a pixel to look into its rays; shift and drag: a region")
+  say(inspector_.is_picking() ? tr("click a pixel to see its rays; shift and drag: a region")
                               : tr("no pixel chosen"));
 }
 
@@ -140,13 +140,13 @@ void Viewer::switch_look(bool Theme::* what) {
   Theme look = window_.look();
   look.*what = !(look.*what);
   window_.set_look(look);
-  if (what == &Theme::projector) return say(look.projector ? tr("big type") : tr("usual type"));
+  if (what == &Theme::projector) return say(look.projector ? tr("big type") : tr("normal type"));
   say(look.light ? tr("light colours") : tr("dark colours"));
 }
 
 void Viewer::switch_full_screen() {
   window_.set_full_screen(!window_.is_full_screen());
-  say(window_.is_full_screen() ? tr("full screen; F11 ends it") : tr("window"));
+  say(window_.is_full_screen() ? tr("full screen; F11 leaves it") : tr("window"));
 }
 
 void Viewer::switch_work(Measuring::Work work, const char* what) {
@@ -195,7 +195,8 @@ void Viewer::copy_command() {
   log("command: " + command);
   say(state_.scene == saved_scene_
           ? trf("copied: {}", command)
-          : trf("copied, but the file lacks your changes; Ctrl+S saves them: {}", command));
+          : trf("copied, but your changes are not in the file yet; Ctrl+S saves them: {}",
+                command));
 }
 
 void Viewer::ask_where_to_save() {
@@ -222,7 +223,7 @@ void Viewer::go_back(bool back) {
   next.read_options = state_.read_options;
   state_ = std::move(next);
   moving_until_ = 0;
-  say(back ? tr("undone") : tr("made again"));
+  say(back ? tr("undone") : tr("redone"));
   renew();
 }
 
