@@ -33,7 +33,7 @@ struct Tool {
   Icon icon;
   const KeySpec* key;
   bool on = false, enabled = true;
-  std::string label = {};  // beside the icon, of a width that holds `widest`
+  std::string label = {};  // next to the icon, with the width of `widest`
   std::string widest = {};
   bool starts_group = false;
 
@@ -88,7 +88,7 @@ std::vector<Tool> tools_of(const ViewState& state, const ToolFacts& facts) {
   return tools;
 }
 
-// One tool; whether it was pressed.
+// Draws one tool; returns whether it was pressed.
 bool draw_tool(const Tool& tool) {
   const Palette& p = palette();
   const float side = kSide * em(), gap = tool.starts_group ? kGap * em() : 0;
@@ -116,7 +116,7 @@ bool draw_tool(const Tool& tool) {
   return pressed;
 }
 
-// The views by name; that which is chosen is pressed.
+// The views by name; the selected one looks pressed.
 void draw_views(const ViewState& state, std::vector<const KeySpec*>& pressed) {
   if (!ImGui::BeginPopup("views")) return;
   for (int view = 0; view < kViews; ++view) {
@@ -140,7 +140,7 @@ void draw_tool_bar(const Rect& where, const ViewState& state, const ToolFacts& f
   const size_t fit = tools_that_fit(widths, where.width() - 2 * margin, kSide * em());
   ImGui::SetCursorPos({margin, std::round((where.height() - kSide * em()) / 2)});
   for (size_t i = 0; i < fit; ++i) {
-    // What concerns the window alone is at its right.
+    // Tools of the window itself are at its right.
     if (tools[i].icon == Icon::theme && fit == tools.size()) {
       float rest = margin;
       for (size_t j = i; j < tools.size(); ++j) rest += widths[j];
@@ -268,7 +268,7 @@ void draw_message(const Rect& place, const std::string& message, bool is_error) 
   draw.AddRectFilled(lo, {lo.x + bar, hi.y}, color(is_error ? p.bad : p.accent), 0.3f * em(),
                      ImDrawFlags_RoundCornersLeft);
   show_letters(message);
-  // Wrapped as it was measured: one unit more than the widest line.
+  // Wrapped as measured: one unit more than the widest line.
   draw.AddText(ImGui::GetFont(), ImGui::GetFontSize(), {lo.x + bar + pad, lo.y + pad},
                color(p.text), message.c_str(), nullptr, place.width() - bar - 2 * pad + 1);
 }

@@ -17,11 +17,11 @@ struct ToolFacts {
   bool inspects = false;
 };
 
-/// Adds to `pressed` what was pressed, as if by its key.
+/// Appends pressed tools to `pressed`, as if by their keys.
 void draw_tool_bar(const Rect& where, const ViewState& state, const ToolFacts& facts,
                    std::vector<const KeySpec*>& pressed);
 
-/// What goes on, for as long as it does.
+/// The current activity.
 struct Status {
   enum class Kind { working, moving, measuring, paused, done, failed };
   Kind kind = Kind::working;
@@ -33,17 +33,17 @@ struct StatusFacts {
   uint64_t request = 0;                     // the newest
   double since_request_s = 0;
   std::optional<SessionProgress> progress{};  // of a slow first sample
-  int picture_width = 0, picture_height = 0;  // of a picture in full
+  int picture_width = 0, picture_height = 0;  // of a full picture
   bool moving = false, paused = false;
   Measuring::Work measuring = Measuring::Work::none;
 };
 Status status_of(const StatusFacts& facts);
 
-/// `read_out`: what is under the cursor; empty where there is nothing.
+/// `read_out`: what is under the cursor; empty if nothing.
 void draw_status(const Rect& where, const Status& status, const std::string& read_out);
 
-/// Where a message is: at the lower left of the picture, in as many lines as it needs, and above
-/// the legend where both do not fit side by side.
+/// The position of a message: at the lower left of the picture, in as many lines as it needs, above
+/// the legend if both do not fit side by side.
 Rect message_place(const Rect& picture, const Rect& legend, const std::string& message);
 void draw_message(const Rect& place, const std::string& message, bool is_error);
 

@@ -7,7 +7,7 @@
 namespace raio::view {
 namespace {
 
-constexpr double kPoleMargin = 0.01;  // radians between the line of sight and `up`, at least
+constexpr double kPoleMargin = 0.01;  // minimum angle between the line of sight and `up`, radians
 
 // Rodrigues' formula.
 Vec3d rotated(Vec3d v, Vec3d axis, double angle) {
@@ -15,7 +15,7 @@ Vec3d rotated(Vec3d v, Vec3d axis, double angle) {
   return v * c + cross(axis, v) * s + axis * (dot(axis, v) * (1 - c));
 }
 
-// The angle by which the line of sight may really turn upwards: not over the poles.
+// Limits an upward angle so that the line of sight stays short of the poles.
 double short_of_poles(const Camera& camera, const CameraAxes& axes, double up_rad) {
   const double pole =
       std::acos(std::clamp(dot(axes.forward, normalize(Vec3d(camera.up))), -1.0, 1.0));
@@ -23,14 +23,14 @@ double short_of_poles(const Camera& camera, const CameraAxes& axes, double up_ra
                     std::max(0.0, pole - kPoleMargin));
 }
 
-// What turning does to any vector.
+// Rotates a vector as the camera turns.
 Vec3d turned(const Camera& camera, const CameraAxes& axes, Vec3d v, double right_rad,
              double up_rad) {
   v = rotated(v, axes.right, short_of_poles(camera, axes, up_rad));
   return rotated(v, normalize(Vec3d(camera.up)), -right_rad);
 }
 
-// Unless it is beyond what floats hold.
+// Unchanged if beyond the range of floats.
 Camera placed(const Camera& before, Vec3d from, Vec3d at) {
   Camera camera = before;
   camera.from = Vec3f(from), camera.at = Vec3f(at);
@@ -84,7 +84,7 @@ Camera dollied(const Camera& camera, Vec3d target, double factor) {
   if (camera.is_parallel()) return zoomed(camera, target, factor);
   const Vec3d move = (target - Vec3d(camera.from)) * (1 - factor);
   const CameraAxes axes(camera);
-  // The point looked at comes along sideways and keeps its place in depth, as long as it is ahead.
+  // The point looked at moves sideways, too, and keeps its depth as long as it is in front.
   const double distance = length(Vec3d(camera.at) - Vec3d(camera.from));
   const double ahead = std::max(distance - dot(move, axes.forward), 0.05 * distance);
   const Vec3d from = Vec3d(camera.from) + move;
@@ -110,7 +110,7 @@ Camera fitted(const Camera& camera, const Box3f& box, double width_per_height) {
   const double radius = std::max(length(Vec3d(box.hi) - center), 1e-6 * length(center) + 1e-12);
   const double half = std::tan(double(camera.fov_deg) * std::numbers::pi / 360);
   const double least = half * std::min(1.0, width_per_height);
-  // Nearer than the radius, parallel rays would start among what is to be seen.
+  // Nearer than the radius, parallel rays would start within the scene.
   const double distance =
       radius * (camera.is_parallel() ? std::max(1 / least, 1.01) : 1 / std::sin(std::atan(least)));
   return placed(camera, center - CameraAxes(camera).forward * distance, center);

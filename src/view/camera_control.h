@@ -1,4 +1,4 @@
-// How hands move a camera. Plain geometry: no window, no state.
+// Camera movements by mouse and keys. Plain geometry: no window, no state.
 #pragma once
 
 #include <optional>
@@ -15,32 +15,31 @@ struct CameraAxes {
   explicit CameraAxes(const Camera& camera);
 };
 
-/// Turns the camera about `pivot`: by `right_rad` about `up` of the camera, by `up_rad` about its
-/// right side, as far as a little short of the poles. Positive angles move the camera to the right
-/// and upwards. The distance to the pivot stays, and the pivot stays where it is in the picture's
-/// depth; `up` stays, too.
+/// Orbits about `pivot`: by `right_rad` about the camera's `up`, by `up_rad` about its right axis,
+/// stopping just short of the poles. Positive angles move the camera to the right and upwards. The
+/// distance to the pivot, its depth in the picture, and `up` do not change.
 Camera orbited(const Camera& camera, Vec3d pivot, double right_rad, double up_rad);
 
-/// Half of the picture's height where something is at `depth` along the line of sight.
+/// Half of the picture's height at `depth` along the line of sight.
 double half_height(const Camera& camera, double depth);
 
-/// Moves the camera across its line of sight, so that what is at `depth` along it moves by (right,
-/// up) in heights of the picture.
+/// Moves the camera perpendicular to its line of sight, so that a point at `depth` moves by (right,
+/// up) in picture heights.
 Camera panned(const Camera& camera, double depth, double right, double up);
 
-/// Moves the camera towards `target` (away from it for factors above 1), so that its distance is
-/// `factor` times what it was; the direction of view stays, so `target` stays under the cursor.
-/// With parallel rays, which distance does not change, the picture shows `factor` times as much.
+/// Moves the camera towards `target` (away for factors above 1), so that its distance is multiplied
+/// by `factor`; the direction of view is unchanged, so `target` stays under the cursor. With
+/// parallel rays, where distance has no effect, the picture shows `factor` times as much.
 Camera dollied(const Camera& camera, Vec3d target, double factor);
 
 /// Moves the camera along its own axes, scene units.
 Camera walked(const Camera& camera, double right, double up, double forward);
 
-/// Turns the camera where it stands.
+/// Rotates the camera in place.
 Camera looked(const Camera& camera, double right_rad, double up_rad);
 
-/// Sees all of `box` from where it looks now, whatever the picture's shape. An empty box changes
-/// nothing.
+/// Moves the camera so that all of `box` is visible, in the same direction, whatever the picture's
+/// shape. An empty box changes nothing.
 Camera fitted(const Camera& camera, const Box3f& box, double width_per_height);
 
 }  // namespace raio::view

@@ -22,7 +22,7 @@ std::string text_of_spread(const MedianInterval& interval) {
 }
 
 std::string text_of_seconds(const MedianInterval& seconds) {
-  // Of a single run no spread is known.
+  // A single run has no known spread.
   const char* const about = seconds.low == seconds.high ? "~" : "";
   return about + app::human_seconds(seconds.median) + text_of_spread(seconds);
 }

@@ -1,5 +1,5 @@
-// What a key changed in the time that a sample takes: whole samples of the same size are compared,
-// and before there are any it says that it waits.
+// The effect of a key on the time per sample: compares whole samples of the same size, and says
+// that it waits until there are some.
 #pragma once
 
 #include <optional>
@@ -11,18 +11,18 @@ namespace raio::view {
 
 class Comparison {
  public:
-  /// A key has done `what` ("soft shadows on"). `before` is the picture at that moment, of the
-  /// newest request `request` or older; may be null. Returns a line to be said.
+  /// Starts after a key has done `what` ("soft shadows on"). `before` is the current picture, of
+  /// the newest request `request` or older; may be null. Returns a line to display.
   std::string begin(std::string what, const SessionPicture* before, uint64_t request);
 
-  /// The line with the times, once, when there is a picture of `request` with them.
+  /// The line with the times, once there is a picture of `request` with them; returned once.
   std::optional<std::string> take(const SessionPicture& picture, uint64_t request);
 
   /// Something else has changed, too.
   void end() { what_.clear(); }
 
  private:
-  std::string what_;  // empty: nothing is waited for
+  std::string what_;  // empty: waiting for nothing
   std::optional<MedianInterval> before_s_;
   int width_ = 0, height_ = 0;
 };

@@ -12,7 +12,7 @@ namespace raio::view {
 bool Controls::close() {
   const bool was_open = files.is_open() || shows_help_;
   files.close(), shows_help_ = false;
-  // The toolkit leaves menus and pickers open, as its own keys are off.
+  // The toolkit's own keys are off, so menus and pickers are closed here.
   const bool has_menu = !was_open && ImGui::GetCurrentContext()->OpenPopupStack.Size > 0;
   if (has_menu) ImGui::ClosePopupToLevel(0, false);
   return was_open || has_menu;

@@ -1,5 +1,5 @@
-// All that is drawn around the picture and over it: tool bar, panel, status line, messages and
-// dialogs. It knows which dialogs are open, and nothing else.
+// Everything drawn around and over the picture: tool bar, panel, status line, messages and dialogs.
+// It knows which dialogs are open, and nothing else.
 #pragma once
 
 #include <imgui.h>
@@ -25,8 +25,8 @@ struct ControlFacts {
   std::string read_out;  // what is under the cursor
   std::string message;
   bool is_error = false;
-  Rect legend;                 // which the message keeps off
-  bool has_inspector = false;  // in the panel's place
+  Rect legend;                 // avoided by the message
+  bool has_inspector = false;  // replaces the panel
 };
 
 struct ControlResult : PanelResult {
@@ -40,15 +40,15 @@ class Controls {
   FileDialog files;
 
   void switch_help() { shows_help_ = !shows_help_; }
-  /// Is there anything that may cover the picture?
+  /// Whether something may cover the picture.
   bool has_dialog() const {
     return shows_help_ || files.is_open() ||
            ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel);
   }
-  /// Closes a dialog or a menu. Whether one was open.
+  /// Closes a dialog or a menu; returns whether one was open.
   bool close();
 
-  /// A frame of it. Changes the state as it is told.
+  /// Draws a frame and updates the state from user input.
   ControlResult draw(ViewState& state, const Layout& layout, const ControlFacts& facts);
 
  private:

@@ -31,7 +31,7 @@ std::string text_of_progress(double done, double left_s) {
              : trf("{}, {} s left", percent, fmt::format("{:.{}f}", left_s, left_s < 9.95 ? 1 : 0));
 }
 
-// "1.83 x", of counts that may be 0.
+// "1.83 x", for counts that may be 0.
 std::string times(double with, double without) {
   return without > 0 ? app::three_digits(with / without) + " x" : app::human_count(with);
 }
@@ -67,7 +67,7 @@ std::string seconds_line(const EffectCost& c) {
   return trf("{}, without {}", with, without);
 }
 
-// All counts, and how they were got.
+// All counts, and how they were measured.
 std::string details(const EffectCost& c) {
   const auto side = [](const char* name, const EffectCost::Side& s) {
     const uint64_t rays = s.rays.total();
@@ -112,7 +112,7 @@ void draw_statistics(const CostFacts& facts) {
            ? tr("preview")
            : number_of(size_t(picture.samples), "sample per pixel", "samples per pixel") +
                  (picture.finished ? tr(", done") : ""));
-  // Of previews there are no figures.
+  // Previews have no figures.
   const double sample_s = picture.samples > 0 ? picture.sample_s.median : 0;
   if (sample_s > 0) {
     const std::string time = text_of_seconds(picture.sample_s);
@@ -143,17 +143,17 @@ void draw_statistics(const CostFacts& facts) {
   text(trf("scene {}, program {}", of_scene, of_program));
 }
 
-// Two bars for each effect: what a picture takes with it, and below, thinner, what it takes
-// without.
+// Two bars per effect: the picture's time with it, and below, thinner, without it.
 void draw_costs(const CostFacts& facts) {
   const bool measures = facts.measuring == Measuring::Work::costs;
   if (measures)
     text(fmt::format("{}: {}; {}", tr("measuring"), text_of_progress(facts.progress),
                      tr("space stops")));
   else if (facts.are_old)
+    // One scale for all effects, except the structure: without one a picture takes so long that it
+    // has its own.
     faint_text(facts.costs.effects.empty() ? tr("measured when idle")
                                            : tr("from before the last change; measured when idle"));
-  // One scale for all effects; without a structure a picture takes so long that it has its own.
   const auto most = [&](bool is_structure) {
     double seconds = 1e-9;
     for (const EffectCost& c : facts.costs.effects)

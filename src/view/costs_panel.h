@@ -1,4 +1,4 @@
-// The parts of the panel with figures: statistics of the picture, what each effect costs, the table
+// Sections of the panel with figures: statistics of the picture, the cost of each effect, the table
 // of combinations.
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace raio::view {
 
-/// What these parts show.
+/// The contents of these sections.
 struct CostFacts {
   std::shared_ptr<const SessionPicture> picture;  // may be null
   int picture_width = 0, picture_height = 0;      // pixels
@@ -21,8 +21,8 @@ struct CostFacts {
   bool is_curve_old = false;  // of another picture
   Measuring::Work measuring = Measuring::Work::none;
   MeasuringProgress progress;
-  bool are_old = false;              // the costs: of the picture before the last change
-  std::optional<std::string> waits;  // for a slow picture's first sample
+  bool are_old = false;              // the costs belong to the picture before the last change
+  std::optional<std::string> waits;  // waiting for a slow picture's first sample
 };
 
 /// "34 %, 12 s left".
@@ -36,7 +36,7 @@ std::string cost_line(const EffectCost& cost);
 
 void draw_statistics(const CostFacts& facts);
 void draw_costs(const CostFacts& facts);
-/// Whether its button, which does what the key does, was pressed.
+/// Returns whether its button, equivalent to the key, was pressed.
 bool draw_table(const CostFacts& facts);
 
 }  // namespace raio::view

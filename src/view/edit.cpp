@@ -18,7 +18,7 @@ SharedScene edited(const SharedScene& scene, const std::function<void(Scene&)>& 
   auto next = std::make_shared<Scene>(*scene);
   std::vector<const void*> shared;
   for_each_column(*scene, [&](ColumnName, const auto& column) { shared.push_back(column.data()); });
-  // In the same order. What is borrowed already stays so, from whoever keeps it.
+  // In the same order. Arrays already borrowed stay so, with their owner.
   size_t i = 0;
   for_each_column(*next, [&](ColumnName, auto& column) {
     using Column = std::remove_cvref_t<decltype(column)>;
@@ -46,7 +46,7 @@ Scene as_seen(const Scene& scene, const Camera& camera, const Rgb& background,
 }
 
 void SceneWriter::write(const ViewState& state, const std::string& path) {
-  RenderOptions options = state.options;  // of the picture, whatever is shown of it
+  RenderOptions options = state.options;  // of the picture, whatever view is shown
   options.view = View::picture, options.integrator = std::nullopt;
   const RenderSettings settings = resolve_options(options, *state.scene);
   writing_ = std::async(
@@ -81,7 +81,7 @@ void take_saved(ViewState& state, const SceneWriter::Written& written) {
   state.read_options = kForPictures;
   if (state.scene == written.source) {
     state.scene = written.scene;
-    // The scene has it now; that of data is the look's.
+    // Now part of the scene; for data it belongs to the style.
     if (state.scene->dialect != Dialect::data) state.options.background.reset();
     return;
   }

@@ -1,5 +1,5 @@
-// Changes of a scene in the window. Scenes are immutable once they are shown; a change makes
-// another one, which shares all large arrays with the first.
+// Edits a scene in the window. Displayed scenes are immutable; an edit makes a new one, which
+// shares all large arrays with the old.
 #pragma once
 
 #include <expected>
@@ -17,12 +17,12 @@ namespace raio::view {
 
 using SharedScene = std::shared_ptr<const Scene>;
 
-/// The scene with what `change` makes of it. Costs little but for the arrays that it writes to, and
-/// at the first change of a scene that owns its arrays.
+/// The scene after `change`. Cheap, except for arrays that it writes to, and at the first edit of a
+/// scene that owns its arrays.
 SharedScene edited(const SharedScene& scene, const std::function<void(Scene&)>& change);
 
-/// What is saved: the scene seen from there, with that background, or that sky. A sky of the
-/// scene's own keeps the name of its folder, others get the whole path.
+/// The scene to save: with this camera and background, or sky. The scene's own sky keeps the name
+/// of its folder, others get the whole path.
 Scene as_seen(const Scene& scene, const Camera& camera, const Rgb& background,
               const std::shared_ptr<const CubeMap>& sky = nullptr);
 
@@ -31,21 +31,21 @@ class SceneWriter {
  public:
   struct Written {
     std::string path;
-    SharedScene source, scene;                 // what was to be saved, and what the file says
-    std::expected<std::string, Error> result;  // what the format does not keep, in one line
+    SharedScene source, scene;                 // what was to be saved, and the file's contents
+    std::expected<std::string, Error> result;  // what the format loses, in one line
   };
 
-  /// Begins to write the state's scene as it is seen now. Not while is_busy().
+  /// Starts to write the state's scene as currently displayed. Not while is_busy().
   void write(const ViewState& state, const std::string& path);
   bool is_busy() const { return writing_.valid(); }
-  /// What was written meanwhile, once.
+  /// The finished result, once.
   std::optional<Written> poll();
 
  private:
-  std::future<Written> writing_;  // is waited for in the end
+  std::future<Written> writing_;  // awaited at destruction
 };
 
-/// Makes the file that was written the state's; what was edited meanwhile stays.
+/// Makes the written file the state's; edits made meanwhile are kept.
 void take_saved(ViewState& state, const SceneWriter::Written& written);
 
 }  // namespace raio::view

@@ -54,7 +54,7 @@ void FileDialog::enter(const fs::path& folder) {
   entries_ = entries_of(folder_);
 }
 
-// A folder is entered; a file ends the dialog.
+// Enters a folder; a file ends the dialog.
 std::optional<std::string> FileDialog::chosen(const std::string& name) {
   if (name.empty()) return std::nullopt;
   const fs::path path = folder_ / name;  // an absolute name replaces the folder

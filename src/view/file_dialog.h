@@ -1,4 +1,4 @@
-// A dialog that chooses a file: to open a scene, or to say where it is written.
+// A dialog for choosing a file to open or to write.
 #pragma once
 
 #include <filesystem>
@@ -10,21 +10,21 @@
 
 namespace raio::view {
 
-/// The folders (first, with a "/" behind) and the scene files of a folder, by name; hidden ones are
-/// left out.
+/// The subfolders (first, with a trailing "/") and scene files of a folder, by name, without hidden
+/// ones.
 std::vector<std::string> entries_of(const std::filesystem::path& folder);
 
 class FileDialog {
  public:
   enum class Purpose { open, save };
 
-  /// Begins in that folder; `name` is what is proposed.
+  /// Starts in that folder; `name` is the proposal.
   void ask(Purpose purpose, const std::filesystem::path& folder, std::string name);
   bool is_open() const { return is_open_; }
   void close() { is_open_ = false; }
   Purpose purpose() const { return purpose_; }
 
-  /// Draws it; the file that was chosen, once.
+  /// Draws it; returns the chosen file, once.
   std::optional<std::string> draw(const Layout& layout);
 
  private:

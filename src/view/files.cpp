@@ -70,7 +70,7 @@ std::optional<SceneFile::Read> SceneFile::poll(int threads) {
   const auto now = Clock::now();
   if (now < next_look_) return std::nullopt;
   next_look_ = now + kLook;
-  // A file that still changes, or is not there for a moment, is being written.
+  // A file that still changes, or is missing for a moment, is being written.
   const Stamp before = std::exchange(seen_, stamp(path_));
   if (seen_ != before || seen_ == read_ || seen_ == Stamp()) return std::nullopt;
   read_ = seen_;

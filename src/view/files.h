@@ -1,4 +1,4 @@
-// Scene files that are read and pictures that are written while the window goes on.
+// Reads scene files and writes pictures in the background.
 #pragma once
 
 #include <expected>
@@ -20,7 +20,7 @@
 
 namespace raio::view {
 
-/// Reads a scene's file again whenever it has changed, and other files when told to.
+/// Rereads a scene's file when it changes, and reads other files on request.
 class SceneFile {
  public:
   struct Read {
@@ -29,13 +29,13 @@ class SceneFile {
     std::vector<std::string> warnings;  // of a scene, one line each
   };
 
-  /// `path` has just been read, and is read with these options again.
+  /// `path` has just been read; it is reread with these options.
   SceneFile(std::string path, ReadOptions options);
 
   /// Reads another file, and follows it from then on if it is a scene.
   void open(std::string path);
 
-  /// Of the file: where dialogs begin.
+  /// The file's folder: where dialogs start.
   std::filesystem::path folder() const {
     const auto parent = std::filesystem::path(path_).parent_path();
     return parent.empty() ? "." : parent;
@@ -43,8 +43,8 @@ class SceneFile {
   /// Follows a file that was just written.
   void follow(std::string path);
 
-  /// What was read meanwhile, once. Looks at the disk a few times a second, however often called;
-  /// what is there to be read is read on so many threads (0: as many as there are).
+  /// The result of reading, once. Checks the disk a few times per second, however often it is
+  /// called; reads with this many threads (0: all).
   std::optional<Read> poll(int threads);
 
  private:
@@ -70,10 +70,10 @@ class PictureWriter {
 
   ~PictureWriter();
 
-  /// `command`: what `raio render` would be told for it.
+  /// `command`: the equivalent arguments of `raio render`.
   void write(std::shared_ptr<const Image> image, std::string path, Metadata metadata,
              std::string command);
-  /// Any other file, whose bytes `make` gives; its error is one line.
+  /// Any other file, with bytes from `make`; its error is one line.
   void write(std::function<std::expected<std::string, std::string>()> make, std::string path,
              std::string command);
   std::optional<Written> poll();
@@ -82,14 +82,14 @@ class PictureWriter {
   std::vector<std::future<Written>> writing_;
 };
 
-/// What the reader said of the scene's file, and what would disappoint in the picture as it is now
+/// The reader's warnings about the scene's file, and those about the current picture
 /// (render/warnings.h).
 class Warnings {
  public:
   Warnings() = default;
   explicit Warnings(std::vector<std::string> of_file) : of_file_(std::move(of_file)) {}
 
-  /// Looks at the first whole picture of each request. Whether it did.
+  /// Checks the first whole picture of each request; returns whether it did.
   bool find(const Scene& scene, const SessionPicture& picture);
   const std::vector<std::string>& lines() const { return lines_; }
 
@@ -98,10 +98,10 @@ class Warnings {
   uint64_t request_ = 0;
 };
 
-/// As short as it can be written here: relative to where the program was started, if below that.
+/// The shortest form: relative to the working folder if below it.
 std::string short_path(const std::string& path);
 
-/// "NAME.png", or "NAME-2.png" and so on: the first that there is not.
+/// "NAME.png", or "NAME-2.png" and so on: the first that does not exist.
 std::string free_name(const std::string& name, const std::string& suffix);
 
 }  // namespace raio::view

@@ -10,11 +10,11 @@
 namespace raio::view {
 namespace {
 
-constexpr double kClickTravel = 4;      // window units that a click may move
-constexpr double kBarReach = 6;         // how near to the bar is on it
-constexpr double kWheelStep = 0.88;     // of the distance that remains
-constexpr double kReach = 1.5;          // of what is dragged, in distances to the point looked at
-constexpr double kWalkPerSecond = 0.7;  // of the distance to the point looked at
+constexpr double kClickTravel = 4;   // window units that a click may move
+constexpr double kBarReach = 6;      // distance at which the bar can be grabbed
+constexpr double kWheelStep = 0.88;  // factor of the remaining distance
+constexpr double kReach = 1.5;       // of dragging, relative to the distance of the point looked at
+constexpr double kWalkPerSecond = 0.7;  // relative to the distance of the point looked at
 
 double view_distance(const Camera& camera) { return length(Vec3d(camera.at) - Vec3d(camera.from)); }
 
@@ -35,8 +35,8 @@ void Gestures::press(Button button, bool shift, bool selects) {
   }
   const Pick under = pick_(x_, y_);
   const double distance = view_distance(state_.camera);
-  // What is far behind the point looked at, such as ground at the horizon, would fling the scene
-  // away: the hand then holds on to the point looked at.
+  // Points far behind the point looked at, such as ground at the horizon, would fling the scene
+  // away: then dragging uses the point looked at.
   const bool is_near = under.hit.found() && under.depth <= kReach * distance;
   pivot_ = is_near ? under.point : Vec3d(state_.camera.at);
   depth_ = is_near ? under.depth : distance;
@@ -89,7 +89,7 @@ bool Gestures::dolly(double steps) {
   if (!stage_.contains(x_, y_) || steps == 0) return false;
   const Pick under = pick_(x_, y_);
   const Camera& camera = state_.camera;
-  // Where there is nothing: to a point of the line of sight as far as the one looked at.
+  // If nothing is hit: towards a point at the distance of the point looked at.
   const CameraAxes axes(camera);
   const double distance = view_distance(camera);
   const double fov = state_.edge_to_edge(stage_.picture_height).fov_deg;

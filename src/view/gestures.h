@@ -1,4 +1,4 @@
-// What the mouse and held keys do to the camera. No window in it: it is told where the cursor is.
+// Camera movements by mouse and held keys. No window: it is told where the cursor is.
 #pragma once
 
 #include <functional>
@@ -11,13 +11,13 @@ namespace raio::view {
 class Gestures {
  public:
   enum class Button { left, right, middle };  // in GLFW's order
-  /// What is in the picture at a place of the window.
+  /// What the picture shows at a window position.
   using PickAt = std::function<Pick(double x, double y)>;
 
   Gestures(ViewState& state, const Stage& stage, PickAt pick)
       : state_(state), stage_(stage), pick_(std::move(pick)) {}
 
-  double split_at = 0.5;  // where the bar between two pictures is, 0 to 1
+  double split_at = 0.5;  // position of the bar between two pictures, 0 to 1
 
   double x() const { return x_; }
   double y() const { return y_; }
@@ -26,16 +26,17 @@ class Gestures {
 
   /// `selects`: with Shift, the left button selects a region instead of dragging the scene.
   void press(Button button, bool shift, bool selects = false);
-  /// A click is pressed and released at one place.
+  /// A click is pressed and released at one position.
   enum class Done { nothing, click, shift_click, region };
   Done release(Button button);
   bool is_selecting() const { return drag_ == Drag::select && travelled_ > 0; }
   /// Where the button was pressed.
   double from_x() const { return from_x_; }
   double from_y() const { return from_y_; }
-  /// Whether the camera has changed.
+  /// Returns whether the camera has changed.
   bool move(double x, double y);
-  /// The wheel: towards what is under the cursor, or away from it. Whether the camera has changed.
+  /// The wheel: towards the point under the cursor, or away. Returns whether the camera has
+  /// changed.
   bool dolly(double steps);
   bool walk(const Steps& steps, double seconds);
 

@@ -24,7 +24,7 @@ struct Line {
   double (*value)(const GridPoint&);  // 0: unknown
 };
 
-// Both axes are logarithmic. The names of the lines stand above them.
+// Both axes are logarithmic. The names of the lines are above them.
 class Plot {
  public:
   Plot(const GridCurve& curve, std::vector<Line> lines, float height_in_ems)
@@ -94,7 +94,7 @@ class Plot {
   const GridCurve& curve_;
   std::vector<Line> lines_;
   ImVec2 lo_, hi_;
-  float top_ = 0;  // of the lines' part
+  float top_ = 0;  // of the lines' area
   double least_ = std::numeric_limits<double>::infinity(), most_ = 0;
 };
 
@@ -114,7 +114,7 @@ void draw_tooltip(const GridPoint& p) {
   ImGui::EndTooltip();
 }
 
-// Where the least lies, and where the factor of the report does.
+// Marks the minimum, and the report's factor.
 void draw_words(const GridCurve& curve) {
   const GridPoint* const best = curve.fastest();
   if (!best) return;

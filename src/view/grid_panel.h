@@ -1,4 +1,4 @@
-// The grid's resolution: a slider, and the curve of what it costs.
+// The grid's resolution: a slider, and the curve of its costs.
 #pragma once
 
 #include "view/costs_panel.h"
@@ -8,7 +8,7 @@ namespace raio::view {
 
 struct GridPanelResult {
   bool changed = false;   // the state's options
-  bool measures = false;  // what the key does
+  bool measures = false;  // as by the key
   bool saves = false;     // the curve, as CSV
 };
 GridPanelResult draw_grid(ViewState& state, const CostFacts& facts);

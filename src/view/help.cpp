@@ -71,7 +71,7 @@ bool draw_help(const Layout& layout, std::string& sought) {
   if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
   ImGui::SetNextItemWidth(-1);
   ImGui::InputTextWithHint("##sought", tr("Search"), &sought);
-  // Escape in the field empties it first, as ImGui has it, then closes.
+  // Escape in the field first clears it, as usual in ImGui, then closes.
   if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape)) && !ImGui::IsItemDeactivated())
     open = false;
   ImGui::BeginChild("lines");

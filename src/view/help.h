@@ -1,4 +1,4 @@
-// The help of F1: every key and what the mouse does, with a field that searches them.
+// The help of F1: every key and mouse action, with a search field.
 #pragma once
 
 #include <string>
@@ -9,15 +9,15 @@
 namespace raio::view {
 
 struct HelpLine {
-  std::string keys, about;  // in the language of the screen
+  std::string keys, about;  // in the window's language
   bool is_mouse = false;
 };
 
-/// Those that have all words of `sought`, in any case, in the order of the tables; all of them
-/// where it is empty.
+/// The lines that match all words of `sought`, in any case, in the order of the tables; all lines
+/// if it is empty.
 std::vector<HelpLine> help_lines(const std::string& sought);
 
-/// Draws it over the picture. Whether it stays open.
+/// Draws it over the picture; returns whether it stays open.
 bool draw_help(const Layout& layout, std::string& sought);
 
 }  // namespace raio::view

@@ -1,4 +1,4 @@
-// What was, for undo and redo. The state of the window is plain data, so its history is a list.
+// Undo and redo. The window's state is plain data, so its history is a list.
 #pragma once
 
 #include <cstddef>
@@ -7,13 +7,13 @@
 
 namespace raio::view {
 
-/// States one after another; the present one is among them. The oldest are forgotten.
+/// A sequence of states, including the current one. The oldest are dropped.
 template <class State>
 class History {
  public:
   explicit History(State first) { states_.push_back(std::move(first)); }
 
-  /// What is so now, once it has settled: a new step if it differs from the present one.
+  /// Records the state once it has settled: a new step if it differs from the current one.
   void settle(const State& state) {
     if (state == states_[now_]) return;
     states_.resize(now_ + 1, states_.front());
@@ -23,7 +23,7 @@ class History {
   }
   bool can_undo() const { return now_ > 0; }
   bool can_redo() const { return now_ + 1 < states_.size(); }
-  /// One step back or forth, if there is one; the present state.
+  /// One step back or forward, if possible; returns the current state.
   const State& undo() { return states_[now_ -= can_undo()]; }
   const State& redo() { return states_[now_ += can_redo()]; }
 

@@ -51,7 +51,7 @@ struct Pen {
 
 void draw_effect(const Pen& pen, Icon icon) {
   switch (icon) {
-    case Icon::antialiasing:  // a staircase and the edge that it stands for
+    case Icon::antialiasing:  // a staircase and the edge that it approximates
       pen.line({{-0.9f, 0.8f},
                 {-0.3f, 0.8f},
                 {-0.3f, 0.25f},
@@ -59,33 +59,33 @@ void draw_effect(const Pen& pen, Icon icon) {
                 {0.3f, -0.3f},
                 {0.9f, -0.3f}});
       return pen.line({{-0.9f, 0.25f}, {0.35f, -0.9f}});
-    case Icon::soft_shadows:  // a ball over a shadow that fades
+    case Icon::soft_shadows:  // a ball over a fading shadow
       pen.disc({0, -0.3f}, 0.5f);
       pen.line({{-0.85f, 0.85f}, {0.85f, 0.85f}});
       return pen.line({{-0.5f, 0.5f}, {0.5f, 0.5f}});
-    case Icon::depth_of_field:  // a lens and the rays that it brings together
+    case Icon::depth_of_field:  // a lens and converging rays
       pen.arc({1.15f, 0}, 1.45f, 0.39f, 0.61f);
       pen.arc({-0.85f, 0}, 1.45f, -0.11f, 0.11f);
       pen.line({{-0.95f, -0.4f}, {0.15f, -0.4f}, {0.95f, 0}});
       return pen.line({{-0.95f, 0.4f}, {0.15f, 0.4f}, {0.95f, 0}});
-    case Icon::reflection:  // a ray that comes back from a mirror
+    case Icon::reflection:  // a ray off a mirror
       pen.line({{-0.95f, 0.75f}, {0.95f, 0.75f}});
       pen.line({{-0.8f, -0.7f}, {0, 0.7f}, {0.75f, -0.6f}});
       return pen.line({{0.25f, -0.5f}, {0.8f, -0.75f}, {0.95f, -0.15f}});
-    case Icon::refraction:  // a ray that bends in glass
+    case Icon::refraction:  // a ray bent by glass
       pen.box({-0.9f, -0.05f}, {0.9f, 0.9f});
       return pen.line({{-0.7f, -0.95f}, {0, -0.05f}, {0.3f, 0.9f}});
-    case Icon::gloss:  // a ray that a rough mirror spreads
+    case Icon::gloss:  // a ray spread by a rough mirror
       pen.line({{-0.95f, 0.75f}, {0.95f, 0.75f}});
       pen.line({{-0.8f, -0.7f}, {0, 0.7f}});
       for (const float x : {0.3f, 0.65f, 0.95f}) pen.line({{0, 0.7f}, {x, x - 1.2f}});
       return;
-    case Icon::translucency:  // a ray that spreads in rough glass
+    case Icon::translucency:  // a ray spread by rough glass
       pen.box({-0.9f, -0.05f}, {0.9f, 0.9f});
       pen.line({{-0.7f, -0.95f}, {0, -0.05f}});
       for (const float x : {0.05f, 0.3f, 0.55f}) pen.line({{0, -0.05f}, {x, 0.7f}});
       return;
-    case Icon::motion:  // a ball and where it comes from
+    case Icon::motion:  // a ball and its previous positions
       pen.disc({0.45f, 0}, 0.45f);
       pen.line({{-0.95f, 0}, {-0.2f, 0}});
       pen.line({{-0.7f, -0.4f}, {-0.1f, -0.4f}});

@@ -8,7 +8,7 @@
 namespace raio::view {
 namespace {
 
-// Embree does not tell what it does.
+// Embree does not log its steps.
 RenderSettings settings_of(const InspectionRequest& request) {
   RenderOptions options = request.options;
   if (options.accel.kind == AccelKind::embree) options.accel.kind = AccelKind::bvh;
@@ -17,7 +17,7 @@ RenderSettings settings_of(const InspectionRequest& request) {
 
 bool fits(const std::shared_ptr<const BakedScene>& baked, const InspectionRequest& request,
           const RenderSettings& settings) {
-  // A tree needs no counters to tell what it does.
+  // A tree can log without counters.
   AccelOptions wanted = settings.accel;
   const auto same = [&] { return baked->options == wanted; };
   if (!baked || baked->scene != request.scene || baked->one_sided != settings.one_sided)
@@ -40,7 +40,7 @@ std::expected<std::shared_ptr<const BakedScene>, Error> bake(const InspectionReq
   return baked;
 }
 
-// The nearest thing in the way of rays that are stopped.
+// Finds the nearest primitive that blocks each stopped ray.
 void find_stoppers(std::vector<RegionRay>& rays, const RayBatch& stopped,
                    const std::vector<size_t>& places, const Accel& accel) {
   HitBatch hits;
@@ -130,7 +130,7 @@ std::shared_ptr<const Inspected> inspect(const InspectionRequest& request,
   }
   out->baked = std::move(*baked);
   const Accel& accel = *out->baked->accel;
-  // Of a region: the pixel in its middle tells where aside is.
+  // For a region: the pixel in its middle determines the side view.
   const int x = (request.pixel[0] + request.last[0]) / 2,
             y = (request.pixel[1] + request.last[1]) / 2;
   auto sample =
@@ -179,7 +179,7 @@ void Inspection::begin() {
     } catch (const std::bad_alloc&) {
       auto failed = std::make_shared<Inspected>();
       failed->request = request;
-      failed->error = Error{ErrorKind::no_resource, "", "there is not enough memory to inspect"};
+      failed->error = Error{ErrorKind::no_resource, "", "not enough memory to inspect"};
       found = failed;
     }
     on_news_();

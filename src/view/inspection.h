@@ -1,5 +1,5 @@
-// What rays do that make a pixel, or a region of pixels, worked out in the background. No window in
-// it: the inspector (view/inspector.h) says what to look into and shows what is found.
+// Explains the rays of a pixel, or a region of pixels, in the background. No window: the inspector
+// (view/inspector.h) makes requests and shows the results.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@
 
 namespace raio::view {
 
-/// A region has no more pixels, evenly chosen, and no more rays.
+/// Limits of a region's pixels, evenly chosen, and of its rays.
 inline constexpr int kMaxRegionPixels = 4096;
 inline constexpr size_t kMaxRegionRays = 20000;
 
@@ -28,11 +28,11 @@ struct RegionRay {
   RayKind kind = RayKind::eye;
   int level = 1;
   Vec3d from, to;
-  std::optional<PrimitiveKind> hit{};  // of a stopped ray, the nearest primitive in its way
-  MaterialId material = 0;             // of that
+  std::optional<PrimitiveKind> hit{};  // for a stopped ray, the nearest primitive in its way
+  MaterialId material = 0;             // of that primitive
 };
 
-/// Which rays are shown.
+/// Selects the rays to show.
 struct RayFilter {
   enum class Hits { anything, nothing, kind, material };
   std::array<bool, kRayKinds> kinds{true, true, true, true, true};
@@ -45,10 +45,10 @@ struct RayFilter {
 
 struct InspectionRequest {
   std::shared_ptr<const Scene> scene;
-  RenderOptions options;                    // as `raio render` has them, with a size and the camera
+  RenderOptions options;                    // as for `raio render`, with a size and the camera
   std::shared_ptr<const BakedScene> baked;  // used if it fits; may be null
   std::array<int, 2> pixel{0, 0};           // column, row
-  std::array<int, 2> last{0, 0};            // of a region, whose first is `pixel`
+  std::array<int, 2> last{0, 0};            // of a region that starts at `pixel`
   int sample = 0;
 
   bool is_region() const { return last != pixel; }
@@ -58,44 +58,44 @@ struct InspectionRequest {
   }
 };
 
-/// What was found. Immutable.
+/// The result. Immutable.
 struct Inspected {
   InspectionRequest request;
   RenderSettings settings;
   std::shared_ptr<const BakedScene> baked;
   app::SideView side_view;
   std::optional<Error> error;
-  // Of one pixel:
+  // For one pixel:
   Explanation sample;
   std::vector<std::optional<TraceLog>> logs;
-  // Of a region:
+  // For a region:
   std::vector<RegionRay> rays;
-  size_t pixels = 0;  // that were looked into
+  size_t pixels = 0;  // that were inspected
 
-  /// As `raio explain` takes it.
+  /// In the form of `raio explain`.
   app::Explained explained() const {
     return {*request.scene, *baked->accel, settings, request.pixel, request.sample, sample, logs};
   }
 };
 
-/// All of it at once; stops early, without meaning, when `stop` is set.
+/// Computes everything; if `stop` is set, returns early with an invalid result.
 std::shared_ptr<const Inspected> inspect(const InspectionRequest& request,
                                          const std::atomic<bool>& stop);
 
 /// Works on the newest request.
 class Inspection {
  public:
-  /// `on_news` is called from another thread when something was found.
+  /// `on_news` is called from another thread for each result.
   explicit Inspection(std::function<void()> on_news) : on_news_(std::move(on_news)) {}
   ~Inspection();
   Inspection(const Inspection&) = delete;
   Inspection& operator=(const Inspection&) = delete;
 
   void start(InspectionRequest request);
-  /// Gives up; does not wait.
+  /// Cancels; does not wait.
   void cancel();
   bool busy() const { return working_.valid() || next_; }
-  /// What was found, once; null where there is nothing new.
+  /// The result, once; null if there is nothing new.
   std::shared_ptr<const Inspected> poll();
 
  private:
@@ -104,7 +104,7 @@ class Inspection {
   std::function<void()> on_news_;
   std::atomic<bool> stop_ = false;
   std::optional<InspectionRequest> next_;
-  std::shared_ptr<const BakedScene> baked_;  // of the last, for the next
+  std::shared_ptr<const BakedScene> baked_;  // of the last request, for the next
   std::future<std::shared_ptr<const Inspected>> working_;
 };
 

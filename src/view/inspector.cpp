@@ -47,7 +47,7 @@ void Inspector::follow(const ViewState& state) {
   ViewState shown = state;
   shown.show(View::picture);
   shown.camera = eye_;
-  // The focus of a point changes with the camera of the hands, which is another.
+  // The focus on a point depends on the interactive camera, which differs.
   if (state.focus_point && !(state.camera == eye_)) shown.options.focus = request_.options.focus;
   InspectionRequest next = request_;
   next.scene = state.scene;
@@ -86,7 +86,7 @@ void Inspector::take(std::shared_ptr<const Inspected> found) {
   const auto& rays = found_->sample.rays;
   children_.assign(rays.size(), {});
   for (size_t i = 1; i < rays.size(); ++i) children_[size_t(rays[i].parent)].push_back(int(i));
-  // Each ray, the shadow rays of what it hits, and then its children with theirs.
+  // Each ray, the shadow rays of its hit, then its children with theirs.
   order_.clear();
   places_in_order_.assign(rays.size(), 0);
   std::vector<int> open;
@@ -147,7 +147,7 @@ void Inspector::go(int by) {
 
 bool Inspector::advance(double now) {
   if (!playing_ || !has_pixel() || now < next_step_at_) return false;
-  // As many as are due: a screen shows fewer than a fast walk has.
+  // As many steps as are due: fast playing exceeds the frame rate.
   for (int k = 0; k < 1000 && playing_ && next_step_at_ <= now; ++k) {
     next_step_at_ += 1 / double(speed_);
     go(1);
@@ -177,7 +177,7 @@ std::string Inspector::walk(Walk where, double now) {
     case Walk::play:
       playing_ = !playing_;
       next_step_at_ = now;
-      // From the end, or from a ray as a whole: from the beginning.
+      // From the end, or from a whole ray: restarts.
       if (playing_ && (step_ < 0 || (ray_ == order_.back() && step_ + 1 == int(steps_.size())))) {
         steps_.clear();
         choose(0, 0);
@@ -206,7 +206,8 @@ std::string Inspector::label_of(int ray) const {
 
 Vec3d Inspector::place(Vec3f p) const { return found_->request.scene->origin + Vec3d(p); }
 
-// While steps are shown: rays before the present one, that as far as it is, and faintly the others.
+// While steps are shown: rays before the current one, that one as far as it got, and the others
+// faintly.
 std::vector<DrawnRay> Inspector::pixel_rays() const {
   std::vector<DrawnRay> drawn;
   const auto& rays = found_->sample.rays;
@@ -252,7 +253,7 @@ void Inspector::update_scene() {
   int last = -1;
   for (int k = 0; k <= step_; ++k) last = std::max(last, steps_[size_t(k)].log_step);
   if (log) {
-    // Those before, fainter the longer ago.
+    // Earlier ones, fainter with age.
     for (int k = std::max(0, last - 40); k <= last && k < int(log->steps.size()); ++k) {
       const bool current = k == (now.log_step >= 0 ? now.log_step : last);
       const float ago = float(last - k);

@@ -1,5 +1,5 @@
-// The ray inspector: what a pixel's rays do, in the panel's place and over the picture, step by
-// step. It is told of clicks and of what changed; the viewer does what its results ask for.
+// The ray inspector: shows the rays of a pixel, in the panel's place and over the picture, step by
+// step. It receives clicks and changes; the viewer acts on its results.
 #pragma once
 
 #include <functional>
@@ -18,7 +18,7 @@ namespace raio::view {
 /// What was pressed in the panel.
 struct InspectorResult {
   bool closed = false, copied = false;
-  std::optional<Camera> camera;  // to look from
+  std::optional<Camera> camera;  // viewpoint to go to
   std::string save;              // a suffix: ".svg"
 };
 
@@ -28,40 +28,41 @@ class Inspector {
   explicit Inspector(std::function<void()> on_news) : inspection_(std::move(on_news)) {}
 
   bool is_open() const { return open_; }
-  /// Does the next click choose a pixel?
+  /// Whether the next click selects a pixel.
   bool is_picking() const { return picking_; }
   void pick(bool on) { picking_ = on; }
   void close();
 
-  /// Looks into the pixels between two places of the picture (0 to 1 from the upper left), as the
-  /// state has it now. Returns what it does, for the log.
+  /// Inspects the pixels between two positions of the picture (0 to 1 from the upper left), with
+  /// the current state. Returns a line for the log.
   std::string look(const ViewState& state, const Stage& stage,
                    const std::shared_ptr<const BakedScene>& baked, ImVec2 a, ImVec2 b);
-  /// The state's options may have changed: the same pixel again, from where it was looked at.
+  /// After possible changes of the state's options: inspects the same pixel again, with the same
+  /// camera.
   void follow(const ViewState& state);
 
-  /// What was found, once, as a line of the log; the error of what could not be.
+  /// The result, once, as a line of the log; or its error.
   std::optional<std::expected<std::string, Error>> poll();
 
-  /// Whether playing went on to another step.
+  /// Whether playing advanced to another step.
   bool advance(double now);
   enum class Walk { first, back, play, on, last };
-  /// Returns where it is then: "step 3 of 20 of ray 1".
+  /// Returns the new position: "step 3 of 20 of ray 1".
   std::string walk(Walk where, double now);
 
   void draw_rays(const Rect& area, const Camera& camera, const Stage& stage);
   InspectorResult draw_panel(const Rect& where, double now);
   bool is_playing() const { return playing_; }
 
-  /// The file's bytes, from where `camera` is; may be called in another thread.
+  /// The bytes of a drawing, seen from `camera`; may be called in another thread.
   std::function<std::expected<std::string, std::string>()> drawing(const std::string& suffix,
                                                                    const Camera& camera) const;
-  /// Of the pixel that is shown: empty for a region.
+  /// For the displayed pixel; empty for a region.
   std::string command_line(const ViewState& state) const;
-  /// A pixel is shown, so that it can be saved.
+  /// Whether a pixel is shown, which can be saved.
   bool has_pixel() const { return found_ && !found_->request.is_region(); }
   std::string file_name() const;
-  /// Where the buttons that save are in the window, for tests; once.
+  /// The positions of the save buttons in the window, for tests; once.
   std::string places();
 
  private:
@@ -85,18 +86,18 @@ class Inspector {
   Inspection inspection_;
   bool open_ = false, picking_ = false;
   InspectionRequest request_;
-  Camera eye_;  // of what is inspected
+  Camera eye_;  // for the inspected pixel
   double aspect_ = 1;
   std::shared_ptr<const Inspected> found_;
   std::vector<std::vector<int>> children_;
-  std::vector<int> order_;  // of playing
+  std::vector<int> order_;  // order of playing
   std::vector<int> places_in_order_;
-  int ray_ = 0, step_ = -1;     // -1: the ray as a whole
+  int ray_ = 0, step_ = -1;     // -1: the whole ray
   bool brings_ray_in_ = false;  // scrolls the tree of rays to it
   std::vector<TraversalStep> steps_;
   bool playing_ = false;
   double next_step_at_ = 0;
-  float speed_ = 3;  // steps a second
+  float speed_ = 3;  // steps per second
   RayFilter filter_;
   RayScene scene_;
   std::string button_places_;

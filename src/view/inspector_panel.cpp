@@ -28,7 +28,7 @@ std::string brief(Vec3<T> v) {
 void row(const char* name, const std::string& value, const std::string& in_full = {}) {
   constexpr float kColumn = 7, kIndent = 1;  // em
   faint_text(name);
-  // Below the name, rather than broken, where the two are too long for a line.
+  // Below the name, rather than broken, if both are too long for a line.
   const bool fits =
       ImGui::CalcTextSize(name).x < (kColumn - 0.5f) * em() &&
       ImGui::CalcTextSize(value.c_str()).x <= ImGui::GetContentRegionAvail().x - kColumn * em();
@@ -220,7 +220,7 @@ void Inspector::draw_walk(double now) {
           "##step", &step, 0, int(steps_.size()),
           step == 0 ? tr("the whole ray") : trf("step %d of {}", steps_.size()).c_str()))
     playing_ = false, choose(ray_, step - 1);
-  // Of one height, so that nothing jumps from step to step.
+  // Of constant height, so that nothing jumps between steps.
   ImGui::BeginChild("step", {0, 12 * em()});
   if (step_ >= 0) {
     const TraversalStep& s = steps_[size_t(step_)];
@@ -273,7 +273,7 @@ void Inspector::draw_ray() const {
   row(tr("contributes"), r.brings);
 }
 
-// Exact: the sums of pixels are made of these very numbers.
+// Exact: a pixel's sum consists of these very numbers.
 void Inspector::draw_sum() const {
   Vec3d sum;
   const auto& rays = found_->sample.rays;

@@ -23,7 +23,7 @@ void draw_box(ImDrawList& draw, const Projection& projection, const DrawnBox& b)
 
 }  // namespace
 
-// As raio explain draws them, lighter where the ground is dark.
+// The colours of raio explain, lighter on a dark background.
 ImU32 color_of(RayKind kind, float alpha) {
   const auto of = [&](int r, int g, int b) { return IM_COL32(r, g, b, int(255 * alpha)); };
   const bool light = is_light();

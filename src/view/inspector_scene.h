@@ -1,4 +1,4 @@
-// The rays that the inspector looks into, drawn in their place in space over the window's picture.
+// The inspected rays, drawn at their positions in space over the window's picture.
 #pragma once
 
 #include <imgui.h>
@@ -24,7 +24,7 @@ struct DrawnRay {
   float alpha = 1;
   bool chosen = false;
   std::string label{};     // at its end; empty: none
-  bool is_sample = false;  // of a light: its end is marked
+  bool is_sample = false;  // for a light: its end is marked
 };
 
 struct DrawnBox {
@@ -34,10 +34,10 @@ struct DrawnBox {
 
 class RayScene {
  public:
-  /// `accel` tells what hides the rays; with null nothing does. Remembered with `owner`.
+  /// `accel` determines which parts are hidden; null: none. Kept alive by `owner`.
   void set(std::vector<DrawnRay> rays, std::shared_ptr<const BakedScene> hides);
   std::vector<DrawnBox> boxes;
-  std::vector<Vec3d> points;  // reached along a ray
+  std::vector<Vec3d> points;  // along a ray
 
   void draw(const Rect& area, const Camera& camera, const Stage& stage);
 
@@ -47,7 +47,7 @@ class RayScene {
 
   std::vector<DrawnRay> rays_;
   std::shared_ptr<const BakedScene> hides_;
-  size_t pieces_ = 1;  // of each ray, of which each is hidden or not
+  size_t pieces_ = 1;  // of each ray; each piece is visible or hidden
   std::vector<uint8_t> hidden_;
   Camera seen_from_;
   bool is_known_ = false;

@@ -6,7 +6,7 @@
 namespace raio::view {
 namespace {
 
-// GLFW's numbers of keys that are no characters; this file is tested without GLFW.
+// GLFW's codes of non-character keys; this file is tested without GLFW.
 constexpr int kSpace = 32, kEnter = 257, kEscape = 256, kHome = 268, kF1 = 290, kF11 = 300,
               kRight = 262, kLeft = 263, kDown = 264, kUp = 265;
 

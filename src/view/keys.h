@@ -1,4 +1,4 @@
-// The keys of the window: one table for what they do, for the list on the screen and for the docs.
+// The keys of the window: one table for their actions, the on-screen list and the docs.
 #pragma once
 
 #include <compare>
@@ -26,7 +26,7 @@ enum class Command : uint8_t {
   save_png,
   save_exr,
   copy,
-  show_view,  // the one that the key's digit names
+  show_view,  // the one named by the key's digit
   measure,
   curve,
   boxes,
@@ -45,38 +45,38 @@ enum class Command : uint8_t {
   quit,
 };
 
-/// What is held while a key is pressed.
+/// Modifiers held while a key is pressed.
 struct Modifiers {
-  bool shift = false, ctrl = false, alt = false;  // alt: also the key with the system's sign
+  bool shift = false, ctrl = false, alt = false;  // alt: also the system key
 
   friend auto operator<=>(const Modifiers&, const Modifiers&) = default;
 };
 
 struct KeySpec {
-  int key;         // GLFW's number: of letters the capital, of digits the digit
-  Modifiers held;  // no more and no less
+  int key;         // GLFW's code: capitals for letters, digits for digits
+  Modifiers held;  // exactly these
   Command command;
-  const char *name, *help;  // on the screen, in English; a second key for the same has none
-  const char* about;        // what it does, for the help
+  const char *name, *help;  // on the screen, in English; empty for a second key of the same command
+  const char* about;        // for the help
 };
 
 std::span<const KeySpec> key_table();
 
-/// Null where the key does nothing.
+/// Null if the key does nothing.
 const KeySpec* find_key(int key, Modifiers held = {});
 /// The first key of a command.
 const KeySpec& key_of(Command command);
 
-/// What is held for walking: -1, 0 or 1 along the camera's axes.
+/// Walking directions: -1, 0 or 1 along the camera's axes.
 struct Steps {
   int right = 0, up = 0, forward = 0;
 
   bool any() const { return right != 0 || up != 0 || forward != 0; }
 };
-/// `is_held` is asked by GLFW's numbers. Letters walk only while someone looks around.
+/// `is_held` takes GLFW's codes. Letters walk only while the right button is held.
 Steps walking_steps(const std::function<bool(int)>& is_held, bool is_looking);
 
-/// What the mouse and the keys that are held do, for the help.
+/// Actions of the mouse and of held keys, for the help.
 struct HandSpec {
   const char *name, *help;
 };

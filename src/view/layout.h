@@ -1,4 +1,4 @@
-// Where the parts of the window are. Plain geometry in window units, tested without a window.
+// The layout of the window. Plain geometry in window units, tested without a window.
 #pragma once
 
 #include <algorithm>
@@ -20,10 +20,10 @@ struct Rect {
 
 inline constexpr float kToolBarEms = 2.8f, kStatusEms = 1.9f, kPanelEms = 21;
 
-/// The tool bar at the top and the status line at the bottom are as wide as the window; the panel
-/// is at the right between them; the picture has the rest. Their sizes depend on the height of the
-/// text alone, so nothing that is shown in them moves the picture. Where the window is too small
-/// the picture is left with one unit.
+/// The tool bar at the top and the status line at the bottom span the window; the panel is at the
+/// right between them; the picture has the rest. Their sizes depend only on the text height, so
+/// their contents never move the picture. In a window that is too small, the picture keeps one
+/// unit.
 struct Layout {
   Rect tool_bar, panel, status, picture;
 
@@ -39,8 +39,8 @@ struct Layout {
   }
 };
 
-/// How many tools of these widths, from the first, stand in a bar; where not all do, room is left
-/// for one more, which offers the others.
+/// The number of tools of these widths, from the first, that fit in a bar; if not all fit, room is
+/// left for one more, which offers the others.
 inline size_t tools_that_fit(std::span<const float> widths, float available, float more) {
   float used = 0;
   size_t fit = 0, with_more = 0;

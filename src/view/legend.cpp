@@ -48,12 +48,12 @@ Legend depth_legend(double distance) {
 
 double counted_place(const Rgb& color) { return heat_place(heat_count(color)); }
 
-// The value that the view shows there, and where it is on the scale.
+// The value shown by the view there, and its position on the scale.
 ReadOut value_of(const ViewState& state, const Pick& pick, const Accel* accel, const Rgb& c,
                  int picture_height) {
   const double distance = view_distance(state.camera);
   const auto count = [&](const char* one, const char* many) {
-    // The scale ends there; there may be more.
+    // The scale ends there; the value may be larger.
     const auto seen = size_t(std::lround(heat_count(c)));
     return ReadOut{(seen >= 1024 ? ">= " : "") + number_of(seen, one, many), counted_place(c)};
   };

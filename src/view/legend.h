@@ -1,4 +1,4 @@
-// What the colours of a view mean, as a scale with units, and what is under the cursor.
+// The meaning of a view's colours, as a scale with units, and what is under the cursor.
 #pragma once
 
 #include <optional>
@@ -19,29 +19,29 @@ struct Legend {
   };
   std::string title;        // with the unit
   std::vector<Stop> stops;  // evenly spaced along the scale
-  bool discrete = false;    // swatches: there is nothing between them
+  bool discrete = false;    // swatches without values in between
 };
 
 /// Empty for the picture.
 Legend legend_of(const ViewState& state);
 
-/// The count that heat_color() (integrate/views.h) shows in this colour; between two stops the
-/// nearest. 1024 stands for all that are more.
+/// The count that heat_color() (integrate/views.h) shows in this colour, between two stops the
+/// nearest. 1024 stands for all larger ones.
 double heat_count(const Rgb& color);
 
 struct ReadOut {
-  std::string text;          // one line: the value of the view with its unit, then what is there
+  std::string text;          // one line: the view's value with its unit, then what was hit
   std::optional<double> at;  // on the legend's scale, 0 to 1
 };
 
-/// At a place of the picture, 0 to 1; nothing outside.
+/// At a position of the picture, 0 to 1; nothing outside.
 ReadOut read_out(const ViewState& state, const SessionPicture& picture, double x, double y,
                  const Pick& pick);
-/// Of a pixel with this colour. Without `accel` only what the colour says.
+/// For a pixel with this colour. Without `accel`, only what the colour says.
 ReadOut read_out(const ViewState& state, const Pick& pick, const Accel* accel, const Rgb& color,
                  int picture_height);
 
-/// At the lower right of the picture. What it covers; nothing where there is no legend.
+/// At the lower right of the picture. Returns the covered area; empty without a legend.
 Rect draw_legend(const Rect& picture, const Legend& legend, std::optional<double> at);
 
 }  // namespace raio::view

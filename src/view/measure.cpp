@@ -13,20 +13,20 @@
 namespace raio::view {
 namespace {
 
-// For whoever draws what is new: nothing is timed meanwhile.
+// For drawing news: nothing is timed meanwhile.
 constexpr std::chrono::milliseconds kDrawTime(40);
 
-// The options of the state, also of effects that are switched off.
+// The options of the state, including those of disabled effects.
 RenderOptions options_of(const ViewState& state, int width, int height) {
   RenderOptions o = state.options;
   set_camera(o, state.camera, *state.scene);
   o.width = width, o.height = height;
-  // The key leaves their number open, which counts as one sample.
+  // The keys leave the number of samples open, which counts as one.
   if (o.aa == 0 && o.samples == 0 && state.endless()) o.samples = kRefineSamples;
   return o;
 }
 
-// Of a curve over all grids.
+// For a curve over all grids.
 RenderOptions options_without_grid(const ViewState& state, int width, int height) {
   RenderOptions o = options_of(state, width, height);
   o.accel = {};
@@ -92,7 +92,7 @@ Measuring::~Measuring() {
   if (thread_.joinable()) thread_.join();
 }
 
-// From the measuring thread.
+// Called from the measuring thread.
 template <class Change>
 void Measuring::show(Change&& change) {
   {
@@ -129,7 +129,7 @@ void Measuring::start_costs(const ViewState& state, std::shared_ptr<const BakedS
         found.progress = {.done = costs.done, .left_s = costs.left_s, .what = {}};
       });
     };
-    // A view of steps has a structure that counts them, which takes longer.
+    // A view of steps has a counting structure, which is slower.
     std::shared_ptr<const Accel> accel = baked->accel;
     const RenderSettings s = resolve_options(timed_options(options, *scene), *scene);
     if (baked->options.counters && !s.accel.counters) {
@@ -143,7 +143,7 @@ void Measuring::start_costs(const ViewState& state, std::shared_ptr<const BakedS
   });
 }
 
-// Steps are begun one after the other: what the last one took tells what the others will.
+// Steps start one after the other: the time of the last one predicts the others.
 void Measuring::show_step(const BenchmarkStep& step) {
   const auto now = Clock::now();
   const double passed = std::chrono::duration<double>(now - step_start_).count();

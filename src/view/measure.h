@@ -1,5 +1,5 @@
-// What effects cost, measured in a thread of its own. Sessions rest meanwhile: whoever starts a
-// measurement has paused them and waited until they are idle.
+// Measures the costs of effects in a separate thread. Sessions must rest: the caller has paused
+// them and waited until they are idle.
 #pragma once
 
 #include <array>
@@ -23,23 +23,23 @@ namespace raio::view {
 Effect effect_of(Command effect);
 Command command_of(Effect effect);
 
-/// How far a measurement is.
+/// The progress of a measurement.
 struct MeasuringProgress {
   double done = 0;    // 0 to 1
   double left_s = 0;  // at least; 0: unknown
-  std::string what;   // that is being timed: "3 of 24: grid AA"
+  std::string what;   // currently timed: "3 of 24: grid AA"
 };
 
 class Measuring {
  public:
-  /// `on_news` is called from the measuring thread when there is something to show; it has a moment
-  /// then in which nothing is timed.
+  /// `on_news` is called from the measuring thread when there is something to show, at a moment
+  /// when nothing is timed.
   explicit Measuring(std::function<void()> on_news) : on_news_(std::move(on_news)) {}
   ~Measuring();
   Measuring(const Measuring&) = delete;
   Measuring& operator=(const Measuring&) = delete;
 
-  /// Only when not busy().
+  /// Only if not busy().
   void start_costs(const ViewState& state, std::shared_ptr<const BakedScene> baked, int width,
                    int height);
   void start_table(const ViewState& state, int width, int height);
@@ -48,22 +48,22 @@ class Measuring {
   void cancel() { control_.stop = true; }
 
   enum class Work { none, costs, table, curve };
-  /// What is being measured, until poll() has told of its end.
+  /// The current work, until poll() has reported its end.
   Work work() const { return work_; }
   bool busy() const { return work_ != Work::none; }
-  /// The end of the work, once: a line to be said, empty where there is nothing to say.
+  /// The end of the work, once: a line to display, or empty.
   std::optional<std::string> poll();
 
-  /// Whether what follows has changed since the last call.
+  /// Whether the following have changed since the last call.
   bool has_news() { return news_.exchange(false); }
   MeasuringProgress progress() const;
-  /// What is known by now; without effects, and nothing, before there was anything.
+  /// The results so far; initially without effects.
   EffectCosts costs() const;
   std::optional<BenchmarkTable> table() const;
   GridCurve curve() const;
-  /// Is the curve one of this picture, whatever its grid?
+  /// Whether the curve belongs to this picture, whatever its grid.
   bool is_curve_of(const ViewState& state, int width, int height) const;
-  /// All of it is of another scene now. Cancels, too.
+  /// Drops everything for a new scene. Cancels, too.
   void forget();
 
  private:
@@ -74,7 +74,7 @@ class Measuring {
     MeasuringProgress progress;
   };
 
-  // `measure` returns what went wrong.
+  // `measure` returns the error.
   void start(Work work, std::function<std::string()> measure);
   template <class Change>
   void show(Change&& change);
@@ -88,7 +88,7 @@ class Measuring {
   RenderOptions curve_options_;
   std::shared_ptr<const Scene> curve_scene_;
   std::string error_;  // the thread's, until done_
-  // The thread's, of a table: when the step began, what it is, and what a sample takes with its
+  // The thread's, for a table: the start of the step, what it is, and the time per sample with its
   // structure.
   Clock::time_point step_start_;
   BenchmarkStep step_;

@@ -15,7 +15,7 @@ int open_window(const app::ViewCommand& command) {
   std::expected<Scene, int> scene;
   Diagnostics said;
   if (command.scene.empty()) {
-    scene->materials = {Material()};  // nothing, until one is opened
+    scene->materials = {Material()};  // empty until a scene is opened
   } else {
     on_threads(command.options.threads,
                [&] { scene = app::load_scene(command.scene, false, &said, command.read); });

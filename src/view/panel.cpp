@@ -14,14 +14,14 @@
 namespace raio::view {
 namespace {
 
-// At the right end of the row, faint: the key that does the same.
+// At the right end of the row, faint: the equivalent key.
 void key_cap(const char* name) {
   const float width = ImGui::CalcTextSize(name).x;
   ImGui::SameLine(std::max(0.0f, ImGui::GetContentRegionMax().x - width));
   faint_text(name);
 }
 
-// How far gloss or translucency spreads rays, also one that is off; 0 switches it off.
+// The roughness of gloss or translucency, even if off; 0 switches it off.
 void draw_roughness(ViewState& state, Command effect, PanelResult& result) {
   std::optional<float>& given = state.roughness(effect);
   float roughness = given.value_or(0);
@@ -40,9 +40,9 @@ void draw_roughness(ViewState& state, Command effect, PanelResult& result) {
   ImGui::PopID();
 }
 
-// A click does what the key does.
+// A click is equivalent to the key.
 void draw_effects(ViewState& state, PanelResult& result) {
-  ImGui::PushID("effects");  // some are called as options are
+  ImGui::PushID("effects");  // some have the same names as options
   for (const KeySpec& key : key_table()) {
     if (key.command > Command::refraction) break;
     if (key.command == Command::structure) continue;
@@ -63,7 +63,7 @@ void draw_effects(ViewState& state, PanelResult& result) {
   ImGui::PopID();
 }
 
-// What the scene is, and what is wrong with it: three rows, always.
+// The scene and its warnings: always three rows.
 void draw_head(const ViewState& state, const PanelFacts& facts) {
   const Scene& scene = *state.scene;
   ImGui::PushFont(heading_font());
@@ -87,7 +87,7 @@ void draw_head(const ViewState& state, const PanelFacts& facts) {
   ImGui::EndTooltip();
 }
 
-// One row of the table of options. The text of a new value, or nothing.
+// One row of the table of options. Returns the text of a new value, or nothing.
 std::optional<std::string> draw_option(const RenderOptions& options, const RenderOptions& resolved,
                                        const OptionSpec& spec) {
   const std::string label(spec.name);
@@ -112,7 +112,7 @@ std::optional<std::string> draw_option(const RenderOptions& options, const Rende
     }
     New operator()(float& (*value)(RenderOptions&)) {
       float number = value(used);
-      // From zero, to both sides of which it may go, in even steps.
+      // If the range includes negative values, in even steps from zero.
       const float speed = spec.least < 0 ? 0.01f : std::max(0.005f * std::abs(number), 1e-6f);
       const auto [least, most] = std::pair(float(spec.least), float(spec.most));
       const char* const format = number == 0 && least > 0 ? tr("best") : "%.6g";
@@ -139,8 +139,7 @@ std::optional<std::string> draw_option(const RenderOptions& options, const Rende
   return std::visit(Widget{options, resolved, spec, label.c_str()}, spec.value);
 }
 
-// What the options come to, also those that wait for an effect to be switched on: no field shows 0
-// for "as always".
+// The resolved options, including those of disabled effects: no field shows 0 for a default.
 RenderOptions used_options(const ViewState& state, RenderOptions options) {
   const RenderOptions given = options;
   options.soft_shadows = true, options.dof = true, options.accel.kind = AccelKind::grid;
@@ -184,7 +183,7 @@ void draw_options(ViewState& state, const PanelFacts& facts, PanelResult& result
       result.problem = why->text("--");
       continue;
     }
-    // It fits the camera of the window, which the options have as a place.
+    // It fits the window's camera, which the options store as a position.
     const Camera camera = options.fit ? fitted_along(*state.scene, state.camera, *options.fit)
                                       : camera_of(*state.scene, options);
     if (const auto why = camera_problem(camera); !why.empty()) {
@@ -229,7 +228,7 @@ void draw_boxes(ViewState& state, const PanelFacts& facts, PanelResult& result) 
                  : trf("the largest {} of {} boxes", boxes.drawn, boxes.all));
 }
 
-// How the window itself looks.
+// The window's own appearance.
 void draw_window_options(const PanelFacts& facts, PanelResult& result) {
   bool light = facts.look.light, projector = facts.look.projector;
   if (ImGui::Checkbox(tr("light colours"), &light))
@@ -243,8 +242,8 @@ void draw_window_options(const PanelFacts& facts, PanelResult& result) {
     set_language(portuguese ? Language::portuguese : Language::english);
 }
 
-// Whether something that goes on has only just begun: a few frames, since it takes one until it is
-// known how much room a section takes.
+// Whether an activity has only just started: a few frames, since the size of a section is known one
+// frame later.
 bool has_just_begun(const char* what, bool goes_on) {
   int& frames = *ImGui::GetStateStorage()->GetIntRef(ImGui::GetID(what));
   frames = goes_on ? frames + 1 : 0;

@@ -1,4 +1,4 @@
-// The panel beside the picture: effects, figures, the scene, all options.
+// The panel at the right of the picture: effects, figures, the scene, all options.
 #pragma once
 
 #include <string>
@@ -13,27 +13,27 @@
 
 namespace raio::view {
 
-/// What the panel tells besides the state.
+/// The contents of the panel besides the state.
 struct PanelFacts {
   CostFacts costs;
-  Diagnostics errors;                 // of the file on the disk, when it is not that of the scene
+  Diagnostics errors;                 // of the file on the disk, if it is newer than the scene
   std::vector<std::string> warnings;  // of the scene, one line each
   Theme look;
   BoxFacts boxes;
 };
 
-/// What was done to it.
+/// User input in the panel.
 struct PanelResult {
   std::vector<const KeySpec*> pressed;  // as if by their keys
   bool changed = false;                 // the state's options or camera
-  bool dragging = false;                // they still change
-  bool wants_costs = false;             // they are in view
+  bool dragging = false;                // still changing
+  bool wants_costs = false;             // they are visible
   bool saves_curve = false;
-  std::string problem;  // with what was typed
+  std::string problem;  // with the user's input
 };
 
-/// Draws it there, and changes the state as it is told. Its rows keep their places, whatever they
-/// say.
+/// Draws it there, and updates the state from user input. Its rows keep their positions, whatever
+/// their contents.
 PanelResult draw_panel(ViewState& state, const PanelFacts& facts, const Rect& where);
 
 }  // namespace raio::view

@@ -22,7 +22,7 @@ void begin_panel(const char* name, const Rect& where) {
 bool open_section(const char* name, bool at_first) {
   ImGui::Spacing();
   ImGui::PushFont(heading_font());
-  // The name may be in another language; the section is the same.
+  // The name may be translated; the section's identity is not.
   const bool is_open = ImGui::CollapsingHeader(fmt::format("{}###{}", tr(name), name).c_str(),
                                                at_first ? ImGuiTreeNodeFlags_DefaultOpen : 0);
   ImGui::PopFont();

@@ -1,4 +1,4 @@
-// What the panels are made of: their frame, sections that open and close, lines of text.
+// Building blocks of panels: frame, collapsible sections, lines of text.
 #pragma once
 
 #include <imgui.h>
@@ -21,10 +21,11 @@ inline void faint_text(const std::string& line) {
   ImGui::PopStyleColor();
 }
 
-/// Begins a panel that fills its place; ImGui::End() ends it.
+/// Starts a panel that fills its area; ImGui::End() ends it.
 void begin_panel(const char* name, const Rect& where);
 
-/// A heading that opens what is below it; `name` is that of the table of texts. Whether it is open.
+/// A heading that opens the content below; `name` is a key of the table of texts. Returns whether
+/// it is open.
 bool open_section(const char* name, bool at_first);
 
 }  // namespace raio::view

@@ -1,5 +1,5 @@
-// What is seen in the window's picture: the picture itself, and the same without the last effect
-// switched beside it, or the plane in focus over it.
+// The contents of the window's picture: the picture itself, and for comparison the same without the
+// last effect switched, or the focal plane over it.
 #pragma once
 
 #include "render/session.h"
@@ -13,38 +13,38 @@ class Pictures {
  public:
   enum class Other { none, without, focus };
 
-  /// `session` has got its first request already.
+  /// `session` already has its first request.
   explicit Pictures(std::unique_ptr<Session> session);
 
   Side main, other;
 
-  /// Tells the sessions what is wanted now; `frame_s` as in SessionRequest.
+  /// Passes the current request to the sessions; `frame_s` as in SessionRequest.
   void request(const ViewState& state, const Stage& stage, double frame_s);
   void request_other(Other wanted, const ViewState& state, const Stage& stage, double frame_s);
   Other wanted_other() const { return wanted_; }
 
   void pause(bool pause) const;
-  /// Whether no session uses the machine.
+  /// Whether no session is busy.
   bool are_idle() const { return main.session->is_idle() && other.session->is_idle(); }
 
-  /// `split_at`: where the bar between the two is, 0 to 1.
+  /// `split_at`: the position of the bar between the two, 0 to 1.
   void draw(const ViewState& state, const Stage& stage, float split_at) const;
 
-  /// The main picture if it is whole and of the newest request, else null.
+  /// The main picture if it is whole and answers the newest request, else null.
   std::shared_ptr<const SessionPicture> whole(const ViewState& state) const;
 
  private:
   Other wanted_ = Other::none;
 };
 
-/// One line at the foot of the picture, for a while.
+/// One line at the bottom of the picture, for a while.
 class Message {
  public:
   void say(std::string text, double now);
   const std::string& text() const { return text_; }
-  /// How long it has been there.
+  /// How long it has been shown.
   double age(double now) const { return now - since_; }
-  /// Drops it when its time is over. Whether it was.
+  /// Removes it when its time is over; returns whether it did.
   bool expire(double now);
 
  private:

@@ -1,4 +1,4 @@
-// Where points of the world are in the window.
+// Projects points of the world into the window.
 #pragma once
 
 #include <imgui.h>
@@ -21,7 +21,7 @@ class Projection {
         scale_(double(stage.hi.y - stage.lo.y) / 2 / half_height(camera, 1)),
         parallel_(camera.is_parallel()) {}
 
-  /// Nothing for a point that is not in front of the camera.
+  /// Nothing for a point behind the camera.
   std::optional<ImVec2> point(const Vec3d& p) const {
     const Vec3d v = p - from_;
     const double depth = dot(v, axes_.forward);
@@ -30,7 +30,7 @@ class Projection {
     return ImVec2(center_.x + float(scale * dot(v, axes_.right)),
                   center_.y - float(scale * dot(v, axes_.up)));
   }
-  /// The part that is in front of the camera.
+  /// The part in front of the camera.
   std::optional<std::array<ImVec2, 2>> segment(Vec3d a, Vec3d b) const {
     const double da = dot(a - from_, axes_.forward), db = dot(b - from_, axes_.forward);
     const double near = near_ * (1 + 1e-9);
@@ -47,7 +47,7 @@ class Projection {
   Vec3d from_;
   double near_;
   ImVec2 center_;
-  double scale_;  // units of the window for one of the scene, at a distance of 1 or at any
+  double scale_;  // window units per scene unit, at distance 1 or at any distance
   bool parallel_;
 };
 

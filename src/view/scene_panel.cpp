@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kColorFlags = ImGuiColorEditFlags_Float | ImGuiColorEditFlags_HDR;
 
-// As fine as suits the distance at which one looks.
+// As fine as suits the distance of the point looked at.
 float speed_of(const Camera& camera) {
   return float(length(Vec3d(camera.at) - Vec3d(camera.from))) / 300;
 }
@@ -31,7 +31,7 @@ bool number_field(const char* label, float& value, float least, float most) {
   return value != before;
 }
 
-// Its light is that of a sky: neither lights nor what mirrors and refracts are in it.
+// Figures are lit by a sky and have neither lights nor mirrors and glass.
 bool is_figure(const ViewState& state) {
   return integrator_of(state.options, *state.scene) == IntegratorKind::ambient;
 }
@@ -65,7 +65,7 @@ bool draw_camera(ViewState& state) {
   return true;
 }
 
-// Light has no upper limit, and so none at all in the widget.
+// Light has no upper limit, so the widget has none.
 bool color_field(const char* label, Rgb& color) {
   if (!ImGui::ColorEdit3(label, &color.x, kColorFlags)) return false;
   for (int i = 0; i < 3; ++i) color[i] = std::max(color[i], 0.0f);
@@ -93,7 +93,7 @@ bool draw_background(ViewState& state) {
   return true;
 }
 
-// Which of `count` things is shown: "2 of 3", with arrows.
+// Selects one of `count` items: "2 of 3", with arrows.
 void choose(const char* label, int& chosen, size_t count) {
   chosen = std::clamp(chosen, 0, std::max(0, int(count) - 1));
   int number = chosen + 1;
@@ -128,7 +128,7 @@ bool draw_lights(ViewState& state) {
           edited(state.scene, [&](Scene& s) { s.lights[size_t(state.chosen_light)] = light; });
   }
   if (ImGui::Button(tr("add a light"))) {
-    // Above the camera's left shoulder, where it lights what is seen.
+    // Above the camera's left shoulder, where it lights the visible side.
     const Camera& c = state.camera;
     Light light{c.from + (c.from - c.at) * 0.2f + normalize(c.up) * length(c.from - c.at) * 0.5f,
                 lights.empty() ? std::nullopt : lights.front().color};
@@ -162,7 +162,7 @@ bool draw_material(ViewState& state) {
   changed |= number_field(tr("glass T"), m.transmission, 0, 1);
   changed |= number_field(tr("index of refraction"), m.ior, 0.1f, 4);
   ImGui::EndDisabled();
-  if (m.transmission > 0 && !(m.ior > 0)) m.ior = 1;  // as files want it
+  if (m.transmission > 0 && !(m.ior > 0)) m.ior = 1;  // as files require
   if (changed)
     state.scene =
         edited(state.scene, [&](Scene& s) { s.materials[size_t(state.chosen_material)] = m; });

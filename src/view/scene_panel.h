@@ -1,11 +1,11 @@
-// The part of the panel that changes the scene: camera, background, lights, materials.
+// The section of the panel that edits the scene: camera, background, lights, materials.
 #pragma once
 
 #include "view/state.h"
 
 namespace raio::view {
 
-/// Whether it changed the state's scene or camera.
+/// Returns whether it changed the state's scene or camera.
 bool draw_scene(ViewState& state);
 
 }  // namespace raio::view

@@ -1,4 +1,4 @@
-// The shading of a hit, told term by term (view/traversal_words.h).
+// The shading of a hit, explained term by term (view/traversal_words.h).
 #include <algorithm>
 #include <cmath>
 
@@ -17,7 +17,7 @@ template <class T>
 std::string numbers(Vec3<T> v) {
   return fmt::format("{:.6g} {:.6g} {:.6g}", v.x, v.y, v.z);
 }
-// One where red, green and blue are alike.
+// A single number if red, green and blue are equal.
 std::string weight_text(Rgb w) { return w == Rgb(w.x) ? number(w.x) : numbers(w); }
 
 class ShadingNarrator {
@@ -74,7 +74,8 @@ class ShadingNarrator {
          {"ambient", numbers(ray_.ambient)}});
   }
 
-  // What light l brings to the surface that `at` hits, by its shadow ray, if it faces the light.
+  // The contribution of light l to the surface hit by `at`, by its shadow ray, if it faces the
+  // light.
   void light(const ExplainedRay& at, size_t l, const ExplainedRay* shadow) {
     const Surface& s = *at.surface;
     if (!shadow) {
@@ -127,7 +128,7 @@ class ShadingNarrator {
   static bool is_tinted(const Surface& s) { return s.specular != Rgb(1); }
   static std::string_view ks_name(const Surface& s) { return is_tinted(s) ? "Ks specular" : "Ks"; }
 
-  // Fresnel's reflectance where it divides the light, for the variables of its two rays.
+  // Fresnel's reflectance if it splits the light, for the variables of both rays.
   bool divides(const Surface& s) const {
     return settings_.fresnel != Fresnel::none && s.transmission > 0;
   }
@@ -169,7 +170,7 @@ class ShadingNarrator {
       add(tr("Reflection is switched off"));
       return;
     }
-    // A smooth normal can send the ray through the surface; then the geometric one mirrors it.
+    // A smooth normal can send the ray through the surface; then the geometric one reflects it.
     const Vec3d in(ray_.ray.dir), smooth(s.normal), flat(s.geometric);
     const Vec3d smooth_out = in - smooth * (2 * dot(in, smooth));
     const Vec3d n = dot(smooth_out, flat) > 0 ? smooth : flat;
@@ -210,7 +211,7 @@ class ShadingNarrator {
       const double c = -dot(in, n);
       return 1 - double(s.eta) * s.eta * (1 - c * c);
     };
-    // As above: a smooth normal whose ray would stay on its side gives way to the geometric one.
+    // As above: if a smooth normal leaves the ray on its side, the geometric one is used.
     Vec3d n = smooth;
     if (const double k = k_of(n), c = -dot(in, n);
         !(dot(in * double(s.eta) + n * (s.eta * c - std::sqrt(std::max(0.0, k))), flat) < 0))

@@ -18,7 +18,7 @@ void Texture::set(const Image& image) {
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
   }
-  // Four bytes a pixel: what graphics cards store, so that nothing is converted on the way.
+  // Four bytes per pixel: the native format of graphics cards, so nothing is converted.
   bytes_.resize(image.pixels.size() * 4);
   uint8_t* out = bytes_.data();
   for (const Rgb& c : image.pixels) {

@@ -1,5 +1,4 @@
-// Where pictures appear: textures on the graphics card, and the rectangle of the window in which
-// they are drawn.
+// The display of pictures: textures on the graphics card, and the rectangle of the window for them.
 #pragma once
 
 #include <imgui.h>
@@ -25,11 +24,11 @@ class Texture {
   ImTextureID id() const {
     return reinterpret_cast<ImTextureID>(uintptr_t(name_));  // NOLINT(performance-no-int-to-ptr)
   }
-  /// Of the bytes; what tests tell pictures by.
+  /// Of the bytes, for comparing pictures in tests.
   uint64_t checksum() const;
 
-  /// Draws the part of the picture between `left` and `right` (0 to 1) there; `sharp`: pixel by
-  /// pixel, without smoothing.
+  /// Draws the part of the picture between `left` and `right` (0 to 1); `sharp`: pixel by pixel,
+  /// without smoothing.
   void draw(ImVec2 lo, ImVec2 hi, float left, float right, float alpha, bool sharp) const;
 
  private:
@@ -38,19 +37,19 @@ class Texture {
   std::vector<uint8_t> bytes_;
 };
 
-/// The part of the window that is the picture's, and the picture in it, in window coordinates.
+/// The picture's area of the window, and the picture in it, in window coordinates.
 struct Stage {
   Rect area{0, 0, 1, 1};
   ImVec2 lo{0, 0}, hi{1, 1};                  // of the picture
   int picture_width = 1, picture_height = 1;  // pixels
-  bool sharp = true;                          // a pixel of the picture is one of the screen
+  bool sharp = true;                          // one pixel of the picture is one of the screen
 
-  /// A picture that fills the area; one of a given size (not 0x0) is shown whole and in the middle.
+  /// A picture that fills the area; one of a given size (not 0x0) is shown whole, in the middle.
   Stage(const Rect& area, float pixels_per_unit, int width, int height);
   Stage() = default;
 
   bool contains(double x, double y) const { return area.contains(x, y); }
-  /// In the picture, 0 to 1.
+  /// Position in the picture, 0 to 1.
   double across(double x) const { return (x - lo.x) / (hi.x - lo.x); }
   double down(double y) const { return (y - lo.y) / (hi.y - lo.y); }
   double aspect() const { return double(picture_width) / picture_height; }

@@ -26,7 +26,7 @@ bool same_camera(const Camera& a, const Camera& b) {
          a.projection == b.projection;
 }
 
-// Windows have any shape: what is to be seen of data is seen in a square and whatever is wider.
+// Windows have any shape: the camera shows the data in a square and in anything wider.
 Camera first_camera(RenderOptions o, const Scene& scene) {
   if (o.width == 0 || o.height == 0) o.width = o.height = 512;
   return resolve_options(o, scene).camera;
@@ -39,7 +39,7 @@ const char* effect_name(Command effect) { return key_of(effect).help; }
 ViewState::ViewState(std::string p, std::shared_ptr<const Scene> s, const RenderOptions& o)
     : path(std::move(p)), scene(std::move(s)), options(o), camera(first_camera(o, *scene)) {
   reset_camera(options);
-  // What the command line leaves open and the keys walk through.
+  // Defaults for what the command line leaves open and the keys change.
   const RenderSettings plain = resolve_options(o, *scene);
   options.accel.kind = plain.accel.kind == AccelKind::automatic ? AccelKind::bvh : plain.accel.kind;
   if (o.aa == 0 && o.samples == 0 && o.sampler != SamplerKind::jitter && plain.aa == 1)
@@ -122,7 +122,7 @@ void ViewState::switch_motion(bool on) {
 
 std::string ViewState::toggle(Command effect) {
   const bool on = !is_on(effect);
-  // A figure has none of them: its light is that of a sky.
+  // Figures have none of them: they are lit by a sky.
   constexpr Command kOfSurfaces[] = {Command::soft_shadows, Command::reflection,
                                      Command::refraction, Command::gloss, Command::translucency};
   if (integrator_of(options, *scene) == IntegratorKind::ambient &&
@@ -186,7 +186,7 @@ RenderOptions ViewState::request(int width, int height, int samples) const {
   RenderOptions o = options;
   set_camera(o, camera, *scene);
   o.width = width, o.height = height;
-  // What would be refused as having no effect.
+  // Options that would be refused as having no effect.
   const bool dof = resolved().dof;
   if (!dof) o.aperture = o.focus = 0;
   if (camera.is_parallel()) o.dof.reset();
@@ -196,7 +196,7 @@ RenderOptions ViewState::request(int width, int height, int samples) const {
   if (o.accel.kind != AccelKind::grid) o.accel.grid_factor = 0, o.accel.grid_resolution = {0, 0, 0};
   if (o.accel.grid_resolution[0] > 0) o.accel.grid_factor = 0;
   if (o.accel.kind == AccelKind::embree) o.accel.counters = false;
-  // Embree does not count; the inspector takes the tree, too.
+  // Embree does not count; the inspector uses the tree, too.
   if (o.accel.kind == AccelKind::embree && (o.view == View::steps || o.view == View::tests))
     o.accel.kind = AccelKind::bvh;
   if (o.view != View::picture || o.integrator == IntegratorKind::views)

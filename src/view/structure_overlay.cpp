@@ -14,7 +14,7 @@
 namespace raio::view {
 namespace {
 
-constexpr float kNearest = 0.9f, kFarthest = 0.25f;  // how opaque their lines are
+constexpr float kNearest = 0.9f, kFarthest = 0.25f;  // opacity of their lines
 
 float area_of(const AccelBox& b) {
   const Vec3f s = b.box.size();
@@ -23,7 +23,7 @@ float area_of(const AccelBox& b) {
 
 }  // namespace
 
-// Goes by all boxes, but only when the structure or the choice is another one.
+// Visits all boxes, but only if the structure or the selection changed.
 void StructureOverlay::choose(const BoxLook& look, std::shared_ptr<const BakedScene> baked) {
   if (look == look_ && baked == baked_) return;
   const bool is_other = baked != baked_;
@@ -51,7 +51,7 @@ void StructureOverlay::choose(const BoxLook& look, std::shared_ptr<const BakedSc
   facts_.drawn = boxes_.size();
 }
 
-// By level as evenly over the scale of the counts as there are levels.
+// Levels are spread evenly over the scale of counts.
 Rgb StructureOverlay::color_of(const AccelBox& box) const {
   if (!look_.by_level) return heat_color(double(box.primitives));
   return heat_color(std::pow(4.0, 5.0 * box.level / std::max(facts_.levels, 1)));

@@ -11,21 +11,21 @@
 
 namespace raio::view {
 
-/// What there is to be drawn.
+/// What can be drawn.
 struct BoxFacts {
   size_t drawn = 0, all = 0;
-  int levels = 0;   // of a tree, that of its deepest leaf; 0: a grid
-  size_t most = 1;  // primitives in a box at the level that is shown
+  int levels = 0;   // in a tree, that of its deepest leaf; 0: a grid
+  size_t most = 1;  // maximum number of primitives in a box at the displayed level
 };
 
-/// Where there are more, the largest ones are drawn.
+/// If there are more, only the largest are drawn.
 inline constexpr size_t kMaxBoxes = 3000;
 
 class StructureOverlay {
  public:
-  /// Those that will be drawn, until the look or the structure is another one.
+  /// Selects the boxes to draw, until the style or the structure changes.
   void choose(const BoxLook& look, std::shared_ptr<const BakedScene> baked);
-  /// Nothing where the state says that they are hidden.
+  /// Draws nothing if the state hides them.
   void draw(const Rect& area, const ViewState& state, std::shared_ptr<const BakedScene> baked,
             const Stage& stage);
   const BoxFacts& facts() const { return facts_; }
@@ -35,7 +35,7 @@ class StructureOverlay {
   Rgb color_of(const AccelBox& box) const;
 
   BoxLook look_;
-  std::shared_ptr<const BakedScene> baked_;  // whose boxes these are
+  std::shared_ptr<const BakedScene> baked_;  // owner of these boxes
   std::vector<AccelBox> boxes_;
   BoxFacts facts_;
 };

@@ -1,5 +1,5 @@
-// The words on the screen, in the language of whoever looks at it. The English ones stand where
-// they are used; one table (texts.cpp) has them in Portuguese.
+// The texts of the window in the user's language. English texts are where they are used; one table
+// (texts.cpp) has the Portuguese ones.
 #pragma once
 
 #include <fmt/format.h>
@@ -15,19 +15,19 @@ namespace raio::view {
 
 enum class Language : uint8_t { english, portuguese };
 
-/// Of everything that is drawn from now on.
+/// The language of everything drawn from now on.
 void set_language(Language language);
 Language language();
 
-/// By a locale's name, as in LC_ALL or LANG: "pt_BR.UTF-8" is Portuguese, all that is unknown
+/// From a locale's name, as in LC_ALL or LANG: "pt_BR.UTF-8" is Portuguese, unknown ones are
 /// English.
 Language language_of(std::string_view locale);
 
-/// That of LC_ALL, LC_MESSAGES or LANG, whichever is set first.
+/// From LC_ALL, LC_MESSAGES or LANG, whichever is set first.
 Language language_of_system();
 
-/// The text in the language of the screen; English where the table lacks it. Lives for ever if
-/// `english` does.
+/// The text in the window's language; English if the table has no entry. Has the lifetime of
+/// `english`.
 const char* tr(const char* english);
 
 /// A format of the table with its arguments.

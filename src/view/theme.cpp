@@ -50,7 +50,7 @@ Palette g_palette = kDark;
 float g_em = kTextSize;
 ImFont *g_heading = nullptr, *g_title = nullptr;
 
-// Of the usual places; without any there is ImGui's own, of pixels.
+// In the usual locations; else ImGui's built-in pixel font.
 constexpr std::array kRegular = {"/usr/share/fonts/opentype/inter/Inter-Regular.otf",
                                  "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
                                  "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
@@ -60,8 +60,8 @@ constexpr std::array kHeavy = {"/usr/share/fonts/opentype/inter/Inter-SemiBold.o
                                "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans-Bold.ttf",
                                "/usr/share/fonts/TTF/DejaVuSans-Bold.ttf"};
 constexpr std::array kMedium = {"/usr/share/fonts/opentype/inter/Inter-Medium.otf"};
-// What names may need besides: the letters of Latin, Greek and Cyrillic, then Chinese, Japanese and
-// Korean. Those that are there are all asked, in turn.
+// For other letters in names: Latin, Greek and Cyrillic, then Chinese, Japanese and Korean. All
+// available ones are tried in turn.
 constexpr std::array kOtherScripts = {
     "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
     "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
@@ -74,12 +74,12 @@ constexpr std::array kOtherScripts = {
     "/usr/share/fonts/truetype/droid/DroidSansFallbackFull.ttf",
     "/usr/share/fonts/opentype/ipafont-gothic/ipag.ttf",
     "/usr/share/fonts/truetype/nanum/NanumGothic.ttf"};
-constexpr size_t kMaxLetters = 2000;  // of them; each takes room in a texture
+constexpr size_t kMaxLetters = 2000;  // each takes room in a texture
 
-std::set<ImWchar> g_letters;  // that names have
+std::set<ImWchar> g_letters;  // that occur in names
 bool g_wants_letters = false;
 
-// As ImGui wants them, who reads them when the texture is made.
+// In ImGui's format, read when the texture is made.
 const ImWchar* other_letters() {
   static std::vector<ImWchar> ranges;
   ranges.clear();
@@ -103,7 +103,7 @@ void load_other_letters(const char* own, float size) {
   for (const char* file : kOtherScripts) merge(file);
 }
 
-// Titles have no names in them.
+// Titles contain no names.
 enum class Letters { of_names_too, own };
 
 template <size_t N>
@@ -124,8 +124,8 @@ void load_fonts(const Theme& look, float scale) {
   ImGuiIO& io = ImGui::GetIO();
   io.Fonts->Clear();
   g_wants_letters = false;
-  // Western Europe's letters and the sign of infinity, and those of the one title: each letter
-  // costs time when the window opens.
+  // Western Europe's letters and the infinity sign, and those of the one title: each letter costs
+  // time when the window opens.
   static constexpr std::array<ImWchar, 5> kAll = {0x20, 0xff, 0x221e, 0x221e, 0};
   static constexpr std::array<ImWchar, 9> kTitle = {'R', 'R', 'a', 'a', 'i', 'i', 'o', 'o', 0};
   ImFont* body = look.projector ? load(kMedium, g_em, kAll.data(), Letters::of_names_too) : nullptr;
@@ -170,7 +170,7 @@ void set_colors(const Palette& p) {
 
 void apply_look(const Theme& look, float scale) {
   g_palette = look.light ? kLight : kDark;
-  if (look.projector) g_palette.faint = g_palette.text;  // no grey that a hall cannot read
+  if (look.projector) g_palette.faint = g_palette.text;  // no grey that is unreadable in a hall
   g_em = em_of(look, scale);
   load_fonts(look, scale);
   ImGuiStyle& style = ImGui::GetStyle() = ImGuiStyle();
@@ -196,7 +196,7 @@ void show_letters(std::string_view text) {
     }
     unsigned letter = 0;
     at += std::max(1, ImTextCharFromUtf8(&letter, at, end));
-    // What is beyond ImWchar has no glyph.
+    // Code points beyond ImWchar have no glyph.
     if (letter <= 0xff || letter >= IM_UNICODE_CODEPOINT_INVALID) continue;
     if (g_letters.size() < kMaxLetters && g_letters.insert(ImWchar(letter)).second)
       g_wants_letters = true;

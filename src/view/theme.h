@@ -1,5 +1,5 @@
-// How the window looks: colours with a meaning, type, spacing. All else that draws asks here and
-// has no colour and no size of its own.
+// The window's appearance: colours by meaning, fonts, spacing. All drawing code takes its colours
+// and sizes from here.
 #pragma once
 
 #include <imgui.h>
@@ -8,10 +8,10 @@
 
 namespace raio::view {
 
-/// What the user chooses.
+/// The user's choices.
 struct Theme {
   bool light = false;
-  bool projector = false;  // large, heavier type and stronger contrast, for the last row of a hall
+  bool projector = false;  // larger, heavier type and stronger contrast, for the last row of a hall
 
   friend bool operator==(const Theme&, const Theme&) = default;
 };
@@ -20,26 +20,26 @@ struct Palette {
   ImVec4 mat;      // around the picture
   ImVec4 ground;   // of panel and bars
   ImVec4 raised;   // fields and buttons
-  ImVec4 hovered;  // those under the cursor
+  ImVec4 hovered;  // the same under the cursor
   ImVec4 line;     // between parts
   ImVec4 text, faint;
-  ImVec4 accent, on_accent;  // what is on, or chosen, and text upon it
+  ImVec4 accent, on_accent;  // what is on, or selected, and text on it
   ImVec4 good, busy, warning, bad;
 };
 
-/// Sets style and fonts for a screen on which text is `scale` times its usual size. Between frames.
+/// Sets style and fonts for a screen with text at `scale` times its usual size. Between frames.
 void apply_look(const Theme& look, float scale);
 
-/// Notes the letters of a name from outside, in whatever script, when it is drawn. Those that no
-/// font of this machine has are shown as "?".
+/// Registers the letters of an external name, in any script, when it is drawn. Those without a font
+/// are shown as "?".
 void show_letters(std::string_view text);
-/// Whether some were noted that the fonts lack so far; apply_look() loads them.
+/// Whether registered letters are missing from the fonts; apply_look() loads them.
 bool wants_letters();
 
 const Palette& palette();
-/// The height of the text in window units, of which all distances are multiples.
+/// The text height in window units, the base of all distances.
 float em();
-/// The same before any look was applied.
+/// The same before a theme was applied.
 float em_of(const Theme& look, float scale);
 ImFont* heading_font();
 ImFont* title_font();

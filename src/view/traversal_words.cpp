@@ -13,7 +13,7 @@ using Kind = ExplainedRay::Kind;
 using Variables = std::vector<std::pair<std::string, std::string>>;
 constexpr char kAxes[] = "xyz";
 
-// A variable's value; within words a shorter one.
+// A variable's value; within sentences a shorter one.
 std::string value_text(double x) { return fmt::format("{:.6g}", x); }
 std::string brief(double x) { return fmt::format("{:.4g}", x); }
 
@@ -21,7 +21,7 @@ std::string cell_text(const TraceLog::Step& s) {
   return fmt::format("({}, {}, {})", s.cell[0], s.cell[1], s.cell[2]);
 }
 
-// What first_hit() of the kind (shape/) computes. C is a centre, P a point, O + t D the ray.
+// The computation of the kind's first_hit() (shape/). C is a centre, P a point, O + t D the ray.
 const char* formula_of(PrimitiveKind kind) {
   switch (kind) {
     case PrimitiveKind::plane:
@@ -88,7 +88,7 @@ class TraversalNarrator {
     return out_.back();
   }
 
-  // What is tested outside of cells and boxes.
+  // Tests outside of cells and boxes.
   void begin() {
     const size_t first = log_.steps.empty() ? log_.tests.size() : log_.steps[0].first_test;
     if (grid_ && log_.enter && log_.steps.empty())
@@ -136,7 +136,7 @@ class TraversalNarrator {
   }
 
   // ---- The grid.
-  static int nearest_plane(const TraceLog::Step& s) {  // as the walk chooses among equal ones
+  static int nearest_plane(const TraceLog::Step& s) {  // with the traversal's choice among ties
     const Vec3d& t = s.t_max;
     if (t.x < t.y) return t.x < t.z ? 0 : 2;
     return t.y < t.z ? 1 : 2;
@@ -229,7 +229,7 @@ class TraversalNarrator {
       slabs.emplace_back(fmt::format("t1.{}", kAxes[a]), value_text(t1));
       slabs.emplace_back(fmt::format("t2.{}", kAxes[a]), value_text(t2));
     }
-    far = std::max(near, far);  // a box is met to a few roundings
+    far = std::max(near, far);  // boxes are hit up to a few roundings
     reached_ = near;
     slabs.insert(slabs.begin(), {{"near", value_text(near)}, {"far", value_text(far)}});
     add(near > nearest_ && (s.leaf || !goes_deeper()) ? words_behind(s, near)
@@ -242,7 +242,7 @@ class TraversalNarrator {
         "far = min(tmax, max(t1, t2) of x, y, z)\nnear <= far",
         std::move(slabs));
   }
-  // The root's children were put on the list before there was a hit.
+  // The root's children were pushed before there was a hit.
   std::string words_behind(const TraceLog::Step& s, double near) const {
     const std::string from = brief(near);
     if (s.leaf)
@@ -265,7 +265,7 @@ class TraversalNarrator {
     return number_of(end - log_.steps[size_t(at_)].first_test, "primitive", "primitives");
   }
 
-  // ---- The end, of all but a walk to its last cell.
+  // ---- The end of all except a traversal to its last cell.
   const TraceLog::Test* stopper() const {
     const auto found = std::ranges::find_if(log_.tests, &TraceLog::Test::nearest);
     return found == log_.tests.end() ? nullptr : &*found;

@@ -18,12 +18,12 @@ namespace raio::view {
 namespace {
 
 constexpr double kFrameSeconds = 0.024;   // of rendering; drawing takes the rest of a 30th
-constexpr double kDrawGapSeconds = 0.03;  // between drawings that show no new picture
+constexpr double kDrawGapSeconds = 0.03;  // between drawings without a new picture
 constexpr double kRestSeconds = 0.15;     // after the last movement
-constexpr double kBeforeCosts = 0.8;      // of rest, until costs are measured
-constexpr double kFocusSeconds = 2.5;     // that the plane in focus is shown
-constexpr double kWaitingSeconds = 0.5;   // between drawings while nothing new comes
-constexpr double kIdleSeconds = 0.1;      // between looks at the disk
+constexpr double kBeforeCosts = 0.8;      // of rest, before costs are measured
+constexpr double kFocusSeconds = 2.5;     // for showing the focal plane
+constexpr double kWaitingSeconds = 0.5;   // between drawings while nothing new arrives
+constexpr double kIdleSeconds = 0.1;      // between checks of the disk
 
 std::string text_of(Vec3f v) { return fmt::format("{:.6g},{:.6g},{:.6g}", v.x, v.y, v.z); }
 
@@ -127,7 +127,7 @@ bool Viewer::renew() {
   comparison_.end();
   if (const auto why = option_conflict(o, state_.scene.get()))
     return complain(why->text("--")), false;
-  // What waits for another scene or way of shading is told once.
+  // Options waiting for another scene or integrator are reported once.
   const auto waiting = figure_conflict(state_.options, *state_.scene);
   const std::string option = waiting ? waiting->subject : "";
   if (std::exchange(waiting_option_, option) != option && waiting) say(waiting->text("--"));
@@ -168,7 +168,7 @@ void Viewer::step() {
     renew_other(0), needs_drawing();
   if (message_.expire(time)) needs_drawing();
   if (!is_moving() && !gestures_.is_busy() && !Window::is_busy()) history_.settle(state_);
-  // Time goes by while the first sample is awaited.
+  // Time passes while waiting for the first sample.
   if (is_waiting() && time > last_draw_ + kWaitingSeconds) needs_drawing();
   take_results();
   bool is_new = take_picture(pictures_.main);
@@ -189,7 +189,7 @@ void Viewer::step() {
 
 void Viewer::take_results() {
   if (const auto written = scene_writer_.poll()) take_saved_scene(*written);
-  // What is being saved is no news from the disk.
+  // A file being saved is no change on the disk.
   if (!scene_writer_.is_busy())
     if (auto read = file_.poll(state_.options.threads)) take_scene(*read);
   while (auto written = writer_.poll()) {
@@ -230,7 +230,7 @@ bool Viewer::take_picture(Side& side) {
 
 void Viewer::take_scene(const SceneFile::Read& read) {
   if (!read.scene) {
-    // Of another file they are told once; the panel keeps those of the file that is shown.
+    // For another file they are reported once; the panel shows those of the current file.
     if (read.path == state_.path) errors_ = read.scene.error();
     return complain(read.scene.error().front().text());
   }
@@ -239,7 +239,7 @@ void Viewer::take_scene(const SceneFile::Read& read) {
   state_.open(read.path, *read.scene);
   measuring_.forget();
   warnings_ = Warnings(read.warnings);
-  // A new version of the file is a step that can be taken back; another scene is a beginning.
+  // A new version of the file is a step that can be undone; another scene is a new start.
   if (is_other) {
     inspector_.close();
     state_.read_options = kForPictures;

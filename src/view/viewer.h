@@ -1,5 +1,5 @@
-// The window's program: what hands do becomes a state, the state becomes requests, and the pictures
-// that sessions make of them are shown.
+// The window's program: user input changes a state, the state becomes requests, and the sessions'
+// pictures are shown.
 #pragma once
 
 #include <memory>
@@ -30,7 +30,7 @@ namespace raio::view {
 
 class Viewer final : public WindowEvents {
  public:
-  /// `session` has got `first_request` already, whose rays need no window.
+  /// `session` already has `first_request`, which can be traced before the window opens.
   Viewer(Window& window, ViewState state, Memory memory, std::vector<std::string> warnings,
          bool logs, std::unique_ptr<Session> session, const RenderOptions& first_request);
   ~Viewer() override { window_.listen(nullptr); }
@@ -42,27 +42,27 @@ class Viewer final : public WindowEvents {
   void cursor_moved(double x, double y) override;
   void scrolled(double steps, bool ctrl) override;
   void file_dropped(const std::string& path) override { file_.open(path); }
-  void needs_drawing() override { drawings_ = 3; }  // the panel takes some to settle
+  void needs_drawing() override { drawings_ = 3; }  // the panel takes several to settle
 
  private:
   static double now() { return Window::seconds(); }
 
   void log(std::string_view event) const;
-  // What was done, in the language of the screen.
+  // Reports an action, in the window's language.
   void say(std::string message, bool is_error = false);
   void complain(std::string message) { say(std::move(message), true); }
 
-  // That of the newest picture; null before the first.
+  // The newest picture's; null before the first.
   std::shared_ptr<const BakedScene> baked() const;
   bool is_moving() const { return now() < moving_until_; }
   bool shows_focus() const { return now() < focus_until_; }
   // For a while.
   void show_focus();
-  // For the first sample of what was requested.
+  // For the first sample of the request.
   bool is_waiting() const;
   Steps steps_held() const;
 
-  // Tells the sessions what is wanted now. Whether it can be had.
+  // Updates the sessions' requests. Returns whether they are valid.
   bool renew();
   void renew_other(double frame_s);
   void camera_moved();
@@ -74,13 +74,12 @@ class Viewer final : public WindowEvents {
   void take_scene(const SceneFile::Read& read);
   void take_saved_scene(const SceneWriter::Written& written);
   void find_warnings();
-  // Whoever measures wants the machine for themselves: sessions rest, and the window draws in
-  // pauses that are left for it.
+  // Measurements need the whole machine: sessions rest, and the window draws in pauses made for it.
   void measure();
   // At rest, and after the picture itself.
   bool may_measure_costs() const;
-  // What is saved is a picture that `raio render` makes: of the newest request, at rest, with as
-  // many samples in every pixel.
+  // Saves a picture identical to that of `raio render`: of the newest request, at rest, with
+  // equally many samples in every pixel.
   void save_when_whole();
 
   // Commands, in viewer_commands.cpp.
@@ -94,7 +93,7 @@ class Viewer final : public WindowEvents {
   void switch_picking();
   void switch_look(bool Theme::* what);
   void switch_full_screen();
-  // The costs, which are measured unasked, make way for what is asked for.
+  // Measurements of costs, which start by themselves, give way to requested work.
   void switch_work(Measuring::Work work, const char* what);
   void move_camera(const Camera& camera, const char* what);
   void focus_on(const Pick& pick);
@@ -104,24 +103,25 @@ class Viewer final : public WindowEvents {
   void ask_where_to_save();
   void save_scene(const std::string& path);
   void go_back(bool back);
-  // What Escape ends before it ends the program.
+  // What Escape closes before it ends the program.
   bool leave();
   std::string command_line(const std::string& output) const;
 
-  // What is on the screen, in viewer_drawing.cpp.
-  // Where things are in the window. The picture has the size that it was opened with while the
-  // window is as it was opened, panel and all; else it fills the room that there is.
+  // The screen, in viewer_drawing.cpp.
+  //
+  // The layout. The picture has its initial size while the window has its own, including the panel;
+  // otherwise it fills the available room.
   void lay_out();
   // The picture, at the cursor.
   bool is_covered() const;
   Pick pick_at(double x, double y) const;
-  // What the picture shows where the cursor is; nothing while something moves.
+  // What the picture shows at the cursor; nothing during movements.
   ReadOut under_cursor() const;
   void draw();
   void draw_inspector();
   void take_inspector(const InspectorResult& did);
   void take_controls(const ControlResult& result);
-  // Of a picture that keeps its viewer waiting.
+  // For a picture that takes long.
   std::optional<SessionProgress> progress() const;
   CostFacts cost_facts() const;
   ControlFacts control_facts(const std::string& under) const;
@@ -129,14 +129,14 @@ class Viewer final : public WindowEvents {
 
   Window& window_;
   const bool logs_;
-  const Rect opened_;                     // the window's size
+  const Rect opened_;                     // the window's initial size
   const int first_width_, first_height_;  // the picture's
   Layout layout_;
   Stage stage_;
   ViewState state_;
   History<ViewState> history_;
   Controls controls_{sample_scenes()};
-  SharedScene saved_scene_;  // as the file has it
+  SharedScene saved_scene_;  // as in the file
   MemoryKeeper keeper_;
   SceneFile file_;
   PictureWriter writer_;
@@ -146,17 +146,17 @@ class Viewer final : public WindowEvents {
   Gestures gestures_;
   StructureOverlay overlay_;
   Inspector inspector_{[] { Window::wake(); }};
-  std::string button_places_;  // as they were logged
+  std::string button_places_;  // as logged last
   Measuring measuring_{[] { Window::wake(); }};
   bool costs_are_old_ = true, wants_costs_ = false;
-  Measuring::Work wanted_ = Measuring::Work::none;  // to be begun
+  Measuring::Work wanted_ = Measuring::Work::none;  // to be started
   bool is_holding_ = false;                         // the sessions, for a measurement
   Diagnostics errors_;
 
-  int drawings_ = 3;  // still to do, even if no new picture comes
+  int drawings_ = 3;  // remaining, even without a new picture
   double last_step_ = 0, last_draw_ = 0, moving_until_ = 0, focus_until_ = 0;
-  bool moved_ = false;          // the newest request is one of a movement
-  std::string waiting_option_;  // that has no effect in this scene, as was told
+  bool moved_ = false;          // the newest request is part of a movement
+  std::string waiting_option_;  // has no effect in this scene, as reported
   double requested_at_ = 0;
   Message message_;
   bool says_error_ = false, typing_ = false;  // into a field

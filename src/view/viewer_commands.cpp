@@ -1,4 +1,4 @@
-// What the keys and buttons of the window do.
+// The commands of keys and buttons.
 #include <GLFW/glfw3.h>
 #include <fmt/format.h>
 
@@ -218,7 +218,7 @@ void Viewer::go_back(bool back) {
     return say(back ? tr("nothing to undo") : tr("nothing to redo"));
   ViewState next = back ? history_.undo() : history_.redo();
   next.paused = state_.paused, next.panel = state_.panel, next.boxes = state_.boxes;
-  // The file is that which was saved or opened last.
+  // The file is the one last saved or opened.
   next.path = state_.path;
   next.read_options = state_.read_options;
   state_ = std::move(next);

@@ -1,4 +1,4 @@
-// What the window shows: the picture, what lies over it, and the controls around it.
+// The window's contents: the picture, its overlays, and the controls around it.
 #include <imgui.h>
 
 #include <cmath>
@@ -11,7 +11,7 @@
 namespace raio::view {
 namespace {
 
-constexpr double kSlowSeconds = 0.8;  // a first sample that takes longer shows its progress
+constexpr double kSlowSeconds = 0.8;  // a slower first sample shows its progress
 
 }  // namespace
 
@@ -159,7 +159,7 @@ ControlFacts Viewer::control_facts(const std::string& under) const {
   facts.has_inspector = inspector_.is_open();
   facts.read_out = under;
   facts.recent = keeper_.memory().recent;
-  // An error of the file stays until it is mended.
+  // An error in the file stays until it is fixed.
   const bool stays = message_.text().empty() && !errors_.empty();
   facts.message = stays ? errors_.front().text() : message_.text();
   facts.is_error = stays || says_error_;

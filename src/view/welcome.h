@@ -1,4 +1,4 @@
-// What there is to see without a scene: those that were open, and those that come with Raio.
+// The screen without a scene: recent ones, and those that come with Raio.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@
 namespace raio::view {
 
 struct WelcomeResult {
-  std::optional<std::string> open;  // a scene was chosen
+  std::optional<std::string> open;  // a scene was selected
   bool asks = false;                // for the dialog
 };
 

@@ -30,9 +30,9 @@ void set_up_imgui(GLFWwindow* window) {
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
   ImGuiIO& io = ImGui::GetIO();
-  io.IniFilename = nullptr;              // nothing is left behind
-  io.ConfigDragClickToInputText = true;  // a click on a number types over it
-  // It hands all events on to the callbacks that are there already.
+  io.IniFilename = nullptr;              // no settings file
+  io.ConfigDragClickToInputText = true;  // a click on a number edits it
+  // It forwards all events to existing callbacks.
   ImGui_ImplGlfw_InitForOpenGL(window, true);
   ImGui_ImplOpenGL3_Init("#version 330 core");
 }
@@ -48,7 +48,7 @@ std::expected<std::unique_ptr<Window>, std::string> Window::open(int picture_wid
                                                                  int picture_height,
                                                                  const Theme& look) {
   glfwSetErrorCallback([](int, const char* text) { g_glfw_problem = text; });
-  if (!glfwInit()) return std::unexpected(no_window("there is no display"));
+  if (!glfwInit()) return std::unexpected(no_window("no display"));
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
@@ -57,7 +57,7 @@ std::expected<std::unique_ptr<Window>, std::string> Window::open(int picture_wid
   GLFWwindow* handle = glfwCreateWindow(picture_width, picture_height, "Raio", nullptr, nullptr);
   if (!handle) {
     glfwTerminate();
-    return std::unexpected(no_window("the display has no OpenGL 3.3"));
+    return std::unexpected(no_window("the display does not support OpenGL 3.3"));
   }
   std::unique_ptr<Window> window(new Window(handle));
   window->look_ = look;
@@ -81,7 +81,7 @@ Window::Window(GLFWwindow* window) : window_(window) {
   glfwMakeContextCurrent(window);
   glfwSwapInterval(1);
   glfwSetWindowUserPointer(window, this);
-  // On some systems a window's coordinates are pixels, on others they are scaled by themselves.
+  // On some systems window coordinates are pixels, on others they are scaled automatically.
   float scale_x = 1, scale_y = 1;
   glfwGetWindowContentScale(window, &scale_x, &scale_y);
   text_scale_ = std::clamp(scale_y / pixels_per_unit(), 0.5f, 8.0f);
@@ -212,7 +212,7 @@ void Window::begin_frame() {
   }
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
-  // A key that was pressed and released between two frames is down in one.
+  // A key pressed and released between two frames counts as down for one.
   auto& down = ImGui::GetIO().KeysDown;
   for (const int key : typed_) down[key] = true;
   ImGui::NewFrame();

@@ -1,4 +1,4 @@
-// A window with OpenGL and Dear ImGui in it, and what comes in by it.
+// A window with OpenGL and Dear ImGui, and its events.
 #pragma once
 
 #include <expected>
@@ -13,7 +13,7 @@ struct GLFWwindow;
 
 namespace raio::view {
 
-/// Who wants to know what hands do. Places are in window coordinates.
+/// Receives input events. Positions are in window coordinates.
 class WindowEvents {
  public:
   virtual ~WindowEvents() = default;
@@ -27,8 +27,8 @@ class WindowEvents {
 
 class Window {
  public:
-  /// With room for a picture of so many pixels, and for the panel and the bars around it. The error
-  /// is one line that says what to do instead.
+  /// With room for a picture of this size, and for the panel and the bars around it. The error is
+  /// one line that says what to do instead.
   static std::expected<std::unique_ptr<Window>, std::string> open(int picture_width,
                                                                   int picture_height,
                                                                   const Theme& look);
@@ -38,14 +38,14 @@ class Window {
 
   void listen(WindowEvents* events) { events_ = events; }
 
-  /// Handles what has come in; waits for it up to so many seconds.
+  /// Handles events; waits for them up to this many seconds.
   static void wait_events(double seconds);
-  /// Ends a wait, from any thread that ends before the window does; without one does nothing.
+  /// Ends a wait, from any thread that ends before the window; without a window does nothing.
   static void wake();
 
   bool should_close() const;
   void close();
-  bool is_hidden() const;  // minimised, or without a pixel
+  bool is_hidden() const;  // minimised, or without area
   bool is_held(int key) const;
   static bool is_typing();         // into a field
   static bool is_over_controls();  // the cursor, in the last frame
@@ -53,9 +53,9 @@ class Window {
 
   double width() const;
   double height() const;
-  float pixels_per_unit() const;  // of the window's coordinates
+  float pixels_per_unit() const;  // of window coordinates
 
-  void set_look(const Theme& look);  // from the next frame on
+  void set_look(const Theme& look);  // from the next frame
   const Theme& look() const { return look_; }
   bool is_full_screen() const;
   void set_full_screen(bool on);
@@ -66,7 +66,7 @@ class Window {
   void begin_frame();
   void end_frame();
 
-  static double seconds();  // since the program began
+  static double seconds();  // since the program started
 
  private:
   explicit Window(GLFWwindow* window);
