@@ -150,10 +150,10 @@ void draw_costs(const CostFacts& facts) {
     text(fmt::format("{}: {}; {}", tr("measuring"), text_of_progress(facts.progress),
                      tr("space stops")));
   else if (facts.are_old)
-    // One scale for all effects, except the structure: without one a picture takes so long that it
-    // has its own.
     faint_text(facts.costs.effects.empty() ? tr("measured when idle")
                                            : tr("from before the last change; measured when idle"));
+  // One scale for all effects, except the structure: without one a picture takes so long that it
+  // has its own.
   const auto most = [&](bool is_structure) {
     double seconds = 1e-9;
     for (const EffectCost& c : facts.costs.effects)

@@ -107,10 +107,8 @@ class Viewer final : public WindowEvents {
   bool leave();
   std::string command_line(const std::string& output) const;
 
-  // The screen, in viewer_drawing.cpp.
-  //
-  // The layout. The picture has its initial size while the window has its own, including the panel;
-  // otherwise it fills the available room.
+  // The screen, in viewer_drawing.cpp. In the layout, the picture has its initial size while the
+  // window has its own, including the panel; otherwise it fills the available room.
   void lay_out();
   // The picture, at the cursor.
   bool is_covered() const;
