@@ -23,7 +23,7 @@ using tests::kScalesAndShifts;
 using tests::random_scene;
 using tests::ScaleAndShift;
 
-TEST(Accel, BakingRefusesWhatNoMemoryHolds) {
+TEST(Accel, RefusesScenesBeyondMemory) {
   Scene scene = random_scene(40, 1);
   scene.polygons.assign(100, {0, 4000000000u});
   scene.polygon_materials.assign(100, 0);
@@ -193,7 +193,7 @@ TEST(Accel, RaysEndAtTmax) {
   }
 }
 
-TEST(Accel, SidesAreSeenAsAsked) {
+TEST(Accel, OneSidedSurfacesAreCulledOnRequest) {
   Scene scene;
   scene.materials = {{}, {{1, 1, 1}, 0.1f, 0, 1, 0.9f, 1.5f}};
   scene.spheres = {{{0, 0, 0}, -1}, {{10, 0, 0}, 1}, {{20, 0, 0}, 1}};
@@ -225,7 +225,7 @@ TEST(Accel, SidesAreSeenAsAsked) {
       }
 }
 
-TEST(Accel, CountersCountAndEmbreeSaysThatItDoesNot) {
+TEST(Accel, CountersCountExceptWithEmbree) {
   const Scene scene = random_scene(400, 3);
   const RayBatch rays = awkward_rays(scene, 100, 2);
   HitBatch hits;

@@ -100,7 +100,7 @@ TEST(Ambient, AllStructuresGiveOnePicture) {
   }
 }
 
-TEST(Ambient, IsWhatDataIsRenderedWith) {
+TEST(Ambient, IsTheDefaultForData) {
   Scene scene = floor_seen_at({0, 0, 0});
   const RenderSettings s = resolve_options({}, scene);
   EXPECT_EQ(s.integrator, IntegratorKind::ambient);
@@ -169,7 +169,7 @@ TEST(ShadowCatcher, IsAsDarkAsAFloor) {
 }
 
 // Where no shadow falls the background is that of a picture without it, to the last bit.
-TEST(ShadowCatcher, LeavesTheRestAlone) {
+TEST(ShadowCatcher, LeavesTheRestUnchanged) {
   Scene scene = random_scene(40, 3);
   scene.planes = {}, scene.plane_materials = {};
   scene.polygons = {}, scene.polygon_materials = {};
@@ -233,7 +233,7 @@ struct FlatFigure {
 // far away the disc is. Of a straight edge the circle of eight probes finds cos(a) of the width,
 // with an angle a between the edge's normal and the next probe of at most 22.5 degrees: 0.974 of it
 // in the mean. Four that turn, on a larger circle, find as much.
-TEST(Outline, IsAsWideAsAskedFor) {
+TEST(Outline, HasTheRequestedWidth) {
   const double least = std::cos(std::numbers::pi / 8);
   const double mean = std::sin(std::numbers::pi / 8) / (std::numbers::pi / 8);
   for (const auto& [look, width, away] : {std::tuple(FigureStyle::flat_1, 1.5f, 0.0f),
@@ -263,7 +263,7 @@ TEST(Outline, IsAsWideAsAskedFor) {
 }
 
 // What is left out of the picture may become any ground: the look says which is likely.
-TEST(Outline, IsThatOfTheLookWhereTheBackgroundIsOpen) {
+TEST(Outline, ComesFromTheStyleWithoutABackground) {
   FlatFigure figure;
   figure.scene.discs = {{{0, 0, 0}, {0, 0, 1}, 2.5f}};
   figure.scene.disc_materials = {0};
@@ -315,7 +315,7 @@ TEST(DepthCue, GrowsEvenlyWithDepth) {
 
 // Seen straight from above and at an angle: white keeps apart from the page, no colour clips, and
 // black shows the sky at grazing angles.
-TEST(Ambient, TheSecondPaperLookKeepsForm) {
+TEST(Ambient, TheSecondPaperStyleKeepsForm) {
   const StyleParams look = params_of(FigureStyle::paper_2);
   for (const float color : {1.0f, 0.5f, 0.0f}) {
     Scene scene = floor_seen_at({0, 0, 0});

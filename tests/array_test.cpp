@@ -93,7 +93,7 @@ TEST(Array, BorrowsInPlaceAndKeepsAlive) {
   EXPECT_TRUE(kept.alive.expired());
 }
 
-TEST(Array, CopiesWhatItBorrowsWhenChanged) {
+TEST(Array, CopiesBorrowedElementsOnWrite) {
   const auto unchanged = [](const char* what, auto change, const std::vector<int>& expected) {
     SCOPED_TRACE(what);
     Kept kept;
@@ -118,7 +118,7 @@ TEST(Array, CopiesWhatItBorrowsWhenChanged) {
   unchanged("moved into", [](auto& a) { a = Array<int>{8}; }, {8});
 }
 
-TEST(Array, AnElementOfItsOwnCanBeAppended) {
+TEST(Array, AppendsItsOwnElement) {
   Kept kept;
   Array<int> a = kept.borrow();
   kept.numbers.reset();
@@ -127,7 +127,7 @@ TEST(Array, AnElementOfItsOwnCanBeAppended) {
   EXPECT_THAT(a, ElementsAre(1, 2, 3, 2));
 }
 
-TEST(Array, GathersWhatDoesNotLieTogether) {
+TEST(Array, GathersStridedElements) {
   struct Row {
     float x, y, z;
   };

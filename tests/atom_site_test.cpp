@@ -242,7 +242,7 @@ TEST(AtomSite, OddRowsGiveTheSameAsGemmisRows) {
     }
 }
 
-TEST(AtomSite, RowsThatCannotBeReadAreTold) {
+TEST(AtomSite, UnreadableRowsAreReported) {
   const auto error_of = [](std::string_view word, std::string_view instead) {
     std::vector<std::string> some = rows();
     std::string& row = some[7];

@@ -47,7 +47,7 @@ TEST(Xyz, AtomsBecomeSpheresAndBonds) {
   EXPECT_EQ(water->scene.spheres[0].radius, water->scene.cones[0].base_radius);
 }
 
-TEST(Xyz, ExtendedOnesSayTheirColumns) {
+TEST(Xyz, ExtendedOnesNameTheirColumns) {
   const auto scene = read(
       "2\nLattice=\"1 0 0 0 1 0 0 0 1\" Properties=id:I:1:pos:R:3:species:S:1 x=1\n"
       "1 1 2 3 Fe\n2 4 5 6 8\n",
@@ -195,7 +195,7 @@ TEST(Xyz, FramesAreChosen) {
   EXPECT_THAT(error(two, "a.xyz", {.frame = 2}), HasSubstr("there is no frame 2; the file has 2"));
 }
 
-TEST(Xyz, AtomsAtOnePlaceAreTold) {
+TEST(Xyz, CoincidentAtomsAreReported) {
   EXPECT_THAT(said("3\n\nC 0 0 0\nO 0 0 1.2\nN 0 0 0\n", "a.xyz", {}),
               HasSubstr("warning: atoms at the same position as another (1: 3)"));
   EXPECT_EQ(said("2\n\nC 0 0 0\nO 0 0 1.2\n", "a.xyz", {}), "");
@@ -209,7 +209,7 @@ TEST(Xyz, NumbersOfElementsMayBeCalledZ) {
   EXPECT_TRUE(read("1\nProperties=Z:I:1:species:S:1:pos:R:3\n16 O 0 0 0\n", "a.xyz"));
 }
 
-TEST(Xyz, FaultsHaveTheirPlace) {
+TEST(Xyz, FaultsHaveLocations) {
   EXPECT_THAT(error("3\n\nO 0 0 0\nH 1 x 0\nH 0 0 0\n", "a.xyz"), HasSubstr("a.xyz:4:5: error"));
   EXPECT_THAT(error("3\n\nO 0 0 0\nH 1\nH 0 0 0\n", "a.xyz"), HasSubstr("the end of the line"));
   EXPECT_THAT(error("3\nthree atoms\nO 0.000 0.000 0.000\n", "a.xyz"),
@@ -389,7 +389,7 @@ TEST(Atoms, CagesOfCarbonShowTheirBonds) {
   EXPECT_TRUE(tube("N")->scene.cones.empty());
 }
 
-TEST(Atoms, FramesThatAreNotDrawnAreTold) {
+TEST(Atoms, SkippedFramesAreReported) {
   const std::string text = "1\n\nC 0 0 0\n1\n\nC 1 0 0\n1\n\nC 2 0 0\n";
   EXPECT_THAT(said(text, "a.xyz", {}),
               HasSubstr("frames or models after the first (2); frame selects one"));
@@ -415,7 +415,7 @@ TEST(Pdb, LargeAssembliesShowTheirChains) {
   EXPECT_EQ(chains(1), "C O ");
 }
 
-TEST(Pdb, AssembliesCopyTheirChains) {
+TEST(Pdb, AssembliesRepeatTheirChains) {
   const auto whole = read(kPdb, "a.pdb", {.style = AtomStyle::space_filling});
   ASSERT_TRUE(whole) << whole.error().front().text();
   // Of chain A alone, of its atom in two places the first.
@@ -464,7 +464,7 @@ TEST(Pdb, AtomsOfOneNameAreSeveral) {
 }
 
 // A part that keeps the head of the whole is drawn as it is, unless the assembly is asked for.
-TEST(Pdb, AnAssemblyOfOtherChainsIsLeftOut) {
+TEST(Pdb, AssembliesOfOtherChainsAreSkipped) {
   std::string other(kPdb);
   other.replace(other.find("CHAINS: A"), 9, "CHAINS: C");
   const auto got = read(other, "a.pdb", {.style = AtomStyle::space_filling});

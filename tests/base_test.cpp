@@ -206,7 +206,7 @@ TEST(LazyLibrary, CallsByTheNameOfTheFunction) {
 }
 #endif
 
-TEST(LazyLibrary, SaysWhatIsMissing) {
+TEST(LazyLibrary, NamesTheMissingFunction) {
   const auto loaded = load_library(kNone);
   ASSERT_FALSE(loaded.has_value());
   EXPECT_NE(loaded.error().find(kNone), std::string::npos);

@@ -113,7 +113,7 @@ Scene one_ball() {
 }
 
 // An effect's line says how many samples it takes; its function has to ask for as many.
-TEST(Benchmark, EffectsAskForTheSamplesThatTheySay) {
+TEST(Benchmark, EffectsMultiplySamples) {
   Scene scene = one_ball();
   scene.moving_spheres = std::vector<MovingSphere>{{{0, 0, 0}, {1, 0, 0}, 0.1f}};
   scene.moving_sphere_materials = std::vector<MaterialId>{0};
@@ -129,7 +129,7 @@ TEST(Benchmark, EffectsAskForTheSamplesThatTheySay) {
   }
 }
 
-TEST(Benchmark, SpreadIsLeastMedianAndMost) {
+TEST(Benchmark, SpreadIsMinimumMedianAndMaximum) {
   BenchmarkRow row{{}, {9, 1, 2}, 100};
   EXPECT_EQ(row.seconds().least, 1);
   EXPECT_EQ(row.seconds().median, 2);
@@ -141,7 +141,7 @@ TEST(Benchmark, SpreadIsLeastMedianAndMost) {
 }
 
 // A machine that becomes ten times slower from round to round, all rows alike.
-TEST(Benchmark, CostIsWithinARoundSoThatADriftLeavesIt) {
+TEST(Benchmark, CostIsMeasuredWithinARound) {
   BenchmarkTable table = sample_table();
   for (BenchmarkRow& row : table.rows) {
     const double s = row.runs_s[1];
@@ -153,7 +153,7 @@ TEST(Benchmark, CostIsWithinARoundSoThatADriftLeavesIt) {
   }
 }
 
-TEST(Benchmark, RefusesStructuresThatSeeDifferentPictures) {
+TEST(Benchmark, RefusesStructuresWithDifferentPictures) {
   const Image a(100, 100);
   Image b = a;
   for (int i = 0; i < 10; ++i) b.at(i, 50) = Rgb(1);
@@ -188,7 +188,7 @@ TEST(Benchmark, RunsGoInRoundsWithBruteForceLast) {
   }
 }
 
-TEST(Benchmark, AloneAStructureIsHeldAgainstNoOther) {
+TEST(Benchmark, ASingleStructureIsNotCompared) {
   const Scene scene = one_ball();
   RenderControl control;
   const auto table = measure_benchmark(scene, asking_for({AccelKind::grid}, 0), control);
@@ -221,7 +221,7 @@ Scene mirror_ball() {
   return scene;
 }
 
-TEST(Benchmark, GlossHasRowsWhereItIsAskedFor) {
+TEST(Benchmark, GlossHasRowsOnRequest) {
   const Scene scene = mirror_ball();
   RenderControl control;
   BenchmarkRequest request = asking_for({AccelKind::bvh}, kDof | effect_named("gloss"));
@@ -242,7 +242,7 @@ TEST(Benchmark, GlossHasRowsWhereItIsAskedFor) {
 }
 
 // What is no row of its own is in all of them as the options say.
-TEST(Benchmark, GlossThatIsNotCombinedStaysAsItIs) {
+TEST(Benchmark, GlossIsUnchangedUnlessCombined) {
   Scene scene = mirror_ball();
   RenderControl control;
   BenchmarkRequest request = asking_for({AccelKind::bvh}, 0);
@@ -254,7 +254,7 @@ TEST(Benchmark, GlossThatIsNotCombinedStaysAsItIs) {
   EXPECT_EQ(lines_of(table_csv(*rough))[0].find("gloss"), std::string::npos);
 }
 
-TEST(BenchLists, RefuseEffectsThatAreNotInTheScene) {
+TEST(BenchLists, RefuseEffectsMissingFromTheScene) {
   for (const char* name : {"gloss", "translucency", "motion"}) {
     const BenchmarkRequest request = asking_for({AccelKind::bvh}, kAa | effect_named(name));
     EXPECT_THAT(absence_of_effects(request, one_ball()),
@@ -271,7 +271,7 @@ TEST(BenchLists, RefuseEffectsThatAreNotInTheScene) {
   EXPECT_THAT(bench_conflict(request), HasSubstr("closes when it opens"));
 }
 
-TEST(Benchmark, EndsWhenTold) {
+TEST(Benchmark, StopsOnRequest) {
   const Scene scene = one_ball();
   RenderControl control;
   const auto stopped = measure_benchmark(scene, {}, control, [&](const BenchmarkStep& step) {
@@ -301,7 +301,7 @@ TEST(BenchLists, StructuresAndEffects) {
   }
 }
 
-TEST(BenchLists, RefuseOptionsOfWhatIsNotTimed) {
+TEST(BenchLists, RefuseOptionsWithoutTimedEffects) {
   BenchmarkRequest request;
   request.options.accel.grid_factor = 2, request.options.light_size = 1;
   request.options.aperture = 1, request.options.focus = 1;
@@ -418,7 +418,7 @@ TEST(Report, VerdictsFollowTheFigures) {
   EXPECT_EQ(verdicts(table)[0], kNo);
 }
 
-TEST(Report, SaysWhatMissingRowsLeaveOpen) {
+TEST(Report, UndecidedWithoutRows) {
   BenchmarkTable grid_alone = sample_table("balls_medium", asking_for({AccelKind::grid}));
   EXPECT_THAT(verdicts(grid_alone), testing::ElementsAre(kOpen, kYes, kYes, kOpen, kOpen));
   EXPECT_THAT(
@@ -434,7 +434,7 @@ TEST(Bench, ThreeDigits) {
   EXPECT_EQ(three_digits(1260.4), "1260");
 }
 
-TEST(Bench, TextIsAlignedAndShowsWhatIsKnown) {
+TEST(Bench, TextIsAlignedAndShowsKnownValues) {
   const auto lines = lines_of(table_text(sample_table()));
   for (const std::string& line : lines) {
     EXPECT_LE(columns(line), 100u) << line;
@@ -457,7 +457,7 @@ TEST(Bench, TextIsAlignedAndShowsWhatIsKnown) {
   EXPECT_THAT(rows[16], HasSubstr(" - "));
 }
 
-TEST(Bench, TextHasNoColumnForWhatIsNotThere) {
+TEST(Bench, TextOmitsUnknownColumns) {
   BenchmarkTable table =
       sample_table("unheard_of", asking_for({AccelKind::none, AccelKind::grid}, kAa));
   table.repeat = 1;
@@ -481,7 +481,7 @@ TEST(Bench, CsvHasOneFieldForEachName) {
   EXPECT_THAT(lines_of(table_csv(sample_table("balls_high")))[1], HasSubstr(",1,3600,1,3,"));
 }
 
-TEST(Bench, JsonHoldsTheWholeTable) {
+TEST(Bench, JsonHasTheWholeTable) {
   const auto json = nlohmann::json::parse(table_json(sample_table()));
   EXPECT_EQ(json["scene"], "balls_medium");
   EXPECT_EQ(json["resolution"], (nlohmann::json{512, 512}));
@@ -562,7 +562,7 @@ bool has_bytes(Rgb p, int r, int g, int b) {
   return to_byte(p.x) == r && to_byte(p.y) == g && to_byte(p.z) == b;
 }
 
-TEST_F(PlotPicture, ShowsBarsAndWhereKnownTheReport) {
+TEST_F(PlotPicture, ShowsBarsAndTheReportIfKnown) {
   const auto is_report = [](Rgb p) { return has_bytes(p, 213, 94, 0); };
   const auto is_grid = [](Rgb p) { return has_bytes(p, 0, 114, 178); };
   const auto is_tree = [](Rgb p) { return has_bytes(p, 0, 158, 115); };
@@ -579,7 +579,7 @@ TEST_F(PlotPicture, ShowsBarsAndWhereKnownTheReport) {
 }
 
 // The report's diamonds are in both panels, among seconds and among costs.
-TEST_F(PlotPicture, ShowsCostsBesideTheReports) {
+TEST_F(PlotPicture, ShowsCostsNextToTheReports) {
   const auto count = [](const Image& image, int from, int to, int r, int g, int b) {
     int found = 0;
     for (int y = 200; y < 880; ++y)
@@ -595,7 +595,7 @@ TEST_F(PlotPicture, ShowsCostsBesideTheReports) {
   EXPECT_GT(count(unknown, 1060, 1385, 0, 114, 178), 300);
 }
 
-TEST_F(PlotPicture, HoldsFewRowsAndMany) {
+TEST_F(PlotPicture, FitsFewAndManyRows) {
   const std::vector every = {AccelKind::none, AccelKind::grid, AccelKind::bvh, AccelKind::embree};
   const auto is_embree = [](Rgb p) { return has_bytes(p, 204, 121, 167); };
   for (const BenchmarkRequest& request : {asking_for(every), asking_for({AccelKind::embree}, 0)}) {

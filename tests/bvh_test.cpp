@@ -29,7 +29,7 @@ using tests::shadow_rays;
 using tests::two_sided;
 
 // Every instruction set that this machine has, down to none.
-TEST(Bvh, FindsTheVeryHitsOfBruteForce) {
+TEST(Bvh, MatchesBruteForceExactly) {
   for (const ScaleAndShift& place : kScalesAndShifts)
     for (const bool one_sided : {false, true}) {
       const Scene scene = random_scene(600, 7, place.scale, place.shift);
@@ -52,7 +52,7 @@ TEST(Bvh, FindsTheVeryHitsOfBruteForce) {
 
 // Long batches of all sorts of rays by every way through the tree: as beams of sixteen, each in the
 // stream, against all of a few primitives.
-TEST(Bvh, RaysThatTravelTogetherFindTheVeryHitsOfBruteForce) {
+TEST(Bvh, CoherentRaysMatchBruteForceExactly) {
   for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
     hwy::SetSupportedTargetsForTest(target);
     for (const ScaleAndShift& place : kScalesAndShifts)
@@ -78,7 +78,7 @@ TEST(Bvh, RaysThatTravelTogetherFindTheVeryHitsOfBruteForce) {
 // Beams that pass close by corners and edges: of triangles of all shapes, down to those that are
 // all but a line or a point, in directions in which two or three coordinates are the largest at
 // once.
-TEST(Bvh, BeamsAtTheEdgesOfTrianglesFindTheVeryHitsOfBruteForce) {
+TEST(Bvh, BeamsAtTriangleEdgesMatchBruteForceExactly) {
   std::mt19937 rng(9);
   std::uniform_real_distribution<float> unit(0, 1);
   const auto size = [&](float least) { return std::pow(least, unit(rng)); };
@@ -124,7 +124,7 @@ TEST(Bvh, BeamsAtTheEdgesOfTrianglesFindTheVeryHitsOfBruteForce) {
   }
 }
 
-TEST(Bvh, BatchesOfAnyLengthAreTracedToTheLast) {
+TEST(Bvh, BatchesOfAnyLengthAreTracedCompletely) {
   const Scene scene = two_sided(random_scene(300, 8));
   const auto oracle = build(scene, {.kind = AccelKind::none});
   const auto tree = build(scene, {.kind = AccelKind::bvh});
@@ -140,7 +140,7 @@ TEST(Bvh, BatchesOfAnyLengthAreTracedToTheLast) {
 
 // A million rays from inside a closed mesh through the edges that its triangles share: none leaks,
 // be it in a beam or on its own.
-TEST(Bvh, MeshesAreWatertightForRaysThatTravelTogether) {
+TEST(Bvh, MeshesAreWatertightForCoherentRays) {
   for (const int side : {1, 24}) {  // a few triangles, and a tree
     Scene scene;
     scene.materials = {{}};
@@ -354,7 +354,7 @@ TEST(Bvh, RaysThatGrazeConesAreThoseOfBruteForce) {
   hwy::SetSupportedTargetsForTest(0);
 }
 
-TEST(Bvh, RefusesWhatNoMemoryHolds) {
+TEST(Bvh, RefusesScenesBeyondMemory) {
   const Scene scene = random_scene(4000, 2);
   const Geometry geometry(scene);
   const auto bvh = build_bvh(geometry, 1000);
@@ -364,7 +364,7 @@ TEST(Bvh, RefusesWhatNoMemoryHolds) {
 }
 
 // Triangles, cones and spheres that no plane can part.
-TEST(Bvh, SurvivesHeapsOfTheSame) {
+TEST(Bvh, SurvivesCoincidentPrimitives) {
   Scene scene = random_scene(40, 3);
   for (int copy = 0; copy < 5000; ++copy) {
     scene.spheres.push_back({{0.1f, 0.2f, 0.3f}, 0.25f});

@@ -39,7 +39,7 @@ void expect_near(Vec3d a, Vec3d b, double error = 1e-4) {
                                   << ' ' << b.z;
 }
 
-TEST(CameraControl, OrbitsAboutAPointThatStaysWhereItIs) {
+TEST(CameraControl, OrbitsAboutAFixedPoint) {
   const Vec3d pivot(0.3, -0.5, 0.8);
   const Camera before = camera();
   for (const auto& [right, up] : {std::pair(0.4, 0.0), {0.0, 0.3}, {-1.0, -0.2}, {3.0, 0.1}}) {
@@ -64,7 +64,7 @@ TEST(CameraControl, StopsShortOfThePoles) {
   EXPECT_GT(CameraAxes(c).forward.z, 0.99);
 }
 
-TEST(CameraControl, PansWhatIsAtTheDepthWithTheHand) {
+TEST(CameraControl, PansPointsAtTheDepthWithTheCursor) {
   for (const Camera& before : {camera(), parallel_camera()}) {
     const Vec3d point(0.5, 0, 1);
     const Vec3d at = seen(before, point);
@@ -73,7 +73,7 @@ TEST(CameraControl, PansWhatIsAtTheDepthWithTheHand) {
   }
 }
 
-TEST(CameraControl, DolliesAboutWhatIsUnderTheCursor) {
+TEST(CameraControl, DolliesTowardsThePointUnderTheCursor) {
   const Camera before = camera();
   const Vec3d target(0.8, -1, 1.2);
   const Vec3d at = seen(before, target);
@@ -129,7 +129,7 @@ TEST(CameraControl, FitsTheWholeBox) {
 }
 
 // What is under the cursor is what the picture shows there.
-TEST(CameraControl, PicksWhatParallelRaysHit) {
+TEST(CameraControl, PicksHitsOfParallelRays) {
   Scene s = *scene();
   s.camera = parallel_camera();
   const auto accel = build_accel(s, {});
@@ -182,7 +182,7 @@ TEST(Focus, FollowsThePointWhenTheCameraMoves) {
 }
 
 // A hand that holds on to ground at the horizon.
-TEST(Gestures, NoDragFlingsTheSceneAway) {
+TEST(Gestures, DraggingNeverFlingsTheSceneAway) {
   for (const double times : {0.3, 1.0, 2.0, 30.0, 1e6})
     for (const auto button : {Gestures::Button::left, Gestures::Button::middle}) {
       ViewState state("some.nff", scene(), {});

@@ -131,7 +131,7 @@ TEST(Cif, OperationsMayHaveDecimals) {
   }));
 }
 
-TEST(Cif, AnglesThatAreNotGivenAreRightOnes) {
+TEST(Cif, MissingAnglesAreRightAngles) {
   const std::string head = "data_a\n_cell_length_a 9\n_cell_length_b 9\n_cell_length_c 9\n";
   const std::string atom =
       "loop_\n_atom_site_label\n_atom_site_fract_x\n_atom_site_fract_y\n_atom_site_fract_z\n"
@@ -157,7 +157,7 @@ TEST(Cif, WatIsWater) {
   EXPECT_EQ(scene.materials[scene.sphere_materials[1]].color, element_color(74));
 }
 
-TEST(Cif, MatricesThatDisagreeAreTold) {
+TEST(Cif, InconsistentMatricesAreReported) {
   const auto told = [](std::string_view matrix) {
     const auto got = read(
         "data_a\n_cell.length_a 10\n_cell.length_b 10\n_cell.length_c 10\n_cell.angle_alpha 90\n"

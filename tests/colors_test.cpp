@@ -106,7 +106,7 @@ TEST(Colors, ABrightOneIsWithinTheBoundOfTheFilm) {
 }
 
 /// Of meshes: before the pieces of polygons, behind the scene's own triangles.
-TEST(Meshes, AreTrianglesBehindThoseOfTheScene) {
+TEST(Meshes, AreTrianglesAfterThoseOfTheScene) {
   Scene scene = random_scene(40, 2), own = scene;
   scene.meshes = rich_scene().meshes;
   scene.polygons.clear(), scene.polygon_materials.clear();
@@ -136,7 +136,7 @@ TEST(Meshes, NothingIsCopiedWithoutThem) {
   EXPECT_EQ(geometry.object_of(geometry.id_of(PrimitiveKind::triangle, 0)), 0u);
 }
 
-TEST(Objects, AreKnownOfWhatRaysHit) {
+TEST(Objects, AreKnownForHits) {
   const Scene s = rich_scene();
   const Geometry geometry(s);
   EXPECT_EQ(geometry.object_of(geometry.id_of(PrimitiveKind::sphere, 2)), 1u);

@@ -26,7 +26,7 @@ namespace {
 
 using nlohmann::json;
 
-TEST_F(CommandLine, RefusesWhatIsNoScene) {
+TEST_F(CommandLine, RefusesFilesThatAreNotScenes) {
   std::filesystem::create_directory(file("folder.nff"));
   std::string noise;
   for (unsigned i = 0, x = 1; i < 20000; ++i) noise += char((x = x * 1664525 + 1013904223) >> 24);
@@ -153,7 +153,7 @@ TEST_F(CommandLine, RefusesValuesOutOfRange) {
   EXPECT_EQ(raio({"render", "ok.nff", "--dof", "--aperture", "1e30"}).status, 0);
 }
 
-TEST_F(CommandLine, SaysWhichOptionWouldHaveNoEffect) {
+TEST_F(CommandLine, NamesOptionsWithoutEffect) {
   const auto refused = [&](std::vector<std::string> options, std::string_view message) {
     options.insert(options.begin(), {"render", "ok.nff", "-o", "x.png"});
     expect_refusal(options, 2, message);
@@ -189,7 +189,7 @@ TEST_F(CommandLine, SaysWhichOptionWouldHaveNoEffect) {
   refused({"--aperture", "1", "--no-dof"}, "add --dof");
 }
 
-TEST_F(CommandLine, RefusesWhatMemoryCannotHold) {
+TEST_F(CommandLine, RefusesScenesBeyondMemory) {
   expect_refusal({"render", "ok.nff", "--size", "1000000x1000000"}, 3, "--size");
   expect_refusal({"render", "ok.nff", "--grid-resolution", "1000000x1000000x1000000"}, 3,
                  "fewer cells");
@@ -244,7 +244,7 @@ TEST_F(CommandLine, BriefHelpFitsOnAScreen) {
   EXPECT_EQ(raio({"info", "-h"}).out, raio({"info", "--help"}).out) << "it has few options";
 }
 
-TEST_F(CommandLine, SaysWhichVersionItIs) {
+TEST_F(CommandLine, PrintsItsVersion) {
   const std::string version = raio({"--version"}).out;
   EXPECT_THAT(version,
               testing::MatchesRegex("raio [0-9.]+ \\((unknown commit|[0-9a-f]+( with changes)?, "
@@ -324,7 +324,7 @@ TEST_F(CommandLine, StatisticsFollowTheirSchema) {
   EXPECT_FALSE(statistics({}).contains("per_ray"));
 }
 
-TEST_F(CommandLine, StandardOutputHasThePictureAlone) {
+TEST_F(CommandLine, StandardOutputHasOnlyThePicture) {
   const Outcome o = raio({"render", "ok.nff", "-o", "-", "--progress", "on"});
   EXPECT_EQ(o.status, 0);
   EXPECT_THAT(o.err, HasSubstr("\r"));

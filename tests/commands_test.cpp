@@ -74,7 +74,7 @@ class Commands : public testing::Test {
 };
 
 // A scene that comes through a pipe is still being read while nobody has closed the pipe.
-TEST_F(Commands, ThreadsAreThoseOfReadingToo) {
+TEST_F(Commands, ThreadsApplyToReadingToo) {
   const std::string scene = path("tetra.nff"), picture = path("a.png");
   ASSERT_EQ(::mkfifo(scene.c_str(), 0600), 0);
   for (std::vector<std::string> words :
@@ -99,7 +99,7 @@ TEST_F(Commands, ThreadsAreThoseOfReadingToo) {
   }
 }
 
-TEST_F(Commands, InfoCountsWhatIsInTheScene) {
+TEST_F(Commands, InfoCountsPrimitives) {
   const std::string scene = file("some.nff", kScene);
   EXPECT_EQ(run_captured(InfoCommand{.scene = scene}), kDone);
   EXPECT_EQ(err_, "");
@@ -122,7 +122,7 @@ TEST_F(Commands, InfoCountsWhatIsInTheScene) {
   EXPECT_TRUE(info["warnings"].empty());
 }
 
-TEST_F(Commands, InfoCountsCopies) {
+TEST_F(Commands, InfoCountsInstances) {
   const std::string scene = file("some.pdb", std::string(kPdb));
   InfoCommand command{.scene = scene, .read = {.style = AtomStyle::space_filling}};
   EXPECT_EQ(run_captured(command), kDone);
@@ -232,7 +232,7 @@ TEST_F(Commands, PicturesHaveAColourBar) {
   EXPECT_FALSE(changed(rendered(plain, false, "f.ppm"), rendered(plain, true, "g.ppm")).empty());
 }
 
-TEST_F(Commands, ColourBarsThatCannotBeAreRefused) {
+TEST_F(Commands, ImpossibleColourBarsAreRefused) {
   RenderCommand command;
   command.scenes = {file("water.xyz", kWater)};
   command.options.width = command.options.height = 20;
@@ -253,7 +253,7 @@ TEST_F(Commands, ColourBarsThatCannotBeAreRefused) {
 }
 #endif
 
-TEST_F(Commands, ConvertKeepsTheCellOfCopies) {
+TEST_F(Commands, ConvertKeepsTheCellOfImages) {
   ConvertCommand convert{RAIO_SOURCE_DIR "/scenes/quartz.cif", path("some.raio"), {}};
   convert.read = {.style = AtomStyle::space_filling, .cell = true, .images = {20, 20, 1}};
   EXPECT_EQ(run_captured(convert), kDone) << err_;
@@ -262,7 +262,7 @@ TEST_F(Commands, ConvertKeepsTheCellOfCopies) {
   EXPECT_EQ(json::parse(out_)["instances"], 400);
 }
 
-TEST_F(Commands, ConvertKeepsCopiesInRaioScenes) {
+TEST_F(Commands, ConvertKeepsInstancesInRaioScenes) {
   const std::string scene = file("some.pdb", std::string(kPdb));
   ConvertCommand convert{scene, path("some.raio"), {.style = AtomStyle::space_filling}};
   EXPECT_EQ(run_captured(convert), kDone) << err_;
@@ -324,7 +324,7 @@ TEST_F(Commands, ExplainedRaysAddUpToThePicture) {
   EXPECT_GT(rays, 500u);
 }
 
-TEST_F(Commands, ExplainTellsTheTreeOfRays) {
+TEST_F(Commands, ExplainPrintsTheTreeOfRays) {
   const std::string scene = file("some.nff", kScene);
   EXPECT_EQ(run_captured(ExplainCommand{.scene = scene, .pixel = {20, 15}, .options = {}}), kDone);
   for (const char* part : {"pixel 20,15 of 40x30, sample 0 of 1\n", "eye ray, level 1, weight 1",
@@ -364,7 +364,7 @@ TEST_F(Commands, ExplainDrawsTheRays) {
   }
 }
 
-TEST_F(Commands, InfoOfASceneOfPlanesHasNoBounds) {
+TEST_F(Commands, InfoHasNoBoundsForPlanes) {
   const std::string scene = file("planes.nff",
                                  "b 0 0 0\nv\nfrom 0 0 5\nat 0 0 0\nup 0 1 0\nangle 40\nhither 0\n"
                                  "resolution 8 8\nf 1 1 1 1 0 1 0 1\npl 0 0 0 1 0 0 0 1 0\n");
@@ -374,7 +374,7 @@ TEST_F(Commands, InfoOfASceneOfPlanesHasNoBounds) {
   EXPECT_THAT(out_, HasSubstr("bounds      none"));
 }
 
-TEST_F(Commands, InfoWarnsOfWhatWouldDisappoint) {
+TEST_F(Commands, InfoWarnsOfProblemsInThePicture) {
   std::string dark(kScene);
   dark.erase(dark.find("l 3 -4 5\n"), 9);
   EXPECT_EQ(run_captured(InfoCommand{.scene = file("dark.nff", dark), .json = true}), kDone);
@@ -402,7 +402,7 @@ TEST_F(Commands, InfoNamesEveryErrorAndFails) {
   EXPECT_THAT(err_, HasSubstr("absent.nff"));
 }
 
-TEST_F(Commands, GenerateWritesWhatReadsBack) {
+TEST_F(Commands, GeneratedScenesReadBack) {
   GenerateCommand command{.name = "balls", .size = 2, .output = path("balls.nff")};
   EXPECT_EQ(run_captured(command), kDone);
   EXPECT_EQ(out_ + err_, "");
@@ -419,7 +419,7 @@ TEST_F(Commands, GenerateWritesWhatReadsBack) {
   }
 }
 
-TEST_F(Commands, GenerateListsTheNamesWhenItKnowsNone) {
+TEST_F(Commands, GenerateListsTheNamesForAnUnknownOne) {
   EXPECT_EQ(run_captured(GenerateCommand{.name = "bals", .output = path("x.nff")}), kBadInput);
   EXPECT_THAT(err_, HasSubstr("balls"));
   EXPECT_EQ(std::ranges::count(err_, '\n'), 1);
@@ -430,7 +430,7 @@ TEST_F(Commands, GenerateListsTheNamesWhenItKnowsNone) {
             kNoResource);
 }
 
-TEST_F(Commands, CompareTellsPicturesApart) {
+TEST_F(Commands, CompareMeasuresDifferences) {
   Image image(10, 10);
   for (size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = Rgb(float(i) / 100);
   ASSERT_TRUE(write_image(image, path("a.png")));
@@ -475,7 +475,7 @@ TEST_F(Commands, CompareShowsTheLightOfAnExr) {
   EXPECT_EQ(run_captured(command), kDone) << out_;
 }
 
-TEST_F(Commands, CompareTellsWhereASceneDiffers) {
+TEST_F(Commands, CompareExplainsDifferencesByRegion) {
   const auto rendered = [&](const char* name, std::string_view from, std::string_view to) {
     std::string text(
         "b 0.1 0.2 0.3\nv\nfrom 0 -5 0\nat 0 0 0\nup 0 0 1\nangle 40\nhither 0\n"
@@ -501,7 +501,7 @@ TEST_F(Commands, CompareTellsWhereASceneDiffers) {
   EXPECT_EQ(out_, "");
 }
 
-TEST_F(Commands, CompareRefusesWhatCannotBeCompared) {
+TEST_F(Commands, CompareRefusesUnreadableOrDifferentSizes) {
   ASSERT_TRUE(write_image(Image(10, 10), path("a.png")));
   ASSERT_TRUE(write_image(Image(10, 11), path("b.png")));
   EXPECT_EQ(run_captured(CompareCommand{.a = path("a.png"), .b = path("b.png"), .diff = {}}),
@@ -566,7 +566,7 @@ TEST_F(Commands, BenchMeasuresAllCombinations) {
     EXPECT_EQ(bench["rows"][i]["rays"], bench["rows"][i % 8]["rays"]) << i;
 }
 
-TEST_F(Commands, BenchOnStandardOutputIsWholeJson) {
+TEST_F(Commands, BenchWritesCompleteJsonToStandardOutput) {
   BenchCommand command = small_bench(file("some.nff", kScene));
   command.json = kStandardOutput;
   EXPECT_EQ(run_captured(command), kDone);

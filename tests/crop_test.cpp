@@ -109,7 +109,7 @@ TEST(Crop, HasTheChannelsAndViewsOfTheWholePicture) {
   }
 }
 
-TEST(Crop, OfAllIsNone) {
+TEST(Crop, OfTheWholePictureIsNone) {
   const Scene scene = random_scene(10, 1);
   const RenderOptions all = cropped(AccelKind::bvh, Crop{0, 0, kWidth, kHeight});
   EXPECT_EQ(resolve_options(all, scene), resolve_options(cropped(AccelKind::bvh), scene));
@@ -167,7 +167,7 @@ class CropJob : public TemporaryFolder {
   std::shared_ptr<const Scene> scene_ = std::make_shared<const Scene>(random_scene(40, 3));
 };
 
-TEST_F(CropJob, IsKeptGoneOnWithSplitAndRepeated) {
+TEST_F(CropJob, IsCheckpointedResumedSplitAndRepeated) {
   const std::string once = bytes(request("once.png"));
   EXPECT_THAT(once, HasSubstr(std::string("raio.crop\0", 10) + "20,10,115,75"));
 

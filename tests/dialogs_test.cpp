@@ -77,7 +77,7 @@ class FileDialogs : public testing::Test {
                  kSize};
 };
 
-TEST_F(FileDialogs, EveryButtonAnswers) {
+TEST_F(FileDialogs, EveryButtonResponds) {
   EXPECT_THAT(press_all(FileDialog::Purpose::open, "a.nff"),
               UnorderedElementsAre("a.nff", "b.nff", "closed"));
   // A file to be replaced takes two presses.
@@ -158,7 +158,7 @@ TEST(Dialogs, EveryEntryOfTheToolBarsListsPressesItsKey) {
     EXPECT_TRUE(pressed.contains(key)) << key;
 }
 
-TEST(Dialogs, EverythingInTheInspectorsPanelAnswers) {
+TEST(Dialogs, EveryInspectorControlResponds) {
   ViewState state("three.nff", state_of_three().scene, {});
   state.options.aa = 3;
   Inspector inspector([] {});
@@ -218,7 +218,7 @@ TEST(Dialogs, EverythingInTheInspectorsPanelAnswers) {
   EXPECT_GE(others, 7u);  // with "<", "copy command", and both cameras
 }
 
-TEST(Message, KeepsOffTheLegendAndWithinThePicture) {
+TEST(Message, AvoidsTheLegendAndStaysInThePicture) {
   Screen screen([] {
     const std::string message = "soft shadows on: 204 ms per sample, before 96.4 ms";
     for (const float width : {400.0f, 700.0f, 1000.0f, 2000.0f}) {

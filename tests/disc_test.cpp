@@ -38,7 +38,7 @@ TEST(Disc, ShowsTheAreaOfARing) {
   }
 }
 
-TEST(Disc, IsHitWhereRaysAreAimedAt) {
+TEST(Disc, IsHitWhereRaysAim) {
   Random random(2);
   for (int trial = 0; trial < 20000; ++trial) {
     const Disc disc = random_disc(random);
@@ -107,7 +107,7 @@ TEST(Disc, BoundsAreTightAndOverlapsNeverWrongWithNo) {
   }
 }
 
-TEST(Disc, SidesAreSeenAsAskedInEveryStructure) {
+TEST(Disc, SidesAreCulledInEveryStructure) {
   Scene scene;
   scene.materials = {{}};
   scene.discs = {{{0, 0, 0}, {0, 0, 1}, 1, 0}, {{5, 0, 0}, {0, 0, -1}, 1, 0.5f}};

@@ -19,7 +19,7 @@
 namespace raio::view {
 namespace {
 
-TEST(History, GoesBackAndForthAndForgetsWhatWasUndoneBeforeAChange) {
+TEST(History, UndoesAndRedoesUntilAChange) {
   History<int> history(0);
   EXPECT_FALSE(history.can_undo());
   EXPECT_EQ(history.undo(), 0);
@@ -62,7 +62,7 @@ TEST(History, EveryChangeOfTheStateIsAStep) {
   EXPECT_TRUE(state == before) << "what is hidden or paused is no step";
 }
 
-TEST(Edit, MakesAnotherSceneThatSharesWhatDidNotChange) {
+TEST(Edit, SharesUnchangedArrays) {
   const auto before = scene();
   const Rgb color = before->materials[0].color;
   const auto after = edited(before, [](Scene& s) {
@@ -86,7 +86,7 @@ TEST(Edit, MakesAnotherSceneThatSharesWhatDidNotChange) {
   EXPECT_EQ(back->spheres.data(), before->spheres.data());
 }
 
-TEST(Edit, WhatIsSavedReadsBackAsItWasSeen) {
+TEST(Edit, SavedScenesReadBackAsDisplayed) {
   ViewState state("some.nff", scene(), {});
   state.camera = orbited(state.camera, {0.1, 0.2, 0.3}, 0.4, 0.1);
   state.scene = edited(state.scene, [](Scene& s) { s.materials[0].ks = 0.625f; });
@@ -99,7 +99,7 @@ TEST(Edit, WhatIsSavedReadsBackAsItWasSeen) {
   EXPECT_EQ(count_primitives(read->scene), count_primitives(seen));
 }
 
-TEST(Edit, WhatIsEditedWhileTheSceneIsWrittenStays) {
+TEST(Edit, EditsDuringWritingAreKept) {
   const auto folder =
       std::filesystem::temp_directory_path() / fmt::format("raio_edit_{}", std::random_device()());
   std::filesystem::create_directories(folder);
@@ -142,7 +142,7 @@ TEST(Edit, WhatIsEditedWhileTheSceneIsWrittenStays) {
   std::filesystem::remove_all(folder);
 }
 
-TEST(Memory, KeepsTheLookAndTheScenesThatAreThere) {
+TEST(Memory, KeepsTheThemeAndExistingScenes) {
   const auto folder = std::filesystem::temp_directory_path() /
                       fmt::format("raio_memory_{}", std::random_device()());
   std::filesystem::create_directories(folder);

@@ -104,7 +104,7 @@ TEST(EffectCosts, CountsAreThoseOfRendersWithAndWithout) {
 }
 
 // Runs that are repeated until they take as long as they shall.
-TEST(EffectCosts, RunsAreAsLongAsIsWanted) {
+TEST(EffectCosts, RunsHaveTheRequestedLength) {
   const Scene scene = small_scene();
   RenderOptions o = small();
   o.no_reflection = o.no_refraction = true;
@@ -120,7 +120,7 @@ TEST(EffectCosts, RunsAreAsLongAsIsWanted) {
   EXPECT_GE(passed.count(), least);
 }
 
-TEST(EffectCosts, ViewAndNumbersOfSamplesDoNotCount) {
+TEST(EffectCosts, IgnoresViewAndNumbersOfSamples) {
   const Scene scene = small_scene();
   RenderOptions o = small();
   o.view = View::normals, o.aa = 0, o.samples = 1000;
@@ -152,7 +152,7 @@ constexpr auto kIn = EffectCost::in_picture;
 constexpr auto kNotScene = EffectCost::not_in_scene;
 constexpr auto kNotPicture = EffectCost::not_in_picture;
 
-TEST(EffectCosts, WhatCannotMatterIsNotInThisScene) {
+TEST(EffectCosts, ImpossibleEffectsAreNotInTheScene) {
   using Presences = std::vector<EffectCost::Presence>;
   const auto of = [](Contents has) { return presence(small_scene(has), small()); };
   EXPECT_EQ(of({}), (Presences(kEffects.size(), kIn)));
@@ -168,7 +168,7 @@ TEST(EffectCosts, WhatCannotMatterIsNotInThisScene) {
   EXPECT_EQ(presence(empty, small()), Presences(kEffects.size(), kNotScene));
 }
 
-TEST(EffectCosts, MaterialsThatNoPrimitiveHasDoNotMatter) {
+TEST(EffectCosts, UnusedMaterialsDoNotMatter) {
   Scene s = small_scene();
   s.sphere_materials = std::vector<MaterialId>{0, 0, 0};
   EXPECT_FALSE(is_in_scene(Effect::reflection, s, Fresnel::none));
@@ -183,7 +183,7 @@ TEST(EffectCosts, MaterialsThatNoPrimitiveHasDoNotMatter) {
   EXPECT_TRUE(is_in_scene(Effect::reflection, s, Fresnel::exact)) << "glass mirrors";
 }
 
-TEST(EffectCosts, WhatNoRayOfThePictureMeetsIsNotInIt) {
+TEST(EffectCosts, EffectsThatNoRayShowsAreNotInThePicture) {
   using Presences = std::vector<EffectCost::Presence>;
   RenderOptions o = small();
   o.depth = 1;  // no rays after the eye's
@@ -200,7 +200,7 @@ TEST(EffectCosts, WhatNoRayOfThePictureMeetsIsNotInIt) {
             (Presences{kIn, kIn, kIn, kIn, kIn, kNotPicture, kIn, kIn, kIn}));
 }
 
-TEST(EffectCosts, RoughnessIsThatOfTheOptionsElseOfTheMaterialsElseTheUsual) {
+TEST(EffectCosts, RoughnessComesFromOptionsThenMaterialsThenDefault) {
   Scene scene = small_scene();
   const auto gloss = [&](std::optional<float> given, bool on) {
     RenderOptions o;
@@ -223,7 +223,7 @@ TEST(EffectCosts, RoughnessIsThatOfTheOptionsElseOfTheMaterialsElseTheUsual) {
   EXPECT_EQ(gloss(0.4f, false), 0.0f);
 }
 
-TEST(EffectCosts, WithoutMotionTheShutterClosesAsItOpens) {
+TEST(EffectCosts, WithoutMotionTheShutterClosesWhenItOpens) {
   const Scene scene = small_scene();
   const RenderOptions off = with_effect({}, Effect::motion, false, scene);
   EXPECT_EQ(off.shutter, (std::array{1.0f, 1.0f})) << "the movement's beginning";
@@ -238,7 +238,7 @@ TEST(EffectCosts, WithoutMotionTheShutterClosesAsItOpens) {
   EXPECT_EQ(with_effect({}, Effect::motion, true, still), RenderOptions()) << "no conflict";
 }
 
-TEST(EffectCosts, EndsWhenToldToAndSaysHowFarItIs) {
+TEST(EffectCosts, StopsOnRequestAndReportsProgress) {
   const Scene scene = small_scene();
   RenderOptions o = small();
   const auto accel = build_accel(scene, o.accel);

@@ -166,7 +166,7 @@ TEST(Ellipsoid, IsReadAndWrittenAndItsFaultsAreNamed) {
             "expected a number for z of semi-axis 2 of the ellipsoid, found \"s\"");
 }
 
-TEST(Ellipsoid, CountsInTheSceneAndItsName) {
+TEST(Ellipsoid, IsCountedAndHashed) {
   Scene scene = read_objects("s 0 0 0 1\n");
   const std::string name = content_hash(scene);
   scene.ellipsoids = {{{0, 0, 0}, {{1, 0, 0}, {0, 2, 0}, {0, 0, 3}}}};

@@ -107,7 +107,7 @@ TEST(Explain, TermsAddUpToThePixelAndLogsToTheCounts) {
     expect_pixels_explained(scene, kind, 40, 1);
 }
 
-TEST(Explain, TermsAddUpInTheOtherModelsOfLight) {
+TEST(Explain, TermsAddUpInTheOtherShadingModels) {
   const Scene scene = tests::random_scene(60, 7);
   for (const ShadingModel shading : {ShadingModel::phong, ShadingModel::blinn_phong})
     for (const Fresnel fresnel : {Fresnel::exact, Fresnel::schlick}) {
@@ -139,7 +139,7 @@ TEST(Explain, TermsAddUpInTheSharedScenes) {
 }
 
 // In a tree each ray alone costs what its log says.
-TEST(Explain, LogsAreWhatARayOfItsOwnCosts) {
+TEST(Explain, LogsMatchTheCostOfASingleRay) {
   const Scene scene = tests::random_scene(400, 3);
   for (const AccelKind kind : {AccelKind::none, AccelKind::grid, AccelKind::bvh}) {
     const auto accel = build_accel(scene, {.kind = kind, .counters = true});

@@ -57,7 +57,7 @@ auto with_standard_output(int replacement, Action action) {
   return result;
 }
 
-TEST_F(FileTest, MakesAndReplaces) {
+TEST_F(FileTest, CreatesAndReplaces) {
   const std::string bytes("a\0b\n\xff", 5);
   ASSERT_TRUE(write_file(file("f"), "a longer text that was there before"));
   ASSERT_TRUE(write_file(file("f"), bytes));
@@ -257,7 +257,7 @@ TEST_F(FileTest, APipeThatDoesNotBlockIsWaitedFor) {
   ::close(ends[1]);
 }
 
-TEST_F(FileTest, AFailureInTheMiddleKeepsWhatWasThere) {
+TEST_F(FileTest, AFailureHalfwayKeepsTheOldFile) {
   put(file("f"), "old");
   rlimit before{};
   ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
@@ -273,7 +273,7 @@ TEST_F(FileTest, AFailureInTheMiddleKeepsWhatWasThere) {
   EXPECT_EQ(entries(), 1);
 }
 
-TEST_F(FileTest, KilledAtAnyTimeTheTargetIsWhole) {
+TEST_F(FileTest, TheTargetIsWholeWheneverKilled) {
   const std::string first(3'000'000, 'a'), second(2'000'000, 'b');
   ASSERT_TRUE(write_file(file("f"), first));
   for (int round = 0; round < 10; ++round) {

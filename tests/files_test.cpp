@@ -29,7 +29,7 @@ TEST(Files, FarCoordinatesHaveACamera) {
 }
 
 // Seen along a row of ions a crystal would hide most of them.
-TEST(Files, CrystalsAreSeenAtAnAngle) {
+TEST(Files, CrystalsAreShownAtAnAngle) {
   const auto salt = read_scene(RAIO_SOURCE_DIR "/scenes/salt.xyz");
   ASSERT_TRUE(salt) << salt.error().front().text();
   const Camera& camera = salt->scene.camera;

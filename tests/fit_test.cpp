@@ -101,7 +101,7 @@ TEST(Fit, TheSmallestScenesHaveACamera) {
   }
 }
 
-TEST(Fit, UpTurnsFittedCamerasAlone) {
+TEST(Fit, UpAffectsOnlyFittedCameras) {
   Scene scene = corners();
   EXPECT_EQ(camera_with(scene, {{"up", "y"}}).from, scene.camera.from);
   fit_camera(scene, FitView::three_quarter);
@@ -111,7 +111,7 @@ TEST(Fit, UpTurnsFittedCamerasAlone) {
   EXPECT_EQ(camera_with(scene, {{"up", "y"}, {"at", "0,0,1"}}).from, scene.camera.from);
 }
 
-TEST(Fit, CamerasStayWhatTheyAreAsOptions) {
+TEST(Fit, CamerasSurviveAsOptions) {
   Scene scene = corners();
   fit_camera(scene, FitView::three_quarter);
   Camera rolled = scene.camera;
@@ -142,7 +142,7 @@ TEST(Fit, CellsStandUpright) {
   EXPECT_NEAR(dot(normalize(Vec3d(scene.camera.at - scene.camera.from)), up), -1, 1e-6);
 }
 
-TEST(Fit, TellsWhichUpIsGuessed) {
+TEST(Fit, ReportsTheGuessedUpAxis) {
   using testing::ElementsAre, testing::IsEmpty;
   Scene scene = corners();
   RenderOptions o;
@@ -203,7 +203,7 @@ void expect_tiny(const Scene& scene, const Camera& camera) {
   for (const Span& part : part_of_picture(scene, camera)) EXPECT_LT(part.size(), 0.1);
 }
 
-TEST(Fit, MostLeavesOutWhatIsFarAway) {
+TEST(Fit, MostIgnoresDistantParts) {
   using testing::ElementsAre, testing::IsEmpty;
   const Scene near = cube();
   EXPECT_EQ(part_outside(near, most_of(near)), 0);
@@ -272,13 +272,13 @@ TEST(Fit, AllIsInThePictureAtAnyAngle) {
 }
 
 // A camera that was fitted to data is upright wherever it is put.
-TEST(Fit, CamerasKeepWhatIsUp) {
+TEST(Fit, CamerasKeepTheUpDirection) {
   Scene scene = cube();
   fit_camera(scene, FitView::three_quarter);
   EXPECT_EQ(camera_with(scene, {{"from", "9,0,4"}}).up, Vec3f(0, 0, 1));
 }
 
-TEST(Fit, WhatASideCannotBe) {
+TEST(Fit, SidesHaveConflicts) {
   Scene scene = corners();
   RenderOptions o;
   o.side = Side::front, o.at = Vec3d(1, 2, 3);

@@ -253,7 +253,7 @@ INSTANTIATE_TEST_SUITE_P(
                     PublicFile{"p3d/mount_very_high.nff", "mount_very_high"}),
     [](const auto& file) { return std::string(file.param.name); });
 
-TEST(GenerateComparison, SeesAMovedCornerAMaterialAndAMissingItem) {
+TEST(GenerateComparison, DetectsAMovedVertexAMaterialAndAMissingPrimitive) {
   const std::vector<Item> items = listing(generated("balls", 2)).items;
   EXPECT_EQ(unmatched(items, items), 0u);
   auto moved = items;
@@ -420,7 +420,7 @@ TEST(GenerateScene, RecipesAreFitForAList) {
   }
 }
 
-TEST(GenerateScene, NamesWhatThereIsWhenTheNameIsUnknown) {
+TEST(GenerateScene, ListsTheScenesForAnUnknownName) {
   const auto scene = generate_scene("bolas");
   ASSERT_FALSE(scene);
   EXPECT_THAT(scene.error().text(), testing::HasSubstr("'bolas'"));
@@ -429,7 +429,7 @@ TEST(GenerateScene, NamesWhatThereIsWhenTheNameIsUnknown) {
   }
 }
 
-TEST(GenerateScene, NamesTheRangeWhenTheSizeIsOutOfIt) {
+TEST(GenerateScene, StatesTheRangeForABadSize) {
   EXPECT_EQ(generate_scene("balls", 8).error().message,
             "the size of 'balls' must be from 1 to 7, found 8");
   EXPECT_EQ(generate_scene("balls", -1).error().message,

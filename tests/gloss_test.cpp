@@ -192,7 +192,7 @@ TEST(Gloss, AMirrorShowsThePartOfTheLobe) {
   }
 }
 
-TEST(Gloss, MaterialsSayItUnlessTheOptionDoes) {
+TEST(Gloss, TheOptionOverridesMaterials) {
   Scene scene = random_scene(80, 3);
   RenderOptions o;
   o.width = 60, o.height = 50, o.aa = 2;

@@ -135,13 +135,13 @@ TEST(Gltf, StripsAndFans) {
   EXPECT_EQ(corners(scene_of(file)), std::vector({a, b, c}));  // the fourth is left over
 }
 
-TEST(Gltf, TrianglesWithoutAreaAreTold) {
+TEST(Gltf, DegenerateTrianglesAreReported) {
   Gltf file = square();
   file.primitives = R"({"attributes": {"POSITION": 0}, "indices": 1})";
   file.add(packed(0u, 1u, 1u), kU32, 3, "SCALAR");
   EXPECT_THAT(warnings_of(file), HasSubstr("all triangles have zero area"));
 }
-TEST(Gltf, PointsAreSpheresAndLinesAreTold) {
+TEST(Gltf, PointsAreSpheresAndLinesAreReported) {
   Gltf file = square();
   file.primitives = R"({"attributes": {"POSITION": 0}, "mode": 0},
                        {"attributes": {"POSITION": 0}, "mode": 3})";
@@ -287,7 +287,7 @@ TEST(Gltf, TexturesMayBeMoved) {
   EXPECT_NEAR(scene.meshes[0].uv[2][0], 0.5 + 3, 1e-6);
 }
 
-TEST(Gltf, PicturesThatCannotBeReadAreTold) {
+TEST(Gltf, UnreadablePicturesAreReported) {
   Gltf file = textured();
   replace(file.more, "data:image/png;base64,", "data:image/png;base64,AAAA");
   EXPECT_THAT(warnings_of(file), HasSubstr("(1: /images/0: expected a PNG or JPEG picture)"));
@@ -342,7 +342,7 @@ TEST(Gltf, MeshesRestInTheirDefaultWeights) {
   EXPECT_EQ(bounds(scene).hi, Vec3f(1, 1, 2));
 }
 
-TEST(Gltf, InstancesOfTheExtensionAreCopies) {
+TEST(Gltf, ExtensionInstancesAreInstances) {
   Gltf file = square();
   file.add(packed(0.f, 0.f, 0.f, 5.f, 0.f, 0.f), kFloat, 2, "VEC3");
   file.add(packed(1.f, 1.f, 1.f, 2.f, 2.f, 2.f), kFloat, 2, "VEC3");
@@ -403,7 +403,7 @@ TEST(Gltf, TheCameraIsThatOfTheFile) {
   EXPECT_EQ(camera.height, 600);
 }
 
-TEST(Gltf, WhatItCannotKnowIsRefusedOrTold) {
+TEST(Gltf, UnknownFeaturesAreRefusedOrReported) {
   Gltf file = square();
   file.more = R"(, "extensionsUsed": ["KHR_materials_specular"], "animations": [{}])";
   EXPECT_THAT(warnings_of(file),
@@ -421,7 +421,7 @@ TEST(Gltf, WhatItCannotKnowIsRefusedOrTold) {
               HasSubstr("binary scene in glTF 1"));
 }
 
-TEST(Gltf, BrokenFilesAreRefusedWithTheirPlace) {
+TEST(Gltf, BrokenFilesAreRefusedWithALocation) {
   const auto with = [](std::string_view from, std::string_view to, Gltf file = square()) {
     std::string text = file.json();
     replace(text, from, to);
@@ -488,7 +488,7 @@ TEST(Gltf, ChangedBytesEndSoundly) {
 
 using GltfFiles = TemporaryFolder;
 
-TEST_F(GltfFiles, BuffersAndPicturesLieBeside) {
+TEST_F(GltfFiles, BuffersAndPicturesAreExternal) {
   Gltf file = textured();
   put(this->file("my square.bin"), file.buffer);
   put(this->file("red.png"), one_pixel_png(Rgb(1, 0, 0)));

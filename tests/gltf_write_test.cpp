@@ -105,7 +105,7 @@ Scene mesh_scene() {
   return scene;
 }
 
-TEST(GltfWrite, MeshesAreReadAgain) {
+TEST(GltfWrite, MeshesReadBack) {
   const Scene scene = mesh_scene(), again = read_again(scene);
   EXPECT_EQ(faces_of(again), faces_of(scene));
   EXPECT_EQ(not_in_gltf(scene), "");
@@ -116,7 +116,7 @@ TEST(GltfWrite, MeshesAreReadAgain) {
   EXPECT_EQ(content_hash(binary->scene), content_hash(again));
 }
 
-TEST(GltfWrite, TexturesAreReadAgain) {
+TEST(GltfWrite, TexturesReadBack) {
   const Scene scene = mesh_scene(), again = read_again(scene);
   ASSERT_EQ(again.textures.size(), 1u);  // that of the material which is used
   const Texture &from = scene.textures[1], &to = again.textures[0];
@@ -128,7 +128,7 @@ TEST(GltfWrite, TexturesAreReadAgain) {
     EXPECT_EQ(again.texels[to.first + i], scene.texels[from.first + i]) << i;
 }
 
-TEST(GltfWrite, FacesOfPoolsAreReadAgain) {
+TEST(GltfWrite, FacesOfPoolsReadBack) {
   Scene scene = with_triangle();
   scene.add_material({.color = Rgb(0, 1, 0), .kd = 1}, Rgb(1), 0, 0.25f);
   scene.normals = {{0, 1, 0}, {0, 0, 1}};
@@ -173,7 +173,7 @@ void expect_same_view(const Scene& scene) {
   EXPECT_NEAR(half(b), half(a), 1e-5 * half(a));
 }
 
-TEST(GltfWrite, PerspectiveIsReadAgain) {
+TEST(GltfWrite, PerspectiveReadsBack) {
   Scene scene = with_triangle();
   look(scene, {4, -3, 2}, {0.25f, 0, 0.5f}, 25);
   scene.camera.up = {0, 0.1f, 1};
@@ -193,7 +193,7 @@ TEST(GltfWrite, PerspectiveIsReadAgain) {
   EXPECT_LT(near, 0.01);
 }
 
-TEST(GltfWrite, ParallelRaysAreReadAgain) {
+TEST(GltfWrite, ParallelRaysReadBack) {
   Scene scene = with_triangle();
   look(scene, {0, 0, 40}, {0, 0, 0}, 3);
   scene.camera.projection = Projection::orthographic;
@@ -408,7 +408,7 @@ TEST(GltfWrite, ManyShapesHaveFewerTriangles) {
 
 // --- places
 // Copies of copies, mirrored and stretched unevenly, which no sphere survives as such.
-TEST(GltfWrite, CopiesAreWhereTheyBelong) {
+TEST(GltfWrite, InstancesKeepTheirPositions) {
   Scene scene = tests::nested_scene();
   for (Scene& object : scene.prototypes) {
     object.positions = {{0, 0, 0}, {0.3f, 0, 0}, {0, 0.2f, 0.1f}};
@@ -481,7 +481,7 @@ TEST_F(GltfFile, SuffixesChooseTheForm) {
   EXPECT_EQ(content_hash(a->scene), content_hash(b->scene));
 }
 
-TEST_F(GltfFile, CopiesThatShearBecomeFaces) {
+TEST_F(GltfFile, ShearedInstancesBecomeFaces) {
   Scene object = with_triangle(), scene = data_scene();
   scene.prototypes = {object};
   scene.instances = {{0, {1, 0.5f, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}}, {0, kIdentity}};
@@ -491,7 +491,7 @@ TEST_F(GltfFile, CopiesThatShearBecomeFaces) {
   EXPECT_EQ(faces_of(read_scene(file("a.gltf"))->scene)[1][2][0], 0.5f);
 }
 
-TEST_F(GltfFile, WhatCannotBeWrittenLeavesNothing) {
+TEST_F(GltfFile, FailedWritesLeaveNothing) {
   EXPECT_FALSE(write_scene(mesh_scene(), file("missing/a.glb")));
   put(file("some"), "other");
   EXPECT_FALSE(write_scene(mesh_scene(), file("some/a.gltf")));

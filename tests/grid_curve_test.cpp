@@ -72,7 +72,7 @@ TEST(GridCurve, CountsAreThoseOfARender) {
   EXPECT_EQ(point.references, (*accel)->info().references);
 }
 
-TEST(GridCurve, EndsSoonWhenToldAndRefusesNothing) {
+TEST(GridCurve, StopsSoonOnRequestAndRefusesEmptyScenes) {
   RenderControl control;
   control.stop = true;
   const auto stopped =

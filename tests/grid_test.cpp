@@ -24,7 +24,7 @@ using tests::ScaleAndShift;
 using tests::shadow_rays;
 using tests::two_sided;
 
-TEST(Grid, FindsTheVeryHitsOfBruteForce) {
+TEST(Grid, MatchesBruteForceExactly) {
   for (const ScaleAndShift& place : kScalesAndShifts)
     for (const bool one_sided : {false, true}) {
       const Scene scene = random_scene(600, 7, place.scale, place.shift);
@@ -43,7 +43,7 @@ TEST(Grid, FindsTheVeryHitsOfBruteForce) {
 }
 
 // Beams, and rays that go alone; every instruction set that this machine has.
-TEST(Grid, RaysThatTravelTogetherFindTheVeryHitsOfBruteForce) {
+TEST(Grid, CoherentRaysMatchBruteForceExactly) {
   for (const ScaleAndShift& place : kScalesAndShifts) {
     const Scene scene = two_sided(random_scene(900, 5, place.scale, place.shift));
     const auto oracle = build(scene, {.kind = AccelKind::none});
@@ -68,7 +68,7 @@ TEST(Grid, RaysThatTravelTogetherFindTheVeryHitsOfBruteForce) {
 }
 
 // Two ray groups far apart: rays of all sorts from one to the other, over cells that list nothing.
-TEST(Grid, EmptySpaceIsSkippedWithoutALoss) {
+TEST(Grid, SkippingEmptySpaceLosesNoHit) {
   Scene scene;
   scene.materials = {{}};
   std::mt19937 rng(3);
@@ -121,7 +121,7 @@ TEST(Grid, EmptyCellsKnowHowFarTheyAreFromOthers) {
   EXPECT_GT(farthest, 1);
 }
 
-TEST(Grid, BlocksHoldWhatCellsListAndTheirBoxesToo) {
+TEST(Grid, BlocksHoldTheCellsPrimitivesAndBoxes) {
   const Scene scene = random_scene(900, 6);
   const Geometry g(scene);
   const auto cells = build_grid(g, {.kind = AccelKind::grid, .grid_resolution = {4, 5, 6}});
@@ -167,7 +167,7 @@ TEST(Grid, HasTheResolutionOfTheReport) {
   EXPECT_EQ(forced.resolution, (std::array<int, 3>{5, 6, 7}));
 }
 
-TEST(Grid, ListsShellsAndNotBalls) {
+TEST(Grid, ListsSurfacesNotVolumes) {
   // One large sphere cut by many cells: those inside it stay empty.
   Scene scene;
   scene.materials = {{}};
@@ -182,13 +182,13 @@ TEST(Grid, ListsShellsAndNotBalls) {
   EXPECT_LT(info.references, 5u * 2600);
 }
 
-TEST(Grid, KeepsGiantsOut) {
+TEST(Grid, KeepsOversizedPrimitivesOut) {
   Scene scene = random_scene(400, 3);
   const AccelInfo info = build(scene, {.kind = AccelKind::grid})->info();
   EXPECT_EQ(info.oversized, 3u);  // the plane and the two triangles of the floor
 }
 
-TEST(Grid, SurvivesFlatScenesAndHeapsOfLargePrimitives) {
+TEST(Grid, SurvivesFlatScenesAndManyLargePrimitives) {
   Scene flat;
   flat.materials = {{}};
   for (int i = 0; i < 3000; ++i) {
@@ -219,7 +219,7 @@ TEST(Grid, SurvivesFlatScenesAndHeapsOfLargePrimitives) {
   EXPECT_EQ(disagreement(*build(heap, {.kind = AccelKind::none}), *grid, rays, true).closest, 0u);
 }
 
-TEST(Grid, RefusesWhatNoMemoryHolds) {
+TEST(Grid, RefusesScenesBeyondMemory) {
   const Scene scene = random_scene(40, 1);
   const auto grid =
       build_accel(scene, {.kind = AccelKind::grid, .grid_resolution = {100000, 100000, 100000}});

@@ -78,7 +78,7 @@ std::string damaged(std::string text, std::mt19937& random) {
 
 class Damaged : public testing::TestWithParam<const char*> {};
 
-TEST_P(Damaged, IsRefusedWithAPlaceOrIsOnePicture) {
+TEST_P(Damaged, IsRefusedWithALocationOrGivesOnePicture) {
   const fs::path path = fs::path(RAIO_SOURCE_DIR) / "scenes" / (GetParam() + std::string(".nff"));
   std::ifstream stream(path, std::ios::binary);
   const std::string whole{std::istreambuf_iterator<char>(stream), {}};
@@ -165,7 +165,7 @@ const Case kDegenerate[] = {
 
 class Degenerate : public testing::TestWithParam<Case> {};
 
-TEST_P(Degenerate, IsRefusedWithAPlaceOrIsOnePicture) {
+TEST_P(Degenerate, IsRefusedWithALocationOrGivesOnePicture) {
   const Case& c = GetParam();
   const std::string text = kFrontCamera + kLight + kDullMaterial + c.text;
   const auto result = parse_nff(text, "t.nff");
@@ -189,7 +189,7 @@ TEST_P(Degenerate, IsRefusedWithAPlaceOrIsOnePicture) {
 INSTANTIATE_TEST_SUITE_P(Geometry, Degenerate, testing::ValuesIn(kDegenerate),
                          [](const auto& c) { return std::string(c.param.name); });
 
-TEST(Hostile, CamerasThatSeeNothingAreRefusedWithAPlace) {
+TEST(Hostile, BlindCamerasAreRefusedWithALocation) {
   for (const char* camera :
        {"from 0 0 0\nat 0 0 0\nup 0 0 1\nangle 45", "from 0 0 1\nat 0 0 0\nup 0 0 1\nangle 45",
         "from 0 0 1\nat 0 0 0\nup 0 0 0\nangle 45", "from 0 0 1\nat 0 0 0\nup 0 1 0\nangle 0",
@@ -203,7 +203,7 @@ TEST(Hostile, CamerasThatSeeNothingAreRefusedWithAPlace) {
   }
 }
 
-TEST(Hostile, CamerasAtTheEndOfFloatsSeeOnePicture) {
+TEST(Hostile, CamerasAtTheEndOfFloatsGiveOnePicture) {
   for (const char* camera : {"from 3e38 0 0\nat -3e38 0 0\nup 0 0 1\nangle 45",
                              "from 0 0 0\nat 0 1e-45 0\nup 0 0 1\nangle 45",
                              "from 0 -5 1\nat 0 0 0\nup 0 0 3e38\nangle 179.99",
@@ -216,7 +216,7 @@ TEST(Hostile, CamerasAtTheEndOfFloatsSeeOnePicture) {
 
 // Many of the same: building must not split what cannot be told apart for ever.
 
-TEST(Hostile, ThousandsOfTheSameAreOnePicture) {
+TEST(Hostile, ThousandsOfCoincidentPrimitivesGiveOnePicture) {
   const std::string same[] = {"s 0 0 0 1\n", "p 3\n-1 0 -1\n1 0 -1\n0 0 1\n",
                               "c 0 0 -1 1 0 0 1 0.5\n"};
   std::string all;
@@ -269,7 +269,7 @@ TEST(Hostile, PolygonsOfManyCornersAreBuiltInBoundedTime) {
 
 // Found by fuzzing.
 
-TEST(Hostile, TheGridSeesWhatRaysFromAfarMeetByRounding) {
+TEST(Hostile, TheGridFindsRoundedHitsFromAfar) {
   const Scene scene = read(kFrontCamera + kLight + kDullMaterial +
                            "s 0 0 0 4294967296\ns -0.1 -0.1 0.6 1e-22\ns 0.4 0.6 0.2 0.02\n"
                            "s -0.4 0.2 0.3 0.02\ns 0.3 0.5 -0.4 0.02\n" +
@@ -277,7 +277,7 @@ TEST(Hostile, TheGridSeesWhatRaysFromAfarMeetByRounding) {
   expect_one_picture(scene, square(64));
 }
 
-TEST(Hostile, WhatHasHardlyAnAreaIsReadOrLeftOutForGood) {
+TEST(Hostile, NearlyDegenerateShapesAreReadOrDropped) {
   for (const std::string& objects :
        {std::string("mesh 4 2\n0 0 0\n1 0 0\n0.5 1e20 0\n0 1e-20 1e20\n1 2 3\n1 3 4\n"),
         std::string("box 0 0 0 1e20 1 1e-10\n"),
@@ -340,7 +340,7 @@ TEST_F(HostileProgram, PicturesBeyondMemoryAreRefused) {
 }
 
 #ifndef RAIO_SANITIZED  // which reserve far more
-TEST_F(HostileProgram, SaysThatMemoryRanOutWhereTheSystemGivesLess) {
+TEST_F(HostileProgram, ReportsExhaustedMemory) {
   const std::string render = "render '" RAIO_SOURCE_DIR "/scenes/tetra.nff' -o '" +
                              file("a.ppm").string() + "' --threads 2 --size ";
   EXPECT_EQ(run(render + "31623x31623", rlim_t(2) << 30), 3) << said();

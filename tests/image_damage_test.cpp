@@ -70,7 +70,7 @@ void mend_check_sums(std::string& png) {
   }
 }
 
-TEST_F(ImageTest, HugeSizesInSmallFilesAreRefusedBeforeMemoryIsAsked) {
+TEST_F(ImageTest, HugeSizesInSmallFilesAreRefusedBeforeAllocation) {
   std::string png = written(noise(4, 4), "a.png");
   png.replace(16, 8, std::string("\0\0\x40\0\0\0\x40\0", 8));  // 16384 x 16384 is within the limit
   mend_check_sums(png);
@@ -91,7 +91,7 @@ TEST_F(ImageTest, HugeSizesInSmallFilesAreRefusedBeforeMemoryIsAsked) {
   expect_bad(exr, "longer than the file");
 }
 
-TEST_F(ImageTest, ChannelsCountBeforeMemoryIsAsked) {
+TEST_F(ImageTest, ChannelsAreCheckedBeforeAllocation) {
   std::string exr = written(layered(4, 4), "a.exr");
   const std::string name("dataWindow\0box2i\0\x10\0\0\0", 21);
   const size_t at = exr.find(name);

@@ -222,7 +222,7 @@ TEST_F(ImageTest, PicturesOfColoursAloneAreImages) {
   }
 }
 
-TEST_F(ImageTest, WhatAFormatCannotKeepIsRefusedWithAdvice) {
+TEST_F(ImageTest, UnsupportedFeaturesAreRefusedWithAdvice) {
   using enum ImageFormat;
   const std::vector<std::string> none, depth = {"depth"}, two = {"depth", "normal"};
   const char* const kToPlain = "; choose a name that ends in .exr or .npz";
@@ -250,7 +250,7 @@ TEST_F(ImageTest, WhatAFormatCannotKeepIsRefusedWithAdvice) {
   EXPECT_EQ(entries(), 0);
 }
 
-TEST_F(ImageTest, PicturesWhosePartsDoNotFitAreErrors) {
+TEST_F(ImageTest, MismatchedPartsOfPicturesAreErrors) {
   const auto expect_refused = [&](const auto& change, const char* why) {
     Picture picture = layered(3, 2);
     change(picture);
@@ -281,7 +281,7 @@ TEST_F(ImageTest, PicturesWhosePartsDoNotFitAreErrors) {
   EXPECT_EQ(entries(), 0);
 }
 
-TEST_F(ImageTest, LongNamesOfLayersAreKept) {
+TEST_F(ImageTest, LongNamesOfLayersAreStored) {
   Picture picture = layered(2, 1);
   picture.layers[1].name = std::string(200, 'd'),
   picture.layers[1].components[0] = std::string(50, 'c');

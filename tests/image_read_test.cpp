@@ -64,7 +64,7 @@ TEST_F(ImageTest, ReadsManyKindsOfExr) {
   EXPECT_EQ(read_good(exr_of(file("a.exr"), layout)).at(1, 0), Rgb(1.25f));
 }
 
-TEST_F(ImageTest, ExrWithoutTheChannelsTellsWhatIsThere) {
+TEST_F(ImageTest, ExrErrorsNameTheExistingChannels) {
   ExrLayout layout;
   layout.channels = {{"depth.Z", Imf::Channel()}, {"R", Imf::Channel()}, {"G", Imf::Channel()}};
   expect_bad(exr_of(file("a.exr"), layout), "found G, R, depth.Z");

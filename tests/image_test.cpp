@@ -127,7 +127,7 @@ TEST_F(ImageTest, VeryWideAndVeryHighPicturesAreWritten) {
   }
 }
 
-TEST_F(ImageTest, PicturesThatAreNoneAreErrors) {
+TEST_F(ImageTest, InvalidPicturesAreErrors) {
   Image wrong(4, 4);
   wrong.pixels.pop_back();
   Image negative;

@@ -85,7 +85,7 @@ TEST(Inspection, ARegionHasTheRaysOfItsPixels) {
   EXPECT_LE(all->rays.size(), kMaxRegionRays);
 }
 
-TEST(Inspection, FiltersByKindLevelAndWhatIsHit) {
+TEST(Inspection, FiltersByKindLevelAndHit) {
   RegionRay eye, mirrored;
   eye.hit = PrimitiveKind::sphere, eye.material = 2;
   mirrored.kind = RayKind::reflected, mirrored.level = 2;
@@ -108,7 +108,7 @@ TEST(Inspection, FiltersByKindLevelAndWhatIsHit) {
   EXPECT_FALSE(filter.passes(mirrored));
 }
 
-TEST(Inspection, TheNewestRequestCounts) {
+TEST(Inspection, TheNewestRequestWins) {
   std::atomic<int> news = 0;
   Inspection inspection([&] { ++news; });
   InspectionRequest q = request(AccelKind::grid);

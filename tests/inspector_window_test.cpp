@@ -38,7 +38,7 @@ class InspectorWindowTest : public WindowTest {
   std::unique_ptr<WindowDriver> window_;
 };
 
-TEST_F(InspectorWindowTest, AClickShowsTheRaysThatExplainTells) {
+TEST_F(InspectorWindowTest, AClickShowsTheRaysOfExplain) {
   const auto with_shift = click_with_shift(80, 55);
   ASSERT_TRUE(with_shift) << window_->log();
   EXPECT_GE(std::stoi(with_shift->groups[1]), 3) << "eye ray, shadow ray, reflected ray";
@@ -93,7 +93,7 @@ TEST_F(InspectorWindowTest, StepsGoForwardAndBackAndPlay) {
   EXPECT_TRUE(std::stoi(later->groups[1]) > 1 || std::stoi(later->groups[2]) > 0) << window_->log();
 }
 
-TEST_F(InspectorWindowTest, SavesWhatIsSeenAndWhatExplainTells) {
+TEST_F(InspectorWindowTest, SavesTheViewAndTheOutputOfExplain) {
   const auto place = window_->wait_for("place: ([0-9]+),([0-9]+)", 0);
   ASSERT_TRUE(place && click_with_shift(80, 55)) << window_->log();
   const auto buttons = window_->wait_for(

@@ -113,7 +113,7 @@ TEST(Instances, AllStructuresAgree) {
     }
 }
 
-TEST(Instances, WhatIsClearIsMetInOrder) {
+TEST(Instances, TransparentHitsComeInOrder) {
   for (const uint32_t seed : {1u, 2u, 3u}) {
     const Scene scene = transparent_instances(seed);
     const auto none = build(scene, {.kind = AccelKind::none});
@@ -158,7 +158,7 @@ TEST(Instances, WhatIsClearIsMetInOrder) {
 }
 
 // Places that differ in the object may be one place outside of it.
-TEST(Instances, ClearFacesOnFacesAreAllMet) {
+TEST(Instances, CoincidentTransparentFacesAreAllHit) {
   std::mt19937 rng(5);
   std::uniform_real_distribution<float> unit(-1, 1);
   Scene object, scene;
@@ -217,7 +217,7 @@ TEST(Instances, APictureIsOne) {
 }
 
 // As far as roundings go: a ray that only just meets a shape may miss the other.
-TEST(Instances, CopiesAreWhatWrittenOutPrimitivesAre) {
+TEST(Instances, InstancesRenderLikeFlattenedPrimitives) {
   for (const uint32_t seed : {1u, 2u, 3u}) {
     const Scene scene = transparent_instances(seed, true);
     Scene flat = scene;
@@ -323,7 +323,7 @@ void for_each_instanced(const Geometry& geometry, auto&& f, InstanceId around = 
   }
 }
 
-TEST(Instances, HaveIdsOfTheirOwn) {
+TEST(Instances, HaveDistinctIds) {
   for (const bool nested : {false, true}) {
     const Scene scene = nested ? tests::nested_scene() : copied_scene(1);
     const auto accel = build(scene, {.kind = AccelKind::bvh});
@@ -412,7 +412,7 @@ TEST(Instances, MayShowMorePrimitivesThanOneObjectHolds) {
 }
 
 // A copy's own object counts before those within; copies and what is written out have the same.
-TEST(Instances, CopiesBelongToObjects) {
+TEST(Instances, InstancesBelongToObjects) {
   Scene scene = tests::nested_scene();
   for (auto* some : {&scene.prototypes[1].instances[1].matrix}) *some = kIdentity;
   const auto accel = build(scene, {.kind = AccelKind::bvh});
@@ -448,7 +448,7 @@ TEST(Instances, CopiesBelongToObjects) {
 }
 
 // Two balls that hardly stand out from each other have a line between them if they are two objects.
-TEST(Instances, OutlinesPartCopiesOfObjects) {
+TEST(Instances, OutlinesSeparateInstances) {
   const auto lines = [](bool objects, bool copies_apart) {
     Scene scene;
     scene.dialect = Dialect::data;
@@ -521,7 +521,7 @@ TEST(Instances, MirroredFrontsStayFronts) {
   }
 }
 
-TEST(Instances, ColorsOfCopiesAreWrittenOut) {
+TEST(Instances, ColoursOfInstancesAreFlattened) {
   Scene scene = random_scene(4, 1);
   for_each_pool([&](auto pool) { (scene.*pool.shapes) = {}, (scene.*pool.materials) = {}; });
   scene.material_opacity = std::vector<float>{0.5f, 1, 1};
@@ -592,7 +592,7 @@ TEST(Instances, AreContent) {
   EXPECT_NE(content_hash(other), content_hash(scene));
 }
 
-TEST(Instances, UnevenCopiesOfRoundShapesAreNotWrittenOut) {
+TEST(Instances, NonUniformInstancesOfRoundShapesAreNotFlattened) {
   const auto error = [](auto&& add) {
     Scene scene = random_scene(4, 1);
     for_each_pool([&](auto pool) { (scene.*pool.shapes) = {}, (scene.*pool.materials) = {}; });

@@ -60,7 +60,7 @@ class Job : public TemporaryFolder {
   std::shared_ptr<const Scene> scene_ = std::make_shared<const Scene>(random_scene(40, 3));
 };
 
-TEST_F(Job, SaysWhatItMade) {
+TEST_F(Job, ReportsItsResults) {
   RenderJob job(request("a.png"));
   ASSERT_TRUE(done(job));
   const RenderFigures figures = job.figures();
@@ -74,7 +74,7 @@ TEST_F(Job, SaysWhatItMade) {
   EXPECT_EQ(job.control().work_done, job.control().work_total);
 }
 
-TEST_F(Job, StartsFromWhatAnotherHasBuilt) {
+TEST_F(Job, ReusesALoadedSceneAndStructure) {
   RenderControl control;
   RenderJob first(request("a.png"), {}, &control);
   ASSERT_TRUE(done(first));
@@ -95,7 +95,7 @@ TEST_F(Job, StartsFromWhatAnotherHasBuilt) {
   EXPECT_EQ(third.prepare().error().kind, ErrorKind::stopped);
 }
 
-TEST_F(Job, ResumedItIsTheWhole) {
+TEST_F(Job, AResumedJobGivesTheWholePicture) {
   const std::string whole = bytes(request("whole.exr"));
   JobRequest begun = request("few.exr");
   begun.options.samples = 2;
@@ -121,7 +121,7 @@ TEST_F(Job, ResumedItIsTheWhole) {
   EXPECT_THAT(error(more).text("--"), HasSubstr("--depth 5, not 2"));
 }
 
-TEST_F(Job, StoppedItKeepsWhatThereIs) {
+TEST_F(Job, AStoppedJobKeepsItsSamples) {
   const std::string whole = bytes(request("whole.png"));
   JobRequest r = request("x.png");
   r.checkpoint = file("c.raio");
@@ -144,7 +144,7 @@ TEST_F(Job, StoppedItKeepsWhatThereIs) {
 }
 
 #ifndef RAIO_NO_THREADS
-TEST_F(Job, StoppedWhileItWorksItHasItsCheckpoint) {
+TEST_F(Job, AStoppedJobWritesItsCheckpoint) {
   JobRequest endless = request("y.png");
   endless.options.samples = kMaxSamples;
   endless.checkpoint = file("d.raio"), endless.checkpoint_interval_s = 0.02;
@@ -163,7 +163,7 @@ TEST_F(Job, StoppedWhileItWorksItHasItsCheckpoint) {
 }
 #endif
 
-TEST_F(Job, ShardsMergeToTheWhole) {
+TEST_F(Job, ShardsMergeToTheWholePicture) {
   const std::string whole = bytes(request("whole.exr"));
   std::vector<NamedPart> parts;
   for (uint32_t i = 0; i < 3; ++i) {
@@ -221,7 +221,7 @@ TEST_F(Job, APictureIsRepeatedFromItself) {
   EXPECT_THAT(warnings[0].text(), HasSubstr("made by Raio 0.0.1"));
 }
 
-TEST_F(Job, ACheckpointIsOfThePictureThatIsRepeated) {
+TEST_F(Job, ACheckpointMustMatchTheRepeatedPicture) {
   JobRequest r = request("a.png");
   const std::string picture = bytes(r);
   JobRequest again = request("b.png");
@@ -242,7 +242,7 @@ TEST_F(Job, ACheckpointIsOfThePictureThatIsRepeated) {
   EXPECT_TRUE(get(again.checkpoint) == part) << "it is left as it is";
 }
 
-TEST_F(Job, ATimeLimitEndsIt) {
+TEST_F(Job, ATimeLimitStopsIt) {
   JobRequest r = request("a.exr");
   r.options.samples = kMaxSamples, r.time_limit_s = 0.3;
   RenderJob job(r);
@@ -284,7 +284,7 @@ TEST_F(Job, AFolderThatVanishesLosesTheCheckpointOnly) {
   EXPECT_TRUE(read_image(r.output));
 }
 
-TEST_F(Job, ErrorsSayWhoseFaultTheyAre) {
+TEST_F(Job, ErrorsHaveTheRightKind) {
   put(file("foreign.raio"), "nothing");
   put(file("broken.nff"), "v\nfrom 1 2\n");
   const auto with = [&](auto change) {

@@ -49,7 +49,7 @@ TEST(Lammps, DumpsAreFrames) {
   EXPECT_THAT(error("ITEM: TIMESTEP\n0\n", "a.dump"), HasSubstr("ends before the atoms"));
 }
 
-TEST(Lammps, PlacesAreOfOneKind) {
+TEST(Lammps, PositionsHaveOneConvention) {
   // z stands alone, and xs has no ys: neither counts.
   const auto got = read(
       "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS pp pp pp\n0 10\n0 10\n0 10\n"
@@ -59,7 +59,7 @@ TEST(Lammps, PlacesAreOfOneKind) {
   EXPECT_EQ(got->scene.spheres[0].center, Vec3f(-5, 13, 27));
 }
 
-TEST(Lammps, RowsBeyondTheHeaderAreTold) {
+TEST(Lammps, SurplusRowsAreReported) {
   std::string text(kData);
   text.replace(text.find("3 atoms"), 7, "2 atoms");
   text.replace(text.find("2 bonds"), 7, "1 bonds");
@@ -73,7 +73,7 @@ TEST(Lammps, RowsBeyondTheHeaderAreTold) {
 }
 
 // Old files of the style spin have a column before x.
-TEST(Lammps, AtomsAtOnePlaceAreTold) {
+TEST(Lammps, CoincidentAtomsAreReported) {
   const auto got = read(
       "LAMMPS data file\n\n2 atoms\n1 atom types\n0 9 xlo xhi\n0 9 ylo yhi\n0 9 zlo zhi\n\n"
       "Atoms # spin\n\n7 1 1.72 0.0 0.0 0.0 0.6 -0.8 1.0\n8 1 1.72 0.0 0.0 1.77 0.8 0.6 1.0\n",
@@ -108,7 +108,7 @@ TEST(Lammps, ChargesMayBeZero) {
   EXPECT_EQ(got->scene.spheres[0].center, Vec3f(1, 2, 3.5f));
 }
 
-TEST(Lammps, DataFilesSayTheirBonds) {
+TEST(Lammps, DataFilesDefineBonds) {
   const auto water = read(kData, "water.lmp");
   ASSERT_TRUE(water) << water.error().front().text();
   const Scene& scene = water->scene;
@@ -145,7 +145,7 @@ TEST(Lammps, TypesMayHaveNames) {
               as_numbers->scene.materials[as_numbers->scene.sphere_materials[i]].color);
 }
 
-TEST(Lammps, MassesSayMoreThanNames) {
+TEST(Lammps, MassesOverrideNames) {
   const auto element_of = [](std::string_view mass) {
     std::string text(kData);
     text.replace(text.find("15.9994 # O"), 11, mass);
@@ -164,7 +164,7 @@ TEST(Lammps, MassesSayMoreThanNames) {
   EXPECT_EQ(element_of("14.007 # HE"), 7);
 }
 
-TEST(Lammps, BondsLeadFromCopyToCopy) {
+TEST(Lammps, BondsConnectPeriodicImages) {
   const std::string chain =
       "a chain\n\n2 atoms\n1 bonds\n0 3 xlo xhi\n0 9 ylo yhi\n0 9 zlo zhi\n0 0 0.5 xy xz yz\n\n"
       "Masses\n\n1 12.011\n\nAtoms # bond\n\n1 1 1 0 0.1 0.1\n2 1 1 1.5 0.1 8.9\n\n"
@@ -181,7 +181,7 @@ TEST(Lammps, BondsLeadFromCopyToCopy) {
   for (const Cone& bond : got->scene.cones) EXPECT_LT(length(bond.apex - bond.base), 1.7f);
 }
 
-TEST(Lammps, FramesWithoutAtomsArePassedOver) {
+TEST(Lammps, EmptyFramesAreSkipped) {
   const std::string text =
       "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n0\nITEM: BOX BOUNDS pp pp pp\n0 1\n0 1\n0 1\n"
       "ITEM: ATOMS id type xs ys zs\n" +

@@ -44,7 +44,7 @@ TEST(Legend, ReadsCountsBackFromColours) {
   EXPECT_EQ(heat_count(heat_color(5000)), 1024);
 }
 
-TEST(ReadOut, SaysTheValueWithItsUnitAndWhatIsThere) {
+TEST(ReadOut, ShowsTheValueWithUnitAndTheHit) {
   const auto read = parse_nff(
       "b 0 0 0\nv\nfrom 0 -4 0\nat 0 0 0\nup 0 0 1\nangle 40\nhither 0\nresolution 9 9\n"
       "f 1 0 0 1 0 1 0 1\ns 0 0 0 1\n",
@@ -89,7 +89,7 @@ TEST(HeatColor, GrowsByFactorsOfFour) {
   EXPECT_GT(heat_color(8).y, heat_color(5).y - 1e-6f);
 }
 
-TEST(Views, ShowsWhatTheRayMeets) {
+TEST(Views, ShowsTheHitsOfTheRay) {
   const auto read = parse_nff(
       "b 0 0 0\nv\nfrom 0 -4 0\nat 0 0 0\nup 0 0 1\nangle 40\nhither 0\nresolution 9 9\n"
       "f 1 0 0 1 0 1 0 1\ns 0 0 0 1\n",

@@ -80,7 +80,7 @@ TEST_F(LibraryData, TheBackgroundIsTheOneGiven) {
   EXPECT_EQ(corner(scene), (Floats{0, 0, 0}));
 }
 
-TEST_F(LibraryData, RaysMeetWhatIsClear) {
+TEST_F(LibraryData, RaysHitTransparentPrimitives) {
   const raio::Accel accel(row({0.5f, 1, 0.25f}));
   const raio::Ray down{{0, 0, 9}, {0, 0, -1}}, up{{0, 0, -20}, {0, 0, 1}};
   EXPECT_EQ(accel.closest(down).index, 0u);

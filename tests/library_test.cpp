@@ -141,7 +141,7 @@ TEST(Library, MovingShapesLookAsFromAFile) {
   EXPECT_NEAR(hit(5).distance, 8.5, 1e-5);
 }
 
-TEST(Library, ColoursTakeThePlaceOfTheMaterials) {
+TEST(Library, ColoursOverrideMaterials) {
   const auto all = balls(6);
   raio::Scene colored = stage(), materials = stage();
   // Those before and after without colours keep that of their material.
@@ -215,7 +215,7 @@ TEST(Library, BorrowedLooksLikeOwned) {
 }
 
 // Scenes far from zero keep their coordinates relative to a point near them.
-TEST(Library, WhatIsAddedToAFarSceneLiesWhereTheFileWouldPutIt) {
+TEST(Library, AdditionsToDistantScenesUseFileCoordinates) {
   const std::string far =
       "v\nfrom 1000000 -9 4\nat 1000000 0 0\nup 0 0 1\nangle 40\nhither 0.1\nresolution 48 36\n"
       "f 0.9 0.5 0.25 0.6 0.3 30 0 1\ns 1000000 0 1 0.5\n";
@@ -230,7 +230,7 @@ TEST(Library, WhatIsAddedToAFarSceneLiesWhereTheFileWouldPutIt) {
             (raio::Triple{1000001, 0, 1}));
 }
 
-TEST(Library, WhatLiesAsStoredIsReadInPlaceAndHeldAsLongAsSomeoneReadsIt) {
+TEST(Library, ColumnsInRaiosLayoutAreBorrowed) {
   auto all = std::make_shared<std::vector<Ball>>(balls(10));
   const std::weak_ptr<std::vector<Ball>> watch = all;
   auto scene = std::make_unique<raio::Scene>(stage());
@@ -251,7 +251,7 @@ TEST(Library, WhatLiesAsStoredIsReadInPlaceAndHeldAsLongAsSomeoneReadsIt) {
   EXPECT_TRUE(watch.expired());
 }
 
-TEST(Library, WhatLiesOtherwiseIsCopiedAndNotHeld) {
+TEST(Library, OtherColumnsAreCopied) {
   const auto all = std::make_shared<std::vector<Ball>>(balls(10));
   const auto radii = std::make_shared<Floats>(10, 0.25f);
   raio::Scene scene = stage();
@@ -276,7 +276,7 @@ TEST(Library, WhatLiesOtherwiseIsCopiedAndNotHeld) {
   EXPECT_EQ(grows.primitive_count(), 20u);
 }
 
-TEST(Library, RefusesColumnsThatCannotBeAndLeavesTheScene) {
+TEST(Library, RefusesInvalidColumnsWithoutChanges) {
   raio::Scene scene = stage();
   const Floats xyz = {0, 0, 0, 1, 1, 1}, ones = {1, 1}, bad = {1, kNan};
   const Floats infinite = {0, 0, 0, 1, 1, std::numeric_limits<float>::infinity()};
@@ -340,7 +340,7 @@ bool same(const raio::Hit& a, const raio::Hit& b) {
          a.v == b.v && a.material == b.material && a.position == b.position && a.normal == b.normal;
 }
 
-TEST(LibraryAccel, StructuresFindWhatBruteForceFinds) {
+TEST(LibraryAccel, StructuresMatchBruteForce) {
   const raio::Scene scene = everything(std::make_shared<int>());
   const auto rays = random_rays(5000);
   std::vector<raio::Hit> expected(rays.size());
@@ -368,7 +368,7 @@ TEST(LibraryAccel, StructuresFindWhatBruteForceFinds) {
   EXPECT_GT(found, 2000u);
 }
 
-TEST(LibraryAccel, AHitSaysWhereAndWhat) {
+TEST(LibraryAccel, HitsHavePositionAndPrimitive) {
   raio::Scene scene = stage();
   const Floats center = {0, 0, 0}, radius = {2};
   scene.add_spheres({center.data(), 1}, {radius.data(), 1}, 1);
@@ -401,7 +401,7 @@ TEST(LibraryAccel, AHitSaysWhereAndWhat) {
   EXPECT_THAT(refusal([&] { accel.closest(1, nullptr, nullptr); }), HasSubstr("null pointer"));
 }
 
-TEST(LibraryAccel, PolygonsAreCountedAsThemselves) {
+TEST(LibraryAccel, PolygonsAreCountedAsPolygons) {
   const raio::Accel accel(
       raio::Scene::parse_nff(std::string(kStage) +
                              "p 3\n0 0 0\n1 0 0\n0 1 0\n"
@@ -429,7 +429,7 @@ TEST(LibraryAccel, ThreadsTraceTogether) {
     for (size_t i = 0; i < rays.size(); ++i) ASSERT_TRUE(same(own[i], hits[0][i])) << i;
 }
 
-TEST(LibraryAccel, JobsOfOneStructureMakeThePicturesOfTheirOwn) {
+TEST(LibraryAccel, JobsShareAStructureWithoutChangingPictures) {
   const raio::Scene scene = everything(nullptr);
   const raio::Accel accel(scene, raio::Settings().set("accel", "grid").set("one-sided"));
   for (const char* from : {"0,-9,4", "6,-6,3"}) {
@@ -447,7 +447,7 @@ TEST(LibraryAccel, JobsOfOneStructureMakeThePicturesOfTheirOwn) {
               HasSubstr("built with counters"));
 }
 
-TEST(LibraryAccel, RefusesAStructureThatThereIsNot) {
+TEST(LibraryAccel, RefusesMissingStructures) {
   EXPECT_THAT(refusal([] {
                 raio::Accel(stage(), raio::Settings().set("accel", "bvh").set("grid-factor", "2"));
               }),
@@ -477,7 +477,7 @@ struct Copy {
   float matrix[12];
 };
 
-TEST(LibraryInstances, CopiesLookLikeWhatIsMoved) {
+TEST(LibraryInstances, InstancesLookLikeTransformedPrimitives) {
   // By halves and quarters, of which sums are exact.
   const Floats shifts = {-1.5f, 0.25f, 1.25f};
   raio::Scene copies = stage(), moved = stage();
@@ -504,7 +504,7 @@ TEST(LibraryInstances, CopiesLookLikeWhatIsMoved) {
   EXPECT_NE(a, picture(stage()));
 }
 
-TEST(LibraryInstances, HitsNameTheCopyAndWhatIsCopied) {
+TEST(LibraryInstances, HitsNameInstanceAndPrimitive) {
   raio::Scene scene = stage(), pair;
   const uint32_t inner = pair.add_prototype(thing());
   const Floats matrices = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 4, 0, 1, 0, 0, 0, 0, 1, 0};
@@ -597,7 +597,7 @@ TEST(LibraryInstances, NamesMakeObjects) {
   EXPECT_EQ(counts[1], counts[2]);
 }
 
-TEST(LibraryInstances, RefusesWhatCannotBeCopied) {
+TEST(LibraryInstances, RefusesPrimitivesThatCannotBeInstanced) {
   raio::Scene scene = stage();
   const auto error = [](auto&& f) -> std::string {
     try {
@@ -633,7 +633,7 @@ TEST(LibraryInstances, RefusesWhatCannotBeCopied) {
   EXPECT_EQ(scene.primitive_count(), 0u);
 }
 
-TEST_F(LibraryFile, KeepsCopies) {
+TEST_F(LibraryFile, KeepsInstances) {
   raio::Scene scene = stage();
   const Floats matrix = {0, -1, 0, 1, 1, 0, 0, 0, 0, 0, 1, 0};
   scene.add_instances(scene.add_prototype(thing()), {matrix.data(), 1}, "turned");
@@ -644,13 +644,13 @@ TEST_F(LibraryFile, KeepsCopies) {
   EXPECT_EQ(raio::Scene::read(text).primitive_count(), 2u);
 }
 
-TEST_F(LibraryFile, KeepsWhatWasAdded) {
+TEST_F(LibraryFile, KeepsAdditions) {
   const raio::Scene scene = everything(std::make_shared<int>());
   scene.write(file("scene.raio").string());
   EXPECT_EQ(picture(raio::Scene::read(file("scene.raio").string())), picture(scene));
 }
 
-TEST(LibraryJob, TellsItsProgressAndCanBeCancelled) {
+TEST(LibraryJob, ReportsProgressAndCanBeCancelled) {
   const raio::Scene scene = everything(nullptr);
   raio::Job job(scene, raio::Settings().set("size", "2000x2000").set("aa", "16"));
   job.on_progress([&](const raio::Progress& progress) {

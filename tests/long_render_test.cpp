@@ -46,7 +46,7 @@ Arguments operator+(Arguments a, const Arguments& b) {
   return a;
 }
 
-TEST_F(LongRender, ACheckpointIsKeptAndGoneOnWith) {
+TEST_F(LongRender, ACheckpointIsWrittenAndResumed) {
   render({"--samples", "12", "-o", "whole.png"});
   render({"--samples", "5", "-o", "few.png", "--checkpoint", "c.raio"});
   EXPECT_TRUE(fs::exists(file("c.raio")));
@@ -90,7 +90,7 @@ TEST_F(LongRender, SamplesAreAdded) {
 }
 
 // tests/kill_and_resume.py goes on with what is kept.
-TEST_F(LongRender, InterruptedItKeepsWhatThereIs) {
+TEST_F(LongRender, AnInterruptedRenderKeepsItsSamples) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     const Arguments keep = {"--checkpoint", "c.raio", "-o", "x.png"};
     const Running running(*this, kLong + keep + Arguments{"--checkpoint-interval", "0.05"}, {});
@@ -189,7 +189,7 @@ TEST_F(LongRender, APictureIsRepeatedFromItself) {
   expect_refusal({"render", "--repeat", "a.png", "other.nff"}, 2, "the scene differs");
 }
 
-TEST_F(LongRender, APictureOfDataRemembersHowItWasRead) {
+TEST_F(LongRender, APictureOfDataStoresHowItWasRead) {
   fs::copy_file(fs::path(RAIO_SOURCE_DIR) / "scenes/quartz.cif", file("quartz.cif"));
   const auto picture = [](const char* name) {
     return Arguments{"--quiet", "--size", "33x21", "--samples", "1", "-o", name};
@@ -241,7 +241,7 @@ TEST_F(LongRender, EndsInTime) {
   refused({"--time-limit", "0.001", "--size", "3000x3000", "-o", "x.png"}, "too short", 3);
 }
 
-TEST_F(LongRender, SaysWhatDoesNotGoTogether) {
+TEST_F(LongRender, NamesConflictingOptions) {
   refused({"--resume"}, "add --checkpoint");
   refused({"--add-samples", "3"}, "add --checkpoint");
   refused({"--shard", "1/2", "-o", "x.png"}, ".raio");
@@ -269,7 +269,7 @@ TEST_F(LongRender, AFolderThatVanishesLosesTheCheckpointOnly) {
   EXPECT_TRUE(read_image(file("x.png")));
 }
 
-TEST_F(LongRender, APictureThatCannotBeWrittenIsInTheCheckpoint) {
+TEST_F(LongRender, AnUnwritablePictureIsInTheCheckpoint) {
   const Arguments keep = {"--samples", "60", "--size", "300x200", "--checkpoint", "c.raio"};
   fs::create_directory(file("out"));
   const Running running(
@@ -288,7 +288,7 @@ TEST_F(LongRender, APictureThatCannotBeWrittenIsInTheCheckpoint) {
 }
 
 // What a full disk does to a file is what a limit of its size does.
-TEST_F(LongRender, AFullDiskLeavesWhatWasThere) {
+TEST_F(LongRender, AFullDiskKeepsTheOldFile) {
 #ifdef RAIO_SANITIZED
   GTEST_SKIP() << "the file that coverage writes is not to be limited";
 #endif

@@ -86,7 +86,7 @@ class Look : public TemporaryFolder {
   RenderOptions options_;
 };
 
-TEST_F(Look, BackgroundTakesThePlaceOfTheScenes) {
+TEST_F(Look, BackgroundReplacesTheScenes) {
   Scene other = random_scene(30, 2);
   other.background = Rgb(0.5f, 4, 0);
   options_.soft_shadows = true;
@@ -107,7 +107,7 @@ TEST_F(Look, BackgroundIsTheBytesThatAreWritten) {
   }
 }
 
-TEST_F(Look, BackgroundOfTheSceneIsNoOther) {
+TEST_F(Look, TheScenesBackgroundIsTheDefault) {
   const std::string own = bytes("a.png");
   set(options_, "background", "0.25,0.5,1");
   EXPECT_TRUE(bytes("b.png") == own);
@@ -148,7 +148,7 @@ TEST_F(Look, ViewsTakeNoBackgroundButTransparent) {
   EXPECT_THAT(option_conflict(options_)->message, HasSubstr("`integrator` views"));
 }
 
-TEST_F(Look, BackgroundsThatCannotBeAreRefused) {
+TEST_F(Look, InvalidBackgroundsAreRefused) {
   const auto spec = std::ranges::find(render_option_table(), "background", &OptionSpec::name);
   for (const char* text : {"sky", "evening.exr", "faces/", "", "-1,0,0"}) {
     const auto refused = set_option(options_, *spec, text);
@@ -191,7 +191,7 @@ TEST_F(Look, ToneAndExposureMakeTheBytesOfDisplays) {
     }
 }
 
-TEST_F(Look, PartsAreShownByTheirTone) {
+TEST_F(Look, PartsKeepTheirTone) {
   set(options_, "tone", "agx"), set(options_, "exposure", "1");
   const std::string once = bytes("a.png");
   bytes("a.raio");
@@ -205,7 +205,7 @@ TEST_F(Look, PartsAreShownByTheirTone) {
   EXPECT_THAT(refused.error().message, HasSubstr("`tone` agx, not without it"));
 }
 
-TEST_F(Look, ToneIsThatOfWhatCoversThePixel) {
+TEST_F(Look, ToneAppliesToTheCoveredPart) {
   set(options_, "background", "transparent");
   const Image light = tests::picture_of(scene_of_black_ground(), with_alpha());
   set(options_, "tone", "srgb"), set(options_, "exposure", "1");

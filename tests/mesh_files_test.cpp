@@ -296,7 +296,7 @@ TEST(Off, VerticesAndFacesHaveColours) {
   EXPECT_THAT(error("OFF\n1 1 0\n0 0 0\n", "a.off"), HasSubstr("the end of the file"));
 }
 
-TEST(Obj, FacesHaveNormalsAndPlaces) {
+TEST(Obj, FacesHaveNormalsAndTextureCoordinates) {
   const auto mesh = read(std::string(kObj).substr(0, kObj.find("l 1 2")), "a.obj");
   ASSERT_TRUE(mesh) << mesh.error().front().text();
   EXPECT_TRUE(validate(mesh->scene).empty());
@@ -314,7 +314,7 @@ TEST(Obj, FacesHaveNormalsAndPlaces) {
   EXPECT_EQ(read(kObj, "a.obj")->scene.meshes[0].triangles.size(), 3u);
 }
 
-TEST(Obj, MaterialsComeFromFilesBeside) {
+TEST(Obj, MaterialsComeFromMtlFiles) {
   const std::filesystem::path folder = testing::TempDir() + "raio_obj";
   std::filesystem::create_directories(folder);
   const auto write = [&](const char* name, std::string_view text) {
@@ -360,7 +360,7 @@ TEST(Obj, MaterialsComeFromFilesBeside) {
   std::filesystem::remove_all(folder);
 }
 
-TEST(Obj, FacesOfFewCornersAreTold) {
+TEST(Obj, FacesWithFewVerticesAreReported) {
   const auto got = read("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2\nf 3\n", "a.obj");
   ASSERT_TRUE(got) << got.error().front().text();
   ASSERT_EQ(got->notices.size(), 1u);
@@ -402,7 +402,7 @@ std::vector<std::array<float, 11>> corners_of(const Scene& scene) {
   return out;
 }
 
-TEST(PlyWrite, WhatIsWrittenIsReadAgain) {
+TEST(PlyWrite, WrittenFilesReadBack) {
   const auto points = read(ply("ascii", 700, true), "a.ply");
   const auto again = read(write_ply(points->scene, "from here"), "a.ply");
   ASSERT_TRUE(again) << again.error().front().text();
@@ -429,7 +429,7 @@ TEST(PlyWrite, WhatIsWrittenIsReadAgain) {
   }
 }
 
-TEST(PlyWrite, TellsWhatItLeavesOut) {
+TEST(PlyWrite, ReportsOmissions) {
   const auto shapes = read_scene(RAIO_SOURCE_DIR "/scenes/shapes.nff");
   ASSERT_TRUE(shapes);
   const Scene& scene = shapes->scene;

@@ -48,7 +48,7 @@ bool holds(Box3f outer, const Box3f& inner) {
   return length(outer.lo - before.lo) + length(outer.hi - before.hi) < 1e-6f;
 }
 
-TEST(MovingSphere, IsTheSphereThatIsThereAtTheTime) {
+TEST(MovingSphere, MatchesTheSphereAtEachTime) {
   const MovingSphere s{{-2, -0.5f, 0}, {1.5f, 0.75f, -1}, 0.8f, 0, 3};
   for (const float time : {-1.0f, 0.0f, 0.7f, 1.5f, 3.0f, 9.0f}) {
     const Sphere still = at_time(s, time);
@@ -64,7 +64,7 @@ TEST(MovingSphere, IsTheSphereThatIsThereAtTheTime) {
   }
 }
 
-TEST(MovingTriangle, IsTheTriangleThatIsThereAtTheTime) {
+TEST(MovingTriangle, MatchesTheTriangleAtEachTime) {
   tests::Random random(3);
   const auto point = [&] { return Vec3f(random.in_cube()); };
   int hits = 0;
@@ -293,7 +293,7 @@ TEST(Motion, AMomentOfTheCameraIsThatCamera) {
 }
 
 // A camera that moves past still things sees what a still one does when the things move past.
-TEST(Motion, IsTheSameBesideCopies) {
+TEST(Motion, IsTheSameWithInstances) {
   const Scene alone =
       scene("s 0 -1 -2 1.2\ntm -1 0 1 1 0 1 0 1 1  0 1 1 1 2 1 0 2 0 0 3\n" + std::string(kMoving));
   Scene beside = alone, object;  // behind the camera
@@ -311,7 +311,7 @@ TEST(Motion, IsTheSameBesideCopies) {
 }
 
 // A place given stops the scene's camera, even its own.
-TEST(Motion, ACameraThatIsGivenStandsStill) {
+TEST(Motion, AGivenCameraStandsStill) {
   Scene moving = scene("s 0 0 0 1\n");
   moving.camera.movement = CameraMovement{moving.camera.from + Vec3f(2, 0, 0), {2, 0, 0}, 0, 1};
   RenderOptions o;
@@ -351,7 +351,7 @@ TEST(Motion, OfTheCameraIsThatOfTheScene) {
   EXPECT_LE(worst, 0.02);
 }
 
-TEST(Motion, IsWrittenAndReadAgain) {
+TEST(Motion, ReadsBack) {
   const Scene s = scene(std::string(kMoving) +
                         "tm 0 0 0 1 0 0 0 1 0 0 0 1 1 0 1 0 1 1.5 -1 2\n"
                         "bm -1 -1 -1 1 1 1 0 0 0 2 2 3 0 1\nvm 1 0 10 1 0 0 0 3\n");
@@ -378,7 +378,7 @@ TEST(Motion, ABoxAtRestIsTheBox) {
   EXPECT_LE(apart, 3u);
 }
 
-TEST(Motion, TheShutterIsOfScenesThatMove) {
+TEST(Motion, TheShutterNeedsMotion) {
   RenderOptions o;
   o.shutter = {0, 0.5f};
   const Scene still = scene("s 0 0 0 1\n"), moving = scene(kMoving);

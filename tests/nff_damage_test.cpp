@@ -89,7 +89,7 @@ const std::string kP3f = "accel 1\nspp 4\nbclr 0 0 1\nenv sky box # six\n" + kCa
                          "f 1 0.9 0.7 0.5 1 0.8 0.3 0.5 30 0 1\ns 0 1 0 1\n"
                          "f 1 1 1 0 1 1 1 0.2 20 1 1.35 0.2\n";
 
-TEST(NffDamage, GivesASoundSceneOrAnErrorWithAPlace) {
+TEST(NffDamage, GivesAValidSceneOrAnErrorWithALocation) {
   std::vector<std::string> sources = {
       kCamera + "aperture 2\nfocal 1.5\nl 1 2 3\nl 1 2 3 1 1 1\n" + kMaterial + kObjects,
       kP3f + kObjects,
@@ -130,7 +130,7 @@ TEST(NffDamage, GivesASoundSceneOrAnErrorWithAPlace) {
   EXPECT_LT(read_well, kTries / 2);
 }
 
-TEST(NffDamage, SaysTheSameInTheMiddleOfALongText) {
+TEST(NffDamage, IsReportedLikewiseWithinALongText) {
   const std::string head = kCamera + kMaterial, sphere = "s 0 0 0 1\n", spheres = many_spheres();
   const int more_lines = int(std::count(spheres.begin(), spheres.end(), '\n')) - 1;
   const size_t more = spheres.size() / sphere.size() - 1;

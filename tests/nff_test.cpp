@@ -68,7 +68,7 @@ TEST(NffNumber, FormsThatPeopleWrite) {
   EXPECT_EQ(value, 1e20);
 }
 
-TEST(NffNumber, WordsThatAreNone) {
+TEST(NffNumber, InvalidNumbers) {
   for (const char* text : {"", "-", "+", ".", "-.", "e5", "1e", "1e+", "nan", "inf", "12abc",
                            "1.2.3", "1-2", "--1", "+-1", "0x10", "1,5", "1e5.5", "\xc2\xbd"}) {
     double value;

@@ -119,7 +119,7 @@ TEST(Opacity, ShadowsOfManyLayersHaveTheRightMean) {
   }
 }
 
-TEST(Opacity, ADepthStopsAsManyAsItIsOpaque) {
+TEST(Opacity, ADepthStopsRaysInProportion) {
   for (const float a : {0.001f, 0.05f, 0.3f, 0.5f, 0.9f, 0.9999f}) {
     const uint32_t depth = depth_of_opacity(a);
     // The least number that is stopped.
@@ -135,7 +135,7 @@ TEST(Opacity, ADepthStopsAsManyAsItIsOpaque) {
   }
 }
 
-TEST(Opacity, OfAMaterialCountsWhereAPrimitiveHasNoneOfItsOwn) {
+TEST(Opacity, OfAMaterialAppliesToPrimitivesWithoutTheirOwn) {
   Scene scene = looking_down();
   scene.material_opacity = std::vector<float>{0.25f};
   scene.planes = {{{0, 0, 1}, {0, 0, 1}}};
@@ -147,7 +147,7 @@ TEST(Opacity, OfAMaterialCountsWhereAPrimitiveHasNoneOfItsOwn) {
   EXPECT_NEAR(middle(scene), 0.375, 1e-6);
 }
 
-TEST(Opacity, AnOptionIsThatOfAllThatHasNone) {
+TEST(Opacity, TheOptionIsTheDefault) {
   Scene scene = looking_down();
   scene.spheres = {{{0, 0, 0}, 0.5f}};
   scene.sphere_materials = {0};
@@ -232,7 +232,7 @@ TEST(Opacity, ShadowsLetThrough) {
   EXPECT_NEAR(middle(scene), 0.6 * 0.6 * lit, 1e-4);
 }
 
-TEST(Opacity, MirrorsShowWhatIsClear) {
+TEST(Opacity, MirrorsShowTransparentPrimitives) {
   Scene scene = looking_down();
   scene.materials.push_back({.color = Rgb(0), .kd = 0, .ks = 1});
   scene.planes = {{{0, 0, 0}, {0, 0, 1}}};

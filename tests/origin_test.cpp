@@ -217,7 +217,7 @@ TEST(FarFromZero, FloatsAreExact) {
   EXPECT_TRUE(parse_scene(map_ply("double"), "double.ply")->notices.empty());
 }
 
-TEST(FarFromZero, AtomsThatAreFarApartAreToldToBeRounded) {
+TEST(FarFromZero, RoundedDistantAtomsAreReported) {
   const auto told = [](std::string_view x) {
     const auto found = parse_scene(fmt::format("2\nwide\nAr 0 0 0\nAr {} 0 0\n", x), "a.xyz");
     return found->notices.empty() ? std::string() : found->notices[0].message;
@@ -354,7 +354,7 @@ TEST_F(FarFiles, ScenesNearZeroHaveNoRest) {
   }
 }
 
-TEST_F(FarFiles, InfoTellsPlacesByTheSizeOfTheScene) {
+TEST_F(FarFiles, InfoRoundsPositionsToTheSceneSize) {
   const Outcome text = raio({"info", file("map.ply").string()});
   // Radii are half of the mean spacing.
   EXPECT_THAT(text.out, testing::ContainsRegex("bounds +499999\\.9[0-9]+ 5399999\\.9[0-9]+"));
@@ -398,7 +398,7 @@ TEST_F(FarFiles, FramesAreSeenByTheSameCamera) {
   EXPECT_GT(compare(*one, *two).psnr_db, 50);
 }
 
-TEST_F(FarFiles, AtomsAtOnePlaceAreNamed) {
+TEST_F(FarFiles, CoincidentAtomsAreNamed) {
   put(file("same.pdb"),
       "ATOM      1  CA  ALA A   1       1.000   1.000   2.000  1.00  0.00           C\n"
       "ATOM      2  CB  ALA A   1       1.000   1.000   2.000  1.00  0.00           C\n"
@@ -416,7 +416,7 @@ std::string brute_force(int spheres) {
   return out;
 }
 
-TEST_F(FarFiles, BruteForceOfManyPrimitivesIsTold) {
+TEST_F(FarFiles, BruteForceOfManyPrimitivesIsReported) {
   put(file("few.p3f"), brute_force(10000)), put(file("many.p3f"), brute_force(10001));
   EXPECT_EQ(raio({"render", file("few.p3f").string(), "-o", file("a.png").string()})
                 .err.find("brute force"),

@@ -117,7 +117,7 @@ Scene random_p3f(uint64_t seed) {
   return s;
 }
 
-TEST(P3f, WritesWhatReadsBackTheSame) {
+TEST(P3f, WrittenScenesReadBack) {
   for (uint64_t seed = 0; seed < 100; ++seed) {
     SCOPED_TRACE(seed);
     const Scene scene = random_p3f(seed);
@@ -142,7 +142,7 @@ TEST(P3f, WritesWhatReadsBackTheSame) {
   }
 }
 
-TEST(P3f, WhatItSaysIsInTheHash) {
+TEST(P3f, EveryFeatureIsHashed) {
   Scene scene = random_p3f(3);
   std::vector<std::string> names = {content_hash(scene)};
   const auto add = [&](auto change) {
@@ -166,7 +166,7 @@ TEST(P3f, WhatItSaysIsInTheHash) {
   EXPECT_EQ(content_hash(other), content_hash(scene));
 }
 
-TEST(P3f, HintsHoldUnlessOptionsSayOtherwise) {
+TEST(P3f, OptionsOverrideHints) {
   const std::string scene = kCamera + "aperture 2\nfocal 1\n";
   const Scene nff = read("accel 1\nspp 9\n" + scene + kMaterial + "s 0 0 0 1\n");
   const Scene p3f = read("accel 0\nspp 16\n" + scene + kP3fMaterial + "s 0 0 0 1\n");
@@ -247,7 +247,7 @@ TEST(P3f, RectanglesOfLightCastTheirPenumbra) {
   EXPECT_GE(penumbra, 3);
 }
 
-TEST(P3f, WhatOtherFormatsLoseIsSaid) {
+TEST(P3f, LossesInOtherFormatsAreReported) {
   Scene s = read("env sky\n" + kCamera + "l 1 2 3 1 1 4 1 1 1\n" + kP3fMaterial +
                  "s 0 0 0 1\nf 1 1 1 0 1 1 1 0.2 20 1 1.35 0.25\ns 1 0 0 1\n");
   EXPECT_EQ(lost_features(s, SceneFormat::raio), "");

@@ -160,7 +160,7 @@ TEST(Panel, FieldsThatAFigureDoesNotShowAreOff) {
 
 // A field that takes text, a list or a picker that opens, a section that closes, a state that
 // changes, a key's command: whatever is under the cursor is one of these.
-TEST(Panel, EverythingUnderTheCursorAnswers) {
+TEST(Panel, EveryPanelControlResponds) {
   ViewState state = state_of_three();
   PanelFacts facts;
   facts.costs.picture_width = 160, facts.costs.picture_height = 120;
@@ -324,7 +324,7 @@ TEST(Panel, EveryEntryOfEveryListIsTaken) {
   EXPECT_GE(lists, expected);
 }
 
-TEST(Panel, EveryFieldTakesWhatIsTyped) {
+TEST(Panel, EveryFieldTakesInput) {
   ViewState state = state_of_three();
   PanelFacts facts;
   facts.costs.picture_width = 160, facts.costs.picture_height = 120;

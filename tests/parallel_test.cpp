@@ -31,7 +31,7 @@ TEST(Parallel, LoopsVisitEachIndexOnce) {
   parallel_for(-3, [](int) { FAIL() << "a loop over nothing"; });
 }
 
-TEST(Parallel, ExceptionsReachWhoStartedTheWork) {
+TEST(Parallel, ExceptionsReachTheCaller) {
   const auto fail = [] { throw std::runtime_error("as expected"); };
   EXPECT_THROW(parallel_for(size_t(100), [&](size_t i) { i == 50 ? fail() : void(); }),
                std::runtime_error);
@@ -108,7 +108,7 @@ TEST(Ticker, CallsWhileItLives) {
   EXPECT_EQ(ticks, before);
 }
 
-TEST(Parallel, WorkHasAsManyThreadsAsWereAskedFor) {
+TEST(Parallel, WorkHasTheRequestedNumberOfThreads) {
   EXPECT_GE(max_concurrency(), 1);
   for (const int threads : {1, 3}) {
     int found = 0;

@@ -72,7 +72,7 @@ RenderOptions sobol(int samples) {
   return o;
 }
 
-TEST(Hash, IsTheKnownOne) {
+TEST(Hash, MatchesThePublishedOne) {
   EXPECT_EQ(hex(hash128("")), "00000000000000000000000000000000");
   // By the author's own program, with seed 0.
   EXPECT_EQ(hex(hash128("hello")), "cbd8a7b341bd9b025b1e906a48ae1d19");
@@ -134,7 +134,7 @@ TEST(Provenance, OptionsComeBack) {
     EXPECT_TRUE(spec.text || !std::holds_alternative<OptionSpec::Parse>(spec.value)) << spec.name;
 }
 
-TEST(Provenance, RefusesWhatItDoesNotKnow) {
+TEST(Provenance, RefusesUnknownFeatures) {
   const auto error = [](Metadata settings) {
     const auto options = options_from(settings);
     return options ? "" : options.error().text();
@@ -397,7 +397,7 @@ std::string merge_error(std::vector<NamedPart> parts) {
   return merged ? "" : merged.error().text();
 }
 
-TEST(Merge, SaysWhatDoesNotFit) {
+TEST(Merge, NamesMismatches) {
   const Studio studio(sobol(5)), longer(sobol(6)), jitter(jittered());
   const auto shard = [](const Studio& s, uint32_t i, uint32_t n) {
     return NamedPart{"s" + std::to_string(i), s.part({.shard = i, .shards = n})};
@@ -423,7 +423,7 @@ TEST(Merge, SaysWhatDoesNotFit) {
   EXPECT_EQ(missing_samples(*merged, 3), "4 of 12 tiles are missing: shard 2/3");
 }
 
-TEST(Merge, SaysWhichSamplesAreMissing) {
+TEST(Merge, NamesMissingSamples) {
   const Studio studio(sobol(9));
   const auto merged = [&](std::initializer_list<RenderTask> tasks) {
     std::vector<NamedPart> parts;
@@ -441,7 +441,7 @@ TEST(Merge, SaysWhichSamplesAreMissing) {
 }
 
 // All channels, each by its own rule.
-TEST(Merge, SpansInAnyOrderAreTheWhole) {
+TEST(Merge, MergesSpansInAnyOrder) {
   RenderOptions request = sobol(12);
   for (const ChannelSpec& spec : kChannels) request.channels.add(spec.channel);
   const Studio studio(request);

@@ -168,7 +168,7 @@ TEST_F(Pictures, OfSeveralScenesGoIntoAFolder) {
   EXPECT_TRUE(read_image(file("one/ok.png")));
 }
 
-TEST_F(Pictures, OfSoundScenesAreMadeBesideBrokenOnes) {
+TEST_F(Pictures, OfValidScenesAreRenderedAmongBrokenOnes) {
   put(file("bad.nff"), replaced("s 0 0 0 1", "s 0 0 zero 1"));
   put(file("small.nff"), replaced("resolution 24 16", "resolution 8 8"));
   const Outcome o = raio(
@@ -185,7 +185,7 @@ TEST_F(Pictures, OfSoundScenesAreMadeBesideBrokenOnes) {
   EXPECT_EQ(raio({"render", "missing.nff", "bad.nff", "-o", "x/"}).status, 2);
 }
 
-TEST_F(Pictures, OfSeveralScenesHaveNamesOfTheirOwn) {
+TEST_F(Pictures, OfSeveralScenesHaveDistinctNames) {
   std::filesystem::create_directory(file("other"));
   put(file("other/ok.p3f"), kScene);
   put(file("a.nff"), kScene);

@@ -47,7 +47,7 @@ TEST_F(Platform, ReplacesWholeFilesAndKeepsLinksAndPermissions) {
   EXPECT_EQ(entries(), 2);
 }
 
-TEST_F(Platform, WhatCannotBeWrittenLeavesNothing) {
+TEST_F(Platform, FailedWritesLeaveNothing) {
   for (const fs::path& path : {folder(), file("missing/f"), fs::path()}) {
     const auto checked = check_writable(path), written = write_file(path, "bytes");
     ASSERT_FALSE(checked) << path;
@@ -81,7 +81,7 @@ TEST_F(Platform, ReadsToTheEnd) {
   EXPECT_TRUE(std::string_view(found).substr(0, size) == bytes);
 }
 
-TEST_F(Platform, AFileCutWhileItIsReadEndsThere) {
+TEST_F(Platform, AFileTruncatedDuringReadingEndsThere) {
   const std::string bytes = noise(size_t(6) << 20);
   put(file("f"), bytes);
   auto input = InputFile::open(file("f"));
@@ -141,7 +141,7 @@ TEST_F(Platform, EmptyFilesAreMappedToNothing) {
   EXPECT_EQ(mapped->view(), "");
 }
 
-TEST_F(Platform, WhatCannotBeMappedIsSaidInOneLine) {
+TEST_F(Platform, MappingErrorsAreOneLine) {
   const auto missing = MappedFile::open(file("missing")), no_file = MappedFile::open(folder());
   ASSERT_FALSE(missing);
   EXPECT_EQ(missing.error(), "cannot open the file: No such file or directory");

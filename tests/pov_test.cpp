@@ -98,7 +98,7 @@ TEST(PovWriter, GlassIsOneObjectWithTheShadowOfAnOpaqueOne) {
 
 class Export : public TemporaryFolder {};
 
-TEST_F(Export, WritesWhatWasAskedFor) {
+TEST_F(Export, WritesTheRequestedFile) {
   const std::string source = RAIO_SOURCE_DIR "/scenes/shapes.nff";
   app::ExportCommand command{.scene = source, .output = file("out.pov"), .options = {}};
   command.options.width = 40, command.options.height = 30;

@@ -134,7 +134,7 @@ TEST(Parallel, EveryIntegratorShowsTheSameOutline) {
 }
 
 // What is as far away as the point looked at is where it is in perspective.
-TEST(Parallel, MeetsPerspectiveWhereTheCameraLooks) {
+TEST(Parallel, MatchesPerspectiveAtThePointLookedAt) {
   Camera c = ball({}, 1).camera;
   for (const bool centers : {false, true}) {
     c.projection = Projection::perspective;
@@ -199,7 +199,7 @@ TEST(Parallel, OutlinesAreAsWideAtAnyDepth) {
     EXPECT_NEAR(double(line_pixels(depth)), ring, 0.05 * ring);
 }
 
-TEST(Parallel, AMovingCameraIsAtEachMomentOneThatStands) {
+TEST(Parallel, AMovingCameraMatchesStillOnes) {
   Scene s = random_scene(60, 8);
   Camera& c = s.camera;
   c.projection = Projection::orthographic;
@@ -376,7 +376,7 @@ TEST(Parallel, ScenesKeepTheirRays) {
 }
 
 // The lengths of `right` and `up` are those of what POV-Ray shows.
-TEST(Parallel, PovRayIsToldTheSizeOfThePicture) {
+TEST(Parallel, PovRayGetsThePictureSize) {
   Scene s = ball({}, 1);
   s.camera = {};
   s.camera.from = {0, -4, 0}, s.camera.at = {0, 0, 0}, s.camera.up = {0, 0, 1};

@@ -62,7 +62,7 @@ TEST(Property, EveryStructureGivesThePictureOfAScene) {
   }
 }
 
-TEST(Property, ASceneThatWasWrittenAndReadGivesThePicture) {
+TEST(Property, AWrittenSceneGivesTheSamePicture) {
   for (uint32_t seed = 0; seed < kRounds; ++seed) {
     SCOPED_TRACE(seed);
     std::mt19937 random(seed);
@@ -78,7 +78,7 @@ TEST(Property, ASceneThatWasWrittenAndReadGivesThePicture) {
 
 class PropertyOfPictures : public TemporaryFolder {};
 
-TEST_F(PropertyOfPictures, WhatIsReadBackIsWhatWasWritten) {
+TEST_F(PropertyOfPictures, PicturesReadBack) {
   std::mt19937 random(1);
   for (uint32_t round = 0; round < 4 * kRounds; ++round) {
     const int width = 1 + int(random() % 70), height = 1 + int(random() % 70);

@@ -47,7 +47,7 @@ std::string with_entry(std::string bytes, std::string_view name, void (*change)(
   return bytes;
 }
 
-TEST(RaioScene, KeepsAllOfAScene) {
+TEST(RaioScene, KeepsEverything) {
   const Scene scene = tests::rich_scene();
   const std::string bytes = encode_raio_scene(scene);
   const Scene again = decoded(bytes);
@@ -60,7 +60,7 @@ TEST(RaioScene, KeepsAllOfAScene) {
   tests::expect_same(again, scene);
 }
 
-TEST(RaioScene, KeepsScenesMadeByChance) {
+TEST(RaioScene, KeepsRandomScenes) {
   for (uint64_t seed = 0; seed < 30; ++seed) {
     Scene scene = tests::RandomScene(seed).make();
     scene.origin = {1e9, double(seed), -3};
@@ -70,7 +70,7 @@ TEST(RaioScene, KeepsScenesMadeByChance) {
   }
 }
 
-TEST(RaioScene, KeepsCopies) {
+TEST(RaioScene, KeepsInstances) {
   const Scene scene = tests::nested_scene();
   ASSERT_TRUE(validate(scene).empty()) << validate(scene).front();
   const std::string bytes = encode_raio_scene(scene);
@@ -92,7 +92,7 @@ TEST(RaioScene, KeepsCopies) {
   EXPECT_FALSE(tests::same_bytes(picture, tests::picture_of(without, options)));
 }
 
-TEST(RaioScene, PrototypesAreNestedOnlySoDeep) {
+TEST(RaioScene, NestingOfPrototypesIsLimited) {
   Scene inner;
   inner.materials.emplace_back();
   inner.spheres = {{{0, 0, 0}, 1}}, inner.sphere_materials = {0};
@@ -110,7 +110,7 @@ TEST(RaioScene, PrototypesAreNestedOnlySoDeep) {
   }
 }
 
-TEST(RaioScene, MoreCopiesThanCanBeAreRefused) {
+TEST(RaioScene, TooManyInstancesAreRefused) {
   Scene inner;
   inner.materials.emplace_back();
   inner.spheres = {{{0, 0, 0}, 1}}, inner.sphere_materials = {0};
@@ -133,7 +133,7 @@ TEST(RaioScene, AnEmptySceneIsAFile) {
 
 using RaioSceneFile = TemporaryFolder;
 
-TEST_F(RaioSceneFile, ColumnsAreReadWhereTheyLie) {
+TEST_F(RaioSceneFile, ColumnsAreReadInPlace) {
   const auto path = file("rich.raio");
   const Scene scene = tests::rich_scene();
   ASSERT_TRUE(write_raio_scene(scene, path));
@@ -150,7 +150,7 @@ TEST_F(RaioSceneFile, ColumnsAreReadWhereTheyLie) {
   EXPECT_EQ(content_hash(copy), content_hash(scene));
 }
 
-TEST_F(RaioSceneFile, PrototypesAreReadWhereTheyLie) {
+TEST_F(RaioSceneFile, PrototypesAreReadInPlace) {
   const auto path = file("copies.raio");
   const Scene scene = tests::nested_scene();
   ASSERT_TRUE(write_raio_scene(scene, path));
@@ -167,7 +167,7 @@ TEST_F(RaioSceneFile, PrototypesAreReadWhereTheyLie) {
   EXPECT_THAT(tests::texts(flat.error()), HasSubstr("spheres have a non-uniform scale"));
 }
 
-TEST_F(RaioSceneFile, WhatCannotBeOpenedIsSaid) {
+TEST_F(RaioSceneFile, OpeningErrorsAreReported) {
   const auto text = [&](const std::filesystem::path& path) {
     const auto scene = read_raio_scene(path);
     return scene ? "" : tests::texts(scene.error());
@@ -203,7 +203,7 @@ TEST_P(RaioSceneDamage, CutAndLengthenedFilesAreRefused) {
 }
 
 /// A change behind which the hashes were made anew: refused, or a sound scene and its only file.
-TEST_P(RaioSceneDamage, DamageThatHashesDoNotShow) {
+TEST_P(RaioSceneDamage, DamageWithValidHashes) {
   size_t refused = 0, taken = 0;
   for (size_t at = 0; at < sound.size(); ++at)
     for (const int bit : {0, 5, 7}) {
@@ -227,7 +227,7 @@ TEST_P(RaioSceneDamage, DamageThatHashesDoNotShow) {
   EXPECT_GT(taken, 1000u);
 }
 
-TEST(RaioScene, TablesThatLieAreRefused) {
+TEST(RaioScene, InvalidTablesAreRefused) {
   const std::string sound = encode_raio_scene(tests::rich_scene());
   struct Lie {
     std::string_view column;
@@ -259,7 +259,7 @@ TEST(RaioScene, TablesThatLieAreRefused) {
         << lie.column;
 }
 
-TEST(RaioScene, WhatANewerRaioWroteComesWithAdvice) {
+TEST(RaioScene, FilesOfANewerRaioComeWithAdvice) {
   std::string bytes = encode_raio_scene(tests::rich_scene());
   const auto unknown = with_entry(bytes, "cone_opacity", [](Entry& e) {
     e = {.number = e.number, .numbers = e.numbers, .count = e.count, .offset = e.offset};
@@ -276,7 +276,7 @@ TEST(RaioScene, WhatANewerRaioWroteComesWithAdvice) {
               AllOf(HasSubstr("format 2, expected format 1"), HasSubstr("a newer Raio")));
 }
 
-TEST(RaioScene, AnUnsoundSceneIsRefused) {
+TEST(RaioScene, AnInvalidSceneIsRefused) {
   Scene scene = tests::rich_scene();
   scene.spheres[3].radius = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(error_of(encode_raio_scene(scene)),

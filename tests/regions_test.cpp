@@ -30,7 +30,7 @@ std::vector<Region> regions(const Scene& scene, AccelKind kind) {
   return regions_of(scene, **accel, settings, control);
 }
 
-TEST(Regions, AreWhatGeometrySays) {
+TEST(Regions, MatchGeometry) {
   const Scene scene = parse_nff(kScene, "scene")->scene;
   const auto found = regions(scene, AccelKind::bvh);
   ASSERT_EQ(found.size(), 200u * 200u);
@@ -65,7 +65,7 @@ TEST(Regions, TrianglesOfOneSurfaceHaveNoEdges) {
   for (size_t i = 0; i < found.size(); ++i) ASSERT_EQ(found[i], Region::lit) << i;
 }
 
-TEST(Regions, StopWhenTold) {
+TEST(Regions, StopOnRequest) {
   const Scene scene = parse_nff(kScene, "scene")->scene;
   const RenderSettings settings = resolve_options({}, scene);
   const auto accel = build_accel(scene, settings.accel);

@@ -98,7 +98,7 @@ TEST(Shading, PhongOnAPlaneIsTheFormula) {
   }
 }
 
-TEST(Shading, ColouredLightsTakeTheAmbientAway) {
+TEST(Shading, ColouredLightsRemoveAmbientLight) {
   Scene s = looking_down();
   add_plane(s, {{0, 0, 0}, {0, 0, 1}}, {{1, 1, 1}, 1, 0, 1, 0, 1});
   s.lights = {{{0, 0, -1}, Rgb(1, 1, 1)}};  // behind the plane
@@ -162,7 +162,7 @@ TEST(Shading, BeyondTheCriticalAngleNothingLeavesTheGlass) {
   }
 }
 
-TEST(Shading, SoftShadowsHavePenumbrasAsWideAsGeometrySays) {
+TEST(Shading, SoftShadowsHaveGeometricPenumbras) {
   // A square light of side 1 straight above an edge half way up: at x the share that is seen is
   // linear from x = -0.5 to 0.5. The light faces the origin, so it lies flat.
   Scene s = looking_down(3);
@@ -270,7 +270,7 @@ TEST(Render, ScaleDoesNotMatterToTheLastBit) {
           << scale;
 }
 
-TEST(Render, AwayFromTheOriginThePictureHolds) {
+TEST(Render, PicturesSurviveDistanceFromTheOrigin) {
   const Image image = picture(random_scene(300, 8), small()).image;
   const Image moved = picture(random_scene(300, 8, 1, {100, -200, 50}), small()).image;
   // The scene itself moves by the rounding of its coordinates, 1e-5 of its size; readers do better,
@@ -301,7 +301,7 @@ TEST(Render, P3dScenesAreTheSameWithEveryStructure) {
   }
 }
 
-TEST(Render, CountsOfBallsAreThePublishedOnes) {
+TEST(Render, CountsOfBallsMatchThePublishedOnes) {
   const auto path = std::filesystem::path(RAIO_SOURCE_DIR) / "../shared/scenes/spd/balls.nff";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "the shared scenes are not here";
   const auto read = read_nff(path);
@@ -331,7 +331,7 @@ TEST(Render, StopsSoon) {
 }
 
 // Passes, parts and interruptions, in one film, against the picture made in one go.
-TEST(Render, AFilmIsGoneOnWithToTheSameBytes) {
+TEST(Render, AFilmIsResumedToTheSameBytes) {
   const Scene s = random_scene(60, 5);
   RenderOptions request = all_effects(AccelKind::automatic, 100);
   for (const bool sobol : {false, true}) {
@@ -540,7 +540,7 @@ TEST(Film, HoldsBrightAndDim) {
   EXPECT_GT(image.at(0, 0).z, 0);
 }
 
-TEST(Film, TilesAreFilledWhereTheyAre) {
+TEST(Film, TilesAreFilledInPlace) {
   // Tiles whose side is no power of two, those at the edges smaller, and smaller than a tile.
   for (const auto& [width, height] : {std::pair(61, 50), {5, 3}, {100, 2}}) {
     Film film(width, height, 1000, 24);
@@ -583,7 +583,7 @@ TEST(Film, TilesAreFilledWhereTheyAre) {
   }
 }
 
-TEST(Render, SurvivesLightBeyondWhatFloatsHold) {
+TEST(Render, SurvivesLightBeyondTheRangeOfFloats) {
   Scene s = looking_down();
   s.lights = {{{0, 0, 4}, std::nullopt}};
   add_plane(s, {{0, 0, 0}, {0, 0, 1}}, {{1e30f, 1e30f, 1}, 1e30f, 0, 1, 0, 1});

@@ -79,7 +79,7 @@ TEST(Sampler, SquaresAreUniformForEveryPurposeAndBranch) {
         }
 }
 
-TEST(Sampler, PixelCellsGetTheirSamplesAndFillThemEvenly) {
+TEST(Sampler, PixelCellsAreFilledEvenly) {
   const Sampler sampler = jitter(3, 4, 2);
   std::vector<int> counts(kBins * kBins);
   for (uint32_t pixel = 0; pixel < 5000; ++pixel) {
@@ -102,7 +102,7 @@ TEST(Sampler, OneCellMeansThePixelsCentre) {
   EXPECT_EQ(p.y, 0.5f);
 }
 
-TEST(Sampler, EverySampleOfAPixelHasACellOfTheSquareOfItsOwn) {
+TEST(Sampler, EverySampleOfAPixelHasItsOwnCell) {
   for (const auto& [aa, per_cell] : {std::pair(3, 1), {3, 3}, {2, 2}, {1, 5}}) {
     const Sampler sampler = jitter(1, aa, per_cell);
     const uint32_t n = sampler.samples;
@@ -122,7 +122,7 @@ TEST(Sampler, EverySampleOfAPixelHasACellOfTheSquareOfItsOwn) {
 // Were the cells of two effects taken in the same order, but for the turn, each cell of the one
 // would see one cell of the other only: the mean would go to a wrong value as samples grow in
 // number.
-TEST(Sampler, CellsOfDifferentEffectsMeetInAnyCombination) {
+TEST(Sampler, CellsOfDifferentEffectsAreCombinedFreely) {
   constexpr uint32_t kSide = 8, kCells = kSide * kSide;
   const Sampler sampler = jitter(4, kSide, 1);
   const auto cell = [](Point2 p) {
@@ -269,7 +269,7 @@ TEST(Convergence, SobolErrsLessThanJitter) {
 }
 
 // Of errors that know nothing of each other, a fifth is left.
-TEST(Convergence, SobolErrorsOfNeighboursMakeUpForEachOther) {
+TEST(Convergence, SobolErrorsOfNeighboursCancel) {
   for (const int samples : {1, 2, 3, 4, 8, 16}) {
     const Errors edge = edge_errors(sobol(1, samples)), smooth = smooth_errors(sobol(1, samples));
     EXPECT_LT(edge.blurred, 0.165 * edge.plain) << samples;

@@ -43,7 +43,7 @@ class SceneFiles : public TemporaryFolder {
   }
 };
 
-TEST_F(SceneFiles, AreToldApartByTheirContent) {
+TEST_F(SceneFiles, AreDetectedByContent) {
   const Scene scene = tests::random_scene(20, 1);
   const std::string hash = content_hash(scene);
   const std::string nff = write_nff(scene), raio = encode_raio_scene(scene);
@@ -60,7 +60,7 @@ TEST_F(SceneFiles, AreToldApartByTheirContent) {
       }
 }
 
-TEST_F(SceneFiles, OfOtherKindsSayWhatTheySeemToBe) {
+TEST_F(SceneFiles, OfOtherFormatsAreIdentified) {
   struct Other {
     std::string_view name, bytes, kind;
   };
@@ -82,7 +82,7 @@ TEST_F(SceneFiles, OfOtherKindsSayWhatTheySeemToBe) {
         << other.name;
 }
 
-TEST_F(SceneFiles, DataIsToldByContentThenBySuffix) {
+TEST_F(SceneFiles, DataIsDetectedByContentThenBySuffix) {
   struct Data {
     std::string_view name, bytes, kind;
   };
@@ -118,7 +118,7 @@ TEST_F(SceneFiles, DataIsToldByContentThenBySuffix) {
 
 /// Whatever the reader of NFF has to say of a text is said by it.
 // The first or second line of some files may be anything.
-TEST_F(SceneFiles, TitlesSayNothingOfTheKind) {
+TEST_F(SceneFiles, TitlesDoNotDetermineTheFormat) {
   const auto atoms = [](std::string_view text, std::string_view name) {
     const auto got = parse_scene(text, name, {.style = AtomStyle::space_filling});
     return got ? std::to_string(got->scene.spheres.size()) : got.error().front().text();
@@ -143,7 +143,7 @@ TEST_F(SceneFiles, TitlesSayNothingOfTheKind) {
   EXPECT_THAT(atoms(many + "\n0 0 0 C\n", "a.xyz"), HasSubstr("as many columns as the rows have"));
 }
 
-TEST_F(SceneFiles, TextsOfScenesAreNotTakenForOthers) {
+TEST_F(SceneFiles, SceneTextsAreNotMistaken) {
   for (const char* folder : {"scenes", "tests/broken"})
     for (const auto& entry :
          std::filesystem::directory_iterator(std::filesystem::path(RAIO_SOURCE_DIR) / folder)) {
@@ -154,7 +154,7 @@ TEST_F(SceneFiles, TextsOfScenesAreNotTakenForOthers) {
     }
 }
 
-TEST_F(SceneFiles, ErrorsHaveTheirPlaces) {
+TEST_F(SceneFiles, ErrorsHaveLocations) {
   EXPECT_THAT(errors_of("bad.nff", "v\nfrom 1 2 x\n"), HasSubstr("bad.nff:2:10: error:"));
   EXPECT_THAT(errors_of("bad.nff.gz", packed("v\nfrom 1 2 x\n")),
               HasSubstr("bad.nff.gz:2:10: error:"));
@@ -239,7 +239,7 @@ TEST_F(ConvertCommandLine, ThereAndBack) {
   EXPECT_EQ(get(file("a.pfm")), get(file("b.pfm")));
 }
 
-TEST_F(ConvertCommandLine, SaysWhatIsLost) {
+TEST_F(ConvertCommandLine, ReportsLostFeatures) {
   ASSERT_TRUE(write_scene(tests::rich_scene(), file("rich.raio")));
   const Outcome done = raio({"convert", "rich.raio", "rich.nff"});
   EXPECT_EQ(done.status, 0);
@@ -254,7 +254,7 @@ TEST_F(ConvertCommandLine, SaysWhatIsLost) {
   EXPECT_EQ(rendered.status, 0);
 }
 
-TEST_F(ConvertCommandLine, RefusesWhatItCannotWrite) {
+TEST_F(ConvertCommandLine, RefusesUnknownFormats) {
   const Outcome done = raio({"convert", "ok.nff", "ok.obj"});
   EXPECT_EQ(done.status, 2);
   EXPECT_THAT(

@@ -52,7 +52,7 @@ TEST(Scene, CountsByKind) {
   EXPECT_EQ(sample().primitive_count(), 7u);
 }
 
-TEST(Scene, BoundsAreOfWhatIsFinite) {
+TEST(Scene, BoundsCoverFinitePrimitives) {
   const Box3f box = bounds(sample());
   // Of the sphere, the polygon and the cones, whose box is rounded outwards.
   EXPECT_NEAR(box.lo.x, -1, 1e-6);
@@ -90,7 +90,7 @@ TEST(Scene, MeshesCount) {
             2 * (4 * sizeof(Vec3f) + sizeof(TriangleIndices) + 4 * sizeof(Uv)));
 }
 
-TEST(Scene, NamesOfScenesWithoutTheNewStay) {
+TEST(Scene, HashesOfOldScenesAreUnchanged) {
   const auto shapes = read_nff(RAIO_SOURCE_DIR "/scenes/shapes.nff");
   ASSERT_TRUE(shapes);
   // As version 0.1.0 wrote it into pictures and part files.
@@ -107,7 +107,7 @@ std::span<char> column_bytes(Scene& scene, size_t number) {
   return bytes;
 }
 
-TEST(Scene, EveryNumberOfEveryColumnIsInTheName) {
+TEST(Scene, EveryNumberOfEveryColumnIsHashed) {
   const Scene scene = rich_scene();
   EXPECT_THAT(validate(scene), IsEmpty());
   std::set<std::string> names = {content_hash(scene)};
@@ -127,7 +127,7 @@ TEST(Scene, EveryNumberOfEveryColumnIsInTheName) {
   EXPECT_EQ(names.size(), numbers + 1);
 }
 
-TEST(Scene, ColumnsHaveNamesOfTheirOwn) {
+TEST(Scene, ColumnsHaveDistinctNames) {
   Scene scene;
   scene.meshes.resize(1);
   std::set<std::string_view> names;
@@ -151,7 +151,7 @@ TEST(Scene, ObjectsAreFoundByTheirRanges) {
   EXPECT_EQ(object_of(Scene(), PoolKind::plane, 0), 0u);
 }
 
-TEST(Scene, ASoundSceneHasNoProblem) { EXPECT_THAT(validate(sample()), IsEmpty()); }
+TEST(Scene, AValidSceneHasNoProblem) { EXPECT_THAT(validate(sample()), IsEmpty()); }
 
 struct Fault {
   void (*make)(Scene&);
@@ -220,7 +220,7 @@ TEST(Scene, EachFaultIsNamed) {
   }
 }
 
-TEST(Scene, EachFaultOfWhatIsOptionalIsNamed) {
+TEST(Scene, EachFaultOfOptionalPartsIsNamed) {
   const Fault faults[] = {
       {[](Scene& s) { s.sphere_colors.pop_back(); }, "there are 10 spheres but 9 colours for them"},
       {[](Scene& s) { s.cone_opacity.push_back(1); },

@@ -192,7 +192,7 @@ TEST(Select, IndexColorsAreThoseOfTheFile) {
   EXPECT_EQ(got->colors->most, 5.0);
 }
 
-TEST(Select, WhatAFileDoesNotHave) {
+TEST(Select, MissingProperties) {
   const auto wrong = [](std::string_view text, const char* name, const std::string& selection) {
     return error(text, name, {.only = selection});
   };
@@ -208,7 +208,7 @@ TEST(Select, WhatAFileDoesNotHave) {
               HasSubstr("hide chooses no atom"));
 }
 
-TEST(Select, WhatCannotBeRead) {
+TEST(Select, InvalidSelections) {
   EXPECT_EQ(selection_problem("not (water, chain A-B,C and residue ALA,1-5)"), "");
   EXPECT_THAT(selection_problem(""), HasSubstr("column 1: expected water"));
   EXPECT_THAT(selection_problem("watr"), HasSubstr("column 1: expected water"));

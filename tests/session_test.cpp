@@ -83,7 +83,7 @@ TEST(Session, ShowsThePictureOfRender) {
   EXPECT_TRUE(same_bits(*picture->image, rendered(*s, options())));
 }
 
-TEST(Session, GetsBetterAndEverySampleIsThatOfRender) {
+TEST(Session, RefinesWithTheSamplesOfRender) {
   const auto s = scene();
   Watcher w;
   const uint64_t request = w.session.request({s, soft()});
@@ -139,7 +139,7 @@ TEST(Session, MovementIsShownCoarselyWhenTimeIsShort) {
   EXPECT_EQ(w.wait([&](auto& p) { return p.request == slow; })->image->width, 40);
 }
 
-TEST(Session, PausedItShowsOneSampleAndGoesOnAfterwards) {
+TEST(Session, ShowsOneSampleWhilePausedThenResumes) {
   const auto s = scene();
   Watcher w;
   w.session.pause(true);
@@ -154,7 +154,7 @@ TEST(Session, PausedItShowsOneSampleAndGoesOnAfterwards) {
   w.wait([&](auto& p) { return p.request == again && p.finished; });
 }
 
-TEST(Session, SaysWhyThereIsNoPicture) {
+TEST(Session, ReportsWhyThereIsNoPicture) {
   const auto s = scene();
   Watcher w;
   w.whole(w.session.request({s, options()}));
@@ -187,7 +187,7 @@ std::shared_ptr<const Scene> version(const std::shared_ptr<const Scene>& scene,
   return next;
 }
 
-TEST(Session, KeepsTheStructureWhereShapesStayAsTheyAre) {
+TEST(Session, KeepsTheStructureIfShapesAreUnchanged) {
   const auto owner = std::make_shared<const Scene>(tests::random_scene(30, 7));
   const auto first = version(owner, [&](Scene& s) {
     std::vector<const void*> data;
@@ -236,7 +236,7 @@ TEST(Session, KeepsTheStructureWhereShapesStayAsTheyAre) {
 }
 
 // One-sided surfaces are those that are opaque.
-TEST(Session, BuildsAnotherStructureWhereGlassTurnsOpaqueOnOneSide) {
+TEST(Session, RebuildsWhenGlassTurnsOpaqueOnOneSide) {
   const auto owner = std::make_shared<const Scene>(tests::random_scene(30, 7));
   RenderOptions o = options();
   o.one_sided = true;
@@ -277,7 +277,7 @@ RenderOptions slow() {
   return o;
 }
 
-TEST(Session, FiguresAreThoseOfWholeSamples) {
+TEST(Session, FiguresBelongToWholeSamples) {
   std::mutex mutex;
   std::vector<std::shared_ptr<const SessionPicture>> all;
   Session* shown = nullptr;
@@ -314,7 +314,7 @@ TEST(Session, FiguresAreThoseOfWholeSamples) {
   EXPECT_LE(all.back()->sample_s.median, all.back()->sample_s.high);
 }
 
-TEST(Session, SaysHowFarItIs) {
+TEST(Session, ReportsProgress) {
   Watcher w;
   const auto s = slow_scene();
   EXPECT_FALSE(w.session.progress());

@@ -186,7 +186,7 @@ TEST(ShadingModels, ColoursMultiplyFromMirrorToMirror) {
 }
 
 // White is no colour: the same bytes as without the column.
-TEST(ShadingModels, WhiteSpecularIsNone) {
+TEST(ShadingModels, WhiteSpecularIsTheDefault) {
   Scene scene = random_scene(80, 3);
   RenderOptions options;
   options.width = 60, options.height = 50, options.aa = 2, options.soft_shadows = true;

@@ -331,7 +331,7 @@ TEST(Plane, HitsLieInThePlane) {
   }
 }
 
-TEST(Kinds, SidesThatAreSeen) {
+TEST(Kinds, VisibleSides) {
   EXPECT_TRUE(visible(Sides::both, -1) && visible(Sides::both, 1));
   EXPECT_TRUE(visible(Sides::outside, -1) && !visible(Sides::outside, 1));
   EXPECT_TRUE(visible(Sides::inside, 1) && !visible(Sides::inside, -1));

@@ -116,7 +116,7 @@ TEST_F(Sky, IsBilinearBetweenTexels) {
   }
 }
 
-TEST_F(Sky, GoesOnAcrossEdgesAndCorners) {
+TEST_F(Sky, ContinuesAcrossEdgesAndCorners) {
   constexpr int kSide = 4;
   const auto map = sky(kSide);
   // On the edge of left (+x) and top (+y), beside the centre of a texel of each: half of both. On
@@ -146,7 +146,7 @@ TEST_F(Sky, GoesOnAcrossEdgesAndCorners) {
   expect_near(seen({0, 0, -1}, tiny), distinct_texel(CubeFace::back, 0, 0));
 }
 
-TEST_F(Sky, IsSeenInMirrorsAndThroughGlass) {
+TEST_F(Sky, IsVisibleInMirrorsAndThroughGlass) {
   const auto map = sky(8);
   std::mt19937 rng(2);
   std::uniform_real_distribution<float> unit(-1, 1);
@@ -192,7 +192,7 @@ TEST_F(Sky, IsTheSameForStructuresThreadsAndInstructionSets) {
   EXPECT_FALSE(same_bytes(picture_of(plain, all_effects()), image));
 }
 
-TEST_F(Sky, OfOneColourIsThatBackground) {
+TEST_F(Sky, OfOneColourEqualsThatBackground) {
   const Rgb color = Rgb(51, 102, 153) / 255;
   Scene scene = scene_under(sky(3, [&](CubeFace, int, int) { return color; }));
   const Image under_sky = picture_of(scene, all_effects());
@@ -287,7 +287,7 @@ TEST_F(SkyJob, IsNamedAndHashedInThePicture) {
   EXPECT_EQ(refused.error().text(), file("a.png").string() + ": the sky differs");
 }
 
-TEST_F(SkyJob, GoesOnUnderTheSameSkyOnly) {
+TEST_F(SkyJob, ResumesOnlyWithTheSameSky) {
   ASSERT_TRUE(done(request("whole.png")));
   JobRequest r = request("late.png");
   r.options.samples = 2, r.checkpoint = file("c.raio");
@@ -335,7 +335,7 @@ TEST_F(SkyJob, ShardsMakeTheSamePicture) {
   EXPECT_EQ(refused.error().text(), "other.raio: it does not match part0.raio: the sky differs");
 }
 
-TEST_F(SkyJob, OptionsTakeThePlaceOfTheScenes) {
+TEST_F(SkyJob, OptionsReplaceTheScenes) {
   Scene scene = scene_under(sky_of(file("sky")));
   RenderOptions o;
   EXPECT_EQ(resolve_options(o, scene).sky, scene.sky);
@@ -352,7 +352,7 @@ TEST_F(SkyJob, OptionsTakeThePlaceOfTheScenes) {
   EXPECT_FALSE(options_of(resolve_options(o, scene), scene).background);
 }
 
-TEST_F(SkyJob, OfAScenesFileIsBesideItOrAbove) {
+TEST_F(SkyJob, IsFoundInTheFilesFolderOrAbove) {
   Scene scene = random_scene(10, 1);
   scene.sky_folder = "sky";
   std::filesystem::create_directories(file("deep/er"));
@@ -410,7 +410,7 @@ TEST_F(Sky, FacesMayBeOfAnyType) {
   EXPECT_EQ(map->largest, 0x99);
 }
 
-TEST_F(Sky, WhatIsWrongWithFacesIsNamed) {
+TEST_F(Sky, FaultsOfFacesAreNamed) {
   EXPECT_EQ(error(), "sky: cannot read the folder: No such file or directory");
   std::filesystem::create_directories(file("sky"));
   EXPECT_EQ(error(),
@@ -483,7 +483,7 @@ TEST_F(Sky, DamagedJpegsDoNoHarm) {
   EXPECT_GT(refused, 100u);
 }
 
-TEST(SkyOption, SaysWhatItTakes) {
+TEST(SkyOption, ErrorsSayWhatIsAccepted) {
   RenderOptions o;
   const auto spec = std::ranges::find(render_option_table(), "background", &OptionSpec::name);
   const auto done = set_option(o, *spec, "no/such folder");

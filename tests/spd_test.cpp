@@ -35,7 +35,7 @@ std::vector<SpdVerdict> verdicts(const RayCounts& rays) {
   return out;
 }
 
-TEST(Spd, CountsThatMoveAreOff) {
+TEST(Spd, ChangedCountsAreOff) {
   using enum SpdVerdict;
   EXPECT_EQ(verdicts(published_mount()), (std::vector{ok, ok, ok, ok, ok, known}));
   const auto moved = [](uint64_t RayCounts::* count, double by) {
@@ -81,7 +81,7 @@ TEST(Spd, AngleToCentersPutsRaysIntoTheCornersOfPixels) {
 
 // The lists of the plain grid hold everything, and more tests are counted than with a mailbox; what
 // is seen is the same.
-TEST(Spd, PlainGridHasNoGiantsAndNoMailbox) {
+TEST(Spd, PlainGridHasNoOversizedPrimitivesAndNoMailbox) {
   const auto scene = generate_scene("balls", 2);
   ASSERT_TRUE(scene);
   RenderOptions options;
@@ -114,7 +114,7 @@ TEST(Spd, PlainGridHasNoGiantsAndNoMailbox) {
 class SpdCommand : public TemporaryFolder {};
 
 #ifndef __SANITIZE_THREAD__  // half a thousand million tests
-TEST_F(SpdCommand, BallsAreWithinWhatIsAllowed) {
+TEST_F(SpdCommand, BallsAreWithinTheTolerance) {
   testing::internal::CaptureStdout();
   const int status =
       run(SpdVerifyCommand{.scenes = {"balls"}, .progress = "off", .json = true, .options = {}});
@@ -144,7 +144,7 @@ TEST_F(SpdCommand, AnotherSceneUnderTheNameIsOff) {
     EXPECT_LE(end - at, 100u) << out.substr(at, end - at);
 }
 
-TEST_F(SpdCommand, ScenesOfWhichNothingIsKnownAreRefused) {
+TEST_F(SpdCommand, UnpublishedScenesAreRefused) {
   testing::internal::CaptureStderr();
   EXPECT_EQ(run(SpdVerifyCommand{
                 .scenes = {"balls", "cubes.nff"}, .progress = "off", .json = false, .options = {}}),

@@ -45,7 +45,7 @@ TEST(StructureOverlay, ShowsTheLargestBoxesOfTheLevel) {
   EXPECT_EQ(overlay.facts().all, 0u);
 }
 
-TEST(StructureOverlay, LegendsNameWhatColoursMean) {
+TEST(StructureOverlay, LegendsExplainColours) {
   StructureOverlay overlay;
   const auto baked = bake(500, AccelKind::bvh);
   overlay.choose({.shown = true, .by_level = true}, baked);
@@ -55,7 +55,7 @@ TEST(StructureOverlay, LegendsNameWhatColoursMean) {
 }
 
 // What the ray through a place of the picture meets is drawn at that place.
-TEST(Projection, PutsPointsWhereRaysThroughThemStart) {
+TEST(Projection, ProjectsPointsToTheirRays) {
   Camera camera;
   camera.from = {3, -7, 2}, camera.at = {0.5f, 0, 0.3f}, camera.up = {0.1f, 0, 1};
   camera.fov_deg = 50;

@@ -78,7 +78,7 @@ TEST(Textures, BeginAtTheLowerLeft) {
   EXPECT_NEAR(texture_color(scene, 0, {0.1f, 0.5f / 3}).y, linear_from_srgb(125.0f / 255), 1e-6);
 }
 
-TEST(Textures, HaveAColourAtAnyPlace) {
+TEST(Textures, HaveAColourAtAnyCoordinates) {
   for (const TextureWrap wrap : {TextureWrap::repeat, TextureWrap::clamp, TextureWrap::mirror}) {
     const Scene scene = with_texture(5, 3, wrap, wrap);
     for (const float x : {1e30f, -1e30f, 3e38f, -1e-12f, 16777217.0f, std::nanf(""), INFINITY})
@@ -105,7 +105,7 @@ Scene textured_square() {
   return scene;
 }
 
-TEST(Textures, AreSeenOnMeshes) {
+TEST(Textures, AreVisibleOnMeshes) {
   const Scene scene = textured_square();
   ASSERT_THAT(validate(scene), testing::IsEmpty());
   RenderOptions options;
@@ -143,7 +143,7 @@ TEST(Textures, AreThoseOfTheMaterial) {
     for (int k = 0; k < 3; ++k) EXPECT_NEAR(copy.pixels[i][k], seen.pixels[i][k], 1e-3);
 }
 
-TEST(Textures, AreKeptByRaioScenesOnly) {
+TEST(Textures, AreStoredByRaioScenesOnly) {
   const Scene scene = textured_square();
   const auto again = decode_raio_scene(encode_raio_scene(scene), nullptr);
   ASSERT_TRUE(again) << again.error();
@@ -156,7 +156,7 @@ TEST(Textures, AreKeptByRaioScenesOnly) {
   EXPECT_EQ(lost_features(scene, SceneFormat::raio), "");
 }
 
-TEST(Textures, CountInTheHash) {
+TEST(Textures, AffectTheHash) {
   const Scene scene = textured_square();
   const auto changes = [&](auto how) {
     Scene other = scene;
@@ -168,7 +168,7 @@ TEST(Textures, CountInTheHash) {
   changes([](Scene& s) { s.material_texture[1] = 0; });
 }
 
-TEST(Textures, ThatAreNoneAreRefused) {
+TEST(Textures, InvalidOnesAreRefused) {
   const auto problem = [](auto how) {
     Scene scene = textured_square();
     how(scene);
@@ -235,7 +235,7 @@ TEST_F(ObjTextures, ComeFromMaterialFiles) {
   EXPECT_THAT(read->notices[1].text(), HasSubstr("1 textures of opacity"));
 }
 
-TEST_F(ObjTextures, ThatCannotBeReadAreTold) {
+TEST_F(ObjTextures, UnreadableOnesAreReported) {
   std::filesystem::create_directories(folder() / "maps");
   put(file("a.obj"), kSquare);
   put(file("maps/a.png"), "\x89PNG\r\n\x1a\n nonsense");

@@ -73,7 +73,7 @@ TEST(Tone, AgxIsAsPublished) {
   expect(Rgb(16, 8, 1), Rgb(1.0000000f, 0.9770203f, 0.8688115f));
 }
 
-TEST(Tone, AgxCompressesWhatOthersClip) {
+TEST(Tone, AgxCompressesHighlights) {
   const ToneMap agx(Tone::agx, 0);
   float before = -1;
   for (double stops = -14; stops <= 8; stops += 0.125) {

@@ -113,7 +113,7 @@ ExplainedRay ray_of(const Accel& accel, const Ray& ray, bool any) {
   return out;
 }
 
-TEST(TraversalWords, TellEveryStepAndTest) {
+TEST(TraversalWords, DescribeEveryStepAndTest) {
   const Scene scene = tests::random_scene(400, 3);
   const RayBatch rays = tests::awkward_rays(scene, 400, 9);
   for (const AccelKind kind : {AccelKind::none, AccelKind::grid, AccelKind::bvh}) {
@@ -129,7 +129,7 @@ TEST(TraversalWords, TellEveryStepAndTest) {
   }
 }
 
-TEST(TraversalWords, TellTheRaysOfASample) {
+TEST(TraversalWords, DescribeTheRaysOfASample) {
   const Scene scene = tests::random_scene(60, 7);
   for (const AccelKind kind : {AccelKind::none, AccelKind::grid, AccelKind::bvh})
     for_samples(scene, kind, 20, [&](const Explanation& e, const Accel& accel) {
@@ -146,7 +146,7 @@ TEST(TraversalWords, TellTheRaysOfASample) {
 }
 
 // A row of 4 cells of length 1, with spheres in the first, third and last.
-TEST(TraversalWords, TellAWalkThatIsKnown) {
+TEST(TraversalWords, DescribeAKnownTraversal) {
   Scene scene;
   scene.materials = {{}};
   scene.spheres = {
@@ -177,8 +177,9 @@ TEST(TraversalWords, TellAWalkThatIsKnown) {
               HasSubstr("tMax.x is the smallest: go one cell along x, to (2, 0, 0)"));
   EXPECT_EQ(steps[1].formula, "x := x + step.x\ntMax.x := tMax.x + tDelta.x");
   EXPECT_EQ(steps[2].words, "Test sphere 1: hit at t = 0.75, the nearest so far");
-  EXPECT_EQ(steps[3].words,
-            "The hit of sphere 1 at t = 0.75 lies in this cell (t <= min tMax), so the traversal ends");
+  EXPECT_EQ(
+      steps[3].words,
+      "The hit of sphere 1 at t = 0.75 lies in this cell (t <= min tMax), so the traversal ends");
   log = (*accel)->log(middle, true);
   steps =
       traversal_words(ray_of(**accel, middle, true), *log, (*accel)->geometry(), AccelKind::grid);
@@ -256,7 +257,7 @@ void expect_sums(const Scene& scene, const RenderOptions& options) {
 
 TEST(TraversalWords, TermsOfTheShadingAddUp) { expect_sums(tests::random_scene(60, 7), {}); }
 
-TEST(TraversalWords, TermsOfOtherModelsOfLightAddUp) {
+TEST(TraversalWords, TermsOfOtherShadingModelsAddUp) {
   Scene scene = tests::random_scene(60, 7);
   for (const bool tinted : {false, true}) {
     for (size_t m = 0; tinted && m < scene.materials.size(); ++m)

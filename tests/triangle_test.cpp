@@ -205,7 +205,7 @@ TEST(Triangle, MeshesAreWatertight) {
   }
 }
 
-TEST(Triangle, TheCosineTellsInFromOut) {
+TEST(Triangle, TheCosineDistinguishesInFromOut) {
   const Mesh mesh = spikes(2, 4);
   std::mt19937 rng(5);
   for (int k = 0; k < 2000; ++k) {
@@ -225,7 +225,7 @@ TEST(Triangle, TheCosineTellsInFromOut) {
   }
 }
 
-TEST(Triangle, DegenerateOnesGiveNoNumbersThatAreNone) {
+TEST(Triangle, DegenerateOnesGiveNoNan) {
   std::mt19937 rng(6);
   int hits = 0;
   for (int k = 0; k < 300000; ++k) {
@@ -247,7 +247,7 @@ TEST(Triangle, DegenerateOnesGiveNoNumbersThatAreNone) {
 
 // Small and exactly edge-on, so that edge functions are but rounding: a ray that passes by at many
 // times their size does not hit them.
-TEST(Triangle, EdgeOnAndFarAsideIsMissed) {
+TEST(Triangle, EdgeOnAndOffToTheSideIsMissed) {
   std::mt19937 rng(8);
   int hits = 0;
   for (int k = 0; k < 1000000; ++k) {

@@ -17,13 +17,13 @@ Camera some_camera() {
   return camera;
 }
 
-TEST(Turntable, BeginsWithTheCameraItself) {
+TEST(Turntable, StartsWithTheCameraItself) {
   const Camera camera = some_camera();
   for (const int index : {0, 7, -7, 14})
     EXPECT_EQ(turntable_camera(camera, index, 7).from, camera.from) << index;
 }
 
-TEST(Turntable, GoesRoundTheAxisAtTheSameDistance) {
+TEST(Turntable, RotatesAboutTheAxisAtTheSameDistance) {
   const Camera camera = some_camera();
   const Vec3d axis = normalize(Vec3d(camera.up));
   const auto arm = [&](const Camera& c) { return Vec3d(c.from) - Vec3d(c.at); };

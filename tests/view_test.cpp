@@ -79,7 +79,7 @@ TEST(ViewState, EveryStateIsACommandLine) {
   }
 }
 
-TEST(ViewState, CamerasFarAwayReadBackToTheSameBits) {
+TEST(ViewState, DistantCamerasReadBackExactly) {
   Scene far = *scene();
   far.origin = {123456.5, -98765.25, 4096};
   const auto shared = std::make_shared<const Scene>(far);
@@ -110,7 +110,7 @@ TEST(ViewState, AFigureHasNoEffectsOfSurfaces) {
 }
 
 // What another scene brought along waits for one in which it has an effect.
-TEST(ViewState, WhatHasNoEffectWaits) {
+TEST(ViewState, OptionsWithoutEffectWait) {
   Scene molecule = *scene();
   molecule.dialect = Dialect::data;
   ViewState state("some.nff", scene(), {});
@@ -144,7 +144,7 @@ TEST(ViewState, ShowsAllOfTheData) {
   EXPECT_NEAR(state.camera.fov_deg, 60, 1e-4) << "also in a square";
 }
 
-TEST(ViewState, ParallelRaysAreAnotherCameraOfTheSameScene) {
+TEST(ViewState, ParallelRaysChangeOnlyTheCamera) {
   const auto read = parse_scene("3\nwater\nO 0 0 0\nH 0.96 0 0\nH -0.24 0.93 0\n", "water.xyz");
   ASSERT_TRUE(read);
   const auto water = std::make_shared<const Scene>(read->scene);
@@ -179,7 +179,7 @@ TEST(ViewState, ParallelRaysAreAnotherCameraOfTheSameScene) {
   EXPECT_FALSE(state.camera.is_parallel());
 }
 
-TEST(ViewState, SaysWhatKeysDid) {
+TEST(ViewState, ReportsTheEffectOfKeys) {
   ViewState state("some.nff", scene(), {});
   EXPECT_EQ(state.toggle(Command::antialiasing), "antialiasing on");
   EXPECT_EQ(state.toggle(Command::antialiasing), "antialiasing off");
@@ -246,7 +246,7 @@ TEST(ViewState, TheOtherPictureDiffersInTheLastEffect) {
   EXPECT_FALSE(state.other_request(8, 8).no_refraction);
 }
 
-TEST(ViewState, ANewVersionOfTheFileKeepsTheHandsCamera) {
+TEST(ViewState, ANewVersionOfTheFileKeepsTheCamera) {
   ViewState state("some.nff", scene(), {});
   Scene next = *scene();
   next.camera.from = {0, -9, 1};
@@ -319,7 +319,7 @@ TEST(Comparison, PreviewsAndOlderPicturesDoNotCount) {
   EXPECT_FALSE(c.take(after, 3));
 }
 
-TEST(Costs, LinesSayWhatIsMeasuredAndWhatIsCounted) {
+TEST(Costs, LinesShowMeasurementsAndCounts) {
   EffectCost c{.effect = Effect::soft_shadows, .rounds = 5};
   c.factor = {1.75, 1.83, 1.9};
   c.with.seconds = 0.0511, c.without.seconds = 0.028;
@@ -338,7 +338,7 @@ TEST(Costs, EachEffectHasItsKey) {
   for (const Effect effect : kEffects) EXPECT_EQ(effect_of(command_of(effect)), effect);
 }
 
-TEST(Keys, EachIsThereOnce) {
+TEST(Keys, EachOccursOnce) {
   std::set<std::pair<int, Modifiers>> seen_keys;
   for (const KeySpec& key : key_table()) {
     EXPECT_TRUE(seen_keys.emplace(key.key, key.held).second) << key.name;
@@ -403,7 +403,7 @@ TEST(Help, FindsAllWordsInAnyCase) {
   EXPECT_TRUE(help_lines("no such thing").empty());
 }
 
-TEST(Status, SaysWhatGoesOn) {
+TEST(Status, ShowsTheActivity) {
   StatusFacts facts;
   facts.request = 2, facts.since_request_s = 6.2;
   EXPECT_EQ(status_of(facts).text, "Rendering the first sample, 6 s");
@@ -427,7 +427,7 @@ TEST(Status, SaysWhatGoesOn) {
   EXPECT_EQ(status_of(facts).kind, Status::Kind::failed);
 }
 
-TEST(Stage, FillsTheAreaOrShowsAGivenSizeWhole) {
+TEST(Stage, FillsTheAreaOrFitsAGivenSize) {
   const Stage free({0, 40, 500, 500}, 2, 0, 0);
   EXPECT_EQ(free.picture_width, 1000);
   EXPECT_EQ(free.picture_height, 920);
@@ -489,7 +489,7 @@ TEST(Texts, AllAreInPortuguese) {
   EXPECT_EQ(language_of("C.UTF-8"), Language::english);
 }
 
-TEST(Quoted, IsWhatAShellReadsBack) {
+TEST(Quoted, IsReadBackByAShell) {
   EXPECT_EQ(shell_word("plain-1.nff"), "plain-1.nff");
   EXPECT_EQ(shell_word("two words"), "'two words'");
   EXPECT_EQ(shell_word("it's"), "'it'\\''s'");

@@ -41,7 +41,7 @@ RenderOptions lens(float aperture, float focus) {
   return options;
 }
 
-TEST(SceneWarnings, TellOfDarkness) {
+TEST(SceneWarnings, ReportMissingLights) {
   Scene scene = wall(4);
   EXPECT_TRUE(warnings(scene, {}).empty());
   scene.lights.clear();
@@ -57,7 +57,7 @@ TEST(SceneWarnings, TellOfDarkness) {
   }
 }
 
-TEST(SceneWarnings, TellHowFarALensSpreadsWhatIsSeen) {
+TEST(SceneWarnings, MeasureTheBlurOfALens) {
   const Scene scene = wall(4);
   const auto found = warnings(scene, lens(0.2f, 1));
   ASSERT_EQ(found.size(), 1u);
@@ -71,7 +71,7 @@ TEST(SceneWarnings, TellHowFarALensSpreadsWhatIsSeen) {
   EXPECT_TRUE(scene_warnings(scene, resolve_options(lens(0.2f, 1), scene), nullptr).empty());
 }
 
-TEST(SceneWarnings, ProposeWhatWouldDo) {
+TEST(SceneWarnings, ProposeARemedy) {
   const Scene scene = wall(4);
   const auto found = warnings(scene, lens(0.2f, 1));
   ASSERT_EQ(found.size(), 1u);
@@ -81,7 +81,7 @@ TEST(SceneWarnings, ProposeWhatWouldDo) {
   EXPECT_TRUE(warnings(scene, lens(0.2f, found[0].focus)).empty());
 }
 
-TEST(SceneWarnings, LetPicturesBeThatHaveSomethingSharp) {
+TEST(SceneWarnings, AcceptPicturesWithSharpParts) {
   Scene scene = wall(40);
   scene.spheres = {{{0, 0, -4}, 0.5f}};
   scene.sphere_materials = {0};
@@ -96,7 +96,7 @@ TEST(SceneWarnings, LetPicturesBeThatHaveSomethingSharp) {
 
 // The lens that pictures get by default: of the scenes here it blurs the two whose camera stands
 // among the objects, or looks at a point right before it.
-TEST(SceneWarnings, JudgeTheScenesHere) {
+TEST(SceneWarnings, JudgeTheScenesOfTheTree) {
   for (const char* name :
        {"gears", "lattice", "mount", "rings", "shapes", "sphereflake", "teapot", "tetra", "tree"}) {
     const auto read = read_nff(fmt::format("{}/scenes/{}.nff", RAIO_SOURCE_DIR, name));
@@ -109,7 +109,7 @@ TEST(SceneWarnings, JudgeTheScenesHere) {
 }
 
 // With and without alpha, beside which colours have no background.
-TEST(SceneWarnings, TellOfBlankPictures) {
+TEST(SceneWarnings, ReportBlankPictures) {
   Scene scene = wall(4);
   const auto blank = [&](const char* background, bool alpha) {
     RenderOptions options;

@@ -36,7 +36,7 @@ namespace {
 HWY_EXPORT(wrong_quotients);
 
 // How a quotient is rounded does not depend on the exponent of x.
-TEST(Wide, QuotientsAreThoseOfDivisionForEveryMantissa) {
+TEST(Wide, QuotientsMatchDivisionForEveryMantissa) {
   constexpr uint32_t kStep = tests::if_sanitized(1009, 1);
   std::vector<float> x(16);  // with zeroes
   for (uint32_t mantissa = 0; mantissa < 1u << 23; mantissa += kStep)

@@ -31,7 +31,7 @@ std::expected<ReadScene, Diagnostics> wild(const std::string& name) {
   return read_scene(RAIO_SOURCE_DIR "/../shared/wild/" + name);
 }
 
-TEST(WildMeshes, AreReadAsTheirOwnersExpect) {
+TEST(WildMeshes, AreReadAsExpected) {
   if (!std::filesystem::exists(RAIO_SOURCE_DIR "/../shared/wild/meshes")) GTEST_SKIP();
   const std::tuple<const char*, size_t, const char*> cases[] = {
       {"obj-tr-one.obj", 1, "Tr is 1"},
@@ -104,7 +104,7 @@ TEST(WildMeshes, PointsOfObjAreSpheres) {
   EXPECT_EQ(named->scene.spheres[1].center, Vec3f(2, 0, 0));
 }
 
-TEST(WildMeshes, FacesMayNameWhatTheFileHasNot) {
+TEST(WildMeshes, FacesMayReferToMissingVertices) {
   const auto got = read("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1/7 2/1/7 3/1/7\n", "a.obj");
   ASSERT_TRUE(got);
   EXPECT_EQ(triangles(*got), 1u);
@@ -113,7 +113,7 @@ TEST(WildMeshes, FacesMayNameWhatTheFileHasNot) {
   EXPECT_THAT(told(*got), HasSubstr("normals that faces refer to"));
 }
 
-TEST(WildMeshes, PlacesFarFromZeroKeepTheirDigits) {
+TEST(WildMeshes, PositionsFarFromZeroKeepTheirDigits) {
   std::string text =
       "ply\nformat ascii 1.0\nelement vertex 10\nproperty double x\nproperty double y\n"
       "property double z\nend_header\n";
@@ -143,7 +143,7 @@ TEST(WildMeshes, PlyKeepsAFittedCamera) {
   EXPECT_EQ(ply->scene.camera, obj->scene.camera);
 }
 
-TEST(WildMeshes, PointsThatAreNotFiniteAreLeftOut) {
+TEST(WildMeshes, NonFinitePointsAreSkipped) {
   const std::string header =
       "ply\rformat ascii 1.0\relement vertex 3\rproperty float x\r"
       "property float y\rproperty float z\rend_header\r";

@@ -104,7 +104,7 @@ TEST_F(WildMolecule, FramesOfPdb) {
   }
 }
 
-TEST_F(WildMolecule, BondsAndCopiesOfPdb) {
+TEST_F(WildMolecule, BondsAndAssembliesOfPdb) {
   EXPECT_EQ(see_file("pdb-conect-hybrid36.pdb").bonds, 2u);
   EXPECT_EQ(see_file("pdb-conect-six-digits.pdb").bonds, 2u);
   EXPECT_EQ(see_file("pdb-conect-many.pdb").bonds, 12u);
@@ -290,7 +290,7 @@ TEST(CifText, LabelsStandForSymbols) {
   EXPECT_THAT(got.notices, HasSubstr("disorder groups (1: C9)"));
 }
 
-TEST(CifText, WhatAFileIs) {
+TEST(CifText, TypesOfFiles) {
   EXPECT_THAT(see("data_r\nloop_\n_refln_index_h\n_refln_index_k\n1 2\n", "a.cif").notices,
               HasSubstr("has reflections but no atoms"));
   EXPECT_THAT(see("data_r\n_struct.title x\n", "a.cif").notices, HasSubstr("has no atoms"));

@@ -45,7 +45,7 @@ TEST_F(WindowFilesTest, SavedPicturesAreThoseOfTheCommandLine) {
   EXPECT_TRUE(window->wait_for("saved scene-2.png in ", from));
 }
 
-TEST_F(WindowFilesTest, AtomsAreDrawnAsTheyWereAskedFor) {
+TEST_F(WindowFilesTest, AtomsAreDrawnAsRequested) {
   put(file("water.xyz"), "3\n\nO 0 0 0\nH 0.96 0 0\nH -0.24 0.93 0\n");
   WindowDriver window(*display_,
                       {"water.xyz", "--size", "60x40", "--style", "sticks", "--radius", "1"},
@@ -94,7 +94,7 @@ TEST_F(WindowFilesTest, ShowsPicturesAsTheyAreWritten) {
   EXPECT_EQ(window->picture(from)->sum, shown->sum);
 }
 
-TEST_F(WindowFilesTest, ABrokenEditKeepsTheSceneAndAGoodOneReplacesIt) {
+TEST_F(WindowFilesTest, ABrokenEditKeepsTheSceneAndAValidOneReplacesIt) {
   const auto window = open();
   const auto before = window->picture(0);
   size_t from = window->mark();
@@ -144,7 +144,7 @@ TEST_F(WindowFilesTest, EscapeClosesTheDialogAndNotTheWindow) {
   ASSERT_TRUE(window->wait_for("reflection off", from)) << window->log();
 }
 
-TEST_F(WindowFilesTest, SavesTheSceneAsItIsSeen) {
+TEST_F(WindowFilesTest, SavesTheSceneAsDisplayed) {
   const auto window = open();
   window->drag(80, 60, 110, 70);
   const auto rest = window->wait_for("camera: ", 0);

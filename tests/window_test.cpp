@@ -54,7 +54,7 @@ TEST_F(WindowTest, StructuresShowTheSamePicture) {
   }
 }
 
-TEST_F(WindowTest, DigitsShowWhatIsBehindThePicture) {
+TEST_F(WindowTest, DigitsSelectViews) {
   // In a tree every ray would visit the one node there is, and each pixel has one sample.
   const auto window = open({"--accel", "grid"});
   std::vector<std::string> sums = {window->picture(0)->sum};
@@ -71,7 +71,7 @@ TEST_F(WindowTest, DigitsShowWhatIsBehindThePicture) {
   EXPECT_EQ(window->picture(from)->sum, sums.front());
 }
 
-TEST_F(WindowTest, HandsMoveTheCameraAndOneKeyBringsTheScenesBack) {
+TEST_F(WindowTest, MouseMovesTheCameraAndAKeyResetsIt) {
   const auto window = open();
   const auto before = window->picture(0);
   const auto moves = [&](const char* what, const auto& hand) {
@@ -105,7 +105,7 @@ TEST_F(WindowTest, HandsMoveTheCameraAndOneKeyBringsTheScenesBack) {
   });
 }
 
-TEST_F(WindowTest, AClickFocusesOnWhatIsThereAndTheWheelSetsTheAperture) {
+TEST_F(WindowTest, AClickFocusesAndTheWheelSetsTheAperture) {
   const auto window = open();
   const auto read = read_nff(file("scene.nff"));
   const auto accel = build_accel(read->scene, {});
@@ -130,7 +130,7 @@ TEST_F(WindowTest, AClickFocusesOnWhatIsThereAndTheWheelSetsTheAperture) {
 }
 
 // The bytes that are shown, and those that are saved, are of the exposure and the tone curve.
-TEST_F(WindowTest, ResizesMinimisesAndEnds) {
+TEST_F(WindowTest, ResizesMinimisesAndQuits) {
   const auto window = open();
   size_t from = window->mark();
   // What the bars and the panel leave.
@@ -162,7 +162,7 @@ TEST_F(WindowTest, HidingThePanelTwiceGivesTheSamePictureBack) {
   EXPECT_EQ(window->picture(from)->sum, before->sum);
 }
 
-TEST_F(WindowTest, TakesBackEveryChangeAndMakesItAgain) {
+TEST_F(WindowTest, UndoesAndRedoesEveryChange) {
   const auto window = open();
   std::vector<std::string> sums = {window->picture(0)->sum};
   const auto change = [&](const auto& hand) {
@@ -210,7 +210,7 @@ TEST_F(WindowTest, LettersWithCtrlSwitchNoEffect) {
     EXPECT_EQ(window->log().find(said), std::string::npos) << said;
 }
 
-TEST_F(WindowTest, WearsOtherColoursAndBigType) {
+TEST_F(WindowTest, ChangesColoursAndType) {
   const auto window = open();
   size_t from = window->mark();
   window->key(XK_l);
@@ -243,7 +243,7 @@ TEST_F(WindowTest, HelpTakesTheKeysUntilEscape) {
   EXPECT_TRUE(window->is_running());
 }
 
-TEST_F(WindowTest, FillsTheScreenAndComesBack) {
+TEST_F(WindowTest, TogglesFullScreen) {
   const auto window = open();
   size_t from = window->mark();
   window->key(XK_F11);
@@ -254,7 +254,7 @@ TEST_F(WindowTest, FillsTheScreenAndComesBack) {
   EXPECT_TRUE(window->is_running());
 }
 
-TEST_F(WindowTest, EveryOtherKeyAnswers) {
+TEST_F(WindowTest, EveryOtherKeyResponds) {
   const auto window = open();
   const auto says = [&](unsigned long key, const char* said, Held held = Held::nothing) {
     const size_t from = window->mark();
@@ -274,7 +274,7 @@ TEST_F(WindowTest, EveryOtherKeyAnswers) {
   says(XK_x, "one picture");
 }
 
-TEST_F(WindowTest, ToolsDoWhatTheirKeysDo) {
+TEST_F(WindowTest, ToolsMatchTheirKeys) {
   const auto window = open();
   const auto place = window->wait_for("place: ([0-9]+),([0-9]+)", 0);
   ASSERT_TRUE(place);
@@ -322,7 +322,7 @@ TEST_F(WindowTest, MeasuresTheSixteenEvenWhileItMeasuresCosts) {
   ASSERT_TRUE(window->wait_for("measured the table", from)) << window->log();
 }
 
-TEST_F(WindowTest, MeasuresWhatEffectsCostAtRestAndStopsForInput) {
+TEST_F(WindowTest, MeasuresCostsAtRestAndStopsForInput) {
   const auto window = open({"--soft-shadows", "--samples", "16"});
   auto costs = window->wait_for("measures the costs", 0);
   ASSERT_TRUE(costs) << window->log();
@@ -351,7 +351,7 @@ TEST_F(WindowTest, MeasuresWhatEffectsCostAtRestAndStopsForInput) {
   window->minimise(false);
 }
 
-TEST_F(WindowTest, ShowsTheBoxesOfTheStructure) {
+TEST_F(WindowTest, ShowsBoxesOfTheStructure) {
   const auto window = open();
   const auto before = window->picture(0);
   ASSERT_TRUE(before);

@@ -47,7 +47,7 @@ class BuildWithout : public TemporaryFolder {
   std::string scene_ = file("s.nff").string(), picture_ = file("s.png").string();
 };
 
-TEST_F(BuildWithout, RendersAllTheSame) {
+TEST_F(BuildWithout, GivesTheSamePicture) {
   for (const char* accel : {"none", "grid", "bvh"}) {
     const Answer answer = ask({"render", scene_, "-o", file(accel).string() + ".ppm", "--accel",
                                accel, "--aa", "2", "--soft-shadows"});
