@@ -1,4 +1,4 @@
-// Rays of all sorts through a scene, and how far two structures disagree about what they meet.
+// Rays of all kinds through a scene, and the differences of two structures' hits.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -23,8 +23,8 @@ inline Vec3f random_direction(std::mt19937& rng) {
   }
 }
 
-// Rays as pictures have them and as they hurt: through the scene from outside and inside, along the
-// axes and in the planes of cells, towards the boxes' corners, and of limited length.
+// Ordinary and pathological rays: through the scene from outside and inside, along the axes and in
+// the planes of cells, towards the boxes' corners, and of limited length.
 inline RayBatch awkward_rays(const Scene& scene, int count, uint32_t seed) {
   std::mt19937 rng(seed);
   std::uniform_real_distribution<float> unit(0, 1);
@@ -66,7 +66,7 @@ inline RayBatch awkward_rays(const Scene& scene, int count, uint32_t seed) {
   return rays;
 }
 
-// The scene with both sides of everything to be seen, as rays that travel together want it.
+// The scene with two-sided surfaces, which coherent rays require.
 inline Scene two_sided(Scene scene) {
   for (Sphere& s : scene.spheres) s.radius = std::abs(s.radius);
   for (Cone& c : scene.cones)
@@ -74,8 +74,8 @@ inline Scene two_sided(Scene scene) {
   return scene;
 }
 
-// As renderers have them: towards a light from where eye rays hit, in their order, and with rays
-// that need no test among them.
+// Shadow rays: from the hits of eye rays towards a light, in their order, including rays that need
+// no test.
 inline RayBatch shadow_rays(const Accel& accel, const RayBatch& eye, Vec3f light) {
   HitBatch hits;
   TraceContext context;
@@ -99,7 +99,7 @@ inline RayBatch at_any_time(RayBatch rays) {
   return rays;
 }
 
-// What travels in packets: blocks of pixels.
+// Packets: blocks of pixels.
 inline RayBatch eye_rays(const Scene& scene, int side) {
   RayBatch rays;
   const EyeRays eye(scene.camera, side, side);
@@ -113,7 +113,7 @@ struct Disagreement {
   size_t closest = 0, occluded = 0, total = 0;
 };
 
-// What a structure says of rays.
+// A structure's results for rays.
 struct Answers {
   HitBatch closest;
   std::vector<uint8_t> occluded;

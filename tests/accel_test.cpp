@@ -1,4 +1,4 @@
-// What holds of all structures.
+// Properties of all structures.
 #include "accel/accel.h"
 
 #include "accel/structures.h"
@@ -107,7 +107,8 @@ bool contains(const Box3f& outer, const Box3f& inner) {
   return both.lo == outer.lo && both.hi == outer.hi;
 }
 
-// Each level of a tree parts the primitives, and its boxes lie in those of the level above.
+// Each level of a tree partitions the primitives, and its boxes are inside those of the level
+// above.
 TEST(Accel, BoxesOfATreeAreNested) {
   const Scene scene = random_scene(3000, 5);
   const auto tree = build(scene, {.kind = AccelKind::bvh});
@@ -133,7 +134,7 @@ TEST(Accel, BoxesOfATreeAreNested) {
   }
 }
 
-// The fast grid shows the very cells of the one that counts.
+// The fast grid shows exactly the cells of the counting one.
 TEST(Accel, BoxesOfAGridAreItsCells) {
   const Scene scene = random_scene(3000, 5);
   const auto counting = build(scene, {.kind = AccelKind::grid, .counters = true});
@@ -186,7 +187,7 @@ TEST(Accel, RaysEndAtTmax) {
     EXPECT_EQ(hidden[2], 1) << accel_name(kind);
     EXPECT_EQ(hidden[3], 0) << accel_name(kind);
     EXPECT_EQ(hidden[4], 0) << accel_name(kind);
-    // Half-open: Embree counts the end itself.
+    // Half-open: Embree includes the end.
     if (kind != AccelKind::embree) {
       EXPECT_EQ(hidden[1], 0) << accel_name(kind);
     }

@@ -1,4 +1,4 @@
-// The integrator for figures: occlusion against closed forms, and what its options do.
+// The integrator for figures: occlusion against closed forms, and its options.
 #include "integrate/ambient.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ using tests::expect_one_picture;
 using tests::picture_of;
 using tests::random_scene;
 
-// A white floor, seen at a point under the sky alone.
+// A white floor, seen at a point lit only by the sky.
 Scene floor_seen_at(Vec3f point) {
   Scene scene;
   scene.dialect = Dialect::data;
@@ -30,7 +30,7 @@ Scene floor_seen_at(Vec3f point) {
   return scene;
 }
 
-// The share of the sky that the point sees.
+// The visible fraction of the sky at the point.
 double sky_at(const Scene& scene, float distance = 0) {
   RenderOptions options;
   options.width = options.height = 2;
@@ -57,33 +57,33 @@ TEST(Ambient, ASphereAboveAFloor) {
     scene.sphere_materials = {0};
     const double hidden = std::pow(double(radius) / double(height), 2);
     EXPECT_NEAR(sky_at(scene), 1 - hidden, 1e-3) << radius << ' ' << height;
-    // Half of the light that the sphere hides comes through where it is clear by half.
+    // If the sphere is half transparent, half of the hidden light comes through.
     scene.sphere_opacity = std::vector<float>{0.5f};
     EXPECT_NEAR(sky_at(scene), 1 - hidden / 2, 1e-3) << radius << ' ' << height;
   }
 }
 
-// An endless wall hides half of the sky of a point however far away it is, a corner three quarters.
+// An infinite wall hides half of a point's sky at any distance, a corner three quarters.
 TEST(Ambient, WallsAndCorners) {
   for (const float away : {0.01f, 1.0f, 100.0f}) {
     Scene scene = floor_seen_at({away, away, 0});
     scene.planes.push_back({{0, 0, 0}, {1, 0, 0}}), scene.plane_materials.push_back(0);
     EXPECT_NEAR(sky_at(scene), 0.5, 1e-3) << away;
-    // What is farther away than the limit hides nothing: at a tenth of it all is free.
+    // Occluders beyond the distance limit do not count: at a tenth of it the sky is unobstructed.
     EXPECT_NEAR(sky_at(scene, away * 0.1f), 1, 1e-3);
     scene.planes.push_back({{0, 0, 0}, {0, 1, 0}}), scene.plane_materials.push_back(0);
     EXPECT_NEAR(sky_at(scene), 0.25, 1e-3) << away;
   }
 }
 
-// A sphere in the corner of three walls that touches all of them, seen from a wall's point below.
+// A sphere in the corner of three walls, touching all of them, seen from a wall's point below.
 TEST(Ambient, ASphereInACorner) {
   Scene scene = floor_seen_at({1, 1, 0});
   scene.camera.from = {4, 4, 0.01f};
   scene.planes.push_back({{0, 0, 0}, {1, 0, 0}}), scene.plane_materials.push_back(0);
   scene.planes.push_back({{0, 0, 0}, {0, 1, 0}}), scene.plane_materials.push_back(0);
-  // A sphere right above, of radius 0.5 at 2, hides a quarter of a quarter... of the whole sky
-  // r^2 / h^2 = 1/16, of which the part before the free quarter of directions is a quarter.
+  // A sphere of radius 0.5 at distance 2 right above hides r^2 / h^2 = 1/16 of the whole sky; a
+  // quarter of that is in front of the free quarter of directions.
   scene.spheres = {{{1, 1, 2}, 0.5f}};
   scene.sphere_materials = {0};
   EXPECT_NEAR(sky_at(scene), 0.25 - 1.0 / 64, 1e-3);
@@ -108,7 +108,7 @@ TEST(Ambient, IsTheDefaultForData) {
   EXPECT_EQ(s.background, Rgb(1));
   EXPECT_EQ(s.samples, 64);
   EXPECT_EQ(options_of(s, scene).tone, Tone::srgb);  // without the scene
-  // And says so again.
+  // The message names the file.
   const RenderSettings again = resolve_options(options_of(s, scene), scene);
   EXPECT_EQ(again, s);
   RenderOptions options;
@@ -150,25 +150,25 @@ RenderOptions on_catcher() {
   return options;
 }
 
-// The floor that is not there is darker by what the sphere hides of the sky.
+// The invisible floor is darker by the part of the sky that the sphere hides.
 TEST(ShadowCatcher, IsAsDarkAsAFloor) {
   for (const Rgb& pixel : picture_of(sphere_above_nothing({0, 0, 0}), on_catcher()).pixels)
     EXPECT_NEAR(double(pixel.x), 0.75, 1e-3);
-  // As a share of any background.
+  // Relative to any background.
   RenderOptions options = on_catcher();
   options.background = WrittenColor{.color = Rgb(0.5f, 0.2f, 1)};
   for (const Rgb& pixel : picture_of(sphere_above_nothing({0, 0, 0}), options).pixels) {
     EXPECT_NEAR(double(pixel.x), 0.375, 1e-3);
     EXPECT_NEAR(double(pixel.y), 0.15, 1e-3);
   }
-  // By the key light too, where the sphere's shadow falls: nothing but the sky is left.
+  // Also by the key light, in the sphere's shadow: only the sky remains.
   options = on_catcher();
   options.key_light.reset();
   const Image lit = picture_of(sphere_above_nothing({0, 0, 0}), options);
   EXPECT_LT(lit.pixels[0].x, 0.9f);
 }
 
-// Where no shadow falls the background is that of a picture without it, to the last bit.
+// Outside shadows the background equals that of a picture without the floor, exactly.
 TEST(ShadowCatcher, LeavesTheRestUnchanged) {
   Scene scene = random_scene(40, 3);
   scene.planes = {}, scene.plane_materials = {};
@@ -191,7 +191,7 @@ TEST(ShadowCatcher, LeavesTheRestUnchanged) {
   EXPECT_GT(same, with.pixels.size() / 4);
 }
 
-// Alpha keeps the shadow, so that a picture with it lies on any ground.
+// Alpha includes the shadow, so the picture can be laid over any background.
 TEST(ShadowCatcher, IsInAlpha) {
   Scene scene = sphere_above_nothing({0, 0, 0});
   scene.camera.fov_deg = 60;
@@ -211,7 +211,7 @@ TEST(ShadowCatcher, IsInAlpha) {
     EXPECT_NEAR(colors.pixels[i].x + (1 - alpha[i]), whole.pixels[i].x, 1e-5);
 }
 
-// What faces the camera, seen under a look without shadows: as bright as its sky everywhere.
+// A surface facing the camera, in a style without shadows: as bright as its sky everywhere.
 struct FlatFigure {
   Scene scene;
   RenderOptions options;
@@ -229,10 +229,10 @@ struct FlatFigure {
   static double sky() { return double(params_of(FigureStyle::flat_1).sky); }
 };
 
-// A line along the edge of a disc covers a ring within it of the width that is asked for, however
-// far away the disc is. Of a straight edge the circle of eight probes finds cos(a) of the width,
-// with an angle a between the edge's normal and the next probe of at most 22.5 degrees: 0.974 of it
-// in the mean. Four that turn, on a larger circle, find as much.
+// A line along the edge of a disc covers a ring within it of the requested width, however far away
+// the disc is. For a straight edge the circle of eight probes finds cos(a) of the width, where a is
+// the angle between the edge's normal and the next probe, at most 22.5 degrees: 0.974 on average.
+// Four rotating probes on a larger circle find as much.
 TEST(Outline, HasTheRequestedWidth) {
   const double least = std::cos(std::numbers::pi / 8);
   const double mean = std::sin(std::numbers::pi / 8) / (std::numbers::pi / 8);
@@ -262,7 +262,7 @@ TEST(Outline, HasTheRequestedWidth) {
   }
 }
 
-// What is left out of the picture may become any ground: the look says which is likely.
+// A transparent background may become any colour: the style says which is likely.
 TEST(Outline, ComesFromTheStyleWithoutABackground) {
   FlatFigure figure;
   figure.scene.discs = {{{0, 0, 0}, {0, 0, 1}, 2.5f}};
@@ -287,7 +287,7 @@ TEST(Outline, ComesFromTheStyleWithoutABackground) {
   EXPECT_GT(darkest(FigureStyle::dark_1), 0.1f);
 }
 
-// From the nearest corner of the scene to the farthest the background's part grows evenly.
+// The background's fraction grows linearly from the nearest corner of the scene to the farthest.
 TEST(DepthCue, GrowsEvenlyWithDepth) {
   FlatFigure figure;
   figure.scene.discs = {{{-2, 0, 0}, {0, 0, 1}, 0.5f},  // 10 from the eye,
@@ -313,7 +313,7 @@ TEST(DepthCue, GrowsEvenlyWithDepth) {
   }
 }
 
-// Seen straight from above and at an angle: white keeps apart from the page, no colour clips, and
+// Seen from straight above and at an angle: white contrasts with the page, no colour clips, and
 // black shows the sky at grazing angles.
 TEST(Ambient, TheSecondPaperStyleKeepsForm) {
   const StyleParams look = params_of(FigureStyle::paper_2);
@@ -335,7 +335,7 @@ TEST(Ambient, TheSecondPaperStyleKeepsForm) {
   EXPECT_LT((look.sky + look.key) * (1 - look.soft) + look.highlight, 1);
 }
 
-// No sample brings more than the bound.
+// No sample exceeds the bound.
 TEST(Ambient, TheBoundHolds) {
   const Scene scene = random_scene(300, 9);
   RenderOptions options;

@@ -43,7 +43,7 @@ TEST(Annotations, AScaleBarIsAsLongAsItSays) {
   }
 }
 
-// Discs of the colours stand below each other; what has no room is counted.
+// Discs of the colours are below each other; entries without room are counted.
 TEST(Annotations, ALegendShowsItsColours) {
   const std::vector<LegendEntry> entries = {{"Fe", {1, 0, 0}}, {"chain B", {0, 0, 1}}};
   for (const bool left : {true, false}) {

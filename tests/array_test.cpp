@@ -12,7 +12,7 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-/// Numbers that say when nobody keeps them any more.
+/// Numbers that report when their last owner is gone.
 struct Kept {
   std::shared_ptr<std::vector<int>> numbers =
       std::make_shared<std::vector<int>>(std::vector{1, 2, 3});

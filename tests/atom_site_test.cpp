@@ -1,4 +1,4 @@
-// Rows of _atom_site of mmCIF, read from the lines of a text and from what gemmi makes of it.
+// Rows of _atom_site in mmCIF, read from text lines and through gemmi.
 #include "io/atoms/atom_site.h"
 
 #include <fmt/format.h>
@@ -63,8 +63,8 @@ constexpr std::string_view kTags =
     "_atom_site.B_iso_or_equiv\n_atom_site.pdbx_formal_charge\n_atom_site.auth_seq_id\n"
     "_atom_site.auth_asym_id\n_atom_site.pdbx_PDB_model_num\n";
 
-// Of two models and two chains, whose residues come apart, with alternates, an insertion and two
-// residues at one place.
+// Two models and two chains with interleaved residues, alternates, an insertion and two residues
+// with one number.
 std::vector<std::string> rows() {
   struct Row {
     const char *symbol, *name, *conformer, *residue, *chain, *number, *code, *model;

@@ -1,4 +1,4 @@
-// Files of atoms, and how atoms are drawn.
+// Files of atoms, and styles of atoms.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-// What is told of a file.
+// The notices about a file.
 std::string said(std::string_view text, std::string_view file, const ReadOptions& options) {
   std::string out;
   const auto read_scene = read(text, file, options);
@@ -79,7 +79,7 @@ TEST(Xyz, ColumnsAreColoursAndRadii) {
               HasSubstr("unknown colour map 'jet'"));
 }
 
-// Read in many pieces at once; the first fault is told, whichever thread meets one first.
+// Read in many pieces at once; the first fault is reported, whichever thread finds one first.
 TEST(Xyz, ManyLines) {
   constexpr int kAtoms = 100'000;
   std::string text = std::to_string(kAtoms) + "\n\n";
@@ -99,8 +99,8 @@ TEST(Xyz, ManyLines) {
   }
 }
 
-// The names of types are those of a force field as often as of elements.
-// From one copy of the box to the next, in a box that leans, too.
+// Names of types are those of a force field as often as of elements. Bonds across the periodic
+// boundary, in a tilted box, too.
 TEST(Gro, NamesAreElements) {
   const auto scene = read(kGro, "a.gro");
   ASSERT_TRUE(scene) << scene.error().front().text();
@@ -179,7 +179,7 @@ TEST_F(TrajectoryFile, FramesAreFoundOnce) {
     ASSERT_TRUE(read) << read.error().front().text();
     EXPECT_EQ(content_hash(read->scene), alone[i]);
     EXPECT_EQ(read->frames, 9u);
-    std::filesystem::remove(path);  // it is not opened again
+    std::filesystem::remove(path);  // the file is not reopened
   }
   EXPECT_THAT(frames.read({.frame = 9}).error().front().text(), HasSubstr("the file has 9"));
 }
@@ -205,7 +205,7 @@ TEST(Xyz, NumbersOfElementsMayBeCalledZ) {
   const auto got = read("1\nProperties=pos:R:3:Z:I:1\n0 0 0 16\n", "a.xyz");
   ASSERT_TRUE(got) << got.error().front().text();
   EXPECT_EQ(got->scene.materials[got->scene.sphere_materials[0]].color, element_color(16));
-  // Not beside symbols.
+  // Not combined with symbols.
   EXPECT_TRUE(read("1\nProperties=Z:I:1:species:S:1:pos:R:3\n16 O 0 0 0\n", "a.xyz"));
 }
 
@@ -223,8 +223,8 @@ TEST(Xyz, FaultsHaveLocations) {
 
 TEST(Atoms, ColoursAreNamed) {
   EXPECT_THAT(error(kWater, "a.xyz", {.color_by = "mass"}), HasSubstr("cannot colour by 'mass'"));
-  // What the file does not have, and what it has of the same name.
-  // Missing numbers are refused, not replaced by defaults.
+  // Missing columns, and columns with the names of built-in ones. Missing numbers are refused, not
+  // replaced by defaults.
   const std::string short_lines = "ATOM      1  CA  ALA A   1       1.000   2.000   3.000\n";
   for (const char* by : {"bfactor", "occupancy"}) {
     EXPECT_THAT(error(short_lines, "a.pdb", {.color_by = by}), HasSubstr("cannot colour by"));
@@ -318,7 +318,7 @@ TEST(Atoms, BondsAreThoseOfAllPairs) {
         expected.push_back({i, j});
     }
   EXPECT_GT(expected.size(), 100u);
-  // Iron has no bond to what an oxygen atom is between.
+  // Iron has no bond through an oxygen atom in between.
   const auto all = std::set(expected.begin(), expected.end());
   const auto squared = [&](uint32_t i, uint32_t j) {
     float sum = 0;
@@ -344,7 +344,7 @@ TEST(Atoms, BondsAreThoseOfAllPairs) {
   EXPECT_FALSE(find_bonds(std::vector<Atom>(200'000)));
 }
 
-// A line of potassium, oxygen and aluminium: the metals touch, but only through the oxygen. Two
+// A row of potassium, oxygen and aluminium: the metals touch, but only through the oxygen. Two
 // atoms of a pure metal are bonded.
 TEST(Atoms, MetalsHaveNoBondsThroughAnions) {
   const std::vector<Atom> mineral = {{.place = {0, 0, 0}, .element = 19},
@@ -356,7 +356,7 @@ TEST(Atoms, MetalsHaveNoBondsThroughAnions) {
   EXPECT_EQ(*find_bonds(metal), (Bonds{{0, 1}}));
 }
 
-// A trace has a bond from each residue to the next, within a chain and where none is missing.
+// A trace has a bond from each residue to the next, within a chain, if none is missing.
 TEST(Atoms, TracesAreJoined) {
   const auto alpha = [](int number, char chain, double x) {
     return fmt::format(
@@ -418,7 +418,7 @@ TEST(Pdb, LargeAssembliesShowTheirChains) {
 TEST(Pdb, AssembliesRepeatTheirChains) {
   const auto whole = read(kPdb, "a.pdb", {.style = AtomStyle::space_filling});
   ASSERT_TRUE(whole) << whole.error().front().text();
-  // Of chain A alone, of its atom in two places the first.
+  // Only chain A, with the first position of its disordered atom.
   ASSERT_EQ(whole->scene.spheres.size(), 4u);
   EXPECT_EQ(whole->scene.spheres[1].center, Vec3f(2.4f, 2, 3));
   EXPECT_FLOAT_EQ(whole->scene.spheres[3].center.x, 7.6f);
@@ -441,7 +441,7 @@ TEST(Pdb, AssembliesRepeatTheirChains) {
   EXPECT_EQ(read(kPdb, "a.pdb")->scene.cones.size(), 2u);  // few atoms: with bonds
 }
 
-// Some programs name atoms by their elements, or list places one after the other.
+// Some programs name atoms by their elements, or list alternate positions one after the other.
 TEST(Pdb, AtomsOfOneNameAreSeveral) {
   auto atom = [serial = 0](const char* name_and_altloc, const char* residue, double x) mutable {
     return fmt::format("HETATM{:5} {}{}    {:8.3f}   0.000   0.000  1.00  0.00           C\n",
@@ -463,7 +463,7 @@ TEST(Pdb, AtomsOfOneNameAreSeveral) {
   EXPECT_EQ(spheres(mixed), 1u);
 }
 
-// A part that keeps the head of the whole is drawn as it is, unless the assembly is asked for.
+// A fragment with the header of the whole is drawn as it is, unless the assembly is requested.
 TEST(Pdb, AssembliesOfOtherChainsAreSkipped) {
   std::string other(kPdb);
   other.replace(other.find("CHAINS: A"), 9, "CHAINS: C");
@@ -485,7 +485,7 @@ TEST(Pdb, BrokenFilesAreRefused) {
   EXPECT_NE(error("data_x\n_cell.length_a 1\n", "a.cif"), "no error");
 }
 
-// Numbers as long as a reader may copy, and longer ones, which are none.
+// Numbers of the maximum length, and longer ones, which are invalid.
 TEST(Xyz, NumbersOfFortranMayBeLong) {
   const std::string digits(58, '0');
   const auto places = read("1\n\nC 1." + digits + "D+01 2 3\n", "a.xyz");
@@ -550,7 +550,7 @@ TEST(Atoms, CellsAreThoseOfTheFiles) {
               HasSubstr("cell"));
 }
 
-// Pictures have the cell of a crystal, with the atoms of its corner, edge and face on all sides.
+// Pictures show the cell of a crystal, with the atoms of its corner, edge and face on all sides.
 TEST(Atoms, SmallCellsAreComplete) {
   const std::string atoms =
       "4\nLattice=\"4 0 0 1 5 0 0 1 6\" Origin=\"1 2 3\"\n"
@@ -561,19 +561,19 @@ TEST(Atoms, SmallCellsAreComplete) {
     return std::pair(got->scene.spheres.size(), got->scene.cones.size());
   };
   EXPECT_EQ(drawn(atoms, {}), std::pair(4zu, 0zu)) << "conversions have the file's atoms";
-  // Eight corners, four edges, two faces and one inside; the edges of the cell have eight balls.
+  // Eight corners, four edges, two faces and one inside; the edges of the cell have eight spheres.
   EXPECT_EQ(drawn(atoms, kForPictures), std::pair(15zu + 8, 12zu));
   EXPECT_EQ(drawn(atoms, {.cell = false}), std::pair(4zu, 0zu));
   EXPECT_EQ(drawn(atoms, {.cell = std::nullopt, .images = {2, 1, 1}}),
             std::pair(12 + 8 + 4 + 2 + 12zu, 12 + 4zu));
-  // None in a direction in which the file says that nothing repeats, and none in frames.
+  // Not in a direction without periodicity according to the file, nor in frames.
   std::string slab = atoms;
   slab.insert(slab.find(" Origin"), " pbc=\"T F T\"");
   EXPECT_EQ(drawn(slab, kForPictures), std::pair(9zu + 8, 12zu));
   EXPECT_THAT(said(slab, "a.xyz", {.cell = std::nullopt, .images = {1, 2, 1}}),
               HasSubstr("the file is not periodic along b"));
   EXPECT_EQ(drawn(atoms + atoms, kForPictures), std::pair(4zu + 8, 12zu));
-  // A drop in a box has none, unless it is asked for.
+  // A drop in a box shows no cell, unless requested.
   const std::string drop = "2\nLattice=\"40 0 0 0 50 0 0 0 60\"\nAr 1 2 3\nAr 4 2 3\n";
   EXPECT_EQ(drawn(drop, kForPictures), std::pair(2zu, 0zu));
   EXPECT_EQ(drawn(drop, {.cell = true}), std::pair(2 + 8zu, 12zu));
@@ -581,7 +581,7 @@ TEST(Atoms, SmallCellsAreComplete) {
   EXPECT_EQ(got->notices.back().message, "images of atoms on the faces of the cell");
 }
 
-// As instances, as primitives and as atoms with bonds between the copies.
+// As instances, as primitives and as atoms with bonds between the images.
 TEST(Atoms, ImagesFillTheirCells) {
   const std::string chain = "2\nLattice=\"3 0 0 0 9 0 0 0 9\"\nC 0 0 0\nC 1.5 0 0\n";
   const ReadOptions filled{.style = AtomStyle::space_filling, .images = {4, 2, 1}};

@@ -126,7 +126,7 @@ TEST(Random, UnitNumbersAreBelowOne) {
 }
 
 TEST(Random, WordsAreUniformAndIndependent) {
-  // Keys as a renderer makes them: small consecutive numbers.
+  // Keys as in a renderer: small consecutive numbers.
   constexpr int kBins = 16;
   std::array<std::vector<int>, 4> single;
   std::array<std::vector<int>, 6> pair;
@@ -182,7 +182,7 @@ TEST(Random, EveryElementGoesEverywhere) {
       }
       EXPECT_LT(chi_square_sigmas(hashed), 6) << "n " << n << " element " << i;
       EXPECT_LT(chi_square_sigmas(counted), 6) << "n " << n << " element " << i;
-      // Two elements are never at the same place, and at all distances alike.
+      // Two elements never go to the same place, and all distances are equally likely.
       EXPECT_EQ(next[0], 0);
       if (n > 2) {
         EXPECT_LT(chi_square_sigmas({next.begin() + 1, next.end()}), 6) << "n " << n;
@@ -191,12 +191,12 @@ TEST(Random, EveryElementGoesEverywhere) {
   }
 }
 
-// As zlib.h has it.
+// As in zlib.h.
 extern "C" unsigned long crc32(unsigned long crc, const unsigned char* bytes, unsigned size);
 extern "C" void no_such_function();
 constexpr char kZlib[] = "libz.so.1", kNone[] = "libnone.so.0";
 
-#ifndef RAIO_NO_POSIX  // without, none is loaded
+#ifndef RAIO_NO_POSIX  // without POSIX, none is loaded
 TEST(LazyLibrary, CallsByTheNameOfTheFunction) {
   EXPECT_EQ(function_name<crc32>(), "crc32");
   ASSERT_TRUE(load_library(kZlib).has_value());

@@ -67,7 +67,7 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-// Of UTF-8, all whose characters are one column wide.
+// For UTF-8 with characters that are one column wide.
 size_t columns(const std::string& line) {
   return size_t(std::ranges::count_if(line, [](char c) { return (c & 0xc0) != 0x80; }));
 }
@@ -112,7 +112,7 @@ Scene one_ball() {
   return scene;
 }
 
-// An effect's line says how many samples it takes; its function has to ask for as many.
+// An effect's line states its number of samples; its function must request as many.
 TEST(Benchmark, EffectsMultiplySamples) {
   Scene scene = one_ball();
   scene.moving_spheres = std::vector<MovingSphere>{{{0, 0, 0}, {1, 0, 0}, 0.1f}};
@@ -241,7 +241,7 @@ TEST(Benchmark, GlossHasRowsOnRequest) {
   EXPECT_TRUE(rows[1]["relative_cost_max"].is_number());
 }
 
-// What is no row of its own is in all of them as the options say.
+// An effect that is not combined is in all rows, as the options say.
 TEST(Benchmark, GlossIsUnchangedUnlessCombined) {
   Scene scene = mirror_ball();
   RenderControl control;
@@ -325,7 +325,7 @@ TEST(Report, KnowsItsSixteenTimesWithTheirDigits) {
     const auto time = report_time(table, *table.find({accel, effects}));
     return time ? time->text() : "";
   };
-  // One of each group of the report's table, and those whose effects are easily mixed up.
+  // One of each group of the report's table, and those with effects that are easily confused.
   EXPECT_EQ(text(AccelKind::none, 0), "24.251");
   EXPECT_EQ(text(AccelKind::none, kDof), "67.004");
   EXPECT_EQ(text(AccelKind::none, kAa), "198.190");
@@ -371,7 +371,7 @@ std::vector<Verdict> verdicts(const BenchmarkTable& table) {
 
 constexpr Verdict kYes = Verdict::confirmed, kNo = Verdict::corrected, kOpen = Verdict::unknown;
 
-// Whoever measured what the report measured would bear it out, but for its "six times".
+// Measurements equal to the report's confirm its claims, except for its "six times".
 TEST(Report, JudgesItsOwnFigures) {
   EXPECT_THAT(verdicts(report_as_table("balls_medium")),
               testing::ElementsAre(kOpen, kYes, kYes, kNo, kYes));

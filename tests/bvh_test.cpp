@@ -1,4 +1,4 @@
-// The eight-wide tree against every primitive, and what it is made of.
+// The eight-wide tree against brute force, and its contents.
 #include "accel/bvh/bvh.h"
 
 #include <hwy/targets.h>
@@ -28,7 +28,7 @@ using tests::ScaleAndShift;
 using tests::shadow_rays;
 using tests::two_sided;
 
-// Every instruction set that this machine has, down to none.
+// Every instruction set of this machine, down to the baseline.
 TEST(Bvh, MatchesBruteForceExactly) {
   for (const ScaleAndShift& place : kScalesAndShifts)
     for (const bool one_sided : {false, true}) {
@@ -75,9 +75,8 @@ TEST(Bvh, CoherentRaysMatchBruteForceExactly) {
   hwy::SetSupportedTargetsForTest(0);
 }
 
-// Beams that pass close by corners and edges: of triangles of all shapes, down to those that are
-// all but a line or a point, in directions in which two or three coordinates are the largest at
-// once.
+// Beams close to vertices and edges of triangles of all shapes, including those that are almost a
+// line or a point, in directions with two or three components of the largest magnitude.
 TEST(Bvh, BeamsAtTriangleEdgesMatchBruteForceExactly) {
   std::mt19937 rng(9);
   std::uniform_real_distribution<float> unit(0, 1);
@@ -138,8 +137,8 @@ TEST(Bvh, BatchesOfAnyLengthAreTracedCompletely) {
   }
 }
 
-// A million rays from inside a closed mesh through the edges that its triangles share: none leaks,
-// be it in a beam or on its own.
+// A million rays from inside a closed mesh through shared edges of its triangles: none leaks, in a
+// beam or singly.
 TEST(Bvh, MeshesAreWatertightForCoherentRays) {
   for (const int side : {1, 24}) {  // a few triangles, and a tree
     Scene scene;
@@ -190,8 +189,8 @@ bool same_bytes(const Column<T>& a, const Column<T>& b) {
          (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
-// Spheres of radii from 1e-4 to 1, in a few dense heaps, one of them in a single point, and one
-// sphere around all: so many that a plan is made, and again in the heaps.
+// Spheres of radii from 1e-4 to 1, in a few dense clusters, one of them a single point, and one
+// sphere around all: enough for a plan, and again in the clusters.
 Scene heaps(int count) {
   std::mt19937 rng(11);
   std::normal_distribution<float> normal;
@@ -225,8 +224,8 @@ TEST(Bvh, IsTheSameForAnyNumberOfThreads) {
   }
 }
 
-// Walks down the tree, counts the leaf lanes that hold each item, and asks that every box holds
-// what is below it.
+// Traverses the tree, counts the leaf lanes of each item, and checks that every box contains its
+// subtree.
 class TreeCheck {
  public:
   TreeCheck(const Geometry& geometry, const Bvh& bvh) : g_(geometry), b_(bvh) {
@@ -274,7 +273,7 @@ class TreeCheck {
 };
 
 TEST(Bvh, HoldsEveryItemOnceInsideItsBoxes) {
-  // What no plane can part, more of it than a plan needs, and so many that they are built in haste.
+  // Coincident items that no plane can separate: more than a plan needs, and enough for fast mode.
   const auto same = [](size_t count) {
     Scene scene;
     scene.materials = {{}};
@@ -313,8 +312,8 @@ TEST(Bvh, FewOfAKindAreALeafBelowTheRoot) {
   EXPECT_EQ(std::ranges::count(bvh.shared, pool_ref(pool_of(PrimitiveKind::cone), 0)), 1);
 }
 
-// The test in float before that in double leaves none out: rays by the surface of cylinders and
-// cones, thick and thin, short and endless, from near and far, a few roundings inside or outside.
+// The float test before the double one drops no hit: rays near the surface of cylinders and cones,
+// thick and thin, short and very long, from near and far, a few roundings inside or outside.
 TEST(Bvh, RaysThatGrazeConesAreThoseOfBruteForce) {
   Scene scene;
   scene.materials = {{}};

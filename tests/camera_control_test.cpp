@@ -1,4 +1,4 @@
-// The camera in the hand, and what is in focus.
+// Interactive cameras, and focus.
 #include "view/camera_control.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ namespace {
 
 double distance(Vec3d a, Vec3f b) { return length(a - Vec3d(b)); }
 
-// Where a point is in the picture: right and up of its centre in half heights, and its depth.
+// A point's position in the picture: right of and above its centre in half heights, and its depth.
 Vec3d seen(const Camera& c, Vec3d point) {
   const CameraAxes axes(c);
   const Vec3d to = point - Vec3d(c.from);
@@ -48,7 +48,7 @@ TEST(CameraControl, OrbitsAboutAFixedPoint) {
     expect_near(seen(after, pivot), seen(before, pivot));
     EXPECT_EQ(after.up, before.up);
   }
-  // To the right and upwards, as told.
+  // To the right and upwards, as requested.
   const CameraAxes axes(before);
   EXPECT_GT(dot(Vec3d(orbited(before, pivot, 0.2, 0).from) - Vec3d(before.from), axes.right), 0.1);
   EXPECT_GT(dot(Vec3d(orbited(before, pivot, 0, 0.2).from) - Vec3d(before.from), axes.up), 0.1);
@@ -84,7 +84,7 @@ TEST(CameraControl, DolliesTowardsThePointUnderTheCursor) {
   EXPECT_EQ(camera_problem(dollied(before, target, 1e-3)), "");
 }
 
-// Which coming nearer would not do.
+// Approaching would not change the size.
 TEST(CameraControl, ParallelRaysAreZoomed) {
   const Camera before = parallel_camera();
   const Vec3d target(0.8, -1, 1.2), other(0.1, 2, 0.4);
@@ -128,7 +128,7 @@ TEST(CameraControl, FitsTheWholeBox) {
   EXPECT_EQ(fitted(camera(), {}, 1).from, camera().from);
 }
 
-// What is under the cursor is what the picture shows there.
+// The point under the cursor is the one that the picture shows there.
 TEST(CameraControl, PicksHitsOfParallelRays) {
   Scene s = *scene();
   s.camera = parallel_camera();
@@ -181,7 +181,7 @@ TEST(Focus, FollowsThePointWhenTheCameraMoves) {
   EXPECT_FALSE(state.focus_point);
 }
 
-// A hand that holds on to ground at the horizon.
+// Dragging ground at the horizon.
 TEST(Gestures, DraggingNeverFlingsTheSceneAway) {
   for (const double times : {0.3, 1.0, 2.0, 30.0, 1e6})
     for (const auto button : {Gestures::Button::left, Gestures::Button::middle}) {
@@ -207,7 +207,7 @@ TEST(Gestures, DraggingNeverFlingsTheSceneAway) {
       for (int i = 1; i <= 10; ++i) hand.move(200 + 10 * i, 300 + 2 * i);
       (void)hand.release(button);
       EXPECT_FALSE(state.camera == before);
-      // What is near is held itself; what is far moves the point looked at.
+      // Near points are dragged themselves; far ones move the point looked at.
       const Vec3d at = seen(state.camera, times < 1 ? held : Vec3d(before.at));
       EXPECT_GT(at.z, 0) << times;
       EXPECT_LE(std::abs(at.x), 1) << times;

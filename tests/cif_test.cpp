@@ -86,7 +86,7 @@ TEST(Cif, AssembliesMultiplyTheirOperations) {
               HasSubstr("more than a million copies"));
 }
 
-// Its 192 operations leave four places of each.
+// Its 192 operations map each atom to four positions.
 TEST(Cif, CrystalsFillTheirCell) {
   const auto salt = read(kSalt, "salt.cif", {.style = AtomStyle::space_filling});
   ASSERT_TRUE(salt) << salt.error().front().text();
@@ -98,7 +98,7 @@ TEST(Cif, CrystalsFillTheirCell) {
     EXPECT_NEAR(std::remainder(c.x + c.y + c.z - float(i / 4), 2), 0, 1e-4) << i;
     EXPECT_EQ(scene.materials[scene.sphere_materials[i]].color, element_color(i < 4 ? 11 : 17));
   }
-  // As the file lists them, which says more than a name.
+  // As the file lists them, which is more specific than a name.
   std::string text(kSalt);
   text += "loop_\n_symmetry_equiv_pos_as_xyz\n'x,y,z'\n'-x,-y,1/4+z'\n";
   EXPECT_EQ(read(text, "salt.cif")->scene.spheres.size(), 4u);
@@ -200,14 +200,14 @@ TEST(Cif, GroupsHaveSeveralNames) {
   EXPECT_EQ(atoms(""), "2") << "none is told";
   EXPECT_THAT(atoms("_symmetry_space_group_name_H-M 'F x 7'\n"),
               HasSubstr("unknown space group 'F x 7'"));
-  // In the cell that the angles tell: one place each, not the three of the hexagonal cell.
+  // In the cell given by the angles: one position each, not the three of the hexagonal cell.
   EXPECT_EQ(atoms("_symmetry_space_group_name_H-M 'R -3 m'\n", "57"), "2");
   std::string no_cell(kSalt);
   no_cell.erase(no_cell.find("_cell_length_a"), no_cell.find("_symmetry") - no_cell.find("_cell"));
   EXPECT_THAT(error(no_cell, "a.cif"), HasSubstr("fractional coordinates without cell lengths"));
 }
 
-// One atom in pairs, beside a loop of the same category, which is no pair.
+// One atom as pairs, next to a loop of the same category, which is not.
 TEST(Cif, PairsAndALoopOfOneCategory) {
   const std::string text =
       "data_x\nloop_\n_atom_site.id\n_atom_site.label_seq_id\n1 1\n2 1\n_atom_site.Cartn_x 1\n"
@@ -218,7 +218,7 @@ TEST(Cif, PairsAndALoopOfOneCategory) {
   EXPECT_EQ(scene->scene.spheres[0].center, Vec3f(1, 2, 3));
 }
 
-// A side of 1 is one, unless the file has none.
+// A side of 1 is valid, unless the file has no cell.
 TEST(Cif, CellsMayBeOfSizeOne) {
   const auto with_sides = [](const char* b) {
     return std::string("data_x\n_cell_length_a 1\n_cell_length_b ") + b +

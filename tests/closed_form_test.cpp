@@ -1,5 +1,5 @@
-// Pictures of which the answer is known in closed form. Every test prints what it has measured, for
-// the table of docs/verify.md: the error, and the bound that it must keep.
+// Pictures with known closed forms. Every test prints its measurement for the table of
+// docs/verify.md: the error, and its bound.
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
@@ -39,7 +39,7 @@ void expect_error(std::string_view what, double error, double bound, std::string
   EXPECT_LE(error, bound) << what;
 }
 
-// Without lights a material of colour c brings c / 10, wherever it is.
+// Without lights a material of colour c has the radiance c / 10 everywhere.
 Material glow(float brightness) { return {Rgb(10 * brightness), 0, 0, 1, 0, 1}; }
 
 Scene scene_from(Vec3f from, Vec3f at, Vec3f up, float fov_deg) {
@@ -74,8 +74,8 @@ void add_stripes(Scene& s, float z, int reach, MaterialId bright) {
   }
 }
 
-// Columns of a picture of stripes whose brightness is not that of the place on the wall that the
-// formula gives, unless an edge is nearer than `margin`. All columns with a place are counted.
+// Columns of a picture of stripes with a brightness that differs from the formula's position on the
+// wall, unless an edge is nearer than `margin`. Counts all columns with a position.
 struct StripeCount {
   int wrong = 0, all = 0;
 };
@@ -93,8 +93,8 @@ StripeCount compare_stripes(const Scene& s, const Rendered& p, double reach, Pla
   return count;
 }
 
-// A white square light of side S at height H over a floor, and a straight edge at height h between:
-// at x on the floor the part (S/2 - x (1 - H/h)) / S of the square is seen.
+// A square white light of side S at height H over a floor, and a straight edge at height h between:
+// at x on the floor, the fraction (S/2 - x (1 - H/h)) / S of the square is visible.
 TEST(ClosedForm, Penumbra) {
   const double H = 100, S = 10, h = 10;
   Scene s = scene_from({0, 0, float(h / 2)}, {}, {0, 1, 0}, 0.1f);
@@ -173,7 +173,7 @@ TEST(ClosedForm, SnellSlab) {
   }
 }
 
-// From inside a medium of index n its surface is clear up to the angle asin(1/n).
+// From inside a medium of index n, its surface is transparent up to the angle asin(1/n).
 TEST(ClosedForm, TotalInternalReflection) {
   for (const double ior : {1.1, 1.5, 2.4}) {
     Scene s = scene_from({0, 0, -1}, {0, 0, 0}, {0, 1, 0}, 0.05f);
@@ -206,7 +206,7 @@ TEST(ClosedForm, Balls) {
     expect_error(name, count.wrong, 0, "columns of 2900");
   };
   // The line of a ray in the plane of incidence, x across and z along the view: its angle to the
-  // view and its distance q from the centre decide where it meets the wall.
+  // view and its distance q from the centre determine where it hits the wall.
   for (const double ior : {1.1, 1.5, 2.4}) {
     const double wall = -8;
     run_ball(
@@ -219,7 +219,7 @@ TEST(ClosedForm, Balls) {
         },
         fmt::format("Snell's law, ball of index {}", ior));
   }
-  // The wall is behind the eye: only mirrored rays meet it.
+  // The wall is behind the eye: only mirrored rays hit it.
   const double wall = 6;
   run_ball(
       {Rgb(0), 0, 1, 1, 0, 1}, wall,
@@ -234,8 +234,7 @@ TEST(ClosedForm, Balls) {
       "mirror ball");
 }
 
-// What a plane mirror shows is what would be seen through it as a window if it were where its image
-// is.
+// A plane mirror shows what would be visible through it as a window to its mirror image.
 TEST(ClosedForm, PlaneMirror) {
   Scene mirror = scene_from({0, 0, 0}, {1, 0.3f, 0.2f}, {0, 0, 1}, 50);
   mirror.materials = {{Rgb(0), 0, 1, 1, 0, 1}, glow(0.9f), glow(0.5f)};

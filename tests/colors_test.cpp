@@ -22,8 +22,8 @@ Image picture(const Scene& scene, AccelKind kind) {
   return tests::picture_of(scene, options);
 }
 
-/// rich_scene() with a material of nothing, bright enough to decide the unit of the film; without
-/// what materials and triangles have no words for.
+/// rich_scene() with an unused material bright enough to determine the film's unit; without
+/// features that materials and triangles cannot express.
 Scene scene_of_one_unit(uint32_t seed) {
   Scene scene = rich_scene(seed);
   for_each_pool([&](auto pool) { (scene.*pool.opacity).clear(); });
@@ -33,8 +33,8 @@ Scene scene_of_one_unit(uint32_t seed) {
   return scene;
 }
 
-/// With materials instead of colours and triangles instead of meshes, whose pictures other tests
-/// hold against formulas.
+/// With materials instead of colours and triangles instead of meshes; other tests check such
+/// pictures against formulas.
 TEST(Colors, PicturesAreThoseOfMaterials) {
   for (const uint32_t seed : {1u, 2u, 3u}) {
     const Scene rich = scene_of_one_unit(seed), plain = plain_scene(rich);
@@ -105,7 +105,7 @@ TEST(Colors, ABrightOneIsWithinTheBoundOfTheFilm) {
   EXPECT_GT(classic_bound(scene, {}), 10 * before);
 }
 
-/// Of meshes: before the pieces of polygons, behind the scene's own triangles.
+/// Meshes' triangles: before the pieces of polygons, after the scene's own triangles.
 TEST(Meshes, AreTrianglesAfterThoseOfTheScene) {
   Scene scene = random_scene(40, 2), own = scene;
   scene.meshes = rich_scene().meshes;

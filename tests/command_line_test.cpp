@@ -1,5 +1,5 @@
-// The program as its users meet it: run with arguments, judged by its exit status, by what it
-// prints, and by the files it leaves.
+// The program as users run it: with arguments, judged by its exit status, its output, and the files
+// it leaves.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -54,7 +54,7 @@ TEST_F(CommandLine, RefusesTargetsThatCannotBeWritten) {
     return std::vector<std::string>{"render", "ok.nff", "--quiet", "-o", output};
   };
   for (const char* target : {"no/x.png", "folder.png", "/proc/x.png", "/sys/x.png", "/dev/full"}) {
-    // A bare machine in a folder may be without.
+    // A minimal system image may lack it.
     if (std::string_view(target).starts_with("/sys") && !std::filesystem::exists("/sys/kernel"))
       continue;
     expect_refusal(render(target), 3, target);
@@ -113,7 +113,7 @@ TEST_F(CommandLine, WithoutACommandListsThem) {
   EXPECT_THAT(o.err, Not(HasSubstr("--help")));
 }
 
-// A terminal of its own, whose other end is held open.
+// A separate terminal with its other end open.
 TEST_F(CommandLine, NoPictureGoesToATerminal) {
   const int other_end = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
   if (other_end < 0 || ::grantpt(other_end) != 0 || ::unlockpt(other_end) != 0)
@@ -394,7 +394,7 @@ TEST_F(CommandLine, ReadsP3fWithItsLens) {
 
 TEST_F(CommandLine, GeneratedScenesGoThroughPipes) {
   ASSERT_EQ(::mkfifo(file("pipe").c_str(), 0600), 0);
-  // Held open until the reader runs; the writer is done by then, as a quick one may be.
+  // Open until the reader runs; a quick writer is done by then.
   const int both = ::open(file("pipe").c_str(), O_RDWR | O_CLOEXEC);
   EXPECT_EQ(raio({"generate", "balls_low"}, {.output = file("pipe"), .errors = {}}).status, 0);
   const Running reader(*this, {"render", "/dev/stdin", "-o", "x.png", "--size", "32x32"},
@@ -417,7 +417,8 @@ TEST_F(CommandLine, GeneratedScenesGoThroughPipes) {
 
 class Interrupted : public CommandLine {
  protected:
-  // It takes half a second; this only tells ending from going on, on the busiest machine.
+  // It takes half a second; this only distinguishes stopping from continuing, even on a busy
+  // machine.
   static constexpr double kSoon = 20;
 
   void expect_soon(const Running& running, int signal) {
@@ -451,7 +452,7 @@ TEST_F(Interrupted, LoadingLeavesNothing) {
 #ifdef __SANITIZE_THREAD__
   GTEST_SKIP() << "the thread sanitizer holds signals back while a read waits";
 #endif
-  // A pipe that nobody writes to: it waits for the scene.
+  // A pipe without a writer: it waits for the scene.
   ASSERT_EQ(::mkfifo(file("pipe").c_str(), 0600), 0);
   const int writer = ::open(file("pipe").c_str(), O_RDWR | O_CLOEXEC);
   const Running running(*this, {"render", "pipe", "-o", "x.png"}, {});
@@ -462,7 +463,7 @@ TEST_F(Interrupted, LoadingLeavesNothing) {
 }
 
 TEST_F(Interrupted, BuildingLeavesNothing) {
-  // Forty spheres in the same place, each in all of thirty million cells.
+  // Forty coincident spheres, each in all of thirty million cells.
   std::string many;
   for (int i = 0; i < 40; ++i) many += "s 0 0 0 1\n";
   put(file("ok.nff"), std::string(kScene) + many);
@@ -502,7 +503,7 @@ TEST_F(Interrupted, WritingLeavesNoTemporaryFile) {
   for (const std::string& name : names()) EXPECT_FALSE(name.ends_with(".tmp")) << name;
 }
 
-// What stands in strings stays as it is, and the data is the same.
+// Strings are unchanged, and so is the data.
 TEST(Json, AnArrayOfNumbersStandsOnOneLine) {
   const app::Json data = app::Json::parse(
       R"({"a": [1, -2.5e-9, 3], "b": [[1, 2], []], "c": "[1,\n 2] \" [3, 4]", "d\\": ["x", 1]})");

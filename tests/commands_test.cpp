@@ -1,4 +1,4 @@
-// The commands around rendering, run as the command line runs them; what they print is captured.
+// The commands around rendering, called directly; their output is captured.
 #include "app/commands.h"
 
 #include <fcntl.h>
@@ -73,7 +73,7 @@ class Commands : public testing::Test {
   std::string out_, err_;
 };
 
-// A scene that comes through a pipe is still being read while nobody has closed the pipe.
+// A scene from a pipe is being read until the pipe is closed.
 TEST_F(Commands, ThreadsApplyToReadingToo) {
   const std::string scene = path("tetra.nff"), picture = path("a.png");
   ASSERT_EQ(::mkfifo(scene.c_str(), 0600), 0);
@@ -87,7 +87,7 @@ TEST_F(Commands, ThreadsApplyToReadingToo) {
     testing::internal::CaptureStdout();
     testing::internal::CaptureStderr();
     std::thread program([&] { run_command_line(int(arguments.size()), arguments.data()); });
-    const int pipe = ::open(scene.c_str(), O_WRONLY);  // waits for who reads
+    const int pipe = ::open(scene.c_str(), O_WRONLY);  // waits for a reader
     const size_t threads =
         tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
     EXPECT_EQ(::write(pipe, kScene.data(), kScene.size()), ssize_t(kScene.size()));
@@ -165,7 +165,7 @@ TEST_F(Commands, InfoDrawsTheColourBar) {
 }
 
 #ifndef RAIO_NO_PLOTS
-// A bar of plasma at a side of pictures of all kinds, whose other pixels stay as they are.
+// A bar of plasma at a side of pictures of all formats; other pixels are unchanged.
 TEST_F(Commands, PicturesHaveAColourBar) {
   RenderCommand plain;
   plain.scenes = {file("water.xyz", kWater)};
@@ -191,7 +191,7 @@ TEST_F(Commands, PicturesHaveAColourBar) {
   ASSERT_FALSE(box.empty());
   EXPECT_GT(box.lo.x, 200);
   EXPECT_NEAR(box.size().y, 0.45 * 240, 40);
-  // What is drawn has the colours of both ends of the map.
+  // The drawing has the colours of both ends of the map.
   const auto has = [&](Rgb display) {
     const Image& a = without.color;
     for (size_t i = 0; i < a.pixels.size(); ++i) {
@@ -208,7 +208,7 @@ TEST_F(Commands, PicturesHaveAColourBar) {
   left.color_bar_side = "left";
   EXPECT_LT(changed(without, rendered(left, true, "c.png")).hi.x, 120);
 
-  // As light, which the curve makes the same.
+  // As light, which the tone curve maps to the same.
   const Picture light = rendered(plain, true, "b.exr");
   Image shown = light.color;
   for (Rgb& c : shown.pixels)
@@ -284,7 +284,7 @@ TEST_F(Commands, ConvertKeepsInstancesInRaioScenes) {
   EXPECT_EQ(json::parse(out_)["primitive_count"], 4);
 }
 
-// Those who read the JSON can add the pixel up from it, and it is the pixel of the picture.
+// The JSON suffices to sum up the pixel, which equals that of the picture.
 TEST_F(Commands, ExplainedRaysAddUpToThePicture) {
   const std::string scene = file("some.nff", kScene), picture = path("a.pfm");
   RenderOptions options;

@@ -34,7 +34,7 @@ TEST(Compare, FiguresByHand) {
   const double mean_square = (8 * 8 + 9 * 9 + 255 * 255) / 12.0;
   EXPECT_DOUBLE_EQ(d.rmse, std::sqrt(mean_square));
   EXPECT_DOUBLE_EQ(d.psnr_db, 10 * std::log10(255 * 255 / mean_square));
-  // What is displayed alike is alike.
+  // Pictures with equal displayed bytes are equal.
   Image above(1, 1), far_above(1, 1);
   above.at(0, 0) = Rgb(1);
   far_above.at(0, 0) = Rgb(1000);

@@ -55,7 +55,7 @@ Column<T> cut(const Column<T>& numbers, const Crop& crop) {
   return out;
 }
 
-// Compares bits, for which a NaN is itself.
+// Compares bits, so a NaN equals itself.
 template <class T>
 bool same(const Column<T>& a, const Column<T>& b) {
   if (a.empty() || b.empty()) return a.empty() == b.empty();  // memcmp() takes no null
@@ -136,7 +136,7 @@ TEST(Crop, IsInsideThePicture) {
   ASSERT_TRUE(why);
   EXPECT_EQ(why->subject, "crop");
   EXPECT_THAT(why->message, HasSubstr("20x29 pixels"));
-  EXPECT_FALSE(option_conflict(o));  // whose size nobody knows yet
+  EXPECT_FALSE(option_conflict(o));  // its size is not known yet
   o.width = 19, o.height = 40;
   EXPECT_TRUE(option_conflict(o));
   EXPECT_TRUE(window_conflict(o));
@@ -203,7 +203,7 @@ TEST_F(CropJob, IsCheckpointedResumedSplitAndRepeated) {
   EXPECT_TRUE(bytes(again) == once);
 }
 
-// A part file is not trusted: its film is of the size that its settings say.
+// A part file is not trusted: its film has the size in its settings.
 TEST_F(CropJob, PartsHoldTheFilmOfTheirCrop) {
   bytes(request("part.raio"));
   Part part = *read_part(file("part.raio"));

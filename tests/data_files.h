@@ -1,4 +1,4 @@
-// Small files of atoms, points and meshes, and how tests read them.
+// Small files of atoms, points and meshes, and helpers to read them.
 #pragma once
 
 #include <algorithm>

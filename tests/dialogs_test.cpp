@@ -1,5 +1,5 @@
-// The dialogs, the lists of the tool bar and the inspector's panel, pressed on a screen that nobody
-// sees.
+// Presses every control of the dialogs, the tool bar's lists and the inspector's panel, on an
+// off-screen display.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -49,7 +49,7 @@ class FileDialogs : public testing::Test {
   }
   ~FileDialogs() override { fs::remove_all(folder_); }
 
-  // Presses what is there until the dialog is closed or does not change: all that was chosen.
+  // Presses controls until the dialog closes or does not change; returns everything chosen.
   std::set<std::string> press_all(FileDialog::Purpose purpose, const std::string& name) {
     std::set<std::string> chosen;
     dialog_.ask(purpose, folder_, name);
@@ -151,7 +151,7 @@ TEST(Dialogs, EveryEntryOfTheToolBarsListsPressesItsKey) {
     screen.click({890, 690});
     for (const ImVec2 entry : entries) screen.click(place), screen.click(entry);
   }
-  // Those of the bar, and those that have no room there; each once.
+  // The tools of the bar, and those without room there; each once.
   EXPECT_EQ(std::set<std::string>(pressed.begin(), pressed.end()).size(), pressed.size());
   EXPECT_GE(pressed.size(), 21u);
   for (const char* key : {"help", "panel", "full screen", "copy command"})
@@ -180,7 +180,7 @@ TEST(Dialogs, EveryInspectorControlResponds) {
     ASSERT_TRUE(found && *found);
   };
   const Stage stage({0, 0, 400, 300}, 1, 40, 30);
-  // In the middle of a walk, at the second sample: there is something before and behind.
+  // In the middle of a traversal, at the second sample: there are earlier and later ones.
   ImVec2 next_sample;
   const auto begin = [&] {
     inspector.look(state, stage, nullptr, {0.5f, 0.55f}, {0.5f, 0.55f});

@@ -25,7 +25,7 @@ Disc random_disc(Random& random) {
           float(radius * std::max(0.0, random.uniform(-1, 0.9)))};
 }
 
-// A ring seen from direction d: pi (R^2 - r^2) |cos(n, d)|.
+// The area of a ring seen from direction d: pi (R^2 - r^2) |cos(n, d)|.
 TEST(Disc, ShowsTheAreaOfARing) {
   Random random(1);
   for (int trial = 0; trial < 10; ++trial) {
@@ -51,7 +51,7 @@ TEST(Disc, IsHitWhereRaysAim) {
     const Vec3f dir(random.direction());
     const double cosine = dot(Vec3d(dir), normal), distance = random.uniform(1, 50);
     const Ray ray{Vec3f(target - Vec3d(dir) * distance), dir};
-    // Rounding moves where the plane is met by an ulp of the distance over the cosine.
+    // Rounding moves the hit on the plane by an ulp of the distance divided by the cosine.
     const double unsure = 4e-7 * distance / std::abs(cosine);
     if (std::abs(rho - disc.radius) < unsure || std::abs(rho - disc.inner) < unsure) continue;
     const bool expected = rho < disc.radius && rho > disc.inner;

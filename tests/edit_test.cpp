@@ -1,4 +1,4 @@
-// Edits of scenes, their history, and the files that the window keeps.
+// Edits of scenes, their history, and the window's files.
 #include "view/edit.h"
 
 #include <fmt/format.h>
@@ -136,7 +136,7 @@ TEST(Edit, EditsDuringWritingAreKept) {
   EXPECT_EQ(state.scene->name, "first");
   EXPECT_TRUE(state.path.ends_with("first.nff"));
   EXPECT_EQ(state.options.background, blue);
-  // What cannot be written says why.
+  // Failed writes say why.
   EXPECT_FALSE(saved(state, "nowhere/first.nff").result);
   EXPECT_FALSE(saved(state, "first.txt").result);
   std::filesystem::remove_all(folder);

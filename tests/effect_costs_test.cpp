@@ -1,5 +1,5 @@
-// What effects cost: counts are those of direct renders, and what cannot matter has no cost. Times
-// are not asserted beyond that they are some.
+// Costs of effects: counts equal those of direct renders, and effects that cannot matter have no
+// cost. Times are only checked to be positive.
 #include "measure/effect_costs.h"
 
 #include <gtest/gtest.h>
@@ -103,7 +103,7 @@ TEST(EffectCosts, CountsAreThoseOfRendersWithAndWithout) {
   }
 }
 
-// Runs that are repeated until they take as long as they shall.
+// Runs are repeated until they take the requested time.
 TEST(EffectCosts, RunsHaveTheRequestedLength) {
   const Scene scene = small_scene();
   RenderOptions o = small();
@@ -271,7 +271,7 @@ TEST(EffectCosts, AnIntervalOfTheMedianHoldsIt) {
     EXPECT_EQ(median_interval(values).low, place) << n;
     EXPECT_EQ(median_interval(values).high, n + 1 - place) << n;
   }
-  // In as many cases as it says, for a distribution that is nowhere normal.
+  // With the stated probability, for a distribution that is nowhere normal.
   std::mt19937 random(1);
   std::exponential_distribution<double> draw(1);
   int held = 0;

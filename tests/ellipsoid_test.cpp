@@ -82,7 +82,7 @@ TEST(Ellipsoid, DistancesAreThoseOfTheUnitSphereUnderItsMatrix) {
     const auto inside = first_hit(baked, ray, Sides::inside);
     ASSERT_TRUE(inside);
     EXPECT_GE(inside->t, hit->t);
-    // The hit is put back on the surface, and what leaves it does not meet it again.
+    // The hit is put back on the surface, and rays that leave it do not hit it again.
     const SurfacePoint s = surface_point(baked, ray.at(hit->t));
     long double unit = 0;
     double steepness = 0;

@@ -1,5 +1,5 @@
-// A sample told ray by ray: its terms add up to the pixel that is rendered, to the last bit, and
-// the log of each ray to what is counted.
+// A sample explained ray by ray: its terms add up to the rendered pixel, exactly, and each ray's
+// log to the counts.
 #include "integrate/explain.h"
 
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ RenderSettings all_effects(const Scene& scene, AccelKind kind, RenderOptions o =
   return resolve_options(o, scene);
 }
 
-// What the film adds for each surface, worked out again from the terms of its rays.
+// The film's sum for each surface, recomputed from the terms of its rays.
 Vec3d sum_of_terms(const Explanation& e, double scale) {
   Vec3d sum;
   for (size_t i = 0; i < e.rays.size(); ++i) {
@@ -72,7 +72,7 @@ void expect_pixels_explained(const Scene& scene, AccelKind kind, int pixels, uin
         const auto log = (*accel)->log(r.ray, shadow);
         ASSERT_TRUE(log.has_value());
         steps += log->count_steps(), tests += log->count_tests();
-        // The last that was nearest is what was hit, or what stopped a shadow ray.
+        // The last nearest one is the hit, or the blocker of a shadow ray.
         PrimitiveId last = kNoPrimitive;
         for (const TraceLog::Test& test : log->tests)
           if (test.nearest) last = test.primitive;
@@ -89,13 +89,13 @@ void expect_pixels_explained(const Scene& scene, AccelKind kind, int pixels, uin
     EXPECT_EQ(Rgb(rgb / double(n)), (*film)->resolve().at(0, 0));
     const RayCounts rendered = (*film)->rays();
     EXPECT_EQ(counts, rendered);
-    if (kind == AccelKind::bvh) continue;  // whose rays share the work
+    if (kind == AccelKind::bvh) continue;  // its rays share work
     EXPECT_EQ(steps, rendered.steps);
     EXPECT_EQ(tests, rendered.tests);
   }
 }
 
-// RAIO_EXPLAIN_PIXELS: how many of each shared scene; more take their time.
+// RAIO_EXPLAIN_PIXELS: the number of pixels per shared scene; more take longer.
 int pixels_of_each() {
   const char* const text = std::getenv("RAIO_EXPLAIN_PIXELS");
   return text ? std::atoi(text) : 3;
@@ -138,7 +138,7 @@ TEST(Explain, TermsAddUpInTheSharedScenes) {
   }
 }
 
-// In a tree each ray alone costs what its log says.
+// In a tree, each single ray costs what its log says.
 TEST(Explain, LogsMatchTheCostOfASingleRay) {
   const Scene scene = tests::random_scene(400, 3);
   for (const AccelKind kind : {AccelKind::none, AccelKind::grid, AccelKind::bvh}) {
@@ -167,7 +167,7 @@ TEST(Explain, LogsMatchTheCostOfASingleRay) {
   }
 }
 
-// The cells follow each other face by face, and each is left where the smallest t_max says.
+// The cells are face neighbours in sequence, and each is left where the smallest t_max says.
 TEST(Explain, CellsAreThoseOfTheTextbook) {
   const Scene scene = tests::random_scene(400, 3);
   const auto accel = build_accel(
@@ -192,7 +192,7 @@ TEST(Explain, CellsAreThoseOfTheTextbook) {
   EXPECT_GT(moves, 1000u);
 }
 
-// Boxes hold those of the children, and every leaf is found in a node above it.
+// Boxes contain their children's, and every leaf is below an earlier node.
 TEST(Explain, BoxesOfATreeNarrow) {
   const Scene scene = tests::random_scene(400, 3);
   const auto accel = build_accel(scene, {.kind = AccelKind::bvh});

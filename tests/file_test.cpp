@@ -30,7 +30,7 @@ mode_t permissions(const fs::path& path) {
   return status.st_mode & 07777;
 }
 
-/// Both ask the same question, one before the work and one after.
+/// Checks the same before and after the work.
 void expect_both_fail(const fs::path& path, std::string_view why) {
   for (const auto& outcome : {check_writable(path), write_file(path, "bytes")}) {
     ASSERT_FALSE(outcome) << path;
@@ -143,7 +143,7 @@ TEST_F(FileTest, RefusedPermissions) {
   fs::create_directory(file("closed"));
   fs::permissions(file("closed"), fs::perms(0555));
   fs::permissions(folder(), fs::perms(0777));
-  // Root is refused nothing, so that the test goes on as nobody.
+  // Root is never refused, so the test continues as nobody.
   const bool root = ::geteuid() == 0;
   if (root && ::seteuid(65534) != 0) GTEST_SKIP() << "root here cannot become another user";
   expect_both_fail(file("read only"), "Permission denied");

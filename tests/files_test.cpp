@@ -1,4 +1,4 @@
-// What holds for all files of data.
+// Properties of all data files.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -37,7 +37,7 @@ TEST(Files, CrystalsAreShownAtAnAngle) {
   for (int axis = 0; axis < 3; ++axis) EXPECT_GT(std::abs(forward[axis]), 0.3f);
 }
 
-// Whatever the bytes are: a scene, or an error that says something.
+// Any bytes give a scene or an error with a message.
 TEST(Files, AnyBytesEndWell) {
   std::mt19937 rng(9);
   const std::string seeds[] = {std::string(kWater),     std::string(kPdb),

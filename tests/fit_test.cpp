@@ -1,4 +1,4 @@
-// Cameras that options fit to a scene: where they look from, and that nothing else of them changes.
+// Cameras fitted by options: their directions, and that nothing else of them changes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -128,7 +128,7 @@ TEST(Fit, CamerasSurviveAsOptions) {
   }
 }
 
-// The longer side across, the third upright; what is flat is seen from there.
+// The longer side is horizontal, the third vertical; a flat cell is seen along that.
 TEST(Fit, CellsStandUpright) {
   Scene scene = corners();
   const std::array<Vec3d, 3> sides = {Vec3d(2, 0, 0), Vec3d(0, 9, 0), Vec3d(0, 1, 5)};
@@ -166,7 +166,7 @@ Scene cube() {
   return s;
 }
 
-// Of the picture, whose edges are at -1 and 1, the part that the first 125 spheres take.
+// The fraction of the picture, with edges at -1 and 1, covered by the first 125 spheres.
 struct Span {
   double lowest = 1e9, highest = -1e9;
 
@@ -212,7 +212,7 @@ TEST(Fit, MostIgnoresDistantParts) {
   Scene ground = near;
   ground.positions = {{-700, -700, -1}, {700, -700, -1}, {700, 700, -1}, {-700, 700, -1}};
   ground.triangles = {{0, 1, 2}, {0, 2, 3}}, ground.triangle_materials = {0, 0};
-  Scene globe = near;  // a ground whose surface is near and its centre far away
+  Scene globe = near;  // a ground with a near surface and a far centre
   globe.spheres.push_back({{2, 2, -1001}, 1000}), globe.sphere_materials.push_back(0);
   for (Scene* scene : {&stray, &ground, &globe}) {
     const Scene turned = *scene;
@@ -240,7 +240,7 @@ TEST(Fit, MostIgnoresDistantParts) {
   EXPECT_EQ(part_outside(stray, most_of(stray)), 1.0 / 126);
 }
 
-// The camera of a file keeps its direction, whether or not it says how wide it is.
+// The camera of a file keeps its direction, whether or not it has an angle.
 TEST(Fit, AlongTheCameraOfAFile) {
   for (const float across : {0.0f, 60.0f}) {
     Scene scene = cube();

@@ -1,5 +1,4 @@
-// The procedural scenes against the published counts and against files made by the public
-// generators.
+// The procedural scenes against the published counts and against files from the public generators.
 #include "io/generate/generate.h"
 
 #include <gmock/gmock.h>
@@ -33,7 +32,7 @@ Counts counts(const Scene& s) {
   return {s.spheres.size(), s.cones.size(), s.triangles.size(), s.polygons.size()};
 }
 
-// ---- What the files say, in a form that two scenes can be compared in ----
+// ---- The contents of the files, in a form for comparison ----
 
 /// A primitive: a letter for its kind, its material, and its numbers in the file's order.
 struct Item {
@@ -49,8 +48,8 @@ struct Listing {
   std::vector<Item> items;
 };
 
-/// Reads the subset of NFF that the standard files are written in: one entity a line but for `p`,
-/// `pp` and `v`.
+/// Reads the subset of NFF used by the standard files: one entity per line except `p`, `pp` and
+/// `v`.
 class FileReader {
  public:
   explicit FileReader(const std::string& path) {
@@ -139,8 +138,8 @@ Listing listing(const Scene& s) {
   return out;
 }
 
-/// Is `x` the number that a file gives as `printed`? Half a unit of its sixth digit is at most 5e-6
-/// of it; the rest is the float's rounding, and what cancels to zero but for rounding.
+/// Whether `x` is the number that a file gives as `printed`. Half a unit of its sixth digit is at
+/// most 5e-6 of it; the rest is the float's rounding, and cancellation to zero.
 bool same_to_six_digits(float x, float printed) {
   return std::abs(x - printed) <= 5.1e-6f * std::abs(printed) + 2e-7f;
 }
@@ -162,9 +161,8 @@ struct CellHash {
   }
 };
 
-/// How many items of `ours` have no partner of their own in `theirs`: the same kind and material,
-/// and the same numbers, corners in the same order. Finds partners by the first
-/// corner.
+/// The number of items of `ours` without a partner in `theirs`: the same kind and material, and the
+/// same numbers, with vertices in the same order. Finds partners by the first vertex.
 size_t unmatched(const std::vector<Item>& ours, const std::vector<Item>& theirs) {
   constexpr double kCell = 1e-3;  // more than the sixth digit of any coordinate
   const auto cell_of = [&](const Item& item, int offset = 13) {
@@ -351,11 +349,11 @@ TEST(GenerateGeometry, TeapotNormalsLeaveTheBody) {
     const Vec3f face = cross(b - a, c - a);
     for (uint32_t n : scene.triangle_normals[i]) outward += dot(face, scene.normals[n]) > 0;
   }
-  // The two sides of a face agree but for a handful of slivers around spout and handle.
+  // The two sides of a face agree except for a few slivers around spout and handle.
   EXPECT_GT(double(outward), 0.99 * 3 * double(scene.triangles.size()));
 }
 
-/// Finite numbers, indices and materials in range, sizes that make sense: what a renderer takes for
+/// Finite numbers, indices and materials in range, sensible sizes: what a renderer takes for
 /// granted.
 void expect_sound(const Scene& s) {
   const auto materials_fit = [&](const Array<MaterialId>& ids, size_t n) {

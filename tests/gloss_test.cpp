@@ -1,5 +1,5 @@
-// Rough mirrors and rough glass: where their rays go, against the density of docs/shading.md, and
-// what they show, against the same density integrated.
+// Rough mirrors and rough glass: directions of rays against the density of docs/shading.md, and
+// pictures against the same density integrated.
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
@@ -42,8 +42,8 @@ double density(double a, double r) {
                : std::pow(std::cos(a) + q, 2) / (4 * kPi * r * q);
 }
 
-// How much of the lobe lies within angle `a` of its middle: integrated by the midpoint rule in a
-// variable that has no pole where the lobe ends.
+// The part of the lobe within angle `a` of its middle: integrated by the midpoint rule in a
+// variable without a pole at the end of the lobe.
 double within(double a, double r) {
   constexpr int kSteps = 20000;
   const double end = std::min(a, r < 1 ? std::asin(r) : kPi);
@@ -141,7 +141,7 @@ TEST(Gloss, MirroredRaysFollowTheLobe) {
 }
 
 TEST(Translucency, RefractedRaysFollowTheLobe) {
-  // By ior 1 they go straight on.
+  // With ior 1 they go straight.
   const Scene scene = plane_seen_at(30, {{0, 0, 0}, 0, 0, 1, 1, 1});
   const Vec3d in = -normalize(Vec3d(scene.camera.from));
   RenderOptions o;
@@ -168,7 +168,7 @@ TEST(Gloss, RaysStayOnTheirSide) {
 }
 
 // A dark ball in front of a bright background, seen in a rough mirror: the part of the lobe that
-// meets it is missing.
+// hits it is missing.
 TEST(Gloss, AMirrorShowsThePartOfTheLobe) {
   constexpr float kKs = 0.8f;
   Scene scene = plane_seen_at(0, {{0, 0, 0}, 0, kKs, 1, 0, 0});

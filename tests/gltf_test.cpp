@@ -1,4 +1,4 @@
-// glTF 2.0, as text and binary: what becomes a scene, what is told, what is refused.
+// glTF 2.0, as text and binary: the resulting scene, notices, and refusals.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -24,14 +24,14 @@ std::string packed(T... numbers) {
   return out;
 }
 
-/// A file in the making; what it has beside its buffer is replaced by tests.
+/// A file under construction; tests replace everything except its buffer.
 struct Gltf {
   std::string buffer, views, accessors;
   size_t count = 0;
   std::string primitives = R"({"attributes": {"POSITION": 0}})";
   std::string nodes = R"({"mesh": 0})", roots = "0", more;
 
-  /// Appends an accessor of its own bytes; its number.
+  /// Appends an accessor with its own bytes; returns its index.
   size_t add(std::string_view bytes, int component, size_t elements, std::string_view type,
              std::string_view rest = "") {
     buffer.resize((buffer.size() + 3) / 4 * 4);
@@ -96,7 +96,7 @@ TEST(Gltf, TextAndBinaryAreOneScene) {
   // Only vertices that are named.
   EXPECT_EQ(scene.meshes[0].positions, Array<Vec3f>({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}));
   EXPECT_EQ(scene.materials[0].color, Rgb(1));
-  const auto binary = read(file.binary(), "a");  // told by its content
+  const auto binary = read(file.binary(), "a");  // detected by content
   ASSERT_TRUE(binary) << binary.error().front().text();
   EXPECT_EQ(content_hash(binary->scene), content_hash(scene));
 }
@@ -116,7 +116,7 @@ TEST(Gltf, IndicesOfAllTypes) {
   }
 }
 
-// The corners of all triangles.
+// The vertices of all triangles.
 std::vector<Vec3f> corners(const Scene& scene) {
   std::vector<Vec3f> out;
   for (const TriangleIndices& t : scene.meshes[0].triangles)
@@ -153,7 +153,7 @@ TEST(Gltf, PointsAreSpheresAndLinesAreReported) {
   EXPECT_THAT(error(file.json(), "a.gltf"), HasSubstr("primitives are lines"));
 }
 
-// By the names that authors gave, else by JSON pointers; of many the first few.
+// By the authors' names, else by JSON pointers; if there are many, the first few.
 TEST(Gltf, NoticesCountAndName) {
   Gltf file = square();
   const std::string lens = R"("type": "perspective", "perspective": {"yfov": 1, "znear": 1})";
@@ -208,7 +208,7 @@ TEST(Gltf, SparseAccessors) {
 
 TEST(Gltf, NodesPlaceMeshes) {
   Gltf file = square();
-  // By 90 degrees around z, then twice as large, then shifted by the parent.
+  // Rotated by 90 degrees around z, scaled by two, then shifted by the parent.
   file.nodes = R"({"children": [1], "translation": [10, 0, 0], "scale": [2, 2, 2]},
                   {"mesh": 0, "rotation": [0, 0, 0.70710678118, 0.70710678118]})";
   const Scene one = scene_of(file);
@@ -299,7 +299,7 @@ TEST(Gltf, UnreadablePicturesAreReported) {
 
 TEST(Gltf, SkinsPoseMeshes) {
   Gltf file = square();
-  // The upper vertices follow the second joint, which stands 1 higher than its inverse says.
+  // The upper vertices follow the second joint, which is 1 higher than its inverse matrix says.
   file.add(packed(uint8_t(0), uint8_t(0), uint8_t(0), uint8_t(0), uint8_t(0), uint8_t(0),
                   uint8_t(0), uint8_t(0), uint8_t(1), uint8_t(0), uint8_t(0), uint8_t(0),
                   uint8_t(1), uint8_t(0), uint8_t(0), uint8_t(0)),
@@ -447,7 +447,7 @@ TEST(Gltf, BrokenFilesAreRefusedWithALocation) {
   EXPECT_THAT(with("\"POSITION\": 0", "\"POSITION\": \"x\""),
               HasSubstr("/meshes/0/primitives/0/attributes/POSITION: expected"));
   EXPECT_THAT(with("{\"mesh\": 0}", "{\"children\": [0]}"), HasSubstr("reached more than once"));
-  EXPECT_EQ(with("\"bufferView\": 0, ", ""), "no error");  // what has no buffer is zero
+  EXPECT_EQ(with("\"bufferView\": 0, ", ""), "no error");  // an accessor without a buffer is zero
   Gltf zeros = square();
   replace(zeros.accessors, "\"bufferView\": 0, ", "");
   replace(zeros.accessors, "\"count\": 4", "\"count\": 400000000");

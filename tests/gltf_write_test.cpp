@@ -1,4 +1,5 @@
-// Scenes written as glTF 2.0: read again by Raio's reader, and what the JSON says that it skips.
+// Scenes written as glTF 2.0: read back by Raio's reader, and the parts of the JSON that it
+// ignores.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -60,7 +61,7 @@ Scene with_triangle(Scene scene = data_scene()) {
   return scene;
 }
 
-// Place, normal, colour and texture coordinates at the corners of each triangle, sorted.
+// Position, normal, colour and texture coordinates at the vertices of each triangle, sorted.
 using Face = std::array<std::array<float, 11>, 3>;
 std::vector<Face> faces_of(const Scene& scene) {
   std::vector<Face> out;
@@ -204,7 +205,7 @@ TEST(GltfWrite, ParallelRaysReadBack) {
   const double height = 40 * std::tan(1.5 * kPi / 180);
   EXPECT_NEAR(lens["orthographic"]["ymag"].get<double>(), height, 1e-6);
   EXPECT_NEAR(lens["orthographic"]["xmag"].get<double>(), height / 2, 1e-6);
-  EXPECT_GT(lens["orthographic"]["zfar"], 40);  // behind all that is seen
+  EXPECT_GT(lens["orthographic"]["zfar"], 40);  // beyond everything visible
 }
 
 // --- light
@@ -218,7 +219,7 @@ TEST(GltfWrite, LightsShineAsBrightAtTheMiddle) {
   EXPECT_EQ(lights[0]["type"], "point");
   EXPECT_EQ(lights[0]["color"], json({0.5, 1.0, 0.25}));
   EXPECT_EQ(lights[1]["color"], json({1.0, 1.0, 1.0}));
-  // Around (0.5, 0.5, 0). A white surface there returns what it gets, divided by pi.
+  // Around (0.5, 0.5, 0). A white surface there reflects its irradiance divided by pi.
   EXPECT_NEAR(lights[0]["intensity"].get<double>() / kPi / (2.5 * 2.5 + 0.25), 1, 1e-6);
   EXPECT_NEAR(lights[1]["intensity"].get<double>() / kPi / (0.25 + 8.5 * 8.5), std::sqrt(0.5),
               1e-6);
@@ -264,12 +265,12 @@ TEST(GltfWrite, MirrorsAreMetals) {
   for (size_t i = 0; i < 3; ++i)
     EXPECT_NEAR(mirror["baseColorFactor"][i].get<double>(), 0.75 - 0.25 * double(i), 1e-6);
   EXPECT_LT(mirror["roughnessFactor"], 0.3);
-  // Half of each: the light that is returned is kept.
+  // Half of each: the reflected light is preserved.
   const json half = material({.color = Rgb(1), .kd = 0.4f, .ks = 0.4f})["pbrMetallicRoughness"];
   const double metallic = half["metallicFactor"], base = half["baseColorFactor"][0];
   EXPECT_NEAR(base * (1 - metallic), 0.4, 0.05);
   EXPECT_NEAR(base * metallic + 0.04 * (1 - metallic), 0.4, 0.05);
-  // As much as a dielectric mirrors by itself.
+  // As much as a dielectric reflects.
   EXPECT_EQ(material({.kd = 1, .ks = 0.03f})["pbrMetallicRoughness"]["metallicFactor"], 0);
 }
 
@@ -293,7 +294,7 @@ double area_of(const Mesh& mesh) {
   return area;
 }
 
-// `error` tells how far off the shape a vertex is.
+// `error` is a vertex's distance from the shape.
 template <class Error>
 void expect_shape(const Scene& scene, double area, const Error& error) {
   EXPECT_EQ(not_in_gltf(scene), "the exact form of 1 round shape, for which triangles stand");
@@ -395,7 +396,7 @@ TEST(GltfWrite, ManyShapesHaveFewerTriangles) {
   EXPECT_THAT(parts->objects[0].shapes, IsEmpty());
   ASSERT_EQ(parts->surfaces.size(), 1u);
   EXPECT_EQ(parts->surfaces[0].triangles.size(), 10'001u * 320);
-  // Programs draw the triangles of all copies.
+  // Viewers draw the triangles of all instances.
   Scene copied = data_scene();
   copied.prototypes = {spheres(100)};
   copied.instances.assign(10'000, {});
@@ -531,7 +532,7 @@ TEST_F(GltfCommandLine, ConvertsWithANotice) {
   EXPECT_FALSE(std::filesystem::exists(file("no")));
 }
 
-// Whatever a scene can hold becomes a sound one, and what is lost is told.
+// Everything in a scene is written or reported as lost.
 TEST(GltfWrite, RichScenes) {
   for (uint32_t seed = 1; seed < 5; ++seed) {
     const Scene scene = tests::rich_scene(seed), again = read_again(scene);

@@ -1,5 +1,5 @@
-// The curve over grids: counts are those of direct renders, the points those that were asked for.
-// Times are not asserted beyond that they are some.
+// The curve over grids: counts equal those of direct renders, and the points are the requested
+// ones. Times are only checked to be positive.
 #include "measure/grid_curve.h"
 
 #include <gtest/gtest.h>
@@ -44,7 +44,7 @@ TEST(GridCurve, GoesFromCoarseToFine) {
     EXPECT_GT(p.cells, curve->points[i - 1].cells);
     EXPECT_GE(p.references, curve->points[i - 1].references);
   }
-  // Of coarse cells few are visited, but each has much to test.
+  // With coarse cells few are visited, but each has many tests.
   EXPECT_GT(curve->points.front().tests, curve->points.back().tests);
   EXPECT_LT(curve->points.front().steps, curve->points.back().steps);
   const std::string csv = grid_curve_csv(*curve);
@@ -63,7 +63,7 @@ TEST(GridCurve, CountsAreThoseOfARender) {
   const auto accel = build_accel(scene, s.accel, s.one_sided);
   const auto film = make_film(scene, s);
   ASSERT_TRUE(accel && film);
-  // The tiles that the curve counts: of a small picture one, whose share is drawn alike.
+  // The tiles counted by the curve: one for a small picture.
   EXPECT_TRUE(render(scene, **accel, s, **film, control, {.shards = 16}).finished);
   const RayCounts& rays = (*film)->rays();
   EXPECT_EQ(point.tests, double(rays.tests) / double(rays.total()));

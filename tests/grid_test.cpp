@@ -176,7 +176,7 @@ TEST(Grid, ListsSurfacesNotVolumes) {
   const AccelInfo info =
       build(scene, {.kind = AccelKind::grid, .grid_resolution = {70, 70, 70}})->info();
   ASSERT_EQ(info.oversized, 0u);
-  // A sphere of radius 10 cells meets about 6 pi r^2 = 1885 of them; its box has 8000, its ball
+  // A sphere of radius 10 cells overlaps about 6 pi r^2 = 1885 of them; its box has 8000, its ball
   // 4189.
   EXPECT_GT(info.references, 5u * 1500);
   EXPECT_LT(info.references, 5u * 2600);

@@ -1,7 +1,6 @@
-// Input that nobody means well with: damaged scene files, degenerate and coincident geometry,
-// numbers at the ends of their range, and pictures that no memory holds. Whatever comes in, an
-// error says where it is wrong, or every structure sees the same finite picture in bounded time and
-// memory.
+// Hostile input: damaged scene files, degenerate and coincident geometry, numbers at the ends of
+// their range, and pictures beyond memory. For any input, an error says where it is wrong, or every
+// structure gives the same finite picture in bounded time and memory.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -52,7 +51,7 @@ const char* const kBadNumbers[] = {
     "0",   "-1",  "1e20", "-1e19", "1e-20", "4294967296", "-2e9",   "1e400",  "1e9",   "0x10",
     "1,5", "",    "--1",  "1e",    "+",     "16777217",   "179.99", "3.4e38", "1e10",  "1e-10"};
 
-/// The scene with numbers made others, lines doubled or moved, bits turned, or its end cut off.
+/// The scene with changed numbers, duplicated or moved lines, flipped bits, or its end truncated.
 std::string damaged(std::string text, std::mt19937& random) {
   const auto below = [&](size_t n) { return size_t(random() % std::max<size_t>(n, 1)); };
   const auto number_at = [&] { return text.find_first_of("0123456789", below(text.size())); };
@@ -114,7 +113,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Damaged,
 
 struct Case {
   const char* name;
-  std::string text;  // behind camera, lights and material
+  std::string text;  // after camera, lights and material
   const char* refused = nullptr;
 };
 
@@ -214,7 +213,7 @@ TEST(Hostile, CamerasAtTheEndOfFloatsGiveOnePicture) {
         square(16));
 }
 
-// Many of the same: building must not split what cannot be told apart for ever.
+// Coincident primitives: building must not split them forever.
 
 TEST(Hostile, ThousandsOfCoincidentPrimitivesGiveOnePicture) {
   const std::string same[] = {"s 0 0 0 1\n", "p 3\n-1 0 -1\n1 0 -1\n0 0 1\n",
@@ -296,18 +295,19 @@ TEST(Hostile, FacingMirrorsEndAtTheLastLevel) {
 }
 
 TEST(Hostile, NestedGlassEndsAtTheLastLevel) {
-  // A hit on glass has two children: what is told here is that 2^32 rays are never all made.
-  // Without a mirror's part each hit has one.
+  // A hit on glass has two children: this checks that 2^32 rays are never all made. Without a
+  // mirror part each hit has one.
   std::string shells = "f 1 1 1 0.1 0 10 0.9 1.5\n";
   for (int i = 1; i <= 40; ++i) shells += "s 0 0 0 " + std::to_string(0.05 * i) + "\n";
   expect_one_picture(read(kFrontCamera + kLight + shells), square(4, 10));
 }
 
-// Sizes that no memory holds, through the program.
+// Sizes beyond memory, through the program.
 
 class HostileProgram : public TemporaryFolder {
  protected:
-  /// The exit status of `arguments` with so much memory, or minus the signal; errors are in said().
+  /// The exit status of `arguments` with this memory limit, or minus the signal; errors are in
+  /// said().
   int run(const std::string& arguments, rlim_t memory = RLIM_INFINITY) {
     const std::string command =
         "'" RAIO_PROGRAM "' " + arguments + " >'" + file("said").string() + "' 2>&1";

@@ -96,7 +96,7 @@ TEST_F(ImageTest, ChannelsAreCheckedBeforeAllocation) {
   const std::string name("dataWindow\0box2i\0\x10\0\0\0", 21);
   const size_t at = exr.find(name);
   ASSERT_NE(at, exr.npos);
-  // Of 512 x 512 pixels the file could be, if they had only colours.
+  // The file could have 512 x 512 pixels, if they had only colours.
   exr.replace(at + name.size() + 8, 8, std::string("\xff\x01\0\0\xff\x01\0\0", 8));
   expect_bad(exr, "too short for 512 x 512");
   exr.resize(1'000'000);  // long enough for these, but not in a good order

@@ -1,4 +1,4 @@
-// Picture files for tests: how they are made and read back.
+// Writes and reads picture files for tests.
 #pragma once
 
 #include <OpenEXR/ImfChannelList.h>
@@ -102,7 +102,7 @@ class ImageTest : public TemporaryFolder {
  protected:
   ~ImageTest() override { ::close(memory_); }
 
-  /// By way of a file in memory: tests read thousands.
+  /// Through a file in memory: tests read thousands.
   std::expected<Image, Error> read(std::string_view bytes) { return read_image(in_memory(bytes)); }
   std::expected<Picture, Error> read_whole(std::string_view bytes) {
     return read_picture(in_memory(bytes));

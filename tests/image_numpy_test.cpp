@@ -1,4 +1,4 @@
-// NPZ and NPY, read by hand as the formats say and by NumPy itself.
+// NPZ and NPY, parsed as specified and by NumPy itself.
 #include <minizip/unzip.h>
 
 #include <cstdlib>
@@ -43,7 +43,7 @@ std::map<std::string, std::string> unzipped(const std::filesystem::path& path) {
   return files;
 }
 
-/// What is in an NPY of that shape, whose header must be as NEP 1 has it.
+/// The data of an NPY of that shape; its header must follow NEP 1.
 std::string values_of(const std::string& npy, const std::string& type, const std::string& shape) {
   if (npy.size() < 10) return ADD_FAILURE() << npy.size() << " bytes", "";
   EXPECT_EQ(npy.substr(0, 8), std::string("\x93NUMPY\x01\0", 8));

@@ -1,4 +1,4 @@
-// Pictures with alpha and layers: EXR keeps all, PNG alpha, and what is lost is told.
+// Pictures with alpha and layers: EXR stores all, PNG alpha, and losses are reported.
 #include <Imath/half.h>
 #include <OpenEXR/ImfInputFile.h>
 

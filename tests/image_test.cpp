@@ -1,4 +1,4 @@
-// Pictures are written as the formats say, and nothing is lost that they can hold.
+// Pictures are written as their formats specify, without loss.
 #include "io/image/image.h"
 
 #include <OpenEXR/ImfInputFile.h>

@@ -1,4 +1,4 @@
-// What the window's inspector looks into, without the window.
+// The results of the window's inspector, without the window.
 #include "view/inspection.h"
 
 #include <gmock/gmock.h>

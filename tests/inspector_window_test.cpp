@@ -23,7 +23,7 @@ class InspectorWindowTest : public WindowTest {
     if (!HasFatalFailure()) window_ = open({"--soft-shadows"});
   }
 
-  // The line that tells what was found there.
+  // The log line of the result.
   std::optional<WindowDriver::Line> click_with_shift(int x, int y) {
     const size_t from = window_->mark();
     window_->hold(XK_Shift_L, true);

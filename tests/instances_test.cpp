@@ -1,5 +1,5 @@
-// Copies of objects: against all copies tried one by one, against the same primitives written out,
-// and against ellipsoids.
+// Instances: against brute force over all instances, against flattened primitives, and against
+// ellipsoids.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -58,7 +58,7 @@ Scene object_of(uint32_t seed, int count = 40) {
   return object;
 }
 
-// Primitives, copies of two objects and of one that is made of copies itself.
+// Primitives, instances of two objects and of one that consists of instances.
 Scene copied_scene(uint32_t seed, bool evenly = false) {
   std::mt19937 rng(seed);
   Scene scene = object_of(seed, 60);
@@ -73,7 +73,7 @@ Scene copied_scene(uint32_t seed, bool evenly = false) {
   return scene;
 }
 
-// Some of it clear: of the objects some, and of the scene's own.
+// Some of it transparent: parts of the objects and of the scene's own primitives.
 Scene transparent_instances(uint32_t seed, bool evenly = false) {
   Scene scene = copied_scene(seed, evenly);
   scene.prototypes[0].sphere_opacity.assign(scene.prototypes[0].spheres.size(), 0.4f);
@@ -157,7 +157,7 @@ TEST(Instances, TransparentHitsComeInOrder) {
   }
 }
 
-// Places that differ in the object may be one place outside of it.
+// Positions that differ in the object may coincide outside of it.
 TEST(Instances, CoincidentTransparentFacesAreAllHit) {
   std::mt19937 rng(5);
   std::uniform_real_distribution<float> unit(-1, 1);
@@ -209,14 +209,14 @@ TEST(Instances, APictureIsOne) {
   options.look = FigureStyle::paper_1;
   options.outline = 1.0f;
   expect_one_picture(transparent_instances(6), options);
-  Scene only = transparent_instances(7);  // with nothing of its own
+  Scene only = transparent_instances(7);  // without primitives of its own
   Scene scene;
   scene.camera = only.camera, scene.lights = only.lights, scene.materials = only.materials;
   scene.prototypes = only.prototypes, scene.instances = only.instances;
   expect_one_picture(scene, options);
 }
 
-// As far as roundings go: a ray that only just meets a shape may miss the other.
+// Up to rounding: a grazing ray may miss the other shape.
 TEST(Instances, InstancesRenderLikeFlattenedPrimitives) {
   for (const uint32_t seed : {1u, 2u, 3u}) {
     const Scene scene = transparent_instances(seed, true);
@@ -228,7 +228,7 @@ TEST(Instances, InstancesRenderLikeFlattenedPrimitives) {
     EXPECT_EQ(flat.primitive_count(), scene.primitive_count());
     EXPECT_GT(memory_bytes(flat), memory_bytes(scene));
     const Box3f a = bounds(flat), b = bounds(scene);
-    // Of a turned box, in which a cone or an ellipsoid lies, some is empty.
+    // A part of a rotated box around a cone or an ellipsoid is empty.
     for (int axis = 0; axis < 3; ++axis) {
       EXPECT_LE(b.lo[axis], a.lo[axis] + 1e-5f);
       EXPECT_GE(b.hi[axis], a.hi[axis] - 1e-5f);
@@ -411,7 +411,8 @@ TEST(Instances, MayShowMorePrimitivesThanOneObjectHolds) {
   EXPECT_THAT(why->text(), HasSubstr("more primitives than id can number"));
 }
 
-// A copy's own object counts before those within; copies and what is written out have the same.
+// An instance's own object takes precedence over those within; instances and flattened primitives
+// agree.
 TEST(Instances, InstancesBelongToObjects) {
   Scene scene = tests::nested_scene();
   for (auto* some : {&scene.prototypes[1].instances[1].matrix}) *some = kIdentity;
@@ -422,11 +423,11 @@ TEST(Instances, InstancesBelongToObjects) {
     if (object.kind_of(id) == PrimitiveKind::sphere) spheres.push_back({1, id, 0, 0, instance});
   });
   const auto sphere = [&](uint32_t i) { return spheres.at(i); };
-  // Two of the first copy, four of each of the others.
+  // Two of the first instance, four of each of the others.
   const uint32_t objects[] = {2, 0, 1, 1, 1, 1, 1, 1, 1, 1};
   for (uint32_t i = 0; i < std::size(objects); ++i)
     EXPECT_EQ(geometry.object_of(sphere(i).primitive, sphere(i).instance), objects[i]) << i;
-  EXPECT_TRUE(geometry.same_object(sphere(2), sphere(9)));  // of a range of copies
+  EXPECT_TRUE(geometry.same_object(sphere(2), sphere(9)));  // of a range of instances
   EXPECT_FALSE(geometry.same_object(sphere(0), sphere(1)));
   EXPECT_FALSE(geometry.same_object(sphere(1), sphere(2)));
   Scene flat = scene;
@@ -435,14 +436,14 @@ TEST(Instances, InstancesBelongToObjects) {
   for (uint32_t i = 0; i < std::size(objects); ++i)
     EXPECT_EQ(raio::object_of(flat, PoolKind::sphere, scene.spheres.size() + i), objects[i]) << i;
 
-  // Without, the object is that of the prototype, another one in each copy.
+  // Otherwise the object is the prototype's, distinct in each instance.
   scene.object_ranges = {};
   const auto others = build(scene, {.kind = AccelKind::bvh});
   const Geometry& there = others->geometry();
   EXPECT_EQ(there.object_of(sphere(2).primitive, sphere(2).instance), 2u);
   EXPECT_EQ(there.object_of(sphere(4).primitive, sphere(4).instance), 2u);
   EXPECT_TRUE(there.same_object(sphere(2), sphere(2)));
-  EXPECT_FALSE(there.same_object(sphere(2), sphere(4)));  // copies within a copy
+  EXPECT_FALSE(there.same_object(sphere(2), sphere(4)));  // nested instances
   EXPECT_FALSE(there.same_object(sphere(2), sphere(6)));
   EXPECT_TRUE(there.same_object(sphere(3), sphere(7)));  // in no object
 }
@@ -477,7 +478,7 @@ TEST(Instances, OutlinesSeparateInstances) {
   EXPECT_GT(lines(false, true), 5u);
 }
 
-// By shapes that flattening does write out: the front stays what the map makes of the front.
+// With shapes that can be flattened: the front is the image of the front.
 TEST(Instances, MirroredFrontsStayFronts) {
   Scene scene = random_scene(4, 1);
   for_each_pool([&](auto pool) { (scene.*pool.shapes) = {}, (scene.*pool.materials) = {}; });

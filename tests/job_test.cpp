@@ -1,5 +1,5 @@
-// Renders from their beginning to their end, without the program: what they start from, what they
-// keep, how they end, and what goes wrong.
+// Renders from start to end, without the program: what they start from, what they store, how they
+// end, and what can fail.
 #include "render/job.h"
 
 #include <gmock/gmock.h>
@@ -89,7 +89,7 @@ TEST_F(Job, ReusesALoadedSceneAndStructure) {
   JobRequest alone = request("c.png");
   alone.options.from = r.options.from;
   EXPECT_TRUE(bytes(alone) == get(r.output));
-  // Told to stop before it begins, none begins.
+  // Stopped before it starts, none starts.
   control.stop = true;
   RenderJob third(r, {}, &control);
   EXPECT_EQ(third.prepare().error().kind, ErrorKind::stopped);
@@ -151,7 +151,7 @@ TEST_F(Job, AStoppedJobWritesItsCheckpoint) {
   RenderJob job(endless);
   ASSERT_TRUE(job.prepare());
   std::thread watcher([&] {
-    // A tile's samples are in the film when there are some dozens of them.
+    // A tile's samples reach the film in portions of some dozens.
     while (!fs::exists(endless.checkpoint) || job.part().film->rays().total() == 0)
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     job.control().stop = true;
@@ -208,7 +208,7 @@ TEST_F(Job, APictureIsRepeatedFromItself) {
   EXPECT_EQ(other.kind, ErrorKind::bad_input);
   EXPECT_EQ(other.text(), again.repeat + ": the scene differs");
 
-  // Of another version it is repeated with a warning.
+  // A picture of another version is repeated with a warning.
   Metadata settings = *read_metadata(r.output);
   for (auto& [key, text] : settings)
     if (key == "version") text = "0.0.1";
@@ -331,7 +331,7 @@ TEST_F(Job, ErrorsHaveTheRightKind) {
   EXPECT_EQ(ready.error().place.line, said.front().line);
 }
 
-// What a film holds is what the files do, number by number.
+// The values of a film and of the files agree number by number.
 TEST_F(Job, ChannelsComeThroughFiles) {
   JobRequest r = request("a.exr");
   for (const ChannelSpec& spec : kChannels) r.options.channels.add(spec.channel);
@@ -354,7 +354,7 @@ TEST_F(Job, ChannelsComeThroughFiles) {
   const Picture picture = picture_of(film, job.settings());
   EXPECT_EQ(picture.layers.size(), read->layers.size());
 
-  // A part keeps them, too: another program's merge writes the same bytes.
+  // A part has them, too: another program's merge writes the same bytes.
   JobRequest part = request("a.raio");
   part.options.channels = r.options.channels;
   bytes(part);
@@ -415,7 +415,7 @@ TEST(Error, TextIsOneLine) {
   EXPECT_EQ(with_settings("```a``", "-"), "``-a`");
 }
 
-// What the library says, any program may show: it knows no dashes.
+// The library's messages suit any program: they have no dashes.
 TEST(Error, NoMessageBelowTheProgramHasItsWords) {
   const std::regex words("\"[^\"]*--[a-z]");
   const fs::path source = fs::path(RAIO_SOURCE_DIR) / "src";

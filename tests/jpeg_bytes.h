@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cstdio>
-// Which needs FILE.
+// It needs FILE.
 #include <jpeglib.h>
 
 #include <cstdlib>

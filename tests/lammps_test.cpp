@@ -83,7 +83,7 @@ TEST(Lammps, CoincidentAtomsAreReported) {
               HasSubstr("atoms at the same position as another (1: 8)"));
 }
 
-// LAMMPS does not read the line behind the name of a section.
+// LAMMPS ignores the line after the name of a section.
 TEST(Lammps, CommentsMayStandAboveRows) {
   std::string text(kData);
   for (const std::string name : {"Masses\n", "Atoms # full\n", "Bonds\n"}) {

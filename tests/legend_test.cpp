@@ -1,4 +1,4 @@
-// What the colours of views mean, and what is read out of them.
+// Legends of views, and values read from their colours.
 #include "view/legend.h"
 
 #include <fmt/format.h>
@@ -123,7 +123,7 @@ TEST(Views, ShowsTheHitsOfTheRay) {
   EXPECT_GT(behind.z, behind.x);
   const auto none = [](RenderOptions& o) { o.accel.kind = AccelKind::none; };
   EXPECT_EQ(middle(View::tests, none), heat_color(1));
-  // What a ray costs by itself, however many are traced at a time.
+  // The cost of a ray by itself, however many are traced together.
   EXPECT_EQ(middle(View::tests), heat_color(1));
   EXPECT_EQ(middle(View::steps), heat_color(1));
 }

@@ -1,5 +1,4 @@
-// The public interface with what only files of data have: a look, opacity, textures, a fitted
-// camera.
+// The public interface with features of data files: a style, opacity, textures, a fitted camera.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <raio/raio.h>
@@ -20,7 +19,7 @@ const raio::Settings& small() {
   return settings;
 }
 
-// Spheres one behind another along z, with these opacities, or as many without.
+// Spheres in a row along z, with these opacities, or without any.
 raio::Scene row(const Floats& opacity, bool stored = true) {
   raio::Scene scene;
   const Floats radii(opacity.size(), 1);
@@ -121,7 +120,7 @@ TEST_F(LibraryData, TexturesGoWithTheirObjects) {
   EXPECT_GT(expected[3 * (18 * 48 + 16)], 0.9f) << "red on the left";
   EXPECT_GT(expected[3 * (18 * 48 + 32) + 1], 0.9f) << "green on the right";
   raio::Scene copied;
-  copied.add_prototype(raio::Scene());  // another, of another texture or none
+  copied.add_prototype(raio::Scene());  // another one, with another texture or none
   const uint32_t number = copied.add_prototype(square);
   const Floats identity = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
   copied.add_instances(number, {identity.data(), 1});

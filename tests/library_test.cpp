@@ -21,7 +21,7 @@ using Floats = std::vector<float>;
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
-// What an array of a user may look like that Raio can read in place.
+// An array of a user that Raio can read in place.
 struct Ball {
   float center[3], radius;
 };
@@ -48,7 +48,7 @@ const raio::Settings& small() {
 
 Floats picture(const raio::Scene& scene) { return raio::Job(scene, small()).run().rgba(); }
 
-// A material of its own, a camera and a light, as in kStage.
+// A new material, a camera and a light, as in kStage.
 raio::Scene stage() {
   raio::Scene scene;
   scene.set_background({0.1, 0.2, 0.4});
@@ -71,7 +71,7 @@ std::vector<Ball> balls(int count) {
   return all;
 }
 
-// With `keep` as in an array of Ball that someone holds.
+// With `keep`, as an array of Ball with an owner.
 void add_balls(raio::Scene& scene, const std::vector<Ball>& all,
                const std::shared_ptr<const void>& keep = nullptr,
                const raio::Appearance& look = 1) {
@@ -144,7 +144,7 @@ TEST(Library, MovingShapesLookAsFromAFile) {
 TEST(Library, ColoursOverrideMaterials) {
   const auto all = balls(6);
   raio::Scene colored = stage(), materials = stage();
-  // Those before and after without colours keep that of their material.
+  // Earlier and later ones without colours keep that of their material.
   add_balls(colored, {all[0], all[1]});
   raio::Appearance look = 1;
   const Floats colors = {1, 0, 0, 0, 0.5f, 1}, opacity = {1, 1};
@@ -207,7 +207,7 @@ TEST(Library, BorrowedLooksLikeOwned) {
   EXPECT_EQ(picture(borrowed), picture(owned));
   raio::Scene twice = borrowed, both = owned;
   const std::vector<Ball> more = {{{0, -4, 0}, 1}};
-  add_balls(twice, more);  // copies what was borrowed
+  add_balls(twice, more);  // copies the borrowed columns
   add_balls(both, more);
   EXPECT_EQ(picture(twice), picture(both));
   EXPECT_NE(picture(twice), picture(owned));
@@ -236,7 +236,7 @@ TEST(Library, ColumnsInRaiosLayoutAreBorrowed) {
   auto scene = std::make_unique<raio::Scene>(stage());
   add_balls(*scene, *all, all);
   const auto before = scene->bounds();
-  (*all)[3].center[0] = 100;  // seen: nothing was copied
+  (*all)[3].center[0] = 100;  // visible: nothing was copied
   EXPECT_NE(scene->bounds(), before);
   all.reset();
   EXPECT_FALSE(watch.expired());
@@ -258,7 +258,7 @@ TEST(Library, OtherColumnsAreCopied) {
   scene.add_spheres({all->data()->center, 10, sizeof(Ball), all}, {radii->data(), 10, 4, radii}, 1);
   EXPECT_EQ(all.use_count(), 1);
   EXPECT_EQ(radii.use_count(), 1);
-  // Backwards: copied, in the order that the stride says.
+  // Backwards: copied, in the order of the stride.
   raio::Scene backwards = stage(), forwards = stage();
   const std::vector<Ball> turned(all->rbegin(), all->rend());
   const ptrdiff_t back = -ptrdiff_t(sizeof(Ball));
@@ -459,7 +459,7 @@ TEST(LibraryAccel, RefusesMissingStructures) {
 
 using LibraryFile = raio::TemporaryFolder;
 
-// A ball and a triangle, in materials that are there and in one of their own.
+// A ball and a triangle, in existing materials and in a new one.
 raio::Scene thing() {
   raio::Scene scene = stage();
   const Floats center = {0, 0, 0.2f}, radius = {0.5f};
@@ -471,14 +471,14 @@ raio::Scene thing() {
   return scene;
 }
 
-// As Raio stores it.
+// In Raio's layout.
 struct Copy {
   uint32_t prototype;
   float matrix[12];
 };
 
 TEST(LibraryInstances, InstancesLookLikeTransformedPrimitives) {
-  // By halves and quarters, of which sums are exact.
+  // By halves and quarters, with exact sums.
   const Floats shifts = {-1.5f, 0.25f, 1.25f};
   raio::Scene copies = stage(), moved = stage();
   const uint32_t number = copies.add_prototype(thing());
@@ -495,7 +495,7 @@ TEST(LibraryInstances, InstancesLookLikeTransformedPrimitives) {
   }
   EXPECT_EQ(copies.primitive_count(), 6u);
   EXPECT_EQ(copies.bounds(), moved.bounds());
-  // The material that the object brought comes behind the others.
+  // The object's material is appended to the others.
   EXPECT_EQ(copies.add_material({}), 3u);
   const Floats a = picture(copies), b = picture(moved);
   size_t differ = 0;

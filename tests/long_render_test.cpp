@@ -1,4 +1,4 @@
-// Renders that are interrupted, gone on with, split, joined and repeated, by the program.
+// Renders that are interrupted, resumed, split, merged and repeated, by the program.
 #include <sys/resource.h>
 
 #include <thread>
@@ -89,7 +89,7 @@ TEST_F(LongRender, SamplesAreAdded) {
   expect_refusal(add("part.raio") + Arguments{"--depth", "3"}, 2, "leave out --depth");
 }
 
-// tests/kill_and_resume.py goes on with what is kept.
+// tests/kill_and_resume.py resumes from checkpoints.
 TEST_F(LongRender, AnInterruptedRenderKeepsItsSamples) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     const Arguments keep = {"--checkpoint", "c.raio", "-o", "x.png"};
@@ -147,7 +147,7 @@ TEST_F(LongRender, SampleRangesMergeToTheSameBytes) {
             0);
   EXPECT_EQ(raio({"merge", "b.raio", "most.raio", "-o", "x.png", "--quiet"}).status, 0);
   EXPECT_TRUE(same("x.png", "whole.png"));
-  // A part with gaps is gone on with like any other.
+  // A part with gaps is resumed like any other.
   render(all + Arguments{"--checkpoint", "most.raio", "--resume", "-o", "y.png"});
   EXPECT_TRUE(same("y.png", "whole.png"));
 
@@ -176,7 +176,7 @@ TEST_F(LongRender, APictureIsRepeatedFromItself) {
           raio({"render", "--repeat", picture, "ok.nff", "-o", again, "--threads", "1"}).status, 0);
       EXPECT_TRUE(same(again, picture));
     }
-  // Without a scene, the file of its name beside it.
+  // Without a scene, the stored file name in the picture's folder.
   EXPECT_EQ(raio({"render", "--repeat", "a.png", "-o", "b.png"}).status, 0);
   EXPECT_TRUE(same("a.png", "b.png"));
 
@@ -198,13 +198,13 @@ TEST_F(LongRender, APictureOfDataStoresHowItWasRead) {
   ASSERT_EQ(raio(Arguments{"render", "quartz.cif"} + reads + picture("a.png")).status, 0);
   EXPECT_EQ(raio({"render", "--quiet", "--repeat", "a.png", "-o", "b.png"}).status, 0);
   EXPECT_TRUE(same("a.png", "b.png"));
-  // Those that are given replace all that the picture has, as those from before it had any need.
+  // Given ones replace all of the picture's, since old pictures stored none.
   EXPECT_EQ(raio(Arguments{"render", "--quiet", "--repeat", "a.png", "-o", "c.png"} + reads).status,
             0);
   EXPECT_TRUE(same("a.png", "c.png"));
   expect_refusal({"render", "--quiet", "--repeat", "a.png", "--style", "sticks"}, 2,
                  "the scene differs");
-  // What is drawn on the picture comes from the same atoms.
+  // Annotations come from the same atoms.
   ASSERT_EQ(raio({"render", "--quiet", "--repeat", "a.png", "--scale-bar", "-o", "d.png"}).status,
             0);
   EXPECT_FALSE(same("a.png", "d.png"));
@@ -222,7 +222,7 @@ TEST_F(LongRender, MetadataHoldNothingThatChanges) {
 }
 
 TEST_F(LongRender, EndsInTime) {
-  // One sample of every pixel takes so many seconds on a busy machine.
+  // One sample per pixel takes this many seconds on a busy machine.
   const std::string limit = tests::if_sanitized("4", "0.5");
   Outcome o = raio(kLong + Arguments{"--time-limit", limit, "-o", "a.png"});
   ASSERT_EQ(o.status, 0) << o.err;
@@ -287,7 +287,7 @@ TEST_F(LongRender, AnUnwritablePictureIsInTheCheckpoint) {
   EXPECT_TRUE(same("x.png", "whole.png"));
 }
 
-// What a full disk does to a file is what a limit of its size does.
+// A limit of file sizes acts like a full disk.
 TEST_F(LongRender, AFullDiskKeepsTheOldFile) {
 #ifdef RAIO_SANITIZED
   GTEST_SKIP() << "the file that coverage writes is not to be limited";

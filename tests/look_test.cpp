@@ -1,4 +1,4 @@
-// How pictures look: the options `background`, `exposure` and `tone`.
+// The style of pictures: the options `background`, `exposure` and `tone`.
 #include <gmock/gmock.h>
 
 #include "io/image/image.h"
@@ -19,7 +19,7 @@ void set(RenderOptions& options, std::string_view name, std::string_view text) {
   const auto spec = std::ranges::find(render_option_table(), name, &OptionSpec::name);
   const auto done = set_option(options, *spec, text);
   EXPECT_TRUE(done) << done.error().text();
-  // What it is given as says the same.
+  // The option's text is as given.
   RenderOptions again;
   const std::string given = option_text(options, *spec);
   EXPECT_TRUE(given.empty() || set_option(again, *spec, given));
@@ -183,7 +183,7 @@ TEST_F(Look, ToneAndExposureMakeTheBytesOfDisplays) {
         }
       EXPECT_TRUE(repeated("a.png", "b.png") == once);
       EXPECT_EQ(once == plain, tone == Tone::none && options_.exposure == 0);
-      // Numbers stay numbers, and know how they are to be shown.
+      // Numbers are unchanged, with their display settings.
       EXPECT_TRUE(bytes("a.pfm") == pfm);
       bytes("a.exr");
       EXPECT_TRUE(same_bytes(*read_image(file("a.exr")), exr));

@@ -37,7 +37,7 @@ class Manual : public CommandLine {
     std::vector<std::string> lines;
   };
 
-  // What a shell prints on both streams, in the test's folder.
+  // A shell's output on both streams, in the test's folder.
   Result shell(const std::string& script) const {
     put(file("script"), "cd '" + folder().string() + "'\n" + script);
     const std::string name = script.substr(2, script.find('\n') - 2);
@@ -54,7 +54,7 @@ class Manual : public CommandLine {
     return result;
   }
 
-  // What bash offers for the last of these words.
+  // Bash's completions for the last of these words.
   std::vector<std::string> bash_offers(const std::string& words) const {
     return shell("# bash\ncompopt() { :; }\nsource raio.bash\nCOMP_WORDS=(" + words +
                  ")\nCOMP_CWORD=$((${#COMP_WORDS[@]} - 1))\n_raio\n"
@@ -150,7 +150,7 @@ TEST_F(Manual, FishCompletesTheSame) {
   EXPECT_THAT(fish_offers("raio help verif"), IsEmpty());
 }
 
-// zsh completes only on a terminal; what the script hands to its helpers is printed instead.
+// zsh completes only on a terminal; the test prints what the script passes to its helpers.
 TEST_F(Manual, ZshDescribesTheSame) {
   if (!has("zsh")) GTEST_SKIP() << "there is no zsh here";
   const auto said = [&](const std::string& words) {

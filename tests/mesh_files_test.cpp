@@ -78,7 +78,7 @@ TEST(Ply, BrokenFilesAreRefused) {
               HasSubstr("ends within its vertices"));
 }
 
-// A strip of `count` quadrilaterals, whose rows of text `end` ends.
+// A strip of `count` quadrilaterals; its rows of text end with `end`.
 std::string ply_of_faces(bool binary, int count, const std::string& end = "\n") {
   std::string out = std::string("ply\nformat ") + (binary ? "binary_little_endian" : "ascii") +
                     " 1.0\nelement vertex " + std::to_string(2 * count + 2) +
@@ -122,7 +122,7 @@ TEST(Ply, RowsAreReadOnAllThreads) {
     ASSERT_TRUE(text) << text.error().front().text();
     EXPECT_EQ(content_hash(text->scene), content_hash(binary->scene));
   }
-  // The first of several faults is told, with its line.
+  // The first of several faults is reported, with its line.
   std::string broken = ply_of_faces(false, faces);
   const auto line_of = [&](size_t at) {
     return std::to_string(std::count(broken.begin(), broken.begin() + ptrdiff_t(at), '\n') + 1);
@@ -158,7 +158,7 @@ TEST(Ply, PropertiesAreColours) {
   EXPECT_EQ(color({.color_by = "x"}), Rgb(1));
 }
 
-// What programs for scans write for normals that they do not know.
+// Scanning programs write this for unknown normals.
 TEST(Ply, NumbersMayBeNone) {
   const auto with = [](const std::string& type, const std::string& number) {
     return "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty "
@@ -174,7 +174,7 @@ TEST(Ply, NumbersMayBeNone) {
   EXPECT_THAT(error(with("float", "nano"), "a.ply"), HasSubstr("found \"nano\""));
   std::string place = with("float", "1");
   place.replace(place.find("1 0 0 1"), 1, "nan");
-  EXPECT_EQ(error(place, "a.ply"), "no error");  // vertices without a place are left out
+  EXPECT_EQ(error(place, "a.ply"), "no error");  // vertices without a position are skipped
 }
 
 TEST(Ply, OddsAndEnds) {
@@ -185,10 +185,10 @@ TEST(Ply, OddsAndEnds) {
     return text;
   };
   EXPECT_THAT(error(with("4 0 1 2 3", "4 0 1 2 1.5"), "a.ply"), HasSubstr("names vertex 1.5"));
-  // Elements of nothing take no time, however many there are.
+  // Elements without properties take no time, however many there are.
   EXPECT_THAT(error(with("element face", "element nothing 99999999999\nelement face"), "a.ply"),
               HasSubstr("do not fit in the file"));
-  // A concave polygon is not cut outside of it: the corner 1 1 lies inside of the triangle.
+  // A concave polygon is not triangulated outside of itself: the vertex 1 1 is inside the triangle.
   const auto dart = read(
       "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float "
       "z\n"
@@ -219,7 +219,7 @@ TEST(Ply, OddsAndEnds) {
   const auto strip_and_face = read(both + "3 0 1 2\n3 1 3 2\n", "a.ply");
   ASSERT_TRUE(strip_and_face) << strip_and_face.error().front().text();
   EXPECT_EQ(strip_and_face->scene.meshes[0].triangles.size(), 2u);
-  // Without a face of three corners there are points.
+  // Without a face of three vertices there are only points.
   const auto points = read(both + "2 0 1\n2 1 3\n", "a.ply");
   ASSERT_TRUE(points) << points.error().front().text();
   ASSERT_EQ(points->scene.spheres.size(), 4u);
@@ -257,7 +257,7 @@ TEST(Stl, TextAndBinaryAreTheSame) {
               HasSubstr("a.stl:6:1: error: expected vertex"));
 }
 
-// The material of a blue face whose vertices have `more` behind their places.
+// The material of a blue face, with `more` after the positions of its vertices.
 Rgb off_face(const std::string& head, const std::string& more) {
   std::string text = head + "3 1 0\n";
   for (const char* place : {"0 0 0", "1 0 0", "0 1 0"}) text += place + more + "\n";
@@ -303,7 +303,7 @@ TEST(Obj, FacesHaveNormalsAndTextureCoordinates) {
   EXPECT_THAT(mesh->notices[0].text(), HasSubstr("there is no file \"square.mtl\""));
   const Mesh& m = mesh->scene.meshes[0];
   ASSERT_EQ(m.triangles.size(), 2u);
-  // The first corner has two places on a texture.
+  // The first vertex has two texture coordinates.
   EXPECT_EQ(m.positions.size(), 5u);
   EXPECT_EQ(m.positions[m.triangles[1][0]], Vec3f(0, 0, 0));
   EXPECT_EQ(m.uv[m.triangles[0][0]], (Uv{0, 0}));
@@ -382,7 +382,7 @@ TEST(Obj, BrokenFilesAreRefused) {
             Rgb(0, 1, 0));
 }
 
-// The corners of all triangles of a scene's first mesh, with colours, normals and texture
+// The vertices of all triangles of a scene's first mesh, with colours, normals and texture
 // coordinates.
 std::vector<std::array<float, 11>> corners_of(const Scene& scene) {
   std::vector<std::array<float, 11>> out;
@@ -418,7 +418,7 @@ TEST(PlyWrite, WrittenFilesReadBack) {
     ASSERT_EQ(a.size(), b.size()) << name;
     EXPECT_FALSE(a.empty());
     for (size_t i = 0; i < a.size(); ++i) {
-      // Of flat triangles among smooth ones the normal is written; colours have 256 steps.
+      // Flat triangles among smooth ones get their normals written; colours have 256 steps.
       const bool flat = length(Vec3f(a[i][3], a[i][4], a[i][5])) == 0;
       for (size_t k = 0; k < a[i].size(); ++k) {
         const bool color = k >= 6 && k <= 8, normal = k >= 3 && k <= 5;
@@ -440,7 +440,7 @@ TEST(PlyWrite, ReportsOmissions) {
   ASSERT_TRUE(copy) << copy.error().front().text();
   const size_t least = scene.triangles.size() + scene.polygons.size();
   EXPECT_GE(copy->scene.meshes[0].triangles.size(), least);
-  // Far from zero places are doubles.
+  // Far from zero, positions are doubles.
   Scene far;
   far.dialect = Dialect::data;
   far.origin = Vec3d(1e9, 0, 0);
@@ -450,7 +450,7 @@ TEST(PlyWrite, ReportsOmissions) {
   EXPECT_THAT(write_ply(far), HasSubstr("property double x"));
 }
 
-/// A pyramid whose base lies across an axis: 1 is y, 2 is z.
+/// A pyramid with its base perpendicular to an axis: 1 is y, 2 is z.
 std::string pyramid(int axis, bool is_closed = true) {
   std::string out;
   for (const auto& [u, v] : {std::pair(-1, -1), {1, -1}, {1, 1}, {-1, 1}})

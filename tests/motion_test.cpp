@@ -1,4 +1,4 @@
-// What moves while the shutter is open.
+// Motion blur.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -76,7 +76,7 @@ TEST(MovingTriangle, MatchesTheTriangleAtEachTime) {
     const Triangle still = at_time(t, ray.time);
     const auto hit = first_hit(t, ray, Sides::both);
     const auto expected = first_hit(still, ray, ShearedRay(ray.dir), Sides::both);
-    // But for rays along edges and triangles that are seen edge-on.
+    // Except for rays along edges and triangles seen edge-on.
     const double cosine = std::abs(dot(triangle_normal(still), ray.dir));
     const double edge =
         expected ? std::min({expected->u, expected->v, 1 - expected->u - expected->v}) : 0.01;
@@ -104,7 +104,7 @@ TEST(MovingTriangle, AreWatertightTogether) {
     Ray ray;
     ray.time = float(random.uniform());
     const Triangle still = at_time(one, ray.time);
-    // The other lies beyond the edge: the first mirrored at its middle, so to say.
+    // The other is beyond the edge: the first one, mirrored at its middle.
     const Vec3f right = a + b - left, right1 = a1 + b1 - left1;
     const MovingTriangle other{{b, a, right}, {b1, a1, right1}, 0, 1};
     const Vec3f on_edge = still.a + (still.b - still.a) * float(random.uniform(0.05, 0.95));
@@ -115,8 +115,8 @@ TEST(MovingTriangle, AreWatertightTogether) {
   }
 }
 
-// Wherever the shape is on its way, boxes that it touches are said to be touched; and those said to
-// be are mostly near.
+// Wherever the shape is on its way, the boxes that it touches are reported; and reported boxes are
+// mostly near.
 template <class Shape, class PointOn>
 void check_boxes_on_the_way(const Shape& shape, PointOn&& point_on, tests::Random& random) {
   for (int i = 0; i < 20; ++i) {
@@ -146,7 +146,7 @@ TEST(Movement, IsBoundedWholeAndTightly) {
         },
         random);
   }
-  // Of the 1000 cells of its bounds, one that moves along the diagonal touches those beside it.
+  // Of the 1000 cells of its bounds, one moving along the diagonal touches those next to it.
   const MovingSphere ball{Vec3f(0), Vec3f(10), 0.5f, 0, 1};
   const MovingTriangle leaf{
       {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{9, 9, 9}, {10, 9, 9}, {9, 10, 9}}, 0, 1};
@@ -225,8 +225,8 @@ TEST(Motion, IsTheMeanOfAThousandStillPictures) {
   EXPECT_LE(worst, 0.1);
 }
 
-// The black side of a box whose edge crosses a white picture evenly from x = -1 to x = 1: what a
-// pixel sees of the white is a ramp.
+// The black side of a box; its edge crosses a white picture uniformly from x = -1 to x = 1: a
+// pixel's fraction of white is a ramp.
 TEST(Motion, AMovingEdgeIsItsExactRamp) {
   Scene s = scene("bm -50 -50 -0.001 -1 50 0 -50 -50 -0.001 1 50 0 0 1\n");
   s.background = Rgb(1);
@@ -234,7 +234,7 @@ TEST(Motion, AMovingEdgeIsItsExactRamp) {
   RenderOptions o;
   o.width = 33, o.height = 33;
   const double pixel = 2 * 10 * std::tan(20 * std::numbers::pi / 180) / 33;
-  // Of the white, at the moment when a part `part` of the time has passed.
+  // The white fraction when the fraction `part` of the time has passed.
   const auto white = [](double x, double open, double close) {
     return std::clamp(((x + 1) / 2 - open) / (close - open), 0.0, 1.0);
   };
@@ -269,7 +269,7 @@ TEST(Motion, IsTheSameWithEveryStructureAndAnyNumberOfThreads) {
     }
 }
 
-// Of a camera that moves and turns, a moment is what a still camera sees from there.
+// A moment of a moving and turning camera equals the picture of a still camera there.
 TEST(Motion, AMomentOfTheCameraIsThatCamera) {
   Scene moving = scene("s -1 0 0 1\ns 1.2 0.4 -1 0.8\npl 0 -1 0 1 -1 0 0 -1 -1\n");
   moving.camera.movement = CameraMovement{{4, 2, 8}, {1, 0.5f, -1}, 0, 2};
@@ -292,7 +292,7 @@ TEST(Motion, AMomentOfTheCameraIsThatCamera) {
   }
 }
 
-// A camera that moves past still things sees what a still one does when the things move past.
+// A camera moving past still objects sees what a still one does when the objects move past.
 TEST(Motion, IsTheSameWithInstances) {
   const Scene alone =
       scene("s 0 -1 -2 1.2\ntm -1 0 1 1 0 1 0 1 1  0 1 1 1 2 1 0 2 0 0 3\n" + std::string(kMoving));
@@ -310,7 +310,7 @@ TEST(Motion, IsTheSameWithInstances) {
   }
 }
 
-// A place given stops the scene's camera, even its own.
+// A given position stops the scene's camera, even if it is the same.
 TEST(Motion, AGivenCameraStandsStill) {
   Scene moving = scene("s 0 0 0 1\n");
   moving.camera.movement = CameraMovement{moving.camera.from + Vec3f(2, 0, 0), {2, 0, 0}, 0, 1};
@@ -367,7 +367,7 @@ TEST(Motion, ReadsBack) {
   EXPECT_EQ(binary->camera, s.camera);
 }
 
-// A box that does not move but in name is the box.
+// A box that moves in name only equals the box.
 TEST(Motion, ABoxAtRestIsTheBox) {
   RenderOptions o;
   o.aa = 2;

@@ -17,7 +17,7 @@ using tests::kSharedFolder;
 using tests::many_spheres;
 using tests::texts;
 
-// Damage: whatever the bytes, a sound scene or an error with a place.
+// Damage: any bytes give a valid scene or an error with a location.
 
 std::string damaged(std::string text, std::mt19937_64& random) {
   static const std::string_view kPieces[] = {"p 4 ",

@@ -173,7 +173,7 @@ TEST(NffRead, SmoothTrianglesAmongFlatOnes) {
 }
 
 TEST(NffRead, SmoothPolygonsAreCut) {
-  // An L of six corners whose normals tell the corners apart.
+  // An L of six vertices with distinct normals.
   const Vec3f l[6] = {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}};
   std::string text = "pp 6\n";
   for (int i = 0; i < 6; ++i) text += fmt::format("{} {} 0 {} 1 1\n", l[i].x, l[i].y, i);
@@ -281,7 +281,7 @@ TEST(NffRead, FilesThatCannotBeRead) {
   EXPECT_EQ(message("/dev/null"), "/dev/null: error: this is a device, expected a file\n");
 }
 
-// Each file of a folder, and what is said of it, in expected.txt in the order of names.
+// Each file of a folder, and its messages, in expected.txt in the order of names.
 void expect_what_is_said(const std::filesystem::path& folder, const char* suffix) {
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder))
@@ -310,8 +310,8 @@ TEST(P3fRead, BrokenFiles) { expect_what_is_said(RAIO_SOURCE_DIR "/tests/broken/
 
 // Long texts, which are read in pieces.
 
-/// Longer than two pieces.
-/// Some of everything that a piece can hold, with few materials and without for long stretches.
+/// Longer than two pieces. Some of everything in a piece, with few materials and long stretches
+/// without any.
 std::string random_objects(std::mt19937_64& random, size_t bytes) {
   const auto n = [&] { return fmt::format("{} ", double(random() % 20001) / 1000 - 10); };
   const auto repeat = [](size_t count, const auto& make) {

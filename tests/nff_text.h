@@ -84,7 +84,8 @@ void expect_same(const List& a, const List& b)
   for (size_t i = 0; i < a.size(); ++i) ASSERT_TRUE(same(a[i], b[i])) << i;
 }
 
-/// Position and normal of each corner of each triangle, polygons behind: what indices stand for.
+/// Position and normal of each vertex of each triangle, then of polygons: the values behind the
+/// indices.
 inline std::vector<Vec3f> corners(const Scene& scene) {
   std::vector<Vec3f> out;
   for (size_t i = 0; i < scene.triangles.size(); ++i)

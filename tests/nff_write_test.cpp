@@ -46,7 +46,7 @@ TEST(NffWrite, EveryPlaneOfUnitNormalReadsBack) {
 }
 
 TEST(NffWrite, TheFloatThatRoundsTwice) {
-  // The shortest digits of this float lie nearest to a double that is half way to the next float.
+  // The shortest digits of this float are nearest to a double halfway to the next float.
   Scene scene;
   scene.materials.emplace_back();
   scene.spheres.push_back({{0x1.5c87fap-84f, 0, 0}, 1});

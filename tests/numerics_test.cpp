@@ -1,5 +1,5 @@
-// Pictures do not depend on the unit of length, nor on where the scene lies. Every test prints what
-// it has measured, for the table of docs/verify.md.
+// Pictures do not depend on the unit of length or on the scene's position. Every test prints its
+// measurement for the table of docs/verify.md.
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
@@ -63,7 +63,7 @@ Scene scaled(Scene s, float k) {
   return s;
 }
 
-// The same scene about another place, as a file has it that somebody exported there.
+// The same scene about another point, as exported there.
 Scene moved(Scene s, Vec3d by) {
   s.origin = s.origin + by;
   auto read = parse_nff(write_nff(s), s.name);
@@ -71,7 +71,7 @@ Scene moved(Scene s, Vec3d by) {
   return read ? std::move(read->scene) : Scene();
 }
 
-// Rounding moves edges: a pixel whose ray grazes one may change, and mirror balls multiply that.
+// Rounding moves edges: a pixel with a grazing ray may change, and mirror balls multiply that.
 template <class Change>
 void expect_same_pictures(std::string_view what, double bound, Change&& change) {
   double worst = 0;

@@ -12,7 +12,7 @@
 #include "shape/triangle.h"
 
 // Each test hits a shape with random rays, puts the hit back on the surface as shading does, starts
-// rays from there into either half of space, down to grazing ones, and asks the shape again.
+// rays from there into both half spaces, down to grazing ones, and intersects the shape again.
 
 namespace raio {
 namespace {
@@ -92,7 +92,7 @@ TEST(Offset, RaysLeaveATriangle) {
     const Triangle t{corner(), corner(), corner()};
     const Vec3f n = triangle_normal(t);
     const float edge = std::max({length(t.b - t.a), length(t.c - t.b), length(t.a - t.c)});
-    // Slivers have no normal to speak of where the corners are some ulps apart.
+    // Slivers have no meaningful normal if the vertices are some ulps apart.
     if (n == Vec3f()) continue;
     const double u = random.uniform(0, 1), v = random.uniform(0, 1 - u);
     const Vec3d target = Vec3d(t.a) * (1 - u - v) + Vec3d(t.b) * u + Vec3d(t.c) * v;
@@ -158,14 +158,14 @@ TEST(Offset, RaysLeaveACone) {
     const Vec3f p(Vec3d(hit) - Vec3d(n) * off);
     const float scale = largest(p) + c.height + std::max(cone.base_radius, cone.apex_radius);
     const double offset = 32.0 * std::numeric_limits<float>::epsilon() * scale;
-    // Where the wall is nearer to the axis than a few offsets, at the tip, no side can be told.
+    // At the tip, where the wall is within a few offsets of the axis, the side is undefined.
     if (wall < 16 * offset) continue;
 
     const ConeRoots again =
         cone_roots(c, {offset_origin(p, n, scale, true), leaving_direction(random, n)});
     for (int i = 0; i < again.count; ++i) leaving += again.t[i] > 0;
 
-    // The near side must not be met again: a root ahead is of the far side, to be left there.
+    // The near side must not be hit again: a root in front is on the far side, to be left there.
     const ConeRoots in =
         cone_roots(c, {offset_origin(p, n, scale, false), leaving_direction(random, -n)});
     for (int i = 0; i < in.count; ++i) {

@@ -1,5 +1,4 @@
-// What every scene must hold to: all structures, any number of threads and all instruction sets
-// give the same picture.
+// Checks that all structures, any number of threads and all instruction sets give the same picture.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -29,8 +28,8 @@ inline bool same_bytes(const Image& a, const Image& b) {
          std::memcmp(a.pixels.data(), b.pixels.data(), a.pixels.size() * sizeof(Rgb)) == 0;
 }
 
-/// The picture, of finite light only, after it was seen by every structure, on one thread and on
-/// three, with each instruction set of this machine.
+/// The picture, checked to be finite, rendered with every structure, on one thread and on three,
+/// with each instruction set of this machine.
 inline Image expect_one_picture(const Scene& scene, RenderOptions options) {
   options.accel.kind = AccelKind::none;
   const Image none = picture_of(scene, options);

@@ -21,7 +21,7 @@ using tests::moving_scene;
 using tests::picture_of;
 using tests::random_scene;
 
-// Looks down the z axis from above at a white background; what is there is black.
+// Looks down the z axis from above at a white background; the primitives are black.
 Scene looking_down() {
   Scene scene;
   scene.camera.from = {0, 0, 10}, scene.camera.at = {0, 0, 0}, scene.camera.up = {0, 1, 0};
@@ -47,12 +47,13 @@ TEST(Opacity, LayersMultiply) {
         scene.disc_opacity.push_back(a);
       }
       const double passes = std::pow(1 - double(a), k);
-      // Little light behind few layers, and much behind any number, is not drawn at random.
+      // Little light behind few layers, and much behind any number, is not randomized.
       if (k == 1 || passes > (k <= 4 ? 1 / 128. : 1 / 8.)) {
         EXPECT_NEAR(middle(scene), passes, 1e-4) << a << ' ' << k;
         continue;
       }
-      // Of many layers a pixel sees one: 40,000 of them see what passes, to six deviations at most.
+      // With many layers a pixel sees one: 40,000 pixels average the transmittance, to six
+      // deviations at most.
       RenderOptions options;
       options.width = options.height = 200;
       options.tone = Tone::none;
@@ -62,8 +63,8 @@ TEST(Opacity, LayersMultiply) {
     }
 }
 
-// Layers in the light from the eye's side: each is as bright as what passes those before it, and
-// weighs as much again.
+// Layers lit from the eye's side: each is as bright as what passes those in front of it, and has
+// that weight again.
 TEST(Opacity, ManyLayersHaveTheRightMean) {
   for (const auto& [a, k] : {std::pair{0.03f, 40}, std::pair{0.1f, 9}, std::pair{0.1f, 30},
                              std::pair{0.3f, 6}, std::pair{0.5f, 8}, std::pair{0.9f, 5}}) {
@@ -90,7 +91,7 @@ TEST(Opacity, ManyLayersHaveTheRightMean) {
   }
 }
 
-// A floor in the light below many layers, which hide it from the light, but not from the eye.
+// A floor below many layers, which hide it from the light, but not from the eye.
 TEST(Opacity, ShadowsOfManyLayersHaveTheRightMean) {
   for (const auto& [a, k] : {std::pair{0.1f, 20}, std::pair{0.3f, 8}, std::pair{0.5f, 4}}) {
     Scene scene = looking_down();
@@ -161,7 +162,7 @@ TEST(Opacity, TheOptionIsTheDefault) {
     const RenderSettings settings = resolve_options(options, scene);
     EXPECT_EQ(resolve_options(options_of(settings, scene), scene), settings);
   }
-  // What is as always is not stored in pictures.
+  // Defaults are not stored in pictures.
   EXPECT_FALSE(options_of(resolve_options({}, scene), scene).opacity);
 }
 
@@ -208,7 +209,7 @@ TEST(Opacity, ARoundShapeHidesOnce) {
   EXPECT_NEAR(middle(mesh), 0.49, 1e-6);
 }
 
-// A white floor below a light; what is between is clear.
+// A white floor below a light; everything between is transparent.
 TEST(Opacity, ShadowsLetThrough) {
   Scene scene = looking_down();
   scene.background = Rgb(0);
@@ -322,7 +323,7 @@ TEST(Opacity, TheTreeFindsTheLayersOfBruteForce) {
   }
 }
 
-// Laid over any ground, a picture with alpha is the one that was rendered on it.
+// Over any background, a picture with alpha equals one rendered on it.
 TEST(Opacity, AlphaLaysOverAnyGround) {
   const Scene scene = with_opacity(random_scene(60, 5), 8);
   RenderOptions options;

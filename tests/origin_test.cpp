@@ -17,7 +17,7 @@
 namespace raio {
 namespace {
 
-// Part of a map in UTM, in metres: places 0.1 apart, as files have them.
+// Part of a map in UTM, in metres: positions 0.1 apart, as in files.
 constexpr Vec3d kMapCorner(500000, 5400000, 300);
 constexpr int kMapSide = 20;
 
@@ -29,7 +29,7 @@ std::vector<Vec3d> map_places(Vec3d corner = kMapCorner) {
   return out;
 }
 
-// Each place by a format with its three numbers.
+// Each position in a format with its three numbers.
 std::string map_rows(std::string_view format, Vec3d unit = Vec3d(1)) {
   std::string out;
   int number = 0;
@@ -116,7 +116,7 @@ std::string map_cif() {
   return out + map_rows("ATOM {0} C C{0} ALA A {0} {1:.3f} {2:.3f} {3:.3f}\n");
 }
 
-// Where the scene's vertices and centres are in the file.
+// Positions of the scene's vertices and centres in the file.
 std::vector<Vec3d> places_in_file(const Scene& scene) {
   std::vector<Vec3d> out;
   const auto add = [&](const Scene& s, const Placement& place) {
@@ -130,7 +130,7 @@ std::vector<Vec3d> places_in_file(const Scene& scene) {
   return out;
 }
 
-// Of each of the places how far away the nearest of the file's is, at most.
+// The largest distance of a position from the nearest one in the file.
 double largest_error(const std::vector<Vec3d>& found, const std::vector<Vec3d>& wanted) {
   double largest = 0;
   for (const Vec3d& p : found) {
@@ -202,7 +202,7 @@ TEST(FarFromZero, EveryFormatKeepsItsDigits) {
   EXPECT_GE(distinct(places_in_file(triangles->scene)), count);
 }
 
-// What floats give is kept as it is, and rendered near the origin.
+// Coordinates that floats can represent are kept, and rendered near the origin.
 TEST(FarFromZero, FloatsAreExact) {
   const auto found = parse_scene(map_ply("float"), "float.ply");
   ASSERT_TRUE(found);
@@ -258,7 +258,7 @@ TEST(FarFromZero, CellsBondsAndImagesFollow) {
   EXPECT_LT(length(box.hi - wanted(500008 + kEdge, 5400004 + kEdge, 304 + kEdge)), 1e-4f);
 }
 
-// The second copy is turned by half about the file's z axis, and moved back.
+// The second instance is rotated by half a turn about the file's z axis, and translated back.
 TEST(FarFromZero, AssembliesTurnAboutTheOriginOfTheFile) {
   const std::string text =
       "REMARK 350 BIOMOLECULE: 1\nREMARK 350 APPLY THE FOLLOWING TO CHAINS: A\n"
@@ -292,7 +292,7 @@ class FarFiles : public CommandLine {
   }
 };
 
-// The mean of a pixel's spheres is none of them, so all are within a radius of one.
+// The mean over a pixel's spheres is none of them, so all are within a radius of one.
 TEST_F(FarFiles, PositionsAreThoseOfTheFile) {
   JobRequest request;
   request.scene = file("map.ply");
@@ -382,7 +382,7 @@ TEST_F(FarFiles, WrittenFilesHaveTheCoordinatesOfTheFile) {
                                                         origin.y, origin.z)));
 }
 
-// Frames whose first atoms are apart have other origins, and the same picture.
+// Frames with distant first atoms have different origins, and the same picture.
 TEST_F(FarFiles, FramesAreSeenByTheSameCamera) {
   const std::string a = "Ar 500400 5400000 300\n", b = "Ar 500604 5400100 300\n";
   put(file("two.xyz"), "2\none\n" + a + b + "2\ntwo\n" + b + a);
@@ -407,7 +407,7 @@ TEST_F(FarFiles, CoincidentAtomsAreNamed) {
               HasSubstr("atoms at the same position as another (2: CB ALA A1, OG SER B7)"));
 }
 
-// A file that asks for brute force, with so many spheres.
+// A file that requests brute force, with this many spheres.
 std::string brute_force(int spheres) {
   std::string out =
       "accel 0\nb 1 1 1\nv\nfrom 0 -9 0\nat 0 0 0\nup 0 0 1\nangle 40\nhither 0\n"

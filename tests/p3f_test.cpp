@@ -1,5 +1,5 @@
-// P3F, the dialect of courses: what its files say, what they ask for, and the pictures of the
-// course beside Raio's. Broken files are in nff_test.cpp.
+// P3F, the dialect of courses: its entities, its hints, and the course's pictures compared with
+// Raio's. Broken files are in nff_test.cpp.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -131,7 +131,7 @@ TEST(P3f, WrittenScenesReadBack) {
     EXPECT_EQ(again.material_roughness, scene.material_roughness);
     for (size_t l = 0; l < scene.lights.size(); ++l)
       EXPECT_EQ(again.lights[l].extent, scene.lights[l].extent);
-    // The file counts positions that nothing names once more than a scene made here.
+    // The file counts unused positions again, unlike a scene made here.
     const Scene twice = read(write_nff(again));
     EXPECT_EQ(content_hash(twice), content_hash(again));
     const auto binary = decode_raio_scene(encode_raio_scene(again), nullptr);
@@ -235,7 +235,7 @@ TEST(P3f, RectanglesOfLightCastTheirPenumbra) {
     float row = 0;
     for (int y = 0; y < 16; ++y) row += picture.at(x, y).x / 16;
     const float right = (picture.at(63, 8).x > 0.5f ? across : -across);
-    // The part of the light that is seen: linear over one unit.
+    // The visible fraction of the light: linear over one unit.
     const float seen = std::clamp(0.5f + right, 0.0f, 1.0f),
                 cosine = 20 / std::hypot(20.0f, across);
     EXPECT_NEAR(row, seen * cosine, 0.01f) << x;
@@ -315,8 +315,8 @@ std::optional<CoursePicture> course_picture(const std::string& name) {
   return CoursePicture{std::move(scene->scene), std::move(*image)};
 }
 
-// Pixels that are further than 8 of 255 apart, in parts of all, and of those whose eye ray hits
-// nothing that mirrors or lets light through.
+// The fraction of pixels that differ by more than 8 of 255: of all, and of those with eye rays that
+// hit no mirror or glass.
 struct Apart {
   size_t all = 0, outside = 0, pixels = 0;
 
@@ -337,8 +337,8 @@ bool is_plain_surface(const Scene& scene, const Explanation& e) {
   return m.ks == 0 && m.transmission == 0;
 }
 
-// The light of ray `i` of a sample as the program of the course adds it up: that of each ray is
-// clamped to 1 before it is added to its parent's, and highlights have half their strength.
+// The light of ray `i` of a sample as the course's program sums it: each ray's light is clamped to
+// 1 before it is added to its parent's, and highlights have half their strength.
 Vec3d as_the_course_adds(const Explanation& e, size_t i) {
   const ExplainedRay& ray = e.rays[i];
   Vec3d sum = ray.surface ? Vec3d() : Vec3d(ray.background);
@@ -357,7 +357,7 @@ Vec3d as_the_course_adds(const Explanation& e, size_t i) {
   return sum;
 }
 
-// Of every `step`th pixel of the course's picture, with Raio's light or with the course's sums.
+// Every `step`th pixel of the course's picture, with Raio's light or with the course's sums.
 Apart apart(const CoursePicture& course, const RenderOptions& options, int step, bool with_quirks) {
   const Scene& scene = course.scene;
   RenderOptions o = options;
@@ -376,10 +376,10 @@ Apart apart(const CoursePicture& course, const RenderOptions& options, int step,
   return out;
 }
 
-// Light that is brighter than white is clamped in the course's pictures before a mirror takes its
-// part, and the background seen through the glass of mount_low is darker than it should be. With
-// the sums of the course's program on Raio's own rays little is left; without, geometry and shadows
-// are the same outside mirrors and glass.
+// The course's pictures clamp light brighter than white before mirrors scale it, and the background
+// through the glass of mount_low is darker than it should be. With the sums of the course's program
+// on Raio's rays little difference remains; without, geometry and shadows agree outside mirrors and
+// glass.
 TEST(P3fCourse, PicturesAreThoseOfTheCourse) {
   if (!std::filesystem::exists(course_file(""))) GTEST_SKIP() << "no " << course_file("");
   struct Case {

@@ -1,5 +1,5 @@
-// Every widget of the panel and of the tool bar is pressed, on a screen that nobody sees: what is
-// under the cursor is found by going over all of it.
+// Presses every widget of the panel and of the tool bar, on an off-screen display: the cursor
+// sweeps over everything.
 #include "view/panel.h"
 
 #include <fmt/format.h>
@@ -23,7 +23,7 @@
 namespace raio::view {
 namespace {
 
-// What is another than before, in words.
+// The differences to an earlier state, in words.
 std::string difference(const ViewState& a, const ViewState& b) {
   const auto axes = [](const char* name, const Vec3f& x, const Vec3f& y) -> std::string {
     for (int i = 0; i < 3; ++i)
@@ -58,7 +58,7 @@ std::string difference(const ViewState& a, const ViewState& b) {
   return {};
 }
 
-// What a change of the scene is once it has been saved and read again.
+// A change of the scene after saving and reading back.
 void expect_saved(const ViewState& state) {
   const Scene seen = as_seen(*state.scene, state.camera, state.scene->background);
   const auto read = parse_nff(write_nff(seen), "three");
@@ -281,7 +281,7 @@ TEST(Panel, EveryToolPressesItsKey) {
   EXPECT_EQ(std::set<std::string>(pressed.begin(), pressed.end()).size(), pressed.size());
 }
 
-// Each choice of an option's list makes another state, or says why it does not fit.
+// Each choice of an option's list gives another state, or a reason why it cannot be combined.
 TEST(Panel, EveryEntryOfEveryListIsTaken) {
   ViewState state = state_of_three();
   PanelFacts facts;
@@ -311,7 +311,7 @@ TEST(Panel, EveryEntryOfEveryListIsTaken) {
       const auto rays = std::string(projection_name(state.camera.projection));
       outcomes.insert(problem.empty() ? option_arguments(state.options) + rays : problem);
     }
-    // What has no effect on this scene is refused, whichever entry it is. All of it is most of it.
+    // Options without effect on this scene are refused, whichever entry is chosen; here most are.
     const bool refused = outcomes.size() == 1 && outcomes.begin()->contains("has no effect");
     EXPECT_TRUE(refused || moves || outcomes.size() == entries.size())
         << testing::PrintToString(outcomes);

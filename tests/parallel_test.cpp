@@ -55,7 +55,7 @@ TEST(Parallel, GroupsEndWhenAllTheirTasksHave) {
 }
 
 TEST(Parallel, EachThreadHasItsOwn) {
-  // What cannot be moved, counted as it is made.
+  // Immovable objects, counted when constructed.
   static std::atomic<int> made;
   struct Counted {
     explicit Counted(int start) : value(start) { ++made; }

@@ -1,4 +1,4 @@
-// Part files, merging, and what must never change a picture that is made in several goes.
+// Part files, merging, and that rendering in several steps never changes a picture.
 #include "render/part.h"
 
 #include <gmock/gmock.h>
@@ -74,7 +74,7 @@ RenderOptions sobol(int samples) {
 
 TEST(Hash, MatchesThePublishedOne) {
   EXPECT_EQ(hex(hash128("")), "00000000000000000000000000000000");
-  // By the author's own program, with seed 0.
+  // From the author's program, with seed 0.
   EXPECT_EQ(hex(hash128("hello")), "cbd8a7b341bd9b025b1e906a48ae1d19");
   EXPECT_EQ(hex(hash128("The quick brown fox jumps over the lazy dog")),
             "e34bbc7bbc071b6c7a433ca9c49a9347");
@@ -125,11 +125,11 @@ TEST(Provenance, OptionsComeBack) {
     EXPECT_EQ(back->focus, resolved.dof ? resolved.focus : 0);
     EXPECT_EQ(back->seed, resolved.seed);
   }
-  // What has a default of the program's is kept all the same: another version's may be another.
+  // Defaults are stored all the same: another version's may differ.
   const Metadata plain = settings_of(scene, resolve_options({}, scene));
   for (const char* key : {"version", "scene_hash", "size", "accel", "aa", "depth", "seed"})
     EXPECT_NE(setting(plain, key), "") << key;
-  // Every option that a picture depends on can be kept.
+  // Every option that a picture depends on can be stored.
   for (const OptionSpec& spec : render_option_table())
     EXPECT_TRUE(spec.text || !std::holds_alternative<OptionSpec::Parse>(spec.value)) << spec.name;
 }
@@ -191,8 +191,8 @@ TEST(PartFile, ComesBack) {
   }
 }
 
-/// Rays that meet mirror after mirror, each as bright as floats go: together they bring more than
-/// a sample may.
+/// Rays that hit mirror after mirror, each as bright as floats go: together they exceed a sample's
+/// bound.
 TEST(PartFile, OfALightAtTheEndOfFloatsComesBack) {
   for (const float light : {1e37f, 1e38f, 3e38f}) {
     Scene scene = random_scene(60, 5);
@@ -245,7 +245,7 @@ TEST(PartFile, IsNotTrusted) {
   for (size_t size = 0; size < bytes.size(); size += 97)
     EXPECT_NE(error(std::string_view(bytes).substr(0, size)), "");
 
-  // Whoever seals it again gets no further than an error or a sound film.
+  // Resealed changes give only an error or a valid film.
   const std::string body = bytes.substr(0, bytes.size() - 16);
   EXPECT_EQ(error(sealed(body)), "");
   EXPECT_THAT(error(sealed(body + "x")), HasSubstr("bytes follow its last tile"));
@@ -326,7 +326,7 @@ TEST(PartFile, SpansAreNotTrusted) {
     part.header.samples = of;
     std::string bytes = encode_part(part.header, *part.film);
     bytes.resize(bytes.size() - 16);
-    // Those of the first tile: one, from 0 to before 1.
+    // The first tile's samples: one, from 0 up to 1.
     const std::string one("\1\0\0\0\0\0\0\0\1\0\0\0", 12);
     const size_t at = bytes.find(one + std::string("\0\4\0\0", 4));
     EXPECT_NE(at, std::string::npos);
@@ -454,7 +454,7 @@ TEST(Merge, MergesSpansInAnyOrder) {
   const Part whole = make({});
   const std::string bytes = encode_part(whole.header, *whole.film);
   const size_t tiles = whole.film->tiles();
-  // Each sample by itself, from which any span is made.
+  // Each sample separately, to combine into any span.
   std::vector<std::vector<TileSamples>> samples(12);
   for (uint32_t k = 0; k < 12; ++k) {
     const Part one = make({.samples = k + 1, .first_sample = k});
@@ -486,7 +486,7 @@ TEST(Merge, MergesSpansInAnyOrder) {
       ASSERT_TRUE(encode_part(merged->header, *merged->film) == bytes) << round;
     }
   }
-  // What is rendered in several goes, out of order.
+  // Rendered in several steps, out of order.
   Part goes = make({.samples = 9, .first_sample = 5});
   studio.add_to(*goes.film, {.samples = 4, .first_sample = 2, .shard = 1, .shards = 2});
   auto back = decode_part(encode_part(goes.header, *goes.film));
@@ -533,7 +533,7 @@ TEST(SameBytes, AnyThreadsTilesShardsAndPasses) {
       const Studio studio(o);
       for (const int side : {8, 16, 32, 64}) {
         const Part part = studio.part({.samples = 2, .shard = 1, .shards = 3}, side);
-        // Kept and read again, gone on with, in time and without limit.
+        // Stored and read back, resumed, with and without a time limit.
         const auto back = decode_part(encode_part(part.header, *part.film));
         ASSERT_TRUE(back.has_value());
         studio.add_to(*back->film, {.samples = 3, .shard = 0, .shards = 2});
@@ -544,8 +544,8 @@ TEST(SameBytes, AnyThreadsTilesShardsAndPasses) {
   }
 }
 
-// Who changes what is computed changes these numbers; compilers, levels of optimisation and
-// instruction sets must not.
+// A change of the computation changes these numbers; compilers, optimization levels and instruction
+// sets must not.
 TEST(SameBytes, FromAllBuilds) {
   const auto file = read_nff(RAIO_SOURCE_DIR "/scenes/shapes.nff");
   ASSERT_TRUE(file.has_value());
@@ -558,7 +558,7 @@ TEST(SameBytes, FromAllBuilds) {
   }
 }
 
-// Of this machine, whatever the cells of pixels, lens and lights.
+// For this machine, whatever the cells of pixels, lens and lights.
 TEST(SameBytes, FromAllInstructionSets) {
   for (const auto& [aa, lens_samples] : {std::pair(3, 1), {1, 7}, {2, 3}}) {
     RenderOptions request;

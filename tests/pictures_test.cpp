@@ -1,4 +1,4 @@
-// Which pictures `raio render` makes and how they look, by the program.
+// The pictures of `raio render` and their annotations, by the program.
 #include <thread>
 
 #include "io/image/image.h"
@@ -178,7 +178,7 @@ TEST_F(Pictures, OfValidScenesAreRenderedAmongBrokenOnes) {
        {"missing.nff: error: ", "bad.nff:", "small.nff: --crop: 0,0,9,9", "x/ok.png: 9x9 of 24x16"})
     EXPECT_THAT(o.err, HasSubstr(said));
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(file("x")), {}), 1);
-  // Of several failures the first counts.
+  // The first of several failures determines the status.
   std::filesystem::create_directory(file("x/bad.png"));
   put(file("bad.nff"), kScene);
   EXPECT_EQ(raio({"render", "bad.nff", "missing.nff", "-o", "x/"}).status, 3);

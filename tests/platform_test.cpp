@@ -1,4 +1,4 @@
-// What src/base/platform has for every system: files, memory, libraries, the processor.
+// The interfaces of src/base/platform on every system: files, memory, libraries, the processor.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -60,7 +60,7 @@ TEST_F(Platform, FailedWritesLeaveNothing) {
 }
 
 TEST_F(Platform, ReadsToTheEnd) {
-  // Large enough for several threads, and no multiple of what they read at once.
+  // Large enough for several threads, and not a multiple of their read size.
   const std::string bytes = noise((size_t(5) << 20) + 12345);
   put(file("f"), bytes);
   EXPECT_TRUE(read_file(file("f"), bytes.size()) == bytes);

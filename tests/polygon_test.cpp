@@ -70,17 +70,16 @@ Corners spiral(int n, double turns) {
   return flat(xy);
 }
 
-/// All that holds for the triangles of a simple polygon: number, use of corners, winding and area.
-/// With no triangle turned over, equal area means that none overlap and none is missing.
+/// Checks the triangles of a simple polygon: number, use of vertices, winding and area. If no
+/// triangle is flipped, equal area means no overlaps and no gaps.
 void check(const Corners& p, const Triangles& triangles) {
   ASSERT_EQ(triangles.size(), p.size() - 2);
   const Vec3d total = area2(p);
   const Vec3d normal = normalize(total);
   Box3d box;
   for (const Vec3f& q : p) box.extend(Vec3d(q));
-  // Float corners of a polygon turned in space lie off its plane by half an ulp, which can turn a
-  // triangle over that is thinner than that; in a coordinate plane nothing is rounded but the
-  // test's own sums.
+  // Float vertices of a rotated polygon are off its plane by half an ulp, which can flip triangles
+  // thinner than that; in a coordinate plane only the test's own sums are rounded.
   const bool exact = normal == Vec3d(0, 0, 1) || normal == Vec3d(0, 0, -1);
   const double largest = max_component(max(abs(box.lo), abs(box.hi)));
   const double slack = exact ? 1e-12 * length(total) : 0x1p-23 * largest * length(box.size());
@@ -101,8 +100,8 @@ void check(const Corners& p, const Triangles& triangles) {
 
 void check(const Corners& p) { check(p, triangulate(p)); }
 
-/// The same polygon in another place, turned: a rotation of whole-number entries over 3, 7, ...
-/// would round; this one is arbitrary.
+/// The same polygon translated and rotated: a rotation with integer entries over 3, 7, ... would
+/// round; this one is arbitrary.
 Corners turned(const Corners& p, double scale, Vec3d to) {
   const Frame<double> f(normalize(Vec3d(1, 2, -0.5)));
   const Vec3d n = cross(f.u, f.v);
@@ -131,7 +130,7 @@ bool inside_triangle(const Corners& p, const std::array<uint32_t, 3>& t, double 
   return side(0) > 0 && side(1) > 0 && side(2) > 0;
 }
 
-/// Random points are in exactly one triangle when in the polygon, and in none otherwise.
+/// Random points are in exactly one triangle if in the polygon, and otherwise in none.
 void check_points(const Corners& p, int points, uint32_t seed) {
   const Triangles triangles = triangulate(p);
   double size = 0;
@@ -172,7 +171,7 @@ TEST(Polygon, QuadsAreCutAlongTheInnerDiagonal) {
     std::ranges::reverse(xy);
     check(flat(xy));
   }
-  // A corner in line with its neighbours makes no flat triangle.
+  // A collinear vertex makes no degenerate triangle.
   const Corners in_line = flat({{0, 0}, {1, 0}, {2, 0}, {0, 2}});
   for (const auto& t : triangulate(in_line)) EXPECT_GT(length(area2(in_line, t)), 0.5);
 }
@@ -200,7 +199,7 @@ TEST(Polygon, CombsAndSpirals) {
 }
 
 TEST(Polygon, CornersInLineMakeNoFlatTriangles) {
-  // A square with many corners along each side.
+  // A square with many vertices along each side.
   std::vector<std::array<double, 2>> xy;
   const int n = 16;
   for (int i = 0; i < n; ++i) xy.push_back({double(i), 0});
@@ -236,7 +235,7 @@ TEST(Polygon, AHoleJoinedByASlit) {
 }
 
 TEST(Polygon, AChainThatTouchesACornerFromInside) {
-  // The corner (0, 0) is met again by a wedge that comes from the far side.
+  // The corner (0, 0) is visited again by a wedge from the far side.
   check(flat({{0, 0}, {4, 0}, {4, 4}, {3, 4}, {0, 0}, {1, 4}, {-4, 4}, {-4, 0}}));
   check(flat({{-2, -1}, {0, -1}, {2, -1}, {2, 2}, {1, 2}, {0, -1}, {-1, 2}, {-2, 2}}));
 }
@@ -271,7 +270,7 @@ TEST(Polygon, ConvexPolygonsAreNotCutIntoSlivers) {
   const Corners circle = star(n, 0, 1);
   const Triangles triangles = triangulate(circle);
   check(circle, triangles);
-  // Halving uses a corner in about 2 log2(n) triangles, where a fan has n of them at one.
+  // Halving uses a vertex in about 2 log2(n) triangles; a fan uses one in n.
   std::vector<int> uses(n);
   for (const auto& t : triangles) {
     for (const uint32_t i : t) ++uses[i];
@@ -298,7 +297,7 @@ TEST(Polygon, ManyCornersAreFast) {
   timed("circle", star(n, 3, 1));
 }
 
-/// The polygons of 144 corners of an NFF file.
+/// The polygons of 144 vertices of an NFF file.
 std::vector<Corners> gears(const std::filesystem::path& path) {
   std::vector<Corners> out;
   std::ifstream in(path);

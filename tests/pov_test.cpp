@@ -1,4 +1,4 @@
-// Scenes written for POV-Ray. Whether it makes the same picture of them is asked by bench/pov.py.
+// Scenes written for POV-Ray. bench/pov.py checks whether it renders the same picture.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// The program as its users meet it, for tests that run it.
+// Runs the program as users do.
 #pragma once
 
 #include <fcntl.h>
@@ -38,7 +38,7 @@ inline std::string replaced(std::string_view from, std::string_view to) {
 }
 
 struct Redirections {
-  std::string input = "/dev/null", output, errors;  // empty: a file whose contents are returned
+  std::string input = "/dev/null", output, errors;  // empty: a file with contents that are returned
   bool close_output = false;
 };
 
@@ -54,7 +54,7 @@ class CommandLine : public TemporaryFolder {
  protected:
   CommandLine() { put(file("ok.nff"), kScene); }
 
-  // A running program; its two streams go to files beside the folder that it works in.
+  // A running program; its two streams go to files next to its working folder.
   class Running {
    public:
     Running(const CommandLine& test, std::vector<std::string> arguments, const Redirections& to)
@@ -114,7 +114,7 @@ class CommandLine : public TemporaryFolder {
     return Running(*this, std::move(arguments), to).wait();
   }
 
-  // One line on standard error, nothing elsewhere, at once, and no file more than before.
+  // Expects one line on standard error, no other output, immediate exit and no new file.
   void expect_refusal(std::vector<std::string> arguments, int status, std::string_view message,
                       const Redirections& to = {}) const {
     std::string shown;

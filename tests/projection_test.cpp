@@ -1,5 +1,5 @@
-// Parallel rays: pictures of which the answer is known in closed form, and that nothing that holds
-// for other pictures stops holding.
+// Parallel rays: pictures with known closed forms, and that the properties of other pictures still
+// hold.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -33,7 +33,7 @@ RenderOptions parallel(int width, int height) {
   return o;
 }
 
-// The axes of a camera, and how large its picture is.
+// The axes of a camera, and the size of its picture.
 struct SeenFrame {
   Vec3d from, right, up, forward;
   double half_height, half_width;
@@ -72,8 +72,8 @@ Around around(const SeenFrame& f, const Vec3d& center, double side, int x, int y
   return {right, up, right * right + up * up};
 }
 
-// Wherever it is, a sphere is a circle of its own radius; its depth and normals are those of
-// x^2 + y^2 + z^2 = r^2.
+// Anywhere, a sphere is a circle of its own radius; its depth and normals follow from x^2 + y^2 +
+// z^2 = r^2.
 TEST(Parallel, ASphereIsWhatItsFormulaSays) {
   const int width = 150, height = 100;
   for (const Vec3f place : {Vec3f(0.5f, 0, 0.3f), Vec3f(1.5f, 3, 1), Vec3f(1, -2.5f, 0.6f)}) {
@@ -94,7 +94,7 @@ TEST(Parallel, ASphereIsWhatItsFormulaSays) {
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x) {
         const Around at = around(f, center, side, x, y);
-        const double above = radius * radius - at.square;  // the square of how far it bulges
+        const double above = radius * radius - at.square;  // the squared height of its surface
         const size_t pixel = size_t(y) * size_t(width) + size_t(x);
         if (std::abs(above) < 1e-4) continue;
         ASSERT_EQ(std::isfinite(depth[pixel]), above > 0) << x << ' ' << y;
@@ -133,7 +133,7 @@ TEST(Parallel, EveryIntegratorShowsTheSameOutline) {
   }
 }
 
-// What is as far away as the point looked at is where it is in perspective.
+// Points at the distance of the point looked at are where they are in perspective.
 TEST(Parallel, MatchesPerspectiveAtThePointLookedAt) {
   Camera c = ball({}, 1).camera;
   for (const bool centers : {false, true}) {
@@ -177,7 +177,7 @@ TEST(Parallel, AllStructuresMakeOnePicture) {
   }
 }
 
-// Of a line on the outline each side is as wide at any depth.
+// Of a line on the outline, each side is equally wide at any depth.
 TEST(Parallel, OutlinesAreAsWideAtAnyDepth) {
   const int side = 200;
   const auto line_pixels = [&](float depth) {
@@ -214,7 +214,7 @@ TEST(Parallel, AMovingCameraMatchesStillOnes) {
     RenderOptions without = o;
     without.shutter.reset();
     const Image standing = picture_of(still, without);
-    int apart = 0;  // but for edges
+    int apart = 0;  // except for edges
     for (size_t i = 0; i < moving.pixels.size(); ++i)
       apart += length(moving.pixels[i] - standing.pixels[i]) > 1e-4f;
     EXPECT_LE(apart, 8) << time;
@@ -315,7 +315,7 @@ TEST(Parallel, CamerasFittedToDataShowAllOfItAndNoMore) {
     EXPECT_NEAR(low + high, 0, 1e-4);
     EXPECT_NEAR(std::max(right / f.half_width, high / f.half_height), 1 / 1.06, 1e-4);
   }
-  // A place that is given is kept, and so is an angle.
+  // A given position is kept, and so is an angle.
   RenderOptions o = parallel(400, 300);
   o.from = Vec3d(40, 0, 5);
   EXPECT_EQ(resolve_options(o, s).camera.at, s.camera.at);
@@ -336,7 +336,7 @@ TEST(Parallel, RaysHaveNoLens) {
               HasSubstr("dof: a lens needs `projection` perspective"));
   EXPECT_THAT(refused([](RenderOptions& o) { o.aperture = 1; }), HasSubstr("aperture: a lens"));
   EXPECT_THAT(refused([](RenderOptions& o) { o.focus = 1; }), HasSubstr("focus: a lens"));
-  // That of the scene is left out, aloud.
+  // The scene's is dropped with a warning.
   const Image sharp = picture_of(s, parallel(40, 30));
   s.camera.lens_radius = 0.5f;
   EXPECT_FALSE(option_conflict(parallel(40, 30), &s));
@@ -375,7 +375,7 @@ TEST(Parallel, ScenesKeepTheirRays) {
   EXPECT_THAT(validate(s), testing::ElementsAre(HasSubstr("projection")));
 }
 
-// The lengths of `right` and `up` are those of what POV-Ray shows.
+// The lengths of `right` and `up` are those of POV-Ray's picture.
 TEST(Parallel, PovRayGetsThePictureSize) {
   Scene s = ball({}, 1);
   s.camera = {};

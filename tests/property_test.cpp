@@ -1,4 +1,4 @@
-// What must hold of every scene and every picture, tried on many that chance makes.
+// Properties of every scene and every picture, tested on many random ones.
 #include <gtest/gtest.h>
 
 #include <cmath>

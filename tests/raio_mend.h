@@ -9,7 +9,8 @@
 
 namespace raio::tests {
 
-/// Those of all columns that lie within the bytes, and that of the table; of prototypes, too.
+/// Recomputes the hashes of all columns within the bytes and of the table, including those of
+/// prototypes.
 inline void mend_raio_scene(char* bytes, size_t size, int depth = 0) {
   using namespace scene_file;
   Header header;

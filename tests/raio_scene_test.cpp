@@ -31,7 +31,7 @@ std::string error_of(std::string_view bytes) {
   return scene ? "" : scene.error();
 }
 
-/// The table's entry of a column, to be changed, in bytes whose hashes are mended after that.
+/// The table's entry of a column, to be changed in bytes with recomputed hashes.
 std::string with_entry(std::string bytes, std::string_view name, void (*change)(Entry&)) {
   Header header;
   std::memcpy(&header, bytes.data(), sizeof header);
@@ -146,7 +146,7 @@ TEST_F(RaioSceneFile, ColumnsAreReadInPlace) {
   });
   std::filesystem::remove(path);
   const Scene copy = *again;
-  *again = Scene();  // the last but the copy
+  *again = Scene();  // drops the last reference except the copy
   EXPECT_EQ(content_hash(copy), content_hash(scene));
 }
 
@@ -161,7 +161,7 @@ TEST_F(RaioSceneFile, PrototypesAreReadInPlace) {
   EXPECT_TRUE(object.spheres.is_borrowed());
   EXPECT_EQ(reinterpret_cast<uintptr_t>(object.spheres.data()) % 64, 0u);
   EXPECT_EQ(content_hash(again->scene), content_hash(scene));
-  // Who has no copies reads primitives; these are stretched unevenly.
+  // Readers without instances get primitives; these have a non-uniform scale.
   const auto flat = read_scene(path);
   ASSERT_FALSE(flat);
   EXPECT_THAT(tests::texts(flat.error()), HasSubstr("spheres have a non-uniform scale"));
@@ -202,7 +202,7 @@ TEST_P(RaioSceneDamage, CutAndLengthenedFilesAreRefused) {
   EXPECT_THAT(error_of(sound + '\0'), testing::ContainsRegex("it has [0-9]+ bytes, expected"));
 }
 
-/// A change behind which the hashes were made anew: refused, or a sound scene and its only file.
+/// A change with recomputed hashes: refused, or a valid scene with its only possible file.
 TEST_P(RaioSceneDamage, DamageWithValidHashes) {
   size_t refused = 0, taken = 0;
   for (size_t at = 0; at < sound.size(); ++at)
@@ -218,7 +218,7 @@ TEST_P(RaioSceneDamage, DamageWithValidHashes) {
       }
       ++taken;
       ASSERT_TRUE(validate(*scene).empty()) << at;
-      // Of the file or of a prototype, each of which begins at a multiple.
+      // Of the file or of a prototype, each of which starts at a multiple.
       const size_t begin = sound.rfind(scene_file::kMagic, at), in = at - begin;
       const bool is_minor = in >= offsetof(Header, minor) && in < offsetof(Header, columns);
       ASSERT_TRUE(is_minor || encode_raio_scene(*scene) == bytes) << at;
@@ -286,7 +286,7 @@ TEST(RaioScene, AnInvalidSceneIsRefused) {
   EXPECT_THAT(error_of(encode_raio_scene(scene)), HasSubstr("light 0"));
 }
 
-/// More than a mebibyte, of which hashes and validation make pieces.
+/// More than a mebibyte, split by hashing and validation.
 TEST(RaioScene, LongColumns) {
   Scene scene = tests::rich_scene();
   scene.sphere_colors.clear(), scene.sphere_opacity.clear();

@@ -1,4 +1,4 @@
-// What the tests of single shapes draw and measure.
+// Random rays and measurements for tests of single shapes.
 #pragma once
 
 #include <cmath>

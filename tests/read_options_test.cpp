@@ -13,8 +13,8 @@ namespace {
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-// Each with another value than it has usually. Whoever gives ReadOptions a field, names it here,
-// and gives it a row of the table or a reason why it needs none.
+// Each field with a value other than the default. A new field of ReadOptions goes here, and gets a
+// row of the table or a reason why it needs none.
 ReadOptions unusual() {
   ReadOptions o = kForPictures;
   auto& [style, color_by, colormap, color_range, smooth, radius, assembly, frame, atom_style, cell,

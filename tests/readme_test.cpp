@@ -1,4 +1,4 @@
-// What people meet first: the scenes that come with Raio, and the commands and links of its pages.
+// First contact: the scenes that come with Raio, and the commands and links of its pages.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -62,7 +62,7 @@ TEST(Scenes, AllReadWithoutWarningsAndShowSomething) {
   for (const fs::path& path : paths) {
     SCOPED_TRACE(path);
     const Scene scene = read_whole(path);
-    if (scene.primitive_count() == 0) continue;  // said above
+    if (scene.primitive_count() == 0) continue;  // reported above
     RenderOptions options;
     options.width = options.height = 48, options.aa = 1;
     const RenderSettings settings = resolve_options(options, scene);
@@ -109,7 +109,7 @@ TEST(Scenes, ShapesAndQuadricsHaveOneOfEverything) {
   EXPECT_TRUE(std::ranges::any_of(scene.materials, [](auto& m) { return m.transmission > 0.5f; }));
   EXPECT_TRUE(std::ranges::any_of(scene.materials, [](auto& m) { return m.ks > 0.5f; }));
   EXPECT_TRUE(std::ranges::all_of(scene.lights, [](auto& l) { return l.color.has_value(); }));
-  // Of the words that docs/nff.md lists; bclr is another b, and accel would warn.
+  // The words listed in docs/nff.md; bclr is another b, and accel would warn.
   const auto found = words(contents(kRoot / "scenes/shapes.nff"));
   for (const char* word : {"v", "b", "l", "f", "s", "c", "p", "pp", "pl", "box", "mesh", "spp"})
     EXPECT_TRUE(std::ranges::count(found, word)) << word;
@@ -125,7 +125,7 @@ std::vector<std::string> commands_of(const fs::path& page) {
   return commands;
 }
 
-// What the program answers to "SUBCOMMAND --help"; nothing when it does not know it.
+// The program's answer to "SUBCOMMAND --help"; nothing for an unknown one.
 const std::string& help_of(const std::string& subcommand) {
   static std::map<std::string, std::string> known;
   const auto [entry, is_new] = known.try_emplace(subcommand);
@@ -143,7 +143,8 @@ bool offers(const std::string& help, const std::string& option) {
   return std::regex_search(help, std::regex("(^|[ ,!])" + option + "($|[^a-z-])"));
 }
 
-// Would the program take this value? Only options of rendering are asked; "$name" can be anything.
+// Whether the program would accept this value. Only options of rendering are checked; "$name" can
+// be anything.
 void expect_accepted(const std::string& option, const std::string& value) {
   if (value.starts_with('$')) return;
   for (const OptionSpec& spec : render_option_table()) {

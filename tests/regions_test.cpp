@@ -1,4 +1,4 @@
-// What pixels show, by geometry that is known.
+// Regions of pixels, with known geometry.
 #include "render/regions.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 namespace raio {
 namespace {
 
-// A matt floor seen from straight above, a matt ball over it, a mirror beside, one light.
+// A matt floor from straight above, a matt ball over it, a mirror next to it, one light.
 constexpr std::string_view kScene =
     "b 0.1 0.2 0.3\nv\nfrom 0 0 10\nat 0 0 0\nup 0 1 0\nangle 60\nhither 0\nresolution 200 200\n"
     "l 30 0 30\n"
@@ -34,7 +34,7 @@ TEST(Regions, MatchGeometry) {
   const Scene scene = parse_nff(kScene, "scene")->scene;
   const auto found = regions(scene, AccelKind::bvh);
   ASSERT_EQ(found.size(), 200u * 200u);
-  // Of the plane through the floor, in scene units.
+  // On the floor's plane, in scene units.
   const double half = 10 * std::tan(std::numbers::pi / 6), pixel = 2 * half / 200;
   const auto at = [&](double x, double y) {
     const int column = int((x + half) / pixel), row = int((half - y) / pixel);
@@ -44,7 +44,7 @@ TEST(Regions, MatchGeometry) {
   EXPECT_EQ(at(-3, -3), Region::lit);
   EXPECT_EQ(at(4, 0), Region::edge);
   EXPECT_EQ(at(0, 3.05), Region::mirror);
-  // From the light the ball is seen 43 degrees down, with a half angle of 1.4 degrees.
+  // From the light, the ball appears 43 degrees down, with a half angle of 1.4 degrees.
   EXPECT_EQ(at(-2, 0), Region::shadow);
   EXPECT_EQ(at(-3.74, 0), Region::shadow_border);
   EXPECT_EQ(at(0.3, 0), Region::lit);

@@ -1,4 +1,4 @@
-// Pictures: the classic shading against closed forms, and what must never change a picture.
+// Pictures: the classic shading against closed forms, and invariants of pictures.
 #include "render/render.h"
 
 #include <gtest/gtest.h>
@@ -66,7 +66,7 @@ void add_plane(Scene& s, Plane plane, const Material& material) {
   s.materials.push_back(material);
 }
 
-// The point of the plane z = 0 that pixel (x, y) of `looking_down` sees, and the way there.
+// The point of the plane z = 0 at pixel (x, y) of `looking_down`, and the direction to it.
 struct View {
   Vec3d point, dir;
 };
@@ -91,7 +91,7 @@ TEST(Shading, PhongOnAPlaneIsTheFormula) {
       const double highlight = std::pow(std::max(0.0, -dot(r, d)), double(m.shine));
       expected += (Vec3d(m.color) * double(m.kd) * l.z + Vec3d(m.ks * highlight)) / std::sqrt(2.0);
     }
-    expected += Vec3d(s.background) * double(m.ks);  // the mirror sees the sky
+    expected += Vec3d(s.background) * double(m.ks);  // the mirror shows the sky
     EXPECT_NEAR(image.at(x, y).x, expected.x, 2e-6);
     EXPECT_NEAR(image.at(x, y).y, expected.y, 2e-6);
     EXPECT_NEAR(image.at(x, y).z, expected.z, 2e-6);
@@ -122,8 +122,8 @@ TEST(Shading, LevelsBelowTheLastAreBackground) {
   }
 }
 
-// A slab of glass over a floor that a light between them shines on: where the ray comes out is told
-// by the floor's brightness there.
+// A slab of glass over a floor with a light between: the floor's brightness shows where the ray
+// exits.
 TEST(Shading, RefractionThroughASlabFollowsSnell) {
   Scene s = looking_down(4);
   s.background = {};
@@ -163,10 +163,10 @@ TEST(Shading, BeyondTheCriticalAngleNothingLeavesTheGlass) {
 }
 
 TEST(Shading, SoftShadowsHaveGeometricPenumbras) {
-  // A square light of side 1 straight above an edge half way up: at x the share that is seen is
-  // linear from x = -0.5 to 0.5. The light faces the origin, so it lies flat.
+  // A square light of side 1 straight above an edge halfway up: at x the visible fraction is linear
+  // from x = -0.5 to 0.5. The light faces the origin, so it is horizontal.
   Scene s = looking_down(3);
-  s.camera.from = {0.001f, 0, 3};  // beside the light's edge
+  s.camera.from = {0.001f, 0, 3};  // next to the light's edge
   s.camera.fov_deg = 45;
   add_plane(s, {{0, 0, 0}, {0, 0, 1}}, {{1, 1, 1}, 1, 0, 1, 0, 1});
   for (const Vec3f p : {Vec3f(0, -50, 1), {50, -50, 1}, {50, 50, 1}, {0, 50, 1}})
@@ -260,8 +260,8 @@ TEST(Render, StructuresGiveTheSamePicture) {
   }
 }
 
-// Nothing in the program is measured in units of its own: with all lengths doubled, again and
-// again, every float has another exponent and no other digits.
+// Nothing in the program has an absolute unit: with all lengths doubled, repeatedly, every float
+// has another exponent and the same digits.
 TEST(Render, ScaleDoesNotMatterToTheLastBit) {
   const Image image = picture(random_scene(300, 8), all_effects()).image;
   for (const float scale : {0x1p-20f, 0x1p20f})
@@ -273,8 +273,8 @@ TEST(Render, ScaleDoesNotMatterToTheLastBit) {
 TEST(Render, PicturesSurviveDistanceFromTheOrigin) {
   const Image image = picture(random_scene(300, 8), small()).image;
   const Image moved = picture(random_scene(300, 8, 1, {100, -200, 50}), small()).image;
-  // The scene itself moves by the rounding of its coordinates, 1e-5 of its size; readers do better,
-  // by keeping coordinates relative to Scene::origin.
+  // The scene moves by the rounding of its coordinates, 1e-5 of its size; readers do better, by
+  // storing coordinates relative to Scene::origin.
   EXPECT_LE(compare(image, moved).above_8, 0.02);
 }
 
@@ -330,7 +330,7 @@ TEST(Render, StopsSoon) {
   EXPECT_FALSE(render(s, **accel, o, **film, control).finished);
 }
 
-// Passes, parts and interruptions, in one film, against the picture made in one go.
+// Passes, parts and interruptions, in one film, against the picture rendered at once.
 TEST(Render, AFilmIsResumedToTheSameBytes) {
   const Scene s = random_scene(60, 5);
   RenderOptions request = all_effects(AccelKind::automatic, 100);
@@ -421,8 +421,8 @@ TEST(Film, SumsDoNotDependOnOrder) {
   EXPECT_TRUE(same_bytes(forward.resolve(), backward.resolve()));
 }
 
-// Of the samples' colours, which the means of ever more samples tell; the same when a film with one
-// sample is gone on with.
+// The variance of the samples' colours agrees with the means of more and more samples, also if a
+// film with one sample is resumed.
 TEST(Film, VarianceIsThatOfTheSamples) {
   const Scene scene = random_scene(30, 5);
   RenderOptions options = small();
@@ -460,8 +460,8 @@ TEST(Film, VarianceIsThatOfTheSamples) {
   EXPECT_GT(most, 0.01);
 }
 
-// Random samples of a dim, a bright and a middling component of one film: what 100 films say of 64
-// samples each, against what all of these samples differ by.
+// Random samples of a dim, a bright and a middling component of one film: the estimates of 100
+// films of 64 samples each, against the variance of all these samples.
 TEST(Film, VarianceIsRightForDimAndBright) {
   constexpr int kSeeds = 100, kSamples = 64;
   constexpr double kValues[] = {1e-4, 1e5, 1};
@@ -495,13 +495,13 @@ TEST(Film, VarianceIsRightForDimAndBright) {
   }
 }
 
-// The same of pictures, whose light changes nothing but their scale.
+// The same for pictures that differ only in the brightness of lights.
 TEST(Film, VarianceOfADimPictureIsThatOfABrightOne) {
   const auto variance = [](float color) {
     Scene scene = random_scene(30, 5);
     for (Light& light : scene.lights) light.color = Rgb(color);
     for (Material& material : scene.materials) material.ks = material.transmission = 0;
-    // Of nothing; its colour lets the film of the dim lights hold 1e5, too.
+    // Unused; its colour makes the film of the dim lights hold 1e5, too.
     scene.materials.push_back({.color = Rgb(color < 1 ? 1e6f : 1.0f)});
     scene.background = Rgb();
     RenderOptions options = small();
@@ -541,7 +541,8 @@ TEST(Film, HoldsBrightAndDim) {
 }
 
 TEST(Film, TilesAreFilledInPlace) {
-  // Tiles whose side is no power of two, those at the edges smaller, and smaller than a tile.
+  // Tiles with a side that is no power of two, smaller ones at the edges, and pictures smaller than
+  // a tile.
   for (const auto& [width, height] : {std::pair(61, 50), {5, 3}, {100, 2}}) {
     Film film(width, height, 1000, 24);
     const auto fill = [&](size_t t, PixelSums* sums, double sample) {

@@ -1,12 +1,12 @@
-// A scene that has something of all that a Scene can hold.
+// A scene with some of everything that a Scene can hold.
 #pragma once
 
 #include "scenes.h"
 
 namespace raio::tests {
 
-/// Colours and opacities of all kinds, two meshes (one with normals of its own, one with everything
-/// at its vertices and a texture) and three objects, beside random_scene().
+/// random_scene() plus colours and opacities of all kinds, two meshes (one with normals, one with
+/// everything at its vertices and a texture) and three objects.
 inline Scene rich_scene(uint32_t seed = 1) {
   Scene s = random_scene(40, seed);
   std::mt19937 rng(seed + 1000);
@@ -61,7 +61,7 @@ inline Scene rich_scene(uint32_t seed = 1) {
   return s;
 }
 
-/// Copies of an object, and of one that is made of copies itself; some belong to objects.
+/// Instances of an object, and of one that consists of instances; some belong to objects.
 inline Scene nested_scene() {
   Scene s = random_scene(4, 1);
   s.planes.clear(), s.plane_materials.clear();

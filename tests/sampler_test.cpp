@@ -60,8 +60,8 @@ double chi_square_sigmas(const std::vector<int>& counts) {
 constexpr int kBins = 16;
 int bin(float u) { return std::min(kBins - 1, int(u * kBins)); }
 
-// One sample of each pixel: with all samples of a pixel the strata make counts more equal than
-// chance.
+// One sample per pixel: with all samples of a pixel, stratification makes counts more equal than
+// random ones.
 TEST(Sampler, SquaresAreUniformForEveryPurposeAndBranch) {
   for (const uint32_t seed : {0u, 77u})
     for (const auto& [aa, per_cell] : {std::pair(1, 1), {3, 1}, {3, 3}, {1, 7}})
@@ -119,9 +119,8 @@ TEST(Sampler, EverySampleOfAPixelHasItsOwnCell) {
   }
 }
 
-// Were the cells of two effects taken in the same order, but for the turn, each cell of the one
-// would see one cell of the other only: the mean would go to a wrong value as samples grow in
-// number.
+// If the cells of two effects were in the same order, except for rotation, each cell of one would
+// be paired with only one cell of the other: the mean would converge to a wrong value.
 TEST(Sampler, CellsOfDifferentEffectsAreCombinedFreely) {
   constexpr uint32_t kSide = 8, kCells = kSide * kSide;
   const Sampler sampler = jitter(4, kSide, 1);
@@ -210,8 +209,8 @@ TEST(Sampler, ScreenKeysOfEveryBlockAreANet) {
       }
 }
 
-// The errors of a picture, 64 x 64 pixels, whose value at (x, y) is the integral of a function of a
-// point of the square, and what is left of them after a blur over 5 x 5 pixels.
+// The errors of a 64 x 64 picture with the integral of a function of a point of the square at each
+// pixel, and what remains of them after a 5 x 5 blur.
 struct Errors {
   double plain, blurred;
 };
@@ -262,13 +261,13 @@ TEST(Convergence, ErrorsFallAsTheSamplersPromise) {
   EXPECT_GT(order(smooth_errors(sobol(1, 4)).plain, smooth_errors(sobol(1, 64)).plain), 1.2);
 }
 
-// A diagonal edge is the one where it has no advantage.
+// A diagonal edge is the one case without an advantage.
 TEST(Convergence, SobolErrsLessThanJitter) {
   EXPECT_LT(edge_errors(sobol(1, 64)).plain, 1.05 * edge_errors(jitter(1, 8, 1)).plain);
   EXPECT_LT(smooth_errors(sobol(1, 64)).plain, 0.5 * smooth_errors(jitter(1, 8, 1)).plain);
 }
 
-// Of errors that know nothing of each other, a fifth is left.
+// With independent errors, a fifth remains.
 TEST(Convergence, SobolErrorsOfNeighboursCancel) {
   for (const int samples : {1, 2, 3, 4, 8, 16}) {
     const Errors edge = edge_errors(sobol(1, samples)), smooth = smooth_errors(sobol(1, samples));

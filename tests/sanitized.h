@@ -3,8 +3,7 @@
 
 namespace raio::tests {
 
-// Sanitizers make brute force up to a hundred times as slow; what they look for shows in fewer
-// rounds, too.
+// Sanitizers slow brute force down up to a hundred times; fewer rounds reveal as much.
 template <class T>
 constexpr T if_sanitized(T fewer, T usual) {
 #ifdef RAIO_SANITIZED

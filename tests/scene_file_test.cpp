@@ -36,7 +36,7 @@ std::string errors(const std::expected<ReadScene, Diagnostics>& read) {
 
 class SceneFiles : public TemporaryFolder {
  protected:
-  /// What reading the bytes from a file of this name says.
+  /// The messages for reading the bytes from a file of this name.
   std::string errors_of(std::string_view name, std::string_view bytes) {
     put(file(name), bytes);
     return errors(read_scene(file(name)));
@@ -116,8 +116,8 @@ TEST_F(SceneFiles, DataIsDetectedByContentThenBySuffix) {
   EXPECT_THAT(errors_of("water.gro.gz", packed("water\n 3\n")), HasSubstr("expected 3 atoms"));
 }
 
-/// Whatever the reader of NFF has to say of a text is said by it.
-// The first or second line of some files may be anything.
+/// All messages about NFF texts come from the NFF reader. The first or second line of some files
+/// may be anything.
 TEST_F(SceneFiles, TitlesDoNotDetermineTheFormat) {
   const auto atoms = [](std::string_view text, std::string_view name) {
     const auto got = parse_scene(text, name, {.style = AtomStyle::space_filling});
@@ -199,7 +199,7 @@ TEST_F(SceneFiles, AreWrittenBySuffix) {
   EXPECT_FALSE(std::filesystem::exists(file("a.obj")));
 }
 
-/// Colours become materials, meshes triangles: what a reader of the NFF has of them.
+/// Colours become materials, meshes triangles: the form in which NFF stores them.
 TEST_F(SceneFiles, NffHasColorsAndMeshes) {
   const Scene scene = tests::rich_scene();
   const auto read = parse_nff(write_nff(scene), "t.nff");
@@ -247,7 +247,7 @@ TEST_F(ConvertCommandLine, ReportsLostFeatures) {
                               HasSubstr("names of 3 objects")));
   put(file("two.xyz"), "2\n\nC 0 0 0\nC 9 0 0\n");
   EXPECT_THAT(raio({"convert", "two.xyz", "two.nff"}).err, HasSubstr("the light of figures"));
-  // As wide as it is: the angle of the picture's size.
+  // The angle of the picture's width.
   EXPECT_GT(read_nff(file("two.nff"))->scene.camera.fov_deg,
             read_scene(file("two.xyz"))->scene.camera.fov_deg);
   const Outcome rendered = raio({"render", "rich.raio", "--size", "8x8", "-o", "a.png"});

@@ -54,7 +54,7 @@ TEST(Scene, CountsByKind) {
 
 TEST(Scene, BoundsCoverFinitePrimitives) {
   const Box3f box = bounds(sample());
-  // Of the sphere, the polygon and the cones, whose box is rounded outwards.
+  // Of the sphere, the polygon and the cones; their box is rounded outwards.
   EXPECT_NEAR(box.lo.x, -1, 1e-6);
   EXPECT_EQ(box.lo.y, -2);
   EXPECT_EQ(box.lo.z, -2);
@@ -93,7 +93,7 @@ TEST(Scene, MeshesCount) {
 TEST(Scene, HashesOfOldScenesAreUnchanged) {
   const auto shapes = read_nff(RAIO_SOURCE_DIR "/scenes/shapes.nff");
   ASSERT_TRUE(shapes);
-  // As version 0.1.0 wrote it into pictures and part files.
+  // As stored by version 0.1.0 in pictures and part files.
   EXPECT_EQ(content_hash(shapes->scene), "7d190ddae635c66dfc3813176e6fac8d");
 }
 

@@ -76,7 +76,7 @@ class Screen {
     io.KeysDown[kEnter] = true, frame();
     io.KeysDown[kEnter] = false, frame();
   }
-  // All that answers to the cursor, each with a place where it does.
+  // Every control that reacts to the cursor, each with a position where it does.
   std::map<ImGuiID, ImVec2> widgets() { return widgets({0, 0, size_.x, size_.y}); }
   std::map<ImGuiID, ImVec2> widgets(const Rect& area) {
     std::map<ImGuiID, std::vector<ImVec2>> places;
@@ -85,7 +85,7 @@ class Screen {
         move({x, y});
         if (const ImGuiID id = context_->HoveredId) places[id].push_back({x, y});
       }
-    // Not what is only scrolled.
+    // Excludes areas that only scroll.
     for (const ImGuiWindow* window : context_->Windows)
       for (const char* bar : {"#SCROLLX", "#SCROLLY"}) places.erase(ImHashStr(bar, 0, window->ID));
     std::map<ImGuiID, ImVec2> middles;
@@ -99,7 +99,7 @@ class Screen {
     }
     return middles;
   }
-  // Of the list that is open, from the top.
+  // The entries of the open list, from the top.
   std::vector<ImVec2> entries() {
     const ImGuiWindow& list = *context_->OpenPopupStack.back().Window;
     std::vector<ImVec2> places;
@@ -109,7 +109,7 @@ class Screen {
     std::ranges::sort(places, {}, &ImVec2::y);
     return places;
   }
-  // What is shown when the cursor is out of the way.
+  // The screen with the cursor out of the way.
   uint64_t sum() {
     move({-1, -1}), frame();
     std::string bytes;

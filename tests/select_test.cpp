@@ -1,4 +1,4 @@
-// Which atoms `only`, `hide` and `show` choose.
+// The selections `only`, `hide` and `show`.
 #include "io/atoms/select.h"
 
 #include <fmt/format.h>
@@ -103,7 +103,7 @@ TEST(Select, WordsJoin) {
   EXPECT_THAT(only("(water or ion) and chain A"), ElementsAre(7, 8, 9));
   EXPECT_THAT(only("not (protein, water)"), ElementsAre(4, 5, 6, 7, 8));
   EXPECT_THAT(only("not not element P"), ElementsAre(4));
-  // After a list of values a comma goes on with values, so words are joined by `or`.
+  // After a list of values a comma continues it, so words are joined by `or`.
   EXPECT_THAT(only("chain A,B and water"), ElementsAre(9, 10));
   EXPECT_THAT(only("index 1 or water"), ElementsAre(1, 9, 10));
 }
@@ -140,7 +140,7 @@ TEST(Select, WaterAndIonsHideNoProtein) {
   EXPECT_THAT(notices(got), HasSubstr("draws them (2)"));
   options.show = "", options.hide = "water";
   EXPECT_THAT(notices(read(pdb(), "a.pdb", options)), HasSubstr("draws them (2)"));
-  // Among balls and sticks they can be seen, and of water alone there is nothing else to see.
+  // In ball-and-stick they are visible, and a water-only file has nothing else to show.
   options.hide = "", options.style = AtomStyle::ball_and_stick;
   EXPECT_EQ(numbers(read(pdb(), "a.pdb", options)).size(), kRows.size());
   options.style = AtomStyle::space_filling;

@@ -21,7 +21,7 @@ namespace {
 // Sees every picture that a session shows.
 class Watcher {
  public:
-  // Waits until `good` says so of a picture.
+  // Waits until `good` accepts the picture.
   template <class Good>
   std::shared_ptr<const SessionPicture> wait(Good&& good) {
     std::unique_lock lock(mutex_);
@@ -219,7 +219,7 @@ TEST(Session, KeepsTheStructureIfShapesAreUnchanged) {
       EXPECT_FALSE(same_bits(*p->image, *last->image));
       last = p;
     }
-    // Other shapes, the same ones of other materials, or other opacities want another structure.
+    // Other shapes, or the same with other materials or opacities, need another structure.
     const auto moved = version(first, [](Scene& s) { s.spheres[0].center.x += 0.5f; });
     const auto painted = version(first, [](Scene& s) {
       s.sphere_materials[0] = (s.sphere_materials[0] + 1) % uint32_t(s.materials.size());
@@ -250,7 +250,7 @@ TEST(Session, RebuildsWhenGlassTurnsOpaqueOnOneSide) {
   EXPECT_TRUE(same_bits(*clear->image, rendered(*glass, o)));
 }
 
-// A newer wish ends a render anywhere, also between the layers that a ray meets.
+// A newer request stops a render anywhere, also between transparent layers of a ray.
 TEST(Session, EndsAmongTransparentLayers) {
   const auto owner = std::make_shared<const Scene>(tests::random_scene(200, 7));
   const auto clear = version(
@@ -338,7 +338,7 @@ TEST(Session, ReportsProgress) {
   EXPECT_FALSE(w.session.progress()) << "there is a whole sample";
 }
 
-// Waits until a session is idle, which is not told.
+// Waits until a session is idle, which is not announced.
 void wait_until_idle(const Session& session) {
   while (!session.is_idle()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }

@@ -98,7 +98,7 @@ TEST(ShadingModels, FresnelDividesTheLight) {
   EXPECT_NEAR(fresnel(0, 1 / 1.5), 0.04, 1e-12);
   EXPECT_NEAR(schlick(0, 1 / 1.5), 0.04, 1e-12);
   constexpr double kDegree = std::numbers::pi / 180;
-  // Of parallel polarised light nothing is mirrored at Brewster's angle.
+  // At Brewster's angle, parallel polarised light is not reflected.
   EXPECT_NEAR(fresnel(std::atan(1.5), 1 / 1.5), std::pow((2.25 - 1) / (2.25 + 1), 2) / 2, 1e-12);
   for (const float ior : {1.5f, 1.0f, 2.4f})
     for (const bool inside : {false, true})
@@ -126,7 +126,7 @@ TEST(ShadingModels, FresnelDividesTheLight) {
       }
 }
 
-// An opaque mirror takes Ks, whatever `fresnel` says.
+// An opaque mirror uses Ks, whatever `fresnel` says.
 TEST(ShadingModels, FresnelLeavesOpaqueMirrors) {
   Scene scene = plane_seen_from({0.3f, 0, 1}, {{1, 1, 1}, 0, 0.7f, 10, 0, 0});
   scene.background = Rgb(1, 0.5f, 2);
@@ -134,7 +134,7 @@ TEST(ShadingModels, FresnelLeavesOpaqueMirrors) {
     EXPECT_EQ(pixel(scene, with_models(ShadingModel::nff, model)), pixel(scene, {}));
 }
 
-// Highlight and mirror of the models take the specular colour; what is refracted does not.
+// Highlight and mirror of the models use the specular colour; refraction does not.
 TEST(ShadingModels, SpecularColourTintsHighlightsAndMirrors) {
   constexpr float kKd = 0.6f, kKs = 0.3f, kShine = 12, kT = 0.2f;
   const Rgb color(1, 0.5f, 0.25f), background(0.1f, 0.2f, 0.3f), tint(0.9f, 0.5f, 0);
@@ -155,7 +155,7 @@ TEST(ShadingModels, SpecularColourTintsHighlightsAndMirrors) {
             0.9 * (kKd * color[c] * dot(n, l) + kKs * tint[c] * std::pow(cosine, double(kShine))) +
                 (kKs * tint[c] + t) * background[c],
             2e-5);
-      // By Fresnel's equations the mirror of glass has no colour, as light is divided, not kept.
+      // With Fresnel's equations, glass reflects without a colour, since it splits the light.
       if (t == 0) continue;
       scene.lights.clear();
       const Rgb whole = pixel(scene, with_models(ShadingModel::blinn_phong, Fresnel::schlick));
@@ -163,8 +163,8 @@ TEST(ShadingModels, SpecularColourTintsHighlightsAndMirrors) {
     }
 }
 
-// From mirror to mirror the colours multiply, and no more light comes back than the film's bound
-// holds, also where the colour is far above white.
+// Colours multiply from mirror to mirror, and the light stays within the film's bound, even for
+// colours far above white.
 TEST(ShadingModels, ColoursMultiplyFromMirrorToMirror) {
   for (const float most : {0.75f, 50.0f}) {
     Scene scene;
@@ -175,7 +175,7 @@ TEST(ShadingModels, ColoursMultiplyFromMirrorToMirror) {
     scene.plane_materials = {0, 0};
     scene.background = Rgb(1, 2, 3);
     RenderOptions options;
-    options.depth = 4;  // mirrored four times, and then the background is seen
+    options.depth = 4;  // mirrored four times, then the background
     const Rgb found = pixel(scene, options);
     for (int c = 0; c < 3; ++c) {
       const double part = 0.5 * double(scene.material_specular[0][c]);

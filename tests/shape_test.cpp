@@ -12,9 +12,9 @@
 #include "shape/sphere.h"
 #include "shape/triangle.h"
 
-// Bounds are multiples of float epsilon times (distance + size), where the distance is from the
-// ray's origin to the shape: that is what a float ray can mean at best. "Clear" hits and misses are
-// those that the reference gives both for the shape made larger and made smaller by the bound.
+// Bounds are multiples of float epsilon times (distance + size), with the distance from the ray's
+// origin to the shape: the best a float ray can do. "Clear" hits and misses are those of the
+// reference for both the enlarged and the reduced shape.
 
 namespace raio {
 namespace {
@@ -29,13 +29,13 @@ using tests::Random;
 
 Vec3f unit(Vec3d v) { return Vec3f(normalize(v)); }
 
-/// A ray from a place `distance` away (or from inside, when small) past the point `at`.
+/// A ray from `distance` away (or from inside, if small) past the point `at`.
 Ray ray_past(Vec3d at, Vec3d dir, double distance) {
   const Vec3f origin(at - dir * distance);
   return {origin, distance > 0 ? unit(at - Vec3d(origin)) : unit(dir)};
 }
 
-/// The scales and places at which all must hold: size, and how many sizes from the origin.
+/// The tested scales and positions: size, and distance from the origin in sizes.
 struct Setting {
   double size;
   Vec3d place;
@@ -180,7 +180,7 @@ TEST(Cone, ClosedForms) {
   EXPECT_GT(r.cosine[1], 0);
   EXPECT_EQ(roots(cylinder, {-5, 0, 3}, {1, 0, 0}).count, 0);
   EXPECT_EQ(roots(cylinder, {0, 0, -5}, {0, 0, 1}).count, 0);     // along the axis
-  EXPECT_EQ(roots(cylinder, {0.5f, 0, -5}, {0, 0, 1}).count, 0);  // beside it
+  EXPECT_EQ(roots(cylinder, {0.5f, 0, -5}, {0, 0, 1}).count, 0);  // next to it
   r = roots(cylinder, {0, 0, 1}, {0, 1, 0});                      // from inside
   ASSERT_EQ(r.count, 2);
   EXPECT_EQ(r.t[0], -1);
@@ -205,8 +205,7 @@ TEST(Cone, ClosedForms) {
   ASSERT_EQ(r.count, 1);
   EXPECT_FLOAT_EQ(r.t[0], 1.5f);
   EXPECT_GT(r.cosine[0], 0);
-  // Parallel to the wall x = 2 - z, so that only x = z - 2 is met: at z = 0.75 and, beyond the
-  // end, 1.5.
+  // Parallel to the wall x = 2 - z, so only x = z - 2 is hit: at z = 0.75 and, beyond the end, 1.5.
   r = roots(frustum, {0, 0, -0.5f}, {-1, 0, 1});
   ASSERT_EQ(r.count, 1);
   EXPECT_FLOAT_EQ(r.t[0], 1.25f * std::sqrt(2.f));
@@ -235,7 +234,7 @@ TEST(Cone, AgreesWithTheReference) {
     for (int i = 0; i < roots.count; ++i) {
       const Vec3r p = Vec3r(ray.origin) + Vec3r(ray.dir) * Real(roots.t[i]);
       ASSERT_LE(cone_distance(c, Vec3d(p)), double(bound));
-      // The sign of the cosine, where it is clear, is that of the normal's.
+      // The sign of the cosine, if unambiguous, agrees with the normal.
       const double cosine = dot(Vec3d(cone_normal(c, Vec3f(p))), Vec3d(ray.dir));
       const Real here = c.base_radius + c.slope * dot(p - Vec3r(c.base), Vec3r(c.axis));
       if (bound + kEpsilon * length(p) < 1e-3L * here && std::abs(cosine) > 0.02) {
@@ -244,8 +243,8 @@ TEST(Cone, AgreesWithTheReference) {
     }
     // The distance in the slope's direction that the bound stands for.
     const Real grow = bound * std::hypot(Real(1), Real(c.slope));
-    // Clear is what all four cones agree on that are wider or narrower and longer or shorter by
-    // that.
+    // A clear result is shared by all four cones that are wider or narrower and longer or shorter
+    // by that.
     std::vector<Real> least, most;
     bool clear = true;
     for (const int wider : {-1, 0, 1}) {
@@ -324,7 +323,7 @@ TEST(Plane, HitsLieInThePlane) {
     ASSERT_TRUE(t.has_value());
     const Vec3r p = Vec3r(ray.origin) + Vec3r(ray.dir) * Real(*t);
     const Real height = dot(Vec3r(plane.normal), p - Vec3r(plane.point));
-    // What rounding t does: half an ulp of it, as the cosine sees it; and the doubles on the way.
+    // The rounding of t: half an ulp divided by the cosine; and doubles on the way.
     const Real seen = std::abs(dot(Vec3r(plane.normal), Vec3r(ray.dir)));
     const Real doubles = 1e-15L * (length(Vec3r(ray.origin)) + length(Vec3r(plane.point)));
     ASSERT_LE(std::abs(height), kEpsilon / 2 * std::abs(Real(*t)) * seen * 1.01L + doubles);
@@ -383,7 +382,7 @@ void check_boxes(Random& random, const Shape& shape, const Setting& setting) {
     }
     ASSERT_TRUE(overlaps(shape, box_around(random, p, setting.size)));
   }
-  // Boxes that keep clear of the bounds.
+  // Boxes that clearly miss the bounds.
   for (int i = 0; i < 5; ++i) {
     const int axis = int(random.uniform(0, 3));
     const Vec3d size = hi - lo + Vec3d(setting.size * 0.01);

@@ -1,4 +1,4 @@
-// Skies: what their files may be, which texel a direction meets, and that pictures show them.
+// Skies: valid files, the texel of a direction, and their use in pictures.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -29,9 +29,9 @@ using tests::random_scene;
 using tests::same_bytes;
 using tests::sky_of;
 
-// P3F's words: with ma the size of the largest component, s = (sc / ma + 1) / 2 from the left and
-// t = (tc / ma + 1) / 2 from the bottom, (sc, tc) by face; and back to a direction. Right is
-// towards -x, as pictures of a sky then meet at their edges.
+// As in P3F: with ma the magnitude of the largest component, s = (sc / ma + 1) / 2 from the left
+// and t = (tc / ma + 1) / 2 from the bottom, (sc, tc) by face; and back to a direction. Right is
+// towards -x, so the pictures of a sky join at their edges.
 Vec3f towards(CubeFace face, float s, float t) {
   const float sc = 2 * s - 1, tc = 2 * t - 1;
   switch (face) {
@@ -51,7 +51,7 @@ Vec3f towards(CubeFace face, float s, float t) {
   return {sc, tc, -1};
 }
 
-// A picture of one pixel, whose ray goes that way.
+// A picture of one pixel, with its ray in that direction.
 Scene looking(Vec3f direction, std::shared_ptr<const CubeMap> sky) {
   Scene s;
   s.camera.from = {0, 0, 0}, s.camera.at = direction;
@@ -119,13 +119,13 @@ TEST_F(Sky, IsBilinearBetweenTexels) {
 TEST_F(Sky, ContinuesAcrossEdgesAndCorners) {
   constexpr int kSide = 4;
   const auto map = sky(kSide);
-  // On the edge of left (+x) and top (+y), beside the centre of a texel of each: half of both. On
-  // left s is (z + 1) / 2; on top it is 0, and t is (1 - z) / 2 from the bottom.
+  // On the edge of left (+x) and top (+y), at the centre of a texel of each: half of both. On left
+  // s is (z + 1) / 2; on top it is 0, and t is (1 - z) / 2 from the bottom.
   const float z = 0.25f;
   const Rgb by_left = distinct_texel(CubeFace::left, 2, 0);
   const Rgb by_top = distinct_texel(CubeFace::top, 0, 2);
   expect_near(seen({1, 1, z}, map), (by_left + by_top) * 0.5f, 5e-6f);
-  // In the corner +x +y +z: a third of each, but for the rounding of texels.
+  // In the corner +x +y +z: a third of each, except for the rounding of texels.
   const Rgb corner = (distinct_texel(CubeFace::left, 3, 0) + distinct_texel(CubeFace::top, 0, 3) +
                       distinct_texel(CubeFace::front, 0, 0)) *
                      (1 / 3.f);
@@ -141,7 +141,7 @@ TEST_F(Sky, ContinuesAcrossEdgesAndCorners) {
     d[a] *= 1.00001f, other[b] *= 1.00001f;
     expect_near(seen(d, map), seen(other, map), 1e-3f);
   }
-  // Of one texel a face.
+  // One texel per face.
   const auto tiny = sky(1);
   expect_near(seen({0, 0, -1}, tiny), distinct_texel(CubeFace::back, 0, 0));
 }
@@ -186,7 +186,7 @@ Scene scene_under(std::shared_ptr<const CubeMap> sky) {
 TEST_F(Sky, IsTheSameForStructuresThreadsAndInstructionSets) {
   const Scene scene = scene_under(sky(8));
   const Image image = expect_one_picture(scene, all_effects());
-  // And another than without it, where only what hits nothing differs.
+  // And different from the one without it, only where rays hit nothing.
   Scene plain = scene;
   plain.sky = nullptr, plain.sky_folder.clear();
   EXPECT_FALSE(same_bytes(picture_of(plain, all_effects()), image));
@@ -274,7 +274,7 @@ TEST_F(SkyJob, IsNamedAndHashedInThePicture) {
   EXPECT_EQ(setting(*settings, "background"), file("sky").string());
   EXPECT_EQ(setting(*settings, "sky"), file("sky").string());
   EXPECT_EQ(setting(*settings, "sky_hash"), hex(sky_of(file("sky"))->hash));
-  // Repeated; not under another sky in its place.
+  // Repeated; but not with another sky in its place.
   JobRequest again = request("b.png");
   again.options = {}, again.repeat = file("a.png");
   const auto repeated = done(again);
@@ -449,7 +449,7 @@ TEST_F(Sky, FaultsOfFacesAreNamed) {
   put(file("sky/bottom.jpg"), jpeg.substr(0, 3));
   EXPECT_EQ(error(),
             "sky: the face bottom (sky/bottom.jpg): broken JPEG: Premature end of JPEG file");
-  // A few bytes that say they are many pixels.
+  // A few bytes that claim to be many pixels.
   std::string large = jpeg;
   const size_t frame = large.find("\xff\xc0");
   ASSERT_NE(frame, std::string::npos);

@@ -1,4 +1,4 @@
-// Normals of meshes that have none, against closed forms.
+// Smoothed normals of meshes without any, against closed forms.
 #include "io/mesh/smooth.h"
 
 #include <gmock/gmock.h>
@@ -12,7 +12,7 @@
 namespace raio {
 namespace {
 
-// Two squares of side 1 that meet in the edge x = 0, of which the second rises by an angle.
+// Two squares of side 1 that share the edge x = 0; the second is tilted by an angle.
 Mesh folded(double degrees, bool shares_vertices) {
   const double angle = degrees * std::numbers::pi / 180;
   const auto c = float(std::cos(angle)), s = float(std::sin(angle));
@@ -36,8 +36,8 @@ Vec3f normal_at(const Mesh& mesh, size_t triangle, size_t corner) {
   return index == kNoNormal ? Vec3f() : mesh.normals[index];
 }
 
-// Whether the faces share vertices or places alone. On the edge the normal leans by half the angle
-// towards both: as many areas count on each side, once both triangles of a square and once one.
+// Whether the faces share vertices or only positions. On the edge the normal is tilted by half the
+// angle: equal areas count on each side, once both triangles of a square and once one.
 TEST(Smooth, EdgesThatBendLittleLookRound) {
   for (const bool shares : {true, false}) {
     Scene scene = scene_of(folded(30, shares));

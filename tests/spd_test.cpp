@@ -1,4 +1,4 @@
-// Raio's counts in the standard scenes beside the published ones.
+// Raio's counts in the standard scenes compared with the published ones.
 #include "app/spd.h"
 
 #include <gmock/gmock.h>
@@ -18,7 +18,7 @@ namespace {
 
 using testing::HasSubstr;
 
-// Of mount, all as published by Haines where he has a number; hidden as it is known of Raio.
+// For mount, all as published by Haines where he has a number; occluded ones as known from Raio.
 RayCounts published_mount() {
   return {.eye = 263169,
           .eye_hits = 173125,
@@ -65,8 +65,8 @@ TEST(Spd, PublishedNumbersAgreeWithOneAnother) {
   }
 }
 
-// 5 x 5 rays of a picture whose angle lies between centres are the corners of 4 x 4 pixels whose
-// angle lies between edges.
+// 5 x 5 rays of a picture with the angle between centres are the corners of 4 x 4 pixels with the
+// angle between edges.
 TEST(Spd, AngleToCentersPutsRaysIntoTheCornersOfPixels) {
   Camera camera;
   camera.from = {1, 2, 3}, camera.at = {0, 0, 0}, camera.up = {0, 0, 1};
@@ -79,8 +79,8 @@ TEST(Spd, AngleToCentersPutsRaysIntoTheCornersOfPixels) {
     }
 }
 
-// The lists of the plain grid hold everything, and more tests are counted than with a mailbox; what
-// is seen is the same.
+// The lists of the plain grid hold everything, and it counts more tests than with a mailbox; the
+// picture is the same.
 TEST(Spd, PlainGridHasNoOversizedPrimitivesAndNoMailbox) {
   const auto scene = generate_scene("balls", 2);
   ASSERT_TRUE(scene);

@@ -1,4 +1,4 @@
-// What is drawn of the structure over the picture, and where.
+// The structure's boxes drawn over the picture, and their positions.
 #include "view/structure_overlay.h"
 
 #include <gtest/gtest.h>
@@ -54,7 +54,7 @@ TEST(StructureOverlay, LegendsExplainColours) {
   EXPECT_EQ(overlay.legend().stops.back().label, "1024+");
 }
 
-// What the ray through a place of the picture meets is drawn at that place.
+// The hit of the ray through a position of the picture is drawn at that position.
 TEST(Projection, ProjectsPointsToTheirRays) {
   Camera camera;
   camera.from = {3, -7, 2}, camera.at = {0.5f, 0, 0.3f}, camera.up = {0.1f, 0, 1};

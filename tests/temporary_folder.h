@@ -1,4 +1,4 @@
-// A folder of its own for every test that makes files; gone afterwards.
+// A separate temporary folder for every test that creates files; removed afterwards.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Textures: colours at places of pictures, on meshes, in pictures and in files.
+// Textures: colours at coordinates, on meshes, in pictures and in files.
 #include "scene/texture.h"
 
 #include <gmock/gmock.h>
@@ -86,7 +86,7 @@ TEST(Textures, HaveAColourAtAnyCoordinates) {
   }
 }
 
-// A square before the camera whose picture is the texture, of each texel one pixel.
+// A square in front of the camera that shows the texture, one pixel per texel.
 Scene textured_square() {
   Scene scene = with_texture(6, 6);
   scene.dialect = Dialect::data;
@@ -121,7 +121,7 @@ TEST(Textures, AreVisibleOnMeshes) {
   tests::expect_one_picture(scene, options);
 }
 
-/// The other triangles of the scene, and a copy, which has its own space.
+/// The other triangles of the scene, and an instance with its own space.
 TEST(Textures, AreThoseOfTheMaterial) {
   RenderOptions options;
   options.integrator = IntegratorKind::classic;

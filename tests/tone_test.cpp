@@ -59,7 +59,7 @@ TEST(Tone, ExposureCountsInStops) {
     EXPECT_EQ(ToneMap(tone, 2)(Rgb(0.05f, 0.1f, 0.2f)), ToneMap(tone, 0)(Rgb(0.2f, 0.4f, 0.8f)));
 }
 
-// Of Benjamin Wrensch's approximation, reckoned in extended precision by another program.
+// Benjamin Wrensch's approximation, computed in extended precision by another program.
 TEST(Tone, AgxIsAsPublished) {
   const ToneMap agx(Tone::agx, 0);
   const auto expect = [&](Rgb linear, Rgb wanted) {
@@ -102,7 +102,7 @@ TEST(WrittenColor, ComesInFourForms) {
   EXPECT_EQ(color("0.1,2,0"), (WrittenColor{Rgb(0.1f, 2, 0), false, false}));
   EXPECT_EQ(color("transparent"), (WrittenColor{Rgb(), true, true}));
   EXPECT_EQ(color("grey"), color("gray"));
-  // As bytes of the display they are what was written.
+  // As display bytes they are what was written.
   EXPECT_EQ(to_byte(color("#8081fe").color.y), 0x81);
 }
 

@@ -1,5 +1,5 @@
-// A ray's walk and its shading in words: each step of the log is told, in both languages, and the
-// numbers are those of the ray.
+// A ray's traversal and shading in words: each step of the log is described, in both languages,
+// with the ray's numbers.
 #include "view/traversal_words.h"
 
 #include <gmock/gmock.h>
@@ -80,7 +80,7 @@ void expect_told(const ExplainedRay& ray, const TraceLog& log, const Geometry& g
     last_step = step.log_step;
   }
   EXPECT_EQ(last_step, int(log.steps.size()) - 1);
-  // Below what is behind the hit there is nothing to go into.
+  // Boxes behind the hit are not entered.
   for (size_t k = 1; k < steps.size(); ++k) {
     if (!steps[k - 1].words.ends_with("none of its children is hit") || steps[k].log_step < 0)
       continue;
@@ -101,7 +101,7 @@ void expect_told(const ExplainedRay& ray, const TraceLog& log, const Geometry& g
   for (size_t k = 1; k < steps.size(); ++k) EXPECT_GE(steps[k].t, steps[k - 1].t);
 }
 
-// A hit found by a walk of its own, as a sample's ray has it.
+// A hit found by a separate trace, as for a sample's ray.
 ExplainedRay ray_of(const Accel& accel, const Ray& ray, bool any) {
   RayBatch one;
   one.push(ray);
@@ -193,7 +193,7 @@ Rgb rgb_of(const std::string& text) {
                                              : Rgb(vector_of(text));
 }
 
-// A ray's weight is that of the ray before it, times the factors that the step names.
+// A ray's weight is its parent's times the factors named by the step.
 void expect_weight(const TraversalStep& step, Rgb before, const std::string& weight) {
   Rgb expected = before;
   for (const char* factor : {"Ks", "specular", "Kr", "T", "1 - Kr"})
@@ -207,8 +207,7 @@ bool has_child_along(const Explanation& e, size_t parent, Kind kind, Vec3d dir) 
   });
 }
 
-// "ambient", "diffuse" and "highlight" are the "C" of the sum, and times the weight what is
-// brought.
+// "ambient", "diffuse" and "highlight" add up to "C", and times the weight to the contribution.
 void expect_sums(const Scene& scene, const RenderOptions& options) {
   size_t surfaces = 0, mirrors = 0, refractions = 0;
   const RenderSettings settings = settings_of(scene, AccelKind::bvh, options);

@@ -148,8 +148,8 @@ TEST(Triangle, AgreesWithDeterminants) {
   EXPECT_GT(misses, 20000);
 }
 
-/// Shoots rays from outside at points of edges and corners, and towards the middle beyond them;
-/// only the triangles around are asked. A ray must meet one of these.
+/// Shoots rays from outside at points of edges and vertices, and towards the middle beyond them;
+/// only the triangles around are tested. A ray must hit one of these.
 void check_watertight(const Mesh& mesh, double scale, Vec3d place, int rays, uint32_t seed) {
   std::vector<Vec3f> p;
   for (const Vec3d& q : mesh.points) p.push_back(Vec3f(q * scale + place));
@@ -169,8 +169,7 @@ void check_watertight(const Mesh& mesh, double scale, Vec3d place, int rays, uin
     const Vec3f origin(place + normalize(target - place) * (scale * distance));
     const Ray ray{origin, Vec3f(normalize(target - Vec3d(origin)))};
     const ShearedRay sheared(ray.dir);
-    // A ray that slips in between meets the far side from within: the nearest hit must be one of a
-    // front.
+    // A ray that leaks hits the far side from within: the nearest hit must be on a front.
     TriangleHit nearest{INFINITY, 0, 0, 1};
     const auto ask = [&](int f) {
       const auto& [a, b, c] = mesh.faces[f];
@@ -182,7 +181,7 @@ void check_watertight(const Mesh& mesh, double scale, Vec3d place, int rays, uin
     for (const int corner : {i, j}) {
       for (const int f : around[corner]) ask(f);
     }
-    // Rounding of a far ray can carry it past all the small triangles around: then it must meet
+    // Rounding of a far ray can carry it past all the small triangles around: then it must hit
     // others.
     const bool beside = nearest.cosine > 0;
     for (int f = 0; f < int(mesh.faces.size()) && beside; ++f) ask(f);
@@ -209,7 +208,7 @@ TEST(Triangle, TheCosineDistinguishesInFromOut) {
   const Mesh mesh = spikes(2, 4);
   std::mt19937 rng(5);
   for (int k = 0; k < 2000; ++k) {
-    // Along the ray, the sides that are met alternate, from outside in.
+    // Along the ray, front and back hits alternate, starting with a front.
     const Vec3f origin(random_unit(rng) * 3.0);
     const Ray ray{origin, Vec3f(normalize(random_unit(rng) * 0.02 - Vec3d(origin)))};
     int balance = 0;
@@ -245,8 +244,8 @@ TEST(Triangle, DegenerateOnesGiveNoNan) {
   EXPECT_GT(hits, 0);
 }
 
-// Small and exactly edge-on, so that edge functions are but rounding: a ray that passes by at many
-// times their size does not hit them.
+// Small and exactly edge-on, so edge functions are mere rounding: a ray that passes at many times
+// their size does not hit them.
 TEST(Triangle, EdgeOnAndOffToTheSideIsMissed) {
   std::mt19937 rng(8);
   int hits = 0;

@@ -1,4 +1,4 @@
-// What the tests of the window's parts look at.
+// Scenes for the tests of the window's parts.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-// What is behind the window, without one: its state, its texts, its layout.
+// The window's state, texts and layout, without a window.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -109,7 +109,7 @@ TEST(ViewState, AFigureHasNoEffectsOfSurfaces) {
   EXPECT_EQ(state.toggle(Command::soft_shadows), "soft shadows on");
 }
 
-// What another scene brought along waits for one in which it has an effect.
+// An option from another scene waits for one in which it has an effect.
 TEST(ViewState, OptionsWithoutEffectWait) {
   Scene molecule = *scene();
   molecule.dialect = Dialect::data;
@@ -166,7 +166,7 @@ TEST(ViewState, ParallelRaysChangeOnlyTheCamera) {
   EXPECT_EQ(state.camera, turned);
   const Camera back = camera_of(*water, read_back(state, 5));
   EXPECT_TRUE(back.is_parallel() && back.from == turned.from && back.at == turned.at);
-  // They have no lens: one that was switched on before waits.
+  // They have no lens: one switched on before waits.
   EXPECT_EQ(state.toggle(Command::depth_of_field), "parallel rays have no lens");
   state.options.dof = true, state.options.aperture = 0.3f;
   EXPECT_FALSE(state.is_on(Command::depth_of_field));
@@ -205,7 +205,7 @@ TEST(ViewState, RoughnessComesBackAndIsSampled) {
     (void)state.toggle(effect);
     EXPECT_EQ(state.roughness(effect), 0.3f);
   }
-  // Of materials that are rough, `0` is said, and nothing when they decide again.
+  // For rough materials `0` is stored, and nothing when they decide again.
   Scene rough = *scene();
   rough.material_roughness = std::vector<float>(rough.materials.size(), 0.2f);
   ViewState state("rough.p3f", std::make_shared<const Scene>(rough), {});

@@ -62,8 +62,8 @@ TEST(SceneWarnings, MeasureTheBlurOfALens) {
   const auto found = warnings(scene, lens(0.2f, 1));
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].kind, SceneWarning::blurred);
-  // Through both edges of the lens to the point in focus and on to the wall: of diameter 2 R three
-  // times as far behind the focus as the lens is before it.
+  // Through both edges of the lens to the focus and on to the wall: the diameter is 2 R three times
+  // as far behind the focus as the lens is in front of it.
   const double height = 2 * 4 * std::tan(20 * std::numbers::pi / 180);
   EXPECT_THAT(found[0].sentence,
               HasSubstr(fmt::format(" {:.0f} pixels", 200 * 2 * 0.2 * 3 / height)));
@@ -94,8 +94,8 @@ TEST(SceneWarnings, AcceptPicturesWithSharpParts) {
   EXPECT_TRUE(warnings(scene, lens(0.2f, 0.5f)).empty()) << "nothing is in sight";
 }
 
-// The lens that pictures get by default: of the scenes here it blurs the two whose camera stands
-// among the objects, or looks at a point right before it.
+// The default lens: it blurs the two scenes here with the camera among the objects, or looking at a
+// point right in front of it.
 TEST(SceneWarnings, JudgeTheScenesOfTheTree) {
   for (const char* name :
        {"gears", "lattice", "mount", "rings", "shapes", "sphereflake", "teapot", "tetra", "tree"}) {
@@ -108,7 +108,7 @@ TEST(SceneWarnings, JudgeTheScenesOfTheTree) {
   }
 }
 
-// With and without alpha, beside which colours have no background.
+// With and without alpha; with it, colours have no background.
 TEST(SceneWarnings, ReportBlankPictures) {
   Scene scene = wall(4);
   const auto blank = [&](const char* background, bool alpha) {
@@ -132,7 +132,7 @@ TEST(SceneWarnings, ReportBlankPictures) {
         EXPECT_EQ(blank(background, alpha).has_value(), !is_ahead) << background << alpha;
   }
   scene = wall(4);
-  scene.materials.front().color = {};  // black before black
+  scene.materials.front().color = {};  // black on black
   EXPECT_EQ(blank("transparent", true), std::nullopt);
   EXPECT_THAT(blank("black", false).value_or(""), HasSubstr("background's colour"));
 }

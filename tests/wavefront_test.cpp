@@ -1,5 +1,5 @@
-// The seam between the wavefront and a way of shading, by a shading of the test's own: mirrors that
-// tint what they reflect.
+// The interface between the wavefront and a Shading, with a test shading: mirrors that tint what
+// they reflect.
 #include <gtest/gtest.h>
 #include <hwy/highway.h>
 
@@ -59,7 +59,7 @@ Rgb corner_pixel(const Scene& scene, int levels) {
   return film.resolve().at(0, 0);
 }
 
-// Brings NaN in odd samples, and what is beyond all bounds in sample 2.
+// Emits NaN in odd samples, and light beyond all bounds in sample 2.
 class Faulty {
  public:
   explicit Faulty(const PreparedScene&) {}
@@ -128,7 +128,7 @@ TEST(Wavefront, WeighsRaysByColor) {
   scene.planes = {Plane{{0, 0, 0}, {0, 0, 1}}};
   scene.plane_materials = {0};
   EXPECT_EQ(corner_pixel(scene, 2), Rgb(0.5f, 0.5f, 0.0625f));
-  // A second mirror behind the camera: the children of the last level bring the background.
+  // A second mirror behind the camera: the children of the last level get the background.
   scene.planes = {Plane{{0, 0, 0}, {0, 0, 1}}, Plane{{0, 0, 2}, {0, 0, -1}}};
   scene.plane_materials = {0, 0};
   EXPECT_EQ(corner_pixel(scene, 1), Rgb(0.5f, 0.5f, 0.0625f));

@@ -1,4 +1,4 @@
-// What base/wide-inl.h reckons in its own way, on every instruction set of this machine.
+// The functions of base/wide-inl.h, with every instruction set of this machine.
 #include <gtest/gtest.h>
 
 #include <random>

@@ -127,10 +127,10 @@ TEST(WildMeshes, PositionsFarFromZeroKeepTheirDigits) {
     EXPECT_NEAR(place.x, 500000 + 0.1 * i, 1e-3);
     EXPECT_NEAR(place.y, 4649776 + 0.1 * i, 1e-3);
   }
-  // What is as wide as it is far needs none.
+  // Data as wide as its distance needs no origin.
   const auto wide = read("v 500000 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\n", "a.obj");
   EXPECT_EQ(wide->scene.origin, Vec3d());
-  // Written and read again, it is where it was.
+  // Written and read back, it is where it was.
   const auto again = read(write_ply(scene), "b.ply");
   ASSERT_TRUE(again);
   EXPECT_NEAR((again->scene.origin + Vec3d(again->scene.spheres[9].center)).y, 4649776.9, 1e-3);

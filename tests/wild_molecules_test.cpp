@@ -1,5 +1,5 @@
-// Molecules as programs write them who do not keep to the formats, and what is told of them. Some
-// files are beside the repository; what they hold is in their comments.
+// Molecules from programs that violate the formats, and the notices about them. Some files are not
+// in the repository; their contents are in their comments.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ std::string wild_text(const std::string& name) {
   return out.str();
 }
 
-// What a file came to.
+// The result of reading a file.
 struct Seen {
   std::string elements;  // in their order, as symbols
   std::vector<Vec3f> places;
@@ -111,7 +111,7 @@ TEST_F(WildMolecule, BondsAndAssembliesOfPdb) {
   EXPECT_EQ(see_file("pdb-biomt-and-chains.pdb", {.assembly = 1}).places.size(), 6u);
   EXPECT_EQ(see_file("pdb-biomt-and-chains.pdb", {.assembly = 2}).places.size(), 1u);
   EXPECT_EQ(see_file("pdb-negative-insert.pdb").places.size(), 4u);
-  // The first conformer, as the page says, whatever its occupancy; and the file's owner is told.
+  // The first conformer, as documented, whatever its occupancy; with a notice.
   const Seen two = see_file("pdb-altloc-second-bigger.pdb");
   EXPECT_THAT(two.places, ElementsAre(Vec3f(0, 0, 0)));
   EXPECT_THAT(two.notices, HasSubstr("left out: atoms of alternate conformers (1: GLY A1)"));
@@ -220,7 +220,7 @@ TEST(PdbText, SecondResiduesAtOneNumber) {
   EXPECT_EQ(got.elements, "C O");
   EXPECT_THAT(got.notices,
               HasSubstr("residues with the number and position of another (1: PRO A22)"));
-  // Numbers that all are alike say nothing.
+  // Equal numbers carry no information.
   std::string alike = microhet;
   alike.replace(alike.rfind("   0.200"), 8, "   9.000");
   EXPECT_EQ(see(alike, "a.pdb").elements, "C O C C");

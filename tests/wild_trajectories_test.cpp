@@ -24,7 +24,7 @@ std::string notices_of(const std::expected<ReadScene, Diagnostics>& got) {
   return out;
 }
 
-// Symbols and places of the spheres: "C 0 0 0; ".
+// Symbols and positions of the spheres: "C 0 0 0; ".
 std::string atoms_of(const std::expected<ReadScene, Diagnostics>& got) {
   if (!got) return got.error().front().text();
   std::ostringstream out;
@@ -156,7 +156,7 @@ TEST(LammpsStyles, AllHaveTheirColumns) {
   struct Case {
     std::string_view style, row;
   };
-  // The type is 2 and the place 1.5 2.5 3.5, wherever they are.
+  // The type is 2 and the position 1.5 2.5 3.5, in any columns.
   for (const auto& [style, row] :
        std::initializer_list<Case>{{"angle", "7 2 1.5 2.5 3.5"},
                                    {"atomic", "2 1.5 2.5 3.5"},
@@ -301,8 +301,8 @@ TEST(WildDumps, LastFramesMayBeCut) {
   const std::string whole(kDump);
   const size_t second = whole.find("ITEM: TIMESTEP", 1);
   const std::string more = whole.substr(0, second);
-  // Wherever the second of two equal frames ends, the first is read; the last row has no second
-  // number of its energy, which cannot be told from a whole one.
+  // Wherever the second of two equal frames is truncated, the first is read; a truncated energy in
+  // its last row cannot be distinguished from a whole one.
   for (size_t size = 15; size + 3 < more.size(); ++size) {
     const auto got = parse_scene(more + more.substr(0, size), "a.dump");
     ASSERT_TRUE(got) << size << ": " << got.error().front().text();

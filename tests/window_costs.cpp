@@ -1,7 +1,7 @@
-// Whether the window's figures are true: docs/view.md. The real program on a display of its own
-// measures what effects cost after a change of size and two presses of a key, and says what a
-// change of the structure brings; `raio bench` and `raio render` measure the same picture directly
-// before and after, so that whatever else keeps the machine busy meets both.
+// Checks the window's figures for docs/view.md. The real program on a separate display measures the
+// costs of effects after a change of size and two key presses, and reports the effect of a change
+// of structure; `raio bench` and `raio render` measure the same picture before and after, so other
+// load affects both alike.
 #include <X11/keysym.h>
 #include <fmt/format.h>
 #include <signal.h>
@@ -30,7 +30,7 @@ using Json = nlohmann::json;
 constexpr double kClose = 1.15;  // times too much or too little that is still called the same
 constexpr int kRounds = 3;       // of the benchmark, before the window and again after it
 constexpr int kPairs = 4;        // of renders, likewise
-constexpr int kSamples = 4;      // of a render that is to tell what one sample takes
+constexpr int kSamples = 4;      // of a render that measures one sample's time
 
 /// An effect as the window names it, and as the benchmark does.
 struct Row {
@@ -70,7 +70,7 @@ std::string in_quotes(const std::string& word) {
   return quoted + "'";
 }
 
-// What a command of the program writes to its output; null when it fails.
+// A command's output; null if it fails.
 Json json_of(const std::string& command) {
   std::string text;
   FILE* const pipe = ::popen((command + " 2>/dev/null").c_str(), "r");
@@ -99,7 +99,7 @@ class CommandLine {
   CommandLine(const std::string& scene, const std::string& size)
       : scene_(in_quotes(scene) + " --size " + size) {}
 
-  /// Those of effects and of reflection.
+  /// Of effects and of reflection.
   void measure_effects() {
     for (const Row& row : kRows)
       bench(row.name, fmt::format("--accel bvh --effects {} --repeat {}", row.word, kRounds), 1, 0);
@@ -125,7 +125,7 @@ class CommandLine {
   void bench(const char* name, const std::string& what, size_t over, size_t under) {
     const Json table =
         json_of(fmt::format("{} bench {} {} --json -", in_quotes(RAIO_PROGRAM), scene_, what));
-    if (!table.is_object()) return;  // there is no such effect in the scene
+    if (!table.is_object()) return;  // the scene has no such effect
     const auto runs = [&](size_t row) {
       return table["rows"].at(row)["runs_s"].get<std::vector<double>>();
     };
@@ -140,7 +140,7 @@ class CommandLine {
   std::map<std::string, std::vector<double>> ratios_;
 };
 
-/// Two measurements of the same, again and again.
+/// Two measurements of the same, repeatedly.
 class Tally {
  public:
   void add(const MedianInterval& shown, const MedianInterval& held) {
@@ -255,7 +255,7 @@ class Trial {
     }
   }
 
-  // All structures in quick succession; what is said of the last is held against renders of it.
+  // All structures in quick succession; the last report is compared with renders.
   bool press_keys(raio::WindowDriver& window, int number) {
     const size_t from = window.mark();
     for (const unsigned long key : {XK_a, XK_s, XK_d, XK_g, XK_g, XK_g}) {

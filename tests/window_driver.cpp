@@ -79,7 +79,7 @@ WindowDriver::WindowDriver(const Display& display, const std::vector<std::string
   std::vector<std::string> command = {RAIO_PROGRAM, "view"};
   command.insert(command.end(), arguments.begin(), arguments.end());
   command.emplace_back("--log");
-  // What it remembers is its own, and what it says is English.
+  // Its memory file is separate, and its texts are English.
   process_ = start(command,
                    {"DISPLAY=" + display.name(), "LIBGL_ALWAYS_SOFTWARE=1", "LC_ALL=C.UTF-8",
                     "XDG_STATE_HOME=" + (folder.empty() ? "/nowhere" : folder + "/state")},
@@ -88,11 +88,11 @@ WindowDriver::WindowDriver(const Display& display, const std::vector<std::string
   reader_ = std::thread([this] { read_log(); });
   if (!wait_for("picture: .* samples [1-9]", 0)) return;
 
-  // A window may close while it is being asked for something.
+  // A window may close while it is being queried.
   XSetErrorHandler([](_XDisplay*, XErrorEvent*) { return 0; });
   x_ = XOpenDisplay(display.name().c_str());
   if (!x_) return;
-  // The one window that is shown; there is no window manager.
+  // The only visible window; there is no window manager.
   while (!window_ && is_running()) {
     Window root = 0, parent = 0, *children = nullptr;
     unsigned count = 0;
@@ -111,7 +111,7 @@ WindowDriver::WindowDriver(const Display& display, const std::vector<std::string
 }
 
 WindowDriver::~WindowDriver() {
-  // Asked first: who is killed does not say what was counted or leaked.
+  // Asked first: a killed process does not report coverage or leaks.
   if (x_ && is_running()) key('q');
   for (int i = 0; i < 100 && x_ && is_running(); ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -181,7 +181,7 @@ void WindowDriver::hold(unsigned long keysym, bool down) {
 }
 
 void WindowDriver::key(unsigned long keysym, Held held) {
-  // A key that comes again within 20 ms is one that repeats, to GLFW.
+  // For GLFW, a key pressed again within 20 ms is a repeat.
   if (keysym == last_key_)
     std::this_thread::sleep_until(last_press_ + std::chrono::milliseconds(50));
   constexpr unsigned long kShift = 0xffe1, kCtrl = 0xffe3;

@@ -1,5 +1,5 @@
-// A display of its own (Xvfb), raio view on it, and hands: keys and the mouse by XTest, as a person
-// would use them. What the program did is read from its log; nothing is told by time.
+// A separate display (Xvfb) with raio view on it, driven by keys and mouse events through XTest,
+// like a person. Its log shows what the program did; nothing depends on timing.
 #pragma once
 
 #include <chrono>
@@ -39,18 +39,18 @@ class WindowDriver {
   WindowDriver(const WindowDriver&) = delete;
   WindowDriver& operator=(const WindowDriver&) = delete;
 
-  /// What follows is looked for after this place in the log.
+  /// Later searches start after this position in the log.
   size_t mark() const;
   /// The first line since `from` that has a match, with its groups; waits for it. Nothing when the
   /// program has ended, or after minutes.
   struct Line {
     std::vector<std::string> groups;  // the whole match first
-    size_t next = 0;                  // the place after the line
+    size_t next = 0;                  // the position after the line
     std::chrono::steady_clock::time_point time;
   };
   std::optional<Line> wait_for(const std::string& pattern, size_t from);
 
-  /// The picture in full, of at least so many samples, of a request made since `from`.
+  /// The full picture, with at least this many samples, of a request made since `from`.
   struct Picture {
     int samples = 0;
     std::string sum;

@@ -1,5 +1,5 @@
-// How fast the window answers: docs/view.md. The real program on a display of its own, with hands
-// as in the tests; times are taken here, outside it, when its log says that a picture is on the
+// The response times of the window for docs/view.md. The real program on a separate display, with
+// input as in the tests; times are taken here, outside it, when its log reports a picture on the
 // screen.
 #include <X11/keysym.h>
 #include <fmt/format.h>
@@ -25,7 +25,7 @@ double median(std::vector<double> v) {
   return v[v.size() / 2];
 }
 
-// Milliseconds from the start of the program until its first picture is seen.
+// Milliseconds from the start of the program until its first picture is visible.
 double first_picture_ms(const raio::Display& display, const std::vector<std::string>& arguments) {
   const auto start = Clock::now();
   raio::WindowDriver window(display, arguments, ".");

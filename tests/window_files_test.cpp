@@ -1,4 +1,4 @@
-// What the real window reads and writes: scenes that are opened, edited and saved, and pictures.
+// The real window's files: scenes that are opened, edited and saved, and pictures.
 #include <X11/keysym.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -1,5 +1,4 @@
-// The real window, with a scene in a folder of its own, on a display that all tests of a suite
-// share.
+// The real window, with a scene in a separate folder, on a display shared by all tests of a suite.
 #pragma once
 
 #include <gtest/gtest.h>

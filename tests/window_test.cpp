@@ -1,4 +1,4 @@
-// The real window, with real keys and a real mouse, on a display of its own.
+// The real window, with real keys and a real mouse, on a separate display.
 #include <X11/keysym.h>
 #include <gmock/gmock.h>
 #include <sys/wait.h>
@@ -55,7 +55,7 @@ TEST_F(WindowTest, StructuresShowTheSamePicture) {
 }
 
 TEST_F(WindowTest, DigitsSelectViews) {
-  // In a tree every ray would visit the one node there is, and each pixel has one sample.
+  // In a tree every ray would visit the only node, and each pixel has one sample.
   const auto window = open({"--accel", "grid"});
   std::vector<std::string> sums = {window->picture(0)->sum};
   for (unsigned long key = XK_2; key <= XK_9; ++key) {
@@ -133,7 +133,7 @@ TEST_F(WindowTest, AClickFocusesAndTheWheelSetsTheAperture) {
 TEST_F(WindowTest, ResizesMinimisesAndQuits) {
   const auto window = open();
   size_t from = window->mark();
-  // What the bars and the panel leave.
+  // The room between the bars and the panel.
   window->resize(715, 371);
   ASSERT_TRUE(window->wait_for("size: 400x300", from)) << window->log();
   ASSERT_TRUE(window->wait_for("picture: 400x300 samples 1", from)) << window->log();
@@ -326,7 +326,7 @@ TEST_F(WindowTest, MeasuresCostsAtRestAndStopsForInput) {
   const auto window = open({"--soft-shadows", "--samples", "16"});
   auto costs = window->wait_for("measures the costs", 0);
   ASSERT_TRUE(costs) << window->log();
-  // What is measured when a key comes begins again afterwards, for the new picture.
+  // A measurement interrupted by a key restarts afterwards, for the new picture.
   size_t from = window->mark();
   window->key(XK_s);
   ASSERT_TRUE(window->picture(from)) << window->log();
@@ -337,8 +337,8 @@ TEST_F(WindowTest, MeasuresCostsAtRestAndStopsForInput) {
   for (const char* line : {"soft shadows: [0-9.]+ x.*rays .* x, tests .* x, steps .* x",
                            "refraction: [0-9.]+ x", "structure: [0-9.]+ x faster"})
     EXPECT_TRUE(window->wait_for(line, costs->next)) << line << window->log();
-  // Then there is nothing left to do: no new picture, and next to no processor, also where the
-  // sanitizers make each look at the disk dearer; drawing on would take it whole.
+  // Then nothing is left to do: no new picture, and almost no CPU time, even if sanitizers make
+  // disk checks more expensive; continued drawing would take a whole core.
   std::this_thread::sleep_for(std::chrono::milliseconds(500));
   for (const bool minimised : {false, true}) {
     if (minimised) window->minimise(true);
@@ -387,7 +387,7 @@ TEST_F(WindowTest, TheSameKeyStopsALongMeasurement) {
   EXPECT_TRUE(window->picture(from)) << "the picture lives on" << window->log();
 }
 
-// RAIO_RANDOM_SECONDS: goes on for so long, with other events each time that it is another number.
+// RAIO_RANDOM_SECONDS: runs for this long, with different events for each number.
 TEST_F(WindowTest, SurvivesAThousandRandomEvents) {
   const char* const text = std::getenv("RAIO_RANDOM_SECONDS");
   const int seconds = text ? std::atoi(text) : 0;
@@ -423,7 +423,7 @@ TEST_F(WindowTest, SurvivesAThousandRandomEvents) {
       default:
         window->key(keys[size_t(below(int(keys.size())))], kHeld[below(std::size(kHeld))]);
     }
-    // Some come in a burst, others meet pictures in the making.
+    // Some come in a burst, others during rendering.
     if (i % 8 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(20));
     if (window->is_running()) continue;
     // The panel has a button for that.

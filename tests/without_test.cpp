@@ -1,4 +1,4 @@
-// What a build says that lacks something, when it is asked for that.
+// Messages of builds without optional parts, when these are requested.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

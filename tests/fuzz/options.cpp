@@ -1,5 +1,5 @@
-// The values of the command line: lines "NAME VALUE", as --NAME VALUE. What is taken lies within
-// what the table says, and what goes together can be resolved.
+// Values of the command line: lines "NAME VALUE", as --NAME VALUE. Accepted values are within the
+// table's limits, and accepted combinations can be resolved.
 #include "render/options.h"
 
 #include <string_view>

@@ -1,4 +1,4 @@
-// What fuzz targets hold against a reader besides that it lives.
+// Conditions that fuzz targets check, besides not crashing.
 #pragma once
 
 #include <cstdio>
@@ -7,7 +7,7 @@
 
 namespace raio::fuzz {
 
-/// Ends the program when `holds` does not, so that libFuzzer keeps the input.
+/// Ends the program unless `holds`, so that libFuzzer keeps the input.
 inline void require(bool holds, std::string_view what) {
   if (holds) return;
   std::fprintf(stderr, "does not hold: %.*s\n", int(what.size()), what.data());

@@ -1,5 +1,5 @@
-// Scene files: whatever the bytes, errors with a place, or a sound scene that reads back the same
-// when written, and of which every structure sees the same picture.
+// Scene files: any bytes give errors with a location, or a valid scene that reads back the same
+// when written, and every structure gives the same picture.
 #include <cstring>
 
 #include "io/nff/nff.h"

@@ -18,7 +18,7 @@ extern "C" size_t LLVMFuzzerCustomMutator(uint8_t* data, size_t size, size_t mos
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace raio;
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);
-  // GRO is the one kind that only a suffix tells; this title stands for it.
+  // GRO is the only format detected by suffix alone; this title stands for it.
   const auto read = parse_scene(bytes, bytes.starts_with("gro\n") ? "fuzz.gro" : "fuzz",
                                 {.instances = size % 2 == 0});
   if (!read) {

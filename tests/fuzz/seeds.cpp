@@ -1,5 +1,5 @@
-// Writes what the fuzzers of the readers of pictures, part files and .raio scenes begin with: small
-// ones of many kinds, a folder per format. Usage: raio_fuzz_seeds FOLDER
+// Writes the seed inputs of the fuzzers for pictures, part files and .raio scenes: small files of
+// many kinds, a folder per format. Usage: raio_fuzz_seeds FOLDER
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
@@ -104,7 +104,7 @@ void write_exr(const fs::path& folder) {
     }
 }
 
-// Of 20 x 20 pixels: whole, and a shard.
+// With 20 x 20 pixels: whole, and a shard.
 void write_parts(const fs::path& folder) {
   const Scene scene;
   RenderOptions request;

@@ -1,4 +1,4 @@
-// Selections of atoms, of a small file that has most of what they ask for.
+// Selections of atoms, in a small file with most of what they can select.
 #include "io/atoms/select.h"
 
 #include <string>
@@ -31,7 +31,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   raio::fuzz::require(is_sound || kept == 0 || text.empty(),
                       "what is no selection chooses nothing");
   const size_t rest = atoms({.style = raio::AtomStyle::space_filling, .hide = text});
-  // Either of them leaves no atom, or the file does not have what the selection asks for.
+  // Either leaves no atom, or the file lacks the selected property.
   raio::fuzz::require(!is_sound || kept == 0 || rest == 0 || kept + rest == 6,
                       "what is chosen and what is hidden are all atoms");
   return 0;

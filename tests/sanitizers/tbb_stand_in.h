@@ -22,10 +22,10 @@ namespace tbb {
 namespace stand_in {
 
 inline const int kThreads = std::max(4, int(std::thread::hardware_concurrency()));
-/// How many threads what this one starts may use; loops within loops stay on their thread.
+/// The number of threads for work started by this one; nested loops stay on their thread.
 inline thread_local int concurrency = kThreads;
 
-/// Threads that are joined together; the first exception of any is thrown again by join().
+/// Threads that are joined together; join() rethrows the first exception of any.
 class Threads {
  public:
   ~Threads() { wait(); }
@@ -140,7 +140,7 @@ namespace this_task_arena {
 inline int max_concurrency() { return stand_in::concurrency; }
 }  // namespace this_task_arena
 
-/// Without effect: the arena says how many.
+/// Without effect: the arena decides.
 class global_control {
  public:
   enum parameter { max_allowed_parallelism };
