@@ -108,7 +108,7 @@ TEST(Ambient, IsTheDefaultForData) {
   EXPECT_EQ(s.background, Rgb(1));
   EXPECT_EQ(s.samples, 64);
   EXPECT_EQ(options_of(s, scene).tone, Tone::srgb);  // without the scene
-  // The message names the file.
+  // Resolving resolved options changes nothing.
   const RenderSettings again = resolve_options(options_of(s, scene), scene);
   EXPECT_EQ(again, s);
   RenderOptions options;

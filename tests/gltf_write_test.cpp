@@ -408,7 +408,7 @@ TEST(GltfWrite, ManyShapesHaveFewerTriangles) {
 }
 
 // --- places
-// Copies of copies, mirrored and stretched unevenly, which no sphere survives as such.
+// Instances of instances, mirrored and non-uniformly scaled, which no sphere survives as a sphere.
 TEST(GltfWrite, InstancesKeepTheirPositions) {
   Scene scene = tests::nested_scene();
   for (Scene& object : scene.prototypes) {

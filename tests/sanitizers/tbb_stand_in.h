@@ -1,9 +1,10 @@
-// What Raio uses of oneTBB, made of std::thread: for the build under the thread sanitizer alone.
+// The parts of oneTBB that Raio uses, implemented with std::thread, for the build under the thread
+// sanitizer only.
 //
 // The sanitizer sees only the synchronisation of code that it was compiled into. In Debian's libtbb
-// it sees none, and takes every task that another thread made for a race; to suppress those would
-// hide the races of Raio's own loops, which all run below TBB. With this in its place it sees how
-// each loop starts and ends. The headers in tbb/ stand before the system's; no source knows of it.
+// it sees none, and reports every task made by another thread as a race; suppressing those would
+// hide the races of Raio's own loops, which all run below TBB. With this replacement it sees how
+// each loop starts and ends. The headers in tbb/ precede the system's; no source file knows of it.
 #pragma once
 
 #include <algorithm>
