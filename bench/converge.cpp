@@ -69,7 +69,7 @@ struct Error {
   double plain, blurred;  // root mean squares over channels and pixels
 };
 
-// Rows blurred, then turned round: twice, and all is blurred and stands as before.
+// Blurs rows, then transposes: twice, and everything is blurred and in its original orientation.
 std::vector<double> blurred_rows(const std::vector<double>& in, int width, int height) {
   const int reach = int(std::ceil(3 * kBlur));
   std::vector<double> out(in.size());
@@ -176,7 +176,7 @@ LogLine mean_line(const std::vector<Json>& rows, const char* effect, const char*
 void plot_errors(const std::vector<Json>& rows, const std::string& path) {
   constexpr app::Ink kInks[] = {app::kGrey, app::kVermilion, app::kBlue};
   write_page(path, [&](const app::Canvas& canvas) {
-    canvas.text(40, 60, "Error against samples a pixel", app::kBlack, app::Align::left, 38, true);
+    canvas.text(40, 60, "Error against samples per pixel", app::kBlack, app::Align::left, 38, true);
     for (int i = 0; i < 4; ++i) {
       const double left = 110 + 640 * (i % 2), top = 160 + 430 * (i / 2);
       LogPlot plot{left,
@@ -184,7 +184,7 @@ void plot_errors(const std::vector<Json>& rows, const std::string& path) {
                    top,
                    top + 320,
                    kEffectsAlone[i].name,
-                   "samples a pixel",
+                   "samples per pixel",
                    +[](double error) { return fmt::format("{:g}", error); },
                    {}};
       for (const char* error : {kPlain, kBlurred})

@@ -26,7 +26,8 @@ struct FlushDenormals {
 #endif
 };
 
-// Eight rays of the batch, which has room for as many behind its end; `valid` says which count.
+// Eight rays of the batch, which has padding for as many after its end; `valid` says which are
+// active.
 void fill(RTCRay8& out, int* valid, const RayBatch& r, size_t first) {
   const auto copy = [first](float* to, const Column<float>& from) {
     std::memcpy(to, from.data() + first, kWidth * sizeof(float));
@@ -39,7 +40,7 @@ void fill(RTCRay8& out, int* valid, const RayBatch& r, size_t first) {
   }
 }
 
-// What a stream writes, and the columns that a batch lacks. One per thread.
+// Output of a stream, and columns that batches do not have. One per thread.
 struct StreamColumns {
   Column<float> zero, tfar, ng_x, ng_y, ng_z, u, v;
   Column<unsigned> mask, flags, prim, geom, instance;
@@ -53,7 +54,7 @@ struct StreamColumns {
     }
     std::copy_n(r.tmax.data(), n, tfar.data());
     std::fill_n(geom.data(), n, RTC_INVALID_GEOMETRY_ID);
-    // Embree only reads what it takes as pointers to float here.
+    // Embree only reads through pointers to float here.
     const auto in = [](const Column<float>& c) { return const_cast<float*>(c.data()); };
     return {{in(r.ox), in(r.oy), in(r.oz), zero.data(), in(r.dx), in(r.dy), in(r.dz), zero.data(),
              tfar.data(), mask.data(), flags.data(), flags.data()},
@@ -91,7 +92,7 @@ void attach(RTCScene scene, RTCGeometry geometry) {
 EmbreeScene::EmbreeScene(const Geometry& geometry) {
   const FlushDenormals flush;
   device_ = rtcNewDevice(nullptr);
-  if (!device_) give_up(3, "Embree does not start");
+  if (!device_) give_up(3, "Embree cannot start");
   rtcSetDeviceMemoryMonitorFunction(device_, count_bytes, &bytes_);
   scene_ = rtcNewScene(device_);
   rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
@@ -99,7 +100,7 @@ EmbreeScene::EmbreeScene(const Geometry& geometry) {
   if (geometry.count(PrimitiveKind::triangle) > 0) add_triangles(geometry);
   rtcCommitScene(scene_);
   if (const RTCError error = rtcGetDeviceError(device_); error != RTC_ERROR_NONE)
-    give_up(3, fmt::format("Embree could not build its structure (error {})", int(error)));
+    give_up(3, fmt::format("Embree cannot build its structure (error {})", int(error)));
 }
 
 EmbreeScene::~EmbreeScene() {
@@ -127,7 +128,7 @@ void EmbreeScene::add_triangles(const Geometry& geometry) {
   const auto indices = [&](size_t n) {
     return new_buffer<TriangleIndices>(g, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, 12, n);
   };
-  if (scene.polygons.empty()) {  // corners are shared
+  if (scene.polygons.empty()) {  // vertices are shared
     std::ranges::copy(scene.positions, vertices(scene.positions.size()));
     std::ranges::copy(scene.triangles, indices(scene.triangles.size()));
   } else {

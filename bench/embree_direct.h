@@ -38,8 +38,8 @@ class EmbreeScene {
   EmbreeScene(const EmbreeScene&) = delete;
   EmbreeScene& operator=(const EmbreeScene&) = delete;
 
-  /// Traces all rays, to the nearest hit or (`shadow`) to any, and says how many of them hit. The
-  /// answers stay in Embree's own records.
+  /// Traces all rays, to the nearest hit or (`shadow`) to any, and returns the number of hits. The
+  /// results stay in Embree's own records.
   size_t trace(const RayBatch& rays, const EmbreeWay& way, bool shadow) const;
 
   /// With the buffers of the geometry.

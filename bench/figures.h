@@ -1,5 +1,5 @@
-// What the suites measure with and how they tell it: alternating runs, a few statistics, rows of
-// results that are a table for people and a line of JSON each for programs.
+// Measuring and reporting of the suites: alternating runs, a few statistics, rows of results as a
+// table for people and lines of JSON for programs.
 #pragma once
 
 #include <functional>
@@ -23,14 +23,14 @@ struct Failure {
   throw Failure{status, message};
 }
 
-/// One line on standard error: what is going on.
+/// One line on standard error: the current activity.
 void tell(std::string_view message);
 
-/// Wall time; with all that the work runs in parallel on so many threads.
+/// Wall time; with the parallel work on this many threads.
 double seconds_of(const std::function<void()>& work);
 double seconds_on(int threads, const std::function<void()>& work);
 
-/// One of those that are compared: does its work once and says how many seconds it took.
+/// One of the compared alternatives: does its work once and returns the seconds it took.
 using Contender = std::function<double()>;
 
 /// The seconds of each contender in each round. All take their turn in every round, so that
@@ -38,7 +38,7 @@ using Contender = std::function<double()>;
 /// count.
 std::vector<std::vector<double>> alternate(std::span<const Contender> contenders, int rounds);
 
-/// The value below which a share `q` of the values lie, between neighbours linearly. Of any order.
+/// The quantile `q` of the values, in any order, with linear interpolation.
 double quantile(std::vector<double> values, double q);
 inline double median(const std::vector<double>& values) { return quantile(values, 0.5); }
 

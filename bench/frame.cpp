@@ -42,7 +42,7 @@ struct Rendered {
 Rendered render_once(const Scene& scene, const Accel& accel, const RenderSettings& settings) {
   const auto film = make_film(scene, settings);
   if (!film) give_up(3, film.error().text());
-  // Its memory is there before the clock starts, as where picture follows picture.
+  // Its memory is allocated before the clock starts, as for consecutive pictures.
   for (size_t t = 0; t < (*film)->tiles(); ++t) (*film)->replace(t, {});
   RenderControl control;
   const double seconds = render(scene, accel, settings, **film, control).seconds;
@@ -108,7 +108,7 @@ std::vector<Json> frames(const Settings& request, const std::vector<AccelKind>& 
   return rows;
 }
 
-// The scene's text, written to a file and read again: MB/s. The file is in the system's cache.
+// Writes the scene's text to a file and reads it back: MB/s. The file is in the system's cache.
 double reading_speed(const Scene& scene) {
   const auto path =
       std::filesystem::temp_directory_path() / fmt::format("raio_bench_{}.nff", getpid());
@@ -138,7 +138,7 @@ std::vector<Json> growth_suite(const Settings& request) {
   for (int level = 2; level <= 7; ++level) flakes.push_back(fmt::format("sphereflake:{}", level));
   const Settings s =
       request.with_defaults(flakes, {AccelKind::automatic, AccelKind::grid, AccelKind::embree}, 5);
-  // The first build of a kind loads what it needs, such as Embree's library.
+  // The first build of a kind loads its dependencies, such as Embree's library.
   const Scene few = get_scene("spheres:8");
   for (const AccelKind kind : s.structures) build_structure(few, kind, s);
   std::vector<Json> rows;

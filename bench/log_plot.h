@@ -1,4 +1,4 @@
-// Lines between logarithmic axes: what grows or falls as a power is straight there.
+// Lines between logarithmic axes: power laws are straight.
 #pragma once
 
 #include <functional>
@@ -27,11 +27,11 @@ struct LogPlot {
 
 void draw_log_plot(const app::Canvas& canvas, const LogPlot& plot);
 
-/// Names beside their inks, one below the other from (x, y) on; returns where the next would be.
+/// Names next to their inks, one below the other from (x, y); returns the next position.
 double draw_legend(const app::Canvas& canvas, double x, double y,
                    const std::vector<LogLine>& lines);
 
-/// A page with what `draw` puts on it, to a file: .png, .svg or .pdf.
+/// Writes a page with the result of `draw` to a file: .png, .svg or .pdf.
 void write_page(const std::string& path, const std::function<void(const app::Canvas&)>& draw);
 
 }  // namespace raio::bench

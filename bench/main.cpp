@@ -1,5 +1,4 @@
-// raio_bench: how fast Raio's structures and Raio itself are, beside others. docs/performance.md
-// says how to read it.
+// raio_bench: the speed of Raio and its structures compared with others. See docs/performance.md.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -19,12 +18,12 @@ struct Suite {
 };
 constexpr Suite kSuites[] = {
     {"frame", "Rendering alone, structures and effects side by side", frame_suite},
-    {"trace", "Bare tracing by kind of ray, beside Embree", trace_suite},
-    {"build", "Building, seconds and bytes, beside Embree", build_suite},
+    {"trace", "Bare tracing by kind of ray, compared with Embree", trace_suite},
+    {"build", "Building, seconds and bytes, compared with Embree", build_suite},
     {"growth", "Reading, building and rendering of growing scenes", growth_suite},
     {"threads", "Rendering on all threads and on one", threads_suite},
     {"converge", "Errors of the samplers against the number of samples", converge_suite},
-    {"process", "The whole program, beside Tachyon and POV-Ray", process_suite},
+    {"process", "The whole program, compared with Tachyon and POV-Ray", process_suite},
 };
 
 // The item of that name in a comma-separated list on the command line.
@@ -50,7 +49,7 @@ void add_suite(CLI::App& app, const Suite& suite, Settings& s, std::string& json
            for (const auto& name : names)
              s.structures.push_back(find_item(name, kKinds, accel_name));
          },
-         "Structures, the first being what the others are compared with")
+         "Structures; the others are compared with the first")
       ->delimiter(',');
   sub->add_option_function<std::vector<std::string>>(
          "--effects",
@@ -59,9 +58,9 @@ void add_suite(CLI::App& app, const Suite& suite, Settings& s, std::string& json
              s.effects.push_back(
                  find_item(name, kEffects, [](const Effects& e) { return e.name; }));
          },
-         "plain (1 sample a pixel), aa (9) or all (the same 9 for soft shadows and lens, too)")
+         "plain (1 sample per pixel), aa (9) or all (the same 9 for soft shadows and lens, too)")
       ->delimiter(',');
-  sub->add_option("--repeat", s.repeat, "Runs of each; the median counts")
+  sub->add_option("--repeat", s.repeat, "Runs of each; the table shows the median")
       ->check(CLI::Range(1, 100000));
   sub->add_flag_callback("--no-check", [&s] { s.check = false; }, "Do not compare with none first");
   sub->add_option("--json", json, "Write a line of JSON for each row of the table");
@@ -77,7 +76,7 @@ void add_suite(CLI::App& app, const Suite& suite, Settings& s, std::string& json
 }
 
 int parse_and_run(int argc, char** argv) {
-  CLI::App app("Measures Raio beside others; first makes sure that all of them see the same");
+  CLI::App app("Compares the speed of Raio and others, after checking that their pictures agree");
   app.require_subcommand(1);
   Settings s;
   s.raio = RAIO_PROGRAM;

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Holds Raio against PyMOL, OVITO and POV-Ray on a figure of a molecule: seconds, memory, pictures.
+"""Compares Raio with PyMOL, OVITO and POV-Ray on a figure of a molecule: seconds, memory, pictures.
 
     bench/molecules.py [--style space-filling|ball-and-stick] [--size WxH] [--keep FOLDER] FILE
 
@@ -49,7 +49,7 @@ viewport.render_image(size=({width}, {height}), filename={out!r}, renderer=Tachy
 
 
 def commands(args, folder):
-    """By program: the commands of which its figure takes the time."""
+    """By program: the timed commands of its figure."""
     width, height = args.size.split("x")
     names = dict(file=str(args.file), style=args.style, width=width, height=height)
     script = folder / "draw-pymol.pml"
@@ -70,7 +70,7 @@ def commands(args, folder):
 
 
 def run(command, log):
-    """Seconds and peak bytes of a process; None where it is not there or fails, which the log tells."""
+    """Seconds and peak bytes of a process; None if it is missing or fails; see the log."""
     start = time.monotonic()
     try:
         process = subprocess.Popen([str(c) for c in command], stdout=log, stderr=log)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Holds Raio against programs that render the same picture: one table of ratios.
+"""Compares Raio with programs that render the same picture: one table of ratios.
 
     bench/peers.py --peer PATH/embree_packet.cpp SCENE.nff...
 
@@ -7,13 +7,13 @@ A peer is a C++ source (built with Embree and TBB into build/peers) or a program
 
     PEER SCENE.nff OUT.ppm REPEAT AA THREADS SOFT DOF
 
-and prints `render_s SECONDS` of the fastest of REPEAT frames, and `rays COUNT`. Programs take their
-turn, so that what disturbs the machine disturbs them alike; a run of each is a new process and gives
-its fastest frame, and the median of the runs counts. Ratios are Raio's time over the peer's."""
+and prints `render_s SECONDS` of the fastest of REPEAT frames, and `rays COUNT`. Programs run
+alternately, so other load affects them alike; each run is a new process and gives its fastest frame,
+and the table uses the median of the runs. Ratios are Raio's time over the peer's."""
 import argparse, json, math, pathlib, re, statistics, subprocess, sys, tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-# By name: the peer's AA, SOFT and DOF, and what makes Raio's light and lens the peer's.
+# By name: the peer's AA, SOFT and DOF, and the options that give Raio the peer's light and lens.
 EFFECTS = {
     "plain": (["1"], ["0", "0"]),
     "aa": (["3"], ["0", "0"]),

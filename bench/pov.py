@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Holds Raio's pictures against POV-Ray's of the same scenes: one table of differences.
+"""Compares Raio's pictures with POV-Ray's of the same scenes: one table of differences.
 
     bench/pov.py [--keep FOLDER] SCENE.nff...
 

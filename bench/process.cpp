@@ -16,7 +16,7 @@ namespace {
 
 using Command = std::vector<std::string>;
 
-// Runs a program without input and output to its end. Its exit status; 127 when there is none.
+// Runs a program without input and output. Returns its exit status; 127 if it cannot run.
 int run(const Command& command) {
   std::vector<char*> arguments;
   for (const std::string& a : command) arguments.push_back(const_cast<char*>(a.c_str()));
@@ -45,7 +45,7 @@ struct Folder {
   std::string operator/(const char* name) const { return (path / name).string(); }
 };
 
-// What is there to run on the scene, each writing its picture into the folder.
+// The available programs for the scene, each writing its picture into the folder.
 std::vector<std::pair<std::string, Command>> programs(const std::string& file, const Folder& folder,
                                                       const Settings& s) {
   std::vector<std::pair<std::string, Command>> all;

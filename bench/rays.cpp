@@ -93,8 +93,8 @@ class Recorder {
   std::uniform_real_distribution<float> unit_{0, 1};
 };
 
-// Traces all rays of a kind, so that they travel as they do when timed, and a sample of them with
-// `none`. The share of the sample that differs.
+// Traces all rays of a kind, together as when timed, and a sample of them with `none`. Returns the
+// differing fraction of the sample.
 double differing_rays(const Accel& accel, const Accel& none, const Recording& rays, RayKind kind,
                       size_t sample) {
   const size_t stride = std::max<size_t>(1, rays.count(kind) / sample) | 1;

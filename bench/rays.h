@@ -1,5 +1,5 @@
-// The rays that a picture asks for, recorded kind by kind, so that structures can be timed and held
-// against each other on the very same rays without the shading around them.
+// The rays of a picture, recorded by kind, so that structures can be timed and compared with
+// exactly the same rays, without shading.
 #pragma once
 
 #include <array>
@@ -18,10 +18,10 @@ inline constexpr std::array kRayKinds = {RayKind::eye, RayKind::shadow, RayKind:
 inline constexpr std::array<std::string_view, 4> kRayKindNames = {"eye", "shadow", "reflection",
                                                                   "random"};
 
-/// As the renderer makes them: tiles of 32 x 32 pixels in blocks of 4 x 2, a batch of each kind a
-/// tile, of shadow rays one a light. Eye rays go through pixel centres; from each of their hits a
+/// As in the renderer: tiles of 32 x 32 pixels in blocks of 4 x 2, a batch of each kind per tile,
+/// and one per light for shadow rays. Eye rays go through pixel centres; from each of their hits a
 /// shadow ray to every light that it faces, a mirror reflection whatever the material, and a random
-/// ray, distributed by the cosine.
+/// ray with a cosine-weighted distribution.
 struct Recording {
   std::array<std::vector<RayBatch>, 4> batches;  // by RayKind
 
@@ -32,16 +32,16 @@ struct Recording {
 /// For a picture of the options' size, or the scene's.
 Recording record_rays(const Scene& scene, const Accel& accel, const RenderOptions& options);
 
-/// Structures keep together what is coherent.
+/// Coherent rays, which structures trace together.
 inline bool is_coherent(RayKind kind) { return kind != RayKind::random; }
 
-/// Traces a batch as the renderer does and says how many of its rays hit. Of shadow rays only the
-/// item means something: kNoPrimitive, or another.
+/// Traces a batch as the renderer does and returns the number of rays that hit. For shadow rays,
+/// only whether the primitive is kNoPrimitive is meaningful.
 size_t trace_batch(const Accel& accel, const RayBatch& rays, RayKind kind, HitBatch& hits);
 
-/// Holds a structure against `none`: what a sample of the recorded rays hit, and a small picture.
-/// Raio's own must agree to the last bit, Embree but for a few that graze an edge. Ends the program
-/// with status 1 when they do not.
+/// Compares a structure with `none`: the hits of a sample of the recorded rays, and a small
+/// picture. Raio's own must agree exactly, Embree except for a few rays that graze an edge.
+/// Otherwise ends the program with status 1.
 void check_structure(const Scene& scene, const Accel& accel, const Recording& rays, int threads);
 
 }  // namespace raio::bench

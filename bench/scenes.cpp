@@ -1,4 +1,4 @@
-// Where the scenes and the structures of the suites come from.
+// The scenes and structures of the suites.
 #include <fmt/format.h>
 
 #include <charconv>

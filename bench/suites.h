@@ -1,4 +1,4 @@
-// The suites of the benchmark, and the parts that they share. Each suite checks what it compares,
+// The suites of the benchmark, and their common parts. Each suite checks the compared alternatives,
 // measures, prints a table, and returns its rows for --json.
 #pragma once
 
@@ -12,7 +12,7 @@
 
 namespace raio::bench {
 
-/// What a picture is rendered with: one sample a pixel, or nine, alone or shared by all effects.
+/// The samples of a picture: one per pixel, or nine, alone or shared by all effects.
 struct Effects {
   std::string_view name;
   int aa;
@@ -22,14 +22,14 @@ inline constexpr Effects kEffects[] = {{"plain", 1, false}, {"aa", 3, false}, {"
 
 struct Settings {
   std::vector<std::string> scenes;
-  std::vector<AccelKind> structures;  // the first is what the others are compared with
+  std::vector<AccelKind> structures;  // the others are compared with the first
   std::vector<Effects> effects;
   int repeat = 0;
   bool check = true;
   std::string plot, crops, raio, pov_converter;
   RenderOptions options;  // size and threads are resolved
 
-  /// With these where nothing was asked for.
+  /// The defaults.
   Settings with_defaults(const std::vector<std::string>& scenes,
                          const std::vector<AccelKind>& structures, int repeat) const;
 };
@@ -39,9 +39,9 @@ inline const std::vector<std::string> kP3dScenes = {"balls_low", "balls_medium",
 inline constexpr std::string_view kRatioNote =
     "ratio: time of the scene's first line over this one";
 
-/// `request` is a file, or a name with a size behind a colon: a procedural scene (sphereflake:6),
-/// or with the number of primitives spheres:N (equal radii), mixed:N (radii of 1 to 100) or
-/// terrain:N (triangles). Like all here it ends the program when it cannot.
+/// `request` is a file, or a name with a size after a colon: a procedural scene (sphereflake:6), or
+/// with the number of primitives spheres:N (equal radii), mixed:N (radii of 1 to 100) or terrain:N
+/// (triangles). Ends the program on failure, like everything here.
 Scene get_scene(const std::string& request);
 
 /// With the settings' options of the grid.
@@ -57,13 +57,13 @@ std::vector<Json> frame_suite(const Settings& request);
 std::vector<Json> threads_suite(const Settings& request);
 /// Reading, building and rendering as scenes grow.
 std::vector<Json> growth_suite(const Settings& request);
-/// Bare tracing of recorded rays by kind, beside Embree as an expert uses it.
+/// Bare tracing of recorded rays by kind, compared with expert use of Embree.
 std::vector<Json> trace_suite(const Settings& request);
-/// Seconds and bytes of building, beside Embree with its buffers.
+/// Seconds and bytes of building, compared with Embree and its buffers.
 std::vector<Json> build_suite(const Settings& request);
 /// The error of each sampler as samples grow in number.
 std::vector<Json> converge_suite(const Settings& request);
-/// The whole program from its start to its end, beside Tachyon and POV-Ray.
+/// The whole program from start to end, compared with Tachyon and POV-Ray.
 std::vector<Json> process_suite(const Settings& request);
 
 }  // namespace raio::bench

@@ -1,4 +1,4 @@
-// The suites beside bare Embree: trace and build.
+// The suites that compare with bare Embree: trace and build.
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
@@ -13,7 +13,7 @@
 namespace raio::bench {
 namespace {
 
-// Traces a batch and says how many of its rays hit.
+// Traces a batch and returns the number of rays that hit.
 struct Tracer {
   std::string name;
   std::function<size_t(const RayBatch&)> trace;
@@ -91,7 +91,7 @@ Json measure_kind(const TraceSubject& subject, RayKind kind, int threads, const 
   return row;
 }
 
-// With their bytes after each run; taking a structure down again is not timed.
+// With their bytes after each run; destroying a structure is not timed.
 std::vector<std::pair<std::string, Contender>> builders(const Scene& scene,
                                                         const Geometry& geometry, const Settings& s,
                                                         std::vector<size_t>& bytes) {

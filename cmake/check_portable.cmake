@@ -1,6 +1,6 @@
-# Fails where an object of a portable build calls what is POSIX's or the threads' and not standard C++'s:
+# Fails if an object of a portable build calls POSIX or thread functions instead of standard C++:
 #   cmake -D NM=nm -D "LIBRARIES=a.a;b.a" -P check_portable.cmake
-# What the standard library itself is made of does not count: it is not in these libraries.
+# The standard library's own dependencies do not count: they are not in these libraries.
 cmake_minimum_required(VERSION 3.25)
 
 set(calls
@@ -21,10 +21,10 @@ foreach(library IN LISTS LIBRARIES)
   string(REGEX MATCHALL "[^\n]* U (${calls})(@[^\n]*)?(\n|$)" found "${text}")
   foreach(line IN LISTS found)
     string(STRIP "${line}" line)
-    message(NOTICE "error: ${line}: not of standard C++")
+    message(NOTICE "error: ${line}: not in standard C++")
     set(failed TRUE)
   endforeach()
 endforeach()
 if(failed)
-  message(FATAL_ERROR "The portable build calls what other systems lack; put it into src/base/platform.")
+  message(FATAL_ERROR "The portable build calls functions that other systems do not have; move the calls to src/base/platform.")
 endif()

@@ -1,7 +1,7 @@
-# Fails where a file of a room includes a header of a room that its own may not look into:
+# Fails if a file includes a header of a room that its own room must not include:
 #   cmake -D RULES="base=base;shape=shape,base;..." -D SOURCE_DIR=.../src -P check_rooms.cmake
-# A header of the project is included by its room and name, "room/file.h", never by a relative path, so that
-# what an #include names can be held against the list. Files in no room (src/main.cpp) may look everywhere.
+# A project header is included by room and name, "room/file.h", never by a relative path, so that it
+# can be checked against the list. Files in no room (src/main.cpp) may include any.
 cmake_minimum_required(VERSION 3.25)
 
 foreach(rule IN LISTS RULES)
@@ -10,7 +10,7 @@ foreach(rule IN LISTS RULES)
   string(REPLACE "," ";" looks_into_${CMAKE_MATCH_1} "${CMAKE_MATCH_2}")
 endforeach()
 
-# Prints the violation with the number of the line in `text` on which `include` stands.
+# Prints the violation with the line number of `include` in `text`.
 function(report file text include rule)
   string(FIND "${text}" "${include}" start)
   string(SUBSTRING "${text}" 0 ${start} before)
@@ -47,5 +47,5 @@ foreach(file IN LISTS files)
   endforeach()
 endforeach()
 if(failed)
-  message(FATAL_ERROR "The rooms look where they may not.")
+  message(FATAL_ERROR "Layering violation: a room includes a header of a room that it must not use.")
 endif()

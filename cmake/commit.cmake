@@ -1,11 +1,11 @@
-# Writes OUTPUT, a source file with the commit of the work tree SOURCE_DIR. Runs at each build; the file stays as it
-# is, and nothing is compiled again, where it would say the same.
+# Writes OUTPUT, a source file with the commit of the work tree SOURCE_DIR. Runs at each build; an
+# unchanged file is not rewritten, so nothing is compiled again.
 set(hash "")
 set(date "")
 set(modified false)
 find_program(git git)
 if(git)
-  # Not the commit of a repository that Raio's source merely lies in.
+  # Not the commit of a repository that merely contains Raio's source.
   execute_process(COMMAND ${git} -C ${SOURCE_DIR} rev-parse --show-toplevel
                   OUTPUT_VARIABLE root OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
   file(REAL_PATH "${SOURCE_DIR}" source)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Kills a render at random moments, goes on with its checkpoint each time, and compares the end
-with the picture of a render that nobody disturbed, to the byte.
+"""Kills a render at random moments, resumes from its checkpoint each time, and compares the result
+with the picture of an undisturbed render, byte by byte.
 
     tests/kill_and_resume.py build/release/raio scenes/shapes.nff --kills 50
     tests/kill_and_resume.py build/release/raio scenes/shapes.nff --kills 50 --signal TERM
@@ -41,7 +41,7 @@ def main():
         kills = pictures = 0
         while kills < arguments.kills or pictures == 0:
             program = subprocess.Popen([*render, *keep, "-o", picture], cwd=folder, stderr=subprocess.PIPE)
-            # Long enough to come further each time, and so short that there are enough kills.
+            # Long enough to make progress each time, and short enough for many kills.
             wait_s = moments.uniform(0, 3 * alone_s / arguments.kills)
             try:
                 _, said = program.communicate(timeout=wait_s if kills < arguments.kills else None)
@@ -49,7 +49,7 @@ def main():
                 program.send_signal(blow)
                 _, said = program.communicate()
                 kills += 1
-            if program.returncode not in (0, 130, -blow):  # also: too early to be heard, too late
+            if program.returncode not in (0, 130, -blow):  # or: before the handler was installed, or too late
                 return f"after kill {kills} it ends with status {program.returncode}: {said.decode()}"
             if blow != signal.SIGKILL and list(folder.glob(".raio*")):
                 return f"after kill {kills} an unfinished file is left"
@@ -58,7 +58,7 @@ def main():
             pictures += 1
             if picture.read_bytes() != whole.read_bytes():
                 return f"after kill {kills} the picture differs"
-            if kills < arguments.kills:  # done too soon: once more from the start
+            if kills < arguments.kills:  # finished too soon: start again
                 picture.unlink()
                 checkpoint.unlink()
         size = whole.stat().st_size

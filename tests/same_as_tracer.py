@@ -49,7 +49,7 @@ def main():
             seconds = time.monotonic() - start
             a, b = read_ppm(ours), read_ppm(theirs)
             if len(a) != len(b):
-                sys.exit(f"{options[0]}: the pictures are not of the same size")
+                sys.exit(f"{options[0]}: the pictures differ in size")
             return a, b, seconds
 
         print("scene                              pixels apart   tracer     Raio")
@@ -64,7 +64,7 @@ def main():
                 faults.append(f"{scene}: {100 * share:.2f} % of the pixels differ")
 
         scene = ["scenes/course/solids.nff", "--size", "24x16"]
-        # By brute force it sees the same as with the grid.
+        # Brute force and the grid give the same picture.
         subprocess.run([*tracer, *scene, "-o", ours], cwd=ROOT, check=True, capture_output=True)
         subprocess.run([*tracer, *scene, "--accel", "none", "-o", theirs], cwd=ROOT, check=True,
                        capture_output=True)

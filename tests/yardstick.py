@@ -27,7 +27,7 @@ REGIONS = ["background", "edges", "mirrors and glass", "borders of shadows", "sh
 
 
 def blocks(page):
-    """What is set in as code: a list of lines for each piece of text between empty lines."""
+    """Indented code: a list of lines for each block between empty lines."""
     for piece in page.split("\n\n"):
         lines = piece.strip("\n").split("\n")
         if all(line.startswith("    ") for line in lines):
@@ -39,7 +39,7 @@ def is_command(block):
 
 
 def run_commands(page, folder):
-    """Runs all but the window and the tracer; returns what was printed, and what the page says it is."""
+    """Runs all except the window and the tracer; returns the output, and the output quoted by the page."""
     said = []
     answers = False
     for block in blocks(page):
@@ -51,7 +51,7 @@ def run_commands(page, folder):
                 sys.exit(f"{script}\n{done.stderr}{done.stdout}")
             answers = [done.stdout.rstrip("\n"), ""]
             said.append(answers)
-        elif answers:  # an output may have empty lines in it
+        elif answers:  # output may contain empty lines
             answers[1] += "\n\n" * bool(answers[1]) + "\n".join(block)
     return [pair for pair in said if pair[1]]
 
@@ -68,7 +68,7 @@ def count_rows(folder):
 
 
 def mistake_rows(page, folder):
-    """Where each picture with a mistake differs from the right one beside it."""
+    """The regions where each picture with a mistake differs from the right one."""
     for mistake in MISTAKES:
         wrong = f"pictures/course/mistake-{mistake.name}.png"
         right = re.search(rf"\((\S+)\) \| !\[[^\]]*\]\({wrong}\)", page)

@@ -33,7 +33,7 @@ def main():
     files = {str(p) for p in pathlib.Path('.').rglob('*')
              if p.suffix in ('.cpp', '.h', '.py', '.cmake') and p.parts[0] != 'build'}
     split_files = {p: split(p.read_text(errors='replace')) for p in paths}
-    words = []  # of each file: those of A::b must occur together
+    words = []  # by file: all words of A::b must occur in one file
     for _, code in split_files.values():
         words.append(set(re.findall(r'\w+', code)))
         files.update(re.findall(r'#include ["<]([^">]+)', code))
