@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Renders scenes with usual mistakes, each a changed line of tracer.py, as PNG pictures in a folder.
+"""Renders scenes with common mistakes, each a changed line of tracer.py, as PNG pictures in a folder.
 
     python3 docs/course/mistakes.py build
     python3 docs/course/mistakes.py build acne bands --size 90x60
@@ -74,7 +74,7 @@ def render(mistake, folder, size):
     return said.getvalue().strip().replace(".ppm", ".png", 1)
 
 def main():
-    parser = argparse.ArgumentParser(description="Renders scenes with usual mistakes")
+    parser = argparse.ArgumentParser(description="Renders scenes with common mistakes")
     parser.add_argument("folder", type=Path)
     parser.add_argument("names", nargs="*", metavar="NAME", help="(default: all)")
     parser.add_argument("--size", default="180x120", metavar="WxH")
