@@ -83,7 +83,7 @@ TEST(Cif, AssembliesMultiplyTheirOperations) {
   std::string many;
   for (int i = 0; i < 30; ++i) many += "(1-2)";
   EXPECT_THAT(error(copies(many), "a.cif", {.style = AtomStyle::space_filling}),
-              HasSubstr("more than a million copies"));
+              HasSubstr("more than a million instances"));
 }
 
 // Its 192 operations map each atom to four positions.

@@ -502,7 +502,7 @@ TEST_F(GltfFile, FailedWritesLeaveNothing) {
   put(file("old.glb"), "before");
   const auto nothing = write_scene(planes, file("old.glb"));
   ASSERT_FALSE(nothing);
-  EXPECT_THAT(nothing.error().message, HasSubstr("nothing that they can stand for"));
+  EXPECT_THAT(nothing.error().message, HasSubstr("nothing in the scene can be converted"));
   EXPECT_EQ(get(file("old.glb")), "before");
   EXPECT_EQ(entries(), 2);
   EXPECT_THAT(not_in_gltf(planes), HasSubstr("1 plane"));

@@ -365,7 +365,7 @@ TEST(Obj, FacesWithFewVerticesAreReported) {
   ASSERT_TRUE(got) << got.error().front().text();
   ASSERT_EQ(got->notices.size(), 1u);
   EXPECT_THAT(got->notices[0].text(),
-              HasSubstr("5:1: left out: faces of fewer than three corners"));
+              HasSubstr("5:1: left out: faces with fewer than three vertices"));
 }
 
 TEST(Obj, BrokenFilesAreRefused) {

@@ -414,15 +414,17 @@ TEST_F(Sky, FaultsOfFacesAreNamed) {
   EXPECT_EQ(error(), "sky: cannot read the folder: No such file or directory");
   std::filesystem::create_directories(file("sky"));
   EXPECT_EQ(error(),
-            "sky: the sky lacks right, left, top, bottom, front, back; expected right, left, top, "
+            "sky: missing faces of the sky: right, left, top, bottom, front, back; expected right, "
+            "left, top, "
             "bottom, front, back, each as .jpg, .jpeg or .png");
   put_sky(file("sky"), 8);
   EXPECT_EQ(error(), "none");
   std::filesystem::remove(file("sky/top.png"));
   std::filesystem::rename(file("sky/back.png"), file("sky/back.gif"));
-  EXPECT_EQ(error(),
-            "sky: the sky lacks top, back; expected right, left, top, bottom, front, back, "
-            "each as .jpg, .jpeg or .png");
+  EXPECT_EQ(
+      error(),
+      "sky: missing faces of the sky: top, back; expected right, left, top, bottom, front, back, "
+      "each as .jpg, .jpeg or .png");
   put_sky(file("sky"), 8);
   ASSERT_TRUE(write_image(Image(8, 7), file("sky/top.png")));
   EXPECT_EQ(error(),

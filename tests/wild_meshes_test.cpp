@@ -38,7 +38,7 @@ TEST(WildMeshes, AreReadAsExpected) {
       {"obj-kd-zero.obj", 1, "Kd is 0 0 0 (1: m)"},
       {"obj-trailing-slash.obj", 2, "face vertices that end with"},
       {"obj-normals-after.obj", 1, ""},
-      {"obj-nan.obj", 1, "vertices that have no finite place (1)"},
+      {"obj-nan.obj", 1, "vertices without finite coordinates (1)"},
       {"obj-nan-normal.obj", 2, "normals that are not finite (1)"},
       {"obj-degenerate.obj", 2, "all triangles have zero area"},
       {"obj-utm.obj", 12, ""},
@@ -98,7 +98,7 @@ TEST(WildMeshes, PointsOfObjAreSpheres) {
   ASSERT_TRUE(cloud);
   ASSERT_EQ(cloud->scene.spheres.size(), 2u);
   EXPECT_EQ(cloud->scene.sphere_colors[1], Rgb(0, 1, 0));
-  EXPECT_THAT(told(*cloud), HasSubstr("no finite place (1)"));
+  EXPECT_THAT(told(*cloud), HasSubstr("without finite coordinates (1)"));
   const auto named = read("v 0 0 0\nv 1 0 0\nv 2 0 0\np 1 -1\n", "a.obj");
   ASSERT_EQ(named->scene.spheres.size(), 2u);
   EXPECT_EQ(named->scene.spheres[1].center, Vec3f(2, 0, 0));
@@ -150,7 +150,7 @@ TEST(WildMeshes, NonFinitePointsAreSkipped) {
   const auto got = read(header + "0 0 0\rnan 0 0\r1 0 0\r", "a.ply");
   ASSERT_TRUE(got);
   EXPECT_EQ(got->scene.spheres.size(), 2u);
-  EXPECT_THAT(told(*got), HasSubstr("no finite place (1)"));
+  EXPECT_THAT(told(*got), HasSubstr("without finite coordinates (1)"));
 }
 
 TEST(WildMeshes, StlMayHaveSpareBytes) {

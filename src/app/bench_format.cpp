@@ -145,7 +145,7 @@ std::string notes_text(const BenchmarkTable& table) {
   if (table.repeat > 1)
     out += fmt::format(
         "Medians of {} runs, ± half of the range. The runs of a\n"
-        "structure went in rounds over all its rows, so that a drift of the machine meets all "
+        "structure went in rounds over all its rows, so a drift of the machine affects all "
         "alike.\n",
         table.repeat);
   out += "cost: relative to the same structure without effects, in the same round.\n";

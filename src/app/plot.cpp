@@ -158,8 +158,8 @@ class Plot {
         fmt::format("{}, {} × {} pixels", valid_utf8(table_.scene), table_.width, table_.height),
         kBlack, Align::left, 38, true, room);
     canvas_.text(40, 100,
-                 fmt::format("Time of all combinations of structure and effects, and what the "
-                             "effects cost; {} levels of rays",
+                 fmt::format("Times of all combinations of structure and effects, and costs of "
+                             "effects; ray depth {}",
                              table_.depth),
                  kGrey, Align::left, 22, false, room);
     const std::string runs = table_.repeat > 1 ? fmt::format("median of {} runs", table_.repeat)

@@ -58,9 +58,9 @@ std::expected<Files, Error> find_faces(const fs::path& folder) {
     if (files[face].empty()) missing.push_back(kCubeFaceNames[face]);
   }
   if (missing.empty()) return files;
-  return std::unexpected(
-      refused(folder, fmt::format("the sky lacks {}; expected {}, each as .jpg, .jpeg or .png",
-                                  fmt::join(missing, ", "), fmt::join(kCubeFaceNames, ", "))));
+  return std::unexpected(refused(
+      folder, fmt::format("missing faces of the sky: {}; expected {}, each as .jpg, .jpeg or .png",
+                          fmt::join(missing, ", "), fmt::join(kCubeFaceNames, ", "))));
 }
 
 /// "the face left (sky/left.jpg)"

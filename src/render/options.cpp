@@ -455,8 +455,8 @@ constexpr auto kTable = std::to_array<OptionSpec>({
      "the whole movement)",
      parse_shutter, 0, 0, shutter_text},
     {figures, "opacity", "A",
-     "Opacity of everything that has none of its own: 0 is invisible, 1 opaque (default: 1)",
-     parse_opacity, 0, 0, opacity_text},
+     "Opacity of everything without its own: 0 is invisible, 1 opaque (default: 1)", parse_opacity,
+     0, 0, opacity_text},
     {figures, "look", "NAME",
      "Look of figures: paper, soft light on white; dark; flat, outlines without a key light; or "
      "matte; a number fixes the version, as in paper-1 (default: paper)",

@@ -144,7 +144,7 @@ class StyleGuess {
     }
   }
 
-  // Files with bonds have molecular styles; styles such as body need a section of their own.
+  // Files with bonds have molecular styles; styles such as body need a separate section.
   bool has_sections(const LammpsStyle& style) const {
     if (hints_.bonds && !style.columns.contains('m')) return false;
     constexpr std::pair<std::string_view, std::string_view> kSections[] = {

@@ -35,7 +35,7 @@ bool is_no_number(std::string_view field) {
   return field.size() == 3 && (field[0] | 32) == 'n' && (field[1] | 32) == 'a';
 }
 
-// Whether a number continues in the next field, which a number of its own would fill.
+// Whether a number continues in the next field, which a separate number would fill.
 bool goes_on(std::string_view field, std::string_view next) {
   if (next.empty() || (!is_decimal(field.back()) && field.back() != '.')) return false;
   return next[0] == '.' || (is_decimal(next[0]) && (next.find(' ') != std::string_view::npos));

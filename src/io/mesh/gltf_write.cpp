@@ -32,7 +32,7 @@ class GltfWriter {
  public:
   GltfWriter(const Scene& scene, SurfaceParts parts) : scene_(scene), parts_(std::move(parts)) {}
 
-  /// The JSON, but for its buffer, whose bytes are binary().
+  /// The JSON without its buffer; binary() has the bytes.
   Json json(std::string_view comment) {
     json_["asset"] = {{"version", "2.0"}, {"generator", comment}};
     json_["scene"] = 0;
@@ -94,7 +94,7 @@ class GltfWriter {
                              {"type", type}});
   }
 
-  // --- what is seen
+  // --- visible parts
   void add_textures() {
     for (const Texture& texture : scene_.textures) {
       Image image(int(texture.width), int(texture.height));
@@ -298,13 +298,13 @@ bool gltf_keeps_copies(const Scene& scene) {
 std::expected<std::string, std::string> write_gltf(const Scene& scene, GltfForm form,
                                                    std::string_view comment) {
   if (!gltf_keeps_copies(scene))
-    return std::unexpected("glTF has no nodes that shear, as some of its copies do");
+    return std::unexpected("glTF nodes cannot shear, as some of its instances do");
   auto parts = surface_parts(scene);
   if (!parts) return std::unexpected(std::move(parts.error()));
   const auto is_empty = [](const ObjectParts& o) { return o.fixed.empty() && o.shapes.empty(); };
   if (std::ranges::all_of(parts->objects, is_empty))
     return std::unexpected(
-        "glTF holds triangles, and the scene has nothing that they can stand for; choose another "
+        "glTF stores triangles, and nothing in the scene can be converted to them; choose another "
         "format");
   GltfWriter writer(scene, std::move(*parts));
   Json json = writer.json(comment);

@@ -129,7 +129,7 @@ class ObjReader {
   }
 
  private:
-  // What a pass reads: everything, everything but faces, or faces.
+  // The contents read by a pass: everything, everything except faces, or only faces.
   enum class Pass : uint8_t { one, named, faces };
 
   void read_lines() {
@@ -253,17 +253,17 @@ class ObjReader {
       corners_.push_back(is_whole ? vertex(place, uv) : 0);
       normals_.push_back(normal);
       smooth += normal != kNone && !unknown_normals_.contains(normal);
-      if (corners_.size() > kMaxCorners) words_.fail("a face has at most 65535 corners");
+      if (corners_.size() > kMaxCorners) words_.fail("a face has at most 65535 vertices");
     }
     if (corners_.empty()) words_.fail_expected("the vertices of a face");
     if (corners_.size() < 3)
-      return out_.notices.add(Severity::left_out, "faces of fewer than three corners", {},
+      return out_.notices.add(Severity::left_out, "faces with fewer than three vertices", {},
                               size_t(words_.line()));
     if (!is_whole)
-      return out_.notices.add(Severity::left_out, "faces with a vertex that has no finite place",
-                              {}, size_t(words_.line()));
+      return out_.notices.add(Severity::left_out, "faces with a non-finite vertex", {},
+                              size_t(words_.line()));
     if (smooth > 0 && smooth < corners_.size())
-      out_.notices.add(Severity::left_out, "normals of faces of which some corners have none", {},
+      out_.notices.add(Severity::left_out, "normals of faces where some vertices have none", {},
                        size_t(words_.line()));
     if (smooth < corners_.size()) normals_.clear();
     has_smooth_ |= !normals_.empty();
@@ -402,7 +402,7 @@ class ObjReader {
     // Not a pipe, which could block.
     if (!options_.folder || !fs::is_regular_file(file, error))
       return out_.warn(
-          fmt::format("its materials: there is no file {} beside it", raio::quoted(name)));
+          fmt::format("its materials: found no file {} in its folder", raio::quoted(name)));
     const auto text = TextBuffer::read_file(file);
     if (!text)
       return out_.warn(fmt::format("its materials: {}: {}", raio::quoted(name), text.error()));
@@ -419,15 +419,14 @@ class ObjReader {
     const auto unplaced =
         size_t(std::ranges::count_if(places_, [](const Vec3f& place) { return !is_place(place); }));
     if (unplaced > 0)
-      out_.notices.add(Severity::left_out, "vertices that have no finite place", {}, 0, unplaced);
+      out_.notices.add(Severity::left_out, "vertices without finite coordinates", {}, 0, unplaced);
     if (!unknown_normals_.empty())
       out_.notices.add(Severity::left_out, "normals that are not finite", {}, 0,
                        unknown_normals_.size());
     const bool of_points = !out_.has_faces() && unplaced < places_.size();
     if (of_points) add_points();
     if (!of_points && point_lines_ > 0)
-      out_.notices.add(Severity::left_out, "lines of points (p), beside faces", {}, 0,
-                       point_lines_);
+      out_.notices.add(Severity::left_out, "points (p) in a file with faces", {}, 0, point_lines_);
     if (!out_.colors.empty()) out_.colors.resize(out_.positions.size(), Rgb(1));
     if (!out_.uv.empty()) out_.uv.resize(out_.positions.size());
     if (!has_smooth_) out_.normals.clear();

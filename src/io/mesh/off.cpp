@@ -101,7 +101,7 @@ class OffReader {
 
   void read_face() {
     need_line();
-    const long count = words_.whole("a number of corners, 1 to 65535", 1, long(kMaxCorners));
+    const long count = words_.whole("a number of vertices, 1 to 65535", 1, long(kMaxCorners));
     corners_.clear();
     for (long k = 0; k < count; ++k) {
       need_word();

@@ -232,7 +232,7 @@ class PlyReader {
       Faces& faces = chunks[i / kLoopChunk];
       if (i % kLoopChunk == 0) faces = {};  // a previous attempt may have left some
       if (!strips && row.list.size() > kMaxCorners)
-        at.fail(fmt::format("a face of {} corners is too large", row.list.size()));
+        at.fail(fmt::format("a face of {} vertices is too large", row.list.size()));
       faces.corners.clear();
       for (const double index : row.list) faces.corners.push_back(vertex(index, i, strips, at));
       if (!unplaced_.empty()) leave_out_unplaced(faces, strips);
@@ -252,7 +252,7 @@ class PlyReader {
     const MaterialId usual = mesh_.paint(colors_.empty() && !colored_by_ ? kPlainColor : Rgb(1));
     for (Faces& faces : chunks) {
       if (faces.left_out > 0)
-        mesh_.notices.add(Severity::left_out, "faces with a vertex that has no finite place", {}, 0,
+        mesh_.notices.add(Severity::left_out, "faces with a non-finite vertex", {}, 0,
                           faces.left_out);
       const std::span<const TriangleIndices> triangles = faces.triangles;
       if (!colored) mesh_.add_triangles(triangles, usual);
@@ -304,10 +304,10 @@ class PlyReader {
       if (count++ == 0) unplaced_.resize(count_);
       unplaced_[i] = true, at = {};
     }
-    if (count == count_) fail("no vertex has a finite place");
+    if (count == count_) fail("no vertex has finite coordinates");
     tell_floats();
     if (count > 0)
-      mesh_.notices.add(Severity::left_out, "vertices that have no finite place", {}, 0, count);
+      mesh_.notices.add(Severity::left_out, "vertices without finite coordinates", {}, 0, count);
   }
   // Binary floats far from 0 have lost visible digits.
   void tell_floats() {

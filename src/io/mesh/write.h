@@ -22,7 +22,7 @@ std::string write_ply(const Scene& scene, std::string_view comment = {});
 /// Whether the scene has a triangle or polygon.
 bool has_faces(const Scene& scene);
 
-/// Features that write_ply() loses, in one line, as text_of() has it; empty: none.
+/// Features that write_ply() loses, in one line, as from text_of(); empty: none.
 std::string not_in_ply(const Scene& scene);
 
 /// One binary .glb file, or text with embedded buffers.

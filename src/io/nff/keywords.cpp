@@ -42,7 +42,8 @@ constexpr std::string_view kStudentLens =
     "or "
     "use `dof` with `aperture` and `focus`";
 constexpr std::string_view kAffTransform =
-    "a transform or animation of the AFF dialect (BART): export the objects where they stand in "
+    "a transform or animation of the AFF dialect (BART): export the objects with their positions "
+    "in "
     "one frame";
 constexpr std::string_view kAffMesh =
     "a part of a mesh of the AFF dialect (BART): write the triangles as \"p 3\" or \"pp 3\", or as "

@@ -1,7 +1,7 @@
 // The words of an NFF text: keywords, the parameters of `v`, and words of dialects that Raio
 // refuses. For the NFF reader.
 //
-// Each keyword has a row beside its reader and writer, in the file of its family: camera.cpp,
+// Each keyword has a row next to its reader and writer, in the file of its family: camera.cpp,
 // surroundings.cpp, rounds.cpp (NFF), flats.cpp (NFF and P3F), additions.cpp (Raio) and
 // movements.cpp (P3F and Raio). A new keyword is one row there.
 #pragma once

@@ -83,7 +83,7 @@ class Parser {
     seen.object = true;
     return material_ ? *material_ : default_material();
   }
-  /// A material and its values in the columns beside it (Scene::add_material).
+  /// A material and its values in the parallel columns (Scene::add_material).
   struct Surface {
     Material material;
     Rgb specular{1};

@@ -12,7 +12,7 @@ namespace raio::nff {
 namespace {
 
 constexpr size_t kPieceBytes = 128 * 1024;
-constexpr size_t kPiecesAtOnce = 64;  // bounds their memory beside the scene
+constexpr size_t kPiecesAtOnce = 64;  // bounds their memory in addition to the scene
 
 /// Picks an overload by the argument's type.
 template <class... F>
@@ -40,7 +40,7 @@ struct Parser::Piece {
   const char *begin, *end;
   TextReport report;
   bool plain = false;       // only then the members below are set
-  Scene scene = {};         // its material 0 stands for the current material at the piece's start
+  Scene scene = {};         // its material 0 represents the current material at the piece's start
   MaterialId material = 0;  // current at the piece's end
 };
 

@@ -1,5 +1,5 @@
 // Shared by the writers of entities. Internal to this folder: write.cpp goes through the scene, and
-// each kind of primitive is written beside its reader.
+// each kind of primitive is written next to its reader.
 #pragma once
 
 #include <string>
@@ -70,7 +70,7 @@ void write_camera_movement(Writer& w);
 void write_surroundings(Writer& w);
 void write_material(Writer& w, MaterialId id);
 
-/// Writes element `i` of a pool. Defined for each pool beside its reader; if one is missing, the
+/// Writes element `i` of a pool. Defined for each pool next to its reader; if one is missing, the
 /// linker names it.
 template <class Shape>
 void write_shape(Writer&, const Shape&, size_t);

@@ -79,7 +79,7 @@ std::vector<gemmi::Transform> Assemblies::operations_of(const std::string& expre
       for (const gemmi::Transform& last : named(word))
         for (const gemmi::Transform& first : all) {
           if (next.size() == kMaxCopies)
-            throw std::runtime_error("its assembly has more than a million copies");
+            throw std::runtime_error("its assembly has more than a million instances");
           next.push_back(first.combine(last));
         }
     all = std::move(next), any = true;
