@@ -92,7 +92,7 @@ TEST_F(CommandLine, RefusesWrongUsage) {
   expect_refusal({"info", "ok.nff", "b.nff"}, 2, "one argument too many: 'b.nff'");
   expect_usage_error({"render", "ok.nff", "--siz", "3x3"}, "did you mean --size?");
   expect_usage_error({"render", "ok.nff", "--soft-shadow"}, "did you mean --soft-shadows?");
-  expect_usage_error({"render", "ok.nff", "-x"}, "no option -x");
+  expect_usage_error({"render", "ok.nff", "-x"}, "unknown option -x");
   expect_usage_error({"render", "ok.nff", "--size"}, "--size needs a value");
   expect_usage_error({"render", "ok.nff", "--stats", "-o", "x.png"}, "--stats needs a value");
   expect_usage_error({"render", "ok.nff", "--aa="}, "--aa needs a value");
@@ -228,7 +228,7 @@ TEST_F(CommandLine, HelpIsNarrowAndComplete) {
   EXPECT_LT(help.find("\n\nCamera:\n"), help.find("  --fov DEG "));
   EXPECT_LT(help.find("  --fov DEG "), help.find("\n\nSampling:\n"));
   expect_refusal({"help", "rendr"}, 2, "did you mean render?");
-  expect_refusal({"help", "render", "verify"}, 2, "no command 'verify'");
+  expect_refusal({"help", "render", "verify"}, 2, "unknown command 'verify'");
 }
 
 TEST_F(CommandLine, BriefHelpFitsOnAScreen) {

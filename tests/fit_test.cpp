@@ -231,7 +231,7 @@ TEST(Fit, MostIgnoresDistantParts) {
     RenderOptions o;
     EXPECT_THAT(app::camera_warnings(o, *scene), ElementsAre(HasSubstr("--fit most shows")));
     o.fit = Fit::most;
-    EXPECT_THAT(app::camera_warnings(o, *scene), ElementsAre(HasSubstr("fitted without")));
+    EXPECT_THAT(app::camera_warnings(o, *scene), ElementsAre(HasSubstr("camera fit ignores")));
     o.fit = Fit::all;
     EXPECT_THAT(app::camera_warnings(o, *scene), IsEmpty());
     expect_tiny(*scene, camera_of(*scene, o));

@@ -224,7 +224,7 @@ TEST_F(WindowTest, ChangesColoursAndType) {
   ASSERT_TRUE(window->wait_for("size: 1x", from)) << window->log();
   from = window->mark();
   window->key(XK_b);
-  ASSERT_TRUE(window->wait_for("usual type", from)) << window->log();
+  ASSERT_TRUE(window->wait_for("normal type", from)) << window->log();
   ASSERT_TRUE(window->wait_for("size: 160x120", from)) << window->log();
 }
 
