@@ -300,7 +300,7 @@ TEST(Obj, FacesHaveNormalsAndTextureCoordinates) {
   const auto mesh = read(std::string(kObj).substr(0, kObj.find("l 1 2")), "a.obj");
   ASSERT_TRUE(mesh) << mesh.error().front().text();
   EXPECT_TRUE(validate(mesh->scene).empty());
-  EXPECT_THAT(mesh->notices[0].text(), HasSubstr("there is no file \"square.mtl\""));
+  EXPECT_THAT(mesh->notices[0].text(), HasSubstr("found no file \"square.mtl\""));
   const Mesh& m = mesh->scene.meshes[0];
   ASSERT_EQ(m.triangles.size(), 2u);
   // The first vertex has two texture coordinates.

@@ -248,10 +248,10 @@ TEST(RaioScene, InvalidTablesAreRefused) {
        "column \"spheres\" has elements of 4 numbers of type 2, expected 4 of type 3"},
       {"spheres", [](Entry& e) { e.numbers = 0; }, "has elements of 0 numbers"},
       {"spheres", [](Entry& e) { std::strcpy(e.name, "planes"); },
-       "column \"planes\" is not in its place"},
+       "column \"planes\" is out of order"},
       {"spheres", [](Entry& e) { std::memset(e.name, 'x', sizeof e.name); }, "has no name"},
       {"mesh_uv", [](Entry& e) { e.mesh = 0x7fffffff; }, "mesh 2147483647 of"},
-      {"mesh_uv", [](Entry& e) { e.mesh = 0; }, "column \"mesh_uv\" of mesh 0 is not in its place"},
+      {"mesh_uv", [](Entry& e) { e.mesh = 0; }, "column \"mesh_uv\" of mesh 0 is out of order"},
       {"camera", [](Entry& e) { e.count = 10; }, "column"},
   };
   for (const Lie& lie : lies)
