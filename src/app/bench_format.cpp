@@ -146,7 +146,7 @@ std::string notes_text(const BenchmarkTable& table) {
     out += fmt::format(
         "Medians of {} runs, ± half of the range. The runs of a\n"
         "structure went in rounds over all its rows, so a drift of the machine affects all "
-        "alike.\n",
+        "rows alike.\n",
         table.repeat);
   out += "cost: relative to the same structure without effects, in the same round.\n";
   if (report_knows(table))

@@ -34,7 +34,7 @@ class AmbientShading {
         outline_(figure_.outline * scene.settings.line_scale() * (look_.turns ? kTurningReach : 1)),
         occlusion_sampler_(scene.sampler) {
     occlusion_sampler_.kind =
-        SamplerKind::sobol;  // one sequence per pixel, split among its surfaces
+        SamplerKind::sobol;  // one sequence per pixel, split among its samples
     // Lines contrast with the background or, if that is omitted, with the style's.
     const bool is_open =
         scene.settings.channels.has(Channel::alpha) && scene.settings.background == Rgb();

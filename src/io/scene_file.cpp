@@ -208,7 +208,7 @@ std::expected<ReadScene, Diagnostics> SceneFrames::read(const ReadOptions& optio
   here.cache = &cache_;
   if (!standard_input) here.folder = opened.parent_path();
   auto read = parse(text_, file, name_, here);
-  // Standard input has no folder.
+  // For standard input, in the current folder.
   if (read) add_sky(*read, opened == "/dev/stdin" ? fs::path("-") : opened, file);
   return read;
 } catch (const std::bad_alloc&) {

@@ -20,8 +20,8 @@ constexpr double kMinScale = 1.0 / 32, kProbeScale = 1.0 / 8;
 constexpr double kMaxPartSeconds = 0.5;  // of a sample that is shown in parts
 constexpr uint32_t kMaxParts = 64;
 
-// Relative to a sample's time: time for drawing the picture; for all timing runs together; above
-// which drawing its parts cannot slow it down much.
+// For timing a sample: the time allowed for drawing the previous picture; that of all runs
+// together; and that above which drawing its parts cannot slow it down much.
 constexpr double kDrawSeconds = 0.1, kTimingSeconds = 0.15, kLongSeconds = 1;
 
 // What a pixel's cost depends on, except the camera.
