@@ -1,6 +1,6 @@
 # shellcheck shell=bash
-# What ./raio and ./check share: install missing packages, build a preset. Sourced by bash; needs
-# $root, the folder of the project. All it says goes to stderr, so that stdout holds results only.
+# Shared by ./raio and ./check: installs missing packages, builds a preset. Sourced by bash; needs
+# $root, the folder of the project. Messages go to stderr, so stdout has only results.
 : "${root:?}"
 
 say() { printf '%s: %s\n' "${0##*/}" "$*" >&2; }
@@ -9,7 +9,7 @@ fail() {
   exit 3
 }
 
-# packages SECTION...: the packages that packages.txt lists in these sections.
+# packages SECTION...: the packages in these sections of packages.txt.
 packages() {
   local line wanted=
   while read -r line; do
@@ -24,13 +24,13 @@ packages() {
   return 0
 }
 
-# show_log_and_fail LOG MESSAGE: the end of the log, and where the rest of it is.
+# show_log_and_fail LOG MESSAGE: the end of the log, and its path.
 show_log_and_fail() {
   tail -n 30 "$1" >&2
   fail "$2; the whole log: $1"
 }
 
-# install_packages SECTION...: installs what Debian says is not installed.
+# install_packages SECTION...: installs the packages that are missing according to Debian.
 install_packages() {
   local -a wanted missing as_root=() command=(apt-get install -y --no-install-recommends)
   mapfile -t wanted < <(packages "$@")
@@ -77,7 +77,7 @@ is_configured() {
 }
 
 # build PRESET [TARGET...]: configures the preset, with $cmake_options, and builds it. The file `built`
-# in its folder has the time at which the last build that succeeded started.
+# in its folder has the start time of the last successful build.
 build() {
   local preset=$1 folder=$root/build/$1 log=$root/build/$1.log target targets=()
   shift

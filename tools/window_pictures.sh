@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Takes the pictures of the window that README.md and docs/view.md show, on a display of its own.
+# Takes the screenshots for README.md and docs/view.md, on a separate display.
 # Needs ./raio built, and Debian's xvfb, xdotool and imagemagick.
 #   tools/window_pictures.sh
 set -euo pipefail
@@ -11,7 +11,7 @@ Xvfb "$DISPLAY" -screen 0 1280x900x24 -nolisten tcp >"$frames/display.log" 2>&1 
 trap 'kill %1; rm -rf "$frames"' EXIT
 sleep 1
 
-# open SECONDS ARGUMENT...: the window, after so long.
+# open SECONDS ARGUMENT...: opens the window and waits this long.
 open() {
   local seconds=$1
   shift
@@ -21,7 +21,7 @@ open() {
 }
 keys() { for key; do xdotool key "$key"; done; }
 shoot() { import -window "$window" -depth 8 -strip "$@"; }
-# Without the bars above and below it.
+# Without the bars above and below.
 shoot_picture() {
   shoot png:- | convert - -gravity north -chop 0x42 -gravity south -chop 0x29 \
     -gravity center -crop 3:2 +repage -resize 480x320 "$1"

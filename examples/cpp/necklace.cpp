@@ -9,7 +9,7 @@
 
 namespace {
 
-// As Raio stores spheres, so it reads these in place.
+// In Raio's layout of spheres, so these are read in place.
 struct Pearl {
   float center[3], radius;
 };
