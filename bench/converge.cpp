@@ -1,6 +1,6 @@
 // How fast pictures converge: the error of each sampler with each effect against the number of
-// samples a pixel, as it is and after a blur, which leaves the low frequencies that eyes see best.
-// docs/sampling.md shows and discusses it.
+// samples per pixel, plain and blurred; the blur leaves the low frequencies that eyes see best.
+// Discussed in docs/sampling.md.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -110,7 +110,7 @@ double slope(const std::vector<double>& samples, const std::vector<double>& erro
   return (n * xy - x * y) / (n * xx - x * x);
 }
 
-// The error with each number of samples.
+// The error for each number of samples.
 std::vector<Error> errors(const Subject& subject, const std::string& sampler,
                           const Image& reference) {
   std::vector<Error> out;
@@ -196,7 +196,7 @@ void plot_errors(const std::vector<Json>& rows, const std::string& path) {
   });
 }
 
-// A part of a soft shadow, enlarged: jitter above, sobol below, with 1, 4 and 16 samples a pixel.
+// A part of a soft shadow, enlarged: jitter above, sobol below, with 1, 4 and 16 samples per pixel.
 void save_crops(const Settings& s, const std::string& path) {
   constexpr int kX = 100, kY = 160, kWide = 96, kHigh = 80, kTimes = 3, kGap = 6;
   const Scene scene = get_scene("balls_low");

@@ -17,7 +17,7 @@ namespace {
 
 constexpr size_t kWidth = 8;
 
-// While it lives, as Embree's documentation advises.
+// While it lives, sets the mode that Embree's documentation advises.
 struct FlushDenormals {
 #if defined(__SSE__)
   FlushDenormals() { _mm_setcsr(saved | _MM_FLUSH_ZERO_ON | _MM_DENORMALS_ZERO_ON); }

@@ -1,5 +1,5 @@
-// Embree as an expert uses it, without Raio around it: its fastest build, not its robust mode, and
-// each of its ways to take rays. The yardstick of bare tracing and building.
+// Expert use of Embree, without Raio around it: its fastest build, not its robust mode, and each of
+// its interfaces for rays. The yardstick of bare tracing and building.
 #pragma once
 
 #include <embree3/rtcore.h>
@@ -12,7 +12,7 @@
 
 namespace raio::bench {
 
-/// How rays are handed over: one by one, in packets of eight, or a whole batch as a stream.
+/// How rays are passed: one by one, in packets of eight, or a whole batch as a stream.
 struct EmbreeWay {
   std::string_view name;
   enum Shape { single, packet, stream } shape;
@@ -28,7 +28,7 @@ inline constexpr std::array kEmbreeWays = {
 
 class EmbreeScene {
  public:
-  /// Embree has no open cones and no planes; to call back for them would do it no justice.
+  /// Embree has neither open cones nor planes; callbacks for them would be unfair.
   static bool can_hold(const Geometry& geometry) {
     return geometry.count(PrimitiveKind::cone) + geometry.count(PrimitiveKind::plane) == 0;
   }
@@ -42,7 +42,7 @@ class EmbreeScene {
   /// results stay in Embree's own records.
   size_t trace(const RayBatch& rays, const EmbreeWay& way, bool shadow) const;
 
-  /// With the buffers of the geometry.
+  /// Including the buffers of the geometry.
   size_t bytes() const { return size_t(bytes_.load()); }
 
  private:

@@ -14,7 +14,7 @@ namespace raio::bench {
 
 using app::Json;
 
-/// Ends the program from wherever it is. Status 1: a check failed, 2: bad input, 3: no resource.
+/// Ends the program from anywhere. Status 1: a check failed, 2: bad input, 3: no resource.
 struct Failure {
   int status;
   std::string message;
@@ -33,16 +33,15 @@ double seconds_on(int threads, const std::function<void()>& work);
 /// One of the compared alternatives: does its work once and returns the seconds it took.
 using Contender = std::function<double()>;
 
-/// The seconds of each contender in each round. All take their turn in every round, so that
-/// whatever else disturbs the machine disturbs them alike. A first round warms up and does not
-/// count.
+/// The seconds of each contender in each round. They run alternately in every round, so other load
+/// affects them alike. A first round warms up and is not counted.
 std::vector<std::vector<double>> alternate(std::span<const Contender> contenders, int rounds);
 
 /// The quantile `q` of the values, in any order, with linear interpolation.
 double quantile(std::vector<double> values, double q);
 inline double median(const std::vector<double>& values) { return quantile(values, 0.5); }
 
-/// median_s, quartiles_s, least_s and runs_s; `ratio`: the median of the `first` over that of
+/// median_s, quartiles_s, least_s and runs_s; `ratio`: the median of the `first` divided by that of
 /// these.
 void add_times(Json& row, const std::vector<double>& runs_s, const std::vector<double>& first);
 

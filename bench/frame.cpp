@@ -59,8 +59,8 @@ RenderSettings with_effects(const Settings& s, const Scene& scene, const Effects
   return options;
 }
 
-// Every structure with all effects on all numbers of threads; `ratio` is the time of the first over
-// that of the row.
+// Every structure with all effects on all numbers of threads; `ratio` is the first row's time
+// divided by this row's.
 std::vector<Json> measure_frames(const Scene& scene, const Settings& s,
                                  const std::vector<int>& threads) {
   const std::vector<Built> built = build_and_check(scene, s);

@@ -1,4 +1,4 @@
-// Time against the number of primitives, both logarithmic, as a picture.
+// Plots time against the number of primitives, both logarithmic.
 
 #include <algorithm>
 

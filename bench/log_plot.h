@@ -17,7 +17,7 @@ struct LogLine {
   std::vector<std::pair<double, double>> points;
 };
 
-/// A frame on the page, in its pixels, with lines in it. The axes go over whole decades.
+/// A frame on the page, in its pixels, with lines in it. The axes span whole decades.
 struct LogPlot {
   double left, right, top, bottom;
   std::string title, x_title;

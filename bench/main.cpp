@@ -26,7 +26,7 @@ constexpr Suite kSuites[] = {
     {"process", "The whole program, compared with Tachyon and POV-Ray", process_suite},
 };
 
-// The item of that name in a comma-separated list on the command line.
+// Finds the item with that name in a comma-separated list.
 template <class Items, class Name>
 auto find_item(const std::string& wanted, const Items& items, const Name& name_of) {
   for (const auto& item : items)

@@ -34,7 +34,7 @@ int run(const Command& command) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
 }
 
-// A folder that goes away with its files.
+// A temporary folder, removed with its files.
 struct Folder {
   std::filesystem::path path =
       std::filesystem::temp_directory_path() / fmt::format("raio_bench_{}", getpid());

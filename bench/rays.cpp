@@ -21,7 +21,7 @@ constexpr int kTileSide = 32;
 constexpr double kTestsToSpend = 4e9;       // of pairs of ray and primitive, to check a structure
 constexpr double kGrazingOfEmbree = 0.005;  // share of rays, or of pixels
 
-// Without the smoothing of triangles' normals.
+// Without smoothed normals of triangles.
 Surface flat_surface(const Geometry& geometry, const Ray& ray, const Hit& hit) {
   if (hit.instance || geometry.kind_of(hit.primitive) != PrimitiveKind::triangle)
     return surface_at(geometry, ray, hit);

@@ -31,8 +31,8 @@ Scene unit_cube_scene() {
   return scene;
 }
 
-// Centres at random in the unit cube; the radius is a part of the mean distance of neighbours, a
-// quarter or, mixed, from a hundredth to one, each order of magnitude as often as the other.
+// Random centres in the unit cube; the radius is a quarter of the mean distance of neighbours or,
+// mixed, from a hundredth of it to the whole, log-uniformly.
 Scene sphere_cloud(uint32_t count, bool mixed) {
   Scene scene = unit_cube_scene();
   const float spacing = float(std::cbrt(1.0 / count));
@@ -45,7 +45,7 @@ Scene sphere_cloud(uint32_t count, bool mixed) {
   return scene;
 }
 
-// Ridges of seven octaves and some roughness, over the unit square: two triangles a cell.
+// Ridges of seven octaves and some roughness, over the unit square: two triangles per cell.
 Scene terrain(uint32_t count) {
   Scene scene = unit_cube_scene();
   const uint32_t side = std::max(1u, uint32_t(std::sqrt(count / 2.0)));

@@ -44,24 +44,24 @@ inline constexpr std::string_view kRatioNote =
 /// (triangles). Ends the program on failure, like everything here.
 Scene get_scene(const std::string& request);
 
-/// With the settings' options of the grid.
+/// With the grid options of the settings.
 std::unique_ptr<Accel> build_structure(const Scene& scene, AccelKind kind,
                                        const Settings& settings);
 
 /// Time against the number of primitives from the rows of growth_suite: .png, .svg or .pdf.
 void plot_growth(const std::vector<Json>& rows, const std::string& path);
 
-/// Pictures, rendering alone: each structure with each of the effects.
+/// Pictures, rendering only: each structure with each of the effects.
 std::vector<Json> frame_suite(const Settings& request);
 /// The same on all threads and on one.
 std::vector<Json> threads_suite(const Settings& request);
-/// Reading, building and rendering as scenes grow.
+/// Reading, building and rendering of growing scenes.
 std::vector<Json> growth_suite(const Settings& request);
 /// Bare tracing of recorded rays by kind, compared with expert use of Embree.
 std::vector<Json> trace_suite(const Settings& request);
 /// Seconds and bytes of building, compared with Embree and its buffers.
 std::vector<Json> build_suite(const Settings& request);
-/// The error of each sampler as samples grow in number.
+/// The error of each sampler for growing numbers of samples.
 std::vector<Json> converge_suite(const Settings& request);
 /// The whole program from start to end, compared with Tachyon and POV-Ray.
 std::vector<Json> process_suite(const Settings& request);

@@ -32,7 +32,7 @@ std::vector<Contender> contenders_of(const std::vector<Tracer>& tracers,
   return contenders;
 }
 
-// Does Embree see the same? But for a few rays that graze an edge.
+// Whether Embree gives the same hits, except for a few rays that graze an edge.
 void check_hits(const std::vector<Tracer>& tracers, const std::vector<RayBatch>& batches,
                 const std::string& what) {
   std::vector<double> hits;
@@ -56,7 +56,7 @@ struct TraceSubject {
   std::unique_ptr<EmbreeScene> embree;  // null where it has not all shapes
 };
 
-// Raio's structures, and Embree in the way that is the fastest for these rays.
+// Raio's structures, and Embree with its fastest interface for these rays.
 Json measure_kind(const TraceSubject& subject, RayKind kind, int threads, const Settings& s) {
   const std::vector<RayBatch>& batches = subject.rays.of(kind);
   std::vector<Tracer> tracers, ways;

@@ -28,7 +28,7 @@ BenchmarkRequest asking_for(std::vector<AccelKind> structures, EffectSet effects
   return request;
 }
 
-// Seconds that are easy to check by eye: the samples a pixel, eight times that without structure.
+// Seconds that are easy to check by eye: the samples per pixel, eight times that without structure.
 BenchmarkTable sample_table(const std::string& scene = "balls_medium",
                             const BenchmarkRequest& request = {}) {
   BenchmarkTable table;
