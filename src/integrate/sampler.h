@@ -21,7 +21,8 @@
 //   kKeyDepth    place in ray tree     the same for the ray to the key light
 //   kLightDepth + i  place in ray tree  the same for the ray to light i
 //
-// A pixel goes by its place in the picture: its column, plus its row times 65536.
+// A pixel goes by its place in the picture: its column, plus its row times 65536. A group of pixels
+// (integrate/screen_keys.h) further down or to the right than that has the place of a random one.
 // Branch 1 is the eye ray; the reflected child of branch b is 2b, the refracted one 2b + 1.
 #pragma once
 

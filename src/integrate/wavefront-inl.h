@@ -126,7 +126,8 @@ class Wavefront final : public TileRenderer {
 
   // As integrate/sampler.h has it.
   HWY_INLINE U place_of(U pixel) const {
-    return hn::Add(hn::ShiftLeft<16>(row_of(pixel)), column_of(pixel));
+    const bool far = std::max(tile_.x1, tile_.y1) > 0x10000;
+    return place_in_picture(du, row_of(pixel), column_of(pixel), far);
   }
 
   // The batch for a Shading's own rays, one for each current ray, and what stops them: 0 or 1 each.
