@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "base/box.h"
+#include "base/exact_math.h"
 #include "base/ray.h"
 #include "shape/kinds.h"
 #include "shape/overlap.h"
@@ -76,8 +77,8 @@ inline ConeNumbers<float> numbers_of(const BakedCone& c) {
 inline Box3f bounds(const BakedCone& c) {
   const Vec3d base(c.base), axis = normalize(Vec3d(c.axis));
   // A circle of normal n reaches r * sqrt(1 - n_x^2) along x; in this form nothing cancels.
-  const Vec3d reach(std::hypot(axis.y, axis.z), std::hypot(axis.z, axis.x),
-                    std::hypot(axis.x, axis.y));
+  const Vec3d reach(exact_hypot(axis.y, axis.z), exact_hypot(axis.z, axis.x),
+                    exact_hypot(axis.x, axis.y));
   Box3d box;
   for (const double z : {0.0, double(c.height)}) {
     const Vec3d center = base + axis * z, extent = reach * (c.base_radius + c.slope * z);
@@ -173,7 +174,7 @@ inline double cone_distance(const BakedCone& c, Vec3d p) {
   const double h = c.height, dr = double(c.slope) * h;
   const double along = ((rho - c.base_radius) * dr + z * h) / (dr * dr + h * h);
   const double s = std::clamp(along, 0.0, 1.0);
-  return std::hypot(rho - (c.base_radius + s * dr), z - s * h);
+  return exact_hypot(rho - (c.base_radius + s * dr), z - s * h);
 }
 
 /// May the surface touch the box? Never wrong with "no".
