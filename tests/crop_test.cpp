@@ -1,7 +1,9 @@
 // A part of a picture: the same pixels as in the whole, at the cost of the part.
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <cstring>
+#include <numbers>
 
 #include "one_picture.h"
 #include "render/job.h"
@@ -107,6 +109,50 @@ TEST(Crop, HasTheChannelsAndViewsOfTheWholePicture) {
     shown.view = View(view);
     expect_cut(scene, shown);
   }
+}
+
+// Where in its pixel the first eye ray of each pixel is, from 0 to 1 along an axis: x is 0, y is 1.
+std::vector<double> places_in_pixels(size_t axis, const RenderOptions& options,
+                                     const Scene& scene) {
+  const Picture picture = rendered(scene, options);
+  const double pixel =
+      2 * std::tan(double(scene.camera.fov_deg) / 360 * std::numbers::pi) / options.height;
+  std::vector<double> out;
+  for (const auto& layer : picture.layers)
+    if (layer.name == "position") {
+      const auto& numbers = std::get<Column<float>>(layer.values);
+      for (size_t i = axis; i < numbers.size(); i += 3)
+        out.push_back(double(numbers[i]) / pixel - std::floor(double(numbers[i]) / pixel));
+    }
+  return out;
+}
+
+// They are not those of the pixels 65536 further, whose numbers would be the same with 16 bits for
+// a column: to the right and one row up, or below.
+TEST(Crop, OfAVeryLargePictureHasSamplesOfItsOwn) {
+  constexpr int kSide = 64, kFar = 65536;
+  Scene scene;
+  scene.materials.emplace_back();
+  scene.planes = {{{0, 0, 0}, {0, 0, 1}}}, scene.plane_materials = {0};
+  scene.camera.from = {0, 0, 1}, scene.camera.at = {0, 0, 0};
+  scene.camera.projection = Projection::orthographic;
+  for (const SamplerKind kind : {SamplerKind::jitter, SamplerKind::sobol})
+    for (const bool tall : {false, true}) {
+      RenderOptions o;
+      o.width = tall ? kSide : 2 * kFar, o.height = tall ? 2 * kFar : kSide;
+      o.aa = 2, o.sampler = kind;
+      o.channels.add(Channel::position);
+      o.crop = Crop{0, 0, kSide, kSide};
+      const auto near = places_in_pixels(tall ? 0 : 1, o, scene);
+      o.crop = tall ? Crop{0, kFar, kSide, kFar + kSide} : Crop{kFar, 0, kFar + kSide, kSide};
+      const auto far = places_in_pixels(tall ? 0 : 1, o, scene);
+      ASSERT_EQ(near.size(), size_t(kSide * kSide));
+      ASSERT_EQ(far.size(), near.size());
+      size_t equal = 0;
+      for (size_t i = tall ? 0 : kSide; i < near.size(); ++i)
+        equal += std::abs(near[i] - far[tall ? i : i - kSide]) < 0.01;
+      EXPECT_LT(equal, near.size() / 20) << tall;
+    }
 }
 
 TEST(Crop, OfTheWholePictureIsNone) {

@@ -1,6 +1,7 @@
 // The interfaces of src/base/platform on every system: files, memory, libraries, the processor.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -167,6 +168,18 @@ TEST(PlatformProcessor, HasAName) {
   EXPECT_FALSE(processor_name().empty());
   EXPECT_EQ(processor_name().find('\n'), std::string::npos);
 }
+
+#if defined(__x86_64__) && defined(__GLIBC__)
+TEST(PlatformProcessor, HasTheInstructionSetsThatTheCompilerKnowsOf) {
+  const auto expect = [](int64_t target, bool has) {
+    EXPECT_EQ((hwy::SupportedTargets() & target) != 0, has || HWY_STATIC_TARGET == target);
+  };
+  expect(HWY_SSE4, __builtin_cpu_supports("x86-64-v2") && __builtin_cpu_supports("aes") &&
+                       __builtin_cpu_supports("pclmul"));
+  expect(HWY_AVX2, __builtin_cpu_supports("x86-64-v3") && __builtin_cpu_supports("aes"));
+  expect(HWY_AVX3, __builtin_cpu_supports("x86-64-v4") && __builtin_cpu_supports("aes"));
+}
+#endif
 
 }  // namespace
 }  // namespace raio

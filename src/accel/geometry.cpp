@@ -52,7 +52,7 @@ void add_polygon(const Scene& s, size_t i, size_t source, Pieces& out) {
 uint32_t depth_of_opacity(float opacity) {
   const double passes = 1 - double(opacity);
   if (!(passes > 0)) return kOpaque;
-  return uint32_t(std::lround(-exact_log2(std::min(passes, 1.0)) * kHalving));
+  return uint32_t(std::llround(-exact_log2(std::min(passes, 1.0)) * kHalving));
 }
 
 // The transmittance of a fraction of a halving, in units of 2^-31. Linear interpolation is accurate
@@ -62,7 +62,7 @@ static uint32_t part_of_halving(uint32_t depth) {
   static const auto parts = [] {
     std::array<uint32_t, kSteps + 1> out{};
     for (size_t i = 0; i <= kSteps; ++i)
-      out[i] = uint32_t(std::lround(0x1p31 * exact_exp2(-double(i) / kSteps)));
+      out[i] = uint32_t(std::llround(0x1p31 * exact_exp2(-double(i) / kSteps)));
     return out;
   }();
   const uint32_t step = depth / kStep;

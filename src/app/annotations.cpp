@@ -8,6 +8,7 @@
 #include <functional>
 #include <vector>
 
+#include "base/exact_math.h"
 #include "base/srgb.h"
 
 namespace raio::app {
@@ -20,7 +21,7 @@ constexpr int kTicks = 6;  // approximate number
 
 // The round step, 1, 2 or 5 times a power of ten, that divides a length into about kTicks parts.
 double round_step(double length) {
-  const double step = length / kTicks, power = std::pow(10, std::floor(std::log10(step)));
+  const double step = length / kTicks, power = exact_pow(10, std::floor(exact_log10(step)));
   for (const double digit : {1.0, 2.0, 5.0})
     if (digit * power >= step * 0.999) return digit * power;
   return 10 * power;
@@ -28,7 +29,7 @@ double round_step(double length) {
 
 // The largest such number that does not exceed a length.
 double round_length(double longest) {
-  const double power = std::pow(10, std::floor(std::log10(longest)));
+  const double power = exact_pow(10, std::floor(exact_log10(longest)));
   for (const double digit : {5.0, 2.0})
     if (digit * power <= longest * 1.001) return digit * power;
   return power;

@@ -10,6 +10,7 @@
 #include "app/bench_report.h"
 #include "app/json.h"
 #include "app/terminal.h"
+#include "base/exact_math.h"
 
 namespace raio::app {
 
@@ -171,7 +172,7 @@ std::string claims_text(const BenchmarkTable& table) {
 
 std::string three_digits(double value) {
   if (!(value > 0) || !std::isfinite(value)) return fmt::format("{:.0f}", value);
-  const int before_point = int(std::floor(std::log10(value))) + 1;
+  const int before_point = int(std::floor(exact_log10(value))) + 1;
   return fmt::format("{:.{}f}", value, std::clamp(3 - before_point, 0, 6));
 }
 

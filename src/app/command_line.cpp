@@ -161,7 +161,7 @@ void add_memory_limit(CLI::App& app) {
     const char* const text_end = text.data() + text.size();
     const auto [end, error] = std::from_chars(text.data(), text_end, value);
     const size_t unit = end < text_end ? std::string_view("KMGT").find(*end) : 0;
-    const double bytes = value * std::exp2(end < text_end ? 10.0 * double(unit + 1) : 0);
+    const double bytes = std::ldexp(value, end < text_end ? 10 * int(unit + 1) : 0);
     if (error != std::errc() || text_end - end > 1 || unit == std::string_view::npos ||
         !(bytes >= kMinMemory && bytes <= 1e18))
       throw CLI::ValidationError(

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "app/explain.h"
+#include "base/exact_math.h"
 #include "integrate/camera.h"
 #include "render/render.h"
 
@@ -84,7 +85,7 @@ class Drawing {
     distance_ = length(view), forward_ = normalize(view);
     right_ = normalize(cross(forward_, Vec3d(camera_.up)));
     up_ = cross(right_, forward_);
-    scale_ = kPaneHeight / 2 / std::tan(double(camera_.fov_deg) * std::numbers::pi / 360);
+    scale_ = kPaneHeight / 2 / exact_tan(double(camera_.fov_deg) * std::numbers::pi / 360);
   }
 
   Image render_scene() const {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "app/explain.h"
+#include "base/exact_math.h"
 #include "integrate/camera.h"
 
 namespace raio::app {
@@ -52,7 +53,7 @@ SideView side_view(const Explanation& sample, const RenderSettings& settings,
   camera.at = Vec3f(box.center());
   camera.fov_deg = 40;
   camera.projection = Projection::perspective;
-  const double tangent = std::tan(double(camera.fov_deg) * std::numbers::pi / 360), margin = 0.86;
+  const double tangent = exact_tan(double(camera.fov_deg) * std::numbers::pi / 360), margin = 0.86;
   double distance = 0;
   for (const Vec3d& p : points) {
     const Vec3d v = p - box.center();

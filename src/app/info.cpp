@@ -10,6 +10,7 @@
 #include "app/output.h"
 #include "app/terminal.h"
 #include "app/warnings.h"
+#include "base/exact_math.h"
 #include "io/fit_camera.h"
 #include "io/scene_file.h"
 #include "render/options.h"
@@ -30,7 +31,7 @@ std::string text_of(Vec3d v) { return fmt::format("{:.6g} {:.6g} {:.6g}", v.x, v
 // however far the position is from 0.
 std::string text_of(Vec3d v, double size) {
   const auto digits = [&](double x) {
-    const double more = size > 0 ? std::ceil(std::log10(std::abs(x) / size)) : 0;
+    const double more = size > 0 ? std::ceil(exact_log10(std::abs(x) / size)) : 0;
     return 6 + (more > 0 ? int(std::min(more, 9.0)) : 0);
   };
   return fmt::format("{:.{}g} {:.{}g} {:.{}g}", v.x, digits(v.x), v.y, digits(v.y), v.z,

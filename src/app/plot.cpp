@@ -12,6 +12,7 @@
 
 #include "app/bench.h"
 #include "app/bench_report.h"
+#include "base/exact_math.h"
 
 namespace raio::app {
 
@@ -54,14 +55,14 @@ struct Axis {
   double lo = 1, decades = 1;  // lo: at `left`
 
   double pixels_per_decade() const { return (right - left) / decades; }
-  double x(double value) const { return left + std::log10(value / lo) * pixels_per_decade(); }
-  double hi() const { return lo * std::pow(10, decades); }
+  double x(double value) const { return left + exact_log10(value / lo) * pixels_per_decade(); }
+  double hi() const { return lo * exact_pow(10, decades); }
 
   /// Lines at all digits of all decades, over the height of the rows; those that `name` labels are
   /// longer.
   template <class Name>
   void draw(const Canvas& canvas, Name name) const {
-    for (double decade = std::pow(10, std::floor(std::log10(lo))); decade <= hi() * 1.001;
+    for (double decade = exact_pow(10, std::floor(exact_log10(lo))); decade <= hi() * 1.001;
          decade *= 10) {
       for (int digit = 1; digit <= 9; ++digit) {
         const double at = x(decade * digit);
@@ -120,7 +121,7 @@ class Plot {
   void fit_seconds() {
     double shortest = std::numeric_limits<double>::infinity();
     for (const BenchmarkRow& row : table_.rows) shortest = std::min(shortest, row.seconds().median);
-    seconds_.lo = std::pow(10, std::floor(std::log10(0.8 * shortest)));
+    seconds_.lo = exact_pow(10, std::floor(exact_log10(0.8 * shortest)));
     seconds_.decades = std::numeric_limits<double>::infinity();
     // The positions of labels depend on the scale. The first round assumes the worst case; the
     // wider scale found by the second only moves markers further from their bars.
@@ -134,7 +135,7 @@ class Plot {
           labels += kLabelGap + width_of(ours_label(row));
         if (report) labels += 3 * kLabelGap + marker_ + width_of(report->text() + " s", true);
         const double room = kBarsRight - kBarsLeft;
-        decades = std::max(decades, std::log10(longest / seconds_.lo) * room / (room - labels));
+        decades = std::max(decades, exact_log10(longest / seconds_.lo) * room / (room - labels));
       }
       seconds_.decades = decades;
     }
@@ -148,7 +149,7 @@ class Plot {
       most = std::max({most, ours.most, report_cost(table_, row).value_or(1)});
     }
     costs_.lo = 0.9 * least;
-    costs_.decades = std::log10(std::max(1.15 * most, 2.5) / costs_.lo);
+    costs_.decades = exact_log10(std::max(1.15 * most, 2.5) / costs_.lo);
   }
 
   void draw_titles() const {

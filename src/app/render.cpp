@@ -14,6 +14,7 @@
 #include "app/statistics.h"
 #include "app/terminal.h"
 #include "app/warnings.h"
+#include "base/exact_math.h"
 #include "io/scene_file.h"
 #include "render/job_start.h"
 #include "render/turntable.h"
@@ -177,7 +178,7 @@ class Pictures {
   // At the point looked at.
   static double pixels_per_unit(const RenderSettings& s) {
     const double distance = double(length(s.camera.at - s.camera.from));
-    return s.height / (2 * distance * std::tan(double(s.camera.fov_deg) * std::numbers::pi / 360));
+    return s.height / (2 * distance * exact_tan(double(s.camera.fov_deg) * std::numbers::pi / 360));
   }
 
   // The camera relative to an origin shifted by `by`.

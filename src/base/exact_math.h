@@ -1,4 +1,6 @@
-// Powers and logarithms with the same bits on every machine, which those of the C library have not.
+// The functions of <cmath> that C libraries round differently, with the same bits on every machine:
+// only +, -, *, / and the root, which IEEE 754 defines. A lint (cmake/check_rooms.cmake) keeps the
+// others out of src/.
 #pragma once
 
 namespace raio {
@@ -8,5 +10,22 @@ double exact_exp2(double x);
 
 /// The logarithm of x to base 2, to about 1e-15; x is positive, finite and normal.
 double exact_log2(double x);
+
+/// The functions of <cmath> of the same names. They compute with twice the digits of a double, so
+/// that the result is the double next to the true value, but for one argument in millions. Zeros,
+/// infinities and NaN give what IEEE 754 asks for. Angles are in radians and may be of any size.
+double exact_sin(double x);
+double exact_cos(double x);
+double exact_tan(double x);
+double exact_acos(double x);
+double exact_atan(double x);
+double exact_log(double x);
+double exact_log10(double x);
+/// NaN where x < 0, for integers y, too.
+double exact_pow(double x, double y);
+double exact_cbrt(double x);
+
+/// The length of (x, y, z), to about 3e-16 of it; nothing overflows or underflows on the way.
+double exact_hypot(double x, double y, double z = 0);
 
 }  // namespace raio

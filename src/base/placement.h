@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/box.h"
+#include "base/exact_math.h"
 #include "base/ray.h"
 #include "base/vec.h"
 
@@ -51,7 +52,7 @@ class Placement {
   }
   /// The factor by which all lengths grow, exactly 1 if almost 1; 0 if the scaling is not uniform.
   double scale() const {
-    const double s = std::cbrt(std::abs(determinant())), slack = 1e-4 * s * s;
+    const double s = exact_cbrt(std::abs(determinant())), slack = 1e-4 * s * s;
     for (size_t i = 0; i < 3; ++i)
       if (std::abs(dot(column(i), column(i)) - s * s) > slack ||
           std::abs(dot(column(i), column((i + 1) % 3))) > slack)

@@ -7,7 +7,7 @@
 namespace raio {
 namespace {
 
-double exact_pow(double x, double y) { return x > 0 ? exact_exp2(y * exact_log2(x)) : 0; }
+double power(double x, double y) { return x > 0 ? exact_exp2(y * exact_log2(x)) : 0; }
 
 // NaN gives 0.
 double unit(double x) { return x > 0 ? std::min(x, 1.0) : 0; }
@@ -16,12 +16,12 @@ double unit(double x) { return x > 0 ? std::min(x, 1.0) : 0; }
 
 float srgb_from_linear(float linear) {
   const double x = unit(linear);
-  return float(x <= 0.0031308 ? 12.92 * x : unit(1.055 * exact_pow(x, 1 / 2.4) - 0.055));
+  return float(x <= 0.0031308 ? 12.92 * x : unit(1.055 * power(x, 1 / 2.4) - 0.055));
 }
 
 float linear_from_srgb(float encoded) {
   const double x = unit(encoded);
-  return float(x <= 0.04045 ? x / 12.92 : unit(exact_pow((x + 0.055) / 1.055, 2.4)));
+  return float(x <= 0.04045 ? x / 12.92 : unit(power((x + 0.055) / 1.055, 2.4)));
 }
 
 const std::array<float, 256>& linear_from_srgb_bytes() {

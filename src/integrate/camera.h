@@ -5,6 +5,7 @@
 #include <numbers>
 #include <optional>
 
+#include "base/exact_math.h"
 #include "base/ray.h"
 #include "scene/scene.h"
 
@@ -26,8 +27,7 @@ struct EyeRays {
     const Vec3d view = Vec3d(camera.at) - Vec3d(camera.from), ahead = normalize(view);
     const Vec3d to_right = normalize(cross(ahead, Vec3d(camera.up)));
     const Vec3d to_up = cross(to_right, ahead);
-    // Rounded to float, so that the last bit of the system's tangent does not matter.
-    float half_height = float(std::tan(double(camera.fov_deg) * std::numbers::pi / 360));
+    float half_height = float(exact_tan(double(camera.fov_deg) * std::numbers::pi / 360));
     if (angle_to_centers && height > 1) half_height *= float(height) / float(height - 1);
     const double half_width = double(half_height) * width / height;
     right = Vec3f(to_right), up = Vec3f(to_up), forward = Vec3f(ahead);

@@ -20,7 +20,8 @@
 //   kKeyDepth    place in ray tree     the same for the ray to the key light
 //   kLightDepth + i  place in ray tree  the same for the ray to light i
 //
-// A pixel is identified by its column plus 65536 times its row.
+// A pixel is identified by its column plus 65536 times its row. A group of pixels
+// (integrate/screen_keys.h) further down or to the right has a random identity.
 // Branch 1 is the eye ray; the reflected child of branch b is 2b, the refracted one 2b + 1.
 #pragma once
 

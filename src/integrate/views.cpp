@@ -4,6 +4,7 @@
 #define HWY_TARGET_INCLUDE "integrate/views.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h.
+#include "base/exact_math.h"
 #include "base/random.h"
 #include "integrate/wavefront-inl.h"
 
@@ -102,7 +103,7 @@ class ViewsShading {
   Rgb focus_color(float depth) const {
     const float pixels = blur_ * std::abs(depth - focus_) / depth;
     if (pixels < 1) return {0.2f, 0.9f, 0.3f};
-    const float much = std::min(1.0f, std::log2(pixels) / 5);  // 32 pixels and more
+    const float much = float(exact_log2(std::min(pixels, 32.0f))) / 5;
     const Rgb grey(0.7f), full = depth < focus_ ? Rgb(0.9f, 0.2f, 0.1f) : Rgb(0.1f, 0.3f, 1);
     return grey * (1 - much) + full * much;
   }
@@ -135,7 +136,7 @@ Rgb heat_color(double count) {
   static constexpr std::array<Rgb, 7> kScale = {Rgb(0, 0, 0), Rgb(0, 0, 1), Rgb(0, 1, 1),
                                                 Rgb(0, 1, 0), Rgb(1, 1, 0), Rgb(1, 0, 0),
                                                 Rgb(1, 1, 1)};
-  const double place = count < 1 ? count : 1 + std::log2(count) / 2;
+  const double place = count < 1 ? count : 1 + exact_log2(count) / 2;
   if (place >= kScale.size() - 1) return kScale.back();
   const auto step = size_t(place);
   const float part = float(place - double(step));

@@ -124,7 +124,8 @@ class Wavefront final : public TileRenderer {
 
   // As in integrate/sampler.h.
   HWY_INLINE U place_of(U pixel) const {
-    return hn::Add(hn::ShiftLeft<16>(row_of(pixel)), column_of(pixel));
+    const bool far = std::max(tile_.x1, tile_.y1) > 0x10000;
+    return place_in_picture(du, row_of(pixel), column_of(pixel), far);
   }
 
   // The batch of a Shading's own rays, one per current ray, and whether they are occluded: 0 or 1

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "base/exact_math.h"
 #include "base/srgb.h"
 
 namespace raio {
@@ -155,7 +156,7 @@ std::string scale_text(const ColorScale& scale, double value) {
   const double length = std::abs(scale.most - scale.least);
   const double largest = std::max(std::abs(scale.least), std::abs(scale.most));
   const int digits =
-      length > 0 ? std::clamp(int(std::ceil(std::log10(largest / length))) + 3, 6, 17) : 6;
+      length > 0 ? std::clamp(int(std::ceil(exact_log10(largest / length))) + 3, 6, 17) : 6;
   return fmt::format("{:.{}g}", value + 0.0, digits);  // the sum turns -0 into 0
 }
 

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "base/box.h"
+#include "base/exact_math.h"
 #include "scene/scene.h"
 
 namespace raio {
@@ -39,7 +40,7 @@ class FileOrigin {
     is_chosen_ = true;
     if (!(largest >= kFar && largest <= kFarthest)) return;
     // A round number, exact in doubles and readable.
-    const double unit = std::pow(10, std::floor(std::log10(largest / kFar)));
+    const double unit = exact_pow(10, std::floor(exact_log10(largest / kFar)));
     for (int a = 0; a < 3; ++a) value_[a] = std::round(place[a] / unit) * unit;
     farthest_ = largest / kTimesExtent;
   }

@@ -51,7 +51,7 @@ std::expected<void, Error> check_writable(const fs::path& path) {
   return {};
 }
 
-std::expected<std::string, Error> read_file(const fs::path& path, size_t max_bytes) try {
+std::expected<std::string, Error> read_file(const fs::path& path, uint64_t max_bytes) try {
   using Kind = InputFile::Kind;
   const auto error = [&](std::string_view why) { return std::unexpected(read_error(path, why)); };
   auto file = InputFile::open(path);
@@ -60,14 +60,15 @@ std::expected<std::string, Error> read_file(const fs::path& path, size_t max_byt
   if (file->kind() == Kind::device || file->kind() == Kind::terminal)
     return error("found a device, expected a file");
 
-  std::string bytes(std::min(file->rest(), max_bytes) + 1, '\0');
+  const auto most = size_t(std::min<uint64_t>(max_bytes, std::string().max_size() / 2));
+  std::string bytes(std::min(file->rest(), most) + 1, '\0');
   size_t size = 0;
   for (;;) {
     const auto count = file->read(bytes.data() + size, bytes.size() - size);
     if (!count) return error(count.error());
     if (*count == 0) break;
     size += *count;
-    if (size > max_bytes) return error(fmt::format("it is larger than {} bytes", max_bytes));
+    if (size > most) return error(fmt::format("it is larger than {} bytes", most));
     if (size == bytes.size()) bytes.resize(std::max<size_t>(2 * size, 65536));
   }
   bytes.resize(size);

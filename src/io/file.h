@@ -2,7 +2,7 @@
 // every failure is one line. For all code that stores results.
 #pragma once
 
-#include <cstddef>
+#include <cstdint>
 #include <expected>
 #include <filesystem>
 #include <string>
@@ -35,6 +35,6 @@ std::expected<void, Error> check_writable(const std::filesystem::path& path);
 
 /// All bytes of a file or pipe. An error (cannot_read) for folders, devices and more than
 /// `max_bytes`.
-std::expected<std::string, Error> read_file(const std::filesystem::path& path, size_t max_bytes);
+std::expected<std::string, Error> read_file(const std::filesystem::path& path, uint64_t max_bytes);
 
 }  // namespace raio

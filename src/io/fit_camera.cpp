@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/exact_math.h"
 #include "scene/enclosing.h"
 
 namespace raio {
@@ -134,7 +135,7 @@ PictureAxes axes_from(Side side, Vec3d up) {
 
 // The angle of a picture with at least this half angle.
 float degrees(double tangent) {
-  return std::clamp(float(2 * std::atan(tangent * kMargin) / kRadians), 0.01f, 170.0f);
+  return std::clamp(float(2 * exact_atan(tangent * kMargin) / kRadians), 0.01f, 170.0f);
 }
 
 Vec3d middle_of(const Box3f& box) { return (Vec3d(box.lo) + Vec3d(box.hi)) * 0.5; }
@@ -211,7 +212,7 @@ Camera fitted(const Shown& shown, const Box3f& box, Camera camera, const Picture
   const auto& [to_right, to_up, forward, upright] = axes;
   const Vec3d middle = middle_of(box);
   const double angle = fov_deg > 0 ? double(fov_deg) : kFovDeg;
-  const double tangent = std::tan(angle / 2 * kRadians) / kMargin;
+  const double tangent = exact_tan(angle / 2 * kRadians) / kMargin;
   const double across = camera.width > 0 ? tangent * camera.width / camera.height : tangent;
   const double secant = std::sqrt(1 + tangent * tangent),
                secant_across = std::sqrt(1 + across * across);
@@ -353,8 +354,8 @@ Camera fitted_in_parallel(const Scene& scene, const Camera& camera) {
 
 float fitted_fov_deg(const Camera& camera, int width, int height) {
   if (camera.horizontal_fov_deg <= 0) return camera.fov_deg;
-  const double half = std::tan(double(camera.horizontal_fov_deg) / 2 * kRadians) * height / width;
-  return std::max(camera.fov_deg, float(2 * std::atan(half) / kRadians));
+  const double half = exact_tan(double(camera.horizontal_fov_deg) / 2 * kRadians) * height / width;
+  return std::max(camera.fov_deg, float(2 * exact_atan(half) / kRadians));
 }
 
 float fitted_fov_deg(const Camera& camera) {

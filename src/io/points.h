@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include "base/box.h"
+#include "base/exact_math.h"
 
 namespace raio {
 
@@ -25,7 +26,7 @@ inline float mean_spacing(const Box3f& box, size_t points) {
   for (int a = 0; a < 3; ++a)
     if (const double side = double(box.size()[a]); side > 1e-6 * longest)
       volume *= side, ++dimensions;
-  return dimensions == 0 ? 1 : float(std::pow(volume / double(points), 1.0 / dimensions));
+  return dimensions == 0 ? 1 : float(exact_pow(volume / double(points), 1.0 / dimensions));
 }
 
 }  // namespace raio

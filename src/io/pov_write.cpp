@@ -9,6 +9,7 @@
 #include <tuple>
 #include <unordered_map>
 
+#include "base/exact_math.h"
 #include "io/fit_camera.h"
 #include "io/plain_scene.h"
 
@@ -77,7 +78,7 @@ class PovWriter {
     const Vec3d view = Vec3d(c.at) - Vec3d(c.from), forward = normalize(view);
     const Vec3d right = normalize(cross(forward, Vec3d(c.up))), up = cross(right, forward);
     const double angle = double(fitted_fov_deg(c, p.width, p.height)) * std::numbers::pi / 180;
-    const double height = 2 * std::tan(angle / 2) * (c.is_parallel() ? length(view) : 1);
+    const double height = 2 * exact_tan(angle / 2) * (c.is_parallel() ? length(view) : 1);
     line("camera {{ {} location {}\n  direction {}\n  right {}\n  up {} }}",
          c.is_parallel() ? "orthographic" : "perspective", text(c.from), text(forward),
          text(right * (height * p.width / p.height)), text(up * height));

@@ -12,6 +12,7 @@
 
 #include "accel/accel.h"
 #include "base/clock.h"
+#include "base/exact_math.h"
 #include "base/parallel.h"
 #include "integrate/film.h"
 
@@ -77,7 +78,7 @@ class CurveMeasurement {
     double slowest = 0;
     for (float factor = kMinGridFactor; factor <= kMaxGridFactor * 1.01f;
          factor *= std::numbers::sqrt2_v<float>) {
-      if (std::pow(double(factor), 3) * primitives > kMaxCells) break;
+      if (double(factor) * factor * factor * primitives > kMaxCells) break;
       Grid grid{.settings = settings_, .accel = {}, .seconds = {}};
       grid.settings.accel.grid_factor = factor;
       const auto start = Clock::now();
@@ -186,7 +187,7 @@ double GridCurve::seconds_at(float factor) const {
     if (i == 0 || points[i - 1].rounds == 0) return 0;
     const GridPoint& from = points[i - 1];
     const double part =
-        std::log(double(factor / from.factor)) / std::log(double(to.factor / from.factor));
+        exact_log(double(factor / from.factor)) / exact_log(double(to.factor / from.factor));
     return from.seconds.median + part * (to.seconds.median - from.seconds.median);
   }
   return 0;

@@ -298,7 +298,7 @@ std::expected<Part, Error> decode_part(std::string_view file) {
 }
 
 std::expected<Part, Error> read_part(const std::filesystem::path& path) try {
-  const auto bytes = read_file(path, size_t(1) << 38);
+  const auto bytes = read_file(path, uint64_t(1) << 38);
   if (!bytes) return std::unexpected(bytes.error());
   auto part = decode_part(*bytes);
   if (!part) part.error().subject = path.string();

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/clock.h"
+#include "base/exact_math.h"
 #include "integrate/camera.h"
 #include "render/render.h"
 
@@ -66,7 +67,7 @@ Blur blur_of(const std::vector<float>& depths, float aperture, float focus, floa
 
 // Two digits, rounded down.
 float plain_number(float value) {
-  const float unit = std::pow(10.0f, std::floor(std::log10(value)) - 1);
+  const auto unit = float(exact_pow(10, std::floor(float(exact_log10(value))) - 1));
   return float(std::floor(double(value) / unit + 1e-6) * unit);
 }
 

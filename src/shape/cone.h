@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "base/box.h"
+#include "base/exact_math.h"
 #include "base/ray.h"
 #include "shape/kinds.h"
 #include "shape/overlap.h"
@@ -74,8 +75,8 @@ inline ConeNumbers<float> numbers_of(const BakedCone& c) {
 inline Box3f bounds(const BakedCone& c) {
   const Vec3d base(c.base), axis = normalize(Vec3d(c.axis));
   // A circle with normal n extends r * sqrt(1 - n_x^2) along x; this form avoids cancellation.
-  const Vec3d reach(std::hypot(axis.y, axis.z), std::hypot(axis.z, axis.x),
-                    std::hypot(axis.x, axis.y));
+  const Vec3d reach(exact_hypot(axis.y, axis.z), exact_hypot(axis.z, axis.x),
+                    exact_hypot(axis.x, axis.y));
   Box3d box;
   for (const double z : {0.0, double(c.height)}) {
     const Vec3d center = base + axis * z, extent = reach * (c.base_radius + c.slope * z);
@@ -170,7 +171,7 @@ inline double cone_distance(const BakedCone& c, Vec3d p) {
   const double h = c.height, dr = double(c.slope) * h;
   const double along = ((rho - c.base_radius) * dr + z * h) / (dr * dr + h * h);
   const double s = std::clamp(along, 0.0, 1.0);
-  return std::hypot(rho - (c.base_radius + s * dr), z - s * h);
+  return exact_hypot(rho - (c.base_radius + s * dr), z - s * h);
 }
 
 /// Whether the surface may touch the box; "no" is always right.

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "base/box.h"
+#include "base/exact_math.h"
 #include "base/ray.h"
 #include "shape/kinds.h"
 #include "shape/overlap.h"
@@ -52,7 +53,7 @@ inline Box3f bounds(const Disc& d) {
   // A circle with normal n extends r * sqrt(1 - n_x^2) along x; this form avoids cancellation.
   const Vec3d n = normalize(Vec3d(d.normal)), center(d.center);
   const Vec3d reach =
-      Vec3d(std::hypot(n.y, n.z), std::hypot(n.z, n.x), std::hypot(n.x, n.y)) * double(d.radius);
+      Vec3d(exact_hypot(n.y, n.z), exact_hypot(n.z, n.x), exact_hypot(n.x, n.y)) * double(d.radius);
   return rounded_out({center - reach, center + reach});
 }
 
@@ -82,7 +83,7 @@ inline SurfacePoint surface_point(const Disc& d, Vec3f p) {
 inline double disc_distance(const Disc& d, Vec3d p) {
   const Vec3d normal(d.normal), x = p - Vec3d(d.center);
   const double z = dot(x, normal), rho = length(x - normal * z);
-  return std::hypot(z, std::max({0.0, rho - d.radius, d.inner - rho}));
+  return exact_hypot(z, std::max({0.0, rho - d.radius, d.inner - rho}));
 }
 
 /// Whether the disc may touch the box; "no" is always right.

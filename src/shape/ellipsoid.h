@@ -9,6 +9,7 @@
 #include <string>
 
 #include "base/box.h"
+#include "base/exact_math.h"
 #include "base/ray.h"
 #include "shape/kinds.h"
 #include "shape/overlap.h"
@@ -90,7 +91,7 @@ inline Box3f bounds(const BakedEllipsoid& e) {
     axes[i] = across / dot(Vec3d(e.to_unit[i]), across);
   }
   Vec3d reach;
-  for (int a = 0; a < 3; ++a) reach[a] = std::hypot(axes[0][a], axes[1][a], axes[2][a]);
+  for (int a = 0; a < 3; ++a) reach[a] = exact_hypot(axes[0][a], axes[1][a], axes[2][a]);
   return rounded_out({Vec3d(e.center) - reach, Vec3d(e.center) + reach});
 }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/exact_math.h"
+
 namespace raio::view {
 namespace {
 
@@ -11,14 +13,14 @@ constexpr double kPoleMargin = 0.01;  // minimum angle between the line of sight
 
 // Rodrigues' formula.
 Vec3d rotated(Vec3d v, Vec3d axis, double angle) {
-  const double c = std::cos(angle), s = std::sin(angle);
+  const double c = exact_cos(angle), s = exact_sin(angle);
   return v * c + cross(axis, v) * s + axis * (dot(axis, v) * (1 - c));
 }
 
 // Limits an upward angle so that the line of sight stays short of the poles.
 double short_of_poles(const Camera& camera, const CameraAxes& axes, double up_rad) {
   const double pole =
-      std::acos(std::clamp(dot(axes.forward, normalize(Vec3d(camera.up))), -1.0, 1.0));
+      exact_acos(std::clamp(dot(axes.forward, normalize(Vec3d(camera.up))), -1.0, 1.0));
   return std::clamp(up_rad, std::min(0.0, pole - (std::numbers::pi - kPoleMargin)),
                     std::max(0.0, pole - kPoleMargin));
 }
@@ -57,7 +59,7 @@ Camera orbited(const Camera& camera, Vec3d pivot, double right_rad, double up_ra
 
 double half_height(const Camera& camera, double depth) {
   if (camera.is_parallel()) depth = length(Vec3d(camera.at) - Vec3d(camera.from));
-  return depth * std::tan(double(camera.fov_deg) * std::numbers::pi / 360);
+  return depth * exact_tan(double(camera.fov_deg) * std::numbers::pi / 360);
 }
 
 Camera panned(const Camera& camera, double depth, double right, double up) {
@@ -70,9 +72,9 @@ namespace {
 Camera zoomed(Camera camera, Vec3d target, double factor) {
   constexpr double kLeast = 0.001, kMost = 170;  // degrees
   const double before = double(camera.fov_deg) * std::numbers::pi / 360;
-  const double after = std::atan(std::tan(before) * factor) * 360 / std::numbers::pi;
+  const double after = exact_atan(exact_tan(before) * factor) * 360 / std::numbers::pi;
   camera.fov_deg = float(std::clamp(after, kLeast, kMost));
-  factor = std::tan(double(camera.fov_deg) * std::numbers::pi / 360) / std::tan(before);
+  factor = exact_tan(double(camera.fov_deg) * std::numbers::pi / 360) / exact_tan(before);
   const CameraAxes axes(camera);
   const Vec3d aside = (target - Vec3d(camera.from)) * (1 - factor);
   return walked(camera, dot(aside, axes.right), dot(aside, axes.up), 0);
@@ -108,11 +110,11 @@ Camera fitted(const Camera& camera, const Box3f& box, double width_per_height) {
   if (box.empty()) return camera;
   const Vec3d center = Vec3d(box.lo) * 0.5 + Vec3d(box.hi) * 0.5;
   const double radius = std::max(length(Vec3d(box.hi) - center), 1e-6 * length(center) + 1e-12);
-  const double half = std::tan(double(camera.fov_deg) * std::numbers::pi / 360);
+  const double half = exact_tan(double(camera.fov_deg) * std::numbers::pi / 360);
   const double least = half * std::min(1.0, width_per_height);
   // Nearer than the radius, parallel rays would start within the scene.
-  const double distance =
-      radius * (camera.is_parallel() ? std::max(1 / least, 1.01) : 1 / std::sin(std::atan(least)));
+  const double distance = radius * (camera.is_parallel() ? std::max(1 / least, 1.01)
+                                                         : 1 / exact_sin(exact_atan(least)));
   return placed(camera, center - CameraAxes(camera).forward * distance, center);
 }
 

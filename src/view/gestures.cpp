@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "base/exact_math.h"
 #include "view/camera_control.h"
 
 namespace raio::view {
@@ -57,7 +58,7 @@ Gestures::Done Gestures::release(Button button) {
 bool Gestures::move(double x, double y) {
   const double height = std::max(1.0f, stage_.hi.y - stage_.lo.y);
   const double dx = (x - x_) / height, dy = (y - y_) / height;
-  travelled_ += std::hypot(x - x_, y - y_);
+  travelled_ += exact_hypot(x - x_, y - y_);
   x_ = x, y_ = y;
   if (drag_ == Drag::none || travelled_ <= kClickTravel) return false;
   Camera& camera = state_.camera;
@@ -93,12 +94,12 @@ bool Gestures::dolly(double steps) {
   const CameraAxes axes(camera);
   const double distance = view_distance(camera);
   const double fov = state_.edge_to_edge(stage_.picture_height).fov_deg;
-  const double tangent = std::tan(fov * std::numbers::pi / 360);
+  const double tangent = exact_tan(fov * std::numbers::pi / 360);
   const Vec3d direction = axes.forward +
                           axes.right * ((2 * stage_.across(x_) - 1) * tangent * stage_.aspect()) +
                           axes.up * ((1 - 2 * stage_.down(y_)) * tangent);
   const Vec3d target = under.hit.found() ? under.point : Vec3d(camera.from) + direction * distance;
-  state_.camera = dollied(camera, target, std::pow(kWheelStep, steps));
+  state_.camera = dollied(camera, target, exact_pow(kWheelStep, steps));
   state_.follow_focus();
   return true;
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "app/terminal.h"
+#include "base/exact_math.h"
 #include "view/panel_parts.h"
 #include "view/texts.h"
 #include "view/theme.h"
@@ -70,13 +71,13 @@ class Plot {
  private:
   float x(double factor) const {
     const double part =
-        std::log(std::clamp(factor, double(kMinGridFactor), double(kMaxGridFactor)) /
-                 kMinGridFactor) /
-        std::log(double(kMaxGridFactor) / kMinGridFactor);
+        exact_log(std::clamp(factor, double(kMinGridFactor), double(kMaxGridFactor)) /
+                  kMinGridFactor) /
+        exact_log(double(kMaxGridFactor) / kMinGridFactor);
     return lo_.x + (0.04f + 0.92f * float(part)) * (hi_.x - lo_.x);
   }
   float y(double value) const {
-    return hi_.y - float(std::log(value / least_) / std::log(most_ / least_)) * (hi_.y - top_);
+    return hi_.y - float(exact_log(value / least_) / exact_log(most_ / least_)) * (hi_.y - top_);
   }
   void draw_line(ImDrawList& draw, const Line& line) const {
     const GridPoint* before = nullptr;

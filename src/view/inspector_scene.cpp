@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/exact_math.h"
 #include "integrate/camera.h"
 #include "view/texts.h"
 #include "view/theme.h"
@@ -92,7 +93,7 @@ void RayScene::draw_ray(ImDrawList& draw, const Projection& projection, size_t i
       else if (!hidden)
         draw.AddLine(a, b, color_of(r.kind, r.alpha), width);
       else {
-        const float length = std::hypot(b.x - a.x, b.y - a.y), step = 0.55f * em();
+        const float length = float(exact_hypot(b.x - a.x, b.y - a.y)), step = 0.55f * em();
         const int dots = std::min(int(length / step), 400);
         for (int k = 0; k <= dots; ++k) {
           const float part = dots > 0 ? float(k) / float(dots) : 0.5f;

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/exact_math.h"
 #include "integrate/views.h"
 #include "view/texts.h"
 #include "view/theme.h"
@@ -17,10 +18,10 @@ namespace {
 
 constexpr int kHeatStops = 7;
 
-double heat_at(int stop) { return stop == 0 ? 0 : std::pow(4.0, stop - 1); }
+double heat_at(int stop) { return stop == 0 ? 0 : exact_pow(4.0, stop - 1); }
 
 double heat_place(double count) {
-  return std::min(count < 1 ? count : 1 + std::log2(count) / 2, kHeatStops - 1.0) /
+  return std::min(count < 1 ? count : 1 + exact_log2(count) / 2, kHeatStops - 1.0) /
          (kHeatStops - 1);
 }
 
@@ -83,7 +84,7 @@ ReadOut value_of(const ViewState& state, const Pick& pick, const Accel* accel, c
       if (!pick.hit.found()) return {};
       if (state.camera.is_parallel()) return {trf("blur {:.3g} pixels", 0), 0.5};
       const RenderSettings s = resolve_options(state.request(1, 1), *state.scene);
-      const double tangent = std::tan(double(state.camera.fov_deg) * std::numbers::pi / 360);
+      const double tangent = exact_tan(double(state.camera.fov_deg) * std::numbers::pi / 360);
       const double blur = 2 * double(s.aperture) * std::abs(pick.depth - double(s.focus)) /
                           pick.depth / (2 * double(s.focus) * tangent) * picture_height;
       const bool sharp = blur<1, behind = pick.depth> double(s.focus);
@@ -149,7 +150,7 @@ double heat_count(const Rgb& color) {
     const double off = length(a + along * part - color);
     if (off >= nearest) continue;
     nearest = off;
-    best = i == 0 ? double(part) : std::pow(4.0, i - 1 + double(part));
+    best = i == 0 ? double(part) : exact_pow(4.0, i - 1 + double(part));
   }
   return best;
 }

@@ -143,7 +143,8 @@ class ShadingNarrator {
     if (settings_.fresnel == Fresnel::exact)
       return (ratio(eta * in, out) + ratio(eta * out, in)) / 2;
     const double least = ratio(eta, 1);
-    return least + (1 - least) * std::pow(1 - (eta > 1 ? out : in), 5);
+    const double flat = 1 - (eta > 1 ? out : in);
+    return least + (1 - least) * flat * flat * flat * flat * flat;
   }
   std::string reflectance_formula() const {
     return settings_.fresnel == Fresnel::exact

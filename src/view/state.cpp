@@ -8,6 +8,7 @@
 #include <numbers>
 #include <utility>
 
+#include "base/exact_math.h"
 #include "integrate/camera.h"
 #include "integrate/classic.h"
 #include "measure/effects.h"
@@ -255,8 +256,8 @@ void ViewState::scale_aperture(float factor) {
 Camera ViewState::edge_to_edge(int height) const {
   Camera out = camera;
   if (!options.angle_to_centers || height < 2) return out;
-  const double tangent = std::tan(double(camera.fov_deg) * std::numbers::pi / 360);
-  out.fov_deg = float(std::atan(tangent * height / (height - 1)) * 360 / std::numbers::pi);
+  const double tangent = exact_tan(double(camera.fov_deg) * std::numbers::pi / 360);
+  out.fov_deg = float(exact_atan(tangent * height / (height - 1)) * 360 / std::numbers::pi);
   return out;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/exact_math.h"
 #include "integrate/views.h"
 #include "view/projection.h"
 #include "view/texts.h"
@@ -54,7 +55,7 @@ void StructureOverlay::choose(const BoxLook& look, std::shared_ptr<const BakedSc
 // Levels are spread evenly over the scale of counts.
 Rgb StructureOverlay::color_of(const AccelBox& box) const {
   if (!look_.by_level) return heat_color(double(box.primitives));
-  return heat_color(std::pow(4.0, 5.0 * box.level / std::max(facts_.levels, 1)));
+  return heat_color(exact_pow(4.0, 5.0 * box.level / std::max(facts_.levels, 1)));
 }
 
 Legend StructureOverlay::legend() const {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "app/output.h"
+#include "base/exact_math.h"
 #include "render/figure_options.h"
 #include "render/provenance.h"
 #include "render/render.h"
@@ -85,7 +86,7 @@ void Viewer::scrolled(double steps, bool ctrl) {
   needs_drawing();
   if (is_covered() || !stage_.contains(gestures_.x(), gestures_.y())) return;
   if ((ctrl || shows_focus()) && !state_.camera.is_parallel()) {
-    state_.scale_aperture(float(std::pow(1.1, steps)));
+    state_.scale_aperture(float(exact_pow(1.1, steps)));
     if (!state_.is_on(Command::depth_of_field)) (void)state_.toggle(Command::depth_of_field);
     show_focus();
     say(trf("aperture {:.4g}", state_.options.aperture));

@@ -9,6 +9,7 @@
 #endif
 
 #include <cstddef>
+#include <cstring>
 
 #include "accel/blocks/lanes-inl.h"
 
@@ -109,8 +110,10 @@ static_assert(column_of(offsetof(StreamShear, x)) == 0 &&
 // Transposes four columns of four.
 HWY_INLINE void transpose(const float* column, size_t step, float* row, size_t row_step) {
 #if HWY_TARGET == HWY_SCALAR
+  // The rows are structs, not all members of which are floats.
   for (size_t i = 0; i < 4; ++i)
-    for (size_t k = 0; k < 4; ++k) row[i * row_step + k] = column[k * step + i];
+    for (size_t k = 0; k < 4; ++k)
+      std::memcpy(row + i * row_step + k, column + k * step + i, sizeof(float));
 #else
   const hn::CappedTag<float, 4> four;
   using V4 = hn::Vec<decltype(four)>;

@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 
 #include "accel/grid/grid.h"
+#include "base/exact_math.h"
 #include "base/parallel.h"
 
 namespace raio {
@@ -46,7 +47,7 @@ std::array<int, 3> report_resolution(Vec3d size, double count, double factor) {
     for (int a = 0; a < 3; ++a)
       if (!thin[a]) measure *= size[a], ++axes;
     if (axes == 0) break;
-    const double s = std::pow(measure / count, 1.0 / axes);
+    const double s = exact_pow(measure / count, 1.0 / axes);
     bool again = false;
     for (int a = 0; a < 3; ++a) {
       if (thin[a]) continue;

@@ -36,15 +36,27 @@ class QuietSignals {
     pthread_sigmask(SIG_BLOCK, &quiet_, &before_);
   }
   ~QuietSignals() {
-    const timespec at_once{};
-    while (sigtimedwait(&quiet_, nullptr, &at_once) > 0 || errno == EINTR) {
-    }
+    take_pending();
     pthread_sigmask(SIG_SETMASK, &before_, nullptr);
   }
   QuietSignals(const QuietSignals&) = delete;
   QuietSignals& operator=(const QuietSignals&) = delete;
 
  private:
+  void take_pending() const {
+#ifdef __APPLE__  // without sigtimedwait, and nobody else waits for the signals
+    sigset_t pending;
+    for (const int signal : {SIGPIPE, SIGXFSZ})
+      if (int taken = 0; sigpending(&pending) == 0 && sigismember(&quiet_, signal) &&
+                         sigismember(&pending, signal))
+        sigwait(&quiet_, &taken);
+#else
+    const timespec at_once{};
+    while (sigtimedwait(&quiet_, nullptr, &at_once) > 0 || errno == EINTR) {
+    }
+#endif
+  }
+
   sigset_t quiet_, before_;
 };
 

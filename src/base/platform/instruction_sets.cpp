@@ -4,27 +4,44 @@
 #include <hwy/targets.h>
 
 #include <cstdlib>
+#if HWY_ARCH_X86_64
+#include <cpuid.h>
+#endif
 
 namespace hwy {
 namespace {
 
 std::atomic<int64_t> disabled{0}, for_test{0};
 
+#if HWY_ARCH_X86_64
+// The parts of the processor's state, one bit each, that the system saves for each program.
+uint64_t saved_state() {
+  uint32_t low = 0, high = 0;
+  asm("xgetbv" : "=a"(low), "=d"(high) : "c"(0));
+  return uint64_t(high) << 32 | low;
+}
+#endif
+
 // What the processor and the system can do, of the sets that are compiled
-// (hwy/ops/set_macros-inl.h says what each of them takes).
+// (hwy/ops/set_macros-inl.h says what each of them takes). Asked of the processor itself, as not
+// all compilers' __builtin_cpu_supports know of AVX. The bits are in Intel's "Software Developer's
+// Manual", CPUID and XGETBV.
 int64_t detect() {
   int64_t targets = HWY_STATIC_TARGET;
 #if HWY_ARCH_X86_64
-  const auto all = [](auto... has) { return (... && (has != 0)); };
-  const bool sse4 = all(__builtin_cpu_supports("ssse3"), __builtin_cpu_supports("sse4.1"),
-                        __builtin_cpu_supports("sse4.2"), __builtin_cpu_supports("pclmul"),
-                        __builtin_cpu_supports("aes"));
-  const bool avx2 = sse4 && all(__builtin_cpu_supports("avx"), __builtin_cpu_supports("avx2"),
-                                __builtin_cpu_supports("bmi"), __builtin_cpu_supports("bmi2"),
-                                __builtin_cpu_supports("fma"), __builtin_cpu_supports("f16c"));
-  const bool avx3 =
-      avx2 && all(__builtin_cpu_supports("avx512f"), __builtin_cpu_supports("avx512vl"),
-                  __builtin_cpu_supports("avx512dq"), __builtin_cpu_supports("avx512bw"));
+  uint32_t eax = 0, ebx = 0, ecx = 0, edx = 0;
+  const auto all = [](uint64_t word, auto... bits) { return (... && (word >> bits & 1)); };
+  if (!__get_cpuid(1, &eax, &ebx, &ecx, &edx)) return targets;
+  // pclmulqdq, ssse3, sse4.1, sse4.2, aes
+  const bool sse4 = all(ecx, 1, 9, 19, 20, 25);
+  // fma, osxsave, avx, f16c
+  const bool avx = sse4 && all(ecx, 12, 27, 28, 29);
+  const uint64_t saved = avx ? saved_state() : 0;
+  if (!__get_cpuid_count(7, 0, &eax, &ebx, &ecx, &edx)) ebx = 0;
+  // sse and avx registers; bmi, avx2, bmi2
+  const bool avx2 = all(saved, 1, 2) && all(ebx, 3, 5, 8);
+  // masks and the rest of the registers; avx512f, avx512dq, avx512bw, avx512vl
+  const bool avx3 = avx2 && all(saved, 5, 6, 7) && all(ebx, 16, 17, 30, 31);
   if (sse4) targets |= HWY_SSE4;
   if (avx2) targets |= HWY_AVX2;
   if (avx3) targets |= HWY_AVX3;

@@ -101,12 +101,14 @@ std::expected<void, std::string> limit_memory(size_t bytes) {
                          std::generic_category().message(errno));
 }
 
-void use_large_pages(void* begin, size_t bytes) {
+void use_large_pages([[maybe_unused]] void* begin, [[maybe_unused]] size_t bytes) {
+#ifdef MADV_HUGEPAGE  // Linux's
   constexpr size_t kLarge = size_t(kLargePage);
   const size_t skip = -reinterpret_cast<uintptr_t>(begin) % kLarge;  // to whole pages
   if (bytes < skip + kLarge) return;
   // If refused, the memory still works.
   ::madvise(static_cast<char*>(begin) + skip, (bytes - skip) / kLarge * kLarge, MADV_HUGEPAGE);
+#endif
 }
 
 size_t peak_memory_bytes() {

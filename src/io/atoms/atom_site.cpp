@@ -180,7 +180,7 @@ uint32_t AtomSite::atom_of(const gemmi::AtomAddress& end, const Residue& residue
     if (!found && is_conformer && text_of(values_of(row)[SiteColumn::name]) == end.atom_name)
       found = &row;
   });
-  const auto at = std::find(rows_.begin() + long(first_atom), rows_.end(), found);
+  const auto at = std::find(rows_.begin() + ptrdiff_t(first_atom), rows_.end(), found);
   return at == rows_.end() || end.atom_name.empty() ? kNoAtom : uint32_t(at - rows_.begin());
 }
 

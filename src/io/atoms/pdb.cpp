@@ -164,8 +164,9 @@ class PdbReader {
     out.origin = origin, out.frames = frames.size();
     out.columns =
         is_pqr_ ? std::vector<std::string>{"charge", "radius"} : std::vector<std::string>();
-    const long at = options_.frame < 0 ? long(frames.size()) + options_.frame : options_.frame;
-    if (at < 0 || at >= long(frames.size()) || !frames[size_t(at)].has_atoms) return out;
+    const int64_t at =
+        options_.frame < 0 ? int64_t(frames.size()) + options_.frame : options_.frame;
+    if (at < 0 || at >= int64_t(frames.size()) || !frames[size_t(at)].has_atoms) return out;
     const FrameLines& frame = frames[size_t(at)];
     std::vector<PdbRow> rows(frame.end - frame.first);
     auto done = for_lines(found_->lines, file_, frame.first, rows.size(),

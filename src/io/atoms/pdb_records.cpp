@@ -101,7 +101,7 @@ PdbCrystal crystal_of(std::string_view cryst1, const std::array<std::string_view
     const auto shift = numbers_in<1>(scale[row], {45, 55});
     if (!turned || !shift) return out;
     if (row == 0) out.scale.emplace();
-    std::ranges::copy(*turned, out.scale->begin() + long(4 * row));
+    std::ranges::copy(*turned, out.scale->begin() + ptrdiff_t(4 * row));
     (*out.scale)[4 * row + 3] = (*shift)[0];
   }
   return out;

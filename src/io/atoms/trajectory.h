@@ -92,8 +92,8 @@ class Trajectory {
     Atoms out;
     out.origin = origin, out.frames = frames.size();
     if (!found_->cut.empty()) out.notices.add(Severity::cut, found_->cut, {}, found_->cut_line, 0);
-    const long wanted = frame < 0 ? long(frames.size()) + frame : frame;
-    if (wanted < 0 || wanted >= long(frames.size())) return out;
+    const int64_t wanted = frame < 0 ? int64_t(frames.size()) + frame : frame;
+    if (wanted < 0 || wanted >= int64_t(frames.size())) return out;
     const FrameRows& chosen = frames[size_t(wanted)];
     out.columns = chosen.columns;
     out.cell = chosen.cell;

@@ -4,6 +4,7 @@
 #include <numbers>
 #include <vector>
 
+#include "base/exact_math.h"
 #include "io/generate/parts.h"
 
 namespace raio {
@@ -14,21 +15,33 @@ using std::numbers::pi;
 constexpr int kTeeth = 36;
 constexpr int kGearCorners = 4 * kTeeth;
 
+using GearCorners = std::array<Vec3d, kGearCorners>;
+
 struct Gear {
   Vec3d center;  // of the upper face
   double outer_radius, inner_radius, thickness;
-  double turn;  // the direction of the first tooth, radians
+  const GearCorners& directions;
 };
+
+/// The vectors from the centre to the vertices, unit length. `turn`: the direction of the first
+/// tooth, radians.
+GearCorners gear_directions(double turn) {
+  // Vertices of a tooth and the gap after it, in tooth widths from the middle of the tooth.
+  constexpr std::array<double, 4> kPlaces = {-0.19, 0.19, 0.3, 0.7};
+  GearCorners out;
+  for (int i = 0; i < kGearCorners; ++i) {
+    const double angle = turn + 2 * pi / kTeeth * (i / 4 + kPlaces[i % 4]);
+    out[i] = {exact_cos(angle), exact_sin(angle), 0};
+  }
+  return out;
+}
 
 /// Two concave faces of 144 vertices each, and the rim between them.
 void add_gear(SceneMaker& maker, const Gear& gear) {
-  // Vertices of a tooth and the gap after it, in tooth widths from the middle of the tooth.
-  constexpr std::array<double, 4> kPlaces = {-0.19, 0.19, 0.3, 0.7};
-  std::array<Vec3d, kGearCorners> top, bottom;
+  GearCorners top, bottom;
   for (int i = 0; i < kGearCorners; ++i) {
-    const double angle = gear.turn + 2 * pi / kTeeth * (i / 4 + kPlaces[i % 4]);
     const double radius = i % 4 < 2 ? gear.outer_radius : gear.inner_radius;
-    top[i] = gear.center + Vec3d(std::cos(angle), std::sin(angle), 0) * radius;
+    top[i] = gear.center + gear.directions[i] * radius;
   }
   // Seen from below, the order is reversed; starting at a tooth's far vertex keeps the first angle
   // convex, which readers use to find a polygon's front.
@@ -90,16 +103,14 @@ double normal_deviate(int64_t seed) {
     const double w = next();
     r2 = v * v + w * w;
   } while (r2 >= 1 || r2 == 0);
-  return v * std::sqrt(-2 * std::log(r2) / r2);
+  return v * std::sqrt(-2 * exact_log(r2) / r2);
 }
 
 /// The seed of grid point (x, y) among 2^size + 1 per side. A poor hash, kept because the published
 /// mountains have it: it is little more than 128 x + 32768 y of the position in the unit square, so
 /// the terrain repeats. Points shared by two sizes have the same seed.
-int64_t mountain_seed(uint64_t x, uint64_t y, int size) {
-  constexpr int64_t kMountain = 21;
-  const uint64_t hash = (x << 23 >> size) + (y << 15 >> size) + (x << 7 >> size);
-  return kMountain + int64_t(hash & 0xffff);
+uint16_t mountain_seed(uint64_t x, uint64_t y, int size) {
+  return uint16_t((x << 23 >> size) + (y << 15 >> size) + (x << 7 >> size));
 }
 
 /// Heights on a grid of 2^size + 1 points per side over the square from -1 to 1, with a border of
@@ -107,10 +118,17 @@ int64_t mountain_seed(uint64_t x, uint64_t y, int size) {
 /// 1982, "Computer Rendering of Stochastic Models", CACM 25(6), for squares.
 std::vector<double> mountain_heights(int size) {
   constexpr double kFractalDimension = 2.2;
-  const double ratio = 2 / std::exp2(1 / (kFractalDimension - 1));
+  const double ratio = 2 / exact_pow(2, 1 / (kFractalDimension - 1));
   const double roughness = std::sqrt(ratio * ratio - 1);
   const int cells = 1 << size;
   std::vector<double> heights(size_t(cells + 1) * (cells + 1), 0.0);
+  std::vector<double> deviates(0x10000);  // of all seeds, 0 where it is not known yet
+  const auto deviate = [&](uint64_t x, uint64_t y) {
+    constexpr int64_t kMountain = 21;
+    const uint16_t seed = mountain_seed(x, y, size);
+    if (deviates[seed] == 0) deviates[seed] = normal_deviate(kMountain + seed);
+    return deviates[seed];
+  };
   const auto at = [&](int x, int y) -> double& { return heights[size_t(y) * (cells + 1) + x]; };
 
   for (int half = cells / 2; half >= 1; half /= 2) {
@@ -127,7 +145,7 @@ std::vector<double> mountain_heights(int size) {
           middle = (middle + (at(x - dx, y + dy) + at(x + dx, y - dy)) / 2) / 2;
           reach *= std::numbers::sqrt2;
         }
-        at(x, y) = middle + reach * normal_deviate(mountain_seed(x, y, size));
+        at(x, y) = middle + reach * deviate(uint64_t(x), uint64_t(y));
       }
     }
   }
@@ -165,7 +183,7 @@ void add_glass_pyramid(SceneMaker& maker, float ior, const std::array<double, 4>
   const Vec3d top{0, 0, 0.17 * std::sqrt(1.5)};
   maker.sphere(center + top, radii[0]);
   const Vec3d axis = normalize(Vec3d(1, 1, 0));
-  const Vec3d low = rotation(axis, std::acos(-1.0 / 3))(top);
+  const Vec3d low = rotation(axis, exact_acos(-1.0 / 3))(top);
   for (int i = 0; i < 3; ++i) {
     maker.sphere(center + rotation(kAxisZ, i * 2 * pi / 3)(low), radii[i + 1]);
   }
@@ -199,6 +217,7 @@ Scene make_gears(int size) {
   constexpr double kTooth = 0.1, kClearance = 0.995;
   const double radius = 1 / (size - (size - 1) * kTooth / 2);
   const double step = radius * (2 - kTooth), start = -1 + radius;
+  const std::array<GearCorners, 2> directions = {gear_directions(0), gear_directions(pi / kTeeth)};
   for (int z = 0; z < size; ++z) {
     for (int y = 0; y < size; ++y) {
       for (int x = 0; x < size; ++x) {
@@ -207,7 +226,7 @@ Scene make_gears(int size) {
                          .outer_radius = kClearance * radius,
                          .inner_radius = (1 - kTooth) * radius,
                          .thickness = std::min(0.1, 0.5 / size),
-                         .turn = pi / kTeeth * ((x + y + z) % 2)});
+                         .directions = directions[(x + y + z) % 2]});
       }
     }
   }

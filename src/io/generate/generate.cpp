@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "base/exact_math.h"
 #include "io/generate/parts.h"
 
 namespace raio {
@@ -85,9 +86,12 @@ std::expected<Scene, Error> generate_scene(std::string_view name, int size) {
 }
 
 LinearMap rotation(Vec3d axis, double angle) {
-  const double c = std::cos(angle), s = std::sin(angle);
+  return rotation(axis, exact_cos(angle), exact_sin(angle));
+}
+
+LinearMap rotation(Vec3d axis, double cosine, double sine) {
   const auto turned = [&](Vec3d v) {
-    return v * c + cross(axis, v) * s + axis * (dot(axis, v) * (1 - c));
+    return v * cosine + cross(axis, v) * sine + axis * (dot(axis, v) * (1 - cosine));
   };
   return {turned(kAxisX), turned(kAxisY), turned(kAxisZ)};
 }

@@ -26,6 +26,7 @@ struct LinearMap {
 
 /// The right-handed rotation by `angle` about the unit vector `axis` (Rodrigues' formula).
 LinearMap rotation(Vec3d axis, double angle);
+LinearMap rotation(Vec3d axis, double cosine, double sine);
 
 inline constexpr Vec3d kAxisX{1, 0, 0}, kAxisY{0, 1, 0}, kAxisZ{0, 0, 1};
 

@@ -2,6 +2,7 @@
 #include <array>
 #include <numbers>
 
+#include "base/exact_math.h"
 #include "io/generate/parts.h"
 
 namespace raio {
@@ -22,7 +23,7 @@ constexpr std::array<Vec3d, 4> kFlakeFloorCorners = {Vec3d{12, 12, -0.5}, Vec3d{
 std::array<Vec3d, 9> flake_directions() {
   const auto direction = [](double longitude_deg, double z) {
     const double angle = longitude_deg * pi / 180, across = std::sqrt(1 - z * z);
-    return Vec3d(across * std::cos(angle), across * std::sin(angle), z);
+    return Vec3d(across * exact_cos(angle), across * exact_sin(angle), z);
   };
   std::array<Vec3d, 9> out;
   for (int third = 0; third < 3; ++third) {
@@ -39,7 +40,8 @@ LinearMap rotation_from_z(Vec3d d) {
   constexpr double kPole = 0.9999;
   if (d.z >= kPole) return {};
   if (d.z <= -kPole) return rotation(kAxisY, pi);
-  return rotation(normalize(cross(kAxisZ, d)), std::acos(d.z));
+  const Vec3d axis = cross(kAxisZ, d);
+  return rotation(normalize(axis), d.z, length(axis));
 }
 
 struct FlakeSphere {
@@ -86,9 +88,9 @@ std::array<std::array<Vec3d, 5>, 6> linked_pentagons(double tube) {
   std::array<std::array<Vec3d, 5>, 6> rings;
   for (int i = 0; i < 5; ++i) {
     const double angle = i * 2 * pi / 5;
-    rings[0][i] = Vec3d(std::cos(angle), std::sin(angle), 0) * radius;
+    rings[0][i] = Vec3d(exact_cos(angle), exact_sin(angle), 0) * radius;
   }
-  const double dihedral = 2 * std::acos(std::cos(pi / 3) / std::sin(pi / 5));
+  const double dihedral = 2 * exact_acos(exact_cos(pi / 3) / exact_sin(pi / 5));
   const LinearMap tilt = rotation(kAxisX, dihedral);
   for (int ring = 1; ring < 6; ++ring) {
     const LinearMap turn = rotation(kAxisZ, (2 * ring - 1) * pi / 5);
@@ -118,9 +120,14 @@ void add_rings(SceneMaker& maker, const std::array<std::array<Vec3d, 5>, 6>& rin
 void grow_branch(SceneMaker& maker, Vec3d base, const LinearMap& frame, double radius, int levels) {
   constexpr double kTaper = 0.67;
   struct Fork {
-    double angle_deg, turn_deg, shrink;
+    LinearMap turn;
+    double shrink;
   };
-  constexpr std::array<Fork, 2> kForks = {Fork{40, 90, 0.65}, Fork{25, 230, 0.70}};
+  const auto fork_of = [](double angle_deg, double turn_deg, double shrink) {
+    return Fork{rotation(kAxisZ, turn_deg * pi / 180) * rotation(kAxisX, angle_deg * pi / 180),
+                shrink};
+  };
+  static const std::array<Fork, 2> kForks = {fork_of(40, 90, 0.65), fork_of(25, 230, 0.70)};
 
   const Vec3d tip = base + frame.z;
   const double tip_radius = radius * kTaper;
@@ -128,8 +135,7 @@ void grow_branch(SceneMaker& maker, Vec3d base, const LinearMap& frame, double r
   maker.sphere(tip, tip_radius);
   if (levels == 0) return;
   for (const Fork& fork : kForks) {
-    const LinearMap turned = frame * (rotation(kAxisZ, fork.turn_deg * pi / 180) *
-                                      rotation(kAxisX, fork.angle_deg * pi / 180));
+    const LinearMap turned = frame * fork.turn;
     const LinearMap shrunk{turned.x * fork.shrink, turned.y * fork.shrink, turned.z * fork.shrink};
     grow_branch(maker, tip, shrunk, tip_radius, levels - 1);
   }
@@ -154,7 +160,7 @@ Scene make_balls_high(int) { return report_flake(4, 0.5f, 3.0827f); }
 Scene make_rings(int size) {
   // At this distance a ball of radius 1 just fills the 45 degrees of the view; layers have the same
   // spacing.
-  const double spread = 1 / std::sin(pi / 8);
+  const double spread = 1 / exact_sin(pi / 8);
   const Vec3d eye{-1, -spread, 0.5};
   SceneMaker maker(eye, eye + kAxisY, kAxisZ, 45, 1);
   maker.light({3, -spread, 3});
@@ -164,7 +170,7 @@ Scene make_rings(int size) {
   // The wall fills the view and a hundredth more.
   maker.use({.color = {1, 1, 1}, .kd = 1, .shine = kNoHighlight, .ior = 0});
   const double y = spread * (size + 1);
-  const double half = 1.01 * (y - eye.y) * std::tan(pi / 8);
+  const double half = 1.01 * (y - eye.y) * exact_tan(pi / 8);
   maker.face({{eye.x + half, y, eye.z + half},
               {eye.x - half, y, eye.z + half},
               {eye.x - half, y, eye.z - half},

@@ -12,6 +12,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "base/exact_math.h"
 #include "io/image/codecs.h"
 
 namespace raio {
@@ -21,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Enough for the largest picture in the largest format, P3 with four characters per value.
-constexpr size_t kMaxFileBytes = size_t(1) << 32;
+constexpr uint64_t kMaxFileBytes = uint64_t(1) << 32;
 
 Decoded<std::string> encode(const PictureView& picture, ImageFormat format,
                             const Metadata& metadata) {
@@ -291,7 +292,7 @@ ImageDifference compare(const Image& a, const Image& b) {
   const double pixels = double(std::max<size_t>(a.pixels.size(), 1));
   difference.rmse = std::sqrt(double(squares) / (3 * pixels));
   difference.psnr_db = squares == 0 ? std::numeric_limits<double>::infinity()
-                                    : 20 * std::log10(255 / difference.rmse);
+                                    : 20 * exact_log10(255 / difference.rmse);
   difference.above_8 = double(above_8) / pixels;
   return difference;
 }

@@ -118,12 +118,12 @@ Vec3d Words::wide_place() {
   return {x, y, coordinate_or_nan()};
 }
 
-long Words::whole(std::string_view what, long least, long most) {
+int64_t Words::whole(std::string_view what, int64_t least, int64_t most) {
   skip_comment();
   const char* const at = p_;
   const double value = number(what);
   if (value >= double(least) && value <= double(most) && value == std::floor(value))
-    return long(value);
+    return int64_t(value);
   p_ = at;
   fail_expected(what);
 }

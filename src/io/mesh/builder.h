@@ -60,7 +60,7 @@ class Words {
   /// For meshes that may be far from 0; coordinates that are not finite become NaN.
   Vec3d wide_place();
   /// A whole number from `least` to `most`.
-  long whole(std::string_view what, long least, long most);
+  int64_t whole(std::string_view what, int64_t least, int64_t most);
   /// The index of one of `count` vertices.
   uint32_t vertex(size_t count);
   [[noreturn]] void fail(std::string message) const;

@@ -65,7 +65,7 @@ struct PictureTexture {
 struct TextureUse {
   uint32_t texture = 0, set = 0;
   std::array<double, 2> offset{0, 0}, scale{1, 1};
-  double rotation = 0;
+  double cosine = 1, sine = 0;  // of the rotation
 };
 struct Paint {
   std::array<float, 4> color{1, 1, 1, 1};  // linear

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/exact_math.h"
 #include "io/mesh/gltf_nodes.h"
 #include "io/mesh/gltf_primitive.h"
 #include "io/points.h"
@@ -22,18 +23,18 @@ std::optional<Camera> camera_through(const Lens& lens, const Transform& place, c
   camera.from = Vec3f(eye), camera.at = Vec3f(eye + ahead * std::max(middle, least));
   camera.up = unit(up);
   constexpr double kDegrees = 180 / std::numbers::pi;
-  double tangent = std::tan(lens.fov / 2);
+  double tangent = exact_tan(lens.fov / 2);
   camera.fov_deg = float(lens.fov * kDegrees);
   if (lens.half_height > 0) {
     camera.projection = Projection::orthographic;
     tangent = lens.half_height / length(Vec3d(camera.at) - Vec3d(camera.from));
-    camera.fov_deg = float(2 * kDegrees * std::atan(tangent));
+    camera.fov_deg = float(2 * kDegrees * exact_atan(tangent));
   }
   camera.near_clip = float(lens.near);
   camera.width = 1200, camera.height = 900;
   if (lens.aspect >= 0.1 && lens.aspect <= 10) {
     // Keeps the horizontal field of view in narrower pictures.
-    camera.horizontal_fov_deg = float(2 * kDegrees * std::atan(tangent * lens.aspect));
+    camera.horizontal_fov_deg = float(2 * kDegrees * exact_atan(tangent * lens.aspect));
     if (lens.aspect > 4.0 / 3)
       camera.height = int(std::lround(1200 / lens.aspect));
     else

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <set>
 
+#include "base/exact_math.h"
 #include "io/mesh/builder.h"
 #include "io/mesh/gltf.h"
 #include "io/mesh/gltf_json.h"
@@ -196,7 +197,8 @@ class Parser {
     if (const auto moved = value.extension("KHR_texture_transform")) {
       if (const auto offset = moved->find("offset")) use.offset = offset->numbers<2>();
       if (const auto scale = moved->find("scale")) use.scale = scale->numbers<2>();
-      if (const auto rotation = moved->find("rotation")) use.rotation = rotation->number();
+      if (const auto rotation = moved->find("rotation"))
+        use.cosine = exact_cos(rotation->number()), use.sine = exact_sin(rotation->number());
       take_set(*moved);
     }
     return use;

@@ -4,8 +4,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -17,7 +20,8 @@ namespace raio::gltf {
 
 using Json = nlohmann::json;
 
-inline constexpr size_t kMaxBytes = size_t(1) << 50;
+inline constexpr auto kMaxBytes =
+    size_t(std::min<uint64_t>(uint64_t(1) << 50, std::numeric_limits<size_t>::max()));
 
 /// Parses JSON; fails with the line and column of a syntax error.
 Json parse_json(std::string_view text);

@@ -1,10 +1,12 @@
 #include "io/mesh/gltf_place.h"
 
+#include "base/exact_math.h"
+
 namespace raio::gltf {
 
 std::array<double, 12> placement_matrix(const NodePlace& place) {
   auto [x, y, z, w] = place.rotation;
-  const double size = std::hypot(std::hypot(x, y), std::hypot(z, w));
+  const double size = exact_hypot(exact_hypot(x, y), exact_hypot(z, w));
   if (size > 0)
     x /= size, y /= size, z /= size, w /= size;
   else
@@ -41,7 +43,7 @@ std::array<double, 4> rotation_to(Vec3d x, Vec3d y, Vec3d z) {
       q = {differences[0], differences[1], differences[2], four[3]};
   }
   const double size =
-      std::copysign(std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3])), q[3]);
+      std::copysign(exact_hypot(exact_hypot(q[0], q[1]), exact_hypot(q[2], q[3])), q[3]);
   for (double& part : q) part /= size;
   return q;
 }

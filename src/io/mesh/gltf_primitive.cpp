@@ -21,7 +21,7 @@ Uv coordinates_of(const Elements& from, size_t i, const TextureUse* use) {
   const auto x = from.numbers(i);
   double u = x[0], v = x[1];
   if (use) {
-    const double c = std::cos(use->rotation), s = std::sin(use->rotation);
+    const double c = use->cosine, s = use->sine;
     const double su = u * use->scale[0], sv = v * use->scale[1];
     u = c * su + s * sv + use->offset[0], v = -s * su + c * sv + use->offset[1];
   }

@@ -4,6 +4,8 @@
 #include <numbers>
 #include <utility>
 
+#include "base/exact_math.h"
+
 namespace raio::gltf {
 namespace {
 
@@ -13,7 +15,7 @@ Surface between_rings(double y0, double r0, double y1, double r1, Vec3d normal_a
   Surface out;
   for (int i = 0; i < sides; ++i) {
     const double angle = 2 * std::numbers::pi * i / sides;
-    const double c = std::cos(angle), s = std::sin(angle);
+    const double c = exact_cos(angle), s = exact_sin(angle);
     const Vec3d normal(normal_at_x.x * c, normal_at_x.y, normal_at_x.x * s);
     for (const auto& [y, r] : {std::pair(y0, r0), std::pair(y1, r1)}) {
       out.positions.push_back(Vec3f(Vec3d(r * c, y, r * s)));

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <span>
 
+#include "base/exact_math.h"
 #include "base/srgb.h"
 #include "io/fit_camera.h"
 #include "io/image/codecs.h"
@@ -194,7 +195,7 @@ class GltfWriter {
     const double near = c.near_clip > 0 ? double(c.near_clip) : length(view) / 1000;
     Json camera;
     if (c.is_parallel()) {
-      const double height = std::tan(angle / 2) * length(view);
+      const double height = exact_tan(angle / 2) * length(view);
       const Box3f box = bounds(scene_);
       const double far =
           box.empty() ? 0 : length(Vec3d(max(abs(box.lo - c.from), abs(box.hi - c.from))));

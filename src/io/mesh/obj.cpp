@@ -192,18 +192,18 @@ class ObjReader {
   }
 
   // An index from 1, or from -1 backwards relative to this line; 0 if there is none.
-  long index_at(const char*& p, const char* end, size_t before) {
-    long number = 0;
+  int64_t index_at(const char*& p, const char* end, size_t before) {
+    int64_t number = 0;
     const auto [stop, error] = std::from_chars(p, end, number);
     if (error != std::errc()) return 0;
     p = stop;
-    if (number > long(before) && pass_ == Pass::one) throw OutOfOrder();
-    return number < 0 ? std::max(number + long(before) + 1, 0L) : number;
+    if (number > int64_t(before) && pass_ == Pass::one) throw OutOfOrder();
+    return number < 0 ? std::max<int64_t>(number + int64_t(before) + 1, 0) : number;
   }
   uint32_t place_at(const char*& p, const char* end) {
     const size_t count = places_.size();
-    const long number = index_at(p, end, before_.places);
-    if (number < 1 || number > long(count))
+    const int64_t number = index_at(p, end, before_.places);
+    if (number < 1 || number > int64_t(count))
       words_.fail_expected(
           count == 0 ? "no vertex: there is none"
                      : fmt::format("a vertex from 1 to {} or -1 to -{} (vertices count from 1)",
@@ -215,10 +215,10 @@ class ObjReader {
                     std::string_view what) {
     const std::string_view word(p, size_t(end - p));
     const char* const from = p;
-    const long number = index_at(p, end, before);
+    const int64_t number = index_at(p, end, before);
     if (p == from || (number < 1 && !word.starts_with('-')))
       words_.fail_expected(fmt::format("a {} from 1 on", what));
-    if (number >= 1 && number <= long(count)) return uint32_t(number - 1);
+    if (number >= 1 && number <= int64_t(count)) return uint32_t(number - 1);
     out_.notices.add(Severity::left_out,
                      fmt::format("{}s that faces refer to and the file does not have", what), {},
                      size_t(words_.line()));

@@ -32,7 +32,7 @@ class OffReader {
   }
 
  private:
-  long most(long bytes_each) const { return long(words_.bytes_left()) / bytes_each + 1; }
+  int64_t most(int64_t bytes_each) const { return int64_t(words_.bytes_left()) / bytes_each + 1; }
 
   void read_header() {
     std::string_view word = words_.peek();
@@ -101,9 +101,9 @@ class OffReader {
 
   void read_face() {
     need_line();
-    const long count = words_.whole("a number of vertices, 1 to 65535", 1, long(kMaxCorners));
+    const int64_t count = words_.whole("a number of vertices, 1 to 65535", 1, int64_t(kMaxCorners));
     corners_.clear();
-    for (long k = 0; k < count; ++k) {
+    for (int64_t k = 0; k < count; ++k) {
       need_word();
       corners_.push_back(words_.vertex(out_.positions.size()));
     }

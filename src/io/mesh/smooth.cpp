@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "base/exact_math.h"
 #include "base/parallel.h"
 
 namespace raio {
@@ -130,7 +131,7 @@ size_t smooth_all(Scene& scene, float least_cosine) {
 size_t smooth_meshes(Scene& scene, float degrees) {
   if (degrees <= 0) return 0;
   // Rounded to float, so that the last bit of the system's cosine does not matter.
-  return smooth_all(scene, float(std::cos(double(degrees) * std::numbers::pi / 180)));
+  return smooth_all(scene, float(exact_cos(double(degrees) * std::numbers::pi / 180)));
 }
 
 }  // namespace raio

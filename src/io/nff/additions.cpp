@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/exact_math.h"
 #include "io/nff/geometry.h"
 #include "io/nff/parser.h"
 #include "io/nff/writer.h"
@@ -34,7 +35,7 @@ void read_ellipsoid(Parser& p) {
       return p.reject(fmt::format(
           "semi-axes {} and {} are {:.4g} degrees apart, expected 90; make them perpendicular",
           std::min(i, next) + 1, std::max(i, next) + 1,
-          std::acos(std::clamp(cosine, -1.0, 1.0)) * (180 / std::numbers::pi)));
+          exact_acos(std::clamp(cosine, -1.0, 1.0)) * (180 / std::numbers::pi)));
   }
   bool sound = true;
   check_shape(ellipsoid, [&](bool holds, std::string_view expected) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/exact_math.h"
 #include "io/fit_camera.h"
 #include "io/nff/geometry.h"
 #include "io/nff/parser.h"
@@ -16,7 +17,7 @@ namespace {
 struct CameraText {
   Vec3d from, at, up;
   double angle = 0, hither = 0, aperture = 0, focal = 0;
-  long width = 0, height = 0;
+  int64_t width = 0, height = 0;
   std::set<CameraWord> seen;
   CameraWord last = CameraWord::none;
   bool usual_order = true;
@@ -55,7 +56,7 @@ bool read_piece(Parser& p, CameraWord word, CameraText& v) {
     case CameraWord::hither:
       return number(v.hither, "hither") && check(v.hither >= 0, "hither must not be negative");
     case CameraWord::resolution: {
-      constexpr long kMost = 65536;
+      constexpr int64_t kMost = 65536;
       const auto width = p.whole_number("the width", 1, kMost);
       const auto height = width ? p.whole_number("the height", 1, kMost) : std::nullopt;
       if (!height) return false;
@@ -81,7 +82,7 @@ void choose_origin(Parser& p, const CameraText& v) {
   const bool first = !p.seen.object && p.scene().lights.empty();
   if (!first || !(distance > 0) || !(max_component(abs(v.at)) > kFar * distance)) return;
   // A multiple of a power of two near the distance: it has few digits, and subtracting it is exact.
-  const double unit = std::exp2(std::round(std::log2(distance)));
+  const double unit = std::ldexp(1, int(std::round(exact_log2(distance))));
   for (int a = 0; a < 3; ++a) p.scene().origin[a] = std::round(v.at[a] / unit) * unit;
 }
 

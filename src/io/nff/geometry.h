@@ -6,6 +6,7 @@
 #include <numbers>
 #include <optional>
 
+#include "base/exact_math.h"
 #include "scene/scene.h"
 
 namespace raio::nff {
@@ -17,7 +18,7 @@ inline constexpr int kDefaultRows = 512;
 inline double pixel_size(const Camera& camera) {
   const double distance = length(Vec3d(camera.at) - Vec3d(camera.from));
   const double half_angle = double(camera.fov_deg) * (std::numbers::pi / 360);
-  return 2 * distance * std::tan(half_angle) / (camera.height > 0 ? camera.height : kDefaultRows);
+  return 2 * distance * exact_tan(half_angle) / (camera.height > 0 ? camera.height : kDefaultRows);
 }
 
 /// Distance from the eye to `at`, P3F's unit for the focus.

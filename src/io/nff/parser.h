@@ -40,7 +40,7 @@ class Parser {
   // nothing.
   bool numbers(std::span<double> out, Names names, Item item);
   bool numbers(std::span<double> out, Names names) { return numbers(out, names, Item()); }
-  std::optional<long> whole_number(std::string_view name, long least, long most);
+  std::optional<int64_t> whole_number(std::string_view name, int64_t least, int64_t most);
   /// Reads how many items follow; more than the rest of the text can hold is an error.
   std::optional<size_t> count(std::string_view name, size_t least, size_t least_bytes_each);
   size_t numbers_left_in_line() const;

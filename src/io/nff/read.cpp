@@ -178,12 +178,12 @@ const char* Parser::last_word() const {
   return word;
 }
 
-std::optional<long> Parser::whole_number(std::string_view name, long least, long most) {
+std::optional<int64_t> Parser::whole_number(std::string_view name, int64_t least, int64_t most) {
   double value;
   const std::string_view names[] = {name};
   if (!numbers({&value, 1}, names)) return std::nullopt;
   if (value == std::floor(value) && value >= double(least) && value <= double(most))
-    return long(value);
+    return int64_t(value);
   const char* const word = last_word();
   report_.error(offset(word),
                 fmt::format("expected {} of {} as a whole number from {} to {}, found {}", name,
@@ -193,10 +193,10 @@ std::optional<long> Parser::whole_number(std::string_view name, long least, long
 }
 
 std::optional<size_t> Parser::count(std::string_view name, size_t least, size_t least_bytes_each) {
-  const auto n = whole_number(name, long(least), 4'294'967'295);
+  const auto n = whole_number(name, int64_t(least), 4'294'967'295);
   if (!n) return std::nullopt;
   const size_t left = size_t(text_.end() - p_);
-  if (size_t(*n) * least_bytes_each <= left) return size_t(*n);
+  if (uint64_t(*n) * least_bytes_each <= left) return size_t(*n);
   const char* const word = last_word();
   report_.error(offset(word),
                 fmt::format("{} of {} is {}, too large for the {} bytes left in the file", name,

@@ -88,7 +88,7 @@ std::string quoted(std::string_view word) {
   return out + (word.size() > kLongest ? "...\"" : "\"");
 }
 
-const char* parse_long_number(const char* begin, const char* end, long written_exponent,
+const char* parse_long_number(const char* begin, const char* end, int64_t written_exponent,
                               double& value) {
   const bool negative = *begin == '-';
   const char* const unsigned_begin = begin + (negative || *begin == '+');
@@ -101,7 +101,7 @@ const char* parse_long_number(const char* begin, const char* end, long written_e
     const size_t first = digits.find_first_of("123456789");
     const size_t point = std::min(digits.find('.'), digits.size());
     const bool too_large =
-        first != std::string_view::npos && long(point) - long(first) + written_exponent > 0;
+        first != std::string_view::npos && int64_t(point) - int64_t(first) + written_exponent > 0;
     magnitude = too_large ? std::numeric_limits<double>::infinity() : 0;
   } else if (error != std::errc() || stop != end) {
     return nullptr;

@@ -103,7 +103,7 @@ inline const char* parse_digits(const char* p, uint64_t& value) {
 
 /// The slow path of parse_number, for long mantissas and large exponents: the word from `begin` to
 /// `end` with the exponent `written_exponent`.
-const char* parse_long_number(const char* begin, const char* end, long written_exponent,
+const char* parse_long_number(const char* begin, const char* end, int64_t written_exponent,
                               double& value);
 
 /// Parses a decimal number that fills its word, rounded to the nearest double (infinity if too
@@ -120,7 +120,7 @@ inline const char* parse_number(const char* const begin, double& value) {
   uint64_t mantissa = 0;
   const char* const whole = p;
   p = parse_digits(p, mantissa);
-  long digits = p - whole, exponent = 0;
+  int64_t digits = p - whole, exponent = 0;
   if (*p == '.') {
     const char* const fraction = ++p;
     p = parse_digits(p, mantissa);
@@ -128,7 +128,7 @@ inline const char* parse_number(const char* const begin, double& value) {
     digits -= exponent;
   }
   if (digits == 0) return nullptr;
-  long written_exponent = 0;
+  int64_t written_exponent = 0;
   if (*p == 'e' || *p == 'E') {
     ++p;
     const bool negative_exponent = *p == '-';

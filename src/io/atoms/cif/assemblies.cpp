@@ -94,10 +94,10 @@ std::vector<gemmi::Transform> Assemblies::named(const std::string& word) const {
   if (at != operations_.end()) return {at->second};
   const size_t dash = word.find('-', 1);
   if (dash == std::string::npos) return out;
-  const long low = std::atol(word.c_str()), high = std::atol(word.c_str() + dash + 1);
-  std::map<long, gemmi::Transform> found;
+  const int64_t low = std::atoll(word.c_str()), high = std::atoll(word.c_str() + dash + 1);
+  std::map<int64_t, gemmi::Transform> found;
   for (const auto& [name, t] : operations_)
-    if (const long number = std::atol(name.c_str());
+    if (const int64_t number = std::atoll(name.c_str());
         number >= low && number <= high && std::to_string(number) == name)
       found.emplace(number, t);
   for (const auto& [number, t] : found) out.push_back(t);

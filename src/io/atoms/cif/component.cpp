@@ -12,12 +12,12 @@ void add_component(gemmi::cif::Block& block, Atoms& out) {
   const std::string prefix = "_chem_comp_atom.";
   constexpr const char* kPlaces[] = {"pdbx_model_Cartn_x_ideal", "model_Cartn_x", "x"};
   std::array<std::string, 3> chosen;
-  long fewest = std::numeric_limits<long>::max();
+  int64_t fewest = std::numeric_limits<int64_t>::max();
   for (const std::string x : kPlaces) {
     std::array<std::string, 3> tags = {x, x, x};
     const size_t at = x.find('x', x.find("Cartn_") == std::string::npos ? 0 : x.find("Cartn_"));
     tags[1][at] = 'y', tags[2][at] = 'z';
-    long missing = 0;
+    int64_t missing = 0;
     gemmi::cif::Table table = block.find(prefix, {tags[0], tags[1], tags[2]});
     for (const auto row : table)
       for (int k = 0; k < 3; ++k) missing += !std::isfinite(gemmi::cif::as_number(row[size_t(k)]));

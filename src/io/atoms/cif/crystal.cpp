@@ -33,7 +33,7 @@ gemmi::Op operation(const std::string& text) try {
     } else {
       std::from_chars(number.data(), number.data() + number.size(), value);
       constexpr double kRounded = 0.1;  // 0.33 is a third
-      const long parts = std::lround(value * kParts);
+      const int64_t parts = std::llround(value * kParts);
       if (std::abs(value * kParts - double(parts)) > kRounded) throw std::runtime_error(number);
       in_parts += std::to_string(parts) + '/' + std::to_string(kParts);
     }
@@ -120,7 +120,7 @@ class Places {
     const double reciprocal[3] = {cell.ar, cell.br, cell.cr};
     for (size_t k = 0; k < 3; ++k) {
       const double most = 1 / (kSame * reciprocal[k]);
-      bins_[k] = most > 1 ? long(std::min(most, 1000.0)) : 1;
+      bins_[k] = most > 1 ? int64_t(std::min(most, 1000.0)) : 1;
     }
   }
 
@@ -130,9 +130,9 @@ class Places {
   }
   bool has_near(const gemmi::Fractional& place) const {
     const auto [i, j, k] = bin_of(place);
-    for (long a = -1; a <= 1; ++a)
-      for (long b = -1; b <= 1; ++b)
-        for (long c = -1; c <= 1; ++c)
+    for (int64_t a = -1; a <= 1; ++a)
+      for (int64_t b = -1; b <= 1; ++b)
+        for (int64_t c = -1; c <= 1; ++c)
           if (const auto at = places_.find(key(i + a, j + b, k + c)); at != places_.end())
             for (const gemmi::Fractional& other : at->second)
               if (are_near(place, other)) return true;
@@ -146,18 +146,18 @@ class Places {
     apart.z -= std::round(apart.z);
     return cell_.orthogonalize_difference(apart).length() < kSame;
   }
-  std::array<long, 3> bin_of(const gemmi::Fractional& p) const {
-    return {long(p.x * double(bins_[0])), long(p.y * double(bins_[1])),
-            long(p.z * double(bins_[2]))};
+  std::array<int64_t, 3> bin_of(const gemmi::Fractional& p) const {
+    return {int64_t(p.x * double(bins_[0])), int64_t(p.y * double(bins_[1])),
+            int64_t(p.z * double(bins_[2]))};
   }
-  long key(long i, long j, long k) const {
-    const auto wrap = [](long at, long count) { return ((at % count) + count) % count; };
+  int64_t key(int64_t i, int64_t j, int64_t k) const {
+    const auto wrap = [](int64_t at, int64_t count) { return ((at % count) + count) % count; };
     return (wrap(i, bins_[0]) * bins_[1] + wrap(j, bins_[1])) * bins_[2] + wrap(k, bins_[2]);
   }
 
   const gemmi::UnitCell& cell_;
-  std::array<long, 3> bins_{};
-  std::unordered_map<long, std::vector<gemmi::Fractional>> places_;
+  std::array<int64_t, 3> bins_{};
+  std::unordered_map<int64_t, std::vector<gemmi::Fractional>> places_;
 };
 
 // A site and its symmetry mates.

@@ -65,8 +65,8 @@ void add_molecule(gemmi::cif::Block& block, CutRows* cut, int frame, Atoms& out)
   const Assemblies assemblies(block);
   const gemmi::Structure s = structure_of(block, rows);
   out.frames = rows.models();
-  const long at = frame < 0 ? long(rows.models()) + frame : frame;
-  if (at < 0 || at >= long(rows.models())) return;
+  const int64_t at = frame < 0 ? int64_t(rows.models()) + frame : frame;
+  if (at < 0 || at >= int64_t(rows.models())) return;
   const std::vector<gemmi::Connection> links = links_of(s);
   std::vector<gemmi::AtomAddress> ends;
   for (const gemmi::Connection& link : links)

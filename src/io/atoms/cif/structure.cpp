@@ -18,7 +18,7 @@ CifFault fault_of(std::string message) {
     const size_t from = message.find_first_not_of(':');
     const size_t end = std::min(message.find_first_not_of("0123456789", from), message.size());
     if (from == std::string::npos || end == from) return;
-    to = size_t(std::atol(message.c_str() + from));
+    to = size_t(std::atoll(message.c_str() + from));
     message.erase(0, end);
   };
   number(out.line);
