@@ -59,14 +59,16 @@ struct BakedColumnsOf<std::index_sequence<k...>> {
 
 class Geometry {
  public:
-  /// `scene` must outlive the result. With `one_sided`, opaque surfaces are seen from outside only,
-  /// as the NFF text has it. `with_sources`: source_of() will be asked. `opacity`: of what has
-  /// none.
-  explicit Geometry(const Scene& scene, bool one_sided = false, bool with_sources = false,
-                    float opacity = 1);
+  /// Of an object that the scene shows, or of the scene itself; both must outlive the result. With
+  /// `one_sided`, opaque surfaces are seen from outside only, as the NFF text has it.
+  /// `with_sources`: source_of() will be asked. `opacity`: of what has none.
+  Geometry(const Scene& scene, const Object& object, bool one_sided = false,
+           bool with_sources = false, float opacity = 1);
   Geometry(Geometry&&) = default;
 
+  /// What the object's materials and textures are those of.
   const Scene& scene() const { return *scene_; }
+  const Object& object() const { return *object_; }
 
   /// Without those of instances: what a structure is built over.
   size_t count(PrimitiveKind kind) const { return first_[size_t(kind) + 1] - first_[size_t(kind)]; }
@@ -108,14 +110,14 @@ class Geometry {
     } else if constexpr (kKeepsBaked<kind>) {
       return (std::get<size_t(kind)>(baked_)[i]);
     } else {
-      return bake((scene_->*kPoolOf<PrimitiveType<kind>>.shapes)[i]);
+      return bake((object_->*kPoolOf<PrimitiveType<kind>>.shapes)[i]);
     }
   }
   /// The scene's, or, where it has meshes, copies of those and of the meshes'.
   std::span<const Vec3f> positions() const { return positions_; }
   std::span<const Vec3f> normals() const { return normals_; }
 
-  const Plane& plane(uint32_t i) const { return get<PrimitiveKind::plane>(i); }
+  Plane plane(uint32_t i) const { return get<PrimitiveKind::plane>(i); }
   Sphere sphere(uint32_t i) const { return get<PrimitiveKind::sphere>(i); }
   Triangle triangle(uint32_t i) const { return get<PrimitiveKind::triangle>(i); }
 
@@ -125,7 +127,7 @@ class Geometry {
   void prefetch(PrimitiveId id) const {
     const PrimitiveKind kind = kind_of(id);
     const uint32_t i = index_of(kind, id);
-    if (kind == PrimitiveKind::sphere) __builtin_prefetch(&scene_->spheres[i]);
+    if (kind == PrimitiveKind::sphere) __builtin_prefetch(object_->spheres.address(i));
     if (kind == PrimitiveKind::triangle) __builtin_prefetch(&triangles_[i]);
   }
 
@@ -139,7 +141,7 @@ class Geometry {
   bool any_smooth() const { return !triangle_normals_.empty(); }
 
   /// A colour for each item of the kind, or empty: those of the materials count for all of them.
-  std::span<const Rgb> colors(PrimitiveKind kind) const;
+  const StridedArray<Rgb>& colors(PrimitiveKind kind) const;
   bool any_colors() const { return any_colors_; }
   /// Of positions(), each multiplied into the colours of its triangles; or empty.
   std::span<const Rgb> vertex_colors() const { return own_vertex_colors_; }
@@ -192,7 +194,7 @@ class Geometry {
   /// The object that has the primitives of an instance, or this for number 0.
   const Geometry& object_at(InstanceId instance) const;
   Placement placement(uint32_t index) const {
-    return {scene_->instances[index].matrix, inverses_[index]};
+    return {object_->instances[index].matrix, inverses_[index]};
   }
 
   /// Where a triangle comes from: its number among the scene's own triangles, those of meshes and
@@ -211,8 +213,8 @@ class Geometry {
   bool same_object(const Hit& a, const Hit& b) const;
   MaterialId material_of(PrimitiveId id, InstanceId instance = 0) const;
 
-  /// About how many bytes baking `scene` takes, those that it frees again included.
-  static double bytes_to_bake(const Scene& scene);
+  /// About how many bytes baking an object takes, those that it frees again included.
+  static double bytes_to_bake(const Scene& scene, const Object& object);
 
   Box3f bounds(PrimitiveId id) const;  // not for planes, which have none
   size_t bytes() const;                // besides the scene
@@ -230,7 +232,7 @@ class Geometry {
   template <class Wanted>
   std::vector<PrimitiveId> list(const Wanted& wanted) const;
   bool wants_sources() const {
-    return with_sources_ || any_colors_ || any_transparent_ || !scene_->object_ranges.empty();
+    return with_sources_ || any_colors_ || any_transparent_ || !object_->object_ranges.empty();
   }
   template <PrimitiveKind kind>
   void list_sides(bool one_sided);
@@ -238,12 +240,13 @@ class Geometry {
   bool same_object(PrimitiveId a, InstanceId in_a, PrimitiveId b, InstanceId in_b) const;
 
   const Scene* scene_;
+  const Object* object_;
   std::array<PrimitiveId, kPrimitiveKinds + 1> first_{};  // of each kind; the last: how many
   std::vector<const Geometry*> objects_;
   Column<Placement::Inverse> inverses_;  // of the instances
   Column<InstanceId> first_instance_;    // of each instance; empty: no object has instances
   uint64_t instance_count_ = 0;
-  bool with_sources_ = false, any_colors_ = false, any_transparent_ = false;
+  bool with_sources_ = false, any_colors_ = false, any_transparent_ = false, bakes_colors_ = false;
   float opacity_ = 1;
   // The scene's own where it has no meshes, else those below.
   std::span<const Vec3f> positions_, normals_;
@@ -257,8 +260,7 @@ class Geometry {
   std::vector<uint32_t> mesh_begin_;
   // Of each triangle its source_of(). Empty where that is its index, or where nothing asks.
   Column<uint32_t> sources_;
-  std::span<const Rgb> triangle_colors_;
-  Column<Rgb> own_colors_;
+  StridedArray<Rgb> triangle_colors_;  // the object's or baked
   Column<Facet> facets_;
   BakedColumnsOf<>::type baked_;
   std::array<Column<Sides>, kPrimitiveKinds> sides_;      // empty: both sides of all

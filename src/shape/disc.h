@@ -33,8 +33,7 @@ void check_shape(const Disc& d, Must&& must) {
        "the inner radius must not be negative, and less than the radius");
 }
 
-// NOLINTNEXTLINE(bugprone-return-const-ref-from-parameter): the scene keeps it
-inline const Disc& bake(const Disc& d) { return d; }
+inline Disc bake(const Disc& d) { return d; }
 
 /// The numbers of a disc with names only: of one, or each a column of many.
 template <class T>

@@ -34,8 +34,7 @@ void check_shape(const MovingSphere& s, Must&& must) {
   check_times(s.begin, s.end, must);
 }
 
-// NOLINTNEXTLINE(bugprone-return-const-ref-from-parameter): the scene keeps it
-inline const MovingSphere& bake(const MovingSphere& s) { return s; }
+inline MovingSphere bake(const MovingSphere& s) { return s; }
 
 /// The numbers of a moving sphere with names only: of one, or each a column of many.
 template <class T>

@@ -33,8 +33,7 @@ void check_shape(const MovingTriangle& t, Must&& must) {
   check_times(t.begin, t.end, must);
 }
 
-// NOLINTNEXTLINE(bugprone-return-const-ref-from-parameter): the scene keeps it
-inline const MovingTriangle& bake(const MovingTriangle& t) { return t; }
+inline MovingTriangle bake(const MovingTriangle& t) { return t; }
 
 /// The numbers of a moving triangle with names only: of one, or each a column of many.
 template <class T>
