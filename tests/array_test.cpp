@@ -1,10 +1,10 @@
-#include "base/array.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <tuple>
+
+#include "base/strided_array.h"
 
 namespace raio {
 namespace {
@@ -53,15 +53,29 @@ TEST(Array, OwnsLikeAVector) {
   EXPECT_TRUE(a.empty());
 }
 
-TEST(Array, ZeroesAreBorrowedUntilOneChanges) {
-  Array<int> a = Array<int>::zeroes(3);
-  EXPECT_TRUE(a.is_borrowed());
-  EXPECT_THAT(a, ElementsAre(0, 0, 0));
-  Array<int> copy = a;
-  copy[1] = 2;
-  EXPECT_THAT(copy, ElementsAre(0, 2, 0));
-  EXPECT_THAT(a, ElementsAre(0, 0, 0));
-  EXPECT_TRUE(Array<int>::zeroes(0).empty());
+TEST(Array, CopiesShareUntilOneChanges) {
+  Array<int> a = {1, 2, 3};
+  const Array<int> copy = a;
+  EXPECT_EQ(copy.data(), std::as_const(a).data());
+  EXPECT_TRUE(copy.shares(a));
+  a[1] = 7;
+  EXPECT_FALSE(copy.shares(a));
+  EXPECT_THAT(copy, ElementsAre(1, 2, 3));
+  EXPECT_THAT(a, ElementsAre(1, 7, 3));
+  // Alone again, it changes in place.
+  const int* const place = std::as_const(a).data();
+  a[0] = 4;
+  EXPECT_EQ(std::as_const(a).data(), place);
+}
+
+TEST(Array, AppendsShareIfThereIsNothingBefore) {
+  const Array<int> more = {1, 2};
+  Array<int> a;
+  a.append(more);
+  EXPECT_TRUE(a.shares(more));
+  a.append(more);
+  EXPECT_THAT(a, ElementsAre(1, 2, 1, 2));
+  EXPECT_THAT(more, ElementsAre(1, 2));
 }
 
 TEST(Array, CopiesAndMovesWhatItOwns) {
@@ -127,18 +141,7 @@ TEST(Array, AppendsItsOwnElement) {
   EXPECT_THAT(a, ElementsAre(1, 2, 3, 2));
 }
 
-TEST(Array, GathersStridedElements) {
-  struct Row {
-    float x, y, z;
-  };
-  const Row rows[] = {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}};
-  const auto y = Array<float>::borrow(&rows[0].y, 3, nullptr, sizeof(Row));
-  EXPECT_THAT(y, ElementsAre(2, 5, 8));
-  EXPECT_FALSE(y.is_borrowed());
-  const auto backwards = Array<float>::borrow(&rows[2].z, 3, nullptr, -ptrdiff_t(sizeof(Row)));
-  EXPECT_THAT(backwards, ElementsAre(9, 6, 3));
-  const auto same = Array<float>::borrow(&rows[1].x, 4, nullptr, 0);
-  EXPECT_THAT(same, ElementsAre(4, 4, 4, 4));
+TEST(Array, CopiesWhatIsNotAligned) {
   alignas(4) char bytes[9];
   const float value = 2.5f;
   std::memcpy(bytes + 1, &value, sizeof value);
@@ -146,6 +149,78 @@ TEST(Array, GathersStridedElements) {
   const auto odd = Array<float>::borrow(bytes + 1, 2, nullptr);
   EXPECT_THAT(odd, ElementsAre(2.5f, 2.5f));
   EXPECT_FALSE(odd.is_borrowed());
+}
+
+struct Ball {
+  float x = 0, y = 0, radius = 0;
+  friend bool operator==(const Ball&, const Ball&) = default;
+};
+
+}  // namespace
+
+template <>
+inline constexpr std::array kMemberOffsets<Ball> = {offsetof(Ball, x), offsetof(Ball, radius)};
+
+namespace {
+
+TEST(StridedArray, ReadsMembersWhereTheyLie) {
+  auto places = std::make_shared<std::vector<float>>(std::vector<float>{1, 2, 0, 3, 4, 0});
+  const std::weak_ptr alive = places;
+  const float radii[] = {5, 6};
+  {
+    // Every third number, and from the end to the beginning.
+    const auto balls = StridedArray<Ball>::borrow(
+        {{{places->data(), 3 * sizeof(float)}, {radii + 1, -ptrdiff_t(sizeof(float))}}}, 2, places);
+    places.reset();
+    EXPECT_THAT(balls, ElementsAre(Ball{1, 2, 6}, Ball{3, 4, 5}));
+    EXPECT_TRUE(balls.is_borrowed());
+    EXPECT_EQ(balls.bytes(), 2 * sizeof(Ball));
+    EXPECT_EQ(*static_cast<const float*>(balls.address(1)), 3);
+    StridedArray<Ball> changed = balls;
+    EXPECT_TRUE(changed.shares(balls));
+    changed[1].radius = 9;
+    EXPECT_THAT(std::as_const(changed), ElementsAre(Ball{1, 2, 6}, Ball{3, 4, 9}));
+    EXPECT_THAT(balls, ElementsAre(Ball{1, 2, 6}, Ball{3, 4, 5}));
+    EXPECT_FALSE(changed.is_borrowed());
+    EXPECT_FALSE(alive.expired());
+    changed.append(balls);
+    EXPECT_EQ(changed.size(), 4u);
+    EXPECT_EQ(std::as_const(changed)[3], (Ball{3, 4, 5}));
+  }
+  EXPECT_TRUE(alive.expired()) << "what is no longer read is let go";
+}
+
+TEST(StridedArray, StructsOneAfterAnotherAreAnArray) {
+  const Ball balls[] = {{1, 2, 3}, {4, 5, 6}};
+  const auto all = StridedArray<Ball>::borrow(
+      {{{&balls[0].x, sizeof(Ball)}, {&balls[0].radius, sizeof(Ball)}}}, 2, nullptr);
+  EXPECT_EQ(std::as_const(all).packed().data(), balls);
+  EXPECT_THAT(all, ElementsAre(balls[0], balls[1]));
+}
+
+TEST(StridedArray, OneValueForAllTakesTheMemoryOfOne) {
+  StridedArray<uint32_t> ids;
+  ids.assign(1000, 7);
+  EXPECT_EQ(ids.size(), 1000u);
+  EXPECT_EQ(ids.bytes(), sizeof(uint32_t));
+  ids.resize(2000, 7);
+  EXPECT_EQ(ids.bytes(), sizeof(uint32_t));
+  EXPECT_EQ(std::as_const(ids)[1999], 7u);
+  EXPECT_EQ(ids, StridedArray<uint32_t>(std::vector<uint32_t>(2000, 7)));
+  ids.resize(2001, 8);
+  EXPECT_EQ(ids.bytes(), 2001 * sizeof(uint32_t));
+  EXPECT_EQ(std::as_const(ids)[1999], 7u);
+  EXPECT_EQ(std::as_const(ids)[2000], 8u);
+  EXPECT_THAT(StridedArray<Ball>::uniform(2, {1, 2, 3}), ElementsAre(Ball{1, 2, 3}, Ball{1, 2, 3}));
+}
+
+TEST(StridedArray, IsARandomAccessRange) {
+  const auto balls = StridedArray<int>(std::vector{3, 1, 2});
+  static_assert(std::ranges::random_access_range<const StridedArray<int>>);
+  EXPECT_EQ(std::ranges::max(balls), 3);
+  EXPECT_EQ(balls.end() - balls.begin(), 3);
+  EXPECT_EQ((balls.begin() + 2)[-1], 1);
+  EXPECT_TRUE(StridedArray<int>().empty());
 }
 
 }  // namespace

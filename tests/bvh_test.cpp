@@ -209,7 +209,7 @@ Scene heaps(int count) {
 
 TEST(Bvh, IsTheSameForAnyNumberOfThreads) {
   for (const Scene& scene : {random_scene(60000, 2), heaps(600000), heaps(1100000)}) {
-    const Geometry geometry(scene);
+    const Geometry geometry(scene, scene);
     Bvh one;
     on_threads(1, [&] { one = *build_bvh(geometry); });
     for (const int threads : {2, 7}) {
@@ -284,7 +284,7 @@ TEST(Bvh, HoldsEveryItemOnceInsideItsBoxes) {
   for (const Scene& scene :
        {random_scene(20000, 2), random_scene(20000, 2, 1e-6f), random_scene(5, 1), heaps(300000),
         heaps(1100000), heaps(3), same(300000), same(1100000)}) {
-    const Geometry g(scene);
+    const Geometry g(scene, scene);
     const Bvh bvh = *build_bvh(g);
     const TreeCheck check(g, bvh);
     EXPECT_EQ(check.outside, 0u);
@@ -305,7 +305,7 @@ TEST(Bvh, FewOfAKindAreALeafBelowTheRoot) {
   // The first or the last kind.
   scene.ellipsoids = {}, scene.ellipsoid_materials = {}, scene.discs = {},
   scene.disc_materials = {};
-  const Geometry g(scene);
+  const Geometry g(scene, scene);
   const Bvh bvh = *build_bvh(g);
   EXPECT_EQ(bvh.of<PrimitiveKind::cone>().size(), 1u);
   EXPECT_EQ(std::ranges::count(bvh.nodes[0].child, pool_ref(pool_of(PrimitiveKind::cone), 0)), 1);
@@ -355,7 +355,7 @@ TEST(Bvh, RaysThatGrazeConesAreThoseOfBruteForce) {
 
 TEST(Bvh, RefusesScenesBeyondMemory) {
   const Scene scene = random_scene(4000, 2);
-  const Geometry geometry(scene);
+  const Geometry geometry(scene, scene);
   const auto bvh = build_bvh(geometry, 1000);
   ASSERT_FALSE(bvh.has_value());
   EXPECT_NE(bvh.error().find("0.0 GB are free"), std::string::npos) << bvh.error();

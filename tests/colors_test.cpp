@@ -54,7 +54,7 @@ TEST(Colors, EachKindHasItsOwn) {
                        &none.triangle_colors, &none.polygon_colors})
     colors->clear();
   const Image without = picture(none, AccelKind::bvh);
-  const auto changes = [&](Array<Rgb> Scene::* colors) {
+  const auto changes = [&](StridedArray<Rgb> Object::* colors) {
     Scene one = none;
     one.*colors = rich.*colors;
     EXPECT_TRUE(validate(one).empty());
@@ -111,7 +111,7 @@ TEST(Meshes, AreTrianglesAfterThoseOfTheScene) {
   scene.meshes = rich_scene().meshes;
   scene.polygons.clear(), scene.polygon_materials.clear();
   own.polygons.clear(), own.polygon_materials.clear();
-  const Geometry with(scene), without(own);
+  const Geometry with(scene, scene), without(own, own);
   const auto before = uint32_t(without.count(PrimitiveKind::triangle));
   ASSERT_EQ(with.count(PrimitiveKind::triangle), before + 4u);  // one of five has no area
   for (uint32_t i = 0; i < before; ++i)
@@ -130,7 +130,7 @@ TEST(Meshes, AreTrianglesAfterThoseOfTheScene) {
 
 TEST(Meshes, NothingIsCopiedWithoutThem) {
   const Scene scene = random_scene(40, 2);
-  const Geometry geometry(scene);
+  const Geometry geometry(scene, scene);
   EXPECT_EQ(geometry.positions().data(), scene.positions.data());
   EXPECT_FALSE(geometry.any_colors());
   EXPECT_EQ(geometry.object_of(geometry.id_of(PrimitiveKind::triangle, 0)), 0u);
@@ -138,7 +138,7 @@ TEST(Meshes, NothingIsCopiedWithoutThem) {
 
 TEST(Objects, AreKnownForHits) {
   const Scene s = rich_scene();
-  const Geometry geometry(s);
+  const Geometry geometry(s, s);
   EXPECT_EQ(geometry.object_of(geometry.id_of(PrimitiveKind::sphere, 2)), 1u);
   EXPECT_EQ(geometry.object_of(geometry.id_of(PrimitiveKind::sphere, 6)), 3u);
   EXPECT_EQ(geometry.object_of(geometry.id_of(PrimitiveKind::plane, 0)), 0u);

@@ -46,6 +46,7 @@ struct Listing {
   Rgb background;
   std::vector<Light> lights;
   std::vector<Item> items;
+  float near_clip = 0;
 };
 
 /// Reads the subset of NFF used by the standard files: one entity per line except `p`, `pp` and
@@ -77,7 +78,7 @@ class FileReader {
     if (key == "at") out_.camera.at = vec(floats(line, 3));
     if (key == "up") out_.camera.up = vec(floats(line, 3));
     if (key == "angle") line >> out_.camera.fov_deg;
-    if (key == "hither") line >> out_.camera.near_clip;
+    if (key == "hither") line >> out_.near_clip;
     if (key == "resolution") line >> out_.camera.width >> out_.camera.height;
     if (key == "b") out_.background = vec(floats(line, 3));
     if (key == "l") {
@@ -104,15 +105,15 @@ class FileReader {
 void append(std::vector<float>& out, Vec3f v) { out.insert(out.end(), {v.x, v.y, v.z}); }
 
 Listing listing(const Scene& s) {
-  Listing out{s.camera, s.background, s.lights, {}};
+  Listing out{s.camera, s.background, s.lights, {}, s.requests.near_clip};
   for (size_t i = 0; i < s.spheres.size(); ++i) {
-    Item item{"s", s.materials.at(s.sphere_materials.at(i)), {}};
+    Item item{"s", s.materials.at(s.sphere_materials[i]), {}};
     append(item.numbers, s.spheres[i].center);
     item.numbers.push_back(s.spheres[i].radius);
     out.items.push_back(item);
   }
   for (size_t i = 0; i < s.cones.size(); ++i) {
-    Item item{"c", s.materials.at(s.cone_materials.at(i)), {}};
+    Item item{"c", s.materials.at(s.cone_materials[i]), {}};
     append(item.numbers, s.cones[i].base);
     item.numbers.push_back(s.cones[i].base_radius);
     append(item.numbers, s.cones[i].apex);
@@ -121,7 +122,7 @@ Listing listing(const Scene& s) {
   }
   for (size_t i = 0; i < s.triangles.size(); ++i) {
     const bool smooth = !s.triangle_normals.empty();
-    Item item{smooth ? "pp" : "p", s.materials.at(s.triangle_materials.at(i)), {}};
+    Item item{smooth ? "pp" : "p", s.materials.at(s.triangle_materials[i]), {}};
     for (int corner = 0; corner < 3; ++corner) {
       append(item.numbers, s.positions.at(s.triangles[i][corner]));
       if (smooth) append(item.numbers, s.normals.at(s.triangle_normals.at(i)[corner]));
@@ -129,7 +130,7 @@ Listing listing(const Scene& s) {
     out.items.push_back(item);
   }
   for (size_t i = 0; i < s.polygons.size(); ++i) {
-    Item item{"p", s.materials.at(s.polygon_materials.at(i)), {}};
+    Item item{"p", s.materials.at(s.polygon_materials[i]), {}};
     for (uint32_t k = 0; k < s.polygons[i].count; ++k) {
       append(item.numbers, s.positions.at(s.polygons[i].first + k));
     }
@@ -205,7 +206,7 @@ void expect_same(const Listing& ours, const Listing& theirs) {
   EXPECT_EQ(vec_text(ours.camera.at), vec_text(theirs.camera.at));
   EXPECT_EQ(vec_text(ours.camera.up), vec_text(theirs.camera.up));
   EXPECT_EQ(ours.camera.fov_deg, theirs.camera.fov_deg);
-  EXPECT_EQ(ours.camera.near_clip, theirs.camera.near_clip);
+  EXPECT_EQ(ours.near_clip, theirs.near_clip);
   EXPECT_EQ(ours.camera.width, theirs.camera.width);
   EXPECT_EQ(ours.camera.height, theirs.camera.height);
   EXPECT_EQ(ours.background, theirs.background);
@@ -356,7 +357,7 @@ TEST(GenerateGeometry, TeapotNormalsLeaveTheBody) {
 /// Finite numbers, indices and materials in range, sensible sizes: what a renderer takes for
 /// granted.
 void expect_sound(const Scene& s) {
-  const auto materials_fit = [&](const Array<MaterialId>& ids, size_t n) {
+  const auto materials_fit = [&](const StridedArray<MaterialId>& ids, size_t n) {
     return ids.size() == n &&
            std::ranges::all_of(ids, [&](MaterialId id) { return id < s.materials.size(); });
   };

@@ -178,9 +178,9 @@ TEST(GltfWrite, PerspectiveReadsBack) {
   Scene scene = with_triangle();
   look(scene, {4, -3, 2}, {0.25f, 0, 0.5f}, 25);
   scene.camera.up = {0, 0.1f, 1};
-  scene.camera.width = 640, scene.camera.height = 400, scene.camera.near_clip = 0.5f;
+  scene.camera.width = 640, scene.camera.height = 400, scene.requests.near_clip = 0.5f;
   expect_same_view(scene);
-  EXPECT_EQ(read_again(scene).camera.near_clip, 0.5f);
+  EXPECT_EQ(read_again(scene).requests.near_clip, 0.5f);
   const json lens = json_of(scene)["cameras"][0];
   EXPECT_EQ(lens["type"], "perspective");
   EXPECT_NEAR(lens["perspective"]["yfov"].get<double>(), 25 * kPi / 180, 1e-7);
@@ -188,7 +188,7 @@ TEST(GltfWrite, PerspectiveReadsBack) {
   EXPECT_EQ(lens["perspective"]["znear"], 0.5);
   EXPECT_FALSE(lens["perspective"].contains("zfar"));
   // Programs of triangles need some near plane.
-  scene.camera.near_clip = 0;
+  scene.requests.near_clip = 0;
   const double near = json_of(scene)["cameras"][0]["perspective"]["znear"];
   EXPECT_GT(near, 0);
   EXPECT_LT(near, 0.01);

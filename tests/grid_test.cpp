@@ -93,7 +93,7 @@ TEST(Grid, SkippingEmptySpaceLosesNoHit) {
 
 TEST(Grid, EmptyCellsKnowHowFarTheyAreFromOthers) {
   const Scene scene = random_scene(60, 4);
-  const Geometry g(scene);
+  const Geometry g(scene, scene);
   const auto cells = build_grid(g, {.kind = AccelKind::grid, .grid_resolution = {13, 9, 11}});
   ASSERT_TRUE(cells);
   const auto blocks = bake_grid(g, *cells);
@@ -123,7 +123,7 @@ TEST(Grid, EmptyCellsKnowHowFarTheyAreFromOthers) {
 
 TEST(Grid, BlocksHoldTheCellsPrimitivesAndBoxes) {
   const Scene scene = random_scene(900, 6);
-  const Geometry g(scene);
+  const Geometry g(scene, scene);
   const auto cells = build_grid(g, {.kind = AccelKind::grid, .grid_resolution = {4, 5, 6}});
   ASSERT_TRUE(cells);
   const auto blocks = bake_grid(g, *cells);

@@ -104,7 +104,7 @@ TEST(NffRead, CameraBackgroundLightsAndMaterial) {
   EXPECT_EQ(scene.camera.at, Vec3f(0, 0, 0));
   EXPECT_EQ(scene.camera.up, Vec3f(0, 0, 1));
   EXPECT_EQ(scene.camera.fov_deg, 45);
-  EXPECT_EQ(scene.camera.near_clip, 1);
+  EXPECT_EQ(scene.requests.near_clip, 1);
   EXPECT_EQ(scene.camera.width, 64);
   EXPECT_EQ(scene.camera.height, 48);
   EXPECT_FALSE(scene.camera.lens_radius || scene.camera.focus_distance);
@@ -237,7 +237,7 @@ TEST(NffRead, LensOfP3f) {
       "spp 16\nbclr 0.1 0.2 0.3\nv\nfrom 0 0 4\nat 0 0 0\nup 0 1 0\nangle 90\nhither 0\n"
       "resolution 200 100\naperture 5\nfocal 1.5\n" +
       kMaterial + "s 0 0 0 1\n");
-  EXPECT_EQ(scene.samples_per_pixel, 16);
+  EXPECT_EQ(scene.requests.samples_per_pixel, 16);
   EXPECT_EQ(scene.background, Rgb(0.1f, 0.2f, 0.3f));
   // 8 units high in 100 rows: pixels of 0.08.
   EXPECT_FLOAT_EQ(scene.camera.lens_radius.value(), 0.4f);

@@ -105,13 +105,13 @@ inline void expect_same(const Scene& a, const Scene& b) {
   EXPECT_EQ(a.camera.at, b.camera.at);
   EXPECT_EQ(a.camera.up, b.camera.up);
   EXPECT_EQ(a.camera.fov_deg, b.camera.fov_deg);
-  EXPECT_EQ(a.camera.near_clip, b.camera.near_clip);
+  EXPECT_EQ(a.requests.near_clip, b.requests.near_clip);
   EXPECT_EQ(a.camera.width, b.camera.width);
   EXPECT_EQ(a.camera.height, b.camera.height);
   EXPECT_EQ(a.camera.lens_radius, b.camera.lens_radius);
   EXPECT_EQ(a.camera.focus_distance, b.camera.focus_distance);
   EXPECT_EQ(a.background, b.background);
-  EXPECT_EQ(a.samples_per_pixel, b.samples_per_pixel);
+  EXPECT_EQ(a.requests.samples_per_pixel, b.requests.samples_per_pixel);
   EXPECT_EQ(a.materials, b.materials);
   expect_same(a.lights, b.lights);
   for_each_pool([&]<class Shape>(PoolMembers<Shape> pool) {
@@ -138,7 +138,7 @@ class RandomScene {
     if (random_() % 2) scene.camera.lens_radius = std::abs(number());
     if (random_() % 2) scene.camera.focus_distance = std::abs(number());
     scene.background = color();
-    scene.samples_per_pixel = int(random_() % 5);
+    scene.requests.samples_per_pixel = int(random_() % 5);
     for (size_t i = random_() % 4; i > 0; --i)
       scene.lights.push_back({point(), random_() % 2 ? std::optional(color()) : std::nullopt});
     for (int i = 0; i < 5; ++i)

@@ -41,9 +41,9 @@ TEST(P3f, EveryEntityIsRead) {
            kP3fMaterial + "s 0 0 0 1\n" + "f 1 1 1 0 1 1 1 0.2 20 1 1.35 0.25\nbox 0 0 0 1 2 3\n" +
            "mesh 3 1\n0 0 0\n1 0 0\n0 1 0\n-3 -2 -1\npl 0 0 0 1 0 0 0 1 0\n");
   EXPECT_EQ(s.dialect, Dialect::p3f);
-  EXPECT_EQ(s.structure, AccelHint::grid);
-  EXPECT_EQ(s.samples_per_pixel, 9);
-  EXPECT_EQ(s.sky_folder, "the sky");
+  EXPECT_EQ(s.requests.structure, AccelHint::grid);
+  EXPECT_EQ(s.requests.samples_per_pixel, 9);
+  EXPECT_EQ(s.requests.sky_folder, "the sky");
   EXPECT_EQ(s.background, Rgb(0.1f, 0.2f, 0.3f));
   // The lens is 4 pixels wide.
   EXPECT_FLOAT_EQ(s.camera.lens_radius.value(), 2 * float(nff::pixel_size(s.camera)));
@@ -105,8 +105,8 @@ Scene random_p3f(uint64_t seed) {
   std::mt19937_64 random(seed);
   const auto unit = [&] { return float(random() % 1001) / 1000; };
   s.dialect = Dialect::p3f;
-  s.structure = AccelHint(random() % 4);
-  if (random() % 2) s.sky_folder = "sky box";
+  s.requests.structure = AccelHint(random() % 4);
+  if (random() % 2) s.requests.sky_folder = "sky box";
   for (size_t m = 0; m < s.materials.size(); ++m) {
     s.material_specular.push_back({unit(), unit(), unit()});
     s.material_roughness.push_back(m == 0 ? 0.5f : unit());
@@ -125,8 +125,8 @@ TEST(P3f, WrittenScenesReadBack) {
     const Scene again = read(write_nff(scene));
     expect_same(scene, again);
     EXPECT_EQ(again.dialect, scene.dialect);
-    EXPECT_EQ(again.structure, scene.structure);
-    EXPECT_EQ(again.sky_folder, scene.sky_folder);
+    EXPECT_EQ(again.requests.structure, scene.requests.structure);
+    EXPECT_EQ(again.requests.sky_folder, scene.requests.sky_folder);
     EXPECT_EQ(again.material_specular, scene.material_specular);
     EXPECT_EQ(again.material_roughness, scene.material_roughness);
     for (size_t l = 0; l < scene.lights.size(); ++l)
@@ -151,8 +151,8 @@ TEST(P3f, EveryFeatureIsHashed) {
     names.push_back(content_hash(other));
   };
   add([](Scene& s) { s.dialect = Dialect::nff; });
-  add([](Scene& s) { s.sky_folder = "another"; });
-  add([](Scene& s) { s.sky_folder.clear(); });
+  add([](Scene& s) { s.requests.sky_folder = "another"; });
+  add([](Scene& s) { s.requests.sky_folder.clear(); });
   add([](Scene& s) { s.material_specular[1].y = 2; });
   add([](Scene& s) { s.material_roughness[1] = 2; });
   add([](Scene& s) { s.lights.push_back({{}, Rgb(1), LightExtent{1, 2, 1}}); });
@@ -162,7 +162,7 @@ TEST(P3f, EveryFeatureIsHashed) {
   EXPECT_EQ(std::ranges::adjacent_find(names), names.end());
   // No picture depends on the structure.
   Scene other = scene;
-  other.structure = AccelHint((uint32_t(scene.structure) + 1) % 4);
+  other.requests.structure = AccelHint((uint32_t(scene.requests.structure) + 1) % 4);
   EXPECT_EQ(content_hash(other), content_hash(scene));
 }
 
@@ -283,7 +283,7 @@ TEST(P3fCourse, AllScenesRender) {
     const Scene& scene = result->scene;
     EXPECT_EQ(scene.dialect, Dialect::p3f);
     EXPECT_EQ(scene.primitive_count(), primitives);
-    EXPECT_EQ(scene.sky_folder, "skybox");
+    EXPECT_EQ(scene.requests.sky_folder, "skybox");
     // Triangles of a mesh are written one by one, so that positions are numbered anew once.
     Scene again = read(write_nff(scene));
     if (std::string_view(name) != "dragon") {
@@ -311,7 +311,7 @@ std::optional<CoursePicture> course_picture(const std::string& name) {
   EXPECT_TRUE(scene && image) << name;
   if (!scene || !image) return std::nullopt;
   // Those pictures have the background's colour behind the scene.
-  scene->scene.sky.reset(), scene->scene.sky_folder.clear();
+  scene->scene.sky.reset(), scene->scene.requests.sky_folder.clear();
   return CoursePicture{std::move(scene->scene), std::move(*image)};
 }
 

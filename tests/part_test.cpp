@@ -84,7 +84,7 @@ TEST(ContentHash, FollowsWhatThePictureDependsOn) {
   const Scene scene = random_scene(40, 1);
   const std::string hash = content_hash(scene);
   Scene same = scene;
-  same.name = "other", same.camera.near_clip = 3;
+  same.name = "other", same.requests.near_clip = 3;
   EXPECT_EQ(content_hash(same), hash);
   const auto changed = [&](auto change) {
     Scene s = scene;

@@ -53,7 +53,7 @@ TEST(RaioScene, KeepsEverything) {
   const Scene again = decoded(bytes);
   EXPECT_EQ(content_hash(again), content_hash(scene));
   EXPECT_EQ(encode_raio_scene(again), bytes);
-  EXPECT_EQ(again.camera.near_clip, 1);
+  EXPECT_EQ(again.requests.near_clip, 1);
   EXPECT_EQ(again.object_names, scene.object_names);
   EXPECT_EQ(again.object_ranges, scene.object_ranges);
   EXPECT_EQ(again.meshes[1].uv, scene.meshes[1].uv);
@@ -142,7 +142,7 @@ TEST_F(RaioSceneFile, ColumnsAreReadInPlace) {
   EXPECT_EQ(again->name, "rich");
   for_each_column(*again, [](ColumnName column, const auto& array) {
     EXPECT_TRUE(array.is_borrowed() || array.empty()) << column.name;
-    EXPECT_EQ(reinterpret_cast<uintptr_t>(array.data()) % 64, 0u) << column.name;
+    EXPECT_EQ(reinterpret_cast<uintptr_t>(array.address(0)) % 64, 0u) << column.name;
   });
   std::filesystem::remove(path);
   const Scene copy = *again;
@@ -157,9 +157,9 @@ TEST_F(RaioSceneFile, PrototypesAreReadInPlace) {
   const auto again = read_scene(path, {.instances = true});
   ASSERT_TRUE(again) << tests::texts(again.error());
   EXPECT_TRUE(again->scene.instances.is_borrowed());
-  const Scene& object = again->scene.prototypes[1].prototypes[0];
+  const Object& object = again->scene.prototypes[1].prototypes[0];
   EXPECT_TRUE(object.spheres.is_borrowed());
-  EXPECT_EQ(reinterpret_cast<uintptr_t>(object.spheres.data()) % 64, 0u);
+  EXPECT_EQ(reinterpret_cast<uintptr_t>(object.spheres.address(0)) % 64, 0u);
   EXPECT_EQ(content_hash(again->scene), content_hash(scene));
   // Readers without instances get primitives; these have a non-uniform scale.
   const auto flat = read_scene(path);

@@ -605,7 +605,7 @@ TEST(Options, OpenValuesComeFromTheScene) {
   EXPECT_FLOAT_EQ(o.focus, 10);
   EXPECT_FLOAT_EQ(o.aperture, 0.2f);
   EXPECT_GE(o.threads, 1);
-  s.camera.width = 30, s.camera.height = 20, s.samples_per_pixel = 16;
+  s.camera.width = 30, s.camera.height = 20, s.requests.samples_per_pixel = 16;
   s.camera.lens_radius = 0.5f, s.camera.focus_distance = 3.0f;
   o = resolve_options({}, s);
   EXPECT_EQ(o.width, 30);

@@ -15,7 +15,7 @@ inline Scene rich_scene(uint32_t seed = 1) {
     const float r = unit(rng), g = unit(rng), b = unit(rng);
     return Rgb(r, g, b);
   };
-  const auto paint = [&](size_t count, Array<Rgb>& colors, Array<float>& opacity) {
+  const auto paint = [&](size_t count, StridedArray<Rgb>& colors, StridedArray<float>& opacity) {
     for (size_t i = 0; i < count; ++i) colors.push_back(color()), opacity.push_back(unit(rng));
   };
   paint(s.planes.size(), s.plane_colors, s.plane_opacity);
@@ -27,7 +27,7 @@ inline Scene rich_scene(uint32_t seed = 1) {
   for (size_t m = 0; m < s.materials.size(); ++m)
     s.material_specular.push_back(color()), s.material_roughness.push_back(unit(rng));
   s.camera.lens_radius = 0.01f;
-  s.camera.near_clip = 1;
+  s.requests.near_clip = 1;
 
   Mesh pyramid;
   pyramid.positions = {{0.1f, -0.5f, 0}, {0.6f, -0.5f, 0}, {0.3f, -0.1f, 0}, {0.3f, -0.3f, 0.7f}};

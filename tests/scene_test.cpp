@@ -161,7 +161,8 @@ struct Fault {
 TEST(Scene, EachFaultIsNamed) {
   const Fault faults[] = {
       {[](Scene& s) { s.origin.x = kInf; }, "the origin must be finite"},
-      {[](Scene& s) { s.samples_per_pixel = -1; }, "the samples per pixel must not be negative"},
+      {[](Scene& s) { s.requests.samples_per_pixel = -1; },
+       "the samples per pixel must not be negative"},
       {[](Scene& s) { s.camera.from.x = kNan; }, "camera: from, at and up must be finite"},
       {[](Scene& s) { s.camera.at = s.camera.from; }, "camera: from and at are the same point"},
       {[](Scene& s) { s.camera.up = {}; }, "camera: up is zero"},
@@ -170,7 +171,7 @@ TEST(Scene, EachFaultIsNamed) {
        "camera: the angle must lie between 0 and 180 degrees"},
       {[](Scene& s) { s.camera.fov_deg = kNan; },
        "camera: the angle must lie between 0 and 180 degrees"},
-      {[](Scene& s) { s.camera.near_clip = kInf; }, "camera: hither must be finite"},
+      {[](Scene& s) { s.requests.near_clip = kInf; }, "camera: hither must be finite"},
       {[](Scene& s) { s.camera.width = 5; },
        "camera: the resolution must be two positive numbers, or two zeros for none"},
       {[](Scene& s) { s.camera.lens_radius = -1.0f; },

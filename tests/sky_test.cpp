@@ -58,7 +58,7 @@ Scene looking(Vec3f direction, std::shared_ptr<const CubeMap> sky) {
   s.camera.up = std::abs(direction.y) > 0.9f * length(direction) ? Vec3f(1, 0, 0) : Vec3f(0, 1, 0);
   s.camera.width = s.camera.height = 1;
   s.materials = {Material()};
-  s.sky_folder = "sky", s.sky = std::move(sky);
+  s.requests.sky_folder = "sky", s.sky = std::move(sky);
   return s;
 }
 Rgb seen(Vec3f direction, const std::shared_ptr<const CubeMap>& sky) {
@@ -179,7 +179,7 @@ RenderOptions all_effects() {
 }
 Scene scene_under(std::shared_ptr<const CubeMap> sky) {
   Scene s = random_scene(60, 4);
-  s.sky_folder = "sky", s.sky = std::move(sky);
+  s.requests.sky_folder = "sky", s.sky = std::move(sky);
   return s;
 }
 
@@ -188,7 +188,7 @@ TEST_F(Sky, IsTheSameForStructuresThreadsAndInstructionSets) {
   const Image image = expect_one_picture(scene, all_effects());
   // And different from the one without it, only where rays hit nothing.
   Scene plain = scene;
-  plain.sky = nullptr, plain.sky_folder.clear();
+  plain.sky = nullptr, plain.requests.sky_folder.clear();
   EXPECT_FALSE(same_bytes(picture_of(plain, all_effects()), image));
 }
 
@@ -196,7 +196,7 @@ TEST_F(Sky, OfOneColourEqualsThatBackground) {
   const Rgb color = Rgb(51, 102, 153) / 255;
   Scene scene = scene_under(sky(3, [&](CubeFace, int, int) { return color; }));
   const Image under_sky = picture_of(scene, all_effects());
-  scene.sky = nullptr, scene.sky_folder.clear();
+  scene.sky = nullptr, scene.requests.sky_folder.clear();
   scene.background = color;
   EXPECT_TRUE(same_bytes(picture_of(scene, all_effects()), under_sky));
 }
@@ -211,7 +211,7 @@ TEST_F(Sky, IsNotInViewsNorBehindAlpha) {
   alpha.channels.add(Channel::alpha);
   EXPECT_EQ(picture_of(nothing, alpha).at(0, 0), Rgb());
   EXPECT_NE(picture_of(nothing, {}).at(0, 0), Rgb());
-  scene.sky = nullptr, scene.sky_folder.clear();
+  scene.sky = nullptr, scene.requests.sky_folder.clear();
   EXPECT_TRUE(same_bytes(picture_of(scene, o), normals));
 }
 
@@ -354,14 +354,14 @@ TEST_F(SkyJob, OptionsReplaceTheScenes) {
 
 TEST_F(SkyJob, IsFoundInTheFilesFolderOrAbove) {
   Scene scene = random_scene(10, 1);
-  scene.sky_folder = "sky";
+  scene.requests.sky_folder = "sky";
   std::filesystem::create_directories(file("deep/er"));
   const auto path = file("deep/er/scene.raio");
   ASSERT_TRUE(write_scene(scene, path));
   auto read = read_scene(path);
   ASSERT_TRUE(read && read->scene.sky);
   EXPECT_TRUE(read->notices.empty());
-  EXPECT_EQ(read->scene.sky_folder, "sky");
+  EXPECT_EQ(read->scene.requests.sky_folder, "sky");
   EXPECT_EQ(read->scene.sky->folder, "sky");
   EXPECT_EQ(read->scene.sky->hash, sky_of(file("sky"))->hash);
   EXPECT_EQ(content_hash(read->scene), content_hash(scene));

@@ -51,24 +51,26 @@ std::optional<TraceLog> Accel::log(const Ray&, bool) const { return std::nullopt
 
 void Accel::boxes(int, const std::function<void(const AccelBox&)>&) const {}
 
-std::expected<std::unique_ptr<Accel>, Error> build_accel(const Scene& scene,
+std::expected<std::unique_ptr<Accel>, Error> build_accel(const Scene& scene, const Object& object,
                                                          const AccelOptions& options,
                                                          bool one_sided, bool with_sources) {
   if (options.kind == AccelKind::embree && options.counters)
     return std::unexpected(
         bad_option("counters", "Embree does not count tests and steps; leave it out"));
-  const double bytes = Geometry::bytes_to_bake(scene), available = double(available_memory_bytes());
+  const double bytes = Geometry::bytes_to_bake(scene, object),
+               available = double(available_memory_bytes());
   if (bytes > 0.9 * available)
     return std::unexpected(Error{
         ErrorKind::no_resource, "",
         fmt::format("preparing the scene for tracing would take {:.1f} GB and {:.1f} GB are free",
                     bytes * 1e-9, available * 1e-9)});
-  auto accel = make_accel(Geometry(scene, one_sided, with_sources, options.opacity), options);
+  auto accel =
+      make_accel(Geometry(scene, object, one_sided, with_sources, options.opacity), options);
   if (!accel) return std::unexpected(Error{ErrorKind::no_resource, "", std::move(accel.error())});
   if (options.kind != AccelKind::none)
     if (auto error = (*accel)->build_transparent())
       return std::unexpected(Error{ErrorKind::no_resource, "", std::move(*error)});
-  if (!scene.instances.empty()) {
+  if (!object.instances.empty()) {
     auto instances = Instances::build(**accel, options, one_sided, with_sources);
     if (!instances) return std::unexpected(std::move(instances.error()));
     if (auto error = (*accel)->add_instances(std::move(*instances)))

@@ -33,11 +33,11 @@ struct Pieces {
   }
 };
 
-Triangle triangle_of(const Scene& s, const TriangleIndices& c) {
+Triangle triangle_of(const Object& s, const TriangleIndices& c) {
   return {s.positions[c[0]], s.positions[c[1]], s.positions[c[2]]};
 }
 
-void add_polygon(const Scene& s, size_t i, size_t source, Pieces& out) {
+void add_polygon(const Object& s, size_t i, size_t source, Pieces& out) {
   const Polygon& p = s.polygons[i];
   const std::span corners(s.positions.data() + p.first, p.count);
   const Facet facet{polygon_normal(corners), s.polygon_materials[i]};
@@ -82,24 +82,26 @@ bool stops(uint32_t depth, uint32_t number) {
   return halvings >= 31 || number >> 1 >= part_of_halving(depth % kHalving) >> halvings;
 }
 
-Geometry::Geometry(const Scene& scene, bool one_sided, bool with_sources, float opacity)
+Geometry::Geometry(const Scene& scene, const Object& object, bool one_sided, bool with_sources,
+                   float opacity)
     : scene_(&scene),
+      object_(&object),
       with_sources_(with_sources),
-      any_colors_(raio::any_colors(scene)),
-      any_transparent_(opacity < 1 || raio::any_transparent(scene)),
+      any_colors_(raio::any_colors(object)),
+      any_transparent_(opacity < 1 || raio::any_transparent(scene, object)),
       opacity_(opacity) {
   bake_triangles();
   for_each_kind([&]<PrimitiveKind kind> {
     size_t count = facets_.size();
     if constexpr (kind != PrimitiveKind::triangle)
-      count = (scene.*kPoolOf<PrimitiveType<kind>>.shapes).size();
+      count = (object.*kPoolOf<PrimitiveType<kind>>.shapes).size();
     first_[size_t(kind) + 1] = first_[size_t(kind)] + PrimitiveId(count);
   });
   bake_colors();
   if (any_transparent_) bake_depths();
   for_each_kind([&]<PrimitiveKind kind> {
     if constexpr (kKeepsBaked<kind>) {
-      const auto& shapes = scene.*kPoolOf<PrimitiveType<kind>>.shapes;
+      const auto& shapes = object.*kPoolOf<PrimitiveType<kind>>.shapes;
       auto& baked = std::get<size_t(kind)>(baked_);
       baked.resize(shapes.size());
       for_each_index(baked.size(), [&](size_t i) { baked[i] = bake(shapes[i]); });
@@ -108,14 +110,14 @@ Geometry::Geometry(const Scene& scene, bool one_sided, bool with_sources, float 
   for_each_kind([&]<PrimitiveKind kind> { list_sides<kind>(one_sided); });
 }
 
-double Geometry::bytes_to_bake(const Scene& s) {
+double Geometry::bytes_to_bake(const Scene& scene, const Object& s) {
   double pieces = 0, triangles = double(s.triangles.size());
   double joined = 0;  // meshes' data is copied, and with it the scene's of the same kind
   for (const Mesh& mesh : s.meshes) {
     triangles += double(mesh.triangles.size());
     // With vertex colours, which any mesh may have.
     joined += double(2 * mesh.positions.size() + mesh.normals.size()) * sizeof(Vec3f);
-    if (!s.material_texture.empty()) joined += double(mesh.positions.size()) * sizeof(Uv);
+    if (!scene.material_texture.empty()) joined += double(mesh.positions.size()) * sizeof(Uv);
   }
   if (!s.meshes.empty())
     joined += double(s.positions.size() + s.normals.size()) * sizeof(Vec3f) +
@@ -134,12 +136,12 @@ double Geometry::bytes_to_bake(const Scene& s) {
   });
   return joined + triangles * sizeof(Facet) + baked + 2 * piece * pieces +
          own * (sizeof(Sides) +
-                (raio::any_transparent(s) ? sizeof(uint32_t) + 2 * sizeof(PrimitiveId) : 0));
+                (raio::any_transparent(scene, s) ? sizeof(uint32_t) + 2 * sizeof(PrimitiveId) : 0));
 }
 
 // Triangles without area are dropped, since no ray can hit them.
 void Geometry::bake_triangles() {
-  const Scene& s = *scene_;
+  const Object& s = *object_;
   positions_ = s.positions, normals_ = s.normals;
   triangles_ = s.triangles;
   triangle_normals_ = s.triangle_normals;
@@ -155,7 +157,7 @@ void Geometry::bake_triangles() {
 
 // Concatenates the scene's own triangles and those of meshes.
 void Geometry::join_meshes() {
-  const Scene& s = *scene_;
+  const Object& s = *object_;
   size_t positions = s.positions.size(), normals = s.normals.size(), count = s.triangles.size();
   bool smooth = !s.triangle_normals.empty();
   for (const Mesh& mesh : s.meshes) {
@@ -202,7 +204,7 @@ void Geometry::join_meshes() {
     }
   };
   join(own_vertex_colors_, &Mesh::colors, Rgb(1));
-  if (!s.material_texture.empty()) join(own_uv_, &Mesh::uv, Uv{});
+  if (!scene_->material_texture.empty()) join(own_uv_, &Mesh::uv, Uv{});
   positions_ = own_positions_, normals_ = own_vertex_normals_;
   triangles_ = own_triangles_, triangle_normals_ = own_normals_;
 }
@@ -214,22 +216,22 @@ size_t Geometry::mesh_of(size_t i) const {
 
 // The scene's own and those of meshes.
 size_t Geometry::count_of_triangles() const {
-  return mesh_begin_.empty() ? scene_->triangles.size()
-                             : mesh_begin_.back() + scene_->meshes.back().triangles.size();
+  return mesh_begin_.empty() ? object_->triangles.size()
+                             : mesh_begin_.back() + object_->meshes.back().triangles.size();
 }
 
 // Of the scene's own or of a mesh, before any is dropped.
 MaterialId Geometry::triangle_material(size_t i) const {
-  const Scene& s = *scene_;
+  const Object& s = *object_;
   if (i < s.triangles.size()) return s.triangle_materials[i];
   const size_t m = mesh_of(i);
-  const auto& materials = s.meshes[m].materials;
+  const Array<MaterialId>& materials = s.meshes[m].materials;
   return materials[materials.size() == 1 ? 0 : i - mesh_begin_[m]];
 }
 
 // Appends the pieces of polygons to the triangles with area.
 void Geometry::bake_polygons() {
-  const Scene& s = *scene_;
+  const Object& s = *object_;
   const size_t n = triangles_.size(), count = n + s.polygons.size();
   const bool smooth = any_smooth();
   std::vector<Pieces> chunks(chunks_of(count));
@@ -261,27 +263,28 @@ void Geometry::bake_polygons() {
 
 // If others have colours, a triangle without one gets its material's.
 void Geometry::bake_colors() {
-  const Scene& s = *scene_;
+  const Object& s = *object_;
   if (s.triangle_colors.empty() && s.polygon_colors.empty()) return;
   triangle_colors_ = s.triangle_colors;
   if (facets_.size() == triangle_colors_.size() && sources_.empty()) return;
   const size_t polygons = count_of_triangles();
-  own_colors_.resize(facets_.size());
+  std::vector<Rgb> colors(facets_.size());
   for_each_index(facets_.size(), [&](size_t i) {
     const size_t source = source_of(uint32_t(i));
     if (source < s.triangle_colors.size())
-      own_colors_[i] = s.triangle_colors[source];
+      colors[i] = s.triangle_colors[source];
     else if (source >= polygons && !s.polygon_colors.empty())
-      own_colors_[i] = s.polygon_colors[source - polygons];
+      colors[i] = s.polygon_colors[source - polygons];
     else
-      own_colors_[i] = s.materials[facets_[i].material].color;
+      colors[i] = scene_->materials[facets_[i].material].color;
   });
-  triangle_colors_ = own_colors_;
+  triangle_colors_ = std::move(colors);
+  bakes_colors_ = true;
 }
 
 // Of a triangle with area, or of a piece of a polygon.
 float Geometry::triangle_opacity(size_t i) const {
-  const Scene& s = *scene_;
+  const Object& s = *object_;
   const size_t source = source_of(uint32_t(i)), polygons = count_of_triangles();
   if (source < s.triangle_opacity.size()) return s.triangle_opacity[source];
   if (source >= polygons && !s.polygon_opacity.empty()) return s.polygon_opacity[source - polygons];
@@ -295,13 +298,13 @@ float Geometry::opacity_of(MaterialId id) const {
 }
 
 void Geometry::bake_depths() {
-  const Scene& s = *scene_;
+  const Object& s = *object_;
   for_each_kind([&]<PrimitiveKind kind> {
     const auto opacity = [&](size_t i) {
       if constexpr (kind == PrimitiveKind::triangle) {
         return triangle_opacity(i);
       } else {
-        const Array<float>& own = s.*kPoolOf<PrimitiveType<kind>>.opacity;
+        const auto& own = s.*kPoolOf<PrimitiveType<kind>>.opacity;
         if (!own.empty()) return own[i];
         return opacity_of(material_of(id_of(kind, uint32_t(i))));
       }
@@ -337,17 +340,17 @@ std::vector<PrimitiveId> Geometry::list_opaque() const {
   return list([](uint32_t depth) { return depth == kOpaque; });
 }
 
-std::span<const Rgb> Geometry::colors(PrimitiveKind kind) const {
-  return with_kind(kind, [&]<PrimitiveKind k>() -> std::span<const Rgb> {
+const StridedArray<Rgb>& Geometry::colors(PrimitiveKind kind) const {
+  return with_kind(kind, [&]<PrimitiveKind k>() -> const StridedArray<Rgb>& {
     if constexpr (k == PrimitiveKind::triangle)
       return triangle_colors_;
     else
-      return scene_->*kPoolOf<PrimitiveType<k>>.colors;
+      return object_->*kPoolOf<PrimitiveType<k>>.colors;
   });
 }
 
 uint32_t Geometry::object_of(PrimitiveId id, InstanceId instance) const {
-  const Scene& s = *scene_;
+  const Object& s = *object_;
   if (instance) {
     const Placed at = placed(instance);
     const uint32_t own = raio::object_of(s, PoolKind::instance, at.index);
@@ -380,8 +383,8 @@ bool Geometry::same_object(PrimitiveId a, InstanceId in_a, PrimitiveId b, Instan
   if (object == 0 || !in_a || !in_b) return true;
   const Placed at = placed(in_a), other = placed(in_b);
   // The instances themselves belong to it, or their contents do.
-  const uint32_t own = raio::object_of(*scene_, PoolKind::instance, at.index);
-  if (own || raio::object_of(*scene_, PoolKind::instance, other.index)) return true;
+  const uint32_t own = raio::object_of(*object_, PoolKind::instance, at.index);
+  if (own || raio::object_of(*object_, PoolKind::instance, other.index)) return true;
   return at.index == other.index && at.object.same_object(a, at.inner, b, other.inner);
 }
 
@@ -391,13 +394,14 @@ void Geometry::list_sides(bool one_sided) {
   constexpr bool kIsTriangle = kind == PrimitiveKind::triangle;
   if (kIsTriangle && !one_sided)
     return;  // most triangles of large scenes are never visible from inside only
-  const Scene& s = *scene_;
+  const Object& s = *object_;
   const auto side = [&](size_t i) {
     bool inside_only = false;
     if constexpr (!kIsTriangle)
       inside_only = only_inside_seen((s.*kPoolOf<PrimitiveType<kind>>.shapes)[i]);
     const MaterialId material = material_of(id_of(kind, uint32_t(i)));
-    const bool opaque = s.materials[material].transmission == 0 && is_opaque(kind, uint32_t(i));
+    const bool opaque =
+        scene_->materials[material].transmission == 0 && is_opaque(kind, uint32_t(i));
     return inside_only ? Sides::inside : one_sided && opaque ? Sides::outside : Sides::both;
   };
   std::atomic<bool> any = false;
@@ -414,14 +418,14 @@ void Geometry::list_sides(bool one_sided) {
 
 uint64_t Geometry::count_all(PrimitiveKind kind) const {
   uint64_t sum = count(kind);
-  for (const Instance& instance : scene_->instances)
+  for (const Instance instance : object_->instances)
     if (has_instances()) sum += objects_[instance.prototype]->count_all(kind);
   return sum;
 }
 
 std::optional<std::string> Geometry::add_objects(std::vector<const Geometry*> objects) {
   objects_ = std::move(objects);
-  const Array<Instance>& instances = scene_->instances;
+  const auto& instances = object_->instances;
   inverses_.resize(instances.size());
   for_each_index(instances.size(),
                  [&](size_t i) { inverses_[i] = Placement(instances[i].matrix).inverse(); });
@@ -447,7 +451,7 @@ Geometry::Placed Geometry::placed(InstanceId instance) const {
   if (!first_instance_.empty())
     index =
         uint32_t(std::ranges::upper_bound(first_instance_, instance) - first_instance_.begin()) - 1;
-  return {*objects_[scene_->instances[index].prototype], index, instance - instance_id(index)};
+  return {*objects_[object_->instances[index].prototype], index, instance - instance_id(index)};
 }
 
 const Geometry& Geometry::object_at(InstanceId instance) const {
@@ -464,7 +468,7 @@ MaterialId Geometry::material_of(PrimitiveId id, InstanceId instance) const {
     if constexpr (kind == PrimitiveKind::triangle)
       return facets_[i].material;
     else
-      return (scene_->*kPoolOf<PrimitiveType<kind>>.materials)[i];
+      return (object_->*kPoolOf<PrimitiveType<kind>>.materials)[i];
   });
 }
 
@@ -481,7 +485,7 @@ Box3f Geometry::bounds(PrimitiveId id) const {
 size_t Geometry::bytes() const {
   size_t sum = column_bytes(own_triangles_) + column_bytes(own_normals_) + column_bytes(facets_) +
                column_bytes(own_positions_) + column_bytes(own_vertex_normals_) +
-               column_bytes(sources_) + column_bytes(own_colors_) +
+               column_bytes(sources_) + (bakes_colors_ ? triangle_colors_.bytes() : 0) +
                column_bytes(own_vertex_colors_) + column_bytes(own_uv_);
   for_each_kind([&]<PrimitiveKind kind> {
     if constexpr (kKeepsBaked<kind>) sum += column_bytes(std::get<size_t(kind)>(baked_));

@@ -58,14 +58,16 @@ struct BakedColumnsOf<std::index_sequence<k...>> {
 
 class Geometry {
  public:
-  /// `scene` must outlive the result. With `one_sided`, opaque surfaces are visible from outside
-  /// only, as in the NFF text. `with_sources`: source_of() will be called. `opacity`: of primitives
-  /// without their own.
-  explicit Geometry(const Scene& scene, bool one_sided = false, bool with_sources = false,
-                    float opacity = 1);
+  /// Of the scene itself or an object that it shows; both must outlive the result. With
+  /// `one_sided`, opaque surfaces are visible from outside only, as in the NFF text.
+  /// `with_sources`: source_of() will be called. `opacity`: of primitives without their own.
+  Geometry(const Scene& scene, const Object& object, bool one_sided = false,
+           bool with_sources = false, float opacity = 1);
   Geometry(Geometry&&) = default;
 
+  /// What the object's materials and textures are those of.
   const Scene& scene() const { return *scene_; }
+  const Object& object() const { return *object_; }
 
   /// Without instances: the primitives in a structure.
   size_t count(PrimitiveKind kind) const { return first_[size_t(kind) + 1] - first_[size_t(kind)]; }
@@ -107,14 +109,14 @@ class Geometry {
     } else if constexpr (kKeepsBaked<kind>) {
       return (std::get<size_t(kind)>(baked_)[i]);
     } else {
-      return bake((scene_->*kPoolOf<PrimitiveType<kind>>.shapes)[i]);
+      return bake((object_->*kPoolOf<PrimitiveType<kind>>.shapes)[i]);
     }
   }
   /// The scene's own or, if it has meshes, a copy of both.
   std::span<const Vec3f> positions() const { return positions_; }
   std::span<const Vec3f> normals() const { return normals_; }
 
-  const Plane& plane(uint32_t i) const { return get<PrimitiveKind::plane>(i); }
+  Plane plane(uint32_t i) const { return get<PrimitiveKind::plane>(i); }
   Sphere sphere(uint32_t i) const { return get<PrimitiveKind::sphere>(i); }
   Triangle triangle(uint32_t i) const { return get<PrimitiveKind::triangle>(i); }
 
@@ -124,7 +126,7 @@ class Geometry {
   void prefetch(PrimitiveId id) const {
     const PrimitiveKind kind = kind_of(id);
     const uint32_t i = index_of(kind, id);
-    if (kind == PrimitiveKind::sphere) __builtin_prefetch(&scene_->spheres[i]);
+    if (kind == PrimitiveKind::sphere) __builtin_prefetch(object_->spheres.address(i));
     if (kind == PrimitiveKind::triangle) __builtin_prefetch(&triangles_[i]);
   }
 
@@ -138,7 +140,7 @@ class Geometry {
   bool any_smooth() const { return !triangle_normals_.empty(); }
 
   /// A colour per item of the kind, or empty: then the materials' colours apply.
-  std::span<const Rgb> colors(PrimitiveKind kind) const;
+  const StridedArray<Rgb>& colors(PrimitiveKind kind) const;
   bool any_colors() const { return any_colors_; }
   /// By index in positions(), multiplied into the colours of triangles; or empty.
   std::span<const Rgb> vertex_colors() const { return own_vertex_colors_; }
@@ -190,7 +192,7 @@ class Geometry {
   /// The object with the primitives of an instance; this one for number 0.
   const Geometry& object_at(InstanceId instance) const;
   Placement placement(uint32_t index) const {
-    return {scene_->instances[index].matrix, inverses_[index]};
+    return {object_->instances[index].matrix, inverses_[index]};
   }
 
   /// The origin of a triangle: its index among the scene's own triangles, those of meshes and the
@@ -209,8 +211,8 @@ class Geometry {
   bool same_object(const Hit& a, const Hit& b) const;
   MaterialId material_of(PrimitiveId id, InstanceId instance = 0) const;
 
-  /// Approximate memory for baking `scene`, in bytes, including temporary memory.
-  static double bytes_to_bake(const Scene& scene);
+  /// Approximate memory for baking an object, in bytes, including temporary memory.
+  static double bytes_to_bake(const Scene& scene, const Object& object);
 
   Box3f bounds(PrimitiveId id) const;  // not for planes, which have none
   size_t bytes() const;                // without the scene
@@ -228,7 +230,7 @@ class Geometry {
   template <class Wanted>
   std::vector<PrimitiveId> list(const Wanted& wanted) const;
   bool wants_sources() const {
-    return with_sources_ || any_colors_ || any_transparent_ || !scene_->object_ranges.empty();
+    return with_sources_ || any_colors_ || any_transparent_ || !object_->object_ranges.empty();
   }
   template <PrimitiveKind kind>
   void list_sides(bool one_sided);
@@ -236,12 +238,13 @@ class Geometry {
   bool same_object(PrimitiveId a, InstanceId in_a, PrimitiveId b, InstanceId in_b) const;
 
   const Scene* scene_;
+  const Object* object_;
   std::array<PrimitiveId, kPrimitiveKinds + 1> first_{};  // of each kind; the last: the total
   std::vector<const Geometry*> objects_;
   Column<Placement::Inverse> inverses_;  // by instance
   Column<InstanceId> first_instance_;    // by instance; empty: no object has instances
   uint64_t instance_count_ = 0;
-  bool with_sources_ = false, any_colors_ = false, any_transparent_ = false;
+  bool with_sources_ = false, any_colors_ = false, any_transparent_ = false, bakes_colors_ = false;
   float opacity_ = 1;
   // The scene's own if it has no meshes, else those below.
   std::span<const Vec3f> positions_, normals_;
@@ -255,8 +258,7 @@ class Geometry {
   std::vector<uint32_t> mesh_begin_;
   // source_of() of each triangle. Empty if it is the index, or never requested.
   Column<uint32_t> sources_;
-  std::span<const Rgb> triangle_colors_;
-  Column<Rgb> own_colors_;
+  StridedArray<Rgb> triangle_colors_;  // the object's or baked
   Column<Facet> facets_;
   BakedColumnsOf<>::type baked_;
   std::array<Column<Sides>, kPrimitiveKinds> sides_;      // empty: all are two-sided

@@ -30,8 +30,8 @@ std::expected<std::unique_ptr<const Instances>, Error> Instances::build(const Ac
                                                                         bool one_sided,
                                                                         bool with_sources) {
   std::unique_ptr<Instances> out(new Instances(around));
-  for (const Scene& object : out->geometry_.scene().prototypes) {
-    auto accel = build_accel(object, options, one_sided, with_sources);
+  for (const Object& object : out->geometry_.object().prototypes) {
+    auto accel = build_accel(out->geometry_.scene(), object, options, one_sided, with_sources);
     if (!accel) return std::unexpected(std::move(accel.error()));
     out->objects_.push_back(std::move(*accel));
   }
@@ -58,7 +58,7 @@ void Instances::add_to(AccelInfo& info) const {
 
 void Instances::build_tree() {
   std::vector<Box3f> of_object, boxes;
-  for (const auto& object : objects_) of_object.push_back(bounds(object->geometry().scene()));
+  for (const auto& object : objects_) of_object.push_back(bounds(object->geometry().object()));
   std::vector<uint32_t> some;
   for (const Instance& instance : instances_) {
     const Placement place(instance.matrix);

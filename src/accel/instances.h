@@ -43,12 +43,12 @@ class Instances {
   class Traversal;
 
   explicit Instances(const Accel& around)
-      : geometry_(around.geometry()), instances_(geometry_.scene().instances) {}
+      : geometry_(around.geometry()), instances_(geometry_.object().instances) {}
   void build_tree();
   void split(uint32_t node, std::span<uint32_t> instances, const std::vector<Box3f>& boxes);
 
   const Geometry& geometry_;
-  const Array<Instance>& instances_;
+  const ShapeArray<Instance>& instances_;
   std::vector<std::unique_ptr<const Accel>> objects_;
   Column<Node> nodes_;  // the root first; empty: no instances
   double slack_ = 0;    // of boxes, relative to coordinates

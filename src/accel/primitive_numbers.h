@@ -34,7 +34,7 @@ class PrimitiveNumbers {
   // Numbers the instances of `geometry` after `around`.
   void list(const Geometry& geometry, std::array<uint64_t, kPrimitiveKinds>& next,
             InstanceId around) {
-    const auto& instances = geometry.scene().instances;
+    const auto& instances = geometry.object().instances;
     for (uint32_t i = 0; geometry.has_instances() && i < instances.size(); ++i) {
       const InstanceId number = around + geometry.instance_id(i);
       const Geometry& object = geometry.placed(geometry.instance_id(i)).object;

@@ -57,9 +57,10 @@ std::string info_json(const ReadScene& read) {
   json["dialect"] = kDialectNames[size_t(scene.dialect)];
   json["resolution"] = camera.width > 0 ? Json{camera.width, camera.height} : Json(nullptr);
   json["samples_per_pixel"] =
-      scene.samples_per_pixel > 0 ? Json(scene.samples_per_pixel) : Json(nullptr);
-  json["accel"] =
-      scene.structure == AccelHint::any ? Json(nullptr) : Json(accel_name(hinted_accel(scene)));
+      scene.requests.samples_per_pixel > 0 ? Json(scene.requests.samples_per_pixel) : Json(nullptr);
+  json["accel"] = scene.requests.structure == AccelHint::any
+                      ? Json(nullptr)
+                      : Json(accel_name(hinted_accel(scene)));
   const auto counts = count_primitives(scene);
   for (size_t i = 0; i < counts.size(); ++i) json["primitives"][kShapeKindNames[i]] = counts[i];
   json["instances"] = scene.instances.size();
@@ -87,8 +88,8 @@ std::string info_json(const ReadScene& read) {
                                   {"end", plain(m->end)}};
   json["background"] = json_of(plain(scene.background));
   json["sky"] = nullptr;
-  if (!scene.sky_folder.empty())
-    json["sky"] = {{"folder", scene.sky_folder},
+  if (!scene.requests.sky_folder.empty())
+    json["sky"] = {{"folder", scene.requests.sky_folder},
                    {"side", scene.sky ? Json(scene.sky->side) : Json(nullptr)}};
 
   json["lights"] = Json::array();
@@ -166,18 +167,18 @@ std::string info_text(const ReadScene& read) {
   line("", view);
   line("resolution", camera.width > 0 ? fmt::format("{}x{}", camera.width, camera.height)
                                       : std::string("not given"));
-  if (scene.samples_per_pixel > 0)
-    line("samples", fmt::format("{} per pixel", scene.samples_per_pixel));
-  if (scene.structure != AccelHint::any)
+  if (scene.requests.samples_per_pixel > 0)
+    line("samples", fmt::format("{} per pixel", scene.requests.samples_per_pixel));
+  if (scene.requests.structure != AccelHint::any)
     line("structure", fmt::format("{}, requested by the file", accel_name(hinted_accel(scene))));
   // Data files have neither background nor lights.
   const bool is_data = scene.dialect == Dialect::data;
   line("background",
        is_data ? "none; that of the look, white by default" : text_of(plain(scene.background)));
-  if (!scene.sky_folder.empty())
-    line("sky",
-         scene.sky_folder + (scene.sky ? fmt::format(", six faces of {0} x {0}", scene.sky->side)
-                                       : ", which could not be read"));
+  if (!scene.requests.sky_folder.empty())
+    line("sky", scene.requests.sky_folder +
+                    (scene.sky ? fmt::format(", six faces of {0} x {0}", scene.sky->side)
+                               : ", which could not be read"));
 
   line("lights", is_data && scene.lights.empty() ? "none; a sky and a key light are added"
                                                  : fmt::format("{}", scene.lights.size()));

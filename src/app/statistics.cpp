@@ -79,7 +79,7 @@ std::string summary(const std::string& output, const RenderFigures& made) {
                                   ? fmt::format("{}", wanted)
                                   : fmt::format("{} of {}", made.samples, wanted);
   const bool as_hinted =
-      made.scene->structure != AccelHint::any && o.accel.kind == hinted_accel(*made.scene);
+      made.scene->requests.structure != AccelHint::any && o.accel.kind == hinted_accel(*made.scene);
   const std::string wish = as_hinted ? " as the scene requests" : "";
   const Crop frame = o.frame();
   const std::string whole = o.crop ? fmt::format(" of {}x{}", o.width, o.height) : "";

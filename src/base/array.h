@@ -1,7 +1,8 @@
-// The arrays that a scene is made of: a std::vector, or somebody else's memory read in place (a
-// mapped file, an array of numpy), which looks the same to those who read it. Everyone may use it.
+// The arrays that a scene is made of: shared, copied on write, and able to read the memory of a
+// mapped file or of a caller in place. Every room may use it.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -14,12 +15,12 @@
 #include <utility>
 #include <vector>
 
-#include "base/platform/memory.h"
-
 namespace raio {
 
-/// Elements one after another. Reading costs what it costs of a std::vector; whatever may change a
-/// borrowed array copies it first, and that includes the non-const begin(), data() and operator[].
+/// Elements one after another. Copies share them until one of the copies may change them, which
+/// copies the elements first; that includes the non-const begin(), data() and operator[]. Reading
+/// costs what it costs of a std::vector. As with a std::vector, one array must not be changed by
+/// several threads; arrays that share elements may be.
 template <class T>
 class Array {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -30,59 +31,46 @@ class Array {
   using const_iterator = const T*;
 
   Array() = default;
-  Array(std::initializer_list<T> items) : own_(items) { see_own(); }
-  Array(std::vector<T> items) : own_(std::move(items)) { see_own(); }
-  Array(const Array& other) : own_(other.own_), seen_(other.seen_), keep_(other.keep_) {
-    if (!other.is_borrowed()) see_own();
+  Array(std::initializer_list<T> items) : Array(std::vector<T>(items)) {}
+  Array(std::vector<T> items) {
+    if (!items.empty()) own_ = std::make_shared<std::vector<T>>(std::move(items)), see_own();
   }
+  Array(const Array&) = default;
   Array(Array&& other) noexcept
-      : own_(std::move(other.own_)), seen_(other.seen_), keep_(std::move(other.keep_)) {
-    other.clear();
-  }
-  Array& operator=(const Array& other) {
-    if (this != &other) *this = Array(other);
-    return *this;
-  }
+      : own_(std::move(other.own_)),
+        seen_(std::exchange(other.seen_, {})),
+        keep_(std::move(other.keep_)) {}
+  Array& operator=(const Array&) = default;
   Array& operator=(Array&& other) noexcept {
-    own_ = std::move(other.own_), seen_ = other.seen_, keep_ = std::move(other.keep_);
-    other.clear();
+    own_ = std::move(other.own_), seen_ = std::exchange(other.seen_, {});
+    keep_ = std::move(other.keep_);
     return *this;
   }
   Array& operator=(std::initializer_list<T> items) { return *this = Array(items); }
   ~Array() = default;
 
-  /// `count` elements, each `stride` bytes after the one before, read in place for as long as
-  /// `keep` lives. Elements that do not lie one after another, or not where a T may lie, are
-  /// gathered into memory of the array's own, once and here: all that reads an array may take it as
-  /// contiguous.
-  static Array borrow(const void* first, size_t count, std::shared_ptr<const void> keep,
-                      ptrdiff_t stride = sizeof(T)) {
-    Array array;
-    if (stride == ptrdiff_t(sizeof(T)) && reinterpret_cast<uintptr_t>(first) % alignof(T) == 0) {
-      array.seen_ = {static_cast<const T*>(first), count};
-      array.keep_ = std::move(keep);
-      return array;
+  /// `count` elements that are read in place for as long as `keep` lives, or copied if they are not
+  /// aligned for T.
+  static Array borrow(const void* first, size_t count, std::shared_ptr<const void> keep) {
+    if (reinterpret_cast<uintptr_t>(first) % alignof(T) != 0) {
+      std::vector<T> items(count);
+      std::memcpy(items.data(), first, count * sizeof(T));
+      return items;
     }
-    array.own_.resize(count);
-    const char* const bytes = static_cast<const char*>(first);
-    for (size_t i = 0; i < count; ++i)
-      std::memcpy(&array.own_[i], bytes + ptrdiff_t(i) * stride, sizeof(T));
-    array.see_own();
+    Array array;
+    array.seen_ = {static_cast<const T*>(first), count};
+    array.keep_ = std::move(keep);
     return array;
   }
-  /// Elements whose bytes are all zero, which take no memory until something changes them, where
-  /// the system has such zeroes.
-  static Array zeroes(size_t count) {
-    if (count == 0) return {};
-    const size_t bytes = count * sizeof(T);
-    const std::shared_ptr<const void> keep(map_zeroes(bytes),
-                                           [bytes](void* zeroes) { unmap_zeroes(zeroes, bytes); });
-    return borrow(keep.get(), count, keep);
+  /// Do both read the same memory?
+  bool shares(const Array& other) const {
+    return size() == other.size() && (empty() || data() == other.data());
   }
-  /// Does it read memory that is not its own?
-  bool is_borrowed() const { return seen_.data() != own_.data(); }
+  /// Does it read memory that belongs to the caller of borrow()?
+  bool is_borrowed() const { return !own_ && seen_.data(); }
 
   size_t size() const { return seen_.size(); }
+  size_t bytes() const { return seen_.size_bytes(); }
   bool empty() const { return seen_.empty(); }
   const T* data() const { return seen_.data(); }
   const T* begin() const { return seen_.data(); }
@@ -96,6 +84,8 @@ class Array {
   const T& front() const { return seen_.front(); }
   const T& back() const { return seen_.back(); }
 
+  const void* address(size_t i) const { return seen_.data() + i; }
+
   T* data() { return own().data(); }
   T* begin() { return own().data(); }
   T* end() { return own().data() + size(); }
@@ -103,47 +93,50 @@ class Array {
   T& front() { return own().front(); }
   T& back() { return own().back(); }
 
-  size_t capacity() const { return own_.capacity(); }
+  size_t capacity() const { return own_ ? own_->capacity() : 0; }
   void reserve(size_t count) {
-    change([&] { own_.reserve(count); });
+    change([&](auto& items) { items.reserve(count); });
   }
   void resize(size_t count) {
-    change([&] { own_.resize(count); });
+    change([&](auto& items) { items.resize(count); });
   }
   void resize(size_t count, T value) {
-    change([&] { own_.resize(count, value); });
+    change([&](auto& items) { items.resize(count, value); });
   }
   void assign(size_t count, T value) { *this = Array(std::vector<T>(count, value)); }
   template <std::input_iterator It>
   void assign(It first, It last) {
     *this = Array(std::vector<T>(first, last));
   }
-  void clear() {
-    keep_.reset();
-    own_.clear();
-    see_own();
-  }
+  void clear() { *this = Array(); }
   // By value: it may be an element of what is borrowed, which a change lets go.
   void push_back(T value) {
-    change([&] { own_.push_back(value); });
+    change([&](auto& items) { items.push_back(value); });
   }
   template <class... Args>
   T& emplace_back(Args&&... args) {
-    change([&] { own_.emplace_back(std::forward<Args>(args)...); });
-    return own_.back();
+    change([&](auto& items) { items.emplace_back(std::forward<Args>(args)...); });
+    return own_->back();
+  }
+  /// All of `more` behind the others; shares them if there are no others.
+  void append(const Array& more) {
+    if (empty())
+      *this = more;
+    else
+      insert(std::as_const(*this).end(), more.begin(), more.end());
   }
   void pop_back() {
-    change([&] { own_.pop_back(); });
+    change([](auto& items) { items.pop_back(); });
   }
   /// As std::vector's, before `where`: elements of elsewhere, or `count` times one.
   template <std::input_iterator It>
   void insert(const T* where, It first, It last) {
     const ptrdiff_t at = where - seen_.data();
-    change([&] { own_.insert(own_.begin() + at, first, last); });
+    change([&](auto& items) { items.insert(items.begin() + at, first, last); });
   }
   void insert(const T* where, size_t count, T value) {
     const ptrdiff_t at = where - seen_.data();
-    change([&] { own_.insert(own_.begin() + at, count, value); });
+    change([&](auto& items) { items.insert(items.begin() + at, count, value); });
   }
   void insert(const T* where, std::initializer_list<T> items) {
     insert(where, items.begin(), items.end());
@@ -159,23 +152,26 @@ class Array {
   }
 
  private:
-  void see_own() { seen_ = {own_.data(), own_.size()}; }
+  void see_own() { seen_ = *own_; }
   std::vector<T>& own() {
-    if (is_borrowed()) [[unlikely]] {
-      own_.assign(seen_.begin(), seen_.end());
+    if (!own_ || own_.use_count() > 1) {
+      own_ = std::make_shared<std::vector<T>>(seen_.begin(), seen_.end());
       keep_.reset();
       see_own();
     }
-    return own_;
+#ifndef __SANITIZE_THREAD__  // which has no fences
+    // use_count() is relaxed: what other threads read of a copy that is gone now comes first.
+    std::atomic_thread_fence(std::memory_order_acquire);
+#endif
+    return *own_;
   }
   template <class Change>
   void change(const Change& how) {
-    own();
-    how();
+    how(own());
     see_own();
   }
 
-  std::vector<T> own_;  // empty while it borrows
+  std::shared_ptr<std::vector<T>> own_;  // null while it borrows or is empty
   std::span<const T> seen_;
   std::shared_ptr<const void> keep_;
 };

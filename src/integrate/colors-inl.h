@@ -35,7 +35,7 @@ struct HitColumns {
 inline void gather_colors(const Geometry& geometry, const HitColumns& hit, size_t i,
                           Floats3& color) {
   for (size_t k = i; k < i + kWidth; ++k) {
-    const std::span<const Rgb> colors = geometry.colors(PrimitiveKind(hit.kind[k]));
+    const StridedArray<Rgb>& colors = geometry.colors(PrimitiveKind(hit.kind[k]));
     if (hit.index[k] < colors.size()) color.set(k, colors[hit.index[k]]);
   }
 }

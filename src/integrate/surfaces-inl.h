@@ -140,7 +140,7 @@ struct SurfaceKernel<PrimitiveKind::sphere> {
     const Sphere s = in.geometry.sphere(index);
     v.gathered.sphere.center.set(i, s.center);
     v.gathered.sphere.radius.at[i] = s.radius;
-    v.material[i] = in.geometry.scene().sphere_materials[index];
+    v.material[i] = in.geometry.object().sphere_materials[index];
   }
   static HWY_INLINE void spread(size_t i, SurfacePoints& v) {
     spread_lane(v.gathered.sphere.center, i), spread_lane(v.gathered.sphere.radius, i);
@@ -211,7 +211,7 @@ struct SurfaceKernel<PrimitiveKind::cone> {
     ConeColumns& to = v.gathered.cone;
     to.base.set(i, c.base), to.axis.set(i, c.axis);
     to.height.at[i] = c.height, to.base_radius.at[i] = c.base_radius, to.slope.at[i] = c.slope;
-    v.material[i] = in.geometry.scene().cone_materials[index];
+    v.material[i] = in.geometry.object().cone_materials[index];
   }
 
   // surface_point(), in double.

@@ -78,8 +78,7 @@ bool is_plain(const Scene& scene) { return !any_colors(scene) && scene.meshes.em
 Scene plain_scene(const Scene& scene) {
   Scene plain = scene;
   Recolored recolored(plain);
-  for_each_pool(plain, [&](PoolKind, auto&, Array<MaterialId>& materials, Array<Rgb>& colors,
-                           Array<float>& opacity) {
+  for_each_pool(plain, [&](PoolKind, auto&, auto& materials, auto& colors, auto& opacity) {
     for (size_t i = 0; i < colors.size(); ++i)
       materials[i] = recolored(materials[i], std::as_const(colors)[i]);
     colors.clear(), opacity.clear();

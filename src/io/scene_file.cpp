@@ -90,16 +90,16 @@ std::expected<ReadScene, Diagnostics> parse_raio(std::string_view bytes, std::st
 /// rendered on another background.
 void add_sky(ReadScene& read, const fs::path& path, std::string_view file) {
   Scene& scene = read.scene;
-  if (scene.sky_folder.empty()) return;
+  if (scene.requests.sky_folder.empty()) return;
   const auto warn = [&](const std::string& message) {
     read.notices.push_back({Severity::left_out, std::string(file), 0, 0,
                             message + "; the background is that of the scene (bclr)", ""});
   };
-  const fs::path folder = find_sky(scene.sky_folder, path);
+  const fs::path folder = find_sky(scene.requests.sky_folder, path);
   if (folder.empty())
     return warn(fmt::format("its sky: found no folder {} next to the file or in a parent folder",
-                            scene.sky_folder));
-  auto sky = read_cube_map(folder, scene.sky_folder);
+                            scene.requests.sky_folder));
+  auto sky = read_cube_map(folder, scene.requests.sky_folder);
   if (!sky) return warn("its sky: " + sky.error().text());
   scene.sky = std::move(*sky);
 }

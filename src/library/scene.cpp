@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <functional>
-#include <initializer_list>
 #include <utility>
 
 #include "io/nff/nff.h"
@@ -80,7 +80,7 @@ Camera Scene::camera() const {
 
 void Scene::set_background(Triple color) {
   data_->scene.background = rgb(color), data_->has_background = true;
-  data_->scene.sky = nullptr, data_->scene.sky_folder.clear();
+  data_->scene.sky = nullptr, data_->scene.requests.sky_folder.clear();
 }
 
 void Scene::add_light(Triple position, std::optional<Triple> color) {
@@ -89,109 +89,100 @@ void Scene::add_light(Triple position, std::optional<Triple> color) {
   data_->scene.lights.push_back(light);
 }
 
-namespace {
-
-// Prototypes use the scene's materials.
-void share_materials(const raio::Scene& scene, std::vector<raio::Scene>& prototypes) {
-  for (raio::Scene& object : prototypes) {
-    object.materials = scene.materials;
-    object.material_specular = scene.material_specular;
-    object.material_roughness = scene.material_roughness;
-    object.material_opacity = scene.material_opacity;
-    object.material_texture = scene.material_texture;
-    share_materials(scene, object.prototypes);
-  }
-}
-
-}  // namespace
-
 uint32_t Scene::add_material(const Material& m) {
   return guarded([&] {
-    raio::Scene& scene = data_->scene;
-    const MaterialId id = scene.add_material({rgb(m.color), float(m.kd), float(m.ks),
-                                              float(m.shine), float(m.transmission), float(m.ior)});
-    share_materials(scene, scene.prototypes);
-    return id;
+    return data_->scene.add_material({rgb(m.color), float(m.kd), float(m.ks), float(m.shine),
+                                      float(m.transmission), float(m.ior)});
   });
 }
 
 namespace {
 
-// An untyped column: `bytes` per element, the members of a struct from `offset`.
+// An untyped column: `bytes` per element.
 struct Part {
   std::string_view name;
   const void* data;
   size_t count;
   ptrdiff_t stride;
-  const std::shared_ptr<const void>& keep;
+  std::shared_ptr<const void> keep;
   size_t bytes;
-  size_t offset;
   bool optional = false;
 
   bool given() const { return data || count > 0; }
-  const char* at(size_t i) const { return static_cast<const char*>(data) + ptrdiff_t(i) * stride; }
 };
 
 template <class T, size_t N>
-Part part(std::string_view name, const Column<T, N>& c, size_t offset = 0) {
-  return {name, c.data, c.count, c.stride, c.keep, N * sizeof(T), offset};
+Part part(std::string_view name, const Column<T, N>& c) {
+  return {name, c.data, c.count, c.stride, c.keep, N * sizeof(T)};
+}
+
+template <class T, size_t N>
+Part optional_part(std::string_view name, const Column<T, N>& c) {
+  Part p = part(name, c);
+  p.optional = true;
+  return p;
+}
+
+// One value for all `count` elements.
+template <class T>
+Part constant_part(const T& value, size_t count) {
+  auto keep = std::make_shared<const T>(value);
+  const T* const data = keep.get();
+  return {"", data, count, 0, std::move(keep), sizeof(T)};
 }
 
 void check_part(const Part& p, std::string_view beside, size_t count) {
   if (p.count != count)
     refuse(fmt::format("found {} {} but {} {}", count, beside, p.count, p.name));
   if (count > 0 && !p.data) refuse(fmt::format("the {} are a null pointer", p.name));
-  if (p.stride == 0)
+  if (p.stride == 0 && !p.name.empty())
     refuse(
         fmt::format("the stride of the {} is 0, expected the bytes from one to the next", p.name));
 }
 
-// An array of structs from the parts; missing ones stay zero. In place if the caller keeps memory
-// in the layout of such an array.
-template <class T>
-Array<T> gathered(std::initializer_list<Part> parts) {
-  const Part& first = *parts.begin();
-  for (const Part& p : parts)
-    if (p.given() || !p.optional) check_part(p, first.name, first.count);
-  if (first.count == 0) return {};
-  std::vector<std::shared_ptr<const void>> keeps;
-  size_t bytes = 0;
-  for (const Part& p : parts) {
-    if (!p.keep || p.stride != sizeof(T) || p.data != first.at(0) + p.offset) continue;
-    bytes += p.bytes;
-    keeps.push_back(p.keep);
-  }
-  const bool aligned = reinterpret_cast<uintptr_t>(first.data) % alignof(T) == 0;
-  if (bytes == sizeof(T) && aligned)
-    return Array<T>::borrow(
-        first.data, first.count,
-        std::make_shared<const std::vector<std::shared_ptr<const void>>>(std::move(keeps)));
-  std::vector<T> all(first.count);
-  for (const Part& p : parts)
-    for (size_t i = 0; p.data && i < all.size(); ++i)
-      std::memcpy(reinterpret_cast<char*>(&all[i]) + p.offset, p.at(i), p.bytes);
-  return all;
+// The part in memory that is kept: the caller's, or a copy.
+Part kept(Part p) {
+  if (p.keep) return p;
+  const auto copy = std::make_shared<std::vector<char>>(p.count * p.bytes);
+  for (size_t i = 0; i < p.count; ++i)
+    std::memcpy(copy->data() + i * p.bytes,
+                static_cast<const char*>(p.data) + ptrdiff_t(i) * p.stride, p.bytes);
+  p.data = copy->data(), p.stride = ptrdiff_t(p.bytes), p.keep = copy;
+  return p;
 }
 
-// The first ones are taken in place.
+// Elements with the parts as members, in place where the caller keeps them. Missing optional parts
+// are zero.
 template <class T>
-void join(Array<T>& to, Array<T> more) {
-  if (to.empty())
-    to = std::move(more);
-  else
-    to.insert(std::as_const(to).end(), std::as_const(more).begin(), std::as_const(more).end());
+StridedArray<T> gathered(std::array<Part, kMemberOffsets<T>.size()> parts) {
+  const size_t count = parts[0].count;
+  for (Part& p : parts) {
+    if (p.optional && !p.given()) p = constant_part(std::array<char, sizeof(T)>(), count);
+    check_part(p, parts[0].name, count);
+  }
+  if (count == 0) return {};
+  std::array<typename StridedArray<T>::Member, kMemberOffsets<T>.size()> members;
+  std::vector<std::shared_ptr<const void>> keeps;
+  for (size_t m = 0; m < parts.size(); ++m) {
+    const Part p = kept(std::move(parts[m]));
+    members[m] = {p.data, p.stride};
+    keeps.push_back(p.keep);
+  }
+  return StridedArray<T>::borrow(
+      members, count,
+      std::make_shared<const std::vector<std::shared_ptr<const void>>>(std::move(keeps)));
 }
 
 // From the caller's coordinates to the scene's.
 template <class T, class... Points>
-void place(const raio::Scene& scene, Array<T>& all, Points... points) {
+void place(const raio::Scene& scene, StridedArray<T>& all, Points... points) {
   if (scene.origin == Vec3d()) return;
   for (T& x : all)
     for (Vec3f* p : {&std::invoke(points, x)...}) *p = Vec3f(Vec3d(*p) - scene.origin);
 }
 
 template <class T, class Normal>
-void make_unit(Array<T>& all, std::string_view whose, Normal normal) {
+void make_unit(StridedArray<T>& all, std::string_view whose, Normal normal) {
   for (size_t i = 0; i < all.size(); ++i) {
     const Vec3d n(std::invoke(normal, std::as_const(all)[i]));
     if (is_unit(Vec3f(n))) continue;
@@ -202,7 +193,7 @@ void make_unit(Array<T>& all, std::string_view whose, Normal normal) {
 }
 
 template <class T>
-void check_shapes(const Array<T>& shapes, std::string_view kind) {
+void check_shapes(const StridedArray<T>& shapes, std::string_view kind) {
   for (size_t i = 0; i < shapes.size(); ++i) {
     if (only_inside_seen(shapes[i])) refuse(fmt::format("{} {}: a radius is negative", kind, i));
     check_shape(shapes[i], [&](bool sound, std::string_view expected) {
@@ -222,10 +213,10 @@ struct PoolAppearance {
     const Part look_opacity = part("opacities", look.opacity);
     for (const Part& p : {look_colors, look_opacity})
       if (p.given()) check_part(p, "primitives", count);
-    colors = gathered<Rgb>({look_colors});
-    opacity = gathered<float>({look_opacity});
+    if (look_colors.given()) colors = gathered<Rgb>({look_colors});
+    if (look_opacity.given()) opacity = gathered<float>({look_opacity});
     for (size_t i = 0; i < colors.size(); ++i) {
-      const Rgb& c = std::as_const(colors)[i];
+      const Rgb c = std::as_const(colors)[i];
       if (!is_finite(c) || c.x < 0 || c.y < 0 || c.z < 0)
         refuse(fmt::format("colour {} must be finite and not negative", i));
     }
@@ -235,38 +226,37 @@ struct PoolAppearance {
   }
 
   MaterialId material;
-  Array<Rgb> colors;
-  Array<float> opacity;
+  StridedArray<Rgb> colors;
+  StridedArray<float> opacity;
 };
 
 // Appends `more`, or the material's default for each, to the values of the first `before`
 // primitives, if there are any values.
 template <class T, class Default>
-void join_looks(Array<T>& to, Array<T> more, const Array<MaterialId>& materials, size_t before,
+void join_looks(StridedArray<T>& to, StridedArray<T> more,
+                const StridedArray<MaterialId>& materials, size_t before,
                 const Default& default_of) {
   if (to.empty() && more.empty()) return;
   for (size_t i = to.size(); i < before; ++i) to.push_back(default_of(materials[i]));
-  if (!more.empty()) return join(to, std::move(more));
-  to.resize(materials.size(), default_of(materials.back()));
-}
-
-float opacity_of(const raio::Scene& scene, MaterialId id) {
-  return scene.material_opacity.empty() ? 1 : scene.material_opacity[id];
+  if (more.empty())
+    to.resize(materials.size(), default_of(materials.back()));
+  else
+    to.append(std::move(more));
 }
 
 // Nothing fails from here.
-template <class Shape>
-void append(raio::Scene& scene, Array<Shape> shapes, PoolAppearance looks) {
-  constexpr PoolMembers<Shape> pool = kPoolOf<Shape>;
+template <class Shapes>
+void append(raio::Scene& scene, const Shapes& shapes, PoolAppearance looks) {
+  constexpr auto pool = kPoolOf<typename Shapes::value_type>;
   const size_t before = (scene.*pool.shapes).size();
-  Array<MaterialId>& ids = scene.*pool.materials;
+  StridedArray<MaterialId>& ids = scene.*pool.materials;
   ids.resize(before + shapes.size(), looks.material);
   const auto& materials = std::as_const(scene).materials;
-  join_looks(scene.*pool.colors, std::move(looks.colors), ids, before,
+  join_looks(scene.*pool.colors, std::move(looks.colors), std::as_const(ids), before,
              [&](MaterialId id) { return materials[id].color; });
-  join_looks(scene.*pool.opacity, std::move(looks.opacity), ids, before,
-             [&](MaterialId id) { return opacity_of(scene, id); });
-  join(scene.*pool.shapes, std::move(shapes));
+  join_looks(scene.*pool.opacity, std::move(looks.opacity), std::as_const(ids), before,
+             [&](MaterialId id) { return scene.opacity_of(id); });
+  (scene.*pool.shapes).append(shapes);
 }
 
 }  // namespace
@@ -274,8 +264,7 @@ void append(raio::Scene& scene, Array<Shape> shapes, PoolAppearance looks) {
 void Scene::add_spheres(const Column<float, 3>& centers, const Column<float>& radii,
                         const Appearance& look) {
   guarded([&] {
-    auto spheres = gathered<Sphere>({part("centres", centers, offsetof(Sphere, center)),
-                                     part("radii", radii, offsetof(Sphere, radius))});
+    auto spheres = gathered<Sphere>({part("centres", centers), part("radii", radii)});
     place(data_->scene, spheres, &Sphere::center);
     check_shapes(spheres, "sphere");
     PoolAppearance looks(data_->scene, look, spheres.size());
@@ -287,11 +276,8 @@ void Scene::add_cones(const Column<float, 3>& starts, const Column<float, 3>& en
                       const Column<float>& start_radii, const Column<float>& end_radii,
                       const Appearance& look) {
   guarded([&] {
-    auto cones =
-        gathered<Cone>({part("starts", starts, offsetof(Cone, base)),
-                        part("radii of the starts", start_radii, offsetof(Cone, base_radius)),
-                        part("ends", ends, offsetof(Cone, apex)),
-                        part("radii of the ends", end_radii, offsetof(Cone, apex_radius))});
+    auto cones = gathered<Cone>({part("starts", starts), part("radii of the starts", start_radii),
+                                 part("ends", ends), part("radii of the ends", end_radii)});
     place(data_->scene, cones, &Cone::base, &Cone::apex);
     check_shapes(cones, "cone");
     PoolAppearance looks(data_->scene, look, cones.size());
@@ -302,8 +288,7 @@ void Scene::add_cones(const Column<float, 3>& starts, const Column<float, 3>& en
 void Scene::add_ellipsoids(const Column<float, 3>& centers, const Column<float, 9>& axes,
                            const Appearance& look) {
   guarded([&] {
-    auto ellipsoids = gathered<Ellipsoid>({part("centres", centers, offsetof(Ellipsoid, center)),
-                                           part("axes", axes, offsetof(Ellipsoid, axes))});
+    auto ellipsoids = gathered<Ellipsoid>({part("centres", centers), part("axes", axes)});
     place(data_->scene, ellipsoids, &Ellipsoid::center);
     check_shapes(ellipsoids, "ellipsoid");
     PoolAppearance looks(data_->scene, look, ellipsoids.size());
@@ -315,11 +300,8 @@ void Scene::add_discs(const Column<float, 3>& centers, const Column<float, 3>& n
                       const Column<float>& radii, const Column<float>& inner_radii,
                       const Appearance& look) {
   guarded([&] {
-    Part inner = part("inner radii", inner_radii, offsetof(Disc, inner));
-    inner.optional = true;
-    auto discs = gathered<Disc>({part("centres", centers, offsetof(Disc, center)),
-                                 part("normals", normals, offsetof(Disc, normal)),
-                                 part("radii", radii, offsetof(Disc, radius)), inner});
+    auto discs = gathered<Disc>({part("centres", centers), part("normals", normals),
+                                 part("radii", radii), optional_part("inner radii", inner_radii)});
     place(data_->scene, discs, &Disc::center);
     make_unit(discs, "disc", &Disc::normal);
     check_shapes(discs, "disc");
@@ -328,27 +310,13 @@ void Scene::add_discs(const Column<float, 3>& centers, const Column<float, 3>& n
   });
 }
 
-namespace {
-
-// Moving shapes, all from `begin` to `end`; the parts have the other members.
-template <class Shape>
-Array<Shape> gathered_moving(std::initializer_list<Part> parts, double begin, double end) {
-  Array<Shape> shapes = gathered<Shape>(parts);
-  for (Shape& s : shapes) s.begin = float(begin), s.end = float(end);
-  return shapes;
-}
-
-}  // namespace
-
 void Scene::add_moving_spheres(const Column<float, 3>& starts, const Column<float, 3>& ends,
                                const Column<float>& radii, double begin, double end,
                                const Appearance& look) {
   guarded([&] {
-    auto spheres =
-        gathered_moving<MovingSphere>({part("starts", starts, offsetof(MovingSphere, center)),
-                                       part("ends", ends, offsetof(MovingSphere, to)),
-                                       part("radii", radii, offsetof(MovingSphere, radius))},
-                                      begin, end);
+    auto spheres = gathered<MovingSphere>(
+        {part("starts", starts), part("ends", ends), part("radii", radii),
+         constant_part(float(begin), starts.count), constant_part(float(end), starts.count)});
     place(data_->scene, spheres, &MovingSphere::center, &MovingSphere::to);
     check_shapes(spheres, "moving sphere");
     PoolAppearance looks(data_->scene, look, spheres.size());
@@ -359,10 +327,9 @@ void Scene::add_moving_spheres(const Column<float, 3>& starts, const Column<floa
 void Scene::add_moving_triangles(const Column<float, 9>& starts, const Column<float, 9>& ends,
                                  double begin, double end, const Appearance& look) {
   guarded([&] {
-    auto triangles =
-        gathered_moving<MovingTriangle>({part("starts", starts, offsetof(MovingTriangle, from)),
-                                         part("ends", ends, offsetof(MovingTriangle, to))},
-                                        begin, end);
+    auto triangles = gathered<MovingTriangle>({part("starts", starts), part("ends", ends),
+                                               constant_part(float(begin), starts.count),
+                                               constant_part(float(end), starts.count)});
     if (const Vec3d origin = data_->scene.origin; origin != Vec3d())
       for (MovingTriangle& t : triangles)
         for (Vec3f* p : {&t.from.a, &t.from.b, &t.from.c, &t.to.a, &t.to.b, &t.to.c})
@@ -394,8 +361,8 @@ void Scene::add_triangles(const Column<float, 3>& positions, const Column<uint32
     const Part smooth = part("normals", normals);
     auto points = gathered<Vec3f>({part("positions", positions)});
     if (smooth.given()) check_part(smooth, "positions", points.size());
-    auto units = gathered<Vec3f>({smooth});
-    const auto corners = gathered<TriangleIndices>({part("triangles", triangles)});
+    auto units = smooth.given() ? gathered<Vec3f>({smooth}) : StridedArray<Vec3f>();
+    const auto corners = gathered<TriangleIndices>({part("triangles", triangles)}).packed();
     place(scene, points, std::identity());
     make_unit(units, "vertex", std::identity());
     for (size_t i = 0; i < points.size(); ++i)
@@ -413,21 +380,17 @@ void Scene::add_triangles(const Column<float, 3>& positions, const Column<uint32
     const size_t before = scene.triangles.size();
     if (smooth.given()) {
       if (scene.triangle_normals.size() < before) scene.triangle_normals.resize(before, kFlat);
-      join(scene.triangle_normals, behind(first_normal, corners));
+      scene.triangle_normals.append(behind(first_normal, corners));
     } else if (!scene.triangle_normals.empty()) {
       scene.triangle_normals.resize(before + corners.size(), kFlat);
     }
-    join(scene.positions, std::move(points));
-    join(scene.normals, std::move(units));
+    scene.positions.append(points.packed());
+    scene.normals.append(units.packed());
     append(scene, behind(first, corners), std::move(looks));
   });
 }
 
 namespace {
-
-uint32_t texture_of(const raio::Scene& scene, MaterialId id) {
-  return scene.material_texture.empty() ? kNoTexture : scene.material_texture[id];
-}
 
 // Moves the textures of an object to the scene and renumbers them.
 void take_textures(raio::Scene& scene, raio::Scene& object) {
@@ -438,8 +401,8 @@ void take_textures(raio::Scene& scene, raio::Scene& object) {
   for (Texture& texture : object.textures) texture.first += first_texel;
   for (uint32_t& texture : object.material_texture)
     if (texture != kNoTexture) texture += first;
-  join(scene.textures, std::move(object.textures));
-  join(scene.texels, std::move(object.texels));
+  scene.textures.append(object.textures);
+  scene.texels.append(object.texels);
   object.textures = {}, object.texels = {};
 }
 
@@ -450,54 +413,45 @@ std::vector<MaterialId> numbers_in(raio::Scene& scene, const raio::Scene& object
     const auto& materials = std::as_const(scene).materials;
     const raio::Material material = object.materials[id];
     const Rgb specular = object.specular_of(id);
-    const float roughness = object.roughness_of(id), opacity = opacity_of(object, id);
+    const float roughness = object.roughness_of(id), opacity = object.opacity_of(id);
     MaterialId same = 0;
     while (same < materials.size() &&
            !(materials[same] == material && scene.specular_of(same) == specular &&
-             scene.roughness_of(same) == roughness && opacity_of(scene, same) == opacity &&
-             texture_of(scene, same) == texture_of(object, id)))
+             scene.roughness_of(same) == roughness && scene.opacity_of(same) == opacity &&
+             scene.texture_of(same) == object.texture_of(id)))
       ++same;
     if (same == materials.size())
-      scene.add_material(material, specular, roughness, opacity, texture_of(object, id));
+      scene.add_material(material, specular, roughness, opacity, object.texture_of(id));
     numbers.push_back(same);
   }
   return numbers;
 }
 
 // Renumbers materials and named objects of an object and those within it.
-void renumber(raio::Scene& object, const std::vector<MaterialId>& materials, uint32_t names) {
-  const auto change = [&](Array<MaterialId>& ids) {
+void renumber(Object& object, const std::vector<MaterialId>& materials, uint32_t names) {
+  const auto change = [&](auto& ids) {
     for (MaterialId& id : ids) id = materials[id];
   };
   for_each_pool([&](auto pool) { change(object.*pool.materials); });
   for (Mesh& mesh : object.meshes) change(mesh.materials);
   for (ObjectRange& range : object.object_ranges) range.object += names;
-  for (raio::Scene& inner : object.prototypes) renumber(inner, materials, names);
+  for (Object& inner : object.prototypes) renumber(inner, materials, names);
 }
 
-int depth_of(const raio::Scene& scene) {
+int depth_of(const Object& scene) {
   int depth = 0;
-  for (const raio::Scene& object : scene.prototypes) depth = std::max(depth, 1 + depth_of(object));
+  for (const Object& object : scene.prototypes) depth = std::max(depth, 1 + depth_of(object));
   return depth;
-}
-
-// The contents of an object, without camera, lights and background.
-raio::Scene object_of(const raio::Scene& scene) {
-  raio::Scene object = scene;
-  object.name.clear();
-  object.camera = {}, object.background = {}, object.lights.clear();
-  object.dialect = {}, object.samples_per_pixel = 0, object.structure = {};
-  object.sky_folder.clear(), object.sky = nullptr;
-  return object;
 }
 
 }  // namespace
 
 uint32_t Scene::add_prototype(const Scene& prototype) {
   return guarded([&] {
-    raio::Scene object = object_of(prototype.data_->scene);
+    raio::Scene object = prototype.data_->scene;
+    object.camera = {};
     if (!object.planes.empty()) refuse("an infinite plane cannot be instanced");
-    if (object.moves()) refuse("moving primitives cannot be instanced");
+    if (object.has_moving()) refuse("moving primitives cannot be instanced");
     if (1 + depth_of(object) > kMaxNested)
       refuse(fmt::format("prototypes are nested more than {} deep", kMaxNested));
     if (const auto problems = validate(object); !problems.empty()) refuse(problems.front());
@@ -507,17 +461,16 @@ uint32_t Scene::add_prototype(const Scene& prototype) {
     renumber(object, numbers_in(scene, object), uint32_t(scene.object_names.size()));
     scene.object_names.insert(scene.object_names.end(), names.begin(), names.end());
     scene.prototypes.push_back(std::move(object));
-    share_materials(scene, scene.prototypes);
     return uint32_t(scene.prototypes.size() - 1);
   });
 }
 
 namespace {
 
-void append_instances(raio::Scene& scene, Array<Instance> copies, std::string_view name) {
+void append_instances(raio::Scene& scene, StridedArray<Instance> copies, std::string_view name) {
   bool far = scene.origin != Vec3d();
   for (size_t i = 0; i < copies.size(); ++i) {
-    const Instance& copy = std::as_const(copies)[i];
+    const Instance copy = std::as_const(copies)[i];
     if (copy.prototype >= scene.prototypes.size())
       refuse(fmt::format("instance {}: unknown prototype {}, expected a number below {}", i,
                          copy.prototype, scene.prototypes.size()));
@@ -537,7 +490,7 @@ void append_instances(raio::Scene& scene, Array<Instance> copies, std::string_vi
     scene.object_ranges.push_back({PoolKind::instance, uint32_t(scene.instances.size()),
                                    uint32_t(copies.size()), uint32_t(scene.object_names.size())});
   }
-  join(scene.instances, std::move(copies));
+  scene.instances.append(copies);
 }
 
 }  // namespace
@@ -545,8 +498,8 @@ void append_instances(raio::Scene& scene, Array<Instance> copies, std::string_vi
 void Scene::add_instances(uint32_t prototype, const Column<float, 12>& matrices,
                           std::string_view name) {
   guarded([&] {
-    auto copies = gathered<Instance>({part("matrices", matrices, offsetof(Instance, matrix))});
-    for (Instance& copy : copies) copy.prototype = prototype;
+    auto copies =
+        gathered<Instance>({constant_part(prototype, matrices.count), part("matrices", matrices)});
     append_instances(data_->scene, std::move(copies), name);
   });
 }
@@ -554,8 +507,7 @@ void Scene::add_instances(uint32_t prototype, const Column<float, 12>& matrices,
 void Scene::add_instances(const Column<uint32_t>& prototypes, const Column<float, 12>& matrices,
                           std::string_view name) {
   guarded([&] {
-    auto copies = gathered<Instance>({part("prototypes", prototypes, offsetof(Instance, prototype)),
-                                      part("matrices", matrices, offsetof(Instance, matrix))});
+    auto copies = gathered<Instance>({part("prototypes", prototypes), part("matrices", matrices)});
     append_instances(data_->scene, std::move(copies), name);
   });
 }

@@ -175,7 +175,7 @@ constexpr Usual usual(Dialect dialect) {
 }  // namespace
 
 AccelKind hinted_accel(const Scene& scene) {
-  switch (scene.structure) {
+  switch (scene.requests.structure) {
     case AccelHint::any:
       break;
     case AccelHint::none:
@@ -260,10 +260,10 @@ RenderSettings resolve_options(const RenderOptions& o, const Scene& scene) {
   s.aa = o.aa, s.lens_samples = o.lens_samples;
   const bool figure = s.integrator == IntegratorKind::ambient;
   if (figure && o.samples == 0 && o.aa == 0 && o.lens_samples == 0 &&
-      o.sampler != SamplerKind::jitter && scene.samples_per_pixel == 0)
+      o.sampler != SamplerKind::jitter && scene.requests.samples_per_pixel == 0)
     s.samples = kFigureSamples, s.sampler = SamplerKind::sobol;
   if (s.samples == 0 && o.aa == 0)
-    s.aa = std::max(1, int(std::lround(std::sqrt(double(scene.samples_per_pixel)))));
+    s.aa = std::max(1, int(std::lround(std::sqrt(double(scene.requests.samples_per_pixel)))));
   if (s.samples == 0 && o.lens_samples == 0) s.lens_samples = 1;
 
   s.depth = o.depth;

@@ -31,27 +31,32 @@ RenderOptions without_camera(RenderOptions o) {
   return o;
 }
 
-// Whether one scene's structure is valid for the other: both read the same arrays and differ only
-// where structures and accel/geometry.h do not look: lights, background, materials. Never compares
-// elements of large arrays.
-bool bakes_alike(const Scene& a, const Scene& b, bool one_sided) {
-  // The widths of a grid's cells depend on the camera.
-  if (&a == &b) return true;
-  if (a.origin != b.origin || a.camera.from != b.camera.from) return false;
-  if (a.meshes.size() != b.meshes.size() || a.materials.size() != b.materials.size()) return false;
-  std::vector<std::pair<const void*, size_t>> arrays;
-  const auto is_baked = [](ColumnName column) { return !column.name.starts_with("material"); };
-  for_each_column(a, [&](ColumnName name, const auto& column) {
-    if (is_baked(name)) arrays.emplace_back(column.data(), column.size());
-  });
+// Whether both read the same arrays. Never compares elements.
+bool same_geometry(const Object& a, const Object& b) {
+  if (a.origin != b.origin || a.meshes.size() != b.meshes.size() ||
+      a.prototypes.size() != b.prototypes.size())
+    return false;
+  std::vector<const void*> arrays;
+  for_each_object_column(a, [&](ColumnName, const auto& column) { arrays.push_back(&column); });
+  for (const Mesh& mesh : a.meshes)
+    for_each_mesh_column(mesh, [&](ColumnName, const auto& column) { arrays.push_back(&column); });
   size_t i = 0;
   bool same = true;
-  for_each_column(b, [&](ColumnName name, const auto& column) {
-    if (!is_baked(name)) return;
-    const auto& [data, size] = arrays[i++];
-    same = same && size == column.size() && (size == 0 || data == column.data());
-  });
-  if (!same) return false;
+  const auto compare = [&]<class Column>(ColumnName, const Column& column) {
+    same = same && column.shares(*static_cast<const Column*>(arrays[i++]));
+  };
+  for_each_object_column(b, compare);
+  for (const Mesh& mesh : b.meshes) for_each_mesh_column(mesh, compare);
+  return same && std::ranges::equal(a.prototypes, b.prototypes, same_geometry);
+}
+
+// Whether one scene's structure is valid for the other: both read the same arrays and differ only
+// where structures and accel/geometry.h do not look: lights, background, materials.
+bool bakes_alike(const Scene& a, const Scene& b, bool one_sided) {
+  if (&a == &b) return true;
+  // The widths of a grid's cells depend on the camera.
+  if (a.camera.from != b.camera.from || a.materials.size() != b.materials.size()) return false;
+  if (!same_geometry(a, b)) return false;
   // Materials: whether they are opaque, triangle colours that come from them, and opacities.
   const bool with_colors = any_colors(a);
   for (size_t m = 0; m < a.materials.size(); ++m) {

@@ -85,7 +85,7 @@ std::vector<SceneWarning> scene_warnings(const Scene& scene, const RenderSetting
   if (settings.camera.is_parallel() && settings.camera.lens_radius.value_or(0) > 0)
     warnings.push_back({SceneWarning::no_lens,
                         "the scene's lens has no effect on parallel rays; everything is sharp"});
-  if (const size_t count = scene.primitive_count(); scene.structure == AccelHint::none &&
+  if (const size_t count = scene.primitive_count(); scene.requests.structure == AccelHint::none &&
                                                     settings.accel.kind == AccelKind::none &&
                                                     count > kManyPrimitives)
     warnings.push_back(

@@ -60,12 +60,10 @@ void for_each_mesh_column(MeshType& mesh, F&& f) {
   f(ColumnName{"mesh_normal_indices", Counted::where_used}, mesh.normal_indices);
 }
 
-/// Calls f(ColumnName, array) for all arrays of `scene`, const or not, but lights, the names of
-/// objects and those of meshes and prototypes. The order is that of the hash: new ones go to the
-/// end.
-template <class SceneType, class F>
-void for_each_own_column(SceneType& s, F&& f) {
-  f(ColumnName{"materials"}, s.materials);
+/// Calls f(ColumnName, array) for the arrays of `object`, const or not, without those of meshes and
+/// prototypes and its instances. The order is that of the hash.
+template <class ObjectType, class F>
+void for_each_pool_column(ObjectType& s, F&& f) {
   f(ColumnName{"planes"}, s.planes);
   f(ColumnName{"plane_materials"}, s.plane_materials);
   f(ColumnName{"spheres"}, s.spheres);
@@ -89,10 +87,27 @@ void for_each_own_column(SceneType& s, F&& f) {
     f(ColumnName{names.opacity.data(), Counted::where_used}, opacity);
   });
   f(ColumnName{"object_ranges", Counted::where_used}, s.object_ranges);
+}
+inline constexpr ColumnName kInstances = {"instances", Counted::where_used};
+
+/// The same with its instances.
+template <class ObjectType, class F>
+void for_each_object_column(ObjectType& object, F&& f) {
+  for_each_pool_column(object, f);
+  f(kInstances, object.instances);
+}
+
+/// Calls f(ColumnName, array) for the arrays of `scene`, const or not, without lights, the names of
+/// objects and the arrays of meshes and prototypes. The order is that of the hash: new ones go to
+/// the end.
+template <class SceneType, class F>
+void for_each_own_column(SceneType& s, F&& f) {
+  f(ColumnName{"materials"}, s.materials);
+  for_each_pool_column(s, f);
   f(ColumnName{"material_specular", Counted::where_used}, s.material_specular);
   f(ColumnName{"material_roughness", Counted::where_used}, s.material_roughness);
   f(ColumnName{"material_opacity", Counted::where_used}, s.material_opacity);
-  f(ColumnName{"instances", Counted::where_used}, s.instances);
+  f(kInstances, s.instances);
   f(ColumnName{"material_texture", Counted::where_used}, s.material_texture);
   f(ColumnName{"textures", Counted::where_used}, s.textures);
   f(ColumnName{"texels", Counted::where_used}, s.texels);

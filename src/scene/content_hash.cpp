@@ -18,15 +18,16 @@ class Gatherer {
     (bytes_.append(reinterpret_cast<const char*>(&values), sizeof values), ...);
   }
   // Elements are four-byte numbers, without padding in between.
-  template <class T>
-  void add_column(ColumnName column, const Array<T>& array) {
+  void add_column(ColumnName column, const auto& array) {
+    using T = std::remove_cvref_t<decltype(array)>::value_type;
     static_assert(alignof(T) == 4);
     if (column.counted == Counted::where_used) {
       if (array.empty()) return;
       bytes_.append(column.name);
     }
-    add(uint64_t(array.size()),
-        hash128({reinterpret_cast<const char*>(array.data()), array.size() * sizeof(T)}));
+    const Array<T> elements = packed(array);
+    add(uint64_t(elements.size()),
+        hash128({reinterpret_cast<const char*>(elements.data()), elements.bytes()}));
   }
   template <class T>
   void add_optional(const std::optional<T>& value) {
@@ -48,7 +49,7 @@ std::string content_hash(const Scene& s) {
   Gatherer all;
   const Camera& camera = s.camera;
   all.add(s.origin, camera.from, camera.at, camera.up, camera.fov_deg);
-  all.add(camera.width, camera.height, s.samples_per_pixel, s.background);
+  all.add(camera.width, camera.height, s.requests.samples_per_pixel, s.background);
   all.add_optional(camera.lens_radius);
   all.add_optional(camera.focus_distance);
   for (const Light& light : s.lights) {
@@ -74,12 +75,13 @@ std::string content_hash(const Scene& s) {
       all.add_word("light extent");
       all.add(uint32_t(i), extent->width, extent->depth);
     }
-  if (!s.sky_folder.empty()) all.add_word("sky " + s.sky_folder);
+  if (!s.requests.sky_folder.empty()) all.add_word("sky " + s.requests.sky_folder);
   if (const auto& m = camera.movement) {
     all.add_word("camera movement");
     all.add(m->from, m->at, m->begin, m->end);
   }
-  for (const Scene& object : s.prototypes) all.add_word("object " + content_hash(object));
+  for (const Object& object : s.prototypes)
+    all.add_word("object " + content_hash(standalone(s, object)));
   return all.name();
 }
 

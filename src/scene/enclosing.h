@@ -13,7 +13,7 @@ namespace raio {
 
 /// Calls f(centre, radius) for spheres that enclose primitive i of a kind.
 template <PrimitiveKind kind, class F>
-void enclose(const Scene& scene, size_t i, F&& f) {
+void enclose(const Object& scene, size_t i, F&& f) {
   const auto& shape = (scene.*kPoolOf<PrimitiveType<kind>>.shapes)[i];
   if constexpr (kind == PrimitiveKind::sphere) {
     f(shape.center, std::abs(shape.radius));
@@ -29,7 +29,7 @@ void enclose(const Scene& scene, size_t i, F&& f) {
 /// Calls add(sum, centre, radius) for every `every`-th primitive of each pool. Adds the sums in an
 /// order that does not depend on threads.
 template <class Sum, class Add>
-Sum sum_up(const Scene& scene, const Add& add, size_t every = 1) {
+Sum sum_up(const Object& scene, const Add& add, size_t every = 1) {
   Sum total;
   for (const Instance& copy : scene.instances) {
     const Placement place(copy.matrix);

@@ -56,8 +56,8 @@ TriangleIndices turned(const TriangleIndices& t, bool mirrored) {
 // Appends a column parallel to a pool of `before` elements, which gets `count` more. If only one of
 // both has values, the others get their materials' `usual` value.
 template <class T, class Usual>
-void append(Array<T>& to, const Array<MaterialId>& materials, size_t before, const Array<T>& from,
-            size_t count, const Usual& usual) {
+void append(StridedArray<T>& to, const StridedArray<MaterialId>& materials, size_t before,
+            const StridedArray<T>& from, size_t count, const Usual& usual) {
   if (to.empty() && from.empty()) return;
   const bool had = !to.empty();
   to.resize(before + count);
@@ -72,7 +72,7 @@ class Flattener {
 
   // Adds all of `object`, transformed by the matrix. It belongs to `owner` or, if that is 0, to its
   // owner within the object.
-  void add(const Scene& object, const Matrix& matrix, uint32_t owner) {
+  void add(const Object& object, const Matrix& matrix, uint32_t owner) {
     const Placement by(matrix);
     const size_t positions = scene_.positions.size();
     for (const Vec3f p : object.positions) scene_.positions.push_back(Vec3f(by.point(Vec3d(p))));
@@ -108,7 +108,7 @@ class Flattener {
   const std::string& error() const { return error_; }
 
  private:
-  void add_normals(const Scene& object, const Placement& by) {
+  void add_normals(const Object& object, const Placement& by) {
     const auto first = uint32_t(scene_.normals.size());
     for (const Vec3f n : object.normals) scene_.normals.push_back(Vec3f(by.normal(Vec3d(n))));
     auto& to = scene_.triangle_normals;
@@ -135,7 +135,8 @@ class Flattener {
   }
 
   // The object ranges of `count` elements of a pool after the first `before`.
-  void add_ranges(const Scene& object, PoolKind pool, size_t before, size_t count, uint32_t owner) {
+  void add_ranges(const Object& object, PoolKind pool, size_t before, size_t count,
+                  uint32_t owner) {
     if (owner && count > 0)
       scene_.object_ranges.push_back({pool, uint32_t(before), uint32_t(count), owner});
     if (owner) return;
@@ -147,9 +148,9 @@ class Flattener {
   }
 
   template <class Shape>
-  void add_pool(const Scene& object, PoolMembers<Shape> pool, const Placement& by,
+  void add_pool(const Object& object, PoolMembers<Shape> pool, const Placement& by,
                 uint32_t positions) {
-    const Array<Shape>& from = object.*pool.shapes;
+    const auto& from = object.*pool.shapes;
     const size_t count = from.size(), before = (scene_.*pool.shapes).size();
     if (count == 0) return;
     (scene_.*pool.shapes).resize(before + count);
@@ -189,12 +190,12 @@ class Flattener {
   std::string error_;
 };
 
-// The size of a scene with its instances converted to primitives, bytes.
-double flat_bytes(const Scene& scene) {
+// The size of an object with its instances converted to primitives, bytes.
+double flat_bytes(const Object& scene) {
   std::vector<double> of_one;
   of_one.reserve(scene.prototypes.size());
   double sum = double(memory_bytes(scene));
-  for (const Scene& object : scene.prototypes) of_one.push_back(flat_bytes(object));
+  for (const Object& object : scene.prototypes) of_one.push_back(flat_bytes(object));
   for (const Instance& copy : scene.instances) sum += of_one[copy.prototype];
   return sum;
 }
@@ -209,8 +210,8 @@ std::string flatten_instances(Scene& scene) {
   if (const double bytes = flat_bytes(scene); bytes > 0.5 * double(available_memory_bytes()))
     return "its instances as primitives would take " + std::to_string(uint64_t(bytes * 1e-9) + 1) +
            " GB, more than is available";
-  const Array<Instance> copies = std::move(scene.instances);
-  const std::vector<Scene> objects = std::move(scene.prototypes);
+  const StridedArray<Instance> copies = std::move(scene.instances);
+  const std::vector<Object> objects = std::move(scene.prototypes);
   const Array<ObjectRange> ranges = std::move(scene.object_ranges);
   scene.instances = {}, scene.prototypes.clear(), scene.object_ranges = {};
   std::vector<uint32_t> owners(copies.size());

@@ -15,10 +15,10 @@ std::string plural(size_t count, std::string_view noun) {
   return text;
 }
 
-void extend_by_copies(Box3f& box, const Scene& scene, const Matrix* matrix);
+void extend_by_copies(Box3f& box, const Object& scene, const Matrix* matrix);
 
-// The bounds of the scene transformed by `matrix`; null: untransformed.
-Box3f bounds_of(const Scene& scene, const Matrix* matrix) {
+// The bounds of the object transformed by `matrix`; null: untransformed.
+Box3f bounds_of(const Object& scene, const Matrix* matrix) {
   const Placement place(matrix ? *matrix : kIdentity);
   const double scale = place.scale();
   Box3f box;
@@ -58,10 +58,10 @@ Box3f bounds_of(const Scene& scene, const Matrix* matrix) {
 
 // Descends into an instance only if the bounds of its object extend beyond the box; in a large
 // assembly most do not. Those that extend furthest come first.
-void extend_by_copies(Box3f& box, const Scene& scene, const Matrix* matrix) {
+void extend_by_copies(Box3f& box, const Object& scene, const Matrix* matrix) {
   std::vector<Box3f> of_object;
   of_object.reserve(scene.prototypes.size());
-  for (const Scene& object : scene.prototypes) of_object.push_back(bounds_of(object, nullptr));
+  for (const Object& object : scene.prototypes) of_object.push_back(bounds_of(object, nullptr));
   std::vector<Matrix> matrices;
   matrices.reserve(scene.instances.size());
   std::vector<Box3d> reach;
@@ -87,7 +87,7 @@ void extend_by_copies(Box3f& box, const Scene& scene, const Matrix* matrix) {
 }
 
 // The number of instances of each prototype.
-std::vector<size_t> count_copies(const Scene& scene) {
+std::vector<size_t> count_copies(const Object& scene) {
   std::vector<size_t> copies(scene.prototypes.size());
   for (const Instance& copy : scene.instances) ++copies[copy.prototype];
   return copies;
@@ -110,7 +110,7 @@ MaterialId Scene::add_material(const Material& material, Rgb specular, float rou
   return MaterialId(materials.size() - 1);
 }
 
-size_t Scene::primitive_count() const {
+size_t Object::primitive_count() const {
   size_t sum = 0;
   for_each_pool([&](auto pool) { sum += (this->*pool.shapes).size(); });
   for (const Mesh& mesh : meshes) sum += mesh.triangles.size();
@@ -120,7 +120,7 @@ size_t Scene::primitive_count() const {
   return sum;
 }
 
-std::array<size_t, kShapeKinds> count_primitives(const Scene& scene) {
+std::array<size_t, kShapeKinds> count_primitives(const Object& scene) {
   std::array<size_t, kShapeKinds> counts{};
   for_each_pool([&](auto pool) {
     for (const auto& shape : scene.*pool.shapes) ++counts[size_t(shape_kind(shape))];
@@ -136,57 +136,84 @@ std::array<size_t, kShapeKinds> count_primitives(const Scene& scene) {
   return counts;
 }
 
-Box3f bounds(const Scene& scene) { return bounds_of(scene, nullptr); }
+Box3f bounds(const Object& scene) { return bounds_of(scene, nullptr); }
+
+size_t memory_bytes(const Object& object) {
+  size_t bytes = 0;
+  const auto add = [&](ColumnName, const auto& column) { bytes += column.bytes(); };
+  for_each_object_column(object, add);
+  for (const Mesh& mesh : object.meshes) for_each_mesh_column(mesh, add);
+  for (const Object& inner : object.prototypes) bytes += memory_bytes(inner);
+  return bytes;
+}
 
 size_t memory_bytes(const Scene& scene) {
   size_t bytes = scene.lights.size() * sizeof(Light);
   for (const std::string& name : scene.object_names) bytes += name.size();
-  for_each_column(scene, [&](ColumnName, const auto& column) {
-    bytes += column.size() * sizeof(*column.data());
-  });
-  for (const Scene& object : scene.prototypes) bytes += memory_bytes(object);
+  for_each_column(scene, [&](ColumnName, const auto& column) { bytes += column.bytes(); });
+  for (const Object& object : scene.prototypes) bytes += memory_bytes(object);
   return bytes;
 }
 
-bool any_transparent(const Scene& scene) {
-  const auto any = [](const Array<float>& opacity) {
-    return std::ranges::any_of(opacity, [](float o) { return o < 1; });
-  };
-  bool clear = any(scene.material_opacity);
-  for_each_pool(scene, [&](PoolKind, auto&, auto&, auto&, const Array<float>& opacity) {
-    clear = clear || any(opacity);
-  });
-  return clear || std::ranges::any_of(scene.prototypes, [](auto& s) { return any_transparent(s); });
+namespace {
+
+bool any_below_one(const auto& opacity) {
+  return std::ranges::any_of(opacity, [](float o) { return o < 1; });
 }
 
-bool any_colors(const Scene& scene) {
+bool any_own_opacity(const Object& object) {
   bool any = false;
-  for_each_pool(scene, [&](PoolKind, auto&, auto&, const Array<Rgb>& colors, auto&) {
-    any |= !colors.empty();
+  for_each_pool(object, [&](PoolKind, auto&, auto&, auto&, const auto& opacity) {
+    any = any || any_below_one(opacity);
   });
+  return any || std::ranges::any_of(object.prototypes, any_own_opacity);
+}
+
+}  // namespace
+
+bool any_transparent(const Scene& scene, const Object& object) {
+  return any_below_one(scene.material_opacity) || any_own_opacity(object);
+}
+bool any_transparent(const Scene& scene) { return any_transparent(scene, scene); }
+
+bool any_colors(const Object& scene) {
+  bool any = false;
+  for_each_pool(scene,
+                [&](PoolKind, auto&, auto&, const auto& colors, auto&) { any |= !colors.empty(); });
   return any || std::ranges::any_of(scene.prototypes, [](auto& s) { return any_colors(s); });
 }
 
-float brightest_color(const Scene& scene) {
+float brightest_color(const Object& scene) {
   float brightest = 0;
-  for_each_pool(scene, [&](PoolKind, auto&, auto&, const Array<Rgb>& colors, auto&) {
-    for (const Rgb& color : colors) brightest = std::max(brightest, max_component(color));
+  for_each_pool(scene, [&](PoolKind, auto&, auto&, const auto& colors, auto&) {
+    for (const Rgb color : colors) brightest = std::max(brightest, max_component(color));
   });
-  for (const Scene& object : scene.prototypes)
+  for (const Object& object : scene.prototypes)
     brightest = std::max(brightest, brightest_color(object));
   return brightest;
 }
 
-float brightest_tint(const Scene& scene) {
+float brightest_tint(const Object& scene) {
   float brightest = 1;
   for (const Mesh& mesh : scene.meshes)
     for (const Rgb& color : mesh.colors) brightest = std::max(brightest, max_component(color));
-  for (const Scene& object : scene.prototypes)
+  for (const Object& object : scene.prototypes)
     brightest = std::max(brightest, brightest_tint(object));
   return brightest;
 }
 
-uint32_t object_of(const Scene& scene, PoolKind pool, size_t index) {
+Scene standalone(const Scene& around, const Object& object) {
+  Scene scene;
+  static_cast<Object&>(scene) = object;
+  scene.materials = around.materials;
+  scene.material_specular = around.material_specular;
+  scene.material_roughness = around.material_roughness;
+  scene.material_opacity = around.material_opacity;
+  scene.material_texture = around.material_texture;
+  return scene;
+}
+
+uint32_t object_of(const Object& scene, PoolKind pool, size_t index) {
   const auto behind = std::ranges::upper_bound(
       scene.object_ranges, std::pair(pool, index), std::less(),
       [](const ObjectRange& r) { return std::pair(r.pool, size_t(r.first)); });
@@ -209,7 +236,7 @@ std::string text_of(const Scene& scene, std::initializer_list<Feature> features)
   for (const Feature feature : features) {
     switch (feature) {
       case Feature::opacity:
-        for_each_pool(scene, [&](PoolKind kind, auto&, auto&, auto&, const Array<float>& opacity) {
+        for_each_pool(scene, [&](PoolKind kind, auto&, auto&, auto&, const auto& opacity) {
           add("opacity", size_t(std::ranges::count_if(opacity, [](float o) { return o < 1; })),
               kPoolNames[size_t(kind)]);
         });
@@ -255,8 +282,8 @@ std::string text_of(const Scene& scene, std::initializer_list<Feature> features)
         add("movement", scene.camera.movement ? 1 : 0, "camera");
         break;
       case Feature::sky:
-        if (scene.sky_folder.empty()) break;
-        text += (text.empty() ? "" : ", ") + ("the sky in " + scene.sky_folder);
+        if (scene.requests.sky_folder.empty()) break;
+        text += (text.empty() ? "" : ", ") + ("the sky in " + scene.requests.sky_folder);
         break;
     }
   }

@@ -16,6 +16,7 @@
 #include "base/array.h"
 #include "base/box.h"
 #include "base/placement.h"
+#include "base/strided_array.h"
 #include "base/vec.h"
 #include "shape/cone.h"
 #include "shape/disc.h"
@@ -54,7 +55,6 @@ struct Camera {
   float fov_deg = 45;            // vertical, from edge to edge, in (0, 180)
   float horizontal_fov_deg = 0;  // horizontal at least, whatever the shape of the picture; 0: any
   Projection projection = Projection::perspective;
-  float near_clip = 0;        // kept for writing; a ray tracer needs no front plane
   int width = 0, height = 0;  // pixels; 0: the file does not say
 
   // The thin lens, where the file gives one (P3F): radius and distance of the plane in focus, scene
@@ -179,28 +179,124 @@ struct ObjectRange {
   friend bool operator==(const ObjectRange&, const ObjectRange&) = default;
 };
 
-/// So deep at most are prototypes within prototypes.
+/// Prototypes are nested at most this deep.
 inline constexpr int kMaxNested = 16;
 
-/// A copy of an object, where the matrix places it.
+/// An instance of a prototype, placed by the matrix.
 struct Instance {
-  uint32_t prototype = 0;  // of Scene::prototypes
+  uint32_t prototype = 0;  // of Object::prototypes
   Matrix matrix = kIdentity;
 
   friend bool operator==(const Instance&, const Instance&) = default;
 };
 
-struct Scene {
-  std::string name;  // of the file, without folder and suffix
+// The members that a caller may keep in columns of their own.
+template <>
+inline constexpr std::array kMemberOffsets<Sphere> = {offsetof(Sphere, center),
+                                                      offsetof(Sphere, radius)};
+template <>
+inline constexpr std::array kMemberOffsets<Cone> = {
+    offsetof(Cone, base), offsetof(Cone, base_radius), offsetof(Cone, apex),
+    offsetof(Cone, apex_radius)};
+template <>
+inline constexpr std::array kMemberOffsets<Ellipsoid> = {offsetof(Ellipsoid, center),
+                                                         offsetof(Ellipsoid, axes)};
+template <>
+inline constexpr std::array kMemberOffsets<Disc> = {offsetof(Disc, center), offsetof(Disc, normal),
+                                                    offsetof(Disc, radius), offsetof(Disc, inner)};
+template <>
+inline constexpr std::array kMemberOffsets<MovingSphere> = {
+    offsetof(MovingSphere, center), offsetof(MovingSphere, to), offsetof(MovingSphere, radius),
+    offsetof(MovingSphere, begin), offsetof(MovingSphere, end)};
+template <>
+inline constexpr std::array kMemberOffsets<MovingTriangle> = {
+    offsetof(MovingTriangle, from), offsetof(MovingTriangle, to), offsetof(MovingTriangle, begin),
+    offsetof(MovingTriangle, end)};
+template <>
+inline constexpr std::array kMemberOffsets<Instance> = {offsetof(Instance, prototype),
+                                                        offsetof(Instance, matrix)};
 
+/// Shapes with several members may lie in columns; indices, which tracing reads in place, may not.
+template <class Shape>
+using ShapeArray =
+    std::conditional_t<(kMemberOffsets<Shape>.size() > 1), StridedArray<Shape>, Array<Shape>>;
+
+/// Geometry and what it looks like, which a scene may show in several places. Its materials are
+/// numbers in Scene::materials, its objects numbers in Scene::object_names. Copies share all
+/// arrays until one of them changes.
+struct Object {
   /// All coordinates are stored as floats relative to this point, so that a scene far from zero
   /// keeps its digits. Zero unless a reader finds the camera far away compared with what it looks
   /// at.
   Vec3d origin;
 
+  // Of each pool the materials are parallel to the shapes, and so are colours and opacities, which
+  // are empty where no primitive of the kind has any. A colour takes the place of the material's,
+  // and so does an opacity (0 to 1), the part of the light from behind that is kept back
+  // (docs/ambient.md).
+  ShapeArray<Plane> planes;
+  ShapeArray<Sphere> spheres;
+  ShapeArray<Cone> cones;  // and cylinders
+  ShapeArray<Ellipsoid> ellipsoids;
+  ShapeArray<Disc> discs;
+  ShapeArray<MovingSphere> moving_spheres;
+  ShapeArray<MovingTriangle> moving_triangles;
+  ShapeArray<TriangleIndices> triangles;
+  ShapeArray<Polygon> polygons;
+  StridedArray<MaterialId> plane_materials, sphere_materials, cone_materials, ellipsoid_materials,
+      disc_materials, moving_sphere_materials, moving_triangle_materials, triangle_materials,
+      polygon_materials;
+  StridedArray<Rgb> plane_colors, sphere_colors, cone_colors, ellipsoid_colors, disc_colors,
+      moving_sphere_colors, moving_triangle_colors, triangle_colors, polygon_colors;
+  StridedArray<float> plane_opacity, sphere_opacity, cone_opacity, ellipsoid_opacity, disc_opacity,
+      moving_sphere_opacity, moving_triangle_opacity, triangle_opacity, polygon_opacity;
+
+  // Of triangles and polygons.
+  Array<Vec3f> positions;
+  Array<Vec3f> normals;  // unit
+  /// Indices into `normals`, parallel to `triangles`, or empty when no triangle is smooth. A flat
+  /// triangle among smooth ones has kNoNormal three times.
+  Array<TriangleIndices> triangle_normals;
+
+  std::vector<Mesh> meshes;
+
+  /// Which elements belong to which object of Scene::object_names: object `id` (from 1; 0 is none)
+  /// is object_names[id - 1]. The ranges are sorted by pool, then by `first`, and no two overlap.
+  Array<ObjectRange> object_ranges;
+
+  /// Objects that are stored once and placed by `instances`: without planes and moving primitives.
+  /// An instance without an object of its own shows those of its prototype.
+  std::vector<Object> prototypes;
+  ShapeArray<Instance> instances;
+
+  size_t primitive_count() const;  // with those of instances
+
+  /// Does any primitive move?
+  bool has_moving() const { return !moving_spheres.empty() || !moving_triangles.empty(); }
+};
+
+/// What a file asks for, unless an option says otherwise. No picture has it by itself.
+struct FileRequests {
+  int samples_per_pixel = 0;  // P3F `spp`; 0: none
+  AccelHint structure = AccelHint::any;
+  /// P3F `env`: the folder of a cube map, relative to the scene's file or one of its parents;
+  /// empty: none. read_scene() reads it into Scene::sky.
+  std::string sky_folder;
+  float near_clip = 0;  // NFF `hither`; kept for writing only
+};
+
+/// An object, where it is seen from, and what it is lit by and made of.
+struct Scene : Object {
+  std::string name;  // of the file, without folder and suffix
+  Dialect dialect = Dialect::nff;
+  FileRequests requests;
+
   Camera camera;
   Rgb background;
+  /// In place of `background`; null: none, or the folder could not be read.
+  std::shared_ptr<const CubeMap> sky;
   std::vector<Light> lights;
+
   Array<Material> materials;  // never empty in a valid scene
   // Parallel to `materials`, or empty where all are as NFF has them: the colour of highlight and
   // mirror (else white), how far mirrored and refracted directions spread (else 0;
@@ -208,125 +304,67 @@ struct Scene {
   Array<Rgb> material_specular;
   Array<float> material_roughness, material_opacity;
   // The texture that a material's colour is multiplied by where a mesh has texture coordinates, or
-  // kNoTexture; parallel to `materials`, or empty. The scene that is rendered has the textures, its
-  // prototypes have this column only.
+  // kNoTexture; parallel to `materials`, or empty.
   Array<uint32_t> material_texture;
   Array<Texture> textures;
   Array<uint32_t> texels;  // 0xBBGGRR, display values (sRGB)
-  Dialect dialect = Dialect::nff;
-  // What the file asks for, unless an option says otherwise.
-  int samples_per_pixel = 0;  // P3F `spp`; 0: none
-  AccelHint structure = AccelHint::any;
-  std::string sky_folder;  // P3F env: the folder of a cube map, relative to the scene's file or one
-                           // of its parents; empty: none
-  /// What is in that folder, in place of `background`. read_scene() reads it; null where it could
-  /// not.
-  std::shared_ptr<const CubeMap> sky;
 
-  Array<Plane> planes;
-  Array<MaterialId> plane_materials;
-
-  Array<Sphere> spheres;
-  Array<MaterialId> sphere_materials;
-
-  Array<Cone> cones;  // and cylinders
-  Array<MaterialId> cone_materials;
-
-  Array<Ellipsoid> ellipsoids;
-  Array<MaterialId> ellipsoid_materials;
-
-  Array<Disc> discs;
-  Array<MaterialId> disc_materials;
-
-  Array<MovingSphere> moving_spheres;
-  Array<MaterialId> moving_sphere_materials;
-
-  Array<MovingTriangle> moving_triangles;
-  Array<MaterialId> moving_triangle_materials;
-
-  Array<Vec3f> positions;
-  Array<Vec3f> normals;  // unit
-
-  Array<TriangleIndices> triangles;
-  Array<MaterialId> triangle_materials;
-  /// Indices into `normals`, parallel to `triangles`, or empty when no triangle is smooth. A flat
-  /// triangle among smooth ones has kNoNormal three times.
-  Array<TriangleIndices> triangle_normals;
-
-  Array<Polygon> polygons;
-  Array<MaterialId> polygon_materials;
-
-  // Each is parallel to its pool, or empty where no primitive of the kind has any. A colour takes
-  // the place of the material's, and so does an opacity (0 to 1), the part of the light from behind
-  // that is kept back (docs/ambient.md).
-  Array<Rgb> plane_colors, sphere_colors, cone_colors, triangle_colors, polygon_colors,
-      ellipsoid_colors, disc_colors, moving_sphere_colors, moving_triangle_colors;
-  Array<float> plane_opacity, sphere_opacity, cone_opacity, triangle_opacity, polygon_opacity,
-      ellipsoid_opacity, disc_opacity, moving_sphere_opacity, moving_triangle_opacity;
-
-  std::vector<Mesh> meshes;
-
-  /// Parts of the scene with a name: object `id` (from 1; 0 is none) is object_names[id - 1]. The
-  /// ranges are sorted by pool, then by `first`, and no two overlap.
   std::vector<std::string> object_names;
-  Array<ObjectRange> object_ranges;
-
-  /// Objects that are stored once and copied by `instances`. Of each only primitives that stand
-  /// still, meshes, instances of its own and object ranges count; its materials and the names of
-  /// its objects are those of this scene. A copy without an object of its own shows those.
-  std::vector<Scene> prototypes;
-  Array<Instance> instances;
-
-  size_t primitive_count() const;  // with those of copies
 
   /// Is anything elsewhere at another time?
-  bool moves() const {
-    return !moving_spheres.empty() || !moving_triangles.empty() || camera.movement;
-  }
+  bool moves() const { return has_moving() || camera.movement; }
 
-  /// What the two columns say of a material.
+  /// What the columns say of a material.
   Rgb specular_of(MaterialId id) const {
     return material_specular.empty() ? Rgb(1) : material_specular[id];
   }
   float roughness_of(MaterialId id) const {
     return material_roughness.empty() ? 0 : material_roughness[id];
   }
+  float opacity_of(MaterialId id) const {
+    return material_opacity.empty() ? 1 : material_opacity[id];
+  }
+  uint32_t texture_of(MaterialId id) const {
+    return material_texture.empty() ? kNoTexture : material_texture[id];
+  }
   /// Appends a material, and to the columns beside it what they then need.
   MaterialId add_material(const Material& material, Rgb specular = Rgb(1), float roughness = 0,
                           float opacity = 1, uint32_t texture = kNoTexture);
 };
 
-/// A pool and what belongs to its primitives, as members of Scene.
+/// A pool and what belongs to its primitives, as members of Object.
 template <class Shape>
 struct PoolMembers {
   PoolKind kind;
-  Array<Shape> Scene::* shapes;
-  Array<MaterialId> Scene::* materials;
-  Array<Rgb> Scene::* colors;
-  Array<float> Scene::* opacity;
+  ShapeArray<Shape> Object::* shapes;
+  StridedArray<MaterialId> Object::* materials;
+  StridedArray<Rgb> Object::* colors;
+  StridedArray<float> Object::* opacity;
 };
 
 /// All pools, named once: everything that treats them alike goes by this list.
 inline constexpr std::tuple kScenePools = {
-    PoolMembers{PoolKind::plane, &Scene::planes, &Scene::plane_materials, &Scene::plane_colors,
-                &Scene::plane_opacity},
-    PoolMembers{PoolKind::sphere, &Scene::spheres, &Scene::sphere_materials, &Scene::sphere_colors,
-                &Scene::sphere_opacity},
-    PoolMembers{PoolKind::cone, &Scene::cones, &Scene::cone_materials, &Scene::cone_colors,
-                &Scene::cone_opacity},
-    PoolMembers{PoolKind::triangle, &Scene::triangles, &Scene::triangle_materials,
-                &Scene::triangle_colors, &Scene::triangle_opacity},
-    PoolMembers{PoolKind::polygon, &Scene::polygons, &Scene::polygon_materials,
-                &Scene::polygon_colors, &Scene::polygon_opacity},
-    PoolMembers{PoolKind::ellipsoid, &Scene::ellipsoids, &Scene::ellipsoid_materials,
-                &Scene::ellipsoid_colors, &Scene::ellipsoid_opacity},
-    PoolMembers{PoolKind::disc, &Scene::discs, &Scene::disc_materials, &Scene::disc_colors,
-                &Scene::disc_opacity},
-    PoolMembers{PoolKind::moving_sphere, &Scene::moving_spheres, &Scene::moving_sphere_materials,
-                &Scene::moving_sphere_colors, &Scene::moving_sphere_opacity},
-    PoolMembers{PoolKind::moving_triangle, &Scene::moving_triangles,
-                &Scene::moving_triangle_materials, &Scene::moving_triangle_colors,
-                &Scene::moving_triangle_opacity},
+    PoolMembers<Plane>{PoolKind::plane, &Object::planes, &Object::plane_materials,
+                       &Object::plane_colors, &Object::plane_opacity},
+    PoolMembers<Sphere>{PoolKind::sphere, &Object::spheres, &Object::sphere_materials,
+                        &Object::sphere_colors, &Object::sphere_opacity},
+    PoolMembers<Cone>{PoolKind::cone, &Object::cones, &Object::cone_materials, &Object::cone_colors,
+                      &Object::cone_opacity},
+    PoolMembers<TriangleIndices>{PoolKind::triangle, &Object::triangles,
+                                 &Object::triangle_materials, &Object::triangle_colors,
+                                 &Object::triangle_opacity},
+    PoolMembers<Polygon>{PoolKind::polygon, &Object::polygons, &Object::polygon_materials,
+                         &Object::polygon_colors, &Object::polygon_opacity},
+    PoolMembers<Ellipsoid>{PoolKind::ellipsoid, &Object::ellipsoids, &Object::ellipsoid_materials,
+                           &Object::ellipsoid_colors, &Object::ellipsoid_opacity},
+    PoolMembers<Disc>{PoolKind::disc, &Object::discs, &Object::disc_materials, &Object::disc_colors,
+                      &Object::disc_opacity},
+    PoolMembers<MovingSphere>{PoolKind::moving_sphere, &Object::moving_spheres,
+                              &Object::moving_sphere_materials, &Object::moving_sphere_colors,
+                              &Object::moving_sphere_opacity},
+    PoolMembers<MovingTriangle>{PoolKind::moving_triangle, &Object::moving_triangles,
+                                &Object::moving_triangle_materials, &Object::moving_triangle_colors,
+                                &Object::moving_triangle_opacity},
 };
 static_assert(kPoolNames.size() == std::tuple_size_v<decltype(kScenePools)> + 2,
               "each pool, and those of meshes and instances, has a name");
@@ -350,7 +388,7 @@ static_assert(std::apply(
               "each ShapeKind has a name");
 
 /// How many primitives of each kind, indexed by ShapeKind.
-std::array<size_t, kShapeKinds> count_primitives(const Scene& scene);
+std::array<size_t, kShapeKinds> count_primitives(const Object& object);
 
 /// Makes primitives of all copies, so that nothing is an instance any more. The error is one line:
 /// a copy that is stretched unevenly and whose primitives have no name then. What belongs to an
@@ -358,22 +396,23 @@ std::array<size_t, kShapeKinds> count_primitives(const Scene& scene);
 std::string flatten_instances(Scene& scene);
 
 /// Around all primitives but infinite planes.
-Box3f bounds(const Scene& scene);
+Box3f bounds(const Object& object);
 
-/// Is the opacity of anything below 1?
+/// Is the opacity of anything below 1, in the scene or in an object of its?
 bool any_transparent(const Scene& scene);
+bool any_transparent(const Scene& scene, const Object& object);
 
 /// Does any primitive have a colour of its own?
-bool any_colors(const Scene& scene);
+bool any_colors(const Object& object);
 
 /// The largest component of those colours; 0 without any.
-float brightest_color(const Scene& scene);
+float brightest_color(const Object& object);
 /// Of the colours of vertices; at least 1.
-float brightest_tint(const Scene& scene);
+float brightest_tint(const Object& object);
 
 /// The id of the object to which an element of a pool belongs; 0: to none. Takes the logarithm of
 /// the number of ranges.
-uint32_t object_of(const Scene& scene, PoolKind pool, size_t index);
+uint32_t object_of(const Object& object, PoolKind pool, size_t index);
 
 /// What a scene may have that not every shading shows and not every format keeps.
 enum class Feature : uint8_t {
@@ -393,14 +432,18 @@ enum class Feature : uint8_t {
 /// empty where it has none.
 std::string text_of(const Scene& scene, std::initializer_list<Feature> features);
 
-/// The sum of the sizes of the pools, in bytes.
+/// The sum of the sizes of all arrays, in bytes.
 size_t memory_bytes(const Scene& scene);
+size_t memory_bytes(const Object& object);
 
 /// The camera as it is at a time, which does not move.
 Camera camera_at(const Camera& camera, float time);
 
 /// Why a camera with finite numbers looks nowhere, now or on its way, or nothing.
 std::string camera_problem(const Camera& camera);
+
+/// A prototype as a scene of its own, with the materials of the scene around it.
+Scene standalone(const Scene& around, const Object& object);
 
 /// A name of all that a picture can depend on, 32 hexadecimal digits: the same for two files that
 /// differ in comments, spelling or name only. `near_clip` and the names of objects do not count.

@@ -64,7 +64,6 @@ void check_camera(const Camera& camera, Problems& problems) {
                  "camera: the horizontal angle must lie between 0 and 180 degrees");
   problems.check(camera.projection <= Projection::orthographic,
                  "camera: the projection must be perspective or orthographic");
-  problems.check(std::isfinite(camera.near_clip), "camera: hither must be finite");
   problems.check(camera.width >= 0 && camera.height >= 0 && !camera.width == !camera.height,
                  "camera: the resolution must be two positive numbers, or two zeros for none");
   problems.check(!camera.lens_radius || at_least_zero(*camera.lens_radius),
@@ -161,10 +160,9 @@ template <class Check>
 void check_shape(const Polygon&, const Check&) {}
 
 /// Checks a kind's pool with its materials, colours and opacities.
-void check_pools(const Scene& scene, Problems& problems) {
-  const size_t materials = scene.materials.size();
-  for_each_pool(scene, [&](PoolKind pool, const auto& shapes, const Array<MaterialId>& ids,
-                           const Array<Rgb>& colors, const Array<float>& opacity) {
+void check_pools(const Object& object, size_t materials, Problems& problems) {
+  for_each_pool(object, [&](PoolKind pool, const auto& shapes, const auto& ids, const auto& colors,
+                            const auto& opacity) {
     const std::string_view kind = kPoolNames[size_t(pool)];
     const size_t count = shapes.size();
     problems.check(ids.size() == count, "there are ", count, " ", kind, "s but ", ids.size(),
@@ -225,7 +223,7 @@ void check_triangles(const Triangles& t, Problems& problems) {
   });
 }
 
-void check_polygons(const Scene& scene, Problems& problems) {
+void check_polygons(const Object& scene, Problems& problems) {
   check_each(scene.polygons.size(), problems, [&](Problems& p, size_t i) {
     const Polygon& polygon = scene.polygons[i];
     p.check(polygon.count >= 4, "polygon ", i, ": ", size_t(polygon.count),
@@ -236,8 +234,7 @@ void check_polygons(const Scene& scene, Problems& problems) {
   });
 }
 
-void check_mesh(const Scene& scene, size_t number, Problems& problems) {
-  const Mesh& mesh = scene.meshes[number];
+void check_mesh(const Mesh& mesh, size_t number, size_t materials, Problems& problems) {
   const std::string whose = "mesh " + std::to_string(number) + ": ";
   check_triangles({whose, mesh.positions, mesh.normals, mesh.triangles, mesh.normal_indices},
                   problems);
@@ -259,17 +256,17 @@ void check_mesh(const Scene& scene, size_t number, Problems& problems) {
                  whose, "there are ", mesh.triangles.size(), " triangles but ",
                  mesh.materials.size(), " materials, expected 1 or one per triangle");
   check_each(mesh.materials.size(), problems, [&](Problems& p, size_t i) {
-    p.check(mesh.materials[i] < scene.materials.size(), whose, "material ",
-            size_t(mesh.materials[i]), " of ", scene.materials.size());
+    p.check(mesh.materials[i] < materials, whose, "material ", size_t(mesh.materials[i]), " of ",
+            materials);
   });
 }
 
-void check_meshes(const Scene& scene, Problems& problems) {
+void check_meshes(const Object& scene, size_t materials, Problems& problems) {
   size_t triangles = scene.triangles.size(), positions = scene.positions.size(),
          normals = scene.normals.size();
   for (size_t i = 0; i < scene.meshes.size(); ++i) {
     const Mesh& mesh = scene.meshes[i];
-    check_mesh(scene, i, problems);
+    check_mesh(mesh, i, materials, problems);
     triangles += mesh.triangles.size(), positions += mesh.positions.size();
     normals += mesh.normals.size();
   }
@@ -287,7 +284,7 @@ void check_meshes(const Scene& scene, Problems& problems) {
 }
 
 // `names`: the number of objects.
-void check_objects(const Scene& scene, size_t names, Problems& problems) {
+void check_objects(const Object& scene, size_t names, Problems& problems) {
   std::array<size_t, kPoolNames.size()> counts{};
   for_each_pool(scene, [&](PoolKind pool, const auto& shapes, auto&...) {
     counts[size_t(pool)] = shapes.size();
@@ -313,38 +310,28 @@ void check_objects(const Scene& scene, size_t names, Problems& problems) {
   });
 }
 
-void check_all_pools(const Scene& scene, Problems& problems) {
-  check_pools(scene, problems);
+void check_all_pools(const Object& scene, size_t materials, Problems& problems) {
+  check_pools(scene, materials, problems);
   check_triangles({"", scene.positions, scene.normals, scene.triangles, scene.triangle_normals},
                   problems);
   check_polygons(scene, problems);
-  check_meshes(scene, problems);
+  check_meshes(scene, materials, problems);
 }
 
 /// Checks instances and their prototypes. `names`: the number of object names; `depth`: the number
 /// of enclosing prototypes.
-void check_instances(const Scene& scene, size_t names, int depth, Problems& problems) {
+void check_instances(const Object& scene, size_t materials, size_t names, int depth,
+                     Problems& problems) {
   if (depth == kMaxNested && !scene.prototypes.empty())
     return problems.check(false, "prototypes are nested more than ", size_t(kMaxNested), " deep");
   for (size_t i = 0; i < scene.prototypes.size(); ++i) {
-    const Scene& object = scene.prototypes[i];
+    const Object& object = scene.prototypes[i];
     Problems own;
-    check_all_pools(object, own);
-    check_instances(object, names, depth + 1, own);
+    check_all_pools(object, materials, own);
+    check_instances(object, materials, names, depth + 1, own);
     check_objects(object, names, own);
-    own.check(object.materials.size() == scene.materials.size(), "it has ", object.materials.size(),
-              " materials of the scene's ", scene.materials.size());
-    own.check(object.materials.size() != scene.materials.size() ||
-                  (object.materials == scene.materials &&
-                   object.material_opacity == scene.material_opacity),
-              "its materials are not those of the scene");
-    own.check(object.object_names.empty(), "it has names of objects, which belong to the scene");
-    own.check(
-        object.material_texture.empty() || object.material_texture.size() == scene.materials.size(),
-        "it has textures of ", object.material_texture.size(), " of the scene's ",
-        scene.materials.size(), " materials");
     own.check(object.planes.empty(), "an infinite plane cannot be instanced");
-    own.check(!object.moves(), "moving primitives cannot be instanced");
+    own.check(!object.has_moving(), "moving primitives cannot be instanced");
     for (const std::string& sentence : own.take())
       problems.check(false, "prototype ", i, ": ", sentence);
   }
@@ -363,10 +350,10 @@ struct Expanded {
 };
 constexpr uint64_t kMaxShown = uint64_t(1) << 62;
 
-Expanded expanded(const Scene& scene) {
+Expanded expanded(const Object& scene) {
   std::vector<Expanded> of_one;
   of_one.reserve(scene.prototypes.size());
-  for (const Scene& object : scene.prototypes) of_one.push_back(expanded(object));
+  for (const Object& object : scene.prototypes) of_one.push_back(expanded(object));
   Expanded sum;
   for_each_pool(scene,
                 [&](PoolKind, const auto& shapes, auto&...) { sum.primitives += shapes.size(); });
@@ -384,14 +371,17 @@ Expanded expanded(const Scene& scene) {
 std::vector<std::string> validate(const Scene& scene) {
   Problems problems;
   problems.check(is_finite(scene.origin), "the origin must be finite");
-  problems.check(scene.samples_per_pixel >= 0, "the samples per pixel must not be negative");
-  problems.check(std::ranges::none_of(scene.sky_folder, [](char c) { return uint8_t(c) < 32; }),
-                 "the folder of the sky must be one line");
+  problems.check(std::isfinite(scene.requests.near_clip), "camera: hither must be finite");
+  problems.check(scene.requests.samples_per_pixel >= 0,
+                 "the samples per pixel must not be negative");
+  problems.check(
+      std::ranges::none_of(scene.requests.sky_folder, [](char c) { return uint8_t(c) < 32; }),
+      "the folder of the sky must be one line");
   check_camera(scene.camera, problems);
   check_lights_and_materials(scene, problems);
   check_textures(scene, problems);
-  check_all_pools(scene, problems);
-  check_instances(scene, scene.object_names.size(), 0, problems);
+  check_all_pools(scene, scene.materials.size(), problems);
+  check_instances(scene, scene.materials.size(), scene.object_names.size(), 0, problems);
   check_objects(scene, scene.object_names.size(), problems);
   if (const auto sound = problems.take(); !sound.empty()) return sound;
   // Counted last, since invalid prototype indices have no size.

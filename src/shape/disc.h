@@ -34,8 +34,7 @@ void check_shape(const Disc& d, Must&& must) {
        "the inner radius must not be negative, and less than the radius");
 }
 
-// NOLINTNEXTLINE(bugprone-return-const-ref-from-parameter): the scene keeps it
-inline const Disc& bake(const Disc& d) { return d; }
+inline Disc bake(const Disc& d) { return d; }
 
 /// The members of a disc as plain numbers: of one, or each a column for many.
 template <class T>

@@ -33,8 +33,7 @@ void check_shape(const MovingSphere& s, Must&& must) {
   check_times(s.begin, s.end, must);
 }
 
-// NOLINTNEXTLINE(bugprone-return-const-ref-from-parameter): the scene keeps it
-inline const MovingSphere& bake(const MovingSphere& s) { return s; }
+inline MovingSphere bake(const MovingSphere& s) { return s; }
 
 /// The members of a moving sphere as plain numbers: of one, or each a column for many.
 template <class T>

@@ -32,8 +32,7 @@ void check_shape(const MovingTriangle& t, Must&& must) {
   check_times(t.begin, t.end, must);
 }
 
-// NOLINTNEXTLINE(bugprone-return-const-ref-from-parameter): the scene keeps it
-inline const MovingTriangle& bake(const MovingTriangle& t) { return t; }
+inline MovingTriangle bake(const MovingTriangle& t) { return t; }
 
 /// The members of a moving triangle as plain numbers: of one, or each a column for many.
 template <class T>

@@ -23,8 +23,7 @@ void check_shape(const Plane& p, Must&& must) {
   must(is_finite(p.normal) && is_unit(p.normal), "the normal must have length 1");
 }
 
-// NOLINTNEXTLINE(bugprone-return-const-ref-from-parameter): the scene keeps it
-inline const Plane& bake(const Plane& p) { return p; }
+inline Plane bake(const Plane& p) { return p; }
 
 /// The distance to the plane along the ray; nothing for a parallel ray.
 inline std::optional<float> intersect(const Plane& plane, const Ray& ray) {

@@ -18,8 +18,7 @@ struct Triangle {
   Vec3f a, b, c;
 };
 
-// NOLINTNEXTLINE(bugprone-return-const-ref-from-parameter): the scene keeps it
-inline const Triangle& bake(const Triangle& t) { return t; }
+inline Triangle bake(const Triangle& t) { return t; }
 
 inline Box3f bounds(const Triangle& t) {
   return {min(t.a, min(t.b, t.c)), max(t.a, max(t.b, t.c))};

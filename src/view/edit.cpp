@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <new>
 #include <system_error>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -15,17 +14,7 @@
 namespace raio::view {
 
 SharedScene edited(const SharedScene& scene, const std::function<void(Scene&)>& change) {
-  auto next = std::make_shared<Scene>(*scene);
-  std::vector<const void*> shared;
-  for_each_column(*scene, [&](ColumnName, const auto& column) { shared.push_back(column.data()); });
-  // In the same order. Arrays already borrowed stay so, with their owner.
-  size_t i = 0;
-  for_each_column(*next, [&](ColumnName, auto& column) {
-    using Column = std::remove_cvref_t<decltype(column)>;
-    const void* const first = shared[i++];
-    if (!column.is_borrowed() && !column.empty())
-      column = Column::borrow(first, column.size(), scene);
-  });
+  auto next = std::make_shared<Scene>(*scene);  // shares all arrays
   change(*next);
   return next;
 }
@@ -41,7 +30,7 @@ Scene as_seen(const Scene& scene, const Camera& camera, const Rgb& background,
   if (sky == scene.sky) return seen;
   seen.sky = sky;
   std::error_code ignored;
-  seen.sky_folder = sky ? std::filesystem::absolute(sky->folder, ignored).string() : "";
+  seen.requests.sky_folder = sky ? std::filesystem::absolute(sky->folder, ignored).string() : "";
   return seen;
 }
 

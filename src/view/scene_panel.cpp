@@ -88,7 +88,7 @@ bool draw_background(ViewState& state) {
   state.options.background.reset();
   state.scene = edited(state.scene, [&](Scene& s) {
     s.background = color;
-    s.sky = nullptr, s.sky_folder.clear();
+    s.sky = nullptr, s.requests.sky_folder.clear();
   });
   return true;
 }

@@ -348,7 +348,7 @@ class Builder {
       const PrimitiveId id = ids(first + k);
       g_.prefetch(ids(std::min(first + k + kAhead, count - 1)));
       if (g_.kind_of(id) == PrimitiveKind::sphere) {
-        const Sphere& s = g_.scene().spheres[g_.index_of(PrimitiveKind::sphere, id)];
+        const Sphere s = g_.object().spheres[g_.index_of(PrimitiveKind::sphere, id)];
         const Float4 center = {s.center.x, s.center.y, s.center.z, 0};
         const Float4 r = splat(std::abs(s.radius));
         BuildBox box{center - r, -center - r};

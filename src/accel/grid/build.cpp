@@ -123,7 +123,9 @@ class GridBuilder : GridCells {
     // Gives a flat scene's box a thickness.
     box.pad(hit_error(std::max(reach, double(std::numeric_limits<float>::min()))));
     // Cells are effectively this much wider.
-    near = std::max(kNear * reach, 2 * double(max_component(abs(g_.scene().camera.from))));
+    near = kNear * reach;
+    if (&g_.object() == &g_.scene())  // the camera is in the space of the grid
+      near = std::max(near, 2 * double(max_component(abs(g_.scene().camera.from))));
     pad_ = hit_error(near);
 
     const bool forced = options.grid_resolution[0] > 0;
@@ -175,7 +177,7 @@ class GridBuilder : GridCells {
   // Whether it is a piece of a polygon.
   bool is_piece(PrimitiveId id) const {
     return g_.kind_of(id) == PrimitiveKind::triangle &&
-           g_.index_of(PrimitiveKind::triangle, id) >= g_.scene().triangles.size();
+           g_.index_of(PrimitiveKind::triangle, id) >= g_.object().triangles.size();
   }
 
   template <class F>

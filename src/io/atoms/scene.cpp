@@ -251,17 +251,16 @@ class AtomScene {
   // Adds an object of the chosen parts, with an instance per matrix.
   void add_object(const std::vector<bool>* chosen, const std::vector<Matrix>& matrices) {
     Scene& scene = read_.scene;
-    Scene object;
+    Object object;
     add_atoms(object, chosen);
     if (object.spheres.empty()) return;
-    object.materials = scene.materials;
     for (const Matrix& matrix : matrices)
       scene.instances.push_back({uint32_t(scene.prototypes.size()), matrix});
     scene.prototypes.push_back(std::move(object));
   }
 
   // The atoms of the chosen parts with the bonds between them; null: all.
-  void add_atoms(Scene& scene, const std::vector<bool>* chosen) const {
+  void add_atoms(Object& scene, const std::vector<bool>* chosen) const {
     const auto is_chosen = [&](uint32_t i) {
       const uint32_t part = atoms_.atoms[i].part;
       return !chosen || (part < chosen->size() && (*chosen)[part]);
@@ -307,7 +306,7 @@ class AtomScene {
   }
 
   // Half of the bond in the colour of its first atom.
-  void add_bond(Scene& scene, uint32_t a, uint32_t b) const {
+  void add_bond(Object& scene, uint32_t a, uint32_t b) const {
     const float radius = style_ == AtomStyle::sticks ? kStick : kBond;
     const Vec3f from = place_of(atoms_.atoms[a]), to = place_of(atoms_.atoms[b]);
     const Vec3f middle = (from + to) * 0.5f;
@@ -319,7 +318,7 @@ class AtomScene {
     }
   }
 
-  static void add_cylinder(Scene& scene, Vec3f from, Vec3f to, float radius, MaterialId id) {
+  static void add_cylinder(Object& scene, Vec3f from, Vec3f to, float radius, MaterialId id) {
     if (from == to) return;  // atoms at the same position
     scene.cones.push_back({from, radius, to, radius});
     scene.cone_materials.push_back(id);
@@ -340,7 +339,6 @@ class AtomScene {
     const Vec3d origin = Vec3d(o[0], o[1], o[2]) - origin_;
     const auto radius = float(kEdgePart * mean);
     const MaterialId id = scene.add_material({.color = kEdgeColor, .kd = 1});
-    for (Scene& object : scene.prototypes) object.materials = scene.materials;
     for (size_t axis = 0; axis < 3; ++axis) {
       const size_t other = (axis + 1) % 3, third = (axis + 2) % 3;
       for (int j = 0; j <= n[other]; ++j)

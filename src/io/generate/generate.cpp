@@ -102,12 +102,12 @@ SceneMaker::SceneMaker(Vec3d from, Vec3d at, Vec3d up, float fov_deg, float hith
                    .up = Vec3f(up),
                    .fov_deg = fov_deg,
                    .horizontal_fov_deg = 0,
-                   .near_clip = hither,
                    .width = 512,
                    .height = 512,
                    .lens_radius = {},
                    .focus_distance = {},
                    .movement = {}};
+  scene_.requests.near_clip = hither;
   scene_.background = {0.078f, 0.361f, 0.753f};
 }
 

@@ -272,7 +272,7 @@ ReadScene MeshBuilder::finish_points() {
   scene_.materials =
       std::vector<Material>{{.color = colors.empty() ? kPlainColor : Rgb(1), .kd = 1}};
   for (const Vec3f& place : positions) scene_.spheres.push_back({place, radius});
-  scene_.sphere_materials = Array<MaterialId>::zeroes(positions.size());
+  scene_.sphere_materials.assign(positions.size(), 0);
   scene_.sphere_colors = std::move(colors);
   fit_camera(scene_, FitView::three_quarter, {0, 1, 0});
   append(warnings, notices, "");

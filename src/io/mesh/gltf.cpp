@@ -43,7 +43,7 @@ class GltfReader {
                                                  "triangles or points",
                                                  lines_)
                                    : "the scene has no primitives; expected triangles or points"};
-    const auto is_seen = [](const Scene& scene) {
+    const auto is_seen = [](const Object& scene) {
       return !scene.spheres.empty() || std::ranges::any_of(scene.meshes, has_area);
     };
     if (!is_seen(scene_) && std::ranges::none_of(scene_.prototypes, is_seen))
@@ -129,11 +129,8 @@ class GltfReader {
         }
         continue;
       }
-      Scene object;
+      Object object;
       object.meshes = std::move(meshes);
-      object.materials = scene_.materials;
-      object.material_opacity = scene_.material_opacity;
-      object.material_texture = scene_.material_texture;
       const Box3f whole = bounds(object);
       const Box3d box{Vec3d(whole.lo), Vec3d(whole.hi)};
       for (const Transform& place : all) {
@@ -220,7 +217,8 @@ class GltfReader {
         notices_.add(Severity::left_out, "further cameras", lens.name);
       } else if (const auto camera = use.place.is_sound() ? camera_through(lens, use.place, scene_)
                                                           : std::nullopt) {
-        scene_.camera = *camera, found = true;
+        scene_.camera = *camera, scene_.requests.near_clip = float(lens.near);
+        found = true;
       } else {
         notices_.add(Severity::left_out, "cameras that see nothing", lens.name);
       }

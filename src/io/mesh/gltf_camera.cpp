@@ -30,7 +30,6 @@ std::optional<Camera> camera_through(const Lens& lens, const Transform& place, c
     tangent = lens.half_height / length(Vec3d(camera.at) - Vec3d(camera.from));
     camera.fov_deg = float(2 * kDegrees * exact_atan(tangent));
   }
-  camera.near_clip = float(lens.near);
   camera.width = 1200, camera.height = 900;
   if (lens.aspect >= 0.1 && lens.aspect <= 10) {
     // Keeps the horizontal field of view in narrower pictures.

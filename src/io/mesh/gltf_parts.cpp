@@ -40,35 +40,37 @@ using NumberOf = std::unordered_map<Key, uint32_t, SameBytes, SameBytes>;
 
 /// Calls f(shape, material, color or null, opacity) for each curved shape outside objects.
 template <class F>
-void for_each_own(const Scene& scene, const F& f) {
+void for_each_own(const Object& scene, const F& f) {
   for_each_pool(scene, [&](PoolKind, auto& shapes, auto& materials, auto& colors, auto& opacity) {
     using Shape = std::remove_cvref_t<decltype(shapes[0])>;
     if constexpr (requires(const Shape& s) { placed(s); })
-      for (size_t i = 0; i < shapes.size(); ++i)
-        f(shapes[i], materials[i], colors.empty() ? nullptr : &colors[i],
+      for (size_t i = 0; i < shapes.size(); ++i) {
+        const Rgb color = colors.empty() ? Rgb() : colors[i];
+        f(shapes[i], materials[i], colors.empty() ? nullptr : &color,
           opacity.empty() ? -1 : opacity[i]);
+      }
   });
 }
 
 /// The same for each stored shape, including those in objects.
 template <class F>
-void for_each_curved(const Scene& scene, const F& f) {
+void for_each_curved(const Object& scene, const F& f) {
   for_each_own(scene, f);
-  for (const Scene& object : scene.prototypes) for_each_curved(object, f);
+  for (const Object& object : scene.prototypes) for_each_curved(object, f);
 }
 
 /// Sums `count` over the scene and all instances, nested ones included.
 template <class F>
-double sum_of_copies(const Scene& scene, const F& count) {
+double sum_of_copies(const Object& scene, const F& count) {
   std::vector<double> of_objects;
   of_objects.reserve(scene.prototypes.size());
-  for (const Scene& object : scene.prototypes) of_objects.push_back(sum_of_copies(object, count));
+  for (const Object& object : scene.prototypes) of_objects.push_back(sum_of_copies(object, count));
   double sum = double(count(scene));
   for (const Instance& copy : scene.instances) sum += of_objects[copy.prototype];
   return sum;
 }
 
-size_t count_own(const Scene& scene) {
+size_t count_own(const Object& scene) {
   size_t count = 0;
   for_each_own(scene, [&](auto&&...) { ++count; });
   return count;
@@ -99,13 +101,16 @@ class Gatherer {
   };
 
   // Returns the object's index. Materials are those of the scene.
-  uint32_t add_object(const Scene& object) {
+  uint32_t add_object(const Object& object) {
     const auto number = uint32_t(out_.objects.size());
     out_.objects.emplace_back();
     own_ = &object, fixed_.clear(), corners_.clear();
     add_triangles();
     add_polygons();
-    for (const MovingTriangle& t : object.moving_triangles) add_moving_triangle(t);
+    for (size_t i = 0; i < object.moving_triangles.size(); ++i) {
+      const Triangle at = object.moving_triangles[i].from;
+      add_flat(kPoolOf<MovingTriangle>, i, {at.a, at.b, at.c});
+    }
     for (const Mesh& mesh : object.meshes) add_mesh(mesh);
     if (detail_)
       add_baked(*detail_);
@@ -113,7 +118,7 @@ class Gatherer {
       add_shapes();
     std::vector<uint32_t> numbers;
     numbers.reserve(object.prototypes.size());
-    for (const Scene& inner : object.prototypes) numbers.push_back(add_object(inner));
+    for (const Object& inner : object.prototypes) numbers.push_back(add_object(inner));
     for (const Instance& copy : object.instances)
       out_.objects[number].copies.push_back(
           {numbers[copy.prototype], place_of(copy.matrix).value()});
@@ -122,12 +127,11 @@ class Gatherer {
 
   // Colours become materials if there are few, else vertex colours.
   GltfAppearance look_of(MaterialId id, const Rgb* color, float opacity, bool at_corners) const {
-    const float usual = whole_.material_opacity.empty() ? 1 : whole_.material_opacity[id];
     return {id,
             !color       ? whole_.materials[id].color
             : at_corners ? Rgb(1)
                          : *color,
-            opacity >= 0 ? opacity : usual};
+            opacity >= 0 ? opacity : whole_.opacity_of(id)};
   }
   uint32_t number_of(const GltfAppearance& look) {
     const auto [at, is_new] = looks_.try_emplace(look, uint32_t(out_.looks.size()));
@@ -169,7 +173,8 @@ class Gatherer {
                 const std::array<Vec3f, 3>* normals = nullptr) {
     const auto& colors = own_->*pool.colors;
     const auto& opacity = own_->*pool.opacity;
-    const Rgb* const color = colors.empty() ? nullptr : &colors[i];
+    const Rgb own = colors.empty() ? Rgb() : colors[i];
+    const Rgb* const color = colors.empty() ? nullptr : &own;
     const GltfAppearance look =
         look_of((own_->*pool.materials)[i], color, opacity.empty() ? -1 : opacity[i], true);
     std::array<Corner, 3> corners;
@@ -203,18 +208,12 @@ class Gatherer {
     }
   }
 
-  void add_moving_triangle(const MovingTriangle& t) {
-    add_flat(kPoolOf<MovingTriangle>, size_t(&t - own_->moving_triangles.data()),
-             {t.from.a, t.from.b, t.from.c});
-  }
-
   void add_mesh(const Mesh& mesh) {
     const auto& normals = mesh.normal_indices.empty() ? mesh.triangles : mesh.normal_indices;
     for (size_t i = 0; i < mesh.triangles.size(); ++i) {
       const MaterialId id = mesh.materials[mesh.materials.size() == 1 ? 0 : i];
       GltfAppearance look = look_of(id, nullptr, -1, true);
-      look.textured = !mesh.uv.empty() && !whole_.material_texture.empty() &&
-                      whole_.material_texture[id] != kNoTexture;
+      look.textured = !mesh.uv.empty() && whole_.texture_of(id) != kNoTexture;
       const bool smooth = !mesh.normals.empty() && normals[i][0] != kNoNormal;
       const Columns columns{number_of(look), smooth, !mesh.uv.empty(), !mesh.colors.empty()};
       std::array<Corner, 3> corners;
@@ -231,11 +230,11 @@ class Gatherer {
   // Chooses between instanced unit shapes and separate triangles. Returns the error, or nothing.
   std::string choose_form() {
     NumberOf<GltfAppearance> looks;
-    for_each_curved(whole_, [&](auto&, MaterialId id, const Rgb* color, float opacity) {
+    for_each_curved(whole_, [&](const auto&, MaterialId id, const Rgb* color, float opacity) {
       if (looks.size() <= kMaxLooks) looks.try_emplace(look_of(id, color, opacity, false), 0);
     });
     few_looks_ = looks.size() <= kMaxLooks;
-    const double copies = sum_of_copies(whole_, [](const Scene& s) { return s.instances.size(); });
+    const double copies = sum_of_copies(whole_, [](const Object& s) { return s.instances.size(); });
     if (copies > double(kMaxNodes))
       return fmt::format(
           "glTF needs a node for each of {:.0f} instances, and viewers handle at most about "
@@ -253,7 +252,7 @@ class Gatherer {
   }
 
   void add_shapes() {
-    for_each_own(*own_, [&](auto& shape, MaterialId id, const Rgb* color, float opacity) {
+    for_each_own(*own_, [&](const auto& shape, MaterialId id, const Rgb* color, float opacity) {
       const PlacedShape at = placed(shape);
       const auto [known, is_new] = units_.try_emplace(at.shape, uint32_t(out_.surfaces.size()));
       if (is_new) out_.surfaces.push_back(surface_of(at.shape, kFinest));
@@ -265,12 +264,14 @@ class Gatherer {
   // Negative: even the coarsest level is too expensive.
   int affordable_detail() const {
     for (int detail = kFinest; detail >= 0; --detail) {
-      const auto triangles = [&](auto& shape) { return triangles_of(placed(shape).shape, detail); };
+      const auto triangles = [&](const auto& shape) {
+        return triangles_of(placed(shape).shape, detail);
+      };
       size_t stored = 0;
-      for_each_curved(whole_, [&](auto& shape, auto&&...) { stored += triangles(shape); });
-      const double drawn = sum_of_copies(whole_, [&](const Scene& scene) {
+      for_each_curved(whole_, [&](const auto& shape, auto&&...) { stored += triangles(shape); });
+      const double drawn = sum_of_copies(whole_, [&](const Object& scene) {
         size_t own = 0;
-        for_each_own(scene, [&](auto& shape, auto&&...) { own += triangles(shape); });
+        for_each_own(scene, [&](const auto& shape, auto&&...) { own += triangles(shape); });
         return own;
       });
       if (stored <= kGoodTriangles && drawn <= kGoodDrawn) return detail;
@@ -282,7 +283,7 @@ class Gatherer {
   void add_baked(int detail) {
     UnitShape known;
     Surface unit = surface_of(known, detail);
-    for_each_own(*own_, [&](auto& shape, MaterialId id, const Rgb* color, float opacity) {
+    for_each_own(*own_, [&](const auto& shape, MaterialId id, const Rgb* color, float opacity) {
       const PlacedShape at = placed(shape);
       if (at.shape != known) known = at.shape, unit = surface_of(known, detail);
       const bool at_corners = color && !few_looks_;
@@ -302,7 +303,7 @@ class Gatherer {
   }
 
   const Scene& whole_;
-  const Scene* own_ = nullptr;  // the current object, the last one of out_.objects
+  const Object* own_ = nullptr;  // the current object, the last one of out_.objects
   SurfaceParts out_;
   bool few_looks_ = true;
   std::optional<int> detail_;  // level of separate triangles

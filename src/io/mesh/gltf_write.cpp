@@ -192,7 +192,8 @@ class GltfWriter {
     const double aspect =
         c.width > 0 && c.height > 0 ? double(c.width) / c.height : 1;  // as pictures of 512 x 512
     // Programs of triangles need a plane where the picture begins.
-    const double near = c.near_clip > 0 ? double(c.near_clip) : length(view) / 1000;
+    const auto hither = double(scene_.requests.near_clip);
+    const double near = hither > 0 ? hither : length(view) / 1000;
     Json camera;
     if (c.is_parallel()) {
       const double height = exact_tan(angle / 2) * length(view);
@@ -290,7 +291,7 @@ std::expected<std::string, std::string> one_file(const Json& json, std::string_v
 
 }  // namespace
 
-bool gltf_keeps_copies(const Scene& scene) {
+bool gltf_keeps_copies(const Object& scene) {
   const auto is_node = [](const Instance& copy) { return place_of(copy.matrix).has_value(); };
   return std::ranges::all_of(scene.instances, is_node) &&
          std::ranges::all_of(scene.prototypes, gltf_keeps_copies);

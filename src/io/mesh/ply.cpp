@@ -404,7 +404,7 @@ class PlyReader {
   void make_spheres(Scene& scene) {
     set_radii();
     scene.spheres = std::move(spheres_);
-    scene.sphere_materials = Array<MaterialId>::zeroes(count_);
+    scene.sphere_materials.assign(count_, 0);
     const bool one = std::ranges::all_of(colors_, [&](const Rgb& c) { return c == colors_[0]; });
     scene.materials = std::vector<Material>{paint(colors_.empty() ? kPlainColor : colors_[0])};
     if (!one) scene.sphere_colors = std::move(colors_);

@@ -85,7 +85,8 @@ class PlyWriter {
     const Material& m = scene_.materials[id];
     return m.color * m.kd;
   }
-  Rgb color_of(const Array<MaterialId>& materials, const Array<Rgb>& colors, size_t i) const {
+  Rgb color_of(const StridedArray<MaterialId>& materials, const StridedArray<Rgb>& colors,
+               size_t i) const {
     return colors.empty() ? color_of(materials[i]) : colors[i] * scene_.materials[materials[i]].kd;
   }
 
@@ -101,8 +102,7 @@ class PlyWriter {
       add(stored_bytes(color_of(scene_.sphere_materials, scene_.sphere_colors, i)));
       if (!clear) continue;
       const float own = scene_.sphere_opacity.empty() ? -1 : scene_.sphere_opacity[i];
-      const float usual = scene_.material_opacity.empty() ? 1 : scene_.material_opacity[id];
-      add(byte_of(own >= 0 ? own : usual));
+      add(byte_of(own >= 0 ? own : scene_.opacity_of(id)));
     }
     end();
   }

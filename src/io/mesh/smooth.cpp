@@ -118,11 +118,11 @@ class Smoother {
   std::vector<uint32_t> first_, around_;  // by position: where its entries of around_ begin
 };
 
-size_t smooth_all(Scene& scene, float least_cosine) {
+size_t smooth_all(Object& scene, float least_cosine) {
   size_t count = 0;
   for (Mesh& mesh : scene.meshes)
     count += mesh.normals.empty() && Smoother(mesh, least_cosine).smooth();
-  for (Scene& prototype : scene.prototypes) count += smooth_all(prototype, least_cosine);
+  for (Object& prototype : scene.prototypes) count += smooth_all(prototype, least_cosine);
   return count;
 }
 

@@ -37,7 +37,7 @@ enum class GltfForm : uint8_t { binary, text };
 std::expected<std::string, std::string> write_gltf(const Scene& scene, GltfForm form,
                                                    std::string_view comment = {});
 /// Whether nodes can express all instances, that is, none shears.
-bool gltf_keeps_copies(const Scene& scene);
+bool gltf_keeps_copies(const Object& scene);
 /// Features that write_gltf() loses, as not_in_ply().
 std::string not_in_gltf(const Scene& scene);
 

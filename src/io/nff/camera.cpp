@@ -115,7 +115,7 @@ void set_camera(Parser& p, const CameraText& v) {
   out.at = p.place(v.at);
   out.up = Vec3f(v.up);
   out.fov_deg = float(v.angle);
-  out.near_clip = float(v.hither);
+  p.scene().requests.near_clip = float(v.hither);
   out.width = int(v.width), out.height = int(v.height);
   const Vec3d view = Vec3d(out.at) - Vec3d(out.from), up(out.up);
   if (!is_finite(out.from) || !is_finite(out.at))
@@ -184,7 +184,7 @@ void write_camera(Writer& w) {
   w.position("at", c.at).end_line();
   w.text().word("up").vector(c.up).end_line();
   w.text().word("angle").number(fitted_fov_deg(c)).end_line();
-  w.text().word("hither").number(c.near_clip).end_line();
+  w.text().word("hither").number(w.scene().requests.near_clip).end_line();
   if (c.width > 0 && c.height > 0)
     w.text().word("resolution").number(c.width).number(c.height).end_line();
   // In double, so that the reader's product rounds to the same float.

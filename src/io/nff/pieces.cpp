@@ -33,6 +33,10 @@ void append_changed(Array<T>& pool, Array<T>& more, double whole, Change change)
   for (T& item : more) change(item);
   pool.insert(pool.end(), more.begin(), more.end());
 }
+template <class T, class Change>
+void append_changed(StridedArray<T>& pool, StridedArray<T>& more, double whole, Change change) {
+  append_changed(pool.writable(), more.writable(), whole, change);
+}
 
 }  // namespace
 

@@ -121,18 +121,18 @@ void read_sky(Parser& p) {
                     quoted(folder)));
   if (p.seen.sky) p.warn("a second sky; the last one is used");
   p.seen.sky = true;
-  p.scene().sky_folder = folder;
+  p.scene().requests.sky_folder = folder;
 }
 
 void read_samples(Parser& p) {
   if (const auto samples = p.whole_number("the samples per pixel", 0, 1'000'000))
-    p.scene().samples_per_pixel = int(*samples);
+    p.scene().requests.samples_per_pixel = int(*samples);
 }
 
 void read_accel(Parser& p) {
   constexpr AccelHint kHints[] = {AccelHint::none, AccelHint::grid, AccelHint::bvh};
   if (const auto structure = p.whole_number("the structure", 0, 2))
-    p.scene().structure = kHints[size_t(*structure)];
+    p.scene().requests.structure = kHints[size_t(*structure)];
 }
 
 constexpr std::string_view kMtvColors =
@@ -194,10 +194,12 @@ void write_surroundings(Writer& w) {
   const Scene& scene = w.scene();
   const bool p3f = scene.dialect == Dialect::p3f;
   w.text().word(p3f ? "bclr" : "b").vector(scene.background).end_line();
-  if (!scene.sky_folder.empty() && p3f) w.text().word("env").word(scene.sky_folder).end_line();
-  if (scene.structure != AccelHint::any)
-    w.text().word("accel").number(uint32_t(scene.structure) - 1).end_line();
-  if (scene.samples_per_pixel > 0) w.text().word("spp").number(scene.samples_per_pixel).end_line();
+  if (!scene.requests.sky_folder.empty() && p3f)
+    w.text().word("env").word(scene.requests.sky_folder).end_line();
+  if (scene.requests.structure != AccelHint::any)
+    w.text().word("accel").number(uint32_t(scene.requests.structure) - 1).end_line();
+  if (scene.requests.samples_per_pixel > 0)
+    w.text().word("spp").number(scene.requests.samples_per_pixel).end_line();
   const Rgb usual(float(1 / std::sqrt(double(std::max<size_t>(1, scene.lights.size())))));
   for (const Light& light : scene.lights) {
     w.position("l", light.position);

@@ -36,9 +36,18 @@ Settings settings_of(const Scene& scene) {
   Settings s;
   const Camera& c = scene.camera;
   s.origin = {scene.origin};
-  s.camera = {c.from.x, c.from.y, c.from.z, c.at.x,    c.at.y,     c.at.z,
-              c.up.x,   c.up.y,   c.up.z,   c.fov_deg, c.near_clip};
-  s.raster = {uint32_t(c.width), uint32_t(c.height), uint32_t(scene.samples_per_pixel)};
+  s.camera = {c.from.x,
+              c.from.y,
+              c.from.z,
+              c.at.x,
+              c.at.y,
+              c.at.z,
+              c.up.x,
+              c.up.y,
+              c.up.z,
+              c.fov_deg,
+              scene.requests.near_clip};
+  s.raster = {uint32_t(c.width), uint32_t(c.height), uint32_t(scene.requests.samples_per_pixel)};
   if (c.lens_radius) s.lens_radius = {*c.lens_radius};
   if (c.focus_distance) s.focus_distance = {*c.focus_distance};
   if (c.horizontal_fov_deg > 0) s.camera_across = {c.horizontal_fov_deg};
@@ -57,15 +66,17 @@ Settings settings_of(const Scene& scene) {
       const LightExtent e = light.extent.value_or(LightExtent{.points = 0});
       s.light_extents.push_back({e.width, e.depth, float(e.points)});
     }
-  if (scene.dialect != Dialect::nff || scene.structure != AccelHint::any)
-    s.dialect = {uint32_t(scene.dialect), uint32_t(scene.structure)};
-  s.sky_folder.insert(s.sky_folder.end(), scene.sky_folder.begin(), scene.sky_folder.end());
+  if (scene.dialect != Dialect::nff || scene.requests.structure != AccelHint::any)
+    s.dialect = {uint32_t(scene.dialect), uint32_t(scene.requests.structure)};
+  s.sky_folder.insert(s.sky_folder.end(), scene.requests.sky_folder.begin(),
+                      scene.requests.sky_folder.end());
   for (const std::string& name : scene.object_names) {
     s.object_names.insert(s.object_names.end(), name.begin(), name.end());
     s.object_name_ends.push_back(uint32_t(s.object_names.size()));
   }
-  for (const Scene& object : scene.prototypes) {
-    const auto bytes = std::make_shared<const std::string>(encode_raio_scene(object));
+  for (const Object& object : scene.prototypes) {
+    const auto bytes =
+        std::make_shared<const std::string>(encode_raio_scene(standalone(scene, object)));
     s.prototypes.push_back(Array<char>::borrow(bytes->data(), bytes->size(), bytes));
   }
   return s;
@@ -94,7 +105,7 @@ std::string apply_dialect(const Array<uint32_t>& numbers, Scene& scene) {
   if (numbers.size() != 2 || numbers[0] > uint32_t(Dialect::data) ||
       numbers[1] > uint32_t(AccelHint::bvh) || numbers[0] + numbers[1] == 0)
     return "dialect must be two valid numbers";
-  scene.dialect = Dialect(numbers[0]), scene.structure = AccelHint(numbers[1]);
+  scene.dialect = Dialect(numbers[0]), scene.requests.structure = AccelHint(numbers[1]);
   return {};
 }
 
@@ -117,13 +128,13 @@ std::string apply(const Settings& s, Scene& scene) {
                   .fov_deg = c[9],
                   .horizontal_fov_deg = 0,
                   .projection = {},
-                  .near_clip = c[10],
                   .width = int(s.raster[0]),
                   .height = int(s.raster[1]),
                   .lens_radius = {},
                   .focus_distance = {},
                   .movement = {}};
-  scene.samples_per_pixel = int(s.raster[2]);
+  scene.requests.samples_per_pixel = int(s.raster[2]);
+  scene.requests.near_clip = c[10];
   if (!s.camera_across.empty()) {
     scene.camera.horizontal_fov_deg = s.camera_across[0];
     if (!(scene.camera.horizontal_fov_deg > 0)) return "camera_across is not positive";
@@ -147,7 +158,7 @@ std::string apply(const Settings& s, Scene& scene) {
   }
   if (std::string wrong = apply_extents(s.light_extents, scene); !wrong.empty()) return wrong;
   if (std::string wrong = apply_dialect(s.dialect, scene); !wrong.empty()) return wrong;
-  scene.sky_folder.assign(s.sky_folder.begin(), s.sky_folder.end());
+  scene.requests.sky_folder.assign(s.sky_folder.begin(), s.sky_folder.end());
   size_t begin = 0;
   for (const uint32_t end : s.object_name_ends) {
     if (end < begin || end > s.object_names.size()) return "object_name_ends is out of range";

@@ -127,13 +127,14 @@ class SectionReader {
   SectionReader(const Table& table, const std::shared_ptr<const void>& keep)
       : table_(table), keep_(keep) {}
 
-  template <class T>
-  void operator()(std::string_view name, uint32_t mesh, Array<T>& array) {
+  template <class Elements>
+  void operator()(std::string_view name, uint32_t mesh, Elements& array) {
+    using T = Elements::value_type;
     if (at_ == table_.size() || table_[at_].mesh != mesh || table_.name(at_) != name) return;
     const Entry& e = table_[at_];
     if (e.number == Element<T>::number && e.numbers == Element<T>::numbers) {
-      array = Array<T>::borrow(table_.bytes(at_).data(), e.count, keep_);
-      if (!keep_) array = Array<T>(std::vector<T>(array.begin(), array.end()));
+      const auto borrowed = Array<T>::borrow(table_.bytes(at_).data(), e.count, keep_);
+      array = keep_ ? borrowed : Array<T>(std::vector<T>(borrowed.begin(), borrowed.end()));
     } else if (wrong_.empty()) {
       wrong_ = fmt::format("{} has elements of {} numbers of type {}, expected {} of type {}",
                            table_.column(at_), e.numbers, uint32_t(e.number), Element<T>::numbers,
@@ -173,6 +174,24 @@ std::expected<size_t, std::string> count_of(const Table& table, bool prototypes)
   return count;
 }
 
+// Whether the scene of a prototype has only geometry and the materials of the scene around it.
+bool is_prototype_of(const Scene& around, const Scene& decoded) {
+  const auto columns = [](const Scene& scene) {
+    std::vector<std::string> out;
+    const auto add = [&](ColumnName, const auto& array) {
+      const auto elements = packed(array);
+      out.emplace_back(reinterpret_cast<const char*>(elements.data()), elements.bytes());
+    };
+    const Settings settings = settings_of(scene);
+    for_each_settings_column(settings, add);
+    Scene without = scene;
+    static_cast<Object&>(without) = {};
+    for_each_own_column(std::as_const(without), add);
+    return out;
+  };
+  return columns(decoded) == columns(standalone(around, decoded));
+}
+
 // A scene with numbers yet to be validated; `depth`: the number of enclosing prototypes.
 std::expected<Scene, std::string> decode(std::string_view bytes,
                                          const std::shared_ptr<const void>& keep, int depth) {
@@ -201,6 +220,9 @@ std::expected<Scene, std::string> decode(std::string_view bytes,
       if (why.starts_with(kBroken)) why.remove_prefix(kBroken.size());
       return broken("prototype {}: {}", i, why);
     }
+    if (!is_prototype_of(scene, *decoded))
+      return broken(
+          "prototype {}: it has more than an object's geometry with the scene's materials", i);
     scene.prototypes.push_back(std::move(*decoded));
   }
   return scene;

@@ -1,6 +1,8 @@
 
 #include <algorithm>
+#include <memory>
 #include <new>
+#include <type_traits>
 
 #include "base/parallel.h"
 #include "io/raio/format.h"
@@ -14,19 +16,23 @@ using namespace scene_file;
 struct FileColumn {
   Entry entry;
   std::string_view bytes;
+  std::shared_ptr<const void> keep;  // of the bytes
 };
 
 std::vector<FileColumn> columns_of(const Settings& settings, const Scene& scene) {
   std::vector<FileColumn> columns;
   for_each_file_column(
-      settings, scene, [&]<class T>(std::string_view name, uint32_t mesh, const Array<T>& array) {
+      settings, scene, [&](std::string_view name, uint32_t mesh, const auto& array) {
+        using T = std::remove_cvref_t<decltype(array)>::value_type;
         static_assert(sizeof(T) == bytes_of(Element<T>::number) * Element<T>::numbers);
         if (array.empty()) return;
+        const auto elements = std::make_shared<const Array<T>>(packed(array));
         FileColumn column{{.number = Element<T>::number,
                            .numbers = Element<T>::numbers,
                            .mesh = mesh,
                            .count = array.size()},
-                          {reinterpret_cast<const char*>(array.data()), array.size() * sizeof(T)}};
+                          {reinterpret_cast<const char*>(elements->data()), elements->bytes()},
+                          elements};
         name.copy(column.entry.name, sizeof(Entry::name) - 1);
         columns.push_back(column);
       });
