@@ -424,7 +424,7 @@ TEST(Report, UndecidedWithoutRows) {
   EXPECT_THAT(
       verdicts(sample_table("balls_medium", asking_for({AccelKind::none, AccelKind::grid}, kSoft))),
       testing::ElementsAre(kOpen, kOpen, kYes, kNo, kOpen));
-  EXPECT_THAT(table_text(grid_alone), HasSubstr("undecided by these rows"));
+  EXPECT_THAT(table_text(grid_alone), HasSubstr("cannot be told from these rows"));
 }
 
 TEST(Bench, ThreeDigits) {
@@ -509,7 +509,7 @@ TEST(Bench, JsonHasTheWholeTable) {
   for (const char* unknown : {"report_s", "report_more_than", "report_cost", "speedup"})
     EXPECT_TRUE(tree[unknown].is_null()) << unknown;
   ASSERT_EQ(json["claims"].size(), 5u);
-  EXPECT_EQ(json["claims"][0]["verdict"], "undecided by these rows");
+  EXPECT_EQ(json["claims"][0]["verdict"], "cannot be told from these rows");
   EXPECT_TRUE(json["claims"][0]["ours"].is_null());
   EXPECT_EQ(json["claims"][3]["ours"], "0.0800 s / 0.0100 s = 8.00 x");
   EXPECT_EQ(json["claims"][3]["verdict"], "corrected");

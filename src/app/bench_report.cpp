@@ -201,7 +201,7 @@ std::string_view verdict_words(Verdict verdict) {
     case Verdict::unknown:
       break;
   }
-  return "undecided by these rows";
+  return "cannot be told from these rows";
 }
 
 std::vector<ReportClaim> report_claims(const BenchmarkTable& table) {

@@ -42,7 +42,7 @@ std::optional<double> speedup(const BenchmarkTable& table, const BenchmarkRow& r
 bool report_knows(const BenchmarkTable& table);
 
 enum class Verdict { confirmed, corrected, unknown };
-/// "confirmed", "corrected", "undecided by these rows".
+/// "confirmed", "corrected", "cannot be told from these rows".
 std::string_view verdict_words(Verdict verdict);
 
 struct ReportClaim {
