@@ -119,7 +119,7 @@ std::string map_cif() {
 // Positions of the scene's vertices and centres in the file.
 std::vector<Vec3d> places_in_file(const Scene& scene) {
   std::vector<Vec3d> out;
-  const auto add = [&](const Scene& s, const Placement& place) {
+  const auto add = [&](const Object& s, const Placement& place) {
     for (const Mesh& mesh : s.meshes)
       for (const Vec3f& p : mesh.positions) out.push_back(scene.origin + place.point(Vec3d(p)));
     for (const Sphere& s1 : s.spheres) out.push_back(scene.origin + place.point(Vec3d(s1.center)));

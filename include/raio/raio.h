@@ -83,11 +83,12 @@ struct Camera {
 /// `count` elements of N numbers each in the caller's memory: the first at `data`, each `stride`
 /// bytes (may be negative, not zero) after the previous one. Without `keep` they are copied.
 ///
-/// With `keep`, which owns the memory or keeps it alive, columns in Raio's own layout are read in
-/// place: nothing is copied, `keep` is held until the last scene, job or structure that reads them
-/// is gone, and the numbers must not change until then. Other columns are copied once, and `keep`
-/// is not held. Each function states Raio's layout. Only the first primitives of a kind are read in
-/// place; adding more copies them. Files far from the origin copy everything.
+/// With `keep`, which owns the memory or keeps it alive, they are read in place, with any stride
+/// and alignment: nothing is copied, `keep` is held until the last scene, job or structure that
+/// reads them is gone, and the numbers must not change until then. Triangles and their vertices are
+/// read in place only if they are packed and aligned. Only the first primitives of a kind are read
+/// in place; adding more copies them. Numbers that Raio must change, such as normals that do not
+/// have length 1 or files far from the origin, copy all columns of the call.
 template <class T, size_t N = 1>
 struct Column {
   const T* data = nullptr;
@@ -101,11 +102,9 @@ struct Appearance {
   Appearance(uint32_t material_number = 0) : material(material_number) {}
 
   uint32_t material;
-  /// Red, green and blue per primitive, overriding the material's colour, or none. Read in place if
-  /// the stride is 12.
+  /// Red, green and blue per primitive, overriding the material's colour, or none.
   Column<float, 3> colors;
   /// Opacity per primitive, 0 to 1, or none: the part of the light from behind that is absorbed.
-  /// Read in place if the stride is 4.
   Column<float> opacity;
 };
 
@@ -144,25 +143,21 @@ class RAIO_API Scene {
   // The columns of one call must have equal counts. After an error (null pointer, stride of 0,
   // different counts, invalid numbers) the scene is unchanged. Radii must not be negative.
 
-  /// Read in place: x y z radius, both columns with a stride of 16 bytes.
   void add_spheres(const Column<float, 3>& centers, const Column<float>& radii,
                    const Appearance& look = {});
   /// From a circle around `starts` to one around `ends`, without caps; equal radii make cylinders.
-  /// Read in place: start, its radius, end, its radius, with a stride of 32 bytes.
   void add_cones(const Column<float, 3>& starts, const Column<float, 3>& ends,
                  const Column<float>& start_radii, const Column<float>& end_radii,
                  const Appearance& look = {});
-  /// `axes`: three perpendicular vectors each, from the centre to the surface. Read in place:
-  /// centre and axes, with a stride of 48 bytes.
+  /// `axes`: three perpendicular vectors each, from the centre to the surface.
   void add_ellipsoids(const Column<float, 3>& centers, const Column<float, 9>& axes,
                       const Appearance& look = {});
-  /// Flat discs; rings if there are inner radii. Normals are normalized. Read in place: centre,
-  /// unit normal, radius, inner radius, with a stride of 32 bytes.
+  /// Flat discs; rings if there are inner radii. Normals are normalized.
   void add_discs(const Column<float, 3>& centers, const Column<float, 3>& normals,
                  const Column<float>& radii, const Column<float>& inner_radii = {},
                  const Appearance& look = {});
   /// Triangles as three indices each into their own vertices; with a normal per vertex they are
-  /// smooth. Read in place: each column with a stride of 12, normals only if of length 1.
+  /// smooth.
   void add_triangles(const Column<float, 3>& positions, const Column<uint32_t, 3>& triangles,
                      const Column<float, 3>& normals = {}, const Appearance& look = {});
 
@@ -188,8 +183,7 @@ class RAIO_API Scene {
   /// Instances of one object.
   void add_instances(uint32_t prototype, const Column<float, 12>& matrices,
                      std::string_view name = {});
-  /// Instances of several objects, by number. Read in place: number, matrix, with a stride of 52
-  /// bytes.
+  /// Instances of several objects, by number.
   void add_instances(const Column<uint32_t>& prototypes, const Column<float, 12>& matrices,
                      std::string_view name = {});
 
