@@ -411,7 +411,7 @@ TEST(GltfWrite, ManyShapesHaveFewerTriangles) {
 // Instances of instances, mirrored and non-uniformly scaled, which no sphere survives as a sphere.
 TEST(GltfWrite, InstancesKeepTheirPositions) {
   Scene scene = tests::nested_scene();
-  for (Scene& object : scene.prototypes) {
+  for (Object& object : scene.prototypes) {
     object.positions = {{0, 0, 0}, {0.3f, 0, 0}, {0, 0.2f, 0.1f}};
     object.triangles = {{0, 1, 2}};
     object.triangle_materials = {2};

@@ -155,11 +155,12 @@ TEST(NffDamage, IsReportedLikewiseWithinALongText) {
     ++read_well;
     Scene& scene = small->scene;
     for (const bool front : {true, false}) {
-      const auto at = [&](const auto& pool) { return front ? pool.begin() : pool.end(); };
       const Sphere unit = scene.spheres.front();
       const MaterialId id = front ? 0 : scene.sphere_materials.back();
-      scene.spheres.insert(at(scene.spheres), more, unit);
-      scene.sphere_materials.insert(at(scene.sphere_materials), more, id);
+      const auto add = [&](auto& all, auto item) {
+        all.insert(front ? all.begin() : all.end(), more, item);
+      };
+      add(scene.spheres.writable(), unit), add(scene.sphere_materials.writable(), id);
     }
     expect_same(scene, large->scene);
     ASSERT_FALSE(HasFailure());
