@@ -43,7 +43,7 @@ Image picture(const Subject& subject, const RenderOptions& request) {
   const RenderSettings o = resolve_options(request, subject.scene);
   const auto film = make_film(subject.scene, o);
   if (!film) give_up(3, film.error().text());
-  RenderControl control;
+  WorkControl control;
   render(subject.scene, subject.accel, o, **film, control);
   return (*film)->resolve();
 }

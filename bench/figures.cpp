@@ -23,7 +23,7 @@ double seconds_of(const std::function<void()>& work) {
 
 double seconds_on(int threads, const std::function<void()>& work) {
   double seconds = 0;
-  on_threads(threads, [&] { seconds = seconds_of(work); });
+  Executor(threads).run([&] { seconds = seconds_of(work); });
   return seconds;
 }
 

@@ -44,7 +44,7 @@ Rendered render_once(const Scene& scene, const Accel& accel, const RenderSetting
   if (!film) give_up(3, film.error().text());
   // Its memory is allocated before the clock starts, as for consecutive pictures.
   for (size_t t = 0; t < (*film)->tiles(); ++t) (*film)->replace(t, {});
-  RenderControl control;
+  WorkControl control;
   const double seconds = render(scene, accel, settings, **film, control).seconds;
   return {seconds, (*film)->rays()};
 }

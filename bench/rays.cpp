@@ -123,7 +123,7 @@ Image small_picture(const Scene& scene, const Accel& accel, int side, int thread
   const RenderSettings options = resolve_options(request, scene);
   const auto film = make_film(scene, options);
   if (!film) give_up(3, film.error().text());
-  RenderControl control;
+  WorkControl control;
   render(scene, accel, options, **film, control);
   return (*film)->resolve();
 }

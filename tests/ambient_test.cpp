@@ -201,7 +201,7 @@ TEST(ShadowCatcher, IsInAlpha) {
   options.channels.add(Channel::alpha);
   const RenderSettings settings = resolve_options(options, scene);
   const auto accel = build_accel(scene, settings.accel);
-  RenderControl control;
+  WorkControl control;
   const auto film = make_film(scene, settings);
   ASSERT_TRUE(render(scene, **accel, settings, **film, control).finished);
   const Image colors = (*film)->resolve();
@@ -274,7 +274,7 @@ TEST(Outline, ComesFromTheStyleWithoutABackground) {
     float least = 1;
     const RenderSettings settings = resolve_options(figure.options, figure.scene);
     const auto accel = build_accel(figure.scene, settings.accel);
-    RenderControl control;
+    WorkControl control;
     const auto film = make_film(figure.scene, settings);
     (void)render(figure.scene, **accel, settings, **film, control);
     const Image colors = (*film)->resolve();

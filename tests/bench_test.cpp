@@ -167,7 +167,7 @@ TEST(Benchmark, RefusesStructuresWithDifferentPictures) {
 
 TEST(Benchmark, RunsGoInRoundsWithBruteForceLast) {
   const Scene scene = one_ball();
-  RenderControl control;
+  WorkControl control;
   std::vector<std::string> steps;
   BenchmarkRequest request = asking_for({AccelKind::none, AccelKind::bvh}, kAa);
   request.repeat = 2;
@@ -190,7 +190,7 @@ TEST(Benchmark, RunsGoInRoundsWithBruteForceLast) {
 
 TEST(Benchmark, ASingleStructureIsNotCompared) {
   const Scene scene = one_ball();
-  RenderControl control;
+  WorkControl control;
   const auto table = measure_benchmark(scene, asking_for({AccelKind::grid}, 0), control);
   ASSERT_TRUE(table) << table.error().message;
   EXPECT_FALSE(table->disagreement);
@@ -202,7 +202,7 @@ TEST(Benchmark, ASingleStructureIsNotCompared) {
 // Sizes, samples and views of the request give way to the effects'; nothing else does.
 TEST(Benchmark, EffectsDecideOnSamples) {
   const Scene scene = one_ball();
-  RenderControl control;
+  WorkControl control;
   BenchmarkRequest request = asking_for({AccelKind::bvh}, 0);
   request.options.samples = 64, request.options.dof = true, request.options.view = View::steps;
   request.options.width = request.options.height = 8;
@@ -223,7 +223,7 @@ Scene mirror_ball() {
 
 TEST(Benchmark, GlossHasRowsOnRequest) {
   const Scene scene = mirror_ball();
-  RenderControl control;
+  WorkControl control;
   BenchmarkRequest request = asking_for({AccelKind::bvh}, kDof | effect_named("gloss"));
   EXPECT_EQ(absence_of_effects(request, scene), "");
   const auto table = measure_benchmark(scene, request, control);
@@ -244,7 +244,7 @@ TEST(Benchmark, GlossHasRowsOnRequest) {
 // An effect that is not combined is in all rows, as the options say.
 TEST(Benchmark, GlossIsUnchangedUnlessCombined) {
   Scene scene = mirror_ball();
-  RenderControl control;
+  WorkControl control;
   BenchmarkRequest request = asking_for({AccelKind::bvh}, 0);
   const auto plain = measure_benchmark(scene, request, control);
   request.options.gloss = 0.5f;
@@ -273,7 +273,7 @@ TEST(BenchLists, RefuseEffectsMissingFromTheScene) {
 
 TEST(Benchmark, StopsOnRequest) {
   const Scene scene = one_ball();
-  RenderControl control;
+  WorkControl control;
   const auto stopped = measure_benchmark(scene, {}, control, [&](const BenchmarkStep& step) {
     if (step.number == 3) control.stop = true;
   });

@@ -211,10 +211,10 @@ TEST(Bvh, IsTheSameForAnyNumberOfThreads) {
   for (const Scene& scene : {random_scene(60000, 2), heaps(600000), heaps(1100000)}) {
     const Geometry geometry(scene, scene);
     Bvh one;
-    on_threads(1, [&] { one = *build_bvh(geometry); });
+    Executor(1).run([&] { one = *build_bvh(geometry); });
     for (const int threads : {2, 7}) {
       Bvh many;
-      on_threads(threads, [&] { many = *build_bvh(geometry); });
+      Executor(threads).run([&] { many = *build_bvh(geometry); });
       EXPECT_EQ(one.reach, many.reach);
       EXPECT_TRUE(same_bytes(one.nodes, many.nodes)) << threads;
       for_each_bounded_kind([&]<PrimitiveKind kind> {
@@ -356,9 +356,10 @@ TEST(Bvh, RaysThatGrazeConesAreThoseOfBruteForce) {
 TEST(Bvh, RefusesScenesBeyondMemory) {
   const Scene scene = random_scene(4000, 2);
   const Geometry geometry(scene, scene);
-  const auto bvh = build_bvh(geometry, 1000);
+  const auto bvh = build_bvh(geometry, {1000, "the limit of a test"});
   ASSERT_FALSE(bvh.has_value());
-  EXPECT_NE(bvh.error().find("0.0 GB are free"), std::string::npos) << bvh.error();
+  EXPECT_NE(bvh.error().find("0.0 GB are free within the limit of a test"), std::string::npos)
+      << bvh.error();
   EXPECT_EQ(bvh.error().find('\n'), std::string::npos);
 }
 

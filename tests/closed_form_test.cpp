@@ -27,7 +27,7 @@ Rendered picture(const Scene& scene, RenderOptions options) {
   const auto accel = build_accel(scene, settings.accel);
   const auto film = make_film(scene, settings);
   EXPECT_TRUE(accel && film);
-  RenderControl control;
+  WorkControl control;
   EXPECT_TRUE(render(scene, **accel, settings, **film, control).finished);
   return {settings.width, settings.height, (*film)->resolve().pixels};
 }

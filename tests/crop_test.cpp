@@ -35,7 +35,7 @@ Picture rendered(const Scene& scene, const RenderOptions& options) {
   const RenderSettings settings = resolve_options(options, scene);
   const auto accel = build_accel(scene, settings.accel, settings.one_sided);
   EXPECT_TRUE(accel);
-  RenderControl control;
+  WorkControl control;
   const auto film = make_film(scene, settings);
   EXPECT_TRUE(film);
   EXPECT_TRUE(render(scene, **accel, settings, **film, control).finished);

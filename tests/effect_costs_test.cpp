@@ -48,7 +48,7 @@ constexpr MeasuringEffort kLittle{.close_enough = 1e9, .least_run_s = 0};
 EffectCosts measured(const Scene& scene, const RenderOptions& options) {
   const RenderSettings s = resolve_options(options, scene);
   const auto accel = build_accel(scene, s.accel, s.one_sided);
-  RenderControl control;
+  WorkControl control;
   auto costs = measure_effects(scene, **accel, options, control, {}, kLittle);
   EXPECT_TRUE(costs.has_value());
   EXPECT_TRUE(costs->finished);
@@ -66,7 +66,7 @@ RayCounts counted(const Scene& scene, RenderOptions o) {
   const RenderSettings s = resolve_options(o, scene);
   const auto accel = build_accel(scene, s.accel, s.one_sided);
   const auto film = make_film(scene, s);
-  RenderControl control;
+  WorkControl control;
   EXPECT_TRUE(render(scene, **accel, s, **film, control).finished);
   return (*film)->rays();
 }
@@ -109,7 +109,7 @@ TEST(EffectCosts, RunsHaveTheRequestedLength) {
   RenderOptions o = small();
   o.no_reflection = o.no_refraction = true;
   const auto accel = build_accel(scene, o.accel);
-  RenderControl control;
+  WorkControl control;
   const auto start = std::chrono::steady_clock::now();
   const auto costs =
       measure_effects(scene, **accel, o, control, {}, {.close_enough = 100, .least_run_s = 0.005});
@@ -133,7 +133,7 @@ TEST(EffectCosts, IgnoresViewAndNumbersOfSamples) {
 // Known before the first round.
 std::vector<EffectCost::Presence> presence(const Scene& scene, const RenderOptions& options) {
   const auto accel = build_accel(scene, options.accel);
-  RenderControl control;
+  WorkControl control;
   const auto stop_after_a_round = [&](const EffectCosts& now) {
     for (const EffectCost& c : now.effects) control.stop = control.stop || c.rounds > 0;
   };
@@ -242,7 +242,7 @@ TEST(EffectCosts, StopsOnRequestAndReportsProgress) {
   const Scene scene = small_scene();
   RenderOptions o = small();
   const auto accel = build_accel(scene, o.accel);
-  RenderControl control;
+  WorkControl control;
   int news = 0;
   double done = 0;
   const auto costs = measure_effects(scene, **accel, o, control, [&](const EffectCosts& now) {

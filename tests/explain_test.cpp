@@ -84,7 +84,7 @@ void expect_pixels_explained(const Scene& scene, AccelKind kind, int pixels, uin
     cropped.crop = Crop{x, y, x + 1, y + 1};
     const auto film = make_film(scene, cropped);
     ASSERT_TRUE(film.has_value());
-    RenderControl control;
+    WorkControl control;
     render(scene, **accel, cropped, **film, control);
     EXPECT_EQ(Rgb(rgb / double(n)), (*film)->resolve().at(0, 0));
     const RayCounts rendered = (*film)->rays();

@@ -22,7 +22,7 @@ constexpr MeasuringEffort kLittle{.close_enough = 1e9, .least_run_s = 0};
 
 TEST(GridCurve, GoesFromCoarseToFine) {
   const Scene scene = tests::random_scene(400, 3);
-  RenderControl control;
+  WorkControl control;
   int news = 0;
   const auto curve = measure_grid_curve(
       scene, small(), control,
@@ -53,7 +53,7 @@ TEST(GridCurve, GoesFromCoarseToFine) {
 
 TEST(GridCurve, CountsAreThoseOfARender) {
   const Scene scene = tests::random_scene(400, 3);
-  RenderControl control;
+  WorkControl control;
   const auto curve = measure_grid_curve(scene, small(), control, {}, kLittle);
   ASSERT_TRUE(curve.has_value());
   const GridPoint& point = curve->points[4];
@@ -73,13 +73,13 @@ TEST(GridCurve, CountsAreThoseOfARender) {
 }
 
 TEST(GridCurve, StopsSoonOnRequestAndRefusesEmptyScenes) {
-  RenderControl control;
+  WorkControl control;
   control.stop = true;
   const auto stopped =
       measure_grid_curve(tests::random_scene(400, 3), small(), control, {}, kLittle);
   ASSERT_TRUE(stopped.has_value());
   EXPECT_FALSE(stopped->finished);
-  RenderControl other;
+  WorkControl other;
   Scene empty;
   empty.materials = {{}};
   EXPECT_FALSE(measure_grid_curve(empty, small(), other).has_value());

@@ -146,7 +146,7 @@ TEST(Grid, BlocksHoldTheCellsPrimitivesAndBoxes) {
                                           cells->items.begin() + cells->begin[c + 1]);
     EXPECT_EQ(found, listed) << "cell " << c;
   }
-  EXPECT_FALSE(bake_grid(g, *cells, 10'000));
+  EXPECT_FALSE(bake_grid(g, *cells, {.bytes = 10'000, .within = ""}));
 }
 
 TEST(Grid, HasTheResolutionOfTheReport) {

@@ -98,7 +98,7 @@ TEST_F(ImageTest, NpzHasAnArrayForEachLayer) {
       EXPECT_EQ(values_of(files.at(layer.name + ".npy"), type, all),
                 std::visit([](const auto& values) { return bytes_of(values); }, layer.values));
     }
-    on_threads(1, [&] { EXPECT_EQ(written(picture, "b.npz"), bytes); });
+    Executor(1).run([&] { EXPECT_EQ(written(picture, "b.npz"), bytes); });
   }
 }
 

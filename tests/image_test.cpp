@@ -183,7 +183,7 @@ TEST_F(ImageTest, PngOfManyBandsIsOneStream) {
         Z_OK);
     EXPECT_EQ(size, rows.size() - 1);
     EXPECT_EQ(taken, deflated.size());
-    on_threads(1, [&] { EXPECT_EQ(written(image, "b.png"), bytes); });
+    Executor(1).run([&] { EXPECT_EQ(written(image, "b.png"), bytes); });
   }
 }
 

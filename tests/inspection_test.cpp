@@ -36,7 +36,7 @@ TEST(Inspection, SamplesSumUpToThePixelThatIsRendered) {
     const auto accel = build_accel(*q.scene, settings.accel);
     const auto film = make_film(*q.scene, settings);
     ASSERT_TRUE(accel && film);
-    RenderControl control;
+    WorkControl control;
     render(*q.scene, **accel, settings, **film, control);
     const Image image = (*film)->resolve();
     for (const std::array<int, 2> pixel : {std::array{20, 14}, {8, 15}, {20, 28}, {1, 1}}) {

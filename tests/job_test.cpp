@@ -75,7 +75,7 @@ TEST_F(Job, ReportsItsResults) {
 }
 
 TEST_F(Job, ReusesALoadedSceneAndStructure) {
-  RenderControl control;
+  WorkControl control;
   RenderJob first(request("a.png"), {}, &control);
   ASSERT_TRUE(done(first));
   EXPECT_EQ(&first.control(), &control);

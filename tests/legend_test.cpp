@@ -96,7 +96,7 @@ TEST(Views, ShowsTheHitsOfTheRay) {
       "ball");
   ASSERT_TRUE(read);
   const Scene& s = read->scene;
-  RenderControl control;
+  WorkControl control;
   const auto middle = [&](View view, auto... change) {
     RenderOptions o;
     o.view = view;

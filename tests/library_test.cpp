@@ -3,7 +3,11 @@
 #include <gtest/gtest.h>
 #include <raio/raio.h>
 
+#include <chrono>
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <random>
@@ -694,6 +698,82 @@ TEST(LibraryJob, ThrowsOnWhatACallbackThrows) {
   });
   EXPECT_THROW(job.run(), std::out_of_range);
   EXPECT_EQ(calls, 1);
+}
+
+// Calls f() until it throws; the caller is told of its progress meanwhile, and throws at the first
+// time. Half a minute is enough for any machine.
+template <class F>
+void until_it_throws(const F& f) {
+  const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  while (std::chrono::steady_clock::now() < patience) f();
+}
+
+TEST_F(LibraryFile, AnExecutorsCallbackEndsLoadsAndBuildsByThrowing) {
+  const raio::Scene scene = everything(nullptr);
+  scene.write(file("scene.raio").string());
+  const std::function<void()> works[] = {
+      [&] { (void)raio::Scene::read(file("scene.raio").string()); },
+      [&] { (void)raio::Accel(scene); },
+      [&] { (void)raio::Accel(scene, raio::Settings().set("accel", "grid")); }};
+  for (const auto& work : works) {
+    raio::Executor executor(2);
+    int calls = 0;
+    executor.on_progress([&](const raio::Progress& progress) {
+      ++calls;
+      EXPECT_NE(progress.stage, raio::Progress::Stage::rendering);
+      throw std::out_of_range("the caller's own");
+    });
+    EXPECT_THROW(executor.run([&] { until_it_throws(work); }), std::out_of_range);
+    EXPECT_EQ(calls, 1);
+    EXPECT_NO_THROW(work());  // what it left is sound
+  }
+}
+
+TEST_F(LibraryFile, ACancelledExecutorEndsAllWithinIt) {
+  const raio::Scene scene = everything(nullptr);
+  scene.write(file("scene.raio").string());
+  raio::Executor executor(2);
+  int ran = 0;
+  executor.run([&] { ++ran; });
+  executor.cancel();
+  const raio::Settings settings = raio::Settings().set("size", "64x64").set("threads", "2");
+  const std::function<void()> works[] = {
+      [&] { (void)raio::Scene::read(file("scene.raio").string()); },
+      [&] { (void)raio::Accel(scene); }, [&] { (void)raio::Job(scene, settings).run(); }};
+  for (const auto& work : works) {
+    try {
+      executor.run(work);
+      FAIL() << "it ran to its end";
+    } catch (const raio::Error& error) {
+      EXPECT_EQ(error.kind(), raio::ErrorKind::cancelled);
+    }
+  }
+  EXPECT_EQ(ran, 1);
+  EXPECT_THROW(raio::Executor(-1), raio::Error);
+}
+
+// In a process of its own, which has had no threads before: those that oneTBB starts stay.
+TEST_F(LibraryFile, OneThreadIsOneFromLoadToWrite) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const std::string scene = file("scene.raio").string(), picture = file("picture.exr").string();
+  const auto work = [&](int threads) {
+    raio::Executor(threads).run([&] {
+      raio::Scene made;
+      const auto all = balls(100'000);
+      add_balls(made, all, nullptr, 0);
+      made.write(scene);
+      const raio::Scene read = raio::Scene::read(scene);
+      const raio::Settings settings =
+          raio::Settings().set("size", "300x200").set("tone", "aces").set("channels", "depth");
+      raio::Job(read, settings).run().write(picture);
+      raio::Job(raio::Accel(read, settings), settings).run().write(picture);
+    });
+    const auto all = std::distance(std::filesystem::directory_iterator("/proc/self/task"), {});
+    std::filesystem::remove_all(folder());
+    std::_Exit(all == 1 ? 0 : 1);
+  };
+  EXPECT_EXIT(work(1), testing::ExitedWithCode(0), "");
+  EXPECT_EXIT(work(2), testing::ExitedWithCode(1), "");  // so it is told
 }
 
 }  // namespace

@@ -37,7 +37,7 @@ Image picture(const Scene& scene, const RenderOptions& options) {
   const auto accel = build_accel(scene, settings.accel);
   const auto film = make_film(scene, settings);
   EXPECT_TRUE(accel && film);
-  RenderControl control;
+  WorkControl control;
   render(scene, **accel, settings, **film, control);
   return (*film)->resolve();
 }

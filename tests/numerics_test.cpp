@@ -42,7 +42,7 @@ Image picture(const Scene& scene) {
   const auto accel = build_accel(scene, o.accel);
   const auto film = make_film(scene, o);
   EXPECT_TRUE(accel && film);
-  RenderControl control;
+  WorkControl control;
   render(scene, **accel, o, **film, control);
   return (*film)->resolve();
 }

@@ -16,7 +16,7 @@ inline Image picture_of(const Scene& scene, RenderOptions options) {
   const RenderSettings settings = resolve_options(options, scene);
   const auto accel = build_accel(scene, settings.accel, settings.one_sided);
   EXPECT_TRUE(accel) << accel.error().text();
-  RenderControl control;
+  WorkControl control;
   const auto film = make_film(scene, settings);
   EXPECT_TRUE(film) << film.error().text();
   EXPECT_TRUE(render(scene, **accel, settings, **film, control).finished);

@@ -331,7 +331,7 @@ TEST(Opacity, AlphaLaysOverAnyGround) {
   options.channels.add(Channel::alpha);
   const RenderSettings settings = resolve_options(options, scene);
   const auto accel = build_accel(scene, settings.accel);
-  RenderControl control;
+  WorkControl control;
   const auto film = make_film(scene, settings);
   ASSERT_TRUE(render(scene, **accel, settings, **film, control).finished);
   const Image colors = (*film)->resolve();

@@ -36,7 +36,7 @@ TEST(Parallel, ExceptionsReachTheCaller) {
   EXPECT_THROW(parallel_for(size_t(100), [&](size_t i) { i == 50 ? fail() : void(); }),
                std::runtime_error);
   EXPECT_THROW(parallel_invoke([] {}, fail), std::runtime_error);
-  EXPECT_THROW(on_threads(2, fail), std::runtime_error);
+  EXPECT_THROW(Executor(2).run(fail), std::runtime_error);
 }
 
 TEST(Parallel, GroupsEndWhenAllTheirTasksHave) {
@@ -65,7 +65,7 @@ TEST(Parallel, EachThreadHasItsOwn) {
   };
   made = 0;
   std::atomic<int> most = 0, total = 0;
-  on_threads(3, [&] {
+  Executor(3).run([&] {
     PerThread<std::unique_ptr<Counted>> counters([] { return std::make_unique<Counted>(7); });
     parallel_for(size_t(1000), [&](size_t) {
       const int now = ++counters.local()->value - 7;
@@ -112,7 +112,7 @@ TEST(Parallel, WorkHasTheRequestedNumberOfThreads) {
   EXPECT_GE(max_concurrency(), 1);
   for (const int threads : {1, 3}) {
     int found = 0;
-    on_threads(threads, [&] { found = max_concurrency(); });
+    Executor(threads).run([&] { found = max_concurrency(); });
     EXPECT_EQ(found, kHasThreads ? threads : 1);
   }
 }

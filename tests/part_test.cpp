@@ -47,7 +47,7 @@ struct Studio {
   }
 
   void add_to(Film& film, const RenderTask& task = {}) const {
-    RenderControl control;
+    WorkControl control;
     EXPECT_TRUE(render(scene, *accel, options, film, control, task).finished);
   }
   Part part(const RenderTask& task = {}, int tile_side = kTileSide) const {
@@ -579,7 +579,7 @@ TEST(TimeLimit, LeavesWholePasses) {
   for (const double seconds : {1e-9, 0.02, 0.2}) {
     Part part{{settings_of(studio.scene, studio.options), 0, 1},
               std::move(*make_film(studio.scene, studio.options))};
-    RenderControl control;
+    WorkControl control;
     const auto done = render(studio.scene, *studio.accel, studio.options, *part.film, control,
                              {.seconds = seconds});
     EXPECT_FALSE(done.finished);

@@ -83,7 +83,7 @@ TEST(Parallel, ASphereIsWhatItsFormulaSays) {
     const RenderSettings settings = resolve_options(o, s);
     const auto accel = build_accel(s, settings.accel);
     const auto film = make_film(s, settings);
-    RenderControl control;
+    WorkControl control;
     ASSERT_TRUE(render(s, **accel, settings, **film, control).finished);
     const auto depth = std::get<Column<float>>((*film)->resolve(Channel::depth));
     const auto normal = std::get<Column<float>>((*film)->resolve(Channel::normal));
@@ -274,7 +274,7 @@ TEST(Parallel, PartsMakeTheWholePicture) {
   const auto accel = build_accel(s, settings.accel);
   const auto part = [&](uint32_t shard) {
     Part out{{settings_of(s, settings), shard, 3}, std::move(*make_film(s, settings))};
-    RenderControl control;
+    WorkControl control;
     EXPECT_TRUE(
         render(s, **accel, settings, *out.film, control, {.shard = shard, .shards = 3}).finished);
     return out;

@@ -68,7 +68,7 @@ TEST(Scenes, AllReadWithoutWarningsAndShowSomething) {
     const RenderSettings settings = resolve_options(options, scene);
     const auto accel = build_accel(scene, settings.accel);
     ASSERT_TRUE(accel) << accel.error().text();
-    RenderControl control;
+    WorkControl control;
     const auto film = make_film(scene, settings);
     ASSERT_TRUE(film.has_value()) << film.error().text();
     ASSERT_TRUE(render(scene, **accel, settings, **film, control).finished);

@@ -26,7 +26,7 @@ std::vector<Region> regions(const Scene& scene, AccelKind kind) {
   const RenderSettings settings = resolve_options(options, scene);
   const auto accel = build_accel(scene, settings.accel);
   EXPECT_TRUE(accel);
-  const RenderControl control;
+  const WorkControl control;
   return regions_of(scene, **accel, settings, control);
 }
 
@@ -69,7 +69,7 @@ TEST(Regions, StopOnRequest) {
   const Scene scene = parse_nff(kScene, "scene")->scene;
   const RenderSettings settings = resolve_options({}, scene);
   const auto accel = build_accel(scene, settings.accel);
-  RenderControl control;
+  WorkControl control;
   control.stop = true;
   EXPECT_TRUE(regions_of(scene, **accel, settings, control).empty());
 }

@@ -30,7 +30,7 @@ Rendered picture(const Scene& scene, RenderOptions options) {
   const RenderSettings settings = resolve_options(options, scene);
   const auto accel = build_accel(scene, settings.accel, settings.one_sided);
   EXPECT_TRUE(accel.has_value());
-  RenderControl control;
+  WorkControl control;
   const auto film = make_film(scene, settings);
   EXPECT_TRUE(film.has_value());
   EXPECT_TRUE(render(scene, **accel, settings, **film, control).finished);
@@ -320,7 +320,7 @@ TEST(Render, StopsSoon) {
   RenderSettings o = resolve_options(all_effects(AccelKind::none, 2000), s);
   o.aa = 16;
   const auto accel = build_accel(s, o.accel);
-  RenderControl control;
+  WorkControl control;
   std::jthread stopper([&] {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
     control.stop = true;
@@ -340,7 +340,7 @@ TEST(Render, AFilmIsResumedToTheSameBytes) {
     const RenderSettings o = resolve_options(request, s);
     const auto accel = build_accel(s, o.accel);
     const auto film = make_film(s, o);
-    RenderControl control;
+    WorkControl control;
     const auto part = [&](const RenderTask& task) {
       EXPECT_TRUE(render(s, **accel, o, **film, control, task).finished);
     };
@@ -369,7 +369,7 @@ TEST(Render, SobolSamplesAreTheFirstOfMore) {
   more.samples = 50;
   const auto accel = build_accel(s, more.accel);
   const auto film = make_film(s, more);
-  RenderControl control;
+  WorkControl control;
   render(s, **accel, more, **film, control, {.samples = 5});
   EXPECT_TRUE(same_bytes(few.image, (*film)->resolve()));
 }
@@ -431,7 +431,7 @@ TEST(Film, VarianceIsThatOfTheSamples) {
   const RenderSettings settings = resolve_options(options, scene);
   const auto accel = build_accel(scene, settings.accel);
   ASSERT_TRUE(accel);
-  RenderControl control;
+  WorkControl control;
   const auto one_by_one = make_film(scene, settings), at_once = make_film(scene, settings);
   std::vector<Image> means;
   for (uint32_t n = 1; n <= 4; ++n) {
@@ -513,7 +513,7 @@ TEST(Film, VarianceOfADimPictureIsThatOfABrightOne) {
     const auto accel = build_accel(scene, settings.accel);
     const auto film = make_film(scene, settings);
     EXPECT_GT((*film)->bound(), 1e5);
-    RenderControl control;
+    WorkControl control;
     EXPECT_TRUE(render(scene, **accel, settings, **film, control).finished);
     return std::get<Column<float>>((*film)->resolve(Channel::variance));
   };

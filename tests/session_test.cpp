@@ -62,7 +62,7 @@ RenderOptions soft(int samples = kMaxSamples) {
 Image rendered(const Scene& scene, const RenderOptions& request) {
   const RenderSettings o = resolve_options(request, scene);
   const auto accel = build_accel(scene, o.accel, o.one_sided);
-  RenderControl control;
+  WorkControl control;
   const auto film = make_film(scene, o);
   EXPECT_TRUE(render(scene, **accel, o, **film, control).finished);
   return picture_of(**film, o.view);

@@ -93,7 +93,7 @@ TEST(Spd, PlainGridHasNoOversizedPrimitivesAndNoMailbox) {
     EXPECT_TRUE(accel);
     const auto film = make_film(*scene, o);
     EXPECT_TRUE(film);
-    RenderControl control;
+    WorkControl control;
     render(*scene, **accel, o, **film, control);
     info = (*accel)->info(), rays = (*film)->rays();
     return (*film)->resolve().pixels;

@@ -121,7 +121,7 @@ TEST(SceneWarnings, ReportBlankPictures) {
     const RenderSettings settings = resolve_options(options, scene);
     const auto accel = build_accel(scene, settings.accel);
     auto film = make_film(scene, settings);
-    RenderControl control;
+    WorkControl control;
     render(scene, **accel, settings, **film, control);
     return blank_warning(**film, settings, **accel);
   };

@@ -53,7 +53,7 @@ Rgb corner_pixel(const Scene& scene, int levels) {
   settings.width = settings.height = 4;
   settings.depth = levels;
   const PreparedScene prepared(scene, *accel, settings);
-  RenderControl control;
+  WorkControl control;
   Film film(4, 4, 1);
   Wavefront<TintedMirrors>(prepared, control).render(0, {0, 1}, film);
   return film.resolve().at(0, 0);
@@ -101,7 +101,7 @@ TEST(Wavefront, CountsNanAsBlack) {
   settings.samples = 3;
   settings.channels.add(Channel::variance);
   const PreparedScene prepared(scene, *accel, settings);
-  RenderControl control;
+  WorkControl control;
   Film film(4, 4, 1, kTileSide, settings.channels);
   Wavefront<Faulty> wavefront(prepared, control);
   wavefront.render(0, {0, 2}, film);

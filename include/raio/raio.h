@@ -6,10 +6,10 @@
 //   settings.set("size", "640x480").set("aa", "4").set("soft-shadows");
 //   raio::Job(scene, settings).run().write("balls.png");
 //
-// The library never prints, never ends the program and changes no global state. Failures throw
-// raio::Error. The same scene and settings give the same bytes for any number of threads and on any
-// machine. One thread at a time may use an object; Job::cancel() and the const functions of Accel
-// may be called from any thread.
+// The library never prints, never ends the program and changes no global state. Failures are thrown
+// as raio::Error. The same scene and settings give the same bytes for any number of threads and on
+// any machine. Objects may be used by one thread at a time; cancel() and what is const of an Accel
+// by any.
 #pragma once
 
 #include <array>
@@ -40,7 +40,7 @@ enum class ErrorKind {
   bad_input,     ///< an invalid file, scene or value; the message says what is valid
   cannot_write,  ///< a file could not be written; no partial file is left
   no_resource,   ///< out of memory, or a missing library
-  cancelled      ///< Job::cancel() was called
+  cancelled      ///< cancel() of a Job or an Executor was called
 };
 
 /// One line that says what was found and what was expected.
@@ -300,11 +300,47 @@ class RAIO_API Accel {
   std::shared_ptr<const Data> data_;
 };
 
-/// The progress of a render.
+/// How far work is.
 struct Progress {
-  double share = 0;   ///< 0 to 1
+  enum class Stage { reading, building, rendering };
+
+  double share = 0;   ///< of the stage, 0 to 1; 0 while nobody knows
   uint64_t rays = 0;  ///< traced so far
   double seconds = 0;
+  Stage stage = Stage::rendering;
+};
+
+/// Who does the work of the calls within run(): with how many threads, and watched or stopped from
+/// outside. Without one they take as many threads as there are cores, of which a container may
+/// limit the number; jobs and structures as many as the setting `threads` says.
+///
+///   raio::Executor executor(4);
+///   executor.on_progress([](const raio::Progress& p) { show(p.share); });
+///   executor.run([&] { scene = raio::Scene::read("large.ply"); });
+class RAIO_API Executor {
+ public:
+  /// The calling thread is one of them; 0: as many as there are cores.
+  explicit Executor(int threads = 0);
+  ~Executor();
+  Executor(const Executor&) = delete;
+  Executor& operator=(const Executor&) = delete;
+
+  /// Called some ten times a second while run() works, from a thread of its own, of files that are
+  /// read and structures that are built; a Job tells of its pictures itself. If it throws, run()
+  /// stops and rethrows the exception.
+  void on_progress(std::function<void(const Progress&)> callback);
+
+  /// Calls `work` and throws what it throws. What calls of the library began when cancel() was
+  /// called is given up, nothing is left half-made, and they throw Error with
+  /// ErrorKind::cancelled.
+  void run(const std::function<void()>& work);
+
+  /// Ends what is done in run() soon, also the runs that follow. Any thread may call it.
+  void cancel();
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
 };
 
 /// A rendered picture: colours with coverage, and the channels that were requested.
@@ -353,8 +389,8 @@ class RAIO_API Job {
   Job(const Job&) = delete;
   Job& operator=(const Job&) = delete;
 
-  /// Calls the function about ten times per second during run(), from another thread. If it throws,
-  /// run() stops and rethrows the exception.
+  /// Called some ten times a second while run() works, from a thread of its own, also of the
+  /// structure that it builds. If it throws, run() stops and rethrows the exception.
   void on_progress(std::function<void(const Progress&)> callback);
 
   /// Renders with as many threads as the setting `threads` says, including this one, and returns

@@ -4,6 +4,7 @@
 
 #include "accel/instances.h"
 #include "accel/structures.h"
+#include "base/executor.h"
 
 namespace raio {
 namespace {
@@ -21,6 +22,15 @@ AccelResult make_accel(Geometry&& geometry, const AccelOptions& options) {
       break;
   }
   return make_bvh(std::move(geometry));
+}
+
+// With those of its objects, once each.
+uint64_t primitives_to_build(const Object& scene) {
+  uint64_t count = 0;
+  for_each_pool([&](auto pool) { count += (scene.*pool.shapes).size(); });
+  for (const Mesh& mesh : scene.meshes) count += mesh.triangles.size();
+  for (const Object& object : scene.prototypes) count += primitives_to_build(object);
+  return count;
 }
 
 }  // namespace
@@ -51,19 +61,18 @@ std::optional<TraceLog> Accel::log(const Ray&, bool) const { return std::nullopt
 
 void Accel::boxes(int, const std::function<void(const AccelBox&)>&) const {}
 
-std::expected<std::unique_ptr<Accel>, Error> build_accel(const Scene& scene, const Object& object,
-                                                         const AccelOptions& options,
-                                                         bool one_sided, bool with_sources) {
+std::expected<std::unique_ptr<Accel>, Error> build_object(const Scene& scene, const Object& object,
+                                                          const AccelOptions& options,
+                                                          bool one_sided, bool with_sources) {
   if (options.kind == AccelKind::embree && options.counters)
     return std::unexpected(
         bad_option("counters", "Embree does not count tests and steps; leave it out"));
-  const double bytes = Geometry::bytes_to_bake(scene, object),
-               available = double(available_memory_bytes());
-  if (bytes > 0.9 * available)
-    return std::unexpected(Error{
-        ErrorKind::no_resource, "",
-        fmt::format("preparing the scene for tracing would take {:.1f} GB and {:.1f} GB are free",
-                    bytes * 1e-9, available * 1e-9)});
+  const double bytes = Geometry::bytes_to_bake(scene, object);
+  if (const AvailableMemory available = available_memory(); bytes > 0.9 * double(available.bytes))
+    return std::unexpected(
+        Error{ErrorKind::no_resource, "",
+              fmt::format("preparing the scene for tracing would take {:.1f} GB and {}",
+                          bytes * 1e-9, available.text())});
   auto accel =
       make_accel(Geometry(scene, object, one_sided, with_sources, options.opacity), options);
   if (!accel) return std::unexpected(Error{ErrorKind::no_resource, "", std::move(accel.error())});
@@ -77,6 +86,16 @@ std::expected<std::unique_ptr<Accel>, Error> build_accel(const Scene& scene, con
       return std::unexpected(Error{ErrorKind::no_resource, "", std::move(*error)});
   }
   return std::move(*accel);
+}
+
+std::expected<std::unique_ptr<Accel>, Error> build_accel(const Scene& scene,
+                                                         const AccelOptions& options,
+                                                         bool one_sided, bool with_sources) try {
+  begin_stage(Stage::building, kBuildPasses * primitives_to_build(scene));
+  check_stop();
+  return build_object(scene, scene, options, one_sided, with_sources);
+} catch (const Stopped&) {
+  return std::unexpected(stopped_error());
 }
 
 }  // namespace raio

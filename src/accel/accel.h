@@ -241,20 +241,14 @@ class Accel {
   std::unique_ptr<const Bvh> transparent_;
 };
 
-/// Bakes the scene, or an object that it shows, and builds the structure selected by `options`
-/// (`automatic`: the best for the scene). Both must outlive the result. `one_sided` and
-/// `with_sources` as for Geometry. Errors: not enough memory (no_resource), options that contradict
-/// each other (bad_option).
-std::expected<std::unique_ptr<Accel>, Error> build_accel(const Scene& scene, const Object& object,
+/// Bakes the scene, which must outlive the result, and builds the structure selected by `options`
+/// (`automatic`: the best for the scene). `one_sided` and `with_sources` as for Geometry. Errors:
+/// not enough memory (no_resource), options that contradict each other (bad_option), an executor
+/// that was told to stop (stopped).
+std::expected<std::unique_ptr<Accel>, Error> build_accel(const Scene& scene,
                                                          const AccelOptions& options,
                                                          bool one_sided = false,
                                                          bool with_sources = false);
-inline std::expected<std::unique_ptr<Accel>, Error> build_accel(const Scene& scene,
-                                                                const AccelOptions& options,
-                                                                bool one_sided = false,
-                                                                bool with_sources = false) {
-  return build_accel(scene, scene, options, one_sided, with_sources);
-}
 void build_accel(Scene&&, const AccelOptions&, bool = false, bool = false) = delete;
 
 }  // namespace raio

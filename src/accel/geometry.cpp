@@ -170,7 +170,9 @@ void Geometry::join_meshes() {
   own_triangles_.resize(count);
   own_normals_.assign(smooth ? count : 0, kFlat);
   const auto append = [](Column<Vec3f>& to, const Array<Vec3f>& from) {
-    to.insert(to.end(), from.begin(), from.end());
+    const size_t before = to.size();
+    to.resize(before + from.size());
+    for_each_index(from.size(), [&](size_t i) { to[before + i] = from[i]; });
   };
   append(own_positions_, s.positions), append(own_vertex_normals_, s.normals);
   std::ranges::copy(s.triangles, own_triangles_.begin());
@@ -325,8 +327,9 @@ void Geometry::bake_depths() {
 template <class Wanted>
 std::vector<PrimitiveId> Geometry::list(const Wanted& wanted) const {
   std::vector<PrimitiveId> out;
+  StopCheck look;
   for_each_bounded_kind([&]<PrimitiveKind kind> {
-    for (uint32_t i = 0; i < count(kind); ++i)
+    for (uint32_t i = 0; i < count(kind); ++i, look())
       if (wanted(depth_of(kind, i))) out.push_back(id_of(kind, i));
   });
   return out;

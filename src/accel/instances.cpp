@@ -5,6 +5,9 @@
 #include <limits>
 #include <numeric>
 
+#include "accel/structures.h"
+#include "base/executor.h"
+
 namespace raio {
 namespace {
 
@@ -31,7 +34,7 @@ std::expected<std::unique_ptr<const Instances>, Error> Instances::build(const Ac
                                                                         bool with_sources) {
   std::unique_ptr<Instances> out(new Instances(around));
   for (const Object& object : out->geometry_.object().prototypes) {
-    auto accel = build_accel(out->geometry_.scene(), object, options, one_sided, with_sources);
+    auto accel = build_object(out->geometry_.scene(), object, options, one_sided, with_sources);
     if (!accel) return std::unexpected(std::move(accel.error()));
     out->objects_.push_back(std::move(*accel));
   }
@@ -60,7 +63,9 @@ void Instances::build_tree() {
   std::vector<Box3f> of_object, boxes;
   for (const auto& object : objects_) of_object.push_back(bounds(object->geometry().object()));
   std::vector<uint32_t> some;
+  StopCheck look;
   for (const Instance& instance : instances_) {
+    look();
     const Placement place(instance.matrix);
     const Box3f& box = boxes.emplace_back(rounded_out(place.box(of_object[instance.prototype])));
     if (box.empty()) continue;
@@ -89,7 +94,9 @@ void Instances::split(uint32_t node, std::span<uint32_t> instances,
   const Vec3f size = middles.size();
   const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
   const auto half = std::ptrdiff_t(instances.size() / 2);
+  StopCheck look;
   std::ranges::nth_element(instances, instances.begin() + half, [&](uint32_t a, uint32_t b) {
+    look();
     const float x = boxes[a].center()[axis], y = boxes[b].center()[axis];
     return x < y || (x == y && a < b);
   });

@@ -19,4 +19,14 @@ AccelResult make_bvh(Geometry geometry);
 /// Embree 3, used as its documentation advises. It never counts.
 AccelResult make_embree(Geometry geometry, const AccelOptions& options);
 
+/// build_accel() for the scene itself or an object of it, which must both outlive the result.
+/// Throws Stopped.
+std::expected<std::unique_ptr<Accel>, Error> build_object(const Scene& scene, const Object& object,
+                                                          const AccelOptions& options,
+                                                          bool one_sided, bool with_sources);
+
+/// So often each primitive counts in the progress of a build (add_work()): where it is found a
+/// place, and where its block is filled.
+inline constexpr uint64_t kBuildPasses = 2;
+
 }  // namespace raio

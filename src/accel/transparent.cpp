@@ -32,7 +32,7 @@ Accel::~Accel() = default;
 
 std::optional<std::string> Accel::build_transparent() {
   if (!geometry_.any_transparent()) return std::nullopt;
-  auto bvh = build_bvh(geometry_, available_memory_bytes(), true);
+  auto bvh = build_bvh(geometry_, available_memory(), true);
   if (!bvh) return std::move(bvh.error());
   transparent_ = std::make_unique<const Bvh>(std::move(*bvh));
   return std::nullopt;

@@ -65,9 +65,7 @@ template <class Command>
 int run_on_threads(const Command& command) {
   if (command.options.threads > 1 && !kHasThreads)
     return bad_input("this build has no threads; leave out --threads");
-  int status = kDone;
-  on_threads(command.options.threads, [&] { status = run(command); });
-  return status;
+  return Executor(command.options.threads).run([&] { return run(command); });
 }
 
 /// The command `raio explain`.

@@ -149,7 +149,7 @@ std::string absence_of_effects(const BenchmarkRequest& request, const Scene& sce
 
 int run(const BenchCommand& command) {
   if (const int status = check_targets(command)) return status;
-  RenderControl control;
+  WorkControl control;
   const StopOnSignal stop(&control);
   const auto scene = load_scene(command.scene, false, nullptr, {.instances = true});
   if (!scene) return scene.error();

@@ -23,6 +23,7 @@
 #include "app/output.h"
 #include "app/terminal.h"
 #include "app/version.h"
+#include "base/executor.h"
 #include "base/memory.h"
 #include "io/generate/generate.h"
 #include "render/read_options.h"
@@ -278,11 +279,6 @@ void add_render(CLI::App& app, RenderCommand& render, int& status) {
       if (const std::string name = "--" + std::string(spec.name);
           spec.of_picture && sub->get_option(name)->count() > 0)
         render.of_picture.emplace_back(spec.name);
-    if (!kHasThreads && sub->get_option("--checkpoint-interval")->count() > 0)
-      throw CLI::ParseError(
-          "this build has no threads and writes --checkpoint only at the end; leave out "
-          "--checkpoint-interval",
-          kBadInput);
     if (sub->get_option("--checkpoint-interval")->count() > 0 && render.checkpoint.empty())
       throw CLI::ParseError("--checkpoint-interval has no effect without --checkpoint; add it",
                             kBadInput);
@@ -393,7 +389,7 @@ void add_bench(CLI::App& app, BenchCommand& bench, int& status) {
   sub->callback([&] {
     if (const auto why = bench_conflict(bench.request); !why.empty())
       throw CLI::ParseError(why, kBadInput);
-    on_threads(bench.request.options.threads, [&] { status = run(bench); });
+    status = Executor(bench.request.options.threads).run([&] { return run(bench); });
   });
 }
 
@@ -544,7 +540,11 @@ int parse_and_run(std::vector<std::string> arguments, const Invocation& invocati
 
 int run_command_line(int argc, char** argv, OpenWindow open_window) {
   try {
-    return parse_and_run({argv + std::min(argc, 1), argv + argc}, {argv, open_window});
+    return Executor().run([&] {
+      return parse_and_run({argv + std::min(argc, 1), argv + argc}, {argv, open_window});
+    });
+  } catch (const Stopped&) {
+    return interrupted();
   } catch (const std::bad_alloc&) {
     return no_resource(fmt::format("out of memory; {}", kMemoryAdvice));
   } catch (const std::exception& error) {

@@ -85,7 +85,7 @@ std::string explained(const Image& a, const Image& b, const std::vector<Region>&
 }
 
 std::expected<std::string, int> explained(const CompareCommand& command, const Image& a,
-                                          const Image& b, const RenderControl& control) {
+                                          const Image& b, const WorkControl& control) {
   const auto scene = load_scene(command.explain);
   if (!scene) return std::unexpected(scene.error());
   RenderOptions options = command.options;
@@ -113,7 +113,7 @@ std::expected<Image, Error> displayed(const std::string& path) {
 }  // namespace
 
 int run(const CompareCommand& command) {
-  RenderControl control;
+  WorkControl control;
   const StopOnSignal stop(&control);
   if (!command.diff.empty()) {
     if (const auto format = image_format(command.diff); !format) return fail(format.error());

@@ -98,7 +98,7 @@ class Drawing {
     o.channels = {}, o.crop = {};
     const auto film = make_film(what_.scene, o);
     if (!film) return Image(o.width, o.height);
-    RenderControl control;
+    WorkControl control;
     render(what_.scene, what_.accel, o, **film, control);
     return (*film)->resolve();
   }

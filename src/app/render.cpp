@@ -15,6 +15,7 @@
 #include "app/terminal.h"
 #include "app/warnings.h"
 #include "base/exact_math.h"
+#include "base/executor.h"
 #include "io/scene_file.h"
 #include "render/job_start.h"
 #include "render/turntable.h"
@@ -105,7 +106,16 @@ class Pictures {
         count_(of_scene_ * scenes_) {}
 
   // Renders the next scene and returns the exit status. The first failure ends them.
-  int render_scene(JobRequest request) {
+  int render_scene(JobRequest request) try {
+    return Executor(command_.options.threads, &control_).run([&] {
+      return render_pictures(std::move(request));
+    });
+  } catch (const Stopped&) {
+    return ended(stopped_error());
+  }
+
+ private:
+  int render_pictures(JobRequest request) {
     if (command_.frames) return render_frames(std::move(request));
     index_ = scene_++ * of_scene_;
     if (scenes_ > 1) about_ = request.scene + ": ";
@@ -121,8 +131,7 @@ class Pictures {
     return kDone;
   }
 
- private:
-  // Reads the scene and the annotations of its pictures; returns the exit status.
+  // Reads the scene with what is drawn on its pictures; the exit status.
   int load_to_annotate(JobRequest& request) {
     JobRequest whole = request;
     if (!request.repeat.empty()) {
@@ -132,9 +141,8 @@ class Pictures {
     }
     whole.read.instances = true;
     auto read = read_scene(whole.scene, whole.read);
-    const Diagnostics& said = read ? read->notices : read.error();
-    if (!read || !command_.quiet) print_diagnostics(said);
-    if (!read) return status_of(error_of(said.front()));
+    if (!read) return refuse(read.error());
+    if (!command_.quiet) print_diagnostics(read->notices);
     return annotate(request, whole.options, std::move(*read));
   }
 
@@ -199,9 +207,10 @@ class Pictures {
     SceneFrames frames(request.scene);
     do {
       auto read = frames.read(request.read);
-      const Diagnostics& said = read ? read->notices : read.error();
-      if (!read || (!command_.quiet && index_ == 0)) print_diagnostics(said);
-      if (!read) return status_of(error_of(said.front()));
+      if (!read)
+        return read.error().front().message == kStopped ? ended(stopped_error())
+                                                        : refuse(read.error());
+      if (!command_.quiet && index_ == 0) print_diagnostics(read->notices);
       if (!camera) {
         const auto count = frames_in(read->frames, request.read.frame);
         if (!count) return bad_input(request.scene + ": " + count.error());
@@ -254,18 +263,18 @@ class Pictures {
                               .warning = [&](const Error& what) { warn(text_of(what)); }};
     RenderJob job(request, events, &control_);
     if (const int status = check_stats(command_, request.output)) return status;
-    if (const auto ready = job.prepare(); !ready)
+    const auto watched = [&](const auto& work) {
+      const std::string label =
+          count_ > 1 ? fmt::format("{}/{}", index_ + 1, count_) : std::string();
+      const ProgressLine progress(control_, command_.quiet ? "off" : command_.progress, label);
+      return work();
+    };
+    if (const auto ready = watched([&] { return job.prepare(); }); !ready)
       return broken_scene ? status_of(ready.error()) : ended(ready.error());
     request.loaded = job.loaded(), request.built = job.built();
     if (!command_.quiet && is_first) print_warnings(job);
     if (!command_.checkpoint.empty()) stop_.be_patient();
-    std::expected<void, Error> done;
-    {
-      const std::string label =
-          count_ > 1 ? fmt::format("{}/{}", index_ + 1, count_) : std::string();
-      const ProgressLine progress(control_, command_.quiet ? "off" : command_.progress, label);
-      done = job.run();
-    }
+    const auto done = watched([&] { return job.run(); });
     if (!done) return ended(done.error());
     const int status = write_results(job, command_, request.output);
     return job.kept() ? status : fail(job.kept().error());
@@ -296,7 +305,7 @@ class Pictures {
   int of_scene_, scenes_, count_;  // pictures of a scene, scenes, total pictures
   int scene_ = 0, index_ = 0, written_ = 0;
   std::string about_;  // prefix of messages if there are several scenes
-  RenderControl control_;
+  WorkControl control_;
   StopOnSignal stop_{&control_};
 };
 

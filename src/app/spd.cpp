@@ -7,6 +7,7 @@
 #include "app/commands.h"
 #include "app/output.h"
 #include "app/terminal.h"
+#include "base/executor.h"
 #include "io/generate/generate.h"
 
 namespace raio::app {
@@ -42,10 +43,10 @@ struct Counted {
 
 // The error is the exit status; messages have been printed.
 std::expected<Counted, int> count(const Scene& scene, const RenderSettings& options,
-                                  RenderControl& control, const SpdVerifyCommand& command,
+                                  WorkControl& control, const SpdVerifyCommand& command,
                                   const std::string& label) {
-  std::expected<std::unique_ptr<Accel>, Error> accel;
-  on_threads(options.threads, [&] { accel = build_accel(scene, options.accel); });
+  const auto accel =
+      Executor(options.threads, &control).run([&] { return build_accel(scene, options.accel); });
   if (!accel) return std::unexpected(fail(accel.error()));
   const auto film = make_film(scene, options);
   if (!film) return std::unexpected(fail(film.error()));
@@ -57,7 +58,7 @@ std::expected<Counted, int> count(const Scene& scene, const RenderSettings& opti
 }
 
 std::expected<SpdScene, int> verify(const PublishedScene& published, const Scene& scene,
-                                    RenderControl& control, const SpdVerifyCommand& command) {
+                                    WorkControl& control, const SpdVerifyCommand& command) {
   RenderSettings options = prescribed(command, scene);
   const std::string name(published.name);
   const auto counted = count(scene, options, control, command, name);
@@ -80,7 +81,7 @@ std::expected<SpdScene, int> verify(const PublishedScene& published, const Scene
 }  // namespace
 
 int run(const SpdVerifyCommand& command) {
-  RenderControl control;
+  WorkControl control;
   const StopOnSignal stop(&control);
   std::vector<std::string> wanted = command.scenes;
   if (wanted.empty())

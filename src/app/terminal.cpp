@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "app/commands.h"
+#include "app/output.h"
 #include "base/clock.h"
 #include "io/file.h"
 #include "io/scene_file.h"
@@ -50,14 +51,17 @@ std::string scaled(double value, std::string_view unit) {
   return out += unit;
 }
 
-std::string progress_text(const RenderControl& control, double seconds, const std::string& label) {
-  const double total = double(std::max<uint64_t>(1, control.work_total));
-  const double share = double(control.work_done) / total;
+std::string progress_text(const WorkControl& control, double seconds, const std::string& label) {
+  const double share = control.share();
+  const std::string prefix = label.empty() ? "" : label + "  ";
+  if (control.stage == Stage::reading) return prefix + "reading";
+  if (control.stage == Stage::building)
+    return fmt::format("{}{:3.0f} %  building", prefix, share * 100);
   const double rate = double(control.rays_done) / std::max(seconds, 1e-3);
   std::string left = "...";
   if (share > 0.01 || seconds > 2)
     left = share > 0 ? human_seconds(seconds * (1 - share) / share) : "unknown";
-  return fmt::format("{}{:3.0f} %  {}  {} left", label.empty() ? "" : label + "  ", share * 100,
+  return fmt::format("{}{:3.0f} %  {}  {} left", prefix, share * 100,
                      human_quantity(rate, "rays/s"), left);
 }
 
@@ -85,20 +89,23 @@ void print_diagnostics(const Diagnostics& said) {
   if (notices > kShown) print_line(fmt::format("and {} more: raio info", notices - kShown));
 }
 
+int refuse(const Diagnostics& said) {
+  const Error why = error_of(said.front());
+  if (why.kind == ErrorKind::stopped) return fail(why);
+  print_diagnostics(said);
+  return status_of(why);
+}
+
 std::expected<Scene, int> load_scene(const std::string& path, bool quiet, Diagnostics* warnings,
                                      const ReadOptions& options) {
   auto result = read_scene(path, options);
-  if (!result) {
-    print_diagnostics(result.error());
-    const bool machine = result.error().front().message == kNoMemory;
-    return std::unexpected(int(machine ? kNoResource : kBadInput));
-  }
+  if (!result) return std::unexpected(refuse(result.error()));
   if (!quiet) print_diagnostics(result->notices);
   if (warnings) *warnings = std::move(result->notices);
   return std::move(result->scene);
 }
 
-ProgressLine::ProgressLine(const RenderControl& control, std::string_view mode, std::string label) {
+ProgressLine::ProgressLine(const WorkControl& control, std::string_view mode, std::string label) {
   if (mode == "off" || (mode == "auto" && !is_terminal())) return;
   const auto show = [&control, start = Clock::now(), label = std::move(label)] {
     show_progress(progress_text(control, seconds_since(start), label));

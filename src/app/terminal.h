@@ -27,6 +27,9 @@ int interrupted();
 /// others.
 void print_diagnostics(const Diagnostics& said);
 
+/// Prints why a file could not be read, or that it was interrupted; the exit status for it.
+int refuse(const Diagnostics& said);
+
 /// Reads a scene file and prints its diagnostics; appends the warnings to `warnings`; on failure
 /// returns the exit status.
 std::expected<Scene, int> load_scene(const std::string& path, bool quiet = false,
@@ -40,7 +43,7 @@ std::expected<Scene, int> load_scene(const std::string& path, bool quiet = false
 /// without a control, and the second has the system's default action.
 class StopOnSignal {
  public:
-  explicit StopOnSignal(RenderControl* control = nullptr);
+  explicit StopOnSignal(WorkControl* control = nullptr);
 
   /// The command will stop by itself, but has to save something first, which may take longer.
   void be_patient();
@@ -54,12 +57,12 @@ class StopOnSignal {
   std::unique_ptr<State> state_;
 };
 
-/// A line on standard error with per cent, rays per second and time left, updated four times a
-/// second while it lives; wiped at the end, never wider than the terminal. `mode`: "on", "off", or
-/// "auto", which is on if standard error is a terminal. Nothing without threads.
+/// A line on standard error with what is being done, per cent, rays per second and time left, four
+/// times a second while it lives; wiped at the end, never wider than the terminal. `mode`: "on",
+/// "off", or "auto", which is on when standard error is a terminal. Nothing without threads.
 class ProgressLine {
  public:
-  ProgressLine(const RenderControl& control, std::string_view mode, std::string label = {});
+  ProgressLine(const WorkControl& control, std::string_view mode, std::string label = {});
   ~ProgressLine();
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;

@@ -13,14 +13,14 @@ namespace {
 
 constexpr std::array kStopSignals = {SIGINT, SIGTERM};
 
-std::atomic<RenderControl*> g_control{nullptr};
-static_assert(std::atomic<RenderControl*>::is_always_lock_free &&
-              decltype(RenderControl::stop)::is_always_lock_free);
+std::atomic<WorkControl*> g_control{nullptr};
+static_assert(std::atomic<WorkControl*>::is_always_lock_free &&
+              decltype(WorkControl::stop)::is_always_lock_free);
 
 // Restricted to what a signal handler may do.
 void on_signal(int signal) {
   std::signal(signal, SIG_DFL);  // so that the next one ends the program
-  if (RenderControl* const control = g_control)
+  if (WorkControl* const control = g_control)
     control->stop = true;
   else
     std::_Exit(kInterrupted);
@@ -37,7 +37,7 @@ struct StopOnSignal::State {
   std::array<void (*)(int), kStopSignals.size()> before{};
 };
 
-StopOnSignal::StopOnSignal(RenderControl* control) : state_(std::make_unique<State>()) {
+StopOnSignal::StopOnSignal(WorkControl* control) : state_(std::make_unique<State>()) {
   g_control = control;
   for (size_t i = 0; i < kStopSignals.size(); ++i) {
     state_->before[i] = std::signal(kStopSignals[i], on_signal);

@@ -51,7 +51,7 @@ struct StopOnSignal::State {
   std::thread thread;
 };
 
-StopOnSignal::StopOnSignal(RenderControl* control) : state_(std::make_unique<State>()) {
+StopOnSignal::StopOnSignal(WorkControl* control) : state_(std::make_unique<State>()) {
   if (::pipe2(state_->wake, O_CLOEXEC) != 0) return;  // signals then have their default actions
   g_wake = state_->wake[1];
   auto& before = state_->before;

@@ -50,6 +50,11 @@ inline Error bad_option(std::string_view setting, std::string message) {
   return {ErrorKind::bad_option, std::string(setting), std::move(message)};
 }
 
+/// That of work that was told to stop before it had made anything.
+inline Error stopped_error() {
+  return {ErrorKind::stopped, "", "interrupted; nothing was written"};
+}
+
 /// The message with the prefix `before_settings` instead of backquotes around settings.
 std::string with_settings(std::string_view message, std::string_view before);
 

@@ -1,11 +1,15 @@
-// Work on all threads: everything that Raio uses of oneTBB. With RAIO_NO_THREADS (CMake's option
-// RAIO_THREADS) all of it runs on the thread that asks, in the order of the indices, with the same
-// results.
+// Loops and tasks on the threads of the caller's executor: everything that Raio uses of oneTBB.
+// With RAIO_NO_THREADS (CMake's option RAIO_THREADS) all of it runs on the thread that asks, in the
+// order of the indices, with the same results. Loops throw Stopped where their executor was told to
+// stop.
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <functional>
+
+#include "base/executor.h"
 
 #ifdef RAIO_NO_THREADS
 #include <memory>
@@ -20,22 +24,8 @@
 
 namespace raio {
 
-/// Whether this build has threads beside the one that main() runs on.
-#ifdef RAIO_NO_THREADS
-inline constexpr bool kHasThreads = false;
-#else
-inline constexpr bool kHasThreads = true;
-#endif
-
-/// How many threads the loops of the caller may use.
-int max_concurrency();
-
-/// Runs `work`, and all that it runs in parallel (reading, building, rendering), on so many
-/// threads; 0: as many as there are. There is never more than one with RAIO_NO_THREADS.
-void on_threads(int threads, const std::function<void()>& work);
-
 /// Calls a function again and again while it lives, on a thread of its own, which the destructor
-/// waits for; never without threads.
+/// waits for; never without threads. For showing what others do, not for work.
 class Ticker {
  public:
   Ticker() = default;
@@ -51,7 +41,7 @@ class Ticker {
 
 template <class Index, class F>
 void parallel_for(Index count, const F& f) {
-  for (Index i = 0; i < count; ++i) f(i);
+  for (Index i = 0; i < count; ++i) check_stop(), f(i);
 }
 
 template <class First, class Second>
@@ -59,10 +49,16 @@ void parallel_invoke(const First& first, const Second& second) {
   first(), second();
 }
 
+template <class F>
+void deal(size_t count, const F& f) {
+  for (size_t i = 0; i < count; ++i) f(i);
+}
+
 class TaskGroup {
  public:
   template <class Work>
   void run(const Work& work) {
+    check_stop();
     work();
   }
   void wait() {}
@@ -92,18 +88,58 @@ class PerThread {
 /// again.
 template <class Index, class F>
 void parallel_for(Index count, const F& f) {
-  tbb::parallel_for(Index(0), count, f);
+  tbb::parallel_for(Index(0), count, [&f, scope = WorkScope::current()](Index i) {
+    const WorkScope::Bound bound(scope);
+    check_stop();
+    f(i);
+  });
 }
 
 /// Calls both.
 template <class First, class Second>
 void parallel_invoke(const First& first, const Second& second) {
-  tbb::parallel_invoke(first, second);
+  const auto bound = [scope = WorkScope::current()](const auto& work) {
+    return [scope, &work] {
+      const WorkScope::Bound bound(scope);
+      work();
+    };
+  };
+  tbb::parallel_invoke(bound(first), bound(second));
+}
+
+/// Calls f(i) for 0 .. count - 1, which begin in this order: a thread that is free takes the next.
+/// So no thread waits long for the others where the last ones take little. Not ended by a stop: f
+/// has to look.
+template <class F>
+void deal(size_t count, const F& f) {
+  std::atomic<size_t> next = 0;
+  const size_t threads = std::min(count, size_t(max_concurrency()));
+  tbb::parallel_for(
+      size_t(0), threads,
+      [&, scope = WorkScope::current()](size_t) {
+        const WorkScope::Bound bound(scope);
+        for (size_t i = 0; (i = next.fetch_add(1, std::memory_order_relaxed)) < count;) f(i);
+      },
+      tbb::simple_partitioner());
 }
 
 /// run(work) begins it, wait() waits for all that was begun, which must come before the end of
 /// the group.
-using TaskGroup = tbb::task_group;
+class TaskGroup {
+ public:
+  template <class Work>
+  void run(Work work) {
+    tasks_.run([work = std::move(work), scope = WorkScope::current()] {
+      const WorkScope::Bound bound(scope);
+      check_stop();
+      work();
+    });
+  }
+  void wait() { tasks_.wait(); }
+
+ private:
+  tbb::task_group tasks_;
+};
 
 /// local() is the calling thread's T, made by the function given to the constructor when the thread
 /// first asks.

@@ -404,7 +404,7 @@ class AmbientShading {
   alignas(64) float rim_[kChunk + kWidth] = {};  // of the current rays
 };
 
-std::unique_ptr<TileRenderer> make_renderer(const PreparedScene& scene, RenderControl& control) {
+std::unique_ptr<TileRenderer> make_renderer(const PreparedScene& scene, WorkControl& control) {
   return std::make_unique<Wavefront<AmbientShading>>(scene, control);
 }
 
@@ -418,7 +418,7 @@ namespace raio {
 HWY_EXPORT(make_renderer);
 
 std::unique_ptr<TileRenderer> make_ambient_renderer(const PreparedScene& scene,
-                                                    RenderControl& control) {
+                                                    WorkControl& control) {
   return HWY_DYNAMIC_DISPATCH(make_renderer)(scene, control);
 }
 

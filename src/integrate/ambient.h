@@ -9,6 +9,6 @@ namespace raio {
 double ambient_bound(const Scene& scene, const RenderSettings& settings);
 
 std::unique_ptr<TileRenderer> make_ambient_renderer(const PreparedScene& scene,
-                                                    RenderControl& control);
+                                                    WorkControl& control);
 
 }  // namespace raio

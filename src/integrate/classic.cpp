@@ -12,7 +12,7 @@ HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
 namespace {
 
-std::unique_ptr<TileRenderer> make_renderer(const PreparedScene& scene, RenderControl& control) {
+std::unique_ptr<TileRenderer> make_renderer(const PreparedScene& scene, WorkControl& control) {
   return std::make_unique<Wavefront<ClassicShading>>(scene, control);
 }
 
@@ -26,7 +26,7 @@ namespace raio {
 HWY_EXPORT(make_renderer);
 
 std::unique_ptr<TileRenderer> make_classic_renderer(const PreparedScene& scene,
-                                                    RenderControl& control) {
+                                                    WorkControl& control) {
   if (needs_models(scene.scene, scene.settings)) return make_model_renderer(scene, control);
   return HWY_DYNAMIC_DISPATCH(make_renderer)(scene, control);
 }

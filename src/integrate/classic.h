@@ -30,10 +30,9 @@ inline bool needs_models(const Scene& scene, const RenderSettings& s) {
 double classic_bound(const Scene& scene, const RenderSettings& settings);
 
 std::unique_ptr<TileRenderer> make_classic_renderer(const PreparedScene& scene,
-                                                    RenderControl& control);
+                                                    WorkControl& control);
 
 /// The renderer for pictures that needs_models(); make_classic_renderer() selects it.
-std::unique_ptr<TileRenderer> make_model_renderer(const PreparedScene& scene,
-                                                  RenderControl& control);
+std::unique_ptr<TileRenderer> make_model_renderer(const PreparedScene& scene, WorkControl& control);
 
 }  // namespace raio

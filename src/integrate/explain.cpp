@@ -31,7 +31,7 @@ class RayRecorder {
   using Paths = PathRays<Shading::kTints>;
   using Weight = typename Paths::Weight;
 
-  RayRecorder(uint32_t sample, double scale, RenderControl& control, Explanation& out)
+  RayRecorder(uint32_t sample, double scale, WorkControl& control, Explanation& out)
       : sample_(sample), scale_(scale), control_(control), out_(out) {}
 
   void begin_sample(uint32_t sample) { recording_ = sample == sample_; }
@@ -146,7 +146,7 @@ class RayRecorder {
 
   uint32_t sample_;
   double scale_;
-  RenderControl& control_;
+  WorkControl& control_;
   Explanation& out_;
   bool recording_ = false;
   std::unordered_map<uint32_t, int> places_;  // index of rays by branch
@@ -162,7 +162,7 @@ std::optional<Explanation> explain(const Scene& scene, const Accel& accel, Rende
   const PreparedScene prepared(scene, accel, settings);
   Film film(1, 1, classic_bound(scene, settings));
   Explanation out;
-  RenderControl control;
+  WorkControl control;
   const auto render = [&]<class Shading> {
     using Recorder = RayRecorder<Shading>;
     const Recorder recorder(sample, film.scale(), control, out);

@@ -20,7 +20,7 @@ inline constexpr std::string_view kIntegratorHelp =
 
 class TileRenderer;
 struct PreparedScene;
-struct RenderControl;
+struct WorkControl;
 struct RenderSettings;
 struct Scene;
 
@@ -28,7 +28,7 @@ struct Integrator {
   /// An upper bound of a sample's value in this scene.
   double (*bound)(const Scene&, const RenderSettings&);
   /// Renders tiles with the machine's best instruction set.
-  std::unique_ptr<TileRenderer> (*make)(const PreparedScene&, RenderControl&);
+  std::unique_ptr<TileRenderer> (*make)(const PreparedScene&, WorkControl&);
 };
 
 const Integrator& integrator(IntegratorKind kind);

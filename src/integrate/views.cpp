@@ -112,7 +112,7 @@ class ViewsShading {
   float distance_, focus_, blur_ = 0;
 };
 
-std::unique_ptr<TileRenderer> make_renderer(const PreparedScene& scene, RenderControl& control) {
+std::unique_ptr<TileRenderer> make_renderer(const PreparedScene& scene, WorkControl& control) {
   return std::make_unique<Wavefront<ViewsShading>>(scene, control);
 }
 
@@ -126,7 +126,7 @@ namespace raio {
 HWY_EXPORT(make_renderer);
 
 std::unique_ptr<TileRenderer> make_views_renderer(const PreparedScene& scene,
-                                                  RenderControl& control) {
+                                                  WorkControl& control) {
   return HWY_DYNAMIC_DISPATCH(make_renderer)(scene, control);
 }
 

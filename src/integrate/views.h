@@ -19,8 +19,7 @@ namespace raio {
 ///              focal plane, blue behind it
 double views_bound(const Scene& scene, const RenderSettings& settings);
 
-std::unique_ptr<TileRenderer> make_views_renderer(const PreparedScene& scene,
-                                                  RenderControl& control);
+std::unique_ptr<TileRenderer> make_views_renderer(const PreparedScene& scene, WorkControl& control);
 
 /// 0 black, 1 blue, 4 cyan, 16 green, 64 yellow, 256 red, 1024 and more white.
 Rgb heat_color(double count);

@@ -41,6 +41,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "base/executor.h"
 #include "integrate/camera-inl.h"
 #include "integrate/features-inl.h"
 #include "integrate/layers-inl.h"
@@ -60,7 +61,7 @@ class Wavefront final : public TileRenderer {
   using Paths = PathRays<Shading::kTints>;
   static constexpr bool kRecords = !std::is_same_v<Recorder, Unrecorded>;
 
-  Wavefront(const PreparedScene& scene, RenderControl& control, Recorder recorder = {})
+  Wavefront(const PreparedScene& scene, WorkControl& control, Recorder recorder = {})
       : scene_(scene),
         control_(control),
         recorder_(std::move(recorder)),
@@ -96,7 +97,7 @@ class Wavefront final : public TileRenderer {
       sums_.begin_sample();
       if constexpr (kRecords) recorder_.begin_sample(sample_);
       add_sample(WideSampler<D>(scene_.sampler, sample_));
-      if (context_.stopped()) return;
+      if (context_.stopped() || stop_requested()) return;
       sums_.end_sample();
       control_.rays_done += counts_.total() - before;
       ++control_.work_done;
@@ -610,7 +611,7 @@ class Wavefront final : public TileRenderer {
   }
 
   const PreparedScene& scene_;
-  RenderControl& control_;
+  WorkControl& control_;
   [[no_unique_address]] Recorder recorder_;
   Shading shading_;
   Features features_;

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "accel/accel.h"
+#include "base/executor.h"
 #include "integrate/camera.h"
-#include "integrate/control.h"
 #include "integrate/film.h"
 #include "integrate/sampler.h"
 #include "integrate/settings.h"

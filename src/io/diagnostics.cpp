@@ -71,6 +71,7 @@ std::string Diagnostic::text(std::string_view before_settings) const {
 }
 
 Error error_of(const Diagnostic& d) {
+  if (d.message == kStopped) return stopped_error();
   return {d.message == kNoMemory ? ErrorKind::no_resource : ErrorKind::bad_input,
           d.file,
           d.message,

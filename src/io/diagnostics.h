@@ -30,7 +30,7 @@ struct Diagnostic {
   std::string text(std::string_view before_settings = {}) const;
 };
 
-/// As an Error: bad_input or, for kNoMemory, no_resource.
+/// The same as one Error, bad_input or, for kNoMemory, no_resource, or, for kStopped, stopped.
 Error error_of(const Diagnostic& diagnostic);
 
 using Diagnostics = std::vector<Diagnostic>;
@@ -44,7 +44,8 @@ void append(Diagnostics& out, const Notices& notices, std::string_view file);
 /// One error about a line of the file or, without `line`, about the file as a whole.
 std::unexpected<Diagnostics> failed(std::string_view file, std::string message, size_t line = 0);
 
-/// The one message about the machine, not the input.
+/// The messages about the machine and the caller, not the input.
 inline constexpr std::string_view kNoMemory = "not enough memory for the scene";
+inline constexpr std::string_view kStopped = "reading it was stopped";
 
 }  // namespace raio

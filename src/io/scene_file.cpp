@@ -8,6 +8,7 @@
 #include <new>
 #include <system_error>
 
+#include "base/executor.h"
 #include "base/memory.h"
 #include "base/platform/files.h"
 #include "io/atoms/read.h"
@@ -48,10 +49,11 @@ std::expected<std::string, std::string> unpacked(std::string_view bytes) {
   if (inflateInit2(&stream, kGzipOnly) != Z_OK) return std::unexpected(std::string(kNoMemory));
   const std::unique_ptr<z_stream, int (*)(z_stream*)> end(&stream, inflateEnd);
   const size_t most = available_memory_bytes() / 2;
-  constexpr size_t kPiece = size_t(1) << 30;  // zlib counts in unsigned int
+  constexpr size_t kPiece = size_t(1) << 22;  // between two looks whether to stop
   std::string out(std::max<size_t>(4096, 4 * bytes.size()), '\0');
   size_t size = 0;
   for (;;) {
+    check_stop();
     if (size == out.size()) out.resize(2 * out.size());
     const size_t room = std::min(out.size() - size, kPiece), left = std::min(bytes.size(), kPiece);
     stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
@@ -178,6 +180,8 @@ std::expected<ReadScene, Diagnostics> parse_scene(std::string_view bytes, std::s
   return parse(text, file, name, options);
 } catch (const std::bad_alloc&) {
   return failed(file, std::string(kNoMemory));
+} catch (const Stopped&) {
+  return failed(file, std::string(kStopped));
 }
 
 std::expected<ReadScene, Diagnostics> read_scene(const fs::path& path, const ReadOptions& options) {
@@ -185,6 +189,8 @@ std::expected<ReadScene, Diagnostics> read_scene(const fs::path& path, const Rea
 }
 
 std::expected<ReadScene, Diagnostics> SceneFrames::read(const ReadOptions& options) try {
+  begin_stage(Stage::reading, 0);
+  check_stop();
   const bool standard_input = path_ == "-";
   const fs::path opened = standard_input ? fs::path("/dev/stdin") : path_;
   const std::string file = standard_input ? "standard input" : path_.string();
@@ -213,6 +219,8 @@ std::expected<ReadScene, Diagnostics> SceneFrames::read(const ReadOptions& optio
   return read;
 } catch (const std::bad_alloc&) {
   return failed(path_.string(), std::string(kNoMemory));
+} catch (const Stopped&) {
+  return failed(path_.string(), std::string(kStopped));
 }
 
 std::expected<SceneFormat, Error> scene_format(const fs::path& path) {

@@ -104,7 +104,7 @@ Hit hit_of(const Accel::Data& data, const raio::Ray& ray, const raio::Hit& found
 }  // namespace
 
 Accel::Accel(Scene scene, const Settings& settings) {
-  guarded([&] {
+  guarded_work(settings.data().options.threads, [&] {
     const auto data = std::make_shared<Data>();
     data->scene = std::move(scene.data_->scene);
     data->has_background = scene.data_->has_background;
@@ -113,9 +113,7 @@ Accel::Accel(Scene scene, const Settings& settings) {
     if (const auto why = option_conflict(data->options)) fail(*why);
     const RenderSettings resolved = resolve_options(data->options, data->scene);
     data->options.accel = resolved.accel;
-    std::expected<std::unique_ptr<raio::Accel>, raio::Error> accel;
-    on_threads(resolved.threads,
-               [&] { accel = build_accel(data->scene, resolved.accel, resolved.one_sided, true); });
+    auto accel = build_accel(data->scene, resolved.accel, resolved.one_sided, true);
     if (!accel) fail(accel.error());
     data->accel = std::move(*accel);
     data_ = data;

@@ -40,6 +40,8 @@ v1::ErrorKind kind_of(ErrorKind kind) {
 void refuse(const std::string& message) { throw v1::Error(v1::ErrorKind::bad_input, message); }
 
 void fail(const Error& error) {
+  if (error.kind == ErrorKind::stopped)
+    throw v1::Error(v1::ErrorKind::cancelled, "the work was cancelled");
   throw v1::Error(kind_of(error.kind), error.text(), {}, error.place.line, error.place.column);
 }
 
@@ -108,6 +110,7 @@ struct Film::Data {
   Picture picture;
   Metadata settings;
   uint64_t nan_samples;
+  int threads;  // of the job
 
   std::vector<std::string> channels() const;
   // The error names the available channels.
@@ -177,7 +180,7 @@ std::vector<uint32_t> Film::integers(std::string_view name) const {
 uint64_t Film::nan_samples() const { return data_->nan_samples; }
 
 void Film::write(const std::string& path) const {
-  guarded([&] {
+  guarded_work(data_->threads, [&] {
     if (const auto done = write_picture(data_->picture, path, data_->settings); !done)
       fail(done.error());
   });
@@ -187,7 +190,7 @@ struct Job::Data {
   std::shared_ptr<const raio::Scene> scene;
   std::shared_ptr<const raio::Accel> accel;  // null: run() builds it
   RenderSettings settings;
-  RenderControl control;
+  WorkControl control;
   std::function<void(const Progress&)> on_progress;
 };
 
@@ -224,7 +227,7 @@ RenderSettings settings_of(RenderOptions options, const raio::Scene& scene, bool
 }  // namespace
 
 Job::Job(const Scene& scene, const Settings& settings) {
-  guarded([&] {
+  guarded_work(settings.data().options.threads, [&] {
     data_ = std::make_unique<Data>();
     data_->scene = std::make_shared<const raio::Scene>(scene.data().scene);
     if (const auto problems = validate(*data_->scene); !problems.empty()) refuse(problems.front());
@@ -234,7 +237,7 @@ Job::Job(const Scene& scene, const Settings& settings) {
 }
 
 Job::Job(const Accel& accel, const Settings& settings) {
-  guarded([&] {
+  guarded_work(settings.data().options.threads, [&] {
     const std::shared_ptr<const Accel::Data>& built = accel.data_;
     data_ = std::make_unique<Data>();
     data_->scene = {built, &built->scene};
@@ -254,16 +257,15 @@ void Job::on_progress(std::function<void(const Progress&)> callback) {
 
 namespace {
 
-// Reports a render's progress until it is finished. If the callback throws, the render stops.
+// Tells of work until it is finished. What the callback throws stops the work.
 class ProgressReporter {
  public:
-  ProgressReporter(RenderControl& control, const std::function<void(const Progress&)>& tell) {
+  ProgressReporter(WorkControl& control, const std::function<void(const Progress&)>& tell) {
     if (!tell) return;
     ticker_ = Ticker(0.1, [&, start = Clock::now()] {
       if (thrown_) return;
       try {
-        const double total = double(std::max<uint64_t>(1, control.work_total));
-        tell({double(control.work_done) / total, control.rays_done, seconds_since(start)});
+        tell({control.share(), control.rays_done, seconds_since(start), stage_of(control)});
       } catch (...) {
         thrown_ = std::current_exception();
         control.stop = true;
@@ -277,36 +279,93 @@ class ProgressReporter {
   }
 
  private:
+  static Progress::Stage stage_of(const WorkControl& control) {
+    switch (control.stage) {
+      case raio::Stage::none:
+      case raio::Stage::reading:
+        return Progress::Stage::reading;
+      case raio::Stage::building:
+        return Progress::Stage::building;
+      case raio::Stage::rendering:
+        break;
+    }
+    return Progress::Stage::rendering;
+  }
+
   std::exception_ptr thrown_;
   Ticker ticker_;
 };
 
+// Does the work while the callback is told of it.
+template <class F>
+auto reported(WorkControl& control, const std::function<void(const Progress&)>& tell,
+              const F& work) {
+  ProgressReporter reporter(control, tell);
+  try {
+    if constexpr (std::is_void_v<std::invoke_result_t<const F&>>) {
+      work();
+      reporter.finish();
+    } else {
+      auto result = work();
+      reporter.finish();
+      return result;
+    }
+  } catch (...) {
+    reporter.finish();  // what the callback threw is why the work ended
+    throw;
+  }
+}
+
 }  // namespace
 
 Film Job::run() {
-  return guarded([&] {
+  const auto work = [&] {
     const raio::Scene& scene = *data_->scene;
     const RenderSettings& settings = data_->settings;
-    ProgressReporter teller(data_->control, data_->on_progress);
     const auto film = make_film(scene, settings);
     if (!film) fail(film.error());
     std::shared_ptr<const raio::Accel> accel = data_->accel;
     if (!accel) {
-      std::expected<std::unique_ptr<raio::Accel>, raio::Error> built;
-      on_threads(settings.threads,
-                 [&] { built = build_accel(scene, settings.accel, settings.one_sided); });
+      auto built = build_accel(scene, settings.accel, settings.one_sided);
       if (!built) fail(built.error());
       accel = std::move(*built);
     }
-    const bool finished = render(scene, *accel, settings, **film, data_->control).finished;
-    teller.finish();
-    if (!finished) throw Error(ErrorKind::cancelled, "the render was cancelled");
-    return Film(std::make_unique<Film::Data>(Film::Data{
-        picture_of(**film, settings), settings_of(scene, settings), (*film)->nans().count}));
-  });
+    if (!render(scene, *accel, settings, **film, data_->control).finished)
+      throw Error(ErrorKind::cancelled, "the render was cancelled");
+    return run_to_the_end([&] {
+      return Film(std::make_unique<Film::Data>(
+          Film::Data{picture_of(**film, settings), settings_of(scene, settings),
+                     (*film)->nans().count, settings.threads}));
+    });
+  };
+  return reported(data_->control, data_->on_progress,
+                  [&] { return guarded_work(data_->settings.threads, work, &data_->control); });
 }
 
 void Job::cancel() { data_->control.stop = true; }
+
+struct Executor::Data {
+  int threads;
+  WorkControl control;
+  std::function<void(const Progress&)> on_progress;
+};
+
+Executor::Executor(int threads) {
+  if (threads < 0) refuse(fmt::format("expected a number of threads from 0 on, found {}", threads));
+  data_ = std::make_unique<Data>(threads);
+}
+Executor::~Executor() = default;
+
+void Executor::on_progress(std::function<void(const Progress&)> callback) {
+  data_->on_progress = std::move(callback);
+}
+
+void Executor::run(const std::function<void()>& work) {
+  reported(data_->control, data_->on_progress,
+           [&] { raio::Executor(data_->threads, &data_->control).run(work); });
+}
+
+void Executor::cancel() { data_->control.stop = true; }
 
 std::string version() { return RAIO_VERSION; }
 

@@ -14,6 +14,7 @@
 
 #include "accel/accel.h"
 #include "base/error.h"
+#include "base/executor.h"
 #include "base/vec.h"
 #include "render/options.h"
 #include "scene/scene.h"
@@ -28,12 +29,20 @@ inline Rgb rgb(const v1::Triple& t) { return Rgb(vec(t)); }
 [[noreturn]] void refuse(const std::string& message);
 [[noreturn]] void fail(const Error& error);
 
-// Converts std::bad_alloc to an Error, too.
+// Runs out of memory, or is stopped, as an Error, too.
 template <class F>
 auto guarded(F&& f) try {
   return f();
 } catch (const std::bad_alloc&) {
   throw v1::Error(v1::ErrorKind::no_resource, "out of memory");
+} catch (const Stopped&) {
+  fail(stopped_error());
+}
+
+// The same for long work, on so many threads; 0: those of the caller's executor.
+template <class F>
+auto guarded_work(int threads, const F& f, WorkControl* control = nullptr) {
+  return guarded([&] { return Executor(threads, control).run(f); });
 }
 
 std::optional<std::array<v1::Triple, 2>> bounds_of(const Scene& scene);

@@ -21,6 +21,7 @@ namespace {
 std::unique_ptr<Scene::Data> taken(std::expected<ReadScene, Diagnostics> read) {
   if (!read) {
     const Diagnostic& first = read.error().front();
+    if (first.message == kStopped) fail(stopped_error());
     throw Error(first.message == kNoMemory ? ErrorKind::no_resource : ErrorKind::bad_input,
                 first.text(), first.file, first.line, first.column);
   }
@@ -46,15 +47,15 @@ Scene& Scene::operator=(Scene&&) noexcept = default;
 Scene::~Scene() = default;
 
 Scene Scene::read(const std::string& path) {
-  return guarded([&] { return Scene(taken(read_scene(path, {.instances = true}))); });
+  return guarded_work(0, [&] { return Scene(taken(read_scene(path, {.instances = true}))); });
 }
 
 Scene Scene::parse_nff(std::string_view text, std::string_view name) {
-  return guarded([&] { return Scene(taken(raio::parse_nff(text, name))); });
+  return guarded_work(0, [&] { return Scene(taken(raio::parse_nff(text, name))); });
 }
 
 void Scene::write(const std::string& path) const {
-  guarded([&] {
+  guarded_work(0, [&] {
     if (const auto written = write_scene(data_->scene, path); !written) fail(written.error());
   });
 }
@@ -447,7 +448,7 @@ int depth_of(const Object& scene) {
 }  // namespace
 
 uint32_t Scene::add_prototype(const Scene& prototype) {
-  return guarded([&] {
+  return guarded_work(0, [&] {
     raio::Scene object = prototype.data_->scene;
     object.camera = {};
     if (!object.planes.empty()) refuse("an infinite plane cannot be instanced");

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "base/clock.h"
+#include "base/executor.h"
 #include "base/platform/processor.h"
 #include "render/render.h"
 
@@ -35,7 +36,7 @@ RenderOptions with_effects(RenderOptions options, EffectSet effects, EffectSet c
 
 class Measurement {
  public:
-  Measurement(const Scene& scene, const BenchmarkRequest& request, RenderControl& control,
+  Measurement(const Scene& scene, const BenchmarkRequest& request, WorkControl& control,
               const std::function<void(const BenchmarkStep&)>& on_step)
       : scene_(scene), request_(request), control_(control), on_step_(on_step) {}
 
@@ -70,12 +71,12 @@ class Measurement {
       request.grid_resolution = request_.options.accel.grid_resolution;
     }
     const auto start = Clock::now();
-    std::expected<std::unique_ptr<Accel>, Error> accel;
-    on_threads(table_.threads,
-               [&] { accel = build_accel(scene_, request, request_.options.one_sided); });
+    auto accel = Executor(table_.threads, &control_).run([&] {
+      return build_accel(scene_, request, request_.options.one_sided);
+    });
     const double elapsed = seconds_since(start);
-    if (!accel) return std::unexpected(Failure{Failure::no_resource, accel.error().message});
     if (control_.stop) return std::unexpected(Failure{Failure::stopped, {}});
+    if (!accel) return std::unexpected(Failure{Failure::no_resource, accel.error().message});
     table_.structures.push_back({(*accel)->info(), elapsed});
     accels_[kind] = std::move(*accel);
     return {};
@@ -154,7 +155,7 @@ class Measurement {
 
   const Scene& scene_;
   const BenchmarkRequest& request_;
-  RenderControl& control_;
+  WorkControl& control_;
   const std::function<void(const BenchmarkStep&)>& on_step_;
   std::map<AccelKind, std::unique_ptr<Accel>> accels_;
   BenchmarkTable table_;
@@ -215,7 +216,7 @@ Spread BenchmarkTable::relative_cost(const BenchmarkRow& row) const {
 }
 
 std::expected<BenchmarkTable, BenchmarkFailure> measure_benchmark(
-    const Scene& scene, const BenchmarkRequest& request, RenderControl& control,
+    const Scene& scene, const BenchmarkRequest& request, WorkControl& control,
     const std::function<void(const BenchmarkStep&)>& on_step) {
   return Measurement(scene, request, control, on_step).run();
 }

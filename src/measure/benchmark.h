@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "accel/accel.h"
-#include "integrate/control.h"
+#include "base/executor.h"
 #include "io/image/image.h"
 #include "measure/effects.h"
 #include "render/options.h"
@@ -156,7 +156,7 @@ struct BenchmarkStep {
 /// rounds over all its rows, so a drift of the machine affects all rows alike. `on_step` is called
 /// before each render, outside of the timed part.
 std::expected<BenchmarkTable, BenchmarkFailure> measure_benchmark(
-    const Scene& scene, const BenchmarkRequest& request, RenderControl& control,
+    const Scene& scene, const BenchmarkRequest& request, WorkControl& control,
     const std::function<void(const BenchmarkStep&)>& on_step = {});
 
 /// The fraction of pixels in which the picture of `kind` differs by more than 8 of 255 from that of

@@ -32,7 +32,7 @@ struct Variant {
 class EffectMeasurement {
  public:
   EffectMeasurement(const Scene& scene, const Accel& accel, const RenderOptions& options,
-                    RenderControl& control, const std::function<void(const EffectCosts&)>& on_news,
+                    WorkControl& control, const std::function<void(const EffectCosts&)>& on_news,
                     const MeasuringEffort& effort)
       : scene_(scene),
         options_(timed_options(options, scene)),
@@ -97,12 +97,13 @@ class EffectMeasurement {
   }
 
   const Accel* build(const AccelOptions& o) {
-    std::expected<std::unique_ptr<Accel>, Error> accel;
-    on_threads(base_.settings.threads,
-               [&] { accel = build_accel(scene_, o, base_.settings.one_sided); });
+    auto accel = Executor(base_.settings.threads, &control_).run([&] {
+      return build_accel(scene_, o, base_.settings.one_sided);
+    });
+    if (control_.stop) return nullptr;
     if (!accel) return fail(std::move(accel.error())), nullptr;
     built_.push_back(std::move(*accel));
-    return control_.stop ? nullptr : built_.back().get();
+    return built_.back().get();
   }
 
   // Nothing when told to stop.
@@ -270,7 +271,7 @@ class EffectMeasurement {
 
   const Scene& scene_;
   RenderOptions options_;
-  RenderControl& control_;
+  WorkControl& control_;
   const std::function<void(const EffectCosts&)>& on_news_;
   const MeasuringEffort effort_;
   Variant base_;
@@ -283,7 +284,7 @@ class EffectMeasurement {
 }  // namespace
 
 std::expected<EffectCosts, Error> measure_effects(
-    const Scene& scene, const Accel& accel, const RenderOptions& options, RenderControl& control,
+    const Scene& scene, const Accel& accel, const RenderOptions& options, WorkControl& control,
     const std::function<void(const EffectCosts&)>& on_news, const MeasuringEffort& effort) {
   return EffectMeasurement(scene, accel, options, control, on_news, effort).run();
 }

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "accel/accel.h"
-#include "integrate/control.h"
+#include "base/executor.h"
 #include "integrate/film.h"
 #include "measure/effects.h"
 #include "measure/timed_share.h"
@@ -62,7 +62,7 @@ struct EffectCosts {
 /// of the timed part. When `control` says stop, it ends soon, without `finished`. Errors: those of
 /// make_film() and build_accel().
 std::expected<EffectCosts, Error> measure_effects(
-    const Scene& scene, const Accel& accel, const RenderOptions& options, RenderControl& control,
+    const Scene& scene, const Accel& accel, const RenderOptions& options, WorkControl& control,
     const std::function<void(const EffectCosts&)>& on_news = {},
     const MeasuringEffort& effort = {});
 

@@ -25,7 +25,7 @@ constexpr uint32_t kCurveProbeShards = 16;
 
 class CurveMeasurement {
  public:
-  CurveMeasurement(const Scene& scene, const RenderOptions& options, RenderControl& control,
+  CurveMeasurement(const Scene& scene, const RenderOptions& options, WorkControl& control,
                    const std::function<void(const GridCurve&)>& on_news,
                    const MeasuringEffort& effort)
       : scene_(scene),
@@ -67,9 +67,9 @@ class CurveMeasurement {
   double pixels() const { return double(settings_.frame().width()) * settings_.frame().height(); }
 
   std::expected<std::unique_ptr<Accel>, Error> build(const RenderSettings& s) const {
-    std::expected<std::unique_ptr<Accel>, Error> accel;
-    on_threads(s.threads, [&] { accel = build_accel(scene_, s.accel, s.one_sided); });
-    return accel;
+    return Executor(s.threads, &control_).run([&] {
+      return build_accel(scene_, s.accel, s.one_sided);
+    });
   }
 
   // The rendered fraction of the picture suits the slowest grid.
@@ -83,7 +83,8 @@ class CurveMeasurement {
       grid.settings.accel.grid_factor = factor;
       const auto start = Clock::now();
       auto accel = build(grid.settings);
-      // Finer grids would need still more memory.
+      if (control_.stop) return false;
+      // The finer ones would need still more.
       if (!accel) break;
       GridPoint point{.factor = factor, .build_s = seconds_since(start)};
       grid.accel = std::move(*accel);
@@ -112,6 +113,7 @@ class CurveMeasurement {
     RenderSettings s = grid.settings;
     s.accel.counters = true;
     const auto accel = build(s);
+    if (control_.stop) return false;
     if (!accel) return fail(accel.error());
     const auto run = render_share(scene_, **accel, s, kCurveProbeShards, control_);
     if (!run) return fail(run.error());
@@ -161,7 +163,7 @@ class CurveMeasurement {
   const Scene& scene_;
   RenderOptions options_;
   RenderSettings settings_;
-  RenderControl& control_;
+  WorkControl& control_;
   const std::function<void(const GridCurve&)>& on_news_;
   const MeasuringEffort effort_;
   std::vector<Grid> grids_;  // parallel to the points
@@ -194,7 +196,7 @@ double GridCurve::seconds_at(float factor) const {
 }
 
 std::expected<GridCurve, Error> measure_grid_curve(
-    const Scene& scene, const RenderOptions& options, RenderControl& control,
+    const Scene& scene, const RenderOptions& options, WorkControl& control,
     const std::function<void(const GridCurve&)>& on_news, const MeasuringEffort& effort) {
   return CurveMeasurement(scene, options, control, on_news, effort).run();
 }

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "integrate/control.h"
+#include "base/executor.h"
 #include "measure/timed_share.h"
 #include "render/options.h"
 #include "scene/scene.h"
@@ -54,7 +54,7 @@ struct GridCurve {
 /// outside of the timed part. When `control` says stop, it ends soon, without `finished`. Errors:
 /// those of make_film(); bad_option if the scene has nothing to put in a grid.
 std::expected<GridCurve, Error> measure_grid_curve(
-    const Scene& scene, const RenderOptions& options, RenderControl& control,
+    const Scene& scene, const RenderOptions& options, WorkControl& control,
     const std::function<void(const GridCurve&)>& on_news = {}, const MeasuringEffort& effort = {});
 
 /// A line per point, with headings.

@@ -26,7 +26,7 @@ RenderOptions timed_options(const RenderOptions& options, const Scene& scene) {
 
 std::expected<std::optional<TimedRun>, Error> render_share(const Scene& scene, const Accel& accel,
                                                            const RenderSettings& settings,
-                                                           uint32_t share, RenderControl& control) {
+                                                           uint32_t share, WorkControl& control) {
   const auto film = make_film(scene, settings);
   if (!film) return std::unexpected(film.error());
   const RenderResult done = render(scene, accel, settings, **film, control, {.shards = share});

@@ -7,8 +7,8 @@
 
 #include "accel/accel.h"
 #include "base/error.h"
+#include "base/executor.h"
 #include "base/median.h"
-#include "integrate/control.h"
 #include "integrate/film.h"
 #include "integrate/settings.h"
 #include "render/options.h"
@@ -36,7 +36,7 @@ struct TimedRun {
 /// Renders every `share`th tile; nothing when told to stop. The error is make_film()'s.
 std::expected<std::optional<TimedRun>, Error> render_share(const Scene& scene, const Accel& accel,
                                                            const RenderSettings& settings,
-                                                           uint32_t share, RenderControl& control);
+                                                           uint32_t share, WorkControl& control);
 
 /// Enough tiles per thread for all threads to end together.
 inline constexpr size_t kTilesPerThread = 8;

@@ -15,49 +15,17 @@
 namespace raio {
 namespace {
 
-std::unexpected<Error> stopped(std::string message) {
-  return std::unexpected(Error{ErrorKind::stopped, "", std::move(message)});
+// Work that ends with this error when it is told to stop.
+template <class F>
+std::expected<void, Error> stoppable(const F& work) try {
+  return work();
+} catch (const Stopped&) {
+  return std::unexpected(stopped_error());
 }
-
-constexpr std::string_view kNothing = "interrupted; nothing was written";
 
 }  // namespace
 
-/// Writes a film to a part file at intervals while it lives; without threads, only at the end. A
-/// failure is reported once and does not disturb the work.
-class RenderJob::Checkpoint {
- public:
-  Checkpoint(const JobRequest& request, const Part& part,
-             const std::function<void(const Error&)>& warning)
-      : path_(request.checkpoint), part_(part) {
-    if (path_.empty()) return;
-    ticker_ = Ticker(request.checkpoint_interval_s, [this, warning] {
-      auto written = write();
-      if (!written && !told_ && warning) {
-        written.error().message += "; rendering continues";
-        warning(written.error());
-      }
-      told_ = !written;
-    });
-  }
-
-  /// Writes it now, for the last time.
-  std::expected<void, Error> finish() {
-    if (path_.empty()) return {};
-    ticker_ = {};
-    return write();
-  }
-
- private:
-  std::expected<void, Error> write() const { return write_part(path_, part_.header, *part_.film); }
-
-  std::string path_;
-  const Part& part_;
-  bool told_ = false;  // reported a failure
-  Ticker ticker_;
-};
-
-RenderJob::RenderJob(JobRequest request, JobEvents events, RenderControl* control)
+RenderJob::RenderJob(JobRequest request, JobEvents events, WorkControl* control)
     : request_(std::move(request)),
       events_(std::move(events)),
       control_(control ? *control : own_control_) {
@@ -68,6 +36,12 @@ RenderJob::RenderJob(JobRequest request, JobEvents events, RenderControl* contro
 RenderJob::~RenderJob() = default;
 
 std::expected<void, Error> RenderJob::prepare() {
+  return stoppable([&] {
+    return Executor(request_.options.threads, &control_).run([&] { return find_and_build(); });
+  });
+}
+
+std::expected<void, Error> RenderJob::find_and_build() {
   if (auto why = request_conflict(request_)) return std::unexpected(std::move(*why));
   if (auto why = option_conflict(request_.options)) return std::unexpected(std::move(*why));
   const auto check_output = [this]() -> std::optional<Error> {
@@ -113,16 +87,15 @@ std::expected<void, Error> RenderJob::load() {
   if (request_.loaded) {
     scene_ = request_.loaded;
   } else {
-    std::expected<ReadScene, Diagnostics> read;
     request_.read.instances = true;
-    on_threads(request_.options.threads, [&] { read = read_scene(request_.scene, request_.read); });
+    auto read = read_scene(request_.scene, request_.read);
+    check_stop();
     const Diagnostics& said = read ? read->notices : read.error();
     if (events_.scene_read && !said.empty()) events_.scene_read(said);
     if (!read) return std::unexpected(error_of(said.front()));
     scene_ = std::make_shared<const Scene>(std::move(read->scene));
   }
   times_.load = seconds() - start;
-  if (control_.stop) return stopped(std::string(kNothing));
   return {};
 }
 
@@ -131,37 +104,62 @@ std::expected<void, Error> RenderJob::build() {
   if (request_.built) {
     accel_ = request_.built;
   } else {
-    std::expected<std::unique_ptr<Accel>, Error> accel;
-    on_threads(settings_.threads,
-               [&] { accel = build_accel(*scene_, settings_.accel, settings_.one_sided); });
+    auto accel = build_accel(*scene_, settings_.accel, settings_.one_sided);
     if (!accel) return std::unexpected(std::move(accel.error()));
     accel_ = std::move(*accel);
   }
   times_.build = seconds() - start;
-  if (control_.stop) return stopped(std::string(kNothing));
+  check_stop();
   return {};
 }
 
 std::expected<void, Error> RenderJob::run() {
+  return Executor(settings_.threads).run([&] { return render_and_keep(); });
+}
+
+// Writes the film to the part file; a failure is told once and does not disturb the work.
+void RenderJob::write_checkpoint() {
+  auto written = write_part(request_.checkpoint, part_.header, *part_.film);
+  if (!written && kept_ && events_.warning) {
+    written.error().message += "; rendering continues";
+    events_.warning(written.error());
+  }
+  kept_ = std::move(written);
+}
+
+std::expected<void, Error> RenderJob::render_and_keep() {
   const SampleSpan range = request_.sample_range;
-  RenderTask task{range.empty() ? samples_ : range.end, range.first, request_.shard,
-                  request_.shards, 0};
+  RenderTask task{.samples = range.empty() ? samples_ : range.end,
+                  .first_sample = range.first,
+                  .shard = request_.shard,
+                  .shards = request_.shards};
   if (const double limit = request_.time_limit_s; limit > 0)
     task.seconds = std::max(limit - seconds(), 1e-3);
-  Checkpoint checkpoint(request_, part_, events_.warning);
+  if (!request_.checkpoint.empty()) {
+    task.interval_s = request_.checkpoint_interval_s;
+    task.at_interval = [this] { write_checkpoint(); };
+  }
   const RenderResult done = render(*scene_, *accel_, settings_, *part_.film, control_, task);
   times_.render = done.seconds;
-  kept_ = checkpoint.finish();
-  const bool is_kept = !request_.checkpoint.empty() && kept_;
-  if (!done.finished && control_.stop) {
+  const bool was_stopped = !done.finished && (control_.stop || stop_requested());
+  return run_to_the_end([&] { return conclude(done.finished, was_stopped); });
+}
+
+// Keeps the film, and says what has become of it.
+std::expected<void, Error> RenderJob::conclude(bool finished, bool was_stopped) {
+  const bool has_checkpoint = !request_.checkpoint.empty();
+  if (has_checkpoint) kept_ = write_part(request_.checkpoint, part_.header, *part_.film);
+  const bool is_kept = has_checkpoint && kept_;
+  if (was_stopped) {
     if (!kept_) return kept_;
-    return stopped(
-        is_kept ? fmt::format("interrupted; the samples so far are in {}, and `resume` continues",
-                              request_.checkpoint)
-                : std::string(kNothing));
+    Error error = stopped_error();
+    if (is_kept)
+      error.message = fmt::format(
+          "interrupted; the samples so far are in {}, and `resume` continues", request_.checkpoint);
+    return std::unexpected(std::move(error));
   }
   const SampleCounts samples = samples_of(part_);
-  if (!done.finished && samples.fewest == 0)
+  if (!finished && samples.fewest == 0)
     return std::unexpected(
         Error{ErrorKind::no_resource, "",
               fmt::format("{} s were too short for one sample per pixel; {}", request_.time_limit_s,
@@ -169,7 +167,7 @@ std::expected<void, Error> RenderJob::run() {
                                   : "nothing was written")});
   describe(samples);
   if (!events_.warning) return {};
-  if (done.finished && !request_.is_partial())
+  if (finished && !request_.is_partial())
     if (const auto why = blank_warning(*part_.film, settings_, *accel_))
       events_.warning(Error{ErrorKind::bad_input, "", *why});
   if (const auto why = nan_warning(*part_.film, settings_.crop))
@@ -196,7 +194,9 @@ void RenderJob::describe(const SampleCounts& samples) {
 std::expected<void, Error> RenderJob::write() {
   if (request_.output.empty()) return {};
   const double start = seconds();
-  auto written = write_result(request_.output, part_, request_.overlay);
+  auto written = Executor(settings_.threads).run([&] {
+    return run_to_the_end([&] { return write_result(request_.output, part_, request_.overlay); });
+  });
   times_.write = seconds() - start;
   return written;
 }

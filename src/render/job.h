@@ -13,7 +13,7 @@
 #include "accel/accel.h"
 #include "base/clock.h"
 #include "base/error.h"
-#include "integrate/control.h"
+#include "base/executor.h"
 #include "integrate/settings.h"
 #include "io/read_scene.h"
 #include "render/options.h"
@@ -49,7 +49,8 @@ struct JobRequest {
   bool is_partial() const { return shards > 1 || !sample_range.empty(); }
 };
 
-/// Notifications of a job, from any of its threads. Empty functions are not called.
+/// What a job tells while it works, from any thread that works for it. Empty functions are not
+/// called.
 struct JobEvents {
   /// The scene's file was read, with warnings, or failed, with errors.
   // NOLINTNEXTLINE(readability-redundant-member-init)
@@ -81,14 +82,14 @@ struct RenderFigures {
 class RenderJob {
  public:
   /// `control`: shared by consecutive jobs and outliving them; otherwise the job has its own.
-  explicit RenderJob(JobRequest request, JobEvents events = {}, RenderControl* control = nullptr);
+  explicit RenderJob(JobRequest request, JobEvents events = {}, WorkControl* control = nullptr);
   ~RenderJob();
   RenderJob(const RenderJob&) = delete;
   RenderJob& operator=(const RenderJob&) = delete;
 
   /// For progress, and to stop the job from another thread: prepare() and run() then end soon with
   /// the error `stopped`, run() after writing the checkpoint, if any.
-  RenderControl& control() { return control_; }
+  WorkControl& control() { return control_; }
 
   /// First refuses, before anything slow, whatever cannot become a picture: settings that
   /// contradict each other, files that cannot be read, written or resumed. Then reads the scene and
@@ -119,18 +120,20 @@ class RenderJob {
   RenderFigures figures() const;
 
  private:
-  class Checkpoint;
-
   double seconds() const { return seconds_since(begin_); }
+  std::expected<void, Error> find_and_build();
   std::expected<void, Error> load();
   std::expected<void, Error> build();
+  std::expected<void, Error> render_and_keep();
+  std::expected<void, Error> conclude(bool finished, bool was_stopped);
+  void write_checkpoint();
   void describe(const SampleCounts& samples);
 
   Clock::time_point begin_ = Clock::now();
   JobRequest request_;
   JobEvents events_;
-  RenderControl own_control_;
-  RenderControl& control_;
+  WorkControl own_control_;
+  WorkControl& control_;
   std::shared_ptr<const Scene> scene_;
   RenderSettings settings_;
   std::shared_ptr<const Accel> accel_;

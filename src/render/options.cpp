@@ -492,7 +492,8 @@ constexpr auto kTable = std::to_array<OptionSpec>({
     {diagnostics,
      "threads",
      "N",
-     "Number of threads; the picture does not depend on it (default: one per core)",
+     "Number of threads, from reading to writing; the picture does not depend on it (default: "
+     "one per core that the machine or its container grants)",
      +[](Options& o) -> int& { return o.threads; },
      1,
      4096,

@@ -102,7 +102,7 @@ Region region_of(const Scene& scene, const std::vector<Pixel>& pixels, int width
 }  // namespace
 
 std::vector<Region> regions_of(const Scene& scene, const Accel& accel,
-                               const RenderSettings& settings, const RenderControl& control) {
+                               const RenderSettings& settings, const WorkControl& control) {
   const int width = settings.width, height = settings.height;
   const float time = settings.shutter_open;
   const EyeRays eye(camera_at(settings.camera, time), width, height, settings.angle_to_centers);

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "accel/accel.h"
-#include "integrate/control.h"
+#include "base/executor.h"
 #include "integrate/settings.h"
 #include "scene/scene.h"
 
@@ -28,6 +28,6 @@ inline constexpr std::array<std::string_view, 6> kRegionNames = {
 /// Row by row, for settings.width x settings.height pixels; without lens and jitter, lights as
 /// points. Empty when told to stop.
 std::vector<Region> regions_of(const Scene& scene, const Accel& accel,
-                               const RenderSettings& settings, const RenderControl& control);
+                               const RenderSettings& settings, const WorkControl& control);
 
 }  // namespace raio

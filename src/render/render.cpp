@@ -6,7 +6,10 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <mutex>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -32,10 +35,10 @@ std::optional<Error> picture_problem(int width, int height, ChannelSet channels)
                            (sizeof(PixelSums) + means * sizeof(int64_t) +
                             squares * sizeof(Uint128) + firsts * sizeof(uint32_t)) +
                        double(pixels) * (sizeof(Rgb) + 6 + double(layout.planes()) * sizeof(float));
-  if (const double available = double(available_memory_bytes()); bytes > 0.9 * available)
-    return refused(fmt::format("a picture of {}x{} pixels needs {:.1f} GB and {:.1f} GB are free",
-                               width, height, bytes * 1e-9, available * 1e-9));
-  // The sampler numbers pixels in 32 bits.
+  if (const AvailableMemory available = available_memory(); bytes > 0.9 * double(available.bytes))
+    return refused(fmt::format("a picture of {}x{} pixels needs {:.1f} GB and {}", width, height,
+                               bytes * 1e-9, available.text()));
+  // The sampler numbers them.
   if (pixels > std::numeric_limits<uint32_t>::max())
     return refused(fmt::format("a picture of {}x{} has more than {} pixels", width, height,
                                std::numeric_limits<uint32_t>::max()));
@@ -62,12 +65,12 @@ namespace {
 /// One call of render().
 class Work {
  public:
-  Work(const PreparedScene& scene, Film& film, RenderControl& control, const RenderTask& task)
+  Work(const PreparedScene& scene, Film& film, WorkControl& control, const RenderTask& task)
       : film_(film),
         control_(control),
         threads_(scene.settings.threads),
+        task_(task),
         wanted_{task.first_sample, task.samples > 0 ? task.samples : scene.sampler.samples},
-        seconds_(task.seconds),
         renderers_([&scene, &control] {
           return integrator(scene.settings.integrator).make(scene, control);
         }) {
@@ -75,6 +78,8 @@ class Work {
     for (size_t t = task.shard; t < film.tiles(); t += task.shards)
       if (const uint32_t missing = film.samples(t).missing(wanted_).count(); missing > 0)
         tiles_.push_back(t), total += missing;
+    costs_ns_.resize(tiles_.size());
+    control.stage = Stage::rendering;
     control.rays_done = 0, control.work_done = 0;
     control.work_total = total;
   }
@@ -82,27 +87,43 @@ class Work {
   double busy_s() const { return 1e-9 * double(busy_ns_); }
 
   /// Whether everything is done.
-  bool run() { return seconds_ > 0 ? run_in_time() : add_up_to(wanted_.end); }
+  bool run() { return task_.seconds > 0 ? run_in_time() : add_up_to(wanted_.end); }
 
  private:
-  bool late() const { return seconds_ > 0 && seconds_since(start_) >= seconds_; }
-  bool ended() const { return control_.stop || late(); }
+  bool late() const { return task_.seconds > 0 && seconds_since(start_) >= task_.seconds; }
+  bool ended() const { return control_.stop || stop_requested() || late(); }
 
-  // Returns whether all tiles have the samples before `end` now. A tile gets its samples in
-  // portions, so the film is never far behind.
+  // Whether all tiles have the samples before `end` now. A tile gets its samples in portions, so
+  // that what is in the film is never far behind. Those that took long last time come first, since
+  // the last of them is waited for.
   bool add_up_to(uint32_t end) {
     constexpr uint32_t kPortion = 64;
-    on_threads(threads_, [&] {
-      parallel_for(tiles_.size(), [&](size_t i) {
-        const size_t tile = tiles_[i];
+    std::vector<size_t> order(tiles_.size());
+    std::iota(order.begin(), order.end(), size_t(0));
+    std::ranges::stable_sort(order, std::greater(), [&](size_t i) { return costs_ns_[i]; });
+    Executor(threads_, nullptr).run([&] {
+      deal(tiles_.size(), [&](size_t k) {
+        const size_t i = order[k], tile = tiles_[i];
         const auto start = Clock::now();
-        for (SampleSpan next; !(next = missing(tile, end)).empty() && !ended();)
+        for (SampleSpan next; !(next = missing(tile, end)).empty() && !ended();) {
           renderers_.local()->render(tile, {next.first, std::min(next.first + kPortion, next.end)},
                                      film_);
-        busy_ns_ += std::chrono::nanoseconds(Clock::now() - start).count();
+          look_at_clock();
+        }
+        costs_ns_[i] = std::chrono::nanoseconds(Clock::now() - start).count();
+        busy_ns_ += costs_ns_[i];
       });
     });
     return reached_by_all().first >= end;
+  }
+
+  // One thread at a time calls what is to be called at intervals.
+  void look_at_clock() {
+    if (!task_.at_interval) return;
+    const std::unique_lock lock(interval_mutex_, std::try_to_lock);
+    if (!lock || seconds_since(interval_start_) < task_.interval_s) return;
+    run_to_the_end(task_.at_interval);
+    interval_start_ = Clock::now();
   }
 
   // Pass by pass, each half as large as all before it, and the last as large as time permits.
@@ -116,13 +137,13 @@ class Work {
       const auto pass_start = Clock::now();
       if (!add_up_to(next)) {
         // A tile that is ahead of others has samples that not all have.
-        if (!control_.stop && whole > wanted_.first)
+        if (!control_.stop && !stop_requested() && whole > wanted_.first)
           for (size_t i = 0; i < tiles_.size(); ++i) film_.replace(tiles_[i], before[i]);
         return false;
       }
       a_sample = seconds_since(pass_start) / (next - whole);
       whole = next;
-      const double fit = 0.9 * (seconds_ - seconds_since(start_)) / std::max(a_sample, 1e-9);
+      const double fit = 0.9 * (task_.seconds - seconds_since(start_)) / std::max(a_sample, 1e-9);
       if (fit < 1) break;
       const uint32_t grown =
           std::min(wanted_.end - whole, std::max(1u, (whole - wanted_.first) / 2));
@@ -147,12 +168,14 @@ class Work {
   }
 
   Film& film_;
-  RenderControl& control_;
+  WorkControl& control_;
   int threads_;
+  const RenderTask& task_;
   SampleSpan wanted_;
-  double seconds_;
-  Clock::time_point start_ = Clock::now();
-  std::vector<size_t> tiles_;  // with missing samples
+  Clock::time_point start_ = Clock::now(), interval_start_ = start_;
+  std::mutex interval_mutex_;
+  std::vector<size_t> tiles_;      // that lack samples
+  std::vector<int64_t> costs_ns_;  // of their last samples
   std::atomic<int64_t> busy_ns_ = 0;
   PerThread<std::unique_ptr<TileRenderer>> renderers_;
 };
@@ -160,7 +183,7 @@ class Work {
 }  // namespace
 
 RenderResult render(const Scene& scene, const Accel& accel, const RenderSettings& settings,
-                    Film& film, RenderControl& control, const RenderTask& task) {
+                    Film& film, WorkControl& control, const RenderTask& task) {
   const auto start = Clock::now();
   const PreparedScene prepared(scene, accel, settings);
   Work work(prepared, film, control, task);

@@ -2,12 +2,13 @@
 #pragma once
 
 #include <expected>
+#include <functional>
 #include <memory>
 #include <optional>
 
 #include "accel/accel.h"
+#include "base/executor.h"
 #include "base/parallel.h"
-#include "integrate/control.h"
 #include "integrate/film.h"
 #include "integrate/settings.h"
 #include "scene/scene.h"
@@ -20,6 +21,10 @@ struct RenderTask {
   uint32_t first_sample = 0;       // skip the samples before this one
   uint32_t shard = 0, shards = 1;  // only tiles with number = `shard` modulo `shards`
   double seconds = 0;              // approximate limit; 0: none
+  // Called by one of the threads that render, when it has finished some samples and so much time
+  // has passed since the last call. What it throws ends the work and is thrown again.
+  double interval_s = 0;
+  std::function<void()> at_interval = {};  // NOLINT(readability-redundant-member-init)
 };
 
 struct RenderResult {
@@ -36,15 +41,16 @@ std::optional<Error> picture_problem(int width, int height, ChannelSet channels 
 std::expected<std::unique_ptr<Film>, Error> make_film(const Scene& scene,
                                                       const RenderSettings& settings);
 
-/// Adds what the film does not have yet. When told to stop it ends soon, and the film has the work
-/// done by then: the same call resumes from there, to the same bytes. More samples can be added
-/// later if the sampler's points do not depend on their number (SamplerKind::sobol).
+/// Adds what the film lacks. Told to stop, by its control or its executor, it ends soon, and what
+/// it has done by then is in the film: the same call goes on from there, to the same bytes. More
+/// samples than a film has can be added where the sampler deals them without regard to their number
+/// (SamplerKind::sobol).
 ///
 /// With a time limit it goes over all tiles pass by pass, and the film ends with whole passes: all
 /// tiles have the same number of samples, unless not even the first pass, or one begun earlier,
 /// could be finished.
 RenderResult render(const Scene& scene, const Accel& accel, const RenderSettings& settings,
-                    Film& film, RenderControl& control, const RenderTask& task = {});
+                    Film& film, WorkControl& control, const RenderTask& task = {});
 
 /// The film's picture, or for View::samples heat_color() of the samples per pixel.
 Image picture_of(const Film& film, View view = View::picture);

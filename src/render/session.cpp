@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/executor.h"
 #include "scene/columns.h"
 
 namespace raio {
@@ -67,6 +68,13 @@ bool bakes_alike(const Scene& a, const Scene& b, bool one_sided) {
   return std::ranges::equal(a.material_opacity, b.material_opacity);
 }
 
+// Does the second request need a structure that the first one's cannot be?
+bool needs_another(const SessionRequest& first, const SessionRequest& second) {
+  const RenderOptions &a = first.options, &b = second.options;
+  return a.accel != b.accel || a.one_sided != b.one_sided || a.opacity != b.opacity ||
+         !bakes_alike(*first.scene, *second.scene, true);
+}
+
 // The film's finished tiles over an enlarged preview.
 Image over_preview(const Film& film, View view, const Image& preview) {
   Image image = picture_of(film, view);
@@ -90,7 +98,7 @@ Session::~Session() {
   {
     const std::lock_guard lock(mutex_);
     ending_ = true;
-    control_.stop = true;
+    control_.stop = build_control_.stop = true;
   }
   news_.notify_all();
   thread_.join();
@@ -100,6 +108,7 @@ uint64_t Session::request(SessionRequest request) {
   const std::lock_guard lock(mutex_);
   const bool goes_on = request.frame_s > 0 && frame_must_end_ && Clock::now() < *frame_must_end_;
   if (!goes_on) control_.stop = true;
+  if (built_ && needs_another(*built_, request)) build_control_.stop = true;
   request_ = std::move(request);
   news_.notify_all();
   return ++requests_;
@@ -128,6 +137,7 @@ std::optional<SessionProgress> Session::progress() const {
   if (!stage_) return std::nullopt;
   SessionProgress p{.stage = stage_->stage};
   p.passed_s = seconds_since(stage_->start);
+  if (p.stage == SessionProgress::structure) p.share = build_control_.share();
   if (stage_->parts == 0) {
     p.left_s = std::max(0.0, stage_->expected_s - p.passed_s);
     return p;
@@ -160,6 +170,7 @@ void Session::run() {
       std::unique_lock lock(mutex_);
       frame_must_end_.reset();
       stage_.reset();
+      built_ = nullptr;
       waiting_ = true;
       news_.wait(lock, [&] { return ending_ || request_; });
       waiting_ = false;
@@ -173,7 +184,7 @@ void Session::run() {
       }
     }
     try {
-      serve(request, next);
+      Executor(request.options.threads).run([&] { serve(request, next); });
     } catch (const std::bad_alloc&) {
       fail({ErrorKind::no_resource, "", "out of memory"}, next);
     }
@@ -206,13 +217,19 @@ bool Session::bake(const SessionRequest& request, SessionPicture& next) {
     baked_ = std::move(baked);
   } else if (!keeps_structure) {
     begin_stage(SessionProgress::structure, 0);
+    {
+      const std::lock_guard lock(mutex_);
+      // Asked for something else meanwhile, or not at all?
+      build_control_.stop = ending_ || (request_ && needs_another(request, *request_));
+      built_ = &request;
+    }
     auto baked = std::make_shared<BakedScene>();
     baked->scene = request.scene, baked->options = o, baked->one_sided = next.settings.one_sided;
     const auto start = Clock::now();
-    std::expected<std::unique_ptr<Accel>, Error> accel;
-    on_threads(next.settings.threads,
-               [&] { accel = build_accel(*request.scene, o, next.settings.one_sided); });
-    if (!accel) return fail(accel.error(), next);
+    auto accel = Executor(next.settings.threads, &build_control_).run([&] {
+      return build_accel(*request.scene, o, next.settings.one_sided);
+    });
+    if (!accel) return accel.error().kind != ErrorKind::stopped && fail(accel.error(), next);
     baked->build_s = seconds_since(start);
     baked->accel = {accel->release(),
                     [scene = request.scene](const Accel* built) { delete built; }};

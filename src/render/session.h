@@ -60,7 +60,7 @@ struct SessionPicture {
 struct SessionProgress {
   enum Stage { structure, sample } stage = structure;
   double passed_s = 0;  // since the stage began
-  double share = 0;     // of the sample, 0 to 1
+  double share = 0;     // of the stage, 0 to 1
   double left_s = 0;    // expected remaining time; 0 while unknown
 };
 
@@ -72,9 +72,10 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// Replaces the previous request and stops its work at once, except that a frame of a movement is
-  /// finished while the movement continues, or there would never be one. Never waits for rays.
-  /// Returns the request's number, from 1.
+  /// Replaces what was requested before, whose work ends at once. Left to end by themselves are a
+  /// frame of a movement when the movement goes on, and a structure that the new request needs,
+  /// too, or there would never be any. Never waits for
+  /// rays. Returns the request's number, 1 for the first.
   uint64_t request(SessionRequest request);
 
   /// Cancels the request. Does not wait either.
@@ -124,9 +125,10 @@ class Session {
   std::optional<Stage> stage_;
   std::optional<Clock::time_point> frame_must_end_;  // deadline of the movement's current frame
   std::shared_ptr<const SessionPicture> picture_;
+  const SessionRequest* built_ = nullptr;  // whose structure is being built
 
-  RenderControl control_;
-  // Used by the session's thread only.
+  WorkControl control_, build_control_;
+  // The session thread's own.
   std::shared_ptr<const BakedScene> baked_;
   // The last request without the camera.
   std::pair<std::shared_ptr<const Scene>, RenderOptions> like_;

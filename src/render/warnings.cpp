@@ -126,7 +126,7 @@ double seconds_with_tree(const Scene& scene, RenderSettings settings) {
   const auto film = make_film(scene, settings);
   if (!tree || !film) return 0;
   const auto share = uint32_t(std::max<size_t>(1, (*film)->tiles() / kTiles));
-  RenderControl control;
+  WorkControl control;
   const RenderResult done =
       render(scene, **tree, settings, **film, control, {.samples = 1, .shards = share});
   const Crop frame = settings.frame();

@@ -73,9 +73,14 @@ class Flattener {
   // Adds all of `object`, transformed by the matrix. It belongs to `owner` or, if that is 0, to its
   // owner within the object.
   void add(const Object& object, const Matrix& matrix, uint32_t owner) {
+    check_stop();
     const Placement by(matrix);
     const size_t positions = scene_.positions.size();
-    for (const Vec3f p : object.positions) scene_.positions.push_back(Vec3f(by.point(Vec3d(p))));
+    StopCheck look;
+    for (const Vec3f p : object.positions) {
+      look();
+      scene_.positions.push_back(Vec3f(by.point(Vec3d(p))));
+    }
     add_normals(object, by);
     for_each_pool([&](auto pool) {
       add_ranges(object, pool.kind, (scene_.*pool.shapes).size(), (object.*pool.shapes).size(),
@@ -110,13 +115,18 @@ class Flattener {
  private:
   void add_normals(const Object& object, const Placement& by) {
     const auto first = uint32_t(scene_.normals.size());
-    for (const Vec3f n : object.normals) scene_.normals.push_back(Vec3f(by.normal(Vec3d(n))));
+    StopCheck look;
+    for (const Vec3f n : object.normals) {
+      look();
+      scene_.normals.push_back(Vec3f(by.normal(Vec3d(n))));
+    }
     auto& to = scene_.triangle_normals;
     const auto& from = object.triangle_normals;
     if (to.empty() && from.empty()) return;
     constexpr TriangleIndices kFlat = {kNoNormal, kNoNormal, kNoNormal};
     to.resize(scene_.triangles.size(), kFlat);
     for (TriangleIndices at : from) {
+      look();
       for (uint32_t& n : at)
         if (n != kNoNormal) n += first;
       to.push_back(turned(at, by.determinant() < 0));
@@ -207,9 +217,10 @@ std::string flatten_instances(Scene& scene) {
     scene.prototypes.clear();  // none has instances any more
     return {};
   }
-  if (const double bytes = flat_bytes(scene); bytes > 0.5 * double(available_memory_bytes()))
+  const AvailableMemory available = available_memory();
+  if (const double bytes = flat_bytes(scene); bytes > 0.5 * double(available.bytes))
     return "its instances as primitives would take " + std::to_string(uint64_t(bytes * 1e-9) + 1) +
-           " GB, more than is available";
+           " GB and " + available.text();
   const StridedArray<Instance> copies = std::move(scene.instances);
   const std::vector<Object> objects = std::move(scene.prototypes);
   const Array<ObjectRange> ranges = std::move(scene.object_ranges);

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/executor.h"
 #include "io/scene_file.h"
 #include "scene/columns.h"
 #include "view/files.h"
@@ -41,12 +42,13 @@ void SceneWriter::write(const ViewState& state, const std::string& path) {
   writing_ = std::async(
       std::launch::async,
       [source = state.scene, camera = state.camera, background = settings.background,
-       sky = settings.sky, path]() -> Written {
+       sky = settings.sky, path, executor = Executor(max_concurrency())]() -> Written {
         try {
           const auto format = scene_format(path);
           if (!format) return {path, source, source, std::unexpected(format.error())};
           auto scene = edited(source, [&](Scene& s) { s = as_seen(s, camera, background, sky); });
-          const auto written = write_scene(*scene, path, scene->name + ", written by raio view");
+          const auto written = executor.run(
+              [&] { return write_scene(*scene, path, scene->name + ", written by raio view"); });
           if (!written) return {path, source, source, std::unexpected(written.error())};
           const std::string lost = lost_features(*scene, *format);
           scene = edited(scene,

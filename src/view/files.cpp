@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include "app/warnings.h"
+#include "base/executor.h"
 #include "io/file.h"
 #include "io/scene_file.h"
 #include "render/picture.h"
@@ -46,9 +47,8 @@ void SceneFile::follow(std::string path) {
 
 void SceneFile::start(std::string path, int threads) {
   const ReadOptions options = path == path_ ? options_ : kForPictures;
-  reading_ = std::async(std::launch::async, [path = std::move(path), options, threads] {
-    std::expected<ReadScene, Diagnostics> read;
-    on_threads(threads, [&] { read = read_scene(path, options); });
+  reading_ = std::async(std::launch::async, [this, path = std::move(path), options, threads] {
+    auto read = Executor(threads, &control_).run([&] { return read_scene(path, options); });
     if (!read) return Read{path, std::unexpected(std::move(read.error())), {}};
     std::vector<std::string> warnings;
     for (const Diagnostic& d : read->notices) warnings.push_back(d.text());
@@ -84,11 +84,14 @@ PictureWriter::~PictureWriter() {
 
 void PictureWriter::write(std::shared_ptr<const Image> image, std::string path, Metadata metadata,
                           std::string command) {
-  writing_.push_back(std::async(
-      std::launch::async, [image = std::move(image), path = std::move(path),
-                           metadata = std::move(metadata), command = std::move(command)] {
-        return Written{path, command, write_picture({*image, {}, {}}, path, metadata)};
-      }));
+  writing_.push_back(
+      std::async(std::launch::async,
+                 [image = std::move(image), path = std::move(path), metadata = std::move(metadata),
+                  command = std::move(command), executor = Executor(max_concurrency())] {
+                   return Written{path, command, executor.run([&] {
+                                    return write_picture({*image, {}, {}}, path, metadata);
+                                  })};
+                 }));
 }
 
 void PictureWriter::write(std::function<std::expected<std::string, std::string>()> make,

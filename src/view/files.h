@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/clock.h"
+#include "base/executor.h"
 #include "io/diagnostics.h"
 #include "io/image/image.h"
 #include "io/read_scene.h"
@@ -31,6 +32,7 @@ class SceneFile {
 
   /// `path` has just been read; it is reread with these options.
   SceneFile(std::string path, ReadOptions options);
+  ~SceneFile() { control_.stop = true; }
 
   /// Reads another file, and follows it from then on if it is a scene.
   void open(std::string path);
@@ -57,6 +59,7 @@ class SceneFile {
   Stamp read_, seen_;
   Clock::time_point next_look_;
   std::optional<std::string> waiting_;
+  WorkControl control_;
   std::future<Read> reading_;
 };
 

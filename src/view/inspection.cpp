@@ -5,6 +5,8 @@
 #include <new>
 #include <utility>
 
+#include "base/executor.h"
+
 namespace raio::view {
 namespace {
 
@@ -175,7 +177,7 @@ void Inspection::begin() {
   working_ = std::async(std::launch::async, [this, request = std::move(request)] {
     std::shared_ptr<const Inspected> found;
     try {
-      found = inspect(request, stop_);
+      found = Executor(request.options.threads).run([&] { return inspect(request, stop_); });
     } catch (const std::bad_alloc&) {
       auto failed = std::make_shared<Inspected>();
       failed->request = request;

@@ -66,7 +66,7 @@ Command command_of(Effect effect) {
   return Command::antialiasing;
 }
 
-void Measuring::start(Work work, std::function<std::string()> measure) {
+void Measuring::start(Work work, int threads, std::function<std::string()> measure) {
   work_ = work;
   done_ = false;
   control_.stop = false;
@@ -76,9 +76,9 @@ void Measuring::start(Work work, std::function<std::string()> measure) {
     found_.progress = {};
   }
   news_ = true;
-  thread_ = std::thread([this, measure = std::move(measure)] {
+  thread_ = std::thread([this, threads, measure = std::move(measure)] {
     try {
-      error_ = measure();
+      error_ = Executor(threads).run(measure);
     } catch (const std::bad_alloc&) {
       error_ = "out of memory";
     }
@@ -121,26 +121,29 @@ std::optional<std::string> Measuring::poll() {
 
 void Measuring::start_costs(const ViewState& state, std::shared_ptr<const BakedScene> baked,
                             int width, int height) {
-  start(Work::costs, [this, scene = state.scene, options = options_of(state, width, height),
-                      baked = std::move(baked)] {
-    const auto take = [this](const EffectCosts& costs) {
-      show([&](Found& found) {
-        found.costs = costs;
-        found.progress = {.done = costs.done, .left_s = costs.left_s, .what = {}};
-      });
-    };
-    // A view of steps has a counting structure, which is slower.
-    std::shared_ptr<const Accel> accel = baked->accel;
-    const RenderSettings s = resolve_options(timed_options(options, *scene), *scene);
-    if (baked->options.counters && !s.accel.counters) {
-      std::expected<std::unique_ptr<Accel>, Error> built;
-      on_threads(s.threads, [&] { built = build_accel(*scene, s.accel, s.one_sided); });
-      if (!built) return with_settings(built.error().message, "");
-      accel = std::move(*built);
-    }
-    const auto costs = measure_effects(*scene, *accel, options, control_, take);
-    return costs ? std::string() : with_settings(costs.error().message, "");
-  });
+  start(Work::costs, state.options.threads,
+        [this, scene = state.scene, options = options_of(state, width, height),
+         baked = std::move(baked)] {
+          const auto take = [this](const EffectCosts& costs) {
+            show([&](Found& found) {
+              found.costs = costs;
+              found.progress = {.done = costs.done, .left_s = costs.left_s, .what = {}};
+            });
+          };
+          // A view of steps has a structure that counts them, which takes longer.
+          std::shared_ptr<const Accel> accel = baked->accel;
+          const RenderSettings s = resolve_options(timed_options(options, *scene), *scene);
+          if (baked->options.counters && !s.accel.counters) {
+            auto built = Executor(s.threads, &control_).run([&] {
+              return build_accel(*scene, s.accel, s.one_sided);
+            });
+            if (control_.stop) return std::string();
+            if (!built) return with_settings(built.error().message, "");
+            accel = std::move(*built);
+          }
+          const auto costs = measure_effects(*scene, *accel, options, control_, take);
+          return costs ? std::string() : with_settings(costs.error().message, "");
+        });
 }
 
 // Steps start one after the other: the time of the last one predicts the others.
@@ -172,18 +175,19 @@ void Measuring::show_step(const BenchmarkStep& step) {
 
 void Measuring::start_table(const ViewState& state, int width, int height) {
   step_ = {}, sample_s_ = {};
-  start(Work::table, [this, scene = state.scene, options = state.request(width, height)] {
-    auto table = measure_benchmark(*scene, BenchmarkRequest{.options = options}, control_,
-                                   [this](const BenchmarkStep& step) { show_step(step); });
-    if (!table) return with_settings(table.error().message, "");
-    show([&](Found& found) { found.table = std::move(*table); });
-    return std::string();
-  });
+  start(Work::table, state.options.threads,
+        [this, scene = state.scene, options = state.request(width, height)] {
+          auto table = measure_benchmark(*scene, BenchmarkRequest{.options = options}, control_,
+                                         [this](const BenchmarkStep& step) { show_step(step); });
+          if (!table) return with_settings(table.error().message, "");
+          show([&](Found& found) { found.table = std::move(*table); });
+          return std::string();
+        });
 }
 
 void Measuring::start_curve(const ViewState& state, int width, int height) {
   curve_options_ = options_without_grid(state, width, height), curve_scene_ = state.scene;
-  start(Work::curve, [this, scene = state.scene, options = curve_options_] {
+  start(Work::curve, state.options.threads, [this, scene = state.scene, options = curve_options_] {
     const auto take = [this](const GridCurve& curve) {
       show([&](Found& found) {
         found.curve = curve;

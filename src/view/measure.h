@@ -75,14 +75,14 @@ class Measuring {
   };
 
   // `measure` returns the error.
-  void start(Work work, std::function<std::string()> measure);
+  void start(Work work, int threads, std::function<std::string()> measure);
   template <class Change>
   void show(Change&& change);
   void show_step(const BenchmarkStep& step);
   void forget_costs();
 
   std::function<void()> on_news_;
-  RenderControl control_;
+  WorkControl control_;
   std::atomic<bool> done_ = false, news_ = false;
   Work work_ = Work::none;
   RenderOptions curve_options_;

@@ -5,20 +5,22 @@
 #include "app/output.h"
 #include "app/terminal.h"
 #include "app/warnings.h"
+#include "base/executor.h"
 #include "render/render.h"
 #include "view/texts.h"
 #include "view/viewer.h"
 
 namespace raio::view {
 
-int open_window(const app::ViewCommand& command) {
+namespace {
+
+int run(const app::ViewCommand& command) {
   std::expected<Scene, int> scene;
   Diagnostics said;
   if (command.scene.empty()) {
     scene->materials = {Material()};  // empty until a scene is opened
   } else {
-    on_threads(command.options.threads,
-               [&] { scene = app::load_scene(command.scene, false, &said, command.read); });
+    scene = app::load_scene(command.scene, false, &said, command.read);
     if (!scene) return scene.error();
   }
   if (const auto why = option_conflict(command.options, &*scene)) return app::fail(*why);
@@ -43,6 +45,12 @@ int open_window(const app::ViewCommand& command) {
                 std::move(session), first_request);
   viewer.run();
   return app::kDone;
+}
+
+}  // namespace
+
+int open_window(const app::ViewCommand& command) {
+  return Executor(command.options.threads).run([&] { return run(command); });
 }
 
 }  // namespace raio::view

@@ -22,7 +22,7 @@ Image picture(const Scene& scene, AccelKind kind) {
   const RenderSettings settings = resolve_options(options, scene);
   const auto accel = build_accel(scene, settings.accel);
   require(accel.has_value(), "a few primitives can be built");
-  RenderControl control;
+  WorkControl control;
   const auto film = make_film(scene, settings);
   require(film.has_value(), "there is memory for a small picture");
   require(render(scene, **accel, settings, **film, control).finished, "a picture is finished");

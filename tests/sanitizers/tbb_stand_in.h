@@ -78,6 +78,12 @@ void parallel_for(Index first, Index last, const Body& body) {
   threads.join();
 }
 
+struct simple_partitioner {};
+template <class Index, class Body>
+void parallel_for(Index first, Index last, const Body& body, simple_partitioner) {
+  parallel_for(first, last, body);
+}
+
 template <class First, class Second>
 void parallel_invoke(const First& first, const Second& second) {
   parallel_for(0, 2, [&](int i) { i == 0 ? first() : second(); });
@@ -128,9 +134,11 @@ class task_arena {
   explicit task_arena(int threads) : threads_(threads) {}
   template <class Work>
   void execute(const Work& work) {
-    const int before = std::exchange(stand_in::concurrency, threads_);
+    struct Restore {
+      int before;
+      ~Restore() { stand_in::concurrency = before; }
+    } const restore{std::exchange(stand_in::concurrency, threads_)};
     work();
-    stand_in::concurrency = before;
   }
 
  private:

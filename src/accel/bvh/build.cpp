@@ -101,7 +101,7 @@ class Builder {
       : g_(geometry), some_(some) {}
 
   // Returns the error, or nothing.
-  std::optional<std::string> build(size_t available, Bvh& out) {
+  std::optional<std::string> build(const AvailableMemory& available, Bvh& out) {
     size_t bounded = 0;
     for_each_bounded_kind([&]<PrimitiveKind kind> { bounded += g_.count(kind); });
     const size_t count = some_ ? some_->size() : bounded;
@@ -154,10 +154,10 @@ class Builder {
         [&]<PrimitiveKind kind> { bytes += double(g_.count(kind)) * sizeof(Block<kind>); });
     return bytes / kBlockWidth;
   }
-  static std::optional<std::string> refusal(double bytes, size_t available) {
-    if (bytes <= 0.9 * double(available)) return std::nullopt;
-    return fmt::format("a tree over the scene would take {:.1f} GB and {:.1f} GB are free",
-                       bytes * 1e-9, double(available) * 1e-9);
+  static std::optional<std::string> refusal(double bytes, const AvailableMemory& available) {
+    if (bytes <= 0.9 * double(available.bytes)) return std::nullopt;
+    return fmt::format("a tree over the scene would take {:.1f} GB and {}", bytes * 1e-9,
+                       available.text());
   }
 
   PrimitiveId id(const Child& c, size_t i) const {
@@ -187,6 +187,7 @@ class Builder {
       make_node(child, depth, part, scratches_.local());
       part.counts[0] = uint32_t(part.nodes.size());
     }
+    add_work(child.size());
   }
 
   // Makes the node, and each child as a part.
@@ -386,6 +387,7 @@ class Builder {
     std::array<uint32_t, kPools> next = part.begin;
     std::span<const PrimitiveId> rest(order_);
     rest = rest.subspan(part.first);
+    const size_t before = rest.size();
     for (const uint8_t size : part.leaf_sizes) {
       const std::span<const PrimitiveId> ids = rest.first(size);
       rest = rest.subspan(size);
@@ -395,6 +397,7 @@ class Builder {
       const Pool pool = pool_of(g_.kind_of(ids[0]));
       out.fill(g_, pool_ref(pool, next[size_t(pool)]++), ids);
     }
+    add_work(before - rest.size());
   }
 
   const Geometry& g_;
@@ -422,7 +425,8 @@ float triangle_width(const Column<TriangleBlock>& blocks) {
 
 }  // namespace
 
-std::expected<Bvh, std::string> build_bvh(const Geometry& geometry, size_t available, bool clear) {
+std::expected<Bvh, std::string> build_bvh(const Geometry& geometry,
+                                          const AvailableMemory& available, bool clear) {
   Bvh out;
   std::vector<PrimitiveId> some;
   if (geometry.any_transparent())

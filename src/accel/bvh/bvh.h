@@ -38,7 +38,7 @@ struct Bvh : Blocks {
 /// (Geometry::list_transparent()); independent of the number of threads. The error is one line:
 /// more than `available` bytes would be needed.
 std::expected<Bvh, std::string> build_bvh(const Geometry& geometry,
-                                          size_t available = available_memory_bytes(),
+                                          const AvailableMemory& available = available_memory(),
                                           bool clear = false);
 
 /// Traversal with the machine's best instruction set. Hits are exactly those of brute force.

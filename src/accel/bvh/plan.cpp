@@ -24,6 +24,7 @@ template <class F>
 void for_items(const Make& make, size_t first, size_t end, F&& f) {
   std::array<BuildItem, kBuffer> buffer;
   for (; first < end; first += kBuffer) {
+    check_stop();
     const BuildRange some(buffer.data(), std::min(kBuffer, end - first));
     make(first, some);
     for (const BuildItem& item : some) f(item);

@@ -29,7 +29,7 @@ class Baker {
  public:
   Baker(const Geometry& geometry, const GridCells& cells) : g_(geometry), cells_(cells) {}
 
-  std::expected<GridBlocks, std::string> bake(size_t available) {
+  std::expected<GridBlocks, std::string> bake(const AvailableMemory& available) {
     set_lattice();
     const std::vector<PrimitiveId> oversized = bounded_oversized();
     const size_t count = cells_.lattice.cells();
@@ -46,20 +46,21 @@ class Baker {
       for (size_t p = 0; p < next.size(); ++p) next[p] += std::exchange(chunk[p], next[p]);
     const double bytes =
         double(next[0]) * sizeof(BlockGroup) + Blocks::bytes_of(next) + 5.0 * double(count);
-    if (bytes > 0.9 * double(available))
+    if (bytes > 0.9 * double(available.bytes))
       return std::unexpected(
-          fmt::format("the cells of the grid would take {:.1f} GB and {:.1f} GB are free; choose "
-                      "fewer cells",
-                      bytes * 1e-9, double(available) * 1e-9));
+          fmt::format("the cells of the grid would take {:.1f} GB and {}; choose fewer cells",
+                      bytes * 1e-9, available.text()));
     out_.groups.resize(next[0]);
     out_.resize(next);
     out_.begin.resize(count + 1);
     out_.begin[count] = next[0];
-    size_t giant = 0;
+    size_t giant = 0, primitives = 0;
+    for_each_bounded_kind([&]<PrimitiveKind kind> { primitives += g_.count(kind); });
     for_blocks(g_, oversized,
                [&](Pool, auto items) { out_.fill(g_, out_.shared[giant++], items); });
     for_chunks(count, [&](size_t c, size_t first, size_t end) {
       for (size_t cell = first; cell < end; ++cell) fill(cell, blocks[c]);
+      add_work(primitives * (end - first) / count);
     });
     measure_emptiness();
     return std::move(out_);
@@ -133,9 +134,11 @@ class Baker {
       empty[c] = out_.begin[c] == out_.begin[c + 1] ? 255 : 0;
     const auto pass = [&](int from_end) {
       const auto at = [&](int i, int a) { return from_end ? n[a] - 1 - i : i; };
+      StopCheck look;
       for (int z = 0; z < n[2]; ++z)
         for (int y = 0; y < n[1]; ++y)
           for (int x = 0; x < n[0]; ++x) {
+            look();
             uint8_t& here = empty[cells.index(at(x, 0), at(y, 1), at(z, 2))];
             if (here == 0) continue;
             int least = 254;
@@ -173,7 +176,7 @@ class Baker {
 }  // namespace
 
 std::expected<GridBlocks, std::string> bake_grid(const Geometry& geometry, const GridCells& cells,
-                                                 size_t available) {
+                                                 const AvailableMemory& available) {
   return Baker(geometry, cells).bake(available);
 }
 

@@ -83,28 +83,31 @@ class GridBuilder : GridCells {
 
  private:
   void collect_items() {
+    StopCheck look;
     for_each_kind([&]<PrimitiveKind kind> {
       auto& to = kIsBounded<kind> ? rest_ : oversized;
-      for (uint32_t i = 0; i < g_.count(kind); ++i)
+      for (uint32_t i = 0; i < g_.count(kind); ++i, look())
         if (g_.is_opaque(kind, i)) to.push_back(g_.id_of(kind, i));
     });
     boxes_.resize(rest_.size());
-    parallel_for(rest_.size(), [&](size_t i) { boxes_[i] = g_.bounds(rest_[i]); });
+    for_each_index(rest_.size(), [&](size_t i) { boxes_[i] = g_.bounds(rest_[i]); });
   }
 
   Box3f bounds_of_rest() const {
     Box3f all;
-    for (const Box3f& b : boxes_) all.extend(b);
+    StopCheck look;
+    for (const Box3f& b : boxes_) all.extend(b), look();
     return all;
   }
 
   // Repeatedly, since without one oversized primitive the rest may have its own.
   void pull_oversized() {
     const size_t most = oversized.size() + kMaxOversized;
+    StopCheck look;
     while (!rest_.empty()) {
       const float limit = kGiantShare * bounds_of_rest().half_area();
       std::vector<uint32_t> large;
-      for (uint32_t i = 0; i < rest_.size() && large.size() <= kMaxOversized; ++i)
+      for (uint32_t i = 0; i < rest_.size() && large.size() <= kMaxOversized; ++i, look())
         if (boxes_[i].half_area() >= limit) large.push_back(i);
       if (large.empty() || oversized.size() + large.size() > most) break;
       for (const uint32_t i : large) oversized.push_back(rest_[i]), rest_[i] = kNoPrimitive;
@@ -143,13 +146,13 @@ class GridBuilder : GridCells {
       lattice = Lattice(box, report_resolution(box.size(), double(rest_.size()), factor));
     }
     const double bytes = 4.0 * double(lattice.cells()) + 16.0 * (forced ? visits() : 0);
-    const double available = double(available_memory_bytes());
+    const AvailableMemory available = available_memory();
     constexpr double kMost = 4e9;  // of cells, and of references
-    if (bytes > 0.8 * available || double(lattice.cells()) >= kMost || visits() >= kMost)
+    if (bytes > 0.8 * double(available.bytes) || double(lattice.cells()) >= kMost ||
+        visits() >= kMost)
       return fmt::format(
-          "a grid of {}x{}x{} cells would take up to {:.1f} GB and {:.1f} GB are free; choose "
-          "fewer cells",
-          lattice.n[0], lattice.n[1], lattice.n[2], bytes * 1e-9, available * 1e-9);
+          "a grid of {}x{}x{} cells would take up to {:.1f} GB and {}; choose fewer cells",
+          lattice.n[0], lattice.n[1], lattice.n[2], bytes * 1e-9, available.text());
     return std::nullopt;
   }
 
@@ -170,7 +173,8 @@ class GridBuilder : GridCells {
   }
   double visits() const {
     double sum = 0;
-    for (const Box3f& b : boxes_) sum += range(b).count();
+    StopCheck look;
+    for (const Box3f& b : boxes_) sum += range(b).count(), look();
     return sum;
   }
 
@@ -181,12 +185,13 @@ class GridBuilder : GridCells {
   }
 
   template <class F>
-  void for_each_cell(size_t i, F&& f) const {
+  void for_each_cell(size_t i, StopCheck& look, F&& f) const {
     const Range r = range(boxes_[i]);
     const bool all = r.count() == 1 || (by_boxes_ && !is_piece(rest_[i]));
     for (int z = r.lo[2]; z <= r.hi[2]; ++z)
       for (int y = r.lo[1]; y <= r.hi[1]; ++y)
         for (int x = r.lo[0]; x <= r.hi[0]; ++x) {
+          look();
           Box3d cell{{lattice.plane(x, 0), lattice.plane(y, 1), lattice.plane(z, 2)},
                      {lattice.plane(x + 1, 0), lattice.plane(y + 1, 1), lattice.plane(z + 1, 2)}};
           cell.pad(pad_);
@@ -205,16 +210,24 @@ class GridBuilder : GridCells {
     std::vector<std::vector<Reference>> chunks((rest_.size() + kItemsPerChunk - 1) /
                                                kItemsPerChunk);
     parallel_for(chunks.size(), [&](size_t c) {
-      for (size_t i = c * kItemsPerChunk; i < std::min(rest_.size(), (c + 1) * kItemsPerChunk); ++i)
-        for_each_cell(i, [&](size_t cell) { chunks[c].push_back({uint32_t(cell), rest_[i]}); });
+      const size_t first = c * kItemsPerChunk, end = std::min(rest_.size(), first + kItemsPerChunk);
+      StopCheck look;
+      for (size_t i = first; i < end; ++i)
+        for_each_cell(i, look,
+                      [&](size_t cell) { chunks[c].push_back({uint32_t(cell), rest_[i]}); });
+      add_work(end - first);
     });
     begin.assign(lattice.cells() + 1, 0);
-    for (const auto& chunk : chunks)
+    for (const auto& chunk : chunks) {
+      check_stop();
       for (const Reference& r : chunk) ++begin[r.cell + 1];
-    for (size_t c = 0; c < lattice.cells(); ++c) begin[c + 1] += begin[c];
+    }
+    StopCheck look;
+    for (size_t c = 0; c < lattice.cells(); ++c, look()) begin[c + 1] += begin[c];
     items.resize(begin.back());
     std::vector<uint32_t> next(begin.begin(), begin.end() - 1);
     for (auto& chunk : chunks) {
+      check_stop();
       for (const Reference& r : chunk) items[next[r.cell]++] = r.item;
       chunk = {};
     }

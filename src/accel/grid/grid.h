@@ -92,8 +92,9 @@ struct GridBlocks : Blocks {
 };
 
 /// The error is one line: more than `available` bytes would be needed.
-std::expected<GridBlocks, std::string> bake_grid(const Geometry& geometry, const GridCells& cells,
-                                                 size_t available = available_memory_bytes());
+std::expected<GridBlocks, std::string> bake_grid(
+    const Geometry& geometry, const GridCells& cells,
+    const AvailableMemory& available = available_memory());
 
 /// Traversal with the machine's best instruction set. Hits are exactly those of brute force.
 void grid_closest(const Geometry& geometry, const GridBlocks& blocks, const RayBatch& rays,

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <expected>
 #include <string>
 
@@ -19,9 +20,22 @@ void free_lines(void* p, size_t bytes);
 void* map_zeroes(size_t bytes);
 void unmap_zeroes(void* p, size_t bytes);
 
-/// Bytes available without swapping, by the system's estimate and within this process's limits. A
-/// huge number if the system does not say.
-size_t available_memory_bytes();
+struct AvailableMemory {
+  /// That can be taken without pushing anything else out, by the system's own estimate, and within
+  /// the limits that this process and its container have. More than any machine has where the
+  /// system does not tell.
+  size_t bytes = 0;
+  std::string within;  // the limit that leaves no more: "the limit of FILE"; empty: the machine's
+
+  /// For messages: "1.5 GB are free", with the limit.
+  std::string text() const {
+    const uint64_t tenths = (uint64_t(bytes) + 50'000'000) / 100'000'000;
+    return std::to_string(tenths / 10) + '.' + std::to_string(tenths % 10) + " GB are free" +
+           (within.empty() ? "" : " within " + within);
+  }
+};
+AvailableMemory available_memory();
+inline size_t available_memory_bytes() { return available_memory().bytes; }
 
 /// Limits the memory of this process: allocations beyond fail with std::bad_alloc. Counts requested
 /// memory, used or not, but not the program itself and its libraries. The error is one line.

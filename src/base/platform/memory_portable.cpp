@@ -17,7 +17,7 @@ void* map_zeroes(size_t bytes) { return std::memset(allocate_lines(bytes), 0, by
 
 void unmap_zeroes(void* p, size_t bytes) { free_lines(p, bytes); }
 
-size_t available_memory_bytes() { return std::numeric_limits<size_t>::max(); }
+AvailableMemory available_memory() { return {std::numeric_limits<size_t>::max(), ""}; }
 
 std::expected<void, std::string> limit_memory(size_t) {
   return std::unexpected("this build cannot limit its memory");

@@ -13,6 +13,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "base/platform/cgroup.h"
 #include "base/platform/memory.h"
 
 namespace raio {
@@ -83,12 +84,18 @@ void* map_zeroes(size_t bytes) {
 
 void unmap_zeroes(void* p, size_t bytes) { ::munmap(p, mapped_size(bytes)); }
 
-size_t available_memory_bytes() {
-  const size_t free = free_memory_bytes();
+AvailableMemory available_memory() {
+  AvailableMemory available{free_memory_bytes(), ""};
   rlimit limit{};
-  if (::getrlimit(RLIMIT_DATA, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return free;
-  const size_t used = data_bytes();
-  return std::min(free, limit.rlim_cur > used ? size_t(limit.rlim_cur) - used : 0);
+  if (::getrlimit(RLIMIT_DATA, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY) {
+    const size_t used = data_bytes(), whole = size_t(limit.rlim_cur);
+    if (const size_t left = whole > used ? whole - used : 0; left < available.bytes)
+      available = {left, "the limit of this process (RLIMIT_DATA)"};
+  }
+  static const ControlGroups groups;  // to which a process belongs as long as it runs
+  if (const auto left = groups.memory(); left && left->available < available.bytes)
+    available = {left->available, "the limit of " + left->file};
+  return available;
 }
 
 std::expected<void, std::string> limit_memory(size_t bytes) {

@@ -8,4 +8,8 @@ namespace raio {
 /// The model name of the first processor; "unknown processor" if unavailable.
 std::string processor_name();
 
+/// How many cores' time the container of this process has, rounded up; more than any machine has
+/// where none limits it.
+int usable_cores();
+
 }  // namespace raio

@@ -1,7 +1,11 @@
+#include <limits>
+
 #include "base/platform/processor.h"
 
 namespace raio {
 
 std::string processor_name() { return "unknown processor"; }
+
+int usable_cores() { return std::numeric_limits<int>::max(); }
 
 }  // namespace raio

@@ -4,6 +4,7 @@
 #include <numeric>
 #include <span>
 
+#include "base/executor.h"
 #include "io/atoms/colors.h"
 #include "io/atoms/read.h"
 
@@ -67,7 +68,9 @@ void drop_bridged(const std::vector<Atom>& atoms, Bonds& bonds) {
              std::ranges::count(neighbours.of(other), between) > 0;
     });
   };
+  StopCheck look;
   std::erase_if(bonds, [&](const auto& bond) {
+    look();
     return is_bridged(bond[0], bond[1]) || is_bridged(bond[1], bond[0]);
   });
 }
@@ -87,10 +90,15 @@ std::optional<Bonds> find_bonds(const std::vector<Atom>& atoms) {
   };
   std::vector<std::pair<uint64_t, uint32_t>> in_cells(atoms.size());
   for (uint32_t i = 0; i < atoms.size(); ++i) in_cells[i] = {cell_key(cell_of(atoms[i])), i};
-  std::ranges::sort(in_cells);
+  StopCheck look;
+  std::ranges::sort(in_cells, [&](const auto& a, const auto& b) {
+    look();
+    return a < b;
+  });
   for (size_t i = kMaxInCell; i < in_cells.size(); ++i)
     if (in_cells[i].first == in_cells[i - kMaxInCell].first) return std::nullopt;
   for (uint32_t i = 0; i < atoms.size(); ++i) {
+    look();
     const Atom& a = atoms[i];
     const auto cell = cell_of(a);
     const size_t first = bonds.size();

@@ -49,6 +49,7 @@ class LineReader {
   std::optional<std::string_view> next() {
     if (p_ == end()) return std::nullopt;
     ++number_;
+    look_();
     return take_line(p_, end());
   }
   /// The next line that is not blank.
@@ -68,6 +69,7 @@ class LineReader {
   const char* end() const { return index_->text().data() + index_->text().size(); }
 
   const LineIndex* index_;
+  StopCheck look_;
   const char* p_;
   size_t number_ = 0;
 };

@@ -57,6 +57,7 @@ std::string_view Words::rest() {
 }
 
 bool Words::next_line() {
+  look_();
   (void)rest();
   do {
     if (at_end()) return false;
@@ -150,6 +151,7 @@ MaterialId MeshBuilder::paint(Rgb color) {
 
 void MeshBuilder::add_face(std::span<const uint32_t> corners, MaterialId material,
                            std::span<const uint32_t> face_normals) {
+  look_();
   constexpr TriangleIndices kFlat{kNoNormal, kNoNormal, kNoNormal};
   // Flat faces need the marker only if some face is smooth.
   if (!face_normals.empty()) normal_indices_.resize(triangles_.size(), kFlat);

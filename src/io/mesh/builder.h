@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/executor.h"
 #include "io/nff/text_cursor.h"
 #include "io/read_scene.h"
 #include "io/textures.h"
@@ -67,6 +68,7 @@ class Words {
   [[noreturn]] void fail_expected(std::string_view what);
 
  private:
+  StopCheck look_;
   void skip_comment();  // and blanks
   double coordinate_or_nan();
 
@@ -130,6 +132,7 @@ class MeshBuilder {
   ReadScene finish_points();
 
  private:
+  StopCheck look_;
   void note_invisible(const Box3f& box);
 
   Scene scene_;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/executor.h"
 #include "io/mesh/builder.h"
 #include "io/points.h"
 
@@ -133,7 +134,9 @@ Mesh PrimitiveReader::mesh_of(const MeshPrimitive& p, const std::string& what) {
   const size_t count = indices ? indices->count() : positions.count();
   const size_t triangles = p.mode == 4 ? count / 3 : count < 3 ? 0 : count - 2;
   mesh.triangles.reserve(triangles);
+  StopCheck look;
   for (size_t i = 0; i < triangles; ++i) {
+    look();
     const auto at = [&](size_t k) -> size_t {
       if (p.mode == 4) return 3 * i + k;
       if (p.mode == 6) return k == 0 ? 0 : i + k;
@@ -181,7 +184,9 @@ void PrimitiveReader::take_pose(Mesh& mesh, const MeshPrimitive& p, const PosedU
     columns.reserve(p.bones.size());
     for (const auto& [joints, weights] : p.bones)
       columns.emplace_back(column(joints, 4), column(weights, 4));
+    StopCheck look;
     for (size_t i = 0; i < mesh.positions.size(); ++i) {
+      look();
       const Transform by = blend(bones, columns, named_[i]);
       mesh.positions[i] = placed(by.point(Vec3d(mesh.positions[i])));
       if (!mesh.normals.empty()) mesh.normals[i] = unit(by.normal(Vec3d(mesh.normals[i])));

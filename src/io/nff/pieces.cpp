@@ -73,7 +73,10 @@ void Parser::read_pieces(const char* cut) {
   while (!pieces.empty()) {
     cut = pieces.back().end;
     const auto join = [&] {
-      for (Piece& piece : pieces) piece.plain ? append(piece) : walk(piece.end);
+      for (Piece& piece : pieces) {
+        check_stop();
+        piece.plain ? append(piece) : walk(piece.end);
+      }
     };
     parallel_invoke([&] { next = some_pieces(cut); }, join);
     pieces.swap(next);

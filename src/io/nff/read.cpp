@@ -5,6 +5,7 @@
 #include <cmath>
 #include <new>
 
+#include "base/executor.h"
 #include "io/nff/nff.h"
 #include "io/nff/parser.h"
 
@@ -36,7 +37,8 @@ Scene Parser::run() {
 
 /// Reads the entities up to `end`, a cut or the end of the text.
 void Parser::walk(const char* end) {
-  while ((p_ = skip_blanks(p_)) < end) entity();
+  StopCheck look;
+  while ((p_ = skip_blanks(p_)) < end) entity(), look();
 }
 
 /// Reads the entity at `p_` and returns its row; null for an unknown keyword.

@@ -7,6 +7,7 @@
 #include <limits>
 #include <new>
 
+#include "base/executor.h"
 #include "base/platform/files.h"
 #include "io/diagnostics.h"
 
@@ -46,6 +47,7 @@ std::expected<TextBuffer, std::string> TextBuffer::read_file(const std::filesyst
     // One byte more than expected, so that the end is seen without growing.
     text.reserve(std::max<size_t>(file->rest() + 1, 4096));
     for (;;) {
+      check_stop();
       if (text.size_ == text.capacity_) text.reserve(2 * text.capacity_);
       const auto got = file->read(text.bytes_.get() + text.size_, text.capacity_ - text.size_);
       if (!got) return std::unexpected(fmt::format("cannot read the file: {}", got.error()));
