@@ -181,10 +181,8 @@ TEST_F(StoppedReading, IsAnErrorOfItsOwn) {
     ASSERT_FALSE(read) << path;
     EXPECT_EQ(read.error().front().message, kStopped);
     EXPECT_EQ(error_of(read.error().front()).kind, ErrorKind::stopped);
-    const auto parsed = Executor(2, &control).run([&] {
-      std::ifstream in(path);
-      return parse_scene({std::istreambuf_iterator<char>(in), {}}, path);
-    });
+    const std::string text = get(path);
+    const auto parsed = Executor(2, &control).run([&] { return parse_scene(text, path); });
     EXPECT_FALSE(parsed) << path;  // looked at within the reader itself
   }
 }
