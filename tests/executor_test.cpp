@@ -156,6 +156,9 @@ TEST(StoppedBuild, TellsHowFarItIs) {
   }
 }
 
+constexpr std::string_view kView =
+    "v\nfrom 0 -5 0\nat 0 0 0\nup 0 0 1\nangle 40\nhither 0\nresolution 24 16\nl 3 -4 5\n";
+
 class StoppedReading : public TemporaryFolder {
  protected:
   std::string text_file(std::string_view name, std::string_view start, std::string_view line,
@@ -170,7 +173,7 @@ class StoppedReading : public TemporaryFolder {
 TEST_F(StoppedReading, IsAnErrorOfItsOwn) {
   std::string numbered = "OFF\n3 20000 0\n0 0 0\n1 0 0\n0 1 0\n";
   for (const std::string& path :
-       {text_file("a.nff", "", "s 0 0 0 1\n", 20000),
+       {text_file("a.nff", kView, "s 0 0 0 1\n", 20000),
         text_file("b.xyz", "20000\n\n", "C 1 2 3\n", 20000),
         text_file("c.off", numbered, "3 0 1 2\n", 20000),
         text_file("d.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", "f 1 2 3\n", 20000)}) {
@@ -189,7 +192,7 @@ TEST_F(StoppedReading, IsAnErrorOfItsOwn) {
 
 TEST_F(StoppedReading, EndsAJobWithoutDiagnostics) {
   JobRequest request;
-  request.scene = text_file("a.nff", "", "s 0 0 0 1\n", 20000);
+  request.scene = text_file("a.nff", kView, "s 0 0 0 1\n", 20000);
   bool told = false;
   RenderJob job(request, {.scene_read = [&](const Diagnostics&) { told = true; }});
   job.control().stop = true;
@@ -202,8 +205,8 @@ TEST_F(StoppedReading, EndsAJobWithoutDiagnostics) {
 // A checkpoint is written by a thread that renders: its warnings come from there.
 TEST_F(StoppedReading, CheckpointsAreWrittenByThoseWhoRender) {
   JobRequest request;
-  request.scene = text_file("a.nff", "", "s 0 0 0 1\n", 10);
-  request.options.width = request.options.height = 200, request.options.samples = 500;
+  request.scene = text_file("a.nff", kView, "s 0 0 0 1\n", 10);
+  request.options.width = request.options.height = 40, request.options.samples = 100;
   request.options.threads = 1;
   request.checkpoint = file("kept/c.raio").string();
   std::filesystem::create_directory(file("kept"));
