@@ -99,6 +99,27 @@ TEST_F(Commands, ThreadsApplyToReadingToo) {
   }
 }
 
+// In a process of its own, which has had no threads before: those that oneTBB starts stay.
+TEST_F(Commands, OneThreadIsOneFromReadingToWriting) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  std::string many(kScene);
+  for (int i = 0; i < 20000; ++i) many += "s 0 0 0 1\n";
+  const std::string scene = file("many.nff", many), picture = path("a.exr");
+  const auto work = [&](const char* threads) {
+    std::vector<std::string> words = {"raio",         "render",       scene,       "-o",
+                                      picture,        "--quiet",      "--size",    "300x200",
+                                      "--checkpoint", path("c.raio"), "--threads", threads};
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    const int status = run_command_line(int(arguments.size()), arguments.data());
+    const auto all = std::distance(std::filesystem::directory_iterator("/proc/self/task"), {});
+    std::filesystem::remove_all(folder_);
+    std::_Exit(status == kDone && all == 1 ? 0 : 1);
+  };
+  EXPECT_EXIT(work("1"), testing::ExitedWithCode(0), "");
+  EXPECT_EXIT(work("2"), testing::ExitedWithCode(1), "");  // so it is told
+}
+
 TEST_F(Commands, InfoCountsPrimitives) {
   const std::string scene = file("some.nff", kScene);
   EXPECT_EQ(run_captured(InfoCommand{.scene = scene}), kDone);

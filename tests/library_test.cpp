@@ -764,7 +764,7 @@ TEST_F(LibraryFile, OneThreadIsOneFromLoadToWrite) {
       made.write(scene);
       const raio::Scene read = raio::Scene::read(scene);
       const raio::Settings settings =
-          raio::Settings().set("size", "300x200").set("tone", "aces").set("channels", "depth");
+          raio::Settings().set("size", "300x200").set("tone", "agx").set("channels", "depth");
       raio::Job(read, settings).run().write(picture);
       raio::Job(raio::Accel(read, settings), settings).run().write(picture);
     });
