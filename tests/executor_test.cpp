@@ -122,8 +122,8 @@ int stopped_at_random(const Work& work) {
 
 Scene large_scene(AccelKind kind) {
   Scene scene = random_scene(kind == AccelKind::grid ? 4000 : 20000, 5);
-  Scene object = scene;
-  scene.prototypes.push_back(std::move(object));
+  const Object object = scene;
+  scene.prototypes.push_back(object);
   scene.instances.push_back({.prototype = 0, .matrix = {1, 0, 0, 9, 0, 1, 0, 0, 0, 0, 1, 0}});
   return scene;
 }
