@@ -131,7 +131,7 @@ class Pictures {
     return kDone;
   }
 
-  // Reads the scene with what is drawn on its pictures; the exit status.
+  // Reads the scene and the annotations of its pictures; returns the exit status.
   int load_to_annotate(JobRequest& request) {
     JobRequest whole = request;
     if (!request.repeat.empty()) {
