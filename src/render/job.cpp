@@ -114,9 +114,8 @@ std::expected<void, Error> RenderJob::build() {
 }
 
 std::expected<void, Error> RenderJob::run() {
-  return stoppable([&] {
-    return Executor(settings_.threads).run([&] { return render_and_keep(); });
-  });
+  return stoppable(
+      [&] { return Executor(settings_.threads).run([&] { return render_and_keep(); }); });
 }
 
 // Writes the film to the part file; a failure is told once and does not disturb the work.
