@@ -465,7 +465,7 @@ TEST_F(Commands, CompareMeasuresDifferences) {
   command.b = path("b.png"), command.diff = path("d.png");
   EXPECT_EQ(run_captured(command), kCheckFailed);
   EXPECT_THAT(out_, HasSubstr("pixels above 8      1 %\n"));
-  EXPECT_THAT(err_, HasSubstr("below the 90 dB"));
+  EXPECT_THAT(err_, HasSubstr("below the required 90 dB"));
   const auto difference = read_image(path("d.png"));
   ASSERT_TRUE(difference);
   EXPECT_EQ(to_byte(difference->at(3, 4).x), 255);

@@ -313,7 +313,7 @@ TEST(Instances, AStretchedBallIsAnEllipsoid) {
 
 // Calls f(object, id, instance) for all primitives of instances, those within instances included.
 void for_each_instanced(const Geometry& geometry, auto&& f, InstanceId around = 0) {
-  for (uint32_t i = 0; i < geometry.scene().instances.size(); ++i) {
+  for (uint32_t i = 0; i < geometry.object().instances.size(); ++i) {
     const Geometry& object = geometry.placed(geometry.instance_id(i)).object;
     for_each_kind([&]<PrimitiveKind kind> {
       for (uint32_t k = 0; k < object.count(kind); ++k)

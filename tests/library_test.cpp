@@ -330,7 +330,7 @@ TEST(Library, RefusesInvalidColumnsWithoutChanges) {
   EXPECT_THAT(refusal([&] { scene.add_cones(two, two, radii, radii); }),
               HasSubstr("base and apex are the same point"));
   EXPECT_EQ(refusal([&] { scene.add_triangles(two, {corners, 1}); }),
-            "triangle 0 names vertex 2 of 2");
+            "triangle 0 refers to vertex 2 of 2");
   EXPECT_THAT(refusal([&] { scene.add_triangles({infinite.data(), 2}, {}); }),
               HasSubstr("position 1 is not finite"));
   EXPECT_THAT(refusal([&] { scene.add_triangles(two, {}, {xyz.data(), 1}); }),

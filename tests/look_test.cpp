@@ -156,7 +156,7 @@ TEST_F(Look, InvalidBackgroundsAreRefused) {
     EXPECT_THAT(refused.error().message, HasSubstr("a name as in white, #rrggbb, three numbers"));
   }
   set(options_, "background", "transparent");
-  EXPECT_THAT(window_conflict(options_)->message, HasSubstr("transparent"));
+  EXPECT_THAT(window_conflict(options_)->message, HasSubstr("transparency"));
   set(options_, "background", "white");
   EXPECT_FALSE(window_conflict(options_));
 }

@@ -92,6 +92,28 @@ TEST(RaioScene, KeepsInstances) {
   EXPECT_FALSE(tests::same_bytes(picture, tests::picture_of(without, options)));
 }
 
+// A camera or materials of its own.
+TEST(RaioScene, PrototypesWithMoreThanGeometryAreRefused) {
+  const Scene scene = tests::nested_scene();
+  const std::string whole = encode_raio_scene(scene);
+  const std::string inner = encode_raio_scene(standalone(scene, scene.prototypes[0]));
+  const size_t at = whole.find(inner);
+  ASSERT_NE(at, std::string::npos);
+  for (const std::string_view column : {"camera", "materials"}) {
+    std::string changed = whole;
+    char* const prototype = changed.data() + at;
+    Header header;
+    std::memcpy(&header, prototype, sizeof header);
+    for (size_t i = 0; i < header.columns; ++i) {
+      Entry entry;
+      std::memcpy(&entry, prototype + sizeof header + i * sizeof entry, sizeof entry);
+      if (entry.name == column) prototype[entry.offset] ^= 1;
+    }
+    tests::mend_raio_scene(changed.data(), changed.size());
+    EXPECT_THAT(error_of(changed), HasSubstr("prototype 0: it has more than an object's geometry"));
+  }
+}
+
 TEST(RaioScene, NestingOfPrototypesIsLimited) {
   Scene inner;
   inner.materials.emplace_back();
@@ -150,6 +172,16 @@ TEST_F(RaioSceneFile, ColumnsAreReadInPlace) {
   EXPECT_EQ(content_hash(copy), content_hash(scene));
 }
 
+TEST_F(RaioSceneFile, TruncatedFilesLeaveTheSceneAlone) {
+  const auto path = file("truncated.raio");
+  const Scene scene = tests::rich_scene();
+  ASSERT_TRUE(write_raio_scene(scene, path));
+  const auto again = read_raio_scene(path);
+  ASSERT_TRUE(again);
+  std::filesystem::resize_file(path, 0);
+  EXPECT_EQ(content_hash(*again), content_hash(scene));
+}
+
 TEST_F(RaioSceneFile, PrototypesAreReadInPlace) {
   const auto path = file("copies.raio");
   const Scene scene = tests::nested_scene();
@@ -173,7 +205,7 @@ TEST_F(RaioSceneFile, OpeningErrorsAreReported) {
     return scene ? "" : tests::texts(scene.error());
   };
   EXPECT_THAT(text(file("none.raio")), HasSubstr("No such file"));
-  EXPECT_THAT(text(folder()), HasSubstr("this is a folder, expected a file"));
+  EXPECT_THAT(text(folder()), HasSubstr("found a folder, expected a file"));
   ASSERT_TRUE(write_file(file("empty.raio"), ""));
   EXPECT_THAT(text(file("empty.raio")), HasSubstr("not a .raio scene"));
 }

@@ -149,7 +149,8 @@ TEST_F(SpdCommand, UnpublishedScenesAreRefused) {
   EXPECT_EQ(run(SpdVerifyCommand{
                 .scenes = {"balls", "cubes.nff"}, .progress = "off", .json = false, .options = {}}),
             kBadInput);
-  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("'cubes.nff'; there are balls, "));
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              HasSubstr("'cubes.nff' has no published counts; expected balls, "));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // The arrays that a scene is made of: shared, copied on write, and able to read the memory of a
-// mapped file or of a caller in place. Every room may use it.
+// file or of a caller in place. Every room may use it.
 #pragma once
 
 #include <atomic>

@@ -46,22 +46,17 @@ void remove_unfinished_files() {
   for (const fs::path& path : unfinished_files().paths) fs::remove(path, ignored);
 }
 
-std::expected<MappedFile, std::string> MappedFile::open(const fs::path& path) try {
+std::expected<Column<std::byte>, std::string> read_bytes(const fs::path& path) try {
   auto file = InputFile::open(path);
   if (!file) return std::unexpected("cannot open the file: " + file.error());
   if (file->kind() == InputFile::Kind::folder)
     return std::unexpected("found a folder, expected a file");
   if (file->kind() == InputFile::Kind::device)
     return std::unexpected("found a device, expected a file");
-  MappedFile out;
-  out.mapped_ = file->rest() > 0 ? file->map(file->rest()) : nullptr;
-  if (out.mapped_) {
-    out.mapped_size_ = file->rest();
-    return out;
-  }
-  const size_t most = available_memory_bytes() / 2;
-  Column<std::byte>& bytes = out.read_;
-  bytes.resize(std::max<size_t>(std::min(file->rest(), most) + 1, 4096));
+  // Where the size is unknown, a buffer that grows needs twice the memory.
+  const size_t available = available_memory_bytes();
+  const size_t most = file->rest() > 0 ? available / 10 * 9 : available / 2;
+  Column<std::byte> bytes(std::max<size_t>(std::min(file->rest(), most) + 1, 4096));
   for (size_t size = 0;;) {
     const auto got = file->read(reinterpret_cast<char*>(bytes.data()) + size, bytes.size() - size);
     if (!got) return std::unexpected("cannot read the file: " + got.error());
@@ -69,28 +64,12 @@ std::expected<MappedFile, std::string> MappedFile::open(const fs::path& path) tr
     if (size > most) throw std::bad_alloc();
     if (*got == 0) {
       bytes.resize(size);
-      return out;
+      return bytes;
     }
     if (size == bytes.size()) bytes.resize(2 * size);
   }
 } catch (const std::bad_alloc&) {
   return std::unexpected("not enough memory for the file");
-}
-
-MappedFile::MappedFile(MappedFile&& other) noexcept
-    : mapped_(std::exchange(other.mapped_, nullptr)),
-      mapped_size_(std::exchange(other.mapped_size_, 0)),
-      read_(std::exchange(other.read_, {})) {}
-
-MappedFile& MappedFile::operator=(MappedFile&& other) noexcept {
-  std::swap(mapped_, other.mapped_);
-  std::swap(mapped_size_, other.mapped_size_);
-  read_.swap(other.read_);
-  return *this;
-}
-
-MappedFile::~MappedFile() {
-  if (mapped_) unmap_file(mapped_, mapped_size_);
 }
 
 }  // namespace raio

@@ -1,4 +1,4 @@
-// Files of the operating system: replaced whole or not at all, read to their end, memory-mapped.
+// Files of the operating system: replaced whole or not at all, and read to their end.
 // Used by io/ (see io/file.h) and readers of large files. Errors are the system's reasons, one line
 // without the path.
 #pragma once
@@ -58,10 +58,6 @@ class InputFile {
   /// files use all threads.
   std::expected<size_t, std::string> read(char* to, size_t bytes);
 
-  /// Maps a whole regular file of `size` bytes, to be released by unmap_file(); nullptr if it
-  /// cannot be mapped or is not at its beginning.
-  const std::byte* map(size_t size) const;
-
  private:
   struct Handle;  // the system's handle
   InputFile(Handle handle, Kind kind, size_t rest);
@@ -71,31 +67,9 @@ class InputFile {
   size_t rest_;
 };
 
-void unmap_file(const std::byte* data, size_t size);
-
-/// The bytes of a file, read only. A regular file is mapped where the system supports it: pages are
-/// read on first use and can be dropped without being written. Truncating such a file meanwhile
-/// ends the program (SIGBUS); replacing it with replace_file is safe. Anything else (pipes,
-/// standard input) is read into memory.
-class MappedFile {
- public:
-  /// Fails for folders and devices, and if memory does not suffice.
-  static std::expected<MappedFile, std::string> open(const std::filesystem::path& path);
-  MappedFile(MappedFile&& other) noexcept;
-  MappedFile& operator=(MappedFile&& other) noexcept;
-  ~MappedFile();
-
-  /// Aligned to 64 bytes; undefined if size() is 0.
-  const std::byte* data() const { return mapped_ ? mapped_ : read_.data(); }
-  size_t size() const { return mapped_ ? mapped_size_ : read_.size(); }
-  std::string_view view() const { return {reinterpret_cast<const char*>(data()), size()}; }
-
- private:
-  MappedFile() = default;
-
-  const std::byte* mapped_ = nullptr;
-  size_t mapped_size_ = 0;
-  Column<std::byte> read_;  // if not mapped
-};
+/// All bytes of a file or pipe, at an address that is a multiple of 64. They are read and not
+/// mapped: another program may truncate a file at any time, and reading a mapped page that is gone
+/// ends the process (SIGBUS). Fails for folders and devices, and if memory does not suffice.
+std::expected<Column<std::byte>, std::string> read_bytes(const std::filesystem::path& path);
 
 }  // namespace raio

@@ -196,9 +196,4 @@ std::expected<size_t, std::string> InputFile::read(char* to, size_t bytes) {
   return got;
 }
 
-// NOLINTNEXTLINE(readability-convert-member-functions-to-static): the mapped version has state
-const std::byte* InputFile::map(size_t) const { return nullptr; }
-
-void unmap_file(const std::byte*, size_t) {}
-
 }  // namespace raio

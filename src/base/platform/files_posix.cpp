@@ -1,7 +1,6 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -303,16 +302,6 @@ std::expected<size_t, std::string> InputFile::read(char* to, size_t bytes) {
     if (got >= 0) return size_t(got);
     if (errno != EINTR) return failed(errno);
   }
-}
-
-const std::byte* InputFile::map(size_t size) const {
-  if (kind_ != Kind::regular || handle_->at > 0) return nullptr;
-  void* const map = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, handle_->file.id(), 0);
-  return map == MAP_FAILED ? nullptr : static_cast<const std::byte*>(map);
-}
-
-void unmap_file(const std::byte* data, size_t size) {
-  ::munmap(const_cast<std::byte*>(data), size);
 }
 
 }  // namespace raio

@@ -1,5 +1,5 @@
 // Raio's binary scenes (docs/raio-scene.md): a complete Scene with columns in the layout of memory,
-// so that files are mapped, not parsed. For large scenes, and for those that NFF cannot express.
+// so that files are read, not parsed. For large scenes, and for those that NFF cannot express.
 #pragma once
 
 #include <expected>
@@ -29,8 +29,7 @@ std::expected<void, Error> write_raio_scene(const Scene& scene, const std::files
 std::expected<Scene, std::string> decode_raio_scene(std::string_view bytes,
                                                     const std::shared_ptr<const void>& keep);
 
-/// The same for a file, which stays mapped while any column of the scene lives. It may be replaced
-/// or removed meanwhile, but not overwritten or truncated: that would end the program.
+/// The same for a file, whose bytes are kept while any column of the scene lives.
 std::expected<Scene, Diagnostics> read_raio_scene(const std::filesystem::path& path);
 
 }  // namespace raio

@@ -247,10 +247,11 @@ std::expected<Scene, Diagnostics> read_raio_scene(const std::filesystem::path& p
         Diagnostics{{Severity::error, path.string(), 0, 0, std::move(message), ""}});
   };
   try {
-    auto mapped = MappedFile::open(path);
-    if (!mapped) return failed("cannot read the file: " + mapped.error());
-    const auto file = std::make_shared<const MappedFile>(std::move(*mapped));
-    auto scene = decode_raio_scene(file->view(), file);
+    auto bytes = read_bytes(path);
+    if (!bytes) return failed("cannot read the file: " + bytes.error());
+    const auto file = std::make_shared<const Column<std::byte>>(std::move(*bytes));
+    auto scene =
+        decode_raio_scene({reinterpret_cast<const char*>(file->data()), file->size()}, file);
     if (!scene) return failed(scene.error());
     scene->name = path.stem().string();
     return std::move(*scene);
