@@ -133,8 +133,7 @@ class SectionReader {
     if (at_ == table_.size() || table_[at_].mesh != mesh || table_.name(at_) != name) return;
     const Entry& e = table_[at_];
     if (e.number == Element<T>::number && e.numbers == Element<T>::numbers) {
-      const auto borrowed = Array<T>::borrow(table_.bytes(at_).data(), e.count, keep_);
-      array = keep_ ? borrowed : Array<T>(std::vector<T>(borrowed.begin(), borrowed.end()));
+      array = Array<T>::borrow(table_.bytes(at_).data(), e.count, keep_);
     } else if (wrong_.empty()) {
       wrong_ = fmt::format("{} has elements of {} numbers of type {}, expected {} of type {}",
                            table_.column(at_), e.numbers, uint32_t(e.number), Element<T>::numbers,
@@ -234,6 +233,11 @@ bool is_raio_scene(std::string_view start) { return start.starts_with(kMagic); }
 
 std::expected<Scene, std::string> decode_raio_scene(std::string_view bytes,
                                                     const std::shared_ptr<const void>& keep) {
+  if (!keep) {
+    const auto begin = reinterpret_cast<const std::byte*>(bytes.data());
+    const auto copy = std::make_shared<const Column<std::byte>>(begin, begin + bytes.size());
+    return decode_raio_scene({reinterpret_cast<const char*>(copy->data()), copy->size()}, copy);
+  }
   auto scene = decode(bytes, keep, 0);
   if (!scene) return scene;
   if (const auto problems = validate(*scene); !problems.empty())
