@@ -31,9 +31,13 @@ class Array {
   using const_iterator = const T*;
 
   Array() = default;
-  Array(std::initializer_list<T> items) : Array(std::vector<T>(items)) {}
+  Array(std::initializer_list<T> items) : Array(items.begin(), items.end()) {}
   Array(std::vector<T> items) {
     if (!items.empty()) own_ = std::make_shared<std::vector<T>>(std::move(items)), see_own();
+  }
+  template <std::input_iterator It>
+  Array(It first, It last) {
+    if (first != last) own_ = std::make_shared<std::vector<T>>(first, last), see_own();
   }
   Array(const Array&) = default;
   Array(Array&& other) noexcept
@@ -106,7 +110,7 @@ class Array {
   void assign(size_t count, T value) { *this = Array(std::vector<T>(count, value)); }
   template <std::input_iterator It>
   void assign(It first, It last) {
-    *this = Array(std::vector<T>(first, last));
+    *this = Array(first, last);
   }
   void clear() { *this = Array(); }
   // By value: it may be an element of what is borrowed, which a change lets go.
