@@ -100,7 +100,9 @@ class Work {
     constexpr uint32_t kPortion = 64;
     std::vector<size_t> order(tiles_.size());
     std::iota(order.begin(), order.end(), size_t(0));
-    std::ranges::stable_sort(order, std::greater(), [&](size_t i) { return costs_ns_[i]; });
+    std::ranges::sort(order, [&](size_t a, size_t b) {
+      return costs_ns_[a] != costs_ns_[b] ? costs_ns_[a] > costs_ns_[b] : a < b;
+    });
     Executor(threads_, nullptr).run([&] {
       deal(tiles_.size(), [&](size_t k) {
         const size_t i = order[k], tile = tiles_[i];
