@@ -170,7 +170,7 @@ std::vector<Json> build_suite(const Settings& request) {
       if (!rays) rays = record_rays(scene, *accel, s.options);
       check_structure(scene, *accel, *rays, s.options.threads);
     }
-    const Geometry geometry(scene);  // for Embree; Raio bakes its own on its own time
+    const Geometry geometry(scene, scene);  // for Embree; Raio bakes its own on its own time
     std::vector<size_t> bytes;
     const auto all = builders(scene, geometry, s, bytes);
     std::vector<Contender> contenders;

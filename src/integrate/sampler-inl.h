@@ -15,16 +15,16 @@ HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
 
 /// The pixel's place as sampler.h has it. `far`: some pixel's row or column is above 65535.
-template <class DU>
-HWY_INLINE hn::Vec<DU> place_in_picture(DU du, hn::Vec<DU> row, hn::Vec<DU> column, bool far) {
+template <class Tag>
+HWY_INLINE hn::Vec<Tag> place_in_picture(Tag tag, hn::Vec<Tag> row, hn::Vec<Tag> column, bool far) {
   const auto near_place = hn::Add(hn::ShiftLeft<16>(row), column);
   if (!far) return near_place;
   const auto group = hn::Or(hn::ShiftLeft<16>(hn::ShiftRight<kGroupShift>(row)),
                             hn::ShiftRight<kGroupShift>(column));
-  const auto hash = hash4(du, {group, hn::Zero(du), hn::Zero(du), hn::Zero(du)}).x;
-  const auto within = hn::Set(du, (kGroup - 1) * 0x10001u);
+  const auto hash = hash4(tag, {group, hn::Zero(tag), hn::Zero(tag), hn::Zero(tag)}).x;
+  const auto within = hn::Set(tag, (kGroup - 1) * 0x10001u);
   const auto far_place = hn::Or(hn::And(near_place, within), hn::AndNot(within, hash));
-  return hn::IfThenElse(hn::Eq(hn::ShiftRight<16>(hn::Or(row, column)), hn::Zero(du)), near_place,
+  return hn::IfThenElse(hn::Eq(hn::ShiftRight<16>(hn::Or(row, column)), hn::Zero(tag)), near_place,
                         far_place);
 }
 
