@@ -1,11 +1,10 @@
 #include "base/platform/cgroup.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cstdio>
+#include <memory>
 #include <string_view>
 
 namespace raio {
@@ -13,15 +12,14 @@ namespace {
 
 // Nothing where the file is not there. A stream's first use would take longer than all of this.
 std::optional<std::string> read_all(const std::string& path) {
-  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0) return std::nullopt;
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"),
+                                                             &std::fclose);
+  if (!file) return std::nullopt;
   std::string text;
   std::array<char, 4096> piece;
-  ssize_t got = 0;
-  while ((got = ::read(file, piece.data(), piece.size())) > 0)
-    text.append(piece.data(), size_t(got));
-  ::close(file);
-  if (got < 0) return std::nullopt;
+  while (const size_t got = std::fread(piece.data(), 1, piece.size(), file.get()))
+    text.append(piece.data(), got);
+  if (std::ferror(file.get())) return std::nullopt;
   return text;
 }
 
