@@ -166,7 +166,7 @@ class RAIO_API Scene {
   void add_moving_spheres(const Column<float, 3>& starts, const Column<float, 3>& ends,
                           const Column<float>& radii, double begin, double end,
                           const Appearance& look = {});
-  /// Triangles that move likewise: three vertices each.
+  /// Triangles that move in the same way: three vertices each.
   void add_moving_triangles(const Column<float, 9>& starts, const Column<float, 9>& ends,
                             double begin, double end, const Appearance& look = {});
 
@@ -310,9 +310,9 @@ struct Progress {
   Stage stage = Stage::rendering;
 };
 
-/// Who does the work of the calls within run(): with how many threads, and watched or stopped from
-/// outside. Without one they take as many threads as there are cores, of which a container may
-/// limit the number; jobs and structures as many as the setting `threads` says.
+/// The threads, progress and cancellation of all calls within run(). Without an Executor, jobs and
+/// structures use the setting `threads`, and other calls one thread per core, or fewer if the
+/// container has a limit.
 ///
 ///   raio::Executor executor(4);
 ///   executor.on_progress([](const raio::Progress& p) { show(p.share); });

@@ -116,7 +116,7 @@ struct TraceContext {
   const std::atomic<bool>* stop = nullptr;  // asks to stop; results are then meaningless
   bool coherent = false;                    // neighbours in the batch have similar directions
   uint64_t tests = 0;       // pairs of ray and primitive; complete with AccelOptions::counters
-  uint64_t steps = 0;       // cells or nodes visited; likewise
+  uint64_t steps = 0;       // cells or nodes visited, counted in the same way
   TraceLog* log = nullptr;  // for Accel::log()
 
   bool stopped() const { return stop && stop->load(std::memory_order_relaxed); }

@@ -2,6 +2,7 @@
 // file or of a caller in place. Every room may use it.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -149,10 +150,7 @@ class Array {
   friend bool operator==(const Array& a, const Array& b)
     requires requires(const T& x) { x == x; }
   {
-    if (a.size() != b.size()) return false;
-    for (size_t i = 0; i < a.size(); ++i)
-      if (!(a[i] == b[i])) return false;
-    return true;
+    return std::ranges::equal(a, b);
   }
 
  private:

@@ -12,8 +12,9 @@ double exact_exp2(double x);
 double exact_log2(double x);
 
 /// The functions of <cmath> of the same names. They compute with twice the digits of a double, so
-/// that the result is the double next to the true value, but for one argument in millions. Zeros,
-/// infinities and NaN give what IEEE 754 asks for. Angles are in radians and may be of any size.
+/// that the result is the double nearest to the true value, except for a few arguments in a
+/// million. Zeros, infinities and NaN give what IEEE 754 asks for. Angles are in radians and may be
+/// of any size.
 double exact_sin(double x);
 double exact_cos(double x);
 double exact_tan(double x);

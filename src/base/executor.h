@@ -1,7 +1,6 @@
-// Who does the work: how many threads, who may stop it and who watches. An Executor is bound to the
-// calling thread while run() lasts, and loops (base/parallel.h) hand it on to the threads that
-// help, so whatever is called within keeps to it: reading, validating, building, rendering,
-// writing.
+// Threads, cancellation and progress of work. An Executor is bound to the calling thread during
+// run(). Loops (base/parallel.h) pass it on to their worker threads, so all calls within run() use
+// it: reading, validating, building, rendering, writing.
 #pragma once
 
 #include <atomic>
@@ -20,34 +19,33 @@ inline constexpr bool kHasThreads = false;
 inline constexpr bool kHasThreads = true;
 #endif
 
-/// What is being done.
+/// The current stage of work.
 enum class Stage : uint8_t { none, reading, building, rendering };
 
-/// What work shares with whoever watches it from another thread.
+/// Shared by work and its observers in other threads.
 struct WorkControl {
   std::atomic<bool> stop{false};  // set it to end the work soon
   std::atomic<Stage> stage{Stage::none};
   std::atomic<uint64_t> rays_done{0};
-  std::atomic<uint64_t> work_done{0};  // of work_total; of the stage
+  std::atomic<uint64_t> work_done{0};  // of work_total, in this stage
   std::atomic<uint64_t> work_total{0};
 
-  /// Of the stage, 0 to 1; 0 where nobody knows.
+  /// The finished share of the stage, 0 to 1; 0 if unknown.
   double share() const;
 };
 
-/// Thrown by work that was told to stop, through all that it consists of. Whoever hands out errors
-/// makes ErrorKind::stopped of it. No std::exception: many readers take those for failures of the
-/// libraries that they use.
+/// Thrown by cancelled work. Functions that return errors convert it to ErrorKind::stopped. It is
+/// not a std::exception, because many readers catch those as failures of their libraries.
 struct Stopped {};
 
 class Executor {
  public:
-  /// So many threads, the calling one among them; 0: those of the executor around, else
-  /// default_threads(). There is never more than one with RAIO_NO_THREADS. `control` stops the work
-  /// and sees its progress, beside the controls of executors around; it must live until run() ends.
+  /// `threads` includes the calling one; 0: as many as the enclosing executor has, else
+  /// default_threads(). With RAIO_NO_THREADS there is always one. `control` can stop the work and
+  /// receives its progress, as do the controls of enclosing executors; it must outlive run().
   explicit Executor(int threads = 0, WorkControl* control = nullptr);
 
-  /// Does the work, returns what it returns and throws what it throws.
+  /// Calls `work`, and returns its result or throws its exception.
   template <class F>
   auto run(const F& work) const {
     using Result = std::invoke_result_t<const F&>;
@@ -67,19 +65,19 @@ class Executor {
   WorkControl* control_;
 };
 
-/// How many threads the loops of the caller use.
+/// The number of threads that loops of the caller use.
 int max_concurrency();
 
-/// As many as the cores that the system, or the limit of a container, lets this process have.
+/// The number of cores that the system and the limit of a container allow this process.
 int default_threads();
 
-/// Was the caller's work told to stop?
+/// Whether the caller's work was cancelled.
 bool stop_requested();
 
-/// Throws Stopped if so.
+/// Throws Stopped if the work was cancelled.
 void check_stop();
 
-/// Does so at every 1024th call: for long loops of short steps.
+/// Calls check_stop() every 1024th time: for long loops of short steps.
 class StopCheck {
  public:
   void operator()() {
@@ -90,22 +88,22 @@ class StopCheck {
   uint32_t calls_ = 0;
 };
 
-/// Tells those who watch what the caller begins, and how much it is; 0: nobody knows.
+/// Reports to observers that a stage begins, and the total of its work; 0: unknown.
 void begin_stage(Stage stage, uint64_t total);
 
-/// Tells that so much of it was done.
+/// Reports finished work of the stage.
 void add_work(uint64_t done);
 
-/// An executor's run(), as the threads see it that work for it.
+/// A run() of an executor, as seen by its worker threads.
 struct WorkScope {
   WorkControl* control = nullptr;
-  bool to_the_end = false;  // what is around cannot stop it
+  bool to_the_end = false;  // enclosing scopes cannot stop it
   const WorkScope* around = nullptr;
 
-  /// That of the calling thread.
+  /// The calling thread's scope, or null.
   static const WorkScope* current();
 
-  /// Makes it that of the calling thread while this lives.
+  /// Sets the calling thread's scope during its lifetime.
   class Bound {
    public:
     explicit Bound(const WorkScope* scope);
@@ -118,7 +116,7 @@ struct WorkScope {
   };
 };
 
-/// Does work that must be done whoever was told to stop, such as to put away what there is.
+/// Does work that cancellation must not interrupt, such as writing a checkpoint.
 template <class F>
 auto run_to_the_end(const F& work) {
   const WorkScope scope{.control = nullptr, .to_the_end = true, .around = WorkScope::current()};

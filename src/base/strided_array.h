@@ -2,6 +2,7 @@
 // there, and one material for all. Every room may use it.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <compare>
 #include <cstddef>
@@ -187,10 +188,7 @@ class StridedArray {
   friend bool operator==(const StridedArray& a, const StridedArray& b)
     requires requires(const T& x) { x == x; }
   {
-    if (a.size() != b.size()) return false;
-    for (size_t i = 0; i < a.size(); ++i)
-      if (!(a[i] == b[i])) return false;
-    return true;
+    return std::ranges::equal(a, b);
   }
 
  private:

@@ -93,9 +93,9 @@ class Work {
   bool late() const { return task_.seconds > 0 && seconds_since(start_) >= task_.seconds; }
   bool ended() const { return control_.stop || stop_requested() || late(); }
 
-  // Whether all tiles have the samples before `end` now. A tile gets its samples in portions, so
-  // that what is in the film is never far behind. Those that took long last time come first, since
-  // the last of them is waited for.
+  // Returns whether all tiles have the samples before `end` now. A tile gets its samples in
+  // portions, so the film is never far behind. Tiles that were expensive last time come first, so
+  // that threads finish together.
   bool add_up_to(uint32_t end) {
     constexpr uint32_t kPortion = 64;
     std::vector<size_t> order(tiles_.size());

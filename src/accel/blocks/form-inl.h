@@ -25,7 +25,7 @@ struct alignas(16) Beam {
   uint32_t axes;       // of all rays, in kShearAxes, or kMixed
   int32_t tests_left;  // negative: too many tests, its rays continue singly
   // The maximum deviation, rounding included, of the rays' directions (scaled) from d along each
-  // axis, and of their origins (scaled likewise) from o.
+  // axis, and of their origins (scaled in the same way) from o.
   float turned[3], shifted;
   uint32_t unused;
 };

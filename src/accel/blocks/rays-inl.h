@@ -16,7 +16,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace raio::HWY_NAMESPACE {
 
-// What rays look for: the nearest opaque hit, or any; the next transparent hit after another, or
+// The queries of rays: the nearest opaque hit, or any; the next transparent hit after another, or
 // the sum of optical depths.
 enum class Query : uint8_t { closest, any, next_transparent, depths };
 

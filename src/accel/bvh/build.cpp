@@ -299,7 +299,7 @@ class Builder {
             .node = node};
   }
 
-  // Where to split a range by kind: in the last splits, since leaves do not mix kinds; and at the
+  // Splits a range by kind in two places: in the last splits, since leaves do not mix kinds; and at the
   // root, where a few primitives of a kind become a leaf that rays test early, which shortens them.
   // Otherwise 0.
   size_t part_kinds(const Child& child, int depth) const {

@@ -10,7 +10,7 @@
 namespace raio {
 namespace {
 
-// Nothing where the file is not there. A stream's first use would take longer than all of this.
+// Nothing if the file is missing. The first use of a stream would take longer than all of this.
 std::optional<std::string> read_all(const std::string& path) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"),
                                                              &std::fclose);
@@ -23,7 +23,7 @@ std::optional<std::string> read_all(const std::string& path) {
   return text;
 }
 
-// The text before the next `end`, which `rest` loses with it.
+// Removes the text before the next `end`, and `end`, from `rest`; returns the text.
 std::string_view take(std::string_view& rest, char end) {
   const size_t size = std::min(rest.find(end), rest.size());
   const std::string_view taken = rest.substr(0, size);
@@ -31,14 +31,14 @@ std::string_view take(std::string_view& rest, char end) {
   return taken;
 }
 
-// Is the word one of those between commas?
+// Whether the comma-separated list contains the word.
 bool lists(std::string_view words, std::string_view word) {
   while (!words.empty())
     if (take(words, ',') == word) return true;
   return false;
 }
 
-// "\040" and the like stand for characters that would end a field.
+// Octal escapes such as "\040" are characters that would end a field.
 std::string unescaped(std::string_view field) {
   std::string out;
   for (size_t i = 0; i < field.size(); ++i) {
@@ -69,7 +69,7 @@ std::optional<long long> number_in(const std::string& path) {
   return text ? number(*text) : std::nullopt;
 }
 
-// Of a file of lines "name value"; 0 where it is not there.
+// The value of a name in a file of lines "name value"; 0 if missing.
 long long value_in(const std::string& path, std::string_view name) {
   const auto text = read_all(path);
   std::string_view rest = text ? std::string_view(*text) : std::string_view();
@@ -170,7 +170,7 @@ std::optional<ControlGroups::Memory> ControlGroups::memory() const {
   const Files files = memory_.is_v2 ? Files{"/memory.max", "/memory.current", "inactive_file"}
                                     : Files{"/memory.limit_in_bytes", "/memory.usage_in_bytes",
                                             "total_inactive_file"};
-  // Version 1 says "no limit" by the largest number of whole pages.
+  // Version 1 writes the largest number of whole pages for "no limit".
   constexpr long long kNoLimit = 1LL << 62;
   std::optional<Memory> least;
   for (const std::string& folder : memory_.folders) {

@@ -1,5 +1,5 @@
-// Limits of a container: what the control groups of Linux let this process have. Both versions:
-// docs.kernel.org/admin-guide/cgroup-v2.html and cgroup-v1/. For the POSIX files of this folder.
+// Limits of a container: the processors and the memory that Linux control groups allow this
+// process. Versions 1 and 2: docs.kernel.org/admin-guide/cgroup-v2.html and cgroup-v1/.
 #pragma once
 
 #include <cstddef>
@@ -12,18 +12,18 @@ namespace raio {
 
 class ControlGroups {
  public:
-  /// Those of this process. `root` stands before the names of all files: "" for the system's own.
+  /// The control groups of this process. `root` is prepended to all file names, for tests.
   explicit ControlGroups(std::string root = "");
 
-  /// The least share of processors that a group on the way to the root of the hierarchy has: 1.5 is
-  /// the time of one and a half. Nothing where none has a limit.
+  /// The smallest processor quota on the path to the root of the hierarchy, in processors: 1.5 is
+  /// the time of one and a half. Nothing without a limit.
   std::optional<double> cores() const;
 
   struct Memory {
     size_t available = 0;  // bytes below the limit; caches of files count as free
     std::string file;      // that has the limit
   };
-  /// Of the group on the way to the root that has the least left. Nothing where none has a limit.
+  /// The group on the path to the root with the least memory left. Nothing without a limit.
   std::optional<Memory> memory() const;
 
  private:
