@@ -299,9 +299,9 @@ class Builder {
             .node = node};
   }
 
-  // Splits a range by kind in two places: in the last splits, since leaves do not mix kinds; and at the
-  // root, where a few primitives of a kind become a leaf that rays test early, which shortens them.
-  // Otherwise 0.
+  // Returns the index where to split a range by kind, or 0. The last splits do so, since leaves do
+  // not mix kinds. So does the root, where a few primitives of a kind become a leaf that rays test
+  // early, which shortens them.
   size_t part_kinds(const Child& child, int depth) const {
     constexpr size_t kFew = kBlockWidth;
     const size_t n = child.size();
