@@ -267,8 +267,9 @@ double exact_log10(double x) {
 
 double exact_pow(double x, double y) {
   if (x == 1 || y == 0) return 1;
-  if (!(x > 0)) return x < 0 || std::isnan(x) || std::isnan(y) ? kNaN : y > 0 ? 0 : kInfinity;
-  if (x == kInfinity) return std::isnan(y) ? y : y > 0 ? x : 0;
+  if (std::isnan(x) || std::isnan(y)) return kNaN;
+  if (!(x > 0)) return x < 0 ? kNaN : y > 0 ? 0 : kInfinity;
+  if (x == kInfinity) return y > 0 ? x : 0;
   const Twin log = logarithm(x);
   const double about = y * log.hi;
   return std::abs(about) < 1000 ? exponential(Twin(y) * log) : exponential(about);
