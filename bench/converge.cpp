@@ -13,7 +13,7 @@
 #include "render/options.h"
 #include "render/render.h"
 
-namespace raio::bench {
+namespace raio::core::bench {
 namespace {
 
 struct Effect {
@@ -256,4 +256,4 @@ std::vector<Json> converge_suite(const Settings& request) {
   return rows;
 }
 
-}  // namespace raio::bench
+}  // namespace raio::core::bench

@@ -12,7 +12,7 @@
 
 #include "bench/figures.h"
 
-namespace raio::bench {
+namespace raio::core::bench {
 namespace {
 
 constexpr size_t kWidth = 8;
@@ -188,4 +188,4 @@ size_t EmbreeScene::trace(const RayBatch& r, const EmbreeWay& way, bool shadow) 
   return found;
 }
 
-}  // namespace raio::bench
+}  // namespace raio::core::bench

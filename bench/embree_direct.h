@@ -10,7 +10,7 @@
 
 #include "accel/accel.h"
 
-namespace raio::bench {
+namespace raio::core::bench {
 
 /// How rays are passed: one by one, in packets of eight, or a whole batch as a stream.
 struct EmbreeWay {
@@ -54,4 +54,4 @@ class EmbreeScene {
   std::atomic<ssize_t> bytes_{0};
 };
 
-}  // namespace raio::bench
+}  // namespace raio::core::bench

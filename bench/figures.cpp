@@ -11,7 +11,7 @@
 #include "io/file.h"
 #include "render/render.h"
 
-namespace raio::bench {
+namespace raio::core::bench {
 
 void tell(std::string_view message) { fmt::print(stderr, "raio_bench: {}\n", message); }
 
@@ -110,4 +110,4 @@ void write_json(const std::vector<Json>& rows, const std::string& path) {
   if (const auto written = write_file(path, lines); !written) give_up(3, written.error().text());
 }
 
-}  // namespace raio::bench
+}  // namespace raio::core::bench

@@ -10,7 +10,7 @@
 
 #include "app/json.h"
 
-namespace raio::bench {
+namespace raio::core::bench {
 
 using app::Json;
 
@@ -60,4 +60,4 @@ void print_means(const std::vector<Json>& rows, const std::string& group, const 
 /// A line per row, to a file or "-".
 void write_json(const std::vector<Json>& rows, const std::string& path);
 
-}  // namespace raio::bench
+}  // namespace raio::core::bench

@@ -12,7 +12,7 @@
 #include "render/options.h"
 #include "render/render.h"
 
-namespace raio::bench {
+namespace raio::core::bench {
 namespace {
 
 struct Built {
@@ -162,4 +162,4 @@ std::vector<Json> growth_suite(const Settings& request) {
   return rows;
 }
 
-}  // namespace raio::bench
+}  // namespace raio::core::bench

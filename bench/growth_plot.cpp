@@ -5,7 +5,7 @@
 #include "bench/log_plot.h"
 #include "bench/suites.h"
 
-namespace raio::bench {
+namespace raio::core::bench {
 namespace {
 
 std::vector<LogLine> lines_of(const std::vector<Json>& rows) {
@@ -39,4 +39,4 @@ void plot_growth(const std::vector<Json>& rows, const std::string& path) {
   });
 }
 
-}  // namespace raio::bench
+}  // namespace raio::core::bench

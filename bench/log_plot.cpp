@@ -9,7 +9,7 @@
 #include "bench/suites.h"
 #include "io/file.h"
 
-namespace raio::bench {
+namespace raio::core::bench {
 namespace {
 
 using namespace app;
@@ -73,4 +73,4 @@ void write_page(const std::string& path, const std::function<void(const Canvas&)
   if (const auto written = write_file(path, *page); !written) give_up(3, written.error().text());
 }
 
-}  // namespace raio::bench
+}  // namespace raio::core::bench

@@ -8,7 +8,7 @@
 
 #include "app/canvas.h"
 
-namespace raio::bench {
+namespace raio::core::bench {
 
 struct LogLine {
   std::string name;
@@ -34,4 +34,4 @@ double draw_legend(const app::Canvas& canvas, double x, double y,
 /// Writes a page with the result of `draw` to a file: .png, .svg or .pdf.
 void write_page(const std::string& path, const std::function<void(const app::Canvas&)>& draw);
 
-}  // namespace raio::bench
+}  // namespace raio::core::bench

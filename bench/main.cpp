@@ -8,7 +8,7 @@
 #include "app/canvas.h"
 #include "bench/suites.h"
 
-namespace raio::bench {
+namespace raio::raio::core::bench {
 namespace {
 
 struct Suite {
@@ -100,18 +100,18 @@ int parse_and_run(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace raio::bench
+}  // namespace raio::raio::core::bench
 
 int main(int argc, char** argv) {
   int status = 3;
   std::string message;
   try {
-    return raio::bench::parse_and_run(argc, argv);
-  } catch (const raio::bench::Failure& failure) {
+    return raio::core::bench::parse_and_run(argc, argv);
+  } catch (const raio::core::bench::Failure& failure) {
     status = failure.status, message = failure.message;
   } catch (const std::exception& error) {
     message = error.what();
   }
-  raio::bench::tell("error: " + message);
+  raio::core::bench::tell("error: " + message);
   return status;
 }

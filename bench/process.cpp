@@ -11,7 +11,7 @@
 #include "io/file.h"
 #include "io/nff/nff.h"
 
-namespace raio::bench {
+namespace raio::core::bench {
 namespace {
 
 using Command = std::vector<std::string>;
@@ -111,4 +111,4 @@ std::vector<Json> process_suite(const Settings& request) {
   return rows;
 }
 
-}  // namespace raio::bench
+}  // namespace raio::core::bench

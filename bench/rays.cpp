@@ -14,7 +14,7 @@
 #include "render/render.h"
 #include "shape/offset.h"
 
-namespace raio::bench {
+namespace raio::core::bench {
 namespace {
 
 constexpr int kTileSide = 32;
@@ -187,4 +187,4 @@ void check_structure(const Scene& scene, const Accel& accel, const Recording& ra
                            name, differing, picture.pixels.size()));
 }
 
-}  // namespace raio::bench
+}  // namespace raio::core::bench

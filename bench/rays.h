@@ -10,7 +10,7 @@
 #include "render/options.h"
 #include "scene/scene.h"
 
-namespace raio::bench {
+namespace raio::core::bench {
 
 enum class RayKind { eye, shadow, reflection, random };
 inline constexpr std::array kRayKinds = {RayKind::eye, RayKind::shadow, RayKind::reflection,
@@ -44,4 +44,4 @@ size_t trace_batch(const Accel& accel, const RayBatch& rays, RayKind kind, HitBa
 /// Otherwise ends the program with status 1.
 void check_structure(const Scene& scene, const Accel& accel, const Recording& rays, int threads);
 
-}  // namespace raio::bench
+}  // namespace raio::core::bench

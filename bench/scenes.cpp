@@ -10,7 +10,7 @@
 #include "bench/suites.h"
 #include "io/generate/generate.h"
 
-namespace raio::bench {
+namespace raio::core::bench {
 namespace {
 
 // Random in 0..1, a function of `key`.
@@ -119,4 +119,4 @@ Settings Settings::with_defaults(const std::vector<std::string>& its_scenes,
   return s;
 }
 
-}  // namespace raio::bench
+}  // namespace raio::core::bench

@@ -10,7 +10,7 @@
 #include "bench/figures.h"
 #include "render/options.h"
 
-namespace raio::bench {
+namespace raio::core::bench {
 
 /// The samples of a picture: one per pixel, or nine, alone or shared by all effects.
 struct Effects {
@@ -66,4 +66,4 @@ std::vector<Json> converge_suite(const Settings& request);
 /// The whole program from start to end, compared with Tachyon and POV-Ray.
 std::vector<Json> process_suite(const Settings& request);
 
-}  // namespace raio::bench
+}  // namespace raio::core::bench

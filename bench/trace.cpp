@@ -10,7 +10,7 @@
 #include "bench/rays.h"
 #include "bench/suites.h"
 
-namespace raio::bench {
+namespace raio::core::bench {
 namespace {
 
 // Traces a batch and returns the number of rays that hit.
@@ -198,4 +198,4 @@ std::vector<Json> build_suite(const Settings& request) {
   return rows;
 }
 
-}  // namespace raio::bench
+}  // namespace raio::core::bench

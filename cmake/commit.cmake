@@ -27,5 +27,5 @@ file(CONFIGURE OUTPUT ${OUTPUT} @ONLY CONTENT [[
 // Made by cmake/commit.cmake.
 #include "app/version.h"
 
-raio::app::Commit raio::app::commit() { return {"@hash@", "@date@", @modified@}; }
+raio::core::app::Commit raio::core::app::commit() { return {"@hash@", "@date@", @modified@}; }
 ]])

@@ -2,5 +2,5 @@
 #include "view/open_window.h"
 
 int main(int argc, char** argv) {
-  return raio::app::run_command_line(argc, argv, raio::view::open_window);
+  return raio::core::app::run_command_line(argc, argv, raio::core::view::open_window);
 }

@@ -13,7 +13,7 @@
 #include "integrate/camera.h"
 #include "scenes.h"
 
-namespace raio::tests {
+namespace raio::core::tests {
 
 inline Vec3f random_direction(std::mt19937& rng) {
   std::normal_distribution<float> normal;
@@ -167,4 +167,4 @@ struct ScaleAndShift {
 inline const ScaleAndShift kScalesAndShifts[] = {
     {1, {}}, {1e-6f, {}}, {1e6f, {}}, {1, {500, -300, 100}}};
 
-}  // namespace raio::tests
+}  // namespace raio::core::tests

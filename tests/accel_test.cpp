@@ -8,7 +8,7 @@
 #include "render/render.h"
 #include "sanitized.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using tests::Answers;
@@ -260,4 +260,4 @@ TEST(Accel, AnEmptySceneIsNeverHit) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -11,7 +11,7 @@
 #include "one_picture.h"
 #include "scenes.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using tests::expect_one_picture;
@@ -351,4 +351,4 @@ TEST(Ambient, TheBoundHolds) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -12,7 +12,7 @@
 #include "render/options.h"
 #include "scenes.h"
 
-namespace raio::app {
+namespace raio::core::app {
 namespace {
 
 Picture white_page(int width, int height, float dpi = 0) {
@@ -119,4 +119,4 @@ TEST(PrintSize, BecomesPixels) {
 }
 
 }  // namespace
-}  // namespace raio::app
+}  // namespace raio::core::app

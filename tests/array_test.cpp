@@ -6,7 +6,7 @@
 
 #include "base/strided_array.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::ElementsAre;
@@ -225,4 +225,4 @@ TEST(StridedArray, IsARandomAccessRange) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -11,7 +11,7 @@
 
 #include "data_files.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::ElementsAre;
@@ -292,4 +292,4 @@ TEST(AtomSite, ManyRowsAreReadInParts) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -15,7 +15,7 @@
 #include "io/scene_file.h"
 #include "temporary_folder.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::ElementsAre;
@@ -640,4 +640,4 @@ TEST(Pdb, LinksAreBonds) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

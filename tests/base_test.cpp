@@ -12,11 +12,11 @@
 #include "base/vec.h"
 #include "base/wide-inl.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
-namespace wide = raio::HWY_NAMESPACE;
+namespace wide = raio::core::HWY_NAMESPACE;
 const hn::ScalableTag<float> d;
 const hn::ScalableTag<uint32_t> du;
 
@@ -214,4 +214,4 @@ TEST(LazyLibrary, NamesTheMissingFunction) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -14,7 +14,7 @@
 #include "app/plot.h"
 #include "io/image/image.h"
 
-namespace raio::app {
+namespace raio::core::app {
 namespace {
 
 using testing::HasSubstr;
@@ -624,4 +624,4 @@ TEST_F(PlotPicture, KeepsItsMargins) {
 }
 
 }  // namespace
-}  // namespace raio::app
+}  // namespace raio::core::app

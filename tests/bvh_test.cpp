@@ -10,7 +10,7 @@
 #include "render/render.h"
 #include "sanitized.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using tests::Answers;
@@ -381,4 +381,4 @@ TEST(Bvh, SurvivesCoincidentPrimitives) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

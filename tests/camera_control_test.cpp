@@ -13,7 +13,7 @@
 #include "view/state.h"
 #include "view_scenes.h"
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 double distance(Vec3d a, Vec3f b) { return length(a - Vec3d(b)); }
@@ -30,7 +30,7 @@ Vec3d seen(const Camera& c, Vec3d point) {
 
 Camera parallel_camera() {
   Camera c = camera();
-  c.projection = raio::Projection::orthographic;
+  c.projection = core::Projection::orthographic;
   return c;
 }
 
@@ -217,4 +217,4 @@ TEST(Gestures, DraggingNeverFlingsTheSceneAway) {
 }
 
 }  // namespace
-}  // namespace raio::view
+}  // namespace raio::core::view

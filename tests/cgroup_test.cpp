@@ -5,7 +5,7 @@
 
 #include "temporary_folder.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 class ControlGroupsTest : public TemporaryFolder {
@@ -131,4 +131,4 @@ TEST_F(ControlGroupsTest, DamagedFilesLimitNothing) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

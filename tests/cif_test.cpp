@@ -5,7 +5,7 @@
 #include "data_files.h"
 #include "io/atoms/colors.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::ElementsAre;
@@ -240,4 +240,4 @@ TEST(Cif, SitesMustHaveCoordinates) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -9,7 +9,7 @@
 #include "render/options.h"
 #include "render/render.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -308,4 +308,4 @@ TEST(ClosedForm, Horizon) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -8,7 +8,7 @@
 #include "render/render.h"
 #include "rich_scene.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using tests::random_scene;
@@ -153,4 +153,4 @@ TEST(Objects, AreKnownForHits) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -21,7 +21,7 @@
 #include "program.h"
 #include "render/options.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using nlohmann::json;
@@ -525,4 +525,4 @@ TEST(Json, AnArrayOfNumbersStandsOnOneLine) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

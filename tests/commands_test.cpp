@@ -22,7 +22,7 @@
 #include "io/image/image.h"
 #include "io/nff/nff.h"
 
-namespace raio::app {
+namespace raio::core::app {
 namespace {
 
 using nlohmann::json;
@@ -610,4 +610,4 @@ TEST_F(Commands, BenchRefusesTargetsBeforeTheWork) {
 }
 
 }  // namespace
-}  // namespace raio::app
+}  // namespace raio::core::app

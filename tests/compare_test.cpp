@@ -8,7 +8,7 @@
 #include "io/image/image.h"
 #include "noise.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using tests::noise;
@@ -60,4 +60,4 @@ TEST(DifferenceImage, ShowsDifferencesOverFaintGrey) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -12,7 +12,7 @@
 #include "scenes.h"
 #include "temporary_folder.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::HasSubstr;
@@ -267,4 +267,4 @@ TEST_F(CropJob, PartsHoldTheFilmOfTheirCrop) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -9,7 +9,7 @@
 
 #include "io/scene_file.h"
 
-namespace raio {
+namespace raio::core {
 
 inline std::expected<ReadScene, Diagnostics> read(std::string_view text, std::string_view name,
                                                   const ReadOptions& options = {}) {
@@ -133,4 +133,4 @@ inline std::string ply(std::string_view format, int count, bool clear) {
   return out;
 }
 
-}  // namespace raio
+}  // namespace raio::core

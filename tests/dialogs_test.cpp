@@ -18,7 +18,7 @@
 #include "view/legend.h"
 #include "view/welcome.h"
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 namespace fs = std::filesystem;
@@ -241,4 +241,4 @@ TEST(Message, AvoidsTheLegendAndStaysInThePicture) {
 }
 
 }  // namespace
-}  // namespace raio::view
+}  // namespace raio::core::view

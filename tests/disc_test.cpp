@@ -11,7 +11,7 @@
 #include "scene/scene.h"
 #include "shape/offset.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::ElementsAre;
@@ -167,4 +167,4 @@ TEST(Disc, FaultsOfScenesMadeInCodeAreNamed) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

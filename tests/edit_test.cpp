@@ -16,7 +16,7 @@
 #include "view/texts.h"
 #include "view_scenes.h"
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 TEST(History, UndoesAndRedoesUntilAChange) {
@@ -182,4 +182,4 @@ TEST(FileDialog, ListsFoldersThenScenes) {
 TEST(Samples, AreTheScenesOfTheTree) { EXPECT_GE(sample_scenes().size(), 5u); }
 
 }  // namespace
-}  // namespace raio::view
+}  // namespace raio::core::view

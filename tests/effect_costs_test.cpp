@@ -11,7 +11,7 @@
 #include "render/render.h"
 #include "scenes.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 // A mirror, glass and a wall under a light, or without some of them.
@@ -286,4 +286,4 @@ TEST(EffectCosts, AnIntervalOfTheMedianHoldsIt) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

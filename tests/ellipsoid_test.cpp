@@ -10,7 +10,7 @@
 #include "scene/scene.h"
 #include "shape/offset.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::ElementsAre;
@@ -184,4 +184,4 @@ TEST(Ellipsoid, IsCountedAndHashed) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -7,7 +7,7 @@
 #include <limits>
 #include <numbers>
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
@@ -133,4 +133,4 @@ TEST(ExactMath, EdgesAreThoseOfTheStandard) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

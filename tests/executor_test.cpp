@@ -19,7 +19,7 @@
 #include "scenes.h"
 #include "temporary_folder.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using tests::random_scene;
@@ -223,4 +223,4 @@ TEST_F(StoppedReading, CheckpointsAreWrittenByThoseWhoRender) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -15,7 +15,7 @@
 #include "render/render.h"
 #include "scenes.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using Kind = ExplainedRay::Kind;
@@ -234,4 +234,4 @@ TEST(Explain, TooManyRaysAreRefused) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -15,7 +15,7 @@
 
 #include "temporary_folder.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 namespace fs = std::filesystem;
@@ -321,4 +321,4 @@ TEST_F(FileTest, ReadsWholeFilesUpToALimit) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -8,7 +8,7 @@
 #include "data_files.h"
 #include "io/scene_file.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::HasSubstr;
@@ -76,4 +76,4 @@ TEST(Files, AnyBytesEndWell) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

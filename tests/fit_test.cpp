@@ -9,7 +9,7 @@
 #include "io/fit_camera.h"
 #include "render/options.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::HasSubstr, testing::IsEmpty;
@@ -298,4 +298,4 @@ TEST(Fit, SidesHaveConflicts) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

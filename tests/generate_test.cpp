@@ -10,7 +10,7 @@
 #include <sstream>
 #include <unordered_map>
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 Scene generated(std::string_view name, int size = 0) {
@@ -438,4 +438,4 @@ TEST(GenerateScene, StatesTheRangeForABadSize) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

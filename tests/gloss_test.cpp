@@ -10,7 +10,7 @@
 #include "one_picture.h"
 #include "scenes.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using tests::expect_one_picture;
@@ -214,4 +214,4 @@ TEST(Gloss, TheOptionOverridesMaterials) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

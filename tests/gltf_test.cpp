@@ -10,7 +10,7 @@
 #include "io/image/codecs.h"
 #include "temporary_folder.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::AllOf;
@@ -518,4 +518,4 @@ TEST(Gltf, TheSceneOfTheManualIsRead) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

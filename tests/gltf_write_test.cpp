@@ -15,7 +15,7 @@
 #include "program.h"
 #include "rich_scene.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using nlohmann::json;
@@ -546,4 +546,4 @@ TEST(GltfWrite, RichScenes) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

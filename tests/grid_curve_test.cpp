@@ -9,7 +9,7 @@
 #include "render/render.h"
 #include "scenes.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 RenderOptions small() {
@@ -100,4 +100,4 @@ TEST(GridCurve, LiesOnStraightLinesBetweenItsPoints) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -6,7 +6,7 @@
 #include "accel_rays.h"
 #include "sanitized.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using tests::Answers;
@@ -229,4 +229,4 @@ TEST(Grid, RefusesScenesBeyondMemory) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

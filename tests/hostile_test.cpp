@@ -17,7 +17,7 @@
 #include "sanitized.h"
 #include "temporary_folder.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::HasSubstr;
@@ -351,4 +351,4 @@ TEST_F(HostileProgram, ReportsExhaustedMemory) {
 #endif
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -3,7 +3,7 @@
 #include "image_files.h"
 #include "noise.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::HasSubstr;
@@ -210,4 +210,4 @@ TEST_F(ImageTest, ChangedFilesNeverDoMoreThanFail) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

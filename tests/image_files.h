@@ -17,7 +17,7 @@
 #include "io/image/image.h"
 #include "temporary_folder.h"
 
-namespace raio::tests {
+namespace raio::core::tests {
 
 namespace fs = std::filesystem;
 
@@ -142,4 +142,4 @@ class ImageTest : public TemporaryFolder {
   fs::path in_memory_ = "/proc/self/fd/" + std::to_string(memory_);
 };
 
-}  // namespace raio::tests
+}  // namespace raio::core::tests

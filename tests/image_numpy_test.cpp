@@ -10,7 +10,7 @@
 #include "noise.h"
 #include "render/render.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::MatchesRegex;
@@ -145,4 +145,4 @@ same(arrays['rgba'], 'rgba', 'float32', (203, 301, 4))
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -9,7 +9,7 @@
 #include "image_files.h"
 #include "noise.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::ElementsAre;
@@ -292,4 +292,4 @@ TEST_F(ImageTest, LongNamesOfLayersAreStored) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -5,7 +5,7 @@
 
 #include "image_files.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using tests::exr_of;
@@ -98,4 +98,4 @@ TEST_F(ImageTest, ReadsEveryKindOfPpmAndPfm) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

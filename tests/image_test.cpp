@@ -14,7 +14,7 @@
 #include "noise.h"
 #include "render/render.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 namespace fs = std::filesystem;
@@ -234,4 +234,4 @@ TEST_F(ImageTest, MetadataKeysArePlainWords) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

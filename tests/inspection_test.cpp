@@ -9,7 +9,7 @@
 #include "io/nff/nff.h"
 #include "render/render.h"
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 constexpr std::string_view kScene =
@@ -127,4 +127,4 @@ TEST(Inspection, TheNewestRequestWins) {
 }
 
 }  // namespace
-}  // namespace raio::view
+}  // namespace raio::core::view

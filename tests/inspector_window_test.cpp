@@ -10,7 +10,7 @@
 
 #include "window_fixture.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::HasSubstr;
@@ -145,4 +145,4 @@ TEST_F(InspectorWindowTest, ARegionShowsTheRaysOfItsPixels) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -16,7 +16,7 @@
 #include "sanitized.h"
 #include "scenes.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::ElementsAre;
@@ -434,7 +434,7 @@ TEST(Instances, InstancesBelongToObjects) {
   ASSERT_EQ(flatten_instances(flat), "");
   ASSERT_THAT(validate(flat), IsEmpty());
   for (uint32_t i = 0; i < std::size(objects); ++i)
-    EXPECT_EQ(raio::object_of(flat, PoolKind::sphere, scene.spheres.size() + i), objects[i]) << i;
+    EXPECT_EQ(core::object_of(flat, PoolKind::sphere, scene.spheres.size() + i), objects[i]) << i;
 
   // Otherwise the object is the prototype's, distinct in each instance.
   scene.object_ranges = {};
@@ -609,4 +609,4 @@ TEST(Instances, NonUniformInstancesOfRoundShapesAreNotFlattened) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -16,7 +16,7 @@
 #include "scenes.h"
 #include "temporary_folder.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 namespace fs = std::filesystem;
@@ -435,4 +435,4 @@ TEST(Error, NoMessageBelowTheProgramHasItsWords) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

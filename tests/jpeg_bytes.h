@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <string>
 
-namespace raio::tests {
+namespace raio::core::tests {
 
 /// A JPEG of `rows` of 3 bytes a pixel, or of 1 where it is grey, as exact as JPEG allows.
 inline std::string jpeg_of(int width, int height, const std::string& rows, bool progressive = false,
@@ -40,4 +40,4 @@ inline std::string jpeg_of(int width, int height, const std::string& rows, bool 
   return out;
 }
 
-}  // namespace raio::tests
+}  // namespace raio::core::tests

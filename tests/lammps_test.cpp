@@ -9,7 +9,7 @@
 #include "io/colormaps.h"
 #include "io/scene_file.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::HasSubstr;
@@ -203,4 +203,4 @@ TEST(Lammps, PointsHaveTheUsualRadius) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -13,7 +13,7 @@
 #include "view/state.h"
 #include "view_scenes.h"
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 using testing::HasSubstr;
@@ -129,4 +129,4 @@ TEST(Views, ShowsTheHitsOfTheRay) {
 }
 
 }  // namespace
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -5,7 +5,7 @@
 
 #include "screen.h"
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 bool has(ImWchar letter) {
@@ -43,4 +43,4 @@ TEST(Letters, AnyBytesAreAName) {
 }
 
 }  // namespace
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -33,7 +33,7 @@ raio::Scene row(const Floats& opacity, bool stored = true) {
   return scene;
 }
 
-class LibraryData : public raio::TemporaryFolder {
+class LibraryData : public raio::core::TemporaryFolder {
  protected:
   raio::Scene molecule() const {
     put(file("a.xyz"), "3\n\nO 0 0 0\nH 0.96 0 0\nH -0.24 0.93 0\n");

@@ -480,7 +480,7 @@ TEST(LibraryAccel, RefusesMissingStructures) {
   EXPECT_FALSE(empty.occluded({}));
 }
 
-using LibraryFile = raio::TemporaryFolder;
+using LibraryFile = raio::core::TemporaryFolder;
 
 // A ball and a triangle, in existing materials and in a new one.
 raio::Scene thing() {

@@ -8,7 +8,7 @@
 #include "render/part.h"
 #include "sanitized.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 namespace fs = std::filesystem;
@@ -332,4 +332,4 @@ TEST_F(LongRender, StaysWithinItsMemory) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

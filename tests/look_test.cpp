@@ -8,7 +8,7 @@
 #include "scenes.h"
 #include "temporary_folder.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::HasSubstr;
@@ -258,4 +258,4 @@ TEST_F(Look, ViewsTakeNoTone) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

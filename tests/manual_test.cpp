@@ -12,7 +12,7 @@
 #include "program.h"
 #include "render/options.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::Contains;
@@ -172,4 +172,4 @@ TEST_F(Manual, ZshDescribesTheSame) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -15,7 +15,7 @@
 #include "io/mesh/write.h"
 #include "io/scene_file.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::HasSubstr;
@@ -485,4 +485,4 @@ TEST(MeshFiles, StandOnTheirBase) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -17,7 +17,7 @@
 #include "shape/moving_sphere.h"
 #include "shape/moving_triangle.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 constexpr std::string_view kMoving = "sm -2 -0.5 0 1.5 0.75 -1 0.8 0 3\n";
@@ -394,4 +394,4 @@ TEST(Motion, TheShutterNeedsMotion) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

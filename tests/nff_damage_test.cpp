@@ -4,7 +4,7 @@
 #include "shape/polygon.h"
 #include "shape/triangle.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::HasSubstr;
@@ -169,4 +169,4 @@ TEST(NffDamage, IsReportedLikewiseWithinALongText) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -17,7 +17,7 @@
 #include "shape/polygon.h"
 #include "shape/triangle.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::HasSubstr;
@@ -423,4 +423,4 @@ TEST(NffPieces, LargeFilesAreReadAsTheyAre) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -12,7 +12,7 @@
 
 #include "io/nff/nff.h"
 
-namespace raio::tests {
+namespace raio::core::tests {
 
 inline const std::string kCamera =
     "v\nfrom 2 1 1\nat 0 0 0\nup 0 0 1\nangle 45\nhither 1\nresolution 64 48\n";
@@ -222,4 +222,4 @@ inline std::string many_spheres() {
   return text;
 }
 
-}  // namespace raio::tests
+}  // namespace raio::core::tests

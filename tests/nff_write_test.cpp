@@ -5,7 +5,7 @@
 #include "shape/polygon.h"
 #include "shape/triangle.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::HasSubstr;
@@ -104,4 +104,4 @@ TEST(NffShared, ReadWithoutWarningAndWriteBackTheSame) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -6,7 +6,7 @@
 
 #include "io/image/image.h"
 
-namespace raio::tests {
+namespace raio::core::tests {
 
 inline uint64_t next_random(uint64_t& state) {
   // SplitMix64: Steele, Lea and Flood 2014, "Fast Splittable Pseudorandom Number Generators".
@@ -51,4 +51,4 @@ inline Picture layered(int width, int height) {
   return picture;
 }
 
-}  // namespace raio::tests
+}  // namespace raio::core::tests

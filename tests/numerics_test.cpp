@@ -13,7 +13,7 @@
 #include "render/options.h"
 #include "render/render.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 // The scenes that come with Raio, and small ones of all generators.
@@ -171,4 +171,4 @@ TEST(Numerics, SpheresAndConesAtGrazingAngles) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -14,7 +14,7 @@
 // Each test hits a shape with random rays, puts the hit back on the surface as shading does, starts
 // rays from there into both half spaces, down to grazing ones, and intersects the shape again.
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using tests::Random;
@@ -180,4 +180,4 @@ TEST(Offset, RaysLeaveACone) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -10,7 +10,7 @@
 #include "render/options.h"
 #include "render/render.h"
 
-namespace raio::tests {
+namespace raio::core::tests {
 
 inline Image picture_of(const Scene& scene, RenderOptions options) {
   const RenderSettings settings = resolve_options(options, scene);
@@ -50,4 +50,4 @@ inline Image expect_one_picture(const Scene& scene, RenderOptions options) {
   return none;
 }
 
-}  // namespace raio::tests
+}  // namespace raio::core::tests

@@ -11,7 +11,7 @@
 #include "sanitized.h"
 #include "scenes.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using tests::awkward_rays;
@@ -351,4 +351,4 @@ TEST(Opacity, AlphaLaysOverAnyGround) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -14,7 +14,7 @@
 #include "program.h"
 #include "render/job.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 // Part of a map in UTM, in metres: positions 0.1 apart, as in files.
@@ -433,4 +433,4 @@ TEST_F(FarFiles, BruteForceOfManyPrimitivesIsReported) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

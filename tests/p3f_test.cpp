@@ -14,7 +14,7 @@
 #include "one_picture.h"
 #include "scenes.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::HasSubstr;
@@ -409,4 +409,4 @@ TEST(P3fCourse, PicturesAreThoseOfTheCourse) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

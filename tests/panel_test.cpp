@@ -20,7 +20,7 @@
 #include "view/scene_panel.h"
 #include "view/texts.h"
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 // The differences to an earlier state, in words.
@@ -359,4 +359,4 @@ TEST(Panel, EveryFieldTakesInput) {
 }
 
 }  // namespace
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 TEST(Parallel, LoopsVisitEachIndexOnce) {
@@ -118,4 +118,4 @@ TEST(Parallel, WorkHasTheRequestedNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

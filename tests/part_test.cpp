@@ -18,7 +18,7 @@
 #include "scenes.h"
 #include "temporary_folder.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::HasSubstr;
@@ -612,4 +612,4 @@ TEST_F(PartOnDisk, IsWrittenWholeOrNotAtAll) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

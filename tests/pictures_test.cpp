@@ -5,7 +5,7 @@
 #include "program.h"
 #include "render/provenance.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using Pictures = CommandLine;
@@ -209,4 +209,4 @@ TEST_F(Pictures, OfSeveralScenesHaveDistinctNames) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -17,7 +17,7 @@
 #include "io/file.h"
 #include "temporary_folder.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 namespace fs = std::filesystem;
@@ -154,4 +154,4 @@ TEST(PlatformProcessor, HasTheInstructionSetsThatTheCompilerKnowsOf) {
 #endif
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -13,7 +13,7 @@
 
 #include "base/box.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using Corners = std::vector<Vec3f>;
@@ -331,4 +331,4 @@ TEST(Polygon, TheGearsOfTheStandardScenes) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -6,7 +6,7 @@
 #include "io/pov_write.h"
 #include "temporary_folder.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::AllOf;
@@ -111,4 +111,4 @@ TEST_F(Export, WritesTheRequestedFile) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

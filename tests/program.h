@@ -18,7 +18,7 @@
 #include "sanitized.h"
 #include "temporary_folder.h"
 
-namespace raio {
+namespace raio::core {
 
 using testing::EndsWith;
 using testing::HasSubstr;
@@ -157,4 +157,4 @@ class CommandLine : public TemporaryFolder {
   }
 };
 
-}  // namespace raio
+}  // namespace raio::core

@@ -18,7 +18,7 @@
 #include "render/warnings.h"
 #include "scenes.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::HasSubstr;
@@ -241,7 +241,7 @@ TEST(Parallel, SamplesAreExplainedToTheLastBit) {
 
 // The settings that pictures store give the camera back, whatever would be fitted to the scene.
 TEST(Parallel, PicturesAndPartsKnowTheirRays) {
-  const Scene water = raio::read(kWater, "water.xyz")->scene, balls = random_scene(20, 1);
+  const Scene water = core::read(kWater, "water.xyz")->scene, balls = random_scene(20, 1);
   for (const Scene* s : {&water, &balls}) {
     RenderOptions o = parallel(64, 40);
     const RenderSettings first = resolve_options(o, *s);
@@ -296,7 +296,7 @@ TEST(Parallel, CamerasFittedToDataShowAllOfItAndNoMore) {
   std::mt19937 rng(7);
   for (int i = 0; i < 40; ++i)
     text += fmt::format("C {} {} {}\n", rng() % 17, rng() % 11, rng() % 23);
-  const Scene s = raio::read(text, "cloud.xyz", {.style = AtomStyle::space_filling})->scene;
+  const Scene s = core::read(text, "cloud.xyz", {.style = AtomStyle::space_filling})->scene;
   for (const auto& [width, height] : {std::pair(400, 300), {300, 900}, {900, 200}}) {
     const Camera c = resolve_options(parallel(width, height), s).camera;
     EXPECT_TRUE(c.is_parallel());
@@ -396,4 +396,4 @@ TEST(Parallel, PovRayGetsThePictureSize) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -12,7 +12,7 @@
 #include "scenes.h"
 #include "temporary_folder.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using tests::expect_one_picture;
@@ -104,4 +104,4 @@ TEST_F(PropertyOfPictures, PicturesReadBack) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

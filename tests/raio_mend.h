@@ -7,7 +7,7 @@
 
 #include "io/raio/format.h"
 
-namespace raio::tests {
+namespace raio::core::tests {
 
 /// Recomputes the hashes of all columns within the bytes and of the table, including those of
 /// prototypes.
@@ -35,4 +35,4 @@ inline void mend_raio_scene(char* bytes, size_t size, int depth = 0) {
   std::memcpy(bytes, &header, sizeof header);
 }
 
-}  // namespace raio::tests
+}  // namespace raio::core::tests

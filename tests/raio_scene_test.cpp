@@ -9,7 +9,7 @@
 #include "rich_scene.h"
 #include "temporary_folder.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using scene_file::Entry;
@@ -336,4 +336,4 @@ TEST(RaioScene, LongColumns) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

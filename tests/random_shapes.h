@@ -9,7 +9,7 @@
 #include "base/ray.h"
 #include "shape/kinds.h"
 
-namespace raio::tests {
+namespace raio::core::tests {
 
 class Random {
  public:
@@ -48,4 +48,4 @@ double seen_area(const Baked& shape, Vec3d center, Vec3d dir) {
   return hits * 4.0 / (kSide * kSide);
 }
 
-}  // namespace raio::tests
+}  // namespace raio::core::tests

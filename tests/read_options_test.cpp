@@ -7,7 +7,7 @@
 #include "data_files.h"
 #include "render/provenance.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::HasSubstr;
@@ -80,4 +80,4 @@ TEST(ReadOptionsTest, SettingsNeedNotBeTrusted) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

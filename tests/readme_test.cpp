@@ -20,7 +20,7 @@
 #include "render/options.h"
 #include "render/render.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 namespace fs = std::filesystem;
@@ -228,4 +228,4 @@ TEST(Readme, ShowsCommandsOfEveryKind) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

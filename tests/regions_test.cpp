@@ -10,7 +10,7 @@
 #include "io/nff/nff.h"
 #include "render/options.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 // A matt floor from straight above, a matt ball over it, a mirror next to it, one light.
@@ -75,4 +75,4 @@ TEST(Regions, StopOnRequest) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -14,7 +14,7 @@
 #include "sanitized.h"
 #include "scenes.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using tests::if_sanitized;
@@ -663,4 +663,4 @@ TEST(Options, SayWhatTheyAccept) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -3,7 +3,7 @@
 
 #include "scenes.h"
 
-namespace raio::tests {
+namespace raio::core::tests {
 
 /// random_scene() plus colours and opacities of all kinds, two meshes (one with normals, one with
 /// everything at its vertices and a texture) and three objects.
@@ -83,4 +83,4 @@ inline Scene nested_scene() {
   return s;
 }
 
-}  // namespace raio::tests
+}  // namespace raio::core::tests

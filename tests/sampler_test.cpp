@@ -10,11 +10,11 @@
 
 #include "integrate/sampler-inl.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
-namespace wide = raio::HWY_NAMESPACE;
+namespace wide = raio::core::HWY_NAMESPACE;
 const hn::ScalableTag<float> d;
 const hn::ScalableTag<uint32_t> du;
 using D = decltype(hn::ScalableTag<float>());
@@ -348,4 +348,4 @@ TEST(Math, LanesAreIndependent) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -1,7 +1,7 @@
 // Fewer rounds where each takes much longer.
 #pragma once
 
-namespace raio::tests {
+namespace raio::core::tests {
 
 // Sanitizers slow brute force down up to a hundred times; fewer rounds reveal as much.
 template <class T>
@@ -14,4 +14,4 @@ constexpr T if_sanitized(T fewer, T usual) {
   return kSanitized ? fewer : usual;
 }
 
-}  // namespace raio::tests
+}  // namespace raio::core::tests

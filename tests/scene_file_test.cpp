@@ -3,14 +3,14 @@
 #include <zlib.h>
 
 #include "program.h"
-// Behind it, since they have a namespace raio::tests.
+// Behind it, since they have a namespace core::tests.
 #include "data_files.h"
 #include "io/plain_scene.h"
 #include "io/raio/raio.h"
 #include "nff_text.h"
 #include "rich_scene.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::AllOf;
@@ -290,4 +290,4 @@ TEST_F(ConvertCommandLine, StandardInputIsAScene) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

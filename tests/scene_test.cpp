@@ -11,7 +11,7 @@
 #include "rich_scene.h"
 #include "scene/columns.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using tests::random_scene;
@@ -291,4 +291,4 @@ TEST(Scene, ManyProblemsAreCutShort) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -8,7 +8,7 @@
 
 #include "scene/scene.h"
 
-namespace raio::tests {
+namespace raio::core::tests {
 
 /// The standard scenes and the report's, where they are at hand; else empty.
 inline std::vector<std::filesystem::path> shared_scenes() {
@@ -128,4 +128,4 @@ inline Scene moving_scene(uint32_t seed) {
   return scene;
 }
 
-}  // namespace raio::tests
+}  // namespace raio::core::tests

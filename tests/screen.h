@@ -17,7 +17,7 @@
 #include "view/state.h"
 #include "view/theme.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 inline constexpr float kWidth = 420, kHeight = 3000;
 
@@ -132,4 +132,4 @@ class Screen {
   ImVec2 size_;
 };
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -8,7 +8,7 @@
 #include "data_files.h"
 #include "io/atoms/element_names.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::ElementsAre;
@@ -238,4 +238,4 @@ TEST(Select, KindsOfResidues) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

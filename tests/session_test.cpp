@@ -15,7 +15,7 @@
 #include "scene/columns.h"
 #include "scenes.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 // Sees every picture that a session shows.
@@ -393,4 +393,4 @@ TEST(Session, EndsInTheMiddleOfItsWork) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -8,7 +8,7 @@
 #include "one_picture.h"
 #include "scenes.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using tests::expect_one_picture;
@@ -219,4 +219,4 @@ TEST(ShadingModels, OptionsComeBackFromTheSettings) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

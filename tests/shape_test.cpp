@@ -16,7 +16,7 @@
 // origin to the shape: the best a float ray can do. "Clear" hits and misses are those of the
 // reference for both the enlarged and the reduced shape.
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using Real = long double;
@@ -427,4 +427,4 @@ TEST(Boxes, TouchingOnALatticeIsOverlapping) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -8,7 +8,7 @@
 #include "io/image/image.h"
 #include "temporary_folder.h"
 
-namespace raio::tests {
+namespace raio::core::tests {
 
 /// The value of a texel: of a face, column and row from the upper left.
 using TexelColor = std::function<Rgb(CubeFace, int, int)>;
@@ -37,4 +37,4 @@ inline std::shared_ptr<const CubeMap> sky_of(const std::filesystem::path& folder
   return *sky;
 }
 
-}  // namespace raio::tests
+}  // namespace raio::core::tests

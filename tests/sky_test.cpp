@@ -16,7 +16,7 @@
 #include "scenes.h"
 #include "sky_files.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::HasSubstr;
@@ -497,4 +497,4 @@ TEST(SkyOption, ErrorsSayWhatIsAccepted) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

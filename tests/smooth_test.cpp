@@ -9,7 +9,7 @@
 
 #include "io/scene_file.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 // Two squares of side 1 that share the edge x = 0; the second is tilted by an angle.
@@ -89,4 +89,4 @@ TEST(Smooth, IsAnOptionOfMeshes) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -13,7 +13,7 @@
 #include "render/render.h"
 #include "temporary_folder.h"
 
-namespace raio::app {
+namespace raio::core::app {
 namespace {
 
 using testing::HasSubstr;
@@ -154,4 +154,4 @@ TEST_F(SpdCommand, UnpublishedScenesAreRefused) {
 }
 
 }  // namespace
-}  // namespace raio::app
+}  // namespace raio::core::app

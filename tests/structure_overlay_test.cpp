@@ -8,7 +8,7 @@
 #include "scenes.h"
 #include "view/projection.h"
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 std::shared_ptr<const BakedScene> bake(int primitives, AccelKind kind) {
@@ -61,7 +61,7 @@ TEST(Projection, ProjectsPointsToTheirRays) {
   camera.fov_deg = 50;
   const Stage stage({0, 0, 400, 300}, 1, 400, 300);
   for (const bool parallel : {true, false}) {
-    camera.projection = raio::Projection(parallel);
+    camera.projection = core::Projection(parallel);
     const EyeRays rays(camera, 400, 300);
     const Projection projection(camera, stage);
     for (const std::array<float, 2> at : {std::array{200.0f, 150.0f}, {20.5f, 11.5f}, {380, 299}}) {
@@ -81,4 +81,4 @@ TEST(Projection, ProjectsPointsToTheirRays) {
 }
 
 }  // namespace
-}  // namespace raio::view
+}  // namespace raio::core::view

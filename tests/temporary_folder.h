@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-namespace raio {
+namespace raio::core {
 
 class TemporaryFolder : public testing::Test {
  protected:
@@ -42,4 +42,4 @@ class TemporaryFolder : public testing::Test {
   std::filesystem::path folder_;
 };
 
-}  // namespace raio
+}  // namespace raio::core

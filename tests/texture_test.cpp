@@ -14,7 +14,7 @@
 #include "one_picture.h"
 #include "temporary_folder.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::AllOf;
@@ -250,4 +250,4 @@ TEST_F(ObjTextures, UnreadableOnesAreReported) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -10,7 +10,7 @@
 #include "integrate/color_text.h"
 #include "io/image/image.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::HasSubstr;
@@ -119,4 +119,4 @@ TEST(WrittenColor, RefusesTheRest) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -15,7 +15,7 @@
 #include "scenes.h"
 #include "view/texts.h"
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 using Kind = ExplainedRay::Kind;
@@ -303,4 +303,4 @@ TEST(TraversalWords, AreAllTranslated) {
 }
 
 }  // namespace
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using Real = long double;
@@ -260,4 +260,4 @@ TEST(Triangle, EdgeOnAndOffToTheSideIsMissed) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

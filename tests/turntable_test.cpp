@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 Camera some_camera() {
@@ -61,4 +61,4 @@ TEST(Turntable, NumbersItsPictures) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

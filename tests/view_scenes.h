@@ -6,7 +6,7 @@
 #include "scenes.h"
 #include "view/camera_control.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 inline Camera camera() {
   Camera c;
@@ -15,10 +15,10 @@ inline Camera camera() {
 }
 
 inline std::shared_ptr<const Scene> scene() {
-  Scene s = raio::tests::random_scene(20, 3);
+  Scene s = core::tests::random_scene(20, 3);
   s.camera = camera();
   s.name = "some";
   return std::make_shared<const Scene>(std::move(s));
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -20,7 +20,7 @@
 #include "view/texts.h"
 #include "view_scenes.h"
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 using testing::HasSubstr;
@@ -151,18 +151,18 @@ TEST(ViewState, ParallelRaysChangeOnlyTheCamera) {
   ViewState state("water.xyz", water, {});
   const Camera cone = state.camera;
   RenderOptions asked;
-  asked.projection = raio::Projection::orthographic, asked.width = asked.height = 512;
+  asked.projection = core::Projection::orthographic, asked.width = asked.height = 512;
   // The scene's own camera is that of the other projection; any other one stays where it is.
-  state.set_projection(raio::Projection::orthographic);
+  state.set_projection(core::Projection::orthographic);
   EXPECT_EQ(state.camera, resolve_options(asked, *water).camera);
   EXPECT_EQ(ViewState("water.xyz", water, asked).camera, state.camera);
   EXPECT_EQ(state.camera, state.own_camera());
-  state.set_projection(raio::Projection::perspective);
+  state.set_projection(core::Projection::perspective);
   EXPECT_EQ(state.camera, cone);
   state.camera = orbited(cone, {}, 0.3, 0.1);
   Camera turned = state.camera;
-  turned.projection = raio::Projection::orthographic;
-  state.set_projection(raio::Projection::orthographic);
+  turned.projection = core::Projection::orthographic;
+  state.set_projection(core::Projection::orthographic);
   EXPECT_EQ(state.camera, turned);
   const Camera back = camera_of(*water, read_back(state, 5));
   EXPECT_TRUE(back.is_parallel() && back.from == turned.from && back.at == turned.at);
@@ -171,10 +171,10 @@ TEST(ViewState, ParallelRaysChangeOnlyTheCamera) {
   state.options.dof = true, state.options.aperture = 0.3f;
   EXPECT_FALSE(state.is_on(Command::depth_of_field));
   EXPECT_FALSE(read_back(state, 5).dof);
-  state.set_projection(raio::Projection::perspective);
+  state.set_projection(core::Projection::perspective);
   EXPECT_TRUE(read_back(state, 5).dof);
   // Another file has its own.
-  state.set_projection(raio::Projection::orthographic);
+  state.set_projection(core::Projection::orthographic);
   state.open("some.nff", scene());
   EXPECT_FALSE(state.camera.is_parallel());
 }
@@ -198,7 +198,7 @@ TEST(ViewState, RoughnessComesBackAndIsSampled) {
     EXPECT_EQ(state.roughness(effect), kUsualRoughness);
     EXPECT_EQ(state.request(8, 8).samples, kRefineSamples);
     state.roughness(effect) = 0.3f;
-    EXPECT_EQ(raio::is_on(effect_of(effect), state.other_request(8, 8), *state.scene), false);
+    EXPECT_EQ(core::is_on(effect_of(effect), state.other_request(8, 8), *state.scene), false);
     (void)state.toggle(effect);
     EXPECT_FALSE(state.is_on(effect));
     EXPECT_EQ(state.roughness(effect), std::nullopt) << "no option where none is needed";
@@ -497,4 +497,4 @@ TEST(Quoted, IsReadBackByAShell) {
 }
 
 }  // namespace
-}  // namespace raio::view
+}  // namespace raio::core::view

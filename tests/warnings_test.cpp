@@ -10,7 +10,7 @@
 #include "io/nff/nff.h"
 #include "render/options.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::HasSubstr;
@@ -138,4 +138,4 @@ TEST(SceneWarnings, ReportBlankPictures) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -7,7 +7,7 @@
 #include "integrate/wavefront-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace raio::HWY_NAMESPACE {
+namespace raio::core::HWY_NAMESPACE {
 namespace {
 
 class TintedMirrors {
@@ -46,7 +46,7 @@ class TintedMirrors {
 };
 
 Rgb corner_pixel(const Scene& scene, int levels) {
-  const auto accel = raio::tests::build(scene, {});
+  const auto accel = core::tests::build(scene, {});
   RenderSettings settings;
   settings.background = scene.background;
   settings.camera = scene.camera;
@@ -94,7 +94,7 @@ TEST(Wavefront, CountsNanAsBlack) {
   Scene scene;
   scene.materials = {Material()};
   scene.camera.from = {0, 0, 1}, scene.camera.at = {0, 0, 0};
-  const auto accel = raio::tests::build(scene, {});
+  const auto accel = core::tests::build(scene, {});
   RenderSettings settings;
   settings.camera = scene.camera;
   settings.width = settings.height = 4;
@@ -136,5 +136,5 @@ TEST(Wavefront, WeighsRaysByColor) {
 }
 
 }  // namespace
-}  // namespace raio::HWY_NAMESPACE
+}  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

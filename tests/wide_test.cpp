@@ -12,7 +12,7 @@
 #include "sanitized.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace raio::HWY_NAMESPACE {
+namespace raio::core::HWY_NAMESPACE {
 
 // How many of x / n are not as division has them, for whole vectors of x.
 size_t wrong_quotients(const std::vector<float>& x, uint32_t n) {
@@ -26,11 +26,11 @@ size_t wrong_quotients(const std::vector<float>& x, uint32_t n) {
   return wrong;
 }
 
-}  // namespace raio::HWY_NAMESPACE
+}  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace raio {
+namespace raio::core {
 namespace {
 
 HWY_EXPORT(wrong_quotients);
@@ -54,5 +54,5 @@ TEST(Wide, QuotientsMatchDivisionForEveryMantissa) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core
 #endif

@@ -10,7 +10,7 @@
 #include "render/options.h"
 #include "temporary_folder.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::HasSubstr;
@@ -168,4 +168,4 @@ TEST(WildMeshes, AreaLightsOfStudentsAreNamed) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -12,7 +12,7 @@
 #include "io/atoms/colors.h"
 #include "io/atoms/element_names.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::ElementsAre;
@@ -298,4 +298,4 @@ TEST(CifText, TypesOfFiles) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -11,7 +11,7 @@
 #include "io/atoms/lammps_styles.h"
 #include "io/scene_file.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::HasSubstr;
@@ -324,4 +324,4 @@ TEST(WildGro, BlanksInsideNumbersAreFaults) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

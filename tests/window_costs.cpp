@@ -24,7 +24,7 @@
 
 namespace {
 
-using raio::MedianInterval;
+using raio::core::MedianInterval;
 using Json = nlohmann::json;
 
 constexpr double kClose = 1.15;  // times too much or too little that is still called the same
@@ -118,7 +118,7 @@ class CommandLine {
   std::optional<MedianInterval> factor(const std::string& name) const {
     const auto found = ratios_.find(name);
     if (found == ratios_.end() || found->second.empty()) return std::nullopt;
-    return raio::median_interval(found->second);
+    return raio::core::median_interval(found->second);
   }
 
  private:
@@ -181,12 +181,13 @@ double seconds_of(const std::string& number, const std::string& unit) {
 
 class Trial {
  public:
-  Trial(const raio::Display& display, std::string scene)
+  Trial(const raio::core::Display& display, std::string scene)
       : display_(display), scene_(std::move(scene)) {}
 
   /// Once more. Whether the window lived through it.
   bool run(int number) {
-    raio::WindowDriver window(display_, {scene_}, std::filesystem::temp_directory_path().string());
+    raio::core::WindowDriver window(display_, {scene_},
+                                    std::filesystem::temp_directory_path().string());
     size_t from = window.mark();
     window.resize(820 + 8 * number, 800);
     const auto size = window.wait_for("size: ([0-9x]+)", from);
@@ -230,8 +231,8 @@ class Trial {
     for (const auto& [name, count] : absent_) fmt::print("  {:15} absent {} times\n", name, count);
     for (const std::string& line : wrong_) fmt::print("  WRONG {}\n", line), all = false;
     if (!seconds_.empty())
-      fmt::print("  measured in {:.1f} s; longest {:.1f}\n", raio::median_interval(seconds_).median,
-                 std::ranges::max(seconds_));
+      fmt::print("  measured in {:.1f} s; longest {:.1f}\n",
+                 raio::core::median_interval(seconds_).median, std::ranges::max(seconds_));
     fmt::print("what a key says after a s d g g g g: the window, and raio render\n");
     for (const auto& [name, tally] : keys_)
       fmt::print("  {:15} {}\n", name, tally.line()), all &= tally.all();
@@ -256,7 +257,7 @@ class Trial {
   }
 
   // All structures in quick succession; the last report is compared with renders.
-  bool press_keys(raio::WindowDriver& window, int number) {
+  bool press_keys(raio::core::WindowDriver& window, int number) {
     const size_t from = window.mark();
     for (const unsigned long key : {XK_a, XK_s, XK_d, XK_g, XK_g, XK_g}) {
       window.key(key);
@@ -280,7 +281,7 @@ class Trial {
       std::vector<double> runs_s;
       for (int i = 0; i < times; ++i)
         runs_s.push_back(render_s(fmt::format("{} --samples {}", picture, samples)) / samples);
-      return raio::median_interval(std::move(runs_s));
+      return raio::core::median_interval(std::move(runs_s));
     };
     const auto shown = [&](size_t at) {
       return with_spread(seconds_of(line->groups[at], line->groups[at + 1]), line->groups[at + 3]);
@@ -293,7 +294,7 @@ class Trial {
     return true;
   }
 
-  const raio::Display& display_;
+  const raio::core::Display& display_;
   std::string scene_;
   std::map<std::string, Tally> effects_, keys_;
   std::map<std::string, int> absent_;
@@ -314,7 +315,7 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "usage: raio_window_costs SCENE.nff TIMES [--busy]\n");
     return 2;
   }
-  const raio::Display display;
+  const raio::core::Display display;
   std::optional<Busy> other;
   if (busy) other.emplace();
   Trial trial(display, std::filesystem::absolute(arguments[0]).string());

@@ -19,7 +19,7 @@
 #include <thread>
 #include <utility>
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -285,4 +285,4 @@ std::string WindowDriver::log() const {
   return text;
 }
 
-}  // namespace raio
+}  // namespace raio::core

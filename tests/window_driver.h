@@ -13,7 +13,7 @@
 
 struct _XDisplay;
 
-namespace raio {
+namespace raio::core {
 
 /// An X server without a screen.
 class Display {
@@ -94,4 +94,4 @@ class WindowDriver {
   std::thread reader_;
 };
 
-}  // namespace raio
+}  // namespace raio::core

@@ -26,16 +26,17 @@ double median(std::vector<double> v) {
 }
 
 // Milliseconds from the start of the program until its first picture is visible.
-double first_picture_ms(const raio::Display& display, const std::vector<std::string>& arguments) {
+double first_picture_ms(const raio::core::Display& display,
+                        const std::vector<std::string>& arguments) {
   const auto start = Clock::now();
-  raio::WindowDriver window(display, arguments, ".");
+  raio::core::WindowDriver window(display, arguments, ".");
   const auto picture = window.wait_for("picture: ", 0);
   window.key(XK_q);
   return picture ? Milliseconds(picture->time - start).count() : NAN;
 }
 
 // Turns the scene in circles and counts the pictures.
-void orbit(raio::WindowDriver& window, int width, int height) {
+void orbit(raio::core::WindowDriver& window, int width, int height) {
   window.move(width / 2, height / 2);
   window.button(1, true);
   const size_t from = window.mark();
@@ -62,7 +63,7 @@ void orbit(raio::WindowDriver& window, int width, int height) {
 }
 
 // From the press of an effect's key to the first picture that shows it.
-void press_keys(raio::WindowDriver& window) {
+void press_keys(raio::core::WindowDriver& window) {
   constexpr unsigned long kEffects[] = {XK_a, XK_s, XK_d, XK_r, XK_t};
   std::vector<double> ms;
   for (int i = 0; i < kKeys; ++i) {
@@ -90,7 +91,7 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "usage: raio_window_figures SCENE.nff...\n");
     return 2;
   }
-  const raio::Display display;
+  const raio::core::Display display;
   constexpr int kSide = 512;
   for (int i = 1; i < argc; ++i) {
     const std::vector<std::string> arguments = {std::filesystem::absolute(argv[i]).string(),
@@ -100,7 +101,7 @@ int main(int argc, char** argv) {
     for (int k = 0; k < kStarts; ++k) starts.push_back(first_picture_ms(display, arguments));
     fmt::print("  first picture: {:.0f} ms (median of {}; worst {:.0f})\n", median(starts), kStarts,
                std::ranges::max(starts));
-    raio::WindowDriver window(display, arguments, ".");
+    raio::core::WindowDriver window(display, arguments, ".");
     orbit(window, kSide, kSide);
     press_keys(window);
     window.key(XK_q);

@@ -8,7 +8,7 @@
 #include "io/image/image.h"
 #include "window_fixture.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::HasSubstr;
@@ -173,4 +173,4 @@ TEST_F(WindowFilesTest, SavesTheSceneAsDisplayed) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

@@ -13,7 +13,7 @@
 #include "temporary_folder.h"
 #include "window_driver.h"
 
-namespace raio {
+namespace raio::core {
 
 // A mirror, a ball of glass and a coloured one over a floor.
 inline constexpr std::string_view kWindowScene =
@@ -55,4 +55,4 @@ class WindowTest : public TemporaryFolder {
   static inline Display* display_ = nullptr;
 };
 
-}  // namespace raio
+}  // namespace raio::core

@@ -11,7 +11,7 @@
 #include "view/state.h"
 #include "window_fixture.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using testing::HasSubstr;
@@ -450,4 +450,4 @@ TEST_F(WindowTest, WithoutADisplaySaysWhatToDo) {
 }
 
 }  // namespace
-}  // namespace raio
+}  // namespace raio::core

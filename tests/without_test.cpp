@@ -9,7 +9,7 @@
 #include "base/parallel.h"
 #include "temporary_folder.h"
 
-namespace raio::app {
+namespace raio::core::app {
 namespace {
 
 using testing::HasSubstr;
@@ -98,4 +98,4 @@ TEST_F(BuildWithout, Plots) {
 #endif
 
 }  // namespace
-}  // namespace raio::app
+}  // namespace raio::core::app

@@ -30,7 +30,9 @@
 #define RAIO_API
 #endif
 
-namespace raio::v1 {
+// The version is part of the linker's names, not of those in programs.
+namespace raio {
+inline namespace v1 {
 
 /// Three numbers: x, y, z of a point in scene units, or red, green, blue of a colour; 1 is the
 /// display's white.
@@ -408,11 +410,5 @@ class RAIO_API Job {
 /// "0.2.0".
 RAIO_API std::string version();
 
-}  // namespace raio::v1
-
-// The version is part of the linker's names, not of those in programs.
-#ifndef RAIO_LIBRARY_SOURCE
-namespace raio {
-using namespace v1;
-}
-#endif
+}  // namespace v1
+}  // namespace raio

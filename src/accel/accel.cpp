@@ -6,7 +6,7 @@
 #include "accel/structures.h"
 #include "base/executor.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 AccelResult make_accel(Geometry&& geometry, const AccelOptions& options) {
@@ -98,4 +98,4 @@ std::expected<std::unique_ptr<Accel>, Error> build_accel(const Scene& scene,
   return std::unexpected(stopped_error());
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -18,7 +18,7 @@
 #include "base/memory.h"
 #include "base/ray.h"
 
-namespace raio {
+namespace raio::core {
 
 enum class AccelKind { automatic, none, grid, bvh, embree };
 
@@ -251,4 +251,4 @@ std::expected<std::unique_ptr<Accel>, Error> build_accel(const Scene& scene,
                                                          bool with_sources = false);
 void build_accel(Scene&&, const AccelOptions&, bool = false, bool = false) = delete;
 
-}  // namespace raio
+}  // namespace raio::core

@@ -19,7 +19,7 @@
 #include "accel/structures.h"
 #include "base/lazy_library.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 // Loaded only on demand.
@@ -336,4 +336,4 @@ AccelResult make_embree(Geometry geometry, const AccelOptions&) {
   return embree;
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -8,7 +8,7 @@
 #include "base/parallel.h"
 #include "shape/polygon.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 template <class T>
@@ -87,8 +87,8 @@ Geometry::Geometry(const Scene& scene, const Object& object, bool one_sided, boo
     : scene_(&scene),
       object_(&object),
       with_sources_(with_sources),
-      any_colors_(raio::any_colors(object)),
-      any_transparent_(opacity < 1 || raio::any_transparent(scene, object)),
+      any_colors_(core::any_colors(object)),
+      any_transparent_(opacity < 1 || core::any_transparent(scene, object)),
       opacity_(opacity) {
   bake_triangles();
   for_each_kind([&]<PrimitiveKind kind> {
@@ -125,7 +125,7 @@ double Geometry::bytes_to_bake(const Scene& scene, const Object& s) {
   for (const Polygon& p : s.polygons) pieces += p.count;  // are listed twice
   if (pieces > 0) pieces += triangles;
   double piece = sizeof(Facet) + 2 * sizeof(TriangleIndices);
-  if (raio::any_colors(s) || !s.object_ranges.empty()) piece += sizeof(uint32_t) + sizeof(Rgb);
+  if (core::any_colors(s) || !s.object_ranges.empty()) piece += sizeof(uint32_t) + sizeof(Rgb);
   double baked = 0, own = triangles + pieces;  // without instances
   for_each_kind([&]<PrimitiveKind kind> {
     if constexpr (kind != PrimitiveKind::triangle) {
@@ -136,7 +136,7 @@ double Geometry::bytes_to_bake(const Scene& scene, const Object& s) {
   });
   return joined + triangles * sizeof(Facet) + baked + 2 * piece * pieces +
          own * (sizeof(Sides) +
-                (raio::any_transparent(scene, s) ? sizeof(uint32_t) + 2 * sizeof(PrimitiveId) : 0));
+                (core::any_transparent(scene, s) ? sizeof(uint32_t) + 2 * sizeof(PrimitiveId) : 0));
 }
 
 // Triangles without area are dropped, since no ray can hit them.
@@ -356,7 +356,7 @@ uint32_t Geometry::object_of(PrimitiveId id, InstanceId instance) const {
   const Object& s = *object_;
   if (instance) {
     const Placed at = placed(instance);
-    const uint32_t own = raio::object_of(s, PoolKind::instance, at.index);
+    const uint32_t own = core::object_of(s, PoolKind::instance, at.index);
     return own ? own : at.object.object_of(id, at.inner);
   }
   if (s.object_ranges.empty()) return 0;
@@ -367,13 +367,13 @@ uint32_t Geometry::object_of(PrimitiveId id, InstanceId instance) const {
       if constexpr (kind == PrimitiveKind::triangle)
         return uint32_t(0);
       else
-        return raio::object_of(s, kPoolOf<PrimitiveType<kind>>.kind, index);
+        return core::object_of(s, kPoolOf<PrimitiveType<kind>>.kind, index);
     });
   const size_t source = source_of(index);
-  if (source < s.triangles.size()) return raio::object_of(s, PoolKind::triangle, source);
+  if (source < s.triangles.size()) return core::object_of(s, PoolKind::triangle, source);
   if (source >= count_of_triangles())
-    return raio::object_of(s, PoolKind::polygon, source - count_of_triangles());
-  return raio::object_of(s, PoolKind::mesh, mesh_of(source));
+    return core::object_of(s, PoolKind::polygon, source - count_of_triangles());
+  return core::object_of(s, PoolKind::mesh, mesh_of(source));
 }
 
 bool Geometry::same_object(const Hit& a, const Hit& b) const {
@@ -386,8 +386,8 @@ bool Geometry::same_object(PrimitiveId a, InstanceId in_a, PrimitiveId b, Instan
   if (object == 0 || !in_a || !in_b) return true;
   const Placed at = placed(in_a), other = placed(in_b);
   // The instances themselves belong to it, or their contents do.
-  const uint32_t own = raio::object_of(*object_, PoolKind::instance, at.index);
-  if (own || raio::object_of(*object_, PoolKind::instance, other.index)) return true;
+  const uint32_t own = core::object_of(*object_, PoolKind::instance, at.index);
+  if (own || core::object_of(*object_, PoolKind::instance, other.index)) return true;
   return at.index == other.index && at.object.same_object(a, at.inner, b, other.inner);
 }
 
@@ -479,7 +479,7 @@ MaterialId Geometry::material_of(PrimitiveId id, InstanceId instance) const {
 Box3f Geometry::bounds(PrimitiveId id) const {
   return with_kind(kind_of(id), [&]<PrimitiveKind kind> {
     if constexpr (kIsBounded<kind>)
-      return raio::bounds(get<kind>(index_of(kind, id)));
+      return core::bounds(get<kind>(index_of(kind, id)));
     else
       return Box3f();
   });
@@ -498,4 +498,4 @@ size_t Geometry::bytes() const {
   return sum + column_bytes(inverses_) + column_bytes(first_instance_);
 }
 
-}  // namespace raio
+}  // namespace raio::core

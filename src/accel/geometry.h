@@ -20,7 +20,7 @@
 #include "scene/scene.h"
 #include "shape/triangle.h"
 
-namespace raio {
+namespace raio::core {
 
 /// A triangle's data for shading: 16 bytes.
 struct Facet {
@@ -161,7 +161,7 @@ class Geometry {
   }
   /// Whether the transparent primitive stops the ray with this key (Accel::next_transparent()).
   bool stops(PrimitiveKind kind, uint32_t index, uint32_t key) const {
-    return raio::stops(depth_of(kind, index), hash_of(key, key_of(kind, index)));
+    return core::stops(depth_of(kind, index), hash_of(key, key_of(kind, index)));
   }
   /// Whether all of the kind are opaque.
   bool all_opaque(PrimitiveKind kind) const { return depths_[size_t(kind)].empty(); }
@@ -265,4 +265,4 @@ class Geometry {
   std::array<Column<uint32_t>, kPrimitiveKinds> depths_;  // empty: all are opaque
 };
 
-}  // namespace raio
+}  // namespace raio::core

@@ -8,7 +8,7 @@
 #include "accel/structures.h"
 #include "base/executor.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 // The rounding error of rays that enter an object's space, relative to their coordinates or
@@ -307,4 +307,4 @@ void Instances::transparent_depths(const RayBatch& rays, DepthBatch& depths,
       });
 }
 
-}  // namespace raio
+}  // namespace raio::core

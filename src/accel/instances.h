@@ -10,7 +10,7 @@
 #include "accel/accel.h"
 #include "base/placement.h"
 
-namespace raio {
+namespace raio::core {
 
 class Instances {
  public:
@@ -54,4 +54,4 @@ class Instances {
   double slack_ = 0;    // of boxes, relative to coordinates
 };
 
-}  // namespace raio
+}  // namespace raio::core

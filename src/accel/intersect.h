@@ -4,7 +4,7 @@
 
 #include "accel/geometry.h"
 
-namespace raio {
+namespace raio::core {
 
 /// A ray with its precomputed values and the nearest hit so far.
 struct RayQuery {
@@ -40,4 +40,4 @@ inline bool test_primitive(const Geometry& g, PrimitiveId id, RayQuery& q) {
                    [&]<PrimitiveKind kind> { return test<kind>(g, g.index_of(kind, id), q); });
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -1,7 +1,7 @@
 #include "accel/intersect.h"
 #include "accel/structures.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 class None final : public Accel {
@@ -71,4 +71,4 @@ std::unique_ptr<Accel> make_none(Geometry geometry, const AccelOptions& options)
   return std::make_unique<None>(std::move(geometry), options.counters);
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -6,7 +6,7 @@
 
 #include "accel/geometry.h"
 
-namespace raio {
+namespace raio::core {
 
 class PrimitiveNumbers {
  public:
@@ -49,4 +49,4 @@ class PrimitiveNumbers {
   Column<std::array<uint64_t, kPrimitiveKinds>> instances_;  // the number before their first
 };
 
-}  // namespace raio
+}  // namespace raio::core

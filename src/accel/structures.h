@@ -3,7 +3,7 @@
 
 #include "accel/accel.h"
 
-namespace raio {
+namespace raio::core {
 
 using AccelResult = std::expected<std::unique_ptr<Accel>, std::string>;
 
@@ -29,4 +29,4 @@ std::expected<std::unique_ptr<Accel>, Error> build_object(const Scene& scene, co
 /// place, and where its block is filled.
 inline constexpr uint64_t kBuildPasses = 2;
 
-}  // namespace raio
+}  // namespace raio::core

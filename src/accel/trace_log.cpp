@@ -4,7 +4,7 @@
 
 #include "accel/intersect.h"
 
-namespace raio {
+namespace raio::core {
 
 uint64_t TraceLog::count_steps() const {
   return uint64_t(std::ranges::count_if(steps, [](const Step& s) { return !s.leaf; }));
@@ -24,4 +24,4 @@ void judge_tests(TraceLog& log, const Geometry& geometry, const Ray& ray) {
   }
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -10,7 +10,7 @@
 #include "base/box.h"
 #include "base/ray.h"
 
-namespace raio {
+namespace raio::core {
 
 class Geometry;
 
@@ -48,4 +48,4 @@ struct TraceLog {
 /// Sets `t` and `nearest` of all tests, as the structure found them.
 void judge_tests(TraceLog& log, const Geometry& geometry, const Ray& ray);
 
-}  // namespace raio
+}  // namespace raio::core

@@ -6,7 +6,7 @@
 #include "accel/instances.h"
 #include "accel/intersect.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 // Calls f(kind, index, hit) for the first hit of the ray on each transparent primitive.
@@ -103,4 +103,4 @@ void Accel::sum_all_transparent(const RayBatch& rays, DepthBatch& depths,
                                });
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -11,7 +11,7 @@
 #include "base/exact_math.h"
 #include "base/srgb.h"
 
-namespace raio::app {
+namespace raio::core::app {
 namespace {
 
 constexpr double kPageWidth = 640, kPageHeight = 130;
@@ -263,4 +263,4 @@ std::expected<std::string, std::string> draw_color_bar(const ColorScale& scale, 
   return draw_page(format, draw, kPageWidth, kPageHeight);
 }
 
-}  // namespace raio::app
+}  // namespace raio::core::app

@@ -12,7 +12,7 @@
 #include "app/outline.h"
 #include "render/read_options.h"
 
-namespace raio::app {
+namespace raio::core::app {
 
 std::string file_name_problem(const std::string& text) {
   if (text.empty()) return "expected a file name, found nothing";
@@ -142,4 +142,4 @@ void add_render_options(CLI::App& app, RenderOptions& options,
   end_groups(app);
 }
 
-}  // namespace raio::app
+}  // namespace raio::core::app

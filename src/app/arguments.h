@@ -17,7 +17,7 @@
 #include "io/read_scene.h"
 #include "render/options.h"
 
-namespace raio::app {
+namespace raio::core::app {
 
 /// Why the text is not a file name; empty if it is one.
 std::string file_name_problem(const std::string& text);
@@ -71,4 +71,4 @@ int run_on_threads(const Command& command) {
 /// The command `raio explain`.
 void add_explain(CLI::App& app, ExplainCommand& explain, int& status);
 
-}  // namespace raio::app
+}  // namespace raio::core::app

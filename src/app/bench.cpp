@@ -13,7 +13,7 @@
 #include "app/plot.h"
 #include "app/terminal.h"
 
-namespace raio::app {
+namespace raio::core::app {
 
 namespace {
 
@@ -169,4 +169,4 @@ int run(const BenchCommand& command) {
   return table ? write_results(*table, command) : report(table.error());
 }
 
-}  // namespace raio::app
+}  // namespace raio::core::app

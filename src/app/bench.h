@@ -10,7 +10,7 @@
 
 #include "measure/benchmark.h"
 
-namespace raio::app {
+namespace raio::core::app {
 
 /// Parses "grid,bvh": structures, each once, among none, grid, bvh and embree. The error says what
 /// was found and what is accepted.
@@ -42,4 +42,4 @@ std::string table_csv(const BenchmarkTable& table);
 /// One JSON object; null if unknown.
 std::string table_json(const BenchmarkTable& table);
 
-}  // namespace raio::app
+}  // namespace raio::core::app

@@ -12,7 +12,7 @@
 #include "app/terminal.h"
 #include "base/exact_math.h"
 
-namespace raio::app {
+namespace raio::core::app {
 
 namespace {
 
@@ -276,4 +276,4 @@ std::string table_json(const BenchmarkTable& table) {
   return json_text(json);
 }
 
-}  // namespace raio::app
+}  // namespace raio::core::app

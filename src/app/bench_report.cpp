@@ -8,7 +8,7 @@
 
 #include "app/bench.h"
 
-namespace raio::app {
+namespace raio::core::app {
 
 namespace {
 
@@ -218,4 +218,4 @@ std::vector<ReportClaim> report_claims(const BenchmarkTable& table) {
   return claims;
 }
 
-}  // namespace raio::app
+}  // namespace raio::core::app

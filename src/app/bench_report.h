@@ -10,7 +10,7 @@
 
 #include "measure/benchmark.h"
 
-namespace raio::app {
+namespace raio::core::app {
 
 /// The source of its figures, for captions.
 inline constexpr std::string_view kReportSource =
@@ -55,4 +55,4 @@ struct ReportClaim {
 /// table.
 std::vector<ReportClaim> report_claims(const BenchmarkTable& table);
 
-}  // namespace raio::app
+}  // namespace raio::core::app

@@ -15,7 +15,7 @@
 #include "base/lazy_library.h"
 #include "io/file.h"
 
-namespace raio::app {
+namespace raio::core::app {
 
 namespace {
 
@@ -248,4 +248,4 @@ std::expected<std::string, std::string> draw_page(PlotFormat format,
       fmt::format("cannot draw the plot: {}", call<kCairo, cairo_status_to_string>(status)));
 }
 
-}  // namespace raio::app
+}  // namespace raio::core::app

@@ -11,7 +11,7 @@
 
 struct _cairo;  // cairo_t; NOLINT(bugprone-reserved-identifier)
 
-namespace raio::app {
+namespace raio::core::app {
 
 inline constexpr double kWidth = 1600, kHeight = 1000;
 inline constexpr double kText = 19;  // size of most text
@@ -96,4 +96,4 @@ std::expected<std::string, std::string> draw_page(PlotFormat format,
                                                   const std::function<void(const Canvas&)>& draw,
                                                   double width = kWidth, double height = kHeight);
 
-}  // namespace raio::app
+}  // namespace raio::core::app

@@ -29,7 +29,7 @@
 #include "render/read_options.h"
 #include "render/render.h"
 
-namespace raio::app {
+namespace raio::core::app {
 namespace {
 
 constexpr double kMinMemory = 64 << 20;  // for threads and libraries
@@ -552,4 +552,4 @@ int run_command_line(int argc, char** argv, OpenWindow open_window) {
   }
 }
 
-}  // namespace raio::app
+}  // namespace raio::core::app

@@ -13,7 +13,7 @@
 #include "render/job.h"
 #include "render/options.h"
 
-namespace raio::app {
+namespace raio::core::app {
 
 /// Exit statuses, the same for every command.
 enum Exit : int {
@@ -133,4 +133,4 @@ struct CompareCommand {
 };
 int run(const CompareCommand& command);
 
-}  // namespace raio::app
+}  // namespace raio::core::app

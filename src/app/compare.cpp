@@ -17,7 +17,7 @@
 #include "render/provenance.h"
 #include "render/regions.h"
 
-namespace raio::app {
+namespace raio::core::app {
 
 namespace {
 
@@ -156,4 +156,4 @@ int run(const CompareCommand& command) {
   return kDone;
 }
 
-}  // namespace raio::app
+}  // namespace raio::core::app

@@ -9,7 +9,7 @@
 #include "app/outline.h"
 #include "io/scene_file.h"
 
-namespace raio::app {
+namespace raio::core::app {
 namespace {
 
 // Suffixes of the files allowed for a value, by its name in the help; "*" for any.
@@ -276,4 +276,4 @@ std::string completion(const CLI::App& app, std::string_view shell) {
   return shell == "bash" ? bash(app) : shell == "zsh" ? zsh(app) : fish(app);
 }
 
-}  // namespace raio::app
+}  // namespace raio::core::app

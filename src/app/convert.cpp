@@ -5,7 +5,7 @@
 #include "app/terminal.h"
 #include "io/scene_file.h"
 
-namespace raio::app {
+namespace raio::core::app {
 
 int run(const ConvertCommand& command) {
   const StopOnSignal stop;
@@ -26,4 +26,4 @@ int run(const ConvertCommand& command) {
   return written ? int(kDone) : fail(written.error());
 }
 
-}  // namespace raio::app
+}  // namespace raio::core::app

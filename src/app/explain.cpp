@@ -13,7 +13,7 @@
 #include "app/terminal.h"
 #include "shape/kinds.h"
 
-namespace raio::app {
+namespace raio::core::app {
 namespace {
 
 using Kind = ExplainedRay::Kind;
@@ -291,4 +291,4 @@ int run(const ExplainCommand& command) {
   return picture ? deliver(command.plot, *picture) : no_resource(picture.error());
 }
 
-}  // namespace raio::app
+}  // namespace raio::core::app

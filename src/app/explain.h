@@ -12,7 +12,7 @@
 #include "integrate/explain.h"
 #include "render/options.h"
 
-namespace raio::app {
+namespace raio::core::app {
 
 struct Explained {
   const Scene& scene;
@@ -54,4 +54,4 @@ std::string name_of(const Geometry& geometry, PrimitiveId id);
 /// For a shadow ray: the test that stopped it; null if none or not logged.
 const TraceLog::Test* stopper(const std::optional<TraceLog>& log);
 
-}  // namespace raio::app
+}  // namespace raio::core::app

@@ -6,7 +6,7 @@
 
 #include "app/arguments.h"
 
-namespace raio::app {
+namespace raio::core::app {
 namespace {
 
 // Parses "12,40": column, row.
@@ -113,4 +113,4 @@ void add_explain(CLI::App& app, ExplainCommand& explain, int& status) {
   });
 }
 
-}  // namespace raio::app
+}  // namespace raio::core::app

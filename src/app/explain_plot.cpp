@@ -10,7 +10,7 @@
 #include "integrate/camera.h"
 #include "render/render.h"
 
-namespace raio::app {
+namespace raio::core::app {
 namespace {
 
 using Kind = ExplainedRay::Kind;
@@ -268,4 +268,4 @@ std::expected<std::string, std::string> draw_explained(const Explained& what, Pl
   return draw_page(format, [&](const Canvas& canvas) { Drawing(what, canvas).draw(); });
 }
 
-}  // namespace raio::app
+}  // namespace raio::core::app

@@ -8,7 +8,7 @@
 #include "base/exact_math.h"
 #include "integrate/camera.h"
 
-namespace raio::app {
+namespace raio::core::app {
 namespace {
 
 using Kind = ExplainedRay::Kind;
@@ -73,4 +73,4 @@ Vec3d drawn_end(const ExplainedRay& r, const std::optional<TraceLog>& log, doubl
   return Vec3d(r.ray.origin) + Vec3d(r.ray.dir) * t;
 }
 
-}  // namespace raio::app
+}  // namespace raio::core::app

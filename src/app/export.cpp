@@ -8,7 +8,7 @@
 #include "io/pov_write.h"
 #include "io/scene_file.h"
 
-namespace raio::app {
+namespace raio::core::app {
 
 int run(const ExportCommand& command) {
   const StopOnSignal stop;
@@ -38,4 +38,4 @@ int run(const ExportCommand& command) {
                            fmt::format("{}, exported by raio {}", scene->name, RAIO_VERSION)));
 }
 
-}  // namespace raio::app
+}  // namespace raio::core::app

@@ -9,7 +9,7 @@
 #include "app/terminal.h"
 #include "io/nff/nff.h"
 
-namespace raio::app {
+namespace raio::core::app {
 
 int run(const GenerateCommand& command) {
   const StopOnSignal stop;
@@ -30,4 +30,4 @@ int run(const GenerateCommand& command) {
   return deliver(target, write_nff(*scene, comment));
 }
 
-}  // namespace raio::app
+}  // namespace raio::core::app

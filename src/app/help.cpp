@@ -9,7 +9,7 @@
 #include "app/outline.h"
 #include "base/spelling.h"
 
-namespace raio::app {
+namespace raio::core::app {
 namespace {
 
 using Rows = std::vector<std::pair<std::string, std::string>>;
@@ -197,4 +197,4 @@ std::string usage_problem(const CLI::App& app, std::span<const std::string> argu
   return app.get_option_no_throw(first) ? "" : unknown_option(app, first);
 }
 
-}  // namespace raio::app
+}  // namespace raio::core::app

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace raio::app {
+namespace raio::core::app {
 
 /// Names and descriptions in two columns, 80 characters wide, indented by two.
 std::string two_columns(std::span<const std::pair<std::string, std::string>> rows);
@@ -32,4 +32,4 @@ const CLI::App& chosen_command(const CLI::App& app, std::span<const std::string>
 /// missing argument or one too many. One line, with the nearest known name; empty if there is none.
 std::string usage_problem(const CLI::App& app, std::span<const std::string> arguments);
 
-}  // namespace raio::app
+}  // namespace raio::core::app

@@ -16,7 +16,7 @@
 #include "render/options.h"
 #include "scene/cube_map.h"
 
-namespace raio::app {
+namespace raio::core::app {
 
 namespace {
 
@@ -247,4 +247,4 @@ int run(const InfoCommand& command) {
   return deliver("-", command.json ? info_json(*read) : info_text(*read));
 }
 
-}  // namespace raio::app
+}  // namespace raio::core::app

@@ -2,7 +2,7 @@
 
 #include <string_view>
 
-namespace raio::app {
+namespace raio::core::app {
 namespace {
 
 // The position after the array that starts at `begin`, if it contains only numbers; else `begin`.
@@ -39,4 +39,4 @@ std::string json_text(const Json& json) {
   return out + "\n";
 }
 
-}  // namespace raio::app
+}  // namespace raio::core::app

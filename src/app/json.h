@@ -8,7 +8,7 @@
 
 #include "base/vec.h"
 
-namespace raio::app {
+namespace raio::core::app {
 
 using Json = nlohmann::ordered_json;
 
@@ -28,4 +28,4 @@ inline double plain(double value) { return value; }
 
 inline Vec3d plain(Vec3f v) { return {plain(v.x), plain(v.y), plain(v.z)}; }
 
-}  // namespace raio::app
+}  // namespace raio::core::app

@@ -11,7 +11,7 @@
 #include "app/output.h"
 #include "app/version.h"
 
-namespace raio::app {
+namespace raio::core::app {
 namespace {
 
 constexpr std::array<std::string_view, 3> kShells = {"bash", "zsh", "fish"};
@@ -163,4 +163,4 @@ void add_manual_commands(CLI::App& app, int& status) {
   add_help(app, status);
 }
 
-}  // namespace raio::app
+}  // namespace raio::core::app

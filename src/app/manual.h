@@ -4,7 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
-namespace raio::app {
+namespace raio::core::app {
 
 /// Adds the four commands, which print to standard output. `app` must have all others already.
 void add_manual_commands(CLI::App& app, int& status);
@@ -18,4 +18,4 @@ std::string manual_page(const CLI::App& app);
 /// A completion script for the shell "bash", "zsh" or "fish": commands, options, words and files.
 std::string completion(const CLI::App& app, std::string_view shell);
 
-}  // namespace raio::app
+}  // namespace raio::core::app

@@ -9,7 +9,7 @@
 #include "render/picture.h"
 #include "render/warnings.h"
 
-namespace raio::app {
+namespace raio::core::app {
 
 int run(const MergeCommand& command) {
   const StopOnSignal stop;
@@ -48,4 +48,4 @@ int run(const MergeCommand& command) {
   return kDone;
 }
 
-}  // namespace raio::app
+}  // namespace raio::core::app

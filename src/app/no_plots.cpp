@@ -4,7 +4,7 @@
 #include "app/explain.h"
 #include "app/plot.h"
 
-namespace raio::app {
+namespace raio::core::app {
 namespace {
 
 constexpr const char* kNoPlots = "this build draws no plots; use one with RAIO_PLOTS=ON";
@@ -43,4 +43,4 @@ std::expected<std::string, std::string> draw_explained(const Explained&, PlotFor
   return std::unexpected(kNoPlots);
 }
 
-}  // namespace raio::app
+}  // namespace raio::core::app

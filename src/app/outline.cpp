@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace raio::app {
+namespace raio::core::app {
 namespace {
 
 constexpr const char* kOwnOptions = "Options";  // CLI11's own default
@@ -104,4 +104,4 @@ std::string usage_of_arguments(const CLI::App& app) {
   return out + " [OPTION ...]";
 }
 
-}  // namespace raio::app
+}  // namespace raio::core::app

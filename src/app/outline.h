@@ -9,7 +9,7 @@
 
 #include "render/options.h"
 
-namespace raio::app {
+namespace raio::core::app {
 
 /// "NAME:{auto,grid}": the type that CLI11 stores for an option with a list of words.
 std::string value_type(std::string_view value_name, std::span<const std::string_view> words);
@@ -56,4 +56,4 @@ std::string full_name(const CLI::App& command);
 /// " SCENE [OPTION ...]", the usage after the name of a command.
 std::string usage_of_arguments(const CLI::App& app);
 
-}  // namespace raio::app
+}  // namespace raio::core::app

@@ -9,7 +9,7 @@
 #include "app/terminal.h"
 #include "io/image/image.h"
 
-namespace raio::app {
+namespace raio::core::app {
 
 /// The error in terms of the command line, where settings are options.
 inline std::string text_of(const Error& error) { return error.text("--"); }
@@ -48,4 +48,4 @@ inline int deliver(const std::string& path, std::string_view bytes) {
   return written ? int(kDone) : fail(written.error());
 }
 
-}  // namespace raio::app
+}  // namespace raio::core::app

@@ -14,7 +14,7 @@
 #include "app/bench_report.h"
 #include "base/exact_math.h"
 
-namespace raio::app {
+namespace raio::core::app {
 
 namespace {
 
@@ -332,4 +332,4 @@ std::expected<std::string, std::string> draw_plot(const BenchmarkTable& table, P
   return draw_page(format, [&](const Canvas& canvas) { Plot(canvas, table).draw(); });
 }
 
-}  // namespace raio::app
+}  // namespace raio::core::app

@@ -8,9 +8,9 @@
 #include "app/canvas.h"
 #include "measure/benchmark.h"
 
-namespace raio::app {
+namespace raio::core::app {
 
 /// The bytes of a file: 1600 x 1000 pixels, or the same page in vectors. The error is one line.
 std::expected<std::string, std::string> draw_plot(const BenchmarkTable& table, PlotFormat format);
 
-}  // namespace raio::app
+}  // namespace raio::core::app

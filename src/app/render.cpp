@@ -20,7 +20,7 @@
 #include "render/job_start.h"
 #include "render/turntable.h"
 
-namespace raio::app {
+namespace raio::core::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -346,4 +346,4 @@ int run(const RenderCommand& command) {
   return status;
 }
 
-}  // namespace raio::app
+}  // namespace raio::core::app

@@ -10,7 +10,7 @@
 #include "base/executor.h"
 #include "io/generate/generate.h"
 
-namespace raio::app {
+namespace raio::core::app {
 namespace {
 
 std::string known_names() {
@@ -111,4 +111,4 @@ int run(const SpdVerifyCommand& command) {
   return status == kDone && any_off(scenes) ? int(kCheckFailed) : status;
 }
 
-}  // namespace raio::app
+}  // namespace raio::core::app

@@ -9,7 +9,7 @@
 #include "app/spd_published.h"
 #include "integrate/film.h"
 
-namespace raio::app {
+namespace raio::core::app {
 
 enum class SpdVerdict { ok, known, off };
 
@@ -56,4 +56,4 @@ bool any_off(std::span<const SpdScene> scenes);
 std::string spd_text(std::span<const SpdScene> scenes);
 std::string spd_json(std::span<const SpdScene> scenes);
 
-}  // namespace raio::app
+}  // namespace raio::core::app

@@ -6,7 +6,7 @@
 #include "app/json.h"
 #include "app/spd.h"
 
-namespace raio::app {
+namespace raio::core::app {
 namespace {
 
 // The two authors deviate by less than this in most scenes; where they deviate more, that deviation
@@ -197,4 +197,4 @@ std::string spd_json(std::span<const SpdScene> scenes) {
   return json_text(json);
 }
 
-}  // namespace raio::app
+}  // namespace raio::core::app

@@ -11,7 +11,7 @@
 #include <optional>
 #include <string_view>
 
-namespace raio::app {
+namespace raio::core::app {
 
 struct HainesCounts {
   uint64_t eye_hits, reflection, refraction, shadow;
@@ -89,4 +89,4 @@ inline constexpr auto kPublished = std::to_array<PublishedScene>({
      {.blocked = -0.086}},
 });
 
-}  // namespace raio::app
+}  // namespace raio::core::app

@@ -8,7 +8,7 @@
 #include "base/platform/memory.h"
 #include "io/file.h"
 
-namespace raio::app {
+namespace raio::core::app {
 namespace {
 
 double rays_per_s(const RenderFigures& made) {
@@ -91,4 +91,4 @@ std::string summary(const std::string& output, const RenderFigures& made) {
       human_count(rays_per_s(made)), human_seconds(times.write));
 }
 
-}  // namespace raio::app
+}  // namespace raio::core::app

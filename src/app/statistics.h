@@ -6,11 +6,11 @@
 #include "app/json.h"
 #include "render/job.h"
 
-namespace raio::app {
+namespace raio::core::app {
 
 Json statistics(const RenderFigures& made);
 
 /// "balls.png: 512x512, 1 sample per pixel, bvh: load 1 ms, ...".
 std::string summary(const std::string& output, const RenderFigures& made);
 
-}  // namespace raio::app
+}  // namespace raio::core::app

@@ -13,7 +13,7 @@
 #include "io/file.h"
 #include "io/scene_file.h"
 
-namespace raio::app {
+namespace raio::core::app {
 namespace {
 
 // The text in the terminal's last line, to be wiped before the next.
@@ -138,4 +138,4 @@ std::string counted(double count, std::string_view thing) {
   return fmt::format("{} {}{}", human_count(count), thing, count == 1 ? "" : "s");
 }
 
-}  // namespace raio::app
+}  // namespace raio::core::app

@@ -11,7 +11,7 @@
 #include "render/render.h"
 #include "scene/scene.h"
 
-namespace raio::app {
+namespace raio::core::app {
 
 /// Prints a line to standard error, in place of the progress line if there is one. Always one line,
 /// without control characters, whatever names it contains; lost if it cannot be written.
@@ -93,4 +93,4 @@ size_t terminal_columns();
 /// fails.
 int become_view_program(char** argv);
 
-}  // namespace raio::app
+}  // namespace raio::core::app

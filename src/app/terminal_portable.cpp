@@ -8,7 +8,7 @@
 #include "app/commands.h"
 #include "app/terminal.h"
 
-namespace raio::app {
+namespace raio::core::app {
 namespace {
 
 constexpr std::array kStopSignals = {SIGINT, SIGTERM};
@@ -53,4 +53,4 @@ StopOnSignal::~StopOnSignal() {
 
 void StopOnSignal::be_patient() {}
 
-}  // namespace raio::app
+}  // namespace raio::core::app

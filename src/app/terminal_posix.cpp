@@ -15,7 +15,7 @@
 #include "app/terminal.h"
 #include "io/file.h"
 
-namespace raio::app {
+namespace raio::core::app {
 namespace {
 
 constexpr std::array kStopSignals = {SIGINT, SIGTERM, SIGHUP};
@@ -93,4 +93,4 @@ StopOnSignal::~StopOnSignal() {
 
 void StopOnSignal::be_patient() { state_->patient = true; }
 
-}  // namespace raio::app
+}  // namespace raio::core::app

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-namespace raio::app {
+namespace raio::core::app {
 
 std::string version_text() {
   const Commit built = commit();
@@ -11,4 +11,4 @@ std::string version_text() {
                      built.modified ? " with changes" : "", built.date);
 }
 
-}  // namespace raio::app
+}  // namespace raio::core::app

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace raio::app {
+namespace raio::core::app {
 
 /// The commit of the build, as found by cmake/commit.cmake; without a hash if the source was not a
 /// git work tree.
@@ -17,4 +17,4 @@ Commit commit();
 /// "raio 0.2.0 (abc1234, 2026-11-22)".
 std::string version_text();
 
-}  // namespace raio::app
+}  // namespace raio::core::app

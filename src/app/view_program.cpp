@@ -8,7 +8,7 @@
 
 #include "app/output.h"
 
-namespace raio::app {
+namespace raio::core::app {
 
 int become_view_program(char** argv) {
   std::error_code error;
@@ -19,4 +19,4 @@ int become_view_program(char** argv) {
                                std::generic_category().message(errno)));
 }
 
-}  // namespace raio::app
+}  // namespace raio::core::app

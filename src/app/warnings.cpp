@@ -6,7 +6,7 @@
 
 #include "render/warnings.h"
 
-namespace raio::app {
+namespace raio::core::app {
 namespace {
 
 std::optional<std::string> up_warning(const RenderOptions& options, const Scene& scene) {
@@ -79,4 +79,4 @@ std::vector<std::string> camera_warnings(const RenderOptions& options, const Sce
   return lines;
 }
 
-}  // namespace raio::app
+}  // namespace raio::core::app

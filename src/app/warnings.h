@@ -10,7 +10,7 @@
 #include "render/options.h"
 #include "scene/scene.h"
 
-namespace raio::app {
+namespace raio::core::app {
 
 /// One line each, without a prefix. Without a structure, the lens is not judged. If the file
 /// requests brute force, `tries_tree` estimates the time with a tree, which takes some time itself.
@@ -21,4 +21,4 @@ std::vector<std::string> warning_lines(const Scene& scene, const RenderSettings&
 /// and stray parts that make the rest of a default picture small.
 std::vector<std::string> camera_warnings(const RenderOptions& options, const Scene& scene);
 
-}  // namespace raio::app
+}  // namespace raio::core::app

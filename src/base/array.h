@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-namespace raio {
+namespace raio::core {
 
 /// Elements one after another. Copies share them until one of the copies may change them, which
 /// copies the elements first; that includes the non-const begin(), data() and operator[]. Reading
@@ -178,4 +178,4 @@ class Array {
   std::shared_ptr<const void> keep_;
 };
 
-}  // namespace raio
+}  // namespace raio::core

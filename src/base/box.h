@@ -6,7 +6,7 @@
 
 #include "base/vec.h"
 
-namespace raio {
+namespace raio::core {
 
 template <class T>
 struct Box3 {
@@ -58,4 +58,4 @@ inline Box3f rounded_out(const Box3d& box) {
   return out;
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 bool is_setting(std::string_view name) {
@@ -46,4 +46,4 @@ std::string Error::text(std::string_view before_settings) const {
   return out;
 }
 
-}  // namespace raio
+}  // namespace raio::core

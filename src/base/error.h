@@ -7,7 +7,7 @@
 #include <string_view>
 #include <utility>
 
-namespace raio {
+namespace raio::core {
 
 /// The cause of an error, and so who can fix it.
 enum class ErrorKind : uint8_t {
@@ -58,4 +58,4 @@ inline Error stopped_error() {
 /// The message with the prefix `before_settings` instead of backquotes around settings.
 std::string with_settings(std::string_view message, std::string_view before);
 
-}  // namespace raio
+}  // namespace raio::core

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <utility>
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -300,4 +300,4 @@ double exact_hypot(double x, double y, double z) {
   return std::ldexp(std::sqrt(x * x + y * y + z * z), exponent);
 }
 
-}  // namespace raio
+}  // namespace raio::core

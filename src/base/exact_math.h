@@ -3,7 +3,7 @@
 // others out of src/.
 #pragma once
 
-namespace raio {
+namespace raio::core {
 
 /// 2^x, to about 1e-15 of the value; x from -1000 to 1000.
 double exact_exp2(double x);
@@ -29,4 +29,4 @@ double exact_cbrt(double x);
 /// The length of (x, y, z), to about 3e-16 of it; nothing overflows or underflows on the way.
 double exact_hypot(double x, double y, double z = 0);
 
-}  // namespace raio
+}  // namespace raio::core

@@ -13,7 +13,7 @@
 #include <optional>
 #endif
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 thread_local const WorkScope* t_scope = nullptr;
@@ -97,4 +97,4 @@ void Executor::enter(const std::function<void()>& work) const {
 
 #endif
 
-}  // namespace raio
+}  // namespace raio::core

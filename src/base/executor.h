@@ -10,7 +10,7 @@
 #include <type_traits>
 #include <utility>
 
-namespace raio {
+namespace raio::core {
 
 /// Whether this build has threads beside the one that main() runs on.
 #ifdef RAIO_NO_THREADS
@@ -124,4 +124,4 @@ auto run_to_the_end(const F& work) {
   return work();
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -3,7 +3,7 @@
 #include <bit>
 #include <cstring>
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 constexpr uint64_t kFactor1 = 0x87c37b91114253d5, kFactor2 = 0x4cf5ad432745937f;
@@ -57,4 +57,4 @@ std::string hex(const Hash128& hash) {
   return out;
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace raio {
+namespace raio::core {
 
 struct Hash128 {
   uint64_t first = 0, second = 0;
@@ -19,4 +19,4 @@ Hash128 hash128(std::string_view bytes);
 /// The hash as 32 hexadecimal digits.
 std::string hex(const Hash128& hash);
 
-}  // namespace raio
+}  // namespace raio::core

@@ -8,7 +8,7 @@
 
 #include "base/platform/library.h"
 
-namespace raio {
+namespace raio::core {
 
 /// The name of a C function, from the compiler's spelling of the template arguments.
 template <auto* function>
@@ -27,4 +27,4 @@ decltype(auto) call(auto... arguments) {
   return found(arguments...);
 }
 
-}  // namespace raio
+}  // namespace raio::core

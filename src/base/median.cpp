@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace raio {
+namespace raio::core {
 
 MedianInterval median_interval(std::vector<double> values) {
   std::ranges::sort(values);
@@ -22,4 +22,4 @@ MedianInterval median_interval(std::vector<double> values) {
   return {values[outside], median, values[n - 1 - outside]};
 }
 
-}  // namespace raio
+}  // namespace raio::core

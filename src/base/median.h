@@ -3,7 +3,7 @@
 
 #include <vector>
 
-namespace raio {
+namespace raio::core {
 
 /// A median and an interval around it.
 struct MedianInterval {
@@ -21,4 +21,4 @@ struct MedianInterval {
 /// spans all values.
 MedianInterval median_interval(std::vector<double> values);
 
-}  // namespace raio
+}  // namespace raio::core

@@ -9,7 +9,7 @@
 
 #include "base/platform/memory.h"
 
-namespace raio {
+namespace raio::core {
 
 /// An allocator for std::vector: the data starts at a cache line, and new elements are
 /// uninitialized, even of types with initial values.
@@ -37,4 +37,4 @@ struct CacheLineAllocator {
 template <class T>
 using Column = std::vector<T, CacheLineAllocator<T>>;
 
-}  // namespace raio
+}  // namespace raio::core

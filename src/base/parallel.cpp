@@ -7,7 +7,7 @@
 #include <utility>
 #endif
 
-namespace raio {
+namespace raio::core {
 
 #ifdef RAIO_NO_THREADS
 
@@ -26,4 +26,4 @@ Ticker::Ticker(double interval_s, std::function<void()> work)
 
 #endif
 
-}  // namespace raio
+}  // namespace raio::core

@@ -22,7 +22,7 @@
 #include <thread>
 #endif
 
-namespace raio {
+namespace raio::core {
 
 /// Calls a function again and again while it lives, on a thread of its own, which the destructor
 /// waits for; never without threads. For showing what others do, not for work.
@@ -171,4 +171,4 @@ void for_each_index(size_t count, const F& f) {
   });
 }
 
-}  // namespace raio
+}  // namespace raio::core

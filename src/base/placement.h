@@ -10,7 +10,7 @@
 #include "base/ray.h"
 #include "base/vec.h"
 
-namespace raio {
+namespace raio::core {
 
 /// The transformation x -> A x + b: three rows of A, each followed by its component of b.
 using Matrix = std::array<float, 12>;
@@ -109,4 +109,4 @@ inline Matrix joined(const Matrix& a, const Matrix& b) {
   return out;
 }
 
-}  // namespace raio
+}  // namespace raio::core

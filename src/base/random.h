@@ -5,7 +5,7 @@
 #include <bit>
 #include <cstdint>
 
-namespace raio {
+namespace raio::core {
 
 /// A hash of one word: the function pcg of Jarzynski and Olano 2020, "Hash Functions for GPU
 /// Rendering", JCGT 9(3), after O'Neill 2014.
@@ -41,4 +41,4 @@ constexpr uint32_t permute(uint32_t i, uint32_t n, uint32_t key) {
   return i;
 }
 
-}  // namespace raio
+}  // namespace raio::core

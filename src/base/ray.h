@@ -6,7 +6,7 @@
 
 #include "base/vec.h"
 
-namespace raio {
+namespace raio::core {
 
 /// The points origin + t * dir for 0 < t < tmax. Rays start off the surface that they leave
 /// (shape/offset.h), so no tmin is needed. `dir` has unit length.
@@ -47,4 +47,4 @@ inline bool comes_before(const Hit& a, const Hit& b) {
   return a.instance != b.instance ? a.instance < b.instance : a.primitive < b.primitive;
 }
 
-}  // namespace raio
+}  // namespace raio::core

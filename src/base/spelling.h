@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace raio {
+namespace raio::core {
 
 /// Edit distance (Levenshtein 1966), computed row by row.
 inline size_t edit_distance(std::string_view a, std::string_view b) {
@@ -43,4 +43,4 @@ inline std::string_view nearest_word(std::string_view word,
   return best;
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -4,7 +4,7 @@
 
 #include "base/exact_math.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 double power(double x, double y) { return x > 0 ? exact_exp2(y * exact_log2(x)) : 0; }
@@ -38,4 +38,4 @@ Rgb linear_from_srgb(uint32_t rrggbb) {
   return {part(16), part(8), part(0)};
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -6,7 +6,7 @@
 
 #include "base/vec.h"
 
-namespace raio {
+namespace raio::core {
 
 /// The sRGB transfer curve and its inverse, from 0 to 1; negative values and NaN give 0, larger
 /// values 1.
@@ -17,4 +17,4 @@ const std::array<float, 256>& linear_from_srgb_bytes();
 /// The linear colour of a display value 0xrrggbb.
 Rgb linear_from_srgb(uint32_t rrggbb);
 
-}  // namespace raio
+}  // namespace raio::core

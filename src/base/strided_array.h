@@ -17,7 +17,7 @@
 
 #include "base/array.h"
 
-namespace raio {
+namespace raio::core {
 
 /// The offsets of the members of a struct that may lie apart, in ascending order; each reaches to
 /// the next one. A type without a specialization is read whole.
@@ -231,4 +231,4 @@ Array<T> packed(const StridedArray<T>& array) {
   return array.packed();
 }
 
-}  // namespace raio
+}  // namespace raio::core

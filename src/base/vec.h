@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace raio {
+namespace raio::core {
 
 template <class T>
 struct Vec3 {
@@ -113,4 +113,4 @@ struct Frame {
   }
 };
 
-}  // namespace raio
+}  // namespace raio::core

@@ -16,7 +16,7 @@
 #include "base/vec.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace raio::HWY_NAMESPACE {
+namespace raio::core::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 /// Tags of unsigned or signed 32-bit lanes, as many as a tag of floats has.
@@ -199,7 +199,7 @@ HWY_INLINE hn::Vec<D> to_unit(D d, hn::Vec<Unsigned<D>> bits) {
                  hn::Set(d, 0x1p-24f));
 }
 
-}  // namespace raio::HWY_NAMESPACE
+}  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

@@ -9,7 +9,7 @@
 #include "scene/columns.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace raio::HWY_NAMESPACE {
+namespace raio::core::HWY_NAMESPACE {
 namespace {
 
 // Two unit vectors perpendicular to n and each other, as Frame in base/vec.h.
@@ -409,11 +409,11 @@ std::unique_ptr<TileRenderer> make_renderer(const PreparedScene& scene, WorkCont
 }
 
 }  // namespace
-}  // namespace raio::HWY_NAMESPACE
+}  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace raio {
+namespace raio::core {
 
 HWY_EXPORT(make_renderer);
 
@@ -435,5 +435,5 @@ double ambient_bound(const Scene& scene, const RenderSettings& settings) {
   return background + std::max(light * surface + look.highlight + look.rim, 1.0);
 }
 
-}  // namespace raio
+}  // namespace raio::core
 #endif

@@ -4,11 +4,11 @@
 
 #include "integrate/wavefront.h"
 
-namespace raio {
+namespace raio::core {
 
 double ambient_bound(const Scene& scene, const RenderSettings& settings);
 
 std::unique_ptr<TileRenderer> make_ambient_renderer(const PreparedScene& scene,
                                                     WorkControl& control);
 
-}  // namespace raio
+}  // namespace raio::core

@@ -11,7 +11,7 @@
 #include "integrate/camera.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace raio::HWY_NAMESPACE {
+namespace raio::core::HWY_NAMESPACE {
 
 template <class D>
 struct WideRay {
@@ -87,7 +87,7 @@ HWY_INLINE WideRay<D> thin_lens(D tag, const WideEye<D>& eye, V x, V y, const Wi
   return {eye.from + offset, normalize(tag, towards * hn::Set(tag, focus) - offset)};
 }
 
-}  // namespace raio::HWY_NAMESPACE
+}  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

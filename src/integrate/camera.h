@@ -9,7 +9,7 @@
 #include "base/ray.h"
 #include "scene/scene.h"
 
-namespace raio {
+namespace raio::core {
 
 /// The angle is vertical, from edge to edge or between the centres of the outermost pixels: then a
 /// picture of n + 1 by n + 1 pixels has its rays at the corners of one of n by n from edge to edge.
@@ -74,4 +74,4 @@ inline Vec3d eye_of(const Camera& camera, const Vec3d& point) {
   return camera.is_parallel() ? point - forward * dot(point - from, forward) : from;
 }
 
-}  // namespace raio
+}  // namespace raio::core

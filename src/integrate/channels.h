@@ -8,7 +8,7 @@
 #include <span>
 #include <string_view>
 
-namespace raio {
+namespace raio::core {
 
 enum class Channel : uint8_t {
   alpha,
@@ -83,4 +83,4 @@ class ChannelSet {
   uint32_t bits_ = 0;
 };
 
-}  // namespace raio
+}  // namespace raio::core

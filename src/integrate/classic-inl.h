@@ -13,7 +13,7 @@
 #include "scene/columns.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace raio::HWY_NAMESPACE {
+namespace raio::core::HWY_NAMESPACE {
 namespace {
 
 HWY_INLINE V3 reflect(const V3& dir, const V3& n) {
@@ -291,7 +291,7 @@ using ClassicShading = PhongShading<false>;
 using ModelShading = PhongShading<true>;
 
 }  // namespace
-}  // namespace raio::HWY_NAMESPACE
+}  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

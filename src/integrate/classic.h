@@ -7,7 +7,7 @@
 
 #include "integrate/wavefront.h"
 
-namespace raio {
+namespace raio::core {
 
 /// Whether rays are spread by `roughness` or, without it, by that of any material.
 inline bool spreads(const Scene& scene, const std::optional<float>& roughness) {
@@ -35,4 +35,4 @@ std::unique_ptr<TileRenderer> make_classic_renderer(const PreparedScene& scene,
 /// The renderer for pictures that needs_models(); make_classic_renderer() selects it.
 std::unique_ptr<TileRenderer> make_model_renderer(const PreparedScene& scene, WorkControl& control);
 
-}  // namespace raio
+}  // namespace raio::core

@@ -13,7 +13,7 @@
 
 #include "base/spelling.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 constexpr double kBrightestColor = 1e6;
@@ -80,4 +80,4 @@ std::expected<WrittenColor, std::string> parse_color(std::string_view text) {
       text, suggestion(word)));
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -9,7 +9,7 @@
 #include "base/vec.h"
 #include "scene/cube_map.h"
 
-namespace raio {
+namespace raio::core {
 
 /// A colour parsed from text.
 struct WrittenColor {
@@ -29,4 +29,4 @@ struct WrittenColor {
 /// expected and what was found.
 std::expected<WrittenColor, std::string> parse_color(std::string_view text);
 
-}  // namespace raio
+}  // namespace raio::core

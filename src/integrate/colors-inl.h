@@ -13,7 +13,7 @@
 #include "scene/texture.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace raio::HWY_NAMESPACE {
+namespace raio::core::HWY_NAMESPACE {
 namespace {
 
 // Hits, with each primitive's kind and its index in the pool. Lanes after the last hit may hold
@@ -76,7 +76,7 @@ inline void tint_by_textures(const Geometry& geometry, const Scene& scene, const
 }
 
 }  // namespace
-}  // namespace raio::HWY_NAMESPACE
+}  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

@@ -12,7 +12,7 @@
 #include "integrate/classic.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace raio::HWY_NAMESPACE {
+namespace raio::core::HWY_NAMESPACE {
 namespace {
 
 // Lane k of columns' elements i, i + 1, ...
@@ -178,10 +178,10 @@ std::optional<Explanation> explain(const Scene& scene, const Accel& accel, Rende
   return out;
 }
 
-}  // namespace raio::HWY_NAMESPACE
+}  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
-namespace raio {
+namespace raio::core {
 
 std::expected<Explanation, Error> explain_sample(const Scene& scene, const Accel& accel,
                                                  const RenderSettings& settings, int x, int y,
@@ -203,4 +203,4 @@ std::expected<Explanation, Error> explain_sample(const Scene& scene, const Accel
                                            kMaxExplainedRays)});
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "integrate/wavefront.h"
 
-namespace raio {
+namespace raio::core {
 
 struct ExplainedRay {
   enum class Kind : uint8_t { eye, reflection, refraction, shadow };
@@ -57,4 +57,4 @@ std::expected<Explanation, Error> explain_sample(const Scene& scene, const Accel
                                                  const RenderSettings& settings, int x, int y,
                                                  uint32_t sample);
 
-}  // namespace raio
+}  // namespace raio::core

@@ -15,7 +15,7 @@
 #include "integrate/wavefront.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace raio::HWY_NAMESPACE {
+namespace raio::core::HWY_NAMESPACE {
 namespace {
 
 // The depths of the hits of rays i, i + 1, ... along the line of sight, from the camera, wherever
@@ -121,7 +121,7 @@ class Features {
 };
 
 }  // namespace
-}  // namespace raio::HWY_NAMESPACE
+}  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

@@ -7,7 +7,7 @@
 
 #include "base/vec.h"
 
-namespace raio {
+namespace raio::core {
 
 /// Named styles. The number is the version, which pictures store: a changed style gets a new one,
 /// so an old name gives the old picture. The enumerators' values are stored in files.
@@ -78,4 +78,4 @@ struct FigureSettings {
   friend bool operator==(const FigureSettings&, const FigureSettings&) = default;
 };
 
-}  // namespace raio
+}  // namespace raio::core

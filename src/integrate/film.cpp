@@ -9,7 +9,7 @@
 #include "base/parallel.h"
 #include "integrate/settings.h"
 
-namespace raio {
+namespace raio::core {
 
 RayCounts& RayCounts::operator+=(const RayCounts& b) {
   eye += b.eye, eye_hits += b.eye_hits;
@@ -275,4 +275,4 @@ Film::Values Film::resolve(Channel channel) const {
               [&](size_t t, int x, int y, size_t c) { return value(channel, t, x, y, c); });
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -15,7 +15,7 @@
 #include "integrate/sample_set.h"
 #include "io/image/image.h"
 
-namespace raio {
+namespace raio::core {
 
 /// The number of rays traced, by kind. Hits are rays that hit something.
 struct RayCounts {
@@ -244,4 +244,4 @@ class Film {
   Tiles<uint32_t> firsts_;
 };
 
-}  // namespace raio
+}  // namespace raio::core

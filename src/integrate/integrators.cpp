@@ -4,7 +4,7 @@
 #include "integrate/classic.h"
 #include "integrate/views.h"
 
-namespace raio {
+namespace raio::core {
 
 const Integrator& integrator(IntegratorKind kind) {
   // In the order of IntegratorKind.
@@ -16,4 +16,4 @@ const Integrator& integrator(IntegratorKind kind) {
   return kIntegrators[size_t(kind)];
 }
 
-}  // namespace raio
+}  // namespace raio::core

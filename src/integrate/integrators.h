@@ -7,7 +7,7 @@
 #include <memory>
 #include <string_view>
 
-namespace raio {
+namespace raio::core {
 
 enum class IntegratorKind : uint8_t { classic, views, ambient };
 
@@ -33,4 +33,4 @@ struct Integrator {
 
 const Integrator& integrator(IntegratorKind kind);
 
-}  // namespace raio
+}  // namespace raio::core

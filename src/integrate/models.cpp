@@ -9,7 +9,7 @@
 #include "integrate/classic-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace raio::HWY_NAMESPACE {
+namespace raio::core::HWY_NAMESPACE {
 namespace {
 
 std::unique_ptr<TileRenderer> make_renderer(const PreparedScene& scene, WorkControl& control) {
@@ -17,11 +17,11 @@ std::unique_ptr<TileRenderer> make_renderer(const PreparedScene& scene, WorkCont
 }
 
 }  // namespace
-}  // namespace raio::HWY_NAMESPACE
+}  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace raio {
+namespace raio::core {
 
 HWY_EXPORT(make_renderer);
 
@@ -30,5 +30,5 @@ std::unique_ptr<TileRenderer> make_model_renderer(const PreparedScene& scene,
   return HWY_DYNAMIC_DISPATCH(make_renderer)(scene, control);
 }
 
-}  // namespace raio
+}  // namespace raio::core
 #endif

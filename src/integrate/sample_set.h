@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-namespace raio {
+namespace raio::core {
 
 /// Samples first .. end - 1 of a pixel, numbered from 0.
 struct SampleSpan {
@@ -102,4 +102,4 @@ class SampleSet {
   std::vector<SampleSpan> spans_;
 };
 
-}  // namespace raio
+}  // namespace raio::core

@@ -12,7 +12,7 @@
 #include "integrate/screen_keys.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace raio::HWY_NAMESPACE {
+namespace raio::core::HWY_NAMESPACE {
 
 /// The pixel's place as sampler.h has it. `far`: some pixel's row or column is above 65535.
 template <class Tag>
@@ -164,7 +164,7 @@ class WideSampler {
   Sampler::Permutation permutation_;
 };
 
-}  // namespace raio::HWY_NAMESPACE
+}  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

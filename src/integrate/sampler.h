@@ -31,7 +31,7 @@
 #include "base/random.h"
 #include "integrate/settings.h"
 
-namespace raio {
+namespace raio::core {
 
 enum Purpose : uint32_t {
   kPixel = 0,
@@ -89,4 +89,4 @@ struct Sampler {
   }
 };
 
-}  // namespace raio
+}  // namespace raio::core

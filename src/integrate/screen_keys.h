@@ -23,7 +23,7 @@
 
 #include "base/random.h"
 
-namespace raio {
+namespace raio::core {
 
 /// Groups are 32 x 32 pixels.
 inline constexpr int kGroupShift = 5;
@@ -61,4 +61,4 @@ inline constexpr auto kScreenKeys = [] {
   return keys;
 }();
 
-}  // namespace raio
+}  // namespace raio::core

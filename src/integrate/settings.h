@@ -14,7 +14,7 @@
 #include "scene/cube_map.h"
 #include "scene/scene.h"
 
-namespace raio {
+namespace raio::core {
 
 /// Distribution of samples in the pixel, on the lens and on the lights (integrate/sampler.h):
 /// jittered in equal cells, one per sample; or by Sobol's sequence, which is even for any number.
@@ -97,4 +97,4 @@ struct RenderSettings {
   friend bool operator==(const RenderSettings&, const RenderSettings&) = default;
 };
 
-}  // namespace raio
+}  // namespace raio::core

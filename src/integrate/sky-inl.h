@@ -12,7 +12,7 @@
 #include "scene/cube_map.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace raio::HWY_NAMESPACE {
+namespace raio::core::HWY_NAMESPACE {
 namespace {
 
 // cube_place() for all lanes: a direction's column and row on its face, in texels from the centre
@@ -83,7 +83,7 @@ HWY_INLINE V3 sky_towards(const CubeMap& sky, const V3& dir) {
 }
 
 }  // namespace
-}  // namespace raio::HWY_NAMESPACE
+}  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

@@ -2,7 +2,7 @@
 
 #include "base/placement.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 // At the ray's hit, with the smooth normal if the triangle has one.
@@ -44,4 +44,4 @@ Surface surface_at(const Geometry& geometry, const Ray& ray, const Hit& hit) {
   return {point, geometry.material_of(hit.primitive)};
 }
 
-}  // namespace raio
+}  // namespace raio::core

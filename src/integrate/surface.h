@@ -5,7 +5,7 @@
 #include "accel/geometry.h"
 #include "base/ray.h"
 
-namespace raio {
+namespace raio::core {
 
 struct Surface : SurfacePoint {
   MaterialId material = 0;
@@ -14,4 +14,4 @@ struct Surface : SurfacePoint {
 /// For any kind, one at a time: for views of a scene's parts and for mouse picks.
 Surface surface_at(const Geometry& geometry, const Ray& ray, const Hit& hit);
 
-}  // namespace raio
+}  // namespace raio::core

@@ -20,7 +20,7 @@
 #include "shape/offset.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace raio::HWY_NAMESPACE {
+namespace raio::core::HWY_NAMESPACE {
 namespace {
 
 // shape/offset.h.
@@ -560,7 +560,7 @@ void find_surfaces(const Geometry& geometry, const Scene& scene, const RayBatch&
 }
 
 }  // namespace
-}  // namespace raio::HWY_NAMESPACE
+}  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

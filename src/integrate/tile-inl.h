@@ -22,7 +22,7 @@
 #include "integrate/film.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace raio::HWY_NAMESPACE {
+namespace raio::core::HWY_NAMESPACE {
 namespace {
 
 using D = hn::CappedTag<float, kBatchPad>;
@@ -381,7 +381,7 @@ class TileSums {
 };
 
 }  // namespace
-}  // namespace raio::HWY_NAMESPACE
+}  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

@@ -4,7 +4,7 @@
 #include <array>
 #include <limits>
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 // NaN gives 0.
@@ -62,4 +62,4 @@ Rgb ToneMap::operator()(Rgb linear) const {
   return light;
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -6,7 +6,7 @@
 #include "base/srgb.h"
 #include "base/vec.h"
 
-namespace raio {
+namespace raio::core {
 
 /// `none`: unchanged values, clipped by the display. `srgb`: the transfer curve of IEC 61966-2-1,
 /// clipped at white. `agx`: the AgX view of Troy Sobotka (https://github.com/sobotka/AgX), which
@@ -28,4 +28,4 @@ class ToneMap {
   float scale_;
 };
 
-}  // namespace raio
+}  // namespace raio::core

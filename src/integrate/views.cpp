@@ -9,7 +9,7 @@
 #include "integrate/wavefront-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace raio::HWY_NAMESPACE {
+namespace raio::core::HWY_NAMESPACE {
 namespace {
 
 // A bright colour, unrelated to those of neighbouring ids.
@@ -117,11 +117,11 @@ std::unique_ptr<TileRenderer> make_renderer(const PreparedScene& scene, WorkCont
 }
 
 }  // namespace
-}  // namespace raio::HWY_NAMESPACE
+}  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace raio {
+namespace raio::core {
 
 HWY_EXPORT(make_renderer);
 
@@ -143,5 +143,5 @@ Rgb heat_color(double count) {
   return kScale[step] * (1 - part) + kScale[step + 1] * part;
 }
 
-}  // namespace raio
+}  // namespace raio::core
 #endif

@@ -4,7 +4,7 @@
 
 #include "integrate/wavefront.h"
 
-namespace raio {
+namespace raio::core {
 
 /// The integrator `views` shows, by RenderSettings::view:
 ///
@@ -24,4 +24,4 @@ std::unique_ptr<TileRenderer> make_views_renderer(const PreparedScene& scene, Wo
 /// 0 black, 1 blue, 4 cyan, 16 green, 64 yellow, 256 red, 1024 and more white.
 Rgb heat_color(double count);
 
-}  // namespace raio
+}  // namespace raio::core

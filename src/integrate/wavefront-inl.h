@@ -50,7 +50,7 @@
 #include "integrate/wavefront.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace raio::HWY_NAMESPACE {
+namespace raio::core::HWY_NAMESPACE {
 namespace {
 
 struct Unrecorded {};
@@ -653,7 +653,7 @@ class Wavefront final : public TileRenderer {
 };
 
 }  // namespace
-}  // namespace raio::HWY_NAMESPACE
+}  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

@@ -6,7 +6,7 @@
 
 #include "scene/enclosing.h"
 
-namespace raio {
+namespace raio::core {
 
 PreparedScene::PreparedScene(const Scene& s, const Accel& a, const RenderSettings& r)
     : scene(s),
@@ -72,4 +72,4 @@ void PreparedScene::lay_floor() {
   floor_distance = kFar * (length(box.hi - box.lo) + length(settings.camera.at - eye.from));
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -13,7 +13,7 @@
 #include "integrate/sampler.h"
 #include "integrate/settings.h"
 
-namespace raio {
+namespace raio::core {
 
 /// Shared by all tiles. Immutable.
 struct PreparedScene {
@@ -55,4 +55,4 @@ class TileRenderer {
   virtual void render(size_t tile, SampleSpan samples, Film& film) = 0;
 };
 
-}  // namespace raio
+}  // namespace raio::core

@@ -14,7 +14,7 @@
 #include "base/exact_math.h"
 #include "base/srgb.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 const char* const kViridis =
@@ -160,4 +160,4 @@ std::string scale_text(const ColorScale& scale, double value) {
   return fmt::format("{:.{}g}", value + 0.0, digits);  // the sum turns -0 into 0
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -11,7 +11,7 @@
 
 #include "base/vec.h"
 
-namespace raio {
+namespace raio::core {
 
 inline constexpr std::string_view kColormaps[] = {"viridis", "plasma", "cividis", "coolwarm"};
 
@@ -42,4 +42,4 @@ std::expected<MappedColors, std::string> map_colors(
     std::span<const float> values, std::string_view name,
     std::optional<std::array<double, 2>> range = std::nullopt);
 
-}  // namespace raio
+}  // namespace raio::core

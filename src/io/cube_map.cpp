@@ -16,7 +16,7 @@
 #include "io/file.h"
 #include "io/image/codecs.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 namespace fs = std::filesystem;
@@ -146,4 +146,4 @@ fs::path find_sky(std::string_view folder, const fs::path& scene) {
   return {};
 }
 
-}  // namespace raio
+}  // namespace raio::core

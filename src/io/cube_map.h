@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "scene/cube_map.h"
 
-namespace raio {
+namespace raio::core {
 
 /// Reads right, left, top, bottom, front and back, each .jpg, .jpeg or .png in lower or upper case;
 /// of several the first of these. Faces are square and equally large, at most kLargestFace texels
@@ -25,4 +25,4 @@ inline constexpr int kLargestFace = 16384;
 /// one of that name. Empty if there is none.
 std::filesystem::path find_sky(std::string_view folder, const std::filesystem::path& scene);
 
-}  // namespace raio
+}  // namespace raio::core

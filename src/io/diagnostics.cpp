@@ -8,7 +8,7 @@
 
 #include "io/nff/text_report.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 bool ends_line(char c) { return c == '\n' || c == '\r'; }
@@ -131,4 +131,4 @@ std::unexpected<Diagnostics> failed(std::string_view file, std::string message, 
       {Severity::error, std::string(file), int(line), line > 0, std::move(message), ""}});
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "io/notices.h"
 
-namespace raio {
+namespace raio::core {
 
 /// One finding, with its location.
 struct Diagnostic {
@@ -48,4 +48,4 @@ std::unexpected<Diagnostics> failed(std::string_view file, std::string message, 
 inline constexpr std::string_view kNoMemory = "not enough memory for the scene";
 inline constexpr std::string_view kStopped = "reading it was stopped";
 
-}  // namespace raio
+}  // namespace raio::core

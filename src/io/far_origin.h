@@ -10,7 +10,7 @@
 #include "base/exact_math.h"
 #include "scene/scene.h"
 
-namespace raio {
+namespace raio::core {
 
 /// The origin of a scene's coordinates while its file is read. The first position proposes it, and
 /// all others must be near; if one is not, reading restarts without (read_about()).
@@ -81,4 +81,4 @@ auto read_about(const Read& read) {
   }
 }
 
-}  // namespace raio
+}  // namespace raio::core

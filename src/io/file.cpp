@@ -7,7 +7,7 @@
 #include <new>
 #include <system_error>
 
-namespace raio {
+namespace raio::core {
 
 namespace {
 
@@ -77,4 +77,4 @@ std::expected<std::string, Error> read_file(const fs::path& path, uint64_t max_b
   return std::unexpected(memory_error(path));
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -11,7 +11,7 @@
 #include "base/error.h"
 #include "base/platform/files.h"
 
-namespace raio {
+namespace raio::core {
 
 /// "cannot read PATH: WHY", "cannot write PATH: WHY", or out of memory.
 Error read_error(const std::filesystem::path& path, std::string_view why);
@@ -37,4 +37,4 @@ std::expected<void, Error> check_writable(const std::filesystem::path& path);
 /// `max_bytes`.
 std::expected<std::string, Error> read_file(const std::filesystem::path& path, uint64_t max_bytes);
 
-}  // namespace raio
+}  // namespace raio::core

@@ -9,7 +9,7 @@
 #include "io/nff/text_cursor.h"
 #include "io/scene_file.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using Takes = FileKind::Takes;
@@ -231,4 +231,4 @@ std::vector<std::string_view> scene_suffixes() {
   return suffixes;
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -11,7 +11,7 @@
 #include "base/exact_math.h"
 #include "scene/enclosing.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 constexpr double kFovDeg = 25;  // a long lens, as for portraits
@@ -363,4 +363,4 @@ float fitted_fov_deg(const Camera& camera) {
   return has_size ? fitted_fov_deg(camera, camera.width, camera.height) : camera.fov_deg;
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -6,7 +6,7 @@
 
 #include "scene/scene.h"
 
-namespace raio {
+namespace raio::core {
 
 /// The view of data: at an angle from above; or along the axis of least extent, with that of
 /// largest extent across the picture, and at an angle if there are no such axes.
@@ -71,4 +71,4 @@ float fitted_fov_deg(const Camera& camera, int width, int height);
 /// In a picture of the camera's own size, if it has one.
 float fitted_fov_deg(const Camera& camera);
 
-}  // namespace raio
+}  // namespace raio::core

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-namespace raio {
+namespace raio::core {
 
 /// Guessed: a rule decided, since the file does not say. Cut: part of a number, row or column is
 /// unused. Left out: something is not in the scene.
@@ -54,4 +54,4 @@ class Notices {
   std::vector<Notice> list_;
 };
 
-}  // namespace raio
+}  // namespace raio::core

@@ -6,7 +6,7 @@
 #include "base/hash.h"
 #include "scene/columns.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 /// Materials with other colours, each stored once.
@@ -90,4 +90,4 @@ Scene plain_scene(const Scene& scene) {
   return plain;
 }
 
-}  // namespace raio
+}  // namespace raio::core

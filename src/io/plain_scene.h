@@ -3,7 +3,7 @@
 
 #include "scene/scene.h"
 
-namespace raio {
+namespace raio::core {
 
 /// Whether the scene is already plain.
 bool is_plain(const Scene& scene);
@@ -16,4 +16,4 @@ inline constexpr std::initializer_list<Feature> kNotPlain = {
     Feature::opacity, Feature::vertex_colors, Feature::texture_coordinates, Feature::textures,
     Feature::object_names};
 
-}  // namespace raio
+}  // namespace raio::core

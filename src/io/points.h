@@ -7,7 +7,7 @@
 #include "base/box.h"
 #include "base/exact_math.h"
 
-namespace raio {
+namespace raio::core {
 
 /// Beyond this, values computed from positions might overflow.
 inline constexpr float kFarthestPlace = 1e25f;
@@ -29,4 +29,4 @@ inline float mean_spacing(const Box3f& box, size_t points) {
   return dimensions == 0 ? 1 : float(exact_pow(volume / double(points), 1.0 / dimensions));
 }
 
-}  // namespace raio
+}  // namespace raio::core

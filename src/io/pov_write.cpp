@@ -13,7 +13,7 @@
 #include "io/fit_camera.h"
 #include "io/plain_scene.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 template <class T>
@@ -257,4 +257,4 @@ std::string write_pov(const Scene& scene, const PovPicture& picture, std::string
   return PovWriter(scene).write(picture, comment);
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -6,7 +6,7 @@
 
 #include "scene/scene.h"
 
-namespace raio {
+namespace raio::core {
 
 struct PovPicture {
   std::string name = "scene";  // of the file without suffix, for the command in its first lines
@@ -20,4 +20,4 @@ struct PovPicture {
 /// lenses, and which side of a surface is visible.
 std::string write_pov(const Scene& scene, const PovPicture& picture, std::string_view comment = {});
 
-}  // namespace raio
+}  // namespace raio::core

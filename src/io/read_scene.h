@@ -13,7 +13,7 @@
 #include "io/diagnostics.h"
 #include "scene/scene.h"
 
-namespace raio {
+namespace raio::core {
 
 class TextBuffer;  // io/nff/text_cursor.h
 
@@ -83,4 +83,4 @@ using SceneReader = std::expected<ReadScene, Diagnostics> (*)(const TextBuffer& 
                                                               std::string_view file,
                                                               const ReadOptions& options);
 
-}  // namespace raio
+}  // namespace raio::core

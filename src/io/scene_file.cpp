@@ -21,7 +21,7 @@
 #include "io/pov_write.h"
 #include "io/raio/raio.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 namespace fs = std::filesystem;
@@ -304,4 +304,4 @@ std::expected<void, Error> write_scene(const Scene& scene, const fs::path& path,
   return std::unexpected(memory_error(path));
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -14,7 +14,7 @@
 #include "io/nff/nff.h"
 #include "scene/scene.h"
 
-namespace raio {
+namespace raio::core {
 
 /// Reads an NFF or P3F text (read_nff), a .raio scene (read_raio_scene) or a file of atoms, points
 /// or meshes (file_kind), optionally gzip-compressed; "-" is standard input. For an unsupported
@@ -80,4 +80,4 @@ std::string lost_features(const Scene& scene, SceneFormat format);
 std::expected<void, Error> write_scene(const Scene& scene, const std::filesystem::path& path,
                                        std::string_view comment = {});
 
-}  // namespace raio
+}  // namespace raio::core

@@ -8,7 +8,7 @@
 #include "io/file.h"
 #include "io/image/codecs.h"
 
-namespace raio {
+namespace raio::core {
 
 namespace fs = std::filesystem;
 
@@ -60,4 +60,4 @@ std::expected<std::string, std::string> read_beside(const fs::path& folder, std:
   return std::move(*bytes);
 }
 
-}  // namespace raio
+}  // namespace raio::core

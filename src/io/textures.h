@@ -10,7 +10,7 @@
 #include "base/hash.h"
 #include "scene/scene.h"
 
-namespace raio {
+namespace raio::core {
 
 class TextureReader {
  public:
@@ -30,4 +30,4 @@ class TextureReader {
 std::expected<std::string, std::string> read_beside(const std::filesystem::path& folder,
                                                     std::string_view name);
 
-}  // namespace raio
+}  // namespace raio::core

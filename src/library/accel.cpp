@@ -12,7 +12,8 @@
 
 namespace raio::v1 {
 
-using namespace library;  // NOLINT(google-build-using-namespace)
+using namespace core;           // NOLINT(google-build-using-namespace)
+using namespace core::library;  // NOLINT(google-build-using-namespace)
 
 namespace {
 
@@ -24,7 +25,7 @@ struct Scratch {
   DepthBatch depths;
 };
 
-raio::Ray ray_of(const Ray& ray, size_t number, Vec3d scene_origin) {
+core::Ray ray_of(const Ray& ray, size_t number, Vec3d scene_origin) {
   const Vec3d origin = vec(ray.origin);
   Vec3d direction = vec(ray.direction);
   if (!is_finite(origin) || !is_finite(direction) || std::isnan(ray.length) ||
@@ -78,7 +79,7 @@ constexpr Kind kind_of(PrimitiveKind kind) {
   return Kind::moving_triangle;
 }
 
-Hit hit_of(const Accel::Data& data, const raio::Ray& ray, const raio::Hit& found) {
+Hit hit_of(const Accel::Data& data, const core::Ray& ray, const core::Hit& found) {
   if (!found.found()) return {};
   const Geometry& whole = data.accel->geometry();
   const Geometry& geometry = whole.object_at(found.instance);

@@ -16,7 +16,7 @@
 #include "render/provenance.h"
 #include "render/render.h"
 
-namespace raio::library {
+namespace raio::core::library {
 namespace {
 
 v1::ErrorKind kind_of(ErrorKind kind) {
@@ -51,11 +51,12 @@ std::optional<std::array<v1::Triple, 2>> bounds_of(const Scene& scene) {
   return std::array{triple(scene.origin + Vec3d(box.lo)), triple(scene.origin + Vec3d(box.hi))};
 }
 
-}  // namespace raio::library
+}  // namespace raio::core::library
 
 namespace raio::v1 {
 
-using namespace library;  // NOLINT(google-build-using-namespace)
+using namespace core;           // NOLINT(google-build-using-namespace)
+using namespace core::library;  // NOLINT(google-build-using-namespace)
 
 namespace {
 
@@ -157,10 +158,10 @@ const Layer& Film::Data::layer(std::string_view name) const {
 
 std::vector<float> Film::channel(std::string_view name, int* components) const {
   return guarded([&] {
-    const raio::Column<float>& alpha = data_->picture.alpha;
+    const core::Column<float>& alpha = data_->picture.alpha;
     const bool is_alpha = name == "alpha" && !alpha.empty();
     const Layer* const layer = is_alpha ? nullptr : &data_->layer(name);
-    const auto* const values = is_alpha ? &alpha : std::get_if<raio::Column<float>>(&layer->values);
+    const auto* const values = is_alpha ? &alpha : std::get_if<core::Column<float>>(&layer->values);
     if (!values) refuse(fmt::format("channel '{}' has integers; read it with integers()", name));
     if (components) *components = layer ? int(layer->components.size()) : 1;
     return std::vector<float>(values->begin(), values->end());
@@ -171,7 +172,7 @@ std::vector<uint32_t> Film::integers(std::string_view name) const {
   return guarded([&] {
     const bool is_alpha = name == "alpha" && !data_->picture.alpha.empty();
     const auto* const values =
-        is_alpha ? nullptr : std::get_if<raio::Column<uint32_t>>(&data_->layer(name).values);
+        is_alpha ? nullptr : std::get_if<core::Column<uint32_t>>(&data_->layer(name).values);
     if (!values) refuse(fmt::format("channel '{}' has floats; read it with channel()", name));
     return std::vector<uint32_t>(values->begin(), values->end());
   });
@@ -187,8 +188,8 @@ void Film::write(const std::string& path) const {
 }
 
 struct Job::Data {
-  std::shared_ptr<const raio::Scene> scene;
-  std::shared_ptr<const raio::Accel> accel;  // null: run() builds it
+  std::shared_ptr<const core::Scene> scene;
+  std::shared_ptr<const core::Accel> accel;  // null: run() builds it
   RenderSettings settings;
   WorkControl control;
   std::function<void(const Progress&)> on_progress;
@@ -217,7 +218,7 @@ RenderOptions options_with(const Accel::Data& built, RenderOptions options) {
 
 // Settings for a picture of the scene. Data files get the background of the style, unless another
 // was set.
-RenderSettings settings_of(RenderOptions options, const raio::Scene& scene, bool has_background) {
+RenderSettings settings_of(RenderOptions options, const core::Scene& scene, bool has_background) {
   if (const auto why = option_conflict(options, &scene)) fail(*why);
   if (has_background && scene.dialect == Dialect::data && !options.background)
     options.background = WrittenColor{.color = scene.background};
@@ -229,7 +230,7 @@ RenderSettings settings_of(RenderOptions options, const raio::Scene& scene, bool
 Job::Job(const Scene& scene, const Settings& settings) {
   guarded_work(settings.data().options.threads, [&] {
     data_ = std::make_unique<Data>();
-    data_->scene = std::make_shared<const raio::Scene>(scene.data().scene);
+    data_->scene = std::make_shared<const core::Scene>(scene.data().scene);
     if (const auto problems = validate(*data_->scene); !problems.empty()) refuse(problems.front());
     data_->settings =
         settings_of(settings.data().options, *data_->scene, scene.data().has_background);
@@ -281,12 +282,12 @@ class ProgressReporter {
  private:
   static Progress::Stage stage_of(const WorkControl& control) {
     switch (control.stage) {
-      case raio::Stage::none:
-      case raio::Stage::reading:
+      case core::Stage::none:
+      case core::Stage::reading:
         return Progress::Stage::reading;
-      case raio::Stage::building:
+      case core::Stage::building:
         return Progress::Stage::building;
-      case raio::Stage::rendering:
+      case core::Stage::rendering:
         break;
     }
     return Progress::Stage::rendering;
@@ -320,11 +321,11 @@ auto reported(WorkControl& control, const std::function<void(const Progress&)>& 
 
 Film Job::run() {
   const auto work = [&] {
-    const raio::Scene& scene = *data_->scene;
+    const core::Scene& scene = *data_->scene;
     const RenderSettings& settings = data_->settings;
     const auto film = make_film(scene, settings);
     if (!film) fail(film.error());
-    std::shared_ptr<const raio::Accel> accel = data_->accel;
+    std::shared_ptr<const core::Accel> accel = data_->accel;
     if (!accel) {
       auto built = build_accel(scene, settings.accel, settings.one_sided);
       if (!built) fail(built.error());
@@ -362,7 +363,7 @@ void Executor::on_progress(std::function<void(const Progress&)> callback) {
 
 void Executor::run(const std::function<void()>& work) {
   reported(data_->control, data_->on_progress,
-           [&] { raio::Executor(data_->threads, &data_->control).run(work); });
+           [&] { core::Executor(data_->threads, &data_->control).run(work); });
 }
 
 void Executor::cancel() { data_->control.stop = true; }

@@ -2,7 +2,6 @@
 // behind its classes.
 #pragma once
 
-#define RAIO_LIBRARY_SOURCE
 #include <raio/raio.h>
 
 #include <array>
@@ -20,7 +19,7 @@
 #include "scene/scene.h"
 
 // Not in raio::v1, where every name is exported.
-namespace raio::library {
+namespace raio::core::library {
 
 inline Vec3d vec(const v1::Triple& t) { return {t[0], t[1], t[2]}; }
 inline v1::Triple triple(Vec3d v) { return {v.x, v.y, v.z}; }
@@ -47,25 +46,25 @@ auto guarded_work(int threads, const F& f, WorkControl* control = nullptr) {
 
 std::optional<std::array<v1::Triple, 2>> bounds_of(const Scene& scene);
 
-}  // namespace raio::library
+}  // namespace raio::core::library
 
 namespace raio::v1 {
 
 struct Scene::Data {
-  raio::Scene scene;
+  core::Scene scene;
   std::vector<std::string> warnings;
   bool has_background = false;  // was set; data files have none
 };
 
 struct Settings::Data {
-  RenderOptions options;
+  core::RenderOptions options;
 };
 
 struct Accel::Data {
-  raio::Scene scene;
+  core::Scene scene;
   bool has_background = false;  // as in the Scene
-  RenderOptions options;        // those of the structure, as resolved, matter
-  std::unique_ptr<raio::Accel> accel;
+  core::RenderOptions options;  // those of the structure, as resolved, matter
+  std::unique_ptr<core::Accel> accel;
 };
 
 }  // namespace raio::v1

@@ -14,7 +14,8 @@
 
 namespace raio::v1 {
 
-using namespace library;  // NOLINT(google-build-using-namespace)
+using namespace core;           // NOLINT(google-build-using-namespace)
+using namespace core::library;  // NOLINT(google-build-using-namespace)
 
 namespace {
 
@@ -51,7 +52,7 @@ Scene Scene::read(const std::string& path) {
 }
 
 Scene Scene::parse_nff(std::string_view text, std::string_view name) {
-  return guarded_work(0, [&] { return Scene(taken(raio::parse_nff(text, name))); });
+  return guarded_work(0, [&] { return Scene(taken(core::parse_nff(text, name))); });
 }
 
 void Scene::write(const std::string& path) const {
@@ -63,17 +64,17 @@ void Scene::write(const std::string& path) const {
 const std::vector<std::string>& Scene::warnings() const { return data_->warnings; }
 
 void Scene::set_camera(const Camera& camera) {
-  raio::Scene& scene = data_->scene;
+  core::Scene& scene = data_->scene;
   scene.camera.from = Vec3f(vec(camera.from) - scene.origin);
   scene.camera.at = Vec3f(vec(camera.at) - scene.origin);
   scene.camera.up = Vec3f(vec(camera.up));
   scene.camera.fov_deg = float(camera.fov_deg), scene.camera.horizontal_fov_deg = 0;
-  scene.camera.projection = raio::Projection(camera.projection);
+  scene.camera.projection = core::Projection(camera.projection);
   scene.camera.movement.reset();
 }
 
 Camera Scene::camera() const {
-  const raio::Scene& scene = data_->scene;
+  const core::Scene& scene = data_->scene;
   return {triple(scene.origin + Vec3d(scene.camera.from)),
           triple(scene.origin + Vec3d(scene.camera.at)), triple(Vec3d(scene.camera.up)),
           double(scene.camera.fov_deg), Projection(scene.camera.projection)};
@@ -176,7 +177,7 @@ StridedArray<T> gathered(std::array<Part, kMemberOffsets<T>.size()> parts) {
 
 // From the caller's coordinates to the scene's.
 template <class T, class... Points>
-void place(const raio::Scene& scene, StridedArray<T>& all, Points... points) {
+void place(const core::Scene& scene, StridedArray<T>& all, Points... points) {
   if (scene.origin == Vec3d()) return;
   for (T& x : all)
     for (Vec3f* p : {&std::invoke(points, x)...}) *p = Vec3f(Vec3d(*p) - scene.origin);
@@ -205,7 +206,7 @@ void check_shapes(const StridedArray<T>& shapes, std::string_view kind) {
 
 // The appearance of primitives added together.
 struct PoolAppearance {
-  PoolAppearance(const raio::Scene& scene, const Appearance& look, size_t count)
+  PoolAppearance(const core::Scene& scene, const Appearance& look, size_t count)
       : material(look.material) {
     if (material >= scene.materials.size())
       refuse(fmt::format("unknown material {}, expected a number below {}", material,
@@ -247,7 +248,7 @@ void join_looks(StridedArray<T>& to, StridedArray<T> more,
 
 // Nothing fails from here.
 template <class Shapes>
-void append(raio::Scene& scene, const Shapes& shapes, PoolAppearance looks) {
+void append(core::Scene& scene, const Shapes& shapes, PoolAppearance looks) {
   constexpr auto pool = kPoolOf<typename Shapes::value_type>;
   const size_t before = (scene.*pool.shapes).size();
   StridedArray<MaterialId>& ids = scene.*pool.materials;
@@ -358,7 +359,7 @@ Array<TriangleIndices> behind(size_t first, Array<TriangleIndices> corners) {
 void Scene::add_triangles(const Column<float, 3>& positions, const Column<uint32_t, 3>& triangles,
                           const Column<float, 3>& normals, const Appearance& look) {
   guarded([&] {
-    raio::Scene& scene = data_->scene;
+    core::Scene& scene = data_->scene;
     const Part smooth = part("normals", normals);
     auto points = gathered<Vec3f>({part("positions", positions)});
     if (smooth.given()) check_part(smooth, "positions", points.size());
@@ -394,7 +395,7 @@ void Scene::add_triangles(const Column<float, 3>& positions, const Column<uint32
 namespace {
 
 // Moves the textures of an object to the scene and renumbers them.
-void take_textures(raio::Scene& scene, raio::Scene& object) {
+void take_textures(core::Scene& scene, core::Scene& object) {
   if (object.texels.size() > kMaxTexels - scene.texels.size())
     refuse(fmt::format("the textures have {} texels, the maximum is {}",
                        scene.texels.size() + object.texels.size(), kMaxTexels));
@@ -408,11 +409,11 @@ void take_textures(raio::Scene& scene, raio::Scene& object) {
 }
 
 // The numbers in `scene` of the materials of `object`; missing ones are added.
-std::vector<MaterialId> numbers_in(raio::Scene& scene, const raio::Scene& object) {
+std::vector<MaterialId> numbers_in(core::Scene& scene, const core::Scene& object) {
   std::vector<MaterialId> numbers;
   for (MaterialId id = 0; id < object.materials.size(); ++id) {
     const auto& materials = std::as_const(scene).materials;
-    const raio::Material material = object.materials[id];
+    const core::Material material = object.materials[id];
     const Rgb specular = object.specular_of(id);
     const float roughness = object.roughness_of(id), opacity = object.opacity_of(id);
     MaterialId same = 0;
@@ -449,14 +450,14 @@ int depth_of(const Object& scene) {
 
 uint32_t Scene::add_prototype(const Scene& prototype) {
   return guarded_work(0, [&] {
-    raio::Scene object = prototype.data_->scene;
+    core::Scene object = prototype.data_->scene;
     object.camera = {};
     if (!object.planes.empty()) refuse("an infinite plane cannot be instanced");
     if (object.has_moving()) refuse("moving primitives cannot be instanced");
     if (1 + depth_of(object) > kMaxNested)
       refuse(fmt::format("prototypes are nested more than {} deep", kMaxNested));
     if (const auto problems = validate(object); !problems.empty()) refuse(problems.front());
-    raio::Scene& scene = data_->scene;
+    core::Scene& scene = data_->scene;
     const std::vector<std::string> names = std::exchange(object.object_names, {});
     take_textures(scene, object);
     renumber(object, numbers_in(scene, object), uint32_t(scene.object_names.size()));
@@ -468,7 +469,7 @@ uint32_t Scene::add_prototype(const Scene& prototype) {
 
 namespace {
 
-void append_instances(raio::Scene& scene, StridedArray<Instance> copies, std::string_view name) {
+void append_instances(core::Scene& scene, StridedArray<Instance> copies, std::string_view name) {
   bool far = scene.origin != Vec3d();
   for (size_t i = 0; i < copies.size(); ++i) {
     const Instance copy = std::as_const(copies)[i];

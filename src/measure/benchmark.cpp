@@ -11,7 +11,7 @@
 #include "base/platform/processor.h"
 #include "render/render.h"
 
-namespace raio {
+namespace raio::core {
 
 namespace {
 
@@ -231,4 +231,4 @@ std::expected<double, std::string> check_agreement(AccelKind kind, const Image& 
       accel_name(kind), accel_name(other), 100 * differing, 100 * kAllowedDisagreement));
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -19,7 +19,7 @@
 #include "render/options.h"
 #include "scene/scene.h"
 
-namespace raio {
+namespace raio::core {
 
 /// An effect that can be switched on and off.
 struct BenchmarkEffect {
@@ -165,4 +165,4 @@ std::expected<BenchmarkTable, BenchmarkFailure> measure_benchmark(
 std::expected<double, std::string> check_agreement(AccelKind kind, const Image& picture,
                                                    AccelKind other, const Image& of_other);
 
-}  // namespace raio
+}  // namespace raio::core

@@ -10,7 +10,7 @@
 #include "base/parallel.h"
 #include "measure/timed_share.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 constexpr size_t kFewestRounds = 5, kFewestSlowRounds = 3, kMaxRounds = 25;
@@ -289,4 +289,4 @@ std::expected<EffectCosts, Error> measure_effects(
   return EffectMeasurement(scene, accel, options, control, on_news, effort).run();
 }
 
-}  // namespace raio
+}  // namespace raio::core

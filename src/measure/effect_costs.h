@@ -16,7 +16,7 @@
 #include "render/options.h"
 #include "scene/scene.h"
 
-namespace raio {
+namespace raio::core {
 
 struct EffectCost {
   Effect effect = Effect::antialiasing;
@@ -66,4 +66,4 @@ std::expected<EffectCosts, Error> measure_effects(
     const std::function<void(const EffectCosts&)>& on_news = {},
     const MeasuringEffort& effort = {});
 
-}  // namespace raio
+}  // namespace raio::core

@@ -7,7 +7,7 @@
 
 #include "integrate/classic.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 // Whether a primitive has one of these materials.
@@ -120,4 +120,4 @@ bool is_in_scene(Effect effect, const Scene& scene, Fresnel fresnel) {
   }
 }
 
-}  // namespace raio
+}  // namespace raio::core

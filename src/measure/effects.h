@@ -9,7 +9,7 @@
 #include "render/options.h"
 #include "scene/scene.h"
 
-namespace raio {
+namespace raio::core {
 
 /// Effects that can be switched. The structure is off if brute force replaces it, gloss and
 /// translucency if no mirrored or refracted ray spreads, motion if the shutter closes when it
@@ -44,4 +44,4 @@ RenderOptions with_effect(RenderOptions options, Effect effect, bool on, const S
 /// soft shadows a light, motion a moving primitive, and all need something to hit.
 bool is_in_scene(Effect effect, const Scene& scene, Fresnel fresnel);
 
-}  // namespace raio
+}  // namespace raio::core

@@ -16,7 +16,7 @@
 #include "base/parallel.h"
 #include "integrate/film.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 constexpr double kMaxCells = 1 << 24;
@@ -213,4 +213,4 @@ std::string grid_curve_csv(const GridCurve& curve) {
   return csv;
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -16,7 +16,7 @@
 #include "render/options.h"
 #include "scene/scene.h"
 
-namespace raio {
+namespace raio::core {
 
 /// Cells per side relative to the cube root of the number of primitives: the report's factor, and
 /// the smallest and largest that are measured.
@@ -60,4 +60,4 @@ std::expected<GridCurve, Error> measure_grid_curve(
 /// A line per point, with headings.
 std::string grid_curve_csv(const GridCurve& curve);
 
-}  // namespace raio
+}  // namespace raio::core

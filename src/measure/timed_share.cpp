@@ -8,7 +8,7 @@
 #include "measure/effects.h"
 #include "render/render.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 constexpr double kMaxRunSeconds = 0.6;  // expected of the slowest run
@@ -52,4 +52,4 @@ uint32_t share_for(const Scene& scene, const RenderSettings& settings, double se
   return share;
 }
 
-}  // namespace raio
+}  // namespace raio::core

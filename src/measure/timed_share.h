@@ -14,7 +14,7 @@
 #include "render/options.h"
 #include "scene/scene.h"
 
-namespace raio {
+namespace raio::core {
 
 /// The precision of measured costs.
 struct MeasuringEffort {
@@ -46,4 +46,4 @@ inline constexpr size_t kTilesPerThread = 8;
 uint32_t share_for(const Scene& scene, const RenderSettings& settings, double seconds,
                    size_t per_thread);
 
-}  // namespace raio
+}  // namespace raio::core

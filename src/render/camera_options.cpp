@@ -7,7 +7,7 @@
 
 #include "render/options.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 // The shortest decimals that read back as the same floats.
@@ -88,4 +88,4 @@ void reset_camera(RenderOptions& options) {
   options.side.reset(), options.fit.reset(), options.projection.reset(), options.fov_deg = 0;
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -7,7 +7,7 @@
 
 #include "render/picture_options.h"
 
-namespace raio {
+namespace raio::core {
 
 std::expected<void, std::string> parse_look(RenderOptions& options, std::string_view text) {
   // The newest version of a style has the plain name.
@@ -157,4 +157,4 @@ void drop_figure_conflicts(RenderOptions& options, const Scene& scene) {
   if (fades_into_nothing(options, scene)) options.depth_cue.reset();
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -6,7 +6,7 @@
 
 #include "render/options.h"
 
-namespace raio {
+namespace raio::core {
 
 /// As users write them: the newest version of a style has no number.
 inline constexpr auto kLooks = std::to_array<std::string_view>({"paper", "dark", "flat", "matte"});
@@ -35,4 +35,4 @@ std::optional<Error> figure_conflict(const RenderOptions& options, const Scene& 
 /// Removes options that figure_conflict() refuses.
 void drop_figure_conflicts(RenderOptions& options, const Scene& scene);
 
-}  // namespace raio
+}  // namespace raio::core

@@ -12,7 +12,7 @@
 #include "render/render.h"
 #include "render/warnings.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 // Work that ends with this error when it is told to stop.
@@ -219,4 +219,4 @@ RenderFigures RenderJob::figures() const {
   return figures;
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -21,7 +21,7 @@
 #include "render/picture.h"
 #include "scene/scene.h"
 
-namespace raio {
+namespace raio::core {
 
 /// What to render and where to store it. Errors name fields with dashes instead of underscores:
 /// "add-samples".
@@ -144,4 +144,4 @@ class RenderJob {
   std::expected<void, Error> kept_;
 };
 
-}  // namespace raio
+}  // namespace raio::core

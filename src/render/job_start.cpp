@@ -10,7 +10,7 @@
 #include "io/scene_file.h"
 #include "render/render.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 namespace fs = std::filesystem;
@@ -217,4 +217,4 @@ std::expected<std::unique_ptr<Film>, Error> film_of(
   return std::move(start.film);
 }
 
-}  // namespace raio
+}  // namespace raio::core

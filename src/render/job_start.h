@@ -9,7 +9,7 @@
 
 #include "render/job.h"
 
-namespace raio {
+namespace raio::core {
 
 /// Why the fields of the request contradict each other (bad_option), or nothing. Conflicts of
 /// options are found by option_conflict().
@@ -33,4 +33,4 @@ std::expected<std::unique_ptr<Film>, Error> film_of(
     JobStart& start, const Scene& scene, const RenderSettings& used, const Metadata& settings,
     const std::function<void(const Error&)>& warning);
 
-}  // namespace raio
+}  // namespace raio::core

@@ -7,7 +7,7 @@
 
 #include "render/part.h"
 
-namespace raio {
+namespace raio::core {
 
 SampleCounts samples_of(const Part& part) {
   const auto& [header, film] = part;
@@ -113,4 +113,4 @@ std::string missing_samples(const Part& part, uint32_t shards) {
   return text;
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-namespace raio {
+namespace raio::core {
 
 /// A number that is the whole text.
 template <class T>
@@ -33,4 +33,4 @@ std::expected<void, std::string> parse_word(std::span<const std::string_view> na
   return std::unexpected(fmt::format("expected {}, found '{}'", accepted, text));
 }
 
-}  // namespace raio
+}  // namespace raio::core

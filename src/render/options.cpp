@@ -12,7 +12,7 @@
 #include "render/option_text.h"
 #include "render/picture_options.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 constexpr std::array<std::string_view, 5> kAccelNames = {"auto", "none", "grid", "bvh", "embree"};
@@ -612,4 +612,4 @@ std::string option_arguments(const RenderOptions& options) {
   return out;
 }
 
-}  // namespace raio
+}  // namespace raio::core

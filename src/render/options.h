@@ -17,7 +17,7 @@
 #include "integrate/tone.h"
 #include "io/fit_camera.h"
 
-namespace raio {
+namespace raio::core {
 
 /// The size of the printed picture in millimetres; the height 0 follows from the scene's aspect
 /// ratio.
@@ -181,4 +181,4 @@ std::string_view fresnel_name(Fresnel fresnel);
 std::string_view view_name(View view);
 std::string_view projection_name(Projection projection);
 
-}  // namespace raio
+}  // namespace raio::core

@@ -12,7 +12,7 @@
 #include "base/hash.h"
 #include "render/render.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 constexpr std::string_view kMagic = "RAIOPART";
@@ -307,4 +307,4 @@ std::expected<Part, Error> read_part(const std::filesystem::path& path) try {
   return std::unexpected(memory_error(path));
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -14,7 +14,7 @@
 #include "io/file.h"
 #include "render/provenance.h"
 
-namespace raio {
+namespace raio::core {
 
 struct PartHeader {
   Metadata settings;               // settings_of() the picture
@@ -65,4 +65,4 @@ std::expected<Part, Error> merge_parts(std::span<NamedPart> parts);
 /// the number of shards of the picture.
 std::string missing_samples(const Part& part, uint32_t shards);
 
-}  // namespace raio
+}  // namespace raio::core

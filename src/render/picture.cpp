@@ -8,7 +8,7 @@
 #include "render/provenance.h"
 #include "render/render.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 // The channels that become layers.
@@ -88,4 +88,4 @@ std::expected<void, Error> write_result(const std::filesystem::path& path, const
   return write_picture(picture_of(*part.film, settings), path, part.header.settings, overlay);
 }
 
-}  // namespace raio
+}  // namespace raio::core

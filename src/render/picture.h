@@ -14,7 +14,7 @@
 #include "io/image/image.h"
 #include "render/part.h"
 
-namespace raio {
+namespace raio::core {
 
 /// The film's picture, as picture_of(film, settings.view), with all its channels: alpha as such,
 /// the others as layers with names and components of kChannels, as given by Film::resolve(). If it
@@ -45,4 +45,4 @@ std::optional<Error> output_problem(const std::filesystem::path& path, ChannelSe
 std::expected<void, Error> write_result(const std::filesystem::path& path, const Part& part,
                                         const Overlay& overlay = {});
 
-}  // namespace raio
+}  // namespace raio::core

@@ -12,7 +12,7 @@
 #include "io/cube_map.h"
 #include "io/image/image.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 std::optional<Error> crop_conflict(const RenderOptions& options, const Scene* scene) {
@@ -143,4 +143,4 @@ std::optional<Error> window_conflict(const RenderOptions& options) {
   return std::nullopt;
 }
 
-}  // namespace raio
+}  // namespace raio::core

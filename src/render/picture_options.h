@@ -10,7 +10,7 @@
 
 #include "render/options.h"
 
-namespace raio {
+namespace raio::core {
 
 /// "X0,Y0,X1,Y1", for OptionSpec::Parse and OptionSpec::text.
 std::expected<void, std::string> parse_crop(RenderOptions& options, std::string_view text);
@@ -37,4 +37,4 @@ Background background_of(const RenderOptions& options, const Scene& scene);
 /// Part of option_conflict(). Without a scene, whatever depends on it passes.
 std::optional<Error> picture_conflict(const RenderOptions& options, const Scene* scene);
 
-}  // namespace raio
+}  // namespace raio::core

@@ -8,7 +8,7 @@
 
 #include "render/read_options.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 // Names of settings have underscores instead of dashes.
@@ -124,4 +124,4 @@ std::string difference(const Metadata& a, const Metadata& b) {
   return out;
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -11,7 +11,7 @@
 #include "io/read_scene.h"
 #include "render/options.h"
 
-namespace raio {
+namespace raio::core {
 
 /// The settings of a picture of a scene read with `read`, for pictures (write_image) and part files
 /// (render/part.h). Omits switches that are off and unused numbers.
@@ -35,4 +35,4 @@ std::expected<RenderOptions, Error> options_from(const Metadata& settings, bool 
 /// ignored.
 std::string difference(const Metadata& a, const Metadata& b);
 
-}  // namespace raio
+}  // namespace raio::core

@@ -11,7 +11,7 @@
 #include "render/option_text.h"
 #include "render/options.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using Set = std::expected<void, std::string>;
@@ -179,4 +179,4 @@ std::string option_arguments(const ReadOptions& options) {
   return out;
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -10,7 +10,7 @@
 #include "io/read_scene.h"
 #include "render/options.h"
 
-namespace raio {
+namespace raio::core {
 
 /// One option of ReadOptions.
 struct ReadOptionSpec {
@@ -34,4 +34,4 @@ std::span<const ReadOptionSpec> read_option_table();
 /// The command-line arguments for these options: " --style sticks --cell".
 std::string option_arguments(const ReadOptions& options);
 
-}  // namespace raio
+}  // namespace raio::core

@@ -10,7 +10,7 @@
 #include "integrate/surface.h"
 #include "shape/offset.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 struct Pixel {
@@ -120,4 +120,4 @@ std::vector<Region> regions_of(const Scene& scene, const Accel& accel,
   return regions;
 }
 
-}  // namespace raio
+}  // namespace raio::core

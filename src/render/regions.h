@@ -11,7 +11,7 @@
 #include "integrate/settings.h"
 #include "scene/scene.h"
 
-namespace raio {
+namespace raio::core {
 
 /// What the ray through a pixel's centre hits; the first that applies.
 enum class Region : uint8_t {
@@ -30,4 +30,4 @@ inline constexpr std::array<std::string_view, 6> kRegionNames = {
 std::vector<Region> regions_of(const Scene& scene, const Accel& accel,
                                const RenderSettings& settings, const WorkControl& control);
 
-}  // namespace raio
+}  // namespace raio::core

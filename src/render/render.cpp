@@ -18,7 +18,7 @@
 #include "integrate/views.h"
 #include "integrate/wavefront.h"
 
-namespace raio {
+namespace raio::core {
 
 std::optional<Error> picture_problem(int width, int height, ChannelSet channels) {
   const auto refused = [](const std::string& why) {
@@ -205,4 +205,4 @@ Image picture_of(const Film& film, View view) {
   return image;
 }
 
-}  // namespace raio
+}  // namespace raio::core

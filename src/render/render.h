@@ -13,7 +13,7 @@
 #include "integrate/settings.h"
 #include "scene/scene.h"
 
-namespace raio {
+namespace raio::core {
 
 /// What to add to a film.
 struct RenderTask {
@@ -55,4 +55,4 @@ RenderResult render(const Scene& scene, const Accel& accel, const RenderSettings
 /// The film's picture, or for View::samples heat_color() of the samples per pixel.
 Image picture_of(const Film& film, View view = View::picture);
 
-}  // namespace raio
+}  // namespace raio::core

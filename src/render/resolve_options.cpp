@@ -12,7 +12,7 @@
 #include "render/options.h"
 #include "render/picture_options.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 Error without(std::string_view option, std::string_view other) {
@@ -321,4 +321,4 @@ int samples_per_pixel(const RenderOptions& o) {
   return o.samples > 0 ? o.samples : o.aa * o.aa * o.lens_samples;
 }
 
-}  // namespace raio
+}  // namespace raio::core

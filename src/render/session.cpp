@@ -9,7 +9,7 @@
 #include "base/executor.h"
 #include "scene/columns.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 constexpr double kPassSeconds = 0.05;      // of refinement, between two pictures
@@ -400,4 +400,4 @@ void Session::publish(const SessionPicture& next) {
   on_picture_();
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -19,7 +19,7 @@
 #include "render/render.h"
 #include "scene/scene.h"
 
-namespace raio {
+namespace raio::core {
 
 /// A scene with its structure, possibly that of an earlier version of the scene if only lights,
 /// background or materials have changed since.
@@ -136,4 +136,4 @@ class Session {
   std::thread thread_;
 };
 
-}  // namespace raio
+}  // namespace raio::core

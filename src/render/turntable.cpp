@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 // Taylor series of sine and cosine on -pi/4..pi/4.
@@ -60,4 +60,4 @@ std::filesystem::path numbered_path(const std::filesystem::path& path, int index
   return path.parent_path() / name;
 }
 
-}  // namespace raio
+}  // namespace raio::core

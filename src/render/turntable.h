@@ -5,7 +5,7 @@
 
 #include "scene/scene.h"
 
-namespace raio {
+namespace raio::core {
 
 /// Camera `index` of `count` spaced evenly around `at`, rotated about `up` to the right as seen by
 /// the viewer: counter-clockwise from above, so the scene seems to turn clockwise. Camera 0 is
@@ -17,4 +17,4 @@ Camera turntable_camera(const Camera& camera, int index, int count);
 /// many digits as the last one needs, at least four.
 std::filesystem::path numbered_path(const std::filesystem::path& path, int index, int count);
 
-}  // namespace raio
+}  // namespace raio::core

@@ -10,7 +10,7 @@
 #include "integrate/camera.h"
 #include "render/render.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 constexpr int kSide = 24;  // eye rays along each side of the picture
@@ -168,4 +168,4 @@ std::optional<std::string> blank_warning(const Film& film, const RenderSettings&
                           : "surfaces are fully transparent, or have the background's colour");
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -10,7 +10,7 @@
 #include "integrate/settings.h"
 #include "scene/scene.h"
 
-namespace raio {
+namespace raio::core {
 
 struct SceneWarning {
   enum Kind {
@@ -49,4 +49,4 @@ std::optional<std::string> blank_warning(const Film& film, const RenderSettings&
 /// picture. Nothing if there are none.
 std::optional<std::string> nan_warning(const Film& film, const std::optional<Crop>& crop);
 
-}  // namespace raio
+}  // namespace raio::core

@@ -7,7 +7,7 @@
 
 #include "scene/scene.h"
 
-namespace raio {
+namespace raio::core {
 
 /// Calls f(kind, shapes, materials, colors, opacity) for each pool of primitives of `scene`, const
 /// or not. Meshes, which keep theirs themselves, are none.
@@ -120,4 +120,4 @@ void for_each_column(SceneType& scene, F&& f) {
   for (auto& mesh : scene.meshes) for_each_mesh_column(mesh, f);
 }
 
-}  // namespace raio
+}  // namespace raio::core

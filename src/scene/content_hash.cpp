@@ -4,7 +4,7 @@
 #include "base/hash.h"
 #include "scene/columns.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 static_assert(std::endian::native == std::endian::little,
@@ -85,4 +85,4 @@ std::string content_hash(const Scene& s) {
   return all.name();
 }
 
-}  // namespace raio
+}  // namespace raio::core

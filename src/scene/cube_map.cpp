@@ -5,7 +5,7 @@
 
 #include "base/parallel.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 // The face's own texel nearest to a direction.
@@ -99,4 +99,4 @@ void CubeMap::finish() {
   largest = *std::ranges::max_element(most);
 }
 
-}  // namespace raio
+}  // namespace raio::core

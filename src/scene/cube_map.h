@@ -11,7 +11,7 @@
 #include "base/hash.h"
 #include "base/vec.h"
 
-namespace raio {
+namespace raio::core {
 
 /// The faces towards -x, +x, +y, -y, +z and -z; values are indices in a CubeMap.
 enum class CubeFace : uint8_t { right, left, top, bottom, front, back };
@@ -51,4 +51,4 @@ struct CubeMap {
   void finish();
 };
 
-}  // namespace raio
+}  // namespace raio::core

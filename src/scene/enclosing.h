@@ -9,7 +9,7 @@
 #include "base/placement.h"
 #include "scene/scene.h"
 
-namespace raio {
+namespace raio::core {
 
 /// Calls f(centre, radius) for spheres that enclose primitive i of a kind.
 template <PrimitiveKind kind, class F>
@@ -69,4 +69,4 @@ Sum sum_up(const Object& scene, const Add& add, size_t every = 1) {
   return total;
 }
 
-}  // namespace raio
+}  // namespace raio::core

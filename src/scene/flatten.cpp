@@ -11,7 +11,7 @@
 #include "base/platform/memory.h"
 #include "scene/columns.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 // The transformed shape; nothing if it is no shape of this kind.
@@ -238,4 +238,4 @@ std::string flatten_instances(Scene& scene) {
   return flattener.error();
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -6,7 +6,7 @@
 #include "scene/columns.h"
 #include "shape/triangle.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 std::string plural(size_t count, std::string_view noun) {
@@ -320,4 +320,4 @@ std::string camera_problem(const Camera& camera) {
   return {};
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -27,7 +27,7 @@
 #include "shape/plane.h"
 #include "shape/sphere.h"
 
-namespace raio {
+namespace raio::core {
 
 struct CubeMap;  // scene/cube_map.h
 
@@ -455,4 +455,4 @@ std::string content_hash(const Scene& scene);
 /// in range, pools of equal length, and that the camera has a direction. Works on all threads.
 std::vector<std::string> validate(const Scene& scene);
 
-}  // namespace raio
+}  // namespace raio::core

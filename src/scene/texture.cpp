@@ -6,7 +6,7 @@
 
 #include "base/srgb.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 // Two neighbouring texels and the position between them.
@@ -57,4 +57,4 @@ Rgb texture_color(const Scene& scene, uint32_t texture, Uv at) {
              mix(color(u.first, v.second), color(u.second, v.second), u.part), v.part);
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -3,10 +3,10 @@
 
 #include "scene/scene.h"
 
-namespace raio {
+namespace raio::core {
 
 /// Bilinear between the four nearest texels, which are converted to linear light first. The scene
 /// must pass validate(); NaN coordinates count as 0.
 Rgb texture_color(const Scene& scene, uint32_t texture, Uv at);
 
-}  // namespace raio
+}  // namespace raio::core

@@ -8,7 +8,7 @@
 #include "base/ray.h"
 #include "scene/columns.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 /// Sentences about faults, limited to a readable number.
@@ -394,4 +394,4 @@ std::vector<std::string> validate(const Scene& scene) {
   return problems.take();
 }
 
-}  // namespace raio
+}  // namespace raio::core

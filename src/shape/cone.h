@@ -10,7 +10,7 @@
 #include "shape/kinds.h"
 #include "shape/overlap.h"
 
-namespace raio {
+namespace raio::core {
 
 /// A cylinder has two equal radii. As in NFF, only the inside is visible if the radii are negative.
 struct Cone {
@@ -185,14 +185,14 @@ inline bool overlaps(const BakedCone& c, const Box3d& box) {
   });
 }
 
-}  // namespace raio
+}  // namespace raio::core
 
 #endif  // RAIO_SHAPE_CONE_H_
 
 #ifdef RAIO_KINDS_IN_LANES  // shape/kinds.h; the order of operations is that of above
 
 HWY_BEFORE_NAMESPACE();
-namespace raio::HWY_NAMESPACE {
+namespace raio::core::HWY_NAMESPACE {
 
 // The first hits of rays and cones in front of the origins; same order of operations as
 // first_hit(), which explains them.
@@ -276,7 +276,7 @@ static_assert(requires(ConeNumbers<float[8]> c, const float* ray) {
   passes_by(hn::CappedTag<float, 8>(), c, 0, ray, ray, 0.0f);
 });
 
-}  // namespace raio::HWY_NAMESPACE
+}  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif  // RAIO_KINDS_IN_LANES

@@ -13,7 +13,7 @@
 #include "shape/kinds.h"
 #include "shape/overlap.h"
 
-namespace raio {
+namespace raio::core {
 
 /// The points of a plane from `inner` to `radius` away from the centre. The unit normal points
 /// outward.
@@ -98,14 +98,14 @@ inline bool overlaps(const Disc& d, const Box3d& box) {
   });
 }
 
-}  // namespace raio
+}  // namespace raio::core
 
 #endif  // RAIO_SHAPE_DISC_H_
 
 #ifdef RAIO_KINDS_IN_LANES  // shape/kinds.h; the order of operations is that of above
 
 HWY_BEFORE_NAMESPACE();
-namespace raio::HWY_NAMESPACE {
+namespace raio::core::HWY_NAMESPACE {
 
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE FirstHits<D> first_hits(D d, const DiscNumbers<V>& disc, const V* origin, const V* dir) {
@@ -121,7 +121,7 @@ HWY_INLINE FirstHits<D> first_hits(D d, const DiscNumbers<V>& disc, const V* ori
   return first_of(d, in, t, in, t);
 }
 
-}  // namespace raio::HWY_NAMESPACE
+}  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif  // RAIO_KINDS_IN_LANES

@@ -14,7 +14,7 @@
 #include "shape/kinds.h"
 #include "shape/overlap.h"
 
-namespace raio {
+namespace raio::core {
 
 /// The unit sphere stretched along three perpendicular semi-axes. Both sides are visible.
 struct Ellipsoid {
@@ -159,14 +159,14 @@ inline bool overlaps(const BakedEllipsoid& e, const Box3d& box) {
   });
 }
 
-}  // namespace raio
+}  // namespace raio::core
 
 #endif  // RAIO_SHAPE_ELLIPSOID_H_
 
 #ifdef RAIO_KINDS_IN_LANES  // shape/kinds.h; the order of operations is that of above
 
 HWY_BEFORE_NAMESPACE();
-namespace raio::HWY_NAMESPACE {
+namespace raio::core::HWY_NAMESPACE {
 
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE FirstHits<D> first_hits(D d, const EllipsoidNumbers<V>& e, const V* origin,
@@ -186,7 +186,7 @@ HWY_INLINE FirstHits<D> first_hits(D d, const EllipsoidNumbers<V>& e, const V* o
   return first_of(d, in, hn::Sub(middle, half), in, hn::Add(middle, half));
 }
 
-}  // namespace raio::HWY_NAMESPACE
+}  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif  // RAIO_KINDS_IN_LANES

@@ -12,7 +12,7 @@
 #include "shape/kinds.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace raio::HWY_NAMESPACE {
+namespace raio::core::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -79,7 +79,7 @@ HWY_INLINE FirstHits<D> first_of(D tag, M in0, V t0, M in1, V t1) {
   return {hn::Or(hit0, hit1), hn::IfThenElse(hit0, near, far)};
 }
 
-}  // namespace raio::HWY_NAMESPACE
+}  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

@@ -24,7 +24,7 @@
 
 #include "base/ray.h"
 
-namespace raio {
+namespace raio::core {
 
 struct Plane;
 struct Sphere;
@@ -144,7 +144,7 @@ struct SurfacePoint {
   float extent = 0;  // added to the scale of shape/offset.h
 };
 
-}  // namespace raio
+}  // namespace raio::core
 
 #endif  // RAIO_SHAPE_KINDS_H_
 

@@ -7,7 +7,7 @@
 
 #include "base/vec.h"
 
-namespace raio {
+namespace raio::core {
 
 /// The completed fraction of a movement: 0 until `begin`, 1 from `end`.
 inline double part_moved(float begin, float end, float time) {
@@ -25,14 +25,14 @@ void check_times(float begin, float end, Must&& must) {
        "the movement must begin before it ends");
 }
 
-}  // namespace raio
+}  // namespace raio::core
 
 #endif  // RAIO_SHAPE_MOVEMENT_H_
 
 #ifdef RAIO_KINDS_IN_LANES  // shape/kinds.h; the order of operations is that of above
 
 HWY_BEFORE_NAMESPACE();
-namespace raio::HWY_NAMESPACE {
+namespace raio::core::HWY_NAMESPACE {
 
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V part_moved(D d, V begin, V end, V time) {
@@ -44,7 +44,7 @@ HWY_INLINE V between(V from, V to, V part) {
   return hn::Add(from, hn::Mul(hn::Sub(to, from), part));
 }
 
-}  // namespace raio::HWY_NAMESPACE
+}  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif  // RAIO_KINDS_IN_LANES

@@ -14,7 +14,7 @@
 #include "shape/overlap.h"
 #include "shape/sphere.h"
 
-namespace raio {
+namespace raio::core {
 
 /// At rest at `center` until the time `begin` and at `to` from `end`; uniform movement in between.
 struct MovingSphere {
@@ -89,14 +89,14 @@ inline bool overlaps(const MovingSphere& s, const Box3d& box) {
   });
 }
 
-}  // namespace raio
+}  // namespace raio::core
 
 #endif  // RAIO_SHAPE_MOVING_SPHERE_H_
 
 #ifdef RAIO_KINDS_IN_LANES  // shape/kinds.h; the order of operations is that of above
 
 HWY_BEFORE_NAMESPACE();
-namespace raio::HWY_NAMESPACE {
+namespace raio::core::HWY_NAMESPACE {
 
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE FirstHits<D> first_hits(D d, const MovingSphereNumbers<V>& s, const V* origin,
@@ -116,7 +116,7 @@ HWY_INLINE FirstHits<D> first_hits(D d, const MovingSphereNumbers<V>& s, const V
   return first_of(d, in, hn::Sub(middle, half), in, hn::Add(middle, half));
 }
 
-}  // namespace raio::HWY_NAMESPACE
+}  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif  // RAIO_KINDS_IN_LANES

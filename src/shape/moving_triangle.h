@@ -14,7 +14,7 @@
 #include "shape/movement.h"
 #include "shape/triangle.h"
 
-namespace raio {
+namespace raio::core {
 
 /// At rest as `from` until the time `begin` and as `to` from `end`; uniform movement in between.
 struct MovingTriangle {
@@ -134,14 +134,14 @@ inline bool overlaps(const MovingTriangle& t, const Box3d& box) {
   return true;
 }
 
-}  // namespace raio
+}  // namespace raio::core
 
 #endif  // RAIO_SHAPE_MOVING_TRIANGLE_H_
 
 #ifdef RAIO_KINDS_IN_LANES  // shape/kinds.h; the order of operations is that of above
 
 HWY_BEFORE_NAMESPACE();
-namespace raio::HWY_NAMESPACE {
+namespace raio::core::HWY_NAMESPACE {
 
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE FirstHits<D> first_hits(D d, const MovingTriangleNumbers<V>& t, const V* origin,
@@ -177,7 +177,7 @@ HWY_INLINE FirstHits<D> first_hits(D d, const MovingTriangleNumbers<V>& t, const
   return first_of(d, in, along, in, along);
 }
 
-}  // namespace raio::HWY_NAMESPACE
+}  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif  // RAIO_KINDS_IN_LANES

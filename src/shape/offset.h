@@ -5,7 +5,7 @@
 
 #include "base/vec.h"
 
-namespace raio {
+namespace raio::core {
 
 /// `point`, moved off its surface to the side of the unit normal (`along_normal`) or to the other.
 /// The move is k float epsilons of `scale`, the magnitude of the numbers in the shape's test: the
@@ -27,4 +27,4 @@ inline Vec3f offset_origin(Vec3f point, Vec3f geometric_normal, float scale, boo
   return point + geometric_normal * (along_normal ? by : -by);
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -3,7 +3,7 @@
 
 #include "base/box.h"
 
-namespace raio {
+namespace raio::core {
 
 /// False if `apart(box)` is sure that the shape does not touch the box, or is sure for all its
 /// parts. A box that may touch is split in eight. If `apart` uses the distance from the box's
@@ -25,4 +25,4 @@ bool may_touch(const Box3d& box, Apart&& apart, int splits = 2) {
   return false;
 }
 
-}  // namespace raio
+}  // namespace raio::core

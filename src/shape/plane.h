@@ -7,7 +7,7 @@
 #include "base/ray.h"
 #include "shape/kinds.h"
 
-namespace raio {
+namespace raio::core {
 
 /// The points x with dot(normal, x - point) = 0; `normal` has unit length.
 struct Plane {
@@ -47,4 +47,4 @@ inline SurfacePoint surface_point(const Plane& plane, Vec3f p) {
   return {p - plane.normal * float(height), plane.normal, 0};
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -6,7 +6,7 @@
 
 #include "base/box.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using Triangles = std::vector<std::array<uint32_t, 3>>;
@@ -354,4 +354,4 @@ std::vector<std::array<uint32_t, 3>> triangulate(std::span<const Vec3f> corners)
   return out;
 }
 
-}  // namespace raio
+}  // namespace raio::core

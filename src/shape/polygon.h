@@ -8,7 +8,7 @@
 
 #include "base/vec.h"
 
-namespace raio {
+namespace raio::core {
 
 /// The unit normal by Newell's method (Sutherland, Sproull and Schumacker 1974): the normalized sum
 /// of the vertices' cross products. It is right for concave polygons and fits the best plane to
@@ -22,4 +22,4 @@ Vec3f polygon_normal(std::span<const Vec3f> corners);
 /// Near-linear time for usual polygons, never worse than quadratic.
 std::vector<std::array<uint32_t, 3>> triangulate(std::span<const Vec3f> corners);
 
-}  // namespace raio
+}  // namespace raio::core

@@ -8,7 +8,7 @@
 #include "base/ray.h"
 #include "shape/kinds.h"
 
-namespace raio {
+namespace raio::core {
 
 /// As in NFF, only the inside is visible if the radius is negative.
 struct Sphere {
@@ -85,14 +85,14 @@ inline bool overlaps(const Sphere& s, const Box3d& box) {
   return std::sqrt(nearest) <= r + slack && r - slack <= std::sqrt(farthest);
 }
 
-}  // namespace raio
+}  // namespace raio::core
 
 #endif  // RAIO_SHAPE_SPHERE_H_
 
 #ifdef RAIO_KINDS_IN_LANES  // shape/kinds.h; the order of operations is that of above
 
 HWY_BEFORE_NAMESPACE();
-namespace raio::HWY_NAMESPACE {
+namespace raio::core::HWY_NAMESPACE {
 
 // Which lines of rays hit the spheres at centres (x, y, z) relative to their origins; gives the
 // middle of the chord and the square of half its length.
@@ -118,7 +118,7 @@ HWY_INLINE V chord_distance(D d, V middle, V d2) {
   return hn::IfThenElse(hn::Gt(entry, hn::Zero(d)), entry, hn::Add(middle, half));
 }
 
-}  // namespace raio::HWY_NAMESPACE
+}  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif  // RAIO_KINDS_IN_LANES

@@ -3,7 +3,7 @@
 #include <array>
 #include <limits>
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 /// The sum of absolute components.
@@ -47,4 +47,4 @@ bool overlaps(const Triangle& triangle, const Box3d& box) {
   return true;
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -12,7 +12,7 @@
 #include "base/ray.h"
 #include "shape/kinds.h"
 
-namespace raio {
+namespace raio::core {
 
 struct Triangle {
   Vec3f a, b, c;
@@ -96,14 +96,14 @@ inline std::optional<ShapeHit> first_hit(const Triangle& t, const Ray& ray,
 /// Triangle-Box Overlap Testing", JGT 6(1): exact except for rounding, in double.
 bool overlaps(const Triangle& triangle, const Box3d& box);
 
-}  // namespace raio
+}  // namespace raio::core
 
 #endif  // RAIO_SHAPE_TRIANGLE_H_
 
 #ifdef RAIO_KINDS_IN_LANES  // shape/kinds.h; the order of operations is that of above
 
 HWY_BEFORE_NAMESPACE();
-namespace raio::HWY_NAMESPACE {
+namespace raio::core::HWY_NAMESPACE {
 
 // Distances and weights, still to be divided by `det`, of triangles with sheared vertices (x, y,
 // z), and which of them the lines of the rays hit.
@@ -134,7 +134,7 @@ HWY_INLINE hn::Mask<D> within_reach(D d, const V* x, const V* y) {
   return hn::Le(away, hn::Mul(hn::Set(d, kEdgeSlack), reach));
 }
 
-}  // namespace raio::HWY_NAMESPACE
+}  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif  // RAIO_KINDS_IN_LANES

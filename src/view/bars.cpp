@@ -11,7 +11,7 @@
 #include "view/texts.h"
 #include "view/theme.h"
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 constexpr float kSide = 2, kGap = 0.6f;  // of a tool, and between groups, in ems
@@ -273,4 +273,4 @@ void draw_message(const Rect& place, const std::string& message, bool is_error) 
                color(p.text), message.c_str(), nullptr, place.width() - bar - 2 * pad + 1);
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -9,7 +9,7 @@
 #include "view/measure.h"
 #include "view/state.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 struct ToolFacts {
   bool can_undo = false, can_redo = false;
@@ -47,4 +47,4 @@ void draw_status(const Rect& where, const Status& status, const std::string& rea
 Rect message_place(const Rect& picture, const Rect& legend, const std::string& message);
 void draw_message(const Rect& place, const std::string& message, bool is_error);
 
-}  // namespace raio::view
+}  // namespace raio::core::view

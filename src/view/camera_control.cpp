@@ -6,7 +6,7 @@
 
 #include "base/exact_math.h"
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 constexpr double kPoleMargin = 0.01;  // minimum angle between the line of sight and `up`, radians
@@ -118,4 +118,4 @@ Camera fitted(const Camera& camera, const Box3f& box, double width_per_height) {
   return placed(camera, center - CameraAxes(camera).forward * distance, center);
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

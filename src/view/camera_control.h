@@ -6,7 +6,7 @@
 #include "base/box.h"
 #include "scene/scene.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 /// The camera's own axes, unit vectors.
 struct CameraAxes {
@@ -42,4 +42,4 @@ Camera looked(const Camera& camera, double right_rad, double up_rad);
 /// shape. An empty box changes nothing.
 Camera fitted(const Camera& camera, const Box3f& box, double width_per_height);
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -7,7 +7,7 @@
 #include "app/terminal.h"
 #include "view/texts.h"
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 bool has_time(const SessionPicture& picture, uint64_t request) {
@@ -47,4 +47,4 @@ std::optional<std::string> Comparison::take(const SessionPicture& picture, uint6
              before);
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -7,7 +7,7 @@
 
 #include "render/session.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 class Comparison {
  public:
@@ -33,4 +33,4 @@ std::string text_of_seconds(const MedianInterval& seconds);
 /// " ±5%", or nothing below half a per cent.
 std::string text_of_spread(const MedianInterval& interval);
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -7,7 +7,7 @@
 #include "view/texts.h"
 #include "view/welcome.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 bool Controls::close() {
   const bool was_open = files.is_open() || shows_help_;
@@ -39,4 +39,4 @@ ControlResult Controls::draw(ViewState& state, const Layout& layout, const Contr
   return result;
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -15,7 +15,7 @@
 #include "view/panel.h"
 #include "view/state.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 struct ControlFacts {
   PanelFacts panel;
@@ -57,4 +57,4 @@ class Controls {
   std::vector<std::string> samples_;
 };
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -13,7 +13,7 @@
 #include "view/texts.h"
 #include "view/theme.h"
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 using app::human_bytes;
@@ -212,4 +212,4 @@ bool draw_table(const CostFacts& facts) {
   return pressed;
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

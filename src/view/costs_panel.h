@@ -9,7 +9,7 @@
 #include "render/session.h"
 #include "view/measure.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 /// The contents of these sections.
 struct CostFacts {
@@ -39,4 +39,4 @@ void draw_costs(const CostFacts& facts);
 /// Returns whether its button, equivalent to the key, was pressed.
 bool draw_table(const CostFacts& facts);
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -12,7 +12,7 @@
 #include "scene/columns.h"
 #include "view/files.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 SharedScene edited(const SharedScene& scene, const std::function<void(Scene&)>& change) {
   auto next = std::make_shared<Scene>(*scene);  // shares all arrays
@@ -81,4 +81,4 @@ void take_saved(ViewState& state, const SceneWriter::Written& written) {
   });
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

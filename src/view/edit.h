@@ -13,7 +13,7 @@
 #include "scene/scene.h"
 #include "view/state.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 using SharedScene = std::shared_ptr<const Scene>;
 
@@ -48,4 +48,4 @@ class SceneWriter {
 /// Makes the written file the state's; edits made meanwhile are kept.
 void take_saved(ViewState& state, const SceneWriter::Written& written);
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -12,7 +12,7 @@
 #include "view/texts.h"
 #include "view/theme.h"
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 namespace fs = std::filesystem;
@@ -118,4 +118,4 @@ std::optional<std::string> FileDialog::draw(const Layout& layout) {
   return wanted ? chosen(*wanted) : std::nullopt;
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -8,7 +8,7 @@
 
 #include "view/layout.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 /// The subfolders (first, with a trailing "/") and scene files of a folder, by name, without hidden
 /// ones.
@@ -38,4 +38,4 @@ class FileDialog {
   std::string name_;
 };
 
-}  // namespace raio::view
+}  // namespace raio::core::view

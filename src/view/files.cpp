@@ -11,7 +11,7 @@
 #include "render/picture.h"
 #include "render/render.h"
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 constexpr std::chrono::milliseconds kLook(150);
@@ -139,4 +139,4 @@ std::string free_name(const std::string& name, const std::string& suffix) {
   return path;
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

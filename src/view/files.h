@@ -19,7 +19,7 @@
 #include "render/session.h"
 #include "scene/scene.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 /// Rereads a scene's file when it changes, and reads other files on request.
 class SceneFile {
@@ -107,4 +107,4 @@ std::string short_path(const std::string& path);
 /// "NAME.png", or "NAME-2.png" and so on: the first that does not exist.
 std::string free_name(const std::string& name, const std::string& suffix);
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -8,7 +8,7 @@
 #include "base/exact_math.h"
 #include "view/camera_control.h"
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 constexpr double kClickTravel = 4;   // window units that a click may move
@@ -112,4 +112,4 @@ bool Gestures::walk(const Steps& steps, double seconds) {
   return true;
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -6,7 +6,7 @@
 #include "view/stage.h"
 #include "view/state.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 class Gestures {
  public:
@@ -53,4 +53,4 @@ class Gestures {
   double depth_ = 1;
 };
 
-}  // namespace raio::view
+}  // namespace raio::core::view

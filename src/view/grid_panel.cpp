@@ -14,7 +14,7 @@
 #include "view/texts.h"
 #include "view/theme.h"
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 using app::human_seconds;
@@ -175,4 +175,4 @@ GridPanelResult draw_grid(ViewState& state, const CostFacts& facts) {
   return result;
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -4,7 +4,7 @@
 #include "view/costs_panel.h"
 #include "view/state.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 struct GridPanelResult {
   bool changed = false;   // the state's options
@@ -13,4 +13,4 @@ struct GridPanelResult {
 };
 GridPanelResult draw_grid(ViewState& state, const CostFacts& facts);
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -12,7 +12,7 @@
 #include "view/texts.h"
 #include "view/theme.h"
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 std::string lower(std::string text) {
@@ -85,4 +85,4 @@ bool draw_help(const Layout& layout, std::string& sought) {
   return open;
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

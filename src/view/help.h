@@ -6,7 +6,7 @@
 
 #include "view/layout.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 struct HelpLine {
   std::string keys, about;  // in the window's language
@@ -20,4 +20,4 @@ std::vector<HelpLine> help_lines(const std::string& sought);
 /// Draws it over the picture; returns whether it stays open.
 bool draw_help(const Layout& layout, std::string& sought);
 
-}  // namespace raio::view
+}  // namespace raio::core::view

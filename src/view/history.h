@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-namespace raio::view {
+namespace raio::core::view {
 
 /// A sequence of states, including the current one. The oldest are dropped.
 template <class State>
@@ -33,4 +33,4 @@ class History {
   size_t now_ = 0;
 };
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <utility>
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 constexpr float kTurn = 2 * std::numbers::pi_v<float>;
@@ -221,4 +221,4 @@ void draw_icon(ImDrawList& draw, Icon icon, ImVec2 center, float size, ImU32 col
   draw_window_icon(pen, icon);
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-namespace raio::view {
+namespace raio::core::view {
 
 enum class Icon : uint8_t {
   open,
@@ -41,4 +41,4 @@ enum class Icon : uint8_t {
 /// About `center`, `size` window units high.
 void draw_icon(ImDrawList& draw, Icon icon, ImVec2 center, float size, ImU32 color);
 
-}  // namespace raio::view
+}  // namespace raio::core::view

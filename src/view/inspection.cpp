@@ -7,7 +7,7 @@
 
 #include "base/executor.h"
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 // Embree does not log its steps.
@@ -199,4 +199,4 @@ std::shared_ptr<const Inspected> Inspection::poll() {
   return is_old ? nullptr : found;
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

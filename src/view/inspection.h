@@ -14,7 +14,7 @@
 #include "app/explain.h"
 #include "render/session.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 /// Limits of a region's pixels, evenly chosen, and of its rays.
 inline constexpr int kMaxRegionPixels = 4096;
@@ -108,4 +108,4 @@ class Inspection {
   std::future<std::shared_ptr<const Inspected>> working_;
 };
 
-}  // namespace raio::view
+}  // namespace raio::core::view

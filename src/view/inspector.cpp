@@ -9,7 +9,7 @@
 #include "render/read_options.h"
 #include "view/texts.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 void Inspector::close() {
   inspection_.cancel();
@@ -300,4 +300,4 @@ std::string Inspector::file_name() const {
 
 std::string Inspector::places() { return std::exchange(button_places_, {}); }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -13,7 +13,7 @@
 #include "view/state.h"
 #include "view/traversal_words.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 /// What was pressed in the panel.
 struct InspectorResult {
@@ -103,4 +103,4 @@ class Inspector {
   std::string button_places_;
 };
 
-}  // namespace raio::view
+}  // namespace raio::core::view

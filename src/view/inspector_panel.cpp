@@ -11,7 +11,7 @@
 #include "view/texts.h"
 #include "view/theme.h"
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 using Kind = ExplainedRay::Kind;
@@ -290,4 +290,4 @@ void Inspector::draw_sum() const {
   row(sum == found_->sample.rgb ? tr("= the sample") : tr("sum"), sum);
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

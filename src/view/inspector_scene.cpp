@@ -8,7 +8,7 @@
 #include "view/texts.h"
 #include "view/theme.h"
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 constexpr size_t kMaxPieces = 6000;  // of all rays together: a few milliseconds of tracing
@@ -171,4 +171,4 @@ void draw_ray_legend(const Rect& area, bool has_boxes) {
   }
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

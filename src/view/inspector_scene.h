@@ -11,7 +11,7 @@
 #include "view/inspection.h"
 #include "view/projection.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 ImU32 color_of(RayKind kind, float alpha = 1);
 /// In English: "eye ray".
@@ -56,4 +56,4 @@ class RayScene {
 /// The kinds of rays with their colours, at the upper left of the picture.
 void draw_ray_legend(const Rect& area, bool has_boxes);
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 // GLFW's codes of non-character keys; this file is tested without GLFW.
@@ -137,4 +137,4 @@ Steps walking_steps(const std::function<bool(int)>& is_held, bool is_looking) {
   return steps;
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

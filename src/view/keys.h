@@ -6,7 +6,7 @@
 #include <functional>
 #include <span>
 
-namespace raio::view {
+namespace raio::core::view {
 
 enum class Command : uint8_t {
   antialiasing,
@@ -82,4 +82,4 @@ struct HandSpec {
 };
 std::span<const HandSpec> hand_table();
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <span>
 
-namespace raio::view {
+namespace raio::core::view {
 
 struct Rect {
   float left = 0, top = 0, right = 0, bottom = 0;
@@ -53,4 +53,4 @@ inline size_t tools_that_fit(std::span<const float> widths, float available, flo
   return fit;
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

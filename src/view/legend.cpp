@@ -13,7 +13,7 @@
 #include "view/texts.h"
 #include "view/theme.h"
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 constexpr int kHeatStops = 7;
@@ -214,4 +214,4 @@ Rect draw_legend(const Rect& picture, const Legend& legend, std::optional<double
   return covered;
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -10,7 +10,7 @@
 #include "view/stage.h"
 #include "view/state.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 struct Legend {
   struct Stop {
@@ -44,4 +44,4 @@ ReadOut read_out(const ViewState& state, const Pick& pick, const Accel* accel, c
 /// At the lower right of the picture. Returns the covered area; empty without a legend.
 Rect draw_legend(const Rect& picture, const Legend& legend, std::optional<double> at);
 
-}  // namespace raio::view
+}  // namespace raio::core::view

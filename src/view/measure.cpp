@@ -10,7 +10,7 @@
 #include "measure/timed_share.h"
 #include "view/texts.h"
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 // For drawing news: nothing is timed meanwhile.
@@ -237,4 +237,4 @@ void Measuring::forget() {
   news_ = true;
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -18,7 +18,7 @@
 #include "render/session.h"
 #include "view/state.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 Effect effect_of(Command effect);
 Command command_of(Effect effect);
@@ -98,4 +98,4 @@ class Measuring {
   std::thread thread_;
 };
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -8,7 +8,7 @@
 #include "io/file.h"
 #include "io/scene_file.h"
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 namespace fs = std::filesystem;
@@ -101,4 +101,4 @@ std::vector<std::string> sample_scenes() {
   return scenes;
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

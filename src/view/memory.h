@@ -11,7 +11,7 @@
 #include "view/texts.h"
 #include "view/theme.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 struct Memory {
   Theme look;
@@ -52,4 +52,4 @@ class MemoryKeeper {
 /// installed.
 std::vector<std::string> sample_scenes();
 
-}  // namespace raio::view
+}  // namespace raio::core::view

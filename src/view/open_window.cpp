@@ -10,7 +10,7 @@
 #include "view/texts.h"
 #include "view/viewer.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 namespace {
 
@@ -53,4 +53,4 @@ int open_window(const app::ViewCommand& command) {
   return Executor(command.options.threads).run([&] { return run(command); });
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

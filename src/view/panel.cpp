@@ -11,7 +11,7 @@
 #include "view/scene_panel.h"
 #include "view/texts.h"
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 // At the right end of the row, faint: the equivalent key.
@@ -281,4 +281,4 @@ PanelResult draw_panel(ViewState& state, const PanelFacts& facts, const Rect& wh
   return result;
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

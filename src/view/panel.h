@@ -11,7 +11,7 @@
 #include "view/structure_overlay.h"
 #include "view/theme.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 /// The contents of the panel besides the state.
 struct PanelFacts {
@@ -36,4 +36,4 @@ struct PanelResult {
 /// their contents.
 PanelResult draw_panel(ViewState& state, const PanelFacts& facts, const Rect& where);
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -5,7 +5,7 @@
 #include "view/texts.h"
 #include "view/theme.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 void begin_panel(const char* name, const Rect& where) {
   ImGui::SetNextWindowPos({where.left, where.top});
@@ -29,4 +29,4 @@ bool open_section(const char* name, bool at_first) {
   return is_open;
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

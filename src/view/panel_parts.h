@@ -8,7 +8,7 @@
 #include "view/layout.h"
 #include "view/theme.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 inline void text(const std::string& line) {
   show_letters(line);
@@ -28,4 +28,4 @@ void begin_panel(const char* name, const Rect& where);
 /// it is open.
 bool open_section(const char* name, bool at_first);
 
-}  // namespace raio::view
+}  // namespace raio::core::view

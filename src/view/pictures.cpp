@@ -4,7 +4,7 @@
 
 #include "view/window.h"
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 constexpr double kMessageSeconds = 4;
@@ -70,4 +70,4 @@ bool Message::expire(double now) {
   return true;
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

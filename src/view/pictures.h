@@ -7,7 +7,7 @@
 #include "view/stage.h"
 #include "view/state.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 class Pictures {
  public:
@@ -52,4 +52,4 @@ class Message {
   double since_ = -1e9;
 };
 
-}  // namespace raio::view
+}  // namespace raio::core::view

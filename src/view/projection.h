@@ -9,7 +9,7 @@
 #include "view/camera_control.h"
 #include "view/stage.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 class Projection {
  public:
@@ -51,4 +51,4 @@ class Projection {
   bool parallel_;
 };
 
-}  // namespace raio::view
+}  // namespace raio::core::view

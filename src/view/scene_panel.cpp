@@ -10,7 +10,7 @@
 #include "view/texts.h"
 #include "view/theme.h"
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 constexpr int kColorFlags = ImGuiColorEditFlags_Float | ImGuiColorEditFlags_HDR;
@@ -54,7 +54,7 @@ bool draw_camera(ViewState& state) {
   changed |= number_field(tr("angle"), camera.fov_deg, 1, 170);
   bool parallel = camera.is_parallel();
   if (ImGui::Checkbox(tr("parallel rays"), &parallel)) {
-    state.set_projection(parallel ? raio::Projection::orthographic : raio::Projection::perspective);
+    state.set_projection(parallel ? core::Projection::orthographic : core::Projection::perspective);
     return true;
   }
   if (!changed || !is_finite(camera.from) || !is_finite(camera.at) || !is_finite(camera.up) ||
@@ -196,4 +196,4 @@ bool draw_scene(ViewState& state) {
   return changed;
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

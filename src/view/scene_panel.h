@@ -3,9 +3,9 @@
 
 #include "view/state.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 /// Returns whether it changed the state's scene or camera.
 bool draw_scene(ViewState& state);
 
-}  // namespace raio::view
+}  // namespace raio::core::view

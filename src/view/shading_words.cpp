@@ -5,7 +5,7 @@
 #include "view/texts.h"
 #include "view/traversal_words.h"
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 using Kind = ExplainedRay::Kind;
@@ -259,4 +259,4 @@ std::vector<TraversalStep> shading_words(const Explanation& sample, const Scene&
   return ShadingNarrator(sample, scene, settings, ray).tell();
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -7,7 +7,7 @@
 
 #include "render/picture.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 bool Side::has_picture() const {
   return picture && picture->request >= first_request && !texture.empty();
@@ -62,4 +62,4 @@ void draw_split_bar(const Stage& stage, float at, const std::string& left,
   draw_label({x + margin, stage.lo.y + margin}, right, Beside::right);
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -10,7 +10,7 @@
 #include "render/session.h"
 #include "view/stage.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 /// A session, its newest picture, and its texture.
 struct Side {
@@ -41,4 +41,4 @@ void draw_label(ImVec2 at, const std::string& label, Beside beside);
 void draw_split_bar(const Stage& stage, float at, const std::string& left,
                     const std::string& right);
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace raio::view {
+namespace raio::core::view {
 
 Texture::~Texture() {
   if (name_) glDeleteTextures(1, &name_);
@@ -73,4 +73,4 @@ Stage::Stage(const Rect& a, float pixels_per_unit, int width, int height) : area
   hi = {lo.x + size.x, lo.y + size.y};
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -9,7 +9,7 @@
 #include "io/image/image.h"
 #include "view/layout.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 /// A picture on the graphics card, with the bytes that `raio render` would write.
 class Texture {
@@ -55,4 +55,4 @@ struct Stage {
   double aspect() const { return double(picture_width) / picture_height; }
 };
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -16,7 +16,7 @@
 #include "render/read_options.h"
 #include "view/texts.h"
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 constexpr std::array kStructures = {AccelKind::bvh, AccelKind::grid, AccelKind::embree,
@@ -64,7 +64,7 @@ Camera ViewState::own_camera() const {
   return first_camera(o, *scene);
 }
 
-void ViewState::set_projection(raio::Projection projection) {
+void ViewState::set_projection(core::Projection projection) {
   const bool own = same_camera(camera, own_camera());
   camera.projection = projection;
   if (own) camera = own_camera();
@@ -99,7 +99,7 @@ bool ViewState::is_on(Command effect) const {
     case Command::translucency:
       return spreads(*scene, options.translucency);
     case Command::motion:
-      return raio::is_on(Effect::motion, options, *scene);
+      return core::is_on(Effect::motion, options, *scene);
     default:
       return false;
   }
@@ -285,4 +285,4 @@ Pick pick(const Accel& accel, const Camera& camera, double x, double y, double w
   return out;
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -14,7 +14,7 @@
 #include "scene/scene.h"
 #include "view/keys.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 /// The samples of a picture if the options leave their number open.
 inline constexpr int kRefineSamples = 1024;
@@ -72,7 +72,7 @@ class ViewState {
 
   /// Objects at the distance of the point looked at keep their size; the scene's own camera becomes
   /// the one that shows everything in the other projection.
-  void set_projection(raio::Projection projection);
+  void set_projection(core::Projection projection);
 
   /// The equivalent options of `raio render` for this picture with this size, without those that
   /// have no effect. `samples`: per pixel, if their number is open; 0: the final number of
@@ -124,4 +124,4 @@ struct Pick {
 };
 Pick pick(const Accel& accel, const Camera& camera, double x, double y, double width_per_height);
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -12,7 +12,7 @@
 #include "view/texts.h"
 #include "view/theme.h"
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 constexpr float kNearest = 0.9f, kFarthest = 0.25f;  // opacity of their lines
@@ -99,4 +99,4 @@ void StructureOverlay::draw(const Rect& area, const ViewState& state,
   draw.PopClipRect();
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

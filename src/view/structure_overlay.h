@@ -9,7 +9,7 @@
 #include "view/stage.h"
 #include "view/state.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 /// What can be drawn.
 struct BoxFacts {
@@ -40,4 +40,4 @@ class StructureOverlay {
   BoxFacts facts_;
 };
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -6,7 +6,7 @@
 
 #include "app/terminal.h"
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 Language g_language = Language::english;
@@ -535,4 +535,4 @@ std::string number_of(size_t count, const char* one, const char* many) {
 
 std::span<const std::pair<const char*, const char*>> text_table() { return kTexts; }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <utility>
 
-namespace raio::view {
+namespace raio::core::view {
 
 enum class Language : uint8_t { english, portuguese };
 
@@ -42,4 +42,4 @@ std::string number_of(size_t count, const char* one, const char* many);
 /// English and Portuguese, for tests: every text that is drawn has a line.
 std::span<const std::pair<const char*, const char*>> text_table();
 
-}  // namespace raio::view
+}  // namespace raio::core::view

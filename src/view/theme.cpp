@@ -10,7 +10,7 @@
 #include <system_error>
 #include <vector>
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 constexpr float kTextSize = 15, kProjector = 1.5f;
@@ -213,4 +213,4 @@ float em_of(const Theme& look, float scale) {
 ImFont* heading_font() { return g_heading; }
 ImFont* title_font() { return g_title; }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -6,7 +6,7 @@
 
 #include <string_view>
 
-namespace raio::view {
+namespace raio::core::view {
 
 /// The user's choices.
 struct Theme {
@@ -48,4 +48,4 @@ inline ImU32 color(const ImVec4& c, float alpha = 1) {
   return ImGui::ColorConvertFloat4ToU32({c.x, c.y, c.z, c.w * alpha});
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

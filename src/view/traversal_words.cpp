@@ -6,7 +6,7 @@
 
 #include "view/texts.h"
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 using Kind = ExplainedRay::Kind;
@@ -303,4 +303,4 @@ std::vector<TraversalStep> traversal_words(const ExplainedRay& ray, const TraceL
   return TraversalNarrator(ray, log, geometry, kind).tell();
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -9,7 +9,7 @@
 #include "accel/accel.h"
 #include "integrate/explain.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 /// A step of the algorithm for the inspector, in the window's language.
 struct TraversalStep {
@@ -33,4 +33,4 @@ std::vector<TraversalStep> traversal_words(const ExplainedRay& ray, const TraceL
 std::vector<TraversalStep> shading_words(const Explanation& sample, const Scene& scene,
                                          const RenderSettings& settings, size_t ray);
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -15,7 +15,7 @@
 #include "render/render.h"
 #include "view/texts.h"
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 constexpr double kFrameSeconds = 0.024;   // of rendering; drawing takes the rest of a 30th
@@ -309,4 +309,4 @@ void Viewer::save_when_whole() {
                 command_line(path));
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -26,7 +26,7 @@
 #include "view/structure_overlay.h"
 #include "view/window.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 class Viewer final : public WindowEvents {
  public:
@@ -162,4 +162,4 @@ class Viewer final : public WindowEvents {
   std::string to_save_;
 };
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -7,7 +7,7 @@
 #include "view/texts.h"
 #include "view/viewer.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 void Viewer::obey(const KeySpec& key) {
   switch (key.command) {
@@ -240,4 +240,4 @@ std::string Viewer::command_line(const std::string& output) const {
   return state_.command_line(stage_.picture_width, stage_.picture_height, samples, output);
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -8,7 +8,7 @@
 #include "view/theme.h"
 #include "view/viewer.h"
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 constexpr double kSlowSeconds = 0.8;  // a slower first sample shows its progress
@@ -171,4 +171,4 @@ void Viewer::log_picture(Side& side, std::string_view name) {
   if (const auto news = side.news()) log(fmt::format("{}: {}", name, *news));
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

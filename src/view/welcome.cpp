@@ -8,7 +8,7 @@
 #include "view/texts.h"
 #include "view/theme.h"
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 void draw_list(const char* title, const std::vector<std::string>& paths, bool with_folders,
@@ -72,4 +72,4 @@ WelcomeResult draw_welcome(const Rect& where, const std::vector<std::string>& re
   return result;
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -7,7 +7,7 @@
 
 #include "view/layout.h"
 
-namespace raio::view {
+namespace raio::core::view {
 
 struct WelcomeResult {
   std::optional<std::string> open;  // a scene was selected
@@ -17,4 +17,4 @@ struct WelcomeResult {
 WelcomeResult draw_welcome(const Rect& where, const std::vector<std::string>& recent,
                            const std::vector<std::string>& samples);
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -16,7 +16,7 @@
 
 #include "view/layout.h"
 
-namespace raio::view {
+namespace raio::core::view {
 namespace {
 
 const auto g_start = std::chrono::steady_clock::now();
@@ -236,4 +236,4 @@ double Window::seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - g_start).count();
 }
 
-}  // namespace raio::view
+}  // namespace raio::core::view

@@ -11,7 +11,7 @@
 
 struct GLFWwindow;
 
-namespace raio::view {
+namespace raio::core::view {
 
 /// Receives input events. Positions are in window coordinates.
 class WindowEvents {
@@ -84,4 +84,4 @@ class Window {
   std::string title_;
 };
 
-}  // namespace raio::view
+}  // namespace raio::core::view

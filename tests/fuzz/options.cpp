@@ -6,7 +6,7 @@
 
 #include "require.h"
 
-namespace raio::fuzz {
+namespace raio::core::fuzz {
 namespace {
 
 void set(RenderOptions& options, std::string_view line) {
@@ -25,10 +25,10 @@ bool within(double value, double least, double most) {
 }
 
 }  // namespace
-}  // namespace raio::fuzz
+}  // namespace raio::core::fuzz
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  using namespace raio;
+  using namespace raio::core;
   using fuzz::within;
   std::string_view text(reinterpret_cast<const char*>(data), size);
   RenderOptions options;

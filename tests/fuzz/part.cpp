@@ -13,7 +13,7 @@ extern "C" size_t LLVMFuzzerCustomMutator(uint8_t* data, size_t size, size_t mos
   const size_t mutated = LLVMFuzzerMutate(data, size, most);
   if (seed % 8 == 0 || mutated < kHashBytes) return mutated;
   const size_t end = mutated - kHashBytes;
-  const auto hash = raio::hash128({reinterpret_cast<const char*>(data), end});
+  const auto hash = raio::core::hash128({reinterpret_cast<const char*>(data), end});
   for (size_t i = 0; i < 8; ++i) {
     data[end + i] = uint8_t(hash.first >> 8 * i);
     data[end + 8 + i] = uint8_t(hash.second >> 8 * i);
@@ -22,7 +22,7 @@ extern "C" size_t LLVMFuzzerCustomMutator(uint8_t* data, size_t size, size_t mos
 }
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  using namespace raio;
+  using namespace raio::core;
   const auto part = decode_part({reinterpret_cast<const char*>(data), size});
   if (!part) return fuzz::require(!part.error().text().empty(), "an error has a reason"), 0;
   const Film& film = *part->film;

@@ -11,7 +11,7 @@
 
 extern "C" size_t LLVMFuzzerMutate(uint8_t* data, size_t size, size_t most);
 
-namespace raio::fuzz {
+namespace raio::core::fuzz {
 namespace {
 
 uint32_t big_endian(const uint8_t* p) {
@@ -32,17 +32,17 @@ void mend_check_sums(uint8_t* data, size_t size) {
 }
 
 }  // namespace
-}  // namespace raio::fuzz
+}  // namespace raio::core::fuzz
 
 extern "C" size_t LLVMFuzzerCustomMutator(uint8_t* data, size_t size, size_t most, unsigned seed) {
   const size_t mutated = LLVMFuzzerMutate(data, size, most);
   if (seed % 8 != 0 && mutated > 1 && std::memcmp(data, "\x89P", 2) == 0)
-    raio::fuzz::mend_check_sums(data, mutated);
+    raio::core::fuzz::mend_check_sums(data, mutated);
   return mutated;
 }
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  using namespace raio;
+  using namespace raio::core;
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);
   if (const auto settings = decode_metadata(bytes))
     (void)options_from(*settings);

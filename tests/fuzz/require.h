@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <string_view>
 
-namespace raio::fuzz {
+namespace raio::core::fuzz {
 
 /// Ends the program unless `holds`, so that libFuzzer keeps the input.
 inline void require(bool holds, std::string_view what) {
@@ -14,4 +14,4 @@ inline void require(bool holds, std::string_view what) {
   std::abort();
 }
 
-}  // namespace raio::fuzz
+}  // namespace raio::core::fuzz

@@ -7,7 +7,7 @@
 #include "render/render.h"
 #include "require.h"
 
-namespace raio::fuzz {
+namespace raio::core::fuzz {
 namespace {
 
 constexpr size_t kMaxPrimitives = 100, kMaxLights = 10;
@@ -49,10 +49,10 @@ void check_pictures(const Scene& scene) {
 }
 
 }  // namespace
-}  // namespace raio::fuzz
+}  // namespace raio::core::fuzz
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  using namespace raio;
+  using namespace raio::core;
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   const auto read = parse_nff(text, "fuzz.nff");
   if (!read) return fuzz::check_errors(read.error()), 0;

@@ -11,12 +11,12 @@ extern "C" size_t LLVMFuzzerMutate(uint8_t* data, size_t size, size_t most);
 /// Makes the hashes right, so that a change gets past them.
 extern "C" size_t LLVMFuzzerCustomMutator(uint8_t* data, size_t size, size_t most, unsigned seed) {
   const size_t mutated = LLVMFuzzerMutate(data, size, most);
-  if (seed % 8 != 0) raio::tests::mend_raio_scene(reinterpret_cast<char*>(data), mutated);
+  if (seed % 8 != 0) raio::core::tests::mend_raio_scene(reinterpret_cast<char*>(data), mutated);
   return mutated;
 }
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  using namespace raio;
+  using namespace raio::core;
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);
   // GRO is the only format detected by suffix alone; this title stands for it.
   const auto read = parse_scene(bytes, bytes.starts_with("gro\n") ? "fuzz.gro" : "fuzz",

@@ -19,7 +19,7 @@
 #include "io/raio/raio.h"
 #include "render/part.h"
 
-namespace raio::fuzz {
+namespace raio::core::fuzz {
 namespace {
 
 namespace fs = std::filesystem;
@@ -152,11 +152,11 @@ void write_all(const fs::path& folder) {
 }
 
 }  // namespace
-}  // namespace raio::fuzz
+}  // namespace raio::core::fuzz
 
 int main(int argc, char** argv) try {
   if (argc != 2) throw std::runtime_error("usage: raio_fuzz_seeds FOLDER");
-  raio::fuzz::write_all(argv[1]);
+  raio::core::fuzz::write_all(argv[1]);
 } catch (const std::exception& error) {
   std::fprintf(stderr, "%s\n", error.what());
   return 1;

@@ -17,8 +17,8 @@ constexpr std::string_view kFile =
     "HETATM    5 NA    NA A   7       0.000   5.000   0.000  1.00  0.00          NA\n"
     "HETATM    6  O   HOH A 101       0.000   5.000   5.000  1.00  0.00           O\n";
 
-size_t atoms(const raio::ReadOptions& options) {
-  const auto read = raio::parse_scene(kFile, "a.pdb", options);
+size_t atoms(const raio::core::ReadOptions& options) {
+  const auto read = raio::core::parse_scene(kFile, "a.pdb", options);
   return read ? read->scene.spheres.size() : 0;
 }
 
@@ -26,13 +26,13 @@ size_t atoms(const raio::ReadOptions& options) {
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const std::string text(reinterpret_cast<const char*>(data), size);
-  const bool is_sound = raio::selection_problem(text).empty();
-  const size_t kept = atoms({.style = raio::AtomStyle::space_filling, .only = text});
-  raio::fuzz::require(is_sound || kept == 0 || text.empty(),
-                      "what is no selection chooses nothing");
-  const size_t rest = atoms({.style = raio::AtomStyle::space_filling, .hide = text});
+  const bool is_sound = raio::core::selection_problem(text).empty();
+  const size_t kept = atoms({.style = raio::core::AtomStyle::space_filling, .only = text});
+  raio::core::fuzz::require(is_sound || kept == 0 || text.empty(),
+                            "what is no selection chooses nothing");
+  const size_t rest = atoms({.style = raio::core::AtomStyle::space_filling, .hide = text});
   // Either leaves no atom, or the file lacks the selected property.
-  raio::fuzz::require(!is_sound || kept == 0 || rest == 0 || kept + rest == 6,
-                      "what is chosen and what is hidden are all atoms");
+  raio::core::fuzz::require(!is_sound || kept == 0 || rest == 0 || kept + rest == 6,
+                            "what is chosen and what is hidden are all atoms");
   return 0;
 }

@@ -15,7 +15,7 @@
 #include "accel/blocks/form-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace raio::HWY_NAMESPACE {
+namespace raio::core::HWY_NAMESPACE {
 
 template <bool any>
 class Beams {
@@ -350,7 +350,7 @@ class Beams {
   TraceContext& context_;
 };
 
-}  // namespace raio::HWY_NAMESPACE
+}  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

@@ -1,6 +1,6 @@
 #include "accel/blocks/blocks.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using Ids = std::span<const PrimitiveId>;
@@ -95,4 +95,4 @@ size_t Blocks::bytes() const {
 }
 // NOLINTEND(readability-convert-member-functions-to-static)
 
-}  // namespace raio
+}  // namespace raio::core

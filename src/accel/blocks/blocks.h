@@ -16,7 +16,7 @@
 #include "base/box.h"
 #include "base/memory.h"
 
-namespace raio {
+namespace raio::core {
 
 inline constexpr int kBlockWidth = 8;
 
@@ -131,4 +131,4 @@ struct Blocks {
   size_t bytes() const;
 };
 
-}  // namespace raio
+}  // namespace raio::core

@@ -11,7 +11,7 @@
 #include "accel/blocks/rays-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace raio::HWY_NAMESPACE {
+namespace raio::core::HWY_NAMESPACE {
 
 constexpr size_t kPackets = kChunk / kPacket;
 
@@ -289,7 +289,7 @@ class BeamMaker {
   BeamScratch& scratch_;
 };
 
-}  // namespace raio::HWY_NAMESPACE
+}  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

@@ -21,7 +21,7 @@
 #undef RAIO_KINDS_IN_LANES
 
 HWY_BEFORE_NAMESPACE();
-namespace raio::HWY_NAMESPACE {
+namespace raio::core::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // Machines with fewer lanes take several steps.
@@ -204,7 +204,7 @@ HWY_INLINE Numbers<VD> widened(const Numbers<float[kBlockWidth]>& columns, Load&
   return out;
 }
 
-}  // namespace raio::HWY_NAMESPACE
+}  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

@@ -14,7 +14,7 @@
 #include "accel/blocks/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace raio::HWY_NAMESPACE {
+namespace raio::core::HWY_NAMESPACE {
 
 // The queries of rays: the nearest opaque hit, or any; the next transparent hit after another, or
 // the sum of optical depths.
@@ -456,7 +456,7 @@ class Rays {
   TraceContext& context_;
 };
 
-}  // namespace raio::HWY_NAMESPACE
+}  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

@@ -13,7 +13,7 @@
 #include "accel/blocks/beams-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace raio::HWY_NAMESPACE {
+namespace raio::core::HWY_NAMESPACE {
 
 // A thread's memory for all its batches.
 template <class TraversalScratch>
@@ -242,7 +242,7 @@ void trace_all(const Geometry& g, const Structure& structure, const RayBatch& ra
   for (size_t i = 0; i < rays.size() && !context.stopped(); i += kChunk) tracer.trace(rays, i, out);
 }
 
-}  // namespace raio::HWY_NAMESPACE
+}  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

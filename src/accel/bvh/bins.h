@@ -8,7 +8,7 @@
 #include "accel/bvh/build.h"
 #include "accel/bvh/bvh.h"
 
-namespace raio {
+namespace raio::core {
 
 /// Half the surface areas of three boxes, in three lanes.
 inline Float4 half_areas(const BuildBox& a, const BuildBox& b, const BuildBox& c) {
@@ -112,4 +112,4 @@ struct Binning {
   }
 };
 
-}  // namespace raio
+}  // namespace raio::core

@@ -16,7 +16,7 @@
 #include "accel/bvh/bvh.h"
 #include "base/parallel.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 constexpr size_t kTask = 4096;  // the minimum number of items for a task
@@ -446,4 +446,4 @@ std::expected<Bvh, std::string> build_bvh(const Geometry& geometry,
   return out;
 }
 
-}  // namespace raio
+}  // namespace raio::core

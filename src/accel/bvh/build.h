@@ -12,7 +12,7 @@
 #include "accel/geometry.h"
 #include "base/memory.h"
 
-namespace raio {
+namespace raio::core {
 
 /// Vectors of four, as compiler extensions: available on every machine, so trees are identical;
 /// nothing here justifies a choice of instruction set at run time.
@@ -82,4 +82,4 @@ inline constexpr int kPlanDepth = 18;
 BuildPlan make_plan(std::span<PrimitiveId> out,
                     const std::function<void(size_t first, BuildRange)>& make);
 
-}  // namespace raio
+}  // namespace raio::core

@@ -4,7 +4,7 @@
 
 #include "accel/structures.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 class BvhAccel final : public Accel {
@@ -104,4 +104,4 @@ AccelResult make_bvh(Geometry geometry) {
   return std::make_unique<BvhAccel>(std::move(geometry), std::move(*bvh));
 }
 
-}  // namespace raio
+}  // namespace raio::core

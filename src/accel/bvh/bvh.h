@@ -13,7 +13,7 @@
 #include "accel/accel.h"
 #include "accel/blocks/blocks.h"
 
-namespace raio {
+namespace raio::core {
 
 /// Levels of nodes split by cost; below, ranges are halved, at most 30 times, then split by kind.
 inline constexpr int kBvhCostLevels = 48;
@@ -61,4 +61,4 @@ void bvh_transparent_depths(const Geometry& geometry, const Bvh& bvh, const RayB
 void bvh_log(const Geometry& geometry, const Bvh& bvh, const RayBatch& ray, bool any,
              TraceContext& context);
 
-}  // namespace raio
+}  // namespace raio::core

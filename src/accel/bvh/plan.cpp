@@ -6,7 +6,7 @@
 #include "accel/bvh/bins.h"
 #include "base/parallel.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 constexpr int kCellBits = 12;
@@ -182,4 +182,4 @@ BuildPlan make_plan(std::span<PrimitiveId> out, const Make& make) {
   return Planner(out, make).plan();
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -3,7 +3,7 @@
 
 #include "accel/bvh/bins.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 constexpr int kBins = 16;
@@ -137,4 +137,4 @@ BuildSplit split_by_cost(BuildRange range, bool hasty, Column<BuildItem>& scratc
   return {middle, bins.box(axis, 0, split.bin), bins.box(axis, split.bin, kBins)};
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -18,7 +18,7 @@
 #include "accel/bvh/bvh.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace raio::HWY_NAMESPACE {
+namespace raio::core::HWY_NAMESPACE {
 
 // A pending child, with the list of rays that hit it.
 struct Waiting {
@@ -168,7 +168,7 @@ void traverse(const Bvh& bvh, bool without_shared, size_t count, StreamScratch& 
   }
 }
 
-}  // namespace raio::HWY_NAMESPACE
+}  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

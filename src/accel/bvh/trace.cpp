@@ -10,7 +10,7 @@
 #include "accel/bvh/stream-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace raio::HWY_NAMESPACE {
+namespace raio::core::HWY_NAMESPACE {
 
 void closest(const Geometry& g, const Bvh& bvh, const RayBatch& rays, HitBatch& hits,
              TraceContext& context) {
@@ -63,11 +63,11 @@ void log(const Geometry& g, const Bvh& bvh, const RayBatch& ray, bool any, Trace
     trace_all<Query::closest, StreamScratch, LoggedRays>(g, bvh, ray, {.hits = &hits}, context);
 }
 
-}  // namespace raio::HWY_NAMESPACE
+}  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace raio {
+namespace raio::core {
 
 HWY_EXPORT(closest);
 HWY_EXPORT(occluded);
@@ -88,5 +88,5 @@ void bvh_log(const Geometry& geometry, const Bvh& bvh, const RayBatch& ray, bool
   HWY_DYNAMIC_DISPATCH(log)(geometry, bvh, ray, any, context);
 }
 
-}  // namespace raio
+}  // namespace raio::core
 #endif

@@ -10,7 +10,7 @@
 #include "accel/bvh/stream-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace raio::HWY_NAMESPACE {
+namespace raio::core::HWY_NAMESPACE {
 
 void next_transparent(const Geometry& g, const Bvh& bvh, const RayBatch& rays,
                       const HitBatch& after, HitBatch& hits, TraceContext& context,
@@ -24,11 +24,11 @@ void transparent_depths(const Geometry& g, const Bvh& bvh, const RayBatch& rays,
   trace_all<Query::depths, StreamScratch>(g, bvh, rays, {.depths = &depths}, context);
 }
 
-}  // namespace raio::HWY_NAMESPACE
+}  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace raio {
+namespace raio::core {
 
 HWY_EXPORT(next_transparent);
 HWY_EXPORT(transparent_depths);
@@ -44,5 +44,5 @@ void bvh_transparent_depths(const Geometry& geometry, const Bvh& bvh, const RayB
   HWY_DYNAMIC_DISPATCH(transparent_depths)(geometry, bvh, rays, depths, context);
 }
 
-}  // namespace raio
+}  // namespace raio::core
 #endif

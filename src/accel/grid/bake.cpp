@@ -8,7 +8,7 @@
 #include "accel/grid/grid.h"
 #include "base/parallel.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using Counts = std::array<uint32_t, kPools>;  // the nodes are groups
@@ -180,4 +180,4 @@ std::expected<GridBlocks, std::string> bake_grid(const Geometry& geometry, const
   return Baker(geometry, cells).bake(available);
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -5,7 +5,7 @@
 #include "base/exact_math.h"
 #include "base/parallel.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 // A primitive as large as the scene would be listed in every cell that it crosses, and one larger
@@ -247,4 +247,4 @@ std::expected<GridCells, std::string> build_grid(const Geometry& geometry,
   return GridBuilder(geometry).build(options);
 }
 
-}  // namespace raio
+}  // namespace raio::core

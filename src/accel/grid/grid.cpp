@@ -6,7 +6,7 @@
 #include "accel/intersect.h"
 #include "accel/structures.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 AccelInfo info_of(const GridCells& cells, size_t bytes) {
@@ -255,4 +255,4 @@ AccelResult make_grid(Geometry geometry, const AccelOptions& options) {
   return std::make_unique<Grid>(std::move(geometry), *cells, std::move(*blocks));
 }
 
-}  // namespace raio
+}  // namespace raio::core

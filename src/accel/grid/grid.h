@@ -15,7 +15,7 @@
 #include "accel/accel.h"
 #include "accel/blocks/blocks.h"
 
-namespace raio {
+namespace raio::core {
 
 struct Lattice {
   Box3d box;
@@ -102,4 +102,4 @@ void grid_closest(const Geometry& geometry, const GridBlocks& blocks, const RayB
 void grid_occluded(const Geometry& geometry, const GridBlocks& blocks, const RayBatch& rays,
                    uint8_t* hit, TraceContext& context);
 
-}  // namespace raio
+}  // namespace raio::core

@@ -10,7 +10,7 @@
 #include "accel/grid/traversal-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace raio::HWY_NAMESPACE {
+namespace raio::core::HWY_NAMESPACE {
 
 void closest(const Geometry& g, const GridBlocks& blocks, const RayBatch& rays, HitBatch& hits,
              TraceContext& context) {
@@ -22,11 +22,11 @@ void occluded(const Geometry& g, const GridBlocks& blocks, const RayBatch& rays,
   trace_all<Query::any, IdLists>(g, blocks, rays, {.hit = hit}, context);
 }
 
-}  // namespace raio::HWY_NAMESPACE
+}  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace raio {
+namespace raio::core {
 
 HWY_EXPORT(closest);
 HWY_EXPORT(occluded);
@@ -41,5 +41,5 @@ void grid_occluded(const Geometry& geometry, const GridBlocks& blocks, const Ray
   HWY_DYNAMIC_DISPATCH(occluded)(geometry, blocks, rays, hit, context);
 }
 
-}  // namespace raio
+}  // namespace raio::core
 #endif

@@ -20,7 +20,7 @@
 #include "accel/grid/grid.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace raio::HWY_NAMESPACE {
+namespace raio::core::HWY_NAMESPACE {
 
 template <class RayGroup>
 class Sweeper {
@@ -160,7 +160,7 @@ void traverse(const GridBlocks& blocks, bool without_shared, size_t count, IdLis
     if (group.end(lists.ids[i]) > 0) sweeper.sweep(lists.ids[i]);
 }
 
-}  // namespace raio::HWY_NAMESPACE
+}  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

@@ -7,7 +7,7 @@
 #include <memory>
 #include <string_view>
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 // Nothing if the file is missing. The first use of a stream would take longer than all of this.
@@ -184,4 +184,4 @@ std::optional<ControlGroups::Memory> ControlGroups::memory() const {
   return least;
 }
 
-}  // namespace raio
+}  // namespace raio::core

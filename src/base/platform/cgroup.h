@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace raio {
+namespace raio::core {
 
 class ControlGroups {
  public:
@@ -39,4 +39,4 @@ class ControlGroups {
   Hierarchy cpu_, memory_;
 };
 
-}  // namespace raio
+}  // namespace raio::core

@@ -6,7 +6,7 @@
 
 #include "base/platform/files_parts.h"
 
-namespace raio {
+namespace raio::core {
 
 namespace fs = std::filesystem;
 
@@ -72,4 +72,4 @@ std::expected<Column<std::byte>, std::string> read_bytes(const fs::path& path) t
   return std::unexpected("not enough memory for the file");
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -12,7 +12,7 @@
 
 #include "base/memory.h"
 
-namespace raio {
+namespace raio::core {
 
 using FileOutcome = std::expected<void, std::string>;
 
@@ -72,4 +72,4 @@ class InputFile {
 /// ends the process (SIGBUS). Fails for folders and devices, and if memory does not suffice.
 std::expected<Column<std::byte>, std::string> read_bytes(const std::filesystem::path& path);
 
-}  // namespace raio
+}  // namespace raio::core

@@ -9,7 +9,7 @@
 
 #include "base/platform/files.h"
 
-namespace raio {
+namespace raio::core {
 
 /// The system's text for an errno.
 std::string system_reason(int error);
@@ -30,4 +30,4 @@ struct UnfinishedFiles {
 };
 UnfinishedFiles& unfinished_files();
 
-}  // namespace raio
+}  // namespace raio::core

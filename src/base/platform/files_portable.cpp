@@ -8,7 +8,7 @@
 
 #include "base/platform/files_parts.h"
 
-namespace raio {
+namespace raio::core {
 
 struct CloseFile {
   void operator()(std::FILE* file) const {
@@ -196,4 +196,4 @@ std::expected<size_t, std::string> InputFile::read(char* to, size_t bytes) {
   return got;
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -14,7 +14,7 @@
 #include "base/parallel.h"
 #include "base/platform/files_parts.h"
 
-namespace raio {
+namespace raio::core {
 
 namespace {
 
@@ -304,4 +304,4 @@ std::expected<size_t, std::string> InputFile::read(char* to, size_t bytes) {
   }
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -4,7 +4,7 @@
 #include <expected>
 #include <string>
 
-namespace raio {
+namespace raio::core {
 
 /// Loads a shared library permanently, by its linker name ("libcairo.so.2"). The error is one line.
 std::expected<void, std::string> load_library(const char* file);
@@ -13,4 +13,4 @@ std::expected<void, std::string> load_library(const char* file);
 /// the library is not the version compiled against.
 void* library_function(const char* file, const std::string& name);
 
-}  // namespace raio
+}  // namespace raio::core

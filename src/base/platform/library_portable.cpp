@@ -3,7 +3,7 @@
 
 #include "base/platform/library.h"
 
-namespace raio {
+namespace raio::core {
 
 std::expected<void, std::string> load_library(const char* file) {
   return std::unexpected("cannot load a library, " + std::string(file) +
@@ -14,4 +14,4 @@ void* library_function(const char* file, const std::string& name) {
   throw std::runtime_error("no function " + name + ": the library " + file + " is not loaded");
 }
 
-}  // namespace raio
+}  // namespace raio::core

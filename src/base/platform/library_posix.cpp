@@ -4,7 +4,7 @@
 
 #include "base/platform/library.h"
 
-namespace raio {
+namespace raio::core {
 
 std::expected<void, std::string> load_library(const char* file) {
   if (::dlopen(file, RTLD_NOW)) return {};
@@ -20,4 +20,4 @@ void* library_function(const char* file, const std::string& name) {
   return function;
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -8,7 +8,7 @@
 #include <expected>
 #include <string>
 
-namespace raio {
+namespace raio::core {
 
 /// Allocates `bytes`, aligned to a cache line. Large blocks use huge pages where available, which
 /// are allocated faster and cause fewer TLB misses.
@@ -48,4 +48,4 @@ void use_large_pages(void* begin, size_t bytes);
 /// The peak resident size of this process; 0 if unknown.
 size_t peak_memory_bytes();
 
-}  // namespace raio
+}  // namespace raio::core

@@ -5,7 +5,7 @@
 
 #include "base/platform/memory.h"
 
-namespace raio {
+namespace raio::core {
 
 constexpr std::align_val_t kLine{64};
 
@@ -27,4 +27,4 @@ void use_large_pages(void*, size_t) {}
 
 size_t peak_memory_bytes() { return 0; }
 
-}  // namespace raio
+}  // namespace raio::core

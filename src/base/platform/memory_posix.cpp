@@ -16,7 +16,7 @@
 #include "base/platform/cgroup.h"
 #include "base/platform/memory.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 constexpr std::align_val_t kLine{64}, kLargePage{size_t(1) << 21};
@@ -124,4 +124,4 @@ size_t peak_memory_bytes() {
   return size_t(usage.ru_maxrss) * 1024;
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace raio {
+namespace raio::core {
 
 /// The model name of the first processor; "unknown processor" if unavailable.
 std::string processor_name();
@@ -12,4 +12,4 @@ std::string processor_name();
 /// where none limits it.
 int usable_cores();
 
-}  // namespace raio
+}  // namespace raio::core

@@ -2,10 +2,10 @@
 
 #include "base/platform/processor.h"
 
-namespace raio {
+namespace raio::core {
 
 std::string processor_name() { return "unknown processor"; }
 
 int usable_cores() { return std::numeric_limits<int>::max(); }
 
-}  // namespace raio
+}  // namespace raio::core

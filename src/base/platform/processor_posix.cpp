@@ -6,7 +6,7 @@
 #include "base/platform/cgroup.h"
 #include "base/platform/processor.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 constexpr int kMaxCores = std::numeric_limits<int>::max();
@@ -28,4 +28,4 @@ int usable_cores() {
   return std::max(1, int(std::ceil(*cores)));
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -11,7 +11,7 @@
 #include "io/atoms/lines.h"
 #include "io/colormaps.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 // Assemblies of this many atoms are coloured by chain if they have large chains.
@@ -159,4 +159,4 @@ std::expected<std::vector<MaterialId>, std::string> color_atoms(const Atoms& ato
   return out;
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -8,7 +8,7 @@
 #include "io/atoms/atoms.h"
 #include "io/read_scene.h"
 
-namespace raio {
+namespace raio::core {
 
 /// The material of each atom, at least one; adds them to the scene, with the legend or the colour
 /// scale. The error says what the file does not have.
@@ -16,4 +16,4 @@ std::expected<std::vector<MaterialId>, std::string> color_atoms(const Atoms& ato
                                                                 const ReadOptions& options,
                                                                 AtomStyle style, ReadScene& to);
 
-}  // namespace raio
+}  // namespace raio::core

@@ -8,7 +8,7 @@
 #include "io/atoms/element_names.h"
 #include "io/atoms/site_values.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using namespace cif;
@@ -229,4 +229,4 @@ bool AtomSite::stands_in_place_of(const Residue& first, const Residue& second) c
          conformer != other;
 }
 
-}  // namespace raio
+}  // namespace raio::core

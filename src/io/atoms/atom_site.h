@@ -15,7 +15,7 @@
 #include "io/atoms/element_names.h"
 #include "io/atoms/names.h"
 
-namespace raio {
+namespace raio::core {
 
 /// The columns that are read.
 enum class SiteColumn : uint8_t {
@@ -155,4 +155,4 @@ class AtomSite {
   std::vector<const SiteRow*> rows_;
 };
 
-}  // namespace raio
+}  // namespace raio::core

@@ -13,7 +13,7 @@
 #include "io/atoms/lines.h"
 #include "io/atoms/site_values.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using namespace cif;
@@ -284,4 +284,4 @@ void AtomSite::add_values(std::vector<std::string> values) {
   });
 }
 
-}  // namespace raio
+}  // namespace raio::core

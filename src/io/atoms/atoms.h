@@ -14,7 +14,7 @@
 
 #include "io/notices.h"
 
-namespace raio {
+namespace raio::core {
 
 struct Atom {
   std::array<float, 3> place{};  // angstroms
@@ -130,4 +130,4 @@ std::optional<CifFault> read_structure(const char* text, size_t size, int frame,
 /// index.
 void note_coincident(Atoms& atoms, const std::function<std::string(uint32_t)>& name_of);
 
-}  // namespace raio
+}  // namespace raio::core

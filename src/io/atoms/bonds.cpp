@@ -8,7 +8,7 @@
 #include "io/atoms/colors.h"
 #include "io/atoms/read.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 constexpr float kTolerance = 0.45f, kLeast = 0.4f;
@@ -135,4 +135,4 @@ size_t add_traces(const std::vector<Atom>& atoms, Bonds& bonds) {
   return bonds.size() - before;
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 constexpr double kOnBorder = 0.02;  // angstroms
@@ -132,4 +132,4 @@ void complete_border(Atoms& atoms, const std::array<int, 3>& images) {
     atoms.notices.add(Severity::guessed, "images of atoms on the faces of the cell", {}, 0, added);
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -7,7 +7,7 @@
 #include "base/vec.h"
 #include "io/atoms/atoms.h"
 
-namespace raio {
+namespace raio::core {
 
 /// Translations from the cell to its images; the first image is the cell itself.
 std::vector<Vec3d> shifts_of(const Atoms& atoms, const std::array<int, 3>& images);
@@ -25,4 +25,4 @@ bool fill_cell(const Atoms& atoms);
 /// unless there is an atom already. A notice counts them.
 void complete_border(Atoms& atoms, const std::array<int, 3>& images);
 
-}  // namespace raio
+}  // namespace raio::core

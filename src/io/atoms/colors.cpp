@@ -8,7 +8,7 @@
 
 #include "base/srgb.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 // Jmol's table; the first entry, for unknown elements, is grey.
@@ -71,4 +71,4 @@ Rgb element_color(int element) {
 
 Rgb distinct_color(uint32_t n) { return linear_from_srgb(kDistinct[n % kDistinctColors]); }
 
-}  // namespace raio
+}  // namespace raio::core

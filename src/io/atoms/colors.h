@@ -7,7 +7,7 @@
 
 #include "base/vec.h"
 
-namespace raio {
+namespace raio::core {
 
 /// Atomic numbers from 1 to 118; 0 is unknown.
 inline constexpr int kElements = 119;
@@ -30,4 +30,4 @@ inline constexpr uint32_t kDistinctColors = 8;
 /// Ito 2008, "Color Universal Design".
 Rgb distinct_color(uint32_t n);
 
-}  // namespace raio
+}  // namespace raio::core

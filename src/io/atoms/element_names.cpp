@@ -9,7 +9,7 @@
 #include "io/atoms/atoms.h"
 #include "io/atoms/colors.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 // Amino acids with their protonation states, caps and variants.
@@ -154,4 +154,4 @@ void ElementCases::tell(Notices& notices) const {
   unknown.tell(notices, Severity::warning, "atoms with names that do not determine an element");
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -9,7 +9,7 @@
 
 #include "io/notices.h"
 
-namespace raio {
+namespace raio::core {
 
 /// The alignment of a name in its field: in PDB files a symbol ends in the second of four columns,
 /// so " CA " is carbon and "CA  " is calcium.
@@ -54,4 +54,4 @@ struct ElementCases {
   void tell(Notices& notices) const;
 };
 
-}  // namespace raio
+}  // namespace raio::core

@@ -5,7 +5,7 @@
 #include "io/atoms/colors.h"
 #include "io/atoms/trajectory.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 // Columns of a line: residue number and name, atom name and number, five each, then the position in
@@ -195,4 +195,4 @@ std::expected<ReadScene, Diagnostics> read_gro(const TextBuffer& text, std::stri
       file, options);
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -16,7 +16,7 @@
 #include "io/atoms/read.h"
 #include "io/atoms/rows.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using Done = std::expected<void, Diagnostics>;
@@ -419,4 +419,4 @@ std::expected<ReadScene, Diagnostics> read_lammps_data(const TextBuffer& text,
       options);
 }
 
-}  // namespace raio
+}  // namespace raio::core

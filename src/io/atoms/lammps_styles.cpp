@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 // https://docs.lammps.org/read_data.html; common styles come first.
@@ -220,4 +220,4 @@ std::expected<std::vector<const LammpsStyle*>, std::string> guess_lammps_style(
       fmt::join(names, ", "), names[0]));
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -11,7 +11,7 @@
 #include "io/atoms/atoms.h"
 #include "io/atoms/rows.h"
 
-namespace raio {
+namespace raio::core {
 
 struct LammpsStyle {
   std::string_view name;
@@ -45,4 +45,4 @@ struct LammpsHints {
 std::expected<std::vector<const LammpsStyle*>, std::string> guess_lammps_style(
     std::span<const std::vector<std::string_view>> rows, const LammpsHints& hints);
 
-}  // namespace raio
+}  // namespace raio::core

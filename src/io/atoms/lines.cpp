@@ -1,6 +1,6 @@
 #include "io/atoms/lines.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 constexpr size_t kChunk = 1 << 16;
@@ -55,4 +55,4 @@ std::unexpected<Diagnostics> wrong_line(std::string_view file, size_t number, st
                    printable(line)}});
 }
 
-}  // namespace raio
+}  // namespace raio::core

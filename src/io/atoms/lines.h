@@ -15,7 +15,7 @@
 #include "io/diagnostics.h"
 #include "io/nff/text_cursor.h"
 
-namespace raio {
+namespace raio::core {
 
 /// Index of line starts, built in parallel.
 class LineIndex {
@@ -110,4 +110,4 @@ std::expected<void, Diagnostics> for_lines(const LineIndex& index, std::string_v
   return wrong_line(file, first + wrong + 1, line, *read(wrong, line));
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -9,7 +9,7 @@
 #include "io/atoms/read.h"
 #include "io/nff/text_cursor.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 std::expected<Atoms, Diagnostics> atoms_of(std::string_view bytes, std::string_view file, int frame,
@@ -68,4 +68,4 @@ void note_coincident(Atoms& atoms, const std::function<std::string(uint32_t)>& n
   }
 }
 
-}  // namespace raio
+}  // namespace raio::core

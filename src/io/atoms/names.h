@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace raio {
+namespace raio::core {
 
 class Names {
  public:
@@ -23,4 +23,4 @@ class Names {
   std::map<std::string, uint32_t, std::less<>> numbers_;
 };
 
-}  // namespace raio
+}  // namespace raio::core

@@ -13,7 +13,7 @@
 #include "io/atoms/read.h"
 #include "io/nff/text_cursor.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 enum class Record : uint8_t {
@@ -273,4 +273,4 @@ std::expected<ReadScene, Diagnostics> read_pqr(const TextBuffer& text, std::stri
   return read_rows_of(text, file, true, options);
 }
 
-}  // namespace raio
+}  // namespace raio::core

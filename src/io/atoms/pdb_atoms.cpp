@@ -7,7 +7,7 @@
 
 #include "io/atoms/rows.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 constexpr size_t kPlace = 30, kPlaceEnd = 54, kWidth = 8;
@@ -358,4 +358,4 @@ void PdbAssembler::add(const std::vector<PdbRow>& rows, bool is_pqr, bool with_s
   radiusless_.tell(n, Severity::guessed, "van der Waals radii of atoms with a radius of 0");
 }
 
-}  // namespace raio
+}  // namespace raio::core

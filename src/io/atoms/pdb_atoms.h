@@ -13,7 +13,7 @@
 #include "io/atoms/names.h"
 #include "io/atoms/pdb_records.h"
 
-namespace raio {
+namespace raio::core {
 
 /// A part of a line.
 struct Span {
@@ -99,4 +99,4 @@ class PdbAssembler {
   Cases conformers_, residues_, placeless_, numberless_, radiusless_;
 };
 
-}  // namespace raio
+}  // namespace raio::core

@@ -6,7 +6,7 @@
 #include "io/atoms/element_names.h"
 #include "io/atoms/rows.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 std::string_view columns(std::string_view line, size_t from, size_t count) {
@@ -188,4 +188,4 @@ void add_bonds(const std::vector<PdbLine>& conect, const Serials& serials, Atoms
   missing.tell(out.notices, Severity::left_out, "CONECT bonds to atoms that do not exist");
 }
 
-}  // namespace raio
+}  // namespace raio::core

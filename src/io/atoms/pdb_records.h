@@ -11,7 +11,7 @@
 #include "io/atoms/lines.h"
 #include "io/atoms/names.h"
 
-namespace raio {
+namespace raio::core {
 
 /// The number in a field with optional blanks around it.
 std::optional<double> number_in(std::string_view field);
@@ -42,4 +42,4 @@ inline constexpr uint32_t kLeftOut = 0xfffffffe;  // the atom with this serial w
 /// have six digits.
 void add_bonds(const std::vector<PdbLine>& conect, const Serials& serials, Atoms& out);
 
-}  // namespace raio
+}  // namespace raio::core

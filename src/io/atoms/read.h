@@ -5,7 +5,7 @@
 #include "io/far_origin.h"
 #include "io/read_scene.h"
 
-namespace raio {
+namespace raio::core {
 
 std::expected<ReadScene, Diagnostics> read_pdb(const TextBuffer& text, std::string_view file,
                                                const ReadOptions& options);
@@ -64,4 +64,4 @@ std::expected<ReadScene, Diagnostics> scene_about(const Read& read, std::string_
   return scene_of_atoms(*std::move(atoms), file, options);
 }
 
-}  // namespace raio
+}  // namespace raio::core

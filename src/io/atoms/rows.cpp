@@ -4,7 +4,7 @@
 
 #include "io/atoms/colors.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 std::string_view name_of(Word word) {
@@ -184,4 +184,4 @@ std::vector<std::string_view> words_of(std::string_view line) {
   }
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -12,7 +12,7 @@
 #include "io/atoms/atoms.h"
 #include "io/atoms/lines.h"
 
-namespace raio {
+namespace raio::core {
 
 /// The meaning of a word.
 enum class Word : uint8_t {
@@ -48,4 +48,4 @@ std::expected<void, Diagnostics> read_rows(const LineIndex& index, std::string_v
 /// The words of a line, separated by blanks.
 std::vector<std::string_view> words_of(std::string_view line);
 
-}  // namespace raio
+}  // namespace raio::core

@@ -18,7 +18,7 @@
 #include "io/points.h"
 #include "scene/enclosing.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 // Up to this many atoms are easily seen individually.
@@ -451,4 +451,4 @@ std::expected<ReadScene, Diagnostics> scene_of_atoms(Atoms atoms, std::string_vi
   return read;
 }
 
-}  // namespace raio
+}  // namespace raio::core

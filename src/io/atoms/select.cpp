@@ -15,7 +15,7 @@
 #include "io/atoms/colors.h"
 #include "io/atoms/element_names.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using Mask = std::vector<bool>;  // one per atom
@@ -405,4 +405,4 @@ std::expected<void, std::string> select_atoms(Atoms& atoms, const ReadOptions& o
   return std::unexpected(wrong.text);
 }
 
-}  // namespace raio
+}  // namespace raio::core

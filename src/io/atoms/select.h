@@ -7,7 +7,7 @@
 
 #include "io/read_scene.h"
 
-namespace raio {
+namespace raio::core {
 
 struct Atoms;
 
@@ -27,4 +27,4 @@ bool has_polymer(const Atoms& atoms);
 /// and ions hide a protein. The error names the option that does not fit the file.
 std::expected<void, std::string> select_atoms(Atoms& atoms, const ReadOptions& options, bool fills);
 
-}  // namespace raio
+}  // namespace raio::core

@@ -13,7 +13,7 @@
 #include "io/atoms/atom_site.h"
 #include "io/atoms/element_names.h"
 
-namespace raio::cif {
+namespace raio::core::cif {
 
 inline bool is_null(std::string_view value) { return value == "?" || value == "."; }
 
@@ -79,4 +79,4 @@ inline std::optional<gemmi::SeqId> seqid_of(std::string_view number, std::string
   return out;
 }
 
-}  // namespace raio::cif
+}  // namespace raio::core::cif

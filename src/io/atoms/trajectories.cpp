@@ -8,7 +8,7 @@
 
 #include "io/atoms/trajectory.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 // --- XYZ and extended XYZ
@@ -339,4 +339,4 @@ std::expected<ReadScene, Diagnostics> read_lammps_dump(const TextBuffer& text,
   return scene_of_rows(t, [&](Trajectory&) { return dump.next(); }, options);
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -1,6 +1,6 @@
 #include "io/atoms/trajectory.h"
 
-namespace raio {
+namespace raio::core {
 
 std::expected<Trajectory, Diagnostics> Trajectory::open(const TextBuffer& text,
                                                         std::string_view file,
@@ -72,4 +72,4 @@ void Trajectory::check_last_row() {
   frames.pop_back();
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -7,7 +7,7 @@
 #include "io/atoms/read.h"
 #include "io/atoms/rows.h"
 
-namespace raio {
+namespace raio::core {
 
 /// A frame of a file: its number of atoms and the line of the first one, from 0.
 struct FrameRows {
@@ -114,4 +114,4 @@ class Trajectory {
                                               // should be
 };
 
-}  // namespace raio
+}  // namespace raio::core

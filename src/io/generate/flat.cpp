@@ -7,7 +7,7 @@
 #include "base/exact_math.h"
 #include "io/generate/parts.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using std::numbers::pi;
@@ -255,4 +255,4 @@ Scene make_mount_low(int) { return report_mount(1); }
 Scene make_mount_high(int) { return report_mount(5); }
 Scene make_mount_very_high(int) { return report_mount(7); }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -8,7 +8,7 @@
 #include "base/exact_math.h"
 #include "io/generate/parts.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 constexpr std::array kRecipes = {
@@ -162,4 +162,4 @@ void SceneMaker::smooth_triangle(TriangleIndices positions, TriangleIndices norm
   scene_.triangle_normals.push_back(normals);
 }
 
-}  // namespace raio
+}  // namespace raio::core

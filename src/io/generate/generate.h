@@ -14,7 +14,7 @@
 #include "base/error.h"
 #include "scene/scene.h"
 
-namespace raio {
+namespace raio::core {
 
 /// A scene that can be generated.
 struct SceneRecipe {
@@ -32,4 +32,4 @@ std::span<const SceneRecipe> scene_recipes();
 /// name, with the known ones, or a size out of range, with the range.
 std::expected<Scene, Error> generate_scene(std::string_view name, int size = 0);
 
-}  // namespace raio
+}  // namespace raio::core

@@ -11,7 +11,7 @@
 
 #include "scene/scene.h"
 
-namespace raio {
+namespace raio::core {
 
 /// A linear map, by the images of the three axes.
 struct LinearMap {
@@ -89,4 +89,4 @@ Scene make_mount_very_high(int);
 // io/generate/teapot.cpp.
 Scene make_teapot(int size);
 
-}  // namespace raio
+}  // namespace raio::core

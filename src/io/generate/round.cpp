@@ -5,7 +5,7 @@
 #include "base/exact_math.h"
 #include "io/generate/parts.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using std::numbers::pi;
@@ -237,4 +237,4 @@ Scene make_lattice(int size) {
   return maker.finish();
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -7,7 +7,7 @@
 
 #include "io/generate/parts.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using Patch = std::array<std::array<Vec3d, 4>, 4>;
@@ -187,4 +187,4 @@ Scene make_teapot(int size) {
   return maker.finish();
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -11,7 +11,7 @@
 
 #include "io/image/image.h"
 
-namespace raio {
+namespace raio::core {
 
 template <class T>
 using Decoded = std::expected<T, std::string>;
@@ -95,4 +95,4 @@ std::string encode_pfm(const Image& image);
 /// PF and Pf of either byte order. The magnitude of the scale, a unit of light, is ignored.
 Decoded<Image> decode_pfm(std::string_view bytes);
 
-}  // namespace raio
+}  // namespace raio::core

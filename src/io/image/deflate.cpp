@@ -4,7 +4,7 @@
 
 #include "base/parallel.h"
 
-namespace raio {
+namespace raio::core {
 
 namespace {
 
@@ -59,4 +59,4 @@ Deflated deflate_bands(size_t bands, const CheckSum& check_sum,
   return deflated;
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace raio {
+namespace raio::core {
 
 /// One of zlib's checksums; those of parts can be combined.
 struct CheckSum {
@@ -32,4 +32,4 @@ struct Deflated {
 Deflated deflate_bands(size_t bands, const CheckSum& check_sum,
                        const std::function<std::vector<uint8_t>(size_t band)>& make);
 
-}  // namespace raio
+}  // namespace raio::core

@@ -19,7 +19,7 @@
 
 #include "io/image/codecs.h"
 
-namespace raio {
+namespace raio::core {
 
 namespace {
 
@@ -311,4 +311,4 @@ Decoded<Metadata> exr_metadata(std::string_view bytes) try {
   return std::unexpected(fmt::format("broken EXR: {}", error.what()));
 }
 
-}  // namespace raio
+}  // namespace raio::core

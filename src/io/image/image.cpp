@@ -15,7 +15,7 @@
 #include "base/exact_math.h"
 #include "io/image/codecs.h"
 
-namespace raio {
+namespace raio::core {
 
 namespace {
 
@@ -314,4 +314,4 @@ Image difference_image(const Image& a, const Image& b) {
   return picture;
 }
 
-}  // namespace raio
+}  // namespace raio::core

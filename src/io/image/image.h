@@ -16,7 +16,7 @@
 #include "base/vec.h"
 #include "io/file.h"
 
-namespace raio {
+namespace raio::core {
 
 /// Rows from top to bottom, pixels from left to right, linear display values: 1 is white. Not
 /// clamped.
@@ -125,4 +125,4 @@ ImageDifference compare(const Image& a, const Image& b);
 /// A picture of the differences: |a - b| times eight over a faint grey of `a`.
 Image difference_image(const Image& a, const Image& b);
 
-}  // namespace raio
+}  // namespace raio::core

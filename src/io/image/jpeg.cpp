@@ -10,7 +10,7 @@
 
 #include "io/image/codecs.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 /// Malicious files repeat scans endlessly, which costs this much at most; ordinary files have a
@@ -110,4 +110,4 @@ Decoded<PixelRows> jpeg_rows(std::string_view bytes) {
   return rows;
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -14,7 +14,7 @@
 #include "io/image/codecs.h"
 #include "io/image/deflate.h"
 
-namespace raio {
+namespace raio::core {
 
 namespace {
 
@@ -216,4 +216,4 @@ std::string encode_npy(const PictureView& picture) {
   return bytes;
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -15,7 +15,7 @@
 #include "io/image/codecs.h"
 #include "io/image/deflate.h"
 
-namespace raio {
+namespace raio::core {
 
 namespace {
 
@@ -278,4 +278,4 @@ Decoded<Metadata> png_metadata(std::string_view bytes) {
   return metadata;
 }
 
-}  // namespace raio
+}  // namespace raio::core

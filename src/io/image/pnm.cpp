@@ -9,7 +9,7 @@
 
 #include "io/image/codecs.h"
 
-namespace raio {
+namespace raio::core {
 
 namespace {
 
@@ -203,4 +203,4 @@ Decoded<Image> decode_pfm(std::string_view bytes) {
   return image;
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -14,7 +14,7 @@
 #include "io/points.h"
 #include "shape/polygon.h"
 
-namespace raio {
+namespace raio::core {
 
 // --- words
 Words::Words(const TextBuffer& text)
@@ -308,4 +308,4 @@ void MeshBuilder::note_invisible(const Box3f& box) {
                     size));
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -12,7 +12,7 @@
 #include "io/read_scene.h"
 #include "io/textures.h"
 
-namespace raio {
+namespace raio::core {
 
 /// Maximum number of vertices of a face.
 inline constexpr size_t kMaxCorners = 65535;
@@ -146,4 +146,4 @@ class MeshBuilder {
 /// The colour of a mesh without colours.
 inline constexpr Rgb kPlainColor{0.6f, 0.6f, 0.6f};
 
-}  // namespace raio
+}  // namespace raio::core

@@ -16,7 +16,7 @@
 #include "io/mesh/read.h"
 #include "io/points.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using namespace gltf;
@@ -249,4 +249,4 @@ std::expected<ReadScene, Diagnostics> read_gltf(const TextBuffer& bytes, std::st
   });
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -14,7 +14,7 @@
 
 #include "io/read_scene.h"
 
-namespace raio::gltf {
+namespace raio::core::gltf {
 
 using Index = std::optional<uint32_t>;  // checked index into an array of Document
 
@@ -101,7 +101,7 @@ struct Lens {
   std::string name;
 };
 struct Node {
-  std::array<double, 12> matrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};  // as raio::Matrix
+  std::array<double, 12> matrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};  // as Matrix
   Index mesh, camera, skin;
   std::vector<uint32_t> children;
   std::vector<double> weights;  // override the mesh's
@@ -196,4 +196,4 @@ class MemoryCount {
   double bytes_ = 0;
 };
 
-}  // namespace raio::gltf
+}  // namespace raio::core::gltf

@@ -9,7 +9,7 @@
 #include "io/mesh/builder.h"
 #include "io/mesh/gltf.h"
 
-namespace raio::gltf {
+namespace raio::core::gltf {
 namespace {
 
 // Maximum count of a sparse accessor that has no bufferView.
@@ -35,7 +35,7 @@ std::string decode_base64(std::string_view text, const std::string& what) {
     const int digit = digit_of_base64(text[i]);
     if (digit < 0)
       fail(fmt::format("{}: expected a digit of base64, found {} as character {} of them", what,
-                       raio::quoted(text.substr(i, 1)), i + 1));
+                       core::quoted(text.substr(i, 1)), i + 1));
     bits = bits << 6 | uint32_t(digit);
     count += 6;
     if (count < 8) continue;
@@ -176,7 +176,7 @@ std::string decode_data_uri(std::string_view uri, const std::string& what) {
 std::string file_of_uri(std::string_view uri, const std::string& what) {
   if (uri.find("://") < 10)  // after a scheme
     fail(fmt::format("{}: {} is not a local file; download it and change the uri", what,
-                     raio::quoted(uri)));
+                     core::quoted(uri)));
   return decode_percent(uri);
 }
 
@@ -196,7 +196,7 @@ Buffers::Buffers(const Document& document, std::optional<std::string_view> chunk
       const std::string name = file_of_uri(*buffer.uri, what + "/uri");
       auto bytes = options.folder ? read_beside(*options.folder, name)
                                   : std::unexpected("the scene has no folder to search");
-      if (!bytes) fail(fmt::format("{}/uri: {}: {}", what, raio::quoted(name), bytes.error()));
+      if (!bytes) fail(fmt::format("{}/uri: {}: {}", what, core::quoted(name), bytes.error()));
       bytes_[i] = own_[i] = std::move(*bytes);
     }
     const bool empty = !buffer.uri && bytes_[i].data() == nullptr;
@@ -318,4 +318,4 @@ void MemoryCount::take(double bytes) {
   if (bytes_ > double(available_memory_bytes()) / 2) throw ReadFailure{std::string(kNoMemory)};
 }
 
-}  // namespace raio::gltf
+}  // namespace raio::core::gltf

@@ -8,7 +8,7 @@
 #include "io/mesh/gltf_primitive.h"
 #include "io/points.h"
 
-namespace raio::gltf {
+namespace raio::core::gltf {
 
 std::optional<Camera> camera_through(const Lens& lens, const Transform& place, const Scene& scene) {
   Camera camera;
@@ -45,4 +45,4 @@ std::optional<Camera> camera_through(const Lens& lens, const Transform& place, c
   return camera;
 }
 
-}  // namespace raio::gltf
+}  // namespace raio::core::gltf

@@ -12,7 +12,7 @@
 #include "io/mesh/gltf_json.h"
 #include "io/mesh/gltf_place.h"
 
-namespace raio::gltf {
+namespace raio::core::gltf {
 namespace {
 
 class Parser {
@@ -60,7 +60,7 @@ class Parser {
   // The author's name, else the JSON pointer.
   static std::string label(const Value& value) {
     const auto name = value.find("name");
-    return name && name->is_string() && !name->string().empty() ? raio::quoted(name->string())
+    return name && name->is_string() && !name->string().empty() ? core::quoted(name->string())
                                                                 : value.pointer();
   }
 
@@ -96,13 +96,13 @@ class Parser {
       const bool packed =
           name == "KHR_draco_mesh_compression" || name.find("meshopt") != std::string::npos;
       value.fail(fmt::format("the file requires the extension {}, which is not supported; {}",
-                             raio::quoted(name),
+                             core::quoted(name),
                              packed ? "export without mesh compression" : "export without it"));
     });
     each("extensionsUsed", [&](const Value& value) {
       const std::string& name = value.string();
       if (!kKnown.contains(name))
-        out_.notices.add(Severity::left_out, "extensions", raio::quoted(name));
+        out_.notices.add(Severity::left_out, "extensions", core::quoted(name));
     });
   }
 
@@ -399,4 +399,4 @@ Document parse_document(std::string_view json) {
   return Parser(root).parse();
 }
 
-}  // namespace raio::gltf
+}  // namespace raio::core::gltf

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
-namespace raio::gltf {
+namespace raio::core::gltf {
 
 std::string text_of(const Json& json) {
   if (json.is_object()) return "an object";
   if (json.is_array()) return "an array";
-  if (json.is_string()) return raio::quoted(json.get_ref<const std::string&>());
+  if (json.is_string()) return core::quoted(json.get_ref<const std::string&>());
   return json.dump();
 }
 
@@ -31,4 +31,4 @@ Json parse_json(std::string_view text) {
   }
 }
 
-}  // namespace raio::gltf
+}  // namespace raio::core::gltf

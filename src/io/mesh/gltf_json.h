@@ -16,7 +16,7 @@
 
 #include "io/mesh/builder.h"
 
-namespace raio::gltf {
+namespace raio::core::gltf {
 
 using Json = nlohmann::json;
 
@@ -113,4 +113,4 @@ inline size_t bytes_or(const Value& object, const char* key, size_t usual) {
   return value ? value->whole(0, kMaxBytes) : usual;
 }
 
-}  // namespace raio::gltf
+}  // namespace raio::core::gltf

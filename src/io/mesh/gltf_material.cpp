@@ -5,7 +5,7 @@
 
 #include "base/srgb.h"
 
-namespace raio::gltf {
+namespace raio::core::gltf {
 namespace {
 
 using Json = nlohmann::json;
@@ -86,4 +86,4 @@ Json material_of(const Scene& scene, const GltfAppearance& look) {
   return GltfMaterial(scene, look).json();
 }
 
-}  // namespace raio::gltf
+}  // namespace raio::core::gltf

@@ -5,10 +5,10 @@
 
 #include "io/mesh/gltf_parts.h"
 
-namespace raio::gltf {
+namespace raio::core::gltf {
 
 /// The metallic-roughness material with the same reflectance. Texture indices are those of the
 /// scene.
 nlohmann::json material_of(const Scene& scene, const GltfAppearance& look);
 
-}  // namespace raio::gltf
+}  // namespace raio::core::gltf

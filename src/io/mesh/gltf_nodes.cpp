@@ -6,7 +6,7 @@
 
 #include "io/mesh/builder.h"
 
-namespace raio::gltf {
+namespace raio::core::gltf {
 
 NodeTree::NodeTree(const Document& document, const Buffers& buffers, MemoryCount& memory,
                    Notices& notices)
@@ -106,4 +106,4 @@ const std::vector<Transform>& NodeTree::bones_of(uint32_t number) {
   return out;
 }
 
-}  // namespace raio::gltf
+}  // namespace raio::core::gltf

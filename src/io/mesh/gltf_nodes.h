@@ -7,7 +7,7 @@
 #include "io/mesh/gltf.h"
 #include "io/mesh/gltf_place.h"
 
-namespace raio::gltf {
+namespace raio::core::gltf {
 
 /// A mesh or camera with its transformation.
 struct Use {
@@ -52,4 +52,4 @@ class NodeTree {
 /// A camera at this transformation, directed at the scene; nothing if it would see nothing.
 std::optional<Camera> camera_through(const Lens& lens, const Transform& place, const Scene& scene);
 
-}  // namespace raio::gltf
+}  // namespace raio::core::gltf

@@ -6,7 +6,7 @@
 #include "io/mesh/builder.h"
 #include "io/textures.h"
 
-namespace raio::gltf {
+namespace raio::core::gltf {
 namespace {
 
 /// Decodes textures on first use.
@@ -48,7 +48,7 @@ class Pictures {
     const std::string name = file_of_uri(image.uri, what + "/uri");
     const auto bytes = options_.folder ? read_beside(*options_.folder, name)
                                        : std::unexpected("the scene has no folder to search");
-    if (!bytes) return std::unexpected(fmt::format("{}: {}", raio::quoted(name), bytes.error()));
+    if (!bytes) return std::unexpected(fmt::format("{}: {}", core::quoted(name), bytes.error()));
     return add(*bytes);
   } catch (const ReadFailure& failure) {
     return std::unexpected(failure.message);
@@ -94,4 +94,4 @@ Paints::Paints(const Document& document, const Buffers& buffers, const ReadOptio
   if (any_plain || scene.materials.empty()) plain_ = scene.add_material({.color = Rgb(1), .kd = 1});
 }
 
-}  // namespace raio::gltf
+}  // namespace raio::core::gltf

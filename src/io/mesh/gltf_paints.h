@@ -7,7 +7,7 @@
 #include "io/mesh/gltf_nodes.h"
 #include "scene/scene.h"
 
-namespace raio::gltf {
+namespace raio::core::gltf {
 
 /// Maps the materials of the file to those of the scene.
 class Paints {
@@ -23,4 +23,4 @@ class Paints {
   MaterialId plain_ = 0;
 };
 
-}  // namespace raio::gltf
+}  // namespace raio::core::gltf

@@ -13,7 +13,7 @@
 #include "scene/columns.h"
 #include "shape/polygon.h"
 
-namespace raio::gltf {
+namespace raio::core::gltf {
 namespace {
 
 // glTF viewers draw each node separately and slow down beyond these numbers.
@@ -321,4 +321,4 @@ std::expected<SurfaceParts, std::string> surface_parts(const Scene& scene) {
 
 size_t count_curved(const Scene& scene) { return size_t(sum_of_copies(scene, count_own)); }
 
-}  // namespace raio::gltf
+}  // namespace raio::core::gltf

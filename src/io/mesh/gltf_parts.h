@@ -10,7 +10,7 @@
 #include "io/mesh/gltf_shapes.h"
 #include "scene/scene.h"
 
-namespace raio::gltf {
+namespace raio::core::gltf {
 
 /// Identifies a glTF material: a material of the scene with its own colour and opacity.
 struct GltfAppearance {
@@ -63,4 +63,4 @@ std::expected<SurfaceParts, std::string> surface_parts(const Scene& scene);
 /// The number of spheres, cones and so on that become triangles, including instances.
 size_t count_curved(const Scene& scene);
 
-}  // namespace raio::gltf
+}  // namespace raio::core::gltf

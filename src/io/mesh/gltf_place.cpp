@@ -2,7 +2,7 @@
 
 #include "base/exact_math.h"
 
-namespace raio::gltf {
+namespace raio::core::gltf {
 
 std::array<double, 12> placement_matrix(const NodePlace& place) {
   auto [x, y, z, w] = place.rotation;
@@ -67,4 +67,4 @@ std::optional<NodePlace> place_of(const Matrix& m) {
   return place;
 }
 
-}  // namespace raio::gltf
+}  // namespace raio::core::gltf

@@ -10,7 +10,7 @@
 #include "base/vec.h"
 #include "io/points.h"
 
-namespace raio::gltf {
+namespace raio::core::gltf {
 
 /// Like Matrix, in double.
 struct Transform {
@@ -58,7 +58,7 @@ struct NodePlace {
   Vec3d scale{1, 1, 1};
 };
 
-/// Rows as in raio::Matrix.
+/// Rows as in Matrix.
 std::array<double, 12> placement_matrix(const NodePlace& place);
 
 /// The quaternion, with w >= 0, that rotates the axes to these orthonormal vectors (Shepperd 1978,
@@ -68,4 +68,4 @@ std::array<double, 4> rotation_to(Vec3d x, Vec3d y, Vec3d z);
 /// The node of an instance; nothing if its matrix shears, which nodes cannot express.
 std::optional<NodePlace> place_of(const Matrix& m);
 
-}  // namespace raio::gltf
+}  // namespace raio::core::gltf

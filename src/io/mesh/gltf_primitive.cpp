@@ -9,7 +9,7 @@
 #include "io/mesh/builder.h"
 #include "io/points.h"
 
-namespace raio::gltf {
+namespace raio::core::gltf {
 namespace {
 
 Vec3f normal(const Elements& from, size_t i) {
@@ -195,4 +195,4 @@ void PrimitiveReader::take_pose(Mesh& mesh, const MeshPrimitive& p, const PosedU
   for (const Vec3f& position : mesh.positions) (void)checked(position, what);
 }
 
-}  // namespace raio::gltf
+}  // namespace raio::core::gltf

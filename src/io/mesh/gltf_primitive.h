@@ -8,7 +8,7 @@
 #include "io/mesh/gltf_nodes.h"
 #include "scene/scene.h"
 
-namespace raio::gltf {
+namespace raio::core::gltf {
 
 inline bool draws_triangles(const MeshPrimitive& p) { return p.mode >= 4; }
 
@@ -43,4 +43,4 @@ class PrimitiveReader {
   std::vector<uint32_t> numbers_, named_;  // vertex indices in the mesh; kNoNormal: unused
 };
 
-}  // namespace raio::gltf
+}  // namespace raio::core::gltf

@@ -6,7 +6,7 @@
 
 #include "base/exact_math.h"
 
-namespace raio::gltf {
+namespace raio::core::gltf {
 namespace {
 
 /// A frustum between two rings of `sides` + 1 points, so that each face has its own normal at an
@@ -124,4 +124,4 @@ PlacedShape placed(const Ellipsoid& e) {
 
 PlacedShape placed(const MovingSphere& s) { return placed(at_time(s, s.begin)); }
 
-}  // namespace raio::gltf
+}  // namespace raio::core::gltf

@@ -11,7 +11,7 @@
 #include "io/mesh/gltf_place.h"
 #include "scene/scene.h"
 
-namespace raio::gltf {
+namespace raio::core::gltf {
 
 /// Triangles with optional attributes; missing ones are empty.
 struct Surface {
@@ -45,4 +45,4 @@ PlacedShape placed(const Ellipsoid& e);
 PlacedShape placed(const Disc& d);
 PlacedShape placed(const MovingSphere& s);  // at its start
 
-}  // namespace raio::gltf
+}  // namespace raio::core::gltf

@@ -18,7 +18,7 @@
 #include "io/mesh/write.h"
 #include "scene/columns.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using namespace gltf;
@@ -336,4 +336,4 @@ std::string not_in_gltf(const Scene& scene) {
   return lost;
 }
 
-}  // namespace raio
+}  // namespace raio::core

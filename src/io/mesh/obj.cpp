@@ -17,7 +17,7 @@
 #include "io/mesh/read.h"
 #include "io/points.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 namespace fs = std::filesystem;
@@ -67,7 +67,7 @@ PaintMap read_map(Words& words, const fs::path& library, Diagnostics& warnings) 
         (void)words.next();
       if (!takes_numbers) (void)words.next();
       warnings.push_back({Severity::warning, library.string(), map.line, 1,
-                          fmt::format("the option {} of map_Kd is left out", raio::quoted(option)),
+                          fmt::format("the option {} of map_Kd is left out", core::quoted(option)),
                           ""});
     }
   }
@@ -377,7 +377,7 @@ class ObjReader {
     if (texture) return *texture;
     out_.warnings.push_back(
         {Severity::warning, map.library.string(), map.line, 1,
-         fmt::format("the texture {}: {}", raio::quoted(map.name), texture.error()), ""});
+         fmt::format("the texture {}: {}", core::quoted(map.name), texture.error()), ""});
     return kNoTexture;
   }
 
@@ -402,14 +402,14 @@ class ObjReader {
     // Not a pipe, which could block.
     if (!options_.folder || !fs::is_regular_file(file, error))
       return out_.warn(
-          fmt::format("its materials: found no file {} in its folder", raio::quoted(name)));
+          fmt::format("its materials: found no file {} in its folder", core::quoted(name)));
     const auto text = TextBuffer::read_file(file);
     if (!text)
-      return out_.warn(fmt::format("its materials: {}: {}", raio::quoted(name), text.error()));
+      return out_.warn(fmt::format("its materials: {}: {}", core::quoted(name), text.error()));
     try {
       read_mtl(*text, file, paints_, left_out_, out_.warnings);
     } catch (const ReadFailure& failure) {
-      out_.warn(fmt::format("its materials: {}:{}:{}: {}", raio::quoted(name), failure.line,
+      out_.warn(fmt::format("its materials: {}:{}:{}: {}", core::quoted(name), failure.line,
                             failure.column, failure.message));
     }
   }
@@ -500,4 +500,4 @@ std::expected<ReadScene, Diagnostics> read_obj(const TextBuffer& bytes, std::str
   });
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -9,7 +9,7 @@
 #include "io/mesh/builder.h"
 #include "io/mesh/read.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 class OffReader {
@@ -133,4 +133,4 @@ std::expected<ReadScene, Diagnostics> read_off(const TextBuffer& bytes, std::str
   });
 }
 
-}  // namespace raio
+}  // namespace raio::core

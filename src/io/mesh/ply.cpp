@@ -24,7 +24,7 @@
 #include "io/mesh/write.h"
 #include "io/points.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 // Vertex properties, with the names that programs use.
@@ -98,7 +98,7 @@ class PlyReader {
       at_[kRadius] = std::exchange(at_[kRed], std::nullopt);
     if (!options_.color_by.empty() && !colored_by_)
       fail(fmt::format("vertices have no property {}; there are {}",
-                       raio::quoted(options_.color_by), names_of(element)));
+                       core::quoted(options_.color_by), names_of(element)));
     for (const size_t w : {kX, kY, kZ})
       if (!at_[w]) fail(fmt::format("vertices have no property {}", kNames[w][0]));
     PlyCursor& at = file_.at();
@@ -158,7 +158,7 @@ class PlyReader {
   static std::string names_of(const PlyElement& element) {
     std::string names;
     for (const PlyProperty& property : element.properties)
-      if (!property.count) names += (names.empty() ? "" : ", ") + raio::quoted(property.name);
+      if (!property.count) names += (names.empty() ? "" : ", ") + core::quoted(property.name);
     return names;
   }
   bool has(Wanted w) const { return at_[w].has_value(); }
@@ -461,4 +461,4 @@ std::expected<ReadScene, Diagnostics> read_ply(const TextBuffer& bytes, std::str
   });
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -10,7 +10,7 @@
 
 #include "io/atoms/rows.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 constexpr std::array<std::string_view, 16> kTypeNames = {
@@ -192,9 +192,9 @@ void PlyFile::check_count(const PlyElement& element) const {
   // An element takes at least one byte.
   if (element.properties.empty() || element.count > at_.bytes_left())
     fail(fmt::format("the header's {} elements {} do not fit in the file", element.count,
-                     raio::quoted(element.name)));
+                     core::quoted(element.name)));
   if (element.count >= (size_t(1) << 29))
-    fail(fmt::format("{} elements {} are too many", element.count, raio::quoted(element.name)));
+    fail(fmt::format("{} elements {} are too many", element.count, core::quoted(element.name)));
 }
 
 void PlyFile::skip(const PlyElement& element) {
@@ -232,4 +232,4 @@ std::vector<PlyCursor> PlyFile::chunk_starts(const PlyElement& element) {
   return starts;
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -14,7 +14,7 @@
 #include "io/atoms/lines.h"
 #include "io/mesh/builder.h"
 
-namespace raio {
+namespace raio::core {
 
 enum class PlyType : uint8_t { i8, u8, i16, u16, i32, u32, f32, f64 };
 enum class PlyEncoding : uint8_t { text, little, big };
@@ -174,4 +174,4 @@ class PlyFile {
   int header_lines_ = 0;
 };
 
-}  // namespace raio
+}  // namespace raio::core

@@ -14,7 +14,7 @@
 #include "scene/columns.h"
 #include "shape/polygon.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "numbers are written as they are");
@@ -245,4 +245,4 @@ std::string not_in_ply(const Scene& scene) {
   return lost;
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -3,7 +3,7 @@
 
 #include "io/read_scene.h"
 
-namespace raio {
+namespace raio::core {
 
 /// PLY, as text or binary: a mesh or, without faces, its vertices as spheres (docs/files.md).
 std::expected<ReadScene, Diagnostics> read_ply(const TextBuffer& bytes, std::string_view file,
@@ -28,4 +28,4 @@ std::expected<ReadScene, Diagnostics> read_obj(const TextBuffer& bytes, std::str
 std::expected<ReadScene, Diagnostics> read_gltf(const TextBuffer& bytes, std::string_view file,
                                                 const ReadOptions& options);
 
-}  // namespace raio
+}  // namespace raio::core

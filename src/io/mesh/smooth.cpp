@@ -10,7 +10,7 @@
 #include "base/exact_math.h"
 #include "base/parallel.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 constexpr TriangleIndices kFlatTriangle{kNoNormal, kNoNormal, kNoNormal};
@@ -134,4 +134,4 @@ size_t smooth_meshes(Scene& scene, float degrees) {
   return smooth_all(scene, float(exact_cos(double(degrees) * std::numbers::pi / 180)));
 }
 
-}  // namespace raio
+}  // namespace raio::core

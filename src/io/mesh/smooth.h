@@ -3,7 +3,7 @@
 
 #include "scene/scene.h"
 
-namespace raio {
+namespace raio::core {
 
 /// Edges with a smaller angle look round, others sharp; degrees.
 inline constexpr float kSmoothDegrees = 40;
@@ -14,4 +14,4 @@ inline constexpr float kSmoothDegrees = 40;
 /// one. A mesh with sharp edges only stays flat. Returns the number of smoothed meshes.
 size_t smooth_meshes(Scene& scene, float degrees);
 
-}  // namespace raio
+}  // namespace raio::core

@@ -13,7 +13,7 @@
 #include "io/mesh/read.h"
 #include "io/points.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 constexpr size_t kHeader = 80, kTriangleBytes = 50, kNormalBytes = 12;
@@ -147,4 +147,4 @@ std::expected<ReadScene, Diagnostics> read_stl(const TextBuffer& bytes, std::str
   });
 }
 
-}  // namespace raio
+}  // namespace raio::core

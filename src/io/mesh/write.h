@@ -7,7 +7,7 @@
 
 #include "scene/scene.h"
 
-namespace raio {
+namespace raio::core {
 
 /// The start of a comment with the camera: from, at and up, the vertical angle and the horizontal
 /// one (Camera::horizontal_fov_deg).
@@ -41,4 +41,4 @@ bool gltf_keeps_copies(const Object& scene);
 /// Features that write_gltf() loses, as not_in_ply().
 std::string not_in_gltf(const Scene& scene);
 
-}  // namespace raio
+}  // namespace raio::core

@@ -11,7 +11,7 @@
 #include "io/nff/parser.h"
 #include "io/nff/writer.h"
 
-namespace raio::nff {
+namespace raio::core::nff {
 namespace {
 
 void read_ellipsoid(Parser& p) {
@@ -104,4 +104,4 @@ void write_shape(Writer& w, const Disc& d, size_t) {
   w.text().end_line();
 }
 
-}  // namespace raio::nff
+}  // namespace raio::core::nff

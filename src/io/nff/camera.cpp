@@ -10,7 +10,7 @@
 #include "io/nff/parser.h"
 #include "io/nff/writer.h"
 
-namespace raio::nff {
+namespace raio::core::nff {
 namespace {
 
 /// The parameters of `v`, as written.
@@ -196,4 +196,4 @@ void write_camera(Writer& w) {
     w.text().word("focal").number(double(*c.focus_distance) / view_distance(c)).end_line();
 }
 
-}  // namespace raio::nff
+}  // namespace raio::core::nff

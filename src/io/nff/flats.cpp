@@ -12,7 +12,7 @@
 #include "shape/polygon.h"
 #include "shape/triangle.h"
 
-namespace raio::nff {
+namespace raio::core::nff {
 namespace {
 
 constexpr std::string_view kXyzNormal[] = {
@@ -279,4 +279,4 @@ void write_shape(Writer& w, const Plane& plane, size_t) {
   w.text().vector(b).vector(c).end_line();
 }
 
-}  // namespace raio::nff
+}  // namespace raio::core::nff

@@ -9,7 +9,7 @@
 #include "base/exact_math.h"
 #include "scene/scene.h"
 
-namespace raio::nff {
+namespace raio::core::nff {
 
 /// Rows of a picture whose file gives no resolution.
 inline constexpr int kDefaultRows = 512;
@@ -69,4 +69,4 @@ inline std::optional<Vec3f> unit_normal(Vec3d n) {
   return Vec3f(std::abs(len - 1) < 1e-6 ? n : n / len);
 }
 
-}  // namespace raio::nff
+}  // namespace raio::core::nff

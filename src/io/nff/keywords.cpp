@@ -6,7 +6,7 @@
 
 #include "base/spelling.h"
 
-namespace raio::nff {
+namespace raio::core::nff {
 namespace {
 
 constexpr std::array kFamilies = {&kCameras,   &kSurroundings, &kRounds, &kFlats,
@@ -139,10 +139,10 @@ const RefusedWord* find_refused(std::string_view word, size_t numbers) {
 }
 
 std::string_view nearest_word(std::string_view word, bool in_camera) {
-  if (!in_camera) return raio::nearest_word(word, keywords());
+  if (!in_camera) return core::nearest_word(word, keywords());
   std::array<std::string_view, kCameraWords.size()> words;
   std::ranges::transform(kCameraWords, words.begin(), &CameraEntry::word);
-  return raio::nearest_word(word, words);
+  return core::nearest_word(word, words);
 }
 
 std::string keyword_list() {
@@ -152,4 +152,4 @@ std::string keyword_list() {
   return out;
 }
 
-}  // namespace raio::nff
+}  // namespace raio::core::nff

@@ -11,7 +11,7 @@
 #include <string>
 #include <string_view>
 
-namespace raio::nff {
+namespace raio::core::nff {
 
 class Parser;
 
@@ -66,4 +66,4 @@ std::string_view nearest_word(std::string_view word, bool in_camera);
 /// All keywords, for "expected one of ...".
 std::string keyword_list();
 
-}  // namespace raio::nff
+}  // namespace raio::core::nff

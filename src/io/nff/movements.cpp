@@ -8,7 +8,7 @@
 #include "io/nff/parser.h"
 #include "io/nff/writer.h"
 
-namespace raio::nff {
+namespace raio::core::nff {
 namespace {
 
 constexpr std::string_view kTimes[] = {"the start time", "the end time"};
@@ -158,4 +158,4 @@ void write_camera_movement(Writer& w) {
   w.position({}, movement->at).number(movement->begin).number(movement->end).end_line();
 }
 
-}  // namespace raio::nff
+}  // namespace raio::core::nff

@@ -7,7 +7,7 @@
 
 #include "io/read_scene.h"
 
-namespace raio {
+namespace raio::core {
 
 class TextBuffer;  // io/nff/text_cursor.h
 
@@ -29,4 +29,4 @@ inline constexpr size_t kMaxDiagnostics = 20;
 /// (io/plain_scene.h).
 std::string write_nff(const Scene& scene, std::string_view comment = {});
 
-}  // namespace raio
+}  // namespace raio::core

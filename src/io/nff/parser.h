@@ -16,7 +16,7 @@
 #include "io/nff/text_report.h"
 #include "scene/scene.h"
 
-namespace raio::nff {
+namespace raio::core::nff {
 
 /// The coordinates of a point, as in messages.
 inline constexpr std::string_view kXyz[] = {"x", "y", "z"};
@@ -154,4 +154,4 @@ class Parser {
   std::set<std::string_view> refused_;  // each word of a dialect is reported once
 };
 
-}  // namespace raio::nff
+}  // namespace raio::core::nff

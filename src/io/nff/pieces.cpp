@@ -8,7 +8,7 @@
 #include "base/parallel.h"
 #include "io/nff/parser.h"
 
-namespace raio::nff {
+namespace raio::core::nff {
 namespace {
 
 constexpr size_t kPieceBytes = 128 * 1024;
@@ -146,4 +146,4 @@ void Parser::append(Piece& piece) {
   });
 }
 
-}  // namespace raio::nff
+}  // namespace raio::core::nff

@@ -9,7 +9,7 @@
 #include "io/nff/nff.h"
 #include "io/nff/parser.h"
 
-namespace raio {
+namespace raio::core {
 namespace nff {
 namespace {
 
@@ -299,4 +299,4 @@ std::expected<ReadScene, Diagnostics> read_nff(const std::filesystem::path& path
   });
 }
 
-}  // namespace raio
+}  // namespace raio::core

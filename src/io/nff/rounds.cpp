@@ -4,7 +4,7 @@
 #include "io/nff/parser.h"
 #include "io/nff/writer.h"
 
-namespace raio::nff {
+namespace raio::core::nff {
 namespace {
 
 void read_sphere(Parser& p) {
@@ -68,4 +68,4 @@ void write_shape(Writer& w, const Cone& c, size_t) {
   w.position({}, c.apex).number(c.apex_radius).end_line();
 }
 
-}  // namespace raio::nff
+}  // namespace raio::core::nff

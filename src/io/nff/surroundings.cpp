@@ -8,7 +8,7 @@
 #include "io/nff/parser.h"
 #include "io/nff/writer.h"
 
-namespace raio::nff {
+namespace raio::core::nff {
 namespace {
 
 constexpr std::string_view kRgb[] = {"red", "green", "blue"};
@@ -222,4 +222,4 @@ void write_material(Writer& w, MaterialId id) {
   w.text().end_line();
 }
 
-}  // namespace raio::nff
+}  // namespace raio::core::nff

@@ -11,7 +11,7 @@
 #include "base/platform/files.h"
 #include "io/diagnostics.h"
 
-namespace raio {
+namespace raio::core {
 
 void TextBuffer::reserve(size_t size) {
   if (size <= capacity_ && bytes_) return;
@@ -112,4 +112,4 @@ const char* parse_long_number(const char* begin, const char* end, int64_t writte
   return end;
 }
 
-}  // namespace raio
+}  // namespace raio::core

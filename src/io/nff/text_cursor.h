@@ -11,7 +11,7 @@
 #include <string>
 #include <string_view>
 
-namespace raio {
+namespace raio::core {
 
 /// A text followed by zero bytes, so that a cursor needs no end checks: a zero byte ends every
 /// word, and eight bytes may be loaded anywhere. The text itself must contain no zero byte (see
@@ -156,4 +156,4 @@ inline bool looks_like_number(std::string_view word) {
   return word.size() > at && word[at] >= '0' && word[at] <= '9';
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -9,7 +9,7 @@
 
 #include "io/diagnostics.h"
 
-namespace raio {
+namespace raio::core {
 
 class TextReport {
  public:
@@ -62,4 +62,4 @@ class TextReport {
   int line_ = 1;
 };
 
-}  // namespace raio
+}  // namespace raio::core

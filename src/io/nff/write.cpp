@@ -6,7 +6,7 @@
 #include "io/nff/writer.h"
 #include "io/plain_scene.h"
 
-namespace raio {
+namespace raio::core {
 namespace nff {
 namespace {
 
@@ -84,4 +84,4 @@ std::string write_nff(const Scene& scene, std::string_view comment) {
   return nff::Writer(scene).write(comment);
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -8,7 +8,7 @@
 
 #include "scene/scene.h"
 
-namespace raio::nff {
+namespace raio::core::nff {
 
 /// A text under construction, with a blank between the words of a line. A number gets the fewest
 /// digits that read back to it.
@@ -75,4 +75,4 @@ void write_material(Writer& w, MaterialId id);
 template <class Shape>
 void write_shape(Writer&, const Shape&, size_t);
 
-}  // namespace raio::nff
+}  // namespace raio::core::nff

@@ -7,7 +7,7 @@
 #include "base/parallel.h"
 #include "io/raio/raio.h"
 
-namespace raio::scene_file {
+namespace raio::core::scene_file {
 namespace {
 
 std::string_view bytes_of_hash(const Hash128& hash) {
@@ -169,4 +169,4 @@ std::string apply(const Settings& s, Scene& scene) {
   return {};
 }
 
-}  // namespace raio::scene_file
+}  // namespace raio::core::scene_file

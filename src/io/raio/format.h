@@ -13,7 +13,7 @@
 #include "base/hash.h"
 #include "scene/columns.h"
 
-namespace raio::scene_file {
+namespace raio::core::scene_file {
 
 static_assert(std::endian::native == std::endian::little,
               "columns are read in place, little-endian");
@@ -163,4 +163,4 @@ void for_each_file_column(SettingsType& settings, SceneType& scene, F&& f) {
     f(kPrototype, uint32_t(i), settings.prototypes[i]);
 }
 
-}  // namespace raio::scene_file
+}  // namespace raio::core::scene_file

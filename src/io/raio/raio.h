@@ -12,7 +12,7 @@
 #include "io/file.h"
 #include "scene/scene.h"
 
-namespace raio {
+namespace raio::core {
 
 /// Whether the first bytes of a file are those of a .raio scene.
 bool is_raio_scene(std::string_view start);
@@ -32,4 +32,4 @@ std::expected<Scene, std::string> decode_raio_scene(std::string_view bytes,
 /// The same for a file, whose bytes are kept while any column of the scene lives.
 std::expected<Scene, Diagnostics> read_raio_scene(const std::filesystem::path& path);
 
-}  // namespace raio
+}  // namespace raio::core

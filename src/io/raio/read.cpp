@@ -10,7 +10,7 @@
 #include "io/raio/format.h"
 #include "io/raio/raio.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using namespace scene_file;
@@ -264,4 +264,4 @@ std::expected<Scene, Diagnostics> read_raio_scene(const std::filesystem::path& p
   }
 }
 
-}  // namespace raio
+}  // namespace raio::core

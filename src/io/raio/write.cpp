@@ -8,7 +8,7 @@
 #include "io/raio/format.h"
 #include "io/raio/raio.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 using namespace scene_file;
@@ -79,4 +79,4 @@ std::expected<void, Error> write_raio_scene(const Scene& scene,
   return std::unexpected(memory_error(path));
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -6,7 +6,7 @@
 #include <sstream>
 #include <stdexcept>
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 constexpr size_t kMaxCopies = 1000000;
@@ -104,4 +104,4 @@ std::vector<gemmi::Transform> Assemblies::named(const std::string& word) const {
   return out;
 }
 
-}  // namespace raio
+}  // namespace raio::core

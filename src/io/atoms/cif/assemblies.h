@@ -10,7 +10,7 @@
 #include "io/atoms/atoms.h"
 #include "io/atoms/names.h"
 
-namespace raio {
+namespace raio::core {
 
 /// _pdbx_struct_assembly_gen of mmCIF: an operation is the product of one from each list, as in
 /// "(1-60)(61-88)".
@@ -35,4 +35,4 @@ class Assemblies {
   std::map<std::string, gemmi::Transform> operations_;
 };
 
-}  // namespace raio
+}  // namespace raio::core

@@ -3,7 +3,7 @@
 
 #include "io/atoms/cif/cif.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 gemmi::UnitCell unit_cell(const PdbCrystal& crystal, bool* disagrees = nullptr) {
@@ -58,4 +58,4 @@ bool is_nearest_copy(const PdbCrystal& crystal, const std::array<double, 3>& fro
   return true;
 }
 
-}  // namespace raio
+}  // namespace raio::core

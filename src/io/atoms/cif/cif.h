@@ -9,7 +9,7 @@
 #include "io/atoms/atom_site.h"
 #include "io/atoms/atoms.h"
 
-namespace raio {
+namespace raio::core {
 
 inline uint8_t number_of(gemmi::Element element) { return uint8_t(element.atomic_number()); }
 
@@ -31,4 +31,4 @@ struct CutRows {
 /// The model of mmCIF with this index, negative from the end; `cut` may be null.
 void add_molecule(gemmi::cif::Block& block, CutRows* cut, int frame, Atoms& out);
 
-}  // namespace raio
+}  // namespace raio::core

@@ -6,7 +6,7 @@
 #include "io/atoms/cif/cif.h"
 #include "io/atoms/element_names.h"
 
-namespace raio {
+namespace raio::core {
 
 void add_component(gemmi::cif::Block& block, Atoms& out) {
   const std::string prefix = "_chem_comp_atom.";
@@ -58,4 +58,4 @@ void add_component(gemmi::cif::Block& block, Atoms& out) {
   note_coincident(out, [&](uint32_t i) { return names[i]; });
 }
 
-}  // namespace raio
+}  // namespace raio::core

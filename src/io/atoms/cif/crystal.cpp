@@ -8,7 +8,7 @@
 #include "io/atoms/cif/cif.h"
 #include "io/atoms/element_names.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 // The value of the first of these tags that the file has, or nothing.
@@ -276,4 +276,4 @@ void add_crystal(gemmi::cif::Block& block, Atoms& out) {
   note_coincident(out, [&](uint32_t i) { return small.sites[out.atoms[i].residue].label; });
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -4,7 +4,7 @@
 #include "io/atoms/cif/assemblies.h"
 #include "io/atoms/cif/cif.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 // The rows of the block, including those removed before parsing.
@@ -98,4 +98,4 @@ void add_molecule(gemmi::cif::Block& block, CutRows* cut, int frame, Atoms& out)
   out.assemblies = assemblies.take(parts);
 }
 
-}  // namespace raio
+}  // namespace raio::core

@@ -6,7 +6,7 @@
 #include "io/atoms/cif/cif.h"
 #include "io/atoms/element_names.h"
 
-namespace raio {
+namespace raio::core {
 namespace {
 
 // Converts gemmi's message, which begins with a location, or with the name of the file, which is
@@ -157,4 +157,4 @@ std::optional<CifFault> read_structure(const char* text, size_t size, int frame,
   return fault_of(error.what());
 }
 
-}  // namespace raio
+}  // namespace raio::core
