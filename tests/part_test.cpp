@@ -10,7 +10,7 @@
 #include <random>
 
 #include "base/hash.h"
-#include "integrate/wavefront.h"
+#include "integrate/prepared_scene.h"
 #include "io/nff/nff.h"
 #include "one_picture.h"
 #include "render/options.h"
@@ -51,10 +51,9 @@ struct Studio {
     EXPECT_TRUE(render(scene, *accel, options, film, control, task).finished);
   }
   Part part(const RenderTask& task = {}, int tile_side = kTileSide) const {
-    Part out{
-        {settings_of(scene, options), task.shard, task.shards},
-        std::make_unique<Film>(options.width, options.height,
-                               integrator(options.integrator).bound(scene, options), tile_side)};
+    Part out{{settings_of(scene, options), task.shard, task.shards},
+             std::make_unique<Film>(options.width, options.height, sample_bound(scene, options),
+                                    tile_side)};
     add_to(*out.film, task);
     return out;
   }

@@ -10,27 +10,21 @@ HWY_BEFORE_NAMESPACE();
 namespace raio::core::HWY_NAMESPACE {
 namespace {
 
-class TintedMirrors {
+class TintedMirrors final : public Shading {
  public:
   explicit TintedMirrors(const PreparedScene& scene)
       : levels_(scene.settings.depth), background_(scene.settings.background) {}
 
-  static constexpr bool kSky = false, kFloor = false;
-  static constexpr bool kTints = true;
-  int levels() const { return levels_; }
-  Rgb background() const { return background_; }
-  static bool counts_rays() { return false; }
-  template <class W>
-  void begin(W&, size_t) const {}
+  int levels() const override { return levels_; }
+  bool tints() const override { return true; }
+  Rgb background() const override { return background_; }
 
-  template <class W>
-  void shade(W& w, int, size_t n, const WideSampler<D>&) const {
+  void shade(Wavefront& w, int, size_t n, const WideSampler<D>&) override {
     for (size_t i = 0; i < n; i += kWidth) store(set3(d, Rgb()), w.points().radiance, i);
   }
-  template <class W>
-  void spawn(W& w, int level, size_t n) const {
+  void spawn(Wavefront& w, int level, size_t n) override {
     const SurfacePoints& v = w.points();
-    typename W::Children children(w, level, n);
+    Wavefront::Children children(w, level, n);
     for (size_t i = 0; i < n; i += kWidth) {
       const V3 in = directions(w.rays().rays, i), normal = load(v.normal, i);
       const V3 out = in - normal * hn::Mul(hn::Set(d, 2), dot(in, normal));
@@ -55,36 +49,25 @@ Rgb corner_pixel(const Scene& scene, int levels) {
   const PreparedScene prepared(scene, *accel, settings);
   WorkControl control;
   Film film(4, 4, 1);
-  Wavefront<TintedMirrors>(prepared, control).render(0, {0, 1}, film);
+  Wavefront(prepared, control, std::make_unique<TintedMirrors>(prepared)).render(0, {0, 1}, film);
   return film.resolve().at(0, 0);
 }
 
 // Emits NaN in odd samples, and light beyond all bounds in sample 2.
-class Faulty {
+class Faulty final : public Shading {
  public:
-  explicit Faulty(const PreparedScene&) {}
-
-  static constexpr bool kSky = true, kFloor = false;
-  static constexpr bool kTints = false;
-  static int levels() { return 1; }
-  static Rgb background() { return {}; }
-  static bool has_sky() { return true; }
-  V3 sky(const V3& dir) const {
+  bool counts_rays() const override { return true; }
+  Rgb background() const override { return {}; }
+  bool has_sky() const override { return true; }
+  V3 sky(const V3& dir) const override {
     const float limits[] = {0.25f, std::numeric_limits<float>::quiet_NaN(),
                             std::numeric_limits<float>::infinity()};
     const V right = hn::IfThenElse(hn::Gt(dir.x, hn::Zero(d)), hn::Set(d, limits[sample_ % 3]),
                                    hn::Set(d, 0.5f));
     return {right, hn::Set(d, 0.5f), hn::Set(d, 0.5f)};
   }
-  static bool counts_rays() { return true; }
-  template <class W>
-  void begin(W&, size_t) {
-    ++sample_;
-  }
-  template <class W>
-  void shade(W&, int, size_t, const WideSampler<D>&) const {}
-  template <class W>
-  void spawn(W&, int, size_t) const {}
+  void begin(Wavefront&, size_t) override { ++sample_; }
+  void shade(Wavefront&, int, size_t, const WideSampler<D>&) override {}
 
  private:
   int sample_ = -1;
@@ -103,7 +86,7 @@ TEST(Wavefront, CountsNanAsBlack) {
   const PreparedScene prepared(scene, *accel, settings);
   WorkControl control;
   Film film(4, 4, 1, kTileSide, settings.channels);
-  Wavefront<Faulty> wavefront(prepared, control);
+  Wavefront wavefront(prepared, control, std::make_unique<Faulty>());
   wavefront.render(0, {0, 2}, film);
   EXPECT_EQ(film.nans(), (NanSamples{8, 2, 0}));
   EXPECT_EQ(film.resolve().at(0, 0), Rgb(0.5f));

@@ -4,8 +4,8 @@
 #define HWY_TARGET_INCLUDE "integrate/ambient.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h.
+#include "integrate/shadings-inl.h"
 #include "integrate/sky-inl.h"
-#include "integrate/wavefront-inl.h"
 #include "scene/columns.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -25,7 +25,7 @@ struct WideFrame {
   }
 };
 
-class AmbientShading {
+class AmbientShading final : public Shading {
  public:
   explicit AmbientShading(const PreparedScene& scene)
       : scene_(scene),
@@ -50,25 +50,11 @@ class AmbientShading {
     around_ = std::make_unique_for_overwrite<SurfacePoints>();
   }
 
-  static constexpr bool kTints = false;
-  static int levels() { return 1; }
-  Rgb background() const { return scene_.settings.background; }
-  static constexpr bool kSky = true;
-  bool has_sky() const { return scene_.settings.sky != nullptr; }
-  V3 sky(const V3& dir) const { return sky_towards(*scene_.settings.sky, dir); }
-  static constexpr bool kFloor = true;
-  bool has_floor() const { return scene_.floor_distance > 0; }
-  float floor_distance(const Ray& ray) const {
-    const float height = dot(ray.origin, scene_.floor_normal) - scene_.floor_height;
-    const float t = -height / dot(ray.dir, scene_.floor_normal);
-    return height > 0 && t > 0 && t < scene_.floor_distance ? t : 0;
-  }
-  static bool counts_rays() { return false; }
-  template <class W>
-  void begin(W&, size_t) const {}
+  Rgb background() const override { return scene_.settings.background; }
+  bool has_sky() const override { return scene_.settings.sky != nullptr; }
+  V3 sky(const V3& dir) const override { return sky_towards(*scene_.settings.sky, dir); }
 
-  template <class W>
-  void shade(W& w, int, size_t n, const WideSampler<D>& sampler) {
+  void shade(Wavefront& w, int, size_t n, const WideSampler<D>& sampler) override {
     SurfacePoints& v = w.points();
     for (size_t i = 0; i < n; i += kWidth) store(set3(d, Rgb()), v.radiance, i);
     if (outline_ > 0) find_outlines(w, n, sampler.sample());
@@ -81,9 +67,64 @@ class AmbientShading {
       if (on_line_[i] != 0) v.radiance.set(i, line_color_);
   }
 
-  // Sets the light on a white floor relative to that on an empty floor.
-  template <class W>
-  void shade_floor(W& w, size_t n, const WideSampler<D>& sampler) {
+  // The shadows on a floor that only eye rays hit: those that hit nothing else get the background,
+  // darker in shadows, or the shadows' coverage in front of what is behind the picture.
+  bool shade_misses(Wavefront& w, bool transparent, const WideSampler<D>& sampler) override {
+    if (scene_.floor_distance <= 0) return false;
+    PathRays& rays = w.rays();
+    const size_t n = rays.rays.size();
+    others_.tinted = rays.tinted;
+    std::swap(others_, rays), std::swap(other_hits_, w.hits());
+    rays.resize(n), w.hits().reset(n);
+    size_t missed = 0, met = 0;
+    for (const bool on_floor : {true, false}) {
+      for (size_t i = 0; i < n; ++i) {
+        if (other_hits_.primitive[i] != kNoPrimitive) continue;
+        const float t = floor_distance(others_.rays[i]);
+        if ((t > 0) != on_floor) continue;
+        w.hits().t[missed] = t;
+        rays.set(missed++, others_, i);
+      }
+      if (on_floor) met = missed;
+    }
+    rays.rays.resize(missed);
+    w.fill_up(missed);
+    w.set_times(rays.rays);
+    Floats& dark = w.points().kd;
+    std::fill_n(dark.at, missed + kWidth, 0.0f);
+    if (met > 0) {
+      rays.rays.resize(met);
+      shade_floor(w, met, sampler);
+      if (w.stopped()) return true;
+      std::fill(dark.at + met, dark.at + missed + kWidth, 0.0f);
+      rays.rays.resize(missed);
+    }
+    std::vector<int64_t> coverage(transparent ? padded(missed) : 0);
+    for (size_t i = 0; i < missed; i += kWidth) {
+      const uint32_t* const pixels = &rays.pixel[i];
+      const M mask = hn::FirstN(d, missed - i);
+      if (transparent) {
+        for (size_t k = i; k < std::min(i + kWidth, missed); ++k)
+          coverage[k] = covered(rays.weight[0][k] * dark.at[k]);
+        w.sums().add(set3(d, Rgb()), pixels, mask, &coverage[i]);
+      } else {
+        const V left = hn::Sub(hn::Set(d, 1), load(dark, i));
+        w.add_escaped(rays.weights(i) * left, directions(rays.rays, i), pixels, mask);
+      }
+    }
+    std::swap(others_, rays), std::swap(other_hits_, w.hits());
+    return true;
+  }
+
+ private:
+  // The distance of the floor; 0: the ray does not hit it.
+  float floor_distance(const Ray& ray) const {
+    const float height = dot(ray.origin, scene_.floor_normal) - scene_.floor_height;
+    const float t = -height / dot(ray.dir, scene_.floor_normal);
+    return height > 0 && t > 0 && t < scene_.floor_distance ? t : 0;
+  }
+  // Sets points().kd to the part of the light that shadows on a white floor take away.
+  void shade_floor(Wavefront& w, size_t n, const WideSampler<D>& sampler) {
     SurfacePoints& v = w.points();
     const V one = hn::Set(d, 1), zero = hn::Zero(d);
     const V3 normal = set3(d, scene_.floor_normal), black = set3(d, Rgb());
@@ -115,15 +156,10 @@ class AmbientShading {
     }
   }
 
-  template <class W>
-  void spawn(W&, int, size_t) const {}
-
- private:
   static constexpr float kKeyRadius = 0.1f;  // at distance 1
 
   // The colours of StyleParams::soft, and the sky mirrored by dark surfaces.
-  template <class W>
-  void soften(W& w, size_t n) {
+  void soften(Wavefront& w, size_t n) {
     SurfacePoints& v = w.points();
     const V one = hn::Set(d, 1), zero = hn::Zero(d);
     const V soft = hn::Set(d, look_.soft), rim = hn::Set(d, look_.rim);
@@ -139,8 +175,7 @@ class AmbientShading {
 
   // Sky light, by rays with a cosine-weighted density: each unoccluded one contributes equally.
   // Shirley and Chiu's disc, projected onto the hemisphere after Malley.
-  template <class W>
-  void add_sky_light(W& w, size_t n, uint32_t sample) {
+  void add_sky_light(Wavefront& w, size_t n, uint32_t sample) {
     SurfacePoints& v = w.points();
     const auto rays_each = uint32_t(figure_.occlusion_rays);
     const V share = hn::Set(d, look_.sky / float(rays_each)), one = hn::Set(d, 1);
@@ -175,8 +210,7 @@ class AmbientShading {
   }
 
   // A distant disc: diffuse light and a highlight after Blinn.
-  template <class W>
-  void add_key_light(W& w, size_t n, const WideSampler<D>& sampler, float highlight) {
+  void add_key_light(Wavefront& w, size_t n, const WideSampler<D>& sampler, float highlight) {
     SurfacePoints& v = w.points();
     const V zero = hn::Zero(d), inf = hn::Set(d, std::numeric_limits<float>::infinity());
     RayBatch& rays = w.shadow_rays();
@@ -208,8 +242,7 @@ class AmbientShading {
   }
 
   // Fades into the background with depth.
-  template <class W>
-  void fade(W& w, size_t n) const {
+  void fade(Wavefront& w, size_t n) const {
     SurfacePoints& v = w.points();
     const V one = hn::Set(d, 1);
     const V3 background = set3(d, scene_.settings.background);
@@ -259,8 +292,7 @@ class AmbientShading {
   // Feature lines after Choudhury and Parker 2009, "Ray Tracing NPR-Style Feature Lines", NPAR: a
   // sample is on a line if rays through a circle around it in the picture hit something else. Of
   // two adjacent surfaces the nearer one has the line. Transparent surfaces have none.
-  template <class W>
-  void find_outlines(W& w, size_t n, uint32_t sample) {
+  void find_outlines(Wavefront& w, size_t n, uint32_t sample) {
     static constexpr float kDiagonal = 0.70710678f;
     // Opposite points first: they decide most samples.
     static constexpr float kCircle[8][2] = {{1, 0},
@@ -304,8 +336,7 @@ class AmbientShading {
   }
 
   // Whether a line runs between samples and the hits of their probes at one side.
-  template <class W>
-  void find_lines(W& w, size_t n, const std::array<float, kChunk + kWidth>& decided) {
+  void find_lines(Wavefront& w, size_t n, const std::array<float, kChunk + kWidth>& decided) {
     const SurfacePoints& v = w.points();
     const Geometry& geometry = scene_.accel.geometry();
     const RayBatch& rays = w.probe_rays();
@@ -364,8 +395,9 @@ class AmbientShading {
   }
 
   // Traces the wavefront's shadow rays and adds light(i, the unoccluded share).
-  template <class W, class Light>
-  void add_lit(W& w, size_t n, const WideSampler<D>& sampler, Purpose depth, const Light& light) {
+  template <class Light>
+  void add_lit(Wavefront& w, size_t n, const WideSampler<D>& sampler, Purpose depth,
+               const Light& light) {
     SurfacePoints& v = w.points();
     const RayBatch& rays = w.shadow_rays();
     const V zero = hn::Zero(d);
@@ -402,25 +434,21 @@ class AmbientShading {
   std::unique_ptr<SurfacePoints> around_;
   std::array<uint32_t, kChunk> crease_of_{};
   alignas(64) float rim_[kChunk + kWidth] = {};  // of the current rays
+  PathRays others_;  // while the current ones are those that hit nothing
+  HitBatch other_hits_;
 };
 
-std::unique_ptr<TileRenderer> make_renderer(const PreparedScene& scene, WorkControl& control) {
-  return std::make_unique<Wavefront<AmbientShading>>(scene, control);
+}  // namespace
+
+std::unique_ptr<Shading> make_ambient_shading(const PreparedScene& scene) {
+  return std::make_unique<AmbientShading>(scene);
 }
 
-}  // namespace
 }  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace raio::core {
-
-HWY_EXPORT(make_renderer);
-
-std::unique_ptr<TileRenderer> make_ambient_renderer(const PreparedScene& scene,
-                                                    WorkControl& control) {
-  return HWY_DYNAMIC_DISPATCH(make_renderer)(scene, control);
-}
 
 double ambient_bound(const Scene& scene, const RenderSettings& settings) {
   const StyleParams look = params_of(settings.figure.look);

@@ -1,35 +1,289 @@
-// The classic shading's renderer, compiled once per instruction set (Highway's foreach_target) and
-// selected at run time.
 #include "integrate/classic.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "integrate/classic.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h.
-#include "integrate/classic-inl.h"
+#include "integrate/shadings-inl.h"
+#include "integrate/sky-inl.h"
+#include "scene/columns.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace raio::core::HWY_NAMESPACE {
 namespace {
 
-std::unique_ptr<TileRenderer> make_renderer(const PreparedScene& scene, WorkControl& control) {
-  return std::make_unique<Wavefront<ClassicShading>>(scene, control);
+HWY_INLINE V3 reflect(const V3& dir, const V3& n) {
+  return dir - n * hn::Mul(hn::Set(d, 2), dot(dir, n));
 }
 
+// Snell's law, for n on the incoming side of `dir`; removes lanes with total internal reflection
+// from `in`.
+HWY_INLINE V3 refract(const V3& dir, const V3& n, V eta, M& in) {
+  const V one = hn::Set(d, 1), cosine = hn::Neg(dot(dir, n));
+  const V k = hn::Sub(one, hn::Mul(hn::Mul(eta, eta), hn::Sub(one, hn::Mul(cosine, cosine))));
+  in = hn::And(in, hn::Ge(k, hn::Zero(d)));
+  const V root = hn::Sqrt(hn::Max(k, hn::Zero(d)));
+  return renormalize(d, dir * eta + n * hn::Sub(hn::Mul(eta, cosine), root));
+}
+
+// The reflectance for unpolarised light, for n on the incoming side of `dir`; 1 at total internal
+// reflection. Schlick's approximation uses the angle on the less dense side.
+HWY_INLINE V reflectance(Fresnel fresnel, const V3& dir, const V3& n, V eta) {
+  const V zero = hn::Zero(d), one = hn::Set(d, 1), tiny = hn::Set(d, 1e-30f);
+  const V in = hn::Min(hn::Max(hn::Neg(dot(dir, n)), zero), one);
+  const V k = hn::Sub(one, hn::Mul(hn::Mul(eta, eta), hn::Sub(one, hn::Mul(in, in))));
+  const V out = hn::Sqrt(hn::Max(k, zero));
+  const auto ratio = [&](V a, V b) HWY_ATTR {
+    const V r = hn::Div(hn::Sub(a, b), hn::Max(hn::Add(a, b), tiny));
+    return hn::Mul(r, r);
+  };
+  V part;
+  if (fresnel == Fresnel::exact) {
+    const V both = hn::Add(ratio(hn::Mul(eta, in), out), ratio(hn::Mul(eta, out), in));
+    part = hn::Mul(both, hn::Set(d, 0.5f));
+  } else {
+    const V least = ratio(eta, one);
+    const V x = hn::Sub(one, hn::IfThenElse(hn::Gt(eta, one), out, in)), x2 = hn::Mul(x, x);
+    part = hn::Add(least, hn::Mul(hn::Sub(one, least), hn::Mul(hn::Mul(x2, x2), x)));
+  }
+  return hn::IfThenElse(hn::Lt(k, zero), one, part);
+}
+
+// With kModels, uses the settings' models and the materials' specular colours; without, shades as
+// NFF does, without the cost of the choice.
+template <bool kModels>
+class PhongShading final : public Shading {
+ public:
+  explicit PhongShading(const PreparedScene& scene) : scene_(scene) {
+    const bool any_color =
+        std::ranges::any_of(scene.scene.lights, [](const Light& l) { return l.color.has_value(); });
+    ambient_ = any_color || scene.settings.shading != ShadingModel::nff ? Rgb() : Rgb(0.1f);
+    rough_ = kModels && is_rough(scene.scene, scene.settings);
+    for (const Material& m : scene.scene.materials) {
+      const bool mirrors = m.ks > 0 || (divides() && m.transmission > 0);
+      any_mirror_ |= mirrors && scene.settings.reflection;
+      any_transparent_ |= m.transmission > 0 && scene.settings.refraction;
+    }
+  }
+
+  int levels() const override { return scene_.settings.depth; }
+  bool tints() const override { return kModels; }
+  Rgb background() const override { return scene_.settings.background; }
+  bool has_sky() const override { return kModels && scene_.settings.sky; }
+  V3 sky(const V3& dir) const override { return sky_towards(*scene_.settings.sky, dir); }
+
+  void shade(Wavefront& w, int, size_t n, const WideSampler<D>& sampler) override {
+    SurfacePoints& v = w.points();
+    if constexpr (kModels) {
+      gather_other_materials(v, n);
+      sampler_ = &sampler;
+    }
+    const V3 ambient = set3(d, ambient_);
+    for (size_t i = 0; i < n; i += kWidth) store(ambient * load(v.color, i), v.radiance, i);
+    if (w.recorder()) w.recorder()->ambient(w, n);
+    for (size_t l = 0; l < scene_.emitters.size(); ++l) add_light(w, l, n, sampler);
+  }
+
+  void spawn(Wavefront& w, int level, size_t n) override {
+    if (any_mirror_) reflect_rays(w, level, n);
+    if (any_transparent_) refract_rays(w, level, n);
+  }
+
+ private:
+  // Adds the contribution of light l to the surface points that it reaches.
+  HWY_NOINLINE void add_light(Wavefront& w, size_t l, size_t n, const WideSampler<D>& sampler) {
+    const PreparedScene::Emitter& emitter = scene_.emitters[l];
+    SurfacePoints& v = w.points();
+    const V zero = hn::Zero(d);
+    RayBatch& rays = w.shadow_rays();
+    rays.resize(n);
+    size_t lit = 0;
+    for (size_t i = 0; i < n; i += kWidth) {
+      V3 target = set3(d, emitter.position);
+      if (scene_.settings.soft_shadows) {
+        const Wide2<D> p = sampler.in_square(w.place_of(load(w.rays().pixel, i)),
+                                             load(w.rays().branch, i), kLight + uint32_t(l));
+        const V half = hn::Set(d, 0.5f);
+        target = target + (set3(d, emitter.edge_u) * hn::Sub(p.x, half) +
+                           set3(d, emitter.edge_v) * hn::Sub(p.y, half));
+      }
+      const V3 outside = load(v.outside, i), to_light = target - outside;
+      const V distance = length(to_light);
+      const M apart = hn::Gt(distance, zero);
+      const V3 dir = to_light * hn::IfThenElseZero(apart, hn::Div(hn::Set(d, 1), distance));
+      // No light from behind the surface, even where a smooth triangle's normal tilts that way.
+      const M facing =
+          hn::And(hn::FirstN(d, n - i), hn::And(hn::Gt(dot(load(v.normal, i), dir), zero),
+                                                hn::Gt(dot(load(v.geometric, i), dir), zero)));
+      // Ends just short of the light, by the possible rounding of the division above.
+      const V tmax = hn::Mul(distance, hn::Set(d, 1 - 4 * std::numeric_limits<float>::epsilon()));
+      hn::Store(outside.x, d, &rays.ox[i]), hn::Store(outside.y, d, &rays.oy[i]);
+      hn::Store(outside.z, d, &rays.oz[i]);
+      hn::Store(dir.x, d, &rays.dx[i]), hn::Store(dir.y, d, &rays.dy[i]);
+      hn::Store(dir.z, d, &rays.dz[i]);
+      hn::Store(hn::IfThenElse(facing, tmax, hn::Set(d, -1)), d, &rays.tmax[i]);
+      lit += hn::CountTrue(d, facing);
+    }
+    if (lit == 0) return;
+    w.counts().shadow += lit;
+    const uint8_t* const hidden = w.occluded(sampler, kLightDepth + uint32_t(l));
+    if (w.recorder()) w.recorder()->shadow_rays(w, hidden, l, n);
+    const float* const shares = w.shares();
+    V3 intensity = set3(d, emitter.intensity);
+    for (size_t i = 0; i < n; i += kWidth) {
+      if (shares) intensity = set3(d, emitter.intensity) * hn::LoadU(d, shares + i);
+      const M facing = hn::And(hn::FirstN(d, n - i), hn::Gt(load(rays.tmax, i), zero));
+      const auto stopped = hn::PromoteTo(du, hn::LoadU(hn::Rebind<uint8_t, DU>(), hidden + i));
+      const M seen = hn::And(facing, hn::RebindMask(d, hn::Eq(stopped, hn::Zero(du))));
+      w.counts().shadow_hits += hn::CountTrue(d, hn::AndNot(seen, facing));
+      if (hn::AllFalse(d, seen)) continue;
+      const V3 dir = directions(rays, i), normal = load(v.normal, i);
+      const V3 diffuse = load(v.color, i) * hn::Mul(load(v.kd, i), dot(normal, dir));
+      V3 light = diffuse;
+      const V ks = load(v.ks, i);
+      if (!hn::AllFalse(d, hn::Gt(ks, zero))) {
+        const V mirror = highlight_cosine(dir, normal, directions(w.rays().rays, i));
+        const V highlight = hn::Mul(
+            ks, pow_unit(d, hn::Min(hn::Max(mirror, zero), hn::Set(d, 1)), load(v.shine, i)));
+        if constexpr (kModels)
+          light = light + load(v.specular, i) * highlight;
+        else
+          light = light + V3{highlight, highlight, highlight};
+      }
+      if (w.recorder()) w.recorder()->lit(i, n, intensity * diffuse, intensity * light);
+      const V3 sum = load(v.radiance, i);
+      store(select(seen, sum + intensity * light, sum), v.radiance, i);
+    }
+  }
+
+  // Phong: between the mirrored light and the eye. Blinn: between the normal and the half vector.
+  HWY_INLINE V highlight_cosine(const V3& to_light, const V3& normal, const V3& in) const {
+    if constexpr (kModels)
+      if (scene_.settings.shading == ShadingModel::blinn_phong)
+        return dot(normal, normalize(d, to_light - in));
+    return hn::Neg(dot(reflect(-to_light, normal), in));
+  }
+
+  // Whether Fresnel's reflectance determines the mirrored part where T > 0.
+  bool divides() const { return kModels && scene_.settings.fresnel != Fresnel::none; }
+  HWY_INLINE V reflectance_at(const SurfacePoints& v, size_t i, const V3& in) const {
+    return reflectance(scene_.settings.fresnel, in, load(v.normal, i), load(v.eta, i));
+  }
+  // The weight of the mirrored ray: one number for NFF, else red, green and blue.
+  HWY_INLINE auto mirrored_part(const SurfacePoints& v, size_t i, const V3& in) const {
+    const V ks = load(v.ks, i);
+    if constexpr (kModels) {
+      const V3 tinted = load(v.specular, i) * ks;
+      if (!divides()) return tinted;
+      const V part = reflectance_at(v, i, in);
+      const M clear = hn::Gt(load(v.transmission, i), hn::Zero(d));
+      return select(clear, V3{part, part, part}, tinted);
+    } else {
+      return ks;
+    }
+  }
+  static HWY_INLINE V most_of(V part) { return part; }
+  static HWY_INLINE V most_of(const V3& part) { return largest(part); }
+
+  // The columns parallel to the materials.
+  void gather_other_materials(SurfacePoints& v, size_t n) const {
+    const auto& colors = scene_.scene.material_specular;
+    const auto& roughness = scene_.scene.material_roughness;
+    for (size_t i = 0; i < n; ++i) {
+      v.specular.set(i, colors.empty() ? Rgb(1) : colors[v.material[i]]);
+      v.roughness.at[i] = roughness.empty() ? 0 : roughness[v.material[i]];
+    }
+  }
+
+  // A direction in the lobe of a rough surface (docs/shading.md): that of a perfect one, plus
+  // roughness times a point of the unit sphere. It stays on the side of `side`, a unit vector.
+  HWY_INLINE V3 spread(Wavefront& w, size_t i, const V3& dir, const V3& side, Purpose purpose,
+                       const std::optional<float>& set) const {
+    const V roughness = set ? hn::Set(d, *set) : load(w.points().roughness, i);
+    const V zero = hn::Zero(d), one = hn::Set(d, 1), two = hn::Set(d, 2);
+    const M rough = hn::Gt(roughness, zero);
+    if (hn::AllFalse(d, rough)) return dir;
+    const Wide2<D> square =
+        sampler_->in_square(w.place_of(load(w.rays().pixel, i)), load(w.rays().branch, i), purpose);
+    const Wide2<D> disc = square_to_disc(d, square.x, square.y);
+    // Maps the disc to the sphere, keeping areas.
+    const V r2 = hn::Add(hn::Mul(disc.x, disc.x), hn::Mul(disc.y, disc.y));
+    const V scale = hn::Mul(two, hn::Sqrt(hn::Max(hn::Sub(one, r2), zero)));
+    const V3 on_sphere = {hn::Mul(disc.x, scale), hn::Mul(disc.y, scale),
+                          hn::Sub(one, hn::Mul(two, r2))};
+    const V3 moved = dir + on_sphere * roughness;
+    const M sound = hn::And(rough, hn::Gt(dot(moved, moved), zero));
+    V3 out = select(sound, normalize(d, moved), dir);
+    const V across = dot(out, side);
+    out = select(hn::Lt(across, zero), out - side * hn::Mul(two, across), out);
+    return select(sound, out, dir);
+  }
+
+  // A smooth triangle's normal can send a ray through the surface that it should leave; then the
+  // geometric normal decides.
+  void reflect_rays(Wavefront& w, int level, size_t n) {
+    const SurfacePoints& v = w.points();
+    Wavefront::Children children(w, level, n);
+    for (size_t i = 0; i < n; i += kWidth) {
+      const auto part = mirrored_part(v, i, directions(w.rays().rays, i));
+      const M mirrors = hn::And(hn::FirstN(d, n - i), hn::Gt(most_of(part), hn::Zero(d)));
+      if (hn::AllFalse(d, mirrors)) continue;
+      const V3 in = directions(w.rays().rays, i), geometric = load(v.geometric, i);
+      V3 dir = renormalize(d, reflect(in, load(v.normal, i)));
+      dir = select(hn::Gt(dot(dir, geometric), hn::Zero(d)), dir,
+                   renormalize(d, reflect(in, geometric)));
+      if constexpr (kModels)
+        if (rough_) dir = spread(w, i, dir, geometric, kGloss, scene_.settings.gloss);
+      w.counts().reflection += children.add(i, load(v.outside, i), dir, part, 0, mirrors);
+    }
+    children.done();
+  }
+
+  void refract_rays(Wavefront& w, int level, size_t n) {
+    const SurfacePoints& v = w.points();
+    Wavefront::Children children(w, level, n);
+    for (size_t i = 0; i < n; i += kWidth) {
+      const V transmission = load(v.transmission, i);
+      const M clear = hn::And(hn::FirstN(d, n - i), hn::Gt(transmission, hn::Zero(d)));
+      if (hn::AllFalse(d, clear)) continue;
+      const V3 in = directions(w.rays().rays, i), geometric = load(v.geometric, i);
+      M passes = clear, passes_geometric = clear;
+      V3 dir = refract(in, load(v.normal, i), load(v.eta, i), passes);
+      const V3 other = refract(in, geometric, load(v.eta, i), passes_geometric);
+      const M through = hn::Lt(dot(dir, geometric), hn::Zero(d));
+      dir = select(through, dir, other);
+      passes = hn::And(passes, hn::Or(through, passes_geometric));
+      if constexpr (kModels)
+        if (rough_)
+          dir = spread(w, i, dir, -geometric, kTranslucency, scene_.settings.translucency);
+      V part = transmission;
+      if constexpr (kModels)
+        if (divides()) part = hn::Sub(hn::Set(d, 1), reflectance_at(v, i, in));
+      const V3 inside = offset_point(load(v.point, i), geometric, load(v.scale, i), false);
+      w.counts().refraction += children.add(i, inside, dir, part, 1, passes);
+    }
+    children.done();
+  }
+
+  const PreparedScene& scene_;
+  Rgb ambient_;                                        // times the material's colour
+  bool any_mirror_ = false, any_transparent_ = false;  // among the materials
+  bool rough_ = false;
+  const WideSampler<D>* sampler_ = nullptr;  // of the current sample
+};
+
 }  // namespace
+
+std::unique_ptr<Shading> make_classic_shading(const PreparedScene& scene) {
+  if (needs_models(scene.scene, scene.settings)) return std::make_unique<PhongShading<true>>(scene);
+  return std::make_unique<PhongShading<false>>(scene);
+}
+
 }  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace raio::core {
-
-HWY_EXPORT(make_renderer);
-
-std::unique_ptr<TileRenderer> make_classic_renderer(const PreparedScene& scene,
-                                                    WorkControl& control) {
-  if (needs_models(scene.scene, scene.settings)) return make_model_renderer(scene, control);
-  return HWY_DYNAMIC_DISPATCH(make_renderer)(scene, control);
-}
 
 double classic_bound(const Scene& scene, const RenderSettings& settings) {
   double light = 0.1;  // ambient

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "integrate/wavefront.h"
+#include "integrate/prepared_scene.h"
 
 namespace raio::core {
 
@@ -28,11 +28,5 @@ inline bool needs_models(const Scene& scene, const RenderSettings& s) {
 }
 
 double classic_bound(const Scene& scene, const RenderSettings& settings);
-
-std::unique_ptr<TileRenderer> make_classic_renderer(const PreparedScene& scene,
-                                                    WorkControl& control);
-
-/// The renderer for pictures that needs_models(); make_classic_renderer() selects it.
-std::unique_ptr<TileRenderer> make_model_renderer(const PreparedScene& scene, WorkControl& control);
 
 }  // namespace raio::core

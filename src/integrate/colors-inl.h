@@ -14,7 +14,6 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace raio::core::HWY_NAMESPACE {
-namespace {
 
 // Hits, with each primitive's kind and its index in the pool. Lanes after the last hit may hold
 // stale values of an earlier batch.
@@ -75,7 +74,6 @@ inline void tint_by_textures(const Geometry& geometry, const Scene& scene, const
   }
 }
 
-}  // namespace
 }  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

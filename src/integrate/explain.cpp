@@ -8,8 +8,8 @@
 #include <unordered_map>
 #include <utility>
 
-#include "integrate/classic-inl.h"
 #include "integrate/classic.h"
+#include "integrate/shadings-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace raio::core::HWY_NAMESPACE {
@@ -24,58 +24,51 @@ float lane(V v, size_t k) {
 Vec3f lane(const V3& v, size_t k) { return {lane(v.x, k), lane(v.y, k), lane(v.z, k)}; }
 Vec3f element(const Floats3& f, size_t i) { return {f.x.at[i], f.y.at[i], f.z.at[i]}; }
 
-// `Shading`: of the recorded rays.
-template <class Shading>
-class RayRecorder {
+class RayRecorder final : public Recorder {
  public:
-  using Paths = PathRays<Shading::kTints>;
-  using Weight = typename Paths::Weight;
+  // `sample`: the one to record; `models`: the shading uses materials' specular colours.
+  RayRecorder(uint32_t sample, bool models, double scale, WorkControl& control, Explanation& out)
+      : sample_(sample), models_(models), scale_(scale), control_(control), out_(out) {}
 
-  RayRecorder(uint32_t sample, double scale, WorkControl& control, Explanation& out)
-      : sample_(sample), scale_(scale), control_(control), out_(out) {}
+  void begin_sample(uint32_t sample) override { recording_ = sample == sample_; }
 
-  void begin_sample(uint32_t sample) { recording_ = sample == sample_; }
-
-  // Records all current rays with their hits. `escaped_there` evaluates rays that hit nothing.
-  template <class SeenThere>
-  void traced(int level, const Paths& current, const HitBatch& hits, SeenThere&& escaped_there) {
+  void traced(const Wavefront& w, int level) override {
+    const PathRays& current = w.rays();
     for (size_t i = 0; recording_ && i < current.rays.size(); ++i) {
       const uint32_t branch = current.branch[i];
       places_[branch] = int(out_.rays.size());
       ExplainedRay& r =
           add(level == 1 ? Kind::eye : child_kind(branch % 2), level == 1 ? -1 : find(branch / 2),
-              current.rays[i], weight_of(current, i));
-      r.hit = hits[i];
-      if (!r.hit.found()) set_background(r, escaped_there(r.ray.dir, r.weight));
+              current.rays[i], lane(current.weights(i / kWidth * kWidth), i % kWidth));
+      r.hit = w.hits()[i];
+      if (!r.hit.found()) set_background(r, w);
     }
   }
 
-  // Records children of current rays beyond the last level.
-  template <class SeenThere>
-  void untraced(const Paths& current, size_t first, const V3& origin, const V3& dir,
-                const Weight& weight, uint32_t side, M mask, SeenThere&& escaped_there) {
+  void untraced(const Wavefront& w, size_t first, const V3& origin, const V3& dir, const V3& weight,
+                uint32_t side, M mask) override {
+    const PathRays& current = w.rays();
     const V chosen = hn::IfThenElseZero(mask, hn::Set(d, 1));
     for (size_t k = 0; recording_ && k < kWidth && first + k < current.rays.size(); ++k) {
       if (lane(chosen, k) == 0) continue;
       ExplainedRay& r = add(child_kind(side), find(current.branch[first + k]),
-                            {lane(origin, k), lane(dir, k)}, Rgb(lane(weight, k)));
+                            {lane(origin, k), lane(dir, k)}, lane(weight, k));
       r.traced = false;
-      set_background(r, escaped_there(r.ray.dir, r.weight));
+      set_background(r, w);
     }
   }
 
-  void ambient(const Paths& current, const SurfacePoints& v, size_t n) {
+  void ambient(const Wavefront& w, size_t n) override {
     for (size_t i = 0; recording_ && i < n; ++i)
-      out_.rays[size_t(find(current.branch[i]))].ambient = element(v.radiance, i);
+      out_.rays[size_t(find(w.rays().branch[i]))].ambient = element(w.points().radiance, i);
   }
 
-  // Records shadow rays of the n current rays that face light l.
-  void shadow_rays(const Paths& current, const RayBatch& rays, const uint8_t* hidden, size_t l,
-                   size_t n) {
+  void shadow_rays(const Wavefront& w, const uint8_t* hidden, size_t l, size_t n) override {
+    const RayBatch& rays = w.shadow_rays();
     shadow_of_.assign(n, -1);
     for (size_t i = 0; recording_ && i < n; ++i) {
       if (!(rays.tmax[i] > 0)) continue;
-      const int parent = find(current.branch[i]);
+      const int parent = find(w.rays().branch[i]);
       const ExplainedRay& from = out_.rays[size_t(parent)];
       ExplainedRay r{.kind = ExplainedRay::Kind::shadow,
                      .parent = parent,
@@ -88,8 +81,8 @@ class RayRecorder {
       out_.rays.push_back(r);
     }
   }
-  // Records the light's contribution to current rays first, first + 1, ...
-  void lit(size_t first, size_t n, const V3& diffuse, const V3& both) {
+
+  void lit(size_t first, size_t n, const V3& diffuse, const V3& both) override {
     for (size_t i = first; recording_ && i < std::min(first + kWidth, n); ++i) {
       if (shadow_of_[i] < 0) continue;
       ExplainedRay& r = out_.rays[size_t(shadow_of_[i])];
@@ -100,23 +93,23 @@ class RayRecorder {
     }
   }
 
-  void shaded(const Paths& current, const SurfacePoints& v, size_t n, const TileSums& sums) {
+  void shaded(const Wavefront& w, size_t n) override {
+    const SurfacePoints& v = w.points();
     for (size_t i = 0; recording_ && i < n; ++i) {
-      ExplainedRay& r = out_.rays[size_t(find(current.branch[i]))];
-      r.surface =
-          ExplainedRay::Surface{.point = element(v.point, i),
-                                .normal = element(v.normal, i),
-                                .geometric = element(v.geometric, i),
-                                .material = v.material[i],
-                                .color = element(v.color, i),
-                                .kd = v.kd.at[i],
-                                .ks = v.ks.at[i],
-                                .shine = v.shine.at[i],
-                                .transmission = v.transmission.at[i],
-                                .eta = v.eta.at[i],
-                                .specular = Shading::kTints ? element(v.specular, i) : Rgb(1),
-                                .roughness = Shading::kTints ? v.roughness.at[i] : 0};
-      r.brings = unscaled(sums.fixed(element(v.radiance, i) * r.weight));
+      ExplainedRay& r = out_.rays[size_t(find(w.rays().branch[i]))];
+      r.surface = ExplainedRay::Surface{.point = element(v.point, i),
+                                        .normal = element(v.normal, i),
+                                        .geometric = element(v.geometric, i),
+                                        .material = v.material[i],
+                                        .color = element(v.color, i),
+                                        .kd = v.kd.at[i],
+                                        .ks = v.ks.at[i],
+                                        .shine = v.shine.at[i],
+                                        .transmission = v.transmission.at[i],
+                                        .eta = v.eta.at[i],
+                                        .specular = models_ ? element(v.specular, i) : Rgb(1),
+                                        .roughness = models_ ? v.roughness.at[i] : 0};
+      r.brings = unscaled(w.sums().fixed(element(v.radiance, i) * r.weight));
     }
   }
 
@@ -125,10 +118,6 @@ class RayRecorder {
 
   // The branch in the ray tree (integrate/sampler.h) identifies the rays of a sample.
   int find(uint32_t branch) const { return places_.at(branch); }
-  static Rgb weight_of(const Paths& current, size_t i) {
-    const auto& w = current.weight;
-    return {w.front()[i], w[w.size() / 2][i], w.back()[i]};
-  }
   ExplainedRay& add(Kind kind, int parent, const Ray& ray, Rgb weight) {
     const int level = parent < 0 ? 1 : out_.rays[size_t(parent)].level + 1;
     if (out_.rays.size() >= kMaxExplainedRays) control_.stop = true;
@@ -137,14 +126,16 @@ class RayRecorder {
     return out_.rays.back();
   }
   static Kind child_kind(uint32_t side) { return side ? Kind::refraction : Kind::reflection; }
-  void set_background(ExplainedRay& r, const std::pair<Rgb, PixelSums>& seen) const {
-    r.background = seen.first, r.brings = unscaled(seen.second);
+  void set_background(ExplainedRay& r, const Wavefront& w) const {
+    const auto [light, sums] = w.escaped_light(r.ray.dir, r.weight);
+    r.background = light, r.brings = unscaled(sums);
   }
   Vec3d unscaled(const PixelSums& s) const {
     return {double(s[0]) / scale_, double(s[1]) / scale_, double(s[2]) / scale_};
   }
 
   uint32_t sample_;
+  bool models_;
   double scale_;
   WorkControl& control_;
   Explanation& out_;
@@ -163,15 +154,9 @@ std::optional<Explanation> explain(const Scene& scene, const Accel& accel, Rende
   Film film(1, 1, classic_bound(scene, settings));
   Explanation out;
   WorkControl control;
-  const auto render = [&]<class Shading> {
-    using Recorder = RayRecorder<Shading>;
-    const Recorder recorder(sample, film.scale(), control, out);
-    Wavefront<Shading, Recorder>(prepared, control, recorder).render(0, {sample, sample + 1}, film);
-  };
-  if (needs_models(scene, settings))
-    render.template operator()<ModelShading>();
-  else
-    render.template operator()<ClassicShading>();
+  RayRecorder recorder(sample, needs_models(scene, settings), film.scale(), control, out);
+  Wavefront(prepared, control, make_classic_shading(prepared), &recorder)
+      .render(0, {sample, sample + 1}, film);
   if (control.stop) return std::nullopt;
   out.counts = film.rays();
   for (const ExplainedRay& r : out.rays) out.rgb = out.rgb + r.brings;

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "integrate/wavefront.h"
+#include "integrate/prepared_scene.h"
 
 namespace raio::core {
 

@@ -11,12 +11,11 @@
 
 #include "accel/primitive_numbers.h"
 #include "integrate/camera-inl.h"
+#include "integrate/prepared_scene.h"
 #include "integrate/surfaces-inl.h"
-#include "integrate/wavefront.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace raio::core::HWY_NAMESPACE {
-namespace {
 
 // The depths of the hits of rays i, i + 1, ... along the line of sight, from the camera, wherever
 // on the lens they start.
@@ -120,7 +119,6 @@ class Features {
   std::unique_ptr<const PrimitiveNumbers> ids_;  // for the channel `id`
 };
 
-}  // namespace
 }  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

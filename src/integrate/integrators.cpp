@@ -6,14 +6,11 @@
 
 namespace raio::core {
 
-const Integrator& integrator(IntegratorKind kind) {
+double sample_bound(const Scene& scene, const RenderSettings& settings) {
   // In the order of IntegratorKind.
-  static constexpr std::array<Integrator, kIntegratorNames.size()> kIntegrators = {
-      Integrator{classic_bound, make_classic_renderer},
-      Integrator{views_bound, make_views_renderer},
-      Integrator{ambient_bound, make_ambient_renderer},
-  };
-  return kIntegrators[size_t(kind)];
+  static constexpr auto kBounds = std::to_array({classic_bound, views_bound, ambient_bound});
+  static_assert(kBounds.size() == kIntegratorNames.size());
+  return kBounds[size_t(settings.integrator)](scene, settings);
 }
 
 }  // namespace raio::core

@@ -1,10 +1,10 @@
 // The list of integrators, which provides the command line's names. To add one: its source file
-// (see the recipe in ARCHITECTURE.md), a word and a name here, a line in integrators.cpp.
+// (see the recipe in ARCHITECTURE.md), a word and a name here, and lines in
+// shadings-inl.h, wavefront.cpp and integrators.cpp.
 #pragma once
 
 #include <array>
 #include <cstdint>
-#include <memory>
 #include <string_view>
 
 namespace raio::core {
@@ -18,19 +18,10 @@ inline constexpr std::string_view kIntegratorHelp =
     "the light of a sky and a key light; or views, which shows what eye rays intersect (default: "
     "classic; ambient for atoms, points and meshes; views with `view`)";
 
-class TileRenderer;
-struct PreparedScene;
-struct WorkControl;
 struct RenderSettings;
 struct Scene;
 
-struct Integrator {
-  /// An upper bound of a sample's value in this scene.
-  double (*bound)(const Scene&, const RenderSettings&);
-  /// Renders tiles with the machine's best instruction set.
-  std::unique_ptr<TileRenderer> (*make)(const PreparedScene&, WorkControl&);
-};
-
-const Integrator& integrator(IntegratorKind kind);
+/// An upper bound of a sample's value, whatever the integrator.
+double sample_bound(const Scene& scene, const RenderSettings& settings);
 
 }  // namespace raio::core

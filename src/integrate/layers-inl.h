@@ -21,7 +21,6 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace raio::core::HWY_NAMESPACE {
-namespace {
 
 // A layer to be shaded.
 struct ShadedLayer {
@@ -218,7 +217,6 @@ class Layers {
   std::vector<ShadedLayer> shaded_, unshaded_firsts_;
 };
 
-}  // namespace
 }  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

@@ -13,7 +13,6 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace raio::core::HWY_NAMESPACE {
-namespace {
 
 // cube_place() for all lanes: a direction's column and row on its face, in texels from the centre
 // of the first border texel, and the face's number.
@@ -82,7 +81,6 @@ HWY_INLINE V3 sky_towards(const CubeMap& sky, const V3& dir) {
           between(std::integral_constant<int, 16>())};
 }
 
-}  // namespace
 }  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

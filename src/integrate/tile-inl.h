@@ -23,22 +23,21 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace raio::core::HWY_NAMESPACE {
-namespace {
 
 using D = hn::CappedTag<float, kBatchPad>;
 using DU = Unsigned<D>;
-const D d;
-const DU du;
+inline constexpr D d;
+inline constexpr DU du;
 using V = hn::Vec<D>;
 using U = hn::Vec<DU>;
 using M = hn::Mask<D>;
 using V3 = Wide3<D>;
-constexpr size_t kWidth = hn::MaxLanes(D());
+inline constexpr size_t kWidth = hn::MaxLanes(D());
 
 // Rays traced at a time. Bounds the memory of the ray tree: a level with this many rays goes before
 // others, so none ever holds more than these and the children of another chunk.
-constexpr size_t kChunk = 1024;
-constexpr size_t kTilePixels = size_t(kMaxTileSide) * kMaxTileSide;
+inline constexpr size_t kChunk = 1024;
+inline constexpr size_t kTilePixels = size_t(kMaxTileSide) * kMaxTileSide;
 
 // A cache line more than needed: columns at multiples of 4096 bytes would share the same few cache
 // lines.
@@ -86,32 +85,21 @@ HWY_INLINE void put(const V3& origin, const V3& dir, V tmax, M mask, RayBatch& r
   put(tmax, mask, rays.tmax, i);
 }
 
-// A ray's weight in its pixel: one number, or one for each of red, green and blue.
-HWY_INLINE V scaled(V weight, V part) { return hn::Mul(weight, part); }
-HWY_INLINE V3 scaled(const V3& weight, V part) { return weight * part; }
-HWY_INLINE V3 scaled(const V3& weight, const V3& part) { return weight * part; }
-HWY_INLINE M is_whole(V weight) { return hn::Eq(weight, hn::Set(d, 1)); }
 HWY_INLINE M is_whole(const V3& weight) {
-  return hn::And(is_whole(weight.x), hn::And(is_whole(weight.y), is_whole(weight.z)));
+  const V one = hn::Set(d, 1);
+  return hn::And(hn::Eq(weight.x, one), hn::And(hn::Eq(weight.y, one), hn::Eq(weight.z, one)));
 }
+
+// The coverage of a part of a pixel.
+inline int64_t covered(float part) { return std::llround(double(part) * double(kFullCoverage)); }
 
 // Rays with their pixel's number in the tile, the branch of the ray tree (integrate/sampler.h) and
 // the weight in the pixel.
-template <bool tinted>
 struct PathRays {
-  using Weight = std::conditional_t<tinted, V3, V>;
-
   RayBatch rays;
   Column<uint32_t> pixel, branch;
-  std::array<Column<float>, tinted ? 3 : 1> weight;
-
-  static HWY_INLINE Weight whole() {
-    const V one = hn::Set(d, 1);
-    if constexpr (tinted)
-      return {one, one, one};
-    else
-      return one;
-  }
+  std::array<Column<float>, 3> weight;  // red, green and blue; only red if they are always equal
+  bool tinted = false;                  // whether they may differ
 
   // Makes room for n rays and what `put` overwrites after them.
   void resize(size_t n) {
@@ -120,29 +108,27 @@ struct PathRays {
     const size_t room = rays.capacity();
     if (pixel.size() >= room) return;
     pixel.resize(room), branch.resize(room);
-    for (Column<float>& w : weight) w.resize(room);
+    for (size_t c = 0; c < weights_each(); ++c) weight[c].resize(room);
   }
-  void put(const V3& origin, const V3& dir, V tmax, U p, U b, const Weight& w, M mask, size_t i) {
+  size_t weights_each() const { return tinted ? 3 : 1; }
+  HWY_INLINE void put(const V3& origin, const V3& dir, V tmax, U p, U b, const V3& w, M mask,
+                      size_t i) {
     HWY_NAMESPACE::put(origin, dir, tmax, mask, rays, i);
     HWY_NAMESPACE::put(p, mask, pixel, i), HWY_NAMESPACE::put(b, mask, branch, i);
-    if constexpr (tinted) {
-      HWY_NAMESPACE::put(w.x, mask, weight[0], i), HWY_NAMESPACE::put(w.y, mask, weight[1], i);
-      HWY_NAMESPACE::put(w.z, mask, weight[2], i);
-    } else {
-      HWY_NAMESPACE::put(w, mask, weight[0], i);
-    }
+    HWY_NAMESPACE::put(w.x, mask, weight[0], i);
+    if (!tinted) return;
+    HWY_NAMESPACE::put(w.y, mask, weight[1], i), HWY_NAMESPACE::put(w.z, mask, weight[2], i);
   }
-  HWY_INLINE Weight weights(size_t i) const {
-    if constexpr (tinted)
-      return {load(weight[0], i), load(weight[1], i), load(weight[2], i)};
-    else
-      return load(weight[0], i);
+  HWY_INLINE V3 weights(size_t i) const {
+    const V red = load(weight[0], i);
+    if (!tinted) return {red, red, red};
+    return {red, load(weight[1], i), load(weight[2], i)};
   }
   // Sets element i to element k of `from`, with `part` of its weight.
   void set(size_t i, const PathRays& from, size_t k, float part = 1) {
     rays.set(i, from.rays[k]);
     pixel[i] = from.pixel[k], branch[i] = from.branch[k];
-    for (size_t c = 0; c < weight.size(); ++c) weight[c][i] = from.weight[c][k] * part;
+    for (size_t c = 0; c < weights_each(); ++c) weight[c][i] = from.weight[c][k] * part;
   }
   // Replaces this with the last rays of `from`, at most `count`, which are removed there.
   void take_last(size_t count, PathRays& from) {
@@ -158,7 +144,7 @@ struct PathRays {
     take(a.ox, b.ox), take(a.oy, b.oy), take(a.oz, b.oz);
     take(a.dx, b.dx), take(a.dy, b.dy), take(a.dz, b.dz), take(a.tmax, b.tmax);
     take(pixel, from.pixel), take(branch, from.branch);
-    for (size_t c = 0; c < weight.size(); ++c) take(weight[c], from.weight[c]);
+    for (size_t c = 0; c < weights_each(); ++c) take(weight[c], from.weight[c]);
     from.rays.resize(left);
   }
 };
@@ -380,7 +366,6 @@ class TileSums {
   NanSamples nans_;
 };
 
-}  // namespace
 }  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

@@ -6,7 +6,8 @@
 // After foreach_target.h.
 #include "base/exact_math.h"
 #include "base/random.h"
-#include "integrate/wavefront-inl.h"
+#include "integrate/features-inl.h"
+#include "integrate/shadings-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace raio::core::HWY_NAMESPACE {
@@ -19,7 +20,7 @@ Rgb id_color(uint32_t id) {
   return {part(0), part(8), part(16)};
 }
 
-class ViewsShading {
+class ViewsShading final : public Shading {
  public:
   explicit ViewsShading(const PreparedScene& scene)
       : view_(scene.settings.view),
@@ -31,26 +32,22 @@ class ViewsShading {
     if (!scene.eye.parallel) blur_ = 2 * scene.settings.aperture / (pixel * focus_);
   }
 
-  static constexpr bool kTints = false;
-  static int levels() { return 1; }
-  static Rgb background() { return {}; }
-  static constexpr bool kSky = false, kFloor = false;
-  bool counts_rays() const { return view_ == View::steps || view_ == View::tests; }
+  Rgb background() const override { return {}; }
+  bool counts_rays() const override { return view_ == View::steps || view_ == View::tests; }
 
-  template <class W>
-  void begin(W& w, size_t n) const {
+  void begin(Wavefront& w, size_t n) override {
     if (!counts_rays()) return;
     for (size_t i = 0; i < n; i += kWidth)
       w.add(colors(
                 [&](size_t k) {
-                  return heat_color(double(view_ == View::steps ? w.steps(i + k) : w.tests(i + k)));
+                  return heat_color(double(view_ == View::steps ? w.costs().steps(i + k)
+                                                                : w.costs().tests(i + k)));
                 },
                 std::min(n - i, kWidth)),
             i, hn::FirstN(d, n - i));
   }
 
-  template <class W>
-  void shade(W& w, int, size_t n, const WideSampler<D>&) const {
+  void shade(Wavefront& w, int, size_t n, const WideSampler<D>&) override {
     SurfacePoints& v = w.points();
     const V half = hn::Set(d, 0.5f);
     for (size_t i = 0; i < n; i += kWidth) {
@@ -67,9 +64,6 @@ class ViewsShading {
     }
   }
 
-  template <class W>
-  void spawn(W&, int, size_t) const {}
-
  private:
   // color(0), color(1) ... in the first `count` lanes.
   template <class Color>
@@ -82,8 +76,7 @@ class ViewsShading {
     return {hn::Load(d, lanes[0]), hn::Load(d, lanes[1]), hn::Load(d, lanes[2])};
   }
 
-  template <class W>
-  Rgb color(W& w, size_t i, float depth) const {
+  Rgb color(Wavefront& w, size_t i, float depth) const {
     const SurfacePoints& v = w.points();
     if (view_ == View::depth) return Rgb(distance_ / (distance_ + depth));
     const Vec3f normal = {v.normal.x.at[i], v.normal.y.at[i], v.normal.z.at[i]};
@@ -112,23 +105,17 @@ class ViewsShading {
   float distance_, focus_, blur_ = 0;
 };
 
-std::unique_ptr<TileRenderer> make_renderer(const PreparedScene& scene, WorkControl& control) {
-  return std::make_unique<Wavefront<ViewsShading>>(scene, control);
+}  // namespace
+
+std::unique_ptr<Shading> make_views_shading(const PreparedScene& scene) {
+  return std::make_unique<ViewsShading>(scene);
 }
 
-}  // namespace
 }  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace raio::core {
-
-HWY_EXPORT(make_renderer);
-
-std::unique_ptr<TileRenderer> make_views_renderer(const PreparedScene& scene,
-                                                  WorkControl& control) {
-  return HWY_DYNAMIC_DISPATCH(make_renderer)(scene, control);
-}
 
 double views_bound(const Scene&, const RenderSettings&) { return 1; }
 

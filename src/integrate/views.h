@@ -2,7 +2,7 @@
 // to find that. Pixels, lens and antialiasing are as in any other picture.
 #pragma once
 
-#include "integrate/wavefront.h"
+#include "integrate/prepared_scene.h"
 
 namespace raio::core {
 
@@ -18,8 +18,6 @@ namespace raio::core {
 ///   focus      green where the lens blurs by less than a pixel; more and more red in front of the
 ///              focal plane, blue behind it
 double views_bound(const Scene& scene, const RenderSettings& settings);
-
-std::unique_ptr<TileRenderer> make_views_renderer(const PreparedScene& scene, WorkControl& control);
 
 /// 0 black, 1 blue, 4 cyan, 16 green, 64 yellow, 256 red, 1024 and more white.
 Rgb heat_color(double count);

@@ -15,8 +15,8 @@
 
 #include "base/clock.h"
 #include "base/memory.h"
+#include "integrate/prepared_scene.h"
 #include "integrate/views.h"
-#include "integrate/wavefront.h"
 
 namespace raio::core {
 
@@ -55,8 +55,7 @@ std::expected<std::unique_ptr<Film>, Error> make_film(const Scene& scene,
   constexpr int kTiles = 64;
   const auto across = [](int pixels) { return (pixels + kMaxTileSide - 1) / kMaxTileSide; };
   const bool large = double(across(width)) * across(height) >= kTiles;
-  return std::make_unique<Film>(width, height,
-                                integrator(settings.integrator).bound(scene, settings),
+  return std::make_unique<Film>(width, height, sample_bound(scene, settings),
                                 large ? kMaxTileSide : kTileSide, settings.channels);
 }
 
@@ -71,9 +70,7 @@ class Work {
         threads_(scene.settings.threads),
         task_(task),
         wanted_{task.first_sample, task.samples > 0 ? task.samples : scene.sampler.samples},
-        renderers_([&scene, &control] {
-          return integrator(scene.settings.integrator).make(scene, control);
-        }) {
+        renderers_([&scene, &control] { return make_tile_renderer(scene, control); }) {
     uint64_t total = 0;
     for (size_t t = task.shard; t < film.tiles(); t += task.shards)
       if (const uint32_t missing = film.samples(t).missing(wanted_).count(); missing > 0)

@@ -1,5 +1,4 @@
-// A scene prepared for rendering, and the renderer of its tiles. The wavefront itself is
-// wavefront-inl.h.
+// A scene prepared for rendering, and the renderer of its tiles (wavefront-inl.h).
 #pragma once
 
 #include <array>
@@ -54,5 +53,8 @@ class TileRenderer {
   /// meanwhile. Does nothing when told to stop.
   virtual void render(size_t tile, SampleSpan samples, Film& film) = 0;
 };
+
+/// For the settings' integrator, with the machine's best instruction set.
+std::unique_ptr<TileRenderer> make_tile_renderer(const PreparedScene& scene, WorkControl& control);
 
 }  // namespace raio::core
