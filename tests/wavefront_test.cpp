@@ -4,6 +4,7 @@
 #include <hwy/highway.h>
 
 #include "accel_rays.h"
+#include "integrate/surface.h"
 #include "integrate/wavefront-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -116,6 +117,51 @@ TEST(Wavefront, WeighsRaysByColor) {
   scene.plane_materials = {0, 0};
   EXPECT_EQ(corner_pixel(scene, 1), Rgb(0.5f, 0.5f, 0.0625f));
   EXPECT_EQ(corner_pixel(scene, 2), Rgb(0.25f, 0.5f, 0.015625f));
+}
+
+// Rays see the same normals one at a time as many at once, also of smooth triangles whose winding
+// contradicts their normals.
+TEST(Surfaces, OneAtATimeAreThoseOfManyAtOnce) {
+  Scene scene = core::tests::random_scene(400, 7);
+  for (size_t i = 0; i < scene.positions.size(); ++i)
+    scene.normals.push_back(normalize(Vec3f(1, 0.5f, 0.2f) + scene.positions[i] * 0.3f));
+  scene.triangle_normals = scene.triangles;
+  const auto accel = core::tests::build(scene, {});
+  const Geometry& geometry = accel->geometry();
+  ASSERT_TRUE(geometry.any_smooth());
+  const RayBatch asked = core::tests::awkward_rays(scene, 4000, 3);
+  RayBatch rays;
+  HitBatch hits, found;
+  TraceContext context;
+  accel->closest(asked, hits, context);
+  found.reset(kChunk);
+  for (size_t i = 0; i < asked.size() && rays.size() < kChunk; ++i) {
+    if (!hits[i].found()) continue;
+    found.set(rays.size(), hits[i]);
+    rays.push(asked[i]);
+  }
+  const size_t n = rays.size() / kWidth * kWidth;
+  ASSERT_GT(n, 500u);
+  const auto points = std::make_unique<SurfacePoints>();
+  find_surfaces(geometry, scene, rays, found, n, *points);
+  size_t contradicting = 0;
+  for (size_t i = 0; i < n; ++i) {
+    const Surface one = surface_at(geometry, rays[i], found[i]);
+    const Vec3f many = {points->normal.x.at[i], points->normal.y.at[i], points->normal.z.at[i]};
+    const Vec3f facing = {points->geometric.x.at[i], points->geometric.y.at[i],
+                          points->geometric.z.at[i]};
+    EXPECT_NEAR(std::abs(dot(one.normal, many)), 1, 1e-5) << i;
+    if (const auto kind = geometry.kind_of(found.primitive[i]); kind == PrimitiveKind::triangle) {
+      const uint32_t index = geometry.index_of(kind, found.primitive[i]);
+      // Both lie on the side of the triangle that its winding gives.
+      const Vec3f outward = geometry.facet(index).normal;
+      EXPECT_GE(dot(one.normal, outward), 0) << i;
+      EXPECT_GE(dot(many, facing), 0) << i;
+      if (const TriangleIndices* corners = geometry.corner_normals(index))
+        contradicting += dot(geometry.normals()[(*corners)[0]], outward) < 0;
+    }
+  }
+  EXPECT_GT(contradicting, 10u);
 }
 
 }  // namespace

@@ -12,7 +12,9 @@ SurfacePoint triangle_point(const Geometry& geometry, uint32_t index, Vec3f p, c
     const auto n = geometry.normals();
     const Vec3f smooth = n[(*corners)[0]] * (1 - hit.u - hit.v) + n[(*corners)[1]] * hit.u +
                          n[(*corners)[2]] * hit.v;
-    if (dot(smooth, smooth) > 0) point.normal = normalize(smooth);
+    // As in surfaces.cpp: in files, the winding of some patches contradicts their normals.
+    if (const float side = dot(smooth, point.normal); side != 0)
+      point.normal = side > 0 ? normalize(smooth) : -normalize(smooth);
   }
   return point;
 }

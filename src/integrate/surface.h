@@ -1,5 +1,4 @@
-// The surface at one hit. surfaces-inl.h computes those of spheres, triangles and cones many at a
-// time.
+// The surface at one hit. surfaces.cpp computes many at a time.
 #pragma once
 
 #include "accel/geometry.h"
