@@ -8,7 +8,7 @@
 #include "app/canvas.h"
 #include "bench/suites.h"
 
-namespace raio::raio::core::bench {
+namespace raio::core::bench {
 namespace {
 
 struct Suite {
@@ -20,6 +20,7 @@ constexpr Suite kSuites[] = {
     {"frame", "Rendering alone, structures and effects side by side", frame_suite},
     {"trace", "Bare tracing by kind of ray, compared with Embree", trace_suite},
     {"build", "Building, seconds and bytes, compared with Embree", build_suite},
+    {"cancel", "How soon builds end that are told to stop", cancel_suite},
     {"growth", "Reading, building and rendering of growing scenes", growth_suite},
     {"threads", "Rendering on all threads and on one", threads_suite},
     {"converge", "Errors of the samplers against the number of samples", converge_suite},
@@ -100,7 +101,7 @@ int parse_and_run(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace raio::raio::core::bench
+}  // namespace raio::core::bench
 
 int main(int argc, char** argv) {
   int status = 3;

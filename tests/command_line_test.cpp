@@ -462,6 +462,42 @@ TEST_F(Interrupted, LoadingLeavesNothing) {
   EXPECT_EQ(names(), (std::vector<std::string>{"ok.nff", "pipe"}));
 }
 
+// Without having to be ended, which has another message.
+TEST_F(Interrupted, CommandsStopThemselvesWhileTheyRead) {
+#ifdef __SANITIZE_THREAD__
+  GTEST_SKIP() << "the thread sanitizer holds signals back while a read waits";
+#endif
+  ASSERT_EQ(::mkfifo(file("balls.nff").c_str(), 0600), 0);
+  const int both = ::open(file("balls.nff").c_str(), O_RDWR | O_CLOEXEC | O_NONBLOCK);
+  ASSERT_GE(both, 0);
+  std::jthread writer([&](const std::stop_token& done) {
+    while (!done.stop_requested()) {
+      [[maybe_unused]] const ssize_t count = ::write(both, "# endless\n", 10);
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  });
+  const std::vector<std::string> commands[] = {{"info", "balls.nff"},
+                                               {"convert", "balls.nff", "x.nff"},
+                                               {"export", "balls.nff", "-o", "x.pov"},
+                                               {"explain", "balls.nff", "--pixel", "0,0"},
+                                               {"bench", "balls.nff", "--csv", "x.csv"},
+                                               {"spd", "verify", "balls.nff"},
+                                               {"merge", "balls.nff", "-o", "x.png"},
+                                               {"compare", "balls.nff", "y.png"}};
+  for (const auto& command : commands) {
+    const Running running(*this, command, {});
+    pause();
+    running.send(SIGINT);
+    const Outcome o = running.wait();
+    EXPECT_EQ(o.status, 130) << command[0];
+    EXPECT_EQ(o.out, "") << command[0];
+    EXPECT_EQ(o.err, "raio: interrupted; nothing was written\n") << command[0];
+  }
+  writer = {};
+  ::close(both);
+  EXPECT_EQ(names(), (std::vector<std::string>{"balls.nff", "ok.nff"}));
+}
+
 TEST_F(Interrupted, BuildingLeavesNothing) {
   // Forty coincident spheres, each in all of thirty million cells.
   std::string many;

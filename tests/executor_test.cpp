@@ -156,8 +156,35 @@ TEST(StoppedBuild, TellsHowFarItIs) {
   }
 }
 
+// Embree does not say how far it is, but asks whether to go on.
+TEST(StoppedBuild, EmbreeEndsWithAnError) {
+  const Scene scene = random_scene(20000, 5);
+  const auto embree = [&] { return build_accel(scene, {.kind = AccelKind::embree}); };
+  if (!embree()) GTEST_SKIP() << "this build or machine has no Embree";
+  int stopped = 0;
+  for (int round = 0; round < 12; ++round) {
+    WorkControl control;
+    const std::jthread watcher([&] {
+      while (control.stage != Stage::building) std::this_thread::yield();
+      std::this_thread::sleep_for(std::chrono::milliseconds(2 * round));
+      control.stop = true;
+    });
+    const auto accel = Executor(2, &control).run(embree);
+    if (accel) continue;
+    EXPECT_EQ(accel.error().kind, ErrorKind::stopped);
+    ++stopped;
+  }
+  EXPECT_GT(stopped, 0);
+}
+
 constexpr std::string_view kView =
     "v\nfrom 0 -5 0\nat 0 0 0\nup 0 0 1\nangle 40\nhither 0\nresolution 24 16\nl 3 -4 5\n";
+
+// Before the rows of another table.
+constexpr std::string_view kCrystal =
+    "data_x\n_cell_length_a 9\n_cell_length_b 9\n_cell_length_c 9\n_cell_angle_alpha 90\n"
+    "_cell_angle_beta 90\n_cell_angle_gamma 90\nloop_\n_atom_site_label\n_atom_site_fract_x\n"
+    "_atom_site_fract_y\n_atom_site_fract_z\nC1 0.1 0.2 0.3\nloop_\n_other_value\n";
 
 class StoppedReading : public TemporaryFolder {
  protected:
@@ -176,7 +203,8 @@ TEST_F(StoppedReading, IsAnErrorOfItsOwn) {
        {text_file("a.nff", kView, "s 0 0 0 1\n", 20000),
         text_file("b.xyz", "20000\n\n", "C 1 2 3\n", 20000),
         text_file("c.off", numbered, "3 0 1 2\n", 20000),
-        text_file("d.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", "f 1 2 3\n", 20000)}) {
+        text_file("d.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", "f 1 2 3\n", 20000),
+        text_file("e.cif", kCrystal, "1\n", 20000)}) {
     ASSERT_TRUE(read_scene(path)) << path;
     WorkControl control;
     control.stop = true;

@@ -18,6 +18,7 @@
 #include "accel/intersect.h"
 #include "accel/structures.h"
 #include "base/lazy_library.h"
+#include "base/parallel.h"
 
 namespace raio::core {
 namespace {
@@ -69,7 +70,10 @@ class Embree final : public Accel {
       else
         add_own<kind>();
     });
+    call<kEmbree, rtcSetSceneProgressMonitorFunction>(scene_, may_continue,
+                                                      const_cast<WorkScope*>(WorkScope::current()));
     call<kEmbree, rtcCommitScene>(scene_);
+    check_stop();
     const RTCError error = call<kEmbree, rtcGetDeviceError>(device_);
     if (error != RTC_ERROR_NONE)
       return fmt::format("Embree cannot build its structure (error {}{})", int(error),
@@ -118,11 +122,18 @@ class Embree final : public Accel {
   }
 
  private:
-  // The geometry's id in the Embree scene is its PrimitiveKind.
-  void attach(RTCGeometry geometry, PrimitiveKind kind) {
-    call<kEmbree, rtcCommitGeometry>(geometry);
-    call<kEmbree, rtcAttachGeometryByID>(scene_, geometry, unsigned(kind));
-    call<kEmbree, rtcReleaseGeometry>(geometry);
+  // Called by Embree's threads while they build.
+  static bool may_continue(void* scope, double) {
+    const WorkScope::Bound bound(static_cast<const WorkScope*>(scope));
+    return !stop_requested();
+  }
+
+  // A geometry of the scene, which owns it, to be committed; its id is its PrimitiveKind.
+  RTCGeometry add_geometry(RTCGeometryType type, PrimitiveKind kind) {
+    RTCGeometry g = call<kEmbree, rtcNewGeometry>(device_, type);
+    call<kEmbree, rtcAttachGeometryByID>(scene_, g, unsigned(kind));
+    call<kEmbree, rtcReleaseGeometry>(g);
+    return g;
   }
 
   // Transparent primitives become NaN, which Embree leaves out.
@@ -132,37 +143,39 @@ class Embree final : public Accel {
   void add_spheres() {
     const size_t n = geometry_.count(PrimitiveKind::sphere);
     if (n == 0) return;
-    RTCGeometry g = call<kEmbree, rtcNewGeometry>(device_, RTC_GEOMETRY_TYPE_SPHERE_POINT);
+    RTCGeometry g = add_geometry(RTC_GEOMETRY_TYPE_SPHERE_POINT, PrimitiveKind::sphere);
     auto* out = static_cast<float*>(call<kEmbree, rtcSetNewGeometryBuffer>(
         g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, 16, n));
-    if (!out) return call<kEmbree, rtcReleaseGeometry>(g);
-    for (uint32_t i = 0; i < n; ++i) {
-      Sphere s = geometry_.sphere(i);
-      if (!is_here(PrimitiveKind::sphere, i)) s.center = Vec3f(kNan);
-      *out++ = s.center.x, *out++ = s.center.y, *out++ = s.center.z, *out++ = s.radius;
-    }
+    if (!out) return;
+    for_each_index(n, [&](size_t i) {
+      Sphere s = geometry_.sphere(uint32_t(i));
+      if (!is_here(PrimitiveKind::sphere, uint32_t(i))) s.center = Vec3f(kNan);
+      float* const to = out + 4 * i;
+      to[0] = s.center.x, to[1] = s.center.y, to[2] = s.center.z, to[3] = s.radius;
+    });
     filter_sides(g, PrimitiveKind::sphere);
-    attach(g, PrimitiveKind::sphere);
+    call<kEmbree, rtcCommitGeometry>(g);
   }
 
   void add_triangles() {
     const size_t n = geometry_.count(PrimitiveKind::triangle);
     if (n == 0) return;
-    RTCGeometry g = call<kEmbree, rtcNewGeometry>(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+    RTCGeometry g = add_geometry(RTC_GEOMETRY_TYPE_TRIANGLE, PrimitiveKind::triangle);
     auto* out = static_cast<float*>(call<kEmbree, rtcSetNewGeometryBuffer>(
         g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, 3 * n));
     auto* index = static_cast<uint32_t*>(call<kEmbree, rtcSetNewGeometryBuffer>(
         g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, n));
-    if (!out || !index) return call<kEmbree, rtcReleaseGeometry>(g);
-    for (uint32_t i = 0; i < n; ++i) {
-      Triangle t = geometry_.triangle(i);
-      if (!is_here(PrimitiveKind::triangle, i)) t.a = t.b = t.c = Vec3f(kNan);
+    if (!out || !index) return;
+    for_each_index(n, [&](size_t i) {
+      Triangle t = geometry_.triangle(uint32_t(i));
+      if (!is_here(PrimitiveKind::triangle, uint32_t(i))) t.a = t.b = t.c = Vec3f(kNan);
+      float* to = out + 9 * i;
       for (const Vec3f& corner : {t.a, t.b, t.c})
-        *out++ = corner.x, *out++ = corner.y, *out++ = corner.z;
-      for (uint32_t k = 0; k < 3; ++k) *index++ = 3 * i + k;
-    }
+        *to++ = corner.x, *to++ = corner.y, *to++ = corner.z;
+      for (uint32_t k = 0; k < 3; ++k) index[3 * i + k] = uint32_t(3 * i) + k;
+    });
     filter_sides(g, PrimitiveKind::triangle);
-    attach(g, PrimitiveKind::triangle);
+    call<kEmbree, rtcCommitGeometry>(g);
   }
 
   // A kind that Embree does not have.
@@ -170,13 +183,13 @@ class Embree final : public Accel {
   void add_own() {
     const size_t n = geometry_.count(kind);
     if (n == 0) return;
-    RTCGeometry g = call<kEmbree, rtcNewGeometry>(device_, RTC_GEOMETRY_TYPE_USER);
+    RTCGeometry g = add_geometry(RTC_GEOMETRY_TYPE_USER, kind);
     call<kEmbree, rtcSetGeometryUserPrimitiveCount>(g, unsigned(n));
     call<kEmbree, rtcSetGeometryUserData>(g, this);
     call<kEmbree, rtcSetGeometryBoundsFunction>(g, own_bounds<kind>, nullptr);
     call<kEmbree, rtcSetGeometryIntersectFunction>(g, own_closest<kind>);
     call<kEmbree, rtcSetGeometryOccludedFunction>(g, own_occluded<kind>);
-    attach(g, kind);
+    call<kEmbree, rtcCommitGeometry>(g);
   }
 
   // One-sided surfaces: Embree asks before it accepts a hit.

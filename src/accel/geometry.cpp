@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <memory>
 
 #include "base/exact_math.h"
 #include "base/parallel.h"
@@ -167,30 +168,39 @@ void Geometry::join_meshes() {
     smooth |= !mesh.normals.empty();
   }
   own_positions_.reserve(positions), own_vertex_normals_.reserve(normals);
-  own_triangles_.resize(count);
-  own_normals_.assign(smooth ? count : 0, kFlat);
-  const auto append = [](Column<Vec3f>& to, const Array<Vec3f>& from) {
+  own_triangles_.reserve(count);
+  if (smooth) own_normals_.reserve(count);
+  const auto fill = [](auto& to, size_t more, const auto& value) {
+    const size_t before = to.size();
+    to.resize(before + more);
+    for_each_index(more, [&](size_t i) { to[before + i] = value; });
+  };
+  const auto append = [](auto& to, const auto& from) {
     const size_t before = to.size();
     to.resize(before + from.size());
     for_each_index(from.size(), [&](size_t i) { to[before + i] = from[i]; });
   };
+  const auto append_corners = [](Column<TriangleIndices>& to, const Array<TriangleIndices>& from,
+                                 size_t first) {
+    const size_t before = to.size();
+    to.resize(before + from.size());
+    for_each_index(from.size(), [&](size_t i) {
+      TriangleIndices& moved = to[before + i] = from[i];
+      for (uint32_t& vertex : moved)
+        if (vertex != kNoNormal) vertex += uint32_t(first);
+    });
+  };
   append(own_positions_, s.positions), append(own_vertex_normals_, s.normals);
-  std::ranges::copy(s.triangles, own_triangles_.begin());
-  std::ranges::copy(s.triangle_normals, own_normals_.begin());
-  for (size_t m = 0; m < s.meshes.size(); ++m) {
-    const Mesh& mesh = s.meshes[m];
-    const auto place = [&](const Array<TriangleIndices>& from, size_t first,
-                           Column<TriangleIndices>& to) {
-      for_each_index(from.size(), [&](size_t i) {
-        TriangleIndices& moved = to[mesh_begin_[m] + i] = from[i];
-        for (uint32_t& vertex : moved)
-          if (vertex != kNoNormal) vertex += uint32_t(first);
-      });
-    };
-    place(mesh.triangles, own_positions_.size(), own_triangles_);
+  append(own_triangles_, s.triangles), append(own_normals_, s.triangle_normals);
+  if (smooth && s.triangle_normals.empty()) fill(own_normals_, s.triangles.size(), kFlat);
+  for (const Mesh& mesh : s.meshes) {
+    append_corners(own_triangles_, mesh.triangles, own_positions_.size());
     if (!mesh.normals.empty())
-      place(mesh.normal_indices.empty() ? mesh.triangles : mesh.normal_indices,
-            own_vertex_normals_.size(), own_normals_);
+      append_corners(own_normals_,
+                     mesh.normal_indices.empty() ? mesh.triangles : mesh.normal_indices,
+                     own_vertex_normals_.size());
+    else if (smooth)
+      fill(own_normals_, mesh.triangles.size(), kFlat);
     append(own_positions_, mesh.positions), append(own_vertex_normals_, mesh.normals);
   }
   // Elements without values get the `usual` one.
@@ -198,12 +208,12 @@ void Geometry::join_meshes() {
     if (std::ranges::all_of(s.meshes, [&](const Mesh& mesh) { return (mesh.*column).empty(); }))
       return;
     to.reserve(positions);
-    to.resize(s.positions.size(), usual);
-    for (const Mesh& mesh : s.meshes) {
-      const Array<T>& from = mesh.*column;
-      to.insert(to.end(), from.begin(), from.end());
-      if (from.empty()) to.insert(to.end(), mesh.positions.size(), usual);
-    }
+    fill(to, s.positions.size(), usual);
+    for (const Mesh& mesh : s.meshes)
+      if (const Array<T>& from = mesh.*column; from.empty())
+        fill(to, mesh.positions.size(), usual);
+      else
+        append(to, from);
   };
   join(own_vertex_colors_, &Mesh::colors, Rgb(1));
   if (!scene_->material_texture.empty()) join(own_uv_, &Mesh::uv, Uv{});
@@ -270,7 +280,8 @@ void Geometry::bake_colors() {
   triangle_colors_ = s.triangle_colors;
   if (facets_.size() == triangle_colors_.size() && sources_.empty()) return;
   const size_t polygons = count_of_triangles();
-  std::vector<Rgb> colors(facets_.size());
+  const auto baked = std::make_shared<Column<Rgb>>(facets_.size());
+  Column<Rgb>& colors = *baked;
   for_each_index(facets_.size(), [&](size_t i) {
     const size_t source = source_of(uint32_t(i));
     if (source < s.triangle_colors.size())
@@ -280,7 +291,7 @@ void Geometry::bake_colors() {
     else
       colors[i] = scene_->materials[facets_[i].material].color;
   });
-  triangle_colors_ = std::move(colors);
+  triangle_colors_ = Array<Rgb>::borrow(colors.data(), colors.size(), baked);
   bakes_colors_ = true;
 }
 
@@ -325,8 +336,8 @@ void Geometry::bake_depths() {
 }
 
 template <class Wanted>
-std::vector<PrimitiveId> Geometry::list(const Wanted& wanted) const {
-  std::vector<PrimitiveId> out;
+Column<PrimitiveId> Geometry::list(const Wanted& wanted) const {
+  Column<PrimitiveId> out;
   StopCheck look;
   for_each_bounded_kind([&]<PrimitiveKind kind> {
     for (uint32_t i = 0; i < count(kind); ++i, look())
@@ -335,11 +346,11 @@ std::vector<PrimitiveId> Geometry::list(const Wanted& wanted) const {
   return out;
 }
 
-std::vector<PrimitiveId> Geometry::list_transparent() const {
+Column<PrimitiveId> Geometry::list_transparent() const {
   return list([](uint32_t depth) { return depth != kOpaque && depth > 0; });
 }
 
-std::vector<PrimitiveId> Geometry::list_opaque() const {
+Column<PrimitiveId> Geometry::list_opaque() const {
   return list([](uint32_t depth) { return depth == kOpaque; });
 }
 
@@ -437,7 +448,8 @@ std::optional<std::string> Geometry::add_objects(std::vector<const Geometry*> ob
   if (std::ranges::any_of(objects_, has_own)) {
     first_instance_.resize(instances.size());
     instance_count_ = 0;
-    for (size_t i = 0; i < instances.size() && instance_count_ <= kMaxInstances; ++i) {
+    StopCheck look;
+    for (size_t i = 0; i < instances.size() && instance_count_ <= kMaxInstances; ++i, look()) {
       first_instance_[i] = InstanceId(instance_count_ + 1);
       instance_count_ += 1 + objects_[instances[i].prototype]->count_instances();
     }

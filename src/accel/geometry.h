@@ -167,8 +167,8 @@ class Geometry {
   bool all_opaque(PrimitiveKind kind) const { return depths_[size_t(kind)].empty(); }
   /// Primitives of bounded kinds that transmit some light and absorb some; and the opaque ones, if
   /// not all are. In the order of ids.
-  std::vector<PrimitiveId> list_transparent() const;
-  std::vector<PrimitiveId> list_opaque() const;
+  Column<PrimitiveId> list_transparent() const;
+  Column<PrimitiveId> list_opaque() const;
   bool any_transparent() const { return any_transparent_; }
 
   /// Adds the baked objects of the scene's instances, one per prototype. The error is one line:
@@ -228,7 +228,7 @@ class Geometry {
   float triangle_opacity(size_t i) const;
   float opacity_of(MaterialId id) const;
   template <class Wanted>
-  std::vector<PrimitiveId> list(const Wanted& wanted) const;
+  Column<PrimitiveId> list(const Wanted& wanted) const;
   bool wants_sources() const {
     return with_sources_ || any_colors_ || any_transparent_ || !object_->object_ranges.empty();
   }

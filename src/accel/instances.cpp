@@ -63,6 +63,7 @@ void Instances::build_tree() {
   std::vector<Box3f> of_object, boxes;
   for (const auto& object : objects_) of_object.push_back(bounds(object->geometry().object()));
   std::vector<uint32_t> some;
+  boxes.reserve(instances_.size());
   StopCheck look;
   for (const Instance& instance : instances_) {
     look();
@@ -73,8 +74,10 @@ void Instances::build_tree() {
     slack_ = std::max(slack_, kSlack * place.condition());
   }
   // Widens boxes by the rounding of rays that enter the object's space.
-  for (const uint32_t i : some)
+  for (const uint32_t i : some) {
+    look();
     boxes[i].pad(float(slack_ * std::max(largest(boxes[i].lo), largest(boxes[i].hi))));
+  }
   if (some.empty()) return;
   nodes_.reserve(2 * some.size());
   nodes_.emplace_back();
@@ -86,7 +89,9 @@ void Instances::build_tree() {
 void Instances::split(uint32_t node, std::span<uint32_t> instances,
                       const std::vector<Box3f>& boxes) {
   Box3f around, middles;
-  for (const uint32_t i : instances) around.extend(boxes[i]), middles.extend(boxes[i].center());
+  StopCheck look;
+  for (const uint32_t i : instances)
+    around.extend(boxes[i]), middles.extend(boxes[i].center()), look();
   if (instances.size() == 1) {
     nodes_[node] = {around, instances[0], kLeaf};
     return;
@@ -94,7 +99,6 @@ void Instances::split(uint32_t node, std::span<uint32_t> instances,
   const Vec3f size = middles.size();
   const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
   const auto half = std::ptrdiff_t(instances.size() / 2);
-  StopCheck look;
   std::ranges::nth_element(instances, instances.begin() + half, [&](uint32_t a, uint32_t b) {
     look();
     const float x = boxes[a].center()[axis], y = boxes[b].center()[axis];

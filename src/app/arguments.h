@@ -62,10 +62,21 @@ std::string examples(std::initializer_list<std::string_view> lines);
 
 /// Runs a whole command, from reading to writing, with the requested number of threads.
 template <class Command>
-int run_on_threads(const Command& command) {
+int run_on_threads(const Command& command, WorkControl* control = nullptr) {
   if (command.options.threads > 1 && !kHasThreads)
     return bad_input("this build has no threads; leave out --threads");
-  return Executor(command.options.threads).run([&] { return run(command); });
+  return Executor(command.options.threads, control).run([&] { return run(command); });
+}
+
+/// Runs a whole command that has no control of its own; a signal stops it.
+template <class Command>
+int run_until_signal(const Command& command) {
+  WorkControl control;
+  const StopOnSignal stop(&control);
+  if constexpr (requires { command.options.threads; })
+    return run_on_threads(command, &control);
+  else
+    return Executor(0, &control).run([&] { return run(command); });
 }
 
 /// The command `raio explain`.

@@ -151,7 +151,9 @@ int run(const BenchCommand& command) {
   if (const int status = check_targets(command)) return status;
   WorkControl control;
   const StopOnSignal stop(&control);
-  const auto scene = load_scene(command.scene, false, nullptr, {.instances = true});
+  const auto scene = Executor(0, &control).run([&] {
+    return load_scene(command.scene, false, nullptr, {.instances = true});
+  });
   if (!scene) return scene.error();
   if (const auto why = absence_of_effects(command.request, *scene); !why.empty())
     return bad_input(why);

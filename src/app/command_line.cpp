@@ -341,7 +341,7 @@ void add_merge(CLI::App& app, MergeCommand& merge, int& status) {
   sub->add_flag("--quiet", merge.quiet, "Print errors only");
   sub->callback([&] {
     refuse_terminal(merge.output, "-o");
-    status = run(merge);
+    status = run_until_signal(merge);
   });
 }
 
@@ -402,7 +402,7 @@ void add_info(CLI::App& app, InfoCommand& info, int& status) {
   sub->add_flag("--json", info.json, "Print one JSON object");
   add_file(*sub, "--color-bar", info.color_bar,
            "Draw a colour bar with the values of --color-by; .png .svg .pdf by suffix");
-  sub->callback([&] { status = run(info); });
+  sub->callback([&] { status = run_until_signal(info); });
 }
 
 void add_generate(CLI::App& app, GenerateCommand& generate, int& status) {
@@ -414,7 +414,7 @@ void add_generate(CLI::App& app, GenerateCommand& generate, int& status) {
   add_number(*sub, "--size", generate.size, 1, 1000000, "Size factor (default: the scene's own)",
              "N");
   add_file(*sub, "-o,--output", generate.output, "Output file (default: standard output)");
-  sub->callback([&] { status = run(generate); });
+  sub->callback([&] { status = run_until_signal(generate); });
 }
 
 void add_export(CLI::App& app, ExportCommand& command, int& status) {
@@ -425,7 +425,7 @@ void add_export(CLI::App& app, ExportCommand& command, int& status) {
   add_file(*sub, "-o,--output", command.output,
            "Output file, .pov; - for standard output (default: SCENE.pov)");
   add_render_options(*sub, command.options, {"size", "projection", "depth"});
-  sub->callback([&] { status = run(command); });
+  sub->callback([&] { status = run_until_signal(command); });
 }
 
 void add_convert(CLI::App& app, ConvertCommand& command, int& status) {
@@ -439,7 +439,7 @@ void add_convert(CLI::App& app, ConvertCommand& command, int& status) {
       ".nff, .p3f, .raio, .ply, .glb, .gltf or .pov by suffix; - writes NFF to standard output",
       "OUT");
   for (const char* scene : {"in", "out"}) sub->get_option(scene)->required();
-  sub->callback([&] { status = run(command); });
+  sub->callback([&] { status = run_until_signal(command); });
 }
 
 void add_compare(CLI::App& app, CompareCommand& compare, int& status) {

@@ -95,7 +95,7 @@ std::expected<std::string, int> explained(const CompareCommand& command, const I
   const auto accel = build_accel(*scene, settings.accel);
   if (!accel) return std::unexpected(fail(accel.error()));
   const std::vector<Region> regions = regions_of(*scene, **accel, settings, control);
-  if (control.stop) return std::unexpected(kInterrupted);
+  check_stop();
   return explained(a, b, regions);
 }
 
@@ -110,11 +110,7 @@ std::expected<Image, Error> displayed(const std::string& path) {
   return std::move(picture->color);
 }
 
-}  // namespace
-
-int run(const CompareCommand& command) {
-  WorkControl control;
-  const StopOnSignal stop(&control);
+int run(const CompareCommand& command, const WorkControl& control) {
   if (!command.diff.empty()) {
     if (const auto format = image_format(command.diff); !format) return fail(format.error());
     if (const auto writable = check_writable(command.diff); !writable)
@@ -154,6 +150,14 @@ int run(const CompareCommand& command) {
     return kCheckFailed;
   }
   return kDone;
+}
+
+}  // namespace
+
+int run(const CompareCommand& command) {
+  WorkControl control;
+  const StopOnSignal stop(&control);
+  return Executor(0, &control).run([&] { return run(command, control); });
 }
 
 }  // namespace raio::core::app

@@ -8,7 +8,6 @@
 namespace raio::core::app {
 
 int run(const ConvertCommand& command) {
-  const StopOnSignal stop;
   const auto format = scene_format(command.output);
   if (!format) return fail(format.error());
   if (const auto writable = check_writable(command.output); !writable)

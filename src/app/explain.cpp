@@ -253,7 +253,6 @@ std::string explained_json(const Explained& what) {
 }
 
 int run(const ExplainCommand& command) {
-  const StopOnSignal stop;
   if (!command.plot.empty()) {
     if (const auto format = plot_format(command.plot); !format) return bad_input(format.error());
     if (const auto writable = check_writable(command.plot); !writable)

@@ -109,7 +109,7 @@ void add_explain(CLI::App& app, ExplainCommand& explain, int& status) {
       throw CLI::ParseError("--plot cannot use standard output, where the text goes; name a file",
                             kBadInput);
     refuse_conflict(explain.options);
-    status = run_on_threads(explain);
+    status = run_until_signal(explain);
   });
 }
 

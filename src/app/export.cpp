@@ -11,7 +11,6 @@
 namespace raio::core::app {
 
 int run(const ExportCommand& command) {
-  const StopOnSignal stop;
   const std::filesystem::path scene_path(command.scene);
   const std::string output =
       !command.output.empty()

@@ -12,7 +12,6 @@
 namespace raio::core::app {
 
 int run(const GenerateCommand& command) {
-  const StopOnSignal stop;
   const std::string target = command.output.empty() ? "-" : command.output;
   if (target != "-") {
     if (const auto writable = check_writable(target); !writable) return fail(writable.error());

@@ -214,6 +214,7 @@ void add_warnings(const InfoCommand& command, ReadScene& read) {
   std::unique_ptr<Accel> accel;
   if (settings.dof)
     if (auto built = build_accel(read.scene, settings.accel)) accel = std::move(*built);
+  check_stop();
   for (const std::string& line : warning_lines(read.scene, settings, accel.get()))
     read.notices.push_back({Severity::warning, command.scene, 0, 0, line, ""});
 }
@@ -221,7 +222,6 @@ void add_warnings(const InfoCommand& command, ReadScene& read) {
 }  // namespace
 
 int run(const InfoCommand& command) {
-  const StopOnSignal stop;
   if (!command.color_bar.empty()) {
     if (const auto format = plot_format(command.color_bar); !format)
       return bad_input(format.error());
@@ -232,9 +232,9 @@ int run(const InfoCommand& command) {
   ReadOptions options = command.read;
   options.instances = true;
   auto read = read_scene(command.scene, options);
-  if (read) add_warnings(command, *read);
-  for (const Diagnostic& d : read ? read->notices : read.error()) print_line(d.text("--"));
-  if (!read) return kBadInput;
+  if (!read) return refuse(read.error());
+  add_warnings(command, *read);
+  for (const Diagnostic& d : read->notices) print_line(d.text("--"));
   if (!command.color_bar.empty()) {
     if (!read->colors)
       return bad_input(

@@ -12,7 +12,6 @@
 namespace raio::core::app {
 
 int run(const MergeCommand& command) {
-  const StopOnSignal stop;
   const std::string& output = command.output;
   const bool to_part = is_part_path(output);
   if (const auto why = output_problem(output)) return fail(*why);

@@ -100,7 +100,7 @@ int run(const SpdVerifyCommand& command) {
     if (path == published.name)
       scene = *generate_scene(published.name);
     else
-      scene = load_scene(path);
+      scene = Executor(0, &control).run([&] { return load_scene(path); });
     if (!scene) return scene.error();
     mirror_what_is_transparent(*scene);
     auto verified = verify(published, *scene, control, command);

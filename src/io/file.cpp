@@ -7,6 +7,8 @@
 #include <new>
 #include <system_error>
 
+#include "base/executor.h"
+
 namespace raio::core {
 
 namespace {
@@ -64,6 +66,7 @@ std::expected<std::string, Error> read_file(const fs::path& path, uint64_t max_b
   std::string bytes(std::min(file->rest(), most) + 1, '\0');
   size_t size = 0;
   for (;;) {
+    check_stop();
     const auto count = file->read(bytes.data() + size, bytes.size() - size);
     if (!count) return error(count.error());
     if (*count == 0) break;

@@ -97,8 +97,7 @@ struct Arena {
 class Builder {
  public:
   // `some`: those of which the tree is made, or nothing for all.
-  Builder(const Geometry& geometry, const std::vector<PrimitiveId>* some)
-      : g_(geometry), some_(some) {}
+  Builder(const Geometry& geometry, const Column<PrimitiveId>* some) : g_(geometry), some_(some) {}
 
   // Returns the error, or nothing.
   std::optional<std::string> build(const AvailableMemory& available, Bvh& out) {
@@ -401,7 +400,7 @@ class Builder {
   }
 
   const Geometry& g_;
-  const std::vector<PrimitiveId>* some_;
+  const Column<PrimitiveId>* some_;
   bool hasty_ = false;
   Column<PrimitiveId> order_;  // finally that of the leaves
   SpareItems spare_;
@@ -428,7 +427,7 @@ float triangle_width(const Column<TriangleBlock>& blocks) {
 std::expected<Bvh, std::string> build_bvh(const Geometry& geometry,
                                           const AvailableMemory& available, bool clear) {
   Bvh out;
-  std::vector<PrimitiveId> some;
+  Column<PrimitiveId> some;
   if (geometry.any_transparent())
     some = clear ? geometry.list_transparent() : geometry.list_opaque();
   Builder builder(geometry, geometry.any_transparent() ? &some : nullptr);

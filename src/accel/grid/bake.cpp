@@ -130,8 +130,8 @@ class Baker {
     const Lattice& cells = cells_.lattice;
     auto& empty = out_.empty_around;
     empty.resize(cells.cells());
-    for (size_t c = 0; c < empty.size(); ++c)
-      empty[c] = out_.begin[c] == out_.begin[c + 1] ? 255 : 0;
+    for_each_index(empty.size(),
+                   [&](size_t c) { empty[c] = out_.begin[c] == out_.begin[c + 1] ? 255 : 0; });
     const auto pass = [&](int from_end) {
       const auto at = [&](int i, int a) { return from_end ? n[a] - 1 - i : i; };
       StopCheck look;

@@ -112,7 +112,7 @@ class GridBuilder : GridCells {
       if (large.empty() || oversized.size() + large.size() > most) break;
       for (const uint32_t i : large) oversized.push_back(rest_[i]), rest_[i] = kNoPrimitive;
       size_t kept = 0;
-      for (size_t i = 0; i < rest_.size(); ++i)
+      for (size_t i = 0; i < rest_.size(); ++i, look())
         if (rest_[i] != kNoPrimitive) rest_[kept] = rest_[i], boxes_[kept++] = boxes_[i];
       rest_.resize(kept), boxes_.resize(kept);
     }
@@ -217,7 +217,8 @@ class GridBuilder : GridCells {
                       [&](size_t cell) { chunks[c].push_back({uint32_t(cell), rest_[i]}); });
       add_work(end - first);
     });
-    begin.assign(lattice.cells() + 1, 0);
+    begin.resize(lattice.cells() + 1);
+    for_each_index(begin.size(), [&](size_t i) { begin[i] = 0; });
     for (const auto& chunk : chunks) {
       check_stop();
       for (const Reference& r : chunk) ++begin[r.cell + 1];
@@ -225,7 +226,8 @@ class GridBuilder : GridCells {
     StopCheck look;
     for (size_t c = 0; c < lattice.cells(); ++c, look()) begin[c + 1] += begin[c];
     items.resize(begin.back());
-    std::vector<uint32_t> next(begin.begin(), begin.end() - 1);
+    Column<uint32_t> next(lattice.cells());
+    for_each_index(next.size(), [&](size_t i) { next[i] = begin[i]; });
     for (auto& chunk : chunks) {
       check_stop();
       for (const Reference& r : chunk) items[next[r.cell]++] = r.item;
@@ -234,8 +236,8 @@ class GridBuilder : GridCells {
   }
 
   const Geometry& g_;
-  std::vector<PrimitiveId> rest_;  // all except oversized primitives
-  std::vector<Box3f> boxes_;       // of rest_
+  Column<PrimitiveId> rest_;  // all except oversized primitives
+  Column<Box3f> boxes_;       // of rest_
   double pad_ = 0;
   bool by_boxes_ = false;  // list all except pieces in every cell that their box overlaps
 };

@@ -53,12 +53,12 @@ constexpr double hit_error(double largest) {
 }
 
 struct GridCells {
-  std::vector<PrimitiveId> oversized;  // in no cell; every ray is tested with them first
+  Column<PrimitiveId> oversized;  // in no cell; every ray is tested with them first
   Lattice lattice;
-  std::vector<uint32_t> begin;     // per cell, plus one: where its list starts
-  std::vector<PrimitiveId> items;  // ascending in each cell
-  double reach = 0;                // the largest absolute coordinate of listed primitives
-  double near = 0;  // rays with origins up to this coordinate find them in their cells
+  Column<uint32_t> begin;     // per cell, plus one: where its list starts
+  Column<PrimitiveId> items;  // ascending in each cell
+  double reach = 0;           // the largest absolute coordinate of listed primitives
+  double near = 0;            // rays with origins up to this coordinate find them in their cells
 };
 
 /// The result does not depend on the number of threads. The error is one line.

@@ -13,6 +13,7 @@
 #include <stdexcept>
 
 #include "base/exact_math.h"
+#include "base/executor.h"
 #include "io/image/codecs.h"
 
 namespace raio::core {
@@ -278,7 +279,8 @@ ImageDifference compare(const Image& a, const Image& b) {
   require_same_size(a, b);
   ImageDifference difference;
   uint64_t squares = 0, above_8 = 0;
-  for (size_t i = 0; i < a.pixels.size(); ++i) {
+  StopCheck look;
+  for (size_t i = 0; i < a.pixels.size(); ++i, look()) {
     const auto bytes_a = display_bytes(a.pixels[i]), bytes_b = display_bytes(b.pixels[i]);
     int largest = 0;
     for (int channel = 0; channel < 3; ++channel) {

@@ -8,6 +8,7 @@
 #include <jerror.h>
 #include <jpeglib.h>
 
+#include "base/executor.h"
 #include "io/image/codecs.h"
 
 namespace raio::core {
@@ -101,6 +102,7 @@ Decoded<PixelRows> jpeg_rows(std::string_view bytes) {
   const bool done = decompressor.guarded([&] {
     jpeg_start_decompress(&jpeg);
     while (jpeg.output_scanline < jpeg.output_height) {
+      check_stop();
       JSAMPROW row = &rows.bytes[3 * width * jpeg.output_scanline];
       jpeg_read_scanlines(&jpeg, &row, 1);
     }

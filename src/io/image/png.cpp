@@ -236,7 +236,8 @@ Decoded<PixelRows> png_rows(std::string_view bytes, bool with_alpha) {
   rows.bytes.resize(row_bytes * height);
   const bool done = guarded(png, [&] {
     for (int pass = 0; pass < passes; ++pass)
-      for (size_t y = 0; y < height; ++y) png_read_row(png, &rows.bytes[y * row_bytes], nullptr);
+      for (size_t y = 0; y < height; ++y, check_stop())
+        png_read_row(png, &rows.bytes[y * row_bytes], nullptr);
     png_read_end(png, nullptr);
   });
   if (!done) return broken(reader.error.text);

@@ -3,6 +3,7 @@
 #include <exception>
 #include <gemmi/cif.hpp>
 
+#include "base/executor.h"
 #include "io/atoms/cif/cif.h"
 #include "io/atoms/element_names.h"
 
@@ -28,10 +29,27 @@ CifFault fault_of(std::string message) {
   return out;
 }
 
+// A document that looks whether to stop while it grows: values of loops are most of any.
+struct Growing : gemmi::cif::Document {
+  StopCheck look;
+};
+template <class Rule>
+struct Grow : gemmi::cif::Action<Rule> {};
+template <>
+struct Grow<gemmi::cif::rules::loop_value> {
+  template <class Input>
+  static void apply(const Input& in, Growing& out) {
+    out.look();
+    gemmi::cif::Action<gemmi::cif::rules::loop_value>::apply(in, out);
+  }
+};
+
+// As gemmi::cif::parse_input().
 gemmi::cif::Document parse(const char* text, size_t size) {
-  gemmi::cif::Document out;
-  gemmi::cif::parse_input(out, tao::pegtl::memory_input<>(text, size, ""));
-  return out;
+  Growing out;
+  tao::pegtl::parse<gemmi::cif::rules::file, Grow, gemmi::cif::Errors>(
+      tao::pegtl::memory_input<>(text, size, ""), out);
+  return std::move(out);
 }
 
 // Parses tolerantly where a strict reader would stop, with a notice.
