@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
 #include <ranges>
 
 #include "program.h"
@@ -207,6 +208,39 @@ TEST(OptionTable, StoredOptionsMayBeIgnored) {
 }
 
 using OptionsCommand = CommandLine;
+
+TEST_F(OptionsCommand, PrintsTheTables) {
+  const auto o = raio({"options"});
+  EXPECT_EQ(o.status, 0);
+  const auto json = nlohmann::json::parse(o.out);
+  EXPECT_EQ(json["version"], RAIO_VERSION);
+  std::map<std::string, nlohmann::json> by_name;
+  for (const auto& option : json["options"]) by_name[option["name"]] = option;
+  EXPECT_EQ(by_name.size(), render_option_table().size() + read_option_table().size());
+
+  const auto& fov = by_name["fov"];
+  EXPECT_EQ(fov["of"], "rendering");
+  EXPECT_EQ(fov["group"], "Camera");
+  EXPECT_EQ(fov["type"], "number");
+  EXPECT_EQ(fov["value_name"], "DEG");
+  EXPECT_EQ(fov["unit"], "degrees");
+  EXPECT_EQ(fov["default"], "the scene's");
+  EXPECT_TRUE(fov["default_value"].is_null());
+  EXPECT_EQ(fov["minimum"], 0.001);
+  EXPECT_EQ(fov["maximum"], 179);
+  EXPECT_EQ(fov["integrators"], nlohmann::json({"classic", "views", "ambient"}));
+  EXPECT_EQ(fov["help"], "Vertical field of view, in degrees (default: the scene's)");
+  EXPECT_EQ(by_name["depth"]["default_value"], 5);
+  EXPECT_EQ(by_name["depth"]["integrators"], nlohmann::json::array({"classic"}));
+  EXPECT_EQ(by_name["one-sided"]["default_value"], false);
+  EXPECT_EQ(by_name["one-sided"]["type"], "switch");
+  EXPECT_EQ(by_name["key-light"]["words"], nlohmann::json({"off", "on"}));
+  EXPECT_EQ(by_name["samples"]["excludes"], nlohmann::json::array({"lens-samples"}));
+  EXPECT_EQ(by_name["threads"]["affects_picture"], false);
+  EXPECT_EQ(by_name["frame"]["of"], "reading");
+  EXPECT_EQ(by_name["images"]["default_value"], "1,1,1");
+  EXPECT_THAT(o.out, testing::Not(HasSubstr("`")));
+}
 
 TEST_F(OptionsCommand, RefusesIgnoredOptionsAtOnce) {
   expect_refusal({"render", "ok.nff", "--view", "normals", "--gloss", "0.1"}, 2,
