@@ -121,10 +121,10 @@ TEST(Benchmark, EffectsMultiplySamples) {
     RenderOptions options;
     options.aa = options.lens_samples = 1;
     options = with_effect(options, effect.effect, true, scene);
-    EXPECT_EQ(samples_per_pixel(options), effect.samples) << effect.name;
+    EXPECT_EQ(options.samples_per_pixel(), effect.samples) << effect.name;
     EXPECT_TRUE(is_on(effect.effect, options, scene)) << effect.name;
     options = with_effect(options, effect.effect, false, scene);
-    EXPECT_EQ(samples_per_pixel(options), 1) << effect.name;
+    EXPECT_EQ(options.samples_per_pixel(), 1) << effect.name;
     EXPECT_FALSE(is_on(effect.effect, options, scene)) << effect.name;
   }
 }

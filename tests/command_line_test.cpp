@@ -198,7 +198,7 @@ TEST_F(CommandLine, RefusesScenesBeyondMemory) {
 TEST_F(CommandLine, HelpIsNarrowAndComplete) {
   for (const char* command :
        {"", "render", "view", "merge", "bench", "info", "explain", "generate", "compare", "export",
-        "spd", "spd verify", "help", "version", "manual", "completion"}) {
+        "spd", "spd verify", "help", "version", "manual", "options", "completion"}) {
     std::vector<std::string> arguments;
     for (const auto word : std::views::split(std::string_view(command), ' '))
       if (!word.empty()) arguments.emplace_back(word.begin(), word.end());

@@ -173,7 +173,7 @@ TEST(Crop, IsInsideThePicture) {
   }
   ASSERT_TRUE(set_option(o, *spec, "3,4,20,30"));
   EXPECT_EQ(o.crop, (Crop{3, 4, 20, 30}));
-  EXPECT_EQ(option_text(o, *spec), "3,4,20,30");
+  EXPECT_EQ(spec->text(o), "3,4,20,30");
 
   Scene scene = random_scene(10, 1);
   EXPECT_FALSE(option_conflict(o, &scene));

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <functional>
 #include <limits>
+#include <map>
 #include <memory>
 #include <random>
 #include <stdexcept>
@@ -361,6 +362,26 @@ std::vector<raio::Ray> random_rays(size_t count) {
 bool same(const raio::Hit& a, const raio::Hit& b) {
   return a.distance == b.distance && a.kind == b.kind && a.index == b.index && a.u == b.u &&
          a.v == b.v && a.material == b.material && a.position == b.position && a.normal == b.normal;
+}
+
+TEST(LibrarySettings, OptionsHaveTypeRangeAndDefault) {
+  std::map<std::string, raio::Settings::Option> all;
+  for (const auto& option : raio::Settings::options()) all[option.name] = option;
+  const auto& fov = all.at("fov");
+  EXPECT_EQ(fov.type, "number");
+  EXPECT_EQ(fov.unit, "degrees");
+  EXPECT_EQ(fov.minimum, 0.001);
+  EXPECT_EQ(fov.maximum, 179);
+  EXPECT_EQ(fov.default_value, "") << "it is the scene's";
+  EXPECT_EQ(fov.integrators.size(), 3u);
+  EXPECT_EQ(all.at("depth").default_value, "5");
+  EXPECT_EQ(all.at("depth").integrators, std::vector<std::string>{"classic"});
+  EXPECT_EQ(all.at("samples").excludes, std::vector<std::string>{"lens-samples"});
+  EXPECT_EQ(all.at("tone").type, "words");
+  EXPECT_FALSE(all.at("tone").minimum);
+  // Every default is accepted.
+  for (const auto& [name, option] : all)
+    if (!option.default_value.empty()) (void)raio::Settings().set(name, option.default_value);
 }
 
 TEST(LibraryAccel, StructuresMatchBruteForce) {

@@ -128,9 +128,6 @@ TEST(Provenance, OptionsComeBack) {
   const Metadata plain = settings_of(scene, resolve_options({}, scene));
   for (const char* key : {"version", "scene_hash", "size", "accel", "aa", "depth", "seed"})
     EXPECT_NE(setting(plain, key), "") << key;
-  // Every option that a picture depends on can be stored.
-  for (const OptionSpec& spec : render_option_table())
-    EXPECT_TRUE(spec.text || !std::holds_alternative<OptionSpec::Parse>(spec.value)) << spec.name;
 }
 
 TEST(Provenance, RefusesUnknownFeatures) {

@@ -256,7 +256,7 @@ class SkyJob : public Sky {
     const auto spec = std::ranges::find(render_option_table(), "background", &OptionSpec::name);
     const auto done = set_option(o, *spec, text);
     ASSERT_TRUE(done) << done.error().text();
-    EXPECT_EQ(option_text(o, *spec), text);
+    EXPECT_EQ(spec->text(o), text);
   }
   static std::expected<void, Error> done(const JobRequest& r) {
     RenderJob job(r);

@@ -220,6 +220,13 @@ class RAIO_API Settings {
   struct Option {
     std::string name, value_name, help;  ///< an empty value_name: a switch
     std::vector<std::string> words;      ///< allowed values; empty: no fixed list
+    /// "switch", "integer", "number", "words", "vector", "color", "size", "list" or "text".
+    std::string type;
+    std::string unit;           ///< "degrees", "scene units"; empty: none
+    std::string default_value;  ///< empty: the scene or another setting decides, see `help`
+    std::optional<double> minimum, maximum;  ///< of numbers
+    std::vector<std::string> integrators;    ///< others refuse the option
+    std::vector<std::string> excludes;       ///< options that it cannot be combined with
   };
   /// All options, in the order of the command line's help.
   static std::vector<Option> options();

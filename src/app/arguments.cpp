@@ -1,12 +1,9 @@
 #include "app/arguments.h"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
-#include <cmath>
 #include <optional>
 #include <utility>
-#include <variant>
 
 #include "app/help.h"
 #include "app/outline.h"
@@ -63,44 +60,50 @@ std::optional<FrameRange> parse_frames(std::string_view text) {
   return out;
 }
 
+// An option that `set` takes, as text; its error becomes the command line's.
+template <class Options>
+void add_option(CLI::App& app, const OptionEntry<Options>& spec, auto set,
+                std::string_view value_name, const std::string& more_help = {}) {
+  begin_group(app, spec.group);
+  const std::string name = "--" + std::string(spec.name);
+  const bool with_integrator = app.get_option_no_throw("--integrator") != nullptr;
+  const std::string help = with_settings(option_help(spec, with_integrator), "--") + more_help;
+  const auto parse = [set, name](const std::string& text) {
+    if (const std::expected<void, std::string> done = set(text); !done)
+      throw CLI::ValidationError(name, with_settings(done.error(), "--"));
+  };
+  if (!spec.is_switch()) {
+    app.add_option_function<std::string>(name, parse, help)
+        ->type_name(value_type(value_name, spec.words))
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+    return;
+  }
+  // A scene can turn on some switches; --no-... turns them off.
+  const std::string off = spec.value.is_optional ? ",!--no-" + std::string(spec.name) : "";
+  app.add_flag_function(
+      name + off, [parse](int64_t count) { parse(count > 0 ? "true" : "false"); }, help);
+}
+
 }  // namespace
 
 void add_read_options(CLI::App& app, ReadOptions& options, std::optional<FrameRange>* frames) {
   for (const ReadOptionSpec& spec : read_option_table()) {
-    begin_group(app, spec.group);
-    const std::string name = "--" + std::string(spec.name);
-    const bool may_be_range = frames && spec.name == "frame";
-    const auto set = [&options, &spec, name, frames, may_be_range](const std::string& text) {
-      if (may_be_range) {
+    if (frames && spec.name == "frame") {
+      const auto set = [&options, &spec, frames](const std::string& text) {
         *frames = parse_frames(text);
         options.frame = 0;
-        if (*frames) return;
-      }
-      if (auto done = spec.set(options, text); !done)
-        throw CLI::ValidationError(
-            name,
-            may_be_range
-                ? fmt::format(
-                      "expected the number of a frame or a range such as 0:100:5, found '{}'", text)
-                : done.error());
-    };
-    if (spec.is_switch()) {
-      auto* const option =
-          app.add_flag_function(name, [set](int64_t) { set("true"); }, std::string(spec.help));
-      app.add_flag_function(
-             "--no-" + std::string(spec.name), [set](int64_t) { set("false"); },
-             "Draw no edges and repeat no atoms")
-          ->excludes(option);
+        return *frames || spec.set(options, text)
+                   ? std::expected<void, std::string>()
+                   : expected_but("the number of a frame or a range such as 0:100:5", text);
+      };
+      add_option(app, spec, set, "N|A:B[:STEP]",
+                 "; A:B:STEP renders every STEP-th frame from A up to but not including B, to "
+                 "picture-0001.png and so on");
       continue;
     }
-    app.add_option_function<std::string>(
-           name, set,
-           std::string(spec.help) + (may_be_range
-                                         ? "; A:B:STEP renders every STEP-th frame from A up to "
-                                           "but not including B, to picture-0001.png and so on"
-                                         : ""))
-        ->type_name(value_type(may_be_range ? "N|A:B[:STEP]" : spec.value_name, spec.words))
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+    add_option(
+        app, spec, [&options, &spec](const std::string& text) { return spec.set(options, text); },
+        spec.value_name);
   }
   end_groups(app);
 }
@@ -117,28 +120,11 @@ void refuse_conflict(const RenderOptions& options) {
 
 void add_render_options(CLI::App& app, RenderOptions& options,
                         std::initializer_list<std::string_view> wanted) {
-  for (const OptionSpec& spec : render_option_table()) {
-    if (wanted.size() > 0 && std::ranges::find(wanted, spec.name) == wanted.end()) continue;
-    begin_group(app, spec.group);
-    const std::string name = "--" + std::string(spec.name);
-    const auto set = [&options, &spec, name](const std::string& text) {
-      if (auto done = set_option(options, spec, text); !done)
-        throw CLI::ValidationError(name, with_settings(done.error().message, "--"));
-    };
-    if (!spec.is_switch()) {
-      app.add_option_function<std::string>(name, set, with_settings(spec.help, "--"))
-          ->type_name(value_type(spec.value_name, spec.words))
-          ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-      continue;
-    }
-    // A scene can turn on some switches; --no-... turns them off.
-    const bool optional =
-        std::holds_alternative<std::optional<bool>& (*)(RenderOptions&)>(spec.value);
-    app.add_flag_function(
-        name + (optional ? ",!--no-" + std::string(spec.name) : ""),
-        [set](int64_t count) { set(count > 0 ? "true" : "false"); },
-        with_settings(spec.help, "--"));
-  }
+  for (const OptionSpec& spec : render_option_table())
+    if (wanted.size() == 0 || std::ranges::find(wanted, spec.name) != wanted.end())
+      add_option(
+          app, spec, [&options, &spec](const std::string& text) { return spec.set(options, text); },
+          spec.value_name);
   end_groups(app);
 }
 

@@ -284,7 +284,6 @@ void add_render(CLI::App& app, RenderCommand& render, int& status) {
                             kBadInput);
     for (const ReadOptionSpec& spec : read_option_table())
       render.reads_as_given |= sub->count("--" + std::string(spec.name)) > 0;
-    render.reads_as_given |= sub->count("--no-cell") > 0;
     if (render.scenes.empty() && render.repeat.empty())
       throw CLI::ParseError("SCENE is missing; name a file, as in raio render balls.nff",
                             kBadInput);

@@ -148,6 +148,11 @@ void add_manual_commands(CLI::App& app, int& status) {
     status = deliver("-", *as_page ? manual_page(app) : manual_text(app));
   });
 
+  auto* options = app.add_subcommand(
+      "options", "Print the options of rendering and reading as JSON, for other programs");
+  options->footer("Example:\n  raio options > options.json\n");
+  options->callback([&status] { status = deliver("-", options_json()); });
+
   auto* script = app.add_subcommand("completion", "Print a shell completion script");
   const auto shell = std::make_shared<std::string>();
   script->add_option("shell", *shell, "Shell: bash, zsh or fish")

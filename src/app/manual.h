@@ -1,4 +1,4 @@
-// The commands help, version, manual and completion.
+// The commands help, version, manual, completion and options.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -6,7 +6,7 @@
 
 namespace raio::core::app {
 
-/// Adds the four commands, which print to standard output. `app` must have all others already.
+/// Adds these commands, which print to standard output. `app` must have all others already.
 void add_manual_commands(CLI::App& app, int& status);
 
 /// The help of all commands, one after the other.
@@ -17,5 +17,8 @@ std::string manual_page(const CLI::App& app);
 
 /// A completion script for the shell "bash", "zsh" or "fish": commands, options, words and files.
 std::string completion(const CLI::App& app, std::string_view shell);
+
+/// All options of rendering and reading as JSON (docs/statistics.md).
+std::string options_json();
 
 }  // namespace raio::core::app

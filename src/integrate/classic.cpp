@@ -61,8 +61,8 @@ class PhongShading final : public Shading {
     rough_ = kModels && is_rough(scene.scene, scene.settings);
     for (const Material& m : scene.scene.materials) {
       const bool mirrors = m.ks > 0 || (divides() && m.transmission > 0);
-      any_mirror_ |= mirrors && scene.settings.reflection;
-      any_transparent_ |= m.transmission > 0 && scene.settings.refraction;
+      any_mirror_ |= mirrors && !scene.settings.no_reflection;
+      any_transparent_ |= m.transmission > 0 && !scene.settings.no_refraction;
     }
   }
 

@@ -17,8 +17,8 @@ inline bool spreads(const Scene& scene, const std::optional<float>& roughness) {
 
 /// Whether mirrored or refracted rays are spread.
 inline bool is_rough(const Scene& scene, const RenderSettings& s) {
-  return (s.reflection && spreads(scene, s.gloss)) ||
-         (s.refraction && spreads(scene, s.translucency));
+  return (!s.no_reflection && spreads(scene, s.gloss)) ||
+         (!s.no_refraction && spreads(scene, s.translucency));
 }
 
 /// Whether the picture needs more than NFF's light and a uniform background.

@@ -14,9 +14,7 @@ enum class IntegratorKind : uint8_t { classic, views, ambient };
 inline constexpr std::array<std::string_view, 3> kIntegratorNames = {"classic", "views", "ambient"};
 inline constexpr std::string_view kIntegratorHelp =
     "How rays become colours: classic, the shading of Whitted and Phong; ambient, for figures, "
-    "with "
-    "the light of a sky and a key light; or views, which shows what eye rays intersect (default: "
-    "classic; ambient for atoms, points and meshes; views with `view`)";
+    "with the light of a sky and a key light; or views, which shows what eye rays intersect";
 
 struct RenderSettings;
 struct Scene;

@@ -45,54 +45,66 @@ struct Crop {
   friend bool operator==(const Crop&, const Crop&) = default;
 };
 
-struct RenderSettings {
+/// The options whose resolved values have the same type: RenderOptions (render/options.h) and
+/// RenderSettings share them. Zero or empty values in RenderOptions are open; in RenderSettings
+/// they are what the comments say.
+struct PlainOptions {
   AccelOptions accel;
-  IntegratorKind integrator = IntegratorKind::classic;
   View view = View::picture;
   ChannelSet channels;
-  Rgb background;                      // the radiance of rays that hit nothing
-  std::shared_ptr<const CubeMap> sky;  // replaces it; null: none
-  Tone tone = Tone::none;              // for display formats, as is the exposure, in stops
-  float exposure = 0;
+  float exposure = 0;  // of display formats, in stops
 
-  int width = 512, height = 512;  // of the whole picture, pixels
+  int width = 0, height = 0;      // of the whole picture, pixels
   float dpi = 0;                  // of the printed picture; 0: no print size
-  float preview_scale = 1;   // its sides relative to those of the picture that View::focus judges
-  std::optional<Crop> crop;  // the part to render, otherwise everything
-  Camera camera;             // coordinates relative to the scene's origin
+  std::optional<Crop> crop;       // the part to render, otherwise everything
   bool angle_to_centers = false;  // for the field of view: see EyeRays
 
-  SamplerKind sampler = SamplerKind::jitter;
   uint32_t seed = 0;
-  int aa = 1;            // cells along a pixel's side; 1: its centre; 0: the whole pixel
-  int lens_samples = 1;  // per cell
+  int aa = 0;            // cells along a pixel's side; 1: its centre; 0: the whole pixel
+  int lens_samples = 0;  // per cell
   int samples = 0;       // per pixel in total, instead of aa x aa x lens_samples; 0: that product
 
   int depth = 5;  // levels of rays
   bool soft_shadows = false;
-  float light_size = 0;  // side of the square; 0: a tenth of the light's distance
-  bool dof = false;
+  float light_size = 0;           // side of the square; 0: a tenth of the light's distance
   float aperture = 0, focus = 0;  // lens radius and focus distance, also without dof
-  bool reflection = true, refraction = true;
-  ShadingModel shading = ShadingModel::nff;
-  Fresnel fresnel = Fresnel::none;
+  bool no_reflection = false, no_refraction = false;
   // The spread of mirrored and refracted directions; if absent, the materials' roughness.
   std::optional<float> gloss, translucency;
+  bool one_sided = false;
+
+  int threads = 0;  // no effect on the picture
+
+  /// If resolved.
+  int samples_per_pixel() const { return samples > 0 ? samples : aa * aa * lens_samples; }
+
+  friend bool operator==(const PlainOptions&, const PlainOptions&) = default;
+};
+
+struct RenderSettings : PlainOptions {
+  IntegratorKind integrator = IntegratorKind::classic;
+  Rgb background;                      // the radiance of rays that hit nothing
+  std::shared_ptr<const CubeMap> sky;  // replaces it; null: none
+  Tone tone = Tone::none;              // for display formats
+
+  float preview_scale = 1;  // its sides relative to those of the picture that View::focus judges
+  Camera camera;            // coordinates relative to the scene's origin
+  SamplerKind sampler = SamplerKind::jitter;
+  bool dof = false;
+  ShadingModel shading = ShadingModel::nff;
+  Fresnel fresnel = Fresnel::none;
   // When the shutter opens and closes, for motion blur; samples are at times in between. Equal: all
   // at that time.
   float shutter_open = 0, shutter_close = 1;
-  bool one_sided = false;
   FigureSettings figure;  // for the integrator `ambient`
 
-  int threads = 1;  // no effect on the picture
+  RenderSettings() { width = height = 512, aa = lens_samples = threads = 1; }
 
   /// The rendered part of the whole picture.
   Crop frame() const { return crop.value_or(Crop{0, 0, width, height}); }
 
   /// The width in pixels of a line that is one pixel wide on a display.
   float line_scale() const { return dpi > 0 ? dpi / 96 : 1; }
-
-  int samples_per_pixel() const { return samples > 0 ? samples : aa * aa * lens_samples; }
 
   friend bool operator==(const RenderSettings&, const RenderSettings&) = default;
 };

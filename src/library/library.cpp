@@ -94,15 +94,24 @@ Settings& Settings::set(std::string_view name, std::string_view value) {
 }
 
 std::string Settings::get(std::string_view name) const {
-  return option_text(data_->options, spec_of(name));
+  return spec_of(name).text(data_->options);
 }
 
 std::vector<Settings::Option> Settings::options() {
   std::vector<Option> all;
+  const auto strings = [](const auto& views) {
+    return std::vector<std::string>(views.begin(), views.end());
+  };
   for (const OptionSpec& spec : render_option_table()) {
-    Option& option = all.emplace_back(Option{
-        std::string(spec.name), std::string(spec.value_name), with_settings(spec.help, {}), {}});
-    for (const std::string_view word : spec.words) option.words.emplace_back(word);
+    Option& option = all.emplace_back();
+    option.name = spec.name, option.value_name = spec.value_name;
+    option.help = with_settings(option_help(spec), {});
+    option.words = strings(spec.words);
+    option.type = kOptionTypes[size_t(spec.type())], option.unit = spec.unit;
+    option.default_value = default_value(spec);
+    if (spec.least < spec.most) option.minimum = spec.least, option.maximum = spec.most;
+    option.integrators = strings(names_of(spec.integrators));
+    option.excludes = strings(excluded_by(spec));
   }
   return all;
 }
@@ -201,8 +210,8 @@ namespace {
 RenderOptions options_with(const Accel::Data& built, RenderOptions options) {
   for (const auto name : {"accel", "grid-factor", "grid-resolution", "one-sided", "opacity"}) {
     const OptionSpec& spec = spec_of(name);
-    const std::string asked = option_text(options, spec), is = option_text(built.options, spec);
-    if (asked != is && asked != option_text({}, spec))
+    const std::string asked = spec.text(options), is = spec.text(built.options);
+    if (asked != is && spec.is_given(options))
       refuse(
           fmt::format("{} is {}, but the structure was built with{}; leave it out, or build "
                       "another structure",

@@ -52,9 +52,9 @@ bool is_on(Effect effect, const RenderOptions& options, const Scene& scene) {
     case Effect::depth_of_field:
       return s.dof;
     case Effect::reflection:
-      return s.reflection;
+      return !s.no_reflection;
     case Effect::refraction:
-      return s.refraction;
+      return !s.no_refraction;
     case Effect::gloss:
       return spreads(scene, s.gloss);
     case Effect::translucency:

@@ -60,7 +60,8 @@ std::expected<void, Error> RenderJob::find_and_build() {
     return std::unexpected(std::move(*why));  // which the start determined
   if (auto loaded = load(); !loaded) return loaded;
 
-  if (auto why = option_conflict(request_.options, scene_.get()))
+  const bool from_file = !request_.repeat.empty() || request_.add_samples > 0;
+  if (auto why = option_conflict(request_.options, scene_.get(), from_file))
     return std::unexpected(std::move(*why));
   settings_ = resolve_options(request_.options, *scene_);
   const Crop frame = settings_.frame();

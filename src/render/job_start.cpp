@@ -115,7 +115,7 @@ std::expected<JobStart, Error> start_by_repeat(const JobRequest& request) {
   }
   if (const auto done = setting(start.settings, "samples_done"); !done.empty()) {
     start.samples = samples_done(done);
-    if (start.samples == 0 || start.samples > uint32_t(samples_per_pixel(*options)))
+    if (start.samples == 0 || start.samples > uint32_t(options->samples_per_pixel()))
       return std::unexpected(refused(
           request.repeat, fmt::format("it has only {} samples and cannot be repeated", done)));
   }

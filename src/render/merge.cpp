@@ -83,7 +83,7 @@ std::expected<Part, Error> merge_parts(std::span<NamedPart> parts) {
 std::string missing_samples(const Part& part, uint32_t shards) {
   const Film& film = *part.film;
   const auto options = options_from(part.header.settings, false);
-  const SampleSpan wanted{0, options ? uint32_t(samples_per_pixel(*options)) : 1};
+  const SampleSpan wanted{0, options ? uint32_t(options->samples_per_pixel()) : 1};
   std::vector<size_t> missing(shards), all(shards);
   size_t tiles = 0, with_gaps = 0;
   SampleSet gaps;  // of the first tile with gaps

@@ -9,13 +9,14 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <variant>
+#include <vector>
 
 #include "base/error.h"
 #include "integrate/color_text.h"
 #include "integrate/settings.h"
 #include "integrate/tone.h"
 #include "io/fit_camera.h"
+#include "render/option.h"
 
 namespace raio::core {
 
@@ -30,37 +31,20 @@ inline constexpr float kPrintDpi = 300;
 inline constexpr int kMaxSide = 1 << 20;  // pixels
 
 /// Zero or empty values are left to the scene or a rule: resolve_options() fills them in.
-struct RenderOptions {
-  AccelOptions accel;
-  int width = 0, height = 0;
-  std::optional<PrintSize> print;  // instead of pixels
-  float dpi = 0;                   // pixels per inch; 0 is kPrintDpi with `print`
-  std::optional<Crop> crop;
+struct RenderOptions : PlainOptions {
+  std::optional<PrintSize> print;     // instead of pixels; then 0 `dpi` is kPrintDpi
   std::optional<Vec3d> from, at, up;  // of the camera, in the file's coordinates
   std::optional<Side> side;           // instead of `from`
   std::optional<Fit> fit;
   float fov_deg = 0;
   std::optional<Projection> projection;
   std::optional<IntegratorKind> integrator;
-  View view = View::picture;
-  ChannelSet channels;
   std::optional<WrittenColor> background;
-  float exposure = 0;  // in stops
   std::optional<Tone> tone;
-  int aa = 0;  // cells along a pixel's side; 1: its centre; resolved to 0: the whole pixel
-  bool soft_shadows = false;
-  float light_size = 0;
   std::optional<bool> dof;
-  float aperture = 0;
-  float focus = 0;
-  int lens_samples = 0;
-  int samples = 0;  // per pixel in total, instead of aa x aa x lens_samples
   std::optional<SamplerKind> sampler;
-  int depth = 5;
-  bool no_reflection = false, no_refraction = false;
   std::optional<ShadingModel> shading;
   std::optional<Fresnel> fresnel;
-  std::optional<float> gloss, translucency;
   std::optional<std::array<float, 2>> shutter;  // opens and closes
   std::optional<FigureStyle> look;
   int occlusion_rays = 0;
@@ -68,10 +52,6 @@ struct RenderOptions {
   std::optional<bool> key_light;
   std::optional<float> outline, depth_cue, opacity;
   bool shadow_catcher = false;
-  bool one_sided = false;
-  bool angle_to_centers = false;  // for the field of view: see EyeRays
-  int threads = 0;
-  uint32_t seed = 0;
 
   friend bool operator==(const RenderOptions&, const RenderOptions&) = default;
 };
@@ -89,8 +69,15 @@ void reset_camera(RenderOptions& options);
 
 /// Why the options cannot be combined (bad_option): one would have no effect with the others, or
 /// there would be too many samples; nothing if all is well. Without a scene, whatever depends on it
-/// passes.
-std::optional<Error> option_conflict(const RenderOptions& options, const Scene* scene = nullptr);
+/// passes. Options `from_file`, of a picture or part, may be such that the integrator ignores them.
+std::optional<Error> option_conflict(const RenderOptions& options, const Scene* scene = nullptr,
+                                     bool from_file = false);
+
+/// The first option given that the integrator ignores (bad_option), or nothing.
+std::optional<Error> ignored_option(const RenderOptions& options, const Scene* scene);
+
+/// Removes them all.
+void drop_ignored_options(RenderOptions& options, const Scene& scene);
 
 /// Why a picture with these options cannot be shown in a window (bad_option), or nothing.
 std::optional<Error> window_conflict(const RenderOptions& options);
@@ -111,57 +98,21 @@ AccelKind hinted_accel(const Scene& scene);
 /// The options that resolve to these settings and leave only the scene's own camera open.
 RenderOptions options_of(const RenderSettings& settings, const Scene& scene);
 
-/// For options with resolved samples, such as those of options_of().
-int samples_per_pixel(const RenderOptions& options);
-
-/// The sections of the help, in order.
-enum class OptionGroup : uint8_t {
-  input,
-  output,
-  camera,
-  sampling,
-  effects,
-  figures,
-  long_renders,
-  diagnostics,
-};
-inline constexpr auto kOptionGroups =
-    std::to_array<std::string_view>({"Input", "Output", "Camera", "Sampling", "Effects", "Figures",
-                                     "Long renders", "Speed and diagnostics"});
-
-/// One option. `value` refers to its number or switch, or parses anything else.
-struct OptionSpec {
-  using Parse = std::expected<void, std::string> (*)(RenderOptions&, std::string_view);
-
-  OptionGroup group;
-  std::string_view name;        // --name on the command line
-  std::string_view value_name;  // "N"; empty for a switch
-  std::string_view help;        // with the default and the unit; settings as in Error::message
-  std::variant<bool& (*)(RenderOptions&), std::optional<bool>& (*)(RenderOptions&),
-               int& (*)(RenderOptions&), float& (*)(RenderOptions&), Parse>
-      value;
-  double least = 0, most = 0;  // for a number
-
-  /// For a parsed value: its text, empty if not given, and the accepted words.
-  std::string (*text)(const RenderOptions&) = nullptr;
-  std::span<const std::string_view> words = {};  // NOLINT(readability-redundant-member-init)
-
-  bool of_picture = true;  // it affects the picture
-  bool of_window = true;   // it also applies to progressive pictures in the window
-
-  bool is_switch() const { return value_name.empty(); }
-};
+using OptionSpec = OptionEntry<RenderOptions>;
 
 /// All options, in the order of a command line; the help sorts them by group.
 std::span<const OptionSpec> render_option_table();
+
+/// The one of that name, which must exist.
+const OptionSpec& option_of(std::string_view name);
 
 /// Sets one option from text ("true" or "false" for a switch). The error (bad_option) says what was
 /// found and what is accepted.
 std::expected<void, Error> set_option(RenderOptions& options, const OptionSpec& spec,
                                       std::string_view text);
 
-/// The value of an option in the form of set_option(); empty if not given.
-std::string option_text(const RenderOptions& options, const OptionSpec& spec);
+/// The options that one cannot be combined with, by OptionEntry::excludes of either.
+std::vector<std::string_view> excluded_by(const OptionSpec& option);
 
 /// The command-line arguments for these options: " --aa 4 --soft-shadows", without defaults and
 /// quoted for a shell.
@@ -179,6 +130,7 @@ std::string_view sampler_name(SamplerKind kind);
 std::string_view shading_name(ShadingModel model);
 std::string_view fresnel_name(Fresnel fresnel);
 std::string_view view_name(View view);
+std::string_view integrator_name(IntegratorKind kind);
 std::string_view projection_name(Projection projection);
 
 }  // namespace raio::core

@@ -275,7 +275,7 @@ std::expected<Part, Error> decode_part(std::string_view file) {
   if (!(bound >= Film::kMinBound && bound <= Film::kMaxBound))
     return broken("invalid bound of samples");
   if (header.shard >= header.shards) return broken("invalid shard");
-  SampleSpan within{0, uint32_t(samples_per_pixel(*options))};
+  SampleSpan within{0, uint32_t(options->samples_per_pixel())};
   if (header.samples != SampleSpan()) {
     if (header.samples.empty() || header.samples.end > within.end)
       return broken(

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <filesystem>
 #include <system_error>
 #include <utility>
@@ -23,10 +22,11 @@ std::optional<Error> crop_conflict(const RenderOptions& options, const Scene* sc
     width = settings.width, height = settings.height;
   }
   if (options.crop->x1 <= width && options.crop->y1 <= height) return std::nullopt;
-  return bad_option("crop",
-                    fmt::format("{} ends outside the picture, which has {}x{} pixels; choose an X1 "
-                                "of at most {} and a Y1 of at most {}",
-                                crop_text(options), width, height, width, height));
+  return bad_option(
+      "crop", fmt::format("{},{},{},{} ends outside the picture, which has {}x{} pixels; "
+                          "choose an X1 of at most {} and a Y1 of at most {}",
+                          options.crop->x0, options.crop->y0, options.crop->x1, options.crop->y1,
+                          width, height, width, height));
 }
 
 // The option by which `options` show something other than light, as in "`view` normals"; empty if
@@ -52,32 +52,27 @@ std::optional<Error> look_conflict(const RenderOptions& options) {
 
 }  // namespace
 
-std::expected<void, std::string> parse_crop(RenderOptions& options, std::string_view text) {
+std::expected<void, std::string> set_crop(RenderOptions& options, const OptionSpec&,
+                                          std::string_view text) {
   std::array<int, 4> edges{};
-  std::string_view rest = text;
-  bool sound = true;
-  for (size_t i = 0; i < edges.size() && sound; ++i) {
-    const size_t end = std::min(i < 3 ? rest.find(',') : rest.size(), rest.size());
-    const auto [stop, error] = std::from_chars(rest.data(), rest.data() + end, edges[i]);
-    sound = error == std::errc() && stop == rest.data() + end && edges[i] >= 0;
-    rest.remove_prefix(std::min(end + 1, rest.size()));
-  }
+  const bool sound = parse_list(text, ',', edges) && std::ranges::min(edges) >= 0;
   const Crop crop{edges[0], edges[1], edges[2], edges[3]};
   if (!sound || crop.x0 >= crop.x1 || crop.y0 >= crop.y1)
-    return std::unexpected(
-        fmt::format("expected a part of the picture in pixels as X0,Y0,X1,Y1 with X0 below X1 and "
-                    "Y0 below Y1, as in 200,100,400,300, found '{}'",
-                    text));
+    return expected_but(
+        "a part of the picture in pixels as X0,Y0,X1,Y1 with X0 below X1 and Y0 below Y1, as in "
+        "200,100,400,300",
+        text);
   options.crop = crop;
   return {};
 }
 
-std::string crop_text(const RenderOptions& options) {
+std::string crop_text(const RenderOptions& options, const OptionSpec&) {
   const auto& crop = options.crop;
   return crop ? fmt::format("{},{},{},{}", crop->x0, crop->y0, crop->x1, crop->y1) : "";
 }
 
-std::expected<void, std::string> parse_background(RenderOptions& options, std::string_view text) {
+std::expected<void, std::string> set_background(RenderOptions& options, const OptionSpec&,
+                                                std::string_view text) {
   auto color = parse_color(text);
   if (color) {
     options.background = std::move(*color);
@@ -91,7 +86,7 @@ std::expected<void, std::string> parse_background(RenderOptions& options, std::s
   return {};
 }
 
-std::string background_text(const RenderOptions& options) {
+std::string background_text(const RenderOptions& options, const OptionSpec&) {
   if (!options.background) return {};
   const auto& [color, transparent, encoded, sky] = *options.background;
   if (sky) return sky->folder;

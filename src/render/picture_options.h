@@ -12,13 +12,15 @@
 
 namespace raio::core {
 
-/// "X0,Y0,X1,Y1", for OptionSpec::Parse and OptionSpec::text.
-std::expected<void, std::string> parse_crop(RenderOptions& options, std::string_view text);
-std::string crop_text(const RenderOptions& options);
+/// "X0,Y0,X1,Y1", for OptionValue.
+std::expected<void, std::string> set_crop(RenderOptions& options, const OptionSpec&,
+                                          std::string_view text);
+std::string crop_text(const RenderOptions& options, const OptionSpec&);
 
 /// The same for a colour as in parse_color(), or the folder of a sky, which is read.
-std::expected<void, std::string> parse_background(RenderOptions& options, std::string_view text);
-std::string background_text(const RenderOptions& options);
+std::expected<void, std::string> set_background(RenderOptions& options, const OptionSpec&,
+                                                std::string_view text);
+std::string background_text(const RenderOptions& options, const OptionSpec&);
 
 /// The tone curve of display formats if the options do not say: srgb for figures, else none.
 Tone tone_of(const RenderOptions& options, const Scene& scene);

@@ -5,25 +5,30 @@
 #include <algorithm>
 #include <array>
 #include <string_view>
+#include <type_traits>
 
 #include "render/read_options.h"
 
 namespace raio::core {
 namespace {
 
+constexpr std::string_view kRead = "read_";  // prefix of reading options
+
 // Names of settings have underscores instead of dashes.
-std::string with_underscores(std::string_view name) {
-  std::string key(name);
+std::string key_of(const auto& spec) {
+  constexpr bool kReads = std::is_same_v<decltype(spec), const ReadOptionSpec&>;
+  std::string key = (kReads ? std::string(kRead) : "") + std::string(spec.name);
   std::ranges::replace(key, '-', '_');
   return key;
 }
 
-std::string key_of(const OptionSpec& spec) { return with_underscores(spec.name); }
-
-constexpr std::string_view kRead = "read_";  // prefix of reading options
-
-std::string key_of(const ReadOptionSpec& spec) {
-  return std::string(kRead) + with_underscores(spec.name);
+// Adds all that are not left open.
+template <class Options>
+void add_settings(std::span<const OptionEntry<Options>> table, const Options& options,
+                  Metadata& settings) {
+  for (const OptionEntry<Options>& spec : table)
+    if (std::string text = spec.text(options); spec.of_picture && !text.empty())
+      settings.emplace_back(key_of(spec), std::move(text));
 }
 
 // Settings that are not options.
@@ -37,18 +42,12 @@ Metadata settings_of(const Scene& scene, const RenderSettings& used, const ReadO
   if (!used.dof) o.aperture = o.focus = 0;  // unused
   Metadata settings = {
       {"version", RAIO_VERSION}, {"scene", scene.name}, {"scene_hash", content_hash(scene)}};
-  for (const ReadOptionSpec& spec : read_option_table())
-    if (std::string text = spec.text(read); !text.empty())
-      settings.emplace_back(key_of(spec), std::move(text));
+  add_settings(read_option_table(), read, settings);
   if (used.sky) {
     settings.emplace_back("sky", used.sky->folder);
     settings.emplace_back("sky_hash", hex(used.sky->hash));
   }
-  for (const OptionSpec& spec : render_option_table()) {
-    if (!spec.of_picture) continue;
-    if (std::string text = option_text(o, spec); !text.empty())
-      settings.emplace_back(key_of(spec), std::move(text));
-  }
+  add_settings(render_option_table(), o, settings);
   return settings;
 }
 
@@ -93,7 +92,7 @@ std::expected<RenderOptions, Error> options_from(const Metadata& settings, bool 
     if (const auto set = set_option(options, *spec, text); !set)
       return refused(fmt::format("its setting {}: {}", key, set.error().message));
   }
-  if (const auto why = option_conflict(options))
+  if (const auto why = option_conflict(options, nullptr, true))
     return refused(
         fmt::format("its settings cannot be combined: `{}`: {}", why->subject, why->message));
   return options;

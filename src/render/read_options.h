@@ -2,31 +2,15 @@
 // settings of pictures.
 #pragma once
 
-#include <expected>
 #include <span>
 #include <string>
-#include <string_view>
 
 #include "io/read_scene.h"
-#include "render/options.h"
+#include "render/option.h"
 
 namespace raio::core {
 
-/// One option of ReadOptions.
-struct ReadOptionSpec {
-  OptionGroup group;
-  std::string_view name;        // --name on the command line
-  std::string_view value_name;  // "N"; empty for a switch
-  std::string_view help;        // with the default and the unit; settings as in Error::message
-
-  /// Sets it from text ("true" or "false" for a switch); the error says what was expected.
-  std::expected<void, std::string> (*set)(ReadOptions&, std::string_view);
-  /// Its value in the form of set(); empty for the default.
-  std::string (*text)(const ReadOptions&);
-  std::span<const std::string_view> words = {};  // NOLINT(readability-redundant-member-init)
-
-  bool is_switch() const { return value_name.empty(); }
-};
+using ReadOptionSpec = OptionEntry<ReadOptions>;
 
 /// All of them, in the order of the help.
 std::span<const ReadOptionSpec> read_option_table();

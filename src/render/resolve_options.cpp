@@ -1,5 +1,5 @@
 // Resolves options for a scene, and finds those that cannot be combined.
-#include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -15,6 +15,51 @@
 namespace raio::core {
 namespace {
 
+bool shows_rays(const RenderOptions& options) {
+  return options.view != View::picture && options.view != View::samples;
+}
+
+// The integrator, unless it depends on the scene.
+std::optional<IntegratorKind> selected_integrator(const RenderOptions& options) {
+  if (!options.integrator && shows_rays(options)) return IntegratorKind::views;
+  return options.integrator;
+}
+
+}  // namespace
+
+IntegratorKind integrator_of(const RenderOptions& options, const Scene& scene) {
+  const bool is_data = scene.dialect == Dialect::data;
+  return selected_integrator(options).value_or(is_data ? IntegratorKind::ambient
+                                                       : IntegratorKind::classic);
+}
+
+std::optional<Error> ignored_option(const RenderOptions& options, const Scene* scene) {
+  const auto selected = selected_integrator(options);
+  if (!selected && !scene) return std::nullopt;
+  const IntegratorKind integrator = selected ? *selected : integrator_of(options, *scene);
+  for (const OptionSpec& spec : render_option_table()) {
+    if (spec.applies_to(integrator) || !spec.is_given(options)) continue;
+    const std::string with = selected && !options.integrator
+                                 ? fmt::format("`view` {}", view_name(options.view))
+                                 : fmt::format("`integrator` {}", integrator_name(integrator));
+    return bad_option(spec.name,
+                      selected ? fmt::format("has no effect with {}; leave one of them out", with)
+                               : fmt::format("has no effect with {}, the default for this scene; "
+                                             "leave it out, or add `integrator` {}",
+                                             with, fmt::join(names_of(spec.integrators), " or ")));
+  }
+  return std::nullopt;
+}
+
+void drop_ignored_options(RenderOptions& options, const Scene& scene) {
+  const IntegratorKind integrator = integrator_of(options, scene);
+  for (const OptionSpec& spec : render_option_table())
+    if (!spec.applies_to(integrator)) spec.value.reset(options);
+  if (fades_into_nothing(options, scene)) options.depth_cue.reset();
+}
+
+namespace {
+
 Error without(std::string_view option, std::string_view other) {
   return bad_option(option, fmt::format("has no effect without `{0}`; add `{0}` or leave `{1}` out",
                                         other, option));
@@ -24,9 +69,6 @@ std::optional<Error> accel_conflict(const RenderOptions& options) {
   const AccelOptions& accel = options.accel;
   const bool resolution = accel.grid_resolution[0] > 0, factor = accel.grid_factor > 0;
   const bool grid = accel.kind == AccelKind::automatic || accel.kind == AccelKind::grid;
-  if (resolution && factor)
-    return bad_option("grid-factor",
-                      "cannot be combined with `grid-resolution`; leave one of them out");
   if ((resolution || factor) && !grid)
     return bad_option(resolution ? "grid-resolution" : "grid-factor",
                       fmt::format("has no effect with `accel` {}; leave one of them out",
@@ -49,11 +91,8 @@ std::optional<Error> accel_conflict(const RenderOptions& options) {
 // Checks that need no scene.
 std::optional<Error> sample_conflict(const RenderOptions& options) {
   if (options.samples == 0) return std::nullopt;
-  const std::string_view beside = options.aa > 1             ? "aa"
-                                  : options.lens_samples > 0 ? "lens-samples"
-                                                             : "";
-  if (!beside.empty())
-    return bad_option(beside, "cannot be combined with `samples`; leave one of them out");
+  if (options.aa > 1)
+    return bad_option("aa", "cannot be combined with `samples`; leave one of them out");
   if (options.sampler == SamplerKind::jitter)
     return bad_option("sampler",
                       "jitter takes its cells from `aa` and `lens-samples`; leave out `samples` or "
@@ -109,7 +148,9 @@ std::optional<Error> scene_conflict(const RenderOptions& options, const Scene& s
                       "camera's position in numbers");
   if (const auto why = camera_problem(camera_of(scene, options)); !why.empty())
     return bad_option("", fmt::format("`from`, `at`, `up`: {}", why));
-  if (auto why = figure_conflict(options, scene)) return why;
+  if (fades_into_nothing(options, scene))
+    return bad_option("depth-cue",
+                      "fades into a colour; give one as `background`, or leave it out");
   const RenderSettings s = resolve_options(options, scene);
   if (auto why = size_conflict(options, s)) return why;
   if (s.camera.is_parallel())
@@ -140,15 +181,21 @@ std::optional<Error> scene_conflict(const RenderOptions& options, const Scene& s
 
 }  // namespace
 
-std::optional<Error> option_conflict(const RenderOptions& options, const Scene* scene) {
-  if (options.print && options.width > 0)
-    return bad_option("width", "cannot be combined with `size` in pixels; leave one of them out");
+std::optional<Error> option_conflict(const RenderOptions& options, const Scene* scene,
+                                     bool from_file) {
+  for (const OptionSpec& spec : render_option_table())
+    if (!spec.excludes.empty() && spec.is_given(options) &&
+        option_of(spec.excludes).is_given(options))
+      return bad_option(
+          spec.name,
+          fmt::format("cannot be combined with `{}`; leave one of them out", spec.excludes));
+  if (!from_file)
+    if (auto why = ignored_option(options, scene)) return why;
   if (auto why = accel_conflict(options)) return why;
   if (auto why = sample_conflict(options)) return why;
   if (auto why = fit_conflict(options)) return why;
   if (options.light_size > 0 && !options.soft_shadows) return without("light-size", "soft-shadows");
-  const bool of_rays = options.view != View::picture && options.view != View::samples;
-  if (of_rays && options.integrator && *options.integrator != IntegratorKind::views)
+  if (shows_rays(options) && options.integrator && *options.integrator != IntegratorKind::views)
     return bad_option("view", fmt::format("{} belongs to `integrator` views; leave one of them out",
                                           view_name(options.view)));
   if (auto why = picture_conflict(options, scene)) return why;
@@ -206,13 +253,6 @@ std::array<float, 2> usual_shutter(const Scene& scene) {
 
 }  // namespace
 
-IntegratorKind integrator_of(const RenderOptions& o, const Scene& scene) {
-  const bool shows_rays = o.view != View::picture && o.view != View::samples;
-  return o.integrator.value_or(shows_rays                       ? IntegratorKind::views
-                               : scene.dialect == Dialect::data ? IntegratorKind::ambient
-                                                                : IntegratorKind::classic);
-}
-
 namespace {
 
 void set_printed_size(PrintSize size, RenderSettings& s) {
@@ -228,36 +268,30 @@ void set_printed_size(PrintSize size, RenderSettings& s) {
 
 RenderSettings resolve_options(const RenderOptions& o, const Scene& scene) {
   RenderSettings s;
-  s.accel = o.accel;
+  static_cast<PlainOptions&>(s) = o;
   s.accel.opacity = o.opacity.value_or(1);
   const bool asks_for_grid = o.accel.grid_factor > 0 || o.accel.grid_resolution[0] > 0;
   if (o.accel.kind == AccelKind::automatic)
     s.accel.kind = asks_for_grid ? AccelKind::grid : hinted_accel(scene);
   s.integrator = integrator_of(o, scene);
-  s.view = o.view;
   if (s.integrator == IntegratorKind::views && o.view == View::picture) s.view = View::normals;
   s.channels = channels_of(o);
   if (s.channels.has(Channel::position) && scene.origin != Vec3d())
     s.channels.add(Channel::position_low);
   const Background background = background_of(o, scene);
   s.background = background.color, s.sky = background.sky;
-  s.tone = tone_of(o, scene), s.exposure = o.exposure;
+  s.tone = tone_of(o, scene);
   s.accel.counters |= s.view == View::steps || s.view == View::tests ||
                       s.channels.has(Channel::steps) || s.channels.has(Channel::tests);
 
   s.camera = camera_of(scene, o);
-  s.angle_to_centers = o.angle_to_centers;
-  s.width = o.width > 0 ? o.width : s.camera.width > 0 ? s.camera.width : 512;
-  s.height = o.height > 0 ? o.height : s.camera.height > 0 ? s.camera.height : 512;
-  s.dpi = o.dpi;
+  if (o.width == 0) s.width = s.camera.width > 0 ? s.camera.width : 512;
+  if (o.height == 0) s.height = s.camera.height > 0 ? s.camera.height : 512;
   if (o.print) set_printed_size(*o.print, s);
   if (!(o.fov_deg > 0)) s.camera.fov_deg = fitted_fov_deg(s.camera, s.width, s.height);
-  if (o.crop != Crop{0, 0, s.width, s.height}) s.crop = o.crop;
+  if (s.crop == Crop{0, 0, s.width, s.height}) s.crop.reset();
 
-  s.seed = o.seed;
-  s.samples = o.samples;
   s.sampler = o.samples > 0 ? SamplerKind::sobol : o.sampler.value_or(SamplerKind::jitter);
-  s.aa = o.aa, s.lens_samples = o.lens_samples;
   const bool figure = s.integrator == IntegratorKind::ambient;
   if (figure && o.samples == 0 && o.aa == 0 && o.lens_samples == 0 &&
       o.sampler != SamplerKind::jitter && scene.requests.samples_per_pixel == 0)
@@ -266,59 +300,36 @@ RenderSettings resolve_options(const RenderOptions& o, const Scene& scene) {
     s.aa = std::max(1, int(std::lround(std::sqrt(double(scene.requests.samples_per_pixel)))));
   if (s.samples == 0 && o.lens_samples == 0) s.lens_samples = 1;
 
-  s.depth = o.depth;
-  s.soft_shadows = o.soft_shadows, s.light_size = o.light_size;
   s.dof = !s.camera.is_parallel() && o.dof.value_or(s.camera.lens_radius.value_or(0) > 0);
-  s.focus =
-      o.focus > 0 ? o.focus : s.camera.focus_distance.value_or(length(s.camera.at - s.camera.from));
-  s.aperture = o.aperture > 0 ? o.aperture : s.camera.lens_radius.value_or(s.focus / 50);
-  s.reflection = !o.no_reflection, s.refraction = !o.no_refraction;
+  if (o.focus == 0) s.focus = s.camera.focus_distance.value_or(length(s.camera.at - s.camera.from));
+  if (o.aperture == 0) s.aperture = s.camera.lens_radius.value_or(s.focus / 50);
   s.shading = o.shading.value_or(usual(scene.dialect).shading);
   s.fresnel = o.fresnel.value_or(usual(scene.dialect).fresnel);
-  s.gloss = o.gloss, s.translucency = o.translucency;
   const std::array shutter = o.shutter.value_or(usual_shutter(scene));
   s.shutter_open = shutter[0], s.shutter_close = shutter[1];
-  s.one_sided = o.one_sided;
   if (figure) s.figure = figure_settings(o, scene);
-  s.threads = o.threads > 0 ? o.threads : max_concurrency();
+  if (o.threads == 0) s.threads = max_concurrency();
   return s;
 }
 
 RenderOptions options_of(const RenderSettings& s, const Scene& scene) {
   RenderOptions o;
-  o.accel = s.accel;
+  static_cast<PlainOptions&>(o) = s;
   o.accel.opacity = 1;
   if (s.accel.opacity != 1) o.opacity = s.accel.opacity;
-  o.view = s.view, o.channels = s.channels;
   if (s.integrator != integrator_of(o, scene)) o.integrator = s.integrator;
   if (s.integrator == IntegratorKind::ambient) set_figure(o, s.figure);
   // Pictures are written by their settings, without the scene.
   if (s.tone != Tone::none || tone_of(o, scene) != Tone::none) o.tone = s.tone;
   if (const Background own = background_of(o, scene); own != Background{s.background, s.sky})
     o.background = WrittenColor{.color = s.background, .sky = s.sky};
-  o.exposure = s.exposure;
-  o.width = s.width, o.height = s.height, o.dpi = s.dpi;
-  o.crop = s.crop;
   set_camera(o, s.camera, scene);
-  o.angle_to_centers = s.angle_to_centers;
-  o.sampler = s.sampler, o.seed = s.seed;
-  o.aa = s.aa, o.lens_samples = s.lens_samples, o.samples = s.samples;
-  o.depth = s.depth;
-  o.soft_shadows = s.soft_shadows, o.light_size = s.light_size;
-  o.dof = s.dof, o.aperture = s.aperture, o.focus = s.focus;
-  o.no_reflection = !s.reflection, o.no_refraction = !s.refraction;
+  o.sampler = s.sampler, o.dof = s.dof;
   if (s.shading != usual(scene.dialect).shading) o.shading = s.shading;
   if (s.fresnel != usual(scene.dialect).fresnel) o.fresnel = s.fresnel;
-  o.gloss = s.gloss, o.translucency = s.translucency;
   if (const std::array shutter = {s.shutter_open, s.shutter_close}; shutter != usual_shutter(scene))
     o.shutter = shutter;
-  o.one_sided = s.one_sided;
-  o.threads = s.threads;
   return o;
-}
-
-int samples_per_pixel(const RenderOptions& o) {
-  return o.samples > 0 ? o.samples : o.aa * o.aa * o.lens_samples;
 }
 
 }  // namespace raio::core

@@ -175,8 +175,10 @@ void Measuring::show_step(const BenchmarkStep& step) {
 
 void Measuring::start_table(const ViewState& state, int width, int height) {
   step_ = {}, sample_s_ = {};
+  ViewState shown = state;
+  shown.show(View::picture);
   start(Work::table, state.options.threads,
-        [this, scene = state.scene, options = state.request(width, height)] {
+        [this, scene = state.scene, options = shown.request(width, height)] {
           auto table = measure_benchmark(*scene, BenchmarkRequest{.options = options}, control_,
                                          [this](const BenchmarkStep& step) { show_step(step); });
           if (!table) return with_settings(table.error().message, "");

@@ -88,46 +88,19 @@ void draw_head(const ViewState& state, const PanelFacts& facts) {
 }
 
 // One row of the table of options. Returns the text of a new value, or nothing.
-std::optional<std::string> draw_option(const RenderOptions& options, const RenderOptions& resolved,
+std::optional<std::string> draw_option(const RenderOptions& given, const RenderOptions& used,
                                        const OptionSpec& spec) {
-  const std::string label(spec.name);
-  struct Widget {
-    RenderOptions given, used;
-    const OptionSpec& spec;
-    const char* label;
-    using New = std::optional<std::string>;
-
-    static New checkbox(const char* label, bool on) {
+  const std::string name(spec.name), asked = spec.text(given), in_use = spec.text(used);
+  const char* const label = name.c_str();
+  std::string value = asked.empty() ? in_use : asked;
+  switch (spec.type()) {
+    case OptionType::toggle: {
+      bool on = (spec.value.is_optional ? in_use : asked) == "true";
       if (!ImGui::Checkbox(label, &on)) return std::nullopt;
       return on ? "true" : "false";
     }
-    New operator()(bool& (*value)(RenderOptions&)) { return checkbox(label, value(given)); }
-    New operator()(std::optional<bool>& (*value)(RenderOptions&)) {
-      return checkbox(label, value(used).value_or(false));
-    }
-    New operator()(int& (*value)(RenderOptions&)) {
-      int number = value(used);
-      if (!ImGui::InputInt(label, &number, 1, 10)) return std::nullopt;
-      return fmt::format("{}", std::clamp(number, int(spec.least), int(spec.most)));
-    }
-    New operator()(float& (*value)(RenderOptions&)) {
-      float number = value(used);
-      // If the range includes negative values, in even steps from zero.
-      const float speed = spec.least < 0 ? 0.01f : std::max(0.005f * std::abs(number), 1e-6f);
-      const auto [least, most] = std::pair(float(spec.least), float(spec.most));
-      const char* const format = number == 0 && least > 0 ? tr("best") : "%.6g";
-      if (!ImGui::DragFloat(label, &number, speed, least, most, format)) return std::nullopt;
-      return fmt::format("{}", std::clamp(number, least, most));
-    }
-    New operator()(OptionSpec::Parse) {
-      std::string value = spec.text(given);
-      if (spec.words.empty()) {
-        if (value.empty()) value = spec.text(used);
-        const bool entered = ImGui::InputText(label, &value, ImGuiInputTextFlags_EnterReturnsTrue);
-        return entered ? std::optional(value) : std::nullopt;
-      }
-      New chosen;
-      if (value.empty()) value = spec.text(used);
+    case OptionType::words: {
+      std::optional<std::string> chosen;
       if (value.empty()) value = spec.words.front();
       if (!ImGui::BeginCombo(label, value.c_str())) return chosen;
       for (const std::string_view word : spec.words)
@@ -135,8 +108,29 @@ std::optional<std::string> draw_option(const RenderOptions& options, const Rende
       ImGui::EndCombo();
       return chosen;
     }
-  };
-  return std::visit(Widget{options, resolved, spec, label.c_str()}, spec.value);
+    case OptionType::integer: {
+      int64_t number = parse_number<int64_t>(in_use).value_or(0);
+      constexpr int64_t kStep = 1, kLargeStep = 10;
+      if (!ImGui::InputScalar(label, ImGuiDataType_S64, &number, &kStep, &kLargeStep))
+        return std::nullopt;
+      return fmt::format("{}", std::clamp(number, int64_t(spec.least), int64_t(spec.most)));
+    }
+    case OptionType::number:
+      if (!spec.value.is_optional) {
+        float number = parse_number<float>(in_use).value_or(0);
+        // If the range includes negative values, in even steps from zero.
+        const float speed = spec.least < 0 ? 0.01f : std::max(0.005f * std::abs(number), 1e-6f);
+        const auto [least, most] = std::pair(float(spec.least), float(spec.most));
+        const char* const format = number == 0 && least > 0 ? tr("best") : "%.6g";
+        if (!ImGui::DragFloat(label, &number, speed, least, most, format)) return std::nullopt;
+        return fmt::format("{}", std::clamp(number, least, most));
+      }
+      [[fallthrough]];  // an empty field is open
+    default:
+      if (!ImGui::InputText(label, &value, ImGuiInputTextFlags_EnterReturnsTrue))
+        return std::nullopt;
+      return value;
+  }
 }
 
 // The resolved options, including those of disabled effects: no field shows 0 for a default.
@@ -165,7 +159,7 @@ void draw_options(ViewState& state, const PanelFacts& facts, PanelResult& result
     const auto entered = draw_option(options, used, spec);
     if (ImGui::IsItemHovered())
       ImGui::SetTooltip("%s", fmt::format("--{} {}\n{}", spec.name, spec.value_name,
-                                          with_settings(spec.help, "--"))
+                                          with_settings(option_help(spec), "--"))
                                   .c_str());
     if (!entered) continue;
     if (const auto set = set_option(options, spec, *entered); !set) {

@@ -12,7 +12,6 @@
 #include "integrate/camera.h"
 #include "integrate/classic.h"
 #include "measure/effects.h"
-#include "render/figure_options.h"
 #include "render/read_options.h"
 #include "view/texts.h"
 
@@ -193,7 +192,7 @@ RenderOptions ViewState::request(int width, int height, int samples) const {
   if (camera.is_parallel()) o.dof.reset();
   if (!o.soft_shadows) o.light_size = 0;
   if (!scene->moves()) o.shutter = std::nullopt;
-  drop_figure_conflicts(o, *scene);
+  drop_ignored_options(o, *scene);
   if (o.accel.kind != AccelKind::grid) o.accel.grid_factor = 0, o.accel.grid_resolution = {0, 0, 0};
   if (o.accel.grid_resolution[0] > 0) o.accel.grid_factor = 0;
   if (o.accel.kind == AccelKind::embree) o.accel.counters = false;
@@ -203,8 +202,8 @@ RenderOptions ViewState::request(int width, int height, int samples) const {
   if (o.view != View::picture || o.integrator == IntegratorKind::views)
     o.background = {}, o.tone = {}, o.exposure = 0;
 
-  const bool varies =
-      dof || o.soft_shadows || o.aa != 1 || is_rough(*scene, resolved()) || is_on(Command::motion);
+  const bool varies = dof || o.soft_shadows || o.aa != 1 ||
+                      is_rough(*scene, resolve_options(o, *scene)) || is_on(Command::motion);
   if (!endless() || !varies) {
     o.samples = 0;
     if (!varies) o.lens_samples = 0, o.sampler = std::nullopt;

@@ -10,7 +10,6 @@
 
 #include "app/output.h"
 #include "base/exact_math.h"
-#include "render/figure_options.h"
 #include "render/provenance.h"
 #include "render/render.h"
 #include "view/texts.h"
@@ -129,7 +128,9 @@ bool Viewer::renew() {
   if (const auto why = option_conflict(o, state_.scene.get()))
     return complain(why->text("--")), false;
   // Options waiting for another scene or integrator are reported once.
-  const auto waiting = figure_conflict(state_.options, *state_.scene);
+  RenderOptions picture = state_.options;
+  picture.view = View::picture;
+  const auto waiting = ignored_option(picture, state_.scene.get());
   const std::string option = waiting ? waiting->subject : "";
   if (std::exchange(waiting_option_, option) != option && waiting) say(waiting->text("--"));
   const double frame_s = is_moving() ? kFrameSeconds : 0;
