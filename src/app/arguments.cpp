@@ -10,6 +10,7 @@
 
 #include "app/help.h"
 #include "app/outline.h"
+#include "render/job_options.h"
 #include "render/read_options.h"
 
 namespace raio::core::app {
@@ -140,6 +141,26 @@ void add_render_options(CLI::App& app, RenderOptions& options,
         with_settings(spec.help, "--"));
   }
   end_groups(app);
+}
+
+void add_job_options(CLI::App& app, JobRequest& request,
+                     std::initializer_list<std::string_view> wanted) {
+  for (const JobOptionSpec& spec : job_option_table()) {
+    if (std::ranges::find(wanted, spec.name) == wanted.end()) continue;
+    const std::string name = "--" + std::string(spec.name), help = with_settings(spec.help, "--");
+    const auto set = [&request, &spec, name](const std::string& text) {
+      if (auto done = spec.set(request, text); !done)
+        throw CLI::ValidationError(name, done.error());
+    };
+    if (spec.is_switch()) {
+      app.add_flag_function(name, [set](int64_t) { set("true"); }, help);
+      continue;
+    }
+    auto* const option = app.add_option_function<std::string>(name, set, help);
+    option->type_name(std::string(spec.value_name))
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+    if (spec.value_name == "FILE") option->check(CLI::Validator(file_name_problem, ""));
+  }
 }
 
 }  // namespace raio::core::app
