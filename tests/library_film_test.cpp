@@ -102,7 +102,7 @@ TEST_F(LibraryParts, OfRandomSpansMergeToTheWholePicture) {
     std::shuffle(parts.begin(), parts.end(), random);
     const raio::Film merged = raio::Film::merge(parts);
     EXPECT_TRUE(merged.complete()) << merged.missing();
-    EXPECT_EQ(merged.to_bytes(), whole.to_bytes()) << round;
+    EXPECT_TRUE(merged.to_bytes() == whole.to_bytes()) << round;
     ASSERT_TRUE(picture(merged) == expected) << round;
     if (parts.size() == 1) continue;
     parts.pop_back();
@@ -137,7 +137,7 @@ TEST_F(LibraryParts, ThatDoNotFitAreRefusedByName) {
 
 TEST_F(LibraryParts, AreNotTrusted) {
   const std::string bytes = rendered(twelve().set("sample-range", "2:3")).to_bytes();
-  EXPECT_EQ(raio::Film::from_bytes(bytes).to_bytes(), bytes);
+  EXPECT_TRUE(raio::Film::from_bytes(bytes).to_bytes() == bytes);
   for (size_t size = 0; size < bytes.size(); size += 97)
     EXPECT_NE(refusal([&] { raio::Film::from_bytes(std::string_view(bytes).substr(0, size)); }),
               "nothing was refused")
@@ -156,16 +156,16 @@ TEST_F(LibraryParts, AreNotTrusted) {
 TEST_F(LibraryParts, AreContinued) {
   const raio::Film whole = rendered(twelve()), few = rendered(twelve().set("samples", 5));
   const std::string before = few.to_bytes();
-  EXPECT_EQ(raio::Job(scene(), twelve(), few).run().to_bytes(), whole.to_bytes());
-  EXPECT_EQ(raio::Job(raio::Accel(scene()), twelve(), few).run().to_bytes(), whole.to_bytes());
-  EXPECT_EQ(few.to_bytes(), before) << "the job has a copy";
+  EXPECT_TRUE(raio::Job(scene(), twelve(), few).run().to_bytes() == whole.to_bytes());
+  EXPECT_TRUE(raio::Job(raio::Accel(scene()), twelve(), few).run().to_bytes() == whole.to_bytes());
+  EXPECT_TRUE(few.to_bytes() == before) << "the job has a copy";
   // By its own settings.
   raio::Settings own = few.settings();
   EXPECT_EQ(own.get("size"), "100x70");
   EXPECT_EQ(own.get("samples"), "5");
-  EXPECT_EQ(raio::Job(scene(), own.set("samples", 12), few).run().to_bytes(), whole.to_bytes());
+  EXPECT_TRUE(raio::Job(scene(), own.set("samples", 12), few).run().to_bytes() == whole.to_bytes());
   const raio::Film part = rendered(twelve().set("shard", "2/3").set("sample-range", "3:7"));
-  EXPECT_EQ(raio::Job(scene(), part.settings(), part).run().to_bytes(), part.to_bytes());
+  EXPECT_TRUE(raio::Job(scene(), part.settings(), part).run().to_bytes() == part.to_bytes());
 
   const auto error = [&](const raio::Settings& settings, const raio::Film& film) {
     return refusal([&] { raio::Job(scene(), settings, film); });
@@ -195,11 +195,11 @@ TEST_F(LibraryParts, OfCancelledJobsAreContinued) {
   const raio::Film left = job.film();
   EXPECT_EQ(left.samples(), few.samples());
   EXPECT_FALSE(left.complete());
-  EXPECT_EQ(raio::Job(scene(), twelve(), left).run().to_bytes(), whole.to_bytes());
+  EXPECT_TRUE(raio::Job(scene(), twelve(), left).run().to_bytes() == whole.to_bytes());
 
   raio::Job again(scene(), twelve());
   EXPECT_EQ(again.film().samples(), (std::array<uint32_t, 2>{0, 0}));
-  EXPECT_EQ(again.run().to_bytes(), whole.to_bytes());
+  EXPECT_TRUE(again.run().to_bytes() == whole.to_bytes());
   EXPECT_THAT(refusal([&] { again.run(); }), HasSubstr("has run"));
   EXPECT_THAT(refusal([&] { again.film(); }), HasSubstr("returned the film"));
 }
@@ -228,11 +228,17 @@ TEST_F(LibraryParts, OfAJobAtWorkAreSound) {
   EXPECT_GT(job.film().samples()[1], 0u);
 }
 
+// With a limit that is long enough for a sample of each pixel, however busy the machine is.
+raio::Film rendered_in_time(raio::Settings settings) {
+  for (double seconds = 0.3;; seconds *= 2) try {
+      return rendered(settings.set("time-limit", seconds));
+    } catch (const raio::Error& error) {
+      if (error.kind() != raio::ErrorKind::no_resource || seconds > 30) throw;
+    }
+}
+
 TEST_F(LibraryParts, EndedByATimeLimitSayTheirSamples) {
-  raio::Settings settings = twelve();
-  settings.set("samples", 1 << 20).set("time-limit", 0.3);
-  raio::Job job(scene(), settings);
-  const raio::Film film = job.run();
+  const raio::Film film = rendered_in_time(twelve().set("samples", 1 << 20));
   EXPECT_TRUE(film.complete()) << film.missing();
   EXPECT_GT(film.samples()[0], 0u);
   EXPECT_LT(film.samples()[1], 1u << 20);
@@ -240,13 +246,11 @@ TEST_F(LibraryParts, EndedByATimeLimitSayTheirSamples) {
   EXPECT_TRUE(picture(rendered(film.settings())) == picture(film));
 
   // Cells of pixels have no first ones: the picture says how many it has.
-  settings = raio::Settings().set("size", {300, 200}).set("aa", 200).set("time-limit", 0.3);
-  const raio::Film cells = rendered(settings);
+  const raio::Film cells = rendered_in_time(raio::Settings().set("size", {40, 30}).set("aa", 200));
   EXPECT_FALSE(cells.complete());
   EXPECT_NO_THROW((void)picture(cells));
 
-  settings.set("size", {4000, 3000}).set("time-limit", 0.001).set("threads", 1);
-  raio::Job late(scene(), settings);
+  raio::Job late(scene(), raio::Settings().set("size", {2000, 1500}).set("time-limit", 0.001));
   try {
     late.run();
     FAIL() << "it had enough time";
@@ -259,10 +263,10 @@ TEST_F(LibraryParts, EndedByATimeLimitSayTheirSamples) {
 TEST_F(LibraryParts, AreCheckpointsToo) {
   const raio::Settings settings = twelve().set("checkpoint", path("c.raio"));
   const raio::Film film = rendered(settings);
-  EXPECT_EQ(raio::Film::read(path("c.raio")).to_bytes(), film.to_bytes());
+  EXPECT_TRUE(raio::Film::read(path("c.raio")).to_bytes() == film.to_bytes());
   EXPECT_THAT(refusal([&] { rendered(settings); }), HasSubstr("add resume to continue it"));
   const raio::Settings again = raio::Settings(settings).set("resume");
-  EXPECT_EQ(rendered(again).to_bytes(), film.to_bytes());
+  EXPECT_TRUE(rendered(again).to_bytes() == film.to_bytes());
   EXPECT_THAT(refusal([&] { raio::Job(scene(), again, film); }),
               HasSubstr("there is a film to continue"));
 }
@@ -272,14 +276,17 @@ TEST_F(LibraryParts, AreDisplayedWithAnotherExposure) {
     film.write(path("a.png"));
     return get(path("a.png"));
   };
-  const raio::Film plain = rendered(twelve());
+  raio::Settings settings = raio::Settings().set("size", {40, 30}).set("samples", 4);
+  const raio::Film plain = rendered(settings);
   raio::Film bright = plain;
-  bright.set("exposure", 1.5).set("tone", "agx");
+  bright.set("exposure", 1.5);
   EXPECT_EQ(bright.rgba(), plain.rgba());
-  EXPECT_NE(display(bright), display(plain));
-  EXPECT_EQ(display(bright), display(rendered(twelve().set("exposure", 1.5).set("tone", "agx"))));
   EXPECT_EQ(bright.settings().get("exposure"), "1.5");
-  EXPECT_EQ(display(bright.set("exposure", 0).set("tone", "none")), display(plain));
+  EXPECT_TRUE(display(bright) != display(plain));
+  EXPECT_TRUE(display(bright) == display(rendered(settings.set("exposure", 1.5))));
+  EXPECT_TRUE(display(bright.set("exposure", 0)) == display(plain));
+  bright.set("exposure", 1.5).set("tone", "agx");
+  EXPECT_TRUE(display(bright) == display(rendered(settings.set("tone", "agx"))));
   EXPECT_THAT(refusal([&] { bright.set("depth", 2); }), HasSubstr("depth was rendered into"));
   EXPECT_THAT(refusal([&] { bright.set("tone", "loud"); }), HasSubstr("expected none, srgb"));
   raio::Film normals = rendered(raio::Settings().set("size", {40, 30}).set("view", "normals"));
@@ -322,8 +329,8 @@ TEST(LibrarySceneBytes, ComeBack) {
     for (const raio::Scene* back : {&in_place, &copied}) {
       EXPECT_EQ(back->primitive_count(), made.primitive_count());
       EXPECT_EQ(back->bounds(), made.bounds());
-      EXPECT_EQ(back->to_bytes(), bytes);
-      EXPECT_EQ(raio::Job(*back, settings).run().to_bytes(), film);
+      EXPECT_TRUE(back->to_bytes() == bytes);
+      EXPECT_TRUE(raio::Job(*back, settings).run().to_bytes() == film);
     }
   }
 }

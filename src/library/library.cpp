@@ -270,22 +270,16 @@ class ProgressReporter {
 
 // Does the work while the callback is told of it.
 template <class F>
-auto reported(WorkControl& control, const std::function<void(const Progress&)>& tell,
+void reported(WorkControl& control, const std::function<void(const Progress&)>& tell,
               const F& work) {
   ProgressReporter reporter(control, tell);
   try {
-    if constexpr (std::is_void_v<std::invoke_result_t<const F&>>) {
-      work();
-      reporter.finish();
-    } else {
-      auto result = work();
-      reporter.finish();
-      return result;
-    }
+    work();
   } catch (...) {
     reporter.finish();  // what the callback threw is why the work ended
     throw;
   }
+  reporter.finish();
 }
 
 }  // namespace
