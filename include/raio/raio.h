@@ -3,7 +3,7 @@
 //
 //   raio::Scene scene = raio::Scene::read("balls.nff");
 //   raio::Settings settings;
-//   settings.set("size", "640x480").set("aa", "4").set("soft-shadows");
+//   settings.set("size", {640, 480}).set("aa", 4).set("soft-shadows");
 //   raio::Job(scene, settings).run().write("balls.png");
 //
 // The library never prints, never ends the program and changes no global state. Failures are thrown

@@ -16,7 +16,9 @@ namespace raio::core::library {
 std::unique_ptr<Film> copy_of(const Film& film) {
   auto copy = std::make_unique<Film>(film.width(), film.height(), film.bound(), film.tile_side(),
                                      film.layout().channels());
-  parallel_for(film.tiles(), [&](size_t t) { copy->replace(t, film.copy(t)); });
+  parallel_for(film.tiles(), [&](size_t t) {
+    if (const TileSamples tile = film.copy(t); !tile.samples.empty()) copy->add(t, tile);
+  });
   return copy;
 }
 
