@@ -48,7 +48,7 @@ int main(int argc, char** argv) try {
   }
   const raio::Scene scene = argc > 3 ? raio::Scene::read(argv[3]) : necklace();
   raio::Settings settings;
-  settings.set("size", "400x300").set("aa", "3").set("soft-shadows").set("threads", "2");
+  settings.set("size", {400, 300}).set("aa", 3).set("soft-shadows").set("threads", 2);
   const raio::Accel accel(scene);  // for both pictures
   raio::Job(accel, settings).run().write(argv[1]);
   raio::Job(accel, settings.set("channels", "depth")).run().write(argv[2]);

@@ -3,7 +3,7 @@
 //
 //   raio::Scene scene = raio::Scene::read("balls.nff");
 //   raio::Settings settings;
-//   settings.set("size", "640x480").set("aa", "4").set("soft-shadows");
+//   settings.set("size", {640, 480}).set("aa", 4).set("soft-shadows");
 //   raio::Job(scene, settings).run().write("balls.png");
 //
 // The library never prints, never ends the program and changes no global state. Failures are thrown
@@ -16,12 +16,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <initializer_list>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #if defined(__GNUC__)
@@ -128,6 +130,11 @@ class RAIO_API Scene {
   static Scene parse_nff(std::string_view text, std::string_view name = "scene");
   /// Writes the scene, whole or not at all, in the format given by the suffix.
   void write(const std::string& path) const;
+  /// The bytes of a .raio scene, which stores everything but the pictures of a sky.
+  std::string to_bytes() const;
+  /// The scene in such bytes, which are not trusted: the error says what is wrong with them. With
+  /// `keep`, which owns the bytes, columns are read in place; otherwise they are copied.
+  static Scene from_bytes(std::string_view bytes, std::shared_ptr<const void> keep = {});
   /// Warnings of the reader, one line each.
   const std::vector<std::string>& warnings() const;
 
@@ -214,6 +221,28 @@ class RAIO_API Settings {
   /// Sets one option from text as on the command line: set("size", "640x480"), set("aa", "4"); a
   /// switch without a value is on, with "false" off. The error says what is accepted.
   Settings& set(std::string_view name, std::string_view value = "true");
+
+  // The same from values: set("aa", 4), set("dof", false), set("size", {640, 480}), set("from",
+  // camera.from). They become the text.
+
+  template <class T, class = std::enable_if_t<std::is_arithmetic_v<T> && !std::is_same_v<T, char>>>
+  Settings& set(std::string_view name, T value) {
+    if constexpr (std::is_same_v<T, bool>) return set(name, value ? "true" : "false");
+    const double number = double(value);
+    return set_numbers(name, &number, 1);
+  }
+  template <class T, class = std::enable_if_t<std::is_arithmetic_v<T>>>
+  Settings& set(std::string_view name, std::initializer_list<T> values) {
+    const std::vector<double> numbers(values.begin(), values.end());
+    return set_numbers(name, numbers.data(), numbers.size());
+  }
+  Settings& set(std::string_view name, std::initializer_list<double> values) {
+    return set_numbers(name, values.begin(), values.size());
+  }
+  Settings& set(std::string_view name, const Triple& values) {
+    return set_numbers(name, values.data(), values.size());
+  }
+
   /// The value in the form of set(); empty if the scene decides.
   std::string get(std::string_view name) const;
 
@@ -228,13 +257,15 @@ class RAIO_API Settings {
     std::vector<std::string> integrators;    ///< others refuse the option
     std::vector<std::string> excludes;       ///< options that it cannot be combined with
   };
-  /// All options, in the order of the command line's help.
+  /// All options, in the order of the command line's help, and those of long renders.
   static std::vector<Option> options();
 
   struct Data;
   const Data& data() const { return *data_; }
 
  private:
+  friend class Film;
+  Settings& set_numbers(std::string_view name, const double* values, size_t count);
   std::unique_ptr<Data> data_;
 };
 
@@ -352,17 +383,49 @@ class RAIO_API Executor {
   std::unique_ptr<Data> data_;
 };
 
-/// A rendered picture: colours with coverage, and the channels that were requested.
+/// What was rendered: the sums of a picture's samples, all of them or a part. A film can be stored,
+/// continued by a Job, on another machine, too, and merged with others; the result has the bytes of
+/// a single render, in whatever order. Copies are independent of each other.
 class RAIO_API Film {
  public:
+  Film(const Film&);
+  Film& operator=(const Film&);
   Film(Film&&) noexcept;
   Film& operator=(Film&&) noexcept;
   ~Film();
 
+  /// Reads a part file (.raio), such as a checkpoint. The error says what is wrong with it.
+  static Film read(const std::string& path);
+  /// Writes a part file if the suffix is .raio, else a picture: .png .exr .npz .npy .ppm .pfm; .png
+  /// and .ppm with exposure and tone. Whole or not at all. The error says what the format cannot
+  /// store, and which samples a picture lacks; a film ended by a time limit lacks none.
+  void write(const std::string& path) const;
+  /// The bytes of a part file, and the film in them, which are not trusted.
+  std::string to_bytes() const;
+  static Film from_bytes(std::string_view bytes);
+
+  /// All samples of the films, exactly, in any order. The error names the film, by its file if it
+  /// was read, and why it does not fit: other settings, samples that another film has, too.
+  static Film merge(std::vector<Film> films);
+
+  /// Whether it has all samples that its settings ask for.
+  bool complete() const;
+  /// The samples that it lacks, in one line; empty if it is complete.
+  std::string missing() const;
+  /// The fewest and the most samples of a pixel, within its shard.
+  std::array<uint32_t, 2> samples() const;
+  /// All settings that the picture depends on, also those that the scene decided, with `shard` and
+  /// `sample-range`. A Job with them repeats or continues the film.
+  Settings settings() const;
+  /// Sets `exposure` or `tone`, which change how the film is displayed, not what was rendered. The
+  /// error says what is accepted.
+  Film& set(std::string_view name, std::string_view value);
+  Film& set(std::string_view name, double value);
+
   int width() const;
   int height() const;
   /// Red, green, blue and coverage per pixel, row by row from the top: display values for the
-  /// classic shading, not clamped; premultiplied.
+  /// classic shading, not clamped; premultiplied. Pixels without samples are black.
   std::vector<float> rgba() const;
   /// The names of the requested channels ("depth", "normal").
   std::vector<std::string> channels() const;
@@ -374,10 +437,6 @@ class RAIO_API Film {
   /// The number of NaN samples, which count as black.
   uint64_t nan_samples() const;
 
-  /// Writes a picture, whole or not at all: .png .exr .npz .npy .ppm .pfm by suffix; .png and .ppm
-  /// with the settings `exposure` and `tone`. The error says what the format cannot store.
-  void write(const std::string& path) const;
-
   struct Data;
 
  private:
@@ -386,14 +445,17 @@ class RAIO_API Film {
   std::unique_ptr<Data> data_;
 };
 
-/// One render: builds the acceleration structure, unless given, and renders the picture.
+/// One render, as by `raio render`: builds the acceleration structure, unless given, and renders a
+/// film, or what another film lacks. With `shard` or `sample-range` it renders a part, with
+/// `time-limit` as many samples as there is time for, and it writes its `checkpoint`.
 class RAIO_API Job {
  public:
-  /// Copies both. The error names settings that cannot be combined.
-  Job(const Scene& scene, const Settings& settings);
+  /// Copies the scene. `begun`: a film to continue, with the same settings; only `samples` may have
+  /// grown. The error names settings that cannot be combined, or differ from those of the film.
+  Job(const Scene& scene, const Settings& settings, std::optional<Film> begun = std::nullopt);
   /// Renders the structure's scene. Settings of the structure are those it was built with; the
   /// error names one that was set differently.
-  Job(const Accel& accel, const Settings& settings);
+  Job(const Accel& accel, const Settings& settings, std::optional<Film> begun = std::nullopt);
   ~Job();
   Job(const Job&) = delete;
   Job& operator=(const Job&) = delete;
@@ -403,8 +465,14 @@ class RAIO_API Job {
   void on_progress(std::function<void(const Progress&)> callback);
 
   /// Renders with as many threads as the setting `threads` says, including this one, and returns
-  /// when the picture is done. Throws Error with ErrorKind::cancelled after cancel().
+  /// the film. Once only. Throws Error with ErrorKind::cancelled after cancel(), and with
+  /// ErrorKind::no_resource if the time limit was too short for a sample of each pixel; film() then
+  /// has what was done.
   Film run();
+
+  /// A copy of the film as it is: what is done so far, until run() has returned the film. To show,
+  /// to store, to continue. May be called from any thread.
+  Film film() const;
 
   /// Ends run() soon. May be called from any thread.
   void cancel();

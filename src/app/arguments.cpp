@@ -7,6 +7,7 @@
 
 #include "app/help.h"
 #include "app/outline.h"
+#include "render/job_options.h"
 #include "render/read_options.h"
 
 namespace raio::core::app {
@@ -126,6 +127,18 @@ void add_render_options(CLI::App& app, RenderOptions& options,
           app, spec, [&options, &spec](const std::string& text) { return spec.set(options, text); },
           spec.value_name);
   end_groups(app);
+}
+
+void add_job_options(CLI::App& app, JobRequest& request,
+                     std::initializer_list<std::string_view> wanted) {
+  for (const JobOptionSpec& spec : job_option_table()) {
+    if (std::ranges::find(wanted, spec.name) == wanted.end()) continue;
+    add_option(
+        app, spec, [&request, &spec](const std::string& text) { return spec.set(request, text); },
+        spec.value_name);
+    if (spec.value_name == "FILE")
+      app.get_option("--" + std::string(spec.name))->check(CLI::Validator(file_name_problem, ""));
+  }
 }
 
 }  // namespace raio::core::app

@@ -54,6 +54,10 @@ void add_number(CLI::App& app, const std::string& name, T& value, T least, T mos
 void add_render_options(CLI::App& app, RenderOptions& options,
                         std::initializer_list<std::string_view> wanted = {});
 
+/// Adds the `wanted` options of job_option_table().
+void add_job_options(CLI::App& app, JobRequest& request,
+                     std::initializer_list<std::string_view> wanted);
+
 /// Throws a CLI::ParseError for options that cannot be combined.
 void refuse_conflict(const RenderOptions& options);
 

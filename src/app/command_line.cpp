@@ -96,49 +96,6 @@ int report(const CLI::App& app, const CLI::ParseError& error) {
   return usage_error(*command, error.what());
 }
 
-// Parses "2/5", the second of five.
-void add_shard(CLI::App& app, RenderCommand& render) {
-  const auto set = [&render](const std::string& text) {
-    const char* const end = text.data() + text.size();
-    uint32_t number = 0, count = 0;
-    const auto first = std::from_chars(text.data(), end, number);
-    const bool slash = first.ec == std::errc() && first.ptr != end && *first.ptr == '/';
-    const auto second = slash ? std::from_chars(first.ptr + 1, end, count) : first;
-    if (!slash || second.ec != std::errc() || second.ptr != end || number < 1 || number > count)
-      throw CLI::ValidationError(
-          "--shard",
-          fmt::format("expected a part and the number of parts, as in 2/5, found '{}'", text));
-    render.shard = number - 1, render.shards = count;
-  };
-  app.add_option_function<std::string>("--shard", set,
-                                       "Render part I of N into a part file for raio merge")
-      ->type_name("I/N")
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-}
-
-// Parses "20:40", samples 20 to 39.
-void add_sample_range(CLI::App& app, RenderCommand& render) {
-  const auto set = [&render](const std::string& text) {
-    const char* const end = text.data() + text.size();
-    SampleSpan range;
-    const auto first = std::from_chars(text.data(), end, range.first);
-    const bool colon = first.ec == std::errc() && first.ptr != end && *first.ptr == ':';
-    const auto second = colon ? std::from_chars(first.ptr + 1, end, range.end) : first;
-    if (!colon || second.ec != std::errc() || second.ptr != end || range.empty())
-      throw CLI::ValidationError(
-          "--sample-range",
-          fmt::format("expected the first sample and the end, as in 0:64 or 64:128, found '{}'",
-                      text));
-    render.sample_range = range;
-  };
-  app.add_option_function<std::string>(
-         "--sample-range", set,
-         "Render samples A to before B of every pixel, counted from 0, into a part file for raio "
-         "merge")
-      ->type_name("A:B")
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-}
-
 // A thread may fail to start for lack of memory for its stack.
 constexpr std::string_view kMemoryAdvice = "a larger --memory-limit or fewer --threads may help";
 
@@ -181,20 +138,13 @@ void add_memory_limit(CLI::App& app) {
 }
 
 void add_long_render(CLI::App& app, RenderCommand& render) {
-  add_file(app, "--checkpoint", render.checkpoint,
-           "Save progress to this part file at intervals, on interruption and at the end");
-  add_number(app, "--checkpoint-interval", render.checkpoint_interval_s, 0.01, 1e6,
-             "Seconds between writes of --checkpoint (default: 60)", "SECONDS");
-  app.add_flag("--resume", render.resume, "Continue from the --checkpoint file if it exists");
+  add_job_options(app, render, {"checkpoint", "checkpoint-interval", "resume"});
   add_number(app, "--add-samples", render.add_samples, 1, kMaxSamples,
              "Add N samples per pixel to the --checkpoint file, with the options stored in it",
              "N");
-  add_number(app, "--time-limit", render.time_limit_s, 0.001, 1e9,
-             "Stop after about this many seconds; all pixels then have the same number of samples",
-             "SECONDS");
+  add_job_options(app, render, {"time-limit"});
   add_memory_limit(app);
-  add_shard(app, render);
-  add_sample_range(app, render);
+  add_job_options(app, render, {"shard", "sample-range"});
   add_file(app, "--repeat", render.repeat,
            "Render this PNG or EXR again with the settings stored in it; without SCENE, use the "
            "stored scene name in the folder of the picture",

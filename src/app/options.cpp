@@ -5,6 +5,7 @@
 
 #include "app/json.h"
 #include "app/manual.h"
+#include "render/job_options.h"
 #include "render/read_options.h"
 
 namespace raio::core::app {
@@ -51,6 +52,7 @@ std::string options_json() {
     all.push_back(entry_json(spec, "rendering", excluded_by(spec)));
   for (const ReadOptionSpec& spec : read_option_table())
     all.push_back(entry_json(spec, "reading", {}));
+  for (const JobOptionSpec& spec : job_option_table()) all.push_back(entry_json(spec, "job", {}));
   return json_text({{"version", RAIO_VERSION}, {"options", all}});
 }
 

@@ -269,7 +269,8 @@ class Pictures {
       const ProgressLine progress(control_, command_.quiet ? "off" : command_.progress, label);
       return work();
     };
-    if (const auto ready = watched([&] { return job.prepare(); }); !ready)
+    const auto prepare = [&] { return job.prepare().and_then([&] { return job.build(); }); };
+    if (const auto ready = watched(prepare); !ready)
       return broken_scene ? status_of(ready.error()) : ended(ready.error());
     request.loaded = job.loaded(), request.built = job.built();
     if (!command_.quiet && is_first) print_warnings(job);

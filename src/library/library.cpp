@@ -1,5 +1,5 @@
 // The public interface (include/raio/raio.h): plain values in and out, failures as exceptions,
-// nothing else. Scenes are in scene.cpp, structures in accel.cpp.
+// nothing else. Scenes are in scene.cpp, structures in accel.cpp, films in film.cpp.
 #include "library/library.h"
 
 #include <fmt/format.h>
@@ -7,14 +7,13 @@
 
 #include <algorithm>
 #include <exception>
+#include <mutex>
+#include <span>
 #include <utility>
 
 #include "base/clock.h"
 #include "base/parallel.h"
-#include "io/image/image.h"
-#include "render/picture.h"
-#include "render/provenance.h"
-#include "render/render.h"
+#include "render/job_options.h"
 
 namespace raio::core::library {
 namespace {
@@ -66,6 +65,14 @@ const OptionSpec& spec_of(std::string_view name) {
   refuse(fmt::format("unknown setting '{}'", name));
 }
 
+// Calls use(entry) for the option of that name, of the picture or of the job.
+template <class F>
+auto with_entry(std::string_view name, const F& use) {
+  const auto jobs = job_option_table();
+  const auto of_job = std::ranges::find(jobs, name, &JobOptionSpec::name);
+  return of_job != jobs.end() ? use(*of_job) : use(spec_of(name));
+}
+
 }  // namespace
 
 Error::Error(ErrorKind kind, const std::string& message, std::string file, int line, int column)
@@ -84,124 +91,89 @@ Settings& Settings::operator=(const Settings& other) {
 Settings::~Settings() = default;
 
 Settings& Settings::set(std::string_view name, std::string_view value) {
+  struct Set {
+    JobRequest& request;
+    std::string_view value;
+
+    auto operator()(const OptionSpec& spec) const { return spec.set(request.options, value); }
+    auto operator()(const JobOptionSpec& spec) const { return spec.set(request, value); }
+  };
   guarded([&] {
-    const OptionSpec& spec = spec_of(name);
-    if (spec.is_switch() && value != "true" && value != "false")
+    const bool is_word = value == "true" || value == "false";
+    if (with_entry(name, [](const auto& entry) { return entry.is_switch(); }) && !is_word)
       refuse(fmt::format("{}: expected true or false, found '{}'", name, value));
-    if (const auto done = set_option(data_->options, spec, value); !done) fail(done.error());
+    if (const auto done = with_entry(name, Set{*data_, value}); !done)
+      refuse(fmt::format("{}: {}", name, with_settings(done.error(), {})));
   });
   return *this;
 }
 
-std::string Settings::get(std::string_view name) const {
-  return spec_of(name).text(data_->options);
+Settings& Settings::set_numbers(std::string_view name, const double* values, size_t count) {
+  const auto text = guarded([&] {
+    const auto form = with_entry(name, [](const auto& entry) { return entry.value_name; });
+    return fmt::format("{}", fmt::join(std::span(values, count),
+                                       form.find('x') == std::string_view::npos ? "," : "x"));
+  });
+  return set(name, text);
 }
 
-std::vector<Settings::Option> Settings::options() {
-  std::vector<Option> all;
+std::string Settings::get(std::string_view name) const {
+  struct Get {
+    const JobRequest& request;
+
+    std::string operator()(const OptionSpec& spec) const { return spec.text(request.options); }
+    std::string operator()(const JobOptionSpec& spec) const { return spec.text(request); }
+  };
+  return with_entry(name, Get{*data_});
+}
+
+namespace {
+
+template <class Options>
+Settings::Option described(const OptionEntry<Options>& entry) {
   const auto strings = [](const auto& views) {
     return std::vector<std::string>(views.begin(), views.end());
   };
+  Settings::Option option;
+  option.name = entry.name, option.value_name = entry.value_name;
+  option.help = with_settings(option_help(entry), {});
+  option.words = strings(entry.words);
+  option.type = kOptionTypes[size_t(entry.type())], option.unit = entry.unit;
+  option.default_value = default_value(entry);
+  if (entry.least < entry.most) option.minimum = entry.least, option.maximum = entry.most;
+  option.integrators = strings(names_of(entry.integrators));
+  return option;
+}
+
+}  // namespace
+
+std::vector<Settings::Option> Settings::options() {
+  std::vector<Option> all;
   for (const OptionSpec& spec : render_option_table()) {
-    Option& option = all.emplace_back();
-    option.name = spec.name, option.value_name = spec.value_name;
-    option.help = with_settings(option_help(spec), {});
-    option.words = strings(spec.words);
-    option.type = kOptionTypes[size_t(spec.type())], option.unit = spec.unit;
-    option.default_value = default_value(spec);
-    if (spec.least < spec.most) option.minimum = spec.least, option.maximum = spec.most;
-    option.integrators = strings(names_of(spec.integrators));
-    option.excludes = strings(excluded_by(spec));
+    const auto excluded = excluded_by(spec);
+    all.push_back(described(spec));
+    all.back().excludes.assign(excluded.begin(), excluded.end());
   }
+  for (const JobOptionSpec& spec : job_option_table()) all.push_back(described(spec));
   return all;
 }
 
-struct Film::Data {
-  Picture picture;
-  Metadata settings;
-  uint64_t nan_samples;
-  int threads;  // of the job
-
-  std::vector<std::string> channels() const;
-  // The error names the available channels.
-  const Layer& layer(std::string_view name) const;
-};
-
-Film::Film(std::unique_ptr<Data> data) : data_(std::move(data)) {}
-Film::Film(Film&&) noexcept = default;
-Film& Film::operator=(Film&&) noexcept = default;
-Film::~Film() = default;
-
-int Film::width() const { return data_->picture.color.width; }
-int Film::height() const { return data_->picture.color.height; }
-
-std::vector<float> Film::rgba() const {
-  return guarded([&] {
-    const Picture& p = data_->picture;
-    std::vector<float> out;
-    out.reserve(4 * p.color.pixels.size());
-    for (size_t i = 0; i < p.color.pixels.size(); ++i) {
-      const Rgb& c = p.color.pixels[i];
-      out.insert(out.end(), {c.x, c.y, c.z, p.alpha.empty() ? 1.0f : p.alpha[i]});
-    }
-    return out;
-  });
-}
-
-std::vector<std::string> Film::Data::channels() const {
-  std::vector<std::string> names;
-  if (!picture.alpha.empty()) names.emplace_back("alpha");
-  for (const Layer& layer : picture.layers) names.push_back(layer.name);
-  return names;
-}
-
-std::vector<std::string> Film::channels() const { return data_->channels(); }
-
-const Layer& Film::Data::layer(std::string_view name) const {
-  const auto found = std::ranges::find(picture.layers, name, &Layer::name);
-  if (found != picture.layers.end()) return *found;
-  const std::vector<std::string> all = channels();
-  refuse(fmt::format("the film has no channel '{}'; it has {}", name,
-                     all.empty() ? "none" : fmt::format("{}", fmt::join(all, ", "))));
-}
-
-std::vector<float> Film::channel(std::string_view name, int* components) const {
-  return guarded([&] {
-    const core::Column<float>& alpha = data_->picture.alpha;
-    const bool is_alpha = name == "alpha" && !alpha.empty();
-    const Layer* const layer = is_alpha ? nullptr : &data_->layer(name);
-    const auto* const values = is_alpha ? &alpha : std::get_if<core::Column<float>>(&layer->values);
-    if (!values) refuse(fmt::format("channel '{}' has integers; read it with integers()", name));
-    if (components) *components = layer ? int(layer->components.size()) : 1;
-    return std::vector<float>(values->begin(), values->end());
-  });
-}
-
-std::vector<uint32_t> Film::integers(std::string_view name) const {
-  return guarded([&] {
-    const bool is_alpha = name == "alpha" && !data_->picture.alpha.empty();
-    const auto* const values =
-        is_alpha ? nullptr : std::get_if<core::Column<uint32_t>>(&data_->layer(name).values);
-    if (!values) refuse(fmt::format("channel '{}' has floats; read it with channel()", name));
-    return std::vector<uint32_t>(values->begin(), values->end());
-  });
-}
-
-uint64_t Film::nan_samples() const { return data_->nan_samples; }
-
-void Film::write(const std::string& path) const {
-  guarded_work(data_->threads, [&] {
-    if (const auto done = write_picture(data_->picture, path, data_->settings); !done)
-      fail(done.error());
-  });
-}
-
 struct Job::Data {
-  std::shared_ptr<const core::Scene> scene;
-  std::shared_ptr<const core::Accel> accel;  // null: run() builds it
-  RenderSettings settings;
-  WorkControl control;
-  std::function<void(const Progress&)> on_progress;
+  Data(JobRequest request, std::optional<Film> begun) : job(std::move(request)) {
+    std::optional<NamedPart> part;
+    if (begun) {
+      auto& [film, shards, threads, name] = *begun->data_;
+      part = NamedPart{name.empty() ? "the film" : name, std::move(film)};
+    }
+    if (const auto done = job.prepare(std::move(part)); !done) fail(done.error());
+    header = job.part().header;
+  }
+
+  RenderJob job;
+  PartHeader header;  // as run() finds it
+  std::function<void(const Progress&)> on_progress = {};
+  std::mutex mutex = {};  // guards the following, and the job's film
+  bool is_done = false;   // run() has taken the film
 };
 
 namespace {
@@ -225,36 +197,37 @@ RenderOptions options_with(const Accel::Data& built, RenderOptions options) {
   return options;
 }
 
-// Settings for a picture of the scene. Data files get the background of the style, unless another
-// was set.
-RenderSettings settings_of(RenderOptions options, const core::Scene& scene, bool has_background) {
-  if (const auto why = option_conflict(options, &scene)) fail(*why);
-  if (has_background && scene.dialect == Dialect::data && !options.background)
+// Data files get the background of the style, unless another was set.
+void take_background(RenderOptions& options, const core::Scene& scene, bool has_background) {
+  const bool shows_light =
+      options.view == View::picture && options.integrator != IntegratorKind::views;
+  if (has_background && shows_light && scene.dialect == Dialect::data && !options.background)
     options.background = WrittenColor{.color = scene.background};
-  return resolve_options(options, scene);
 }
 
 }  // namespace
 
-Job::Job(const Scene& scene, const Settings& settings) {
+Job::Job(const Scene& scene, const Settings& settings, std::optional<Film> begun) {
   guarded_work(settings.data().options.threads, [&] {
-    data_ = std::make_unique<Data>();
-    data_->scene = std::make_shared<const core::Scene>(scene.data().scene);
-    if (const auto problems = validate(*data_->scene); !problems.empty()) refuse(problems.front());
-    data_->settings =
-        settings_of(settings.data().options, *data_->scene, scene.data().has_background);
+    JobRequest request = settings.data();
+    request.loaded = std::make_shared<const core::Scene>(scene.data().scene);
+    if (const auto problems = validate(*request.loaded); !problems.empty())
+      refuse(problems.front());
+    take_background(request.options, *request.loaded, scene.data().has_background);
+    data_ = std::make_unique<Data>(std::move(request), std::move(begun));
   });
 }
 
-Job::Job(const Accel& accel, const Settings& settings) {
+Job::Job(const Accel& accel, const Settings& settings, std::optional<Film> begun) {
   guarded_work(settings.data().options.threads, [&] {
     const std::shared_ptr<const Accel::Data>& built = accel.data_;
-    data_ = std::make_unique<Data>();
-    data_->scene = {built, &built->scene};
-    data_->accel = {built, built->accel.get()};
-    data_->settings = settings_of(options_with(*built, settings.data().options), *data_->scene,
-                                  built->has_background);
-    if (data_->settings.accel.counters && !built->options.accel.counters)
+    JobRequest request = settings.data();
+    request.options = options_with(*built, std::move(request.options));
+    request.loaded = {built, &built->scene};
+    request.built = {built, built->accel.get()};
+    take_background(request.options, built->scene, built->has_background);
+    data_ = std::make_unique<Data>(std::move(request), std::move(begun));
+    if (data_->job.settings().accel.counters && !built->options.accel.counters)
       refuse("these settings need a structure that was built with counters");
   });
 }
@@ -308,51 +281,48 @@ class ProgressReporter {
 
 // Does the work while the callback is told of it.
 template <class F>
-auto reported(WorkControl& control, const std::function<void(const Progress&)>& tell,
+void reported(WorkControl& control, const std::function<void(const Progress&)>& tell,
               const F& work) {
   ProgressReporter reporter(control, tell);
   try {
-    if constexpr (std::is_void_v<std::invoke_result_t<const F&>>) {
-      work();
-      reporter.finish();
-    } else {
-      auto result = work();
-      reporter.finish();
-      return result;
-    }
+    work();
   } catch (...) {
     reporter.finish();  // what the callback threw is why the work ended
     throw;
   }
+  reporter.finish();
 }
 
 }  // namespace
 
 Film Job::run() {
-  const auto work = [&] {
-    const core::Scene& scene = *data_->scene;
-    const RenderSettings& settings = data_->settings;
-    const auto film = make_film(scene, settings);
-    if (!film) fail(film.error());
-    std::shared_ptr<const core::Accel> accel = data_->accel;
-    if (!accel) {
-      auto built = build_accel(scene, settings.accel, settings.one_sided);
-      if (!built) fail(built.error());
-      accel = std::move(*built);
-    }
-    if (!render(scene, *accel, settings, **film, data_->control).finished)
-      throw Error(ErrorKind::cancelled, "the render was cancelled");
-    return run_to_the_end([&] {
-      return Film(std::make_unique<Film::Data>(
-          Film::Data{picture_of(**film, settings), settings_of(scene, settings),
-                     (*film)->nans().count, settings.threads}));
+  RenderJob& job = data_->job;
+  reported(job.control(), data_->on_progress, [&] {
+    guarded([&] {
+      if (data_->is_done) refuse("this job has run; make another");
+      if (const auto done = job.run(); !done) fail(done.error());
+      if (!job.kept()) fail(job.kept().error());
     });
-  };
-  return reported(data_->control, data_->on_progress,
-                  [&] { return guarded_work(data_->settings.threads, work, &data_->control); });
+  });
+  return guarded([&] {
+    const std::lock_guard lock(data_->mutex);
+    data_->is_done = true;
+    return Film(std::make_unique<Film::Data>(
+        Film::Data{job.take_part(), data_->header.shards, job.settings().threads}));
+  });
 }
 
-void Job::cancel() { data_->control.stop = true; }
+Film Job::film() const {
+  return guarded([&] {
+    const std::lock_guard lock(data_->mutex);
+    if (data_->is_done) refuse("run() has returned the film");
+    const RenderJob& job = data_->job;
+    return Film(std::make_unique<Film::Data>(Film::Data{
+        {data_->header, copy_of(*job.part().film)}, data_->header.shards, job.settings().threads}));
+  });
+}
+
+void Job::cancel() { data_->job.control().stop = true; }
 
 struct Executor::Data {
   int threads;

@@ -9,13 +9,15 @@
 #include <new>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "accel/accel.h"
 #include "base/error.h"
 #include "base/executor.h"
 #include "base/vec.h"
-#include "render/options.h"
+#include "render/job.h"
+#include "render/part.h"
 #include "scene/scene.h"
 
 // Not in raio::v1, where every name is exported.
@@ -44,6 +46,9 @@ auto guarded_work(int threads, const F& f, WorkControl* control = nullptr) {
   return guarded([&] { return Executor(threads, control).run(f); });
 }
 
+// The film as it is, while others may add to it.
+std::unique_ptr<Film> copy_of(const Film& film);
+
 std::optional<std::array<v1::Triple, 2>> bounds_of(const Scene& scene);
 
 }  // namespace raio::core::library
@@ -56,8 +61,14 @@ struct Scene::Data {
   bool has_background = false;  // was set; data files have none
 };
 
-struct Settings::Data {
-  core::RenderOptions options;
+// With the default for all that settings do not say.
+struct Settings::Data : core::JobRequest {};
+
+struct Film::Data {
+  core::Part part;
+  uint32_t shards = 1;    // of the picture
+  int threads = 0;        // of the job
+  std::string name = {};  // of its file; empty: none
 };
 
 struct Accel::Data {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "io/nff/nff.h"
+#include "io/raio/raio.h"
 #include "io/scene_file.h"
 #include "library/library.h"
 
@@ -58,6 +59,26 @@ Scene Scene::parse_nff(std::string_view text, std::string_view name) {
 void Scene::write(const std::string& path) const {
   guarded_work(0, [&] {
     if (const auto written = write_scene(data_->scene, path); !written) fail(written.error());
+  });
+}
+
+std::string Scene::to_bytes() const {
+  return guarded_work(0, [&] {
+    if (const auto problems = validate(data_->scene); !problems.empty()) refuse(problems.front());
+    return encode_raio_scene(data_->scene);
+  });
+}
+
+Scene Scene::from_bytes(std::string_view bytes, std::shared_ptr<const void> keep) {
+  return guarded_work(0, [&] {
+    auto scene = decode_raio_scene(bytes, keep);
+    if (!scene) refuse(scene.error());
+    scene->name = Scene().data().scene.name;
+    auto data = std::make_unique<Data>(Data{std::move(*scene), {}});
+    if (!data->scene.requests.sky_folder.empty())
+      data->warnings.emplace_back(
+          "its sky is not in the bytes; the background is that of the scene");
+    return Scene(std::move(data));
   });
 }
 

@@ -35,13 +35,18 @@ RenderJob::RenderJob(JobRequest request, JobEvents events, WorkControl* control)
 
 RenderJob::~RenderJob() = default;
 
-std::expected<void, Error> RenderJob::prepare() {
-  return stoppable([&] {
-    return Executor(request_.options.threads, &control_).run([&] { return find_and_build(); });
+std::expected<void, Error> RenderJob::prepare(std::optional<NamedPart> begun) {
+  const double start = seconds();
+  auto prepared = stoppable([&] {
+    return Executor(request_.options.threads, &control_).run([&] {
+      return find_and_load(std::move(begun));
+    });
   });
+  prepare_s_ = seconds() - start;
+  return prepared;
 }
 
-std::expected<void, Error> RenderJob::find_and_build() {
+std::expected<void, Error> RenderJob::find_and_load(std::optional<NamedPart> begun) {
   if (auto why = request_conflict(request_)) return std::unexpected(std::move(*why));
   if (auto why = option_conflict(request_.options)) return std::unexpected(std::move(*why));
   const auto check_output = [this]() -> std::optional<Error> {
@@ -52,7 +57,7 @@ std::expected<void, Error> RenderJob::find_and_build() {
   if (!request_.checkpoint.empty())
     if (auto writable = check_writable(request_.checkpoint); !writable) return writable;
 
-  auto start = find_start(request_);
+  auto start = find_start(request_, std::move(begun));
   if (!start) return std::unexpected(std::move(start.error()));
   request_ = start->request;
   samples_ = start->samples;
@@ -80,7 +85,7 @@ std::expected<void, Error> RenderJob::find_and_build() {
   if (!film) return std::unexpected(std::move(film.error()));
   part_.film = std::move(*film);
   rays_before_ = part_.film->rays().total();
-  return build();
+  return {};
 }
 
 std::expected<void, Error> RenderJob::load() {
@@ -102,19 +107,26 @@ std::expected<void, Error> RenderJob::load() {
 
 std::expected<void, Error> RenderJob::build() {
   const double start = seconds();
-  if (request_.built) {
-    accel_ = request_.built;
-  } else {
-    auto accel = build_accel(*scene_, settings_.accel, settings_.one_sided);
-    if (!accel) return std::unexpected(std::move(accel.error()));
-    accel_ = std::move(*accel);
-  }
+  auto built = stoppable([&] {
+    return Executor(settings_.threads, &control_).run([&]() -> std::expected<void, Error> {
+      if (request_.built) {
+        accel_ = request_.built;
+      } else {
+        auto accel = build_accel(*scene_, settings_.accel, settings_.one_sided);
+        if (!accel) return std::unexpected(std::move(accel.error()));
+        accel_ = std::move(*accel);
+      }
+      check_stop();
+      return {};
+    });
+  });
   times_.build = seconds() - start;
-  check_stop();
-  return {};
+  return built;
 }
 
 std::expected<void, Error> RenderJob::run() {
+  if (!accel_)
+    if (auto built = build(); !built) return built;
   return stoppable(
       [&] { return Executor(settings_.threads).run([&] { return render_and_keep(); }); });
 }
@@ -136,7 +148,7 @@ std::expected<void, Error> RenderJob::render_and_keep() {
                   .shard = request_.shard,
                   .shards = request_.shards};
   if (const double limit = request_.time_limit_s; limit > 0)
-    task.seconds = std::max(limit - seconds(), 1e-3);
+    task.seconds = std::max(limit - prepare_s_ - times_.build, 1e-3);
   if (!request_.checkpoint.empty()) {
     task.interval_s = request_.checkpoint_interval_s;
     task.at_interval = [this] { write_checkpoint(); };

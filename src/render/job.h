@@ -7,7 +7,9 @@
 #include <expected>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "accel/accel.h"
@@ -41,7 +43,7 @@ struct JobRequest {
   double checkpoint_interval_s = 60;
   bool resume = false;             // resumes from the checkpoint if it exists
   int add_samples = 0;             // added to each pixel's samples in the checkpoint
-  double time_limit_s = 0;         // from construction of the job; 0: none
+  double time_limit_s = 0;         // of all steps before write(); 0: none
   uint32_t shard = 0, shards = 1;  // as in RenderTask
   SampleSpan sample_range = {};    // only these samples per pixel; empty: all
 
@@ -76,9 +78,9 @@ struct RenderFigures {
   NanSamples nans;       // of the whole picture, with coordinates in it
 };
 
-/// Call prepare(), run() and write() once each in this order, each only if the previous one
-/// succeeded. The same request gives the same bytes, however it was interrupted, resumed, split or
-/// extended.
+/// Call prepare(), build() if there is anything to do before run(), run() and write() once each in
+/// this order, each only if the previous one succeeded. The same request gives the same bytes,
+/// however it was interrupted, resumed, split or extended.
 class RenderJob {
  public:
   /// `control`: shared by consecutive jobs and outliving them; otherwise the job has its own.
@@ -87,17 +89,20 @@ class RenderJob {
   RenderJob(const RenderJob&) = delete;
   RenderJob& operator=(const RenderJob&) = delete;
 
-  /// For progress, and to stop the job from another thread: prepare() and run() then end soon with
-  /// the error `stopped`, run() after writing the checkpoint, if any.
+  /// For progress, and to stop the job from another thread: each step then ends soon with the error
+  /// `stopped`, run() after writing the checkpoint, if any.
   WorkControl& control() { return control_; }
 
   /// First refuses, before anything slow, whatever cannot become a picture: settings that
-  /// contradict each other, files that cannot be read, written or resumed. Then reads the scene and
-  /// builds the structure. If the scene has errors, returns the first.
-  std::expected<void, Error> prepare();
+  /// contradict each other, files that cannot be read, written or resumed. Then reads the scene; if
+  /// it has errors, returns the first. `begun`: a part to go on from, instead of a checkpoint.
+  std::expected<void, Error> prepare(std::optional<NamedPart> begun = std::nullopt);
 
-  /// Renders within the time limit and updates the checkpoint. A limit too short for one sample per
-  /// pixel is an error (no_resource).
+  /// Builds the structure.
+  std::expected<void, Error> build();
+
+  /// Builds the structure unless it is built, renders within the time limit and updates the
+  /// checkpoint. A limit too short for one sample per pixel is an error (no_resource).
   std::expected<void, Error> run();
 
   /// Whether the checkpoint, if any, was written at the end of run().
@@ -106,7 +111,7 @@ class RenderJob {
   /// Writes the output, if any.
   std::expected<void, Error> write();
 
-  /// After prepare().
+  /// After prepare(), and after build().
   const Scene& scene() const { return *scene_; }
   const Accel& accel() const { return *accel_; }
   /// A start for other pictures of the scene: JobRequest::loaded and built.
@@ -117,13 +122,14 @@ class RenderJob {
   /// run().
   const RenderSettings& settings() const { return settings_; }
   const Part& part() const { return part_; }
+  /// The part itself, for who keeps it after the last step.
+  Part take_part() { return std::move(part_); }
   RenderFigures figures() const;
 
  private:
   double seconds() const { return seconds_since(begin_); }
-  std::expected<void, Error> find_and_build();
+  std::expected<void, Error> find_and_load(std::optional<NamedPart> begun);
   std::expected<void, Error> load();
-  std::expected<void, Error> build();
   std::expected<void, Error> render_and_keep();
   std::expected<void, Error> conclude(bool finished, bool was_stopped);
   void write_checkpoint();
@@ -141,6 +147,7 @@ class RenderJob {
   uint32_t samples_ = 0;  // per pixel, if not as many as the options say
   uint64_t rays_before_ = 0;
   RenderFigures::Times times_;
+  double prepare_s_ = 0;
   std::expected<void, Error> kept_;
 };
 

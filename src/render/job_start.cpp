@@ -72,29 +72,26 @@ std::optional<std::string> add_samples(const Part& part, JobRequest& request) {
   return std::nullopt;
 }
 
-std::expected<JobStart, Error> start_by_part(const JobRequest& request) {
-  auto part = read_part(request.checkpoint);
-  if (!part) return std::unexpected(std::move(part.error()));
-  const PartHeader& header = part->header;
+std::expected<JobStart, Error> start_by_part(const JobRequest& request, NamedPart begun) {
+  auto& [name, part] = begun;
+  const PartHeader& header = part.header;
   if (header.shard != request.shard || header.shards != request.shards) {
     const std::string is = fmt::format("{}/{}", header.shard + 1, header.shards);
     return std::unexpected(refused(
-        request.checkpoint, header.shards > 1
-                                ? fmt::format("it is shard {} of a picture; add `shard` {}", is, is)
+        name, header.shards > 1 ? fmt::format("it is shard {} of a picture; add `shard` {}", is, is)
                                 : "it is not a shard; leave out `shard`"));
   }
   if (header.samples != request.sample_range) {
     const std::string is = text_of(header.samples);
-    return std::unexpected(
-        refused(request.checkpoint,
-                is.empty() ? "it has all samples; leave out `sample-range`"
-                           : fmt::format("it has the samples {}; add `sample-range` {}", is, is)));
+    return std::unexpected(refused(
+        name, is.empty() ? "it has all samples; leave out `sample-range`"
+                         : fmt::format("it has the samples {}; add `sample-range` {}", is, is)));
   }
   JobStart start{request, header.settings, 0, nullptr};
   if (request.add_samples > 0)
-    if (auto why = add_samples(*part, start.request))
-      return std::unexpected(refused(request.checkpoint, std::move(*why)));
-  start.film = std::move(part->film);
+    if (auto why = add_samples(part, start.request))
+      return std::unexpected(refused(name, std::move(*why)));
+  start.film = std::move(part.film), start.film_name = std::move(name);
   return start;
 }
 
@@ -158,19 +155,31 @@ std::optional<Error> request_conflict(const JobRequest& r) {
   return std::nullopt;
 }
 
-std::expected<JobStart, Error> find_start(const JobRequest& request) {
+std::expected<JobStart, Error> find_start(const JobRequest& request,
+                                          std::optional<NamedPart> begun) {
   std::error_code ignored;
   const bool is_there = !request.checkpoint.empty() && fs::exists(request.checkpoint, ignored);
   if (is_there && !request.resume && request.add_samples == 0)
     return std::unexpected(refused(request.checkpoint,
                                    "it already exists; add `resume` to continue it, else remove it "
                                    "or choose another name for `checkpoint`"));
+  if (begun && request.resume)
+    return std::unexpected(bad_option("resume",
+                                      "continues from `checkpoint`, but there is a film to "
+                                      "continue; leave one of them out"));
   if (is_there || request.add_samples > 0) {
-    auto start = start_by_part(request);
+    auto part = read_part(request.checkpoint);
+    if (!part) return std::unexpected(std::move(part.error()));
+    begun = NamedPart{request.checkpoint, std::move(*part)};
+  }
+  if (begun) {
+    auto start = start_by_part(request, std::move(*begun));
     if (!start || request.repeat.empty()) return start;
     auto repeated = start_by_repeat(request);
-    if (repeated)
-      repeated->film = std::move(start->film), repeated->film_settings = std::move(start->settings);
+    if (repeated) {
+      repeated->film = std::move(start->film), repeated->film_name = std::move(start->film_name);
+      repeated->film_settings = std::move(start->settings);
+    }
     return repeated;
   }
   if (!request.repeat.empty()) return start_by_repeat(request);
@@ -182,7 +191,7 @@ std::expected<std::unique_ptr<Film>, Error> film_of(
     const std::function<void(const Error&)>& warning) {
   const JobRequest& request = start.request;
   const bool repeats = !request.repeat.empty();
-  const std::string& file = repeats ? request.repeat : request.checkpoint;
+  const std::string& file = repeats ? request.repeat : start.film_name;
   if (!start.settings.empty()) {
     Metadata before = start.settings;
     // Any number of samples of Sobol's sequence can be extended.
@@ -204,7 +213,7 @@ std::expected<std::unique_ptr<Film>, Error> film_of(
     for (auto& [key, text] : part)
       if (key == "samples") text = setting(settings, "samples");
     if (std::string why = difference(part, settings); !why.empty())
-      return std::unexpected(refused(request.checkpoint, std::move(why)));
+      return std::unexpected(refused(start.film_name, std::move(why)));
   }
   auto film = make_film(scene, used);
   if (!film || !start.film) return film;

@@ -20,9 +20,12 @@ struct JobStart {
   Metadata settings;            // of that picture or part; empty: none
   uint32_t samples = 0;         // per pixel, if not as many as the options say
   std::unique_ptr<Film> film;   // of a part
+  std::string film_name = {};   // of that part, for messages
   Metadata film_settings = {};  // of that part, if `settings` are a picture's
 };
-std::expected<JobStart, Error> find_start(const JobRequest& request);
+/// `begun`: a part to go on from, instead of the checkpoint.
+std::expected<JobStart, Error> find_start(const JobRequest& request,
+                                          std::optional<NamedPart> begun);
 
 /// The start of a request with `repeat`, by that picture's settings.
 std::expected<JobStart, Error> start_by_repeat(const JobRequest& request);

@@ -51,6 +51,20 @@ Metadata settings_of(const Scene& scene, const RenderSettings& used, const ReadO
   return settings;
 }
 
+void set_setting(Metadata& settings, const OptionSpec& spec, const RenderOptions& options) {
+  const std::string key = key_of(spec);
+  std::erase_if(settings, [&](const auto& entry) { return entry.first == key; });
+  std::string text = spec.text(options);
+  if (text.empty()) return;
+  // Before the settings of options that the table has later.
+  const auto table = render_option_table();
+  const auto later = std::ranges::find_if(settings, [&](const auto& entry) {
+    return std::any_of(table.begin() + (&spec - table.data()), table.end(),
+                       [&](const OptionSpec& other) { return key_of(other) == entry.first; });
+  });
+  settings.emplace(later, key, std::move(text));
+}
+
 std::expected<ReadOptions, Error> read_options_from(const Metadata& settings) {
   ReadOptions read = kForPictures;
   for (const auto& [key, text] : settings) {

@@ -18,6 +18,9 @@ namespace raio::core {
 Metadata settings_of(const Scene& scene, const RenderSettings& used,
                      const ReadOptions& read = kForPictures);
 
+/// Replaces the setting of one option by its value in `options`.
+void set_setting(Metadata& settings, const OptionSpec& spec, const RenderOptions& options);
+
 /// How the scene's file was read; the error (bad_input) is a sentence about the settings.
 std::expected<ReadOptions, Error> read_options_from(const Metadata& settings);
 

@@ -1,0 +1,208 @@
+// Film of the public interface: a part of a picture, or all of it, in memory and in files.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "base/parallel.h"
+#include "library/library.h"
+#include "render/picture.h"
+#include "render/provenance.h"
+#include "render/render.h"
+
+namespace raio::core::library {
+
+std::unique_ptr<Film> copy_of(const Film& film) {
+  auto copy = std::make_unique<Film>(film.width(), film.height(), film.bound(), film.tile_side(),
+                                     film.layout().channels());
+  parallel_for(film.tiles(), [&](size_t t) {
+    if (const TileSamples tile = film.copy(t); !tile.samples.empty()) copy->add(t, tile);
+  });
+  return copy;
+}
+
+}  // namespace raio::core::library
+
+namespace raio::v1 {
+
+using namespace core;           // NOLINT(google-build-using-namespace)
+using namespace core::library;  // NOLINT(google-build-using-namespace)
+
+Film::Film(std::unique_ptr<Data> data) : data_(std::move(data)) {}
+Film::Film(const Film& other) {
+  guarded_work(other.data_->threads, [&] {
+    const auto& [part, shards, threads, name] = *other.data_;
+    data_ = std::make_unique<Data>(Data{{part.header, copy_of(*part.film)}, shards, threads, name});
+  });
+}
+Film& Film::operator=(const Film& other) { return *this = Film(other); }
+Film::Film(Film&&) noexcept = default;
+Film& Film::operator=(Film&&) noexcept = default;
+Film::~Film() = default;
+
+namespace {
+
+RenderOptions options_of(const Part& part) {
+  auto options = options_from(part.header.settings, false);
+  if (!options) fail(options.error());
+  return *std::move(options);
+}
+
+// A part that was read or decoded.
+std::unique_ptr<Film::Data> taken(std::expected<Part, core::Error> part, const std::string& name) {
+  if (!part) fail(part.error());
+  const uint32_t shards = part->header.shards;
+  return std::make_unique<Film::Data>(Film::Data{std::move(*part), shards, 0, name});
+}
+
+}  // namespace
+
+Film Film::read(const std::string& path) {
+  return guarded_work(0, [&] { return Film(taken(read_part(path), path)); });
+}
+
+Film Film::from_bytes(std::string_view bytes) {
+  return guarded_work(0, [&] { return Film(taken(decode_part(bytes), {})); });
+}
+
+std::string Film::to_bytes() const {
+  return guarded_work(data_->threads,
+                      [&] { return encode_part(data_->part.header, *data_->part.film); });
+}
+
+void Film::write(const std::string& path) const {
+  guarded_work(data_->threads, [&] {
+    const Part& part = data_->part;
+    // Samples that a time limit left out are in the settings.
+    if (!is_part_path(path) && setting(part.header.settings, "samples_done").empty())
+      if (const std::string lacks = missing(); !lacks.empty())
+        refuse(lacks + "; merge films that have them, continue the film, or write a part (.raio)");
+    if (const auto done = write_result(path, part); !done) fail(done.error());
+  });
+}
+
+Film Film::merge(std::vector<Film> films) {
+  if (films.empty()) refuse("there are no films to merge");
+  return guarded_work(films.front().data_->threads, [&] {
+    std::vector<NamedPart> parts;
+    auto whole = std::make_unique<Data>();
+    whole->threads = films.front().data_->threads;
+    for (const Film& film : films) {
+      auto& [part, shards, threads, name] = *film.data_;
+      whole->shards = std::max(whole->shards, shards);
+      parts.push_back(
+          {name.empty() ? fmt::format("film {}", parts.size() + 1) : name, std::move(part)});
+    }
+    auto merged = merge_parts(parts);
+    if (!merged) fail(merged.error());
+    whole->part = std::move(*merged);
+    return Film(std::move(whole));
+  });
+}
+
+bool Film::complete() const { return missing().empty(); }
+
+std::string Film::missing() const { return missing_samples(data_->part, data_->shards); }
+
+std::array<uint32_t, 2> Film::samples() const {
+  const SampleCounts counts = samples_of(data_->part);
+  return {counts.fewest, counts.most};
+}
+
+Settings Film::settings() const {
+  return guarded([&] {
+    const PartHeader& header = data_->part.header;
+    auto options = options_from(header.settings);
+    if (!options) fail(options.error());
+    Settings settings;
+    Settings::Data& all = *settings.data_;
+    all.options = *std::move(options);
+    all.shard = header.shard, all.shards = header.shards, all.sample_range = header.samples;
+    return settings;
+  });
+}
+
+Film& Film::set(std::string_view name, std::string_view value) {
+  guarded([&] {
+    if (name != "exposure" && name != "tone")
+      refuse(
+          fmt::format("{} was rendered into the film; it can change exposure and tone, and others "
+                      "with a new render",
+                      name));
+    const auto table = render_option_table();
+    const OptionSpec& spec = *std::ranges::find(table, name, &OptionSpec::name);
+    RenderOptions options = options_of(data_->part);
+    if (const auto done = set_option(options, spec, value); !done) fail(done.error());
+    if (const auto why = option_conflict(options)) fail(*why);
+    set_setting(data_->part.header.settings, spec, options);
+  });
+  return *this;
+}
+
+Film& Film::set(std::string_view name, double value) { return set(name, fmt::format("{}", value)); }
+
+int Film::width() const { return data_->part.film->width(); }
+int Film::height() const { return data_->part.film->height(); }
+
+std::vector<float> Film::rgba() const {
+  return guarded_work(data_->threads, [&] {
+    const core::Film& film = *data_->part.film;
+    const Image image = picture_of(film, options_of(data_->part).view);
+    core::Column<float> alpha;
+    if (film.layout().has(Channel::alpha))
+      alpha = std::get<core::Column<float>>(film.resolve(Channel::alpha));
+    std::vector<float> out;
+    out.reserve(4 * image.pixels.size());
+    for (size_t i = 0; i < image.pixels.size(); ++i) {
+      const Rgb& c = image.pixels[i];
+      out.insert(out.end(), {c.x, c.y, c.z, alpha.empty() ? 1.0f : alpha[i]});
+    }
+    return out;
+  });
+}
+
+std::vector<std::string> Film::channels() const {
+  std::vector<std::string> names;
+  for (const ChannelSpec& spec : kChannels)
+    if (data_->part.film->layout().has(spec.channel)) names.emplace_back(spec.name);
+  return names;
+}
+
+namespace {
+
+// The error names the available channels.
+const ChannelSpec& channel_of(const Film& film, std::string_view name) {
+  const std::vector<std::string> all = film.channels();
+  const auto spec = std::ranges::find(kChannels, name, &ChannelSpec::name);
+  if (spec == kChannels.end() || std::ranges::find(all, name) == all.end())
+    refuse(fmt::format("the film has no channel '{}'; it has {}", name,
+                       all.empty() ? "none" : fmt::format("{}", fmt::join(all, ", "))));
+  return *spec;
+}
+
+}  // namespace
+
+std::vector<float> Film::channel(std::string_view name, int* components) const {
+  return guarded_work(data_->threads, [&] {
+    const ChannelSpec& spec = channel_of(*this, name);
+    if (spec.integer)
+      refuse(fmt::format("channel '{}' has integers; read it with integers()", name));
+    if (components) *components = int(spec.components.size());
+    const auto values = std::get<core::Column<float>>(data_->part.film->resolve(spec.channel));
+    return std::vector<float>(values.begin(), values.end());
+  });
+}
+
+std::vector<uint32_t> Film::integers(std::string_view name) const {
+  return guarded_work(data_->threads, [&] {
+    const ChannelSpec& spec = channel_of(*this, name);
+    if (!spec.integer) refuse(fmt::format("channel '{}' has floats; read it with channel()", name));
+    const auto values = std::get<core::Column<uint32_t>>(data_->part.film->resolve(spec.channel));
+    return std::vector<uint32_t>(values.begin(), values.end());
+  });
+}
+
+uint64_t Film::nan_samples() const { return data_->part.film->nans().count; }
+
+}  // namespace raio::v1

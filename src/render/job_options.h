@@ -1,0 +1,17 @@
+// The options of a JobRequest that are not of its picture, in one table that feeds the command line
+// and the library's settings.
+#pragma once
+
+#include <span>
+
+#include "render/job.h"
+#include "render/option.h"
+
+namespace raio::core {
+
+using JobOptionSpec = OptionEntry<JobRequest>;
+
+/// All of them.
+std::span<const JobOptionSpec> job_option_table();
+
+}  // namespace raio::core
