@@ -4,6 +4,7 @@
 
 #include "data_files.h"
 #include "io/atoms/colors.h"
+#include "io/atoms/site_values.h"
 
 namespace raio::core {
 namespace {
@@ -237,6 +238,16 @@ TEST(Cif, SitesMustHaveCoordinates) {
       "data_x\n_cell_length_a 5\n_cell_length_b 5\n_cell_length_c 5\nloop_\n_atom_site_label\n"
       "_atom_site_fract_x\n_atom_site_fract_y\n_atom_site_fract_z\nC1 ? ? ?\nO1 . . .\n";
   EXPECT_THAT(error(text, "a.cif"), HasSubstr("none of its atom sites has coordinates"));
+}
+
+TEST(Cif, NumbersMayHaveUncertainties) {
+  const std::pair<const char*, double> numbers[] = {
+      {"1.5", 1.5},      {"+2", 2},           {"-.5", -0.5}, {"5.", 5},
+      {"1.23(8)", 1.23}, {"1.5e3(12)", 1500}, {"1e-999", 0}, {"1e999", INFINITY}};
+  for (const auto& [text, value] : numbers) EXPECT_EQ(cif::number_of(text), value) << text;
+  for (const char* text :
+       {"", "?", ".", "-", "inf", "nan", "-inf", "1.5(", "1.5(a)", "1.5 ", "1,5"})
+    EXPECT_EQ(cif::number_of(text, 7), 7) << text;
 }
 
 }  // namespace

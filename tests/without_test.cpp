@@ -89,6 +89,34 @@ TEST_F(BuildWithout, Embree) {
 }
 #endif
 
+#ifdef RAIO_NO_OPENEXR
+TEST_F(BuildWithout, OpenExr) {
+  refuses({"render", scene_, "-o", file("s.exr").string()}, "no OpenEXR");
+  EXPECT_FALSE(std::filesystem::exists(file("s.exr")));
+  put(file("b.exr"), "\x76\x2f\x31\x01 and more");
+  refuses({"compare", file("b.exr").string(), file("b.exr").string()}, "no OpenEXR");
+}
+#endif
+
+#ifdef RAIO_NO_JPEG
+TEST_F(BuildWithout, Jpeg) {
+  put(file("b.jpg"), "\xff\xd8\xff\xe0 and more");
+  refuses({"compare", file("b.jpg").string(), file("b.jpg").string()}, "no libjpeg");
+}
+#endif
+
+#ifdef RAIO_NO_GEMMI
+TEST_F(BuildWithout, Gemmi) {
+  refuses({"render", RAIO_SOURCE_DIR "/scenes/quartz.cif", "-o", picture_}, "no gemmi");
+  put(file("a.pdb"),
+      "CRYST1   10.000   20.000   30.000  90.00  90.00  90.00 P 1           1\n"
+      "HETATM    1  O   HOH A   1       1.000   2.000   3.000  1.00  0.00           O\n");
+  const Answer answer = ask({"render", file("a.pdb").string(), "-o", picture_});
+  EXPECT_EQ(answer.status, int(kDone));
+  EXPECT_THAT(answer.said, HasSubstr("the cell, since this build has no gemmi"));
+}
+#endif
+
 #ifdef RAIO_NO_PLOTS
 TEST_F(BuildWithout, Plots) {
   refuses({"bench", scene_, "--plot", file("p.svg").string()}, "no plots");

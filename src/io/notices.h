@@ -1,5 +1,5 @@
-// What a reader did with parts of a file that do not fit a scene. Also included by atoms/cif/,
-// which is C++17.
+// What a reader did with parts of a file that do not fit a scene: it guessed them, cut them or left
+// them out.
 #pragma once
 
 #include <algorithm>

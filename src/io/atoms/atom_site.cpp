@@ -1,7 +1,6 @@
 #include "io/atoms/atom_site.h"
 
 #include <algorithm>
-#include <gemmi/numb.hpp>
 #include <map>
 #include <unordered_map>
 
@@ -11,17 +10,31 @@
 namespace raio::core {
 namespace {
 
-using namespace cif;
+using cif::AtomAddress, cif::ResidueNumber, cif::drop_large_numbers, cif::number_of, cif::text_of;
+
+// Insertion codes are compared without case.
+bool is_same(const ResidueNumber& a, const ResidueNumber& b) {
+  return a.number == b.number && (a.insertion | 0x20) == (b.insertion | 0x20);
+}
+
+std::string text_of(const ResidueNumber& number) {
+  std::string out = number.number ? std::to_string(*number.number) : "?";
+  if (number.insertion != ' ') out += number.insertion;
+  return out;
+}
 
 // Identifies a residue within a chain.
 struct ResidueKey {
   std::string_view name;
-  gemmi::SeqId number;
-  bool operator==(const ResidueKey&) const = default;
+  ResidueNumber number;
+  bool operator==(const ResidueKey& other) const {
+    return name == other.name && is_same(number, other.number);
+  }
 };
 struct HashOfKey {
   size_t operator()(const ResidueKey& key) const {
-    const size_t number = size_t(key.number.num.value) << 8 | uint8_t(key.number.icode | 0x20);
+    const size_t number =
+        size_t(key.number.number.value_or(-1)) << 8 | uint8_t(key.number.insertion | 0x20);
     return std::hash<std::string_view>()(key.name) ^ number * 0x9e3779b97f4a7c15u;
   }
 };
@@ -137,7 +150,7 @@ std::vector<std::string> AtomSite::sample(bool of_residues) const {
 
 std::string AtomSite::name_of(const Residue& residue) const {
   const SiteRun& run = runs_[residue.run];
-  return std::string(run.residue).append(" ").append(run.chain) + run.number.str();
+  return std::string(run.residue).append(" ").append(run.chain) + text_of(run.number);
 }
 
 std::string AtomSite::name_of(const Atoms& atoms, uint32_t atom) const {
@@ -148,8 +161,7 @@ std::string AtomSite::name_of(const Atoms& atoms, uint32_t atom) const {
 std::array<double, 3> AtomSite::place_of(uint32_t atom) const {
   const SiteValues values = values_of(*rows_[atom]);
   std::array<double, 3> out{};
-  for (size_t k = 0; k < 3; ++k)
-    out[k] = gemmi::cif::as_number(std::string(values[size_t(SiteColumn::x) + k]));
+  for (size_t k = 0; k < 3; ++k) out[k] = number_of(values[size_t(SiteColumn::x) + k]);
   return out;
 }
 
@@ -171,25 +183,25 @@ void AtomSite::add_atoms(const Residue& residue, uint32_t chain, uint32_t part, 
   });
 }
 
-uint32_t AtomSite::atom_of(const gemmi::AtomAddress& end, const Residue& residue,
+uint32_t AtomSite::atom_of(const AtomAddress& end, const Residue& residue,
                            size_t first_atom) const {
   const SiteRow* found = nullptr;
   for_rows(residue, [&](const SiteRow& row) {
     const bool is_conformer =
-        row.conformer == 0 || end.altloc == '*' || row.conformer == end.altloc;
-    if (!found && is_conformer && text_of(values_of(row)[SiteColumn::name]) == end.atom_name)
+        row.conformer == 0 || end.conformer == '*' || row.conformer == end.conformer;
+    if (!found && is_conformer && text_of(values_of(row)[SiteColumn::name]) == end.atom)
       found = &row;
   });
   const auto at = std::find(rows_.begin() + ptrdiff_t(first_atom), rows_.end(), found);
-  return at == rows_.end() || end.atom_name.empty() ? kNoAtom : uint32_t(at - rows_.begin());
+  return at == rows_.end() || end.atom.empty() ? kNoAtom : uint32_t(at - rows_.begin());
 }
 
 std::vector<uint32_t> AtomSite::fill(size_t model, Names& parts,
-                                     const std::vector<gemmi::AtomAddress>& ends, Atoms& out) {
+                                     const std::vector<AtomAddress>& ends, Atoms& out) {
   Names chains(out.chains);
   std::vector<uint32_t> atoms_of_ends(ends.size(), kNoAtom);
   std::unordered_multimap<int, size_t> ends_at;  // by residue number
-  for (size_t i = 0; i < ends.size(); ++i) ends_at.emplace(ends[i].res_id.seqid.num.value, i);
+  for (size_t i = 0; i < ends.size(); ++i) ends_at.emplace(ends[i].number.number.value_or(-1), i);
   Cases conformers, second_residues;
   const Residue* before = nullptr;
   for (const Residue& residue : residues_) {
@@ -201,13 +213,13 @@ std::vector<uint32_t> AtomSite::fill(size_t model, Names& parts,
     } else {
       const uint32_t chain = chains.number(run.chain), part = parts.number(run.part);
       add_atoms(residue, chain, part, conformers, out);
-      out.residues.push_back(residue_of(run.residue, run.number.str()));
+      out.residues.push_back(residue_of(run.residue, text_of(run.number)));
       taken_.push_back(before = &residue);
     }
-    for (auto [at, last] = ends_at.equal_range(run.number.num.value); at != last;) {
-      const gemmi::AtomAddress& end = ends[at->second];
-      if (end.chain_name != run.chain || end.res_id.name != run.residue ||
-          end.res_id.seqid != run.number) {
+    for (auto [at, last] = ends_at.equal_range(run.number.number.value_or(-1)); at != last;) {
+      const AtomAddress& end = ends[at->second];
+      if (end.chain != run.chain || end.residue != run.residue ||
+          !is_same(end.number, run.number)) {
         ++at;
         continue;
       }
@@ -225,7 +237,7 @@ std::vector<uint32_t> AtomSite::fill(size_t model, Names& parts,
 bool AtomSite::stands_in_place_of(const Residue& first, const Residue& second) const {
   const SiteRun &a = runs_[first.run], &b = runs_[second.run];
   const char conformer = a.begin->conformer, other = b.begin->conformer;
-  return first.chain == second.chain && a.number == b.number && conformer && other &&
+  return first.chain == second.chain && is_same(a.number, b.number) && conformer && other &&
          conformer != other;
 }
 

@@ -1,11 +1,9 @@
-// The rows of _atom_site of mmCIF and the atoms made of them. Also included by cif/, which is
-// C++17.
+// The rows of _atom_site of mmCIF and the atoms made of them.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <gemmi/seqid.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,6 +11,7 @@
 
 #include "io/atoms/atoms.h"
 #include "io/atoms/element_names.h"
+#include "io/atoms/gemmi.h"
 #include "io/atoms/names.h"
 
 namespace raio::core {
@@ -67,7 +66,7 @@ struct SiteRun {
   size_t first = 0;  // index in its part
   const SiteRow *begin = nullptr, *end = nullptr;
   std::string_view model, chain, residue, part;
-  gemmi::SeqId number;
+  cif::ResidueNumber number;
   bool has_label_number = true;  // the label number is readable, or missing
   size_t next = SIZE_MAX;        // the next run of the same residue
 };
@@ -105,8 +104,8 @@ class AtomSite {
 
   /// Adds the atoms of a model with their residues, without alternates. Returns the atoms with the
   /// given addresses, or kNoAtom if there is none or it was left out.
-  std::vector<uint32_t> fill(size_t model, Names& parts,
-                             const std::vector<gemmi::AtomAddress>& ends, Atoms& out);
+  std::vector<uint32_t> fill(size_t model, Names& parts, const std::vector<cif::AtomAddress>& ends,
+                             Atoms& out);
   static constexpr uint32_t kNoAtom = UINT32_MAX;
   /// The name of an atom that fill() added.
   std::string name_of(const Atoms& atoms, uint32_t atom) const;
@@ -136,7 +135,7 @@ class AtomSite {
   bool stands_in_place_of(const Residue& first, const Residue& second) const;
   void add_atoms(const Residue& residue, uint32_t chain, uint32_t part, Cases& conformers,
                  Atoms& out);
-  uint32_t atom_of(const gemmi::AtomAddress& end, const Residue& residue, size_t first_atom) const;
+  uint32_t atom_of(const cif::AtomAddress& end, const Residue& residue, size_t first_atom) const;
   template <class Use>
   void for_rows(const Residue& residue, const Use& use) const;
 

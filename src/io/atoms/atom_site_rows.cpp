@@ -2,8 +2,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cstring>
-#include <gemmi/elem.hpp>
-#include <gemmi/numb.hpp>
 #include <ranges>
 #include <span>
 
@@ -16,7 +14,8 @@
 namespace raio::core {
 namespace {
 
-using namespace cif;
+using cif::char_of, cif::drop_large_numbers, cif::element_of_type, cif::is_null, cif::is_whole;
+using cif::number_of, cif::residue_number_of, cif::ResidueNumber, cif::text_of;
 
 constexpr std::string_view kCategory = "_atom_site.";
 
@@ -168,9 +167,9 @@ class AtomSite::Reader {
     drop_large_numbers(values, [&](SiteColumn column, std::string_view value) {
       out_.too_large.emplace_back(column, value);
     });
-    row.place = local({number_in(values[x]), number_in(values[y]), number_in(values[z])});
-    row.occupancy = float(number_in(values[occupancy], 1));
-    row.b_factor = float(number_in(values[b_factor], 50));
+    row.place = local({number_of(values[x]), number_of(values[y]), number_of(values[z])});
+    row.occupancy = float(number_of(values[occupancy], 1));
+    row.b_factor = float(number_of(values[b_factor], 50));
     row.element = element_of(values);
     const auto conformer_read = char_of(values[conformer], 0);
     row.conformer = conformer_read.value_or(0);
@@ -182,10 +181,10 @@ class AtomSite::Reader {
       run.first = out_.rows.size();
       run.model = text_of(values[model]), run.chain = text_of(values[chain]);
       run.residue = text_of(values[residue]), run.part = text_of(values[part]);
-      const auto seqid = seqid_of(values[number], values[insertion]);
-      has_number_ = seqid.has_value();
+      const auto number_read = residue_number_of(values[number], values[insertion]);
+      has_number_ = number_read.has_value();
       row.is_readable &= has_number_;
-      run.number = seqid.value_or(gemmi::SeqId());
+      run.number = number_read.value_or(ResidueNumber());
       run.has_label_number = is_null(values[label_number]) || is_whole(values[label_number]);
       out_.runs.push_back(run);
     }
@@ -209,17 +208,10 @@ class AtomSite::Reader {
     return out;
   }
 
-  double number_in(std::string_view value, double instead = NAN) {
-    word_.assign(value);
-    return gemmi::cif::as_number(word_, instead);
-  }
-
   uint8_t element_of(const SiteValues& values) {
     using enum SiteColumn;
-    if (!is_null(values[symbol]) && text_of(values[symbol]) != "X") {
-      word_.assign(text_of(values[symbol]));
-      return uint8_t(gemmi::Element(word_).atomic_number());
-    }
+    if (!is_null(values[symbol]) && text_of(values[symbol]) != "X")
+      return element_of_type(text_of(values[symbol]));
     const std::string_view atom = text_of(values[name_of_element]);
     const uint8_t element = element_of_names(text_of(values[residue_of_element]), atom);
     out_.guesses.emplace_back(element, atom);
@@ -230,7 +222,6 @@ class AtomSite::Reader {
   Part& out_;
   SiteValues before_;
   bool has_number_ = true;
-  std::string word_;
 };
 
 const char* AtomSite::add_lines(std::string_view text) {

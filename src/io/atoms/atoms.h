@@ -1,4 +1,4 @@
-// Atoms as files have them, in any format. Also included by cif/, which is C++17.
+// Atoms as files have them, in any format.
 #pragma once
 
 #include <algorithm>
@@ -96,22 +96,6 @@ inline bool any_element(const Atoms& atoms) {
   return std::any_of(atoms.atoms.begin(), atoms.atoms.end(),
                      [](const Atom& a) { return a.element > 0; });
 }
-
-/// The CRYST1 and SCALE records of a PDB file.
-struct PdbCrystal {
-  std::array<double, 6> lengths_and_angles{};   // zeros: there is none
-  std::string group;                            // Hermann-Mauguin symbol
-  std::optional<std::array<double, 12>> scale;  // three rows of four numbers
-};
-
-/// The unit cell by gemmi; nothing if the file says that it is not a crystal. If SCALE disagrees
-/// with CRYST1, SCALE is used, with a notice.
-std::optional<Cell> cell_of(const PdbCrystal& crystal, Notices& notices);
-
-/// Whether the second position, untransformed, is the nearest of all its symmetry mates to the
-/// first.
-bool is_nearest_copy(const PdbCrystal& crystal, const std::array<double, 3>& from,
-                     const std::array<double, 3>& to);
 
 /// Reads a CIF text into `out`: the frame with this index, negative from the end, and the first
 /// conformer of each residue. A crystal given by its asymmetric unit becomes all atoms of one unit

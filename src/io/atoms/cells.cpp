@@ -41,6 +41,13 @@ Vec3d place_of(const Atoms& atoms, size_t i) { return vec_of(atoms.place_of(atom
 
 }  // namespace
 
+Cell cell_of(const cif::UnitCell& from) {
+  Cell cell;
+  for (size_t side = 0; side < 3; ++side)
+    for (size_t i = 0; i < 3; ++i) cell.sides[side][i] = from.matrix[i][side];
+  return cell;
+}
+
 std::vector<Vec3d> shifts_of(const Atoms& atoms, const std::array<int, 3>& images) {
   std::vector<Vec3d> out;
   if (!atoms.cell) return {Vec3d()};

@@ -6,8 +6,11 @@
 
 #include "base/vec.h"
 #include "io/atoms/atoms.h"
+#include "io/atoms/gemmi.h"
 
 namespace raio::core {
+
+Cell cell_of(const cif::UnitCell& from);
 
 /// Translations from the cell to its images; the first image is the cell itself.
 std::vector<Vec3d> shifts_of(const Atoms& atoms, const std::array<int, 3>& images);

@@ -1,10 +1,6 @@
 #include "io/atoms/colors.h"
 
-#include <algorithm>
 #include <array>
-#include <cctype>
-#include <gemmi/elem.hpp>
-#include <string>
 
 #include "base/srgb.h"
 
@@ -30,40 +26,7 @@ constexpr auto kJmol = std::to_array<uint32_t>(
 constexpr std::array<uint32_t, kDistinctColors> kDistinct = {
     0x56b4e9, 0xe69f00, 0x009e73, 0xf0e442, 0x0072b2, 0xd55e00, 0xcc79a7, 0x999999};
 
-gemmi::Element gemmi_element(int number) {
-  return gemmi::Element(static_cast<gemmi::El>(std::clamp(number, 0, kElements - 1)));
-}
-
 }  // namespace
-
-float van_der_waals_radius(int element) { return gemmi_element(element).vdw_r(); }
-float covalent_radius(int element) { return gemmi_element(element).covalent_r(); }
-bool is_metal(int element) { return gemmi_element(element).is_metal(); }
-std::string_view element_symbol(int element) { return gemmi_element(element).name(); }
-
-int element_number(std::string_view symbol) {
-  // Indexed by the letters as numbers from 1; a single letter has 0 as its second.
-  constexpr size_t kLetters = 27;
-  static const auto kNumbers = [] {
-    std::array<uint8_t, kLetters * kLetters> numbers{};
-    for (int i = kElements - 1; i > 0; --i) {
-      const std::string_view name = gemmi_element(i).uname();
-      if (name.size() <= 2)
-        numbers[size_t(name[0] - 'A' + 1) * kLetters + (name.size() > 1 ? name[1] - 'A' + 1 : 0)] =
-            uint8_t(i);
-    }
-    numbers[('D' - 'A' + 1) * kLetters] = numbers[('T' - 'A' + 1) * kLetters] = 1;
-    return numbers;
-  }();
-  if (symbol.empty() || symbol.size() > 2) return 0;
-  size_t key = 0;
-  for (size_t k = 0; k < 2; ++k) {
-    const char c = k < symbol.size() ? char(symbol[k] & ~32) : '@';
-    if (c < '@' || c > 'Z' || (k == 0 && c == '@')) return 0;
-    key = key * kLetters + size_t(c - '@');
-  }
-  return kNumbers[key];
-}
 
 Rgb element_color(int element) {
   return linear_from_srgb(size_t(element) < kJmol.size() ? kJmol[size_t(element)] : 0xeb0026u);

@@ -1,5 +1,5 @@
-// Radii and colours of elements, and colours for values without one of their own. All colours are
-// linear.
+// Radii, masses and colours of elements, and colours for values without one of their own. All
+// colours are linear.
 #pragma once
 
 #include <cstdint>
@@ -16,6 +16,8 @@ inline constexpr int kElements = 119;
 /// among others).
 float van_der_waals_radius(int element);
 float covalent_radius(int element);
+/// In atomic mass units.
+double atomic_mass(int element);
 bool is_metal(int element);
 std::string_view element_symbol(int element);
 /// The atomic number of a symbol in any case; 0 if there is none.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <gemmi/resinfo.hpp>
 #include <string>
 
 #include "io/atoms/atoms.h"
@@ -33,11 +32,29 @@ constexpr auto kLipids = std::to_array<std::string_view>(
     {"BMA", "CHL1", "CHOL", "DLPC", "DMPC", "DOPC", "DOPE", "DPPC", "DSPC", "FUC", "GAL", "GLC",
      "MAN", "NAG", "POPC", "POPE", "POPG", "POPS", "SIA"});
 static_assert(std::ranges::is_sorted(kLipids));
+// Modified residues of the PDB, as gemmi 0.5.7 lists them. Their atoms may have any names.
+constexpr auto kModifiedAmino = std::to_array<std::string_view>(
+    {"0AF", "0TD", "3FG", "ABA", "AGM", "AIB", "ALC", "ALY", "B3E", "BFD", "BMT", "CAF", "CAS",
+     "CGU", "CIR", "CME", "CR2", "CR8", "CRF", "CRO", "CRQ", "CSD", "CSH", "CSS", "CSX", "CXM",
+     "DAB", "DAL", "DAR", "DAS", "DCY", "DGL", "DGN", "DHA", "DHI", "DIL", "DLE", "DLY", "DPN",
+     "DPR", "DSG", "DSN", "DTH", "DTR", "DTY", "DVA", "FGA", "FME", "FVA", "GHP", "GL3", "GYS",
+     "HIC", "HYP", "IAS", "KCX", "KPI", "LLP", "M3L", "MAA", "MDO", "MEA", "MED", "MEN", "MEQ",
+     "MHO", "MHS", "MK8", "MLE", "MLU", "MLY", "MLZ", "MVA", "NEP", "NLE", "NRQ", "OAS", "OCS",
+     "OMY", "OMZ", "ORN", "PCA", "PHD", "PHI", "PHL", "SAC", "SAR", "SCH", "SCY", "SMC", "SME",
+     "SNC", "SNN", "TOX", "TPQ", "TRQ", "TRY", "TYS", "YCM"});
+static_assert(std::ranges::is_sorted(kModifiedAmino));
+constexpr auto kModifiedNucleotides = std::to_array<std::string_view>(
+    {"+A",  "+C",  "+G",  "+I",  "+T",  "+U",  "1MA", "1MG", "2MA", "2MG", "3DR",
+     "4OC", "4SU", "5BU", "5CM", "5MU", "6MZ", "7MG", "8OG", "BRU", "CBR", "CCC",
+     "DOC", "H2U", "M2G", "MA6", "MIA", "OMC", "OMG", "OMU", "UR3"});
+static_assert(std::ranges::is_sorted(kModifiedNucleotides));
+
+template <size_t N>
+bool is_in(const std::array<std::string_view, N>& names, std::string_view name) {
+  return std::ranges::binary_search(names, name);
+}
 
 ResidueKind usual_kind(std::string_view residue) {
-  const auto is_in = [](const auto& names, std::string_view name) {
-    return std::ranges::binary_search(names, name);
-  };
   // Terminal amino acids have names such as NALA and CALA.
   const bool is_end = residue.size() == 4 && (residue[0] == 'N' || residue[0] == 'C');
   if (is_in(kAmino, residue) || (is_end && is_in(kAmino, residue.substr(1))))
@@ -95,13 +112,12 @@ std::string_view without_blanks(std::string_view text) {
 
 ResidueKind residue_kind(std::string_view residue) {
   if (const ResidueKind kind = usual_kind(residue); kind != ResidueKind::other) return kind;
-  const gemmi::ResidueInfo info = gemmi::find_tabulated_residue(std::string(residue));
-  if (info.is_amino_acid()) return ResidueKind::protein;
-  return info.is_nucleic_acid() ? ResidueKind::nucleic : ResidueKind::other;
+  if (is_in(kModifiedAmino, residue)) return ResidueKind::protein;
+  return is_in(kModifiedNucleotides, residue) ? ResidueKind::nucleic : ResidueKind::other;
 }
 
 bool is_organic_residue(std::string_view residue) {
-  return usual_kind(residue) != ResidueKind::other || std::ranges::binary_search(kLipids, residue);
+  return usual_kind(residue) != ResidueKind::other || is_in(kLipids, residue);
 }
 
 uint8_t element_of_symbol(std::string_view symbol) {

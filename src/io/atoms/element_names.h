@@ -21,7 +21,7 @@ uint8_t element_of_names(std::string_view residue, std::string_view atom,
                          NameField field = NameField::free);
 
 enum class ResidueKind : uint8_t { protein, nucleic, water, other };
-/// By residue names of common force fields, else by gemmi's table of modified residues.
+/// By residue names of common force fields, else by a table of modified residues.
 ResidueKind residue_kind(std::string_view residue);
 
 /// Whether atoms of this residue have one-letter symbols, apart from selenium.

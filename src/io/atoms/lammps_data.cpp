@@ -6,7 +6,6 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <gemmi/elem.hpp>
 #include <map>
 #include <unordered_map>
 
@@ -29,8 +28,6 @@ constexpr double kMaxModelMass = 10;
 constexpr double kHydrogens = 4.5;
 // The first rows, from which the style is guessed.
 constexpr size_t kRowsOfGuess = 1000;
-
-double mass_of(int element) { return gemmi::Element(static_cast<gemmi::El>(element)).weight(); }
 
 class DataReader {
  public:
@@ -343,7 +340,7 @@ class DataReader {
     constexpr double kCarbon = 12.011, kHydrogen = 1.008, kNear = 0.006;
     for (int hydrogens = 1; hydrogens <= 4; ++hydrogens)
       if (std::abs(mass - kCarbon - hydrogens * kHydrogen) <= kNear) return 6;
-    const auto difference = [&](int element) { return std::abs(mass_of(element) - mass); };
+    const auto difference = [&](int element) { return std::abs(atomic_mass(element) - mass); };
     int best = 1;
     for (int i = 2; i < kElements; ++i)
       if (difference(i) < difference(best)) best = i;
@@ -368,7 +365,7 @@ class DataReader {
     bool all = real;
     for (const auto& [type, mass] : masses_) {
       if (const auto named = named_.find(type); named != named_.end()) {
-        const double more = mass - mass_of(named->second);
+        const double more = mass - atomic_mass(named->second);
         if (!real || (more >= -kMassTolerance && more <= kHydrogens))
           elements[type] = uint8_t(named->second);
       }

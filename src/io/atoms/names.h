@@ -1,4 +1,4 @@
-// Numbers names in the order of first use. Also included by cif/, which is C++17.
+// Numbers names in the order of first use.
 #pragma once
 
 #include <cstdint>

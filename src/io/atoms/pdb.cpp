@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "base/parallel.h"
+#include "io/atoms/cells.h"
 #include "io/atoms/element_names.h"
 #include "io/atoms/pdb_atoms.h"
 #include "io/atoms/pdb_records.h"
@@ -182,9 +183,8 @@ class PdbReader {
                             "the format PQR, since the lines do not fit the columns of PDB");
     Names chains(out.chains);
     if (!is_pqr_) out.assemblies = assemblies_of(lines_of(Record::remark_350), chains);
-    std::optional<PdbCrystal> crystal;
-    if (frame.cryst1) crystal = crystal_at(frame, out.notices);
-    if (crystal) out.cell = cell_of(*crystal, out.notices);
+    const std::optional<cif::UnitCell> cell = cell_at(frame, out.notices);
+    if (cell && cell->is_crystal) out.cell = cell_of(*cell);
     PdbAssembler assembler(out, chains, frame.first + 1);
     const auto conect = lines_of(Record::conect);
     std::vector<PdbLink> links = links_of();
@@ -192,7 +192,7 @@ class PdbReader {
     if (is_pqr_ && options_.color_by == "charge") out.values = std::move(assembler.charges);
     if (is_pqr_ && options_.color_by == "radius") out.values = out.radii;
     add_bonds(conect, assembler.serials, out);
-    add_links(links, crystal.value_or(PdbCrystal()), out);
+    add_links(links, cell, out);
     note_coincident(out, [&](uint32_t atom) {
       const PdbRow& row = rows[assembler.row_of[atom]];
       const auto part = [&](Span span) { return without_blanks(row.part(span)); };
@@ -216,14 +216,22 @@ class PdbReader {
     return out;
   }
 
-  PdbCrystal crystal_at(const FrameLines& frame, Notices& notices) const {
+  std::optional<cif::UnitCell> cell_at(const FrameLines& frame, Notices& notices) const try {
+    if (!frame.cryst1) return std::nullopt;
     std::array<std::string_view, 3> scale;
     for (const size_t line : frame.scale)
       if (line > 0) {
         const std::string_view text = line_at(line).text;
         scale[size_t(text[5] - '1')] = text;
       }
-    return crystal_of(line_at(*frame.cryst1).text, scale, notices);
+    cif::UnitCell cell = unit_cell(cell_records(line_at(*frame.cryst1).text, scale, notices));
+    if (cell.is_crystal && cell.matrix_disagrees)
+      notices.add_whole(Severity::warning,
+                        "the SCALE records disagree with CRYST1; SCALE is used for the cell");
+    return cell;
+  } catch (const std::runtime_error& error) {
+    notices.add_whole(Severity::left_out, fmt::format("the cell, since {}", error.what()));
+    return std::nullopt;
   }
 
   std::vector<PdbLink> links_of() const {
@@ -236,13 +244,14 @@ class PdbReader {
     return out;
   }
 
-  static void add_links(const std::vector<PdbLink>& links, const PdbCrystal& crystal, Atoms& out) {
+  static void add_links(const std::vector<PdbLink>& links, const std::optional<cif::UnitCell>& cell,
+                        Atoms& out) {
     for (const PdbLink& link : links) {
       const uint32_t a = link.ends[0].atom, b = link.ends[1].atom;
       if (a == kLeftOut || b == kLeftOut || a == b || link.leads_elsewhere) continue;
       // If the record does not say which symmetry mate is meant, the nearest one is.
-      if (!link.says_copy &&
-          !is_nearest_copy(crystal, out.place_of(out.atoms[a]), out.place_of(out.atoms[b])))
+      if (!link.says_copy && cell &&
+          !cell->is_nearest(out.place_of(out.atoms[a]), out.place_of(out.atoms[b])))
         continue;
       out.bonds.push_back({std::min(a, b), std::max(a, b)});
     }

@@ -75,9 +75,9 @@ std::optional<double> number_in(std::string_view field) {
   return value;
 }
 
-PdbCrystal crystal_of(std::string_view cryst1, const std::array<std::string_view, 3>& scale,
-                      Notices& notices) {
-  PdbCrystal out;
+cif::CellRecords cell_records(std::string_view cryst1, const std::array<std::string_view, 3>& scale,
+                              Notices& notices) {
+  cif::CellRecords out;
   auto cell = numbers_in<6>(cryst1, {6, 15, 24, 33, 40, 47, 54});
   if (!cell) {
     const auto words = words_of(cryst1.substr(6));

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "io/atoms/atoms.h"
+#include "io/atoms/gemmi.h"
 #include "io/atoms/lines.h"
 #include "io/atoms/names.h"
 
@@ -23,8 +24,8 @@ struct PdbLine {
 };
 
 /// Parses CRYST1 and the SCALE rows.
-PdbCrystal crystal_of(std::string_view cryst1, const std::array<std::string_view, 3>& scale,
-                      Notices& notices);
+cif::CellRecords cell_records(std::string_view cryst1, const std::array<std::string_view, 3>& scale,
+                              Notices& notices);
 
 /// Parses REMARK 350.
 std::vector<Assembly> assemblies_of(const std::vector<PdbLine>& remarks, Names& chains);

@@ -73,6 +73,8 @@ Decoded<PixelRows> png_rows(std::string_view bytes, bool with_alpha);
 /// Grey or colour, baseline or progressive. Damage is an error, not guessed around.
 Decoded<PixelRows> jpeg_rows(std::string_view bytes);
 
+/// Why this build has no EXR, or nothing: for checks before long computations.
+Decoded<void> check_exr();
 /// 32-bit floating-point R, G, B, A and layers, losslessly compressed.
 Decoded<std::string> encode_exr(const PictureView& picture, const Metadata& metadata);
 /// The data window of the first part.

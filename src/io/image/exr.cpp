@@ -265,6 +265,8 @@ Decoded<Picture> read_exr(std::string_view bytes, bool all) try {
 
 }  // namespace
 
+Decoded<void> check_exr() { return {}; }
+
 Decoded<std::string> encode_exr(const PictureView& picture, const Metadata& metadata) try {
   const Image& image = picture.color;
   Imf::Header header(image.width, image.height, 1, Imath::V2f(0, 0), 1, Imf::INCREASING_Y,

@@ -220,7 +220,11 @@ std::string size_problem(long long width, long long height) {
 std::expected<ImageFormat, Error> image_format(const fs::path& path) {
   const std::string suffix = lower_suffix(path);
   if (suffix == ".png") return ImageFormat::png;
-  if (suffix == ".exr") return ImageFormat::exr;
+  if (suffix == ".exr") {
+    if (const auto possible = check_exr(); !possible)
+      return std::unexpected(Error{ErrorKind::no_resource, path.string(), possible.error()});
+    return ImageFormat::exr;
+  }
   if (suffix == ".pfm") return ImageFormat::pfm;
   if (suffix == ".ppm") return ImageFormat::ppm;
   if (suffix == ".npz") return ImageFormat::npz;

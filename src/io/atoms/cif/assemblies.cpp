@@ -1,12 +1,14 @@
 #include "io/atoms/cif/assemblies.h"
 
 #include <algorithm>
-#include <gemmi/numb.hpp>
 #include <locale>
 #include <sstream>
 #include <stdexcept>
 
-namespace raio::core {
+#include "io/atoms/cif/block.h"
+#include "io/atoms/site_values.h"
+
+namespace raio::core::cif {
 namespace {
 
 constexpr size_t kMaxCopies = 1000000;
@@ -22,28 +24,41 @@ std::vector<std::string> split(const std::string& list, char by) {
   return out;
 }
 
+// First `second`, then `first`.
+Assemblies::Transform product(const Assemblies::Transform& first,
+                              const Assemblies::Transform& second) {
+  Assemblies::Transform out{};
+  for (size_t i = 0; i < 3; ++i) {
+    for (size_t k = 0; k < 4; ++k)
+      out[i][k] =
+          first[i][0] * second[0][k] + first[i][1] * second[1][k] + first[i][2] * second[2][k];
+    out[i][3] += first[i][3];
+  }
+  return out;
+}
+
 }  // namespace
 
-Assemblies::Assemblies(gemmi::cif::Block& block) {
-  gemmi::cif::Table table =
-      block.find("_pdbx_struct_assembly_gen.", {"assembly_id", "oper_expression", "asym_id_list"});
-  for (const auto row : table) generators_.push_back({row.str(0), row.str(1), row.str(2)});
-  if (table.ok()) table.erase();
+Assemblies::Assemblies(Block& block) {
+  const Table table(block, "_pdbx_struct_assembly_gen.",
+                    {"assembly_id", "oper_expression", "asym_id_list"});
+  for (size_t row = 0; row < table.rows(); ++row)
+    generators_.push_back({std::string(table.text(row, 0)), std::string(table.text(row, 1)),
+                           std::string(table.text(row, 2))});
   std::vector<std::string> tags = {"id"};
   for (const char* row : {"1", "2", "3"}) {
     for (const char* column : {"1", "2", "3"})
       tags.push_back(std::string("matrix[") + row + "][" + column + "]");
     tags.push_back(std::string("vector[") + row + "]");
   }
-  for (const auto row : block.find("_pdbx_struct_oper_list.", tags)) {
-    gemmi::Transform t;
-    for (int i = 0; i < 3; ++i) {
-      for (int k = 0; k < 3; ++k)
-        t.mat[i][k] = gemmi::cif::as_number(row[4 * size_t(i) + size_t(k) + 1]);
-      t.vec.at(i) = gemmi::cif::as_number(row[4 * size_t(i) + 4]);
-    }
-    operations_.emplace(row.str(0), t);
+  const Table list(block, "_pdbx_struct_oper_list.", tags);
+  for (size_t row = 0; row < list.rows(); ++row) {
+    Transform t;
+    for (size_t i = 0; i < 3; ++i)
+      for (size_t k = 0; k < 4; ++k) t[i][k] = number_of(list.at(row, 4 * i + k + 1));
+    operations_.emplace(list.text(row, 0), t);
   }
+  std::erase_if(block.items, [&](const Item& item) { return table.has(item); });
 }
 
 std::vector<Assembly> Assemblies::take(Names& parts) const {
@@ -55,13 +70,9 @@ std::vector<Assembly> Assemblies::take(Names& parts) const {
     Assembly::Copies copies;
     for (const std::string& name : split(from.parts, ','))
       copies.parts.push_back(parts.number(name));
-    for (const gemmi::Transform& t : operations_of(from.expression)) {
+    for (const Transform& t : operations_of(from.expression)) {
       std::array<float, 12> matrix{};
-      for (int row = 0; row < 3; ++row) {
-        for (int column = 0; column < 3; ++column)
-          matrix[4 * size_t(row) + size_t(column)] = float(t.mat[row][column]);
-        matrix[4 * size_t(row) + 3] = float(t.vec.at(row));
-      }
+      for (size_t i = 0; i < matrix.size(); ++i) matrix[i] = float(t[i / 4][i % 4]);
       copies.matrices.push_back(matrix);
     }
     out[at->second].copies.push_back(copies);
@@ -69,33 +80,33 @@ std::vector<Assembly> Assemblies::take(Names& parts) const {
   return out;
 }
 
-std::vector<gemmi::Transform> Assemblies::operations_of(const std::string& expression) const {
-  std::vector<gemmi::Transform> all = {gemmi::Transform()};
+std::vector<Assemblies::Transform> Assemblies::operations_of(const std::string& expression) const {
+  std::vector<Transform> all = {{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}}};
   bool any = false;
   for (std::string list : split(expression, ')')) {
     list.erase(std::remove(list.begin(), list.end(), '('), list.end());
-    std::vector<gemmi::Transform> next;
+    std::vector<Transform> next;
     for (const std::string& word : split(list, ','))
-      for (const gemmi::Transform& last : named(word))
-        for (const gemmi::Transform& first : all) {
+      for (const Transform& last : named(word))
+        for (const Transform& first : all) {
           if (next.size() == kMaxCopies)
             throw std::runtime_error("its assembly has more than a million instances");
-          next.push_back(first.combine(last));
+          next.push_back(product(first, last));
         }
     all = std::move(next), any = true;
   }
-  return any ? all : std::vector<gemmi::Transform>();
+  return any ? all : std::vector<Transform>();
 }
 
 // The operation, or all operations in a range of numbers.
-std::vector<gemmi::Transform> Assemblies::named(const std::string& word) const {
-  std::vector<gemmi::Transform> out;
+std::vector<Assemblies::Transform> Assemblies::named(const std::string& word) const {
+  std::vector<Transform> out;
   const auto at = operations_.find(word);
   if (at != operations_.end()) return {at->second};
   const size_t dash = word.find('-', 1);
   if (dash == std::string::npos) return out;
   const int64_t low = std::atoll(word.c_str()), high = std::atoll(word.c_str() + dash + 1);
-  std::map<int64_t, gemmi::Transform> found;
+  std::map<int64_t, Transform> found;
   for (const auto& [name, t] : operations_)
     if (const int64_t number = std::atoll(name.c_str());
         number >= low && number <= high && std::to_string(number) == name)
@@ -104,4 +115,4 @@ std::vector<gemmi::Transform> Assemblies::named(const std::string& word) const {
   return out;
 }
 
-}  // namespace raio::core
+}  // namespace raio::core::cif

@@ -1,24 +1,26 @@
 // Biological assemblies of mmCIF.
 #pragma once
 
-#include <gemmi/cifdoc.hpp>
-#include <gemmi/math.hpp>
+#include <array>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "io/atoms/atoms.h"
+#include "io/atoms/gemmi.h"
 #include "io/atoms/names.h"
 
-namespace raio::core {
+namespace raio::core::cif {
 
 /// _pdbx_struct_assembly_gen of mmCIF: an operation is the product of one from each list, as in
 /// "(1-60)(61-88)".
 class Assemblies {
  public:
+  /// Rows of a matrix, each with its shift.
+  using Transform = std::array<std::array<double, 4>, 3>;
   /// Removes the lists from the block, since gemmi ignores products and expands any range of
   /// numbers.
-  explicit Assemblies(gemmi::cif::Block& block);
+  explicit Assemblies(Block& block);
 
   /// The parts by name, with their transformations. Throws if there are more than a million.
   std::vector<Assembly> take(Names& parts) const;
@@ -28,11 +30,11 @@ class Assemblies {
     std::string assembly, expression, parts;
   };
 
-  std::vector<gemmi::Transform> operations_of(const std::string& expression) const;
-  std::vector<gemmi::Transform> named(const std::string& word) const;
+  std::vector<Transform> operations_of(const std::string& expression) const;
+  std::vector<Transform> named(const std::string& word) const;
 
   std::vector<Generator> generators_;
-  std::map<std::string, gemmi::Transform> operations_;
+  std::map<std::string, Transform> operations_;
 };
 
-}  // namespace raio::core
+}  // namespace raio::core::cif

@@ -1,96 +1,80 @@
 #include <algorithm>
-#include <gemmi/mmcif.hpp>
 
+#include "io/atoms/cells.h"
 #include "io/atoms/cif/assemblies.h"
+#include "io/atoms/cif/block.h"
 #include "io/atoms/cif/cif.h"
 
-namespace raio::core {
+namespace raio::core::cif {
 namespace {
 
-// The rows of the block, including those removed before parsing.
-AtomSite rows_of(gemmi::cif::Block& block, CutRows* cut, const Atoms& out) {
-  gemmi::cif::Item* const item = block.find_values("_atom_site.Cartn_x").item();
-  std::vector<std::string> tags, values;
-  if (item->type == gemmi::cif::ItemType::Loop) {
-    tags = item->loop.tags, values = std::move(item->loop.values);
+// The rows of the block, including those removed before parsing. Takes the values of a loop.
+AtomSite rows_of(Block& block, CutRows* cut, const Atoms& out) {
+  Item& found = block.items[index_of(block, "_atom_site.Cartn_x")];
+  Item loop;
+  if (found.is_loop) {
+    loop.tags = found.tags, loop.values = std::move(found.values);
   } else {
-    for (const gemmi::cif::Item& pair : block.items)
-      if (pair.type == gemmi::cif::ItemType::Pair && pair.has_prefix("_atom_site."))
-        tags.push_back(pair.pair[0]), values.push_back(pair.pair[1]);
+    for (const Item& pair : block.items)
+      if (!pair.is_loop && has_prefix(pair, "_atom_site."))
+        loop.tags.push_back(pair.tags[0]), loop.values.push_back(pair.values[0]);
   }
   AtomSite rows =
-      cut && cut->line == item->line_number ? std::move(cut->rows) : AtomSite(tags, out.origin);
-  rows.add_values(std::move(values));
+      cut && cut->line == found.line ? std::move(cut->rows) : AtomSite(loop.tags, out.origin);
+  rows.add_values(std::move(loop.values));
   return rows;
 }
 
 // Everything else that gemmi reads of the block. It is slow with many atoms and residues, so it
 // gets only those that other tables refer to.
-gemmi::Structure structure_of(gemmi::cif::Block& block, const AtomSite& rows) {
+Molecule rest_of(Block block, const AtomSite& rows) {
   // Large tables that are not used here. gemmi fails if the first of them names a residue without
   // atoms.
-  for (gemmi::cif::Item& item : block.items)
-    if (item.has_prefix("_pdbx_sifts_xref_db.") || item.has_prefix("_atom_site_anisotrop."))
-      item.erase();
+  std::erase_if(block.items, [](const Item& item) {
+    return has_prefix(item, "_pdbx_sifts_xref_db.") || has_prefix(item, "_atom_site_anisotrop.");
+  });
   const bool names_residues =
-      block.has_tag("_struct_conn.id") &&
-      !block
-           .find("_struct_conn.", {"ptnr1_auth_asym_id", "ptnr2_auth_asym_id", "ptnr1_auth_seq_id",
-                                   "ptnr2_auth_seq_id"})
-           .ok();
-  if (gemmi::cif::Loop* const loop = block.find_loop("_atom_site.Cartn_x").get_loop()) {
-    loop->tags = AtomSite::sample_tags();
-    loop->values = rows.sample(names_residues);
+      has_tag(block, "_struct_conn.id") &&
+      !Table(block, "_struct_conn.",
+             {"ptnr1_auth_asym_id", "ptnr2_auth_asym_id", "ptnr1_auth_seq_id", "ptnr2_auth_seq_id"})
+           .is_complete();
+  Item& atoms = block.items[index_of(block, "_atom_site.Cartn_x")];
+  if (atoms.is_loop) {
+    atoms.tags = AtomSite::sample_tags();
+    atoms.values = rows.sample(names_residues);
   }
-  return gemmi::make_structure_from_block(block);
-}
-
-// Connections of struct_conn between and within molecules, without hydrogen bonds and bonds to
-// symmetry mates.
-std::vector<gemmi::Connection> links_of(const gemmi::Structure& s) {
-  std::vector<gemmi::Connection> out;
-  for (const gemmi::Connection& link : s.connections)
-    if (link.asu != gemmi::Asu::Different && link.type != gemmi::Connection::Hydrog)
-      out.push_back(link);
-  return out;
+  return molecule_of(std::move(block));
 }
 
 }  // namespace
 
-void add_molecule(gemmi::cif::Block& block, CutRows* cut, int frame, Atoms& out) {
-  out.has_occupancies = block.has_tag("_atom_site.occupancy");
-  out.has_b_factors = block.has_tag("_atom_site.B_iso_or_equiv");
+void add_molecule(Block block, CutRows* cut, int frame, Atoms& out) {
+  out.has_occupancies = has_tag(block, "_atom_site.occupancy");
+  out.has_b_factors = has_tag(block, "_atom_site.B_iso_or_equiv");
   AtomSite rows = rows_of(block, cut, out);
   rows.group(out.notices);
   const Assemblies assemblies(block);
-  const gemmi::Structure s = structure_of(block, rows);
+  const Molecule rest = rest_of(std::move(block), rows);
   out.frames = rows.models();
   const int64_t at = frame < 0 ? int64_t(rows.models()) + frame : frame;
   if (at < 0 || at >= int64_t(rows.models())) return;
-  const std::vector<gemmi::Connection> links = links_of(s);
-  std::vector<gemmi::AtomAddress> ends;
-  for (const gemmi::Connection& link : links)
-    ends.push_back(link.partner1), ends.push_back(link.partner2);
+  std::vector<AtomAddress> ends;
+  for (const Link& link : rest.links) ends.insert(ends.end(), link.ends, link.ends + 2);
   std::vector<std::string> part_names;
   Names parts(part_names);
   const std::vector<uint32_t> atoms = rows.fill(size_t(at), parts, ends, out);
   out.has_residues = true;
-  if (s.cell.is_crystal()) out.cell = cell_of(s.cell);
-  if (s.cell.explicit_matrices)
+  if (rest.cell.is_crystal) out.cell = cell_of(rest.cell);
+  if (rest.cell.matrix_disagrees)
     out.notices.add_whole(
         Severity::warning,
         "_atom_sites.fract_transf_matrix disagrees with _cell; the matrix is used "
         "for the cell");
-  const auto position = [&](uint32_t atom) {
-    const auto [x, y, z] = rows.place_of(atom);
-    return gemmi::Position(x, y, z);
-  };
-  for (size_t i = 0; i < links.size(); ++i) {
+  for (size_t i = 0; i < rest.links.size(); ++i) {
     const uint32_t a = atoms[2 * i], b = atoms[2 * i + 1];
     if (a == AtomSite::kNoAtom || b == AtomSite::kNoAtom || a == b) continue;
     // If the file does not say which symmetry mate is meant, the nearest one is.
-    if (links[i].asu == gemmi::Asu::Any && s.cell.is_crystal() &&
-        !s.cell.find_nearest_image(position(a), position(b), gemmi::Asu::Any).same_asu())
+    if (rest.links[i].may_be_to_mate && !rest.cell.is_nearest(rows.place_of(a), rows.place_of(b)))
       continue;
     out.bonds.push_back({std::min(a, b), std::max(a, b)});
   }
@@ -98,4 +82,4 @@ void add_molecule(gemmi::cif::Block& block, CutRows* cut, int frame, Atoms& out)
   out.assemblies = assemblies.take(parts);
 }
 
-}  // namespace raio::core
+}  // namespace raio::core::cif

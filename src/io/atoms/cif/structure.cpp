@@ -1,9 +1,10 @@
 #include <algorithm>
 #include <cstdlib>
 #include <exception>
-#include <gemmi/cif.hpp>
+#include <stdexcept>
 
 #include "base/executor.h"
+#include "io/atoms/cif/block.h"
 #include "io/atoms/cif/cif.h"
 #include "io/atoms/element_names.h"
 
@@ -29,37 +30,17 @@ CifFault fault_of(std::string message) {
   return out;
 }
 
-// A document that looks whether to stop while it grows: values of loops are most of any.
-struct Growing : gemmi::cif::Document {
-  StopCheck look;
-};
-template <class Rule>
-struct Grow : gemmi::cif::Action<Rule> {};
-template <>
-struct Grow<gemmi::cif::rules::loop_value> {
-  template <class Input>
-  static void apply(const Input& in, Growing& out) {
-    out.look();
-    gemmi::cif::Action<gemmi::cif::rules::loop_value>::apply(in, out);
-  }
-};
-
-// As gemmi::cif::parse_input().
-gemmi::cif::Document parse(const char* text, size_t size) {
-  Growing out;
-  tao::pegtl::parse<gemmi::cif::rules::file, Grow, gemmi::cif::Errors>(
-      tao::pegtl::memory_input<>(text, size, ""), out);
-  return std::move(out);
+cif::Document parse(const char* text, size_t size) {
+  return cif::parse(text, size, [look = StopCheck()]() mutable { look(); });
 }
 
 // Parses tolerantly where a strict reader would stop, with a notice.
-gemmi::cif::Document document_of(const char* text, size_t size, Notices& notices) {
-  namespace cif = gemmi::cif;
+cif::Document document_of(const char* text, size_t size, Notices& notices) {
   const auto is_plain = [](char c) { return static_cast<unsigned char>(c) < 128; };
   cif::Document out;
   try {
     out = parse(text, size);
-  } catch (const tao::pegtl::parse_error&) {
+  } catch (const std::runtime_error&) {
     if (std::all_of(text, text + size, is_plain)) throw;
     std::string plain(text, size);
     std::replace_if(plain.begin(), plain.end(), [&](char c) { return !is_plain(c); }, '?');
@@ -71,10 +52,8 @@ gemmi::cif::Document document_of(const char* text, size_t size, Notices& notices
                   return (static_cast<unsigned char>(c) & 0xc0) == 0xc0;
                 })));
   }
-  try {
-    cif::check_for_duplicates(out);
-  } catch (const std::exception& error) {
-    const CifFault fault = fault_of(error.what());
+  if (!out.duplicates.empty()) {
+    const CifFault fault = fault_of(out.duplicates);
     const std::string tag = "duplicate tag ";
     const size_t at = fault.message.find(tag);
     notices.add(Severity::warning, "duplicate tags or block names; the first one is used",
@@ -85,8 +64,8 @@ gemmi::cif::Document document_of(const char* text, size_t size, Notices& notices
 
 // A document, and the rows that were removed from it.
 struct Parsed {
-  gemmi::cif::Document document;
-  std::optional<CutRows> cut;
+  cif::Document document;
+  std::optional<cif::CutRows> cut;
 };
 
 // gemmi takes many times as long for a row as reading lines in parallel. Nothing if there are
@@ -94,13 +73,13 @@ struct Parsed {
 std::optional<Parsed> parse_without_rows(std::string_view text, const Atoms& out) try {
   const auto loop = find_atom_site(text);
   if (!loop) return std::nullopt;
-  CutRows cut{int(loop->line), AtomSite(loop->tags, out.origin)};
+  cif::CutRows cut{int(loop->line), AtomSite(loop->tags, out.origin)};
   const size_t first = size_t(loop->rows - text.data());
   const size_t last = size_t(cut.rows.add_lines(text.substr(first)) - text.data());
   if (last == first) return std::nullopt;
   const std::string rest = std::string(text.substr(0, first)).append(text.substr(last));
   Parsed parsed{parse(rest.data(), rest.size()), std::move(cut)};
-  gemmi::cif::check_for_duplicates(parsed.document);
+  if (!parsed.document.duplicates.empty()) return std::nullopt;
   return parsed;
 } catch (const std::bad_alloc&) {
   throw;
@@ -108,26 +87,14 @@ std::optional<Parsed> parse_without_rows(std::string_view text, const Atoms& out
   return std::nullopt;
 }
 
-// Whether a block has a tag of this category.
-bool has_category(const gemmi::cif::Block& block, const std::string& category) {
-  for (const gemmi::cif::Item& item : block.items) {
-    if (item.type == gemmi::cif::ItemType::Pair && item.pair[0].rfind(category, 0) == 0)
-      return true;
-    if (item.type == gemmi::cif::ItemType::Loop && !item.loop.tags.empty() &&
-        item.loop.tags[0].rfind(category, 0) == 0)
-      return true;
-  }
-  return false;
-}
-
 // The kind of atoms in a block.
 enum class Holds { nothing, crystal, molecule, component };
 
-Holds holds(gemmi::cif::Block& block) {
-  if (block.find_values("_atom_site_fract_x")) return Holds::crystal;
-  if (block.find_values("_atom_site.Cartn_x")) return Holds::molecule;
+Holds holds(const cif::Block& block) {
+  if (has_tag(block, "_atom_site_fract_x")) return Holds::crystal;
+  if (has_tag(block, "_atom_site.Cartn_x")) return Holds::molecule;
   for (const char* x : {"pdbx_model_Cartn_x_ideal", "model_Cartn_x", "x"})
-    if (block.find_values(std::string("_chem_comp_atom.") + x)) return Holds::component;
+    if (has_tag(block, std::string("_chem_comp_atom.") + x)) return Holds::component;
   return Holds::nothing;
 }
 
@@ -138,11 +105,13 @@ std::optional<CifFault> read_structure(const char* text, size_t size, int frame,
   std::optional<Parsed> parsed;
   if (cuts_rows) parsed = parse_without_rows({text, size}, out);
   if (!parsed) parsed = Parsed{document_of(text, size, out.notices), std::nullopt};
-  gemmi::cif::Block* chosen = nullptr;
+  cif::Block* chosen = nullptr;
   Cases others;
   bool has_reflections = false;
-  for (gemmi::cif::Block& block : parsed->document.blocks) {
-    has_reflections |= has_category(block, "_refln.") || has_category(block, "_refln_");
+  for (cif::Block& block : parsed->document.blocks) {
+    has_reflections |= std::ranges::any_of(block.items, [](const cif::Item& item) {
+      return has_prefix(item, "_refln.") || has_prefix(item, "_refln_");
+    });
     if (holds(block) == Holds::nothing) continue;
     if (chosen)
       others.add(block.name);
@@ -160,10 +129,10 @@ std::optional<CifFault> read_structure(const char* text, size_t size, int frame,
   const bool is_only_frame = frame == 0 || frame == -1;
   switch (holds(*chosen)) {
     case Holds::molecule:
-      add_molecule(*chosen, parsed->cut ? &*parsed->cut : nullptr, frame, out);
+      add_molecule(std::move(*chosen), parsed->cut ? &*parsed->cut : nullptr, frame, out);
       break;
     case Holds::crystal:
-      if (is_only_frame) add_crystal(*chosen, out);
+      if (is_only_frame) add_crystal(std::move(*chosen), out);
       break;
     default:
       if (is_only_frame) add_component(*chosen, out);
