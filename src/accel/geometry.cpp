@@ -338,6 +338,7 @@ void Geometry::bake_depths() {
 template <class Wanted>
 Column<PrimitiveId> Geometry::list(const Wanted& wanted) const {
   Column<PrimitiveId> out;
+  out.reserve(first_.back() - first_[size_t(PrimitiveKind::plane) + 1]);
   StopCheck look;
   for_each_bounded_kind([&]<PrimitiveKind kind> {
     for (uint32_t i = 0; i < count(kind); ++i, look())

@@ -35,7 +35,8 @@ class Baker {
     const size_t count = cells_.lattice.cells();
     std::vector<Counts> blocks(chunks_of(count));
     for_chunks(count, [&](size_t c, size_t first, size_t end) {
-      for (size_t cell = first; cell < end; ++cell) count_blocks(list(cell), blocks[c]);
+      StopCheck look;
+      for (size_t cell = first; cell < end; ++cell, look()) count_blocks(list(cell), blocks[c]);
     });
     // The first block of each chunk in the pools. Blocks of oversized primitives come first.
     Counts next{};
@@ -59,7 +60,8 @@ class Baker {
     for_blocks(g_, oversized,
                [&](Pool, auto items) { out_.fill(g_, out_.shared[giant++], items); });
     for_chunks(count, [&](size_t c, size_t first, size_t end) {
-      for (size_t cell = first; cell < end; ++cell) fill(cell, blocks[c]);
+      StopCheck look;
+      for (size_t cell = first; cell < end; ++cell, look()) fill(cell, blocks[c]);
       add_work(primitives * (end - first) / count);
     });
     measure_emptiness();

@@ -83,6 +83,9 @@ class GridBuilder : GridCells {
 
  private:
   void collect_items() {
+    size_t most = 0;
+    for_each_bounded_kind([&]<PrimitiveKind kind> { most += g_.count(kind); });
+    rest_.reserve(most);
     StopCheck look;
     for_each_kind([&]<PrimitiveKind kind> {
       auto& to = kIsBounded<kind> ? rest_ : oversized;
@@ -207,14 +210,30 @@ class GridBuilder : GridCells {
       uint32_t cell;
       PrimitiveId item;
     };
-    std::vector<std::vector<Reference>> chunks((rest_.size() + kItemsPerChunk - 1) /
-                                               kItemsPerChunk);
+    // Chunks share a thread's large blocks: the system takes long to get many small ones back.
+    constexpr size_t kBlock = size_t(1) << 18;
+    struct Found {
+      std::vector<Reference> in_chunk;
+      std::vector<Column<Reference>> blocks;
+    };
+    PerThread<Found> found_by_thread{[] { return Found(); }};
+    std::vector<std::span<const Reference>> chunks((rest_.size() + kItemsPerChunk - 1) /
+                                                   kItemsPerChunk);
     parallel_for(chunks.size(), [&](size_t c) {
       const size_t first = c * kItemsPerChunk, end = std::min(rest_.size(), first + kItemsPerChunk);
+      auto& [in_chunk, blocks] = found_by_thread.local();
+      in_chunk.clear();
       StopCheck look;
       for (size_t i = first; i < end; ++i)
         for_each_cell(i, look,
-                      [&](size_t cell) { chunks[c].push_back({uint32_t(cell), rest_[i]}); });
+                      [&](size_t cell) { in_chunk.push_back({uint32_t(cell), rest_[i]}); });
+      if (blocks.empty() || blocks.back().capacity() - blocks.back().size() < in_chunk.size())
+        blocks.emplace_back().reserve(
+            std::max(std::min(kBlock, 2 * rest_.size()), in_chunk.size()));
+      Column<Reference>& block = blocks.back();
+      const size_t before = block.size();
+      block.insert(block.end(), in_chunk.begin(), in_chunk.end());
+      chunks[c] = std::span(block).subspan(before);
       add_work(end - first);
     });
     begin.resize(lattice.cells() + 1);
@@ -226,12 +245,13 @@ class GridBuilder : GridCells {
     StopCheck look;
     for (size_t c = 0; c < lattice.cells(); ++c, look()) begin[c + 1] += begin[c];
     items.resize(begin.back());
+    // The items of a chunk are spread over all pages, which the system first fills with zeros.
+    for_each_index(items.size(), [&](size_t i) { items[i] = kNoPrimitive; });
     Column<uint32_t> next(lattice.cells());
     for_each_index(next.size(), [&](size_t i) { next[i] = begin[i]; });
-    for (auto& chunk : chunks) {
+    for (const auto& chunk : chunks) {
       check_stop();
       for (const Reference& r : chunk) items[next[r.cell]++] = r.item;
-      chunk = {};
     }
   }
 
