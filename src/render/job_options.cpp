@@ -10,7 +10,7 @@
 namespace raio::core {
 namespace {
 
-using Set = std::expected<void, std::string>;
+using Outcome = std::expected<void, std::string>;
 
 // Two numbers with a mark between them.
 std::optional<std::pair<uint32_t, uint32_t>> parse_pair(std::string_view text, char mark) {
@@ -22,36 +22,36 @@ std::optional<std::pair<uint32_t, uint32_t>> parse_pair(std::string_view text, c
   return std::pair(*first, *second);
 }
 
-Set set_seconds(double& out, double least, double most, std::string_view text) {
+Outcome set_seconds(double& out, double least, double most, std::string_view text) {
   const auto value = parse_number<double>(text);
   if (!value || !(*value >= least && *value <= most))
     return std::unexpected(
         fmt::format("expected a number from {} to {}, found '{}'", least, most, text));
-  return out = *value, Set();
+  return out = *value, Outcome();
 }
 
-Set set_shard(JobRequest& r, std::string_view text) {
+Outcome set_shard(JobRequest& r, std::string_view text) {
   const auto pair = parse_pair(text, '/');
   if (!pair || pair->first < 1 || pair->first > pair->second)
     return std::unexpected(
         fmt::format("expected a part and the number of parts, as in 2/5, found '{}'", text));
-  return r.shard = pair->first - 1, r.shards = pair->second, Set();
+  return r.shard = pair->first - 1, r.shards = pair->second, Outcome();
 }
 
-Set set_sample_range(JobRequest& r, std::string_view text) {
+Outcome set_sample_range(JobRequest& r, std::string_view text) {
   const auto pair = parse_pair(text, ':');
   if (!pair || pair->first >= pair->second)
     return std::unexpected(fmt::format(
         "expected the first sample and the end, as in 0:64 or 64:128, found '{}'", text));
-  return r.sample_range = {pair->first, pair->second}, Set();
+  return r.sample_range = {pair->first, pair->second}, Outcome();
 }
 
-constexpr auto kTable = std::to_array<JobOptionSpec>({
+constexpr auto kJobOptions = std::to_array<JobOptionSpec>({
     {"checkpoint", "FILE",
      "Save progress to this part file at intervals, on interruption and at the end",
      [](JobRequest& r, std::string_view text) {
-       if (text.empty()) return Set(std::unexpected("expected a file name, found nothing"));
-       return r.checkpoint = text, Set();
+       if (text.empty()) return Outcome(std::unexpected("expected a file name, found nothing"));
+       return r.checkpoint = text, Outcome();
      },
      [](const JobRequest& r) { return r.checkpoint; }},
     {"checkpoint-interval", "SECONDS", "Seconds between writes of `checkpoint` (default: 60)",
@@ -63,7 +63,7 @@ constexpr auto kTable = std::to_array<JobOptionSpec>({
        return usual ? "" : fmt::format("{}", r.checkpoint_interval_s);
      }},
     {"resume", "", "Continue from the `checkpoint` file if it exists",
-     [](JobRequest& r, std::string_view text) { return r.resume = text == "true", Set(); },
+     [](JobRequest& r, std::string_view text) { return r.resume = text == "true", Outcome(); },
      [](const JobRequest& r) { return std::string(r.resume ? "true" : ""); }},
     {"time-limit", "SECONDS",
      "Stop after about this many seconds; all pixels then have the same number of samples",
@@ -84,6 +84,6 @@ constexpr auto kTable = std::to_array<JobOptionSpec>({
 
 }  // namespace
 
-std::span<const JobOptionSpec> job_option_table() { return kTable; }
+std::span<const JobOptionSpec> job_option_table() { return kJobOptions; }
 
 }  // namespace raio::core
