@@ -269,7 +269,10 @@ class Pictures {
       const ProgressLine progress(control_, command_.quiet ? "off" : command_.progress, label);
       return work();
     };
-    const auto prepare = [&] { return job.prepare().and_then([&] { return job.build(); }); };
+    const auto prepare = [&] {
+      auto prepared = job.prepare();
+      return prepared ? job.build() : prepared;
+    };
     if (const auto ready = watched(prepare); !ready)
       return broken_scene ? status_of(ready.error()) : ended(ready.error());
     request.loaded = job.loaded(), request.built = job.built();

@@ -158,8 +158,8 @@ std::optional<T> parse_number(std::string_view text) {
 /// As many numbers as `out` has, with separators between them.
 template <class Numbers>
 bool parse_list(std::string_view text, char separator, Numbers& out) {
-  constexpr size_t kCount = sizeof(out) / sizeof(out[0]);
-  for (size_t i = 0; i < kCount; ++i) {
+  constexpr int kCount = sizeof(out) / sizeof(out[0]);
+  for (int i = 0; i < kCount; ++i) {
     const bool is_last = i + 1 == kCount;
     const size_t end = is_last ? text.size() : text.find(separator);
     if (end == std::string_view::npos) return false;
@@ -252,7 +252,7 @@ std::expected<void, std::string> parse(const auto& entry, std::string_view text,
       value = *number;
     } else {
       bool sound = parse_list(text, separator(entry)[0], value);
-      for (size_t i = 0; i < sizeof(T) / sizeof(value[0]); ++i) sound = sound && fits(value[i]);
+      for (int i = 0; i < int(sizeof(T) / sizeof(value[0])); ++i) sound = sound && fits(value[i]);
       if (!sound) return refused(value[0]);
     }
     out = value;
@@ -270,7 +270,7 @@ std::string text(const auto& entry, const T& value) {
     return fmt::format("{}", value);
   } else {
     std::string out;
-    for (size_t i = 0; i < sizeof(T) / sizeof(value[0]); ++i)
+    for (int i = 0; i < int(sizeof(T) / sizeof(value[0])); ++i)
       out += fmt::format("{}{}", i == 0 ? "" : separator(entry), value[i]);
     return out;
   }
