@@ -128,6 +128,7 @@ TEST_F(Job, AStoppedJobKeepsItsSamples) {
   {
     RenderJob job(r);
     ASSERT_TRUE(job.prepare());
+    ASSERT_TRUE(job.build());
     job.control().stop = true;
     const auto run = job.run();
     ASSERT_FALSE(run);

@@ -85,6 +85,7 @@ std::expected<void, Error> RenderJob::find_and_load(std::optional<NamedPart> beg
   if (!film) return std::unexpected(std::move(film.error()));
   part_.film = std::move(*film);
   rays_before_ = part_.film->rays().total();
+  check_stop();
   return {};
 }
 
