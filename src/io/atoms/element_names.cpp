@@ -105,8 +105,9 @@ Residue residue_of(std::string_view name, std::string_view number) {
 }
 
 std::string_view without_blanks(std::string_view text) {
-  while (!text.empty() && text.front() <= ' ' && text.front() >= 0) text.remove_prefix(1);
-  while (!text.empty() && text.back() <= ' ' && text.back() >= 0) text.remove_suffix(1);
+  const auto is_blank = [](char c) { return uint8_t(c) <= ' '; };
+  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
   return text;
 }
 

@@ -49,7 +49,8 @@ inline double number_of(std::string_view value, double instead = NAN) {
 /// The element of a type symbol such as "Fe" or "FE3+", by its first two letters.
 inline uint8_t element_of_type(std::string_view symbol) {
   symbol = without_blanks(symbol);
-  const bool has_two = symbol.size() > 1 && symbol[1] > '-';  // charges and blanks come before
+  // Charges and blanks come before digits and letters.
+  const bool has_two = symbol.size() > 1 && symbol[1] > '-' && symbol[1] <= 'z';
   return uint8_t(element_number(symbol.substr(0, has_two ? 2 : 1)));
 }
 
@@ -96,7 +97,7 @@ inline std::optional<ResidueNumber> residue_number_of(std::string_view number,
   out.insertion = *code;
   std::string_view text = text_of(number);
   if (text.empty() || is_null(text)) return out;
-  if (text.back() >= 'A') {
+  if (text.back() >= 'A' && text.back() <= 'z') {
     if (out.insertion != ' ' && out.insertion != text.back()) return std::nullopt;
     out.insertion = text.back();
     text.remove_suffix(1);
