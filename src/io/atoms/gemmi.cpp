@@ -88,7 +88,7 @@ struct Grow<gemmi::cif::rules::loop_value> {
 
 }  // namespace
 
-// As gemmi::cif::parse_input().
+// As the parser of gemmi does it, with our actions.
 Document parse(const char* text, size_t size, const std::function<void()>& look) {
   Growing parsed{{}, look};
   tao::pegtl::parse<gemmi::cif::rules::file, Grow, gemmi::cif::Errors>(
