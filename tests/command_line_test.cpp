@@ -139,7 +139,7 @@ TEST_F(CommandLine, RefusesValuesOutOfRange) {
                                                 {"--size", "0x3", "640x480"},
                                                 {"--accel", "grd", "embree"},
                                                 {"--grid-factor", "0", "0.01 to 100"},
-                                                {"--grid-resolution", "3x3", "64x64x16"},
+                                                {"--grid-resolution", "3x3", "XxYxZ"},
                                                 {"--light-size", "nan", "number"},
                                                 {"--aperture", "-1", "number"},
                                                 {"--focus", "inf", "number"},

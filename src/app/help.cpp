@@ -157,7 +157,8 @@ std::string brief_help(const CLI::App& command) {
     if (o->get_required()) rows.emplace_back(option_name(*o), first_clause(*o));
   for (const std::string_view name : kCommonOptions)
     if (const CLI::Option* o = command.get_option_no_throw(std::string(name))) {
-      const auto words = value_words(*o);
+      // Others accept more than words.
+      const auto words = value_name(*o) == "NAME" ? value_words(*o) : std::vector<std::string>();
       rows.emplace_back(option_name(*o),
                         fmt::format("{}{}{}", first_clause(*o), words.empty() ? "" : ": ",
                                     fmt::join(words, ", ")));

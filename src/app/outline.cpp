@@ -41,7 +41,8 @@ std::vector<std::string> option_names(const CLI::Option& option) {
 
 std::string first_clause(const CLI::Option& option) {
   const std::string help = option.get_description();
-  return help.substr(0, std::min({help.find(" ("), help.find(": "), help.find("; ")}));
+  return help.substr(
+      0, std::min({help.find(" ("), help.find(": "), help.find("; "), help.find(", with --")}));
 }
 
 std::vector<const CLI::Option*> positionals(const CLI::App& app) {
