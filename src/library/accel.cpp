@@ -10,7 +10,7 @@
 #include "integrate/surface.h"
 #include "library/library.h"
 
-namespace raio::v1 {
+namespace raio::inline v1 {
 
 using namespace core;           // NOLINT(google-build-using-namespace)
 using namespace core::library;  // NOLINT(google-build-using-namespace)
@@ -170,4 +170,4 @@ Accel::Info Accel::info() const {
 
 std::optional<std::array<Triple, 2>> Accel::bounds() const { return bounds_of(data_->scene); }
 
-}  // namespace raio::v1
+}  // namespace raio::inline v1

@@ -24,7 +24,7 @@ std::unique_ptr<Film> copy_of(const Film& film) {
 
 }  // namespace raio::core::library
 
-namespace raio::v1 {
+namespace raio::inline v1 {
 
 using namespace core;           // NOLINT(google-build-using-namespace)
 using namespace core::library;  // NOLINT(google-build-using-namespace)
@@ -205,4 +205,4 @@ std::vector<uint32_t> Film::integers(std::string_view name) const {
 
 uint64_t Film::nan_samples() const { return data_->part.film->nans().count; }
 
-}  // namespace raio::v1
+}  // namespace raio::inline v1

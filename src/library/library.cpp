@@ -52,7 +52,7 @@ std::optional<std::array<v1::Triple, 2>> bounds_of(const Scene& scene) {
 
 }  // namespace raio::core::library
 
-namespace raio::v1 {
+namespace raio::inline v1 {
 
 using namespace core;           // NOLINT(google-build-using-namespace)
 using namespace core::library;  // NOLINT(google-build-using-namespace)
@@ -349,4 +349,4 @@ void Executor::cancel() { data_->control.stop = true; }
 
 std::string version() { return RAIO_VERSION; }
 
-}  // namespace raio::v1
+}  // namespace raio::inline v1

@@ -53,7 +53,7 @@ std::optional<std::array<v1::Triple, 2>> bounds_of(const Scene& scene);
 
 }  // namespace raio::core::library
 
-namespace raio::v1 {
+namespace raio::inline v1 {
 
 struct Scene::Data {
   core::Scene scene;
@@ -78,4 +78,4 @@ struct Accel::Data {
   std::unique_ptr<core::Accel> accel;
 };
 
-}  // namespace raio::v1
+}  // namespace raio::inline v1

@@ -13,7 +13,7 @@
 #include "io/scene_file.h"
 #include "library/library.h"
 
-namespace raio::v1 {
+namespace raio::inline v1 {
 
 using namespace core;           // NOLINT(google-build-using-namespace)
 using namespace core::library;  // NOLINT(google-build-using-namespace)
@@ -539,4 +539,4 @@ size_t Scene::primitive_count() const { return data_->scene.primitive_count(); }
 
 std::optional<std::array<Triple, 2>> Scene::bounds() const { return bounds_of(data_->scene); }
 
-}  // namespace raio::v1
+}  // namespace raio::inline v1
