@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <compare>
 #include <cstdlib>
 #include <functional>
 #include <stdexcept>
@@ -276,8 +277,10 @@ void add_crystal(Block block, Atoms& out) {
   std::vector<Drawn*> by_occupancy;
   by_occupancy.reserve(sites.size());
   for (Drawn& site : sites) by_occupancy.push_back(&site);
-  std::ranges::stable_sort(by_occupancy, std::greater(),
-                           [](const Drawn* site) { return site->from->occupancy; });
+  std::ranges::sort(by_occupancy, [](const Drawn* a, const Drawn* b) {
+    const auto order = std::strong_order(b->from->occupancy, a->from->occupancy);
+    return order == 0 ? a < b : order < 0;
+  });
   Places taken(crystal.cell);
   Cases shared;
   for (Drawn* site : by_occupancy) {
