@@ -1,4 +1,7 @@
 // The code on docs/library.md: compiled and run here, and compared with the page.
+// The page's pieces of code use the same names again.
+#pragma GCC diagnostic ignored "-Wshadow"
+
 #include <gtest/gtest.h>
 #include <raio/raio.h>
 
