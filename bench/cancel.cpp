@@ -1,4 +1,4 @@
-// How soon builds end that are told to stop.
+// How quickly cancelled builds stop.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -20,7 +20,7 @@ constexpr Suite kSuites[] = {
     {"frame", "Rendering alone, structures and effects side by side", frame_suite},
     {"trace", "Bare tracing by kind of ray, compared with Embree", trace_suite},
     {"build", "Building, seconds and bytes, compared with Embree", build_suite},
-    {"cancel", "How soon builds end that are told to stop", cancel_suite},
+    {"cancel", "How quickly cancelled builds stop", cancel_suite},
     {"growth", "Reading, building and rendering of growing scenes", growth_suite},
     {"threads", "Rendering on all threads and on one", threads_suite},
     {"converge", "Errors of the samplers against the number of samples", converge_suite},

@@ -61,7 +61,7 @@ std::vector<Json> growth_suite(const Settings& request);
 std::vector<Json> trace_suite(const Settings& request);
 /// Seconds and bytes of building, compared with Embree and its buffers.
 std::vector<Json> build_suite(const Settings& request);
-/// How soon builds end that are told to stop at `repeat` random times.
+/// How quickly cancelled builds stop at `repeat` random times.
 std::vector<Json> cancel_suite(const Settings& request);
 /// The error of each sampler for growing numbers of samples.
 std::vector<Json> converge_suite(const Settings& request);

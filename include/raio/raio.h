@@ -383,7 +383,7 @@ class RAIO_API Executor {
   std::unique_ptr<Data> data_;
 };
 
-/// What was rendered: the sums of a picture's samples, all of them or a part. A film can be stored,
+/// The sums of a picture's samples, of all of them or of a part. A film can be stored,
 /// continued by a Job, on another machine, too, and merged with others; the result has the bytes of
 /// a single render, in whatever order. Copies are independent of each other.
 class RAIO_API Film {

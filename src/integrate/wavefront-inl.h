@@ -31,7 +31,7 @@ class Features;
 class Transparency;
 class Wavefront;
 
-// What an integrator adds to the wavefront. It may have buffers, since each thread has its own.
+// The integrator's part of the wavefront. Each thread has its own, so it may have buffers.
 class Shading {
  public:
   virtual ~Shading() = default;
@@ -49,8 +49,8 @@ class Shading {
 
   // Receives the current rays' costs, before misses are dropped.
   virtual void begin(Wavefront&, size_t) {}
-  // Adds the light of the current eye rays that hit nothing, unless the background is all they see.
-  // Those behind which the picture is transparent get only their coverage. Returns whether it did.
+  // Adds the light of the current eye rays that hit nothing and returns true, or returns false to
+  // leave them to the background. `transparent`: the picture has alpha, so they add only coverage.
   virtual bool shade_misses(Wavefront&, bool /*transparent*/, const WideSampler<D>&) {
     return false;
   }
@@ -60,7 +60,7 @@ class Shading {
   virtual void spawn(Wavefront&, int /*level*/, size_t) {}
 };
 
-// Is told of the rays, which are the wavefront's current ones (integrate/explain.cpp has one).
+// Receives the wavefront's current rays at each step (integrate/explain.cpp has one).
 class Recorder {
  public:
   virtual ~Recorder() = default;

@@ -71,7 +71,7 @@ AtomAddress plain(const gemmi::AtomAddress& from) {
   return out;
 }
 
-// A document that looks whether to stop while it grows: values of loops are most of any.
+// A document that calls `look` as it grows; most of its content is values of loops.
 struct Growing : gemmi::cif::Document {
   const std::function<void()>& look;
 };
