@@ -110,7 +110,7 @@ TEST_F(LibraryParts, OfRandomSpansMergeToTheWholePicture) {
     EXPECT_FALSE(most.complete());
     EXPECT_THAT(refusal([&] { most.write(path("x.png")); }),
                 AllOf(HasSubstr("missing"), HasSubstr(most.missing()), HasSubstr("(.raio)")));
-    // What is missing can be rendered as well.
+    // A job can render the missing samples instead.
     EXPECT_TRUE(raio::Job(scene(), twelve(), most).run().to_bytes() == whole.to_bytes()) << round;
   }
   EXPECT_FALSE(std::filesystem::exists(path("x.png")));

@@ -1,5 +1,4 @@
-// What a reader did with parts of a file that do not fit a scene: it guessed them, cut them or left
-// them out.
+// Parts of a file that do not fit a scene: a reader guessed them, cut them or left them out.
 #pragma once
 
 #include <algorithm>
