@@ -9,12 +9,14 @@
 #include <tuple>
 
 #include "one_picture.h"
+#include "sanitized.h"
 #include "scenes.h"
 
 namespace raio::core {
 namespace {
 
 using tests::expect_one_picture;
+using tests::if_sanitized;
 using tests::picture_of;
 using tests::random_scene;
 
@@ -91,7 +93,8 @@ TEST(Ambient, ASphereInACorner) {
 
 TEST(Ambient, AllStructuresGiveOnePicture) {
   RenderOptions options;
-  options.width = 40, options.height = 30, options.samples = 3;
+  options.width = if_sanitized(24, 40), options.height = if_sanitized(18, 30);
+  options.samples = 3;
   options.integrator = IntegratorKind::ambient;
   for (const FigureStyle look : {FigureStyle::paper_1, FigureStyle::flat_1, FigureStyle::paper_2,
                                  FigureStyle::dark_2, FigureStyle::matte_2}) {

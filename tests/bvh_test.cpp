@@ -60,9 +60,10 @@ TEST(Bvh, CoherentRaysMatchBruteForceExactly) {
         const Scene scene = two_sided(random_scene(count, 11, place.scale, place.shift));
         const auto oracle = build(scene, {.kind = AccelKind::none});
         const auto tree = build(scene, {.kind = AccelKind::bvh});
-        RayBatch rays = eye_rays(scene, 40);
+        RayBatch rays = eye_rays(scene, if_sanitized(20, 40));
         for (const Light& light : scene.lights) {
-          const RayBatch shadow = shadow_rays(*oracle, eye_rays(scene, 28), light.position);
+          const RayBatch shadow =
+              shadow_rays(*oracle, eye_rays(scene, if_sanitized(14, 28)), light.position);
           for (size_t i = 0; i < shadow.size(); ++i) rays.push(shadow[i]);
         }
         const RayBatch awkward = awkward_rays(scene, 500, 6);

@@ -204,7 +204,8 @@ TEST(Instances, CoincidentTransparentFacesAreAllHit) {
 
 TEST(Instances, APictureIsOne) {
   RenderOptions options;
-  options.width = 48, options.height = 36, options.aa = 2, options.soft_shadows = true;
+  options.width = if_sanitized(24, 48), options.height = if_sanitized(18, 36);
+  options.aa = 2, options.soft_shadows = true;
   expect_one_picture(transparent_instances(5), options);
   options.look = FigureStyle::paper_1;
   options.outline = 1.0f;

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "nff_text.h"
+#include "sanitized.h"
 #include "shape/polygon.h"
 #include "shape/triangle.h"
 
@@ -11,6 +12,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using tests::expect_same;
 using tests::file_text;
+using tests::if_sanitized;
 using tests::kCamera;
 using tests::kMaterial;
 using tests::kSharedFolder;
@@ -136,7 +138,7 @@ TEST(NffDamage, IsReportedLikewiseWithinALongText) {
   const size_t more = spheres.size() / sphere.size() - 1;
   std::mt19937_64 random(11);
   int read_well = 0;
-  constexpr int kTries = 200;
+  constexpr int kTries = if_sanitized(60, 200);
   for (int i = 0; i < kTries; ++i) {
     const std::string broken = damaged(kObjects + "l 1 2 3\nb 0 0 0\n" + kObjects, random) + "\n";
     SCOPED_TRACE(broken);

@@ -257,7 +257,7 @@ Scene with_opacity(Scene scene, uint32_t seed) {
 TEST(Opacity, AllStructuresGiveOnePicture) {
   for (const uint32_t seed : {1u, 2u}) {
     RenderOptions options;
-    options.width = if_sanitized(24, 48), options.height = 40;
+    options.width = if_sanitized(16, 48), options.height = if_sanitized(20, 40);
     options.aa = 2, options.soft_shadows = true;
     (void)expect_one_picture(with_opacity(random_scene(120, seed), seed), options);
     (void)expect_one_picture(with_opacity(moving_scene(seed), seed), options);

@@ -15,6 +15,7 @@
 #include "one_picture.h"
 #include "render/options.h"
 #include "render/render.h"
+#include "sanitized.h"
 #include "scenes.h"
 #include "temporary_folder.h"
 
@@ -22,6 +23,7 @@ namespace raio::core {
 namespace {
 
 using testing::HasSubstr;
+using tests::if_sanitized;
 using tests::random_scene;
 using tests::same_bytes;
 
@@ -457,7 +459,7 @@ TEST(Merge, MergesSpansInAnyOrder) {
     for (size_t t = 0; t < tiles; ++t) samples[k].push_back(one.film->copy(t));
   }
   std::mt19937 rng(7);
-  for (int round = 0; round < 1000; ++round) {
+  for (int round = 0; round < if_sanitized(100, 1000); ++round) {
     // Random spans of random tiles in up to five parts.
     const size_t count = 1 + rng() % 5;
     std::vector<NamedPart> parts;

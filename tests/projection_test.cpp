@@ -16,6 +16,7 @@
 #include "render/part.h"
 #include "render/turntable.h"
 #include "render/warnings.h"
+#include "sanitized.h"
 #include "scenes.h"
 
 namespace raio::core {
@@ -23,6 +24,7 @@ namespace {
 
 using testing::HasSubstr;
 using tests::expect_one_picture;
+using tests::if_sanitized;
 using tests::picture_of;
 using tests::random_scene;
 using tests::same_bytes;
@@ -155,10 +157,11 @@ TEST(Parallel, MatchesPerspectiveAtThePointLookedAt) {
 }
 
 TEST(Parallel, AllStructuresMakeOnePicture) {
+  constexpr int kWidth = if_sanitized(32, 64), kHeight = if_sanitized(24, 48);
   Scene s = random_scene(150, 4);
-  RenderOptions o = parallel(64, 48);
+  RenderOptions o = parallel(kWidth, kHeight);
   o.aa = 2, o.lens_samples = 2, o.soft_shadows = true, o.gloss = 0.1f;
-  EXPECT_GT(expect_one_picture(s, o).at(32, 24).x, 0);
+  EXPECT_GT(expect_one_picture(s, o).at(kWidth / 2, kHeight / 2).x, 0);
   // Rays along an axis have directions with zeros.
   for (const auto& [from, up] : {std::pair(Vec3d(0, 0, 5), Vec3d(0, 1, 0)),
                                  {Vec3d(-5, 0, 0), Vec3d(0, 0, 1)},
@@ -166,12 +169,12 @@ TEST(Parallel, AllStructuresMakeOnePicture) {
     o.from = from, o.at = Vec3d(), o.up = up;
     expect_one_picture(s, o);
   }
-  o = parallel(64, 48);
+  o = parallel(kWidth, kHeight);
   o.integrator = IntegratorKind::ambient;
   o.samples = 4, o.outline = 2, o.depth_cue = 0.5f, o.shadow_catcher = true;
   expect_one_picture(s, o);
   for (const View view : {View::normals, View::depth, View::ids, View::materials, View::focus}) {
-    o = parallel(64, 48);
+    o = parallel(kWidth, kHeight);
     o.view = view;
     expect_one_picture(s, o);
   }

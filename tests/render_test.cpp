@@ -286,7 +286,7 @@ TEST(Render, P3dScenesAreTheSameWithEveryStructure) {
     const auto read = read_nff(path);
     ASSERT_TRUE(read.has_value());
     const bool large = read->scene.primitive_count() > 5000;
-    constexpr int kLarge = if_sanitized(12, 48), kSmall = if_sanitized(24, 64);
+    constexpr int kLarge = if_sanitized(8, 48), kSmall = if_sanitized(16, 64);
     RenderOptions o = large ? small(AccelKind::none, kLarge) : all_effects(AccelKind::none, kSmall);
     const Image none = picture(read->scene, o).image;
     o.accel.kind = AccelKind::grid;

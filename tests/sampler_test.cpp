@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "integrate/sampler-inl.h"
+#include "sanitized.h"
 
 namespace raio::core {
 namespace {
@@ -17,6 +18,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 namespace wide = raio::core::HWY_NAMESPACE;
 const hn::ScalableTag<float> d;
 const hn::ScalableTag<uint32_t> du;
+using tests::if_sanitized;
 using D = decltype(hn::ScalableTag<float>());
 
 struct Point2 {
@@ -69,7 +71,7 @@ TEST(Sampler, SquaresAreUniformForEveryPurposeAndBranch) {
         for (const uint32_t purpose : {uint32_t(kLens), uint32_t(kLight), kLight + 5u}) {
           const Sampler sampler = jitter(seed, aa, per_cell);
           std::vector<int> counts(kBins * kBins);
-          for (uint32_t pixel = 0; pixel < 50000; ++pixel) {
+          for (uint32_t pixel = 0; pixel < if_sanitized(10000u, 50000u); ++pixel) {
             const Point2 p = in_square(sampler, pixel, pixel % sampler.samples, branch, purpose);
             ASSERT_TRUE(p.x >= 0 && p.x < 1 && p.y >= 0 && p.y < 1);
             ++counts[size_t(bin(p.y) * kBins + bin(p.x))];
