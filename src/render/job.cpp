@@ -57,6 +57,7 @@ std::expected<void, Error> RenderJob::find_and_load(std::optional<NamedPart> beg
   if (!request_.checkpoint.empty())
     if (auto writable = check_writable(request_.checkpoint); !writable) return writable;
 
+  const bool continues = begun.has_value();
   auto start = find_start(request_, std::move(begun));
   if (!start) return std::unexpected(std::move(start.error()));
   request_ = start->request;
@@ -65,7 +66,7 @@ std::expected<void, Error> RenderJob::find_and_load(std::optional<NamedPart> beg
     return std::unexpected(std::move(*why));  // which the start determined
   if (auto loaded = load(); !loaded) return loaded;
 
-  const bool from_file = !request_.repeat.empty() || request_.add_samples > 0;
+  const bool from_file = continues || !request_.repeat.empty() || request_.add_samples > 0;
   if (auto why = option_conflict(request_.options, scene_.get(), from_file))
     return std::unexpected(std::move(*why));
   settings_ = resolve_options(request_.options, *scene_);
