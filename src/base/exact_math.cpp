@@ -274,7 +274,7 @@ double exact_pow(double x, double y) {
   return std::abs(about) < 1000 ? exponential(Twin(y) * log) : exponential(about);
 }
 
-// Newton's method. Only the last step needs twins.
+// Newton's method. The last step uses twins, for correct rounding.
 double exact_cbrt(double x) {
   if (x == 0 || !std::isfinite(x)) return x;
   int exponent = 0;

@@ -33,12 +33,12 @@ struct TimedRun {
   uint64_t pixels = 0;  // that were rendered
 };
 
-/// Renders every `share`th tile; nothing when told to stop. The error is make_film()'s.
+/// Renders every `share`th tile; nothing if stopped. The error is make_film()'s.
 std::expected<std::optional<TimedRun>, Error> render_share(const Scene& scene, const Accel& accel,
                                                            const RenderSettings& settings,
                                                            uint32_t share, WorkControl& control);
 
-/// Enough tiles per thread for all threads to end together.
+/// Enough tiles per thread for all threads to end at about the same time.
 inline constexpr size_t kTilesPerThread = 8;
 
 /// Chooses n for rendering every nth tile if all take `seconds`: short runs, but with `per_thread`

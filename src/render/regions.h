@@ -26,7 +26,7 @@ inline constexpr std::array<std::string_view, 6> kRegionNames = {
     "background", "edges", "mirrors and glass", "borders of shadows", "shadows", "lit surfaces"};
 
 /// Row by row, for settings.width x settings.height pixels; without lens and jitter, lights as
-/// points. Empty when told to stop.
+/// points. Empty if stopped.
 std::vector<Region> regions_of(const Scene& scene, const Accel& accel,
                                const RenderSettings& settings, const WorkControl& control);
 

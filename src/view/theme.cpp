@@ -74,7 +74,7 @@ constexpr std::array kOtherScripts = {
     "/usr/share/fonts/truetype/droid/DroidSansFallbackFull.ttf",
     "/usr/share/fonts/opentype/ipafont-gothic/ipag.ttf",
     "/usr/share/fonts/truetype/nanum/NanumGothic.ttf"};
-constexpr size_t kMaxLetters = 2000;  // each takes room in a texture
+constexpr size_t kMaxLetters = 2000;  // each uses space in a texture
 
 std::set<ImWchar> g_letters;  // that occur in names
 bool g_wants_letters = false;
@@ -170,7 +170,7 @@ void set_colors(const Palette& p) {
 
 void apply_look(const Theme& look, float scale) {
   g_palette = look.light ? kLight : kDark;
-  if (look.projector) g_palette.faint = g_palette.text;  // no grey that is unreadable in a hall
+  if (look.projector) g_palette.faint = g_palette.text;  // grey is unreadable in a lecture hall
   g_em = em_of(look, scale);
   load_fonts(look, scale);
   ImGuiStyle& style = ImGui::GetStyle() = ImGuiStyle();
