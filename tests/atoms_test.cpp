@@ -299,7 +299,7 @@ TEST(Atoms, ColourMapsAreThePublishedOnes) {
 }
 
 // All pairs, tried one by one.
-TEST(Atoms, BondsAreThoseOfAllPairs) {
+TEST(Atoms, BondsMatchATestOfAllPairs) {
   std::mt19937 rng(5);
   std::uniform_real_distribution<float> place(-9, 9);
   std::vector<Atom> atoms(800);

@@ -129,7 +129,7 @@ std::vector<double> places_in_pixels(size_t axis, const RenderOptions& options,
 
 // They are not those of the pixels 65536 further, whose numbers would be the same with 16 bits for
 // a column: to the right and one row up, or below.
-TEST(Crop, OfAVeryLargePictureHasSamplesOfItsOwn) {
+TEST(Crop, OfAVeryLargePictureHasItsOwnSamples) {
   constexpr int kSide = 64, kFar = 65536;
   Scene scene;
   scene.materials.emplace_back();

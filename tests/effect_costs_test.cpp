@@ -71,7 +71,7 @@ RayCounts counted(const Scene& scene, RenderOptions o) {
   return (*film)->rays();
 }
 
-TEST(EffectCosts, CountsAreThoseOfRendersWithAndWithout) {
+TEST(EffectCosts, CountsMatchRenders) {
   const Scene scene = small_scene();
   for (const AccelKind kind : {AccelKind::bvh, AccelKind::grid, AccelKind::none}) {
     RenderOptions o = small();

@@ -73,7 +73,7 @@ TEST(ExactMath, TheCLibraryIsNear) {
   }
 }
 
-TEST(ExactMath, InversesAndPowersAreExactWhereTheyCanBe) {
+TEST(ExactMath, RepresentableResultsAreExact) {
   for (int n = -300; n <= 300; ++n) {
     const double power = exact_pow(10, n);
     EXPECT_EQ(power, std::stod("1e" + std::to_string(n)));
@@ -89,7 +89,7 @@ TEST(ExactMath, InversesAndPowersAreExactWhereTheyCanBe) {
   EXPECT_EQ(exact_acos(1), 0);
 }
 
-TEST(ExactMath, EdgesAreThoseOfTheStandard) {
+TEST(ExactMath, SpecialValuesFollowTheStandard) {
   for (const double x : {0.0, kLeast, 1e-300, 1e-20}) {
     for (const auto f : {exact_sin, exact_tan, exact_atan}) {
       EXPECT_EQ(f(x), x);

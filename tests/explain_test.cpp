@@ -168,7 +168,7 @@ TEST(Explain, LogsMatchTheCostOfASingleRay) {
 }
 
 // The cells are face neighbours in sequence, and each is left where the smallest t_max says.
-TEST(Explain, CellsAreThoseOfTheTextbook) {
+TEST(Explain, CellsMatchTheTextbook) {
   const Scene scene = tests::random_scene(400, 3);
   const auto accel = build_accel(
       scene, {.kind = AccelKind::grid, .grid_resolution = {60, 45, 80}, .counters = true});

@@ -209,7 +209,7 @@ TEST(GltfWrite, ParallelRaysReadBack) {
 }
 
 // --- light
-TEST(GltfWrite, LightsShineAsBrightAtTheMiddle) {
+TEST(GltfWrite, LightsAreEquallyBrightAtTheMiddle) {
   Scene scene = with_triangle();
   scene.lights = {{{3, 0, 0}, Rgb(0.5f, 1, 0.25f)}, {{0, -8, 0}, std::nullopt}};
   const json all = json_of(scene);
@@ -368,7 +368,7 @@ TEST(GltfWrite, EqualShapesShareTriangles) {
   EXPECT_EQ(read(written(scene), "a.gltf", {.instances = true})->scene.instances.size(), 40u);
 }
 
-TEST(GltfWrite, ManyColorsAreThoseOfVertices) {
+TEST(GltfWrite, ManyColorsBecomeVertexColors) {
   Scene scene = data_scene();
   for (int i = 0; i < 300; ++i) {
     scene.spheres.push_back({{float(i), 0, 0}, 0.25f}), scene.sphere_materials.push_back(0);

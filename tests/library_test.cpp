@@ -709,7 +709,7 @@ TEST(LibraryJob, ReportsProgressAndCanBeCancelled) {
   }
 }
 
-TEST(LibraryJob, ThrowsOnWhatACallbackThrows) {
+TEST(LibraryJob, RethrowsExceptionsOfCallbacks) {
   const raio::Scene scene = everything(nullptr);
   raio::Job job(scene, raio::Settings().set("size", "2000x2000").set("aa", "16"));
   int calls = 0;

@@ -201,7 +201,7 @@ TEST_F(Sky, OfOneColourEqualsThatBackground) {
   EXPECT_TRUE(same_bytes(picture_of(scene, all_effects()), under_sky));
 }
 
-TEST_F(Sky, IsNotInViewsNorBehindAlpha) {
+TEST_F(Sky, IsAbsentFromViewsAndAlpha) {
   Scene scene = scene_under(sky(4));
   RenderOptions o = all_effects();
   o.view = View::normals;

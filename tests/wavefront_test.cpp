@@ -121,7 +121,7 @@ TEST(Wavefront, WeighsRaysByColor) {
 
 // Rays see the same normals one at a time as many at once, also of smooth triangles whose winding
 // contradicts their normals.
-TEST(Surfaces, OneAtATimeAreThoseOfManyAtOnce) {
+TEST(Surfaces, OneAtATimeEqualManyAtOnce) {
   Scene scene = core::tests::random_scene(400, 7);
   for (size_t i = 0; i < scene.positions.size(); ++i)
     scene.normals.push_back(normalize(Vec3f(1, 0.5f, 0.2f) + scene.positions[i] * 0.3f));
