@@ -38,7 +38,7 @@ TEST(ExactMath, ValuesAreRoundedCorrectly) {
   EXPECT_EQ(exact_log(std::numbers::e), 1);
 }
 
-// What is left of a double near a multiple of pi is far smaller than its last bit.
+// Near a multiple of pi, the remainder of a double is far smaller than its last bit.
 TEST(ExactMath, AnglesOfAnySizeAreReduced) {
   EXPECT_EQ(exact_sin(std::numbers::pi), 1.2246467991473531772260659322749979970e-16);
   EXPECT_EQ(exact_cos(std::numbers::pi / 2), 6.123233995736765886130329661374989985e-17);

@@ -1,4 +1,4 @@
-// Executors: who works, and how reading and building end when they are told to.
+// Executors: their threads, and how reading and building end when they are stopped.
 #include "base/executor.h"
 
 #include <gmock/gmock.h>
@@ -98,8 +98,8 @@ TEST(Executor, DealsInOrderEvenWhenStopped) {
   for (const auto& times : taken) ASSERT_EQ(times, 1);
 }
 
-// Stops work that is asked for again and again at random places of its progress, and counts how
-// often it came in time. What work() returns is looked at by the caller.
+// Repeats work and stops it at random points of its progress; counts how often the stop came in
+// time. The caller checks the results of work().
 template <class Work>
 int stopped_at_random(const Work& work) {
   std::mt19937 random(7);
@@ -230,7 +230,7 @@ TEST_F(StoppedReading, EndsAJobWithoutDiagnostics) {
   EXPECT_FALSE(told);
 }
 
-// A checkpoint is written by a thread that renders: its warnings come from there.
+// A rendering thread writes the checkpoint, so warnings come from that thread.
 TEST_F(StoppedReading, RenderingThreadsWriteCheckpoints) {
   JobRequest request;
   request.scene = text_file("a.nff", kView, "s 0 0 0 1\n", 10);

@@ -383,7 +383,7 @@ TEST(LibrarySettings, TakeValuesAsTheirText) {
   EXPECT_EQ(values.get("shutter"), "0,0.5");
   EXPECT_EQ(values.get("dof"), "false");
   EXPECT_EQ(values.get("time-limit"), "2.5");
-  // The text is what is refused.
+  // The text is refused.
   EXPECT_THAT(refusal([&] { values.set("aa", 2.5); }), HasSubstr("found '2.5'"));
   EXPECT_THAT(refusal([&] { values.set("aa", true); }), HasSubstr("found 'true'"));
   EXPECT_THAT(refusal([&] { values.set("dof", 1); }), HasSubstr("true or false, found '1'"));

@@ -1,4 +1,4 @@
-// XYZ, GRO and files of LAMMPS as programs other than those who defined the formats write them.
+// XYZ, GRO and LAMMPS files as written by other programs than those that defined the formats.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
