@@ -29,7 +29,7 @@ struct BenchmarkEffect {
   std::array<std::string_view, 2> heading;  // for people, in two lines
   bool by_default;
   int samples;                  // the factor by which it increases the number of samples
-  std::string_view wants = {};  // required in the scene, else it is refused
+  std::string_view wants = {};  // the scene must have it, else the effect is refused
 };
 
 /// The first three are the effects of the report of 2018, which takes 1 sample per pixel without

@@ -19,7 +19,7 @@ namespace raio::core {
 /// The precision of measured costs.
 struct MeasuringEffort {
   double close_enough = 0.03;  // half the interval of a ratio, relative to the median
-  double least_run_s = 0.02;   // shorter runs are repeated, to exceed the clock's noise
+  double least_run_s = 0.02;   // shorter runs are repeated to exceed the noise of the clock
 };
 
 /// The options with the benchmark's samples: 9 per pixel with antialiasing, 3 with depth of field,

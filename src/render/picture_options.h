@@ -22,7 +22,7 @@ std::expected<void, std::string> set_background(RenderOptions& options, const Op
                                                 std::string_view text);
 std::string background_text(const RenderOptions& options, const OptionSpec&);
 
-/// The tone curve of display formats if the options do not say: srgb for figures, else none.
+/// The tone curve of display formats. The default is srgb for figures, else none.
 Tone tone_of(const RenderOptions& options, const Scene& scene);
 
 /// The light of rays that hit nothing: RenderSettings::background and sky. By default the scene's;

@@ -13,13 +13,13 @@
 
 namespace raio::core {
 
-/// What the ray through a pixel's centre hits; the first that applies.
+/// What kind of region a pixel's centre shows; the first that applies.
 enum class Region : uint8_t {
   background,
   edge,           // of an object: a neighbour shows another one, the background, or a crease
   mirror,         // or glass: Ks or T is above 0
   shadow_border,  // a neighbour is lit by other lights
-  shadow,         // some light that the surface faces is occluded
+  shadow,         // a light that the surface faces is occluded
   lit,
 };
 inline constexpr std::array<std::string_view, 6> kRegionNames = {

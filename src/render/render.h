@@ -15,7 +15,7 @@
 
 namespace raio::core {
 
-/// What to add to a film.
+/// The samples to add to a film.
 struct RenderTask {
   uint32_t samples = 0;            // the target per pixel; 0: as many as the options say
   uint32_t first_sample = 0;       // skip the samples before this one

@@ -1,4 +1,4 @@
-// What the window remembers between runs: its appearance and recent scenes. A small text file in
+// The window's settings that outlast a run: its appearance and recent scenes. A small text file in
 // the user's state folder; everything works without it.
 #pragma once
 

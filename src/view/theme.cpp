@@ -50,7 +50,7 @@ Palette g_palette = kDark;
 float g_em = kTextSize;
 ImFont *g_heading = nullptr, *g_title = nullptr;
 
-// In the usual locations; else ImGui's built-in pixel font.
+// The usual locations; without these files, ImGui's built-in pixel font is used.
 constexpr std::array kRegular = {"/usr/share/fonts/opentype/inter/Inter-Regular.otf",
                                  "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
                                  "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
@@ -124,8 +124,8 @@ void load_fonts(const Theme& look, float scale) {
   ImGuiIO& io = ImGui::GetIO();
   io.Fonts->Clear();
   g_wants_letters = false;
-  // Western Europe's letters and the infinity sign, and those of the one title: each letter costs
-  // time when the window opens.
+  // Western Europe's letters and the infinity sign; only the title's letters for the title font.
+  // Each letter costs time when the window opens.
   static constexpr std::array<ImWchar, 5> kAll = {0x20, 0xff, 0x221e, 0x221e, 0};
   static constexpr std::array<ImWchar, 9> kTitle = {'R', 'R', 'a', 'a', 'i', 'i', 'o', 'o', 0};
   ImFont* body = look.projector ? load(kMedium, g_em, kAll.data(), Letters::of_names_too) : nullptr;

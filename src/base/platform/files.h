@@ -1,6 +1,6 @@
-// Files of the operating system: replaced whole or not at all, and read to their end.
-// Used by io/ (see io/file.h) and readers of large files. Errors are the system's reasons, one line
-// without the path.
+// Files of the operating system: replaced whole or not at all, and read to their end. Used by io/
+// (see io/file.h) and readers of large files. An error is the system's reason, one line without the
+// path.
 #pragma once
 
 #include <cstddef>
