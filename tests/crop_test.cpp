@@ -111,7 +111,8 @@ TEST(Crop, HasTheChannelsAndViewsOfTheWholePicture) {
   }
 }
 
-// Where in its pixel the first eye ray of each pixel is, from 0 to 1 along an axis: x is 0, y is 1.
+// The position of each pixel's first eye ray in the pixel, from 0 to 1 along an axis: x is 0, y is
+// 1.
 std::vector<double> places_in_pixels(size_t axis, const RenderOptions& options,
                                      const Scene& scene) {
   const Picture picture = rendered(scene, options);

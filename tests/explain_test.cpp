@@ -138,7 +138,7 @@ TEST(Explain, TermsAddUpInTheSharedScenes) {
   }
 }
 
-// In a tree, each single ray costs what its log says.
+// The cost of a single ray equals its log.
 TEST(Explain, LogsMatchTheCostOfASingleRay) {
   const Scene scene = tests::random_scene(400, 3);
   for (const AccelKind kind : {AccelKind::none, AccelKind::grid, AccelKind::bvh}) {

@@ -83,7 +83,7 @@ std::vector<Face> faces_of(const Scene& scene) {
   return out;
 }
 
-// A mesh of three faces, one of them flat, and two materials, of which one has a texture.
+// A mesh of three faces, one of them flat, and two materials, one with a texture.
 Scene mesh_scene() {
   Scene scene = data_scene();
   scene.add_material({.color = Rgb(1, 0.5f, 0.125f), .kd = 1}, Rgb(1), 0, 1, 1);

@@ -229,7 +229,7 @@ TEST_F(LibraryParts, OfAJobAtWorkAreSound) {
   EXPECT_GT(job.film().samples()[1], 0u);
 }
 
-// With a limit that is long enough for a sample of each pixel, however busy the machine is.
+// The limit is long enough for a sample of each pixel, even on a busy machine.
 raio::Film rendered_in_time(raio::Settings settings) {
   for (double seconds = 0.3;; seconds *= 2) try {
       return rendered(settings.set("time-limit", seconds));

@@ -264,7 +264,7 @@ TEST(Library, ColumnsOfAnyLayoutAreBorrowed) {
     add(scene);
     return all.use_count() - before;
   };
-  // Centres and radii in arrays of their own, one of which is not kept.
+  // Centres and radii in separate arrays, one of which is not kept.
   const auto radii = std::make_shared<Floats>(10, 0.25f);
   const raio::Column<float, 3> centers = {all->data()->center, 10, sizeof(Ball), all};
   EXPECT_EQ(used([&](raio::Scene& s) {

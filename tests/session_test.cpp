@@ -228,7 +228,7 @@ TEST(Session, KeepsTheStructureIfShapesAreUnchanged) {
   }
 }
 
-// One-sided surfaces are those that are opaque.
+// Only opaque surfaces are one-sided.
 TEST(Session, RebuildsWhenGlassTurnsOpaqueOnOneSide) {
   const auto owner = std::make_shared<const Scene>(tests::random_scene(30, 7));
   RenderOptions o = options();

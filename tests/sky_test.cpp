@@ -369,7 +369,7 @@ TEST_F(SkyJob, IsFoundInTheFilesFolderOrAbove) {
   // The nearest counts.
   std::filesystem::rename(file("other"), file("deep/sky"));
   EXPECT_NE(read_scene(path)->scene.sky->hash, sky_of(file("sky"))->hash);
-  // A scene without its sky is one all the same, on another background.
+  // A scene is read without its sky, too, with another background.
   std::filesystem::remove_all(file("deep/sky"));
   std::filesystem::remove_all(file("sky"));
   read = read_scene(path);

@@ -13,7 +13,7 @@
 
 namespace raio::core {
 
-/// What kind of region a pixel's centre shows; the first that applies.
+/// The kind of region at a pixel's centre; the first that applies.
 enum class Region : uint8_t {
   background,
   edge,           // of an object: a neighbour shows another one, the background, or a crease
