@@ -78,7 +78,7 @@ TEST(Array, AppendsShareIfThereIsNothingBefore) {
   EXPECT_THAT(more, ElementsAre(1, 2));
 }
 
-TEST(Array, CopiesAndMovesWhatItOwns) {
+TEST(Array, CopiesAndMovesOwnedElements) {
   Array<int> a = {1, 2, 3};
   Array<int> copy = a;
   copy[0] = 9;
@@ -141,7 +141,7 @@ TEST(Array, AppendsItsOwnElement) {
   EXPECT_THAT(a, ElementsAre(1, 2, 3, 2));
 }
 
-TEST(Array, CopiesWhatIsNotAligned) {
+TEST(Array, CopiesUnalignedMemory) {
   alignas(4) char bytes[9];
   const float value = 2.5f;
   std::memcpy(bytes + 1, &value, sizeof value);
@@ -163,7 +163,7 @@ inline constexpr std::array kMemberOffsets<Ball> = {offsetof(Ball, x), offsetof(
 
 namespace {
 
-TEST(StridedArray, ReadsMembersWhereTheyLie) {
+TEST(StridedArray, ReadsMembersInPlace) {
   auto places = std::make_shared<std::vector<float>>(std::vector<float>{1, 2, 0, 3, 4, 0});
   const std::weak_ptr alive = places;
   const float radii[] = {5, 6};
@@ -190,7 +190,7 @@ TEST(StridedArray, ReadsMembersWhereTheyLie) {
   EXPECT_TRUE(alive.expired()) << "what is no longer read is let go";
 }
 
-TEST(StridedArray, StructsOneAfterAnotherAreAnArray) {
+TEST(StridedArray, ContiguousStructsAreAnArray) {
   const Ball balls[] = {{1, 2, 3}, {4, 5, 6}};
   const auto all = StridedArray<Ball>::borrow(
       {{{&balls[0].x, sizeof(Ball)}, {&balls[0].radius, sizeof(Ball)}}}, 2, nullptr);

@@ -18,7 +18,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-// All that is read.
+// Everything that is read.
 std::string seen(std::string_view text, bool cuts_rows, int frame,
                  const std::array<double, 3>& origin) {
   Atoms atoms;

@@ -205,7 +205,7 @@ TEST(Xyz, NumbersOfElementsMayBeCalledZ) {
   const auto got = read("1\nProperties=pos:R:3:Z:I:1\n0 0 0 16\n", "a.xyz");
   ASSERT_TRUE(got) << got.error().front().text();
   EXPECT_EQ(got->scene.materials[got->scene.sphere_materials[0]].color, element_color(16));
-  // Not combined with symbols.
+  // Symbols take precedence.
   EXPECT_TRUE(read("1\nProperties=Z:I:1:species:S:1:pos:R:3\n16 O 0 0 0\n", "a.xyz"));
 }
 
@@ -299,7 +299,7 @@ TEST(Atoms, ColourMapsAreThePublishedOnes) {
 }
 
 // All pairs, tried one by one.
-TEST(Atoms, BondsAreThoseOfAllPairs) {
+TEST(Atoms, BondsMatchATestOfAllPairs) {
   std::mt19937 rng(5);
   std::uniform_real_distribution<float> place(-9, 9);
   std::vector<Atom> atoms(800);

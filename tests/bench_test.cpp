@@ -212,7 +212,7 @@ TEST(Benchmark, EffectsDecideOnSamples) {
   EXPECT_LT(table->rows[0].rays, 3u * 8u * 8u);  // an eye ray a pixel, and a shadow ray at most
 }
 
-// A mirror under a sky that it shows, on a floor.
+// A mirror that reflects a sky, on a floor.
 Scene mirror_ball() {
   Scene scene = one_ball();
   scene.materials = std::vector<Material>{{{1, 1, 1}, 0.2f, 0.8f, 10, 0, 1}};
@@ -397,7 +397,7 @@ void multiply(BenchmarkTable& table, const Combination& combination, double fact
       for (double& s : row.runs_s) s *= factor;
 }
 
-// Each verdict turns with the figures that it is about.
+// Each verdict changes with its figures.
 TEST(Report, VerdictsFollowTheFigures) {
   const BenchmarkTable medium = report_as_table("balls_medium");
   BenchmarkTable table = medium;

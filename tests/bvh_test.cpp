@@ -315,7 +315,7 @@ TEST(Bvh, FewOfAKindAreALeafBelowTheRoot) {
 
 // The float test before the double one drops no hit: rays near the surface of cylinders and cones,
 // thick and thin, short and very long, from near and far, a few roundings inside or outside.
-TEST(Bvh, RaysThatGrazeConesAreThoseOfBruteForce) {
+TEST(Bvh, GrazingRaysHitConesLikeBruteForce) {
   Scene scene;
   scene.materials = {{}};
   std::mt19937 rng(11);

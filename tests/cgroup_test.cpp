@@ -74,7 +74,7 @@ TEST_F(ControlGroupsTest, AContainerSeesItsGroupAsTheRoot) {
   EXPECT_EQ(groups().cores(), 2);
   write_v2("/../other");
   EXPECT_EQ(groups().cores(), 2);
-  // Below what is mounted.
+  // Below the mounted group.
   write_v2("/docker/0a1b/init", "/docker/0a1b");
   write("sys/fs/cgroup/init/cpu.max", "100000 100000\n");
   EXPECT_EQ(groups().cores(), 1);

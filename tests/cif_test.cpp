@@ -49,7 +49,7 @@ TEST(Cif, ColumnsMayBeLeftOut) {
                                         testing::HasSubstr("do not fit in 32 bits (1: 666"))));
 }
 
-// Products of operations, the last applied first; and ranges of which most are not there.
+// Products of operations, the last applied first; and ranges with mostly missing numbers.
 TEST(Cif, AssembliesMultiplyTheirOperations) {
   const auto copies = [](const std::string& expression) {
     return "data_x\nloop_\n_atom_site.id\n_atom_site.type_symbol\n_atom_site.label_asym_id\n"

@@ -35,7 +35,7 @@ Scene scene_of_one_unit(uint32_t seed) {
 
 /// With materials instead of colours and triangles instead of meshes; other tests check such
 /// pictures against formulas.
-TEST(Colors, PicturesAreThoseOfMaterials) {
+TEST(Colors, PicturesMatchThoseOfMaterials) {
   for (const uint32_t seed : {1u, 2u, 3u}) {
     const Scene rich = scene_of_one_unit(seed), plain = plain_scene(rich);
     EXPECT_TRUE(plain.meshes.empty() && plain.sphere_colors.empty());
@@ -66,7 +66,7 @@ TEST(Colors, EachKindHasItsOwn) {
   changes(&Scene::triangle_colors), changes(&Scene::polygon_colors);
 }
 
-TEST(Colors, ThoseOfVerticesAreInterpolated) {
+TEST(Colors, VertexColorsAreInterpolated) {
   Scene scene;
   scene.camera.from = {0, 0, 10}, scene.camera.at = {0, 0, 0}, scene.camera.up = {0, 1, 0};
   scene.camera.fov_deg = 0.01f;
@@ -106,7 +106,7 @@ TEST(Colors, ABrightOneIsWithinTheBoundOfTheFilm) {
 }
 
 /// Meshes' triangles: before the pieces of polygons, after the scene's own triangles.
-TEST(Meshes, AreTrianglesAfterThoseOfTheScene) {
+TEST(Meshes, TrianglesFollowThoseOfTheScene) {
   Scene scene = random_scene(40, 2), own = scene;
   scene.meshes = rich_scene().meshes;
   scene.polygons.clear(), scene.polygon_materials.clear();

@@ -54,7 +54,7 @@ TEST_F(CommandLine, RefusesTargetsThatCannotBeWritten) {
     return std::vector<std::string>{"render", "ok.nff", "--quiet", "-o", output};
   };
   for (const char* target : {"no/x.png", "folder.png", "/proc/x.png", "/sys/x.png", "/dev/full"}) {
-    // A minimal system image may lack it.
+    // It may be missing in a minimal system image.
     if (std::string_view(target).starts_with("/sys") && !std::filesystem::exists("/sys/kernel"))
       continue;
     expect_refusal(render(target), 3, target);

@@ -99,7 +99,7 @@ TEST_F(Commands, ThreadsApplyToReadingToo) {
   }
 }
 
-// In a process of its own, which has had no threads before: those that oneTBB starts stay.
+// In a new process, because threads started by oneTBB stay.
 TEST_F(Commands, OneThreadIsOneFromReadingToWriting) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   std::string many(kScene);

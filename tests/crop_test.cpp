@@ -111,7 +111,8 @@ TEST(Crop, HasTheChannelsAndViewsOfTheWholePicture) {
   }
 }
 
-// Where in its pixel the first eye ray of each pixel is, from 0 to 1 along an axis: x is 0, y is 1.
+// The position of each pixel's first eye ray in the pixel, from 0 to 1 along an axis: x is 0, y is
+// 1.
 std::vector<double> places_in_pixels(size_t axis, const RenderOptions& options,
                                      const Scene& scene) {
   const Picture picture = rendered(scene, options);
@@ -129,7 +130,7 @@ std::vector<double> places_in_pixels(size_t axis, const RenderOptions& options,
 
 // They are not those of the pixels 65536 further, whose numbers would be the same with 16 bits for
 // a column: to the right and one row up, or below.
-TEST(Crop, OfAVeryLargePictureHasSamplesOfItsOwn) {
+TEST(Crop, OfAVeryLargePictureHasItsOwnSamples) {
   constexpr int kSide = 64, kFar = 65536;
   Scene scene;
   scene.materials.emplace_back();

@@ -74,7 +74,7 @@ TEST(Disc, IsHitWhereRaysAim) {
   }
 }
 
-TEST(Disc, BoundsAreTightAndOverlapsNeverWrongWithNo) {
+TEST(Disc, BoundsAreTightAndOverlapsAreConservative) {
   Random random(3);
   for (int trial = 0; trial < 300; ++trial) {
     const Disc disc = random_disc(random);

@@ -71,7 +71,7 @@ RayCounts counted(const Scene& scene, RenderOptions o) {
   return (*film)->rays();
 }
 
-TEST(EffectCosts, CountsAreThoseOfRendersWithAndWithout) {
+TEST(EffectCosts, CountsMatchRenders) {
   const Scene scene = small_scene();
   for (const AccelKind kind : {AccelKind::bvh, AccelKind::grid, AccelKind::none}) {
     RenderOptions o = small();
@@ -271,7 +271,7 @@ TEST(EffectCosts, AnIntervalOfTheMedianHoldsIt) {
     EXPECT_EQ(median_interval(values).low, place) << n;
     EXPECT_EQ(median_interval(values).high, n + 1 - place) << n;
   }
-  // With the stated probability, for a distribution that is nowhere normal.
+  // With the stated probability, for a distribution that is not normal.
   std::mt19937 random(1);
   std::exponential_distribution<double> draw(1);
   int held = 0;

@@ -52,7 +52,7 @@ TEST(Ellipsoid, SilhouetteHasTheAreaOfItsShadow) {
   }
 }
 
-TEST(Ellipsoid, DistancesAreThoseOfTheUnitSphereUnderItsMatrix) {
+TEST(Ellipsoid, DistancesMatchTheTransformedUnitSphere) {
   Random random(2);
   int found = 0;
   for (int trial = 0; trial < 20000; ++trial) {
@@ -102,7 +102,7 @@ TEST(Ellipsoid, DistancesAreThoseOfTheUnitSphereUnderItsMatrix) {
   EXPECT_GT(found, 15000);
 }
 
-TEST(Ellipsoid, NormalsAreAcrossTheSurface) {
+TEST(Ellipsoid, NormalsArePerpendicularToTheSurface) {
   Random random(3);
   for (int trial = 0; trial < 1000; ++trial) {
     const Ellipsoid e = random_ellipsoid(random);
@@ -119,7 +119,7 @@ TEST(Ellipsoid, NormalsAreAcrossTheSurface) {
   }
 }
 
-TEST(Ellipsoid, BoundsAreTightAndOverlapsNeverWrongWithNo) {
+TEST(Ellipsoid, BoundsAreTightAndOverlapsAreConservative) {
   Random random(4);
   for (int trial = 0; trial < 300; ++trial) {
     const Ellipsoid e = random_ellipsoid(random);

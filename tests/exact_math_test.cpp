@@ -38,7 +38,7 @@ TEST(ExactMath, ValuesAreRoundedCorrectly) {
   EXPECT_EQ(exact_log(std::numbers::e), 1);
 }
 
-// What is left of a double near a multiple of pi is far smaller than its last bit.
+// Near a multiple of pi, the remainder of a double is far smaller than its last bit.
 TEST(ExactMath, AnglesOfAnySizeAreReduced) {
   EXPECT_EQ(exact_sin(std::numbers::pi), 1.2246467991473531772260659322749979970e-16);
   EXPECT_EQ(exact_cos(std::numbers::pi / 2), 6.123233995736765886130329661374989985e-17);
@@ -73,7 +73,7 @@ TEST(ExactMath, TheCLibraryIsNear) {
   }
 }
 
-TEST(ExactMath, InversesAndPowersAreExactWhereTheyCanBe) {
+TEST(ExactMath, RepresentableResultsAreExact) {
   for (int n = -300; n <= 300; ++n) {
     const double power = exact_pow(10, n);
     EXPECT_EQ(power, std::stod("1e" + std::to_string(n)));
@@ -89,7 +89,7 @@ TEST(ExactMath, InversesAndPowersAreExactWhereTheyCanBe) {
   EXPECT_EQ(exact_acos(1), 0);
 }
 
-TEST(ExactMath, EdgesAreThoseOfTheStandard) {
+TEST(ExactMath, SpecialValuesFollowTheStandard) {
   for (const double x : {0.0, kLeast, 1e-300, 1e-20}) {
     for (const auto f : {exact_sin, exact_tan, exact_atan}) {
       EXPECT_EQ(f(x), x);

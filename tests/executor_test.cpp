@@ -1,4 +1,4 @@
-// Executors: who works, and how reading and building end when they are told to.
+// Executors: their threads, and how reading and building end when they are stopped.
 #include "base/executor.h"
 
 #include <gmock/gmock.h>
@@ -24,7 +24,7 @@ namespace {
 
 using tests::random_scene;
 
-TEST(Executor, IsThatOfAllThreadsThatHelp) {
+TEST(Executor, IsSharedByWorkerThreads) {
   WorkControl control;
   Executor(3, &control).run([&] {
     begin_stage(Stage::building, 1000);
@@ -45,7 +45,7 @@ TEST(Executor, IsThatOfAllThreadsThatHelp) {
   EXPECT_EQ(control.work_done, 400u);
 }
 
-TEST(Executor, StopsLoopsAndTasksOfAllThatAreWithin) {
+TEST(Executor, StopsNestedLoopsAndTasks) {
   WorkControl outer, inner;
   const std::function<void()> works[] = {[] { parallel_for(size_t(10), [](size_t) {}); },
                                          [] { for_each_index(3 * kLoopChunk, [](size_t) {}); },
@@ -76,7 +76,7 @@ TEST(Executor, StopsLoopsAndTasksOfAllThatAreWithin) {
   EXPECT_FALSE(stop_requested());
 }
 
-TEST(Executor, ReturnsWhatTheWorkReturns) {
+TEST(Executor, ReturnsTheResultOfTheWork) {
   EXPECT_EQ(*Executor(2).run([] { return std::make_unique<int>(7); }), 7);
   EXPECT_EQ(Executor(3).run([] { return max_concurrency(); }), 3);
   // One within another has as many threads unless it says otherwise.
@@ -84,7 +84,7 @@ TEST(Executor, ReturnsWhatTheWorkReturns) {
   EXPECT_EQ(Executor().run([] { return max_concurrency(); }), default_threads());
 }
 
-TEST(Executor, DealsInOrderEvenWhenToldToStop) {
+TEST(Executor, DealsInOrderEvenWhenStopped) {
   WorkControl control;
   control.stop = true;
   std::vector<size_t> order;
@@ -98,8 +98,8 @@ TEST(Executor, DealsInOrderEvenWhenToldToStop) {
   for (const auto& times : taken) ASSERT_EQ(times, 1);
 }
 
-// Stops work that is asked for again and again at random places of its progress, and counts how
-// often it came in time. What work() returns is looked at by the caller.
+// Repeats work and stops it at random points of its progress; counts how often the stop came in
+// time. The caller checks the results of work().
 template <class Work>
 int stopped_at_random(const Work& work) {
   std::mt19937 random(7);
@@ -146,7 +146,7 @@ TEST(StoppedBuild, EndsWithAnErrorAtAnyTime) {
   }
 }
 
-TEST(StoppedBuild, TellsHowFarItIs) {
+TEST(StoppedBuild, ReportsProgress) {
   for (const AccelKind kind : {AccelKind::bvh, AccelKind::grid}) {
     WorkControl control;
     const Scene scene = large_scene(kind);
@@ -197,7 +197,7 @@ class StoppedReading : public TemporaryFolder {
   }
 };
 
-TEST_F(StoppedReading, IsAnErrorOfItsOwn) {
+TEST_F(StoppedReading, HasItsOwnErrorKind) {
   std::string numbered = "OFF\n3 20000 0\n0 0 0\n1 0 0\n0 1 0\n";
   for (const std::string& path :
        {text_file("a.nff", kView, "s 0 0 0 1\n", 20000),
@@ -230,8 +230,8 @@ TEST_F(StoppedReading, EndsAJobWithoutDiagnostics) {
   EXPECT_FALSE(told);
 }
 
-// A checkpoint is written by a thread that renders: its warnings come from there.
-TEST_F(StoppedReading, CheckpointsAreWrittenByThoseWhoRender) {
+// A rendering thread writes the checkpoint, so warnings come from that thread.
+TEST_F(StoppedReading, RenderingThreadsWriteCheckpoints) {
   JobRequest request;
   request.scene = text_file("a.nff", kView, "s 0 0 0 1\n", 10);
   request.options.width = request.options.height = 40, request.options.samples = 100;

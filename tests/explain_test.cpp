@@ -138,7 +138,7 @@ TEST(Explain, TermsAddUpInTheSharedScenes) {
   }
 }
 
-// In a tree, each single ray costs what its log says.
+// The cost of a single ray equals its log.
 TEST(Explain, LogsMatchTheCostOfASingleRay) {
   const Scene scene = tests::random_scene(400, 3);
   for (const AccelKind kind : {AccelKind::none, AccelKind::grid, AccelKind::bvh}) {
@@ -168,7 +168,7 @@ TEST(Explain, LogsMatchTheCostOfASingleRay) {
 }
 
 // The cells are face neighbours in sequence, and each is left where the smallest t_max says.
-TEST(Explain, CellsAreThoseOfTheTextbook) {
+TEST(Explain, CellsMatchTheTextbook) {
   const Scene scene = tests::random_scene(400, 3);
   const auto accel = build_accel(
       scene, {.kind = AccelKind::grid, .grid_resolution = {60, 45, 80}, .counters = true});

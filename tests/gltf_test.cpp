@@ -474,7 +474,7 @@ TEST(Gltf, CutBinaryFilesAreRefused) {
   EXPECT_THAT(error(other, "a.glb"), HasSubstr("its first chunk, at byte 12, is not JSON"));
 }
 
-/// Whatever byte is another one: an error, or a scene that is sound.
+/// After a change of any byte: an error or a valid scene.
 TEST(Gltf, ChangedBytesEndSoundly) {
   const std::string whole = textured().binary();
   for (size_t at = 0; at < whole.size(); ++at)

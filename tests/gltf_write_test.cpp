@@ -83,7 +83,7 @@ std::vector<Face> faces_of(const Scene& scene) {
   return out;
 }
 
-// A mesh of three faces, one of them flat, and two materials, of which one has a texture.
+// A mesh of three faces, one of them flat, and two materials, one with a texture.
 Scene mesh_scene() {
   Scene scene = data_scene();
   scene.add_material({.color = Rgb(1, 0.5f, 0.125f), .kd = 1}, Rgb(1), 0, 1, 1);
@@ -209,7 +209,7 @@ TEST(GltfWrite, ParallelRaysReadBack) {
 }
 
 // --- light
-TEST(GltfWrite, LightsShineAsBrightAtTheMiddle) {
+TEST(GltfWrite, LightsAreEquallyBrightAtTheMiddle) {
   Scene scene = with_triangle();
   scene.lights = {{{3, 0, 0}, Rgb(0.5f, 1, 0.25f)}, {{0, -8, 0}, std::nullopt}};
   const json all = json_of(scene);
@@ -368,7 +368,7 @@ TEST(GltfWrite, EqualShapesShareTriangles) {
   EXPECT_EQ(read(written(scene), "a.gltf", {.instances = true})->scene.instances.size(), 40u);
 }
 
-TEST(GltfWrite, ManyColorsAreThoseOfVertices) {
+TEST(GltfWrite, ManyColorsBecomeVertexColors) {
   Scene scene = data_scene();
   for (int i = 0; i < 300; ++i) {
     scene.spheres.push_back({{float(i), 0, 0}, 0.25f}), scene.sphere_materials.push_back(0);

@@ -51,7 +51,7 @@ TEST(GridCurve, GoesFromCoarseToFine) {
   EXPECT_EQ(size_t(std::ranges::count(csv, '\n')), curve->points.size() + 1);
 }
 
-TEST(GridCurve, CountsAreThoseOfARender) {
+TEST(GridCurve, CountsMatchARender) {
   const Scene scene = tests::random_scene(400, 3);
   WorkControl control;
   const auto curve = measure_grid_curve(scene, small(), control, {}, kLittle);

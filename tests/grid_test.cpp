@@ -91,7 +91,7 @@ TEST(Grid, SkippingEmptySpaceLosesNoHit) {
   }
 }
 
-TEST(Grid, EmptyCellsKnowHowFarTheyAreFromOthers) {
+TEST(Grid, EmptyCellsStoreTheDistanceToOthers) {
   const Scene scene = random_scene(60, 4);
   const Geometry g(scene, scene);
   const auto cells = build_grid(g, {.kind = AccelKind::grid, .grid_resolution = {13, 9, 11}});

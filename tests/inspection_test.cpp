@@ -72,7 +72,7 @@ TEST(Inspection, ARegionHasTheRaysOfItsPixels) {
   EXPECT_EQ(found, expected);
   EXPECT_EQ(found[size_t(RayKind::eye)], 40u);
   for (const RegionRay& r : row->rays) {
-    // A ray that is stopped is stopped by something.
+    // A stopped ray has an occluder.
     if (r.kind == RayKind::stopped) {
       EXPECT_TRUE(r.hit.has_value());
     }

@@ -268,7 +268,7 @@ TEST(Instances, InstancesRenderLikeFlattenedPrimitives) {
   }
 }
 
-// A ball that a map stretches is an ellipsoid, of which all is known.
+// A stretched ball is an ellipsoid with known formulas.
 TEST(Instances, AStretchedBallIsAnEllipsoid) {
   std::mt19937 rng(3);
   for (int k = 0; k < 10; ++k) {

@@ -1,5 +1,5 @@
-// Renders from start to end, without the program: what they start from, what they store, how they
-// end, and what can fail.
+// Complete renders without the program: their start, their stored work, their end, and their
+// failures.
 #include "render/job.h"
 
 #include <gmock/gmock.h>

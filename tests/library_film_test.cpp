@@ -229,7 +229,7 @@ TEST_F(LibraryParts, OfAJobAtWorkAreSound) {
   EXPECT_GT(job.film().samples()[1], 0u);
 }
 
-// With a limit that is long enough for a sample of each pixel, however busy the machine is.
+// The limit is long enough for a sample of each pixel, even on a busy machine.
 raio::Film rendered_in_time(raio::Settings settings) {
   for (double seconds = 0.3;; seconds *= 2) try {
       return rendered(settings.set("time-limit", seconds));
@@ -383,7 +383,7 @@ TEST(LibrarySettings, TakeValuesAsTheirText) {
   EXPECT_EQ(values.get("shutter"), "0,0.5");
   EXPECT_EQ(values.get("dof"), "false");
   EXPECT_EQ(values.get("time-limit"), "2.5");
-  // The text is what is refused.
+  // The text is refused.
   EXPECT_THAT(refusal([&] { values.set("aa", 2.5); }), HasSubstr("found '2.5'"));
   EXPECT_THAT(refusal([&] { values.set("aa", true); }), HasSubstr("found 'true'"));
   EXPECT_THAT(refusal([&] { values.set("dof", 1); }), HasSubstr("true or false, found '1'"));

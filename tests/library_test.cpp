@@ -264,7 +264,7 @@ TEST(Library, ColumnsOfAnyLayoutAreBorrowed) {
     add(scene);
     return all.use_count() - before;
   };
-  // Centres and radii in arrays of their own, one of which is not kept.
+  // Centres and radii in separate arrays, one of which is not kept.
   const auto radii = std::make_shared<Floats>(10, 0.25f);
   const raio::Column<float, 3> centers = {all->data()->center, 10, sizeof(Ball), all};
   EXPECT_EQ(used([&](raio::Scene& s) {
@@ -709,7 +709,7 @@ TEST(LibraryJob, ReportsProgressAndCanBeCancelled) {
   }
 }
 
-TEST(LibraryJob, ThrowsOnWhatACallbackThrows) {
+TEST(LibraryJob, RethrowsExceptionsOfCallbacks) {
   const raio::Scene scene = everything(nullptr);
   raio::Job job(scene, raio::Settings().set("size", "2000x2000").set("aa", "16"));
   int calls = 0;
@@ -721,8 +721,8 @@ TEST(LibraryJob, ThrowsOnWhatACallbackThrows) {
   EXPECT_EQ(calls, 1);
 }
 
-// Calls f() until it throws; the caller is told of its progress meanwhile, and throws at the first
-// time. Half a minute is enough for any machine.
+// Calls f() until it throws; the caller's callback throws at the first time. Half a minute is
+// enough for any machine.
 template <class F>
 void until_it_throws(const F& f) {
   const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(30);
@@ -773,7 +773,7 @@ TEST_F(LibraryFile, ACancelledExecutorEndsAllWithinIt) {
   EXPECT_THROW(raio::Executor(-1), raio::Error);
 }
 
-// In a process of its own, which has had no threads before: those that oneTBB starts stay.
+// In a new process, because threads started by oneTBB stay.
 TEST_F(LibraryFile, OneThreadIsOneFromLoadToWrite) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const std::string scene = file("scene.raio").string(), picture = file("picture.exr").string();

@@ -31,7 +31,7 @@ class LongRender : public CommandLine {
     return !bytes.empty() && bytes == get(file(b));
   }
 
-  // Until the file is there: the program that is to write it may not have come so far.
+  // Waits for the file, which the program may not have written yet.
   void await(std::string_view name) const {
     for (int i = 0; i < 3000 && !fs::exists(file(name)); ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(10));

@@ -472,7 +472,7 @@ TEST(MeshFiles, StandOnTheirBase) {
   // Without a base, or with one at both ends, it is as in most files.
   EXPECT_EQ(up(pyramid(2, false), "a.obj"), std::pair(y, false));
   EXPECT_EQ(up("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n", "a.obj"), std::pair(y, false));
-  // Nor on a face like others.
+  // Or on a face like any other.
   EXPECT_EQ(
       up("v 0 -1 0\nv 0 1 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n", "a.obj"),
       std::pair(y, false));

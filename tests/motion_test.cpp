@@ -330,7 +330,7 @@ TEST(Motion, AGivenCameraStandsStill) {
   EXPECT_EQ(resolve_options(again, moving).camera, narrow);
 }
 
-TEST(Motion, OfTheCameraIsThatOfTheScene) {
+TEST(Motion, AMovingCameraMatchesAMovingScene) {
   Scene by_camera = scene("s 0 0 0 1\n");
   by_camera.lights.clear();
   by_camera.dialect = Dialect::nff;

@@ -132,7 +132,7 @@ TEST(NffDamage, GivesAValidSceneOrAnErrorWithALocation) {
   EXPECT_LT(read_well, kTries / 2);
 }
 
-TEST(NffDamage, IsReportedLikewiseWithinALongText) {
+TEST(NffDamage, IsReportedEquallyInALongText) {
   const std::string head = kCamera + kMaterial, sphere = "s 0 0 0 1\n", spheres = many_spheres();
   const int more_lines = int(std::count(spheres.begin(), spheres.end(), '\n')) - 1;
   const size_t more = spheres.size() / sphere.size() - 1;

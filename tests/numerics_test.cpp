@@ -34,7 +34,7 @@ std::vector<Scene> scenes() {
   return out;
 }
 
-// One ray a pixel, with all that is mirrored and refracted.
+// One ray per pixel, with all reflected and refracted rays.
 Image picture(const Scene& scene) {
   RenderOptions options;
   options.width = 240, options.height = 180, options.aa = 1, options.dof = false;

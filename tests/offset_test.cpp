@@ -55,7 +55,7 @@ TEST(Offset, MovesAlongTheNormalByUlpsOfTheScale) {
   EXPECT_EQ(offset_origin(p, n, 100, false), Vec3f(1, 2, 3 - 100 * by));
 }
 
-TEST(Offset, RaysLeaveASphereAndThoseThatEnterFindItsFarSide) {
+TEST(Offset, RaysLeaveASphereOrHitItsFarSide) {
   Random random(1);
   int leaving = 0, entering = 0;
   for (int k = 0; k < kRays; ++k) {

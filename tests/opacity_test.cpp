@@ -308,7 +308,7 @@ TEST(Opacity, TheTreeFindsTheLayersOfBruteForce) {
         }
       }
     }
-    // And by keys, of which each ray has its own.
+    // And by keys, one per ray.
     std::vector<uint32_t> keys;
     for (uint32_t i = 0; i < rays.size(); ++i) keys.push_back(scramble(i));
     for (size_t i = 0; i < rays.size(); ++i) after.set(i, {.t = 0, .primitive = 0});

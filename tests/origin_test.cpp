@@ -283,7 +283,7 @@ TEST(FarFromZero, AssembliesTurnAboutTheOriginOfTheFile) {
 
 class FarFiles : public CommandLine {
  protected:
-  // Seen from above, so that each pixel that shows something shows one sphere.
+  // Seen from above, so no pixel shows more than one sphere.
   FarFiles() {
     put(file("map.ply"),
         "ply\nformat ascii 1.0\nelement vertex 400\nproperty double x\nproperty double y\n"

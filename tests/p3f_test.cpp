@@ -76,7 +76,7 @@ TEST(P3f, IsKnownByContent) {
   EXPECT_TRUE(white.material_specular.empty() && white.material_roughness.empty());
 }
 
-// Materials keep their colours and the dialect where a text is so long that it is read in pieces.
+// Materials keep their colours and the dialect if a text is long enough to be read in pieces.
 TEST(P3f, PiecesKeepWhatBelongsToMaterials) {
   const auto objects = [](int from) {
     std::string text;

@@ -78,7 +78,7 @@ const std::set<std::string> kSections = {"###Effects",
                                          "###All options",
                                          "###Window"};
 
-// Those sections, and no others.
+// Only those sections.
 void open_sections(ImGuiWindow& panel, const std::set<std::string>& names) {
   for (const std::string& name : kSections)
     panel.StateStorage.SetInt(panel.GetID(name.c_str()), names.contains(name));

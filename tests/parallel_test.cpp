@@ -99,7 +99,7 @@ TEST(Ticker, CallsWhileItLives) {
   while (std::chrono::steady_clock::now() < later) {
   }
   EXPECT_EQ(ticks, before);
-  // One that would wait for long ends at once.
+  // A ticker with a long interval ends at once.
   const auto start = std::chrono::steady_clock::now();
   {
     const Ticker slow(1000, [&] { ++ticks; });

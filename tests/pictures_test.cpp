@@ -168,7 +168,7 @@ TEST_F(Pictures, OfSeveralScenesGoIntoAFolder) {
   EXPECT_TRUE(read_image(file("one/ok.png")));
 }
 
-TEST_F(Pictures, OfValidScenesAreRenderedAmongBrokenOnes) {
+TEST_F(Pictures, OfValidScenesAreRenderedDespiteBrokenOnes) {
   put(file("bad.nff"), replaced("s 0 0 0 1", "s 0 0 zero 1"));
   put(file("small.nff"), replaced("resolution 24 16", "resolution 8 8"));
   const Outcome o = raio(

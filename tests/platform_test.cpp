@@ -142,7 +142,7 @@ TEST(PlatformProcessor, HasAName) {
 }
 
 #if defined(__x86_64__) && defined(__GLIBC__)
-TEST(PlatformProcessor, HasTheInstructionSetsThatTheCompilerKnowsOf) {
+TEST(PlatformProcessor, HasTheInstructionSetsKnownToTheCompiler) {
   const auto expect = [](int64_t target, bool has) {
     EXPECT_EQ((hwy::SupportedTargets() & target) != 0, has || HWY_STATIC_TARGET == target);
   };

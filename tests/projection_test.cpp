@@ -76,7 +76,7 @@ Around around(const SeenFrame& f, const Vec3d& center, double side, int x, int y
 
 // Anywhere, a sphere is a circle of its own radius; its depth and normals follow from x^2 + y^2 +
 // z^2 = r^2.
-TEST(Parallel, ASphereIsWhatItsFormulaSays) {
+TEST(Parallel, ASphereMatchesItsFormula) {
   const int width = 150, height = 100;
   for (const Vec3f place : {Vec3f(0.5f, 0, 0.3f), Vec3f(1.5f, 3, 1), Vec3f(1, -2.5f, 0.6f)}) {
     const Scene s = ball(place, 1.3f);

@@ -92,7 +92,7 @@ TEST(RaioScene, KeepsInstances) {
   EXPECT_FALSE(tests::same_bytes(picture, tests::picture_of(without, options)));
 }
 
-// A camera or materials of its own.
+// Its own camera or materials.
 TEST(RaioScene, PrototypesWithMoreThanGeometryAreRefused) {
   const Scene scene = tests::nested_scene();
   const std::string whole = encode_raio_scene(scene);

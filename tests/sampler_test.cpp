@@ -332,7 +332,7 @@ TEST(Math, PowUnitIsPow) {
       const double expected = std::pow(double(x), double(y));
       EXPECT_NEAR(pow_unit(x, y), expected, 2e-7) << x << "^" << y;
     }
-  // The exponent of two that is rounded is the float above -1/2; its nearest whole number is 0.
+  // The rounded exponent of two is the float above -1/2; its nearest integer is 0.
   EXPECT_EQ(std::bit_cast<uint32_t>(pow_unit(0.5f, std::nextafter(0.5f, 0.0f))), 0x3f3504f4u);
   EXPECT_EQ(pow_unit(1, 100000), 1);
   EXPECT_EQ(pow_unit(0, 0), 1);

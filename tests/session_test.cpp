@@ -228,7 +228,7 @@ TEST(Session, KeepsTheStructureIfShapesAreUnchanged) {
   }
 }
 
-// One-sided surfaces are those that are opaque.
+// Only opaque surfaces are one-sided.
 TEST(Session, RebuildsWhenGlassTurnsOpaqueOnOneSide) {
   const auto owner = std::make_shared<const Scene>(tests::random_scene(30, 7));
   RenderOptions o = options();
@@ -260,7 +260,7 @@ TEST(Session, EndsAmongTransparentLayers) {
   EXPECT_TRUE(same_bits(*w.whole(w.session.request({clear, o}), 4)->image, rendered(*clear, o)));
 }
 
-// So many spheres that brute force takes a while.
+// Enough spheres to make brute force slow.
 std::shared_ptr<const Scene> slow_scene() {
   return std::make_shared<const Scene>(tests::random_scene(tests::if_sanitized(100, 400), 5));
 }

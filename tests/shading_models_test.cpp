@@ -37,7 +37,7 @@ Rgb pixel(const Scene& scene, RenderOptions options) {
   return expect_one_picture(scene, options).at(0, 0);
 }
 
-TEST(ShadingModels, HighlightsAreThoseOfPhongAndOfBlinn) {
+TEST(ShadingModels, HighlightsMatchPhongAndBlinn) {
   constexpr float kKd = 0.6f, kKs = 0.3f, kShine = 12;
   const Rgb color(1, 0.5f, 0.25f), background(0.1f, 0.2f, 0.3f), intensity(0.9f, 0.8f, 0.7f);
   const Vec3f from(1, -3, 3), light(0.5f, 2, 2.5f);

@@ -201,7 +201,7 @@ TEST_F(Sky, OfOneColourEqualsThatBackground) {
   EXPECT_TRUE(same_bytes(picture_of(scene, all_effects()), under_sky));
 }
 
-TEST_F(Sky, IsNotInViewsNorBehindAlpha) {
+TEST_F(Sky, IsAbsentFromViewsAndAlpha) {
   Scene scene = scene_under(sky(4));
   RenderOptions o = all_effects();
   o.view = View::normals;
@@ -369,7 +369,7 @@ TEST_F(SkyJob, IsFoundInTheFilesFolderOrAbove) {
   // The nearest counts.
   std::filesystem::rename(file("other"), file("deep/sky"));
   EXPECT_NE(read_scene(path)->scene.sky->hash, sky_of(file("sky"))->hash);
-  // A scene without its sky is one all the same, on another background.
+  // A scene is read without its sky, too, with another background.
   std::filesystem::remove_all(file("deep/sky"));
   std::filesystem::remove_all(file("sky"));
   read = read_scene(path);

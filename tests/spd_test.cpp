@@ -50,7 +50,7 @@ TEST(Spd, ChangedCountsAreOff) {
   // The two authors are 14 % apart here.
   EXPECT_EQ(moved(&RayCounts::shadow, 0.95)[4], ok);
   EXPECT_EQ(moved(&RayCounts::shadow, 1.02)[4], off);
-  // A departure that is known must stay where it is.
+  // A known deviation must stay the same.
   EXPECT_EQ(moved(&RayCounts::shadow_hits, 1.05)[5], off);
   EXPECT_EQ(moved(&RayCounts::shadow_hits, 0.5)[5], off);
 }

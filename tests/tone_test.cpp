@@ -102,7 +102,7 @@ TEST(WrittenColor, ComesInFourForms) {
   EXPECT_EQ(color("0.1,2,0"), (WrittenColor{Rgb(0.1f, 2, 0), false, false}));
   EXPECT_EQ(color("transparent"), (WrittenColor{Rgb(), true, true}));
   EXPECT_EQ(color("grey"), color("gray"));
-  // As display bytes they are what was written.
+  // Display bytes equal the written ones.
   EXPECT_EQ(to_byte(color("#8081fe").color.y), 0x81);
 }
 

@@ -167,7 +167,7 @@ void check_watertight(const Mesh& mesh, double scale, Vec3d place, int rays, uin
     const int i = face[0], j = face[1];
     const double along = k % 4 == 0 ? 0 : uniform(rng, 0, 1);
     const Vec3d target = Vec3d(p[i]) + (Vec3d(p[j]) - Vec3d(p[i])) * along;
-    // Star-shaped meshes: all that is further out on the line from the middle is outside.
+    // Star-shaped meshes: everything further out on the line from the middle is outside.
     const double distance = std::array{1.5, 10.0, 1000.0}[k % 3];
     const Vec3f origin(place + normalize(target - place) * (scale * distance));
     const Ray ray{origin, Vec3f(normalize(target - Vec3d(origin)))};

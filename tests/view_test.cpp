@@ -347,7 +347,7 @@ TEST(Keys, EachOccursOnce) {
   EXPECT_EQ(find_key('Z'), nullptr);
 }
 
-TEST(Keys, LettersAreNotThoseWithCtrlOrAlt) {
+TEST(Keys, LettersDifferFromThoseWithCtrlOrAlt) {
   EXPECT_EQ(find_key('S')->command, Command::soft_shadows);
   EXPECT_EQ(find_key('S', {.ctrl = true})->command, Command::save_scene);
   EXPECT_EQ(find_key('O', {.ctrl = true})->command, Command::open);

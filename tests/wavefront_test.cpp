@@ -119,9 +119,9 @@ TEST(Wavefront, WeighsRaysByColor) {
   EXPECT_EQ(corner_pixel(scene, 2), Rgb(0.25f, 0.5f, 0.015625f));
 }
 
-// Rays see the same normals one at a time as many at once, also of smooth triangles whose winding
-// contradicts their normals.
-TEST(Surfaces, OneAtATimeAreThoseOfManyAtOnce) {
+// Single rays and batches get the same normals, also on smooth triangles whose winding contradicts
+// their normals.
+TEST(Surfaces, OneAtATimeEqualManyAtOnce) {
   Scene scene = core::tests::random_scene(400, 7);
   for (size_t i = 0; i < scene.positions.size(); ++i)
     scene.normals.push_back(normalize(Vec3f(1, 0.5f, 0.2f) + scene.positions[i] * 0.3f));

@@ -1,4 +1,4 @@
-// XYZ, GRO and files of LAMMPS as programs other than those who defined the formats write them.
+// XYZ, GRO and LAMMPS files as written by other programs than those that defined the formats.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -291,7 +291,7 @@ TEST(WildXyz, ByteOrderMarksAreNoLetters) {
   EXPECT_THAT(error("\xef\xbb\xbfx\n", "a.xyz"), HasSubstr("a.xyz:1:1: error"));
 }
 
-TEST(WildXyz, OthersOfItsSuffixAreNamed) {
+TEST(WildXyz, OtherFormatsWithItsSuffixAreNamed) {
   EXPECT_THAT(error("0 1.5 2\n1 2 3\n", "a.xyz"), HasSubstr("these lines are points"));
   EXPECT_THAT(error("2 water\n1 O 0 0 0 1 2\n2 H 1 0 0 2 1\n", "a.xyz"), HasSubstr("Tinker"));
   EXPECT_THAT(error("1\n10 10 10 90 90 90\n1 O 0 0 0 1\n", "a.xyz"), HasSubstr("Tinker"));

@@ -16,7 +16,7 @@ using Held = WindowDriver::Held;
 
 class WindowFilesTest : public WindowTest {};
 
-TEST_F(WindowFilesTest, SavedPicturesAreThoseOfTheCommandLine) {
+TEST_F(WindowFilesTest, SavedPicturesMatchTheCommandLine) {
   const auto window = open({"--light-size", "0.5", "--soft-shadows"});
   window->key(XK_a);
   window->key(XK_d);

@@ -129,7 +129,6 @@ TEST_F(WindowTest, AClickFocusesAndTheWheelSetsTheAperture) {
   EXPECT_FALSE(window->log().find("camera: ") < std::string::npos) << "the wheel moved the camera";
 }
 
-// The bytes that are shown, and those that are saved, are of the exposure and the tone curve.
 TEST_F(WindowTest, ResizesMinimisesAndQuits) {
   const auto window = open();
   size_t from = window->mark();
@@ -261,7 +260,7 @@ TEST_F(WindowTest, EveryOtherKeyResponds) {
     window->key(key, held);
     EXPECT_TRUE(window->wait_for(said, from)) << said << window->log();
   };
-  // A key that is pressed again at once counts as held.
+  // A key pressed again at once counts as held.
   says(XK_space, "paused");
   says(XK_f, "the scene fits");
   says(XK_space, "resumed");

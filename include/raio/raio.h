@@ -8,8 +8,8 @@
 //
 // The library never prints, never ends the program and changes no global state. Failures are thrown
 // as raio::Error. The same scene and settings give the same bytes for any number of threads and on
-// any machine. Objects may be used by one thread at a time; cancel() and what is const of an Accel
-// by any.
+// any machine. One thread at a time may use an object; any number may call cancel() and const
+// functions of an Accel.
 #pragma once
 
 #include <array>
@@ -87,12 +87,12 @@ struct Camera {
 /// `count` elements of N numbers each in the caller's memory: the first at `data`, each `stride`
 /// bytes (may be negative, not zero) after the previous one. Without `keep` they are copied.
 ///
-/// With `keep`, which owns the memory or keeps it alive, they are read in place, with any stride
-/// and alignment: nothing is copied, `keep` is held until the last scene, job or structure that
-/// reads them is gone, and the numbers must not change until then. Triangles and their vertices are
-/// read in place only if they are packed and aligned. Only the first primitives of a kind are read
-/// in place; adding more copies them. Numbers that Raio must change, such as normals that do not
-/// have length 1 or files far from the origin, copy all columns of the call.
+/// With `keep`, which owns the memory, they are read in place, with any stride and alignment.
+/// Nothing is copied: `keep` is held until the last scene, job or structure that reads them is
+/// destroyed, and the numbers must not change until then. Triangles and their vertices are read in
+/// place only if they are packed and aligned. Only the first primitives of a kind are read in
+/// place; adding more copies them. If Raio must change numbers, for example normals of another
+/// length than 1 or files far from the origin, all columns of the call are copied.
 template <class T, size_t N = 1>
 struct Column {
   const T* data = nullptr;
@@ -123,7 +123,7 @@ class RAIO_API Scene {
   Scene& operator=(Scene&&) noexcept;
   ~Scene();
 
-  /// Reads a scene file of any supported format. The error has its first fault with line and
+  /// Reads a scene file of any supported format. The error states its first fault, with line and
   /// column.
   static Scene read(const std::string& path);
   /// The same for NFF in memory; messages use `name` as the file name.
@@ -132,8 +132,8 @@ class RAIO_API Scene {
   void write(const std::string& path) const;
   /// The bytes of a .raio scene, which stores everything but the pictures of a sky.
   std::string to_bytes() const;
-  /// The scene in such bytes, which are not trusted: the error says what is wrong with them. With
-  /// `keep`, which owns the bytes, columns are read in place; otherwise they are copied.
+  /// Reads such bytes. They are not trusted: the error states what is damaged. With `keep`, which
+  /// owns the bytes, columns are read in place; otherwise they are copied.
   static Scene from_bytes(std::string_view bytes, std::shared_ptr<const void> keep = {});
   /// Warnings of the reader, one line each.
   const std::vector<std::string>& warnings() const;
@@ -219,11 +219,11 @@ class RAIO_API Settings {
   ~Settings();
 
   /// Sets one option from text as on the command line: set("size", "640x480"), set("aa", "4"); a
-  /// switch without a value is on, with "false" off. The error says what is accepted.
+  /// switch without a value is on, with "false" off. The error lists the accepted values.
   Settings& set(std::string_view name, std::string_view value = "true");
 
-  // The same from values: set("aa", 4), set("dof", false), set("size", {640, 480}), set("from",
-  // camera.from). They become the text.
+  // The same with values, which are converted to text: set("aa", 4), set("dof", false), set("size",
+  // {640, 480}), set("from", camera.from).
 
   template <class T, class = std::enable_if_t<std::is_arithmetic_v<T> && !std::is_same_v<T, char>>>
   Settings& set(std::string_view name, T value) {
@@ -255,7 +255,7 @@ class RAIO_API Settings {
     std::string default_value;  ///< empty: the scene or another setting decides, see `help`
     std::optional<double> minimum, maximum;  ///< of numbers
     std::vector<std::string> integrators;    ///< others refuse the option
-    std::vector<std::string> excludes;       ///< options that it cannot be combined with
+    std::vector<std::string> excludes;       ///< options that cannot be combined with it
   };
   /// All options, in the order of the command line's help, and those of long renders.
   static std::vector<Option> options();
@@ -270,7 +270,7 @@ class RAIO_API Settings {
 };
 
 /// The points origin + t * direction, 0 < t < length. The direction may have any length except 0; t
-/// is in scene units nevertheless. Moving primitives are where they are at `time`.
+/// is in scene units nevertheless. `time` sets the positions of moving primitives.
 struct Ray {
   Triple origin{0, 0, 0}, direction{0, 0, -1};
   double length = std::numeric_limits<double>::infinity();
@@ -308,7 +308,7 @@ struct Hit {
 
 /// A scene prepared for tracing: for the caller's own rays, and for several jobs that render the
 /// scene, for instance from several viewpoints. Any number of threads may trace at the same time.
-/// Copies share the structure, which lives as long as the last of them and of the jobs.
+/// Copies and jobs share the structure; the last one destroys it.
 class RAIO_API Accel {
  public:
   /// Builds the structure selected by the settings `accel`, `grid-factor`, `grid-resolution`,
@@ -340,11 +340,11 @@ class RAIO_API Accel {
   std::shared_ptr<const Data> data_;
 };
 
-/// How far work is.
+/// The progress of work.
 struct Progress {
   enum class Stage { reading, building, rendering };
 
-  double share = 0;   ///< of the stage, 0 to 1; 0 while nobody knows
+  double share = 0;   ///< of the stage, 0 to 1; 0 if unknown
   uint64_t rays = 0;  ///< traced so far
   double seconds = 0;
   Stage stage = Stage::rendering;
@@ -359,23 +359,22 @@ struct Progress {
 ///   executor.run([&] { scene = raio::Scene::read("large.ply"); });
 class RAIO_API Executor {
  public:
-  /// The calling thread is one of them; 0: as many as there are cores.
+  /// `threads` includes the calling thread; 0: one per core.
   explicit Executor(int threads = 0);
   ~Executor();
   Executor(const Executor&) = delete;
   Executor& operator=(const Executor&) = delete;
 
-  /// Called some ten times a second while run() works, from a thread of its own, of files that are
-  /// read and structures that are built; a Job tells of its pictures itself. If it throws, run()
-  /// stops and rethrows the exception.
+  /// Called about ten times a second during run(), from another thread, while files are read and
+  /// structures are built; a Job reports its own progress. If the callback throws, run() stops and
+  /// rethrows the exception.
   void on_progress(std::function<void(const Progress&)> callback);
 
-  /// Calls `work` and throws what it throws. What calls of the library began when cancel() was
-  /// called is given up, nothing is left half-made, and they throw Error with
-  /// ErrorKind::cancelled.
+  /// Calls `work` and rethrows its exceptions. After cancel(), calls of the library throw Error
+  /// with ErrorKind::cancelled and discard their unfinished results.
   void run(const std::function<void()>& work);
 
-  /// Ends what is done in run() soon, also the runs that follow. Any thread may call it.
+  /// Soon ends the work in run(), also in later runs. Any thread may call it.
   void cancel();
 
  private:
@@ -383,9 +382,9 @@ class RAIO_API Executor {
   std::unique_ptr<Data> data_;
 };
 
-/// The sums of a picture's samples, of all of them or of a part. A film can be stored,
-/// continued by a Job, on another machine, too, and merged with others; the result has the bytes of
-/// a single render, in whatever order. Copies are independent of each other.
+/// The sums of all or some of a picture's samples. A film can be stored, continued by a Job, even
+/// on another machine, and merged with others in any order; the result has the bytes of a single
+/// render. Copies are independent of each other.
 class RAIO_API Film {
  public:
   Film(const Film&);
@@ -394,31 +393,32 @@ class RAIO_API Film {
   Film& operator=(Film&&) noexcept;
   ~Film();
 
-  /// Reads a part file (.raio), such as a checkpoint. The error says what is wrong with it.
+  /// Reads a part file (.raio), for example a checkpoint. The error states what is damaged.
   static Film read(const std::string& path);
   /// Writes a part file if the suffix is .raio, else a picture: .png .exr .npz .npy .ppm .pfm; .png
-  /// and .ppm with exposure and tone. Whole or not at all. The error says what the format cannot
-  /// store, and which samples a picture lacks; a film ended by a time limit lacks none.
+  /// and .ppm with exposure and tone. Whole or not at all. The error states what the format cannot
+  /// store, or which samples are missing; a film ended by a time limit is complete.
   void write(const std::string& path) const;
-  /// The bytes of a part file, and the film in them, which are not trusted.
+  /// To and from the bytes of a part file, which are not trusted.
   std::string to_bytes() const;
   static Film from_bytes(std::string_view bytes);
 
-  /// All samples of the films, exactly, in any order. The error names the film, by its file if it
-  /// was read, and why it does not fit: other settings, samples that another film has, too.
+  /// Combines the samples of all films, exactly, in any order. The error names a film that does not
+  /// fit, by its file if it was read, and the reason: other settings, or samples that another film
+  /// has, too.
   static Film merge(std::vector<Film> films);
 
-  /// Whether it has all samples that its settings ask for.
+  /// Whether it has all samples that its settings request.
   bool complete() const;
-  /// The samples that it lacks, in one line; empty if it is complete.
+  /// The missing samples, in one line; empty if it is complete.
   std::string missing() const;
   /// The fewest and the most samples of a pixel, within its shard.
   std::array<uint32_t, 2> samples() const;
-  /// All settings that the picture depends on, also those that the scene decided, with `shard` and
+  /// All settings that affect the picture, including those from the scene, `shard` and
   /// `sample-range`. A Job with them repeats or continues the film.
   Settings settings() const;
-  /// Sets `exposure` or `tone`, which change how the film is displayed, not what was rendered. The
-  /// error says what is accepted.
+  /// Sets `exposure` or `tone`, which affect the display of the film, not its samples. The error
+  /// lists the accepted values.
   Film& set(std::string_view name, std::string_view value);
   Film& set(std::string_view name, double value);
 
@@ -446,35 +446,35 @@ class RAIO_API Film {
 };
 
 /// One render, as by `raio render`: builds the acceleration structure, unless given, and renders a
-/// film, or what another film lacks. With `shard` or `sample-range` it renders a part, with
-/// `time-limit` as many samples as there is time for, and it writes its `checkpoint`.
+/// film, or the missing samples of another film. With `shard` or `sample-range` it renders a part,
+/// with `time-limit` as many samples as time permits. It writes its `checkpoint`.
 class RAIO_API Job {
  public:
-  /// Copies the scene. `begun`: a film to continue, with the same settings; only `samples` may have
-  /// grown. The error names settings that cannot be combined, or differ from those of the film.
+  /// Copies the scene. `begun`: a film to continue, with the same settings; only `samples` may be
+  /// larger. The error names settings that cannot be combined or differ from those of the film.
   Job(const Scene& scene, const Settings& settings, std::optional<Film> begun = std::nullopt);
-  /// Renders the structure's scene. Settings of the structure are those it was built with; the
-  /// error names one that was set differently.
+  /// Renders the structure's scene. Keeps the settings that the structure was built with; the error
+  /// names one that was set differently.
   Job(const Accel& accel, const Settings& settings, std::optional<Film> begun = std::nullopt);
   ~Job();
   Job(const Job&) = delete;
   Job& operator=(const Job&) = delete;
 
-  /// Called some ten times a second while run() works, from a thread of its own, also of the
-  /// structure that it builds. If it throws, run() stops and rethrows the exception.
+  /// Called about ten times a second during run(), from another thread, also while the structure is
+  /// built. If the callback throws, run() stops and rethrows the exception.
   void on_progress(std::function<void(const Progress&)> callback);
 
-  /// Renders with as many threads as the setting `threads` says, including this one, and returns
-  /// the film. Once only. Throws Error with ErrorKind::cancelled after cancel(), and with
+  /// Renders with the number of threads in the setting `threads`, including this one, and returns
+  /// the film. Call it once. Throws Error with ErrorKind::cancelled after cancel(), and with
   /// ErrorKind::no_resource if the time limit was too short for a sample of each pixel; film() then
-  /// has what was done.
+  /// has the finished samples.
   Film run();
 
-  /// A copy of the film as it is: what is done so far, until run() has returned the film. To show,
-  /// to store, to continue. May be called from any thread.
+  /// A copy of the current film, until run() has returned it: for showing, storing or continuing
+  /// it. Any thread may call it.
   Film film() const;
 
-  /// Ends run() soon. May be called from any thread.
+  /// Ends run() soon. Any thread may call it.
   void cancel();
 
  private:

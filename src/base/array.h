@@ -1,5 +1,5 @@
-// The arrays that a scene is made of: shared, copied on write, and able to read the memory of a
-// file or of a caller in place. Every room may use it.
+// The arrays of a scene. They are shared, copied on write, and can read memory of a file or a
+// caller in place.
 #pragma once
 
 #include <algorithm>
@@ -18,10 +18,10 @@
 
 namespace raio::core {
 
-/// Elements one after another. Copies share them until one of the copies may change them, which
-/// copies the elements first; that includes the non-const begin(), data() and operator[]. Reading
-/// costs what it costs of a std::vector. As with a std::vector, one array must not be changed by
-/// several threads; arrays that share elements may be.
+/// Contiguous elements. Copies share them. A write to a copy, or a call of its non-const begin(),
+/// data() or operator[], copies the elements first. Reading is as fast as from a std::vector. As
+/// with a std::vector, only one thread may change an array; different threads may change arrays
+/// that share elements.
 template <class T>
 class Array {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -54,7 +54,7 @@ class Array {
   Array& operator=(std::initializer_list<T> items) { return *this = Array(items); }
   ~Array() = default;
 
-  /// `count` elements that are read in place for as long as `keep` lives, or copied if they are not
+  /// `count` elements, read in place while the array holds `keep`, or copied if they are not
   /// aligned for T.
   static Array borrow(const void* first, size_t count, std::shared_ptr<const void> keep) {
     if (reinterpret_cast<uintptr_t>(first) % alignof(T) != 0) {
@@ -67,11 +67,11 @@ class Array {
     array.keep_ = std::move(keep);
     return array;
   }
-  /// Do both read the same memory?
+  /// Whether both read the same memory.
   bool shares(const Array& other) const {
     return size() == other.size() && (empty() || data() == other.data());
   }
-  /// Does it read memory that belongs to the caller of borrow()?
+  /// Whether it reads memory of the caller of borrow().
   bool is_borrowed() const { return !own_ && seen_.data(); }
 
   size_t size() const { return seen_.size(); }
@@ -81,7 +81,7 @@ class Array {
   const T* begin() const { return seen_.data(); }
   const T* end() const { return seen_.data() + seen_.size(); }
   const T& operator[](size_t i) const { return seen_.data()[i]; }
-  /// With std::out_of_range beyond the end.
+  /// Throws std::out_of_range beyond the end.
   const T& at(size_t i) const {
     if (i >= size()) throw std::out_of_range("Array::at");
     return seen_.data()[i];
@@ -114,7 +114,7 @@ class Array {
     *this = Array(first, last);
   }
   void clear() { *this = Array(); }
-  // By value: it may be an element of what is borrowed, which a change lets go.
+  // By value: `value` may be an element of borrowed memory, which a change releases.
   void push_back(T value) {
     change([&](auto& items) { items.push_back(value); });
   }
@@ -123,7 +123,7 @@ class Array {
     change([&](auto& items) { items.emplace_back(std::forward<Args>(args)...); });
     return own_->back();
   }
-  /// All of `more` behind the others; shares them if there are no others.
+  /// Appends the elements of `more`. An empty array shares them.
   void append(const Array& more) {
     if (empty())
       *this = more;
@@ -133,7 +133,7 @@ class Array {
   void pop_back() {
     change([](auto& items) { items.pop_back(); });
   }
-  /// As std::vector's, before `where`: elements of elsewhere, or `count` times one.
+  /// As std::vector's, before `where`. The range must lie outside this array.
   template <std::input_iterator It>
   void insert(const T* where, It first, It last) {
     const ptrdiff_t at = where - seen_.data();
@@ -162,7 +162,8 @@ class Array {
       see_own();
     }
 #ifndef __SANITIZE_THREAD__  // which has no fences
-    // use_count() is relaxed: what other threads read of a copy that is gone now comes first.
+    // use_count() is relaxed. Reads of a destroyed copy by other threads must happen before our
+    // writes.
     std::atomic_thread_fence(std::memory_order_acquire);
 #endif
     return *own_;

@@ -1,5 +1,5 @@
-// The error type of all rooms. Scene files return lists of Diagnostic instead, with places
-// (io/diagnostics.h); each can become an Error.
+// The error type of all rooms. Readers of scene files return lists of Diagnostic, with locations,
+// instead (io/diagnostics.h); each can become an Error.
 #pragma once
 
 #include <cstdint>
@@ -50,7 +50,7 @@ inline Error bad_option(std::string_view setting, std::string message) {
   return {ErrorKind::bad_option, std::string(setting), std::move(message)};
 }
 
-/// That of work that was told to stop before it had made anything.
+/// The error of work that was stopped before it had a result.
 inline Error stopped_error() {
   return {ErrorKind::stopped, "", "interrupted; nothing was written"};
 }

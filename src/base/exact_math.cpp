@@ -16,9 +16,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kTiny = 0x1p-28;  // below it sin x, tan x and atan x round to x, cos x to 1
 
-// The sum of two doubles of which `lo` is at most half a unit in the last place of `hi`: about 106
-// bits. Arithmetic as in Dekker 1971, "A floating-point technique for extending the available
-// precision", Numerische Mathematik 18.
+// The sum of two doubles: `lo` is at most half an ulp of `hi`, so the sum has about 106 bits.
+// Arithmetic of Dekker 1971, "A floating-point technique for extending the available precision",
+// Numerische Mathematik 18.
 struct Twin {
   double hi = 0, lo = 0;
 
@@ -91,7 +91,7 @@ constexpr Twin inverse_factorial(int n) {
   return out;
 }
 
-// Each is cut off where the rest is below 2^-80 of the value, for the arguments below.
+// For the arguments used below, the omitted terms are less than 2^-80 of the value.
 constexpr auto kSine =  // of x^2: sin x / x
     series<13>([](int n) { return alternating(n, inverse_factorial(2 * n + 1)); });
 constexpr auto kCosine = series<13>([](int n) { return alternating(n, inverse_factorial(2 * n)); });
@@ -101,20 +101,20 @@ constexpr auto kAreaTangent =  // of x^2: artanh x / x
 constexpr auto kArcTangent =  // of x^2: arctan x / x
     series<13>([](int n) { return alternating(n, Twin(1) / (2 * n + 1)); });
 
-// The terms from `twins` on are too small for their low parts to matter.
+// From term `twins` on, the low parts are too small to matter.
 template <size_t count>
 Twin evaluate(const std::array<Twin, count>& series, Twin x, size_t twins) {
   double small = 0;
   for (size_t n = count; n > twins; --n) small = small * x.hi + series[n - 1].hi;
   Twin sum = small;
-  for (size_t n = twins; n > 0; --n) {  // each is larger than all after it
+  for (size_t n = twins; n > 0; --n) {  // each exceeds the sum after it
     const Twin rest = sum * x, high = ordered_sum(series[n - 1].hi, rest.hi);
     sum = ordered_sum(high.hi, high.lo + (series[n - 1].lo + rest.lo));
   }
   return sum;
 }
 
-// The digits of 2 / pi to base 2^24, after the point: as many as the largest double needs.
+// The digits of 2 / pi after the point, in base 2^24; enough for the largest double.
 constexpr std::array<uint32_t, 52> kTwoOverPi = {
     0xa2f983, 0x6e4e44, 0x1529fc, 0x2757d1, 0xf534dd, 0xc0db62, 0x95993c, 0x439041, 0xfe5163,
     0xabdebb, 0xc561b7, 0x246e3a, 0x424dd2, 0xe00649, 0x2eea09, 0xd1921c, 0xfe1deb, 0x1cb129,
@@ -128,9 +128,8 @@ struct Angle {
   Twin rest;          // from -pi/4 to pi/4
 };
 
-// x = quarters pi/2 + rest, for finite x >= 0. The product of x and 2 / pi, without what is a
-// multiple of 4, digit by digit (Payne and Hanek 1983, "Radian reduction for trigonometric
-// functions", SIGNUM Newsletter 18).
+// x = quarters pi/2 + rest, for finite x >= 0. Multiplies x by 2 / pi, modulo 4, digit by digit
+// (Payne and Hanek 1983, "Radian reduction for trigonometric functions", SIGNUM Newsletter 18).
 Angle reduced(double x) {
   if (x < std::numbers::pi / 4) return {0, x};
   constexpr int kBits = 24, kDigits = 9;
@@ -173,20 +172,20 @@ SineCosine sine_cosine(double x) {
   return {x < 0 ? -sine : sine, cosine};
 }
 
-// Of t from -1 to 1. The angle is halved three times: the tangent of its half is t / (1 + root(1 +
-// t^2)).
+// For t from -1 to 1. Halves the angle three times: the tangent of half the angle is t / (1 +
+// root(1 + t^2)).
 Twin arc_tangent(Twin t) {
   for (int i = 0; i < 3; ++i) t = t / (Twin(1) + root(Twin(1) + t * t));
   return Twin(8) * t * evaluate(kArcTangent, t * t, 5);
 }
 
-// Of the direction (x, y), y >= 0 and not both 0.
+// The angle of the direction (x, y), with y >= 0, and not both 0.
 Twin angle(Twin y, Twin x) {
   if (y.hi > std::abs(x.hi)) return kHalfPi - arc_tangent(x / y);
   return x.hi > 0 ? arc_tangent(y / x) : Twin(2) * kHalfPi + arc_tangent(y / x);
 }
 
-// For finite x > 0: that of a power of two and of a number from root(1/2) to root(2).
+// For finite x > 0: splits off a power of two, which leaves a number from root(1/2) to root(2).
 Twin logarithm(double x) {
   int exponent = 0;
   double part = std::frexp(x, &exponent);
@@ -195,7 +194,7 @@ Twin logarithm(double x) {
   return Twin(exponent) * kLn2 + Twin(2) * z * evaluate(kAreaTangent, z * z, 6);
 }
 
-// The 16th power of that of a sixteenth.
+// exp(x / 16) to the 16th power.
 double exponential(Twin x) {
   if (x.hi > 800) return kInfinity;
   if (x.hi < -800) return 0;
@@ -219,7 +218,7 @@ double exact_log2(double x) {
   return exponent + 2 / std::numbers::ln2 * z * series;
 }
 
-// Taylor's series of the exponential on half a power of two to either side.
+// Taylor series of the exponential, up to half a power of two on either side.
 double exact_exp2(double x) {
   const double whole = std::floor(x + 0.5), f = (x - whole) * std::numbers::ln2;
   double series = 1;
@@ -275,7 +274,7 @@ double exact_pow(double x, double y) {
   return std::abs(about) < 1000 ? exponential(Twin(y) * log) : exponential(about);
 }
 
-// Newton's method; its last step, by twins, rounds.
+// Newton's method. The last step uses twins, for correct rounding.
 double exact_cbrt(double x) {
   if (x == 0 || !std::isfinite(x)) return x;
   int exponent = 0;

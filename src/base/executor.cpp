@@ -87,8 +87,8 @@ void Executor::enter(const std::function<void()>& work) const {
   };
   const int threads = threads_ > 0 ? threads_ : max_concurrency();
   if (threads == tbb::this_task_arena::max_concurrency()) return bound_work();
-  // An arena limits threads by itself; only more threads than cores need the limit of the whole
-  // process raised.
+  // An arena limits its threads by itself. More threads than cores also need a higher limit for the
+  // whole process.
   std::optional<tbb::global_control> more;
   if (threads > tbb::info::default_concurrency())
     more.emplace(tbb::global_control::max_allowed_parallelism, size_t(threads));

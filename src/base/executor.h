@@ -12,7 +12,7 @@
 
 namespace raio::core {
 
-/// Whether this build has threads beside the one that main() runs on.
+/// Whether this build is multithreaded.
 #ifdef RAIO_NO_THREADS
 inline constexpr bool kHasThreads = false;
 #else
@@ -40,8 +40,8 @@ struct Stopped {};
 
 class Executor {
  public:
-  /// `threads` includes the calling one; 0: as many as the enclosing executor has, else
-  /// default_threads(). With RAIO_NO_THREADS there is always one. `control` can stop the work and
+  /// `threads` includes the calling thread. 0: the number of the enclosing executor, else
+  /// default_threads(). With RAIO_NO_THREADS it is always 1. `control` can stop the work and
   /// receives its progress, as do the controls of enclosing executors; it must outlive run().
   explicit Executor(int threads = 0, WorkControl* control = nullptr);
 
@@ -68,7 +68,7 @@ class Executor {
 /// The number of threads that loops of the caller use.
 int max_concurrency();
 
-/// The number of cores that the system and the limit of a container allow this process.
+/// The number of cores that this process may use, within its container's limit.
 int default_threads();
 
 /// Whether the caller's work was cancelled.

@@ -1,5 +1,5 @@
-// Functions of C libraries that few runs need. The library is loaded at the first call instead of
-// with the program, which would start more slowly. Code still compiles against its headers.
+// Functions of C libraries that few runs need. The library is loaded at the first call, so the
+// program starts faster. Code still compiles against its headers.
 #pragma once
 
 #include <source_location>

@@ -10,7 +10,7 @@ MedianInterval median_interval(std::vector<double> values) {
   std::ranges::sort(values);
   const size_t n = values.size(), half = n / 2;
   // The median lies below the (k + 1)th smallest value with the probability that n coin tosses show
-  // at most k heads; likewise at the other end.
+  // at most k heads. The other end is symmetric.
   size_t outside = 0;
   double term = std::ldexp(1.0, -int(n)), below = term;
   for (size_t k = 1; k < half; ++k) {

@@ -1,7 +1,6 @@
-// Loops and tasks on the threads of the caller's executor: everything that Raio uses of oneTBB.
-// With RAIO_NO_THREADS (CMake's option RAIO_THREADS) all of it runs on the thread that asks, in the
-// order of the indices, with the same results. Loops throw Stopped where their executor was told to
-// stop.
+// Loops and tasks on the threads of the caller's executor, built on oneTBB. With RAIO_NO_THREADS
+// (CMake's option RAIO_THREADS) they run on the calling thread, in order, with the same results.
+// Loops throw Stopped when their executor is stopped.
 #pragma once
 
 #include <algorithm>
@@ -24,8 +23,8 @@
 
 namespace raio::core {
 
-/// Calls a function again and again while it lives, on a thread of its own, which the destructor
-/// waits for; never without threads. For showing what others do, not for work.
+/// Calls a function at regular intervals, on its own thread, until destroyed. The destructor joins
+/// the thread. Without threads it never calls. For showing progress, not for work.
 class Ticker {
  public:
   Ticker() = default;
@@ -84,8 +83,7 @@ class PerThread {
 
 #else
 
-/// Calls f(i) for 0 .. count - 1, in any order. An exception of any ends the loop and is thrown
-/// again.
+/// Calls f(i) for 0 .. count - 1, in any order. The first exception ends the loop and is rethrown.
 template <class Index, class F>
 void parallel_for(Index count, const F& f) {
   tbb::parallel_for(Index(0), count, [&f, scope = WorkScope::current()](Index i) {
@@ -95,7 +93,7 @@ void parallel_for(Index count, const F& f) {
   });
 }
 
-/// Calls both.
+/// Calls both functions, in parallel if possible.
 template <class First, class Second>
 void parallel_invoke(const First& first, const Second& second) {
   const auto bound = [scope = WorkScope::current()](const auto& work) {
@@ -107,9 +105,9 @@ void parallel_invoke(const First& first, const Second& second) {
   tbb::parallel_invoke(bound(first), bound(second));
 }
 
-/// Calls f(i) for 0 .. count - 1, which begin in this order: a thread that is free takes the next.
-/// So no thread waits long for the others where the last ones take little. Not ended by a stop: f
-/// has to look.
+/// Calls f(i) for 0 .. count - 1, started in this order: each free thread takes the next one. If
+/// the last calls are short, all threads finish at about the same time. A stop does not end the
+/// loop; f must check for it.
 template <class F>
 void deal(size_t count, const F& f) {
   std::atomic<size_t> next = 0;
@@ -123,8 +121,7 @@ void deal(size_t count, const F& f) {
       tbb::simple_partitioner());
 }
 
-/// run(work) begins it, wait() waits for all that was begun, which must come before the end of
-/// the group.
+/// run(work) starts a task, wait() waits for all tasks. Call wait() before the group is destroyed.
 class TaskGroup {
  public:
   template <class Work>
@@ -141,19 +138,19 @@ class TaskGroup {
   tbb::task_group tasks_;
 };
 
-/// local() is the calling thread's T, made by the function given to the constructor when the thread
-/// first asks.
+/// local() returns the calling thread's T. The thread's first call creates it with the
+/// constructor's function.
 template <class T>
 using PerThread = tbb::enumerable_thread_specific<T>;
 
 #endif
 
-/// To wake other threads takes as long as thousands of primitives: how many a chunk has.
+/// Elements per chunk. Waking a thread takes as long as processing thousands of primitives.
 inline constexpr size_t kLoopChunk = 4096;
 
 constexpr size_t chunks_of(size_t count) { return (count + kLoopChunk - 1) / kLoopChunk; }
 
-/// Calls f(c, first, end) for the chunks c of 0 .. count - 1; for a single one no thread is woken.
+/// Calls f(c, first, end) for the chunks c of 0 .. count - 1. A single chunk wakes no thread.
 template <class F>
 void for_chunks(size_t count, const F& f) {
   const auto one = [&](size_t c) { f(c, c * kLoopChunk, std::min(count, (c + 1) * kLoopChunk)); };

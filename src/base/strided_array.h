@@ -1,5 +1,5 @@
-// Arrays of structs whose members may lie apart, as the columns of numpy do: centres here, radii
-// there, and one material for all. Every room may use it.
+// Arrays of structs with their members in separate columns, as in numpy: centres here, radii there,
+// and one material for all.
 #pragma once
 
 #include <algorithm>
@@ -19,14 +19,14 @@
 
 namespace raio::core {
 
-/// The offsets of the members of a struct that may lie apart, in ascending order; each reaches to
-/// the next one. A type without a specialization is read whole.
+/// The offsets of a struct's separable members, in ascending order; each member extends to the next
+/// one. A type without a specialization is one member.
 template <class T>
 inline constexpr std::array<size_t, 1> kMemberOffsets = {0};
 
-/// An Array, or columns of a caller's memory that are read in place: member m of element i is
-/// `stride` bytes behind that of element i - 1. A stride of 0 is one value for all elements.
-/// Elements are read by value. Like an Array it is copied on write, then as an Array.
+/// An Array, or columns in a caller's memory, read in place: member m of element i is `stride`
+/// bytes after that of element i - 1. With stride 0 all elements have one value. Elements are read
+/// by value. The first write copies the columns into an Array.
 template <class T>
 class StridedArray {
   static constexpr size_t kMembers = kMemberOffsets<T>.size();
@@ -34,7 +34,7 @@ class StridedArray {
  public:
   using value_type = T;
 
-  /// Where a member of the first element lies, and the bytes from one element to the next. It need
+  /// The address of the first element's member, and the bytes from one element to the next. It need
   /// not be aligned.
   struct Member {
     const void* first = nullptr;
@@ -46,7 +46,7 @@ class StridedArray {
     using value_type = T;
     using difference_type = ptrdiff_t;
     using reference = T;
-    using iterator_category = std::input_iterator_tag;  // as it makes its elements
+    using iterator_category = std::input_iterator_tag;  // elements are returned by value
     using iterator_concept = std::random_access_iterator_tag;
 
     Iterator() = default;
@@ -82,8 +82,8 @@ class StridedArray {
   StridedArray(Array<T> items) : packed_(std::move(items)) {}
   StridedArray& operator=(std::initializer_list<T> items) { return *this = StridedArray(items); }
 
-  /// `count` elements that are read in place for as long as `keep` lives, as an Array where they
-  /// lie like one.
+  /// `count` elements, read in place while the array holds `keep`; as an Array if their layout is
+  /// that of one.
   static StridedArray borrow(const std::array<Member, kMembers>& members, size_t count,
                              std::shared_ptr<const void> keep) {
     const auto* const first = static_cast<const char*>(members[0].first);
@@ -96,7 +96,7 @@ class StridedArray {
     array.columns_ = std::make_shared<const Columns>(Columns{members, count, std::move(keep)});
     return array;
   }
-  /// One value for all, which takes the memory of one.
+  /// One value for all elements, stored once.
   static StridedArray uniform(size_t count, const T& value) {
     auto keep = std::make_shared<const T>(value);
     std::array<Member, kMembers> members{};
@@ -105,17 +105,17 @@ class StridedArray {
     return borrow(members, count, std::move(keep));
   }
 
-  /// The elements one after another: shared with this array if they lie so already.
+  /// The elements as an Array, shared with this array if they are contiguous.
   Array<T> packed() const {
     if (!columns_) return packed_;
     return std::vector<T>(begin(), end());
   }
-  /// Do both read the same memory?
+  /// Whether both read the same memory.
   bool shares(const StridedArray& other) const {
     return columns_ == other.columns_ && packed_.shares(other.packed_);
   }
   bool is_borrowed() const { return columns_ || packed_.is_borrowed(); }
-  /// How many bytes the elements take.
+  /// The size of the elements in memory.
   size_t bytes() const {
     if (!columns_) return packed_.size() * sizeof(T);
     size_t sum = 0;
@@ -135,13 +135,13 @@ class StridedArray {
   }
   T front() const { return (*this)[0]; }
   T back() const { return (*this)[size() - 1]; }
-  /// Where the first member of an element lies.
+  /// The address of an element's first member.
   const void* address(size_t i) const {
     if (columns_) return columns_->address(0, i);
     return std::as_const(packed_).data() + i;
   }
 
-  /// The elements as an Array that may be changed.
+  /// The elements as a writable Array.
   Array<T>& writable() {
     if (columns_) {
       packed_ = packed();
@@ -159,7 +159,7 @@ class StridedArray {
   void clear() { *this = StridedArray(); }
   void reserve(size_t count) { writable().reserve(count); }
   void resize(size_t count) { writable().resize(count); }
-  /// Stays uniform if it is and the value is the same.
+  /// A uniform array stays uniform if `value` is its value.
   void resize(size_t count, const T& value) {
     if (empty() || (is_uniform() && std::memcmp(address(0), &value, sizeof(T)) == 0))
       *this = uniform(count, value);
@@ -177,7 +177,7 @@ class StridedArray {
     return writable().emplace_back(std::forward<Args>(args)...);
   }
   void pop_back() { writable().pop_back(); }
-  /// All of `more` behind the others; shares them if there are no others.
+  /// Appends the elements of `more`. An empty array shares them.
   void append(const StridedArray& more) {
     if (empty())
       *this = more;
@@ -217,11 +217,11 @@ class StridedArray {
   };
 
   bool is_uniform() const { return kMembers == 1 && columns_ && columns_->members[0].stride == 0; }
-  Array<T> packed_;  // empty where there are columns
+  Array<T> packed_;  // empty if there are columns
   std::shared_ptr<const Columns> columns_;
 };
 
-/// The elements of either kind of array one after another.
+/// The contiguous elements of either kind of array.
 template <class T>
 const Array<T>& packed(const Array<T>& array) {
   return array;

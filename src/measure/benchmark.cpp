@@ -24,7 +24,7 @@ using Failure = BenchmarkFailure;
 // Switches off effects in `combined` but not in `effects`.
 RenderOptions with_effects(RenderOptions options, EffectSet effects, EffectSet combined,
                            const Scene& scene) {
-  // The effects determine the number of samples, in cells as in the report.
+  // The effects determine the number of samples, jittered as in the report.
   options.samples = 0, options.sampler = SamplerKind::jitter;
   options.view = View::picture, options.integrator = IntegratorKind::classic;
   options.channels = {};
@@ -120,8 +120,8 @@ class Measurement {
     return {};
   }
 
-  // Cheap combinations come first, so that an interrupted or watched run has shown most by then:
-  // structures before brute force, few samples before many.
+  // Cheap combinations come first, so an interrupted run has most results: structures before brute
+  // force, few samples before many.
   std::expected<void, Failure> time_all() {
     struct Place {
       bool brute_force;

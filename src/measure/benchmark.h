@@ -29,12 +29,12 @@ struct BenchmarkEffect {
   std::array<std::string_view, 2> heading;  // for people, in two lines
   bool by_default;
   int samples;                  // the factor by which it increases the number of samples
-  std::string_view wants = {};  // required in the scene, else it is refused
+  std::string_view wants = {};  // the scene must have it, else the effect is refused
 };
 
-/// The first three are those of the report of 2018, which takes 1 sample per pixel without effects,
-/// 3 with depth of field, 9 with antialiasing and 27 with both. These are off unless combined; the
-/// others then follow options and scene.
+/// The first three are the effects of the report of 2018, which takes 1 sample per pixel without
+/// effects, 3 with depth of field, 9 with antialiasing and 27 with both. They are off unless
+/// combined; options and scene decide about the others.
 inline constexpr auto kBenchmarkEffects = std::to_array<BenchmarkEffect>({
     {Effect::antialiasing, "aa", "AA", {"anti-", "aliasing"}, true, 9},
     {Effect::soft_shadows, "soft_shadows", "soft", {"soft", "shadows"}, true, 1},
@@ -107,8 +107,8 @@ struct BenchmarkRow {
   double rays_per_s() const { return double(rays) / seconds().median; }
 };
 
-/// The time of a row relative to a base measured with it, round by round, so that a machine that is
-/// slower in one round than in another does not matter.
+/// The time of a row relative to a base measured with it, round by round, so a machine that slows
+/// down between rounds does not matter.
 Spread ratio_of(const BenchmarkRow& row, const BenchmarkRow& base);
 
 struct BenchmarkStructure {

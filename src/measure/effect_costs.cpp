@@ -106,7 +106,7 @@ class EffectMeasurement {
     return built_.back().get();
   }
 
-  // Nothing when told to stop.
+  // Nothing if stopped.
   std::optional<TimedRun> run_share(const Variant& v, const Accel& accel, uint32_t share) {
     auto done = render_share(scene_, accel, v.settings, share, control_);
     if (!done) return fail(std::move(done.error())), std::nullopt;
@@ -140,7 +140,7 @@ class EffectMeasurement {
     return true;
   }
 
-  // Estimates the time of all tiles from some; nothing when told to stop.
+  // Estimates the time of all tiles from some; nothing if stopped.
   std::optional<double> probe(const Variant& v, uint32_t shards) {
     const auto some = run_share(v, *v.accel, shards);
     if (!some) return std::nullopt;
@@ -176,15 +176,15 @@ class EffectMeasurement {
       EffectCost& c = cost(effect);
       c.pixels = pixels;
       (c.on ? c.with : c.without) = base_.counted, (c.on ? c.without : c.with) = v.counted;
-      if (!meets(effect, c.with.rays)) c.presence = EffectCost::not_in_picture;
+      if (!affects(effect, c.with.rays)) c.presence = EffectCost::not_in_picture;
     }
     std::erase_if(others,
                   [&](auto& o) { return cost(o.first).presence != EffectCost::in_picture; });
     return compare(base_, others);
   }
 
-  // Whether the effect matters to the rays of a picture that has it.
-  static bool meets(Effect effect, const RayCounts& with) {
+  // Whether the effect affects any ray of the picture.
+  static bool affects(Effect effect, const RayCounts& with) {
     switch (effect) {
       case Effect::reflection:
       case Effect::gloss:
@@ -199,7 +199,7 @@ class EffectMeasurement {
     }
   }
 
-  // Rounds over all pictures until the ratios are known.
+  // Repeats rounds over all pictures until the ratios are known.
   bool compare(Variant& base, std::vector<std::pair<Effect, Variant>>& others) {
     const auto start = Clock::now();
     for (size_t round = 1; !others.empty(); ++round) {
@@ -236,8 +236,8 @@ class EffectMeasurement {
                  (rounds >= kFewestSlowRounds && !patient);
   }
 
-  // Compares the structure with brute force, which has time for a few tiles only. The structure's
-  // tiles differ so much in difficulty that these few would not represent the picture (a third off
+  // Compares the structure with brute force, which has time for only a few tiles. With the
+  // structure, tiles differ in cost, and the same few would not represent the picture (a third off
   // on sphereflake), so it renders more. Brute force takes the same time for every ray, within 5 %,
   // so its seconds are scaled by the numbers of rays.
   bool measure_structure() {

@@ -51,15 +51,15 @@ struct EffectCosts {
 /// numbers of samples: samples are those of the benchmark, 9 per pixel with antialiasing, 3 with
 /// depth of field, 27 with both. `accel` is the structure selected by the options.
 ///
-/// Each round renders the picture as it is, and then with each effect switched, in an order that is
-/// reversed every other time, with as many threads as a render; an effect is finished when the
-/// interval of its ratio is as close to the median as `effort` says, or when time is up. For slow
-/// pictures every nth tile is rendered, the same in all rounds. Brute force, the slowest, renders
-/// fewer tiles than the structure it is compared with, and its seconds are scaled by the numbers of
-/// rays. Tests and steps are those of a structure with AccelOptions::counters.
+/// Each round renders the picture as it is, and then with each effect switched, reversing the order
+/// every other time, with as many threads as a render. An effect is finished when the interval of
+/// its ratio is as close to the median as `effort` requires, or when time is up. For slow pictures
+/// every nth tile is rendered, the same in all rounds. Brute force renders fewer tiles than the
+/// structure, and its seconds are scaled by the numbers of rays. Tests and steps are those of a
+/// structure with AccelOptions::counters.
 ///
 /// `on_news` gets the results so far, after each round and occasionally between two runs, outside
-/// of the timed part. When `control` says stop, it ends soon, without `finished`. Errors: those of
+/// of the timed part. If stopped by `control`, it ends soon, without `finished`. Errors: those of
 /// make_film() and build_accel().
 std::expected<EffectCosts, Error> measure_effects(
     const Scene& scene, const Accel& accel, const RenderOptions& options, WorkControl& control,

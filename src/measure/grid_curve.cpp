@@ -72,7 +72,7 @@ class CurveMeasurement {
     });
   }
 
-  // The rendered fraction of the picture suits the slowest grid.
+  // The slowest grid determines the rendered fraction of the picture.
   bool build_and_count() {
     const double primitives = double(scene_.primitive_count());
     double slowest = 0;

@@ -51,7 +51,7 @@ struct GridCurve {
 /// of samples (timed_options()). Grids of more than 2^24 cells are omitted.
 ///
 /// `on_news` gets the results so far after each grid is built and counted and after each round,
-/// outside of the timed part. When `control` says stop, it ends soon, without `finished`. Errors:
+/// outside of the timed part. If stopped by `control`, it ends soon, without `finished`. Errors:
 /// those of make_film(); bad_option if the scene has nothing to put in a grid.
 std::expected<GridCurve, Error> measure_grid_curve(
     const Scene& scene, const RenderOptions& options, WorkControl& control,

@@ -31,7 +31,7 @@ std::expected<std::optional<TimedRun>, Error> render_share(const Scene& scene, c
   if (!film) return std::unexpected(film.error());
   const RenderResult done = render(scene, accel, settings, **film, control, {.shards = share});
   if (!done.finished) return std::nullopt;
-  // With few tiles some threads finish long before others; with all tiles they do not.
+  // With few tiles, some threads finish long before others; their waiting does not count.
   const size_t tiles = ((*film)->tiles() + share - 1) / share;
   const auto at_work = double(std::min(size_t(std::max(1, settings.threads)), tiles));
   TimedRun run{share > 1 ? done.busy_s / at_work : done.seconds, (*film)->rays(), 0};

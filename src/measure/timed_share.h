@@ -19,7 +19,7 @@ namespace raio::core {
 /// The precision of measured costs.
 struct MeasuringEffort {
   double close_enough = 0.03;  // half the interval of a ratio, relative to the median
-  double least_run_s = 0.02;   // shorter runs are repeated, to exceed the clock's noise
+  double least_run_s = 0.02;   // shorter runs are repeated to exceed the noise of the clock
 };
 
 /// The options with the benchmark's samples: 9 per pixel with antialiasing, 3 with depth of field,
@@ -33,12 +33,12 @@ struct TimedRun {
   uint64_t pixels = 0;  // that were rendered
 };
 
-/// Renders every `share`th tile; nothing when told to stop. The error is make_film()'s.
+/// Renders every `share`th tile; nothing if stopped. The error is make_film()'s.
 std::expected<std::optional<TimedRun>, Error> render_share(const Scene& scene, const Accel& accel,
                                                            const RenderSettings& settings,
                                                            uint32_t share, WorkControl& control);
 
-/// Enough tiles per thread for all threads to end together.
+/// Enough tiles per thread for all threads to end at about the same time.
 inline constexpr size_t kTilesPerThread = 8;
 
 /// Chooses n for rendering every nth tile if all take `seconds`: short runs, but with `per_thread`

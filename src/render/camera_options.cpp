@@ -1,4 +1,4 @@
-// Options of the camera: applied to the scene's, and derived from a camera.
+// Options of the camera: applies them to the scene's camera, and derives them from a camera.
 #include <fmt/core.h>
 
 #include <algorithm>

@@ -16,14 +16,14 @@ std::expected<void, std::string> set_look(RenderOptions& options, const OptionSp
                                           std::string_view text);
 std::string look_text(const RenderOptions& options, const OptionSpec&);
 
-/// Samples per pixel if neither the user nor the scene says.
+/// Samples per pixel if neither the user nor the scene sets them.
 inline constexpr int kFigureSamples = 64;
 
 FigureSettings figure_settings(const RenderOptions& options, const Scene& scene);
 /// The options that resolve to these settings.
 void set_figure(RenderOptions& options, const FigureSettings& figure);
 
-/// Whether depth cueing was asked for without a colour to fade into.
+/// Whether depth cueing was requested without a colour to fade into.
 bool fades_into_nothing(const RenderOptions& options, const Scene& scene);
 
 }  // namespace raio::core

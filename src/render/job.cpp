@@ -15,7 +15,7 @@
 namespace raio::core {
 namespace {
 
-// Work that ends with this error when it is told to stop.
+// Turns Stopped into an error.
 template <class F>
 std::expected<void, Error> stoppable(const F& work) try {
   return work();
@@ -133,7 +133,7 @@ std::expected<void, Error> RenderJob::run() {
       [&] { return Executor(settings_.threads).run([&] { return render_and_keep(); }); });
 }
 
-// Writes the film to the part file; a failure is told once and does not disturb the work.
+// Writes the film to the part file. Reports a failure once; rendering continues.
 void RenderJob::write_checkpoint() {
   auto written = write_part(request_.checkpoint, part_.header, *part_.film);
   if (!written && kept_ && events_.warning) {
@@ -161,7 +161,7 @@ std::expected<void, Error> RenderJob::render_and_keep() {
   return run_to_the_end([&] { return conclude(done.finished, was_stopped); });
 }
 
-// Keeps the film, and says what has become of it.
+// Stores the film and reports its state.
 std::expected<void, Error> RenderJob::conclude(bool finished, bool was_stopped) {
   const bool has_checkpoint = !request_.checkpoint.empty();
   if (has_checkpoint) kept_ = write_part(request_.checkpoint, part_.header, *part_.film);
@@ -191,8 +191,8 @@ std::expected<void, Error> RenderJob::conclude(bool finished, bool was_stopped) 
   return {};
 }
 
-// The time may have sufficed for some samples only. The first samples of Sobol's sequence are a
-// valid picture, and the settings say so; for other samplers the settings list the samples.
+// A time limit may allow only some of the samples. The first samples of Sobol's sequence are a
+// complete picture with fewer samples; for other samplers the settings list the samples.
 void RenderJob::describe(const SampleCounts& samples) {
   const auto wanted = uint32_t(settings_.samples_per_pixel());
   if (request_.is_partial() || samples.fewest == wanted || samples.most == 0) return;

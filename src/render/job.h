@@ -51,8 +51,7 @@ struct JobRequest {
   bool is_partial() const { return shards > 1 || !sample_range.empty(); }
 };
 
-/// What a job tells while it works, from any thread that works for it. Empty functions are not
-/// called.
+/// Events of a running job, called from any of its threads. Empty functions are not called.
 struct JobEvents {
   /// The scene's file was read, with warnings, or failed, with errors.
   // NOLINTNEXTLINE(readability-redundant-member-init)
@@ -61,8 +60,8 @@ struct JobEvents {
   std::function<void(const Error&)> warning = {};  // NOLINT(readability-redundant-member-init)
 };
 
-/// Results and their cost. Rays are those of the whole picture; minus those that the film had
-/// before, they are this job's.
+/// Results and their cost. `rays` counts the whole picture; `rays_before` of them came with the
+/// film, the others are this job's.
 struct RenderFigures {
   struct Times {
     double load = 0, build = 0, render = 0, write = 0, total = 0;  // seconds
@@ -78,9 +77,9 @@ struct RenderFigures {
   NanSamples nans;       // of the whole picture, with coordinates in it
 };
 
-/// Call prepare(), build() if there is anything to do before run(), run() and write() once each in
-/// this order, each only if the previous one succeeded. The same request gives the same bytes,
-/// however it was interrupted, resumed, split or extended.
+/// Call prepare(), run() and write() once each, in this order, and each only if the previous one
+/// succeeded. Between prepare() and run(), build() builds the structure early. The same request
+/// gives the same bytes, even if it was interrupted, resumed, split or extended.
 class RenderJob {
  public:
   /// `control`: shared by consecutive jobs and outliving them; otherwise the job has its own.
@@ -93,9 +92,9 @@ class RenderJob {
   /// `stopped`, run() after writing the checkpoint, if any.
   WorkControl& control() { return control_; }
 
-  /// First refuses, before anything slow, whatever cannot become a picture: settings that
-  /// contradict each other, files that cannot be read, written or resumed. Then reads the scene; if
-  /// it has errors, returns the first. `begun`: a part to go on from, instead of a checkpoint.
+  /// Before anything slow, checks that the request can succeed: settings must not contradict each
+  /// other, and files must be readable, writable or resumable. Then reads the scene; if it has
+  /// errors, returns the first. `begun`: a part to continue, instead of a checkpoint.
   std::expected<void, Error> prepare(std::optional<NamedPart> begun = std::nullopt);
 
   /// Builds the structure.
@@ -114,7 +113,7 @@ class RenderJob {
   /// After prepare(), and after build().
   const Scene& scene() const { return *scene_; }
   const Accel& accel() const { return *accel_; }
-  /// A start for other pictures of the scene: JobRequest::loaded and built.
+  /// For other jobs with the same scene: JobRequest::loaded and built.
   const std::shared_ptr<const Scene>& loaded() const { return scene_; }
   const std::shared_ptr<const Accel>& built() const { return accel_; }
 
@@ -122,7 +121,7 @@ class RenderJob {
   /// run().
   const RenderSettings& settings() const { return settings_; }
   const Part& part() const { return part_; }
-  /// The part itself, for who keeps it after the last step.
+  /// Moves the part to the caller, after the last step.
   Part take_part() { return std::move(part_); }
   RenderFigures figures() const;
 

@@ -1,5 +1,5 @@
-// The options of a JobRequest that are not of its picture, in one table that feeds the command line
-// and the library's settings.
+// The options of a JobRequest that do not affect its picture, in one table for the command line and
+// the library's settings.
 #pragma once
 
 #include <span>

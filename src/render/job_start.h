@@ -1,5 +1,4 @@
-// Where a RenderJob starts: the contents of a picture to repeat or of a part file, and whether they
-// fit.
+// The start of a RenderJob: reads a picture to repeat or a part file, and checks that it fits.
 #pragma once
 
 #include <expected>
@@ -23,7 +22,7 @@ struct JobStart {
   std::string film_name = {};   // of that part, for messages
   Metadata film_settings = {};  // of that part, if `settings` are a picture's
 };
-/// `begun`: a part to go on from, instead of the checkpoint.
+/// `begun`: a part to continue, instead of the checkpoint.
 std::expected<JobStart, Error> find_start(const JobRequest& request,
                                           std::optional<NamedPart> begun);
 

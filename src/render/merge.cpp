@@ -54,7 +54,7 @@ std::string add_part(Film& film, const NamedPart& p, std::span<const NamedPart> 
     }
     if (++twice > 1) continue;
     both = here;
-    // The first part's film has the samples of the others.
+    // The first part's film already has the samples of the others.
     other = before.front().name;
     for (const NamedPart& b : before.subspan(1))
       if (!b.part.film->samples(t).overlap({here}).empty()) other = b.name;

@@ -323,7 +323,7 @@ std::string default_value(const OptionEntry<Options>& entry) {
   return std::string(entry.set(ignored, entry.usual) ? entry.usual : "");
 }
 
-/// The default for people; empty if there is none worth mentioning.
+/// The default in the help; empty if there is none to mention.
 template <class Options>
 std::string default_text(const OptionEntry<Options>& entry) {
   return entry.usual.empty() && !entry.is_switch() ? default_value(entry)

@@ -68,15 +68,15 @@ void set_camera(RenderOptions& options, const Camera& camera, const Scene& scene
 void reset_camera(RenderOptions& options);
 
 /// Why the options cannot be combined (bad_option): one would have no effect with the others, or
-/// there would be too many samples; nothing if all is well. Without a scene, whatever depends on it
-/// passes. Options `from_file`, of a picture or part, may be such that the integrator ignores them.
+/// there would be too many samples; nothing if all is well. Without a scene, checks that depend on
+/// it pass. `from_file`: the options are from a picture or part, so the integrator may ignore some.
 std::optional<Error> option_conflict(const RenderOptions& options, const Scene* scene = nullptr,
                                      bool from_file = false);
 
 /// The first option given that the integrator ignores (bad_option), or nothing.
 std::optional<Error> ignored_option(const RenderOptions& options, const Scene* scene);
 
-/// Removes them all.
+/// Removes all options that the integrator ignores.
 void drop_ignored_options(RenderOptions& options, const Scene& scene);
 
 /// Why a picture with these options cannot be shown in a window (bad_option), or nothing.
@@ -103,7 +103,7 @@ using OptionSpec = OptionEntry<RenderOptions>;
 /// All options, in the order of a command line; the help sorts them by group.
 std::span<const OptionSpec> render_option_table();
 
-/// The one of that name, which must exist.
+/// The option of that name, which must exist.
 const OptionSpec& option_of(std::string_view name);
 
 /// Sets one option from text ("true" or "false" for a switch). The error (bad_option) says what was
@@ -111,7 +111,7 @@ const OptionSpec& option_of(std::string_view name);
 std::expected<void, Error> set_option(RenderOptions& options, const OptionSpec& spec,
                                       std::string_view text);
 
-/// The options that one cannot be combined with, by OptionEntry::excludes of either.
+/// The options that cannot be combined with `option`, by OptionEntry::excludes of either.
 std::vector<std::string_view> excluded_by(const OptionSpec& option);
 
 /// The command-line arguments for these options: " --aa 4 --soft-shadows", without defaults and

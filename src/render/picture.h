@@ -16,9 +16,9 @@
 
 namespace raio::core {
 
-/// The film's picture, as picture_of(film, settings.view), with all its channels: alpha as such,
-/// the others as layers with names and components of kChannels, as given by Film::resolve(). If it
-/// has alpha, its colours have no background.
+/// The film's picture, as picture_of(film, settings.view), with all its channels: alpha as its
+/// alpha, the others as layers with names and components of kChannels, as given by Film::resolve().
+/// If it has alpha, its colours have no background.
 Picture picture_of(const Film& film, const RenderSettings& settings);
 
 /// Converts colours to display values by exposure and tone curve; they are premultiplied by `alpha`
@@ -35,8 +35,8 @@ std::expected<void, Error> write_picture(Picture picture, const std::filesystem:
                                          const Metadata& settings, const Overlay& overlay = {});
 
 /// Why a picture with these channels, or a part file if the suffix is that of one, cannot be
-/// written to `path`, as far as can be known in advance: an unknown suffix, a format without the
-/// channels (bad_input), an unwritable place. Call it before long computations.
+/// written to `path`: an unknown suffix, a format without the channels (bad_input), an unwritable
+/// place. Some failures cannot be predicted. Call it before long computations.
 std::optional<Error> output_problem(const std::filesystem::path& path, ChannelSet channels = {});
 
 /// Writes a part file if the suffix is that of one, else the picture with its channels as

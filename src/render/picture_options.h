@@ -22,12 +22,12 @@ std::expected<void, std::string> set_background(RenderOptions& options, const Op
                                                 std::string_view text);
 std::string background_text(const RenderOptions& options, const OptionSpec&);
 
-/// The tone curve of display formats if the options do not say: srgb for figures, else none.
+/// The tone curve of display formats. The default is srgb for figures, else none.
 Tone tone_of(const RenderOptions& options, const Scene& scene);
 
-/// The light of rays that hit nothing: RenderSettings::background and sky. If the options do not
-/// say, the scene's own, or for data, which has none, the style's; no sky unless the picture shows
-/// light. Display values become the light from which the tone curve produces them.
+/// The light of rays that hit nothing: RenderSettings::background and sky. By default the scene's;
+/// data has none, so it gets the style's. No sky unless the picture shows light. Display values
+/// become the light from which the tone curve produces them.
 struct Background {
   Rgb color;
   std::shared_ptr<const CubeMap> sky;
@@ -36,7 +36,7 @@ struct Background {
 };
 Background background_of(const RenderOptions& options, const Scene& scene);
 
-/// Part of option_conflict(). Without a scene, whatever depends on it passes.
+/// Part of option_conflict(). Without a scene, checks that depend on it pass.
 std::optional<Error> picture_conflict(const RenderOptions& options, const Scene* scene);
 
 }  // namespace raio::core

@@ -22,7 +22,7 @@ std::string key_of(const auto& spec) {
   return key;
 }
 
-// Adds all that are not left open.
+// Adds all options that are set.
 template <class Options>
 void add_settings(std::span<const OptionEntry<Options>> table, const Options& options,
                   Metadata& settings) {
@@ -56,7 +56,7 @@ void set_setting(Metadata& settings, const OptionSpec& spec, const RenderOptions
   std::erase_if(settings, [&](const auto& entry) { return entry.first == key; });
   std::string text = spec.text(options);
   if (text.empty()) return;
-  // Before the settings of options that the table has later.
+  // In the order of the table.
   const auto table = render_option_table();
   const auto later = std::ranges::find_if(settings, [&](const auto& entry) {
     return std::any_of(table.begin() + (&spec - table.data()), table.end(),

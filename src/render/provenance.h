@@ -1,6 +1,6 @@
 // The settings that determine a picture, as names and texts stored in pictures and part files:
-// Raio's version, the scene's name and hash, and every option that affects the picture. Nothing
-// that may differ between equal pictures (time, machine, threads).
+// Raio's version, the scene's name and hash, and every option that affects the picture. They
+// exclude time, machine and threads, which may differ between equal pictures.
 #pragma once
 
 #include <expected>

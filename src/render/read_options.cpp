@@ -67,7 +67,7 @@ constexpr auto kReadTable = std::to_array<ReadOptionSpec>({
            OptionValue<ReadOptions>{OptionType::list, set_color_range, kColorRange.text},
            usual("the smallest and the largest")),
     option(figures, "radius", "R",
-           "Radius of points without one and of space-filling atoms; ball-and-stick takes 0.27 of "
+           "Radius of points without one and of space-filling atoms; ball-and-stick uses 0.27 of "
            "it",
            kReadValue<&ReadOptions::radius>,
            usual("half the spacing of points; van der Waals radii of atoms"),
@@ -90,7 +90,7 @@ constexpr auto kReadTable = std::to_array<ReadOptionSpec>({
            kSelection<&ReadOptions::only>),
     option(input, "hide", "SEL", "Hide these atoms", kSelection<&ReadOptions::hide>),
     option(input, "show", "SEL",
-           "Draw these atoms although they are hidden, such as water around a protein",
+           "Draw these atoms even if hidden, for example water around a protein",
            kSelection<&ReadOptions::show>),
     option(input, "cell", "",
            "Draw the edges of the unit cell; in a small one, repeat the atoms on its border on all "

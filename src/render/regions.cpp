@@ -19,7 +19,7 @@ struct Pixel {
   MaterialId material = 0;
   Vec3f point, normal;  // towards the ray
   uint64_t seen = 0;    // a bit per visible light, shared with every 64th after it
-  bool hidden = false;  // some light that it faces is occluded
+  bool hidden = false;  // a light that it faces is occluded
 };
 
 // Computes a row, with its shadow rays light by light.

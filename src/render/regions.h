@@ -13,20 +13,20 @@
 
 namespace raio::core {
 
-/// What the ray through a pixel's centre hits; the first that applies.
+/// The kind of region at a pixel's centre; the first that applies.
 enum class Region : uint8_t {
   background,
   edge,           // of an object: a neighbour shows another one, the background, or a crease
   mirror,         // or glass: Ks or T is above 0
   shadow_border,  // a neighbour is lit by other lights
-  shadow,         // some light that the surface faces is occluded
+  shadow,         // a light that the surface faces is occluded
   lit,
 };
 inline constexpr std::array<std::string_view, 6> kRegionNames = {
     "background", "edges", "mirrors and glass", "borders of shadows", "shadows", "lit surfaces"};
 
 /// Row by row, for settings.width x settings.height pixels; without lens and jitter, lights as
-/// points. Empty when told to stop.
+/// points. Empty if stopped.
 std::vector<Region> regions_of(const Scene& scene, const Accel& accel,
                                const RenderSettings& settings, const WorkControl& control);
 

@@ -116,7 +116,7 @@ class Work {
     return reached_by_all().first >= end;
   }
 
-  // One thread at a time calls what is to be called at intervals.
+  // Calls `at_interval` when it is due, in one thread at a time.
   void look_at_clock() {
     if (!task_.at_interval) return;
     const std::unique_lock lock(interval_mutex_, std::try_to_lock);
@@ -125,7 +125,7 @@ class Work {
     interval_start_ = Clock::now();
   }
 
-  // Pass by pass, each half as large as all before it, and the last as large as time permits.
+  // Each pass has half as many samples as all before it; the last has as many as time permits.
   bool run_in_time() {
     auto [whole, most] = reached_by_all();
     uint32_t next = std::max(most, whole + 1);  // completes a partial pass
@@ -135,7 +135,7 @@ class Work {
       for (const size_t t : tiles_) before.push_back(film_.copy(t));
       const auto pass_start = Clock::now();
       if (!add_up_to(next)) {
-        // A tile that is ahead of others has samples that not all have.
+        // Drops the unfinished pass, which only some tiles have.
         if (!control_.stop && !stop_requested() && whole > wanted_.first)
           for (size_t i = 0; i < tiles_.size(); ++i) film_.replace(tiles_[i], before[i]);
         return false;
@@ -155,8 +155,8 @@ class Work {
     return film_.samples(tile).first_missing({wanted_.first, end});
   }
 
-  // Among the task's tiles: the end of the samples that all have without gaps, and of those that
-  // any has.
+  // Two ends of samples: of those that all tiles of the task have without gaps, and of those that
+  // any tile has.
   std::pair<uint32_t, uint32_t> reached_by_all() const {
     uint32_t whole = wanted_.end, most = wanted_.first;
     for (const size_t t : tiles_) {
@@ -173,7 +173,7 @@ class Work {
   SampleSpan wanted_;
   Clock::time_point start_ = Clock::now(), interval_start_ = start_;
   std::mutex interval_mutex_;
-  std::vector<size_t> tiles_;      // that lack samples
+  std::vector<size_t> tiles_;      // with missing samples
   std::vector<int64_t> costs_ns_;  // of their last samples
   std::atomic<int64_t> busy_ns_ = 0;
   PerThread<std::unique_ptr<TileRenderer>> renderers_;

@@ -15,14 +15,14 @@
 
 namespace raio::core {
 
-/// What to add to a film.
+/// The samples to add to a film.
 struct RenderTask {
   uint32_t samples = 0;            // the target per pixel; 0: as many as the options say
   uint32_t first_sample = 0;       // skip the samples before this one
   uint32_t shard = 0, shards = 1;  // only tiles with number = `shard` modulo `shards`
   double seconds = 0;              // approximate limit; 0: none
-  // Called by one of the threads that render, when it has finished some samples and so much time
-  // has passed since the last call. What it throws ends the work and is thrown again.
+  // Called from a rendering thread, between samples, if this much time has passed since the last
+  // call. An exception ends the work and is rethrown.
   double interval_s = 0;
   std::function<void()> at_interval = {};  // NOLINT(readability-redundant-member-init)
 };
@@ -41,14 +41,14 @@ std::optional<Error> picture_problem(int width, int height, ChannelSet channels 
 std::expected<std::unique_ptr<Film>, Error> make_film(const Scene& scene,
                                                       const RenderSettings& settings);
 
-/// Adds what the film lacks. Told to stop, by its control or its executor, it ends soon, and what
-/// it has done by then is in the film: the same call goes on from there, to the same bytes. More
-/// samples than a film has can be added where the sampler deals them without regard to their number
+/// Adds the missing samples to the film. If stopped, by its control or its executor, it returns
+/// soon and leaves its samples in the film; the same call continues from there, to the same bytes.
+/// A film can be extended beyond its planned samples if the sampler does not depend on their number
 /// (SamplerKind::sobol).
 ///
-/// With a time limit it goes over all tiles pass by pass, and the film ends with whole passes: all
-/// tiles have the same number of samples, unless not even the first pass, or one begun earlier,
-/// could be finished.
+/// With a time limit it renders all tiles pass by pass and drops an unfinished pass, so all tiles
+/// have the same number of samples. They differ only if the first pass, or one begun by an earlier
+/// call, is unfinished.
 RenderResult render(const Scene& scene, const Accel& accel, const RenderSettings& settings,
                     Film& film, WorkControl& control, const RenderTask& task = {});
 

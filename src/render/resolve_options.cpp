@@ -110,7 +110,7 @@ std::optional<Error> size_conflict(const RenderOptions& options, const RenderSet
   return std::nullopt;
 }
 
-// For parallel rays, which no lens can bend.
+// Parallel rays have no lens.
 std::optional<Error> lens_conflict(const RenderOptions& options) {
   constexpr std::string_view kWhy =
       "a lens needs `projection` perspective; leave it or `projection` orthographic out";
@@ -319,7 +319,7 @@ RenderOptions options_of(const RenderSettings& s, const Scene& scene) {
   if (s.accel.opacity != 1) o.opacity = s.accel.opacity;
   if (s.integrator != integrator_of(o, scene)) o.integrator = s.integrator;
   if (s.integrator == IntegratorKind::ambient) set_figure(o, s.figure);
-  // Pictures are written by their settings, without the scene.
+  // Pictures are written from their settings, without the scene.
   if (s.tone != Tone::none || tone_of(o, scene) != Tone::none) o.tone = s.tone;
   if (const Background own = background_of(o, scene); own != Background{s.background, s.sky})
     o.background = WrittenColor{.color = s.background, .sky = s.sky};

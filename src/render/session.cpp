@@ -21,11 +21,12 @@ constexpr double kMinScale = 1.0 / 32, kProbeScale = 1.0 / 8;
 constexpr double kMaxPartSeconds = 0.5;  // of a sample that is shown in parts
 constexpr uint32_t kMaxParts = 64;
 
-// For timing a sample: the time allowed for drawing the previous picture; that of all runs
-// together; and that above which drawing its parts cannot slow it down much.
+// For timing a sample: the time allowed for drawing the previous picture; the minimum of all runs
+// together; a sample of kLongSeconds needs no other run, since drawing its parts hardly slows it
+// down.
 constexpr double kDrawSeconds = 0.1, kTimingSeconds = 0.15, kLongSeconds = 1;
 
-// What a pixel's cost depends on, except the camera.
+// The options that determine a pixel's cost, except the camera.
 RenderOptions without_camera(RenderOptions o) {
   reset_camera(o);
   o.width = o.height = 0, o.samples = std::min(o.samples, 1);
@@ -51,14 +52,15 @@ bool same_geometry(const Object& a, const Object& b) {
   return same && std::ranges::equal(a.prototypes, b.prototypes, same_geometry);
 }
 
-// Whether one scene's structure is valid for the other: both read the same arrays and differ only
-// where structures and accel/geometry.h do not look: lights, background, materials.
+// Whether one scene's structure is valid for the other: both share all arrays and differ only in
+// data that structures and accel/geometry.h do not read: lights, background, most of the materials.
 bool bakes_alike(const Scene& a, const Scene& b, bool one_sided) {
   if (&a == &b) return true;
   // The widths of a grid's cells depend on the camera.
   if (a.camera.from != b.camera.from || a.materials.size() != b.materials.size()) return false;
   if (!same_geometry(a, b)) return false;
-  // Materials: whether they are opaque, triangle colours that come from them, and opacities.
+  // Structures depend on a few properties of materials: whether they are opaque, triangle colours,
+  // and opacities.
   const bool with_colors = any_colors(a);
   for (size_t m = 0; m < a.materials.size(); ++m) {
     const Material &x = a.materials[m], &y = b.materials[m];
@@ -68,7 +70,7 @@ bool bakes_alike(const Scene& a, const Scene& b, bool one_sided) {
   return std::ranges::equal(a.material_opacity, b.material_opacity);
 }
 
-// Does the second request need a structure that the first one's cannot be?
+// Whether the second request needs another structure than the first.
 bool needs_another(const SessionRequest& first, const SessionRequest& second) {
   const RenderOptions &a = first.options, &b = second.options;
   return a.accel != b.accel || a.one_sided != b.one_sided || a.opacity != b.opacity ||
@@ -219,7 +221,7 @@ bool Session::bake(const SessionRequest& request, SessionPicture& next) {
     begin_stage(SessionProgress::structure, 0);
     {
       const std::lock_guard lock(mutex_);
-      // Asked for something else meanwhile, or not at all?
+      // A newer request may need another structure, or the session may end.
       build_control_.stop = ending_ || (request_ && needs_another(request, *request_));
       built_ = &request;
     }
@@ -316,7 +318,7 @@ void Session::refine(SessionPicture& next) {
   }
 }
 
-// In parts if it takes long, so that something is visible meanwhile.
+// A slow sample is rendered and shown in parts.
 bool Session::first_sample(Film& film, double expected, SessionPicture& next) {
   const BakedScene& baked = *next.baked;
   const bool long_wait = expected > kPatienceSeconds;

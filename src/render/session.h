@@ -35,8 +35,8 @@ struct BakedScene {
 struct SessionRequest {
   std::shared_ptr<const Scene> scene;
   RenderOptions options;  // as on the command line, with a size
-  /// During movements: the target time of a picture, as fine as that permits. 0: full size, sample
-  /// after sample until there are as many as the options say.
+  /// During movements: the target time of a picture, which limits its resolution. 0: full size,
+  /// sample after sample up to the number in the options.
   double frame_s = 0;
 };
 
@@ -72,10 +72,9 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// Replaces what was requested before, whose work ends at once. Left to end by themselves are a
-  /// frame of a movement when the movement goes on, and a structure that the new request needs,
-  /// too, or there would never be any. Never waits for
-  /// rays. Returns the request's number, 1 for the first.
+  /// Replaces the previous request and ends its work at once, with two exceptions: a frame of a
+  /// movement that goes on, and a structure that the new request needs, too. Otherwise neither
+  /// would ever be finished. Never waits for rays. Returns the request's number, 1 for the first.
   uint64_t request(SessionRequest request);
 
   /// Cancels the request. Does not wait either.
@@ -84,8 +83,8 @@ class Session {
   /// While paused, a request gets only its first sample.
   void pause(bool paused);
 
-  /// Whether nothing is left to do: all requested work is done, or paused. A paused idle session
-  /// stays idle until the next request.
+  /// Whether all requested work is done or paused. A paused idle session stays idle until the next
+  /// request.
   bool is_idle() const;
 
   /// For the current request; nothing once it has a whole sample.

@@ -16,7 +16,7 @@ namespace {
 constexpr int kSide = 24;  // eye rays along each side of the picture
 constexpr float kMuch =
     0.02f;  // spread of half of the visible points, relative to the picture's height
-constexpr float kLittle = 0.01f;     // likewise, for the proposed lens
+constexpr float kLittle = 0.01f;     // the same for the proposed lens
 constexpr float kSharp = 0.005f;     // relative to the picture's height; a pixel if that is more
 constexpr float kMinSharp = 0.025f;  // fraction of the visible points
 

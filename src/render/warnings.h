@@ -1,4 +1,4 @@
-// Probable disappointments in a picture, although its options are valid.
+// Likely problems of a picture with valid options.
 #pragma once
 
 #include <optional>

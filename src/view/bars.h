@@ -42,7 +42,7 @@ Status status_of(const StatusFacts& facts);
 /// `read_out`: what is under the cursor; empty if nothing.
 void draw_status(const Rect& where, const Status& status, const std::string& read_out);
 
-/// The position of a message: at the lower left of the picture, in as many lines as it needs, above
+/// The position of a message: at the lower left of the picture, in as many lines as needed, above
 /// the legend if both do not fit side by side.
 Rect message_place(const Rect& picture, const Rect& legend, const std::string& message);
 void draw_message(const Rect& place, const std::string& message, bool is_error);

@@ -86,7 +86,7 @@ Camera dollied(const Camera& camera, Vec3d target, double factor) {
   if (camera.is_parallel()) return zoomed(camera, target, factor);
   const Vec3d move = (target - Vec3d(camera.from)) * (1 - factor);
   const CameraAxes axes(camera);
-  // The point looked at moves sideways, too, and keeps its depth as long as it is in front.
+  // The point looked at moves sideways, too, and keeps its depth while it is in front.
   const double distance = length(Vec3d(camera.at) - Vec3d(camera.from));
   const double ahead = std::max(distance - dot(move, axes.forward), 0.05 * distance);
   const Vec3d from = Vec3d(camera.from) + move;

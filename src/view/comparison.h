@@ -1,5 +1,5 @@
-// The effect of a key on the time per sample: compares whole samples of the same size, and says
-// that it waits until there are some.
+// The effect of a key on the time per sample. Compares whole samples of the same size; until there
+// are some, reports that it waits.
 #pragma once
 
 #include <optional>
@@ -15,10 +15,10 @@ class Comparison {
   /// the newest request `request` or older; may be null. Returns a line to display.
   std::string begin(std::string what, const SessionPicture* before, uint64_t request);
 
-  /// The line with the times, once there is a picture of `request` with them; returned once.
+  /// The line with the times, once, when a picture of `request` has them.
   std::optional<std::string> take(const SessionPicture& picture, uint64_t request);
 
-  /// Something else has changed, too.
+  /// Another change makes the times incomparable.
   void end() { what_.clear(); }
 
  private:

@@ -152,8 +152,8 @@ void draw_costs(const CostFacts& facts) {
   else if (facts.are_old)
     faint_text(facts.costs.effects.empty() ? tr("measured when idle")
                                            : tr("from before the last change; measured when idle"));
-  // One scale for all effects, except the structure: without one a picture takes so long that it
-  // has its own.
+  // All effects share a scale. The structure has its own, since a picture without one takes far
+  // longer.
   const auto most = [&](bool is_structure) {
     double seconds = 1e-9;
     for (const EffectCost& c : facts.costs.effects)

@@ -17,7 +17,7 @@ namespace raio::core::view {
 
 using SharedScene = std::shared_ptr<const Scene>;
 
-/// The scene after `change`. Cheap, except for arrays that it writes to, and at the first edit of a
+/// The scene after `change`. Cheap, except for arrays that it writes, and for the first edit of a
 /// scene that owns its arrays.
 SharedScene edited(const SharedScene& scene, const std::function<void(Scene&)>& change);
 
@@ -35,7 +35,7 @@ class SceneWriter {
     std::expected<std::string, Error> result;  // what the format loses, in one line
   };
 
-  /// Starts to write the state's scene as currently displayed. Not while is_busy().
+  /// Starts to write the state's scene as currently displayed. Must not be called while is_busy().
   void write(const ViewState& state, const std::string& path);
   bool is_busy() const { return writing_.valid(); }
   /// The finished result, once.

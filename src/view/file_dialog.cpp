@@ -94,7 +94,7 @@ std::optional<std::string> FileDialog::draw(const Layout& layout) {
     show_letters(entry);
     if (ImGui::Selectable(entry.c_str())) {
       if (saves && !entry.ends_with('/'))
-        name_ = entry;  // to be replaced, but not by one click
+        name_ = entry;  // proposes the name; replacing the file takes another click
       else
         wanted = entry;
     }

@@ -16,7 +16,7 @@
 
 namespace raio::core::view {
 
-/// Limits of a region's pixels, evenly chosen, and of its rays.
+/// The maximum number of a region's pixels, evenly chosen, and of its rays.
 inline constexpr int kMaxRegionPixels = 4096;
 inline constexpr size_t kMaxRegionRays = 20000;
 

@@ -147,7 +147,7 @@ void Inspector::go(int by) {
 
 bool Inspector::advance(double now) {
   if (!playing_ || !has_pixel() || now < next_step_at_) return false;
-  // As many steps as are due: fast playing exceeds the frame rate.
+  // All steps that are due: fast playing exceeds the frame rate.
   for (int k = 0; k < 1000 && playing_ && next_step_at_ <= now; ++k) {
     next_step_at_ += 1 / double(speed_);
     go(1);
@@ -206,8 +206,7 @@ std::string Inspector::label_of(int ray) const {
 
 Vec3d Inspector::place(Vec3f p) const { return found_->request.scene->origin + Vec3d(p); }
 
-// While steps are shown: rays before the current one, that one as far as it got, and the others
-// faintly.
+// While steps are shown: earlier rays, the current one as far as it got, and the others faintly.
 std::vector<DrawnRay> Inspector::pixel_rays() const {
   std::vector<DrawnRay> drawn;
   const auto& rays = found_->sample.rays;

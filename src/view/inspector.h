@@ -15,7 +15,7 @@
 
 namespace raio::core::view {
 
-/// What was pressed in the panel.
+/// User input in the panel.
 struct InspectorResult {
   bool closed = false, copied = false;
   std::optional<Camera> camera;  // viewpoint to go to

@@ -39,8 +39,8 @@ struct Layout {
   }
 };
 
-/// The number of tools of these widths, from the first, that fit in a bar; if not all fit, room is
-/// left for one more, which offers the others.
+/// The number of tools of these widths, from the first, that fit in a bar. If not all fit, leaves
+/// room for one more tool, which offers the others.
 inline size_t tools_that_fit(std::span<const float> widths, float available, float more) {
   float used = 0;
   size_t fit = 0, with_more = 0;

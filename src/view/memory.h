@@ -1,5 +1,5 @@
-// What the window remembers between runs: its appearance and recent scenes. A small text file in
-// the user's state folder; without it only comfort is missing.
+// The window's settings that outlast a run: its appearance and recent scenes. A small text file in
+// the user's state folder; everything works without it.
 #pragma once
 
 #include <filesystem>

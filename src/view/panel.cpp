@@ -236,8 +236,8 @@ void draw_window_options(const PanelFacts& facts, PanelResult& result) {
     set_language(portuguese ? Language::portuguese : Language::english);
 }
 
-// Whether an activity has only just started: a few frames, since the size of a section is known one
-// frame later.
+// Whether an activity started within the last few frames. The size of a section is known one frame
+// later.
 bool has_just_begun(const char* what, bool goes_on) {
   int& frames = *ImGui::GetStateStorage()->GetIntRef(ImGui::GetID(what));
   frames = goes_on ? frames + 1 : 0;

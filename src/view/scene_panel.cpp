@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kColorFlags = ImGuiColorEditFlags_Float | ImGuiColorEditFlags_HDR;
 
-// As fine as suits the distance of the point looked at.
+// Proportional to the distance of the point looked at.
 float speed_of(const Camera& camera) {
   return float(length(Vec3d(camera.at) - Vec3d(camera.from))) / 300;
 }
@@ -31,7 +31,7 @@ bool number_field(const char* label, float& value, float least, float most) {
   return value != before;
 }
 
-// Figures are lit by a sky and have neither lights nor mirrors and glass.
+// Figures are lit by a sky and have no lights, mirrors or glass.
 bool is_figure(const ViewState& state) {
   return integrator_of(state.options, *state.scene) == IntegratorKind::ambient;
 }

@@ -11,7 +11,7 @@
 
 namespace raio::core::view {
 
-/// What can be drawn.
+/// The boxes that can be drawn.
 struct BoxFacts {
   size_t drawn = 0, all = 0;
   int levels = 0;   // in a tree, that of its deepest leaf; 0: a grid

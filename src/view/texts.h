@@ -1,5 +1,5 @@
-// The texts of the window in the user's language. English texts are where they are used; one table
-// (texts.cpp) has the Portuguese ones.
+// The texts of the window in the user's language. The code has the English texts; a table in
+// texts.cpp has the Portuguese ones.
 #pragma once
 
 #include <fmt/format.h>
@@ -39,7 +39,7 @@ std::string trf(const char* english, T&&... values) {
 /// "1 light", "12.5 k lights".
 std::string number_of(size_t count, const char* one, const char* many);
 
-/// English and Portuguese, for tests: every text that is drawn has a line.
+/// English and Portuguese, for tests: there is a line for every text.
 std::span<const std::pair<const char*, const char*>> text_table();
 
 }  // namespace raio::core::view

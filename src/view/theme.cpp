@@ -50,7 +50,7 @@ Palette g_palette = kDark;
 float g_em = kTextSize;
 ImFont *g_heading = nullptr, *g_title = nullptr;
 
-// In the usual locations; else ImGui's built-in pixel font.
+// The usual locations; without these files, ImGui's built-in pixel font is used.
 constexpr std::array kRegular = {"/usr/share/fonts/opentype/inter/Inter-Regular.otf",
                                  "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
                                  "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
@@ -74,7 +74,7 @@ constexpr std::array kOtherScripts = {
     "/usr/share/fonts/truetype/droid/DroidSansFallbackFull.ttf",
     "/usr/share/fonts/opentype/ipafont-gothic/ipag.ttf",
     "/usr/share/fonts/truetype/nanum/NanumGothic.ttf"};
-constexpr size_t kMaxLetters = 2000;  // each takes room in a texture
+constexpr size_t kMaxLetters = 2000;  // each uses space in a texture
 
 std::set<ImWchar> g_letters;  // that occur in names
 bool g_wants_letters = false;
@@ -124,8 +124,8 @@ void load_fonts(const Theme& look, float scale) {
   ImGuiIO& io = ImGui::GetIO();
   io.Fonts->Clear();
   g_wants_letters = false;
-  // Western Europe's letters and the infinity sign, and those of the one title: each letter costs
-  // time when the window opens.
+  // Western Europe's letters and the infinity sign; only the title's letters for the title font.
+  // Each letter costs time when the window opens.
   static constexpr std::array<ImWchar, 5> kAll = {0x20, 0xff, 0x221e, 0x221e, 0};
   static constexpr std::array<ImWchar, 9> kTitle = {'R', 'R', 'a', 'a', 'i', 'i', 'o', 'o', 0};
   ImFont* body = look.projector ? load(kMedium, g_em, kAll.data(), Letters::of_names_too) : nullptr;
@@ -170,7 +170,7 @@ void set_colors(const Palette& p) {
 
 void apply_look(const Theme& look, float scale) {
   g_palette = look.light ? kLight : kDark;
-  if (look.projector) g_palette.faint = g_palette.text;  // no grey that is unreadable in a hall
+  if (look.projector) g_palette.faint = g_palette.text;  // grey is unreadable in a lecture hall
   g_em = em_of(look, scale);
   load_fonts(look, scale);
   ImGuiStyle& style = ImGui::GetStyle() = ImGuiStyle();

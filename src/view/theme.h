@@ -11,7 +11,7 @@ namespace raio::core::view {
 /// The user's choices.
 struct Theme {
   bool light = false;
-  bool projector = false;  // larger, heavier type and stronger contrast, for the last row of a hall
+  bool projector = false;  // larger, heavier type and stronger contrast, for the back row
 
   friend bool operator==(const Theme&, const Theme&) = default;
 };

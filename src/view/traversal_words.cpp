@@ -223,7 +223,7 @@ class TraversalNarrator {
     Variables slabs;
     for (int a = 0; a < 3; ++a) {
       const double o = ray_.ray.origin[a], d = ray_.ray.dir[a];
-      if (d == 0) continue;  // parallel: within the slab, or the ray would not come here
+      if (d == 0) continue;  // parallel to the slab and within it, else the ray would miss the box
       const double t1 = (double(s.box.lo[a]) - o) / d, t2 = (double(s.box.hi[a]) - o) / d;
       near = std::max(near, std::min(t1, t2)), far = std::min(far, std::max(t1, t2));
       slabs.emplace_back(fmt::format("t1.{}", kAxes[a]), value_text(t1));
@@ -265,7 +265,7 @@ class TraversalNarrator {
     return number_of(end - log_.steps[size_t(at_)].first_test, "primitive", "primitives");
   }
 
-  // ---- The end of all except a traversal to its last cell.
+  // ---- The end of a traversal, unless it went through the last cell.
   const TraceLog::Test* stopper() const {
     const auto found = std::ranges::find_if(log_.tests, &TraceLog::Test::nearest);
     return found == log_.tests.end() ? nullptr : &*found;

@@ -38,7 +38,7 @@ void set_up_imgui(GLFWwindow* window) {
 }
 
 std::string no_window(std::string_view why) {
-  return fmt::format("cannot open a window: {}{}; without one there is raio render", why,
+  return fmt::format("cannot open a window: {}{}; use raio render, which needs none", why,
                      g_glfw_problem.empty() ? "" : " (" + g_glfw_problem + ")");
 }
 

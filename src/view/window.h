@@ -40,7 +40,8 @@ class Window {
 
   /// Handles events; waits for them up to this many seconds.
   static void wait_events(double seconds);
-  /// Ends a wait, from any thread that ends before the window; without a window does nothing.
+  /// Ends a wait. Called from any thread that ends before the window; does nothing without a
+  /// window.
   static void wake();
 
   bool should_close() const;
@@ -79,7 +80,7 @@ class Window {
   Theme look_;
   bool has_new_look_ = false;
   std::vector<int> typed_;  // keys pressed since the last frame
-  int left_ = 0, top_ = 0;  // before it became full screen, with its size
+  int left_ = 0, top_ = 0;  // position before full screen, and the size
   int last_width_ = 0, last_height_ = 0;
   std::string title_;
 };

@@ -31,7 +31,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   raio::core::fuzz::require(is_sound || kept == 0 || text.empty(),
                             "what is no selection chooses nothing");
   const size_t rest = atoms({.style = raio::core::AtomStyle::space_filling, .hide = text});
-  // Either leaves no atom, or the file lacks the selected property.
+  // Either leaves no atom, or the selected property is missing in the file.
   raio::core::fuzz::require(!is_sound || kept == 0 || rest == 0 || kept + rest == 6,
                             "what is chosen and what is hidden are all atoms");
   return 0;

@@ -10,7 +10,7 @@
 namespace raio::core {
 namespace {
 
-// Nothing if the file is missing. The first use of a stream would take longer than all of this.
+// Nothing if the file is missing. Uses no stream: the first one would take longer than all of this.
 std::optional<std::string> read_all(const std::string& path) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"),
                                                              &std::fclose);
@@ -55,7 +55,7 @@ std::string unescaped(std::string_view field) {
   return out;
 }
 
-// A whole number that fills the text but for the end of its line; "max" and other words are none.
+// A line with nothing but an integer; nothing for "max" and other words.
 std::optional<long long> number(std::string_view text) {
   text = take(text, '\n');
   long long value = 0;
@@ -112,9 +112,9 @@ ControlGroups::ControlGroups(std::string root) : root_(std::move(root)) {
   memory_ = hierarchy_of("memory", *groups, *mounts);
 }
 
-// A line of `groups` is "number:controllers:path", of version 2 without controllers; a controller
-// is in one hierarchy only. One of `mounts` (proc_pid_mountinfo(5)) is "number parent device root
-// point options [tags] - type source options", where `root` is the group that is seen at `point`.
+// A line of `groups` is "number:controllers:path"; in version 2 it lists no controllers. A
+// controller is in one hierarchy only. A line of `mounts` (proc_pid_mountinfo(5)) is "number parent
+// device root point options [tags] - type source options": `root` is the group mounted at `point`.
 ControlGroups::Hierarchy ControlGroups::hierarchy_of(std::string_view controller,
                                                      std::string_view groups,
                                                      std::string_view mounts) const {
@@ -140,8 +140,8 @@ ControlGroups::Hierarchy ControlGroups::hierarchy_of(std::string_view controller
     const std::string_view type = take(line, ' ');
     take(line, ' ');
     if (found.is_v2 ? type != "cgroup2" : type != "cgroup" || !lists(line, controller)) continue;
-    // A group that is not below what is mounted has its files where the mount begins: containers of
-    // version 1 see paths of the machine outside.
+    // In containers of version 1, paths are those of the host. A group outside the mounted one then
+    // has its files at the mount point.
     std::string below = *path;
     if (of_root != "/" && below.starts_with(of_root) &&
         (below.size() == of_root.size() || below[of_root.size()] == '/'))

@@ -15,13 +15,13 @@ class ControlGroups {
   /// The control groups of this process. `root` is prepended to all file names, for tests.
   explicit ControlGroups(std::string root = "");
 
-  /// The smallest processor quota on the path to the root of the hierarchy, in processors: 1.5 is
-  /// the time of one and a half. Nothing without a limit.
+  /// The smallest processor quota on the path to the root of the hierarchy, in processors, for
+  /// example 1.5. Nothing without a limit.
   std::optional<double> cores() const;
 
   struct Memory {
     size_t available = 0;  // bytes below the limit; caches of files count as free
-    std::string file;      // that has the limit
+    std::string file;      // with the limit
   };
   /// The group on the path to the root with the least memory left. Nothing without a limit.
   std::optional<Memory> memory() const;

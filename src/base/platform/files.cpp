@@ -53,7 +53,7 @@ std::expected<Column<std::byte>, std::string> read_bytes(const fs::path& path) t
     return std::unexpected("found a folder, expected a file");
   if (file->kind() == InputFile::Kind::device)
     return std::unexpected("found a device, expected a file");
-  // Where the size is unknown, a buffer that grows needs twice the memory.
+  // If the size is unknown, a growing buffer needs twice the memory.
   const size_t available = available_memory_bytes();
   const size_t most = file->rest() > 0 ? available / 10 * 9 : available / 2;
   Column<std::byte> bytes(std::max<size_t>(std::min(file->rest(), most) + 1, 4096));

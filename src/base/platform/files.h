@@ -1,6 +1,6 @@
-// Files of the operating system: replaced whole or not at all, and read to their end.
-// Used by io/ (see io/file.h) and readers of large files. Errors are the system's reasons, one line
-// without the path.
+// Files of the operating system: replaced whole or not at all, and read to their end. Used by io/
+// (see io/file.h) and readers of large files. An error is the system's reason, one line without the
+// path.
 #pragma once
 
 #include <cstddef>
@@ -67,9 +67,9 @@ class InputFile {
   size_t rest_;
 };
 
-/// All bytes of a file or pipe, at an address that is a multiple of 64. They are read and not
-/// mapped: another program may truncate a file at any time, and reading a mapped page that is gone
-/// ends the process (SIGBUS). Fails for folders and devices, and if memory does not suffice.
+/// All bytes of a file or pipe, at an address that is a multiple of 64. They are read, not mapped:
+/// another program may truncate the file at any time, and access to a lost page of a mapping ends
+/// the process (SIGBUS). Fails for folders and devices, and if there is too little memory.
 std::expected<Column<std::byte>, std::string> read_bytes(const std::filesystem::path& path);
 
 }  // namespace raio::core

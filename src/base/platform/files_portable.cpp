@@ -159,7 +159,7 @@ FileOutcome replace_file(const fs::path& path, std::string_view bytes, Until) {
 FileOutcome check_replaceable(const fs::path& path) {
   const auto target = find_target(path);
   if (!target) return std::unexpected(target.error());
-  if (target->direct) return {};  // opening it may block or be taken for a message
+  if (target->direct) return {};  // opening it may block or have an effect
   const auto temporary = TemporaryFile::create(target->folder);
   return temporary ? FileOutcome() : std::unexpected(temporary.error());
 }

@@ -206,7 +206,7 @@ FileOutcome check(const Target& target) {
     const auto temporary = TemporaryFile::create(target.folder, 0600);
     return temporary ? FileOutcome() : std::unexpected(temporary.error());
   }
-  // A reader of a pipe would take opening and closing for the end of the data.
+  // The reader of a pipe would take opening and closing as the end of the data.
   if (S_ISFIFO(target.status.st_mode)) {
     const bool allowed = ::faccessat(AT_FDCWD, target.path.c_str(), W_OK, AT_EACCESS) == 0;
     return allowed ? FileOutcome() : failed(errno);

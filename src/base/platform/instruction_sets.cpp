@@ -1,6 +1,6 @@
-// The five functions of Highway's library that its headers call, defined here instead of linked:
-// loading the library measures the speed of a timer (its benchmarks want it), which takes several
-// milliseconds of every start.
+// The five functions of Highway's library that its headers call, defined here instead of linked.
+// The library measures the speed of a timer for its benchmarks when it is loaded, which would add
+// several milliseconds to every start.
 #include <hwy/targets.h>
 
 #include <cstdlib>
@@ -14,7 +14,7 @@ namespace {
 std::atomic<int64_t> disabled{0}, for_test{0};
 
 #if HWY_ARCH_X86_64
-// The parts of the processor's state, one bit each, that the system saves for each program.
+// The parts of the processor's state that the system saves for each program, one bit each.
 uint64_t saved_state() {
   uint32_t low = 0, high = 0;
   asm("xgetbv" : "=a"(low), "=d"(high) : "c"(0));
@@ -22,10 +22,10 @@ uint64_t saved_state() {
 }
 #endif
 
-// What the processor and the system can do, of the sets that are compiled
-// (hwy/ops/set_macros-inl.h says what each of them takes). Asked of the processor itself, as not
-// all compilers' __builtin_cpu_supports know of AVX. The bits are in Intel's "Software Developer's
-// Manual", CPUID and XGETBV.
+// The compiled instruction sets that processor and system support; hwy/ops/set_macros-inl.h lists
+// the requirements of each. Asks the processor directly, because __builtin_cpu_supports does not
+// know AVX in all compilers. The bits are in Intel's "Software Developer's Manual", CPUID and
+// XGETBV.
 int64_t detect() {
   int64_t targets = HWY_STATIC_TARGET;
 #if HWY_ARCH_X86_64
@@ -68,7 +68,7 @@ void SetSupportedTargetsForTest(int64_t targets) {
   GetChosenTarget().DeInit();
 }
 
-// Called where Highway is used against its rules.
+// Called when Highway is misused.
 void Abort(const char*, int, const char*, ...) { std::abort(); }
 
 ChosenTarget& GetChosenTarget() {

@@ -9,8 +9,8 @@ namespace raio::core {
 /// Loads a shared library permanently, by its linker name ("libcairo.so.2"). The error is one line.
 std::expected<void, std::string> load_library(const char* file);
 
-/// The address of a function in a loaded library. Throws std::runtime_error if it is missing: then
-/// the library is not the version compiled against.
+/// The address of a function in a loaded library. Throws std::runtime_error if it is missing: the
+/// library then has another version than its headers.
 void* library_function(const char* file, const std::string& name);
 
 }  // namespace raio::core

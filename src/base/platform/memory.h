@@ -21,11 +21,10 @@ void* map_zeroes(size_t bytes);
 void unmap_zeroes(void* p, size_t bytes);
 
 struct AvailableMemory {
-  /// That can be taken without pushing anything else out, by the system's own estimate, and within
-  /// the limits that this process and its container have. More than any machine has where the
-  /// system does not tell.
+  /// Memory available without swapping, by the system's estimate, within the limits of this process
+  /// and its container. The largest size_t if unknown.
   size_t bytes = 0;
-  std::string within;  // the limit that leaves no more: "the limit of FILE"; empty: the machine's
+  std::string within;  // the tightest limit: "the limit of FILE"; empty: the machine's memory
 
   /// For messages: "1.5 GB are free", with the limit.
   std::string text() const {
@@ -37,8 +36,9 @@ struct AvailableMemory {
 AvailableMemory available_memory();
 inline size_t available_memory_bytes() { return available_memory().bytes; }
 
-/// Limits the memory of this process: allocations beyond fail with std::bad_alloc. Counts requested
-/// memory, used or not, but not the program itself and its libraries. The error is one line.
+/// Limits the memory of this process: allocations beyond it fail with std::bad_alloc. Counts
+/// requested memory, used or not, but not the program itself and its libraries. The error is one
+/// line.
 std::expected<void, std::string> limit_memory(size_t bytes);
 
 /// Call before filling much memory: asks the system for large pages (Linux: 2 MB instead of 4 kB),

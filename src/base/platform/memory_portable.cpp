@@ -1,4 +1,4 @@
-// Standard C++ cannot tell how much memory there is.
+// Standard C++ cannot query the memory of the machine.
 #include <cstring>
 #include <limits>
 #include <new>

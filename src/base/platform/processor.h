@@ -8,8 +8,8 @@ namespace raio::core {
 /// The model name of the first processor; "unknown processor" if unavailable.
 std::string processor_name();
 
-/// How many cores' time the container of this process has, rounded up; more than any machine has
-/// where none limits it.
+/// The processor quota of this process's container, in cores, rounded up; the largest int if
+/// unlimited.
 int usable_cores();
 
 }  // namespace raio::core
