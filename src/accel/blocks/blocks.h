@@ -27,7 +27,7 @@ inline constexpr size_t kPools = kPrimitiveKinds;
 inline constexpr int kRefIndexBits = 32 - std::bit_width(kPools - 1);
 /// The reference with all bits set is null.
 inline constexpr uint32_t kMaxInPool = (uint32_t(1) << kRefIndexBits) - 1;
-static_assert(kMaxInPool >= 1u << 28, "the pools leave too few bits for an index");
+static_assert(kRefIndexBits >= 28, "the kinds leave too few bits for an index");
 static_assert(!kIsBounded<PrimitiveKind(Pool::nodes)>);
 constexpr Pool pool_of(PrimitiveKind kind) { return Pool(kind); }
 constexpr uint32_t pool_ref(Pool pool, uint32_t index) {
