@@ -87,7 +87,9 @@ class Geometry {
   uint32_t index_of(PrimitiveKind kind, PrimitiveId id) const { return id - first_[size_t(kind)]; }
   uint32_t index_of(PrimitiveId id) const { return index_of(kind_of(id), id); }
   /// A number that does not depend on the number of primitives of other kinds.
-  uint32_t key_of(PrimitiveKind kind, uint32_t index) const { return uint32_t(kind) << 29 ^ index; }
+  static uint32_t key_of(PrimitiveKind kind, uint32_t index) {
+    return uint32_t(kind) << 29 ^ index;
+  }
   uint32_t key_of(PrimitiveId id) const {
     const PrimitiveKind kind = kind_of(id);
     return key_of(kind, index_of(kind, id));

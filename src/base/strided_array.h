@@ -223,7 +223,7 @@ class StridedArray {
 
 /// The contiguous elements of either kind of array.
 template <class T>
-const Array<T>& packed(const Array<T>& array) {
+Array<T> packed(const Array<T>& array) {
   return array;
 }
 template <class T>
