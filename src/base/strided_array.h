@@ -159,8 +159,9 @@ class StridedArray {
   void clear() { *this = StridedArray(); }
   void reserve(size_t count) { writable().reserve(count); }
   void resize(size_t count) { writable().resize(count); }
-  /// A uniform array stays uniform if `value` is its value.
+  /// A uniform array stays uniform if `value` is its value, bit by bit.
   void resize(size_t count, const T& value) {
+    // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison)
     if (empty() || (is_uniform() && std::memcmp(address(0), &value, sizeof(T)) == 0))
       *this = uniform(count, value);
     else

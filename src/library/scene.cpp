@@ -256,7 +256,7 @@ struct PoolAppearance {
 // Appends `more`, or the material's default for each, to the values of the first `before`
 // primitives, if there are any values.
 template <class T, class Default>
-void join_looks(StridedArray<T>& to, StridedArray<T> more,
+void join_looks(StridedArray<T>& to, const StridedArray<T>& more,
                 const StridedArray<MaterialId>& materials, size_t before,
                 const Default& default_of) {
   if (to.empty() && more.empty()) return;
@@ -264,20 +264,20 @@ void join_looks(StridedArray<T>& to, StridedArray<T> more,
   if (more.empty())
     to.resize(materials.size(), default_of(materials.back()));
   else
-    to.append(std::move(more));
+    to.append(more);
 }
 
 // Nothing fails from here.
 template <class Shapes>
-void append(core::Scene& scene, const Shapes& shapes, PoolAppearance looks) {
+void append(core::Scene& scene, const Shapes& shapes, const PoolAppearance& looks) {
   constexpr auto pool = kPoolOf<typename Shapes::value_type>;
   const size_t before = (scene.*pool.shapes).size();
   StridedArray<MaterialId>& ids = scene.*pool.materials;
   ids.resize(before + shapes.size(), looks.material);
   const auto& materials = std::as_const(scene).materials;
-  join_looks(scene.*pool.colors, std::move(looks.colors), std::as_const(ids), before,
+  join_looks(scene.*pool.colors, looks.colors, std::as_const(ids), before,
              [&](MaterialId id) { return materials[id].color; });
-  join_looks(scene.*pool.opacity, std::move(looks.opacity), std::as_const(ids), before,
+  join_looks(scene.*pool.opacity, looks.opacity, std::as_const(ids), before,
              [&](MaterialId id) { return scene.opacity_of(id); });
   (scene.*pool.shapes).append(shapes);
 }
@@ -291,7 +291,7 @@ void Scene::add_spheres(const Column<float, 3>& centers, const Column<float>& ra
     place(data_->scene, spheres, &Sphere::center);
     check_shapes(spheres, "sphere");
     PoolAppearance looks(data_->scene, look, spheres.size());
-    append(data_->scene, std::move(spheres), std::move(looks));
+    append(data_->scene, spheres, looks);
   });
 }
 
@@ -304,7 +304,7 @@ void Scene::add_cones(const Column<float, 3>& starts, const Column<float, 3>& en
     place(data_->scene, cones, &Cone::base, &Cone::apex);
     check_shapes(cones, "cone");
     PoolAppearance looks(data_->scene, look, cones.size());
-    append(data_->scene, std::move(cones), std::move(looks));
+    append(data_->scene, cones, looks);
   });
 }
 
@@ -315,7 +315,7 @@ void Scene::add_ellipsoids(const Column<float, 3>& centers, const Column<float, 
     place(data_->scene, ellipsoids, &Ellipsoid::center);
     check_shapes(ellipsoids, "ellipsoid");
     PoolAppearance looks(data_->scene, look, ellipsoids.size());
-    append(data_->scene, std::move(ellipsoids), std::move(looks));
+    append(data_->scene, ellipsoids, looks);
   });
 }
 
@@ -329,7 +329,7 @@ void Scene::add_discs(const Column<float, 3>& centers, const Column<float, 3>& n
     make_unit(discs, "disc", &Disc::normal);
     check_shapes(discs, "disc");
     PoolAppearance looks(data_->scene, look, discs.size());
-    append(data_->scene, std::move(discs), std::move(looks));
+    append(data_->scene, discs, looks);
   });
 }
 
@@ -343,7 +343,7 @@ void Scene::add_moving_spheres(const Column<float, 3>& starts, const Column<floa
     place(data_->scene, spheres, &MovingSphere::center, &MovingSphere::to);
     check_shapes(spheres, "moving sphere");
     PoolAppearance looks(data_->scene, look, spheres.size());
-    append(data_->scene, std::move(spheres), std::move(looks));
+    append(data_->scene, spheres, looks);
   });
 }
 
@@ -359,7 +359,7 @@ void Scene::add_moving_triangles(const Column<float, 9>& starts, const Column<fl
           *p = Vec3f(Vec3d(*p) - origin);
     check_shapes(triangles, "moving triangle");
     PoolAppearance looks(data_->scene, look, triangles.size());
-    append(data_->scene, std::move(triangles), std::move(looks));
+    append(data_->scene, triangles, looks);
   });
 }
 
@@ -409,7 +409,7 @@ void Scene::add_triangles(const Column<float, 3>& positions, const Column<uint32
     }
     scene.positions.append(points.packed());
     scene.normals.append(units.packed());
-    append(scene, behind(first, corners), std::move(looks));
+    append(scene, behind(first, corners), looks);
   });
 }
 
