@@ -57,7 +57,8 @@ std::string add_part(Film& film, const NamedPart& p, std::span<const NamedPart> 
     // The first part's film already has the samples of the others.
     other = before.front().name;
     for (const NamedPart& b : before.subspan(1))
-      if (!b.part.film->samples(t).overlap({here}).empty()) other = b.name;
+      if (const SampleSpan shared = b.part.film->samples(t).overlap(samples); !shared.empty())
+        other = b.name, both = shared;
   }
   if (twice == 0) return {};
   return fmt::format(
