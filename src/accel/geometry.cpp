@@ -111,33 +111,35 @@ Geometry::Geometry(const Scene& scene, const Object& object, bool one_sided, boo
   for_each_kind([&]<PrimitiveKind kind> { list_sides<kind>(one_sided); });
 }
 
-double Geometry::bytes_to_bake(const Scene& scene, const Object& s) {
-  double pieces = 0, triangles = double(s.triangles.size());
+double Geometry::bytes_to_bake(const Scene& scene, const Object& object) {
+  double pieces = 0, triangles = double(object.triangles.size());
   double joined = 0;  // meshes' data is copied, and with it the scene's of the same kind
-  for (const Mesh& mesh : s.meshes) {
+  for (const Mesh& mesh : object.meshes) {
     triangles += double(mesh.triangles.size());
     // With vertex colours, which any mesh may have.
     joined += double(2 * mesh.positions.size() + mesh.normals.size()) * sizeof(Vec3f);
     if (!scene.material_texture.empty()) joined += double(mesh.positions.size()) * sizeof(Uv);
   }
-  if (!s.meshes.empty())
-    joined += double(s.positions.size() + s.normals.size()) * sizeof(Vec3f) +
+  if (!object.meshes.empty())
+    joined += double(object.positions.size() + object.normals.size()) * sizeof(Vec3f) +
               triangles * 2 * sizeof(TriangleIndices);
-  for (const Polygon& p : s.polygons) pieces += p.count;  // are listed twice
+  for (const Polygon& p : object.polygons) pieces += p.count;  // are listed twice
   if (pieces > 0) pieces += triangles;
   double piece = sizeof(Facet) + 2 * sizeof(TriangleIndices);
-  if (core::any_colors(s) || !s.object_ranges.empty()) piece += sizeof(uint32_t) + sizeof(Rgb);
+  if (core::any_colors(object) || !object.object_ranges.empty())
+    piece += sizeof(uint32_t) + sizeof(Rgb);
   double baked = 0, own = triangles + pieces;  // without instances
   for_each_kind([&]<PrimitiveKind kind> {
     if constexpr (kind != PrimitiveKind::triangle) {
-      const auto count = double((s.*kPoolOf<PrimitiveType<kind>>.shapes).size());
+      const auto count = double((object.*kPoolOf<PrimitiveType<kind>>.shapes).size());
       if constexpr (kKeepsBaked<kind>) baked += count * sizeof(Baked<kind>);
       own += count;
     }
   });
   return joined + triangles * sizeof(Facet) + baked + 2 * piece * pieces +
-         own * (sizeof(Sides) +
-                (core::any_transparent(scene, s) ? sizeof(uint32_t) + 2 * sizeof(PrimitiveId) : 0));
+         own * (sizeof(Sides) + (core::any_transparent(scene, object)
+                                     ? sizeof(uint32_t) + 2 * sizeof(PrimitiveId)
+                                     : 0));
 }
 
 // Triangles without area are dropped, since no ray can hit them.

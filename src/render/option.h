@@ -240,10 +240,12 @@ std::expected<void, std::string> parse(const auto& entry, std::string_view text,
               ? ""
               : fmt::format("{} from {} to {}{}{}", kOne ? "" : ", each", Number(entry.least),
                             Number(entry.most), entry.unit.empty() ? "" : " ", entry.unit);
-      return expected_but(kOne ? fmt::format("a {}{}", kind, range)
-                               : fmt::format("{} {}s as {}{}", sizeof(T) / sizeof(Number), kind,
-                                             entry.value_name, range),
-                          text);
+      // NOLINTNEXTLINE(bugprone-sizeof-expression): one number has one
+      constexpr size_t kCount = sizeof(T) / sizeof(Number);
+      return expected_but(
+          kOne ? fmt::format("a {}{}", kind, range)
+               : fmt::format("{} {}s as {}{}", kCount, kind, entry.value_name, range),
+          text);
     };
     T value{};
     if constexpr (kOne) {
