@@ -268,7 +268,7 @@ void set_printed_size(PrintSize size, RenderSettings& s) {
 
 RenderSettings resolve_options(const RenderOptions& o, const Scene& scene) {
   RenderSettings s;
-  static_cast<PlainOptions&>(s) = o;
+  static_cast<PlainOptions&>(s) = static_cast<const PlainOptions&>(o);
   s.accel.opacity = o.opacity.value_or(1);
   const bool asks_for_grid = o.accel.grid_factor > 0 || o.accel.grid_resolution[0] > 0;
   if (o.accel.kind == AccelKind::automatic)
@@ -314,7 +314,7 @@ RenderSettings resolve_options(const RenderOptions& o, const Scene& scene) {
 
 RenderOptions options_of(const RenderSettings& s, const Scene& scene) {
   RenderOptions o;
-  static_cast<PlainOptions&>(o) = s;
+  static_cast<PlainOptions&>(o) = static_cast<const PlainOptions&>(s);
   o.accel.opacity = 1;
   if (s.accel.opacity != 1) o.opacity = s.accel.opacity;
   if (s.integrator != integrator_of(o, scene)) o.integrator = s.integrator;
