@@ -24,7 +24,7 @@ AccelResult make_accel(Geometry&& geometry, const AccelOptions& options) {
   return make_bvh(std::move(geometry));
 }
 
-// With those of its objects, once each.
+// Includes the primitives of its objects, once each.
 uint64_t primitives_to_build(const Object& scene) {
   uint64_t count = 0;
   for_each_pool([&](auto pool) { count += (scene.*pool.shapes).size(); });

@@ -33,7 +33,7 @@ struct AccelOptions {
   // several times as long.
   bool counters = false;
 
-  float opacity = 1;  // of primitives without one of their own or of their material
+  float opacity = 1;  // of primitives if neither they nor their materials have one
 
   friend bool operator==(const AccelOptions&, const AccelOptions&) = default;
 };
@@ -191,7 +191,7 @@ class Accel {
   /// Whether there is such a hit: 1 or 0 per ray; `hit` has room for padded(rays.size()).
   void occluded(const RayBatch& rays, uint8_t* hit, TraceContext& context) const;
 
-  /// A ray meets each transparent primitive once, at its first hit. Finds the next such hit with 0
+  /// Each transparent primitive counts once, at the ray's first hit. Finds the next such hit with 0
   /// < t < tmax after element i of `after`, which may have t = 0; among equally near hits the
   /// lowest id comes first. No hit if there are no more. With `keys`, one per ray, only hits that
   /// stop the ray count: each with the probability of its opacity, by a hash of key and primitive,
@@ -243,8 +243,8 @@ class Accel {
 
 /// Bakes the scene, which must outlive the result, and builds the structure selected by `options`
 /// (`automatic`: the best for the scene). `one_sided` and `with_sources` as for Geometry. Errors:
-/// not enough memory (no_resource), options that contradict each other (bad_option), an executor
-/// that was told to stop (stopped).
+/// not enough memory (no_resource), options that contradict each other (bad_option), a stopped
+/// executor (stopped).
 std::expected<std::unique_ptr<Accel>, Error> build_accel(const Scene& scene,
                                                          const AccelOptions& options,
                                                          bool one_sided = false,

@@ -65,7 +65,7 @@ class Geometry {
            bool with_sources = false, float opacity = 1);
   Geometry(Geometry&&) = default;
 
-  /// What the object's materials and textures are those of.
+  /// The scene with the object's materials and textures.
   const Scene& scene() const { return *scene_; }
   const Object& object() const { return *object_; }
 

@@ -236,8 +236,8 @@ void Instances::occluded(const RayBatch& rays, uint8_t* hit, TraceContext& conte
       });
 }
 
-// By rounding, a hit found in an object may lie before `after` outside it; then the object is asked
-// for the next one. Each instance has its own key.
+// By rounding, a hit found in an object may lie before `after` outside it; then the search
+// continues in the object. Each instance has its own key.
 void Instances::next_transparent(const RayBatch& rays, const HitBatch& after, HitBatch& hits,
                                  TraceContext& context, const uint32_t* keys) const {
   Moved moved;

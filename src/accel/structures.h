@@ -25,8 +25,8 @@ std::expected<std::unique_ptr<Accel>, Error> build_object(const Scene& scene, co
                                                           const AccelOptions& options,
                                                           bool one_sided, bool with_sources);
 
-/// So often each primitive counts in the progress of a build (add_work()): where it is found a
-/// place, and where its block is filled.
+/// The progress of a build counts each primitive this often (add_work()): when it is assigned to a
+/// leaf or a cell, and when its block is filled.
 inline constexpr uint64_t kBuildPasses = 2;
 
 }  // namespace raio::core

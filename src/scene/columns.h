@@ -1,5 +1,5 @@
-// The list of a scene's arrays, written once: what hashes, checks, measures or stores scenes goes
-// by it. An array that is new in scene.h is a line here, but for pools, which kScenePools lists.
+// The arrays of a scene, listed once, for code that hashes, checks, measures or stores scenes. A
+// new array of scene.h is added here; a new pool, to kScenePools.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 namespace raio::core {
 
 /// Calls f(kind, shapes, materials, colors, opacity) for each pool of primitives of `scene`, const
-/// or not. Meshes, which keep theirs themselves, are none.
+/// or not. Excludes meshes, which store their own materials and colours.
 template <class SceneType, class F>
 void for_each_pool(SceneType& s, F&& f) {
   for_each_pool([&](auto pool) {
@@ -18,11 +18,11 @@ void for_each_pool(SceneType& s, F&& f) {
   });
 }
 
-/// How the content hash counts a column. Those that came after the first version count only where
-/// they are not empty, so that scenes without them keep their names.
+/// How the content hash counts a column. Columns added after the first version count only if they
+/// are not empty, so that older scenes keep their hashes.
 enum class Counted : uint8_t { always, where_used };
 
-/// A column's name, the same in files; those of meshes begin with "mesh_".
+/// The name of a column, also in files; the names of mesh columns begin with "mesh_".
 struct ColumnName {
   std::string_view name;
   Counted counted = Counted::always;
@@ -30,7 +30,7 @@ struct ColumnName {
 
 /// The names of a pool's columns: "discs", "disc_materials" and so on.
 struct PoolColumns {
-  using Name = std::array<char, 32>;  // with zeros behind
+  using Name = std::array<char, 32>;  // padded with zeros
   Name shapes, materials, colors, opacity;
 };
 inline constexpr auto kPoolColumns = [] {
@@ -60,8 +60,8 @@ void for_each_mesh_column(MeshType& mesh, F&& f) {
   f(ColumnName{"mesh_normal_indices", Counted::where_used}, mesh.normal_indices);
 }
 
-/// Calls f(ColumnName, array) for the arrays of `object`, const or not, without those of meshes and
-/// prototypes and its instances. The order is that of the hash.
+/// Calls f(ColumnName, array) for the arrays of `object`, const or not, except its instances and
+/// the arrays of meshes and prototypes. The order is that of the hash.
 template <class ObjectType, class F>
 void for_each_pool_column(ObjectType& s, F&& f) {
   f(ColumnName{"planes"}, s.planes);
@@ -90,16 +90,16 @@ void for_each_pool_column(ObjectType& s, F&& f) {
 }
 inline constexpr ColumnName kInstances = {"instances", Counted::where_used};
 
-/// The same with its instances.
+/// The same, including instances.
 template <class ObjectType, class F>
 void for_each_object_column(ObjectType& object, F&& f) {
   for_each_pool_column(object, f);
   f(kInstances, object.instances);
 }
 
-/// Calls f(ColumnName, array) for the arrays of `scene`, const or not, without lights, the names of
-/// objects and the arrays of meshes and prototypes. The order is that of the hash: new ones go to
-/// the end.
+/// Calls f(ColumnName, array) for the arrays of `scene`, const or not, except lights, object names
+/// and the arrays of meshes and prototypes. The order is that of the hash, so new arrays go at the
+/// end.
 template <class SceneType, class F>
 void for_each_own_column(SceneType& s, F&& f) {
   f(ColumnName{"materials"}, s.materials);
@@ -113,7 +113,7 @@ void for_each_own_column(SceneType& s, F&& f) {
   f(ColumnName{"texels", Counted::where_used}, s.texels);
 }
 
-/// Both: the scene's own, then those of one mesh after another.
+/// The scene's own arrays, then those of each mesh.
 template <class SceneType, class F>
 void for_each_column(SceneType& scene, F&& f) {
   for_each_own_column(scene, f);

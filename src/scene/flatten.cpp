@@ -14,7 +14,7 @@
 namespace raio::core {
 namespace {
 
-// The transformed shape; nothing if it is no shape of this kind.
+// The transformed shape; nothing if it is not of the same kind.
 std::optional<Sphere> moved(const Sphere& s, const Placement& by) {
   if (by.scale() == 0) return std::nullopt;
   return Sphere{Vec3f(by.point(Vec3d(s.center))), float(by.scale() * double(s.radius))};
@@ -43,18 +43,18 @@ std::optional<Disc> moved(const Disc& disc, const Placement& by) {
   out.inner = float(by.scale() * double(disc.inner));
   return out;
 }
-template <class Shape>  // validate() keeps these out of objects
+template <class Shape>  // validate() excludes these from objects
 std::optional<Shape> moved(const Shape& shape, const Placement&) {
   return shape;
 }
 
-// So that the front of a mirrored triangle is the image of its front.
+// Keeps the front of a mirrored triangle in front.
 TriangleIndices turned(const TriangleIndices& t, bool mirrored) {
   return mirrored ? TriangleIndices{t[0], t[2], t[1]} : t;
 }
 
 // Appends a column parallel to a pool of `before` elements, which gets `count` more. If only one of
-// both has values, the others get their materials' `usual` value.
+// the two has values, the others get their materials' `usual` value.
 template <class T, class Usual>
 void append(StridedArray<T>& to, const StridedArray<MaterialId>& materials, size_t before,
             const StridedArray<T>& from, size_t count, const Usual& usual) {
@@ -214,7 +214,7 @@ double flat_bytes(const Object& scene) {
 
 std::string flatten_instances(Scene& scene) {
   if (scene.instances.empty()) {
-    scene.prototypes.clear();  // none has instances any more
+    scene.prototypes.clear();  // no instances are left
     return {};
   }
   const AvailableMemory available = available_memory();

@@ -308,7 +308,8 @@ std::string camera_problem(const Camera& camera) {
   if (!(length(cross(view, up)) > 1e-7 * length(view) * length(up)))
     return "up is parallel to the line of sight";
   if (const auto& m = camera.movement) {
-    // The line of sight changes linearly, and so does its product with `up`: how near to zero?
+    // The line of sight changes linearly, and so does its product with `up`. How close to zero does
+    // it get?
     const Vec3d end = Vec3d(m->at) - Vec3d(m->from);
     const Vec3d first = cross(view, up), way = cross(end, up) - first;
     const double way2 = dot(way, way);

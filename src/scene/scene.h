@@ -1,6 +1,6 @@
-// What a scene file says, as plain data: no pointers but to its sky, no virtual calls, one pool per
-// kind of thing and indices between them. Readers and generators fill it, accel/ bakes it for
-// tracing. What must go by all of its arrays uses scene/columns.h, which names each of them once.
+// A scene as plain data: one pool per kind of primitive, indices instead of pointers (except for
+// the sky), no virtual calls. Readers and generators fill it; accel/ bakes it for tracing. Code
+// that handles all arrays uses scene/columns.h, which lists each of them once.
 #pragma once
 
 #include <array>
@@ -33,7 +33,7 @@ struct CubeMap;  // scene/cube_map.h
 
 using MaterialId = uint32_t;
 
-/// Where a camera looks from and at when it has moved, and when it begins to and ends.
+/// The end position of a moving camera, and the times at which the movement begins and ends.
 struct CameraMovement {
   Vec3f from, at;
   float begin = 0, end = 1;
@@ -41,23 +41,23 @@ struct CameraMovement {
   friend bool operator==(const CameraMovement&, const CameraMovement&) = default;
 };
 
-/// How eye rays go: all from one point, or side by side from the plane through it that the line of
-/// sight crosses at a right angle. What is as far away as `at` is as large in both. The numbers
-/// stand in files.
+/// The directions of eye rays: all from one point, or parallel, from a plane through that point
+/// perpendicular to the line of sight. Objects as far away as `at` have the same size in both.
+/// Files store the numbers.
 enum class Projection : uint32_t { perspective, orthographic };
 
-/// A pinhole or thin-lens camera, or one of parallel rays. Right is `to_at` x `up`; `up` need not
-/// be perpendicular.
+/// A pinhole, thin-lens or orthographic camera. Right is `to_at` x `up`; `up` need not be
+/// perpendicular.
 struct Camera {
   Vec3f from{0, 0, 0};
   Vec3f at{0, 0, -1};
   Vec3f up{0, 1, 0};
   float fov_deg = 45;            // vertical, from edge to edge, in (0, 180)
-  float horizontal_fov_deg = 0;  // horizontal at least, whatever the shape of the picture; 0: any
+  float horizontal_fov_deg = 0;  // at least this, for any shape of the picture; 0: any
   Projection projection = Projection::perspective;
-  int width = 0, height = 0;  // pixels; 0: the file does not say
+  int width = 0, height = 0;  // pixels; 0: not given by the file
 
-  // The thin lens, where the file gives one (P3F): radius and distance of the plane in focus, scene
+  // The thin lens, if the file has one (P3F): radius and distance of the plane in focus, scene
   // units.
   std::optional<float> lens_radius, focus_distance;
 
@@ -68,7 +68,7 @@ struct Camera {
   friend bool operator==(const Camera&, const Camera&) = default;
 };
 
-/// The surface of `f` in NFF; see docs/shading.md for what it does with light.
+/// The surface of `f` in NFF; docs/shading.md describes its shading.
 struct Material {
   Rgb color{0.8f, 0.8f, 0.8f};
   float kd = 0.8f;         // diffuse part
@@ -80,11 +80,11 @@ struct Material {
   friend bool operator==(const Material&, const Material&) = default;
 };
 
-/// How a texture goes on beyond its edges. The numbers stand in files.
+/// How a texture continues beyond its edges. Files store the numbers.
 enum class TextureWrap : uint32_t { repeat, clamp, mirror };
 
-/// A picture on meshes: `width` x `height` of Scene::texels from `first` on, rows from top to
-/// bottom. Several may share them.
+/// A picture for meshes: `width` x `height` of Scene::texels starting at `first`, rows from top to
+/// bottom. Textures may share texels.
 struct Texture {
   uint32_t first = 0, width = 0, height = 0;
   TextureWrap wrap_u = TextureWrap::repeat, wrap_v = TextureWrap::repeat;
@@ -95,11 +95,11 @@ inline constexpr uint32_t kNoTexture = 0xffffffffu;
 inline constexpr uint32_t kLargestTexture = 16384;     // a side, texels
 inline constexpr size_t kMaxTexels = size_t(1) << 28;  // of all together
 
-/// More points of a light are not asked for.
+/// The maximum number of points of a light.
 inline constexpr int kMaxLightPoints = 1'000'000;
 
-/// The sides of a light along x and z, scene units, and how many points of it the file asks for
-/// (kept for writing: a sample takes one, however many there are of it).
+/// The sides of a light along x and z, scene units, and the number of its points in the file, which
+/// is kept for writing only: a sample takes one point in any case.
 struct LightExtent {
   float width = 0, depth = 0;
   int points = 1;
@@ -107,52 +107,51 @@ struct LightExtent {
   friend bool operator==(const LightExtent&, const LightExtent&) = default;
 };
 
-/// A point light, which soft shadows make a square, or the rectangle that it has by `extent`.
+/// A point light, which soft shadows turn into a square, or a rectangle if it has an `extent`.
 struct Light {
   Vec3f position;
-  std::optional<Rgb> color;             // without: 1 / sqrt(number of lights), white
+  std::optional<Rgb> color;             // nothing: white, 1 / sqrt(number of lights)
   std::optional<LightExtent> extent{};  // NOLINT(readability-redundant-member-init)
 };
 
-/// The language of a scene's file, which decides the model of light that it means: that of NFF, of
-/// P3F (docs/p3f.md), or, for data such as atoms, points and meshes, which say nothing of light,
-/// that of figures (docs/ambient.md). The numbers stand in files.
+/// The language of a scene's file, which selects the shading: that of NFF, that of P3F
+/// (docs/p3f.md), or, for data without lighting such as atoms, points and meshes, that of figures
+/// (docs/ambient.md). Files store the numbers.
 enum class Dialect : uint32_t { nff, p3f, data };
 
-/// The acceleration structure that a file asks for (P3F `accel`); no picture depends on it. The
-/// numbers stand in files.
+/// The acceleration structure requested by a file (P3F `accel`); it does not change the picture.
+/// Files store the numbers.
 enum class AccelHint : uint32_t { any, none, grid, bvh };
 
-/// A triangle or polygon corner list is indices into `Scene::positions`.
+/// The vertices of a triangle, as indices into `Scene::positions`.
 using TriangleIndices = std::array<uint32_t, 3>;
 inline constexpr uint32_t kNoNormal = 0xffffffffu;
 
-/// A polygon's corners are positions[first] ... positions[first + count - 1]; count >= 4 (three
-/// corners make a triangle).
+/// The vertices of a polygon are positions[first] ... positions[first + count - 1]; count >= 4 (a
+/// polygon with three vertices is stored as a triangle).
 struct Polygon {
   uint32_t first = 0, count = 0;
 };
 
-/// Two coordinates on a picture: (0, 0) at its lower left corner, (1, 1) at the upper right one.
+/// Texture coordinates: (0, 0) at the lower left corner, (1, 1) at the upper right one.
 using Uv = std::array<float, 2>;
 
-/// Triangles with vertices of their own, which carry more than the scene's do.
+/// Triangles with their own vertices, which have more attributes than those of the scene.
 struct Mesh {
   Array<Vec3f> positions;
-  // Of the vertices, each as long as `positions`, or empty.
-  Array<Vec3f> normals;  // unit; as long as it likes where there are normal_indices
+  // Attributes of vertices, each as long as `positions`, or empty.
+  Array<Vec3f> normals;  // unit; of any length if there are normal_indices
   Array<Uv> uv;
-  Array<Rgb> colors;  // each multiplied into the material's
+  Array<Rgb> colors;  // multiplied by the material's colour
 
   Array<TriangleIndices> triangles;  // indices into `positions`
   /// Indices into `normals`, parallel to `triangles`; empty: those of `triangles`. A flat triangle
   /// has kNoNormal three times.
   Array<TriangleIndices> normal_indices;
-  Array<MaterialId> materials;  // one for all, or one for each triangle
+  Array<MaterialId> materials;  // one for the whole mesh, or one per triangle
 };
 
-/// What objects are made of: the pools of a scene, its meshes and its copies. The numbers stand in
-/// files.
+/// The pools of an object, including meshes and instances. Files store the numbers.
 enum class PoolKind : uint32_t {
   plane,
   sphere,
@@ -179,10 +178,10 @@ struct ObjectRange {
   friend bool operator==(const ObjectRange&, const ObjectRange&) = default;
 };
 
-/// Prototypes are nested at most this deep.
+/// The maximum depth of nested prototypes.
 inline constexpr int kMaxNested = 16;
 
-/// An instance of a prototype, placed by the matrix.
+/// An instance of a prototype, transformed by the matrix.
 struct Instance {
   uint32_t prototype = 0;  // of Object::prototypes
   Matrix matrix = kIdentity;
@@ -190,7 +189,7 @@ struct Instance {
   friend bool operator==(const Instance&, const Instance&) = default;
 };
 
-// The members that a caller may keep in columns of their own.
+// The shapes with members that a caller may store in separate columns.
 template <>
 inline constexpr std::array kMemberOffsets<Sphere> = {offsetof(Sphere, center),
                                                       offsetof(Sphere, radius)};
@@ -216,24 +215,24 @@ template <>
 inline constexpr std::array kMemberOffsets<Instance> = {offsetof(Instance, prototype),
                                                         offsetof(Instance, matrix)};
 
-/// Shapes with several members may lie in columns; indices, which tracing reads in place, may not.
+/// Shapes with several members may be stored as columns; indices, which tracing reads in place, may
+/// not.
 template <class Shape>
 using ShapeArray =
     std::conditional_t<(kMemberOffsets<Shape>.size() > 1), StridedArray<Shape>, Array<Shape>>;
 
-/// Geometry and what it looks like, which a scene may show in several places. Its materials are
-/// numbers in Scene::materials, its objects numbers in Scene::object_names. Copies share all
-/// arrays until one of them changes.
+/// Geometry with its materials, which a scene may show in several places. Materials are indices
+/// into Scene::materials, objects ids for Scene::object_names. Copies share all arrays until one of
+/// them changes.
 struct Object {
-  /// All coordinates are stored as floats relative to this point, so that a scene far from zero
-  /// keeps its digits. Zero unless a reader finds the camera far away compared with what it looks
-  /// at.
+  /// All coordinates are floats relative to this point, so a scene far from zero keeps its
+  /// precision. Zero, unless a reader finds that the camera is far away relative to the size of its
+  /// view.
   Vec3d origin;
 
-  // Of each pool the materials are parallel to the shapes, and so are colours and opacities, which
-  // are empty where no primitive of the kind has any. A colour takes the place of the material's,
-  // and so does an opacity (0 to 1), the part of the light from behind that is kept back
-  // (docs/ambient.md).
+  // In each pool, materials are parallel to the shapes; so are colours and opacities, which are
+  // empty if no primitive of the kind has one. A colour replaces the material's, and so does an
+  // opacity (0 to 1), the absorbed fraction of the light from behind (docs/ambient.md).
   ShapeArray<Plane> planes;
   ShapeArray<Sphere> spheres;
   ShapeArray<Cone> cones;  // and cylinders
@@ -251,7 +250,7 @@ struct Object {
   StridedArray<float> plane_opacity, sphere_opacity, cone_opacity, ellipsoid_opacity, disc_opacity,
       moving_sphere_opacity, moving_triangle_opacity, triangle_opacity, polygon_opacity;
 
-  // Of triangles and polygons.
+  // Shared by triangles and polygons.
   Array<Vec3f> positions;
   Array<Vec3f> normals;  // unit
   /// Indices into `normals`, parallel to `triangles`, or empty when no triangle is smooth. A flat
@@ -260,22 +259,23 @@ struct Object {
 
   std::vector<Mesh> meshes;
 
-  /// Which elements belong to which object of Scene::object_names: object `id` (from 1; 0 is none)
-  /// is object_names[id - 1]. The ranges are sorted by pool, then by `first`, and no two overlap.
+  /// The elements of each object: object `id` (from 1; 0 is none) has the name
+  /// Scene::object_names[id - 1]. The ranges are sorted by pool, then by `first`, and do not
+  /// overlap.
   Array<ObjectRange> object_ranges;
 
-  /// Objects that are stored once and placed by `instances`: without planes and moving primitives.
-  /// An instance without an object of its own shows those of its prototype.
+  /// Objects that are stored once and placed by `instances`, without planes and moving primitives.
+  /// If an instance belongs to no named object, the objects within its prototype are used.
   std::vector<Object> prototypes;
   ShapeArray<Instance> instances;
 
-  size_t primitive_count() const;  // with those of instances
+  size_t primitive_count() const;  // includes those of instances
 
-  /// Does any primitive move?
+  /// Whether any primitive moves.
   bool has_moving() const { return !moving_spheres.empty() || !moving_triangles.empty(); }
 };
 
-/// What a file asks for, unless an option says otherwise. No picture has it by itself.
+/// Requests of a file, which options override. No picture depends on them directly.
 struct FileRequests {
   int samples_per_pixel = 0;  // P3F `spp`; 0: none
   AccelHint structure = AccelHint::any;
@@ -285,25 +285,25 @@ struct FileRequests {
   float near_clip = 0;  // NFF `hither`; kept for writing only
 };
 
-/// An object, where it is seen from, and what it is lit by and made of.
+/// An object with a camera, lights and materials.
 struct Scene : Object {
-  std::string name;  // of the file, without folder and suffix
+  std::string name;  // of the file, without folder and extension
   Dialect dialect = Dialect::nff;
   FileRequests requests;
 
   Camera camera;
   Rgb background;
-  /// In place of `background`; null: none, or the folder could not be read.
+  /// Replaces `background`; null: none, or the folder could not be read.
   std::shared_ptr<const CubeMap> sky;
   std::vector<Light> lights;
 
   Array<Material> materials;  // never empty in a valid scene
-  // Parallel to `materials`, or empty where all are as NFF has them: the colour of highlight and
-  // mirror (else white), how far mirrored and refracted directions spread (else 0;
-  // docs/shading.md), and the opacity of what has none of its own (else 1).
+  // Parallel to `materials`, or empty if all have the defaults of NFF: the colour of highlight and
+  // mirror (white), the spread of mirrored and refracted directions (0; docs/shading.md), and the
+  // opacity of primitives without their own (1).
   Array<Rgb> material_specular;
   Array<float> material_roughness, material_opacity;
-  // The texture that a material's colour is multiplied by where a mesh has texture coordinates, or
+  // The texture multiplied by the material's colour where a mesh has texture coordinates, or
   // kNoTexture; parallel to `materials`, or empty.
   Array<uint32_t> material_texture;
   Array<Texture> textures;
@@ -311,10 +311,10 @@ struct Scene : Object {
 
   std::vector<std::string> object_names;
 
-  /// Is anything elsewhere at another time?
+  /// Whether the camera or any primitive moves.
   bool moves() const { return has_moving() || camera.movement; }
 
-  /// What the columns say of a material.
+  /// The values of a material in the columns, or their defaults.
   Rgb specular_of(MaterialId id) const {
     return material_specular.empty() ? Rgb(1) : material_specular[id];
   }
@@ -327,12 +327,12 @@ struct Scene : Object {
   uint32_t texture_of(MaterialId id) const {
     return material_texture.empty() ? kNoTexture : material_texture[id];
   }
-  /// Appends a material, and to the columns beside it what they then need.
+  /// Appends a material, and extends the columns that it needs.
   MaterialId add_material(const Material& material, Rgb specular = Rgb(1), float roughness = 0,
                           float opacity = 1, uint32_t texture = kNoTexture);
 };
 
-/// A pool and what belongs to its primitives, as members of Object.
+/// A pool and its columns, as members of Object.
 template <class Shape>
 struct PoolMembers {
   PoolKind kind;
@@ -342,7 +342,7 @@ struct PoolMembers {
   StridedArray<float> Object::* opacity;
 };
 
-/// All pools, named once: everything that treats them alike goes by this list.
+/// All pools, listed once, for code that treats them alike.
 inline constexpr std::tuple kScenePools = {
     PoolMembers<Plane>{PoolKind::plane, &Object::planes, &Object::plane_materials,
                        &Object::plane_colors, &Object::plane_opacity},
@@ -387,34 +387,33 @@ static_assert(std::apply(
                   kScenePools),
               "each ShapeKind has a name");
 
-/// How many primitives of each kind, indexed by ShapeKind.
+/// The number of primitives of each kind, indexed by ShapeKind.
 std::array<size_t, kShapeKinds> count_primitives(const Object& object);
 
-/// Makes primitives of all copies, so that nothing is an instance any more. The error is one line:
-/// a copy that is stretched unevenly and whose primitives have no name then. What belongs to an
-/// object still does.
+/// Replaces all instances by primitives, which keep their objects. The error is one line: a
+/// non-uniform scale that turns a primitive into a shape that Raio does not have.
 std::string flatten_instances(Scene& scene);
 
-/// Around all primitives but infinite planes.
+/// Encloses all primitives except infinite planes.
 Box3f bounds(const Object& object);
 
-/// Is the opacity of anything below 1, in the scene or in an object of its?
+/// Whether the scene or any of its objects has an opacity below 1.
 bool any_transparent(const Scene& scene);
 bool any_transparent(const Scene& scene, const Object& object);
 
-/// Does any primitive have a colour of its own?
+/// Whether any primitive has its own colour.
 bool any_colors(const Object& object);
 
 /// The largest component of those colours; 0 without any.
 float brightest_color(const Object& object);
-/// Of the colours of vertices; at least 1.
+/// The same for vertex colours; at least 1.
 float brightest_tint(const Object& object);
 
-/// The id of the object to which an element of a pool belongs; 0: to none. Takes the logarithm of
-/// the number of ranges.
+/// The id of the object that owns an element of a pool; 0: none. Takes logarithmic time in the
+/// number of ranges.
 uint32_t object_of(const Object& object, PoolKind pool, size_t index);
 
-/// What a scene may have that not every shading shows and not every format keeps.
+/// Features of a scene that some shadings do not show and some formats do not store.
 enum class Feature : uint8_t {
   opacity,
   vertex_colors,
@@ -428,31 +427,32 @@ enum class Feature : uint8_t {
   movement
 };
 
-/// How much the scene has of them, in one line, as in "opacity of 12 spheres, names of 3 objects";
-/// empty where it has none.
+/// The numbers of these features in the scene, in one line, such as "opacity of 12 spheres, names
+/// of 3 objects"; empty if there are none.
 std::string text_of(const Scene& scene, std::initializer_list<Feature> features);
 
 /// The sum of the sizes of all arrays, in bytes.
 size_t memory_bytes(const Scene& scene);
 size_t memory_bytes(const Object& object);
 
-/// The camera as it is at a time, which does not move.
+/// The camera at a time, without movement.
 Camera camera_at(const Camera& camera, float time);
 
-/// Why a camera with finite numbers looks nowhere, now or on its way, or nothing.
+/// Why a camera with finite numbers has no valid direction, at the start or during its movement;
+/// empty if it has one.
 std::string camera_problem(const Camera& camera);
 
-/// A prototype as a scene of its own, with the materials of the scene around it.
+/// A prototype as a separate scene, with the materials of the scene around it.
 Scene standalone(const Scene& around, const Object& object);
 
-/// A name of all that a picture can depend on, 32 hexadecimal digits: the same for two files that
-/// differ in comments, spelling or name only. `near_clip` and the names of objects do not count.
+/// A hash of everything that a picture can depend on, 32 hexadecimal digits: equal for two files
+/// that differ only in comments, spelling or name. `near_clip` and object names do not count.
 std::string content_hash(const Scene& scene);
 
-/// What makes a scene unfit for rendering, one sentence each, naming the element by its index;
-/// empty for a sound scene. Readers report the same with line and column before it comes to this;
-/// scenes made in code meet it first. Checks that all numbers are finite, sizes positive, indices
-/// in range, pools of equal length, and that the camera has a direction. Works on all threads.
+/// The faults that prevent rendering, one sentence each, naming the element by its index; empty for
+/// a valid scene. Readers report the same faults earlier, with line and column, so mostly scenes
+/// made in code fail here. Checks that all numbers are finite, sizes positive, indices in range,
+/// pools of equal length, and that the camera has a direction. Works on all threads.
 std::vector<std::string> validate(const Scene& scene);
 
 }  // namespace raio::core

@@ -28,7 +28,7 @@ constexpr size_t kLarge = size_t(1) << 20;
 struct Child {
   size_t begin = 0, end = 0;
   BuildBox box;
-  BuildItem* items = nullptr;       // once they exist
+  BuildItem* items = nullptr;       // null until they are made
   const BuildPlan* plan = nullptr;  // has the splits, from its node `node`
   uint32_t node = 0;
 
@@ -96,7 +96,7 @@ struct Arena {
 
 class Builder {
  public:
-  // `some`: those of which the tree is made, or nothing for all.
+  // `some`: the primitives of the tree; null: all.
   Builder(const Geometry& geometry, const Column<PrimitiveId>* some) : g_(geometry), some_(some) {}
 
   // Returns the error, or nothing.

@@ -157,7 +157,7 @@ void traverse(const Bvh& bvh, bool without_shared, size_t count, StreamScratch& 
         used += uint32_t(hn::CountTrue(kIds, in));
       }
       end[c] = used;
-      // Shadow rays: most are stopped soonest where most of them go.
+      // Any-hit rays: the child that most rays hit comes first, as it probably stops the most.
       if (RayGroup::kAny) enter[c] = -float(used - begin[c]);
       prefetch(bvh, node.child[c]);
     });

@@ -103,7 +103,7 @@ class GridBuilder : GridCells {
     return all;
   }
 
-  // Repeatedly, since without one oversized primitive the rest may have its own.
+  // Repeatedly: without one oversized primitive, another may be oversized relative to the rest.
   void pull_oversized() {
     const size_t most = oversized.size() + kMaxOversized;
     StopCheck look;
