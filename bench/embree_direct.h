@@ -28,7 +28,8 @@ inline constexpr std::array kEmbreeWays = {
 
 class EmbreeScene {
  public:
-  /// Embree has neither open cones nor planes; callbacks for them would be unfair.
+  /// Whether Embree has all shapes: it has neither open cones nor planes, and callbacks for them
+  /// would be unfair.
   static bool can_hold(const Geometry& geometry) {
     return geometry.count(PrimitiveKind::cone) + geometry.count(PrimitiveKind::plane) == 0;
   }

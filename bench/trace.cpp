@@ -53,7 +53,7 @@ struct TraceSubject {
   const Scene& scene;
   std::vector<std::unique_ptr<Accel>> structures;
   Recording rays;
-  std::unique_ptr<EmbreeScene> embree;  // null where it has not all shapes
+  std::unique_ptr<EmbreeScene> embree;  // null if Embree does not have all shapes
 };
 
 // Raio's structures, and Embree with its fastest interface for these rays.

@@ -288,7 +288,7 @@ TEST_F(LibraryParts, AreDisplayedWithAnotherExposure) {
   EXPECT_TRUE(display(bright.set("exposure", 0)) == display(plain));
   bright.set("exposure", 1.5).set("tone", "agx");
   EXPECT_TRUE(display(bright) == display(rendered(settings.set("tone", "agx"))));
-  EXPECT_THAT(refusal([&] { bright.set("depth", 2); }), HasSubstr("depth was rendered into"));
+  EXPECT_THAT(refusal([&] { bright.set("depth", 2); }), HasSubstr("cannot change depth, only"));
   EXPECT_THAT(refusal([&] { bright.set("tone", "loud"); }), HasSubstr("expected none, srgb"));
   raio::Film normals = rendered(raio::Settings().set("size", {40, 30}).set("view", "normals"));
   EXPECT_THAT(refusal([&] { normals.set("exposure", 1); }), HasSubstr("has no effect with view"));

@@ -72,7 +72,7 @@ int run_on_threads(const Command& command, WorkControl* control = nullptr) {
   return Executor(command.options.threads, control).run([&] { return run(command); });
 }
 
-/// Runs a whole command that has no control of its own; a signal stops it.
+/// Runs a whole command that does not have its own control; a signal stops it.
 template <class Command>
 int run_until_signal(const Command& command) {
   WorkControl control;

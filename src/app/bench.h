@@ -22,8 +22,8 @@ std::expected<EffectSet, std::string> parse_effects(std::string_view list);
 /// An effect on the command line: "soft-shadows".
 std::string effect_word(const BenchmarkEffect& effect);
 
-/// Names an option without effect on what is timed, and what to do, in one line; empty if there is
-/// none.
+/// Names an option that does not affect the timed work, and the remedy, in one line; empty if there
+/// is none.
 std::string bench_conflict(const BenchmarkRequest& request);
 
 /// Names a timed effect that cannot occur in the scene, and what to do; empty if there is none.

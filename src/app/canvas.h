@@ -39,7 +39,7 @@ class Canvas {
   /// `y` is the middle of the small letters. Text wider than `max_width` is set smaller.
   void text(double x, double y, const std::string& text, Ink ink, Align align = Align::left,
             double size = kText, bool bold = false, double max_width = kWidth) const;
-  /// The same, with a rim in another ink for contrast with what is below.
+  /// The same, with a rim in another ink for contrast with the background.
   void rimmed_text(double x, double y, const std::string& text, Ink ink, Ink rim, Align align,
                    double size, double max_width) const;
   void upright_text(double x, double y, const std::string& words, Ink ink) const;

@@ -30,13 +30,13 @@ inline int fail(const Error& error) {
   return status_of(error);
 }
 
-/// Prints what the user has to change; returns the exit status.
+/// Prints the change that the user has to make; returns the exit status.
 inline int bad_input(std::string_view message) {
   print_error(message);
   return kBadInput;
 }
 
-/// Prints what ran out; returns the exit status.
+/// Prints the resource that ran out; returns the exit status.
 inline int no_resource(std::string_view message) {
   print_error(message);
   return kNoResource;

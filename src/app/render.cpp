@@ -96,7 +96,7 @@ int write_results(RenderJob& job, const RenderCommand& command, const std::strin
   return kDone;
 }
 
-/// Renders the pictures of a command, one after another; an interruption ends them all.
+/// Renders the pictures of a command in sequence; an interruption ends them all.
 class Pictures {
  public:
   Pictures(const RenderCommand& command, size_t scenes)

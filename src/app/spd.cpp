@@ -86,7 +86,7 @@ int run(const SpdVerifyCommand& command) {
   std::vector<std::string> wanted = command.scenes;
   if (wanted.empty())
     for (const PublishedScene& scene : kPublished) wanted.emplace_back(scene.name);
-  // Checks all before the work on the first.
+  // Checks everything before the work begins.
   for (const std::string& path : wanted)
     if (!find_published(std::filesystem::path(path).stem().string()))
       return bad_input(

@@ -9,8 +9,8 @@
 namespace raio::core::app {
 namespace {
 
-// The two authors deviate by less than this in most scenes; where they deviate more, that deviation
-// counts.
+// The two authors deviate by less than this in most scenes. Where they deviate more, their
+// deviation is the limit.
 constexpr double kEyeHits = 0.005, kSecondary = 0.04, kShadow = 0.02, kGrid = 0.1;
 constexpr double kBeyond = 0.005;
 

@@ -57,9 +57,10 @@ class StopOnSignal {
   std::unique_ptr<State> state_;
 };
 
-/// A line on standard error with what is being done, per cent, rays per second and time left, four
-/// times a second while it lives; wiped at the end, never wider than the terminal. `mode`: "on",
-/// "off", or "auto", which is on when standard error is a terminal. Nothing without threads.
+/// A line on standard error with the current stage, per cent, rays per second and time left,
+/// updated four times a second while it lives; wiped at the end, never wider than the terminal.
+/// `mode`: "on", "off", or "auto", which is on when standard error is a terminal. Nothing without
+/// threads.
 class ProgressLine {
  public:
   ProgressLine(const WorkControl& control, std::string_view mode, std::string label = {});
@@ -82,7 +83,8 @@ std::string human_quantity(double value, std::string_view unit);
 /// "1 cell", "0 cells", "1.25 M cells".
 std::string counted(double count, std::string_view thing);
 
-/// Then the bytes of a picture are useless, and may do harm.
+/// Whether standard output is a terminal. The bytes of a picture are useless there, and may do
+/// harm.
 bool standard_output_is_terminal();
 
 /// Whether standard error is a terminal, and how wide. If unknown: no terminal, of maximum width.

@@ -17,7 +17,7 @@ std::atomic<WorkControl*> g_control{nullptr};
 static_assert(std::atomic<WorkControl*>::is_always_lock_free &&
               decltype(WorkControl::stop)::is_always_lock_free);
 
-// Restricted to what a signal handler may do.
+// Only uses what a signal handler may use.
 void on_signal(int signal) {
   std::signal(signal, SIG_DFL);  // so that the next one ends the program
   if (WorkControl* const control = g_control)

@@ -67,8 +67,9 @@ class AmbientShading final : public Shading {
       if (on_line_[i] != 0) v.radiance.set(i, line_color_);
   }
 
-  // The shadows on a floor that only eye rays hit: those that hit nothing else get the background,
-  // darker in shadows, or the shadows' coverage in front of what is behind the picture.
+  // The shadows on a floor that only eye rays hit. Eye rays that hit nothing else get the
+  // background, darkened by the shadows, or, with a transparent background, the coverage of the
+  // shadows.
   bool shade_misses(Wavefront& w, bool transparent, const WideSampler<D>& sampler) override {
     if (scene_.floor_distance <= 0) return false;
     PathRays& rays = w.rays();
@@ -304,7 +305,7 @@ class AmbientShading final : public Shading {
                                             {-kDiagonal, kDiagonal},
                                             {kDiagonal, -kDiagonal}};
     const Geometry& geometry = scene_.accel.geometry();
-    // Samples that cannot have a line count as decided, too.
+    // Samples that cannot be on a line also count as decided.
     std::array<float, kChunk + kWidth> decided{};
     for (size_t i = 0; i < n; ++i) {
       on_line_[i] = 0;
@@ -434,7 +435,7 @@ class AmbientShading final : public Shading {
   std::unique_ptr<SurfacePoints> around_;
   std::array<uint32_t, kChunk> crease_of_{};
   alignas(64) float rim_[kChunk + kWidth] = {};  // of the current rays
-  PathRays others_;  // while the current ones are those that hit nothing
+  PathRays others_;  // the other rays, while the current ones are those without hits
   HitBatch other_hits_;
 };
 

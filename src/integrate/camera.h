@@ -50,8 +50,8 @@ struct EyeRays {
     }
   }
 
-  /// For a moving camera: what it takes to compute the above, in float, for any time. The above is
-  /// for the beginning.
+  /// For a moving camera: the values from which the above are computed, in float, for any time. The
+  /// above are those at the beginning.
   struct Movement {
     Vec3f from_by, view, view_by;  // at = from + view
     Vec3f up;

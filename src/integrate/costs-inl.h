@@ -13,7 +13,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace raio::core::HWY_NAMESPACE {
 
-// Steps and tests of the rays traced last.
+// Steps and tests of the last traced rays.
 class RayCosts {
  public:
   // Traces rays one by one, so that each one's cost is known.
@@ -32,7 +32,7 @@ class RayCosts {
       tests_[i] = uint32_t(context.tests - tests);
     }
   }
-  // Adds them to the channels that want them.
+  // Adds them to the requested channels.
   void add(TileSums& sums, const Column<uint32_t>& pixels) const {
     const auto add = [&](Channel channel, const std::vector<uint32_t>& counts) {
       if (!sums.layout().has(channel)) return;

@@ -1,4 +1,4 @@
-// One sample of a pixel, explained ray by ray: what each ray hits, what it contributes, and why.
+// Explains one sample of a pixel, ray by ray: its hit, its contribution, and the reasons.
 #pragma once
 
 #include <cstdint>

@@ -2,8 +2,8 @@
 // all are shaded. Of many, those with the largest weights are shaded, and one of the others is
 // chosen at random, with a probability proportional to its weight, so the mean does not change.
 // Beyond the layers found in order, each layer stops the ray with its opacity as the probability;
-// the nearest that does is shaded. If much light passes all layers, what is behind them counts with
-// the transmittance, not at random.
+// the nearest of the stopping layers is shaded. If much light passes all layers, the surface or
+// background behind them counts with the transmittance, not at random.
 //
 // Enderton, Sintorn, Shirley and Luebke 2010, "Stochastic Transparency", I3D. Included once per
 // instruction set (foreach_target.h).
@@ -108,7 +108,7 @@ class Layers {
   // The first layers of rays, if not shaded.
   const std::vector<ShadedLayer>& unshaded_firsts() const { return unshaded_firsts_; }
   bool met(size_t i) const { return met_[i].count > 0; }
-  // The weight of what is behind the layers, relative to that of ray i.
+  // The weight of the surface or background behind the layers, relative to that of ray i.
   float through(size_t i) const { return met_[i].goes_on; }
 
  private:

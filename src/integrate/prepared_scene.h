@@ -50,7 +50,7 @@ class TileRenderer {
   virtual ~TileRenderer() = default;
 
   /// Adds samples that the tile of the film does not have; no other thread may add to the tile
-  /// meanwhile. Does nothing when told to stop.
+  /// meanwhile. Does nothing if stopped.
   virtual void render(size_t tile, SampleSpan samples, Film& film) = 0;
 };
 

@@ -45,9 +45,9 @@ struct Crop {
   friend bool operator==(const Crop&, const Crop&) = default;
 };
 
-/// The options whose resolved values have the same type: RenderOptions (render/options.h) and
-/// RenderSettings share them. Zero or empty values in RenderOptions are open; in RenderSettings
-/// they are what the comments say.
+/// The options whose resolved values have the same type, shared by RenderOptions (render/options.h)
+/// and RenderSettings. In RenderOptions, zero or empty values are undecided; in RenderSettings,
+/// they have the meaning in the comments.
 struct PlainOptions {
   AccelOptions accel;
   View view = View::picture;

@@ -214,7 +214,7 @@ struct SurfaceKernel<PrimitiveKind::cone> {
 const hn::CappedTag<float, 4> kRow;
 using Row = hn::Vec<decltype(kRow)>;
 
-// Loads three numbers, and not what follows.
+// Loads three numbers, without reading beyond them.
 HWY_INLINE Row load_row(const Vec3f& a) {
 #if HWY_MEM_OPS_MIGHT_FAULT
   const hn::CappedTag<float, 2> two;

@@ -73,7 +73,8 @@ class Transparency {
       first_[i] = rays.rays.tmax[i] > 0;
     }
   }
-  // Of the current rays: 1 if they have hit nothing before; and what they add to the coverage.
+  // For the current rays: 1 if they have hit nothing before; and their contribution to the
+  // coverage.
   const uint8_t* first() const { return first_.data(); }
   const int64_t* coverage() const { return coverage_.data(); }
 

@@ -1,5 +1,5 @@
-// Diagnostic pictures, for finding mistakes and for teaching: what eye rays hit, and what it costs
-// to find that. Pixels, lens and antialiasing are as in any other picture.
+// Diagnostic pictures, for finding mistakes and for teaching: the surfaces that eye rays hit, and
+// the cost of finding them. Pixels, lens and antialiasing are as in any other picture.
 #pragma once
 
 #include "integrate/prepared_scene.h"

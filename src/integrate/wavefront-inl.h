@@ -175,14 +175,14 @@ class Wavefront final : public TileRenderer {
   void shade_hits(int level, const WideSampler<D>& sampler);
   // Adds only the channels of their surfaces.
   void add_features();
-  // The light of rays that hit nothing.
+  // Adds the light of rays that hit nothing.
   HWY_INLINE void add_escaped(const V3& weight, const V3& dir, const uint32_t* pixels, M mask) {
     if (has_sky_)
       add_sky(weight, dir, pixels, mask);
     else
       add_background(weight, pixels, mask);
   }
-  // For one of them, and what it adds to its pixel.
+  // The light of one such ray, and its contribution to the pixel.
   std::pair<Rgb, PixelSums> escaped_light(Vec3f dir, Rgb weight) const;
 
  private:

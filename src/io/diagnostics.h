@@ -30,7 +30,7 @@ struct Diagnostic {
   std::string text(std::string_view before_settings = {}) const;
 };
 
-/// The same as one Error, bad_input or, for kNoMemory, no_resource, or, for kStopped, stopped.
+/// The same as one Error: bad_input, or no_resource for kNoMemory, or stopped for kStopped.
 Error error_of(const Diagnostic& diagnostic);
 
 using Diagnostics = std::vector<Diagnostic>;

@@ -65,8 +65,8 @@ Vec3f nearest_axis(Vec3f direction);
 /// as large as fits, from the same direction.
 Camera fitted_in_parallel(const Scene& scene, const Camera& camera);
 
-/// The vertical angle, in degrees, with which the camera shows what it must in a picture of this
-/// width and height.
+/// The vertical angle, in degrees, of a picture of this width and height that contains everything
+/// that the camera must show.
 float fitted_fov_deg(const Camera& camera, int width, int height);
 /// In a picture of the camera's own size, if it has one.
 float fitted_fov_deg(const Camera& camera);

@@ -42,14 +42,14 @@ bool leads_to_raio(const fs::path& path) {
   return count && is_raio_scene({start, *count});
 }
 
-/// Decompresses all members of a gzip file; the error says what is broken.
+/// Decompresses all members of a gzip file; the error describes the damage.
 std::expected<std::string, std::string> unpacked(std::string_view bytes) {
   z_stream stream{};
   constexpr int kGzipOnly = 15 + 16;
   if (inflateInit2(&stream, kGzipOnly) != Z_OK) return std::unexpected(std::string(kNoMemory));
   const std::unique_ptr<z_stream, int (*)(z_stream*)> end(&stream, inflateEnd);
   const size_t most = available_memory_bytes() / 2;
-  constexpr size_t kPiece = size_t(1) << 22;  // between two looks whether to stop
+  constexpr size_t kPiece = size_t(1) << 22;  // between checks for a stop
   std::string out(std::max<size_t>(4096, 4 * bytes.size()), '\0');
   size_t size = 0;
   for (;;) {
@@ -141,8 +141,8 @@ std::string apply_instances(const ReadOptions& options, Scene& scene) {
   return problems.empty() ? "" : "its instances as primitives: " + problems.front();
 }
 
-/// Parses what is in memory, compressed or not. `name` is the file without folder; both become
-/// those of the decompressed file.
+/// Parses a file in memory, compressed or not. `name` is the file without folder; both become those
+/// of the decompressed file.
 std::expected<ReadScene, Diagnostics> parse(std::shared_ptr<const TextBuffer>& text,
                                             std::string_view file, fs::path& name,
                                             const ReadOptions& options) {
@@ -152,7 +152,7 @@ std::expected<ReadScene, Diagnostics> parse(std::shared_ptr<const TextBuffer>& t
     text = std::make_shared<const TextBuffer>(*plain);
     if (suffix_of(name.string()) == ".gz") name = name.stem();
   }
-  // Editors neither show the mark nor count a column for it.
+  // Editors do not show the mark and do not count a column for it.
   if (text->view().starts_with(kByteOrderMark))
     text = std::make_shared<const TextBuffer>(text->view().substr(kByteOrderMark.size()));
   const std::string_view bytes = text->view();

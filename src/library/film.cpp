@@ -74,7 +74,7 @@ std::string Film::to_bytes() const {
 void Film::write(const std::string& path) const {
   guarded_work(data_->threads, [&] {
     const Part& part = data_->part;
-    // Samples that a time limit left out are in the settings.
+    // A film that a time limit ended has samples_done in its settings, and may be written.
     if (!is_part_path(path) && setting(part.header.settings, "samples_done").empty())
       if (const std::string lacks = missing(); !lacks.empty())
         refuse(lacks + "; merge films that have them, continue the film, or write a part (.raio)");
@@ -126,10 +126,10 @@ Settings Film::settings() const {
 Film& Film::set(std::string_view name, std::string_view value) {
   guarded([&] {
     if (name != "exposure" && name != "tone")
-      refuse(
-          fmt::format("{} was rendered into the film; it can change exposure and tone, and others "
-                      "with a new render",
-                      name));
+      refuse(fmt::format(
+          "a rendered film cannot change {}, only exposure and tone; render again to change "
+          "others",
+          name));
     const auto table = render_option_table();
     const OptionSpec& spec = *std::ranges::find(table, name, &OptionSpec::name);
     RenderOptions options = options_of(data_->part);

@@ -240,7 +240,7 @@ void Job::on_progress(std::function<void(const Progress&)> callback) {
 
 namespace {
 
-// Tells of work until it is finished. What the callback throws stops the work.
+// Reports the progress of work until it is finished. An exception from the callback stops the work.
 class ProgressReporter {
  public:
   ProgressReporter(WorkControl& control, const std::function<void(const Progress&)>& tell) {
@@ -279,7 +279,7 @@ class ProgressReporter {
   Ticker ticker_;
 };
 
-// Does the work while the callback is told of it.
+// Does the work and reports its progress to the callback.
 template <class F>
 void reported(WorkControl& control, const std::function<void(const Progress&)>& tell,
               const F& work) {
@@ -287,7 +287,7 @@ void reported(WorkControl& control, const std::function<void(const Progress&)>& 
   try {
     work();
   } catch (...) {
-    reporter.finish();  // what the callback threw is why the work ended
+    reporter.finish();  // rethrows the callback's exception, if that ended the work
     throw;
   }
   reporter.finish();

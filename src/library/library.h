@@ -30,7 +30,7 @@ inline Rgb rgb(const v1::Triple& t) { return Rgb(vec(t)); }
 [[noreturn]] void refuse(const std::string& message);
 [[noreturn]] void fail(const Error& error);
 
-// Runs out of memory, or is stopped, as an Error, too.
+// Converts running out of memory and being stopped to an Error.
 template <class F>
 auto guarded(F&& f) try {
   return f();
@@ -40,13 +40,13 @@ auto guarded(F&& f) try {
   fail(stopped_error());
 }
 
-// The same for long work, on so many threads; 0: those of the caller's executor.
+// The same for long work, on this many threads; 0: those of the caller's executor.
 template <class F>
 auto guarded_work(int threads, const F& f, WorkControl* control = nullptr) {
   return guarded([&] { return Executor(threads, control).run(f); });
 }
 
-// The film as it is, while others may add to it.
+// A copy of the film, also while other threads add to it.
 std::unique_ptr<Film> copy_of(const Film& film);
 
 std::optional<std::array<v1::Triple, 2>> bounds_of(const Scene& scene);
@@ -61,7 +61,7 @@ struct Scene::Data {
   bool has_background = false;  // was set; data files have none
 };
 
-// With the default for all that settings do not say.
+// Members that were not set have their defaults.
 struct Settings::Data : core::JobRequest {};
 
 struct Film::Data {
@@ -74,7 +74,7 @@ struct Film::Data {
 struct Accel::Data {
   core::Scene scene;
   bool has_background = false;  // as in the Scene
-  core::RenderOptions options;  // those of the structure, as resolved, matter
+  core::RenderOptions options;  // as resolved; only those of the structure matter
   std::unique_ptr<core::Accel> accel;
 };
 

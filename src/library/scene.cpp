@@ -163,7 +163,7 @@ void check_part(const Part& p, std::string_view beside, size_t count) {
         fmt::format("the stride of the {} is 0, expected the bytes from one to the next", p.name));
 }
 
-// The part in memory that is kept: the caller's, or a copy.
+// The part, if the caller keeps its memory alive, else a copy.
 Part kept(Part p) {
   if (p.keep) return p;
   const auto copy = std::make_shared<std::vector<char>>(p.count * p.bytes);

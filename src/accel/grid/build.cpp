@@ -15,8 +15,8 @@ namespace {
 constexpr size_t kMaxOversized = 16;
 constexpr float kGiantShare = 0.5f;  // of the surface area of the box of the remaining ones
 
-// The report's mFactor, 2, suits cells that list single primitives. With blocks of eight in groups
-// of eight, cells with some dozens are best (docs/performance.md).
+// The technical report of 2018 uses 2 (mFactor), for cells that list single primitives. With blocks
+// of eight in groups of eight, cells with some dozens are best (docs/performance.md).
 constexpr double kFactor = 0.3;
 // This few primitives are one cell, unless a resolution is requested.
 constexpr size_t kFew = 32;

@@ -11,7 +11,7 @@
 namespace raio::core {
 
 /// The material of each atom, at least one; adds them to the scene, with the legend or the colour
-/// scale. The error says what the file does not have.
+/// scale. The error names the missing data of the file.
 std::expected<std::vector<MaterialId>, std::string> color_atoms(const Atoms& atoms,
                                                                 const ReadOptions& options,
                                                                 AtomStyle style, ReadScene& to);

@@ -27,7 +27,7 @@ struct Document {
   std::vector<Block> blocks;
   std::string duplicates;  // gemmi's message about tags and names of blocks that occur twice
 };
-/// Calls `look` for each value of a loop; what it throws ends the work.
+/// Calls `look` for each value of a loop; an exception from it ends the work.
 Document parse(const char* text, size_t size, const std::function<void()>& look);
 
 /// The CRYST1 and SCALE records of a PDB file.

@@ -224,7 +224,7 @@ class AtomScene {
     return matrices;
   }
 
-  // Adds a notice, unless the assembly is what the file lists.
+  // Adds a notice, unless the assembly equals the contents of the file.
   void tell_assembly() {
     Scene& scene = read_.scene;
     size_t drawn = 0;

@@ -122,7 +122,7 @@ std::vector<double> mountain_heights(int size) {
   const double roughness = std::sqrt(ratio * ratio - 1);
   const int cells = 1 << size;
   std::vector<double> heights(size_t(cells + 1) * (cells + 1), 0.0);
-  std::vector<double> deviates(0x10000);  // of all seeds, 0 where it is not known yet
+  std::vector<double> deviates(0x10000);  // of all seeds, 0 if not computed yet
   const auto deviate = [&](uint64_t x, uint64_t y) {
     constexpr int64_t kMountain = 21;
     const uint16_t seed = mountain_seed(x, y, size);
@@ -192,7 +192,8 @@ void add_glass_pyramid(SceneMaker& maker, float ior, const std::array<double, 4>
 SceneMaker mount_scene() { return {{-1.6, 1.6, 1.7}, {0, 0, 0}, kAxisZ, 45, 0.01f}; }
 constexpr Vec3d kMountLight{-100, -100, 100};
 
-/// As in the report: a white light, and glass of another kind and size.
+/// The variant of the technical report of 2018: a white light, and glass balls with other radii and
+/// another index of refraction.
 Scene report_mount(int size) {
   SceneMaker maker = mount_scene();
   maker.white_light(kMountLight);

@@ -68,7 +68,7 @@ void add_flake(SceneMaker& maker, int size, float ks, float shine) {
   grow_flake(maker, flake_directions(), {{0, 0, 0}, 0.5, kAxisZ}, size);
 }
 
-/// As in the report: white lights, and the floor cut in two.
+/// The variant of the technical report of 2018: white lights, and the floor as two triangles.
 Scene report_flake(int size, float ks, float shine) {
   SceneMaker maker = flake_scene();
   for (const Vec3d light : kFlakeLights) maker.white_light(light);

@@ -163,7 +163,7 @@ class GltfWriter {
     return node;
   }
 
-  // In a node and below it.
+  // In a node and those below it.
   void add_object(uint32_t number, size_t at) {
     const ObjectParts& object = parts_.objects[number];
     std::optional<size_t>& mesh = meshes_of_objects_[number];
@@ -183,7 +183,7 @@ class GltfWriter {
       add_object(copied, add_node(node_at(place), at));
   }
 
-  // --- from where, and in what light
+  // --- camera and lights
   void add_camera() {
     const Camera& c = scene_.camera;
     const Vec3d from(c.from), view = Vec3d(c.at) - from;

@@ -200,8 +200,8 @@ class PlyReader {
   // The faces of a chunk of rows.
   struct Faces {
     std::vector<TriangleIndices> triangles;
-    std::vector<Rgb> colors;        // of each face, where they have some,
-    std::vector<size_t> ends;       // and how many triangles there are up to its last one
+    std::vector<Rgb> colors;        // of each face, if faces have colours
+    std::vector<size_t> ends;       // the number of triangles up to the end of each face
     std::vector<uint32_t> corners;  // of a face
     size_t left_out = 0;            // faces with a vertex without a finite position
   };
@@ -443,8 +443,8 @@ class PlyReader {
   std::array<bool, kWanted> is_whole_{};
   std::optional<size_t> colored_by_;  // index of the vertex property for colours
   bool has_faces_ = false;
-  std::vector<Sphere> spheres_;          // vertices of a file without faces,
-  std::vector<Vec3f> places_, normals_;  // and of one with faces
+  std::vector<Sphere> spheres_;          // vertices of a file without faces
+  std::vector<Vec3f> places_, normals_;  // vertices of a file with faces
   std::vector<float> opacity_, values_;
   std::vector<Rgb> colors_;
   std::vector<Uv> uv_;

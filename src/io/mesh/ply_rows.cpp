@@ -60,7 +60,7 @@ size_t PlyElement::row_bytes() const {
   return bytes;
 }
 
-// --- numbers, one after another
+// --- sequences of numbers
 double PlyCursor::next_binary(PlyType type) {
   const size_t size = size_of(type);
   if (bytes_left() < size) fail("the file ends within its elements");

@@ -1,5 +1,5 @@
-// Computations that the NFF reader and writer must share to the last bit, so that the reader
-// restores what the writer wrote.
+// Computations that the NFF reader and writer must share to the last bit, so that scenes survive
+// writing and reading.
 #pragma once
 
 #include <array>

@@ -115,7 +115,7 @@ struct Settings {
   Array<char> sky_folder;
   Array<float> camera_movement;         // 8 or none: from, at, begin, end
   Array<float> camera_across;           // 1 or none: degrees
-  Array<uint32_t> camera_projection;    // 1 or none: Projection, where it is not 0
+  Array<uint32_t> camera_projection;    // 1 or none: Projection, unless it is 0
   std::vector<Array<char>> prototypes;  // each a scene as the bytes of a file
 };
 

@@ -1,5 +1,5 @@
 // Raio's binary scenes (docs/raio-scene.md): a complete Scene with columns in the layout of memory,
-// so that files are read, not parsed. For large scenes, and for those that NFF cannot express.
+// so that files are read, not parsed. For large scenes, and for scenes that NFF cannot express.
 #pragma once
 
 #include <expected>
@@ -23,13 +23,13 @@ std::string encode_raio_scene(const Scene& scene);
 /// The file is replaced whole or not at all.
 std::expected<void, Error> write_raio_scene(const Scene& scene, const std::filesystem::path& path);
 
-/// A scene that passes validate(), or a line that says what is wrong with the bytes. Everything is
+/// A scene that passes validate(), or a line that describes the fault of the bytes. Everything is
 /// checked before use, and each column against its hash. Columns are read in place while the scene
 /// lives, so `keep` must own the bytes; without it they are copied.
 std::expected<Scene, std::string> decode_raio_scene(std::string_view bytes,
                                                     const std::shared_ptr<const void>& keep);
 
-/// The same for a file, whose bytes are kept while any column of the scene lives.
+/// The same for a file. Its bytes are kept while any column of the scene lives.
 std::expected<Scene, Diagnostics> read_raio_scene(const std::filesystem::path& path);
 
 }  // namespace raio::core

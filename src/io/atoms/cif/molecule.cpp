@@ -26,7 +26,7 @@ AtomSite rows_of(Block& block, CutRows* cut, const Atoms& out) {
 }
 
 // Everything else that gemmi reads of the block. It is slow with many atoms and residues, so it
-// gets only those that other tables refer to.
+// gets only the rows that other tables refer to.
 Molecule rest_of(Block block, const AtomSite& rows) {
   // Large tables that are not used here. gemmi fails if the first of them names a residue without
   // atoms.
