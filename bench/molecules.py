@@ -6,8 +6,8 @@
 Each program reads the file (PDB), fits the camera and draws it on white by its own means for figures: PyMOL's ray
 tracer with its defaults; OVITO's Tachyon with its defaults (12 samples, 12 occlusion rays); POV-Ray, with its
 antialiasing, the scene that `raio convert` writes; Raio with its defaults, with the samples of OVITO, and with 4 and 1.
-They take their turn; the median seconds of whole processes count, and the largest memory. A program that is not there
-is left out. OVITO is a module of the Python that --python names. --keep leaves the pictures in a folder."""
+Runs alternate; the results are the median seconds of whole processes and the largest memory. Missing programs are
+skipped. OVITO is a module of the Python given by --python. --keep stores the pictures in a folder."""
 import argparse, os, pathlib, statistics, subprocess, sys, tempfile, time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent

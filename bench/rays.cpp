@@ -173,8 +173,9 @@ void check_structure(const Scene& scene, const Accel& accel, const Recording& ra
     const double differing =
         differing_rays(accel, **none, rays, kind, size_t(std::clamp(affordable, 16.0, 4096.0)));
     if (differing > allowed)
-      give_up(1, fmt::format("{}: {} finds other hits than none for {:.3g} % of the {} rays",
-                             scene.name, name, 100 * differing, kRayKindNames[size_t(kind)]));
+      give_up(
+          1, fmt::format("{}: the hits of {} differ from those of none for {:.3g} % of the {} rays",
+                         scene.name, name, 100 * differing, kRayKindNames[size_t(kind)]));
   }
   const int side = int(std::clamp(std::sqrt(affordable), 8.0, 64.0));
   const Image expected = small_picture(scene, **none, side, threads);

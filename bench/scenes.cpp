@@ -92,7 +92,7 @@ Scene get_scene(const std::string& request) {
   } else {
     auto generated = generate_scene(name, int(size));
     if (!generated)
-      give_up(2, fmt::format("{} is no file, nor spheres:N, mixed:N or terrain:N, and {}", request,
+      give_up(2, fmt::format("{} is not a file, spheres:N, mixed:N or terrain:N, and {}", request,
                              generated.error().text()));
     scene = std::move(*generated);
   }

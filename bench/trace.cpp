@@ -149,7 +149,7 @@ std::vector<Json> trace_suite(const Settings& request) {
                      {"grid_to_Embree", "grid/Embree"}});
   fmt::print(
       "\nx/Embree: ratio of times on the same rays, medians of {} runs; -: the scene has cones "
-      "or planes, which Embree has not\n",
+      "or planes, which Embree does not have\n",
       s.repeat);
   for (const char* group : {"kind", "group"})
     for (const char* ratio : {"bvh_to_Embree", "grid_to_Embree"}) print_means(rows, group, ratio);

@@ -1,4 +1,4 @@
-# What `cmake --install` installs, and `cpack` packs.
+# The files that `cmake --install` installs and `cpack` packs.
 # The manual page and the completions, written by the program itself.
 if(NOT CMAKE_CROSSCOMPILING)
   set(manuals ${PROJECT_BINARY_DIR}/manuals)

@@ -297,7 +297,7 @@ double area_of(const Mesh& mesh) {
 // `error` is a vertex's distance from the shape.
 template <class Error>
 void expect_shape(const Scene& scene, double area, const Error& error) {
-  EXPECT_EQ(not_in_gltf(scene), "the exact form of 1 round shape, for which triangles stand");
+  EXPECT_EQ(not_in_gltf(scene), "the exact form of 1 round shape, replaced by triangles");
   const Scene again = read_again(scene);
   ASSERT_EQ(again.meshes.size(), 1u);
   const Mesh& mesh = again.meshes[0];
@@ -525,7 +525,7 @@ TEST_F(GltfCommandLine, ConvertsWithANotice) {
   for (const char* name : {"two.glb", "two.gltf"}) {
     const Outcome done = raio({"convert", "two.xyz", name});
     EXPECT_EQ(done.status, 0) << done.err;
-    EXPECT_THAT(done.err, HasSubstr("the exact form of 2 round shapes, for which triangles stand"));
+    EXPECT_THAT(done.err, HasSubstr("the exact form of 2 round shapes, replaced by triangles"));
     EXPECT_EQ(raio({"render", "--quiet", name, "--size", "8x8", "-o", "a.png"}).status, 0);
   }
   expect_refusal({"convert", "two.xyz", "no/two.glb"}, 3, "no/two.glb");

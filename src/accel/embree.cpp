@@ -281,7 +281,7 @@ class Embree final : public Accel {
     return query;
   }
 
-  // A grazing hit that Raio's test misses stays as it is.
+  // Keeps a grazing hit that Raio's test misses.
   Hit refined(const Ray& ray, const Hit& hit) const {
     RayQuery query(ray);
     return test_primitive(geometry_, hit.primitive, query) ? query.best : hit;

@@ -1,6 +1,6 @@
 // A scene prepared for structures and shading: the kinds that rays hit, polygons as triangles,
-// meshes' triangles after the scene's own, and values precomputed for hits. Made once from a Scene,
-// whose pools it reads in place where possible: large scenes are not stored twice.
+// meshes' triangles after the scene's own, and values precomputed for hits. Made once from a Scene.
+// Reads the scene's pools in place where possible, so large scenes are not stored twice.
 #pragma once
 
 #include <array>

@@ -136,8 +136,8 @@ struct ClaimSpec {
   bool (*holds)(double ours, double reports);
 };
 
-// Numbers in words stand for what rounds to them. Soft shadows cost next to nothing if they cost no
-// more than in the report; a gain is kept if it is at most a tenth smaller.
+// Numbers in words include everything that rounds to them. Soft shadows cost next to nothing if
+// they cost no more than in the report; a gain is kept if it is at most a tenth smaller.
 constexpr auto kClaims = std::to_array<ClaimSpec>({
     {"balls_high without effects: from more than an hour to 12 s by the grid, about 300 times",
      kHigh, plain_gain, [](double ours, double) { return std::lround(ours / 100) == 3; }},

@@ -39,7 +39,7 @@ std::string explained_json(const Explained& what);
 /// a list of their hits. The error is one line.
 std::expected<std::string, std::string> draw_explained(const Explained& what, PlotFormat format);
 
-/// A viewpoint at the side of the rays, and the approximate size of what they hit.
+/// A viewpoint at the side of the rays, and the approximate size of the surfaces that they hit.
 struct SideView {
   Camera camera;
   double extent = 1;

@@ -58,8 +58,8 @@ struct Axis {
   double x(double value) const { return left + exact_log10(value / lo) * pixels_per_decade(); }
   double hi() const { return lo * exact_pow(10, decades); }
 
-  /// Lines at all digits of all decades, over the height of the rows; those that `name` labels are
-  /// longer.
+  /// Lines at all digits of all decades, over the height of the rows. Lines with a label from
+  /// `name` are longer.
   template <class Name>
   void draw(const Canvas& canvas, Name name) const {
     for (double decade = exact_pow(10, std::floor(exact_log10(lo))); decade <= hi() * 1.001;

@@ -21,8 +21,8 @@ struct SpdRow {
   double allowed = 0;  // relative to the published count
   double known = 0;    // the deviation from Havran's count that docs/verify.md explains
 
-  /// Off if it deviates by more than `allowed` from one of them; known if a known deviation
-  /// explains it.
+  /// Off if it deviates by more than `allowed` from a published count; known if a known deviation
+  /// explains that.
   SpdVerdict verdict() const;
 };
 

@@ -124,7 +124,7 @@ size_t Wavefront::make_eye_rays(size_t first, const WideSampler<D>& sampler) {
   return end;
 }
 
-// Traces the last waiting rays of `level`: their light goes to the film, their children to the
+// Traces the last waiting rays of `level`: adds their light to the film and their children to the
 // next level.
 void Wavefront::trace_level(int level, const WideSampler<D>& sampler) {
   current_.take_last(kChunk, waiting_[size_t(level)]);

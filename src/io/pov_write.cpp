@@ -60,7 +60,7 @@ class PovWriter {
     if (!comment.empty()) line("// {}", comment);
     // POV-Ray bounds objects in floats, which cuts off parts far from 0.
     if (scene_.origin != Vec3d())
-      line("#declare Origin = {};  // what all coordinates are relative to", text(scene_.origin));
+      line("#declare Origin = {};  // all coordinates are relative to it", text(scene_.origin));
     line("// povray +I{0}.pov +O{0}.png +W{1} +H{2} {3} -D", p.name, p.width, p.height,
          is_figure_ ? "+A0.1" : "File_Gamma=1.0 -A");
     line("#version 3.7;");

@@ -61,7 +61,7 @@ struct ReadOptions {
 /// The defaults for pictures; conversions and counts take only the atoms.
 inline const ReadOptions kForPictures{.cell = std::nullopt, .hide_solvent = true};
 
-/// What a colour of the scene stands for: an element, a type, a chain, a residue.
+/// The meaning of a colour of the scene: an element, a type, a chain, a residue.
 struct LegendEntry {
   std::string name;
   Rgb color;  // linear

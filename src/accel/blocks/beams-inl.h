@@ -1,7 +1,7 @@
 // The ray group of beams, for traversing tree or grid. A beam is sixteen coherent rays, bounded by
-// intervals of their origins and directions: one test finds whatever any of them might hit. In
-// leaves, one primitive is tested against the sixteen rays. Included by blocks/tracer-inl.h only,
-// once per instruction set (foreach_target.h).
+// intervals of their origins and directions: one test finds everything that any of them might hit.
+// In leaves, one primitive is tested against the sixteen rays. Included by blocks/tracer-inl.h
+// only, once per instruction set (foreach_target.h).
 //
 // Wald, Boulos and Shirley 2007, "Ray Tracing Deformable Scenes Using Dynamic Bounding Volume
 // Hierarchies", ACM TOG 26(1).
@@ -228,8 +228,8 @@ class Beams {
   template <PrimitiveKind kind>
   HWY_INLINE void offer(const Block<kind>&, const BeamCandidate*) const {}
 
-  // Tests the sixteen rays of `id` with primitive k. Appends possible hits to `found`, the new end
-  // of which is returned, or settles them here. `in_beam`: the rays form a beam near the primitive;
+  // Tests the sixteen rays of `id` with primitive k. Appends possible hits to `found` and returns
+  // its new end, or settles them here. `in_beam`: the rays form a beam near the primitive;
   // otherwise most miss and return early.
   template <bool in_beam>
   HWY_INLINE BeamCandidate* intersect(const SphereBlock& block, int k, uint32_t id,

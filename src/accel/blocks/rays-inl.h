@@ -110,7 +110,7 @@ static_assert(column_of(offsetof(StreamShear, x)) == 0 &&
 // Transposes four columns of four.
 HWY_INLINE void transpose(const float* column, size_t step, float* row, size_t row_step) {
 #if HWY_TARGET == HWY_SCALAR
-  // The rows are structs, not all members of which are floats.
+  // The rows are structs, and some of their members are not floats.
   for (size_t i = 0; i < 4; ++i)
     for (size_t k = 0; k < 4; ++k)
       std::memcpy(row + i * row_step + k, column + k * step + i, sizeof(float));
@@ -437,7 +437,7 @@ class Rays {
   void intersect_one_by_one(const PrimitiveId* primitives, uint32_t id) {
     for (int i = 0; i < kBlockWidth && primitives[i] != kNoPrimitive; ++i) {
       RayQuery alone(batch_.ray(id));
-      // So that an equally near hit counts, too.
+      // Accepts equally near hits, too.
       if (query == Query::closest || query == Query::next_transparent)
         alone.best.primitive = kNoPrimitive - 1;
       if (!test<kind>(g_, g_.index_of(kind, primitives[i]), alone)) continue;

@@ -235,7 +235,7 @@ template <Query query, class TraversalScratch, template <Query> class GroupOfRay
           class Structure>
 void trace_all(const Geometry& g, const Structure& structure, const RayBatch& rays,
                const TraceOutput& out, TraceContext& context) {
-  // A single ray reports what it alone would cost.
+  // A single ray reports its own cost.
   const bool alone = rays.size() == 1;
   Tracer<query, Structure, TraversalScratch, GroupOfRays> tracer(
       g, structure, alone, own_scratch<TraversalScratch>(), context);

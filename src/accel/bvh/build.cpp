@@ -106,8 +106,7 @@ class Builder {
     const size_t count = some_ ? some_->size() : bounded;
     hasty_ = count > kLarge;
     if (count == 0) return std::nullopt;
-    const double order_bytes =
-        double(count) * 2 * sizeof(PrimitiveId);  // and once more while they move
+    const double order_bytes = double(count) * 2 * sizeof(PrimitiveId);  // twice while they move
     if (auto error = refusal(order_bytes + least_bytes(), available)) return error;
     order_.resize(count);
     // Planes, which are in no tree, have the lowest ids.
@@ -235,7 +234,7 @@ class Builder {
   // `arena` the child has its items.
   size_t open(const Child& child, int depth, std::array<Child, kBlockWidth>& out,
               Column<BuildItem>& scratch, Arena* arena) {
-    std::array<float, kBlockWidth> areas;  // of those that can be opened
+    std::array<float, kBlockWidth> areas;  // half the surface area; -1 for leaves
     const auto area = [&](const Child& c) { return is_leaf(c) ? -1 : c.box.box().half_area(); };
     out[0] = child;
     areas[0] = area(child);
@@ -286,7 +285,7 @@ class Builder {
             whole.items ? whole.items + first : nullptr};
   }
 
-  // The child for node `node` of the plan of which `child` is a node.
+  // The child for node `node` of the plan that contains `child`.
   static Child planned(const Child& child, uint32_t node) {
     const BuildPlan::Node& from = child.plan->nodes[child.node];
     const BuildPlan::Node& to = child.plan->nodes[node];

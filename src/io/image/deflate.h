@@ -1,4 +1,4 @@
-// Deflate compression with all threads, which neither libpng nor zip libraries support: bytes are
+// Deflate compression with all threads, which libpng and zip libraries do not support: bytes are
 // produced and compressed in bands; their concatenated streams form one. For formats with deflate
 // streams.
 #pragma once

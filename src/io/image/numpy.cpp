@@ -98,7 +98,7 @@ NpyArray wide_array(const Image& image, const Layer& layer, const Layer& low) {
           sizeof(double), copy};
 }
 
-/// In bands, the first of which starts with the header.
+/// In bands; the first one starts with the header.
 Deflated deflate(const NpyArray& array) {
   constexpr size_t kBand = 1 << 16;  // numbers, whole pixels of "rgba"
   const size_t bands = (array.numbers - 1) / kBand + 1;

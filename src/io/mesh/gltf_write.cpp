@@ -327,8 +327,7 @@ std::string not_in_gltf(const Scene& scene) {
   };
   add(count(scene.planes.size(), "plane"));
   if (const size_t curved = count_curved(scene); curved > 0)
-    add(fmt::format("the exact form of {}, for which triangles stand",
-                    count(curved, "round shape")));
+    add(fmt::format("the exact form of {}, replaced by triangles", count(curved, "round shape")));
   add(text_of(scene, {Feature::object_names, Feature::roughness, Feature::light_extents,
                       Feature::movement}));
   if (scene.dialect != Dialect::data) add("the background");

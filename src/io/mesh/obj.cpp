@@ -362,8 +362,8 @@ class ObjReader {
     out_.notices.add(Severity::guessed,
                      paint.only_tr ? "materials drawn opaque, though Tr is 1: they have no d, and "
                                      "some programs mean opaque by it"
-                                   : "materials drawn opaque, though d is 0: else nothing of the "
-                                     "file would be seen",
+                                   : "materials drawn opaque, though d is 0: otherwise nothing of "
+                                     "the file would be visible",
                      name);
     return 1;
   }

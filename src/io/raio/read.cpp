@@ -160,8 +160,8 @@ class SectionReader {
   std::string wrong_;
 };
 
-// The number of meshes, or prototypes, with columns in the table. Each has at least one, so there
-// are no more of them than columns.
+// The number of meshes, or prototypes, with columns in the table. Each has at least one column, so
+// their number does not exceed that of the columns.
 std::expected<size_t, std::string> count_of(const Table& table, bool prototypes) {
   size_t count = 0;
   for (size_t i = 0; i < table.size(); ++i)
