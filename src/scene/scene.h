@@ -226,8 +226,7 @@ using ShapeArray =
 /// them changes.
 struct Object {
   /// All coordinates are floats relative to this point, so a scene far from zero keeps its
-  /// precision. Zero, unless a reader finds that the camera is far away relative to the size of its
-  /// view.
+  /// precision. Zero, unless a reader finds that the scene is far from zero relative to its size.
   Vec3d origin;
 
   // In each pool, materials are parallel to the shapes; so are colours and opacities, which are
