@@ -120,23 +120,23 @@ size_t Object::primitive_count() const {
   return sum;
 }
 
-std::array<size_t, kShapeKinds> count_primitives(const Object& scene) {
+std::array<size_t, kShapeKinds> count_primitives(const Object& object) {
   std::array<size_t, kShapeKinds> counts{};
   for_each_pool([&](auto pool) {
-    for (const auto& shape : scene.*pool.shapes) ++counts[size_t(shape_kind(shape))];
+    for (const auto& shape : object.*pool.shapes) ++counts[size_t(shape_kind(shape))];
   });
-  for (const Mesh& mesh : scene.meshes)
+  for (const Mesh& mesh : object.meshes)
     counts[size_t(ShapeKind::triangle)] += mesh.triangles.size();
-  const std::vector<size_t> copies = count_copies(scene);
+  const std::vector<size_t> copies = count_copies(object);
   for (size_t i = 0; i < copies.size(); ++i) {
     if (copies[i] == 0) continue;
-    const auto of_one = count_primitives(scene.prototypes[i]);
+    const auto of_one = count_primitives(object.prototypes[i]);
     for (size_t k = 0; k < counts.size(); ++k) counts[k] += copies[i] * of_one[k];
   }
   return counts;
 }
 
-Box3f bounds(const Object& scene) { return bounds_of(scene, nullptr); }
+Box3f bounds(const Object& object) { return bounds_of(object, nullptr); }
 
 size_t memory_bytes(const Object& object) {
   size_t bytes = 0;
@@ -176,29 +176,29 @@ bool any_transparent(const Scene& scene, const Object& object) {
 }
 bool any_transparent(const Scene& scene) { return any_transparent(scene, scene); }
 
-bool any_colors(const Object& scene) {
+bool any_colors(const Object& object) {
   bool any = false;
-  for_each_pool(scene,
+  for_each_pool(object,
                 [&](PoolKind, auto&, auto&, const auto& colors, auto&) { any |= !colors.empty(); });
-  return any || std::ranges::any_of(scene.prototypes, [](auto& s) { return any_colors(s); });
+  return any || std::ranges::any_of(object.prototypes, [](auto& s) { return any_colors(s); });
 }
 
-float brightest_color(const Object& scene) {
+float brightest_color(const Object& object) {
   float brightest = 0;
-  for_each_pool(scene, [&](PoolKind, auto&, auto&, const auto& colors, auto&) {
+  for_each_pool(object, [&](PoolKind, auto&, auto&, const auto& colors, auto&) {
     for (const Rgb color : colors) brightest = std::max(brightest, max_component(color));
   });
-  for (const Object& object : scene.prototypes)
-    brightest = std::max(brightest, brightest_color(object));
+  for (const Object& prototype : object.prototypes)
+    brightest = std::max(brightest, brightest_color(prototype));
   return brightest;
 }
 
-float brightest_tint(const Object& scene) {
+float brightest_tint(const Object& object) {
   float brightest = 1;
-  for (const Mesh& mesh : scene.meshes)
+  for (const Mesh& mesh : object.meshes)
     for (const Rgb& color : mesh.colors) brightest = std::max(brightest, max_component(color));
-  for (const Object& object : scene.prototypes)
-    brightest = std::max(brightest, brightest_tint(object));
+  for (const Object& prototype : object.prototypes)
+    brightest = std::max(brightest, brightest_tint(prototype));
   return brightest;
 }
 
@@ -213,11 +213,11 @@ Scene standalone(const Scene& around, const Object& object) {
   return scene;
 }
 
-uint32_t object_of(const Object& scene, PoolKind pool, size_t index) {
+uint32_t object_of(const Object& object, PoolKind pool, size_t index) {
   const auto behind = std::ranges::upper_bound(
-      scene.object_ranges, std::pair(pool, index), std::less(),
+      object.object_ranges, std::pair(pool, index), std::less(),
       [](const ObjectRange& r) { return std::pair(r.pool, size_t(r.first)); });
-  if (behind == scene.object_ranges.begin()) return 0;
+  if (behind == object.object_ranges.begin()) return 0;
   const ObjectRange& range = behind[-1];
   return range.pool == pool && index - range.first < range.count ? range.object : 0;
 }
