@@ -165,8 +165,8 @@ std::shared_ptr<const SessionPicture> Session::picture() const {
 }
 
 void Session::run() {
+  SessionRequest request;  // lives as long as built_ may point to it
   while (true) {
-    SessionRequest request;
     SessionPicture next;
     {
       std::unique_lock lock(mutex_);
