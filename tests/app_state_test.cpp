@@ -65,7 +65,7 @@ class AppStateTest : public testing::Test {
   }
 
   Facts facts{.now = 100};
-  AppState app{ViewState("some.nff", view::scene(), first_options()),
+  AppState app{ViewState("some.nff", view::scene(), {}),
                first_options(),
                {.width = 715, .height = 371, .pixels_per_unit = 1, .em = 15},
                {},
@@ -86,19 +86,8 @@ TEST_F(AppStateTest, AKeyChangesTheStateAndRequestsAPicture) {
   EXPECT_THAT(lines(requests), HasSubstr("request: 2\n"));
   EXPECT_TRUE(app.is_waiting());
   EXPECT_TRUE(press('R', {.ctrl = true}).empty()) << "no such key";
-  EXPECT_THAT(lines(take(picture())), HasSubstr("reflection off: ~10.0 ms per sample, no whole"));
+  EXPECT_THAT(lines(take(picture())), HasSubstr("reflection off: ~10 ms per sample, no whole"));
   EXPECT_FALSE(app.is_waiting());
-}
-
-TEST_F(AppStateTest, OptionsThatDoNotFitRequestNothing) {
-  event::ControlsUsed used{app.view, {}};
-  used.view.options.aa = 3, used.view.options.samples = 5;
-  used.did.changed = true;
-  const Requests requests = tell(used);
-  EXPECT_FALSE(find<request::Render>(requests)) << lines(requests);
-  EXPECT_TRUE(app.says_error);
-  EXPECT_FALSE(app.message.text().empty());
-  EXPECT_EQ(app.request, 1u);
 }
 
 TEST_F(AppStateTest, UndoAndRedoRestoreAllButTheView) {
