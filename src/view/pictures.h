@@ -9,32 +9,25 @@
 
 namespace raio::core::view {
 
+/// The picture over or beside the main one.
+enum class Other { none, without, focus };
+
 class Pictures {
  public:
-  enum class Other { none, without, focus };
-
   /// `session` already has its first request.
   explicit Pictures(std::unique_ptr<Session> session);
 
   Side main, other;
 
-  /// Passes the current request to the sessions; `frame_s` as in SessionRequest.
-  void request(const ViewState& state, const Stage& stage, double frame_s);
-  void request_other(Other wanted, const ViewState& state, const Stage& stage, double frame_s);
-  Other wanted_other() const { return wanted_; }
+  /// `is_new`: pictures of earlier requests are of another kind. Nothing: the session rests.
+  void request_other(const std::optional<SessionRequest>& request, bool is_new);
 
   void pause(bool pause) const;
   /// Whether no session is busy.
   bool are_idle() const { return main.session->is_idle() && other.session->is_idle(); }
 
   /// `split_at`: the position of the bar between the two, 0 to 1.
-  void draw(const ViewState& state, const Stage& stage, float split_at) const;
-
-  /// The main picture if it is whole and answers the newest request, else null.
-  std::shared_ptr<const SessionPicture> whole(const ViewState& state) const;
-
- private:
-  Other wanted_ = Other::none;
+  void draw(const ViewState& state, const Stage& stage, Other shown, float split_at) const;
 };
 
 /// One line at the bottom of the picture, for a while.

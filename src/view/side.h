@@ -17,7 +17,7 @@ struct Side {
   std::unique_ptr<Session> session;
   Texture texture;
   std::shared_ptr<const SessionPicture> picture;
-  uint64_t request = 0, first_request = 0;  // the newest; the first of the current kind
+  uint64_t first_request = 0;  // of the current kind
   bool is_logged = true;
 
   /// Whether there is a picture of the current kind.

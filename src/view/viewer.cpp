@@ -1,31 +1,25 @@
 #include "view/viewer.h"
 
-#include <GLFW/glfw3.h>
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <utility>
 
 #include "app/output.h"
-#include "base/exact_math.h"
 #include "render/provenance.h"
 #include "render/render.h"
-#include "view/texts.h"
 
 namespace raio::core::view {
 namespace {
 
-constexpr double kFrameSeconds = 0.024;   // of rendering; drawing takes the rest of a 30th
-constexpr double kDrawGapSeconds = 0.03;  // between drawings without a new picture
-constexpr double kRestSeconds = 0.15;     // after the last movement
-constexpr double kBeforeCosts = 0.8;      // of rest, before costs are measured
-constexpr double kFocusSeconds = 2.5;     // for showing the focal plane
-constexpr double kWaitingSeconds = 0.5;   // between drawings while nothing new arrives
-constexpr double kIdleSeconds = 0.1;      // between checks of the disk
+constexpr double kIdleSeconds = 0.1;  // between checks of the disk
 
-std::string text_of(Vec3f v) { return fmt::format("{:.6g},{:.6g},{:.6g}", v.x, v.y, v.z); }
+template <class... Cases>
+struct Overloaded : Cases... {
+  using Cases::operator()...;
+};
+template <class... Cases>
+Overloaded(Cases...) -> Overloaded<Cases...>;
 
 }  // namespace
 
@@ -33,281 +27,155 @@ Viewer::Viewer(Window& window, ViewState state, Memory memory, std::vector<std::
                bool logs, std::unique_ptr<Session> session, const RenderOptions& first_request)
     : window_(window),
       logs_(logs),
-      opened_{0, 0, float(window.width()), float(window.height())},
-      first_width_(state.path.empty() ? 0 : first_request.width),
-      first_height_(state.path.empty() ? 0 : first_request.height),
-      state_(std::move(state)),
-      history_(state_),
-      saved_scene_(state_.scene),
-      keeper_(std::move(memory)),
-      file_(state_.path, state_.read_options),
+      app_(std::move(state), first_request, size(), memory.look, std::move(warnings)),
       pictures_(std::move(session)),
-      warnings_(std::move(warnings)),
-      gestures_(state_, stage_, [this](double x, double y) { return pick_at(x, y); }) {
-  window_.listen(this);
+      keeper_(std::move(memory)),
+      file_(app_.view.path, app_.view.read_options) {
+  window_.listen([this](const Event& event) { handle(event); });
   log("request: 1");
-  stage_.picture_width = first_request.width, stage_.picture_height = first_request.height;
-  lay_out();
-  log(fmt::format("place: {},{}", stage_.lo.x, stage_.lo.y));
-  if (!state_.path.empty()) keeper_.opened(state_.path);
+  handle(size());
+  log(fmt::format("place: {},{}", app_.stage.lo.x, app_.stage.lo.y));
+  if (!app_.view.path.empty()) keeper_.opened(app_.view.path);
 }
 
 void Viewer::run() {
   while (!window_.should_close()) {
-    Window::wait_events(drawings_ > 0 || inspector_.is_playing() ? 0.004 : kIdleSeconds);
+    Window::wait_events(app_.drawings > 0 || inspector_.is_playing() ? 0.004 : kIdleSeconds);
     step();
   }
   log("closed");
 }
 
-void Viewer::key_pressed(int key, Modifiers held) {
-  if (gestures_.is_looking() && steps_held().any()) return;
-  if (const KeySpec* spec = find_key(key, held)) obey(*spec);
+void Viewer::log(std::string_view line) const {
+  if (logs_) app::print_line(fmt::format("{:.1f} {}", Window::seconds() * 1e3, line));
 }
 
-void Viewer::button(int number, bool down, bool shift) {
-  needs_drawing();
-  if (number > GLFW_MOUSE_BUTTON_MIDDLE) return;
-  const auto which = Gestures::Button(number);
-  if (down && is_covered()) return;
-  if (down)
-    gestures_.press(which, shift, inspector_.is_open() || inspector_.is_picking());
-  else
-    finish(gestures_.release(which));
+event::Resized Viewer::size() const {
+  return {float(window_.width()), float(window_.height()), window_.pixels_per_unit(), em()};
 }
 
-void Viewer::cursor_moved(double x, double y) {
-  needs_drawing();
-  if (gestures_.move(x, y)) camera_moved();
+Facts Viewer::facts() const {
+  Facts facts;
+  facts.now = Window::seconds();
+  if (!Window::is_typing())
+    facts.walking =
+        walking_steps([this](int key) { return window_.is_held(key); }, app_.gestures.is_looking());
+  facts.sessions_idle = pictures_.are_idle();
+  facts.control_held = Window::is_busy();
+  facts.has_dialog = controls_.has_dialog();
+  facts.over_controls = Window::is_over_controls();
+  facts.inspects = inspector_.is_open(), facts.picks = inspector_.is_picking();
+  facts.full_screen = window_.is_full_screen(), facts.hidden = window_.is_hidden();
+  return facts;
 }
 
-void Viewer::scrolled(double steps, bool ctrl) {
-  needs_drawing();
-  if (is_covered() || !stage_.contains(gestures_.x(), gestures_.y())) return;
-  if ((ctrl || shows_focus()) && !state_.camera.is_parallel()) {
-    state_.scale_aperture(float(exact_pow(1.1, steps)));
-    if (!state_.is_on(Command::depth_of_field)) (void)state_.toggle(Command::depth_of_field);
-    show_focus();
-    say(trf("aperture {:.4g}", state_.options.aperture));
-    renew();
-  } else if (gestures_.dolly(steps)) {
-    camera_moved();
-  }
+void Viewer::handle(const Event& event) {
+  for (const Request& request : app_.update(event, facts())) carry_out(request);
 }
 
-void Viewer::log(std::string_view event) const {
-  if (logs_) app::print_line(fmt::format("{:.1f} {}", now() * 1e3, event));
-}
-
-void Viewer::say(std::string message, bool is_error) {
-  log(message);
-  says_error_ = is_error;
-  message_.say(std::move(message), now());
-  needs_drawing();
-}
-
-std::shared_ptr<const BakedScene> Viewer::baked() const {
-  return pictures_.main.picture ? pictures_.main.picture->baked : nullptr;
-}
-
-void Viewer::show_focus() { focus_until_ = now() + kFocusSeconds; }
-
-bool Viewer::is_waiting() const {
-  const auto& p = pictures_.main.picture;
-  return !is_moving() && (!p || p->request != pictures_.main.request || p->samples == 0);
-}
-
-Steps Viewer::steps_held() const {
-  if (Window::is_typing()) return {};
-  return walking_steps([this](int key) { return window_.is_held(key); }, gestures_.is_looking());
-}
-
-bool Viewer::renew() {
-  const RenderOptions o = state_.request(stage_.picture_width, stage_.picture_height);
-  comparison_.end();
-  if (const auto why = option_conflict(o, state_.scene.get()))
-    return complain(why->text("--")), false;
-  // Options waiting for another scene or integrator are reported once.
-  RenderOptions picture = state_.options;
-  picture.view = View::picture;
-  const auto waiting = ignored_option(picture, state_.scene.get());
-  const std::string option = waiting ? waiting->subject : "";
-  if (std::exchange(waiting_option_, option) != option && waiting) say(waiting->text("--"));
-  const double frame_s = is_moving() ? kFrameSeconds : 0;
-  moved_ = frame_s > 0;
-  pictures_.request(state_, stage_, frame_s);
-  requested_at_ = now();
-  if (!moved_) log(fmt::format("request: {}", pictures_.main.request));
-  measuring_.cancel();
-  costs_are_old_ = true;
-  renew_other(frame_s);
-  if (!moved_) inspector_.follow(state_);
-  return true;
-}
-
-void Viewer::renew_other(double frame_s) {
-  const Pictures::Other wanted = shows_focus()  ? Pictures::Other::focus
-                                 : state_.split ? Pictures::Other::without
-                                                : Pictures::Other::none;
-  pictures_.request_other(wanted, state_, stage_, frame_s);
-}
-
-void Viewer::camera_moved() {
-  moving_until_ = now() + kRestSeconds;
-  renew();
+void Viewer::carry_out(const Request& request) {
+  using namespace request;
+  std::visit(Overloaded{
+                 [&](const Log& r) { log(r.line); },
+                 [&](const Render& r) { pictures_.main.session->request(r.what); },
+                 [&](const RenderOther& r) { pictures_.request_other(r.what, r.is_new); },
+                 [&](const Pause& r) { pictures_.pause(r.on); },
+                 [&](const Measure& r) { measure(r.work); },
+                 [&](const ForgetMeasurements&) { measuring_.forget(); },
+                 [&](const Inspect& r) {
+                   log(inspector_.look(app_.view, app_.stage, app_.baked(), r.from, r.to));
+                 },
+                 [&](const FollowInspection&) { inspector_.follow(app_.view); },
+                 [&](const PickPixel& r) { inspector_.pick(r.on); },
+                 [&](const WalkRay& r) {
+                   if (const std::string at = inspector_.walk(r.where, Window::seconds());
+                       !at.empty())
+                     log(at);
+                 },
+                 [&](const CloseInspector&) { inspector_.close(); },
+                 [&](const OpenFile& r) { file_.open(r.path); },
+                 [&](const FollowFile& r) {
+                   if (r.saved) file_.follow(app_.view.path);
+                   keeper_.opened(r.path);
+                 },
+                 [&](const SaveScene& r) { scene_writer_.write(app_.view, r.path); },
+                 [&](const WritePicture& r) { write_picture(*r.picture, r.suffix); },
+                 [&](const WriteDrawing& r) {
+                   const Camera camera = app_.view.edge_to_edge(app_.stage.picture_height);
+                   writer_.write(inspector_.drawing(r.suffix, camera),
+                                 free_name(inspector_.file_name(), r.suffix),
+                                 inspector_.command_line(app_.view));
+                 },
+                 [&](const WriteCurve&) {
+                   writer_.write([csv = grid_curve_csv(measuring_.curve())] { return csv; },
+                                 free_name(app_.view.scene->name + "-grid", ".csv"), "");
+                 },
+                 [&](const AskForFile& r) { ask_for_file(r.purpose); },
+                 [&](const CopyText& r) { window_.set_clipboard(r.text); },
+                 [&](const SetLook& r) { window_.set_look(r.look); },
+                 [&](const SetFullScreen& r) { window_.set_full_screen(r.on); },
+                 [&](const SwitchHelp&) { controls_.switch_help(); },
+                 [&](const CloseDialogs&) { controls_.close(); },
+                 [&](const CloseWindow&) { window_.close(); },
+                 [&](const Draw&) { draw(); },
+             },
+             request);
 }
 
 void Viewer::step() {
-  const double time = now(), passed = time - std::exchange(last_step_, time);
-  if (gestures_.walk(steps_held(), passed)) camera_moved();
-  lay_out();
-  if (moved_ && !is_moving()) {
-    log(fmt::format("camera: from {} at {}", text_of(state_.camera.from),
-                    text_of(state_.camera.at)));
-    renew();
-  }
-  if (pictures_.wanted_other() == Pictures::Other::focus && !shows_focus())
-    renew_other(0), needs_drawing();
-  if (message_.expire(time)) needs_drawing();
-  if (!is_moving() && !gestures_.is_busy() && !Window::is_busy()) history_.settle(state_);
-  // Time passes while waiting for the first sample.
-  if (is_waiting() && time > last_draw_ + kWaitingSeconds) needs_drawing();
   take_results();
-  bool is_new = take_picture(pictures_.main);
-  is_new |= take_picture(pictures_.other);
-  save_when_whole();
-  find_warnings();
-  measure();
-  if (inspector_.advance(time)) drawings_ = std::max(drawings_, 1);
-  if (measuring_.has_news()) drawings_ = std::max(drawings_, 1);
-  if (window_.is_hidden()) {
-    drawings_ = 0;
-  } else if (is_new || (drawings_ > 0 && (!is_moving() || time > last_draw_ + kDrawGapSeconds))) {
-    drawings_ = is_new ? std::max(drawings_, 1) : drawings_;
-    draw();
-    --drawings_;
-  }
+  handle(size());
+  handle(event::Tick{});
 }
 
 void Viewer::take_results() {
-  if (const auto written = scene_writer_.poll()) take_saved_scene(*written);
+  if (const auto written = scene_writer_.poll()) handle(*written);
   // A file being saved is no change on the disk.
   if (!scene_writer_.is_busy())
-    if (auto read = file_.poll(state_.options.threads)) take_scene(*read);
-  while (auto written = writer_.poll()) {
-    if (!written->result) {
-      complain(written->result.error().text());
-      continue;
-    }
-    const std::filesystem::path path = std::filesystem::absolute(written->path);
-    say(trf("saved {} in {}", path.filename().string(), path.parent_path().string()));
-    log("command: " + written->command);
-  }
-  if (const auto found = inspector_.poll()) {
-    if (*found)
-      log(**found);
-    else
-      complain(found->error().text("--"));
-    needs_drawing();
-  }
-  if (const auto done = measuring_.poll()) {
-    done->empty() ? log_costs() : say(*done);
-    needs_drawing();
-  }
+    if (const auto read = file_.poll(app_.view.options.threads)) handle(*read);
+  while (const auto written = writer_.poll()) handle(*written);
+  if (const auto found = inspector_.poll()) handle(event::Inspected{*found});
+  if (const auto said = measuring_.poll()) handle(event::Measured{*said, measuring_.costs()});
+  take_picture(pictures_.main);
+  take_picture(pictures_.other);
+  // Both are asked: each forgets its news.
+  const bool advanced = inspector_.advance(Window::seconds());
+  if (measuring_.has_news() || advanced) handle(event::Refresh{1});
 }
 
-void Viewer::log_costs() const {
-  for (const EffectCost& c : measuring_.costs().effects) log(cost_line(c));
-  log(measuring_.costs().finished ? "measured the costs" : "did not measure the costs");
+void Viewer::take_picture(Side& side) {
+  if (side.take()) handle(event::PictureTaken{side.picture, &side == &pictures_.main});
 }
 
-bool Viewer::take_picture(Side& side) {
-  if (!side.take()) return false;
-  const SessionPicture& p = *side.picture;
-  if (p.error) complain(p.error->text("--"));
-  if (&side == &pictures_.main)
-    if (auto line = comparison_.take(p, side.request)) say(std::move(*line));
-  return true;
-}
-
-void Viewer::take_scene(const SceneFile::Read& read) {
-  if (!read.scene) {
-    // For another file they are reported once; the panel shows those of the current file.
-    if (read.path == state_.path) errors_ = read.scene.error();
-    return complain(read.scene.error().front().text());
-  }
-  errors_.clear();
-  const bool is_other = read.path != state_.path;
-  state_.open(read.path, *read.scene);
-  measuring_.forget();
-  warnings_ = Warnings(read.warnings);
-  // A new version of the file is a step that can be undone; another scene is a new start.
-  if (is_other) {
-    inspector_.close();
-    state_.read_options = kForPictures;
-    history_ = History<ViewState>(state_);
-  }
-  saved_scene_ = state_.scene;
-  keeper_.opened(read.path);
-  say(trf("opened {}", read.path));
-  renew();
-}
-
-void Viewer::take_saved_scene(const SceneWriter::Written& written) {
-  if (!written.result) return complain(written.result.error().text("--"));
-  take_saved(state_, written);
-  errors_.clear();
-  saved_scene_ = written.scene;
-  file_.follow(state_.path);
-  keeper_.opened(written.path);
-  say(trf("saved the scene as {}", written.path) +
-      (written.result->empty() ? "" : "; " + trf("lost: {}", *written.result)));
-  renew();
-}
-
-void Viewer::find_warnings() {
-  if (is_moving() || is_waiting()) return;
-  if (warnings_.find(*state_.scene, *pictures_.main.picture)) needs_drawing();
-}
-
-void Viewer::measure() {
-  if (measuring_.busy()) return;
-  if (wanted_ == Measuring::Work::none && !may_measure_costs()) {
-    if (std::exchange(is_holding_, false)) pictures_.pause(state_.paused);
-    return;
-  }
-  is_holding_ = true;
-  pictures_.pause(true);
-  if (!pictures_.are_idle()) return;
-  const Measuring::Work work = std::exchange(wanted_, Measuring::Work::none);
-  if (work == Measuring::Work::table) {
-    measuring_.start_table(state_, stage_.picture_width, stage_.picture_height);
-  } else if (work == Measuring::Work::curve) {
-    measuring_.start_curve(state_, stage_.picture_width, stage_.picture_height);
-  } else {
-    costs_are_old_ = false;
-    log("measures the costs");
-    measuring_.start_costs(state_, pictures_.main.picture->baked, stage_.picture_width,
-                           stage_.picture_height);
+void Viewer::measure(Measuring::Work work) {
+  const int width = app_.stage.picture_width, height = app_.stage.picture_height;
+  switch (work) {
+    case Measuring::Work::none:
+      return measuring_.cancel();
+    case Measuring::Work::costs:
+      return measuring_.start_costs(app_.view, app_.baked(), width, height);
+    case Measuring::Work::table:
+      return measuring_.start_table(app_.view, width, height);
+    case Measuring::Work::curve:
+      return measuring_.start_curve(app_.view, width, height);
   }
 }
 
-bool Viewer::may_measure_costs() const {
-  const auto& picture = pictures_.main.picture;
-  return !state_.path.empty() && costs_are_old_ && wants_costs_ && !state_.paused && !is_moving() &&
-         picture && picture->request == pictures_.main.request && picture->sample_s.median > 0 &&
-         now() >= moving_until_ + kBeforeCosts && message_.age(now()) >= kBeforeCosts;
+void Viewer::ask_for_file(FileDialog::Purpose purpose) {
+  std::string name;
+  if (purpose == FileDialog::Purpose::save)
+    name = free_name((file_.folder() / app_.view.scene->name).string(), ".nff");
+  controls_.files.ask(purpose, file_.folder(), std::filesystem::path(name).filename().string());
 }
 
-void Viewer::save_when_whole() {
-  if (to_save_.empty()) return;
-  const auto picture = pictures_.whole(state_);
-  if (!picture) return;
-  const std::string path = free_name(state_.scene->name, std::exchange(to_save_, {}));
-  const RenderSettings s = resolve_options(
-      state_.request(stage_.picture_width, stage_.picture_height, picture->samples), *state_.scene);
-  writer_.write(picture->image, path, settings_of(*state_.scene, s, state_.read_options),
-                command_line(path));
+void Viewer::write_picture(const SessionPicture& picture, const std::string& suffix) {
+  const ViewState& view = app_.view;
+  const std::string path = free_name(view.scene->name, suffix);
+  const RenderSettings settings = resolve_options(
+      view.request(app_.stage.picture_width, app_.stage.picture_height, picture.samples),
+      *view.scene);
+  writer_.write(picture.image, path, settings_of(*view.scene, settings, view.read_options),
+                app_.command_line(path));
 }
 
 }  // namespace raio::core::view

@@ -103,43 +103,39 @@ Window& Window::of(GLFWwindow* window) {
   return *static_cast<Window*>(glfwGetWindowUserPointer(window));
 }
 
+void Window::tell(GLFWwindow* window, const Event& event) {
+  if (const auto& listener = of(window).listener_) listener(event);
+}
+
 void Window::set_callbacks() {
   glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int, int action, int mods) {
-    WindowEvents* events = of(w).events_;
-    if (!events) return;
-    events->needs_drawing();
-    if (action == GLFW_PRESS && key >= 0) of(w).typed_.push_back(key);
+    tell(w, event::Refresh{});
+    if (action != GLFW_PRESS) return;
+    if (key >= 0) of(w).typed_.push_back(key);
     const bool is_function = key >= GLFW_KEY_F1 && key <= GLFW_KEY_F25;
-    if (action == GLFW_PRESS && (!is_typing() || is_function))
-      events->key_pressed(key, {.shift = bool(mods & GLFW_MOD_SHIFT),
-                                .ctrl = bool(mods & GLFW_MOD_CONTROL),
-                                .alt = bool(mods & (GLFW_MOD_ALT | GLFW_MOD_SUPER))});
+    if (!is_typing() || is_function)
+      tell(w, event::KeyPressed{key,
+                                {.shift = bool(mods & GLFW_MOD_SHIFT),
+                                 .ctrl = bool(mods & GLFW_MOD_CONTROL),
+                                 .alt = bool(mods & (GLFW_MOD_ALT | GLFW_MOD_SUPER))}});
   });
   glfwSetMouseButtonCallback(window_, [](GLFWwindow* w, int button, int action, int mods) {
-    if (WindowEvents* events = of(w).events_)
-      events->button(button, action == GLFW_PRESS, mods & GLFW_MOD_SHIFT);
+    tell(w, event::MouseButton{button, action == GLFW_PRESS, bool(mods & GLFW_MOD_SHIFT)});
   });
-  glfwSetCursorPosCallback(window_, [](GLFWwindow* w, double x, double y) {
-    if (WindowEvents* events = of(w).events_) events->cursor_moved(x, y);
-  });
+  glfwSetCursorPosCallback(
+      window_, [](GLFWwindow* w, double x, double y) { tell(w, event::CursorMoved{x, y}); });
   glfwSetScrollCallback(window_, [](GLFWwindow* w, double, double steps) {
     const bool ctrl = of(w).is_held(GLFW_KEY_LEFT_CONTROL) || of(w).is_held(GLFW_KEY_RIGHT_CONTROL);
-    if (WindowEvents* events = of(w).events_) events->scrolled(steps, ctrl);
+    tell(w, event::Scrolled{steps, ctrl});
   });
   glfwSetDropCallback(window_, [](GLFWwindow* w, int count, const char** paths) {
-    WindowEvents* events = of(w).events_;
-    if (events && count > 0) events->file_dropped(paths[0]);
+    if (count > 0) tell(w, event::FileDropped{paths[0]});
   });
-  glfwSetCharCallback(window_, [](GLFWwindow* w, unsigned) {
-    if (WindowEvents* events = of(w).events_) events->needs_drawing();
-  });
-  const auto redraw = [](GLFWwindow* w) {
-    if (WindowEvents* events = of(w).events_) events->needs_drawing();
-  };
-  static const auto kRedraw = redraw;
-  glfwSetWindowRefreshCallback(window_, [](GLFWwindow* w) { kRedraw(w); });
-  glfwSetFramebufferSizeCallback(window_, [](GLFWwindow* w, int, int) { kRedraw(w); });
-  glfwSetWindowIconifyCallback(window_, [](GLFWwindow* w, int) { kRedraw(w); });
+  glfwSetCharCallback(window_, [](GLFWwindow* w, unsigned) { tell(w, event::Refresh{}); });
+  glfwSetWindowRefreshCallback(window_, [](GLFWwindow* w) { tell(w, event::Refresh{}); });
+  glfwSetFramebufferSizeCallback(window_,
+                                 [](GLFWwindow* w, int, int) { tell(w, event::Refresh{}); });
+  glfwSetWindowIconifyCallback(window_, [](GLFWwindow* w, int) { tell(w, event::Refresh{}); });
 }
 
 void Window::wait_events(double seconds) {

@@ -2,28 +2,18 @@
 #pragma once
 
 #include <expected>
+#include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "view/keys.h"
+#include "view/events.h"
 #include "view/theme.h"
 
 struct GLFWwindow;
 
 namespace raio::core::view {
-
-/// Receives input events. Positions are in window coordinates.
-class WindowEvents {
- public:
-  virtual ~WindowEvents() = default;
-  virtual void key_pressed(int key, Modifiers held) = 0;
-  virtual void button(int button, bool down, bool shift) = 0;
-  virtual void cursor_moved(double x, double y) = 0;
-  virtual void scrolled(double steps, bool ctrl) = 0;
-  virtual void file_dropped(const std::string& path) = 0;
-  virtual void needs_drawing() = 0;
-};
 
 class Window {
  public:
@@ -36,7 +26,8 @@ class Window {
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
 
-  void listen(WindowEvents* events) { events_ = events; }
+  /// Input becomes events; nothing is ignored but keys that go into a field.
+  void listen(std::function<void(const Event&)> listener) { listener_ = std::move(listener); }
 
   /// Handles events; waits for them up to this many seconds.
   static void wait_events(double seconds);
@@ -73,9 +64,10 @@ class Window {
   explicit Window(GLFWwindow* window);
   void set_callbacks();
   static Window& of(GLFWwindow* window);
+  static void tell(GLFWwindow* window, const Event& event);
 
   GLFWwindow* window_;
-  WindowEvents* events_ = nullptr;
+  std::function<void(const Event&)> listener_;
   float text_scale_ = 1;
   Theme look_;
   bool has_new_look_ = false;

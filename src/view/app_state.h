@@ -1,0 +1,152 @@
+// The window's rules: an event changes the state, and requests to the world outside follow. No
+// window, no thread, no clock: time and everything else from outside are arguments.
+#pragma once
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "view/comparison.h"
+#include "view/events.h"
+#include "view/gestures.h"
+#include "view/history.h"
+#include "view/layout.h"
+#include "view/legend.h"
+#include "view/pictures.h"
+
+namespace raio::core::view {
+
+/// The world outside at the moment of an event.
+struct Facts {
+  double now = 0;                                  // seconds
+  Steps walking;                                   // by held keys
+  bool sessions_idle = false;                      // no session is busy
+  bool control_held = false;                       // of the panel or the bars
+  bool has_dialog = false, over_controls = false;  // the cursor
+  bool inspects = false, picks = false;            // the inspector is open; waits for a click
+  bool full_screen = false, hidden = false;
+};
+
+class AppState {
+ public:
+  /// `first` has been requested already, as request 1; `opened`: the window's first size.
+  AppState(ViewState first_view, const RenderOptions& first, const event::Resized& opened,
+           const Theme& first_look, std::vector<std::string> warnings_of_file);
+  AppState(const AppState&) = delete;  // the gestures refer to it
+  AppState& operator=(const AppState&) = delete;
+
+  Requests update(const Event& event, const Facts& facts);
+
+  // For reading; they change by events only.
+  ViewState view;
+  History<ViewState> history;
+  SharedScene saved_scene;  // as in the file
+  Theme look;
+  Layout layout;
+  Stage stage;
+  Gestures gestures;
+  std::shared_ptr<const SessionPicture> picture;  // the newest; null before the first
+  uint64_t request = 1;                           // the newest, counted as the session does
+  double requested_at = 0;
+  Other other = Other::none;
+  Message message;
+  bool says_error = false;
+  Diagnostics errors;  // of the file on the disk
+  Warnings warnings;
+  Measuring::Work measuring = Measuring::Work::none;  // until its end was reported
+  bool costs_are_old = true;
+  int drawings = 3;  // remaining, even without a new picture
+
+  bool is_moving() const { return facts_.now < moving_until_; }
+  bool shows_focus() const { return facts_.now < focus_until_; }
+  /// For the first sample of the request.
+  bool is_waiting() const;
+  /// The newest picture's; null before the first.
+  std::shared_ptr<const BakedScene> baked() const { return picture ? picture->baked : nullptr; }
+  /// The picture, at the cursor.
+  bool is_covered() const;
+  /// What the picture shows at a position of the window.
+  Pick pick_at(double x, double y) const;
+  /// What it shows at the cursor; nothing during movements.
+  ReadOut under_cursor() const;
+  std::string command_line(const std::string& output) const;
+
+ private:
+  // Events.
+  void on(const event::Refresh& e) { drawings = std::max(drawings, e.drawings); }
+  void on(const event::KeyPressed& e);
+  void on(const event::MouseButton& e);
+  void on(const event::CursorMoved& e);
+  void on(const event::Scrolled& e);
+  void on(const event::FileDropped& e) { ask(request::OpenFile{e.path}); }
+  void on(const event::Resized& e);
+  void on(const event::ControlsUsed& e);
+  void on(const event::InspectorUsed& e);
+  void on(const event::PictureTaken& e);
+  void on(const event::Inspected& e);
+  void on(const event::Measured& e);
+  void on(const event::Tick& e);
+  void on(const SceneFile::Read& read);
+  void on(const SceneWriter::Written& written);
+  void on(const PictureWriter::Written& written);
+
+  void ask(Request request) { requests_.push_back(std::move(request)); }
+  void log(std::string line) { ask(request::Log{std::move(line)}); }
+  // Reports an action, in the window's language.
+  void say(std::string text, bool is_error = false);
+  void complain(std::string text) { say(std::move(text), true); }
+  void refresh() { on(event::Refresh{}); }
+
+  // Requests new pictures of the sessions. Returns whether the options are valid.
+  bool renew();
+  void renew_other(double frame_s);
+  void camera_moved();
+  void settle();
+  void show_focus();
+  // Measurements need the whole machine: sessions rest, and the window draws in pauses made for it.
+  void measure();
+  // At rest, and after the picture itself.
+  bool may_measure_costs() const;
+  void cancel_measuring();
+  // Saves a picture identical to that of `raio render`: of the newest request, at rest, with
+  // equally many samples in every pixel.
+  void save_when_whole();
+  void draw();
+
+  // Commands, in app_commands.cpp.
+  void obey(const KeySpec& key);
+  void finish(Gestures::Done gesture);
+  void switch_effect(Command effect);
+  void switch_pause();
+  void switch_picking();
+  void switch_look(bool Theme::* what);
+  // Measurements of costs, which start by themselves, give way to requested work.
+  void switch_work(Measuring::Work work, const char* what);
+  void move_camera(const Camera& camera);
+  void focus_on(const Pick& pick);
+  void close_inspector();
+  void copy_command();
+  void save_scene(const std::string& path);
+  void go_back(bool back);
+  // What Escape closes before it ends the program.
+  bool leave();
+
+  const event::Resized opened_;
+  const int first_width_, first_height_;  // the picture's; 0 without a scene
+  Facts facts_;                           // of the event
+  Requests requests_;                     // its answer so far
+  Comparison comparison_;
+  std::string to_save_;                             // suffix of the picture to be saved
+  bool is_saving_ = false;                          // a scene
+  bool wants_costs_ = false;                        // they are visible
+  Measuring::Work wanted_ = Measuring::Work::none;  // to be started
+  bool is_holding_ = false;                         // the sessions, for a measurement
+  bool has_new_picture_ = false;
+  bool moved_ = false;          // the newest request is part of a movement
+  std::string waiting_option_;  // has no effect in this scene, as reported
+  double last_tick_ = 0, last_draw_ = 0, moving_until_ = 0, focus_until_ = 0;
+};
+
+}  // namespace raio::core::view

@@ -1,0 +1,407 @@
+// What happens in the window, without a window, a thread or a clock: events in, requests out.
+#include "view/app_state.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <initializer_list>
+
+#include "view_scenes.h"
+
+namespace raio::core::view {
+namespace {
+
+using testing::HasSubstr;
+
+// A window of the size it was opened with, at rest.
+class AppStateTest : public testing::Test {
+ protected:
+  static RenderOptions first_options() {
+    RenderOptions o;
+    o.width = 64, o.height = 48;
+    return o;
+  }
+
+  Requests tell(const Event& event) { return app.update(event, facts); }
+  Requests press(int key, Modifiers held = {}) { return tell(event::KeyPressed{key, held}); }
+  Requests tick(double seconds = 0.01) {
+    facts.now += seconds;
+    return tell(event::Tick{});
+  }
+
+  // A whole picture of the newest request.
+  std::shared_ptr<SessionPicture> picture(double sample_s = 0.01) const {
+    auto p = std::make_shared<SessionPicture>();
+    p->request = app.request, p->samples = 1;
+    p->settings = resolve_options(app.view.request(64, 48), *app.view.scene);
+    p->sample_s = {sample_s, sample_s, sample_s};
+    return p;
+  }
+  Requests take(std::shared_ptr<SessionPicture> p) {
+    return tell(event::PictureTaken{std::move(p), true});
+  }
+  SceneFile::Read read(const std::string& path) const { return {path, view::scene(), {}}; }
+
+  template <class R>
+  static const R* find(const Requests& requests) {
+    for (const Request& one : requests)
+      if (const R* found = std::get_if<R>(&one)) return found;
+    return nullptr;
+  }
+  static std::string lines(const Requests& requests) {
+    std::string all;
+    for (const Request& one : requests)
+      if (const auto* log = std::get_if<request::Log>(&one)) all += log->line + "\n";
+    return all;
+  }
+
+  // The costs are visible, and everything has been at rest for long.
+  void rest_with_costs() {
+    event::ControlsUsed used{app.view, {}};
+    used.did.wants_costs = true;
+    (void)tell(used);
+    (void)take(picture());
+    facts.sessions_idle = true, facts.now += 10;
+  }
+
+  Facts facts{.now = 100};
+  AppState app{ViewState("some.nff", view::scene(), {}),
+               first_options(),
+               {.width = 715, .height = 371, .pixels_per_unit = 1, .em = 15},
+               {},
+               {}};
+};
+
+TEST_F(AppStateTest, AKeyChangesTheStateAndRequestsAPicture) {
+  ASSERT_FALSE(app.view.options.no_reflection);
+  const Requests requests = press('R');
+  EXPECT_TRUE(app.view.options.no_reflection);
+  const auto* render = find<request::Render>(requests);
+  ASSERT_TRUE(render);
+  EXPECT_EQ(render->what.options, app.view.request(64, 48));
+  EXPECT_EQ(render->what.scene, app.view.scene);
+  EXPECT_EQ(render->what.frame_s, 0);
+  EXPECT_EQ(app.request, 2u);
+  EXPECT_THAT(lines(requests), HasSubstr("reflection off: waiting for a whole sample\n"));
+  EXPECT_THAT(lines(requests), HasSubstr("request: 2\n"));
+  EXPECT_TRUE(app.is_waiting());
+  EXPECT_TRUE(press('R', {.ctrl = true}).empty()) << "no such key";
+  EXPECT_THAT(lines(take(picture())), HasSubstr("reflection off: ~10 ms per sample, no whole"));
+  EXPECT_FALSE(app.is_waiting());
+}
+
+TEST_F(AppStateTest, UndoAndRedoRestoreAllButTheView) {
+  (void)press('R');
+  (void)tick();
+  (void)press('H');
+  EXPECT_TRUE(find<request::Render>(press('Z', {.ctrl = true})));
+  EXPECT_FALSE(app.view.options.no_reflection);
+  EXPECT_FALSE(app.view.panel);
+  EXPECT_THAT(lines(press('Z', {.ctrl = true})), HasSubstr("nothing to undo"));
+  EXPECT_TRUE(find<request::Render>(press('Y', {.ctrl = true})));
+  EXPECT_TRUE(app.view.options.no_reflection);
+  EXPECT_THAT(lines(press('Y', {.ctrl = true})), HasSubstr("nothing to redo"));
+}
+
+TEST_F(AppStateTest, AHeldControlIsOneStepOfTheHistory) {
+  facts.control_held = true;
+  for (const double exposure : {1, 2, 3}) {
+    event::ControlsUsed used{app.view, {}};
+    used.view.options.exposure = float(exposure);
+    used.did.changed = used.did.dragging = true;
+    const auto requests = tell(used);
+    ASSERT_TRUE(find<request::Render>(requests));
+    EXPECT_GT(find<request::Render>(requests)->what.frame_s, 0);
+    (void)tick(1);
+    EXPECT_FALSE(app.history.can_undo());
+  }
+  facts.control_held = false;
+  (void)tick(1);
+  (void)press('Z', {.ctrl = true});
+  EXPECT_EQ(app.view.options.exposure, 0);
+}
+
+TEST_F(AppStateTest, AnotherFileIsANewStartAndANewVersionAStep) {
+  (void)press('R');
+  (void)tick();
+  Requests requests = tell(read("some.nff"));
+  EXPECT_FALSE(find<request::CloseInspector>(requests));
+  EXPECT_TRUE(find<request::ForgetMeasurements>(requests));
+  EXPECT_TRUE(find<request::Render>(requests));
+  (void)tick();
+  EXPECT_TRUE(app.history.can_undo());
+  requests = tell(read("other.nff"));
+  EXPECT_TRUE(find<request::CloseInspector>(requests));
+  ASSERT_TRUE(find<request::FollowFile>(requests));
+  EXPECT_EQ(find<request::FollowFile>(requests)->path, "other.nff");
+  EXPECT_THAT(lines(requests), HasSubstr("opened other.nff"));
+  EXPECT_EQ(app.view.path, "other.nff");
+  EXPECT_FALSE(app.history.can_undo());
+  EXPECT_EQ(find<request::OpenFile>(tell(event::FileDropped{"third.nff"}))->path, "third.nff");
+}
+
+TEST_F(AppStateTest, ErrorsInTheFileStayUntilItIsFixed) {
+  const auto before = app.view.scene;
+  Diagnostic wrong;
+  wrong.file = "some.nff", wrong.line = 2, wrong.message = "wrong";
+  const auto broken = [&](const std::string& path) {
+    return SceneFile::Read{path, std::unexpected(Diagnostics{wrong}), {}};
+  };
+  EXPECT_FALSE(find<request::Render>(tell(broken("other.nff"))));
+  EXPECT_TRUE(app.errors.empty()) << "another file's are reported once";
+  EXPECT_TRUE(app.says_error);
+  EXPECT_FALSE(find<request::Render>(tell(broken("some.nff"))));
+  EXPECT_EQ(app.errors.size(), 1u);
+  EXPECT_EQ(app.view.scene, before);
+  (void)tick(60);
+  EXPECT_EQ(app.errors.size(), 1u);
+  (void)tell(read("some.nff"));
+  EXPECT_TRUE(app.errors.empty());
+  EXPECT_FALSE(app.says_error);
+}
+
+TEST_F(AppStateTest, SavingWaitsForAWholePicture) {
+  EXPECT_FALSE(find<request::WritePicture>(press('P')));
+  auto preview = picture();
+  preview->samples = 0;
+  (void)take(preview);
+  EXPECT_FALSE(find<request::WritePicture>(tick()));
+  (void)press('R');
+  auto older = picture();
+  --older->request;
+  (void)take(older);
+  EXPECT_FALSE(find<request::WritePicture>(tick()));
+  const auto whole = picture();
+  (void)take(whole);
+  const Requests requests = tick();
+  ASSERT_TRUE(find<request::WritePicture>(requests));
+  EXPECT_EQ(find<request::WritePicture>(requests)->picture, whole);
+  EXPECT_EQ(find<request::WritePicture>(requests)->suffix, ".png");
+  EXPECT_FALSE(find<request::WritePicture>(tick())) << "once";
+  EXPECT_EQ(find<request::WritePicture>(press('P', {.shift = true}))->suffix, ".exr") << "at once";
+  EXPECT_THAT(lines(tell(PictureWriter::Written{"some.png", "raio render", {}})),
+              HasSubstr("saved some.png in "));
+}
+
+TEST_F(AppStateTest, WithPatternsOfSamplesAWholePictureIsAFinishedOne) {
+  app.view.options.aa = 3;
+  (void)press('R');
+  (void)press('P');
+  auto part = picture();
+  (void)take(part);
+  EXPECT_FALSE(find<request::WritePicture>(tick()));
+  auto all = picture();
+  all->finished = true;
+  (void)take(all);
+  EXPECT_TRUE(find<request::WritePicture>(tick()));
+}
+
+TEST_F(AppStateTest, OneSceneIsSavedAtATime) {
+  event::ControlsUsed used{app.view, {}};
+  used.did.save = "new.nff";
+  EXPECT_EQ(find<request::SaveScene>(tell(used))->path, "new.nff");
+  Requests requests = tell(used);
+  EXPECT_FALSE(find<request::SaveScene>(requests));
+  EXPECT_THAT(lines(requests), HasSubstr("the scene is still being saved"));
+  const auto saved = edited(app.view.scene, [](Scene& s) { s.name = "new"; });
+  requests = tell(SceneWriter::Written{"new.nff", app.view.scene, saved, "the sky"});
+  EXPECT_TRUE(find<request::FollowFile>(requests)->saved);
+  EXPECT_THAT(lines(requests), HasSubstr("saved the scene as new.nff; lost: the sky"));
+  EXPECT_EQ(app.view.path, "new.nff");
+  EXPECT_EQ(app.saved_scene, saved);
+  EXPECT_TRUE(find<request::SaveScene>(tell(used)));
+}
+
+TEST_F(AppStateTest, MeasurementsWaitForIdleSessionsAndGiveThemBack) {
+  (void)press('M');
+  Requests requests = tick();
+  ASSERT_TRUE(find<request::Pause>(requests));
+  EXPECT_TRUE(find<request::Pause>(requests)->on);
+  EXPECT_FALSE(find<request::Measure>(requests));
+  EXPECT_FALSE(find<request::Measure>(tick())) << "a session is still busy";
+  facts.sessions_idle = true;
+  requests = tick();
+  ASSERT_TRUE(find<request::Measure>(requests));
+  EXPECT_EQ(find<request::Measure>(requests)->work, Measuring::Work::table);
+  EXPECT_FALSE(find<request::Pause>(tick()));
+  EXPECT_THAT(lines(tell(event::Measured{"measured the table", {}})), HasSubstr("measured"));
+  requests = tick();
+  ASSERT_TRUE(find<request::Pause>(requests));
+  EXPECT_FALSE(find<request::Pause>(requests)->on);
+}
+
+TEST_F(AppStateTest, NoMeasurementStartsWithARequestOfTheSameMoment) {
+  (void)press('M');
+  (void)tell(event::ControlsUsed{app.view, [] {
+                                   ControlResult did;
+                                   did.changed = did.dragging = true;
+                                   return did;
+                                 }()});
+  (void)tick();
+  // The movement ends now: its last picture comes first, though no session has begun it.
+  facts.sessions_idle = true;
+  const Requests requests = tick(1);
+  EXPECT_TRUE(find<request::Render>(requests));
+  EXPECT_FALSE(find<request::Measure>(requests));
+  EXPECT_TRUE(find<request::Measure>(tick()));
+}
+
+TEST_F(AppStateTest, CostsAreMeasuredAtRestAndGiveWay) {
+  rest_with_costs();
+  Requests requests = tick();
+  EXPECT_TRUE(find<request::Pause>(requests)->on);
+  requests = tick();
+  EXPECT_EQ(find<request::Measure>(requests)->work, Measuring::Work::costs);
+  EXPECT_THAT(lines(requests), HasSubstr("measures the costs"));
+  EXPECT_FALSE(app.costs_are_old);
+  // A change cancels them; they start again only after its picture and a rest.
+  requests = press('R');
+  EXPECT_EQ(find<request::Measure>(requests)->work, Measuring::Work::none);
+  EXPECT_TRUE(app.costs_are_old);
+  requests = tell(event::Measured{"", {}});
+  EXPECT_THAT(lines(requests), HasSubstr("did not measure the costs"));
+  EXPECT_FALSE(find<request::Pause>(tick())->on);
+  EXPECT_FALSE(find<request::Pause>(tick(10))) << "without its picture";
+  (void)take(picture());
+  EXPECT_FALSE(find<request::Pause>(tick(0.5))) << "the message has just come";
+  EXPECT_TRUE(find<request::Pause>(tick(0.5))->on);
+}
+
+TEST_F(AppStateTest, CostsGiveWayToRequestedWorkWhichItsKeyStops) {
+  rest_with_costs();
+  (void)tick(), (void)tick();
+  ASSERT_EQ(app.measuring, Measuring::Work::costs);
+  EXPECT_EQ(find<request::Measure>(press('N'))->work, Measuring::Work::none);
+  EXPECT_TRUE(app.costs_are_old);
+  EXPECT_FALSE(find<request::Measure>(tick())) << "the costs have not ended";
+  (void)tell(event::Measured{"", {}});
+  EXPECT_EQ(find<request::Measure>(tick())->work, Measuring::Work::curve);
+  EXPECT_EQ(find<request::Measure>(press('N'))->work, Measuring::Work::none);
+  (void)tell(event::Measured{"stopped", {}});
+  EXPECT_THAT(lines(press('M')), HasSubstr("measuring all combinations"));
+  EXPECT_THAT(lines(press('M')), HasSubstr("stopped"));
+  EXPECT_FALSE(find<request::Measure>(tick()));
+}
+
+TEST_F(AppStateTest, PausingNeverWakesSessionsDuringMeasurements) {
+  EXPECT_TRUE(find<request::Pause>(press(' '))->on);
+  (void)press('M');
+  (void)tick();
+  EXPECT_TRUE(find<request::Pause>(press(' '))->on) << "resumed, but held";
+  facts.sessions_idle = true;
+  (void)tick();
+  (void)tell(event::Measured{"measured the table", {}});
+  EXPECT_FALSE(find<request::Pause>(tick())->on);
+}
+
+TEST_F(AppStateTest, MessagesExpire) {
+  (void)press('H');
+  EXPECT_EQ(app.message.text(), "panel hidden; h shows it");
+  (void)tick(3.9);
+  EXPECT_FALSE(app.message.text().empty());
+  (void)tick(0.2);
+  EXPECT_TRUE(app.message.text().empty());
+}
+
+TEST_F(AppStateTest, AMovementEndsAfterItsRest) {
+  (void)tick();
+  facts.walking = {.right = 1};
+  Requests requests = tick();
+  ASSERT_TRUE(find<request::Render>(requests));
+  EXPECT_GT(find<request::Render>(requests)->what.frame_s, 0);
+  EXPECT_FALSE(find<request::FollowInspection>(requests));
+  EXPECT_TRUE(app.is_moving());
+  facts.walking = {};
+  requests = tick(0.1);
+  EXPECT_FALSE(find<request::Render>(requests));
+  EXPECT_FALSE(app.history.can_undo()) << "in the middle of a movement";
+  requests = tick(0.06);
+  ASSERT_TRUE(find<request::Render>(requests));
+  EXPECT_EQ(find<request::Render>(requests)->what.frame_s, 0);
+  EXPECT_TRUE(find<request::FollowInspection>(requests));
+  EXPECT_THAT(lines(requests), HasSubstr("camera: from "));
+  EXPECT_TRUE(app.history.can_undo());
+  EXPECT_FALSE(find<request::Render>(tick(1))) << "once";
+}
+
+TEST_F(AppStateTest, DragsMoveTheCameraAndClicksFindNothingWithoutAPicture) {
+  (void)tell(event::Resized{715, 371, 1, 15});
+  const auto hold = [&](bool down) { return tell(event::MouseButton{0, down, false}); };
+  (void)tell(event::CursorMoved{200, 150});
+  (void)hold(true);
+  EXPECT_THAT(lines(hold(false)), HasSubstr("nothing there to focus on"));
+  const Camera before = app.view.camera;
+  (void)hold(true);
+  EXPECT_TRUE(find<request::Render>(tell(event::CursorMoved{240, 150})));
+  EXPECT_FALSE(app.view.camera == before);
+  EXPECT_TRUE(lines(hold(false)).empty()) << "no click";
+  facts.picks = true;
+  (void)hold(true);
+  EXPECT_TRUE(find<request::Inspect>(hold(false)));
+  facts.has_dialog = facts.over_controls = true;
+  (void)hold(true);
+  EXPECT_FALSE(app.gestures.is_busy()) << "the dialog is over the picture";
+}
+
+TEST_F(AppStateTest, ThePictureKeepsItsSizeUntilTheWindowChanges) {
+  EXPECT_FALSE(find<request::Render>(tell(event::Resized{715, 371, 1, 15})));
+  EXPECT_EQ(app.stage.picture_width, 64);
+  (void)press('H');
+  Requests requests = tell(event::Resized{715, 371, 1, 15});
+  EXPECT_THAT(lines(requests), HasSubstr("size: 715x"));
+  EXPECT_EQ(find<request::Render>(requests)->what.options.width, 715);
+  (void)press('H');
+  requests = tell(event::Resized{715, 371, 1, 15});
+  EXPECT_EQ(find<request::Render>(requests)->what.options.width, 64);
+}
+
+TEST_F(AppStateTest, TheSplitViewRendersTheOtherPicture) {
+  const Requests requests = press('X');
+  const auto* other = find<request::RenderOther>(requests);
+  ASSERT_TRUE(other && other->what);
+  EXPECT_TRUE(other->is_new);
+  EXPECT_EQ(other->what->options, app.view.other_request(64, 48));
+  EXPECT_FALSE(find<request::RenderOther>(press('R'))->is_new);
+  EXPECT_FALSE(find<request::RenderOther>(press('X'))->what);
+}
+
+TEST_F(AppStateTest, EscapeClosesOneThingAfterTheOther) {
+  constexpr int kEscape = 256;
+  facts.has_dialog = facts.inspects = facts.full_screen = true;
+  EXPECT_TRUE(find<request::CloseDialogs>(press(kEscape)));
+  facts.has_dialog = false;
+  EXPECT_THAT(lines(press(kEscape)), HasSubstr("inspector closed"));
+  facts.inspects = false;
+  Requests requests = press(kEscape);
+  ASSERT_TRUE(find<request::SetFullScreen>(requests));
+  EXPECT_FALSE(find<request::SetFullScreen>(requests)->on);
+  EXPECT_FALSE(find<request::CloseWindow>(requests));
+  facts.full_screen = false;
+  EXPECT_TRUE(find<request::CloseWindow>(press(kEscape)));
+  facts.has_dialog = true;
+  EXPECT_TRUE(find<request::CloseWindow>(press('Q')));
+}
+
+TEST_F(AppStateTest, DrawsWhatIsNewAndThenRests) {
+  (void)take(picture());
+  int drawn = 0;
+  for (int i = 0; i < 100; ++i) drawn += find<request::Draw>(tick()) != nullptr;
+  EXPECT_EQ(drawn, 3);
+  (void)take(picture());
+  EXPECT_TRUE(find<request::Draw>(tick()));
+  EXPECT_FALSE(find<request::Draw>(tick()));
+  // While the first sample takes long, its progress is drawn now and then.
+  (void)press('R');
+  drawn = 0;
+  for (int i = 0; i < 400; ++i) drawn += find<request::Draw>(tick()) != nullptr;
+  EXPECT_GT(drawn, 5);
+  EXPECT_LT(drawn, 60);
+  facts.hidden = true;
+  (void)take(picture());
+  EXPECT_FALSE(find<request::Draw>(tick()));
+  facts.hidden = false;
+  EXPECT_FALSE(find<request::Draw>(tick()));
+}
+
+}  // namespace
+}  // namespace raio::core::view
