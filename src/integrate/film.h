@@ -47,7 +47,8 @@ inline constexpr int kTileSide = 32, kMaxTileSide = 64;
 /// A pixel's sums of red, green, blue and coverage; one SIMD instruction adds to all.
 struct alignas(32) PixelSums : std::array<int64_t, 4> {};
 
-__extension__ typedef unsigned __int128 Uint128;  // NOLINT(modernize-use-using): takes no __extension__
+// NOLINTNEXTLINE(modernize-use-using): takes no __extension__
+__extension__ typedef unsigned __int128 Uint128;
 
 /// The coverage of a sample that hits something.
 inline constexpr int64_t kFullCoverage = int64_t(1) << 24;
