@@ -16,6 +16,8 @@ using testing::HasSubstr;
 // A window of the size it was opened with, at rest.
 class AppStateTest : public testing::Test {
  protected:
+  AppStateTest() { facts.now = 100; }
+
   static RenderOptions first_options() {
     RenderOptions o;
     o.width = 64, o.height = 48;
@@ -64,7 +66,7 @@ class AppStateTest : public testing::Test {
     facts.sessions_idle = true, facts.now += 10;
   }
 
-  Facts facts{.now = 100};
+  Facts facts;
   AppState app{ViewState("some.nff", view::scene(), {}),
                first_options(),
                {.width = 715, .height = 371, .pixels_per_unit = 1, .em = 15},

@@ -92,7 +92,7 @@ class AppState {
   void on(const SceneWriter::Written& written);
   void on(const PictureWriter::Written& written);
 
-  void ask(Request request) { requests_.push_back(std::move(request)); }
+  void ask(Request what) { requests_.push_back(std::move(what)); }
   void log(std::string line) { ask(request::Log{std::move(line)}); }
   // Reports an action, in the window's language.
   void say(std::string text, bool is_error = false);
