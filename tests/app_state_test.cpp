@@ -105,6 +105,14 @@ TEST_F(AppStateTest, UndoAndRedoRestoreAllButTheView) {
   EXPECT_THAT(lines(press('Y', {.ctrl = true})), HasSubstr("nothing to redo"));
 }
 
+TEST_F(AppStateTest, KeysPressedAtOnceAreStepsOfTheHistory) {
+  (void)press('R');
+  (void)press('R');
+  ASSERT_FALSE(app.view.options.no_reflection);
+  (void)press('Z', {.ctrl = true});
+  EXPECT_TRUE(app.view.options.no_reflection);
+}
+
 TEST_F(AppStateTest, AHeldControlIsOneStepOfTheHistory) {
   facts.control_held = true;
   for (const double exposure : {1, 2, 3}) {

@@ -130,6 +130,7 @@ void AppState::show_focus() { focus_until_ = facts_.now + kFocusSeconds; }
 
 void AppState::on(const event::KeyPressed& e) {
   if (gestures.is_looking() && facts_.walking.any()) return;
+  settle();  // the keys of one poll are separate steps of the history
   if (const KeySpec* spec = find_key(e.key, e.held)) obey(*spec);
 }
 
