@@ -263,7 +263,7 @@ class ProgressReporter {
 
  private:
   static Progress::Stage stage_of(const WorkControl& control) {
-    switch (control.stage) {
+    switch (control.stage.load()) {
       case core::Stage::none:
       case core::Stage::reading:
         return Progress::Stage::reading;
