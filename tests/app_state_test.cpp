@@ -1,4 +1,4 @@
-// What happens in the window, without a window, a thread or a clock: events in, requests out.
+// Tests the window's rules without a window, a thread or a clock: sends events, checks requests.
 #include "view/app_state.h"
 
 #include <gmock/gmock.h>

@@ -67,9 +67,9 @@ class AppState {
   std::shared_ptr<const BakedScene> baked() const { return picture ? picture->baked : nullptr; }
   /// The picture, at the cursor.
   bool is_covered() const;
-  /// What the picture shows at a position of the window.
+  /// The primitive and its point at a position of the window.
   Pick pick_at(double x, double y) const;
-  /// What it shows at the cursor; nothing during movements.
+  /// A description of the picture at the cursor; empty during movements.
   ReadOut under_cursor() const;
   std::string command_line(const std::string& output) const;
 

@@ -1,5 +1,5 @@
-// What happens in the window, and what it asks of the world outside: plain data in both directions.
-// An event changes the state, which answers with requests (app_state.h).
+// The events of the window and the requests to its surroundings, as plain data. An event changes
+// the state, which answers with requests (app_state.h).
 #pragma once
 
 #include <expected>
@@ -22,7 +22,7 @@ namespace raio::core::view {
 
 namespace event {
 
-/// Something of the window may look different; a frame may need several drawings to settle.
+/// The window must be drawn again; its controls may need several drawings to settle.
 struct Refresh {
   int drawings = 3;
 };
@@ -50,7 +50,7 @@ struct Resized {
   float width = 1, height = 1;
   float pixels_per_unit = 1, em = 1;
 };
-/// What the panel and the bars returned, and the state with their changes.
+/// The result of drawing the panel and the bars, and the state with the changes made there.
 struct ControlsUsed {
   ViewState view;
   ControlResult did;

@@ -26,7 +26,7 @@ class Window {
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
 
-  /// Input becomes events; nothing is ignored but keys that go into a field.
+  /// Turns input into events. A key typed into a field only gives a Refresh.
   void listen(std::function<void(const Event&)> listener) { listener_ = std::move(listener); }
 
   /// Handles events; waits for them up to this many seconds.
