@@ -500,7 +500,8 @@ TEST_F(Commands, CompareExplainsDifferencesByRegion) {
   const auto rendered = [&](const char* name, std::string_view from, std::string_view to) {
     std::string text(
         "b 0.1 0.2 0.3\nv\nfrom 0 -5 0\nat 0 0 0\nup 0 0 1\nangle 40\nhither 0\n"
-        "resolution 40 30\nl 3 -4 5\nf 1 0 0 0.8 0 1 0 1\ns 0 0 0 1\n");
+        "resolution 40 30\nl 3 -4 5 1 1 1\nf 1 0 0 0.8 0 1 0 1\ns 0 0 0 1\n"
+        "f 0 1 0 0.8 0.2 10 0 1\ns 2 0 0 0.5\ns -2 0 0 1\n");
     if (const size_t place = text.find(from); place != std::string::npos)
       text.replace(place, from.size(), to);
     const std::string scene = file(std::string(name) + ".nff", text);
@@ -512,11 +513,18 @@ TEST_F(Commands, CompareExplainsDifferencesByRegion) {
   CompareCommand command{.a = rendered("a", "", ""), .b = {}, .diff = {}, .explain = path("a.nff")};
   command.b = command.a;
   EXPECT_EQ(run_captured(command), kDone) << err_;
-  EXPECT_THAT(out_, Not(HasSubstr("mostly")));
+  EXPECT_THAT(out_, Not(HasSubstr("look first")));
   command.b = rendered("background", "b 0.1 0.2 0.3", "b 0.4 0.2 0.3");
   EXPECT_EQ(run_captured(command), kDone) << err_;
-  EXPECT_THAT(out_, HasSubstr("mostly background"));
+  EXPECT_THAT(out_, HasSubstr("look first at the background: "));
   EXPECT_THAT(out_, HasSubstr("+25.3"));  // in red alone: a third of 0.3
+  // What is wrong on matt surfaces is wrong on shiny ones, too, which here have more pixels.
+  command.b = rendered("dark", "l 3 -4 5 1 1 1", "l 3 -4 5 0.5 0.5 0.5");
+  EXPECT_EQ(run_captured(command), kDone) << err_;
+  EXPECT_THAT(out_, HasSubstr("look first at the lit surfaces: "));
+  command.b = rendered("mirror", "0.8 0.2", "0.8 0.5");
+  EXPECT_EQ(run_captured(command), kDone) << err_;
+  EXPECT_THAT(out_, HasSubstr("look first at the shiny surfaces: "));
   command.explain = path("none.nff");
   EXPECT_NE(run_captured(command), kDone);
   EXPECT_EQ(out_, "");

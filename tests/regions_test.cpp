@@ -13,12 +13,13 @@
 namespace raio::core {
 namespace {
 
-// A matt floor from straight above, a matt ball over it, a mirror next to it, one light.
+// A matt floor from straight above, a matt ball over it, a mirror and a shiny ball next to it, one
+// light.
 constexpr std::string_view kScene =
     "b 0.1 0.2 0.3\nv\nfrom 0 0 10\nat 0 0 0\nup 0 1 0\nangle 60\nhither 0\nresolution 200 200\n"
     "l 30 0 30\n"
     "f 1 1 1 1 0 1 0 1\np 4\n-4 -4 0\n4 -4 0\n4 4 0\n-4 4 0\ns 0 0 2 1\n"
-    "f 1 1 1 0.5 0.5 10 0 1\ns 0 3 0.5 0.5\n";
+    "f 1 1 1 0.5 0.5 10 0 1\ns 0 3 0.5 0.5\nf 1 1 1 0.8 0.2 10 0 1\ns 0 -3 0.5 0.5\n";
 
 std::vector<Region> regions(const Scene& scene, AccelKind kind) {
   RenderOptions options;
@@ -44,6 +45,7 @@ TEST(Regions, MatchGeometry) {
   EXPECT_EQ(at(-3, -3), Region::lit);
   EXPECT_EQ(at(4, 0), Region::edge);
   EXPECT_EQ(at(0, 3.05), Region::mirror);
+  EXPECT_EQ(at(0, -3.05), Region::shiny);
   // From the light, the ball appears 43 degrees down, with a half angle of 1.4 degrees.
   EXPECT_EQ(at(-2, 0), Region::shadow);
   EXPECT_EQ(at(-3.74, 0), Region::shadow_border);

@@ -23,7 +23,7 @@ sys.path.insert(0, str(ROOT / "docs/course"))
 sys.dont_write_bytecode = True
 from mistakes import MISTAKES, TRACER
 
-REGIONS = ["background", "edges", "mirrors and glass", "borders of shadows", "shadows", "lit surfaces"]
+REGIONS = ["background", "edges", "mirrors and glass", "shiny surfaces", "borders of shadows", "shadows", "lit surfaces"]
 
 
 def blocks(page):
@@ -78,9 +78,10 @@ def mistake_rows(page, folder):
                    f"scenes/course/{mistake.scene}.nff"]
         text = subprocess.run(command, cwd=folder, text=True, capture_output=True, check=True).stdout
         psnr, above = re.search(r"PSNR +(\S+ dB)(?:.*\n)+pixels above 8 +(\S+) %", text).groups()
-        parts = [re.search(rf"^{name}(?: +\S+ %){{2}} +(\S+) %", text, re.M)[1] for name in REGIONS]
+        # Without a line for what the scene does not show.
+        parts = dict.fromkeys(REGIONS, "0") | dict(re.findall(r"^([a-z ]+?)(?: +\S+ %){2} +(\S+) %", text, re.M))
         yield f"| `{mistake.name}` | {psnr} | " + " | ".join(
-            f"{float(part):.{digits}f} %" for part, digits in zip([above, *parts], [1] + [0] * 6)) + " |"
+            f"{float(part):.{digits}f} %" for part, digits in zip([above, *parts.values()], [1] + [0] * 7)) + " |"
 
 
 def mistakes_are_seen(page, folder):

@@ -6,7 +6,7 @@
 
 Each picture is mistake-NAME.png; docs/course.md shows them beside Raio's.
 """
-import argparse, contextlib, io, struct, sys, zlib
+import argparse, contextlib, io, sys
 from collections import namedtuple
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
@@ -48,30 +48,17 @@ MISTAKES = [
             "ends = [[self.cell_at((lo[a] + hi[a]) / 2, a)] * 2 for a in range(3)]"),
 ]
 
-def write_png(path, width, height, pixels):
-    """Rows of red, green and blue bytes, each row after a 0: no filter."""
-    rows = b"".join(b"\0" + pixels[i:i + 3 * width] for i in range(0, len(pixels), 3 * width))
-    with open(path, "wb") as file:
-        file.write(b"\x89PNG\r\n\x1a\n")
-        for kind, data in ((b"IHDR", struct.pack(">2I5B", width, height, 8, 2, 0, 0, 0)),
-                           (b"IDAT", zlib.compress(rows, 9)), (b"IEND", b"")):
-            file.write(struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data)))
-
 def render(mistake, folder, size):
     source = TRACER.read_text(encoding="utf-8")
     assert source.count(mistake.right) == 1, f"{mistake.name}: tracer.py has this line no longer"
     tracer = {"__name__": "tracer"}
     exec(compile(source.replace(mistake.right, mistake.wrong), TRACER, "exec"), tracer)
-    ppm = folder / f"mistake-{mistake.name}.ppm"
+    picture = folder / f"mistake-{mistake.name}.png"
     scene = TRACER.parents[2] / f"scenes/course/{mistake.scene}.nff"
-    sys.argv = ["tracer.py", str(scene), *mistake.options.split(), "--size", size, "-o", str(ppm)]
+    sys.argv = ["tracer.py", str(scene), *mistake.options.split(), "--size", size, "-o", str(picture)]
     with contextlib.redirect_stdout(io.StringIO()) as said:
         tracer["main"]()
-    header, pixels = ppm.read_bytes().split(b"\n", 1)
-    _, width, height, _ = header.split()
-    write_png(ppm.with_suffix(".png"), int(width), int(height), pixels)
-    ppm.unlink()
-    return said.getvalue().strip().replace(".ppm", ".png", 1)
+    return said.getvalue().strip()
 
 def main():
     parser = argparse.ArgumentParser(description="Renders scenes with common mistakes")

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 """A ray tracer to read: Whitted's shading for NFF scenes, in plain Python.
 
-    python3 docs/course/tracer.py scenes/course/solids.nff --size 120x90 -o build/solids.ppm
+    python3 docs/course/tracer.py scenes/course/solids.nff --size 120x90 -o build/solids.png
 
 With one ray per pixel its picture is that of `raio render` with the same options, but for at most
 one pixel in a thousand. With antialiasing, soft shadows or depth of field its random points are its
 own, and so is the noise. The lessons beside this file explain each part.
 """
-import argparse, random, re, sys, time
+import argparse, random, re, struct, sys, time, zlib
 from collections import Counter, defaultdict, namedtuple
 from itertools import product
 from math import cos, inf, pi, radians, sin, sqrt, tan
@@ -358,6 +358,14 @@ class Tracer:
 
 # ---------------------------------------------------------------- pictures
 
+def png(width, height, pixels):
+    """Rows of red, green and blue bytes as a file of chunks; the 0 before a row says: no filter."""
+    rows = b"".join(b"\0" + pixels[i:i + 3 * width] for i in range(0, len(pixels), 3 * width))
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">2I5B", width, height, 8, 2, 0, 0, 0))
+            + chunk(b"IDAT", zlib.compress(rows, 9)) + chunk(b"IEND", b""))
+
 def render(scene, options):
     width, height = options.size or scene.resolution
     tracer = Tracer(scene, options)
@@ -373,13 +381,14 @@ def render(scene, options):
             mean = total * (1 / options.aa ** 2)
             pixels += bytes(int(255 * min(mean[c], 1) + 0.5) for c in range(3))
     with open(options.output, "wb") as file:
-        file.write(b"P6 %d %d 255\n" % (width, height) + pixels)
+        is_png = options.output.lower().endswith(".png")
+        file.write(png(width, height, pixels) if is_png else b"P6 %d %d 255\n" % (width, height) + pixels)
     return tracer
 
 def main():
     parser = argparse.ArgumentParser(description="A ray tracer to read; options as in raio render")
     parser.add_argument("scene")
-    parser.add_argument("-o", "--output", required=True, metavar="PICTURE.ppm")
+    parser.add_argument("-o", "--output", required=True, metavar="PICTURE.png")
     parser.add_argument("--size", type=lambda s: [int(n) for n in s.split("x")], metavar="WxH")
     parser.add_argument("--accel", choices=["none", "grid"], default="grid")
     for switch in "--soft-shadows", "--dof":
@@ -389,6 +398,8 @@ def main():
                                   ("--focus", float, None), ("--grid-factor", float, 2)):
         parser.add_argument(option, type=kind, default=default)
     options = parser.parse_args()
+    if not options.output.lower().endswith((".png", ".ppm")):
+        parser.error(f"{options.output}: this tracer writes PNG and PPM; expected a name that ends in .png or .ppm")
     random.seed(options.seed)
     start = time.perf_counter()
     tracer = render(Scene(options.scene), options)

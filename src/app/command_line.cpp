@@ -394,17 +394,18 @@ void add_convert(CLI::App& app, ConvertCommand& command, int& status) {
 void add_compare(CLI::App& app, CompareCommand& compare, int& status) {
   auto* sub = app.add_subcommand("compare", "Measure the difference between two pictures");
   sub->footer(examples({"raio compare before.png after.exr --min-psnr 40 --diff apart.png",
-                        "raio compare mine.png theirs.png --explain scene.nff"}));
-  add_file(*sub, "a", compare.a, "First picture: PNG, JPEG, EXR, PPM or PFM", "A");
-  add_file(*sub, "b", compare.b, "Second picture, of the same size", "B");
+                        "raio compare raio.png mine.png --explain scene.nff"}));
+  add_file(*sub, "a", compare.a, "Reference, such as Raio's picture: PNG, JPEG, EXR, PPM or PFM",
+           "A");
+  add_file(*sub, "b", compare.b, "Picture to check, such as your program's, of the same size", "B");
   for (const char* picture : {"a", "b"}) sub->get_option(picture)->required();
   add_number(*sub, "--min-psnr", compare.min_psnr_db, 0.0, 1000.0,
              "Exit with status 1 if the PSNR is below X dB", "X");
   add_file(*sub, "--diff", compare.diff,
            "Write the differences as a picture; - writes PNG to standard output");
   add_file(*sub, "--explain", compare.explain,
-           "Classify the differences by what this scene shows there: edges, shadows, mirrors, lit "
-           "surfaces");
+           "Say where B differs from A in this scene: at edges, in shadows, mirrors, on lit "
+           "surfaces; and what to check first");
   add_render_options(
       *sub, compare.options,
       {"from", "at", "up", "fov", "projection", "angle-to-centers", "accel", "threads"});

@@ -126,7 +126,7 @@ struct SpdVerifyCommand {
 int run(const SpdVerifyCommand& command);
 
 struct CompareCommand {
-  std::string a, b, diff;
+  std::string a, b, diff;   // the reference, the picture to check, and that of their differences
   double min_psnr_db = -1;  // negative: no check
   std::string explain{};    // the scene of both pictures; empty: none
   RenderOptions options{};  // its camera, structure, threads

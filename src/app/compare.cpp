@@ -6,7 +6,9 @@
 #include <cstdlib>
 #include <expected>
 #include <ranges>
+#include <span>
 #include <string_view>
+#include <vector>
 
 #include "app/commands.h"
 #include "app/output.h"
@@ -34,22 +36,34 @@ std::string figures(const ImageDifference& d) {
       decibels(d.psnr_db), d.rmse, d.largest, 100 * d.above_8);
 }
 
-// Regions where pictures of a scene differ, and likely causes.
+// Likely causes if pictures of a scene differ in a region.
 constexpr std::array<std::string_view, kRegionNames.size()> kCauses = {
-    "objects there, the background, or the camera",
-    "antialiasing, or the camera by a fraction of a pixel; whole objects: geometry",
-    "reflected and refracted rays: weights, depth, and clamping",
+    "objects there, the background's colour, or the camera",
+    "antialiasing, the lens, or the camera by a fraction of a pixel; whole objects: geometry",
+    "reflected and refracted rays: their weights, depth, and clamping",
+    "normals, highlights, clamping, and reflected rays",
     "positions and sizes of lights, or the number of samples",
-    "shadow rays that start inside or end beyond the light; ambient light",
-    "the shading model: diffuse part, highlights, intensities; where B is much darker, shadow "
-    "rays "
-    "that start inside or end beyond the light",
+    "shadow rays that start inside the object or end beyond the light; ambient light",
+    "the diffuse part; if B is much darker, shadow rays that start inside the object or end beyond "
+    "the light",
 };
 
 struct RegionSum {
   size_t pixels = 0, apart = 0;
-  double lighter = 0;  // B than A, summed over pixels above 8
+  double change = 0;  // B minus A, summed over pixels above 8
 };
+
+// Where to look first: where most pixels differ. Reflections also show what is wrong elsewhere, so
+// mirrors and shiny surfaces count only if matt ones hardly differ.
+Region suspect(std::span<const RegionSum> sums) {
+  const auto apart = [&](Region r) { return sums[size_t(r)].apart; };
+  const size_t matt = apart(Region::shadow_border) + apart(Region::shadow) + apart(Region::lit);
+  const size_t reflecting = apart(Region::mirror) + apart(Region::shiny);
+  std::vector<Region> candidates = {Region::background, Region::edge, Region::shadow_border,
+                                    Region::shadow, Region::lit};
+  if (10 * matt < reflecting) candidates.insert(candidates.end(), {Region::mirror, Region::shiny});
+  return std::ranges::max(candidates, {}, apart);
+}
 
 std::string explained(const Image& a, const Image& b, const std::vector<Region>& regions) {
   std::array<RegionSum, kRegionNames.size()> sums;
@@ -63,25 +77,24 @@ std::string explained(const Image& a, const Image& b, const std::vector<Region>&
       most = std::max(most, std::abs(x[c] - y[c])), change += y[c] - x[c];
     if (most <= 8) continue;
     ++sum.apart, ++apart;
-    sum.lighter += change / 3.0;
+    sum.change += change / 3.0;
   }
   std::string text = fmt::format("\n{:<20}{:>10}{:>10}{:>10}{:>12}\n", "of pixels above 8",
-                                 "pixels", "above 8", "of these", "B lighter");
+                                 "pixels", "above 8", "of these", "B minus A");
   const auto percent = [](size_t part, size_t whole) {
     return fmt::format("{:.4g} %", 100 * double(part) / double(std::max<size_t>(whole, 1)));
   };
-  size_t most = 0;
   for (size_t r = 0; r < sums.size(); ++r) {
     const RegionSum& s = sums[r];
     if (s.pixels == 0) continue;
-    if (s.apart > sums[most].apart) most = r;
     text += fmt::format("{:<20}{:>10}{:>10}{:>10}{:>12}\n", kRegionNames[r],
                         percent(s.pixels, regions.size()), percent(s.apart, s.pixels),
                         percent(s.apart, apart),
-                        s.apart > 0 ? fmt::format("{:+.1f}", s.lighter / double(s.apart)) : "");
+                        s.apart > 0 ? fmt::format("{:+.1f}", s.change / double(s.apart)) : "");
   }
   if (apart == 0) return text;
-  return text + fmt::format("mostly {}: look at {}\n", kRegionNames[most], kCauses[most]);
+  const size_t first = size_t(suspect(sums));
+  return text + fmt::format("look first at the {}: {}\n", kRegionNames[first], kCauses[first]);
 }
 
 std::expected<std::string, int> explained(const CompareCommand& command, const Image& a,

@@ -95,7 +95,8 @@ Region region_of(const Scene& scene, const std::vector<Pixel>& pixels, int width
     }
   if (p.primitive == kNoPrimitive) return Region::background;
   const Material& m = scene.materials[p.material];
-  if (m.ks > 0 || m.transmission > 0) return Region::mirror;
+  if (m.transmission > 0 || (m.ks > 0 && m.ks >= m.kd)) return Region::mirror;
+  if (m.ks > 0) return Region::shiny;
   return border ? Region::shadow_border : p.hidden ? Region::shadow : Region::lit;
 }
 

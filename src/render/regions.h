@@ -17,13 +17,15 @@ namespace raio::core {
 enum class Region : uint8_t {
   background,
   edge,           // of an object: a neighbour shows another one, the background, or a crease
-  mirror,         // or glass: Ks or T is above 0
+  mirror,         // or glass: T is above 0, or Ks is at least Kd
+  shiny,          // Ks is above 0: shaded, and faintly a mirror
   shadow_border,  // a neighbour is lit by other lights
   shadow,         // a light that the surface faces is occluded
   lit,
 };
-inline constexpr std::array<std::string_view, 6> kRegionNames = {
-    "background", "edges", "mirrors and glass", "borders of shadows", "shadows", "lit surfaces"};
+inline constexpr std::array<std::string_view, 7> kRegionNames = {
+    "background",         "edges",   "mirrors and glass", "shiny surfaces",
+    "borders of shadows", "shadows", "lit surfaces"};
 
 /// Row by row, for settings.width x settings.height pixels; without lens and jitter, lights as
 /// points. Empty if stopped.
